@@ -1,0 +1,5 @@
+//! Caustica: a photon-mapping renderer that tells what accuracy costs.
+#![forbid(unsafe_code)]
+#![warn(missing_docs)]
+
+pub mod math;

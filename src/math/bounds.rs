@@ -1,0 +1,125 @@
+//! Axis-aligned boxes and bounding spheres.
+
+use glam::Vec3;
+
+/// An axis-aligned box; empty when any `min` exceeds its `max`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds {
+    /// Lower corner.
+    pub min: Vec3,
+    /// Upper corner.
+    pub max: Vec3,
+}
+
+impl Bounds {
+    /// The box that contains nothing, neutral for [`Bounds::union`].
+    pub const EMPTY: Self = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
+
+    /// The smallest box around `points`.
+    #[must_use]
+    pub fn of(points: impl IntoIterator<Item = Vec3>) -> Self {
+        points.into_iter().fold(Self::EMPTY, |b, p| Self { min: b.min.min(p), max: b.max.max(p) })
+    }
+
+    /// The smallest box around both.
+    #[inline]
+    #[must_use]
+    pub fn union(self, other: Self) -> Self {
+        Self { min: self.min.min(other.min), max: self.max.max(other.max) }
+    }
+
+    /// Whether no point lies inside.
+    #[inline]
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        !(self.min.cmple(self.max).all())
+    }
+
+    /// Edge lengths, zero for an empty box.
+    #[inline]
+    #[must_use]
+    pub fn extent(&self) -> Vec3 {
+        (self.max - self.min).max(Vec3::ZERO)
+    }
+
+    /// The middle; the origin for an empty box.
+    #[inline]
+    #[must_use]
+    pub fn center(&self) -> Vec3 {
+        if self.is_empty() { Vec3::ZERO } else { self.min * 0.5 + self.max * 0.5 }
+    }
+
+    /// The box grown by `margin` on every side.
+    #[inline]
+    #[must_use]
+    pub fn expanded(self, margin: f32) -> Self {
+        Self { min: self.min - Vec3::splat(margin), max: self.max + Vec3::splat(margin) }
+    }
+
+    /// The eight corners.
+    #[must_use]
+    pub fn corners(&self) -> [Vec3; 8] {
+        std::array::from_fn(|i| {
+            let pick = |bit: usize, lo: f32, hi: f32| if i >> bit & 1 == 0 { lo } else { hi };
+            Vec3::new(pick(0, self.min.x, self.max.x), pick(1, self.min.y, self.max.y), pick(2, self.min.z, self.max.z))
+        })
+    }
+
+    /// A sphere that contains the box.
+    #[must_use]
+    pub fn bounding_sphere(&self) -> Sphere {
+        Sphere { center: self.center(), radius: 0.5 * self.extent().length() }
+    }
+}
+
+/// A ball: a centre and a radius.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sphere {
+    /// Centre.
+    pub center: Vec3,
+    /// Radius, at least zero.
+    pub radius: f32,
+}
+
+impl Sphere {
+    /// The smallest ball around both.
+    #[must_use]
+    pub fn union(self, other: Self) -> Self {
+        let d = other.center - self.center;
+        let distance = d.length();
+        if distance + other.radius <= self.radius {
+            self
+        } else if distance + self.radius <= other.radius {
+            other
+        } else {
+            let radius = 0.5 * (distance + self.radius + other.radius);
+            Self { center: self.center + d * ((radius - self.radius) / distance), radius }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn empty_box_is_neutral() {
+        let b = Bounds::of([Vec3::ONE, Vec3::NEG_ONE]);
+        assert_eq!(b.union(Bounds::EMPTY), b);
+        assert!(Bounds::EMPTY.is_empty() && !b.is_empty());
+        assert_eq!(Bounds::EMPTY.extent(), Vec3::ZERO);
+    }
+
+    #[test]
+    fn bounding_spheres_contain() {
+        let b = Bounds::of([Vec3::new(1.0, 2.0, 3.0), Vec3::new(-4.0, 0.5, 9.0)]);
+        let s = b.bounding_sphere();
+        assert!(b.corners().iter().all(|c| (*c - s.center).length() <= s.radius * (1.0 + 1e-6)));
+        let other = Sphere { center: Vec3::new(20.0, 0.0, 0.0), radius: 2.0 };
+        let u = s.union(other);
+        for ball in [s, other] {
+            assert!((ball.center - u.center).length() + ball.radius <= u.radius * (1.0 + 1e-6));
+        }
+        assert_eq!(u.union(s), u);
+    }
+}

@@ -1,0 +1,80 @@
+//! Floating-point helpers with stated errors.
+
+use glam::Vec3;
+
+/// Bound on the relative error of `n` chained f32 operations: nε/(1 − nε) with ε = 2⁻²⁴ (Higham 2002, section 3.1).
+#[inline]
+#[must_use]
+pub const fn gamma(n: u32) -> f32 {
+    let e = n as f32 * (f32::EPSILON * 0.5);
+    e / (1.0 - e)
+}
+
+/// The smallest f32 above `x`.
+#[inline]
+#[must_use]
+pub fn next_up(x: f32) -> f32 {
+    x.next_up()
+}
+
+/// The largest f32 below `x`.
+#[inline]
+#[must_use]
+pub fn next_down(x: f32) -> f32 {
+    x.next_down()
+}
+
+/// The real roots of `a t² + 2 b t + c`, ascending, given its quarter discriminant `b² − a c` computed as exactly as the
+/// caller can. A negative discriminant has none; `a` must not be zero.
+///
+/// The root of larger magnitude comes from a sum without cancellation, the other from Viète's product (Higham 2002,
+/// section 1.8).
+#[inline]
+#[must_use]
+pub fn quadratic(a: f64, b: f64, c: f64, discriminant: f64) -> Option<(f64, f64)> {
+    if discriminant < 0.0 {
+        return None;
+    }
+    let q = -(b + discriminant.sqrt().copysign(b));
+    if q == 0.0 {
+        return Some((0.0, 0.0));
+    }
+    let (t0, t1) = (q / a, c / q);
+    Some(if t0 < t1 { (t0, t1) } else { (t1, t0) })
+}
+
+/// Squared distance from `from` to `to`, the unit direction between them, and that distance.
+///
+/// `None` where the points coincide, so that no direction exists.
+#[inline]
+#[must_use]
+pub fn distance_squared_cosine(from: Vec3, to: Vec3) -> Option<(f32, Vec3, f32)> {
+    let d = to - from;
+    let d2 = d.length_squared();
+    if d2 > 0.0 && d2.is_finite() {
+        let distance = d2.sqrt();
+        Some((d2, d / distance, distance))
+    } else {
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quadratic_keeps_the_small_root() {
+        // t² − 2·10⁸ t + 1 = 0: the small root is 5·10⁻⁹, lost by the textbook formula.
+        let (small, large) = quadratic(1.0, -1e8, 1.0, 1e16 - 1.0).unwrap();
+        assert!((small / 5e-9 - 1.0).abs() < 1e-12, "{small}");
+        assert!((large / 2e8 - 1.0).abs() < 1e-12);
+        assert!(quadratic(1.0, 0.0, 1.0, -1.0).is_none());
+        assert_eq!(quadratic(1.0, 0.0, 0.0, 0.0), Some((0.0, 0.0)));
+    }
+
+    #[test]
+    fn gamma_bounds_a_product_of_ulps() {
+        assert!(gamma(3) > 3.0 * f32::EPSILON / 2.0 && gamma(3) < 3.01 * f32::EPSILON / 2.0);
+    }
+}

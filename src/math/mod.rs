@@ -1,0 +1,14 @@
+//! Geometry's arithmetic: rays, boxes, frames, transforms, warps, and the error bounds that keep rays apart from surfaces.
+
+mod bounds;
+mod float;
+mod frame;
+mod ray;
+mod transform;
+pub mod warp;
+
+pub use bounds::{Bounds, Sphere};
+pub use float::{distance_squared_cosine, gamma, next_down, next_up, quadratic};
+pub use frame::Frame;
+pub use ray::{Ray, offset_origin};
+pub use transform::{Singular, Transform};

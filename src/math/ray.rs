@@ -1,0 +1,82 @@
+//! Rays, and where they may start.
+
+use glam::Vec3;
+
+/// A half line `origin + t · direction`, `0 < t < t_max`.
+///
+/// The direction need not have length one: `t` is measured in its lengths.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ray {
+    /// Start \[scene units].
+    pub origin: Vec3,
+    /// Direction, of any length above zero.
+    pub direction: Vec3,
+    /// Exclusive upper bound of `t`.
+    pub t_max: f32,
+}
+
+impl Ray {
+    /// A ray without an end.
+    #[inline]
+    #[must_use]
+    pub fn new(origin: Vec3, direction: Vec3) -> Self {
+        Self { origin, direction, t_max: f32::INFINITY }
+    }
+
+    /// The segment from `origin` to `target`, ends excluded: its `t` runs from 0 to 1.
+    #[inline]
+    #[must_use]
+    pub fn between(origin: Vec3, target: Vec3) -> Self {
+        Self { origin, direction: target - origin, t_max: 1.0 }
+    }
+
+    /// The point at `t`.
+    #[inline]
+    #[must_use]
+    pub fn at(&self, t: f32) -> Vec3 {
+        self.origin + self.direction * t
+    }
+}
+
+/// Where a ray in `direction` may leave a surface point without meeting the same surface again.
+///
+/// `p` is known within `error` along each axis; `normal` is the unit geometric normal. The origin moves along the normal
+/// until the box of possible points is behind it, then is rounded outwards (Pharr, Jakob, Humphreys 2023, section 6.8.6).
+#[inline]
+#[must_use]
+pub fn offset_origin(p: Vec3, error: Vec3, normal: Vec3, direction: Vec3) -> Vec3 {
+    let distance = normal.abs().dot(error);
+    let offset = if direction.dot(normal) < 0.0 { -normal * distance } else { normal * distance };
+    let moved = p + offset;
+    let outward = |x: f32, o: f32| {
+        if o > 0.0 {
+            x.next_up()
+        } else if o < 0.0 {
+            x.next_down()
+        } else {
+            x
+        }
+    };
+    Vec3::new(outward(moved.x, offset.x), outward(moved.y, offset.y), outward(moved.z, offset.z))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn offset_passes_the_error_box_and_follows_the_direction() {
+        let (p, error) = (Vec3::new(1e4, -3.0, 0.5), Vec3::splat(1e-3));
+        let normal = Vec3::new(0.6, 0.8, 0.0);
+        for direction in [Vec3::X, -Vec3::X] {
+            let o = offset_origin(p, error, normal, direction);
+            let side = direction.dot(normal).signum();
+            for corner in 0..8u32 {
+                let sign = |b: u32| if corner >> b & 1 == 1 { 1.0 } else { -1.0 };
+                let q = p + error * Vec3::new(sign(0), sign(1), sign(2));
+                let height = (o - q).as_dvec3().dot(normal.as_dvec3()) * f64::from(side);
+                assert!(height >= -1e-9, "{height}");
+            }
+        }
+    }
+}

@@ -1,0 +1,120 @@
+//! Affine maps in double precision, with their inverses.
+
+use glam::{DAffine3, DMat3, DVec3};
+
+/// The linear part of a transform cannot be inverted, so the shape under it has no volume or no place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("the transform is singular: it flattens space")]
+pub struct Singular;
+
+/// An invertible affine map from object space to world space.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transform {
+    forward: DAffine3,
+    inverse: DAffine3,
+}
+
+impl Transform {
+    /// The map that changes nothing.
+    pub const IDENTITY: Self = Self { forward: DAffine3::IDENTITY, inverse: DAffine3::IDENTITY };
+
+    /// Wraps `forward` with its inverse.
+    ///
+    /// # Errors
+    /// [`Singular`] where an entry is not finite, or the volume of the image of the unit cube is below 10⁻¹⁴ of the
+    /// product of its edges: then the inverse has no digits left to trust.
+    pub fn new(forward: DAffine3) -> Result<Self, Singular> {
+        let m = forward.matrix3;
+        let edges = m.x_axis.length() * m.y_axis.length() * m.z_axis.length();
+        let volume = m.determinant().abs();
+        if !(forward.is_finite() && edges.is_finite() && edges > 0.0 && volume > 1e-14 * edges) {
+            return Err(Singular);
+        }
+        let inverse = forward.inverse();
+        if inverse.is_finite() { Ok(Self { forward, inverse }) } else { Err(Singular) }
+    }
+
+    /// Object to world.
+    #[must_use]
+    pub fn forward(&self) -> &DAffine3 {
+        &self.forward
+    }
+
+    /// World to object.
+    #[must_use]
+    pub fn inverse(&self) -> &DAffine3 {
+        &self.inverse
+    }
+
+    /// A point, object to world.
+    #[inline]
+    #[must_use]
+    pub fn point(&self, p: DVec3) -> DVec3 {
+        self.forward.transform_point3(p)
+    }
+
+    /// A direction, object to world; its length changes with it.
+    #[inline]
+    #[must_use]
+    pub fn vector(&self, v: DVec3) -> DVec3 {
+        self.forward.transform_vector3(v)
+    }
+
+    /// A normal, object to world, by the inverse transpose; not normalised.
+    #[inline]
+    #[must_use]
+    pub fn normal(&self, n: DVec3) -> DVec3 {
+        self.inverse.matrix3.transpose() * n
+    }
+
+    /// The common scale, where the map only turns, mirrors, moves and scales alike in all directions.
+    #[must_use]
+    pub fn similarity(&self) -> Option<f64> {
+        let m: DMat3 = self.forward.matrix3;
+        let s2 = m.x_axis.length_squared();
+        let gram = m.transpose() * m;
+        let off = (gram - DMat3::from_diagonal(DVec3::splat(s2))).to_cols_array();
+        off.iter().all(|x| x.abs() <= 1e-12 * s2).then(|| s2.sqrt())
+    }
+
+    /// Whether the map mirrors: right hands become left ones.
+    #[must_use]
+    pub fn mirrors(&self) -> bool {
+        self.forward.matrix3.determinant() < 0.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::{DMat3, DVec3};
+
+    #[test]
+    fn singular_maps_are_refused() {
+        let flat = DAffine3::from_scale(DVec3::new(1.0, 0.0, 1.0));
+        assert_eq!(Transform::new(flat), Err(Singular));
+        assert_eq!(Transform::new(DAffine3::from_scale(DVec3::splat(f64::NAN))), Err(Singular));
+        let dependent = DMat3::from_cols(DVec3::X, DVec3::Y, DVec3::X + DVec3::Y);
+        assert_eq!(Transform::new(DAffine3::from_mat3(dependent)), Err(Singular));
+        // Small is not singular.
+        assert!(Transform::new(DAffine3::from_scale(DVec3::splat(1e-12))).is_ok());
+    }
+
+    #[test]
+    fn normals_stay_perpendicular_under_shear() {
+        let shear = DMat3::from_cols(DVec3::X, DVec3::new(0.7, 1.0, 0.0), DVec3::new(0.0, -0.4, 2.0));
+        let t = Transform::new(DAffine3::from_mat3(shear)).unwrap();
+        let (a, b) = (DVec3::new(1.0, 2.0, -1.0), DVec3::new(0.5, -1.0, 3.0));
+        let n = t.normal(a.cross(b));
+        assert!(n.dot(t.vector(a)).abs() < 1e-12 && n.dot(t.vector(b)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn similarity_is_recognised() {
+        let turn = DMat3::from_cols(DVec3::Y, DVec3::NEG_X, DVec3::Z) * 3.0;
+        assert_eq!(Transform::new(DAffine3::from_mat3(turn)).unwrap().similarity(), Some(3.0));
+        let stretch = DAffine3::from_scale(DVec3::new(1.0, 1.0, 1.001));
+        assert_eq!(Transform::new(stretch).unwrap().similarity(), None);
+        assert!(Transform::new(DAffine3::from_scale(DVec3::new(-1.0, 1.0, 1.0))).unwrap().mirrors());
+    }
+}

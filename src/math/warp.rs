@@ -1,0 +1,140 @@
+//! Warps of the unit square to discs, hemispheres, spheres, cones and triangles, each with its density.
+//!
+//! Every warp takes `u` in \[0, 1)² and is area-preserving up to the stated density. Directions are in a frame whose third
+//! axis is the pole.
+
+use glam::{Vec2, Vec3};
+use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4, TAU};
+
+/// Uniform on the unit disc, density 1/π, by concentric squares (Shirley and Chiu 1997).
+#[inline]
+#[must_use]
+pub fn disc(u: Vec2) -> Vec2 {
+    let o = u * 2.0 - Vec2::ONE;
+    if o == Vec2::ZERO {
+        return Vec2::ZERO;
+    }
+    let (radius, angle) =
+        if o.x.abs() > o.y.abs() { (o.x, FRAC_PI_4 * (o.y / o.x)) } else { (o.y, FRAC_PI_2 - FRAC_PI_4 * (o.x / o.y)) };
+    let (sin, cos) = libm::sincosf(angle);
+    Vec2::new(cos, sin) * radius
+}
+
+/// Cosine-weighted on the upper hemisphere; density [`cosine_hemisphere_pdf`].
+#[inline]
+#[must_use]
+pub fn cosine_hemisphere(u: Vec2) -> Vec3 {
+    let d = disc(u);
+    d.extend((1.0 - d.length_squared()).max(0.0).sqrt())
+}
+
+/// cosθ/π per steradian above the horizon, else 0.
+#[inline]
+#[must_use]
+pub fn cosine_hemisphere_pdf(cos_theta: f32) -> f32 {
+    cos_theta.max(0.0) * FRAC_1_PI
+}
+
+/// Uniform on the unit sphere, density 1/(4π).
+#[inline]
+#[must_use]
+pub fn sphere(u: Vec2) -> Vec3 {
+    // 1 − z² = 4u(1−u) without cancellation near the poles.
+    let z = 1.0 - 2.0 * u.x;
+    around_axis(z, 2.0 * (u.x * (1.0 - u.x)).sqrt(), u.y)
+}
+
+/// Uniform on the cone of directions whose cosine with the pole is at least `1 − one_minus_cos`; density
+/// [`cone_pdf`].
+///
+/// The complement of the cosine is taken, so that cones of any narrowness keep their digits.
+#[inline]
+#[must_use]
+pub fn cone(u: Vec2, one_minus_cos: f32) -> Vec3 {
+    let drop = u.x * one_minus_cos;
+    around_axis(1.0 - drop, (drop * (2.0 - drop)).max(0.0).sqrt(), u.y)
+}
+
+/// 1/(2π(1 − cosθ)) per steradian.
+#[inline]
+#[must_use]
+pub fn cone_pdf(one_minus_cos: f32) -> f32 {
+    1.0 / (TAU * one_minus_cos)
+}
+
+/// Density (n+1)/(2π) cosⁿθ on the upper hemisphere, for the lobe of Phong's model; `n ≥ 0`.
+#[inline]
+#[must_use]
+pub fn power_cosine(u: Vec2, n: f32) -> Vec3 {
+    // u.x in [0, 1) becomes (0, 1], so that the cosine is never raised from zero.
+    let cos = libm::powf(1.0 - u.x, 1.0 / (n + 1.0));
+    around_axis(cos, (1.0 - cos * cos).max(0.0).sqrt(), u.y)
+}
+
+/// Density of [`power_cosine`] per steradian.
+#[inline]
+#[must_use]
+pub fn power_cosine_pdf(cos_theta: f32, n: f32) -> f32 {
+    if cos_theta > 0.0 { (n + 1.0) / TAU * libm::powf(cos_theta, n) } else { 0.0 }
+}
+
+/// Uniform on a triangle: the weights of its second and third corner (Heitz 2019, "A low-distortion map between triangle
+/// and square").
+#[inline]
+#[must_use]
+pub fn triangle(u: Vec2) -> Vec2 {
+    if u.y > u.x {
+        let x = u.x * 0.5;
+        Vec2::new(x, u.y - x)
+    } else {
+        let y = u.y * 0.5;
+        Vec2::new(u.x - y, y)
+    }
+}
+
+#[inline]
+fn around_axis(z: f32, radius: f32, turn: f32) -> Vec3 {
+    let (sin, cos) = libm::sincosf(TAU * turn);
+    Vec3::new(radius * cos, radius * sin, z)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const EDGES: [f32; 4] = [0.0, 1e-30, 0.5, 1.0 - f32::EPSILON / 2.0];
+
+    fn grid(n: u32) -> impl Iterator<Item = Vec2> {
+        (0..n * n).map(move |i| (Vec2::new((i % n) as f32, (i / n) as f32) + 0.5) / n as f32)
+    }
+
+    #[test]
+    fn extremes_stay_in_range() {
+        for x in EDGES {
+            for y in EDGES {
+                let u = Vec2::new(x, y);
+                assert!(disc(u).length() <= 1.0 + 1e-6);
+                for v in [cosine_hemisphere(u), sphere(u), cone(u, 1e-7), cone(u, 2.0), power_cosine(u, 1e4)] {
+                    assert!(v.is_finite() && (v.length() - 1.0).abs() < 2e-6, "{u} {v}");
+                }
+                let b = triangle(u);
+                assert!(b.min_element() >= 0.0 && b.x + b.y <= 1.0 + 1e-6);
+            }
+        }
+    }
+
+    /// Midpoint sums over an n² grid; the worst integrand has a square-root edge, so the error is O(n^−3/2) = 3·10⁻⁵.
+    #[test]
+    fn moments_match_the_densities() {
+        let n = 1024u32;
+        let mean = |f: &dyn Fn(Vec2) -> f32| grid(n).map(|u| f64::from(f(u))).sum::<f64>() / f64::from(n * n);
+        let close = |a: f64, b: f64| assert!((a - b).abs() < 1e-4, "{a} {b}");
+        close(mean(&|u| disc(u).length_squared()), 0.5);
+        close(mean(&|u| cosine_hemisphere(u).z), 2.0 / 3.0);
+        close(mean(&|u| sphere(u).z * sphere(u).z), 1.0 / 3.0);
+        close(mean(&|u| cone(u, 0.25).z), 1.0 - 0.125);
+        close(mean(&|u| power_cosine(u, 7.0).z), 8.0 / 9.0);
+        close(mean(&|u| triangle(u).x), 1.0 / 3.0);
+        close(mean(&|u| triangle(u).x * triangle(u).y), 1.0 / 12.0);
+    }
+}
