@@ -2,4 +2,7 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+pub mod color;
 pub mod math;
+pub mod sampling;
+pub mod shape;

@@ -1,0 +1,97 @@
+//! Choice among finitely many things by weight.
+
+/// A discrete distribution over `0..len`, chosen by inversion of its cumulative weights.
+#[derive(Clone, Debug)]
+pub struct Discrete {
+    /// Cumulative probabilities, the last one 1.
+    cumulative: Vec<f64>,
+    total: f64,
+}
+
+impl Discrete {
+    /// Weights to probabilities. `None` where there is nothing to choose: no weights, or a sum of zero or not finite, or a
+    /// negative weight.
+    #[must_use]
+    pub fn new(weights: impl IntoIterator<Item = f64>) -> Option<Self> {
+        let mut total = 0.0;
+        let mut negative = false;
+        let mut cumulative: Vec<f64> = weights
+            .into_iter()
+            .map(|w| {
+                negative |= w < 0.0;
+                total += w;
+                total
+            })
+            .collect();
+        if negative || !(total > 0.0 && f64::is_finite(total)) {
+            return None;
+        }
+        for c in &mut cumulative {
+            *c /= total;
+        }
+        Some(Self { cumulative, total })
+    }
+
+    /// The sum of the weights.
+    #[must_use]
+    pub fn total(&self) -> f64 {
+        self.total
+    }
+
+    /// How many things there are to choose from.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.cumulative.len()
+    }
+
+    /// Always false: an empty distribution cannot be made.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.cumulative.is_empty()
+    }
+
+    /// The thing that `u` in \[0, 1) falls on, and its probability, which is never zero.
+    #[inline]
+    #[must_use]
+    pub fn sample(&self, u: f32) -> (usize, f32) {
+        let u = f64::from(u);
+        let i = self.cumulative.partition_point(|c| *c <= u).min(self.cumulative.len() - 1);
+        (i, self.probability(i))
+    }
+
+    /// The probability of thing `i`.
+    #[inline]
+    #[must_use]
+    pub fn probability(&self, i: usize) -> f32 {
+        let below = if i == 0 { 0.0 } else { self.cumulative[i - 1] };
+        (self.cumulative[i] - below) as f32
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn weights_become_probabilities() {
+        let d = Discrete::new([1.0, 0.0, 3.0]).unwrap();
+        assert_eq!((d.len(), d.total()), (3, 4.0));
+        assert_eq!(d.sample(0.0), (0, 0.25));
+        assert_eq!(d.sample(0.25), (2, 0.75));
+        assert_eq!(d.sample(1.0 - f32::EPSILON / 2.0), (2, 0.75));
+    }
+
+    #[test]
+    fn nothing_is_chosen_from_nothing() {
+        assert!(Discrete::new([]).is_none());
+        assert!(Discrete::new([0.0, 0.0]).is_none());
+        assert!(Discrete::new([1.0, -0.5]).is_none());
+        assert!(Discrete::new([f64::NAN]).is_none());
+    }
+
+    #[test]
+    fn a_last_weight_of_zero_is_never_chosen() {
+        let d = Discrete::new([0.1, 0.2, 0.3, 0.0]).unwrap();
+        assert!(d.sample(1.0 - f32::EPSILON / 2.0).1 > 0.0);
+    }
+}

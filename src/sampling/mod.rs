@@ -1,0 +1,9 @@
+//! Random numbers as pure functions of names, well-spread points, and discrete choices.
+
+mod discrete;
+mod key;
+mod sobol;
+
+pub use discrete::Discrete;
+pub use key::{Dimension, Key, Purpose};
+pub use sobol::sobol_2d;

@@ -1,0 +1,66 @@
+//! Discs, and the ellipses that affine maps make of them.
+
+use super::{Crossing, ShapeSample, SurfacePoint, outer_bounds, widen, within};
+use crate::math::{Bounds, Ray, warp};
+use glam::{DVec3, Vec2};
+
+/// The points `center + x·a + y·b` with x² + y² ≤ 1; its outer side is that of `a × b`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Disc {
+    center: DVec3,
+    a: DVec3,
+    b: DVec3,
+    normal: DVec3,
+    /// Rows that take an offset in the plane to (x, y).
+    dual: [DVec3; 2],
+}
+
+impl Disc {
+    /// A disc spanned by the half axes `a` and `b`, which must not be parallel.
+    #[must_use]
+    pub fn new(center: DVec3, a: DVec3, b: DVec3) -> Self {
+        let cross = a.cross(b);
+        let n2 = cross.length_squared();
+        Self { center, a, b, normal: cross / n2.sqrt(), dual: [b.cross(cross) / n2, cross.cross(a) / n2] }
+    }
+
+    #[inline]
+    pub(super) fn intersect(&self, ray: &Ray) -> Option<Crossing> {
+        let (o, d) = widen(ray);
+        let t = self.normal.dot(self.center - o) / self.normal.dot(d);
+        let offset = o + d * t - self.center;
+        let (x, y) = (self.dual[0].dot(offset), self.dual[1].dot(offset));
+        if x * x + y * y <= 1.0 { within(ray, t).map(|t| (t, x as f32, y as f32)) } else { None }
+    }
+
+    #[inline]
+    pub(super) fn surface(&self, ray: &Ray, t: f32) -> SurfacePoint {
+        let (o, d) = widen(ray);
+        let p = o + d * f64::from(t);
+        self.at(p - self.normal * self.normal.dot(p - self.center))
+    }
+
+    #[inline]
+    fn at(&self, p: DVec3) -> SurfacePoint {
+        let scale = self.center.abs().max_element() + self.a.abs().max_element() + self.b.abs().max_element();
+        SurfacePoint::exact(p, self.normal, scale)
+    }
+
+    pub(super) fn bounds(&self) -> Bounds {
+        let half = DVec3::new(
+            libm::hypot(self.a.x, self.b.x),
+            libm::hypot(self.a.y, self.b.y),
+            libm::hypot(self.a.z, self.b.z),
+        );
+        outer_bounds(self.center - half, self.center + half)
+    }
+
+    pub(super) fn area(&self) -> f64 {
+        std::f64::consts::PI * self.a.cross(self.b).length()
+    }
+
+    pub(super) fn sample(&self, u: Vec2) -> ShapeSample {
+        let d = warp::disc(u).as_dvec2();
+        ShapeSample { point: self.at(self.center + self.a * d.x + self.b * d.y), pdf: (1.0 / self.area()) as f32 }
+    }
+}

@@ -1,0 +1,60 @@
+//! Infinite planes, which no box can hold.
+
+use super::{Crossing, SurfacePoint, widen, within};
+use crate::math::Ray;
+use glam::DVec3;
+
+/// The points with `normal · x = offset`; its outer side is that of the unit normal.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Plane {
+    normal: DVec3,
+    offset: f64,
+}
+
+impl Plane {
+    /// The plane through `point` across `normal`, of any length above zero.
+    #[must_use]
+    pub fn new(point: DVec3, normal: DVec3) -> Self {
+        let normal = normal.normalize();
+        Self { normal, offset: normal.dot(point) }
+    }
+
+    /// Where the ray crosses.
+    #[inline]
+    #[must_use]
+    pub fn intersect(&self, ray: &Ray) -> Option<Crossing> {
+        let (o, d) = widen(ray);
+        within(ray, (self.offset - self.normal.dot(o)) / self.normal.dot(d)).map(|t| (t, 0.0, 0.0))
+    }
+
+    /// The surface at `t`.
+    #[inline]
+    #[must_use]
+    pub fn surface(&self, ray: &Ray, t: f32) -> SurfacePoint {
+        let (o, d) = widen(ray);
+        let p = o + d * f64::from(t);
+        let on = p - self.normal * (self.normal.dot(p) - self.offset);
+        SurfacePoint::exact(on, self.normal, on.abs().max_element())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    #[test]
+    fn parallel_rays_miss_and_far_hits_stay_on_the_plane() {
+        let plane = Plane::new(DVec3::new(0.0, -2.0, 0.0), DVec3::new(0.0, 3.0, 0.0));
+        assert!(plane.intersect(&Ray::new(Vec3::ZERO, Vec3::X)).is_none());
+        let ray = Ray::new(Vec3::ZERO, Vec3::new(1.0, -1e-4, 0.0));
+        let (t, ..) = plane.intersect(&ray).unwrap();
+        assert_eq!(plane.surface(&ray, t).p.y, -2.0);
+    }
+
+    #[test]
+    fn a_ray_inside_the_plane_misses() {
+        let plane = Plane::new(DVec3::ZERO, DVec3::Y);
+        assert!(plane.intersect(&Ray::new(Vec3::ZERO, Vec3::X)).is_none(), "0/0 is no crossing");
+    }
+}
