@@ -2,6 +2,7 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+pub mod bsdf;
 pub mod color;
 pub mod math;
 pub mod sampling;

@@ -1,0 +1,62 @@
+//! Phong's model made physical.
+
+use super::BsdfSample;
+use crate::color::{self, Rgb};
+use crate::math::{Frame, warp};
+use glam::{Vec2, Vec3};
+use std::f32::consts::FRAC_1_PI;
+
+/// f(wo, wi) = (kd + ks · cosˢα)/π with α the angle between `wi` and the mirror image of `wo` (Lafortune and Willems 1994,
+/// with the lobe's scale chosen so that under a light of irradiance π·c it peaks at ks·c, as in the course's model).
+///
+/// The lobe reflects at most 2ks/(s+2), so kd + 2ks/(s+2) ≤ 1 keeps energy; [`Phong::new`] scales both down to it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Phong {
+    diffuse: Rgb,
+    specular: Rgb,
+    shininess: f32,
+    /// Probability of sampling the lobe.
+    lobe: f32,
+}
+
+impl Phong {
+    /// Coefficients in \[0, ∞) and exponent ≥ 0, scaled down alike in all channels until no channel reflects more than
+    /// it receives.
+    #[must_use]
+    pub fn new(diffuse: Rgb, specular: Rgb, shininess: f32) -> Self {
+        let total = diffuse + specular * (2.0 / (shininess + 2.0));
+        let scale = 1.0 / total.max_element().max(1.0);
+        let (diffuse, specular) = (diffuse * scale, specular * scale);
+        let glossy = color::mean(specular) * 2.0 / (shininess + 2.0);
+        let sum = glossy + color::mean(diffuse);
+        Self { diffuse, specular, shininess, lobe: if sum > 0.0 { glossy / sum } else { 0.0 } }
+    }
+
+    #[inline]
+    pub(super) fn evaluate(&self, wo: Vec3, wi: Vec3, n: Vec3) -> Rgb {
+        let mirror = n * (2.0 * wo.dot(n)) - wo;
+        let cos = mirror.dot(wi);
+        // A power of 0 counts as 1 where the exponent is 0, as in the course's model.
+        let lobe = if cos > 0.0 || self.shininess == 0.0 { libm::powf(cos.max(0.0), self.shininess) } else { 0.0 };
+        (self.diffuse + self.specular * lobe) * FRAC_1_PI
+    }
+
+    /// Draws from the mixture of both lobes; `n` is on the side of `wo`.
+    #[inline]
+    pub(super) fn sample(&self, wo: Vec3, n: Vec3, lobe: f32, u: Vec2) -> Option<BsdfSample> {
+        let mirror = n * (2.0 * wo.dot(n)) - wo;
+        let wi = if lobe < self.lobe {
+            Frame::around(mirror.normalize()).to_world(warp::power_cosine(u, self.shininess))
+        } else {
+            Frame::around(n).to_world(warp::cosine_hemisphere(u))
+        };
+        let cos = wi.dot(n);
+        if cos <= 0.0 {
+            return None;
+        }
+        let glossy_pdf = warp::power_cosine_pdf(mirror.dot(wi), self.shininess);
+        let pdf = self.lobe * glossy_pdf + (1.0 - self.lobe) * warp::cosine_hemisphere_pdf(cos);
+        let weight = self.evaluate(wo, wi, n) * (cos / pdf);
+        (pdf > 0.0).then_some(BsdfSample { wi, weight, specular: false, transmitted: false })
+    }
+}

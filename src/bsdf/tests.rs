@@ -1,0 +1,121 @@
+use super::*;
+use crate::sampling::{Dimension, Key, Purpose};
+
+fn draw(bsdf: &Bsdf, wo: Vec3, i: u64, transport: Transport) -> Option<BsdfSample> {
+    let key = Key::new(11).purpose(Purpose::Test).with(i);
+    let (lobe, u) = (key.uniform(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
+    bsdf.sample(wo, Vec3::Z, Vec3::Z, lobe, u, transport)
+}
+
+fn direction(cos: f32) -> Vec3 {
+    Vec3::new((1.0 - cos * cos).sqrt(), 0.0, cos)
+}
+
+fn materials() -> [Bsdf; 5] {
+    let rgb = Vec3::new(0.7, 0.2, 0.5);
+    [
+        Bsdf::Diffuse(rgb),
+        Bsdf::Phong(Phong::new(rgb, Vec3::splat(1.0), 20.0)),
+        Bsdf::Phong(Phong::new(Vec3::ONE, Vec3::ONE, 0.0)),
+        Bsdf::Mirror(rgb),
+        Bsdf::Dielectric(Dielectric { eta: 1.5 }),
+    ]
+}
+
+/// No BSDF returns more flux than it receives, at any angle, from either side: the mean weight of importance is at most 1
+/// within five standard errors of its own samples.
+#[test]
+fn energy_is_not_gained() {
+    let n = 40_000u64;
+    for bsdf in materials() {
+        for cos in [1.0, 0.7, 0.2, 0.01, -0.5] {
+            let (mut sum, mut squares) = (glam::DVec3::ZERO, glam::DVec3::ZERO);
+            for i in 0..n {
+                let w = draw(&bsdf, direction(cos), i, Transport::Importance).map_or(Rgb::ZERO, |s| s.weight);
+                assert!(w.is_finite() && w.min_element() >= 0.0);
+                sum += w.as_dvec3();
+                squares += w.as_dvec3() * w.as_dvec3();
+            }
+            let mean = sum / n as f64;
+            let sigma = ((squares / n as f64 - mean * mean).max(glam::DVec3::ZERO).max_element() / n as f64).sqrt();
+            assert!(mean.max_element() <= 1.0 + 5.0 * sigma + 1e-6, "{bsdf:?} at {cos}: {mean}");
+        }
+    }
+}
+
+/// Sampling agrees with evaluation: the mean weight equals ∫ f cos dω by uniform sampling of the hemisphere.
+#[test]
+fn sampling_and_evaluation_agree() {
+    let n = 200_000u64;
+    for bsdf in &materials()[..3] {
+        for cos in [0.95, 0.4] {
+            let wo = direction(cos);
+            let moments = |f: &dyn Fn(u64) -> f64| {
+                let (mut s, mut q) = (0.0, 0.0);
+                for i in 0..n {
+                    let x = f(i);
+                    s += x;
+                    q += x * x;
+                }
+                let m = s / n as f64;
+                (m, (q / n as f64 - m * m) / n as f64)
+            };
+            let (a, va) = moments(&|i| f64::from(draw(bsdf, wo, i, Transport::Importance).map_or(0.0, |s| s.weight.y)));
+            let (b, vb) = moments(&|i| {
+                let u = Key::new(12).purpose(Purpose::Test).with(i).uniform_2d(Dimension::BsdfDirection);
+                let wi = warp::cone(u, 1.0);
+                f64::from(bsdf.evaluate(wo, wi, Vec3::Z).y * wi.z / warp::cone_pdf(1.0))
+            });
+            // Five sigma of the difference: one false alarm in a million a comparison.
+            assert!((a - b).abs() < 5.0 * (va + vb).sqrt() + 1e-5, "{bsdf:?} at {cos}: {a} {b}");
+        }
+    }
+}
+
+#[test]
+fn reflection_is_reciprocal() {
+    for bsdf in &materials()[..3] {
+        for (a, b) in [(0.9, 0.3), (0.1, 0.99), (0.5, 0.5)] {
+            let (wo, wi) =
+                (direction(a), Frame::around(Vec3::Z).to_world(direction(b) * Vec3::new(-0.8, 1.0, 1.0)).normalize());
+            let (there, back) = (bsdf.evaluate(wo, wi, Vec3::Z), bsdf.evaluate(wi, wo, Vec3::Z));
+            assert!((there - back).abs().max_element() < 1e-5, "{bsdf:?}");
+        }
+    }
+}
+
+/// Reflected and refracted shares are Fresnel's, and radiance is squeezed by n² where flux is not (analytic-truths 16).
+#[test]
+fn dielectric_shares_are_fresnel() {
+    let glass = Bsdf::Dielectric(Dielectric { eta: 1.5 });
+    let n = 100_000u64;
+    for cos in [0.8f32, 0.3, -0.9] {
+        let eta = if cos > 0.0 { 1.5 } else { 1.0 / 1.5 };
+        let (r, _) = dielectric_reflectance(cos.abs(), eta);
+        let reflected = (0..n)
+            .filter(|i| draw(&glass, direction(cos), *i, Transport::Importance).is_some_and(|s| !s.transmitted))
+            .count();
+        let sigma = (f64::from(r * (1.0 - r)) / n as f64).sqrt();
+        assert!((reflected as f64 / n as f64 - f64::from(r)).abs() < 5.0 * sigma);
+        let through =
+            (0..n).find_map(|i| draw(&glass, direction(cos), i, Transport::Radiance).filter(|s| s.transmitted));
+        assert!((through.unwrap().weight.x * eta * eta - 1.0).abs() < 1e-6);
+    }
+}
+
+/// With a shading normal bent away, no sample contradicts the geometric side it claims.
+#[test]
+fn shading_normals_never_leak() {
+    let ns = Vec3::new(0.9, 0.0, 0.3).normalize();
+    for bsdf in materials() {
+        for i in 0..20_000u64 {
+            let key = Key::new(13).purpose(Purpose::Test).with(i);
+            let wo = warp::sphere(key.uniform_2d(Dimension::LightDirection));
+            let (lobe, u) = (key.uniform(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
+            if let Some(s) = bsdf.sample(wo, ns, Vec3::Z, lobe, u, Transport::Importance) {
+                assert_eq!(s.transmitted, (s.wi.z < 0.0) != (wo.z < 0.0), "{bsdf:?}");
+                assert!((s.wi.length() - 1.0).abs() < 1e-4);
+            }
+        }
+    }
+}
