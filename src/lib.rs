@@ -3,7 +3,9 @@
 #![warn(missing_docs)]
 
 pub mod bsdf;
+pub mod camera;
 pub mod color;
+pub mod light;
 pub mod math;
 pub mod sampling;
 pub mod shape;

@@ -48,7 +48,7 @@ pub fn quadratic(a: f64, b: f64, c: f64, discriminant: f64) -> Option<(f64, f64)
 /// `None` where the points coincide, so that no direction exists.
 #[inline]
 #[must_use]
-pub fn distance_squared_cosine(from: Vec3, to: Vec3) -> Option<(f32, Vec3, f32)> {
+pub fn direction(from: Vec3, to: Vec3) -> Option<(f32, Vec3, f32)> {
     let d = to - from;
     let d2 = d.length_squared();
     if d2 > 0.0 && d2.is_finite() {

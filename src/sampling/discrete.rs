@@ -59,6 +59,15 @@ impl Discrete {
         (i, self.probability(i))
     }
 
+    /// Where in the interval of thing `i` the number `u` that chose it fell: uniform in \[0, 1) again.
+    #[inline]
+    #[must_use]
+    pub fn remainder(&self, u: f32, i: usize) -> f32 {
+        let below = if i == 0 { 0.0 } else { self.cumulative[i - 1] };
+        let x = (f64::from(u) - below) / (self.cumulative[i] - below);
+        (x as f32).clamp(0.0, 1.0 - f32::EPSILON / 2.0)
+    }
+
     /// The probability of thing `i`.
     #[inline]
     #[must_use]

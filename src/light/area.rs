@@ -1,0 +1,90 @@
+//! Surfaces that radiate.
+
+use super::{DirectSample, Reach};
+use crate::color::Rgb;
+use crate::math::offset_origin;
+use crate::sampling::Discrete;
+use crate::shape::{Mesh, Shape, ShapeSample};
+use glam::{Vec2, Vec3};
+use std::f32::consts::PI;
+use std::sync::Arc;
+
+/// The surface of an area light.
+#[derive(Clone, Debug)]
+pub enum Emitter {
+    /// An analytic shape.
+    Shape(Shape),
+    /// Triangles `first ..` of a mesh, chosen by area.
+    Triangles {
+        /// The mesh.
+        mesh: Arc<Mesh>,
+        /// The first triangle.
+        first: u32,
+        /// Weight of each triangle from the first on.
+        choice: Discrete,
+    },
+}
+
+/// Uniform radiance from the outer side of a surface.
+#[derive(Clone, Debug)]
+pub struct Area {
+    /// The surface.
+    pub emitter: Emitter,
+    /// Radiance \[W/(m² sr)].
+    pub radiance: Rgb,
+}
+
+impl Emitter {
+    /// Area of the surface \[length²].
+    #[must_use]
+    pub fn area(&self) -> f64 {
+        match self {
+            Self::Shape(shape) => shape.area(),
+            Self::Triangles { choice, .. } => choice.total(),
+        }
+    }
+
+    /// A point by area.
+    #[inline]
+    #[must_use]
+    pub fn sample(&self, u: Vec2) -> ShapeSample {
+        match self {
+            Self::Shape(shape) => shape.sample(u),
+            Self::Triangles { mesh, first, choice } => {
+                let (i, probability) = choice.sample(u.x);
+                // What is left of u.x inside the chosen interval is uniform again.
+                let x = choice.remainder(u.x, i);
+                let point = mesh.surface(*first as usize + i, crate::math::warp::triangle(Vec2::new(x, u.y)));
+                let area = choice.total() * f64::from(probability);
+                ShapeSample { point, pdf: probability / area as f32 }
+            }
+        }
+    }
+}
+
+impl Area {
+    /// Flux \[W]: πL times the area.
+    #[must_use]
+    pub fn power(&self) -> Rgb {
+        self.radiance * (PI * self.emitter.area() as f32)
+    }
+
+    #[inline]
+    pub(super) fn sample_direct(&self, p: Vec3, u: Vec2) -> Option<DirectSample> {
+        if let Emitter::Shape(Shape::Sphere(sphere)) = &self.emitter {
+            // Outside a sphere only the visible cap counts; inside it, its outer side cannot be seen.
+            let (point, pdf) = sphere.sample_visible(p, u)?;
+            let (_, wi, _) = crate::math::direction(p, point.p)?;
+            let reach = Reach::Point(offset_origin(point.p, point.error, point.ng, -wi));
+            return Some(DirectSample { wi, reach, irradiance: self.radiance / pdf });
+        }
+        let ShapeSample { point, pdf } = self.emitter.sample(u);
+        let (d2, wi, _) = crate::math::direction(p, point.p)?;
+        let cos = -wi.dot(point.ng);
+        if cos <= 0.0 {
+            return None;
+        }
+        let reach = Reach::Point(offset_origin(point.p, point.error, point.ng, -wi));
+        Some(DirectSample { wi, reach, irradiance: self.radiance * (cos / (d2 * pdf)) })
+    }
+}

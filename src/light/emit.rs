@@ -1,0 +1,98 @@
+//! Emission of photons.
+
+use super::{Emitter, Light, Targets};
+use crate::color::Rgb;
+use crate::math::{Frame, Ray, Sphere, offset_origin, warp};
+use crate::shape::{Shape, ShapeSample};
+use glam::{Vec2, Vec3};
+use std::f32::consts::{PI, TAU};
+
+/// A ray that leaves a light with flux.
+#[derive(Clone, Copy, Debug)]
+pub struct Emission {
+    /// The ray, of unit direction.
+    pub ray: Ray,
+    /// Flux over the density of the ray \[W]: its mean over `u` is the light's power, or the part of it that is aimed.
+    pub flux: Rgb,
+}
+
+impl Light {
+    /// Emits for `position` and `direction` in \[0, 1)²: cosine-weighted from surfaces, uniform from points, across the disc of
+    /// `domain` for parallel light.
+    #[must_use]
+    pub fn emit(&self, domain: Sphere, position: Vec2, direction: Vec2) -> Option<Emission> {
+        match self {
+            Self::Point { position: p, intensity } => {
+                Some(Emission { ray: Ray::new(*p, warp::sphere(direction)), flux: *intensity * (4.0 * PI) })
+            }
+            Self::Spot(spot) => {
+                let one_minus_cos = 1.0 - spot.cos_outer;
+                let w = Frame::around(spot.axis).to_world(warp::cone(direction, one_minus_cos));
+                Some(Emission { ray: Ray::new(spot.position, w), flux: spot.intensity(w) * (TAU * one_minus_cos) })
+            }
+            Self::Directional { direction: w, irradiance } => {
+                let frame = Frame::around(*w);
+                let d = warp::disc(position) * domain.radius;
+                let p = domain.center + frame.s * d.x + frame.t * d.y;
+                let start = p - *w * (domain.radius + w.dot(p - domain.center));
+                let area = PI * domain.radius * domain.radius;
+                (area > 0.0).then(|| Emission { ray: Ray::new(start, *w), flux: *irradiance * area })
+            }
+            Self::Area(area) => {
+                let ShapeSample { point, pdf } = area.emitter.sample(position);
+                let local = warp::cosine_hemisphere(direction);
+                let w = Frame::around(point.ng).to_world(local);
+                if w.dot(point.ng) <= 0.0 {
+                    return None;
+                }
+                let ray = Ray::new(offset_origin(point.p, point.error, point.ng, w), w);
+                Some(Emission { ray, flux: area.radiance * (PI / pdf) })
+            }
+        }
+    }
+
+    /// Emits towards `targets` only; rays that miss all of them are never drawn.
+    #[must_use]
+    pub fn emit_at(&self, targets: &Targets, domain: Sphere, position: Vec2, direction: Vec2) -> Option<Emission> {
+        match self {
+            Self::Point { position: p, intensity } => {
+                let (w, pdf) = targets.sample_direction(*p, None, direction)?;
+                Some(Emission { ray: Ray::new(*p, w), flux: *intensity / pdf })
+            }
+            Self::Spot(spot) => {
+                let (w, pdf) = targets.sample_direction(spot.position, None, direction)?;
+                let intensity = spot.intensity(w);
+                (intensity != Rgb::ZERO).then(|| Emission { ray: Ray::new(spot.position, w), flux: intensity / pdf })
+            }
+            Self::Directional { direction: w, irradiance } => {
+                let upstream = domain.radius - w.dot(domain.center);
+                let (start, pdf) = targets.sample_parallel(*w, upstream, position)?;
+                Some(Emission { ray: Ray::new(start, *w), flux: *irradiance / pdf })
+            }
+            Self::Area(area) => {
+                let ShapeSample { point, pdf } = area.emitter.sample(position);
+                let (w, pdf_w) = targets.sample_direction(point.p, Some(point.ng), direction)?;
+                let cos = w.dot(point.ng);
+                if cos <= 0.0 {
+                    return None;
+                }
+                let ray = Ray::new(offset_origin(point.p, point.error, point.ng, w), w);
+                Some(Emission { ray, flux: area.radiance * (cos / (pdf * pdf_w)) })
+            }
+        }
+    }
+
+    /// A point that stands for the light's place in the simple shading of ray casting; `None` for parallel light.
+    #[must_use]
+    pub fn center(&self) -> Option<Vec3> {
+        match self {
+            Self::Point { position, .. } => Some(*position),
+            Self::Spot(spot) => Some(spot.position),
+            Self::Directional { .. } => None,
+            Self::Area(area) => Some(match &area.emitter {
+                Emitter::Shape(shape) => Shape::bounds(shape).center(),
+                emitter @ Emitter::Triangles { .. } => emitter.sample(Vec2::splat(0.5)).point.p,
+            }),
+        }
+    }
+}

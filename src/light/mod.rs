@@ -1,0 +1,97 @@
+//! Lights: how they are seen from a point, and how they emit photons.
+
+mod aim;
+mod area;
+mod emit;
+mod spot;
+
+pub use aim::Targets;
+pub use area::{Area, Emitter};
+pub use emit::Emission;
+pub use spot::Spot;
+
+use crate::color::Rgb;
+use crate::math::Sphere;
+use glam::{Vec2, Vec3};
+use std::f32::consts::PI;
+
+/// A source of light.
+#[derive(Clone, Debug)]
+pub enum Light {
+    /// Radiant intensity \[W/sr], alike in all directions.
+    Point {
+        /// Place.
+        position: Vec3,
+        /// Intensity \[W/sr].
+        intensity: Rgb,
+    },
+    /// A point whose intensity is confined to a cone.
+    Spot(Spot),
+    /// Parallel light from infinity.
+    Directional {
+        /// Unit direction of travel.
+        direction: Vec3,
+        /// Irradiance on a surface that faces it \[W/m²].
+        irradiance: Rgb,
+    },
+    /// A surface that radiates from its outer side.
+    Area(Area),
+}
+
+/// Where a shadow ray ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Reach {
+    /// At this point, already moved off the light's own surface.
+    Point(Vec3),
+    /// Nowhere.
+    Infinity,
+}
+
+/// Light arriving at a point from one sampled direction, before visibility.
+#[derive(Clone, Copy, Debug)]
+pub struct DirectSample {
+    /// Unit direction towards the light.
+    pub wi: Vec3,
+    /// Where the shadow ray ends.
+    pub reach: Reach,
+    /// Radiance over density per steradian; for points and parallel light, irradiance on a surface that faces it.
+    pub irradiance: Rgb,
+}
+
+impl Light {
+    /// What reaches `p` for `u` in \[0, 1)²; `None` where that is nothing for certain.
+    #[inline]
+    #[must_use]
+    pub fn sample_direct(&self, p: Vec3, u: Vec2) -> Option<DirectSample> {
+        match self {
+            Self::Point { position, intensity } => from_point(p, *position, |_| *intensity),
+            Self::Spot(spot) => from_point(p, spot.position, |w| spot.intensity(w)),
+            Self::Directional { direction, irradiance } => {
+                Some(DirectSample { wi: -*direction, reach: Reach::Infinity, irradiance: *irradiance })
+            }
+            Self::Area(area) => area.sample_direct(p, u),
+        }
+    }
+
+    /// Emitted flux \[W]; for parallel light, what crosses the disc that `domain` shows it.
+    #[must_use]
+    pub fn power(&self, domain: Sphere) -> Rgb {
+        match self {
+            Self::Point { intensity, .. } => *intensity * (4.0 * PI),
+            Self::Spot(spot) => spot.power(),
+            Self::Directional { irradiance, .. } => *irradiance * (PI * domain.radius * domain.radius),
+            Self::Area(area) => area.power(),
+        }
+    }
+}
+
+/// The sample of a point source; `intensity` gets the unit direction from the source.
+#[inline]
+fn from_point(p: Vec3, position: Vec3, intensity: impl Fn(Vec3) -> Rgb) -> Option<DirectSample> {
+    let (d2, wi, _) = crate::math::direction(p, position)?;
+    let irradiance = intensity(-wi) / d2;
+    (irradiance != Rgb::ZERO).then_some(DirectSample { wi, reach: Reach::Point(position), irradiance })
+}
+
+#[cfg(test)]
+mod tests;
