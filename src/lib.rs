@@ -9,3 +9,5 @@ pub mod light;
 pub mod math;
 pub mod sampling;
 pub mod shape;
+pub mod photon;
+pub mod scene;

@@ -67,6 +67,15 @@ impl Transform {
         self.inverse.matrix3.transpose() * n
     }
 
+    /// The map followed by a shift in world space.
+    #[must_use]
+    pub fn translated(&self, by: DVec3) -> Self {
+        let (mut forward, mut inverse) = (self.forward, self.inverse);
+        forward.translation += by;
+        inverse.translation -= inverse.matrix3 * by;
+        Self { forward, inverse }
+    }
+
     /// The common scale, where the map only turns, mirrors, moves and scales alike in all directions.
     #[must_use]
     pub fn similarity(&self) -> Option<f64> {

@@ -1,7 +1,7 @@
 //! Discs, and the ellipses that affine maps make of them.
 
-use super::{Crossing, ShapeSample, SurfacePoint, outer_bounds, widen, within};
-use crate::math::{Bounds, Ray, warp};
+use super::{Crossing, ShapeSample, SurfacePoint, widen, within};
+use crate::math::{Ray, warp};
 use glam::{DVec3, Vec2};
 
 /// The points `center + x·a + y·b` with x² + y² ≤ 1; its outer side is that of `a × b`.
@@ -46,13 +46,17 @@ impl Disc {
         SurfacePoint::exact(p, self.normal, scale)
     }
 
-    pub(super) fn bounds(&self) -> Bounds {
+    pub(super) fn extent(&self) -> (DVec3, DVec3) {
         let half = DVec3::new(
             libm::hypot(self.a.x, self.b.x),
             libm::hypot(self.a.y, self.b.y),
             libm::hypot(self.a.z, self.b.z),
         );
-        outer_bounds(self.center - half, self.center + half)
+        (self.center - half, self.center + half)
+    }
+
+    pub(super) fn translated(self, by: DVec3) -> Self {
+        Self { center: self.center + by, ..self }
     }
 
     pub(super) fn area(&self) -> f64 {

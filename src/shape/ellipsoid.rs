@@ -1,7 +1,7 @@
 //! Ellipsoids: the unit sphere under an affine map.
 
-use super::{Crossing, ShapeSample, SurfacePoint, outer_bounds, widen, within};
-use crate::math::{Bounds, Ray, Transform, quadratic, warp};
+use super::{Crossing, ShapeSample, SurfacePoint, widen, within};
+use crate::math::{Ray, Transform, quadratic, warp};
 use glam::{DVec3, Vec2};
 
 /// The unit sphere under an affine map.
@@ -51,12 +51,16 @@ impl Ellipsoid {
         SurfacePoint::exact(p, self.to_world.normal(object).normalize(), scale + center)
     }
 
-    pub(super) fn bounds(&self) -> Bounds {
+    pub(super) fn extent(&self) -> (DVec3, DVec3) {
         // The support of the unit ball along an axis is the length of that row.
         let rows = self.to_world.forward().matrix3.transpose();
         let half = DVec3::new(rows.x_axis.length(), rows.y_axis.length(), rows.z_axis.length());
         let center = self.to_world.forward().translation;
-        outer_bounds(center - half, center + half)
+        (center - half, center + half)
+    }
+
+    pub(super) fn translated(self, by: DVec3) -> Self {
+        Self { to_world: self.to_world.translated(by), ..self }
     }
 
     pub(super) fn area(&self) -> f64 {

@@ -100,7 +100,25 @@ impl Shape {
     /// A box around the shape.
     #[must_use]
     pub fn bounds(&self) -> Bounds {
-        each!(self, s => s.bounds())
+        let (min, max) = self.extent();
+        outer_bounds(min, max)
+    }
+
+    /// The box around the shape in double precision.
+    #[must_use]
+    pub fn extent(&self) -> (DVec3, DVec3) {
+        each!(self, s => s.extent())
+    }
+
+    /// The shape moved by a vector.
+    #[must_use]
+    pub fn translated(&self, by: DVec3) -> Self {
+        match self {
+            Self::Sphere(s) => Self::Sphere(s.translated(by)),
+            Self::Ellipsoid(s) => Self::Ellipsoid(s.translated(by)),
+            Self::Disc(s) => Self::Disc(s.translated(by)),
+            Self::Rectangle(s) => Self::Rectangle(s.translated(by)),
+        }
     }
 
     /// Area of the surface \[length²].

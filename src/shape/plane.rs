@@ -19,6 +19,12 @@ impl Plane {
         Self { normal, offset: normal.dot(point) }
     }
 
+    /// The plane moved by a vector.
+    #[must_use]
+    pub fn translated(self, by: DVec3) -> Self {
+        Self { offset: self.offset + self.normal.dot(by), ..self }
+    }
+
     /// Where the ray crosses.
     #[inline]
     #[must_use]

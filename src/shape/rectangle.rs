@@ -1,7 +1,7 @@
 //! Rectangles, and the parallelograms that affine maps make of them.
 
-use super::{Crossing, ShapeSample, SurfacePoint, outer_bounds, widen, within};
-use crate::math::{Bounds, Ray};
+use super::{Crossing, ShapeSample, SurfacePoint, widen, within};
+use crate::math::Ray;
 use glam::{DVec3, Vec2};
 
 /// The points `corner + x·e0 + y·e1` with x, y in \[0, 1]; its outer side is that of `e0 × e1`.
@@ -49,10 +49,14 @@ impl Rectangle {
         SurfacePoint::exact(p, self.normal, self.corner.abs().max_element() + reach)
     }
 
-    pub(super) fn bounds(&self) -> Bounds {
+    pub(super) fn extent(&self) -> (DVec3, DVec3) {
         let [a, b] = self.edges;
         let zero = DVec3::ZERO;
-        outer_bounds(self.corner + a.min(zero) + b.min(zero), self.corner + a.max(zero) + b.max(zero))
+        (self.corner + a.min(zero) + b.min(zero), self.corner + a.max(zero) + b.max(zero))
+    }
+
+    pub(super) fn translated(self, by: DVec3) -> Self {
+        Self { corner: self.corner + by, ..self }
     }
 
     pub(super) fn area(&self) -> f64 {

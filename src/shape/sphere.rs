@@ -1,7 +1,7 @@
 //! Spheres.
 
-use super::{Crossing, ShapeSample, SurfacePoint, outer_bounds, widen, within};
-use crate::math::{Bounds, Frame, Ray, quadratic, warp};
+use super::{Crossing, ShapeSample, SurfacePoint, widen, within};
+use crate::math::{Frame, Ray, quadratic, warp};
 use glam::{DVec3, Vec2, Vec3};
 
 /// A sphere, solved in double precision.
@@ -52,8 +52,12 @@ impl Sphere {
         SurfacePoint::exact(self.center + n * self.radius, n, self.center.abs().max_element() + self.radius)
     }
 
-    pub(super) fn bounds(&self) -> Bounds {
-        outer_bounds(self.center - self.radius, self.center + self.radius)
+    pub(super) fn extent(&self) -> (DVec3, DVec3) {
+        (self.center - self.radius, self.center + self.radius)
+    }
+
+    pub(super) fn translated(self, by: DVec3) -> Self {
+        Self { center: self.center + by, ..self }
     }
 
     pub(super) fn area(&self) -> f64 {

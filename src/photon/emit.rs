@@ -1,0 +1,85 @@
+//! Which light a photon leaves, and where to.
+
+use crate::color;
+use crate::light::{Emission, Targets};
+use crate::sampling::{Dimension, Discrete, Key, Purpose, sobol_2d};
+use crate::scene::Scene;
+
+/// Draws a light finds its aimed power with.
+const WEIGHT_DRAWS: u32 = 256;
+
+/// Part of the choice among lights that follows plain power, so that no light that can matter is left out by the pilot.
+const SAFE_SHARE: f64 = 0.1;
+
+/// Emits a fixed number of paths, divided among the lights.
+#[derive(Debug)]
+pub struct PhotonSource<'a> {
+    scene: &'a Scene,
+    choice: Discrete,
+    targets: Option<Targets>,
+}
+
+impl<'a> PhotonSource<'a> {
+    /// Emission from all lights in proportion to their power; `None` where no light has any.
+    #[must_use]
+    pub fn everywhere(scene: &'a Scene) -> Option<Self> {
+        let choice = Discrete::new(powers(scene))?;
+        Some(Self { scene, choice, targets: None })
+    }
+
+    /// Emission towards what is purely specular, from each light in proportion to the power that goes there; `None` where there
+    /// is no such thing or no such power. Lights are weighed by a pilot that depends on the scene alone.
+    #[must_use]
+    pub fn aimed(scene: &'a Scene) -> Option<Self> {
+        let Some(balls) = scene.specular_balls() else {
+            return Self::everywhere(scene);
+        };
+        let targets = Targets::new(balls);
+        if targets.is_empty() {
+            return None;
+        }
+        let powers: Vec<f64> = powers(scene).collect();
+        let aimed: Vec<f64> = (0..scene.lights().len()).map(|i| aimed_power(scene, &targets, i)).collect();
+        let (total, total_aimed) = (powers.iter().sum::<f64>(), aimed.iter().sum::<f64>());
+        if !(total > 0.0 && total_aimed > 0.0) {
+            return None;
+        }
+        let weights = powers.iter().zip(&aimed);
+        let choice = Discrete::new(weights.map(|(p, a)| SAFE_SHARE * p / total + (1.0 - SAFE_SHARE) * a / total_aimed))?;
+        Some(Self { scene, choice, targets: Some(targets) })
+    }
+
+    /// The emission of path `index` of `paths`, carrying its share of the flux.
+    ///
+    /// Lights are dealt to consecutive paths by systematic sampling, and positions and directions come from scrambled nets
+    /// keyed by the pass: each path alone is as if independent, together they are spread more evenly.
+    #[must_use]
+    pub fn emit(&self, pass: Key, index: u32, paths: u32) -> Option<Emission> {
+        let u = (f64::from(index) + f64::from(pass.uniform(Dimension::Light))) / f64::from(paths);
+        let (light, probability) = self.choice.sample((u as f32).min(1.0 - f32::EPSILON / 2.0));
+        let light = &self.scene.lights()[light];
+        let position = sobol_2d(index, pass, Dimension::LightPosition);
+        let direction = sobol_2d(index, pass, Dimension::LightDirection);
+        let domain = self.scene.domain();
+        let emission = match &self.targets {
+            Some(targets) => light.emit_at(targets, domain, position, direction),
+            None => light.emit(domain, position, direction),
+        };
+        emission.map(|e| Emission { flux: e.flux / (probability * paths as f32), ..e })
+    }
+}
+
+fn powers(scene: &Scene) -> impl Iterator<Item = f64> {
+    scene.lights().iter().map(|light| f64::from(color::mean(light.power(scene.domain()))))
+}
+
+fn aimed_power(scene: &Scene, targets: &Targets, light: usize) -> f64 {
+    let key = Key::new(0).purpose(Purpose::LightWeights).with(light as u64);
+    let flux = |i| {
+        let (position, direction) =
+            (sobol_2d(i, key, Dimension::LightPosition), sobol_2d(i, key, Dimension::LightDirection));
+        let emission = scene.lights()[light].emit_at(targets, scene.domain(), position, direction);
+        emission.map_or(0.0, |e| f64::from(color::mean(e.flux)))
+    };
+    (0..WEIGHT_DRAWS).map(flux).sum::<f64>() / f64::from(WEIGHT_DRAWS)
+}

@@ -1,0 +1,156 @@
+//! Radiance from photon density.
+
+use super::{Flux, Kernel, PhotonMap};
+use crate::color::Rgb;
+use glam::Vec3;
+
+/// Which photons a density estimate takes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bandwidth {
+    /// Largest radius \[length].
+    pub radius: f32,
+    /// Largest number of photons, 0 for no limit: where more lie within the radius, it shrinks to the k-th.
+    pub k: u32,
+}
+
+/// An estimate and what it rests on.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Estimate {
+    /// Radiance \[W/(m² sr)].
+    pub radiance: Rgb,
+    /// Radius of the disc \[length].
+    pub radius: f32,
+    /// Photons within it.
+    pub count: u32,
+}
+
+/// Buffers of nearest-neighbour searches, made once per tile.
+#[derive(Debug, Default)]
+pub struct Scratch {
+    found: Vec<(f32, Flux)>,
+    /// Radius that held k photons last time: where the next search begins.
+    last: f32,
+}
+
+impl Scratch {
+    /// Empty buffers.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+}
+
+/// A disc no smaller than this part of the largest radius: photons gathered at one point give a finite radiance.
+const LEAST: f32 = 1.0 / 1024.0;
+
+/// Least cosine between the normals of a photon's surface and of the estimate's.
+const SAME_SIDE: f32 = 0.5;
+
+/// Greatest height of a photon over the tangent plane, in radii of the largest disc.
+const FLATNESS: f32 = 0.25;
+
+impl PhotonMap {
+    /// Radiance that leaves point `p` where `brdf` gives f \[1/sr] for the direction a photon came from.
+    ///
+    /// `normal` is the unit geometric normal on the viewer's side: a photon counts if it landed on that side of a surface
+    /// of similar orientation, near the tangent plane. The sum is Σ f·ΔΦ·K over the kernel's disc (Jensen 2001, section 7.2).
+    pub fn estimate(
+        &self,
+        p: Vec3,
+        normal: Vec3,
+        bandwidth: Bandwidth,
+        kernel: Kernel,
+        scratch: &mut Scratch,
+        brdf: impl Fn(Vec3) -> Rgb,
+    ) -> Estimate {
+        if self.is_empty() {
+            return Estimate { radius: bandwidth.radius, ..Estimate::default() };
+        }
+        if bandwidth.k > 0 {
+            let nearest = self.nearest(p, normal, bandwidth, scratch);
+            if let Some(r2) = nearest {
+                // A kernel that does not vanish at the k-th photon must leave it out: (k − 1)/(πr²) is unbiased.
+                let taken = |d2: f32| kernel.vanishes_at_edge() || d2 < r2;
+                let sum = scratch.found.iter().filter(|(d2, _)| taken(*d2)).fold(Rgb::ZERO, |sum, (d2, flux)| {
+                    sum + brdf(flux.from()) * flux.power() * kernel.shape(*d2, r2)
+                });
+                return Estimate {
+                    radiance: sum * kernel.scale(r2),
+                    radius: r2.sqrt(),
+                    count: scratch.found.len() as u32,
+                };
+            }
+        }
+        self.within(p, normal, bandwidth, kernel, brdf)
+    }
+
+    fn within(
+        &self,
+        p: Vec3,
+        normal: Vec3,
+        bandwidth: Bandwidth,
+        kernel: Kernel,
+        brdf: impl Fn(Vec3) -> Rgb,
+    ) -> Estimate {
+        let r2 = bandwidth.radius * bandwidth.radius;
+        let mut sum = Rgb::ZERO;
+        let mut count = 0;
+        self.visit(p, normal, bandwidth.radius, |flux, d2, height| {
+            if counts(flux, normal, height, bandwidth.radius) {
+                count += 1;
+                sum += brdf(flux.from()) * flux.power() * kernel.shape(d2, r2);
+            }
+        });
+        Estimate { radiance: sum * kernel.scale(r2), radius: bandwidth.radius, count }
+    }
+
+    /// Leaves the k nearest photons in `scratch` and returns the squared distance of the farthest; `None` where the largest
+    /// radius holds fewer, or where they crowd into a point.
+    ///
+    /// kiddo cannot shrink a radius during a visit, so the search widens from a first guess: a wrong guess costs time, not truth.
+    fn nearest(&self, p: Vec3, normal: Vec3, bandwidth: Bandwidth, scratch: &mut Scratch) -> Option<f32> {
+        let k = bandwidth.k as usize;
+        let guess = if scratch.last > 0.0 { scratch.last * 1.25 } else { bandwidth.radius * 0.25 };
+        let mut radius = guess.min(bandwidth.radius);
+        let found = &mut scratch.found;
+        found.reserve(2 * k);
+        loop {
+            found.clear();
+            let mut cutoff = f32::INFINITY;
+            self.visit(p, normal, radius, |flux, d2, height| {
+                if d2 < cutoff && counts(flux, normal, height, bandwidth.radius) {
+                    found.push((d2, *flux));
+                    if found.len() == 2 * k {
+                        cutoff = keep_nearest(found, k);
+                    }
+                }
+            });
+            if found.len() >= k {
+                let r2 = keep_nearest(found, k);
+                scratch.last = r2.sqrt();
+                let least = bandwidth.radius * LEAST;
+                return (r2 >= least * least).then_some(r2);
+            }
+            if radius >= bandwidth.radius {
+                scratch.last = radius;
+                return None;
+            }
+            let missing = (1.5 * k as f32 / found.len().max(1) as f32).sqrt();
+            radius = (radius * missing.clamp(1.2, 3.0)).min(bandwidth.radius);
+        }
+    }
+}
+
+/// Whether a photon lies on the surface that is looked at.
+#[inline]
+fn counts(flux: &Flux, normal: Vec3, height: f32, radius: f32) -> bool {
+    height.abs() <= radius * FLATNESS && flux.normal().dot(normal) > SAME_SIDE
+}
+
+/// Moves the k nearest to the front, drops the rest, and returns the k-th squared distance.
+fn keep_nearest(found: &mut Vec<(f32, Flux)>, k: usize) -> f32 {
+    let (_, kth, _) = found.select_nth_unstable_by(k - 1, |a, b| a.0.total_cmp(&b.0));
+    let r2 = kth.0;
+    found.truncate(k);
+    r2
+}

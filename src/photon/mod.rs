@@ -1,0 +1,15 @@
+//! The photon store: emission, tracing, the kd-tree, and density estimates.
+
+mod emit;
+mod estimate;
+mod kernel;
+mod map;
+mod record;
+mod trace;
+
+pub use emit::PhotonSource;
+pub use estimate::{Bandwidth, Estimate, Scratch};
+pub use kernel::{Kernel, UnknownKernel};
+pub use map::PhotonMap;
+pub use record::{Flux, Photon};
+pub use trace::{Audit, Class, PhotonPass, Traced, Wants};

@@ -1,0 +1,133 @@
+//! What is kept of a photon.
+
+use crate::color::Rgb;
+use glam::{Vec2, Vec3};
+
+/// Direction, surface side and flux of a stored photon: 16 bytes.
+///
+/// Flux is the sum of its channels in single precision with two 16-bit fractions, so that hue is right to 1.5·10⁻⁵ and power
+/// to 2⁻²⁴ from 10⁻³⁷ to 10³⁸ W.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Flux {
+    sum: f32,
+    red: u16,
+    green: u16,
+    from: [u16; 2],
+    normal: [i8; 3],
+}
+
+/// A photon as it was deposited: 28 bytes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Photon {
+    /// Place.
+    pub position: Vec3,
+    /// Everything else.
+    pub flux: Flux,
+}
+
+impl Flux {
+    /// Packs flux \[W], the unit direction to where the photon came from, and the unit geometric normal on that side.
+    ///
+    /// `None` where the flux is zero, negative or not finite: such photons carry nothing or would poison an estimate.
+    #[inline]
+    #[must_use]
+    pub fn new(flux: Rgb, from: Vec3, normal: Vec3) -> Option<Self> {
+        let sum = flux.x + flux.y + flux.z;
+        if !(sum > 0.0 && sum.is_finite() && flux.min_element() >= 0.0) {
+            return None;
+        }
+        let fraction = |c: f32| (c / sum * 65_535.0 + 0.5) as u16;
+        Some(Self {
+            sum,
+            red: fraction(flux.x),
+            green: fraction(flux.y),
+            from: encode(from),
+            normal: [normal.x, normal.y, normal.z].map(|c| (c * 127.0).round() as i8),
+        })
+    }
+
+    /// Flux \[W].
+    #[inline]
+    #[must_use]
+    pub fn power(&self) -> Rgb {
+        let unit = self.sum * (1.0 / 65_535.0);
+        let (red, green) = (f32::from(self.red), f32::from(self.green));
+        Rgb::new(red, green, (65_535.0 - red - green).max(0.0)) * unit
+    }
+
+    /// Unit direction to where the photon came from, within 10⁻⁴ rad.
+    #[inline]
+    #[must_use]
+    pub fn from(&self) -> Vec3 {
+        decode(self.from)
+    }
+
+    /// The surface normal on the side where the photon landed, within a hundredth of a radian and of length.
+    #[inline]
+    #[must_use]
+    pub fn normal(&self) -> Vec3 {
+        Vec3::from(self.normal.map(f32::from)) * (1.0 / 127.0)
+    }
+
+    /// A key by which photons of one side can be told from those of another.
+    pub(super) fn side(&self) -> [i8; 3] {
+        self.normal
+    }
+}
+
+/// Octahedral coordinates in 16 bits each (Cigolle et al. 2014, JCGT 3(2)).
+#[inline]
+fn encode(v: Vec3) -> [u16; 2] {
+    let p = Vec2::new(v.x, v.y) / (v.x.abs() + v.y.abs() + v.z.abs());
+    let p = if v.z < 0.0 { fold(p) } else { p };
+    [p.x, p.y].map(|c| ((c * 0.5 + 0.5) * 65_535.0 + 0.5) as u16)
+}
+
+#[inline]
+fn decode(e: [u16; 2]) -> Vec3 {
+    let [x, y] = e.map(|c| f32::from(c) * (2.0 / 65_535.0) - 1.0);
+    let z = 1.0 - x.abs() - y.abs();
+    let p = if z < 0.0 { fold(Vec2::new(x, y)) } else { Vec2::new(x, y) };
+    p.extend(z).normalize()
+}
+
+#[inline]
+fn fold(p: Vec2) -> Vec2 {
+    Vec2::new((1.0 - p.y.abs()) * 1f32.copysign(p.x), (1.0 - p.x.abs()) * 1f32.copysign(p.y))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::warp;
+    use crate::sampling::{Dimension, Key, Purpose};
+
+    #[test]
+    fn a_photon_is_small() {
+        assert_eq!((size_of::<Flux>(), size_of::<Photon>()), (16, 28));
+    }
+
+    #[test]
+    fn packing_keeps_direction_hue_and_power() {
+        for i in 0..10_000u64 {
+            let key = Key::new(1).purpose(Purpose::Test).with(i);
+            let from = warp::sphere(key.uniform_2d(Dimension::LightDirection));
+            let normal = warp::sphere(key.uniform_2d(Dimension::LightPosition));
+            let scale = [1e-33, 1.0, 1e30][i as usize % 3];
+            let flux = key.uniform_2d(Dimension::Film).extend(key.uniform(Dimension::Light)) * scale;
+            let packed = Flux::new(flux, from, normal).unwrap();
+            assert!((packed.from() - from).length() < 1e-4);
+            assert!((packed.normal() - normal).length() < 0.01);
+            let sum = flux.x + flux.y + flux.z;
+            assert!(((packed.power() - flux) / sum).abs().max_element() < 2e-5);
+            assert!(((packed.power().element_sum() - sum) / sum).abs() < 1e-6);
+        }
+    }
+
+    #[test]
+    fn flux_that_would_poison_an_estimate_is_refused() {
+        for bad in [Rgb::ZERO, Rgb::new(f32::NAN, 1.0, 1.0), Rgb::new(f32::INFINITY, 0.0, 0.0), Rgb::new(-1.0, 2.0, 0.0)] {
+            assert!(Flux::new(bad, Vec3::Z, Vec3::Z).is_none(), "{bad}");
+        }
+    }
+}

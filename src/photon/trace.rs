@@ -1,0 +1,210 @@
+//! The walk of a photon.
+
+use super::{Flux, Photon, PhotonSource};
+use crate::bsdf::{Transport, deposit_factor, shading_normal_factor};
+use crate::color::{self, Rgb};
+use crate::light::Emission;
+use crate::sampling::{Dimension, Key};
+use crate::scene::Scene;
+use glam::DVec3;
+use rayon::prelude::*;
+use std::ops::AddAssign;
+
+/// History of a stored photon.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Class {
+    /// Straight from a light.
+    Direct,
+    /// By specular bounces only.
+    Caustic,
+    /// By at least one bounce that was not specular.
+    Global,
+}
+
+/// Which classes are stored.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Wants {
+    /// Store direct photons.
+    pub direct: bool,
+    /// Store caustic photons.
+    pub caustic: bool,
+    /// Store global photons.
+    pub global: bool,
+}
+
+impl Wants {
+    /// Caustic photons only: a path ends at the first surface that is not specular.
+    pub const CAUSTIC: Self = Self { direct: false, caustic: true, global: false };
+    /// Global photons only.
+    pub const GLOBAL: Self = Self { direct: false, caustic: false, global: true };
+    /// All classes.
+    pub const ALL: Self = Self { direct: true, caustic: true, global: true };
+
+    fn has(self, class: Class) -> bool {
+        match class {
+            Class::Direct => self.direct,
+            Class::Caustic => self.caustic,
+            Class::Global => self.global,
+        }
+    }
+}
+
+/// Where the emitted flux went \[W]. Emitted = absorbed + escaped + stopped + roulette, to rounding; the mean of `roulette` is
+/// zero.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+pub struct Audit {
+    /// Flux that left the lights.
+    pub emitted: [f64; 3],
+    /// Flux taken up by surfaces and bodies.
+    pub absorbed: [f64; 3],
+    /// Flux that left the scene.
+    pub escaped: [f64; 3],
+    /// Flux of paths cut by the bounce limit, or ended because what would follow is not wanted.
+    pub stopped: [f64; 3],
+    /// Flux removed by Russian roulette less flux it added.
+    pub roulette: [f64; 3],
+}
+
+impl AddAssign for Audit {
+    fn add_assign(&mut self, other: Self) {
+        let pairs = [
+            (&mut self.emitted, other.emitted),
+            (&mut self.absorbed, other.absorbed),
+            (&mut self.escaped, other.escaped),
+            (&mut self.stopped, other.stopped),
+            (&mut self.roulette, other.roulette),
+        ];
+        for (mine, theirs) in pairs {
+            *mine = (DVec3::from(*mine) + DVec3::from(theirs)).to_array();
+        }
+    }
+}
+
+fn book(account: &mut [f64; 3], flux: Rgb) {
+    *account = (DVec3::from(*account) + flux.as_dvec3()).to_array();
+}
+
+/// What a photon pass stored and did.
+#[derive(Debug, Default)]
+pub struct Traced {
+    /// Stored photons of the wanted classes, in the order of their paths.
+    pub photons: Vec<Photon>,
+    /// Flux account.
+    pub audit: Audit,
+    /// Rays traced.
+    pub rays: u64,
+    /// Paths emitted.
+    pub paths: u64,
+}
+
+/// One pass of photons from a source.
+#[derive(Debug)]
+pub struct PhotonPass<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Where photons come from.
+    pub source: &'a PhotonSource<'a>,
+    /// Which photons are stored.
+    pub wants: Wants,
+    /// Bounces after which a path is cut.
+    pub max_bounces: u32,
+}
+
+/// Paths a chunk: enough to hide the cost of handing it out, few enough to keep all threads busy to the end.
+const CHUNK: u32 = 4096;
+
+impl PhotonPass<'_> {
+    /// Traces `paths` paths; `done` hears how many more are done, from any thread.
+    ///
+    /// The result is the same for any number of threads: chunks are fixed and joined in order.
+    pub fn trace(&self, pass: Key, paths: u32, done: &(dyn Fn(u64) + Sync)) -> Traced {
+        let chunks: Vec<Traced> = (0..paths.div_ceil(CHUNK))
+            .into_par_iter()
+            .map(|chunk| {
+                let range = chunk * CHUNK..paths.min((chunk + 1).saturating_mul(CHUNK));
+                let mut traced = Traced { paths: u64::from(range.end - range.start), ..Traced::default() };
+                for index in range {
+                    if let Some(emission) = self.source.emit(pass, index, paths) {
+                        self.follow(emission, pass.with(u64::from(index)), &mut traced);
+                    }
+                }
+                done(traced.paths);
+                traced
+            })
+            .collect();
+        let mut total = Traced::default();
+        total.photons.reserve_exact(chunks.iter().map(|c| c.photons.len()).sum());
+        for chunk in chunks {
+            total.photons.extend_from_slice(&chunk.photons);
+            total.audit += chunk.audit;
+            total.rays += chunk.rays;
+            total.paths += chunk.paths;
+        }
+        total
+    }
+
+    /// Follows one photon until it is absorbed, escapes or is stopped.
+    fn follow(&self, emission: Emission, path: Key, traced: &mut Traced) {
+        let Emission { mut ray, flux } = emission;
+        let mut flux = flux;
+        let mut class = Class::Direct;
+        let mut body: Option<Rgb> = None;
+        let audit = &mut traced.audit;
+        book(&mut audit.emitted, flux);
+        for bounce in 0.. {
+            traced.rays += 1;
+            let Some(hit) = self.scene.intersect(&ray) else {
+                return book(&mut audit.escaped, flux);
+            };
+            let surface = self.scene.surface(&ray, &hit);
+
+            // What lies behind the far side of the surface is what the ray came through.
+            if let Some(absorption) = surface.body_towards(surface.wo).or(body) {
+                let left = flux * (-absorption * hit.t).map(libm::expf);
+                book(&mut audit.absorbed, flux - left);
+                flux = left;
+            }
+
+            // Store the photon where a density estimate can use it.
+            let stores = surface.material.bsdf.stores_photons();
+            if stores && self.wants.has(class) {
+                let landed = flux * deposit_factor(surface.wo, surface.point.ns, surface.point.ng);
+                if let Some(flux) = Flux::new(landed, surface.wo, surface.facing_normal()) {
+                    traced.photons.push(Photon { position: surface.point.p, flux });
+                }
+            }
+            let useless = !surface.material.bsdf.is_specular() && self.wants == Wants::CAUSTIC;
+            if bounce == self.max_bounces || useless {
+                return book(&mut audit.stopped, flux);
+            }
+
+            // Scatter.
+            let key = path.with(bounce.into());
+            let (lobe, u) = (key.uniform(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
+            let Some(sample) = surface.sample(lobe, u, Transport::Importance) else {
+                return book(&mut audit.absorbed, flux);
+            };
+            let adjoint = shading_normal_factor(surface.wo, sample.wi, surface.point.ns, surface.point.ng);
+            let scattered = flux * sample.weight * adjoint;
+            book(&mut audit.absorbed, flux - scattered);
+
+            // Roulette on the ratio of throughputs keeps stored photons alike in power.
+            let ratio = color::mean(scattered) / color::mean(flux);
+            if ratio.is_nan() || key.uniform(Dimension::Roulette) >= ratio {
+                return book(&mut audit.roulette, scattered);
+            }
+            flux = scattered / ratio.min(1.0);
+            book(&mut audit.roulette, scattered - flux);
+
+            if sample.transmitted {
+                body = surface.body_towards(sample.wi);
+            }
+            class = match (sample.specular, class) {
+                (true, Class::Direct) => Class::Caustic,
+                (true, other) => other,
+                (false, _) => Class::Global,
+            };
+            ray = surface.leave(sample.wi);
+        }
+    }
+}

@@ -1,0 +1,206 @@
+//! The resolved scene: everything looked up, checked, converted, re-centred, in typed arrays. Renderers see only this.
+
+mod builder;
+mod material;
+mod surface;
+
+pub use builder::{BuildError, LightStrength, SceneBuilder, SourceKind};
+pub use material::{Interface, Look, Material};
+pub use surface::Surface;
+
+use crate::accel::{Hierarchy, Primitive};
+use crate::camera::Pinhole;
+use crate::color::Rgb;
+use crate::light::Light;
+use crate::math::{Ray, Sphere};
+use crate::shape::{Mesh, Plane, Shape};
+use glam::{DVec3, Vec2, Vec3};
+use std::sync::Arc;
+
+/// What a surface is made of, and which light it is.
+#[derive(Clone, Copy, Debug)]
+struct Attributes {
+    material: u32,
+    light: Option<u32>,
+}
+
+/// A light as the course's shading sees it: a direction or a place, and a colour that does not fall off.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum CourseLight {
+    /// From a place.
+    Point(Vec3, Rgb),
+    /// Along a unit direction of travel.
+    Directional(Vec3, Rgb),
+}
+
+/// A scene ready to be rendered. Coordinates are relative to its own middle.
+#[derive(Debug)]
+pub struct Scene {
+    camera: Pinhole,
+    background: Rgb,
+    materials: Vec<Material>,
+    lights: Vec<Light>,
+    course_lights: Vec<CourseLight>,
+    hierarchy: Hierarchy,
+    shapes: Vec<Shape>,
+    shape_attributes: Vec<Attributes>,
+    planes: Vec<(Plane, Attributes)>,
+    mesh: Arc<Mesh>,
+    /// First triangle of each mesh with its attributes, ascending.
+    parts: Vec<(u32, Attributes)>,
+    /// The part of each triangle.
+    triangle_part: Vec<u32>,
+    domain: Sphere,
+    middle: DVec3,
+}
+
+/// A crossing of a ray with the scene, not yet looked at.
+#[derive(Clone, Copy, Debug)]
+pub struct Hit {
+    /// Ray parameter.
+    pub t: f32,
+    kind: HitKind,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum HitKind {
+    Triangle(u32, Vec2),
+    Shape(u32),
+    Plane(u32),
+}
+
+impl Scene {
+    /// The camera.
+    #[must_use]
+    pub fn camera(&self) -> &Pinhole {
+        &self.camera
+    }
+
+    /// Radiance of rays that meet nothing: it is seen, but lights nothing.
+    #[must_use]
+    pub fn background(&self) -> Rgb {
+        self.background
+    }
+
+    /// The lights.
+    #[must_use]
+    pub fn lights(&self) -> &[Light] {
+        &self.lights
+    }
+
+    /// The lights as the course's shading sees them, in the same order.
+    #[must_use]
+    pub fn course_lights(&self) -> &[CourseLight] {
+        &self.course_lights
+    }
+
+    /// The materials.
+    #[must_use]
+    pub fn materials(&self) -> &[Material] {
+        &self.materials
+    }
+
+    /// The ball in which photons of parallel light are followed: it holds all bounded shapes, with room around them where an
+    /// unbounded plane catches light.
+    #[must_use]
+    pub fn domain(&self) -> Sphere {
+        self.domain
+    }
+
+    /// What was subtracted from all coordinates of the description.
+    #[must_use]
+    pub fn middle(&self) -> DVec3 {
+        self.middle
+    }
+
+    /// How many triangles there are.
+    #[must_use]
+    pub fn triangle_count(&self) -> usize {
+        self.mesh.triangles.len()
+    }
+
+    /// How many analytic shapes there are, planes included.
+    #[must_use]
+    pub fn shape_count(&self) -> usize {
+        self.shapes.len() + self.planes.len()
+    }
+
+    /// The nearest crossing.
+    #[inline]
+    #[must_use]
+    pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
+        let bounded = self.hierarchy.closest(ray, |i, ray| self.shapes[i as usize].intersect(ray));
+        let mut hit = bounded.map(|h| Hit {
+            t: h.t,
+            kind: match h.primitive {
+                Primitive::Triangle(i) => HitKind::Triangle(i, Vec2::new(h.u, h.v)),
+                Primitive::Other(i) => HitKind::Shape(i),
+            },
+        });
+        for (i, (plane, _)) in self.planes.iter().enumerate() {
+            let within = Ray { t_max: hit.map_or(ray.t_max, |h| h.t), ..*ray };
+            if let Some((t, ..)) = plane.intersect(&within) {
+                hit = Some(Hit { t, kind: HitKind::Plane(i as u32) });
+            }
+        }
+        hit
+    }
+
+    /// Whether anything lies within the ray.
+    #[inline]
+    #[must_use]
+    pub fn occluded(&self, ray: &Ray) -> bool {
+        self.planes.iter().any(|(plane, _)| plane.intersect(ray).is_some())
+            || self.hierarchy.occluded(ray, |i, ray| self.shapes[i as usize].intersect(ray).is_some())
+    }
+
+    /// The surface at a crossing of `ray`.
+    #[inline]
+    #[must_use]
+    pub fn surface(&self, ray: &Ray, hit: &Hit) -> Surface<'_> {
+        let (point, attributes) = match hit.kind {
+            HitKind::Triangle(i, b) => {
+                let part = self.triangle_part[i as usize] as usize;
+                (self.mesh.surface(i as usize, b), self.parts[part].1)
+            }
+            HitKind::Shape(i) => {
+                (self.shapes[i as usize].surface(ray, hit.t), self.shape_attributes[i as usize])
+            }
+            HitKind::Plane(i) => {
+                let (plane, attributes) = &self.planes[i as usize];
+                (plane.surface(ray, hit.t), *attributes)
+            }
+        };
+        let wo = -ray.direction.normalize();
+        let emission = match attributes.light.map(|l| &self.lights[l as usize]) {
+            Some(Light::Area(area)) if wo.dot(point.ng) > 0.0 => area.radiance,
+            _ => Rgb::ZERO,
+        };
+        Surface { point, wo, material: &self.materials[attributes.material as usize], emission }
+    }
+
+    /// Balls around everything with a purely specular material, for aiming photons; `None` where such a thing is unbounded.
+    #[must_use]
+    pub fn specular_balls(&self) -> Option<Vec<Sphere>> {
+        let specular = |a: &Attributes| self.materials[a.material as usize].bsdf.is_specular();
+        if self.planes.iter().any(|(_, a)| specular(a)) {
+            return None;
+        }
+        let shapes = self.shapes.iter().zip(&self.shape_attributes).filter(|(_, a)| specular(a));
+        let mut balls: Vec<Sphere> = shapes.map(|(shape, _)| bounding_ball(shape)).collect();
+        let ends = self.parts.iter().skip(1).map(|(first, _)| *first).chain([self.mesh.triangles.len() as u32]);
+        for ((first, _), end) in self.parts.iter().zip(ends).filter(|((_, a), _)| specular(a)) {
+            let corners = (*first..end).flat_map(|i| self.mesh.corners(i as usize));
+            balls.push(crate::math::Bounds::of(corners).bounding_sphere());
+        }
+        Some(balls)
+    }
+}
+
+/// A ball around a shape, tight for spheres.
+fn bounding_ball(shape: &Shape) -> Sphere {
+    match shape {
+        Shape::Sphere(s) => Sphere { center: s.center.as_vec3(), radius: s.radius as f32 },
+        other => other.bounds().bounding_sphere(),
+    }
+}
