@@ -2,12 +2,14 @@
 #![forbid(unsafe_code)]
 #![warn(missing_docs)]
 
+pub mod accel;
 pub mod bsdf;
 pub mod camera;
 pub mod color;
+pub mod image;
 pub mod light;
 pub mod math;
-pub mod sampling;
-pub mod shape;
 pub mod photon;
+pub mod sampling;
 pub mod scene;
+pub mod shape;

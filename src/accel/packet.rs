@@ -1,0 +1,102 @@
+//! Packets of triangles and their watertight intersection.
+
+use super::probe::Probe;
+use glam::Vec3;
+use wide::f32x4;
+
+/// Triangles in a packet.
+pub(super) const LANES: usize = 4;
+
+type Lane = f32x4;
+
+/// Up to [`LANES`] triangles; lanes not in use hold NaN, which no comparison lets through.
+#[repr(C)]
+pub(super) struct Packet {
+    /// Coordinates by axis, then by corner.
+    corners: [[Lane; 3]; 3],
+    indices: [u32; LANES],
+}
+
+impl Packet {
+    pub fn new(triangles: &[[Vec3; 3]], members: &[u32]) -> Self {
+        let coordinate = |axis: usize, corner: usize| {
+            let mut lanes = [f32::NAN; LANES];
+            for (lane, &index) in lanes.iter_mut().zip(members) {
+                *lane = triangles[index as usize][corner][axis];
+            }
+            Lane::from(lanes)
+        };
+        let mut indices = [u32::MAX; LANES];
+        indices[..members.len()].copy_from_slice(members);
+        Self { corners: std::array::from_fn(|a| std::array::from_fn(|c| coordinate(a, c))), indices }
+    }
+
+    #[inline]
+    pub fn index(&self, lane: usize) -> u32 {
+        self.indices[lane]
+    }
+
+    /// A mask of the lanes whose edge functions do not differ in sign: all that the ray's line meets, and those that it misses
+    /// by so little that a difference of products rounds to zero.
+    ///
+    /// Rounding is monotone, so without fused operations a sign is never wrong, at worst lost.
+    #[inline]
+    pub fn candidates(&self, probe: &Probe) -> u32 {
+        let [ax, ay, az] = probe.axes;
+        let [ox, oy, oz] = [ax, ay, az].map(|a| Lane::splat(probe.origin[a]));
+        let [sx, sy] = probe.shear.map(Lane::splat);
+        let z = self.corners[az].map(|p| p - oz);
+        let [px, py] = [&self.corners[ax], &self.corners[ay]];
+        let x: [Lane; 3] = [px[0] - ox - sx * z[0], px[1] - ox - sx * z[1], px[2] - ox - sx * z[2]];
+        let y: [Lane; 3] = [py[0] - oy - sy * z[0], py[1] - oy - sy * z[1], py[2] - oy - sy * z[2]];
+        let u = x[2] * y[1] - y[2] * x[1];
+        let v = x[0] * y[2] - y[0] * x[2];
+        let w = x[1] * y[0] - y[1] * x[0];
+        let low = u.fast_min(v).fast_min(w);
+        let high = u.fast_max(v).fast_max(w);
+        (low.simd_ge(Lane::ZERO) | high.simd_le(Lane::ZERO)).to_bitmask()
+    }
+
+    /// Where the ray's line meets the triangle in `lane`: `t` in the probe's units, of any sign, and the weights of the second
+    /// and third corner.
+    ///
+    /// The sheared corners are those of [`candidates`](Self::candidates), to the bit. Their products are exact in f64 and a
+    /// difference of exact numbers keeps its sign and all but its last digit, so neighbours agree on their common edge and
+    /// the hit lies on the triangle however thin it looks.
+    #[inline]
+    pub fn hit(&self, lane: usize, probe: &Probe) -> Option<(f32, f32, f32)> {
+        let [ax, ay, az] = probe.axes;
+        let corner = |c: usize| {
+            let [px, py, pz] = [ax, ay, az].map(|a| self.corners[a][c].as_array()[lane] - probe.origin[a]);
+            [px - probe.shear[0] * pz, py - probe.shear[1] * pz, pz].map(f64::from)
+        };
+        let [a, b, c] = [corner(0), corner(1), corner(2)];
+        let u = c[0] * b[1] - c[1] * b[0];
+        let v = a[0] * c[1] - a[1] * c[0];
+        let w = b[0] * a[1] - b[1] * a[0];
+        if u.min(v).min(w) < 0.0 && u.max(v).max(w) > 0.0 {
+            return None;
+        }
+        let determinant = u + v + w;
+        if determinant == 0.0 {
+            return None;
+        }
+        let inverse = 1.0 / determinant;
+        let t = (u * a[2] + v * b[2] + w * c[2]) * inverse / probe.depth;
+        Some((t as f32, (v * inverse) as f32, (w * inverse) as f32))
+    }
+
+    /// Whether any triangle meets the ray at `0 < t < t_max`.
+    #[inline]
+    pub fn any(&self, probe: &Probe) -> bool {
+        let mut lanes = self.candidates(probe);
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize;
+            lanes &= lanes - 1;
+            if self.hit(lane, probe).is_some_and(|(t, ..)| 0.0 < t && t < probe.t_max) {
+                return true;
+            }
+        }
+        false
+    }
+}

@@ -1,0 +1,213 @@
+//! Nodes of eight boxes, and the walk of a ray through them.
+
+use super::grow::{Branch, Fragment, MAX_DEPTH, Slab, grow};
+use super::packet::{LANES, Packet};
+use super::probe::Probe;
+use crate::math::{Bounds, gamma};
+use glam::{Vec3, Vec3A};
+use wide::f32x8;
+
+/// Children of a node.
+pub(super) const ARITY: usize = 8;
+
+/// Marks a child that is another primitive; the rest is its index.
+pub(super) const OTHER: u32 = 1 << 31;
+/// Marks a child that is a packet of triangles.
+const PACKET: u32 = 1 << 30;
+
+/// Stacks that a tree of depth [`MAX_DEPTH`] cannot overflow, and smaller ones that cost less to clear.
+const DEEPEST_STACK: usize = 512;
+const USUAL_STACK: usize = 64;
+const _: () = assert!((ARITY - 1) * (MAX_DEPTH as usize + 1) + ARITY <= DEEPEST_STACK);
+
+/// How far, in units of its extent, the box of a triangle is padded, and by which factor, applied to its far end, the
+/// interval of a ray in a box is stretched.
+///
+/// Shearing errs by up to γ(9) of the distance along the ray plus γ(9) of the triangle's extent, a slab by γ(3) of the distance:
+/// a hit that the triangle's test reports lies within both, with room for the padding's own rounding.
+const PADDING: f32 = gamma(16);
+const STRETCH: f32 = 1.0 + 2.0 * gamma(16);
+
+/// Eight boxes; vacant ones are inside out and never entered.
+#[repr(C, align(64))]
+struct Node {
+    /// By axis, then lower and upper.
+    planes: [[f32x8; 2]; 3],
+    children: [u32; ARITY],
+}
+
+/// The collapsed tree.
+pub(super) struct Wide {
+    nodes: Vec<Node>,
+    packets: Vec<Packet>,
+    /// The most that a walk can leave on its stack.
+    stack: usize,
+}
+
+impl Wide {
+    pub fn build(triangles: &[[Vec3; 3]], others: &[Bounds]) -> Self {
+        let boxes = triangles.iter().map(|t| Bounds::of(*t)).zip(0..);
+        let mut fragments: Vec<Fragment> =
+            boxes.chain(others.iter().copied().zip(OTHER..)).filter(|(b, _)| !b.is_empty()).map(padded).collect();
+        let mut tree = vec![Branch::VACANT; (2 * fragments.len()).saturating_sub(1)];
+        grow(&mut fragments, &mut tree);
+        let mut wide = Self { nodes: Vec::new(), packets: Vec::new(), stack: 0 };
+        if !tree.is_empty() {
+            let source = Source { triangles, fragments: &fragments, tree: &tree };
+            wide.stack = wide.collapse(&source, 0, 0) + ARITY;
+        }
+        wide.nodes.shrink_to_fit();
+        wide.packets.shrink_to_fit();
+        wide
+    }
+
+    /// Appends the wide node of a branch and all below it; returns the stack that a walk below it can need.
+    fn collapse(&mut self, source: &Source, at: usize, start: usize) -> usize {
+        let mut chosen = [(0, 0); ARITY];
+        let mut count = 0;
+        source.choose(at, start, ARITY, &mut |child| {
+            chosen[count] = child;
+            count += 1;
+        });
+        let mut node =
+            Node { planes: [[f32x8::splat(f32::INFINITY), f32x8::splat(f32::NEG_INFINITY)]; 3], children: [0; 8] };
+        let index = self.nodes.len();
+        self.nodes.push(Node { ..node });
+        let mut deepest = 0;
+        for (slot, &(at, start)) in chosen[..count].iter().enumerate() {
+            let branch = &source.tree[at];
+            for axis in 0..3 {
+                node.planes[axis][0].as_mut_array()[slot] = branch.bounds.min[axis];
+                node.planes[axis][1].as_mut_array()[slot] = branch.bounds.max[axis];
+            }
+            let members = &source.fragments[start..start + branch.size as usize];
+            node.children[slot] = if !branch.leaf {
+                let child = self.nodes.len() as u32;
+                deepest = self.collapse(source, at, start).max(deepest);
+                child
+            } else if members[0].key & OTHER != 0 {
+                members[0].key
+            } else {
+                let mut keys = [0; LANES];
+                keys.iter_mut().zip(members).for_each(|(key, f)| *key = f.key);
+                self.packets.push(Packet::new(source.triangles, &keys[..members.len()]));
+                PACKET | (self.packets.len() - 1) as u32
+            };
+        }
+        self.nodes[index] = node;
+        deepest + count - 1
+    }
+
+    /// The packet that a leaf names.
+    #[inline]
+    pub fn packet(&self, leaf: u32) -> &Packet {
+        &self.packets[(leaf ^ PACKET) as usize]
+    }
+
+    /// Shows `leaf` every packet and other primitive whose box the probe enters no further than the limit that it last
+    /// returned, `t_max` at first; a negative limit ends the walk. `SORTED` goes from near to far.
+    #[inline]
+    pub fn walk<const SORTED: bool, F: FnMut(u32, f32) -> f32>(&self, probe: &Probe, leaf: F) {
+        if self.stack <= USUAL_STACK {
+            self.walk_with::<SORTED, USUAL_STACK, F>(probe, leaf);
+        } else {
+            self.walk_with::<SORTED, DEEPEST_STACK, F>(probe, leaf);
+        }
+    }
+
+    #[inline]
+    fn walk_with<const SORTED: bool, const STACK: usize, F: FnMut(u32, f32) -> f32>(&self, probe: &Probe, mut leaf: F) {
+        if self.nodes.is_empty() {
+            return;
+        }
+        // Entries hold the entry distance above the child: distances are not negative, so they sort as integers.
+        let mut stack = [0u64; STACK];
+        let mut top = 0;
+        let mut limit = probe.t_max;
+        let mut current = 0;
+        loop {
+            if current < PACKET {
+                let node = &self.nodes[current as usize];
+                let (mut hits, near) = node.enter(probe, limit);
+                if hits != 0 {
+                    let base = top;
+                    while hits != 0 {
+                        let slot = hits.trailing_zeros() as usize & (ARITY - 1);
+                        hits &= hits - 1;
+                        let entry = u64::from(near.as_array()[slot].to_bits()) << 32 | u64::from(node.children[slot]);
+                        let mut at = top;
+                        while SORTED && at > base && stack[at - 1] < entry {
+                            stack[at] = stack[at - 1];
+                            at -= 1;
+                        }
+                        stack[at] = entry;
+                        top += 1;
+                    }
+                    top -= 1;
+                    current = stack[top] as u32;
+                    continue;
+                }
+            } else {
+                limit = leaf(current, limit);
+                if limit < 0.0 {
+                    return;
+                }
+            }
+            loop {
+                if top == 0 {
+                    return;
+                }
+                top -= 1;
+                if f32::from_bits((stack[top] >> 32) as u32) <= limit * STRETCH {
+                    current = stack[top] as u32;
+                    break;
+                }
+            }
+        }
+    }
+}
+
+impl Node {
+    /// A mask of the boxes that the probe enters within the limit, and where it enters them (Ize 2013).
+    #[inline]
+    fn enter(&self, probe: &Probe, limit: f32) -> (u32, f32x8) {
+        let slab =
+            |axis: usize, side: usize| (self.planes[axis][side & 1] - probe.origins[axis]) * probe.reciprocals[axis];
+        let [nx, ny, nz] = probe.near;
+        let near = slab(0, nx).fast_max(slab(1, ny)).fast_max(slab(2, nz)).fast_max(f32x8::ZERO);
+        let far = slab(0, nx ^ 1).fast_min(slab(1, ny ^ 1)).fast_min(slab(2, nz ^ 1)).fast_min(f32x8::splat(limit));
+        (near.simd_le(far * f32x8::splat(STRETCH)).to_bitmask(), near)
+    }
+}
+
+/// What a collapse reads.
+struct Source<'a> {
+    triangles: &'a [[Vec3; 3]],
+    fragments: &'a [Fragment],
+    tree: &'a [Branch],
+}
+
+impl Source<'_> {
+    /// The branches, each with the first of its fragments, that share out `slots` below the branch `at`.
+    fn choose(&self, at: usize, start: usize, mut slots: usize, take: &mut impl FnMut((usize, usize))) {
+        let branch = &self.tree[at];
+        while slots > 1 && branch.share[slots] == 0 {
+            slots -= 1;
+        }
+        if slots == 1 {
+            return take((at, start));
+        }
+        let (share, left) = (usize::from(branch.share[slots]), branch.left as usize);
+        self.choose(at + 1, start, share, take);
+        self.choose(at + 2 * left, start + left, slots - share, take);
+    }
+}
+
+/// The box with room for the errors of triangle and box tests.
+fn padded((bounds, key): (Bounds, u32)) -> Fragment {
+    let margin = Vec3::splat(bounds.extent().max_element() * PADDING);
+    let (min, max) = (bounds.min - margin, bounds.max + margin);
+    let down = Vec3A::from(min.to_array().map(f32::next_down));
+    let up = Vec3A::from(max.to_array().map(f32::next_up));
+    Fragment { bounds: Slab { min: down, max: up }, key }
+}
