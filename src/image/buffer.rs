@@ -1,0 +1,177 @@
+//! The picture in memory.
+
+use glam::Vec3;
+
+/// The most pixels a picture may have (16384 × 16384), so that a wrong size in a file or an option asks for no absurd memory.
+pub const MAX_PIXELS: u64 = 1 << 28;
+
+/// A picture's size that cannot be used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum SizeError {
+    /// A side of zero pixels.
+    #[error("a picture of {width} × {height} pixels is empty: both sides must be at least 1")]
+    Empty {
+        /// Width in pixels.
+        width: u32,
+        /// Height in pixels.
+        height: u32,
+    },
+    /// More than [`MAX_PIXELS`].
+    #[error("a picture of {width} × {height} pixels is too large: the most is {MAX_PIXELS} pixels")]
+    TooLarge {
+        /// Width in pixels.
+        width: u32,
+        /// Height in pixels.
+        height: u32,
+    },
+    /// The buffer does not hold width × height pixels.
+    #[error("a picture of {width} × {height} pixels cannot be made of {found} pixels")]
+    Count {
+        /// Width in pixels.
+        width: u32,
+        /// Height in pixels.
+        height: u32,
+        /// Pixels given.
+        found: usize,
+    },
+}
+
+/// Checks the sides and returns the number of pixels.
+pub(super) fn pixel_count(width: u32, height: u32) -> Result<usize, SizeError> {
+    if width == 0 || height == 0 {
+        return Err(SizeError::Empty { width, height });
+    }
+    let count = u64::from(width) * u64::from(height);
+    if count > MAX_PIXELS {
+        return Err(SizeError::TooLarge { width, height });
+    }
+    Ok(count as usize)
+}
+
+/// A picture of linear radiance in RGB with Rec. 709 primaries, f32, rows from the top.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Image {
+    width: u32,
+    height: u32,
+    pixels: Vec<Vec3>,
+}
+
+impl Image {
+    /// A black picture.
+    ///
+    /// # Errors
+    /// [`SizeError`] where a side is zero or the picture exceeds [`MAX_PIXELS`].
+    pub fn new(width: u32, height: u32) -> Result<Self, SizeError> {
+        let count = pixel_count(width, height)?;
+        Ok(Self { width, height, pixels: vec![Vec3::ZERO; count] })
+    }
+
+    /// A picture of `width · height` pixels, row by row from the top left.
+    ///
+    /// # Errors
+    /// [`SizeError`] where the sides are bad or do not fit the number of pixels.
+    pub fn from_pixels(width: u32, height: u32, pixels: Vec<Vec3>) -> Result<Self, SizeError> {
+        if pixels.len() != pixel_count(width, height)? {
+            return Err(SizeError::Count { width, height, found: pixels.len() });
+        }
+        Ok(Self { width, height, pixels })
+    }
+
+    /// Width in pixels.
+    #[must_use]
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Height in pixels.
+    #[must_use]
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// All pixels, row by row from the top left.
+    #[must_use]
+    pub fn pixels(&self) -> &[Vec3] {
+        &self.pixels
+    }
+
+    /// All pixels to write, row by row from the top left.
+    #[must_use]
+    pub fn pixels_mut(&mut self) -> &mut [Vec3] {
+        &mut self.pixels
+    }
+
+    /// The pixel in column `x` from the left, row `y` from the top; `None` outside the picture.
+    #[must_use]
+    pub fn get(&self, x: u32, y: u32) -> Option<Vec3> {
+        if x < self.width && y < self.height {
+            self.pixels.get(y as usize * self.width as usize + x as usize).copied()
+        } else {
+            None
+        }
+    }
+}
+
+/// A picture as the bytes of a file: three a pixel, rows from the top, no transfer curve undone.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RgbBytes {
+    width: u32,
+    height: u32,
+    bytes: Vec<u8>,
+}
+
+impl RgbBytes {
+    /// A picture of `3 · width · height` bytes.
+    ///
+    /// # Errors
+    /// [`SizeError`] where the sides are bad or do not fit the number of bytes.
+    pub fn new(width: u32, height: u32, bytes: Vec<u8>) -> Result<Self, SizeError> {
+        if bytes.len() != 3 * pixel_count(width, height)? {
+            return Err(SizeError::Count { width, height, found: bytes.len() / 3 });
+        }
+        Ok(Self { width, height, bytes })
+    }
+
+    /// Width in pixels.
+    #[must_use]
+    pub fn width(&self) -> u32 {
+        self.width
+    }
+
+    /// Height in pixels.
+    #[must_use]
+    pub fn height(&self) -> u32 {
+        self.height
+    }
+
+    /// All bytes: red, green, blue of each pixel, row by row from the top left.
+    #[must_use]
+    pub fn bytes(&self) -> &[u8] {
+        &self.bytes
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_are_checked() {
+        assert_eq!(Image::new(0, 5).unwrap_err(), SizeError::Empty { width: 0, height: 5 });
+        assert_eq!(
+            Image::new(u32::MAX, u32::MAX).unwrap_err(),
+            SizeError::TooLarge { width: u32::MAX, height: u32::MAX }
+        );
+        let short = Image::from_pixels(2, 2, vec![Vec3::ONE; 3]).unwrap_err();
+        assert_eq!(short, SizeError::Count { width: 2, height: 2, found: 3 });
+        assert!(RgbBytes::new(2, 1, vec![0; 5]).is_err() && RgbBytes::new(2, 1, vec![0; 6]).is_ok());
+    }
+
+    #[test]
+    fn get_counts_rows_from_the_top() {
+        let mut image = Image::new(3, 2).unwrap();
+        image.pixels_mut()[5] = Vec3::ONE;
+        assert_eq!(image.get(2, 1), Some(Vec3::ONE));
+        assert_eq!((image.get(3, 0), image.get(0, 2)), (None, None));
+    }
+}

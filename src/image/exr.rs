@@ -1,0 +1,138 @@
+//! OpenEXR in and out: 32-bit float RGB, radiance as it is, neither exposed nor clamped.
+
+use std::io::Cursor;
+
+use exr::meta::attribute::Chromaticities;
+use exr::prelude::{
+    Compression, Encoding, Image as ExrImage, Layer, LayerAttributes, MetaData, ReadChannels, ReadLayers,
+    SpecificChannels, Text, Vec2, WritableImage,
+};
+use glam::Vec3;
+
+use super::buffer::{Image, pixel_count};
+use super::error::{DecodeFailure, WriteError, check_plausible};
+use super::tone::WriteReport;
+
+/// Rec. 709 primaries and the white point D65.
+const REC_709: Chromaticities = Chromaticities {
+    red: Vec2(0.64, 0.33),
+    green: Vec2(0.30, 0.60),
+    blue: Vec2(0.15, 0.06),
+    white: Vec2(0.3127, 0.3290),
+};
+
+/// The OpenEXR file of `image`, whole, ZIP-compressed without loss.
+pub(super) fn encode(image: &Image, metadata: &[(String, String)]) -> Result<(Vec<u8>, WriteReport), WriteError> {
+    let width = image.width() as usize;
+    let pixels = image.pixels();
+    let channels = SpecificChannels::rgb(|Vec2(x, y): Vec2<usize>| {
+        let pixel = pixels[y * width + x];
+        (pixel.x, pixel.y, pixel.z)
+    });
+    let mut attributes = LayerAttributes::default();
+    if !metadata.is_empty() {
+        // One attribute holds all pairs: the crate keeps custom attributes in a hash map, whose order varies by run.
+        let lines: Vec<String> = metadata.iter().map(|(key, text)| format!("{key}: {text}")).collect();
+        attributes.comments = Some(Text::from_slice_unchecked(lines.join("\n").as_bytes()));
+    }
+    let size = (width, image.height() as usize);
+    let mut picture = ExrImage::from_layer(Layer::new(size, attributes, Encoding::SMALL_LOSSLESS, channels));
+    picture.attributes.chromaticities = Some(REC_709);
+
+    let mut file = Cursor::new(Vec::new());
+    picture.write().non_parallel().to_buffered(&mut file).map_err(|error| WriteError::Encode(error.to_string()))?;
+    let non_finite = pixels.iter().filter(|pixel| !pixel.is_finite()).count();
+    Ok((file.into_inner(), WriteReport { non_finite, ..WriteReport::default() }))
+}
+
+impl From<exr::error::Error> for DecodeFailure {
+    fn from(error: exr::error::Error) -> Self {
+        Self::Reason(error.to_string())
+    }
+}
+
+/// The first layer that has the channels R, G and B, of any sample type; other layers and channels are left aside.
+pub(super) fn read(file: &[u8]) -> Result<Image, DecodeFailure> {
+    for header in &MetaData::read_from_buffered(Cursor::new(file), false)?.headers {
+        let Vec2(width, height) = header.layer_size;
+        let side = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
+        let pixels = pixel_count(side(width), side(height))? as u64;
+        // DWA sends whole flat blocks of 8 × 8 as one value before it deflates; nothing else packs tighter than DEFLATE.
+        let block = match header.compression {
+            Compression::Uncompressed | Compression::RLE | Compression::ZIP1 | Compression::ZIP16 => 1,
+            Compression::PIZ | Compression::PXR24 | Compression::B44 | Compression::B44A => 1,
+            _ => 64,
+        };
+        check_plausible(pixels * 2 / block, file.len())?;
+    }
+
+    let picture = exr::prelude::read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .rgb_channels(
+            |Vec2(width, height), _| (width, vec![Vec3::ZERO; width * height]),
+            |(width, pixels), Vec2(x, y), (r, g, b): (f32, f32, f32)| pixels[y * *width + x] = Vec3::new(r, g, b),
+        )
+        .first_valid_layer()
+        .all_attributes()
+        .non_parallel()
+        .from_buffered(Cursor::new(file))?;
+    let Vec2(width, height) = picture.layer_data.size;
+    let (_, pixels) = picture.layer_data.channel_data.pixels;
+    Ok(Image::from_pixels(width as u32, height as u32, pixels)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn extremes() -> Image {
+        let values = [0.0, -0.0, 1.0, -1.0, f32::MAX, f32::MIN_POSITIVE, 1e-45, 0.1, f32::INFINITY, f32::NAN];
+        let pixels = (0..40 * 33).map(|i| Vec3::new(values[i % 10], i as f32, values[(i / 10) % 10])).collect();
+        Image::from_pixels(40, 33, pixels).unwrap()
+    }
+
+    fn decoded(result: Result<Image, DecodeFailure>) -> Image {
+        result.unwrap_or_else(|failure| panic!("{}", failure.at("memory".into())))
+    }
+
+    #[test]
+    fn every_bit_comes_back() {
+        let (file, report) = encode(&extremes(), &[]).unwrap();
+        let image = decoded(read(&file));
+        assert_eq!((image.width(), image.height()), (40, 33));
+        let bits = |image: &Image| -> Vec<[u32; 3]> {
+            image.pixels().iter().map(|p| p.to_array().map(f32::to_bits)).collect()
+        };
+        assert_eq!(bits(&image), bits(&extremes()));
+        let non_finite = extremes().pixels().iter().filter(|p| !p.is_finite()).count();
+        assert_eq!(report, WriteReport { non_finite, too_bright: 0, negative: 0 });
+    }
+
+    #[test]
+    fn metadata_is_stored_and_bytes_repeat() {
+        let pairs = [("Seed".to_owned(), "42".to_owned()), ("Scene".to_owned(), format!("Ω{}", "x".repeat(900)))];
+        let (file, _) = encode(&extremes(), &pairs).unwrap();
+        assert_eq!(encode(&extremes(), &pairs).unwrap().0, file);
+        let headers = MetaData::read_from_buffered(Cursor::new(&file), true).unwrap().headers;
+        let comments = headers[0].own_attributes.comments.as_ref().unwrap();
+        assert_eq!(comments.as_slice(), format!("Seed: 42\nScene: {}", pairs[1].1).as_bytes());
+        assert_eq!(headers[0].shared_attributes.chromaticities, Some(REC_709));
+    }
+
+    #[test]
+    fn damaged_files_are_errors_or_pictures_but_never_panics() {
+        let (file, _) = encode(&extremes(), &[("Seed".into(), "42".into())]).unwrap();
+        for cut in (4..file.len()).step_by(7) {
+            assert!(read(&file[..cut]).is_err(), "cut at {cut}");
+        }
+        for at in 0..file.len().min(700) {
+            for flip in [0x01, 0x80, 0xff] {
+                let mut broken = file.clone();
+                broken[at] ^= flip;
+                // Many bytes (of the comment, of a pixel) may change without making the file bad.
+                drop(read(&broken));
+            }
+        }
+    }
+}

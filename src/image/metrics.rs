@@ -1,0 +1,168 @@
+//! How far two pictures are apart.
+
+use super::buffer::{Image, RgbBytes};
+
+/// Why two pictures cannot be compared.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+pub enum MetricError {
+    /// The sizes differ.
+    #[error("a picture of {} × {} pixels cannot be compared with one of {} × {}", a.0, a.1, b.0, b.1)]
+    Size {
+        /// Width and height of the first.
+        a: (u32, u32),
+        /// Width and height of the second.
+        b: (u32, u32),
+    },
+    /// A pixel is NaN or infinite, which no mean can weigh.
+    #[error("the {which} picture has a non-finite pixel in column {x}, row {y}: repair it before comparing")]
+    NonFinite {
+        /// `first` or `second`.
+        which: &'static str,
+        /// Column from the left.
+        x: u32,
+        /// Row from the top.
+        y: u32,
+    },
+    /// ε or the clip is not a positive number.
+    #[error("{name} is {value}, but must be a positive number")]
+    Parameter {
+        /// `epsilon` or `clip`.
+        name: &'static str,
+        /// As given.
+        value: f64,
+    },
+}
+
+/// Root of the mean squared difference over all pixels and channels.
+///
+/// # Errors
+/// [`MetricError`] where sizes differ or a pixel is not finite.
+pub fn rmse(a: &Image, b: &Image) -> Result<f64, MetricError> {
+    let mut sum = 0.0;
+    for (a, b) in pairs(a, b)? {
+        let d = a.as_dvec3() - b.as_dvec3();
+        sum += d.length_squared();
+    }
+    Ok((sum / (3.0 * b.pixels().len() as f64)).sqrt())
+}
+
+/// Mean over pixels of the mean over channels of (a − b)² / (b² + ε), b being the `reference` (Rousselle et al. 2011).
+///
+/// ε has the unit of b²; the paper takes 0.01. With a `clip`, no pixel adds more than it, so that one firefly does not
+/// drown the rest.
+///
+/// # Errors
+/// [`MetricError`] where sizes differ, a pixel is not finite, or ε or the clip is not positive.
+pub fn relative_mse(a: &Image, reference: &Image, epsilon: f64, clip: Option<f64>) -> Result<f64, MetricError> {
+    let clip = clip.unwrap_or(f64::MAX);
+    for (name, value) in [("epsilon", epsilon), ("clip", clip)] {
+        if !(value > 0.0 && value.is_finite()) {
+            return Err(MetricError::Parameter { name, value });
+        }
+    }
+    let mut sum = 0.0;
+    for (a, b) in pairs(a, reference)? {
+        let (a, b) = (a.as_dvec3(), b.as_dvec3());
+        let d = a - b;
+        let ratio = d * d / (b * b + epsilon);
+        sum += (ratio.element_sum() / 3.0).min(clip);
+    }
+    Ok(sum / reference.pixels().len() as f64)
+}
+
+/// Largest absolute difference of a channel.
+///
+/// # Errors
+/// [`MetricError`] where sizes differ or a pixel is not finite.
+pub fn max_abs_difference(a: &Image, b: &Image) -> Result<f64, MetricError> {
+    Ok(pairs(a, b)?.fold(0.0, |most, (a, b)| (a.as_dvec3() - b.as_dvec3()).abs().max_element().max(most)))
+}
+
+/// How two pictures of bytes differ.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct ByteDifference {
+    /// Bytes (channels, not pixels) that differ.
+    pub count: usize,
+    /// The largest difference in levels.
+    pub largest: u8,
+}
+
+/// Compares two pictures byte by byte.
+///
+/// # Errors
+/// [`MetricError::Size`] where sizes differ.
+pub fn differing_bytes(a: &RgbBytes, b: &RgbBytes) -> Result<ByteDifference, MetricError> {
+    check_sizes((a.width(), a.height()), (b.width(), b.height()))?;
+    let levels = a.bytes().iter().zip(b.bytes()).map(|(a, b)| a.abs_diff(*b));
+    Ok(levels
+        .filter(|&d| d > 0)
+        .fold(ByteDifference::default(), |all, d| ByteDifference { count: all.count + 1, largest: all.largest.max(d) }))
+}
+
+fn check_sizes(a: (u32, u32), b: (u32, u32)) -> Result<(), MetricError> {
+    if a == b { Ok(()) } else { Err(MetricError::Size { a, b }) }
+}
+
+/// The pixels side by side, all finite. Differences of finite f32 stay finite in f64.
+fn pairs<'a>(
+    a: &'a Image,
+    b: &'a Image,
+) -> Result<impl Iterator<Item = (&'a glam::Vec3, &'a glam::Vec3)>, MetricError> {
+    check_sizes((a.width(), a.height()), (b.width(), b.height()))?;
+    for (which, image) in [("first", a), ("second", b)] {
+        if let Some(at) = image.pixels().iter().position(|pixel| !pixel.is_finite()) {
+            let width = image.width() as usize;
+            return Err(MetricError::NonFinite { which, x: (at % width) as u32, y: (at / width) as u32 });
+        }
+    }
+    Ok(a.pixels().iter().zip(b.pixels()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    fn image(pixels: &[[f32; 3]]) -> Image {
+        Image::from_pixels(pixels.len() as u32, 1, pixels.iter().map(|p| Vec3::from_array(*p)).collect()).unwrap()
+    }
+
+    #[test]
+    fn metrics_follow_their_formulas() {
+        let a = image(&[[1.0, 2.0, 3.0], [0.0, 0.0, 0.0]]);
+        let b = image(&[[1.0, 0.0, 3.0], [0.0, 1.0, 0.0]]);
+        // Squares 4 and 1 over six channels.
+        assert!((rmse(&a, &b).unwrap() - f64::sqrt(5.0 / 6.0)).abs() < 1e-15);
+        // First pixel 4 / (0 + ½) / 3 = 8/3, second 1 / (1 + ½) / 3 = 2/9.
+        assert!((relative_mse(&a, &b, 0.5, None).unwrap() - (8.0 / 3.0 + 2.0 / 9.0) / 2.0).abs() < 1e-15);
+        assert!((relative_mse(&a, &b, 0.5, Some(1.0)).unwrap() - (1.0 + 2.0 / 9.0) / 2.0).abs() < 1e-15);
+        assert_eq!(max_abs_difference(&a, &b).unwrap(), 2.0);
+        assert_eq!((rmse(&a, &a).unwrap(), max_abs_difference(&a, &a).unwrap()), (0.0, 0.0));
+    }
+
+    #[test]
+    fn extremes_do_not_overflow() {
+        let (a, b) = (image(&[[f32::MAX; 3]]), image(&[[-f32::MAX; 3]]));
+        assert!((rmse(&a, &b).unwrap() / (2.0 * f64::from(f32::MAX)) - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn what_cannot_be_compared_is_an_error() {
+        let (a, b) = (image(&[[0.0; 3]; 2]), image(&[[0.0; 3]; 3]));
+        assert_eq!(rmse(&a, &b), Err(MetricError::Size { a: (2, 1), b: (3, 1) }));
+        let nan = image(&[[0.0; 3], [0.0, f32::NAN, 0.0]]);
+        let expected = MetricError::NonFinite { which: "second", x: 1, y: 0 };
+        assert_eq!(max_abs_difference(&a, &nan), Err(expected));
+        assert_eq!(relative_mse(&a, &nan, 0.1, Some(1.0)), Err(expected));
+        assert!(matches!(relative_mse(&a, &a, 0.0, None), Err(MetricError::Parameter { name: "epsilon", .. })));
+        assert!(matches!(relative_mse(&a, &a, 1.0, Some(-1.0)), Err(MetricError::Parameter { name: "clip", .. })));
+    }
+
+    #[test]
+    fn bytes_are_compared_by_channel() {
+        let a = RgbBytes::new(2, 1, vec![0, 10, 20, 30, 40, 50]).unwrap();
+        let b = RgbBytes::new(2, 1, vec![0, 11, 20, 30, 33, 50]).unwrap();
+        assert_eq!(differing_bytes(&a, &b), Ok(ByteDifference { count: 2, largest: 7 }));
+        assert!(differing_bytes(&a, &RgbBytes::new(1, 2, vec![0; 6]).unwrap()).is_err());
+    }
+}

@@ -1,0 +1,18 @@
+//! Pictures: the buffer of linear radiance, tone curves, PNG and OpenEXR in and out, and image metrics.
+
+mod buffer;
+mod error;
+mod exr;
+pub mod metrics;
+mod png;
+mod read;
+mod replace;
+mod tone;
+mod write;
+
+pub use buffer::{Image, MAX_PIXELS, RgbBytes, SizeError};
+pub use error::{ReadError, WriteError};
+pub use read::{read, read_bytes};
+pub use replace::replace_file;
+pub use tone::{Curve, MAX_EXPOSURE_STOPS, ToneMap, UnknownCurve, WriteReport};
+pub use write::{BitDepth, OutputFormat, WriteOptions, check_writable, encode, write};

@@ -1,0 +1,292 @@
+//! PNG in and out (ISO/IEC 15948).
+
+use std::io::Cursor;
+
+use glam::Vec3;
+use png::{BitDepth as Depth, ColorType, Decoder, DecodingError, Encoder, EncodingError, SrgbRenderingIntent};
+use rayon::prelude::*;
+
+use super::buffer::{Image, RgbBytes, pixel_count};
+use super::error::{DecodeFailure, WriteError, check_plausible};
+use super::tone::{Curve, Quantizer, WriteReport, srgb_decode};
+use super::write::{BitDepth, WriteOptions};
+
+/// The PNG file of `image`, whole. All but [`Curve::Course`] carry an sRGB chunk.
+pub(super) fn encode(image: &Image, options: &WriteOptions) -> Result<(Vec<u8>, WriteReport), WriteError> {
+    let (samples, report) = quantize(image, options)?;
+    let mut file = Vec::new();
+    let refused = |error: EncodingError| WriteError::Encode(error.to_string());
+
+    let mut encoder = Encoder::new(&mut file, image.width(), image.height());
+    encoder.set_color(ColorType::Rgb);
+    encoder.set_depth(match options.depth {
+        BitDepth::Eight => Depth::Eight,
+        BitDepth::Sixteen => Depth::Sixteen,
+    });
+    if options.tone.curve != Curve::Course {
+        encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
+    }
+    for (key, text) in &options.metadata {
+        // tEXt is Latin-1; older readers know it best.
+        if text.is_ascii() {
+            encoder.add_text_chunk(key.clone(), text.clone()).map_err(refused)?;
+        } else {
+            encoder.add_itxt_chunk(key.clone(), text.clone()).map_err(refused)?;
+        }
+    }
+    let mut writer = encoder.write_header().map_err(refused)?;
+    writer.write_image_data(&samples).map_err(refused)?;
+    writer.finish().map_err(refused)?;
+    Ok((file, report))
+}
+
+/// The samples in the order of the file, 16-bit ones with the high byte first. Rows are independent and counts are whole
+/// numbers, so the result is the same on any number of threads.
+fn quantize(image: &Image, options: &WriteOptions) -> Result<(Vec<u8>, WriteReport), WriteError> {
+    let (white, size) = match options.depth {
+        BitDepth::Eight => (255, 1),
+        BitDepth::Sixteen => (65_535, 2),
+    };
+    let quantizer = Quantizer::new(options.tone, white)?;
+    let width = image.width() as usize;
+    let mut samples = vec![0; image.pixels().len() * 3 * size];
+    let report = samples
+        .par_chunks_mut(width * 3 * size)
+        .zip(image.pixels().par_chunks(width))
+        .map(|(row, pixels)| {
+            let mut report = WriteReport::default();
+            for (bytes, &pixel) in row.chunks_exact_mut(3 * size).zip(pixels) {
+                for (sample, level) in bytes.chunks_exact_mut(size).zip(quantizer.levels(pixel, &mut report)) {
+                    sample.copy_from_slice(&level.to_be_bytes()[2 - size..]);
+                }
+            }
+            report
+        })
+        .reduce(WriteReport::default, WriteReport::merge);
+    Ok((samples, report))
+}
+
+impl From<DecodingError> for DecodeFailure {
+    fn from(error: DecodingError) -> Self {
+        Self::Reason(error.to_string())
+    }
+}
+
+/// Samples as stored, spread to three a pixel.
+struct Decoded {
+    width: u32,
+    height: u32,
+    /// One to two bytes a sample, high byte first.
+    samples: Vec<u8>,
+    sixteen: bool,
+    /// The exponent of a gAMA chunk, where no sRGB chunk overrides it.
+    gamma: Option<f64>,
+}
+
+fn decode(file: &[u8]) -> Result<Decoded, DecodeFailure> {
+    let mut decoder = Decoder::new(Cursor::new(file));
+    decoder.set_transformations(png::Transformations::EXPAND);
+    let mut reader = decoder.read_info()?;
+    let info = reader.info();
+    let (width, height) = (info.width, info.height);
+    let gamma = match (info.srgb, info.gama_chunk) {
+        (None, Some(gamma)) => Some(f64::from(gamma.into_value())),
+        _ => None,
+    };
+    if gamma.is_some_and(|g| g <= 0.0) {
+        return Err(DecodeFailure::Reason("its gAMA chunk states a gamma of zero".into()));
+    }
+    let pixels = pixel_count(width, height)?;
+    let stored = u64::from(height) * info.raw_row_length() as u64;
+    check_plausible(stored, file.len())?;
+
+    let (color, depth) = reader.output_color_type();
+    let (channels, sixteen) = (color.samples(), depth == Depth::Sixteen);
+    let size = if sixteen { 2 } else { 1 };
+    let length = pixels * channels * size;
+    if reader.output_buffer_size() != Some(length) {
+        return Err(DecodeFailure::Reason(
+            "its layout of samples is not supported: convert it to 8- or 16-bit RGB".into(),
+        ));
+    }
+    let mut raw = vec![0; length];
+    reader.next_frame(&mut raw)?;
+
+    let has_alpha = matches!(color, ColorType::Rgba | ColorType::GrayscaleAlpha);
+    let is_color = matches!(color, ColorType::Rgb | ColorType::Rgba);
+    let mut samples = Vec::with_capacity(pixels * 3 * size);
+    for pixel in raw.chunks_exact(channels * size) {
+        if has_alpha && pixel[(channels - 1) * size..].iter().any(|&byte| byte != 255) {
+            return Err(DecodeFailure::Reason("it has transparent pixels: flatten it on a background first".into()));
+        }
+        for channel in 0..3 {
+            let at = if is_color { channel * size } else { 0 };
+            samples.extend_from_slice(&pixel[at..at + size]);
+        }
+    }
+    Ok(Decoded { width, height, samples, sixteen, gamma })
+}
+
+/// Linear radiance: by the gAMA chunk where it stands alone, else by sRGB, which PNG files without a label mean by custom.
+pub(super) fn read(file: &[u8]) -> Result<Image, DecodeFailure> {
+    let Decoded { width, height, samples, sixteen, gamma } = decode(file)?;
+    let linear = |signal: f64| match gamma {
+        Some(gamma) => libm::pow(signal, 1.0 / gamma) as f32,
+        None => srgb_decode(signal) as f32,
+    };
+    let table: Vec<f32> = if sixteen {
+        (0..=65_535).map(|level| linear(f64::from(level) / 65_535.0)).collect()
+    } else {
+        (0..=255).map(|level| linear(f64::from(level) / 255.0)).collect()
+    };
+    let level = |i: usize| {
+        if sixteen { usize::from(u16::from_be_bytes([samples[2 * i], samples[2 * i + 1]])) } else { samples[i].into() }
+    };
+    let value = |i: usize| table[level(i)];
+    let count = pixel_count(width, height)?;
+    let pixels = (0..count).map(|i| Vec3::new(value(3 * i), value(3 * i + 1), value(3 * i + 2))).collect();
+    Ok(Image::from_pixels(width, height, pixels)?)
+}
+
+/// The bytes of an 8-bit file as they stand.
+pub(super) fn read_bytes(file: &[u8]) -> Result<RgbBytes, DecodeFailure> {
+    let decoded = decode(file)?;
+    if decoded.sixteen {
+        return Err(DecodeFailure::Reason("it has 16 bits a channel where 8 are compared".into()));
+    }
+    Ok(RgbBytes::new(decoded.width, decoded.height, decoded.samples)?)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::ToneMap;
+
+    fn options(curve: Curve, depth: BitDepth) -> WriteOptions {
+        WriteOptions { tone: ToneMap { curve, exposure_stops: 0.0 }, depth, metadata: Vec::new() }
+    }
+
+    fn ramp() -> Image {
+        let pixels = (0..35).map(|i| Vec3::new(i as f32 / 34.0, 0.5, 1.0 - i as f32 / 34.0)).collect();
+        Image::from_pixels(7, 5, pixels).unwrap()
+    }
+
+    fn decoded<T>(result: Result<T, DecodeFailure>) -> T {
+        result.unwrap_or_else(|failure| panic!("{}", failure.at("memory".into())))
+    }
+
+    fn failure<T>(result: Result<T, DecodeFailure>) -> String {
+        result.err().expect("a failure").at("memory".into()).to_string()
+    }
+
+    #[test]
+    fn eight_bits_come_back_as_the_levels_written() {
+        let (file, report) = encode(&ramp(), &options(Curve::Course, BitDepth::Eight)).unwrap();
+        let bytes = decoded(read_bytes(&file));
+        for (i, rgb) in bytes.bytes().chunks_exact(3).enumerate() {
+            let up = (255.0 * (i as f32 / 34.0)) as u8;
+            let down = (255.0 * (1.0 - i as f32 / 34.0)) as u8;
+            assert_eq!(rgb, [up, 127, down], "pixel {i}");
+        }
+        assert_eq!(report, WriteReport::default());
+    }
+
+    #[test]
+    fn reading_undoes_the_srgb_curve_to_half_a_level() {
+        for (depth, levels) in [(BitDepth::Eight, 255.0), (BitDepth::Sixteen, 65_535.0)] {
+            let (file, _) = encode(&ramp(), &options(Curve::Srgb, depth)).unwrap();
+            let image = decoded(read(&file));
+            // The decoding curve's slope is at most 2.4 / 1.055 = 2.275; f32 rounding adds 2⁻²⁴.
+            let bound = (0.5 / levels * 2.275 + f64::from(f32::EPSILON)) as f32;
+            for (a, b) in image.pixels().iter().zip(ramp().pixels()) {
+                assert!((*a - *b).abs().max_element() <= bound, "{a} {b} {depth:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn srgb_is_stated_except_by_the_course() {
+        for (curve, stated) in [(Curve::Srgb, true), (Curve::Filmic, true), (Curve::Course, false)] {
+            let (file, _) = encode(&ramp(), &options(curve, BitDepth::Eight)).unwrap();
+            assert_eq!(file.windows(4).any(|w| w == b"sRGB"), stated, "{curve}");
+            assert!(!file.windows(4).any(|w| w == b"gAMA"), "{curve}");
+        }
+    }
+
+    #[test]
+    fn metadata_is_stored_as_text() {
+        let mut options = options(Curve::Srgb, BitDepth::Eight);
+        options.metadata = vec![("Seed".into(), "42".into()), ("Scene".into(), "Glas-Ω".into())];
+        let (file, _) = encode(&ramp(), &options).unwrap();
+        let reader = Decoder::new(Cursor::new(&file)).read_info().unwrap();
+        let (plain, wide) = (&reader.info().uncompressed_latin1_text, &reader.info().utf8_text);
+        assert_eq!((plain[0].keyword.as_str(), plain[0].text.as_str()), ("Seed", "42"));
+        assert_eq!((wide[0].keyword.as_str(), wide[0].get_text().unwrap().as_str()), ("Scene", "Glas-Ω"));
+    }
+
+    fn foreign(color: ColorType, depth: Depth, gamma: Option<f32>, data: &[u8]) -> Vec<u8> {
+        let mut file = Vec::new();
+        let mut encoder = Encoder::new(&mut file, 2, 1);
+        encoder.set_color(color);
+        encoder.set_depth(depth);
+        if let Some(gamma) = gamma {
+            encoder.set_source_gamma(png::ScaledFloat::new(gamma));
+        }
+        encoder.write_header().unwrap().write_image_data(data).unwrap();
+        file
+    }
+
+    #[test]
+    fn other_kinds_of_png_are_read_or_refused_with_a_remedy() {
+        let gray = foreign(ColorType::Grayscale, Depth::Eight, None, &[10, 200]);
+        assert_eq!(decoded(read_bytes(&gray)).bytes(), [10, 10, 10, 200, 200, 200]);
+        let opaque = foreign(ColorType::Rgba, Depth::Eight, None, &[1, 2, 3, 255, 4, 5, 6, 255]);
+        assert_eq!(decoded(read_bytes(&opaque)).bytes(), [1, 2, 3, 4, 5, 6]);
+        let clear = foreign(ColorType::Rgba, Depth::Eight, None, &[1, 2, 3, 255, 4, 5, 6, 254]);
+        assert!(failure(read(&clear)).contains("flatten"));
+        let deep = foreign(ColorType::Rgb, Depth::Sixteen, Some(1.0), &[128, 0, 0, 0, 0, 0, 0, 0, 0, 0, 255, 255]);
+        assert!(failure(read_bytes(&deep)).contains("16 bits"));
+        // A gamma of 1 is linear: level 32768 of 65535.
+        let image = decoded(read(&deep));
+        assert!((image.pixels()[0].x - 32_768.0 / 65_535.0).abs() < 1e-7);
+        assert_eq!(image.pixels()[1].z, 1.0);
+    }
+
+    /// The checksum of a PNG chunk (ISO/IEC 15948, annex D), bit by bit.
+    fn crc32(bytes: &[u8]) -> u32 {
+        let step = |c: u32| if c & 1 == 1 { 0xedb8_8320 ^ (c >> 1) } else { c >> 1 };
+        !bytes.iter().fold(!0, |c, &byte| (0..8).fold(c ^ u32::from(byte), |c, _| step(c)))
+    }
+
+    #[test]
+    fn damaged_files_are_errors() {
+        let (file, _) = encode(&ramp(), &options(Curve::Srgb, BitDepth::Eight)).unwrap();
+        for cut in 8..file.len() - 13 {
+            assert!(read(&file[..cut]).is_err(), "cut at {cut}");
+        }
+        // The same file with a header that promises 16384 × 16384 pixels, its checksum made right.
+        let mut huge = file;
+        huge[16..24].copy_from_slice(&[0, 0, 64, 0, 0, 0, 64, 0]);
+        let checksum = crc32(&huge[12..29]);
+        huge[29..33].copy_from_slice(&checksum.to_be_bytes());
+        assert!(failure(read(&huge)).contains("too short"), "{}", failure(read(&huge)));
+    }
+
+    #[test]
+    fn the_courses_pictures_decode() {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../shared/course/expected");
+        let Ok(entries) = std::fs::read_dir(folder) else {
+            eprintln!("skipped: {folder} is absent");
+            return;
+        };
+        let mut found = 0;
+        for entry in entries {
+            let path = entry.unwrap().path();
+            let bytes = crate::image::read_bytes(&path).unwrap();
+            assert_eq!((bytes.width(), bytes.height()), (200, 200), "{}", path.display());
+            assert!(bytes.bytes().iter().any(|&b| b > 0), "{} is black", path.display());
+            found += 1;
+        }
+        assert_eq!(found, 7);
+    }
+}
