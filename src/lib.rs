@@ -13,3 +13,5 @@ pub mod photon;
 pub mod sampling;
 pub mod scene;
 pub mod shape;
+pub mod integrate;
+pub mod stats;

@@ -7,7 +7,7 @@ use glam::{Vec2, Vec3};
 ///
 /// Flux is the sum of its channels in single precision with two 16-bit fractions, so that hue is right to 1.5·10⁻⁵ and power
 /// to 2⁻²⁴ from 10⁻³⁷ to 10³⁸ W.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 pub struct Flux {
     sum: f32,
     red: u16,

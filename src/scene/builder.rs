@@ -177,8 +177,7 @@ impl SceneBuilder {
         if farthest.is_nan() || farthest > 1e12 {
             return Err(BuildError::TooLarge(f64::from(farthest)));
         }
-        let bounds = boxes.iter().chain([&Bounds::of(corners.iter().flatten().copied())]).copied();
-        let bounds = bounds.fold(Bounds::EMPTY, Bounds::union);
+        let bounds = boxes.iter().copied().fold(Bounds::of(corners.iter().flatten().copied()), Bounds::union);
         let domain = domain(bounds, !planes.is_empty());
 
         let mut lights = Vec::new();

@@ -34,7 +34,6 @@ pub enum CourseLight {
 }
 
 /// A scene ready to be rendered. Coordinates are relative to its own middle.
-#[derive(Debug)]
 pub struct Scene {
     camera: Pinhole,
     background: Rgb,
@@ -52,6 +51,17 @@ pub struct Scene {
     triangle_part: Vec<u32>,
     domain: Sphere,
     middle: DVec3,
+}
+
+impl std::fmt::Debug for Scene {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("Scene")
+            .field("triangles", &self.triangle_count())
+            .field("shapes", &self.shape_count())
+            .field("lights", &self.lights)
+            .field("materials", &self.materials)
+            .finish_non_exhaustive()
+    }
 }
 
 /// A crossing of a ray with the scene, not yet looked at.

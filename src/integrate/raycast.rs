@@ -1,0 +1,58 @@
+//! Ray casting with Phong's model, as the course has it: no shadows, no falloff, no ambient term.
+
+use super::{Integrator, Monitor, Pass, Seconds, tiles};
+use crate::camera::Filter;
+use crate::color::Rgb;
+use crate::math::Ray;
+use crate::sampling::{Key, Purpose};
+use crate::scene::{CourseLight, Scene, Surface};
+use std::time::Instant;
+
+/// Ray casting.
+#[derive(Debug)]
+pub struct RayCast<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// `None`: one ray through the lower left corner of each pixel, as the course's images have it.
+    pub filter: Option<Filter>,
+    /// Rays a pixel.
+    pub samples: u32,
+    /// Seed of the samples within pixels.
+    pub seed: u64,
+}
+
+impl Integrator for RayCast<'_> {
+    fn pass(&self, pass: u32, monitor: &dyn Monitor) -> Pass {
+        let start = Instant::now();
+        let sampling =
+            tiles::Sampling { camera: self.scene.camera(), filter: self.filter.as_ref(), samples: self.samples };
+        let key = Key::new(self.seed).purpose(Purpose::Camera).with(u64::from(pass));
+        let (image, counters) = tiles::render(&sampling, key, monitor, |ray, _, _| self.shade(ray));
+        let seconds = Seconds { eye: start.elapsed().as_secs_f64(), ..Seconds::default() };
+        Pass { image, counters, seconds, ..Pass::default() }
+    }
+}
+
+impl RayCast<'_> {
+    fn shade(&self, ray: &Ray) -> Rgb {
+        let Some(hit) = self.scene.intersect(ray) else {
+            return self.scene.background();
+        };
+        let surface = self.scene.surface(ray, &hit);
+        surface.emission + self.scene.course_lights().iter().map(|light| phong(&surface, light)).sum::<Rgb>()
+    }
+}
+
+/// c·(kd·max(0, N·L) + ks·max(0, V·R)ˢ) with R = 2(N·L)N − L. The highlight is not gated by N·L, normals are not turned, and
+/// 0⁰ is 1.
+fn phong(surface: &Surface<'_>, light: &CourseLight) -> Rgb {
+    let (to_light, color) = match light {
+        CourseLight::Point(position, color) => ((*position - surface.point.p).normalize_or_zero(), *color),
+        CourseLight::Directional(direction, color) => (-*direction, *color),
+    };
+    let (look, n) = (&surface.material.look, surface.point.ns);
+    let cos = n.dot(to_light);
+    let mirror = n * (2.0 * cos) - to_light;
+    let highlight = libm::powf(surface.wo.dot(mirror).max(0.0), look.shininess);
+    color * (look.diffuse * cos.max(0.0) + look.specular * highlight)
+}

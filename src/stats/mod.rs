@@ -1,0 +1,43 @@
+//! What a render did: counters kept by each worker and added once, so that counting costs nothing between threads.
+
+use serde::Serialize;
+use std::ops::AddAssign;
+
+/// Work, counted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+pub struct Counters {
+    /// Rays through pixels.
+    pub camera_rays: u64,
+    /// Rays that continue a camera walk.
+    pub specular_rays: u64,
+    /// Rays towards lights.
+    pub shadow_rays: u64,
+    /// Rays of photons.
+    pub photon_rays: u64,
+    /// Density estimates.
+    pub gathers: u64,
+    /// Photons in them.
+    pub gathered_photons: u64,
+    /// Samples that were not finite and were left out.
+    pub rejected_samples: u64,
+}
+
+impl AddAssign for Counters {
+    fn add_assign(&mut self, o: Self) {
+        self.camera_rays += o.camera_rays;
+        self.specular_rays += o.specular_rays;
+        self.shadow_rays += o.shadow_rays;
+        self.photon_rays += o.photon_rays;
+        self.gathers += o.gathers;
+        self.gathered_photons += o.gathered_photons;
+        self.rejected_samples += o.rejected_samples;
+    }
+}
+
+impl Counters {
+    /// All rays.
+    #[must_use]
+    pub fn rays(&self) -> u64 {
+        self.camera_rays + self.specular_rays + self.shadow_rays + self.photon_rays
+    }
+}
