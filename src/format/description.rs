@@ -348,8 +348,9 @@ pub struct Curve {
 }
 
 /// What the control points of a curve mean.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum CurveBasis {
+    #[default]
     /// One Bézier curve of degree n − 1 for n control points.
     Bezier,
     /// A uniform cubic B-spline of n control points with knots i/(n + 3), unclamped.

@@ -38,6 +38,10 @@ impl<'a> Lexer<'a> {
         Source::new(self.name, self.text)
     }
 
+    pub fn slice(&self, span: Span) -> &'a str {
+        &self.text[span.start..span.start + span.len]
+    }
+
     pub fn error(&self, span: Span, message: String, label: &str, help: String) -> SceneError {
         SceneError::at(&self.source(), span, message, label, help)
     }
@@ -149,7 +153,7 @@ impl<'a> Lexer<'a> {
 }
 
 /// White space as C's `isspace` has it.
-pub(super) fn is_space(b: u8) -> bool {
+fn is_space(b: u8) -> bool {
     matches!(b, b' ' | b'\t'..=b'\r')
 }
 
