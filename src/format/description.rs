@@ -1,0 +1,358 @@
+//! What a scene file says, before anything is looked up: plain data in double precision, with places for errors.
+//!
+//! Lengths are in the scene's own unit (metres, where a light is given in watts), angles in degrees, colours linear RGB.
+//! Values that come from [`parse`](super::parse) have passed its checks; values built by hand need not have.
+
+use std::ops::Deref;
+
+use glam::DVec3;
+
+pub use super::map::Map;
+
+/// A stretch of the scene's text, in bytes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Span {
+    /// First byte.
+    pub start: usize,
+    /// Number of bytes.
+    pub len: usize,
+}
+
+/// A value with the place that it was read from. Equality looks at the value alone.
+///
+/// The span of a block (camera, light, material, object) is its keyword; the span of a name or number is its own text.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Spanned<T> {
+    /// What was read.
+    pub value: T,
+    /// Where it stands in the text.
+    pub span: Span,
+}
+
+impl<T> Spanned<T> {
+    /// `value`, read from `span`.
+    pub const fn new(value: T, span: Span) -> Self {
+        Self { value, span }
+    }
+}
+
+impl<T: PartialEq> PartialEq for Spanned<T> {
+    fn eq(&self, other: &Self) -> bool {
+        self.value == other.value
+    }
+}
+
+impl<T> Deref for Spanned<T> {
+    type Target = T;
+
+    fn deref(&self) -> &T {
+        &self.value
+    }
+}
+
+/// A whole scene file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Description {
+    /// The view to render.
+    pub camera: Spanned<Camera>,
+    /// Radiance of rays that leave the scene.
+    pub background: DVec3,
+    /// In the order of the file.
+    pub lights: Vec<Spanned<Light>>,
+    /// In the order of the file, which `MaterialIndex` counts from 0.
+    pub materials: Vec<Spanned<Material>>,
+    /// The shapes.
+    pub root: Group,
+}
+
+/// A pinhole camera.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Camera {
+    /// The pinhole.
+    pub center: DVec3,
+    /// Where it looks.
+    pub aim: Aim,
+    /// A direction that appears upward; not parallel to the view.
+    pub up: DVec3,
+    /// Vertical field of view in degrees, inside (0, 180).
+    pub angle: f64,
+    /// Pixels across.
+    pub width: u32,
+    /// Pixels down.
+    pub height: u32,
+}
+
+/// Where a camera or spotlight points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Aim {
+    /// Along a direction of any length.
+    Direction(DVec3),
+    /// Towards a point.
+    LookAt(DVec3),
+}
+
+/// A source of light.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Light {
+    /// Shines alike in all directions.
+    Point {
+        /// Its place.
+        position: DVec3,
+        /// How strong it is.
+        strength: PointStrength,
+    },
+    /// Parallel light from infinitely far.
+    Directional {
+        /// The way the light travels, of any length.
+        direction: DVec3,
+        /// How strong it is.
+        strength: DirectionalStrength,
+    },
+    /// A point light that shines into a cone.
+    Spot {
+        /// The cone's apex.
+        position: DVec3,
+        /// The cone's axis.
+        aim: Aim,
+        /// Full opening of the cone in degrees, inside (0, 360].
+        angle: f64,
+        /// Width of the soft rim inside the cone in degrees, at most half of `angle`.
+        penumbra: f64,
+        /// How strong it is; along the axis, where that varies with direction.
+        strength: PointStrength,
+    },
+    /// A sphere that shines outward.
+    Sphere {
+        /// Its middle.
+        center: DVec3,
+        /// Its radius.
+        radius: f64,
+        /// How strong it is.
+        strength: AreaStrength,
+    },
+    /// A disc that shines along its normal's side.
+    Disc {
+        /// Its middle.
+        center: DVec3,
+        /// The side that shines, of any length.
+        normal: DVec3,
+        /// Its radius.
+        radius: f64,
+        /// How strong it is.
+        strength: AreaStrength,
+    },
+    /// A parallelogram that shines on the side of `edge0 × edge1`.
+    Rectangle {
+        /// The corner where both edges start.
+        corner: DVec3,
+        /// From the corner to its first neighbour.
+        edge0: DVec3,
+        /// From the corner to its other neighbour.
+        edge1: DVec3,
+        /// How strong it is.
+        strength: AreaStrength,
+    },
+}
+
+/// How strong a point light or spotlight is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PointStrength {
+    /// The course's colour, which does not fall off with distance.
+    Color(DVec3),
+    /// Radiant intensity in W/sr.
+    Intensity(DVec3),
+    /// Total flux in W.
+    Power(DVec3),
+}
+
+/// How strong a directional light is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum DirectionalStrength {
+    /// The course's colour.
+    Color(DVec3),
+    /// Irradiance in W/m² on a surface that faces the light.
+    Irradiance(DVec3),
+}
+
+/// How strong a light with a surface is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum AreaStrength {
+    /// Radiance in W/(m² sr), alike in all directions of the shining side.
+    Radiance(DVec3),
+    /// Total flux in W.
+    Power(DVec3),
+}
+
+/// What a surface does with light.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// What `MaterialName` calls it: not empty, no line breaks.
+    pub name: Option<String>,
+    /// How it reflects and transmits.
+    pub kind: MaterialKind,
+    /// Radiance that it sends out by itself, in W/(m² sr).
+    pub emission: Option<DVec3>,
+}
+
+/// How a material reflects and transmits.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MaterialKind {
+    /// The course's material.
+    Phong {
+        /// kd.
+        diffuse: DVec3,
+        /// ks.
+        specular: DVec3,
+        /// The exponent, at least 0.
+        shininess: f64,
+        /// Name of an image, kept but not used.
+        texture: Option<String>,
+    },
+    /// A Lambertian surface.
+    Diffuse {
+        /// Share of light that it sends back, inside [0, 1].
+        reflectance: DVec3,
+    },
+    /// A perfect mirror.
+    Mirror {
+        /// Share of light that it sends back, inside [0, 1].
+        reflectance: DVec3,
+    },
+    /// Smooth glass, water, and the like.
+    Dielectric {
+        /// Index of refraction against the outside.
+        index: f64,
+        /// What the inside takes from light on its way.
+        attenuation: Attenuation,
+    },
+}
+
+/// What the inside of a dielectric takes from light on its way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Attenuation {
+    /// Nothing.
+    None,
+    /// Absorption coefficient in 1/length.
+    Absorption(DVec3),
+    /// The share `color` remains after `distance`.
+    Tint {
+        /// Inside (0, 1].
+        color: DVec3,
+        /// Above 0.
+        distance: f64,
+    },
+}
+
+/// Objects side by side. As parsed, groups and transforms nest at most [`MAX_DEPTH`](super::MAX_DEPTH) deep.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Group {
+    /// In the order of the file, which matters: a material holds for all that follow, also past the group's end.
+    pub items: Vec<Item>,
+}
+
+/// One entry of a group.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Item {
+    /// What follows is made of this material, counted from 0.
+    MaterialIndex(Spanned<u32>),
+    /// What follows is made of the material of this name.
+    MaterialName(Spanned<String>),
+    /// Something to see.
+    Object(Spanned<Object>),
+}
+
+/// Something to see.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Object {
+    /// Objects side by side.
+    Group(Group),
+    /// An object that is moved, turned or stretched.
+    Transform {
+        /// Composed by [`Map::product`]: the first listed is applied last.
+        maps: Vec<Map>,
+        /// What is moved.
+        object: Box<Spanned<Object>>,
+    },
+    /// A surface.
+    Shape {
+        /// Its form.
+        shape: Shape,
+        /// Radiance in W/(m² sr) instead of its material's.
+        emission: Option<DVec3>,
+    },
+}
+
+/// The form of a surface.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Shape {
+    /// All points at `radius` from `center`.
+    Sphere {
+        /// Its middle.
+        center: DVec3,
+        /// Its radius.
+        radius: f64,
+    },
+    /// All points x with normal · x = offset.
+    Plane {
+        /// Of any length, as given.
+        normal: DVec3,
+        /// Distance from the origin in units of the normal's length.
+        offset: f64,
+    },
+    /// A flat disc.
+    Disc {
+        /// Its middle.
+        center: DVec3,
+        /// Of any length.
+        normal: DVec3,
+        /// Its radius.
+        radius: f64,
+    },
+    /// A parallelogram with normal `edge0 × edge1`.
+    Rectangle {
+        /// The corner where both edges start.
+        corner: DVec3,
+        /// From the corner to its first neighbour.
+        edge0: DVec3,
+        /// From the corner to its other neighbour.
+        edge1: DVec3,
+    },
+    /// A triangle, of zero area too.
+    Triangle {
+        /// Its corners.
+        vertices: [DVec3; 3],
+        /// Shading normals at the corners, of any length.
+        normals: Option<[DVec3; 3]>,
+    },
+    /// A mesh in a file of its own.
+    Mesh {
+        /// As written: not empty, no line breaks.
+        path: Spanned<String>,
+    },
+    /// The points (x cos θ, y, x sin θ) of a profile (x, y).
+    Revolution {
+        /// The curve that turns about the y axis.
+        profile: Curve,
+    },
+    /// A curve by itself, which has no surface.
+    Curve(Curve),
+}
+
+/// A polynomial curve.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Curve {
+    /// What the control points mean.
+    pub basis: CurveBasis,
+    /// At least 2 for Bézier curves and 4 for B-splines.
+    pub controls: Vec<DVec3>,
+}
+
+/// What the control points of a curve mean.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CurveBasis {
+    #[default]
+    /// One Bézier curve of degree n − 1 for n control points.
+    Bezier,
+    /// A uniform cubic B-spline of n control points with knots i/(n + 3), unclamped.
+    Bspline,
+}

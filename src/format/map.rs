@@ -1,0 +1,96 @@
+//! The steps of a `Transform`.
+
+use glam::{DAffine3, DMat3, DMat4, DVec3};
+
+/// One step of a transform.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Map {
+    /// Stretches each axis.
+    Scale(DVec3),
+    /// Stretches all axes alike.
+    UniformScale(f64),
+    /// Moves.
+    Translate(DVec3),
+    /// Turns right-handed about the x axis, in degrees.
+    RotateX(f64),
+    /// Turns right-handed about the y axis, in degrees.
+    RotateY(f64),
+    /// Turns right-handed about the z axis, in degrees.
+    RotateZ(f64),
+    /// Turns right-handed about an axis through the origin.
+    Rotate {
+        /// Of any length.
+        axis: DVec3,
+        /// In degrees.
+        angle: f64,
+    },
+    /// Any affine map; its fourth row is 0 0 0 1.
+    Matrix(DMat4),
+}
+
+impl Map {
+    /// The map from the object's space to the one around it.
+    #[must_use]
+    pub fn matrix(&self) -> DAffine3 {
+        match *self {
+            Self::Scale(s) => DAffine3::from_scale(s),
+            Self::UniformScale(s) => DAffine3::from_scale(DVec3::splat(s)),
+            Self::Translate(t) => DAffine3::from_translation(t),
+            Self::RotateX(angle) => turn(DVec3::X, angle),
+            Self::RotateY(angle) => turn(DVec3::Y, angle),
+            Self::RotateZ(angle) => turn(DVec3::Z, angle),
+            Self::Rotate { axis, angle } => turn(axis.normalize_or_zero(), angle),
+            Self::Matrix(m) => DAffine3::from_mat4(m),
+        }
+    }
+
+    /// All `maps` as one. Each is applied before those listed ahead of it (M ← M T), but a matrix after them (M ← T M),
+    /// as the course has it.
+    #[must_use]
+    pub fn product(maps: &[Self]) -> DAffine3 {
+        maps.iter().fold(DAffine3::IDENTITY, |m, map| match map {
+            Self::Matrix(_) => map.matrix() * m,
+            _ => m * map.matrix(),
+        })
+    }
+}
+
+/// Rodrigues' rotation about a unit `axis` by `angle` in degrees: cos·I + (1 − cos)·aaᵀ + sin·[a]×.
+fn turn(axis: DVec3, angle: f64) -> DAffine3 {
+    let (sin, cos) = libm::sincos(angle.to_radians());
+    let column = |e: DVec3| e * cos + axis * ((1.0 - cos) * axis.dot(e)) + axis.cross(e) * sin;
+    DAffine3::from_mat3(DMat3::from_cols(column(DVec3::X), column(DVec3::Y), column(DVec3::Z)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn close(a: DVec3, b: DVec3) -> bool {
+        // Few roundings of numbers below 10.
+        (a - b).abs().max_element() < 1e-14
+    }
+
+    #[test]
+    fn turns_are_right_handed() {
+        assert!(close(Map::RotateX(90.0).matrix().transform_point3(DVec3::Y), DVec3::Z));
+        assert!(close(Map::RotateY(90.0).matrix().transform_point3(DVec3::Z), DVec3::X));
+        assert!(close(Map::RotateZ(90.0).matrix().transform_point3(DVec3::X), DVec3::Y));
+        let diagonal = Map::Rotate { axis: DVec3::splat(5.0), angle: 120.0 }.matrix();
+        assert!(close(diagonal.transform_point3(DVec3::X), DVec3::Y));
+        assert!(close(diagonal.transform_point3(DVec3::Y), DVec3::Z));
+    }
+
+    #[test]
+    fn the_first_map_is_applied_last() {
+        let maps = [Map::Translate(DVec3::X), Map::Scale(DVec3::splat(2.0))];
+        assert!(close(Map::product(&maps).transform_point3(DVec3::ONE), DVec3::new(3.0, 2.0, 2.0)));
+    }
+
+    #[test]
+    fn a_matrix_is_applied_after_those_before_it() {
+        let double = Map::Matrix(DMat4::from_scale(DVec3::splat(2.0)));
+        let maps = [Map::Translate(DVec3::X), double];
+        assert!(close(Map::product(&maps).transform_point3(DVec3::ZERO), DVec3::new(2.0, 0.0, 0.0)));
+    }
+}

@@ -1,0 +1,243 @@
+//! Blocks of named fields in any order.
+
+use glam::DVec3;
+
+use super::super::description::{Curve, CurveBasis, Span, Spanned};
+use super::super::error::SceneError;
+use super::super::lexer::{Lexer, Token};
+use super::{Parser, clip, has_direction};
+
+/// What follows a field's name.
+#[derive(Clone, Copy)]
+pub(super) enum Kind {
+    /// Three numbers.
+    Vector,
+    /// A number.
+    Number,
+    /// A whole number.
+    Integer,
+    /// A path or name, quoted or bare.
+    Name,
+    /// A curve block.
+    Curve,
+    /// Points in brackets.
+    Controls,
+}
+
+/// What followed a field's name: only the part that its kind fills.
+#[derive(Default)]
+struct Value {
+    numbers: DVec3,
+    name: String,
+    basis: CurveBasis,
+    controls: Vec<DVec3>,
+}
+
+/// The fields of a block that has been read to its end.
+pub(super) struct Fields<'a> {
+    lexer: Lexer<'a>,
+    block: Token<'a>,
+    list: Vec<(Token<'a>, Spanned<Value>)>,
+}
+
+/// A field that is there.
+#[derive(Clone, Copy)]
+pub(super) struct Found<'f, 'a> {
+    fields: &'f Fields<'a>,
+    word: Token<'a>,
+    value: &'f Spanned<Value>,
+}
+
+impl<'a> Parser<'a> {
+    /// Reads `{ … }` with the fields that `known` lists, each at most once.
+    pub fn fields(&mut self, block: Token<'a>, known: &[(&str, Kind)]) -> Result<Fields<'a>, SceneError> {
+        let mut list: Vec<(Token<'a>, Spanned<Value>)> = Vec::new();
+        self.open(block)?;
+        while let Some(word) = self.word()? {
+            let Some(&(_, kind)) = known.iter().find(|(name, _)| *name == word.text) else {
+                let names: Vec<&str> = known.iter().map(|(name, _)| *name).collect();
+                return Err(self.unexpected(word, &names));
+            };
+            if list.iter().any(|(earlier, _)| earlier.text == word.text) {
+                return Err(self.twice(word));
+            }
+            list.push((word, self.value(word, kind)?));
+        }
+        Ok(Fields { lexer: self.lexer, block, list })
+    }
+
+    fn value(&mut self, word: Token<'a>, kind: Kind) -> Result<Spanned<Value>, SceneError> {
+        let mut value = Value::default();
+        let span = match kind {
+            Kind::Vector => {
+                let read = self.numbers(word)?;
+                value.numbers = DVec3::from_array(read.value);
+                read.span
+            }
+            Kind::Number => {
+                let read = self.numbers::<1>(word)?;
+                value.numbers.x = read.value[0];
+                read.span
+            }
+            Kind::Integer => {
+                let read = self.integer(word)?;
+                value.numbers.x = f64::from(read.value);
+                read.span
+            }
+            Kind::Name => {
+                let read = self.name(word)?;
+                value.name = read.value;
+                read.span
+            }
+            Kind::Curve => {
+                let read = self.profile()?;
+                (value.basis, value.controls) = (read.value.basis, read.value.controls);
+                read.span
+            }
+            Kind::Controls => {
+                value.controls = self.controls(word)?;
+                word.span()
+            }
+        };
+        Ok(Spanned::new(value, span))
+    }
+
+    /// A path or name after `owner`, quoted or bare.
+    pub fn name(&mut self, owner: Token<'a>) -> Result<Spanned<String>, SceneError> {
+        let read = self.lexer.name()?;
+        if !read.value.is_empty() {
+            return Ok(read);
+        }
+        let token = self.lexer.peek();
+        if token.is_end() && read.span.len == 0 {
+            return Err(self.unclosed());
+        }
+        let span = if read.span.len == 0 { token.span() } else { read.span };
+        let name = owner.text;
+        let help = format!("write a name after `{name}`, in quotes if it holds spaces");
+        Err(self.lexer.error(span, format!("`{name}` wants a name"), "a name belongs here", help))
+    }
+
+    fn controls(&mut self, word: Token<'a>) -> Result<Vec<DVec3>, SceneError> {
+        let mut controls = Vec::new();
+        while self.lexer.peek().text == "[" {
+            self.punctuation("[")?;
+            controls.push(DVec3::from_array(self.numbers(word)?.value));
+            self.punctuation("]")?;
+        }
+        Ok(controls)
+    }
+}
+
+impl<'a> Fields<'a> {
+    pub fn error(&self, span: Span, message: String, label: &str, help: String) -> SceneError {
+        self.lexer.error(span, message, label, help)
+    }
+
+    pub fn get(&self, name: &str) -> Option<Found<'_, 'a>> {
+        let (word, value) = self.list.iter().find(|(word, _)| word.text == name)?;
+        Some(Found { fields: self, word: *word, value })
+    }
+
+    pub fn need(&self, name: &str) -> Result<Found<'_, 'a>, SceneError> {
+        self.get(name).ok_or_else(|| {
+            let message = format!("`{}` has no `{name}`", self.block.text);
+            self.error(self.block.span(), message, "this block", format!("add `{name}` to it"))
+        })
+    }
+
+    /// The one field of `names` that is there.
+    pub fn one_of(&self, names: &[&str]) -> Result<Found<'_, 'a>, SceneError> {
+        let mut found = self.list.iter().filter(|(word, _)| names.contains(&word.text));
+        let block = self.block.text;
+        let listed = names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(" or ");
+        let Some((word, value)) = found.next() else {
+            let message = format!("`{block}` has no {listed}");
+            return Err(self.error(self.block.span(), message, "this block", format!("add {listed} to it")));
+        };
+        if let Some((second, _)) = found.next() {
+            let message = format!("`{block}` has both `{}` and `{}`", word.text, second.text);
+            return Err(self.error(second.span(), message, "the second", format!("keep one of {listed}")));
+        }
+        Ok(Found { fields: self, word: *word, value })
+    }
+
+    /// `emission`, on materials and shapes.
+    pub fn emission(&self) -> Result<Option<DVec3>, SceneError> {
+        self.get("emission").map(|emission| emission.colour()).transpose()
+    }
+}
+
+impl<'a> Found<'_, 'a> {
+    pub fn name(&self) -> &'a str {
+        self.word.text
+    }
+
+    /// Where the value stands.
+    pub fn span(&self) -> Span {
+        self.value.span
+    }
+
+    pub fn vector(&self) -> DVec3 {
+        self.value.numbers
+    }
+
+    pub fn number(&self) -> f64 {
+        self.value.numbers.x
+    }
+
+    pub fn text(&self) -> Spanned<String> {
+        Spanned::new(self.value.name.clone(), self.value.span)
+    }
+
+    /// The curve of a profile field.
+    pub fn curve(&self) -> Curve {
+        Curve { basis: self.value.basis, controls: self.value.controls.clone() }
+    }
+
+    /// A curve of these control points; too few are an error.
+    pub fn controls(&self, basis: CurveBasis) -> Result<Curve, SceneError> {
+        let controls = self.value.controls.clone();
+        let (fewest, rule) = match basis {
+            CurveBasis::Bezier => (2, "must hold at least 2 points"),
+            CurveBasis::Bspline => (4, "must hold at least 4 points"),
+        };
+        self.ensure(controls.len() >= fewest, rule)?;
+        Ok(Curve { basis, controls })
+    }
+
+    /// An error at the value unless `ok`; `rule` goes on from the field's name and says what would be right.
+    pub fn ensure(&self, ok: bool, rule: &str) -> Result<(), SceneError> {
+        if ok {
+            return Ok(());
+        }
+        let (name, block) = (self.word.text, self.fields.block.text);
+        let value = clip(self.fields.lexer.slice(self.value.span));
+        let message = format!("`{name}` of `{block}` cannot be `{value}`");
+        Err(self.fields.error(self.value.span, message, "not allowed", format!("`{name}` {rule}")))
+    }
+
+    pub fn positive(&self) -> Result<f64, SceneError> {
+        self.ensure(self.number() > 0.0, "must be above 0")?;
+        Ok(self.number())
+    }
+
+    /// A colour, radiance, or other spectrum.
+    pub fn colour(&self) -> Result<DVec3, SceneError> {
+        self.ensure(self.vector().min_element() >= 0.0, "must not be negative")?;
+        Ok(self.vector())
+    }
+
+    /// A colour that sends back at most the light that comes.
+    pub fn reflectance(&self) -> Result<DVec3, SceneError> {
+        let ok = self.vector().min_element() >= 0.0 && self.vector().max_element() <= 1.0;
+        self.ensure(ok, "must lie between 0 and 1 in each component")?;
+        Ok(self.vector())
+    }
+
+    /// A vector whose length does not matter, but must not be 0.
+    pub fn direction(&self) -> Result<DVec3, SceneError> {
+        self.ensure(has_direction(self.vector()), "must have a length above 0 (and below 1e154)")?;
+        Ok(self.vector())
+    }
+}

@@ -1,0 +1,338 @@
+//! From description back to text, in one canonical form that the course's parser reads too where it can.
+
+use std::fmt::{Display, Formatter, Result};
+
+use glam::DVec3;
+
+use super::description::{
+    Aim, AreaStrength, Attenuation, Camera, Curve, CurveBasis, Description, DirectionalStrength, Group, Item, Light,
+    Map, Material, MaterialKind, Object, PointStrength, Shape, Spanned,
+};
+use super::parser::is_identifier;
+
+impl Display for Description {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let mut out = Printer { f, depth: 0 };
+        out.camera(&self.camera)?;
+        out.open("Background")?;
+        out.vector("color", self.background)?;
+        out.close()?;
+        if !self.lights.is_empty() {
+            out.open("Lights")?;
+            out.field("numLights", self.lights.len())?;
+            self.lights.iter().try_for_each(|light| out.light(light))?;
+            out.close()?;
+        }
+        if !self.materials.is_empty() {
+            out.open("Materials")?;
+            out.field("numMaterials", self.materials.len())?;
+            self.materials.iter().try_for_each(|material| out.material(material))?;
+            out.close()?;
+        }
+        out.group(&self.root)
+    }
+}
+
+struct Printer<'f, 'a> {
+    f: &'f mut Formatter<'a>,
+    depth: usize,
+}
+
+impl Printer<'_, '_> {
+    fn line(&mut self, text: impl Display) -> Result {
+        writeln!(self.f, "{:1$}{text}", "", 4 * self.depth)
+    }
+
+    fn field(&mut self, name: &str, value: impl Display) -> Result {
+        self.line(format_args!("{name} {value}"))
+    }
+
+    fn number(&mut self, name: &str, value: f64) -> Result {
+        self.field(name, Number(value))
+    }
+
+    fn vector(&mut self, name: &str, value: DVec3) -> Result {
+        self.field(name, Numbers(&value.to_array()))
+    }
+
+    fn optional(&mut self, name: &str, value: Option<DVec3>) -> Result {
+        value.map_or(Ok(()), |value| self.vector(name, value))
+    }
+
+    fn open(&mut self, keyword: impl Display) -> Result {
+        self.line(format_args!("{keyword} {{"))?;
+        self.depth += 1;
+        Ok(())
+    }
+
+    fn close(&mut self) -> Result {
+        self.depth -= 1;
+        self.line("}")
+    }
+
+    fn aim(&mut self, aim: Aim) -> Result {
+        match aim {
+            Aim::Direction(direction) => self.vector("direction", direction),
+            Aim::LookAt(point) => self.vector("lookAt", point),
+        }
+    }
+
+    fn camera(&mut self, camera: &Camera) -> Result {
+        self.open("PerspectiveCamera")?;
+        self.vector("center", camera.center)?;
+        self.aim(camera.aim)?;
+        self.vector("up", camera.up)?;
+        self.number("angle", camera.angle)?;
+        self.field("width", camera.width)?;
+        self.field("height", camera.height)?;
+        self.close()
+    }
+
+    fn light(&mut self, light: &Light) -> Result {
+        match *light {
+            Light::Point { position, strength } => {
+                self.open("PointLight")?;
+                self.vector("position", position)?;
+                self.point_strength(strength)?;
+            }
+            Light::Directional { direction, strength } => {
+                self.open("DirectionalLight")?;
+                self.vector("direction", direction)?;
+                match strength {
+                    DirectionalStrength::Color(c) => self.vector("color", c)?,
+                    DirectionalStrength::Irradiance(c) => self.vector("irradiance", c)?,
+                }
+            }
+            Light::Spot { position, aim, angle, penumbra, strength } => {
+                self.open("SpotLight")?;
+                self.vector("position", position)?;
+                self.aim(aim)?;
+                self.number("angle", angle)?;
+                self.number("penumbra", penumbra)?;
+                self.point_strength(strength)?;
+            }
+            Light::Sphere { center, radius, strength } => {
+                self.open("SphereLight")?;
+                self.vector("center", center)?;
+                self.number("radius", radius)?;
+                self.area_strength(strength)?;
+            }
+            Light::Disc { center, normal, radius, strength } => {
+                self.open("DiscLight")?;
+                self.vector("center", center)?;
+                self.vector("normal", normal)?;
+                self.number("radius", radius)?;
+                self.area_strength(strength)?;
+            }
+            Light::Rectangle { corner, edge0, edge1, strength } => {
+                self.open("RectangleLight")?;
+                self.rectangle(corner, edge0, edge1)?;
+                self.area_strength(strength)?;
+            }
+        }
+        self.close()
+    }
+
+    fn point_strength(&mut self, strength: PointStrength) -> Result {
+        match strength {
+            PointStrength::Color(c) => self.vector("color", c),
+            PointStrength::Intensity(c) => self.vector("intensity", c),
+            PointStrength::Power(c) => self.vector("power", c),
+        }
+    }
+
+    fn area_strength(&mut self, strength: AreaStrength) -> Result {
+        match strength {
+            AreaStrength::Radiance(c) => self.vector("radiance", c),
+            AreaStrength::Power(c) => self.vector("power", c),
+        }
+    }
+
+    fn material(&mut self, material: &Material) -> Result {
+        let keyword = match material.kind {
+            MaterialKind::Phong { .. } => "PhongMaterial",
+            MaterialKind::Diffuse { .. } => "Diffuse",
+            MaterialKind::Mirror { .. } => "Mirror",
+            MaterialKind::Dielectric { .. } => "Dielectric",
+        };
+        match &material.name {
+            None => self.open(keyword)?,
+            Some(name) if is_identifier(name) => self.open(format_args!("{keyword} {name}"))?,
+            Some(name) => self.open(format_args!("{keyword} {}", Quoted(name)))?,
+        }
+        match &material.kind {
+            MaterialKind::Phong { diffuse, specular, shininess, texture } => {
+                self.vector("diffuseColor", *diffuse)?;
+                self.vector("specularColor", *specular)?;
+                self.number("shininess", *shininess)?;
+                texture.as_ref().map_or(Ok(()), |name| self.field("texture", Name(name)))?;
+            }
+            MaterialKind::Diffuse { reflectance } | MaterialKind::Mirror { reflectance } => {
+                self.vector("reflectance", *reflectance)?;
+            }
+            MaterialKind::Dielectric { index, attenuation } => {
+                self.number("indexOfRefraction", *index)?;
+                match *attenuation {
+                    Attenuation::None => {}
+                    Attenuation::Absorption(absorption) => self.vector("absorption", absorption)?,
+                    Attenuation::Tint { color, distance } => {
+                        self.vector("tint", color)?;
+                        self.number("tintDistance", distance)?;
+                    }
+                }
+            }
+        }
+        self.optional("emission", material.emission)?;
+        self.close()
+    }
+
+    fn group(&mut self, group: &Group) -> Result {
+        self.open("Group")?;
+        let objects = group.items.iter().filter(|item| matches!(item, Item::Object(_))).count();
+        self.field("numObjects", objects)?;
+        for item in &group.items {
+            match item {
+                Item::MaterialIndex(index) => self.field("MaterialIndex", index.value)?,
+                Item::MaterialName(name) => self.field("MaterialName", Name(name))?,
+                Item::Object(object) => self.object(object)?,
+            }
+        }
+        self.close()
+    }
+
+    fn object(&mut self, object: &Spanned<Object>) -> Result {
+        match &object.value {
+            Object::Group(group) => self.group(group),
+            Object::Transform { maps, object } => {
+                self.open("Transform")?;
+                maps.iter().try_for_each(|map| self.map(map))?;
+                self.object(object)?;
+                self.close()
+            }
+            Object::Shape { shape, emission } => self.shape(shape, *emission),
+        }
+    }
+
+    fn map(&mut self, map: &Map) -> Result {
+        match *map {
+            Map::Scale(s) => self.vector("Scale", s),
+            Map::UniformScale(s) => self.number("UniformScale", s),
+            Map::Translate(t) => self.vector("Translate", t),
+            Map::RotateX(angle) => self.number("XRotate", angle),
+            Map::RotateY(angle) => self.number("YRotate", angle),
+            Map::RotateZ(angle) => self.number("ZRotate", angle),
+            Map::Rotate { axis, angle } => {
+                let numbers = [axis.x, axis.y, axis.z, angle];
+                self.field("Rotate", format_args!("{{ {} }}", Numbers(&numbers)))
+            }
+            Map::Matrix(m) => self.field("Matrix4f", format_args!("{{ {} }}", Numbers(&m.to_cols_array()))),
+        }
+    }
+
+    fn shape(&mut self, shape: &Shape, emission: Option<DVec3>) -> Result {
+        match shape {
+            Shape::Sphere { center, radius } => {
+                self.open("Sphere")?;
+                self.vector("center", *center)?;
+                self.number("radius", *radius)?;
+            }
+            Shape::Plane { normal, offset } => {
+                self.open("Plane")?;
+                self.vector("normal", *normal)?;
+                self.number("offset", *offset)?;
+            }
+            Shape::Disc { center, normal, radius } => {
+                self.open("Disc")?;
+                self.vector("center", *center)?;
+                self.vector("normal", *normal)?;
+                self.number("radius", *radius)?;
+            }
+            Shape::Rectangle { corner, edge0, edge1 } => {
+                self.open("Rectangle")?;
+                self.rectangle(*corner, *edge0, *edge1)?;
+            }
+            Shape::Triangle { vertices, normals } => {
+                self.open("Triangle")?;
+                for (i, vertex) in vertices.iter().enumerate() {
+                    self.vector(&format!("vertex{i}"), *vertex)?;
+                }
+                for (i, normal) in normals.iter().flatten().enumerate() {
+                    self.vector(&format!("normal{i}"), *normal)?;
+                }
+            }
+            Shape::Mesh { path } => {
+                self.open("TriangleMesh")?;
+                self.field("obj_file", Name(path))?;
+            }
+            Shape::Revolution { profile } => {
+                self.open("RevSurface")?;
+                self.curve("profile ", profile)?;
+                self.close()?;
+            }
+            Shape::Curve(curve) => self.curve("", curve)?,
+        }
+        self.optional("emission", emission)?;
+        self.close()
+    }
+
+    fn rectangle(&mut self, corner: DVec3, edge0: DVec3, edge1: DVec3) -> Result {
+        self.vector("corner", corner)?;
+        self.vector("edge0", edge0)?;
+        self.vector("edge1", edge1)
+    }
+
+    /// All of a curve but its last brace.
+    fn curve(&mut self, before: &str, curve: &Curve) -> Result {
+        let keyword = match curve.basis {
+            CurveBasis::Bezier => "BezierCurve",
+            CurveBasis::Bspline => "BsplineCurve",
+        };
+        self.open(format_args!("{before}{keyword}"))?;
+        self.line("controls")?;
+        curve.controls.iter().try_for_each(|point| self.line(format_args!("    [ {} ]", Numbers(&point.to_array()))))
+    }
+}
+
+/// The shortest text that reads back as the same number, by exponent where that is far from 1.
+struct Number(f64);
+
+impl Display for Number {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        match self.0.abs() {
+            0.0 | 1e-5..1e16 => write!(f, "{}", self.0),
+            _ => write!(f, "{:e}", self.0),
+        }
+    }
+}
+
+struct Numbers<'a>(&'a [f64]);
+
+impl Display for Numbers<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        for (i, number) in self.0.iter().enumerate() {
+            let gap = if i == 0 { "" } else { " " };
+            write!(f, "{gap}{}", Number(*number))?;
+        }
+        Ok(())
+    }
+}
+
+/// A path or name, bare where it reads back so.
+struct Name<'a>(&'a str);
+
+impl Display for Name<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        let name = self.0;
+        let plain = |c: char| !c.is_whitespace() && !c.is_control() && !"\"{}".contains(c);
+        let comment = name.starts_with('#') || name.starts_with("//");
+        if !name.is_empty() && !comment && name.chars().all(plain) { f.write_str(name) } else { Quoted(name).fmt(f) }
+    }
+}
+
+struct Quoted<'a>(&'a str);
+
+impl Display for Quoted<'_> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Result {
+        write!(f, "\"{}\"", self.0.replace('\\', "\\\\").replace('"', "\\\""))
+    }
+}
