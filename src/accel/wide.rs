@@ -133,15 +133,25 @@ impl Wide {
                 let node = &self.nodes[current as usize];
                 let (mut hits, near) = node.enter(probe, limit);
                 if hits != 0 {
-                    if hits & (hits - 1) == 0 {
-                        current = node.children[hits.trailing_zeros() as usize & (ARITY - 1)];
+                    let slot = |hits: u32| hits.trailing_zeros() as usize & (ARITY - 1);
+                    let entry =
+                        |slot: usize| u64::from(near.as_array()[slot].to_bits()) << 32 | u64::from(node.children[slot]);
+                    let rest = hits & (hits - 1);
+                    if rest == 0 {
+                        current = node.children[slot(hits)];
+                        continue;
+                    }
+                    if SORTED && rest & (rest - 1) == 0 {
+                        let (a, b) = (entry(slot(hits)), entry(slot(rest)));
+                        stack[top] = a.max(b);
+                        top += 1;
+                        current = a.min(b) as u32;
                         continue;
                     }
                     let base = top;
                     while hits != 0 {
-                        let slot = hits.trailing_zeros() as usize & (ARITY - 1);
+                        let entry = entry(slot(hits));
                         hits &= hits - 1;
-                        let entry = u64::from(near.as_array()[slot].to_bits()) << 32 | u64::from(node.children[slot]);
                         let mut at = top;
                         while SORTED && at > base && stack[at - 1] < entry {
                             stack[at] = stack[at - 1];
