@@ -1,7 +1,7 @@
 //! Packets of triangles and their watertight intersection.
 
 use super::probe::Probe;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use wide::f32x4;
 
 /// Triangles in a packet.
@@ -43,12 +43,14 @@ impl Packet {
     #[inline]
     pub fn candidates(&self, probe: &Probe) -> u32 {
         let [ax, ay, az] = probe.axes;
-        let [ox, oy, oz] = [ax, ay, az].map(|a| Lane::splat(probe.origin[a]));
-        let [sx, sy] = probe.shear.map(Lane::splat);
-        let z = self.corners[az].map(|p| p - oz);
-        let [px, py] = [&self.corners[ax], &self.corners[ay]];
-        let x: [Lane; 3] = [px[0] - ox - sx * z[0], px[1] - ox - sx * z[1], px[2] - ox - sx * z[2]];
-        let y: [Lane; 3] = [py[0] - oy - sy * z[0], py[1] - oy - sy * z[1], py[2] - oy - sy * z[2]];
+        let [px, py, pz] = [&self.corners[ax], &self.corners[ay], &self.corners[az]];
+        let ox = Lane::splat(probe.origin[ax]);
+        let oy = Lane::splat(probe.origin[ay]);
+        let oz = Lane::splat(probe.origin[az]);
+        let (sx, sy) = (Lane::splat(probe.shear[0]), Lane::splat(probe.shear[1]));
+        let z = [pz[0] - oz, pz[1] - oz, pz[2] - oz];
+        let x = [px[0] - ox - sx * z[0], px[1] - ox - sx * z[1], px[2] - ox - sx * z[2]];
+        let y = [py[0] - oy - sy * z[0], py[1] - oy - sy * z[1], py[2] - oy - sy * z[2]];
         let u = x[2] * y[1] - y[2] * x[1];
         let v = x[0] * y[2] - y[0] * x[2];
         let w = x[1] * y[0] - y[1] * x[0];
@@ -66,15 +68,19 @@ impl Packet {
     #[inline]
     pub fn hit(&self, lane: usize, probe: &Probe) -> Option<(f32, f32, f32)> {
         let [ax, ay, az] = probe.axes;
+        let [px, py, pz] = [&self.corners[ax], &self.corners[ay], &self.corners[az]];
+        let [ox, oy, oz] = [probe.origin[ax], probe.origin[ay], probe.origin[az]];
+        let [sx, sy] = probe.shear;
         let corner = |c: usize| {
-            let [px, py, pz] = [ax, ay, az].map(|a| self.corners[a][c].as_array()[lane] - probe.origin[a]);
-            [px - probe.shear[0] * pz, py - probe.shear[1] * pz, pz].map(f64::from)
+            let at = |p: &[Lane; 3]| p[c].as_array()[lane & (LANES - 1)];
+            let z = at(pz) - oz;
+            DVec3::new(f64::from(at(px) - ox - sx * z), f64::from(at(py) - oy - sy * z), f64::from(z))
         };
-        let [a, b, c] = [corner(0), corner(1), corner(2)];
-        let u = c[0] * b[1] - c[1] * b[0];
-        let v = a[0] * c[1] - a[1] * c[0];
-        let w = b[0] * a[1] - b[1] * a[0];
-        if u.min(v).min(w) < 0.0 && u.max(v).max(w) > 0.0 {
+        let (a, b, c) = (corner(0), corner(1), corner(2));
+        let u = c.x * b.y - c.y * b.x;
+        let v = a.x * c.y - a.y * c.x;
+        let w = b.x * a.y - b.y * a.x;
+        if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
             return None;
         }
         let determinant = u + v + w;
@@ -82,7 +88,7 @@ impl Packet {
             return None;
         }
         let inverse = 1.0 / determinant;
-        let t = (u * a[2] + v * b[2] + w * c[2]) * inverse / probe.depth;
+        let t = (u * a.z + v * b.z + w * c.z) * inverse / probe.depth;
         Some((t as f32, (v * inverse) as f32, (w * inverse) as f32))
     }
 

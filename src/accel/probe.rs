@@ -42,12 +42,13 @@ impl Probe {
         let z = if d[2].abs() > d[z].abs() { 2 } else { z };
         let (x, y) = ([1, 2, 0][z], [2, 0, 1][z]);
         // An infinite reciprocal times a distance of zero would be no number.
-        let reciprocal = d.map(|d| (1.0 / d).clamp(-f32::MAX, f32::MAX));
+        let reciprocal = |d: f32| (1.0 / d).clamp(-f32::MAX, f32::MAX);
+        let [rx, ry, rz] = [reciprocal(d[0]), reciprocal(d[1]), reciprocal(d[2])];
         Some(Self {
             origin,
-            origins: origin.map(f32x8::splat),
-            reciprocals: reciprocal.map(f32x8::splat),
-            near: reciprocal.map(|r| usize::from(r < 0.0)),
+            origins: [f32x8::splat(origin[0]), f32x8::splat(origin[1]), f32x8::splat(origin[2])],
+            reciprocals: [f32x8::splat(rx), f32x8::splat(ry), f32x8::splat(rz)],
+            near: [usize::from(rx < 0.0), usize::from(ry < 0.0), usize::from(rz < 0.0)],
             axes: [x, y, z],
             shear: [d[x] / d[z], d[y] / d[z]],
             depth: f64::from(d[z]),

@@ -17,7 +17,8 @@ const PACKET: u32 = 1 << 30;
 
 /// Stacks that a tree of depth [`MAX_DEPTH`] cannot overflow, and smaller ones that cost less to clear.
 const DEEPEST_STACK: usize = 512;
-const USUAL_STACK: usize = 64;
+const USUAL_STACK: usize = 96;
+const SMALL_STACK: usize = 32;
 const _: () = assert!((ARITY - 1) * (MAX_DEPTH as usize + 1) + ARITY <= DEEPEST_STACK);
 
 /// How far, in units of its extent, the box of a triangle is padded, and by which factor, applied to its far end, the
@@ -108,7 +109,9 @@ impl Wide {
     /// returned, `t_max` at first; a negative limit ends the walk. `SORTED` goes from near to far.
     #[inline]
     pub fn walk<const SORTED: bool, F: FnMut(u32, f32) -> f32>(&self, probe: &Probe, leaf: F) {
-        if self.stack <= USUAL_STACK {
+        if self.stack <= SMALL_STACK {
+            self.walk_with::<SORTED, SMALL_STACK, F>(probe, leaf);
+        } else if self.stack <= USUAL_STACK {
             self.walk_with::<SORTED, USUAL_STACK, F>(probe, leaf);
         } else {
             self.walk_with::<SORTED, DEEPEST_STACK, F>(probe, leaf);
@@ -130,11 +133,25 @@ impl Wide {
                 let node = &self.nodes[current as usize];
                 let (mut hits, near) = node.enter(probe, limit);
                 if hits != 0 {
+                    let slot = |hits: u32| hits.trailing_zeros() as usize & (ARITY - 1);
+                    let entry =
+                        |slot: usize| u64::from(near.as_array()[slot].to_bits()) << 32 | u64::from(node.children[slot]);
+                    let rest = hits & (hits - 1);
+                    if rest == 0 {
+                        current = node.children[slot(hits)];
+                        continue;
+                    }
+                    if SORTED && rest & (rest - 1) == 0 {
+                        let (a, b) = (entry(slot(hits)), entry(slot(rest)));
+                        stack[top] = a.max(b);
+                        top += 1;
+                        current = a.min(b) as u32;
+                        continue;
+                    }
                     let base = top;
                     while hits != 0 {
-                        let slot = hits.trailing_zeros() as usize & (ARITY - 1);
+                        let entry = entry(slot(hits));
                         hits &= hits - 1;
-                        let entry = u64::from(near.as_array()[slot].to_bits()) << 32 | u64::from(node.children[slot]);
                         let mut at = top;
                         while SORTED && at > base && stack[at - 1] < entry {
                             stack[at] = stack[at - 1];
