@@ -6,6 +6,7 @@ pub mod accel;
 pub mod bsdf;
 pub mod camera;
 pub mod color;
+pub mod format;
 pub mod image;
 pub mod light;
 pub mod math;

@@ -1,7 +1,7 @@
 //! Discs, and the ellipses that affine maps make of them.
 
 use super::{Crossing, ShapeSample, SurfacePoint, widen, within};
-use crate::math::{Ray, warp};
+use crate::math::{Ray, Transform, warp};
 use glam::{DVec3, Vec2};
 
 /// The points `center + x·a + y·b` with x² + y² ≤ 1; its outer side is that of `a × b`.
@@ -22,6 +22,22 @@ impl Disc {
         let cross = a.cross(b);
         let n2 = cross.length_squared();
         Self { center, a, b, normal: cross / n2.sqrt(), dual: [b.cross(cross) / n2, cross.cross(a) / n2] }
+    }
+
+    /// A round disc across `normal`, of any length above zero.
+    #[must_use]
+    pub fn around(center: DVec3, normal: DVec3, radius: f64) -> Self {
+        let (a, b) = normal.normalize().any_orthonormal_pair();
+        // any_orthonormal_pair is right-handed with its vector last.
+        Self::new(center, a * radius, b * radius)
+    }
+
+    /// The image under an affine map, with the same outer side.
+    #[must_use]
+    pub fn transformed(&self, map: &Transform) -> Self {
+        let (a, b) = (map.vector(self.a), map.vector(self.b));
+        let (a, b) = if map.mirrors() { (b, a) } else { (a, b) };
+        Self::new(map.point(self.center), a, b)
     }
 
     #[inline]

@@ -1,7 +1,7 @@
 //! Rectangles, and the parallelograms that affine maps make of them.
 
 use super::{Crossing, ShapeSample, SurfacePoint, widen, within};
-use crate::math::Ray;
+use crate::math::{Ray, Transform};
 use glam::{DVec3, Vec2};
 
 /// The points `corner + x·e0 + y·e1` with x, y in \[0, 1]; its outer side is that of `e0 × e1`.
@@ -21,6 +21,14 @@ impl Rectangle {
         let cross = e0.cross(e1);
         let n2 = cross.length_squared();
         Self { corner, edges: [e0, e1], normal: cross / n2.sqrt(), dual: [e1.cross(cross) / n2, cross.cross(e0) / n2] }
+    }
+
+    /// The image under an affine map, with the same outer side.
+    #[must_use]
+    pub fn transformed(&self, map: &Transform) -> Self {
+        let [e0, e1] = self.edges.map(|e| map.vector(e));
+        let (e0, e1) = if map.mirrors() { (e1, e0) } else { (e0, e1) };
+        Self::new(map.point(self.corner), e0, e1)
     }
 
     #[inline]

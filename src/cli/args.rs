@@ -1,0 +1,133 @@
+//! What can be typed.
+
+use super::number::{count, duration, length, positive_count, size};
+use crate::camera::FilterKind;
+use crate::image::{BitDepth, Curve};
+use crate::photon::Kernel;
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// Photon mapping that tells what accuracy costs.
+#[derive(Debug, Parser)]
+#[command(name = "caustica", version, about, after_help = EXIT_CODES)]
+pub struct Arguments {
+    /// What to do.
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+const EXIT_CODES: &str = "\
+Exit codes: 0 done; 1 a scene or mesh is missing or wrong; 2 wrong command line; 3 an output cannot be written; \
+130 interrupted (once: the picture so far was written; twice: nothing was).";
+
+/// The commands.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Render a scene to pictures
+    Render(Box<RenderArguments>),
+}
+
+/// How light is computed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum IntegratorName {
+    /// Photon mapping with a global and a caustic map
+    Pm,
+    /// Ray casting with Phong's model: no shadows, no bounces
+    Raycast,
+}
+
+/// Arguments of `render`.
+#[derive(Debug, Args)]
+pub struct RenderArguments {
+    /// The scene file
+    pub scene: PathBuf,
+
+    /// Where to write: .png or .exr; may be given several times
+    #[arg(short, long = "output", required = true, value_name = "FILE")]
+    pub output: Vec<PathBuf>,
+
+    /// The algorithm
+    #[arg(long, value_enum, default_value = "pm")]
+    pub integrator: IntegratorName,
+
+    /// Photon paths of the global map a pass, such as 500k or 2M; 0 for none
+    #[arg(long, value_parser = count, default_value = "250k", value_name = "N")]
+    pub photons: u32,
+
+    /// Photon paths aimed at glass and mirrors a pass; 0 for none  [default: as many as --photons]
+    #[arg(long, value_parser = count, value_name = "N")]
+    pub caustic_photons: Option<u32>,
+
+    /// Passes; their mean is the picture  [default: 24, or no limit with --time; raycast 1]
+    #[arg(long, value_parser = positive_count, value_name = "N")]
+    pub passes: Option<u32>,
+
+    /// End after the pass in which this much time has gone by, such as 60s or 5m
+    #[arg(long, value_parser = duration, value_name = "TIME")]
+    pub time: Option<Duration>,
+
+    /// Camera rays a pixel and pass  [default: 1]
+    #[arg(long, value_parser = positive_count, value_name = "N")]
+    pub spp: Option<u32>,
+
+    /// Most photons in a density estimate; 0 for no limit but the radius
+    #[arg(long, value_parser = count, default_value = "50", value_name = "K")]
+    pub gather_k: u32,
+
+    /// Largest gather radius of the first pass, in units of the scene  [default: found by a pilot pass]
+    #[arg(long, value_parser = length, value_name = "R")]
+    pub radius: Option<f32>,
+
+    /// Kernel of the density estimate: box, cone or epanechnikov
+    #[arg(long, default_value = "epanechnikov", value_name = "NAME")]
+    pub kernel: Kernel,
+
+    /// Bounces after which a path is cut
+    #[arg(long, value_parser = count, default_value = "100", value_name = "N")]
+    pub max_bounces: u32,
+
+    /// Pixel filter: box, tent, gaussian or blackman-harris
+    #[arg(long, default_value = "blackman-harris", value_name = "NAME")]
+    pub filter: FilterKind,
+
+    /// Seed: the same seed and settings give the same picture, bit for bit
+    #[arg(long, default_value = "0", value_name = "N")]
+    pub seed: u64,
+
+    /// Threads  [default: one a core]
+    #[arg(long, value_parser = positive_count, value_name = "N")]
+    pub threads: Option<u32>,
+
+    /// Picture size instead of the scene's, such as 1280x720
+    #[arg(long, value_parser = size, value_name = "WxH")]
+    pub size: Option<(u32, u32)>,
+
+    /// Tone curve of PNG: srgb, filmic or course (bytes without gamma)  [default: srgb; raycast course]
+    #[arg(long, value_name = "NAME")]
+    pub tone: Option<Curve>,
+
+    /// Exposure of PNG in stops: +1 is twice as bright
+    #[arg(long, default_value = "0", allow_negative_numbers = true, value_name = "STOPS")]
+    pub exposure: f32,
+
+    /// Bits a channel of PNG: 8 or 16
+    #[arg(long, default_value = "8", value_parser = depth, value_name = "BITS")]
+    pub png_bits: BitDepth,
+
+    /// Write what was done as JSON
+    #[arg(long, value_name = "FILE")]
+    pub stats: Option<PathBuf>,
+
+    /// Say nothing but errors
+    #[arg(short, long)]
+    pub quiet: bool,
+}
+
+fn depth(text: &str) -> Result<BitDepth, String> {
+    match text {
+        "8" => Ok(BitDepth::Eight),
+        "16" => Ok(BitDepth::Sixteen),
+        _ => Err("PNG has 8 or 16 bits a channel here".to_owned()),
+    }
+}

@@ -1,0 +1,58 @@
+//! The command line: what was typed, what it means, and what is told in return.
+
+mod args;
+mod number;
+mod progress;
+mod render;
+mod report;
+
+pub use args::{Arguments, Command, RenderArguments};
+
+use std::process::ExitCode;
+
+/// How the program ends.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Exit {
+    /// All was done.
+    Success = 0,
+    /// A scene, mesh or other input is missing or wrong.
+    Input = 1,
+    /// The command line is wrong.
+    Usage = 2,
+    /// An output cannot be written.
+    Output = 3,
+    /// Interrupted: once, the picture so far was written; twice, nothing was.
+    Interrupted = 130,
+}
+
+impl From<Exit> for ExitCode {
+    fn from(exit: Exit) -> Self {
+        Self::from(exit as u8)
+    }
+}
+
+/// Why a command failed, with the exit code that says so.
+#[derive(Debug)]
+pub struct Failure {
+    /// The report to show.
+    pub report: miette::Report,
+    /// The exit code.
+    pub exit: Exit,
+}
+
+impl Failure {
+    fn new(exit: Exit, report: impl Into<miette::Report>) -> Self {
+        Self { report: report.into(), exit }
+    }
+}
+
+/// Runs a command.
+///
+/// # Errors
+/// [`Failure`] with what to tell the user.
+pub fn run(arguments: Arguments) -> Result<Exit, Failure> {
+    match arguments.command {
+        Command::Render(arguments) => render::run(&arguments),
+    }
+}

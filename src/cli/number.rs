@@ -1,0 +1,82 @@
+//! Numbers as people write them.
+
+use std::time::Duration;
+
+/// A count with an optional suffix k (thousand) or M (million); a fraction is allowed before a suffix: `2.5M`.
+pub(super) fn count(text: &str) -> Result<u32, String> {
+    let (digits, scale) = match text.char_indices().last() {
+        Some((i, 'k' | 'K')) => (&text[..i], 1e3),
+        Some((i, 'm' | 'M')) => (&text[..i], 1e6),
+        _ => (text, 1.0),
+    };
+    let plain = !digits.is_empty() && digits.chars().all(|c| c.is_ascii_digit() || c == '.');
+    let value = digits.parse::<f64>().ok().filter(|_| plain).map(|x| x * scale);
+    match value {
+        Some(x) if x.fract() == 0.0 && x <= f64::from(u32::MAX) => Ok(x as u32),
+        Some(x) if x > f64::from(u32::MAX) => Err(format!("`{text}` is more than {} can count", u32::MAX)),
+        _ => Err(format!("`{text}` is no count: write a whole number such as 250000, 250k or 2.5M")),
+    }
+}
+
+/// A count of at least one.
+pub(super) fn positive_count(text: &str) -> Result<u32, String> {
+    match count(text)? {
+        0 => Err("it must be at least 1".to_owned()),
+        n => Ok(n),
+    }
+}
+
+/// A time in seconds, minutes or hours: `90`, `90s`, `1.5m`, `2h`.
+pub(super) fn duration(text: &str) -> Result<Duration, String> {
+    let (digits, scale) = match text.char_indices().last() {
+        Some((i, 's')) => (&text[..i], 1.0),
+        Some((i, 'm')) => (&text[..i], 60.0),
+        Some((i, 'h')) => (&text[..i], 3600.0),
+        _ => (text, 1.0),
+    };
+    let seconds = digits.parse::<f64>().ok().map(|x| x * scale).filter(|x| (0.0..=1e9).contains(x));
+    seconds.map(Duration::from_secs_f64).ok_or_else(|| format!("`{text}` is no time: write 60s, 1.5m or 2h"))
+}
+
+/// A width and height: `1280x720`.
+pub(super) fn size(text: &str) -> Result<(u32, u32), String> {
+    let parsed = text.split_once(['x', 'X']).and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
+    match parsed {
+        Some((w @ 1..=65_536, h @ 1..=65_536)) => Ok((w, h)),
+        Some(_) => Err("each side must be from 1 to 65536 pixels".to_owned()),
+        None => Err(format!("`{text}` is no size: write it as 1280x720")),
+    }
+}
+
+/// A length above zero.
+pub(super) fn length(text: &str) -> Result<f32, String> {
+    let value = text.parse::<f32>().ok().filter(|x| *x > 0.0 && x.is_finite());
+    value.ok_or_else(|| format!("`{text}` is no length: write a number above 0, in units of the scene"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn counts_take_suffixes() {
+        assert_eq!(count("250000"), Ok(250_000));
+        assert_eq!(count("250k"), Ok(250_000));
+        assert_eq!(count("2.5M"), Ok(2_500_000));
+        assert_eq!(count("0"), Ok(0));
+        for bad in ["", "k", "-1", "1.5", "0.0001k", "1e3", "5000M", "inf", "NaN", "é"] {
+            assert!(count(bad).is_err(), "{bad}");
+        }
+        assert!(positive_count("0").is_err());
+    }
+
+    #[test]
+    fn times_and_sizes() {
+        assert_eq!(duration("1.5m"), Ok(Duration::from_secs(90)));
+        assert_eq!(duration("60s"), duration("60"));
+        assert!(duration("-1s").is_err() && duration("soon").is_err() && duration("").is_err());
+        assert_eq!(size("1280x720"), Ok((1280, 720)));
+        assert!(size("0x5").is_err() && size("1280").is_err() && size("70000x2").is_err());
+        assert!(length("0").is_err() && length("NaN").is_err() && length("0.5").is_ok());
+    }
+}

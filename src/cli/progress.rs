@@ -1,0 +1,80 @@
+//! Progress: bars on a terminal, plain lines elsewhere.
+
+use crate::integrate::{Monitor, Phase};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::io::IsTerminal;
+use std::sync::Mutex;
+
+/// Shows how far a render is.
+pub(super) enum Progress {
+    Quiet,
+    Lines,
+    Bars { phase: ProgressBar, prefix: Mutex<String> },
+}
+
+impl Progress {
+    pub fn new(quiet: bool) -> Self {
+        if quiet {
+            Self::Quiet
+        } else if std::io::stderr().is_terminal() {
+            Self::Bars { phase: ProgressBar::new(0), prefix: Mutex::new(String::new()) }
+        } else {
+            Self::Lines
+        }
+    }
+
+    /// A line that stays.
+    pub fn say(&self, line: &str) {
+        match self {
+            Self::Quiet => {}
+            Self::Lines => eprintln!("{line}"),
+            Self::Bars { phase, .. } => phase.suspend(|| eprintln!("{line}")),
+        }
+    }
+
+    /// A pass begins; `of` is how many there will be, where that is known.
+    pub fn pass(&self, pass: u32, of: Option<u32>) {
+        let label = match of {
+            Some(of) => format!("pass {pass}/{of}"),
+            None => format!("pass {pass}"),
+        };
+        if let Self::Bars { prefix, .. } = self {
+            if let Ok(mut prefix) = prefix.lock() {
+                *prefix = label;
+            }
+        }
+    }
+
+    /// Clears the bars.
+    pub fn finish(&self) {
+        if let Self::Bars { phase, .. } = self {
+            phase.finish_and_clear();
+        }
+    }
+}
+
+impl Monitor for Progress {
+    fn begin(&self, phase: Phase, total: u64) {
+        let Self::Bars { phase: bar, prefix } = self else { return };
+        let (name, unit) = match phase {
+            Phase::Photons => ("photons", "paths"),
+            Phase::Trees => ("trees", "photons"),
+            Phase::Eye => ("image", "pixels"),
+        };
+        let template = format!("{{prefix}} {name:<8} {{bar:28}} {{percent:>3}} %  {{per_sec}} {unit}  {{eta}} left");
+        if let Ok(style) = ProgressStyle::with_template(&template) {
+            bar.set_style(style);
+        }
+        if let Ok(prefix) = prefix.lock() {
+            bar.set_prefix(prefix.clone());
+        }
+        bar.set_length(total);
+        bar.reset();
+    }
+
+    fn advance(&self, units: u64) {
+        if let Self::Bars { phase, .. } = self {
+            phase.inc(units);
+        }
+    }
+}

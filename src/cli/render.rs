@@ -1,0 +1,178 @@
+//! `caustica render`.
+
+use super::args::IntegratorName;
+use super::progress::Progress;
+use super::report::{Report, Setting};
+use super::{Exit, Failure, RenderArguments};
+use crate::camera::Filter;
+use crate::format::{self, SceneError};
+use crate::image::{self, Curve, Image, ToneMap, WriteOptions};
+use crate::integrate::{Integrator, PhotonMapping, PhotonSettings, RayCast};
+use crate::render::{Ended, Rendered, Stop, render};
+use crate::scene::Scene;
+use miette::{IntoDiagnostic, WrapErr};
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+/// Passes of photon mapping where neither passes nor time are given.
+const PASSES: u32 = 24;
+
+static INTERRUPTED: AtomicBool = AtomicBool::new(false);
+
+pub(super) fn run(arguments: &RenderArguments) -> Result<Exit, Failure> {
+    // Whatever can fail without rendering fails before it.
+    for path in &arguments.output {
+        image::check_writable(path).into_diagnostic().map_err(|e| Failure::new(Exit::Output, e))?;
+    }
+    let threads = arguments.threads.map_or(0, |n| n as usize);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    let pool = pool.into_diagnostic().map_err(|e| Failure::new(Exit::Usage, e))?;
+    listen_for_interrupts();
+    let progress = Progress::new(arguments.quiet);
+    pool.install(|| run_in_pool(arguments, &progress))
+}
+
+fn run_in_pool(arguments: &RenderArguments, progress: &Progress) -> Result<Exit, Failure> {
+    let start = Instant::now();
+    let scene = load(&arguments.scene, arguments.size).map_err(|e| Failure::new(Exit::Input, *e))?;
+    let mut setting = Setting {
+        scene: arguments.scene.display().to_string(),
+        integrator: "",
+        seed: arguments.seed,
+        threads: rayon::current_num_threads(),
+        triangles: scene.triangle_count(),
+        shapes: scene.shape_count(),
+        lights: scene.lights().len(),
+        radii: None,
+        setup: 0.0,
+    };
+    progress.say(&format!(
+        "{}: {} triangles, {} shapes, {} lights",
+        setting.scene, setting.triangles, setting.shapes, setting.lights
+    ));
+    let photon_mapping;
+    let ray_casting;
+    let integrator: &dyn Integrator = match arguments.integrator {
+        IntegratorName::Pm => {
+            photon_mapping = PhotonMapping::new(&scene, photon_settings(arguments));
+            setting.integrator = "pm";
+            setting.radii = Some(photon_mapping.radii());
+            &photon_mapping
+        }
+        IntegratorName::Raycast => {
+            let filter = arguments.spp.filter(|n| *n > 1).map(|_| Filter::new(arguments.filter));
+            ray_casting =
+                RayCast { scene: &scene, filter, samples: arguments.spp.unwrap_or(1), seed: arguments.seed };
+            setting.integrator = "raycast";
+            &ray_casting
+        }
+    };
+    setting.setup = start.elapsed().as_secs_f64();
+
+    let passes = arguments.passes.or(match (arguments.integrator, arguments.time) {
+        (IntegratorName::Raycast, _) => Some(1),
+        (IntegratorName::Pm, Some(_)) => None,
+        (IntegratorName::Pm, None) => Some(PASSES),
+    });
+    let stop = Stop { passes, time: arguments.time, interrupted: &INTERRUPTED };
+    progress.pass(1, passes);
+    let rendered = render(integrator, scene.camera().size(), &stop, progress, |made| {
+        if matches!(progress, Progress::Lines) {
+            let of = passes.map_or(String::new(), |n| format!("/{n}"));
+            progress.say(&format!("pass {made}{of} after {:.1} s", start.elapsed().as_secs_f64()));
+        }
+        progress.pass(made + 1, passes);
+    });
+    progress.finish();
+    conclude(arguments, progress, setting, &rendered)
+}
+
+/// Reads and resolves a scene file, with the picture size replaced where one is given.
+fn load(path: &Path, size: Option<(u32, u32)>) -> Result<Scene, Box<miette::Report>> {
+    let bytes = std::fs::read(path).into_diagnostic();
+    let bytes = bytes.wrap_err_with(|| format!("cannot read the scene `{}`", path.display())).map_err(Box::new)?;
+    let boxed = |e: SceneError| Box::new(miette::Report::new(e));
+    let name = path.display().to_string();
+    let (mut description, source) = format::parse_bytes(&name, &bytes).map_err(boxed)?;
+    if let Some((width, height)) = size {
+        description.camera.value.width = width;
+        description.camera.value.height = height;
+    }
+    format::resolve(&description, &source, path.parent().unwrap_or(Path::new(""))).map_err(boxed)
+}
+
+fn photon_settings(arguments: &RenderArguments) -> PhotonSettings {
+    PhotonSettings {
+        photons: arguments.photons,
+        caustic_photons: arguments.caustic_photons.unwrap_or(arguments.photons),
+        samples: arguments.spp.unwrap_or(1),
+        gather_k: arguments.gather_k,
+        radius: arguments.radius,
+        kernel: arguments.kernel,
+        max_bounces: arguments.max_bounces,
+        seed: arguments.seed,
+        filter: Filter::new(arguments.filter),
+    }
+}
+
+/// Writes the pictures and the report, and says what was done.
+fn conclude(
+    arguments: &RenderArguments,
+    progress: &Progress,
+    setting: Setting,
+    rendered: &Rendered,
+) -> Result<Exit, Failure> {
+    let output = |e: miette::Report| Failure::new(Exit::Output, e);
+    let (width, height) = rendered.film.size();
+    let picture = Image::from_pixels(width, height, rendered.film.mean()).into_diagnostic().map_err(output)?;
+    let curve = arguments.tone.unwrap_or(match arguments.integrator {
+        IntegratorName::Raycast => Curve::Course,
+        IntegratorName::Pm => Curve::Srgb,
+    });
+    let options = WriteOptions {
+        tone: ToneMap { curve, exposure_stops: arguments.exposure },
+        depth: arguments.png_bits,
+        metadata: vec![("Software".to_owned(), format!("Caustica {}", env!("CARGO_PKG_VERSION")))],
+    };
+    for path in &arguments.output {
+        let written = image::write(path, &picture, &options).into_diagnostic().map_err(output)?;
+        progress.say(&format!("wrote {}", path.display()));
+        if written.non_finite > 0 {
+            eprintln!("warning: {} values of {} are not finite", written.non_finite, path.display());
+        }
+    }
+    if rendered.counters.rejected_samples > 0 {
+        let n = rendered.counters.rejected_samples;
+        eprintln!("warning: {n} samples were not finite and were left out");
+    }
+    let report = Report::new(setting, rendered);
+    let why = match rendered.ended {
+        Ended::Passes => String::new(),
+        Ended::Time => format!("; time was up: --passes {} repeats this picture bit for bit", rendered.film.passes()),
+        Ended::Interrupted => format!("; interrupted: --passes {} repeats this picture", rendered.film.passes()),
+    };
+    progress.say(&format!(
+        "{} passes in {:.1} s, {:.2} M rays/s, {:.2} M photon paths/s{why}",
+        report.passes,
+        report.seconds.render,
+        report.rates.rays_per_second * 1e-6,
+        report.rates.photons_per_second * 1e-6,
+    ));
+    if let Some(path) = &arguments.stats {
+        let json = serde_json::to_vec_pretty(&report).into_diagnostic().map_err(output)?;
+        image::replace_file(path, &json).into_diagnostic().map_err(output)?;
+    }
+    Ok(if rendered.ended == Ended::Interrupted { Exit::Interrupted } else { Exit::Success })
+}
+
+/// The first interrupt asks for an end after the pass, the second ends at once.
+fn listen_for_interrupts() {
+    // Without a handler an interrupt ends the program at once, which loses a picture but nothing else.
+    let _ = ctrlc::set_handler(|| {
+        if INTERRUPTED.swap(true, Ordering::Relaxed) {
+            std::process::exit(i32::from(Exit::Interrupted as u8));
+        }
+        eprintln!("interrupted: the picture so far is written after this pass; interrupt again to stop at once");
+    });
+}

@@ -1,0 +1,124 @@
+//! The report of a render as JSON; docs/cli.md describes each field.
+
+use crate::integrate::{PhotonReport, Radii, Seconds};
+use crate::render::{Ended, Rendered};
+use crate::stats::Counters;
+use serde::Serialize;
+
+/// Version of the schema: it grows when a field changes its meaning or goes.
+const SCHEMA: u32 = 1;
+
+/// What `--stats` writes.
+#[derive(Debug, Serialize)]
+pub(super) struct Report {
+    pub schema: u32,
+    pub version: &'static str,
+    pub scene: String,
+    pub integrator: &'static str,
+    pub width: u32,
+    pub height: u32,
+    pub seed: u64,
+    pub threads: usize,
+    pub passes: u32,
+    pub ended: Ended,
+    pub triangles: usize,
+    pub shapes: usize,
+    pub lights: usize,
+    pub radii: Option<RadiiReport>,
+    pub photons: Photons,
+    pub counters: Counters,
+    pub seconds: Times,
+    pub rates: Rates,
+    pub peak_memory_bytes: Option<u64>,
+    pub cpu_seconds: Option<f64>,
+}
+
+#[derive(Debug, Serialize)]
+pub(super) struct RadiiReport {
+    pub global: f32,
+    pub caustic: f32,
+}
+
+#[derive(Debug, Serialize)]
+pub(super) struct Photons {
+    pub global: PhotonReport,
+    pub caustic: PhotonReport,
+}
+
+#[derive(Debug, Serialize)]
+pub(super) struct Times {
+    pub setup: f64,
+    #[serde(flatten)]
+    pub passes: Seconds,
+    pub render: f64,
+}
+
+#[derive(Debug, Serialize)]
+pub(super) struct Rates {
+    pub photons_per_second: f64,
+    pub rays_per_second: f64,
+}
+
+/// What of the report is known before the render.
+pub(super) struct Setting {
+    pub scene: String,
+    pub integrator: &'static str,
+    pub seed: u64,
+    pub threads: usize,
+    pub triangles: usize,
+    pub shapes: usize,
+    pub lights: usize,
+    pub radii: Option<Radii>,
+    pub setup: f64,
+}
+
+impl Report {
+    pub fn new(setting: Setting, rendered: &Rendered) -> Self {
+        let (width, height) = rendered.film.size();
+        let wall = rendered.wall.as_secs_f64();
+        let rate = |n: u64, seconds: f64| if seconds > 0.0 { n as f64 / seconds } else { 0.0 };
+        let emitted = rendered.global.emitted + rendered.caustic.emitted;
+        Self {
+            schema: SCHEMA,
+            version: env!("CARGO_PKG_VERSION"),
+            scene: setting.scene,
+            integrator: setting.integrator,
+            width,
+            height,
+            seed: setting.seed,
+            threads: setting.threads,
+            passes: rendered.film.passes(),
+            ended: rendered.ended,
+            triangles: setting.triangles,
+            shapes: setting.shapes,
+            lights: setting.lights,
+            radii: setting.radii.map(|r| RadiiReport { global: r.global, caustic: r.caustic }),
+            photons: Photons { global: rendered.global, caustic: rendered.caustic },
+            counters: rendered.counters,
+            seconds: Times { setup: setting.setup, passes: rendered.seconds, render: wall },
+            rates: Rates {
+                photons_per_second: rate(emitted, rendered.seconds.photons),
+                rays_per_second: rate(rendered.counters.rays(), wall),
+            },
+            peak_memory_bytes: peak_memory(),
+            cpu_seconds: cpu_seconds(),
+        }
+    }
+}
+
+/// Largest resident memory so far, where the system tells (Linux).
+fn peak_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;
+    let kib: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(kib * 1024)
+}
+
+/// Processor time of all threads so far, where the system tells (Linux, whose ticks are hundredths of a second).
+fn cpu_seconds() -> Option<f64> {
+    let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
+    // The name of the program may hold spaces; fields are counted behind its closing parenthesis.
+    let fields: Vec<&str> = stat.rsplit_once(')')?.1.split_whitespace().collect();
+    let ticks: u64 = fields.get(11)?.parse::<u64>().ok()? + fields.get(12)?.parse::<u64>().ok()?;
+    Some(ticks as f64 / 100.0)
+}

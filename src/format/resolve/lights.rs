@@ -1,0 +1,62 @@
+//! Lights of the description.
+
+use super::{Resolver, aim, rgb};
+use crate::format::description::{AreaStrength, DirectionalStrength, Light, PointStrength};
+use crate::scene::{LightStrength, Material, SourceKind};
+use crate::shape::{Disc, Rectangle, Shape, Sphere};
+use glam::DVec3;
+
+impl Resolver<'_> {
+    pub(super) fn light(&mut self, light: &Light) {
+        match light {
+            Light::Point { position, strength } => {
+                self.builder.source(SourceKind::Point { position: *position }, point(*strength));
+            }
+            Light::Spot { position, aim: target, angle, penumbra, strength } => {
+                let outer = 0.5 * angle.to_radians();
+                let kind = SourceKind::Spot {
+                    position: *position,
+                    axis: aim(*target, *position),
+                    inner: (outer - penumbra.to_radians()).max(0.0),
+                    outer,
+                };
+                self.builder.source(kind, point(*strength));
+            }
+            Light::Directional { direction, strength } => {
+                let strength = match strength {
+                    DirectionalStrength::Color(c) => LightStrength::Course(rgb(*c)),
+                    DirectionalStrength::Irradiance(e) => LightStrength::Physical(rgb(*e)),
+                };
+                self.builder.source(SourceKind::Directional { direction: *direction }, strength);
+            }
+            Light::Sphere { center, radius, strength } => {
+                self.area_light(Shape::Sphere(Sphere::new(*center, *radius)), *strength);
+            }
+            Light::Disc { center, normal, radius, strength } => {
+                self.area_light(Shape::Disc(Disc::around(*center, *normal, *radius)), *strength);
+            }
+            Light::Rectangle { corner, edge0, edge1, strength } => {
+                self.area_light(Shape::Rectangle(Rectangle::new(*corner, *edge0, *edge1)), *strength);
+            }
+        }
+    }
+
+    /// A black surface that radiates.
+    fn area_light(&mut self, shape: Shape, strength: AreaStrength) {
+        let radiance = match strength {
+            AreaStrength::Radiance(l) => l,
+            AreaStrength::Power(w) => w / (std::f64::consts::PI * shape.area()),
+        };
+        let black = self.builder.material(Material::black());
+        self.builder.shape(shape, black, rgb(radiance));
+    }
+}
+
+fn point(strength: PointStrength) -> LightStrength {
+    let take = |c: DVec3| rgb(c);
+    match strength {
+        PointStrength::Color(c) => LightStrength::Course(take(c)),
+        PointStrength::Intensity(i) => LightStrength::Physical(take(i)),
+        PointStrength::Power(w) => LightStrength::Power(take(w)),
+    }
+}
