@@ -4,6 +4,7 @@ pub mod description;
 mod error;
 mod lexer;
 mod map;
+pub mod obj;
 mod parser;
 mod print;
 

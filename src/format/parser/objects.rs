@@ -143,7 +143,6 @@ impl<'a> Parser<'a> {
         self.lexer.error(span, message.to_owned(), "singular", help.to_owned())
     }
 
-    #[inline(never)] // Keeps the frames of nested groups small.
     fn shape(&mut self, keyword: Token<'a>) -> Result<Object, SceneError> {
         use Kind::{Name, Number, Vector};
         let known: &[(&str, Kind)] = match keyword.text {

@@ -1,0 +1,147 @@
+use std::path::PathBuf;
+
+use super::*;
+
+const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+
+fn read(text: &str) -> Result<TriangleMesh, ObjError> {
+    from_text(Path::new("a.obj"), text)
+}
+
+fn faces(text: &str) -> TriangleMesh {
+    read(&format!("{SQUARE}{text}")).unwrap()
+}
+
+#[track_caller]
+fn refused(text: &str, message: &str) {
+    let error = read(&format!("{SQUARE}{text}")).unwrap_err().to_string();
+    assert!(error.contains(message), "`{message}` is not in `{error}`");
+    assert!(error.contains("a.obj"));
+}
+
+#[test]
+fn polygons_become_fans() {
+    let mesh = faces("f 1 2 3 4");
+    assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3]]);
+    assert_eq!(mesh.positions[2], DVec3::new(1.0, 1.0, 0.0));
+    assert_eq!((mesh.normals, mesh.texcoords), (None, None));
+    assert_eq!(faces("v 0 .5 0 # w\nf 1 2 3 4 5").triangles.len(), 3);
+    assert_eq!(faces("f 1 2 \\\r\n 3 4").triangles.len(), 2);
+    assert_eq!(faces("f -4 -3 -2"), faces("f 1 2 3"));
+}
+
+#[test]
+fn what_is_not_a_face_is_passed_over() {
+    let odd = "mtllib none.mtl\n# C:\\\no \u{fffd}\ng a b\nusemtl x\ns off\nl 1 2\np 1\ncurv 0 1 2\nvp 1\n";
+    assert_eq!(faces(&format!("{odd}f 1 2 3\n{odd}f 1 3 4")), faces("f 1 2 3\nf 1 3 4"));
+    // A weight and a colour.
+    let coloured = "v 0 0 0 2\nv 1 0 0 1 0 0\nv 0 1 0\nf 1 2 3";
+    assert_eq!(read(coloured).unwrap(), read("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3").unwrap());
+}
+
+#[test]
+fn vertices_are_shared_where_every_bit_agrees() {
+    let again = "v 0 0 0\nv 1 1 0\nv -0 0 0\n";
+    assert_eq!(faces(&format!("{again}f 1 2 3\nf 5 6 4")).positions.len(), 4);
+    assert_eq!(faces(&format!("{again}f 1 2 3\ng b\nf 5 6 4")).positions.len(), 4);
+    // Zero has two signs, so two bit patterns.
+    assert_eq!(faces(&format!("{again}f 1 2 3\nf 7 3 4")).positions.len(), 5);
+    // A crease keeps its two normals.
+    let crease = faces("vn 0 0 1\nvn 0 1 1\nf 1//1 2//1 3//1\nf 1//2 3//1 4//1");
+    assert_eq!(crease.positions.len(), 5);
+}
+
+#[test]
+fn normals_stay_with_their_vertices() {
+    // tobj by itself would give the last face's normals to the first face's vertices.
+    let mesh = faces("vn 0 0 2\nf 1 2 3\nf 1//1 3//1 4//1");
+    let normals = mesh.normals.unwrap();
+    assert_eq!(mesh.triangles, [[0, 1, 2], [3, 4, 5]]);
+    assert_eq!(normals[..3], [DVec3::ZERO; 3]);
+    assert_eq!(normals[3..], [DVec3::Z; 3]);
+}
+
+#[test]
+fn normals_without_length_leave_the_face_flat() {
+    let normals = "vn 0 0 1\nvn 0 0 0\nvn 1e-200 0 0\nvn 1e300 0 0\n";
+    assert_eq!(faces(&format!("{normals}f 1//1 2//2 3//1\nf 1//1 3//3 4//1\nf 1//4 2//1 4//1")).normals, None);
+    let mesh = faces(&format!("{normals}f 1//1 2//1 3//1\nf 1//1 3//2 4//1"));
+    let normals = mesh.normals.unwrap();
+    for (triangle, normal) in mesh.triangles.iter().zip([DVec3::Z, DVec3::ZERO]) {
+        assert!(triangle.iter().all(|&i| normals[i as usize] == normal));
+    }
+}
+
+#[test]
+fn texture_coordinates_are_read() {
+    let mesh = faces("vt 0 0\nvt 1 0 5\nvt .5\nf 1/1 2/2 3/3\nf 1 3 4");
+    let texcoords = mesh.texcoords.unwrap();
+    assert_eq!(texcoords[..3], [DVec2::ZERO, DVec2::X, DVec2::new(0.5, 0.0)]);
+    assert_eq!(texcoords.len(), mesh.positions.len());
+}
+
+#[test]
+fn unsound_lines_are_named() {
+    let remedy = "indices count from 1, or from -1 backwards";
+    refused("f 1 2 5", "a.obj:5: `5` names no vertex (4 stand before it)");
+    refused("f 1 2 5", remedy);
+    for index in ["0", "-5", "9223372036854775807", "-9223372036854775808", "99999999999999999999", "x", "1.5"] {
+        refused(&format!("\nf 1 2 {index}"), "a.obj:6: ");
+        refused(&format!("f 1 2 {index}"), remedy);
+        refused(&format!("vn 0 0 1\nf 1//1 2//1 3//{index}"), "names no normal (1 stand before it)");
+        refused(&format!("vt 0 0\nf 1/1 2/1 3/{index}"), "names no texture coordinate");
+    }
+    for face in ["f", "f 1", "f 1 2", "f # 1 2 3"] {
+        refused(face, "a face needs at least 3");
+    }
+    for corner in ["/", "//1", "1/1/1/1"] {
+        refused(&format!("vn 0 0 1\nvt 0 0\nf {corner} 2 3"), "write v, v/vt, v//vn or v/vt/vn");
+    }
+    refused("vn 0 0 1\nf 1//1 2//1 3", "write all corners of a face alike");
+    for number in ["nan", "inf", "-1e999", "one"] {
+        refused(&format!("v 0 0 {number}"), &format!("a.obj:5: `{number}` is not a finite number"));
+        refused(&format!("vn 0 0 {number}"), "is not a finite number");
+        refused(&format!("vt 0 {number}"), "is not a finite number");
+    }
+    refused("v 0 0", "`v` holds 2 numbers");
+    refused("", "has no faces");
+    refused("l 1 2", "has no faces");
+}
+
+#[test]
+fn files_are_named_when_they_cannot_be_read() {
+    let folder = tempfile::tempdir().unwrap();
+    let missing = load(&folder.path().join("none.obj")).unwrap_err();
+    assert!(matches!(missing, ObjError::Missing { .. }) && missing.to_string().contains("none.obj"));
+    assert!(matches!(load(folder.path()).unwrap_err(), ObjError::Unreadable { .. }));
+    let latin = folder.path().join("latin.obj");
+    std::fs::write(&latin, [b"# caf\xe9\n", SQUARE.as_bytes(), b"f 1 2 3"].concat()).unwrap();
+    assert_eq!(load(&latin).unwrap().triangles.len(), 1);
+}
+
+#[test]
+fn the_course_meshes_load() {
+    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/course/mesh");
+    if !folder.exists() {
+        eprintln!("skipped: {} is absent", folder.display());
+        return;
+    }
+    // Counts of distinct vertices and of faces by `grep -c`.
+    for (name, vertices, triangles, normals) in [
+        ("cube.obj", 8, 12, false),
+        ("bunny_200.obj", 102, 200, false),
+        ("bunny_1k.obj", 502, 1000, false),
+        ("bunny_1k_vn.obj", 502, 1000, true),
+    ] {
+        let mesh = load(&folder.join(name)).unwrap();
+        assert_eq!((mesh.positions.len(), mesh.triangles.len()), (vertices, triangles), "{name}");
+        assert_eq!(mesh.normals.is_some(), normals, "{name}");
+    }
+}
+
+proptest::proptest! {
+    #[test]
+    fn no_text_makes_the_reader_panic(words in proptest::collection::vec("v|vt|vn|f|g|\n|\\\\|#|-?[0-9]{1,2}|[0-9]/[0-9]?/-?[0-9]|nan|.{0,3}", 0..60)) {
+        let _ = read(&format!("{SQUARE}vn 0 0 1\nvt 0 0\n{}", words.join(" ")));
+    }
+}
