@@ -132,7 +132,7 @@ mod tests {
         assert!((second(FilterKind::Tent) - 1.0 / 6.0).abs() < 1.2e-3);
         for kind in [FilterKind::Gaussian, FilterKind::BlackmanHarris] {
             let (a, b) = (second(kind), quadrature(kind));
-                assert!((a - b).abs() < 1.2e-3, "{kind:?}: {a} {b}");
+            assert!((a - b).abs() < 1.2e-3, "{kind:?}: {a} {b}");
         }
     }
 

@@ -5,12 +5,12 @@ use super::progress::Progress;
 use super::report::{Report, Setting};
 use super::{Exit, Failure, RenderArguments};
 use crate::camera::Filter;
-use crate::format::{self, SceneError};
+use crate::format::SceneFile;
 use crate::image::{self, Curve, Image, ToneMap, WriteOptions};
 use crate::integrate::{Integrator, PhotonMapping, PhotonSettings, RayCast};
 use crate::render::{Ended, Rendered, Stop, render};
 use crate::scene::Scene;
-use miette::{IntoDiagnostic, WrapErr};
+use miette::IntoDiagnostic;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
@@ -35,7 +35,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Exit, Failure> {
 
 fn run_in_pool(arguments: &RenderArguments, progress: &Progress) -> Result<Exit, Failure> {
     let start = Instant::now();
-    let scene = load(&arguments.scene, arguments.size).map_err(|e| Failure::new(Exit::Input, *e))?;
+    let scene = load(&arguments.scene, arguments.size)?;
     let mut setting = Setting {
         scene: arguments.scene.display().to_string(),
         integrator: "",
@@ -62,8 +62,7 @@ fn run_in_pool(arguments: &RenderArguments, progress: &Progress) -> Result<Exit,
         }
         IntegratorName::Raycast => {
             let filter = arguments.spp.filter(|n| *n > 1).map(|_| Filter::new(arguments.filter));
-            ray_casting =
-                RayCast { scene: &scene, filter, samples: arguments.spp.unwrap_or(1), seed: arguments.seed };
+            ray_casting = RayCast { scene: &scene, filter, samples: arguments.spp.unwrap_or(1), seed: arguments.seed };
             setting.integrator = "raycast";
             &ray_casting
         }
@@ -89,17 +88,13 @@ fn run_in_pool(arguments: &RenderArguments, progress: &Progress) -> Result<Exit,
 }
 
 /// Reads and resolves a scene file, with the picture size replaced where one is given.
-fn load(path: &Path, size: Option<(u32, u32)>) -> Result<Scene, Box<miette::Report>> {
-    let bytes = std::fs::read(path).into_diagnostic();
-    let bytes = bytes.wrap_err_with(|| format!("cannot read the scene `{}`", path.display())).map_err(Box::new)?;
-    let boxed = |e: SceneError| Box::new(miette::Report::new(e));
-    let name = path.display().to_string();
-    let (mut description, source) = format::parse_bytes(&name, &bytes).map_err(boxed)?;
+fn load(path: &Path, size: Option<(u32, u32)>) -> Result<Scene, Failure> {
+    let mut file = SceneFile::read(path).map_err(|e| Failure::new(Exit::Input, e))?;
     if let Some((width, height)) = size {
-        description.camera.value.width = width;
-        description.camera.value.height = height;
+        file.description.camera.value.width = width;
+        file.description.camera.value.height = height;
     }
-    format::resolve(&description, &source, path.parent().unwrap_or(Path::new(""))).map_err(boxed)
+    file.resolve().map_err(|e| Failure::new(Exit::Input, e))
 }
 
 fn photon_settings(arguments: &RenderArguments) -> PhotonSettings {

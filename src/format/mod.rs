@@ -1,15 +1,19 @@
-//! The scene language: from text to description and back.
+//! The scene language: from text to description and back, and from description to the resolved scene.
 
 pub mod description;
 mod error;
+mod file;
 mod lexer;
 mod map;
 pub mod obj;
 mod parser;
 mod print;
+mod resolve;
 
 pub use error::{SceneError, Source};
+pub use file::{ReadError, SceneFile};
 pub use parser::{parse, parse_bytes};
+pub use resolve::resolve;
 
 /// How deep groups and transforms may nest.
 pub const MAX_DEPTH: usize = 512;

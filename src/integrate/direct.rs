@@ -28,9 +28,7 @@ impl<'a> DirectLight<'a> {
     /// light asked.
     pub fn reflected(&self, surface: &Surface<'_>, key: Key, worker: &mut Worker) -> Rgb {
         match &self.choice {
-            None => {
-                (0..self.scene.lights().len()).map(|i| self.from(i, surface, key.with(i as u64), worker)).sum()
-            }
+            None => (0..self.scene.lights().len()).map(|i| self.from(i, surface, key.with(i as u64), worker)).sum(),
             Some(choice) => {
                 // One uniform number spread over equal strata: no light is asked more often than it deserves, rounded up.
                 let start = key.uniform(Dimension::Light);

@@ -282,8 +282,7 @@ impl Integrator for PhotonMapping<'_> {
         let mut out = Pass::default();
         let key = |purpose| Key::new(self.settings.seed).purpose(purpose).with(u64::from(pass));
         let job = (Wants::CAUSTIC, self.settings.caustic_photons);
-        let (caustic, report) =
-            self.map(self.caustic.as_ref(), job, key(Purpose::CausticPhotons), monitor, &mut out);
+        let (caustic, report) = self.map(self.caustic.as_ref(), job, key(Purpose::CausticPhotons), monitor, &mut out);
         out.caustic = report;
         let job = (Wants::GLOBAL, self.settings.photons);
         let (global, report) = self.map(self.global.as_ref(), job, key(Purpose::GlobalPhotons), monitor, &mut out);

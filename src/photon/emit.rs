@@ -45,7 +45,8 @@ impl<'a> PhotonSource<'a> {
             return None;
         }
         let weights = powers.iter().zip(&aimed);
-        let choice = Discrete::new(weights.map(|(p, a)| SAFE_SHARE * p / total + (1.0 - SAFE_SHARE) * a / total_aimed))?;
+        let choice =
+            Discrete::new(weights.map(|(p, a)| SAFE_SHARE * p / total + (1.0 - SAFE_SHARE) * a / total_aimed))?;
         Some(Self { scene, choice, targets: Some(targets) })
     }
 

@@ -71,9 +71,10 @@ impl PhotonMap {
             if let Some(r2) = nearest {
                 // A kernel that does not vanish at the k-th photon must leave it out: (k − 1)/(πr²) is unbiased.
                 let taken = |d2: f32| kernel.vanishes_at_edge() || d2 < r2;
-                let sum = scratch.found.iter().filter(|(d2, _)| taken(*d2)).fold(Rgb::ZERO, |sum, (d2, flux)| {
-                    sum + brdf(flux.from()) * flux.power() * kernel.shape(*d2, r2)
-                });
+                let sum =
+                    scratch.found.iter().filter(|(d2, _)| taken(*d2)).fold(Rgb::ZERO, |sum, (d2, flux)| {
+                        sum + brdf(flux.from()) * flux.power() * kernel.shape(*d2, r2)
+                    });
                 return Estimate {
                     radiance: sum * kernel.scale(r2),
                     radius: r2.sqrt(),

@@ -46,11 +46,8 @@ impl PhotonMap {
         let len = photons.len();
         let at = |p: &Photon, axis: usize| p.position[axis];
         // Construction fails only for mutable trees and for generated indices; neither is used here.
-        let tree = if photons.is_empty() {
-            None
-        } else {
-            Tree::new_from_source_parallel(&photons, at, |_, p| p.flux).ok()
-        };
+        let tree =
+            if photons.is_empty() { None } else { Tree::new_from_source_parallel(&photons, at, |_, p| p.flux).ok() };
         Self { tree, len }
     }
 
@@ -88,11 +85,8 @@ impl PhotonMap {
 fn sort_along_curve(photons: &mut Vec<Photon>) {
     let bounds = crate::math::Bounds::of(photons.iter().map(|p| p.position));
     let scale = Vec3::splat(f32::from(u16::MAX) * 16.0) / bounds.extent().max(Vec3::splat(f32::MIN_POSITIVE));
-    let mut keyed: Vec<(u64, u32)> = photons
-        .par_iter()
-        .enumerate()
-        .map(|(i, p)| (morton((p.position - bounds.min) * scale), i as u32))
-        .collect();
+    let mut keyed: Vec<(u64, u32)> =
+        photons.par_iter().enumerate().map(|(i, p)| (morton((p.position - bounds.min) * scale), i as u32)).collect();
     keyed.par_sort_unstable();
     let sorted: Vec<Photon> = keyed.par_iter().map(|(_, i)| photons[*i as usize]).collect();
     *photons = sorted;
@@ -180,12 +174,8 @@ mod tests {
     /// Against a plain scan: photons are found exactly, give or take those within rounding of the rim.
     #[test]
     fn queries_find_what_a_scan_finds() {
-        let layouts: [fn(Vec3) -> Vec3; 4] = [
-            |u| u,
-            |u| Vec3::new(u.x, 0.25, u.y),
-            |u| Vec3::new(u.x, 0.5, 0.5),
-            |u| (u * 4.0).floor() * 0.25,
-        ];
+        let layouts: [fn(Vec3) -> Vec3; 4] =
+            [|u| u, |u| Vec3::new(u.x, 0.25, u.y), |u| Vec3::new(u.x, 0.5, 0.5), |u| (u * 4.0).floor() * 0.25];
         for layout in layouts {
             let photons = random(20_000, layout);
             let map = PhotonMap::build(photons.clone());

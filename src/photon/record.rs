@@ -126,7 +126,9 @@ mod tests {
 
     #[test]
     fn flux_that_would_poison_an_estimate_is_refused() {
-        for bad in [Rgb::ZERO, Rgb::new(f32::NAN, 1.0, 1.0), Rgb::new(f32::INFINITY, 0.0, 0.0), Rgb::new(-1.0, 2.0, 0.0)] {
+        for bad in
+            [Rgb::ZERO, Rgb::new(f32::NAN, 1.0, 1.0), Rgb::new(f32::INFINITY, 0.0, 0.0), Rgb::new(-1.0, 2.0, 0.0)]
+        {
             assert!(Flux::new(bad, Vec3::Z, Vec3::Z).is_none(), "{bad}");
         }
     }

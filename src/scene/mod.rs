@@ -173,9 +173,7 @@ impl Scene {
                 let part = self.triangle_part[i as usize] as usize;
                 (self.mesh.surface(i as usize, b), self.parts[part].1)
             }
-            HitKind::Shape(i) => {
-                (self.shapes[i as usize].surface(ray, hit.t), self.shape_attributes[i as usize])
-            }
+            HitKind::Shape(i) => (self.shapes[i as usize].surface(ray, hit.t), self.shape_attributes[i as usize]),
             HitKind::Plane(i) => {
                 let (plane, attributes) = &self.planes[i as usize];
                 (plane.surface(ray, hit.t), *attributes)

@@ -1,0 +1,56 @@
+//! Scene files.
+
+use super::description::Description;
+use super::{SceneError, Source, parse_bytes, resolve};
+use crate::scene::Scene;
+use std::path::{Path, PathBuf};
+
+/// A scene file that was read and parsed, not yet resolved: its description may still be changed.
+#[derive(Clone, Debug)]
+pub struct SceneFile {
+    /// What it says.
+    pub description: Description,
+    /// Its text, for errors.
+    pub source: Source,
+    folder: PathBuf,
+}
+
+/// Why a scene file could not be read.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+pub enum ReadError {
+    /// It could not be opened or read.
+    #[error("cannot read the scene `{}`", path.display())]
+    #[diagnostic(help("check the path and its permissions"))]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// It is not in the scene language.
+    #[error(transparent)]
+    #[diagnostic(transparent)]
+    Language(#[from] SceneError),
+}
+
+impl SceneFile {
+    /// Reads and parses the file at `path`.
+    ///
+    /// # Errors
+    /// [`ReadError`].
+    pub fn read(path: &Path) -> Result<Self, ReadError> {
+        let bytes = std::fs::read(path).map_err(|source| ReadError::Unreadable { path: path.to_owned(), source })?;
+        let name = path.display().to_string();
+        let description = parse_bytes(&name, &bytes)?;
+        let source = Source::new(&name, &String::from_utf8_lossy(&bytes));
+        Ok(Self { description, source, folder: path.parent().unwrap_or(Path::new("")).to_owned() })
+    }
+
+    /// Resolves the description; meshes are looked for beside the file and in the folder above.
+    ///
+    /// # Errors
+    /// [`SceneError`].
+    pub fn resolve(&self) -> Result<Scene, SceneError> {
+        resolve(&self.description, &self.source, &self.folder)
+    }
+}
