@@ -121,6 +121,21 @@ mod tests {
     }
 
     #[test]
+    fn a_stated_size_beyond_the_file_is_refused() {
+        let (file, _) = encode(&extremes(), &[]).unwrap();
+        let name = b"dataWindow\0box2i\0";
+        let window = file.windows(name.len()).position(|w| w == name).unwrap() + name.len() + 4;
+        for (side, expected) in [(16_384_i32, "too short"), (20_000, "too large")] {
+            let mut huge = file.clone();
+            // The window holds the last column and row, after the first of each.
+            huge[window + 8..window + 12].copy_from_slice(&(side - 1).to_le_bytes());
+            huge[window + 12..window + 16].copy_from_slice(&(side - 1).to_le_bytes());
+            let message = read(&huge).err().unwrap().at("memory".into()).to_string();
+            assert!(message.contains(expected), "{message}");
+        }
+    }
+
+    #[test]
     fn damaged_files_are_errors_or_pictures_but_never_panics() {
         let (file, _) = encode(&extremes(), &[("Seed".into(), "42".into())]).unwrap();
         for cut in (4..file.len()).step_by(7) {

@@ -48,7 +48,7 @@ pub fn rmse(a: &Image, b: &Image) -> Result<f64, MetricError> {
 
 /// Mean over pixels of the mean over channels of (a − b)² / (b² + ε), b being the `reference` (Rousselle et al. 2011).
 ///
-/// ε has the unit of b²; the paper takes 0.01. With a `clip`, no pixel adds more than it, so that one firefly does not
+/// ε has the unit of b²; 0.01 is common. With a `clip`, no pixel adds more than it, so that one firefly does not
 /// drown the rest.
 ///
 /// # Errors

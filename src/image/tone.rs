@@ -221,6 +221,19 @@ mod tests {
     }
 
     #[test]
+    fn white_itself_is_not_too_bright() {
+        for (curve, white) in [(Curve::Srgb, 1.0), (Curve::Course, 1.0), (Curve::Filmic, 7.24)] {
+            let quantizer = Quantizer::new(ToneMap { curve, exposure_stops: 0.0 }, 255).unwrap();
+            let count = |c: f32| {
+                let mut report = WriteReport::default();
+                quantizer.levels(Vec3::new(0.0, c, 0.0), &mut report);
+                report.too_bright
+            };
+            assert_eq!((count(white), count(white * 1.001)), (0, 1), "{curve}");
+        }
+    }
+
+    #[test]
     fn curves_are_found_by_name() {
         for curve in Curve::ALL {
             assert_eq!(curve.name().parse::<Curve>(), Ok(curve));

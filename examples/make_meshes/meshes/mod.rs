@@ -1,0 +1,27 @@
+//! The generators, one file a mesh.
+
+mod gem;
+mod goblet;
+mod knot;
+mod lens;
+mod mesh;
+mod pool;
+mod profile;
+mod ring;
+mod vase;
+
+pub use mesh::Mesh;
+
+/// A function that makes a mesh.
+pub type Generator = fn() -> Mesh;
+
+/// Every mesh: the name of its file in mesh/ and its generator.
+pub const ALL: [(&str, Generator); 7] = [
+    ("gem.obj", gem::gem),
+    ("goblet.obj", goblet::goblet),
+    ("knot.obj", knot::knot),
+    ("lens.obj", lens::lens),
+    ("pool.obj", pool::pool),
+    ("ring.obj", ring::ring),
+    ("vase.obj", vase::vase),
+];
