@@ -7,6 +7,8 @@ mod map;
 pub mod obj;
 mod parser;
 mod print;
+#[cfg(test)]
+mod tests;
 
 pub use error::{SceneError, Source};
 pub use parser::{parse, parse_bytes};

@@ -1,6 +1,6 @@
 use super::*;
 use crate::format::MAX_DEPTH;
-use crate::format::description::{Attenuation, Item, MaterialKind, Object, PointStrength, Shape};
+use crate::format::description::{Aim, Attenuation, Item, Light, MaterialKind, Object, PointStrength, Shape};
 
 const CAMERA: &str = "PerspectiveCamera { center 0 0 10 direction 0 0 -1 up 0 1 0 angle 30 width 200 height 200 }";
 
@@ -93,7 +93,7 @@ fn counts_must_match() {
     scene("Lights { numLights 0 } Materials { numMaterials 0 } Group { numObjects 0 }").unwrap();
     // Materials are not objects.
     scene("Materials { Mirror { } } Group { MaterialIndex 0 numObjects 1 MaterialIndex 0 Group { } }").unwrap();
-    refused("Group { numObjects ‹2›\n Group { } }", "`numObjects` is 2, but 1 object follow", "write `numObjects 1`");
+    refused("Group { numObjects ‹2›\n Group { } }", "`numObjects` is 2, but 1 object follows", "write `numObjects 1`");
     refused("Lights { numLights ‹4000000000› } Group { }", "is 4000000000, but 0 lights", "write `numLights 0`");
     refused("Materials { numMaterials ‹1› Mirror { } Mirror { } }", "is 1, but 2 materials", "leave the count out");
     refused("Group { numObjects 0 ‹numObjects› 0 }", "given twice in `Group`", "keep one");
