@@ -64,6 +64,7 @@ fn the_last_group_wins() {
     assert!(d.root.items.is_empty());
     let d = scene("Lights { PointLight { position 0 0 0 power 1 1 1 } } Lights { } Group { }").unwrap();
     assert!(d.lights.is_empty());
+    scene("Materials { Mirror a { } } Materials { Mirror a { } } Group { MaterialName a }").unwrap();
     // The first group's material is gone, but so is the first group.
     scene("Materials { Mirror {} } Group { MaterialIndex 0 } Materials { } Group { }").unwrap();
     refused(
@@ -303,6 +304,12 @@ fn nesting_has_an_end() {
         let error = scene(&"Group { numObjects 1\n".repeat(n)).unwrap_err();
         assert_eq!((error.line(), error.column(), error.text()), (2 + MAX_DEPTH, 1, "Group"));
     }
+}
+
+#[test]
+fn neighbours_are_not_nesting() {
+    let body = "Group { } Transform { Group { } }".repeat(2 * MAX_DEPTH);
+    assert_eq!(scene(&format!("Group {{ {body} }}")).unwrap().root.items.len(), 4 * MAX_DEPTH);
 }
 
 #[test]
