@@ -69,7 +69,7 @@ impl SourceCode for Source {
         let (line, column) = self.place(start);
         let shown = SourceSpan::from(start..end);
         let name = self.name.to_string();
-        Ok(Box::new(MietteSpanContents::new_named(name, text[start..end].as_bytes(), shown, line, column, 1)))
+        Ok(Box::new(MietteSpanContents::new_named(name, &text.as_bytes()[start..end], shown, line, column, 1)))
     }
 }
 

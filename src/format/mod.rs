@@ -9,6 +9,8 @@ pub mod obj;
 mod parser;
 mod print;
 mod resolve;
+#[cfg(test)]
+mod tests;
 
 pub use error::{SceneError, Source};
 pub use file::{ReadError, SceneFile};

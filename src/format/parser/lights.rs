@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::super::description::{AreaStrength, DirectionalStrength, Light, PointStrength};
+use super::super::description::{AreaStrength, DirectionalStrength, Light, PointStrength, Spanned};
 use super::super::error::SceneError;
 use super::super::lexer::Token;
 use super::Parser;
@@ -17,7 +17,21 @@ const POWER: (&str, Kind) = ("power", Kind::Vector);
 const RADIANCE: (&str, Kind) = ("radiance", Kind::Vector);
 
 impl<'a> Parser<'a> {
-    pub fn light(&mut self, word: Token<'a>) -> Result<Light, SceneError> {
+    pub fn lights(&mut self, block: Token<'a>) -> Result<Vec<Spanned<Light>>, SceneError> {
+        let mut lights = Vec::new();
+        let mut count = None;
+        self.open(block)?;
+        while let Some(word) = self.word()? {
+            match word.text {
+                "numLights" => self.count(word, &mut count)?,
+                _ => lights.push(Spanned::new(self.light(word)?, word.span())),
+            }
+        }
+        self.check_count("numLights", count, lights.len(), "light")?;
+        Ok(lights)
+    }
+
+    fn light(&mut self, word: Token<'a>) -> Result<Light, SceneError> {
         use Kind::{Number, Vector};
         match word.text {
             "PointLight" => {

@@ -2,6 +2,7 @@
 //!
 //! What the text alone shows to be wrong is refused here, at its place; nothing is looked up but materials.
 
+mod camera;
 mod fields;
 mod lights;
 mod materials;
@@ -14,14 +15,11 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
-use super::description::{Aim, Camera, Description, Light, Material, Span, Spanned};
+use super::description::{Description, Material, Span, Spanned};
 use super::error::{SceneError, Source};
 use super::lexer::{Lexer, Token};
-use fields::{Fields, Kind};
+use fields::Kind;
 pub(super) use materials::is_identifier;
-
-/// Most pixels on a side of the image.
-const MAX_SIDE: u32 = 65_536;
 
 /// The blocks of a file.
 const BLOCKS: [&str; 5] = ["PerspectiveCamera", "Background", "Lights", "Materials", "Group"];
@@ -119,62 +117,9 @@ impl<'a> Parser<'a> {
         Ok(Description { camera, background, lights, materials: self.materials, root })
     }
 
-    fn camera(&mut self, block: Token<'a>) -> Result<Camera, SceneError> {
-        let f = self.fields(
-            block,
-            &[
-                ("center", Kind::Vector),
-                ("direction", Kind::Vector),
-                ("lookAt", Kind::Vector),
-                ("up", Kind::Vector),
-                ("angle", Kind::Number),
-                ("width", Kind::Integer),
-                ("height", Kind::Integer),
-            ],
-        )?;
-        let center = f.need("center")?.vector();
-        let (aim, direction) = f.aim("center", center)?;
-        let up = match f.get("up") {
-            Some(up) => up.direction()?,
-            None => DVec3::Y,
-        };
-        // Below this sine of their angle the image has no upright left to trust.
-        if up.normalize().cross(direction.normalize()).length() < 1e-9 {
-            let place = f.get("up").or(f.get("direction")).or(f.get("lookAt"));
-            let message = "`up` is parallel to the direction of view".to_owned();
-            let help = "give an `up` that points elsewhere, e.g. `up 0 0 1`".to_owned();
-            return Err(f.error(place.map_or(block.span(), |p| p.span()), message, "parallel", help));
-        }
-        let angle = f.need("angle")?;
-        angle.ensure(angle.number() > 0.0 && angle.number() < 180.0, "must lie between 0 and 180 degrees")?;
-        let side = |name, default: u32| match f.get(name) {
-            None => Ok(default),
-            Some(side) => {
-                let pixels = side.number();
-                side.ensure(pixels >= 1.0 && pixels <= f64::from(MAX_SIDE), "must lie between 1 and 65536 pixels")?;
-                Ok(pixels as u32)
-            }
-        };
-        Ok(Camera { center, aim, up, angle: angle.number(), width: side("width", 960)?, height: side("height", 720)? })
-    }
-
     fn background(&mut self, block: Token<'a>) -> Result<DVec3, SceneError> {
         let f = self.fields(block, &[("color", Kind::Vector)])?;
         f.get("color").map_or(Ok(DVec3::splat(0.5)), |color| color.colour())
-    }
-
-    fn lights(&mut self, block: Token<'a>) -> Result<Vec<Spanned<Light>>, SceneError> {
-        let mut lights = Vec::new();
-        let mut count = None;
-        self.open(block)?;
-        while let Some(word) = self.word()? {
-            match word.text {
-                "numLights" => self.count(word, &mut count)?,
-                _ => lights.push(Spanned::new(self.light(word)?, word.span())),
-            }
-        }
-        self.check_count("numLights", count, lights.len(), "light")?;
-        Ok(lights)
     }
 
     /// Reads the `{` after a block's keyword.
@@ -291,8 +236,8 @@ impl<'a> Parser<'a> {
     fn check_count(&self, name: &str, count: Option<Spanned<u32>>, found: usize, what: &str) -> Result<(), SceneError> {
         match count {
             Some(count) if count.value as usize != found => {
-                let plural = if found == 1 { "" } else { "s" };
-                let message = format!("`{name}` is {}, but {found} {what}{plural} follow", count.value);
+                let follow = if found == 1 { " follows" } else { "s follow" };
+                let message = format!("`{name}` is {}, but {found} {what}{follow}", count.value);
                 let help = format!("write `{name} {found}`, or leave the count out");
                 Err(self.lexer.error(count.span, message, "does not match", help))
             }
@@ -327,20 +272,6 @@ impl<'a> Parser<'a> {
             format!("{block} may hold {}{or}", allowed.join(", "))
         };
         self.lexer.error(word.span(), format!("unexpected `{}` in {block}", clip(word.text)), "not known here", help)
-    }
-}
-
-impl Fields<'_> {
-    /// `direction` or `lookAt`, and the direction that it means when seen from `center`, the value of the field `from`.
-    fn aim(&self, from: &str, center: DVec3) -> Result<(Aim, DVec3), SceneError> {
-        let aim = self.one_of(&["direction", "lookAt"])?;
-        if aim.name() == "direction" {
-            let direction = aim.direction()?;
-            return Ok((Aim::Direction(direction), direction));
-        }
-        let direction = aim.vector() - center;
-        aim.ensure(has_direction(direction), &format!("must lie at some distance from `{from}`"))?;
-        Ok((Aim::LookAt(aim.vector()), direction))
     }
 }
 

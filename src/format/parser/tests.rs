@@ -1,6 +1,6 @@
 use super::*;
 use crate::format::MAX_DEPTH;
-use crate::format::description::{Attenuation, Item, MaterialKind, Object, PointStrength, Shape};
+use crate::format::description::{Aim, Attenuation, Item, Light, MaterialKind, Object, PointStrength, Shape};
 
 const CAMERA: &str = "PerspectiveCamera { center 0 0 10 direction 0 0 -1 up 0 1 0 angle 30 width 200 height 200 }";
 
@@ -64,6 +64,7 @@ fn the_last_group_wins() {
     assert!(d.root.items.is_empty());
     let d = scene("Lights { PointLight { position 0 0 0 power 1 1 1 } } Lights { } Group { }").unwrap();
     assert!(d.lights.is_empty());
+    scene("Materials { Mirror a { } } Materials { Mirror a { } } Group { MaterialName a }").unwrap();
     // The first group's material is gone, but so is the first group.
     scene("Materials { Mirror {} } Group { MaterialIndex 0 } Materials { } Group { }").unwrap();
     refused(
@@ -93,7 +94,7 @@ fn counts_must_match() {
     scene("Lights { numLights 0 } Materials { numMaterials 0 } Group { numObjects 0 }").unwrap();
     // Materials are not objects.
     scene("Materials { Mirror { } } Group { MaterialIndex 0 numObjects 1 MaterialIndex 0 Group { } }").unwrap();
-    refused("Group { numObjects ‹2›\n Group { } }", "`numObjects` is 2, but 1 object follow", "write `numObjects 1`");
+    refused("Group { numObjects ‹2›\n Group { } }", "`numObjects` is 2, but 1 object follows", "write `numObjects 1`");
     refused("Lights { numLights ‹4000000000› } Group { }", "is 4000000000, but 0 lights", "write `numLights 0`");
     refused("Materials { numMaterials ‹1› Mirror { } Mirror { } }", "is 1, but 2 materials", "leave the count out");
     refused("Group { numObjects 0 ‹numObjects› 0 }", "given twice in `Group`", "keep one");
@@ -303,6 +304,12 @@ fn nesting_has_an_end() {
         let error = scene(&"Group { numObjects 1\n".repeat(n)).unwrap_err();
         assert_eq!((error.line(), error.column(), error.text()), (2 + MAX_DEPTH, 1, "Group"));
     }
+}
+
+#[test]
+fn neighbours_are_not_nesting() {
+    let body = "Group { } Transform { Group { } }".repeat(2 * MAX_DEPTH);
+    assert_eq!(scene(&format!("Group {{ {body} }}")).unwrap().root.items.len(), 4 * MAX_DEPTH);
 }
 
 #[test]

@@ -1,0 +1,146 @@
+//! The language as a whole: the course's scenes, the reference's examples, and what proptest makes up.
+
+mod strategies;
+
+use std::path::PathBuf;
+
+use proptest::collection::vec;
+use proptest::prelude::*;
+
+use super::parse;
+use strategies::description;
+
+#[test]
+fn course_scenes_parse_and_print_back() {
+    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/course/testcases");
+    let Ok(entries) = std::fs::read_dir(&folder) else {
+        eprintln!("skipped: {} is absent", folder.display());
+        return;
+    };
+    let mut scenes = 0;
+    for entry in entries {
+        let path = entry.unwrap().path();
+        let text = std::fs::read_to_string(&path).unwrap();
+        let name = path.display().to_string();
+        for text in [text.clone(), text.replace('\n', "\r\n"), text.replace(char::is_whitespace, "\t")] {
+            let d = parse(&name, &text).unwrap();
+            assert_eq!(parse("again", &d.to_string()).unwrap(), d, "{name}");
+            assert!(!d.lights.is_empty() && !d.root.items.is_empty());
+        }
+        scenes += 1;
+    }
+    assert_eq!(scenes, 10);
+}
+
+#[test]
+fn the_reference_holds_whole_scenes() {
+    let page = include_str!("../../../docs/scene-language.md");
+    let scenes: Vec<&str> = page.split("```caustica\n").skip(1).filter_map(|part| part.split("```").next()).collect();
+    assert_eq!(scenes.len(), 2);
+    for text in scenes {
+        let d = parse("scene-language.md", text).unwrap();
+        assert_eq!(parse("again", &d.to_string()).unwrap(), d);
+    }
+}
+
+#[test]
+fn a_description_prints_in_one_form() {
+    let text = "Group{MaterialName\"a b\"Transform{Rotate{0 0 1 90}Sphere{radius 1e-7center 1 -0.5 1e20}}}";
+    let camera = "PerspectiveCamera{lookAt 0 0 0center 0 0 1angle 9}Materials{Mirror\"a b\"{}}";
+    let expected = "\
+PerspectiveCamera {
+    center 0 0 1
+    lookAt 0 0 0
+    up 0 1 0
+    angle 9
+    width 960
+    height 720
+}
+Background {
+    color 0.5 0.5 0.5
+}
+Materials {
+    numMaterials 1
+    Mirror \"a b\" {
+        reflectance 1 1 1
+    }
+}
+Group {
+    numObjects 1
+    MaterialName \"a b\"
+    Transform {
+        Rotate { 0 0 1 90 }
+        Sphere {
+            center 1 -0.5 1e20
+            radius 1e-7
+        }
+    }
+}
+";
+    assert_eq!(parse("a", &format!("{camera}{text}")).unwrap().to_string(), expected);
+}
+
+#[test]
+fn large_texts_take_linear_time() {
+    let time = |n: usize| {
+        let body = "Sphere { center 0 0 0 radius 1 }\n".repeat(n);
+        let text =
+            format!("PerspectiveCamera {{ center 0 0 0 direction 0 0 1 angle 9 }} Group {{ numObjects {n} {body} }}");
+        let start = std::time::Instant::now();
+        assert_eq!(parse("a", &text).unwrap().root.items.len(), n);
+        start.elapsed().as_secs_f64()
+    };
+    // Forty times the text; the square would be 1600 times the time. The rest is for noise.
+    let (small, large) = (time(2_000).min(time(2_000)), time(80_000));
+    assert!(large < 400.0 * small, "{small} s, then {large} s");
+}
+
+/// Words of the language in any order, and bytes that are none.
+fn soup() -> impl Strategy<Value = String> {
+    let words =
+        include_str!("../../../docs/scene-language.md").split_whitespace().map(str::to_owned).collect::<Vec<_>>();
+    let word = prop_oneof![
+        4 => proptest::sample::select(words),
+        2 => proptest::sample::select(vec!["{", "}", "[", "]", "\"", "\\", "0", "1", "-", ".", "1e", "#", "\n"])
+            .prop_map(str::to_owned),
+        1 => ".{0,4}",
+    ];
+    (vec(word, 0..80), prop_oneof![Just(""), Just(" ")]).prop_map(|(words, gap)| words.join(gap))
+}
+
+proptest! {
+    #[test]
+    fn descriptions_print_back(d in description()) {
+        let text = d.to_string();
+        match parse("printed", &text) {
+            Ok(again) => prop_assert_eq!(again, d),
+            Err(error) => prop_assert!(false, "{:?}\n{}", miette::Report::new(error), text),
+        }
+    }
+
+    #[test]
+    fn no_soup_makes_the_parser_panic(soup in soup(), start in 0..3_usize) {
+        let start = ["", "Group {", "PerspectiveCamera { center 0 0 0 direction 0 0 1 angle 9 } Group {"][start];
+        if let Err(error) = parse("soup", &format!("{start}{soup}")) {
+            prop_assert!(!error.remedy().is_empty());
+            let report = format!("{:?}", miette::Report::new(error));
+            prop_assert!(!report.is_empty());
+        }
+    }
+
+    #[test]
+    fn no_bytes_make_the_parser_panic(bytes in vec(any::<u8>(), 0..200)) {
+        if let Err(error) = super::parse_bytes("bytes", &bytes) {
+            prop_assert!(!error.to_string().is_empty());
+        }
+    }
+
+    #[test]
+    fn no_cut_or_change_of_a_scene_panics(d in description(), at in any::<prop::sample::Index>(), new in ".{0,2}") {
+        let text = d.to_string();
+        let cut = text.floor_char_boundary(at.index(text.len()));
+        let _ = parse("cut", &text[..cut]);
+        let after = text[cut..].chars().next().map_or(cut, |c| cut + c.len_utf8());
+        let _ = parse("changed", &format!("{}{new}{}", &text[..cut], &text[after..]));
+    }
+}

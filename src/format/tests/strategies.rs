@@ -1,0 +1,223 @@
+//! Descriptions for proptest, of all that the language can say.
+
+use glam::{DMat4, DVec3};
+use proptest::collection::vec;
+use proptest::option;
+use proptest::prelude::*;
+
+use super::super::description::*;
+
+fn finite() -> impl Strategy<Value = f64> {
+    use proptest::num::f64::{NEGATIVE, NORMAL, POSITIVE, SUBNORMAL, ZERO};
+    POSITIVE | NEGATIVE | NORMAL | SUBNORMAL | ZERO
+}
+
+fn positive() -> impl Strategy<Value = f64> {
+    proptest::num::f64::POSITIVE | proptest::num::f64::NORMAL
+}
+
+fn point() -> impl Strategy<Value = DVec3> {
+    [finite(), finite(), finite()].prop_map(DVec3::from_array)
+}
+
+/// Of a length that can be squared.
+fn direction() -> impl Strategy<Value = DVec3> {
+    let one = -1e3..1e3;
+    ([one.clone(), one.clone(), one], -100..100_i32).prop_filter_map("no length", |(v, exponent)| {
+        let v = DVec3::from_array(v);
+        (v.length() > 1e-3).then_some(v * f64::from(exponent).exp2())
+    })
+}
+
+fn colour() -> impl Strategy<Value = DVec3> {
+    [positive(), positive(), positive()].prop_map(DVec3::from_array)
+}
+
+fn share() -> impl Strategy<Value = DVec3> {
+    let one = 1e-9..=1.0;
+    [one.clone(), one.clone(), one].prop_map(DVec3::from_array)
+}
+
+/// Bare, quoted, and all that needs care between the two.
+fn name() -> impl Strategy<Value = String> {
+    prop_oneof!["[a-z_][a-z0-9_.-]{0,8}", "[a-z/{}\\[\\]#\" \\\\\u{e9}]{1,8}", "//x", "#x", "[^\r\n]{1,8}"]
+}
+
+fn edges() -> impl Strategy<Value = (DVec3, DVec3, DVec3)> {
+    (point(), direction(), direction())
+        .prop_filter("no area", |(_, a, b)| a.normalize().cross(b.normalize()).length() > 1e-9)
+}
+
+fn camera() -> impl Strategy<Value = Camera> {
+    let size = || 1..=65_536_u32;
+    let views = (edges(), any::<bool>(), 1e-9..179.999, size(), size());
+    views.prop_filter_map("no view", |((center, view, up), aimed, angle, width, height)| {
+        let lookat =
+            aimed.then_some(center + view).filter(|p| (*p - center).normalize().cross(up.normalize()).length() > 1e-6);
+        let aim = lookat.map_or(Aim::Direction(view), Aim::LookAt);
+        let parallel = view.normalize().cross(up.normalize()).length() < 1e-6;
+        (!parallel).then_some(Camera { center, aim, up, angle, width, height })
+    })
+}
+
+fn point_strength() -> impl Strategy<Value = PointStrength> {
+    (colour(), 0..3).prop_map(|(c, kind)| match kind {
+        0 => PointStrength::Color(c),
+        1 => PointStrength::Intensity(c),
+        _ => PointStrength::Power(c),
+    })
+}
+
+fn area_strength() -> impl Strategy<Value = AreaStrength> {
+    (colour(), any::<bool>())
+        .prop_map(|(c, power)| if power { AreaStrength::Power(c) } else { AreaStrength::Radiance(c) })
+}
+
+fn light() -> impl Strategy<Value = Light> {
+    prop_oneof![
+        (point(), point_strength()).prop_map(|(position, strength)| Light::Point { position, strength }),
+        (direction(), colour(), any::<bool>()).prop_map(|(direction, c, physical)| {
+            let strength = if physical { DirectionalStrength::Irradiance(c) } else { DirectionalStrength::Color(c) };
+            Light::Directional { direction, strength }
+        }),
+        (point(), direction(), 1e-9..=360.0, 0.0..=0.5, point_strength()).prop_map(
+            |(position, axis, angle, rim, strength)| {
+                let aim = Aim::Direction(axis);
+                Light::Spot { position, aim, angle, penumbra: rim * angle, strength }
+            }
+        ),
+        (point(), positive(), area_strength()).prop_map(|(center, radius, strength)| Light::Sphere {
+            center,
+            radius,
+            strength
+        }),
+        (point(), direction(), positive(), area_strength())
+            .prop_map(|(center, normal, radius, strength)| Light::Disc { center, normal, radius, strength }),
+        (edges(), area_strength()).prop_map(|((corner, edge0, edge1), strength)| Light::Rectangle {
+            corner,
+            edge0,
+            edge1,
+            strength
+        }),
+    ]
+}
+
+fn material() -> impl Strategy<Value = (MaterialKind, Option<DVec3>)> {
+    let attenuation = prop_oneof![
+        Just(Attenuation::None),
+        colour().prop_map(Attenuation::Absorption),
+        (share(), positive()).prop_map(|(color, distance)| Attenuation::Tint { color, distance }),
+    ];
+    let kind = prop_oneof![
+        (colour(), colour(), positive(), option::of(name())).prop_map(|(diffuse, specular, shininess, texture)| {
+            MaterialKind::Phong { diffuse, specular, shininess, texture }
+        }),
+        share().prop_map(|reflectance| MaterialKind::Diffuse { reflectance }),
+        share().prop_map(|reflectance| MaterialKind::Mirror { reflectance }),
+        (positive(), attenuation).prop_map(|(index, attenuation)| MaterialKind::Dielectric { index, attenuation }),
+    ];
+    (kind, option::of(colour()))
+}
+
+fn curve() -> impl Strategy<Value = Curve> {
+    (vec(point(), 4..7), any::<bool>()).prop_map(|(controls, bezier)| {
+        let basis = if bezier { CurveBasis::Bezier } else { CurveBasis::Bspline };
+        Curve { basis, controls }
+    })
+}
+
+fn shape() -> impl Strategy<Value = Shape> {
+    prop_oneof![
+        (point(), positive()).prop_map(|(center, radius)| Shape::Sphere { center, radius }),
+        (direction(), finite()).prop_map(|(normal, offset)| Shape::Plane { normal, offset }),
+        (point(), direction(), positive()).prop_map(|(center, normal, radius)| Shape::Disc { center, normal, radius }),
+        edges().prop_map(|(corner, edge0, edge1)| Shape::Rectangle { corner, edge0, edge1 }),
+        ([point(), point(), point()], option::of([direction(), direction(), direction()]))
+            .prop_map(|(vertices, normals)| Shape::Triangle { vertices, normals }),
+        name().prop_map(|path| Shape::Mesh { path: Spanned::new(path, Span::default()) }),
+        curve().prop_map(|profile| Shape::Revolution { profile }),
+        curve().prop_map(Shape::Curve),
+    ]
+}
+
+fn map() -> impl Strategy<Value = Map> {
+    let scale = || prop_oneof![0.01..100.0, -100.0..-0.01];
+    let angle = || -1e3..1e3;
+    prop_oneof![
+        [scale(), scale(), scale()].prop_map(|s| Map::Scale(DVec3::from_array(s))),
+        scale().prop_map(Map::UniformScale),
+        direction().prop_map(Map::Translate),
+        angle().prop_map(Map::RotateX),
+        angle().prop_map(Map::RotateY),
+        angle().prop_map(Map::RotateZ),
+        (direction(), angle()).prop_map(|(axis, angle)| Map::Rotate { axis, angle }),
+        ([scale(), scale(), scale()], direction())
+            .prop_map(|(s, t)| { Map::Matrix(DMat4::from_translation(t) * DMat4::from_scale(DVec3::from_array(s))) }),
+    ]
+}
+
+fn spanned<T>(value: T) -> Spanned<T> {
+    Spanned::new(value, Span::default())
+}
+
+/// An entry of a group; materials are numbers to be taken modulo how many there are.
+fn item() -> impl Strategy<Value = Item> {
+    let leaf = (shape(), option::of(colour())).prop_map(|(shape, emission)| Object::Shape { shape, emission });
+    let object = leaf.prop_recursive(4, 24, 4, |inner| {
+        let grouped = prop_oneof![
+            3 => inner.clone().prop_map(|object| Item::Object(spanned(object))),
+            1 => any::<u32>().prop_map(|i| Item::MaterialIndex(spanned(i))),
+        ];
+        prop_oneof![
+            vec(grouped, 0..4).prop_map(|items| Object::Group(Group { items })),
+            (vec(map(), 0..3), inner)
+                .prop_map(|(maps, object)| Object::Transform { maps, object: Box::new(spanned(object)) }),
+        ]
+    });
+    prop_oneof![
+        3 => object.prop_map(|object| Item::Object(spanned(object))),
+        1 => any::<u32>().prop_map(|i| Item::MaterialIndex(spanned(i))),
+    ]
+}
+
+/// Turns numbers of materials into indices and names of `materials`.
+fn name_materials(group: &mut Group, materials: &[Spanned<Material>]) {
+    fn enter(object: &mut Object, materials: &[Spanned<Material>]) {
+        match object {
+            Object::Group(group) => name_materials(group, materials),
+            Object::Transform { object, .. } => enter(&mut object.value, materials),
+            Object::Shape { .. } => {}
+        }
+    }
+    group.items.retain(|item| !materials.is_empty() || matches!(item, Item::Object(_)));
+    for item in &mut group.items {
+        if let Item::MaterialIndex(number) = item {
+            let index = number.value as usize % materials.len();
+            match &materials[index].value.name {
+                Some(name) if number.value & (1 << 20) == 0 => *item = Item::MaterialName(spanned(name.clone())),
+                _ => number.value = index as u32,
+            }
+        } else if let Item::Object(object) = item {
+            enter(&mut object.value, materials);
+        }
+    }
+}
+
+pub fn description() -> impl Strategy<Value = Description> {
+    let materials = vec((option::of(name()), material()), 0..4);
+    let parts = (camera(), colour(), vec(light(), 0..4), materials, vec(item(), 0..4));
+    parts.prop_map(|(camera, background, lights, materials, items)| {
+        let mut names = std::collections::HashSet::new();
+        let materials: Vec<_> = materials
+            .into_iter()
+            .map(|(name, (kind, emission))| {
+                let name = name.filter(|name| names.insert(name.clone()));
+                spanned(Material { name, kind, emission })
+            })
+            .collect();
+        let mut root = Group { items };
+        name_materials(&mut root, &materials);
+        let lights = lights.into_iter().map(spanned).collect();
+        Description { camera: spanned(camera), background, lights, materials, root }
+    })
+}
