@@ -51,7 +51,7 @@ fn photons(n: u32) -> Vec<Photon> {
         p[(side + 2) % 3] = u.x;
         let mut normal = Vec3::ZERO;
         normal[side % 3] = if side < 3 { 1.0 } else { -1.0 };
-        Photon { position: Vec3::from(p), flux: Flux::new(Vec3::ONE, normal, normal).unwrap() }
+        Photon::new(Vec3::from(p), Vec3::ONE, normal, normal).unwrap()
     };
     (0..n).map(place).collect()
 }

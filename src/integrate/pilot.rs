@@ -43,33 +43,14 @@ pub fn auto_radius(scene: &Scene, pass: &PhotonPass<'_>, paths: u32, k: u32, see
     let size = scene.domain().radius.max(f32::MIN_POSITIVE);
     let map = PhotonMap::build(photons.clone());
     let step = photons.len().div_ceil(PROBES);
-    let mut radii: Vec<f32> = photons.iter().step_by(step).map(|p| kth_radius(&map, p, k, size)).collect();
+    let distance = |p: &Photon| {
+        let normal = p.flux.normal().normalize();
+        map.kth_distance(p.position, normal, k, size).unwrap_or(size)
+    };
+    let mut radii: Vec<f32> = photons.iter().step_by(step).map(distance).collect();
     radii.sort_by(f32::total_cmp);
     let served = radii[((radii.len() - 1) as f64 * SERVED) as usize];
     // Density grows with the number of paths, area with the square of the radius.
     let scaled = served * (PATHS as f32 / paths as f32).sqrt();
     Some(scaled.clamp(size * NARROWEST, size * WIDEST))
-}
-
-/// Distance from a photon to its k-th neighbour on the same side, by widening a fixed-radius search.
-fn kth_radius(map: &PhotonMap, photon: &Photon, k: u32, size: f32) -> f32 {
-    let normal = photon.flux.normal().normalize();
-    let mut radius = size * 1e-3;
-    let mut distances: Vec<f32> = Vec::new();
-    loop {
-        distances.clear();
-        map.visit(photon.position, normal, radius, |flux, d2, height| {
-            if height.abs() < 0.25 * radius && flux.normal().dot(normal) > 0.5 {
-                distances.push(d2);
-            }
-        });
-        if distances.len() > k as usize {
-            let (_, kth, _) = distances.select_nth_unstable_by(k as usize, f32::total_cmp);
-            return kth.sqrt();
-        }
-        if radius > 2.0 * size {
-            return radius;
-        }
-        radius *= 2.0;
-    }
 }

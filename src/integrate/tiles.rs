@@ -103,7 +103,7 @@ mod tests {
 
     #[test]
     fn tiles_cover_every_pixel_once() {
-        for (width, height) in [(1, 1), (16, 16), (17, 33), (100, 1)] {
+        for (width, height) in [(1u32, 1u32), (16, 16), (17, 33), (100, 1)] {
             let columns = width.div_ceil(EDGE);
             let mut seen = vec![0; (width * height) as usize];
             for tile in 0..columns * height.div_ceil(EDGE) {

@@ -1,5 +1,6 @@
 //! Radiance from photon density.
 
+use super::record::TangentPlane;
 use super::{Flux, Kernel, PhotonMap};
 use crate::color::Rgb;
 use glam::Vec3;
@@ -70,10 +71,11 @@ impl PhotonMap {
             let nearest = self.nearest(p, normal, bandwidth, scratch);
             if let Some(r2) = nearest {
                 // A kernel that does not vanish at the k-th photon must leave it out: (k − 1)/(πr²) is unbiased.
+                let inverse = 1.0 / r2;
                 let taken = |d2: f32| kernel.vanishes_at_edge() || d2 < r2;
                 let sum =
                     scratch.found.iter().filter(|(d2, _)| taken(*d2)).fold(Rgb::ZERO, |sum, (d2, flux)| {
-                        sum + brdf(flux.from()) * flux.power() * kernel.shape(*d2, r2)
+                        sum + brdf(flux.from()) * flux.power() * kernel.shape(*d2 * inverse)
                     });
                 return Estimate {
                     radiance: sum * kernel.scale(r2),
@@ -94,12 +96,14 @@ impl PhotonMap {
         brdf: impl Fn(Vec3) -> Rgb,
     ) -> Estimate {
         let r2 = bandwidth.radius * bandwidth.radius;
+        let inverse = 1.0 / r2;
         let mut sum = Rgb::ZERO;
         let mut count = 0;
-        self.visit(p, normal, bandwidth.radius, |flux, d2, height| {
-            if counts(flux, normal, height, bandwidth.radius) {
+        let plane = TangentPlane::new(p, normal);
+        self.visit(p, bandwidth.radius, |flux, d2| {
+            if counts(flux, &plane, bandwidth.radius) {
                 count += 1;
-                sum += brdf(flux.from()) * flux.power() * kernel.shape(d2, r2);
+                sum += brdf(flux.from()) * flux.power() * kernel.shape(d2 * inverse);
             }
         });
         Estimate { radiance: sum * kernel.scale(r2), radius: bandwidth.radius, count }
@@ -113,13 +117,14 @@ impl PhotonMap {
         let k = bandwidth.k as usize;
         let guess = if scratch.last > 0.0 { scratch.last * 1.25 } else { bandwidth.radius * 0.25 };
         let mut radius = guess.min(bandwidth.radius);
+        let plane = TangentPlane::new(p, normal);
         let found = &mut scratch.found;
         found.reserve(2 * k);
         loop {
             found.clear();
             let mut cutoff = f32::INFINITY;
-            self.visit(p, normal, radius, |flux, d2, height| {
-                if d2 < cutoff && counts(flux, normal, height, bandwidth.radius) {
+            self.visit(p, radius, |flux, d2| {
+                if d2 < cutoff && counts(flux, &plane, bandwidth.radius) {
                     found.push((d2, *flux));
                     if found.len() == 2 * k {
                         cutoff = keep_nearest(found, k);
@@ -142,10 +147,21 @@ impl PhotonMap {
     }
 }
 
+impl PhotonMap {
+    /// Distance from `p` to its k-th photon that an estimate there would count, searched up to about `most`; `None` where there
+    /// are fewer.
+    #[must_use]
+    pub fn kth_distance(&self, p: Vec3, normal: Vec3, k: u32, most: f32) -> Option<f32> {
+        let mut scratch = Scratch { last: most * 1e-3, ..Scratch::default() };
+        self.nearest(p, normal, Bandwidth { radius: most, k }, &mut scratch).map(f32::sqrt)
+    }
+}
+
 /// Whether a photon lies on the surface that is looked at.
 #[inline]
-fn counts(flux: &Flux, normal: Vec3, height: f32, radius: f32) -> bool {
-    height.abs() <= radius * FLATNESS && flux.normal().dot(normal) > SAME_SIDE
+pub(super) fn counts(flux: &Flux, plane: &TangentPlane, radius: f32) -> bool {
+    let (cosine, height) = flux.relation(plane);
+    cosine > SAME_SIDE && height.abs() <= radius * FLATNESS
 }
 
 /// Moves the k nearest to the front, drops the rest, and returns the k-th squared distance.

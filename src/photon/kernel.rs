@@ -34,14 +34,14 @@ impl FromStr for Kernel {
 }
 
 impl Kernel {
-    /// Weight at squared distance `d2` within radius² `r2`, up to [`Kernel::scale`].
+    /// Weight at squared distance `x`, in squares of the radius, up to [`Kernel::scale`].
     #[inline]
     #[must_use]
-    pub fn shape(self, d2: f32, r2: f32) -> f32 {
+    pub fn shape(self, x: f32) -> f32 {
         match self {
             Self::Box => 1.0,
-            Self::Cone => 1.0 - (d2 / r2).sqrt(),
-            Self::Epanechnikov => 1.0 - d2 / r2,
+            Self::Cone => (1.0 - x.sqrt()).max(0.0),
+            Self::Epanechnikov => (1.0 - x).max(0.0),
         }
     }
 
@@ -100,7 +100,7 @@ mod tests {
             for i in 0..n {
                 let d = (i as f32 + 0.5) / n as f32 * r;
                 let ring = f64::from(std::f32::consts::TAU * d * r / n as f32);
-                let k = f64::from(kernel.shape(d * d, r * r) * kernel.scale(r * r));
+                let k = f64::from(kernel.shape(d * d / (r * r)) * kernel.scale(r * r));
                 integral += k * ring;
                 square += k * k * ring * f64::from(std::f32::consts::PI * r * r);
                 second += k * ring * f64::from(d * d / (r * r)) * 0.5;

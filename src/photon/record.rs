@@ -3,7 +3,7 @@
 use crate::color::Rgb;
 use glam::{Vec2, Vec3};
 
-/// Direction, surface side and flux of a stored photon: 16 bytes.
+/// Direction, tangent plane and flux of a stored photon: 20 bytes.
 ///
 /// Flux is the sum of its channels in single precision with two 16-bit fractions, so that hue is right to 1.5·10⁻⁵ and power
 /// to 2⁻²⁴ from 10⁻³⁷ to 10³⁸ W.
@@ -14,9 +14,11 @@ pub struct Flux {
     green: u16,
     from: [u16; 2],
     normal: [i8; 3],
+    /// normal · position: the plane's offset from the origin.
+    offset: f32,
 }
 
-/// A photon as it was deposited: 28 bytes.
+/// A photon as it was deposited: 32 bytes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Photon {
     /// Place.
@@ -25,25 +27,59 @@ pub struct Photon {
     pub flux: Flux,
 }
 
-impl Flux {
-    /// Packs flux \[W], the unit direction to where the photon came from, and the unit geometric normal on that side.
+impl Photon {
+    /// Packs a place, flux \[W], the unit direction to where the photon came from, and the unit geometric normal on that side.
     ///
-    /// `None` where the flux is zero, negative or not finite: such photons carry nothing or would poison an estimate.
+    /// `None` where the place or the flux is not finite, or the flux is zero or negative: such photons carry nothing, or would
+    /// poison an estimate.
     #[inline]
     #[must_use]
-    pub fn new(flux: Rgb, from: Vec3, normal: Vec3) -> Option<Self> {
+    pub fn new(position: Vec3, flux: Rgb, from: Vec3, normal: Vec3) -> Option<Self> {
         let sum = flux.x + flux.y + flux.z;
-        if !(sum > 0.0 && sum.is_finite() && flux.min_element() >= 0.0) {
+        if !(sum > 0.0 && sum.is_finite() && flux.min_element() >= 0.0 && position.is_finite()) {
             return None;
         }
         let fraction = |c: f32| (c / sum * 65_535.0 + 0.5) as u16;
-        Some(Self {
+        let mut flux = Flux {
             sum,
             red: fraction(flux.x),
             green: fraction(flux.y),
             from: encode(from),
-            normal: [normal.x, normal.y, normal.z].map(|c| (c * 127.0).round() as i8),
-        })
+            normal: [normal.x, normal.y, normal.z].map(|c| (c * NORMAL_SCALE).round() as i8),
+            offset: 0.0,
+        };
+        flux.offset = flux.normal().dot(position);
+        Some(Self { position, flux })
+    }
+}
+
+/// Steps of a normal's coordinate.
+const NORMAL_SCALE: f32 = 127.0;
+
+/// A point and a normal, ready to be compared with many photons.
+#[derive(Clone, Copy, Debug)]
+pub struct TangentPlane {
+    point: Vec3,
+    normal: Vec3,
+}
+
+impl TangentPlane {
+    /// The plane through `point` across the unit `normal`.
+    #[inline]
+    #[must_use]
+    pub fn new(point: Vec3, normal: Vec3) -> Self {
+        Self { point: point / NORMAL_SCALE, normal: normal / NORMAL_SCALE }
+    }
+}
+
+impl Flux {
+    /// How much the photon's surface faces the way of `plane` (the cosine of their normals), and how far the plane's point is
+    /// above the photon's own tangent plane \[length].
+    #[inline]
+    #[must_use]
+    pub fn relation(&self, plane: &TangentPlane) -> (f32, f32) {
+        let normal = Vec3::from(self.normal.map(f32::from));
+        (normal.dot(plane.normal), normal.dot(plane.point) - self.offset)
     }
 
     /// Flux \[W].
@@ -66,7 +102,12 @@ impl Flux {
     #[inline]
     #[must_use]
     pub fn normal(&self) -> Vec3 {
-        Vec3::from(self.normal.map(f32::from)) * (1.0 / 127.0)
+        Vec3::from(self.normal.map(f32::from)) / NORMAL_SCALE
+    }
+
+    /// The same photon on the tangent plane of another with the same normal.
+    pub(super) fn at_offset_of(self, other: &Self) -> Self {
+        Self { offset: other.offset, ..self }
     }
 
     /// A key by which photons of one side can be told from those of another.
@@ -104,7 +145,7 @@ mod tests {
 
     #[test]
     fn a_photon_is_small() {
-        assert_eq!((size_of::<Flux>(), size_of::<Photon>()), (16, 28));
+        assert_eq!((size_of::<Flux>(), size_of::<Photon>()), (20, 32));
     }
 
     #[test]
@@ -115,9 +156,11 @@ mod tests {
             let normal = warp::sphere(key.uniform_2d(Dimension::LightPosition));
             let scale = [1e-33, 1.0, 1e30][i as usize % 3];
             let flux = key.uniform_2d(Dimension::Film).extend(key.uniform(Dimension::Light)) * scale;
-            let packed = Flux::new(flux, from, normal).unwrap();
+            let packed = Photon::new(normal, flux, from, normal).unwrap().flux;
             assert!((packed.from() - from).length() < 1e-4);
             assert!((packed.normal() - normal).length() < 0.01);
+            let (cosine, height) = packed.relation(&TangentPlane::new(normal * 3.0, -normal));
+            assert!((cosine + 1.0).abs() < 0.01 && (height - 2.0).abs() < 0.02);
             let sum = flux.x + flux.y + flux.z;
             assert!(((packed.power() - flux) / sum).abs().max_element() < 2e-5);
             assert!(((packed.power().element_sum() - sum) / sum).abs() < 1e-6);
@@ -129,7 +172,10 @@ mod tests {
         for bad in
             [Rgb::ZERO, Rgb::new(f32::NAN, 1.0, 1.0), Rgb::new(f32::INFINITY, 0.0, 0.0), Rgb::new(-1.0, 2.0, 0.0)]
         {
-            assert!(Flux::new(bad, Vec3::Z, Vec3::Z).is_none(), "{bad}");
+            assert!(Photon::new(Vec3::ZERO, bad, Vec3::Z, Vec3::Z).is_none(), "{bad}");
+        }
+        for nowhere in [Vec3::NAN, Vec3::new(0.0, f32::INFINITY, 0.0)] {
+            assert!(Photon::new(nowhere, Rgb::ONE, Vec3::Z, Vec3::Z).is_none());
         }
     }
 }

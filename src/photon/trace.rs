@@ -1,6 +1,6 @@
 //! The walk of a photon.
 
-use super::{Flux, Photon, PhotonSource};
+use super::{Photon, PhotonSource};
 use crate::bsdf::{Transport, deposit_factor, shading_normal_factor};
 use crate::color::{self, Rgb};
 use crate::light::Emission;
@@ -169,9 +169,7 @@ impl PhotonPass<'_> {
             let stores = surface.material.bsdf.stores_photons();
             if stores && self.wants.has(class) {
                 let landed = flux * deposit_factor(surface.wo, surface.point.ns, surface.point.ng);
-                if let Some(flux) = Flux::new(landed, surface.wo, surface.facing_normal()) {
-                    traced.photons.push(Photon { position: surface.point.p, flux });
-                }
+                traced.photons.extend(Photon::new(surface.point.p, landed, surface.wo, surface.facing_normal()));
             }
             let useless = !surface.material.bsdf.is_specular() && self.wants == Wants::CAUSTIC;
             if bounce == self.max_bounces || useless {
