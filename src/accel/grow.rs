@@ -219,12 +219,7 @@ fn best_plane(fragments: &[Fragment], centers: Slab) -> Option<(usize, usize)> {
             bin.1.add(count);
         }
     }
-    let small = fragments.len() <= LANES;
-    let cost = |bounds: Slab, count: Count| {
-        // Within a packet it is the boxes that count, not the number of packets.
-        let tests = if small { (count.triangles + count.others) as f32 } else { count.cost() };
-        bounds.half_area() * tests
-    };
+    let cost = |bounds: Slab, count: Count| bounds.half_area() * (count.triangles + count.others) as f32;
     let (mut least, mut best) = (f32::INFINITY, None);
     let extent = centers.max - centers.min;
     for axis in (0..3).filter(|&a| extent[a] > 0.0) {

@@ -112,7 +112,7 @@ fn brute(triangles: &Mesh, balls: &[(Vec3, f32)], ray: &Ray) -> Option<Hit> {
     let probe = Probe::new(ray)?;
     let solid = |i: u32| {
         let packet = Packet::new(triangles, &[i]);
-        let hit = packet.hit(0, &probe).map(|(t, u, v)| (t * probe.unit, u, v));
+        let hit = packet.hit(0, &probe).map(|c| (c.t * probe.unit, c.barycentric().0, c.barycentric().1));
         (Primitive::Triangle(i), hit)
     };
     let round = |i: u32| (Primitive::Other(i), ball(balls[i as usize].0, balls[i as usize].1, ray));
