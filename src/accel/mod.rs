@@ -76,7 +76,10 @@ impl Hierarchy {
     where
         F: FnMut(u32, &Ray) -> Option<(f32, f32, f32)>,
     {
-        let probe = Probe::new(ray)?;
+        if !Probe::fits(ray) {
+            return None;
+        }
+        let probe = Probe::new(ray);
         let mut best = Best { key: 0, crossing: Crossing { t: probe.t_max, weights: [0.0; 2], total: 1.0 } };
         self.wide.walk::<true, _>(&probe, |leaf, _| {
             if leaf & OTHER == 0 {
@@ -111,7 +114,10 @@ impl Hierarchy {
     where
         F: FnMut(u32, &Ray) -> bool,
     {
-        let Some(probe) = Probe::new(ray) else { return false };
+        if !Probe::fits(ray) {
+            return false;
+        }
+        let probe = Probe::new(ray);
         let mut found = false;
         self.wide.walk::<false, _>(&probe, |leaf, limit| {
             found = if leaf & OTHER == 0 { self.wide.packet(leaf).any(&probe) } else { other(leaf ^ OTHER, ray) };
