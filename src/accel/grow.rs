@@ -219,12 +219,7 @@ fn best_plane(fragments: &[Fragment], centers: Slab) -> Option<(usize, usize)> {
             bin.1.add(count);
         }
     }
-    let small = fragments.len() <= LANES;
-    let cost = |bounds: Slab, count: Count| {
-        // Within a packet it is the boxes that count, not the number of packets.
-        let tests = if small { (count.triangles + count.others) as f32 } else { count.cost() };
-        bounds.half_area() * tests
-    };
+    let cost = |bounds: Slab, count: Count| bounds.half_area() * (count.triangles + count.others) as f32;
     let (mut least, mut best) = (f32::INFINITY, None);
     let extent = centers.max - centers.min;
     for axis in (0..3).filter(|&a| extent[a] > 0.0) {
@@ -260,4 +255,31 @@ fn partition(fragments: &mut [Fragment], low: impl Fn(&Fragment) -> bool) -> usi
         }
     }
     end
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn depth(tree: &[Branch]) -> u32 {
+        match tree[0] {
+            Branch { size: 1, .. } => 0,
+            Branch { left, .. } => 1 + depth(&tree[1..]).max(depth(&tree[2 * left as usize..])),
+        }
+    }
+
+    /// Boxes that double in size and distance make the heuristic peel off the largest few, again and again.
+    #[test]
+    fn depth_is_bounded_where_the_heuristic_would_go_deeper() {
+        let series = (0..126u32).map(|i| (f32::from_bits((i + 64) << 23), i));
+        let fragment = |(x, key): (f32, u32)| {
+            let bounds = Slab { min: Vec3A::splat(x * 0.9), max: Vec3A::splat(x) };
+            Fragment { bounds, key }
+        };
+        let mut fragments: Vec<Fragment> = series.map(fragment).collect();
+        let mut tree = vec![Branch::VACANT; 2 * fragments.len() - 1];
+        grow(&mut fragments, &mut tree);
+        let depth = depth(&tree);
+        assert!(depth > HEURISTIC_DEPTH && depth <= HEURISTIC_DEPTH + 7, "{depth}");
+    }
 }

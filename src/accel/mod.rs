@@ -13,6 +13,7 @@ mod wide;
 
 use crate::math::{Bounds, Ray};
 use glam::Vec3;
+use packet::Crossing;
 use probe::Probe;
 use wide::{OTHER, Wide};
 
@@ -75,8 +76,11 @@ impl Hierarchy {
     where
         F: FnMut(u32, &Ray) -> Option<(f32, f32, f32)>,
     {
-        let probe = Probe::new(ray)?;
-        let mut best = Best { t: probe.t_max, key: 0, u: 0.0, v: 0.0 };
+        if !Probe::fits(ray) {
+            return None;
+        }
+        let probe = Probe::new(ray);
+        let mut best = Best { key: 0, crossing: Crossing { t: probe.t_max, weights: [0.0; 2], total: 1.0 } };
         self.wide.walk::<true, _>(&probe, |leaf, _| {
             if leaf & OTHER == 0 {
                 let packet = self.wide.packet(leaf);
@@ -84,19 +88,20 @@ impl Hierarchy {
                 while lanes != 0 {
                     let lane = lanes.trailing_zeros() as usize;
                     lanes &= lanes - 1;
-                    if let Some((t, u, v)) = packet.hit(lane, &probe) {
-                        best.offer(t, packet.index(lane), u, v);
+                    if let Some(crossing) = packet.hit(lane, &probe) {
+                        best.offer(packet.index(lane), crossing);
                     }
                 }
             } else {
                 // The bound of a ray is exclusive: an equal `t` must pass where this primitive would win the tie.
-                let t_max = if leaf < best.key { best.t.next_up() } else { best.t };
+                let t_max = if leaf < best.key { best.crossing.t.next_up() } else { best.crossing.t };
                 let shrunk = Ray { t_max: t_max * probe.unit, ..*ray };
                 if let Some((t, u, v)) = other(leaf ^ OTHER, &shrunk) {
-                    best.offer(t * probe.per_unit, leaf, u, v);
+                    let weights = [u, v].map(f64::from);
+                    best.offer(leaf, Crossing { t: t * probe.per_unit, weights, total: 1.0 });
                 }
             }
-            best.t
+            best.crossing.t
         });
         best.finish(ray, &probe)
     }
@@ -109,7 +114,10 @@ impl Hierarchy {
     where
         F: FnMut(u32, &Ray) -> bool,
     {
-        let Some(probe) = Probe::new(ray) else { return false };
+        if !Probe::fits(ray) {
+            return false;
+        }
+        let probe = Probe::new(ray);
         let mut found = false;
         self.wide.walk::<false, _>(&probe, |leaf, limit| {
             found = if leaf & OTHER == 0 { self.wide.packet(leaf).any(&probe) } else { other(leaf ^ OTHER, ray) };
@@ -122,26 +130,29 @@ impl Hierarchy {
 /// The best hit so far, in the probe's units; its key orders equal `t`, and zero, which none can undercut, keeps `t_max`
 /// itself out.
 struct Best {
-    t: f32,
     key: u32,
-    u: f32,
-    v: f32,
+    crossing: Crossing,
 }
 
 impl Best {
     #[inline]
-    fn offer(&mut self, t: f32, key: u32, u: f32, v: f32) {
-        if t > 0.0 && (t < self.t || t == self.t && key < self.key) {
-            *self = Self { t, key, u, v };
+    fn offer(&mut self, key: u32, crossing: Crossing) {
+        let (t, least) = (crossing.t, self.crossing.t);
+        if t > 0.0 && (t < least || t == least && key < self.key) {
+            *self = Self { key, crossing };
         }
     }
 
     #[inline]
     fn finish(&self, ray: &Ray, probe: &Probe) -> Option<Hit> {
-        let t = self.t * probe.unit;
+        let t = self.crossing.t * probe.unit;
+        // A distance that the caller's unit cannot express is no hit.
+        if !(self.crossing.t < probe.t_max && 0.0 < t && t < ray.t_max) {
+            return None;
+        }
         let index = self.key & !OTHER;
         let primitive = if self.key == index { Primitive::Triangle(index) } else { Primitive::Other(index) };
-        // A distance that the caller's unit cannot express is no hit.
-        (self.t < probe.t_max && 0.0 < t && t < ray.t_max).then_some(Hit { t, primitive, u: self.u, v: self.v })
+        let (u, v) = self.crossing.barycentric();
+        Some(Hit { t, primitive, u, v })
     }
 }

@@ -2,12 +2,12 @@
 
 use super::probe::Probe;
 use glam::{DVec3, Vec3};
-use wide::f32x4;
+use wide::f32x8;
 
 /// Triangles in a packet.
-pub(super) const LANES: usize = 4;
+pub(super) const LANES: usize = 8;
 
-type Lane = f32x4;
+type Lane = f32x8;
 
 /// Up to [`LANES`] triangles; lanes not in use hold NaN, which no comparison lets through.
 #[repr(C)]
@@ -15,6 +15,23 @@ pub(super) struct Packet {
     /// Coordinates by axis, then by corner.
     corners: [[Lane; 3]; 3],
     indices: [u32; LANES],
+}
+
+/// Where a line meets a triangle.
+#[derive(Clone, Copy)]
+pub(super) struct Crossing {
+    /// In the probe's units, of any sign.
+    pub t: f32,
+    /// Of the second and third corner, in parts of `total`: few crossings are worth the division.
+    pub weights: [f64; 2],
+    pub total: f64,
+}
+
+impl Crossing {
+    #[inline]
+    pub fn barycentric(&self) -> (f32, f32) {
+        ((self.weights[0] / self.total) as f32, (self.weights[1] / self.total) as f32)
+    }
 }
 
 impl Packet {
@@ -66,7 +83,7 @@ impl Packet {
     /// difference of exact numbers keeps its sign and all but its last digit, so neighbours agree on their common edge and
     /// the hit lies on the triangle however thin it looks.
     #[inline]
-    pub fn hit(&self, lane: usize, probe: &Probe) -> Option<(f32, f32, f32)> {
+    pub fn hit(&self, lane: usize, probe: &Probe) -> Option<Crossing> {
         let [ax, ay, az] = probe.axes;
         let [px, py, pz] = [&self.corners[ax], &self.corners[ay], &self.corners[az]];
         let [ox, oy, oz] = [probe.origin[ax], probe.origin[ay], probe.origin[az]];
@@ -83,13 +100,10 @@ impl Packet {
         if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
             return None;
         }
-        let determinant = u + v + w;
-        if determinant == 0.0 {
-            return None;
-        }
-        let inverse = 1.0 / determinant;
-        let t = (u * a.z + v * b.z + w * c.z) * inverse / probe.depth;
-        Some((t as f32, (v * inverse) as f32, (w * inverse) as f32))
+        // Times the depth, so that one division gives `t`.
+        let volume = (u + v + w) * probe.depth;
+        let t = (u * a.z + v * b.z + w * c.z) / volume;
+        (volume != 0.0).then_some(Crossing { t: t as f32, weights: [v, w], total: u + v + w })
     }
 
     /// Whether any triangle meets the ray at `0 < t < t_max`.
@@ -99,7 +113,7 @@ impl Packet {
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize;
             lanes &= lanes - 1;
-            if self.hit(lane, probe).is_some_and(|(t, ..)| 0.0 < t && t < probe.t_max) {
+            if self.hit(lane, probe).is_some_and(|c| 0.0 < c.t && c.t < probe.t_max) {
                 return true;
             }
         }

@@ -127,11 +127,12 @@ impl Wide {
         let mut stack = [0u64; STACK];
         let mut top = 0;
         let mut limit = probe.t_max;
+        let slabs = Slabs::new(probe);
         let mut current = 0;
         loop {
             if current < PACKET {
                 let node = &self.nodes[current as usize];
-                let (mut hits, near) = node.enter(probe, limit);
+                let (mut hits, near) = node.enter(&slabs, limit);
                 if hits != 0 {
                     let slot = |hits: u32| hits.trailing_zeros() as usize & (ARITY - 1);
                     let entry =
@@ -184,15 +185,33 @@ impl Wide {
     }
 }
 
+/// A probe's origin and reciprocal direction along each axis, for eight boxes at a time, and which plane it meets first.
+struct Slabs {
+    origin: [f32x8; 3],
+    reciprocal: [f32x8; 3],
+    near: [usize; 3],
+}
+
+impl Slabs {
+    #[inline]
+    fn new(probe: &Probe) -> Self {
+        let ([ox, oy, oz], [rx, ry, rz]) = (probe.origin, probe.reciprocal);
+        Self {
+            origin: [f32x8::splat(ox), f32x8::splat(oy), f32x8::splat(oz)],
+            reciprocal: [f32x8::splat(rx), f32x8::splat(ry), f32x8::splat(rz)],
+            near: probe.near,
+        }
+    }
+}
+
 impl Node {
     /// A mask of the boxes that the probe enters within the limit, and where it enters them (Ize 2013).
     #[inline]
-    fn enter(&self, probe: &Probe, limit: f32) -> (u32, f32x8) {
-        let slab =
-            |axis: usize, side: usize| (self.planes[axis][side & 1] - probe.origins[axis]) * probe.reciprocals[axis];
-        let [nx, ny, nz] = probe.near;
-        let near = slab(0, nx).fast_max(slab(1, ny)).fast_max(slab(2, nz)).fast_max(f32x8::ZERO);
-        let far = slab(0, nx ^ 1).fast_min(slab(1, ny ^ 1)).fast_min(slab(2, nz ^ 1)).fast_min(f32x8::splat(limit));
+    fn enter(&self, slabs: &Slabs, limit: f32) -> (u32, f32x8) {
+        let at = |axis: usize, side: usize| (self.planes[axis][side & 1] - slabs.origin[axis]) * slabs.reciprocal[axis];
+        let [nx, ny, nz] = slabs.near;
+        let near = at(0, nx).fast_max(at(1, ny)).fast_max(at(2, nz)).fast_max(f32x8::ZERO);
+        let far = at(0, nx ^ 1).fast_min(at(1, ny ^ 1)).fast_min(at(2, nz ^ 1)).fast_min(f32x8::splat(limit));
         (near.simd_le(far * f32x8::splat(STRETCH)).to_bitmask(), near)
     }
 }

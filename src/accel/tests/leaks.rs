@@ -1,0 +1,75 @@
+//! Closed meshes that no ray may leave unseen.
+
+use super::meshes::{cube, icosphere, mesh, point, torus};
+use super::none;
+use crate::accel::Hierarchy;
+use crate::math::Ray;
+use glam::Vec3;
+use rand::rngs::SmallRng;
+use rand::{RngExt, SeedableRng};
+use rayon::prelude::*;
+
+/// From inside a closed mesh every ray must hit, wherever it is aimed.
+fn leaks(
+    vertices: &[Vec3],
+    faces: &[[u32; 3]],
+    inside: impl Fn(&mut SmallRng) -> Vec3,
+    rays: usize,
+    seed: u64,
+) -> usize {
+    let mut rng = SmallRng::seed_from_u64(seed);
+    let tree = Hierarchy::build(&mesh(vertices, faces), &[]);
+    let mut origin = inside(&mut rng);
+    let miss = |i: usize| {
+        if i.is_multiple_of(64) {
+            origin = inside(&mut rng);
+        }
+        let [a, b, c] = faces[rng.random_range(0..faces.len())].map(|i| vertices[i as usize]);
+        let target = match i % 4 {
+            0 => a,
+            1 => a + (b - a) * rng.random::<f32>(),
+            2 => (a + b) * 0.5,
+            _ => a + (b - a) * (0.5 * rng.random::<f32>()) + (c - a) * (0.5 * rng.random::<f32>()),
+        };
+        let ray = Ray::new(origin, target - origin);
+        let ray = if i % 8 < 4 { ray } else { Ray::new(origin, ray.direction.normalize()) };
+        tree.closest(&ray, none).is_none() || !tree.occluded(&ray, |_, _| false)
+    };
+    (0..rays).map(miss).filter(|&m| m).count()
+}
+
+fn closed_meshes(rays: usize, seed: u64) -> usize {
+    let mut rng = SmallRng::seed_from_u64(seed);
+    let mut total = 0;
+    for offset in [0.0, 1.0, 30.0, 1e3, 1e5] {
+        for scale in [1.0, 1e-6, 1e6] {
+            let place = |vertices: &[Vec3]| -> Vec<Vec3> {
+                vertices.iter().map(|v| (*v + Vec3::new(offset, -0.7 * offset, 0.4 * offset)) * scale).collect()
+            };
+            let map = |p: Vec3| (p + Vec3::new(offset, -0.7 * offset, 0.4 * offset)) * scale;
+            let (v, f) = cube();
+            total += leaks(&place(&v), &f, |r| map(point(r) * 0.9), rays, seed);
+            let (v, f) = icosphere(4);
+            total += leaks(&place(&v), &f, |r| map(point(r) * 0.5), rays, seed);
+            let (v, f) = torus(&mut rng, 90, 40, 0.02);
+            let inside = |r: &mut SmallRng| {
+                let (s, c) = libm::sincosf(r.random_range(0.0..std::f32::consts::TAU));
+                map(Vec3::new(c, s, 0.0) + point(r) * 0.1)
+            };
+            total += leaks(&place(&v), &f, inside, rays, seed);
+        }
+    }
+    total
+}
+
+#[test]
+fn closed_meshes_do_not_leak() {
+    assert_eq!(closed_meshes(20_000, 6), 0);
+}
+
+/// 10⁸ rays, for a change of the triangle test or of the padding: `cargo test --release -- --ignored leak`.
+#[test]
+#[ignore = "runs for minutes"]
+fn closed_meshes_do_not_leak_at_length() {
+    assert_eq!((0..100).into_par_iter().map(|seed| closed_meshes(22_300, 100 + seed)).sum::<usize>(), 0);
+}
