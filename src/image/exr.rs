@@ -4,8 +4,8 @@ use std::io::Cursor;
 
 use exr::meta::attribute::Chromaticities;
 use exr::prelude::{
-    Compression, Encoding, Image as ExrImage, Layer, LayerAttributes, MetaData, ReadChannels, ReadLayers,
-    SpecificChannels, Text, Vec2, WritableImage,
+    Compression, Encoding, Image as ExrImage, Layer, LayerAttributes, MetaData, SpecificChannels, Text, Vec2,
+    WritableImage,
 };
 use glam::Vec3;
 
@@ -66,20 +66,12 @@ pub(super) fn read(file: &[u8]) -> Result<Image, DecodeFailure> {
         check_plausible(pixels * 2 / block, file.len())?;
     }
 
-    let picture = exr::prelude::read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .rgb_channels(
-            |Vec2(width, height), _| (width, vec![Vec3::ZERO; width * height]),
-            |(width, pixels), Vec2(x, y), (r, g, b): (f32, f32, f32)| pixels[y * *width + x] = Vec3::new(r, g, b),
-        )
-        .first_valid_layer()
-        .all_attributes()
-        .non_parallel()
-        .from_buffered(Cursor::new(file))?;
-    let Vec2(width, height) = picture.layer_data.size;
-    let (_, pixels) = picture.layer_data.channel_data.pixels;
-    Ok(Image::from_pixels(width as u32, height as u32, pixels)?)
+    let picture = ::image::load_from_memory_with_format(file, ::image::ImageFormat::OpenExr)
+        .map_err(|error| DecodeFailure::Reason(error.to_string()))?
+        .into_rgb32f();
+    let (width, height) = picture.dimensions();
+    let pixels = picture.pixels().map(|p| Vec3::from(p.0)).collect();
+    Ok(Image::from_pixels(width, height, pixels)?)
 }
 
 #[cfg(test)]
