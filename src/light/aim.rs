@@ -17,6 +17,7 @@ pub struct Targets {
 /// At most so many balls: each costs a few operations an emitted photon.
 const MOST: usize = 32;
 
+#[derive(Clone, Copy)]
 struct Cone {
     axis: Vec3,
     one_minus_cos: f32,
@@ -68,37 +69,38 @@ impl Targets {
     /// steradian. `None` where no target is in view.
     #[must_use]
     pub fn sample_direction(&self, p: Vec3, horizon: Option<Vec3>, u: Vec2) -> Option<(Vec3, f32)> {
+        let mut cones = [Cone { axis: Vec3::Z, one_minus_cos: 0.0 }; MOST];
+        let mut count = 0;
         let mut total = 0.0;
         for ball in &self.balls {
             match view(ball, p, horizon) {
-                View::Cone(cone) => total += TAU * cone.one_minus_cos,
+                View::Cone(cone) => {
+                    total += cone.one_minus_cos;
+                    cones[count] = cone;
+                    count += 1;
+                }
                 View::Nowhere => {}
                 View::Everywhere => return Some(everywhere(horizon, u)),
             }
         }
+        let cones = &cones[..count];
         let mut at = u.x * total;
         let mut chosen = None;
-        for ball in &self.balls {
-            if let View::Cone(cone) = view(ball, p, horizon) {
-                let solid_angle = TAU * cone.one_minus_cos;
-                let rest = (at / solid_angle).min(1.0 - f32::EPSILON);
-                at -= solid_angle;
-                chosen = Some((rest, cone));
-                if at < 0.0 {
-                    break;
-                }
+        for cone in cones {
+            let rest = (at / cone.one_minus_cos).min(1.0 - f32::EPSILON);
+            at -= cone.one_minus_cos;
+            chosen = Some((rest, cone));
+            if at < 0.0 {
+                break;
             }
         }
         let (rest, cone) = chosen?;
         let direction = Frame::around(cone.axis).to_world(warp::cone(Vec2::new(rest, u.y), cone.one_minus_cos));
-        let around = self.balls.iter().filter(|ball| match view(ball, p, horizon) {
-            // |w − a|² = 2(1 − cos) keeps its digits in narrow cones.
-            View::Cone(c) => (direction - c.axis).length_squared() <= 2.0 * c.one_minus_cos,
-            View::Everywhere | View::Nowhere => false,
-        });
+        // |w − a|² = 2(1 − cos) keeps its digits in narrow cones.
+        let around = cones.iter().filter(|c| (direction - c.axis).length_squared() <= 2.0 * c.one_minus_cos);
         // The chosen cone holds its own direction, whatever rounding says at its rim.
         let count = around.count().max(1);
-        Some((direction, count as f32 / total))
+        Some((direction, count as f32 / (TAU * total)))
     }
 
     /// A point on a plane across unit `direction` from which parallel light reaches the targets, far enough upstream of them

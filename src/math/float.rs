@@ -43,6 +43,28 @@ pub fn quadratic(a: f64, b: f64, c: f64, discriminant: f64) -> Option<(f64, f64)
     Some(if t0 < t1 { (t0, t1) } else { (t1, t0) })
 }
 
+/// Sine and cosine of `turns` full turns, for `turns` in \[−1, 1], within an ulp.
+///
+/// Quarters are taken off exactly, and what is left needs no further reduction (polynomials for |x| ≤ π/4: Cody and Waite
+/// 1980, chapter 8, as Taylor series cut where their remainder is below 2⁻³⁰).
+#[inline]
+#[must_use]
+pub fn sin_cos_turns(turns: f32) -> (f32, f32) {
+    let quarters = (turns * 4.0).round();
+    let x = f64::from(turns - quarters * 0.25) * std::f64::consts::TAU;
+    let y = x * x;
+    let sin = x * (1.0 - y * (1.0 / 6.0 - y * (1.0 / 120.0 - y * (1.0 / 5040.0 - y * (1.0 / 362_880.0)))));
+    let cos = 1.0
+        - y * (0.5 - y * (1.0 / 24.0 - y * (1.0 / 720.0 - y * (1.0 / 40_320.0 - y * (1.0 / 3_628_800.0)))));
+    let (sin, cos) = (sin as f32, cos as f32);
+    match quarters as i32 & 3 {
+        0 => (sin, cos),
+        1 => (cos, -sin),
+        2 => (-sin, -cos),
+        _ => (-cos, sin),
+    }
+}
+
 /// Squared distance from `from` to `to`, the unit direction between them, and that distance.
 ///
 /// `None` where the points coincide, so that no direction exists.
@@ -71,6 +93,18 @@ mod tests {
         assert!((large / 2e8 - 1.0).abs() < 1e-12);
         assert!(quadratic(1.0, 0.0, 1.0, -1.0).is_none());
         assert_eq!(quadratic(1.0, 0.0, 0.0, 0.0), Some((0.0, 0.0)));
+    }
+
+    #[test]
+    fn turns_agree_with_radians() {
+        for i in -1000..=1000 {
+            let t = i as f32 / 1000.0;
+            let (sin, cos) = sin_cos_turns(t);
+            let (s, c) = libm::sincos(f64::from(t) * std::f64::consts::TAU);
+            assert!((f64::from(sin) - s).abs() < 7e-8 && (f64::from(cos) - c).abs() < 7e-8, "{t}");
+        }
+        assert_eq!(sin_cos_turns(0.25), (1.0, 0.0));
+        assert_eq!(sin_cos_turns(0.5), (0.0, -1.0));
     }
 
     #[test]

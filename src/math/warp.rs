@@ -4,7 +4,8 @@
 //! axis is the pole.
 
 use glam::{Vec2, Vec3};
-use std::f32::consts::{FRAC_1_PI, FRAC_PI_2, FRAC_PI_4, TAU};
+use super::sin_cos_turns;
+use std::f32::consts::{FRAC_1_PI, TAU};
 
 /// Uniform on the unit disc, density 1/π, by concentric squares (Shirley and Chiu 1997).
 #[inline]
@@ -14,9 +15,9 @@ pub fn disc(u: Vec2) -> Vec2 {
     if o == Vec2::ZERO {
         return Vec2::ZERO;
     }
-    let (radius, angle) =
-        if o.x.abs() > o.y.abs() { (o.x, FRAC_PI_4 * (o.y / o.x)) } else { (o.y, FRAC_PI_2 - FRAC_PI_4 * (o.x / o.y)) };
-    let (sin, cos) = libm::sincosf(angle);
+    let (radius, turns) =
+        if o.x.abs() > o.y.abs() { (o.x, 0.125 * (o.y / o.x)) } else { (o.y, 0.25 - 0.125 * (o.x / o.y)) };
+    let (sin, cos) = sin_cos_turns(turns);
     Vec2::new(cos, sin) * radius
 }
 
@@ -94,7 +95,7 @@ pub fn triangle(u: Vec2) -> Vec2 {
 
 #[inline]
 fn around_axis(z: f32, radius: f32, turn: f32) -> Vec3 {
-    let (sin, cos) = libm::sincosf(TAU * turn);
+    let (sin, cos) = sin_cos_turns(turn);
     Vec3::new(radius * cos, radius * sin, z)
 }
 

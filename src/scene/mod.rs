@@ -164,7 +164,7 @@ impl Scene {
             || self.hierarchy.occluded(ray, |i, ray| self.shapes[i as usize].intersect(ray).is_some())
     }
 
-    /// The surface at a crossing of `ray`.
+    /// The surface at a crossing of `ray`, whose direction must be of unit length.
     #[inline]
     #[must_use]
     pub fn surface(&self, ray: &Ray, hit: &Hit) -> Surface<'_> {
@@ -179,7 +179,7 @@ impl Scene {
                 (plane.surface(ray, hit.t), *attributes)
             }
         };
-        let wo = -ray.direction.normalize();
+        let wo = -ray.direction;
         let emission = match attributes.light.map(|l| &self.lights[l as usize]) {
             Some(Light::Area(area)) if wo.dot(point.ng) > 0.0 => area.radiance,
             _ => Rgb::ZERO,
