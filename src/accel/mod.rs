@@ -43,7 +43,8 @@ pub struct Hit {
 ///
 /// Triangles are watertight: a ray through a closed mesh hits it, at edges and corners too, whatever the scale of the mesh
 /// and its distance from the origin (Woop, Benthin and Wald 2013, with boxes padded to match). Coordinates must be finite and
-/// below 10¹⁸ in magnitude. Memory is about 90 bytes a triangle.
+/// below 10¹⁸ in magnitude. Memory is about 72 bytes a
+/// triangle of a mesh, and 180 more while building.
 pub struct Hierarchy {
     wide: Wide,
     bounds: Bounds,
@@ -53,7 +54,8 @@ impl Hierarchy {
     /// Builds over `triangles`, given by their corners, and `others`, boxes around what the closures of
     /// [`closest`](Self::closest) and [`occluded`](Self::occluded) intersect.
     ///
-    /// At most 2³⁰ of either. Corners must be finite. A triangle without area and an empty box are never hit.
+    /// At most 2³⁰ of either. Corners must be finite. A hit of another primitive must lie in its box, to 10⁻⁶ of the box's size;
+    /// for one that moves, the box bounds the whole shutter interval. A triangle without area and an empty box are never hit.
     #[must_use]
     pub fn build(triangles: &[[Vec3; 3]], others: &[Bounds]) -> Self {
         let bounds = Bounds::of(triangles.iter().flatten().copied());

@@ -60,3 +60,20 @@ impl Probe {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reciprocals_are_finite_and_lengths_normalised() {
+        for length in [1e-45, 1e-30, 1.0, 3e38] {
+            let p = Probe::new(&Ray::new(Vec3::ZERO, Vec3::new(0.0, -0.0, -length)));
+            assert_eq!(p.reciprocal[..2], [f32::MAX, f32::MIN]);
+            assert!(p.reciprocal[2] < 0.0 && p.reciprocal[2].is_finite());
+            assert_eq!((p.near, p.axes[2]), ([0, 1, 1], 2));
+            assert_eq!(p.unit * p.per_unit, 1.0);
+            assert!(length < 1e-38 || (1.0..4.0).contains(&-p.depth), "{length} {}", p.depth);
+        }
+    }
+}
