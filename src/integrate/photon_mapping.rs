@@ -7,7 +7,7 @@ use super::direct::DirectLight;
 use super::tiles::{self, Worker};
 use super::{Integrator, Monitor, Pass, Phase, PhotonReport, Radii, Seconds, auto_radius, shrink};
 use crate::bsdf::{Bsdf, Transport};
-use crate::camera::Filter;
+use crate::camera::{Filter, FilterKind};
 use crate::color::{self, Rgb};
 use crate::math::Ray;
 use crate::photon::{Bandwidth, Kernel, PhotonMap, PhotonPass, PhotonSource, Wants};
@@ -36,6 +36,22 @@ pub struct PhotonSettings {
     pub seed: u64,
     /// Reconstruction filter.
     pub filter: Filter,
+}
+
+impl Default for PhotonSettings {
+    fn default() -> Self {
+        Self {
+            photons: 250_000,
+            caustic_photons: 250_000,
+            samples: 1,
+            gather_k: 50,
+            radius: None,
+            kernel: Kernel::default(),
+            max_bounces: 100,
+            seed: 0,
+            filter: Filter::new(FilterKind::default()),
+        }
+    }
 }
 
 /// An estimate over fewer photons is noise, however many passes have shrunk it.
