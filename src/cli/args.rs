@@ -52,10 +52,10 @@ pub struct RenderArguments {
     pub integrator: IntegratorName,
 
     /// Photon paths of the global map a pass, such as 500k or 2M; 0 for none
-    #[arg(long, value_parser = count, default_value = "250k", value_name = "N")]
+    #[arg(long, value_parser = count, default_value = "500k", value_name = "N")]
     pub photons: u32,
 
-    /// Photon paths aimed at glass and mirrors a pass; 0 for none  [default: as many as --photons]
+    /// Photon paths aimed at glass and mirrors a pass; 0 for none  [default: half as many as --photons]
     #[arg(long, value_parser = count, value_name = "N")]
     pub caustic_photons: Option<u32>,
 
@@ -71,9 +71,9 @@ pub struct RenderArguments {
     #[arg(long, value_parser = positive_count, value_name = "N")]
     pub spp: Option<u32>,
 
-    /// Most photons in a density estimate; 0 for no limit but the radius
-    #[arg(long, value_parser = count, default_value = "50", value_name = "K")]
-    pub gather_k: u32,
+    /// Most photons in a density estimate; 0 for no limit but the radius  [default: 50 in caustics, else no limit]
+    #[arg(long, value_parser = count, value_name = "K")]
+    pub gather_k: Option<u32>,
 
     /// Largest gather radius of the first pass, in units of the scene  [default: found by a pilot pass]
     #[arg(long, value_parser = length, value_name = "R")]

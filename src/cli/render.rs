@@ -100,7 +100,7 @@ fn load(path: &Path, size: Option<(u32, u32)>) -> Result<Scene, Failure> {
 fn photon_settings(arguments: &RenderArguments) -> PhotonSettings {
     PhotonSettings {
         photons: arguments.photons,
-        caustic_photons: arguments.caustic_photons.unwrap_or(arguments.photons),
+        caustic_photons: arguments.caustic_photons.unwrap_or(arguments.photons / 2),
         samples: arguments.spp.unwrap_or(1),
         gather_k: arguments.gather_k,
         radius: arguments.radius,

@@ -9,7 +9,7 @@ mod raycast;
 mod tiles;
 
 pub use pass::{Monitor, Pass, Phase, PhotonReport, Seconds, Silent};
-pub use photon_mapping::{PhotonMapping, PhotonSettings};
+pub use photon_mapping::{CAUSTIC_K, PhotonMapping, PhotonSettings};
 pub use pilot::{Radii, auto_radius};
 pub use progressive::{ALPHA, shrink};
 pub use raycast::RayCast;

@@ -24,8 +24,9 @@ pub struct PhotonSettings {
     pub caustic_photons: u32,
     /// Camera rays a pixel and pass.
     pub samples: u32,
-    /// Most photons an estimate takes, 0 for no limit.
-    pub gather_k: u32,
+    /// Most photons an estimate takes, 0 for no limit; `None`: [`CAUSTIC_K`] in the caustic map, no limit in the global one,
+    /// whose light is smooth.
+    pub gather_k: Option<u32>,
     /// Largest radius of the first pass \[length]; `None` lets a pilot find one for each map.
     pub radius: Option<f32>,
     /// Kernel of the estimates.
@@ -41,10 +42,10 @@ pub struct PhotonSettings {
 impl Default for PhotonSettings {
     fn default() -> Self {
         Self {
-            photons: 250_000,
+            photons: 500_000,
             caustic_photons: 250_000,
             samples: 1,
-            gather_k: 50,
+            gather_k: None,
             radius: None,
             kernel: Kernel::default(),
             max_bounces: 100,
@@ -54,11 +55,17 @@ impl Default for PhotonSettings {
     }
 }
 
+/// Most photons of a caustic estimate, where the user does not say.
+pub const CAUSTIC_K: u32 = 50;
+
+/// Photons that most discs of the global map should hold, where the user does not say.
+const GLOBAL_COUNT: u32 = 100;
+
 /// An estimate over fewer photons is noise, however many passes have shrunk it.
 const FEWEST: f64 = 8.0;
 
 /// A specular branch weaker than this part of the pixel is followed by chance only.
-const WORTH_SPLITTING: f32 = 0.004;
+const WORTH_SPLITTING: f32 = 0.001;
 
 /// Branches that may wait at once.
 const BRANCHES: usize = 16;
@@ -104,8 +111,8 @@ impl<'a> PhotonMapping<'a> {
         };
         let global = source(settings.photons, PhotonSource::everywhere);
         let caustic = source(settings.caustic_photons, PhotonSource::aimed);
-        let radius = |source: &Option<PhotonSource<'a>>, wants: Wants, paths: u32| {
-            let k = if settings.gather_k == 0 { DEFAULT_K } else { settings.gather_k };
+        let radius = |source: &Option<PhotonSource<'a>>, wants: Wants, paths: u32, fallback: u32| {
+            let k = settings.gather_k.filter(|k| *k > 0).unwrap_or(fallback);
             let found = source.as_ref().and_then(|source| {
                 let pass = PhotonPass { scene, source, wants, max_bounces: settings.max_bounces };
                 auto_radius(scene, &pass, paths, k, settings.seed)
@@ -114,8 +121,8 @@ impl<'a> PhotonMapping<'a> {
             settings.radius.or(found).unwrap_or(1.0)
         };
         let radii = Radii {
-            global: radius(&global, Wants::GLOBAL, settings.photons),
-            caustic: radius(&caustic, Wants::CAUSTIC, settings.caustic_photons),
+            global: radius(&global, Wants::GLOBAL, settings.photons, GLOBAL_COUNT),
+            caustic: radius(&caustic, Wants::CAUSTIC, settings.caustic_photons, CAUSTIC_K),
         };
         Self { scene, direct: DirectLight::new(scene), global, caustic, radii, settings }
     }
@@ -126,13 +133,10 @@ impl<'a> PhotonMapping<'a> {
         self.radii
     }
 
-    fn bandwidth(&self, radius: f32, pass: u32) -> Bandwidth {
+    fn bandwidth(&self, radius: f32, most: u32, pass: u32) -> Bandwidth {
         let area = shrink(pass);
-        let k = match self.settings.gather_k {
-            0 => 0,
-            k => (f64::from(k) * area).max(FEWEST).round() as u32,
-        };
-        Bandwidth { radius: radius * area.sqrt() as f32, k: k.min(self.settings.gather_k) }
+        let k = (f64::from(most) * area).round().max(FEWEST) as u32;
+        Bandwidth { radius: radius * area.sqrt() as f32, k: k.min(most) }
     }
 
     /// Traces one map's photons and indexes them.
@@ -290,9 +294,6 @@ enum Next {
     Both(Branch),
 }
 
-/// Neighbours that the pilot counts where the user sets no limit.
-const DEFAULT_K: u32 = 50;
-
 impl Integrator for PhotonMapping<'_> {
     fn pass(&self, pass: u32, monitor: &dyn Monitor) -> Pass {
         let mut out = Pass::default();
@@ -306,8 +307,8 @@ impl Integrator for PhotonMapping<'_> {
         let maps = Maps {
             global,
             caustic,
-            global_bandwidth: self.bandwidth(self.radii.global, pass),
-            caustic_bandwidth: self.bandwidth(self.radii.caustic, pass),
+            global_bandwidth: self.bandwidth(self.radii.global, self.settings.gather_k.unwrap_or(0), pass),
+            caustic_bandwidth: self.bandwidth(self.radii.caustic, self.settings.gather_k.unwrap_or(CAUSTIC_K), pass),
         };
 
         let start = Instant::now();

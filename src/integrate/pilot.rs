@@ -11,7 +11,7 @@ const PATHS: u32 = 1 << 16;
 const PROBES: usize = 512;
 
 /// The part of the probes whose k-th neighbour is within the radius: the rest is too sparse to be served.
-const SERVED: f64 = 0.9;
+const SERVED: f64 = 0.75;
 
 /// Largest radius as part of the scene's: beyond it, photons are too few to tell one place from another.
 const WIDEST: f32 = 0.1;
@@ -28,7 +28,7 @@ pub struct Radii {
     pub caustic: f32,
 }
 
-/// The radius within which nine of ten photons of a pass of `paths` paths have `k` neighbours, found from a smaller pilot; `None`
+/// The radius within which three of four photons of a pass of `paths` paths have `k` neighbours, found from a smaller pilot; `None`
 /// where the pilot stores nothing.
 ///
 /// It depends on the scene, the seed and the counts alone.

@@ -73,6 +73,12 @@ impl Light {
         }
     }
 
+    /// Whether it is seen under a solid angle, so that shadows have soft edges.
+    #[must_use]
+    pub fn has_surface(&self) -> bool {
+        matches!(self, Self::Area(_))
+    }
+
     /// Emitted flux \[W]; for parallel light, what crosses the disc that `domain` shows it.
     #[must_use]
     pub fn power(&self, domain: Sphere) -> Rgb {
