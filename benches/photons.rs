@@ -34,9 +34,9 @@ fn trace_caustic(bencher: Bencher, threads: usize) {
 
 fn trace(bencher: Bencher, threads: usize, pass: &PhotonPass<'_>) {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-    bencher.counter(ItemsCount::new(PATHS)).bench_local(|| {
-        pool.install(|| pass.trace(Key::new(1), PATHS, &|_| {}).photons.len())
-    });
+    bencher
+        .counter(ItemsCount::new(PATHS))
+        .bench_local(|| pool.install(|| pass.trace(Key::new(1), PATHS, &|_| {}).photons.len()));
 }
 
 /// Photons on the walls of a unit box.
@@ -99,9 +99,8 @@ fn gather(bencher: Bencher, bandwidth: Bandwidth) {
     let map = PhotonMap::build(photons(STORED));
     bencher.counter(ItemsCount::new(GATHERS)).bench_local(|| {
         let mut scratch = Scratch::new();
-        let estimate = |p| {
-            map.estimate(p, Vec3::Y, bandwidth, Kernel::Epanechnikov, &mut scratch, |_| Vec3::ONE).radiance
-        };
+        let estimate =
+            |p| map.estimate(p, Vec3::Y, bandwidth, Kernel::Epanechnikov, &mut scratch, |_| Vec3::ONE).radiance;
         floor_points().map(estimate).sum::<Vec3>()
     });
 }

@@ -54,8 +54,7 @@ pub fn sin_cos_turns(turns: f32) -> (f32, f32) {
     let x = f64::from(turns - quarters * 0.25) * std::f64::consts::TAU;
     let y = x * x;
     let sin = x * (1.0 - y * (1.0 / 6.0 - y * (1.0 / 120.0 - y * (1.0 / 5040.0 - y * (1.0 / 362_880.0)))));
-    let cos = 1.0
-        - y * (0.5 - y * (1.0 / 24.0 - y * (1.0 / 720.0 - y * (1.0 / 40_320.0 - y * (1.0 / 3_628_800.0)))));
+    let cos = 1.0 - y * (0.5 - y * (1.0 / 24.0 - y * (1.0 / 720.0 - y * (1.0 / 40_320.0 - y * (1.0 / 3_628_800.0)))));
     let (sin, cos) = (sin as f32, cos as f32);
     match quarters as i32 & 3 {
         0 => (sin, cos),

@@ -3,8 +3,8 @@
 //! Every warp takes `u` in \[0, 1)² and is area-preserving up to the stated density. Directions are in a frame whose third
 //! axis is the pole.
 
-use glam::{Vec2, Vec3};
 use super::sin_cos_turns;
+use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_1_PI, TAU};
 
 /// Uniform on the unit disc, density 1/π, by concentric squares (Shirley and Chiu 1997).

@@ -73,10 +73,9 @@ impl PhotonMap {
                 // A kernel that does not vanish at the k-th photon must leave it out: (k − 1)/(πr²) is unbiased.
                 let inverse = 1.0 / r2;
                 let taken = |d2: f32| kernel.vanishes_at_edge() || d2 < r2;
-                let sum =
-                    scratch.found.iter().filter(|(d2, _)| taken(*d2)).fold(Rgb::ZERO, |sum, (d2, flux)| {
-                        sum + brdf(flux.from()) * flux.power() * kernel.shape(*d2 * inverse)
-                    });
+                let sum = scratch.found.iter().filter(|(d2, _)| taken(*d2)).fold(Rgb::ZERO, |sum, (d2, flux)| {
+                    sum + brdf(flux.from()) * flux.power() * kernel.shape(*d2 * inverse)
+                });
                 return Estimate {
                     radiance: sum * kernel.scale(r2),
                     radius: r2.sqrt(),

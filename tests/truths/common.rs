@@ -103,7 +103,7 @@ pub fn settings(photons: u32, caustic_photons: u32, radius: f64) -> PhotonSettin
         photons,
         caustic_photons,
         samples: 16,
-        gather_k: 0,
+        gather_k: Some(0),
         radius: Some(radius as f32),
         kernel: Kernel::Epanechnikov,
         max_bounces: 1000,

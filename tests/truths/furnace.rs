@@ -45,7 +45,7 @@ fn every_radiance_in_a_furnace_is_the_series_of_its_bounces() {
 fn a_furnace_seen_by_nearest_neighbours_is_as_bright() {
     let scene = furnace();
     for kernel in KERNELS {
-        let settings = caustica::integrate::PhotonSettings { gather_k: 40, kernel, ..settings(1 << 16, 0, 0.3) };
+        let settings = caustica::integrate::PhotonSettings { gather_k: Some(40), kernel, ..settings(1 << 16, 0, 0.3) };
         let expected = EMITTED / (DVec3::ONE - ALBEDO);
         agree_rgb(&format!("furnace, k nearest, {kernel:?}"), &seen(&scene, settings, PASSES), expected, 0.006);
     }

@@ -58,7 +58,7 @@ fn room(at: Place) -> Scene {
 }
 
 fn by_neighbours() -> PhotonSettings {
-    PhotonSettings { gather_k: 30, radius: None, samples: 2, ..settings(20_000, 20_000, 1.0) }
+    PhotonSettings { gather_k: Some(30), radius: None, samples: 2, ..settings(20_000, 20_000, 1.0) }
 }
 
 fn image(scene: &Scene, pass: u32) -> Vec<Vec3> {
