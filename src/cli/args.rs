@@ -1,6 +1,6 @@
 //! What can be typed.
 
-use super::number::{count, duration, length, positive_count, size};
+use super::number::{count, duration, length, positive_count, size, stops, threads};
 use crate::camera::FilterKind;
 use crate::image::{BitDepth, Curve};
 use crate::photon::Kernel;
@@ -18,7 +18,7 @@ pub struct Arguments {
 }
 
 const EXIT_CODES: &str = "\
-Exit codes: 0 done; 1 a scene or mesh is missing or wrong; 2 wrong command line; 3 an output cannot be written; \
+Exit codes: 0 done; 1 a scene or mesh is missing or wrong; 2 wrong command line, or too little memory for it; 3 an output cannot be written; \
 130 interrupted (once: the picture so far was written; twice: nothing was).";
 
 /// The commands.
@@ -96,7 +96,7 @@ pub struct RenderArguments {
     pub seed: u64,
 
     /// Threads  [default: one a core]
-    #[arg(long, value_parser = positive_count, value_name = "N")]
+    #[arg(long, value_parser = threads, value_name = "N")]
     pub threads: Option<u32>,
 
     /// Picture size instead of the scene's, such as 1280x720
@@ -108,7 +108,7 @@ pub struct RenderArguments {
     pub tone: Option<Curve>,
 
     /// Exposure of PNG in stops: +1 is twice as bright
-    #[arg(long, default_value = "0", allow_negative_numbers = true, value_name = "STOPS")]
+    #[arg(long, default_value = "0", value_parser = stops, allow_negative_numbers = true, value_name = "STOPS")]
     pub exposure: f32,
 
     /// Bits a channel of PNG: 8 or 16
@@ -119,7 +119,7 @@ pub struct RenderArguments {
     #[arg(long, value_name = "FILE")]
     pub stats: Option<PathBuf>,
 
-    /// Say nothing but errors
+    /// Say nothing but errors and warnings
     #[arg(short, long)]
     pub quiet: bool,
 }

@@ -1,6 +1,7 @@
 //! The command line: what was typed, what it means, and what is told in return.
 
 mod args;
+mod memory;
 mod number;
 mod progress;
 mod render;
@@ -18,7 +19,7 @@ pub enum Exit {
     Success = 0,
     /// A scene, mesh or other input is missing or wrong.
     Input = 1,
-    /// The command line is wrong.
+    /// The command line is wrong, or asks for more than memory holds.
     Usage = 2,
     /// An output cannot be written.
     Output = 3,

@@ -1,5 +1,6 @@
 //! Numbers as people write them.
 
+use crate::image::MAX_EXPOSURE_STOPS;
 use std::time::Duration;
 
 /// A count with an optional suffix k (thousand) or M (million); a fraction is allowed before a suffix: `2.5M`.
@@ -24,6 +25,25 @@ pub(super) fn positive_count(text: &str) -> Result<u32, String> {
         0 => Err("it must be at least 1".to_owned()),
         n => Ok(n),
     }
+}
+
+/// Most threads: beyond this, starting them takes longer than they could save.
+const MOST_THREADS: u32 = 1024;
+
+/// A number of threads.
+pub(super) fn threads(text: &str) -> Result<u32, String> {
+    match positive_count(text)? {
+        n @ ..=MOST_THREADS => Ok(n),
+        _ => Err(format!("it must be at most {MOST_THREADS}")),
+    }
+}
+
+/// An exposure in stops.
+pub(super) fn stops(text: &str) -> Result<f32, String> {
+    let value = text.parse::<f32>().ok().filter(|x| x.abs() <= MAX_EXPOSURE_STOPS);
+    value.ok_or_else(|| {
+        format!("`{text}` is no exposure: write a number from -{MAX_EXPOSURE_STOPS} to {MAX_EXPOSURE_STOPS}")
+    })
 }
 
 /// A time in seconds, minutes or hours: `90`, `90s`, `1.5m`, `2h`.
@@ -71,12 +91,17 @@ mod tests {
     }
 
     #[test]
-    fn times_and_sizes() {
+    fn times_sizes_and_other_measures() {
         assert_eq!(duration("1.5m"), Ok(Duration::from_secs(90)));
         assert_eq!(duration("60s"), duration("60"));
         assert!(duration("-1s").is_err() && duration("soon").is_err() && duration("").is_err());
         assert_eq!(size("1280x720"), Ok((1280, 720)));
         assert!(size("0x5").is_err() && size("1280").is_err() && size("70000x2").is_err());
+        for bad in ["NaN", "inf", "-inf", "64.1", "-65", "bright", ""] {
+            assert!(stops(bad).is_err(), "{bad}");
+        }
+        assert_eq!((stops("+1.5"), stops("-64")), (Ok(1.5), Ok(-64.0)));
+        assert!(threads("0").is_err() && threads("1025").is_err() && threads("1k") == Ok(1000));
         assert!(length("0").is_err() && length("NaN").is_err() && length("0.5").is_ok());
     }
 }

@@ -2,8 +2,13 @@
 
 use crate::integrate::{Monitor, Phase};
 use indicatif::{ProgressBar, ProgressStyle};
-use std::io::IsTerminal;
+use std::io::{IsTerminal, Write};
 use std::sync::Mutex;
+
+/// Writes a line to the standard error. A reader that has gone away must not end a render, so failure is of no account.
+pub(super) fn tell(line: &str) {
+    let _ = writeln!(std::io::stderr(), "{line}");
+}
 
 /// Shows how far a render is.
 pub(super) enum Progress {
@@ -27,8 +32,8 @@ impl Progress {
     pub fn say(&self, line: &str) {
         match self {
             Self::Quiet => {}
-            Self::Lines => eprintln!("{line}"),
-            Self::Bars { phase, .. } => phase.suspend(|| eprintln!("{line}")),
+            Self::Lines => tell(line),
+            Self::Bars { phase, .. } => phase.suspend(|| tell(line)),
         }
     }
 
@@ -38,10 +43,10 @@ impl Progress {
             Some(of) => format!("pass {pass}/{of}"),
             None => format!("pass {pass}"),
         };
-        if let Self::Bars { prefix, .. } = self {
-            if let Ok(mut prefix) = prefix.lock() {
-                *prefix = label;
-            }
+        if let Self::Bars { prefix, .. } = self
+            && let Ok(mut prefix) = prefix.lock()
+        {
+            *prefix = label;
         }
     }
 

@@ -1,8 +1,9 @@
 //! `caustica render`.
 
 use super::args::IntegratorName;
-use super::progress::Progress;
-use super::report::{Report, Setting};
+use super::memory::{self, check_photons, check_picture};
+use super::progress::{Progress, tell};
+use super::report::{self, Report, Setting};
 use super::{Exit, Failure, RenderArguments};
 use crate::camera::Filter;
 use crate::format::SceneFile;
@@ -10,6 +11,7 @@ use crate::image::{self, Curve, Image, ToneMap, WriteOptions};
 use crate::integrate::{Integrator, PhotonMapping, PhotonSettings, RayCast};
 use crate::render::{Ended, Rendered, Stop, render};
 use crate::scene::Scene;
+use glam::Vec3;
 use miette::IntoDiagnostic;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -25,6 +27,9 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Exit, Failure> {
     for path in &arguments.output {
         image::check_writable(path).into_diagnostic().map_err(|e| Failure::new(Exit::Output, e))?;
     }
+    if let Some(path) = &arguments.stats {
+        report::check_place(path).into_diagnostic().map_err(|e| Failure::new(Exit::Output, e))?;
+    }
     let threads = arguments.threads.map_or(0, |n| n as usize);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.into_diagnostic().map_err(|e| Failure::new(Exit::Usage, e))?;
@@ -36,6 +41,8 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Exit, Failure> {
 fn run_in_pool(arguments: &RenderArguments, progress: &Progress) -> Result<Exit, Failure> {
     let start = Instant::now();
     let scene = load(&arguments.scene, arguments.size)?;
+    let free = memory::free();
+    check_picture(scene.camera().size(), free).map_err(|e| Failure::new(Exit::Usage, e))?;
     let mut setting = Setting {
         scene: arguments.scene.display().to_string(),
         integrator: "",
@@ -48,14 +55,24 @@ fn run_in_pool(arguments: &RenderArguments, progress: &Progress) -> Result<Exit,
         setup: 0.0,
     };
     progress.say(&format!(
-        "{}: {} triangles, {} shapes, {} lights",
-        setting.scene, setting.triangles, setting.shapes, setting.lights
+        "{}: {}, {}, {}",
+        setting.scene,
+        counted(setting.triangles, "triangle", "triangles"),
+        counted(setting.shapes, "shape", "shapes"),
+        counted(setting.lights, "light", "lights")
     ));
+    if setting.triangles + setting.shapes == 0 {
+        progress.say("note: the scene has no objects: only its background is seen");
+    } else if setting.lights == 0 {
+        progress.say("note: the scene has no lights: all but its background is black");
+    }
     let photon_mapping;
     let ray_casting;
     let integrator: &dyn Integrator = match arguments.integrator {
         IntegratorName::Pm => {
-            photon_mapping = PhotonMapping::new(&scene, photon_settings(arguments));
+            let settings = photon_settings(arguments);
+            check_photons(&scene, &settings, free).map_err(|e| Failure::new(Exit::Usage, e))?;
+            photon_mapping = PhotonMapping::new(&scene, settings);
             setting.integrator = "pm";
             setting.radii = Some(photon_mapping.radii());
             &photon_mapping
@@ -134,12 +151,15 @@ fn conclude(
         let written = image::write(path, &picture, &options).into_diagnostic().map_err(output)?;
         progress.say(&format!("wrote {}", path.display()));
         if written.non_finite > 0 {
-            eprintln!("warning: {} values of {} are not finite", written.non_finite, path.display());
+            tell(&format!("warning: {} pixels of {} are not finite", written.non_finite, path.display()));
         }
     }
     if rendered.counters.rejected_samples > 0 {
         let n = rendered.counters.rejected_samples;
-        eprintln!("warning: {n} samples were not finite and were left out");
+        tell(&format!("warning: {n} samples were not finite and were left out"));
+    }
+    if picture.pixels().iter().all(|p| *p == Vec3::ZERO) {
+        progress.say("note: every pixel is black");
     }
     let report = Report::new(setting, rendered);
     let why = match rendered.ended {
@@ -148,8 +168,8 @@ fn conclude(
         Ended::Interrupted => format!("; interrupted: --passes {} repeats this picture", rendered.film.passes()),
     };
     progress.say(&format!(
-        "{} passes in {:.1} s, {:.2} M rays/s, {:.2} M photon paths/s{why}",
-        report.passes,
+        "{} in {:.1} s, {:.2} M rays/s, {:.2} M photon paths/s{why}",
+        counted(report.passes as usize, "pass", "passes"),
         report.seconds.render,
         report.rates.rays_per_second * 1e-6,
         report.rates.photons_per_second * 1e-6,
@@ -161,6 +181,11 @@ fn conclude(
     Ok(if rendered.ended == Ended::Interrupted { Exit::Interrupted } else { Exit::Success })
 }
 
+/// A number with its unit.
+fn counted(n: usize, one: &str, many: &str) -> String {
+    format!("{n} {}", if n == 1 { one } else { many })
+}
+
 /// The first interrupt asks for an end after the pass, the second ends at once.
 fn listen_for_interrupts() {
     // Without a handler an interrupt ends the program at once, which loses a picture but nothing else.
@@ -168,6 +193,6 @@ fn listen_for_interrupts() {
         if INTERRUPTED.swap(true, Ordering::Relaxed) {
             std::process::exit(i32::from(Exit::Interrupted as u8));
         }
-        eprintln!("interrupted: the picture so far is written after this pass; interrupt again to stop at once");
+        tell("interrupted: the picture so far is written after this pass; interrupt again to stop at once");
     });
 }

@@ -1,0 +1,128 @@
+//! Whether a render fits into memory, asked before it begins.
+
+use crate::image::{MAX_PIXELS, SizeError};
+use crate::integrate::PhotonSettings;
+use crate::photon::{PhotonPass, PhotonSource, Wants};
+use crate::sampling::{Key, Purpose};
+use crate::scene::Scene;
+
+/// Bytes a pixel: the film (24), its mean (12), and what is encoded of it (12 in OpenEXR).
+const PER_PIXEL: u64 = 50;
+
+/// Bytes a stored photon while its tree is built: itself (32), its sorted copy (32) and the copy's key (16), then the tree (33)
+/// instead of the key; the rest is the slack of growing lists.
+const PER_PHOTON: u64 = 100;
+
+/// Paths that tell how many photons a path stores.
+const PROBE: u32 = 4096;
+
+/// Why a render is refused.
+#[derive(Debug, PartialEq, thiserror::Error, miette::Diagnostic)]
+pub(super) enum TooMuch {
+    /// More pixels than a picture may have.
+    #[error(transparent)]
+    #[diagnostic(help("choose a smaller --size"))]
+    Pixels(#[from] SizeError),
+    /// More pixels than memory holds.
+    #[error("a picture of {width} × {height} pixels takes {} of memory, and {} are free", bytes(*needed), bytes(*free))]
+    #[diagnostic(help("choose a smaller --size"))]
+    Picture { width: u32, height: u32, needed: u64, free: u64 },
+    /// More photons than indices.
+    #[error("a pass of {paths} photon paths would store about {stored} photons, and {} can be indexed", u32::MAX)]
+    #[diagnostic(help("{REMEDY}"))]
+    Indices { paths: u64, stored: u64 },
+    /// More photons than memory holds.
+    #[error(
+        "a pass of {paths} photon paths would store about {stored} photons, which take {} of memory, and {} are free",
+        bytes(*needed),
+        bytes(*free)
+    )]
+    #[diagnostic(help("{REMEDY}"))]
+    Photons { paths: u64, stored: u64, needed: u64, free: u64 },
+}
+
+const REMEDY: &str =
+    "take fewer --photons or --caustic-photons and more --passes: photons of a pass are kept in memory, passes add up";
+
+/// Checks that the film of a scene fits into `free` bytes, where that number is known.
+pub(super) fn check_picture((width, height): (u32, u32), free: Option<u64>) -> Result<(), TooMuch> {
+    let pixels = u64::from(width) * u64::from(height);
+    if pixels > MAX_PIXELS {
+        return Err(SizeError::TooLarge { width, height }.into());
+    }
+    let needed = pixels * PER_PIXEL;
+    match free {
+        Some(free) if needed > free => Err(TooMuch::Picture { width, height, needed, free }),
+        _ => Ok(()),
+    }
+}
+
+/// Checks that the photons of a pass can be indexed and fit into `free` bytes, where that number is known. Few paths are traced
+/// to tell how many photons are stored.
+pub(super) fn check_photons<'a>(scene: &'a Scene, settings: &PhotonSettings, free: Option<u64>) -> Result<(), TooMuch> {
+    let stored = |paths: u32, wants: Wants, make: fn(&'a Scene) -> Option<PhotonSource<'a>>| {
+        let probe = paths.min(PROBE);
+        let Some(source) = (if probe == 0 { None } else { make(scene) }) else { return 0 };
+        let pass = PhotonPass { scene, source: &source, wants, max_bounces: settings.max_bounces };
+        let traced = pass.trace(Key::new(settings.seed).purpose(Purpose::Pilot), probe, &|_| {});
+        (traced.photons.len() as f64 * f64::from(paths) / f64::from(probe)) as u64
+    };
+    let global = stored(settings.photons, Wants::GLOBAL, PhotonSource::everywhere);
+    let caustic = stored(settings.caustic_photons, Wants::CAUSTIC, PhotonSource::aimed);
+    judge(u64::from(settings.photons) + u64::from(settings.caustic_photons), global, caustic, free)
+}
+
+fn judge(paths: u64, global: u64, caustic: u64, free: Option<u64>) -> Result<(), TooMuch> {
+    let stored = global + caustic;
+    if global.max(caustic) > u64::from(u32::MAX) {
+        return Err(TooMuch::Indices { paths, stored });
+    }
+    let needed = stored * PER_PHOTON;
+    match free {
+        Some(free) if needed > free => Err(TooMuch::Photons { paths, stored, needed, free }),
+        _ => Ok(()),
+    }
+}
+
+/// Memory that can be had without swapping, where the system tells (Linux).
+pub(super) fn free() -> Option<u64> {
+    let info = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let line = info.lines().find_map(|l| l.strip_prefix("MemAvailable:"))?;
+    let kib: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(kib * 1024)
+}
+
+fn bytes(n: u64) -> String {
+    format!("{:.1} GB", n as f64 * 1e-9)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pictures_are_held_against_the_format_and_the_memory() {
+        assert_eq!(check_picture((16_384, 16_384), None), Ok(()));
+        assert!(matches!(check_picture((16_385, 16_384), None), Err(TooMuch::Pixels(_))));
+        assert_eq!(check_picture((1000, 1000), Some(50_000_000)), Ok(()));
+        let refused = check_picture((1000, 1000), Some(49_999_999)).unwrap_err().to_string();
+        assert!(refused.contains("1000 × 1000") && refused.contains("0.1 GB"), "{refused}");
+    }
+
+    #[test]
+    fn photons_are_held_against_the_indices_and_the_memory() {
+        let most = u64::from(u32::MAX);
+        assert_eq!(judge(1, most, most, None), Ok(()));
+        assert!(matches!(judge(1, most + 1, 0, None), Err(TooMuch::Indices { .. })));
+        assert!(matches!(judge(1, 0, most + 1, None), Err(TooMuch::Indices { .. })));
+        assert_eq!(judge(1, 600, 400, Some(100_000)), Ok(()));
+        assert!(matches!(judge(1, 600, 401, Some(100_000)), Err(TooMuch::Photons { stored: 1001, .. })));
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn this_machine_tells_its_memory() {
+        // More than this process holds, less than 2^60.
+        assert!((1 << 20..1 << 60).contains(&free().unwrap()));
+    }
+}
