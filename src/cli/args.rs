@@ -59,7 +59,7 @@ pub struct RenderArguments {
     #[arg(long, value_parser = count, value_name = "N")]
     pub caustic_photons: Option<u32>,
 
-    /// Passes; their mean is the picture  [default: 24, or no limit with --time; raycast 1]
+    /// Passes; their mean is the picture  [default: 20, or no limit with --time; raycast 1]
     #[arg(long, value_parser = positive_count, value_name = "N")]
     pub passes: Option<u32>,
 

@@ -18,7 +18,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 /// Passes of photon mapping where neither passes nor time are given.
-const PASSES: u32 = 24;
+const PASSES: u32 = 20;
 
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 

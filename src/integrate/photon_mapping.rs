@@ -67,6 +67,9 @@ const FEWEST: f64 = 8.0;
 /// A specular branch weaker than this part of the pixel is followed by chance only.
 const WORTH_SPLITTING: f32 = 0.001;
 
+/// What a branch weaker than this part of the pixel ends on is lit by chance only.
+const WORTH_GATHERING: f32 = 0.1;
+
 /// Branches that may wait at once.
 const BRANCHES: usize = 16;
 
@@ -212,7 +215,11 @@ impl<'a> PhotonMapping<'a> {
         }
         *radiance += branch.throughput * surface.emission;
         if !surface.material.bsdf.is_specular() {
-            *radiance += branch.throughput * self.reflected(&surface, branch.key, maps, worker);
+            // Faint reflections are looked at by chance: an estimate costs as much as dozens of rays.
+            let worth = (color::mean(branch.throughput) / WORTH_GATHERING).min(1.0);
+            if branch.key.uniform(Dimension::Roulette) < worth {
+                *radiance += branch.throughput * self.reflected(&surface, branch.key, maps, worker) / worth;
+            }
             return None;
         }
         if branch.bounce == self.settings.max_bounces {
