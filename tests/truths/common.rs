@@ -162,6 +162,31 @@ pub fn agree_rgb(what: &str, samples: &[DVec3], expected: DVec3, sharp: f64) {
     }
 }
 
+/// Where and how a density is estimated.
+pub struct Probe<'a> {
+    pub scene: &'a Scene,
+    pub at: DVec3,
+    pub normal: DVec3,
+    pub radius: f64,
+    pub kernel: Kernel,
+}
+
+/// [`agree`] for irradiance estimated in the maps of independent passes; `quadrature` is the part by which `expected` may be
+/// off. The estimate adds n photons in single precision, whose error is at most n·2⁻²⁴ of the sum (Higham 2002, section 4.2),
+/// and for photons of equal power is a systematic one.
+#[track_caller]
+pub fn agree_estimates(what: &str, probe: &Probe<'_>, maps: &[PhotonMap], expected: f64, quadrature: f64, sharp: f64) {
+    let (p, n) = ((probe.at - probe.scene.middle()).as_vec3(), probe.normal.as_vec3());
+    let one =
+        |map: &PhotonMap| map.estimate(p, n, fixed(probe.radius), probe.kernel, &mut Scratch::new(), |_| Vec3::ONE);
+    let estimates: Vec<_> = maps.iter().map(one).collect();
+    let most = estimates.iter().map(|e| e.count).max().unwrap_or(0);
+    let slack = expected * (quadrature + 2.0 * HUE + f64::from(most) / 16_777_216.0);
+    let samples: Vec<f64> = estimates.iter().map(|e| f64::from(e.radiance.x)).collect();
+    let what = format!("{what}, {:?} of {} at {:.3}", probe.kernel, probe.radius, probe.at);
+    agree(&what, &samples, expected, slack, sharp);
+}
+
 /// ∫ f by `n` midpoints: the error is (b−a)³/(24n²)·max|f″| for smooth f, (b−a)/n·|jump| at a jump.
 pub fn midpoint(a: f64, b: f64, n: u32, f: impl Fn(f64) -> f64) -> f64 {
     let h = (b - a) / f64::from(n);

@@ -29,11 +29,8 @@ fn maps(shade: bool) -> (caustica::scene::Scene, Vec<PhotonMap>) {
 
 fn compare(what: &str, shade: bool, x: f64, z: f64, kernel: Kernel, part: f64) {
     let (scene, maps) = maps(shade);
-    let at = |map| irradiance(&scene, map, vec3(x, 0.0, z), DVec3::Y, fixed(RADIUS), kernel).x;
-    let samples: Vec<f64> = maps.iter().map(at).collect();
-    let expected = IRRADIANCE * part;
-    // A photon's place rounds by an ulp of 1 against a radius of 0.2.
-    agree(&format!("{what} at ({x:.2}, {z:.2}), {kernel:?}"), &samples, expected, expected * 2.0 * HUE, 6e-3);
+    let probe = Probe { scene: &scene, at: vec3(x, 0.0, z), normal: DVec3::Y, radius: RADIUS, kernel };
+    agree_estimates(what, &probe, &maps, IRRADIANCE * part, 0.0, 6e-3);
 }
 
 /// The share of a disc at `t` radii from a straight edge.

@@ -72,10 +72,8 @@ fn the_estimate_at_the_focus_is_the_beam_seen_by_the_kernel() {
         for kernel in KERNELS {
             for radius in [0.03, 0.1] {
                 let expected = over_beam(z, |rho| kernel_at(kernel, rho, radius));
-                let one = |map| irradiance(&scene, map, vec3(0.0, -z, 0.0), DVec3::Y, fixed(radius), kernel).x;
-                let samples: Vec<f64> = maps.iter().map(one).collect();
-                let what = format!("focus at {z}, {kernel:?} of {radius}");
-                agree(&what, &samples, expected, expected * 2e-4, 0.02);
+                let probe = Probe { scene: &scene, at: vec3(0.0, -z, 0.0), normal: DVec3::Y, radius, kernel };
+                agree_estimates("focus", &probe, &maps, expected, 2e-4, 0.02);
             }
         }
     }

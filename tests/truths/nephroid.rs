@@ -109,9 +109,8 @@ fn the_floor_of_a_cup_is_lit_as_its_rays_say() {
     for at in [DVec2::new(0.0, 0.5), DVec2::new(0.0, 0.56), DVec2::new(0.0, 0.42), fold(0.6), DVec2::new(-0.5, 0.2)] {
         for kernel in KERNELS {
             let expected = on_floor(at, kernel, 0.05);
-            let one = |map| irradiance(&scene, map, vec3(at.x, 0.0, at.y), DVec3::Y, fixed(0.05), kernel).x;
-            let samples: Vec<f64> = maps.iter().map(one).collect();
-            agree(&format!("floor at {at:.3}, {kernel:?}"), &samples, expected, expected * 1e-3, 0.03);
+            let probe = Probe { scene: &scene, at: vec3(at.x, 0.0, at.y), normal: DVec3::Y, radius: 0.05, kernel };
+            agree_estimates("floor of a cup", &probe, &maps, expected, 1e-3, 0.03);
         }
     }
 }

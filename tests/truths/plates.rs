@@ -110,9 +110,8 @@ fn parallel_mirrors_make_a_row_of_lights() {
                 let p = at + vec3(d.x, 0.0, d.y);
                 if class == Class::Direct { irradiance_of(0, p) } else { bent(p) }
             });
-            let one = |map| irradiance(&scene, map, at, DVec3::Y, fixed(R), kernel).x;
-            let samples: Vec<f64> = maps.iter().map(one).collect();
-            agree(&format!("{class:?} light of a row, {kernel:?}"), &samples, expected, expected * 2.0 * HUE, 0.01);
+            let probe = Probe { scene: &scene, at, normal: DVec3::Y, radius: R, kernel };
+            agree_estimates(&format!("{class:?} light of a row"), &probe, &maps, expected, 1e-5, 0.01);
         }
     }
 }

@@ -70,11 +70,11 @@ fn the_caustic_room_agrees_with_the_reference_by_tiles() {
 
     let scene = room();
     let render = |radius: f64| -> Vec<Vec<f64>> {
-        let settings = PhotonSettings { samples: 4, ..settings(100_000, 200_000, radius) };
+        let settings = PhotonSettings { samples: 2, ..settings(50_000, 150_000, radius) };
         let method = PhotonMapping::new(&scene, settings);
         (0..PASSES).map(|i| means(&method.pass(i, &Silent).image)).collect()
     };
-    let (narrow, wide) = (render(0.025), render(0.05));
+    let (narrow, wide) = (render(0.012), render(0.024));
     let by_pass = |passes: &[Vec<f64>]| passes.iter().map(|p| tiles(p, &kept)).collect::<Vec<_>>();
     let (narrow_tiles, wide_tiles) = (by_pass(&narrow), by_pass(&wide));
     let expected = tiles(&reference, &kept);

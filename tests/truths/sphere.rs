@@ -78,13 +78,14 @@ fn estimates_on_a_sphere_are_its_uniform_irradiance() {
     let expected = albedo * FLUX / (4.0 * PI * radius * radius * (1.0 - albedo));
     let maps: Vec<PhotonMap> =
         trace(&scene, Wants::GLOBAL, 1000, PASSES, 1 << 15).into_iter().map(|t| PhotonMap::build(t.photons)).collect();
+    // Each estimate adds 800 photons in single precision, within 800 · 2⁻²⁴ = 5·10⁻⁵; hues are within 2·10⁻⁵.
     for kernel in KERNELS {
         let mean = |map: &PhotonMap| {
             let at = |p: &DVec3| irradiance(&scene, map, *p * radius, -*p, fixed(0.5), kernel).x;
             spread(200).iter().map(at).sum::<f64>() / 200.0
         };
         let samples: Vec<f64> = maps.iter().map(mean).collect();
-        agree(&format!("irradiance of a sphere, {kernel:?}"), &samples, expected, expected * 2.0 * HUE, 3e-3);
+        agree(&format!("irradiance of a sphere, {kernel:?}"), &samples, expected, expected * 2e-4, 3e-3);
     }
 }
 
