@@ -160,6 +160,7 @@ fn every_mesh_fills_its_stated_box() {
         ("pool.obj", [-1.0, 0.0, -1.0, 1.0, 0.54, 1.0]),
         ("ring.obj", [-1.08, 0.0, -1.08, 1.08, 0.8, 1.08]),
         ("vase.obj", [-0.54, 0.0, -0.54, 0.54, 1.82, 0.54]),
+        ("wine.obj", [-0.525, 0.935, -0.525, 0.525, 1.36, 0.525]),
     ]);
     for name in names() {
         let mesh = load(name);
@@ -238,12 +239,32 @@ fn the_gem_is_convex_with_a_girdle_and_57_facets() {
     assert_eq!(planes.iter().filter(|(n, _)| n.y < -1e-6).count(), 24);
 }
 
+/// The positions in the half-plane z = 0, x ≥ 0, one of each ring.
+fn outline(name: &str) -> Vec<DVec2> {
+    let half_plane = vectors(&text(name), "v ").into_iter().filter(|p| p.z == 0.0 && p.x >= 0.0);
+    half_plane.map(|p| DVec2::new(p.x, p.y)).collect()
+}
+
+#[test]
+fn wine_fills_the_glass_without_touching_it() {
+    let (glass, wine) = (outline("goblet.obj"), outline("wine.obj"));
+    // A polygon of 112 sides in the wall's circle comes nearer by .53 (1 - cos(π/112)) = .0002; that of the wine is inside of its own.
+    let distance = |p: DVec2, a: DVec2, b: DVec2| {
+        let along = ((p - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
+        p.distance(a.lerp(b, along))
+    };
+    // The last one is the middle of the surface.
+    for p in &wine[..wine.len() - 1] {
+        let least = glass.windows(2).map(|w| distance(*p, w[0], w[1])).fold(f64::MAX, f64::min);
+        assert!(least > 0.001 && least < 0.008, "{p} is {least} from the glass");
+        assert!(p.y > 0.9, "{p} is not in the bowl");
+    }
+}
+
 #[test]
 fn walls_do_not_cross() {
     for name in ["goblet.obj", "vase.obj", "ring.obj", "lens.obj"] {
-        // The half-plane z = 0, x ≥ 0 holds one position of each ring.
-        let half_plane = vectors(&text(name), "v ").into_iter().filter(|p| p.z == 0.0 && p.x >= 0.0);
-        let outline: Vec<_> = half_plane.map(|p| DVec2::new(p.x, p.y)).collect();
+        let outline = outline(name);
         assert!(outline.len() > 10, "{name}");
         let side = |a: DVec2, b: DVec2, p: DVec2| (b - a).perp_dot(p - a);
         for i in 1..outline.len() {

@@ -9,6 +9,7 @@ mod pool;
 mod profile;
 mod ring;
 mod vase;
+mod wine;
 
 pub use mesh::Mesh;
 
@@ -16,7 +17,7 @@ pub use mesh::Mesh;
 pub type Generator = fn() -> Mesh;
 
 /// Every mesh: the name of its file in mesh/ and its generator.
-pub const ALL: [(&str, Generator); 7] = [
+pub const ALL: [(&str, Generator); 8] = [
     ("gem.obj", gem::gem),
     ("goblet.obj", goblet::goblet),
     ("knot.obj", knot::knot),
@@ -24,4 +25,5 @@ pub const ALL: [(&str, Generator); 7] = [
     ("pool.obj", pool::pool),
     ("ring.obj", ring::ring),
     ("vase.obj", vase::vase),
+    ("wine.obj", wine::wine),
 ];
