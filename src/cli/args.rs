@@ -99,7 +99,7 @@ pub struct RenderArguments {
     #[arg(long, value_parser = threads, value_name = "N")]
     pub threads: Option<u32>,
 
-    /// Picture size instead of the scene's, such as 1280x720
+    /// Picture size, such as 1280x720  [default: the scene's]
     #[arg(long, value_parser = size, value_name = "WxH")]
     pub size: Option<(u32, u32)>,
 

@@ -2,6 +2,8 @@
 
 mod lights;
 mod shapes;
+#[cfg(test)]
+mod tests;
 
 use super::description::{Aim, Attenuation, Description, Group, Item, MaterialKind, Object, Span, Spanned};
 use super::obj::{self, TriangleMesh};

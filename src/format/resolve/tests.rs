@@ -1,0 +1,345 @@
+//! Scenes as they resolve: seen by rays, in the coordinates of their files.
+
+use super::super::parse;
+use super::*;
+use crate::bsdf::Bsdf;
+use crate::light::Light;
+use crate::math::Ray;
+use crate::scene::{Interface, Surface};
+use glam::{Vec3, dvec3, vec3};
+use std::f32::consts::PI;
+
+const CAMERA: &str = "PerspectiveCamera { center 0 0 5 direction 0 0 -1 angle 30 }\n";
+
+fn resolve_in(folder: &Path, text: &str) -> Result<Scene, SceneError> {
+    let text = format!("{CAMERA}{text}");
+    resolve(&parse("a.txt", &text).unwrap(), &Source::new("a.txt", &text), folder)
+}
+
+fn scene(text: &str) -> Scene {
+    resolve_in(Path::new(""), text).unwrap()
+}
+
+fn refusal(text: &str) -> SceneError {
+    resolve_in(Path::new(""), text).unwrap_err()
+}
+
+/// The first surface from `origin` along `direction`, and its place in the coordinates of the file.
+fn look(scene: &Scene, origin: DVec3, direction: Vec3) -> Option<(Surface<'_>, DVec3)> {
+    let ray = Ray::new((origin - scene.middle()).as_vec3(), direction);
+    let surface = scene.surface(&ray, &scene.intersect(&ray)?);
+    Some((surface, surface.point.p.as_dvec3() + scene.middle()))
+}
+
+fn reflectance(scene: &Scene, origin: DVec3, direction: Vec3) -> Vec3 {
+    match look(scene, origin, direction).unwrap().0.material.bsdf {
+        Bsdf::Diffuse(reflectance) => reflectance,
+        other => panic!("{other:?}"),
+    }
+}
+
+/// Few roundings of single precision for values up to ten.
+fn close(a: Vec3, b: Vec3) -> bool {
+    (a - b).abs().max_element() < 1e-5
+}
+
+const MATERIALS: &str = "Materials { Diffuse a { reflectance .1 .1 .1 } Diffuse b { reflectance .2 .2 .2 } }\n";
+
+#[test]
+fn a_material_holds_into_groups_and_out_of_them() {
+    let ball = |x: i32| format!("Sphere {{ center {x} 0 0 radius .4 }}");
+    let [zero, one, two, three, four] = [0, 1, 2, 3, 4].map(ball);
+    let scene = scene(&format!(
+        "{MATERIALS} Group {{ {zero} MaterialName b {one} Group {{ {two} MaterialIndex 0 {three} }} {four} }}"
+    ));
+    let seen = [0, 1, 2, 3, 4].map(|x| reflectance(&scene, dvec3(f64::from(x), 0.0, 5.0), Vec3::NEG_Z).x);
+    assert_eq!(seen, [0.1, 0.2, 0.2, 0.1, 0.1]);
+}
+
+#[test]
+fn objects_before_any_material_take_the_first_or_white() {
+    let ball = "Group { Sphere { center 0 0 0 radius 1 } }";
+    let at = |text: &str| reflectance(&scene(text), dvec3(0.0, 0.0, 5.0), Vec3::NEG_Z);
+    assert_eq!(at(ball), Vec3::ONE);
+    assert_eq!(at(&format!("{MATERIALS}{ball}")), Vec3::splat(0.1));
+}
+
+#[test]
+fn a_name_that_the_materials_lack_is_refused() {
+    // The parser finds such names in a file; a description may be changed after it.
+    let text = format!("{CAMERA}{MATERIALS}Group {{ MaterialName b }}");
+    let mut description = parse("a.txt", &text).unwrap();
+    description.materials.pop();
+    let error = resolve(&description, &Source::new("a.txt", &text), Path::new("")).unwrap_err();
+    assert_eq!((error.line(), error.text()), (3, "b"));
+    assert!(error.message().contains("no material named `b`") && !error.remedy().is_empty());
+}
+
+#[test]
+fn transforms_nest_outermost_last() {
+    // A unit ball: doubled, moved to x = 3, turned to y = 3, moved up by 1.
+    let ball = "Sphere { center 0 0 0 radius 1 }";
+    let inner = format!("Transform {{ Translate 3 0 0 UniformScale 2 {ball} }}");
+    let scene = scene(&format!("Group {{ Transform {{ Translate 0 1 0 ZRotate 90 Group {{ {inner} }} }} }}"));
+    let (_, p) = look(&scene, dvec3(0.0, 4.0, 9.0), Vec3::NEG_Z).unwrap();
+    assert!((p - dvec3(0.0, 4.0, 2.0)).length() < 1e-5, "{p}");
+    assert!(look(&scene, dvec3(3.0, 1.0, 9.0), Vec3::NEG_Z).is_none());
+}
+
+#[test]
+fn a_mirror_image_keeps_its_outer_side() {
+    for shape in [
+        "Rectangle { corner -1 -1 0 edge0 2 0 0 edge1 0 2 0 emission 1 1 1 }",
+        "Disc { center 0 0 0 normal 0 0 1 radius 1 emission 1 1 1 }",
+        "Triangle { vertex0 -1 -1 0 vertex1 1 -1 0 vertex2 0 1 0 emission 1 1 1 }",
+        "Triangle { vertex0 -1 -1 0 vertex1 1 -1 0 vertex2 0 1 0 normal0 .1 0 1 normal1 .1 0 1 normal2 .1 0 1 emission 1 1 1 }",
+        "Sphere { center 0 0 0 radius 1 emission 1 1 1 }",
+    ] {
+        for scale in ["1 1 1", "-1 1 1", "1 -1 1", "-2 1 1", "-1 -3 1"] {
+            let scene = scene(&format!("Group {{ Transform {{ Scale {scale} {shape} }} }}"));
+            let (surface, _) = look(&scene, dvec3(0.1, 0.1, 5.0), Vec3::NEG_Z).unwrap();
+            assert_eq!(surface.emission, Vec3::ONE, "{scale} {shape}");
+            assert!(surface.point.ng.z > 0.0 && surface.point.ns.dot(surface.point.ng) > 0.0, "{scale} {shape}");
+        }
+        // Mirrored in its own plane's normal, a flat shape shines the other way.
+        let scene = scene(&format!("Group {{ Transform {{ Scale 1 1 -1 {shape} }} }}"));
+        let from_front = look(&scene, dvec3(0.1, 0.1, 5.0), Vec3::NEG_Z).unwrap().0.emission;
+        let from_behind = look(&scene, dvec3(0.1, 0.1, -5.0), Vec3::Z).unwrap().0.emission;
+        let flat = !shape.starts_with("Sphere");
+        assert_eq!((from_front == Vec3::ONE, from_behind), (!flat, Vec3::ONE), "{shape}");
+    }
+}
+
+#[test]
+fn shading_normals_turn_with_the_inverse_transpose() {
+    let normals = "normal0 1 0 1 normal1 1 0 1 normal2 1 0 1";
+    let triangle = format!("Triangle {{ vertex0 -1 -1 0 vertex1 1 -1 0 vertex2 0 1 0 {normals} }}");
+    let scene = scene(&format!("Group {{ Transform {{ Scale 2 1 1 {triangle} }} }}"));
+    let (surface, _) = look(&scene, dvec3(0.1, 0.1, 5.0), Vec3::NEG_Z).unwrap();
+    assert!(close(surface.point.ns, vec3(0.5, 0.0, 1.0).normalize()), "{}", surface.point.ns);
+}
+
+#[test]
+fn planes_move_with_their_transform() {
+    // y = 1 doubled is y = 2, moved by −5 is y = −3; a normal of length 2 halves the offset.
+    let scene = scene("Group { Transform { Translate 0 -5 0 UniformScale 2 Plane { normal 0 2 0 offset 2 } } }");
+    let (surface, p) = look(&scene, dvec3(0.0, 3.0, 0.0), Vec3::NEG_Y).unwrap();
+    assert!((p.y + 3.0).abs() < 1e-5 && surface.point.ng.y > 0.99, "{p}");
+}
+
+#[test]
+fn a_transform_that_only_together_is_singular_is_shown_where_it_stands() {
+    let ball = "Sphere { center 0 0 0 radius 1 }";
+    let huge = "Scale 1e300 1 1";
+    let error = refusal(&format!("Group {{\nTransform {{ {huge}\nTransform {{ {huge} {ball} }} }} }}"));
+    assert_eq!((error.line(), error.text()), (4, "Transform"));
+    assert!(error.message().contains("singular") && error.remedy().contains("scale"), "{error}");
+    // The place is that of the innermost transform, also after another one has ended.
+    let fine = format!("Transform {{ UniformScale 2 {ball} }}");
+    let error =
+        refusal(&format!("Group {{\nTransform {{ {huge} Group {{ {fine}\nTransform {{ {huge} {ball} }} }} }} }}"));
+    assert_eq!(error.line(), 4);
+}
+
+#[test]
+fn a_sphere_that_is_squeezed_to_nothing_is_refused() {
+    let error =
+        refusal("Group { Transform { UniformScale 1e-150\nScale 2 1 1 Sphere { center 0 0 0 radius 1e-300 } } }");
+    assert_eq!((error.line(), error.text()), (3, "Sphere"));
+    assert!(error.message().contains("squeezed flat"));
+}
+
+#[test]
+fn an_object_s_emission_takes_the_place_of_its_material_s() {
+    let materials = "Materials { Diffuse a { reflectance 0 0 0 emission 1 2 3 } }";
+    let ball = |x: i32, more: &str| format!("Sphere {{ center {x} 0 0 radius .4 {more} }}");
+    let (own, none, other) = (ball(0, ""), ball(1, "emission 0 0 0"), ball(2, "emission 4 5 6"));
+    let scene = scene(&format!("{materials} Group {{ {own} {none} {other} }}"));
+    let emission = |x: f64| look(&scene, dvec3(x, 0.0, 5.0), Vec3::NEG_Z).unwrap().0.emission;
+    assert_eq!([0.0, 1.0, 2.0].map(emission), [vec3(1.0, 2.0, 3.0), Vec3::ZERO, vec3(4.0, 5.0, 6.0)]);
+    assert_eq!(scene.lights().len(), 2);
+}
+
+#[test]
+fn what_cannot_be_rendered_is_refused_with_its_place() {
+    let curve = "BezierCurve { controls [ 1 0 0 ] [ 1 1 0 ] }";
+    let glowing = "Materials { Diffuse a { reflectance 0 0 0 emission 1 1 1 } }";
+    for (text, offending, message) in [
+        ("Group {\nPlane { normal 0 1 0 offset 0 emission 0 0 1 } }".to_owned(), "Plane", "cannot emit"),
+        (format!("{glowing} Group {{\nPlane {{ normal 0 1 0 offset 0 }} }}"), "Plane", "cannot emit"),
+        (format!("Group {{\n{curve} }}"), "BezierCurve", "no surface"),
+        (format!("Group {{\nRevSurface {{ profile {curve} }} }}"), "RevSurface", "revolution"),
+    ] {
+        let error = refusal(&text);
+        assert_eq!((error.line(), error.column(), error.text()), (3, 1, offending), "{error}");
+        assert!(error.message().contains(message) && !error.remedy().is_empty(), "{error}");
+    }
+    let error = refusal("Group { Sphere { center 0 0 0 radius 1e300 } }");
+    assert!(error.message().contains("single precision") && !error.remedy().is_empty(), "{error}");
+}
+
+#[test]
+fn meshes_are_found_beside_the_file_and_in_the_folder_above() {
+    let folder = tempfile::tempdir().unwrap();
+    let scenes = folder.path().join("scenes");
+    std::fs::create_dir(&scenes).unwrap();
+    let write = |path: &Path, x: f64| {
+        std::fs::write(path, format!("v {x} -1 0\nv {} -1 0\nv {x} 1 0\nf 1 2 3\n", x + 1.0)).unwrap();
+    };
+    write(&scenes.join("beside.obj"), 0.0);
+    write(&folder.path().join("above.obj"), 10.0);
+    write(&scenes.join("both.obj"), 20.0);
+    write(&folder.path().join("both.obj"), 30.0);
+    let absolute = folder.path().join("absolute.obj");
+    write(&absolute, 40.0);
+    let mesh = |path: &str| format!("TriangleMesh {{ obj_file \"{path}\" }}");
+    let paths = ["beside.obj", "above.obj", "both.obj", &absolute.display().to_string()].map(mesh).join(" ");
+    let scene = resolve_in(&scenes, &format!("Group {{ {paths} {} }}", mesh("beside.obj"))).unwrap();
+    assert_eq!(scene.triangle_count(), 5);
+    let there = |x: f64| look(&scene, dvec3(x + 0.1, -0.5, 5.0), Vec3::NEG_Z).is_some();
+    assert_eq!([0.0, 10.0, 20.0, 30.0, 40.0].map(there), [true, true, true, false, true]);
+}
+
+#[test]
+fn a_mesh_that_is_missing_or_broken_is_shown_where_it_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let error = |path: &str| {
+        resolve_in(folder.path(), &format!("Group {{\nTriangleMesh {{ obj_file {path} }} }}")).unwrap_err()
+    };
+    let missing = error("no.obj");
+    assert_eq!((missing.line(), missing.text()), (3, "no.obj"));
+    assert!(missing.message().contains("`no.obj` does not exist"));
+    let places = [folder.path().join("no.obj"), folder.path().join("../no.obj")];
+    assert!(places.iter().all(|p| missing.remedy().contains(&p.display().to_string())), "{}", missing.remedy());
+    let absolute = error("/no/such.obj");
+    assert!(!absolute.remedy().contains(" or "), "{}", absolute.remedy());
+    std::fs::create_dir(folder.path().join("folder.obj")).unwrap();
+    assert!(error("folder.obj").message().contains("does not exist"));
+    std::fs::write(folder.path().join("bad.obj"), "v 0 0 0\nf 1 2 3\n").unwrap();
+    let broken = error("bad.obj");
+    assert_eq!((broken.line(), broken.text()), (3, "bad.obj"));
+    assert!(broken.message().contains("bad.obj") && broken.message().contains("line 2"), "{broken}");
+}
+
+#[test]
+fn area_lights_have_their_radiance_or_their_power() {
+    let scene = scene(
+        "Lights {
+            RectangleLight { corner 0 0 0 edge0 2 0 0 edge1 0 3 0 power 6 0 0 }
+            DiscLight { center 10 0 0 normal 0 0 1 radius 2 power 0 4 0 }
+            SphereLight { center 20 0 0 radius 3 power 0 0 9 }
+            RectangleLight { corner 30 0 0 edge0 1 0 0 edge1 0 1 0 radiance 1 2 3 }
+        } Group { }",
+    );
+    let emission = |x: f64| look(&scene, dvec3(x, 0.5, 9.0), Vec3::NEG_Z).unwrap().0.emission;
+    // A matt radiator of area A and radiance L sends out πAL.
+    assert!(close(emission(1.0), vec3(1.0 / PI, 0.0, 0.0)));
+    assert!(close(emission(10.0), vec3(0.0, 1.0 / (PI * PI), 0.0)));
+    assert!(close(emission(20.0), vec3(0.0, 0.0, 9.0 / (PI * 36.0 * PI))));
+    assert_eq!(emission(30.5), vec3(1.0, 2.0, 3.0));
+    // Rectangle and disc are dark from behind, and all of them are black.
+    assert_eq!(look(&scene, dvec3(1.0, 0.5, -9.0), Vec3::Z).unwrap().0.emission, Vec3::ZERO);
+    assert!(scene.materials().iter().skip(1).all(|m| m.bsdf == Bsdf::Black));
+    let power = |i: usize| scene.lights()[i].power(scene.domain());
+    assert!(close(power(0), vec3(6.0, 0.0, 0.0)) && close(power(1), vec3(0.0, 4.0, 0.0)));
+    assert!(close(power(2), vec3(0.0, 0.0, 9.0)) && close(power(3), vec3(1.0, 2.0, 3.0) * PI));
+}
+
+#[test]
+fn point_lights_have_the_intensity_that_was_meant() {
+    // The middle of the ball is the middle of the scene, 3 away from the lights.
+    let ball = "Group { Sphere { center 1 0 0 radius 1 } }";
+    let lights = "Lights {
+        PointLight { position 4 0 0 color 1 2 3 }
+        PointLight { position 4 0 0 intensity 1 2 3 }
+        PointLight { position 4 0 0 power 1 2 3 }
+        DirectionalLight { direction 0 -2 0 color 1 2 3 }
+        DirectionalLight { direction 0 -2 0 irradiance 1 2 3 }
+    }";
+    let scene = scene(&format!("{lights}{ball}"));
+    let c = vec3(1.0, 2.0, 3.0);
+    let strengths: Vec<Vec3> = scene
+        .lights()
+        .iter()
+        .map(|light| match light {
+            Light::Point { position, intensity } => {
+                assert!(close(*position, vec3(3.0, 0.0, 0.0)));
+                *intensity
+            }
+            Light::Directional { direction, irradiance } => {
+                assert_eq!(*direction, Vec3::NEG_Y);
+                *irradiance
+            }
+            other => panic!("{other:?}"),
+        })
+        .collect();
+    let expected = [c * PI * 9.0, c, c / (4.0 * PI), c * PI, c];
+    // Relative to 85, a few roundings.
+    assert!(strengths.iter().zip(expected).all(|(a, b)| (*a - b).abs().max_element() < 3e-5), "{strengths:?}");
+}
+
+#[test]
+fn a_spot_s_angle_is_the_whole_cone_and_its_rim_is_inside() {
+    let spot = |fields: &str| {
+        let text = format!("Lights {{ SpotLight {{ position 0 4 0 {fields} intensity 1 1 1 }} }} Group {{ }}");
+        match &scene(&text).lights()[0] {
+            Light::Spot(spot) => *spot,
+            other => panic!("{other:?}"),
+        }
+    };
+    let sharp = spot("lookAt 0 0 0 angle 60");
+    assert_eq!((sharp.axis, sharp.cos_inner, sharp.cos_outer), (Vec3::NEG_Y, sharp.cos_outer, sharp.cos_outer));
+    assert!((sharp.cos_outer - 0.75f32.sqrt()).abs() < 1e-6);
+    let soft = spot("direction 0 0 7 angle 180 penumbra 30");
+    assert_eq!(soft.axis, Vec3::Z);
+    assert!((soft.cos_inner - 0.5).abs() < 1e-6 && soft.cos_outer.abs() < 1e-6);
+    let all_rim = spot("direction 0 0 1 angle 60 penumbra 30");
+    assert_eq!(all_rim.cos_inner, 1.0);
+}
+
+#[test]
+fn materials_become_what_they_say() {
+    let materials = "Materials {
+        Dielectric { indexOfRefraction 1.7 }
+        Dielectric { absorption 1 2 3 }
+        Dielectric { tint .5 1 .25 tintDistance 2 }
+        Mirror { reflectance .9 .8 .7 }
+        Phong { diffuseColor .1 .2 .3 specularColor .4 .5 .6 shininess 7 }
+    }";
+    let scene = scene(&format!("{materials} Group {{ Sphere {{ center 0 0 0 radius 1 }} }}"));
+    let absorption = |i: usize| match scene.materials()[i].interface {
+        Interface::Body(absorption) => absorption,
+        Interface::Opaque => panic!("{i}"),
+    };
+    assert!(matches!(scene.materials()[0].bsdf, Bsdf::Dielectric(d) if d.eta == 1.7));
+    assert_eq!((absorption(0), absorption(1)), (Vec3::ZERO, vec3(1.0, 2.0, 3.0)));
+    // A half after two units, a quarter after two units: ln 2 / 2 and ln 2 a unit.
+    let ln2 = std::f32::consts::LN_2;
+    assert!(close(absorption(2), vec3(0.5 * ln2, 0.0, ln2)));
+    assert_eq!(scene.materials()[3].bsdf, Bsdf::Mirror(vec3(0.9, 0.8, 0.7)));
+    let look = scene.materials()[4].look;
+    assert_eq!((look.diffuse, look.specular, look.shininess), (vec3(0.1, 0.2, 0.3), vec3(0.4, 0.5, 0.6), 7.0));
+}
+
+#[test]
+fn the_camera_looks_where_it_is_told() {
+    for aim in ["lookAt 1 0 0", "direction -1 -2 -3"] {
+        let text = format!(
+            "PerspectiveCamera {{ center 2 2 3 {aim} up 0 0 1 angle 90 width 30 height 20 }} Background {{ color 1 2 3 }} Group {{ }}"
+        );
+        let scene = resolve(&parse("a.txt", &text).unwrap(), &Source::new("a.txt", &text), Path::new("")).unwrap();
+        let camera = scene.camera();
+        assert_eq!((camera.size(), scene.background()), ((30, 20), vec3(1.0, 2.0, 3.0)));
+        assert!((camera.center() + scene.middle() - dvec3(2.0, 2.0, 3.0)).length() < 1e-12);
+        let middle = camera.ray(glam::vec2(15.0, 10.0)).direction;
+        assert!(close(middle, vec3(-1.0, -2.0, -3.0).normalize()), "{middle}");
+        // `up` appears upward.
+        assert!(camera.ray(glam::vec2(15.0, 0.0)).direction.z > middle.z);
+    }
+    // The parser refuses an `up` along the view; a description may be changed after it.
+    let text = format!("{CAMERA}Group {{ }}");
+    let mut description = parse("a.txt", &text).unwrap();
+    description.camera.value.up = DVec3::Z;
+    let error = resolve(&description, &Source::new("a.txt", &text), Path::new("")).unwrap_err();
+    assert_eq!((error.line(), error.text()), (1, "PerspectiveCamera"));
+}

@@ -1,0 +1,88 @@
+//! Scenes with little in them.
+
+use super::{Workshop, read};
+use glam::Vec3;
+
+const CAMERA: &str = "PerspectiveCamera { center 0 0 5 lookAt 0 0 0 angle 30 width 12 height 10 }\n";
+
+/// Renders with both integrators; the pixels of photon mapping, and what it said.
+fn pixels(text: &str) -> (Vec<Vec3>, String) {
+    let shop = Workshop::new();
+    shop.put("a.txt", format!("{CAMERA}{text}"));
+    shop.render("a.txt", "-o a.exr --passes 2 --integrator raycast").expect(0, &[]);
+    let ended = shop.render("a.txt", "-o a.exr -o a.png --passes 2 --stats a.json");
+    ended.expect(0, &["wrote a.exr", "wrote a.png", "2 passes"]);
+    assert!(!ended.stderr.contains("warning"), "{}", ended.stderr);
+    (read(&shop.path("a.exr")).pixels().to_vec(), ended.stderr)
+}
+
+const LIGHT: &str = "Lights { PointLight { position 0 5 5 power 90 90 90 } }\n";
+const BALL: &str = "Group { Sphere { center 0 0 0 radius 1 } }\n";
+
+#[test]
+fn no_lights() {
+    let (pixels, words) = pixels(&format!("Background {{ color .5 .25 1 }} {BALL}"));
+    assert!(words.contains("note: the scene has no lights: all but its background is black"), "{words}");
+    assert!(pixels.iter().all(|p| p.cmple(Vec3::new(0.5, 0.25, 1.0)).all()));
+    // The corners see the background, the middle sees the ball.
+    assert_eq!((pixels[0], pixels[5 * 12 + 6]), (Vec3::new(0.5, 0.25, 1.0), Vec3::ZERO));
+}
+
+#[test]
+fn no_objects() {
+    let (pixels, words) = pixels(&format!("Background {{ color .5 .25 1 }} {LIGHT} Group {{ }}"));
+    assert!(words.contains("note: the scene has no objects: only its background is seen"), "{words}");
+    assert!(pixels.iter().all(|p| *p == Vec3::new(0.5, 0.25, 1.0)));
+}
+
+#[test]
+fn black_things() {
+    for text in [
+        format!("Background {{ color 0 0 0 }} {BALL}"),
+        "Background { color 0 0 0 } Group { }".to_owned(),
+        format!("Background {{ color 0 0 0 }} {LIGHT} Materials {{ Diffuse {{ reflectance 0 0 0 }} }} {BALL}"),
+        format!("Background {{ color 0 0 0 }} Lights {{ PointLight {{ position 0 5 5 power 0 0 0 }} }} {BALL}"),
+        "Background { color 0 0 0 } Lights { SphereLight { center 9 9 9 radius 1 radiance 0 0 0 } } Group { }"
+            .to_owned(),
+    ] {
+        let (pixels, words) = pixels(&text);
+        assert!(words.contains("note: every pixel is black"), "{words}");
+        assert!(pixels.iter().all(|p| *p == Vec3::ZERO));
+    }
+}
+
+#[test]
+fn something_lit_is_not_called_black() {
+    let (pixels, words) = pixels(&format!("Background {{ color 0 0 0 }} {LIGHT} {BALL}"));
+    assert!(!words.contains("note:"), "{words}");
+    assert!(pixels.iter().any(|p| p.min_element() > 0.0));
+}
+
+#[test]
+fn no_photons_at_all_leave_direct_light() {
+    let shop = Workshop::new();
+    shop.render("box.txt", "-o a.exr --photons 0 --caustic-photons 0 --stats a.json").expect(0, &[]);
+    let stats: serde_json::Value = serde_json::from_slice(&shop.bytes("a.json")).unwrap();
+    for map in ["global", "caustic"] {
+        assert_eq!((&stats["photons"][map]["emitted"], &stats["photons"][map]["stored"]), (&0.into(), &0.into()));
+    }
+    assert_eq!((&stats["counters"]["photon_rays"], &stats["counters"]["gathers"]), (&0.into(), &0.into()));
+    assert_eq!(stats["rates"]["photons_per_second"], 0.0);
+    shop.render("box.txt", "-o b.exr").expect(0, &[]);
+    let sum = |name: &str| read(&shop.path(name)).pixels().iter().map(|p| p.element_sum()).sum::<f32>();
+    assert!(0.0 < sum("a.exr") && sum("a.exr") < sum("b.exr"), "indirect light is missing, direct light is not");
+}
+
+#[test]
+fn one_pixel_and_one_photon() {
+    let shop = Workshop::new();
+    shop.render("box.txt", "-o a.png --size 1x1 --photons 1 --caustic-photons 1").expect(0, &["wrote a.png"]);
+}
+
+#[test]
+fn values_that_are_not_finite_are_told_even_when_quiet() {
+    let shop = Workshop::new();
+    let light = "Lights { PointLight { position 0 5 5 power 1e300 1 1 } }";
+    shop.put("a.txt", format!("{CAMERA}{light}{BALL}"));
+    shop.render("a.txt", "-o a.png --quiet").expect(0, &["warning:", "samples were not finite and were left out"]);
+}

@@ -1,0 +1,297 @@
+//! What the pages say is true: their commands run, their scenes render, their tables agree with the program.
+
+use caustica::cli::{Arguments, Command, Exit};
+use caustica::format::description::{Group, Item, Object, Shape};
+use caustica::format::{Source, parse, resolve};
+use caustica::integrate::{Integrator, RayCast, Silent};
+use clap::{CommandFactory, Parser};
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// README.md and the pages of docs/, with their names.
+fn pages() -> Vec<(String, String)> {
+    let docs = std::fs::read_dir(root().join("docs")).unwrap().map(|e| e.unwrap().path());
+    let mut paths: Vec<PathBuf> = docs.filter(|p| p.extension().is_some_and(|e| e == "md")).collect();
+    paths.sort();
+    paths.push(root().join("README.md"));
+    let there = paths.into_iter().filter(|p| p.exists());
+    there.map(|p| (p.file_name().unwrap().to_str().unwrap().to_owned(), std::fs::read_to_string(p).unwrap())).collect()
+}
+
+/// Contents of the fenced blocks of a language.
+fn blocks(page: &str, language: &str) -> Vec<String> {
+    let mut blocks = Vec::new();
+    let mut open: Option<(bool, String)> = None;
+    for line in page.lines() {
+        match (&mut open, line.trim_start().strip_prefix("```")) {
+            (None, Some(info)) => open = Some((info.trim() == language, String::new())),
+            (Some((wanted, text)), Some(_)) => {
+                if *wanted {
+                    blocks.push(std::mem::take(text));
+                }
+                open = None;
+            }
+            (Some((_, text)), None) => *text += &format!("{line}\n"),
+            (None, None) => {}
+        }
+    }
+    assert!(open.is_none(), "a block is not closed");
+    blocks
+}
+
+/// The commands of a shell block as words: continued lines joined, comments, prompts and settings of the environment left out.
+fn commands(block: &str) -> Vec<Vec<String>> {
+    let joined = block.replace("\\\n", " ");
+    let lines = joined.lines().map(|line| words(line.trim().trim_start_matches("$ ")));
+    let setting = |word: &String| {
+        word.split_once('=').is_some_and(|(name, _)| name.chars().all(|c| c.is_ascii_uppercase() || c == '_'))
+    };
+    lines
+        .map(|words| words.into_iter().skip_while(setting).collect::<Vec<_>>())
+        .filter(|words| !words.is_empty())
+        .collect()
+}
+
+fn words(line: &str) -> Vec<String> {
+    let mut words: Vec<String> = Vec::new();
+    let (mut word, mut quote) = (None::<String>, None);
+    for c in line.chars() {
+        match (quote, c) {
+            (None, '\'' | '"') => {
+                quote = Some(c);
+                word.get_or_insert_default();
+            }
+            (Some(q), c) if q == c => quote = None,
+            (None, '#') if word.is_none() => break,
+            (None, c) if c.is_whitespace() => words.extend(word.take()),
+            _ => word.get_or_insert_default().push(c),
+        }
+    }
+    words.extend(word);
+    words
+}
+
+/// The arguments of `caustica` in a command, if it is one.
+fn caustica(words: &[String]) -> Option<Vec<String>> {
+    match words[0].rsplit('/').next() {
+        Some("caustica") => Some(words[1..].to_vec()),
+        Some("cargo") if words.get(1).is_some_and(|w| w == "run") && !words.iter().any(|w| w == "--example") => {
+            let at = words.iter().position(|w| w == "--")?;
+            Some(words[at + 1..].to_vec())
+        }
+        _ => None,
+    }
+}
+
+/// Runs what a page tells the reader to type, in a folder that stands for the project's: renders as small ones.
+fn perform(page: &str, line: &[String], folder: &Path) {
+    let told = format!("{page}: {}", line.join(" "));
+    if let Some(arguments) = caustica(line) {
+        let parsed =
+            match Arguments::try_parse_from(std::iter::once("caustica").chain(arguments.iter().map(String::as_str))) {
+                Ok(Arguments { command: Command::Render(render) }) => Some(render),
+                Err(e) if e.exit_code() == 0 => None,
+                Err(e) => panic!("{told}\n{e}"),
+            };
+        let mut arguments = arguments;
+        if let Some(render) = &parsed {
+            let scene = render.scene.to_str().unwrap();
+            let mapped = root().join(scene).to_str().unwrap().to_owned();
+            arguments.iter_mut().filter(|a| *a == scene).for_each(|a| *a = mapped.clone());
+            for name in render.output.iter().chain(&render.stats) {
+                assert!(name.is_relative(), "{told}\nwrites outside of the project");
+                let parent = name.parent().unwrap();
+                if root().join(parent).is_dir() {
+                    std::fs::create_dir_all(folder.join(parent)).unwrap();
+                }
+            }
+            shrink(&mut arguments, render.caustic_photons.is_some());
+        }
+        let mut command = assert_cmd::Command::new(env!("CARGO_BIN_EXE_caustica"));
+        let output = command.current_dir(folder).args(&arguments).timeout(Duration::from_secs(60)).output().unwrap();
+        assert!(output.status.success(), "{told}\n{}", String::from_utf8_lossy(&output.stderr));
+        for name in parsed.iter().flat_map(|render| render.output.iter().chain(&render.stats)) {
+            assert!(folder.join(name).is_file(), "{told}\nwrote no {}", name.display());
+        }
+        return;
+    }
+    let word = |i: usize| line.get(i).map_or("", String::as_str);
+    match (word(0), word(1)) {
+        ("mkdir", _) => line[1..].iter().filter(|w| !w.starts_with('-')).for_each(|w| {
+            std::fs::create_dir_all(folder.join(w)).unwrap();
+        }),
+        ("cargo", "run") => {
+            let name = line.iter().skip_while(|w| *w != "--example").nth(1).unwrap_or_else(|| panic!("{told}"));
+            let examples = root().join("examples");
+            let there = examples.join(format!("{name}.rs")).is_file() || examples.join(name).join("main.rs").is_file();
+            assert!(there, "{told}\nthere is no such example");
+        }
+        ("cargo", "build" | "test" | "bench" | "install" | "doc" | "clippy" | "fmt") | ("git" | "cd", _) => {}
+        _ => panic!("{told}\nthis test does not know how to try this command: teach it"),
+    }
+}
+
+/// Makes a render a small one, whatever it was told.
+fn shrink(arguments: &mut Vec<String>, caustic: bool) {
+    let mut small = vec![("--size", "32x24"), ("--passes", "1"), ("--photons", "1k")];
+    if caustic {
+        small.push(("--caustic-photons", "1k"));
+    }
+    for (flag, value) in small {
+        if let Some(at) = arguments.iter().position(|a| a == flag) {
+            arguments.drain(at..at + 2);
+        }
+        arguments.retain(|a| !a.starts_with(&format!("{flag}=")));
+        arguments.extend([flag.to_owned(), value.to_owned()]);
+    }
+}
+
+#[test]
+fn the_commands_of_the_pages_run() {
+    let mut tried = 0;
+    for (name, page) in pages() {
+        let folder = tempfile::tempdir().unwrap();
+        for line in blocks(&page, "sh").iter().flat_map(|block| commands(block)) {
+            perform(&name, &line, folder.path());
+            tried += usize::from(caustica(&line).is_some());
+        }
+    }
+    assert!(tried >= 4, "docs/cli.md alone has four");
+}
+
+#[test]
+fn commands_are_read_as_a_shell_reads_them() {
+    let block = "# a comment\n$ A_B=1 caustica render 'my scene.txt' \\\n  -o \"a b.png\"  # why\n\ncargo run --release -- render x\n";
+    let read = commands(block);
+    assert_eq!(read.len(), 2);
+    assert_eq!(caustica(&read[0]).unwrap(), ["render", "my scene.txt", "-o", "a b.png"]);
+    assert_eq!(caustica(&read[1]).unwrap(), ["render", "x"]);
+    assert_eq!(caustica(&words("cargo run --example caustica -- x")), None);
+    let mut arguments = words("render x --size 9x9 --photons=2M --time 5m");
+    shrink(&mut arguments, false);
+    assert_eq!(arguments, words("render x --time 5m --size 32x24 --passes 1 --photons 1k"));
+    assert_eq!(blocks("```sh\na\n```\n```text\nb\n```\n  ```sh\n  c\n  ```\n", "sh"), ["a\n", "  c\n"]);
+}
+
+/// Cells of the table rows of a section of docs/cli.md.
+fn table(section: &str) -> Vec<Vec<String>> {
+    let page = std::fs::read_to_string(root().join("docs/cli.md")).unwrap();
+    let heading = format!("\n## {section}\n");
+    let (_, after) = page.split_once(&heading).unwrap_or_else(|| panic!("no section {section}"));
+    let rows = after.split("\n## ").next().unwrap().lines().filter(|line| line.starts_with("| "));
+    let cells = |line: &str| line.trim_matches('|').split(" | ").map(|cell| cell.trim().to_owned()).collect();
+    rows.map(cells).skip(2).collect()
+}
+
+#[test]
+fn the_page_lists_every_flag_with_its_default() {
+    let command = Arguments::command();
+    let render = command.find_subcommand("render").unwrap();
+    let rows = table("Flags");
+    let bare = |text: &str| text.replace('`', "");
+    let mut known = BTreeSet::new();
+    for argument in render.get_arguments().filter(|a| a.get_id() != "help") {
+        let Some(long) = argument.get_long() else { continue };
+        known.insert(format!("--{long}"));
+        let mut first = argument.get_short().map_or(String::new(), |c| format!("`-{c}`, "));
+        let takes = argument.get_num_args().is_none_or(|n| n.takes_values());
+        let value = argument
+            .get_value_names()
+            .unwrap_or_default()
+            .first()
+            .filter(|_| takes && argument.get_action().takes_values());
+        first += &value.map_or(format!("`--{long}`"), |value| format!("`--{long} {value}`"));
+        let row = rows.iter().find(|row| row[0] == first).unwrap_or_else(|| panic!("no row for {first}"));
+        let help = argument.get_help().unwrap().to_string();
+        let default = match argument.get_default_values() {
+            [value] if value.to_str() != Some("false") => value.to_str().unwrap().to_owned(),
+            _ if argument.is_required_set() => "required".to_owned(),
+            _ => help.split_once("[default: ").map_or("none", |(_, d)| d.trim_end_matches(']')).to_owned(),
+        };
+        assert_eq!(bare(&row[1]), default, "{first}");
+        for value in argument.get_possible_values().iter().filter(|_| value.is_some()) {
+            assert!(row[2].contains(&format!("`{}`", value.get_name())), "{first}: {}", value.get_name());
+        }
+    }
+    let listed: BTreeSet<String> = rows
+        .iter()
+        .map(|row| bare(&row[0]).split([' ', ',']).find(|w| w.starts_with("--")).unwrap().to_owned())
+        .collect();
+    assert_eq!(listed, known);
+}
+
+#[test]
+fn the_page_lists_every_exit_code() {
+    let codes: Vec<String> = table("Exit codes").iter().map(|row| row[0].replace('`', "")).collect();
+    let known = [Exit::Success, Exit::Input, Exit::Usage, Exit::Output, Exit::Interrupted];
+    assert_eq!(codes, known.map(|exit| (exit as u8).to_string()));
+}
+
+#[test]
+fn links_between_pages_lead_somewhere() {
+    for (name, page) in pages() {
+        let folder = if name == "README.md" { root().to_owned() } else { root().join("docs") };
+        for (at, _) in page.match_indices("](") {
+            let target = page[at + 2..].split(')').next().unwrap();
+            let (file, place) = target.split_once('#').unwrap_or((target, ""));
+            if target.contains("://") {
+                continue;
+            }
+            assert!(file.is_empty() || folder.join(file).exists(), "{name} links to {target}");
+            if file.is_empty() {
+                let slug = |line: &str| line.trim_start_matches('#').trim().to_lowercase().replace(' ', "-");
+                assert!(page.lines().any(|l| l.starts_with('#') && slug(l) == place), "{name} links to {target}");
+            }
+        }
+    }
+}
+
+/// Leaves out what has no surface or cannot be rendered yet; the resolver's own tests see to their errors.
+fn prune(group: &mut Group) {
+    group.items.retain_mut(|item| match item {
+        Item::Object(object) => keeps(&mut object.value),
+        Item::MaterialIndex(_) | Item::MaterialName(_) => true,
+    });
+}
+
+fn keeps(object: &mut Object) -> bool {
+    match object {
+        Object::Group(group) => {
+            prune(group);
+            true
+        }
+        Object::Transform { object, .. } => keeps(&mut object.value),
+        Object::Shape { shape, .. } => !matches!(shape, Shape::Curve(_) | Shape::Revolution { .. }),
+    }
+}
+
+#[test]
+fn the_scenes_of_the_language_page_render() {
+    let page = std::fs::read_to_string(root().join("docs/scene-language.md")).unwrap();
+    let scenes = blocks(&page, "caustica");
+    assert!(scenes.len() >= 2);
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("mesh")).unwrap();
+    std::fs::write(folder.path().join("mesh/cube.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    for (i, text) in scenes.iter().enumerate() {
+        let mut description = parse("scene-language.md", text).unwrap();
+        prune(&mut description.root);
+        (description.camera.value.width, description.camera.value.height) = (32, 24);
+        let scene = resolve(&description, &Source::new("scene-language.md", text), folder.path()).unwrap();
+        let ray_cast = RayCast { scene: &scene, filter: None, samples: 1, seed: 0 };
+        let image = ray_cast.pass(0, &Silent).image;
+        assert!(image.iter().all(|p| p.is_finite()) && image.iter().any(|p| *p != scene.background()), "scene {i}");
+
+        std::fs::write(folder.path().join("a.txt"), description.to_string()).unwrap();
+        let mut command = assert_cmd::Command::new(env!("CARGO_BIN_EXE_caustica"));
+        let arguments = ["render", "a.txt", "-o", "a.png", "--passes", "1", "--photons", "1k"];
+        let output =
+            command.current_dir(folder.path()).args(arguments).timeout(Duration::from_secs(60)).output().unwrap();
+        assert!(output.status.success(), "scene {i}\n{}", String::from_utf8_lossy(&output.stderr));
+    }
+}

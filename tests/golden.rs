@@ -1,0 +1,121 @@
+//! Every scene of scenes/ against the picture of it that was once looked at.
+//!
+//! `CAUSTICA_BLESS=1 cargo test --test golden` makes the pictures anew: look at each before committing it.
+//!
+//! Results are designed to be the same bits on any machine. One thing is out of reach: the width of kiddo's vector instructions
+//! may change the order of a sum over photons, hence its last bits. Such a difference moves a byte by one level, and only where
+//! the value stood at the edge between two: at most 1 level at at most 1 byte in 200 is let pass.
+
+use caustica::camera::{Filter, FilterKind};
+use caustica::format::SceneFile;
+use caustica::image::{self, Image, RgbBytes, WriteOptions};
+use caustica::integrate::{PhotonMapping, PhotonSettings, Silent};
+use caustica::photon::Kernel;
+use caustica::render::{Stop, render};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+
+const SIZE: (u32, u32) = (96, 72);
+
+fn folder(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(name)
+}
+
+/// Names without extension of the files of a folder that have one, sorted.
+fn stems(folder: &Path, extension: &str) -> Vec<String> {
+    let entries = fs::read_dir(folder).into_iter().flatten();
+    let paths = entries.map(|e| e.unwrap().path()).filter(|p| p.extension().is_some_and(|e| e == extension));
+    let mut names: Vec<String> = paths.map(|p| p.file_stem().unwrap().to_str().unwrap().to_owned()).collect();
+    names.sort();
+    names
+}
+
+fn picture(scene: &Path) -> Image {
+    let mut file = SceneFile::read(scene).unwrap();
+    (file.description.camera.value.width, file.description.camera.value.height) = SIZE;
+    let scene = file.resolve().unwrap();
+    let settings = PhotonSettings {
+        photons: 20_000,
+        caustic_photons: 20_000,
+        samples: 2,
+        gather_k: 50,
+        radius: None,
+        kernel: Kernel::Epanechnikov,
+        max_bounces: 100,
+        seed: 0,
+        filter: Filter::new(FilterKind::BlackmanHarris),
+    };
+    let integrator = PhotonMapping::new(&scene, settings);
+    let stop = Stop { passes: Some(2), time: None, interrupted: &AtomicBool::new(false) };
+    let rendered = render(&integrator, SIZE, &stop, &Silent, |_| {});
+    Image::from_pixels(SIZE.0, SIZE.1, rendered.film.mean()).unwrap()
+}
+
+/// What is wrong between two pictures, if anything.
+fn difference(ours: &RgbBytes, golden: &RgbBytes) -> Option<String> {
+    if (ours.width(), ours.height()) != (golden.width(), golden.height()) {
+        return Some(format!(
+            "{} x {} pixels are {} x {}",
+            golden.width(),
+            golden.height(),
+            ours.width(),
+            ours.height()
+        ));
+    }
+    let pixels = ours.bytes().chunks(3).zip(golden.bytes().chunks(3)).filter(|(a, b)| a != b).count();
+    let levels: Vec<u8> = ours.bytes().iter().zip(golden.bytes()).map(|(a, b)| a.abs_diff(*b)).collect();
+    let (bytes, most) = (levels.iter().filter(|d| **d > 0).count(), levels.iter().max().copied().unwrap_or(0));
+    let harmless = most <= 1 && bytes * 200 <= levels.len();
+    (!harmless).then(|| format!("{pixels} pixels differ in {bytes} bytes, by up to {most} levels"))
+}
+
+#[test]
+fn scenes_look_as_they_did() {
+    let (scenes, golden, new) = (folder("scenes"), folder("tests/golden"), folder("target/golden"));
+    let bless = std::env::var_os("CAUSTICA_BLESS").is_some();
+    fs::create_dir_all(&new).unwrap();
+    assert!(!stems(&scenes, "txt").is_empty(), "{} holds no scenes", scenes.display());
+    let mut wrong = Vec::new();
+    for name in stems(&scenes, "txt") {
+        let (kept, made) = (golden.join(format!("{name}.png")), new.join(format!("{name}.png")));
+        image::write(&made, &picture(&scenes.join(format!("{name}.txt"))), &WriteOptions::default()).unwrap();
+        if bless {
+            fs::create_dir_all(&golden).unwrap();
+            fs::copy(&made, &kept).unwrap();
+        }
+        if !kept.exists() {
+            wrong.push(format!("{name}: {} is missing: make it with CAUSTICA_BLESS=1", kept.display()));
+            continue;
+        }
+        match difference(&image::read_bytes(&made).unwrap(), &image::read_bytes(&kept).unwrap()) {
+            Some(difference) => wrong.push(format!("{name}: {difference}; compare {} with it", made.display())),
+            None => fs::remove_file(&made).unwrap(),
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn every_picture_has_its_scene() {
+    let scenes = stems(&folder("scenes"), "txt");
+    for name in stems(&folder("tests/golden"), "png") {
+        assert!(scenes.contains(&name), "tests/golden/{name}.png belongs to no scene: delete it");
+    }
+}
+
+#[test]
+fn only_single_levels_at_few_bytes_are_let_pass() {
+    let base = vec![7u8; 600];
+    let compare = |change: &dyn Fn(&mut Vec<u8>)| {
+        let mut bytes = base.clone();
+        change(&mut bytes);
+        difference(&RgbBytes::new(20, 10, bytes).unwrap(), &RgbBytes::new(20, 10, base.clone()).unwrap())
+    };
+    assert_eq!(compare(&|_| {}), None);
+    assert_eq!(compare(&|b| (0..3).for_each(|i| b[i] += 1)), None);
+    assert_eq!(compare(&|b| (0..4).for_each(|i| b[i] -= 1)).unwrap(), "2 pixels differ in 4 bytes, by up to 1 levels");
+    assert_eq!(compare(&|b| b[5] += 2).unwrap(), "1 pixels differ in 1 bytes, by up to 2 levels");
+    let (wide, tall) = (RgbBytes::new(20, 10, base.clone()).unwrap(), RgbBytes::new(10, 20, base.clone()).unwrap());
+    assert!(difference(&wide, &tall).unwrap().contains("pixels are"));
+}
