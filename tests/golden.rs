@@ -39,7 +39,7 @@ fn picture(scene: &Path) -> Image {
         photons: 20_000,
         caustic_photons: 20_000,
         samples: 2,
-        gather_k: 50,
+        gather_k: None,
         radius: None,
         kernel: Kernel::Epanechnikov,
         max_bounces: 100,

@@ -47,7 +47,7 @@ fn settings() -> PhotonSettings {
         photons: PHOTONS,
         caustic_photons: PHOTONS,
         samples: 2,
-        gather_k: 50,
+        gather_k: None,
         radius: None,
         kernel: Kernel::Epanechnikov,
         max_bounces: 50,
