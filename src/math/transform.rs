@@ -21,16 +21,21 @@ impl Transform {
     /// Wraps `forward` with its inverse.
     ///
     /// # Errors
-    /// [`Singular`] where an entry is not finite, or the volume of the image of the unit cube is below 10⁻¹⁴ of the
-    /// product of its edges: then the inverse has no digits left to trust.
+    /// [`Singular`] where an entry is not finite, or the columns, made unit vectors, span a volume below 10⁻¹⁴: then the
+    /// inverse has no digits left to trust. The scale itself may be anything whose inverse is finite.
     pub fn new(forward: DAffine3) -> Result<Self, Singular> {
         let m = forward.matrix3;
-        let edges = m.x_axis.length() * m.y_axis.length() * m.z_axis.length();
-        let volume = m.determinant().abs();
-        if !(forward.is_finite() && edges.is_finite() && edges > 0.0 && volume > 1e-14 * edges) {
+        let lengths = [m.x_axis, m.y_axis, m.z_axis].map(length);
+        let [x, y, z] = lengths;
+        let unit = DMat3::from_cols(m.x_axis / x, m.y_axis / y, m.z_axis / z);
+        let volume = unit.determinant().abs();
+        if !(forward.is_finite() && volume > 1e-14) {
             return Err(Singular);
         }
-        let inverse = forward.inverse();
+        // M = U·D has the inverse D⁻¹·U⁻¹, which neither overflows nor vanishes before its entries do.
+        let rows = unit.inverse().transpose();
+        let inverse = DMat3::from_cols(rows.x_axis / x, rows.y_axis / y, rows.z_axis / z).transpose();
+        let inverse = DAffine3::from_mat3_translation(inverse, -(inverse * forward.translation));
         if inverse.is_finite() { Ok(Self { forward, inverse }) } else { Err(Singular) }
     }
 
@@ -93,6 +98,12 @@ impl Transform {
     }
 }
 
+/// |v| without overflow or underflow of the squares.
+fn length(v: DVec3) -> f64 {
+    let largest = v.abs().max_element();
+    if largest > 0.0 { largest * (v / largest).length() } else { 0.0 }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -106,7 +117,11 @@ mod tests {
         let dependent = DMat3::from_cols(DVec3::X, DVec3::Y, DVec3::X + DVec3::Y);
         assert_eq!(Transform::new(DAffine3::from_mat3(dependent)), Err(Singular));
         // Small is not singular.
-        assert!(Transform::new(DAffine3::from_scale(DVec3::splat(1e-12))).is_ok());
+        for scale in [DVec3::splat(1e-150), DVec3::new(1e300, 1.0, 1e-300)] {
+            let t = Transform::new(DAffine3::from_scale(scale)).unwrap();
+            let back = t.inverse().transform_vector3(t.vector(DVec3::ONE));
+            assert!((back - DVec3::ONE).abs().max_element() <= 4.0 * f64::EPSILON, "{back}");
+        }
     }
 
     #[test]
