@@ -116,8 +116,10 @@ impl Ended {
 
 /// Text without the frame of a report, in one line.
 fn flowing(text: &str) -> String {
-    let bare = text.replace(['│', '╭', '╰', '─', '▶', '×', '╯', '┬', '·'], " ");
-    bare.split_whitespace().collect::<Vec<_>>().join(" ")
+    let bare = text.replace(['│', '╭', '╰', '─', '▶', '╯', '┬', '·'], " ");
+    // A leading × is the report's mark; elsewhere it stands between width and height.
+    let lines = bare.lines().map(|line| line.trim_start().trim_start_matches("× "));
+    lines.flat_map(str::split_whitespace).collect::<Vec<_>>().join(" ")
 }
 
 fn read(path: &Path) -> caustica::image::Image {
