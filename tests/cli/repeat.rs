@@ -29,7 +29,7 @@ fn settings_of_light_change_the_picture() {
     let plain = picture(&shop, "");
     for more in [
         "--photons 1001",
-        "--caustic-photons 500",
+        "--caustic-photons 700",
         "--passes 2",
         "--spp 2",
         "--gather-k 20",
