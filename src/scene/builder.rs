@@ -24,6 +24,9 @@ pub enum BuildError {
     /// After re-centring, a coordinate does not fit single precision.
     #[error("the scene spans more than single precision can hold: the farthest coordinate is {0:e} from its middle")]
     TooLarge(f64),
+    /// Light counted from 0 whose power does not fit single precision.
+    #[error("light {0} (counted from 0) is stronger than single precision can hold")]
+    TooBright(usize),
     /// More triangles than indices.
     #[error("{0} triangles are more than the 2³¹ that can be indexed")]
     TooManyTriangles(usize),
@@ -216,6 +219,9 @@ impl SceneBuilder {
             triangle_part.resize(end as usize, parts.len() as u32);
             parts.push((*first, Attributes { material: *material, light }));
         }
+        if let Some(i) = lights.iter().position(|light| !light.power(domain).is_finite()) {
+            return Err(BuildError::TooBright(i));
+        }
         let planes = planes.into_iter().zip(&self.planes);
         Ok(Scene {
             camera: camera.translated(-middle),
@@ -306,4 +312,44 @@ fn course_area_light(light: &Light) -> CourseLight {
     let d2 = center.length_squared();
     let color = light.power(nowhere) / (PI * PI * if d2 > 0.0 { d2 } else { 1.0 });
     CourseLight::Point(center, color)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::shape::Sphere as Ball;
+
+    fn camera() -> Pinhole {
+        Pinhole::new(DVec3::new(0.0, 0.0, 9.0), DVec3::NEG_Z, DVec3::Y, 1.0, 4, 3).unwrap()
+    }
+
+    fn ball(builder: &mut SceneBuilder, center: DVec3, emission: Rgb) {
+        let material = builder.material(Material::diffuse(Rgb::ONE));
+        builder.shape(Shape::Sphere(Ball::new(center, 1.0)), material, emission);
+    }
+
+    #[test]
+    fn what_single_precision_cannot_hold_is_refused() {
+        let mut far = SceneBuilder::new();
+        ball(&mut far, DVec3::ZERO, Rgb::ZERO);
+        ball(&mut far, DVec3::new(1e15, 0.0, 0.0), Rgb::ZERO);
+        assert!(matches!(far.build(camera()), Err(BuildError::TooLarge(_))));
+        let mut bright = SceneBuilder::new();
+        ball(&mut bright, DVec3::ZERO, Rgb::splat(f32::MAX));
+        assert_eq!(bright.build(camera()).err(), Some(BuildError::TooBright(0)));
+        let mut source = SceneBuilder::new();
+        source.source(SourceKind::Point { position: DVec3::ZERO }, LightStrength::Power(Rgb::INFINITY));
+        assert_eq!(source.build(camera()).err(), Some(BuildError::TooBright(0)));
+    }
+
+    #[test]
+    fn a_scene_is_centred_on_its_shapes() {
+        let mut builder = SceneBuilder::new();
+        let place = DVec3::new(1e6, 2e6, -3e6);
+        ball(&mut builder, place, Rgb::ZERO);
+        let scene = builder.build(camera().translated(place)).unwrap();
+        assert_eq!(scene.middle(), place);
+        assert_eq!(scene.camera().center(), DVec3::new(0.0, 0.0, 9.0));
+        assert_eq!(scene.domain().center, Vec3::ZERO);
+    }
 }
