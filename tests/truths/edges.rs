@@ -66,3 +66,26 @@ fn kernels_over_a_straight_edge() {
         compare("edge", false, 0.4 * RADIUS, 0.5, kernel, part);
     }
 }
+
+/// Photons count on their own side of their own surface: nothing leaks through a sheet, down a step of more than a quarter of
+/// the radius, or around a corner, though all photons lie within the disc's ball.
+#[test]
+fn light_does_not_leak_to_other_surfaces() {
+    let mut b = SceneBuilder::new();
+    let white = b.material(Material::diffuse(grey(0.8)));
+    let sheet = |y: f64| Shape::Rectangle(Rectangle::new(vec3(0.0, y, 0.0), DVec3::Z, DVec3::X));
+    b.shape(sheet(0.0), white, grey(0.0));
+    b.shape(sheet(-0.06), white, grey(0.0));
+    let wall = Rectangle::new(DVec3::ZERO, DVec3::Y, DVec3::Z);
+    b.shape(Shape::Rectangle(wall), white, grey(0.0));
+    b.source(SourceKind::Directional { direction: -DVec3::Y }, LightStrength::Physical(grey(IRRADIANCE)));
+    let scene = unseen(b);
+    let photons = trace(&scene, Wants::ALL, 0, 1, 1 << 14).remove(0).photons;
+    let map = PhotonMap::build(photons);
+    let at = |p, n| irradiance(&scene, &map, p, n, fixed(RADIUS), Kernel::Box).x;
+    let middle = vec3(0.5, 0.0, 0.5);
+    assert!(at(middle, DVec3::Y) > 0.5 * IRRADIANCE);
+    assert_eq!(at(middle, -DVec3::Y), 0.0, "through the sheet");
+    assert_eq!(at(middle - DVec3::Y * 0.06, DVec3::Y), 0.0, "down the step");
+    assert_eq!(at(vec3(0.0, 0.02, 0.5), DVec3::X), 0.0, "around the corner");
+}
