@@ -116,12 +116,13 @@ impl<'a> PhotonMapping<'a> {
         let caustic = source(settings.caustic_photons, PhotonSource::aimed);
         let radius = |source: &Option<PhotonSource<'a>>, wants: Wants, paths: u32, fallback: u32| {
             let k = settings.gather_k.filter(|k| *k > 0).unwrap_or(fallback);
-            let found = source.as_ref().and_then(|source| {
+            let found = || {
+                let source = source.as_ref()?;
                 let pass = PhotonPass { scene, source, wants, max_bounces: settings.max_bounces };
                 auto_radius(scene, &pass, paths, k, settings.seed)
-            });
+            };
             // Without photons the radius never matters.
-            settings.radius.or(found).unwrap_or(1.0)
+            settings.radius.or_else(found).unwrap_or(1.0)
         };
         let radii = Radii {
             global: radius(&global, Wants::GLOBAL, settings.photons, GLOBAL_COUNT),

@@ -79,6 +79,12 @@ impl Light {
         matches!(self, Self::Area(_))
     }
 
+    /// Whether it comes from infinity.
+    #[must_use]
+    pub fn is_parallel(&self) -> bool {
+        matches!(self, Self::Directional { .. })
+    }
+
     /// Emitted flux \[W]; for parallel light, what crosses the disc that `domain` shows it.
     #[must_use]
     pub fn power(&self, domain: Sphere) -> Rgb {

@@ -10,20 +10,6 @@ pub const fn gamma(n: u32) -> f32 {
     e / (1.0 - e)
 }
 
-/// The smallest f32 above `x`.
-#[inline]
-#[must_use]
-pub fn next_up(x: f32) -> f32 {
-    x.next_up()
-}
-
-/// The largest f32 below `x`.
-#[inline]
-#[must_use]
-pub fn next_down(x: f32) -> f32 {
-    x.next_down()
-}
-
 /// The real roots of `a t² + 2 b t + c`, ascending, given its quarter discriminant `b² − a c` computed as exactly as the
 /// caller can. A negative discriminant has none; `a` must not be zero.
 ///

@@ -8,7 +8,7 @@ mod transform;
 pub mod warp;
 
 pub use bounds::{Bounds, Sphere};
-pub use float::{direction, gamma, next_down, next_up, quadratic, sin_cos_turns};
+pub use float::{direction, gamma, quadratic, sin_cos_turns};
 pub use frame::Frame;
 pub use ray::{Ray, offset_origin};
 pub use transform::{Singular, Transform};

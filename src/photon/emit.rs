@@ -66,7 +66,10 @@ impl<'a> PhotonSource<'a> {
             Some(targets) => light.emit_at(targets, domain, position, direction),
             None => light.emit(domain, position, direction),
         };
-        emission.map(|e| Emission { flux: e.flux / (probability * paths as f32), ..e })
+        emission.map(|e| {
+            let ray = if light.is_parallel() { self.scene.from_beyond_planes(e.ray) } else { e.ray };
+            Emission { ray, flux: e.flux / (probability * paths as f32) }
+        })
     }
 }
 
@@ -83,4 +86,40 @@ fn aimed_power(scene: &Scene, targets: &Targets, light: usize) -> f64 {
         emission.map_or(0.0, |e| f64::from(color::mean(e.flux)))
     };
     (0..WEIGHT_DRAWS).map(flux).sum::<f64>() / f64::from(WEIGHT_DRAWS)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::Pinhole;
+    use crate::color::Rgb;
+    use crate::photon::{PhotonPass, Wants};
+    use crate::scene::{LightStrength, Material, SceneBuilder, SourceKind};
+    use crate::shape::{Plane, Shape, Sphere};
+    use glam::DVec3;
+
+    /// A sun above a ball, and a plane between them at a height.
+    fn sun_over_ball(height: f64) -> Scene {
+        let mut builder = SceneBuilder::new();
+        let white = builder.material(Material::diffuse(Rgb::ONE));
+        builder.shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 0.5)), white, Rgb::ZERO);
+        builder.plane(Plane::new(DVec3::Y * height, DVec3::Y), white, Rgb::ZERO);
+        let direction = DVec3::new(0.3, -1.0, 0.1);
+        builder.source(SourceKind::Directional { direction }, LightStrength::Physical(Rgb::ONE));
+        let eye = Pinhole::new(DVec3::Z * 9.0, DVec3::NEG_Z, DVec3::Y, 1.0, 4, 3).unwrap();
+        builder.build(eye).unwrap()
+    }
+
+    #[test]
+    fn planes_shade_parallel_light_however_far_upstream() {
+        for (height, shaded) in [(1.0, true), (100.0, true), (1e6, true), (-1.0, false)] {
+            let scene = sun_over_ball(height);
+            let source = PhotonSource::everywhere(&scene).unwrap();
+            let pass = PhotonPass { scene: &scene, source: &source, wants: Wants::ALL, max_bounces: 0 };
+            let photons = pass.trace(Key::new(1), 4096, &|_| {}).photons;
+            let on_ball = photons.iter().filter(|p| p.position.length() < 0.6).count();
+            assert_eq!(on_ball == 0, shaded, "{on_ball} of {} under a plane at {height}", photons.len());
+            assert!(!photons.is_empty());
+        }
+    }
 }

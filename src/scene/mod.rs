@@ -187,6 +187,19 @@ impl Scene {
         Surface { point, wo, material: &self.materials[attributes.material as usize], emission }
     }
 
+    /// The ray with its start moved back to where nothing unbounded lies behind it: parallel light comes from beyond all planes.
+    #[must_use]
+    pub(crate) fn from_beyond_planes(&self, ray: Ray) -> Ray {
+        let back = Ray::new(ray.origin, -ray.direction);
+        let crossings = self.planes.iter().filter_map(|(plane, _)| plane.intersect(&back));
+        let farthest = crossings.map(|(t, ..)| t).fold(0.0, f32::max);
+        if farthest == 0.0 {
+            return ray;
+        }
+        // As far again as the domain is wide, so that the crossing itself is not lost to rounding.
+        Ray { origin: back.at(farthest * 1.001 + self.domain.radius), ..ray }
+    }
+
     /// Balls around everything with a purely specular material, for aiming photons; `None` where such a thing is unbounded.
     #[must_use]
     pub fn specular_balls(&self) -> Option<Vec<Sphere>> {
