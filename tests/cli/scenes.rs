@@ -80,9 +80,9 @@ fn one_pixel_and_one_photon() {
 }
 
 #[test]
-fn values_that_are_not_finite_are_told_even_when_quiet() {
+fn light_beyond_single_precision_is_refused() {
     let shop = Workshop::new();
     let light = "Lights { PointLight { position 0 5 5 power 1e300 1 1 } }";
     shop.put("a.txt", format!("{CAMERA}{light}{BALL}"));
-    shop.render("a.txt", "-o a.png --quiet").expect(0, &["warning:", "samples were not finite and were left out"]);
+    shop.render("a.txt", "-o a.png --quiet").expect(1, &["light 0", "stronger than single precision"]);
 }
