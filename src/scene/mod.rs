@@ -189,7 +189,7 @@ impl Scene {
 
     /// The ray with its start moved back to where nothing unbounded lies behind it: parallel light comes from beyond all planes.
     #[must_use]
-    pub(crate) fn from_beyond_planes(&self, ray: Ray) -> Ray {
+    pub(crate) fn starting_beyond_planes(&self, ray: Ray) -> Ray {
         let back = Ray::new(ray.origin, -ray.direction);
         let crossings = self.planes.iter().filter_map(|(plane, _)| plane.intersect(&back));
         let farthest = crossings.map(|(t, ..)| t).fold(0.0, f32::max);
