@@ -51,10 +51,10 @@ impl Dielectric {
     pub(super) fn sample(&self, wo: Vec3, ns: Vec3, ng: Vec3, lobe: f32, transport: Transport) -> BsdfSample {
         let split = self.split(wo, ns, ng, transport);
         if lobe < split.reflected.1 {
-            BsdfSample { wi: split.reflected.0, weight: Rgb::ONE, specular: true, transmitted: false }
+            BsdfSample { wi: split.reflected.0, weight: Rgb::ONE, pdf: 0.0, specular: true, transmitted: false }
         } else {
             let weight = Rgb::splat(1.0 / split.squeeze);
-            BsdfSample { wi: split.transmitted.0, weight, specular: true, transmitted: true }
+            BsdfSample { wi: split.transmitted.0, weight, pdf: 0.0, specular: true, transmitted: true }
         }
     }
 }

@@ -33,6 +33,8 @@ pub struct BsdfSample {
     pub wi: Vec3,
     /// f · |cos| / pdf (for delta lobes, the lobe's weight over the probability of choosing it).
     pub weight: Rgb,
+    /// What [`Bsdf::pdf`] gives for `wi` \[1/sr]; 0 for delta lobes.
+    pub pdf: f32,
     /// Whether the lobe is a delta: no other direction could have been joined to `wo`.
     pub specular: bool,
     /// Whether the walk passed to the other side.
@@ -62,24 +64,48 @@ impl Bsdf {
         matches!(self, Self::Mirror(_) | Self::Dielectric(_))
     }
 
-    /// Whether photons may be stored: there is a lobe that a density estimate can evaluate.
+    /// Whether photons are stored: the lobes are broad enough for a density estimate to evaluate.
     #[inline]
     #[must_use]
     pub fn stores_photons(&self) -> bool {
         matches!(self, Self::Diffuse(_) | Self::Phong(_))
     }
 
-    /// f(wo, wi) in 1/sr without the cosine, for directions on the same side of the shading normal `n`; deltas are zero.
+    /// Whether light that comes from it is a caustic: deltas, and lobes too narrow to store photons. Every BSDF either
+    /// stores photons, or casts caustics, or is black.
     #[inline]
     #[must_use]
-    pub fn evaluate(&self, wo: Vec3, wi: Vec3, n: Vec3) -> Rgb {
-        if wo.dot(n) * wi.dot(n) <= 0.0 {
+    pub fn casts_caustics(&self) -> bool {
+        matches!(self, Self::Mirror(_) | Self::Dielectric(_))
+    }
+
+    /// f(wo, wi) in 1/sr without the cosine; deltas are zero, and so are pairs of directions for which `ns` and `ng` disagree on
+    /// whether they are on one side.
+    #[inline]
+    #[must_use]
+    pub fn evaluate(&self, wo: Vec3, wi: Vec3, ns: Vec3, ng: Vec3, transport: Transport) -> Rgb {
+        let _ = transport;
+        if !reflects(wo, wi, ns, ng) {
             return Rgb::ZERO;
         }
         match self {
             Self::Diffuse(reflectance) => *reflectance * FRAC_1_PI,
-            Self::Phong(phong) => phong.evaluate(wo, wi, n),
+            Self::Phong(phong) => phong.evaluate(wo, wi, ns),
             Self::Black | Self::Mirror(_) | Self::Dielectric(_) => Rgb::ZERO,
+        }
+    }
+
+    /// Density with which [`Bsdf::sample`] draws `wi` \[1/sr]: alike in both transports; deltas are zero.
+    #[inline]
+    #[must_use]
+    pub fn pdf(&self, wo: Vec3, wi: Vec3, ns: Vec3, ng: Vec3) -> f32 {
+        if !reflects(wo, wi, ns, ng) {
+            return 0.0;
+        }
+        match self {
+            Self::Diffuse(_) => warp::cosine_hemisphere_pdf(wi.dot(ns).abs()),
+            Self::Phong(phong) => phong.pdf(wo, wi, ns),
+            Self::Black | Self::Mirror(_) | Self::Dielectric(_) => 0.0,
         }
     }
 
@@ -94,19 +120,27 @@ impl Bsdf {
         let sample = match self {
             Self::Black => return None,
             Self::Diffuse(reflectance) => {
-                let wi = Frame::around(facing).to_world(warp::cosine_hemisphere(u));
-                BsdfSample { wi, weight: *reflectance, specular: false, transmitted: false }
+                let local = warp::cosine_hemisphere(u);
+                let wi = Frame::around(facing).to_world(local);
+                let pdf = warp::cosine_hemisphere_pdf(local.z);
+                BsdfSample { wi, weight: *reflectance, pdf, specular: false, transmitted: false }
             }
             Self::Phong(phong) => phong.sample(wo, facing, lobe, u)?,
             Self::Mirror(reflectance) => {
                 let wi = dielectric::reflect_above(wo, facing, ng);
-                BsdfSample { wi, weight: *reflectance, specular: true, transmitted: false }
+                BsdfSample { wi, weight: *reflectance, pdf: 0.0, specular: true, transmitted: false }
             }
             Self::Dielectric(dielectric) => dielectric.sample(wo, ns, ng, lobe, transport),
         };
         let crosses = (sample.wi.dot(ng) < 0.0) != (wo.dot(ng) < 0.0);
         (crosses == sample.transmitted).then_some(sample)
     }
+}
+
+/// Whether `wo` and `wi` are on one side, by both normals.
+#[inline]
+fn reflects(wo: Vec3, wi: Vec3, ns: Vec3, ng: Vec3) -> bool {
+    wo.dot(ns) * wi.dot(ns) > 0.0 && wo.dot(ng) * wi.dot(ng) > 0.0
 }
 
 #[cfg(test)]

@@ -54,9 +54,16 @@ impl Phong {
         if cos <= 0.0 {
             return None;
         }
-        let glossy_pdf = warp::power_cosine_pdf(mirror.dot(wi), self.shininess);
-        let pdf = self.lobe * glossy_pdf + (1.0 - self.lobe) * warp::cosine_hemisphere_pdf(cos);
+        let pdf = self.pdf(wo, wi, n);
         let weight = self.evaluate(wo, wi, n) * (cos / pdf);
-        (pdf > 0.0).then_some(BsdfSample { wi, weight, specular: false, transmitted: false })
+        (pdf > 0.0).then_some(BsdfSample { wi, weight, pdf, specular: false, transmitted: false })
+    }
+
+    /// Density of the mixture \[1/sr], for directions on one side of `n`.
+    #[inline]
+    pub(super) fn pdf(&self, wo: Vec3, wi: Vec3, n: Vec3) -> f32 {
+        let mirror = n * (2.0 * wo.dot(n)) - wo;
+        let glossy = warp::power_cosine_pdf(mirror.dot(wi), self.shininess);
+        self.lobe * glossy + (1.0 - self.lobe) * warp::cosine_hemisphere_pdf(wi.dot(n).abs())
     }
 }

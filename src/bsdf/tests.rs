@@ -64,7 +64,7 @@ fn sampling_and_evaluation_agree() {
             let (b, vb) = moments(&|i| {
                 let u = Key::new(12).purpose(Purpose::Test).with(i).uniform_2d(Dimension::BsdfDirection);
                 let wi = warp::cone(u, 1.0);
-                f64::from(bsdf.evaluate(wo, wi, Vec3::Z).y * wi.z / warp::cone_pdf(1.0))
+                f64::from(bsdf.evaluate(wo, wi, Vec3::Z, Vec3::Z, Transport::Importance).y * wi.z / warp::cone_pdf(1.0))
             });
             // Five sigma of the difference: one false alarm in a million a comparison.
             assert!((a - b).abs() < 5.0 * (va + vb).sqrt() + 1e-5, "{bsdf:?} at {cos}: {a} {b}");
@@ -78,7 +78,10 @@ fn reflection_is_reciprocal() {
         for (a, b) in [(0.9, 0.3), (0.1, 0.99), (0.5, 0.5)] {
             let (wo, wi) =
                 (direction(a), Frame::around(Vec3::Z).to_world(direction(b) * Vec3::new(-0.8, 1.0, 1.0)).normalize());
-            let (there, back) = (bsdf.evaluate(wo, wi, Vec3::Z), bsdf.evaluate(wi, wo, Vec3::Z));
+            let (there, back) = (
+                bsdf.evaluate(wo, wi, Vec3::Z, Vec3::Z, Transport::Importance),
+                bsdf.evaluate(wi, wo, Vec3::Z, Vec3::Z, Transport::Importance),
+            );
             assert!((there - back).abs().max_element() < 1e-5, "{bsdf:?}");
         }
     }

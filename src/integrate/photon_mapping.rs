@@ -278,7 +278,7 @@ impl<'a> PhotonMapping<'a> {
         let ns = if surface.wo.dot(surface.point.ng) < 0.0 { -surface.point.ns } else { surface.point.ns };
         let mut estimate = |map: &PhotonMap, bandwidth, scratch| {
             worker.counters.gathers += 1;
-            let brdf = |from| surface.material.bsdf.evaluate(surface.wo, from, ns);
+            let brdf = |from| surface.material.bsdf.evaluate(surface.wo, from, ns, ns, Transport::Radiance);
             let found = map.estimate(surface.point.p, normal, bandwidth, self.settings.kernel, scratch, brdf);
             worker.counters.gathered_photons += u64::from(found.count);
             found.radiance

@@ -4,7 +4,7 @@ use super::{DirectSample, Reach};
 use crate::color::Rgb;
 use crate::math::offset_origin;
 use crate::sampling::Discrete;
-use crate::shape::{Mesh, Shape, ShapeSample};
+use crate::shape::{Mesh, Shape, ShapeSample, SurfacePoint};
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 use std::sync::Arc;
@@ -76,7 +76,7 @@ impl Area {
             let (point, pdf) = sphere.sample_visible(p, u)?;
             let (_, wi, _) = crate::math::direction(p, point.p)?;
             let reach = Reach::Point(offset_origin(point.p, point.error, point.ng, -wi));
-            return Some(DirectSample { wi, reach, irradiance: self.radiance / pdf });
+            return Some(DirectSample { wi, reach, irradiance: self.radiance / pdf, pdf: Some(pdf) });
         }
         let ShapeSample { point, pdf } = self.emitter.sample(u);
         let (d2, wi, _) = crate::math::direction(p, point.p)?;
@@ -85,6 +85,20 @@ impl Area {
             return None;
         }
         let reach = Reach::Point(offset_origin(point.p, point.error, point.ng, -wi));
-        Some(DirectSample { wi, reach, irradiance: self.radiance * (cos / (d2 * pdf)) })
+        let pdf = d2 * pdf / cos;
+        Some(DirectSample { wi, reach, irradiance: self.radiance / pdf, pdf: Some(pdf) })
+    }
+
+    #[inline]
+    pub(super) fn density(&self, p: Vec3, wi: Vec3, seen: &SurfacePoint) -> f32 {
+        let cos = -wi.dot(seen.ng);
+        if cos <= 0.0 {
+            return 0.0;
+        }
+        if let Emitter::Shape(Shape::Sphere(sphere)) = &self.emitter {
+            return sphere.visible_density(p);
+        }
+        // Spheres apart, points are drawn by area.
+        (seen.p - p).length_squared() / (cos * self.emitter.area() as f32)
     }
 }

@@ -12,6 +12,7 @@ pub use spot::Spot;
 
 use crate::color::Rgb;
 use crate::math::Sphere;
+use crate::shape::SurfacePoint;
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 
@@ -56,6 +57,9 @@ pub struct DirectSample {
     pub reach: Reach,
     /// Radiance over density per steradian; for points and parallel light, irradiance on a surface that faces it.
     pub irradiance: Rgb,
+    /// Density of `wi` \[1/sr], which [`Light::density`] gives for any direction; `None` for points and parallel light, which no
+    /// other technique can find.
+    pub pdf: Option<f32>,
 }
 
 impl Light {
@@ -67,9 +71,20 @@ impl Light {
             Self::Point { position, intensity } => from_point(p, *position, |_| *intensity),
             Self::Spot(spot) => from_point(p, spot.position, |w| spot.intensity(w)),
             Self::Directional { direction, irradiance } => {
-                Some(DirectSample { wi: -*direction, reach: Reach::Infinity, irradiance: *irradiance })
+                Some(DirectSample { wi: -*direction, reach: Reach::Infinity, irradiance: *irradiance, pdf: None })
             }
             Self::Area(area) => area.sample_direct(p, u),
+        }
+    }
+
+    /// Density \[1/sr] with which [`Light::sample_direct`] at `p` draws unit `wi`, which meets the light's surface at `seen`; 0 where
+    /// it never does.
+    #[inline]
+    #[must_use]
+    pub fn density(&self, p: Vec3, wi: Vec3, seen: &SurfacePoint) -> f32 {
+        match self {
+            Self::Point { .. } | Self::Spot(_) | Self::Directional { .. } => 0.0,
+            Self::Area(area) => area.density(p, wi, seen),
         }
     }
 
@@ -102,7 +117,7 @@ impl Light {
 fn from_point(p: Vec3, position: Vec3, intensity: impl Fn(Vec3) -> Rgb) -> Option<DirectSample> {
     let (d2, wi, _) = crate::math::direction(p, position)?;
     let irradiance = intensity(-wi) / d2;
-    (irradiance != Rgb::ZERO).then_some(DirectSample { wi, reach: Reach::Point(position), irradiance })
+    (irradiance != Rgb::ZERO).then_some(DirectSample { wi, reach: Reach::Point(position), irradiance, pdf: None })
 }
 
 #[cfg(test)]

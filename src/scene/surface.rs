@@ -42,15 +42,12 @@ impl Surface<'_> {
         Ray::between(offset_origin(self.point.p, self.point.error, self.point.ng, direction), target)
     }
 
-    /// f(wo, wi)·|wi · ns|: what a camera walk multiplies arriving radiance by. Zero where the directions are not on one
-    /// geometric side.
+    /// f(wo, wi)·|wi · ns|: what a camera walk multiplies arriving radiance by.
     #[inline]
     #[must_use]
     pub fn scatter(&self, wi: Vec3) -> Rgb {
-        if self.wo.dot(self.point.ng) * wi.dot(self.point.ng) <= 0.0 {
-            return Rgb::ZERO;
-        }
-        self.material.bsdf.evaluate(self.wo, wi, self.point.ns) * wi.dot(self.point.ns).abs()
+        let SurfacePoint { ns, ng, .. } = self.point;
+        self.material.bsdf.evaluate(self.wo, wi, ns, ng, Transport::Radiance) * wi.dot(ns).abs()
     }
 
     /// Draws where the walk goes on.

@@ -92,6 +92,16 @@ impl Sphere {
         let n = around.normalize_or_zero() * sin_alpha - axis * cos_alpha;
         Some((self.at(n.normalize()), warp::cone_pdf(one_minus_cos as f32)))
     }
+
+    /// Density per steradian of [`Sphere::sample_visible`]: one over the solid angle of the sphere seen from `from`; 0 from inside.
+    #[must_use]
+    pub fn visible_density(&self, from: Vec3) -> f32 {
+        let sin2 = self.radius * self.radius / (self.center - from.as_dvec3()).length_squared();
+        if sin2 >= 1.0 || sin2.is_nan() {
+            return 0.0;
+        }
+        warp::cone_pdf((sin2 / (1.0 + (1.0 - sin2).sqrt())) as f32)
+    }
 }
 
 #[cfg(test)]
