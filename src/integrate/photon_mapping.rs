@@ -12,7 +12,7 @@ use crate::color::{self, Rgb};
 use crate::math::Ray;
 use crate::photon::{Bandwidth, Kernel, PhotonMap, PhotonPass, PhotonSource, Wants};
 use crate::sampling::{Dimension, Key, Purpose};
-use crate::scene::{Scene, Surface};
+use crate::scene::{Arrival, Scene, Surface, Walk};
 use std::time::Instant;
 
 /// What a user may set.
@@ -98,9 +98,8 @@ struct Maps {
 /// A camera walk that waits to be continued.
 #[derive(Clone, Copy)]
 struct Branch {
-    ray: Ray,
+    walk: Walk,
     throughput: Rgb,
-    body: Option<Rgb>,
     bounce: u32,
     key: Key,
 }
@@ -175,7 +174,7 @@ impl<'a> PhotonMapping<'a> {
 
     /// Radiance along a camera ray.
     fn radiance(&self, ray: &Ray, key: Key, maps: &Maps, worker: &mut Worker) -> Rgb {
-        let first = Branch { ray: *ray, throughput: Rgb::ONE, body: None, bounce: 0, key };
+        let first = Branch { walk: self.scene.walk_from_camera(*ray), throughput: Rgb::ONE, bounce: 0, key };
         let mut waiting = [first; BRANCHES];
         let mut count = 1;
         let mut radiance = Rgb::ZERO;
@@ -206,16 +205,13 @@ impl<'a> PhotonMapping<'a> {
         if branch.bounce > 0 {
             worker.counters.specular_rays += 1;
         }
-        let Some(hit) = self.scene.intersect(&branch.ray) else {
+        let Some(Arrival { surface, transmittance, .. }) = branch.walk.advance(self.scene, branch.key) else {
             *radiance += branch.throughput * self.scene.background();
             return None;
         };
-        let surface = self.scene.surface(&branch.ray, &hit);
-        if let Some(absorption) = surface.body_towards(surface.wo).or(branch.body) {
-            branch.throughput *= (-absorption * hit.t).map(libm::expf);
-        }
+        branch.throughput *= transmittance;
         *radiance += branch.throughput * surface.emission;
-        if !surface.material.bsdf.is_specular() {
+        if !surface.bsdf.is_specular() {
             // Faint reflections are looked at by chance: an estimate costs as much as dozens of rays.
             let worth = (color::mean(branch.throughput) / WORTH_GATHERING).min(1.0);
             if branch.key.uniform(Dimension::Roulette) < worth {
@@ -233,29 +229,25 @@ impl<'a> PhotonMapping<'a> {
     #[inline]
     fn scatter(&self, branch: &mut Branch, room: bool, surface: &Surface<'_>) -> Option<Next> {
         let key = branch.key.with(u64::from(branch.bounce));
-        let go = |direction, weight: Rgb, lobe: u64| Branch {
-            ray: surface.leave(direction),
-            throughput: branch.throughput * weight,
-            body: surface.body_towards(direction),
-            bounce: branch.bounce + 1,
-            key: key.with(lobe),
+        let go = |direction, weight: Rgb, transmitted: bool| {
+            let mut walk = branch.walk;
+            walk.leave(surface, direction, transmitted);
+            let key = key.with(transmitted.into());
+            Branch { walk, throughput: branch.throughput * weight, bounce: branch.bounce + 1, key }
         };
-        if let Bsdf::Dielectric(dielectric) = surface.material.bsdf {
+        if let Bsdf::Dielectric(dielectric) = surface.bsdf {
             let split = dielectric.split(surface.wo, surface.point.ns, surface.point.ng, Transport::Radiance);
             let weaker = split.reflected.1.min(split.transmitted.1) * color::mean(branch.throughput);
             if room && weaker > WORTH_SPLITTING {
-                let reflected = go(split.reflected.0, Rgb::splat(split.reflected.1), 0);
-                let transmitted = go(split.transmitted.0, Rgb::splat(split.transmitted.1 / split.squeeze), 1);
+                let reflected = go(split.reflected.0, Rgb::splat(split.reflected.1), false);
+                let transmitted = go(split.transmitted.0, Rgb::splat(split.transmitted.1 / split.squeeze), true);
                 *branch = transmitted;
                 return Some(Next::Both(reflected));
             }
         }
         let (lobe, u) = (key.uniform(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
         let sample = surface.sample(lobe, u, Transport::Radiance)?;
-        let mut next = go(sample.wi, sample.weight, u64::from(sample.transmitted));
-        if !sample.transmitted {
-            next.body = branch.body;
-        }
+        let mut next = go(sample.wi, sample.weight, sample.transmitted);
         if next.bounce > CERTAIN_BOUNCES {
             let survival = color::mean(next.throughput).min(1.0);
             if key.uniform(Dimension::Roulette) >= survival {
@@ -271,14 +263,14 @@ impl<'a> PhotonMapping<'a> {
     #[inline]
     fn reflected(&self, surface: &Surface<'_>, key: Key, maps: &Maps, worker: &mut Worker) -> Rgb {
         let direct = self.direct.reflected(surface, key, worker);
-        if !surface.material.bsdf.stores_photons() {
+        if !surface.bsdf.stores_photons() {
             return direct;
         }
         let normal = surface.facing_normal();
         let ns = if surface.wo.dot(surface.point.ng) < 0.0 { -surface.point.ns } else { surface.point.ns };
         let mut estimate = |map: &PhotonMap, bandwidth, scratch| {
             worker.counters.gathers += 1;
-            let brdf = |from| surface.material.bsdf.evaluate(surface.wo, from, ns, ns, Transport::Radiance);
+            let brdf = |from| surface.bsdf.evaluate(surface.wo, from, ns, ns, Transport::Radiance);
             let found = map.estimate(surface.point.p, normal, bandwidth, self.settings.kernel, scratch, brdf);
             worker.counters.gathered_photons += u64::from(found.count);
             found.radiance

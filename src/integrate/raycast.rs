@@ -38,7 +38,7 @@ impl RayCast<'_> {
         let Some(hit) = self.scene.intersect(ray) else {
             return self.scene.background();
         };
-        let surface = self.scene.surface(ray, &hit);
+        let surface = self.scene.surface(ray, &hit, || 0.0);
         surface.emission + self.scene.course_lights().iter().map(|light| phong(&surface, light)).sum::<Rgb>()
     }
 }

@@ -82,6 +82,18 @@ impl Light {
         }
     }
 
+    /// A point from which it shines, off its own surface; `None` for parallel light.
+    #[must_use]
+    pub fn start(&self) -> Option<Vec3> {
+        match self {
+            Self::Area(area) => {
+                let point = area.emitter.sample(Vec2::splat(0.5)).point;
+                Some(offset_origin(point.p, point.error, point.ng, point.ng))
+            }
+            other => other.center(),
+        }
+    }
+
     /// A point that stands for the light's place in the simple shading of ray casting; `None` for parallel light.
     #[must_use]
     pub fn center(&self) -> Option<Vec3> {

@@ -1,9 +1,9 @@
 //! Which light a photon leaves, and where to.
 
-use crate::color;
-use crate::light::{Emission, Targets};
+use crate::color::{self, Rgb};
+use crate::light::Targets;
 use crate::sampling::{Dimension, Discrete, Key, Purpose, sobol_2d};
-use crate::scene::Scene;
+use crate::scene::{Scene, Walk};
 
 /// Draws a light finds its aimed power with.
 const WEIGHT_DRAWS: u32 = 256;
@@ -31,7 +31,7 @@ impl<'a> PhotonSource<'a> {
     /// is no such thing or no such power. Lights are weighed by a pilot that depends on the scene alone.
     #[must_use]
     pub fn aimed(scene: &'a Scene) -> Option<Self> {
-        let Some(balls) = scene.specular_balls() else {
+        let Some(balls) = scene.caster_balls() else {
             return Self::everywhere(scene);
         };
         let targets = Targets::new(balls);
@@ -50,15 +50,15 @@ impl<'a> PhotonSource<'a> {
         Some(Self { scene, choice, targets: Some(targets) })
     }
 
-    /// The emission of path `index` of `paths`, carrying its share of the flux.
+    /// The start of path `index` of `paths`, with its share of the flux \[W].
     ///
     /// Lights are dealt to consecutive paths by systematic sampling, and positions and directions come from scrambled nets
     /// keyed by the pass: each path alone is as if independent, together they are spread more evenly.
     #[must_use]
-    pub fn emit(&self, pass: Key, index: u32, paths: u32) -> Option<Emission> {
+    pub fn emit(&self, pass: Key, index: u32, paths: u32) -> Option<(Walk, Rgb)> {
         let u = (f64::from(index) + f64::from(pass.uniform(Dimension::Light))) / f64::from(paths);
-        let (light, probability) = self.choice.sample((u as f32).min(1.0 - f32::EPSILON / 2.0));
-        let light = &self.scene.lights()[light];
+        let (chosen, probability) = self.choice.sample((u as f32).min(1.0 - f32::EPSILON / 2.0));
+        let light = &self.scene.lights()[chosen];
         let position = sobol_2d(index, pass, Dimension::LightPosition);
         let direction = sobol_2d(index, pass, Dimension::LightDirection);
         let domain = self.scene.domain();
@@ -68,7 +68,7 @@ impl<'a> PhotonSource<'a> {
         };
         emission.map(|e| {
             let ray = if light.is_parallel() { self.scene.starting_beyond_planes(e.ray) } else { e.ray };
-            Emission { ray, flux: e.flux / (probability * paths as f32) }
+            (self.scene.walk_from_light(chosen, ray), e.flux / (probability * paths as f32))
         })
     }
 }
@@ -92,7 +92,6 @@ fn aimed_power(scene: &Scene, targets: &Targets, light: usize) -> f64 {
 mod tests {
     use super::*;
     use crate::camera::Pinhole;
-    use crate::color::Rgb;
     use crate::photon::{PhotonPass, Wants};
     use crate::scene::{LightStrength, Material, SceneBuilder, SourceKind};
     use crate::shape::{Plane, Shape, Sphere};

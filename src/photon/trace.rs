@@ -3,9 +3,8 @@
 use super::{Photon, PhotonSource};
 use crate::bsdf::{Transport, deposit_factor, shading_normal_factor};
 use crate::color::{self, Rgb};
-use crate::light::Emission;
 use crate::sampling::{Dimension, Key};
-use crate::scene::Scene;
+use crate::scene::{Arrival, Scene, Walk};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::ops::AddAssign;
@@ -15,9 +14,9 @@ use std::ops::AddAssign;
 pub enum Class {
     /// Straight from a light.
     Direct,
-    /// By specular bounces only.
+    /// By bounces off casters only: see [`Bsdf::casts_caustics`](crate::bsdf::Bsdf::casts_caustics).
     Caustic,
-    /// By at least one bounce that was not specular.
+    /// By at least one bounce off a surface that stores photons.
     Global,
 }
 
@@ -33,7 +32,7 @@ pub struct Wants {
 }
 
 impl Wants {
-    /// Caustic photons only: a path ends at the first surface that is not specular.
+    /// Caustic photons only: a path ends at the first surface that stores photons.
     pub const CAUSTIC: Self = Self { direct: false, caustic: true, global: false };
     /// Global photons only.
     pub const GLOBAL: Self = Self { direct: false, caustic: false, global: true };
@@ -124,8 +123,8 @@ impl PhotonPass<'_> {
                 let range = chunk * CHUNK..paths.min((chunk + 1).saturating_mul(CHUNK));
                 let mut traced = Traced { paths: u64::from(range.end - range.start), ..Traced::default() };
                 for index in range {
-                    if let Some(emission) = self.source.emit(pass, index, paths) {
-                        self.follow(emission, pass.with(u64::from(index)), &mut traced);
+                    if let Some((walk, flux)) = self.source.emit(pass, index, paths) {
+                        self.follow(walk, flux, pass.with(u64::from(index)), &mut traced);
                     }
                 }
                 done(traced.paths);
@@ -144,40 +143,35 @@ impl PhotonPass<'_> {
     }
 
     /// Follows one photon until it is absorbed, escapes or is stopped.
-    fn follow(&self, emission: Emission, path: Key, traced: &mut Traced) {
-        let Emission { mut ray, flux } = emission;
-        let mut flux = flux;
+    fn follow(&self, mut walk: Walk, mut flux: Rgb, path: Key, traced: &mut Traced) {
         let mut class = Class::Direct;
-        let mut body: Option<Rgb> = None;
         let audit = &mut traced.audit;
         book(&mut audit.emitted, flux);
         for bounce in 0.. {
             traced.rays += 1;
-            let Some(hit) = self.scene.intersect(&ray) else {
+            let key = path.with(bounce.into());
+            let Some(Arrival { surface, transmittance, crossed, .. }) = walk.advance(self.scene, key) else {
                 return book(&mut audit.escaped, flux);
             };
-            let surface = self.scene.surface(&ray, &hit);
-
-            // What lies behind the far side of the surface is what the ray came through.
-            if let Some(absorption) = surface.body_towards(surface.wo).or(body) {
-                let left = flux * (-absorption * hit.t).map(libm::expf);
-                book(&mut audit.absorbed, flux - left);
-                flux = left;
+            let left = flux * transmittance;
+            book(&mut audit.absorbed, flux - left);
+            flux = left;
+            if crossed && class == Class::Direct {
+                class = Class::Caustic;
             }
 
             // Store the photon where a density estimate can use it.
-            let stores = surface.material.bsdf.stores_photons();
+            let stores = surface.bsdf.stores_photons();
             if stores && self.wants.has(class) {
                 let landed = flux * deposit_factor(surface.wo, surface.point.ns, surface.point.ng);
                 traced.photons.extend(Photon::new(surface.point.p, landed, surface.wo, surface.facing_normal()));
             }
-            let useless = !surface.material.bsdf.is_specular() && self.wants == Wants::CAUSTIC;
+            let useless = stores && self.wants == Wants::CAUSTIC;
             if bounce == self.max_bounces || useless {
                 return book(&mut audit.stopped, flux);
             }
 
             // Scatter.
-            let key = path.with(bounce.into());
             let (lobe, u) = (key.uniform(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
             let Some(sample) = surface.sample(lobe, u, Transport::Importance) else {
                 return book(&mut audit.absorbed, flux);
@@ -194,15 +188,12 @@ impl PhotonPass<'_> {
             flux = scattered / ratio.min(1.0);
             book(&mut audit.roulette, scattered - flux);
 
-            if sample.transmitted {
-                body = surface.body_towards(sample.wi);
-            }
-            class = match (sample.specular, class) {
-                (true, Class::Direct) => Class::Caustic,
-                (true, other) => other,
-                (false, _) => Class::Global,
+            class = match (stores, class) {
+                (false, Class::Direct) => Class::Caustic,
+                (false, other) => other,
+                (true, _) => Class::Global,
             };
-            ray = surface.leave(sample.wi);
+            walk.leave(&surface, sample.wi, sample.transmitted);
         }
     }
 }

@@ -44,6 +44,8 @@ pub enum Dimension {
     BsdfDirection,
     /// Whether the path goes on.
     Roulette,
+    /// Which of the materials that are mixed.
+    Mix,
 }
 
 /// A name for a place in the space of random decisions.

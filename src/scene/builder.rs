@@ -1,6 +1,6 @@
 //! Building a resolved scene from parts in world coordinates.
 
-use super::{Attributes, CourseLight, Material, Scene};
+use super::{Attributes, CourseLight, Inside, Material, Scattering, Scene};
 use crate::accel::Hierarchy;
 use crate::camera::Pinhole;
 use crate::color::Rgb;
@@ -223,7 +223,7 @@ impl SceneBuilder {
             return Err(BuildError::TooBright(i));
         }
         let planes = planes.into_iter().zip(&self.planes);
-        Ok(Scene {
+        let mut scene = Scene {
             camera: camera.translated(-middle),
             background: self.background,
             materials: self.materials,
@@ -238,7 +238,17 @@ impl SceneBuilder {
             triangle_part,
             domain,
             middle,
-        })
+            camera_inside: Inside::NOTHING,
+            light_inside: Vec::new(),
+        };
+        if scene.materials.iter().any(|m| matches!(m.scattering, Scattering::Boundary(_))) {
+            scene.camera_inside = scene.inside_at(scene.camera.center().as_vec3());
+            scene.light_inside =
+                scene.lights.iter().map(|l| l.start().map_or(Inside::NOTHING, |p| scene.inside_at(p))).collect();
+        } else {
+            scene.light_inside = vec![Inside::NOTHING; scene.lights.len()];
+        }
+        Ok(scene)
     }
 
     /// The middle of the box around the bounded shapes, or the eye where there are none.

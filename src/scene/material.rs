@@ -1,26 +1,47 @@
 //! Materials of the resolved scene.
 
-use crate::bsdf::{Bsdf, Dielectric};
+use crate::bsdf::Bsdf;
 use crate::color::Rgb;
 
 /// A surface's material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
     /// How it scatters.
-    pub bsdf: Bsdf,
-    /// What lies behind it.
-    pub interface: Interface,
+    pub scattering: Scattering,
     /// How the course's shading sees it.
     pub look: Look,
 }
 
-/// The inner side of a surface.
+/// How a surface scatters.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Interface {
-    /// Nothing that light enters.
-    Opaque,
-    /// A body that absorbs with these coefficients \[1/length].
-    Body(Rgb),
+pub enum Scattering {
+    /// By a function that is the same wherever the surface stands.
+    Fixed(Bsdf),
+    /// The boundary of a body that light enters: the function depends on what is on its other side.
+    Boundary(Body),
+    /// At each hit one of two materials, chosen by chance.
+    Mix {
+        /// Index of the first material.
+        first: u32,
+        /// Index of the second material.
+        second: u32,
+        /// Probability of the second.
+        amount: f32,
+    },
+}
+
+/// A body that light enters.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Body {
+    /// Absolute index of refraction: 1 is air.
+    pub index: f32,
+    /// Absorption \[1/length].
+    pub absorption: Rgb,
+    /// Where bodies overlap, the one of the highest priority counts; of several, the one that was entered last (Schmidt and
+    /// Budge 2002, "Simple Nested Dielectrics in Ray Traced Images").
+    pub priority: u8,
+    /// Roughness α of its surface; 0 is smooth.
+    pub roughness: f32,
 }
 
 /// Coefficients of Phong's model as the course has it.
@@ -43,10 +64,14 @@ impl Look {
 }
 
 impl Material {
+    fn fixed(bsdf: Bsdf, look: Look) -> Self {
+        Self { scattering: Scattering::Fixed(bsdf), look }
+    }
+
     /// Lambertian reflection.
     #[must_use]
     pub fn diffuse(reflectance: Rgb) -> Self {
-        Self { bsdf: Bsdf::Diffuse(reflectance), interface: Interface::Opaque, look: Look::matt(reflectance) }
+        Self::fixed(Bsdf::Diffuse(reflectance), Look::matt(reflectance))
     }
 
     /// Phong's model; energy is kept by scaling (see [`crate::bsdf::Phong`]), the look is not scaled.
@@ -57,25 +82,38 @@ impl Material {
         } else {
             Bsdf::Phong(crate::bsdf::Phong::new(diffuse, specular, shininess))
         };
-        Self { bsdf, interface: Interface::Opaque, look: Look { diffuse, specular, shininess } }
+        Self::fixed(bsdf, Look { diffuse, specular, shininess })
     }
 
     /// A perfect mirror.
     #[must_use]
     pub fn mirror(reflectance: Rgb) -> Self {
-        Self { bsdf: Bsdf::Mirror(reflectance), interface: Interface::Opaque, look: Look::matt(reflectance) }
+        Self::fixed(Bsdf::Mirror(reflectance), Look::matt(reflectance))
     }
 
-    /// A smooth body of relative index `eta` that absorbs with `absorption` \[1/length].
+    /// A smooth body of absolute `index` that absorbs with `absorption` \[1/length].
     #[must_use]
-    pub fn dielectric(eta: f32, absorption: Rgb) -> Self {
-        let look = Look::matt((-absorption).map(libm::expf));
-        Self { bsdf: Bsdf::Dielectric(Dielectric { eta }), interface: Interface::Body(absorption), look }
+    pub fn dielectric(index: f32, absorption: Rgb) -> Self {
+        Self::body(Body { index, absorption, priority: 0, roughness: 0.0 })
+    }
+
+    /// The boundary of a body.
+    #[must_use]
+    pub fn body(body: Body) -> Self {
+        let look = Look::matt((-body.absorption).map(libm::expf));
+        Self { scattering: Scattering::Boundary(body), look }
+    }
+
+    /// Material `second` with probability `amount`, else material `first`; both are indices of materials that were added before.
+    /// It looks as `look`.
+    #[must_use]
+    pub fn mix(first: u32, second: u32, amount: f32, look: Look) -> Self {
+        Self { scattering: Scattering::Mix { first, second, amount }, look }
     }
 
     /// Absorbs everything.
     #[must_use]
     pub fn black() -> Self {
-        Self { bsdf: Bsdf::Black, interface: Interface::Opaque, look: Look::matt(Rgb::ZERO) }
+        Self::fixed(Bsdf::Black, Look::matt(Rgb::ZERO))
     }
 }

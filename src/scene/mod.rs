@@ -1,14 +1,19 @@
 //! The resolved scene: everything looked up, checked, converted, re-centred, in typed arrays. Renderers see only this.
 
 mod builder;
+mod inside;
 mod material;
 mod surface;
+mod walk;
 
 pub use builder::{BuildError, LightStrength, SceneBuilder, SourceKind};
-pub use material::{Interface, Look, Material};
+pub use inside::Inside;
+pub use material::{Body, Look, Material, Scattering};
 pub use surface::Surface;
+pub use walk::{Arrival, Walk};
 
 use crate::accel::{Hierarchy, Primitive};
+use crate::bsdf::{Bsdf, Dielectric};
 use crate::camera::Pinhole;
 use crate::color::Rgb;
 use crate::light::Light;
@@ -51,6 +56,10 @@ pub struct Scene {
     triangle_part: Vec<u32>,
     domain: Sphere,
     middle: DVec3,
+    /// What the camera is inside of.
+    camera_inside: Inside,
+    /// What each light is inside of.
+    light_inside: Vec<Inside>,
 }
 
 impl std::fmt::Debug for Scene {
@@ -164,10 +173,11 @@ impl Scene {
             || self.hierarchy.occluded(ray, |i, ray| self.shapes[i as usize].intersect(ray).is_some())
     }
 
-    /// The surface at a crossing of `ray`, whose direction must be of unit length.
+    /// The surface at a crossing of `ray`, whose direction must be of unit length; `chance` in \[0, 1) chooses where materials are
+    /// mixed. A boundary of a body scatters as if nothing else were around.
     #[inline]
     #[must_use]
-    pub fn surface(&self, ray: &Ray, hit: &Hit) -> Surface<'_> {
+    pub fn surface(&self, ray: &Ray, hit: &Hit, chance: impl FnOnce() -> f32) -> Surface<'_> {
         let (point, attributes) = match hit.kind {
             HitKind::Triangle(i, b) => {
                 let part = self.triangle_part[i as usize] as usize;
@@ -184,7 +194,42 @@ impl Scene {
             Some(Light::Area(area)) if wo.dot(point.ng) > 0.0 => area.radiance,
             _ => Rgb::ZERO,
         };
-        Surface { point, wo, material: &self.materials[attributes.material as usize], emission }
+        let mut index = attributes.material;
+        let mut material = &self.materials[index as usize];
+        if let Scattering::Mix { .. } = material.scattering {
+            index = self.chosen(index, chance());
+            material = &self.materials[index as usize];
+        }
+        let bsdf = match material.scattering {
+            Scattering::Fixed(bsdf) => bsdf,
+            Scattering::Boundary(body) => Bsdf::Dielectric(Dielectric { eta: body.index }),
+            Scattering::Mix { .. } => Bsdf::Black,
+        };
+        Surface { point, wo, material, index, bsdf, light: attributes.light, emission }
+    }
+
+    /// What a mix stands for this time.
+    fn chosen(&self, mut index: u32, mut chance: f32) -> u32 {
+        while let Scattering::Mix { first, second, amount } = self.materials[index as usize].scattering {
+            // What is left of the number inside the chosen part is uniform again.
+            (index, chance) =
+                if chance < amount { (second, chance / amount) } else { (first, (chance - amount) / (1.0 - amount)) };
+        }
+        index
+    }
+
+    /// A walk from the camera along `ray`.
+    #[inline]
+    #[must_use]
+    pub fn walk_from_camera(&self, ray: Ray) -> Walk {
+        Walk { ray, inside: self.camera_inside }
+    }
+
+    /// A walk from a light along `ray`.
+    #[inline]
+    #[must_use]
+    pub fn walk_from_light(&self, light: usize, ray: Ray) -> Walk {
+        Walk { ray, inside: self.light_inside[light] }
     }
 
     /// The ray with its start moved back to where nothing unbounded lies behind it: parallel light comes from beyond all planes.
@@ -200,21 +245,30 @@ impl Scene {
         Ray { origin: back.at(farthest * 1.001 + self.domain.radius), ..ray }
     }
 
-    /// Balls around everything with a purely specular material, for aiming photons; `None` where such a thing is unbounded.
+    /// Balls around everything that casts caustics, for aiming photons; `None` where such a thing is unbounded.
     #[must_use]
-    pub fn specular_balls(&self) -> Option<Vec<Sphere>> {
-        let specular = |a: &Attributes| self.materials[a.material as usize].bsdf.is_specular();
-        if self.planes.iter().any(|(_, a)| specular(a)) {
+    pub fn caster_balls(&self) -> Option<Vec<Sphere>> {
+        let casts: Vec<bool> = (0..self.materials.len()).map(|i| self.casts_caustics(i as u32)).collect();
+        let casts = |a: &Attributes| casts[a.material as usize];
+        if self.planes.iter().any(|(_, a)| casts(a)) {
             return None;
         }
-        let shapes = self.shapes.iter().zip(&self.shape_attributes).filter(|(_, a)| specular(a));
+        let shapes = self.shapes.iter().zip(&self.shape_attributes).filter(|(_, a)| casts(a));
         let mut balls: Vec<Sphere> = shapes.map(|(shape, _)| bounding_ball(shape)).collect();
         let ends = self.parts.iter().skip(1).map(|(first, _)| *first).chain([self.mesh.triangles.len() as u32]);
-        for ((first, _), end) in self.parts.iter().zip(ends).filter(|((_, a), _)| specular(a)) {
+        for ((first, _), end) in self.parts.iter().zip(ends).filter(|((_, a), _)| casts(a)) {
             let corners = (*first..end).flat_map(|i| self.mesh.corners(i as usize));
             balls.push(crate::math::Bounds::of(corners).bounding_sphere());
         }
         Some(balls)
+    }
+
+    fn casts_caustics(&self, material: u32) -> bool {
+        match self.materials[material as usize].scattering {
+            Scattering::Fixed(bsdf) => bsdf.casts_caustics(),
+            Scattering::Boundary(_) => true,
+            Scattering::Mix { first, second, .. } => self.casts_caustics(first) || self.casts_caustics(second),
+        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! A hit that has been looked at.
 
-use super::{Interface, Material};
-use crate::bsdf::{BsdfSample, Transport};
+use super::Material;
+use crate::bsdf::{Bsdf, BsdfSample, Transport};
 use crate::color::Rgb;
 use crate::math::{Ray, offset_origin};
 use crate::shape::SurfacePoint;
@@ -14,8 +14,14 @@ pub struct Surface<'a> {
     pub point: SurfacePoint,
     /// Unit direction to where the ray came from.
     pub wo: Vec3,
-    /// What it is made of.
+    /// What it is made of; of a mix, what was chosen.
     pub material: &'a Material,
+    /// Index of the material.
+    pub(super) index: u32,
+    /// How it scatters.
+    pub bsdf: Bsdf,
+    /// Index of the light that it is.
+    pub light: Option<u32>,
     /// Radiance that it emits towards `wo` \[W/(m² sr)].
     pub emission: Rgb,
 }
@@ -47,23 +53,20 @@ impl Surface<'_> {
     #[must_use]
     pub fn scatter(&self, wi: Vec3) -> Rgb {
         let SurfacePoint { ns, ng, .. } = self.point;
-        self.material.bsdf.evaluate(self.wo, wi, ns, ng, Transport::Radiance) * wi.dot(ns).abs()
+        self.bsdf.evaluate(self.wo, wi, ns, ng, Transport::Radiance) * wi.dot(ns).abs()
+    }
+
+    /// Density with which [`Surface::sample`] draws `wi` \[1/sr].
+    #[inline]
+    #[must_use]
+    pub fn pdf(&self, wi: Vec3) -> f32 {
+        self.bsdf.pdf(self.wo, wi, self.point.ns, self.point.ng)
     }
 
     /// Draws where the walk goes on.
     #[inline]
     #[must_use]
     pub fn sample(&self, lobe: f32, u: Vec2, transport: Transport) -> Option<BsdfSample> {
-        self.material.bsdf.sample(self.wo, self.point.ns, self.point.ng, lobe, u, transport)
-    }
-
-    /// Absorption of what lies on the side of `direction` \[1/length], where this surface bounds a body; `None` on its outside.
-    #[inline]
-    #[must_use]
-    pub fn body_towards(&self, direction: Vec3) -> Option<Rgb> {
-        match self.material.interface {
-            Interface::Body(absorption) if direction.dot(self.point.ng) < 0.0 => Some(absorption),
-            _ => None,
-        }
+        self.bsdf.sample(self.wo, self.point.ns, self.point.ng, lobe, u, transport)
     }
 }

@@ -5,7 +5,7 @@ use super::*;
 use crate::bsdf::Bsdf;
 use crate::light::Light;
 use crate::math::Ray;
-use crate::scene::{Interface, Surface};
+use crate::scene::{Scattering, Surface};
 use glam::{Vec3, dvec3, vec3};
 use std::f32::consts::PI;
 
@@ -27,12 +27,12 @@ fn refusal(text: &str) -> SceneError {
 /// The first surface from `origin` along `direction`, and its place in the coordinates of the file.
 fn look(scene: &Scene, origin: DVec3, direction: Vec3) -> Option<(Surface<'_>, DVec3)> {
     let ray = Ray::new((origin - scene.middle()).as_vec3(), direction);
-    let surface = scene.surface(&ray, &scene.intersect(&ray)?);
+    let surface = scene.surface(&ray, &scene.intersect(&ray)?, || 0.0);
     Some((surface, surface.point.p.as_dvec3() + scene.middle()))
 }
 
 fn reflectance(scene: &Scene, origin: DVec3, direction: Vec3) -> Vec3 {
-    match look(scene, origin, direction).unwrap().0.material.bsdf {
+    match look(scene, origin, direction).unwrap().0.bsdf {
         Bsdf::Diffuse(reflectance) => reflectance,
         other => panic!("{other:?}"),
     }
@@ -239,7 +239,7 @@ fn area_lights_have_their_radiance_or_their_power() {
     assert_eq!(emission(30.5), vec3(1.0, 2.0, 3.0));
     // Rectangle and disc are dark from behind, and all of them are black.
     assert_eq!(look(&scene, dvec3(1.0, 0.5, -9.0), Vec3::Z).unwrap().0.emission, Vec3::ZERO);
-    assert!(scene.materials().iter().skip(1).all(|m| m.bsdf == Bsdf::Black));
+    assert!(scene.materials().iter().skip(1).all(|m| m.scattering == Scattering::Fixed(Bsdf::Black)));
     let power = |i: usize| scene.lights()[i].power(scene.domain());
     assert!(close(power(0), vec3(6.0, 0.0, 0.0)) && close(power(1), vec3(0.0, 4.0, 0.0)));
     assert!(close(power(2), vec3(0.0, 0.0, 9.0)) && close(power(3), vec3(1.0, 2.0, 3.0) * PI));
@@ -307,16 +307,16 @@ fn materials_become_what_they_say() {
         Phong { diffuseColor .1 .2 .3 specularColor .4 .5 .6 shininess 7 }
     }";
     let scene = scene(&format!("{materials} Group {{ Sphere {{ center 0 0 0 radius 1 }} }}"));
-    let absorption = |i: usize| match scene.materials()[i].interface {
-        Interface::Body(absorption) => absorption,
-        Interface::Opaque => panic!("{i}"),
+    let absorption = |i: usize| match scene.materials()[i].scattering {
+        Scattering::Boundary(body) => body.absorption,
+        _ => panic!("{i}"),
     };
-    assert!(matches!(scene.materials()[0].bsdf, Bsdf::Dielectric(d) if d.eta == 1.7));
+    assert!(matches!(scene.materials()[0].scattering, Scattering::Boundary(b) if b.index == 1.7));
     assert_eq!((absorption(0), absorption(1)), (Vec3::ZERO, vec3(1.0, 2.0, 3.0)));
     // A half after two units, a quarter after two units: ln 2 / 2 and ln 2 a unit.
     let ln2 = std::f32::consts::LN_2;
     assert!(close(absorption(2), vec3(0.5 * ln2, 0.0, ln2)));
-    assert_eq!(scene.materials()[3].bsdf, Bsdf::Mirror(vec3(0.9, 0.8, 0.7)));
+    assert_eq!(scene.materials()[3].scattering, Scattering::Fixed(Bsdf::Mirror(vec3(0.9, 0.8, 0.7))));
     let look = scene.materials()[4].look;
     assert_eq!((look.diffuse, look.specular, look.shininess), (vec3(0.1, 0.2, 0.3), vec3(0.4, 0.5, 0.6), 7.0));
 }
