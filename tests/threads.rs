@@ -84,7 +84,7 @@ fn any_number_of_threads_gives_the_same_bits() {
     for (image, counters, global, caustic) in passes {
         // The scene exercises all there is; a black picture would be the same on any machine, too.
         assert!(image.iter().flatten().filter(|bits| **bits != 0).count() > image.len());
-        assert!(counters.specular_rays > 0 && counters.shadow_rays > 0 && counters.gathered_photons > 0);
+        assert!(counters.onward_rays > 0 && counters.shadow_rays > 0 && counters.gathered_photons > 0);
         assert!(global.stored > 1000 && caustic.stored > 1000 && counters.rejected_samples == 0);
         assert_eq!((global.emitted, caustic.emitted), (PHOTONS.into(), PHOTONS.into()));
     }

@@ -64,6 +64,13 @@ impl Bsdf {
         matches!(self, Self::Mirror(_) | Self::Dielectric(_))
     }
 
+    /// Whether light passes to the other side.
+    #[inline]
+    #[must_use]
+    pub fn transmits(&self) -> bool {
+        matches!(self, Self::Dielectric(_))
+    }
+
     /// Whether photons are stored: the lobes are broad enough for a density estimate to evaluate.
     #[inline]
     #[must_use]

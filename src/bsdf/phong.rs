@@ -1,6 +1,6 @@
 //! Phong's model made physical.
 
-use super::BsdfSample;
+use super::{Bsdf, BsdfSample};
 use crate::color::{self, Rgb};
 use crate::math::{Frame, warp};
 use glam::{Vec2, Vec3};
@@ -30,6 +30,17 @@ impl Phong {
         let glossy = color::mean(specular) * 2.0 / (shininess + 2.0);
         let sum = glossy + color::mean(diffuse);
         Self { diffuse, specular, shininess, lobe: if sum > 0.0 { glossy / sum } else { 0.0 } }
+    }
+
+    /// One of its two parts, drawn by `chance` in \[0, 1), over the probability of drawing it: a Lambertian surface, or the lobe
+    /// alone.
+    #[must_use]
+    pub fn part(&self, chance: f32) -> Bsdf {
+        if chance < self.lobe {
+            Bsdf::Phong(Self { diffuse: Rgb::ZERO, specular: self.specular / self.lobe, lobe: 1.0, ..*self })
+        } else {
+            Bsdf::Diffuse(self.diffuse / (1.0 - self.lobe))
+        }
     }
 
     #[inline]

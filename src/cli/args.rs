@@ -31,8 +31,20 @@ pub enum Command {
 /// How light is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum IntegratorName {
-    /// Photon mapping with a global and a caustic map
+    /// Path tracing for what connections find, photons for the rest
+    Hybrid,
+    /// Path tracing
+    Path,
+    /// Stochastic progressive photon mapping
+    Sppm,
+    /// Progressive photon mapping: hit points that stay
+    Ppm,
+    /// Photon mapping with a global and a caustic map and final gathering
     Pm,
+    /// Distributed ray tracing: soft shadows and glossy reflections, without light between matt surfaces
+    Distributed,
+    /// Ray tracing: mirrors, glass, hard shadows
+    Whitted,
     /// Ray casting with Phong's model: no shadows, no bounces
     Raycast,
 }
@@ -48,7 +60,7 @@ pub struct RenderArguments {
     pub output: Vec<PathBuf>,
 
     /// The algorithm
-    #[arg(long, value_enum, default_value = "pm")]
+    #[arg(long, value_enum, default_value = "hybrid")]
     pub integrator: IntegratorName,
 
     /// Photon paths of the global map a pass, such as 500k or 2M; 0 for none
@@ -59,7 +71,7 @@ pub struct RenderArguments {
     #[arg(long, value_parser = count, value_name = "N")]
     pub caustic_photons: Option<u32>,
 
-    /// Passes; their mean is the picture  [default: 20, or no limit with --time; raycast 1]
+    /// Passes; their mean is the picture  [default: by integrator, or no limit with --time]
     #[arg(long, value_parser = positive_count, value_name = "N")]
     pub passes: Option<u32>,
 
@@ -67,7 +79,7 @@ pub struct RenderArguments {
     #[arg(long, value_parser = duration, value_name = "TIME")]
     pub time: Option<Duration>,
 
-    /// Camera rays a pixel and pass  [default: 1]
+    /// Camera rays a pixel and pass  [default: by integrator]
     #[arg(long, value_parser = positive_count, value_name = "N")]
     pub spp: Option<u32>,
 
@@ -82,6 +94,10 @@ pub struct RenderArguments {
     /// Kernel of the density estimate: box, cone or epanechnikov
     #[arg(long, default_value = "epanechnikov", value_name = "NAME")]
     pub kernel: Kernel,
+
+    /// With pm: look at the global map itself, without final gathering
+    #[arg(long)]
+    pub direct_visualisation: bool,
 
     /// Bounces after which a path is cut
     #[arg(long, value_parser = count, default_value = "100", value_name = "N")]

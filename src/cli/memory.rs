@@ -63,8 +63,8 @@ pub(super) fn check_photons<'a>(scene: &'a Scene, settings: &PhotonSettings, fre
     let stored = |paths: u32, wants: Wants, make: fn(&'a Scene) -> Option<PhotonSource<'a>>| {
         let probe = paths.min(PROBE);
         let Some(source) = (if probe == 0 { None } else { make(scene) }) else { return 0 };
-        let pass = PhotonPass { scene, source: &source, wants, max_bounces: settings.max_bounces };
-        let traced = pass.trace(Key::new(settings.seed).purpose(Purpose::Pilot), probe, &|_| {});
+        let pass = PhotonPass { scene, source: &source, wants, max_bounces: settings.eye.max_bounces };
+        let traced = pass.trace(Key::new(settings.eye.seed).purpose(Purpose::Pilot), probe, &|_| {});
         (traced.photons.len() as f64 * f64::from(paths) / f64::from(probe)) as u64
     };
     let global = stored(settings.photons, Wants::GLOBAL, PhotonSource::everywhere);

@@ -2,6 +2,7 @@
 
 mod args;
 mod memory;
+mod method;
 mod number;
 mod progress;
 mod render;

@@ -2,13 +2,12 @@
 
 use super::args::IntegratorName;
 use super::memory::{self, check_photons, check_picture};
+use super::method::{photon_settings, prepare};
 use super::progress::{Progress, tell};
 use super::report::{self, Report, Setting};
 use super::{Exit, Failure, RenderArguments};
-use crate::camera::Filter;
 use crate::format::SceneFile;
 use crate::image::{self, Curve, Image, ToneMap, WriteOptions};
-use crate::integrate::{Integrator, PhotonMapping, PhotonSettings, RayCast};
 use crate::render::{Ended, Rendered, Stop, render};
 use crate::scene::Scene;
 use glam::Vec3;
@@ -16,9 +15,6 @@ use miette::IntoDiagnostic;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
-
-/// Passes of photon mapping where neither passes nor time are given.
-const PASSES: u32 = 20;
 
 static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
@@ -45,7 +41,7 @@ fn run_in_pool(arguments: &RenderArguments, progress: &Progress) -> Result<Exit,
     check_picture(scene.camera().size(), free).map_err(|e| Failure::new(Exit::Usage, e))?;
     let mut setting = Setting {
         scene: arguments.scene.display().to_string(),
-        integrator: "",
+        integrator: arguments.integrator.name(),
         seed: arguments.seed,
         threads: rayon::current_num_threads(),
         triangles: scene.triangle_count(),
@@ -66,34 +62,22 @@ fn run_in_pool(arguments: &RenderArguments, progress: &Progress) -> Result<Exit,
     } else if setting.lights == 0 {
         progress.say("note: the scene has no lights: all but its background is black");
     }
-    let photon_mapping;
-    let ray_casting;
-    let integrator: &dyn Integrator = match arguments.integrator {
-        IntegratorName::Pm => {
-            let settings = photon_settings(arguments);
-            check_photons(&scene, &settings, free).map_err(|e| Failure::new(Exit::Usage, e))?;
-            photon_mapping = PhotonMapping::new(&scene, settings);
-            setting.integrator = "pm";
-            setting.radii = Some(photon_mapping.radii());
-            &photon_mapping
-        }
-        IntegratorName::Raycast => {
-            let filter = arguments.spp.filter(|n| *n > 1).map(|_| Filter::new(arguments.filter));
-            ray_casting = RayCast { scene: &scene, filter, samples: arguments.spp.unwrap_or(1), seed: arguments.seed };
-            setting.integrator = "raycast";
-            &ray_casting
-        }
-    };
+    let name = arguments.integrator;
+    if name.has_photons() {
+        check_photons(&scene, &photon_settings(arguments), free).map_err(|e| Failure::new(Exit::Usage, e))?;
+    }
+    let integrator = prepare(arguments, &scene);
+    setting.radii = integrator.radii();
     setting.setup = start.elapsed().as_secs_f64();
 
-    let passes = arguments.passes.or(match (arguments.integrator, arguments.time) {
-        (IntegratorName::Raycast, _) => Some(1),
-        (IntegratorName::Pm, Some(_)) => None,
-        (IntegratorName::Pm, None) => Some(PASSES),
+    let passes = arguments.passes.or(match arguments.time {
+        // One pass of ray casting is all there is to it.
+        Some(_) if name != IntegratorName::Raycast => None,
+        _ => Some(name.passes()),
     });
     let stop = Stop { passes, time: arguments.time, interrupted: &INTERRUPTED };
     progress.pass(1, passes);
-    let rendered = render(integrator, scene.camera().size(), &stop, progress, |made| {
+    let rendered = render(integrator.as_ref(), scene.camera().size(), &stop, progress, |made| {
         if matches!(progress, Progress::Lines) {
             let of = passes.map_or(String::new(), |n| format!("/{n}"));
             progress.say(&format!("pass {made}{of} after {:.1} s", start.elapsed().as_secs_f64()));
@@ -114,20 +98,6 @@ fn load(path: &Path, size: Option<(u32, u32)>) -> Result<Scene, Failure> {
     file.resolve().map_err(|e| Failure::new(Exit::Input, e))
 }
 
-fn photon_settings(arguments: &RenderArguments) -> PhotonSettings {
-    PhotonSettings {
-        photons: arguments.photons,
-        caustic_photons: arguments.caustic_photons.unwrap_or(arguments.photons / 2),
-        samples: arguments.spp.unwrap_or(1),
-        gather_k: arguments.gather_k,
-        radius: arguments.radius,
-        kernel: arguments.kernel,
-        max_bounces: arguments.max_bounces,
-        seed: arguments.seed,
-        filter: Filter::new(arguments.filter),
-    }
-}
-
 /// Writes the pictures and the report, and says what was done.
 fn conclude(
     arguments: &RenderArguments,
@@ -140,7 +110,7 @@ fn conclude(
     let picture = Image::from_pixels(width, height, rendered.film.mean()).into_diagnostic().map_err(output)?;
     let curve = arguments.tone.unwrap_or(match arguments.integrator {
         IntegratorName::Raycast => Curve::Course,
-        IntegratorName::Pm => Curve::Srgb,
+        _ => Curve::Srgb,
     });
     let options = WriteOptions {
         tone: ToneMap { curve, exposure_stops: arguments.exposure },

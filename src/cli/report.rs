@@ -3,7 +3,7 @@
 use crate::image::WriteError;
 use crate::integrate::{PhotonReport, Radii, Seconds};
 use crate::render::{Ended, Rendered};
-use crate::stats::Counters;
+use crate::stats::{Counters, cpu_seconds};
 use serde::Serialize;
 use std::path::Path;
 
@@ -129,13 +129,4 @@ fn peak_memory() -> Option<u64> {
     let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;
     let kib: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
     Some(kib * 1024)
-}
-
-/// Processor time of all threads so far, where the system tells (Linux, whose ticks are hundredths of a second).
-fn cpu_seconds() -> Option<f64> {
-    let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
-    // The name of the program may hold spaces; fields are counted behind its closing parenthesis.
-    let fields: Vec<&str> = stat.rsplit_once(')')?.1.split_whitespace().collect();
-    let ticks: u64 = fields.get(11)?.parse::<u64>().ok()? + fields.get(12)?.parse::<u64>().ok()?;
-    Some(ticks as f64 / 100.0)
 }

@@ -1,18 +1,35 @@
 //! Algorithms that turn a scene into an image, each in a file, behind one trait.
 
 mod direct;
+mod distributed;
+mod eye;
+mod hybrid;
+mod maps;
 mod pass;
-mod photon_mapping;
+mod path;
 mod pilot;
+mod pm;
+mod ppm;
 mod progressive;
 mod raycast;
+mod settings;
+mod sppm;
 mod tiles;
+mod whitted;
 
+pub use distributed::Distributed;
+pub use hybrid::Hybrid;
+pub use maps::CAUSTIC_K;
 pub use pass::{Monitor, Pass, Phase, PhotonReport, Seconds, Silent};
-pub use photon_mapping::{CAUSTIC_K, PhotonMapping, PhotonSettings};
+pub use path::PathTracing;
 pub use pilot::{Radii, auto_radius};
+pub use pm::PhotonMapping;
+pub use ppm::Ppm;
 pub use progressive::{ALPHA, shrink};
 pub use raycast::RayCast;
+pub use settings::{EyeSettings, PhotonSettings};
+pub use sppm::Sppm;
+pub use whitted::Whitted;
 
 /// An algorithm that renders independent passes.
 ///
@@ -21,4 +38,9 @@ pub use raycast::RayCast;
 pub trait Integrator: Sync {
     /// Computes pass `pass`, counted from 0.
     fn pass(&self, pass: u32, monitor: &dyn Monitor) -> Pass;
+
+    /// Largest gather radii of the first pass; `None` without photons.
+    fn radii(&self) -> Option<Radii> {
+        None
+    }
 }

@@ -5,7 +5,7 @@ use crate::camera::{Filter, Pinhole};
 use crate::color::Rgb;
 use crate::math::Ray;
 use crate::photon::Scratch;
-use crate::sampling::{Dimension, Key};
+use crate::sampling::{Dimension, Draw, Key};
 use crate::stats::Counters;
 use glam::Vec2;
 use rayon::prelude::*;
@@ -19,6 +19,7 @@ pub(super) struct Worker {
     pub counters: Counters,
     pub global: Scratch,
     pub caustic: Scratch,
+    pub later: Scratch,
 }
 
 /// How a pixel is covered by samples.
@@ -30,12 +31,12 @@ pub(super) struct Sampling<'a> {
     pub samples: u32,
 }
 
-/// Renders all pixels: `radiance` gets a camera ray and the key of its sample.
+/// Renders all pixels: `radiance` gets a camera ray and the random numbers of its sample.
 pub(super) fn render(
     sampling: &Sampling<'_>,
     key: Key,
     monitor: &dyn Monitor,
-    radiance: impl Fn(&Ray, Key, &mut Worker) -> Rgb + Sync,
+    radiance: impl Fn(&Ray, Draw, &mut Worker) -> Rgb + Sync,
 ) -> (Vec<Rgb>, Counters) {
     let (width, height) = sampling.camera.size();
     let columns = width.div_ceil(EDGE);
@@ -75,19 +76,19 @@ fn pixel(
     y: u32,
     key: Key,
     worker: &mut Worker,
-    radiance: impl Fn(&Ray, Key, &mut Worker) -> Rgb,
+    radiance: impl Fn(&Ray, Draw, &mut Worker) -> Rgb,
 ) -> Rgb {
     let corner = Vec2::new(x as f32, y as f32);
     let pixel = key.with(u64::from(y) << 32 | u64::from(x));
     let mut sum = glam::DVec3::ZERO;
     for sample in 0..sampling.samples {
-        let key = pixel.with(u64::from(sample));
+        let draw = Draw::new(pixel, sample, sampling.samples);
         let at = match sampling.filter {
-            Some(filter) => corner + 0.5 + filter.sample(key.uniform_2d(Dimension::Film)),
+            Some(filter) => corner + 0.5 + filter.sample(draw.two(Dimension::Film)),
             None => corner + Vec2::Y,
         };
         worker.counters.camera_rays += 1;
-        let value = radiance(&sampling.camera.ray(at), key, worker);
+        let value = radiance(&sampling.camera.ray(at), draw, worker);
         if value.is_finite() {
             sum += value.as_dvec3();
         } else {

@@ -2,11 +2,13 @@
 
 mod aim;
 mod area;
+mod choice;
 mod emit;
 mod spot;
 
 pub use aim::Targets;
 pub use area::{Area, Emitter};
+pub use choice::LightChoice;
 pub use emit::Emission;
 pub use spot::Spot;
 
@@ -81,10 +83,10 @@ impl Light {
     /// it never does.
     #[inline]
     #[must_use]
-    pub fn density(&self, p: Vec3, wi: Vec3, seen: &SurfacePoint) -> f32 {
+    pub fn density(&self, p: Vec3, wi: Vec3, seen: Option<&SurfacePoint>) -> f32 {
         match self {
             Self::Point { .. } | Self::Spot(_) | Self::Directional { .. } => 0.0,
-            Self::Area(area) => area.density(p, wi, seen),
+            Self::Area(area) => seen.map_or(0.0, |seen| area.density(p, wi, seen)),
         }
     }
 

@@ -36,6 +36,8 @@ impl Wants {
     pub const CAUSTIC: Self = Self { direct: false, caustic: true, global: false };
     /// Global photons only.
     pub const GLOBAL: Self = Self { direct: false, caustic: false, global: true };
+    /// Nothing.
+    pub const NONE: Self = Self { direct: false, caustic: false, global: false };
     /// All classes.
     pub const ALL: Self = Self { direct: true, caustic: true, global: true };
 

@@ -46,6 +46,10 @@ pub enum Dimension {
     Roulette,
     /// Which of the materials that are mixed.
     Mix,
+    /// Which part of a scattering function.
+    Part,
+    /// Whether a faint reflection is looked at.
+    Worth,
 }
 
 /// A name for a place in the space of random decisions.

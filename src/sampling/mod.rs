@@ -1,9 +1,11 @@
 //! Random numbers as pure functions of names, well-spread points, and discrete choices.
 
 mod discrete;
+mod draw;
 mod key;
 mod sobol;
 
 pub use discrete::Discrete;
+pub use draw::Draw;
 pub use key::{Dimension, Key, Purpose};
 pub use sobol::sobol_2d;

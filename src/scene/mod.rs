@@ -101,6 +101,18 @@ impl Scene {
         self.background
     }
 
+    /// Index of the light at infinity that is seen where nothing is.
+    #[must_use]
+    pub fn environment(&self) -> Option<usize> {
+        None
+    }
+
+    /// Radiance of rays in unit `direction` that meet nothing.
+    #[must_use]
+    pub fn escaping(&self, _: Vec3) -> Rgb {
+        self.background
+    }
+
     /// The lights.
     #[must_use]
     pub fn lights(&self) -> &[Light] {

@@ -9,7 +9,7 @@ pub struct Counters {
     /// Rays through pixels.
     pub camera_rays: u64,
     /// Rays that continue a camera walk.
-    pub specular_rays: u64,
+    pub onward_rays: u64,
     /// Rays towards lights.
     pub shadow_rays: u64,
     /// Rays of photons.
@@ -25,7 +25,7 @@ pub struct Counters {
 impl AddAssign for Counters {
     fn add_assign(&mut self, o: Self) {
         self.camera_rays += o.camera_rays;
-        self.specular_rays += o.specular_rays;
+        self.onward_rays += o.onward_rays;
         self.shadow_rays += o.shadow_rays;
         self.photon_rays += o.photon_rays;
         self.gathers += o.gathers;
@@ -38,6 +38,16 @@ impl Counters {
     /// All rays.
     #[must_use]
     pub fn rays(&self) -> u64 {
-        self.camera_rays + self.specular_rays + self.shadow_rays + self.photon_rays
+        self.camera_rays + self.onward_rays + self.shadow_rays + self.photon_rays
     }
+}
+
+/// Processor time of all threads so far, where the system tells (Linux, whose ticks are hundredths of a second).
+#[must_use]
+pub fn cpu_seconds() -> Option<f64> {
+    let stat = std::fs::read_to_string("/proc/self/stat").ok()?;
+    // The name of the program may hold spaces; fields are counted behind its closing parenthesis.
+    let fields: Vec<&str> = stat.rsplit_once(')')?.1.split_whitespace().collect();
+    let ticks: u64 = fields.get(11)?.parse::<u64>().ok()? + fields.get(12)?.parse::<u64>().ok()?;
+    Some(ticks as f64 / 100.0)
 }

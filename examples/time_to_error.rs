@@ -1,0 +1,112 @@
+//! Error against CPU and wall time, for every integrator, on the reference room with a glass and a mirror ball:
+//!
+//! ```sh
+//! cargo run --release --example time_to_error -- [BUDGET SECONDS] [INTEGRATOR …]
+//! ```
+//!
+//! The error is the mean over pixels and channels of (ours − reference)² / (reference² + .01), clipped at 10 a pixel. Integrators take
+//! turns, a pass each, so that a busy machine is unfair to none; setting up counts.
+
+use caustica::camera::{Filter, FilterKind};
+use caustica::format::SceneFile;
+use caustica::image::{self, Image, metrics};
+use caustica::integrate::{
+    Distributed, EyeSettings, Hybrid, Integrator, PathTracing, PhotonMapping, PhotonSettings, Ppm, Silent, Sppm,
+};
+use caustica::render::Film;
+use caustica::scene::Scene;
+use caustica::stats::cpu_seconds;
+use std::error::Error;
+use std::path::Path;
+use std::time::Instant;
+
+/// The error that is asked for.
+const TARGET: f64 = 0.005;
+
+/// Where an integrator stands.
+struct Run<'a> {
+    name: &'static str,
+    integrator: Box<dyn Integrator + 'a>,
+    film: Film,
+    cpu: f64,
+    wall: f64,
+    /// CPU seconds at which the next line is printed.
+    next: f64,
+    reached: Option<(f64, f64)>,
+}
+
+fn integrator<'a>(name: &str, scene: &'a Scene) -> Option<(&'static str, Box<dyn Integrator + 'a>)> {
+    // The reference has a box filter.
+    let eye = EyeSettings { filter: Filter::new(FilterKind::Box), ..EyeSettings::default() };
+    let photons = PhotonSettings { eye: eye.clone(), ..PhotonSettings::default() };
+    Some(match name {
+        "hybrid" => ("hybrid", Box::new(Hybrid::new(scene, photons))),
+        "path" => ("path", Box::new(PathTracing::new(scene, eye))),
+        "sppm" => ("sppm", Box::new(Sppm::new(scene, photons))),
+        "ppm" => ("ppm", Box::new(Ppm::new(scene, photons))),
+        "pm" => ("pm", Box::new(PhotonMapping::new(scene, photons))),
+        "pm-direct" => {
+            let settings = PhotonSettings { final_gathering: false, ..photons };
+            ("pm-direct", Box::new(PhotonMapping::new(scene, settings)))
+        }
+        "distributed" => ("distributed", Box::new(Distributed::new(scene, eye))),
+        _ => return None,
+    })
+}
+
+/// CPU and wall seconds of `work`.
+fn timed<T>(work: impl FnOnce() -> T) -> (T, f64, f64) {
+    let (cpu, wall) = (cpu_seconds().unwrap_or(0.0), Instant::now());
+    let made = work();
+    (made, cpu_seconds().unwrap_or(0.0) - cpu, wall.elapsed().as_secs_f64())
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let mut words: Vec<String> = std::env::args().skip(1).collect();
+    let budget = words.first().and_then(|w| w.parse().ok()).inspect(|_: &f64| drop(words.remove(0))).unwrap_or(60.0);
+    if words.is_empty() {
+        words = ["hybrid", "path", "sppm", "ppm", "pm", "pm-direct"].map(str::to_owned).to_vec();
+    }
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let reference = root.join("../shared/reference/cbox-caustic.exr");
+    if !reference.is_file() {
+        eprintln!("{} is absent: there is nothing to compare with", reference.display());
+        return Ok(());
+    }
+    let reference = image::read(&reference)?;
+    let file = SceneFile::read(&root.join("tests/scenes/cbox-caustic.txt")).map_err(|e| format!("{e:?}"))?;
+    let scene = file.resolve().map_err(|e| format!("{e:?}"))?;
+    let (width, height) = scene.camera().size();
+
+    let mut runs = Vec::new();
+    for word in &words {
+        let (made, cpu, wall) = timed(|| integrator(word, &scene));
+        let (name, integrator) = made.ok_or_else(|| format!("`{word}` is no integrator of this comparison"))?;
+        runs.push(Run { name, integrator, film: Film::new(width, height), cpu, wall, next: 1.0, reached: None });
+    }
+    println!("| integrator | passes | CPU s | wall s | error |\n| --- | --- | --- | --- | --- |");
+    while runs.iter().any(|run| run.cpu < budget) {
+        for run in runs.iter_mut().filter(|run| run.cpu < budget) {
+            let (pass, cpu, wall) = timed(|| run.integrator.pass(run.film.passes(), &Silent));
+            run.film.add(&pass.image);
+            (run.cpu, run.wall) = (run.cpu + cpu, run.wall + wall);
+            let picture = Image::from_pixels(width, height, run.film.mean())?;
+            let error = metrics::relative_mse(&picture, &reference, 0.01, Some(10.0))?;
+            if error <= TARGET && run.reached.is_none() {
+                run.reached = Some((run.cpu, run.wall));
+            }
+            if run.cpu >= run.next || run.cpu >= budget {
+                println!("| {} | {} | {:.1} | {:.1} | {error:.5} |", run.name, run.film.passes(), run.cpu, run.wall);
+                run.next = run.cpu * 2.0;
+            }
+        }
+    }
+    println!("\n| integrator | CPU s to {TARGET} | wall s |\n| --- | --- | --- |");
+    for run in &runs {
+        match run.reached {
+            Some((cpu, wall)) => println!("| {} | {cpu:.1} | {wall:.1} |", run.name),
+            None => println!("| {} | not within {budget} | |", run.name),
+        }
+    }
+    Ok(())
+}

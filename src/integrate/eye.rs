@@ -1,0 +1,352 @@
+//! The walk of a camera ray: the one loop behind every method.
+//!
+//! Surfaces are *casters* (mirrors, glass, narrow lobes), *receivers* (they store photons) or black. A light's path to the eye
+//! is carried by photons where it begins with casters and then meets a receiver: no connection finds it. What a method leaves
+//! to photons, its walk does not count when it meets a light by chance, so that each path counts once.
+
+use super::direct::DirectLight;
+use super::tiles::{self, Worker};
+use super::{EyeSettings, Monitor, Pass};
+use crate::bsdf::{Bsdf, BsdfSample, Transport};
+use crate::color::{self, Rgb};
+use crate::math::Ray;
+use crate::sampling::{Dimension, Draw, Key, Purpose};
+use crate::scene::{Arrival, Inside, Scene, Surface, Walk};
+use glam::Vec3;
+use std::time::Instant;
+
+/// A branch at a smooth dielectric that is weaker than this part of the pixel is followed by chance only.
+const WORTH_SPLITTING: f32 = 0.001;
+
+/// A receiver that counts for less than this part of the pixel is looked at by chance only.
+const WORTH_SHADING: f32 = 0.1;
+
+/// Branches that may wait at once.
+const BRANCHES: usize = 16;
+
+/// After so many casters a walk goes on with the probability of its throughput.
+const CERTAIN_CASTERS: u32 = 8;
+
+/// What a camera walk has met before it stands where it is.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct History {
+    /// Receivers so far.
+    pub receivers: u32,
+    /// Casters since the last receiver, or since the camera.
+    pub casters: u32,
+}
+
+impl History {
+    /// Whether light that is met now comes by a path of the kind that photons find: over casters to a receiver.
+    #[inline]
+    pub fn is_caustic(self) -> bool {
+        self.receivers > 0 && self.casters > 0
+    }
+}
+
+/// A vertex whose surface scatters more than deltas.
+pub(super) struct Vertex<'a> {
+    /// The surface.
+    pub surface: &'a Surface<'a>,
+    /// What the surface is inside of, on the side of the viewer.
+    pub inside: &'a Inside,
+    /// What came before.
+    pub history: History,
+    /// Length of the way from the last vertex \[length].
+    pub distance: f32,
+    /// Random numbers of the vertex.
+    pub draw: Draw,
+    /// Random numbers of its shadow rays.
+    pub shadow_draw: Draw,
+}
+
+impl Vertex<'_> {
+    /// The side on which light counts; `None` where both do.
+    #[inline]
+    pub fn horizon(&self) -> Option<Vec3> {
+        horizon(self.surface)
+    }
+
+    /// Part of the light that is left of what comes from `distance` away in unit direction `wi`.
+    #[inline]
+    pub fn transmittance(&self, scene: &Scene, wi: Vec3, distance: f32) -> Rgb {
+        let mut walk = Walk { ray: Ray::new(self.surface.point.p, wi), inside: *self.inside };
+        let transmitted = wi.dot(self.surface.point.ng) * self.surface.wo.dot(self.surface.point.ng) < 0.0;
+        walk.leave(self.surface, wi, transmitted);
+        walk.inside.transmittance(scene, distance)
+    }
+}
+
+/// The side of a surface on which light counts; `None` where both do.
+#[inline]
+fn horizon(surface: &Surface<'_>) -> Option<Vec3> {
+    (!surface.bsdf.transmits()).then(|| surface.facing_normal())
+}
+
+/// What is done at a receiver.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Plan {
+    /// Ask the lights.
+    pub direct: bool,
+    /// Walk on.
+    pub onward: bool,
+}
+
+/// What tells one algorithm from another.
+pub(super) trait Method: Sync {
+    /// The part of a receiver's scattering that is looked at this time, over the probability of that.
+    #[inline]
+    fn part(&self, bsdf: Bsdf, _: f32) -> Bsdf {
+        bsdf
+    }
+
+    /// What is done at a receiver.
+    fn plan(&self, vertex: &Vertex<'_>) -> Plan;
+
+    /// Radiance that a receiver sends to its viewer of light that photons brought.
+    fn photons(&self, _: &Vertex<'_>, _: &mut Worker) -> Rgb {
+        Rgb::ZERO
+    }
+
+    /// Whether light that is found after `history`, by a connection or by chance, counts.
+    fn counts(&self, history: History) -> bool;
+
+    /// Draws where the walk goes on from a surface.
+    #[inline]
+    fn sample(&self, vertex: &Vertex<'_>, _: &mut Worker) -> Option<BsdfSample> {
+        let (lobe, u) = (vertex.draw.one(Dimension::BsdfLobe), vertex.draw.two(Dimension::BsdfDirection));
+        vertex.surface.sample(lobe, u, Transport::Radiance)
+    }
+
+    /// Density of `sample` per steradian.
+    #[inline]
+    fn pdf(&self, vertex: &Vertex<'_>, wi: Vec3, _: &mut Worker) -> f32 {
+        vertex.surface.pdf(wi)
+    }
+
+    /// Whether all passes share their camera walks.
+    fn repeats_walks(&self) -> bool {
+        false
+    }
+
+    /// Throughput below which a walk over casters is cut; 0 leaves that to roulette.
+    fn cut(&self) -> f32 {
+        0.0
+    }
+}
+
+/// The camera walks of a pass.
+pub(super) struct EyePass<'a, M> {
+    pub scene: &'a Scene,
+    pub settings: &'a EyeSettings,
+    pub direct: &'a DirectLight<'a>,
+    pub method: &'a M,
+    /// Camera rays a pixel, where the user does not say.
+    pub samples: u32,
+    pub pass: u32,
+}
+
+/// A camera walk that waits to be continued.
+#[derive(Clone, Copy)]
+struct Branch {
+    walk: Walk,
+    throughput: Rgb,
+    bounce: u32,
+    history: History,
+    /// Where a connection could have been made instead, and the density of the direction that was taken from there.
+    last: Option<Last>,
+    draw: Draw,
+}
+
+/// The last vertex, where it was not a delta.
+#[derive(Clone, Copy)]
+struct Last {
+    p: Vec3,
+    horizon: Option<Vec3>,
+    pdf: f32,
+}
+
+/// What follows a step.
+enum Next {
+    /// The branch itself.
+    One,
+    /// The branch, and another one.
+    Both(Branch),
+}
+
+impl<M: Method> EyePass<'_, M> {
+    /// Renders all pixels into `out`.
+    pub fn run(&self, monitor: &dyn Monitor, out: &mut Pass) {
+        let start = Instant::now();
+        let sampling = tiles::Sampling {
+            camera: self.scene.camera(),
+            filter: Some(&self.settings.filter),
+            samples: self.settings.samples.unwrap_or(self.samples),
+        };
+        let walks = if self.method.repeats_walks() { 0 } else { u64::from(self.pass) };
+        let key = Key::new(self.settings.seed).purpose(Purpose::Camera).with(walks);
+        let (image, counters) =
+            tiles::render(&sampling, key, monitor, |ray, draw, worker| self.radiance(ray, draw, worker));
+        out.image = image;
+        out.counters += counters;
+        out.seconds.eye += start.elapsed().as_secs_f64();
+    }
+
+    /// Radiance along a camera ray.
+    fn radiance(&self, ray: &Ray, draw: Draw, worker: &mut Worker) -> Rgb {
+        let walk = self.scene.walk_from_camera(*ray);
+        let first = Branch { walk, throughput: Rgb::ONE, bounce: 0, history: History::default(), last: None, draw };
+        let mut waiting = [first; BRANCHES];
+        let mut count = 1;
+        let mut radiance = Rgb::ZERO;
+        while count > 0 {
+            count -= 1;
+            let mut branch = waiting[count];
+            while let Some(next) = self.step(&mut branch, count < BRANCHES, worker, &mut radiance) {
+                if let Next::Both(other) = next {
+                    waiting[count] = other;
+                    count += 1;
+                }
+            }
+        }
+        radiance
+    }
+
+    /// Follows a walk to its next surface, adds what that sends back, and leaves in `branch` how it goes on; it splits in two
+    /// only where there is `room`.
+    #[inline]
+    fn step(&self, branch: &mut Branch, room: bool, worker: &mut Worker, radiance: &mut Rgb) -> Option<Next> {
+        worker.counters.onward_rays += u64::from(branch.bounce > 0);
+        let Some(arrival) = branch.walk.advance(self.scene, branch.draw.key()) else {
+            *radiance += branch.throughput * self.escaped(branch);
+            return None;
+        };
+        let Arrival { mut surface, transmittance, distance, crossed } = arrival;
+        branch.throughput *= transmittance;
+        if crossed {
+            branch.history.casters += 1;
+            branch.last = None;
+        }
+        if surface.emission != Rgb::ZERO && self.method.counts(branch.history) {
+            let weight = branch.last.map_or(1.0, |last| self.weight_of_chance(&last, &surface));
+            *radiance += branch.throughput * surface.emission * weight;
+        }
+        let inside = branch.walk.inside;
+        if surface.bsdf.stores_photons() {
+            // A faint reflection is looked at by chance: shading costs as much as dozens of rays.
+            let worth = color::mean(branch.throughput) / WORTH_SHADING;
+            if worth < 1.0 && self.method.cut() == 0.0 {
+                if branch.draw.one(Dimension::Worth) >= worth {
+                    return None;
+                }
+                branch.throughput /= worth;
+            }
+            surface.bsdf = self.method.part(surface.bsdf, branch.draw.one(Dimension::Part));
+            let vertex = self.vertex(branch, &surface, &inside, distance);
+            let mut plan = self.method.plan(&vertex);
+            plan.onward &= branch.bounce < self.settings.max_bounces;
+            let found = self.direct(&vertex, plan, worker) + self.method.photons(&vertex, worker);
+            *radiance += branch.throughput * found;
+            branch.history = History { receivers: branch.history.receivers + 1, casters: 0 };
+            return if plan.onward { self.onward(branch, &vertex, worker) } else { None };
+        }
+        if surface.bsdf == Bsdf::Black {
+            return None;
+        }
+        let onward = branch.bounce < self.settings.max_bounces;
+        let vertex = self.vertex(branch, &surface, &inside, distance);
+        if !surface.bsdf.is_specular() {
+            let plan = Plan { direct: self.method.counts(branch.history), onward };
+            *radiance += branch.throughput * self.direct(&vertex, plan, worker);
+        }
+        branch.history.casters += 1;
+        if !onward {
+            return None;
+        }
+        if let Bsdf::Dielectric(dielectric) = surface.bsdf {
+            let split = dielectric.split(surface.wo, surface.point.ns, surface.point.ng, Transport::Radiance);
+            let weaker = split.reflected.1.min(split.transmitted.1) * color::mean(branch.throughput);
+            if room && branch.history.receivers == 0 && weaker > WORTH_SPLITTING.max(self.method.cut()) {
+                let reflected = branch.leaving(&surface, split.reflected.0, Rgb::splat(split.reflected.1), false);
+                let weight = Rgb::splat(split.transmitted.1 / split.squeeze);
+                *branch = branch.leaving(&surface, split.transmitted.0, weight, true);
+                return Some(Next::Both(reflected));
+            }
+        }
+        self.onward(branch, &vertex, worker)
+    }
+
+    fn vertex<'v>(&self, branch: &Branch, surface: &'v Surface<'v>, inside: &'v Inside, distance: f32) -> Vertex<'v> {
+        let shadow_draw = branch.draw.with(u64::from(self.pass) << 32);
+        Vertex { surface, inside, history: branch.history, distance, draw: branch.draw, shadow_draw }
+    }
+
+    /// Draws how a walk goes on.
+    #[inline]
+    fn onward(&self, branch: &mut Branch, vertex: &Vertex<'_>, worker: &mut Worker) -> Option<Next> {
+        let sample = self.method.sample(vertex, worker)?;
+        let roulette = branch.draw.one(Dimension::Roulette);
+        let mut next = branch.leaving(vertex.surface, sample.wi, sample.weight, sample.transmitted);
+        let point = &vertex.surface.point;
+        next.last = (!sample.specular).then_some(Last { p: point.p, horizon: vertex.horizon(), pdf: sample.pdf });
+        let strength = color::mean(next.throughput);
+        if strength < self.method.cut() {
+            return None;
+        }
+        if next.history.receivers > 0 || next.bounce > CERTAIN_CASTERS {
+            let survival = strength.min(1.0);
+            // Written so that what is not a number ends.
+            if !(roulette < survival) {
+                return None;
+            }
+            next.throughput /= survival;
+        }
+        *branch = next;
+        Some(Next::One)
+    }
+
+    /// Light that the surface scatters to its viewer straight from the lights.
+    #[inline]
+    fn direct(&self, vertex: &Vertex<'_>, plan: Plan, worker: &mut Worker) -> Rgb {
+        if !plan.direct {
+            return Rgb::ZERO;
+        }
+        let pdf = |wi: Vec3, worker: &mut Worker| self.method.pdf(vertex, wi, worker);
+        self.direct.reflected(vertex, if plan.onward { Some(&pdf) } else { None }, worker)
+    }
+
+    /// Weight of light that was met by chance, where it could also have been asked for (the balance heuristic, Veach 1997,
+    /// section 9.2.2).
+    #[inline]
+    fn weight_of_chance(&self, last: &Last, seen: &Surface<'_>) -> f32 {
+        let Some(light) = seen.light else { return 1.0 };
+        last.pdf / (last.pdf + self.direct.density(last.p, last.horizon, light as usize, -seen.wo, Some(&seen.point)))
+    }
+
+    /// Radiance from where nothing is.
+    fn escaped(&self, branch: &Branch) -> Rgb {
+        let direction = branch.walk.ray.direction;
+        match self.scene.environment() {
+            // The background is seen but lights nothing.
+            None if branch.history.receivers > 0 => Rgb::ZERO,
+            None => self.scene.background(),
+            Some(_) if !self.method.counts(branch.history) => Rgb::ZERO,
+            Some(light) => {
+                let density = |last: Last| self.direct.density(last.p, last.horizon, light, direction, None);
+                let weight = branch.last.map_or(1.0, |last| last.pdf / (last.pdf + density(last)));
+                self.scene.escaping(direction) * weight
+            }
+        }
+    }
+}
+
+impl Branch {
+    /// The walk after `surface`.
+    #[inline]
+    fn leaving(&self, surface: &Surface<'_>, direction: Vec3, weight: Rgb, transmitted: bool) -> Self {
+        let mut walk = self.walk;
+        walk.leave(surface, direction, transmitted);
+        let draw = self.draw.with(u64::from(self.bounce) << 1 | u64::from(transmitted));
+        Self { walk, throughput: self.throughput * weight, bounce: self.bounce + 1, last: None, draw, ..*self }
+    }
+}

@@ -1,0 +1,57 @@
+//! What a user may set.
+
+use crate::camera::{Filter, FilterKind};
+use crate::photon::Kernel;
+
+/// Settings of the camera walk, common to all methods.
+#[derive(Clone, Debug)]
+pub struct EyeSettings {
+    /// Camera rays a pixel and pass; `None`: what suits the method.
+    pub samples: Option<u32>,
+    /// Bounces after which a path is cut.
+    pub max_bounces: u32,
+    /// Seed of all randomness.
+    pub seed: u64,
+    /// Reconstruction filter.
+    pub filter: Filter,
+}
+
+impl Default for EyeSettings {
+    fn default() -> Self {
+        Self { samples: None, max_bounces: 100, seed: 0, filter: Filter::new(FilterKind::default()) }
+    }
+}
+
+/// Settings of methods with photons.
+#[derive(Clone, Debug)]
+pub struct PhotonSettings {
+    /// Settings of the camera walk.
+    pub eye: EyeSettings,
+    /// Paths of the global map a pass.
+    pub photons: u32,
+    /// Paths aimed at casters a pass.
+    pub caustic_photons: u32,
+    /// Most photons an estimate takes, 0 for no limit; `None`: [`CAUSTIC_K`](super::CAUSTIC_K) in the caustic map, no limit in the
+    /// global one, whose light is smooth.
+    pub gather_k: Option<u32>,
+    /// Largest radius of the first pass \[length]; `None` lets a pilot find one for each map.
+    pub radius: Option<f32>,
+    /// Kernel of the estimates.
+    pub kernel: Kernel,
+    /// Whether [`PhotonMapping`](super::PhotonMapping) looks at the global map through a gather ray.
+    pub final_gathering: bool,
+}
+
+impl Default for PhotonSettings {
+    fn default() -> Self {
+        Self {
+            eye: EyeSettings::default(),
+            photons: 500_000,
+            caustic_photons: 250_000,
+            gather_k: None,
+            radius: None,
+            kernel: Kernel::default(),
+            final_gathering: true,
+        }
+    }
+}
