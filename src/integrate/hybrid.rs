@@ -13,11 +13,8 @@ use crate::color::Rgb;
 use crate::photon::Wants;
 use crate::scene::Scene;
 
-/// Photons of an estimate after the first receiver, where the walk's own noise hides that of the estimate.
-const LATER_K: u32 = 12;
-
 /// Camera rays a pixel and pass, where the user does not say.
-const SAMPLES: u32 = 4;
+const SAMPLES: u32 = 16;
 
 /// Path tracing with a caustic map.
 #[derive(Debug)]
@@ -61,10 +58,11 @@ impl Method for Connected<'_> {
 
     #[inline]
     fn photons(&self, vertex: &Vertex<'_>, worker: &mut Worker) -> Rgb {
-        if vertex.history.receivers == 0 {
-            self.maps.caustic.radiance(vertex, |w| &mut w.caustic, worker)
-        } else {
-            self.maps.caustic.rough_radiance(vertex, LATER_K, |w| &mut w.later, worker)
+        match vertex.draw.place() {
+            _ if vertex.history.receivers > 0 => self.maps.thin.radiance(vertex, |w| &mut w.later, worker),
+            // One estimate a pixel and pass: those of its other samples would rest on the same photons.
+            (0, count) => self.maps.caustic.radiance(vertex, |w| &mut w.caustic, worker) * count as f32,
+            _ => Rgb::ZERO,
         }
     }
 

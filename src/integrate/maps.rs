@@ -16,6 +16,9 @@ pub const CAUSTIC_K: u32 = 50;
 /// Photons that most discs of the global map should hold, where the user does not say.
 const GLOBAL_COUNT: u32 = 100;
 
+/// The thin map has one of so many photons.
+const THINNING: u32 = 8;
+
 /// An estimate over fewer photons is noise, however many passes have shrunk it.
 const FEWEST: f64 = 8.0;
 
@@ -52,6 +55,8 @@ pub(super) struct Gathering {
 pub(super) struct Maps {
     pub global: Gathering,
     pub caustic: Gathering,
+    /// The caustic map of fewer photons, quick to look at, for estimates whose noise is hidden by other noise.
+    pub thin: Gathering,
 }
 
 impl<'a> MapMaker<'a> {
@@ -84,19 +89,21 @@ impl<'a> MapMaker<'a> {
     pub fn make(&self, pass: u32, monitor: &dyn Monitor, out: &mut Pass) -> Maps {
         let key = |purpose| Key::new(self.settings.eye.seed).purpose(purpose).with(u64::from(pass));
         let job = (Wants::CAUSTIC, self.settings.caustic_photons);
-        let (caustic, report) = self.map(self.caustic.as_ref(), job, key(Purpose::CausticPhotons), monitor, out);
+        let ((caustic, thin), report) = self.map(self.caustic.as_ref(), job, key(Purpose::CausticPhotons), monitor, out);
         out.caustic = report;
         let job = (self.wants, self.settings.photons);
-        let (global, report) = self.map(self.global.as_ref(), job, key(Purpose::GlobalPhotons), monitor, out);
+        let ((global, _), report) = self.map(self.global.as_ref(), job, key(Purpose::GlobalPhotons), monitor, out);
         out.global = report;
         let gathering = |map, radius, most| Gathering {
             map,
             bandwidth: self.bandwidth(radius, self.settings.gather_k.unwrap_or(most), pass),
             kernel: self.settings.kernel,
         };
+        let later = Bandwidth { k: 0, ..self.bandwidth(self.radii.caustic, 0, pass) };
         Maps {
             global: gathering(global, self.radii.global, 0),
             caustic: gathering(caustic, self.radii.caustic, CAUSTIC_K),
+            thin: Gathering { map: thin, bandwidth: later, kernel: Kernel::Epanechnikov },
         }
     }
 
@@ -117,9 +124,9 @@ impl<'a> MapMaker<'a> {
         key: Key,
         monitor: &dyn Monitor,
         out: &mut Pass,
-    ) -> (PhotonMap, PhotonReport) {
+    ) -> ((PhotonMap, PhotonMap), PhotonReport) {
         let Some(source) = source else {
-            return (PhotonMap::build(Vec::new()), PhotonReport::default());
+            return ((PhotonMap::build(Vec::new()), PhotonMap::build(Vec::new())), PhotonReport::default());
         };
         let start = Instant::now();
         monitor.begin(Phase::Photons, u64::from(paths));
@@ -128,6 +135,7 @@ impl<'a> MapMaker<'a> {
         let stored = traced.photons.len() as u64;
         let built = Instant::now();
         monitor.begin(Phase::Trees, stored);
+        let thin = if self.wants == Wants::NONE { PhotonMap::thinned(&traced.photons, THINNING) } else { PhotonMap::build(Vec::new()) };
         let map = PhotonMap::build(traced.photons);
         monitor.advance(stored);
         out.counters.photon_rays += traced.rays;
@@ -136,7 +144,7 @@ impl<'a> MapMaker<'a> {
             trees: built.elapsed().as_secs_f64(),
             ..Seconds::default()
         };
-        (map, PhotonReport { emitted: traced.paths, stored, audit: traced.audit })
+        ((map, thin), PhotonReport { emitted: traced.paths, stored, audit: traced.audit })
     }
 }
 
@@ -145,19 +153,6 @@ impl Gathering {
     #[inline]
     pub fn radiance(&self, vertex: &Vertex<'_>, which: fn(&mut Worker) -> &mut Scratch, worker: &mut Worker) -> Rgb {
         self.radiance_of(vertex, self.bandwidth, which, worker)
-    }
-
-    /// The same, from at most `k` photons.
-    #[inline]
-    pub fn rough_radiance(
-        &self,
-        vertex: &Vertex<'_>,
-        k: u32,
-        which: fn(&mut Worker) -> &mut Scratch,
-        worker: &mut Worker,
-    ) -> Rgb {
-        let k = if self.bandwidth.k == 0 { k } else { k.min(self.bandwidth.k) };
-        self.radiance_of(vertex, Bandwidth { k, ..self.bandwidth }, which, worker)
     }
 
     #[inline]

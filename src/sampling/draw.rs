@@ -9,14 +9,14 @@ use glam::Vec2;
 pub struct Draw {
     key: Key,
     index: u32,
-    several: bool,
+    count: u32,
 }
 
 impl Draw {
     /// Sample `index` of `count`.
     #[must_use]
     pub fn new(key: Key, index: u32, count: u32) -> Self {
-        Self { key, index, several: count > 1 }
+        Self { key, index, count }
     }
 
     /// The same sample at part `n` of the key: a bounce, a light.
@@ -30,7 +30,7 @@ impl Draw {
     #[inline]
     #[must_use]
     pub fn of(self, index: u32, count: u32) -> Self {
-        Self { index: self.index.wrapping_mul(count).wrapping_add(index), several: self.several || count > 1, ..self }
+        Self { index: self.index.wrapping_mul(count).wrapping_add(index), count: self.count.wrapping_mul(count), ..self }
     }
 
     /// A key of this sample alone.
@@ -40,18 +40,25 @@ impl Draw {
         self.key.with(u64::from(self.index))
     }
 
+    /// Which of how many.
+    #[inline]
+    #[must_use]
+    pub fn place(self) -> (u32, u32) {
+        (self.index, self.count)
+    }
+
     /// A number in \[0, 1).
     #[inline]
     #[must_use]
     pub fn one(self, dimension: Dimension) -> f32 {
-        if self.several { self.two(dimension).x } else { self.key.uniform(dimension) }
+        if self.count > 1 { self.two(dimension).x } else { self.key.uniform(dimension) }
     }
 
     /// A point in \[0, 1)².
     #[inline]
     #[must_use]
     pub fn two(self, dimension: Dimension) -> Vec2 {
-        if self.several { sobol_2d(self.index, self.key, dimension) } else { self.key.uniform_2d(dimension) }
+        if self.count > 1 { sobol_2d(self.index, self.key, dimension) } else { self.key.uniform_2d(dimension) }
     }
 }
 
