@@ -18,8 +18,9 @@ use std::time::Instant;
 /// A branch at a smooth dielectric that is weaker than this part of the pixel is followed by chance only.
 const WORTH_SPLITTING: f32 = 0.001;
 
-/// A receiver that counts for less than this part of the pixel is looked at by chance only.
-const WORTH_SHADING: f32 = 0.1;
+/// A walk that counts for less than this part of the pixel goes on by chance only. Roulette that begins earlier costs more noise
+/// than it saves time: see docs/decisions.md.
+const CERTAIN: f32 = 0.125;
 
 /// Branches that may wait at once.
 const BRANCHES: usize = 16;
@@ -233,8 +234,8 @@ impl<M: Method> EyePass<'_, M> {
         }
         let inside = branch.walk.inside;
         if surface.bsdf.stores_photons() {
-            // A faint reflection is looked at by chance: shading costs as much as dozens of rays.
-            let worth = color::mean(branch.throughput) / WORTH_SHADING;
+            // Shading costs as much as dozens of rays.
+            let worth = color::mean(branch.throughput) / CERTAIN;
             if worth < 1.0 && self.method.cut() == 0.0 {
                 if branch.draw.one(Dimension::Worth) >= worth {
                     return None;
@@ -294,7 +295,7 @@ impl<M: Method> EyePass<'_, M> {
             return None;
         }
         if next.history.receivers > 0 || next.bounce > CERTAIN_CASTERS {
-            let survival = strength.min(1.0);
+            let survival = (strength / CERTAIN).min(1.0);
             // Written so that what is not a number ends.
             if !(roulette < survival) {
                 return None;
