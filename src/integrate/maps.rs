@@ -89,7 +89,8 @@ impl<'a> MapMaker<'a> {
     pub fn make(&self, pass: u32, monitor: &dyn Monitor, out: &mut Pass) -> Maps {
         let key = |purpose| Key::new(self.settings.eye.seed).purpose(purpose).with(u64::from(pass));
         let job = (Wants::CAUSTIC, self.settings.caustic_photons);
-        let ((caustic, thin), report) = self.map(self.caustic.as_ref(), job, key(Purpose::CausticPhotons), monitor, out);
+        let ((caustic, thin), report) =
+            self.map(self.caustic.as_ref(), job, key(Purpose::CausticPhotons), monitor, out);
         out.caustic = report;
         let job = (self.wants, self.settings.photons);
         let ((global, _), report) = self.map(self.global.as_ref(), job, key(Purpose::GlobalPhotons), monitor, out);
@@ -135,7 +136,11 @@ impl<'a> MapMaker<'a> {
         let stored = traced.photons.len() as u64;
         let built = Instant::now();
         monitor.begin(Phase::Trees, stored);
-        let thin = if self.wants == Wants::NONE { PhotonMap::thinned(&traced.photons, THINNING) } else { PhotonMap::build(Vec::new()) };
+        let thin = if self.wants == Wants::NONE {
+            PhotonMap::thinned(&traced.photons, THINNING)
+        } else {
+            PhotonMap::build(Vec::new())
+        };
         let map = PhotonMap::build(traced.photons);
         monitor.advance(stored);
         out.counters.photon_rays += traced.rays;

@@ -30,7 +30,11 @@ impl Draw {
     #[inline]
     #[must_use]
     pub fn of(self, index: u32, count: u32) -> Self {
-        Self { index: self.index.wrapping_mul(count).wrapping_add(index), count: self.count.wrapping_mul(count), ..self }
+        Self {
+            index: self.index.wrapping_mul(count).wrapping_add(index),
+            count: self.count.wrapping_mul(count),
+            ..self
+        }
     }
 
     /// A key of this sample alone.

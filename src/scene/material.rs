@@ -1,6 +1,6 @@
 //! Materials of the resolved scene.
 
-use crate::bsdf::Bsdf;
+use crate::bsdf::{Bsdf, Conductor, Thin, conductor_reflectance};
 use crate::color::Rgb;
 
 /// A surface's material.
@@ -109,6 +109,19 @@ impl Material {
     #[must_use]
     pub fn mix(first: u32, second: u32, amount: f32, look: Look) -> Self {
         Self { scattering: Scattering::Mix { first, second, amount }, look }
+    }
+
+    /// A metal of refractive index `eta` + i`k` and roughness α in \[0, 1].
+    #[must_use]
+    pub fn conductor(eta: Rgb, k: Rgb, alpha: f32) -> Self {
+        let facing = conductor_reflectance(1.0, eta, k);
+        Self::fixed(Bsdf::Conductor(Conductor::new(eta, k, alpha)), Look::matt(facing))
+    }
+
+    /// A sheet without thickness, of index `eta`, that keeps `transmittance` in (0, 1] of what crosses it perpendicularly.
+    #[must_use]
+    pub fn thin(eta: f32, transmittance: Rgb) -> Self {
+        Self::fixed(Bsdf::Thin(Thin { eta, transmittance }), Look::matt(transmittance))
     }
 
     /// Absorbs everything.

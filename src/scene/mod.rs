@@ -13,7 +13,7 @@ pub use surface::Surface;
 pub use walk::{Arrival, Walk};
 
 use crate::accel::{Hierarchy, Primitive};
-use crate::bsdf::{Bsdf, Dielectric};
+use crate::bsdf::Bsdf;
 use crate::camera::Pinhole;
 use crate::color::Rgb;
 use crate::light::Light;
@@ -214,7 +214,7 @@ impl Scene {
         }
         let bsdf = match material.scattering {
             Scattering::Fixed(bsdf) => bsdf,
-            Scattering::Boundary(body) => Bsdf::Dielectric(Dielectric { eta: body.index }),
+            Scattering::Boundary(body) => Bsdf::dielectric(body.index, body.roughness),
             Scattering::Mix { .. } => Bsdf::Black,
         };
         Surface { point, wo, material, index, bsdf, light: attributes.light, emission }

@@ -1,7 +1,7 @@
 //! The part that every walk through a scene shares: to the next surface that is there for light, and away from it.
 
 use super::{Inside, Scattering, Scene, Surface};
-use crate::bsdf::{Bsdf, Dielectric};
+use crate::bsdf::Bsdf;
 use crate::color::Rgb;
 use crate::math::Ray;
 use crate::sampling::{Dimension, Key};
@@ -57,7 +57,7 @@ impl Walk {
                     crossed = true;
                     continue;
                 }
-                surface.bsdf = Bsdf::Dielectric(Dielectric { eta: crossing.eta });
+                surface.bsdf = Bsdf::dielectric(crossing.eta, body.roughness);
             }
             return Some(Arrival { surface, transmittance, distance, crossed });
         }
