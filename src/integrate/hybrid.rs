@@ -1,16 +1,15 @@
 //! Path tracing for every path that connections find, photons for exactly the rest.
 //!
-//! A light's path that begins with casters and then meets a receiver is found by photons: each receiver of a camera walk, the
-//! first and all that follow, looks at the caustic map. All other paths are found by the walk itself, by shadow rays and by
-//! chance, weighted against each other.
+//! A light's path that begins with casters and then meets a receiver is found by photons, at the first receiver of the camera
+//! walk: from the caustic map where that receiver is the first on the light's path, from a map of what caustics become where
+//! it is a later one. All other paths are found by the walk itself, by shadow rays and by chance, weighted against each other.
 
 use super::direct::{Asking, DirectLight};
 use super::eye::{EyePass, History, Method, Plan, Vertex};
-use super::maps::{MapMaker, Maps, Schedule};
+use super::maps::{MapMaker, Maps, Needs, Schedule};
 use super::tiles::Worker;
 use super::{Integrator, Monitor, Pass, PhotonSettings, Radii};
 use crate::color::Rgb;
-use crate::photon::Wants;
 use crate::scene::Scene;
 
 /// Camera rays a pixel and pass, where the user does not say.
@@ -29,7 +28,7 @@ impl<'a> Hybrid<'a> {
     #[must_use]
     pub fn new(scene: &'a Scene, settings: PhotonSettings) -> Self {
         let direct = DirectLight::new(scene, Asking::Sampled(1));
-        Self { scene, direct, maker: MapMaker::new(scene, settings, Wants::NONE, Schedule::Shrinking) }
+        Self { scene, direct, maker: MapMaker::new(scene, settings, Needs::ByCasters, Schedule::Shrinking) }
     }
 }
 
@@ -59,9 +58,11 @@ impl Method for Connected<'_> {
     #[inline]
     fn photons(&self, vertex: &Vertex<'_>, worker: &mut Worker) -> Rgb {
         match vertex.draw.place() {
-            _ if vertex.history.receivers > 0 => self.maps.thin.radiance(vertex, |w| &mut w.later, worker),
             // One estimate a pixel and pass: those of its other samples would rest on the same photons.
-            (0, count) => self.maps.caustic.radiance(vertex, |w| &mut w.caustic, worker) * count as f32,
+            (0, count) if vertex.history.receivers == 0 => {
+                let caustic = self.maps.caustic.radiance(vertex, |w| &mut w.caustic, worker);
+                (caustic + self.maps.smooth.radiance(vertex, |w| &mut w.smooth, worker)) * count as f32
+            }
             _ => Rgb::ZERO,
         }
     }

@@ -2,10 +2,10 @@
 
 use super::eye::Vertex;
 use super::tiles::Worker;
-use super::{Monitor, Pass, Phase, PhotonReport, PhotonSettings, Radii, Seconds, auto_radius, shrink};
+use super::{Monitor, Pass, Phase, PhotonReport, PhotonSettings, Radii, auto_radius, shrink};
 use crate::bsdf::Transport;
 use crate::color::Rgb;
-use crate::photon::{Bandwidth, Kernel, PhotonMap, PhotonPass, PhotonSource, Scratch, Wants};
+use crate::photon::{Bandwidth, Kernel, Photon, PhotonMap, PhotonPass, PhotonSource, Scratch, THINNING, Traced, Wants};
 use crate::sampling::{Key, Purpose};
 use crate::scene::Scene;
 use std::time::Instant;
@@ -15,9 +15,6 @@ pub const CAUSTIC_K: u32 = 50;
 
 /// Photons that most discs of the global map should hold, where the user does not say.
 const GLOBAL_COUNT: u32 = 100;
-
-/// The thin map has one of so many photons.
-const THINNING: u32 = 8;
 
 /// An estimate over fewer photons is noise, however many passes have shrunk it.
 const FEWEST: f64 = 8.0;
@@ -31,13 +28,21 @@ pub(super) enum Schedule {
     Fixed,
 }
 
+/// Which maps a method looks at.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Needs {
+    /// The caustic map, and a global map of these classes.
+    Global(Wants),
+    /// The caustic map, and a map of what caustics become.
+    ByCasters,
+}
+
 /// Makes the maps of any pass.
 #[derive(Debug)]
 pub(super) struct MapMaker<'a> {
     scene: &'a Scene,
     pub settings: PhotonSettings,
-    /// What the global map stores.
-    wants: Wants,
+    needs: Needs,
     global: Option<PhotonSource<'a>>,
     caustic: Option<PhotonSource<'a>>,
     schedule: Schedule,
@@ -53,21 +58,22 @@ pub(super) struct Gathering {
 
 /// The maps of one pass.
 pub(super) struct Maps {
-    pub global: Gathering,
     pub caustic: Gathering,
-    /// The caustic map of fewer photons, quick to look at, for estimates whose noise is hidden by other noise.
-    pub thin: Gathering,
+    /// The global map, or that of what caustics become.
+    pub smooth: Gathering,
 }
 
 impl<'a> MapMaker<'a> {
-    /// Weighs the lights and finds radii where none is set. `wants` is what the global map stores; nothing wanted, it stays
-    /// empty.
-    pub fn new(scene: &'a Scene, settings: PhotonSettings, wants: Wants, schedule: Schedule) -> Self {
+    /// Weighs the lights and finds radii where none is set.
+    pub fn new(scene: &'a Scene, settings: PhotonSettings, needs: Needs, schedule: Schedule) -> Self {
         let source = |paths: u32, make: fn(&'a Scene) -> Option<PhotonSource<'a>>| {
             if paths == 0 { None } else { make(scene) }
         };
-        let global = if wants == Wants::NONE { None } else { source(settings.photons, PhotonSource::everywhere) };
         let caustic = source(settings.caustic_photons, PhotonSource::aimed);
+        let global = match needs {
+            Needs::Global(_) => source(settings.photons, PhotonSource::everywhere),
+            Needs::ByCasters => None,
+        };
         let radius = |source: &Option<PhotonSource<'a>>, wants: Wants, paths: u32, fallback: u32| {
             let k = settings.gather_k.filter(|k| *k > 0).unwrap_or(fallback);
             let found = || {
@@ -78,33 +84,43 @@ impl<'a> MapMaker<'a> {
             // Without photons the radius never matters.
             settings.radius.or_else(found).unwrap_or(1.0)
         };
-        let radii = Radii {
-            global: radius(&global, wants, settings.photons, GLOBAL_COUNT),
-            caustic: radius(&caustic, Wants::CAUSTIC, settings.caustic_photons, CAUSTIC_K),
+        let smooth = match needs {
+            Needs::Global(wants) => radius(&global, wants, settings.photons, GLOBAL_COUNT),
+            Needs::ByCasters => {
+                let after = Wants { caustic: false, ..Wants::BY_CASTERS };
+                radius(&caustic, after, settings.caustic_photons / THINNING, GLOBAL_COUNT)
+            }
         };
-        Self { scene, wants, global, caustic, schedule, radii, settings }
+        let caustic_radius = radius(&caustic, Wants::CAUSTIC, settings.caustic_photons, CAUSTIC_K);
+        let radii = Radii { global: smooth, caustic: caustic_radius };
+        Self { scene, needs, global, caustic, schedule, radii, settings }
     }
 
     /// Traces and indexes the photons of pass `pass`, and books the work in `out`.
     pub fn make(&self, pass: u32, monitor: &dyn Monitor, out: &mut Pass) -> Maps {
         let key = |purpose| Key::new(self.settings.eye.seed).purpose(purpose).with(u64::from(pass));
-        let job = (Wants::CAUSTIC, self.settings.caustic_photons);
-        let ((caustic, thin), report) =
-            self.map(self.caustic.as_ref(), job, key(Purpose::CausticPhotons), monitor, out);
-        out.caustic = report;
-        let job = (self.wants, self.settings.photons);
-        let ((global, _), report) = self.map(self.global.as_ref(), job, key(Purpose::GlobalPhotons), monitor, out);
-        out.global = report;
+        let wants = if self.needs == Needs::ByCasters { Wants::BY_CASTERS } else { Wants::CAUSTIC };
+        let job = (wants, self.settings.caustic_photons);
+        let traced = self.trace(self.caustic.as_ref(), job, key(Purpose::CausticPhotons), monitor, out);
+        out.caustic = report(&traced);
+        let caustic = index(traced.photons, monitor, out);
+        let smooth = match self.needs {
+            Needs::Global(wants) => {
+                let job = (wants, self.settings.photons);
+                let traced = self.trace(self.global.as_ref(), job, key(Purpose::GlobalPhotons), monitor, out);
+                out.global = report(&traced);
+                index(traced.photons, monitor, out)
+            }
+            Needs::ByCasters => index(traced.after_caustic, monitor, out),
+        };
         let gathering = |map, radius, most| Gathering {
             map,
             bandwidth: self.bandwidth(radius, self.settings.gather_k.unwrap_or(most), pass),
             kernel: self.settings.kernel,
         };
-        let later = Bandwidth { k: 0, ..self.bandwidth(self.radii.caustic, 0, pass) };
         Maps {
-            global: gathering(global, self.radii.global, 0),
             caustic: gathering(caustic, self.radii.caustic, CAUSTIC_K),
-            thin: Gathering { map: thin, bandwidth: later, kernel: Kernel::Epanechnikov },
+            smooth: gathering(smooth, self.radii.global, 0),
         }
     }
 
@@ -117,57 +133,44 @@ impl<'a> MapMaker<'a> {
         Bandwidth { radius: radius * area.sqrt() as f32, k: k.min(most) }
     }
 
-    /// Traces one map's photons and indexes them.
-    fn map(
+    fn trace(
         &self,
         source: Option<&PhotonSource<'_>>,
         (wants, paths): (Wants, u32),
         key: Key,
         monitor: &dyn Monitor,
         out: &mut Pass,
-    ) -> ((PhotonMap, PhotonMap), PhotonReport) {
-        let Some(source) = source else {
-            return ((PhotonMap::build(Vec::new()), PhotonMap::build(Vec::new())), PhotonReport::default());
-        };
+    ) -> Traced {
+        let Some(source) = source else { return Traced::default() };
         let start = Instant::now();
         monitor.begin(Phase::Photons, u64::from(paths));
         let pass = PhotonPass { scene: self.scene, source, wants, max_bounces: self.settings.eye.max_bounces };
         let traced = pass.trace(key, paths, &|n| monitor.advance(n));
-        let stored = traced.photons.len() as u64;
-        let built = Instant::now();
-        monitor.begin(Phase::Trees, stored);
-        let thin = if self.wants == Wants::NONE {
-            PhotonMap::thinned(&traced.photons, THINNING)
-        } else {
-            PhotonMap::build(Vec::new())
-        };
-        let map = PhotonMap::build(traced.photons);
-        monitor.advance(stored);
         out.counters.photon_rays += traced.rays;
-        out.seconds += Seconds {
-            photons: (built - start).as_secs_f64(),
-            trees: built.elapsed().as_secs_f64(),
-            ..Seconds::default()
-        };
-        ((map, thin), PhotonReport { emitted: traced.paths, stored, audit: traced.audit })
+        out.seconds.photons += start.elapsed().as_secs_f64();
+        traced
     }
+}
+
+fn report(traced: &Traced) -> PhotonReport {
+    let stored = traced.photons.len() + traced.after_caustic.len();
+    PhotonReport { emitted: traced.paths, stored: stored as u64, audit: traced.audit }
+}
+
+fn index(photons: Vec<Photon>, monitor: &dyn Monitor, out: &mut Pass) -> PhotonMap {
+    let start = Instant::now();
+    let count = photons.len() as u64;
+    monitor.begin(Phase::Trees, count);
+    let map = PhotonMap::build(photons);
+    monitor.advance(count);
+    out.seconds.trees += start.elapsed().as_secs_f64();
+    map
 }
 
 impl Gathering {
     /// Radiance that the surface of `vertex` sends to its viewer of the light in the map.
     #[inline]
-    pub fn radiance(&self, vertex: &Vertex<'_>, which: fn(&mut Worker) -> &mut Scratch, worker: &mut Worker) -> Rgb {
-        self.radiance_of(vertex, self.bandwidth, which, worker)
-    }
-
-    #[inline]
-    fn radiance_of(
-        &self,
-        vertex: &Vertex<'_>,
-        bandwidth: Bandwidth,
-        which: fn(&mut Worker) -> &mut Scratch,
-        worker: &mut Worker,
-    ) -> Rgb {
+    pub fn radiance(&self, vertex: &Vertex<'_>, scratch: fn(&mut Worker) -> &mut Scratch, worker: &mut Worker) -> Rgb {
         if self.map.is_empty() {
             return Rgb::ZERO;
         }
@@ -176,7 +179,7 @@ impl Gathering {
         let ns = if surface.wo.dot(surface.point.ng) < 0.0 { -surface.point.ns } else { surface.point.ns };
         let brdf = |from| surface.bsdf.evaluate(surface.wo, from, ns, ns, Transport::Radiance);
         let normal = surface.facing_normal();
-        let found = self.map.estimate(surface.point.p, normal, bandwidth, self.kernel, which(worker), brdf);
+        let found = self.map.estimate(surface.point.p, normal, self.bandwidth, self.kernel, scratch(worker), brdf);
         worker.counters.gathered_photons += u64::from(found.count);
         found.radiance
     }

@@ -6,7 +6,7 @@
 
 use super::direct::{Asking, DirectLight};
 use super::eye::{EyePass, History, Method, Plan, Vertex};
-use super::maps::{MapMaker, Maps, Schedule};
+use super::maps::{MapMaker, Maps, Needs, Schedule};
 use super::tiles::Worker;
 use super::{Integrator, Monitor, Pass, PhotonSettings, Radii};
 use crate::color::Rgb;
@@ -36,7 +36,7 @@ impl<'a> PhotonMapping<'a> {
         let (wants, rays) =
             if settings.final_gathering { (Wants { caustic: false, ..Wants::ALL }, 1) } else { (Wants::GLOBAL, 4) };
         let direct = DirectLight::new(scene, Asking::Sampled(rays));
-        Self { scene, direct, maker: MapMaker::new(scene, settings, wants, Schedule::Fixed) }
+        Self { scene, direct, maker: MapMaker::new(scene, settings, Needs::Global(wants), Schedule::Fixed) }
     }
 }
 
@@ -75,7 +75,7 @@ impl Method for Seen<'_> {
     #[inline]
     fn photons(&self, vertex: &Vertex<'_>, worker: &mut Worker) -> Rgb {
         let caustic = self.maps.caustic.radiance(vertex, |w| &mut w.caustic, worker);
-        caustic + self.maps.global.radiance(vertex, |w| &mut w.global, worker)
+        caustic + self.maps.smooth.radiance(vertex, |w| &mut w.smooth, worker)
     }
 
     fn counts(&self, history: History) -> bool {
@@ -110,7 +110,7 @@ impl Method for Gathered<'_> {
     fn photons(&self, vertex: &Vertex<'_>, worker: &mut Worker) -> Rgb {
         let caustic = self.maps.caustic.radiance(vertex, |w| &mut w.caustic, worker);
         if self.ends_at(vertex) {
-            caustic + self.maps.global.radiance(vertex, |w| &mut w.global, worker)
+            caustic + self.maps.smooth.radiance(vertex, |w| &mut w.smooth, worker)
         } else {
             caustic
         }

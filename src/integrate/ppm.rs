@@ -6,7 +6,7 @@
 
 use super::direct::{Asking, DirectLight};
 use super::eye::EyePass;
-use super::maps::{MapMaker, Schedule};
+use super::maps::{MapMaker, Needs, Schedule};
 use super::pm::Seen;
 use super::{Integrator, Monitor, Pass, PhotonSettings, Radii};
 use crate::photon::Wants;
@@ -28,7 +28,7 @@ impl<'a> Ppm<'a> {
     #[must_use]
     pub fn new(scene: &'a Scene, settings: PhotonSettings) -> Self {
         let direct = DirectLight::new(scene, Asking::Sampled(1));
-        Self { scene, direct, maker: MapMaker::new(scene, settings, Wants::GLOBAL, Schedule::Shrinking) }
+        Self { scene, direct, maker: MapMaker::new(scene, settings, Needs::Global(Wants::GLOBAL), Schedule::Shrinking) }
     }
 }
 

@@ -3,7 +3,7 @@
 
 use super::direct::{Asking, DirectLight};
 use super::eye::EyePass;
-use super::maps::{MapMaker, Schedule};
+use super::maps::{MapMaker, Needs, Schedule};
 use super::pm::Seen;
 use super::{Integrator, Monitor, Pass, PhotonSettings, Radii};
 use crate::photon::Wants;
@@ -22,7 +22,7 @@ impl<'a> Sppm<'a> {
     #[must_use]
     pub fn new(scene: &'a Scene, settings: PhotonSettings) -> Self {
         let direct = DirectLight::new(scene, Asking::Sampled(4));
-        Self { scene, direct, maker: MapMaker::new(scene, settings, Wants::GLOBAL, Schedule::Shrinking) }
+        Self { scene, direct, maker: MapMaker::new(scene, settings, Needs::Global(Wants::GLOBAL), Schedule::Shrinking) }
     }
 }
 

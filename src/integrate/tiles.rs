@@ -17,9 +17,8 @@ const EDGE: u32 = 16;
 #[derive(Debug, Default)]
 pub(super) struct Worker {
     pub counters: Counters,
-    pub global: Scratch,
     pub caustic: Scratch,
-    pub later: Scratch,
+    pub smooth: Scratch,
 }
 
 /// How a pixel is covered by samples.

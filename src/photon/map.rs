@@ -50,13 +50,6 @@ impl PhotonMap {
         Self { tree, len }
     }
 
-    /// A map of every `n`-th photon, with the flux of all: the same mean light from fewer photons.
-    #[must_use]
-    pub fn thinned(photons: &[Photon], n: u32) -> Self {
-        let thinned = photons.iter().step_by(n.max(1) as usize);
-        Self::build(thinned.map(|p| Photon { flux: p.flux.scaled(n.max(1) as f32), ..*p }).collect())
-    }
-
     /// How many photons are stored.
     #[must_use]
     pub fn len(&self) -> usize {

@@ -12,4 +12,4 @@ pub use estimate::{Bandwidth, Estimate, Scratch};
 pub use kernel::{Kernel, UnknownKernel};
 pub use map::PhotonMap;
 pub use record::{Flux, Photon};
-pub use trace::{Audit, Class, PhotonPass, Traced, Wants};
+pub use trace::{Audit, Class, PhotonPass, THINNING, Traced, Wants};

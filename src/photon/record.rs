@@ -105,12 +105,6 @@ impl Flux {
         Vec3::from(self.normal.map(f32::from)) / NORMAL_SCALE
     }
 
-    /// The same photon with its flux times `factor` > 0.
-    #[must_use]
-    pub fn scaled(self, factor: f32) -> Self {
-        Self { sum: self.sum * factor, ..self }
-    }
-
     /// The same photon on the tangent plane of another with the same normal.
     pub(super) fn at_offset_of(self, other: &Self) -> Self {
         Self { offset: other.offset, ..self }

@@ -16,7 +16,9 @@ pub enum Class {
     Direct,
     /// By bounces off casters only: see [`Bsdf::casts_caustics`](crate::bsdf::Bsdf::casts_caustics).
     Caustic,
-    /// By at least one bounce off a surface that stores photons.
+    /// As a caustic to a surface that stores photons, and on from there.
+    AfterCaustic,
+    /// Straight from a light to a surface that stores photons, and on from there.
     Global,
 }
 
@@ -27,25 +29,56 @@ pub struct Wants {
     pub direct: bool,
     /// Store caustic photons.
     pub caustic: bool,
+    /// Store what caustic photons become.
+    pub after_caustic: bool,
     /// Store global photons.
     pub global: bool,
 }
 
 impl Wants {
     /// Caustic photons only: a path ends at the first surface that stores photons.
-    pub const CAUSTIC: Self = Self { direct: false, caustic: true, global: false };
-    /// Global photons only.
-    pub const GLOBAL: Self = Self { direct: false, caustic: false, global: true };
+    pub const CAUSTIC: Self = Self { caustic: true, ..Self::NONE };
+    /// Every photon whose path began with a caster. What follows a caustic is kept apart, and as it is smooth, one of
+    /// [`THINNING`] goes on, with the flux of all.
+    pub const BY_CASTERS: Self = Self { caustic: true, after_caustic: true, ..Self::NONE };
+    /// Photons that met a surface that stores photons before.
+    pub const GLOBAL: Self = Self { after_caustic: true, global: true, ..Self::NONE };
     /// Nothing.
-    pub const NONE: Self = Self { direct: false, caustic: false, global: false };
+    pub const NONE: Self = Self { direct: false, caustic: false, after_caustic: false, global: false };
     /// All classes.
-    pub const ALL: Self = Self { direct: true, caustic: true, global: true };
+    pub const ALL: Self = Self { direct: true, caustic: true, after_caustic: true, global: true };
 
     fn has(self, class: Class) -> bool {
         match class {
             Class::Direct => self.direct,
             Class::Caustic => self.caustic,
+            Class::AfterCaustic => self.after_caustic,
             Class::Global => self.global,
+        }
+    }
+
+    /// Whether anything wanted can follow on a photon of `class` that goes on.
+    fn may_follow(self, class: Class) -> bool {
+        match class {
+            Class::Direct => true,
+            Class::Caustic => self.caustic || self.after_caustic,
+            Class::AfterCaustic => self.after_caustic,
+            Class::Global => self.global,
+        }
+    }
+}
+
+/// Of photons that go on after a caustic, so many are followed as one: see [`Wants::BY_CASTERS`].
+pub const THINNING: u32 = 8;
+
+impl Class {
+    /// The class after a surface.
+    fn after(self, stores: bool) -> Self {
+        match (stores, self) {
+            (false, Self::Direct) => Self::Caustic,
+            (false, other) => other,
+            (true, Self::Direct | Self::Global) => Self::Global,
+            (true, Self::Caustic | Self::AfterCaustic) => Self::AfterCaustic,
         }
     }
 }
@@ -90,6 +123,8 @@ fn book(account: &mut [f64; 3], flux: Rgb) {
 pub struct Traced {
     /// Stored photons of the wanted classes, in the order of their paths.
     pub photons: Vec<Photon>,
+    /// What caustic photons became, where [`Wants::BY_CASTERS`] keeps it apart.
+    pub after_caustic: Vec<Photon>,
     /// Flux account.
     pub audit: Audit,
     /// Rays traced.
@@ -124,11 +159,14 @@ impl PhotonPass<'_> {
             .map(|chunk| {
                 let range = chunk * CHUNK..paths.min((chunk + 1).saturating_mul(CHUNK));
                 let mut traced = Traced { paths: u64::from(range.end - range.start), ..Traced::default() };
-                let Traced { photons, audit, rays, .. } = &mut traced;
+                let apart = self.wants == Wants::BY_CASTERS;
+                let Traced { photons, after_caustic, audit, rays, .. } = &mut traced;
                 for index in range {
                     if let Some((walk, flux)) = self.source.emit(pass, index, paths) {
-                        let store = |surface: &Surface<'_>, flux| {
-                            photons.extend(Photon::new(surface.point.p, flux, surface.wo, surface.facing_normal()));
+                        let store = |class, surface: &Surface<'_>, flux| {
+                            let kept =
+                                if apart && class == Class::AfterCaustic { &mut *after_caustic } else { &mut *photons };
+                            kept.extend(Photon::new(surface.point.p, flux, surface.wo, surface.facing_normal()));
                         };
                         self.follow(walk, flux, pass.with(u64::from(index)), (audit, rays), store);
                     }
@@ -139,8 +177,10 @@ impl PhotonPass<'_> {
             .collect();
         let mut total = Traced::default();
         total.photons.reserve_exact(chunks.iter().map(|c| c.photons.len()).sum());
+        total.after_caustic.reserve_exact(chunks.iter().map(|c| c.after_caustic.len()).sum());
         for chunk in chunks {
             total.photons.extend_from_slice(&chunk.photons);
+            total.after_caustic.extend_from_slice(&chunk.after_caustic);
             total.audit += chunk.audit;
             total.rays += chunk.rays;
             total.paths += chunk.paths;
@@ -157,7 +197,7 @@ impl PhotonPass<'_> {
         mut flux: Rgb,
         path: Key,
         (audit, rays): (&mut Audit, &mut u64),
-        mut deposit: impl FnMut(&Surface<'_>, Rgb),
+        mut deposit: impl FnMut(Class, &Surface<'_>, Rgb),
     ) {
         let mut class = Class::Direct;
         book(&mut audit.emitted, flux);
@@ -176,11 +216,19 @@ impl PhotonPass<'_> {
 
             let stores = surface.bsdf.stores_photons();
             if stores && self.wants.has(class) {
-                deposit(&surface, flux * deposit_factor(surface.wo, surface.point.ns, surface.point.ng));
+                deposit(class, &surface, flux * deposit_factor(surface.wo, surface.point.ns, surface.point.ng));
             }
-            let useless = stores && self.wants == Wants::CAUSTIC;
-            if bounce == self.max_bounces || useless {
+            let next = class.after(stores);
+            if bounce == self.max_bounces || !self.wants.may_follow(next) {
                 return book(&mut audit.stopped, flux);
+            }
+            if self.wants == Wants::BY_CASTERS && class == Class::Caustic && stores {
+                book(&mut audit.roulette, flux);
+                if key.uniform(Dimension::Worth) * THINNING as f32 >= 1.0 {
+                    return;
+                }
+                flux *= THINNING as f32;
+                book(&mut audit.roulette, -flux);
             }
 
             // Scatter.
@@ -200,11 +248,7 @@ impl PhotonPass<'_> {
             flux = scattered / ratio.min(1.0);
             book(&mut audit.roulette, scattered - flux);
 
-            class = match (stores, class) {
-                (false, Class::Direct) => Class::Caustic,
-                (false, other) => other,
-                (true, _) => Class::Global,
-            };
+            class = next;
             walk.leave(&surface, sample.wi, sample.transmitted);
         }
     }
