@@ -6,11 +6,9 @@
 //! may change the order of a sum over photons, hence its last bits. Such a difference moves a byte by one level, and only where
 //! the value stood at the edge between two: at most 1 level at at most 1 byte in 200 is let pass.
 
-use caustica::camera::{Filter, FilterKind};
 use caustica::format::SceneFile;
 use caustica::image::{self, Image, RgbBytes, WriteOptions};
-use caustica::integrate::{PhotonMapping, PhotonSettings, Silent};
-use caustica::photon::Kernel;
+use caustica::integrate::{EyeSettings, Hybrid, PhotonSettings, Silent};
 use caustica::render::{Stop, render};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -38,15 +36,10 @@ fn picture(scene: &Path) -> Image {
     let settings = PhotonSettings {
         photons: 20_000,
         caustic_photons: 20_000,
-        samples: 2,
-        gather_k: None,
-        radius: None,
-        kernel: Kernel::Epanechnikov,
-        max_bounces: 100,
-        seed: 0,
-        filter: Filter::new(FilterKind::BlackmanHarris),
+        eye: EyeSettings { samples: Some(2), ..EyeSettings::default() },
+        ..PhotonSettings::default()
     };
-    let integrator = PhotonMapping::new(&scene, settings);
+    let integrator = Hybrid::new(&scene, settings);
     let stop = Stop { passes: Some(2), time: None, interrupted: &AtomicBool::new(false) };
     let rendered = render(&integrator, SIZE, &stop, &Silent, |_| {});
     Image::from_pixels(SIZE.0, SIZE.1, rendered.film.mean()).unwrap()

@@ -1,10 +1,8 @@
 //! One seed gives one picture: on any number of threads, and for any pass by itself.
 
-use caustica::camera::{Filter, FilterKind};
 use caustica::color::Rgb;
 use caustica::format::{Source, parse, resolve};
-use caustica::integrate::{Integrator, Pass, PhotonMapping, PhotonReport, PhotonSettings, Silent};
-use caustica::photon::Kernel;
+use caustica::integrate::{EyeSettings, Integrator, Pass, PhotonReport, PhotonSettings, Silent, Sppm};
 use caustica::scene::Scene;
 use caustica::stats::Counters;
 use std::path::Path;
@@ -47,13 +45,8 @@ fn settings() -> PhotonSettings {
     PhotonSettings {
         photons: PHOTONS,
         caustic_photons: PHOTONS,
-        samples: 2,
-        gather_k: None,
-        radius: None,
-        kernel: Kernel::Epanechnikov,
-        max_bounces: 50,
-        seed: 7,
-        filter: Filter::new(FilterKind::BlackmanHarris),
+        eye: EyeSettings { samples: Some(2), max_bounces: 50, seed: 7, ..EyeSettings::default() },
+        ..PhotonSettings::default()
     }
 }
 
@@ -70,8 +63,8 @@ fn run(threads: usize, passes: impl IntoIterator<Item = u32> + Send) -> ([u32; 2
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     pool.install(|| {
         let scene = scene();
-        let integrator = PhotonMapping::new(&scene, settings());
-        let radii = integrator.radii();
+        let integrator = Sppm::new(&scene, settings());
+        let radii = integrator.radii().unwrap();
         let passes = passes.into_iter().map(|i| result(integrator.pass(i, &Silent))).collect();
         ([radii.global.to_bits(), radii.caustic.to_bits()], passes)
     })

@@ -296,8 +296,7 @@ impl<M: Method> EyePass<'_, M> {
         }
         if next.history.receivers > 0 || next.bounce > CERTAIN_CASTERS {
             let survival = (strength / CERTAIN).min(1.0);
-            // Written so that what is not a number ends.
-            if !(roulette < survival) {
+            if survival.is_nan() || roulette >= survival {
                 return None;
             }
             next.throughput /= survival;

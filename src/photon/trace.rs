@@ -36,6 +36,8 @@ pub struct Wants {
 }
 
 impl Wants {
+    /// Direct photons only.
+    pub const DIRECT: Self = Self { direct: true, ..Self::NONE };
     /// Caustic photons only: a path ends at the first surface that stores photons.
     pub const CAUSTIC: Self = Self { caustic: true, ..Self::NONE };
     /// Every photon whose path began with a caster. What follows a caustic is kept apart, and as it is smooth, one of

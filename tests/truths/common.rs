@@ -2,7 +2,7 @@
 
 use caustica::camera::{Filter, FilterKind, Pinhole};
 use caustica::color::Rgb;
-use caustica::integrate::{Integrator, PhotonMapping, PhotonSettings, Silent};
+use caustica::integrate::{EyeSettings, Integrator, PhotonSettings, Silent, Sppm};
 use caustica::photon::{Bandwidth, Kernel, Photon, PhotonMap, PhotonPass, PhotonSource, Scratch, Traced, Wants};
 use caustica::sampling::{Key, Purpose};
 use caustica::scene::{Scene, SceneBuilder};
@@ -102,19 +102,23 @@ pub fn settings(photons: u32, caustic_photons: u32, radius: f64) -> PhotonSettin
     PhotonSettings {
         photons,
         caustic_photons,
-        samples: 16,
         gather_k: Some(0),
         radius: Some(radius as f32),
         kernel: Kernel::Epanechnikov,
-        max_bounces: 1000,
-        seed: 5,
-        filter: Filter::new(FilterKind::Box),
+        ..camera_rays(16, 1000)
     }
+}
+
+/// Default settings but for camera rays a pixel, the bounce limit, a seed and the box filter of closed forms.
+pub fn camera_rays(samples: u32, max_bounces: u32) -> PhotonSettings {
+    let filter = Filter::new(FilterKind::Box);
+    let eye = EyeSettings { samples: Some(samples), max_bounces, seed: 5, filter };
+    PhotonSettings { eye, ..PhotonSettings::default() }
 }
 
 /// The mean over all pixels, pass by pass.
 pub fn seen(scene: &Scene, settings: PhotonSettings, passes: u32) -> Vec<DVec3> {
-    let method = PhotonMapping::new(scene, settings);
+    let method = Sppm::new(scene, settings);
     let mean = |image: Vec<Rgb>| image.iter().map(|v| v.as_dvec3()).sum::<DVec3>() / image.len() as f64;
     (0..passes).map(|i| mean(method.pass(i, &Silent).image)).collect()
 }

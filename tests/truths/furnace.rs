@@ -29,7 +29,7 @@ fn power(x: f64, n: u32) -> f64 {
 fn every_radiance_in_a_furnace_is_the_series_of_its_bounces() {
     let scene = furnace();
     for (n, photons) in [(0, 1024), (1, 1 << 16), (3, 1 << 16), (1000, 1 << 16)] {
-        let settings = caustica::integrate::PhotonSettings { max_bounces: n, ..settings(photons, 0, 0.3) };
+        let settings = caustica::integrate::PhotonSettings { eye: camera_rays(16, n).eye, ..settings(photons, 0, 0.3) };
         let series = (0..3).map(|c| {
             let rho: f64 = ALBEDO[c];
             EMITTED[c] * (1.0 - power(rho, n + 2)) / (1.0 - rho)
@@ -60,7 +60,7 @@ fn coloured_flux_lands_as_the_geometric_series_though_roulette_is_grey() {
     let landed: Vec<DVec3> = passes.iter().map(|t| flux_where(&scene, &t.photons, |_| true)).collect();
     let emitted = EMITTED * (PI * 24.0);
     agree_rgb("landed flux", &landed, emitted / (DVec3::ONE - ALBEDO), 4e-3);
-    let direct: Vec<DVec3> = trace(&scene, Wants { direct: true, caustic: false, global: false }, 0, 4, 1 << 13)
+    let direct: Vec<DVec3> = trace(&scene, Wants::DIRECT, 0, 4, 1 << 13)
         .iter()
         .map(|t| t.photons.iter().map(|p| p.flux.power().as_dvec3()).sum())
         .collect();

@@ -1,7 +1,7 @@
 //! Truths without a formula (40): what must not change, or not beyond noise.
 
 use crate::common::*;
-use caustica::integrate::{Integrator, PhotonMapping, PhotonSettings, Silent};
+use caustica::integrate::{Integrator, PhotonSettings, Silent, Sppm};
 use caustica::photon::{PhotonSource, Wants};
 use caustica::scene::{LightStrength, Material, Scene, SceneBuilder, SourceKind};
 use caustica::shape::{Disc, Rectangle, Shape, Sphere};
@@ -58,11 +58,11 @@ fn room(at: Place) -> Scene {
 }
 
 fn by_neighbours() -> PhotonSettings {
-    PhotonSettings { gather_k: Some(30), radius: None, samples: 2, ..settings(20_000, 20_000, 1.0) }
+    PhotonSettings { gather_k: Some(30), radius: None, eye: camera_rays(2, 1000).eye, ..settings(20_000, 20_000, 1.0) }
 }
 
 fn image(scene: &Scene, pass: u32) -> Vec<Vec3> {
-    PhotonMapping::new(scene, by_neighbours()).pass(pass, &Silent).image
+    Sppm::new(scene, by_neighbours()).pass(pass, &Silent).image
 }
 
 /// Fails where passes of two methods differ in the mean; a pass of one may go with a pass of the other.
@@ -155,11 +155,7 @@ fn aimed_photons_carry_the_same_caustics() {
     same("aimed against everywhere", &aimed, &everywhere, 5e-3);
     let scene = room(HERE);
     let count = |wants| trace(&scene, wants, 50, 1, 1 << 14)[0].photons.len();
-    let apart = [
-        Wants { direct: true, caustic: false, global: false },
-        Wants { direct: false, caustic: true, global: false },
-        Wants::GLOBAL,
-    ];
+    let apart = [Wants::DIRECT, Wants::CAUSTIC, Wants::GLOBAL];
     assert_eq!(apart.map(count).iter().sum::<usize>(), count(Wants::ALL), "classes are disjoint and complete");
     assert_eq!(count(apart[1]), count(Wants::CAUSTIC));
 }

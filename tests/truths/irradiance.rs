@@ -8,7 +8,7 @@ use caustica::shape::{Disc, Plane, Rectangle, Shape, Sphere};
 use glam::{DVec2, DVec3, Vec3};
 use std::f64::consts::{PI, TAU};
 
-const DIRECT: Wants = Wants { direct: true, caustic: false, global: false };
+const DIRECT: Wants = Wants::DIRECT;
 const ALBEDO: f64 = 0.8;
 
 /// A light above the plane y = 0.

@@ -16,7 +16,7 @@ fn faces_of_a_cube_see_each_other_by_their_form_factors() {
         b.shape(face, white, grey(if i == 1 { 1.0 } else { 0.0 }));
     }
     let scene = unseen(b);
-    let passes = trace(&scene, Wants { direct: true, caustic: false, global: false }, 0, PASSES, 1 << 16);
+    let passes = trace(&scene, Wants::DIRECT, 0, PASSES, 1 << 16);
     // The nearest face tells the photons apart.
     let on = |face: usize| {
         move |p: DVec3| {
@@ -73,7 +73,7 @@ fn photons_between_endless_plates() {
 fn direct_caustic_and_global_light_make_the_whole() {
     let scene = plates();
     let expected = LIGHT / (DVec3::ONE - FLOOR * CEILING) * FLOOR;
-    let settings = caustica::integrate::PhotonSettings { samples: 16, ..settings(1 << 16, 1 << 16, 0.2) };
+    let settings = settings(1 << 16, 1 << 16, 0.2);
     agree_rgb("radiance of the floor", &seen(&scene, settings, PASSES), expected, 6e-3);
 }
 
@@ -102,7 +102,7 @@ fn parallel_mirrors_make_a_row_of_lights() {
     };
     let bent = |p: DVec3| (1..60).map(|k| irradiance_of(k, p) + irradiance_of(-k, p)).sum::<f64>();
     for class in [Class::Direct, Class::Caustic] {
-        let wants = Wants { direct: class == Class::Direct, caustic: class == Class::Caustic, global: false };
+        let wants = Wants { direct: class == Class::Direct, caustic: class == Class::Caustic, ..Wants::NONE };
         let passes = trace(&scene, wants, 1000, PASSES, 1 << 16);
         let maps: Vec<PhotonMap> = passes.into_iter().map(|t| PhotonMap::build(t.photons)).collect();
         for kernel in [Kernel::Box, Kernel::Epanechnikov] {
