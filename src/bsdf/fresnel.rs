@@ -1,5 +1,6 @@
-//! Fresnel's equations and Snell's law for unpolarised light at a smooth dielectric interface.
+//! Fresnel's equations and Snell's law for unpolarised light at smooth interfaces of dielectrics and conductors.
 
+use crate::color::Rgb;
 use glam::Vec3;
 
 /// Fraction of light reflected where `cos_i ≥ 0` is the cosine on the incident side and `eta` the index of the far side
@@ -12,8 +13,14 @@ pub fn dielectric_reflectance(cos_i: f32, eta: f32) -> (f32, f32) {
     if eta == 1.0 {
         return (0.0, cos_i);
     }
-    // In f64, so that within an ulp of the critical angle the sign of cos²θt is that of the inputs.
-    let (cos_i, eta) = (f64::from(cos_i.clamp(0.0, 1.0)), f64::from(eta));
+    let (reflectance, cos_t) = reflectance_f64(f64::from(cos_i.clamp(0.0, 1.0)), f64::from(eta));
+    (reflectance as f32, cos_t as f32)
+}
+
+/// [`dielectric_reflectance`] for a cosine in \[0, 1]; in f64, so that within an ulp of the critical angle the sign of cos²θt is
+/// that of the inputs.
+#[inline]
+pub(super) fn reflectance_f64(cos_i: f64, eta: f64) -> (f64, f64) {
     let cos2_t = 1.0 - (1.0 - cos_i * cos_i) / (eta * eta);
     if cos2_t <= 0.0 {
         return (1.0, 0.0);
@@ -21,7 +28,44 @@ pub fn dielectric_reflectance(cos_i: f32, eta: f32) -> (f32, f32) {
     let cos_t = cos2_t.sqrt();
     let parallel = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
     let perpendicular = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
-    ((0.5 * (parallel * parallel + perpendicular * perpendicular)) as f32, cos_t as f32)
+    (0.5 * (parallel * parallel + perpendicular * perpendicular), cos_t)
+}
+
+/// Fraction of light transmitted between two cosines that obey Snell's law: the complement of the reflectance, without
+/// cancelling.
+#[inline]
+pub(super) fn transmittance_f64(cos_i: f64, cos_t: f64, eta: f64) -> f64 {
+    let (parallel, perpendicular) = (eta * cos_i + cos_t, cos_i + eta * cos_t);
+    2.0 * eta * cos_i * cos_t * (1.0 / (parallel * parallel) + 1.0 / (perpendicular * perpendicular))
+}
+
+/// Fraction of light reflected by a conductor of complex index `eta` + i`k` over that of the medium outside, per channel, where
+/// `cos_i ≥ 0` is the cosine outside. (Born and Wolf 1999, section 14.2; Pharr, Jakob, Humphreys 2023, section 9.3.6.)
+///
+/// With (a + ib)² = (η + ik)² − sin²θ both polarisations are quotients of sums of squares, in which nothing cancels.
+#[inline]
+#[must_use]
+pub fn conductor_reflectance(cos_i: f32, eta: Rgb, k: Rgb) -> Rgb {
+    // A cosine of 0 exactly would leave 0/0 at index 1.
+    let cos = cos_i.clamp(1e-6, 1.0);
+    let sin2 = (1.0 - cos) * (1.0 + cos);
+    let channel = |eta: f32, k: f32| {
+        let (real, half_imaginary) = (eta * eta - k * k - sin2, eta * k);
+        let modulus = (real * real + 4.0 * half_imaginary * half_imaginary).sqrt();
+        // Of a² = (modulus + real)/2 and b² = (modulus − real)/2 one cancels; it follows from a·b = ηk.
+        let larger = 0.5 * (modulus + real.abs());
+        let smaller = if larger > 0.0 { half_imaginary * half_imaginary / larger } else { 0.0 };
+        let (a2, b2) = if real > 0.0 { (larger, smaller) } else { (smaller, larger) };
+        let a = a2.sqrt();
+        let quotient = |x: f32, y: f32, z2: f32| {
+            let (minus, plus) = ((x - y) * (x - y) + z2, (x + y) * (x + y) + z2);
+            if plus > 0.0 { minus / plus } else { 1.0 }
+        };
+        let perpendicular = quotient(a, cos, b2);
+        // Parallel over perpendicular, with tangents multiplied out.
+        0.5 * perpendicular * (1.0 + quotient(a * cos, sin2, b2 * cos * cos))
+    };
+    Rgb::new(channel(eta.x, k.x), channel(eta.y, k.y), channel(eta.z, k.z))
 }
 
 /// Both continuations of a ray at an interface.
@@ -84,6 +128,40 @@ mod tests {
         let above = (critical as f32).next_down().next_down();
         assert!(dielectric_reflectance(below, eta).0 < 1.0);
         assert_eq!(dielectric_reflectance(above, eta), (1.0, 0.0));
+    }
+
+    /// Along the normal and at grazing the equations close; without absorption they are a dielectric's; between, they are
+    /// the moduli of the complex coefficients, here by complex arithmetic in f64.
+    #[test]
+    fn conductors_match_closed_and_complex_forms() {
+        let at = |cos: f32, eta: f32, k: f32| conductor_reflectance(cos, Rgb::splat(eta), Rgb::splat(k)).x;
+        let complex = |cos: f64, eta: f64, k: f64| {
+            let (re, im) = (eta * eta - k * k - (1.0 - cos * cos), 2.0 * eta * k);
+            let (modulus, angle) = (libm::hypot(re, im).sqrt(), 0.5 * libm::atan2(im, re));
+            let root = (modulus * libm::cos(angle), modulus * libm::sin(angle));
+            let quotient2 = |n: (f64, f64), d: (f64, f64)| (n.0 * n.0 + n.1 * n.1) / (d.0 * d.0 + d.1 * d.1);
+            let s = quotient2((cos - root.0, -root.1), (cos + root.0, root.1));
+            let m2 = ((eta * eta - k * k) * cos, 2.0 * eta * k * cos);
+            let p = quotient2((m2.0 - root.0, m2.1 - root.1), (m2.0 + root.0, m2.1 + root.1));
+            0.5 * (s + p)
+        };
+        for (eta, k) in [(0.2f32, 3.9129f32), (1.1022, 2.1421), (0.05, 4.2), (2.95, 2.93), (1.5, 0.0), (1.0, 0.3)] {
+            let normal = ((eta - 1.0) * (eta - 1.0) + k * k) / ((eta + 1.0) * (eta + 1.0) + k * k);
+            assert!((at(1.0, eta, k) - normal).abs() < 1e-6, "{eta} {k}");
+            for i in 1..100 {
+                let cos = i as f32 / 100.0;
+                let expected = complex(f64::from(cos), f64::from(eta), f64::from(k));
+                // A dozen operations in f32, each within half an ulp of numbers up to 1.
+                assert!((f64::from(at(cos, eta, k)) - expected).abs() < 1e-6, "{eta} {k} at {cos}: {expected}");
+                if k == 0.0 {
+                    assert!((at(cos, eta, k) - dielectric_reflectance(cos, eta).0).abs() < 1e-6);
+                }
+            }
+            assert!(at(0.0, eta, k) > 1.0 - 1e-4 || (eta, k) == (1.0, 0.0));
+        }
+        for cos in [0.0, 0.3, 1.0] {
+            assert_eq!((at(cos, 0.0, 1.0), at(cos, 0.0, 0.0)), (1.0, 1.0), "no real part, no loss");
+        }
     }
 
     trait Degrees {

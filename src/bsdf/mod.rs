@@ -3,19 +3,37 @@
 //! Directions are unit vectors that point away from the surface: `wo` to where the walk came from, `wi` to where it goes.
 
 mod adjoint;
+mod conductor;
 mod dielectric;
 mod fresnel;
+mod metals;
+mod microfacet;
 mod phong;
+mod rough_dielectric;
+mod thin;
 
 pub use adjoint::{deposit_factor, shading_normal_factor};
-pub use dielectric::Dielectric;
-pub use fresnel::{Refraction, dielectric_reflectance, refract};
+pub use conductor::Conductor;
+pub use dielectric::{Dielectric, Split};
+pub use fresnel::{Refraction, conductor_reflectance, dielectric_reflectance, refract};
+pub use metals::{METALS, metal};
 pub use phong::Phong;
+pub use rough_dielectric::RoughDielectric;
+pub use thin::{Thin, ThinSplit};
 
 use crate::color::Rgb;
 use crate::math::{Frame, warp};
 use glam::{Vec2, Vec3};
 use std::f32::consts::FRAC_1_PI;
+
+/// Roughness α below which a surface is taken as smooth: its lobe is narrower than pixels and lights resolve.
+pub const SMOOTH_ALPHA: f32 = 1e-3;
+
+/// Roughness α of a conductor above which its lobe is broad enough to estimate from stored photons.
+pub const STORED_ALPHA: f32 = 0.3;
+
+/// Width of a lobe of refraction \[rad] below which it cannot be told from a delta: ten roundings of a unit vector in f32.
+const NARROW: f32 = 1e-6;
 
 /// What a walk carries.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -54,29 +72,63 @@ pub enum Bsdf {
     Mirror(Rgb),
     /// A smooth interface between two refractive indices.
     Dielectric(Dielectric),
+    /// A metal, polished or rough.
+    Conductor(Conductor),
+    /// A rough interface between two refractive indices.
+    RoughDielectric(RoughDielectric),
+    /// A thin sheet.
+    Thin(Thin),
 }
 
 impl Bsdf {
+    /// The interface of index `eta` inside over outside and roughness α in \[0, 1]: smooth below [`SMOOTH_ALPHA`], and where
+    /// an index near 1 bends so little that roughness does not show; an index of 1 lets light straight through.
+    #[must_use]
+    pub fn dielectric(eta: f32, alpha: f32) -> Self {
+        if alpha < SMOOTH_ALPHA || alpha * (eta - 1.0).abs() < NARROW {
+            Self::Dielectric(Dielectric { eta })
+        } else {
+            Self::RoughDielectric(RoughDielectric::new(eta, alpha))
+        }
+    }
+
     /// Whether all lobes are deltas, so that neither light nor photons can be joined to a given direction.
     #[inline]
     #[must_use]
     pub fn is_specular(&self) -> bool {
-        matches!(self, Self::Mirror(_) | Self::Dielectric(_))
+        match self {
+            Self::Mirror(_) | Self::Dielectric(_) | Self::Thin(_) => true,
+            Self::Conductor(conductor) => conductor.is_smooth(),
+            Self::Black | Self::Diffuse(_) | Self::Phong(_) | Self::RoughDielectric(_) => false,
+        }
     }
 
-    /// Whether photons are stored: the lobes are broad enough for a density estimate to evaluate.
+    /// Whether photons are stored, to be gathered by a density estimate that evaluates the BSDF for each.
+    ///
+    /// The estimate averages over the photons of a disc whatever their direction, so its noise grows as the lobe of the
+    /// viewer narrows: matt surfaces and Phong lobes store, conductors rougher than [`STORED_ALPHA`] too. Under that, few
+    /// photons would fall into the lobe, and following the lobe itself finds what is seen in it. Nothing is stored on glass, rough
+    /// or not: half of what it sends on comes from the other side, and what lies behind it is to be looked at, not blurred.
     #[inline]
     #[must_use]
     pub fn stores_photons(&self) -> bool {
-        matches!(self, Self::Diffuse(_) | Self::Phong(_))
+        match self {
+            Self::Diffuse(_) | Self::Phong(_) => true,
+            Self::Conductor(conductor) => conductor.alpha() > STORED_ALPHA,
+            Self::Black | Self::Mirror(_) | Self::Dielectric(_) | Self::RoughDielectric(_) | Self::Thin(_) => false,
+        }
     }
 
-    /// Whether light that comes from it is a caustic: deltas, and lobes too narrow to store photons. Every BSDF either
-    /// stores photons, or casts caustics, or is black.
+    /// Whether light that comes from it is a caustic: deltas, and lobes that store no photons. Every BSDF either stores
+    /// photons, or casts caustics, or is black.
+    ///
+    /// What stores no photons is where walks from the camera go on, and what they reach must not have been counted; so light
+    /// that it scatters belongs to the map of those paths, however broad the lobe. Light cannot be joined to a point behind
+    /// glass by a straight line, so glass casts at any roughness.
     #[inline]
     #[must_use]
     pub fn casts_caustics(&self) -> bool {
-        matches!(self, Self::Mirror(_) | Self::Dielectric(_))
+        !self.stores_photons() && *self != Self::Black
     }
 
     /// f(wo, wi) in 1/sr without the cosine; deltas are zero, and so are pairs of directions for which `ns` and `ng` disagree on
@@ -84,14 +136,12 @@ impl Bsdf {
     #[inline]
     #[must_use]
     pub fn evaluate(&self, wo: Vec3, wi: Vec3, ns: Vec3, ng: Vec3, transport: Transport) -> Rgb {
-        let _ = transport;
-        if !reflects(wo, wi, ns, ng) {
-            return Rgb::ZERO;
-        }
-        match self {
-            Self::Diffuse(reflectance) => *reflectance * FRAC_1_PI,
-            Self::Phong(phong) => phong.evaluate(wo, wi, ns),
-            Self::Black | Self::Mirror(_) | Self::Dielectric(_) => Rgb::ZERO,
+        match (self, crosses(wo, wi, ns, ng)) {
+            (Self::Diffuse(reflectance), Some(false)) => *reflectance * FRAC_1_PI,
+            (Self::Phong(phong), Some(false)) => phong.evaluate(wo, wi, ns),
+            (Self::Conductor(conductor), Some(false)) => conductor.evaluate(wo, wi, ns),
+            (Self::RoughDielectric(glass), Some(_)) => glass.evaluate(wo, wi, facing(ns, wo), ng, transport),
+            _ => Rgb::ZERO,
         }
     }
 
@@ -99,13 +149,12 @@ impl Bsdf {
     #[inline]
     #[must_use]
     pub fn pdf(&self, wo: Vec3, wi: Vec3, ns: Vec3, ng: Vec3) -> f32 {
-        if !reflects(wo, wi, ns, ng) {
-            return 0.0;
-        }
-        match self {
-            Self::Diffuse(_) => warp::cosine_hemisphere_pdf(wi.dot(ns).abs()),
-            Self::Phong(phong) => phong.pdf(wo, wi, ns),
-            Self::Black | Self::Mirror(_) | Self::Dielectric(_) => 0.0,
+        match (self, crosses(wo, wi, ns, ng)) {
+            (Self::Diffuse(_), Some(false)) => warp::cosine_hemisphere_pdf(wi.dot(ns).abs()),
+            (Self::Phong(phong), Some(false)) => phong.pdf(wo, wi, ns),
+            (Self::Conductor(conductor), Some(false)) => conductor.pdf(wo, wi, ns),
+            (Self::RoughDielectric(glass), Some(_)) => glass.pdf(wo, wi, facing(ns, wo), ng),
+            _ => 0.0,
         }
     }
 
@@ -116,7 +165,7 @@ impl Bsdf {
     #[inline]
     #[must_use]
     pub fn sample(&self, wo: Vec3, ns: Vec3, ng: Vec3, lobe: f32, u: Vec2, transport: Transport) -> Option<BsdfSample> {
-        let facing = if wo.dot(ng) < 0.0 { -ns } else { ns };
+        let facing = facing(ns, wo);
         let sample = match self {
             Self::Black => return None,
             Self::Diffuse(reflectance) => {
@@ -131,16 +180,32 @@ impl Bsdf {
                 BsdfSample { wi, weight: *reflectance, pdf: 0.0, specular: true, transmitted: false }
             }
             Self::Dielectric(dielectric) => dielectric.sample(wo, ns, ng, lobe, transport),
+            Self::Conductor(conductor) => conductor.sample(wo, facing, ng, u)?,
+            Self::RoughDielectric(glass) => glass.sample(wo, facing, ng, lobe, u, transport)?,
+            Self::Thin(thin) => thin.sample(wo, facing, ng, lobe)?,
         };
         let crosses = (sample.wi.dot(ng) < 0.0) != (wo.dot(ng) < 0.0);
         (crosses == sample.transmitted).then_some(sample)
     }
 }
 
-/// Whether `wo` and `wi` are on one side, by both normals.
+/// `n` on the side of `wo`.
 #[inline]
-fn reflects(wo: Vec3, wi: Vec3, ns: Vec3, ng: Vec3) -> bool {
-    wo.dot(ns) * wi.dot(ns) > 0.0 && wo.dot(ng) * wi.dot(ng) > 0.0
+fn facing(n: Vec3, wo: Vec3) -> Vec3 {
+    if wo.dot(n) < 0.0 { -n } else { n }
+}
+
+/// Whether `wo` and `wi` are on different sides, if both normals agree on it.
+#[inline]
+fn crosses(wo: Vec3, wi: Vec3, ns: Vec3, ng: Vec3) -> Option<bool> {
+    let (shading, geometric) = (wo.dot(ns) * wi.dot(ns), wo.dot(ng) * wi.dot(ng));
+    if shading > 0.0 && geometric > 0.0 {
+        Some(false)
+    } else if shading < 0.0 && geometric < 0.0 {
+        Some(true)
+    } else {
+        None
+    }
 }
 
 #[cfg(test)]

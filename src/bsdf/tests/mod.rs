@@ -1,3 +1,7 @@
+mod chi_square;
+mod kinds;
+mod rough;
+
 use super::*;
 use crate::sampling::{Dimension, Key, Purpose};
 
@@ -22,13 +26,24 @@ fn materials() -> [Bsdf; 5] {
     ]
 }
 
+/// One of each kind, with rough ones at both ends.
+fn all_kinds() -> Vec<Bsdf> {
+    let (eta, k) = metal("copper").unwrap();
+    let mut all = materials().to_vec();
+    all.extend([0.0, SMOOTH_ALPHA, 0.2, 1.0].map(|alpha| Bsdf::Conductor(Conductor::new(eta, k, alpha))));
+    all.extend([SMOOTH_ALPHA, 0.2, 1.0].map(|alpha| Bsdf::dielectric(1.5, alpha)));
+    all.extend([SMOOTH_ALPHA, 0.2, 1.0].map(|alpha| Bsdf::dielectric(1.0 / 1.5, alpha)));
+    all.push(Bsdf::Thin(Thin { eta: 1.5, transmittance: Rgb::new(1.0, 0.5, 0.1) }));
+    all
+}
+
 /// No BSDF returns more flux than it receives, at any angle, from either side: the mean weight of importance is at most 1
 /// within five standard errors of its own samples.
 #[test]
 fn energy_is_not_gained() {
     let n = 40_000u64;
-    for bsdf in materials() {
-        for cos in [1.0, 0.7, 0.2, 0.01, -0.5] {
+    for bsdf in all_kinds() {
+        for cos in [1.0, 0.7, 0.2, 0.01, 1e-4, -0.5, -0.01] {
             let (mut sum, mut squares) = (glam::DVec3::ZERO, glam::DVec3::ZERO);
             for i in 0..n {
                 let w = draw(&bsdf, direction(cos), i, Transport::Importance).map_or(Rgb::ZERO, |s| s.weight);
@@ -110,7 +125,7 @@ fn dielectric_shares_are_fresnel() {
 #[test]
 fn shading_normals_never_leak() {
     let ns = Vec3::new(0.9, 0.0, 0.3).normalize();
-    for bsdf in materials() {
+    for bsdf in all_kinds() {
         for i in 0..20_000u64 {
             let key = Key::new(13).purpose(Purpose::Test).with(i);
             let wo = warp::sphere(key.uniform_2d(Dimension::LightDirection));

@@ -1,0 +1,189 @@
+//! Samplers against their densities, by Pearson's test over a grid that resolves the lobes.
+
+use super::*;
+use glam::DVec3;
+use std::f64::consts::{PI, TAU};
+
+/// Rings and sectors of a grid, and points a cell along each to integrate the density: the midpoint rule's error then is below
+/// the noise of a count even in cells that a horizon cuts.
+const RINGS: usize = 40;
+const SECTORS: usize = 16;
+const POINTS: usize = 24;
+
+const SAMPLES: u64 = 100_000;
+
+/// Cells around a pole; rings are `width` wide near it and widen outwards, up to the pole's antipode.
+struct Grid {
+    frame: [DVec3; 3],
+    width: f64,
+}
+
+impl Grid {
+    fn new(pole: Vec3, width: f64) -> Self {
+        let n = pole.as_dvec3().normalize();
+        let s = n.any_orthonormal_vector();
+        Self { frame: [s, n.cross(s), n], width }
+    }
+
+    fn cell(&self, v: Vec3) -> usize {
+        let v = v.as_dvec3();
+        let [x, y, z] = self.frame.map(|axis| axis.dot(v));
+        let theta = libm::atan2(libm::hypot(x, y), z);
+        let ring = theta * (PI + self.width) / (PI * (theta + self.width)) * RINGS as f64;
+        let sector = (libm::atan2(y, x) / TAU + 0.5) * SECTORS as f64;
+        (ring as usize).min(RINGS - 1) * SECTORS + (sector as usize).min(SECTORS - 1)
+    }
+
+    /// The integral of `density` over each cell.
+    fn integrate(&self, density: impl Fn(Vec3) -> f32) -> Vec<f64> {
+        let mut cells = vec![0.0; RINGS * SECTORS];
+        let (rings, sectors) = (RINGS * POINTS, SECTORS * POINTS);
+        let turns: Vec<_> =
+            (0..sectors).map(|j| libm::sincos(TAU * ((j as f64 + 0.5) / sectors as f64 - 0.5))).collect();
+        for i in 0..rings {
+            let x = (i as f64 + 0.5) / rings as f64;
+            let rest = PI + self.width - PI * x;
+            let theta = x * PI * self.width / rest;
+            let slope = PI * self.width * (PI + self.width) / (rest * rest);
+            let (sin, cos) = libm::sincos(theta);
+            let area = sin * slope * TAU / (rings * sectors) as f64;
+            for (j, (sin_phi, cos_phi)) in turns.iter().enumerate() {
+                let [s, t, n] = self.frame;
+                let v = s * (sin * cos_phi) + t * (sin * sin_phi) + n * cos;
+                cells[i / POINTS * SECTORS + j / POINTS] += f64::from(density(v.as_vec3())) * area;
+            }
+        }
+        cells
+    }
+}
+
+struct Case {
+    bsdf: Bsdf,
+    /// Relative index of the far side, for the pole of transmission.
+    eta: f32,
+    width: f64,
+    wo: Vec3,
+    ns: Vec3,
+    ng: Vec3,
+}
+
+fn cases() -> Vec<Case> {
+    let n = Vec3::new(0.3, -0.5, 0.6).normalize();
+    let frame = Frame::around(n);
+    let mut cases = Vec::new();
+    let rgb = Vec3::new(0.7, 0.2, 0.5);
+    let mut materials = vec![
+        (Bsdf::Diffuse(rgb), 1.0, 1.0),
+        (Bsdf::Phong(Phong::new(rgb, Vec3::ONE, 20.0)), 1.0, 0.5),
+        (Bsdf::Phong(Phong::new(Vec3::ONE, Vec3::ONE, 0.0)), 1.0, 1.0),
+    ];
+    let (eta, k) = metal("gold").unwrap();
+    for alpha in [SMOOTH_ALPHA * 1.001, 0.05, 0.2, 1.0] {
+        let width = 2.0 * f64::from(alpha);
+        materials.push((Bsdf::Conductor(Conductor::new(eta, k, alpha)), 1.0, width));
+        materials.extend([1.5, 1.0 / 1.5].map(|eta| (Bsdf::dielectric(eta, alpha), eta, width)));
+    }
+    // Narrower than any that is built: the formulas hold there too.
+    materials.push((Bsdf::RoughDielectric(RoughDielectric::new(1.5, 1e-4)), 1.5, 2e-4));
+    for (bsdf, eta, width) in materials {
+        for degrees in [0.0f32, 45.0, 85.0] {
+            for side in [1.0f32, -1.0] {
+                let (sin, cos) = libm::sincosf(degrees.to_radians());
+                let wo = frame.to_world(Vec3::new(sin * 0.6, sin * 0.8, cos * side)).normalize();
+                let eta = if side > 0.0 { eta } else { 1.0 / eta };
+                cases.push(Case { bsdf, eta, width, wo, ns: n, ng: n });
+                if degrees == 45.0 {
+                    let bent = (n + frame.s * 0.4).normalize();
+                    cases.push(Case { bsdf, eta, width, wo, ns: bent, ng: n });
+                }
+            }
+        }
+    }
+    cases
+}
+
+/// Grids around where a mirror and where a smooth interface would send the light.
+fn grids(case: &Case) -> [Grid; 2] {
+    let n = facing(case.ns, case.wo);
+    let cos = case.wo.dot(n);
+    let bent = refract(case.wo, n, case.eta);
+    let grazing = (n * cos - case.wo).normalize_or(-n);
+    let (through, width) = if bent.reflectance < 1.0 { (bent.transmitted, case.width) } else { (grazing, 0.5) };
+    [Grid::new(n * (2.0 * cos) - case.wo, case.width), Grid::new(through, width)]
+}
+
+/// Probabilities of all cells: reflection, then transmission, then nothing at all.
+fn expectations(case: &Case, grids: &[Grid; 2]) -> Vec<f64> {
+    let mut cells = Vec::new();
+    for (grid, side) in grids.iter().zip([1.0f32, -1.0]) {
+        let side = side * case.wo.dot(case.ng);
+        cells.extend(grid.integrate(|wi| {
+            if wi.dot(case.ng) * side > 0.0 { case.bsdf.pdf(case.wo, wi, case.ns, case.ng) } else { 0.0 }
+        }));
+    }
+    let rest = 1.0 - cells.iter().sum::<f64>();
+    cells.push(rest);
+    cells
+}
+
+/// The probability of a worse fit (Wilson–Hilferty, as in the test of keys); cells that expect fewer than 5 are pooled.
+fn p_value(counts: &[u32], expected: &[f64]) -> f64 {
+    let mut cells: Vec<(f64, f64)> = expected.iter().copied().zip(counts.iter().map(|c| f64::from(*c))).collect();
+    cells.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let (mut pool, mut chi2, mut used) = ((0.0, 0.0), 0.0, 0u32);
+    for (e, o) in cells {
+        pool = (pool.0 + e, pool.1 + o);
+        if pool.0 >= 5.0 {
+            chi2 += (pool.1 - pool.0) * (pool.1 - pool.0) / pool.0;
+            used += 1;
+            pool = (0.0, 0.0);
+        }
+    }
+    let nu = f64::from(used - 1);
+    let z = (libm::cbrt(chi2 / nu) - (1.0 - 2.0 / (9.0 * nu))) / (2.0 / (9.0 * nu)).sqrt();
+    0.5 * libm::erfc(z * std::f64::consts::FRAC_1_SQRT_2)
+}
+
+/// Samples fall as the density says, in all directions and into absorption; the density integrates to at most 1.
+#[test]
+fn samplers_match_their_densities() {
+    let cases = cases();
+    // Šidák: one false alarm in 400 runs of the whole list.
+    let least = 0.0025 / cases.len() as f64;
+    for (index, case) in cases.iter().enumerate() {
+        let grids = grids(case);
+        let expected = expectations(case, &grids);
+        let lost = *expected.last().unwrap();
+        let name = format!("{:?} from {} by {}", case.bsdf, case.wo, case.ns);
+        // Half the noise of counting all samples bounds what the midpoint rule may err.
+        assert!(lost > -0.5 / (SAMPLES as f64).sqrt(), "{name} integrates to {}", 1.0 - lost);
+        let mut counts = vec![0u32; expected.len()];
+        let key = Key::new(17).purpose(Purpose::Test).with(index as u64);
+        for i in 0..SAMPLES {
+            let key = key.with(i);
+            let (lobe, u) = (key.uniform(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
+            let sample = case.bsdf.sample(case.wo, case.ns, case.ng, lobe, u, Transport::Radiance);
+            let cell = sample.map_or(expected.len() - 1, |s| {
+                let side = usize::from(s.transmitted);
+                side * RINGS * SECTORS + grids[side].cell(s.wi)
+            });
+            counts[cell] += 1;
+        }
+        let scaled: Vec<f64> = expected.iter().map(|p| p.max(0.0) * SAMPLES as f64).collect();
+        let p = p_value(&counts, &scaled);
+        assert!(p > least, "{name}: p = {p:e}");
+    }
+}
+
+/// Where no facet can send light to the wrong side, nothing is lost: α = 10⁻³ at 45° is hundreds of widths from any horizon.
+#[test]
+fn densities_of_narrow_lobes_integrate_to_one() {
+    let narrow = |c: &&Case| c.width < 0.01 && c.ns == c.ng && c.wo.dot(c.ns).abs() > 0.5;
+    let mut seen = 0;
+    for case in cases().iter().filter(narrow) {
+        let total = 1.0 - expectations(case, &grids(case)).last().unwrap();
+        assert!((total - 1.0).abs() < 1e-3, "{:?} from {}: {total}", case.bsdf, case.wo);
+        seen += 1;
+    }
+    assert!(seen >= 12);
+}

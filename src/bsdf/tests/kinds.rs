@@ -1,0 +1,116 @@
+//! Which kind of walk each BSDF asks for, panes, and limits of construction.
+
+use super::*;
+
+fn family() -> Vec<Bsdf> {
+    let (eta, k) = metal("nickel").unwrap();
+    let mut family = materials().to_vec();
+    family.extend([0.0, 0.05, STORED_ALPHA, 0.31, 1.0].map(|a| Bsdf::Conductor(Conductor::new(eta, k, a))));
+    family.extend([0.0, 0.05, 0.31, 1.0].map(|a| Bsdf::dielectric(1.5, a)));
+    family.push(Bsdf::Thin(Thin { eta: 1.5, transmittance: Rgb::new(0.9, 0.5, 0.1) }));
+    family
+}
+
+#[test]
+fn each_either_stores_photons_or_casts_caustics() {
+    for bsdf in family() {
+        assert!(bsdf.stores_photons() != bsdf.casts_caustics(), "{bsdf:?}");
+        assert!(!bsdf.is_specular() || bsdf.casts_caustics(), "{bsdf:?}");
+    }
+    assert!(!Bsdf::Black.stores_photons() && !Bsdf::Black.casts_caustics() && !Bsdf::Black.is_specular());
+    let metals: Vec<bool> = family()[5..10].iter().map(Bsdf::stores_photons).collect();
+    assert_eq!(metals, [false, false, false, true, true]);
+    let specular: Vec<bool> = family()[5..].iter().map(Bsdf::is_specular).collect();
+    assert_eq!(specular, [true, false, false, false, false, true, false, false, false, true]);
+    assert!(family()[10..].iter().all(Bsdf::casts_caustics));
+}
+
+#[test]
+fn deltas_have_no_density() {
+    for bsdf in family().iter().filter(|b| b.is_specular()) {
+        let wo = direction(0.6);
+        for wi in [Vec3::new(-wo.x, 0.0, wo.z), -wo] {
+            assert_eq!(bsdf.evaluate(wo, wi, Vec3::Z, Vec3::Z, Transport::Radiance), Rgb::ZERO);
+            assert_eq!(bsdf.pdf(wo, wi, Vec3::Z, Vec3::Z), 0.0);
+        }
+    }
+}
+
+/// A BSDF is copied at each hit.
+#[test]
+fn bsdfs_are_small() {
+    assert!(size_of::<Bsdf>() <= 40, "{}", size_of::<Bsdf>());
+}
+
+/// What barely bends is smooth, and an index of 1 lets light straight on, exactly.
+#[test]
+fn an_index_of_one_is_no_interface() {
+    let none = Bsdf::dielectric(1.0, 0.5);
+    assert_eq!(none, Bsdf::Dielectric(Dielectric { eta: 1.0 }));
+    assert_eq!(Bsdf::dielectric(1.5, 0.0009), Bsdf::Dielectric(Dielectric { eta: 1.5 }));
+    assert!(matches!(Bsdf::dielectric(1.5, 0.001), Bsdf::RoughDielectric(_)));
+    assert!(Bsdf::Conductor(Conductor::new(Rgb::ONE, Rgb::ONE, 0.0009)).is_specular());
+    for i in 0..100 {
+        let wo = direction(0.3);
+        let s = draw(&none, wo, i, Transport::Radiance).unwrap();
+        assert_eq!((s.wi, s.weight, s.transmitted), (-wo, Rgb::ONE, true));
+    }
+}
+
+/// analytic-truths 13: (1−R)/(1+R) through a clear pane, with absorption (1−R)²τ/(1−R²τ²); and the same by following light
+/// back and forth between the interfaces.
+#[test]
+fn panes_match_the_slab() {
+    let clear = Thin { eta: 1.5, transmittance: Rgb::ONE };
+    let (r, t) = clear.shares(1.0);
+    assert!((t.x - 0.923_077).abs() < 1e-6 && (r + t - 1.0).abs().max_element() < 1e-6);
+    assert!((clear.shares(0.5).1.x - 0.836_23).abs() < 1e-5);
+
+    let tinted = Thin { eta: 1.5, transmittance: Rgb::new(0.9, 0.5, 0.0) };
+    for cos in [1.0f32, 0.5, 0.05] {
+        let (reflectance, cos_t) = dielectric_reflectance(cos, 1.5);
+        let (r, t) = tinted.shares(cos);
+        for channel in 0..3 {
+            let kept = libm::powf(tinted.transmittance[channel], 1.0 / cos_t);
+            let (mut back, mut through, mut inside) = (reflectance, 0.0, 1.0 - reflectance);
+            for bounce in 0..200 {
+                inside *= kept;
+                let left = inside * (1.0 - reflectance);
+                *if bounce % 2 == 0 { &mut through } else { &mut back } += left;
+                inside *= reflectance;
+            }
+            assert!((r[channel] - back).abs() < 2e-6 && (t[channel] - through).abs() < 2e-6, "{cos}: {r} {t}");
+        }
+    }
+    // A sheet thinner than its surroundings reflects all beyond the critical angle.
+    assert_eq!(Thin { eta: 1.0 / 1.5, ..clear }.shares(0.1), (Rgb::ONE, Rgb::ZERO));
+    assert_eq!(Thin { eta: 1.0, ..tinted }.shares(0.4).0, Rgb::ZERO);
+}
+
+/// Sampling a pane gives both shares, straight on or mirrored, the same from both sides and in both transports.
+#[test]
+fn panes_sample_both_shares() {
+    let pane = Thin { eta: 1.5, transmittance: Rgb::new(0.9, 0.5, 0.2) };
+    let n = 50_000u64;
+    for cos in [0.8, -0.8, 0.1] {
+        let wo = direction(cos);
+        let (r, t) = pane.shares(f32::abs(cos));
+        let (mut back, mut through) = (Rgb::ZERO, Rgb::ZERO);
+        for i in 0..n {
+            let s = draw(&Bsdf::Thin(pane), wo, i, Transport::Radiance).unwrap();
+            if s.transmitted {
+                assert_eq!(s.wi, -wo);
+                through += s.weight / n as f32;
+            } else {
+                assert!((s.wi - Vec3::new(-wo.x, -wo.y, wo.z)).length() < 1e-6);
+                back += s.weight / n as f32;
+            }
+        }
+        // Each weight is below 2, so five standard errors are below 5·2/√n/2.
+        let tolerance = 5.0 / (n as f32).sqrt();
+        assert!((back - r).abs().max_element() < tolerance, "{cos}: {back} {r}");
+        assert!((through - t).abs().max_element() < tolerance, "{cos}: {through} {t}");
+    }
+    let opaque = Bsdf::Thin(Thin { eta: 1.0, transmittance: Rgb::ZERO });
+    assert!(draw(&opaque, Vec3::Z, 0, Transport::Radiance).is_none());
+}

@@ -1,0 +1,200 @@
+//! Energy, symmetry and limits of microfacets.
+
+use super::*;
+
+const GLASS: f32 = 1.5;
+
+/// Pairs of directions, uniform over the sphere.
+fn directions(count: u64) -> impl Iterator<Item = (Vec3, Vec3)> {
+    (0..count).map(|i| {
+        let key = Key::new(19).purpose(Purpose::Test).with(i);
+        let wo = warp::sphere(key.uniform_2d(Dimension::LightDirection));
+        (wo, warp::sphere(key.uniform_2d(Dimension::BsdfDirection)))
+    })
+}
+
+/// Within the roundings of f32 directions, which a lobe of width α enlarges by 4/α.
+fn close(a: f32, b: f32) -> bool {
+    (a - b).abs() <= 1e-5 * a.abs().max(b.abs()) + 1e-12
+}
+
+fn rough() -> [Bsdf; 4] {
+    let (eta, k) = metal("copper").unwrap();
+    [
+        Bsdf::Conductor(Conductor::new(eta, k, 0.2)),
+        Bsdf::Conductor(Conductor::new(eta, k, 1.0)),
+        Bsdf::dielectric(GLASS, 0.2),
+        Bsdf::dielectric(1.0 / GLASS, 0.7),
+    ]
+}
+
+/// Mean weight of importance over a lattice of random numbers, which stands for the integral of f·cos over all directions; by
+/// reflection and by transmission.
+fn kept(bsdf: &Bsdf, wo: Vec3) -> (f64, f64) {
+    let steps = 256u32;
+    let (mut reflected, mut transmitted) = (0.0, 0.0);
+    for i in 0..steps * steps {
+        let u = (Vec2::new((i % steps) as f32, (i / steps) as f32) + 0.5) / steps as f32;
+        // A third coordinate of the lattice, by the golden ratio.
+        let lobe = (f64::from(i) * 0.618_033_988_749_895).fract() as f32;
+        if let Some(s) = bsdf.sample(wo, Vec3::Z, Vec3::Z, lobe, u, Transport::Importance) {
+            *if s.transmitted { &mut transmitted } else { &mut reflected } += f64::from(s.weight.x);
+        }
+    }
+    let n = f64::from(steps * steps);
+    (reflected / n, transmitted / n)
+}
+
+/// What a sample carries is what evaluation and density say of it, also under bent normals and at the narrowest lobes.
+#[test]
+fn samples_carry_what_evaluation_says() {
+    let (eta, k) = metal("iron").unwrap();
+    let mut checked = 0;
+    for alpha in [SMOOTH_ALPHA, 0.05, 0.3, 1.0] {
+        for bsdf in [
+            Bsdf::Conductor(Conductor::new(eta, k, alpha)),
+            Bsdf::dielectric(GLASS, alpha),
+            Bsdf::dielectric(1.0 / GLASS, alpha),
+            Bsdf::dielectric(1.01, alpha),
+            Bsdf::Diffuse(eta * 0.2),
+            Bsdf::Phong(Phong::new(eta, k, 30.0)),
+        ] {
+            for (i, (wo, other)) in directions(2000).enumerate() {
+                let key = Key::new(23).purpose(Purpose::Test).with(i as u64);
+                let (lobe, u) = (key.uniform(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
+                let ns = (Vec3::Z + 0.5 * other * (i % 2) as f32).normalize();
+                for transport in [Transport::Radiance, Transport::Importance] {
+                    let Some(s) = bsdf.sample(wo, ns, Vec3::Z, lobe, u, transport) else { continue };
+                    let (f, pdf) = (bsdf.evaluate(wo, s.wi, ns, Vec3::Z, transport), bsdf.pdf(wo, s.wi, ns, Vec3::Z));
+                    assert!(s.pdf > 0.0 && s.pdf.is_finite() && s.weight.is_finite(), "{bsdf:?} {wo}: {s:?}");
+                    assert!((s.pdf - pdf).abs() <= 1e-3 * pdf, "{bsdf:?} {wo}: {} {pdf}", s.pdf);
+                    let weight = f * (s.wi.dot(ns).abs() / pdf);
+                    let error = (weight - s.weight).abs().max_element();
+                    assert!(error <= 1e-3 * weight.max_element(), "{bsdf:?} {wo} {ns}: {weight} {s:?}");
+                    assert_eq!(s.transmitted, s.wi.z * wo.z < 0.0);
+                    checked += 1;
+                }
+            }
+        }
+    }
+    assert!(checked > 50_000, "{checked}");
+}
+
+/// Reflection is reciprocal; through the interface f(wo, wi)/n²(wo) = f(wi, wo)/n²(wi), where the first direction is the
+/// viewer's (Veach 1997, section 5.2).
+#[test]
+fn interfaces_are_reciprocal_up_to_the_index() {
+    let mut through = 0;
+    for bsdf in rough() {
+        let outer_over_inner = match bsdf {
+            Bsdf::RoughDielectric(_) if bsdf == rough()[2] => 1.0 / GLASS,
+            Bsdf::RoughDielectric(_) => GLASS,
+            _ => 1.0,
+        };
+        let index = |v: Vec3| if v.z > 0.0 { outer_over_inner } else { 1.0 };
+        for (wo, wi) in directions(10_000) {
+            let f = |o, i, transport| bsdf.evaluate(o, i, Vec3::Z, Vec3::Z, transport).x;
+            let (there, back) = (f(wo, wi, Transport::Radiance), f(wi, wo, Transport::Radiance));
+            let (n_o, n_i) = (index(wo), index(wi));
+            assert!(close(there / (n_o * n_o), back / (n_i * n_i)), "{bsdf:?} {wo} {wi}: {there} {back}");
+            // The adjoint: what a walk from a light at wo sends to wi is what a viewer at wi sees of wo.
+            let adjoint = f(wo, wi, Transport::Importance);
+            assert!(close(adjoint, back), "{bsdf:?} {wo} {wi}: {adjoint} {back}");
+            assert!(close(adjoint / (n_i * n_i), there / (n_o * n_o)), "{bsdf:?} {wo} {wi}");
+            through += u32::from(wo.z * wi.z < 0.0 && there > 0.0);
+        }
+    }
+    assert!(through > 1000, "{through}");
+}
+
+/// A conductor that reflects all loses only what facets would scatter twice, as its page says. The expected losses come from
+/// quadrature written apart from this code; at α = 1 along the normal it closes: sin²θ of the facets is uniform, and
+/// 1 − ∫₀^½ (1−2s)/(1−s) ds = ln 2.
+#[test]
+fn a_white_conductor_loses_what_is_stated() {
+    let grazing = libm::cosf(85f32.to_radians());
+    let stated = [
+        (0.1, 0.012_43, 0.113_35),
+        (0.2, 0.052_42, 0.100_09),
+        (0.5, 0.312_14, 0.127_97),
+        (1.0, std::f64::consts::LN_2, 0.219_94),
+    ];
+    for (alpha, along, across) in stated {
+        let white = Bsdf::Conductor(Conductor::new(Rgb::ZERO, Rgb::ONE, alpha));
+        for (cos, stated) in [(1.0, along), (grazing, across)] {
+            let lost = 1.0 - kept(&white, direction(cos)).0;
+            assert!((lost - stated).abs() < 5e-4, "{alpha} at {cos}: {lost}, stated {stated}");
+        }
+    }
+}
+
+/// Ground glass gains nothing from either side, and loses what its page says (from the same quadrature).
+#[test]
+fn ground_glass_loses_what_is_stated() {
+    let grazing = libm::cosf(85f32.to_radians());
+    let stated = [
+        (0.1, [0.000_99, 0.079_62], [0.011_74, 0.136_15]),
+        (0.5, [0.031_77, 0.288_24], [0.246_37, 0.324_27]),
+        (1.0, [0.106_60, 0.589_42], [0.582_87, 0.534_92]),
+    ];
+    for (alpha, outside, inside) in stated {
+        let glass = Bsdf::dielectric(GLASS, alpha);
+        for (sign, stated) in [(1.0, outside), (-1.0, inside)] {
+            for (cos, stated) in [1.0, grazing].into_iter().zip(stated) {
+                let (r, t) = kept(&glass, direction(sign * cos));
+                // Shares are counted, with an error of some 1/√65,536 of what they lose differently.
+                assert!((1.0 - r - t - stated).abs() < 2e-3, "{alpha} at {}: {r} + {t}, {stated}", sign * cos);
+            }
+            for cos in [0.7, 0.2, 0.05] {
+                let (r, t) = kept(&glass, direction(sign * cos));
+                assert!(r + t < 1.0, "{alpha} at {}: {r} + {t}", sign * cos);
+            }
+        }
+    }
+}
+
+/// As α falls, energy splits as at a smooth interface, and metal reflects as a smooth mirror.
+#[test]
+fn narrow_lobes_approach_deltas() {
+    let (eta, k) = metal("silver").unwrap();
+    let metal = |alpha| Bsdf::Conductor(Conductor::new(eta, k, alpha));
+    let glass = Bsdf::dielectric(GLASS, SMOOTH_ALPHA);
+    assert!(!glass.is_specular() && !metal(SMOOTH_ALPHA).is_specular());
+    for cos in [1.0, 0.6, 0.3, -0.9, -0.3] {
+        let wo = direction(cos);
+        let smooth = Dielectric { eta: GLASS }.split(wo, Vec3::Z, Vec3::Z, Transport::Importance);
+        let (r, t) = kept(&glass, wo);
+        // The lattice of 65,536 counts shares to their inverse root at worst; Fresnel's curvature over α adds 10⁻⁵.
+        let tolerance = 1.0 / 256.0;
+        assert!((r - f64::from(smooth.reflected.1)).abs() < tolerance, "{cos}: {r} {smooth:?}");
+        assert!((t - f64::from(smooth.transmitted.1)).abs() < tolerance, "{cos}: {t} {smooth:?}");
+        let mirror = metal(0.0).sample(wo, Vec3::Z, Vec3::Z, 0.0, Vec2::ZERO, Transport::Radiance).unwrap();
+        assert!(mirror.specular && (mirror.wi - (Vec3::Z * (2.0 * wo.z) - wo)).length() < 1e-6);
+        assert!((kept(&metal(SMOOTH_ALPHA), wo).0 - f64::from(mirror.weight.x)).abs() < 1e-4);
+        let fresnel = conductor_reflectance(cos.abs(), eta, k);
+        assert!((mirror.weight - fresnel).abs().max_element() < 1e-6);
+    }
+}
+
+/// The distribution projects to the area it covers: ∫ D cosθ dω = 1, down to the narrowest.
+#[test]
+fn facets_cover_their_surface() {
+    for alpha in [1e-4f32, 1e-3, 0.1, 1.0] {
+        let ggx = microfacet::Ggx::new(alpha);
+        // With tan²θ = α² x/(1−x) the integrand is constant in x; a lattice then sees only rounding.
+        let steps = 1000;
+        let total: f64 = (0..steps)
+            .map(|i| {
+                let x = (f64::from(i) + 0.5) / f64::from(steps);
+                let a2 = f64::from(alpha) * f64::from(alpha);
+                let tan2 = a2 * x / (1.0 - x);
+                let cos2 = 1.0 / (1.0 + tan2);
+                let h = glam::DVec3::new(tan2.sqrt(), 0.0, 1.0);
+                // cosθ dω = π d(sin²θ) = π cos⁴θ d(tan²θ).
+                let measure = std::f64::consts::PI * cos2 * cos2 * a2 / ((1.0 - x) * (1.0 - x));
+                ggx.density(h, glam::DVec3::Z) * measure / f64::from(steps)
+            })
+            .sum();
+        assert!((total - 1.0).abs() < 1e-9, "{alpha}: {total}");
+    }
+}

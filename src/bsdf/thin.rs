@@ -1,0 +1,69 @@
+//! Panes: sheets so thin that what passes is not displaced.
+
+use super::fresnel::dielectric_reflectance;
+use super::{BsdfSample, dielectric};
+use crate::color::{self, Rgb};
+use glam::Vec3;
+
+/// Two parallel smooth interfaces and what lies between them, with all reflections inside; alike from both sides.
+///
+/// Light passes straight on, and as both sides are in one medium, radiance is not squeezed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Thin {
+    /// Index of the sheet over that of what is around it.
+    pub eta: f32,
+    /// Colour kept on one perpendicular crossing, in \[0, 1].
+    pub transmittance: Rgb,
+}
+
+/// The two continuations of a walk at a sheet, each with the weight it carries when both are followed.
+#[derive(Clone, Copy, Debug)]
+pub struct ThinSplit {
+    /// The mirrored direction and its share.
+    pub reflected: (Vec3, Rgb),
+    /// The direction straight on and its share.
+    pub transmitted: (Vec3, Rgb),
+}
+
+impl Thin {
+    /// Parts reflected and transmitted where `cos ≥ 0` is the cosine outside: with R of one interface and τ kept on one
+    /// crossing, R + (1−R)²τ²R/(1−R²τ²) and (1−R)²τ/(1−R²τ²), the sums of two geometric series.
+    #[inline]
+    #[must_use]
+    pub fn shares(&self, cos: f32) -> (Rgb, Rgb) {
+        let (r, cos_t) = dielectric_reflectance(cos, self.eta);
+        if r >= 1.0 || cos_t <= 0.0 {
+            return (Rgb::ONE, Rgb::ZERO);
+        }
+        let length = 1.0 / cos_t;
+        let clear = self.transmittance == Rgb::ONE;
+        let kept = if clear { Rgb::ONE } else { self.transmittance.map(|t| libm::powf(t, length)) };
+        let through = kept * ((1.0 - r) * (1.0 - r)) / (Rgb::ONE - kept * kept * (r * r));
+        (Rgb::splat(r) + through * kept * r, through)
+    }
+
+    /// Both continuations from direction `wo`.
+    #[inline]
+    #[must_use]
+    pub fn split(&self, wo: Vec3, ns: Vec3, ng: Vec3) -> ThinSplit {
+        let mirrored = dielectric::reflect_above(wo, ns, ng);
+        // Of the normal that mirrored, which is not always `ns`.
+        let cos = wo.dot((wo + mirrored).normalize_or_zero());
+        let (reflected, transmitted) = self.shares(cos);
+        ThinSplit { reflected: (mirrored, reflected), transmitted: (-wo, transmitted) }
+    }
+
+    /// One continuation, chosen by the means of both shares.
+    #[inline]
+    pub(super) fn sample(&self, wo: Vec3, ns: Vec3, ng: Vec3, lobe: f32) -> Option<BsdfSample> {
+        let ThinSplit { reflected, transmitted } = self.split(wo, ns, ng);
+        let (r, t) = (color::mean(reflected.1), color::mean(transmitted.1));
+        let reflects = r / (r + t);
+        if r + t == 0.0 {
+            return None;
+        }
+        let crosses = lobe >= reflects;
+        let ((wi, share), probability) = if crosses { (transmitted, 1.0 - reflects) } else { (reflected, reflects) };
+        Some(BsdfSample { wi, weight: share / probability, pdf: 0.0, specular: true, transmitted: crosses })
+    }
+}
