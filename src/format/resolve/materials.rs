@@ -1,10 +1,11 @@
 //! Materials of the description.
 
 use super::{Resolver, rgb};
+use crate::bsdf::{Bsdf, Conductor, METALS, Thin, conductor_reflectance, metal};
 use crate::color::Rgb;
 use crate::format::SceneError;
-use crate::format::description::{Attenuation, Material as Described, MaterialKind, Spanned};
-use crate::scene::{Body, Look, Material};
+use crate::format::description::{Attenuation, MaterialKind, Metal, Spanned};
+use crate::scene::{Body, Look, Material, Scattering};
 use glam::DVec3;
 
 impl Resolver<'_> {
@@ -12,7 +13,7 @@ impl Resolver<'_> {
     pub(super) fn materials(&mut self) -> Result<(), SceneError> {
         let mut materials = Vec::new();
         for (index, described) in self.description.materials.iter().enumerate() {
-            materials.push(self.material(described, &materials)?);
+            materials.push(self.material(&described.kind, &materials)?);
             if let Some(name) = &described.name {
                 self.names.entry(name).or_insert(index as u32);
             }
@@ -35,8 +36,8 @@ impl Resolver<'_> {
     }
 
     /// A material that may refer to those `before` it.
-    fn material(&self, described: &Spanned<Described>, before: &[Material]) -> Result<Material, SceneError> {
-        Ok(match &described.kind {
+    fn material(&self, kind: &MaterialKind, before: &[Material]) -> Result<Material, SceneError> {
+        Ok(match kind {
             MaterialKind::Phong { diffuse, specular, shininess, texture: _ } => {
                 Material::phong(rgb(*diffuse), rgb(*specular), *shininess as f32)
             }
@@ -48,9 +49,14 @@ impl Resolver<'_> {
                 priority: *priority,
                 roughness: *roughness as f32,
             }),
-            MaterialKind::Conductor { .. } | MaterialKind::Thin { .. } => {
-                let help = "use Mirror or Dielectric";
-                return Err(self.refuse(described.span, "this material cannot be rendered yet", help));
+            MaterialKind::Conductor { metal, roughness } => {
+                let (eta, k) = self.metal(metal)?;
+                let bsdf = Bsdf::Conductor(Conductor::new(eta, k, *roughness as f32));
+                fixed(bsdf, conductor_reflectance(1.0, eta, k))
+            }
+            MaterialKind::Thin { index, transmittance } => {
+                let transmittance = rgb(*transmittance);
+                fixed(Bsdf::Thin(Thin { eta: *index as f32, transmittance }), transmittance)
             }
             MaterialKind::Mix { first, second, amount } => {
                 let (first, second, amount) = (self.named(first)?, self.named(second)?, *amount as f32);
@@ -59,6 +65,22 @@ impl Resolver<'_> {
             }
         })
     }
+
+    /// η and k.
+    fn metal(&self, described: &Metal) -> Result<(Rgb, Rgb), SceneError> {
+        match described {
+            Metal::Index { eta, k } => Ok((rgb(*eta), rgb(*k))),
+            Metal::Named(name) => metal(name).ok_or_else(|| {
+                let message = format!("no metal is called `{}`", name.value);
+                let help = format!("known are {}; of others, give `eta` and `k`", METALS.join(", "));
+                SceneError::at(self.source, name.span, message, "unknown name", help)
+            }),
+        }
+    }
+}
+
+fn fixed(bsdf: Bsdf, look: Rgb) -> Material {
+    Material { scattering: Scattering::Fixed(bsdf), look: Look::matt(look) }
 }
 
 /// Per length, by Beer's law.

@@ -41,6 +41,7 @@ fn the_reference_holds_whole_scenes() {
         let d = parse("scene-language.md", text).unwrap();
         assert_eq!(parse("again", &d.to_string()).unwrap(), d);
     }
+    assert!(page.contains(&crate::bsdf::METALS.join(", ")), "the page lists other metals");
 }
 
 #[test]

@@ -1,7 +1,8 @@
 //! Materials as they resolve.
 
-use super::{CAMERA, close, scene};
-use crate::bsdf::Bsdf;
+use super::{CAMERA, close, refusal, scene};
+use crate::bsdf::{Bsdf, Conductor, METALS, Thin, metal};
+use crate::color::Rgb;
 use crate::format::description::MaterialKind;
 use crate::format::{Source, parse, resolve};
 use crate::scene::{Body, Scattering, Scene};
@@ -37,6 +38,34 @@ fn materials_become_what_they_say() {
     assert_eq!(scene.materials()[3].scattering, Scattering::Fixed(Bsdf::Mirror(vec3(0.9, 0.8, 0.7))));
     let look = scene.materials()[4].look;
     assert_eq!((look.diffuse, look.specular, look.shininess), (vec3(0.1, 0.2, 0.3), vec3(0.4, 0.5, 0.6), 7.0));
+}
+
+fn metallic(eta: Rgb, k: Rgb, alpha: f32) -> Scattering {
+    Scattering::Fixed(Bsdf::Conductor(Conductor::new(eta, k, alpha)))
+}
+
+#[test]
+fn metals_have_the_index_of_their_name_or_their_own() {
+    for name in METALS {
+        let (eta, k) = metal(name).unwrap();
+        let scene = of(&format!("Conductor {{ metal {name} roughness .5 }}"));
+        assert_eq!(scene.materials()[0].scattering, metallic(eta, k, 0.5), "{name}");
+    }
+    let scene = of("Conductor { eta 1 2 3 k 4 5 6 }");
+    assert_eq!(scene.materials()[0].scattering, metallic(vec3(1.0, 2.0, 3.0), vec3(4.0, 5.0, 6.0), 0.0));
+    // (n² − 2n + 1 + k²) / (n² + 2n + 1 + k²) head-on.
+    assert!(close(scene.materials()[0].look.diffuse, vec3(16.0 / 20.0, 26.0 / 34.0, 40.0 / 52.0)));
+    let error = refusal(&format!("Materials {{\nConductor {{ metal unobtainium }} }} {BALL}"));
+    assert_eq!((error.line(), error.column(), error.text()), (3, 19, "unobtainium"));
+    assert!(error.message().contains("no metal is called `unobtainium`"));
+    assert!(METALS.iter().all(|name| error.remedy().contains(name)), "{}", error.remedy());
+}
+
+#[test]
+fn panes_take_index_and_transmittance() {
+    let thin = Thin { eta: 1.25, transmittance: vec3(0.5, 1.0, 0.25) };
+    let scene = of("Thin { indexOfRefraction 1.25 transmittance .5 1 .25 }");
+    assert_eq!(scene.materials()[0].scattering, Scattering::Fixed(Bsdf::Thin(thin)));
 }
 
 #[test]
