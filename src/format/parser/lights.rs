@@ -2,14 +2,24 @@
 
 use glam::DVec3;
 
-use super::super::description::{AreaStrength, DirectionalStrength, Light, PointStrength, Spanned};
+use super::super::description::{
+    AreaStrength, DirectionalStrength, EnvironmentRadiance, Light, PointStrength, Spanned,
+};
 use super::super::error::SceneError;
 use super::super::lexer::Token;
 use super::Parser;
 use super::fields::{Fields, Found, Kind};
 
-const LIGHTS: [&str; 7] =
-    ["numLights", "PointLight", "DirectionalLight", "SpotLight", "SphereLight", "DiscLight", "RectangleLight"];
+const LIGHTS: [&str; 8] = [
+    "numLights",
+    "PointLight",
+    "DirectionalLight",
+    "SpotLight",
+    "SphereLight",
+    "DiscLight",
+    "RectangleLight",
+    "EnvironmentLight",
+];
 
 const COLOR: (&str, Kind) = ("color", Kind::Vector);
 const INTENSITY: (&str, Kind) = ("intensity", Kind::Vector);
@@ -20,8 +30,12 @@ impl<'a> Parser<'a> {
     pub fn lights(&mut self, block: Token<'a>) -> Result<Vec<Spanned<Light>>, SceneError> {
         let mut lights = Vec::new();
         let mut count = None;
+        let mut surrounded = false;
         self.open(block)?;
         while let Some(word) = self.word()? {
+            if word.text == "EnvironmentLight" && std::mem::replace(&mut surrounded, true) {
+                return Err(self.twice(word));
+            }
             match word.text {
                 "numLights" => self.count(word, &mut count)?,
                 _ => lights.push(Spanned::new(self.light(word)?, word.span())),
@@ -78,6 +92,10 @@ impl<'a> Parser<'a> {
                 let (corner, edge0, edge1) = f.rectangle()?;
                 Ok(Light::Rectangle { corner, edge0, edge1, strength: f.area_strength()? })
             }
+            "EnvironmentLight" => {
+                let known = [RADIANCE, ("file", Kind::Name), ("scale", Number), ("rotate", Number)];
+                Ok(Light::Environment(self.fields(word, &known)?.environment()?))
+            }
             _ => Err(self.unexpected(word, &LIGHTS)),
         }
     }
@@ -97,6 +115,25 @@ impl Fields<'_> {
         }
         let penumbra = penumbra.map_or(0.0, |rim| rim.number());
         Ok(Light::Spot { position, aim, angle, penumbra, strength: self.point_strength()? })
+    }
+
+    fn environment(&self) -> Result<EnvironmentRadiance, SceneError> {
+        let radiance = self.one_of(&["file", "radiance"])?;
+        let (scale, rotate) = (self.get("scale"), self.get("rotate"));
+        if radiance.name() == "radiance" {
+            for field in scale.iter().chain(&rotate) {
+                field.ensure(false, "says nothing without `file`")?;
+            }
+            return Ok(EnvironmentRadiance::Constant(radiance.colour()?));
+        }
+        if let Some(scale) = scale {
+            scale.ensure(scale.number() >= 0.0, "must not be negative")?;
+        }
+        Ok(EnvironmentRadiance::Picture {
+            path: radiance.text(),
+            scale: scale.map_or(1.0, |s| s.number()),
+            rotate: rotate.map_or(0.0, |r| r.number()),
+        })
     }
 
     fn point_strength(&self) -> Result<PointStrength, SceneError> {

@@ -2,16 +2,44 @@
 
 use glam::DVec3;
 
-use super::super::description::{Attenuation, Material, MaterialKind, Spanned};
+use super::super::description::{Attenuation, Material, MaterialKind, Metal, Spanned};
 use super::super::error::SceneError;
 use super::super::lexer::Token;
-use super::fields::{Fields, Kind};
+use super::fields::{Fields, Found, Kind};
 use super::{Parser, clip, suggest};
 
-const MATERIALS: [&str; 7] = ["numMaterials", "Material", "PhongMaterial", "Phong", "Diffuse", "Mirror", "Dielectric"];
+const MATERIALS: [&str; 10] = [
+    "numMaterials",
+    "Material",
+    "PhongMaterial",
+    "Phong",
+    "Diffuse",
+    "Mirror",
+    "Dielectric",
+    "Conductor",
+    "Thin",
+    "Mix",
+];
+
+/// Indices of refraction whose ratios and squares single precision can tell apart; all of nature lies inside.
+const INDICES: std::ops::RangeInclusive<f64> = 0.001..=1000.0;
 
 const EMISSION: (&str, Kind) = ("emission", Kind::Vector);
+const INDEX: (&str, Kind) = ("indexOfRefraction", Kind::Number);
+const ROUGHNESS: (&str, Kind) = ("roughness", Kind::Number);
 const REFLECTANCE: (&str, Kind) = ("reflectance", Kind::Vector);
+
+/// Most mixes inside one another: each level doubles the ways through.
+const MAX_MIXES: u8 = 8;
+
+/// What light may find behind a material.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Reach {
+    /// The Dielectric that it may enter.
+    body: Option<usize>,
+    /// The depth of mixes.
+    mixes: u8,
+}
 
 impl<'a> Parser<'a> {
     pub fn materials(&mut self, block: Token<'a>) -> Result<(), SceneError> {
@@ -20,6 +48,7 @@ impl<'a> Parser<'a> {
         }
         self.materials.clear();
         self.names.clear();
+        self.reach.clear();
         let mut count = None;
         self.open(block)?;
         while let Some(word) = self.word()? {
@@ -36,21 +65,24 @@ impl<'a> Parser<'a> {
     }
 
     fn material(&mut self, word: Token<'a>) -> Result<Material, SceneError> {
-        use Kind::{Name, Number, Vector};
+        use Kind::{Integer, Name, Number, Vector};
         let name = self.material_name()?;
-        let f = match word.text {
-            "Diffuse" | "Mirror" => self.fields(word, &[REFLECTANCE, EMISSION])?,
-            "Dielectric" => {
-                let tint = [("tint", Vector), ("tintDistance", Number)];
-                let known = [("indexOfRefraction", Number), ("absorption", Vector), tint[0], tint[1], EMISSION];
-                self.fields(word, &known)?
-            }
-            _ => {
-                let colours = [("diffuseColor", Vector), ("specularColor", Vector)];
-                let known = [colours[0], colours[1], ("shininess", Number), ("texture", Name), EMISSION];
-                self.fields(word, &known)?
-            }
+        let own: &[(&str, Kind)] = match word.text {
+            "Diffuse" | "Mirror" => &[REFLECTANCE],
+            "Dielectric" => &[
+                INDEX,
+                ("absorption", Vector),
+                ("tint", Vector),
+                ("tintDistance", Number),
+                ROUGHNESS,
+                ("priority", Integer),
+            ],
+            "Conductor" => &[("metal", Name), ("eta", Vector), ("k", Vector), ROUGHNESS],
+            "Thin" => &[INDEX, ("transmittance", Vector)],
+            "Mix" => &[("first", Name), ("second", Name), ("amount", Number)],
+            _ => &[("diffuseColor", Vector), ("specularColor", Vector), ("shininess", Number), ("texture", Name)],
         };
+        let f = self.fields(word, &[own, &[EMISSION]].concat())?;
         let kind = match word.text {
             "Diffuse" => MaterialKind::Diffuse { reflectance: f.need("reflectance")?.reflectance()? },
             "Mirror" => {
@@ -58,9 +90,63 @@ impl<'a> Parser<'a> {
                 MaterialKind::Mirror { reflectance }
             }
             "Dielectric" => f.dielectric()?,
+            "Conductor" => f.conductor()?,
+            "Thin" => {
+                let transmittance = f.get("transmittance").map_or(Ok(DVec3::ONE), |t| t.transmittance())?;
+                MaterialKind::Thin { index: f.index()?, transmittance }
+            }
+            "Mix" => self.mix(&f)?,
             _ => f.phong()?,
         };
+        self.reach.push(match &kind {
+            MaterialKind::Dielectric { .. } => Reach { body: Some(self.materials.len()), mixes: 0 },
+            MaterialKind::Mix { first, second, .. } => {
+                let (a, b) = (self.reach(first), self.reach(second));
+                Reach { body: a.body.or(b.body), mixes: a.mixes.max(b.mixes) + 1 }
+            }
+            _ => Reach::default(),
+        });
         Ok(Material { name, kind, emission: f.emission()? })
+    }
+
+    fn mix(&self, f: &Fields<'a>) -> Result<MaterialKind, SceneError> {
+        let first = self.part(f.need("first")?)?;
+        let second = self.part(f.need("second")?)?;
+        let amount = f.need("amount")?.share()?;
+        for part in [&first, &second] {
+            if self.reach(part).mixes == MAX_MIXES {
+                let message = format!("mixes nest more than {MAX_MIXES} deep");
+                let help = "mix fewer materials, or materials that are no mixes".to_owned();
+                return Err(f.error(part.span, message, "the deepest that may be", help));
+            }
+        }
+        // Light would enter one of them, leave the other, and take the first for what is around it ever after.
+        if let (Some(a), Some(b)) = (self.reach(&first).body, self.reach(&second).body)
+            && a != b
+        {
+            let message = "a mix cannot be two different Dielectrics".to_owned();
+            let help = "mix a Dielectric with what light does not enter, or with itself".to_owned();
+            return Err(f.error(second.span, message, "the second body", help));
+        }
+        Ok(MaterialKind::Mix { first, second, amount })
+    }
+
+    /// The name of a material that stands before the one that is being read.
+    fn part(&self, field: Found<'_, 'a>) -> Result<Spanned<String>, SceneError> {
+        let name = field.text();
+        match self.names.get(&name.value) {
+            Some(&index) if index < self.materials.len() => Ok(name),
+            Some(_) => {
+                let message = format!("`{}` is a part of itself", clip(&name.value));
+                let help = format!("name a material that stands before it as `{}`", field.name());
+                Err(self.lexer.error(name.span, message, "this mix", help))
+            }
+            None => Err(self.unknown_material(&name, "a mix is made of materials that stand before it")),
+        }
+    }
+
+    fn reach(&self, name: &Spanned<String>) -> Reach {
+        self.names.get(&name.value).map_or(Reach::default(), |&index| self.reach[index])
     }
 
     /// The name between a material's kind and its `{`, if any.
@@ -114,13 +200,14 @@ impl<'a> Parser<'a> {
         if self.names.contains_key(&name.value) {
             return Ok(name);
         }
+        Err(self.unknown_material(&name, "name it ahead of the Group: `Materials { Diffuse name { … } }`"))
+    }
+
+    fn unknown_material(&self, name: &Spanned<String>, help: &str) -> SceneError {
         let message = format!("no material is called `{}`", clip(&name.value));
         let nearest = suggest::nearest(&name.value, self.materials.iter().filter_map(|m| m.name.as_deref()));
-        let help = match nearest {
-            Some(nearest) => format!("did you mean `{}`?", clip(nearest)),
-            None => "name it ahead of the Group: `Materials { Diffuse name { … } }`".to_owned(),
-        };
-        Err(self.lexer.error(name.span, message, "unknown name", help))
+        let help = nearest.map_or(help.to_owned(), |nearest| format!("did you mean `{}`?", clip(nearest)));
+        self.lexer.error(name.span, message, "unknown name", help)
     }
 }
 
@@ -139,29 +226,78 @@ impl Fields<'_> {
     }
 
     fn dielectric(&self) -> Result<MaterialKind, SceneError> {
-        let index = self.get("indexOfRefraction").map_or(Ok(1.5), |i| i.positive())?;
+        let priority = self.get("priority");
+        if let Some(p) = priority {
+            p.ensure(p.number() <= f64::from(u8::MAX), "must be a whole number from 0 to 255")?;
+        }
+        Ok(MaterialKind::Dielectric {
+            index: self.index()?,
+            attenuation: self.attenuation()?,
+            roughness: self.roughness()?,
+            priority: priority.map_or(0, |p| p.number() as u8),
+        })
+    }
+
+    fn attenuation(&self) -> Result<Attenuation, SceneError> {
         if self.get("absorption").is_some() && self.get("tint").is_some() {
             // Names the second of the two.
             self.one_of(&["absorption", "tint"])?;
         }
         let distance = self.get("tintDistance");
-        let attenuation = match (self.get("absorption"), self.get("tint")) {
-            (_, Some(tint)) => {
-                let ok = tint.vector().min_element() > 0.0 && tint.vector().max_element() <= 1.0;
-                tint.ensure(ok, "must lie above 0 and at most at 1 in each component")?;
-                let distance = distance.map_or(Ok(1.0), |d| d.positive())?;
-                return Ok(MaterialKind::Dielectric {
-                    index,
-                    attenuation: Attenuation::Tint { color: tint.vector(), distance },
-                });
-            }
-            (Some(absorption), None) => Attenuation::Absorption(absorption.colour()?),
-            (None, None) => Attenuation::None,
-        };
+        if let Some(tint) = self.get("tint") {
+            let distance = distance.map_or(Ok(1.0), |d| d.positive())?;
+            return Ok(Attenuation::Tint { color: tint.transmittance()?, distance });
+        }
         if let Some(distance) = distance {
             distance.ensure(false, "says nothing without `tint`")?;
         }
-        Ok(MaterialKind::Dielectric { index, attenuation })
+        self.get("absorption").map_or(Ok(Attenuation::None), |a| a.colour().map(Attenuation::Absorption))
+    }
+
+    fn conductor(&self) -> Result<MaterialKind, SceneError> {
+        for index in ["eta", "k"] {
+            if self.get("metal").is_some() && self.get(index).is_some() {
+                self.one_of(&["metal", index])?;
+            }
+        }
+        let metal = if let Some(name) = self.get("metal") {
+            Metal::Named(name.text())
+        } else {
+            if self.get("k").is_none() {
+                // Asks for both ways at once where there is neither.
+                self.one_of(&["metal", "eta"])?;
+            }
+            let (eta, k) = (self.need("eta")?, self.need("k")?);
+            let within = |v: DVec3, least: f64| v.min_element() >= least && v.max_element() <= *INDICES.end();
+            eta.ensure(within(eta.vector(), *INDICES.start()), "must lie between 0.001 and 1000 in each component")?;
+            k.ensure(within(k.vector(), 0.0), "must lie between 0 and 1000 in each component")?;
+            Metal::Index { eta: eta.vector(), k: k.vector() }
+        };
+        Ok(MaterialKind::Conductor { metal, roughness: self.roughness()? })
+    }
+
+    fn index(&self) -> Result<f64, SceneError> {
+        let Some(index) = self.get("indexOfRefraction") else { return Ok(1.5) };
+        index.ensure(INDICES.contains(&index.number()), "must lie between 0.001 and 1000")?;
+        Ok(index.number())
+    }
+
+    fn roughness(&self) -> Result<f64, SceneError> {
+        self.get("roughness").map_or(Ok(0.0), |r| r.share())
+    }
+}
+
+impl Found<'_, '_> {
+    fn share(&self) -> Result<f64, SceneError> {
+        self.ensure((0.0..=1.0).contains(&self.number()), "must lie between 0 and 1")?;
+        Ok(self.number())
+    }
+
+    /// What is left of light; none at all would be no number to take the logarithm of.
+    fn transmittance(&self) -> Result<DVec3, SceneError> {
+        let ok = self.vector().min_element() > 0.0 && self.vector().max_element() <= 1.0;
+        self.ensure(ok, "must lie above 0 and at most at 1 in each component")?;
+        Ok(self.vector())
     }
 }
 

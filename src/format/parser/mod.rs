@@ -19,6 +19,7 @@ use super::description::{Description, Material, Span, Spanned};
 use super::error::{SceneError, Source};
 use super::lexer::{Lexer, Token};
 use fields::Kind;
+use materials::Reach;
 pub(super) use materials::is_identifier;
 
 /// The blocks of a file.
@@ -35,6 +36,7 @@ pub fn parse(name: &str, text: &str) -> Result<Description, SceneError> {
         depth: 0,
         materials: Vec::new(),
         names: HashMap::new(),
+        reach: Vec::new(),
         indexed: false,
         late: None,
     }
@@ -70,6 +72,8 @@ struct Parser<'a> {
     /// Of the last `Materials` block so far, by index and by name.
     materials: Vec<Spanned<Material>>,
     names: HashMap<String, usize>,
+    /// For each material what light may find behind it.
+    reach: Vec<Reach>,
     /// Whether the last `Group` so far names a material.
     indexed: bool,
     /// A `Materials` block that replaced those that the last `Group` so far names.

@@ -1,14 +1,15 @@
 //! Lights of the description.
 
 use super::{Resolver, aim, rgb};
-use crate::format::description::{AreaStrength, DirectionalStrength, Light, PointStrength};
+use crate::format::SceneError;
+use crate::format::description::{AreaStrength, DirectionalStrength, Light, PointStrength, Spanned};
 use crate::scene::{LightStrength, Material, SourceKind};
 use crate::shape::{Disc, Rectangle, Shape, Sphere};
 use glam::DVec3;
 
 impl Resolver<'_> {
-    pub(super) fn light(&mut self, light: &Light) {
-        match light {
+    pub(super) fn light(&mut self, light: &Spanned<Light>) -> Result<(), SceneError> {
+        match &light.value {
             Light::Point { position, strength } => {
                 self.builder.source(SourceKind::Point { position: *position }, point(*strength));
             }
@@ -38,7 +39,12 @@ impl Resolver<'_> {
             Light::Rectangle { corner, edge0, edge1, strength } => {
                 self.area_light(Shape::Rectangle(Rectangle::new(*corner, *edge0, *edge1)), *strength);
             }
+            Light::Environment(_) => {
+                let help = "give the scene a Background and other lights";
+                return Err(self.refuse(light.span, "light from all around cannot be rendered yet", help));
+            }
         }
+        Ok(())
     }
 
     /// A black surface that radiates.

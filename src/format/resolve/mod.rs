@@ -1,27 +1,28 @@
 //! From description to resolved scene: names and files are looked up, transforms multiplied through.
 
 mod lights;
+mod materials;
 mod shapes;
 #[cfg(test)]
 mod tests;
 
-use super::description::{Aim, Attenuation, Description, Group, Item, MaterialKind, Object, Span, Spanned};
+use super::description::{Aim, Description, Group, Item, Object, Span, Spanned};
 use super::obj::{self, TriangleMesh};
 use super::{SceneError, Source};
 use crate::camera::Pinhole;
 use crate::color::Rgb;
 use crate::math::Transform;
-use crate::scene::{Material, Scene, SceneBuilder};
+use crate::scene::{Scene, SceneBuilder};
 use glam::{DAffine3, DVec3};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-/// Makes a scene of a description. Meshes are looked for in `folder`, then in the folder above it.
+/// Makes a scene of a description. Meshes and pictures are looked for in `folder`, then in the folder above it.
 ///
 /// # Errors
-/// [`SceneError`] with the place in `source`: a mesh that is missing or broken, a singular product of transforms, what cannot
-/// emit or cannot be rendered yet.
+/// [`SceneError`] with the place in `source`: a mesh or picture that is missing or broken, an unknown metal, a singular product
+/// of transforms, what cannot emit or cannot be rendered yet.
 pub fn resolve(description: &Description, source: &Source, folder: &Path) -> Result<Scene, SceneError> {
     let camera = camera(description, source)?;
     let mut resolver = Resolver {
@@ -29,19 +30,15 @@ pub fn resolve(description: &Description, source: &Source, folder: &Path) -> Res
         folder,
         description,
         builder: SceneBuilder::new(),
+        names: HashMap::new(),
         meshes: HashMap::new(),
         material: 0,
         placing: None,
     };
     resolver.builder.background(rgb(description.background));
-    for material in &description.materials {
-        resolver.builder.material(self::material(&material.kind));
-    }
-    if description.materials.is_empty() {
-        resolver.builder.material(Material::diffuse(Rgb::ONE));
-    }
+    resolver.materials()?;
     for light in &description.lights {
-        resolver.light(light);
+        resolver.light(light)?;
     }
     resolver.group(&description.root, DAffine3::IDENTITY)?;
     resolver.builder.build(camera).map_err(|e| {
@@ -54,6 +51,8 @@ struct Resolver<'a> {
     folder: &'a Path,
     description: &'a Description,
     builder: SceneBuilder,
+    /// Of the materials so far.
+    names: HashMap<&'a str, u32>,
     meshes: HashMap<PathBuf, Rc<TriangleMesh>>,
     /// The material in force: it persists beyond the group that set it.
     material: u32,
@@ -66,15 +65,7 @@ impl Resolver<'_> {
         for item in &group.items {
             match item {
                 Item::MaterialIndex(index) => self.material = index.value,
-                Item::MaterialName(name) => {
-                    let named = |m: &Spanned<_>| material_name(m) == Some(name.value.as_str());
-                    let found = self.description.materials.iter().position(named);
-                    let index = found.ok_or_else(|| {
-                        let message = format!("there is no material named `{}`", name.value);
-                        SceneError::at(self.source, name.span, message, "unknown name", "define it in Materials first")
-                    })?;
-                    self.material = index as u32;
-                }
+                Item::MaterialName(name) => self.material = self.named(name)?,
                 Item::Object(object) => self.object(object, to_world)?,
             }
         }
@@ -109,38 +100,35 @@ impl Resolver<'_> {
 
     /// The mesh of a path, read once.
     fn mesh(&mut self, path: &Spanned<String>) -> Result<Rc<TriangleMesh>, SceneError> {
-        let error = |message: String, help: &str| SceneError::at(self.source, path.span, message, "named here", help);
-        let Some(file) = find(self.folder, Path::new(&path.value)) else {
-            let places: Vec<String> = places(self.folder, Path::new(&path.value)).map(|p| show(&p)).collect();
-            let message = format!("the mesh `{}` does not exist", path.value);
-            return Err(error(message, &format!("put the file at {}", places.join(" or "))));
-        };
+        let file = self.file("mesh", path)?;
         if let Some(mesh) = self.meshes.get(&file) {
             return Ok(mesh.clone());
         }
-        let mesh = obj::load(&file).map_err(|e| error(e.to_string(), "mend the mesh or name another"))?;
+        let mesh = obj::load(&file).map_err(|e| self.bad_file(path, &e, "mend the mesh or name another"))?;
         let mesh = Rc::new(mesh);
         self.meshes.insert(file, mesh.clone());
         Ok(mesh)
     }
+
+    /// Where the file of a path is; `kind` says what it is taken for.
+    fn file(&self, kind: &str, path: &Spanned<String>) -> Result<PathBuf, SceneError> {
+        let written = Path::new(&path.value);
+        places(self.folder, written).find(|p| p.is_file()).ok_or_else(|| {
+            let places: Vec<String> = places(self.folder, written).map(|p| format!("`{}`", p.display())).collect();
+            let message = format!("the {kind} `{}` does not exist", path.value);
+            self.bad_file(path, &message, &format!("put the file at {}", places.join(" or ")))
+        })
+    }
+
+    fn bad_file(&self, path: &Spanned<String>, message: &impl ToString, help: &str) -> SceneError {
+        SceneError::at(self.source, path.span, message.to_string(), "named here", help)
+    }
 }
 
-/// Where a mesh may be: beside the scene file, or in the folder above it.
+/// Where a file may be: beside the scene file, or in the folder above it.
 fn places<'a>(folder: &'a Path, path: &'a Path) -> impl Iterator<Item = PathBuf> {
     let above = if folder.as_os_str().is_empty() { Path::new("..").to_owned() } else { folder.join("..") };
     [folder.join(path), above.join(path)].into_iter().take(if path.is_absolute() { 1 } else { 2 })
-}
-
-fn find(folder: &Path, path: &Path) -> Option<PathBuf> {
-    places(folder, path).find(|p| p.is_file())
-}
-
-fn show(path: &Path) -> String {
-    format!("`{}`", path.display())
-}
-
-fn material_name(material: &super::description::Material) -> Option<&str> {
-    material.name.as_deref()
 }
 
 fn camera(description: &Description, source: &Source) -> Result<Pinhole, SceneError> {
@@ -159,22 +147,4 @@ fn aim(aim: Aim, from: DVec3) -> DVec3 {
 
 fn rgb(color: DVec3) -> Rgb {
     color.as_vec3()
-}
-
-fn material(kind: &MaterialKind) -> Material {
-    match kind {
-        MaterialKind::Phong { diffuse, specular, shininess, texture: _ } => {
-            Material::phong(rgb(*diffuse), rgb(*specular), *shininess as f32)
-        }
-        MaterialKind::Diffuse { reflectance } => Material::diffuse(rgb(*reflectance)),
-        MaterialKind::Mirror { reflectance } => Material::mirror(rgb(*reflectance)),
-        MaterialKind::Dielectric { index, attenuation } => {
-            let absorption = match attenuation {
-                Attenuation::None => DVec3::ZERO,
-                Attenuation::Absorption(sigma) => *sigma,
-                Attenuation::Tint { color, distance } => -color.map(libm::log) / *distance,
-            };
-            Material::dielectric(*index as f32, rgb(absorption))
-        }
-    }
 }

@@ -60,7 +60,7 @@ impl Resolver<'_> {
         Ok(())
     }
 
-    fn refuse(&self, span: Span, message: &str, help: &str) -> SceneError {
+    pub(super) fn refuse(&self, span: Span, message: &str, help: &str) -> SceneError {
         SceneError::at(self.source, span, message, "here", help)
     }
 

@@ -102,11 +102,26 @@ fn light() -> impl Strategy<Value = Light> {
     ]
 }
 
+fn environment() -> impl Strategy<Value = Light> {
+    let picture = (name(), positive(), finite()).prop_map(|(path, scale, rotate)| EnvironmentRadiance::Picture {
+        path: spanned(path),
+        scale,
+        rotate,
+    });
+    prop_oneof![colour().prop_map(EnvironmentRadiance::Constant), picture].prop_map(Light::Environment)
+}
+
 fn material() -> impl Strategy<Value = (MaterialKind, Option<DVec3>)> {
     let attenuation = prop_oneof![
         Just(Attenuation::None),
         colour().prop_map(Attenuation::Absorption),
         (share(), positive()).prop_map(|(color, distance)| Attenuation::Tint { color, distance }),
+    ];
+    let index = || 1e-3..=1e3;
+    let indices = || [index(), index(), index()].prop_map(DVec3::from_array);
+    let metal = prop_oneof![
+        name().prop_map(|name| Metal::Named(spanned(name))),
+        (indices(), share()).prop_map(|(eta, k)| Metal::Index { eta, k: 1e3 * k }),
     ];
     let kind = prop_oneof![
         (colour(), colour(), positive(), option::of(name())).prop_map(|(diffuse, specular, shininess, texture)| {
@@ -114,7 +129,11 @@ fn material() -> impl Strategy<Value = (MaterialKind, Option<DVec3>)> {
         }),
         share().prop_map(|reflectance| MaterialKind::Diffuse { reflectance }),
         share().prop_map(|reflectance| MaterialKind::Mirror { reflectance }),
-        (positive(), attenuation).prop_map(|(index, attenuation)| MaterialKind::Dielectric { index, attenuation }),
+        (index(), attenuation, 0.0..=1.0, any::<u8>()).prop_map(|(index, attenuation, roughness, priority)| {
+            MaterialKind::Dielectric { index, attenuation, roughness, priority }
+        }),
+        (metal, 0.0..=1.0).prop_map(|(metal, roughness)| MaterialKind::Conductor { metal, roughness }),
+        (index(), share()).prop_map(|(index, transmittance)| MaterialKind::Thin { index, transmittance }),
     ];
     (kind, option::of(colour()))
 }
@@ -203,18 +222,39 @@ fn name_materials(group: &mut Group, materials: &[Spanned<Material>]) {
     }
 }
 
+/// Name, kind, emission, and the parts of a mix.
+type Draft = (Option<String>, (MaterialKind, Option<DVec3>), Option<(prop::sample::Index, prop::sample::Index, f64)>);
+
+/// Materials of these kinds and names; where a mix is asked for and can be, it takes the place of the kind.
+fn materials(drafts: Vec<Draft>) -> Vec<Spanned<Material>> {
+    let mut materials: Vec<Spanned<Material>> = Vec::new();
+    let mut names: Vec<(String, Option<usize>)> = Vec::new();
+    for (i, (name, (mut kind, emission), mix)) in drafts.into_iter().enumerate() {
+        let mut body = matches!(kind, MaterialKind::Dielectric { .. }).then_some(i);
+        if let (Some((first, second, amount)), false) = (mix, names.is_empty()) {
+            let [(first, a), (second, b)] = [first, second].map(|part| &names[part.index(names.len())]);
+            if a.is_none() || b.is_none() || a == b {
+                let [first, second] = [first, second].map(|name| spanned(name.clone()));
+                (kind, body) = (MaterialKind::Mix { first, second, amount }, a.or(*b));
+            }
+        }
+        let name = name.filter(|name| names.iter().all(|(other, _)| other != name));
+        names.extend(name.clone().map(|name| (name, body)));
+        materials.push(spanned(Material { name, kind, emission }));
+    }
+    materials
+}
+
 pub fn description() -> impl Strategy<Value = Description> {
-    let materials = vec((option::of(name()), material()), 0..4);
-    let parts = (camera(), colour(), vec(light(), 0..4), materials, vec(item(), 0..4));
-    parts.prop_map(|(camera, background, lights, materials, items)| {
-        let mut names = std::collections::HashSet::new();
-        let materials: Vec<_> = materials
-            .into_iter()
-            .map(|(name, (kind, emission))| {
-                let name = name.filter(|name| names.insert(name.clone()));
-                spanned(Material { name, kind, emission })
-            })
-            .collect();
+    let part = any::<prop::sample::Index>;
+    let drafts = vec((option::of(name()), material(), option::of((part(), part(), 0.0..=1.0))), 0..6);
+    let lights = (vec(light(), 0..4), option::of((environment(), part())));
+    let parts = (camera(), colour(), lights, drafts, vec(item(), 0..4));
+    parts.prop_map(|(camera, background, (mut lights, environment), drafts, items)| {
+        if let Some((environment, at)) = environment {
+            lights.insert(at.index(lights.len() + 1), environment);
+        }
+        let materials = materials(drafts);
         let mut root = Group { items };
         name_materials(&mut root, &materials);
         let lights = lights.into_iter().map(spanned).collect();

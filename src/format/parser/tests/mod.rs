@@ -1,6 +1,8 @@
+mod surfaces;
+
 use super::*;
 use crate::format::MAX_DEPTH;
-use crate::format::description::{Aim, Attenuation, Item, Light, MaterialKind, Object, PointStrength, Shape};
+use crate::format::description::{Aim, Item, Light, MaterialKind, Object, PointStrength, Shape};
 
 const CAMERA: &str = "PerspectiveCamera { center 0 0 10 direction 0 0 -1 up 0 1 0 angle 30 width 200 height 200 }";
 
@@ -45,7 +47,7 @@ fn numbers_stop_where_they_can_no_longer_go_on() {
 
 #[test]
 fn what_is_left_out_takes_its_default() {
-    let text = "\u{feff}\r\n# c\r\nGroup{Sphere{radius 2 center 0 0 0}} // d\nMaterials{Phong{}Mirror m{}Dielectric{}}
+    let text = "\u{feff}\r\n# c\r\nGroup{Sphere{radius 2 center 0 0 0}} // d\nMaterials{Phong{}Mirror m{}}
         PerspectiveCamera{angle 9 lookAt 0 0 0 center 0 0 1}";
     let d = parse("a", text).unwrap();
     assert_eq!((d.camera.up, d.camera.width, d.camera.height), (DVec3::Y, 960, 720));
@@ -54,7 +56,6 @@ fn what_is_left_out_takes_its_default() {
     assert_eq!(d.materials[0].kind, MaterialKind::Phong { diffuse, specular, shininess: 0.0, texture: None });
     assert_eq!(d.materials[1].kind, MaterialKind::Mirror { reflectance: DVec3::ONE });
     assert_eq!(d.materials[1].name.as_deref(), Some("m"));
-    assert_eq!(d.materials[2].kind, MaterialKind::Dielectric { index: 1.5, attenuation: Attenuation::None });
     assert_eq!(parse("a", &format!("{CAMERA} Background {{}} Group {{}}")).unwrap().background, DVec3::splat(0.5));
 }
 
@@ -151,7 +152,6 @@ fn colours_must_be_possible() {
     refused("Materials { Dielectric { absorption ‹-1 0 1› } }", "`absorption`", "not be negative");
     refused("Materials { Dielectric { tint 1 1 1 tintDistance ‹0› } }", "`tintDistance`", "above 0");
     refused("Materials { Dielectric { tintDistance ‹1› } }", "`tintDistance`", "nothing without `tint`");
-    refused("Materials { Dielectric { indexOfRefraction ‹0› } }", "`indexOfRefraction`", "above 0");
 }
 
 #[test]

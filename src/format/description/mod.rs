@@ -3,11 +3,16 @@
 //! Lengths are in the scene's own unit (metres, where a light is given in watts), angles in degrees, colours linear RGB.
 //! Values that come from [`parse`](super::parse) have passed its checks; values built by hand need not have.
 
+mod lights;
+mod materials;
+
 use std::ops::Deref;
 
 use glam::DVec3;
 
 pub use super::map::Map;
+pub use lights::{AreaStrength, DirectionalStrength, EnvironmentRadiance, Light, PointStrength};
+pub use materials::{Attenuation, Material, MaterialKind, Metal};
 
 /// A stretch of the scene's text, in bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -89,158 +94,6 @@ pub enum Aim {
     Direction(DVec3),
     /// Towards a point.
     LookAt(DVec3),
-}
-
-/// A source of light.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Light {
-    /// Shines alike in all directions.
-    Point {
-        /// Its place.
-        position: DVec3,
-        /// How strong it is.
-        strength: PointStrength,
-    },
-    /// Parallel light from infinitely far.
-    Directional {
-        /// The way the light travels, of any length.
-        direction: DVec3,
-        /// How strong it is.
-        strength: DirectionalStrength,
-    },
-    /// A point light that shines into a cone.
-    Spot {
-        /// The cone's apex.
-        position: DVec3,
-        /// The cone's axis.
-        aim: Aim,
-        /// Full opening of the cone in degrees, inside (0, 360].
-        angle: f64,
-        /// Width of the soft rim inside the cone in degrees, at most half of `angle`.
-        penumbra: f64,
-        /// How strong it is; along the axis, where that varies with direction.
-        strength: PointStrength,
-    },
-    /// A sphere that shines outward.
-    Sphere {
-        /// Its middle.
-        center: DVec3,
-        /// Its radius.
-        radius: f64,
-        /// How strong it is.
-        strength: AreaStrength,
-    },
-    /// A disc that shines along its normal's side.
-    Disc {
-        /// Its middle.
-        center: DVec3,
-        /// The side that shines, of any length.
-        normal: DVec3,
-        /// Its radius.
-        radius: f64,
-        /// How strong it is.
-        strength: AreaStrength,
-    },
-    /// A parallelogram that shines on the side of `edge0 × edge1`.
-    Rectangle {
-        /// The corner where both edges start.
-        corner: DVec3,
-        /// From the corner to its first neighbour.
-        edge0: DVec3,
-        /// From the corner to its other neighbour.
-        edge1: DVec3,
-        /// How strong it is.
-        strength: AreaStrength,
-    },
-}
-
-/// How strong a point light or spotlight is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum PointStrength {
-    /// The course's colour, which does not fall off with distance.
-    Color(DVec3),
-    /// Radiant intensity in W/sr.
-    Intensity(DVec3),
-    /// Total flux in W.
-    Power(DVec3),
-}
-
-/// How strong a directional light is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum DirectionalStrength {
-    /// The course's colour.
-    Color(DVec3),
-    /// Irradiance in W/m² on a surface that faces the light.
-    Irradiance(DVec3),
-}
-
-/// How strong a light with a surface is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum AreaStrength {
-    /// Radiance in W/(m² sr), alike in all directions of the shining side.
-    Radiance(DVec3),
-    /// Total flux in W.
-    Power(DVec3),
-}
-
-/// What a surface does with light.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Material {
-    /// What `MaterialName` calls it: not empty, no line breaks.
-    pub name: Option<String>,
-    /// How it reflects and transmits.
-    pub kind: MaterialKind,
-    /// Radiance that it sends out by itself, in W/(m² sr).
-    pub emission: Option<DVec3>,
-}
-
-/// How a material reflects and transmits.
-#[derive(Clone, Debug, PartialEq)]
-pub enum MaterialKind {
-    /// The course's material.
-    Phong {
-        /// kd.
-        diffuse: DVec3,
-        /// ks.
-        specular: DVec3,
-        /// The exponent, at least 0.
-        shininess: f64,
-        /// Name of an image, kept but not used.
-        texture: Option<String>,
-    },
-    /// A Lambertian surface.
-    Diffuse {
-        /// Share of light that it sends back, inside [0, 1].
-        reflectance: DVec3,
-    },
-    /// A perfect mirror.
-    Mirror {
-        /// Share of light that it sends back, inside [0, 1].
-        reflectance: DVec3,
-    },
-    /// Smooth glass, water, and the like.
-    Dielectric {
-        /// Index of refraction against the outside.
-        index: f64,
-        /// What the inside takes from light on its way.
-        attenuation: Attenuation,
-    },
-}
-
-/// What the inside of a dielectric takes from light on its way.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Attenuation {
-    /// Nothing.
-    None,
-    /// Absorption coefficient in 1/length.
-    Absorption(DVec3),
-    /// The share `color` remains after `distance`.
-    Tint {
-        /// Inside (0, 1].
-        color: DVec3,
-        /// Above 0.
-        distance: f64,
-    },
 }
 
 /// Objects side by side. As parsed, groups and transforms nest at most [`MAX_DEPTH`](super::MAX_DEPTH) deep.

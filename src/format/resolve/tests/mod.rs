@@ -1,5 +1,7 @@
 //! Scenes as they resolve: seen by rays, in the coordinates of their files.
 
+mod materials;
+
 use super::super::parse;
 use super::*;
 use crate::bsdf::Bsdf;
@@ -295,30 +297,6 @@ fn a_spot_s_angle_is_the_whole_cone_and_its_rim_is_inside() {
     assert!((soft.cos_inner - 0.5).abs() < 1e-6 && soft.cos_outer.abs() < 1e-6);
     let all_rim = spot("direction 0 0 1 angle 60 penumbra 30");
     assert_eq!(all_rim.cos_inner, 1.0);
-}
-
-#[test]
-fn materials_become_what_they_say() {
-    let materials = "Materials {
-        Dielectric { indexOfRefraction 1.7 }
-        Dielectric { absorption 1 2 3 }
-        Dielectric { tint .5 1 .25 tintDistance 2 }
-        Mirror { reflectance .9 .8 .7 }
-        Phong { diffuseColor .1 .2 .3 specularColor .4 .5 .6 shininess 7 }
-    }";
-    let scene = scene(&format!("{materials} Group {{ Sphere {{ center 0 0 0 radius 1 }} }}"));
-    let absorption = |i: usize| match scene.materials()[i].scattering {
-        Scattering::Boundary(body) => body.absorption,
-        _ => panic!("{i}"),
-    };
-    assert!(matches!(scene.materials()[0].scattering, Scattering::Boundary(b) if b.index == 1.7));
-    assert_eq!((absorption(0), absorption(1)), (Vec3::ZERO, vec3(1.0, 2.0, 3.0)));
-    // A half after two units, a quarter after two units: ln 2 / 2 and ln 2 a unit.
-    let ln2 = std::f32::consts::LN_2;
-    assert!(close(absorption(2), vec3(0.5 * ln2, 0.0, ln2)));
-    assert_eq!(scene.materials()[3].scattering, Scattering::Fixed(Bsdf::Mirror(vec3(0.9, 0.8, 0.7))));
-    let look = scene.materials()[4].look;
-    assert_eq!((look.diffuse, look.specular, look.shininess), (vec3(0.1, 0.2, 0.3), vec3(0.4, 0.5, 0.6), 7.0));
 }
 
 #[test]

@@ -1,0 +1,106 @@
+//! What a scene file says of its materials.
+
+use glam::DVec3;
+
+use super::Spanned;
+
+/// What a surface does with light.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    /// What `MaterialName` calls it: not empty, no line breaks.
+    pub name: Option<String>,
+    /// How it reflects and transmits.
+    pub kind: MaterialKind,
+    /// Radiance that it sends out by itself, in W/(m² sr).
+    pub emission: Option<DVec3>,
+}
+
+/// How a material reflects and transmits.
+#[derive(Clone, Debug, PartialEq)]
+pub enum MaterialKind {
+    /// The course's material.
+    Phong {
+        /// kd.
+        diffuse: DVec3,
+        /// ks.
+        specular: DVec3,
+        /// The exponent, at least 0.
+        shininess: f64,
+        /// Name of an image, kept but not used.
+        texture: Option<String>,
+    },
+    /// A Lambertian surface.
+    Diffuse {
+        /// Share of light that it sends back, inside [0, 1].
+        reflectance: DVec3,
+    },
+    /// A perfect mirror.
+    Mirror {
+        /// Share of light that it sends back, inside [0, 1].
+        reflectance: DVec3,
+    },
+    /// A body of glass, water, and the like.
+    Dielectric {
+        /// Absolute index of refraction: that of air is 1.
+        index: f64,
+        /// What the inside takes from light on its way.
+        attenuation: Attenuation,
+        /// GGX α of its surface, inside [0, 1]; 0 is smooth.
+        roughness: f64,
+        /// Where bodies overlap, the one of the highest priority counts; of equal ones, that which was entered last.
+        priority: u8,
+    },
+    /// A metal, which light does not enter.
+    Conductor {
+        /// What it is made of.
+        metal: Metal,
+        /// GGX α, inside [0, 1]; 0 is smooth.
+        roughness: f64,
+    },
+    /// A pane without thickness: light goes straight through or is mirrored.
+    Thin {
+        /// Index of refraction of the pane over that of what is around it.
+        index: f64,
+        /// Share of light that is left after it has crossed the inside once at right angles, inside (0, 1].
+        transmittance: DVec3,
+    },
+    /// One of two materials at each place, by chance.
+    Mix {
+        /// Name of a material that stands before this one.
+        first: Spanned<String>,
+        /// Name of a material that stands before this one.
+        second: Spanned<String>,
+        /// Share of the second, inside [0, 1].
+        amount: f64,
+    },
+}
+
+/// What a conductor is made of.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Metal {
+    /// A metal of the table of names.
+    Named(Spanned<String>),
+    /// The complex index of refraction η + ik over that of what is around it.
+    Index {
+        /// Above 0.
+        eta: DVec3,
+        /// At least 0.
+        k: DVec3,
+    },
+}
+
+/// What the inside of a dielectric takes from light on its way.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Attenuation {
+    /// Nothing.
+    None,
+    /// Absorption coefficient in 1/length.
+    Absorption(DVec3),
+    /// The share `color` remains after `distance`.
+    Tint {
+        /// Inside (0, 1].
+        color: DVec3,
+        /// Above 0.
+        distance: f64,
+    },
+}

@@ -1,0 +1,95 @@
+//! Materials as they resolve.
+
+use super::{CAMERA, close, refusal, scene};
+use crate::bsdf::{Bsdf, Conductor, METALS, Thin, metal};
+use crate::color::Rgb;
+use crate::format::description::MaterialKind;
+use crate::format::{Source, parse, resolve};
+use crate::scene::{Body, Scattering, Scene};
+use glam::{Vec3, vec3};
+use std::path::Path;
+
+const BALL: &str = "Group { Sphere { center 0 0 0 radius 1 } }";
+
+fn of(materials: &str) -> Scene {
+    scene(&format!("Materials {{ {materials} }} {BALL}"))
+}
+
+#[test]
+fn materials_become_what_they_say() {
+    let materials = "Materials {
+        Dielectric { indexOfRefraction 1.7 roughness .25 priority 7 }
+        Dielectric { absorption 1 2 3 }
+        Dielectric { tint .5 1 .25 tintDistance 2 }
+        Mirror { reflectance .9 .8 .7 }
+        Phong { diffuseColor .1 .2 .3 specularColor .4 .5 .6 shininess 7 }
+    }";
+    let scene = scene(&format!("{materials} Group {{ Sphere {{ center 0 0 0 radius 1 }} }}"));
+    let absorption = |i: usize| match scene.materials()[i].scattering {
+        Scattering::Boundary(body) => body.absorption,
+        _ => panic!("{i}"),
+    };
+    let body = Body { index: 1.7, absorption: Vec3::ZERO, priority: 7, roughness: 0.25 };
+    assert_eq!(scene.materials()[0].scattering, Scattering::Boundary(body));
+    assert_eq!((absorption(0), absorption(1)), (Vec3::ZERO, vec3(1.0, 2.0, 3.0)));
+    // A half after two units, a quarter after two units: ln 2 / 2 and ln 2 a unit.
+    let ln2 = std::f32::consts::LN_2;
+    assert!(close(absorption(2), vec3(0.5 * ln2, 0.0, ln2)));
+    assert_eq!(scene.materials()[3].scattering, Scattering::Fixed(Bsdf::Mirror(vec3(0.9, 0.8, 0.7))));
+    let look = scene.materials()[4].look;
+    assert_eq!((look.diffuse, look.specular, look.shininess), (vec3(0.1, 0.2, 0.3), vec3(0.4, 0.5, 0.6), 7.0));
+}
+
+fn metallic(eta: Rgb, k: Rgb, alpha: f32) -> Scattering {
+    Scattering::Fixed(Bsdf::Conductor(Conductor::new(eta, k, alpha)))
+}
+
+#[test]
+fn metals_have_the_index_of_their_name_or_their_own() {
+    for name in METALS {
+        let (eta, k) = metal(name).unwrap();
+        let scene = of(&format!("Conductor {{ metal {name} roughness .5 }}"));
+        assert_eq!(scene.materials()[0].scattering, metallic(eta, k, 0.5), "{name}");
+    }
+    let scene = of("Conductor { eta 1 2 3 k 4 5 6 }");
+    assert_eq!(scene.materials()[0].scattering, metallic(vec3(1.0, 2.0, 3.0), vec3(4.0, 5.0, 6.0), 0.0));
+    // (n² − 2n + 1 + k²) / (n² + 2n + 1 + k²) head-on.
+    assert!(close(scene.materials()[0].look.diffuse, vec3(16.0 / 20.0, 26.0 / 34.0, 40.0 / 52.0)));
+    let error = refusal(&format!("Materials {{\nConductor {{ metal unobtainium }} }} {BALL}"));
+    assert_eq!((error.line(), error.column(), error.text()), (3, 19, "unobtainium"));
+    assert!(error.message().contains("no metal is called `unobtainium`"));
+    assert!(METALS.iter().all(|name| error.remedy().contains(name)), "{}", error.remedy());
+}
+
+#[test]
+fn panes_take_index_and_transmittance() {
+    let thin = Thin { eta: 1.25, transmittance: vec3(0.5, 1.0, 0.25) };
+    let scene = of("Thin { indexOfRefraction 1.25 transmittance .5 1 .25 }");
+    assert_eq!(scene.materials()[0].scattering, Scattering::Fixed(Bsdf::Thin(thin)));
+}
+
+#[test]
+fn mixes_point_at_their_parts_and_look_like_the_mean() {
+    let scene = of("Diffuse { reflectance 0 0 0 } Diffuse a { reflectance 1 0 .5 }
+        Phong b { diffuseColor 0 1 .5 specularColor .5 .5 .5 shininess 8 }
+        Mix m { first a second b amount .25 } Mix { first m second a amount 1 }");
+    let mixes = &scene.materials()[3..];
+    assert_eq!(mixes[0].scattering, Scattering::Mix { first: 1, second: 2, amount: 0.25 });
+    assert_eq!(mixes[1].scattering, Scattering::Mix { first: 3, second: 1, amount: 1.0 });
+    let look = mixes[0].look;
+    assert_eq!((look.diffuse, look.shininess), (vec3(0.75, 0.25, 0.5), 2.0));
+    assert_eq!((look.specular, mixes[1].look.diffuse), (Vec3::splat(0.125), vec3(1.0, 0.0, 0.5)));
+}
+
+#[test]
+fn a_part_that_does_not_stand_before_its_mix_is_refused() {
+    // The parser finds such parts in a file; a description may be changed after it.
+    let text = format!("{CAMERA}Materials {{ Mirror a {{ }}\nMix m {{ first a second a amount 0 }} }} {BALL}");
+    let mut description = parse("a.txt", &text).unwrap();
+    if let MaterialKind::Mix { second, .. } = &mut description.materials[1].value.kind {
+        second.value = "m".to_owned();
+    }
+    let error = resolve(&description, &Source::new("a.txt", &text), Path::new("")).unwrap_err();
+    assert_eq!((error.line(), error.column()), (3, 24));
+    assert!(error.message().contains("no material named `m`") && !error.remedy().is_empty());
+}
