@@ -1,11 +1,11 @@
 //! Materials of the description.
 
 use super::{Resolver, rgb};
-use crate::bsdf::{Bsdf, Conductor, METALS, Thin, conductor_reflectance, metal};
+use crate::bsdf::{METALS, metal};
 use crate::color::Rgb;
 use crate::format::SceneError;
 use crate::format::description::{Attenuation, MaterialKind, Metal, Spanned};
-use crate::scene::{Body, Look, Material, Scattering};
+use crate::scene::{Body, Look, Material};
 use glam::DVec3;
 
 impl Resolver<'_> {
@@ -51,13 +51,9 @@ impl Resolver<'_> {
             }),
             MaterialKind::Conductor { metal, roughness } => {
                 let (eta, k) = self.metal(metal)?;
-                let bsdf = Bsdf::Conductor(Conductor::new(eta, k, *roughness as f32));
-                fixed(bsdf, conductor_reflectance(1.0, eta, k))
+                Material::conductor(eta, k, *roughness as f32)
             }
-            MaterialKind::Thin { index, transmittance } => {
-                let transmittance = rgb(*transmittance);
-                fixed(Bsdf::Thin(Thin { eta: *index as f32, transmittance }), transmittance)
-            }
+            MaterialKind::Thin { index, transmittance } => Material::thin(*index as f32, rgb(*transmittance)),
             MaterialKind::Mix { first, second, amount } => {
                 let (first, second, amount) = (self.named(first)?, self.named(second)?, *amount as f32);
                 let look = blend(before[first as usize].look, before[second as usize].look, amount);
@@ -77,10 +73,6 @@ impl Resolver<'_> {
             }),
         }
     }
-}
-
-fn fixed(bsdf: Bsdf, look: Rgb) -> Material {
-    Material { scattering: Scattering::Fixed(bsdf), look: Look::matt(look) }
 }
 
 /// Per length, by Beer's law.
