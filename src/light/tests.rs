@@ -1,3 +1,6 @@
+mod chi_square;
+mod direct;
+
 use super::*;
 use crate::math::warp;
 use crate::sampling::{Dimension, Key, Purpose};
