@@ -2,11 +2,14 @@
 
 mod aim;
 mod area;
+mod bounds;
+mod choice;
 mod emit;
 mod spot;
 
 pub use aim::Targets;
 pub use area::{Area, Emitter};
+pub use choice::LightChoice;
 pub use emit::Emission;
 pub use spot::Spot;
 

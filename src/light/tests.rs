@@ -1,4 +1,5 @@
 mod chi_square;
+mod choice;
 mod direct;
 
 use super::*;
