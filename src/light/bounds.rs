@@ -1,7 +1,7 @@
 //! How much a group of lights can matter to a point (Conty Estevez and Kulla 2018, "Importance Sampling of Many Lights with
 //! Adaptive Tree Splitting"; Pharr, Jakob, Humphreys 2023, section 12.6.3).
 
-use super::{Area, Emitter, Light};
+use super::{Emitter, Light};
 use crate::color;
 use crate::math::Bounds;
 use crate::shape::Shape;
@@ -15,8 +15,8 @@ pub(super) struct LightBounds {
     pub normals: Cone,
     /// How far from the normal light goes, at most π/2 \[radians].
     pub spread: f64,
-    /// Radiant intensity along the normals, mean over the channels \[W/sr].
-    pub intensity: f64,
+    /// Emitted flux, mean over the channels \[W].
+    pub flux: f64,
 }
 
 /// The directions within an angle of an axis.
@@ -59,25 +59,24 @@ fn angle(a: DVec3, b: DVec3) -> f64 {
 impl LightBounds {
     /// Bounds of a light with a place, their box grown by `margin`; `None` for light from infinity.
     pub fn of(light: &Light, margin: f32) -> Option<Self> {
-        let everywhere = |space, intensity| Self { space, normals: Cone::ALL, spread: FRAC_PI_2, intensity };
-        let at = |p: Vec3| Bounds::of([p]);
-        let mean = |c| f64::from(color::mean(c));
-        let bounds = match light {
-            Light::Point { position, intensity } => everywhere(at(*position), mean(*intensity)),
+        let (space, normals, spread, flux) = match light {
+            Light::Point { position, intensity } => {
+                (Bounds::of([*position]), Cone::ALL, FRAC_PI_2, *intensity * (4.0 * std::f32::consts::PI))
+            }
             Light::Spot(spot) => {
                 let [inner, outer] = [spot.cos_inner, spot.cos_outer].map(|c| libm::acos(f64::from(c)));
                 let spread = (outer - inner).min(FRAC_PI_2);
                 let normals = Cone { axis: spot.axis.as_dvec3(), angle: outer - spread + NORMAL_ERROR };
-                Self { space: at(spot.position), normals, spread, intensity: mean(spot.peak) }
+                (Bounds::of([spot.position]), normals, spread, spot.power())
             }
             Light::Directional { .. } => return None,
-            Light::Area(Area { emitter, radiance }) => {
-                let (space, normals, projected) = surface(emitter);
-                Self { normals, ..everywhere(space, mean(*radiance) * projected) }
+            Light::Area(area) => {
+                let (space, normals) = surface(&area.emitter);
+                (space, normals, FRAC_PI_2, area.power())
             }
         };
-        let far = bounds.space.min.abs().max(bounds.space.max.abs()).max_element();
-        Some(Self { space: bounds.space.expanded(margin + far * 1e-6), ..bounds })
+        let far = space.min.abs().max(space.max.abs()).max_element();
+        Some(Self { space: space.expanded(margin + far * 1e-6), normals, spread, flux: f64::from(color::mean(flux)) })
     }
 
     pub fn union(self, other: Self) -> Self {
@@ -85,50 +84,54 @@ impl LightBounds {
             space: self.space.union(other.space),
             normals: self.normals.union(other.normals),
             spread: self.spread.max(other.spread),
-            intensity: self.intensity + other.intensity,
+            flux: self.flux + other.flux,
         }
     }
 
-    /// What a group costs in a tree: its intensity times the measures of where it is and where it shines.
-    pub fn cost(&self) -> f64 {
+    /// Solid angle into which it shines, what leaves a normal at a slant weighed by the cosine \[sr].
+    fn directions(&self) -> f64 {
         let o = self.normals.angle;
         let w = (o + self.spread).min(PI);
         let (sin, cos) = libm::sincos(o);
         let falloff = 2.0 * w * sin - libm::cos(o - 2.0 * w) - 2.0 * o * sin + cos;
-        let directions = 2.0 * PI * (1.0 - cos) + FRAC_PI_2 * falloff;
-        self.intensity * directions * f64::from(self.space.extent().length_squared())
+        2.0 * PI * (1.0 - cos) + FRAC_PI_2 * falloff
+    }
+
+    /// What a group costs in a tree: its flux times the measures of where it is and where it shines.
+    pub fn cost(&self) -> f64 {
+        self.flux * self.directions() * f64::from(self.space.extent().length_squared())
     }
 }
 
-/// Box, normals, and area projected along the normals.
-fn surface(emitter: &Emitter) -> (Bounds, Cone, f64) {
-    // The mean projection of a closed convex surface is a quarter of its area (Cauchy).
-    let quarter = 0.25 * emitter.area();
+/// Box and normals.
+fn surface(emitter: &Emitter) -> (Bounds, Cone) {
     match emitter {
-        Emitter::Shape(shape @ (Shape::Sphere(_) | Shape::Ellipsoid(_))) => (shape.bounds(), Cone::ALL, quarter),
+        Emitter::Shape(shape @ (Shape::Sphere(_) | Shape::Ellipsoid(_))) => (shape.bounds(), Cone::ALL),
         Emitter::Shape(shape @ (Shape::Disc(_) | Shape::Rectangle(_))) => {
             let axis = shape.sample(Vec2::splat(0.5)).point.ng.as_dvec3();
-            (shape.bounds(), Cone { axis, angle: NORMAL_ERROR }, shape.area())
+            (shape.bounds(), Cone { axis, angle: NORMAL_ERROR })
         }
         Emitter::Triangles { mesh, first, choice } => {
             let triangles = || *first as usize..*first as usize + choice.len();
-            let space = Bounds::of(triangles().flat_map(|i| mesh.corners(i)));
             // Shading normals choose the side: at all corners alike, or nothing is known.
             let normal = |i| {
                 let [a, b, c] = [Vec2::ZERO, Vec2::X, Vec2::Y].map(|b| mesh.surface(i, b).ng);
                 (a == b && b == c).then(|| a.as_dvec3())
             };
             let sum: Option<DVec3> = triangles().map(|i| normal(i).map(|n| n * mesh.area(i))).sum();
-            let Some(axis) = sum.and_then(DVec3::try_normalize) else {
-                return (space, Cone::ALL, quarter);
+            let around = |axis: DVec3| {
+                let widest = triangles().filter_map(normal).map(|n| angle(n, axis)).fold(0.0, f64::max);
+                Cone { axis, angle: (widest + NORMAL_ERROR).min(PI) }
             };
-            let normals = || triangles().map(|i| (normal(i).unwrap_or(axis), mesh.area(i)));
-            let widest = normals().map(|(n, _)| angle(n, axis)).fold(0.0, f64::max);
-            let projected = normals().map(|(n, area)| n.dot(axis).max(0.0) * area).sum::<f64>();
-            (space, Cone { axis, angle: (widest + NORMAL_ERROR).min(PI) }, projected.max(quarter))
+            let normals = sum.and_then(DVec3::try_normalize).map_or(Cone::ALL, around);
+            (Bounds::of(triangles().flat_map(|i| mesh.corners(i))), normals)
         }
     }
 }
+
+/// Squared distances count for at least this part of a group's squared radius: the mean of 1/d² over a ball around a point is
+/// 3/R², and a box has the volume of a ball of 0.7 of its half diagonal.
+const NEAR: f64 = 1.0 / 6.0;
 
 /// Bounds as they are asked: a ball instead of the box, and cosines instead of angles.
 #[derive(Clone, Copy, Debug)]
@@ -138,6 +141,7 @@ pub(super) struct Importance {
     axis: Vec3,
     normals: Angle,
     cos_spread: f64,
+    /// About the radiant intensity along the normals \[W/sr].
     intensity: f64,
 }
 
@@ -172,7 +176,7 @@ impl From<LightBounds> for Importance {
             axis: bounds.normals.axis.as_vec3(),
             normals: Angle(cos, sin),
             cos_spread: libm::cos(bounds.spread),
-            intensity: bounds.intensity,
+            intensity: bounds.flux / bounds.directions(),
         }
     }
 }
@@ -197,6 +201,6 @@ impl Importance {
         if received <= 0.0 {
             return 0.0;
         }
-        self.intensity * emitted * received / d2.max(self.radius2)
+        self.intensity * emitted * received / d2.max(self.radius2 * NEAR)
     }
 }

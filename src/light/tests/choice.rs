@@ -1,6 +1,7 @@
 //! The choice among many lights.
 
 use super::chi_square::{p_value, sidak};
+use super::direct::{emitter_of, mesh};
 use super::*;
 use crate::color;
 use crate::sampling::Discrete;
@@ -19,13 +20,14 @@ fn strewn(n: u64) -> Vec<Light> {
         let strength = libm::powf(10.0, 3.0 * k.uniform(Dimension::Light) - 2.0);
         let center = place.as_dvec3();
         let (s, t) = axis.as_dvec3().any_orthonormal_pair();
-        match i % 5 {
+        match i % 6 {
             0 => Light::Point { position: place, intensity: Rgb::splat(strength) },
             1 => {
                 Light::Spot(Spot { position: place, axis, cos_inner: 0.9, cos_outer: 0.6, peak: Rgb::splat(strength) })
             }
             2 => area(Shape::Sphere(SphereShape::new(center, 0.1)), 30.0 * strength),
             3 => area(Shape::Rectangle(Rectangle::new(center, s * 0.3, t * 0.2)), 15.0 * strength),
+            4 => Light::Area(Area { emitter: emitter_of(mesh(place)), radiance: Rgb::splat(strength) }),
             _ => area(Shape::Disc(Disc::around(center, axis.as_dvec3(), 0.2)), 8.0 * strength),
         }
     };
@@ -135,36 +137,46 @@ fn trees_of_any_shape_hold_all_lights() {
     }
 }
 
-/// One sample of one light of a thousand: chosen by the tree against chosen by power.
+/// The variance of one sample of one light at `p`: Σ E\[fᵢ²]/pᵢ − (Σ E\[fᵢ])², over the squared mean, for each choice.
+fn variances<const N: usize>(lights: &[Light], p: Vec3, n: Vec3, choices: [&dyn Fn(usize) -> f32; N]) -> [f64; N] {
+    let (mut mean, mut squares) = (0.0, [0.0; N]);
+    let draws = 16;
+    for (i, light) in lights.iter().enumerate() {
+        for j in 0..draws {
+            let sample = light.sample_direct(p, key(j).uniform_2d(Dimension::LightPosition));
+            let f = sample.map_or(0.0, |s| f64::from(s.irradiance.x * s.wi.dot(n).max(0.0)));
+            if f > 0.0 {
+                mean += f / draws as f64;
+                for (square, choice) in squares.iter_mut().zip(choices) {
+                    *square += f * f / (draws as f64 * f64::from(choice(i)));
+                }
+            }
+        }
+    }
+    squares.map(|s| s / (mean * mean) - 1.0)
+}
+
+/// A thousand lights, strewn through a room at random and in rows under a ceiling.
 #[test]
 fn the_tree_has_far_less_variance_than_power() {
-    let lights = strewn(1000);
-    let choice = LightChoice::new(&lights, ROOM).unwrap();
-    let powers = Discrete::new(lights.iter().map(|l| f64::from(color::mean(l.power(ROOM))))).unwrap();
-    let mut gains = Vec::new();
-    for (p, normal) in places(30) {
-        let Some(n) = normal else { continue };
-        let from = |k: Key, light: usize, probability: f32| {
-            let sample = lights[light].sample_direct(p, k.uniform_2d(Dimension::LightPosition));
-            sample.map_or(0.0, |s| f64::from(s.irradiance.x * s.wi.dot(n).max(0.0) / probability))
-        };
-        let by_tree = estimate(20_000, |k| {
-            let chosen = choice.choose(p, normal, k.uniform(Dimension::Light));
-            chosen.map_or(0.0, |(light, probability, _)| from(k, light, probability))
-        });
-        let by_power = estimate(200_000, |k| {
-            let (light, probability) = powers.sample(k.uniform(Dimension::Light));
-            from(k, light, probability)
-        });
-        let sigma = (by_tree.1 + by_power.1).sqrt();
-        assert!((by_tree.0 - by_power.0).abs() <= 5.0 * sigma, "{p}: {by_tree:?} {by_power:?}");
-        if by_power.0 == 0.0 {
-            continue;
-        }
-        gains.push(by_power.1 * 10.0 / by_tree.1);
+    let lamp = |i: u64| DVec3::new((i % 32) as f64 - 16.0, 3.0, (i / 32) as f64 - 16.0);
+    let down = |i| Rectangle::new(lamp(i), DVec3::X * 0.3, DVec3::Z * 0.3);
+    let ceiling: Vec<Light> = (0..1000).map(|i| area(Shape::Rectangle(down(i)), 1.0)).collect();
+    for (lights, up, least) in [(strewn(1000), false, 5.0), (ceiling, true, 20.0)] {
+        let choice = LightChoice::new(&lights, ROOM).unwrap();
+        let powers = Discrete::new(lights.iter().map(|l| f64::from(color::mean(l.power(ROOM))))).unwrap();
+        let mut gains: Vec<f64> = places(60)
+            .filter_map(|(p, normal)| {
+                let n = if up { Vec3::Y } else { normal? };
+                let p = if up { p.with_y(0.0) } else { p };
+                let [tree, power] =
+                    variances(&lights, p, n, [&|i| choice.probability(p, Some(n), i), &|i| powers.probability(i)]);
+                (power / tree).is_finite().then_some(power / tree)
+            })
+            .collect();
+        gains.sort_by(f64::total_cmp);
+        let median = gains[gains.len() / 2];
+        eprintln!("variance by power over variance by tree: median {median:.1}, least {:.1}", gains[0]);
+        assert!(gains.len() > 30 && median > least && gains[0] > 1.0, "{median} {}", gains[0]);
     }
-    gains.sort_by(f64::total_cmp);
-    let (least, median) = (gains[0], gains[gains.len() / 2]);
-    eprintln!("variance by power over variance by tree: median {median:.1}, least {least:.1}");
-    assert!(median > 5.0 && least > 1.0, "{median} {least}");
 }

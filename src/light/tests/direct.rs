@@ -9,13 +9,13 @@ use glam::DAffine3;
 use std::sync::Arc;
 
 /// A corner of three triangles of different size, which partly hide each other from some places, and a way to meet them.
-fn mesh() -> Arc<Mesh> {
-    let positions = [[0., 0., 0.], [1., 0., 0.], [0., 1.3, 0.], [0., 0., 0.6]].map(Vec3::from);
+pub fn mesh(origin: Vec3) -> Arc<Mesh> {
+    let positions = [[0., 0., 0.], [1., 0., 0.], [0., 1.3, 0.], [0., 0., 0.6]].map(|p| Vec3::from(p) + origin);
     let triangles = vec![[0, 1, 2], [0, 3, 1], [0, 2, 3]];
     Arc::new(Mesh { positions: positions.to_vec(), normals: vec![], triangles })
 }
 
-fn emitter_of(mesh: Arc<Mesh>) -> Emitter {
+pub fn emitter_of(mesh: Arc<Mesh>) -> Emitter {
     let choice = Discrete::new((0..mesh.triangles.len()).map(|i| mesh.area(i))).unwrap();
     Emitter::Triangles { mesh, first: 0, choice }
 }
@@ -65,7 +65,7 @@ fn views() -> Vec<(Emitter, Vec3, bool)> {
     ];
     let shapes = shapes.into_iter().map(|(shape, p, all)| (Emitter::Shape(shape), p, all));
     let corners = [(Vec3::new(0.9, 1.1, 1.0), true), (Vec3::new(1.5, -0.5, 0.4), false)];
-    shapes.chain(corners.into_iter().map(|(p, all)| (emitter_of(mesh()), p, all))).collect()
+    shapes.chain(corners.into_iter().map(|(p, all)| (emitter_of(mesh(Vec3::ZERO)), p, all))).collect()
 }
 
 /// A cone around all that is drawn.
