@@ -44,7 +44,17 @@ impl Emitter {
         }
     }
 
-    /// A point by area.
+    /// Density per area \[1/length²] with which [`Emitter::sample`] draws a point of the surface.
+    #[inline]
+    #[must_use]
+    pub fn pdf(&self, point: &SurfacePoint) -> f32 {
+        match self {
+            Self::Shape(shape) => shape.pdf(point),
+            Self::Triangles { choice, .. } => (1.0 / choice.total()) as f32,
+        }
+    }
+
+    /// A point, with its density per area.
     #[inline]
     #[must_use]
     pub fn sample(&self, u: Vec2) -> ShapeSample {
@@ -71,22 +81,29 @@ impl Area {
 
     #[inline]
     pub(super) fn sample_direct(&self, p: Vec3, u: Vec2) -> Option<DirectSample> {
-        if let Emitter::Shape(Shape::Sphere(sphere)) = &self.emitter {
+        let (point, wi, pdf) = match &self.emitter {
             // Outside a sphere only the visible cap counts; inside it, its outer side cannot be seen.
-            let (point, pdf) = sphere.sample_visible(p, u)?;
-            let (_, wi, _) = crate::math::direction(p, point.p)?;
-            let reach = Reach::Point(offset_origin(point.p, point.error, point.ng, -wi));
-            return Some(DirectSample { wi, reach, irradiance: self.radiance / pdf, pdf: Some(pdf) });
-        }
+            Emitter::Shape(Shape::Sphere(sphere)) => {
+                let (point, pdf) = sphere.sample_visible(p, u)?;
+                let (_, wi, _) = crate::math::direction(p, point.p)?;
+                (point, wi, pdf)
+            }
+            Emitter::Shape(Shape::Rectangle(rectangle)) => {
+                rectangle.sample_visible(p, u).or_else(|| self.sample_by_area(p, u))?
+            }
+            _ => self.sample_by_area(p, u)?,
+        };
+        let reach = Reach::Point(offset_origin(point.p, point.error, point.ng, -wi));
+        Some(DirectSample { wi, reach, irradiance: self.radiance / pdf, pdf: Some(pdf) })
+    }
+
+    /// A point, the unit direction to it from `p`, and its density per steradian.
+    #[inline]
+    fn sample_by_area(&self, p: Vec3, u: Vec2) -> Option<(SurfacePoint, Vec3, f32)> {
         let ShapeSample { point, pdf } = self.emitter.sample(u);
         let (d2, wi, _) = crate::math::direction(p, point.p)?;
         let cos = -wi.dot(point.ng);
-        if cos <= 0.0 {
-            return None;
-        }
-        let reach = Reach::Point(offset_origin(point.p, point.error, point.ng, -wi));
-        let pdf = d2 * pdf / cos;
-        Some(DirectSample { wi, reach, irradiance: self.radiance / pdf, pdf: Some(pdf) })
+        (cos > 0.0).then(|| (point, wi, d2 * pdf / cos))
     }
 
     #[inline]
@@ -95,10 +112,11 @@ impl Area {
         if cos <= 0.0 {
             return 0.0;
         }
-        if let Emitter::Shape(Shape::Sphere(sphere)) = &self.emitter {
-            return sphere.visible_density(p);
+        let by_area = || (seen.p - p).length_squared() * self.emitter.pdf(seen) / cos;
+        match &self.emitter {
+            Emitter::Shape(Shape::Sphere(sphere)) => sphere.visible_density(p),
+            Emitter::Shape(Shape::Rectangle(rectangle)) => rectangle.visible_density(p).unwrap_or_else(by_area),
+            _ => by_area(),
         }
-        // Spheres apart, points are drawn by area.
-        (seen.p - p).length_squared() / (cos * self.emitter.area() as f32)
     }
 }

@@ -2,6 +2,7 @@
 
 mod aim;
 mod area;
+mod bounds;
 mod choice;
 mod emit;
 mod spot;

@@ -1,3 +1,7 @@
+mod chi_square;
+mod choice;
+mod direct;
+
 use super::*;
 use crate::math::warp;
 use crate::sampling::{Dimension, Key, Purpose};

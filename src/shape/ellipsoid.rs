@@ -79,6 +79,15 @@ impl Ellipsoid {
         ShapeSample { point: self.at(n), pdf: (1.0 / (4.0 * std::f64::consts::PI * self.stretch(n))) as f32 }
     }
 
+    /// Density per area of [`Ellipsoid::sample`] where the unit normal is `ng`.
+    ///
+    /// |M⁻ᵀ n| at object point n is 1/|Mᵀ ng|, as Mᵀ takes the normal back to a multiple of n.
+    #[inline]
+    pub(super) fn pdf(&self, ng: DVec3) -> f32 {
+        let m = self.to_world.forward().matrix3;
+        ((m.transpose() * ng).length() / (4.0 * std::f64::consts::PI * m.determinant().abs())) as f32
+    }
+
     /// The mean stretch over the sphere by midpoints in (z, φ).
     fn integrate_area(&self) -> f64 {
         const N: u32 = 256;

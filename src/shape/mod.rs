@@ -132,6 +132,16 @@ impl Shape {
     pub fn sample(&self, u: Vec2) -> ShapeSample {
         each!(self, s => s.sample(u))
     }
+
+    /// Density per area \[1/length²] with which [`Shape::sample`] draws a point of the surface.
+    #[inline]
+    #[must_use]
+    pub fn pdf(&self, point: &SurfacePoint) -> f32 {
+        match self {
+            Self::Ellipsoid(s) => s.pdf(point.ng.as_dvec3()),
+            uniform => (1.0 / uniform.area()) as f32,
+        }
+    }
 }
 
 /// The ray in double precision.
@@ -186,6 +196,8 @@ mod tests {
                 let inverse = 1.0 / f64::from(s.pdf);
                 sum += inverse;
                 squares += inverse * inverse;
+                // The normal is rounded to f32.
+                assert!((shape.pdf(&s.point) * inverse as f32 - 1.0).abs() < 1e-6, "{shape:?}");
                 if i < 1000 {
                     let above = s.point.p + s.point.ng * 0.1;
                     let ray = Ray::new(above, -s.point.ng);

@@ -2,7 +2,15 @@
 
 use super::{Crossing, ShapeSample, SurfacePoint, widen, within};
 use crate::math::{Ray, Transform};
-use glam::{DVec3, Vec2};
+use glam::{DVec3, Vec2, Vec3};
+use libm::{atan2, cos, hypot, sin};
+
+/// How far from perpendicular two edges may be, as the cosine between them: some ulps of a chain of transforms.
+const PERPENDICULAR: f64 = 1e-12;
+
+/// Solid angle below which points are drawn by area \[sr]: the density per steradian then hardly varies over the rectangle, and
+/// the solid angle is the difference of larger angles.
+const LEAST_SOLID_ANGLE: f64 = 1e-4;
 
 /// The points `corner + x·e0 + y·e1` with x, y in \[0, 1]; its outer side is that of `e0 × e1`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,6 +20,18 @@ pub struct Rectangle {
     normal: DVec3,
     /// Rows that take an offset in the plane to (x, y).
     dual: [DVec3; 2],
+    /// Whether the edges are perpendicular.
+    right: bool,
+}
+
+/// A rectangle as a point before it sees it: it spans x by y at distance z.
+struct View {
+    x: [f64; 2],
+    y: [f64; 2],
+    z: f64,
+    /// Unit edges.
+    axes: [DVec3; 2],
+    solid_angle: f64,
 }
 
 impl Rectangle {
@@ -20,7 +40,9 @@ impl Rectangle {
     pub fn new(corner: DVec3, e0: DVec3, e1: DVec3) -> Self {
         let cross = e0.cross(e1);
         let n2 = cross.length_squared();
-        Self { corner, edges: [e0, e1], normal: cross / n2.sqrt(), dual: [e1.cross(cross) / n2, cross.cross(e0) / n2] }
+        let right = e0.dot(e1).abs() <= PERPENDICULAR * e0.length() * e1.length();
+        let dual = [e1.cross(cross) / n2, cross.cross(e0) / n2];
+        Self { corner, edges: [e0, e1], normal: cross / n2.sqrt(), dual, right }
     }
 
     /// The image under an affine map, with the same outer side.
@@ -74,5 +96,73 @@ impl Rectangle {
     pub(super) fn sample(&self, u: Vec2) -> ShapeSample {
         let p = self.corner + self.edges[0] * f64::from(u.x) + self.edges[1] * f64::from(u.y);
         ShapeSample { point: self.at(p), pdf: (1.0 / self.area()) as f32 }
+    }
+
+    /// How `from` sees the outer side by solid angle; `None` from behind, and where points are to be drawn by area.
+    fn view(&self, from: Vec3) -> Option<View> {
+        let to = self.corner - from.as_dvec3();
+        let z = -self.normal.dot(to);
+        if !self.right || z.is_nan() || z <= 0.0 {
+            return None;
+        }
+        let lengths = self.edges.map(DVec3::length);
+        let axes = [self.edges[0] / lengths[0], self.edges[1] / lengths[1]];
+        let [x, y] = [0, 1].map(|i| {
+            let first = axes[i].dot(to);
+            [first, first + lengths[i]]
+        });
+        let solid_angle = strip(x[1], y, z) - strip(x[0], y, z);
+        (solid_angle >= LEAST_SOLID_ANGLE).then_some(View { x, y, z, axes, solid_angle })
+    }
+
+    /// A point of the outer side seen from `from`, drawn uniformly by solid angle, with its unit direction and its density per
+    /// steradian. `None` where [`Rectangle::visible_density`] is.
+    #[must_use]
+    pub fn sample_visible(&self, from: Vec3, u: Vec2) -> Option<(SurfacePoint, Vec3, f32)> {
+        let view = self.view(from)?;
+        let (x, y) = view.sample(u);
+        let fraction = |i: usize, at: f64, [first, last]: [f64; 2]| self.edges[i] * ((at - first) / (last - first));
+        let point = self.at(self.corner + fraction(0, x, view.x) + fraction(1, y, view.y));
+        // Not from the rounded point, which may lie in the plane of `from`.
+        let wi = (view.axes[0] * x + view.axes[1] * y - self.normal * view.z).normalize();
+        Some((point, wi.as_vec3(), (1.0 / view.solid_angle) as f32))
+    }
+
+    /// Density per steradian of [`Rectangle::sample_visible`]: one over the solid angle seen from `from`. `None` from behind,
+    /// where the edges are not perpendicular, and where the solid angle is so small that points are better drawn by area.
+    #[must_use]
+    pub fn visible_density(&self, from: Vec3) -> Option<f32> {
+        self.view(from).map(|view| (1.0 / view.solid_angle) as f32)
+    }
+}
+
+/// Solid angle of the strip between 0 and `x`, across `y`, at distance `z` > 0; signed as `x`.
+fn strip(x: f64, y: [f64; 2], z: f64) -> f64 {
+    let [to_first, to_last] = y.map(|y| atan2(x * y, z * (x * x + y * y + z * z).sqrt()));
+    to_last - to_first
+}
+
+impl View {
+    /// The point (x, y) of the plane for `u` in \[0, 1)² (Ureña, Fajardo, King 2013, "An Area-Preserving Parametrization for
+    /// Spherical Rectangles").
+    ///
+    /// With β the angles under which the edges across y are seen, [`strip`] is asin(c sin β₁) − asin(c sin β₀), where x/z is the
+    /// tangent of asin c. That is solved for x/z in products of sines, which keep their digits at grazing views.
+    fn sample(&self, u: Vec2) -> (f64, f64) {
+        let Self { x: [x0, x1], y: [y0, y1], z, .. } = *self;
+        let angle = strip(x0, self.y, z) + f64::from(u.x) * self.solid_angle;
+        let [b0, b1] = self.y.map(|y| atan2(y, z));
+        let half = |a: f64| 0.5 * a;
+        let difference = sin(half(b1 - b0 + angle)) * sin(half(b1 - b0 - angle));
+        let sum = cos(half(b1 + b0 + angle)) * cos(half(b1 + b0 - angle));
+        let x = 0.5 * z * sin(angle) / (difference * sum).max(0.0).sqrt();
+        // Rounding may leave 0/0 at the far end of a grazing view.
+        let x = if x.is_nan() { x1 } else { x.clamp(x0, x1) };
+        // Given x, the solid angle grows with the sine of the elevation over the (x, z) plane.
+        let d = hypot(x, z);
+        let [h0, h1] = self.y.map(|y| y / hypot(d, y));
+        let h = h0 + f64::from(u.y) * (h1 - h0);
+        let y = d * h / ((1.0 - h) * (1.0 + h)).max(0.0).sqrt();
+        (x, if y.is_nan() { y1 } else { y.clamp(y0, y1) })
     }
 }

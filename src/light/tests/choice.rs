@@ -1,0 +1,182 @@
+//! The choice among many lights.
+
+use super::chi_square::{p_value, sidak};
+use super::direct::{emitter_of, mesh};
+use super::*;
+use crate::color;
+use crate::sampling::Discrete;
+
+fn vector(k: Key) -> Vec3 {
+    let (a, b) = (k.uniform_2d(Dimension::LightPosition), k.uniform_2d(Dimension::LightTarget));
+    a.extend(b.x) * 2.0 - Vec3::ONE
+}
+
+/// Lights of all kinds with a place, strewn through a box; some shine a thousand times more than others.
+fn strewn(n: u64) -> Vec<Light> {
+    let light = |i: u64| {
+        let k = key(i).with(77);
+        let place = vector(k) * Vec3::new(10.0, 3.0, 10.0);
+        let axis = warp::sphere(k.uniform_2d(Dimension::LightDirection));
+        let strength = libm::powf(10.0, 3.0 * k.uniform(Dimension::Light) - 2.0);
+        let center = place.as_dvec3();
+        let (s, t) = axis.as_dvec3().any_orthonormal_pair();
+        match i % 6 {
+            0 => Light::Point { position: place, intensity: Rgb::splat(strength) },
+            1 => {
+                Light::Spot(Spot { position: place, axis, cos_inner: 0.9, cos_outer: 0.6, peak: Rgb::splat(strength) })
+            }
+            2 => area(Shape::Sphere(SphereShape::new(center, 0.1)), 30.0 * strength),
+            3 => area(Shape::Rectangle(Rectangle::new(center, s * 0.3, t * 0.2)), 15.0 * strength),
+            4 => Light::Area(Area { emitter: emitter_of(mesh(place)), radiance: Rgb::splat(strength) }),
+            _ => area(Shape::Disc(Disc::around(center, axis.as_dvec3(), 0.2)), 8.0 * strength),
+        }
+    };
+    (0..n).map(light).collect()
+}
+
+fn with_infinite(mut lights: Vec<Light>) -> Vec<Light> {
+    let directional = |direction| Light::Directional { direction, irradiance: Rgb::ONE };
+    lights.insert(3, directional(Vec3::NEG_Y));
+    lights.push(directional(Vec3::X));
+    lights.push(Light::Point { position: Vec3::ZERO, intensity: Rgb::ZERO });
+    lights
+}
+
+const ROOM: Sphere = Sphere { center: Vec3::ZERO, radius: 15.0 };
+
+fn places(n: u64) -> impl Iterator<Item = (Vec3, Option<Vec3>)> {
+    (0..n).map(|i| {
+        let k = key(i).with(5);
+        let normal = warp::sphere(k.uniform_2d(Dimension::Film));
+        (vector(k) * Vec3::new(12.0, 4.0, 12.0), (i % 3 > 0).then_some(normal))
+    })
+}
+
+#[test]
+fn probabilities_are_what_is_chosen_and_sum_to_one() {
+    let lights = with_infinite(strewn(60));
+    let choice = LightChoice::new(&lights, ROOM).unwrap();
+    let n = 20;
+    for (p, normal) in places(n) {
+        let mut expected: Vec<f64> = (0..lights.len()).map(|i| f64::from(choice.probability(p, normal, i))).collect();
+        let total: f64 = expected.iter().sum();
+        // Only where a normal shuts a group out is there anything left.
+        assert!(total < 1.0 + 1e-5 && (normal.is_some() || total > 1.0 - 0.1), "{total}");
+        expected.push((1.0 - total).max(0.0));
+        let draws = 100_000u64;
+        let mut counts = vec![0.0; expected.len()];
+        let mut remainders = vec![0.0; 16];
+        for i in 0..draws {
+            match choice.choose(p, normal, key(i).uniform(Dimension::Light)) {
+                Some((light, probability, remainder)) => {
+                    assert_eq!(probability.to_bits(), choice.probability(p, normal, light).to_bits());
+                    counts[light] += 1.0;
+                    remainders[(remainder * 16.0) as usize] += 1.0;
+                }
+                None => counts[lights.len()] += 1.0,
+            }
+        }
+        for e in &mut expected {
+            *e *= draws as f64;
+        }
+        let uniform = vec![remainders.iter().sum::<f64>() / 16.0; 16];
+        for chance in [p_value(&counts, &expected), p_value(&remainders, &uniform)] {
+            assert!(chance > sidak(2 * n as usize), "{p} {normal:?}: {chance}");
+        }
+    }
+}
+
+#[test]
+fn lights_at_infinity_have_their_share() {
+    let lights = with_infinite(strewn(10));
+    let choice = LightChoice::new(&lights, ROOM).unwrap();
+    let p = Vec3::new(1.0, 2.0, 3.0);
+    assert_eq!([3, 11].map(|i| choice.probability(p, None, i)), [1.0 / 3.0; 2]);
+    assert_eq!(choice.probability(p, None, 12), 0.0, "no power, no choice");
+    let two = LightChoice::new(&[lights[3].clone(), lights[11].clone()], ROOM).unwrap();
+    assert_eq!(two.choose(p, None, 0.75), Some((1, 0.5, 0.5)));
+    assert!(LightChoice::new(&lights[12..], ROOM).is_none() && LightChoice::new(&[], ROOM).is_none());
+}
+
+#[test]
+fn no_light_that_contributes_is_left_out() {
+    let lights = strewn(100);
+    let choice = LightChoice::new(&lights, ROOM).unwrap();
+    let mut shut_out = 0;
+    for (p, normal) in places(2000) {
+        for (i, light) in lights.iter().enumerate() {
+            if choice.probability(p, normal, i) > 0.0 {
+                continue;
+            }
+            shut_out += 1;
+            for j in 0..16 {
+                let sample = light.sample_direct(p, key(j).uniform_2d(Dimension::LightPosition));
+                let cos = |wi: Vec3| normal.map_or(1.0, |n| n.dot(wi));
+                assert!(sample.is_none_or(|s| cos(s.wi) <= 0.0), "{light:?} from {p} {normal:?}");
+            }
+        }
+    }
+    // Half of the flat lights are seen from behind, and half of all are below a horizon.
+    assert!(shut_out > 2000 * 100 / 4, "{shut_out}");
+}
+
+/// Lights at one place, on one line, and farther apart by powers of two: every shape of tree is deep enough, and no deeper.
+#[test]
+fn trees_of_any_shape_hold_all_lights() {
+    let at = |x: f32| Light::Point { position: Vec3::new(x, 0.0, 0.0), intensity: Rgb::ONE };
+    let sets: [Vec<Light>; 3] = [
+        (0..1000).map(|_| at(1.0)).collect(),
+        (0..1000).map(|i| at(i as f32)).collect(),
+        (0..100).map(|i| at(libm::exp2f(i as f32 * 0.4))).collect(),
+    ];
+    for lights in sets {
+        let choice = LightChoice::new(&lights, ROOM).unwrap();
+        let p = Vec3::new(0.5, 1.0, 0.0);
+        let total: f32 = (0..lights.len()).map(|i| choice.probability(p, None, i)).sum();
+        assert!((total - 1.0).abs() < 1e-4, "{total}");
+    }
+}
+
+/// The variance of one sample of one light at `p`: Σ E\[fᵢ²]/pᵢ − (Σ E\[fᵢ])², over the squared mean, for each choice.
+fn variances<const N: usize>(lights: &[Light], p: Vec3, n: Vec3, choices: [&dyn Fn(usize) -> f32; N]) -> [f64; N] {
+    let (mut mean, mut squares) = (0.0, [0.0; N]);
+    let draws = 16;
+    for (i, light) in lights.iter().enumerate() {
+        for j in 0..draws {
+            let sample = light.sample_direct(p, key(j).uniform_2d(Dimension::LightPosition));
+            let f = sample.map_or(0.0, |s| f64::from(s.irradiance.x * s.wi.dot(n).max(0.0)));
+            if f > 0.0 {
+                mean += f / draws as f64;
+                for (square, choice) in squares.iter_mut().zip(choices) {
+                    *square += f * f / (draws as f64 * f64::from(choice(i)));
+                }
+            }
+        }
+    }
+    squares.map(|s| s / (mean * mean) - 1.0)
+}
+
+/// A thousand lights, strewn through a room at random and in rows under a ceiling.
+#[test]
+fn the_tree_has_far_less_variance_than_power() {
+    let lamp = |i: u64| DVec3::new((i % 32) as f64 - 16.0, 3.0, (i / 32) as f64 - 16.0);
+    let down = |i| Rectangle::new(lamp(i), DVec3::X * 0.3, DVec3::Z * 0.3);
+    let ceiling: Vec<Light> = (0..1000).map(|i| area(Shape::Rectangle(down(i)), 1.0)).collect();
+    for (lights, up, least) in [(strewn(1000), false, 5.0), (ceiling, true, 20.0)] {
+        let choice = LightChoice::new(&lights, ROOM).unwrap();
+        let powers = Discrete::new(lights.iter().map(|l| f64::from(color::mean(l.power(ROOM))))).unwrap();
+        let mut gains: Vec<f64> = places(60)
+            .filter_map(|(p, normal)| {
+                let n = if up { Vec3::Y } else { normal? };
+                let p = if up { p.with_y(0.0) } else { p };
+                let [tree, power] =
+                    variances(&lights, p, n, [&|i| choice.probability(p, Some(n), i), &|i| powers.probability(i)]);
+                (power / tree).is_finite().then_some(power / tree)
+            })
+            .collect();
+        gains.sort_by(f64::total_cmp);
+        let median = gains[gains.len() / 2];
+        eprintln!("variance by power over variance by tree: median {median:.1}, least {:.1}", gains[0]);
+        assert!(gains.len() > 30 && median > least && gains[0] > 1.0, "{median} {}", gains[0]);
+    }
+}

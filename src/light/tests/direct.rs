@@ -1,0 +1,155 @@
+//! Direct samples and their densities.
+
+use super::chi_square::{Cells, sidak};
+use super::*;
+use crate::math::Transform;
+use crate::sampling::Discrete;
+use crate::shape::{Ellipsoid, Mesh, SurfacePoint};
+use glam::DAffine3;
+use std::sync::Arc;
+
+/// A corner of three triangles of different size, which partly hide each other from some places, and a way to meet them.
+pub fn mesh(origin: Vec3) -> Arc<Mesh> {
+    let positions = [[0., 0., 0.], [1., 0., 0.], [0., 1.3, 0.], [0., 0., 0.6]].map(|p| Vec3::from(p) + origin);
+    let triangles = vec![[0, 1, 2], [0, 3, 1], [0, 2, 3]];
+    Arc::new(Mesh { positions: positions.to_vec(), normals: vec![], triangles })
+}
+
+pub fn emitter_of(mesh: Arc<Mesh>) -> Emitter {
+    let choice = Discrete::new((0..mesh.triangles.len()).map(|i| mesh.area(i))).unwrap();
+    Emitter::Triangles { mesh, first: 0, choice }
+}
+
+/// The first crossing of the line from `p` with an emitter, from either side.
+fn seen(emitter: &Emitter, p: Vec3, wi: Vec3) -> Option<SurfacePoint> {
+    let ray = crate::math::Ray::new(p, wi);
+    match emitter {
+        Emitter::Shape(shape) => shape.intersect(&ray).map(|(t, ..)| shape.surface(&ray, t)),
+        Emitter::Triangles { mesh, .. } => {
+            let cross = |i: usize| {
+                let [a, b, c] = mesh.corners(i).map(|v| v.as_dvec3() - p.as_dvec3());
+                let m = glam::DMat3::from_cols(b - a, c - a, -wi.as_dvec3());
+                let x = m.inverse() * -a;
+                (x.x >= 0.0 && x.y >= 0.0 && x.x + x.y <= 1.0 && x.z > 0.0).then_some((x.z, i, x.truncate()))
+            };
+            let nearest = (0..mesh.triangles.len()).filter_map(cross).min_by(|a, b| a.0.total_cmp(&b.0));
+            nearest.map(|(_, i, b)| mesh.surface(i, b.as_vec2()))
+        }
+    }
+}
+
+/// Emitters with a place that sees them, and a cone around what is seen; whether all draws can be seen from there.
+fn views() -> Vec<(Emitter, Vec3, bool)> {
+    let squash = Transform::new(DAffine3::from_scale_rotation_translation(
+        DVec3::new(1.0, 0.2, 0.5),
+        glam::DQuat::from_xyzw(0.5, 0.5, 0.5, 0.5),
+        DVec3::new(0.3, 2.0, 1.0),
+    ))
+    .unwrap();
+    let rectangle = Rectangle::new(y(1.0), DVec3::new(2.0, 0.0, 0.5), DVec3::new(-0.2, 0.0, 0.8));
+    let slanted = Rectangle::new(y(1.0), DVec3::new(2.0, 0.0, 0.5), DVec3::new(0.2, 0.3, 0.8));
+    let disc = Disc::new(y(2.0), DVec3::X, DVec3::new(0.0, 0.3, 0.6));
+    let shapes = [
+        (Shape::Sphere(SphereShape::new(y(2.0), 0.5)), Vec3::new(1.0, 0.0, 0.3), true),
+        (Shape::Sphere(SphereShape::new(y(2.0), 0.5)), Vec3::new(0.0, 1.49, 0.0), true),
+        (Shape::Disc(disc), Vec3::new(0.7, 0.0, 0.3), true),
+        (Shape::Ellipsoid(Ellipsoid::new(squash)), Vec3::new(1.0, 0.5, 0.3), false),
+        (Shape::Rectangle(slanted), Vec3::new(0.3, 0.1, 0.2), true),
+        (Shape::Rectangle(rectangle), Vec3::new(0.3, 0.1, 0.2), true),
+        (Shape::Rectangle(rectangle), Vec3::new(-2.0, 0.2, -1.0), true),
+        // Near its plane, beside it and below its middle.
+        (Shape::Rectangle(rectangle), Vec3::new(-0.4, 0.9, 0.0), true),
+        (Shape::Rectangle(rectangle), Vec3::new(0.9, 0.99, 0.6), true),
+        // Far away: by area.
+        (Shape::Rectangle(rectangle), Vec3::new(90.0, -90.0, 3.0), true),
+    ];
+    let shapes = shapes.into_iter().map(|(shape, p, all)| (Emitter::Shape(shape), p, all));
+    let corners = [(Vec3::new(0.9, 1.1, 1.0), true), (Vec3::new(1.5, -0.5, 0.4), false)];
+    shapes.chain(corners.into_iter().map(|(p, all)| (emitter_of(mesh(Vec3::ZERO)), p, all))).collect()
+}
+
+/// A cone around all that is drawn.
+fn cone(light: &Light, p: Vec3) -> Cells {
+    let draws = || (0..2000).filter_map(|i| light.sample_direct(p, key(i).uniform_2d(Dimension::LightTarget)));
+    let axis = draws().map(|s| s.wi).sum::<Vec3>().normalize();
+    let widest = draws().map(|s| libm::acos(f64::from(s.wi.dot(axis)).min(1.0))).fold(0.0, f64::max);
+    Cells::new(axis, (widest * 1.5).min(std::f64::consts::PI))
+}
+
+#[test]
+fn direct_samples_follow_their_density() {
+    let views = views();
+    let threshold = sidak(views.len());
+    for (emitter, p, all) in views {
+        // By area, the density of an ellipsoid grows without bound towards its outline, where midpoints fail.
+        let least_cos = if matches!(emitter, Emitter::Shape(Shape::Ellipsoid(_))) { 0.2 } else { 0.0 };
+        let light = Light::Area(Area { emitter: emitter.clone(), radiance: Rgb::ONE });
+        let drawn = |u: glam::Vec2| {
+            let sample = light.sample_direct(p, u)?;
+            let Reach::Point(end) = sample.reach else { panic!("a surface is not at infinity") };
+            // What the light itself hides is no draw.
+            let point = seen(&emitter, p, sample.wi)
+                .filter(|point| (point.p - end).length() < 1e-4 && sample.wi.dot(point.ng) < 0.0)?;
+            let (density, pdf) = (light.density(p, sample.wi, Some(&point)), sample.pdf?);
+            // Rounding of the direction by 2⁻²³ moves the crossing by d/cos of that, and turns the normal by the curvature, at most
+            // 25 here, times that: the cosine changes by 2⁻²³ · 25 d/cos² of itself.
+            let cos = -sample.wi.dot(point.ng);
+            assert!((density / pdf - 1.0).abs() < 1e-5 / (cos * cos), "{light:?} {p}: {density} {pdf}");
+            assert!((sample.irradiance.x * pdf - 1.0).abs() < 1e-5);
+            (cos > least_cos).then_some(sample.wi)
+        };
+        let density = |wi: Vec3| {
+            let point = seen(&emitter, p, wi).filter(|point| -wi.dot(point.ng) > least_cos);
+            point.map_or(0.0, |point| f64::from(light.density(p, wi, Some(&point))))
+        };
+        let (chance, total) = cone(&light, p).compare(&drawn, &density);
+        assert!(chance > threshold, "{light:?} {p}: p = {chance}");
+        // Edges are found to 1/512 of a cell, of which the light's outline crosses some fifty of hundreds.
+        assert!(if all { (total - 1.0).abs() < 5e-4 } else { total < 0.999 }, "{light:?} {p}: {total}");
+    }
+}
+
+/// analytic-truths 9 in the limits: below and beside the rectangle at any nearness to its plane, and in the plane.
+#[test]
+fn rectangles_are_seen_from_near_their_plane() {
+    let (a, b) = (2.0f64, 1.5);
+    for h in [1e-1f64, 1e-3, 1e-6, 1e-12, 1e-30] {
+        let light = area(Shape::Rectangle(Rectangle::new(y(0.0), DVec3::X * a, DVec3::Z * b)), 5.0);
+        // Below the corner: a quarter of the sky, in the limit.
+        let term = |p: f64, q: f64| p / (h * h + p * p).sqrt() * libm::atan(q / (h * h + p * p).sqrt());
+        let truth = 2.5 * (term(a, b) + term(b, a));
+        agrees(irradiance(&light, Vec3::new(0.0, -h as f32, 0.0), Vec3::Y), truth);
+        // On a wall that faces it from the side, one off: a perpendicular rectangle less the part up to the light.
+        let part = |x: f64| h / libm::hypot(x, h) * libm::atan(b / libm::hypot(x, h));
+        agrees(irradiance(&light, Vec3::new(-1.0, -h as f32, 0.0), Vec3::X), 2.5 * (part(1.0) - part(1.0 + a)));
+    }
+    let light = area(Shape::Rectangle(Rectangle::new(y(0.0), DVec3::X * a, DVec3::Z * b)), 5.0);
+    for p in [Vec3::new(0.5, 0.0, 0.5), Vec3::new(-1.0, 0.0, 0.5), Vec3::new(0.5, 1.0, 0.5)] {
+        assert!(light.sample_direct(p, glam::Vec2::splat(0.3)).is_none(), "its plane and its back are black");
+    }
+}
+
+/// By area the variance grows without bound as the light is approached; by solid angle only the cosine varies.
+#[test]
+fn solid_angle_sampling_has_less_variance_near_the_light() {
+    let rectangle = Rectangle::new(y(0.0), DVec3::X, DVec3::Z);
+    let light = area(Shape::Rectangle(rectangle), 1.0);
+    let emitter = Emitter::Shape(Shape::Rectangle(rectangle));
+    for (h, least) in [(0.05f32, 100.0), (0.3, 4.0), (1.0, 1.0)] {
+        let p = Vec3::new(0.4, -h, 0.6);
+        let (mean, variance) = irradiance(&light, p, Vec3::Y);
+        let by_area = estimate(100_000, |k| {
+            let s = emitter.sample(k.uniform_2d(Dimension::LightPosition));
+            let d = s.point.p - p;
+            let cos = d.normalize().y;
+            f64::from(cos * cos / (d.length_squared() * s.pdf))
+        });
+        let gain = by_area.1 / variance;
+        eprintln!(
+            "at distance {h}: relative variance {:.3e}, {gain:.1} times less than by area",
+            variance * 1e5 / (mean * mean)
+        );
+        agrees(by_area, mean);
+        assert!(gain > least, "{h}: {gain}");
+    }
+}
