@@ -1,6 +1,6 @@
 //! Direct light by shadow rays.
 
-use super::eye::Vertex;
+use super::eye::{History, Last, Vertex};
 use super::tiles::Worker;
 use crate::color::Rgb;
 use crate::light::{Light, LightChoice, Reach};
@@ -12,10 +12,24 @@ use glam::{Vec2, Vec3};
 /// How light is sought.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Asking {
-    /// So many shadow rays a point: up to so many lights are all asked, of more, so many are chosen.
+    /// So many shadow rays a point.
     Sampled(u32),
+    /// One shadow ray a point, but one for each of a few lights where the walk has met no receiver before.
+    Walk,
     /// One shadow ray to the middle of every light.
     Middles,
+}
+
+/// Up to so many lights are few.
+const FEW: usize = 4;
+
+/// Which lights are asked at a point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Scheme {
+    /// All, with so many rays each.
+    All(u32),
+    /// So many, chosen by chance.
+    Chosen(u32),
 }
 
 /// The lights, ready to be asked.
@@ -25,8 +39,8 @@ pub(super) struct DirectLight<'a> {
     asking: Asking,
     /// Where lights are chosen.
     choice: Option<LightChoice>,
-    /// Shadow rays to a light that is seen under a solid angle, where all lights are asked.
-    rays: u32,
+    /// Before the first receiver, and after it.
+    schemes: [Scheme; 2],
 }
 
 /// The density of a direction in another technique.
@@ -35,32 +49,45 @@ type Pdf<'f> = dyn Fn(Vec3, &mut Worker) -> f32 + 'f;
 impl<'a> DirectLight<'a> {
     pub fn new(scene: &'a Scene, asking: Asking) -> Self {
         let lights = scene.lights();
-        let (choice, rays) = match asking {
-            Asking::Middles => (None, 1),
-            Asking::Sampled(n) if lights.len() > n as usize => (LightChoice::new(lights, scene.domain()), n),
-            Asking::Sampled(n) => {
-                let surfaces = lights.iter().filter(|l| l.has_surface()).count() as u32;
-                (None, (n / surfaces.max(1)).max(1))
-            }
+        let sampled = |n: u32| {
+            let surfaces = lights.iter().filter(|l| l.has_surface()).count() as u32;
+            if lights.len() > n as usize { Scheme::Chosen(n) } else { Scheme::All((n / surfaces.max(1)).max(1)) }
         };
-        Self { scene, asking, choice, rays }
+        let schemes = match asking {
+            Asking::Middles => [Scheme::All(1); 2],
+            Asking::Sampled(n) => [sampled(n); 2],
+            Asking::Walk if lights.len() <= FEW => [Scheme::All(1), sampled(1)],
+            Asking::Walk => [sampled(1); 2],
+        };
+        let choice = if schemes.iter().any(|s| matches!(s, Scheme::Chosen(_))) {
+            LightChoice::new(lights, scene.domain())
+        } else {
+            None
+        };
+        Self { scene, asking, choice, schemes }
+    }
+
+    fn scheme(&self, history: History) -> Scheme {
+        self.schemes[usize::from(history.receivers > 0)]
     }
 
     /// Radiance that the surface sends to its viewer by light that comes straight from the lights; unbiased. Where the walk goes
     /// on and may meet a light by chance, `other` is the density of that.
     pub fn reflected(&self, vertex: &Vertex<'_>, other: Option<&Pdf<'_>>, worker: &mut Worker) -> Rgb {
-        if let Some(choice) = &self.choice {
-            return self.chosen(choice, vertex, other, worker);
-        }
+        let each = match (self.scheme(vertex.history), &self.choice) {
+            (Scheme::All(rays), _) => rays,
+            (Scheme::Chosen(rays), Some(choice)) => return self.chosen(choice, rays, vertex, other, worker),
+            (Scheme::Chosen(_), None) => return Rgb::ZERO,
+        };
         let mut sum = Rgb::ZERO;
         for (i, light) in self.scene.lights().iter().enumerate() {
-            let rays = if light.has_surface() { self.rays } else { 1 };
+            let rays = if light.has_surface() { each } else { 1 };
             let draw = vertex.shadow_draw.with(i as u64);
             for ray in 0..rays {
                 let u = match self.asking {
                     Asking::Middles => Vec2::splat(0.5),
                     // A net spreads the rays over the light.
-                    Asking::Sampled(_) => draw.of(ray, rays).two(Dimension::LightPosition),
+                    Asking::Sampled(_) | Asking::Walk => draw.of(ray, rays).two(Dimension::LightPosition),
                 };
                 sum += self.from(light, vertex, u, rays as f32, other, worker);
             }
@@ -68,29 +95,36 @@ impl<'a> DirectLight<'a> {
         sum
     }
 
-    fn chosen(&self, choice: &LightChoice, vertex: &Vertex<'_>, other: Option<&Pdf<'_>>, worker: &mut Worker) -> Rgb {
+    fn chosen(
+        &self,
+        choice: &LightChoice,
+        rays: u32,
+        vertex: &Vertex<'_>,
+        other: Option<&Pdf<'_>>,
+        worker: &mut Worker,
+    ) -> Rgb {
         let point = &vertex.surface.point;
         let mut sum = Rgb::ZERO;
         // One uniform number over equal strata: no light is asked more often than it deserves, rounded up.
         let start = vertex.shadow_draw.one(Dimension::Light);
-        for i in 0..self.rays {
-            let u = ((i as f32 + start) / self.rays as f32).min(1.0 - f32::EPSILON / 2.0);
+        for i in 0..rays {
+            let u = ((i as f32 + start) / rays as f32).min(1.0 - f32::EPSILON / 2.0);
             let Some((light, probability, _)) = choice.choose(point.p, vertex.horizon(), u) else { continue };
             let u = vertex.shadow_draw.with(u64::from(i)).two(Dimension::LightPosition);
-            let rays = probability * self.rays as f32;
-            sum += self.from(&self.scene.lights()[light], vertex, u, rays, other, worker);
+            sum += self.from(&self.scene.lights()[light], vertex, u, probability * rays as f32, other, worker);
         }
         sum
     }
 
-    /// Expected density with which light `light` is asked along unit `wi` from `p`, in rays per steradian.
+    /// Expected density with which light `light` is asked along unit `wi` from the point of `last`, in rays per steradian.
     #[inline]
-    pub fn density(&self, p: Vec3, horizon: Option<Vec3>, light: usize, wi: Vec3, seen: Option<&SurfacePoint>) -> f32 {
-        let rays = match &self.choice {
-            Some(choice) => choice.probability(p, horizon, light) * self.rays as f32,
-            None => self.rays as f32,
+    pub fn density(&self, last: &Last, light: usize, wi: Vec3, seen: Option<&SurfacePoint>) -> f32 {
+        let rays = match (self.scheme(last.history), &self.choice) {
+            (Scheme::All(rays), _) => rays as f32,
+            (Scheme::Chosen(rays), Some(choice)) => choice.probability(last.p, last.horizon, light) * rays as f32,
+            (Scheme::Chosen(_), None) => 0.0,
         };
-        rays * self.scene.lights()[light].density(p, wi, seen)
+        rays * self.scene.lights()[light].density(last.p, wi, seen)
     }
 
     /// One shadow ray of `rays`.

@@ -22,7 +22,7 @@ impl<'a> Distributed<'a> {
     /// Prepares the lights.
     #[must_use]
     pub fn new(scene: &'a Scene, settings: EyeSettings) -> Self {
-        Self { scene, settings, direct: DirectLight::new(scene, Asking::Sampled(1)) }
+        Self { scene, settings, direct: DirectLight::new(scene, Asking::Walk) }
     }
 }
 

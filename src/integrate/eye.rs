@@ -161,9 +161,11 @@ struct Branch {
 
 /// The last vertex, where it was not a delta.
 #[derive(Clone, Copy)]
-struct Last {
-    p: Vec3,
-    horizon: Option<Vec3>,
+pub(super) struct Last {
+    pub p: Vec3,
+    pub horizon: Option<Vec3>,
+    /// What the walk had met before it.
+    pub history: History,
     pdf: f32,
 }
 
@@ -289,7 +291,12 @@ impl<M: Method> EyePass<'_, M> {
         let roulette = branch.draw.one(Dimension::Roulette);
         let mut next = branch.leaving(vertex.surface, sample.wi, sample.weight, sample.transmitted);
         let point = &vertex.surface.point;
-        next.last = (!sample.specular).then_some(Last { p: point.p, horizon: vertex.horizon(), pdf: sample.pdf });
+        next.last = (!sample.specular).then_some(Last {
+            p: point.p,
+            horizon: vertex.horizon(),
+            history: vertex.history,
+            pdf: sample.pdf,
+        });
         let strength = color::mean(next.throughput);
         if strength < self.method.cut() {
             return None;
@@ -320,7 +327,7 @@ impl<M: Method> EyePass<'_, M> {
     #[inline]
     fn weight_of_chance(&self, last: &Last, seen: &Surface<'_>) -> f32 {
         let Some(light) = seen.light else { return 1.0 };
-        last.pdf / (last.pdf + self.direct.density(last.p, last.horizon, light as usize, -seen.wo, Some(&seen.point)))
+        last.pdf / (last.pdf + self.direct.density(last, light as usize, -seen.wo, Some(&seen.point)))
     }
 
     /// Radiance from where nothing is.
@@ -332,7 +339,7 @@ impl<M: Method> EyePass<'_, M> {
             None => self.scene.background(),
             Some(_) if !self.method.counts(branch.history) => Rgb::ZERO,
             Some(light) => {
-                let density = |last: Last| self.direct.density(last.p, last.horizon, light, direction, None);
+                let density = |last: Last| self.direct.density(&last, light, direction, None);
                 let weight = branch.last.map_or(1.0, |last| last.pdf / (last.pdf + density(last)));
                 self.scene.escaping(direction) * weight
             }

@@ -27,7 +27,7 @@ impl<'a> Hybrid<'a> {
     /// Weighs the lights and finds the caustic map's radius where none is set.
     #[must_use]
     pub fn new(scene: &'a Scene, settings: PhotonSettings) -> Self {
-        let direct = DirectLight::new(scene, Asking::Sampled(1));
+        let direct = DirectLight::new(scene, Asking::Walk);
         Self { scene, direct, maker: MapMaker::new(scene, settings, Needs::ByCasters, Schedule::Shrinking) }
     }
 }

@@ -21,7 +21,7 @@ impl<'a> PathTracing<'a> {
     /// Prepares the choice of lights.
     #[must_use]
     pub fn new(scene: &'a Scene, settings: EyeSettings) -> Self {
-        Self { scene, settings, direct: DirectLight::new(scene, Asking::Sampled(1)) }
+        Self { scene, settings, direct: DirectLight::new(scene, Asking::Walk) }
     }
 }
 

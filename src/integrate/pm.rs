@@ -33,9 +33,12 @@ impl<'a> PhotonMapping<'a> {
     #[must_use]
     pub fn new(scene: &'a Scene, settings: PhotonSettings) -> Self {
         // A gather ray sees direct light too.
-        let (wants, rays) =
-            if settings.final_gathering { (Wants { caustic: false, ..Wants::ALL }, 1) } else { (Wants::GLOBAL, 4) };
-        let direct = DirectLight::new(scene, Asking::Sampled(rays));
+        let (wants, asking) = if settings.final_gathering {
+            (Wants { caustic: false, ..Wants::ALL }, Asking::Walk)
+        } else {
+            (Wants::GLOBAL, Asking::Sampled(4))
+        };
+        let direct = DirectLight::new(scene, asking);
         Self { scene, direct, maker: MapMaker::new(scene, settings, Needs::Global(wants), Schedule::Fixed) }
     }
 }
