@@ -2,8 +2,10 @@
 
 mod discrete;
 mod key;
+mod piecewise;
 mod sobol;
 
 pub use discrete::Discrete;
 pub use key::{Dimension, Key, Purpose};
+pub use piecewise::Piecewise2d;
 pub use sobol::sobol_2d;

@@ -86,19 +86,35 @@ impl Scene {
         &self.camera
     }
 
-    /// Radiance of rays that meet nothing: it is seen, but lights nothing.
+    /// Radiance of rays that meet nothing where there is no environment: it is seen, but lights nothing.
     #[must_use]
     pub fn background(&self) -> Rgb {
         self.background
     }
 
-    /// The lights.
+    /// Radiance that a ray in unit `direction` which meets nothing finds: the environment's, else the background.
+    #[inline]
+    #[must_use]
+    pub fn escaping(&self, direction: Vec3) -> Rgb {
+        match self.lights.last() {
+            Some(Light::Environment(environment)) => environment.radiance(direction),
+            _ => self.background,
+        }
+    }
+
+    /// The index of the environment among the lights, if there is one.
+    #[must_use]
+    pub fn environment(&self) -> Option<usize> {
+        matches!(self.lights.last(), Some(Light::Environment(_))).then(|| self.lights.len() - 1)
+    }
+
+    /// The lights; an environment comes last.
     #[must_use]
     pub fn lights(&self) -> &[Light] {
         &self.lights
     }
 
-    /// The lights as the course's shading sees them, in the same order.
+    /// The lights as the course's shading sees them, in the same order. An environment is none of them.
     #[must_use]
     pub fn course_lights(&self) -> &[CourseLight] {
         &self.course_lights
@@ -110,7 +126,7 @@ impl Scene {
         &self.materials
     }
 
-    /// The ball in which photons of parallel light are followed: it holds all bounded shapes, with room around them where an
+    /// The ball in which photons of light from infinity are followed: it holds all bounded shapes, with room around them where an
     /// unbounded plane catches light.
     #[must_use]
     pub fn domain(&self) -> Sphere {
@@ -187,7 +203,7 @@ impl Scene {
         Surface { point, wo, material: &self.materials[attributes.material as usize], emission }
     }
 
-    /// The ray with its start moved back to where nothing unbounded lies behind it: parallel light comes from beyond all planes.
+    /// The ray with its start moved back to where nothing unbounded lies behind it: light from infinity comes from beyond all planes.
     #[must_use]
     pub(crate) fn starting_beyond_planes(&self, ray: Ray) -> Ray {
         let back = Ray::new(ray.origin, -ray.direction);
