@@ -78,8 +78,8 @@ pub enum ReadError {
         /// The system's answer.
         source: io::Error,
     },
-    /// The first bytes are those of neither PNG nor OpenEXR.
-    #[error("`{}` is neither a PNG nor an OpenEXR picture: convert it to one of these", path.display())]
+    /// The first bytes are not those of PNG, OpenEXR or Radiance HDR.
+    #[error("`{}` is not a PNG, OpenEXR or Radiance HDR picture: convert it to one of these", path.display())]
     UnknownFormat {
         /// The file.
         path: PathBuf,

@@ -1,4 +1,4 @@
-//! Pictures: the buffer of linear radiance, tone curves, PNG and OpenEXR in and out, and image metrics.
+//! Pictures: the buffer of linear radiance, tone curves, PNG and OpenEXR in and out, Radiance HDR in, and image metrics.
 
 mod buffer;
 mod error;

@@ -1,19 +1,27 @@
 //! Pictures from files.
 
 use std::fs;
+use std::io::Cursor;
 use std::path::Path;
 
-use super::buffer::{Image, RgbBytes};
-use super::error::{DecodeFailure, ReadError};
+use ::image::DynamicImage;
+use ::image::codecs::hdr::HdrDecoder;
+use glam::Vec3;
+
+use super::buffer::{Image, RgbBytes, pixel_count};
+use super::error::{DecodeFailure, ReadError, check_plausible};
 use super::{exr, png};
 
 const PNG_SIGNATURE: [u8; 4] = *b"\x89PNG";
 const EXR_SIGNATURE: [u8; 4] = *b"\x76\x2f\x31\x01";
+/// Of `#?RADIANCE` and `#?RGBE`.
+const HDR_SIGNATURE: [u8; 3] = *b"#?R";
 
-/// Reads a PNG or OpenEXR picture, told apart by its first bytes, as linear radiance.
+/// Reads a PNG, OpenEXR or Radiance HDR picture, told apart by its first bytes, as linear radiance.
 ///
 /// A PNG is decoded by its gAMA chunk where it has one and no sRGB chunk, else by the sRGB curve. Of an OpenEXR file the
-/// first layer with channels R, G and B is read. Exposure and tone curve are not undone.
+/// first layer with channels R, G and B is read. Exposure and tone curve are not undone, but for the exposures that a Radiance
+/// HDR states.
 ///
 /// # Errors
 /// [`ReadError`] where the file is missing, damaged, of another format, transparent, or beyond [`super::MAX_PIXELS`].
@@ -23,6 +31,8 @@ pub fn read(path: &Path) -> Result<Image, ReadError> {
         png::read(&file)
     } else if file.starts_with(&EXR_SIGNATURE) {
         exr::read(&file)
+    } else if file.starts_with(&HDR_SIGNATURE) {
+        read_hdr(&file)
     } else {
         return Err(ReadError::UnknownFormat { path: path.to_owned() });
     };
@@ -35,14 +45,33 @@ pub fn read(path: &Path) -> Result<Image, ReadError> {
 /// [`ReadError`] as for [`read`], and where the file is no PNG or has 16 bits a channel.
 pub fn read_bytes(path: &Path) -> Result<RgbBytes, ReadError> {
     let file = load(path)?;
-    let bytes = if file.starts_with(&EXR_SIGNATURE) {
-        Err(DecodeFailure::Reason("an OpenEXR picture has no bytes to compare: use an 8-bit PNG".into()))
+    let bytes = if file.starts_with(&EXR_SIGNATURE) || file.starts_with(&HDR_SIGNATURE) {
+        Err(DecodeFailure::Reason(
+            "a picture of floating-point numbers has no bytes to compare: use an 8-bit PNG".into(),
+        ))
     } else if file.starts_with(&PNG_SIGNATURE) {
         png::read_bytes(&file)
     } else {
         return Err(ReadError::UnknownFormat { path: path.to_owned() });
     };
     bytes.map_err(|failure| failure.at(path.to_owned()))
+}
+
+/// A Radiance HDR picture of RGB (Ward 1991, "Real Pixels"); files state by how much their radiance was multiplied.
+fn read_hdr(file: &[u8]) -> Result<Image, DecodeFailure> {
+    let reason = |error: ::image::ImageError| DecodeFailure::Reason(error.to_string());
+    // Strict decoding knows one of the two signatures only.
+    let decoder = HdrDecoder::new_nonstrict(Cursor::new(file)).map_err(reason)?;
+    let header = decoder.metadata();
+    // Runs of at most 127 equal bytes take two, so far less than DEFLATE's bound holds; old runs of runs are refused by it.
+    check_plausible(4 * pixel_count(header.width, header.height)? as u64, file.len())?;
+    let exposure = header.exposure.unwrap_or(1.0);
+    if !(exposure > 0.0 && exposure.is_finite()) {
+        return Err(DecodeFailure::Reason(format!("the exposure is {exposure}, which is not above zero")));
+    }
+    let picture = DynamicImage::from_decoder(decoder).map_err(reason)?.into_rgb32f();
+    let pixels = picture.pixels().map(|p| Vec3::from(p.0) / exposure).collect();
+    Ok(Image::from_pixels(header.width, header.height, pixels)?)
 }
 
 fn load(path: &Path) -> Result<Vec<u8>, ReadError> {
@@ -67,5 +96,40 @@ mod tests {
         fs::write(&misnamed, exr::encode(&image, &[]).unwrap().0).unwrap();
         assert_eq!(read(&misnamed).unwrap(), image);
         assert!(read_bytes(&misnamed).unwrap_err().to_string().contains("8-bit PNG"));
+    }
+    /// Two pixels whose bytes are those of the paper: mantissas over 256, times two to the exponent less 128.
+    fn hdr(header: &str) -> Vec<u8> {
+        let mut file = format!("{header}\n\n-Y 1 +X 2\n").into_bytes();
+        file.extend([128, 64, 32, 129, 200, 100, 50, 138]);
+        file
+    }
+
+    #[test]
+    fn radiance_hdr_is_read_with_its_exposures_undone() {
+        let read = |header| read_hdr(&hdr(header)).unwrap_or_else(|failure| panic!("{}", failure.at("memory".into())));
+        let plain = read("#?RADIANCE\nFORMAT=32-bit_rle_rgbe");
+        assert_eq!(plain.pixels(), [Vec3::new(1.0, 0.5, 0.25), Vec3::new(800.0, 400.0, 200.0)]);
+        let exposed = read("#?RGBE\nEXPOSURE=2\nEXPOSURE=4");
+        assert_eq!(exposed.pixels()[0] * 8.0, plain.pixels()[0]);
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("sky.hdr");
+        fs::write(&path, hdr("#?RADIANCE")).unwrap();
+        assert_eq!(super::read(&path).unwrap(), plain);
+        assert!(read_bytes(&path).unwrap_err().to_string().contains("8-bit PNG"));
+    }
+
+    #[test]
+    fn damaged_radiance_hdr_is_refused() {
+        let good = hdr("#?RADIANCE");
+        for cut in 0..good.len() {
+            assert!(read_hdr(&good[..cut]).is_err(), "cut at {cut}");
+        }
+        let huge = |size: &str| [b"#?RADIANCE\n\n".as_slice(), size.as_bytes(), b"\n\x01\x01\x01\x80"].concat();
+        for size in ["-Y 16000 +X 16000", "-Y 99999999 +X 99999999", "-Y 0 +X 5", "-Y -1 +X 5"] {
+            assert!(read_hdr(&huge(size)).is_err(), "{size}");
+        }
+        for header in ["#?RADIANCE\nEXPOSURE=0", "#?RADIANCE\nEXPOSURE=inf", "#?RADIANCE\nFORMAT=32-bit_rle_xyze"] {
+            assert!(read_hdr(&hdr(header)).is_err(), "{header}");
+        }
     }
 }

@@ -69,7 +69,7 @@ impl LightBounds {
                 let normals = Cone { axis: spot.axis.as_dvec3(), angle: outer - spread + NORMAL_ERROR };
                 (Bounds::of([spot.position]), normals, spread, spot.power())
             }
-            Light::Directional { .. } => return None,
+            Light::Directional { .. } | Light::Environment(_) => return None,
             Light::Area(area) => {
                 let (space, normals) = surface(&area.emitter);
                 (space, normals, FRAC_PI_2, area.power())

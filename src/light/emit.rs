@@ -18,7 +18,7 @@ pub struct Emission {
 
 impl Light {
     /// Emits for `position` and `direction` in \[0, 1)²: cosine-weighted from surfaces, uniform from points, across the disc of
-    /// `domain` for parallel light.
+    /// `domain` for light from infinity.
     #[must_use]
     pub fn emit(&self, domain: Sphere, position: Vec2, direction: Vec2) -> Option<Emission> {
         match self {
@@ -31,12 +31,8 @@ impl Light {
                 Some(Emission { ray: Ray::new(spot.position, w), flux: spot.intensity(w) * (TAU * one_minus_cos) })
             }
             Self::Directional { direction: w, irradiance } => {
-                let frame = Frame::around(*w);
-                let d = warp::disc(position) * domain.radius;
-                let p = domain.center + frame.s * d.x + frame.t * d.y;
-                let start = p - *w * (domain.radius + w.dot(p - domain.center));
-                let area = PI * domain.radius * domain.radius;
-                (area > 0.0).then(|| Emission { ray: Ray::new(start, *w), flux: *irradiance * area })
+                let (ray, area) = across(domain, *w, position)?;
+                Some(Emission { ray, flux: *irradiance * area })
             }
             Self::Area(area) => {
                 let ShapeSample { point, pdf } = area.emitter.sample(position);
@@ -47,6 +43,11 @@ impl Light {
                 }
                 let ray = Ray::new(offset_origin(point.p, point.error, point.ng, w), w);
                 Some(Emission { ray, flux: area.radiance * (PI / pdf) })
+            }
+            Self::Environment(environment) => {
+                let (from, pdf) = environment.sample(direction)?;
+                let (ray, area) = across(domain, -from, position)?;
+                Some(Emission { ray, flux: environment.radiance(from) * (area / pdf) })
             }
         }
     }
@@ -79,10 +80,16 @@ impl Light {
                 let ray = Ray::new(offset_origin(point.p, point.error, point.ng, w), w);
                 Some(Emission { ray, flux: area.radiance * (cos / (pdf * pdf_w)) })
             }
+            Self::Environment(environment) => {
+                let (from, pdf) = environment.sample(direction)?;
+                let upstream = domain.radius + from.dot(domain.center);
+                let (start, pdf_start) = targets.sample_parallel(-from, upstream, position)?;
+                Some(Emission { ray: Ray::new(start, -from), flux: environment.radiance(from) / (pdf * pdf_start) })
+            }
         }
     }
 
-    /// A point from which it shines, off its own surface; `None` for parallel light.
+    /// A point from which it shines, off its own surface; `None` for light from infinity.
     #[must_use]
     pub fn start(&self) -> Option<Vec3> {
         match self {
@@ -94,17 +101,28 @@ impl Light {
         }
     }
 
-    /// A point that stands for the light's place in the simple shading of ray casting; `None` for parallel light.
+    /// A point that stands for the light's place in the simple shading of ray casting; `None` for light from infinity.
     #[must_use]
     pub fn center(&self) -> Option<Vec3> {
         match self {
             Self::Point { position, .. } => Some(*position),
             Self::Spot(spot) => Some(spot.position),
-            Self::Directional { .. } => None,
+            Self::Directional { .. } | Self::Environment(_) => None,
             Self::Area(area) => Some(match &area.emitter {
                 Emitter::Shape(shape) => Shape::bounds(shape).center(),
                 emitter @ Emitter::Triangles { .. } => emitter.sample(Vec2::splat(0.5)).point.p,
             }),
         }
     }
+}
+
+/// A ray in unit `direction` from a uniform point of the disc that `domain` shows it, with the disc's area; `None` where that is
+/// nothing.
+fn across(domain: Sphere, direction: Vec3, u: Vec2) -> Option<(Ray, f32)> {
+    let frame = Frame::around(direction);
+    let d = warp::disc(u) * domain.radius;
+    let p = domain.center + frame.s * d.x + frame.t * d.y;
+    let start = p - direction * (domain.radius + direction.dot(p - domain.center));
+    let area = PI * domain.radius * domain.radius;
+    (area > 0.0).then(|| (Ray::new(start, direction), area))
 }

@@ -5,12 +5,14 @@ mod area;
 mod bounds;
 mod choice;
 mod emit;
+mod environment;
 mod spot;
 
 pub use aim::Targets;
 pub use area::{Area, Emitter};
 pub use choice::LightChoice;
 pub use emit::Emission;
+pub use environment::{Environment, EnvironmentError};
 pub use spot::Spot;
 
 use crate::color::Rgb;
@@ -40,6 +42,8 @@ pub enum Light {
     },
     /// A surface that radiates from its outer side.
     Area(Area),
+    /// Radiance from infinity, from all around.
+    Environment(Environment),
 }
 
 /// Where a shadow ray ends.
@@ -77,33 +81,35 @@ impl Light {
                 Some(DirectSample { wi: -*direction, reach: Reach::Infinity, irradiance: *irradiance, pdf: None })
             }
             Self::Area(area) => area.sample_direct(p, u),
+            Self::Environment(environment) => environment.sample_direct(u),
         }
     }
 
-    /// Density \[1/sr] with which [`Light::sample_direct`] at `p` draws unit `wi`, which meets the light's surface at `seen`; 0 where
-    /// it never does.
+    /// Density \[1/sr] with which [`Light::sample_direct`] at `p` draws unit `wi`; 0 where it never does. A light with a surface is met
+    /// at `seen`, which is `None` for what escapes to infinity.
     #[inline]
     #[must_use]
     pub fn density(&self, p: Vec3, wi: Vec3, seen: Option<&SurfacePoint>) -> f32 {
         match self {
             Self::Point { .. } | Self::Spot(_) | Self::Directional { .. } => 0.0,
             Self::Area(area) => seen.map_or(0.0, |seen| area.density(p, wi, seen)),
+            Self::Environment(environment) => environment.density(wi),
         }
     }
 
     /// Whether it is seen under a solid angle, so that shadows have soft edges.
     #[must_use]
     pub fn has_surface(&self) -> bool {
-        matches!(self, Self::Area(_))
+        matches!(self, Self::Area(_) | Self::Environment(_))
     }
 
-    /// Whether it comes from infinity.
+    /// Whether it comes from infinity, so that nothing is behind it.
     #[must_use]
-    pub fn is_parallel(&self) -> bool {
-        matches!(self, Self::Directional { .. })
+    pub fn is_infinite(&self) -> bool {
+        matches!(self, Self::Directional { .. } | Self::Environment(_))
     }
 
-    /// Emitted flux \[W]; for parallel light, what crosses the disc that `domain` shows it.
+    /// Emitted flux \[W]; for light from infinity, what crosses the disc that `domain` shows it.
     #[must_use]
     pub fn power(&self, domain: Sphere) -> Rgb {
         match self {
@@ -111,6 +117,7 @@ impl Light {
             Self::Spot(spot) => spot.power(),
             Self::Directional { irradiance, .. } => *irradiance * (PI * domain.radius * domain.radius),
             Self::Area(area) => area.power(),
+            Self::Environment(environment) => environment.power(domain),
         }
     }
 }

@@ -1,6 +1,8 @@
 mod chi_square;
 mod choice;
 mod direct;
+mod emission;
+mod environment;
 
 use super::*;
 use crate::math::warp;
@@ -83,97 +85,4 @@ fn rectangle_over_its_corner() {
     let (u, v) = (a / h, b / h);
     let term = |p: f64, q: f64| p / (1.0 + p * p).sqrt() * libm::atan(q / (1.0 + p * p).sqrt());
     agrees(irradiance(&light, Vec3::ZERO, Vec3::Y), 2.5 * (term(u, v) + term(v, u)));
-}
-
-fn lights() -> Vec<Light> {
-    vec![
-        Light::Point { position: Vec3::new(0.3, 3.0, 0.1), intensity: Rgb::splat(2.0) },
-        Light::Spot(Spot {
-            position: Vec3::new(0.3, 3.0, 0.1),
-            axis: Vec3::NEG_Y,
-            cos_inner: 0.95,
-            cos_outer: 0.8,
-            peak: Rgb::splat(2.0),
-        }),
-        Light::Directional { direction: Vec3::new(0.1, -1.0, 0.2).normalize(), irradiance: Rgb::splat(2.0) },
-        area(Shape::Disc(Disc::new(y(2.0), DVec3::X, DVec3::Z)), 2.0),
-        area(Shape::Sphere(SphereShape::new(y(2.0), 0.5)), 2.0),
-    ]
-}
-
-const DOMAIN: Sphere = Sphere { center: Vec3::new(0.1, 0.2, 0.0), radius: 4.0 };
-
-fn hits(ball: &Sphere, e: &Emission) -> bool {
-    let to = ball.center - e.ray.origin;
-    to.dot(e.ray.direction) > 0.0 && to.cross(e.ray.direction).length() < ball.radius
-}
-
-#[test]
-fn emitted_flux_is_the_power() {
-    for light in lights() {
-        let emitted = estimate(200_000, |k| {
-            let (a, b) = (k.uniform_2d(Dimension::LightPosition), k.uniform_2d(Dimension::LightDirection));
-            light.emit(DOMAIN, a, b).map_or(0.0, |e| f64::from(e.flux.x))
-        });
-        agrees(emitted, f64::from(light.power(DOMAIN).x));
-    }
-}
-
-/// Aimed emission carries to each ball, overlapping ones too, exactly the flux that ordinary emission does.
-#[test]
-fn aiming_changes_no_mean() {
-    let balls = [
-        Sphere { center: Vec3::new(0.5, 0.0, 0.0), radius: 0.4 },
-        Sphere { center: Vec3::new(0.8, 0.2, 0.0), radius: 0.3 },
-        Sphere { center: Vec3::new(-1.5, 0.0, 0.5), radius: 0.2 },
-    ];
-    let targets = Targets::new(balls);
-    for light in lights() {
-        for ball in &balls {
-            let moments = |emit: &dyn Fn(glam::Vec2, glam::Vec2) -> Option<Emission>| {
-                estimate(300_000, |k| {
-                    let (a, b) = (k.uniform_2d(Dimension::LightPosition), k.uniform_2d(Dimension::LightDirection));
-                    emit(a, b).filter(|e| hits(ball, e)).map_or(0.0, |e| f64::from(e.flux.x))
-                })
-            };
-            let (plain, aimed) =
-                (moments(&|a, b| light.emit(DOMAIN, a, b)), moments(&|a, b| light.emit_at(&targets, DOMAIN, a, b)));
-            let sigma = (plain.1 + aimed.1).sqrt();
-            assert!((plain.0 - aimed.0).abs() < 5.0 * sigma, "{light:?} {ball:?}: {plain:?} {aimed:?}");
-            assert!(aimed.1 < plain.1, "aiming must pay: {light:?}");
-        }
-    }
-}
-
-#[test]
-fn a_light_inside_a_target_emits_everywhere() {
-    let targets = Targets::new([Sphere { center: Vec3::ZERO, radius: 1.0 }]);
-    let light = Light::Point { position: Vec3::new(0.2, 0.0, 0.0), intensity: Rgb::ONE };
-    let flux = estimate(1000, |k| {
-        let u = k.uniform_2d(Dimension::LightDirection);
-        light.emit_at(&targets, DOMAIN, u, u).map_or(0.0, |e| f64::from(e.flux.x))
-    });
-    agrees(flux, 4.0 * std::f64::consts::PI);
-}
-
-#[test]
-fn many_targets_are_merged_without_loss() {
-    let balls: Vec<Sphere> = (0..500)
-        .map(|i| {
-            let center = warp::sphere(key(i).uniform_2d(Dimension::LightTarget)) * 3.0;
-            Sphere { center, radius: 0.05 }
-        })
-        .collect();
-    let targets = Targets::new(balls.iter().copied());
-    let light = Light::Point { position: Vec3::new(0.0, 10.0, 0.0), intensity: Rgb::ONE };
-    let count = |emit: &dyn Fn(glam::Vec2) -> Option<Emission>| {
-        estimate(100_000, |k| {
-            let e = emit(k.uniform_2d(Dimension::LightDirection));
-            e.map_or(0.0, |e| f64::from(e.flux.x) * balls.iter().filter(|b| hits(b, &e)).count() as f64)
-        })
-    };
-    let zero = glam::Vec2::ZERO;
-    let (plain, aimed) =
-        (count(&|u| light.emit(DOMAIN, zero, u)), count(&|u| light.emit_at(&targets, DOMAIN, zero, u)));
-    assert!((plain.0 - aimed.0).abs() < 5.0 * (plain.1 + aimed.1).sqrt());
 }

@@ -67,7 +67,7 @@ impl<'a> PhotonSource<'a> {
             None => light.emit(domain, position, direction),
         };
         emission.map(|e| {
-            let ray = if light.is_parallel() { self.scene.starting_beyond_planes(e.ray) } else { e.ray };
+            let ray = if light.is_infinite() { self.scene.starting_beyond_planes(e.ray) } else { e.ray };
             (self.scene.walk_from_light(chosen, ray), e.flux / (probability * paths as f32))
         })
     }

@@ -3,9 +3,11 @@
 mod discrete;
 mod draw;
 mod key;
+mod piecewise;
 mod sobol;
 
 pub use discrete::Discrete;
 pub use draw::Draw;
 pub use key::{Dimension, Key, Purpose};
+pub use piecewise::Piecewise2d;
 pub use sobol::sobol_2d;

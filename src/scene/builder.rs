@@ -4,7 +4,7 @@ use super::{Attributes, CourseLight, Inside, Material, Scattering, Scene};
 use crate::accel::Hierarchy;
 use crate::camera::Pinhole;
 use crate::color::Rgb;
-use crate::light::{Area, Emitter, Light, Spot};
+use crate::light::{Area, Emitter, Environment, Light, Spot};
 use crate::math::{Bounds, Sphere};
 use crate::sampling::Discrete;
 use crate::shape::{Mesh, Plane, Shape, Triangle};
@@ -12,7 +12,7 @@ use glam::{DVec3, Vec3};
 use std::f32::consts::PI;
 use std::sync::Arc;
 
-/// How far parallel light is followed beyond the bounded shapes, in their radii, where unbounded planes catch it.
+/// How far light from infinity is followed beyond the bounded shapes, in their radii, where unbounded planes catch it.
 const OPEN_DOMAIN: f32 = 4.0;
 
 /// Why parts do not make a scene.
@@ -73,6 +73,7 @@ pub enum SourceKind {
 #[derive(Debug, Default)]
 pub struct SceneBuilder {
     background: Rgb,
+    environment: Option<Environment>,
     materials: Vec<Material>,
     shapes: Vec<(Shape, u32, Rgb)>,
     planes: Vec<(Plane, u32)>,
@@ -94,6 +95,12 @@ impl SceneBuilder {
     /// Sets the radiance that is seen where nothing is.
     pub fn background(&mut self, color: Rgb) -> &mut Self {
         self.background = color;
+        self
+    }
+
+    /// Sets the light from all around, in place of an earlier one; it is seen instead of the background.
+    pub fn environment(&mut self, environment: Environment) -> &mut Self {
+        self.environment = Some(environment);
         self
     }
 
@@ -219,6 +226,8 @@ impl SceneBuilder {
             triangle_part.resize(end as usize, parts.len() as u32);
             parts.push((*first, Attributes { material: *material, light }));
         }
+        // Last, as the course's lights know nothing of it.
+        lights.extend(self.environment.map(Light::Environment));
         if let Some(i) = lights.iter().position(|light| !light.power(domain).is_finite()) {
             return Err(BuildError::TooBright(i));
         }
@@ -350,6 +359,23 @@ mod tests {
         let mut source = SceneBuilder::new();
         source.source(SourceKind::Point { position: DVec3::ZERO }, LightStrength::Power(Rgb::INFINITY));
         assert_eq!(source.build(camera()).err(), Some(BuildError::TooBright(0)));
+    }
+
+    #[test]
+    fn what_escapes_finds_the_environment_or_the_background() {
+        let scene = |environments: &[f32]| {
+            let mut builder = SceneBuilder::new();
+            builder.background(Rgb::splat(0.5));
+            for radiance in environments {
+                builder.environment(Environment::constant(Rgb::splat(*radiance)).unwrap());
+            }
+            ball(&mut builder, DVec3::ZERO, Rgb::ONE);
+            builder.build(camera()).unwrap()
+        };
+        let (without, with) = (scene(&[]), scene(&[2.0, 3.0]));
+        assert_eq!((without.environment(), without.escaping(Vec3::X)), (None, Rgb::splat(0.5)));
+        assert_eq!((with.environment(), with.escaping(Vec3::X)), (Some(1), Rgb::splat(3.0)));
+        assert_eq!((with.lights().len(), with.course_lights().len()), (2, 1));
     }
 
     #[test]

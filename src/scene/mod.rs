@@ -95,31 +95,35 @@ impl Scene {
         &self.camera
     }
 
-    /// Radiance of rays that meet nothing: it is seen, but lights nothing.
+    /// Radiance of rays that meet nothing where there is no environment: it is seen, but lights nothing.
     #[must_use]
     pub fn background(&self) -> Rgb {
         self.background
     }
 
-    /// Index of the light at infinity that is seen where nothing is.
+    /// Radiance that a ray in unit `direction` which meets nothing finds: the environment's, else the background.
+    #[inline]
+    #[must_use]
+    pub fn escaping(&self, direction: Vec3) -> Rgb {
+        match self.lights.last() {
+            Some(Light::Environment(environment)) => environment.radiance(direction),
+            _ => self.background,
+        }
+    }
+
+    /// The index of the environment among the lights, if there is one.
     #[must_use]
     pub fn environment(&self) -> Option<usize> {
-        None
+        matches!(self.lights.last(), Some(Light::Environment(_))).then(|| self.lights.len() - 1)
     }
 
-    /// Radiance of rays in unit `direction` that meet nothing.
-    #[must_use]
-    pub fn escaping(&self, _: Vec3) -> Rgb {
-        self.background
-    }
-
-    /// The lights.
+    /// The lights; an environment comes last.
     #[must_use]
     pub fn lights(&self) -> &[Light] {
         &self.lights
     }
 
-    /// The lights as the course's shading sees them, in the same order.
+    /// The lights as the course's shading sees them, in the same order. An environment is none of them.
     #[must_use]
     pub fn course_lights(&self) -> &[CourseLight] {
         &self.course_lights
@@ -131,7 +135,7 @@ impl Scene {
         &self.materials
     }
 
-    /// The ball in which photons of parallel light are followed: it holds all bounded shapes, with room around them where an
+    /// The ball in which photons of light from infinity are followed: it holds all bounded shapes, with room around them where an
     /// unbounded plane catches light.
     #[must_use]
     pub fn domain(&self) -> Sphere {
@@ -244,7 +248,7 @@ impl Scene {
         Walk { ray, inside: self.light_inside[light] }
     }
 
-    /// The ray with its start moved back to where nothing unbounded lies behind it: parallel light comes from beyond all planes.
+    /// The ray with its start moved back to where nothing unbounded lies behind it: light from infinity comes from beyond all planes.
     #[must_use]
     pub(crate) fn starting_beyond_planes(&self, ray: Ray) -> Ray {
         let back = Ray::new(ray.origin, -ray.direction);

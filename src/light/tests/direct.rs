@@ -1,6 +1,6 @@
 //! Direct samples and their densities.
 
-use super::chi_square::{Cells, sidak};
+use super::chi_square::{Cells, INTEGRAL_ERROR, sidak};
 use super::*;
 use crate::math::Transform;
 use crate::sampling::Discrete;
@@ -104,8 +104,7 @@ fn direct_samples_follow_their_density() {
         };
         let (chance, total) = cone(&light, p).compare(&drawn, &density);
         assert!(chance > threshold, "{light:?} {p}: p = {chance}");
-        // Edges are found to 1/512 of a cell, of which the light's outline crosses some fifty of hundreds.
-        assert!(if all { (total - 1.0).abs() < 5e-4 } else { total < 0.999 }, "{light:?} {p}: {total}");
+        assert!(if all { (total - 1.0).abs() < INTEGRAL_ERROR } else { total < 0.999 }, "{light:?} {p}: {total}");
     }
 }
 

@@ -1,0 +1,163 @@
+//! Light from all around.
+
+use super::chi_square::{Cells, INTEGRAL_ERROR, sidak};
+use super::*;
+use crate::image::Image;
+use glam::Vec2;
+use std::f64::consts::PI;
+
+/// A map with black parts, a bright sun and colours that vary, turned by an angle.
+pub fn sky(angle: f64) -> Environment {
+    let pixel = |i: u32| {
+        let (x, y) = (i % 12, i / 12);
+        let grey = key(u64::from(i)).uniform(Dimension::Film) * if y > 4 { 0.0 } else { 1.0 };
+        if (x, y) == (7, 2) { Vec3::new(40.0, 30.0, 20.0) } else { Vec3::new(grey, 0.5 * grey, 0.25) * grey }
+    };
+    let map = Image::from_pixels(12, 8, (0..96).map(pixel).collect()).unwrap();
+    Environment::new(map, angle, Rgb::splat(1.5)).unwrap()
+}
+
+fn constant() -> Environment {
+    Environment::constant(Rgb::splat(2.0)).unwrap()
+}
+
+#[test]
+fn draws_follow_the_density() {
+    let skies = [constant(), sky(0.0), sky(0.4)];
+    for (i, environment) in skies.iter().enumerate() {
+        for axis in [Vec3::Y, Vec3::new(0.3, -0.5, 1.0)] {
+            let cells = Cells::new(axis, PI);
+            let draw = |u| {
+                environment.sample(u).map(|(w, pdf)| {
+                    assert_eq!(pdf.to_bits(), environment.density(w).to_bits());
+                    w
+                })
+            };
+            let (chance, total) = cells.compare(&draw, &|w| f64::from(environment.density(w)));
+            assert!(chance > sidak(2 * skies.len()), "{i} {axis}: {chance}");
+            assert!((total - 1.0).abs() < INTEGRAL_ERROR, "{i} {axis}: {total}");
+        }
+    }
+}
+
+#[test]
+fn all_that_shines_can_be_drawn() {
+    let environment = sky(0.3);
+    let directions = (0..100_000).map(|i| warp::sphere(key(i).uniform_2d(Dimension::LightDirection)));
+    let mut dark = 0;
+    for w in directions.chain([Vec3::Y, Vec3::NEG_Y, Vec3::X, Vec3::Z, Vec3::NEG_Z]) {
+        let black = environment.radiance(w) == Rgb::ZERO;
+        dark += u32::from(black);
+        assert!(black || environment.density(w) > 0.0, "{w}");
+    }
+    assert!(dark > 10_000, "the lower part is black");
+}
+
+/// A constant environment's power is π r² · 4π L, and that of a map the integral of what is seen in it.
+#[test]
+fn power_is_the_integral_of_radiance() {
+    let disc = Sphere { center: Vec3::ONE, radius: 3.0 };
+    let area = PI * 9.0;
+    assert!((f64::from(constant().power(disc).x) / (area * 8.0 * PI) - 1.0).abs() < 1e-6);
+    for environment in [sky(0.0), sky(1.0)] {
+        // Uniform directions: five sigma.
+        let seen = estimate(400_000, |k| {
+            let w = warp::sphere(k.uniform_2d(Dimension::LightDirection));
+            4.0 * PI * area * f64::from(environment.radiance(w).x)
+        });
+        agrees(seen, f64::from(environment.power(disc).x));
+    }
+}
+
+/// Rows alone, against midpoints over the angle from +y: with 10⁵ of them off by less than 10⁻⁹.
+#[test]
+fn rows_weigh_what_they_light() {
+    for h in [1u32, 2, 3, 8] {
+        let pixels = (0..h).map(|row| Rgb::splat(((row * 5 + 1) % 7) as f32)).collect();
+        let environment = Environment::new(Image::from_pixels(1, h, pixels).unwrap(), 0.0, Rgb::ONE).unwrap();
+        let n = 100_000;
+        let ring = |i: u32| {
+            let (sin, cos) = libm::sincos((f64::from(i) + 0.5) * PI / f64::from(n));
+            f64::from(environment.radiance(Vec3::new(sin as f32, cos as f32, 0.0)).x) * sin
+        };
+        let truth = 2.0 * PI * PI / f64::from(n) * (0..n).map(ring).sum::<f64>();
+        // Of area 1; powers are rounded to f32 thrice.
+        let disc = Sphere { center: Vec3::ZERO, radius: (1.0 / PI).sqrt() as f32 };
+        let power = f64::from(environment.power(disc).x);
+        assert!((power / truth - 1.0).abs() < 1e-6, "{h}: {power} {truth}");
+    }
+}
+
+/// analytic-truths 38, by direct light and by photons through a ball of radius a: every direction brings π a² L.
+#[test]
+fn a_constant_environment_lights_a_plane_by_pi_l() {
+    let light = Light::Environment(constant());
+    agrees(irradiance(&light, Vec3::new(1.0, 2.0, 3.0), Vec3::new(0.6, 0.0, 0.8)), 2.0 * PI);
+    let domain = Sphere { center: Vec3::new(0.5, 0.0, 0.0), radius: 2.0 };
+    let (a, ball) = (0.7f64, Vec3::new(-0.3, 0.2, 0.5));
+    let flux = estimate(200_000, |k| {
+        let (u, v) = (k.uniform_2d(Dimension::LightPosition), k.uniform_2d(Dimension::LightDirection));
+        let e = light.emit(domain, u, v).unwrap();
+        assert!((e.ray.origin - domain.center).dot(e.ray.direction) < -0.99 * domain.radius, "it starts outside");
+        if (ball - e.ray.origin).cross(e.ray.direction).length() < a as f32 { f64::from(e.flux.x) } else { 0.0 }
+    });
+    let truth = PI * a * a * 4.0 * PI * 2.0;
+    agrees(flux, truth);
+    // Aimed at the ball alone, every photon carries all of that; targets are larger than their balls by some 10⁻⁵.
+    let targets = Targets::new([Sphere { center: ball, radius: a as f32 }]);
+    for i in 0..100 {
+        let (u, v) = (key(i).uniform_2d(Dimension::LightPosition), key(i).uniform_2d(Dimension::LightDirection));
+        let aimed = f64::from(light.emit_at(&targets, domain, u, v).unwrap().flux.x);
+        assert!((aimed / truth - 1.0).abs() < 1e-4, "{aimed} {truth}");
+    }
+}
+
+/// By importance the variance is that of what interpolation and colours leave; uniformly it is the sun's.
+#[test]
+fn the_sun_is_found() {
+    let environment = sky(0.4);
+    let n = environment.sample(Vec2::splat(0.5)).unwrap().0;
+    let by_map = irradiance(&Light::Environment(environment.clone()), Vec3::ZERO, n);
+    let uniformly = estimate(100_000, |k| {
+        let w = warp::sphere(k.uniform_2d(Dimension::LightPosition));
+        4.0 * PI * f64::from(environment.radiance(w).x * w.dot(n).max(0.0))
+    });
+    agrees(uniformly, by_map.0);
+    eprintln!("uniform directions have {:.1} times the variance", uniformly.1 / by_map.1);
+    assert!(uniformly.1 > 10.0 * by_map.1);
+}
+
+#[test]
+fn maps_lie_as_documented() {
+    // Four columns by two rows, each of its own brightness.
+    let pixels: Vec<Rgb> = (0..8).map(|i| Rgb::splat(i as f32)).collect();
+    let at = |angle: f64, w: Vec3| {
+        let map = Image::from_pixels(4, 2, pixels.clone()).unwrap();
+        Environment::new(map, angle, Rgb::splat(10.0)).unwrap().radiance(w.normalize()).x
+    };
+    let close = |a: f32, b: f32| assert!((a - b).abs() < 1e-4, "{a} {b}");
+    // Towards −z, between the second and the third column, and just right of it; the seam behind; level between the rows.
+    close(at(0.0, Vec3::new(0.0, 1.0, -1.0)), 15.0);
+    close(at(0.0, Vec3::new(1.0, 2f32.sqrt(), -1.0)), 20.0);
+    close(at(0.0, Vec3::new(0.0, 1.0, 1.0)), 15.0);
+    close(at(0.0, Vec3::new(-1.0, -(2f32.sqrt()), -1.0)), 50.0);
+    close(at(0.0, Vec3::NEG_Z), 35.0);
+    // A quarter turn anticlockwise brings what was at −z to −x.
+    close(at(PI / 2.0, Vec3::new(-1.0, 1.0, 0.0)), 15.0);
+    close(at(PI / 2.0, Vec3::new(-1.0, 2f32.sqrt(), -1.0)), 20.0);
+}
+
+#[test]
+fn pictures_that_cannot_light_are_refused() {
+    for (bad, scale) in [(-0.1, 1.0), (f32::NAN, 1.0), (f32::INFINITY, 1.0), (1.0, f32::NAN), (1e30, 1e30), (1.0, -1.0)]
+    {
+        let pixels = vec![Rgb::ZERO, Rgb::ZERO, Rgb::ZERO, Rgb::ZERO, Rgb::new(0.0, bad, 0.0), Rgb::ZERO];
+        let refused = Environment::new(Image::from_pixels(3, 2, pixels).unwrap(), 0.0, Rgb::splat(scale));
+        assert!(matches!(refused, Err(EnvironmentError::Radiance { .. })), "{bad} {scale}");
+        if scale == 1.0 {
+            assert!(refused.unwrap_err().to_string().contains("column 1, row 1"));
+        }
+    }
+    let black = Light::Environment(Environment::constant(Rgb::ZERO).unwrap());
+    assert!(black.sample_direct(Vec3::ZERO, Vec2::ZERO).is_none() && black.density(Vec3::ZERO, Vec3::X, None) == 0.0);
+}

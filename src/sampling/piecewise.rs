@@ -1,0 +1,94 @@
+//! Points of the unit square by a grid of weights.
+
+use super::Discrete;
+use glam::{UVec2, Vec2};
+
+/// A density over \[0, 1)² that is constant in each cell of a grid.
+#[derive(Clone, Debug)]
+pub struct Piecewise2d {
+    rows: Discrete,
+    /// The choice within each row; none in a row without weight.
+    columns: Vec<Option<Discrete>>,
+    width: usize,
+}
+
+impl Piecewise2d {
+    /// By the `weight` of each cell (column, row) of `width` by `height`. `None` where there is nothing to choose: no cells, a sum
+    /// of zero or not finite, or a negative weight.
+    #[must_use]
+    pub fn new(width: usize, height: usize, weight: impl Fn(usize, usize) -> f64) -> Option<Self> {
+        let mut negative = false;
+        let mut totals = Vec::with_capacity(height);
+        let columns = (0..height).map(|y| {
+            let weights = (0..width).map(|x| weight(x, y));
+            totals.push(weights.clone().inspect(|w| negative |= *w < 0.0).sum());
+            Discrete::new(weights)
+        });
+        let columns: Vec<_> = columns.collect();
+        let rows = Discrete::new(totals)?;
+        (!negative).then_some(Self { rows, columns, width })
+    }
+
+    /// A cell (column, row) for `u` in \[0, 1)², a point in it as fractions of the cell, and the density per area of the square.
+    #[inline]
+    #[must_use]
+    pub fn sample(&self, u: Vec2) -> (UVec2, Vec2, f32) {
+        let (row, _) = self.rows.sample(u.y);
+        let within = self.rows.remainder(u.y, row);
+        let Some(columns) = &self.columns[row] else {
+            return (UVec2::new(0, row as u32), Vec2::new(u.x, within), 0.0);
+        };
+        let (column, _) = columns.sample(u.x);
+        let cell = UVec2::new(column as u32, row as u32);
+        (cell, Vec2::new(columns.remainder(u.x, column), within), self.pdf(cell))
+    }
+
+    /// Density per area of the square in a cell (column, row).
+    #[inline]
+    #[must_use]
+    pub fn pdf(&self, cell: UVec2) -> f32 {
+        let columns = self.columns[cell.y as usize].as_ref();
+        let cells = (self.width * self.columns.len()) as f32;
+        columns.map_or(0.0, |c| c.probability(cell.x as usize) * self.rows.probability(cell.y as usize) * cells)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampling::{Dimension, Key, Purpose};
+
+    #[test]
+    fn cells_are_drawn_by_weight_and_points_in_them_uniformly() {
+        let weights = [1.0, 0.0, 3.0, 0.0, 0.0, 0.0, 2.0, 2.0, 8.0];
+        let grid = Piecewise2d::new(3, 3, |x, y| weights[3 * y + x]).unwrap();
+        let n = 160_000u64;
+        let (mut counts, mut sums) = ([0u32; 9], [Vec2::ZERO; 9]);
+        for i in 0..n {
+            let u = Key::new(4).purpose(Purpose::Test).with(i).uniform_2d(Dimension::LightDirection);
+            let (cell, within, pdf) = grid.sample(u);
+            let i = (cell.y * 3 + cell.x) as usize;
+            assert!(within.cmpge(Vec2::ZERO).all() && within.cmplt(Vec2::ONE).all());
+            // Probabilities are differences of sums of f64, rounded to f32.
+            assert!((f64::from(pdf) / (weights[i] / 16.0 * 9.0) - 1.0).abs() < 1e-6 && pdf == grid.pdf(cell));
+            counts[i] += 1;
+            sums[i] += within;
+        }
+        for ((count, sum), weight) in counts.iter().zip(sums).zip(weights) {
+            let mean = n as f64 * weight / 16.0;
+            // Five sigma of a binomial count, and of means of uniform numbers.
+            assert!((f64::from(*count) - mean).abs() <= 5.0 * mean.sqrt(), "{count} {mean}");
+            let sigma = (1.0 / (12.0 * *count as f32)).sqrt();
+            assert!(*count == 0 || (sum / *count as f32 - 0.5).abs().max_element() < 5.0 * sigma, "{sum}");
+        }
+        assert_eq!(grid.pdf(UVec2::new(1, 1)), 0.0);
+    }
+
+    #[test]
+    fn nothing_is_chosen_from_nothing() {
+        for weights in [&[0.0, 0.0][..], &[], &[1.0, -0.5, 2.0, 2.0], &[f64::NAN, 1.0], &[f64::MAX, f64::MAX]] {
+            let height = weights.len() / 2;
+            assert!(Piecewise2d::new(2, height, |x, y| weights[2 * y + x]).is_none(), "{weights:?}");
+        }
+    }
+}
