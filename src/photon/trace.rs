@@ -4,7 +4,7 @@ use super::{Photon, PhotonSource};
 use crate::bsdf::{Transport, deposit_factor, shading_normal_factor};
 use crate::color::{self, Rgb};
 use crate::sampling::{Dimension, Key};
-use crate::scene::{Arrival, Scene, Walk};
+use crate::scene::{Arrival, Scene, Surface, Walk};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::ops::AddAssign;
@@ -122,9 +122,13 @@ impl PhotonPass<'_> {
             .map(|chunk| {
                 let range = chunk * CHUNK..paths.min((chunk + 1).saturating_mul(CHUNK));
                 let mut traced = Traced { paths: u64::from(range.end - range.start), ..Traced::default() };
+                let Traced { photons, audit, rays, .. } = &mut traced;
                 for index in range {
                     if let Some((walk, flux)) = self.source.emit(pass, index, paths) {
-                        self.follow(walk, flux, pass.with(u64::from(index)), &mut traced);
+                        let store = |surface: &Surface<'_>, flux| {
+                            photons.extend(Photon::new(surface.point.p, flux, surface.wo, surface.facing_normal()));
+                        };
+                        self.follow(walk, flux, pass.with(u64::from(index)), (audit, rays), store);
                     }
                 }
                 done(traced.paths);
@@ -142,13 +146,21 @@ impl PhotonPass<'_> {
         total
     }
 
-    /// Follows one photon until it is absorbed, escapes or is stopped.
-    fn follow(&self, mut walk: Walk, mut flux: Rgb, path: Key, traced: &mut Traced) {
+    /// Follows one photon until it is absorbed, escapes or is stopped. `deposit` hears of every landing of a wanted class where a
+    /// density estimate can use it, with its flux \[W].
+    #[inline]
+    pub(super) fn follow(
+        &self,
+        mut walk: Walk,
+        mut flux: Rgb,
+        path: Key,
+        (audit, rays): (&mut Audit, &mut u64),
+        mut deposit: impl FnMut(&Surface<'_>, Rgb),
+    ) {
         let mut class = Class::Direct;
-        let audit = &mut traced.audit;
         book(&mut audit.emitted, flux);
         for bounce in 0.. {
-            traced.rays += 1;
+            *rays += 1;
             let key = path.with(bounce.into());
             let Some(Arrival { surface, transmittance, crossed, .. }) = walk.advance(self.scene, key) else {
                 return book(&mut audit.escaped, flux);
@@ -160,11 +172,9 @@ impl PhotonPass<'_> {
                 class = Class::Caustic;
             }
 
-            // Store the photon where a density estimate can use it.
             let stores = surface.bsdf.stores_photons();
             if stores && self.wants.has(class) {
-                let landed = flux * deposit_factor(surface.wo, surface.point.ns, surface.point.ng);
-                traced.photons.extend(Photon::new(surface.point.p, landed, surface.wo, surface.facing_normal()));
+                deposit(&surface, flux * deposit_factor(surface.wo, surface.point.ns, surface.point.ng));
             }
             let useless = stores && self.wants == Wants::CAUSTIC;
             if bounce == self.max_bounces || useless {
