@@ -22,6 +22,8 @@ pub enum Purpose {
     LightWeights,
     /// Statistical tests.
     Test,
+    /// The pilot from which emission learns what is seen.
+    Learning,
 }
 
 /// The name of one decision at one vertex of a path.
