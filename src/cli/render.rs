@@ -8,6 +8,7 @@ use super::report::{self, Report, Setting};
 use super::{Exit, Failure, RenderArguments};
 use crate::format::SceneFile;
 use crate::image::{self, Curve, Image, ToneMap, WriteOptions};
+use crate::integrate::Lessons;
 use crate::render::{Ended, Rendered, Stop, render};
 use crate::scene::Scene;
 use glam::Vec3;
@@ -48,6 +49,7 @@ fn run_in_pool(arguments: &RenderArguments, progress: &Progress) -> Result<Exit,
         shapes: scene.shape_count(),
         lights: scene.lights().len(),
         radii: None,
+        emission: Lessons::default(),
         setup: 0.0,
     };
     progress.say(&format!(
@@ -68,6 +70,7 @@ fn run_in_pool(arguments: &RenderArguments, progress: &Progress) -> Result<Exit,
     }
     let integrator = prepare(arguments, &scene);
     setting.radii = integrator.radii();
+    setting.emission = integrator.lessons();
     setting.setup = start.elapsed().as_secs_f64();
 
     let passes = arguments.passes.or(match arguments.time {

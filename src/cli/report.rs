@@ -1,7 +1,7 @@
 //! The report of a render as JSON; docs/cli.md describes each field.
 
 use crate::image::WriteError;
-use crate::integrate::{PhotonReport, Radii, Seconds};
+use crate::integrate::{Lessons, PhotonReport, Radii, Seconds};
 use crate::render::{Ended, Rendered};
 use crate::stats::{Counters, cpu_seconds};
 use serde::Serialize;
@@ -27,6 +27,7 @@ pub(super) struct Report {
     pub shapes: usize,
     pub lights: usize,
     pub radii: Option<RadiiReport>,
+    pub emission: Lessons,
     pub photons: Photons,
     pub counters: Counters,
     pub seconds: Times,
@@ -71,6 +72,7 @@ pub(super) struct Setting {
     pub shapes: usize,
     pub lights: usize,
     pub radii: Option<Radii>,
+    pub emission: Lessons,
     pub setup: f64,
 }
 
@@ -95,6 +97,7 @@ impl Report {
             shapes: setting.shapes,
             lights: setting.lights,
             radii: setting.radii.map(|r| RadiiReport { global: r.global, caustic: r.caustic }),
+            emission: setting.emission,
             photons: Photons { global: rendered.global, caustic: rendered.caustic },
             counters: rendered.counters,
             seconds: Times { setup: setting.setup, passes: rendered.seconds, render: wall },

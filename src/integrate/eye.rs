@@ -53,6 +53,8 @@ pub(super) struct Vertex<'a> {
     pub inside: &'a Inside,
     /// What came before.
     pub history: History,
+    /// Part of what it sends back that reaches the pixel.
+    pub throughput: Rgb,
     /// Length of the way from the last vertex \[length].
     pub distance: f32,
     /// Random numbers of the vertex.
@@ -196,7 +198,7 @@ impl<M: Method> EyePass<'_, M> {
     }
 
     /// Radiance along a camera ray.
-    fn radiance(&self, ray: &Ray, draw: Draw, worker: &mut Worker) -> Rgb {
+    pub fn radiance(&self, ray: &Ray, draw: Draw, worker: &mut Worker) -> Rgb {
         let walk = self.scene.walk_from_camera(*ray);
         let first = Branch { walk, throughput: Rgb::ONE, bounce: 0, history: History::default(), last: None, draw };
         let mut waiting = [first; BRANCHES];
@@ -281,7 +283,8 @@ impl<M: Method> EyePass<'_, M> {
 
     fn vertex<'v>(&self, branch: &Branch, surface: &'v Surface<'v>, inside: &'v Inside, distance: f32) -> Vertex<'v> {
         let shadow_draw = branch.draw.with(u64::from(self.pass) << 32);
-        Vertex { surface, inside, history: branch.history, distance, draw: branch.draw, shadow_draw }
+        let (history, throughput) = (branch.history, branch.throughput);
+        Vertex { surface, inside, history, throughput, distance, draw: branch.draw, shadow_draw }
     }
 
     /// Draws how a walk goes on.

@@ -2,10 +2,13 @@
 
 use super::eye::Vertex;
 use super::tiles::Worker;
-use super::{Monitor, Pass, Phase, PhotonReport, PhotonSettings, Radii, auto_radius, shrink};
+use super::visible::visible;
+use super::{EyeSettings, Lessons, Monitor, Pass, Phase, PhotonReport, PhotonSettings, Radii, auto_radius, shrink};
 use crate::bsdf::Transport;
 use crate::color::Rgb;
-use crate::photon::{Bandwidth, Kernel, Photon, PhotonMap, PhotonPass, PhotonSource, Scratch, THINNING, Traced, Wants};
+use crate::photon::{
+    Bandwidth, Kernel, Photon, PhotonMap, PhotonPass, PhotonSource, Pilot, Scratch, THINNING, Traced, Wants,
+};
 use crate::sampling::{Key, Purpose};
 use crate::scene::Scene;
 use std::time::Instant;
@@ -15,6 +18,12 @@ pub const CAUSTIC_K: u32 = 50;
 
 /// Photons that most discs of the global map should hold, where the user does not say.
 const GLOBAL_COUNT: u32 = 100;
+
+/// Radius within which a photon counts for what is seen, before the maps' own radii are known, in radii of the scene.
+const SEEN_WITHIN: f32 = 0.01;
+
+/// Learned emission is used where it would take at least so many times as many paths to do without.
+const LEAST_GAIN: f64 = 1.5;
 
 /// An estimate over fewer photons is noise, however many passes have shrunk it.
 const FEWEST: f64 = 8.0;
@@ -47,6 +56,7 @@ pub(super) struct MapMaker<'a> {
     caustic: Option<PhotonSource<'a>>,
     schedule: Schedule,
     pub radii: Radii,
+    pub lessons: Lessons,
 }
 
 /// A map with the width of its estimates.
@@ -69,11 +79,33 @@ impl<'a> MapMaker<'a> {
         let source = |paths: u32, make: fn(&'a Scene) -> Option<PhotonSource<'a>>| {
             if paths == 0 { None } else { make(scene) }
         };
-        let caustic = source(settings.caustic_photons, PhotonSource::aimed);
-        let global = match needs {
+        let mut caustic = source(settings.caustic_photons, PhotonSource::aimed);
+        let mut global = match needs {
             Needs::Global(_) => source(settings.photons, PhotonSource::everywhere),
             Needs::ByCasters => None,
         };
+        let wants = match needs {
+            Needs::Global(_) => Wants::CAUSTIC,
+            Needs::ByCasters => Wants::BY_CASTERS,
+        };
+        let mut lessons = Lessons::default();
+        if caustic.is_some() || global.is_some() {
+            let seen = visible(scene, &settings.eye, scene.domain().radius * SEEN_WITHIN);
+            let learn =
+                |source: Option<PhotonSource<'a>>, wants: Wants, make: fn(&'a Scene) -> Option<PhotonSource<'a>>| {
+                    let Some(source) = source else { return (None, None) };
+                    let EyeSettings { max_bounces, seed, .. } = settings.eye;
+                    let pilot = Pilot { wants, max_bounces, visible: &seen, paths: Pilot::PATHS, seed };
+                    let (learned, lesson) = source.learned(&pilot);
+                    // Paths that are seen take longer: little gain is none.
+                    (if lesson.gain > LEAST_GAIN { Some(learned) } else { make(scene) }, Some(lesson))
+                };
+            (caustic, lessons.caustic) = learn(caustic, wants, PhotonSource::aimed);
+            // Gather rays look at the global map from everywhere.
+            if needs == Needs::Global(Wants::GLOBAL) {
+                (global, lessons.global) = learn(global, Wants::GLOBAL, PhotonSource::everywhere);
+            }
+        }
         let radius = |source: &Option<PhotonSource<'a>>, wants: Wants, paths: u32, fallback: u32| {
             let k = settings.gather_k.filter(|k| *k > 0).unwrap_or(fallback);
             let found = || {
@@ -93,7 +125,7 @@ impl<'a> MapMaker<'a> {
         };
         let caustic_radius = radius(&caustic, Wants::CAUSTIC, settings.caustic_photons, CAUSTIC_K);
         let radii = Radii { global: smooth, caustic: caustic_radius };
-        Self { scene, needs, global, caustic, schedule, radii, settings }
+        Self { scene, needs, global, caustic, schedule, radii, lessons, settings }
     }
 
     /// Traces and indexes the photons of pass `pass`, and books the work in `out`.

@@ -15,6 +15,7 @@ mod raycast;
 mod settings;
 mod sppm;
 mod tiles;
+mod visible;
 mod whitted;
 
 pub use distributed::Distributed;
@@ -22,7 +23,7 @@ pub use hybrid::Hybrid;
 pub use maps::CAUSTIC_K;
 pub use pass::{Monitor, Pass, Phase, PhotonReport, Seconds, Silent};
 pub use path::PathTracing;
-pub use pilot::{Radii, auto_radius};
+pub use pilot::{Lessons, Radii, auto_radius};
 pub use pm::PhotonMapping;
 pub use ppm::Ppm;
 pub use progressive::{ALPHA, shrink};
@@ -42,5 +43,10 @@ pub trait Integrator: Sync {
     /// Largest gather radii of the first pass; `None` without photons.
     fn radii(&self) -> Option<Radii> {
         None
+    }
+
+    /// What emission learned from a pilot.
+    fn lessons(&self) -> Lessons {
+        Lessons::default()
     }
 }

@@ -1,6 +1,6 @@
 //! Radii found by a pilot pass.
 
-use crate::photon::{Photon, PhotonMap, PhotonPass};
+use crate::photon::{Lesson, Photon, PhotonMap, PhotonPass};
 use crate::sampling::{Key, Purpose};
 use crate::scene::Scene;
 
@@ -26,6 +26,15 @@ pub struct Radii {
     pub global: f32,
     /// For the caustic map.
     pub caustic: f32,
+}
+
+/// What emission learned for each map; `None` where nothing was to be learned.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+pub struct Lessons {
+    /// For the global map.
+    pub global: Option<Lesson>,
+    /// For the caustic map.
+    pub caustic: Option<Lesson>,
 }
 
 /// The radius within which three of four photons of a pass of `paths` paths have `k` neighbours, found from a smaller pilot; `None`

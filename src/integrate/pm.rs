@@ -8,7 +8,7 @@ use super::direct::{Asking, DirectLight};
 use super::eye::{EyePass, History, Method, Plan, Vertex};
 use super::maps::{MapMaker, Maps, Needs, Schedule};
 use super::tiles::Worker;
-use super::{Integrator, Monitor, Pass, PhotonSettings, Radii};
+use super::{Integrator, Lessons, Monitor, Pass, PhotonSettings, Radii};
 use crate::color::Rgb;
 use crate::photon::Wants;
 use crate::scene::Scene;
@@ -60,6 +60,10 @@ impl Integrator for PhotonMapping<'_> {
 
     fn radii(&self) -> Option<Radii> {
         Some(self.maker.radii)
+    }
+
+    fn lessons(&self) -> Lessons {
+        self.maker.lessons
     }
 }
 

@@ -8,7 +8,7 @@ use super::direct::{Asking, DirectLight};
 use super::eye::EyePass;
 use super::maps::{MapMaker, Needs, Schedule};
 use super::pm::Seen;
-use super::{Integrator, Monitor, Pass, PhotonSettings, Radii};
+use super::{Integrator, Lessons, Monitor, Pass, PhotonSettings, Radii};
 use crate::photon::Wants;
 use crate::scene::Scene;
 
@@ -44,5 +44,9 @@ impl Integrator for Ppm<'_> {
 
     fn radii(&self) -> Option<Radii> {
         Some(self.maker.radii)
+    }
+
+    fn lessons(&self) -> Lessons {
+        self.maker.lessons
     }
 }

@@ -5,7 +5,7 @@ use super::direct::{Asking, DirectLight};
 use super::eye::EyePass;
 use super::maps::{MapMaker, Needs, Schedule};
 use super::pm::Seen;
-use super::{Integrator, Monitor, Pass, PhotonSettings, Radii};
+use super::{Integrator, Lessons, Monitor, Pass, PhotonSettings, Radii};
 use crate::photon::Wants;
 use crate::scene::Scene;
 
@@ -37,5 +37,9 @@ impl Integrator for Sppm<'_> {
 
     fn radii(&self) -> Option<Radii> {
         Some(self.maker.radii)
+    }
+
+    fn lessons(&self) -> Lessons {
+        self.maker.lessons
     }
 }

@@ -4,7 +4,7 @@ use super::{Monitor, Phase};
 use crate::camera::{Filter, Pinhole};
 use crate::color::Rgb;
 use crate::math::Ray;
-use crate::photon::Scratch;
+use crate::photon::{Scratch, VisiblePoint};
 use crate::sampling::{Dimension, Draw, Key};
 use crate::stats::Counters;
 use glam::Vec2;
@@ -19,6 +19,8 @@ pub(super) struct Worker {
     pub counters: Counters,
     pub caustic: Scratch,
     pub smooth: Scratch,
+    /// Where walks ended, for a pilot.
+    pub visible: Vec<VisiblePoint>,
 }
 
 /// How a pixel is covered by samples.

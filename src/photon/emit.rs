@@ -1,9 +1,11 @@
 //! Which light a photon leaves, and where to.
 
+use super::learn::EmissionDensity;
 use crate::color::{self, Rgb};
 use crate::light::Targets;
 use crate::sampling::{Dimension, Discrete, Key, Purpose, sobol_2d};
 use crate::scene::{Scene, Walk};
+use glam::Vec2;
 
 /// Draws a light finds its aimed power with.
 const WEIGHT_DRAWS: u32 = 256;
@@ -14,9 +16,26 @@ const SAFE_SHARE: f64 = 0.1;
 /// Emits a fixed number of paths, divided among the lights.
 #[derive(Debug)]
 pub struct PhotonSource<'a> {
-    scene: &'a Scene,
-    choice: Discrete,
+    pub(super) scene: &'a Scene,
+    pub(super) choice: Discrete,
     targets: Option<Targets>,
+    /// Of each light, where it was learned.
+    pub(super) densities: Vec<Option<EmissionDensity>>,
+}
+
+/// A point in the space of all that can be emitted.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Draw {
+    /// The light.
+    pub light: usize,
+    /// With what probability it was chosen.
+    pub probability: f32,
+    /// Where on it, in [0, 1)².
+    pub position: Vec2,
+    /// Which way, in [0, 1)².
+    pub direction: Vec2,
+    /// Density of position and direction.
+    pub density: f32,
 }
 
 impl<'a> PhotonSource<'a> {
@@ -24,7 +43,7 @@ impl<'a> PhotonSource<'a> {
     #[must_use]
     pub fn everywhere(scene: &'a Scene) -> Option<Self> {
         let choice = Discrete::new(powers(scene))?;
-        Some(Self { scene, choice, targets: None })
+        Some(Self { scene, choice, targets: None, densities: Vec::new() })
     }
 
     /// Emission towards what is purely specular, from each light in proportion to the power that goes there; `None` where there
@@ -47,7 +66,7 @@ impl<'a> PhotonSource<'a> {
         let weights = powers.iter().zip(&aimed);
         let choice =
             Discrete::new(weights.map(|(p, a)| SAFE_SHARE * p / total + (1.0 - SAFE_SHARE) * a / total_aimed))?;
-        Some(Self { scene, choice, targets: Some(targets) })
+        Some(Self { scene, choice, targets: Some(targets), densities: Vec::new() })
     }
 
     /// The start of path `index` of `paths`, with its share of the flux \[W].
@@ -56,20 +75,36 @@ impl<'a> PhotonSource<'a> {
     /// keyed by the pass: each path alone is as if independent, together they are spread more evenly.
     #[must_use]
     pub fn emit(&self, pass: Key, index: u32, paths: u32) -> Option<(Walk, Rgb)> {
+        let draw = self.draw(pass, index, paths);
+        let (walk, flux) = self.start(&draw)?;
+        Some((walk, flux / (draw.probability * paths as f32 * draw.density)))
+    }
+
+    /// What path `index` of `paths` starts from.
+    #[inline]
+    pub(super) fn draw(&self, pass: Key, index: u32, paths: u32) -> Draw {
         let u = (f64::from(index) + f64::from(pass.uniform(Dimension::Light))) / f64::from(paths);
-        let (chosen, probability) = self.choice.sample((u as f32).min(1.0 - f32::EPSILON / 2.0));
-        let light = &self.scene.lights()[chosen];
+        let (light, probability) = self.choice.sample((u as f32).min(1.0 - f32::EPSILON / 2.0));
         let position = sobol_2d(index, pass, Dimension::LightPosition);
         let direction = sobol_2d(index, pass, Dimension::LightDirection);
+        let (position, direction, density) = match self.densities.get(light) {
+            Some(Some(density)) => density.sample(position, direction),
+            _ => (position, direction, 1.0),
+        };
+        Draw { light, probability, position, direction, density }
+    }
+
+    /// The start of a path, with its flux \[W] as if the light were alone and unlearned.
+    #[inline]
+    pub(super) fn start(&self, draw: &Draw) -> Option<(Walk, Rgb)> {
+        let light = &self.scene.lights()[draw.light];
         let domain = self.scene.domain();
         let emission = match &self.targets {
-            Some(targets) => light.emit_at(targets, domain, position, direction),
-            None => light.emit(domain, position, direction),
-        };
-        emission.map(|e| {
-            let ray = if light.is_infinite() { self.scene.starting_beyond_planes(e.ray) } else { e.ray };
-            (self.scene.walk_from_light(chosen, ray), e.flux / (probability * paths as f32))
-        })
+            Some(targets) => light.emit_at(targets, domain, draw.position, draw.direction),
+            None => light.emit(domain, draw.position, draw.direction),
+        }?;
+        let ray = if light.is_infinite() { self.scene.starting_beyond_planes(emission.ray) } else { emission.ray };
+        Some((self.scene.walk_from_light(draw.light, ray), emission.flux))
     }
 }
 

@@ -3,13 +3,17 @@
 mod emit;
 mod estimate;
 mod kernel;
+mod learn;
 mod map;
 mod record;
 mod trace;
+mod visible;
 
 pub use emit::PhotonSource;
 pub use estimate::{Bandwidth, Estimate, Scratch};
 pub use kernel::{Kernel, UnknownKernel};
+pub use learn::{Lesson, Pilot};
 pub use map::PhotonMap;
 pub use record::{Flux, Photon};
 pub use trace::{Audit, Class, PhotonPass, THINNING, Traced, Wants};
+pub use visible::{Visible, VisiblePoint};

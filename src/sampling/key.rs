@@ -22,6 +22,10 @@ pub enum Purpose {
     LightWeights,
     /// Statistical tests.
     Test,
+    /// The pilot that finds what the camera sees.
+    Visible,
+    /// The pilot from which emission learns what is seen.
+    Learning,
 }
 
 /// The name of one decision at one vertex of a path.

@@ -1,8 +1,13 @@
 //! Lights of the description.
 
 use super::{Resolver, aim, rgb};
+use crate::color::Rgb;
 use crate::format::SceneError;
-use crate::format::description::{AreaStrength, DirectionalStrength, Light, PointStrength, Spanned};
+use crate::format::description::{
+    AreaStrength, DirectionalStrength, EnvironmentRadiance, Light, PointStrength, Span, Spanned,
+};
+use crate::image;
+use crate::light::Environment;
 use crate::scene::{LightStrength, Material, SourceKind};
 use crate::shape::{Disc, Rectangle, Shape, Sphere};
 use glam::DVec3;
@@ -39,12 +44,27 @@ impl Resolver<'_> {
             Light::Rectangle { corner, edge0, edge1, strength } => {
                 self.area_light(Shape::Rectangle(Rectangle::new(*corner, *edge0, *edge1)), *strength);
             }
-            Light::Environment(_) => {
-                let help = "give the scene a Background and other lights";
-                return Err(self.refuse(light.span, "light from all around cannot be rendered yet", help));
+            Light::Environment(radiance) => {
+                let environment = self.environment(radiance, light.span)?;
+                self.builder.environment(environment);
             }
         }
         Ok(())
+    }
+
+    fn environment(&self, described: &EnvironmentRadiance, span: Span) -> Result<Environment, SceneError> {
+        match described {
+            EnvironmentRadiance::Constant(radiance) => Environment::constant(rgb(*radiance))
+                .map_err(|e| self.refuse(span, &e.to_string(), "give a radiance that single precision can hold")),
+            EnvironmentRadiance::Picture { path, scale, rotate } => {
+                let file = self.file("picture", path)?;
+                let map = image::read(&file).map_err(|e| {
+                    self.bad_file(path, &e, "mend the picture or name another: PNG, OpenEXR or Radiance HDR")
+                })?;
+                Environment::new(map, rotate.to_radians(), Rgb::splat(*scale as f32))
+                    .map_err(|e| self.bad_file(path, &e, "mend the picture, or scale it less"))
+            }
+        }
     }
 
     /// A black surface that radiates.

@@ -1,0 +1,52 @@
+//! What the camera sees, found by a pilot.
+
+use super::EyeSettings;
+use super::direct::{Asking, DirectLight};
+use super::eye::{EyePass, History, Method, Plan, Vertex};
+use super::tiles::Worker;
+use crate::bsdf::Transport;
+use crate::color::{self, Rgb};
+use crate::photon::{Visible, VisiblePoint};
+use crate::sampling::{Dimension, Draw, Key, Purpose};
+use crate::scene::Scene;
+use glam::Vec2;
+
+/// Camera rays of the pilot.
+const RAYS: u32 = 20_000;
+
+/// Points that the camera sees directly or over casters, spread over the picture; photons count within `radius` \[length] of one.
+pub(super) fn visible(scene: &Scene, settings: &EyeSettings, radius: f32) -> Visible {
+    let direct = &DirectLight::new(scene, Asking::Middles);
+    let walks = EyePass { scene, settings, direct, method: &Seen, samples: 1, pass: 0 };
+    let key = Key::new(settings.seed).purpose(Purpose::Visible);
+    let (width, height) = scene.camera().size();
+    let mut worker = Worker::default();
+    for i in 0..RAYS {
+        let draw = Draw::new(key, i, RAYS);
+        let at = draw.two(Dimension::Film) * Vec2::new(width as f32, height as f32);
+        let _ = walks.radiance(&scene.camera().ray(at), draw, &mut worker);
+    }
+    Visible::new(worker.visible, radius)
+}
+
+/// Notes the first receivers and computes nothing.
+struct Seen;
+
+impl Method for Seen {
+    fn plan(&self, _: &Vertex<'_>) -> Plan {
+        Plan { direct: false, onward: false }
+    }
+
+    fn photons(&self, vertex: &Vertex<'_>, worker: &mut Worker) -> Rgb {
+        let surface = vertex.surface;
+        let normal = surface.facing_normal();
+        let brdf = surface.bsdf.evaluate(surface.wo, normal, normal, normal, Transport::Radiance);
+        let weight = color::mean(vertex.throughput * brdf);
+        worker.visible.push(VisiblePoint { position: surface.point.p, normal, weight });
+        Rgb::ZERO
+    }
+
+    fn counts(&self, _: History) -> bool {
+        false
+    }
+}
