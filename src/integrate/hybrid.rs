@@ -51,7 +51,7 @@ impl Integrator for Hybrid<'_> {
 }
 
 struct Connected<'a> {
-    maps: &'a Maps,
+    maps: &'a Maps<'a>,
 }
 
 impl Method for Connected<'_> {

@@ -7,7 +7,7 @@ use super::{EyeSettings, Lessons, Monitor, Pass, Phase, PhotonReport, PhotonSett
 use crate::bsdf::Transport;
 use crate::color::Rgb;
 use crate::photon::{
-    Bandwidth, Kernel, Photon, PhotonMap, PhotonPass, PhotonSource, Pilot, Scratch, THINNING, Traced, Wants,
+    Bandwidth, Kernel, Photon, PhotonMap, PhotonPass, PhotonSource, Pilot, Scratch, THINNING, Traced, Wants, coverage,
 };
 use crate::sampling::{Key, Purpose};
 use crate::scene::Scene;
@@ -60,17 +60,18 @@ pub(super) struct MapMaker<'a> {
 }
 
 /// A map with the width of its estimates.
-pub(super) struct Gathering {
+pub(super) struct Gathering<'a> {
+    scene: &'a Scene,
     map: PhotonMap,
     bandwidth: Bandwidth,
     kernel: Kernel,
 }
 
 /// The maps of one pass.
-pub(super) struct Maps {
-    pub caustic: Gathering,
+pub(super) struct Maps<'a> {
+    pub caustic: Gathering<'a>,
     /// The global map, or that of what caustics become.
-    pub smooth: Gathering,
+    pub smooth: Gathering<'a>,
 }
 
 impl<'a> MapMaker<'a> {
@@ -129,7 +130,7 @@ impl<'a> MapMaker<'a> {
     }
 
     /// Traces and indexes the photons of pass `pass`, and books the work in `out`.
-    pub fn make(&self, pass: u32, monitor: &dyn Monitor, out: &mut Pass) -> Maps {
+    pub fn make(&self, pass: u32, monitor: &dyn Monitor, out: &mut Pass) -> Maps<'a> {
         let key = |purpose| Key::new(self.settings.eye.seed).purpose(purpose).with(u64::from(pass));
         let wants = if self.needs == Needs::ByCasters { Wants::BY_CASTERS } else { Wants::CAUSTIC };
         let job = (wants, self.settings.caustic_photons);
@@ -146,6 +147,7 @@ impl<'a> MapMaker<'a> {
             Needs::ByCasters => index(traced.after_caustic, monitor, out),
         };
         let gathering = |map, radius, most| Gathering {
+            scene: self.scene,
             map,
             bandwidth: self.bandwidth(radius, self.settings.gather_k.unwrap_or(most), pass),
             kernel: self.settings.kernel,
@@ -199,7 +201,7 @@ fn index(photons: Vec<Photon>, monitor: &dyn Monitor, out: &mut Pass) -> PhotonM
     map
 }
 
-impl Gathering {
+impl Gathering<'_> {
     /// Radiance that the surface of `vertex` sends to its viewer of the light in the map.
     #[inline]
     pub fn radiance(&self, vertex: &Vertex<'_>, scratch: fn(&mut Worker) -> &mut Scratch, worker: &mut Worker) -> Rgb {
@@ -213,6 +215,10 @@ impl Gathering {
         let normal = surface.facing_normal();
         let found = self.map.estimate(surface.point.p, normal, self.bandwidth, self.kernel, scratch(worker), brdf);
         worker.counters.gathered_photons += u64::from(found.count);
-        found.radiance
+        if found.count == 0 {
+            return Rgb::ZERO;
+        }
+        let key = vertex.draw.key();
+        found.radiance / coverage(self.scene, surface.point.p, normal, found.radius, self.kernel, key)
     }
 }

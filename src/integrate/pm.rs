@@ -69,7 +69,7 @@ impl Integrator for PhotonMapping<'_> {
 
 /// Both maps seen at the first receiver.
 pub(super) struct Seen<'a> {
-    pub maps: &'a Maps,
+    pub maps: &'a Maps<'a>,
     /// Whether all passes share their camera walks.
     pub repeats: bool,
 }
@@ -96,7 +96,7 @@ impl Method for Seen<'_> {
 
 /// The global map seen through a gather ray.
 struct Gathered<'a> {
-    maps: &'a Maps,
+    maps: &'a Maps<'a>,
     short: f32,
 }
 

@@ -45,10 +45,10 @@ impl Scratch {
 const LEAST: f32 = 1.0 / 1024.0;
 
 /// Least cosine between the normals of a photon's surface and of the estimate's.
-const SAME_SIDE: f32 = 0.5;
+pub(super) const SAME_SIDE: f32 = 0.5;
 
 /// Greatest height of a photon over the tangent plane, in radii of the largest disc.
-const FLATNESS: f32 = 0.25;
+pub(super) const FLATNESS: f32 = 0.25;
 
 impl PhotonMap {
     /// Radiance that leaves point `p` where `brdf` gives f \[1/sr] for the direction a photon came from.

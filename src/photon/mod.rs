@@ -1,5 +1,6 @@
 //! The photon store: emission, tracing, the kd-tree, and density estimates.
 
+mod coverage;
 mod emit;
 mod estimate;
 mod kernel;
@@ -9,6 +10,7 @@ mod record;
 mod trace;
 mod visible;
 
+pub use coverage::coverage;
 pub use emit::PhotonSource;
 pub use estimate::{Bandwidth, Estimate, Scratch};
 pub use kernel::{Kernel, UnknownKernel};

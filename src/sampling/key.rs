@@ -50,6 +50,8 @@ pub enum Dimension {
     Roulette,
     /// Which of the materials that are mixed.
     Mix,
+    /// Where a disc is probed.
+    Probe,
     /// Which part of a scattering function.
     Part,
     /// Whether a faint reflection is looked at.

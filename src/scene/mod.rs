@@ -18,7 +18,7 @@ use crate::camera::Pinhole;
 use crate::color::Rgb;
 use crate::light::Light;
 use crate::math::{Ray, Sphere};
-use crate::shape::{Mesh, Plane, Shape};
+use crate::shape::{Mesh, Plane, Shape, SurfacePoint};
 use glam::{DVec3, Vec2, Vec3};
 use std::sync::Arc;
 
@@ -194,17 +194,7 @@ impl Scene {
     #[inline]
     #[must_use]
     pub fn surface(&self, ray: &Ray, hit: &Hit, chance: impl FnOnce() -> f32) -> Surface<'_> {
-        let (point, attributes) = match hit.kind {
-            HitKind::Triangle(i, b) => {
-                let part = self.triangle_part[i as usize] as usize;
-                (self.mesh.surface(i as usize, b), self.parts[part].1)
-            }
-            HitKind::Shape(i) => (self.shapes[i as usize].surface(ray, hit.t), self.shape_attributes[i as usize]),
-            HitKind::Plane(i) => {
-                let (plane, attributes) = &self.planes[i as usize];
-                (plane.surface(ray, hit.t), *attributes)
-            }
-        };
+        let (point, attributes) = self.point(ray, hit);
         let wo = -ray.direction;
         let emission = match attributes.light.map(|l| &self.lights[l as usize]) {
             Some(Light::Area(area)) if wo.dot(point.ng) > 0.0 => area.radiance,
@@ -222,6 +212,28 @@ impl Scene {
             Scattering::Mix { .. } => Bsdf::Black,
         };
         Surface { point, wo, material, index, bsdf, light: attributes.light, emission }
+    }
+
+    #[inline]
+    fn point(&self, ray: &Ray, hit: &Hit) -> (SurfacePoint, Attributes) {
+        match hit.kind {
+            HitKind::Triangle(i, b) => {
+                let part = self.triangle_part[i as usize] as usize;
+                (self.mesh.surface(i as usize, b), self.parts[part].1)
+            }
+            HitKind::Shape(i) => (self.shapes[i as usize].surface(ray, hit.t), self.shape_attributes[i as usize]),
+            HitKind::Plane(i) => {
+                let (plane, attributes) = &self.planes[i as usize];
+                (plane.surface(ray, hit.t), *attributes)
+            }
+        }
+    }
+
+    /// The geometric normal at a crossing of `ray`, whose direction must be of unit length.
+    #[inline]
+    #[must_use]
+    pub fn normal_at(&self, ray: &Ray, hit: &Hit) -> Vec3 {
+        self.point(ray, hit).0.ng
     }
 
     /// What a mix stands for this time.

@@ -25,8 +25,11 @@ fn one_render_writes_all_its_pictures() {
 #[test]
 fn size_and_suffixes() {
     let shop = Workshop::new();
-    shop.render("box.txt", "-o a.exr --size 17x9 --photons 2.5k --caustic-photons 0.001M --stats a.json")
-        .expect(0, &[]);
+    shop.render(
+        "box.txt",
+        "-o a.exr --integrator sppm --size 17x9 --photons 2.5k --caustic-photons 0.001M --stats a.json",
+    )
+    .expect(0, &[]);
     let picture = read(&shop.path("a.exr"));
     assert_eq!((picture.width(), picture.height()), (17, 9));
     let stats: serde_json::Value = serde_json::from_slice(&shop.bytes("a.json")).unwrap();

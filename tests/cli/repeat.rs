@@ -26,20 +26,27 @@ fn the_same_seed_gives_the_same_bytes() {
 #[test]
 fn settings_of_light_change_the_picture() {
     let shop = Workshop::new();
-    let plain = picture(&shop, "");
+    let sppm = "--integrator sppm --passes 2";
+    let plain = picture(&shop, sppm);
     for more in [
         "--photons 1001",
         "--caustic-photons 700",
-        "--passes 2",
         "--spp 2",
         "--gather-k 20",
         "--radius .1",
         "--kernel cone",
         "--max-bounces 1",
         "--filter box",
-        "--integrator raycast",
     ] {
-        assert!(plain != picture(&shop, more), "{more}");
+        assert!(plain != picture(&shop, &format!("{sppm} {more}")), "{more}");
+    }
+    let names = ["hybrid", "path", "ppm", "pm", "pm --direct-visualisation", "distributed", "whitted", "raycast"];
+    let pictures = names.map(|name| picture(&shop, &format!("--passes 2 --integrator {name}")));
+    for (i, one) in pictures.iter().enumerate() {
+        assert!(*one != plain, "{}", names[i]);
+        for (j, other) in pictures[..i].iter().enumerate() {
+            assert!(one != other, "{} {}", names[i], names[j]);
+        }
     }
 }
 

@@ -33,7 +33,7 @@ fn documented() -> BTreeSet<String> {
 
 fn stats(more: &str) -> Value {
     let shop = Workshop::new();
-    shop.render("box.txt", &format!("-o a.png --stats a.json {more}")).expect(0, &[]);
+    shop.render("box.txt", &format!("-o a.png --integrator sppm --stats a.json {more}")).expect(0, &[]);
     serde_json::from_slice(&shop.bytes("a.json")).unwrap()
 }
 
@@ -41,10 +41,11 @@ fn stats(more: &str) -> Value {
 fn the_page_describes_every_field_and_no_other() {
     let mut found = BTreeSet::new();
     paths(&stats(""), "", &mut found);
-    // `photons` holds the same report for both maps, which the page describes once.
+    // `photons` and `emission` hold the same report for both maps, which the page describes once.
     let found: BTreeSet<String> = found
         .iter()
         .map(|f| f.replace("photons.global.", "photons.*.").replace("photons.caustic.", "photons.*."))
+        .map(|f| f.replace("emission.global.", "emission.*.").replace("emission.caustic.", "emission.*."))
         .collect();
     assert_eq!(found, documented());
 }
@@ -70,7 +71,7 @@ fn what_was_asked_is_what_is_told() {
     assert_eq!((&stats["radii"]["global"], &stats["radii"]["caustic"]), (&0.25.into(), &0.25.into()));
     assert_eq!(
         (&stats["scene"], &stats["integrator"], &stats["ended"]),
-        (&"box.txt".into(), &"pm".into(), &"passes".into())
+        (&"box.txt".into(), &"sppm".into(), &"passes".into())
     );
     assert_eq!(stats["version"], env!("CARGO_PKG_VERSION"));
     let counters = &stats["counters"];
