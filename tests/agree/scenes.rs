@@ -10,12 +10,12 @@ const SIZE: (u32, u32) = (80, 60);
 fn check(name: &str, radius: f64, methods: &[Method]) {
     let scene = file(&format!("scenes/{name}.txt"), SIZE);
     let grid = Grid::new(SIZE, 10);
-    // A lens that throws a picture needs more photons than the rest.
-    let caustic = if name == "projector" { 100_000 } else { 20_000 };
-    let effort = Effort { passes: 12, samples: 2, photons: 20_000, caustic, radius };
+    // Flames narrower than a pixel outshine all else.
+    let samples = if name == "projector" { 24 } else { 2 };
+    let effort = Effort { passes: 12, samples, photons: 20_000, caustic: 20_000, radius };
     let hybrid = Renders::new(Method::Hybrid, &scene, effort);
     for method in methods {
-        let samples = if *method == Method::Path { 16 } else { 2 };
+        let samples = if *method == Method::Path { 8 * samples } else { samples };
         let renders = Renders::new(*method, &scene, Effort { samples, ..effort });
         compare_renders(name, &renders, &hybrid, &grid, (0.2, 0.04));
     }
