@@ -5,7 +5,7 @@
 //! the mean irradiance E of the window. Neither side estimates a density, so neither is biased.
 
 use crate::common::{flux_where, trace};
-use crate::compare::{Estimate, Grid, Renders, compare};
+use crate::compare::{Estimate, Grid, Renders, compare, compare_renders};
 use crate::methods::{Effort, Method, scene};
 use caustica::photon::Wants;
 use caustica::scene::Scene;
@@ -130,11 +130,35 @@ fn a_lamp_inside_bodies_is_alike_from_both_ends() {
     let objects = "MaterialName glass Sphere { center 0 1.1 0  radius .45 }
         MaterialName air Sphere { center 0 1.1 0  radius .38 }";
     check("lamp in a bulb", &room(lamp, bulb, objects), 0.99);
+    let ball = "MaterialName glass Sphere { center 0 1.1 0  radius .45 }";
     let solid = "Dielectric glass { indexOfRefraction 1.5  absorption .3 1 2 }";
-    check("lamp in solid glass", &room(lamp, solid, "MaterialName glass Sphere { center 0 1.1 0  radius .45 }"), 0.99);
+    check("lamp in solid glass", &room(lamp, solid, ball), 0.99);
+    let frosted = "Dielectric glass { indexOfRefraction 1.5  roughness .3  absorption .3 1 2 }";
+    check("lamp in frosted glass", &room(lamp, frosted, ball), 0.99);
     let water = "Dielectric water { indexOfRefraction 1.33  absorption .3 .6 1 }  Diffuse m { reflectance .9 .7 .5 }";
     let objects = "MaterialName water Sphere { center 0 1.2 0  radius .7 }
         MaterialName m Sphere { center -.25 .9 .1  radius .25 }";
     let lamp = "SphereLight { center .2 1.3 0  radius .2  radiance 6 5 4 }";
     check("lamp and matt ball under water", &room(lamp, water, objects), 0.99);
+}
+
+/// Photons that land by the geometric normal and are seen by the shading normal: the coarse ball fills the picture, lit over a
+/// mirror, so that all its light is theirs.
+#[test]
+fn smoothly_shaded_receivers_are_alike_from_both_ends() {
+    let scene = scene(&format!(
+        "PerspectiveCamera {{ center 0 .1 0  direction 0 1 0  up 0 0 1  angle 45  width 8  height 8 }}
+        Background {{ color 0 0 0 }}
+        Lights {{ RectangleLight {{ corner .5 .1 -.5  edge0 .8 0 0  edge1 0 0 1  radiance 6 5 4 }} }}
+        Materials {{ Diffuse m {{ reflectance .9 .7 .5 }} Mirror s {{ reflectance .9 .9 .9 }} }}
+        Group {{ MaterialName m {COARSE}
+            MaterialName s Rectangle {{ corner -1 -.5 -1  edge0 0 0 2  edge1 2 0 0 }} }}"
+    ));
+    let grid = Grid::new((8, 8), 4);
+    let effort = Effort { passes: 16, samples: 32, photons: 1 << 14, caustic: 1 << 17, radius: 0.03 };
+    let path = Renders::new(Method::Path, &scene, Effort { samples: 4096, ..effort });
+    for method in [Method::Hybrid, Method::Sppm] {
+        let renders = Renders::new(method, &scene, effort);
+        compare_renders("coarse ball", &renders, &path, &grid, (0.06, 0.02));
+    }
 }
