@@ -259,12 +259,13 @@ impl<M: Method> EyePass<'_, M> {
             return None;
         }
         let onward = branch.bounce < self.settings.max_bounces;
+        branch.history.casters += 1;
         let vertex = self.vertex(branch, &surface, &inside, distance);
         if !surface.bsdf.is_specular() {
+            // A connection from here comes over this caster too.
             let plan = Plan { direct: self.method.counts(branch.history), onward };
             *radiance += branch.throughput * self.direct(&vertex, plan, worker);
         }
-        branch.history.casters += 1;
         if !onward {
             return None;
         }

@@ -1,0 +1,90 @@
+//! All methods behind one name, and scenes from text.
+
+use caustica::camera::{Filter, FilterKind};
+use caustica::color::Rgb;
+use caustica::format::{SceneFile, Source, parse, resolve};
+use caustica::integrate::{
+    EyeSettings, Hybrid, Integrator, PathTracing, PhotonMapping, PhotonSettings, Ppm, Silent, Sppm,
+};
+use caustica::photon::Kernel;
+use caustica::scene::Scene;
+use std::path::{Path, PathBuf};
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    Path,
+    Hybrid,
+    Sppm,
+    Ppm,
+    /// Photon mapping whose global map is seen itself.
+    Seen,
+    /// Photon mapping with final gathering.
+    Gathered,
+}
+
+pub const ALL: [Method; 6] = [Method::Path, Method::Hybrid, Method::Sppm, Method::Ppm, Method::Seen, Method::Gathered];
+
+/// What a pass costs.
+#[derive(Clone, Copy, Debug)]
+pub struct Effort {
+    /// Passes.
+    pub passes: u32,
+    /// Camera rays a pixel.
+    pub samples: u32,
+    /// Paths of the global map.
+    pub photons: u32,
+    /// Paths of the caustic map.
+    pub caustic: u32,
+    /// Radius of both maps in the first pass \[length].
+    pub radius: f64,
+}
+
+/// Independent passes.
+pub fn passes(method: Method, scene: &Scene, effort: Effort) -> Vec<Vec<Rgb>> {
+    (0..effort.passes).map(|i| pass(method, scene, effort, i)).collect()
+}
+
+fn pass(method: Method, scene: &Scene, effort: Effort, i: u32) -> Vec<Rgb> {
+    let eye = EyeSettings {
+        samples: Some(effort.samples),
+        max_bounces: 1000,
+        seed: 1000 + u64::from(i),
+        filter: Filter::new(FilterKind::Box),
+    };
+    let settings = PhotonSettings {
+        eye: eye.clone(),
+        photons: effort.photons,
+        caustic_photons: effort.caustic,
+        gather_k: Some(0),
+        radius: Some(effort.radius as f32),
+        kernel: Kernel::Epanechnikov,
+        final_gathering: method == Method::Gathered,
+    };
+    let pass = match method {
+        Method::Path => PathTracing::new(scene, eye).pass(i, &Silent),
+        Method::Hybrid => Hybrid::new(scene, settings).pass(i, &Silent),
+        Method::Sppm => Sppm::new(scene, settings).pass(i, &Silent),
+        Method::Ppm => Ppm::new(scene, settings).pass(i, &Silent),
+        Method::Seen | Method::Gathered => PhotonMapping::new(scene, settings).pass(i, &Silent),
+    };
+    assert_eq!(pass.counters.rejected_samples, 0, "{method:?}");
+    pass.image
+}
+
+fn folder(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(name)
+}
+
+/// The scene of a file, with a picture of this size.
+pub fn file(name: &str, (width, height): (u32, u32)) -> Scene {
+    let mut file = SceneFile::read(&folder(name)).unwrap();
+    (file.description.camera.value.width, file.description.camera.value.height) = (width, height);
+    file.resolve().unwrap()
+}
+
+/// The scene that `text` describes; meshes are those of tests/scenes.
+pub fn scene(text: &str) -> Scene {
+    let source = Source::new("test", text);
+    let resolved = parse("test", text).and_then(|d| resolve(&d, &source, &folder("tests/scenes")));
+    resolved.unwrap_or_else(|e| panic!("{e:?}\n{text}"))
+}

@@ -1,0 +1,113 @@
+//! Pictures of another renderer, by tiles, with the error bars of both.
+
+use crate::compare::{Estimate, Grid, Renders, compare};
+use crate::methods::{Effort, Method, file};
+use caustica::image::{self, Image};
+use glam::DVec3;
+use std::path::Path;
+
+fn read(name: &str) -> Option<Image> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/reference").join(name);
+    if path.is_file() {
+        return Some(image::read(&path).unwrap());
+    }
+    eprintln!("SKIPPED: {} is absent", path.display());
+    None
+}
+
+/// A picture of half the width and height: with a box filter a pixel is the mean of four.
+struct Reference {
+    size: (u32, u32),
+    mean: Vec<DVec3>,
+    variance: Vec<DVec3>,
+    kept: Vec<bool>,
+}
+
+impl Reference {
+    fn read(name: &str) -> Option<Self> {
+        let (mean, error) = (read(&format!("{name}.exr"))?, read(&format!("{name}-stderr.exr"))?);
+        let size = (mean.width() / 2, mean.height() / 2);
+        let four = |image: &Image, i: u32, f: &dyn Fn(DVec3) -> DVec3| {
+            let (x, y) = (i % size.0 * 2, i / size.0 * 2);
+            let at = |(dx, dy)| f(image.get(x + dx, y + dy).unwrap().as_dvec3());
+            [(0, 0), (1, 0), (0, 1), (1, 1)].map(at)
+        };
+        let pixels = 0..size.0 * size.1;
+        // Fireflies: pixels whose own error is above half their value.
+        let calm = |i: u32| {
+            let (values, errors) = (four(&mean, i, &|v| v), four(&error, i, &|v| v));
+            values.iter().zip(&errors).all(|(v, e)| e.element_sum() <= 0.5 * v.element_sum())
+        };
+        let kept: Vec<bool> = pixels.clone().map(calm).collect();
+        let left_out = kept.iter().filter(|k| !**k).count();
+        eprintln!("{name}: {left_out} of {} pixels left out as fireflies of the reference", kept.len());
+        assert!(left_out * 100 < kept.len());
+        let sum = |v: [DVec3; 4]| v.into_iter().sum::<DVec3>();
+        Some(Self {
+            size,
+            mean: pixels.clone().map(|i| sum(four(&mean, i, &|v| v)) / 4.0).collect(),
+            variance: pixels.map(|i| sum(four(&error, i, &|e| e * e)) / 16.0).collect(),
+            kept,
+        })
+    }
+
+    fn over(&self, grid: &Grid) -> Estimate {
+        let mean = grid.sums(self.mean.iter().copied()).iter().map(|(s, n)| s / n.max(1.0)).collect::<Vec<_>>();
+        let variance = grid.sums(self.variance.iter().copied()).iter().map(|(s, n)| s / (n * n).max(1.0)).collect();
+        Estimate { bias: vec![DVec3::ZERO; mean.len()], mean, variance, dof: f64::INFINITY }
+    }
+}
+
+/// Compares by tiles of 8 × 8 pixels of the reference, over windows, and over the whole picture.
+fn compare_all(name: &str, methods: &[(Method, Effort)], windows: &[(&str, [usize; 4])], sharp: [f64; 3]) {
+    let Some(reference) = Reference::read(name) else { return };
+    let scene = file(&format!("tests/scenes/{name}.txt"), reference.size);
+    let grid = Grid { kept: reference.kept.clone(), ..Grid::new(reference.size, 4) };
+    for (method, effort) in methods {
+        let renders = Renders::new(*method, &scene, *effort);
+        let against = |what: &str, grid: &Grid, sharp: f64| {
+            compare(&format!("{name}, {what}, {method:?}"), &renders.over(grid), &reference.over(grid), sharp);
+        };
+        against("tiles", &grid, sharp[0]);
+        for (what, [left, right, top, bottom]) in windows {
+            against(what, &grid.window(*left..*right, *top..*bottom), sharp[1]);
+        }
+        against("whole", &grid.whole(), sharp[2]);
+    }
+}
+
+const BIASED: Effort = Effort { passes: 16, samples: 2, photons: 30_000, caustic: 100_000, radius: 0.025 };
+
+/// Path tracing finds a caustic where it meets the lamp behind glass by chance; see [`crate::compare`] for its noise.
+const CHANCE: Effort = Effort { passes: 20, samples: 8, ..BIASED };
+
+/// `Sppm` in this room is compared by tests/truths/reference.rs, at full size.
+#[test]
+fn the_caustic_room_is_the_reference() {
+    let methods = [
+        (Method::Path, CHANCE),
+        (Method::Hybrid, BIASED),
+        (Method::Ppm, BIASED),
+        (Method::Seen, BIASED),
+        (Method::Gathered, BIASED),
+    ];
+    compare_all("cbox-caustic", &methods, &[("caustic", [88, 95, 105, 110])], [0.15, 0.05, 0.01]);
+}
+
+#[test]
+fn the_rough_room_is_the_reference() {
+    let methods = [
+        (Method::Path, CHANCE),
+        (Method::Hybrid, BIASED),
+        (Method::Sppm, BIASED),
+        (Method::Ppm, BIASED),
+        (Method::Seen, BIASED),
+        (Method::Gathered, BIASED),
+    ];
+    compare_all(
+        "rough",
+        &methods,
+        &[("frosted ball", [55, 70, 42, 58]), ("metal ball", [32, 46, 42, 55])],
+        [0.15, 0.05, 0.01],
+    );
+}
