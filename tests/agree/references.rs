@@ -77,7 +77,7 @@ fn compare_all(name: &str, methods: &[(Method, Effort)], windows: &[(&str, [usiz
     }
 }
 
-const BIASED: Effort = Effort { passes: 24, samples: 1, photons: 12_000, caustic: 40_000, radius: 0.025 };
+const BIASED: Effort = Effort { passes: 24, samples: 1, photons: 12_000, caustic: 30_000, radius: 0.025 };
 
 /// Path tracing finds caustics of smooth glass where it meets the lamp behind it by chance. Where caustics light other walls, one
 /// sample in thousands finds one, and a tile of 8 × 8 with two finds knows neither its mean nor its error: with such glass, tiles
@@ -85,7 +85,7 @@ const BIASED: Effort = Effort { passes: 24, samples: 1, photons: 12_000, caustic
 const CHANCE: Effort = Effort { passes: 24, samples: 8, ..BIASED };
 
 /// Most of what this method shows is found by its walks.
-const WALKS: Effort = Effort { samples: 4, ..BIASED };
+const WALKS: Effort = Effort { samples: 3, ..BIASED };
 
 /// `Sppm` in this room is compared by tests/truths/reference.rs, at full size.
 #[test]
