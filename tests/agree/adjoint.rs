@@ -58,7 +58,7 @@ fn check(what: &str, scene: &Scene, least: f64) {
     let direct = by_photons(scene, Wants::DIRECT, 2);
     let part = 1.0 - direct.mean[0].x / photons.mean[0].x;
     assert!(part >= least, "{what}: only {part} comes by the object");
-    let effort = Effort { passes: PASSES, samples: 512, photons: 0, caustic: 0, radius: 1.0 };
+    let effort = Effort { passes: PASSES, samples: 384, photons: 0, caustic: 0, radius: 1.0 };
     let path = Renders::new(Method::Path, scene, effort).over(&Grid::new((8, 8), 8));
     compare(&format!("{what} ({:.0} % by the object)", 100.0 * part), &photons, &path, 0.02);
 }

@@ -40,7 +40,7 @@ fn constant(value: DVec3) -> Estimate {
     Estimate { mean: vec![value], variance: vec![DVec3::ZERO], bias: vec![DVec3::ZERO], dof: f64::INFINITY }
 }
 
-const EFFORT: Effort = Effort { passes: 16, samples: 4, photons: 16_000, caustic: 16_000, radius: 0.12 };
+const EFFORT: Effort = Effort { passes: 16, samples: 4, photons: 10_000, caustic: 10_000, radius: 0.12 };
 
 /// Which light reaches a wall by the ball, which straight: each part has a gradient though the sum has none, so methods with
 /// photons are biased as [`Renders`] allows for.
@@ -52,7 +52,7 @@ fn what_loses_nothing_is_invisible_in_a_furnace() {
         for method in ALL {
             let renders = Renders::new(method, &scene, EFFORT);
             let ours = renders.over(&Grid::new(SIZE, 12));
-            compare(&format!("furnace with {name}, {method:?}"), &ours, &constant(DVec3::ONE), 0.04);
+            compare(&format!("furnace with {name}, {method:?}"), &ours, &constant(DVec3::ONE), 0.045);
         }
     }
 }

@@ -11,7 +11,7 @@ fn check(name: &str, radius: f64, methods: &[Method]) {
     let scene = file(&format!("scenes/{name}.txt"), SIZE);
     let grid = Grid::new(SIZE, 10);
     // Flames narrower than a pixel outshine all else.
-    let samples = if name == "projector" { 24 } else { 2 };
+    let samples = if name == "projector" { 10 } else { 2 };
     let effort = Effort { passes: 12, samples, photons: 20_000, caustic: 20_000, radius };
     let hybrid = Renders::new(Method::Hybrid, &scene, effort);
     for method in methods {
