@@ -32,6 +32,9 @@ enum Kind {
     Leaf(u32),
 }
 
+/// A light with its bounds.
+type Placed = (u32, LightBounds);
+
 /// Where a light is in the choice.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Place {
@@ -81,7 +84,7 @@ impl LightChoice {
     }
 
     /// Adds the tree of one light or more, whose root is reached from the whole tree's by `turns`.
-    fn grow(&mut self, lights: &mut [(u32, LightBounds)], depth: u32, turns: u64) {
+    fn grow(&mut self, lights: &mut [Placed], depth: u32, turns: u64) {
         let whole = lights[1..].iter().fold(lights[0].1, |all, l| all.union(l.1));
         let index = self.nodes.len();
         let [(light, _)] = *lights else {
@@ -168,11 +171,11 @@ impl LightChoice {
 }
 
 /// Two parts, neither empty, of two lights or more: between buckets along an axis where it costs least, else in halves.
-fn split(lights: &mut [(u32, LightBounds)], depth: u32) -> (&mut [(u32, LightBounds)], &mut [(u32, LightBounds)]) {
-    let middle = |l: &(u32, LightBounds)| l.1.space.center();
+fn split(lights: &mut [Placed], depth: u32) -> (&mut [Placed], &mut [Placed]) {
+    let middle = |l: &Placed| l.1.space.center();
     let centers = Bounds::of(lights.iter().map(middle));
     let extent = centers.extent();
-    let bucket = |l: &(u32, LightBounds), axis: usize| {
+    let bucket = |l: &Placed, axis: usize| {
         let x = (middle(l)[axis] - centers.min[axis]) / extent[axis];
         ((x * BUCKETS as f32) as usize).min(BUCKETS - 1)
     };
