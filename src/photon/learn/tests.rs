@@ -71,7 +71,11 @@ const WANTS: Wants = Wants::ALL;
 const BOUNCES: u32 = 2;
 
 fn learned<'a>(scene: &'a Scene, visible: &Visible) -> (PhotonSource<'a>, Lesson) {
-    let pilot = Pilot { wants: WANTS, max_bounces: BOUNCES, visible, paths: 1 << 16, seed: 11 };
+    learned_from(1 << 16, scene, visible)
+}
+
+fn learned_from<'a>(paths: u32, scene: &'a Scene, visible: &Visible) -> (PhotonSource<'a>, Lesson) {
+    let pilot = Pilot { wants: WANTS, max_bounces: BOUNCES, visible, paths, seed: 11 };
     PhotonSource::everywhere(scene).unwrap().learned(&pilot)
 }
 
@@ -183,11 +187,12 @@ fn aiming_and_learning_compose() {
 }
 
 /// The corner gets 0.6 % of the spot's photons; of the learned ones four in five go to cells that hold some of it. If these are
-/// filled to a quarter only, 20 % of the photons land in it, and the variance falls to a thirtieth; half of that is asked.
+/// filled to a quarter only, 20 % of the photons land in it, and the variance falls to a thirtieth; half of that is asked. Cells
+/// so fine take a pilot of which a thousand paths land there.
 #[test]
 fn variance_falls_where_the_camera_looks() {
     let scene = spot();
-    let (learned, _) = learned(&scene, &visible(&scene));
+    let (learned, _) = learned_from(1 << 18, &scene, &visible(&scene));
     let plain = PhotonSource::everywhere(&scene).unwrap();
     let variance = |source: &PhotonSource<'_>| {
         let mut means = vec![Mean::default(); 1600];
