@@ -32,7 +32,7 @@ impl IntegratorName {
     /// Passes where neither passes nor time are given.
     pub fn passes(self) -> u32 {
         match self {
-            Self::Hybrid => 8,
+            Self::Hybrid => 16,
             Self::Path => 32,
             Self::Sppm | Self::Ppm | Self::Pm => 20,
             Self::Distributed | Self::Whitted => 16,

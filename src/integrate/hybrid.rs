@@ -13,7 +13,7 @@ use crate::color::Rgb;
 use crate::scene::Scene;
 
 /// Camera rays a pixel and pass, where the user does not say.
-const SAMPLES: u32 = 16;
+const SAMPLES: u32 = 8;
 
 /// Path tracing with a caustic map.
 #[derive(Debug)]

@@ -19,6 +19,9 @@ pub const CAUSTIC_K: u32 = 50;
 /// Photons that most discs of the global map should hold, where the user does not say.
 const GLOBAL_COUNT: u32 = 100;
 
+/// The same for the map of what caustics become, a smaller part of the light.
+const AFTER_COUNT: u32 = 50;
+
 /// Radius within which a photon counts for what is seen, before the maps' own radii are known, in radii of the scene.
 const SEEN_WITHIN: f32 = 0.01;
 
@@ -121,7 +124,7 @@ impl<'a> MapMaker<'a> {
             Needs::Global(wants) => radius(&global, wants, settings.photons, GLOBAL_COUNT),
             Needs::ByCasters => {
                 let after = Wants { caustic: false, ..Wants::BY_CASTERS };
-                radius(&caustic, after, settings.caustic_photons / THINNING, GLOBAL_COUNT)
+                radius(&caustic, after, settings.caustic_photons / THINNING, AFTER_COUNT)
             }
         };
         let caustic_radius = radius(&caustic, Wants::CAUSTIC, settings.caustic_photons, CAUSTIC_K);

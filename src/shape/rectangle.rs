@@ -8,9 +8,12 @@ use libm::{atan2, cos, hypot, sin};
 /// How far from perpendicular two edges may be, as the cosine between them: some ulps of a chain of transforms.
 const PERPENDICULAR: f64 = 1e-12;
 
-/// Solid angle below which points are drawn by area \[sr]: the density per steradian then hardly varies over the rectangle, and
-/// the solid angle is the difference of larger angles.
+/// Solid angle below which points are drawn by area \[sr]: it is the difference of larger angles.
 const LEAST_SOLID_ANGLE: f64 = 1e-4;
+
+/// Square of the diagonal over that of the distance below which points are drawn by area: the density per steradian hardly
+/// varies over a rectangle so far away, and a draw by area takes a tenth of the time.
+const FAR: f64 = 0.2;
 
 /// The points `corner + x·e0 + y·e1` with x, y in \[0, 1]; its outer side is that of `e0 × e1`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -103,6 +106,10 @@ impl Rectangle {
         let to = self.corner - from.as_dvec3();
         let z = -self.normal.dot(to);
         if !self.right || z.is_nan() || z <= 0.0 {
+            return None;
+        }
+        let middle = to + (self.edges[0] + self.edges[1]) * 0.5;
+        if (self.edges[0] + self.edges[1]).length_squared() < FAR * middle.length_squared() {
             return None;
         }
         let lengths = self.edges.map(DVec3::length);
