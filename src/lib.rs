@@ -4,25 +4,25 @@
 //!
 //! A pass has a [`Key`](sampling::Key); path `i` of it has the key `pass.with(i)`, and every random decision is a function of
 //! such a key and the decision's name. [`PhotonSource::emit`](photon::PhotonSource::emit) chooses a light in proportion to its
-//! power, or to the part of it that can reach specular surfaces, and a ray from it; the ray carries its flux over its density
+//! power, to the part of it that can reach casters, or to what a pilot found useful, and a ray from it; the ray carries its flux over its density
 //! and the number of paths. [`PhotonPass::trace`](photon::PhotonPass::trace) then repeats: nearest hit
-//! ([`Scene::intersect`](scene::Scene::intersect)), absorption on the way, a stored [`Photon`](photon::Photon) where the surface
-//! is not specular and the class is wanted, a direction from the [`Bsdf`](bsdf::Bsdf), roulette on the ratio of throughputs.
+//! ([`Walk::advance`](scene::Walk::advance)), absorption on the way, a stored [`Photon`](photon::Photon) where the surface
+//! stores them and the class is wanted, a direction from the [`Bsdf`](bsdf::Bsdf), roulette on the ratio of throughputs.
 //! The photons become a [`PhotonMap`](photon::PhotonMap).
 //!
 //! # The walk of one camera ray
 //!
-//! [`PhotonMapping`](integrate::PhotonMapping) sends a ray through a point of the pixel that its filter chose
-//! ([`Pinhole::ray`](camera::Pinhole::ray)), follows mirrors and glass, both ways where both matter, and at the first other
-//! surface adds emission, direct light by shadow rays, and the estimates from the caustic and the global map
-//! ([`PhotonMap::estimate`](photon::PhotonMap::estimate)). [`render`](render::render) takes the mean over passes whose radii
-//! shrink.
+//! [`Hybrid`](integrate::Hybrid), and every other [`Integrator`](integrate::Integrator) in its own way, sends a ray through a point
+//! of the pixel that its filter chose ([`Pinhole::ray`](camera::Pinhole::ray)) and walks through mirrors and glass, both ways where
+//! both matter. At the first other surface it adds emission, direct light by shadow rays, and what photons that met casters first
+//! brought there ([`PhotonMap::estimate`](photon::PhotonMap::estimate)), then walks on. [`render`](render::render) takes the mean
+//! over passes whose radii shrink.
 //!
 //! # A scene in code
 //!
 //! ```
 //! use caustica::camera::Pinhole;
-//! use caustica::integrate::{Integrator, PhotonMapping, PhotonSettings, Silent};
+//! use caustica::integrate::{Hybrid, Integrator, PhotonSettings, Silent};
 //! use caustica::scene::{LightStrength, Material, SceneBuilder, SourceKind};
 //! use caustica::shape::{Plane, Shape, Sphere};
 //! use glam::{DVec3, Vec3};
@@ -36,8 +36,8 @@
 //!     .source(SourceKind::Point { position: DVec3::new(2.0, 4.0, 0.0) }, LightStrength::Power(Vec3::splat(200.0)));
 //! let camera = Pinhole::new(DVec3::new(0.0, 2.0, 6.0), DVec3::new(0.0, -0.2, -1.0), DVec3::Y, 0.7, 32, 24)?;
 //! let scene = builder.build(camera)?;
-//! let settings = PhotonSettings { photons: 2000, caustic_photons: 2000, ..PhotonSettings::default() };
-//! let pass = PhotonMapping::new(&scene, settings).pass(0, &Silent);
+//! let settings = PhotonSettings { caustic_photons: 2000, ..PhotonSettings::default() };
+//! let pass = Hybrid::new(&scene, settings).pass(0, &Silent);
 //! assert_eq!(pass.image.len(), 32 * 24);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
