@@ -8,7 +8,7 @@ use crate::scene::Scene;
 use glam::Vec3;
 
 /// Probes of a disc.
-const PROBES: u32 = 8;
+const PROBES: u32 = 16;
 
 /// No estimate is raised by more than one over this.
 const LEAST: f32 = 0.05;
