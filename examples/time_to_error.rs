@@ -11,7 +11,8 @@ use caustica::camera::{Filter, FilterKind};
 use caustica::format::SceneFile;
 use caustica::image::{self, Image, metrics};
 use caustica::integrate::{
-    Distributed, EyeSettings, Hybrid, Integrator, PathTracing, PhotonMapping, PhotonSettings, Ppm, Silent, Sppm,
+    Distributed, EyeSettings, FinalGathering, Hybrid, Integrator, PathTracing, PhotonMapping, PhotonSettings, Ppm,
+    Silent, Sppm,
 };
 use caustica::render::Film;
 use caustica::scene::Scene;
@@ -46,8 +47,12 @@ fn integrator<'a>(name: &str, scene: &'a Scene) -> Option<(&'static str, Box<dyn
         "ppm" => ("ppm", Box::new(Ppm::new(scene, photons))),
         "pm" => ("pm", Box::new(PhotonMapping::new(scene, photons))),
         "pm-direct" => {
-            let settings = PhotonSettings { final_gathering: false, ..photons };
+            let settings = PhotonSettings { final_gathering: FinalGathering::None, ..photons };
             ("pm-direct", Box::new(PhotonMapping::new(scene, settings)))
+        }
+        "pm-importance" => {
+            let settings = PhotonSettings { final_gathering: FinalGathering::Importance, ..photons };
+            ("pm-importance", Box::new(PhotonMapping::new(scene, settings)))
         }
         "distributed" => ("distributed", Box::new(Distributed::new(scene, eye))),
         _ => return None,

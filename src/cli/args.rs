@@ -49,6 +49,17 @@ pub enum IntegratorName {
     Raycast,
 }
 
+/// How photon mapping looks at its global map.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum GatheringName {
+    /// Directly
+    None,
+    /// By gather rays drawn from the BSDF
+    Bsdf,
+    /// By gather rays guided by photons
+    Importance,
+}
+
 /// Arguments of `render`.
 #[derive(Debug, Args)]
 pub struct RenderArguments {
@@ -95,9 +106,9 @@ pub struct RenderArguments {
     #[arg(long, default_value = "epanechnikov", value_name = "NAME")]
     pub kernel: Kernel,
 
-    /// With pm: look at the global map itself, without final gathering
-    #[arg(long)]
-    pub direct_visualisation: bool,
+    /// How pm looks at the global map: none (directly), bsdf or importance (gather rays, drawn from the BSDF or guided by photons)
+    #[arg(long, value_enum, default_value = "bsdf", value_name = "NAME")]
+    pub final_gathering: GatheringName,
 
     /// Bounces after which a path is cut
     #[arg(long, value_parser = count, default_value = "100", value_name = "N")]

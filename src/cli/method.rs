@@ -1,11 +1,11 @@
 //! The algorithm that the command line names.
 
 use super::RenderArguments;
-use super::args::IntegratorName;
+use super::args::{GatheringName, IntegratorName};
 use crate::camera::Filter;
 use crate::integrate::{
-    Distributed, EyeSettings, Hybrid, Integrator, PathTracing, PhotonMapping, PhotonSettings, Ppm, RayCast, Sppm,
-    Whitted,
+    Distributed, EyeSettings, FinalGathering, Hybrid, Integrator, PathTracing, PhotonMapping, PhotonSettings, Ppm,
+    RayCast, Sppm, Whitted,
 };
 use crate::scene::Scene;
 
@@ -75,6 +75,10 @@ pub(super) fn photon_settings(arguments: &RenderArguments) -> PhotonSettings {
         gather_k: arguments.gather_k,
         radius: arguments.radius,
         kernel: arguments.kernel,
-        final_gathering: !arguments.direct_visualisation,
+        final_gathering: match arguments.final_gathering {
+            GatheringName::None => FinalGathering::None,
+            GatheringName::Bsdf => FinalGathering::Bsdf,
+            GatheringName::Importance => FinalGathering::Importance,
+        },
     }
 }

@@ -114,6 +114,9 @@ pub(super) trait Method: Sync {
     /// Whether light that is found after `history`, by a connection or by chance, counts.
     fn counts(&self, history: History) -> bool;
 
+    /// Readies what [`Method::sample`] and [`Method::pdf`] need at a receiver.
+    fn prepare(&self, _: &Vertex<'_>, _: &mut Worker) {}
+
     /// Draws where the walk goes on from a surface.
     #[inline]
     fn sample(&self, vertex: &Vertex<'_>, _: &mut Worker) -> Option<BsdfSample> {
@@ -250,6 +253,9 @@ impl<M: Method> EyePass<'_, M> {
             let vertex = self.vertex(branch, &surface, &inside, distance);
             let mut plan = self.method.plan(&vertex);
             plan.onward &= branch.bounce < self.settings.max_bounces;
+            if plan.onward {
+                self.method.prepare(&vertex, worker);
+            }
             let found = self.direct(&vertex, plan, worker) + self.method.photons(&vertex, worker);
             *radiance += branch.throughput * found;
             branch.history = History { receivers: branch.history.receivers + 1, casters: 0 };

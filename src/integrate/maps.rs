@@ -3,7 +3,10 @@
 use super::eye::Vertex;
 use super::tiles::Worker;
 use super::visible::visible;
-use super::{EyeSettings, Lessons, Monitor, Pass, Phase, PhotonReport, PhotonSettings, Radii, auto_radius, shrink};
+use super::{
+    EyeSettings, FinalGathering, Lessons, Monitor, Pass, Phase, PhotonReport, PhotonSettings, Radii, auto_radius,
+    shrink,
+};
 use crate::bsdf::Transport;
 use crate::color::Rgb;
 use crate::photon::{
@@ -27,6 +30,9 @@ const SEEN_WITHIN: f32 = 0.01;
 
 /// Learned emission is used where it would take at least so many times as many paths to do without.
 const LEAST_GAIN: f64 = 1.5;
+
+/// Gather rays are guided by one photon path of so many of the global map.
+const GUIDING: u32 = 16;
 
 /// An estimate over fewer photons is noise, however many passes have shrunk it.
 const FEWEST: f64 = 8.0;
@@ -55,6 +61,8 @@ pub(super) struct MapMaker<'a> {
     scene: &'a Scene,
     pub settings: PhotonSettings,
     needs: Needs,
+    /// Whether gather rays are guided.
+    guided: bool,
     global: Option<PhotonSource<'a>>,
     caustic: Option<PhotonSource<'a>>,
     schedule: Schedule,
@@ -75,6 +83,8 @@ pub(super) struct Maps<'a> {
     pub caustic: Gathering<'a>,
     /// The global map, or that of what caustics become.
     pub smooth: Gathering<'a>,
+    /// Scattered light by few photons, whose directions guide gather rays.
+    pub guides: PhotonMap,
 }
 
 impl<'a> MapMaker<'a> {
@@ -129,7 +139,10 @@ impl<'a> MapMaker<'a> {
         };
         let caustic_radius = radius(&caustic, Wants::CAUSTIC, settings.caustic_photons, CAUSTIC_K);
         let radii = Radii { global: smooth, caustic: caustic_radius };
-        Self { scene, needs, global, caustic, schedule, radii, lessons, settings }
+        // Only a map for gather rays holds direct light.
+        let gathers = matches!(needs, Needs::Global(wants) if wants.direct);
+        let guided = gathers && settings.final_gathering == FinalGathering::Importance;
+        Self { scene, needs, guided, global, caustic, schedule, radii, lessons, settings }
     }
 
     /// Traces and indexes the photons of pass `pass`, and books the work in `out`.
@@ -155,7 +168,15 @@ impl<'a> MapMaker<'a> {
             bandwidth: self.bandwidth(radius, self.settings.gather_k.unwrap_or(most), pass),
             kernel: self.settings.kernel,
         };
+        let guides = if self.guided {
+            let job = (Wants::GLOBAL, self.settings.photons / GUIDING);
+            let traced = self.trace(self.global.as_ref(), job, key(Purpose::Guides), monitor, out);
+            index(traced.photons, monitor, out)
+        } else {
+            PhotonMap::build(Vec::new())
+        };
         Maps {
+            guides,
             caustic: gathering(caustic, self.radii.caustic, CAUSTIC_K),
             smooth: gathering(smooth, self.radii.global, 0),
         }

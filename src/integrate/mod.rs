@@ -3,6 +3,7 @@
 mod direct;
 mod distributed;
 mod eye;
+mod guide;
 mod hybrid;
 mod maps;
 mod pass;
@@ -28,7 +29,7 @@ pub use pm::PhotonMapping;
 pub use ppm::Ppm;
 pub use progressive::{ALPHA, shrink};
 pub use raycast::RayCast;
-pub use settings::{EyeSettings, PhotonSettings};
+pub use settings::{EyeSettings, FinalGathering, PhotonSettings};
 pub use sppm::Sppm;
 pub use whitted::Whitted;
 

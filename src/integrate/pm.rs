@@ -6,12 +6,17 @@
 
 use super::direct::{Asking, DirectLight};
 use super::eye::{EyePass, History, Method, Plan, Vertex};
+use super::guide::GUIDES;
 use super::maps::{MapMaker, Maps, Needs, Schedule};
 use super::tiles::Worker;
-use super::{Integrator, Lessons, Monitor, Pass, PhotonSettings, Radii};
+use super::{FinalGathering, Integrator, Lessons, Monitor, Pass, PhotonSettings, Radii};
+use crate::bsdf::{BsdfSample, Transport};
 use crate::color::Rgb;
-use crate::photon::Wants;
+use crate::photon::{Bandwidth, Kernel, Wants};
+use crate::sampling::Dimension;
 use crate::scene::Scene;
+use glam::Vec3;
+use std::cell::RefCell;
 
 /// A gather ray shorter than so many radii of the global map ends where the map knows no more than where it began: the walk goes
 /// on.
@@ -19,6 +24,9 @@ const SHORT: f32 = 2.0;
 
 /// Camera rays a pixel and pass with final gathering, one gather ray each, where the user does not say.
 const GATHER_RAYS: u32 = 4;
+
+/// How far guides may be, in lengths of the shortest gather ray that ends.
+const GUIDED_WITHIN: f32 = 4.0;
 
 /// Photon mapping.
 #[derive(Debug)]
@@ -33,7 +41,7 @@ impl<'a> PhotonMapping<'a> {
     #[must_use]
     pub fn new(scene: &'a Scene, settings: PhotonSettings) -> Self {
         // A gather ray sees direct light too.
-        let (wants, asking) = if settings.final_gathering {
+        let (wants, asking) = if settings.final_gathering != FinalGathering::None {
             (Wants { caustic: false, ..Wants::ALL }, Asking::Walk)
         } else {
             (Wants::GLOBAL, Asking::Sampled(4))
@@ -48,8 +56,10 @@ impl Integrator for PhotonMapping<'_> {
         let mut out = Pass::default();
         let maps = &self.maker.make(pass, monitor, &mut out);
         let (settings, direct) = (&self.maker.settings.eye, &self.direct);
-        if self.maker.settings.final_gathering {
-            let method = &Gathered { maps, short: SHORT * self.maker.radii.global };
+        let gathering = self.maker.settings.final_gathering;
+        if gathering != FinalGathering::None {
+            let guided = gathering == FinalGathering::Importance;
+            let method = &Gathered { maps, guided, short: SHORT * self.maker.radii.global };
             EyePass { scene: self.scene, settings, direct, method, samples: GATHER_RAYS, pass }.run(monitor, &mut out);
         } else {
             let method = &Seen { maps, repeats: false };
@@ -97,6 +107,8 @@ impl Method for Seen<'_> {
 /// The global map seen through a gather ray.
 struct Gathered<'a> {
     maps: &'a Maps<'a>,
+    /// Whether gather rays follow photons.
+    guided: bool,
     short: f32,
 }
 
@@ -112,6 +124,58 @@ impl Method for Gathered<'_> {
     fn plan(&self, vertex: &Vertex<'_>) -> Plan {
         let goes_on = !self.ends_at(vertex);
         Plan { direct: goes_on, onward: goes_on }
+    }
+
+    fn prepare(&self, vertex: &Vertex<'_>, worker: &mut Worker) {
+        if !self.guided {
+            return;
+        }
+        let surface = vertex.surface;
+        let Worker { guide, guides, .. } = worker;
+        guide.clear();
+        let guide = RefCell::new(guide);
+        let around = Bandwidth { radius: self.short * GUIDED_WITHIN, k: GUIDES };
+        let (p, normal) = (surface.point.p, surface.facing_normal());
+        let _ = self.maps.guides.estimate(p, normal, around, Kernel::Cone, guides, |from| {
+            guide.borrow_mut().push(from);
+            Rgb::ZERO
+        });
+    }
+
+    fn sample(&self, vertex: &Vertex<'_>, worker: &mut Worker) -> Option<BsdfSample> {
+        let surface = vertex.surface;
+        let (lobe, u) = (vertex.draw.one(Dimension::BsdfLobe), vertex.draw.two(Dimension::BsdfDirection));
+        // Casters are not guided, and have no say in what guided the last receiver.
+        if !self.guided || !surface.bsdf.stores_photons() {
+            return surface.sample(lobe, u, Transport::Radiance);
+        }
+        if lobe >= 0.5 {
+            let mut sample = surface.sample(2.0 * lobe - 1.0, u, Transport::Radiance)?;
+            let mixed = self.pdf(vertex, sample.wi, worker);
+            sample.weight *= sample.pdf / mixed;
+            sample.pdf = mixed;
+            return Some(sample);
+        }
+        let Some(wi) = worker.guide.sample(2.0 * lobe, u) else {
+            return surface.sample(2.0 * lobe, u, Transport::Radiance);
+        };
+        let reflected = surface.scatter(wi);
+        let pdf = self.pdf(vertex, wi, worker);
+        (reflected != Rgb::ZERO && pdf > 0.0).then_some(BsdfSample {
+            wi,
+            weight: reflected / pdf,
+            pdf,
+            specular: false,
+            transmitted: false,
+        })
+    }
+
+    fn pdf(&self, vertex: &Vertex<'_>, wi: Vec3, worker: &mut Worker) -> f32 {
+        let bsdf = vertex.surface.pdf(wi);
+        match worker.guide.pdf(wi) {
+            Some(guide) if self.guided && vertex.surface.bsdf.stores_photons() => 0.5 * (bsdf + guide),
+            _ => bsdf,
+        }
     }
 
     fn photons(&self, vertex: &Vertex<'_>, worker: &mut Worker) -> Rgb {

@@ -38,8 +38,20 @@ pub struct PhotonSettings {
     pub radius: Option<f32>,
     /// Kernel of the estimates.
     pub kernel: Kernel,
-    /// Whether [`PhotonMapping`](super::PhotonMapping) looks at the global map through a gather ray.
-    pub final_gathering: bool,
+    /// How [`PhotonMapping`](super::PhotonMapping) looks at the global map.
+    pub final_gathering: FinalGathering,
+}
+
+/// How a global map is looked at.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FinalGathering {
+    /// Directly at the first receiver.
+    None,
+    /// Through a gather ray, drawn from the BSDF.
+    #[default]
+    Bsdf,
+    /// Through a gather ray, drawn in equal parts from the BSDF and from where the photons around came from.
+    Importance,
 }
 
 impl Default for PhotonSettings {
@@ -51,7 +63,7 @@ impl Default for PhotonSettings {
             gather_k: None,
             radius: None,
             kernel: Kernel::default(),
-            final_gathering: true,
+            final_gathering: FinalGathering::default(),
         }
     }
 }

@@ -1,5 +1,6 @@
 //! The pixels of a pass, in tiles.
 
+use super::guide::Guide;
 use super::{Monitor, Phase};
 use crate::camera::{Filter, Pinhole};
 use crate::color::Rgb;
@@ -19,6 +20,9 @@ pub(super) struct Worker {
     pub counters: Counters,
     pub caustic: Scratch,
     pub smooth: Scratch,
+    pub guides: Scratch,
+    /// Where light comes from, for gather rays.
+    pub guide: Guide,
     /// Where walks ended, for a pilot.
     pub visible: Vec<VisiblePoint>,
 }

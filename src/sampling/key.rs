@@ -26,6 +26,8 @@ pub enum Purpose {
     Visible,
     /// The pilot from which emission learns what is seen.
     Learning,
+    /// Photons that guide gather rays.
+    Guides,
 }
 
 /// The name of one decision at one vertex of a path.

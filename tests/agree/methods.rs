@@ -4,7 +4,7 @@ use caustica::camera::{Filter, FilterKind};
 use caustica::color::Rgb;
 use caustica::format::{SceneFile, Source, parse, resolve};
 use caustica::integrate::{
-    EyeSettings, Hybrid, Integrator, PathTracing, PhotonMapping, PhotonSettings, Ppm, Silent, Sppm,
+    EyeSettings, FinalGathering, Hybrid, Integrator, PathTracing, PhotonMapping, PhotonSettings, Ppm, Silent, Sppm,
 };
 use caustica::photon::Kernel;
 use caustica::scene::Scene;
@@ -20,9 +20,12 @@ pub enum Method {
     Seen,
     /// Photon mapping with final gathering.
     Gathered,
+    /// Photon mapping with final gathering guided by photons.
+    Guided,
 }
 
-pub const ALL: [Method; 6] = [Method::Path, Method::Hybrid, Method::Sppm, Method::Ppm, Method::Seen, Method::Gathered];
+pub const ALL: [Method; 7] =
+    [Method::Path, Method::Hybrid, Method::Sppm, Method::Ppm, Method::Seen, Method::Gathered, Method::Guided];
 
 /// What a pass costs.
 #[derive(Clone, Copy, Debug)]
@@ -58,14 +61,18 @@ fn pass(method: Method, scene: &Scene, effort: Effort, i: u32) -> Vec<Rgb> {
         gather_k: Some(0),
         radius: Some(effort.radius as f32),
         kernel: Kernel::Epanechnikov,
-        final_gathering: method == Method::Gathered,
+        final_gathering: match method {
+            Method::Gathered => FinalGathering::Bsdf,
+            Method::Guided => FinalGathering::Importance,
+            _ => FinalGathering::None,
+        },
     };
     let pass = match method {
         Method::Path => PathTracing::new(scene, eye).pass(i, &Silent),
         Method::Hybrid => Hybrid::new(scene, settings).pass(i, &Silent),
         Method::Sppm => Sppm::new(scene, settings).pass(i, &Silent),
         Method::Ppm => Ppm::new(scene, settings).pass(i, &Silent),
-        Method::Seen | Method::Gathered => PhotonMapping::new(scene, settings).pass(i, &Silent),
+        Method::Seen | Method::Gathered | Method::Guided => PhotonMapping::new(scene, settings).pass(i, &Silent),
     };
     assert_eq!(pass.counters.rejected_samples, 0, "{method:?}");
     pass.image

@@ -40,7 +40,17 @@ fn settings_of_light_change_the_picture() {
     ] {
         assert!(plain != picture(&shop, &format!("{sppm} {more}")), "{more}");
     }
-    let names = ["hybrid", "path", "ppm", "pm", "pm --direct-visualisation", "distributed", "whitted", "raycast"];
+    let names = [
+        "hybrid",
+        "path",
+        "ppm",
+        "pm",
+        "pm --final-gathering none",
+        "pm --final-gathering importance",
+        "distributed",
+        "whitted",
+        "raycast",
+    ];
     let pictures = names.map(|name| picture(&shop, &format!("--passes 2 --integrator {name}")));
     for (i, one) in pictures.iter().enumerate() {
         assert!(*one != plain, "{}", names[i]);

@@ -71,11 +71,7 @@ const WANTS: Wants = Wants::ALL;
 const BOUNCES: u32 = 2;
 
 fn learned<'a>(scene: &'a Scene, visible: &Visible) -> (PhotonSource<'a>, Lesson) {
-    learned_from(1 << 16, scene, visible)
-}
-
-fn learned_from<'a>(paths: u32, scene: &'a Scene, visible: &Visible) -> (PhotonSource<'a>, Lesson) {
-    let pilot = Pilot { wants: WANTS, max_bounces: BOUNCES, visible, paths, seed: 11 };
+    let pilot = Pilot { wants: WANTS, max_bounces: BOUNCES, visible, paths: 1 << 16, seed: 11 };
     PhotonSource::everywhere(scene).unwrap().learned(&pilot)
 }
 
@@ -186,13 +182,14 @@ fn aiming_and_learning_compose() {
     assert!(lesson.gain > 1.2, "{lesson:?}");
 }
 
-/// The corner gets 0.6 % of the spot's photons; of the learned ones four in five go to cells that hold some of it. If these are
-/// filled to a quarter only, 20 % of the photons land in it, and the variance falls to a thirtieth; half of that is asked. Cells
-/// so fine take a pilot of which a thousand paths land there.
+/// The corner gets 0.6 % of the spot's photons; of the learned ones four in five go to cells that hold some of it. Where these are
+/// filled to a quarter, 20 % of the photons land in it, and the variance falls to a thirtieth. Refinement stops where the
+/// pilot's other half sees no gain, which may be a level earlier, at an eighth and a fifteenth (pilots of eight seeds gave 13 to
+/// 54); half of that is asked.
 #[test]
 fn variance_falls_where_the_camera_looks() {
     let scene = spot();
-    let (learned, _) = learned_from(1 << 18, &scene, &visible(&scene));
+    let (learned, _) = learned(&scene, &visible(&scene));
     let plain = PhotonSource::everywhere(&scene).unwrap();
     let variance = |source: &PhotonSource<'_>| {
         let mut means = vec![Mean::default(); 1600];
@@ -208,7 +205,7 @@ fn variance_falls_where_the_camera_looks() {
         means.iter().map(Mean::variance).sum::<f64>()
     };
     let ratio = variance(&plain) / variance(&learned);
-    assert!(ratio > 15.0, "{ratio}");
+    assert!(ratio > 7.5, "{ratio}");
 }
 
 /// Two lamps, one behind the wall: paths leave it for the one that is seen.
