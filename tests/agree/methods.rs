@@ -42,12 +42,22 @@ pub struct Effort {
     pub radius: f64,
 }
 
-/// Independent passes.
+/// Independent passes. Those of `ppm` share their camera walks, so each has its own seed.
 pub fn passes(method: Method, scene: &Scene, effort: Effort) -> Vec<Vec<Rgb>> {
-    (0..effort.passes).map(|i| pass(method, scene, effort, i)).collect()
+    if method == Method::Ppm {
+        return (0..effort.passes).map(|i| image(method, prepare(method, scene, effort, i).as_ref(), i)).collect();
+    }
+    let prepared = prepare(method, scene, effort, 0);
+    (0..effort.passes).map(|i| image(method, prepared.as_ref(), i)).collect()
 }
 
-fn pass(method: Method, scene: &Scene, effort: Effort, i: u32) -> Vec<Rgb> {
+fn image(method: Method, prepared: &dyn Integrator, i: u32) -> Vec<Rgb> {
+    let pass = prepared.pass(i, &Silent);
+    assert_eq!(pass.counters.rejected_samples, 0, "{method:?}");
+    pass.image
+}
+
+fn prepare<'a>(method: Method, scene: &'a Scene, effort: Effort, i: u32) -> Box<dyn Integrator + 'a> {
     let eye = EyeSettings {
         samples: Some(effort.samples),
         max_bounces: 1000,
@@ -67,15 +77,13 @@ fn pass(method: Method, scene: &Scene, effort: Effort, i: u32) -> Vec<Rgb> {
             _ => FinalGathering::None,
         },
     };
-    let pass = match method {
-        Method::Path => PathTracing::new(scene, eye).pass(i, &Silent),
-        Method::Hybrid => Hybrid::new(scene, settings).pass(i, &Silent),
-        Method::Sppm => Sppm::new(scene, settings).pass(i, &Silent),
-        Method::Ppm => Ppm::new(scene, settings).pass(i, &Silent),
-        Method::Seen | Method::Gathered | Method::Guided => PhotonMapping::new(scene, settings).pass(i, &Silent),
-    };
-    assert_eq!(pass.counters.rejected_samples, 0, "{method:?}");
-    pass.image
+    match method {
+        Method::Path => Box::new(PathTracing::new(scene, eye)),
+        Method::Hybrid => Box::new(Hybrid::new(scene, settings)),
+        Method::Sppm => Box::new(Sppm::new(scene, settings)),
+        Method::Ppm => Box::new(Ppm::new(scene, settings)),
+        Method::Seen | Method::Gathered | Method::Guided => Box::new(PhotonMapping::new(scene, settings)),
+    }
 }
 
 fn folder(name: &str) -> PathBuf {
