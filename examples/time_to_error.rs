@@ -10,10 +10,7 @@
 use caustica::camera::{Filter, FilterKind};
 use caustica::format::SceneFile;
 use caustica::image::{self, Image, metrics};
-use caustica::integrate::{
-    Distributed, EyeSettings, FinalGathering, Hybrid, Integrator, PathTracing, PhotonMapping, PhotonSettings, Ppm,
-    Silent, Sppm,
-};
+use caustica::integrate::{Algorithm, EyeSettings, FinalGathering, Integrator, Settings, Silent};
 use caustica::render::Film;
 use caustica::scene::Scene;
 use caustica::stats::cpu_seconds;
@@ -39,24 +36,17 @@ struct Run<'a> {
 fn integrator<'a>(name: &str, scene: &'a Scene) -> Option<(&'static str, Box<dyn Integrator + 'a>)> {
     // The reference has a box filter.
     let eye = EyeSettings { filter: Filter::new(FilterKind::Box), ..EyeSettings::default() };
-    let photons = PhotonSettings { eye: eye.clone(), ..PhotonSettings::default() };
-    Some(match name {
-        "hybrid" => ("hybrid", Box::new(Hybrid::new(scene, photons))),
-        "path" => ("path", Box::new(PathTracing::new(scene, eye))),
-        "sppm" => ("sppm", Box::new(Sppm::new(scene, photons))),
-        "ppm" => ("ppm", Box::new(Ppm::new(scene, photons))),
-        "pm" => ("pm", Box::new(PhotonMapping::new(scene, photons))),
-        "pm-direct" => {
-            let settings = PhotonSettings { final_gathering: FinalGathering::None, ..photons };
-            ("pm-direct", Box::new(PhotonMapping::new(scene, settings)))
+    let pm = |name, final_gathering| (name, Algorithm::Pm, final_gathering);
+    let (name, algorithm, final_gathering) = match name {
+        "pm-direct" => pm("pm-direct", FinalGathering::None),
+        "pm-importance" => pm("pm-importance", FinalGathering::Importance),
+        _ => {
+            let algorithm = Algorithm::ALL.into_iter().find(|a| a.name() == name)?;
+            (algorithm.name(), algorithm, FinalGathering::default())
         }
-        "pm-importance" => {
-            let settings = PhotonSettings { final_gathering: FinalGathering::Importance, ..photons };
-            ("pm-importance", Box::new(PhotonMapping::new(scene, settings)))
-        }
-        "distributed" => ("distributed", Box::new(Distributed::new(scene, eye))),
-        _ => return None,
-    })
+    };
+    let settings = Settings { eye, final_gathering, ..Settings::default() };
+    Some((name, algorithm.prepare(scene, settings)))
 }
 
 /// CPU and wall seconds of `work`.

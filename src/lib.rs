@@ -12,7 +12,7 @@
 //!
 //! # The walk of one camera ray
 //!
-//! [`Hybrid`](integrate::Hybrid), and every other [`Integrator`](integrate::Integrator) in its own way, sends a ray through a point
+//! [`Algorithm::Hybrid`](integrate::Algorithm::Hybrid), and every other algorithm in its own way, sends a ray through a point
 //! of the pixel that its filter chose ([`Pinhole::ray`](camera::Pinhole::ray)) and walks through mirrors and glass, both ways where
 //! both matter. At the first other surface it adds emission, direct light by shadow rays, and what photons that met casters first
 //! brought there ([`PhotonMap::estimate`](photon::PhotonMap::estimate)), then walks on. [`render`](render::render) takes the mean
@@ -22,7 +22,7 @@
 //!
 //! ```
 //! use caustica::camera::Pinhole;
-//! use caustica::integrate::{Hybrid, Integrator, PhotonSettings, Silent};
+//! use caustica::integrate::{Algorithm, Settings, Silent};
 //! use caustica::scene::{LightStrength, Material, SceneBuilder, SourceKind};
 //! use caustica::shape::{Plane, Shape, Sphere};
 //! use glam::{DVec3, Vec3};
@@ -36,8 +36,8 @@
 //!     .source(SourceKind::Point { position: DVec3::new(2.0, 4.0, 0.0) }, LightStrength::Power(Vec3::splat(200.0)));
 //! let camera = Pinhole::new(DVec3::new(0.0, 2.0, 6.0), DVec3::new(0.0, -0.2, -1.0), DVec3::Y, 0.7, 32, 24)?;
 //! let scene = builder.build(camera)?;
-//! let settings = PhotonSettings { caustic_photons: 2000, ..PhotonSettings::default() };
-//! let pass = Hybrid::new(&scene, settings).pass(0, &Silent);
+//! let settings = Settings { caustic_photons: 2000, ..Settings::default() };
+//! let pass = Algorithm::Hybrid.prepare(&scene, settings).pass(0, &Silent);
 //! assert_eq!(pass.image.len(), 32 * 24);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

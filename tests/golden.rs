@@ -8,7 +8,7 @@
 
 use caustica::format::SceneFile;
 use caustica::image::{self, Image, RgbBytes, WriteOptions};
-use caustica::integrate::{EyeSettings, Hybrid, PhotonSettings, Silent};
+use caustica::integrate::{Algorithm, EyeSettings, Settings, Silent};
 use caustica::render::{Stop, render};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -33,15 +33,15 @@ fn picture(scene: &Path) -> Image {
     let mut file = SceneFile::read(scene).unwrap();
     (file.description.camera.value.width, file.description.camera.value.height) = SIZE;
     let scene = file.resolve().unwrap();
-    let settings = PhotonSettings {
+    let settings = Settings {
         photons: 20_000,
         caustic_photons: 20_000,
         eye: EyeSettings { samples: Some(2), ..EyeSettings::default() },
-        ..PhotonSettings::default()
+        ..Settings::default()
     };
-    let integrator = Hybrid::new(&scene, settings);
+    let integrator = Algorithm::Hybrid.prepare(&scene, settings);
     let stop = Stop { passes: Some(2), time: None, interrupted: &AtomicBool::new(false) };
-    let rendered = render(&integrator, SIZE, &stop, &Silent, |_| {});
+    let rendered = render(integrator.as_ref(), SIZE, &stop, &Silent, |_| {});
     Image::from_pixels(SIZE.0, SIZE.1, rendered.film.mean()).unwrap()
 }
 

@@ -2,7 +2,7 @@
 
 use caustica::color::Rgb;
 use caustica::format::{Source, parse, resolve};
-use caustica::integrate::{EyeSettings, Integrator, Pass, PhotonReport, PhotonSettings, Silent, Sppm};
+use caustica::integrate::{Algorithm, EyeSettings, Pass, PhotonReport, Settings, Silent};
 use caustica::scene::Scene;
 use caustica::stats::Counters;
 use std::path::Path;
@@ -41,12 +41,12 @@ fn scene() -> Scene {
     resolve(&parse("threads.txt", TEXT).unwrap(), &source, Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap()
 }
 
-fn settings() -> PhotonSettings {
-    PhotonSettings {
+fn settings() -> Settings {
+    Settings {
         photons: PHOTONS,
         caustic_photons: PHOTONS,
         eye: EyeSettings { samples: Some(2), max_bounces: 50, seed: 7, ..EyeSettings::default() },
-        ..PhotonSettings::default()
+        ..Settings::default()
     }
 }
 
@@ -63,7 +63,7 @@ fn run(threads: usize, passes: impl IntoIterator<Item = u32> + Send) -> ([u32; 2
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     pool.install(|| {
         let scene = scene();
-        let integrator = Sppm::new(&scene, settings());
+        let integrator = Algorithm::Sppm.prepare(&scene, settings());
         let radii = integrator.radii().unwrap();
         let passes = passes.into_iter().map(|i| result(integrator.pass(i, &Silent))).collect();
         ([radii.global.to_bits(), radii.caustic.to_bits()], passes)

@@ -30,7 +30,7 @@ pub enum Command {
 
 /// How light is computed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum IntegratorName {
+pub enum AlgorithmName {
     /// Path tracing for what connections find, photons for the rest
     Hybrid,
     /// Path tracing
@@ -72,7 +72,7 @@ pub struct RenderArguments {
 
     /// The algorithm
     #[arg(long, value_enum, default_value = "hybrid")]
-    pub integrator: IntegratorName,
+    pub integrator: AlgorithmName,
 
     /// Photon paths of the global map a pass, such as 500k or 2M; 0 for none
     #[arg(long, value_parser = count, default_value = "500k", value_name = "N")]

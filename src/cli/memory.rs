@@ -1,7 +1,7 @@
 //! Whether a render fits into memory, asked before it begins.
 
 use crate::image::{MAX_PIXELS, SizeError};
-use crate::integrate::PhotonSettings;
+use crate::integrate::Settings;
 use crate::photon::{PhotonPass, PhotonSource, Wants};
 use crate::sampling::{Key, Purpose};
 use crate::scene::Scene;
@@ -59,7 +59,7 @@ pub(super) fn check_picture((width, height): (u32, u32), free: Option<u64>) -> R
 
 /// Checks that the photons of a pass can be indexed and fit into `free` bytes, where that number is known. Few paths are traced
 /// to tell how many photons are stored.
-pub(super) fn check_photons<'a>(scene: &'a Scene, settings: &PhotonSettings, free: Option<u64>) -> Result<(), TooMuch> {
+pub(super) fn check_photons<'a>(scene: &'a Scene, settings: &Settings, free: Option<u64>) -> Result<(), TooMuch> {
     let stored = |paths: u32, wants: Wants, make: fn(&'a Scene) -> Option<PhotonSource<'a>>| {
         let probe = paths.min(PROBE);
         let Some(source) = (if probe == 0 { None } else { make(scene) }) else { return 0 };

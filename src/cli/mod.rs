@@ -2,11 +2,11 @@
 
 mod args;
 mod memory;
-mod method;
 mod number;
 mod progress;
 mod render;
 mod report;
+mod settings;
 
 pub use args::{Arguments, Command, RenderArguments};
 

@@ -1,14 +1,13 @@
 //! `caustica render`.
 
-use super::args::IntegratorName;
 use super::memory::{self, check_photons, check_picture};
-use super::method::{photon_settings, prepare};
 use super::progress::{Progress, tell};
 use super::report::{self, Report, Setting};
+use super::settings::settings;
 use super::{Exit, Failure, RenderArguments};
 use crate::format::SceneFile;
 use crate::image::{self, Curve, Image, ToneMap, WriteOptions};
-use crate::integrate::Lessons;
+use crate::integrate::{Algorithm, Lessons};
 use crate::render::{Ended, Rendered, Stop, render};
 use crate::scene::Scene;
 use glam::Vec3;
@@ -39,10 +38,11 @@ fn run_in_pool(arguments: &RenderArguments, progress: &Progress) -> Result<Exit,
     let start = Instant::now();
     let scene = load(&arguments.scene, arguments.size)?;
     let free = memory::free();
+    let algorithm = Algorithm::from(arguments.integrator);
     check_picture(scene.camera().size(), free).map_err(|e| Failure::new(Exit::Usage, e))?;
     let mut setting = Setting {
         scene: arguments.scene.display().to_string(),
-        integrator: arguments.integrator.name(),
+        integrator: algorithm.name(),
         seed: arguments.seed,
         threads: rayon::current_num_threads(),
         triangles: scene.triangle_count(),
@@ -64,19 +64,19 @@ fn run_in_pool(arguments: &RenderArguments, progress: &Progress) -> Result<Exit,
     } else if setting.lights == 0 {
         progress.say("note: the scene has no lights: all but its background is black");
     }
-    let name = arguments.integrator;
-    if name.has_photons() {
-        check_photons(&scene, &photon_settings(arguments), free).map_err(|e| Failure::new(Exit::Usage, e))?;
+    let settings = settings(arguments);
+    if algorithm.has_photons() {
+        check_photons(&scene, &settings, free).map_err(|e| Failure::new(Exit::Usage, e))?;
     }
-    let integrator = prepare(arguments, &scene);
+    let integrator = algorithm.prepare(&scene, settings);
     setting.radii = integrator.radii();
     setting.emission = integrator.lessons();
     setting.setup = start.elapsed().as_secs_f64();
 
     let passes = arguments.passes.or(match arguments.time {
         // One pass of ray casting is all there is to it.
-        Some(_) if name != IntegratorName::Raycast => None,
-        _ => Some(name.passes()),
+        Some(_) if algorithm != Algorithm::Raycast => None,
+        _ => Some(algorithm.passes()),
     });
     let stop = Stop { passes, time: arguments.time, interrupted: &INTERRUPTED };
     progress.pass(1, passes);
@@ -111,8 +111,8 @@ fn conclude(
     let output = |e: miette::Report| Failure::new(Exit::Output, e);
     let (width, height) = rendered.film.size();
     let picture = Image::from_pixels(width, height, rendered.film.mean()).into_diagnostic().map_err(output)?;
-    let curve = arguments.tone.unwrap_or(match arguments.integrator {
-        IntegratorName::Raycast => Curve::Course,
+    let curve = arguments.tone.unwrap_or(match Algorithm::from(arguments.integrator) {
+        Algorithm::Raycast => Curve::Course,
         _ => Curve::Srgb,
     });
     let options = WriteOptions {

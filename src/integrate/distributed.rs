@@ -1,37 +1,27 @@
 //! Distributed ray tracing (Cook, Porter and Carpenter 1984): ray tracing whose lights have a size, whose reflections may be
 //! glossy and whose pixels have an area, each sampled by chance. Matt surfaces do not light each other.
 
-use super::direct::{Asking, DirectLight};
-use super::eye::{EyePass, History, Method, Plan, Vertex};
-use super::{EyeSettings, Integrator, Monitor, Pass};
+use super::direct::Asking;
+use super::eye::{AtReceiver, History, Method, Vertex};
+use super::maps::Maps;
+use super::prepared::{Strategy, Walks};
 use crate::bsdf::Bsdf;
-use crate::scene::Scene;
-
-/// Camera rays a pixel and pass, where the user does not say.
-const SAMPLES: u32 = 4;
 
 /// Distributed ray tracing.
 #[derive(Debug)]
-pub struct Distributed<'a> {
-    scene: &'a Scene,
-    settings: EyeSettings,
-    direct: DirectLight<'a>,
-}
+pub(super) struct Distributed;
 
-impl<'a> Distributed<'a> {
-    /// Prepares the lights.
-    #[must_use]
-    pub fn new(scene: &'a Scene, settings: EyeSettings) -> Self {
-        Self { scene, settings, direct: DirectLight::new(scene, Asking::Walk) }
+impl Strategy for Distributed {
+    fn samples(&self) -> u32 {
+        4
     }
-}
 
-impl Integrator for Distributed<'_> {
-    fn pass(&self, pass: u32, monitor: &dyn Monitor) -> Pass {
-        let mut out = Pass::default();
-        let (settings, direct, method) = (&self.settings, &self.direct, &Glossy);
-        EyePass { scene: self.scene, settings, direct, method, samples: SAMPLES, pass }.run(monitor, &mut out);
-        out
+    fn asking(&self) -> Asking {
+        Asking::Walk
+    }
+
+    fn walk(&self, walks: Walks<'_>, _: &Maps<'_>) {
+        walks.by(&Glossy);
     }
 }
 
@@ -46,8 +36,8 @@ impl Method for Glossy {
         }
     }
 
-    fn plan(&self, vertex: &Vertex<'_>) -> Plan {
-        Plan { direct: true, onward: !matches!(vertex.surface.bsdf, Bsdf::Diffuse(_)) }
+    fn at_receiver(&self, vertex: &Vertex<'_>) -> AtReceiver {
+        AtReceiver { direct: true, onward: !matches!(vertex.surface.bsdf, Bsdf::Diffuse(_)) }
     }
 
     fn counts(&self, _: History) -> bool {

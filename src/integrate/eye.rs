@@ -88,7 +88,7 @@ fn horizon(surface: &Surface<'_>) -> Option<Vec3> {
 
 /// What is done at a receiver.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Plan {
+pub(super) struct AtReceiver {
     /// Ask the lights.
     pub direct: bool,
     /// Walk on.
@@ -104,7 +104,7 @@ pub(super) trait Method: Sync {
     }
 
     /// What is done at a receiver.
-    fn plan(&self, vertex: &Vertex<'_>) -> Plan;
+    fn at_receiver(&self, vertex: &Vertex<'_>) -> AtReceiver;
 
     /// Radiance that a receiver sends to its viewer of light that photons brought.
     fn photons(&self, _: &Vertex<'_>, _: &mut Worker) -> Rgb {
@@ -147,7 +147,7 @@ pub(super) struct EyePass<'a, M> {
     pub settings: &'a EyeSettings,
     pub direct: &'a DirectLight<'a>,
     pub method: &'a M,
-    /// Camera rays a pixel, where the user does not say.
+    /// Camera rays a pixel.
     pub samples: u32,
     pub pass: u32,
 }
@@ -186,11 +186,8 @@ impl<M: Method> EyePass<'_, M> {
     /// Renders all pixels into `out`.
     pub fn run(&self, monitor: &dyn Monitor, out: &mut Pass) {
         let start = Instant::now();
-        let sampling = tiles::Sampling {
-            camera: self.scene.camera(),
-            filter: Some(&self.settings.filter),
-            samples: self.settings.samples.unwrap_or(self.samples),
-        };
+        let sampling =
+            tiles::Sampling { camera: self.scene.camera(), filter: Some(&self.settings.filter), samples: self.samples };
         let walks = if self.method.repeats_walks() { 0 } else { u64::from(self.pass) };
         let key = Key::new(self.settings.seed).purpose(Purpose::Camera).with(walks);
         let (image, counters) =
@@ -251,15 +248,15 @@ impl<M: Method> EyePass<'_, M> {
             }
             surface.bsdf = self.method.part(surface.bsdf, branch.draw.one(Dimension::Part));
             let vertex = self.vertex(branch, &surface, &inside, distance);
-            let mut plan = self.method.plan(&vertex);
-            plan.onward &= branch.bounce < self.settings.max_bounces;
-            if plan.onward {
+            let mut to_do = self.method.at_receiver(&vertex);
+            to_do.onward &= branch.bounce < self.settings.max_bounces;
+            if to_do.onward {
                 self.method.prepare(&vertex, worker);
             }
-            let found = self.direct(&vertex, plan, worker) + self.method.photons(&vertex, worker);
+            let found = self.direct(&vertex, to_do, worker) + self.method.photons(&vertex, worker);
             *radiance += branch.throughput * found;
             branch.history = History { receivers: branch.history.receivers + 1, casters: 0 };
-            return if plan.onward { self.onward(branch, &vertex, worker) } else { None };
+            return if to_do.onward { self.onward(branch, &vertex, worker) } else { None };
         }
         if surface.bsdf == Bsdf::Black {
             return None;
@@ -269,8 +266,8 @@ impl<M: Method> EyePass<'_, M> {
         let vertex = self.vertex(branch, &surface, &inside, distance);
         if !surface.bsdf.is_specular() {
             // A connection from here comes over this caster too.
-            let plan = Plan { direct: self.method.counts(branch.history), onward };
-            *radiance += branch.throughput * self.direct(&vertex, plan, worker);
+            let to_do = AtReceiver { direct: self.method.counts(branch.history), onward };
+            *radiance += branch.throughput * self.direct(&vertex, to_do, worker);
         }
         if !onward {
             return None;
@@ -324,12 +321,12 @@ impl<M: Method> EyePass<'_, M> {
 
     /// Light that the surface scatters to its viewer straight from the lights.
     #[inline]
-    fn direct(&self, vertex: &Vertex<'_>, plan: Plan, worker: &mut Worker) -> Rgb {
-        if !plan.direct {
+    fn direct(&self, vertex: &Vertex<'_>, to_do: AtReceiver, worker: &mut Worker) -> Rgb {
+        if !to_do.direct {
             return Rgb::ZERO;
         }
         let pdf = |wi: Vec3, worker: &mut Worker| self.method.pdf(vertex, wi, worker);
-        self.direct.reflected(vertex, if plan.onward { Some(&pdf) } else { None }, worker)
+        self.direct.reflected(vertex, if to_do.onward { Some(&pdf) } else { None }, worker)
     }
 
     /// Weight of light that was met by chance, where it could also have been asked for (the balance heuristic, Veach 1997,

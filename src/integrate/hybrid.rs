@@ -4,49 +4,32 @@
 //! walk: from the caustic map where that receiver is the first on the light's path, from a map of what caustics become where
 //! it is a later one. All other paths are found by the walk itself, by shadow rays and by chance, weighted against each other.
 
-use super::direct::{Asking, DirectLight};
-use super::eye::{EyePass, History, Method, Plan, Vertex};
-use super::maps::{MapMaker, Maps, Needs, Schedule};
+use super::direct::Asking;
+use super::eye::{AtReceiver, History, Method, Vertex};
+use super::maps::{Maps, Needs};
+use super::prepared::{Strategy, Walks};
 use super::tiles::Worker;
-use super::{Integrator, Lessons, Monitor, Pass, PhotonSettings, Radii};
 use crate::color::Rgb;
-use crate::scene::Scene;
-
-/// Camera rays a pixel and pass, where the user does not say.
-const SAMPLES: u32 = 8;
 
 /// Path tracing with a caustic map.
 #[derive(Debug)]
-pub struct Hybrid<'a> {
-    scene: &'a Scene,
-    direct: DirectLight<'a>,
-    maker: MapMaker<'a>,
-}
+pub(super) struct Hybrid;
 
-impl<'a> Hybrid<'a> {
-    /// Weighs the lights and finds the caustic map's radius where none is set.
-    #[must_use]
-    pub fn new(scene: &'a Scene, settings: PhotonSettings) -> Self {
-        let direct = DirectLight::new(scene, Asking::Walk);
-        Self { scene, direct, maker: MapMaker::new(scene, settings, Needs::ByCasters, Schedule::Shrinking) }
-    }
-}
-
-impl Integrator for Hybrid<'_> {
-    fn pass(&self, pass: u32, monitor: &dyn Monitor) -> Pass {
-        let mut out = Pass::default();
-        let maps = &self.maker.make(pass, monitor, &mut out);
-        let (settings, direct, method) = (&self.maker.settings.eye, &self.direct, &Connected { maps });
-        EyePass { scene: self.scene, settings, direct, method, samples: SAMPLES, pass }.run(monitor, &mut out);
-        out
+impl Strategy for Hybrid {
+    fn samples(&self) -> u32 {
+        8
     }
 
-    fn radii(&self) -> Option<Radii> {
-        Some(self.maker.radii)
+    fn asking(&self) -> Asking {
+        Asking::Walk
     }
 
-    fn lessons(&self) -> Lessons {
-        self.maker.lessons
+    fn needs(&self) -> Needs {
+        Needs { caustic: true, after_caustic: true, ..Needs::NOTHING }
+    }
+
+    fn walk(&self, walks: Walks<'_>, maps: &Maps<'_>) {
+        walks.by(&Connected { maps });
     }
 }
 
@@ -55,18 +38,15 @@ struct Connected<'a> {
 }
 
 impl Method for Connected<'_> {
-    fn plan(&self, _: &Vertex<'_>) -> Plan {
-        Plan { direct: true, onward: true }
+    fn at_receiver(&self, _: &Vertex<'_>) -> AtReceiver {
+        AtReceiver { direct: true, onward: true }
     }
 
     #[inline]
     fn photons(&self, vertex: &Vertex<'_>, worker: &mut Worker) -> Rgb {
         match vertex.draw.place() {
             // One estimate a pixel and pass: those of its other samples would rest on the same photons.
-            (0, count) if vertex.history.receivers == 0 => {
-                let caustic = self.maps.caustic.radiance(vertex, |w| &mut w.caustic, worker);
-                (caustic + self.maps.smooth.radiance(vertex, |w| &mut w.smooth, worker)) * count as f32
-            }
+            (0, count) if vertex.history.receivers == 0 => self.maps.radiance(vertex, worker) * count as f32,
             _ => Rgb::ZERO,
         }
     }

@@ -1,12 +1,10 @@
 //! The photon maps of a pass.
 
 use super::eye::Vertex;
+use super::pilot::auto_radius;
 use super::tiles::Worker;
 use super::visible::visible;
-use super::{
-    EyeSettings, FinalGathering, Lessons, Monitor, Pass, Phase, PhotonReport, PhotonSettings, Radii, auto_radius,
-    shrink,
-};
+use super::{EyeSettings, Lessons, Monitor, Pass, Phase, PhotonReport, Radii, Settings, shrink};
 use crate::bsdf::Transport;
 use crate::color::Rgb;
 use crate::photon::{
@@ -46,27 +44,47 @@ pub(super) enum Schedule {
     Fixed,
 }
 
-/// Which maps a method looks at.
+/// Which maps an algorithm looks at.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Needs {
-    /// The caustic map, and a global map of these classes.
-    Global(Wants),
-    /// The caustic map, and a map of what caustics become.
-    ByCasters,
+pub(super) struct Needs {
+    /// The caustic map.
+    pub caustic: bool,
+    /// A map of what caustics become, from the paths of the caustic map.
+    pub after_caustic: bool,
+    /// The classes of the global map.
+    pub global: Wants,
+    /// Photons whose directions guide gather rays.
+    pub guides: bool,
+    /// The radii of all.
+    pub schedule: Schedule,
+}
+
+impl Needs {
+    /// No map.
+    pub const NOTHING: Self = Self {
+        caustic: false,
+        after_caustic: false,
+        global: Wants::NONE,
+        guides: false,
+        schedule: Schedule::Shrinking,
+    };
+
+    /// What is wanted of the paths of the caustic map.
+    fn by_casters(self) -> Wants {
+        Wants { caustic: self.caustic, after_caustic: self.after_caustic, apart: self.after_caustic, ..Wants::NONE }
+    }
 }
 
 /// Makes the maps of any pass.
 #[derive(Debug)]
 pub(super) struct MapMaker<'a> {
     scene: &'a Scene,
-    pub settings: PhotonSettings,
+    settings: Settings,
     needs: Needs,
-    /// Whether gather rays are guided.
-    guided: bool,
     global: Option<PhotonSource<'a>>,
     caustic: Option<PhotonSource<'a>>,
-    schedule: Schedule,
-    pub radii: Radii,
+    /// `None` where there is no map.
+    pub radii: Option<Radii>,
     pub lessons: Lessons,
 }
 
@@ -89,106 +107,104 @@ pub(super) struct Maps<'a> {
 
 impl<'a> MapMaker<'a> {
     /// Weighs the lights and finds radii where none is set.
-    pub fn new(scene: &'a Scene, settings: PhotonSettings, needs: Needs, schedule: Schedule) -> Self {
-        let source = |paths: u32, make: fn(&'a Scene) -> Option<PhotonSource<'a>>| {
-            if paths == 0 { None } else { make(scene) }
+    pub fn new(scene: &'a Scene, settings: Settings, needs: Needs) -> Self {
+        let source = |wanted: Wants, paths: u32, make: fn(&'a Scene) -> Option<PhotonSource<'a>>| {
+            if paths == 0 || wanted == Wants::NONE { None } else { make(scene) }
         };
-        let mut caustic = source(settings.caustic_photons, PhotonSource::aimed);
-        let mut global = match needs {
-            Needs::Global(_) => source(settings.photons, PhotonSource::everywhere),
-            Needs::ByCasters => None,
-        };
-        let wants = match needs {
-            Needs::Global(_) => Wants::CAUSTIC,
-            Needs::ByCasters => Wants::BY_CASTERS,
-        };
-        let mut lessons = Lessons::default();
-        if caustic.is_some() || global.is_some() {
-            let seen = visible(scene, &settings.eye, scene.domain().radius * SEEN_WITHIN);
-            let learn =
-                |source: Option<PhotonSource<'a>>, wants: Wants, make: fn(&'a Scene) -> Option<PhotonSource<'a>>| {
-                    let Some(source) = source else { return (None, None) };
-                    let EyeSettings { max_bounces, seed, .. } = settings.eye;
-                    let pilot = Pilot { wants, max_bounces, visible: &seen, paths: Pilot::PATHS, seed };
-                    let (learned, lesson) = source.learned(&pilot);
-                    // Paths that are seen take longer: little gain is none.
-                    (if lesson.gain > LEAST_GAIN { Some(learned) } else { make(scene) }, Some(lesson))
-                };
-            (caustic, lessons.caustic) = learn(caustic, wants, PhotonSource::aimed);
-            // Gather rays look at the global map from everywhere.
-            if needs == Needs::Global(Wants::GLOBAL) {
-                (global, lessons.global) = learn(global, Wants::GLOBAL, PhotonSource::everywhere);
-            }
+        let caustic = source(needs.by_casters(), settings.caustic_photons, PhotonSource::aimed);
+        let global = source(needs.global, settings.photons, PhotonSource::everywhere);
+        let mut maker = Self { scene, settings, needs, global, caustic, radii: None, lessons: Lessons::default() };
+        maker.learn();
+        maker.radii = (needs != Needs::NOTHING).then(|| maker.find_radii());
+        maker
+    }
+
+    /// Aims emission at what is seen, where that is much better.
+    fn learn(&mut self) {
+        if self.caustic.is_none() && self.global.is_none() {
+            return;
         }
+        let (scene, settings) = (self.scene, &self.settings);
+        let seen = visible(scene, &settings.eye, scene.domain().radius * SEEN_WITHIN);
+        let learn = |source: &mut Option<PhotonSource<'a>>, wants: Wants| {
+            let unlearned = source.take()?;
+            let EyeSettings { max_bounces, seed, .. } = settings.eye;
+            let pilot = Pilot { wants, max_bounces, visible: &seen, paths: Pilot::PATHS, seed };
+            let (learned, lesson) = unlearned.clone().learned(&pilot);
+            // Paths that are seen take longer: little gain is none.
+            *source = Some(if lesson.gain > LEAST_GAIN { learned } else { unlearned });
+            Some(lesson)
+        };
+        self.lessons.caustic = learn(&mut self.caustic, self.needs.by_casters());
+        // Gather rays look at the global map from everywhere.
+        if !self.needs.global.direct {
+            self.lessons.global = learn(&mut self.global, self.needs.global);
+        }
+    }
+
+    /// Radii that hold enough photons in most places.
+    fn find_radii(&self) -> Radii {
+        let settings = &self.settings;
         let radius = |source: &Option<PhotonSource<'a>>, wants: Wants, paths: u32, fallback: u32| {
             let k = settings.gather_k.filter(|k| *k > 0).unwrap_or(fallback);
             let found = || {
                 let source = source.as_ref()?;
-                let pass = PhotonPass { scene, source, wants, max_bounces: settings.eye.max_bounces };
-                auto_radius(scene, &pass, paths, k, settings.eye.seed)
+                let pass = PhotonPass { scene: self.scene, source, wants, max_bounces: settings.eye.max_bounces };
+                auto_radius(self.scene, &pass, paths, k, settings.eye.seed)
             };
             // Without photons the radius never matters.
             settings.radius.or_else(found).unwrap_or(1.0)
         };
-        let smooth = match needs {
-            Needs::Global(wants) => radius(&global, wants, settings.photons, GLOBAL_COUNT),
-            Needs::ByCasters => {
-                let after = Wants { caustic: false, ..Wants::BY_CASTERS };
-                radius(&caustic, after, settings.caustic_photons / THINNING, AFTER_COUNT)
-            }
+        let smooth = if self.needs.after_caustic {
+            let after = Wants { after_caustic: true, ..Wants::NONE };
+            radius(&self.caustic, after, settings.caustic_photons / THINNING, AFTER_COUNT)
+        } else {
+            radius(&self.global, self.needs.global, settings.photons, GLOBAL_COUNT)
         };
-        let caustic_radius = radius(&caustic, Wants::CAUSTIC, settings.caustic_photons, CAUSTIC_K);
-        let radii = Radii { global: smooth, caustic: caustic_radius };
-        // Only a map for gather rays holds direct light.
-        let gathers = matches!(needs, Needs::Global(wants) if wants.direct);
-        let guided = gathers && settings.final_gathering == FinalGathering::Importance;
-        Self { scene, needs, guided, global, caustic, schedule, radii, lessons, settings }
+        let caustic = radius(&self.caustic, Wants::CAUSTIC, settings.caustic_photons, CAUSTIC_K);
+        Radii { global: smooth, caustic }
     }
 
     /// Traces and indexes the photons of pass `pass`, and books the work in `out`.
     pub fn make(&self, pass: u32, monitor: &dyn Monitor, out: &mut Pass) -> Maps<'a> {
         let key = |purpose| Key::new(self.settings.eye.seed).purpose(purpose).with(u64::from(pass));
-        let wants = if self.needs == Needs::ByCasters { Wants::BY_CASTERS } else { Wants::CAUSTIC };
-        let job = (wants, self.settings.caustic_photons);
+        let job = (self.needs.by_casters(), self.settings.caustic_photons);
         let traced = self.trace(self.caustic.as_ref(), job, key(Purpose::CausticPhotons), monitor, out);
         out.caustic = report(&traced);
         let caustic = index(traced.photons, monitor, out);
-        let smooth = match self.needs {
-            Needs::Global(wants) => {
-                let job = (wants, self.settings.photons);
-                let traced = self.trace(self.global.as_ref(), job, key(Purpose::GlobalPhotons), monitor, out);
-                out.global = report(&traced);
-                index(traced.photons, monitor, out)
-            }
-            Needs::ByCasters => index(traced.after_caustic, monitor, out),
+        let smooth = if self.needs.after_caustic {
+            index(traced.after_caustic, monitor, out)
+        } else {
+            let job = (self.needs.global, self.settings.photons);
+            let traced = self.trace(self.global.as_ref(), job, key(Purpose::GlobalPhotons), monitor, out);
+            out.global = report(&traced);
+            index(traced.photons, monitor, out)
         };
-        let gathering = |map, radius, most| Gathering {
-            scene: self.scene,
-            map,
-            bandwidth: self.bandwidth(radius, self.settings.gather_k.unwrap_or(most), pass),
-            kernel: self.settings.kernel,
-        };
-        let guides = if self.guided {
+        let guides = if self.needs.guides {
             let job = (Wants::GLOBAL, self.settings.photons / GUIDING);
             let traced = self.trace(self.global.as_ref(), job, key(Purpose::Guides), monitor, out);
             index(traced.photons, monitor, out)
         } else {
             PhotonMap::build(Vec::new())
         };
+        // Without maps nothing asks for a radius.
+        let radii = self.radii.unwrap_or(Radii { global: 1.0, caustic: 1.0 });
         Maps {
             guides,
-            caustic: gathering(caustic, self.radii.caustic, CAUSTIC_K),
-            smooth: gathering(smooth, self.radii.global, 0),
+            caustic: self.gathering(caustic, radii.caustic, CAUSTIC_K, pass),
+            smooth: self.gathering(smooth, radii.global, 0, pass),
         }
     }
 
-    fn bandwidth(&self, radius: f32, most: u32, pass: u32) -> Bandwidth {
-        let area = match self.schedule {
+    fn gathering(&self, map: PhotonMap, radius: f32, most: u32, pass: u32) -> Gathering<'a> {
+        let most = self.settings.gather_k.unwrap_or(most);
+        let area = match self.needs.schedule {
             Schedule::Shrinking => shrink(pass),
             Schedule::Fixed => 1.0,
         };
         let k = (f64::from(most) * area).round().max(FEWEST) as u32;
-        Bandwidth { radius: radius * area.sqrt() as f32, k: k.min(most) }
+        let bandwidth = Bandwidth { radius: radius * area.sqrt() as f32, k: k.min(most) };
+        Gathering { scene: self.scene, map, bandwidth, kernel: self.settings.kernel }
     }
 
     fn trace(
@@ -225,7 +241,21 @@ fn index(photons: Vec<Photon>, monitor: &dyn Monitor, out: &mut Pass) -> PhotonM
     map
 }
 
+impl Maps<'_> {
+    /// Radiance that the surface of `vertex` sends to its viewer of the light in both maps.
+    #[inline]
+    pub fn radiance(&self, vertex: &Vertex<'_>, worker: &mut Worker) -> Rgb {
+        let caustic = self.caustic.radiance(vertex, |w| &mut w.caustic, worker);
+        caustic + self.smooth.radiance(vertex, |w| &mut w.smooth, worker)
+    }
+}
+
 impl Gathering<'_> {
+    /// Largest radius of an estimate \[length].
+    pub fn radius(&self) -> f32 {
+        self.bandwidth.radius
+    }
+
     /// Radiance that the surface of `vertex` sends to its viewer of the light in the map.
     #[inline]
     pub fn radiance(&self, vertex: &Vertex<'_>, scratch: fn(&mut Worker) -> &mut Scratch, worker: &mut Worker) -> Rgb {

@@ -1,5 +1,6 @@
 //! Algorithms that turn a scene into an image, each in a file, behind one trait.
 
+mod algorithm;
 mod direct;
 mod distributed;
 mod eye;
@@ -11,6 +12,7 @@ mod path;
 mod pilot;
 mod pm;
 mod ppm;
+mod prepared;
 mod progressive;
 mod raycast;
 mod settings;
@@ -19,21 +21,15 @@ mod tiles;
 mod visible;
 mod whitted;
 
-pub use distributed::Distributed;
-pub use hybrid::Hybrid;
+pub use algorithm::Algorithm;
 pub use maps::CAUSTIC_K;
 pub use pass::{Monitor, Pass, Phase, PhotonReport, Seconds, Silent};
-pub use path::PathTracing;
-pub use pilot::{Lessons, Radii, auto_radius};
-pub use pm::PhotonMapping;
-pub use ppm::Ppm;
+pub use pilot::{Lessons, Radii};
 pub use progressive::{ALPHA, shrink};
 pub use raycast::RayCast;
-pub use settings::{EyeSettings, FinalGathering, PhotonSettings};
-pub use sppm::Sppm;
-pub use whitted::Whitted;
+pub use settings::{EyeSettings, FinalGathering, Settings};
 
-/// An algorithm that renders independent passes.
+/// An algorithm made ready to render the passes of a scene.
 ///
 /// Pass `i` is a function of the scene, the settings and `i`: any pass can be computed alone, and the image of a render is the
 /// mean of its passes.

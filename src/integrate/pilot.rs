@@ -41,8 +41,7 @@ pub struct Lessons {
 /// where the pilot stores nothing.
 ///
 /// It depends on the scene, the seed and the counts alone.
-#[must_use]
-pub fn auto_radius(scene: &Scene, pass: &PhotonPass<'_>, paths: u32, k: u32, seed: u64) -> Option<f32> {
+pub(super) fn auto_radius(scene: &Scene, pass: &PhotonPass<'_>, paths: u32, k: u32, seed: u64) -> Option<f32> {
     let key = Key::new(seed).purpose(Purpose::Pilot);
     let traced = pass.trace(key, PATHS, &|_| {});
     let photons = &traced.photons;

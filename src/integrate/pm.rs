@@ -4,17 +4,17 @@
 //! scattered before either from the global map itself (*direct visualisation*) or by one more ray, at whose end the map is
 //! looked at (*final gathering*), which hides the map's blur and its seams at edges.
 
-use super::direct::{Asking, DirectLight};
-use super::eye::{EyePass, History, Method, Plan, Vertex};
+use super::FinalGathering;
+use super::direct::Asking;
+use super::eye::{AtReceiver, History, Method, Vertex};
 use super::guide::GUIDES;
-use super::maps::{MapMaker, Maps, Needs, Schedule};
+use super::maps::{Maps, Needs, Schedule};
+use super::prepared::{Strategy, Walks};
 use super::tiles::Worker;
-use super::{FinalGathering, Integrator, Lessons, Monitor, Pass, PhotonSettings, Radii};
 use crate::bsdf::{BsdfSample, Transport};
 use crate::color::Rgb;
 use crate::photon::{Bandwidth, Kernel, Wants};
 use crate::sampling::Dimension;
-use crate::scene::Scene;
 use glam::Vec3;
 use std::cell::RefCell;
 
@@ -22,58 +22,48 @@ use std::cell::RefCell;
 /// on.
 const SHORT: f32 = 2.0;
 
-/// Camera rays a pixel and pass with final gathering, one gather ray each, where the user does not say.
-const GATHER_RAYS: u32 = 4;
-
 /// How far guides may be, in lengths of the shortest gather ray that ends.
 const GUIDED_WITHIN: f32 = 4.0;
 
 /// Photon mapping.
 #[derive(Debug)]
-pub struct PhotonMapping<'a> {
-    scene: &'a Scene,
-    direct: DirectLight<'a>,
-    maker: MapMaker<'a>,
+pub(super) struct PhotonMapping {
+    pub gathering: FinalGathering,
 }
 
-impl<'a> PhotonMapping<'a> {
-    /// Weighs the lights and finds radii where none is set.
-    #[must_use]
-    pub fn new(scene: &'a Scene, settings: PhotonSettings) -> Self {
-        // A gather ray sees direct light too.
-        let (wants, asking) = if settings.final_gathering != FinalGathering::None {
-            (Wants { caustic: false, ..Wants::ALL }, Asking::Walk)
-        } else {
-            (Wants::GLOBAL, Asking::Sampled(4))
-        };
-        let direct = DirectLight::new(scene, asking);
-        Self { scene, direct, maker: MapMaker::new(scene, settings, Needs::Global(wants), Schedule::Fixed) }
-    }
-}
-
-impl Integrator for PhotonMapping<'_> {
-    fn pass(&self, pass: u32, monitor: &dyn Monitor) -> Pass {
-        let mut out = Pass::default();
-        let maps = &self.maker.make(pass, monitor, &mut out);
-        let (settings, direct) = (&self.maker.settings.eye, &self.direct);
-        let gathering = self.maker.settings.final_gathering;
-        if gathering != FinalGathering::None {
-            let guided = gathering == FinalGathering::Importance;
-            let method = &Gathered { maps, guided, short: SHORT * self.maker.radii.global };
-            EyePass { scene: self.scene, settings, direct, method, samples: GATHER_RAYS, pass }.run(monitor, &mut out);
-        } else {
-            let method = &Seen { maps, repeats: false };
-            EyePass { scene: self.scene, settings, direct, method, samples: 1, pass }.run(monitor, &mut out);
+impl Strategy for PhotonMapping {
+    fn samples(&self) -> u32 {
+        match self.gathering {
+            FinalGathering::None => 1,
+            // One gather ray each.
+            FinalGathering::Bsdf | FinalGathering::Importance => 4,
         }
-        out
     }
 
-    fn radii(&self) -> Option<Radii> {
-        Some(self.maker.radii)
+    fn asking(&self) -> Asking {
+        match self.gathering {
+            FinalGathering::None => Asking::Sampled(4),
+            FinalGathering::Bsdf | FinalGathering::Importance => Asking::Walk,
+        }
     }
 
-    fn lessons(&self) -> Lessons {
-        self.maker.lessons
+    fn needs(&self) -> Needs {
+        let global = match self.gathering {
+            FinalGathering::None => Wants::GLOBAL,
+            // A gather ray sees direct light too.
+            FinalGathering::Bsdf | FinalGathering::Importance => Wants { caustic: false, ..Wants::ALL },
+        };
+        let guides = self.gathering == FinalGathering::Importance;
+        Needs { caustic: true, global, guides, schedule: Schedule::Fixed, ..Needs::NOTHING }
+    }
+
+    fn walk(&self, walks: Walks<'_>, maps: &Maps<'_>) {
+        let guided = match self.gathering {
+            FinalGathering::None => return walks.by(&Seen { maps, repeats: false }),
+            FinalGathering::Bsdf => false,
+            FinalGathering::Importance => true,
+        };
+        walks.by(&Gathered { maps, guided, short: SHORT * maps.smooth.radius() });
     }
 }
 
@@ -85,14 +75,13 @@ pub(super) struct Seen<'a> {
 }
 
 impl Method for Seen<'_> {
-    fn plan(&self, _: &Vertex<'_>) -> Plan {
-        Plan { direct: true, onward: false }
+    fn at_receiver(&self, _: &Vertex<'_>) -> AtReceiver {
+        AtReceiver { direct: true, onward: false }
     }
 
     #[inline]
     fn photons(&self, vertex: &Vertex<'_>, worker: &mut Worker) -> Rgb {
-        let caustic = self.maps.caustic.radiance(vertex, |w| &mut w.caustic, worker);
-        caustic + self.maps.smooth.radiance(vertex, |w| &mut w.smooth, worker)
+        self.maps.radiance(vertex, worker)
     }
 
     fn counts(&self, history: History) -> bool {
@@ -121,9 +110,9 @@ impl Gathered<'_> {
 }
 
 impl Method for Gathered<'_> {
-    fn plan(&self, vertex: &Vertex<'_>) -> Plan {
+    fn at_receiver(&self, vertex: &Vertex<'_>) -> AtReceiver {
         let goes_on = !self.ends_at(vertex);
-        Plan { direct: goes_on, onward: goes_on }
+        AtReceiver { direct: goes_on, onward: goes_on }
     }
 
     fn prepare(&self, vertex: &Vertex<'_>, worker: &mut Worker) {
@@ -179,11 +168,10 @@ impl Method for Gathered<'_> {
     }
 
     fn photons(&self, vertex: &Vertex<'_>, worker: &mut Worker) -> Rgb {
-        let caustic = self.maps.caustic.radiance(vertex, |w| &mut w.caustic, worker);
         if self.ends_at(vertex) {
-            caustic + self.maps.smooth.radiance(vertex, |w| &mut w.smooth, worker)
+            self.maps.radiance(vertex, worker)
         } else {
-            caustic
+            self.maps.caustic.radiance(vertex, |w| &mut w.caustic, worker)
         }
     }
 

@@ -1,6 +1,6 @@
 //! Ray casting with Phong's model, as the course has it: no shadows, no falloff, no ambient term.
 
-use super::{Integrator, Monitor, Pass, Seconds, tiles};
+use super::{EyeSettings, Integrator, Monitor, Pass, Seconds, tiles};
 use crate::camera::Filter;
 use crate::color::Rgb;
 use crate::math::Ray;
@@ -33,7 +33,15 @@ impl Integrator for RayCast<'_> {
     }
 }
 
-impl RayCast<'_> {
+impl<'a> RayCast<'a> {
+    /// Ray casting with `settings`, filtered where a pixel has several rays.
+    #[must_use]
+    pub fn new(scene: &'a Scene, settings: &EyeSettings) -> Self {
+        let samples = settings.samples.unwrap_or(1);
+        let filter = (samples > 1).then(|| settings.filter.clone());
+        Self { scene, filter, samples, seed: settings.seed }
+    }
+
     fn shade(&self, ray: &Ray) -> Rgb {
         let Some(hit) = self.scene.intersect(ray) else {
             return self.scene.background();

@@ -3,10 +3,10 @@
 use crate::camera::{Filter, FilterKind};
 use crate::photon::Kernel;
 
-/// Settings of the camera walk, common to all methods.
+/// Settings of the camera walk.
 #[derive(Clone, Debug)]
 pub struct EyeSettings {
-    /// Camera rays a pixel and pass; `None`: what suits the method.
+    /// Camera rays a pixel and pass; `None`: what suits the algorithm.
     pub samples: Option<u32>,
     /// Bounces after which a path is cut.
     pub max_bounces: u32,
@@ -22,9 +22,9 @@ impl Default for EyeSettings {
     }
 }
 
-/// Settings of methods with photons.
+/// All settings; algorithms without photons use those of the camera walk alone.
 #[derive(Clone, Debug)]
-pub struct PhotonSettings {
+pub struct Settings {
     /// Settings of the camera walk.
     pub eye: EyeSettings,
     /// Paths of the global map a pass.
@@ -38,7 +38,7 @@ pub struct PhotonSettings {
     pub radius: Option<f32>,
     /// Kernel of the estimates.
     pub kernel: Kernel,
-    /// How [`PhotonMapping`](super::PhotonMapping) looks at the global map.
+    /// How [`Algorithm::Pm`](super::Algorithm::Pm) looks at the global map.
     pub final_gathering: FinalGathering,
 }
 
@@ -54,7 +54,7 @@ pub enum FinalGathering {
     Importance,
 }
 
-impl Default for PhotonSettings {
+impl Default for Settings {
     fn default() -> Self {
         Self {
             eye: EyeSettings::default(),

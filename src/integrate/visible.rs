@@ -2,7 +2,7 @@
 
 use super::EyeSettings;
 use super::direct::{Asking, DirectLight};
-use super::eye::{EyePass, History, Method, Plan, Vertex};
+use super::eye::{AtReceiver, EyePass, History, Method, Vertex};
 use super::tiles::Worker;
 use crate::bsdf::Transport;
 use crate::color::{self, Rgb};
@@ -33,8 +33,8 @@ pub(super) fn visible(scene: &Scene, settings: &EyeSettings, radius: f32) -> Vis
 struct Seen;
 
 impl Method for Seen {
-    fn plan(&self, _: &Vertex<'_>) -> Plan {
-        Plan { direct: false, onward: false }
+    fn at_receiver(&self, _: &Vertex<'_>) -> AtReceiver {
+        AtReceiver { direct: false, onward: false }
     }
 
     fn photons(&self, vertex: &Vertex<'_>, worker: &mut Worker) -> Rgb {

@@ -1,44 +1,37 @@
 //! Ray tracing (Whitted 1980): shading by shadow rays to the middle of each light, reflection and refraction in Fresnel's shares,
 //! until a branch is too deep or too faint.
 
-use super::direct::{Asking, DirectLight};
-use super::eye::{EyePass, History, Method, Plan, Vertex};
-use super::{EyeSettings, Integrator, Monitor, Pass};
-use crate::scene::Scene;
+use super::direct::Asking;
+use super::eye::{AtReceiver, History, Method, Vertex};
+use super::maps::Maps;
+use super::prepared::{Strategy, Walks};
 
 /// A branch fainter than one level of an 8-bit picture is cut.
 const FAINTEST: f32 = 1.0 / 256.0;
 
 /// Ray tracing.
 #[derive(Debug)]
-pub struct Whitted<'a> {
-    scene: &'a Scene,
-    settings: EyeSettings,
-    direct: DirectLight<'a>,
-}
+pub(super) struct Whitted;
 
-impl<'a> Whitted<'a> {
-    /// Prepares the lights.
-    #[must_use]
-    pub fn new(scene: &'a Scene, settings: EyeSettings) -> Self {
-        Self { scene, settings, direct: DirectLight::new(scene, Asking::Middles) }
+impl Strategy for Whitted {
+    fn samples(&self) -> u32 {
+        1
     }
-}
 
-impl Integrator for Whitted<'_> {
-    fn pass(&self, pass: u32, monitor: &dyn Monitor) -> Pass {
-        let mut out = Pass::default();
-        let (settings, direct, method) = (&self.settings, &self.direct, &Shaded);
-        EyePass { scene: self.scene, settings, direct, method, samples: 1, pass }.run(monitor, &mut out);
-        out
+    fn asking(&self) -> Asking {
+        Asking::Middles
+    }
+
+    fn walk(&self, walks: Walks<'_>, _: &Maps<'_>) {
+        walks.by(&Shaded);
     }
 }
 
 struct Shaded;
 
 impl Method for Shaded {
-    fn plan(&self, _: &Vertex<'_>) -> Plan {
-        Plan { direct: true, onward: false }
+    fn at_receiver(&self, _: &Vertex<'_>) -> AtReceiver {
+        AtReceiver { direct: true, onward: false }
     }
 
     fn counts(&self, _: History) -> bool {

@@ -14,7 +14,7 @@ const WEIGHT_DRAWS: u32 = 256;
 const SAFE_SHARE: f64 = 0.1;
 
 /// Emits a fixed number of paths, divided among the lights.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct PhotonSource<'a> {
     pub(super) scene: &'a Scene,
     pub(super) choice: Discrete,

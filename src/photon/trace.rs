@@ -33,6 +33,9 @@ pub struct Wants {
     pub after_caustic: bool,
     /// Store global photons.
     pub global: bool,
+    /// Keep what caustic photons become apart from the others; as it is smooth, only one of [`THINNING`] is followed, with the flux
+    /// of all.
+    pub apart: bool,
 }
 
 impl Wants {
@@ -40,15 +43,12 @@ impl Wants {
     pub const DIRECT: Self = Self { direct: true, ..Self::NONE };
     /// Caustic photons only: a path ends at the first surface that stores photons.
     pub const CAUSTIC: Self = Self { caustic: true, ..Self::NONE };
-    /// Every photon whose path began with a caster. What follows a caustic is kept apart, and as it is smooth, one of
-    /// [`THINNING`] goes on, with the flux of all.
-    pub const BY_CASTERS: Self = Self { caustic: true, after_caustic: true, ..Self::NONE };
     /// Photons that met a surface that stores photons before.
     pub const GLOBAL: Self = Self { after_caustic: true, global: true, ..Self::NONE };
     /// Nothing.
-    pub const NONE: Self = Self { direct: false, caustic: false, after_caustic: false, global: false };
+    pub const NONE: Self = Self { direct: false, caustic: false, after_caustic: false, global: false, apart: false };
     /// All classes.
-    pub const ALL: Self = Self { direct: true, caustic: true, after_caustic: true, global: true };
+    pub const ALL: Self = Self { direct: true, caustic: true, after_caustic: true, global: true, apart: false };
 
     fn has(self, class: Class) -> bool {
         match class {
@@ -70,7 +70,7 @@ impl Wants {
     }
 }
 
-/// Of photons that go on after a caustic, so many are followed as one: see [`Wants::BY_CASTERS`].
+/// Of photons that go on after a caustic, so many are followed as one where they are kept apart.
 pub const THINNING: u32 = 8;
 
 impl Class {
@@ -125,7 +125,7 @@ fn book(account: &mut [f64; 3], flux: Rgb) {
 pub struct Traced {
     /// Stored photons of the wanted classes, in the order of their paths.
     pub photons: Vec<Photon>,
-    /// What caustic photons became, where [`Wants::BY_CASTERS`] keeps it apart.
+    /// What caustic photons became, where [`Wants::apart`] says so.
     pub after_caustic: Vec<Photon>,
     /// Flux account.
     pub audit: Audit,
@@ -161,13 +161,12 @@ impl PhotonPass<'_> {
             .map(|chunk| {
                 let range = chunk * CHUNK..paths.min((chunk + 1).saturating_mul(CHUNK));
                 let mut traced = Traced { paths: u64::from(range.end - range.start), ..Traced::default() };
-                let apart = self.wants == Wants::BY_CASTERS;
                 let Traced { photons, after_caustic, audit, rays, .. } = &mut traced;
                 for index in range {
                     if let Some((walk, flux)) = self.source.emit(pass, index, paths) {
                         let store = |class, surface: &Surface<'_>, flux| {
-                            let kept =
-                                if apart && class == Class::AfterCaustic { &mut *after_caustic } else { &mut *photons };
+                            let apart = self.wants.apart && class == Class::AfterCaustic;
+                            let kept = if apart { &mut *after_caustic } else { &mut *photons };
                             kept.extend(Photon::new(surface.point.p, flux, surface.wo, surface.facing_normal()));
                         };
                         self.follow(walk, flux, pass.with(u64::from(index)), (audit, rays), store);
@@ -224,7 +223,7 @@ impl PhotonPass<'_> {
             if bounce == self.max_bounces || !self.wants.may_follow(next) {
                 return book(&mut audit.stopped, flux);
             }
-            if self.wants == Wants::BY_CASTERS && class == Class::Caustic && stores {
+            if self.wants.apart && class == Class::Caustic && stores {
                 book(&mut audit.roulette, flux);
                 if key.uniform(Dimension::Worth) * THINNING as f32 >= 1.0 {
                     return;

@@ -3,9 +3,7 @@
 use caustica::camera::{Filter, FilterKind};
 use caustica::color::Rgb;
 use caustica::format::{SceneFile, Source, parse, resolve};
-use caustica::integrate::{
-    EyeSettings, FinalGathering, Hybrid, Integrator, PathTracing, PhotonMapping, PhotonSettings, Ppm, Silent, Sppm,
-};
+use caustica::integrate::{Algorithm, EyeSettings, FinalGathering, Integrator, Settings, Silent};
 use caustica::photon::Kernel;
 use caustica::scene::Scene;
 use std::path::{Path, PathBuf};
@@ -64,8 +62,8 @@ fn prepare<'a>(method: Method, scene: &'a Scene, effort: Effort, i: u32) -> Box<
         seed: 1000 + u64::from(i),
         filter: Filter::new(FilterKind::Box),
     };
-    let settings = PhotonSettings {
-        eye: eye.clone(),
+    let settings = Settings {
+        eye,
         photons: effort.photons,
         caustic_photons: effort.caustic,
         gather_k: Some(0),
@@ -77,13 +75,14 @@ fn prepare<'a>(method: Method, scene: &'a Scene, effort: Effort, i: u32) -> Box<
             _ => FinalGathering::None,
         },
     };
-    match method {
-        Method::Path => Box::new(PathTracing::new(scene, eye)),
-        Method::Hybrid => Box::new(Hybrid::new(scene, settings)),
-        Method::Sppm => Box::new(Sppm::new(scene, settings)),
-        Method::Ppm => Box::new(Ppm::new(scene, settings)),
-        Method::Seen | Method::Gathered | Method::Guided => Box::new(PhotonMapping::new(scene, settings)),
-    }
+    let algorithm = match method {
+        Method::Path => Algorithm::Path,
+        Method::Hybrid => Algorithm::Hybrid,
+        Method::Sppm => Algorithm::Sppm,
+        Method::Ppm => Algorithm::Ppm,
+        Method::Seen | Method::Gathered | Method::Guided => Algorithm::Pm,
+    };
+    algorithm.prepare(scene, settings)
 }
 
 fn folder(name: &str) -> PathBuf {

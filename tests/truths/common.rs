@@ -2,7 +2,7 @@
 
 use caustica::camera::{Filter, FilterKind, Pinhole};
 use caustica::color::Rgb;
-use caustica::integrate::{EyeSettings, Integrator, PhotonSettings, Silent, Sppm};
+use caustica::integrate::{Algorithm, EyeSettings, Settings, Silent};
 use caustica::photon::{Bandwidth, Kernel, Photon, PhotonMap, PhotonPass, PhotonSource, Scratch, Traced, Wants};
 use caustica::sampling::{Key, Purpose};
 use caustica::scene::{Scene, SceneBuilder};
@@ -98,8 +98,8 @@ pub fn fixed(radius: f64) -> Bandwidth {
 }
 
 /// Settings with fixed radius and the paths of both maps.
-pub fn settings(photons: u32, caustic_photons: u32, radius: f64) -> PhotonSettings {
-    PhotonSettings {
+pub fn settings(photons: u32, caustic_photons: u32, radius: f64) -> Settings {
+    Settings {
         photons,
         caustic_photons,
         gather_k: Some(0),
@@ -110,15 +110,15 @@ pub fn settings(photons: u32, caustic_photons: u32, radius: f64) -> PhotonSettin
 }
 
 /// Default settings but for camera rays a pixel, the bounce limit, a seed and the box filter of closed forms.
-pub fn camera_rays(samples: u32, max_bounces: u32) -> PhotonSettings {
+pub fn camera_rays(samples: u32, max_bounces: u32) -> Settings {
     let filter = Filter::new(FilterKind::Box);
     let eye = EyeSettings { samples: Some(samples), max_bounces, seed: 5, filter };
-    PhotonSettings { eye, ..PhotonSettings::default() }
+    Settings { eye, ..Settings::default() }
 }
 
 /// The mean over all pixels, pass by pass.
-pub fn seen(scene: &Scene, settings: PhotonSettings, passes: u32) -> Vec<DVec3> {
-    let method = Sppm::new(scene, settings);
+pub fn seen(scene: &Scene, settings: Settings, passes: u32) -> Vec<DVec3> {
+    let method = Algorithm::Sppm.prepare(scene, settings);
     let mean = |image: Vec<Rgb>| image.iter().map(|v| v.as_dvec3()).sum::<DVec3>() / image.len() as f64;
     (0..passes).map(|i| mean(method.pass(i, &Silent).image)).collect()
 }

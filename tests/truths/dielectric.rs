@@ -90,7 +90,7 @@ fn a_camera_looks_through_a_slab() {
         let eye = -beam(angle) * 2.0;
         let scene = b.build(camera(eye, DVec3::ZERO, 0.01, 8)).unwrap();
         let (through, back) = per_channel(angle);
-        let settings = caustica::integrate::PhotonSettings { eye: camera_rays(1, 1000).eye, ..settings(0, 0, 0.1) };
+        let settings = caustica::integrate::Settings { eye: camera_rays(1, 1000).eye, ..settings(0, 0, 0.1) };
         let samples = seen(&scene, settings, 64);
         // Weak branches are followed by chance; strong ones are split, which leaves little noise. The angle of view changes
         // reflectance by at most 1.7·10⁻⁴ rad times its slope, odd about the middle: second order is below 10⁻⁶.

@@ -29,7 +29,7 @@ fn power(x: f64, n: u32) -> f64 {
 fn every_radiance_in_a_furnace_is_the_series_of_its_bounces() {
     let scene = furnace();
     for (n, photons) in [(0, 1024), (1, 1 << 16), (3, 1 << 16), (1000, 1 << 16)] {
-        let settings = caustica::integrate::PhotonSettings { eye: camera_rays(16, n).eye, ..settings(photons, 0, 0.3) };
+        let settings = caustica::integrate::Settings { eye: camera_rays(16, n).eye, ..settings(photons, 0, 0.3) };
         let series = (0..3).map(|c| {
             let rho: f64 = ALBEDO[c];
             EMITTED[c] * (1.0 - power(rho, n + 2)) / (1.0 - rho)
@@ -45,7 +45,7 @@ fn every_radiance_in_a_furnace_is_the_series_of_its_bounces() {
 fn a_furnace_seen_by_nearest_neighbours_is_as_bright() {
     let scene = furnace();
     for kernel in KERNELS {
-        let settings = caustica::integrate::PhotonSettings { gather_k: Some(40), kernel, ..settings(1 << 16, 0, 0.3) };
+        let settings = caustica::integrate::Settings { gather_k: Some(40), kernel, ..settings(1 << 16, 0, 0.3) };
         let expected = EMITTED / (DVec3::ONE - ALBEDO);
         agree_rgb(&format!("furnace, k nearest, {kernel:?}"), &seen(&scene, settings, PASSES), expected, 0.006);
     }

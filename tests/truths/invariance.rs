@@ -1,7 +1,7 @@
 //! Truths without a formula (40): what must not change, or not beyond noise.
 
 use crate::common::*;
-use caustica::integrate::{Integrator, PhotonSettings, Silent, Sppm};
+use caustica::integrate::{Algorithm, Settings, Silent};
 use caustica::photon::{PhotonSource, Wants};
 use caustica::scene::{LightStrength, Material, Scene, SceneBuilder, SourceKind};
 use caustica::shape::{Disc, Rectangle, Shape, Sphere};
@@ -57,12 +57,12 @@ fn room(at: Place) -> Scene {
     b.build(view).unwrap()
 }
 
-fn by_neighbours() -> PhotonSettings {
-    PhotonSettings { gather_k: Some(30), radius: None, eye: camera_rays(2, 1000).eye, ..settings(20_000, 20_000, 1.0) }
+fn by_neighbours() -> Settings {
+    Settings { gather_k: Some(30), radius: None, eye: camera_rays(2, 1000).eye, ..settings(20_000, 20_000, 1.0) }
 }
 
 fn image(scene: &Scene, pass: u32) -> Vec<Vec3> {
-    Sppm::new(scene, by_neighbours()).pass(pass, &Silent).image
+    Algorithm::Sppm.prepare(scene, by_neighbours()).pass(pass, &Silent).image
 }
 
 /// Fails where passes of two methods differ in the mean; a pass of one may go with a pass of the other.

@@ -3,7 +3,7 @@
 use crate::common::*;
 use caustica::color;
 use caustica::image::{self, Image};
-use caustica::integrate::{Integrator, PhotonSettings, Silent, Sppm};
+use caustica::integrate::{Algorithm, Settings, Silent};
 use caustica::scene::{Material, Scene, SceneBuilder};
 use caustica::shape::{Rectangle, Shape, Sphere};
 use glam::{DVec3, Vec3};
@@ -70,8 +70,8 @@ fn the_caustic_room_agrees_with_the_reference_by_tiles() {
 
     let scene = room();
     let render = |radius: f64| -> Vec<Vec<f64>> {
-        let settings = PhotonSettings { eye: camera_rays(2, 1000).eye, ..settings(50_000, 150_000, radius) };
-        let method = Sppm::new(&scene, settings);
+        let settings = Settings { eye: camera_rays(2, 1000).eye, ..settings(50_000, 150_000, radius) };
+        let method = Algorithm::Sppm.prepare(&scene, settings);
         (0..PASSES).map(|i| means(&method.pass(i, &Silent).image)).collect()
     };
     let (narrow, wide) = (render(0.012), render(0.024));

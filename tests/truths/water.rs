@@ -64,8 +64,7 @@ fn a_camera_sees_radiance_squeezed() {
     let mean_reflectance = over_view(|cos| fresnel(cos, N));
     let floor = albedo / PI * irradiance_of_floor(albedo) / (N * N);
     let expected = mean_reflectance * SKY + (1.0 - mean_reflectance) * floor;
-    let settings =
-        caustica::integrate::PhotonSettings { eye: camera_rays(2, 1000).eye, ..settings(1 << 16, 1 << 16, 0.3) };
+    let settings = caustica::integrate::Settings { eye: camera_rays(2, 1000).eye, ..settings(1 << 16, 1 << 16, 0.3) };
     agree("looking into a pool", &red(&seen(&down, settings.clone(), PASSES)), expected, expected * 1e-4, 5e-3);
 
     let up = pool(albedo, vec3(0.0, -0.9, 0.0), DVec3::Y);

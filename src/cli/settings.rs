@@ -1,0 +1,42 @@
+//! The algorithm and the settings that the command line names.
+
+use super::RenderArguments;
+use super::args::{AlgorithmName, GatheringName};
+use crate::camera::Filter;
+use crate::integrate::{Algorithm, EyeSettings, FinalGathering, Settings};
+
+impl From<AlgorithmName> for Algorithm {
+    fn from(name: AlgorithmName) -> Self {
+        match name {
+            AlgorithmName::Hybrid => Self::Hybrid,
+            AlgorithmName::Path => Self::Path,
+            AlgorithmName::Sppm => Self::Sppm,
+            AlgorithmName::Ppm => Self::Ppm,
+            AlgorithmName::Pm => Self::Pm,
+            AlgorithmName::Distributed => Self::Distributed,
+            AlgorithmName::Whitted => Self::Whitted,
+            AlgorithmName::Raycast => Self::Raycast,
+        }
+    }
+}
+
+pub(super) fn settings(arguments: &RenderArguments) -> Settings {
+    Settings {
+        eye: EyeSettings {
+            samples: arguments.spp,
+            max_bounces: arguments.max_bounces,
+            seed: arguments.seed,
+            filter: Filter::new(arguments.filter),
+        },
+        photons: arguments.photons,
+        caustic_photons: arguments.caustic_photons.unwrap_or(arguments.photons / 2),
+        gather_k: arguments.gather_k,
+        radius: arguments.radius,
+        kernel: arguments.kernel,
+        final_gathering: match arguments.final_gathering {
+            GatheringName::None => FinalGathering::None,
+            GatheringName::Bsdf => FinalGathering::Bsdf,
+            GatheringName::Importance => FinalGathering::Importance,
+        },
+    }
+}

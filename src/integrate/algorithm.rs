@@ -1,0 +1,80 @@
+//! The algorithms by name.
+
+use super::prepared::{Prepared, Strategy};
+use super::{Integrator, RayCast, Settings, distributed, hybrid, path, pm, ppm, sppm, whitted};
+use crate::scene::Scene;
+
+/// An algorithm.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Algorithm {
+    /// Path tracing for what connections find, photons for the rest.
+    Hybrid,
+    /// Path tracing.
+    Path,
+    /// Stochastic progressive photon mapping.
+    Sppm,
+    /// Progressive photon mapping.
+    Ppm,
+    /// Photon mapping with two maps of fixed radii.
+    Pm,
+    /// Distributed ray tracing.
+    Distributed,
+    /// Ray tracing.
+    Whitted,
+    /// Ray casting with Phong's model.
+    Raycast,
+}
+
+impl Algorithm {
+    /// All of them.
+    pub const ALL: [Self; 8] =
+        [Self::Hybrid, Self::Path, Self::Sppm, Self::Ppm, Self::Pm, Self::Distributed, Self::Whitted, Self::Raycast];
+
+    /// As typed.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Hybrid => "hybrid",
+            Self::Path => "path",
+            Self::Sppm => "sppm",
+            Self::Ppm => "ppm",
+            Self::Pm => "pm",
+            Self::Distributed => "distributed",
+            Self::Whitted => "whitted",
+            Self::Raycast => "raycast",
+        }
+    }
+
+    /// Whether it traces photons.
+    #[must_use]
+    pub fn has_photons(self) -> bool {
+        matches!(self, Self::Hybrid | Self::Sppm | Self::Ppm | Self::Pm)
+    }
+
+    /// Passes that make a picture, where the user does not say.
+    #[must_use]
+    pub fn passes(self) -> u32 {
+        match self {
+            Self::Hybrid | Self::Distributed | Self::Whitted => 16,
+            Self::Path => 32,
+            Self::Sppm | Self::Ppm | Self::Pm => 20,
+            Self::Raycast => 1,
+        }
+    }
+
+    /// Weighs the lights of a scene and finds by pilots what is not set.
+    #[must_use]
+    pub fn prepare(self, scene: &Scene, settings: Settings) -> Box<dyn Integrator + '_> {
+        let strategy: Box<dyn Strategy> = match self {
+            Self::Hybrid => Box::new(hybrid::Hybrid),
+            Self::Path => Box::new(path::PathTracing),
+            Self::Sppm => Box::new(sppm::Sppm),
+            Self::Ppm => Box::new(ppm::Ppm),
+            Self::Pm => Box::new(pm::PhotonMapping { gathering: settings.final_gathering }),
+            Self::Distributed => Box::new(distributed::Distributed),
+            Self::Whitted => Box::new(whitted::Whitted),
+            Self::Raycast => return Box::new(RayCast::new(scene, &settings.eye)),
+        };
+        Box::new(Prepared::new(scene, settings, strategy))
+    }
+}
