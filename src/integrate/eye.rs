@@ -153,8 +153,8 @@ pub(super) struct EyePass<'a, M> {
 }
 
 /// A camera walk that waits to be continued.
-#[derive(Clone, Copy)]
-struct Branch {
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Branch {
     walk: Walk,
     throughput: Rgb,
     bounce: u32,
@@ -165,7 +165,7 @@ struct Branch {
 }
 
 /// The last vertex, where it was not a delta.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 pub(super) struct Last {
     pub p: Vec3,
     pub horizon: Option<Vec3>,
@@ -200,27 +200,23 @@ impl<M: Method> EyePass<'_, M> {
     /// Radiance along a camera ray.
     pub fn radiance(&self, ray: &Ray, draw: Draw, worker: &mut Worker) -> Rgb {
         let walk = self.scene.walk_from_camera(*ray);
-        let first = Branch { walk, throughput: Rgb::ONE, bounce: 0, history: History::default(), last: None, draw };
-        let mut waiting = [first; BRANCHES];
-        let mut count = 1;
+        let mut next =
+            Some(Branch { walk, throughput: Rgb::ONE, bounce: 0, history: History::default(), last: None, draw });
         let mut radiance = Rgb::ZERO;
-        while count > 0 {
-            count -= 1;
-            let mut branch = waiting[count];
-            while let Some(next) = self.step(&mut branch, count < BRANCHES, worker, &mut radiance) {
+        while let Some(mut branch) = next {
+            while let Some(next) = self.step(&mut branch, worker, &mut radiance) {
                 if let Next::Both(other) = next {
-                    waiting[count] = other;
-                    count += 1;
+                    worker.waiting.push(other);
                 }
             }
+            next = worker.waiting.pop();
         }
         radiance
     }
 
-    /// Follows a walk to its next surface, adds what that sends back, and leaves in `branch` how it goes on; it splits in two
-    /// only where there is `room`.
+    /// Follows a walk to its next surface, adds what that sends back, and leaves in `branch` how it goes on.
     #[inline]
-    fn step(&self, branch: &mut Branch, room: bool, worker: &mut Worker, radiance: &mut Rgb) -> Option<Next> {
+    fn step(&self, branch: &mut Branch, worker: &mut Worker, radiance: &mut Rgb) -> Option<Next> {
         worker.counters.onward_rays += u64::from(branch.bounce > 0);
         let Some(arrival) = branch.walk.advance(self.scene, branch.draw.key()) else {
             *radiance += branch.throughput * self.escaped(branch);
@@ -275,7 +271,10 @@ impl<M: Method> EyePass<'_, M> {
         if let Bsdf::Dielectric(dielectric) = surface.bsdf {
             let split = dielectric.split(surface.wo, surface.point.ns, surface.point.ng, Transport::Radiance);
             let weaker = split.reflected.1.min(split.transmitted.1) * color::mean(branch.throughput);
-            if room && branch.history.receivers == 0 && weaker > WORTH_SPLITTING.max(self.method.cut()) {
+            if worker.waiting.len() < BRANCHES
+                && branch.history.receivers == 0
+                && weaker > WORTH_SPLITTING.max(self.method.cut())
+            {
                 let reflected = branch.leaving(&surface, split.reflected.0, Rgb::splat(split.reflected.1), false);
                 let weight = Rgb::splat(split.transmitted.1 / split.squeeze);
                 *branch = branch.leaving(&surface, split.transmitted.0, weight, true);

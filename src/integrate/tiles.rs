@@ -1,5 +1,6 @@
 //! The pixels of a pass, in tiles.
 
+use super::eye::Branch;
 use super::guide::Guide;
 use super::{Monitor, Phase};
 use crate::camera::{Filter, Pinhole};
@@ -23,6 +24,8 @@ pub(super) struct Worker {
     pub guides: Scratch,
     /// Where light comes from, for gather rays.
     pub guide: Guide,
+    /// Walks that wait to be continued.
+    pub waiting: Vec<Branch>,
     /// Where walks ended, for a pilot.
     pub visible: Vec<VisiblePoint>,
 }
