@@ -10,7 +10,7 @@ mod replace;
 mod tone;
 mod write;
 
-pub use buffer::{Image, MAX_PIXELS, RgbBytes, SizeError};
+pub use buffer::{Image, MAX_PIXELS, Raster, RgbBytes, SizeError};
 pub use error::{ReadError, WriteError};
 pub use read::{read, read_bytes};
 pub use replace::{check_place, replace_file};
