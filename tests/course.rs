@@ -29,8 +29,8 @@ fn ray_cast(scene: &Path) -> RgbBytes {
 /// Pixels that differ by more than one level.
 fn strays(ours: &RgbBytes, theirs: &RgbBytes) -> usize {
     assert_eq!((ours.width(), ours.height()), (theirs.width(), theirs.height()));
-    let pairs = ours.bytes().chunks(3).zip(theirs.bytes().chunks(3));
-    pairs.filter(|(a, b)| a.iter().zip(*b).any(|(x, y)| x.abs_diff(*y) > 1)).count()
+    let pairs = ours.pixels().iter().zip(theirs.pixels());
+    pairs.filter(|(a, b)| a.iter().zip(b.iter()).any(|(x, y)| x.abs_diff(*y) > 1)).count()
 }
 
 /// An exact implementation differs by at most one level, except at four edge pixels of scene01.

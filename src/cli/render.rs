@@ -2,7 +2,7 @@
 
 use super::memory::{self, check_photons, check_picture};
 use super::progress::{Progress, tell};
-use super::report::{self, Report, Setting};
+use super::report::{Report, Setting};
 use super::settings::settings;
 use super::{Exit, Failure, RenderArguments};
 use crate::format::SceneFile;
@@ -24,7 +24,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Exit, Failure> {
         image::check_writable(path).into_diagnostic().map_err(|e| Failure::new(Exit::Output, e))?;
     }
     if let Some(path) = &arguments.stats {
-        report::check_place(path).into_diagnostic().map_err(|e| Failure::new(Exit::Output, e))?;
+        image::check_place(path).into_diagnostic().map_err(|e| Failure::new(Exit::Output, e))?;
     }
     let threads = arguments.threads.map_or(0, |n| n as usize);
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();

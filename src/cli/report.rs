@@ -1,11 +1,9 @@
 //! The report of a render as JSON; docs/cli.md describes each field.
 
-use crate::image::WriteError;
 use crate::integrate::{Lessons, PhotonReport, Radii, Seconds};
 use crate::render::{Ended, Rendered};
 use crate::stats::{Counters, cpu_seconds};
 use serde::Serialize;
-use std::path::Path;
 
 /// Version of the schema: it grows when a field changes its meaning or goes.
 const SCHEMA: u32 = 1;
@@ -109,21 +107,6 @@ impl Report {
             cpu_seconds: cpu_seconds(),
         }
     }
-}
-
-/// Checks before a render that a report can be written to `path`.
-pub(super) fn check_place(path: &Path) -> Result<(), WriteError> {
-    let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    if !folder.is_dir() {
-        return Err(WriteError::NoFolder { path: path.to_owned(), folder: folder.to_owned() });
-    }
-    match std::fs::metadata(path) {
-        Ok(there) if !there.is_file() => return Err(WriteError::NotAFile { path: path.to_owned() }),
-        Ok(there) if there.permissions().readonly() => return Err(WriteError::ReadOnly { path: path.to_owned() }),
-        _ => {}
-    }
-    let refused = |source| WriteError::Io { action: "create a file in", path: folder.to_owned(), source };
-    tempfile::tempfile_in(folder).map(drop).map_err(refused)
 }
 
 /// Largest resident memory so far, where the system tells (Linux).

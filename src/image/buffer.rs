@@ -48,13 +48,19 @@ pub(super) fn pixel_count(width: u32, height: u32) -> Result<usize, SizeError> {
     Ok(count as usize)
 }
 
-/// A picture of linear radiance in RGB with Rec. 709 primaries, f32, rows from the top.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Image {
+/// A picture of `T` a pixel, rows from the top.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Raster<T> {
     width: u32,
     height: u32,
-    pixels: Vec<Vec3>,
+    pixels: Vec<T>,
 }
+
+/// A picture of linear radiance in RGB with Rec. 709 primaries, f32.
+pub type Image = Raster<Vec3>;
+
+/// A picture as the bytes of a file: red, green, blue of each pixel, no transfer curve undone.
+pub type RgbBytes = Raster<[u8; 3]>;
 
 impl Image {
     /// A black picture.
@@ -65,12 +71,14 @@ impl Image {
         let count = pixel_count(width, height)?;
         Ok(Self { width, height, pixels: vec![Vec3::ZERO; count] })
     }
+}
 
+impl<T: Copy> Raster<T> {
     /// A picture of `width · height` pixels, row by row from the top left.
     ///
     /// # Errors
     /// [`SizeError`] where the sides are bad or do not fit the number of pixels.
-    pub fn from_pixels(width: u32, height: u32, pixels: Vec<Vec3>) -> Result<Self, SizeError> {
+    pub fn from_pixels(width: u32, height: u32, pixels: Vec<T>) -> Result<Self, SizeError> {
         if pixels.len() != pixel_count(width, height)? {
             return Err(SizeError::Count { width, height, found: pixels.len() });
         }
@@ -91,63 +99,24 @@ impl Image {
 
     /// All pixels, row by row from the top left.
     #[must_use]
-    pub fn pixels(&self) -> &[Vec3] {
+    pub fn pixels(&self) -> &[T] {
         &self.pixels
     }
 
     /// All pixels to write, row by row from the top left.
     #[must_use]
-    pub fn pixels_mut(&mut self) -> &mut [Vec3] {
+    pub fn pixels_mut(&mut self) -> &mut [T] {
         &mut self.pixels
     }
 
     /// The pixel in column `x` from the left, row `y` from the top; `None` outside the picture.
     #[must_use]
-    pub fn get(&self, x: u32, y: u32) -> Option<Vec3> {
+    pub fn get(&self, x: u32, y: u32) -> Option<T> {
         if x < self.width && y < self.height {
             self.pixels.get(y as usize * self.width as usize + x as usize).copied()
         } else {
             None
         }
-    }
-}
-
-/// A picture as the bytes of a file: three a pixel, rows from the top, no transfer curve undone.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct RgbBytes {
-    width: u32,
-    height: u32,
-    bytes: Vec<u8>,
-}
-
-impl RgbBytes {
-    /// A picture of `3 · width · height` bytes.
-    ///
-    /// # Errors
-    /// [`SizeError`] where the sides are bad or do not fit the number of bytes.
-    pub fn new(width: u32, height: u32, bytes: Vec<u8>) -> Result<Self, SizeError> {
-        if bytes.len() != 3 * pixel_count(width, height)? {
-            return Err(SizeError::Count { width, height, found: bytes.len() / 3 });
-        }
-        Ok(Self { width, height, bytes })
-    }
-
-    /// Width in pixels.
-    #[must_use]
-    pub fn width(&self) -> u32 {
-        self.width
-    }
-
-    /// Height in pixels.
-    #[must_use]
-    pub fn height(&self) -> u32 {
-        self.height
-    }
-
-    /// All bytes: red, green, blue of each pixel, row by row from the top left.
-    #[must_use]
-    pub fn bytes(&self) -> &[u8] {
-        &self.bytes
     }
 }
 
@@ -164,7 +133,6 @@ mod tests {
         );
         let short = Image::from_pixels(2, 2, vec![Vec3::ONE; 3]).unwrap_err();
         assert_eq!(short, SizeError::Count { width: 2, height: 2, found: 3 });
-        assert!(RgbBytes::new(2, 1, vec![0; 5]).is_err() && RgbBytes::new(2, 1, vec![0; 6]).is_ok());
     }
 
     #[test]

@@ -93,7 +93,7 @@ pub struct ByteDifference {
 /// [`MetricError::Size`] where sizes differ.
 pub fn differing_bytes(a: &RgbBytes, b: &RgbBytes) -> Result<ByteDifference, MetricError> {
     check_sizes((a.width(), a.height()), (b.width(), b.height()))?;
-    let levels = a.bytes().iter().zip(b.bytes()).map(|(a, b)| a.abs_diff(*b));
+    let levels = a.pixels().as_flattened().iter().zip(b.pixels().as_flattened()).map(|(a, b)| a.abs_diff(*b));
     Ok(levels
         .filter(|&d| d > 0)
         .fold(ByteDifference::default(), |all, d| ByteDifference { count: all.count + 1, largest: all.largest.max(d) }))
@@ -160,9 +160,9 @@ mod tests {
 
     #[test]
     fn bytes_are_compared_by_channel() {
-        let a = RgbBytes::new(2, 1, vec![0, 10, 20, 30, 40, 50]).unwrap();
-        let b = RgbBytes::new(2, 1, vec![0, 11, 20, 30, 33, 50]).unwrap();
+        let a = RgbBytes::from_pixels(2, 1, vec![[0, 10, 20], [30, 40, 50]]).unwrap();
+        let b = RgbBytes::from_pixels(2, 1, vec![[0, 11, 20], [30, 33, 50]]).unwrap();
         assert_eq!(differing_bytes(&a, &b), Ok(ByteDifference { count: 2, largest: 7 }));
-        assert!(differing_bytes(&a, &RgbBytes::new(1, 2, vec![0; 6]).unwrap()).is_err());
+        assert!(differing_bytes(&a, &RgbBytes::from_pixels(1, 2, vec![[0; 3]; 2]).unwrap()).is_err());
     }
 }

@@ -10,9 +10,9 @@ mod replace;
 mod tone;
 mod write;
 
-pub use buffer::{Image, MAX_PIXELS, RgbBytes, SizeError};
+pub use buffer::{Image, MAX_PIXELS, Raster, RgbBytes, SizeError};
 pub use error::{ReadError, WriteError};
 pub use read::{read, read_bytes};
-pub use replace::replace_file;
+pub use replace::{check_place, replace_file};
 pub use tone::{Curve, MAX_EXPOSURE_STOPS, ToneMap, UnknownCurve, WriteReport};
 pub use write::{BitDepth, OutputFormat, WriteOptions, check_writable, encode, write};

@@ -154,7 +154,7 @@ pub(super) fn read_bytes(file: &[u8]) -> Result<RgbBytes, DecodeFailure> {
     if decoded.sixteen {
         return Err(DecodeFailure::Reason("it has 16 bits a channel where 8 are compared".into()));
     }
-    Ok(RgbBytes::new(decoded.width, decoded.height, decoded.samples)?)
+    Ok(RgbBytes::from_pixels(decoded.width, decoded.height, decoded.samples.as_chunks().0.to_vec())?)
 }
 
 #[cfg(test)]
@@ -183,10 +183,10 @@ mod tests {
     fn eight_bits_come_back_as_the_levels_written() {
         let (file, report) = encode(&ramp(), &options(Curve::Course, BitDepth::Eight)).unwrap();
         let bytes = decoded(read_bytes(&file));
-        for (i, rgb) in bytes.bytes().chunks_exact(3).enumerate() {
+        for (i, rgb) in bytes.pixels().iter().enumerate() {
             let up = (255.0 * (i as f32 / 34.0)) as u8;
             let down = (255.0 * (1.0 - i as f32 / 34.0)) as u8;
-            assert_eq!(rgb, [up, 127, down], "pixel {i}");
+            assert_eq!(*rgb, [up, 127, down], "pixel {i}");
         }
         assert_eq!(report, WriteReport::default());
     }
@@ -239,9 +239,9 @@ mod tests {
     #[test]
     fn other_kinds_of_png_are_read_or_refused_with_a_remedy() {
         let gray = foreign(ColorType::Grayscale, Depth::Eight, None, &[10, 200]);
-        assert_eq!(decoded(read_bytes(&gray)).bytes(), [10, 10, 10, 200, 200, 200]);
+        assert_eq!(decoded(read_bytes(&gray)).pixels(), [[10; 3], [200; 3]]);
         let opaque = foreign(ColorType::Rgba, Depth::Eight, None, &[1, 2, 3, 255, 4, 5, 6, 255]);
-        assert_eq!(decoded(read_bytes(&opaque)).bytes(), [1, 2, 3, 4, 5, 6]);
+        assert_eq!(decoded(read_bytes(&opaque)).pixels(), [[1, 2, 3], [4, 5, 6]]);
         let clear = foreign(ColorType::Rgba, Depth::Eight, None, &[1, 2, 3, 255, 4, 5, 6, 254]);
         assert!(failure(read(&clear)).contains("flatten"));
         let deep = foreign(ColorType::Rgb, Depth::Sixteen, Some(1.0), &[128, 0, 0, 0, 0, 0, 0, 0, 0, 0, 255, 255]);
@@ -284,7 +284,7 @@ mod tests {
             let path = entry.unwrap().path();
             let bytes = crate::image::read_bytes(&path).unwrap();
             assert_eq!((bytes.width(), bytes.height()), (200, 200), "{}", path.display());
-            assert!(bytes.bytes().iter().any(|&b| b > 0), "{} is black", path.display());
+            assert!(bytes.pixels().iter().any(|&p| p != [0; 3]), "{} is black", path.display());
             found += 1;
         }
         assert_eq!(found, 7);

@@ -31,8 +31,11 @@ fn replace_with(path: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> 
     }
 }
 
-/// Checks that [`replace_file`] would find its folder and be let in, and leaves no trace.
-pub(super) fn check_place(path: &Path) -> Result<(), WriteError> {
+/// Checks before a long work that [`replace_file`] would find its folder and be let in, and leaves no trace.
+///
+/// # Errors
+/// [`WriteError`], as [`replace_file`] would give.
+pub fn check_place(path: &Path) -> Result<(), WriteError> {
     Place::find(path)?.temporary().map(drop)
 }
 

@@ -1,8 +1,9 @@
 //! What photons are for, with lamps so large that path tracing finds the same light by chance: a scene lit only through glass,
 //! a caustic seen through water and in a mirror, and caustics of rough surfaces.
 
+use crate::common::file;
 use crate::compare::{Grid, Renders, compare_renders};
-use crate::methods::{Effort, Method, file};
+use crate::methods::{Effort, Method};
 
 const SIZE: (u32, u32) = (64, 48);
 

@@ -1,12 +1,12 @@
 //! All methods behind one name, and scenes from text.
 
+use crate::common::project;
 use caustica::camera::{Filter, FilterKind};
 use caustica::color::Rgb;
-use caustica::format::{SceneFile, Source, parse, resolve};
+use caustica::format::{Source, parse, resolve};
 use caustica::integrate::{Algorithm, EyeSettings, FinalGathering, Integrator, Settings, Silent};
 use caustica::photon::Kernel;
 use caustica::scene::Scene;
-use std::path::{Path, PathBuf};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Method {
@@ -85,20 +85,9 @@ fn prepare<'a>(method: Method, scene: &'a Scene, effort: Effort, i: u32) -> Box<
     algorithm.prepare(scene, settings)
 }
 
-fn folder(name: &str) -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join(name)
-}
-
-/// The scene of a file, with a picture of this size.
-pub fn file(name: &str, (width, height): (u32, u32)) -> Scene {
-    let mut file = SceneFile::read(&folder(name)).unwrap();
-    (file.description.camera.value.width, file.description.camera.value.height) = (width, height);
-    file.resolve().unwrap()
-}
-
 /// The scene that `text` describes; meshes are those of tests/scenes.
 pub fn scene(text: &str) -> Scene {
     let source = Source::new("test", text);
-    let resolved = parse("test", text).and_then(|d| resolve(&d, &source, &folder("tests/scenes")));
+    let resolved = parse("test", text).and_then(|d| resolve(&d, &source, &project("tests/scenes")));
     resolved.unwrap_or_else(|e| panic!("{e:?}\n{text}"))
 }

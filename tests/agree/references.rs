@@ -1,19 +1,10 @@
 //! Pictures of another renderer, by tiles, with the error bars of both.
 
+use crate::common::{file, reference};
 use crate::compare::{Estimate, Grid, Renders, compare};
-use crate::methods::{Effort, Method, file};
-use caustica::image::{self, Image};
+use crate::methods::{Effort, Method};
+use caustica::image::Image;
 use glam::DVec3;
-use std::path::Path;
-
-fn read(name: &str) -> Option<Image> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/reference").join(name);
-    if path.is_file() {
-        return Some(image::read(&path).unwrap());
-    }
-    eprintln!("SKIPPED: {} is absent", path.display());
-    None
-}
 
 /// A picture of half the width and height: with a box filter a pixel is the mean of four.
 struct Reference {
@@ -25,7 +16,7 @@ struct Reference {
 
 impl Reference {
     fn read(name: &str) -> Option<Self> {
-        let (mean, error) = (read(&format!("{name}.exr"))?, read(&format!("{name}-stderr.exr"))?);
+        let (mean, error) = (reference(&format!("{name}.exr"))?, reference(&format!("{name}-stderr.exr"))?);
         let size = (mean.width() / 2, mean.height() / 2);
         let four = |image: &Image, i: u32, f: &dyn Fn(DVec3) -> DVec3| {
             let (x, y) = (i % size.0 * 2, i / size.0 * 2);

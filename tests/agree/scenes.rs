@@ -1,7 +1,8 @@
 //! The gallery, rendered by all methods that can.
 
+use crate::common::file;
 use crate::compare::{Grid, Renders, compare_renders};
-use crate::methods::{Effort, Method, file};
+use crate::methods::{Effort, Method};
 
 const SIZE: (u32, u32) = (80, 60);
 

@@ -2,6 +2,8 @@
 
 use caustica::camera::{Filter, FilterKind, Pinhole};
 use caustica::color::Rgb;
+use caustica::format::SceneFile;
+use caustica::image::{self, Image};
 use caustica::integrate::{Algorithm, EyeSettings, Settings, Silent};
 use caustica::photon::{Bandwidth, Kernel, Photon, PhotonMap, PhotonPass, PhotonSource, Scratch, Traced, Wants};
 use caustica::sampling::{Key, Purpose};
@@ -9,6 +11,7 @@ use caustica::scene::{Scene, SceneBuilder};
 use caustica::shape::{Rectangle, Shape};
 use glam::{DVec2, DVec3, Vec3};
 use std::f64::consts::{PI, TAU};
+use std::path::{Path, PathBuf};
 
 /// False-alarm rate of one comparison, two-sided.
 pub const ALPHA: f64 = 1e-6;
@@ -49,6 +52,28 @@ pub fn faces(lo: DVec3, hi: DVec3, inwards: bool) -> [Shape; 6] {
         Shape::Rectangle(Rectangle::new(corner, e0, e1))
     };
     [face(lo, z, x), face(lo + y, x, z), face(lo, y, z), face(lo + x, z, y), face(lo, x, y), face(lo + z, y, x)]
+}
+
+/// Where a file or folder of the project is.
+pub fn project(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(name)
+}
+
+/// The scene of a file of the project, with a picture of this size.
+pub fn file(name: &str, (width, height): (u32, u32)) -> Scene {
+    let mut file = SceneFile::read(&project(name)).unwrap();
+    (file.description.camera.value.width, file.description.camera.value.height) = (width, height);
+    file.resolve().unwrap()
+}
+
+/// A picture of another renderer; `None`, and a word of it, where it is absent.
+pub fn reference(name: &str) -> Option<Image> {
+    let path = project("../shared/reference").join(name);
+    if path.is_file() {
+        return Some(image::read(&path).unwrap());
+    }
+    eprintln!("SKIPPED: {} is absent", path.display());
+    None
 }
 
 /// Keys of independent passes.

@@ -2,45 +2,12 @@
 
 use crate::common::*;
 use caustica::color;
-use caustica::image::{self, Image};
 use caustica::integrate::{Algorithm, Settings, Silent};
-use caustica::scene::{Material, Scene, SceneBuilder};
-use caustica::shape::{Rectangle, Shape, Sphere};
-use glam::{DVec3, Vec3};
-use std::path::Path;
+use glam::Vec3;
 
 const EDGE: usize = 256;
 const TILE: usize = 8;
 const TILES: usize = EDGE / TILE;
-
-fn read(name: &str) -> Option<Image> {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/reference").join(name);
-    if path.is_file() {
-        return Some(image::read(&path).unwrap());
-    }
-    eprintln!("SKIPPED: {} is absent", path.display());
-    None
-}
-
-/// The reference's room with a glass and a mirror ball.
-fn room() -> Scene {
-    let mut b = SceneBuilder::new();
-    let white = b.material(Material::diffuse(Vec3::splat(0.75)));
-    let red = b.material(Material::diffuse(Vec3::new(0.65, 0.08, 0.08)));
-    let green = b.material(Material::diffuse(Vec3::new(0.10, 0.50, 0.12)));
-    let black = b.material(Material::black());
-    let glass = b.material(Material::dielectric(1.5, Vec3::ZERO));
-    let mirror = b.material(Material::mirror(Vec3::splat(0.95)));
-    let materials = [white, white, red, green, white, white];
-    for (face, material) in faces(vec3(-1.0, 0.0, -1.0), vec3(1.0, 2.0, 3.0), true).into_iter().zip(materials) {
-        b.shape(face, material, Vec3::ZERO);
-    }
-    let lamp = Rectangle::new(vec3(-0.15, 1.98, -0.15), DVec3::X * 0.3, DVec3::Z * 0.3);
-    b.shape(Shape::Rectangle(lamp), black, Vec3::splat(60.0));
-    b.shape(Shape::Sphere(Sphere::new(vec3(0.4, 0.45, 0.2), 0.35)), glass, Vec3::ZERO);
-    b.shape(Shape::Sphere(Sphere::new(vec3(-0.4, 0.4, -0.35), 0.4)), mirror, Vec3::ZERO);
-    b.build(camera(vec3(0.0, 1.1, 2.9), vec3(0.0, 0.85, 0.0), 50.0, EDGE as u32)).unwrap()
-}
 
 /// Mean over the kept pixels of each tile.
 fn tiles(pixels: &[f64], kept: &[bool]) -> Vec<f64> {
@@ -62,13 +29,15 @@ fn means(image: &[Vec3]) -> Vec<f64> {
 /// 1024 tiles at 10⁻⁷ each: false alarm 10⁻⁴.
 #[test]
 fn the_caustic_room_agrees_with_the_reference_by_tiles() {
-    let (Some(reference), Some(error)) = (read("cbox-caustic.exr"), read("cbox-caustic-stderr.exr")) else { return };
-    let (reference, error) = (means(reference.pixels()), means(error.pixels()));
+    let (Some(mean), Some(error)) = (reference("cbox-caustic.exr"), reference("cbox-caustic-stderr.exr")) else {
+        return;
+    };
+    let (reference, error) = (means(mean.pixels()), means(error.pixels()));
     let kept: Vec<bool> = reference.iter().zip(&error).map(|(r, e)| *e <= 0.5 * r).collect();
     let left_out = kept.iter().filter(|k| !**k).count();
     assert!(left_out < EDGE * EDGE / 100, "{left_out} fireflies in the reference");
 
-    let scene = room();
+    let scene = file("tests/scenes/cbox-caustic.txt", (EDGE as u32, EDGE as u32));
     let render = |radius: f64| -> Vec<Vec<f64>> {
         let settings = Settings { eye: camera_rays(2, 1000).eye, ..settings(50_000, 150_000, radius) };
         let method = Algorithm::Sppm.prepare(&scene, settings);
