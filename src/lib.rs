@@ -55,6 +55,7 @@ pub mod integrate;
 pub mod light;
 pub mod math;
 pub mod photon;
+pub mod plan;
 pub mod render;
 pub mod sampling;
 pub mod scene;

@@ -2,7 +2,7 @@
 
 use caustica::format::SceneFile;
 use caustica::image::{self, Curve, Image, RgbBytes, ToneMap, WriteOptions};
-use caustica::integrate::{Integrator, RayCast, Silent};
+use caustica::integrate::{Algorithm, Settings, Silent};
 use std::path::{Path, PathBuf};
 
 fn course() -> Option<PathBuf> {
@@ -17,7 +17,7 @@ fn course() -> Option<PathBuf> {
 fn ray_cast(scene: &Path) -> RgbBytes {
     let scene = SceneFile::read(scene).unwrap().resolve().unwrap();
     let (width, height) = scene.camera().size();
-    let integrator = RayCast { scene: &scene, filter: None, samples: 1, seed: 0 };
+    let integrator = Algorithm::Raycast.prepare(&scene, Settings::default());
     let picture = Image::from_pixels(width, height, integrator.pass(0, &Silent).image).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.png");

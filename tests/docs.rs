@@ -3,7 +3,7 @@
 use caustica::cli::{Arguments, Command, Exit};
 use caustica::format::description::{Group, Item, Object, Shape};
 use caustica::format::{Source, parse, resolve};
-use caustica::integrate::{Integrator, RayCast, Silent};
+use caustica::integrate::{Algorithm, Settings, Silent};
 use clap::{CommandFactory, Parser};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -94,28 +94,34 @@ fn perform(page: &str, line: &[String], folder: &Path) {
     if let Some(arguments) = caustica(line) {
         let parsed =
             match Arguments::try_parse_from(std::iter::once("caustica").chain(arguments.iter().map(String::as_str))) {
-                Ok(Arguments { command: Command::Render(render) }) => Some(render),
+                Ok(parsed) => Some(parsed.command),
                 Err(e) if e.exit_code() == 0 => None,
                 Err(e) => panic!("{told}\n{e}"),
             };
         let mut arguments = arguments;
-        if let Some(render) = &parsed {
-            let scene = render.scene.to_str().unwrap();
+        let (scene, outputs): (Option<&Path>, Vec<&PathBuf>) = match &parsed {
+            Some(Command::Render(render)) => {
+                shrink(&mut arguments, render.method.caustic_photons.is_some());
+                (Some(&render.scene.scene), render.output.iter().chain(&render.stats).collect())
+            }
+            Some(Command::Plan(plan)) => (Some(&plan.scene.scene), Vec::new()),
+            None => (None, Vec::new()),
+        };
+        if let Some(scene) = scene.and_then(Path::to_str) {
             let mapped = root().join(scene).to_str().unwrap().to_owned();
             arguments.iter_mut().filter(|a| *a == scene).for_each(|a| *a = mapped.clone());
-            for name in render.output.iter().chain(&render.stats) {
-                assert!(name.is_relative(), "{told}\nwrites outside of the project");
-                let parent = name.parent().unwrap();
-                if root().join(parent).is_dir() {
-                    std::fs::create_dir_all(folder.join(parent)).unwrap();
-                }
+        }
+        for name in &outputs {
+            assert!(name.is_relative(), "{told}\nwrites outside of the project");
+            let parent = name.parent().unwrap();
+            if root().join(parent).is_dir() {
+                std::fs::create_dir_all(folder.join(parent)).unwrap();
             }
-            shrink(&mut arguments, render.caustic_photons.is_some());
         }
         let mut command = assert_cmd::Command::new(env!("CARGO_BIN_EXE_caustica"));
         let output = command.current_dir(folder).args(&arguments).timeout(Duration::from_secs(60)).output().unwrap();
         assert!(output.status.success(), "{told}\n{}", String::from_utf8_lossy(&output.stderr));
-        for name in parsed.iter().flat_map(|render| render.output.iter().chain(&render.stats)) {
+        for name in outputs {
             assert!(folder.join(name).is_file(), "{told}\nwrote no {}", name.display());
         }
         return;
@@ -283,7 +289,7 @@ fn the_scenes_of_the_language_page_render() {
         prune(&mut description.root);
         (description.camera.value.width, description.camera.value.height) = (32, 24);
         let scene = resolve(&description, &Source::new("scene-language.md", text), folder.path()).unwrap();
-        let ray_cast = RayCast { scene: &scene, filter: None, samples: 1, seed: 0 };
+        let ray_cast = Algorithm::Raycast.prepare(&scene, Settings::default());
         let image = ray_cast.pass(0, &Silent).image;
         assert!(image.iter().all(|p| p.is_finite()) && image.iter().any(|p| *p != scene.background()), "scene {i}");
 

@@ -4,6 +4,7 @@ use super::number::{count, duration, length, positive_count, size, stops, thread
 use crate::camera::FilterKind;
 use crate::image::{BitDepth, Curve};
 use crate::photon::Kernel;
+use crate::plan::Wishes;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use std::time::Duration;
@@ -26,6 +27,8 @@ Exit codes: 0 done; 1 a scene or mesh is missing or wrong; 2 wrong command line,
 pub enum Command {
     /// Render a scene to pictures
     Render(Box<RenderArguments>),
+    /// Tell what of light a scene calls for, why, and what it costs
+    Plan(Box<PlanArguments>),
 }
 
 /// How light is computed.
@@ -60,16 +63,9 @@ pub enum GatheringName {
     Importance,
 }
 
-/// Arguments of `render`.
+/// What light is computed by: common to all commands that render.
 #[derive(Debug, Args)]
-pub struct RenderArguments {
-    /// The scene file
-    pub scene: PathBuf,
-
-    /// Where to write: .png or .exr; may be given several times
-    #[arg(short, long = "output", required = true, value_name = "FILE")]
-    pub output: Vec<PathBuf>,
-
+pub struct MethodArguments {
     /// The algorithm
     #[arg(long, value_enum, default_value = "hybrid")]
     pub integrator: AlgorithmName,
@@ -81,14 +77,6 @@ pub struct RenderArguments {
     /// Photon paths aimed at glass and mirrors a pass; 0 for none  [default: half as many as --photons]
     #[arg(long, value_parser = count, value_name = "N")]
     pub caustic_photons: Option<u32>,
-
-    /// Passes; their mean is the picture  [default: by integrator, or no limit with --time]
-    #[arg(long, value_parser = positive_count, value_name = "N")]
-    pub passes: Option<u32>,
-
-    /// End after the pass in which this much time has gone by, such as 60s or 5m
-    #[arg(long, value_parser = duration, value_name = "TIME")]
-    pub time: Option<Duration>,
 
     /// Camera rays a pixel and pass  [default: by integrator]
     #[arg(long, value_parser = positive_count, value_name = "N")]
@@ -110,6 +98,11 @@ pub struct RenderArguments {
     #[arg(long, value_enum, default_value = "bsdf", value_name = "NAME")]
     pub final_gathering: GatheringName,
 
+    /// What to simulate whatever the scene calls for: auto, all or none, then +effect or -effect, divided by commas; `caustica plan`
+    /// lists them
+    #[arg(long, allow_hyphen_values = true, value_name = "WISHES", default_value = "auto")]
+    pub effects: Wishes,
+
     /// Bounces after which a path is cut
     #[arg(long, value_parser = count, default_value = "100", value_name = "N")]
     pub max_bounces: u32,
@@ -121,14 +114,45 @@ pub struct RenderArguments {
     /// Seed: the same seed and settings give the same picture, bit for bit
     #[arg(long, default_value = "0", value_name = "N")]
     pub seed: u64,
+}
 
-    /// Threads  [default: one a core]
-    #[arg(long, value_parser = threads, value_name = "N")]
-    pub threads: Option<u32>,
+/// What is rendered and with what: common to all commands that render.
+#[derive(Debug, Args)]
+pub struct SceneArguments {
+    /// The scene file
+    pub scene: PathBuf,
 
     /// Picture size, such as 1280x720  [default: the scene's]
     #[arg(long, value_parser = size, value_name = "WxH")]
     pub size: Option<(u32, u32)>,
+
+    /// Threads  [default: one a core]
+    #[arg(long, value_parser = threads, value_name = "N")]
+    pub threads: Option<u32>,
+}
+
+/// Arguments of `render`.
+#[derive(Debug, Args)]
+pub struct RenderArguments {
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub scene: SceneArguments,
+
+    /// Where to write: .png or .exr; may be given several times
+    #[arg(short, long = "output", required = true, value_name = "FILE")]
+    pub output: Vec<PathBuf>,
+
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub method: MethodArguments,
+
+    /// Passes; their mean is the picture  [default: by integrator, or no limit with --time]
+    #[arg(long, value_parser = positive_count, value_name = "N")]
+    pub passes: Option<u32>,
+
+    /// End after the pass in which this much time has gone by, such as 60s or 5m
+    #[arg(long, value_parser = duration, value_name = "TIME")]
+    pub time: Option<Duration>,
 
     /// Tone curve of PNG: srgb, filmic or course (bytes without gamma)  [default: srgb; raycast course]
     #[arg(long, value_name = "NAME")]
@@ -149,6 +173,22 @@ pub struct RenderArguments {
     /// Say nothing but errors and warnings
     #[arg(short, long)]
     pub quiet: bool,
+}
+
+/// Arguments of `plan`.
+#[derive(Debug, Args)]
+pub struct PlanArguments {
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub scene: SceneArguments,
+
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub method: MethodArguments,
+
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
 }
 
 fn depth(text: &str) -> Result<BitDepth, String> {

@@ -1,10 +1,7 @@
 //! Whether a render fits into memory, asked before it begins.
 
 use crate::image::{MAX_PIXELS, SizeError};
-use crate::integrate::Settings;
-use crate::photon::{PhotonPass, PhotonSource, Wants};
-use crate::sampling::{Key, Purpose};
-use crate::scene::Scene;
+use crate::integrate::Expected;
 
 /// Bytes a pixel: the film (24), its mean (12), and what is encoded of it (12 in OpenEXR).
 const PER_PIXEL: u64 = 50;
@@ -12,9 +9,6 @@ const PER_PIXEL: u64 = 50;
 /// Bytes a stored photon while its tree is built: itself (32), its sorted copy (32) and the copy's key (16), then the tree (33)
 /// instead of the key; the rest is the slack of growing lists.
 const PER_PHOTON: u64 = 100;
-
-/// Paths that tell how many photons a path stores.
-const PROBE: u32 = 4096;
 
 /// Why a render is refused.
 #[derive(Debug, PartialEq, thiserror::Error, miette::Diagnostic)]
@@ -57,25 +51,11 @@ pub(super) fn check_picture((width, height): (u32, u32), free: Option<u64>) -> R
     }
 }
 
-/// Checks that the photons of a pass can be indexed and fit into `free` bytes, where that number is known. Few paths are traced
-/// to tell how many photons are stored.
-pub(super) fn check_photons<'a>(scene: &'a Scene, settings: &Settings, free: Option<u64>) -> Result<(), TooMuch> {
-    let stored = |paths: u32, wants: Wants, make: fn(&'a Scene) -> Option<PhotonSource<'a>>| {
-        let probe = paths.min(PROBE);
-        let Some(source) = (if probe == 0 { None } else { make(scene) }) else { return 0 };
-        let pass = PhotonPass { scene, source: &source, wants, max_bounces: settings.eye.max_bounces };
-        let traced = pass.trace(Key::new(settings.eye.seed).purpose(Purpose::Pilot), probe, &|_| {});
-        (traced.photons.len() as f64 * f64::from(paths) / f64::from(probe)) as u64
-    };
-    let global = stored(settings.photons, Wants::GLOBAL, PhotonSource::everywhere);
-    let caustic = stored(settings.caustic_photons, Wants::CAUSTIC, PhotonSource::aimed);
-    judge(u64::from(settings.photons) + u64::from(settings.caustic_photons), global, caustic, free)
-}
-
-fn judge(paths: u64, global: u64, caustic: u64, free: Option<u64>) -> Result<(), TooMuch> {
-    let stored = global + caustic;
-    if global.max(caustic) > u64::from(u32::MAX) {
-        return Err(TooMuch::Indices { paths, stored });
+/// Checks that the photons of a pass can be indexed and fit into `free` bytes, where that number is known.
+pub(super) fn check_photons(expected: Expected, free: Option<u64>) -> Result<(), TooMuch> {
+    let Expected { paths, photons: stored, most } = expected;
+    if most > u64::from(u32::MAX) {
+        return Err(TooMuch::Indices { paths, stored: most });
     }
     let needed = stored * PER_PHOTON;
     match free {
@@ -111,12 +91,15 @@ mod tests {
 
     #[test]
     fn photons_are_held_against_the_indices_and_the_memory() {
-        let most = u64::from(u32::MAX);
-        assert_eq!(judge(1, most, most, None), Ok(()));
-        assert!(matches!(judge(1, most + 1, 0, None), Err(TooMuch::Indices { .. })));
-        assert!(matches!(judge(1, 0, most + 1, None), Err(TooMuch::Indices { .. })));
-        assert_eq!(judge(1, 600, 400, Some(100_000)), Ok(()));
-        assert!(matches!(judge(1, 600, 401, Some(100_000)), Err(TooMuch::Photons { stored: 1001, .. })));
+        let index = u64::from(u32::MAX);
+        let expected = |photons, most| Expected { paths: 1, photons, most };
+        assert_eq!(check_photons(expected(2 * index, index), None), Ok(()));
+        assert!(matches!(check_photons(expected(2 * index, index + 1), None), Err(TooMuch::Indices { .. })));
+        assert_eq!(check_photons(expected(1000, 600), Some(100_000)), Ok(()));
+        assert!(matches!(
+            check_photons(expected(1001, 600), Some(100_000)),
+            Err(TooMuch::Photons { stored: 1001, .. })
+        ));
     }
 
     #[cfg(target_os = "linux")]

@@ -3,12 +3,14 @@
 mod args;
 mod memory;
 mod number;
+mod plan;
 mod progress;
 mod render;
 mod report;
+mod scene;
 mod settings;
 
-pub use args::{Arguments, Command, RenderArguments};
+pub use args::{Arguments, Command, PlanArguments, RenderArguments};
 
 use std::process::ExitCode;
 
@@ -56,5 +58,6 @@ impl Failure {
 pub fn run(arguments: Arguments) -> Result<Exit, Failure> {
     match arguments.command {
         Command::Render(arguments) => render::run(&arguments),
+        Command::Plan(arguments) => plan::run(&arguments),
     }
 }

@@ -1,18 +1,17 @@
 //! `caustica render`.
 
-use super::memory::{self, check_photons, check_picture};
+use super::memory::{self, check_photons};
+use super::plan;
 use super::progress::{Progress, tell};
 use super::report::{Report, Setting};
+use super::scene::{in_pool, load};
 use super::settings::settings;
 use super::{Exit, Failure, RenderArguments};
-use crate::format::SceneFile;
 use crate::image::{self, Curve, Image, ToneMap, WriteOptions};
 use crate::integrate::{Algorithm, Lessons};
 use crate::render::{Ended, Rendered, Stop, render};
-use crate::scene::Scene;
 use glam::Vec3;
 use miette::IntoDiagnostic;
-use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
@@ -26,30 +25,26 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Exit, Failure> {
     if let Some(path) = &arguments.stats {
         image::check_place(path).into_diagnostic().map_err(|e| Failure::new(Exit::Output, e))?;
     }
-    let threads = arguments.threads.map_or(0, |n| n as usize);
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-    let pool = pool.into_diagnostic().map_err(|e| Failure::new(Exit::Usage, e))?;
     listen_for_interrupts();
     let progress = Progress::new(arguments.quiet);
-    pool.install(|| run_in_pool(arguments, &progress))
+    in_pool(&arguments.scene, || run_in_pool(arguments, &progress))
 }
 
 fn run_in_pool(arguments: &RenderArguments, progress: &Progress) -> Result<Exit, Failure> {
     let start = Instant::now();
-    let scene = load(&arguments.scene, arguments.size)?;
-    let free = memory::free();
-    let algorithm = Algorithm::from(arguments.integrator);
-    check_picture(scene.camera().size(), free).map_err(|e| Failure::new(Exit::Usage, e))?;
+    let scene = load(&arguments.scene)?;
+    let algorithm = Algorithm::from(arguments.method.integrator);
     let mut setting = Setting {
-        scene: arguments.scene.display().to_string(),
+        scene: arguments.scene.scene.display().to_string(),
         integrator: algorithm.name(),
-        seed: arguments.seed,
+        seed: arguments.method.seed,
         threads: rayon::current_num_threads(),
         triangles: scene.triangle_count(),
         shapes: scene.shape_count(),
         lights: scene.lights().len(),
         radii: None,
         emission: Lessons::default(),
+        effects: Vec::new(),
         setup: 0.0,
     };
     progress.say(&format!(
@@ -64,13 +59,13 @@ fn run_in_pool(arguments: &RenderArguments, progress: &Progress) -> Result<Exit,
     } else if setting.lights == 0 {
         progress.say("note: the scene has no lights: all but its background is black");
     }
-    let settings = settings(arguments);
-    if algorithm.has_photons() {
-        check_photons(&scene, &settings, free).map_err(|e| Failure::new(Exit::Usage, e))?;
-    }
-    let integrator = algorithm.prepare(&scene, settings);
+    let integrator = algorithm.prepare(&scene, settings(&arguments.method));
+    check_photons(integrator.expected(), memory::free()).map_err(|e| Failure::new(Exit::Usage, e))?;
+    progress.say(&plan::line(integrator.plan()));
+    plan::complaints(integrator.plan()).for_each(|line| tell(&line));
     setting.radii = integrator.radii();
     setting.emission = integrator.lessons();
+    setting.effects = plan::effects(integrator.plan());
     setting.setup = start.elapsed().as_secs_f64();
 
     let passes = arguments.passes.or(match arguments.time {
@@ -91,16 +86,6 @@ fn run_in_pool(arguments: &RenderArguments, progress: &Progress) -> Result<Exit,
     conclude(arguments, progress, setting, &rendered)
 }
 
-/// Reads and resolves a scene file, with the picture size replaced where one is given.
-fn load(path: &Path, size: Option<(u32, u32)>) -> Result<Scene, Failure> {
-    let mut file = SceneFile::read(path).map_err(|e| Failure::new(Exit::Input, e))?;
-    if let Some((width, height)) = size {
-        file.description.camera.value.width = width;
-        file.description.camera.value.height = height;
-    }
-    file.resolve().map_err(|e| Failure::new(Exit::Input, e))
-}
-
 /// Writes the pictures and the report, and says what was done.
 fn conclude(
     arguments: &RenderArguments,
@@ -111,7 +96,7 @@ fn conclude(
     let output = |e: miette::Report| Failure::new(Exit::Output, e);
     let (width, height) = rendered.film.size();
     let picture = Image::from_pixels(width, height, rendered.film.mean()).into_diagnostic().map_err(output)?;
-    let curve = arguments.tone.unwrap_or(match Algorithm::from(arguments.integrator) {
+    let curve = arguments.tone.unwrap_or(match Algorithm::from(arguments.method.integrator) {
         Algorithm::Raycast => Curve::Course,
         _ => Curve::Srgb,
     });

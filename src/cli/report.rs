@@ -1,5 +1,6 @@
 //! The report of a render as JSON; docs/cli.md describes each field.
 
+use super::plan::EffectReport;
 use crate::integrate::{Lessons, PhotonReport, Radii, Seconds};
 use crate::render::{Ended, Rendered};
 use crate::stats::{Counters, cpu_seconds};
@@ -26,6 +27,7 @@ pub(super) struct Report {
     pub lights: usize,
     pub radii: Option<RadiiReport>,
     pub emission: Lessons,
+    pub effects: Vec<EffectReport>,
     pub photons: Photons,
     pub counters: Counters,
     pub seconds: Times,
@@ -71,6 +73,7 @@ pub(super) struct Setting {
     pub lights: usize,
     pub radii: Option<Radii>,
     pub emission: Lessons,
+    pub effects: Vec<EffectReport>,
     pub setup: f64,
 }
 
@@ -96,6 +99,7 @@ impl Report {
             lights: setting.lights,
             radii: setting.radii.map(|r| RadiiReport { global: r.global, caustic: r.caustic }),
             emission: setting.emission,
+            effects: setting.effects,
             photons: Photons { global: rendered.global, caustic: rendered.caustic },
             counters: rendered.counters,
             seconds: Times { setup: setting.setup, passes: rendered.seconds, render: wall },

@@ -1,7 +1,6 @@
 //! The algorithm and the settings that the command line names.
 
-use super::RenderArguments;
-use super::args::{AlgorithmName, GatheringName};
+use super::args::{AlgorithmName, GatheringName, MethodArguments};
 use crate::camera::Filter;
 use crate::integrate::{Algorithm, EyeSettings, FinalGathering, Settings};
 
@@ -20,13 +19,14 @@ impl From<AlgorithmName> for Algorithm {
     }
 }
 
-pub(super) fn settings(arguments: &RenderArguments) -> Settings {
+pub(super) fn settings(arguments: &MethodArguments) -> Settings {
     Settings {
         eye: EyeSettings {
             samples: arguments.spp,
             max_bounces: arguments.max_bounces,
             seed: arguments.seed,
             filter: Filter::new(arguments.filter),
+            effects: arguments.effects,
         },
         photons: arguments.photons,
         caustic_photons: arguments.caustic_photons.unwrap_or(arguments.photons / 2),

@@ -1,7 +1,9 @@
 //! The algorithms by name.
 
 use super::prepared::{Prepared, Strategy};
-use super::{Integrator, RayCast, Settings, distributed, hybrid, path, pm, ppm, sppm, whitted};
+use super::raycast::RayCast;
+use super::{Integrator, Settings, distributed, hybrid, path, pm, ppm, sppm, whitted};
+use crate::plan::{Effect, Effects, Plan};
 use crate::scene::Scene;
 
 /// An algorithm.
@@ -62,9 +64,30 @@ impl Algorithm {
         }
     }
 
+    /// The effects that it can simulate.
+    #[must_use]
+    pub fn simulates(self) -> Effects {
+        use Effect::{
+            Casters, CausticBounces, Caustics, Environment, Gathering, Interiors, Interreflection, Shadows, SoftShadows,
+        };
+        const WHITTED: Effects = Effects::of(&[Casters, Shadows, Environment, Interiors]);
+        const DISTRIBUTED: Effects = WHITTED.with(SoftShadows);
+        const PATH: Effects = DISTRIBUTED.with(Interreflection).with(Caustics);
+        const PHOTONS: Effects = PATH.with(CausticBounces);
+        match self {
+            Self::Raycast => Effects::NONE,
+            Self::Whitted => WHITTED,
+            Self::Distributed => DISTRIBUTED,
+            Self::Path => PATH,
+            Self::Hybrid | Self::Sppm | Self::Ppm => PHOTONS,
+            Self::Pm => PHOTONS.with(Gathering),
+        }
+    }
+
     /// Weighs the lights of a scene and finds by pilots what is not set.
     #[must_use]
     pub fn prepare(self, scene: &Scene, settings: Settings) -> Box<dyn Integrator + '_> {
+        let plan = Plan::new(scene, self.simulates(), settings.eye.effects);
         let strategy: Box<dyn Strategy> = match self {
             Self::Hybrid => Box::new(hybrid::Hybrid),
             Self::Path => Box::new(path::PathTracing),
@@ -73,8 +96,8 @@ impl Algorithm {
             Self::Pm => Box::new(pm::PhotonMapping { gathering: settings.final_gathering }),
             Self::Distributed => Box::new(distributed::Distributed),
             Self::Whitted => Box::new(whitted::Whitted),
-            Self::Raycast => return Box::new(RayCast::new(scene, &settings.eye)),
+            Self::Raycast => return Box::new(RayCast::new(scene, plan, &settings.eye)),
         };
-        Box::new(Prepared::new(scene, settings, strategy))
+        Box::new(Prepared::new(scene, plan, settings, strategy))
     }
 }

@@ -3,9 +3,10 @@
 use super::eye::{History, Last, Vertex};
 use super::tiles::Worker;
 use crate::color::Rgb;
-use crate::light::{Light, LightChoice, Reach};
+use crate::light::{DirectSample, Light, LightChoice, Reach};
+use crate::plan::{Effect, Effects};
 use crate::sampling::Dimension;
-use crate::scene::Scene;
+use crate::scene::{Interior, Scene};
 use crate::shape::SurfacePoint;
 use glam::{Vec2, Vec3};
 
@@ -19,6 +20,9 @@ pub(super) enum Asking {
     /// One shadow ray to the middle of every light.
     Middles,
 }
+
+/// The middle of a light.
+const MIDDLE: Vec2 = Vec2::splat(0.5);
 
 /// Up to so many lights are few.
 const FEW: usize = 4;
@@ -36,7 +40,10 @@ enum Scheme {
 #[derive(Debug)]
 pub(super) struct DirectLight<'a> {
     scene: &'a Scene,
-    asking: Asking,
+    lights: &'a [Light],
+    effects: Effects,
+    /// Whether lights are asked at their middles.
+    middles: bool,
     /// Where lights are chosen.
     choice: Option<LightChoice>,
     /// Before the first receiver, and after it.
@@ -47,10 +54,14 @@ pub(super) struct DirectLight<'a> {
 type Pdf<'f> = dyn Fn(Vec3, &mut Worker) -> f32 + 'f;
 
 impl<'a> DirectLight<'a> {
-    pub fn new(scene: &'a Scene, asking: Asking) -> Self {
-        let lights = scene.lights();
+    pub fn new(scene: &'a Scene, asking: Asking, effects: Effects) -> Self {
+        let all = scene.lights();
+        let sky = scene.environment().filter(|_| !effects.has(Effect::Environment));
+        // The environment is the last of the lights.
+        let lights = &all[..sky.unwrap_or(all.len())];
+        let middles = asking == Asking::Middles || !effects.has(Effect::SoftShadows);
         let sampled = |n: u32| {
-            let surfaces = lights.iter().filter(|l| l.has_surface()).count() as u32;
+            let surfaces = if middles { 1 } else { lights.iter().filter(|l| l.has_surface()).count() as u32 };
             if lights.len() > n as usize { Scheme::Chosen(n) } else { Scheme::All((n / surfaces.max(1)).max(1)) }
         };
         let schemes = match asking {
@@ -64,7 +75,7 @@ impl<'a> DirectLight<'a> {
         } else {
             None
         };
-        Self { scene, asking, choice, schemes }
+        Self { scene, lights, effects, middles, choice, schemes }
     }
 
     fn scheme(&self, history: History) -> Scheme {
@@ -73,33 +84,30 @@ impl<'a> DirectLight<'a> {
 
     /// Radiance that the surface sends to its viewer by light that comes straight from the lights; unbiased. Where the walk goes
     /// on and may meet a light by chance, `other` is the density of that.
-    pub fn reflected(&self, vertex: &Vertex<'_>, other: Option<&Pdf<'_>>, worker: &mut Worker) -> Rgb {
+    pub fn reflected<I: Interior>(&self, vertex: &Vertex<'_, I>, other: Option<&Pdf<'_>>, worker: &mut Worker) -> Rgb {
         let each = match (self.scheme(vertex.history), &self.choice) {
             (Scheme::All(rays), _) => rays,
             (Scheme::Chosen(rays), Some(choice)) => return self.chosen(choice, rays, vertex, other, worker),
             (Scheme::Chosen(_), None) => return Rgb::ZERO,
         };
         let mut sum = Rgb::ZERO;
-        for (i, light) in self.scene.lights().iter().enumerate() {
-            let rays = if light.has_surface() { each } else { 1 };
+        for (i, light) in self.lights.iter().enumerate() {
+            let rays = if light.has_surface() && !self.middles { each } else { 1 };
             let draw = vertex.shadow_draw.with(i as u64);
             for ray in 0..rays {
-                let u = match self.asking {
-                    Asking::Middles => Vec2::splat(0.5),
-                    // A net spreads the rays over the light.
-                    Asking::Sampled(_) | Asking::Walk => draw.of(ray, rays).two(Dimension::LightPosition),
-                };
+                // A net spreads the rays over the light.
+                let u = if self.middles { MIDDLE } else { draw.of(ray, rays).two(Dimension::LightPosition) };
                 sum += self.from(light, vertex, u, rays as f32, other, worker);
             }
         }
         sum
     }
 
-    fn chosen(
+    fn chosen<I: Interior>(
         &self,
         choice: &LightChoice,
         rays: u32,
-        vertex: &Vertex<'_>,
+        vertex: &Vertex<'_, I>,
         other: Option<&Pdf<'_>>,
         worker: &mut Worker,
     ) -> Rgb {
@@ -110,8 +118,9 @@ impl<'a> DirectLight<'a> {
         for i in 0..rays {
             let u = ((i as f32 + start) / rays as f32).min(1.0 - f32::EPSILON / 2.0);
             let Some((light, probability, _)) = choice.choose(point.p, vertex.horizon(), u) else { continue };
-            let u = vertex.shadow_draw.with(u64::from(i)).two(Dimension::LightPosition);
-            sum += self.from(&self.scene.lights()[light], vertex, u, probability * rays as f32, other, worker);
+            let draw = vertex.shadow_draw.with(u64::from(i));
+            let u = if self.middles { MIDDLE } else { draw.two(Dimension::LightPosition) };
+            sum += self.from(&self.lights[light], vertex, u, probability * rays as f32, other, worker);
         }
         sum
     }
@@ -124,15 +133,15 @@ impl<'a> DirectLight<'a> {
             (Scheme::Chosen(rays), Some(choice)) => choice.probability(last.p, last.horizon, light) * rays as f32,
             (Scheme::Chosen(_), None) => 0.0,
         };
-        rays * self.scene.lights()[light].density(last.p, wi, seen)
+        rays * self.lights[light].density(last.p, wi, seen)
     }
 
     /// One shadow ray of `rays`.
     #[inline]
-    fn from(
+    fn from<I: Interior>(
         &self,
         light: &Light,
-        vertex: &Vertex<'_>,
+        vertex: &Vertex<'_, I>,
         u: Vec2,
         rays: f32,
         other: Option<&Pdf<'_>>,
@@ -146,9 +155,12 @@ impl<'a> DirectLight<'a> {
         if reflected == Rgb::ZERO {
             return Rgb::ZERO;
         }
-        if let (Some(other), Some(pdf)) = (other, sample.pdf) {
+        if let (Some(other), Some(pdf), false) = (other, sample.pdf, self.middles) {
             let asked = rays * pdf;
             reflected *= asked / (asked + other(sample.wi, worker));
+        }
+        if !self.effects.has(Effect::Shadows) {
+            return reflected * self.left(vertex, &sample);
         }
         worker.counters.shadow_rays += 1;
         let ray = match sample.reach {
@@ -158,11 +170,17 @@ impl<'a> DirectLight<'a> {
         if self.scene.occluded(&ray) {
             return Rgb::ZERO;
         }
+        reflected * self.left(vertex, &sample)
+    }
+
+    /// Part of the light that is left after its way from a light.
+    #[inline]
+    fn left<I: Interior>(&self, vertex: &Vertex<'_, I>, sample: &DirectSample) -> Rgb {
         match sample.reach {
             Reach::Point(target) => {
-                reflected * vertex.transmittance(self.scene, sample.wi, (target - surface.point.p).length())
+                vertex.transmittance(self.scene, sample.wi, (target - vertex.surface.point.p).length())
             }
-            Reach::Infinity => reflected,
+            Reach::Infinity => Rgb::ONE,
         }
     }
 }

@@ -6,6 +6,7 @@ use super::eye::{AtReceiver, History, Method, Vertex};
 use super::maps::Maps;
 use super::prepared::{Strategy, Walks};
 use crate::bsdf::Bsdf;
+use crate::scene::Interior;
 
 /// Distributed ray tracing.
 #[derive(Debug)]
@@ -36,7 +37,7 @@ impl Method for Glossy {
         }
     }
 
-    fn at_receiver(&self, vertex: &Vertex<'_>) -> AtReceiver {
+    fn at_receiver<I: Interior>(&self, vertex: &Vertex<'_, I>) -> AtReceiver {
         AtReceiver { direct: true, onward: !matches!(vertex.surface.bsdf, Bsdf::Diffuse(_)) }
     }
 

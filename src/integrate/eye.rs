@@ -10,8 +10,9 @@ use super::{EyeSettings, Monitor, Pass};
 use crate::bsdf::{Bsdf, BsdfSample, Transport};
 use crate::color::{self, Rgb};
 use crate::math::Ray;
+use crate::plan::{Effect, Effects};
 use crate::sampling::{Dimension, Draw, Key, Purpose};
-use crate::scene::{Arrival, Inside, Scene, Surface, Walk};
+use crate::scene::{Arrival, Inside, Interior, Open, Scene, Surface, Walk};
 use glam::Vec3;
 use std::time::Instant;
 
@@ -46,11 +47,11 @@ impl History {
 }
 
 /// A vertex whose surface scatters more than deltas.
-pub(super) struct Vertex<'a> {
+pub(super) struct Vertex<'a, I> {
     /// The surface.
     pub surface: &'a Surface<'a>,
     /// What the surface is inside of, on the side of the viewer.
-    pub inside: &'a Inside,
+    pub inside: &'a I,
     /// What came before.
     pub history: History,
     /// Part of what it sends back that reaches the pixel.
@@ -63,7 +64,7 @@ pub(super) struct Vertex<'a> {
     pub shadow_draw: Draw,
 }
 
-impl Vertex<'_> {
+impl<I: Interior> Vertex<'_, I> {
     /// The side on which light counts; `None` where both do.
     #[inline]
     pub fn horizon(&self) -> Option<Vec3> {
@@ -104,10 +105,10 @@ pub(super) trait Method: Sync {
     }
 
     /// What is done at a receiver.
-    fn at_receiver(&self, vertex: &Vertex<'_>) -> AtReceiver;
+    fn at_receiver<I: Interior>(&self, vertex: &Vertex<'_, I>) -> AtReceiver;
 
     /// Radiance that a receiver sends to its viewer of light that photons brought.
-    fn photons(&self, _: &Vertex<'_>, _: &mut Worker) -> Rgb {
+    fn photons<I: Interior>(&self, _: &Vertex<'_, I>, _: &mut Worker) -> Rgb {
         Rgb::ZERO
     }
 
@@ -115,18 +116,18 @@ pub(super) trait Method: Sync {
     fn counts(&self, history: History) -> bool;
 
     /// Readies what [`Method::sample`] and [`Method::pdf`] need at a receiver.
-    fn prepare(&self, _: &Vertex<'_>, _: &mut Worker) {}
+    fn prepare<I: Interior>(&self, _: &Vertex<'_, I>, _: &mut Worker) {}
 
     /// Draws where the walk goes on from a surface.
     #[inline]
-    fn sample(&self, vertex: &Vertex<'_>, _: &mut Worker) -> Option<BsdfSample> {
+    fn sample<I: Interior>(&self, vertex: &Vertex<'_, I>, _: &mut Worker) -> Option<BsdfSample> {
         let (lobe, u) = (vertex.draw.one(Dimension::BsdfLobe), vertex.draw.two(Dimension::BsdfDirection));
         vertex.surface.sample(lobe, u, Transport::Radiance)
     }
 
     /// Density of `sample` per steradian.
     #[inline]
-    fn pdf(&self, vertex: &Vertex<'_>, wi: Vec3, _: &mut Worker) -> f32 {
+    fn pdf<I: Interior>(&self, vertex: &Vertex<'_, I>, wi: Vec3, _: &mut Worker) -> f32 {
         vertex.surface.pdf(wi)
     }
 
@@ -144,6 +145,7 @@ pub(super) trait Method: Sync {
 /// The camera walks of a pass.
 pub(super) struct EyePass<'a, M> {
     pub scene: &'a Scene,
+    pub effects: Effects,
     pub settings: &'a EyeSettings,
     pub direct: &'a DirectLight<'a>,
     pub method: &'a M,
@@ -154,8 +156,8 @@ pub(super) struct EyePass<'a, M> {
 
 /// A camera walk that waits to be continued.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Branch {
-    walk: Walk,
+pub(super) struct Branch<I> {
+    walk: Walk<I>,
     throughput: Rgb,
     bounce: u32,
     history: History,
@@ -175,48 +177,71 @@ pub(super) struct Last {
 }
 
 /// What follows a step.
-enum Next {
+enum Next<I> {
     /// The branch itself.
     One,
     /// The branch, and another one.
-    Both(Branch),
+    Both(Branch<I>),
 }
 
 impl<M: Method> EyePass<'_, M> {
     /// Renders all pixels into `out`.
     pub fn run(&self, monitor: &dyn Monitor, out: &mut Pass) {
+        if self.effects.has(Effect::Interiors) {
+            self.run_in::<Inside>(monitor, out);
+        } else {
+            self.run_in::<Open>(monitor, out);
+        }
+    }
+
+    fn run_in<I: Interior>(&self, monitor: &dyn Monitor, out: &mut Pass) {
         let start = Instant::now();
         let sampling =
             tiles::Sampling { camera: self.scene.camera(), filter: Some(&self.settings.filter), samples: self.samples };
         let walks = if self.method.repeats_walks() { 0 } else { u64::from(self.pass) };
         let key = Key::new(self.settings.seed).purpose(Purpose::Camera).with(walks);
         let (image, counters) =
-            tiles::render(&sampling, key, monitor, |ray, draw, worker| self.radiance(ray, draw, worker));
+            tiles::render(&sampling, key, monitor, |ray, draw, worker, waiting: &mut Vec<Branch<I>>| {
+                self.radiance(ray, draw, worker, waiting)
+            });
         out.image = image;
         out.counters += counters;
         out.seconds.eye += start.elapsed().as_secs_f64();
     }
 
-    /// Radiance along a camera ray.
-    pub fn radiance(&self, ray: &Ray, draw: Draw, worker: &mut Worker) -> Rgb {
+    /// Radiance along a camera ray. `waiting` is empty before and after.
+    pub fn radiance<I: Interior>(
+        &self,
+        ray: &Ray,
+        draw: Draw,
+        worker: &mut Worker,
+        waiting: &mut Vec<Branch<I>>,
+    ) -> Rgb {
         let walk = self.scene.walk_from_camera(*ray);
         let mut next =
             Some(Branch { walk, throughput: Rgb::ONE, bounce: 0, history: History::default(), last: None, draw });
         let mut radiance = Rgb::ZERO;
         while let Some(mut branch) = next {
-            while let Some(next) = self.step(&mut branch, worker, &mut radiance) {
+            while let Some(next) = self.step(&mut branch, waiting.len() < BRANCHES, worker, &mut radiance) {
                 if let Next::Both(other) = next {
-                    worker.waiting.push(other);
+                    waiting.push(other);
                 }
             }
-            next = worker.waiting.pop();
+            next = waiting.pop();
         }
         radiance
     }
 
-    /// Follows a walk to its next surface, adds what that sends back, and leaves in `branch` how it goes on.
+    /// Follows a walk to its next surface, adds what that sends back, and leaves in `branch` how it goes on; it splits in two
+    /// only where there is `room`.
     #[inline]
-    fn step(&self, branch: &mut Branch, worker: &mut Worker, radiance: &mut Rgb) -> Option<Next> {
+    fn step<I: Interior>(
+        &self,
+        branch: &mut Branch<I>,
+        room: bool,
+        worker: &mut Worker,
+        radiance: &mut Rgb,
+    ) -> Option<Next<I>> {
         worker.counters.onward_rays += u64::from(branch.bounce > 0);
         let Some(arrival) = branch.walk.advance(self.scene, branch.draw.key()) else {
             *radiance += branch.throughput * self.escaped(branch);
@@ -228,7 +253,9 @@ impl<M: Method> EyePass<'_, M> {
             branch.history.casters += 1;
             branch.last = None;
         }
-        if surface.emission != Rgb::ZERO && self.method.counts(branch.history) {
+        // Lights without an extent to sample are seen, but not met by chance.
+        let meets = branch.last.is_none() || self.effects.has(Effect::SoftShadows);
+        if surface.emission != Rgb::ZERO && meets && self.method.counts(branch.history) {
             let weight = branch.last.map_or(1.0, |last| self.weight_of_chance(&last, &surface));
             *radiance += branch.throughput * surface.emission * weight;
         }
@@ -254,7 +281,7 @@ impl<M: Method> EyePass<'_, M> {
             branch.history = History { receivers: branch.history.receivers + 1, casters: 0 };
             return if to_do.onward { self.onward(branch, &vertex, worker) } else { None };
         }
-        if surface.bsdf == Bsdf::Black {
+        if surface.bsdf == Bsdf::Black || !self.effects.has(Effect::Casters) {
             return None;
         }
         let onward = branch.bounce < self.settings.max_bounces;
@@ -271,10 +298,7 @@ impl<M: Method> EyePass<'_, M> {
         if let Bsdf::Dielectric(dielectric) = surface.bsdf {
             let split = dielectric.split(surface.wo, surface.point.ns, surface.point.ng, Transport::Radiance);
             let weaker = split.reflected.1.min(split.transmitted.1) * color::mean(branch.throughput);
-            if worker.waiting.len() < BRANCHES
-                && branch.history.receivers == 0
-                && weaker > WORTH_SPLITTING.max(self.method.cut())
-            {
+            if room && branch.history.receivers == 0 && weaker > WORTH_SPLITTING.max(self.method.cut()) {
                 let reflected = branch.leaving(&surface, split.reflected.0, Rgb::splat(split.reflected.1), false);
                 let weight = Rgb::splat(split.transmitted.1 / split.squeeze);
                 *branch = branch.leaving(&surface, split.transmitted.0, weight, true);
@@ -284,7 +308,13 @@ impl<M: Method> EyePass<'_, M> {
         self.onward(branch, &vertex, worker)
     }
 
-    fn vertex<'v>(&self, branch: &Branch, surface: &'v Surface<'v>, inside: &'v Inside, distance: f32) -> Vertex<'v> {
+    fn vertex<'v, I: Interior>(
+        &self,
+        branch: &Branch<I>,
+        surface: &'v Surface<'v>,
+        inside: &'v I,
+        distance: f32,
+    ) -> Vertex<'v, I> {
         let shadow_draw = branch.draw.with(u64::from(self.pass) << 32);
         let (history, throughput) = (branch.history, branch.throughput);
         Vertex { surface, inside, history, throughput, distance, draw: branch.draw, shadow_draw }
@@ -292,7 +322,12 @@ impl<M: Method> EyePass<'_, M> {
 
     /// Draws how a walk goes on.
     #[inline]
-    fn onward(&self, branch: &mut Branch, vertex: &Vertex<'_>, worker: &mut Worker) -> Option<Next> {
+    fn onward<I: Interior>(
+        &self,
+        branch: &mut Branch<I>,
+        vertex: &Vertex<'_, I>,
+        worker: &mut Worker,
+    ) -> Option<Next<I>> {
         let sample = self.method.sample(vertex, worker)?;
         let roulette = branch.draw.one(Dimension::Roulette);
         let mut next = branch.leaving(vertex.surface, sample.wi, sample.weight, sample.transmitted);
@@ -320,7 +355,7 @@ impl<M: Method> EyePass<'_, M> {
 
     /// Light that the surface scatters to its viewer straight from the lights.
     #[inline]
-    fn direct(&self, vertex: &Vertex<'_>, to_do: AtReceiver, worker: &mut Worker) -> Rgb {
+    fn direct<I: Interior>(&self, vertex: &Vertex<'_, I>, to_do: AtReceiver, worker: &mut Worker) -> Rgb {
         if !to_do.direct {
             return Rgb::ZERO;
         }
@@ -337,13 +372,14 @@ impl<M: Method> EyePass<'_, M> {
     }
 
     /// Radiance from where nothing is.
-    fn escaped(&self, branch: &Branch) -> Rgb {
+    fn escaped<I: Interior>(&self, branch: &Branch<I>) -> Rgb {
         let direction = branch.walk.ray.direction;
-        match self.scene.environment() {
+        let meets = branch.last.is_none() || self.effects.has(Effect::SoftShadows);
+        match self.scene.environment().filter(|_| self.effects.has(Effect::Environment)) {
             // The background is seen but lights nothing.
             None if branch.history.receivers > 0 => Rgb::ZERO,
             None => self.scene.background(),
-            Some(_) if !self.method.counts(branch.history) => Rgb::ZERO,
+            Some(_) if !meets || !self.method.counts(branch.history) => Rgb::ZERO,
             Some(light) => {
                 let density = |last: Last| self.direct.density(&last, light, direction, None);
                 let weight = branch.last.map_or(1.0, |last| last.pdf / (last.pdf + density(last)));
@@ -353,7 +389,7 @@ impl<M: Method> EyePass<'_, M> {
     }
 }
 
-impl Branch {
+impl<I: Interior> Branch<I> {
     /// The walk after `surface`.
     #[inline]
     fn leaving(&self, surface: &Surface<'_>, direction: Vec3, weight: Rgb, transmitted: bool) -> Self {

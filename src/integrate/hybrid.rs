@@ -10,6 +10,8 @@ use super::maps::{Maps, Needs};
 use super::prepared::{Strategy, Walks};
 use super::tiles::Worker;
 use crate::color::Rgb;
+use crate::plan::{Effect, Effects};
+use crate::scene::Interior;
 
 /// Path tracing with a caustic map.
 #[derive(Debug)]
@@ -24,26 +26,29 @@ impl Strategy for Hybrid {
         Asking::Walk
     }
 
-    fn needs(&self) -> Needs {
+    fn needs(&self, _: Effects) -> Needs {
         Needs { caustic: true, after_caustic: true, ..Needs::NOTHING }
     }
 
     fn walk(&self, walks: Walks<'_>, maps: &Maps<'_>) {
-        walks.by(&Connected { maps });
+        let onward = walks.effects.has(Effect::Interreflection);
+        walks.by(&Connected { maps, onward });
     }
 }
 
 struct Connected<'a> {
     maps: &'a Maps<'a>,
+    /// Whether receivers light each other.
+    onward: bool,
 }
 
 impl Method for Connected<'_> {
-    fn at_receiver(&self, _: &Vertex<'_>) -> AtReceiver {
-        AtReceiver { direct: true, onward: true }
+    fn at_receiver<I: Interior>(&self, _: &Vertex<'_, I>) -> AtReceiver {
+        AtReceiver { direct: true, onward: self.onward }
     }
 
     #[inline]
-    fn photons(&self, vertex: &Vertex<'_>, worker: &mut Worker) -> Rgb {
+    fn photons<I: Interior>(&self, vertex: &Vertex<'_, I>, worker: &mut Worker) -> Rgb {
         match vertex.draw.place() {
             // One estimate a pixel and pass: those of its other samples would rest on the same photons.
             (0, count) if vertex.history.receivers == 0 => self.maps.radiance(vertex, worker) * count as f32,

@@ -4,14 +4,15 @@ use super::eye::Vertex;
 use super::pilot::auto_radius;
 use super::tiles::Worker;
 use super::visible::visible;
-use super::{EyeSettings, Lessons, Monitor, Pass, Phase, PhotonReport, Radii, Settings, shrink};
+use super::{Expected, EyeSettings, Lessons, Monitor, Pass, Phase, PhotonReport, Radii, Settings, shrink};
 use crate::bsdf::Transport;
 use crate::color::Rgb;
 use crate::photon::{
     Bandwidth, Kernel, Photon, PhotonMap, PhotonPass, PhotonSource, Pilot, Scratch, THINNING, Traced, Wants, coverage,
 };
+use crate::plan::{Effect, Effects};
 use crate::sampling::{Key, Purpose};
-use crate::scene::Scene;
+use crate::scene::{Interior, Scene};
 use std::time::Instant;
 
 /// Most photons of a caustic estimate, where the user does not say.
@@ -34,6 +35,9 @@ const GUIDING: u32 = 16;
 
 /// An estimate over fewer photons is noise, however many passes have shrunk it.
 const FEWEST: f64 = 8.0;
+
+/// Paths that tell how many photons a path stores.
+const PROBE: u32 = 4096;
 
 /// How radii go from pass to pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -69,6 +73,25 @@ impl Needs {
         schedule: Schedule::Shrinking,
     };
 
+    /// What is left of them where only these effects are simulated.
+    fn within(self, effects: Effects) -> Self {
+        let bounces = effects.has(Effect::CausticBounces);
+        let interreflection = effects.has(Effect::Interreflection);
+        let global = Wants {
+            direct: self.global.direct && interreflection,
+            after_caustic: self.global.after_caustic && bounces,
+            global: self.global.global && interreflection,
+            ..self.global
+        };
+        Self {
+            caustic: self.caustic && effects.has(Effect::Caustics),
+            after_caustic: self.after_caustic && bounces,
+            global,
+            guides: self.guides && interreflection,
+            ..self
+        }
+    }
+
     /// What is wanted of the paths of the caustic map.
     fn by_casters(self) -> Wants {
         Wants { caustic: self.caustic, after_caustic: self.after_caustic, apart: self.after_caustic, ..Wants::NONE }
@@ -80,6 +103,7 @@ impl Needs {
 pub(super) struct MapMaker<'a> {
     scene: &'a Scene,
     settings: Settings,
+    effects: Effects,
     needs: Needs,
     global: Option<PhotonSource<'a>>,
     caustic: Option<PhotonSource<'a>>,
@@ -107,13 +131,21 @@ pub(super) struct Maps<'a> {
 
 impl<'a> MapMaker<'a> {
     /// Weighs the lights and finds radii where none is set.
-    pub fn new(scene: &'a Scene, settings: Settings, needs: Needs) -> Self {
-        let source = |wanted: Wants, paths: u32, make: fn(&'a Scene) -> Option<PhotonSource<'a>>| {
-            if paths == 0 || wanted == Wants::NONE { None } else { make(scene) }
+    pub fn new(scene: &'a Scene, settings: Settings, effects: Effects, needs: Needs) -> Self {
+        let needs = needs.within(effects);
+        let source = |wanted: Wants, paths: u32, made: &dyn Fn() -> Option<PhotonSource<'a>>| {
+            if paths == 0 || wanted == Wants::NONE {
+                return None;
+            }
+            let source = made()?.with_interiors(effects.has(Effect::Interiors));
+            if effects.has(Effect::Environment) { Some(source) } else { source.without_environment() }
         };
-        let caustic = source(needs.by_casters(), settings.caustic_photons, PhotonSource::aimed);
-        let global = source(needs.global, settings.photons, PhotonSource::everywhere);
-        let mut maker = Self { scene, settings, needs, global, caustic, radii: None, lessons: Lessons::default() };
+        // Caustics that are simulated though nothing calls for them come from everywhere.
+        let aimed = || PhotonSource::aimed(scene).or_else(|| PhotonSource::everywhere(scene));
+        let caustic = source(needs.by_casters(), settings.caustic_photons, &aimed);
+        let global = source(needs.global, settings.photons, &|| PhotonSource::everywhere(scene));
+        let lessons = Lessons::default();
+        let mut maker = Self { scene, settings, effects, needs, global, caustic, radii: None, lessons };
         maker.learn();
         maker.radii = (needs != Needs::NOTHING).then(|| maker.find_radii());
         maker
@@ -125,7 +157,7 @@ impl<'a> MapMaker<'a> {
             return;
         }
         let (scene, settings) = (self.scene, &self.settings);
-        let seen = visible(scene, &settings.eye, scene.domain().radius * SEEN_WITHIN);
+        let seen = visible(scene, &settings.eye, self.effects, scene.domain().radius * SEEN_WITHIN);
         let learn = |source: &mut Option<PhotonSource<'a>>, wants: Wants| {
             let unlearned = source.take()?;
             let EyeSettings { max_bounces, seed, .. } = settings.eye;
@@ -163,6 +195,32 @@ impl<'a> MapMaker<'a> {
         };
         let caustic = radius(&self.caustic, Wants::CAUSTIC, settings.caustic_photons, CAUSTIC_K);
         Radii { global: smooth, caustic }
+    }
+
+    /// What a pass will store.
+    pub fn expected(&self) -> Expected {
+        let settings = &self.settings;
+        let key = Key::new(settings.eye.seed).purpose(Purpose::Pilot);
+        let of = |source: &Option<PhotonSource<'a>>, wants: Wants, paths: u32| {
+            let Some(source) = source.as_ref().filter(|_| paths > 0) else { return Expected::default() };
+            let probe = paths.min(PROBE);
+            let pass = PhotonPass { scene: self.scene, source, wants, max_bounces: settings.eye.max_bounces };
+            let traced = pass.trace(key, probe, &|_| {});
+            let scale = |n: usize| (n as f64 * f64::from(paths) / f64::from(probe)) as u64;
+            let (one, other) = (scale(traced.photons.len()), scale(traced.after_caustic.len()));
+            Expected { paths: paths.into(), photons: one + other, most: one.max(other) }
+        };
+        let guides = if self.needs.guides { settings.photons / GUIDING } else { 0 };
+        let maps = [
+            of(&self.caustic, self.needs.by_casters(), settings.caustic_photons),
+            of(&self.global, self.needs.global, settings.photons),
+            of(&self.global, Wants::GLOBAL, guides),
+        ];
+        maps.into_iter().fold(Expected::default(), |all, map| Expected {
+            paths: all.paths + map.paths,
+            photons: all.photons + map.photons,
+            most: all.most.max(map.most),
+        })
     }
 
     /// Traces and indexes the photons of pass `pass`, and books the work in `out`.
@@ -244,7 +302,7 @@ fn index(photons: Vec<Photon>, monitor: &dyn Monitor, out: &mut Pass) -> PhotonM
 impl Maps<'_> {
     /// Radiance that the surface of `vertex` sends to its viewer of the light in both maps.
     #[inline]
-    pub fn radiance(&self, vertex: &Vertex<'_>, worker: &mut Worker) -> Rgb {
+    pub fn radiance<I: Interior>(&self, vertex: &Vertex<'_, I>, worker: &mut Worker) -> Rgb {
         let caustic = self.caustic.radiance(vertex, |w| &mut w.caustic, worker);
         caustic + self.smooth.radiance(vertex, |w| &mut w.smooth, worker)
     }
@@ -258,7 +316,12 @@ impl Gathering<'_> {
 
     /// Radiance that the surface of `vertex` sends to its viewer of the light in the map.
     #[inline]
-    pub fn radiance(&self, vertex: &Vertex<'_>, scratch: fn(&mut Worker) -> &mut Scratch, worker: &mut Worker) -> Rgb {
+    pub fn radiance<I: Interior>(
+        &self,
+        vertex: &Vertex<'_, I>,
+        scratch: fn(&mut Worker) -> &mut Scratch,
+        worker: &mut Worker,
+    ) -> Rgb {
         if self.map.is_empty() {
             return Rgb::ZERO;
         }

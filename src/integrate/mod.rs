@@ -23,11 +23,12 @@ mod whitted;
 
 pub use algorithm::Algorithm;
 pub use maps::CAUSTIC_K;
-pub use pass::{Monitor, Pass, Phase, PhotonReport, Seconds, Silent};
+pub use pass::{Expected, Monitor, Pass, Phase, PhotonReport, Seconds, Silent};
 pub use pilot::{Lessons, Radii};
 pub use progressive::{ALPHA, shrink};
-pub use raycast::RayCast;
 pub use settings::{EyeSettings, FinalGathering, Settings};
+
+use crate::plan::Plan;
 
 /// An algorithm made ready to render the passes of a scene.
 ///
@@ -41,6 +42,14 @@ pub trait Integrator: Sync {
     fn radii(&self) -> Option<Radii> {
         None
     }
+
+    /// What a pass will keep in memory, found from few paths.
+    fn expected(&self) -> Expected {
+        Expected::default()
+    }
+
+    /// What of light is simulated.
+    fn plan(&self) -> &Plan;
 
     /// What emission learned from a pilot.
     fn lessons(&self) -> Lessons {

@@ -56,6 +56,17 @@ pub struct PhotonReport {
     pub audit: Audit,
 }
 
+/// What a pass will keep in memory.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Expected {
+    /// Photon paths of all maps.
+    pub paths: u64,
+    /// Stored photons of all maps, about.
+    pub photons: u64,
+    /// Photons of the largest map, about.
+    pub most: u64,
+}
+
 /// One pass.
 #[derive(Clone, Debug, Default)]
 pub struct Pass {

@@ -5,6 +5,8 @@ use super::direct::Asking;
 use super::eye::{AtReceiver, History, Method, Vertex};
 use super::maps::Maps;
 use super::prepared::{Strategy, Walks};
+use crate::plan::Effect;
+use crate::scene::Interior;
 
 /// Path tracing.
 #[derive(Debug)]
@@ -20,18 +22,24 @@ impl Strategy for PathTracing {
     }
 
     fn walk(&self, walks: Walks<'_>, _: &Maps<'_>) {
-        walks.by(&Everywhere);
+        let onward = walks.effects.has(Effect::Interreflection);
+        let caustics = walks.effects.has(Effect::Caustics);
+        walks.by(&Everywhere { onward, caustics });
     }
 }
 
-struct Everywhere;
+struct Everywhere {
+    /// Whether receivers light each other.
+    onward: bool,
+    caustics: bool,
+}
 
 impl Method for Everywhere {
-    fn at_receiver(&self, _: &Vertex<'_>) -> AtReceiver {
-        AtReceiver { direct: true, onward: true }
+    fn at_receiver<I: Interior>(&self, _: &Vertex<'_, I>) -> AtReceiver {
+        AtReceiver { direct: true, onward: self.onward }
     }
 
-    fn counts(&self, _: History) -> bool {
-        true
+    fn counts(&self, history: History) -> bool {
+        self.caustics || !history.is_caustic()
     }
 }

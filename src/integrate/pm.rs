@@ -14,7 +14,9 @@ use super::tiles::Worker;
 use crate::bsdf::{BsdfSample, Transport};
 use crate::color::Rgb;
 use crate::photon::{Bandwidth, Kernel, Wants};
+use crate::plan::{Effect, Effects};
 use crate::sampling::Dimension;
+use crate::scene::Interior;
 use glam::Vec3;
 use std::cell::RefCell;
 
@@ -47,18 +49,21 @@ impl Strategy for PhotonMapping {
         }
     }
 
-    fn needs(&self) -> Needs {
+    fn needs(&self, effects: Effects) -> Needs {
         let global = match self.gathering {
+            _ if !effects.has(Effect::Gathering) => Wants::GLOBAL,
             FinalGathering::None => Wants::GLOBAL,
             // A gather ray sees direct light too.
             FinalGathering::Bsdf | FinalGathering::Importance => Wants { caustic: false, ..Wants::ALL },
         };
-        let guides = self.gathering == FinalGathering::Importance;
+        let guides = self.gathering == FinalGathering::Importance && effects.has(Effect::Gathering);
         Needs { caustic: true, global, guides, schedule: Schedule::Fixed, ..Needs::NOTHING }
     }
 
     fn walk(&self, walks: Walks<'_>, maps: &Maps<'_>) {
+        let gathers = walks.effects.has(Effect::Gathering) && walks.effects.has(Effect::Interreflection);
         let guided = match self.gathering {
+            _ if !gathers => return walks.by(&Seen { maps, repeats: false }),
             FinalGathering::None => return walks.by(&Seen { maps, repeats: false }),
             FinalGathering::Bsdf => false,
             FinalGathering::Importance => true,
@@ -75,12 +80,12 @@ pub(super) struct Seen<'a> {
 }
 
 impl Method for Seen<'_> {
-    fn at_receiver(&self, _: &Vertex<'_>) -> AtReceiver {
+    fn at_receiver<I: Interior>(&self, _: &Vertex<'_, I>) -> AtReceiver {
         AtReceiver { direct: true, onward: false }
     }
 
     #[inline]
-    fn photons(&self, vertex: &Vertex<'_>, worker: &mut Worker) -> Rgb {
+    fn photons<I: Interior>(&self, vertex: &Vertex<'_, I>, worker: &mut Worker) -> Rgb {
         self.maps.radiance(vertex, worker)
     }
 
@@ -104,18 +109,18 @@ struct Gathered<'a> {
 impl Gathered<'_> {
     /// Whether the map is looked at here.
     #[inline]
-    fn ends_at(&self, vertex: &Vertex<'_>) -> bool {
+    fn ends_at<I: Interior>(&self, vertex: &Vertex<'_, I>) -> bool {
         vertex.history.receivers > 0 && vertex.distance > self.short
     }
 }
 
 impl Method for Gathered<'_> {
-    fn at_receiver(&self, vertex: &Vertex<'_>) -> AtReceiver {
+    fn at_receiver<I: Interior>(&self, vertex: &Vertex<'_, I>) -> AtReceiver {
         let goes_on = !self.ends_at(vertex);
         AtReceiver { direct: goes_on, onward: goes_on }
     }
 
-    fn prepare(&self, vertex: &Vertex<'_>, worker: &mut Worker) {
+    fn prepare<I: Interior>(&self, vertex: &Vertex<'_, I>, worker: &mut Worker) {
         if !self.guided {
             return;
         }
@@ -131,7 +136,7 @@ impl Method for Gathered<'_> {
         });
     }
 
-    fn sample(&self, vertex: &Vertex<'_>, worker: &mut Worker) -> Option<BsdfSample> {
+    fn sample<I: Interior>(&self, vertex: &Vertex<'_, I>, worker: &mut Worker) -> Option<BsdfSample> {
         let surface = vertex.surface;
         let (lobe, u) = (vertex.draw.one(Dimension::BsdfLobe), vertex.draw.two(Dimension::BsdfDirection));
         // Casters are not guided, and have no say in what guided the last receiver.
@@ -159,7 +164,7 @@ impl Method for Gathered<'_> {
         })
     }
 
-    fn pdf(&self, vertex: &Vertex<'_>, wi: Vec3, worker: &mut Worker) -> f32 {
+    fn pdf<I: Interior>(&self, vertex: &Vertex<'_, I>, wi: Vec3, worker: &mut Worker) -> f32 {
         let bsdf = vertex.surface.pdf(wi);
         match worker.guide.pdf(wi) {
             Some(guide) if self.guided && vertex.surface.bsdf.stores_photons() => 0.5 * (bsdf + guide),
@@ -167,7 +172,7 @@ impl Method for Gathered<'_> {
         }
     }
 
-    fn photons(&self, vertex: &Vertex<'_>, worker: &mut Worker) -> Rgb {
+    fn photons<I: Interior>(&self, vertex: &Vertex<'_, I>, worker: &mut Worker) -> Rgb {
         if self.ends_at(vertex) {
             self.maps.radiance(vertex, worker)
         } else {

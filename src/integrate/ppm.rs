@@ -9,6 +9,7 @@ use super::maps::{Maps, Needs};
 use super::pm::Seen;
 use super::prepared::{Strategy, Walks};
 use crate::photon::Wants;
+use crate::plan::Effects;
 
 /// Progressive photon mapping.
 #[derive(Debug)]
@@ -24,7 +25,7 @@ impl Strategy for Ppm {
         Asking::Sampled(1)
     }
 
-    fn needs(&self) -> Needs {
+    fn needs(&self, _: Effects) -> Needs {
         Needs { caustic: true, global: Wants::GLOBAL, ..Needs::NOTHING }
     }
 

@@ -3,7 +3,8 @@
 use super::direct::{Asking, DirectLight};
 use super::eye::{EyePass, Method};
 use super::maps::{MapMaker, Maps, Needs};
-use super::{EyeSettings, Integrator, Lessons, Monitor, Pass, Radii, Settings};
+use super::{Expected, EyeSettings, Integrator, Lessons, Monitor, Pass, Radii, Settings};
+use crate::plan::{Effects, Plan};
 use crate::scene::Scene;
 
 /// What an algorithm is, before a scene is known.
@@ -14,8 +15,8 @@ pub(super) trait Strategy: Sync + std::fmt::Debug {
     /// How lights are asked.
     fn asking(&self) -> Asking;
 
-    /// Which photon maps are looked at.
-    fn needs(&self) -> Needs {
+    /// Which photon maps are looked at where these effects are simulated.
+    fn needs(&self, _: Effects) -> Needs {
         Needs::NOTHING
     }
 
@@ -26,6 +27,7 @@ pub(super) trait Strategy: Sync + std::fmt::Debug {
 /// The camera walks of a pass, which want a method.
 pub(super) struct Walks<'w> {
     scene: &'w Scene,
+    pub effects: Effects,
     settings: &'w EyeSettings,
     direct: &'w DirectLight<'w>,
     samples: u32,
@@ -37,8 +39,8 @@ pub(super) struct Walks<'w> {
 impl Walks<'_> {
     /// Follows them all.
     pub fn by(self, method: &impl Method) {
-        let Self { scene, settings, direct, samples, pass, monitor, out } = self;
-        EyePass { scene, settings, direct, method, samples, pass }.run(monitor, out);
+        let Self { scene, effects, settings, direct, samples, pass, monitor, out } = self;
+        EyePass { scene, effects, settings, direct, method, samples, pass }.run(monitor, out);
     }
 }
 
@@ -46,6 +48,8 @@ impl Walks<'_> {
 #[derive(Debug)]
 pub(super) struct Prepared<'a> {
     scene: &'a Scene,
+    plan: Plan,
+    effects: Effects,
     eye: EyeSettings,
     direct: DirectLight<'a>,
     maker: MapMaker<'a>,
@@ -53,10 +57,12 @@ pub(super) struct Prepared<'a> {
 }
 
 impl<'a> Prepared<'a> {
-    pub fn new(scene: &'a Scene, settings: Settings, strategy: Box<dyn Strategy>) -> Self {
-        let direct = DirectLight::new(scene, strategy.asking());
+    pub fn new(scene: &'a Scene, plan: Plan, settings: Settings, strategy: Box<dyn Strategy>) -> Self {
+        let effects = plan.effects();
+        let direct = DirectLight::new(scene, strategy.asking(), effects);
         let eye = settings.eye.clone();
-        Self { scene, eye, direct, maker: MapMaker::new(scene, settings, strategy.needs()), strategy }
+        let maker = MapMaker::new(scene, settings, effects, strategy.needs(effects));
+        Self { scene, plan, effects, eye, direct, maker, strategy }
     }
 }
 
@@ -65,9 +71,18 @@ impl Integrator for Prepared<'_> {
         let mut out = Pass::default();
         let maps = self.maker.make(pass, monitor, &mut out);
         let samples = self.eye.samples.unwrap_or(self.strategy.samples());
-        let (scene, settings, direct) = (self.scene, &self.eye, &self.direct);
-        self.strategy.walk(Walks { scene, settings, direct, samples, pass, monitor, out: &mut out }, &maps);
+        let Self { scene, effects, eye: settings, direct, .. } = self;
+        let walks = Walks { scene, effects: *effects, settings, direct, samples, pass, monitor, out: &mut out };
+        self.strategy.walk(walks, &maps);
         out
+    }
+
+    fn expected(&self) -> Expected {
+        self.maker.expected()
+    }
+
+    fn plan(&self) -> &Plan {
+        &self.plan
     }
 
     fn radii(&self) -> Option<Radii> {

@@ -4,21 +4,20 @@ use super::{EyeSettings, Integrator, Monitor, Pass, Seconds, tiles};
 use crate::camera::Filter;
 use crate::color::Rgb;
 use crate::math::Ray;
+use crate::plan::Plan;
 use crate::sampling::{Key, Purpose};
 use crate::scene::{CourseLight, Scene, Surface};
 use std::time::Instant;
 
 /// Ray casting.
 #[derive(Debug)]
-pub struct RayCast<'a> {
-    /// The scene.
-    pub scene: &'a Scene,
+pub(super) struct RayCast<'a> {
+    scene: &'a Scene,
+    plan: Plan,
     /// `None`: one ray through the lower left corner of each pixel, as the course's images have it.
-    pub filter: Option<Filter>,
-    /// Rays a pixel.
-    pub samples: u32,
-    /// Seed of the samples within pixels.
-    pub seed: u64,
+    filter: Option<Filter>,
+    samples: u32,
+    seed: u64,
 }
 
 impl Integrator for RayCast<'_> {
@@ -27,19 +26,22 @@ impl Integrator for RayCast<'_> {
         let sampling =
             tiles::Sampling { camera: self.scene.camera(), filter: self.filter.as_ref(), samples: self.samples };
         let key = Key::new(self.seed).purpose(Purpose::Camera).with(u64::from(pass));
-        let (image, counters) = tiles::render(&sampling, key, monitor, |ray, _, _| self.shade(ray));
+        let (image, counters) = tiles::render(&sampling, key, monitor, |ray, _, _, (): &mut ()| self.shade(ray));
         let seconds = Seconds { eye: start.elapsed().as_secs_f64(), ..Seconds::default() };
         Pass { image, counters, seconds, ..Pass::default() }
+    }
+
+    fn plan(&self) -> &Plan {
+        &self.plan
     }
 }
 
 impl<'a> RayCast<'a> {
-    /// Ray casting with `settings`, filtered where a pixel has several rays.
-    #[must_use]
-    pub fn new(scene: &'a Scene, settings: &EyeSettings) -> Self {
+    /// Ray casting: one ray through the lower left corner of each pixel, as the course's images have it, or filtered where a pixel has several rays.
+    pub fn new(scene: &'a Scene, plan: Plan, settings: &EyeSettings) -> Self {
         let samples = settings.samples.unwrap_or(1);
         let filter = (samples > 1).then(|| settings.filter.clone());
-        Self { scene, filter, samples, seed: settings.seed }
+        Self { scene, plan, filter, samples, seed: settings.seed }
     }
 
     fn shade(&self, ray: &Ray) -> Rgb {

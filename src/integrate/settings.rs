@@ -2,6 +2,7 @@
 
 use crate::camera::{Filter, FilterKind};
 use crate::photon::Kernel;
+use crate::plan::Wishes;
 
 /// Settings of the camera walk.
 #[derive(Clone, Debug)]
@@ -14,11 +15,19 @@ pub struct EyeSettings {
     pub seed: u64,
     /// Reconstruction filter.
     pub filter: Filter,
+    /// Effects that are simulated or left out whatever the scene calls for.
+    pub effects: Wishes,
 }
 
 impl Default for EyeSettings {
     fn default() -> Self {
-        Self { samples: None, max_bounces: 100, seed: 0, filter: Filter::new(FilterKind::default()) }
+        Self {
+            samples: None,
+            max_bounces: 100,
+            seed: 0,
+            filter: Filter::new(FilterKind::default()),
+            effects: Wishes::PLANNED,
+        }
     }
 }
 

@@ -6,6 +6,7 @@ use super::maps::{Maps, Needs};
 use super::pm::Seen;
 use super::prepared::{Strategy, Walks};
 use crate::photon::Wants;
+use crate::plan::Effects;
 
 /// Stochastic progressive photon mapping.
 #[derive(Debug)]
@@ -20,7 +21,7 @@ impl Strategy for Sppm {
         Asking::Sampled(4)
     }
 
-    fn needs(&self) -> Needs {
+    fn needs(&self, _: Effects) -> Needs {
         Needs { caustic: true, global: Wants::GLOBAL, ..Needs::NOTHING }
     }
 

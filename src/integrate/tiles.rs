@@ -1,6 +1,5 @@
 //! The pixels of a pass, in tiles.
 
-use super::eye::Branch;
 use super::guide::Guide;
 use super::{Monitor, Phase};
 use crate::camera::{Filter, Pinhole};
@@ -24,8 +23,6 @@ pub(super) struct Worker {
     pub guides: Scratch,
     /// Where light comes from, for gather rays.
     pub guide: Guide,
-    /// Walks that wait to be continued.
-    pub waiting: Vec<Branch>,
     /// Where walks ended, for a pilot.
     pub visible: Vec<VisiblePoint>,
 }
@@ -39,12 +36,13 @@ pub(super) struct Sampling<'a> {
     pub samples: u32,
 }
 
-/// Renders all pixels: `radiance` gets a camera ray and the random numbers of its sample.
-pub(super) fn render(
+/// Renders all pixels: `radiance` gets a camera ray, the random numbers of its sample, and what the tile keeps: a worker, and whatever
+/// else is asked for.
+pub(super) fn render<T: Default>(
     sampling: &Sampling<'_>,
     key: Key,
     monitor: &dyn Monitor,
-    radiance: impl Fn(&Ray, Draw, &mut Worker) -> Rgb + Sync,
+    radiance: impl Fn(&Ray, Draw, &mut Worker, &mut T) -> Rgb + Sync,
 ) -> (Vec<Rgb>, Counters) {
     let (width, height) = sampling.camera.size();
     let columns = width.div_ceil(EDGE);
@@ -53,9 +51,12 @@ pub(super) fn render(
         .into_par_iter()
         .map(|tile| {
             let mut worker = Worker::default();
+            let mut more = T::default();
             let mut pixels = Vec::with_capacity((EDGE * EDGE) as usize);
             for (x, y) in pixels_of(tile, columns, width, height) {
-                pixels.push(pixel(sampling, x, y, key, &mut worker, &radiance));
+                pixels.push(pixel(sampling, x, y, key, &mut worker, |ray, draw, worker| {
+                    radiance(ray, draw, worker, &mut more)
+                }));
             }
             monitor.advance(pixels.len() as u64);
             (pixels, worker.counters)
@@ -84,7 +85,7 @@ fn pixel(
     y: u32,
     key: Key,
     worker: &mut Worker,
-    radiance: impl Fn(&Ray, Draw, &mut Worker) -> Rgb,
+    mut radiance: impl FnMut(&Ray, Draw, &mut Worker) -> Rgb,
 ) -> Rgb {
     let corner = Vec2::new(x as f32, y as f32);
     let pixel = key.with(u64::from(y) << 32 | u64::from(x));

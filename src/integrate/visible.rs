@@ -7,24 +7,30 @@ use super::tiles::Worker;
 use crate::bsdf::Transport;
 use crate::color::{self, Rgb};
 use crate::photon::{Visible, VisiblePoint};
+use crate::plan::{Effect, Effects};
 use crate::sampling::{Dimension, Draw, Key, Purpose};
-use crate::scene::Scene;
+use crate::scene::{Inside, Interior, Open, Scene};
 use glam::Vec2;
 
 /// Camera rays of the pilot.
 const RAYS: u32 = 20_000;
 
 /// Points that the camera sees directly or over casters, spread over the picture; photons count within `radius` \[length] of one.
-pub(super) fn visible(scene: &Scene, settings: &EyeSettings, radius: f32) -> Visible {
-    let direct = &DirectLight::new(scene, Asking::Middles);
-    let walks = EyePass { scene, settings, direct, method: &Seen, samples: 1, pass: 0 };
+pub(super) fn visible(scene: &Scene, settings: &EyeSettings, effects: Effects, radius: f32) -> Visible {
+    let direct = &DirectLight::new(scene, Asking::Middles, effects);
+    let walks = EyePass { scene, effects, settings, direct, method: &Seen, samples: 1, pass: 0 };
     let key = Key::new(settings.seed).purpose(Purpose::Visible);
     let (width, height) = scene.camera().size();
     let mut worker = Worker::default();
     for i in 0..RAYS {
         let draw = Draw::new(key, i, RAYS);
         let at = draw.two(Dimension::Film) * Vec2::new(width as f32, height as f32);
-        let _ = walks.radiance(&scene.camera().ray(at), draw, &mut worker);
+        let ray = scene.camera().ray(at);
+        if effects.has(Effect::Interiors) {
+            let _ = walks.radiance::<Inside>(&ray, draw, &mut worker, &mut Vec::new());
+        } else {
+            let _ = walks.radiance::<Open>(&ray, draw, &mut worker, &mut Vec::new());
+        }
     }
     Visible::new(worker.visible, radius)
 }
@@ -33,11 +39,11 @@ pub(super) fn visible(scene: &Scene, settings: &EyeSettings, radius: f32) -> Vis
 struct Seen;
 
 impl Method for Seen {
-    fn at_receiver(&self, _: &Vertex<'_>) -> AtReceiver {
+    fn at_receiver<I: Interior>(&self, _: &Vertex<'_, I>) -> AtReceiver {
         AtReceiver { direct: false, onward: false }
     }
 
-    fn photons(&self, vertex: &Vertex<'_>, worker: &mut Worker) -> Rgb {
+    fn photons<I: Interior>(&self, vertex: &Vertex<'_, I>, worker: &mut Worker) -> Rgb {
         let surface = vertex.surface;
         let normal = surface.facing_normal();
         let brdf = surface.bsdf.evaluate(surface.wo, normal, normal, normal, Transport::Radiance);

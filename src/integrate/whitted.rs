@@ -5,6 +5,7 @@ use super::direct::Asking;
 use super::eye::{AtReceiver, History, Method, Vertex};
 use super::maps::Maps;
 use super::prepared::{Strategy, Walks};
+use crate::scene::Interior;
 
 /// A branch fainter than one level of an 8-bit picture is cut.
 const FAINTEST: f32 = 1.0 / 256.0;
@@ -30,7 +31,7 @@ impl Strategy for Whitted {
 struct Shaded;
 
 impl Method for Shaded {
-    fn at_receiver(&self, _: &Vertex<'_>) -> AtReceiver {
+    fn at_receiver<I: Interior>(&self, _: &Vertex<'_, I>) -> AtReceiver {
         AtReceiver { direct: true, onward: false }
     }
 

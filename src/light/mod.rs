@@ -6,6 +6,7 @@ mod bounds;
 mod choice;
 mod emit;
 mod environment;
+mod reach;
 mod spot;
 
 pub use aim::Targets;

@@ -2,9 +2,9 @@
 
 use super::learn::EmissionDensity;
 use crate::color::{self, Rgb};
-use crate::light::Targets;
+use crate::light::{Light, Targets};
 use crate::sampling::{Dimension, Discrete, Key, Purpose, sobol_2d};
-use crate::scene::{Scene, Walk};
+use crate::scene::{Interior, Scene, Walk};
 use glam::Vec2;
 
 /// Draws a light finds its aimed power with.
@@ -21,6 +21,8 @@ pub struct PhotonSource<'a> {
     targets: Option<Targets>,
     /// Of each light, where it was learned.
     pub(super) densities: Vec<Option<EmissionDensity>>,
+    /// Whether photons remember what they are inside of.
+    pub(super) interiors: bool,
 }
 
 /// A point in the space of all that can be emitted.
@@ -43,30 +45,50 @@ impl<'a> PhotonSource<'a> {
     #[must_use]
     pub fn everywhere(scene: &'a Scene) -> Option<Self> {
         let choice = Discrete::new(powers(scene))?;
-        Some(Self { scene, choice, targets: None, densities: Vec::new() })
+        Some(Self { scene, choice, targets: None, densities: Vec::new(), interiors: scene.has_bodies() })
     }
 
-    /// Emission towards what is purely specular, from each light in proportion to the power that goes there; `None` where there
-    /// is no such thing or no such power. Lights are weighed by a pilot that depends on the scene alone.
+    /// Emission towards casters, from each light in proportion to the power that goes there; `None` where there is no caster, or
+    /// none that a light can reach. Lights are weighed by a pilot that depends on the scene alone; those that cannot reach a caster
+    /// emit nothing.
     #[must_use]
     pub fn aimed(scene: &'a Scene) -> Option<Self> {
         let Some(balls) = scene.caster_balls() else {
             return Self::everywhere(scene);
         };
-        let targets = Targets::new(balls);
-        if targets.is_empty() {
-            return None;
-        }
-        let powers: Vec<f64> = powers(scene).collect();
-        let aimed: Vec<f64> = (0..scene.lights().len()).map(|i| aimed_power(scene, &targets, i)).collect();
+        let domain = scene.domain();
+        let reaching = |(light, power): (&Light, f64)| {
+            let reaches = balls.iter().any(|ball| light.may_reach(Some(*ball), domain));
+            if reaches { power } else { 0.0 }
+        };
+        let powers: Vec<f64> = scene.lights().iter().zip(powers(scene)).map(reaching).collect();
+        let targets = Targets::new(balls.iter().copied());
+        let aimed = |(i, power): (usize, &f64)| if *power > 0.0 { aimed_power(scene, &targets, i) } else { 0.0 };
+        let aimed: Vec<f64> = powers.iter().enumerate().map(aimed).collect();
         let (total, total_aimed) = (powers.iter().sum::<f64>(), aimed.iter().sum::<f64>());
-        if !(total > 0.0 && total_aimed > 0.0) {
-            return None;
-        }
-        let weights = powers.iter().zip(&aimed);
-        let choice =
-            Discrete::new(weights.map(|(p, a)| SAFE_SHARE * p / total + (1.0 - SAFE_SHARE) * a / total_aimed))?;
-        Some(Self { scene, choice, targets: Some(targets), densities: Vec::new() })
+        let weight = |(power, aimed): (&f64, &f64)| {
+            let plain = power / total;
+            // A pilot that finds no way to a caster does not prove that there is none.
+            if total_aimed > 0.0 { SAFE_SHARE * plain + (1.0 - SAFE_SHARE) * aimed / total_aimed } else { plain }
+        };
+        let choice = if total > 0.0 { Discrete::new(powers.iter().zip(&aimed).map(weight)) } else { None };
+        let interiors = scene.has_bodies();
+        choice.map(|choice| Self { scene, choice, targets: Some(targets), densities: Vec::new(), interiors })
+    }
+
+    /// This source without the light from all around; `None` where nothing else shines.
+    #[must_use]
+    pub fn without_environment(self) -> Option<Self> {
+        let sky = self.scene.environment();
+        let weight = |i| if Some(i) == sky { 0.0 } else { f64::from(self.choice.probability(i)) };
+        let choice = Discrete::new((0..self.scene.lights().len()).map(weight))?;
+        Some(Self { choice, ..self })
+    }
+
+    /// This source, whose photons remember what they are inside of, or do not.
+    #[must_use]
+    pub fn with_interiors(self, interiors: bool) -> Self {
+        Self { interiors, ..self }
     }
 
     /// The start of path `index` of `paths`, with its share of the flux \[W].
@@ -74,7 +96,7 @@ impl<'a> PhotonSource<'a> {
     /// Lights are dealt to consecutive paths by systematic sampling, and positions and directions come from scrambled nets
     /// keyed by the pass: each path alone is as if independent, together they are spread more evenly.
     #[must_use]
-    pub fn emit(&self, pass: Key, index: u32, paths: u32) -> Option<(Walk, Rgb)> {
+    pub fn emit<I: Interior>(&self, pass: Key, index: u32, paths: u32) -> Option<(Walk<I>, Rgb)> {
         let draw = self.draw(pass, index, paths);
         let (walk, flux) = self.start(&draw)?;
         Some((walk, flux / (draw.probability * paths as f32 * draw.density)))
@@ -96,7 +118,7 @@ impl<'a> PhotonSource<'a> {
 
     /// The start of a path, with its flux \[W] as if the light were alone and unlearned.
     #[inline]
-    pub(super) fn start(&self, draw: &Draw) -> Option<(Walk, Rgb)> {
+    pub(super) fn start<I: Interior>(&self, draw: &Draw) -> Option<(Walk<I>, Rgb)> {
         let light = &self.scene.lights()[draw.light];
         let domain = self.scene.domain();
         let emission = match &self.targets {

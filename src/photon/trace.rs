@@ -4,7 +4,7 @@ use super::{Photon, PhotonSource};
 use crate::bsdf::{Transport, deposit_factor, shading_normal_factor};
 use crate::color::{self, Rgb};
 use crate::sampling::{Dimension, Key};
-use crate::scene::{Arrival, Scene, Surface, Walk};
+use crate::scene::{Arrival, Inside, Interior, Open, Scene, Surface, Walk};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::ops::AddAssign;
@@ -156,6 +156,14 @@ impl PhotonPass<'_> {
     ///
     /// The result is the same for any number of threads: chunks are fixed and joined in order.
     pub fn trace(&self, pass: Key, paths: u32, done: &(dyn Fn(u64) + Sync)) -> Traced {
+        if self.source.interiors {
+            self.trace_in::<Inside>(pass, paths, done)
+        } else {
+            self.trace_in::<Open>(pass, paths, done)
+        }
+    }
+
+    fn trace_in<I: Interior>(&self, pass: Key, paths: u32, done: &(dyn Fn(u64) + Sync)) -> Traced {
         let chunks: Vec<Traced> = (0..paths.div_ceil(CHUNK))
             .into_par_iter()
             .map(|chunk| {
@@ -163,7 +171,7 @@ impl PhotonPass<'_> {
                 let mut traced = Traced { paths: u64::from(range.end - range.start), ..Traced::default() };
                 let Traced { photons, after_caustic, audit, rays, .. } = &mut traced;
                 for index in range {
-                    if let Some((walk, flux)) = self.source.emit(pass, index, paths) {
+                    if let Some((walk, flux)) = self.source.emit::<I>(pass, index, paths) {
                         let store = |class, surface: &Surface<'_>, flux| {
                             let apart = self.wants.apart && class == Class::AfterCaustic;
                             let kept = if apart { &mut *after_caustic } else { &mut *photons };
@@ -192,9 +200,9 @@ impl PhotonPass<'_> {
     /// Follows one photon until it is absorbed, escapes or is stopped. `deposit` hears of every landing of a wanted class where a
     /// density estimate can use it, with its flux \[W].
     #[inline]
-    pub(super) fn follow(
+    pub(super) fn follow<I: Interior>(
         &self,
-        mut walk: Walk,
+        mut walk: Walk<I>,
         mut flux: Rgb,
         path: Key,
         (audit, rays): (&mut Audit, &mut u64),

@@ -1,6 +1,6 @@
 //! Building a resolved scene from parts in world coordinates.
 
-use super::{Attributes, CourseLight, Inside, Material, Scattering, Scene};
+use super::{Attributes, CourseLight, Inside, Material, Scene};
 use crate::accel::Hierarchy;
 use crate::camera::Pinhole;
 use crate::color::Rgb;
@@ -250,7 +250,7 @@ impl SceneBuilder {
             camera_inside: Inside::NOTHING,
             light_inside: Vec::new(),
         };
-        if scene.materials.iter().any(|m| matches!(m.scattering, Scattering::Boundary(_))) {
+        if scene.has_bodies() {
             scene.camera_inside = scene.inside_at(scene.camera.center().as_vec3());
             scene.light_inside =
                 scene.lights.iter().map(|l| l.start().map_or(Inside::NOTHING, |p| scene.inside_at(p))).collect();

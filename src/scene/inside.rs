@@ -101,7 +101,7 @@ impl Inside {
 
     /// Goes through a boundary in unit `direction`, where `ng` points out of its body.
     #[inline]
-    pub(super) fn cross(&mut self, material: u32, direction: Vec3, ng: Vec3) {
+    pub(super) fn cross_boundary(&mut self, material: u32, direction: Vec3, ng: Vec3) {
         if direction.dot(ng) < 0.0 { self.enter(material) } else { self.leave(material) }
     }
 }

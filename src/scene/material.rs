@@ -30,6 +30,18 @@ pub enum Scattering {
     },
 }
 
+impl Scattering {
+    /// Whether it sends light on in beams: see [`Bsdf::casts_caustics`]. A mix does not know.
+    #[must_use]
+    pub fn casts_caustics(&self) -> bool {
+        match self {
+            Self::Fixed(bsdf) => bsdf.casts_caustics(),
+            Self::Boundary(_) => true,
+            Self::Mix { .. } => false,
+        }
+    }
+}
+
 /// A body that light enters.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Body {

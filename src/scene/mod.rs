@@ -2,12 +2,14 @@
 
 mod builder;
 mod inside;
+mod interior;
 mod material;
 mod surface;
 mod walk;
 
 pub use builder::{BuildError, LightStrength, SceneBuilder, SourceKind};
 pub use inside::Inside;
+pub use interior::{Interior, Open};
 pub use material::{Body, Look, Material, Scattering};
 pub use surface::Surface;
 pub use walk::{Arrival, Walk};
@@ -17,7 +19,7 @@ use crate::bsdf::Bsdf;
 use crate::camera::Pinhole;
 use crate::color::Rgb;
 use crate::light::Light;
-use crate::math::{Ray, Sphere};
+use crate::math::{Bounds, Ray, Sphere};
 use crate::shape::{Mesh, Plane, Shape, SurfacePoint};
 use glam::{DVec3, Vec2, Vec3};
 use std::sync::Arc;
@@ -249,15 +251,21 @@ impl Scene {
     /// A walk from the camera along `ray`.
     #[inline]
     #[must_use]
-    pub fn walk_from_camera(&self, ray: Ray) -> Walk {
-        Walk { ray, inside: self.camera_inside }
+    pub fn walk_from_camera<I: Interior>(&self, ray: Ray) -> Walk<I> {
+        Walk { ray, inside: I::at_camera(self) }
     }
 
     /// A walk from a light along `ray`.
     #[inline]
     #[must_use]
-    pub fn walk_from_light(&self, light: usize, ray: Ray) -> Walk {
-        Walk { ray, inside: self.light_inside[light] }
+    pub fn walk_from_light<I: Interior>(&self, light: usize, ray: Ray) -> Walk<I> {
+        Walk { ray, inside: I::at_light(self, light) }
+    }
+
+    /// Whether a material is the boundary of a body, so that walks have to remember what they are inside of.
+    #[must_use]
+    pub fn has_bodies(&self) -> bool {
+        self.materials.iter().any(|m| matches!(m.scattering, Scattering::Boundary(_)))
     }
 
     /// The ray with its start moved back to where nothing unbounded lies behind it: light from infinity comes from beyond all planes.
@@ -273,31 +281,58 @@ impl Scene {
         Ray { origin: back.at(farthest * 1.001 + self.domain.radius), ..ray }
     }
 
+    /// Everything that is made of something.
+    pub fn objects(&self) -> impl Iterator<Item = Object> {
+        let shapes = self.shapes.iter().zip(&self.shape_attributes).map(|(shape, attributes)| Object {
+            ball: Some(bounding_ball(shape)),
+            flat: matches!(shape, Shape::Disc(_) | Shape::Rectangle(_)),
+            material: attributes.material,
+        });
+        let ends = self.parts.iter().skip(1).map(|(first, _)| *first).chain([self.mesh.triangles.len() as u32]);
+        let parts = self.parts.iter().zip(ends).filter(|((first, _), end)| first < end);
+        let meshes = parts.map(|((first, attributes), end)| {
+            let corners = (*first..end).flat_map(|i| self.mesh.corners(i as usize));
+            let ball = Some(Bounds::of(corners).bounding_sphere());
+            Object { ball, flat: false, material: attributes.material }
+        });
+        let planes =
+            self.planes.iter().map(|(_, attributes)| Object { ball: None, flat: true, material: attributes.material });
+        shapes.chain(meshes).chain(planes)
+    }
+
+    /// Tells `hear` of every scattering that a material can stand for: one, but of a mix all its parts.
+    pub fn scatterings(&self, material: u32, hear: &mut impl FnMut(&Scattering)) {
+        match &self.materials[material as usize].scattering {
+            Scattering::Mix { first, second, .. } => {
+                self.scatterings(*first, hear);
+                self.scatterings(*second, hear);
+            }
+            scattering => hear(scattering),
+        }
+    }
+
     /// Balls around everything that casts caustics, for aiming photons; `None` where such a thing is unbounded.
     #[must_use]
     pub fn caster_balls(&self) -> Option<Vec<Sphere>> {
-        let casts: Vec<bool> = (0..self.materials.len()).map(|i| self.casts_caustics(i as u32)).collect();
-        let casts = |a: &Attributes| casts[a.material as usize];
-        if self.planes.iter().any(|(_, a)| casts(a)) {
-            return None;
-        }
-        let shapes = self.shapes.iter().zip(&self.shape_attributes).filter(|(_, a)| casts(a));
-        let mut balls: Vec<Sphere> = shapes.map(|(shape, _)| bounding_ball(shape)).collect();
-        let ends = self.parts.iter().skip(1).map(|(first, _)| *first).chain([self.mesh.triangles.len() as u32]);
-        for ((first, _), end) in self.parts.iter().zip(ends).filter(|((_, a), _)| casts(a)) {
-            let corners = (*first..end).flat_map(|i| self.mesh.corners(i as usize));
-            balls.push(crate::math::Bounds::of(corners).bounding_sphere());
-        }
-        Some(balls)
+        self.objects().filter(|o| self.casts_caustics(o.material)).map(|o| o.ball).collect()
     }
 
     fn casts_caustics(&self, material: u32) -> bool {
-        match self.materials[material as usize].scattering {
-            Scattering::Fixed(bsdf) => bsdf.casts_caustics(),
-            Scattering::Boundary(_) => true,
-            Scattering::Mix { first, second, .. } => self.casts_caustics(first) || self.casts_caustics(second),
-        }
+        let mut casts = false;
+        self.scatterings(material, &mut |scattering| casts |= scattering.casts_caustics());
+        casts
     }
+}
+
+/// A shape, a mesh or a plane, as planning sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct Object {
+    /// A ball around it, tight for spheres; `None` where it is unbounded.
+    pub ball: Option<Sphere>,
+    /// Whether it is flat for certain, so that no part of it sees another.
+    pub flat: bool,
+    /// Index of its material.
+    pub material: u32,
 }
 
 /// A ball around a shape, tight for spheres.

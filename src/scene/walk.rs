@@ -1,7 +1,6 @@
 //! The part that every walk through a scene shares: to the next surface that is there for light, and away from it.
 
-use super::{Inside, Scattering, Scene, Surface};
-use crate::bsdf::Bsdf;
+use super::{Inside, Interior, Scattering, Scene, Surface};
 use crate::color::Rgb;
 use crate::math::Ray;
 use crate::sampling::{Dimension, Key};
@@ -9,11 +8,11 @@ use glam::Vec3;
 
 /// A walk between two surfaces.
 #[derive(Clone, Copy, Debug)]
-pub struct Walk {
+pub struct Walk<I> {
     /// Where it goes; of unit direction.
     pub ray: Ray,
     /// What it is inside of.
-    pub inside: Inside,
+    pub inside: I,
 }
 
 /// Where a walk arrives.
@@ -29,7 +28,7 @@ pub struct Arrival<'a> {
     pub crossed: bool,
 }
 
-impl Walk {
+impl<I: Interior> Walk<I> {
     /// Goes to the next surface; `None` where there is none. `key` is that of the vertex.
     #[inline]
     pub fn advance<'a>(&mut self, scene: &'a Scene, key: Key) -> Option<Arrival<'a>> {
@@ -39,27 +38,15 @@ impl Walk {
         loop {
             let hit = scene.intersect(&self.ray)?;
             let mut surface = scene.surface(&self.ray, &hit, || key.uniform(Dimension::Mix));
-            let boundary = match surface.material.scattering {
-                Scattering::Boundary(body) => Some(body),
-                _ => None,
-            };
-            let entering = surface.wo.dot(surface.point.ng) >= 0.0;
-            if boundary.is_some() && !entering && !self.inside.holds(surface.index) {
-                self.inside.found_inside(surface.index);
-            }
+            self.inside.approach(&surface);
             distance += hit.t;
             transmittance *= self.inside.transmittance(scene, hit.t);
-            if let Some(body) = boundary {
-                let crossing = self.inside.crossing(surface.index, &body, entering, &scene.materials);
-                if !crossing.real {
-                    self.ray = surface.leave(self.ray.direction);
-                    self.inside.cross(surface.index, self.ray.direction, surface.point.ng);
-                    crossed = true;
-                    continue;
-                }
-                surface.bsdf = Bsdf::dielectric(crossing.eta, body.roughness);
+            if self.inside.meet(scene, &mut surface) {
+                return Some(Arrival { surface, transmittance, distance, crossed });
             }
-            return Some(Arrival { surface, transmittance, distance, crossed });
+            self.ray = surface.leave(self.ray.direction);
+            self.inside.cross(&surface, self.ray.direction);
+            crossed = true;
         }
     }
 
@@ -67,20 +54,8 @@ impl Walk {
     #[inline]
     pub fn leave(&mut self, surface: &Surface<'_>, direction: Vec3, transmitted: bool) {
         self.ray = surface.leave(direction);
-        if transmitted && matches!(surface.material.scattering, Scattering::Boundary(_)) {
-            self.inside.cross(surface.index, direction, surface.point.ng);
-        }
-    }
-}
-
-impl Inside {
-    /// Part of the light that is left after `distance` in here.
-    #[inline]
-    #[must_use]
-    pub fn transmittance(&self, scene: &Scene, distance: f32) -> Rgb {
-        match self.top(&scene.materials) {
-            Some((_, body)) if body.absorption != Rgb::ZERO => (-body.absorption * distance).map(libm::expf),
-            _ => Rgb::ONE,
+        if transmitted {
+            self.inside.cross(surface, direction);
         }
     }
 }

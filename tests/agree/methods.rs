@@ -61,6 +61,7 @@ fn prepare<'a>(method: Method, scene: &'a Scene, effort: Effort, i: u32) -> Box<
         max_bounces: 1000,
         seed: 1000 + u64::from(i),
         filter: Filter::new(FilterKind::Box),
+        ..EyeSettings::default()
     };
     let settings = Settings {
         eye,

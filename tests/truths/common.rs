@@ -137,7 +137,7 @@ pub fn settings(photons: u32, caustic_photons: u32, radius: f64) -> Settings {
 /// Default settings but for camera rays a pixel, the bounce limit, a seed and the box filter of closed forms.
 pub fn camera_rays(samples: u32, max_bounces: u32) -> Settings {
     let filter = Filter::new(FilterKind::Box);
-    let eye = EyeSettings { samples: Some(samples), max_bounces, seed: 5, filter };
+    let eye = EyeSettings { samples: Some(samples), max_bounces, seed: 5, filter, ..EyeSettings::default() };
     Settings { eye, ..Settings::default() }
 }
 

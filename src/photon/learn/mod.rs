@@ -9,6 +9,7 @@ pub(super) use density::EmissionDensity;
 use super::{Audit, PhotonPass, PhotonSource, Scratch, Visible, Wants};
 use crate::color;
 use crate::sampling::{Discrete, Key, Purpose};
+use crate::scene::{Inside, Interior, Open};
 use density::{Fit, Sample};
 use rayon::prelude::*;
 
@@ -94,7 +95,12 @@ impl PhotonSource<'_> {
         let chunks: Vec<Found> = (0..paths.div_ceil(CHUNK))
             .into_par_iter()
             .map(|chunk| {
-                self.explore_chunk(pilot, key, chunk * CHUNK..paths.min((chunk + 1).saturating_mul(CHUNK)), paths)
+                let range = chunk * CHUNK..paths.min((chunk + 1).saturating_mul(CHUNK));
+                if self.interiors {
+                    self.explore_chunk::<Inside>(pilot, key, range, paths)
+                } else {
+                    self.explore_chunk::<Open>(pilot, key, range, paths)
+                }
             })
             .collect();
         let mut total = Found::default();
@@ -106,7 +112,13 @@ impl PhotonSource<'_> {
         total
     }
 
-    fn explore_chunk(&self, pilot: &Pilot<'_>, key: Key, range: std::ops::Range<u32>, paths: u32) -> Found {
+    fn explore_chunk<I: Interior>(
+        &self,
+        pilot: &Pilot<'_>,
+        key: Key,
+        range: std::ops::Range<u32>,
+        paths: u32,
+    ) -> Found {
         let pass = PhotonPass { scene: self.scene, source: self, wants: pilot.wants, max_bounces: pilot.max_bounces };
         let mut scratch = Scratch::new();
         let mut audit = Audit::default();
@@ -114,7 +126,7 @@ impl PhotonSource<'_> {
         for index in range {
             let draw = self.draw(key, index, paths);
             let mut square = 0.0;
-            if let Some((walk, flux)) = self.start(&draw) {
+            if let Some((walk, flux)) = self.start::<I>(&draw) {
                 pass.follow(walk, flux, key.with(index.into()), (&mut audit, &mut found.rays), |_, surface, flux| {
                     let flux = f64::from(color::mean(flux));
                     let importance = pilot.visible.importance(surface.point.p, surface.facing_normal(), &mut scratch);

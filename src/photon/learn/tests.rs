@@ -2,7 +2,7 @@ use super::*;
 use crate::camera::Pinhole;
 use crate::color::Rgb;
 use crate::photon::{Bandwidth, Kernel, Photon, PhotonMap, VisiblePoint};
-use crate::scene::{LightStrength, Material, Scene, SceneBuilder, SourceKind};
+use crate::scene::{Inside, LightStrength, Material, Scene, SceneBuilder, SourceKind};
 use crate::shape::{Rectangle, Shape, Sphere};
 use glam::{DVec3, Vec2, Vec3};
 
@@ -245,7 +245,7 @@ fn a_pilot_that_saw_nothing_changes_nothing() {
             assert_eq!((lesson.useful, lesson.gain), (0.0, 1.0), "{name}");
             let plain = PhotonSource::everywhere(&scene).unwrap();
             for i in 0..1000 {
-                let bits = |s: &PhotonSource<'_>| s.emit(key(1), i, 1000).map(|(w, f)| (w.ray, f));
+                let bits = |s: &PhotonSource<'_>| s.emit::<Inside>(key(1), i, 1000).map(|(w, f)| (w.ray, f));
                 assert_eq!(bits(&learned), bits(&plain), "{name}");
             }
         }
@@ -261,7 +261,7 @@ fn the_lesson_is_a_function_of_scene_and_seed() {
         pool.install(|| {
             let pilot = Pilot { wants: WANTS, max_bounces: BOUNCES, visible: &visible, paths: 1 << 15, seed };
             let (source, lesson) = PhotonSource::everywhere(&scene).unwrap().learned(&pilot);
-            let emit = |i| source.emit(key(0), i, 1000).map(|(w, f)| (w.ray, f));
+            let emit = |i| source.emit::<Inside>(key(0), i, 1000).map(|(w, f)| (w.ray, f));
             (lesson, (0..1000).map(emit).collect::<Vec<_>>())
         })
     };

@@ -1,0 +1,106 @@
+//! `caustica plan`.
+
+use super::args::PlanArguments;
+use super::scene::{in_pool, load};
+use super::settings::settings;
+use super::{Exit, Failure};
+use crate::integrate::Algorithm;
+use crate::plan::{Decision, Facts, Plan};
+use miette::IntoDiagnostic;
+use serde::Serialize;
+use std::fmt::Write as _;
+use std::io::Write as _;
+
+pub(super) fn run(arguments: &PlanArguments) -> Result<Exit, Failure> {
+    in_pool(&arguments.scene, || {
+        let scene = load(&arguments.scene)?;
+        let algorithm = Algorithm::from(arguments.method.integrator);
+        let settings = settings(&arguments.method);
+        let plan = Plan::new(&scene, algorithm.simulates(), settings.eye.effects);
+        let text = if arguments.json {
+            let report = Report::new(arguments.scene.scene.display().to_string(), algorithm, &plan);
+            let json = serde_json::to_string_pretty(&report);
+            json.into_diagnostic().map_err(|e| Failure::new(Exit::Output, e))? + "\n"
+        } else {
+            table(algorithm, &plan)
+        };
+        let written = std::io::stdout().write_all(text.as_bytes());
+        written.into_diagnostic().map_err(|e| Failure::new(Exit::Output, e))?;
+        Ok(Exit::Success)
+    })
+}
+
+/// The plan in a line.
+pub(super) fn line(plan: &Plan) -> String {
+    let names = |wanted: fn(&Decision) -> bool| {
+        let names: Vec<&str> = plan.decisions.iter().filter(|d| wanted(d)).map(|d| d.effect.name()).collect();
+        if names.is_empty() { "nothing".to_owned() } else { names.join(", ") }
+    };
+    format!("plan: {}; without {}", names(|d| d.on), names(|d| !d.on))
+}
+
+/// What wishes do to a picture, a line each.
+pub(super) fn complaints(plan: &Plan) -> impl Iterator<Item = String> {
+    let lacking = plan.decisions.iter().filter(|d| d.called_for && !d.on);
+    lacking.map(|d| format!("warning: without {}: {}", d.effect, d.effect.lack()))
+}
+
+fn table(algorithm: Algorithm, plan: &Plan) -> String {
+    let mut text = format!("{} simulates\n", algorithm.name());
+    for decision in &plan.decisions {
+        let state = match (decision.on, decision.is_forced()) {
+            (true, false) => "on",
+            (true, true) => "on, as wished",
+            (false, false) => "off",
+            (false, true) => "off, as wished",
+        };
+        let _ = writeln!(text, "  {:<16} {state:<15} {}", decision.effect, decision.reason);
+    }
+    complaints(plan).for_each(|line| text += &format!("{line}\n"));
+    text
+}
+
+#[derive(Debug, Serialize)]
+struct Report {
+    schema: u32,
+    version: &'static str,
+    scene: String,
+    integrator: &'static str,
+    facts: Facts,
+    effects: Vec<EffectReport>,
+}
+
+#[derive(Debug, Serialize)]
+pub(super) struct EffectReport {
+    effect: &'static str,
+    on: bool,
+    called_for: bool,
+    reason: String,
+    /// What is wrong with the picture without it; `None` where nothing is.
+    lack: Option<&'static str>,
+}
+
+/// The decisions as JSON holds them.
+pub(super) fn effects(plan: &Plan) -> Vec<EffectReport> {
+    let report = |d: &Decision| EffectReport {
+        effect: d.effect.name(),
+        on: d.on,
+        called_for: d.called_for,
+        reason: d.reason.to_string(),
+        lack: (d.called_for && !d.on).then(|| d.effect.lack()),
+    };
+    plan.decisions.iter().map(report).collect()
+}
+
+impl Report {
+    fn new(scene: String, algorithm: Algorithm, plan: &Plan) -> Self {
+        Self {
+            schema: 1,
+            version: env!("CARGO_PKG_VERSION"),
+            scene,
+            integrator: algorithm.name(),
+            facts: plan.facts,
+            effects: effects(plan),
+        }
+    }
+}

@@ -1,0 +1,39 @@
+//! What a light cannot reach for certain.
+
+use super::{Emitter, Light};
+use crate::math::Sphere;
+use crate::shape::Shape;
+
+/// Rounding of places in f32, in parts of their distance from the origin and from each other.
+const MARGIN: f32 = 1e-5;
+
+impl Light {
+    /// Whether light that leaves it may reach `ball` in a straight line, `None` being everywhere; `false` only where it cannot. What
+    /// stands in between does not count.
+    #[must_use]
+    pub fn may_reach(&self, ball: Option<Sphere>, domain: Sphere) -> bool {
+        let Some(ball) = ball else { return true };
+        let margin = MARGIN * (ball.center.abs().max_element() + domain.radius + domain.center.abs().max_element());
+        let grown = Sphere { radius: ball.radius + margin, ..ball };
+        match self {
+            Self::Point { .. } | Self::Directional { .. } | Self::Environment(_) => true,
+            Self::Spot(spot) => {
+                let to = grown.center - spot.position;
+                let (distance, along) = (to.length(), to.dot(spot.axis));
+                // The ball is seen within asin(r/d) of its centre; beyond a right angle the beam is no cone to reckon with.
+                if distance <= grown.radius || spot.cos_outer < 0.0 {
+                    return true;
+                }
+                let angle = libm::acosf((along / distance).clamp(-1.0, 1.0));
+                angle <= libm::acosf(spot.cos_outer) + libm::asinf(grown.radius / distance) + MARGIN
+            }
+            Self::Area(area) => match area.emitter {
+                Emitter::Shape(Shape::Disc(_) | Shape::Rectangle(_)) => {
+                    let point = area.emitter.sample(glam::Vec2::splat(0.5)).point;
+                    (grown.center - point.p).dot(point.ng) >= -grown.radius
+                }
+                Emitter::Shape(_) | Emitter::Triangles { .. } => true,
+            },
+        }
+    }
+}

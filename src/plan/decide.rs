@@ -1,0 +1,179 @@
+//! Decisions.
+
+use super::{Effect, Effects, Facts, Wishes};
+use crate::scene::Scene;
+use std::fmt;
+
+/// Why an effect is simulated, or adds nothing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Reason {
+    /// So many objects call for it.
+    Objects(usize, &'static str),
+    /// So many lights call for it.
+    Lights(usize, &'static str),
+    /// Light comes from all around.
+    Sky,
+    /// Things may stand before each other.
+    Crowded,
+    /// The algorithm has no notion of it.
+    NotOfAlgorithm,
+    /// No light has power.
+    NoLight,
+    /// Nothing is a caster.
+    NoCaster,
+    /// No light reaches a caster without a detour.
+    NoLitCaster,
+    /// Nothing stores photons.
+    NoReceiver,
+    /// All receivers absorb all light.
+    BlackReceivers,
+    /// All there is is one flat object.
+    OneFlatObject,
+    /// All lights are points, or parallel.
+    NoSoftLight,
+    /// No light comes from all around.
+    NoSky,
+    /// Light enters nothing.
+    NoBody,
+    /// It rests on another effect, which is off.
+    Without(Effect),
+}
+
+impl fmt::Display for Reason {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let counted = |f: &mut fmt::Formatter<'_>, n: usize, what: &str, rest: &str| {
+            write!(f, "{n} {what}{} {rest}", if n == 1 { "" } else { "s" })
+        };
+        match self {
+            Self::Objects(n, what) => counted(f, *n, "object", what),
+            Self::Lights(n, what) => counted(f, *n, "light", what),
+            Self::Sky => f.write_str("light comes from all around"),
+            Self::Crowded => f.write_str("things may stand before each other"),
+            Self::NotOfAlgorithm => f.write_str("the algorithm does not simulate it"),
+            Self::NoLight => f.write_str("no light has power"),
+            Self::NoCaster => f.write_str("nothing is a mirror, glass or smooth metal"),
+            Self::NoLitCaster => f.write_str("no light reaches a mirror, glass or smooth metal without a detour"),
+            Self::NoReceiver => f.write_str("nothing stores photons"),
+            Self::BlackReceivers => f.write_str("whatever stores photons absorbs all light"),
+            Self::OneFlatObject => f.write_str("all there is is one flat object"),
+            Self::NoSoftLight => f.write_str("every light is a point, or parallel"),
+            Self::NoSky => f.write_str("no light comes from all around"),
+            Self::NoBody => f.write_str("light enters nothing"),
+            Self::Without(effect) => write!(f, "it rests on {effect}, which adds nothing here"),
+        }
+    }
+}
+
+/// What is done about an effect.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Decision {
+    /// The effect.
+    pub effect: Effect,
+    /// Whether the scene calls for it.
+    pub called_for: bool,
+    /// Why.
+    pub reason: Reason,
+    /// Whether it is simulated.
+    pub on: bool,
+}
+
+impl Decision {
+    /// Whether a wish overrules the scene.
+    #[must_use]
+    pub fn is_forced(&self) -> bool {
+        self.on != self.called_for
+    }
+}
+
+/// What is simulated, and why.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Plan {
+    /// What the scene holds.
+    pub facts: Facts,
+    /// One decision for each effect, in the order of [`Effect::ALL`].
+    pub decisions: Vec<Decision>,
+}
+
+impl Plan {
+    /// A plan for an algorithm that can simulate `simulated`.
+    #[must_use]
+    pub fn new(scene: &Scene, simulated: Effects, wishes: Wishes) -> Self {
+        let facts = Facts::of(scene);
+        let mut called_for = Effects::NONE;
+        let decide = |effect| {
+            let reason = match judge(&facts, effect, called_for) {
+                _ if !simulated.has(effect) => Err(Reason::NotOfAlgorithm),
+                reason => reason,
+            };
+            if reason.is_ok() {
+                called_for = called_for.with(effect);
+            }
+            let planned = reason.is_ok();
+            let on = if simulated.has(effect) { wishes.of(effect).unwrap_or(planned) } else { false };
+            let reason = reason.unwrap_or_else(|why| why);
+            Decision { effect, called_for: planned, reason, on }
+        };
+        let decisions = Effect::ALL.map(decide).to_vec();
+        Self { facts, decisions }
+    }
+
+    /// The effects that are simulated.
+    #[must_use]
+    pub fn effects(&self) -> Effects {
+        self.decisions.iter().filter(|d| d.on).fold(Effects::NONE, |on, d| on.with(d.effect))
+    }
+}
+
+/// Why `effect` is called for, or else why it adds nothing; `before` holds what is called for of the effects listed earlier.
+fn judge(facts: &Facts, effect: Effect, before: Effects) -> Result<Reason, Reason> {
+    let need = |there: bool, why: Reason| if there { Ok(()) } else { Err(why) };
+    let any = |n: usize, why: Reason| need(n > 0, why);
+    match effect {
+        Effect::Casters => {
+            any(facts.casters, Reason::NoCaster)?;
+            Ok(Reason::Objects(facts.casters, "of mirror, glass or smooth metal"))
+        }
+        Effect::Caustics => {
+            any(facts.lights, Reason::NoLight)?;
+            any(facts.casters, Reason::NoCaster)?;
+            any(facts.lit_casters, Reason::NoLitCaster)?;
+            any(facts.receivers, Reason::NoReceiver)?;
+            Ok(Reason::Objects(facts.lit_casters, "may throw light on others"))
+        }
+        Effect::CausticBounces => {
+            need(before.has(Effect::Caustics), Reason::Without(Effect::Caustics))?;
+            any(facts.scattering_receivers, Reason::BlackReceivers)?;
+            Ok(Reason::Objects(facts.scattering_receivers, "may pass caustics on"))
+        }
+        Effect::Interreflection => {
+            any(facts.lights, Reason::NoLight)?;
+            any(facts.receivers, Reason::NoReceiver)?;
+            any(facts.scattering_receivers, Reason::BlackReceivers)?;
+            // A walk on from a receiver is also how half of the light of soft lights is found.
+            need(!facts.one_flat_object || facts.soft_lights > 0, Reason::OneFlatObject)?;
+            Ok(Reason::Objects(facts.scattering_receivers, "may light others"))
+        }
+        Effect::Gathering => {
+            need(before.has(Effect::Interreflection), Reason::Without(Effect::Interreflection))?;
+            Ok(Reason::Objects(facts.scattering_receivers, "may light others"))
+        }
+        Effect::Shadows => {
+            any(facts.lights, Reason::NoLight)?;
+            need(!facts.one_flat_object, Reason::OneFlatObject)?;
+            Ok(Reason::Crowded)
+        }
+        Effect::SoftShadows => {
+            any(facts.lights, Reason::NoLight)?;
+            any(facts.soft_lights, Reason::NoSoftLight)?;
+            Ok(Reason::Lights(facts.soft_lights, "with an extent"))
+        }
+        Effect::Environment => {
+            need(facts.environment, Reason::NoSky)?;
+            Ok(Reason::Sky)
+        }
+        Effect::Interiors => {
+            any(facts.bodies, Reason::NoBody)?;
+            Ok(Reason::Objects(facts.bodies, "that light enters"))
+        }
+    }
+}

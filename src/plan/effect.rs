@@ -1,0 +1,147 @@
+//! What can be simulated or left out.
+
+/// A part of light transport that a picture may need.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u16)]
+pub enum Effect {
+    /// Walking on from mirrors, glass and smooth metal that the camera sees.
+    Casters,
+    /// Light by way of casters to a receiver.
+    Caustics,
+    /// What caustics become on their way from receiver to receiver.
+    CausticBounces,
+    /// Light that receivers send to each other.
+    Interreflection,
+    /// Looking at the global map through gather rays.
+    Gathering,
+    /// Shadow rays that find something in their way.
+    Shadows,
+    /// Lights with an extent: soft shadows, and light met by chance.
+    SoftShadows,
+    /// Light from all around.
+    Environment,
+    /// Bodies that absorb or overlap.
+    Interiors,
+}
+
+impl Effect {
+    /// All of them, in the order of a table.
+    pub const ALL: [Self; 9] = [
+        Self::Casters,
+        Self::Caustics,
+        Self::CausticBounces,
+        Self::Interreflection,
+        Self::Gathering,
+        Self::Shadows,
+        Self::SoftShadows,
+        Self::Environment,
+        Self::Interiors,
+    ];
+
+    /// As typed.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Casters => "casters",
+            Self::Caustics => "caustics",
+            Self::CausticBounces => "caustic-bounces",
+            Self::Interreflection => "interreflection",
+            Self::Gathering => "gathering",
+            Self::Shadows => "shadows",
+            Self::SoftShadows => "soft-shadows",
+            Self::Environment => "environment",
+            Self::Interiors => "interiors",
+        }
+    }
+
+    /// What is wrong with a picture that calls for the effect and goes without.
+    #[must_use]
+    pub const fn lack(self) -> &'static str {
+        match self {
+            Self::Casters => "mirrors, glass and smooth metal are black",
+            Self::Caustics => "light by way of glass and mirrors is missing: their shadows are too dark",
+            Self::CausticBounces => "what caustics light is lit, but lights nothing in turn",
+            Self::Interreflection => "matt surfaces do not light each other: what no light sees is black",
+            Self::Gathering => "indirect light is blotched, and darkens in seams at edges",
+            Self::Shadows => "light goes through everything that stands in its way",
+            Self::SoftShadows => "lights shine from their middles: shadows and gloss have hard edges",
+            Self::Environment => "the sky neither lights nor shows",
+            Self::Interiors => {
+                "glass keeps all light that goes through it, and bodies that overlap refract as if apart"
+            }
+        }
+    }
+
+    /// Whether the effect is compiled in. `RUSTFLAGS='--cfg caustica_without="NAME"'` builds a program without it, to measure what
+    /// the others pay for its presence: see docs/performance.md.
+    const fn is_built(self) -> bool {
+        match self {
+            Self::Casters => !cfg!(caustica_without = "casters"),
+            Self::Caustics => !cfg!(caustica_without = "caustics"),
+            Self::CausticBounces => !cfg!(caustica_without = "caustic-bounces"),
+            Self::Interreflection => !cfg!(caustica_without = "interreflection"),
+            Self::Gathering => !cfg!(caustica_without = "gathering"),
+            Self::Shadows => !cfg!(caustica_without = "shadows"),
+            Self::SoftShadows => !cfg!(caustica_without = "soft-shadows"),
+            Self::Environment => !cfg!(caustica_without = "environment"),
+            Self::Interiors => !cfg!(caustica_without = "interiors"),
+        }
+    }
+}
+
+impl std::fmt::Display for Effect {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+/// A set of effects.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Effects(u16);
+
+impl Effects {
+    /// No effect.
+    pub const NONE: Self = Self(0);
+    /// All effects.
+    pub const ALL: Self = Self::of(&Effect::ALL);
+
+    /// These effects.
+    #[must_use]
+    pub const fn of(effects: &[Effect]) -> Self {
+        let mut set = Self(0);
+        let mut i = 0;
+        while i < effects.len() {
+            set = set.with(effects[i]);
+            i += 1;
+        }
+        set
+    }
+
+    /// Whether `effect` is among them.
+    #[inline]
+    #[must_use]
+    pub const fn has(self, effect: Effect) -> bool {
+        effect.is_built() && self.0 & Self::bit(effect) != 0
+    }
+
+    /// With `effect`.
+    #[must_use]
+    pub const fn with(self, effect: Effect) -> Self {
+        Self(self.0 | Self::bit(effect))
+    }
+
+    /// Without `effect`.
+    #[must_use]
+    pub const fn without(self, effect: Effect) -> Self {
+        Self(self.0 & !Self::bit(effect))
+    }
+
+    /// They, in the order of a table.
+    pub fn iter(self) -> impl Iterator<Item = Effect> {
+        Effect::ALL.into_iter().filter(move |e| self.has(*e))
+    }
+
+    const fn bit(effect: Effect) -> u16 {
+        1 << effect as u16
+    }
+}

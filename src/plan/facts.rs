@@ -1,0 +1,75 @@
+//! What a scene holds, as far as it is certain without tracing a ray.
+
+use crate::bsdf::Bsdf;
+use crate::color::Rgb;
+use crate::light::Light;
+use crate::scene::{Object, Scattering, Scene};
+
+/// What decisions rest on. Where something is not certain, the fact is what keeps an effect on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+pub struct Facts {
+    /// Things that are made of something: shapes, meshes, planes.
+    pub objects: usize,
+    /// Of them, those that store photons.
+    pub receivers: usize,
+    /// Of the receivers, those that send some light on.
+    pub scattering_receivers: usize,
+    /// Mirrors, glass, smooth metal.
+    pub casters: usize,
+    /// Of them, those that a light may reach without a detour.
+    pub lit_casters: usize,
+    /// Bodies that light enters.
+    pub bodies: usize,
+    /// Lights with power.
+    pub lights: usize,
+    /// Of them, those with an extent.
+    pub soft_lights: usize,
+    /// Whether light comes from all around.
+    pub environment: bool,
+    /// Whether nothing can stand before anything else: all there is is one flat object.
+    pub one_flat_object: bool,
+}
+
+impl Facts {
+    /// Reads a scene.
+    #[must_use]
+    pub fn of(scene: &Scene) -> Self {
+        let objects: Vec<Object> = scene.objects().collect();
+        let mut facts = Self {
+            objects: objects.len(),
+            receivers: 0,
+            scattering_receivers: 0,
+            casters: 0,
+            lit_casters: 0,
+            bodies: 0,
+            lights: 0,
+            soft_lights: 0,
+            environment: scene.environment().is_some(),
+            one_flat_object: matches!(objects[..], [only] if only.flat),
+        };
+        let lights: Vec<&Light> = scene.lights().iter().filter(|l| l.power(scene.domain()) != Rgb::ZERO).collect();
+        facts.lights = lights.len();
+        facts.soft_lights = lights.iter().filter(|l| l.has_surface()).count();
+        for object in &objects {
+            let (mut receives, mut scatters, mut casts, mut bounds) = (false, false, false, false);
+            scene.scatterings(object.material, &mut |scattering| {
+                casts |= scattering.casts_caustics();
+                match scattering {
+                    Scattering::Fixed(bsdf) if bsdf.stores_photons() => {
+                        receives = true;
+                        scatters |= *bsdf != Bsdf::Diffuse(Rgb::ZERO);
+                    }
+                    Scattering::Boundary(_) => bounds = true,
+                    Scattering::Fixed(_) | Scattering::Mix { .. } => {}
+                }
+            });
+            let reached = || lights.iter().any(|light| light.may_reach(object.ball, scene.domain()));
+            facts.receivers += usize::from(receives);
+            facts.scattering_receivers += usize::from(scatters);
+            facts.casters += usize::from(casts);
+            facts.lit_casters += usize::from(casts && reached());
+            facts.bodies += usize::from(bounds);
+        }
+        facts
+    }
+}
