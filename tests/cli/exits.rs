@@ -101,7 +101,7 @@ fn a_wrong_command_line_is_2() {
 fn more_than_memory_holds_is_2_and_at_once() {
     let shop = Workshop::new();
     let start = Instant::now();
-    let photons = shop.render("box.txt", "-o a.png --photons 4000M --caustic-photons 0");
+    let photons = shop.render("box.txt", "-o a.png --integrator sppm --photons 4000M --caustic-photons 0");
     photons.expect(2, &["4000000000 photon paths", "help: take fewer --photons"]);
     let picture = shop.render("box.txt", "-o a.png --size 16385x16384");
     picture.expect(2, &["16385", "268435456 pixels", "help: choose a smaller --size"]);
