@@ -4,7 +4,7 @@ use super::args::PlanArguments;
 use super::scene::{in_pool, load};
 use super::settings::settings;
 use super::{Exit, Failure};
-use crate::integrate::Algorithm;
+use crate::integrate::{Algorithm, Balance};
 use crate::plan::{Decision, Facts, Plan};
 use miette::IntoDiagnostic;
 use serde::Serialize;
@@ -37,6 +37,23 @@ pub(super) fn line(plan: &Plan) -> String {
         if names.is_empty() { "nothing".to_owned() } else { names.join(", ") }
     };
     format!("plan: {}; without {}", names(|d| d.on), names(|d| !d.on))
+}
+
+/// How a pass divides its work, in a line.
+pub(super) fn balance_line(balance: &Balance) -> String {
+    let Balance { samples, photons, caustic_photons } = balance;
+    let mut line = format!("a pass: {}", counted(*samples as usize, "camera ray a pixel", "camera rays a pixel"));
+    for (n, which) in [(photons, "photon paths"), (caustic_photons, "photon paths aimed at casters")] {
+        if let Some(n) = n {
+            let _ = write!(line, ", {n} {which}");
+        }
+    }
+    line
+}
+
+/// A number with its unit.
+pub(super) fn counted(n: usize, one: &str, many: &str) -> String {
+    format!("{n} {}", if n == 1 { one } else { many })
 }
 
 /// What wishes do to a picture, a line each.

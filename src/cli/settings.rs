@@ -20,6 +20,7 @@ impl From<AlgorithmName> for Algorithm {
 }
 
 pub(super) fn settings(arguments: &MethodArguments) -> Settings {
+    let photons = arguments.photons.unwrap_or(Settings::default().photons);
     Settings {
         eye: EyeSettings {
             samples: arguments.spp,
@@ -28,8 +29,9 @@ pub(super) fn settings(arguments: &MethodArguments) -> Settings {
             filter: Filter::new(arguments.filter),
             effects: arguments.effects,
         },
-        photons: arguments.photons,
-        caustic_photons: arguments.caustic_photons.unwrap_or(arguments.photons / 2),
+        photons,
+        caustic_photons: arguments.caustic_photons.unwrap_or(photons / 2),
+        balance: arguments.photons.is_none() && arguments.caustic_photons.is_none() && arguments.gather_k.is_none(),
         gather_k: arguments.gather_k,
         radius: arguments.radius,
         kernel: arguments.kernel,

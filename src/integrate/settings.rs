@@ -40,6 +40,9 @@ pub struct Settings {
     pub photons: u32,
     /// Paths aimed at casters a pass.
     pub caustic_photons: u32,
+    /// Whether a pilot may change camera rays and photon paths so that the same work gives less noise. Numbers that the user
+    /// sets stay only without.
+    pub balance: bool,
     /// Most photons an estimate takes, 0 for no limit; `None`: [`CAUSTIC_K`](super::CAUSTIC_K) in the caustic map, no limit in the
     /// global one, whose light is smooth.
     pub gather_k: Option<u32>,
@@ -69,6 +72,7 @@ impl Default for Settings {
             eye: EyeSettings::default(),
             photons: 500_000,
             caustic_photons: 250_000,
+            balance: true,
             gather_k: None,
             radius: None,
             kernel: Kernel::default(),

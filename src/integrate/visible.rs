@@ -7,9 +7,9 @@ use super::tiles::Worker;
 use crate::bsdf::Transport;
 use crate::color::{self, Rgb};
 use crate::photon::{Visible, VisiblePoint};
-use crate::plan::{Effect, Effects};
+use crate::plan::Effects;
 use crate::sampling::{Dimension, Draw, Key, Purpose};
-use crate::scene::{Inside, Interior, Open, Scene};
+use crate::scene::{Interior, Scene};
 use glam::Vec2;
 
 /// Camera rays of the pilot.
@@ -21,18 +21,11 @@ pub(super) fn visible(scene: &Scene, settings: &EyeSettings, effects: Effects, r
     let walks = EyePass { scene, effects, settings, direct, method: &Seen, samples: 1, pass: 0 };
     let key = Key::new(settings.seed).purpose(Purpose::Visible);
     let (width, height) = scene.camera().size();
-    let mut worker = Worker::default();
-    for i in 0..RAYS {
-        let draw = Draw::new(key, i, RAYS);
-        let at = draw.two(Dimension::Film) * Vec2::new(width as f32, height as f32);
-        let ray = scene.camera().ray(at);
-        if effects.has(Effect::Interiors) {
-            let _ = walks.radiance::<Inside>(&ray, draw, &mut worker, &mut Vec::new());
-        } else {
-            let _ = walks.radiance::<Open>(&ray, draw, &mut worker, &mut Vec::new());
-        }
-    }
-    Visible::new(worker.visible, radius)
+    let size = Vec2::new(width as f32, height as f32);
+    let draws = (0..RAYS).map(|i| Draw::new(key, i, RAYS));
+    let points: Vec<(Vec2, Draw)> = draws.map(|draw| (draw.two(Dimension::Film) * size, draw)).collect();
+    let (_, workers) = walks.at(&points);
+    Visible::new(workers.into_iter().flat_map(|worker| worker.visible), radius)
 }
 
 /// Notes the first receivers and computes nothing.

@@ -65,6 +65,7 @@ fn prepare<'a>(method: Method, scene: &'a Scene, effort: Effort, i: u32) -> Box<
     };
     let settings = Settings {
         eye,
+        balance: false,
         photons: effort.photons,
         caustic_photons: effort.caustic,
         gather_k: Some(0),
