@@ -89,7 +89,7 @@ impl<'a> MapMaker<'a> {
         let counts = Counts { photons, caustic_photons };
         let mut maker = Self { scene, settings, effects, needs, global, caustic, counts, radii: None, lessons };
         maker.learn();
-        maker.radii = (needs != Needs::NOTHING).then(|| maker.find_radii());
+        maker.radii = maker.has_photons().then(|| maker.find_radii());
         maker
     }
 
@@ -137,6 +137,11 @@ impl<'a> MapMaker<'a> {
         };
         let caustic = radius(&self.caustic, Wants::CAUSTIC, settings.caustic_photons, CAUSTIC_K);
         Radii { global: smooth, caustic }
+    }
+
+    /// Whether a pass has photons.
+    pub fn has_photons(&self) -> bool {
+        self.caustic.is_some() || self.global.is_some()
     }
 
     /// What a pass will store.

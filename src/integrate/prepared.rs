@@ -119,22 +119,28 @@ impl<'a> Prepared<'a> {
         let (effects, needed) = (plan.effects(), plan.needed());
         let mut prepared = make(effects);
         let wanted = settings.balance && settings.eye.samples.is_none() && strategy.can_be_balanced();
-        if wanted && prepared.maker.needs != Needs::NOTHING {
-            // What is simulated needlessly has no say: a picture is the same with it.
-            let balance = if needed == effects { prepared.find_balance() } else { make(needed).find_balance() };
-            prepared.samples = balance.samples;
-            let Counts { photons, caustic_photons } = prepared.maker.counts;
-            prepared.maker.counts = Counts {
-                photons: balance.photons.unwrap_or(photons),
-                caustic_photons: balance.caustic_photons.unwrap_or(caustic_photons),
-            };
-            prepared.balance = Some(balance);
+        // What is simulated needlessly has no say: a picture is the same with it.
+        let balance = match (wanted, needed == effects) {
+            (false, _) => None,
+            (true, true) => prepared.find_balance(),
+            (true, false) => make(needed).find_balance(),
+        };
+        if let Some(Balance { samples, photons, caustic_photons }) = balance {
+            prepared.samples = samples;
+            let counts = &mut prepared.maker.counts;
+            counts.photons = photons.unwrap_or(counts.photons);
+            counts.caustic_photons = caustic_photons.unwrap_or(counts.caustic_photons);
         }
+        prepared.balance = balance;
         prepared
     }
 
-    /// How a pass should divide its work. It depends on the scene and the settings alone.
-    fn find_balance(&self) -> Balance {
+    /// How a pass should divide its work; `None` where there are no photons to divide it with. It depends on the scene and the settings
+    /// alone.
+    fn find_balance(&self) -> Option<Balance> {
+        if !self.maker.has_photons() {
+            return None;
+        }
         let key = Key::new(self.eye.seed).purpose(Purpose::Balance);
         let (width, height) = self.scene.camera().size();
         let size = Vec2::new(width as f32, height as f32);
@@ -206,11 +212,11 @@ impl<'a> Prepared<'a> {
         let global = part(global, &made.global, rays, whole.photons);
         let [samples, photons, caustic_photons] = balance::divide(&[camera, global, caustic]);
         let paths = |n: f64, emitted: u64| (emitted > 0).then(|| n.round().min(f64::from(u32::MAX)) as u32);
-        Balance {
+        Some(Balance {
             samples: samples.round().max(1.0) as u32,
             photons: paths(photons, made.global.emitted),
             caustic_photons: paths(caustic_photons, made.caustic.emitted),
-        }
+        })
     }
 
     fn walk(&self, maps: &Maps<'_>, pass: u32, job: Job<'_>) {
