@@ -71,4 +71,39 @@ mod tests {
         }
         assert_eq!((Guide::default().sample(0.5, Vec2::ZERO), Guide::default().pdf(Vec3::Z)), (None, None));
     }
+
+    fn uniform(i: u64) -> (f32, Vec2) {
+        let key = Key::new(3).purpose(Purpose::Test).with(i);
+        (key.uniform(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection))
+    }
+
+    /// Over n directions of the whole sphere, of which the cones cover a part c, the mean of 4π·pdf scatters by less than √(1/(nc)).
+    #[test]
+    fn the_density_integrates_to_one() {
+        let guide = Guide { directions: vec![Vec3::Z, Vec3::X, Vec3::X] };
+        let n = 200_000;
+        let density = |i| f64::from(guide.pdf(warp::sphere(uniform(i).1)).unwrap_or(0.0));
+        let whole = 4.0 * std::f64::consts::PI * (0..n).map(density).sum::<f64>() / n as f64;
+        let covered = f64::from(ONE_MINUS_COS) / 2.0;
+        assert!((whole - 1.0).abs() < 5.0 / (n as f64 * covered).sqrt(), "{whole}");
+    }
+
+    /// Each of three directions gets a third of the draws, give or take five sigma, and the cosine to it is uniform over the cone.
+    #[test]
+    fn every_direction_gets_its_share_and_fills_its_cone() {
+        let directions = vec![Vec3::X, Vec3::Y, Vec3::Z];
+        let mut guide = Guide { directions: directions.clone() };
+        let n = 30_000;
+        let drawn: Vec<Vec3> = (0..n).filter_map(|i| guide.sample(uniform(i).0, uniform(i).1)).collect();
+        for direction in directions {
+            let near: Vec<f64> = drawn.iter().map(|w| f64::from(w.dot(direction))).filter(|cos| *cos > 0.9).collect();
+            let third = n as f64 / 3.0;
+            assert!((near.len() as f64 - third).abs() < 5.0 * (third * 2.0 / 3.0).sqrt(), "{}", near.len());
+            let off = 1.0 - near.iter().sum::<f64>() / near.len() as f64;
+            let half = f64::from(ONE_MINUS_COS) / 2.0;
+            assert!((off / half - 1.0).abs() < 5.0 / (3.0 * third).sqrt(), "{off}");
+        }
+        guide.clear();
+        assert_eq!(guide.sample(0.5, Vec2::ZERO), None);
+    }
 }
