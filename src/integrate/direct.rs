@@ -1,6 +1,7 @@
 //! Direct light by shadow rays.
 
-use super::eye::{History, Last, Vertex};
+use super::eye::Last;
+use super::method::{History, Vertex};
 use super::tiles::Worker;
 use crate::color::Rgb;
 use crate::light::{DirectSample, Light, LightChoice, Reach};

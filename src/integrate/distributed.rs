@@ -2,8 +2,8 @@
 //! glossy and whose pixels have an area, each sampled by chance. Matt surfaces do not light each other.
 
 use super::direct::Asking;
-use super::eye::{AtReceiver, History, Method, Vertex};
 use super::maps::Maps;
+use super::method::{AtReceiver, History, Method, Vertex};
 use super::prepared::{Strategy, Walks};
 use crate::bsdf::Bsdf;
 use crate::scene::Interior;

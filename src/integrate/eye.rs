@@ -5,9 +5,10 @@
 //! to photons, its walk does not count when it meets a light by chance, so that each path counts once.
 
 use super::direct::DirectLight;
+use super::method::{AtReceiver, History, Method, Vertex};
 use super::tiles::{self, Worker};
 use super::{EyeSettings, Monitor, Pass};
-use crate::bsdf::{Bsdf, BsdfSample, Transport};
+use crate::bsdf::{Bsdf, Transport};
 use crate::color::{self, Rgb};
 use crate::math::Ray;
 use crate::plan::{Effect, Effects};
@@ -32,119 +33,6 @@ const BRANCHES: usize = 16;
 
 /// After so many casters a walk goes on with the probability of its throughput.
 const CERTAIN_CASTERS: u32 = 8;
-
-/// What a camera walk has met before it stands where it is.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct History {
-    /// Receivers so far.
-    pub receivers: u32,
-    /// Casters since the last receiver, or since the camera.
-    pub casters: u32,
-}
-
-impl History {
-    /// Whether light that is met now comes by a path of the kind that photons find: over casters to a receiver.
-    #[inline]
-    pub fn is_caustic(self) -> bool {
-        self.receivers > 0 && self.casters > 0
-    }
-}
-
-/// A vertex whose surface scatters more than deltas.
-pub(super) struct Vertex<'a, I> {
-    /// The surface.
-    pub surface: &'a Surface<'a>,
-    /// What the surface is inside of, on the side of the viewer.
-    pub inside: &'a I,
-    /// What came before.
-    pub history: History,
-    /// Part of what it sends back that reaches the pixel.
-    pub throughput: Rgb,
-    /// Length of the way from the last vertex \[length].
-    pub distance: f32,
-    /// Random numbers of the vertex.
-    pub draw: Draw,
-    /// Random numbers of its shadow rays.
-    pub shadow_draw: Draw,
-}
-
-impl<I: Interior> Vertex<'_, I> {
-    /// The side on which light counts; `None` where both do.
-    #[inline]
-    pub fn horizon(&self) -> Option<Vec3> {
-        horizon(self.surface)
-    }
-
-    /// Part of the light that is left of what comes from `distance` away in unit direction `wi`.
-    #[inline]
-    pub fn transmittance(&self, scene: &Scene, wi: Vec3, distance: f32) -> Rgb {
-        let mut walk = Walk { ray: Ray::new(self.surface.point.p, wi), inside: *self.inside };
-        let transmitted = wi.dot(self.surface.point.ng) * self.surface.wo.dot(self.surface.point.ng) < 0.0;
-        walk.leave(self.surface, wi, transmitted);
-        walk.inside.transmittance(scene, distance)
-    }
-}
-
-/// The side of a surface on which light counts; `None` where both do.
-#[inline]
-fn horizon(surface: &Surface<'_>) -> Option<Vec3> {
-    (!surface.bsdf.transmits()).then(|| surface.facing_normal())
-}
-
-/// What is done at a receiver.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct AtReceiver {
-    /// Ask the lights.
-    pub direct: bool,
-    /// Walk on.
-    pub onward: bool,
-}
-
-/// What tells one algorithm from another.
-pub(super) trait Method: Sync {
-    /// The part of a receiver's scattering that is looked at this time, over the probability of that.
-    #[inline]
-    fn part(&self, bsdf: Bsdf, _: f32) -> Bsdf {
-        bsdf
-    }
-
-    /// What is done at a receiver.
-    fn at_receiver<I: Interior>(&self, vertex: &Vertex<'_, I>) -> AtReceiver;
-
-    /// Radiance that a receiver sends to its viewer of light that photons brought.
-    fn photons<I: Interior>(&self, _: &Vertex<'_, I>, _: &mut Worker) -> Rgb {
-        Rgb::ZERO
-    }
-
-    /// Whether light that is found after `history`, by a connection or by chance, counts.
-    fn counts(&self, history: History) -> bool;
-
-    /// Readies what [`Method::sample`] and [`Method::pdf`] need at a receiver.
-    fn prepare<I: Interior>(&self, _: &Vertex<'_, I>, _: &mut Worker) {}
-
-    /// Draws where the walk goes on from a surface.
-    #[inline]
-    fn sample<I: Interior>(&self, vertex: &Vertex<'_, I>, _: &mut Worker) -> Option<BsdfSample> {
-        let (lobe, u) = (vertex.draw.one(Dimension::BsdfLobe), vertex.draw.two(Dimension::BsdfDirection));
-        vertex.surface.sample(lobe, u, Transport::Radiance)
-    }
-
-    /// Density of `sample` per steradian.
-    #[inline]
-    fn pdf<I: Interior>(&self, vertex: &Vertex<'_, I>, wi: Vec3, _: &mut Worker) -> f32 {
-        vertex.surface.pdf(wi)
-    }
-
-    /// Whether all passes share their camera walks.
-    fn repeats_walks(&self) -> bool {
-        false
-    }
-
-    /// Throughput below which a walk over casters is cut; 0 leaves that to roulette.
-    fn cut(&self) -> f32 {
-        0.0
-    }
-}
 
 /// The camera walks of a pass.
 pub(super) struct EyePass<'a, M> {
@@ -283,32 +171,62 @@ impl<M: Method> EyePass<'_, M> {
         }
         let inside = branch.walk.inside;
         if surface.bsdf.stores_photons() {
-            // Shading costs as much as dozens of rays.
-            let worth = color::mean(branch.throughput) / CERTAIN;
-            if worth < 1.0 && self.method.cut() == 0.0 {
-                if branch.draw.one(Dimension::Worth) >= worth {
-                    return None;
-                }
-                branch.throughput /= worth;
-            }
-            surface.bsdf = self.method.part(surface.bsdf, branch.draw.one(Dimension::Part));
-            let vertex = self.vertex(branch, &surface, &inside, distance);
-            let mut to_do = self.method.at_receiver(&vertex);
-            to_do.onward &= branch.bounce < self.settings.max_bounces;
-            if to_do.onward {
-                self.method.prepare(&vertex, worker);
-            }
-            let found = self.direct(&vertex, to_do, worker) + self.method.photons(&vertex, worker);
-            *radiance += branch.throughput * found;
-            branch.history = History { receivers: branch.history.receivers + 1, casters: 0 };
-            return if to_do.onward { self.onward(branch, &vertex, worker) } else { None };
+            self.receive(branch, &mut surface, &inside, distance, worker, radiance)
+        } else if surface.bsdf == Bsdf::Black || !self.effects.has(Effect::Casters) {
+            None
+        } else {
+            self.cast(branch, &surface, &inside, distance, room, worker, radiance)
         }
-        if surface.bsdf == Bsdf::Black || !self.effects.has(Effect::Casters) {
-            return None;
+    }
+
+    /// A step that ends at a receiver.
+    #[inline]
+    fn receive<I: Interior>(
+        &self,
+        branch: &mut Branch<I>,
+        surface: &mut Surface<'_>,
+        inside: &I,
+        distance: f32,
+        worker: &mut Worker,
+        radiance: &mut Rgb,
+    ) -> Option<Next<I>> {
+        // Shading costs as much as dozens of rays.
+        let worth = color::mean(branch.throughput) / CERTAIN;
+        if worth < 1.0 && self.method.cut() == 0.0 {
+            if branch.draw.one(Dimension::Worth) >= worth {
+                return None;
+            }
+            branch.throughput /= worth;
         }
+        surface.bsdf = self.method.part(surface.bsdf, branch.draw.one(Dimension::Part));
+        let vertex = self.vertex(branch, surface, inside, distance);
+        let mut to_do = self.method.at_receiver(&vertex);
+        to_do.onward &= branch.bounce < self.settings.max_bounces;
+        if to_do.onward {
+            self.method.prepare(&vertex, worker);
+        }
+        let found = self.direct(&vertex, to_do, worker) + self.method.photons(&vertex, worker);
+        *radiance += branch.throughput * found;
+        branch.history = History { receivers: branch.history.receivers + 1, casters: 0 };
+        if to_do.onward { self.onward(branch, &vertex, worker) } else { None }
+    }
+
+    /// A step that ends at a caster. Apart from the loop, which scenes without casters need not carry it through.
+    #[inline(never)]
+    #[allow(clippy::too_many_arguments)]
+    fn cast<I: Interior>(
+        &self,
+        branch: &mut Branch<I>,
+        surface: &Surface<'_>,
+        inside: &I,
+        distance: f32,
+        room: bool,
+        worker: &mut Worker,
+        radiance: &mut Rgb,
+    ) -> Option<Next<I>> {
         let onward = branch.bounce < self.settings.max_bounces;
         branch.history.casters += 1;
-        let vertex = self.vertex(branch, &surface, &inside, distance);
+        let vertex = self.vertex(branch, surface, inside, distance);
         if !surface.bsdf.is_specular() {
             // A connection from here comes over this caster too.
             let to_do = AtReceiver { direct: self.method.counts(branch.history), onward };
@@ -321,9 +239,9 @@ impl<M: Method> EyePass<'_, M> {
             let split = dielectric.split(surface.wo, surface.point.ns, surface.point.ng, Transport::Radiance);
             let weaker = split.reflected.1.min(split.transmitted.1) * color::mean(branch.throughput);
             if room && branch.history.receivers == 0 && weaker > WORTH_SPLITTING.max(self.method.cut()) {
-                let reflected = branch.leaving(&surface, split.reflected.0, Rgb::splat(split.reflected.1), false);
+                let reflected = branch.leaving(surface, split.reflected.0, Rgb::splat(split.reflected.1), false);
                 let weight = Rgb::splat(split.transmitted.1 / split.squeeze);
-                *branch = branch.leaving(&surface, split.transmitted.0, weight, true);
+                *branch = branch.leaving(surface, split.transmitted.0, weight, true);
                 return Some(Next::Both(reflected));
             }
         }

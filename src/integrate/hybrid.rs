@@ -5,8 +5,8 @@
 //! it is a later one. All other paths are found by the walk itself, by shadow rays and by chance, weighted against each other.
 
 use super::direct::Asking;
-use super::eye::{AtReceiver, History, Method, Vertex};
 use super::maps::{Maps, Needs};
+use super::method::{AtReceiver, History, Method, Vertex};
 use super::prepared::{Strategy, Walks};
 use super::tiles::Worker;
 use crate::color::Rgb;

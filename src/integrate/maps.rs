@@ -1,6 +1,6 @@
 //! The photon maps of a pass.
 
-use super::eye::Vertex;
+use super::method::Vertex;
 use super::tiles::Worker;
 use crate::bsdf::Transport;
 use crate::color::Rgb;

@@ -9,6 +9,7 @@ mod guide;
 mod hybrid;
 mod maker;
 mod maps;
+mod method;
 mod pass;
 mod path;
 mod pilot;

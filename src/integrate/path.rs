@@ -2,8 +2,8 @@
 //! (Veach 1997, chapters 9 and 10).
 
 use super::direct::Asking;
-use super::eye::{AtReceiver, History, Method, Vertex};
 use super::maps::Maps;
+use super::method::{AtReceiver, History, Method, Vertex};
 use super::prepared::{Strategy, Walks};
 use crate::plan::Effect;
 use crate::scene::Interior;

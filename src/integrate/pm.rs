@@ -6,9 +6,9 @@
 
 use super::FinalGathering;
 use super::direct::Asking;
-use super::eye::{AtReceiver, History, Method, Vertex};
 use super::guide::GUIDES;
 use super::maps::{Maps, Needs, Schedule};
+use super::method::{AtReceiver, History, Method, Vertex};
 use super::prepared::{Strategy, Walks};
 use super::tiles::Worker;
 use crate::bsdf::{BsdfSample, Transport};

@@ -2,9 +2,10 @@
 
 use super::balance::{self, Balance, Part};
 use super::direct::{Asking, DirectLight};
-use super::eye::{EyePass, Method};
+use super::eye::EyePass;
 use super::maker::{Counts, Draft, MapMaker};
 use super::maps::{Maps, Needs};
+use super::method::Method;
 use super::{Expected, EyeSettings, Integrator, Lessons, Monitor, Pass, PhotonReport, Radii, Settings, Silent};
 use crate::color::{self, Rgb};
 use crate::plan::{Effects, Plan};

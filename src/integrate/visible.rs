@@ -2,7 +2,8 @@
 
 use super::EyeSettings;
 use super::direct::{Asking, DirectLight};
-use super::eye::{AtReceiver, EyePass, History, Method, Vertex};
+use super::eye::EyePass;
+use super::method::{AtReceiver, History, Method, Vertex};
 use super::tiles::Worker;
 use crate::bsdf::Transport;
 use crate::color::{self, Rgb};

@@ -2,8 +2,8 @@
 //! until a branch is too deep or too faint.
 
 use super::direct::Asking;
-use super::eye::{AtReceiver, History, Method, Vertex};
 use super::maps::Maps;
+use super::method::{AtReceiver, History, Method, Vertex};
 use super::prepared::{Strategy, Walks};
 use crate::scene::Interior;
 
