@@ -1,0 +1,128 @@
+//! Random scenes keep the promise, and what is said of them is true.
+
+use crate::compare::{How, difference, scene};
+use crate::generate::{Random, more, sketch};
+use crate::judge;
+use caustica::integrate::{Algorithm, FinalGathering};
+use caustica::plan::{Effect, Effects, Plan, Reason, Wishes};
+use std::mem::{Discriminant, discriminant};
+
+/// Every reason for which something is off, but that the algorithm knows nothing of it.
+const OFF: [Reason; 11] = [
+    Reason::NoLight,
+    Reason::NoCaster,
+    Reason::NoLitCaster,
+    Reason::NoReceiver,
+    Reason::BlackReceivers,
+    Reason::OneFlatObject,
+    Reason::NoSoftLight,
+    Reason::NoSky,
+    Reason::NoBody,
+    Reason::Without(Effect::Caustics),
+    Reason::Without(Effect::Interreflection),
+];
+
+fn seeds(usual: u64) -> std::ops::Range<u64> {
+    let asked = std::env::var("CAUSTICA_PLAN_SEEDS").ok().map(|n| n.parse().expect("CAUSTICA_PLAN_SEEDS is a number"));
+    0..asked.unwrap_or(usual)
+}
+
+/// Panics with all that was found.
+fn report(wrong: &[String]) {
+    assert!(wrong.is_empty(), "{} wrong:\n{}", wrong.len(), wrong[..wrong.len().min(5)].join("\n\n"));
+}
+
+#[test]
+fn what_plans_say_is_true() {
+    let mut wrong = Vec::new();
+    let mut reasons: Vec<Discriminant<Reason>> = Vec::new();
+    let mut on = Effects::NONE;
+    for seed in seeds(1000) {
+        let sketch = sketch(seed);
+        let text = sketch.text();
+        let scene = scene(&text);
+        let plan = Plan::new(&scene, Effects::ALL, Wishes::PLANNED);
+        wrong.extend(judge::objection(&sketch, &scene, &plan).map(|o| format!("seed {seed}: {o}\n{text}")));
+        for decision in &plan.decisions {
+            if decision.on {
+                on = on.with(decision.effect);
+            } else {
+                reasons.push(discriminant(&decision.reason));
+            }
+        }
+    }
+    report(&wrong);
+    for reason in OFF {
+        assert!(reasons.contains(&discriminant(&reason)), "no scene was without something because {reason}");
+    }
+    assert_eq!(on, Effects::ALL, "some effect was never on");
+}
+
+#[test]
+fn more_things_call_for_no_less() {
+    let mut wrong = Vec::new();
+    for seed in seeds(1000) {
+        let (less, more) = (sketch(seed), more(&sketch(seed), seed + 7));
+        let [before, after] = [&less, &more].map(|s| Plan::new(&scene(&s.text()), Effects::ALL, Wishes::PLANNED));
+        // Where nothing is, shadows are on though nothing throws any: no promise is broken, but nothing is known of more either.
+        if before.facts.objects == 0 {
+            continue;
+        }
+        for (before, after) in before.decisions.iter().zip(&after.decisions) {
+            if before.on && !after.on {
+                wrong.push(format!("seed {seed}: {}: {}\n{}", before.effect, after.reason, more.text()));
+            }
+        }
+    }
+    report(&wrong);
+}
+
+/// Settings of a seed, by which nothing may depend on the plan either.
+fn how(r: &mut Random, algorithm: Algorithm) -> How {
+    How {
+        passes: 1 + r.below(2) as u32,
+        samples: r.pick(&[None, Some(1), Some(3)]),
+        max_bounces: r.pick(&[0, 1, 2, 100, 100]),
+        seed: r.next(),
+        gather_k: r.pick(&[None, None, Some(0), Some(20)]),
+        gathering: r.pick(&[FinalGathering::None, FinalGathering::Bsdf, FinalGathering::Importance]),
+        ..How::new(algorithm)
+    }
+}
+
+const CHEAP: [Algorithm; 4] = [Algorithm::Path, Algorithm::Distributed, Algorithm::Whitted, Algorithm::Raycast];
+const PHOTONS: [Algorithm; 4] = [Algorithm::Hybrid, Algorithm::Pm, Algorithm::Sppm, Algorithm::Ppm];
+
+/// All effects, or one that the scene does not call for.
+fn forced(r: &mut Random, plan: &Plan) -> Wishes {
+    let off: Vec<Effect> = plan.decisions.iter().filter(|d| !d.on).map(|d| d.effect).collect();
+    if off.is_empty() || r.chance(0.6) { Wishes::ALL } else { Wishes::PLANNED.with(r.pick(&off)) }
+}
+
+fn check(seed: u64, algorithm: Algorithm, change: impl FnOnce(&mut How)) -> Option<String> {
+    let text = sketch(seed).text();
+    let scene = scene(&text);
+    let r = &mut Random::new(!seed ^ algorithm as u64);
+    let mut how = how(r, algorithm);
+    change(&mut how);
+    let plan = Plan::new(&scene, algorithm.simulates(), Wishes::PLANNED);
+    difference(&scene, &how, forced(r, &plan)).map(|d| format!("seed {seed}: {d}\n{text}"))
+}
+
+#[test]
+fn pictures_without_photons_are_the_same() {
+    let each = |seed| CHEAP.into_iter().filter_map(move |algorithm| check(seed, algorithm, |_| {}));
+    report(&seeds(1000).flat_map(each).collect::<Vec<_>>());
+}
+
+/// Given radii and no aims, so that pilots cost nothing where there are no caustics.
+#[test]
+fn pictures_of_photons_are_the_same_for_given_radii() {
+    let each = |seed| check(seed, PHOTONS[seed as usize % 4], |how| (how.radius, how.caustic_photons) = (Some(0.2), 0));
+    report(&seeds(60).filter_map(each).collect::<Vec<_>>());
+}
+
+#[test]
+fn pictures_of_photons_are_the_same() {
+    report(&seeds(60).filter_map(|seed| check(seed, PHOTONS[seed as usize % 4], |_| {})).collect::<Vec<_>>());
+}
