@@ -121,16 +121,8 @@ enum Lamp {
 const RECEIVERS: &[Kind] = &[Kind::Matt, Kind::Black, Kind::Gloss, Kind::DarkGloss, Kind::Brushed, Kind::Mix];
 const DARK: &[Kind] = &[Kind::Black, Kind::Black, Kind::Mirror, Kind::Glass, Kind::Mix, Kind::DarkGloss];
 const BLACK: &[Kind] = &[Kind::Black, Kind::Mirror, Kind::Mix];
-const CASTERS: &[Kind] = &[
-    Kind::Mirror,
-    Kind::BlackMirror,
-    Kind::Glass,
-    Kind::Frosted,
-    Kind::Water,
-    Kind::Polished,
-    Kind::Pane,
-    Kind::Mix,
-];
+const CASTERS: &[Kind] =
+    &[Kind::Mirror, Kind::BlackMirror, Kind::Glass, Kind::Frosted, Kind::Water, Kind::Polished, Kind::Pane, Kind::Mix];
 const ANY: &[Kind] = &[
     Kind::Matt,
     Kind::Black,
@@ -162,15 +154,8 @@ const LAMPS: &[Lamp] = &[
     Lamp::Level,
 ];
 
-const PLAIN: Mood = Mood {
-    materials: ANY,
-    lights: LAMPS,
-    most_lights: 3,
-    black_light: 0.1,
-    emission: 0.1,
-    most_objects: 5,
-    flat: 0.4,
-};
+const PLAIN: Mood =
+    Mood { materials: ANY, lights: LAMPS, most_lights: 3, black_light: 0.1, emission: 0.1, most_objects: 5, flat: 0.4 };
 
 const MOODS: [Mood; 9] = [
     PLAIN,
@@ -356,7 +341,9 @@ fn add_light(r: &mut Random, mood: &Mood, sketch: &mut Sketch) {
 fn level(r: &mut Random, sketch: &Sketch) -> LightKind {
     let (place, edges) = match sketch.objects.iter().map(|o| &o.shape).find(|s| s.is_flat()) {
         Some(Shape::Rectangle(c, a, b)) => (*c, [*a, *b]),
-        Some(Shape::Disc(c, n, _) | Shape::Plane(c, n)) => (*c, [n.any_orthogonal_vector(), n.cross(DVec3::new(n.y + 1.0, n.z, n.x))]),
+        Some(Shape::Disc(c, n, _) | Shape::Plane(c, n)) => {
+            (*c, [n.any_orthogonal_vector(), n.cross(DVec3::new(n.y + 1.0, n.z, n.x))])
+        }
         _ => return LightKind::Point(r.place(2.0)),
     };
     let (s, t) = (r.between(-1.0, 2.0), r.between(-1.0, 2.0));

@@ -37,7 +37,9 @@ fn is_true(sketch: &Sketch, scene: &Scene, plan: &Plan, reason: Reason) -> bool 
         Reason::OneFlatObject => {
             let lamps = sketch.lights.iter().filter(|l| l.is_object()).count();
             all.len() + lamps == 1 && all.iter().all(|o| o.shape.is_flat())
-                || all.is_empty() && lamps == 1 && !sketch.lights.iter().any(|l| matches!(l.kind, LightKind::Sphere(..)))
+                || all.is_empty()
+                    && lamps == 1
+                    && !sketch.lights.iter().any(|l| matches!(l.kind, LightKind::Sphere(..)))
         }
         Reason::NoSoftLight => {
             let soft = |l: &Light| l.is_object() || matches!(l.kind, LightKind::Environment);

@@ -106,7 +106,9 @@ fn check(seed: u64, algorithm: Algorithm, change: impl FnOnce(&mut How)) -> Opti
     let mut how = how(r, algorithm);
     change(&mut how);
     let plan = Plan::new(&scene, algorithm.simulates(), Wishes::PLANNED);
-    difference(&scene, &how, forced(r, &plan)).map(|d| format!("seed {seed}: {d}\n{text}"))
+    let found = difference(&scene, &how, forced(r, &plan)).map(|d| format!("seed {seed}: {d}\n{text}"));
+    // At once, as a hunt through many seeds takes long.
+    found.inspect(|found| eprintln!("{found}"))
 }
 
 #[test]

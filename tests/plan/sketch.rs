@@ -86,7 +86,8 @@ impl Display for V {
 impl Sketch {
     /// The scene in the scene language.
     pub fn text(&self) -> String {
-        let mut text = format!("PerspectiveCamera {{ {} }}\nBackground {{ color {} }}\n", self.camera, V(self.background));
+        let mut text =
+            format!("PerspectiveCamera {{ {} }}\nBackground {{ color {} }}\n", self.camera, V(self.background));
         let mut write = |line: String| text.write_str(&line).unwrap();
         write("Lights {\n".into());
         self.lights.iter().for_each(|light| write(format!("    {light}\n")));
