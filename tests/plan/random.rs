@@ -3,8 +3,10 @@
 use crate::compare::{How, difference, scene};
 use crate::generate::{Random, more, sketch};
 use crate::judge;
+use crate::sketch::{Light, LightKind, Material, Object, Shape, Sketch};
 use caustica::integrate::{Algorithm, FinalGathering};
 use caustica::plan::{Effect, Effects, Plan, Reason, Wishes};
+use glam::DVec3;
 use std::mem::{Discriminant, discriminant};
 
 /// Every reason for which something is off, but that the algorithm knows nothing of it.
@@ -127,4 +129,28 @@ fn pictures_of_photons_are_the_same_for_given_radii() {
 #[test]
 fn pictures_of_photons_are_the_same() {
     report(&seeds(60).filter_map(|seed| check(seed, PHOTONS[seed as usize % 4], |_| {})).collect::<Vec<_>>());
+}
+
+/// A floor, a ball, and many points: what is off must not touch the odds at which lights are chosen.
+#[test]
+fn pictures_by_many_lights_are_the_same() {
+    let picture = |seed| {
+        let r = &mut Random::new(seed);
+        let count = 3 + r.below(60);
+        let lamp = |_| {
+            let place = DVec3::new(r.between(-3.0, 3.0), r.between(2.0, 4.0), r.between(-3.0, 3.0));
+            Light { kind: LightKind::Point(place), strength: DVec3::splat(r.between(0.1, 9.0)) }
+        };
+        let object = |shape| Object { material: 0, emission: DVec3::ZERO, shape };
+        let sketch = Sketch {
+            camera: "center 0 2 6  lookAt 0 1 0  angle 40  width 12  height 9".to_owned(),
+            background: DVec3::ZERO,
+            lights: (0..count).map(lamp).collect(),
+            materials: vec![Material::Diffuse(DVec3::splat(0.5))],
+            objects: vec![object(Shape::Plane(DVec3::ZERO, DVec3::Y)), object(Shape::Sphere(DVec3::Y, 0.8))],
+        };
+        let how = How { radius: Some(0.2), caustic_photons: 0, photons: 20_000, ..How::new(Algorithm::Sppm) };
+        difference(&scene(&sketch.text()), &how, Wishes::ALL).map(|d| format!("seed {seed}: {d}"))
+    };
+    report(&(25..30).filter_map(picture).collect::<Vec<_>>());
 }
