@@ -140,6 +140,7 @@ const ANY: &[Kind] = &[
     Kind::Mix,
 ];
 const HARD: &[Lamp] = &[Lamp::Point, Lamp::Directional, Lamp::Spot, Lamp::Level];
+const LEVEL: &[Lamp] = &[Lamp::Level];
 const AWAY: &[Lamp] = &[Lamp::SpotAway, Lamp::DiscAway];
 const LAMPS: &[Lamp] = &[
     Lamp::Point,
@@ -157,7 +158,7 @@ const LAMPS: &[Lamp] = &[
 const PLAIN: Mood =
     Mood { materials: ANY, lights: LAMPS, most_lights: 3, black_light: 0.1, emission: 0.1, most_objects: 5, flat: 0.4 };
 
-const MOODS: [Mood; 9] = [
+const MOODS: [Mood; 10] = [
     PLAIN,
     Mood { lights: HARD, emission: 0.0, ..PLAIN },
     Mood { lights: AWAY, emission: 0.0, black_light: 0.0, ..PLAIN },
@@ -166,6 +167,7 @@ const MOODS: [Mood; 9] = [
     Mood { materials: DARK, most_objects: 4, ..PLAIN },
     Mood { materials: CASTERS, ..PLAIN },
     Mood { most_objects: 1, lights: HARD, emission: 0.2, flat: 0.8, most_lights: 2, ..PLAIN },
+    Mood { most_objects: 1, lights: LEVEL, emission: 0.0, flat: 1.0, black_light: 0.0, ..PLAIN },
     Mood { black_light: 0.9, emission: 0.0, most_lights: 7, ..PLAIN },
 ];
 

@@ -128,10 +128,10 @@ fn pictures_of_photons_are_the_same_for_given_radii() {
 
 #[test]
 fn pictures_of_photons_are_the_same() {
-    report(&seeds(60).filter_map(|seed| check(seed, PHOTONS[seed as usize % 4], |_| {})).collect::<Vec<_>>());
+    report(&seeds(100).filter_map(|seed| check(seed, PHOTONS[seed as usize % 4], |_| {})).collect::<Vec<_>>());
 }
 
-/// A floor, a ball, and many points: what is off must not touch the odds at which lights are chosen.
+/// A floor, a ball, and many points: what is off must not touch the odds at which lights are chosen, not by rounding either.
 #[test]
 fn pictures_by_many_lights_are_the_same() {
     let picture = |seed| {
@@ -143,11 +143,11 @@ fn pictures_by_many_lights_are_the_same() {
         };
         let object = |shape| Object { material: 0, emission: DVec3::ZERO, shape };
         let sketch = Sketch {
-            camera: "center 0 2 6  lookAt 0 1 0  angle 40  width 12  height 9".to_owned(),
-            background: DVec3::ZERO,
             lights: (0..count).map(lamp).collect(),
             materials: vec![Material::Diffuse(DVec3::splat(0.5))],
             objects: vec![object(Shape::Plane(DVec3::ZERO, DVec3::Y)), object(Shape::Sphere(DVec3::Y, 0.8))],
+            camera: "center -6.631 0 0  lookAt -0.337 0.646 -0.01  angle 25  width 12  height 9".to_owned(),
+            background: DVec3::ZERO,
         };
         let how = How { radius: Some(0.2), caustic_photons: 0, photons: 20_000, ..How::new(Algorithm::Sppm) };
         difference(&scene(&sketch.text()), &how, Wishes::ALL).map(|d| format!("seed {seed}: {d}"))
