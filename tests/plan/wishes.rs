@@ -6,16 +6,9 @@ use caustica::plan::{Effect, Effects, Wishes};
 use caustica::scene::Scene;
 use caustica::stats::Counters;
 
-/// Of those that differ by their radii and camera walks alone, one.
-const ALGORITHMS: [Algorithm; 7] = [
-    Algorithm::Hybrid,
-    Algorithm::Path,
-    Algorithm::Sppm,
-    Algorithm::Pm,
-    Algorithm::Distributed,
-    Algorithm::Whitted,
-    Algorithm::Raycast,
-];
+/// Of those that look at both maps themselves, one: `Pm`, whose gather rays can be forced off.
+const ALGORITHMS: [Algorithm; 6] =
+    [Algorithm::Hybrid, Algorithm::Path, Algorithm::Pm, Algorithm::Distributed, Algorithm::Whitted, Algorithm::Raycast];
 
 const CAMERA: &str = "PerspectiveCamera { center 0 3 6  lookAt 0 .5 0  angle 40  width 16  height 12 }";
 
@@ -155,7 +148,7 @@ fn what_a_scene_does_not_call_for_costs_nothing() {
         if algorithm == Algorithm::Path {
             assert!(dark.onward_rays <= dark.camera_rays, "{name}: velvet sends nothing on, and a ball sees no ball");
         }
-        if matches!(algorithm, Algorithm::Whitted | Algorithm::Distributed | Algorithm::Sppm | Algorithm::Ppm) {
+        if matches!(algorithm, Algorithm::Whitted | Algorithm::Distributed) {
             assert_eq!(matt.onward_rays, 0, "{name}: no caster and no gather ray");
         }
         assert_eq!((disc.shadow_rays, disc.onward_rays, disc.photon_rays, disc.gathers), (0, 0, 0, 0), "{name}");
