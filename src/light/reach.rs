@@ -3,6 +3,7 @@
 use super::{Emitter, Light};
 use crate::math::Sphere;
 use crate::shape::Shape;
+use glam::Vec3;
 
 /// Rounding of places in f32, in parts of their distance from the origin and from each other.
 const MARGIN: f32 = 1e-5;
@@ -34,6 +35,22 @@ impl Light {
                 }
                 Emitter::Shape(_) | Emitter::Triangles { .. } => true,
             },
+        }
+    }
+
+    /// Whether none of its light comes along the plane through `p` across unit `n`, where rounding decides whether what lies in the
+    /// plane is in the way; `true` only where that is certain.
+    #[must_use]
+    pub fn is_clear_of(&self, p: Vec3, n: Vec3) -> bool {
+        let beside = |place: Vec3| {
+            let margin = MARGIN * (place.abs().max_element() + p.abs().max_element());
+            (place - p).dot(n).abs() > margin
+        };
+        match self {
+            Self::Point { position, .. } => beside(*position),
+            Self::Spot(spot) => beside(spot.position),
+            Self::Directional { direction, .. } => direction.dot(n).abs() > MARGIN,
+            Self::Area(_) | Self::Environment(_) => false,
         }
     }
 }

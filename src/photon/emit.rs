@@ -76,11 +76,12 @@ impl<'a> PhotonSource<'a> {
         choice.map(|choice| Self { scene, choice, targets: Some(targets), densities: Vec::new(), interiors })
     }
 
-    /// This source without the light from all around; `None` where nothing else shines.
+    /// This source without the light from all around, the same to the bit where there is none; `None` where nothing else shines.
     #[must_use]
     pub fn without_environment(self) -> Option<Self> {
-        let sky = self.scene.environment();
-        let weight = |i| if Some(i) == sky { 0.0 } else { f64::from(self.choice.probability(i)) };
+        // Probabilities that are added up again differ by rounding.
+        let Some(sky) = self.scene.environment() else { return Some(self) };
+        let weight = |i| if i == sky { 0.0 } else { f64::from(self.choice.probability(i)) };
         let choice = Discrete::new((0..self.scene.lights().len()).map(weight))?;
         Some(Self { choice, ..self })
     }

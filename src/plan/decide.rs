@@ -155,8 +155,8 @@ fn judge(facts: &Facts, effect: Effect, before: Effects) -> Result<Reason, Reaso
             any(facts.lights, Reason::NoLight)?;
             any(facts.receivers, Reason::NoReceiver)?;
             any(facts.scattering_receivers, Reason::BlackReceivers)?;
-            // A walk on from a receiver is also how half of the light of soft lights is found.
-            need(!facts.one_flat_object || facts.soft_lights > 0, Reason::OneFlatObject)?;
+            // A walk on from a receiver is also how half of the light of soft lights is found: those are never clear of the object.
+            need(!facts.one_flat_object, Reason::OneFlatObject)?;
             Ok(Reason::Objects(facts.scattering_receivers, "may light others"))
         }
         Effect::Gathering => {

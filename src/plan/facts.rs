@@ -3,7 +3,9 @@
 use crate::bsdf::Bsdf;
 use crate::color::Rgb;
 use crate::light::Light;
+use crate::math::Sphere;
 use crate::scene::{Object, Scattering, Scene};
+use glam::Vec3;
 
 /// What decisions rest on. Where something is not certain, the fact is what keeps an effect on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -26,7 +28,7 @@ pub struct Facts {
     pub soft_lights: usize,
     /// Whether light comes from all around.
     pub environment: bool,
-    /// Whether nothing can stand before anything else: all there is is one flat object.
+    /// Whether nothing can stand before anything else: all there is is one flat object, and no light shines along it.
     pub one_flat_object: bool,
 }
 
@@ -45,10 +47,15 @@ impl Facts {
             lights: 0,
             soft_lights: 0,
             environment: scene.environment().is_some(),
-            one_flat_object: matches!(objects[..], [only] if only.flat),
+            one_flat_object: false,
         };
-        let lights: Vec<&Light> = scene.lights().iter().filter(|l| l.power(scene.domain()) != Rgb::ZERO).collect();
+        // Where all there is are planes the domain is a point, in which light from infinity has no power, but it shines.
+        let some = Sphere { center: Vec3::ZERO, radius: 1.0 };
+        let lights: Vec<&Light> = scene.lights().iter().filter(|l| l.power(some) != Rgb::ZERO).collect();
         facts.lights = lights.len();
+        if let [Object { plane: Some((p, n)), .. }] = objects[..] {
+            facts.one_flat_object = lights.iter().all(|light| light.is_clear_of(p, n));
+        }
         facts.soft_lights = lights.iter().filter(|l| l.has_surface()).count();
         for object in &objects {
             let (mut receives, mut scatters, mut casts, mut bounds) = (false, false, false, false);

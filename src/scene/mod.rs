@@ -285,7 +285,13 @@ impl Scene {
     pub fn objects(&self) -> impl Iterator<Item = Object> {
         let shapes = self.shapes.iter().zip(&self.shape_attributes).map(|(shape, attributes)| Object {
             ball: Some(bounding_ball(shape)),
-            flat: matches!(shape, Shape::Disc(_) | Shape::Rectangle(_)),
+            plane: match shape {
+                Shape::Disc(_) | Shape::Rectangle(_) => {
+                    let middle = shape.sample(Vec2::splat(0.5)).point;
+                    Some((middle.p, middle.ng))
+                }
+                Shape::Sphere(_) | Shape::Ellipsoid(_) => None,
+            },
             material: attributes.material,
         });
         let ends = self.parts.iter().skip(1).map(|(first, _)| *first).chain([self.mesh.triangles.len() as u32]);
@@ -293,10 +299,13 @@ impl Scene {
         let meshes = parts.map(|((first, attributes), end)| {
             let corners = (*first..end).flat_map(|i| self.mesh.corners(i as usize));
             let ball = Some(Bounds::of(corners).bounding_sphere());
-            Object { ball, flat: false, material: attributes.material }
+            Object { ball, plane: None, material: attributes.material }
         });
-        let planes =
-            self.planes.iter().map(|(_, attributes)| Object { ball: None, flat: true, material: attributes.material });
+        let planes = self.planes.iter().map(|(plane, attributes)| Object {
+            ball: None,
+            plane: Some(plane.place()),
+            material: attributes.material,
+        });
         shapes.chain(meshes).chain(planes)
     }
 
@@ -329,8 +338,9 @@ impl Scene {
 pub struct Object {
     /// A ball around it, tight for spheres; `None` where it is unbounded.
     pub ball: Option<Sphere>,
-    /// Whether it is flat for certain, so that no part of it sees another.
-    pub flat: bool,
+    /// A point and the unit normal of the plane that it lies in; `None` where it is not flat for certain. No part of what is flat
+    /// sees another.
+    pub plane: Option<(Vec3, Vec3)>,
     /// Index of its material.
     pub material: u32,
 }

@@ -2,7 +2,7 @@
 
 use super::{Crossing, SurfacePoint, widen, within};
 use crate::math::Ray;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 /// The points with `normal · x = offset`; its outer side is that of the unit normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,6 +23,12 @@ impl Plane {
     #[must_use]
     pub fn translated(self, by: DVec3) -> Self {
         Self { offset: self.offset + self.normal.dot(by), ..self }
+    }
+
+    /// The point nearest to the origin, and the unit normal.
+    #[must_use]
+    pub fn place(&self) -> (Vec3, Vec3) {
+        ((self.normal * self.offset).as_vec3(), self.normal.as_vec3())
     }
 
     /// Where the ray crosses.
@@ -47,7 +53,6 @@ impl Plane {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::Vec3;
 
     #[test]
     fn parallel_rays_miss_and_far_hits_stay_on_the_plane() {
