@@ -3,6 +3,7 @@
 use super::args::{AlgorithmName, GatheringName, MethodArguments};
 use crate::camera::Filter;
 use crate::integrate::{Algorithm, EyeSettings, FinalGathering, Settings};
+use crate::plan::Wishes;
 
 impl From<AlgorithmName> for Algorithm {
     fn from(name: AlgorithmName) -> Self {
@@ -19,14 +20,14 @@ impl From<AlgorithmName> for Algorithm {
     }
 }
 
-pub(super) fn settings(arguments: &MethodArguments) -> Settings {
+pub(super) fn settings(arguments: &MethodArguments, effects: Wishes) -> Settings {
     Settings {
         eye: EyeSettings {
             samples: arguments.spp,
             max_bounces: arguments.max_bounces,
             seed: arguments.seed,
             filter: Filter::new(arguments.filter),
-            effects: arguments.effects,
+            effects,
         },
         photons: arguments.photons,
         caustic_photons: arguments.caustic_photons.unwrap_or(arguments.photons / 2),
