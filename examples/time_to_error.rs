@@ -23,7 +23,7 @@ const TARGET: f64 = 0.005;
 
 /// Where an integrator stands.
 struct Run<'a> {
-    name: &'static str,
+    name: &'a str,
     integrator: Box<dyn Integrator + 'a>,
     film: Film,
     cpu: f64,
@@ -33,20 +33,18 @@ struct Run<'a> {
     reached: Option<(f64, f64)>,
 }
 
-fn integrator<'a>(name: &str, scene: &'a Scene) -> Option<(&'static str, Box<dyn Integrator + 'a>)> {
+/// The algorithm of that name; with `-even` its work is not divided by a pilot.
+fn integrator<'a>(name: &str, scene: &'a Scene) -> Option<Box<dyn Integrator + 'a>> {
     // The reference has a box filter.
     let eye = EyeSettings { filter: Filter::new(FilterKind::Box), ..EyeSettings::default() };
-    let pm = |name, final_gathering| (name, Algorithm::Pm, final_gathering);
-    let (name, algorithm, final_gathering) = match name {
-        "pm-direct" => pm("pm-direct", FinalGathering::None),
-        "pm-importance" => pm("pm-importance", FinalGathering::Importance),
-        _ => {
-            let algorithm = Algorithm::ALL.into_iter().find(|a| a.name() == name)?;
-            (algorithm.name(), algorithm, FinalGathering::default())
-        }
+    let (word, balance) = name.strip_suffix("-even").map_or((name, true), |word| (word, false));
+    let (algorithm, final_gathering) = match word {
+        "pm-direct" => (Algorithm::Pm, FinalGathering::None),
+        "pm-importance" => (Algorithm::Pm, FinalGathering::Importance),
+        _ => (Algorithm::ALL.into_iter().find(|a| a.name() == word)?, FinalGathering::default()),
     };
-    let settings = Settings { eye, final_gathering, ..Settings::default() };
-    Some((name, algorithm.prepare(scene, settings)))
+    let settings = Settings { eye, balance, final_gathering, ..Settings::default() };
+    Some(algorithm.prepare(scene, settings))
 }
 
 /// CPU and wall seconds of `work`.
@@ -76,8 +74,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut runs = Vec::new();
     for word in &words {
         let (made, cpu, wall) = timed(|| integrator(word, &scene));
-        let (name, integrator) = made.ok_or_else(|| format!("`{word}` is no integrator of this comparison"))?;
-        runs.push(Run { name, integrator, film: Film::new(width, height), cpu, wall, next: 1.0, reached: None });
+        let integrator = made.ok_or_else(|| format!("`{word}` is no integrator of this comparison"))?;
+        runs.push(Run { name: word, integrator, film: Film::new(width, height), cpu, wall, next: 1.0, reached: None });
     }
     println!("| integrator | passes | CPU s | wall s | error |\n| --- | --- | --- | --- | --- |");
     while runs.iter().any(|run| run.cpu < budget) {

@@ -34,6 +34,7 @@ fn picture(scene: &Path) -> Image {
     (file.description.camera.value.width, file.description.camera.value.height) = SIZE;
     let scene = file.resolve().unwrap();
     let settings = Settings {
+        balance: false,
         photons: 20_000,
         caustic_photons: 20_000,
         eye: EyeSettings { samples: Some(2), ..EyeSettings::default() },

@@ -72,15 +72,15 @@ pub struct MethodArguments {
     #[arg(long, value_enum, default_value = "hybrid")]
     pub integrator: AlgorithmName,
 
-    /// Photon paths of the global map a pass, such as 500k or 2M; 0 for none
-    #[arg(long, value_parser = count, default_value = "500k", value_name = "N")]
-    pub photons: u32,
+    /// Photon paths of the global map a pass, such as 500k or 2M; 0 for none  [default: about 500k, as a pilot finds useful]
+    #[arg(long, value_parser = count, value_name = "N")]
+    pub photons: Option<u32>,
 
-    /// Photon paths aimed at glass and mirrors a pass; 0 for none  [default: half as many as --photons]
+    /// Photon paths aimed at glass and mirrors a pass; 0 for none  [default: half as many as --photons, or as a pilot finds useful]
     #[arg(long, value_parser = count, value_name = "N")]
     pub caustic_photons: Option<u32>,
 
-    /// Camera rays a pixel and pass  [default: by integrator]
+    /// Camera rays a pixel and pass  [default: by integrator, or as a pilot finds useful]
     #[arg(long, value_parser = positive_count, value_name = "N")]
     pub spp: Option<u32>,
 

@@ -4,7 +4,7 @@ use super::args::PlanArguments;
 use super::scene::{in_pool, load};
 use super::settings::settings;
 use super::{Exit, Failure};
-use crate::integrate::Algorithm;
+use crate::integrate::{Algorithm, Balance};
 use crate::plan::{Decision, Facts, Plan};
 use crate::study::text::{amount, signed};
 use crate::study::{ExpectedWork, Work, expected_work};
@@ -42,6 +42,23 @@ pub(super) fn line(plan: &Plan) -> String {
     format!("plan: {}; without {}", names(|d| d.on), names(|d| !d.on))
 }
 
+/// How a pass divides its work, in a line.
+pub(super) fn balance_line(balance: &Balance) -> String {
+    let Balance { samples, photons, caustic_photons } = balance;
+    let mut line = format!("a pass: {}", counted(*samples as usize, "camera ray a pixel", "camera rays a pixel"));
+    for (n, which) in [(photons, "photon paths"), (caustic_photons, "photon paths aimed at casters")] {
+        if let Some(n) = n {
+            let _ = write!(line, ", {n} {which}");
+        }
+    }
+    line
+}
+
+/// A number with its unit.
+pub(super) fn counted(n: usize, one: &str, many: &str) -> String {
+    format!("{n} {}", if n == 1 { one } else { many })
+}
+
 /// What wishes do to a picture, a line each.
 pub(super) fn complaints(plan: &Plan) -> impl Iterator<Item = String> {
     let lacking = plan.decisions.iter().filter(|d| d.called_for && !d.on);
@@ -57,17 +74,17 @@ fn table(algorithm: Algorithm, plan: &Plan, work: &ExpectedWork) -> String {
             (false, false) => "off",
             (false, true) => "off, as wished",
         };
-        let costs = work.of(decision.effect).map_or(String::new(), |w| counted(w, signed));
+        let costs = work.of(decision.effect).map_or(String::new(), |w| in_words(w, signed));
         let line = format!("  {:<16} {state:<14} {costs:<29} {}", decision.effect, decision.reason);
         let _ = writeln!(text, "{line}");
     }
-    let _ = writeln!(text, "in all about {} a pass", counted(work.whole, amount));
+    let _ = writeln!(text, "in all about {} a pass", in_words(work.whole, amount));
     complaints(plan).for_each(|line| text += &format!("{line}\n"));
     text
 }
 
 /// Work in words: `+1.9 M rays, +3.0 M gathered`.
-fn counted(work: Work, number: fn(f64) -> String) -> String {
+fn in_words(work: Work, number: fn(f64) -> String) -> String {
     let Work { rays, gathered_photons } = work;
     match (rays, gathered_photons) {
         (0, 0) => "nothing".to_owned(),

@@ -2,7 +2,7 @@
 
 use super::interrupt::{INTERRUPTED, listen};
 use super::memory::{self, check_photons};
-use super::plan;
+use super::plan::{self, counted};
 use super::progress::{Progress, tell};
 use super::report::{Report, Setting};
 use super::scene::{in_pool, load};
@@ -43,6 +43,7 @@ fn run_in_pool(arguments: &RenderArguments, progress: &Progress) -> Result<Exit,
         radii: None,
         emission: Lessons::default(),
         effects: Vec::new(),
+        balance: None,
         setup: 0.0,
     };
     progress.say(&format!(
@@ -60,10 +61,12 @@ fn run_in_pool(arguments: &RenderArguments, progress: &Progress) -> Result<Exit,
     let integrator = algorithm.prepare(&scene, settings(&arguments.method, arguments.effects.effects));
     check_photons(integrator.expected(), memory::free()).map_err(|e| Failure::new(Exit::Usage, e))?;
     progress.say(&plan::line(integrator.plan()));
+    integrator.balance().iter().for_each(|balance| progress.say(&plan::balance_line(balance)));
     plan::complaints(integrator.plan()).for_each(|line| tell(&line));
     setting.radii = integrator.radii();
     setting.emission = integrator.lessons();
     setting.effects = plan::effects(integrator.plan());
+    setting.balance = integrator.balance();
     setting.setup = start.elapsed().as_secs_f64();
 
     let passes = arguments.passes.or(match arguments.time {
@@ -135,9 +138,4 @@ fn conclude(
         image::replace_file(path, &json).into_diagnostic().map_err(output)?;
     }
     Ok(if rendered.ended == Ended::Interrupted { Exit::Interrupted } else { Exit::Success })
-}
-
-/// A number with its unit.
-fn counted(n: usize, one: &str, many: &str) -> String {
-    format!("{n} {}", if n == 1 { one } else { many })
 }

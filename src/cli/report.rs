@@ -1,7 +1,7 @@
 //! The report of a render as JSON; docs/cli.md describes each field.
 
 use super::plan::EffectReport;
-use crate::integrate::{Lessons, PhotonReport, Radii, Seconds};
+use crate::integrate::{Balance, Lessons, PhotonReport, Radii, Seconds};
 use crate::render::{Ended, Rendered};
 use crate::stats::{Counters, cpu_seconds};
 use serde::Serialize;
@@ -28,6 +28,7 @@ pub(super) struct Report {
     pub radii: Option<RadiiReport>,
     pub emission: Lessons,
     pub effects: Vec<EffectReport>,
+    pub balance: Option<Balance>,
     pub photons: Photons,
     pub counters: Counters,
     pub seconds: Times,
@@ -74,6 +75,7 @@ pub(super) struct Setting {
     pub radii: Option<Radii>,
     pub emission: Lessons,
     pub effects: Vec<EffectReport>,
+    pub balance: Option<Balance>,
     pub setup: f64,
 }
 
@@ -100,6 +102,7 @@ impl Report {
             radii: setting.radii.map(|r| RadiiReport { global: r.global, caustic: r.caustic }),
             emission: setting.emission,
             effects: setting.effects,
+            balance: setting.balance,
             photons: Photons { global: rendered.global, caustic: rendered.caustic },
             counters: rendered.counters,
             seconds: Times { setup: setting.setup, passes: rendered.seconds, render: wall },

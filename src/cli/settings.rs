@@ -21,6 +21,7 @@ impl From<AlgorithmName> for Algorithm {
 }
 
 pub(super) fn settings(arguments: &MethodArguments, effects: Wishes) -> Settings {
+    let photons = arguments.photons.unwrap_or(Settings::default().photons);
     Settings {
         eye: EyeSettings {
             samples: arguments.spp,
@@ -29,10 +30,12 @@ pub(super) fn settings(arguments: &MethodArguments, effects: Wishes) -> Settings
             filter: Filter::new(arguments.filter),
             effects,
         },
-        photons: arguments.photons,
-        caustic_photons: arguments.caustic_photons.unwrap_or(arguments.photons / 2),
+        photons,
+        caustic_photons: arguments.caustic_photons.unwrap_or(photons / 2),
+        balance: arguments.photons.is_none() && arguments.caustic_photons.is_none() && arguments.gather_k.is_none(),
         gather_k: arguments.gather_k,
         radius: arguments.radius,
+        thinned_pilots: 1,
         kernel: arguments.kernel,
         final_gathering: match arguments.final_gathering {
             GatheringName::None => FinalGathering::None,

@@ -5,6 +5,7 @@ use super::raycast::RayCast;
 use super::{Integrator, Settings, distributed, hybrid, path, pm, ppm, sppm, whitted};
 use crate::plan::{Effect, Effects, Plan};
 use crate::scene::Scene;
+use std::sync::Arc;
 
 /// An algorithm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -88,14 +89,14 @@ impl Algorithm {
     #[must_use]
     pub fn prepare(self, scene: &Scene, settings: Settings) -> Box<dyn Integrator + '_> {
         let plan = Plan::new(scene, self.simulates(), settings.eye.effects);
-        let strategy: Box<dyn Strategy> = match self {
-            Self::Hybrid => Box::new(hybrid::Hybrid),
-            Self::Path => Box::new(path::PathTracing),
-            Self::Sppm => Box::new(sppm::Sppm),
-            Self::Ppm => Box::new(ppm::Ppm),
-            Self::Pm => Box::new(pm::PhotonMapping { gathering: settings.final_gathering }),
-            Self::Distributed => Box::new(distributed::Distributed),
-            Self::Whitted => Box::new(whitted::Whitted),
+        let strategy: Arc<dyn Strategy> = match self {
+            Self::Hybrid => Arc::new(hybrid::Hybrid),
+            Self::Path => Arc::new(path::PathTracing),
+            Self::Sppm => Arc::new(sppm::Sppm),
+            Self::Ppm => Arc::new(ppm::Ppm),
+            Self::Pm => Arc::new(pm::PhotonMapping { gathering: settings.final_gathering }),
+            Self::Distributed => Arc::new(distributed::Distributed),
+            Self::Whitted => Arc::new(whitted::Whitted),
             Self::Raycast => return Box::new(RayCast::new(scene, plan, &settings.eye)),
         };
         Box::new(Prepared::new(scene, plan, settings, strategy))

@@ -13,7 +13,8 @@ use crate::math::Ray;
 use crate::plan::{Effect, Effects};
 use crate::sampling::{Dimension, Draw, Key, Purpose};
 use crate::scene::{Arrival, Inside, Interior, Open, Scene, Surface, Walk};
-use glam::Vec3;
+use glam::{Vec2, Vec3};
+use rayon::prelude::*;
 use std::time::Instant;
 
 /// A branch at a smooth dielectric that is weaker than this part of the pixel is followed by chance only.
@@ -22,6 +23,9 @@ const WORTH_SPLITTING: f32 = 0.001;
 /// A walk that counts for less than this part of the pixel goes on by chance only. Roulette that begins earlier costs more noise
 /// than it saves time: see docs/decisions.md.
 const CERTAIN: f32 = 0.125;
+
+/// Points of the film a chunk, where they are few.
+const CHUNK: usize = 64;
 
 /// Branches that may wait at once.
 const BRANCHES: usize = 16;
@@ -207,6 +211,24 @@ impl<M: Method> EyePass<'_, M> {
         out.image = image;
         out.counters += counters;
         out.seconds.eye += start.elapsed().as_secs_f64();
+    }
+
+    /// Radiance along camera rays through points of the film, each with its random numbers; in parallel where there are many.
+    pub fn at(&self, points: &[(Vec2, Draw)]) -> (Vec<Rgb>, Vec<Worker>) {
+        if self.effects.has(Effect::Interiors) { self.at_in::<Inside>(points) } else { self.at_in::<Open>(points) }
+    }
+
+    fn at_in<I: Interior>(&self, points: &[(Vec2, Draw)]) -> (Vec<Rgb>, Vec<Worker>) {
+        let chunks = points.par_chunks(CHUNK).map(|chunk| {
+            let (mut worker, mut waiting) = (Worker::default(), Vec::<Branch<I>>::new());
+            let radiance = chunk.iter().map(|(at, draw)| {
+                worker.counters.camera_rays += 1;
+                self.radiance(&self.scene.camera().ray(*at), *draw, &mut worker, &mut waiting)
+            });
+            (radiance.collect::<Vec<Rgb>>(), worker)
+        });
+        let (radiance, workers): (Vec<Vec<Rgb>>, Vec<Worker>) = chunks.collect::<Vec<_>>().into_iter().unzip();
+        (radiance.concat(), workers)
     }
 
     /// Radiance along a camera ray. `waiting` is empty before and after.

@@ -22,6 +22,11 @@ impl Strategy for Hybrid {
         8
     }
 
+    /// One estimate a pixel and pass: those of its other samples would rest on the same photons.
+    fn estimates_each_sample(&self) -> bool {
+        false
+    }
+
     fn asking(&self) -> Asking {
         Asking::Walk
     }
@@ -50,7 +55,6 @@ impl Method for Connected<'_> {
     #[inline]
     fn photons<I: Interior>(&self, vertex: &Vertex<'_, I>, worker: &mut Worker) -> Rgb {
         match vertex.draw.place() {
-            // One estimate a pixel and pass: those of its other samples would rest on the same photons.
             (0, count) if vertex.history.receivers == 0 => self.maps.radiance(vertex, worker) * count as f32,
             _ => Rgb::ZERO,
         }

@@ -1,11 +1,13 @@
 //! Algorithms that turn a scene into an image, each in a file, behind one trait.
 
 mod algorithm;
+mod balance;
 mod direct;
 mod distributed;
 mod eye;
 mod guide;
 mod hybrid;
+mod maker;
 mod maps;
 mod pass;
 mod path;
@@ -22,7 +24,8 @@ mod visible;
 mod whitted;
 
 pub use algorithm::Algorithm;
-pub use maps::CAUSTIC_K;
+pub use balance::Balance;
+pub use maker::CAUSTIC_K;
 pub use pass::{Expected, Monitor, Pass, Phase, PhotonReport, Seconds, Silent};
 pub use pilot::{Lessons, Radii};
 pub use progressive::{ALPHA, shrink};
@@ -37,6 +40,11 @@ use crate::plan::Plan;
 pub trait Integrator: Sync {
     /// Computes pass `pass`, counted from 0.
     fn pass(&self, pass: u32, monitor: &dyn Monitor) -> Pass;
+
+    /// How a pass divides its work, where a pilot found that.
+    fn balance(&self) -> Option<Balance> {
+        None
+    }
 
     /// Largest gather radii of the first pass; `None` without photons.
     fn radii(&self) -> Option<Radii> {

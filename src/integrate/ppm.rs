@@ -21,6 +21,11 @@ impl Strategy for Ppm {
         4
     }
 
+    /// Its camera rays are not drawn anew.
+    fn can_be_balanced(&self) -> bool {
+        false
+    }
+
     fn asking(&self) -> Asking {
         Asking::Sampled(1)
     }

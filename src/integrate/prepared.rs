@@ -1,16 +1,33 @@
 //! A scene made ready for an algorithm, and its passes.
 
+use super::balance::{self, Balance, Part};
 use super::direct::{Asking, DirectLight};
 use super::eye::{EyePass, Method};
-use super::maps::{MapMaker, Maps, Needs};
-use super::{Expected, EyeSettings, Integrator, Lessons, Monitor, Pass, Radii, Settings};
+use super::maker::{Counts, Draft, MapMaker};
+use super::maps::{Maps, Needs};
+use super::{Expected, EyeSettings, Integrator, Lessons, Monitor, Pass, PhotonReport, Radii, Settings, Silent};
+use crate::color::{self, Rgb};
 use crate::plan::{Effects, Plan};
+use crate::sampling::{Dimension, Draw, Key, Purpose};
 use crate::scene::Scene;
+use crate::stats::Counters;
+use glam::Vec2;
+use std::sync::Arc;
 
 /// What an algorithm is, before a scene is known.
-pub(super) trait Strategy: Sync + std::fmt::Debug {
+pub(super) trait Strategy: Send + Sync + std::fmt::Debug {
     /// Camera rays a pixel and pass, where the user does not say.
     fn samples(&self) -> u32;
+
+    /// Whether camera rays and photons may be traded for each other.
+    fn can_be_balanced(&self) -> bool {
+        true
+    }
+
+    /// Whether every camera ray takes estimates of its own.
+    fn estimates_each_sample(&self) -> bool {
+        true
+    }
 
     /// How lights are asked.
     fn asking(&self) -> Asking;
@@ -32,15 +49,37 @@ pub(super) struct Walks<'w> {
     direct: &'w DirectLight<'w>,
     samples: u32,
     pass: u32,
-    monitor: &'w dyn Monitor,
-    out: &'w mut Pass,
+    job: Job<'w>,
+}
+
+/// Which walks.
+pub(super) enum Job<'w> {
+    /// Those of all pixels.
+    Picture(&'w dyn Monitor, &'w mut Pass),
+    /// One through each of some points of the film, for a pilot.
+    Points(&'w [(Vec2, Draw)], &'w mut Found),
+}
+
+/// What a pilot's walks found.
+#[derive(Default)]
+pub(super) struct Found {
+    pub radiance: Vec<Rgb>,
+    pub counters: Counters,
 }
 
 impl Walks<'_> {
     /// Follows them all.
     pub fn by(self, method: &impl Method) {
-        let Self { scene, effects, settings, direct, samples, pass, monitor, out } = self;
-        EyePass { scene, effects, settings, direct, method, samples, pass }.run(monitor, out);
+        let Self { scene, effects, settings, direct, samples, pass, job } = self;
+        let eye = EyePass { scene, effects, settings, direct, method, samples, pass };
+        match job {
+            Job::Picture(monitor, out) => eye.run(monitor, out),
+            Job::Points(points, found) => {
+                let (radiance, workers) = eye.at(points);
+                found.radiance = radiance;
+                workers.iter().for_each(|worker| found.counters += worker.counters);
+            }
+        }
     }
 }
 
@@ -53,16 +92,130 @@ pub(super) struct Prepared<'a> {
     eye: EyeSettings,
     direct: DirectLight<'a>,
     maker: MapMaker<'a>,
-    strategy: Box<dyn Strategy>,
+    strategy: Arc<dyn Strategy>,
+    samples: u32,
+    balance: Option<Balance>,
 }
 
+/// Points of the film at which a balance is struck.
+const POINTS: u32 = 1024;
+
+/// A pilot traces one of so many of a pass's photon paths.
+const PILOT_PART: u32 = 16;
+
 impl<'a> Prepared<'a> {
-    pub fn new(scene: &'a Scene, plan: Plan, settings: Settings, strategy: Box<dyn Strategy>) -> Self {
-        let effects = plan.effects();
-        let direct = DirectLight::new(scene, strategy.asking(), effects);
-        let eye = settings.eye.clone();
-        let maker = MapMaker::new(scene, settings, effects, strategy.needs(effects));
-        Self { scene, plan, effects, eye, direct, maker, strategy }
+    pub fn new(scene: &'a Scene, plan: Plan, settings: Settings, strategy: Arc<dyn Strategy>) -> Self {
+        let make = |effects: Effects| Self {
+            scene,
+            plan: plan.clone(),
+            effects,
+            eye: settings.eye.clone(),
+            direct: DirectLight::new(scene, strategy.asking(), effects),
+            maker: MapMaker::new(scene, settings.clone(), effects, strategy.needs(effects)),
+            samples: settings.eye.samples.unwrap_or(strategy.samples()),
+            strategy: Arc::clone(&strategy),
+            balance: None,
+        };
+        let (effects, needed) = (plan.effects(), plan.needed());
+        let mut prepared = make(effects);
+        let wanted = settings.balance && settings.eye.samples.is_none() && strategy.can_be_balanced();
+        if wanted && prepared.maker.needs != Needs::NOTHING {
+            // What is simulated needlessly has no say: a picture is the same with it.
+            let balance = if needed == effects { prepared.find_balance() } else { make(needed).find_balance() };
+            prepared.samples = balance.samples;
+            let Counts { photons, caustic_photons } = prepared.maker.counts;
+            prepared.maker.counts = Counts {
+                photons: balance.photons.unwrap_or(photons),
+                caustic_photons: balance.caustic_photons.unwrap_or(caustic_photons),
+            };
+            prepared.balance = Some(balance);
+        }
+        prepared
+    }
+
+    /// How a pass should divide its work. It depends on the scene and the settings alone.
+    fn find_balance(&self) -> Balance {
+        let key = Key::new(self.eye.seed).purpose(Purpose::Balance);
+        let (width, height) = self.scene.camera().size();
+        let size = Vec2::new(width as f32, height as f32);
+        // Two walks through every pixel that is looked at.
+        let points = |other: u64| -> Vec<(Vec2, Draw)> {
+            let point = |i| {
+                let pixel = (Draw::new(key, i, POINTS).two(Dimension::Film) * size).floor();
+                let draw = Draw::new(key.with(other << 32 | u64::from(i)), 0, 1);
+                (pixel + draw.two(Dimension::Probe), draw)
+            };
+            (0..POINTS).map(point).collect()
+        };
+        let whole = self.maker.counts;
+        let counts = Counts {
+            photons: whole.photons.div_ceil(PILOT_PART),
+            caustic_photons: whole.caustic_photons.div_ceil(PILOT_PART),
+        };
+        let draft = |i| {
+            let mut out = Pass::default();
+            let draft = Draft { key: key.with(i), pass: 0, counts, limited: false };
+            (self.maker.make_from(&draft, &Silent, &mut out), out)
+        };
+        let ((mut one, made), (mut other, _)) = (draft(0), draft(1));
+        let look = |maps: &Maps<'_>, points: &[(Vec2, Draw)]| {
+            let mut found = Found::default();
+            self.walk(maps, 0, Job::Points(points, &mut found));
+            found
+        };
+        let (here, beside) = (points(0), points(1));
+        let first = look(&one, &here);
+        let second = look(&one, &beside);
+        std::mem::swap(&mut one.caustic, &mut other.caustic);
+        // What caustics become comes from the paths of the caustic map.
+        let shared = self.maker.needs.after_caustic;
+        if shared {
+            std::mem::swap(&mut one.smooth, &mut other.smooth);
+        }
+        let by_caustics = look(&one, &here);
+        let by_global = if shared { None } else { Some(look(&other, &here)) };
+        let light: Vec<f64> = (0..here.len())
+            .map(|i| {
+                let values = [&first, &second, &by_caustics].map(|f| f64::from(color::mean(f.radiance[i])));
+                values.iter().sum::<f64>() / 3.0
+            })
+            .collect();
+        let noise = |other: &Found| balance::noise(&first.radiance, &other.radiance, &light);
+
+        let pixels = f64::from(width) * f64::from(height);
+        let points = f64::from(POINTS);
+        // Estimates hold more photons the more there are; all that a pass will have, not only the pilot's.
+        let gathered = balance::gathering(&first.counters) / points * pixels * f64::from(PILOT_PART);
+        let paths = f64::from(counts.photons + counts.caustic_photons);
+        let part = |noise: f64, report: &PhotonReport, rays: f64, count: u32| {
+            let emitted = report.emitted as f64;
+            let cost = rays / paths
+                + balance::tracing(0, report.stored) / emitted.max(1.0)
+                + gathered / (paths * f64::from(PILOT_PART));
+            Part { variance: noise * emitted, cost, count: f64::from(count) }
+        };
+        let rays = made.counters.photon_rays as f64;
+        let walking = balance::walking(&first.counters) / points * pixels;
+        let camera = Part {
+            variance: noise(&second),
+            cost: if self.strategy.estimates_each_sample() { walking + gathered } else { walking },
+            count: f64::from(self.samples),
+        };
+        let caustic = part(noise(&by_caustics), &made.caustic, rays, whole.caustic_photons);
+        let global = by_global.map_or(0.0, |found| noise(&found));
+        let global = part(global, &made.global, rays, whole.photons);
+        let [samples, photons, caustic_photons] = balance::divide(&[camera, global, caustic]);
+        let paths = |n: f64, emitted: u64| (emitted > 0).then(|| n.round().min(f64::from(u32::MAX)) as u32);
+        Balance {
+            samples: samples.round().max(1.0) as u32,
+            photons: paths(photons, made.global.emitted),
+            caustic_photons: paths(caustic_photons, made.caustic.emitted),
+        }
+    }
+
+    fn walk(&self, maps: &Maps<'_>, pass: u32, job: Job<'_>) {
+        let Self { scene, effects, eye: settings, direct, samples, .. } = self;
+        self.strategy.walk(Walks { scene, effects: *effects, settings, direct, samples: *samples, pass, job }, maps);
     }
 }
 
@@ -70,10 +223,7 @@ impl Integrator for Prepared<'_> {
     fn pass(&self, pass: u32, monitor: &dyn Monitor) -> Pass {
         let mut out = Pass::default();
         let maps = self.maker.make(pass, monitor, &mut out);
-        let samples = self.eye.samples.unwrap_or(self.strategy.samples());
-        let Self { scene, effects, eye: settings, direct, .. } = self;
-        let walks = Walks { scene, effects: *effects, settings, direct, samples, pass, monitor, out: &mut out };
-        self.strategy.walk(walks, &maps);
+        self.walk(&maps, pass, Job::Picture(monitor, &mut out));
         out
     }
 
@@ -83,6 +233,10 @@ impl Integrator for Prepared<'_> {
 
     fn plan(&self) -> &Plan {
         &self.plan
+    }
+
+    fn balance(&self) -> Option<Balance> {
+        self.balance
     }
 
     fn radii(&self) -> Option<Radii> {

@@ -40,15 +40,27 @@ pub struct Settings {
     pub photons: u32,
     /// Paths aimed at casters a pass.
     pub caustic_photons: u32,
+    /// Whether a pilot may change camera rays and photon paths so that the same work gives less noise. Numbers that the user
+    /// sets stay only without.
+    pub balance: bool,
     /// Most photons an estimate takes, 0 for no limit; `None`: [`CAUSTIC_K`](super::CAUSTIC_K) in the caustic map, no limit in the
     /// global one, whose light is smooth.
     pub gather_k: Option<u32>,
     /// Largest radius of the first pass \[length]; `None` lets a pilot find one for each map.
     pub radius: Option<f32>,
+    /// Pilots follow one in so many of their paths, at least 1: more is for estimates of work, which need no exact radii.
+    pub thinned_pilots: u32,
     /// Kernel of the estimates.
     pub kernel: Kernel,
     /// How [`Algorithm::Pm`](super::Algorithm::Pm) looks at the global map.
     pub final_gathering: FinalGathering,
+}
+
+impl Settings {
+    /// Rays or paths of a pilot that has `whole` of them.
+    pub(super) fn of_pilot(&self, whole: u32) -> u32 {
+        whole / self.thinned_pilots.clamp(1, whole)
+    }
 }
 
 /// How a global map is looked at.
@@ -69,8 +81,10 @@ impl Default for Settings {
             eye: EyeSettings::default(),
             photons: 500_000,
             caustic_photons: 250_000,
+            balance: true,
             gather_k: None,
             radius: None,
+            thinned_pilots: 1,
             kernel: Kernel::default(),
             final_gathering: FinalGathering::default(),
         }

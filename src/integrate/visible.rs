@@ -1,38 +1,33 @@
 //! What the camera sees, found by a pilot.
 
-use super::EyeSettings;
+use super::Settings;
 use super::direct::{Asking, DirectLight};
 use super::eye::{AtReceiver, EyePass, History, Method, Vertex};
 use super::tiles::Worker;
 use crate::bsdf::Transport;
 use crate::color::{self, Rgb};
 use crate::photon::{Visible, VisiblePoint};
-use crate::plan::{Effect, Effects};
+use crate::plan::Effects;
 use crate::sampling::{Dimension, Draw, Key, Purpose};
-use crate::scene::{Inside, Interior, Open, Scene};
+use crate::scene::{Interior, Scene};
 use glam::Vec2;
 
 /// Camera rays of the pilot.
 const RAYS: u32 = 20_000;
 
 /// Points that the camera sees directly or over casters, spread over the picture; photons count within `radius` \[length] of one.
-pub(super) fn visible(scene: &Scene, settings: &EyeSettings, effects: Effects, radius: f32) -> Visible {
+pub(super) fn visible(scene: &Scene, settings: &Settings, effects: Effects, radius: f32) -> Visible {
+    let rays = settings.of_pilot(RAYS);
+    let settings = &settings.eye;
     let direct = &DirectLight::new(scene, Asking::Middles, effects);
     let walks = EyePass { scene, effects, settings, direct, method: &Seen, samples: 1, pass: 0 };
     let key = Key::new(settings.seed).purpose(Purpose::Visible);
     let (width, height) = scene.camera().size();
-    let mut worker = Worker::default();
-    for i in 0..RAYS {
-        let draw = Draw::new(key, i, RAYS);
-        let at = draw.two(Dimension::Film) * Vec2::new(width as f32, height as f32);
-        let ray = scene.camera().ray(at);
-        if effects.has(Effect::Interiors) {
-            let _ = walks.radiance::<Inside>(&ray, draw, &mut worker, &mut Vec::new());
-        } else {
-            let _ = walks.radiance::<Open>(&ray, draw, &mut worker, &mut Vec::new());
-        }
-    }
-    Visible::new(worker.visible, radius)
+    let size = Vec2::new(width as f32, height as f32);
+    let draws = (0..rays).map(|i| Draw::new(key, i, rays));
+    let points: Vec<(Vec2, Draw)> = draws.map(|draw| (draw.two(Dimension::Film) * size, draw)).collect();
+    let (_, workers) = walks.at(&points);
+    Visible::new(workers.into_iter().flat_map(|worker| worker.visible), radius)
 }
 
 /// Notes the first receivers and computes nothing.

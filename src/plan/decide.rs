@@ -117,6 +117,12 @@ impl Plan {
         Self { facts, decisions }
     }
 
+    /// The effects that are simulated and called for.
+    #[must_use]
+    pub fn needed(&self) -> Effects {
+        self.decisions.iter().filter(|d| d.on && d.called_for).fold(Effects::NONE, |on, d| on.with(d.effect))
+    }
+
     /// The effects that are simulated.
     #[must_use]
     pub fn effects(&self) -> Effects {

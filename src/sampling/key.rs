@@ -28,6 +28,8 @@ pub enum Purpose {
     Learning,
     /// Photons that guide gather rays.
     Guides,
+    /// The pilot that finds how a pass should divide its work.
+    Balance,
 }
 
 /// The name of one decision at one vertex of a path.

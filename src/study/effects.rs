@@ -1,5 +1,6 @@
 //! What each effect costs and what it adds: the same picture with and without it.
 
+use super::settled;
 use crate::image::metrics::{MetricError, rmse};
 use crate::image::{Image, SizeError, WriteError};
 use crate::integrate::{Algorithm, Expected, Integrator, Monitor, Settings};
@@ -142,7 +143,8 @@ pub struct Findings {
 /// The pictures of a study, ready to be rendered: the whole one, and one without each effect that is simulated.
 ///
 /// They share the seed. As random numbers are keyed by what they decide, a picture without an effect differs by that effect alone,
-/// but for what pilots learn: photons are aimed, and radii found, anew for each.
+/// but for what pilots learn: photons are aimed, and radii found, anew for each. How many rays and photons a pass has, where a pilot
+/// says, is said once, of the whole picture.
 pub struct EffectStudy<'a> {
     size: (u32, u32),
     clock: Clock,
@@ -164,6 +166,7 @@ impl<'a> EffectStudy<'a> {
     pub fn prepare(scene: &'a Scene, algorithm: Algorithm, settings: &Settings) -> Self {
         let clock = Clock::best();
         let plan = Plan::new(scene, algorithm.simulates(), settings.eye.effects);
+        let settings = settled(scene, algorithm, settings);
         let size = scene.camera().size();
         let run = |without: Option<Decision>| {
             let mut settings = settings.clone();

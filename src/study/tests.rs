@@ -31,7 +31,7 @@ pub(super) fn glass_on_floor(width: u32, height: u32) -> Scene {
 }
 
 fn few(effects: Wishes) -> Settings {
-    let mut settings = Settings { photons: 0, caustic_photons: 4000, ..Settings::default() };
+    let mut settings = Settings { photons: 0, caustic_photons: 4000, balance: false, ..Settings::default() };
     settings.eye.effects = effects;
     settings
 }

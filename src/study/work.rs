@@ -1,5 +1,6 @@
 //! The work of a plan, expected by counting: no seconds, so the same on any machine.
 
+use super::settled;
 use crate::integrate::{Algorithm, Settings, Silent};
 use crate::plan::{Effect, Plan};
 use crate::scene::Scene;
@@ -17,6 +18,9 @@ const MOST_PATHS: u32 = 1 << 15;
 
 /// Most camera rays a pixel.
 const SAMPLES: u32 = 16;
+
+/// Pilots follow one in so many of their paths.
+const THINNED: u32 = 32;
 
 /// Work of the first pass; of a difference, either way.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -49,8 +53,9 @@ impl ExpectedWork {
 pub fn expected_work(scene: Scene, algorithm: Algorithm, settings: &Settings) -> ExpectedWork {
     let (width, height) = scene.camera().size();
     let (w, h) = reduced(width, height);
+    let settings = settled(&scene, algorithm, settings);
     let scene = scene.resized(w, h);
-    let mut small = settings.clone();
+    let mut small = Settings { thinned_pilots: THINNED, ..settings.clone() };
     small.eye.samples = settings.eye.samples.map(|n| n.min(SAMPLES));
     let samples = settings.eye.samples.map_or(1.0, |n| f64::from(n) / f64::from(n.min(SAMPLES)));
     let pixels = f64::from(width) * f64::from(height) / (f64::from(w) * f64::from(h));
@@ -114,7 +119,7 @@ mod tests {
     /// Against the whole pass, of which a tenth of the rays and photons was looked at.
     #[test]
     fn what_is_expected_is_what_comes() {
-        let settings = Settings { photons: 0, caustic_photons: 400_000, ..Settings::default() };
+        let settings = Settings { photons: 0, caustic_photons: 400_000, balance: false, ..Settings::default() };
         let (scene, again) = (glass_on_floor(192, 144), glass_on_floor(192, 144));
         let counters = Algorithm::Hybrid.prepare(&scene, settings.clone()).pass(0, &Silent).counters;
         let work = expected_work(again, Algorithm::Hybrid, &settings);

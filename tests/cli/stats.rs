@@ -41,6 +41,10 @@ fn stats(more: &str) -> Value {
 fn the_page_describes_every_field_and_no_other() {
     let mut found = BTreeSet::new();
     paths(&stats(""), "", &mut found);
+    let balanced = Workshop::new();
+    let arguments = "render box.txt -o a.png --integrator sppm --size 8x8 --passes 1 --stats a.json";
+    balanced.run(&arguments.split(' ').collect::<Vec<_>>()).expect(0, &[]);
+    paths(&serde_json::from_slice(&balanced.bytes("a.json")).unwrap(), "", &mut found);
     // `photons` and `emission` hold the same report for both maps, which the page describes once.
     let found: BTreeSet<String> = found
         .iter()

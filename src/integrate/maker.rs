@@ -1,0 +1,253 @@
+//! Making the photon maps of any pass.
+
+use super::maps::{Gathering, Maps, Needs, Schedule};
+use super::pilot::auto_radius;
+use super::visible::visible;
+use super::{Expected, EyeSettings, Lessons, Monitor, Pass, Phase, PhotonReport, Radii, Settings, shrink};
+use crate::photon::{Bandwidth, Photon, PhotonMap, PhotonPass, PhotonSource, Pilot, THINNING, Traced, Wants};
+use crate::plan::{Effect, Effects};
+use crate::sampling::{Key, Purpose};
+use crate::scene::Scene;
+use std::time::Instant;
+
+/// Most photons of a caustic estimate, where the user does not say.
+pub const CAUSTIC_K: u32 = 50;
+
+/// Photons that most discs of the global map should hold, where the user does not say.
+const GLOBAL_COUNT: u32 = 100;
+
+/// The same for the map of what caustics become, a smaller part of the light.
+const AFTER_COUNT: u32 = 50;
+
+/// Radius within which a photon counts for what is seen, before the maps' own radii are known, in radii of the scene.
+const SEEN_WITHIN: f32 = 0.01;
+
+/// Learned emission is used where it would take at least so many times as many paths to do without.
+const LEAST_GAIN: f64 = 1.5;
+
+/// Gather rays are guided by one photon path of so many of the global map.
+const GUIDING: u32 = 16;
+
+/// An estimate over fewer photons is noise, however many passes have shrunk it.
+const FEWEST: f64 = 8.0;
+
+/// Paths that tell how many photons a path stores.
+const PROBE: u32 = 4096;
+
+/// Paths of a pass.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Counts {
+    /// Of the global map.
+    pub photons: u32,
+    /// Aimed at casters.
+    pub caustic_photons: u32,
+}
+
+/// What maps are made from.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Draft {
+    /// Of all passes.
+    pub key: Key,
+    pub pass: u32,
+    pub counts: Counts,
+    /// Whether estimates take a limited number of photons; else all within the radius.
+    pub limited: bool,
+}
+
+/// Makes the maps of any pass.
+#[derive(Debug)]
+pub(super) struct MapMaker<'a> {
+    scene: &'a Scene,
+    settings: Settings,
+    effects: Effects,
+    pub needs: Needs,
+    global: Option<PhotonSource<'a>>,
+    caustic: Option<PhotonSource<'a>>,
+    pub counts: Counts,
+    /// `None` where there is no map.
+    pub radii: Option<Radii>,
+    pub lessons: Lessons,
+}
+
+impl<'a> MapMaker<'a> {
+    /// Weighs the lights and finds radii where none is set.
+    pub fn new(scene: &'a Scene, settings: Settings, effects: Effects, needs: Needs) -> Self {
+        let needs = needs.within(effects);
+        let source = |wanted: Wants, paths: u32, made: &dyn Fn() -> Option<PhotonSource<'a>>| {
+            if paths == 0 || wanted == Wants::NONE {
+                return None;
+            }
+            let source = made()?.with_interiors(effects.has(Effect::Interiors));
+            if effects.has(Effect::Environment) { Some(source) } else { source.without_environment() }
+        };
+        // Caustics that are simulated though nothing calls for them come from everywhere.
+        let aimed = || PhotonSource::aimed(scene).or_else(|| PhotonSource::everywhere(scene));
+        let caustic = source(needs.by_casters(), settings.caustic_photons, &aimed);
+        let global = source(needs.global, settings.photons, &|| PhotonSource::everywhere(scene));
+        let lessons = Lessons::default();
+        let (photons, caustic_photons) = (settings.photons, settings.caustic_photons);
+        let counts = Counts { photons, caustic_photons };
+        let mut maker = Self { scene, settings, effects, needs, global, caustic, counts, radii: None, lessons };
+        maker.learn();
+        maker.radii = (needs != Needs::NOTHING).then(|| maker.find_radii());
+        maker
+    }
+
+    /// Aims emission at what is seen, where that is much better.
+    fn learn(&mut self) {
+        if self.caustic.is_none() && self.global.is_none() {
+            return;
+        }
+        let (scene, settings) = (self.scene, &self.settings);
+        let seen = visible(scene, settings, self.effects, scene.domain().radius * SEEN_WITHIN);
+        let learn = |source: &mut Option<PhotonSource<'a>>, wants: Wants| {
+            let unlearned = source.take()?;
+            let EyeSettings { max_bounces, seed, .. } = settings.eye;
+            let pilot = Pilot { wants, max_bounces, visible: &seen, paths: settings.of_pilot(Pilot::PATHS), seed };
+            let (learned, lesson) = unlearned.clone().learned(&pilot);
+            // Paths that are seen take longer: little gain is none.
+            *source = Some(if lesson.gain > LEAST_GAIN { learned } else { unlearned });
+            Some(lesson)
+        };
+        self.lessons.caustic = learn(&mut self.caustic, self.needs.by_casters());
+        // Gather rays look at the global map from everywhere.
+        if !self.needs.global.direct {
+            self.lessons.global = learn(&mut self.global, self.needs.global);
+        }
+    }
+
+    /// Radii that hold enough photons in most places.
+    fn find_radii(&self) -> Radii {
+        let settings = &self.settings;
+        let radius = |source: &Option<PhotonSource<'a>>, wants: Wants, paths: u32, fallback: u32| {
+            let k = settings.gather_k.filter(|k| *k > 0).unwrap_or(fallback);
+            let found = || {
+                let source = source.as_ref()?;
+                let pass = PhotonPass { scene: self.scene, source, wants, max_bounces: settings.eye.max_bounces };
+                auto_radius(self.scene, &pass, paths, k, settings)
+            };
+            // Without photons the radius never matters.
+            settings.radius.or_else(found).unwrap_or(1.0)
+        };
+        let smooth = if self.needs.after_caustic {
+            let after = Wants { after_caustic: true, ..Wants::NONE };
+            radius(&self.caustic, after, settings.caustic_photons / THINNING, AFTER_COUNT)
+        } else {
+            radius(&self.global, self.needs.global, settings.photons, GLOBAL_COUNT)
+        };
+        let caustic = radius(&self.caustic, Wants::CAUSTIC, settings.caustic_photons, CAUSTIC_K);
+        Radii { global: smooth, caustic }
+    }
+
+    /// What a pass will store.
+    pub fn expected(&self) -> Expected {
+        let settings = &self.settings;
+        let key = Key::new(settings.eye.seed).purpose(Purpose::Pilot);
+        let of = |source: &Option<PhotonSource<'a>>, wants: Wants, paths: u32| {
+            let Some(source) = source.as_ref().filter(|_| paths > 0) else { return Expected::default() };
+            let probe = paths.min(PROBE);
+            let pass = PhotonPass { scene: self.scene, source, wants, max_bounces: settings.eye.max_bounces };
+            let traced = pass.trace(key, probe, &|_| {});
+            let scale = |n: usize| (n as f64 * f64::from(paths) / f64::from(probe)) as u64;
+            let (one, other) = (scale(traced.photons.len()), scale(traced.after_caustic.len()));
+            Expected { paths: paths.into(), photons: one + other, most: one.max(other) }
+        };
+        let guides = if self.needs.guides { self.counts.photons / GUIDING } else { 0 };
+        let maps = [
+            of(&self.caustic, self.needs.by_casters(), self.counts.caustic_photons),
+            of(&self.global, self.needs.global, self.counts.photons),
+            of(&self.global, Wants::GLOBAL, guides),
+        ];
+        maps.into_iter().fold(Expected::default(), |all, map| Expected {
+            paths: all.paths + map.paths,
+            photons: all.photons + map.photons,
+            most: all.most.max(map.most),
+        })
+    }
+
+    /// Traces and indexes the photons of pass `pass`, and books the work in `out`.
+    pub fn make(&self, pass: u32, monitor: &dyn Monitor, out: &mut Pass) -> Maps<'a> {
+        let key = Key::new(self.settings.eye.seed);
+        self.make_from(&Draft { key, pass, counts: self.counts, limited: true }, monitor, out)
+    }
+
+    /// The same of a draft.
+    pub fn make_from(&self, draft: &Draft, monitor: &dyn Monitor, out: &mut Pass) -> Maps<'a> {
+        let Draft { counts, pass, .. } = *draft;
+        let key = |purpose| draft.key.purpose(purpose).with(u64::from(pass));
+        let job = (self.needs.by_casters(), counts.caustic_photons);
+        let traced = self.trace(self.caustic.as_ref(), job, key(Purpose::CausticPhotons), monitor, out);
+        out.caustic = report(&traced);
+        let caustic = index(traced.photons, monitor, out);
+        let smooth = if self.needs.after_caustic {
+            index(traced.after_caustic, monitor, out)
+        } else {
+            let job = (self.needs.global, counts.photons);
+            let traced = self.trace(self.global.as_ref(), job, key(Purpose::GlobalPhotons), monitor, out);
+            out.global = report(&traced);
+            index(traced.photons, monitor, out)
+        };
+        let guides = if self.needs.guides {
+            let job = (Wants::GLOBAL, counts.photons / GUIDING);
+            let traced = self.trace(self.global.as_ref(), job, key(Purpose::Guides), monitor, out);
+            index(traced.photons, monitor, out)
+        } else {
+            PhotonMap::build(Vec::new())
+        };
+        // Without maps nothing asks for a radius.
+        let radii = self.radii.unwrap_or(Radii { global: 1.0, caustic: 1.0 });
+        // Discs keep their size when counts are balanced, so they hold more photons or fewer.
+        let ratio = f64::from(counts.caustic_photons) / f64::from(self.settings.caustic_photons.max(1));
+        let k = self.settings.gather_k.unwrap_or((f64::from(CAUSTIC_K) * ratio).round().max(1.0) as u32);
+        let smooth_k = self.settings.gather_k.unwrap_or(0);
+        Maps {
+            guides,
+            caustic: self.gathering(caustic, radii.caustic, k, draft),
+            smooth: self.gathering(smooth, radii.global, smooth_k, draft),
+        }
+    }
+
+    fn gathering(&self, map: PhotonMap, radius: f32, most: u32, draft: &Draft) -> Gathering<'a> {
+        let area = match self.needs.schedule {
+            Schedule::Shrinking => shrink(draft.pass),
+            Schedule::Fixed => 1.0,
+        };
+        let most = if draft.limited { most } else { 0 };
+        let k = (f64::from(most) * area).round().max(FEWEST) as u32;
+        let bandwidth = Bandwidth { radius: radius * area.sqrt() as f32, k: k.min(most) };
+        Gathering { scene: self.scene, map, bandwidth, kernel: self.settings.kernel }
+    }
+
+    fn trace(
+        &self,
+        source: Option<&PhotonSource<'_>>,
+        (wants, paths): (Wants, u32),
+        key: Key,
+        monitor: &dyn Monitor,
+        out: &mut Pass,
+    ) -> Traced {
+        let Some(source) = source else { return Traced::default() };
+        let start = Instant::now();
+        monitor.begin(Phase::Photons, u64::from(paths));
+        let pass = PhotonPass { scene: self.scene, source, wants, max_bounces: self.settings.eye.max_bounces };
+        let traced = pass.trace(key, paths, &|n| monitor.advance(n));
+        out.counters.photon_rays += traced.rays;
+        out.seconds.photons += start.elapsed().as_secs_f64();
+        traced
+    }
+}
+
+fn report(traced: &Traced) -> PhotonReport {
+    let stored = traced.photons.len() + traced.after_caustic.len();
+    PhotonReport { emitted: traced.paths, stored: stored as u64, audit: traced.audit }
+}
+
+fn index(photons: Vec<Photon>, monitor: &dyn Monitor, out: &mut Pass) -> PhotonMap {
+    let start = Instant::now();
+    let count = photons.len() as u64;
+    monitor.begin(Phase::Trees, count);
+    let map = PhotonMap::build(photons);
+    monitor.advance(count);
+    out.seconds.trees += start.elapsed().as_secs_f64();
+    map
+}
