@@ -8,7 +8,7 @@ use crate::image::Image;
 use std::fmt::Write;
 
 /// A part of a difference whose mean is less than this of the other's is noise, and is not shown.
-const SHOWN: f64 = 0.01;
+const SHOWN: f64 = 0.1;
 
 const STYLE: &str = "\
 :root { color-scheme: light dark; }
@@ -19,10 +19,10 @@ figure { margin: 0; flex: 1 1 24rem; min-width: 0; max-width: 40rem; } figcaptio
 .scroll { overflow-x: auto; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
 th, td { padding: .3rem .75rem; border-bottom: 1px solid #8886; text-align: left; vertical-align: top; }
-td.n, th.n { text-align: right; white-space: nowrap; }
+td.n, th.n { text-align: right; } td.n, tbody th, tfoot th { white-space: nowrap; } thead th { vertical-align: bottom; }
 article { border-top: 1px solid #8886; padding: 1.5rem 0; }
 .pictures { display: flex; flex-wrap: wrap; gap: 1rem; margin-top: 1rem; }
-p, dd { max-width: 48rem; margin: .25rem 0; } dt { font-weight: 600; } dd { margin: 0 0 .5rem 0; }
+p { max-width: 48rem; } dl { display: grid; grid-template-columns: max-content 1fr; gap: .25rem 1rem; } dt { font-weight: 600; } dd { margin: 0; }
 ";
 
 /// What a page tells besides the findings.
@@ -69,7 +69,8 @@ pub fn page(about: &About, findings: &Findings) -> Result<String, StudyError> {
         page += "<p>No effect is simulated, so none was left out.</p>\n";
     } else {
         page += &table(findings);
-        page += "<h2>The effects one by one</h2>\n";
+        page += "<h2>The effects one by one</h2>\n<p>Light that an effect adds and light that it takes away are shown apart, each at an \
+                 exposure that makes it visible; where one is less than a tenth of the other, it is mostly noise and not shown.</p>\n";
     }
     for finding in &findings.effects {
         page += &article(finding)?;
@@ -102,15 +103,15 @@ fn part(of_mean: f64, mean: f64) -> String {
 
 fn table(findings: &Findings) -> String {
     let heads = [
-        "milliseconds a pass",
-        "all passes, with to without",
-        "preparation, milliseconds",
+        "ms a pass",
+        "time, with to without",
+        "ms of setup",
         "rays a pass",
         "gathered photons a pass",
         "RMSE, W/(m² sr)",
-        "RMSE to mean",
-        "adds to mean",
-        "takes of mean",
+        "RMSE, part of the mean",
+        "adds, part of the mean",
+        "takes, part of the mean",
     ];
     let mut table =
         "<h2>Figures</h2>\n<div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\">effect</th>".to_owned();
@@ -186,12 +187,12 @@ fn article(finding: &Finding) -> Result<String, StudyError> {
     }
     article += "</dl>\n";
     let most = gain.adds.max(gain.takes);
-    let parts = [("adds", gain.adds, added(difference)?), ("takes away", gain.takes, taken(difference)?)];
+    let parts = [("added", gain.adds, added(difference)?), ("taken away", gain.takes, taken(difference)?)];
     article += "<div class=\"pictures\">\n";
-    for (does, mean, image) in parts {
+    for (how, mean, image) in parts {
         let Some(exposure) = exposure(&image).filter(|_| mean >= SHOWN * most) else { continue };
-        let caption = format!("Light that {effect} {does}: exposure {}.", stops(exposure));
-        article += &shown(&image, exposure, &format!("light that {effect} {does}"), &caption)?;
+        let caption = format!("Light {how} by {effect}: exposure {}.", stops(exposure));
+        article += &shown(&image, exposure, &format!("light {how} by {effect}"), &caption)?;
     }
     article += "</div>\n</article>\n";
     Ok(article)

@@ -5,7 +5,7 @@ use crate::camera::Pinhole;
 use crate::integrate::{Algorithm, Settings, Silent};
 use crate::plan::{Effect, Wishes};
 use crate::scene::{LightStrength, Material, Scene, SceneBuilder, SourceKind};
-use crate::shape::{Plane, Shape, Sphere};
+use crate::shape::{Rectangle, Shape, Sphere};
 use glam::{DVec3, Vec3};
 use std::sync::atomic::AtomicBool;
 
@@ -14,8 +14,9 @@ fn ball(material: Material, width: u32, height: u32) -> Scene {
     let mut builder = SceneBuilder::new();
     let white = builder.material(Material::diffuse(Vec3::splat(0.5)));
     let own = builder.material(material);
+    let floor = Rectangle::new(DVec3::new(-3.0, 0.0, -3.0), DVec3::Z * 6.0, DVec3::X * 6.0);
     builder
-        .plane(Plane::new(DVec3::ZERO, DVec3::Y), white, Vec3::ZERO)
+        .shape(Shape::Rectangle(floor), white, Vec3::ZERO)
         .shape(Shape::Sphere(Sphere::new(DVec3::new(0.0, 1.0, 0.0), 0.8)), own, Vec3::ZERO)
         .source(SourceKind::Point { position: DVec3::new(2.0, 4.0, 0.0) }, LightStrength::Power(Vec3::splat(200.0)));
     let (eye, view) = (DVec3::new(0.0, 2.0, 6.0), DVec3::new(0.0, -0.2, -1.0));
