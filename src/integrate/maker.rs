@@ -99,7 +99,7 @@ impl<'a> MapMaker<'a> {
             return;
         }
         let (scene, settings) = (self.scene, &self.settings);
-        let seen = visible(scene, settings, self.effects, scene.domain().radius * SEEN_WITHIN);
+        let seen = visible(scene, &settings.eye, self.effects, scene.domain().radius * SEEN_WITHIN);
         let learn = |source: &mut Option<PhotonSource<'a>>, wants: Wants| {
             let unlearned = source.take()?;
             let EyeSettings { max_bounces, seed, .. } = settings.eye;

@@ -48,7 +48,7 @@ pub struct Settings {
     pub gather_k: Option<u32>,
     /// Largest radius of the first pass \[length]; `None` lets a pilot find one for each map.
     pub radius: Option<f32>,
-    /// Pilots follow one in so many of their paths, at least 1: more is for estimates of work, which need no exact radii.
+    /// Photon pilots follow one in so many of their paths, at least 1: more is for estimates of work, which need no exact radii.
     pub thinned_pilots: u32,
     /// Kernel of the estimates.
     pub kernel: Kernel,
@@ -57,7 +57,7 @@ pub struct Settings {
 }
 
 impl Settings {
-    /// Rays or paths of a pilot that has `whole` of them.
+    /// Paths of a pilot that has `whole` of them.
     pub(super) fn of_pilot(&self, whole: u32) -> u32 {
         whole / self.thinned_pilots.clamp(1, whole)
     }

@@ -1,6 +1,6 @@
 //! What the camera sees, found by a pilot.
 
-use super::Settings;
+use super::EyeSettings;
 use super::direct::{Asking, DirectLight};
 use super::eye::{AtReceiver, EyePass, History, Method, Vertex};
 use super::tiles::Worker;
@@ -16,15 +16,13 @@ use glam::Vec2;
 const RAYS: u32 = 20_000;
 
 /// Points that the camera sees directly or over casters, spread over the picture; photons count within `radius` \[length] of one.
-pub(super) fn visible(scene: &Scene, settings: &Settings, effects: Effects, radius: f32) -> Visible {
-    let rays = settings.of_pilot(RAYS);
-    let settings = &settings.eye;
+pub(super) fn visible(scene: &Scene, settings: &EyeSettings, effects: Effects, radius: f32) -> Visible {
     let direct = &DirectLight::new(scene, Asking::Middles, effects);
     let walks = EyePass { scene, effects, settings, direct, method: &Seen, samples: 1, pass: 0 };
     let key = Key::new(settings.seed).purpose(Purpose::Visible);
     let (width, height) = scene.camera().size();
     let size = Vec2::new(width as f32, height as f32);
-    let draws = (0..rays).map(|i| Draw::new(key, i, rays));
+    let draws = (0..RAYS).map(|i| Draw::new(key, i, RAYS));
     let points: Vec<(Vec2, Draw)> = draws.map(|draw| (draw.two(Dimension::Film) * size, draw)).collect();
     let (_, workers) = walks.at(&points);
     Visible::new(workers.into_iter().flat_map(|worker| worker.visible), radius)

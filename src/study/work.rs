@@ -20,7 +20,7 @@ const MOST_PATHS: u32 = 1 << 15;
 const SAMPLES: u32 = 16;
 
 /// Pilots follow one in so many of their paths.
-const THINNED: u32 = 32;
+const THINNED: u32 = 8;
 
 /// Work of the first pass; of a difference, either way.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
