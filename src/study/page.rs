@@ -131,7 +131,7 @@ fn table(findings: &Findings) -> String {
             part(gain.takes, findings.mean),
         ];
         let _ = write!(table, "<tr><th scope=\"row\"><a href=\"#{0}\">{0}</a></th>", decision.effect);
-        cells.iter().for_each(|cell| table += &format!("<td class=\"n\">{cell}</td>"));
+        cells.iter().for_each(|cell| table += &format!("<td class=\"n\">{}</td>", escape(cell)));
         table += "</tr>\n";
     }
     let whole = &findings.whole;
@@ -145,7 +145,7 @@ fn table(findings: &Findings) -> String {
         a_pass(whole.counters.gathered_photons),
     ];
     table += "</tbody>\n<tfoot><tr><th scope=\"row\">the whole picture</th>";
-    cells.iter().for_each(|cell| table += &format!("<td class=\"n\">{cell}</td>"));
+    cells.iter().for_each(|cell| table += &format!("<td class=\"n\">{}</td>", escape(cell)));
     let _ = write!(
         table,
         "<td colspan=\"4\">mean radiance {} W/(m² sr)</td></tr></tfoot>\n</table></div>\n",

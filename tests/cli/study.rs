@@ -116,7 +116,7 @@ fn failures_have_their_codes_and_leave_the_old_page() {
     shop.put("a.html", "old page");
     run(&shop, "study box.txt").expect(2, &["--effects"]);
     run(&shop, "study --effects").expect(2, &["SCENE"]);
-    study(&shop, "--passes 0 -o a.html").expect(2, &["at least 1"]);
+    run(&shop, "study --effects box.txt --passes 0 -o a.html").expect(2, &["at least 1"]);
     study(&shop, "--wish shadows -o a.html").expect(2, &["`shadows` is no wish"]);
     study(&shop, "--size 16384x16385 -o a.html").expect(2, &["--size"]);
     run(&shop, "study --effects none.txt -o a.html").expect(1, &["none.txt", "help: check the path"]);
