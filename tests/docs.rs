@@ -105,6 +105,10 @@ fn perform(page: &str, line: &[String], folder: &Path) {
                 (Some(&render.scene.scene), render.output.iter().chain(&render.stats).collect())
             }
             Some(Command::Plan(plan)) => (Some(&plan.scene.scene), Vec::new()),
+            Some(Command::Study(study)) => {
+                shrink(&mut arguments, study.method.caustic_photons.is_some());
+                (Some(&study.scene.scene), study.output.iter().collect())
+            }
             None => (None, Vec::new()),
         };
         if let Some(scene) = scene.and_then(Path::to_str) {

@@ -29,6 +29,8 @@ pub enum Command {
     Render(Box<RenderArguments>),
     /// Tell what of light a scene calls for, why, and what it costs
     Plan(Box<PlanArguments>),
+    /// Measure what parts of a picture cost and are worth
+    Study(Box<StudyArguments>),
 }
 
 /// How light is computed.
@@ -98,11 +100,6 @@ pub struct MethodArguments {
     #[arg(long, value_enum, default_value = "bsdf", value_name = "NAME")]
     pub final_gathering: GatheringName,
 
-    /// What to simulate whatever the scene calls for: auto, all or none, then +effect or -effect, divided by commas; `caustica plan`
-    /// lists them
-    #[arg(long, allow_hyphen_values = true, value_name = "WISHES", default_value = "auto")]
-    pub effects: Wishes,
-
     /// Bounces after which a path is cut
     #[arg(long, value_parser = count, default_value = "100", value_name = "N")]
     pub max_bounces: u32,
@@ -114,6 +111,15 @@ pub struct MethodArguments {
     /// Seed: the same seed and settings give the same picture, bit for bit
     #[arg(long, default_value = "0", value_name = "N")]
     pub seed: u64,
+}
+
+/// What is simulated, for commands whose `--effects` says so.
+#[derive(Debug, Args)]
+pub struct EffectsArguments {
+    /// What to simulate whatever the scene calls for: auto, all or none, then +effect or -effect, divided by commas; `caustica plan`
+    /// lists them
+    #[arg(long, allow_hyphen_values = true, value_name = "WISHES", default_value = "auto")]
+    pub effects: Wishes,
 }
 
 /// What is rendered and with what: common to all commands that render.
@@ -145,6 +151,10 @@ pub struct RenderArguments {
     #[command(flatten)]
     #[allow(missing_docs)]
     pub method: MethodArguments,
+
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub effects: EffectsArguments,
 
     /// Passes; their mean is the picture  [default: by integrator, or no limit with --time]
     #[arg(long, value_parser = positive_count, value_name = "N")]
@@ -186,9 +196,62 @@ pub struct PlanArguments {
     #[allow(missing_docs)]
     pub method: MethodArguments,
 
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub effects: EffectsArguments,
+
     /// Print JSON
     #[arg(long)]
     pub json: bool,
+}
+
+/// What is studied: exactly one.
+#[derive(Debug, Args)]
+#[group(required = true, multiple = false)]
+pub struct StudyKind {
+    /// Render the picture with and without each effect of the plan: what it costs, and what it adds
+    #[arg(long)]
+    pub effects: bool,
+}
+
+/// Arguments of `study`.
+#[derive(Debug, Args)]
+pub struct StudyArguments {
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub kind: StudyKind,
+
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub scene: SceneArguments,
+
+    /// Write a page with the pictures: one .html file that needs no other
+    #[arg(short, long = "output", value_name = "FILE")]
+    pub output: Option<PathBuf>,
+
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub method: MethodArguments,
+
+    /// What the whole picture simulates, as --effects of `caustica render`
+    #[arg(long, allow_hyphen_values = true, value_name = "WISHES", default_value = "auto")]
+    pub wish: Wishes,
+
+    /// Passes of each picture
+    #[arg(long, value_parser = positive_count, default_value = "4", value_name = "N")]
+    pub passes: u32,
+
+    /// Exposure of the whole picture on the page in stops: +1 is twice as bright
+    #[arg(long, default_value = "0", value_parser = stops, allow_negative_numbers = true, value_name = "STOPS")]
+    pub exposure: f32,
+
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+
+    /// Say nothing but the result, errors and warnings
+    #[arg(short, long)]
+    pub quiet: bool,
 }
 
 fn depth(text: &str) -> Result<BitDepth, String> {

@@ -18,9 +18,14 @@ pub(super) enum TooMuch {
     #[diagnostic(help("choose a smaller --size"))]
     Pixels(#[from] SizeError),
     /// More pixels than memory holds.
-    #[error("a picture of {width} × {height} pixels takes {} of memory, and {} are free", bytes(*needed), bytes(*free))]
+    #[error(
+        "{} of {width} × {height} pixels {} of memory, and {} are free",
+        if *count == 1 { "a picture".to_owned() } else { format!("{count} pictures") },
+        format_args!("take{} {}", if *count == 1 { "s" } else { "" }, bytes(*needed)),
+        bytes(*free)
+    )]
     #[diagnostic(help("choose a smaller --size"))]
-    Picture { width: u32, height: u32, needed: u64, free: u64 },
+    Picture { count: usize, width: u32, height: u32, needed: u64, free: u64 },
     /// More photons than indices.
     #[error("a pass of {paths} photon paths would store about {stored} photons, and {} can be indexed", u32::MAX)]
     #[diagnostic(help("{REMEDY}"))]
@@ -38,15 +43,15 @@ pub(super) enum TooMuch {
 const REMEDY: &str =
     "take fewer --photons or --caustic-photons and more --passes: photons of a pass are kept in memory, passes add up";
 
-/// Checks that the film of a scene fits into `free` bytes, where that number is known.
-pub(super) fn check_picture((width, height): (u32, u32), free: Option<u64>) -> Result<(), TooMuch> {
+/// Checks that so many pictures of a size fit into `free` bytes, where that number is known.
+pub(super) fn check_pictures(count: usize, (width, height): (u32, u32), free: Option<u64>) -> Result<(), TooMuch> {
     let pixels = u64::from(width) * u64::from(height);
     if pixels > MAX_PIXELS {
         return Err(SizeError::TooLarge { width, height }.into());
     }
-    let needed = pixels * PER_PIXEL;
+    let needed = pixels * PER_PIXEL * count as u64;
     match free {
-        Some(free) if needed > free => Err(TooMuch::Picture { width, height, needed, free }),
+        Some(free) if needed > free => Err(TooMuch::Picture { count, width, height, needed, free }),
         _ => Ok(()),
     }
 }
@@ -82,11 +87,14 @@ mod tests {
 
     #[test]
     fn pictures_are_held_against_the_format_and_the_memory() {
-        assert_eq!(check_picture((16_384, 16_384), None), Ok(()));
-        assert!(matches!(check_picture((16_385, 16_384), None), Err(TooMuch::Pixels(_))));
-        assert_eq!(check_picture((1000, 1000), Some(50_000_000)), Ok(()));
-        let refused = check_picture((1000, 1000), Some(49_999_999)).unwrap_err().to_string();
-        assert!(refused.contains("1000 × 1000") && refused.contains("0.1 GB"), "{refused}");
+        assert_eq!(check_pictures(1, (16_384, 16_384), None), Ok(()));
+        assert!(matches!(check_pictures(1, (16_385, 16_384), None), Err(TooMuch::Pixels(_))));
+        assert_eq!(check_pictures(1, (1000, 1000), Some(50_000_000)), Ok(()));
+        let refused = check_pictures(1, (1000, 1000), Some(49_999_999)).unwrap_err().to_string();
+        assert!(refused.contains("a picture of 1000 × 1000") && refused.contains("0.1 GB"), "{refused}");
+        assert_eq!(check_pictures(4, (500, 500), Some(50_000_000)), Ok(()));
+        let refused = check_pictures(5, (500, 500), Some(50_000_000)).unwrap_err().to_string();
+        assert!(refused.contains("5 pictures of 500 × 500 pixels take 0.1 GB"), "{refused}");
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! The command line: what was typed, what it means, and what is told in return.
 
 mod args;
+mod interrupt;
 mod memory;
 mod number;
 mod plan;
@@ -9,8 +10,9 @@ mod render;
 mod report;
 mod scene;
 mod settings;
+mod study;
 
-pub use args::{Arguments, Command, PlanArguments, RenderArguments};
+pub use args::{Arguments, Command, PlanArguments, RenderArguments, StudyArguments};
 
 use std::process::ExitCode;
 
@@ -59,5 +61,6 @@ pub fn run(arguments: Arguments) -> Result<Exit, Failure> {
     match arguments.command {
         Command::Render(arguments) => render::run(&arguments),
         Command::Plan(arguments) => plan::run(&arguments),
+        Command::Study(arguments) => study::run(&arguments),
     }
 }

@@ -1,5 +1,6 @@
 //! `caustica render`.
 
+use super::interrupt::{INTERRUPTED, listen};
 use super::memory::{self, check_photons};
 use super::plan::{self, counted};
 use super::progress::{Progress, tell};
@@ -12,10 +13,7 @@ use crate::integrate::{Algorithm, Lessons};
 use crate::render::{Ended, Rendered, Stop, render};
 use glam::Vec3;
 use miette::IntoDiagnostic;
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
-
-static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
 pub(super) fn run(arguments: &RenderArguments) -> Result<Exit, Failure> {
     // Whatever can fail without rendering fails before it.
@@ -25,7 +23,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Exit, Failure> {
     if let Some(path) = &arguments.stats {
         image::check_place(path).into_diagnostic().map_err(|e| Failure::new(Exit::Output, e))?;
     }
-    listen_for_interrupts();
+    listen("the picture");
     let progress = Progress::new(arguments.quiet);
     in_pool(&arguments.scene, || run_in_pool(arguments, &progress))
 }
@@ -60,7 +58,7 @@ fn run_in_pool(arguments: &RenderArguments, progress: &Progress) -> Result<Exit,
     } else if setting.lights == 0 {
         progress.say("note: the scene has no lights: all but its background is black");
     }
-    let integrator = algorithm.prepare(&scene, settings(&arguments.method));
+    let integrator = algorithm.prepare(&scene, settings(&arguments.method, arguments.effects.effects));
     check_photons(integrator.expected(), memory::free()).map_err(|e| Failure::new(Exit::Usage, e))?;
     progress.say(&plan::line(integrator.plan()));
     integrator.balance().iter().for_each(|balance| progress.say(&plan::balance_line(balance)));
@@ -140,15 +138,4 @@ fn conclude(
         image::replace_file(path, &json).into_diagnostic().map_err(output)?;
     }
     Ok(if rendered.ended == Ended::Interrupted { Exit::Interrupted } else { Exit::Success })
-}
-
-/// The first interrupt asks for an end after the pass, the second ends at once.
-fn listen_for_interrupts() {
-    // Without a handler an interrupt ends the program at once, which loses a picture but nothing else.
-    let _ = ctrlc::set_handler(|| {
-        if INTERRUPTED.swap(true, Ordering::Relaxed) {
-            std::process::exit(i32::from(Exit::Interrupted as u8));
-        }
-        tell("interrupted: the picture so far is written after this pass; interrupt again to stop at once");
-    });
 }

@@ -1,7 +1,7 @@
 //! The scene that the command line names, and the threads that work on it.
 
 use super::args::SceneArguments;
-use super::memory::{self, check_picture};
+use super::memory::{self, check_pictures};
 use super::{Exit, Failure};
 use crate::format::SceneFile;
 use crate::scene::Scene;
@@ -16,7 +16,7 @@ pub(super) fn load(arguments: &SceneArguments) -> Result<Scene, Failure> {
         file.description.camera.value.height = height;
     }
     let scene = file.resolve().map_err(|e| Failure::new(Exit::Input, e))?;
-    check_picture(scene.camera().size(), memory::free()).map_err(|e| Failure::new(Exit::Usage, e))?;
+    check_pictures(1, scene.camera().size(), memory::free()).map_err(|e| Failure::new(Exit::Usage, e))?;
     Ok(scene)
 }
 

@@ -3,6 +3,7 @@
 use super::args::{AlgorithmName, GatheringName, MethodArguments};
 use crate::camera::Filter;
 use crate::integrate::{Algorithm, EyeSettings, FinalGathering, Settings};
+use crate::plan::Wishes;
 
 impl From<AlgorithmName> for Algorithm {
     fn from(name: AlgorithmName) -> Self {
@@ -19,7 +20,7 @@ impl From<AlgorithmName> for Algorithm {
     }
 }
 
-pub(super) fn settings(arguments: &MethodArguments) -> Settings {
+pub(super) fn settings(arguments: &MethodArguments, effects: Wishes) -> Settings {
     let photons = arguments.photons.unwrap_or(Settings::default().photons);
     Settings {
         eye: EyeSettings {
@@ -27,13 +28,14 @@ pub(super) fn settings(arguments: &MethodArguments) -> Settings {
             max_bounces: arguments.max_bounces,
             seed: arguments.seed,
             filter: Filter::new(arguments.filter),
-            effects: arguments.effects,
+            effects,
         },
         photons,
         caustic_photons: arguments.caustic_photons.unwrap_or(photons / 2),
         balance: arguments.photons.is_none() && arguments.caustic_photons.is_none() && arguments.gather_k.is_none(),
         gather_k: arguments.gather_k,
         radius: arguments.radius,
+        thinned_pilots: 1,
         kernel: arguments.kernel,
         final_gathering: match arguments.final_gathering {
             GatheringName::None => FinalGathering::None,

@@ -103,7 +103,7 @@ impl<'a> MapMaker<'a> {
         let learn = |source: &mut Option<PhotonSource<'a>>, wants: Wants| {
             let unlearned = source.take()?;
             let EyeSettings { max_bounces, seed, .. } = settings.eye;
-            let pilot = Pilot { wants, max_bounces, visible: &seen, paths: Pilot::PATHS, seed };
+            let pilot = Pilot { wants, max_bounces, visible: &seen, paths: settings.of_pilot(Pilot::PATHS), seed };
             let (learned, lesson) = unlearned.clone().learned(&pilot);
             // Paths that are seen take longer: little gain is none.
             *source = Some(if lesson.gain > LEAST_GAIN { learned } else { unlearned });
@@ -124,7 +124,7 @@ impl<'a> MapMaker<'a> {
             let found = || {
                 let source = source.as_ref()?;
                 let pass = PhotonPass { scene: self.scene, source, wants, max_bounces: settings.eye.max_bounces };
-                auto_radius(self.scene, &pass, paths, k, settings.eye.seed)
+                auto_radius(self.scene, &pass, paths, k, settings)
             };
             // Without photons the radius never matters.
             settings.radius.or_else(found).unwrap_or(1.0)

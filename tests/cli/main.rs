@@ -6,6 +6,7 @@ mod outputs;
 mod repeat;
 mod scenes;
 mod stats;
+mod study;
 
 use std::fs;
 use std::path::{Path, PathBuf};

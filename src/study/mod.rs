@@ -1,0 +1,31 @@
+//! Studies: what of a picture costs what, and is worth what.
+
+mod effects;
+mod html;
+mod page;
+mod picture;
+#[cfg(test)]
+mod tests;
+pub mod text;
+mod work;
+
+pub use effects::{Clock, Cost, EffectStudy, Finding, Findings, Gain, Spent, StudyError};
+pub use page::{About, page};
+pub use work::{ExpectedWork, Work, expected_work};
+
+use crate::integrate::{Algorithm, Settings};
+use crate::scene::Scene;
+
+/// Settings with the numbers of rays and photons that a pilot finds useful for all that is simulated, so that pictures with less
+/// are made with the same.
+fn settled(scene: &Scene, algorithm: Algorithm, settings: &Settings) -> Settings {
+    let mut settled = Settings { balance: false, ..settings.clone() };
+    if settings.balance
+        && let Some(balance) = algorithm.prepare(scene, settings.clone()).balance()
+    {
+        settled.eye.samples = Some(balance.samples);
+        settled.photons = balance.photons.unwrap_or(settled.photons);
+        settled.caustic_photons = balance.caustic_photons.unwrap_or(settled.caustic_photons);
+    }
+    settled
+}

@@ -1,0 +1,217 @@
+//! The page of a study: one HTML file that holds its pictures and needs nothing else.
+
+use super::html::{escape, picture};
+use super::picture::{added, exposure, png, taken};
+use super::text::{figure, milliseconds, percent, signed};
+use super::{Clock, Finding, Findings, StudyError};
+use crate::image::Image;
+use std::fmt::Write;
+
+/// A part of a difference whose mean is less than this of the other's is noise, and is not shown.
+const SHOWN: f64 = 0.1;
+
+const STYLE: &str = "\
+:root { color-scheme: light dark; }
+body { font: 1rem/1.5 system-ui, sans-serif; max-width: 76rem; margin: 2rem auto; padding: 0 1rem; }
+h1, h2, h3 { line-height: 1.2; } h3 { margin: 0 0 .5rem; }
+img { max-width: 100%; height: auto; background: #000; display: block; }
+figure { margin: 0; flex: 1 1 24rem; min-width: 0; max-width: 40rem; } figcaption { font-size: .875rem; padding-top: .25rem; }
+.scroll { overflow-x: auto; }
+table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
+th, td { padding: .3rem .75rem; border-bottom: 1px solid #8886; text-align: left; vertical-align: top; }
+td.n, th.n { text-align: right; } td.n, tbody th, tfoot th { white-space: nowrap; } thead th { vertical-align: bottom; }
+article { border-top: 1px solid #8886; padding: 1.5rem 0; }
+.pictures { display: flex; flex-wrap: wrap; gap: 1rem; margin-top: 1rem; }
+p { max-width: 48rem; } dl { display: grid; grid-template-columns: max-content 1fr; gap: .25rem 1rem; } dt { font-weight: 600; } dd { margin: 0; }
+";
+
+/// What a page tells besides the findings.
+#[derive(Clone, Debug)]
+pub struct About {
+    /// The scene's name.
+    pub scene: String,
+    /// The algorithm's name.
+    pub integrator: &'static str,
+    /// The seed of all pictures.
+    pub seed: u64,
+    /// Exposure of the whole picture \[stops].
+    pub exposure: f32,
+}
+
+/// The page, as HTML that is well-formed XML too.
+///
+/// # Errors
+/// [`StudyError`] where a picture cannot be encoded.
+pub fn page(about: &About, findings: &Findings) -> Result<String, StudyError> {
+    let scene = escape(&about.scene);
+    let mut page = format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
+         <title>Effects of {scene}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n\
+         <h1>What light costs, and what it is worth: {scene}</h1>\n"
+    );
+    let passes = findings.whole.passes.len();
+    let _ = writeln!(
+        page,
+        "<p>Rendered by Caustica {} with <code>{}</code>, {passes} {}, seed {}. Each effect that the scene calls for was left out \
+         once, all else the same; what is told of it is the whole picture less the one without it. Seconds are {}.</p>",
+        env!("CARGO_PKG_VERSION"),
+        about.integrator,
+        if passes == 1 { "pass" } else { "passes" },
+        about.seed,
+        clock(findings.clock),
+    );
+    let caption = format!("The whole picture: exposure {}.", stops(about.exposure));
+    page += "<div class=\"pictures\">\n";
+    page += &shown(&findings.picture, about.exposure, "the whole picture", &caption)?;
+    page += "</div>\n";
+    if findings.effects.is_empty() {
+        page += "<p>No effect is simulated, so none was left out.</p>\n";
+    } else {
+        page += &table(findings);
+        page += "<h2>The effects one by one</h2>\n<p>Light that an effect adds and light that it takes away are shown apart, each at an \
+                 exposure that makes it visible; where one is less than a tenth of the other, it is mostly noise and not shown.</p>\n";
+    }
+    for finding in &findings.effects {
+        page += &article(finding)?;
+    }
+    page += &left_out(findings);
+    page += "</body>\n</html>\n";
+    Ok(page)
+}
+
+fn clock(clock: Clock) -> &'static str {
+    match clock {
+        Clock::Processor => "of processor time, all threads together",
+        Clock::Wall => "on the wall",
+    }
+}
+
+fn stops(stops: f32) -> String {
+    let sign = if stops > 0.0 { "+" } else { "" };
+    format!("{sign}{stops} {}", if stops.abs() == 1.0 { "stop" } else { "stops" })
+}
+
+fn shown(image: &Image, exposure: f32, words: &str, caption: &str) -> Result<String, StudyError> {
+    let image = picture(&png(image, exposure)?, (image.width(), image.height()), words);
+    Ok(format!("<figure>{image}\n<figcaption>{}</figcaption></figure>\n", escape(caption)))
+}
+
+fn part(of_mean: f64, mean: f64) -> String {
+    if mean > 0.0 { percent(of_mean / mean) } else { figure(of_mean) }
+}
+
+fn table(findings: &Findings) -> String {
+    let heads = [
+        "ms a pass",
+        "time, with to without",
+        "ms of setup",
+        "rays a pass",
+        "gathered photons a pass",
+        "RMSE, W/(m² sr)",
+        "RMSE, part of the mean",
+        "adds, part of the mean",
+        "takes, part of the mean",
+    ];
+    let mut table =
+        "<h2>Figures</h2>\n<div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\">effect</th>".to_owned();
+    heads.iter().for_each(|head| table += &format!("<th scope=\"col\" class=\"n\">{head}</th>"));
+    table += "</tr></thead>\n<tbody>\n";
+    for Finding { decision, cost, gain, .. } in &findings.effects {
+        let error = cost.seconds_error.map_or(String::new(), |e| format!(" ± {:.1}", 1e3 * e));
+        let cells = [
+            milliseconds(cost.seconds) + &error,
+            format!("{:.2}", cost.ratio),
+            milliseconds(cost.setup),
+            signed(cost.rays),
+            signed(cost.gathered_photons),
+            figure(gain.rmse),
+            gain.relative_rmse.map_or("–".to_owned(), percent),
+            part(gain.adds, findings.mean),
+            part(gain.takes, findings.mean),
+        ];
+        let _ = write!(table, "<tr><th scope=\"row\"><a href=\"#{0}\">{0}</a></th>", decision.effect);
+        cells.iter().for_each(|cell| table += &format!("<td class=\"n\">{}</td>", escape(cell)));
+        table += "</tr>\n";
+    }
+    let whole = &findings.whole;
+    let passes = whole.passes.len() as f64;
+    let a_pass = |n: u64| super::text::amount(n as f64 / passes);
+    let cells = [
+        format!("{:.1}", 1e3 * whole.seconds() / passes),
+        String::new(),
+        format!("{:.1}", 1e3 * whole.setup),
+        a_pass(whole.counters.rays()),
+        a_pass(whole.counters.gathered_photons),
+    ];
+    table += "</tbody>\n<tfoot><tr><th scope=\"row\">the whole picture</th>";
+    cells.iter().for_each(|cell| table += &format!("<td class=\"n\">{}</td>", escape(cell)));
+    let _ = write!(
+        table,
+        "<td colspan=\"4\">mean radiance {} W/(m² sr)</td></tr></tfoot>\n</table></div>\n",
+        figure(findings.mean)
+    );
+    let mut notes = "<p>Costs do not add up: effects share work, and some rest on others. ± is the standard error over passes.</p>\n";
+    if findings.whole.passes.len() == 1 {
+        notes = "<p>Costs do not add up: effects share work, and some rest on others.</p>\n";
+    }
+    table + notes
+}
+
+fn article(finding: &Finding) -> Result<String, StudyError> {
+    let Finding { decision, cost, gain, difference, .. } = finding;
+    let effect = decision.effect;
+    let mut article = format!("<article id=\"{effect}\">\n<h3>{effect}</h3>\n<dl>\n");
+    let because = if decision.is_forced() {
+        format!("as wished; the scene does not call for it: {}", decision.reason)
+    } else {
+        decision.reason.to_string()
+    };
+    let changes = if gain.rmse == 0.0 {
+        "nothing: the picture is the same to the bit".to_owned()
+    } else {
+        let of_mean = gain.relative_rmse.map_or(String::new(), |r| format!(", {} of the mean", percent(r)));
+        format!("RMSE {} W/(m² sr){of_mean}", figure(gain.rmse))
+    };
+    let costs = format!(
+        "{} ms a pass, {:.2} times the time without it; {} rays and {} gathered photons a pass",
+        milliseconds(cost.seconds),
+        cost.ratio,
+        signed(cost.rays),
+        signed(cost.gathered_photons),
+    );
+    for (term, text) in
+        [("On, because", because.as_str()), ("Without it", effect.lack()), ("Costs", &costs), ("Changes", &changes)]
+    {
+        let _ = writeln!(article, "<dt>{term}</dt><dd>{}</dd>", escape(text));
+    }
+    article += "</dl>\n";
+    let most = gain.adds.max(gain.takes);
+    let parts = [("added", gain.adds, added(difference)?), ("taken away", gain.takes, taken(difference)?)];
+    article += "<div class=\"pictures\">\n";
+    for (how, mean, image) in parts {
+        let Some(exposure) = exposure(&image).filter(|_| mean >= SHOWN * most) else { continue };
+        let caption = format!("Light {how} by {effect}: exposure {}.", stops(exposure));
+        article += &shown(&image, exposure, &format!("light {how} by {effect}"), &caption)?;
+    }
+    article += "</div>\n</article>\n";
+    Ok(article)
+}
+
+fn left_out(findings: &Findings) -> String {
+    let off: Vec<_> = findings.plan.decisions.iter().filter(|d| !d.on).collect();
+    if off.is_empty() {
+        return String::new();
+    }
+    let mut list = "<h2>Not simulated</h2>\n<dl>\n".to_owned();
+    for decision in off {
+        let reason = escape(&decision.reason.to_string());
+        let text = if decision.is_forced() {
+            format!("off, as wished, though {reason}: {}", decision.effect.lack())
+        } else {
+            reason
+        };
+        let _ = writeln!(list, "<dt>{}</dt><dd>{text}</dd>", decision.effect);
+    }
+    list + "</dl>\n"
+}

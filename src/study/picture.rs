@@ -1,0 +1,66 @@
+//! Pictures of differences: what an effect adds and what it takes away, each bright enough to be seen.
+
+use super::StudyError;
+use crate::image::{Curve, Image, MAX_EXPOSURE_STOPS, OutputFormat, ToneMap, WriteOptions, encode};
+use glam::Vec3;
+
+/// Of the pixels that are not black, so many may be clipped.
+const CLIPPED: f64 = 0.01;
+
+/// A PNG file at `stops` of exposure.
+pub(super) fn png(image: &Image, stops: f32) -> Result<Vec<u8>, StudyError> {
+    let tone = ToneMap { curve: Curve::Srgb, exposure_stops: stops };
+    Ok(encode(OutputFormat::Png, image, &WriteOptions { tone, ..WriteOptions::default() })?.0)
+}
+
+/// Where a difference is above zero, the rest black.
+pub(super) fn added(difference: &Image) -> Result<Image, StudyError> {
+    part(difference, |d| d.max(Vec3::ZERO))
+}
+
+/// Where a difference is below zero, turned round, the rest black.
+pub(super) fn taken(difference: &Image) -> Result<Image, StudyError> {
+    part(difference, |d| (-d).max(Vec3::ZERO))
+}
+
+fn part(difference: &Image, of: fn(Vec3) -> Vec3) -> Result<Image, StudyError> {
+    let pixels = difference.pixels().iter().map(|d| of(*d)).collect();
+    Ok(Image::from_pixels(difference.width(), difference.height(), pixels)?)
+}
+
+/// The exposure in whole stops at which an image just fills the range of a display; `None` where it is black.
+pub(super) fn exposure(image: &Image) -> Option<f32> {
+    let mut peaks: Vec<f32> = image.pixels().iter().map(|p| p.max_element()).filter(|p| *p > 0.0).collect();
+    if peaks.is_empty() {
+        return None;
+    }
+    let at = ((peaks.len() - 1) as f64 * (1.0 - CLIPPED)) as usize;
+    let (_, peak, _) = peaks.select_nth_unstable_by(at, f32::total_cmp);
+    Some((-libm::log2f(*peak)).floor().clamp(-MAX_EXPOSURE_STOPS, MAX_EXPOSURE_STOPS))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn gray(values: &[f32]) -> Image {
+        Image::from_pixels(values.len() as u32, 1, values.iter().map(|v| Vec3::splat(*v)).collect()).unwrap()
+    }
+
+    #[test]
+    fn both_parts_make_the_difference() {
+        let difference = gray(&[0.5, -0.25, 0.0]);
+        assert_eq!(added(&difference).unwrap(), gray(&[0.5, 0.0, 0.0]));
+        assert_eq!(taken(&difference).unwrap(), gray(&[0.0, 0.25, 0.0]));
+    }
+
+    #[test]
+    fn exposure_shows_what_is_faint_and_ignores_a_firefly() {
+        // 1/10 · 2³ = .8 fits, twice that does not.
+        let mut faint = vec![0.1; 200];
+        faint[7] = 1e6;
+        assert_eq!(exposure(&gray(&faint)), Some(3.0));
+        assert_eq!((exposure(&gray(&[0.0, 4.0])), exposure(&gray(&[0.0; 3]))), (Some(-2.0), None));
+        assert_eq!(exposure(&gray(&[f32::from_bits(1)])), Some(MAX_EXPOSURE_STOPS));
+    }
+}

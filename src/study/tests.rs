@@ -1,0 +1,118 @@
+//! Studies of scenes whose answers are known.
+
+use super::{About, EffectStudy, Findings, expected_work, page};
+use crate::camera::Pinhole;
+use crate::integrate::{Algorithm, Settings, Silent};
+use crate::plan::{Effect, Wishes};
+use crate::scene::{LightStrength, Material, Scene, SceneBuilder, SourceKind};
+use crate::shape::{Rectangle, Shape, Sphere};
+use glam::{DVec3, Vec3};
+use std::sync::atomic::AtomicBool;
+
+/// A ball on a floor under a point light.
+fn ball(material: Material, width: u32, height: u32) -> Scene {
+    let mut builder = SceneBuilder::new();
+    let white = builder.material(Material::diffuse(Vec3::splat(0.5)));
+    let own = builder.material(material);
+    let floor = Rectangle::new(DVec3::new(-3.0, 0.0, -3.0), DVec3::Z * 6.0, DVec3::X * 6.0);
+    builder
+        .shape(Shape::Rectangle(floor), white, Vec3::ZERO)
+        .shape(Shape::Sphere(Sphere::new(DVec3::new(0.0, 1.0, 0.0), 0.8)), own, Vec3::ZERO)
+        .source(SourceKind::Point { position: DVec3::new(2.0, 4.0, 0.0) }, LightStrength::Power(Vec3::splat(200.0)));
+    let (eye, view) = (DVec3::new(0.0, 2.0, 6.0), DVec3::new(0.0, -0.2, -1.0));
+    builder.build(Pinhole::new(eye, view, DVec3::Y, 0.7, width, height).unwrap()).unwrap()
+}
+
+pub(super) fn matt(width: u32, height: u32) -> Scene {
+    ball(Material::diffuse(Vec3::splat(0.8)), width, height)
+}
+
+pub(super) fn glass_on_floor(width: u32, height: u32) -> Scene {
+    ball(Material::dielectric(1.5, Vec3::ZERO), width, height)
+}
+
+fn few(effects: Wishes) -> Settings {
+    let mut settings = Settings { photons: 0, caustic_photons: 4000, balance: false, ..Settings::default() };
+    settings.eye.effects = effects;
+    settings
+}
+
+fn study(scene: &Scene, algorithm: Algorithm, settings: &Settings, passes: u32) -> Findings {
+    let study = EffectStudy::prepare(scene, algorithm, settings);
+    study.run(passes, &AtomicBool::new(false), &Silent, |_| {}).unwrap()
+}
+
+/// What the scene does not call for costs rays and changes no bit.
+#[test]
+fn caustics_without_casters_are_work_for_nothing() {
+    let wishes = Wishes::PLANNED.with(Effect::Caustics);
+    let found = study(&matt(24, 18), Algorithm::Hybrid, &few(wishes), 2);
+    let caustics = found.effects.iter().find(|f| f.decision.effect == Effect::Caustics).unwrap();
+    assert_eq!((caustics.gain.rmse, caustics.gain.adds, caustics.gain.takes), (0.0, 0.0, 0.0));
+    // Each of 4000 paths takes a ray at least.
+    assert!(caustics.cost.rays >= 4000.0, "{:?}", caustics.cost);
+    let work = expected_work(matt(24, 18), Algorithm::Hybrid, &few(wishes));
+    assert!(work.of(Effect::Caustics).unwrap().rays >= 4000);
+}
+
+/// Ray tracing to a point light has no noise: no pixel is brighter for shadows.
+#[test]
+fn shadows_take_light_away_and_add_none() {
+    let found = study(&matt(24, 18), Algorithm::Whitted, &few(Wishes::PLANNED), 1);
+    let shadows = found.effects.iter().find(|f| f.decision.effect == Effect::Shadows).unwrap();
+    assert_eq!(shadows.gain.adds, 0.0);
+    assert!(shadows.gain.takes > 0.0 && shadows.gain.rmse > shadows.gain.takes);
+    assert!(shadows.difference.pixels().iter().all(|d| d.max_element() <= 0.0));
+    // The whole picture has a shadow ray at every matt point that faces the light, the other none.
+    assert!(shadows.cost.rays > 0.0);
+    assert_eq!((shadows.cost.seconds_error, found.whole.passes.len()), (None, 1));
+}
+
+#[test]
+fn what_an_effect_adds_and_takes_is_what_tells_the_means_apart() {
+    let scene = glass_on_floor(24, 18);
+    let found = study(&scene, Algorithm::Hybrid, &few(Wishes::PLANNED), 3);
+    let names: Vec<Effect> = found.effects.iter().map(|f| f.decision.effect).collect();
+    assert_eq!(names, found.plan.effects().iter().collect::<Vec<_>>());
+    let caustics = found.effects.iter().find(|f| f.decision.effect == Effect::Caustics).unwrap();
+    let settings = few(Wishes::PLANNED.without(Effect::Caustics));
+    let integrator = Algorithm::Hybrid.prepare(&scene, settings);
+    let images = (0..3).map(|i| integrator.pass(i, &Silent).image);
+    let sum: f64 = images.flatten().map(|p| p.as_dvec3().element_sum()).sum();
+    let mean_without = sum / (3.0 * 3.0 * 24.0 * 18.0);
+    // Means of f32 pixels, which round at 2⁻²⁴.
+    let told = found.mean - caustics.gain.adds + caustics.gain.takes;
+    assert!((told / mean_without - 1.0).abs() < 1e-6, "{told} {mean_without}");
+    assert!(caustics.gain.adds > caustics.gain.takes && caustics.cost.gathered_photons > 0.0);
+    let again = study(&scene, Algorithm::Hybrid, &few(Wishes::PLANNED), 3);
+    assert_eq!(
+        again.effects.iter().map(|f| f.gain).collect::<Vec<_>>(),
+        found.effects.iter().map(|f| f.gain).collect::<Vec<_>>()
+    );
+}
+
+#[test]
+fn an_interrupt_ends_after_a_pass_of_every_picture() {
+    let scene = matt(8, 6);
+    let study = EffectStudy::prepare(&scene, Algorithm::Whitted, &few(Wishes::PLANNED));
+    let pictures = study.pictures();
+    let found = study.run(9, &AtomicBool::new(true), &Silent, |_| {}).unwrap();
+    assert!(found.interrupted && found.effects.len() + 1 == pictures);
+    assert!(found.whole.passes.len() == 1 && found.effects.iter().all(|f| f.without.passes.len() == 1));
+}
+
+#[test]
+fn a_page_tells_of_every_effect_and_of_what_is_off() {
+    let about = About { scene: "<a> & b".into(), integrator: "whitted", seed: 3, exposure: -1.0 };
+    let wishes = Wishes::PLANNED.with(Effect::Environment).without(Effect::Shadows);
+    let page = page(&about, &study(&matt(8, 6), Algorithm::Whitted, &few(wishes), 1)).unwrap();
+    assert!(
+        Effect::ALL.iter().all(|e| page.contains(&format!("<dt>{e}</dt>")) || page.contains(&format!("id=\"{e}\"")))
+    );
+    assert!(page.contains("&lt;a&gt; &amp; b") && !page.contains("<a>"));
+    for part in ["exposure -1 stop.", "no light comes from all around", "off, as wished, though", "the same to the bit"]
+    {
+        assert!(page.contains(part), "{part}");
+    }
+    assert!(!page.contains("<script") && !page.contains("http"), "it needs nothing else");
+}

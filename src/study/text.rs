@@ -1,0 +1,93 @@
+//! Figures as people write them.
+
+/// A count with a sign where it is below zero: `250`, `1.9 k`, `12 M`, `-3.4 G`.
+#[must_use]
+pub fn amount(n: f64) -> String {
+    // What would round to 1000 of a unit is 1 of the next.
+    let (scale, unit) = match n.abs() {
+        999.5e6.. => (1e9, " G"),
+        999.5e3.. => (1e6, " M"),
+        999.5.. => (1e3, " k"),
+        _ => (1.0, ""),
+    };
+    let scaled = n / scale;
+    // Adding zero takes the sign off a zero.
+    if scale > 1.0 && scaled.abs() < 9.95 {
+        format!("{scaled:.1}{unit}")
+    } else {
+        format!("{:.0}{unit}", scaled.round() + 0.0)
+    }
+}
+
+/// Half a step of a last digit: the sign of what is written as zero is not written.
+const EVEN: f64 = 0.05;
+
+/// A difference with its sign, but for zero: `+1.9 k`, `0`, `-12`.
+#[must_use]
+pub fn signed(n: f64) -> String {
+    if n >= 0.5 { format!("+{}", amount(n)) } else { amount(n) }
+}
+
+/// Milliseconds of a difference in seconds, with sign: `+1.9`, `0.0`, `-12.0`.
+#[must_use]
+pub fn milliseconds(seconds: f64) -> String {
+    let ms = 1e3 * seconds;
+    if ms.abs() < EVEN { "0.0".to_owned() } else { format!("{ms:+.1}") }
+}
+
+/// A part in percent: `0 %`, `< 0.1 %`, `2.3 %`, `120 %`.
+#[must_use]
+pub fn percent(part: f64) -> String {
+    match 100.0 * part {
+        0.0 => "0 %".to_owned(),
+        p if p.abs() < EVEN => "< 0.1 %".to_owned(),
+        p if p.abs() < 9.95 => format!("{p:.1} %"),
+        p => format!("{p:.0} %"),
+    }
+}
+
+/// Three digits of any number: `0`, `0.0123`, `12.3`, `1.23e-7`.
+#[must_use]
+pub fn figure(x: f64) -> String {
+    match x.abs() {
+        0.0 => "0".to_owned(),
+        1000.0.. | ..0.001 => format!("{x:.2e}"),
+        ..0.01 => format!("{x:.5}"),
+        ..0.1 => format!("{x:.4}"),
+        ..1.0 => format!("{x:.3}"),
+        ..10.0 => format!("{x:.2}"),
+        ..100.0 => format!("{x:.1}"),
+        _ => format!("{x:.0}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn amounts_are_short() {
+        let cases = [
+            (0.0, "0"),
+            (-0.3, "0"),
+            (999.0, "999"),
+            (999.6, "1.0 k"),
+            (1940.0, "1.9 k"),
+            (9960.0, "10 k"),
+            (-12.4e6, "-12 M"),
+            (999_600_000.0, "1.0 G"),
+        ];
+        for (n, text) in cases {
+            assert_eq!(amount(n), text);
+        }
+        assert_eq!([1500.0, 0.0, -1500.0].map(signed), ["+1.5 k", "0", "-1.5 k"]);
+    }
+
+    #[test]
+    fn parts_times_and_numbers_keep_what_counts() {
+        assert_eq!([0.0, 1e-5, -0.023, 1.2].map(percent), ["0 %", "< 0.1 %", "-2.3 %", "120 %"]);
+        assert_eq!([1.23e-3, -4e-5, -0.5].map(milliseconds), ["+1.2", "0.0", "-500.0"]);
+        let numbers = [0.0, 1.234e-7, 0.00123, 0.0123, 0.123, 1.234, 12.34, 123.4, 12340.0].map(figure);
+        assert_eq!(numbers, ["0", "1.23e-7", "0.00123", "0.0123", "0.123", "1.23", "12.3", "123", "1.23e4"]);
+    }
+}
