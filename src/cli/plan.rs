@@ -18,14 +18,15 @@ pub(super) fn run(arguments: &PlanArguments) -> Result<Exit, Failure> {
         let scene = load(&arguments.scene)?;
         let algorithm = Algorithm::from(arguments.method.integrator);
         let settings = settings(&arguments.method, arguments.effects.effects);
-        let plan = Plan::new(&scene, algorithm.simulates(), settings.eye.effects);
-        let work = expected_work(scene, algorithm, &settings);
+        let integrator = algorithm.prepare(&scene, settings);
+        let (plan, balance) = (integrator.plan(), integrator.balance());
+        let work = expected_work(integrator.as_ref());
         let text = if arguments.json {
-            let report = Report::new(arguments.scene.scene.display().to_string(), algorithm, &plan, &work);
+            let report = Report::new(arguments.scene.scene.display().to_string(), algorithm, plan, balance, &work);
             let json = serde_json::to_string_pretty(&report);
             json.into_diagnostic().map_err(|e| Failure::new(Exit::Output, e))? + "\n"
         } else {
-            table(algorithm, &plan, &work)
+            table(algorithm, plan, balance, &work)
         };
         let written = std::io::stdout().write_all(text.as_bytes());
         written.into_diagnostic().map_err(|e| Failure::new(Exit::Output, e))?;
@@ -65,7 +66,7 @@ pub(super) fn complaints(plan: &Plan) -> impl Iterator<Item = String> {
     lacking.map(|d| format!("warning: without {}: {}", d.effect, d.effect.lack()))
 }
 
-fn table(algorithm: Algorithm, plan: &Plan, work: &ExpectedWork) -> String {
+fn table(algorithm: Algorithm, plan: &Plan, balance: Option<Balance>, work: &ExpectedWork) -> String {
     let mut text = format!("{} simulates\n", algorithm.name());
     for decision in &plan.decisions {
         let state = match (decision.on, decision.is_forced()) {
@@ -78,6 +79,7 @@ fn table(algorithm: Algorithm, plan: &Plan, work: &ExpectedWork) -> String {
         let line = format!("  {:<16} {state:<14} {costs:<29} {}", decision.effect, decision.reason);
         let _ = writeln!(text, "{line}");
     }
+    balance.iter().for_each(|balance| text += &format!("{}\n", balance_line(balance)));
     let _ = writeln!(text, "in all about {} a pass", in_words(work.whole, amount));
     complaints(plan).for_each(|line| text += &format!("{line}\n"));
     text
@@ -104,6 +106,7 @@ struct Report {
     /// Of the first pass.
     rays: i64,
     gathered_photons: i64,
+    balance: Option<Balance>,
     effects: Vec<CostedEffect>,
 }
 
@@ -139,7 +142,7 @@ pub(super) fn effects(plan: &Plan) -> Vec<EffectReport> {
 }
 
 impl Report {
-    fn new(scene: String, algorithm: Algorithm, plan: &Plan, work: &ExpectedWork) -> Self {
+    fn new(scene: String, algorithm: Algorithm, plan: &Plan, balance: Option<Balance>, work: &ExpectedWork) -> Self {
         let costed = |(report, decision): (EffectReport, &Decision)| {
             let work = work.of(decision.effect);
             CostedEffect {
@@ -154,6 +157,7 @@ impl Report {
             scene,
             integrator: algorithm.name(),
             facts: plan.facts,
+            balance,
             rays: work.whole.rays,
             gathered_photons: work.whole.gathered_photons,
             effects: effects(plan).into_iter().zip(&plan.decisions).map(costed).collect(),

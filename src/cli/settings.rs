@@ -35,7 +35,6 @@ pub(super) fn settings(arguments: &MethodArguments, effects: Wishes) -> Settings
         balance: arguments.photons.is_none() && arguments.caustic_photons.is_none() && arguments.gather_k.is_none(),
         gather_k: arguments.gather_k,
         radius: arguments.radius,
-        thinned_pilots: 1,
         kernel: arguments.kernel,
         final_gathering: match arguments.final_gathering {
             GatheringName::None => FinalGathering::None,

@@ -43,13 +43,21 @@ pub(super) struct Counts {
     pub caustic_photons: u32,
 }
 
+impl Counts {
+    /// One of so many.
+    pub fn divided(self, part: u32) -> Self {
+        Self { photons: self.photons.div_ceil(part), caustic_photons: self.caustic_photons.div_ceil(part) }
+    }
+}
+
 /// What maps are made from.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Draft {
     /// Of all passes.
     pub key: Key,
     pub pass: u32,
-    pub counts: Counts,
+    /// One path of so many of a pass is traced.
+    pub part: u32,
     /// Whether estimates take a limited number of photons; else all within the radius.
     pub limited: bool,
 }
@@ -93,6 +101,24 @@ impl<'a> MapMaker<'a> {
         maker
     }
 
+    /// The same for fewer effects, with what pilots found for all.
+    pub fn within(&self, effects: Effects, needs: Needs) -> Self {
+        let needs = needs.within(effects);
+        let keep = |source: &Option<PhotonSource<'a>>, wanted: Wants| {
+            let source = source.clone().filter(|_| wanted != Wants::NONE)?;
+            let source = source.with_interiors(effects.has(Effect::Interiors));
+            if effects.has(Effect::Environment) { Some(source) } else { source.without_environment() }
+        };
+        Self {
+            settings: self.settings.clone(),
+            effects,
+            needs,
+            global: keep(&self.global, needs.global),
+            caustic: keep(&self.caustic, needs.by_casters()),
+            ..*self
+        }
+    }
+
     /// Aims emission at what is seen, where that is much better.
     fn learn(&mut self) {
         if self.caustic.is_none() && self.global.is_none() {
@@ -103,7 +129,7 @@ impl<'a> MapMaker<'a> {
         let learn = |source: &mut Option<PhotonSource<'a>>, wants: Wants| {
             let unlearned = source.take()?;
             let EyeSettings { max_bounces, seed, .. } = settings.eye;
-            let pilot = Pilot { wants, max_bounces, visible: &seen, paths: settings.of_pilot(Pilot::PATHS), seed };
+            let pilot = Pilot { wants, max_bounces, visible: &seen, paths: Pilot::PATHS, seed };
             let (learned, lesson) = unlearned.clone().learned(&pilot);
             // Paths that are seen take longer: little gain is none.
             *source = Some(if lesson.gain > LEAST_GAIN { learned } else { unlearned });
@@ -124,7 +150,7 @@ impl<'a> MapMaker<'a> {
             let found = || {
                 let source = source.as_ref()?;
                 let pass = PhotonPass { scene: self.scene, source, wants, max_bounces: settings.eye.max_bounces };
-                auto_radius(self.scene, &pass, paths, k, settings)
+                auto_radius(self.scene, &pass, paths, k, settings.eye.seed)
             };
             // Without photons the radius never matters.
             settings.radius.or_else(found).unwrap_or(1.0)
@@ -173,12 +199,13 @@ impl<'a> MapMaker<'a> {
     /// Traces and indexes the photons of pass `pass`, and books the work in `out`.
     pub fn make(&self, pass: u32, monitor: &dyn Monitor, out: &mut Pass) -> Maps<'a> {
         let key = Key::new(self.settings.eye.seed);
-        self.make_from(&Draft { key, pass, counts: self.counts, limited: true }, monitor, out)
+        self.make_from(&Draft { key, pass, part: 1, limited: true }, monitor, out)
     }
 
     /// The same of a draft.
     pub fn make_from(&self, draft: &Draft, monitor: &dyn Monitor, out: &mut Pass) -> Maps<'a> {
-        let Draft { counts, pass, .. } = *draft;
+        let Draft { pass, part, .. } = *draft;
+        let counts = self.counts.divided(part);
         let key = |purpose| draft.key.purpose(purpose).with(u64::from(pass));
         let job = (self.needs.by_casters(), counts.caustic_photons);
         let traced = self.trace(self.caustic.as_ref(), job, key(Purpose::CausticPhotons), monitor, out);
@@ -202,9 +229,9 @@ impl<'a> MapMaker<'a> {
         // Without maps nothing asks for a radius.
         let radii = self.radii.unwrap_or(Radii { global: 1.0, caustic: 1.0 });
         // Discs keep their size when counts are balanced, so they hold more photons or fewer.
-        let ratio = f64::from(counts.caustic_photons) / f64::from(self.settings.caustic_photons.max(1));
-        let k = self.settings.gather_k.unwrap_or((f64::from(CAUSTIC_K) * ratio).round().max(1.0) as u32);
-        let smooth_k = self.settings.gather_k.unwrap_or(0);
+        let ratio = f64::from(self.counts.caustic_photons) / f64::from(self.settings.caustic_photons.max(1));
+        let k = self.settings.gather_k.unwrap_or((f64::from(CAUSTIC_K) * ratio).round().max(1.0) as u32).div_ceil(part);
+        let smooth_k = self.settings.gather_k.unwrap_or(0).div_ceil(part);
         Maps {
             guides,
             caustic: self.gathering(caustic, radii.caustic, k, draft),

@@ -32,7 +32,8 @@ pub use pilot::{Lessons, Radii};
 pub use progressive::{ALPHA, shrink};
 pub use settings::{EyeSettings, FinalGathering, Settings};
 
-use crate::plan::Plan;
+use crate::plan::{Effects, Plan};
+use crate::stats::Counters;
 
 /// An algorithm made ready to render the passes of a scene.
 ///
@@ -56,6 +57,9 @@ pub trait Integrator: Sync {
     fn expected(&self) -> Expected {
         Expected::default()
     }
+
+    /// The work of the first pass, were only `effects` of the plan simulated; about, counted on few rays and photons. Pilots do not count.
+    fn expected_work(&self, effects: Effects) -> Counters;
 
     /// What of light is simulated.
     fn plan(&self) -> &Plan;

@@ -1,6 +1,5 @@
 //! Radii found by a pilot pass.
 
-use super::Settings;
 use crate::photon::{Lesson, Photon, PhotonMap, PhotonPass};
 use crate::sampling::{Key, Purpose};
 use crate::scene::Scene;
@@ -42,16 +41,9 @@ pub struct Lessons {
 /// where the pilot stores nothing.
 ///
 /// It depends on the scene, the seed and the counts alone.
-pub(super) fn auto_radius(
-    scene: &Scene,
-    pass: &PhotonPass<'_>,
-    paths: u32,
-    k: u32,
-    settings: &Settings,
-) -> Option<f32> {
-    let key = Key::new(settings.eye.seed).purpose(Purpose::Pilot);
-    let traced_paths = settings.of_pilot(PATHS);
-    let traced = pass.trace(key, traced_paths, &|_| {});
+pub(super) fn auto_radius(scene: &Scene, pass: &PhotonPass<'_>, paths: u32, k: u32, seed: u64) -> Option<f32> {
+    let key = Key::new(seed).purpose(Purpose::Pilot);
+    let traced = pass.trace(key, PATHS, &|_| {});
     let photons = &traced.photons;
     if photons.is_empty() {
         return None;
@@ -67,6 +59,6 @@ pub(super) fn auto_radius(
     radii.sort_by(f32::total_cmp);
     let served = radii[((radii.len() - 1) as f64 * SERVED) as usize];
     // Density grows with the number of paths, area with the square of the radius.
-    let scaled = served * (traced_paths as f32 / paths as f32).sqrt();
+    let scaled = served * (PATHS as f32 / paths as f32).sqrt();
     Some(scaled.clamp(size * NARROWEST, size * WIDEST))
 }

@@ -3,7 +3,7 @@
 use super::balance::{self, Balance, Part};
 use super::direct::{Asking, DirectLight};
 use super::eye::EyePass;
-use super::maker::{Counts, Draft, MapMaker};
+use super::maker::{Draft, MapMaker};
 use super::maps::{Maps, Needs};
 use super::method::Method;
 use super::{Expected, EyeSettings, Integrator, Lessons, Monitor, Pass, PhotonReport, Radii, Settings, Silent};
@@ -143,25 +143,12 @@ impl<'a> Prepared<'a> {
             return None;
         }
         let key = Key::new(self.eye.seed).purpose(Purpose::Balance);
-        let (width, height) = self.scene.camera().size();
-        let size = Vec2::new(width as f32, height as f32);
-        // Two walks through every pixel that is looked at.
-        let points = |other: u64| -> Vec<(Vec2, Draw)> {
-            let point = |i| {
-                let pixel = (Draw::new(key, i, POINTS).two(Dimension::Film) * size).floor();
-                let draw = Draw::new(key.with(other << 32 | u64::from(i)), 0, 1);
-                (pixel + draw.two(Dimension::Probe), draw)
-            };
-            (0..POINTS).map(point).collect()
-        };
+        let points = |other| self.points(key, other);
         let whole = self.maker.counts;
-        let counts = Counts {
-            photons: whole.photons.div_ceil(PILOT_PART),
-            caustic_photons: whole.caustic_photons.div_ceil(PILOT_PART),
-        };
+        let counts = whole.divided(PILOT_PART);
         let draft = |i| {
             let mut out = Pass::default();
-            let draft = Draft { key: key.with(i), pass: 0, counts, limited: false };
+            let draft = Draft { key: key.with(i), pass: 0, part: PILOT_PART, limited: false };
             (self.maker.make_from(&draft, &Silent, &mut out), out)
         };
         let ((mut one, made), (mut other, _)) = (draft(0), draft(1));
@@ -189,7 +176,7 @@ impl<'a> Prepared<'a> {
             .collect();
         let noise = |other: &Found| balance::noise(&first.radiance, &other.radiance, &light);
 
-        let pixels = f64::from(width) * f64::from(height);
+        let pixels = self.pixels();
         let points = f64::from(POINTS);
         // Estimates hold more photons the more there are; all that a pass will have, not only the pilot's.
         let gathered = balance::gathering(&first.counters) / points * pixels * f64::from(PILOT_PART);
@@ -220,6 +207,46 @@ impl<'a> Prepared<'a> {
         })
     }
 
+    fn pixels(&self) -> f64 {
+        let (width, height) = self.scene.camera().size();
+        f64::from(width) * f64::from(height)
+    }
+
+    /// Points of the film with their random numbers; of two sets with the same key, points of one place are in one pixel.
+    fn points(&self, key: Key, set: u64) -> Vec<(Vec2, Draw)> {
+        let (width, height) = self.scene.camera().size();
+        let size = Vec2::new(width as f32, height as f32);
+        let point = |i| {
+            let pixel = (Draw::new(key, i, POINTS).two(Dimension::Film) * size).floor();
+            let draw = Draw::new(key.with(set << 32 | u64::from(i)), 0, 1);
+            (pixel + draw.two(Dimension::Probe), draw)
+        };
+        (0..POINTS).map(point).collect()
+    }
+
+    /// Counts the work of a pass at few points with few photons.
+    fn sketch(&self) -> Counters {
+        let key = Key::new(self.eye.seed).purpose(Purpose::Balance);
+        let mut out = Pass::default();
+        let maps = self.maker.make_from(&Draft { key, pass: 0, part: PILOT_PART, limited: true }, &Silent, &mut out);
+        let mut found = Found::default();
+        self.walk(&maps, 0, Job::Points(&self.points(key, 0), &mut found));
+        let scaled = |n: u64, by: f64| (n as f64 * by).round() as u64;
+        let Counters { onward_rays, shadow_rays, gathers, gathered_photons, .. } = found.counters;
+        let samples = f64::from(self.samples) * self.pixels() / f64::from(POINTS);
+        let estimates = if self.strategy.estimates_each_sample() { samples } else { self.pixels() / f64::from(POINTS) };
+        let photons = f64::from(PILOT_PART);
+        Counters {
+            camera_rays: u64::from(self.samples) * self.pixels() as u64,
+            onward_rays: scaled(onward_rays, samples),
+            shadow_rays: scaled(shadow_rays, samples),
+            photon_rays: scaled(out.counters.photon_rays, photons),
+            gathers: scaled(gathers, estimates),
+            gathered_photons: scaled(gathered_photons, estimates * photons),
+            rejected_samples: 0,
+        }
+    }
+
     fn walk(&self, maps: &Maps<'_>, pass: u32, job: Job<'_>) {
         let Self { scene, effects, eye: settings, direct, samples, .. } = self;
         self.strategy.walk(Walks { scene, effects: *effects, settings, direct, samples: *samples, pass, job }, maps);
@@ -236,6 +263,19 @@ impl Integrator for Prepared<'_> {
 
     fn expected(&self) -> Expected {
         self.maker.expected()
+    }
+
+    fn expected_work(&self, effects: Effects) -> Counters {
+        let within = Self {
+            plan: self.plan.clone(),
+            effects,
+            eye: self.eye.clone(),
+            direct: DirectLight::new(self.scene, self.strategy.asking(), effects),
+            maker: self.maker.within(effects, self.strategy.needs(effects)),
+            strategy: Arc::clone(&self.strategy),
+            ..*self
+        };
+        within.sketch()
     }
 
     fn plan(&self) -> &Plan {

@@ -4,9 +4,10 @@ use super::{EyeSettings, Integrator, Monitor, Pass, Seconds, tiles};
 use crate::camera::Filter;
 use crate::color::Rgb;
 use crate::math::Ray;
-use crate::plan::Plan;
+use crate::plan::{Effects, Plan};
 use crate::sampling::{Key, Purpose};
 use crate::scene::{CourseLight, Scene, Surface};
+use crate::stats::Counters;
 use std::time::Instant;
 
 /// Ray casting.
@@ -29,6 +30,12 @@ impl Integrator for RayCast<'_> {
         let (image, counters) = tiles::render(&sampling, key, monitor, |ray, _, _, (): &mut ()| self.shade(ray));
         let seconds = Seconds { eye: start.elapsed().as_secs_f64(), ..Seconds::default() };
         Pass { image, counters, seconds, ..Pass::default() }
+    }
+
+    fn expected_work(&self, _: Effects) -> Counters {
+        let (width, height) = self.scene.camera().size();
+        let camera_rays = u64::from(width) * u64::from(height) * u64::from(self.samples);
+        Counters { camera_rays, ..Counters::default() }
     }
 
     fn plan(&self) -> &Plan {

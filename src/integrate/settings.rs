@@ -48,19 +48,10 @@ pub struct Settings {
     pub gather_k: Option<u32>,
     /// Largest radius of the first pass \[length]; `None` lets a pilot find one for each map.
     pub radius: Option<f32>,
-    /// Photon pilots follow one in so many of their paths, at least 1: more is for estimates of work, which need no exact radii.
-    pub thinned_pilots: u32,
     /// Kernel of the estimates.
     pub kernel: Kernel,
     /// How [`Algorithm::Pm`](super::Algorithm::Pm) looks at the global map.
     pub final_gathering: FinalGathering,
-}
-
-impl Settings {
-    /// Paths of a pilot that has `whole` of them.
-    pub(super) fn of_pilot(&self, whole: u32) -> u32 {
-        whole / self.thinned_pilots.clamp(1, whole)
-    }
 }
 
 /// How a global map is looked at.
@@ -84,7 +75,6 @@ impl Default for Settings {
             balance: true,
             gather_k: None,
             radius: None,
-            thinned_pilots: 1,
             kernel: Kernel::default(),
             final_gathering: FinalGathering::default(),
         }

@@ -101,13 +101,17 @@ mod tests {
     use super::*;
     use crate::color::Rgb;
     use crate::integrate::{Pass, Silent};
-    use crate::plan::Plan;
+    use crate::plan::{Effects, Plan};
 
     struct Counting;
 
     impl Integrator for Counting {
         fn pass(&self, pass: u32, _: &dyn Monitor) -> Pass {
             Pass { image: vec![Rgb::splat(pass as f32); 2], ..Pass::default() }
+        }
+
+        fn expected_work(&self, _: Effects) -> Counters {
+            Counters::default()
         }
 
         fn plan(&self) -> &Plan {

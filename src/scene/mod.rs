@@ -97,13 +97,6 @@ impl Scene {
         &self.camera
     }
 
-    /// The same scene with a picture of `width` × `height` pixels; the vertical angle of view stays.
-    #[must_use]
-    pub fn resized(mut self, width: u32, height: u32) -> Self {
-        self.camera = self.camera.resized(width, height);
-        self
-    }
-
     /// Radiance of rays that meet nothing where there is no environment: it is seen, but lights nothing.
     #[must_use]
     pub fn background(&self) -> Rgb {

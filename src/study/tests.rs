@@ -51,7 +51,8 @@ fn caustics_without_casters_are_work_for_nothing() {
     assert_eq!((caustics.gain.rmse, caustics.gain.adds, caustics.gain.takes), (0.0, 0.0, 0.0));
     // Each of 4000 paths takes a ray at least.
     assert!(caustics.cost.rays >= 4000.0, "{:?}", caustics.cost);
-    let work = expected_work(matt(24, 18), Algorithm::Hybrid, &few(wishes));
+    let scene = matt(24, 18);
+    let work = expected_work(Algorithm::Hybrid.prepare(&scene, few(wishes)).as_ref());
     assert!(work.of(Effect::Caustics).unwrap().rays >= 4000);
 }
 

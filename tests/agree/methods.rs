@@ -70,7 +70,6 @@ fn prepare<'a>(method: Method, scene: &'a Scene, effort: Effort, i: u32) -> Box<
         caustic_photons: effort.caustic,
         gather_k: Some(0),
         radius: Some(effort.radius as f32),
-        thinned_pilots: 1,
         kernel: Kernel::Epanechnikov,
         final_gathering: match method {
             Method::Gathered => FinalGathering::Bsdf,
