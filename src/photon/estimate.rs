@@ -39,6 +39,11 @@ impl Scratch {
     pub fn new() -> Self {
         Self::default()
     }
+
+    /// The next search begins with about `radius`, not with that of the last one.
+    pub(super) fn begin_with(&mut self, radius: f32) {
+        self.last = radius;
+    }
 }
 
 /// A disc no smaller than this part of the largest radius: photons gathered at one point give a finite radiance.
@@ -68,19 +73,24 @@ impl PhotonMap {
             return Estimate { radius: bandwidth.radius, ..Estimate::default() };
         }
         if bandwidth.k > 0 {
-            let nearest = self.nearest(p, normal, bandwidth, scratch);
-            if let Some(r2) = nearest {
-                // A kernel that does not vanish at the k-th photon must leave it out: (k − 1)/(πr²) is unbiased.
+            let r2 = match self.nearest(p, normal, bandwidth, scratch) {
+                Nearest::Kth(r2) => Some(r2),
+                Nearest::Fewer => Some(bandwidth.radius * bandwidth.radius),
+                Nearest::Crowd(_) => None,
+            };
+            if let Some(r2) = r2 {
                 let inverse = 1.0 / r2;
-                let taken = |d2: f32| kernel.vanishes_at_edge() || d2 < r2;
+                let taken = |d2: f32| {
+                    // A kernel that does not vanish at the k-th photon must leave it out: (k − 1)/(πr²) is unbiased.
+                    kernel.vanishes_at_edge() || d2 < r2 || scratch.found.len() < bandwidth.k as usize
+                };
                 let sum = scratch.found.iter().filter(|(d2, _)| taken(*d2)).fold(Rgb::ZERO, |sum, (d2, flux)| {
                     sum + brdf(flux.from()) * flux.power() * kernel.shape(*d2 * inverse)
                 });
-                return Estimate {
-                    radiance: sum * kernel.scale(r2),
-                    radius: r2.sqrt(),
-                    count: scratch.found.len() as u32,
-                };
+                let count = scratch.found.len() as u32;
+                // All within the radius keep the radius itself, to the bit.
+                let radius = if count < bandwidth.k { bandwidth.radius } else { r2.sqrt() };
+                return Estimate { radiance: sum * kernel.scale(r2), radius, count };
             }
         }
         self.within(p, normal, bandwidth, kernel, brdf)
@@ -108,11 +118,10 @@ impl PhotonMap {
         Estimate { radiance: sum * kernel.scale(r2), radius: bandwidth.radius, count }
     }
 
-    /// Leaves the k nearest photons in `scratch` and returns the squared distance of the farthest; `None` where the largest
-    /// radius holds fewer, or where they crowd into a point.
+    /// Leaves the k nearest photons in `scratch`, or all where the largest radius holds fewer.
     ///
     /// kiddo cannot shrink a radius during a visit, so the search widens from a first guess: a wrong guess costs time, not truth.
-    fn nearest(&self, p: Vec3, normal: Vec3, bandwidth: Bandwidth, scratch: &mut Scratch) -> Option<f32> {
+    fn nearest(&self, p: Vec3, normal: Vec3, bandwidth: Bandwidth, scratch: &mut Scratch) -> Nearest {
         let k = bandwidth.k as usize;
         let guess = if scratch.last > 0.0 { scratch.last * 1.25 } else { bandwidth.radius * 0.25 };
         let mut radius = guess.min(bandwidth.radius);
@@ -134,11 +143,11 @@ impl PhotonMap {
                 let r2 = keep_nearest(found, k);
                 scratch.last = r2.sqrt();
                 let least = bandwidth.radius * LEAST;
-                return (r2 >= least * least).then_some(r2);
+                return if r2 >= least * least { Nearest::Kth(r2) } else { Nearest::Crowd(r2) };
             }
             if radius >= bandwidth.radius {
                 scratch.last = radius;
-                return None;
+                return Nearest::Fewer;
             }
             let missing = (1.5 * k as f32 / found.len().max(1) as f32).sqrt();
             radius = (radius * missing.clamp(1.2, 3.0)).min(bandwidth.radius);
@@ -152,8 +161,21 @@ impl PhotonMap {
     #[must_use]
     pub fn kth_distance(&self, p: Vec3, normal: Vec3, k: u32, most: f32) -> Option<f32> {
         let mut scratch = Scratch { last: most * 1e-3, ..Scratch::default() };
-        self.nearest(p, normal, Bandwidth { radius: most, k }, &mut scratch).map(f32::sqrt)
+        match self.nearest(p, normal, Bandwidth { radius: most, k }, &mut scratch) {
+            Nearest::Kth(r2) | Nearest::Crowd(r2) => Some(r2.sqrt()),
+            Nearest::Fewer => None,
+        }
     }
+}
+
+/// What a search for the k nearest photons found.
+enum Nearest {
+    /// The squared distance of the k-th.
+    Kth(f32),
+    /// Fewer than k within the largest radius.
+    Fewer,
+    /// The same, where they crowd into a point.
+    Crowd(f32),
 }
 
 /// Whether a photon lies on the surface that is looked at.
@@ -169,4 +191,22 @@ fn keep_nearest(found: &mut Vec<(f32, Flux)>, k: usize) -> f32 {
     let r2 = kth.0;
     found.truncate(k);
     r2
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::photon::Photon;
+
+    /// Photons at 1, 2, 3 … 9 along a line, and one at the edge of the world: what is near stays near, however wide the search.
+    #[test]
+    fn the_kth_is_as_far_in_a_huge_scene() {
+        let photon = |x: f32| Photon::new(Vec3::X * x, Rgb::ONE, Vec3::Z, Vec3::Z).unwrap();
+        let map = PhotonMap::build((1..10).map(|i| photon(i as f32)).chain([photon(1e6)]).collect());
+        for most in [20.0, 1e3, 1e5, 1e6] {
+            let found = map.kth_distance(Vec3::ZERO, Vec3::Z, 4, most).unwrap();
+            assert!((found - 4.0).abs() < 1e-5, "{found} of {most}");
+        }
+        assert_eq!(map.kth_distance(Vec3::ZERO, Vec3::Z, 10, 1e3), None);
+    }
 }

@@ -25,6 +25,8 @@ pub struct VisiblePoint {
 pub struct Visible {
     points: PhotonMap,
     bandwidth: Bandwidth,
+    /// Where searches begin: few places are denser.
+    dense: f32,
 }
 
 /// Points whose density is the importance.
@@ -48,7 +50,8 @@ impl Visible {
         let mut spacings: Vec<f32> = probes.iter().filter_map(spacing).collect();
         spacings.sort_by(f32::total_cmp);
         let typical = spacings.get(spacings.len() / 2).copied().unwrap_or(0.0);
-        Self { points, bandwidth: Bandwidth { radius: radius.max(typical), k: NEIGHBOURS } }
+        let dense = spacings.get(spacings.len() / 10).copied().unwrap_or(0.0);
+        Self { points, bandwidth: Bandwidth { radius: radius.max(typical), k: NEIGHBOURS }, dense }
     }
 
     /// The sum of squared weights per area around a point of a surface with unit geometric `normal` on the lit side.
@@ -58,6 +61,8 @@ impl Visible {
     #[inline]
     #[must_use]
     pub fn importance(&self, p: Vec3, normal: Vec3, scratch: &mut Scratch) -> f32 {
+        // Photons land here and there, so the last search tells nothing of the next.
+        scratch.begin_with(self.dense);
         self.points.estimate(p, normal, self.bandwidth, Kernel::Box, scratch, |_| Rgb::ONE).radiance.x
     }
 }
