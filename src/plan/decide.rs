@@ -55,7 +55,7 @@ impl fmt::Display for Reason {
             Self::NoLitCaster => f.write_str("no light reaches a mirror, glass or smooth metal without a detour"),
             Self::NoReceiver => f.write_str("nothing stores photons"),
             Self::BlackReceivers => f.write_str("whatever stores photons absorbs all light"),
-            Self::OneFlatObject => f.write_str("all there is is one flat object"),
+            Self::OneFlatObject => f.write_str("all there is is one flat object, and no light shines along it"),
             Self::NoSoftLight => f.write_str("every light is a point, or parallel"),
             Self::NoSky => f.write_str("no light comes from all around"),
             Self::NoBody => f.write_str("light enters nothing"),
