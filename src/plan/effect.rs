@@ -71,22 +71,31 @@ impl Effect {
             }
         }
     }
+}
 
-    /// Whether the effect is compiled in. `RUSTFLAGS='--cfg caustica_without="NAME"'` builds a program without it, to measure what
-    /// the others pay for its presence: see docs/performance.md.
-    const fn is_built(self) -> bool {
-        match self {
-            Self::Casters => !cfg!(caustica_without = "casters"),
-            Self::Caustics => !cfg!(caustica_without = "caustics"),
-            Self::CausticBounces => !cfg!(caustica_without = "caustic-bounces"),
-            Self::Interreflection => !cfg!(caustica_without = "interreflection"),
-            Self::Gathering => !cfg!(caustica_without = "gathering"),
-            Self::Shadows => !cfg!(caustica_without = "shadows"),
-            Self::SoftShadows => !cfg!(caustica_without = "soft-shadows"),
-            Self::Environment => !cfg!(caustica_without = "environment"),
-            Self::Interiors => !cfg!(caustica_without = "interiors"),
+/// The effects that are compiled in: all but that which `CAUSTICA_WITHOUT` named when the program was built, to measure what the
+/// others pay for its presence (`.ci/cost-of-effects`).
+const BUILT: Effects = match option_env!("CAUSTICA_WITHOUT") {
+    None => Effects::ALL,
+    Some(name) => {
+        let mut built = Effects::ALL;
+        let mut i = 0;
+        while i < Effect::ALL.len() {
+            if same(name.as_bytes(), Effect::ALL[i].name().as_bytes()) {
+                built = built.without(Effect::ALL[i]);
+            }
+            i += 1;
         }
+        built
     }
+};
+
+const fn same(a: &[u8], b: &[u8]) -> bool {
+    let mut i = 0;
+    while i < a.len() && i < b.len() && a[i] == b[i] {
+        i += 1;
+    }
+    i == a.len() && i == b.len()
 }
 
 impl std::fmt::Display for Effect {
@@ -121,7 +130,7 @@ impl Effects {
     #[inline]
     #[must_use]
     pub const fn has(self, effect: Effect) -> bool {
-        effect.is_built() && self.0 & Self::bit(effect) != 0
+        self.0 & BUILT.0 & Self::bit(effect) != 0
     }
 
     /// With `effect`.
