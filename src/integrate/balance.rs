@@ -20,6 +20,8 @@ pub struct Balance {
 /// Nothing becomes more than so many times what it was, or less than one over this: a pilot is no oracle.
 const FARTHEST: f64 = 4.0;
 
+// A tenth of a microsecond is a ray of a photon, by the tables of docs/performance.md; the others follow from them.
+
 /// Work of a ray of a camera walk with its shading, in rays of photons.
 const CAMERA_RAY: f64 = 2.0;
 
@@ -82,9 +84,9 @@ pub(super) fn gathering(counters: &Counters) -> f64 {
     GATHERED * counters.gathered_photons as f64
 }
 
-/// Work of tracing and storing photons in rays of photons.
-pub(super) fn tracing(rays: u64, stored: u64) -> f64 {
-    rays as f64 + STORED * stored as f64
+/// Work of storing and indexing photons in rays of photons.
+pub(super) fn storing(photons: u64) -> f64 {
+    STORED * photons as f64
 }
 
 /// Mean over points of half the squared differences of two estimates of the same, relative to the light there: their variance.

@@ -145,7 +145,6 @@ impl<'a> Prepared<'a> {
         let key = Key::new(self.eye.seed).purpose(Purpose::Balance);
         let points = |other| self.points(key, other);
         let whole = self.maker.counts;
-        let counts = whole.divided(PILOT_PART);
         let draft = |i| {
             let mut out = Pass::default();
             let draft = Draft { key: key.with(i), pass: 0, part: PILOT_PART, limited: false };
@@ -180,11 +179,11 @@ impl<'a> Prepared<'a> {
         let points = f64::from(POINTS);
         // Estimates hold more photons the more there are; all that a pass will have, not only the pilot's.
         let gathered = balance::gathering(&first.counters) / points * pixels * f64::from(PILOT_PART);
-        let paths = f64::from(counts.photons + counts.caustic_photons);
+        let paths = (made.global.emitted + made.caustic.emitted) as f64;
         let part = |noise: f64, report: &PhotonReport, rays: f64, count: u32| {
             let emitted = report.emitted as f64;
             let cost = rays / paths
-                + balance::tracing(0, report.stored) / emitted.max(1.0)
+                + balance::storing(report.stored) / emitted.max(1.0)
                 + gathered / (paths * f64::from(PILOT_PART));
             Part { variance: noise * emitted, cost, count: f64::from(count) }
         };
@@ -216,10 +215,11 @@ impl<'a> Prepared<'a> {
     fn points(&self, key: Key, set: u64) -> Vec<(Vec2, Draw)> {
         let (width, height) = self.scene.camera().size();
         let size = Vec2::new(width as f32, height as f32);
+        let key = key.purpose(Purpose::Camera);
         let point = |i| {
             let pixel = (Draw::new(key, i, POINTS).two(Dimension::Film) * size).floor();
             let draw = Draw::new(key.with(set << 32 | u64::from(i)), 0, 1);
-            (pixel + draw.two(Dimension::Probe), draw)
+            (pixel + draw.two(Dimension::Film), draw)
         };
         (0..POINTS).map(point).collect()
     }
