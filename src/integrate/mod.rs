@@ -19,6 +19,7 @@ mod prepared;
 mod progressive;
 mod raycast;
 mod settings;
+mod sketch;
 mod sppm;
 mod tiles;
 mod visible;

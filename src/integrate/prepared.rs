@@ -1,15 +1,15 @@
 //! A scene made ready for an algorithm, and its passes.
 
-use super::balance::{self, Balance, Part};
+use super::balance::Balance;
 use super::direct::{Asking, DirectLight};
 use super::eye::EyePass;
-use super::maker::{Draft, MapMaker};
+use super::maker::MapMaker;
 use super::maps::{Maps, Needs};
 use super::method::Method;
-use super::{Expected, EyeSettings, Integrator, Lessons, Monitor, Pass, PhotonReport, Radii, Settings, Silent};
-use crate::color::{self, Rgb};
+use super::{Expected, EyeSettings, Integrator, Lessons, Monitor, Pass, Radii, Settings};
+use crate::color::Rgb;
 use crate::plan::{Effects, Plan};
-use crate::sampling::{Dimension, Draw, Key, Purpose};
+use crate::sampling::Draw;
 use crate::scene::Scene;
 use crate::stats::Counters;
 use glam::Vec2;
@@ -87,22 +87,16 @@ impl Walks<'_> {
 /// An algorithm with its scene.
 #[derive(Debug)]
 pub(super) struct Prepared<'a> {
-    scene: &'a Scene,
+    pub scene: &'a Scene,
     plan: Plan,
     effects: Effects,
-    eye: EyeSettings,
+    pub eye: EyeSettings,
     direct: DirectLight<'a>,
-    maker: MapMaker<'a>,
-    strategy: Arc<dyn Strategy>,
-    samples: u32,
+    pub maker: MapMaker<'a>,
+    pub strategy: Arc<dyn Strategy>,
+    pub samples: u32,
     balance: Option<Balance>,
 }
-
-/// Points of the film at which a balance is struck.
-const POINTS: u32 = 1024;
-
-/// A pilot traces one of so many of a pass's photon paths.
-const PILOT_PART: u32 = 16;
 
 impl<'a> Prepared<'a> {
     pub fn new(scene: &'a Scene, plan: Plan, settings: Settings, strategy: Arc<dyn Strategy>) -> Self {
@@ -136,118 +130,8 @@ impl<'a> Prepared<'a> {
         prepared
     }
 
-    /// How a pass should divide its work; `None` where there are no photons to divide it with. It depends on the scene and the settings
-    /// alone.
-    fn find_balance(&self) -> Option<Balance> {
-        if !self.maker.has_photons() {
-            return None;
-        }
-        let key = Key::new(self.eye.seed).purpose(Purpose::Balance);
-        let points = |other| self.points(key, other);
-        let whole = self.maker.counts;
-        let draft = |i| {
-            let mut out = Pass::default();
-            let draft = Draft { key: key.with(i), pass: 0, part: PILOT_PART, limited: false };
-            (self.maker.make_from(&draft, &Silent, &mut out), out)
-        };
-        let ((mut one, made), (mut other, _)) = (draft(0), draft(1));
-        let look = |maps: &Maps<'_>, points: &[(Vec2, Draw)]| {
-            let mut found = Found::default();
-            self.walk(maps, 0, Job::Points(points, &mut found));
-            found
-        };
-        let (here, beside) = (points(0), points(1));
-        let first = look(&one, &here);
-        let second = look(&one, &beside);
-        std::mem::swap(&mut one.caustic, &mut other.caustic);
-        // What caustics become comes from the paths of the caustic map.
-        let shared = self.maker.needs.after_caustic;
-        if shared {
-            std::mem::swap(&mut one.smooth, &mut other.smooth);
-        }
-        let by_caustics = look(&one, &here);
-        let by_global = if shared { None } else { Some(look(&other, &here)) };
-        let light: Vec<f64> = (0..here.len())
-            .map(|i| {
-                let values = [&first, &second, &by_caustics].map(|f| f64::from(color::mean(f.radiance[i])));
-                values.iter().sum::<f64>() / 3.0
-            })
-            .collect();
-        let noise = |other: &Found| balance::noise(&first.radiance, &other.radiance, &light);
-
-        let pixels = self.pixels();
-        let points = f64::from(POINTS);
-        // Estimates hold more photons the more there are; all that a pass will have, not only the pilot's.
-        let gathered = balance::gathering(&first.counters) / points * pixels * f64::from(PILOT_PART);
-        let paths = (made.global.emitted + made.caustic.emitted) as f64;
-        let part = |noise: f64, report: &PhotonReport, rays: f64, count: u32| {
-            let emitted = report.emitted as f64;
-            let cost = rays / paths
-                + balance::storing(report.stored) / emitted.max(1.0)
-                + gathered / (paths * f64::from(PILOT_PART));
-            Part { variance: noise * emitted, cost, count: f64::from(count) }
-        };
-        let rays = made.counters.photon_rays as f64;
-        let walking = balance::walking(&first.counters) / points * pixels;
-        let camera = Part {
-            variance: noise(&second),
-            cost: if self.strategy.estimates_each_sample() { walking + gathered } else { walking },
-            count: f64::from(self.samples),
-        };
-        let caustic = part(noise(&by_caustics), &made.caustic, rays, whole.caustic_photons);
-        let global = by_global.map_or(0.0, |found| noise(&found));
-        let global = part(global, &made.global, rays, whole.photons);
-        let [samples, photons, caustic_photons] = balance::divide(&[camera, global, caustic]);
-        let paths = |n: f64, emitted: u64| (emitted > 0).then(|| n.round().min(f64::from(u32::MAX)) as u32);
-        Some(Balance {
-            samples: samples.round().max(1.0) as u32,
-            photons: paths(photons, made.global.emitted),
-            caustic_photons: paths(caustic_photons, made.caustic.emitted),
-        })
-    }
-
-    fn pixels(&self) -> f64 {
-        let (width, height) = self.scene.camera().size();
-        f64::from(width) * f64::from(height)
-    }
-
-    /// Points of the film with their random numbers; of two sets with the same key, points of one place are in one pixel.
-    fn points(&self, key: Key, set: u64) -> Vec<(Vec2, Draw)> {
-        let (width, height) = self.scene.camera().size();
-        let size = Vec2::new(width as f32, height as f32);
-        let key = key.purpose(Purpose::Camera);
-        let point = |i| {
-            let pixel = (Draw::new(key, i, POINTS).two(Dimension::Film) * size).floor();
-            let draw = Draw::new(key.with(set << 32 | u64::from(i)), 0, 1);
-            (pixel + draw.two(Dimension::Film), draw)
-        };
-        (0..POINTS).map(point).collect()
-    }
-
-    /// Counts the work of a pass at few points with few photons.
-    fn sketch(&self) -> Counters {
-        let key = Key::new(self.eye.seed).purpose(Purpose::Balance);
-        let mut out = Pass::default();
-        let maps = self.maker.make_from(&Draft { key, pass: 0, part: PILOT_PART, limited: true }, &Silent, &mut out);
-        let mut found = Found::default();
-        self.walk(&maps, 0, Job::Points(&self.points(key, 0), &mut found));
-        let scaled = |n: u64, by: f64| (n as f64 * by).round() as u64;
-        let Counters { onward_rays, shadow_rays, gathers, gathered_photons, .. } = found.counters;
-        let samples = f64::from(self.samples) * self.pixels() / f64::from(POINTS);
-        let estimates = if self.strategy.estimates_each_sample() { samples } else { self.pixels() / f64::from(POINTS) };
-        let photons = f64::from(PILOT_PART);
-        Counters {
-            camera_rays: u64::from(self.samples) * self.pixels() as u64,
-            onward_rays: scaled(onward_rays, samples),
-            shadow_rays: scaled(shadow_rays, samples),
-            photon_rays: scaled(out.counters.photon_rays, photons),
-            gathers: scaled(gathers, estimates),
-            gathered_photons: scaled(gathered_photons, estimates * photons),
-            rejected_samples: 0,
-        }
-    }
-
-    fn walk(&self, maps: &Maps<'_>, pass: u32, job: Job<'_>) {
+    /// Follows the camera walks of `job`.
+    pub fn walk(&self, maps: &Maps<'_>, pass: u32, job: Job<'_>) {
         let Self { scene, effects, eye: settings, direct, samples, .. } = self;
         self.strategy.walk(Walks { scene, effects: *effects, settings, direct, samples: *samples, pass, job }, maps);
     }
