@@ -63,7 +63,7 @@ mod tests {
         let mut builder = SceneBuilder::new();
         let white = builder.material(Material::diffuse(Rgb::ONE));
         for shape in shapes {
-            builder.shape(*shape, white, Rgb::ZERO);
+            builder.shape(shape.clone(), white, Rgb::ZERO);
         }
         builder.build(Pinhole::new(DVec3::Z * 9.0, DVec3::NEG_Z, DVec3::Y, 1.0, 4, 3).unwrap()).unwrap()
     }
@@ -144,8 +144,9 @@ mod tests {
         let slope = rectangle([0.0, 0.0, 1.0], DVec3::Z * -2.0, down);
         let step = |y: f64| rectangle([-1.0, y, 1.0], DVec3::X, DVec3::Z * -2.0);
         for other in [slope, step(0.2), step(-0.2)] {
+            let scene = scene(&[floor.clone(), other]);
             for kernel in KERNELS {
-                covers(&scene(&[floor, other]), DVec3::ZERO, kernel, 0.5);
+                covers(&scene, DVec3::ZERO, kernel, 0.5);
             }
         }
     }

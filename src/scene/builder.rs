@@ -210,7 +210,7 @@ impl SceneBuilder {
             .zip(&self.shapes)
             .map(|(shape, (_, material, radiance))| Attributes {
                 material: *material,
-                light: area_light(Emitter::Shape(*shape), *radiance),
+                light: area_light(Emitter::Shape(shape.clone()), *radiance),
             })
             .collect();
         let ends: Vec<u32> =

@@ -86,7 +86,7 @@ pub struct Hit {
 #[derive(Clone, Copy, Debug)]
 enum HitKind {
     Triangle(u32, Vec2),
-    Shape(u32),
+    Shape(u32, Vec2),
     Plane(u32),
 }
 
@@ -171,7 +171,7 @@ impl Scene {
             t: h.t,
             kind: match h.primitive {
                 Primitive::Triangle(i) => HitKind::Triangle(i, Vec2::new(h.u, h.v)),
-                Primitive::Other(i) => HitKind::Shape(i),
+                Primitive::Other(i) => HitKind::Shape(i, Vec2::new(h.u, h.v)),
             },
         });
         for (i, (plane, _)) in self.planes.iter().enumerate() {
@@ -223,7 +223,9 @@ impl Scene {
                 let part = self.triangle_part[i as usize] as usize;
                 (self.mesh.surface(i as usize, b), self.parts[part].1)
             }
-            HitKind::Shape(i) => (self.shapes[i as usize].surface(ray, hit.t), self.shape_attributes[i as usize]),
+            HitKind::Shape(i, uv) => {
+                (self.shapes[i as usize].surface(ray, hit.t, uv), self.shape_attributes[i as usize])
+            }
             HitKind::Plane(i) => {
                 let (plane, attributes) = &self.planes[i as usize];
                 (plane.surface(ray, hit.t), *attributes)

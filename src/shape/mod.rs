@@ -59,7 +59,7 @@ fn rounding_error(p: Vec3, scale: f64) -> Vec3 {
 }
 
 /// A bounded analytic shape.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub enum Shape {
     /// A sphere.
     Sphere(Sphere),
@@ -90,10 +90,10 @@ impl Shape {
         each!(self, s => s.intersect(ray))
     }
 
-    /// The surface where `ray` crosses it at `t`.
+    /// The surface where `ray` crosses it at `t`, with the coordinates `uv` of the [`Crossing`].
     #[inline]
     #[must_use]
-    pub fn surface(&self, ray: &Ray, t: f32) -> SurfacePoint {
+    pub fn surface(&self, ray: &Ray, t: f32, _uv: Vec2) -> SurfacePoint {
         each!(self, s => s.surface(ray, t))
     }
 
@@ -201,9 +201,9 @@ mod tests {
                 if i < 1000 {
                     let above = s.point.p + s.point.ng * 0.1;
                     let ray = Ray::new(above, -s.point.ng);
-                    let (t, ..) = shape.intersect(&ray).expect("a ray at a sampled point hits");
+                    let (t, u, v) = shape.intersect(&ray).expect("a ray at a sampled point hits");
                     assert!((t - 0.1).abs() < 1e-5, "{shape:?} {t}");
-                    let back = shape.surface(&ray, t);
+                    let back = shape.surface(&ray, t, Vec2::new(u, v));
                     assert!((back.p - s.point.p).length() < 1e-5 && back.ng.dot(s.point.ng) > 1.0 - 1e-4);
                 }
             }

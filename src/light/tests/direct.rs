@@ -24,7 +24,7 @@ pub fn emitter_of(mesh: Arc<Mesh>) -> Emitter {
 fn seen(emitter: &Emitter, p: Vec3, wi: Vec3) -> Option<SurfacePoint> {
     let ray = crate::math::Ray::new(p, wi);
     match emitter {
-        Emitter::Shape(shape) => shape.intersect(&ray).map(|(t, ..)| shape.surface(&ray, t)),
+        Emitter::Shape(shape) => shape.intersect(&ray).map(|(t, u, v)| shape.surface(&ray, t, Vec2::new(u, v))),
         Emitter::Triangles { mesh, .. } => {
             let cross = |i: usize| {
                 let [a, b, c] = mesh.corners(i).map(|v| v.as_dvec3() - p.as_dvec3());
