@@ -3,6 +3,7 @@
 mod disc;
 mod ellipsoid;
 mod mesh;
+pub mod parametric;
 mod plane;
 mod rectangle;
 mod sphere;
@@ -13,6 +14,8 @@ pub use mesh::{Mesh, Triangle};
 pub use plane::Plane;
 pub use rectangle::Rectangle;
 pub use sphere::Sphere;
+
+pub use parametric::Revolution;
 
 use crate::math::{Bounds, Ray};
 use glam::{DVec3, Vec2, Vec3};
@@ -31,6 +34,8 @@ pub struct SurfacePoint {
     pub ng: Vec3,
     /// Shading unit normal, in the same half space as `ng`.
     pub ns: Vec3,
+    /// The coordinates of the point that its shape gave it.
+    pub uv: Vec2,
 }
 
 impl SurfacePoint {
@@ -39,7 +44,7 @@ impl SurfacePoint {
     fn exact(p: DVec3, normal: DVec3, scale: f64) -> Self {
         let ng = normal.as_vec3();
         let rounded = p.as_vec3();
-        Self { p: rounded, error: rounding_error(rounded, scale), ng, ns: ng }
+        Self { p: rounded, error: rounding_error(rounded, scale), ng, ns: ng, uv: Vec2::ZERO }
     }
 }
 
@@ -69,6 +74,8 @@ pub enum Shape {
     Disc(Disc),
     /// A parallelogram.
     Rectangle(Rectangle),
+    /// A profile turned about an axis.
+    Revolution(Revolution),
 }
 
 macro_rules! each {
@@ -78,6 +85,7 @@ macro_rules! each {
             Shape::Ellipsoid($s) => $e,
             Shape::Disc($s) => $e,
             Shape::Rectangle($s) => $e,
+            Shape::Revolution($s) => $e,
         }
     };
 }
@@ -93,8 +101,14 @@ impl Shape {
     /// The surface where `ray` crosses it at `t`, with the coordinates `uv` of the [`Crossing`].
     #[inline]
     #[must_use]
-    pub fn surface(&self, ray: &Ray, t: f32, _uv: Vec2) -> SurfacePoint {
-        each!(self, s => s.surface(ray, t))
+    pub fn surface(&self, ray: &Ray, t: f32, uv: Vec2) -> SurfacePoint {
+        match self {
+            Self::Sphere(s) => s.surface(ray, t),
+            Self::Ellipsoid(s) => s.surface(ray, t),
+            Self::Disc(s) => s.surface(ray, t),
+            Self::Rectangle(s) => s.surface(ray, t),
+            Self::Revolution(s) => s.surface(ray, t, uv),
+        }
     }
 
     /// A box around the shape.
@@ -118,6 +132,7 @@ impl Shape {
             Self::Ellipsoid(s) => Self::Ellipsoid(s.translated(by)),
             Self::Disc(s) => Self::Disc(s.translated(by)),
             Self::Rectangle(s) => Self::Rectangle(s.translated(by)),
+            Self::Revolution(s) => Self::Revolution(s.translated(by)),
         }
     }
 
@@ -139,6 +154,7 @@ impl Shape {
     pub fn pdf(&self, point: &SurfacePoint) -> f32 {
         match self {
             Self::Ellipsoid(s) => s.pdf(point.ng.as_dvec3()),
+            Self::Revolution(s) => s.pdf(point),
             uniform => (1.0 / uniform.area()) as f32,
         }
     }

@@ -3,10 +3,11 @@
 use super::Resolver;
 use crate::color::Rgb;
 use crate::format::SceneError;
-use crate::format::description::{Shape as Described, Span};
+use crate::format::description::{Curve, CurveBasis, Shape as Described, Span};
 use crate::math::Transform;
-use crate::shape::{Disc, Ellipsoid, Plane, Rectangle, Shape, Sphere};
-use glam::{DAffine3, DVec3, Vec3};
+use crate::shape::parametric::{Basis, SplineError};
+use crate::shape::{Disc, Ellipsoid, Plane, Rectangle, Revolution, Shape, Sphere};
+use glam::{DAffine3, DVec2, DVec3, Vec3};
 
 impl Resolver<'_> {
     pub(super) fn shape(
@@ -48,20 +49,28 @@ impl Resolver<'_> {
                 let mesh = self.mesh(path)?;
                 self.place_mesh(&map, &mesh.positions, mesh.normals.as_deref(), &mesh.triangles, emission);
             }
-            Described::Revolution { .. } => {
-                let help = "tessellate it into an OBJ mesh and use TriangleMesh";
-                return Err(self.refuse(span, "surfaces of revolution cannot be rendered yet", help));
+            Described::Revolution { profile } => {
+                let surface = revolution(profile, map).map_err(|e| self.refuse_spline(span, &e))?;
+                self.builder.shape(Shape::Revolution(surface), material, emission);
             }
-            Described::Curve(_) => {
-                let help = "put it into a RevSurface as its profile, or leave it out";
-                return Err(self.refuse(span, "a curve by itself has no surface", help));
-            }
+            // It has no surface, so nothing of it is seen.
+            Described::Curve(_) => {}
         }
         Ok(())
     }
 
     pub(super) fn refuse(&self, span: Span, message: &str, help: &str) -> SceneError {
         SceneError::at(self.source, span, message, "here", help)
+    }
+
+    fn refuse_spline(&self, span: Span, error: &SplineError) -> SceneError {
+        let help = match error {
+            SplineError::Degree(_) => "join curves of lower degree, or use a B-spline",
+            SplineError::TooLarge => "choose units in which coordinates are below 1e100",
+            SplineError::NoArea => "move control points off the axis and away from each other, or leave it out",
+            _ => "give control points and knots that fit",
+        };
+        self.refuse(span, &error.to_string(), help)
     }
 
     fn place_mesh(
@@ -89,6 +98,15 @@ fn place_sphere(map: &Transform, center: DVec3, radius: f64) -> Option<Shape> {
     }
     let unit_to_object = DAffine3::from_scale_rotation_translation(DVec3::splat(radius), glam::DQuat::IDENTITY, center);
     Some(Shape::Ellipsoid(Ellipsoid::new(Transform::new(*map.forward() * unit_to_object).ok()?)))
+}
+
+fn revolution(profile: &Curve, map: Transform) -> Result<Revolution, SplineError> {
+    let basis = match profile.basis {
+        CurveBasis::Bezier => Basis::bezier(profile.controls.len()),
+        CurveBasis::Bspline => Basis::uniform(3, profile.controls.len()),
+    }?;
+    let controls: Vec<DVec2> = profile.controls.iter().map(|c| c.truncate()).collect();
+    Revolution::new(&basis, &controls, map)
 }
 
 #[cfg(test)]
