@@ -106,7 +106,7 @@ impl LightBounds {
 /// Box and normals.
 fn surface(emitter: &Emitter) -> (Bounds, Cone) {
     match emitter {
-        Emitter::Shape(shape @ (Shape::Sphere(_) | Shape::Ellipsoid(_) | Shape::Revolution(_))) => {
+        Emitter::Shape(shape @ (Shape::Sphere(_) | Shape::Ellipsoid(_) | Shape::Revolution(_) | Shape::Patch(_))) => {
             (shape.bounds(), Cone::ALL)
         }
         Emitter::Shape(shape @ (Shape::Disc(_) | Shape::Rectangle(_))) => {

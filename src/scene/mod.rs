@@ -292,7 +292,7 @@ impl Scene {
                     let middle = shape.sample(Vec2::splat(0.5)).point;
                     Some((middle.p, middle.ng))
                 }
-                Shape::Sphere(_) | Shape::Ellipsoid(_) | Shape::Revolution(_) => None,
+                Shape::Sphere(_) | Shape::Ellipsoid(_) | Shape::Revolution(_) | Shape::Patch(_) => None,
             },
             material: attributes.material,
         });

@@ -15,7 +15,7 @@ pub use plane::Plane;
 pub use rectangle::Rectangle;
 pub use sphere::Sphere;
 
-pub use parametric::Revolution;
+pub use parametric::{Patch, Revolution};
 
 use crate::math::{Bounds, Ray};
 use glam::{DVec3, Vec2, Vec3};
@@ -76,6 +76,8 @@ pub enum Shape {
     Rectangle(Rectangle),
     /// A profile turned about an axis.
     Revolution(Revolution),
+    /// A tensor-product surface.
+    Patch(Patch),
 }
 
 macro_rules! each {
@@ -86,6 +88,7 @@ macro_rules! each {
             Shape::Disc($s) => $e,
             Shape::Rectangle($s) => $e,
             Shape::Revolution($s) => $e,
+            Shape::Patch($s) => $e,
         }
     };
 }
@@ -108,6 +111,7 @@ impl Shape {
             Self::Disc(s) => s.surface(ray, t),
             Self::Rectangle(s) => s.surface(ray, t),
             Self::Revolution(s) => s.surface(ray, t, uv),
+            Self::Patch(s) => s.surface(ray, uv),
         }
     }
 
@@ -133,6 +137,7 @@ impl Shape {
             Self::Disc(s) => Self::Disc(s.translated(by)),
             Self::Rectangle(s) => Self::Rectangle(s.translated(by)),
             Self::Revolution(s) => Self::Revolution(s.translated(by)),
+            Self::Patch(s) => Self::Patch(s.translated(by)),
         }
     }
 
@@ -155,6 +160,7 @@ impl Shape {
         match self {
             Self::Ellipsoid(s) => s.pdf(point.ng.as_dvec3()),
             Self::Revolution(s) => s.pdf(point),
+            Self::Patch(s) => s.pdf(point),
             uniform => (1.0 / uniform.area()) as f32,
         }
     }

@@ -8,6 +8,7 @@ mod lights;
 mod materials;
 mod objects;
 mod suggest;
+mod surfaces;
 #[cfg(test)]
 mod tests;
 

@@ -8,9 +8,10 @@ use super::super::error::SceneError;
 use super::super::lexer::Token;
 use super::Parser;
 use super::fields::Kind;
+use super::surfaces;
 use crate::math::Transform;
 
-const OBJECTS: [&str; 11] = [
+const OBJECTS: [&str; 13] = [
     "Group",
     "Transform",
     "Sphere",
@@ -22,12 +23,14 @@ const OBJECTS: [&str; 11] = [
     "RevSurface",
     "BezierCurve",
     "BsplineCurve",
+    "BezierPatch",
+    "NurbsSurface",
 ];
 const ENTRIES: [&str; 3] = ["numObjects", "MaterialIndex", "MaterialName"];
 const MAPS: [&str; 9] =
     ["Scale", "UniformScale", "Translate", "XRotate", "YRotate", "ZRotate", "Rotate", "Matrix4f", "Matrix"];
 
-const EMISSION: (&str, Kind) = ("emission", Kind::Vector);
+pub(super) const EMISSION: (&str, Kind) = ("emission", Kind::Vector);
 
 impl<'a> Parser<'a> {
     pub fn group(&mut self, keyword: Token<'a>) -> Result<Group, SceneError> {
@@ -161,6 +164,8 @@ impl<'a> Parser<'a> {
             ],
             "TriangleMesh" => &[("obj_file", Name), EMISSION],
             "RevSurface" => &[("profile", Kind::Curve), EMISSION],
+            "BezierPatch" => surfaces::PATCHES,
+            "NurbsSurface" => surfaces::NURBS,
             _ => &[("controls", Kind::Controls), EMISSION],
         };
         let f = self.fields(keyword, known)?;
@@ -189,6 +194,8 @@ impl<'a> Parser<'a> {
             }
             "TriangleMesh" => Shape::Mesh { path: f.need("obj_file")?.text() },
             "RevSurface" => Shape::Revolution { profile: f.need("profile")?.curve() },
+            "BezierPatch" => f.patches()?,
+            "NurbsSurface" => f.nurbs()?,
             "BezierCurve" => Shape::Curve(f.need("controls")?.controls(CurveBasis::Bezier)?),
             _ => Shape::Curve(f.need("controls")?.controls(CurveBasis::Bspline)?),
         };

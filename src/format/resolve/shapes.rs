@@ -6,7 +6,7 @@ use crate::format::SceneError;
 use crate::format::description::{Curve, CurveBasis, Shape as Described, Span};
 use crate::math::Transform;
 use crate::shape::parametric::{Basis, SplineError};
-use crate::shape::{Disc, Ellipsoid, Plane, Rectangle, Revolution, Shape, Sphere};
+use crate::shape::{Disc, Ellipsoid, Patch, Plane, Rectangle, Revolution, Shape, Sphere};
 use glam::{DAffine3, DVec2, DVec3, Vec3};
 
 impl Resolver<'_> {
@@ -52,6 +52,24 @@ impl Resolver<'_> {
             Described::Revolution { profile } => {
                 let surface = revolution(profile, map).map_err(|e| self.refuse_spline(span, &e))?;
                 self.builder.shape(Shape::Revolution(surface), material, emission);
+            }
+            Described::Patches { degree, controls } => {
+                let [u, v] = degree.map(|d| Basis::bezier(d as usize + 1));
+                let bases =
+                    [&u.map_err(|e| self.refuse_spline(span, &e))?, &v.map_err(|e| self.refuse_spline(span, &e))?];
+                for net in controls.chunks(bases[0].controls() * bases[1].controls()) {
+                    let patch = Patch::new(bases, net, &map).map_err(|e| self.refuse_spline(span, &e))?;
+                    self.builder.shape(Shape::Patch(patch), material, emission);
+                }
+            }
+            Described::Nurbs { degree, count, knots, controls } => {
+                let basis = |i: usize| match (degree[i] as usize, count[i] as usize) {
+                    (degree, count) if knots[i].is_empty() => Basis::uniform(degree, count),
+                    (degree, count) => Basis::new(degree, count, knots[i].clone()),
+                };
+                let surface = || Patch::new([&basis(0)?, &basis(1)?], controls, &map);
+                let surface = surface().map_err(|e| self.refuse_spline(span, &e))?;
+                self.builder.shape(Shape::Patch(surface), material, emission);
             }
             // It has no surface, so nothing of it is seen.
             Described::Curve(_) => {}

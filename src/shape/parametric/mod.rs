@@ -7,12 +7,17 @@
 //! miss where the ray runs inside a flat part.
 
 mod axis_ray;
+mod box_tree;
+mod patch;
+mod patch_build;
+mod patch_piece;
 mod polynomial;
 mod profile;
 mod revolution;
 mod ring_tree;
 mod spline;
 
+pub use patch::Patch;
 pub use polynomial::MAX_DEGREE;
 pub use revolution::Revolution;
 pub use spline::{Basis, SplineError};
@@ -28,3 +33,6 @@ const GAUSS: [(f64, f64); 5] = [
     (0.538_469_310_105_683_1, 0.478_628_670_499_366_47),
     (0.906_179_845_938_664, 0.236_926_885_056_189_1),
 ];
+
+#[cfg(test)]
+mod tests;

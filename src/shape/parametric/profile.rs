@@ -144,16 +144,18 @@ fn judge(a: &[Vector<2>], (rest, turn): (Vector<2>, Vector<2>), ray: &AxisRay, t
     let (from_x, from_t) =
         (dy.abs() * change[0] + slope.abs() * change[1], dh.abs() * change[0] + dx.abs() * change[1]);
     if from_x < CONTRACTION * least && from_t < CONTRACTION * least * half {
+        let blur = noise * (dy.abs() + slope.abs()).max((dh.abs() + dx.abs()) / half) / least;
         let start = (across / determinant, along / determinant);
-        return newton(a, ray, at, half, start).map_or(Verdict::Nothing, |(x, t)| Verdict::Root(x, t));
+        return newton(a, ray, at, half, start, OVERLAP + 4.0 * blur)
+            .map_or(Verdict::Nothing, |(x, t)| Verdict::Root(x, t));
     }
     let blur = (dy.abs() + slope.abs() + bend) * noise;
     let most = least + dh.abs() * bend + dy.abs() * turn[0] + (slope.abs() + bend) * turn[1];
     if most <= blur { Verdict::Inside } else { Verdict::Unclear }
 }
 
-/// The only root there can be, or none.
-fn newton(a: &[Vector<2>], ray: &AxisRay, at: f64, half: f64, start: (f64, f64)) -> Option<(f64, f64)> {
+/// The only root there can be, or none. Roots within `tolerance` of the box, in its half widths, count.
+fn newton(a: &[Vector<2>], ray: &AxisRay, at: f64, half: f64, start: (f64, f64), tolerance: f64) -> Option<(f64, f64)> {
     let dy = ray.direction.y;
     let (mut x, mut z) = (start.0.clamp(-1.0, 1.0), start.1.clamp(-half, half));
     let mut longest = FIRST_STEP;
@@ -166,18 +168,18 @@ fn newton(a: &[Vector<2>], ray: &AxisRay, at: f64, half: f64, start: (f64, f64))
         let step_z = (dx * miss[1] - dh * miss[0]) / determinant;
         let step = step_x.abs().max(step_z.abs() / half);
         // A root inside the box would be nearer by now.
-        if !(step <= longest) {
+        if !(step <= longest.max(tolerance)) {
             return None;
         }
         longest *= RATE;
         let (next_x, next_z) = ((x + step_x).clamp(-1.0, 1.0), (z + step_z).clamp(-half, half));
         let moved = (next_x - x).abs().max((next_z - z).abs() / half);
         (x, z) = (next_x, next_z);
-        if step <= OVERLAP {
+        if step <= tolerance {
             return Some((x, at + z));
         }
         // A root x* would have |T(x) − x*| ≤ ⅔|x − x*|: at a standstill the iterate is the root, or there is none.
-        if moved <= 0.01 * OVERLAP {
+        if moved <= 0.01 * tolerance {
             return None;
         }
     }
