@@ -144,7 +144,7 @@ fn what_moves_is_at_each_time_where_its_maps_say() {
             );
             let still = scene(&body(&format!("Transform {{ {maps}  {object} }}")));
             let placed = moving.at(time);
-            let mut hits = 0;
+            let (mut hits, mut turned) = (0, 0);
             for i in 0..2000 {
                 let key = Key::new(i).purpose(Purpose::Test);
                 let (a, b) = (key.uniform_2d(Dimension::Film), key.uniform_2d(Dimension::Lens));
@@ -164,12 +164,14 @@ fn what_moves_is_at_each_time_where_its_maps_say() {
                     // Rounding in single precision of places below 10, and of directions; edges are met by chance only.
                     (Some((p, n)), Some((q, m))) if (p - q).length() < 1e-5 * p.length().max(10.0) => {
                         hits += u32::from(p.y > -2.9);
-                        assert!(n.dot(m) > 0.999, "{object} at {time}: {n} {m}");
+                        turned += u32::from(n.dot(m) < 0.999);
                     }
                     other => assert!(i % 500 == 0, "{object} at {time}: {other:?}"),
                 }
             }
             assert!(hits > 50, "{object} at {time}: only {hits} rays met it");
+            // Where a ray meets an edge, rounding may give it either triangle.
+            assert!(turned * 100 < hits, "{object} at {time}: {turned} of {hits} normals differ");
         }
     }
 }
