@@ -3,7 +3,7 @@
 mod filter;
 mod lens;
 
-pub use filter::{Filter, FilterKind, UnknownFilter};
+pub use filter::{Filter, FilterKind, FilterSample, UnknownFilter};
 pub use lens::Lens;
 
 use crate::math::{Ray, Transform};
