@@ -61,6 +61,13 @@ impl Pinhole {
         self.center
     }
 
+    /// Width of a pixel in the middle of the picture at distance 1.
+    #[inline]
+    #[must_use]
+    pub fn pixel_angle(&self) -> f32 {
+        self.right.length() as f32
+    }
+
     /// The same camera, moved.
     #[must_use]
     pub fn translated(self, by: DVec3) -> Self {

@@ -85,7 +85,7 @@ impl<'a> MapMaker<'a> {
             if paths == 0 || wanted == Wants::NONE {
                 return None;
             }
-            let source = made()?.with_interiors(effects.has(Effect::Interiors));
+            let source = made()?.with_interiors(effects.has(Effect::Interiors)).with_detail(effects.detail());
             if effects.has(Effect::Environment) { Some(source) } else { source.without_environment() }
         };
         // Caustics that are simulated though nothing calls for them come from everywhere.
@@ -106,7 +106,7 @@ impl<'a> MapMaker<'a> {
         let needs = needs.within(effects);
         let keep = |source: &Option<PhotonSource<'a>>, wanted: Wants| {
             let source = source.clone().filter(|_| wanted != Wants::NONE)?;
-            let source = source.with_interiors(effects.has(Effect::Interiors));
+            let source = source.with_interiors(effects.has(Effect::Interiors)).with_detail(effects.detail());
             if effects.has(Effect::Environment) { Some(source) } else { source.without_environment() }
         };
         Self {

@@ -1,5 +1,7 @@
 //! What can be simulated or left out.
 
+use crate::scene::Detail;
+
 /// A part of light transport that a picture may need.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u16)]
@@ -22,11 +24,15 @@ pub enum Effect {
     Environment,
     /// Bodies that absorb or overlap.
     Interiors,
+    /// Textures.
+    Textures,
+    /// Bumps: shading normals that textures tilt.
+    Bump,
 }
 
 impl Effect {
     /// All of them, in the order of a table.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 11] = [
         Self::Casters,
         Self::Caustics,
         Self::CausticBounces,
@@ -36,6 +42,8 @@ impl Effect {
         Self::SoftShadows,
         Self::Environment,
         Self::Interiors,
+        Self::Textures,
+        Self::Bump,
     ];
 
     /// As typed.
@@ -51,6 +59,8 @@ impl Effect {
             Self::SoftShadows => "soft-shadows",
             Self::Environment => "environment",
             Self::Interiors => "interiors",
+            Self::Textures => "textures",
+            Self::Bump => "bump",
         }
     }
 
@@ -69,6 +79,8 @@ impl Effect {
             Self::Interiors => {
                 "glass keeps all light that goes through it, and bodies that overlap refract as if apart"
             }
+            Self::Textures => "textures show as their mean colours",
+            Self::Bump => "surfaces with bumps are smooth",
         }
     }
 }
@@ -143,6 +155,12 @@ impl Effects {
     #[must_use]
     pub const fn without(self, effect: Effect) -> Self {
         Self(self.0 & !Self::bit(effect))
+    }
+
+    /// What walks see of a scene's dress.
+    #[must_use]
+    pub const fn detail(self) -> Detail {
+        Detail { textures: self.has(Effect::Textures), bumps: self.has(Effect::Bump) }
     }
 
     /// They, in the order of a table.

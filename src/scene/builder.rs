@@ -1,14 +1,15 @@
 //! Building a resolved scene from parts in world coordinates.
 
-use super::{Attributes, CourseLight, Inside, Material, Scene};
+use super::{Attributes, CourseLight, Dress, Inside, Material, Scene};
 use crate::accel::Hierarchy;
 use crate::camera::Pinhole;
 use crate::color::Rgb;
-use crate::light::{Area, Emitter, Environment, Light, Spot};
+use crate::light::{Area, Emitter, Environment, Glow, Light, Spot};
 use crate::math::{Bounds, Sphere};
 use crate::sampling::Discrete;
-use crate::shape::{Mesh, Plane, Shape, Triangle};
-use glam::{DVec3, Vec3};
+use crate::shape::{Chart, Mesh, Plane, Shape, Triangle};
+use crate::texture::Texture;
+use glam::{DVec2, DVec3, Vec2, Vec3};
 use std::f32::consts::PI;
 use std::sync::Arc;
 
@@ -81,8 +82,24 @@ pub struct SceneBuilder {
     normals: Vec<Vec3>,
     triangles: Vec<Triangle>,
     parts: Vec<(u32, u32, Rgb)>,
+    texcoords: Vec<Vec2>,
     sources: Vec<(SourceKind, LightStrength)>,
     emissive_plane: bool,
+    textures: Vec<Arc<Texture>>,
+    dresses: Vec<Dress>,
+    /// Of the objects that have one.
+    charts: Vec<(Place, Chart)>,
+    /// Textures and scales of the objects that emit by one.
+    glows: Vec<(Place, u32, Rgb)>,
+    last: Option<Place>,
+}
+
+/// Where an object stands among those of its sort.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Place {
+    Shape(usize),
+    Plane(usize),
+    Part(usize),
 }
 
 impl SceneBuilder {
@@ -110,8 +127,41 @@ impl SceneBuilder {
         self.materials.len() as u32 - 1
     }
 
+    /// Adds a texture and returns its index.
+    pub fn texture(&mut self, texture: Texture) -> u32 {
+        self.textures.push(Arc::new(texture));
+        self.textures.len() as u32 - 1
+    }
+
+    /// Adds a material that wears `dress`, of textures that were added, and returns its index.
+    pub fn dressed(&mut self, material: Material, dress: Dress) -> u32 {
+        self.dresses.push(dress);
+        self.material(Material { dress: Some(self.dresses.len() as u32 - 1), ..material })
+    }
+
+    /// Lays texture coordinates on the object that was added last, and says what space solid textures of it are in; else coordinates
+    /// are its own parameters, and space is the world.
+    pub fn chart(&mut self, chart: Chart) -> &mut Self {
+        self.charts.extend(self.last.map(|last| (last, chart)));
+        self
+    }
+
+    /// The emission of the object that was added last, a mean, follows `texture` times `scale` \[W/(m² sr)].
+    pub fn glow(&mut self, texture: u32, scale: Rgb) -> &mut Self {
+        self.glows.extend(self.last.map(|last| (last, texture, scale)));
+        self
+    }
+
+    /// Gives the corners of the mesh that was added last texture coordinates, one each.
+    pub fn texcoords(&mut self, texcoords: &[DVec2]) -> &mut Self {
+        self.texcoords.resize(self.positions.len().saturating_sub(texcoords.len()), Vec2::ZERO);
+        self.texcoords.extend(texcoords.iter().map(|t| t.as_vec2()));
+        self
+    }
+
     /// Adds a shape; an `emission` above zero \[W/(m² sr)] makes it an area light.
     pub fn shape(&mut self, shape: Shape, material: u32, emission: Rgb) -> &mut Self {
+        self.last = Some(Place::Shape(self.shapes.len()));
         self.shapes.push((shape, material, emission));
         self
     }
@@ -119,6 +169,7 @@ impl SceneBuilder {
     /// Adds an unbounded plane.
     pub fn plane(&mut self, plane: Plane, material: u32, emission: Rgb) -> &mut Self {
         self.emissive_plane |= emission != Rgb::ZERO;
+        self.last = Some(Place::Plane(self.planes.len()));
         self.planes.push((plane, material));
         self
     }
@@ -134,6 +185,7 @@ impl SceneBuilder {
         emission: Rgb,
     ) -> &mut Self {
         let base = self.positions.len() as u32;
+        self.last = Some(Place::Part(self.parts.len()));
         self.parts.push((self.triangles.len() as u32, material, emission));
         self.positions.extend_from_slice(positions);
         if !normals.is_empty() {
@@ -173,7 +225,20 @@ impl SceneBuilder {
             normals.resize(self.positions.len(), Vec3::ZERO);
         }
         let positions: Vec<Vec3> = self.positions.iter().map(|p| (*p - middle).as_vec3()).collect();
-        let mesh = Arc::new(Mesh { positions, normals, triangles: self.triangles });
+        let mut texcoords = self.texcoords;
+        if !texcoords.is_empty() {
+            texcoords.resize(positions.len(), Vec2::ZERO);
+        }
+        let mesh = Arc::new(Mesh { positions, normals, texcoords, triangles: self.triangles });
+        let charts: Vec<Chart> =
+            std::iter::once(Chart::default()).chain(self.charts.iter().map(|(_, c)| *c)).map(|c| c.translated(-middle)).collect();
+        // Of several for one place the last counts.
+        let chart_of = |place: Place| self.charts.iter().rposition(|(p, _)| *p == place).map_or(0, |i| i as u32 + 1);
+        let glow_of = |place: Place| {
+            let (_, texture, scale) = self.glows.iter().rfind(|(p, ..)| *p == place)?;
+            let (texture, chart) = (self.textures[*texture as usize].clone(), charts[chart_of(place) as usize]);
+            Some(Arc::new(Glow { texture, chart, scale: *scale }))
+        };
 
         let corners: Vec<[Vec3; 3]> = (0..mesh.triangles.len()).map(|i| mesh.corners(i)).collect();
         let boxes: Vec<Bounds> = shapes.iter().map(Shape::bounds).collect();
@@ -197,9 +262,9 @@ impl SceneBuilder {
             lights.push(light);
             course_lights.push(course);
         }
-        let mut area_light = |emitter: Emitter, radiance: Rgb| {
+        let mut area_light = |emitter: Emitter, radiance: Rgb, place: Place| {
             (radiance != Rgb::ZERO).then(|| {
-                let light = Light::Area(Area { emitter, radiance });
+                let light = Light::Area(Area { emitter, radiance, glow: glow_of(place) });
                 course_lights.push(course_area_light(&light));
                 lights.push(light);
                 lights.len() as u32 - 1
@@ -208,9 +273,11 @@ impl SceneBuilder {
         let shape_attributes = shapes
             .iter()
             .zip(&self.shapes)
-            .map(|(shape, (_, material, radiance))| Attributes {
+            .enumerate()
+            .map(|(i, (shape, (_, material, radiance)))| Attributes {
                 material: *material,
-                light: area_light(Emitter::Shape(shape.clone()), *radiance),
+                light: area_light(Emitter::Shape(shape.clone()), *radiance, Place::Shape(i)),
+                chart: chart_of(Place::Shape(i)),
             })
             .collect();
         let ends: Vec<u32> =
@@ -221,24 +288,34 @@ impl SceneBuilder {
             let areas = (*first..end).map(|i| mesh.area(i as usize));
             let choice = if *radiance == Rgb::ZERO { None } else { Discrete::new(areas) };
             let light = choice.and_then(|choice| {
-                area_light(Emitter::Triangles { mesh: mesh.clone(), first: *first, choice }, *radiance)
+                let place = Place::Part(parts.len());
+                area_light(Emitter::Triangles { mesh: mesh.clone(), first: *first, choice }, *radiance, place)
             });
             triangle_part.resize(end as usize, parts.len() as u32);
-            parts.push((*first, Attributes { material: *material, light }));
+            let chart = chart_of(Place::Part(parts.len()));
+            parts.push((*first, Attributes { material: *material, light, chart }));
         }
         // Last, as the course's lights know nothing of it.
         lights.extend(self.environment.map(Light::Environment));
         if let Some(i) = lights.iter().position(|light| !light.power(domain).is_finite()) {
             return Err(BuildError::TooBright(i));
         }
-        let planes = planes.into_iter().zip(&self.planes);
+        let even_lights = if self.glows.is_empty() { Vec::new() } else { lights.iter().map(evened).collect() };
+        let planes = planes.into_iter().zip(&self.planes).enumerate().map(|(i, (plane, (_, material)))| {
+            (plane, Attributes { material: *material, light: None, chart: chart_of(Place::Plane(i)) })
+        });
+        let planes = planes.collect();
         let mut scene = Scene {
             camera: camera.translated(-middle),
             background: self.background,
             materials: self.materials,
             hierarchy: Hierarchy::build(&corners, &boxes),
-            planes: planes.map(|(p, (_, material))| (p, Attributes { material: *material, light: None })).collect(),
+            planes,
+            dresses: self.dresses,
+            textures: self.textures,
+            charts,
             lights,
+            even_lights,
             course_lights,
             shapes,
             shape_attributes,
@@ -279,6 +356,14 @@ impl SceneBuilder {
 fn domain(bounds: Bounds, open: bool) -> Sphere {
     let ball = bounds.bounding_sphere();
     Sphere { center: ball.center, radius: if open { ball.radius * OPEN_DOMAIN } else { ball.radius } }
+}
+
+/// The light with the same radiance everywhere.
+fn evened(light: &Light) -> Light {
+    match light {
+        Light::Area(area) => Light::Area(Area { glow: None, ..area.clone() }),
+        other => other.clone(),
+    }
 }
 
 /// The light and its course colour. A course colour c means irradiance π·c on a facing surface at the middle, so that a white

@@ -1,5 +1,6 @@
 //! Shapes in the resolved scene: world space, re-centred. Curved ones solve in double precision.
 
+mod chart;
 mod disc;
 mod ellipsoid;
 mod mesh;
@@ -7,6 +8,7 @@ mod plane;
 mod rectangle;
 mod sphere;
 
+pub use chart::{Chart, Form, Mapped, upright};
 pub use disc::Disc;
 pub use ellipsoid::Ellipsoid;
 pub use mesh::{Mesh, Triangle};
@@ -95,6 +97,12 @@ impl Shape {
     #[must_use]
     pub fn surface(&self, ray: &Ray, t: f32, _uv: Vec2) -> SurfacePoint {
         each!(self, s => s.surface(ray, t))
+    }
+
+    /// Texture coordinates by the shape's own parameters, with `uv` of the [`Crossing`]; of those that have none, `uv` as it is.
+    #[must_use]
+    pub fn mapped(&self, uv: Vec2) -> Mapped {
+        Mapped { uv: uv.as_dvec2(), ..Mapped::default() }
     }
 
     /// A box around the shape.

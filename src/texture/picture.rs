@@ -1,0 +1,177 @@
+//! Pictures as textures.
+
+use crate::color::Rgb;
+use crate::image::Image;
+use glam::{DVec2, DVec3, Vec3};
+
+/// What lies beyond the edges of a picture.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Wrap {
+    /// The picture again.
+    #[default]
+    Repeat,
+    /// The picture's edge.
+    Clamp,
+    /// The picture mirrored, and again.
+    Mirror,
+}
+
+/// Why a picture is no texture.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum PictureError {
+    /// A value below zero.
+    #[error("pixel {x}, {y} (from the top left) is negative")]
+    Negative {
+        /// Column.
+        x: u32,
+        /// Row.
+        y: u32,
+    },
+    /// A value that is infinite or no number.
+    #[error("pixel {x}, {y} (from the top left) is not finite")]
+    NotFinite {
+        /// Column.
+        x: u32,
+        /// Row.
+        y: u32,
+    },
+}
+
+/// A picture with coarser and coarser copies (Williams 1983, "Pyramidal parametrics"), each about half as wide as the one before.
+///
+/// It covers the unit square of texture coordinates, (0, 0) being its lower left corner.
+#[derive(Clone, Debug)]
+pub struct Picture {
+    levels: Vec<Level>,
+    wrap: Wrap,
+    mean: Rgb,
+    range: (f32, f32),
+}
+
+#[derive(Clone, Debug)]
+struct Level {
+    width: usize,
+    height: usize,
+    /// Rows from the top.
+    pixels: Vec<Vec3>,
+}
+
+impl Picture {
+    /// Takes a picture.
+    ///
+    /// # Errors
+    /// [`PictureError`] where a value is negative or not finite.
+    pub fn new(image: &Image, wrap: Wrap) -> Result<Self, PictureError> {
+        let (width, pixels) = (image.width(), image.pixels());
+        if let Some(i) = pixels.iter().position(|p| !(p.is_finite() && p.min_element() >= 0.0)) {
+            let (x, y) = ((i % width as usize) as u32, (i / width as usize) as u32);
+            let finite = pixels[i].is_finite();
+            return Err(if finite { PictureError::Negative { x, y } } else { PictureError::NotFinite { x, y } });
+        }
+        let least = pixels.iter().fold(Vec3::INFINITY, |a, b| a.min(*b)).min_element();
+        let greatest = pixels.iter().fold(Vec3::ZERO, |a, b| a.max(*b)).max_element();
+        let sum: DVec3 = pixels.iter().map(|p| p.as_dvec3()).sum();
+        let mean = (sum / pixels.len() as f64).as_vec3();
+        let first = Level { width: width as usize, height: image.height() as usize, pixels: pixels.to_vec() };
+        let mut levels = vec![first];
+        while let Some(last) = levels.last().filter(|l| l.width > 1 || l.height > 1) {
+            levels.push(last.halved());
+        }
+        Ok(Self { levels, wrap, mean, range: (least, greatest) })
+    }
+
+    /// The picture at `uv`, blurred over a box of sides `size`: bilinear within the two levels whose pixels are nearest to the box's
+    /// longer side.
+    #[must_use]
+    pub fn at(&self, uv: DVec2, size: DVec2) -> Rgb {
+        let uv = uv.map(|x| self.wrap.fold(x));
+        let pixels = (size.x * self.levels[0].width as f64).max(size.y * self.levels[0].height as f64);
+        let last = self.levels.len() - 1;
+        let level = if pixels > 1.0 { libm::log2(pixels).min(last as f64) } else { 0.0 };
+        let (first, between) = (level as usize, (level - level.floor()) as f32);
+        let fine = self.levels[first].at(uv, self.wrap);
+        if between == 0.0 { fine } else { fine.lerp(self.levels[(first + 1).min(last)].at(uv, self.wrap), between) }
+    }
+
+    pub(super) fn mean(&self) -> Rgb {
+        self.mean
+    }
+
+    pub(super) fn range(&self) -> (f32, f32) {
+        self.range
+    }
+
+    /// Side of a pixel in texture coordinates, along the axis that has more of them.
+    pub(super) fn texel(&self) -> f64 {
+        1.0 / self.levels[0].width.max(self.levels[0].height) as f64
+    }
+
+    #[cfg(test)]
+    pub(super) fn levels(&self) -> usize {
+        self.levels.len()
+    }
+}
+
+impl Wrap {
+    /// A coordinate with the same meaning, near enough to 0 for its digits to count.
+    fn fold(self, x: f64) -> f64 {
+        let folded = match self {
+            Self::Repeat => x - x.floor(),
+            Self::Clamp => x.clamp(0.0, 1.0),
+            Self::Mirror => x - 2.0 * (0.5 * x).floor(),
+        };
+        if folded.is_finite() { folded } else { 0.0 }
+    }
+
+    /// The pixel of `n` that stands at `i`.
+    fn pixel(self, i: i64, n: usize) -> usize {
+        let n = n as i64;
+        (match self {
+            Self::Repeat => i.rem_euclid(n),
+            Self::Clamp => i.clamp(0, n - 1),
+            Self::Mirror => {
+                let i = i.rem_euclid(2 * n);
+                i.min(2 * n - 1 - i)
+            }
+        }) as usize
+    }
+}
+
+impl Level {
+    fn at(&self, uv: DVec2, wrap: Wrap) -> Rgb {
+        let x = uv.x * self.width as f64 - 0.5;
+        let y = (1.0 - uv.y) * self.height as f64 - 0.5;
+        let (column, row) = (x.floor() as i64, y.floor() as i64);
+        let (fx, fy) = ((x - x.floor()) as f32, (y - y.floor()) as f32);
+        let columns = [column, column + 1].map(|i| wrap.pixel(i, self.width));
+        let [upper, lower] = [row, row + 1].map(|i| {
+            let row = wrap.pixel(i, self.height) * self.width;
+            self.pixels[row + columns[0]].lerp(self.pixels[row + columns[1]], fx)
+        });
+        upper.lerp(lower, fy)
+    }
+
+    /// Half as many columns and rows, rounded down; each pixel is the mean over its area.
+    fn halved(&self) -> Self {
+        let (width, height) = ((self.width / 2).max(1), (self.height / 2).max(1));
+        let columns: Vec<Vec<(usize, f32)>> = (0..width).map(|j| covered(j, self.width, width)).collect();
+        let mut pixels = Vec::with_capacity(width * height);
+        for i in 0..height {
+            let rows = covered(i, self.height, height);
+            for columns in &columns {
+                let across = |row: usize| columns.iter().map(|(x, w)| self.pixels[row * self.width + x] * *w).sum::<Vec3>();
+                pixels.push(rows.iter().map(|(y, w)| across(*y) * *w).sum());
+            }
+        }
+        Self { width, height, pixels }
+    }
+}
+
+/// The pixels of `n` that pixel `j` of `m` covers, with their shares in it.
+fn covered(j: usize, n: usize, m: usize) -> Vec<(usize, f32)> {
+    // In units of 1/m of a pixel: pixel j covers [j n, (j + 1) n], old pixel i covers [i m, (i + 1) m].
+    let (start, end) = (j * n, (j + 1) * n);
+    (start / m..end.div_ceil(m))
+        .map(|i| (i, (end.min((i + 1) * m) - start.max(i * m)) as f32 / n as f32))
+        .collect()
+}
