@@ -230,8 +230,10 @@ impl SceneBuilder {
             texcoords.resize(positions.len(), Vec2::ZERO);
         }
         let mesh = Arc::new(Mesh { positions, normals, texcoords, triangles: self.triangles });
-        let charts: Vec<Chart> =
-            std::iter::once(Chart::default()).chain(self.charts.iter().map(|(_, c)| *c)).map(|c| c.translated(-middle)).collect();
+        let charts: Vec<Chart> = std::iter::once(Chart::default())
+            .chain(self.charts.iter().map(|(_, c)| *c))
+            .map(|c| c.translated(-middle))
+            .collect();
         // Of several for one place the last counts.
         let chart_of = |place: Place| self.charts.iter().rposition(|(p, _)| *p == place).map_or(0, |i| i as u32 + 1);
         let glow_of = |place: Place| {

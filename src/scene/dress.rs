@@ -169,12 +169,7 @@ impl Scene {
 
     /// What a mix whose share may follow a texture stands for this time.
     #[inline(never)]
-    pub(super) fn chosen_by_texture(
-        &self,
-        mut index: u32,
-        mut chance: f32,
-        place: &dyn Fn() -> Place,
-    ) -> u32 {
+    pub(super) fn chosen_by_texture(&self, mut index: u32, mut chance: f32, place: &dyn Fn() -> Place) -> u32 {
         while let material = &self.materials[index as usize]
             && let Scattering::Mix { first, second, amount } = material.scattering
         {

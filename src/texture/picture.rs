@@ -159,7 +159,8 @@ impl Level {
         for i in 0..height {
             let rows = covered(i, self.height, height);
             for columns in &columns {
-                let across = |row: usize| columns.iter().map(|(x, w)| self.pixels[row * self.width + x] * *w).sum::<Vec3>();
+                let across =
+                    |row: usize| columns.iter().map(|(x, w)| self.pixels[row * self.width + x] * *w).sum::<Vec3>();
                 pixels.push(rows.iter().map(|(y, w)| across(*y) * *w).sum());
             }
         }
@@ -171,7 +172,5 @@ impl Level {
 fn covered(j: usize, n: usize, m: usize) -> Vec<(usize, f32)> {
     // In units of 1/m of a pixel: pixel j covers [j n, (j + 1) n], old pixel i covers [i m, (i + 1) m].
     let (start, end) = (j * n, (j + 1) * n);
-    (start / m..end.div_ceil(m))
-        .map(|i| (i, (end.min((i + 1) * m) - start.max(i * m)) as f32 / n as f32))
-        .collect()
+    (start / m..end.div_ceil(m)).map(|i| (i, (end.min((i + 1) * m) - start.max(i * m)) as f32 / n as f32)).collect()
 }

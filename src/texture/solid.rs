@@ -68,7 +68,8 @@ impl Solid {
     }
 
     pub(super) fn grain(&self) -> f64 {
-        let finest = self.frequency.abs() * self.stretch() * f64::from(1u32 << self.octaves.clamp(1, 31).saturating_sub(1));
+        let finest =
+            self.frequency.abs() * self.stretch() * f64::from(1u32 << self.octaves.clamp(1, 31).saturating_sub(1));
         if finest > 0.0 { 1e-2 / finest } else { 1.0 }
     }
 }

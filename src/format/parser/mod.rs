@@ -10,12 +10,13 @@ mod objects;
 mod suggest;
 #[cfg(test)]
 mod tests;
+mod textures;
 
 use std::collections::HashMap;
 
 use glam::DVec3;
 
-use super::description::{Description, Material, Span, Spanned};
+use super::description::{Description, Material, Span, Spanned, Texture};
 use super::error::{SceneError, Source};
 use super::lexer::{Lexer, Token};
 use fields::Kind;
@@ -23,7 +24,7 @@ use materials::Reach;
 pub(super) use materials::is_identifier;
 
 /// The blocks of a file.
-const BLOCKS: [&str; 5] = ["PerspectiveCamera", "Background", "Lights", "Materials", "Group"];
+const BLOCKS: [&str; 6] = ["PerspectiveCamera", "Background", "Lights", "Textures", "Materials", "Group"];
 
 /// Reads `text` as a scene; errors call it `name`.
 ///
@@ -34,6 +35,7 @@ pub fn parse(name: &str, text: &str) -> Result<Description, SceneError> {
         lexer: Lexer::new(name, text),
         open: Vec::new(),
         depth: 0,
+        textures: Vec::new(),
         materials: Vec::new(),
         names: HashMap::new(),
         reach: Vec::new(),
@@ -69,6 +71,8 @@ struct Parser<'a> {
     open: Vec<Token<'a>>,
     /// Groups and transforms around the place that is read.
     depth: usize,
+    /// Of the last `Textures` block so far.
+    textures: Vec<Spanned<Texture>>,
     /// Of the last `Materials` block so far, by index and by name.
     materials: Vec<Spanned<Material>>,
     names: HashMap<String, usize>,
@@ -97,6 +101,7 @@ impl<'a> Parser<'a> {
                 "PerspectiveCamera" => camera = Some(Spanned::new(self.camera(word)?, word.span())),
                 "Background" => background = self.background(word)?,
                 "Lights" => lights = self.lights(word)?,
+                "Textures" => self.textures(word)?,
                 "Materials" => self.materials(word)?,
                 "Group" => {
                     (self.indexed, self.late) = (false, None);
@@ -118,7 +123,8 @@ impl<'a> Parser<'a> {
             let help = "add `Group { … }` with the objects of the scene";
             SceneError::of_file(&self.lexer.source(), "the file has no Group", help)
         })?;
-        Ok(Description { camera, background, lights, materials: self.materials, root })
+        let (textures, materials) = (self.textures, self.materials);
+        Ok(Description { camera, background, lights, textures, materials, root })
     }
 
     fn background(&mut self, block: Token<'a>) -> Result<DVec3, SceneError> {

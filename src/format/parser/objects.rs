@@ -88,6 +88,22 @@ impl<'a> Parser<'a> {
         Ok(Object::Transform { maps, object })
     }
 
+    /// The maps of a block that holds nothing else.
+    pub fn maps(&mut self, keyword: Token<'a>) -> Result<Vec<Map>, SceneError> {
+        let mut maps = Vec::new();
+        self.open(keyword)?;
+        while let Some(word) = self.word()? {
+            if !MAPS.contains(&word.text) {
+                return Err(self.unexpected(word, &MAPS));
+            }
+            maps.push(self.map(word)?);
+        }
+        if Transform::new(Map::product(&maps)).is_err() {
+            return Err(self.singular(keyword.span(), "this `Transform` flattens its pattern"));
+        }
+        Ok(maps)
+    }
+
     fn map(&mut self, word: Token<'a>) -> Result<Map, SceneError> {
         let (map, span) = match word.text {
             "Scale" | "Translate" => {
@@ -144,7 +160,7 @@ impl<'a> Parser<'a> {
     }
 
     fn shape(&mut self, keyword: Token<'a>) -> Result<Object, SceneError> {
-        use Kind::{Name, Number, Vector};
+        use Kind::{Name, Number, Pair, Vector};
         let known: &[(&str, Kind)] = match keyword.text {
             "Sphere" => &[("center", Vector), ("radius", Number), EMISSION],
             "Plane" => &[("normal", Vector), ("offset", Number), EMISSION],
@@ -157,6 +173,9 @@ impl<'a> Parser<'a> {
                 ("normal0", Vector),
                 ("normal1", Vector),
                 ("normal2", Vector),
+                ("uv0", Pair),
+                ("uv1", Pair),
+                ("uv2", Pair),
                 EMISSION,
             ],
             "TriangleMesh" => &[("obj_file", Name), EMISSION],
@@ -185,7 +204,13 @@ impl<'a> Parser<'a> {
                     true => Some([normal(names[0])?, normal(names[1])?, normal(names[2])?]),
                     false => None,
                 };
-                Shape::Triangle { vertices, normals }
+                let names = ["uv0", "uv1", "uv2"];
+                let pair = |name| f.need(name).map(|p| p.pair());
+                let uv = match names.iter().any(|name| f.get(name).is_some()) {
+                    true => Some([pair(names[0])?, pair(names[1])?, pair(names[2])?]),
+                    false => None,
+                };
+                Shape::Triangle { vertices, normals, uv }
             }
             "TriangleMesh" => Shape::Mesh { path: f.need("obj_file")?.text() },
             "RevSurface" => Shape::Revolution { profile: f.need("profile")?.curve() },

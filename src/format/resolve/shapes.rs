@@ -5,8 +5,8 @@ use crate::color::Rgb;
 use crate::format::SceneError;
 use crate::format::description::{Shape as Described, Span};
 use crate::math::Transform;
-use crate::shape::{Disc, Ellipsoid, Plane, Rectangle, Shape, Sphere};
-use glam::{DAffine3, DVec3, Vec3};
+use crate::shape::{Chart, Disc, Ellipsoid, Form, Plane, Rectangle, Shape, Sphere};
+use glam::{DAffine3, DVec2, DVec3, Vec3};
 
 impl Resolver<'_> {
     pub(super) fn shape(
@@ -23,6 +23,7 @@ impl Resolver<'_> {
                 let sphere = place_sphere(&map, *center, *radius)
                     .ok_or_else(|| self.refuse(span, "this sphere is squeezed flat", "scale it less"))?;
                 self.builder.shape(sphere, material, emission);
+                self.lay(Form::Globe { center: *center }, &map);
             }
             Described::Plane { normal, offset } => {
                 if emission != Rgb::ZERO {
@@ -31,22 +32,34 @@ impl Resolver<'_> {
                 }
                 let on = *normal * (*offset / normal.length_squared());
                 self.builder.plane(Plane::new(map.point(on), map.normal(*normal)), material, emission);
+                self.lay(Form::plane(*normal), &map);
             }
             Described::Disc { center, normal, radius } => {
                 let disc = Disc::around(*center, *normal, *radius).transformed(&map);
                 self.builder.shape(Shape::Disc(disc), material, emission);
+                self.lay(Form::disc(*center, *normal, *radius), &map);
             }
             Described::Rectangle { corner, edge0, edge1 } => {
                 let rectangle = Rectangle::new(*corner, *edge0, *edge1).transformed(&map);
                 self.builder.shape(Shape::Rectangle(rectangle), material, emission);
+                self.lay(Form::rectangle(*corner, *edge0, *edge1), &map);
             }
-            Described::Triangle { vertices, normals } => {
+            Described::Triangle { vertices, normals, uv } => {
                 let normals = normals.as_ref().map(|n| n.as_slice());
                 self.place_mesh(&map, vertices, normals, &[[0, 1, 2]], emission);
+                self.lay(Form::Own, &map);
+                if self.is_textured() {
+                    self.builder.texcoords(&uv.unwrap_or([DVec2::ZERO, DVec2::X, DVec2::Y]));
+                }
             }
             Described::Mesh { path } => {
                 let mesh = self.mesh(path)?;
+                self.check_coordinates(mesh.texcoords.is_some(), path)?;
                 self.place_mesh(&map, &mesh.positions, mesh.normals.as_deref(), &mesh.triangles, emission);
+                self.lay(Form::Own, &map);
+                if let Some(texcoords) = mesh.texcoords.as_ref().filter(|_| self.is_textured()) {
+                    self.builder.texcoords(texcoords);
+                }
             }
             Described::Revolution { .. } => {
                 let help = "tessellate it into an OBJ mesh and use TriangleMesh";
@@ -58,6 +71,18 @@ impl Resolver<'_> {
             }
         }
         Ok(())
+    }
+
+    /// Whether the material in force follows a texture.
+    fn is_textured(&self) -> bool {
+        self.worn.get(self.material as usize).is_some_and(|worn| worn.textured)
+    }
+
+    /// Lays texture coordinates on the object that was added last, if it wears textures.
+    fn lay(&mut self, form: Form, map: &Transform) {
+        if self.is_textured() {
+            self.builder.chart(Chart::new(form, *map));
+        }
     }
 
     pub(super) fn refuse(&self, span: Span, message: &str, help: &str) -> SceneError {
