@@ -3,6 +3,7 @@ mod choice;
 mod direct;
 mod emission;
 mod environment;
+mod glow;
 
 use super::*;
 use crate::math::warp;

@@ -183,8 +183,9 @@ impl Scene {
         index
     }
 
-    /// The place of a hit, for a mix.
-    pub(super) fn place(&self, hit: &Hit, point: &SurfacePoint, wo: Vec3, cone: &Cone) -> Place {
+    /// The place of a hit as textures see it, by a cone that has come to it.
+    #[must_use]
+    pub fn place(&self, hit: &Hit, point: &SurfacePoint, wo: Vec3, cone: &Cone) -> Place {
         self.patch(hit, point, wo, cone).place
     }
 

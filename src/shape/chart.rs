@@ -177,7 +177,8 @@ mod tests {
         close(globe, [3.0, 0.0, 0.0], [0.75, 0.5]);
         close(globe, [-1.0, 0.0, 0.0], [0.25, 0.5]);
         close(globe, [1.0, 1.0, 1.0], [0.5, 0.75]);
-        assert_eq!([at(globe, DVec3::new(1.0, 2.0, 0.0)).y, at(globe, DVec3::new(1.0, -2.0, 0.0)).y], [1.0, 0.0]);
+        let pole = |y: f64| at(globe, DVec3::new(1.0, y, 0.0)).y;
+        assert!((pole(2.0) - 1.0).abs() < 1e-12 && pole(-2.0).abs() < 1e-12);
         // As a map of the floor with north, −z, up; walls from outside, upright.
         close(Form::plane(DVec3::Y), [2.0, 0.0, -3.0], [2.0, 3.0]);
         close(Form::plane(DVec3::Z * 5.0), [2.0, 3.0, 0.0], [2.0, 3.0]);

@@ -72,3 +72,46 @@ fn hash(x: i64, y: i64, z: i64) -> u64 {
     h = h.wrapping_mul(0xbf58_476d_1ce4_e5b9);
     h ^ h >> 27
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn point(i: u32) -> DVec3 {
+        DVec3::new(0.618_034, 0.414_214, 0.732_051) * f64::from(i) - 1e3
+    }
+
+    /// Over n points its mean is 0 by symmetry: with a standard deviation below ½ it errs by less than 5/(2√n).
+    #[test]
+    fn noise_is_bounded_and_as_often_above_as_below_zero() {
+        let n = 100_000;
+        let values: Vec<f64> = (0..n).map(|i| noise(point(i))).collect();
+        assert!(values.iter().all(|x| x.abs() <= 1.0));
+        let mean = values.iter().sum::<f64>() / f64::from(n);
+        let square = values.iter().map(|x| x * x).sum::<f64>() / f64::from(n);
+        assert!(mean.abs() < 2.5 / f64::from(n).sqrt() && (0.04..0.2).contains(&square), "{mean} {square}");
+        assert_eq!([noise(DVec3::ZERO), noise(DVec3::new(-3.0, 5.0, 7.0)), noise(DVec3::splat(f64::NAN))], [0.0; 3]);
+    }
+
+    /// Between points 1e-6 apart, on both sides of the faces of cells, values differ by less than 4e-6: its slope is below 4.
+    #[test]
+    fn noise_has_no_steps() {
+        for i in 0..1000 {
+            let p = point(i);
+            for face in [p, DVec3::new(p.x.round(), p.y, p.z), DVec3::new(p.x, p.y, p.z.round())] {
+                let step = DVec3::splat(5e-7);
+                assert!((noise(face + step) - noise(face - step)).abs() < 4e-6, "{face}");
+            }
+        }
+    }
+
+    #[test]
+    fn octaves_fade_as_the_patch_grows() {
+        let p = DVec3::new(0.3, 0.7, 0.2);
+        assert_eq!(fractal(p, 0.0, 1), noise(p));
+        assert_eq!(fractal(p, 0.125, 2), fractal(p, 0.0, 2), "two octaves are coarse enough");
+        assert!(fractal(p, 0.125, 3) != fractal(p, 0.0, 3), "the third is not");
+        assert_eq!(fractal(p, 0.5, 9), fractal(p, 0.5, 1), "finer octaves are gone");
+        assert_eq!(fractal(p, 1.0, 9), 0.0);
+    }
+}

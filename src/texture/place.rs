@@ -80,3 +80,41 @@ impl Coordinates {
         sum / looks as f32
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::cell::RefCell;
+
+    fn looks(coordinates: &Coordinates, axes: [DVec2; 2]) -> Vec<(DVec2, DVec2)> {
+        let seen = RefCell::new(Vec::new());
+        let place = Place { uv: DVec2::new(0.25, 0.5), axes, ..Place::default() };
+        coordinates.spread(&place, |uv, size| {
+            seen.borrow_mut().push((uv, size));
+            Rgb::ZERO
+        });
+        seen.into_inner()
+    }
+
+    #[test]
+    fn coordinates_are_scaled_then_turned_then_moved() {
+        let coordinates = Coordinates::new(DVec2::new(2.0, 4.0), std::f64::consts::FRAC_PI_2, DVec2::new(10.0, 20.0));
+        let [(uv, size)] = looks(&coordinates, [DVec2::ZERO; 2])[..] else { panic!("one look") };
+        // (½, 2) turned by a quarter is (−2, ½).
+        assert!((uv - DVec2::new(8.0, 20.5)).length() < 1e-12 && size == DVec2::ZERO);
+        assert!((coordinates.stretch() - 4.0).abs() < 1e-12);
+    }
+
+    /// Looks lie side by side along the longer axis, centred on the place, and their boxes make up the patch.
+    #[test]
+    fn a_long_patch_is_seen_by_looks_along_it() {
+        let seen = looks(&Coordinates::default(), [DVec2::new(0.0, 0.1), DVec2::new(0.5, 0.0)]);
+        assert_eq!(seen.len(), 5);
+        for (i, (uv, size)) in seen.iter().enumerate() {
+            assert!((*uv - DVec2::new(0.05 + 0.1 * i as f64, 0.5)).length() < 1e-12, "{uv}");
+            assert!((*size - 0.1).length() < 1e-12);
+        }
+        assert_eq!(looks(&Coordinates::default(), [DVec2::X * 1e3, DVec2::Y * 1e-9]).len(), MOST as usize);
+        assert_eq!(looks(&Coordinates::default(), [DVec2::splat(f64::INFINITY), DVec2::ZERO]).len(), 1);
+    }
+}

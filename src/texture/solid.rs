@@ -84,3 +84,50 @@ fn blur(w: f64) -> f64 {
         0.0
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DQuat;
+
+    fn solid(kind: SolidKind, amplitude: f64, to_pattern: DAffine3) -> Solid {
+        Solid { kind, colors: [Rgb::ZERO, Rgb::ONE], octaves: 3, frequency: 2.0, amplitude, to_pattern }
+    }
+
+    #[test]
+    fn veins_and_rings_stand_where_they_should() {
+        let marble = solid(SolidKind::Marble, 0.0, DAffine3::IDENTITY);
+        let wood = solid(SolidKind::Wood, 0.0, DAffine3::IDENTITY);
+        // Two waves a length: brightest an eighth along.
+        for (solid, p) in [(marble, DVec3::new(0.125, 9.0, 3.0)), (wood, DVec3::new(0.075, 9.0, 0.1))] {
+            assert!((solid.at(p, 0.0).x - 1.0).abs() < 1e-6);
+        }
+        let turned =
+            solid(SolidKind::Marble, 0.0, DAffine3::from_quat(DQuat::from_rotation_z(-std::f64::consts::FRAC_PI_2)));
+        assert!((turned.at(DVec3::new(9.0, 0.125, 3.0), 0.0).x - 1.0).abs() < 1e-6);
+    }
+
+    /// The mean of the wave over a box of width w around p, by n midpoints: their error is below (w/n)².
+    #[test]
+    fn a_wide_patch_sees_the_mean_of_the_wave() {
+        let marble = solid(SolidKind::Marble, 0.0, DAffine3::IDENTITY);
+        let (p, width, n) = (0.1, 0.3, 1000);
+        let at = |i: i32| marble.at(DVec3::X * (p + width * ((f64::from(i) + 0.5) / f64::from(n) - 0.5)), 0.0).x;
+        let mean = (0..n).map(|i| f64::from(at(i))).sum::<f64>() / f64::from(n);
+        assert!((f64::from(marble.at(DVec3::X * p, width).x) - mean).abs() < 1e-6);
+        assert_eq!(marble.at(DVec3::X * p, 10.0), Rgb::splat(0.5));
+    }
+
+    /// Noise is as often above as below: over n points the mean errs by less than 5/(2√n), as values lie in [0, 1].
+    #[test]
+    fn patterns_have_their_stated_mean() {
+        let n = 50_000;
+        for kind in [SolidKind::Noise, SolidKind::Marble, SolidKind::Wood] {
+            let solid = solid(kind, 1.5, DAffine3::IDENTITY);
+            let p = |i: u32| DVec3::new(6.180_34, 4.142_14, 7.320_51) * f64::from(i) - 1e5;
+            let mean = (0..n).map(|i| f64::from(solid.at(p(i), 0.0).x)).sum::<f64>() / f64::from(n);
+            assert!((mean - f64::from(solid.mean().x)).abs() < 2.5 / f64::from(n).sqrt(), "{kind:?}: {mean}");
+            assert!(solid.at(DVec3::splat(f64::INFINITY), 0.0).is_finite());
+        }
+    }
+}
