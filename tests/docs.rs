@@ -276,7 +276,7 @@ fn keeps(object: &mut Object) -> bool {
             prune(group);
             true
         }
-        Object::Transform { object, .. } => keeps(&mut object.value),
+        Object::Transform { object, .. } | Object::Moving { object, .. } => keeps(&mut object.value),
         Object::Shape { shape, .. } => !matches!(shape, Shape::Curve(_) | Shape::Revolution { .. }),
     }
 }

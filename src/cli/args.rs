@@ -104,7 +104,7 @@ pub struct MethodArguments {
     #[arg(long, value_parser = count, default_value = "100", value_name = "N")]
     pub max_bounces: u32,
 
-    /// Pixel filter: box, tent, gaussian or blackman-harris
+    /// Pixel filter: box, tent, gaussian, blackman-harris or mitchell
     #[arg(long, default_value = "blackman-harris", value_name = "NAME")]
     pub filter: FilterKind,
 

@@ -85,7 +85,10 @@ impl Emitter {
     #[inline]
     fn draw(&self, u: Vec2) -> (ShapeSample, Spot) {
         match self {
-            Self::Shape(shape) => (shape.sample(u), Spot::Shape(Vec2::ZERO)),
+            Self::Shape(shape) => {
+                let sample = shape.sample(u);
+                (sample, Spot::Shape(sample.uv))
+            }
             Self::Triangles { mesh, first, choice } => {
                 let (i, probability) = choice.sample(u.x);
                 // What is left of u.x inside the chosen interval is uniform again.
@@ -94,15 +97,15 @@ impl Emitter {
                 let i = *first + i as u32;
                 let point = mesh.surface(i as usize, b);
                 let area = choice.total() * f64::from(probability);
-                (ShapeSample { point, pdf: probability / area as f32 }, Spot::Triangle(i, b))
+                (ShapeSample { point, pdf: probability / area as f32, uv: b }, Spot::Triangle(i, b))
             }
         }
     }
 
     /// Texture coordinates of a point, as the surface itself has them.
-    fn mapped(&self, spot: Spot) -> Mapped {
+    fn mapped(&self, p: Vec3, spot: Spot) -> Mapped {
         match (self, spot) {
-            (Self::Shape(shape), Spot::Shape(uv)) => shape.mapped(uv),
+            (Self::Shape(shape), Spot::Shape(uv)) => shape.mapped(p, uv),
             (Self::Triangles { mesh, .. }, Spot::Triangle(i, b)) => mesh.mapped(i as usize, b),
             _ => Mapped::default(),
         }
@@ -137,7 +140,7 @@ impl Area {
             None => self.radiance,
             Some(glow) => {
                 let p = glow.chart.in_object(point.p);
-                glow.radiance(&Place::sharp(glow.chart.at(p, || self.emitter.mapped(spot)).uv, p))
+                glow.radiance(&Place::sharp(glow.chart.at(p, || self.emitter.mapped(point.p, spot)).uv, p))
             }
         }
     }
@@ -171,7 +174,7 @@ impl Area {
     /// A point, the unit direction to it from `p`, and its density per steradian.
     #[inline]
     fn sample_by_area(&self, p: Vec3, u: Vec2) -> Option<((SurfacePoint, Vec3, f32), Spot)> {
-        let (ShapeSample { point, pdf }, spot) = self.emitter.draw(u);
+        let (ShapeSample { point, pdf, .. }, spot) = self.emitter.draw(u);
         let (d2, wi, _) = crate::math::direction(p, point.p)?;
         let cos = -wi.dot(point.ng);
         (cos > 0.0).then(|| ((point, wi, d2 * pdf / cos), spot))

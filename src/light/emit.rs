@@ -35,7 +35,7 @@ impl Light {
                 Some(Emission { ray, flux: *irradiance * area })
             }
             Self::Area(area) => {
-                let (ShapeSample { point, pdf }, radiance) = area.sample(position);
+                let (ShapeSample { point, pdf, .. }, radiance) = area.sample(position);
                 let local = warp::cosine_hemisphere(direction);
                 let w = Frame::around(point.ng).to_world(local);
                 if w.dot(point.ng) <= 0.0 || radiance == Rgb::ZERO {
@@ -71,7 +71,7 @@ impl Light {
                 Some(Emission { ray: Ray::new(start, *w), flux: *irradiance / pdf })
             }
             Self::Area(area) => {
-                let (ShapeSample { point, pdf }, radiance) = area.sample(position);
+                let (ShapeSample { point, pdf, .. }, radiance) = area.sample(position);
                 let (w, pdf_w) = targets.sample_direction(point.p, Some(point.ng), direction)?;
                 let cos = w.dot(point.ng);
                 if cos <= 0.0 || radiance == Rgb::ZERO {

@@ -24,6 +24,10 @@ pub enum Effect {
     Environment,
     /// Bodies that absorb or overlap.
     Interiors,
+    /// Rays from all of the lens: depth of field.
+    Lens,
+    /// Things that move while the shutter is open.
+    Motion,
     /// Textures.
     Textures,
     /// Bumps: shading normals that textures tilt.
@@ -32,7 +36,7 @@ pub enum Effect {
 
 impl Effect {
     /// All of them, in the order of a table.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 13] = [
         Self::Casters,
         Self::Caustics,
         Self::CausticBounces,
@@ -42,6 +46,8 @@ impl Effect {
         Self::SoftShadows,
         Self::Environment,
         Self::Interiors,
+        Self::Lens,
+        Self::Motion,
         Self::Textures,
         Self::Bump,
     ];
@@ -59,6 +65,8 @@ impl Effect {
             Self::SoftShadows => "soft-shadows",
             Self::Environment => "environment",
             Self::Interiors => "interiors",
+            Self::Lens => "lens",
+            Self::Motion => "motion",
             Self::Textures => "textures",
             Self::Bump => "bump",
         }
@@ -79,6 +87,8 @@ impl Effect {
             Self::Interiors => {
                 "glass keeps all light that goes through it, and bodies that overlap refract as if apart"
             }
+            Self::Lens => "everything is sharp, near and far",
+            Self::Motion => "what moves stands still where it is when the shutter is half way",
             Self::Textures => "textures show as their mean colours",
             Self::Bump => "surfaces with bumps are smooth",
         }

@@ -41,11 +41,11 @@ pub struct Cone {
 }
 
 impl Cone {
-    /// Of a walk from the camera, where a pixel is `pixel` wide at distance 1.
+    /// Of a walk from the camera, whose pixels have this width \[length] and grow by so much along the ray.
     #[inline]
     #[must_use]
-    pub fn of_pixel(pixel: f32, detail: Detail) -> Self {
-        Self { spread: pixel * PIXEL, blurs: true, ..Self::point(detail) }
+    pub fn of_pixel((width, spread): (f32, f32), detail: Detail) -> Self {
+        Self { width: width * PIXEL, spread: spread * PIXEL, blurs: true, ..Self::point(detail) }
     }
 
     /// A line.

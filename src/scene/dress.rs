@@ -138,7 +138,7 @@ impl Scene {
                 (self.parts[part].1.chart, &move || self.mesh.mapped(i as usize, b))
             }
             HitKind::Shape(i, uv) => {
-                (self.shape_attributes[i as usize].chart, &move || self.shapes[i as usize].mapped(uv))
+                (self.shape_attributes[i as usize].chart, &move || self.shapes[i as usize].mapped(point.p, uv))
             }
             HitKind::Plane(i) => (self.planes[i as usize].1.chart, &Mapped::default),
         };

@@ -90,7 +90,7 @@ impl<'a> Parser<'a> {
                 read.span
             }
             Kind::Maps => {
-                value.maps = self.maps(word)?;
+                value.maps = self.maps_alone(word)?;
                 word.span()
             }
             Kind::Vector | Kind::Tint => {
