@@ -131,7 +131,7 @@ impl<M: Method> EyePass<'_, M> {
         worker: &mut Worker,
         waiting: &mut Vec<Branch<I>>,
     ) -> Rgb {
-        let walk = self.scene.walk_from_camera(*ray);
+        let walk = self.scene.walk_from_camera(*ray, self.effects.detail());
         let mut next =
             Some(Branch { walk, throughput: Rgb::ONE, bounce: 0, history: History::default(), last: None, draw });
         let mut radiance = Rgb::ZERO;

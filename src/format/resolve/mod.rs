@@ -6,8 +6,9 @@ mod materials;
 mod shapes;
 #[cfg(test)]
 mod tests;
+mod textures;
 
-use super::description::{Aim, Description, Group, Item, Map, Object, Shape, Span, Spanned};
+use super::description::{Aim, Description, Emission, Group, Item, Map, Object, Shape, Span, Spanned};
 use super::obj::{self, TriangleMesh};
 use super::{SceneError, Source};
 use crate::color::Rgb;
@@ -18,6 +19,7 @@ use shapes::Instanced;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
+use textures::{Known, Worn};
 
 /// Makes a scene of a description. Meshes and pictures are looked for in `folder`, then in the folder above it.
 ///
@@ -32,6 +34,9 @@ pub fn resolve(description: &Description, source: &Source, folder: &Path) -> Res
         description,
         builder: SceneBuilder::new(),
         names: HashMap::new(),
+        known: HashMap::new(),
+        pictures: HashMap::new(),
+        worn: Vec::new(),
         meshes: HashMap::new(),
         uses: uses(&description.root),
         instanced: HashMap::new(),
@@ -39,6 +44,7 @@ pub fn resolve(description: &Description, source: &Source, folder: &Path) -> Res
         placing: None,
     };
     resolver.builder.background(rgb(description.background));
+    resolver.textures()?;
     resolver.materials()?;
     for light in &description.lights {
         resolver.light(light, &Motion::default())?;
@@ -59,6 +65,12 @@ struct Resolver<'a> {
     builder: SceneBuilder,
     /// Of the materials so far.
     names: HashMap<&'a str, u32>,
+    /// The textures by name.
+    known: HashMap<&'a str, Known>,
+    /// Pictures that materials name by their files, as light or as numbers.
+    pictures: HashMap<(PathBuf, bool), Known>,
+    /// What each material needs of surfaces.
+    worn: Vec<Worn>,
     meshes: HashMap<PathBuf, Rc<TriangleMesh>>,
     /// How often each path of a mesh is named.
     uses: HashMap<&'a str, usize>,
@@ -99,9 +111,21 @@ impl Resolver<'_> {
                 Ok(())
             }
             Object::Shape { shape, emission } => {
-                let own = self.description.materials.get(self.material as usize).and_then(|m| m.emission);
-                let emission = rgb(emission.or(own).unwrap_or(DVec3::ZERO));
-                self.shape(shape, object.span, to_world, emission)
+                let own = self.description.materials.get(self.material as usize).and_then(|m| m.emission.as_ref());
+                let (emission, glow) = match (emission, own) {
+                    (Some(emission), _) | (None, Some(Emission::Radiance(emission))) => (rgb(*emission), None),
+                    (None, Some(Emission::Texture { name, scale })) => {
+                        let known = self.known(name, &(0.0..=f32::MAX))?;
+                        let scale = Rgb::splat(*scale as f32);
+                        (known.mean * scale, Some((known.index, scale)))
+                    }
+                    (None, None) => (Rgb::ZERO, None),
+                };
+                self.shape(shape, object.span, to_world, emission)?;
+                if let Some((texture, scale)) = glow {
+                    self.builder.glow(texture, scale);
+                }
+                Ok(())
             }
         }
     }

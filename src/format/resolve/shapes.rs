@@ -5,8 +5,8 @@ use crate::color::Rgb;
 use crate::format::SceneError;
 use crate::format::description::{Shape as Described, Span};
 use crate::math::{Motion, Transform};
-use crate::shape::{Disc, IndexedMesh, Instance, Mesh, Plane, Rectangle, Shape, Sphere};
-use glam::{DVec3, Vec3};
+use crate::shape::{Disc, Form, IndexedMesh, Instance, Mesh, Plane, Rectangle, Shape, Sphere};
+use glam::{DVec2, DVec3, Vec3};
 use std::rc::Rc;
 use std::sync::Arc;
 
@@ -20,12 +20,18 @@ pub(super) struct Instanced {
 }
 
 impl Instanced {
-    fn new(positions: &[DVec3], normals: Option<&[DVec3]>, triangles: &[[u32; 3]]) -> Self {
+    fn new(
+        positions: &[DVec3],
+        normals: Option<&[DVec3]>,
+        texcoords: Option<&[DVec2]>,
+        triangles: &[[u32; 3]],
+    ) -> Self {
         let fold = |f: fn(DVec3, DVec3) -> DVec3| positions.iter().copied().reduce(f).unwrap_or(DVec3::ZERO);
         let middle = 0.5 * fold(DVec3::min) + 0.5 * fold(DVec3::max);
         let mesh = Mesh {
             positions: positions.iter().map(|p| (*p - middle).as_vec3()).collect(),
             normals: normals.unwrap_or_default().iter().map(|n| n.normalize_or_zero().as_vec3()).collect(),
+            texcoords: texcoords.unwrap_or_default().iter().map(|t| t.as_vec2()).collect(),
             triangles: triangles.to_vec(),
         };
         Self { mesh: Arc::new(IndexedMesh::new(mesh)), middle }
@@ -45,6 +51,7 @@ impl Resolver<'_> {
         match shape {
             Described::Sphere { center, radius } => {
                 self.place(Shape::Sphere(Sphere::new(*center, *radius)), to_world, &map, span, emission)?;
+                self.lay(Form::Globe { center: *center }, to_world);
             }
             Described::Plane { normal, offset } => {
                 if emission != Rgb::ZERO {
@@ -58,35 +65,45 @@ impl Resolver<'_> {
                 } else {
                     self.builder.moving_plane(plane, to_world.clone(), material, emission);
                 }
+                self.lay(Form::plane(*normal), to_world);
             }
             Described::Disc { center, normal, radius } => {
                 self.place(Shape::Disc(Disc::around(*center, *normal, *radius)), to_world, &map, span, emission)?;
+                self.lay(Form::disc(*center, *normal, *radius), to_world);
             }
             Described::Rectangle { corner, edge0, edge1 } => {
                 self.place(Shape::Rectangle(Rectangle::new(*corner, *edge0, *edge1)), to_world, &map, span, emission)?;
+                self.lay(Form::rectangle(*corner, *edge0, *edge1), to_world);
             }
-            Described::Triangle { vertices, normals } => {
+            Described::Triangle { vertices, normals, uv } => {
                 let normals = normals.as_ref().map(|n| n.as_slice());
+                let uv = uv.unwrap_or([DVec2::ZERO, DVec2::X, DVec2::Y]);
                 if to_world.is_still() {
                     self.place_mesh(&map, vertices, normals, &[[0, 1, 2]], emission);
+                    self.lay_corners(Some(&uv));
                 } else {
-                    let instance = Instanced::new(vertices, normals, &[[0, 1, 2]]);
+                    let instance = Instanced::new(vertices, normals, Some(&uv), &[[0, 1, 2]]);
                     self.place_instance(&instance, to_world, &map, span, emission)?;
                 }
+                self.lay(Form::Own, to_world);
             }
             Described::Mesh { path } => {
                 let mesh = self.mesh(path)?;
+                let (normals, texcoords) = (mesh.normals.as_deref(), mesh.texcoords.as_deref());
+                self.check_coordinates(texcoords.is_some(), path)?;
                 let again = self.uses.get(path.as_str()).map_or(0, |n| n - 1);
                 let shared = emission == Rgb::ZERO && again * mesh.triangles.len() >= WORTH_SHARING;
                 if shared || !to_world.is_still() {
                     let instance = self.instanced.entry(Rc::as_ptr(&mesh)).or_insert_with(|| {
-                        Rc::new(Instanced::new(&mesh.positions, mesh.normals.as_deref(), &mesh.triangles))
+                        Rc::new(Instanced::new(&mesh.positions, normals, texcoords, &mesh.triangles))
                     });
                     let instance = Rc::clone(instance);
                     self.place_instance(&instance, to_world, &map, span, emission)?;
                 } else {
-                    self.place_mesh(&map, &mesh.positions, mesh.normals.as_deref(), &mesh.triangles, emission);
+                    self.place_mesh(&map, &mesh.positions, normals, &mesh.triangles, emission);
+                    self.lay_corners(texcoords);
                 }
+                self.lay(Form::Own, to_world);
             }
             Described::Revolution { .. } => {
                 let help = "tessellate it into an OBJ mesh and use TriangleMesh";
@@ -117,6 +134,25 @@ impl Resolver<'_> {
             self.builder.moving_shape(shape, to_world.clone(), self.material, emission);
         }
         Ok(())
+    }
+
+    /// Whether the material in force follows a texture.
+    fn is_textured(&self) -> bool {
+        self.worn.get(self.material as usize).is_some_and(|worn| worn.textured)
+    }
+
+    /// Lays texture coordinates on the object that was added last, if it wears textures.
+    fn lay(&mut self, form: Form, to_world: &Motion) {
+        if self.is_textured() {
+            self.builder.chart(form, to_world);
+        }
+    }
+
+    /// Gives the corners of the mesh that was added last their texture coordinates, if it wears textures.
+    fn lay_corners(&mut self, texcoords: Option<&[DVec2]>) {
+        if let Some(texcoords) = texcoords.filter(|_| self.is_textured()) {
+            self.builder.texcoords(texcoords);
+        }
     }
 
     pub(super) fn refuse(&self, span: Span, message: &str, help: &str) -> SceneError {
