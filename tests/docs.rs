@@ -2,6 +2,7 @@
 
 use caustica::cli::{Arguments, Command, Exit};
 use caustica::format::{Source, parse, resolve};
+use caustica::image::{self, Image, WriteOptions};
 use caustica::integrate::{Algorithm, Settings, Silent};
 use clap::{CommandFactory, Parser};
 use std::collections::BTreeSet;
@@ -268,6 +269,9 @@ fn the_scenes_of_the_language_page_render() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::create_dir(folder.path().join("mesh")).unwrap();
     std::fs::write(folder.path().join("mesh/cube.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    std::fs::create_dir(folder.path().join("textures")).unwrap();
+    let gray = Image::from_pixels(2, 2, vec![glam::Vec3::splat(0.5); 4]).unwrap();
+    image::write(&folder.path().join("textures/tile.png"), &gray, &WriteOptions::default()).unwrap();
     for (i, text) in scenes.iter().enumerate() {
         let mut description = parse("scene-language.md", text).unwrap();
         (description.camera.value.width, description.camera.value.height) = (32, 24);

@@ -8,8 +8,8 @@ use super::maps::{Maps, Needs};
 use super::method::Method;
 use super::{Expected, EyeSettings, Integrator, Lessons, Monitor, Pass, Radii, Settings};
 use crate::color::Rgb;
-use crate::plan::{Effects, Plan};
-use crate::sampling::Draw;
+use crate::plan::{Effect, Effects, Plan};
+use crate::sampling::{Dimension, Draw, Key, Purpose};
 use crate::scene::Scene;
 use crate::stats::Counters;
 use glam::Vec2;
@@ -49,6 +49,7 @@ pub(super) struct Walks<'w> {
     settings: &'w EyeSettings,
     direct: &'w DirectLight<'w>,
     samples: u32,
+    density: Option<&'w [f32]>,
     pass: u32,
     job: Job<'w>,
 }
@@ -71,8 +72,8 @@ pub(super) struct Found {
 impl Walks<'_> {
     /// Follows them all.
     pub fn by(self, method: &impl Method) {
-        let Self { scene, effects, settings, direct, samples, pass, job } = self;
-        let eye = EyePass { scene, effects, settings, direct, method, samples, pass };
+        let Self { scene, effects, settings, direct, samples, density, pass, job } = self;
+        let eye = EyePass { scene, effects, settings, direct, method, samples, density, pass };
         match job {
             Job::Picture(monitor, out) => eye.run(monitor, out),
             Job::Points(points, found) => {
@@ -96,6 +97,8 @@ pub(super) struct Prepared<'a> {
     pub strategy: Arc<dyn Strategy>,
     pub samples: u32,
     balance: Option<Balance>,
+    /// How many camera rays each pixel gets, in parts of `samples`.
+    density: Option<Arc<[f32]>>,
 }
 
 impl<'a> Prepared<'a> {
@@ -110,6 +113,7 @@ impl<'a> Prepared<'a> {
             samples: settings.eye.samples.unwrap_or(strategy.samples()),
             strategy: Arc::clone(&strategy),
             balance: None,
+            density: None,
         };
         let (effects, needed) = (plan.effects(), plan.needed());
         let mut prepared = make(effects);
@@ -127,22 +131,68 @@ impl<'a> Prepared<'a> {
             counts.caustic_photons = caustic_photons.unwrap_or(counts.caustic_photons);
         }
         prepared.balance = balance;
+        prepared.density = if settings.eye.adaptive { prepared.find_density() } else { None };
         prepared
+    }
+
+    /// Whether passes happen at different times.
+    pub fn moves(&self) -> bool {
+        self.effects.has(Effect::Motion) && self.scene.moves()
+    }
+
+    /// The same with one camera ray a pixel.
+    pub fn looking(self) -> Self {
+        Self { samples: 1, density: None, ..self }
+    }
+
+    /// The same algorithm in `scene`, which is its own at another time; what pilots found stays.
+    pub fn at<'b>(&self, scene: &'b Scene) -> Prepared<'b> {
+        Prepared {
+            scene,
+            plan: self.plan.clone(),
+            effects: self.effects,
+            eye: self.eye.clone(),
+            direct: DirectLight::new(scene, self.strategy.asking(), self.effects),
+            maker: self.maker.at(scene),
+            strategy: Arc::clone(&self.strategy),
+            samples: self.samples,
+            balance: self.balance,
+            density: self.density.clone(),
+        }
+    }
+
+    /// A pass of the scene as it stands.
+    fn still(&self, pass: u32, monitor: &dyn Monitor) -> Pass {
+        let mut out = Pass::default();
+        let maps = self.maker.make(pass, monitor, &mut out);
+        self.walk(&maps, pass, Job::Picture(monitor, &mut out));
+        out
     }
 
     /// Follows the camera walks of `job`.
     pub fn walk(&self, maps: &Maps<'_>, pass: u32, job: Job<'_>) {
         let Self { scene, effects, eye: settings, direct, samples, .. } = self;
-        self.strategy.walk(Walks { scene, effects: *effects, settings, direct, samples: *samples, pass, job }, maps);
+        let (samples, density) = (*samples, self.density.as_deref());
+        self.strategy.walk(Walks { scene, effects: *effects, settings, direct, samples, density, pass, job }, maps);
     }
+}
+
+/// When in \[0, 1) the things of a pass are seen: the passes together fill the time evenly, a power of two of them in equal steps.
+pub(super) fn shutter_time(seed: u64, pass: u32) -> f64 {
+    let start = Key::new(seed).purpose(Purpose::Shutter).uniform(Dimension::Time);
+    let step = f64::from(pass.reverse_bits()) / 4_294_967_296.0;
+    let time = f64::from(start) + step;
+    time - time.floor()
 }
 
 impl Integrator for Prepared<'_> {
     fn pass(&self, pass: u32, monitor: &dyn Monitor) -> Pass {
-        let mut out = Pass::default();
-        let maps = self.maker.make(pass, monitor, &mut out);
-        self.walk(&maps, pass, Job::Picture(monitor, &mut out));
-        out
+        if self.moves() {
+            let scene = self.scene.at(shutter_time(self.eye.seed, pass));
+            self.at(&scene).still(pass, monitor)
+        } else {
+            self.still(pass, monitor)
+        }
     }
 
     fn expected(&self) -> Expected {
@@ -157,6 +207,7 @@ impl Integrator for Prepared<'_> {
             direct: DirectLight::new(self.scene, self.strategy.asking(), effects),
             maker: self.maker.within(effects, self.strategy.needs(effects)),
             strategy: Arc::clone(&self.strategy),
+            density: None,
             ..*self
         };
         within.sketch()

@@ -35,6 +35,18 @@ pub enum Reason {
     NoSky,
     /// Light enters nothing.
     NoBody,
+    /// The camera has a lens.
+    Lens,
+    /// The camera has none.
+    NoLens,
+    /// Something moves.
+    Moving,
+    /// Nothing does.
+    NothingMoves,
+    /// Nothing has a texture.
+    NoTexture,
+    /// Nothing has bumps.
+    NoBump,
     /// It rests on another effect, which is off.
     Without(Effect),
 }
@@ -59,6 +71,12 @@ impl fmt::Display for Reason {
             Self::NoSoftLight => f.write_str("every light is a point, or parallel"),
             Self::NoSky => f.write_str("no light comes from all around"),
             Self::NoBody => f.write_str("light enters nothing"),
+            Self::Lens => f.write_str("the camera has a lens"),
+            Self::NoLens => f.write_str("the camera has no lens"),
+            Self::Moving => f.write_str("something moves while the shutter is open"),
+            Self::NothingMoves => f.write_str("nothing moves while the shutter is open"),
+            Self::NoTexture => f.write_str("nothing has a texture"),
+            Self::NoBump => f.write_str("nothing has bumps"),
             Self::Without(effect) => write!(f, "it rests on {effect}, which adds nothing here"),
         }
     }
@@ -180,6 +198,22 @@ fn judge(facts: &Facts, effect: Effect, before: Effects) -> Result<Reason, Reaso
         Effect::Interiors => {
             any(facts.bodies, Reason::NoBody)?;
             Ok(Reason::Objects(facts.bodies, "that light enters"))
+        }
+        Effect::Lens => {
+            need(facts.lens, Reason::NoLens)?;
+            Ok(Reason::Lens)
+        }
+        Effect::Motion => {
+            need(facts.moving, Reason::NothingMoves)?;
+            Ok(Reason::Moving)
+        }
+        Effect::Textures => {
+            any(facts.textured, Reason::NoTexture)?;
+            Ok(Reason::Objects(facts.textured, "with textures"))
+        }
+        Effect::Bump => {
+            any(facts.bumpy, Reason::NoBump)?;
+            Ok(Reason::Objects(facts.bumpy, "with bumps"))
         }
     }
 }

@@ -1,5 +1,7 @@
 //! What can be simulated or left out.
 
+use crate::scene::Detail;
+
 /// A part of light transport that a picture may need.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u16)]
@@ -22,11 +24,19 @@ pub enum Effect {
     Environment,
     /// Bodies that absorb or overlap.
     Interiors,
+    /// Rays from all of the lens: depth of field.
+    Lens,
+    /// Things that move while the shutter is open.
+    Motion,
+    /// Textures.
+    Textures,
+    /// Bumps: shading normals that textures tilt.
+    Bump,
 }
 
 impl Effect {
     /// All of them, in the order of a table.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 13] = [
         Self::Casters,
         Self::Caustics,
         Self::CausticBounces,
@@ -36,6 +46,10 @@ impl Effect {
         Self::SoftShadows,
         Self::Environment,
         Self::Interiors,
+        Self::Lens,
+        Self::Motion,
+        Self::Textures,
+        Self::Bump,
     ];
 
     /// As typed.
@@ -51,6 +65,10 @@ impl Effect {
             Self::SoftShadows => "soft-shadows",
             Self::Environment => "environment",
             Self::Interiors => "interiors",
+            Self::Lens => "lens",
+            Self::Motion => "motion",
+            Self::Textures => "textures",
+            Self::Bump => "bump",
         }
     }
 
@@ -69,6 +87,10 @@ impl Effect {
             Self::Interiors => {
                 "glass keeps all light that goes through it, and bodies that overlap refract as if apart"
             }
+            Self::Lens => "everything is sharp, near and far",
+            Self::Motion => "what moves stands still where it is when the shutter is half way",
+            Self::Textures => "textures show as their mean colours",
+            Self::Bump => "surfaces with bumps are smooth",
         }
     }
 }
@@ -143,6 +165,12 @@ impl Effects {
     #[must_use]
     pub const fn without(self, effect: Effect) -> Self {
         Self(self.0 & !Self::bit(effect))
+    }
+
+    /// What walks see of a scene's dress.
+    #[must_use]
+    pub const fn detail(self) -> Detail {
+        Detail { textures: self.has(Effect::Textures), bumps: self.has(Effect::Bump) }
     }
 
     /// They, in the order of a table.

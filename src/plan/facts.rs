@@ -22,12 +22,20 @@ pub struct Facts {
     pub lit_casters: usize,
     /// Bodies that light enters.
     pub bodies: usize,
+    /// Things with textures.
+    pub textured: usize,
+    /// Things with bumps.
+    pub bumpy: usize,
     /// Lights with power.
     pub lights: usize,
     /// Of them, those with an extent.
     pub soft_lights: usize,
     /// Whether light comes from all around.
     pub environment: bool,
+    /// Whether the camera has a lens.
+    pub lens: bool,
+    /// Whether anything moves while the shutter is open.
+    pub moving: bool,
     /// Whether nothing can stand before anything else: all there is is one flat object, and no light shines along it.
     pub one_flat_object: bool,
 }
@@ -44,16 +52,23 @@ impl Facts {
             casters: 0,
             lit_casters: 0,
             bodies: 0,
+            textured: 0,
+            bumpy: 0,
             lights: 0,
             soft_lights: 0,
             environment: scene.environment().is_some(),
+            lens: scene.camera().lens().is_some(),
+            moving: scene.moves(),
             one_flat_object: false,
         };
         // Where all there is are planes the domain is a point, in which light from infinity has no power, but it shines.
         let some = Sphere { center: Vec3::ZERO, radius: 1.0 };
         let lights: Vec<&Light> = scene.lights().iter().filter(|l| l.power(some) != Rgb::ZERO).collect();
         facts.lights = lights.len();
-        if let [Object { plane: Some((p, n)), .. }] = objects[..] {
+        // What moves is elsewhere at another time.
+        if let [Object { plane: Some((p, n)), .. }] = objects[..]
+            && !facts.moving
+        {
             facts.one_flat_object = lights.iter().all(|light| light.is_clear_of(p, n));
         }
         facts.soft_lights = lights.iter().filter(|l| l.has_surface()).count();
@@ -70,7 +85,11 @@ impl Facts {
                     Scattering::Fixed(_) | Scattering::Mix { .. } => {}
                 }
             });
-            let reached = || lights.iter().any(|light| light.may_reach(object.ball, scene.domain()));
+            let ball = object.ball.filter(|_| !facts.moving);
+            let reached = || lights.iter().any(|light| light.may_reach(ball, scene.domain()));
+            let (textured, bumpy) = scene.wears(object.material);
+            facts.textured += usize::from(textured || object.glows);
+            facts.bumpy += usize::from(bumpy);
             facts.receivers += usize::from(receives);
             facts.scattering_receivers += usize::from(scatters);
             facts.casters += usize::from(casts);

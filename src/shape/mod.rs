@@ -1,15 +1,19 @@
 //! Shapes in the resolved scene: world space, re-centred. Curved ones solve in double precision.
 
+mod chart;
 mod disc;
 mod ellipsoid;
+mod instance;
 mod mesh;
 pub mod parametric;
 mod plane;
 mod rectangle;
 mod sphere;
 
+pub use chart::{Chart, Form, Mapped, upright};
 pub use disc::Disc;
 pub use ellipsoid::Ellipsoid;
+pub use instance::{IndexedMesh, Instance};
 pub use mesh::{Mesh, Triangle};
 pub use plane::Plane;
 pub use rectangle::Rectangle;
@@ -17,7 +21,7 @@ pub use sphere::Sphere;
 
 pub use parametric::{Patch, Revolution};
 
-use crate::math::{Bounds, Ray};
+use crate::math::{Bounds, Ray, Transform};
 use glam::{DVec3, Vec2, Vec3};
 
 /// Where a ray meets a shape: the ray's parameter, and two coordinates whose meaning is the shape's own.
@@ -55,6 +59,8 @@ pub struct ShapeSample {
     pub point: SurfacePoint,
     /// Density per area \[1/length²].
     pub pdf: f32,
+    /// The coordinates of a [`Crossing`] there.
+    pub uv: Vec2,
 }
 
 /// Rounding to f32 costs half an ulp of each coordinate; the next test in f64 sees the shape within 32 ulps of `scale`.
@@ -74,6 +80,8 @@ pub enum Shape {
     Disc(Disc),
     /// A parallelogram.
     Rectangle(Rectangle),
+    /// A mesh that is placed by a map.
+    Instance(Instance),
     /// A profile turned about an axis.
     Revolution(Revolution),
     /// A tensor-product surface.
@@ -87,6 +95,7 @@ macro_rules! each {
             Shape::Ellipsoid($s) => $e,
             Shape::Disc($s) => $e,
             Shape::Rectangle($s) => $e,
+            Shape::Instance($s) => $e,
             Shape::Revolution($s) => $e,
             Shape::Patch($s) => $e,
         }
@@ -101,6 +110,16 @@ impl Shape {
         each!(self, s => s.intersect(ray))
     }
 
+    /// Whether the shape crosses the ray.
+    #[inline]
+    #[must_use]
+    pub fn occludes(&self, ray: &Ray) -> bool {
+        match self {
+            Self::Instance(s) => s.occludes(ray),
+            shape => shape.intersect(ray).is_some(),
+        }
+    }
+
     /// The surface where `ray` crosses it at `t`, with the coordinates `uv` of the [`Crossing`].
     #[inline]
     #[must_use]
@@ -112,6 +131,18 @@ impl Shape {
             Self::Rectangle(s) => s.surface(ray, t),
             Self::Revolution(s) => s.surface(ray, t, uv),
             Self::Patch(s) => s.surface(ray, uv),
+            Self::Instance(s) => s.surface(ray, uv.x),
+        }
+    }
+
+    /// Texture coordinates at `p` by what the shape itself says, with `uv` of the [`Crossing`]; of those that say nothing, `uv` as it is.
+    #[must_use]
+    pub fn mapped(&self, p: Vec3, uv: Vec2) -> Mapped {
+        match self {
+            Self::Instance(s) => s.mapped(p, uv.x),
+            Self::Revolution(s) => s.mapped(p, uv),
+            Self::Patch(s) => s.mapped(uv),
+            _ => Mapped { uv: uv.as_dvec2(), ..Mapped::default() },
         }
     }
 
@@ -136,9 +167,27 @@ impl Shape {
             Self::Ellipsoid(s) => Self::Ellipsoid(s.translated(by)),
             Self::Disc(s) => Self::Disc(s.translated(by)),
             Self::Rectangle(s) => Self::Rectangle(s.translated(by)),
+            Self::Instance(s) => Self::Instance(s.translated(by)),
             Self::Revolution(s) => Self::Revolution(s.translated(by)),
             Self::Patch(s) => Self::Patch(s.translated(by)),
         }
+    }
+
+    /// The image under an affine map, with the same outer side; `None` where it has no extent left that numbers can hold.
+    #[must_use]
+    pub fn transformed(&self, map: &Transform) -> Option<Self> {
+        Some(match self {
+            Self::Sphere(s) => match map.similarity() {
+                Some(scale) => Self::Sphere(Sphere::new(map.point(s.center), s.radius * scale)),
+                None => Self::Ellipsoid(Ellipsoid::around(s, map)?),
+            },
+            Self::Ellipsoid(s) => Self::Ellipsoid(s.transformed(map)?),
+            Self::Disc(s) => Self::Disc(s.transformed(map)),
+            Self::Rectangle(s) => Self::Rectangle(s.transformed(map)),
+            Self::Instance(s) => Self::Instance(s.transformed(map)?),
+            Self::Revolution(s) => Self::Revolution(s.transformed(map)?),
+            Self::Patch(s) => Self::Patch(s.transformed(map)?),
+        })
     }
 
     /// Area of the surface \[length²].
@@ -189,7 +238,7 @@ fn outer_bounds(min: DVec3, max: DVec3) -> Bounds {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::{Transform, offset_origin};
+    use crate::math::offset_origin;
     use crate::sampling::{Dimension, Key, Purpose};
     use glam::DAffine3;
 
@@ -258,6 +307,18 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn spheres_stay_spheres_under_similarities_only() {
+        let ball = Shape::Sphere(Sphere::new(DVec3::X, 0.5));
+        let twice = Transform::new(DAffine3::from_scale(DVec3::splat(-2.0))).unwrap();
+        match ball.transformed(&twice) {
+            Some(Shape::Sphere(s)) => assert_eq!((s.center, s.radius), (DVec3::new(-2.0, 0.0, 0.0), 1.0)),
+            other => panic!("{other:?}"),
+        }
+        let stretched = Transform::new(DAffine3::from_scale(DVec3::new(1.0, 2.0, 1.0))).unwrap();
+        assert!(matches!(ball.transformed(&stretched), Some(Shape::Ellipsoid(_))));
     }
 
     #[test]

@@ -13,6 +13,16 @@ pub struct Sketch {
     pub lights: Vec<Light>,
     pub materials: Vec<Material>,
     pub objects: Vec<Object>,
+    /// What moves, and by which maps.
+    pub motion: Option<(Moving, String)>,
+}
+
+/// A thing that moves, counted from 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Moving {
+    Camera,
+    Light(usize),
+    Object(usize),
 }
 
 #[derive(Clone, Debug)]
@@ -49,6 +59,16 @@ pub enum Material {
     Thin(f64),
     /// Two materials before it, and the share of the second.
     Mix(usize, usize, f64),
+    /// Two materials before it, the second where noise is high.
+    Mask(usize, usize),
+    /// Two colours of a matt pattern.
+    Patterned(DVec3, DVec3),
+    /// A matt colour with bumps of this height.
+    Bumpy(DVec3, f64),
+    /// Metal whose roughness goes between these.
+    RoughMap(f64, f64),
+    /// Two radiances of a matt pattern.
+    Panel(DVec3, DVec3),
 }
 
 #[derive(Clone, Debug)]
@@ -86,17 +106,33 @@ impl Display for V {
 impl Sketch {
     /// The scene in the scene language.
     pub fn text(&self) -> String {
-        let mut text =
-            format!("PerspectiveCamera {{ {} }}\nBackground {{ color {} }}\n", self.camera, V(self.background));
+        let wrapped = |what: Moving, text: String| match &self.motion {
+            Some((moving, maps)) if *moving == what => format!("Moving {{ {maps}  {text} }}"),
+            _ => text,
+        };
+        let camera = wrapped(Moving::Camera, format!("PerspectiveCamera {{ {} }}", self.camera));
+        let mut text = format!("{camera}\nBackground {{ color {} }}\n", V(self.background));
         let mut write = |line: String| text.write_str(&line).unwrap();
         write("Lights {\n".into());
-        self.lights.iter().for_each(|light| write(format!("    {light}\n")));
+        let lights = self.lights.iter().enumerate();
+        lights.for_each(|(i, light)| write(format!("    {}\n", wrapped(Moving::Light(i), light.to_string()))));
+        write("}\nTextures {\n".into());
+        self.materials.iter().enumerate().for_each(|(i, m)| write(m.texture(i)));
         write("}\nMaterials {\n".into());
         self.materials.iter().enumerate().for_each(|(i, m)| write(format!("    {}\n", m.named(i))));
         write("}\nGroup {\n".into());
-        self.objects.iter().for_each(|object| write(format!("    MaterialName m{}  {object}\n", object.material)));
+        let objects = self.objects.iter().enumerate();
+        objects.for_each(|(i, object)| {
+            let placed = wrapped(Moving::Object(i), object.to_string());
+            write(format!("    MaterialName m{}  {placed}\n", object.material));
+        });
         write("}\n".into());
         text
+    }
+
+    /// Whether anything moves.
+    pub fn moves(&self) -> bool {
+        self.motion.is_some()
     }
 
     /// Whether `is` holds of a part of the material of `object`.
@@ -104,9 +140,20 @@ impl Sketch {
         self.is_in(object.material, is)
     }
 
+    /// Whether a material is a mask, or a part of it is.
+    pub fn has_mask(&self, material: usize) -> bool {
+        match &self.materials[material] {
+            Material::Mix(first, second, _) => self.has_mask(*first) || self.has_mask(*second),
+            Material::Mask(..) => true,
+            _ => false,
+        }
+    }
+
     fn is_in(&self, material: usize, is: &dyn Fn(&Material) -> bool) -> bool {
         match &self.materials[material] {
-            Material::Mix(first, second, _) => self.is_in(*first, is) || self.is_in(*second, is),
+            Material::Mix(first, second, _) | Material::Mask(first, second) => {
+                self.is_in(*first, is) || self.is_in(*second, is)
+            }
             other => is(other),
         }
     }
@@ -138,8 +185,24 @@ impl Display for Light {
 }
 
 impl Material {
+    /// The texture that it follows, if any.
+    fn texture(&self, i: usize) -> String {
+        let noise = |a, b| format!("    Noise t{i} {{ color0 {}  color1 {}  frequency 3  amplitude 2 }}\n", V(a), V(b));
+        match self {
+            Self::Mask(..) | Self::Bumpy(..) => noise(DVec3::ZERO, DVec3::ONE),
+            Self::Patterned(a, b) | Self::Panel(a, b) => noise(*a, *b),
+            Self::RoughMap(a, b) => noise(DVec3::splat(*a), DVec3::splat(*b)),
+            _ => String::new(),
+        }
+    }
+
     fn named(&self, i: usize) -> String {
         match self {
+            Self::Mask(a, b) => format!("Mix m{i} {{ first m{a}  second m{b}  amount t{i} }}"),
+            Self::Patterned(..) => format!("Diffuse m{i} {{ reflectance t{i} }}"),
+            Self::Bumpy(r, h) => format!("Diffuse m{i} {{ reflectance {}  bump t{i}  bumpHeight {h} }}", V(*r)),
+            Self::RoughMap(..) => format!("Conductor m{i} {{ metal gold  roughness t{i} }}"),
+            Self::Panel(..) => format!("Diffuse m{i} {{ reflectance .5 .5 .5  emission t{i}  emissionScale 3 }}"),
             Self::Diffuse(r) => format!("Diffuse m{i} {{ reflectance {} }}", V(*r)),
             Self::Phong(d, s, n) => {
                 format!("Phong m{i} {{ diffuseColor {}  specularColor {}  shininess {n} }}", V(*d), V(*s))

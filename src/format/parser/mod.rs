@@ -5,26 +5,39 @@
 mod camera;
 mod fields;
 mod lights;
+mod maps;
 mod materials;
 mod objects;
 mod suggest;
 mod surfaces;
 #[cfg(test)]
 mod tests;
+mod textures;
 
 use std::collections::HashMap;
 
 use glam::DVec3;
 
-use super::description::{Description, Material, Span, Spanned};
+use super::description::{Description, Material, Span, Spanned, Texture};
 use super::error::{SceneError, Source};
 use super::lexer::{Lexer, Token};
+use camera::CAMERAS;
 use fields::Kind;
 use materials::Reach;
 pub(super) use materials::is_identifier;
 
 /// The blocks of a file.
-const BLOCKS: [&str; 5] = ["PerspectiveCamera", "Background", "Lights", "Materials", "Group"];
+const BLOCKS: [&str; 9] = [
+    "PerspectiveCamera",
+    "OrthographicCamera",
+    "EnvironmentCamera",
+    "Moving",
+    "Background",
+    "Lights",
+    "Textures",
+    "Materials",
+    "Group",
+];
 
 /// Reads `text` as a scene; errors call it `name`.
 ///
@@ -35,6 +48,7 @@ pub fn parse(name: &str, text: &str) -> Result<Description, SceneError> {
         lexer: Lexer::new(name, text),
         open: Vec::new(),
         depth: 0,
+        textures: Vec::new(),
         materials: Vec::new(),
         names: HashMap::new(),
         reach: Vec::new(),
@@ -70,6 +84,8 @@ struct Parser<'a> {
     open: Vec<Token<'a>>,
     /// Groups and transforms around the place that is read.
     depth: usize,
+    /// Of the last `Textures` block so far.
+    textures: Vec<Spanned<Texture>>,
     /// Of the last `Materials` block so far, by index and by name.
     materials: Vec<Spanned<Material>>,
     names: HashMap<String, usize>,
@@ -95,9 +111,11 @@ impl<'a> Parser<'a> {
             self.lexer.take(word);
             // A block that comes again replaces the one before, as in the course.
             match word.text {
-                "PerspectiveCamera" => camera = Some(Spanned::new(self.camera(word)?, word.span())),
+                "Moving" => camera = Some(self.moving_camera(word)?),
+                text if CAMERAS.contains(&text) => camera = Some(Spanned::new(self.camera(word)?, word.span())),
                 "Background" => background = self.background(word)?,
                 "Lights" => lights = self.lights(word)?,
+                "Textures" => self.textures(word)?,
                 "Materials" => self.materials(word)?,
                 "Group" => {
                     (self.indexed, self.late) = (false, None);
@@ -113,13 +131,14 @@ impl<'a> Parser<'a> {
         }
         let camera = camera.ok_or_else(|| {
             let help = "add `PerspectiveCamera { center 0 0 10 direction 0 0 -1 up 0 1 0 angle 30 }`";
-            SceneError::of_file(&self.lexer.source(), "the file has no PerspectiveCamera", help)
+            SceneError::of_file(&self.lexer.source(), "the file has no camera", help)
         })?;
         let root = root.ok_or_else(|| {
             let help = "add `Group { … }` with the objects of the scene";
             SceneError::of_file(&self.lexer.source(), "the file has no Group", help)
         })?;
-        Ok(Description { camera, background, lights, materials: self.materials, root })
+        let (textures, materials) = (self.textures, self.materials);
+        Ok(Description { camera, background, lights, textures, materials, root })
     }
 
     fn background(&mut self, block: Token<'a>) -> Result<DVec3, SceneError> {

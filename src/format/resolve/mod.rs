@@ -1,22 +1,25 @@
 //! From description to resolved scene: names and files are looked up, transforms multiplied through.
 
+mod camera;
 mod lights;
 mod materials;
 mod shapes;
 #[cfg(test)]
 mod tests;
+mod textures;
 
-use super::description::{Aim, Description, Group, Item, Object, Span, Spanned};
+use super::description::{Aim, Description, Emission, Group, Item, Map, Object, Shape, Span, Spanned};
 use super::obj::{self, TriangleMesh};
 use super::{SceneError, Source};
-use crate::camera::Pinhole;
 use crate::color::Rgb;
-use crate::math::Transform;
+use crate::math::{Motion, Step, Transform};
 use crate::scene::{Scene, SceneBuilder};
 use glam::{DAffine3, DVec3};
+use shapes::Instanced;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
+use textures::{Known, Worn};
 
 /// Makes a scene of a description. Meshes and pictures are looked for in `folder`, then in the folder above it.
 ///
@@ -24,23 +27,32 @@ use std::rc::Rc;
 /// [`SceneError`] with the place in `source`: a mesh or picture that is missing or broken, an unknown metal, a singular product
 /// of transforms, what cannot emit or cannot be rendered yet.
 pub fn resolve(description: &Description, source: &Source, folder: &Path) -> Result<Scene, SceneError> {
-    let camera = camera(description, source)?;
+    let camera = camera::camera(description, source)?;
     let mut resolver = Resolver {
         source,
         folder,
         description,
         builder: SceneBuilder::new(),
         names: HashMap::new(),
+        known: HashMap::new(),
+        pictures: HashMap::new(),
+        worn: Vec::new(),
         meshes: HashMap::new(),
+        uses: uses(&description.root),
+        instanced: HashMap::new(),
         material: 0,
         placing: None,
     };
     resolver.builder.background(rgb(description.background));
+    resolver.textures()?;
     resolver.materials()?;
     for light in &description.lights {
-        resolver.light(light)?;
+        resolver.light(light, &Motion::default())?;
     }
-    resolver.group(&description.root, DAffine3::IDENTITY)?;
+    if !description.camera.motion.is_empty() {
+        resolver.builder.moving_camera(growing(&description.camera.motion));
+    }
+    resolver.group(&description.root, &Motion::default())?;
     resolver.builder.build(camera).map_err(|e| {
         SceneError::of_file(source, e.to_string(), "choose units in which the scene is neither huge nor empty")
     })
@@ -53,7 +65,17 @@ struct Resolver<'a> {
     builder: SceneBuilder,
     /// Of the materials so far.
     names: HashMap<&'a str, u32>,
+    /// The textures by name.
+    known: HashMap<&'a str, Known>,
+    /// Pictures that materials name by their files, as light or as numbers.
+    pictures: HashMap<(PathBuf, bool), Known>,
+    /// What each material needs of surfaces.
+    worn: Vec<Worn>,
     meshes: HashMap<PathBuf, Rc<TriangleMesh>>,
+    /// How often each path of a mesh is named.
+    uses: HashMap<&'a str, usize>,
+    /// By the mesh.
+    instanced: HashMap<*const TriangleMesh, Rc<Instanced>>,
     /// The material in force: it persists beyond the group that set it.
     material: u32,
     /// The innermost transform, for errors about the product.
@@ -61,7 +83,7 @@ struct Resolver<'a> {
 }
 
 impl Resolver<'_> {
-    fn group(&mut self, group: &Group, to_world: DAffine3) -> Result<(), SceneError> {
+    fn group(&mut self, group: &Group, to_world: &Motion) -> Result<(), SceneError> {
         for item in &group.items {
             match item {
                 Item::MaterialIndex(index) => self.material = index.value,
@@ -72,20 +94,38 @@ impl Resolver<'_> {
         Ok(())
     }
 
-    fn object(&mut self, object: &Spanned<Object>, to_world: DAffine3) -> Result<(), SceneError> {
+    fn object(&mut self, object: &Spanned<Object>, to_world: &Motion) -> Result<(), SceneError> {
         match &object.value {
             Object::Group(group) => self.group(group, to_world),
             Object::Transform { maps, object: inner } => {
                 let outer = self.placing.replace(object.span);
-                let product = to_world * super::description::Map::product(maps);
-                self.object(inner, product)?;
+                let product = to_world.then_inside([Step::Fixed(Map::product(maps))]);
+                self.object(inner, &product)?;
+                self.placing = outer;
+                Ok(())
+            }
+            Object::Moving { maps, object: inner } => {
+                let outer = self.placing.replace(object.span);
+                self.object(inner, &to_world.then_inside(maps.iter().map(Map::growing)))?;
                 self.placing = outer;
                 Ok(())
             }
             Object::Shape { shape, emission } => {
-                let own = self.description.materials.get(self.material as usize).and_then(|m| m.emission);
-                let emission = rgb(emission.or(own).unwrap_or(DVec3::ZERO));
-                self.shape(shape, object.span, to_world, emission)
+                let own = self.description.materials.get(self.material as usize).and_then(|m| m.emission.as_ref());
+                let (emission, glow) = match (emission, own) {
+                    (Some(emission), _) | (None, Some(Emission::Radiance(emission))) => (rgb(*emission), None),
+                    (None, Some(Emission::Texture { name, scale })) => {
+                        let known = self.known(name, &(0.0..=f32::MAX))?;
+                        let scale = Rgb::splat(*scale as f32);
+                        (known.mean * scale, Some((known.index, scale)))
+                    }
+                    (None, None) => (Rgb::ZERO, None),
+                };
+                self.shape(shape, object.span, to_world, emission)?;
+                if let Some((texture, scale)) = glow {
+                    self.builder.glow(texture, scale);
+                }
+                Ok(())
             }
         }
     }
@@ -131,11 +171,32 @@ fn places<'a>(folder: &'a Path, path: &'a Path) -> impl Iterator<Item = PathBuf>
     [folder.join(path), above.join(path)].into_iter().take(if path.is_absolute() { 1 } else { 2 })
 }
 
-fn camera(description: &Description, source: &Source) -> Result<Pinhole, SceneError> {
-    let camera = &description.camera;
-    let direction = aim(camera.aim, camera.center);
-    Pinhole::new(camera.center, direction, camera.up, camera.angle.to_radians(), camera.width, camera.height)
-        .map_err(|e| SceneError::at(source, camera.span, e.to_string(), "this camera", "give another `up`"))
+/// How often each path of a mesh is named in a group.
+fn uses(group: &Group) -> HashMap<&str, usize> {
+    fn count<'a>(object: &'a Object, uses: &mut HashMap<&'a str, usize>) {
+        match object {
+            Object::Group(group) => group.items.iter().for_each(|item| {
+                if let Item::Object(object) = item {
+                    count(object, uses);
+                }
+            }),
+            Object::Transform { object, .. } | Object::Moving { object, .. } => count(object, uses),
+            Object::Shape { shape: Shape::Mesh { path }, .. } => *uses.entry(path).or_insert(0) += 1,
+            Object::Shape { .. } => {}
+        }
+    }
+    let mut uses = HashMap::new();
+    for item in &group.items {
+        if let Item::Object(object) = item {
+            count(object, &mut uses);
+        }
+    }
+    uses
+}
+
+/// The motion of maps that grow while the shutter is open.
+fn growing(maps: &[Map]) -> Motion {
+    Motion::default().then_inside(maps.iter().map(Map::growing))
 }
 
 fn aim(aim: Aim, from: DVec3) -> DVec3 {

@@ -4,26 +4,55 @@ use super::Resolver;
 use crate::color::Rgb;
 use crate::format::SceneError;
 use crate::format::description::{Curve, CurveBasis, Shape as Described, Span};
-use crate::math::Transform;
+use crate::math::{Motion, Transform};
 use crate::shape::parametric::{Basis, SplineError};
-use crate::shape::{Disc, Ellipsoid, Patch, Plane, Rectangle, Revolution, Shape, Sphere};
-use glam::{DAffine3, DVec2, DVec3, Vec3};
+use crate::shape::{Disc, Form, IndexedMesh, Instance, Mesh, Patch, Plane, Rectangle, Revolution, Shape, Sphere};
+use glam::{DVec2, DVec3, Vec3};
+use std::rc::Rc;
+use std::sync::Arc;
+
+/// Copies of a mesh share its triangles where that saves so many.
+const WORTH_SHARING: usize = 50_000;
+
+/// A mesh around its own middle.
+pub(super) struct Instanced {
+    mesh: Arc<IndexedMesh>,
+    middle: DVec3,
+}
+
+impl Instanced {
+    fn new(
+        positions: &[DVec3],
+        normals: Option<&[DVec3]>,
+        texcoords: Option<&[DVec2]>,
+        triangles: &[[u32; 3]],
+    ) -> Self {
+        let fold = |f: fn(DVec3, DVec3) -> DVec3| positions.iter().copied().reduce(f).unwrap_or(DVec3::ZERO);
+        let middle = 0.5 * fold(DVec3::min) + 0.5 * fold(DVec3::max);
+        let mesh = Mesh {
+            positions: positions.iter().map(|p| (*p - middle).as_vec3()).collect(),
+            normals: normals.unwrap_or_default().iter().map(|n| n.normalize_or_zero().as_vec3()).collect(),
+            texcoords: texcoords.unwrap_or_default().iter().map(|t| t.as_vec2()).collect(),
+            triangles: triangles.to_vec(),
+        };
+        Self { mesh: Arc::new(IndexedMesh::new(mesh)), middle }
+    }
+}
 
 impl Resolver<'_> {
     pub(super) fn shape(
         &mut self,
         shape: &Described,
         span: Span,
-        to_world: DAffine3,
+        to_world: &Motion,
         emission: Rgb,
     ) -> Result<(), SceneError> {
-        let map = self.transform(to_world, span)?;
+        let map = self.transform(to_world.at(0.0), span)?;
         let material = self.material;
         match shape {
             Described::Sphere { center, radius } => {
-                let sphere = place_sphere(&map, *center, *radius)
-                    .ok_or_else(|| self.refuse(span, "this sphere is squeezed flat", "scale it less"))?;
-                self.builder.shape(sphere, material, emission);
+                self.place(Shape::Sphere(Sphere::new(*center, *radius)), to_world, &map, span, emission)?;
+                self.lay(Form::Globe { center: *center }, to_world);
             }
             Described::Plane { normal, offset } => {
                 if emission != Rgb::ZERO {
@@ -31,35 +60,65 @@ impl Resolver<'_> {
                     return Err(self.refuse(span, "an infinite plane cannot emit light", help));
                 }
                 let on = *normal * (*offset / normal.length_squared());
-                self.builder.plane(Plane::new(map.point(on), map.normal(*normal)), material, emission);
+                let plane = Plane::new(on, *normal);
+                if to_world.is_still() {
+                    self.builder.plane(plane.transformed(&map), material, emission);
+                } else {
+                    self.builder.moving_plane(plane, to_world.clone(), material, emission);
+                }
+                self.lay(Form::plane(*normal), to_world);
             }
             Described::Disc { center, normal, radius } => {
-                let disc = Disc::around(*center, *normal, *radius).transformed(&map);
-                self.builder.shape(Shape::Disc(disc), material, emission);
+                self.place(Shape::Disc(Disc::around(*center, *normal, *radius)), to_world, &map, span, emission)?;
+                self.lay(Form::disc(*center, *normal, *radius), to_world);
             }
             Described::Rectangle { corner, edge0, edge1 } => {
-                let rectangle = Rectangle::new(*corner, *edge0, *edge1).transformed(&map);
-                self.builder.shape(Shape::Rectangle(rectangle), material, emission);
+                self.place(Shape::Rectangle(Rectangle::new(*corner, *edge0, *edge1)), to_world, &map, span, emission)?;
+                self.lay(Form::rectangle(*corner, *edge0, *edge1), to_world);
             }
-            Described::Triangle { vertices, normals } => {
+            Described::Triangle { vertices, normals, uv } => {
                 let normals = normals.as_ref().map(|n| n.as_slice());
-                self.place_mesh(&map, vertices, normals, &[[0, 1, 2]], emission);
+                let uv = uv.unwrap_or([DVec2::ZERO, DVec2::X, DVec2::Y]);
+                if to_world.is_still() {
+                    self.place_mesh(&map, vertices, normals, &[[0, 1, 2]], emission);
+                    self.lay_corners(Some(&uv));
+                } else {
+                    let instance = Instanced::new(vertices, normals, Some(&uv), &[[0, 1, 2]]);
+                    self.place_instance(&instance, to_world, &map, span, emission)?;
+                }
+                self.lay(Form::Own, to_world);
             }
             Described::Mesh { path } => {
                 let mesh = self.mesh(path)?;
-                self.place_mesh(&map, &mesh.positions, mesh.normals.as_deref(), &mesh.triangles, emission);
+                let (normals, texcoords) = (mesh.normals.as_deref(), mesh.texcoords.as_deref());
+                self.check_coordinates(texcoords.is_some(), path)?;
+                let again = self.uses.get(path.as_str()).map_or(0, |n| n - 1);
+                let shared = emission == Rgb::ZERO && again * mesh.triangles.len() >= WORTH_SHARING;
+                if shared || !to_world.is_still() {
+                    let instance = self.instanced.entry(Rc::as_ptr(&mesh)).or_insert_with(|| {
+                        Rc::new(Instanced::new(&mesh.positions, normals, texcoords, &mesh.triangles))
+                    });
+                    let instance = Rc::clone(instance);
+                    self.place_instance(&instance, to_world, &map, span, emission)?;
+                } else {
+                    self.place_mesh(&map, &mesh.positions, normals, &mesh.triangles, emission);
+                    self.lay_corners(texcoords);
+                }
+                self.lay(Form::Own, to_world);
             }
             Described::Revolution { profile } => {
-                let surface = revolution(profile, map).map_err(|e| self.refuse_spline(span, &e))?;
-                self.builder.shape(Shape::Revolution(surface), material, emission);
+                let surface = revolution(profile).map_err(|e| self.refuse_spline(span, &e))?;
+                self.place(Shape::Revolution(surface), to_world, &map, span, emission)?;
+                self.lay(Form::Own, to_world);
             }
             Described::Patches { degree, controls } => {
                 let [u, v] = degree.map(|d| Basis::bezier(d as usize + 1));
                 let bases =
                     [&u.map_err(|e| self.refuse_spline(span, &e))?, &v.map_err(|e| self.refuse_spline(span, &e))?];
                 for net in controls.chunks(bases[0].controls() * bases[1].controls()) {
-                    let patch = Patch::new(bases, net, &map).map_err(|e| self.refuse_spline(span, &e))?;
-                    self.builder.shape(Shape::Patch(patch), material, emission);
+                    let patch = Patch::new(bases, net).map_err(|e| self.refuse_spline(span, &e))?;
+                    self.place(Shape::Patch(patch), to_world, &map, span, emission)?;
+                    self.lay(Form::Own, to_world);
                 }
             }
             Described::Nurbs { degree, count, knots, controls } => {
@@ -67,14 +126,53 @@ impl Resolver<'_> {
                     (degree, count) if knots[i].is_empty() => Basis::uniform(degree, count),
                     (degree, count) => Basis::new(degree, count, knots[i].clone()),
                 };
-                let surface = || Patch::new([&basis(0)?, &basis(1)?], controls, &map);
+                let surface = || Patch::new([&basis(0)?, &basis(1)?], controls);
                 let surface = surface().map_err(|e| self.refuse_spline(span, &e))?;
-                self.builder.shape(Shape::Patch(surface), material, emission);
+                self.place(Shape::Patch(surface), to_world, &map, span, emission)?;
+                self.lay(Form::Own, to_world);
             }
             // It has no surface, so nothing of it is seen.
             Described::Curve(_) => {}
         }
         Ok(())
+    }
+
+    /// Adds a shape under `to_world`, which is `map` when the shutter opens.
+    fn place(
+        &mut self,
+        shape: Shape,
+        to_world: &Motion,
+        map: &Transform,
+        span: Span,
+        emission: Rgb,
+    ) -> Result<(), SceneError> {
+        let placed =
+            shape.transformed(map).ok_or_else(|| self.refuse(span, "this shape is squeezed flat", "scale it less"))?;
+        if to_world.is_still() {
+            self.builder.shape(placed, self.material, emission);
+        } else {
+            self.builder.moving_shape(shape, to_world.clone(), self.material, emission);
+        }
+        Ok(())
+    }
+
+    /// Whether the material in force follows a texture.
+    fn is_textured(&self) -> bool {
+        self.worn.get(self.material as usize).is_some_and(|worn| worn.textured)
+    }
+
+    /// Lays texture coordinates on the object that was added last, if it wears textures.
+    fn lay(&mut self, form: Form, to_world: &Motion) {
+        if self.is_textured() {
+            self.builder.chart(form, to_world);
+        }
+    }
+
+    /// Gives the corners of the mesh that was added last their texture coordinates, if it wears textures.
+    fn lay_corners(&mut self, texcoords: Option<&[DVec2]>) {
+        if let Some(texcoords) = texcoords.filter(|_| self.is_textured()) {
+            self.builder.texcoords(texcoords);
+        }
     }
 
     pub(super) fn refuse(&self, span: Span, message: &str, help: &str) -> SceneError {
@@ -89,6 +187,29 @@ impl Resolver<'_> {
             _ => "give control points and knots that fit",
         };
         self.refuse(span, &error.to_string(), help)
+    }
+
+    /// Adds a mesh that is shared, or that moves.
+    fn place_instance(
+        &mut self,
+        instanced: &Instanced,
+        to_world: &Motion,
+        map: &Transform,
+        span: Span,
+        emission: Rgb,
+    ) -> Result<(), SceneError> {
+        if emission != Rgb::ZERO {
+            let even = |time| Transform::new(to_world.at(time)).is_ok_and(|map| map.similarity().is_some());
+            if ![0.0, 0.3, 0.7, 1.0].into_iter().all(even) {
+                let help = "stretch it alike in all directions, or let a shape of another kind shine";
+                return Err(self.refuse(span, "a moving mesh that is stretched unevenly cannot emit light", help));
+            }
+        }
+        let shape = Shape::Instance(Instance::new(
+            Arc::clone(&instanced.mesh),
+            Transform::IDENTITY.translated(instanced.middle),
+        ));
+        self.place(shape, to_world, map, span, emission)
     }
 
     fn place_mesh(
@@ -109,36 +230,11 @@ impl Resolver<'_> {
     }
 }
 
-/// A sphere under an affine map; `None` where the map times the radius is singular.
-fn place_sphere(map: &Transform, center: DVec3, radius: f64) -> Option<Shape> {
-    if let Some(scale) = map.similarity() {
-        return Some(Shape::Sphere(Sphere::new(map.point(center), radius * scale)));
-    }
-    let unit_to_object = DAffine3::from_scale_rotation_translation(DVec3::splat(radius), glam::DQuat::IDENTITY, center);
-    Some(Shape::Ellipsoid(Ellipsoid::new(Transform::new(*map.forward() * unit_to_object).ok()?)))
-}
-
-fn revolution(profile: &Curve, map: Transform) -> Result<Revolution, SplineError> {
+fn revolution(profile: &Curve) -> Result<Revolution, SplineError> {
     let basis = match profile.basis {
         CurveBasis::Bezier => Basis::bezier(profile.controls.len()),
         CurveBasis::Bspline => Basis::uniform(3, profile.controls.len()),
     }?;
     let controls: Vec<DVec2> = profile.controls.iter().map(|c| c.truncate()).collect();
-    Revolution::new(&basis, &controls, map)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn spheres_stay_spheres_under_similarities_only() {
-        let twice = Transform::new(DAffine3::from_scale(DVec3::splat(-2.0))).unwrap();
-        match place_sphere(&twice, DVec3::X, 0.5) {
-            Some(Shape::Sphere(s)) => assert_eq!((s.center, s.radius), (DVec3::new(-2.0, 0.0, 0.0), 1.0)),
-            other => panic!("{other:?}"),
-        }
-        let stretched = Transform::new(DAffine3::from_scale(DVec3::new(1.0, 2.0, 1.0))).unwrap();
-        assert!(matches!(place_sphere(&stretched, DVec3::X, 0.5), Some(Shape::Ellipsoid(_))));
-    }
+    Revolution::new(&basis, &controls)
 }

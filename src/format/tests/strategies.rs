@@ -1,6 +1,6 @@
 //! Descriptions for proptest, of all that the language can say.
 
-use glam::{DMat4, DVec3, DVec4};
+use glam::{DMat4, DVec2, DVec3, DVec4};
 use proptest::collection::vec;
 use proptest::option;
 use proptest::prelude::*;
@@ -50,14 +50,45 @@ fn edges() -> impl Strategy<Value = (DVec3, DVec3, DVec3)> {
 
 fn camera() -> impl Strategy<Value = Camera> {
     let size = || 1..=65_536_u32;
-    let views = (edges(), any::<bool>(), 1e-9..179.999, size(), size());
-    views.prop_filter_map("no view", |((center, view, up), aimed, angle, width, height)| {
+    let views = (edges(), any::<bool>(), projection(), size(), size(), vec(grown(false), 0..3));
+    views.prop_filter_map("no view", |((center, view, up), aimed, mut projection, width, height, motion)| {
         let lookat =
             aimed.then_some(center + view).filter(|p| (*p - center).normalize().cross(up.normalize()).length() > 1e-6);
         let aim = lookat.map_or(Aim::Direction(view), Aim::LookAt);
         let parallel = view.normalize().cross(up.normalize()).length() < 1e-6;
-        (!parallel).then_some(Camera { center, aim, up, angle, width, height })
+        if let Projection::Perspective { lens: Some(lens), .. } = &mut projection
+            && let Focus::Point(point) = &mut lens.focus
+        {
+            *point = center + view;
+            if (*point - center).dot(aim_direction(aim, center)) <= 0.0 {
+                return None;
+            }
+        }
+        (!parallel).then_some(Camera { center, aim, up, projection, width, height, motion })
     })
+}
+
+fn aim_direction(aim: Aim, center: DVec3) -> DVec3 {
+    match aim {
+        Aim::Direction(direction) => direction,
+        Aim::LookAt(point) => point - center,
+    }
+}
+
+fn projection() -> impl Strategy<Value = Projection> {
+    let opening = prop_oneof![
+        prop_oneof![Just(0.0), positive()].prop_map(Opening::Radius),
+        (positive(), positive()).prop_map(|(number, sensor)| Opening::FNumber { number, sensor }),
+    ];
+    // The point is put before the camera once that is known.
+    let focus = prop_oneof![positive().prop_map(Focus::Distance), Just(Focus::Point(DVec3::ZERO))];
+    let blades = prop_oneof![Just(0), 3..=64_u32];
+    let lens = (opening, focus, blades).prop_map(|(opening, focus, blades)| Lens { opening, focus, blades });
+    prop_oneof![
+        (1e-9..179.999, option::of(lens)).prop_map(|(angle, lens)| Projection::Perspective { angle, lens }),
+        positive().prop_map(|size| Projection::Orthographic { size }),
+        Just(Projection::Environment),
+    ]
 }
 
 fn point_strength() -> impl Strategy<Value = PointStrength> {
@@ -74,6 +105,13 @@ fn area_strength() -> impl Strategy<Value = AreaStrength> {
 }
 
 fn light() -> impl Strategy<Value = Light> {
+    (still_light(), option::of(vec(grown(true), 0..3))).prop_map(|(light, motion)| match motion {
+        Some(maps) => Light::Moving { maps, light: Box::new(spanned(light)) },
+        None => light,
+    })
+}
+
+fn still_light() -> impl Strategy<Value = Light> {
     prop_oneof![
         (point(), point_strength()).prop_map(|(position, strength)| Light::Point { position, strength }),
         (direction(), colour(), any::<bool>()).prop_map(|(direction, c, physical)| {
@@ -111,7 +149,112 @@ fn environment() -> impl Strategy<Value = Light> {
     prop_oneof![colour().prop_map(EnvironmentRadiance::Constant), picture].prop_map(Light::Environment)
 }
 
-fn material() -> impl Strategy<Value = (MaterialKind, Option<DVec3>)> {
+fn pair() -> impl Strategy<Value = DVec2> {
+    [finite(), finite()].prop_map(DVec2::from_array)
+}
+
+fn texture() -> impl Strategy<Value = TextureKind> {
+    let part = || prop_oneof![-1e3..-1e-3, 1e-3..1e3];
+    let coordinates = || {
+        ([part(), part()].prop_map(DVec2::from_array), finite(), pair())
+            .prop_map(|(scale, rotate, offset)| Coordinates { scale, rotate, offset })
+    };
+    let encoding = prop_oneof![Just(Encoding::Srgb), Just(Encoding::Linear)];
+    let wrap = prop_oneof![Just(Wrap::Repeat), Just(Wrap::Clamp), Just(Wrap::Mirror)];
+    let pattern = prop_oneof![Just(Pattern::Noise), Just(Pattern::Marble), Just(Pattern::Wood)];
+    let noise = (1..=16_u32, 1e-9..1e9, positive());
+    prop_oneof![
+        (name(), encoding, wrap, coordinates()).prop_map(|(path, encoding, wrap, coordinates)| TextureKind::Image {
+            path: spanned(path),
+            encoding,
+            wrap,
+            coordinates,
+        }),
+        ([colour(), colour()], coordinates())
+            .prop_map(|(colors, coordinates)| TextureKind::Checker { colors, coordinates }),
+        (pattern, [colour(), colour()], noise, vec(map(), 0..3)).prop_map(
+            |(pattern, colors, (octaves, frequency, amplitude), maps)| TextureKind::Solid {
+                pattern,
+                colors,
+                octaves,
+                frequency,
+                amplitude,
+                maps,
+            }
+        ),
+    ]
+}
+
+/// Numbers, or a texture by its number, to be taken modulo how many there are.
+fn value<T: std::fmt::Debug + Clone>(plain: impl Strategy<Value = T>) -> impl Strategy<Value = Value<T>> {
+    (plain, option::weighted(0.3, any::<u8>())).prop_map(|(plain, texture)| match texture {
+        Some(i) => Value::Texture(spanned(i.to_string())),
+        None => Value::Plain(plain),
+    })
+}
+
+/// Turns numbers of textures into names of `textures`; without any, the value is `plain`.
+fn name_texture<T>(value: &mut Value<T>, textures: &[Spanned<Texture>], plain: T) {
+    if let Value::Texture(name) = value {
+        let number: usize = name.value.parse().unwrap();
+        match textures.get(number % textures.len().max(1)) {
+            Some(texture) => name.value = texture.value.name.clone(),
+            None => *value = Value::Plain(plain),
+        }
+    }
+}
+
+fn name_textures(material: &mut Material, textures: &[Spanned<Texture>]) {
+    match &mut material.kind {
+        MaterialKind::Phong { diffuse, specular, .. } => {
+            name_texture(diffuse, textures, DVec3::ONE);
+            name_texture(specular, textures, DVec3::ONE);
+        }
+        MaterialKind::Diffuse { reflectance: tint }
+        | MaterialKind::Mirror { reflectance: tint }
+        | MaterialKind::Thin { transmittance: tint, .. } => name_texture(tint, textures, DVec3::ONE),
+        MaterialKind::Dielectric { roughness: degree, .. }
+        | MaterialKind::Conductor { roughness: degree, .. }
+        | MaterialKind::Mix { amount: degree, .. } => name_texture(degree, textures, 0.5),
+    }
+    if let Some(Emission::Texture { name, .. }) = &mut material.emission {
+        let number: usize = name.value.parse().unwrap();
+        match textures.get(number % textures.len().max(1)) {
+            Some(texture) => name.value = texture.value.name.clone(),
+            None => material.emission = None,
+        }
+    }
+}
+
+fn emission() -> impl Strategy<Value = Emission> {
+    prop_oneof![
+        colour().prop_map(Emission::Radiance),
+        (any::<u8>(), positive()).prop_map(|(i, scale)| Emission::Texture { name: spanned(i.to_string()), scale }),
+    ]
+}
+
+fn relief() -> impl Strategy<Value = Relief> {
+    prop_oneof![
+        (name(), finite()).prop_map(|(texture, height)| Relief::Bump { texture: spanned(texture), height }),
+        name().prop_map(|texture| Relief::NormalMap(spanned(texture))),
+    ]
+}
+
+/// Textures of these kinds and names, of which no two are alike.
+fn textures(drafts: Vec<(String, TextureKind)>) -> Vec<Spanned<Texture>> {
+    let mut textures: Vec<Spanned<Texture>> = Vec::new();
+    for (name, kind) in drafts {
+        if textures.iter().all(|other| other.value.name != name) {
+            textures.push(spanned(Texture { name, kind }));
+        }
+    }
+    textures
+}
+
+/// What a material is, but for its name and the parts of a mix.
+type Look = (MaterialKind, Option<Emission>, Option<Relief>);
+
+fn material() -> impl Strategy<Value = Look> {
     let attenuation = prop_oneof![
         Just(Attenuation::None),
         colour().prop_map(Attenuation::Absorption),
@@ -124,18 +267,23 @@ fn material() -> impl Strategy<Value = (MaterialKind, Option<DVec3>)> {
         (indices(), share()).prop_map(|(eta, k)| Metal::Index { eta, k: 1e3 * k }),
     ];
     let kind = prop_oneof![
-        (colour(), colour(), positive(), option::of(name())).prop_map(|(diffuse, specular, shininess, texture)| {
-            MaterialKind::Phong { diffuse, specular, shininess, texture }
-        }),
-        share().prop_map(|reflectance| MaterialKind::Diffuse { reflectance }),
-        share().prop_map(|reflectance| MaterialKind::Mirror { reflectance }),
-        (index(), attenuation, 0.0..=1.0, any::<u8>()).prop_map(|(index, attenuation, roughness, priority)| {
+        (value(colour()), value(colour()), positive(), option::of(name())).prop_map(
+            |(diffuse, specular, shininess, texture)| MaterialKind::Phong {
+                diffuse,
+                specular,
+                shininess,
+                texture: texture.map(spanned),
+            }
+        ),
+        value(share()).prop_map(|reflectance| MaterialKind::Diffuse { reflectance }),
+        value(share()).prop_map(|reflectance| MaterialKind::Mirror { reflectance }),
+        (index(), attenuation, value(0.0..=1.0), any::<u8>()).prop_map(|(index, attenuation, roughness, priority)| {
             MaterialKind::Dielectric { index, attenuation, roughness, priority }
         }),
-        (metal, 0.0..=1.0).prop_map(|(metal, roughness)| MaterialKind::Conductor { metal, roughness }),
-        (index(), share()).prop_map(|(index, transmittance)| MaterialKind::Thin { index, transmittance }),
+        (metal, value(0.0..=1.0)).prop_map(|(metal, roughness)| MaterialKind::Conductor { metal, roughness }),
+        (index(), value(share())).prop_map(|(index, transmittance)| MaterialKind::Thin { index, transmittance }),
     ];
-    (kind, option::of(colour()))
+    (kind, option::of(emission()), option::of(relief()))
 }
 
 fn curve() -> impl Strategy<Value = Curve> {
@@ -162,8 +310,12 @@ fn shape() -> impl Strategy<Value = Shape> {
         (direction(), finite()).prop_map(|(normal, offset)| Shape::Plane { normal, offset }),
         (point(), direction(), positive()).prop_map(|(center, normal, radius)| Shape::Disc { center, normal, radius }),
         edges().prop_map(|(corner, edge0, edge1)| Shape::Rectangle { corner, edge0, edge1 }),
-        ([point(), point(), point()], option::of([direction(), direction(), direction()]))
-            .prop_map(|(vertices, normals)| Shape::Triangle { vertices, normals }),
+        (
+            [point(), point(), point()],
+            option::of([direction(), direction(), direction()]),
+            option::of([pair(), pair(), pair()])
+        )
+            .prop_map(|(vertices, normals, uv)| Shape::Triangle { vertices, normals, uv }),
         name().prop_map(|path| Shape::Mesh { path: Spanned::new(path, Span::default()) }),
         curve().prop_map(|profile| Shape::Revolution { profile }),
         curve().prop_map(Shape::Curve),
@@ -193,6 +345,16 @@ fn map() -> impl Strategy<Value = Map> {
     ]
 }
 
+/// A map that can grow while the shutter is open.
+fn grown(scales: bool) -> impl Strategy<Value = Map> {
+    map().prop_filter("cannot grow", move |map| match *map {
+        Map::Matrix(_) => false,
+        Map::Scale(s) => scales && s.min_element() > 0.0,
+        Map::UniformScale(s) => scales && s > 0.0,
+        _ => true,
+    })
+}
+
 fn spanned<T>(value: T) -> Spanned<T> {
     Spanned::new(value, Span::default())
 }
@@ -207,8 +369,10 @@ fn item() -> impl Strategy<Value = Item> {
         ];
         prop_oneof![
             vec(grouped, 0..4).prop_map(|items| Object::Group(Group { items })),
-            (vec(map(), 0..3), inner)
+            (vec(map(), 0..3), inner.clone())
                 .prop_map(|(maps, object)| Object::Transform { maps, object: Box::new(spanned(object)) }),
+            (vec(grown(true), 0..3), inner)
+                .prop_map(|(maps, object)| Object::Moving { maps, object: Box::new(spanned(object)) }),
         ]
     });
     prop_oneof![
@@ -222,7 +386,7 @@ fn name_materials(group: &mut Group, materials: &[Spanned<Material>]) {
     fn enter(object: &mut Object, materials: &[Spanned<Material>]) {
         match object {
             Object::Group(group) => name_materials(group, materials),
-            Object::Transform { object, .. } => enter(&mut object.value, materials),
+            Object::Transform { object, .. } | Object::Moving { object, .. } => enter(&mut object.value, materials),
             Object::Shape { .. } => {}
         }
     }
@@ -240,42 +404,46 @@ fn name_materials(group: &mut Group, materials: &[Spanned<Material>]) {
     }
 }
 
-/// Name, kind, emission, and the parts of a mix.
-type Draft = (Option<String>, (MaterialKind, Option<DVec3>), Option<(prop::sample::Index, prop::sample::Index, f64)>);
+/// Name, look, and the parts of a mix.
+type Draft = (Option<String>, Look, Option<(prop::sample::Index, prop::sample::Index, Value<f64>)>);
 
 /// Materials of these kinds and names; where a mix is asked for and can be, it takes the place of the kind.
-fn materials(drafts: Vec<Draft>) -> Vec<Spanned<Material>> {
+fn materials(drafts: Vec<Draft>, textures: &[Spanned<Texture>]) -> Vec<Spanned<Material>> {
     let mut materials: Vec<Spanned<Material>> = Vec::new();
     let mut names: Vec<(String, Option<usize>)> = Vec::new();
-    for (i, (name, (mut kind, emission), mix)) in drafts.into_iter().enumerate() {
+    for (i, (name, (mut kind, emission, mut relief), mix)) in drafts.into_iter().enumerate() {
         let mut body = matches!(kind, MaterialKind::Dielectric { .. }).then_some(i);
         if let (Some((first, second, amount)), false) = (mix, names.is_empty()) {
             let [(first, a), (second, b)] = [first, second].map(|part| &names[part.index(names.len())]);
             if a.is_none() || b.is_none() || a == b {
                 let [first, second] = [first, second].map(|name| spanned(name.clone()));
-                (kind, body) = (MaterialKind::Mix { first, second, amount }, a.or(*b));
+                (kind, body, relief) = (MaterialKind::Mix { first, second, amount }, a.or(*b), None);
             }
         }
         let name = name.filter(|name| names.iter().all(|(other, _)| other != name));
         names.extend(name.clone().map(|name| (name, body)));
-        materials.push(spanned(Material { name, kind, emission }));
+        let mut material = Material { name, kind, emission, relief };
+        name_textures(&mut material, textures);
+        materials.push(spanned(material));
     }
     materials
 }
 
 pub fn description() -> impl Strategy<Value = Description> {
     let part = any::<prop::sample::Index>;
-    let drafts = vec((option::of(name()), material(), option::of((part(), part(), 0.0..=1.0))), 0..6);
+    let drafts = vec((option::of(name()), material(), option::of((part(), part(), value(0.0..=1.0)))), 0..6);
+    let textured = vec((name(), texture()), 0..4);
     let lights = (vec(light(), 0..4), option::of((environment(), part())));
-    let parts = (camera(), colour(), lights, drafts, vec(item(), 0..4));
-    parts.prop_map(|(camera, background, (mut lights, environment), drafts, items)| {
+    let parts = (camera(), colour(), lights, textured, drafts, vec(item(), 0..4));
+    parts.prop_map(|(camera, background, (mut lights, environment), textured, drafts, items)| {
         if let Some((environment, at)) = environment {
             lights.insert(at.index(lights.len() + 1), environment);
         }
-        let materials = materials(drafts);
+        let textures = textures(textured);
+        let materials = materials(drafts, &textures);
         let mut root = Group { items };
         name_materials(&mut root, &materials);
         let lights = lights.into_iter().map(spanned).collect();
-        Description { camera: spanned(camera), background, lights, materials, root }
+        Description { camera: spanned(camera), background, lights, textures, materials, root }
     })
 }

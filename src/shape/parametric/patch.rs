@@ -8,7 +8,7 @@ use super::spline::{Basis, SplineError};
 use super::{GAUSS, SLACK};
 use crate::math::{Ray, Transform};
 use crate::sampling::Discrete;
-use crate::shape::{Crossing, ShapeSample, SurfacePoint, widen, within};
+use crate::shape::{Crossing, Mapped, ShapeSample, SurfacePoint, widen, within};
 use glam::{DVec2, DVec3, DVec4, Vec2};
 use std::sync::Arc;
 
@@ -21,8 +21,10 @@ const COLLAPSED: f64 = 1e-7;
 #[derive(Clone, Debug)]
 pub struct Patch {
     net: Arc<Net>,
-    /// Of the net's own origin.
-    place: DVec3,
+    /// From the net's space, which has the middle of the control points as origin.
+    to_world: Transform,
+    /// In the world.
+    area: f64,
 }
 
 #[derive(Debug)]
@@ -42,8 +44,6 @@ struct Net {
     half: DVec3,
     size: f64,
     noise: f64,
-    /// −1 where a map has mirrored the net.
-    side: f64,
 }
 
 /// A piece that is flat enough.
@@ -74,11 +74,11 @@ pub(super) struct Cut {
 }
 
 impl Patch {
-    /// A surface of control points (x, y, z, weight), those along v one after the other, mapped by `map`.
+    /// A surface of control points (x, y, z, weight), those along v one after the other.
     ///
     /// # Errors
     /// [`SplineError`] where numbers do not fit, weights are not above 0, values are too large, or the surface has no area.
-    pub fn new(bases: [&Basis; 2], controls: &[DVec4], map: &Transform) -> Result<Self, SplineError> {
+    pub fn new(bases: [&Basis; 2], controls: &[DVec4]) -> Result<Self, SplineError> {
         let [rows, columns] = bases.map(Basis::controls);
         if controls.len() != rows * columns {
             return Err(SplineError::Net { controls: controls.len(), rows, columns });
@@ -86,7 +86,7 @@ impl Patch {
         if let Some(i) = controls.iter().position(|c| !(c.w > 0.0)) {
             return Err(SplineError::Weight(i));
         }
-        let points: Vec<DVec3> = controls.iter().map(|c| map.point(c.truncate())).collect();
+        let points: Vec<DVec3> = controls.iter().map(|c| c.truncate()).collect();
         if !points.iter().all(|p| p.abs().max_element() < 1e100) || !controls.iter().all(|c| c.w < 1e100) {
             return Err(SplineError::TooLarge);
         }
@@ -133,11 +133,22 @@ impl Patch {
             half,
             size,
             noise,
-            side: if map.mirrors() { -1.0 } else { 1.0 },
         };
-        let areas = (0..net.leaves.len()).map(|i| leaf_area(&net.piece(i)));
+        let areas = (0..net.leaves.len()).map(|i| leaf_area(&net.piece(i), &Transform::IDENTITY));
         net.choice = Discrete::new(areas).ok_or(SplineError::NoArea)?;
-        Ok(Self { net: Arc::new(net), place })
+        let area = net.choice.total();
+        Ok(Self { net: Arc::new(net), to_world: Transform::IDENTITY.translated(place), area })
+    }
+
+    /// The image under another map; `None` where the product is singular.
+    pub(in crate::shape) fn transformed(&self, map: &Transform) -> Option<Self> {
+        let to_world = Transform::new(*map.forward() * *self.to_world.forward()).ok()?;
+        let net = &self.net;
+        let area = match to_world.similarity() {
+            Some(scale) => scale * scale * net.choice.total(),
+            None => (0..net.leaves.len()).map(|i| leaf_area(&net.piece(i), &to_world)).sum(),
+        };
+        Some(Self { net: Arc::clone(net), to_world, area })
     }
 
     /// How many flat pieces the surface is cut into.
@@ -149,7 +160,8 @@ impl Patch {
     /// The ray in the net's space, τ at its origin as a negative number, and τ for each unit of t; `None` where it passes by.
     fn line(&self, ray: &Ray) -> Option<(Line, f64, f64)> {
         let (o, d) = widen(ray);
-        let o = o - self.place;
+        let inverse = self.to_world.inverse();
+        let (o, d) = (inverse.transform_point3(o), inverse.transform_vector3(d));
         let length = d.length();
         let direction = d / length;
         let start = -o.dot(direction);
@@ -196,21 +208,30 @@ impl Patch {
     fn at(&self, leaf: usize, at: DVec2, uv: Vec2) -> SurfacePoint {
         let net = &*self.net;
         let [p, ..] = net.piece(leaf).point(at);
-        let normal = net.normal(leaf, at).normalize() * net.side;
-        let scale = net.size + self.place.abs().max_element();
-        SurfacePoint { uv, ..SurfacePoint::exact(p + self.place, normal, scale * SLACK) }
+        // By the inverse transpose, a mirror image keeps its outer side.
+        let normal = self.to_world.normal(net.normal(leaf, at)).normalize();
+        let m = self.to_world.forward().matrix3;
+        let widest = m.x_axis.length() + m.y_axis.length() + m.z_axis.length();
+        let scale = widest * net.size + self.to_world.forward().translation.abs().max_element();
+        SurfacePoint { uv, ..SurfacePoint::exact(self.to_world.point(p), normal, scale * SLACK) }
     }
 
     pub(in crate::shape) fn extent(&self) -> (DVec3, DVec3) {
-        (self.place - self.net.half, self.place + self.net.half)
+        let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for i in 0..8 {
+            let side = |bit: u32| if i >> bit & 1 == 0 { -1.0 } else { 1.0 };
+            let corner = self.to_world.point(self.net.half * DVec3::new(side(0), side(1), side(2)));
+            (min, max) = (min.min(corner), max.max(corner));
+        }
+        (min, max)
     }
 
     pub(in crate::shape) fn translated(&self, by: DVec3) -> Self {
-        Self { place: self.place + by, ..self.clone() }
+        Self { to_world: self.to_world.translated(by), ..self.clone() }
     }
 
     pub(in crate::shape) fn area(&self) -> f64 {
-        self.net.choice.total()
+        self.area
     }
 
     /// A leaf by its area, then uniform in its coordinates.
@@ -218,8 +239,9 @@ impl Patch {
         let net = &*self.net;
         let (leaf, _) = net.choice.sample(u.x);
         let at = DVec2::new(f64::from(net.choice.remainder(u.x, leaf)), f64::from(u.y)) * 2.0 - 1.0;
-        let point = self.at(leaf, at, net.leaves[leaf].coordinates(at));
-        ShapeSample { pdf: self.pdf(&point), point }
+        let uv = net.leaves[leaf].coordinates(at);
+        let point = self.at(leaf, at, uv);
+        ShapeSample { pdf: self.pdf(&point), point, uv }
     }
 
     /// Density per area of [`Patch::sample`].
@@ -227,7 +249,16 @@ impl Patch {
         let net = &*self.net;
         let (leaf, at) = net.find(seen.uv);
         let [_, along_x, along_y] = net.piece(leaf).point(at);
-        (f64::from(net.choice.probability(leaf)) / (4.0 * along_x.cross(along_y).length())) as f32
+        let element = self.to_world.vector(along_x).cross(self.to_world.vector(along_y)).length();
+        (f64::from(net.choice.probability(leaf)) / (4.0 * element)) as f32
+    }
+
+    /// Coordinates and how they grow in the world.
+    pub(in crate::shape) fn mapped(&self, uv: Vec2) -> Mapped {
+        let (leaf, at) = self.net.find(uv);
+        let [_, along_x, along_y] = self.net.piece(leaf).point(at);
+        let half = self.net.leaves[leaf].half;
+        Mapped::of(uv, self.to_world.vector(along_x / half.x), self.to_world.vector(along_y / half.y))
     }
 }
 
@@ -296,10 +327,10 @@ impl Net {
 }
 
 /// By Gauss's rule.
-fn leaf_area(piece: &PatchPiece<'_>) -> f64 {
+fn leaf_area(piece: &PatchPiece<'_>, to_world: &Transform) -> f64 {
     let element = |x: f64, y: f64| {
         let [_, along_x, along_y] = piece.point(DVec2::new(x, y));
-        along_x.cross(along_y).length()
+        to_world.vector(along_x).cross(to_world.vector(along_y)).length()
     };
     GAUSS.iter().flat_map(|(x, wx)| GAUSS.iter().map(move |(y, wy)| wx * wy * element(*x, *y))).sum()
 }
@@ -319,7 +350,7 @@ mod tests {
             }
         }
         let basis = Basis::bezier(3).unwrap();
-        Patch::new([&basis, &basis], &controls, &Transform::IDENTITY).unwrap()
+        Patch::new([&basis, &basis], &controls).unwrap()
     }
 
     #[test]

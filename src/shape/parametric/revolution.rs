@@ -8,8 +8,8 @@ use super::spline::{Basis, SplineError};
 use super::{GAUSS, SLACK};
 use crate::math::{Ray, Transform};
 use crate::sampling::Discrete;
-use crate::shape::{Crossing, ShapeSample, SurfacePoint, widen, within};
-use glam::{DVec2, DVec3, Vec2};
+use crate::shape::{Crossing, Mapped, ShapeSample, SurfacePoint, widen, within};
+use glam::{DVec2, DVec3, Vec2, Vec3};
 use libm::{atan2, hypot, sincos};
 use std::f64::consts::TAU;
 use std::sync::Arc;
@@ -32,8 +32,8 @@ pub struct Revolution {
     profile: Arc<Profile>,
     /// From the profile's space, where y is counted from its middle.
     to_world: Transform,
-    /// Sum of [`Revolution::leaf_area`], and each leaf's share.
-    choice: Arc<Discrete>,
+    /// In the world.
+    area: f64,
 }
 
 #[derive(Debug)]
@@ -44,6 +44,8 @@ struct Profile {
     /// No point is farther from the origin.
     size: f64,
     noise: f64,
+    /// Area of each leaf, in the profile's space.
+    choice: Discrete,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -57,11 +59,11 @@ struct Leaf {
 }
 
 impl Revolution {
-    /// A profile of control points (x, y) in the plane z = 0 of the space that `to_world` maps.
+    /// A profile of control points (x, y).
     ///
     /// # Errors
     /// [`SplineError`] where numbers do not fit, are too large, or the surface has no area.
-    pub fn new(basis: &Basis, controls: &[DVec2], to_world: Transform) -> Result<Self, SplineError> {
+    pub fn new(basis: &Basis, controls: &[DVec2]) -> Result<Self, SplineError> {
         if controls.len() != basis.controls() {
             return Err(SplineError::Controls { controls: controls.len(), degree: basis.degree() });
         }
@@ -86,12 +88,24 @@ impl Revolution {
         let tree = RingTree::new(&rings, size);
         let degree = basis.degree();
         let noise = size * f64::EPSILON * (64 + 4 * degree * degree) as f64;
-        let profile = Profile { leaves, powers, tree, size, noise };
-        let lift = glam::DAffine3::from_translation(DVec3::new(0.0, middle, 0.0));
-        let to_world = Transform::new(*to_world.forward() * lift).map_err(|_| SplineError::TooLarge)?;
-        let areas: Vec<f64> = (0..profile.leaves.len()).map(|i| profile.leaf_area(i, &to_world)).collect();
-        let choice = Discrete::new(areas).ok_or(SplineError::NoArea)?;
-        Ok(Self { profile: Arc::new(profile), to_world, choice: Arc::new(choice) })
+        let nothing = Discrete::new([1.0]).ok_or(SplineError::NoArea)?;
+        let mut profile = Profile { leaves, powers, tree, size, noise, choice: nothing };
+        let areas = (0..profile.leaves.len()).map(|i| profile.leaf_area(i, &Transform::IDENTITY));
+        profile.choice = Discrete::new(areas).ok_or(SplineError::NoArea)?;
+        let area = profile.choice.total();
+        let to_world = Transform::IDENTITY.translated(DVec3::new(0.0, middle, 0.0));
+        Ok(Self { profile: Arc::new(profile), to_world, area })
+    }
+
+    /// The image under another map; `None` where the product is singular.
+    pub(in crate::shape) fn transformed(&self, map: &Transform) -> Option<Self> {
+        let to_world = Transform::new(*map.forward() * *self.to_world.forward()).ok()?;
+        let profile = &self.profile;
+        let area = match to_world.similarity() {
+            Some(scale) => scale * scale * profile.choice.total(),
+            None => (0..profile.leaves.len()).map(|i| profile.leaf_area(i, &to_world)).sum(),
+        };
+        Some(Self { profile: Arc::clone(profile), to_world, area })
     }
 
     pub(in crate::shape) fn intersect(&self, ray: &Ray) -> Option<Crossing> {
@@ -186,18 +200,30 @@ impl Revolution {
     }
 
     pub(in crate::shape) fn area(&self) -> f64 {
-        self.choice.total()
+        self.area
     }
 
     /// A leaf by its area, then uniform in its coordinates.
     pub(in crate::shape) fn sample(&self, u: Vec2) -> ShapeSample {
-        let (leaf, _) = self.choice.sample(u.x);
-        let x = f64::from(self.choice.remainder(u.x, leaf)) * 2.0 - 1.0;
+        let (leaf, _) = self.profile.choice.sample(u.x);
+        let x = f64::from(self.profile.choice.remainder(u.x, leaf)) * 2.0 - 1.0;
         let (sin, cos) = sincos(f64::from(u.y) * TAU);
         let side = self.profile.leaves[leaf].side;
         let uv = Vec2::new(self.profile.place(leaf, x) as f32, u.y);
         let point = self.at(leaf, x, DVec2::new(cos, sin) * side, uv);
-        ShapeSample { pdf: self.pdf(&point), point }
+        ShapeSample { pdf: self.pdf(&point), point, uv }
+    }
+
+    /// Coordinates of point `p` of the surface and how they grow in the world.
+    pub(in crate::shape) fn mapped(&self, p: Vec3, uv: Vec2) -> Mapped {
+        let (leaf, x) = self.profile.find(f64::from(uv.x));
+        let own = self.to_world.inverse().transform_point3(p.as_dvec3());
+        let radial = DVec2::new(own.x, own.z).try_normalize().unwrap_or(DVec2::X);
+        let ([radius, _], [dx, dh]) = evaluate(self.profile.powers(leaf), x);
+        let half = self.profile.leaves[leaf].place[1];
+        let along = DVec3::new(dx * radial.x, dh, dx * radial.y) / half;
+        let around = DVec3::new(-radial.y, 0.0, radial.x) * (TAU * radius);
+        Mapped::of(uv, self.to_world.vector(along), self.to_world.vector(around))
     }
 
     /// Density per area of [`Revolution::sample`].
@@ -206,7 +232,7 @@ impl Revolution {
         let m = self.to_world.forward().matrix3;
         let stretch = m.determinant().abs() / (m.transpose() * point.ng.as_dvec3()).length();
         let element = self.profile.element(leaf, x) * stretch;
-        (f64::from(self.choice.probability(leaf)) / (2.0 * TAU * element)) as f32
+        (f64::from(self.profile.choice.probability(leaf)) / (2.0 * TAU * element)) as f32
     }
 }
 
@@ -334,7 +360,7 @@ mod tests {
 
     fn surface(basis: &Basis, controls: &[[f64; 2]]) -> Revolution {
         let controls: Vec<DVec2> = controls.iter().map(|c| DVec2::from_array(*c)).collect();
-        Revolution::new(basis, &controls, Transform::IDENTITY).unwrap()
+        Revolution::new(basis, &controls).unwrap()
     }
 
     fn line(controls: [[f64; 2]; 2]) -> Revolution {

@@ -7,7 +7,7 @@ use super::*;
 use crate::bsdf::Bsdf;
 use crate::light::Light;
 use crate::math::Ray;
-use crate::scene::{Scattering, Surface};
+use crate::scene::{Cone, Detail, Scattering, Surface};
 use glam::{Vec3, dvec3, vec3};
 use std::f32::consts::PI;
 
@@ -29,7 +29,7 @@ fn refusal(text: &str) -> SceneError {
 /// The first surface from `origin` along `direction`, and its place in the coordinates of the file.
 fn look(scene: &Scene, origin: DVec3, direction: Vec3) -> Option<(Surface<'_>, DVec3)> {
     let ray = Ray::new((origin - scene.middle()).as_vec3(), direction);
-    let surface = scene.surface(&ray, &scene.intersect(&ray)?, || 0.0);
+    let surface = scene.surface(&ray, &scene.intersect(&ray)?, &Cone::point(Detail::ALL), || 0.0);
     Some((surface, surface.point.p.as_dvec3() + scene.middle()))
 }
 
@@ -324,10 +324,10 @@ fn the_camera_looks_where_it_is_told() {
         let camera = scene.camera();
         assert_eq!((camera.size(), scene.background()), ((30, 20), vec3(1.0, 2.0, 3.0)));
         assert!((camera.center() + scene.middle() - dvec3(2.0, 2.0, 3.0)).length() < 1e-12);
-        let middle = camera.ray(glam::vec2(15.0, 10.0)).direction;
+        let middle = camera.ray(glam::vec2(15.0, 10.0), None).direction;
         assert!(close(middle, vec3(-1.0, -2.0, -3.0).normalize()), "{middle}");
         // `up` appears upward.
-        assert!(camera.ray(glam::vec2(15.0, 0.0)).direction.z > middle.z);
+        assert!(camera.ray(glam::vec2(15.0, 0.0), None).direction.z > middle.z);
     }
     // The parser refuses an `up` along the view; a description may be changed after it.
     let text = format!("{CAMERA}Group {{ }}");

@@ -29,14 +29,14 @@ fn random(i: u64) -> f64 {
 
 fn turned(name: &'static str, basis: &Basis, controls: &[[f64; 2]]) -> Case {
     let points: Vec<DVec2> = controls.iter().map(|c| DVec2::from_array(*c)).collect();
-    let shape = Shape::Revolution(Revolution::new(basis, &points, Transform::IDENTITY).unwrap());
+    let shape = Shape::Revolution(Revolution::new(basis, &points).unwrap());
     let piece = |span| basis.piece(span, controls, (0, 1)).into_iter().map(DVec2::from_array).collect();
     let pieces = basis.spans().map(|span| Piece::new(Form::Turned(piece(span)))).collect();
     Case { name, shape, pieces, thin: 1 }
 }
 
 fn net(name: &'static str, bases: [&Basis; 2], controls: &[DVec4]) -> Case {
-    let shape = Shape::Patch(Patch::new(bases, controls, &Transform::IDENTITY).unwrap());
+    let shape = Shape::Patch(Patch::new(bases, controls).unwrap());
     let columns = bases[1].controls();
     let weighed: Vec<[f64; 4]> = controls.iter().map(|c| (c.truncate() * c.w).extend(c.w).to_array()).collect();
     let mut pieces = Vec::new();
