@@ -108,6 +108,10 @@ pub struct MethodArguments {
     #[arg(long, default_value = "blackman-harris", value_name = "NAME")]
     pub filter: FilterKind,
 
+    /// Give pixels camera rays in proportion to their noise, as a pilot sees it; no more in all
+    #[arg(long)]
+    pub adaptive: bool,
+
     /// Seed: the same seed and settings give the same picture, bit for bit
     #[arg(long, default_value = "0", value_name = "N")]
     pub seed: u64,

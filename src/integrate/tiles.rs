@@ -36,6 +36,16 @@ pub(super) struct Sampling<'a> {
     pub samples: u32,
     /// Whether they leave all of the lens.
     pub lens: bool,
+    /// How many rays each pixel gets, in parts of the mean; `None`: all alike.
+    pub density: Option<&'a [f32]>,
+}
+
+impl Sampling<'_> {
+    /// Rays of a pixel, counted by rows from the top; one at least.
+    fn rays(&self, pixel: usize) -> u32 {
+        let exact = |density: &[f32]| (self.samples as f32 * density[pixel]).round().max(1.0) as u32;
+        self.density.map_or(self.samples, exact)
+    }
 }
 
 /// Renders all pixels: `radiance` gets a camera ray, the random numbers of its sample, and what the tile keeps: a worker, and whatever
@@ -92,8 +102,9 @@ fn pixel(
     let corner = Vec2::new(x as f32, y as f32);
     let pixel = key.with(u64::from(y) << 32 | u64::from(x));
     let mut sum = Sum::default();
-    for sample in 0..sampling.samples {
-        let draw = Draw::new(pixel, sample, sampling.samples);
+    let samples = sampling.rays(y as usize * sampling.camera.size().0 as usize + x as usize);
+    for sample in 0..samples {
+        let draw = Draw::new(pixel, sample, samples);
         let (at, weight) = match sampling.filter {
             Some(filter) => {
                 let FilterSample { offset, weight } = filter.sample(draw.two(Dimension::Film));
@@ -111,7 +122,7 @@ fn pixel(
         }
     }
     let mean = if sampling.filter.is_some_and(Filter::is_signed) { sum.weighted() } else { sum.plain() };
-    (mean / f64::from(sampling.samples)).as_vec3()
+    (mean / f64::from(samples)).as_vec3()
 }
 
 /// The sums of a pixel.
@@ -163,7 +174,7 @@ mod tests {
     fn looked(kind: FilterKind, samples: u32, look: impl Fn(f32) -> f32 + Sync) -> Vec<(f64, f64)> {
         let camera = Camera::orthographic(DVec3::Z, DVec3::NEG_Z, DVec3::Y, 1.0, 12, 1).unwrap();
         let filter = Filter::new(kind);
-        let sampling = Sampling { camera: &camera, filter: Some(&filter), samples, lens: false };
+        let sampling = Sampling { camera: &camera, filter: Some(&filter), samples, lens: false, density: None };
         let passes = 400u32;
         let mut sums = vec![(0.0, 0.0); 12];
         for pass in 0..passes {
