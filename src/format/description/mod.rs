@@ -244,7 +244,7 @@ pub enum Shape {
         /// Shading normals at the corners, of any length.
         normals: Option<[DVec3; 3]>,
         /// Texture coordinates at the corners; `None`: (0, 0), (1, 0), (0, 1).
-        uv: Option<[DVec2; 3]>,
+        uv: Option<Box<[DVec2; 3]>>,
     },
     /// A mesh in a file of its own.
     Mesh {

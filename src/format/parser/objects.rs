@@ -114,7 +114,7 @@ impl<'a> Parser<'a> {
                 let names = ["uv0", "uv1", "uv2"];
                 let pair = |name| f.need(name).map(|p| p.pair());
                 let uv = match names.iter().any(|name| f.get(name).is_some()) {
-                    true => Some([pair(names[0])?, pair(names[1])?, pair(names[2])?]),
+                    true => Some(Box::new([pair(names[0])?, pair(names[1])?, pair(names[2])?])),
                     false => None,
                 };
                 Shape::Triangle { vertices, normals, uv }

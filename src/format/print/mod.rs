@@ -209,7 +209,7 @@ impl Printer<'_, '_> {
                 for (i, normal) in normals.iter().flatten().enumerate() {
                     self.vector(&format!("normal{i}"), *normal)?;
                 }
-                for (i, uv) in uv.iter().flatten().enumerate() {
+                for (i, uv) in uv.iter().flat_map(|uv| uv.iter()).enumerate() {
                     self.pair(&format!("uv{i}"), *uv)?;
                 }
             }

@@ -77,7 +77,7 @@ impl Resolver<'_> {
             }
             Described::Triangle { vertices, normals, uv } => {
                 let normals = normals.as_ref().map(|n| n.as_slice());
-                let uv = uv.unwrap_or([DVec2::ZERO, DVec2::X, DVec2::Y]);
+                let uv = uv.as_deref().copied().unwrap_or([DVec2::ZERO, DVec2::X, DVec2::Y]);
                 if to_world.is_still() {
                     self.place_mesh(&map, vertices, normals, &[[0, 1, 2]], emission);
                     self.lay_corners(Some(&uv));

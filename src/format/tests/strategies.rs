@@ -302,7 +302,7 @@ fn shape() -> impl Strategy<Value = Shape> {
         (
             [point(), point(), point()],
             option::of([direction(), direction(), direction()]),
-            option::of([pair(), pair(), pair()])
+            option::of([pair(), pair(), pair()].prop_map(Box::new))
         )
             .prop_map(|(vertices, normals, uv)| Shape::Triangle { vertices, normals, uv }),
         name().prop_map(|path| Shape::Mesh { path: Spanned::new(path, Span::default()) }),
