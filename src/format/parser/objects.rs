@@ -6,8 +6,9 @@ use super::super::error::SceneError;
 use super::super::lexer::Token;
 use super::Parser;
 use super::fields::Kind;
+use super::surfaces;
 
-pub(super) const OBJECTS: [&str; 12] = [
+pub(super) const OBJECTS: [&str; 14] = [
     "Group",
     "Transform",
     "Moving",
@@ -20,10 +21,12 @@ pub(super) const OBJECTS: [&str; 12] = [
     "RevSurface",
     "BezierCurve",
     "BsplineCurve",
+    "BezierPatch",
+    "NurbsSurface",
 ];
 const ENTRIES: [&str; 3] = ["numObjects", "MaterialIndex", "MaterialName"];
 
-const EMISSION: (&str, Kind) = ("emission", Kind::Vector);
+pub(super) const EMISSION: (&str, Kind) = ("emission", Kind::Vector);
 
 impl<'a> Parser<'a> {
     pub fn group(&mut self, keyword: Token<'a>) -> Result<Group, SceneError> {
@@ -87,6 +90,8 @@ impl<'a> Parser<'a> {
             ],
             "TriangleMesh" => &[("obj_file", Name), EMISSION],
             "RevSurface" => &[("profile", Kind::Curve), EMISSION],
+            "BezierPatch" => surfaces::PATCHES,
+            "NurbsSurface" => surfaces::NURBS,
             _ => &[("controls", Kind::Controls), EMISSION],
         };
         let f = self.fields(keyword, known)?;
@@ -121,6 +126,8 @@ impl<'a> Parser<'a> {
             }
             "TriangleMesh" => Shape::Mesh { path: f.need("obj_file")?.text() },
             "RevSurface" => Shape::Revolution { profile: f.need("profile")?.curve() },
+            "BezierPatch" => f.patches()?,
+            "NurbsSurface" => f.nurbs()?,
             "BezierCurve" => Shape::Curve(f.need("controls")?.controls(CurveBasis::Bezier)?),
             _ => Shape::Curve(f.need("controls")?.controls(CurveBasis::Bspline)?),
         };
