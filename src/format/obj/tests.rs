@@ -1,11 +1,12 @@
 use std::path::PathBuf;
 
+use super::super::mesh::load;
 use super::*;
 
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
-fn read(text: &str) -> Result<TriangleMesh, ObjError> {
-    from_text(Path::new("a.obj"), text)
+fn read(text: &str) -> Result<TriangleMesh, MeshError> {
+    super::read(Path::new("a.obj"), text.into(), &()).map(|loaded| loaded.mesh)
 }
 
 fn faces(text: &str) -> TriangleMesh {
@@ -112,8 +113,8 @@ fn unsound_lines_are_named() {
 fn files_are_named_when_they_cannot_be_read() {
     let folder = tempfile::tempdir().unwrap();
     let missing = load(&folder.path().join("none.obj")).unwrap_err();
-    assert!(matches!(missing, ObjError::Missing { .. }) && missing.to_string().contains("none.obj"));
-    assert!(matches!(load(folder.path()).unwrap_err(), ObjError::Unreadable { .. }));
+    assert!(matches!(missing, MeshError::Missing { .. }) && missing.to_string().contains("none.obj"));
+    assert!(matches!(load(folder.path()).unwrap_err(), MeshError::Unreadable { .. }));
     let latin = folder.path().join("latin.obj");
     std::fs::write(&latin, [b"# caf\xe9\n", SQUARE.as_bytes(), b"f 1 2 3"].concat()).unwrap();
     assert_eq!(load(&latin).unwrap().triangles.len(), 1);

@@ -3,11 +3,11 @@
 use glam::{DMat4, DVec3};
 
 use super::super::MAX_DEPTH;
-use super::super::description::{Curve, CurveBasis, Group, Item, Map, Object, Shape, Span, Spanned};
+use super::super::description::{Curve, CurveBasis, Group, Item, Map, MeshOptions, Object, Shape, Span, Spanned};
 use super::super::error::SceneError;
 use super::super::lexer::Token;
 use super::Parser;
-use super::fields::Kind;
+use super::fields::{Fields, Kind};
 use crate::math::Transform;
 
 const OBJECTS: [&str; 11] = [
@@ -159,7 +159,14 @@ impl<'a> Parser<'a> {
                 ("normal2", Vector),
                 EMISSION,
             ],
-            "TriangleMesh" => &[("obj_file", Name), EMISSION],
+            "TriangleMesh" => &[
+                ("obj_file", Name),
+                ("file", Name),
+                ("materials", Name),
+                ("normals", Name),
+                ("smoothAngle", Number),
+                EMISSION,
+            ],
             "RevSurface" => &[("profile", Kind::Curve), EMISSION],
             _ => &[("controls", Kind::Controls), EMISSION],
         };
@@ -187,7 +194,7 @@ impl<'a> Parser<'a> {
                 };
                 Shape::Triangle { vertices, normals }
             }
-            "TriangleMesh" => Shape::Mesh { path: f.need("obj_file")?.text() },
+            "TriangleMesh" => Shape::Mesh { path: f.one_of(&["obj_file", "file"])?.text(), options: f.mesh_options()? },
             "RevSurface" => Shape::Revolution { profile: f.need("profile")?.curve() },
             "BezierCurve" => Shape::Curve(f.need("controls")?.controls(CurveBasis::Bezier)?),
             _ => Shape::Curve(f.need("controls")?.controls(CurveBasis::Bspline)?),
@@ -229,5 +236,27 @@ impl<'a> Parser<'a> {
         }
         self.depth += 1;
         self.open(keyword)
+    }
+}
+
+impl Fields<'_> {
+    fn mesh_options(&self) -> Result<MeshOptions, SceneError> {
+        let is = |name: &str, usual: &str, other: &str| match self.get(name) {
+            Some(field) => {
+                let word = field.text().value;
+                field.ensure(word == usual || word == other, &format!("must be `{usual}` or `{other}`"))?;
+                Ok(word == other)
+            }
+            None => Ok(false),
+        };
+        let angle = self.get("smoothAngle");
+        if let Some(angle) = angle {
+            angle.ensure((0.0..=180.0).contains(&angle.number()), "must lie between 0 and 180")?;
+        }
+        Ok(MeshOptions {
+            own_materials: is("materials", "scene", "file")?,
+            no_normals: is("normals", "file", "none")?,
+            smooth_angle: angle.map(|angle| angle.number()),
+        })
     }
 }

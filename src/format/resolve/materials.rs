@@ -36,7 +36,7 @@ impl Resolver<'_> {
     }
 
     /// A material that may refer to those `before` it.
-    fn material(&self, kind: &MaterialKind, before: &[Material]) -> Result<Material, SceneError> {
+    pub(super) fn material(&self, kind: &MaterialKind, before: &[Material]) -> Result<Material, SceneError> {
         Ok(match kind {
             MaterialKind::Phong { diffuse, specular, shininess, texture: _ } => {
                 Material::phong(rgb(*diffuse), rgb(*specular), *shininess as f32)

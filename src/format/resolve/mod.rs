@@ -2,12 +2,13 @@
 
 mod lights;
 mod materials;
+mod meshes;
 mod shapes;
 #[cfg(test)]
 mod tests;
 
 use super::description::{Aim, Description, Group, Item, Object, Span, Spanned};
-use super::obj::{self, TriangleMesh};
+use super::mesh::{Loaded, ReadMonitor};
 use super::{SceneError, Source};
 use crate::camera::Pinhole;
 use crate::color::Rgb;
@@ -24,6 +25,19 @@ use std::rc::Rc;
 /// [`SceneError`] with the place in `source`: a mesh or picture that is missing or broken, an unknown metal, a singular product
 /// of transforms, what cannot emit or cannot be rendered yet.
 pub fn resolve(description: &Description, source: &Source, folder: &Path) -> Result<Scene, SceneError> {
+    resolve_watched(description, source, folder, &())
+}
+
+/// As [`resolve`]; `monitor` hears how far meshes are read.
+///
+/// # Errors
+/// [`SceneError`], as of [`resolve`].
+pub fn resolve_watched(
+    description: &Description,
+    source: &Source,
+    folder: &Path,
+    monitor: &dyn ReadMonitor,
+) -> Result<Scene, SceneError> {
     let camera = camera(description, source)?;
     let mut resolver = Resolver {
         source,
@@ -31,7 +45,9 @@ pub fn resolve(description: &Description, source: &Source, folder: &Path) -> Res
         description,
         builder: SceneBuilder::new(),
         names: HashMap::new(),
+        monitor,
         meshes: HashMap::new(),
+        own_materials: HashMap::new(),
         material: 0,
         placing: None,
     };
@@ -53,7 +69,11 @@ struct Resolver<'a> {
     builder: SceneBuilder,
     /// Of the materials so far.
     names: HashMap<&'a str, u32>,
-    meshes: HashMap<PathBuf, Rc<TriangleMesh>>,
+    monitor: &'a dyn ReadMonitor,
+    /// Meshes that were read, by their file and what was done with its normals.
+    meshes: HashMap<meshes::Key, Rc<Loaded>>,
+    /// Materials of the files of meshes, in the order in which the meshes name them.
+    own_materials: HashMap<PathBuf, Rc<Vec<meshes::Own>>>,
     /// The material in force: it persists beyond the group that set it.
     material: u32,
     /// The innermost transform, for errors about the product.
@@ -84,8 +104,9 @@ impl Resolver<'_> {
             }
             Object::Shape { shape, emission } => {
                 let own = self.description.materials.get(self.material as usize).and_then(|m| m.emission);
+                let told = emission.map(rgb);
                 let emission = rgb(emission.or(own).unwrap_or(DVec3::ZERO));
-                self.shape(shape, object.span, to_world, emission)
+                self.shape(shape, object.span, to_world, emission, told)
             }
         }
     }
@@ -96,18 +117,6 @@ impl Resolver<'_> {
             let help = "no scale may be zero, and no axis of a matrix may be a mix of the others";
             SceneError::at(self.source, place, e.to_string(), "together with the transforms around it", help)
         })
-    }
-
-    /// The mesh of a path, read once.
-    fn mesh(&mut self, path: &Spanned<String>) -> Result<Rc<TriangleMesh>, SceneError> {
-        let file = self.file("mesh", path)?;
-        if let Some(mesh) = self.meshes.get(&file) {
-            return Ok(mesh.clone());
-        }
-        let mesh = obj::load(&file).map_err(|e| self.bad_file(path, &e, "mend the mesh or name another"))?;
-        let mesh = Rc::new(mesh);
-        self.meshes.insert(file, mesh.clone());
-        Ok(mesh)
     }
 
     /// Where the file of a path is; `kind` says what it is taken for.

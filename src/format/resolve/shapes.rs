@@ -15,6 +15,7 @@ impl Resolver<'_> {
         span: Span,
         to_world: DAffine3,
         emission: Rgb,
+        told: Option<Rgb>,
     ) -> Result<(), SceneError> {
         let map = self.transform(to_world, span)?;
         let material = self.material;
@@ -42,12 +43,9 @@ impl Resolver<'_> {
             }
             Described::Triangle { vertices, normals } => {
                 let normals = normals.as_ref().map(|n| n.as_slice());
-                self.place_mesh(&map, vertices, normals, &[[0, 1, 2]], emission);
+                self.place_mesh(&map, vertices, normals, &[[0, 1, 2]], material, emission);
             }
-            Described::Mesh { path } => {
-                let mesh = self.mesh(path)?;
-                self.place_mesh(&map, &mesh.positions, mesh.normals.as_deref(), &mesh.triangles, emission);
-            }
+            Described::Mesh { path, options } => self.mesh(&map, path, *options, told, emission)?,
             Described::Revolution { .. } => {
                 let help = "tessellate it into an OBJ mesh and use TriangleMesh";
                 return Err(self.refuse(span, "surfaces of revolution cannot be rendered yet", help));
@@ -64,12 +62,13 @@ impl Resolver<'_> {
         SceneError::at(self.source, span, message, "here", help)
     }
 
-    fn place_mesh(
+    pub(super) fn place_mesh(
         &mut self,
         map: &Transform,
         positions: &[DVec3],
         normals: Option<&[DVec3]>,
         triangles: &[[u32; 3]],
+        material: u32,
         emission: Rgb,
     ) {
         let positions: Vec<DVec3> = positions.iter().map(|p| map.point(*p)).collect();
@@ -78,7 +77,7 @@ impl Resolver<'_> {
         // A mirror image turns the winding around; the outer side must stay outside.
         let turned = |[a, b, c]: [u32; 3]| if map.mirrors() { [a, c, b] } else { [a, b, c] };
         let triangles: Vec<[u32; 3]> = triangles.iter().copied().map(turned).collect();
-        self.builder.mesh(&positions, &normals, &triangles, self.material, emission);
+        self.builder.mesh(&positions, &normals, &triangles, material, emission);
     }
 }
 

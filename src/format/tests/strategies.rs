@@ -153,10 +153,19 @@ fn shape() -> impl Strategy<Value = Shape> {
         edges().prop_map(|(corner, edge0, edge1)| Shape::Rectangle { corner, edge0, edge1 }),
         ([point(), point(), point()], option::of([direction(), direction(), direction()]))
             .prop_map(|(vertices, normals)| Shape::Triangle { vertices, normals }),
-        name().prop_map(|path| Shape::Mesh { path: Spanned::new(path, Span::default()) }),
+        (mesh_path(), any::<bool>(), any::<bool>(), option::of(0.0..=180.0)).prop_map(
+            |(path, own_materials, no_normals, smooth_angle)| {
+                let options = MeshOptions { own_materials, no_normals, smooth_angle };
+                Shape::Mesh { path: spanned(path), options }
+            }
+        ),
         curve().prop_map(|profile| Shape::Revolution { profile }),
         curve().prop_map(Shape::Curve),
     ]
+}
+
+fn mesh_path() -> impl Strategy<Value = String> {
+    (name(), any::<bool>()).prop_map(|(name, ply)| if ply { name + ".ply" } else { name })
 }
 
 fn map() -> impl Strategy<Value = Map> {

@@ -78,7 +78,7 @@ fn the_last_group_wins() {
 #[test]
 fn names_may_be_quoted_or_bare() {
     let mesh = |body: &str| match first(body) {
-        Object::Shape { shape: Shape::Mesh { path }, .. } => path.value,
+        Object::Shape { shape: Shape::Mesh { path, .. }, .. } => path.value,
         other => panic!("{other:?}"),
     };
     assert_eq!(mesh("Group { TriangleMesh { obj_file mesh/cube.obj } }"), "mesh/cube.obj");
