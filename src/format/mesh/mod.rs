@@ -7,6 +7,8 @@ mod parts;
 mod repair;
 mod report;
 mod share;
+#[cfg(test)]
+mod tests;
 mod topology;
 mod weld;
 mod write;

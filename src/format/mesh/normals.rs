@@ -37,17 +37,14 @@ impl TriangleMesh {
     /// Unit normal by the winding; zero for triangles without area.
     pub(super) fn face_normal(&self, triangle: [u32; 3]) -> DVec3 {
         let [a, b, c] = triangle.map(|v| self.positions[v as usize]);
-        // Scaled first, so that tiny triangles have normals too.
-        let (e, f) = (b - a, c - a);
-        let size = e.abs().max(f.abs()).max_element();
-        if size > 0.0 { (e / size).cross(f / size).normalize_or_zero() } else { DVec3::ZERO }
+        direction(direction(b - a).cross(direction(c - a)))
     }
 
     /// The angle of a corner, counted through all triangles \[radians].
     fn angle(&self, corner: usize) -> f64 {
         let triangle = self.triangles[corner / 3];
         let [p, q, r] = [0, 1, 2].map(|k| self.positions[triangle[(corner + k) % 3] as usize]);
-        let (e, f) = ((q - p).normalize_or_zero(), (r - p).normalize_or_zero());
+        let (e, f) = (direction(q - p), direction(r - p));
         libm::atan2(e.cross(f).length(), e.dot(f))
     }
 
@@ -96,4 +93,10 @@ impl TriangleMesh {
         self.take(vertices.iter().map(|(v, _)| *v));
         self.share();
     }
+}
+
+/// `v` at unit length, however short or long it is; zero for zero.
+fn direction(v: DVec3) -> DVec3 {
+    let size = v.abs().max_element();
+    if size > 0.0 && size.is_finite() { (v / size).normalize_or_zero() } else { DVec3::ZERO }
 }

@@ -7,12 +7,15 @@ use std::collections::HashMap;
 
 const NONE: u32 = u32::MAX;
 
+/// Beyond this, squares of distances would not be finite.
+const FARTHEST: f64 = 1e150;
+
 impl TriangleMesh {
     /// Moves each vertex to the first one that is at most `tolerance` away, in the order of vertices, and makes those one that
     /// then agree in every bit. Returns how many places there are less.
     pub fn weld(&mut self, tolerance: f64) -> usize {
         let (_, before) = self.places();
-        let mut kept = Kept::new(tolerance.max(0.0), &self.positions);
+        let mut kept = Kept::new(tolerance.clamp(0.0, FARTHEST), &self.positions);
         for p in &mut self.positions {
             *p = kept.nearby(*p);
         }

@@ -4,6 +4,8 @@
 
 mod check;
 mod meaning;
+#[cfg(test)]
+mod tests;
 mod write;
 
 use super::mesh::{Loaded, MeshError, read};

@@ -2,6 +2,8 @@
 
 mod body;
 mod header;
+#[cfg(test)]
+mod tests;
 mod write;
 
 use super::mesh::{Loaded, MeshError, ReadMonitor, Wrong, unit};
