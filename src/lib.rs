@@ -13,7 +13,7 @@
 //! # The walk of one camera ray
 //!
 //! [`Algorithm::Hybrid`](integrate::Algorithm::Hybrid), and every other algorithm in its own way, sends a ray through a point
-//! of the pixel that its filter chose ([`Pinhole::ray`](camera::Pinhole::ray)) and walks through mirrors and glass, both ways where
+//! of the pixel that its filter chose ([`Camera::ray`](camera::Camera::ray)) and walks through mirrors and glass, both ways where
 //! both matter. At the first other surface it adds emission, direct light by shadow rays, and what photons that met casters first
 //! brought there ([`PhotonMap::estimate`](photon::PhotonMap::estimate)), then walks on. [`render`](render::render) takes the mean
 //! over passes whose radii shrink.
@@ -21,7 +21,7 @@
 //! # A scene in code
 //!
 //! ```
-//! use caustica::camera::Pinhole;
+//! use caustica::camera::Camera;
 //! use caustica::integrate::{Algorithm, Settings, Silent};
 //! use caustica::scene::{LightStrength, Material, SceneBuilder, SourceKind};
 //! use caustica::shape::{Plane, Shape, Sphere};
@@ -34,7 +34,7 @@
 //!     .plane(Plane::new(DVec3::ZERO, DVec3::Y), white, Vec3::ZERO)
 //!     .shape(Shape::Sphere(Sphere::new(DVec3::new(0.0, 1.0, 0.0), 0.8)), glass, Vec3::ZERO)
 //!     .source(SourceKind::Point { position: DVec3::new(2.0, 4.0, 0.0) }, LightStrength::Power(Vec3::splat(200.0)));
-//! let camera = Pinhole::new(DVec3::new(0.0, 2.0, 6.0), DVec3::new(0.0, -0.2, -1.0), DVec3::Y, 0.7, 32, 24)?;
+//! let camera = Camera::perspective(DVec3::new(0.0, 2.0, 6.0), DVec3::new(0.0, -0.2, -1.0), DVec3::Y, 0.7, 32, 24)?;
 //! let scene = builder.build(camera)?;
 //! let settings = Settings { caustic_photons: 2000, ..Settings::default() };
 //! let pass = Algorithm::Hybrid.prepare(&scene, settings).pass(0, &Silent);

@@ -4,10 +4,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Rooms by storey; a room uses only rooms of lower storeys.
-const STOREYS: [&[&str]; 9] = [
+const STOREYS: [&[&str]; 10] = [
     &["math", "sampling", "color", "image", "stats"],
-    &["shape", "texture", "bsdf", "medium"],
-    &["accel", "light", "camera"],
+    &["accel", "texture", "bsdf", "medium"],
+    &["shape"],
+    &["light", "camera"],
     &["scene"],
     &["plan", "photon"],
     &["integrate"],

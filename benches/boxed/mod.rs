@@ -1,6 +1,6 @@
 //! A closed Cornell box with a glass and a mirror ball, lit by a square in the ceiling.
 
-use caustica::camera::Pinhole;
+use caustica::camera::Camera;
 use caustica::scene::{Material, Scene, SceneBuilder};
 use caustica::shape::{Rectangle, Shape, Sphere};
 use glam::{DVec3, Vec3};
@@ -29,6 +29,6 @@ pub fn scene() -> Scene {
     builder.shape(Shape::Sphere(Sphere::new(v(0.4, 0.45, 0.2), 0.35)), glass, Vec3::ZERO);
     builder.shape(Shape::Sphere(Sphere::new(v(-0.4, 0.4, -0.35), 0.4)), mirror, Vec3::ZERO);
     let eye = v(0.0, 1.1, 2.9);
-    let camera = Pinhole::new(eye, v(0.0, 0.85, 0.0) - eye, DVec3::Y, 50f64.to_radians(), 256, 256).unwrap();
+    let camera = Camera::perspective(eye, v(0.0, 0.85, 0.0) - eye, DVec3::Y, 50f64.to_radians(), 256, 256).unwrap();
     builder.build(camera).unwrap()
 }

@@ -1,22 +1,35 @@
 //! Cameras and reconstruction filters.
 
 mod filter;
+mod lens;
 
 pub use filter::{Filter, FilterKind, UnknownFilter};
+pub use lens::Lens;
 
-use crate::math::Ray;
+use crate::math::{Ray, Transform};
 use glam::{DVec3, Vec2};
 
-/// A camera without a lens.
+/// Where the rays of a picture start, and where they go.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pinhole {
+pub struct Camera {
     center: DVec3,
     forward: DVec3,
-    /// One pixel to the right, and one pixel up, on the plane at distance 1.
+    /// One pixel to the right, and one pixel up, on the plane at distance 1; of a panorama, of unit length.
     right: DVec3,
     up: DVec3,
+    projection: Projection,
     width: u32,
     height: u32,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Projection {
+    /// Through one point, or through a lens.
+    Perspective(Option<Lens>),
+    /// In parallel.
+    Orthographic,
+    /// All around: longitude across, latitude down.
+    Panorama,
 }
 
 /// `up` and the direction of view are parallel, or one of them is zero: the camera cannot tell which way is up.
@@ -24,19 +37,56 @@ pub struct Pinhole {
 #[error("the camera's up is parallel to its direction of view")]
 pub struct NoUpright;
 
-impl Pinhole {
-    /// A camera at `center` looking along `direction` with full vertical `angle` \[radians] and an image of `width` × `height`
+impl Camera {
+    /// A pinhole at `center` that looks along `direction` with full vertical `angle` \[radians] and an image of `width` × `height`
     /// pixels.
     ///
     /// # Errors
     /// [`NoUpright`] where `direction × up` vanishes.
-    pub fn new(
+    pub fn perspective(
         center: DVec3,
         direction: DVec3,
         up: DVec3,
         angle: f64,
         width: u32,
         height: u32,
+    ) -> Result<Self, NoUpright> {
+        let pixel = 2.0 * libm::tan(0.5 * angle) / f64::from(height);
+        Self::new(center, direction, up, pixel, Projection::Perspective(None), (width, height))
+    }
+
+    /// A camera whose rays run along `direction` from the plane through `center` across it; the image shows `size` of it from top
+    /// to bottom \[length].
+    ///
+    /// # Errors
+    /// [`NoUpright`] where `direction × up` vanishes.
+    pub fn orthographic(
+        center: DVec3,
+        direction: DVec3,
+        up: DVec3,
+        size: f64,
+        width: u32,
+        height: u32,
+    ) -> Result<Self, NoUpright> {
+        Self::new(center, direction, up, size / f64::from(height), Projection::Orthographic, (width, height))
+    }
+
+    /// A camera that sees all directions from `center`: longitude runs across the image, with `direction` in its middle, latitude from
+    /// `up` at its top to the opposite at its bottom, where `up` is first made perpendicular to `direction`.
+    ///
+    /// # Errors
+    /// [`NoUpright`] where `direction × up` vanishes.
+    pub fn panorama(center: DVec3, direction: DVec3, up: DVec3, width: u32, height: u32) -> Result<Self, NoUpright> {
+        Self::new(center, direction, up, 1.0, Projection::Panorama, (width, height))
+    }
+
+    fn new(
+        center: DVec3,
+        direction: DVec3,
+        up: DVec3,
+        pixel: f64,
+        projection: Projection,
+        (width, height): (u32, u32),
     ) -> Result<Self, NoUpright> {
         let forward = direction.try_normalize().ok_or(NoUpright)?;
         let up = up.try_normalize().ok_or(NoUpright)?;
@@ -45,8 +95,28 @@ impl Pinhole {
             return Err(NoUpright);
         }
         let right = right.normalize();
-        let pixel = 2.0 * libm::tan(0.5 * angle) / f64::from(height);
-        Ok(Self { center, forward, right: right * pixel, up: right.cross(forward) * pixel, width, height })
+        let up = right.cross(forward) * pixel;
+        Ok(Self { center, forward, right: right * pixel, up, projection, width, height })
+    }
+
+    /// The same camera with a lens, where it is a perspective one; an opening of radius 0 is a pinhole.
+    #[must_use]
+    pub fn with_lens(self, lens: Lens) -> Self {
+        match self.projection {
+            Projection::Perspective(_) => {
+                Self { projection: Projection::Perspective((lens.radius > 0.0).then_some(lens)), ..self }
+            }
+            Projection::Orthographic | Projection::Panorama => self,
+        }
+    }
+
+    /// The lens, if there is one.
+    #[must_use]
+    pub fn lens(&self) -> Option<Lens> {
+        match self.projection {
+            Projection::Perspective(lens) => lens,
+            Projection::Orthographic | Projection::Panorama => None,
+        }
     }
 
     /// Image size in pixels.
@@ -55,7 +125,7 @@ impl Pinhole {
         (self.width, self.height)
     }
 
-    /// Place of the eye.
+    /// Place of the eye, the middle of the lens, or the middle of the image of an orthographic camera.
     #[must_use]
     pub fn center(&self) -> DVec3 {
         self.center
@@ -67,37 +137,133 @@ impl Pinhole {
         Self { center: self.center + by, ..self }
     }
 
-    /// The ray through image point `p`, in pixels from the left and from the top; of unit direction.
+    /// The same camera under a map that turns and moves.
+    #[must_use]
+    pub fn moved(self, map: &Transform) -> Self {
+        let Self { center, forward, right, up, .. } = self;
+        Self {
+            center: map.point(center),
+            forward: map.vector(forward),
+            right: map.vector(right),
+            up: map.vector(up),
+            ..self
+        }
+    }
+
+    /// The ray through image point `p`, in pixels from the left and from the top; of unit direction. It leaves the lens at `lens` in
+    /// \[0, 1)², or its middle.
     #[inline]
     #[must_use]
-    pub fn ray(&self, p: Vec2) -> Ray {
+    pub fn ray(&self, p: Vec2, lens: Option<Vec2>) -> Ray {
         let x = f64::from(p.x) - 0.5 * f64::from(self.width);
         let y = 0.5 * f64::from(self.height) - f64::from(p.y);
-        let direction = (self.right * x + self.up * y + self.forward).normalize();
-        Ray::new(self.center.as_vec3(), direction.as_vec3())
+        match (self.projection, lens) {
+            (Projection::Perspective(Some(thin)), Some(u)) => {
+                let on_lens = thin.sample(u);
+                let origin = self.center + self.right.normalize() * on_lens.x + self.up.normalize() * on_lens.y;
+                let in_focus = self.center + (self.right * x + self.up * y + self.forward) * thin.focus;
+                Ray::new(origin.as_vec3(), (in_focus - origin).normalize().as_vec3())
+            }
+            (Projection::Perspective(_), _) => {
+                let direction = (self.right * x + self.up * y + self.forward).normalize();
+                Ray::new(self.center.as_vec3(), direction.as_vec3())
+            }
+            (Projection::Orthographic, _) => {
+                let origin = self.center + self.right * x + self.up * y;
+                Ray::new(origin.as_vec3(), self.forward.as_vec3())
+            }
+            (Projection::Panorama, _) => {
+                let (sin_longitude, cos_longitude) = libm::sincos(std::f64::consts::TAU * x / f64::from(self.width));
+                let (sin_latitude, cos_latitude) = libm::sincos(std::f64::consts::PI * y / f64::from(self.height));
+                let level = self.right * sin_longitude + self.forward * cos_longitude;
+                let direction = (level * cos_latitude + self.up * sin_latitude).normalize();
+                Ray::new(self.center.as_vec3(), direction.as_vec3())
+            }
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::Vec3;
+    use glam::{DAffine3, Vec3};
+
+    fn wide() -> Camera {
+        Camera::perspective(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 90f64.to_radians(), 400, 200).unwrap()
+    }
+
+    fn looks(camera: &Camera, p: Vec2, d: Vec3) {
+        let direction = camera.ray(p, None).direction;
+        assert!((direction - d.normalize()).length() < 1e-6, "{p}: {direction}");
+    }
 
     #[test]
     fn the_angle_is_vertical_and_rows_count_from_the_top() {
-        let angle = 90f64.to_radians();
-        let c = Pinhole::new(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, angle, 400, 200).unwrap();
-        let close = |p: Vec2, d: Vec3| assert!((c.ray(p).direction - d.normalize()).length() < 1e-6);
-        close(Vec2::new(200.0, 100.0), Vec3::NEG_Z);
-        close(Vec2::new(200.0, 0.0), Vec3::new(0.0, 1.0, -1.0));
-        close(Vec2::new(400.0, 100.0), Vec3::new(2.0, 0.0, -1.0));
+        let c = wide();
+        looks(&c, Vec2::new(200.0, 100.0), Vec3::NEG_Z);
+        looks(&c, Vec2::new(200.0, 0.0), Vec3::new(0.0, 1.0, -1.0));
+        looks(&c, Vec2::new(400.0, 100.0), Vec3::new(2.0, 0.0, -1.0));
     }
 
     #[test]
     fn an_up_along_the_view_is_refused() {
-        let make = |d, up| Pinhole::new(DVec3::ZERO, d, up, 1.0, 4, 4);
+        let make = |d, up| Camera::perspective(DVec3::ZERO, d, up, 1.0, 4, 4);
         assert_eq!(make(DVec3::Y, DVec3::Y * 3.0), Err(NoUpright));
         assert_eq!(make(DVec3::ZERO, DVec3::Y), Err(NoUpright));
         assert!(make(DVec3::new(1e-9, 1.0, 0.0), DVec3::Y).is_ok());
+    }
+
+    #[test]
+    fn parallel_rays_start_a_pixel_apart() {
+        let c = Camera::orthographic(DVec3::Z, DVec3::NEG_Z, DVec3::Y, 2.0, 400, 200).unwrap();
+        for (p, start) in [
+            (Vec2::new(200.0, 100.0), Vec3::Z),
+            (Vec2::new(400.0, 100.0), Vec3::new(2.0, 0.0, 1.0)),
+            (Vec2::new(0.0, 0.0), Vec3::new(-2.0, 1.0, 1.0)),
+        ] {
+            looks(&c, p, Vec3::NEG_Z);
+            assert_eq!(c.ray(p, None).origin, start);
+        }
+    }
+
+    #[test]
+    fn a_panorama_sees_all_around() {
+        let c = Camera::panorama(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 400, 200).unwrap();
+        for (x, y, d) in [
+            (200.0, 100.0, Vec3::NEG_Z),
+            (300.0, 100.0, Vec3::X),
+            (100.0, 100.0, Vec3::NEG_X),
+            (0.0, 100.0, Vec3::Z),
+            (123.0, 0.0, Vec3::Y),
+            (300.0, 150.0, Vec3::new(1.0, -1.0, 0.0)),
+        ] {
+            looks(&c, Vec2::new(x, y), d);
+        }
+    }
+
+    #[test]
+    fn a_closed_lens_is_a_pinhole_and_all_of_a_lens_sees_the_point_in_focus() {
+        let lens = Lens { radius: 0.3, focus: 4.0, blades: 0 };
+        let (open, shut) = (wide().with_lens(lens), wide().with_lens(Lens { radius: 0.0, ..lens }));
+        for p in [Vec2::new(200.0, 100.0), Vec2::new(17.0, 3.0)] {
+            let through_middle = wide().ray(p, None);
+            assert_eq!(open.ray(p, None), through_middle);
+            let in_focus = through_middle.at(4.0 / -through_middle.direction.z);
+            for u in [Vec2::new(0.1, 0.9), Vec2::new(0.7, 0.3)] {
+                assert_eq!(shut.ray(p, Some(u)), through_middle);
+                let ray = open.ray(p, Some(u));
+                assert!(ray.origin.length() <= 0.3 && ray.origin != Vec3::ZERO);
+                assert!((ray.at(4.0 / -ray.direction.z) - in_focus).length() < 1e-5);
+            }
+        }
+    }
+
+    #[test]
+    fn a_moved_camera_sees_from_its_new_place() {
+        let turn = DAffine3::from_quat(glam::DQuat::from_xyzw(0.0, 0.5f64.sqrt(), 0.0, 0.5f64.sqrt()));
+        let map = Transform::new(DAffine3::from_translation(DVec3::X) * turn).unwrap();
+        let moved = wide().moved(&map);
+        looks(&moved, Vec2::new(200.0, 100.0), Vec3::NEG_X);
+        assert_eq!(moved.center(), DVec3::X);
     }
 }

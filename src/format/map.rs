@@ -1,6 +1,7 @@
 //! The steps of a `Transform`.
 
-use glam::{DAffine3, DMat3, DMat4, DVec3};
+use crate::math::{self, Step};
+use glam::{DAffine3, DMat4, DVec3};
 
 /// One step of a transform.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -44,6 +45,21 @@ impl Map {
         }
     }
 
+    /// The map as it grows from nothing, at time 0, to the whole of it, at time 1; a matrix cannot grow and stands still.
+    #[must_use]
+    pub fn growing(&self) -> Step {
+        match *self {
+            Self::Scale(s) => Step::Stretch(s),
+            Self::UniformScale(s) => Step::Stretch(DVec3::splat(s)),
+            Self::Translate(t) => Step::Shift(t),
+            Self::RotateX(angle) => Step::Turn(DVec3::X, angle.to_radians()),
+            Self::RotateY(angle) => Step::Turn(DVec3::Y, angle.to_radians()),
+            Self::RotateZ(angle) => Step::Turn(DVec3::Z, angle.to_radians()),
+            Self::Rotate { axis, angle } => Step::Turn(axis.normalize_or_zero(), angle.to_radians()),
+            Self::Matrix(_) => Step::Fixed(self.matrix()),
+        }
+    }
+
     /// All `maps` as one. Each is applied before those listed ahead of it (M ← M T), but a matrix after them (M ← T M),
     /// as the course has it.
     #[must_use]
@@ -55,11 +71,9 @@ impl Map {
     }
 }
 
-/// Rodrigues' rotation about a unit `axis` by `angle` in degrees: cos·I + (1 − cos)·aaᵀ + sin·[a]×.
+/// A turn about a unit `axis` by `angle` in degrees.
 fn turn(axis: DVec3, angle: f64) -> DAffine3 {
-    let (sin, cos) = libm::sincos(angle.to_radians());
-    let column = |e: DVec3| e * cos + axis * ((1.0 - cos) * axis.dot(e)) + axis.cross(e) * sin;
-    DAffine3::from_mat3(DMat3::from_cols(column(DVec3::X), column(DVec3::Y), column(DVec3::Z)))
+    DAffine3::from_mat3(math::turn(axis, angle.to_radians()))
 }
 
 #[cfg(test)]

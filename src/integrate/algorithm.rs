@@ -69,10 +69,11 @@ impl Algorithm {
     #[must_use]
     pub fn simulates(self) -> Effects {
         use Effect::{
-            Casters, CausticBounces, Caustics, Environment, Gathering, Interiors, Interreflection, Shadows, SoftShadows,
+            Casters, CausticBounces, Caustics, Environment, Gathering, Interiors, Interreflection, Lens, Motion,
+            Shadows, SoftShadows,
         };
         const WHITTED: Effects = Effects::of(&[Casters, Shadows, Environment, Interiors]);
-        const DISTRIBUTED: Effects = WHITTED.with(SoftShadows);
+        const DISTRIBUTED: Effects = WHITTED.with(SoftShadows).with(Lens).with(Motion);
         const PATH: Effects = DISTRIBUTED.with(Interreflection).with(Caustics);
         const PHOTONS: Effects = PATH.with(CausticBounces);
         match self {

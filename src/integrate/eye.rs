@@ -88,8 +88,8 @@ impl<M: Method> EyePass<'_, M> {
 
     fn run_in<I: Interior>(&self, monitor: &dyn Monitor, out: &mut Pass) {
         let start = Instant::now();
-        let sampling =
-            tiles::Sampling { camera: self.scene.camera(), filter: Some(&self.settings.filter), samples: self.samples };
+        let (camera, filter) = (self.scene.camera(), Some(&self.settings.filter));
+        let sampling = tiles::Sampling { camera, filter, samples: self.samples, lens: self.effects.has(Effect::Lens) };
         let walks = if self.method.repeats_walks() { 0 } else { u64::from(self.pass) };
         let key = Key::new(self.settings.seed).purpose(Purpose::Camera).with(walks);
         let (image, counters) =
@@ -111,7 +111,8 @@ impl<M: Method> EyePass<'_, M> {
             let (mut worker, mut waiting) = (Worker::default(), Vec::<Branch<I>>::new());
             let radiance = chunk.iter().map(|(at, draw)| {
                 worker.counters.camera_rays += 1;
-                self.radiance(&self.scene.camera().ray(*at), *draw, &mut worker, &mut waiting)
+                let lens = self.effects.has(Effect::Lens).then(|| draw.two(Dimension::Lens));
+                self.radiance(&self.scene.camera().ray(*at, lens), *draw, &mut worker, &mut waiting)
             });
             (radiance.collect::<Vec<Rgb>>(), worker)
         });

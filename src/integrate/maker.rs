@@ -85,8 +85,7 @@ impl<'a> MapMaker<'a> {
             if paths == 0 || wanted == Wants::NONE {
                 return None;
             }
-            let source = made()?.with_interiors(effects.has(Effect::Interiors));
-            if effects.has(Effect::Environment) { Some(source) } else { source.without_environment() }
+            restricted(made()?, effects)
         };
         // Caustics that are simulated though nothing calls for them come from everywhere.
         let aimed = || PhotonSource::aimed(scene).or_else(|| PhotonSource::everywhere(scene));
@@ -106,8 +105,7 @@ impl<'a> MapMaker<'a> {
         let needs = needs.within(effects);
         let keep = |source: &Option<PhotonSource<'a>>, wanted: Wants| {
             let source = source.clone().filter(|_| wanted != Wants::NONE)?;
-            let source = source.with_interiors(effects.has(Effect::Interiors));
-            if effects.has(Effect::Environment) { Some(source) } else { source.without_environment() }
+            restricted(source, effects)
         };
         Self {
             settings: self.settings.clone(),
@@ -115,6 +113,18 @@ impl<'a> MapMaker<'a> {
             needs,
             global: keep(&self.global, needs.global),
             caustic: keep(&self.caustic, needs.by_casters()),
+            ..*self
+        }
+    }
+
+    /// The same for `scene`, which is the maker's own at another time.
+    pub fn at<'b>(&self, scene: &'b Scene) -> MapMaker<'b> {
+        let placed = |source: &Option<PhotonSource<'a>>| source.as_ref().map(|source| source.at(scene));
+        MapMaker {
+            scene,
+            settings: self.settings.clone(),
+            global: placed(&self.global),
+            caustic: placed(&self.caustic),
             ..*self
         }
     }
@@ -267,6 +277,12 @@ impl<'a> MapMaker<'a> {
         out.seconds.photons += start.elapsed().as_secs_f64();
         traced
     }
+}
+
+/// A source as effects allow it.
+fn restricted<'a>(source: PhotonSource<'a>, effects: Effects) -> Option<PhotonSource<'a>> {
+    let source = source.with_interiors(effects.has(Effect::Interiors));
+    if effects.has(Effect::Environment) { Some(source) } else { source.without_environment() }
 }
 
 fn report(traced: &Traced) -> PhotonReport {

@@ -8,8 +8,8 @@ use super::maps::{Maps, Needs};
 use super::method::Method;
 use super::{Expected, EyeSettings, Integrator, Lessons, Monitor, Pass, Radii, Settings};
 use crate::color::Rgb;
-use crate::plan::{Effects, Plan};
-use crate::sampling::Draw;
+use crate::plan::{Effect, Effects, Plan};
+use crate::sampling::{Dimension, Draw, Key, Purpose};
 use crate::scene::Scene;
 use crate::stats::Counters;
 use glam::Vec2;
@@ -130,6 +130,29 @@ impl<'a> Prepared<'a> {
         prepared
     }
 
+    /// The same algorithm in `scene`, which is its own at another time; what pilots found stays.
+    fn at<'b>(&self, scene: &'b Scene) -> Prepared<'b> {
+        Prepared {
+            scene,
+            plan: self.plan.clone(),
+            effects: self.effects,
+            eye: self.eye.clone(),
+            direct: DirectLight::new(scene, self.strategy.asking(), self.effects),
+            maker: self.maker.at(scene),
+            strategy: Arc::clone(&self.strategy),
+            samples: self.samples,
+            balance: self.balance,
+        }
+    }
+
+    /// A pass of the scene as it stands.
+    fn still(&self, pass: u32, monitor: &dyn Monitor) -> Pass {
+        let mut out = Pass::default();
+        let maps = self.maker.make(pass, monitor, &mut out);
+        self.walk(&maps, pass, Job::Picture(monitor, &mut out));
+        out
+    }
+
     /// Follows the camera walks of `job`.
     pub fn walk(&self, maps: &Maps<'_>, pass: u32, job: Job<'_>) {
         let Self { scene, effects, eye: settings, direct, samples, .. } = self;
@@ -137,12 +160,22 @@ impl<'a> Prepared<'a> {
     }
 }
 
+/// When in \[0, 1) the things of a pass are seen: the passes together fill the time evenly, a power of two of them in equal steps.
+fn shutter_time(seed: u64, pass: u32) -> f64 {
+    let start = Key::new(seed).purpose(Purpose::Shutter).uniform(Dimension::Time);
+    let step = f64::from(pass.reverse_bits()) / 4_294_967_296.0;
+    let time = f64::from(start) + step;
+    time - time.floor()
+}
+
 impl Integrator for Prepared<'_> {
     fn pass(&self, pass: u32, monitor: &dyn Monitor) -> Pass {
-        let mut out = Pass::default();
-        let maps = self.maker.make(pass, monitor, &mut out);
-        self.walk(&maps, pass, Job::Picture(monitor, &mut out));
-        out
+        if self.effects.has(Effect::Motion) && self.scene.moves() {
+            let scene = self.scene.at(shutter_time(self.eye.seed, pass));
+            self.at(&scene).still(pass, monitor)
+        } else {
+            self.still(pass, monitor)
+        }
     }
 
     fn expected(&self) -> Expected {

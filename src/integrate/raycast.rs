@@ -24,8 +24,8 @@ pub(super) struct RayCast<'a> {
 impl Integrator for RayCast<'_> {
     fn pass(&self, pass: u32, monitor: &dyn Monitor) -> Pass {
         let start = Instant::now();
-        let sampling =
-            tiles::Sampling { camera: self.scene.camera(), filter: self.filter.as_ref(), samples: self.samples };
+        let (camera, filter) = (self.scene.camera(), self.filter.as_ref());
+        let sampling = tiles::Sampling { camera, filter, samples: self.samples, lens: false };
         let key = Key::new(self.seed).purpose(Purpose::Camera).with(u64::from(pass));
         let (image, counters) = tiles::render(&sampling, key, monitor, |ray, _, _, (): &mut ()| self.shade(ray));
         let seconds = Seconds { eye: start.elapsed().as_secs_f64(), ..Seconds::default() };

@@ -131,7 +131,7 @@ impl Prepared<'_> {
 
 #[cfg(test)]
 mod tests {
-    use crate::camera::Pinhole;
+    use crate::camera::Camera;
     use crate::integrate::{Algorithm, Settings};
     use crate::scene::{LightStrength, Material, SceneBuilder, SourceKind};
     use crate::shape::{Plane, Shape, Sphere};
@@ -147,7 +147,8 @@ mod tests {
         builder.shape(Shape::Sphere(Sphere::new(DVec3::Y, 0.8)), glass, Vec3::ZERO);
         let kind = SourceKind::Point { position: DVec3::new(2.0, 4.0, 1.0) };
         builder.source(kind, LightStrength::Power(Vec3::splat(100.0)));
-        let eye = Pinhole::new(DVec3::new(0.0, 2.0, 6.0), DVec3::new(0.0, -0.2, -1.0), DVec3::Y, 0.7, 64, 48).unwrap();
+        let eye =
+            Camera::perspective(DVec3::new(0.0, 2.0, 6.0), DVec3::new(0.0, -0.2, -1.0), DVec3::Y, 0.7, 64, 48).unwrap();
         let scene = builder.build(eye).unwrap();
         let balance = |photons| {
             let settings = Settings { photons, caustic_photons: 20_000, ..Settings::default() };

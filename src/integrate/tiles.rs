@@ -2,7 +2,7 @@
 
 use super::guide::Guide;
 use super::{Monitor, Phase};
-use crate::camera::{Filter, Pinhole};
+use crate::camera::{Camera, Filter};
 use crate::color::Rgb;
 use crate::math::Ray;
 use crate::photon::{Scratch, VisiblePoint};
@@ -29,11 +29,13 @@ pub(super) struct Worker {
 
 /// How a pixel is covered by samples.
 pub(super) struct Sampling<'a> {
-    pub camera: &'a Pinhole,
+    pub camera: &'a Camera,
     /// `None`: one ray through the lower left corner of each pixel.
     pub filter: Option<&'a Filter>,
     /// Rays a pixel.
     pub samples: u32,
+    /// Whether they leave all of the lens.
+    pub lens: bool,
 }
 
 /// Renders all pixels: `radiance` gets a camera ray, the random numbers of its sample, and what the tile keeps: a worker, and whatever
@@ -97,7 +99,8 @@ fn pixel(
             None => corner + Vec2::Y,
         };
         worker.counters.camera_rays += 1;
-        let value = radiance(&sampling.camera.ray(at), draw, worker);
+        let lens = sampling.lens.then(|| draw.two(Dimension::Lens));
+        let value = radiance(&sampling.camera.ray(at, lens), draw, worker);
         if value.is_finite() {
             sum += value.as_dvec3();
         } else {

@@ -52,7 +52,7 @@ pub fn coverage(scene: &Scene, p: Vec3, normal: Vec3, radius: f32, kernel: Kerne
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::Pinhole;
+    use crate::camera::Camera;
     use crate::color::Rgb;
     use crate::sampling::Purpose;
     use crate::scene::{Material, SceneBuilder};
@@ -65,7 +65,7 @@ mod tests {
         for shape in shapes {
             builder.shape(shape.clone(), white, Rgb::ZERO);
         }
-        builder.build(Pinhole::new(DVec3::Z * 9.0, DVec3::NEG_Z, DVec3::Y, 1.0, 4, 3).unwrap()).unwrap()
+        builder.build(Camera::perspective(DVec3::Z * 9.0, DVec3::NEG_Z, DVec3::Y, 1.0, 4, 3).unwrap()).unwrap()
     }
 
     fn rectangle(corner: [f64; 3], edge0: DVec3, edge1: DVec3) -> Shape {

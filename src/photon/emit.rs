@@ -58,7 +58,8 @@ impl<'a> PhotonSource<'a> {
         };
         let domain = scene.domain();
         let reaching = |(light, power): (&Light, f64)| {
-            let reaches = balls.iter().any(|ball| light.may_reach(Some(*ball), domain));
+            // What moves may be reached at another time.
+            let reaches = scene.moves() || balls.iter().any(|ball| light.may_reach(Some(*ball), domain));
             if reaches { power } else { 0.0 }
         };
         let powers: Vec<f64> = scene.lights().iter().zip(powers(scene)).map(reaching).collect();
@@ -84,6 +85,15 @@ impl<'a> PhotonSource<'a> {
         let weight = |i| if i == sky { 0.0 } else { f64::from(self.choice.probability(i)) };
         let choice = Discrete::new((0..self.scene.lights().len()).map(weight))?;
         Some(Self { choice, ..self })
+    }
+
+    /// This source in `scene`, which is its own at another time: it is aimed at where casters are then.
+    #[must_use]
+    pub fn at<'b>(&self, scene: &'b Scene) -> PhotonSource<'b> {
+        let balls = if self.targets.is_some() { scene.caster_balls() } else { None };
+        let targets = balls.map(Targets::new);
+        let (choice, densities) = (self.choice.clone(), self.densities.clone());
+        PhotonSource { scene, choice, targets, densities, interiors: self.interiors }
     }
 
     /// This source, whose photons remember what they are inside of, or do not.
@@ -149,7 +159,7 @@ fn aimed_power(scene: &Scene, targets: &Targets, light: usize) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::camera::Pinhole;
+    use crate::camera::Camera;
     use crate::photon::{PhotonPass, Wants};
     use crate::scene::{LightStrength, Material, SceneBuilder, SourceKind};
     use crate::shape::{Plane, Shape, Sphere};
@@ -163,7 +173,7 @@ mod tests {
         builder.plane(Plane::new(DVec3::Y * height, DVec3::Y), white, Rgb::ZERO);
         let direction = DVec3::new(0.3, -1.0, 0.1);
         builder.source(SourceKind::Directional { direction }, LightStrength::Physical(Rgb::ONE));
-        let eye = Pinhole::new(DVec3::Z * 9.0, DVec3::NEG_Z, DVec3::Y, 1.0, 4, 3).unwrap();
+        let eye = Camera::perspective(DVec3::Z * 9.0, DVec3::NEG_Z, DVec3::Y, 1.0, 4, 3).unwrap();
         builder.build(eye).unwrap()
     }
 

@@ -35,6 +35,14 @@ pub enum Reason {
     NoSky,
     /// Light enters nothing.
     NoBody,
+    /// The camera has a lens.
+    Lens,
+    /// The camera has none.
+    NoLens,
+    /// Something moves.
+    Moving,
+    /// Nothing does.
+    NothingMoves,
     /// It rests on another effect, which is off.
     Without(Effect),
 }
@@ -59,6 +67,10 @@ impl fmt::Display for Reason {
             Self::NoSoftLight => f.write_str("every light is a point, or parallel"),
             Self::NoSky => f.write_str("no light comes from all around"),
             Self::NoBody => f.write_str("light enters nothing"),
+            Self::Lens => f.write_str("the camera has a lens"),
+            Self::NoLens => f.write_str("the camera has no lens"),
+            Self::Moving => f.write_str("something moves while the shutter is open"),
+            Self::NothingMoves => f.write_str("nothing moves while the shutter is open"),
             Self::Without(effect) => write!(f, "it rests on {effect}, which adds nothing here"),
         }
     }
@@ -180,6 +192,14 @@ fn judge(facts: &Facts, effect: Effect, before: Effects) -> Result<Reason, Reaso
         Effect::Interiors => {
             any(facts.bodies, Reason::NoBody)?;
             Ok(Reason::Objects(facts.bodies, "that light enters"))
+        }
+        Effect::Lens => {
+            need(facts.lens, Reason::NoLens)?;
+            Ok(Reason::Lens)
+        }
+        Effect::Motion => {
+            need(facts.moving, Reason::NothingMoves)?;
+            Ok(Reason::Moving)
         }
     }
 }

@@ -22,11 +22,15 @@ pub enum Effect {
     Environment,
     /// Bodies that absorb or overlap.
     Interiors,
+    /// Rays from all of the lens: depth of field.
+    Lens,
+    /// Things that move while the shutter is open.
+    Motion,
 }
 
 impl Effect {
     /// All of them, in the order of a table.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 11] = [
         Self::Casters,
         Self::Caustics,
         Self::CausticBounces,
@@ -36,6 +40,8 @@ impl Effect {
         Self::SoftShadows,
         Self::Environment,
         Self::Interiors,
+        Self::Lens,
+        Self::Motion,
     ];
 
     /// As typed.
@@ -51,6 +57,8 @@ impl Effect {
             Self::SoftShadows => "soft-shadows",
             Self::Environment => "environment",
             Self::Interiors => "interiors",
+            Self::Lens => "lens",
+            Self::Motion => "motion",
         }
     }
 
@@ -69,6 +77,8 @@ impl Effect {
             Self::Interiors => {
                 "glass keeps all light that goes through it, and bodies that overlap refract as if apart"
             }
+            Self::Lens => "everything is sharp, near and far",
+            Self::Motion => "what moves stands still where it is when the shutter is half way",
         }
     }
 }

@@ -28,6 +28,10 @@ pub struct Facts {
     pub soft_lights: usize,
     /// Whether light comes from all around.
     pub environment: bool,
+    /// Whether the camera has a lens.
+    pub lens: bool,
+    /// Whether anything moves while the shutter is open.
+    pub moving: bool,
     /// Whether nothing can stand before anything else: all there is is one flat object, and no light shines along it.
     pub one_flat_object: bool,
 }
@@ -47,13 +51,18 @@ impl Facts {
             lights: 0,
             soft_lights: 0,
             environment: scene.environment().is_some(),
+            lens: scene.camera().lens().is_some(),
+            moving: scene.moves(),
             one_flat_object: false,
         };
         // Where all there is are planes the domain is a point, in which light from infinity has no power, but it shines.
         let some = Sphere { center: Vec3::ZERO, radius: 1.0 };
         let lights: Vec<&Light> = scene.lights().iter().filter(|l| l.power(some) != Rgb::ZERO).collect();
         facts.lights = lights.len();
-        if let [Object { plane: Some((p, n)), .. }] = objects[..] {
+        // What moves is elsewhere at another time.
+        if let [Object { plane: Some((p, n)), .. }] = objects[..]
+            && !facts.moving
+        {
             facts.one_flat_object = lights.iter().all(|light| light.is_clear_of(p, n));
         }
         facts.soft_lights = lights.iter().filter(|l| l.has_surface()).count();
@@ -70,7 +79,8 @@ impl Facts {
                     Scattering::Fixed(_) | Scattering::Mix { .. } => {}
                 }
             });
-            let reached = || lights.iter().any(|light| light.may_reach(object.ball, scene.domain()));
+            let ball = object.ball.filter(|_| !facts.moving);
+            let reached = || lights.iter().any(|light| light.may_reach(ball, scene.domain()));
             facts.receivers += usize::from(receives);
             facts.scattering_receivers += usize::from(scatters);
             facts.casters += usize::from(casts);

@@ -97,7 +97,7 @@ mod tests {
 
     #[test]
     fn what_names_no_effect_is_refused() {
-        for bad in ["", "caustics", "+lens", "all,", "-"] {
+        for bad in ["", "caustics", "+dof", "all,", "-"] {
             let error = bad.parse::<Wishes>().unwrap_err().to_string();
             assert!(error.contains("+caustics") && error.contains("caustic-bounces"), "{error}");
         }

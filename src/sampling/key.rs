@@ -30,6 +30,8 @@ pub enum Purpose {
     Guides,
     /// The pilot that finds how a pass should divide its work.
     Balance,
+    /// The times of passes.
+    Shutter,
 }
 
 /// The name of one decision at one vertex of a path.
@@ -60,6 +62,10 @@ pub enum Dimension {
     Part,
     /// Whether a faint reflection is looked at.
     Worth,
+    /// Where in the lens.
+    Lens,
+    /// When, while the shutter is open.
+    Time,
 }
 
 /// A name for a place in the space of random decisions.

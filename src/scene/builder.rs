@@ -1,19 +1,17 @@
 //! Building a resolved scene from parts in world coordinates.
 
-use super::{Attributes, CourseLight, Inside, Material, Scene};
+use super::movement::{MIDDLE, Movement, plane_at, shape_at, source_at};
+use super::source::{course_area_light, resolve_source};
+use super::{Attributes, Inside, LightStrength, Material, Scene, SourceKind};
 use crate::accel::Hierarchy;
-use crate::camera::Pinhole;
+use crate::camera::Camera;
 use crate::color::Rgb;
-use crate::light::{Area, Emitter, Environment, Light, Spot};
-use crate::math::{Bounds, Sphere};
+use crate::light::{Area, Emitter, Environment, Light};
+use crate::math::{Bounds, Motion, Sphere, Transform};
 use crate::sampling::Discrete;
 use crate::shape::{Mesh, Plane, Shape, Triangle};
-use glam::{DVec3, Vec3};
-use std::f32::consts::PI;
+use glam::{DAffine3, DVec3, Vec3};
 use std::sync::Arc;
-
-/// How far light from infinity is followed beyond the bounded shapes, in their radii, where unbounded planes catch it.
-const OPEN_DOMAIN: f32 = 4.0;
 
 /// Why parts do not make a scene.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -27,46 +25,12 @@ pub enum BuildError {
     /// Light counted from 0 whose power does not fit single precision.
     #[error("light {0} (counted from 0) is stronger than single precision can hold")]
     TooBright(usize),
+    /// A motion that squeezes what it moves until it has no extent.
+    #[error("a motion flattens what it moves: choose scales that are not so small")]
+    Flattened,
     /// More triangles than indices.
     #[error("{0} triangles are more than the 2³¹ that can be indexed")]
     TooManyTriangles(usize),
-}
-
-/// How strong a point, spot or directional light is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum LightStrength {
-    /// The course's colour: what a white, matt surface that faces the light reflects, at the middle of the scene.
-    Course(Rgb),
-    /// Intensity \[W/sr], or irradiance \[W/m²] for parallel light.
-    Physical(Rgb),
-    /// Flux \[W]; for points and spots.
-    Power(Rgb),
-}
-
-/// A light without a surface.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum SourceKind {
-    /// Everywhere alike from a place.
-    Point {
-        /// Place.
-        position: DVec3,
-    },
-    /// Into a cone.
-    Spot {
-        /// Place.
-        position: DVec3,
-        /// Middle of the beam, of any length above zero.
-        axis: DVec3,
-        /// Half angle of full strength \[radians].
-        inner: f64,
-        /// Half angle where it ends \[radians].
-        outer: f64,
-    },
-    /// Parallel.
-    Directional {
-        /// Direction of travel, of any length above zero.
-        direction: DVec3,
-    },
 }
 
 /// Gathers the parts of a scene.
@@ -82,6 +46,10 @@ pub struct SceneBuilder {
     triangles: Vec<Triangle>,
     parts: Vec<(u32, u32, Rgb)>,
     sources: Vec<(SourceKind, LightStrength)>,
+    moving_shapes: Vec<(Shape, Motion, u32, Rgb)>,
+    moving_planes: Vec<(Plane, Motion, u32)>,
+    moving_sources: Vec<(SourceKind, LightStrength, Motion)>,
+    moving_camera: Option<Motion>,
     emissive_plane: bool,
 }
 
@@ -154,20 +122,54 @@ impl SceneBuilder {
         self
     }
 
+    /// Adds a shape that moves while the shutter is open.
+    pub fn moving_shape(&mut self, shape: Shape, motion: Motion, material: u32, emission: Rgb) -> &mut Self {
+        self.moving_shapes.push((shape, motion, material, emission));
+        self
+    }
+
+    /// Adds an unbounded plane that moves while the shutter is open.
+    pub fn moving_plane(&mut self, plane: Plane, motion: Motion, material: u32, emission: Rgb) -> &mut Self {
+        self.emissive_plane |= emission != Rgb::ZERO;
+        self.moving_planes.push((plane, motion, material));
+        self
+    }
+
+    /// Adds a light without a surface that moves while the shutter is open, by maps that act as if its own place were the origin.
+    pub fn moving_source(&mut self, kind: SourceKind, strength: LightStrength, motion: &Motion) -> &mut Self {
+        let motion = kind.place().map_or_else(|| motion.clone(), |place| motion.about(place));
+        self.moving_sources.push((kind, strength, motion));
+        self
+    }
+
+    /// Lets the camera turn and move while the shutter is open, by maps that act as if its own place were the origin.
+    pub fn moving_camera(&mut self, motion: Motion) -> &mut Self {
+        self.moving_camera = Some(motion);
+        self
+    }
+
     /// Checks, re-centres and indexes everything.
     ///
     /// # Errors
     /// [`BuildError`] where the parts cannot be rendered.
-    pub fn build(self, camera: Pinhole) -> Result<Scene, BuildError> {
+    pub fn build(self, camera: Camera) -> Result<Scene, BuildError> {
         if self.emissive_plane {
             return Err(BuildError::EmissivePlane);
         }
         if self.triangles.len() > i32::MAX as usize {
             return Err(BuildError::TooManyTriangles(self.triangles.len()));
         }
-        let middle = self.middle(&camera);
-        let shapes: Vec<Shape> = self.shapes.iter().map(|(s, ..)| s.translated(-middle)).collect();
-        let planes: Vec<Plane> = self.planes.iter().map(|(p, _)| p.translated(-middle)).collect();
+        let middle = self.middle(&camera)?;
+        let movement = self.movement(&camera, middle);
+        let mut shapes: Vec<Shape> = self.shapes.iter().map(|(s, ..)| s.translated(-middle)).collect();
+        let still = shapes.len();
+        for (shape, motion) in &movement.shapes {
+            shapes.push(shape_at(shape, motion, MIDDLE).ok_or(BuildError::Flattened)?);
+        }
+        let mut planes: Vec<Plane> = self.planes.iter().map(|(p, _)| p.translated(-middle)).collect();
+        for (plane, motion) in &movement.planes {
+            planes.push(plane_at(plane, motion, MIDDLE).ok_or(BuildError::Flattened)?);
+        }
         let mut normals = self.normals;
         if !normals.is_empty() {
             normals.resize(self.positions.len(), Vec3::ZERO);
@@ -187,13 +189,18 @@ impl SceneBuilder {
         if farthest.is_nan() || farthest > 1e12 {
             return Err(BuildError::TooLarge(f64::from(farthest)));
         }
-        let bounds = boxes.iter().copied().fold(Bounds::of(corners.iter().flatten().copied()), Bounds::union);
-        let domain = domain(bounds, !planes.is_empty());
+        let bounds = boxes[..still].iter().copied().fold(Bounds::of(corners.iter().flatten().copied()), Bounds::union);
 
         let mut lights = Vec::new();
         let mut course_lights = Vec::new();
         for (kind, strength) in &self.sources {
             let (light, course) = resolve_source(kind, *strength, middle);
+            lights.push(light);
+            course_lights.push(course);
+        }
+        for (_, kind, strength, motion) in &movement.sources {
+            let kind = source_at(kind, motion, MIDDLE).ok_or(BuildError::Flattened)?;
+            let (light, course) = resolve_source(&kind, *strength, DVec3::ZERO);
             lights.push(light);
             course_lights.push(course);
         }
@@ -205,12 +212,14 @@ impl SceneBuilder {
                 lights.len() as u32 - 1
             })
         };
+        let still_looks = self.shapes.iter().map(|(_, material, radiance)| (*material, *radiance));
+        let moving_looks = self.moving_shapes.iter().map(|(.., material, radiance)| (*material, *radiance));
         let shape_attributes = shapes
             .iter()
-            .zip(&self.shapes)
-            .map(|(shape, (_, material, radiance))| Attributes {
-                material: *material,
-                light: area_light(Emitter::Shape(shape.clone()), *radiance),
+            .zip(still_looks.chain(moving_looks))
+            .map(|(shape, (material, radiance))| Attributes {
+                material,
+                light: area_light(Emitter::Shape(shape.clone()), radiance),
             })
             .collect();
         let ends: Vec<u32> =
@@ -228,109 +237,74 @@ impl SceneBuilder {
         }
         // Last, as the course's lights know nothing of it.
         lights.extend(self.environment.map(Light::Environment));
-        if let Some(i) = lights.iter().position(|light| !light.power(domain).is_finite()) {
-            return Err(BuildError::TooBright(i));
-        }
-        let planes = planes.into_iter().zip(&self.planes);
+        let plane_materials = self.planes.iter().map(|(_, m)| *m).chain(self.moving_planes.iter().map(|(.., m)| *m));
+        let planes = planes.into_iter().zip(plane_materials);
+        let camera = match &movement.camera {
+            Some((camera, motion)) => {
+                camera.moved(&Transform::new(motion.at(MIDDLE)).map_err(|_| BuildError::Flattened)?)
+            }
+            None => camera.translated(-middle),
+        };
         let mut scene = Scene {
-            camera: camera.translated(-middle),
+            camera,
             background: self.background,
             materials: self.materials,
-            hierarchy: Hierarchy::build(&corners, &boxes),
-            planes: planes.map(|(p, (_, material))| (p, Attributes { material: *material, light: None })).collect(),
+            hierarchy: Arc::new(Hierarchy::build(&corners, &boxes[..still])),
+            moving: None,
+            first_moving: 0,
+            movement: (!movement.is_none()).then(|| Arc::new(movement)),
+            still: bounds,
+            planes: planes.map(|(p, material)| (p, Attributes { material, light: None })).collect(),
             lights,
             course_lights,
             shapes,
             shape_attributes,
             mesh,
             parts,
-            triangle_part,
-            domain,
+            triangle_part: triangle_part.into(),
+            domain: Sphere { center: Vec3::ZERO, radius: 0.0 },
             middle,
             camera_inside: Inside::NOTHING,
             light_inside: Vec::new(),
         };
-        if scene.has_bodies() {
-            scene.camera_inside = scene.inside_at(scene.camera.center().as_vec3());
-            scene.light_inside =
-                scene.lights.iter().map(|l| l.start().map_or(Inside::NOTHING, |p| scene.inside_at(p))).collect();
-        } else {
-            scene.light_inside = vec![Inside::NOTHING; scene.lights.len()];
+        scene.settle(bounds);
+        match scene.lights.iter().position(|light| !light.power(scene.domain).is_finite()) {
+            Some(i) => Err(BuildError::TooBright(i)),
+            None => Ok(scene),
         }
-        Ok(scene)
+    }
+
+    /// All that moves, in coordinates around `middle`.
+    fn movement(&self, camera: &Camera, middle: DVec3) -> Movement {
+        let back = DAffine3::from_translation(-middle);
+        let first = self.sources.len();
+        let sources = self.moving_sources.iter().zip(first..);
+        let still = camera.translated(-middle);
+        Movement {
+            shapes: self.moving_shapes.iter().map(|(s, motion, ..)| (s.clone(), motion.followed_by(back))).collect(),
+            planes: self.moving_planes.iter().map(|(p, motion, _)| (*p, motion.followed_by(back))).collect(),
+            sources: sources.map(|((kind, s, motion), i)| (i, *kind, *s, motion.followed_by(back))).collect(),
+            camera: self.moving_camera.as_ref().map(|motion| (still, motion.about(still.center()))),
+        }
     }
 
     /// The middle of the box around the bounded shapes, or the eye where there are none.
-    fn middle(&self, camera: &Pinhole) -> DVec3 {
+    fn middle(&self, camera: &Camera) -> Result<DVec3, BuildError> {
         let mut min = DVec3::INFINITY;
         let mut max = DVec3::NEG_INFINITY;
-        for (shape, ..) in &self.shapes {
-            let (lo, hi) = shape.extent();
-            (min, max) = (min.min(lo), max.max(hi));
+        let mut hold = |(lo, hi): (DVec3, DVec3)| (min, max) = (min.min(lo), max.max(hi));
+        self.shapes.iter().for_each(|(shape, ..)| hold(shape.extent()));
+        for (shape, motion, ..) in &self.moving_shapes {
+            for time in [0.0, MIDDLE, 1.0] {
+                hold(shape_at(shape, motion, time).ok_or(BuildError::Flattened)?.extent());
+            }
         }
         for v in self.triangles.iter().flatten() {
             let p = self.positions[*v as usize];
             (min, max) = (min.min(p), max.max(p));
         }
-        if min.cmple(max).all() { min * 0.5 + max * 0.5 } else { camera.center() }
+        Ok(if min.cmple(max).all() { min * 0.5 + max * 0.5 } else { camera.center() })
     }
-}
-
-fn domain(bounds: Bounds, open: bool) -> Sphere {
-    let ball = bounds.bounding_sphere();
-    Sphere { center: ball.center, radius: if open { ball.radius * OPEN_DOMAIN } else { ball.radius } }
-}
-
-/// The light and its course colour. A course colour c means irradiance π·c on a facing surface at the middle, so that a white
-/// matt surface there reflects radiance c.
-fn resolve_source(kind: &SourceKind, strength: LightStrength, middle: DVec3) -> (Light, CourseLight) {
-    // A light at the very middle is taken to be one unit away.
-    let distance2 = |p: &DVec3| {
-        let d2 = (*p - middle).length_squared() as f32;
-        if d2 > 0.0 { d2 } else { 1.0 }
-    };
-    let to_intensity = |position: &DVec3, watts_to_intensity: f32| match strength {
-        LightStrength::Course(c) => (c * (PI * distance2(position)), c),
-        LightStrength::Physical(i) => (i, i / (PI * distance2(position))),
-        LightStrength::Power(w) => (w * watts_to_intensity, w * (watts_to_intensity / (PI * distance2(position)))),
-    };
-    match kind {
-        SourceKind::Point { position } => {
-            let (intensity, color) = to_intensity(position, 1.0 / (4.0 * PI));
-            let place = (*position - middle).as_vec3();
-            (Light::Point { position: place, intensity }, CourseLight::Point(place, color))
-        }
-        SourceKind::Spot { position, axis, inner, outer } => {
-            let place = (*position - middle).as_vec3();
-            let mut spot = Spot {
-                position: place,
-                axis: axis.normalize().as_vec3(),
-                cos_inner: libm::cos(*inner) as f32,
-                cos_outer: libm::cos(*outer) as f32,
-                peak: Rgb::ONE,
-            };
-            let (peak, color) = to_intensity(position, 1.0 / spot.power().x);
-            spot.peak = peak;
-            (Light::Spot(spot), CourseLight::Point(place, color))
-        }
-        SourceKind::Directional { direction } => {
-            let (irradiance, color) = match strength {
-                LightStrength::Course(c) => (c * PI, c),
-                LightStrength::Physical(e) | LightStrength::Power(e) => (e, e / PI),
-            };
-            let direction = direction.normalize().as_vec3();
-            (Light::Directional { direction, irradiance }, CourseLight::Directional(direction, color))
-        }
-    }
-}
-
-/// An area light as a point at its middle, as strong at the scene's middle as if it faced it.
-fn course_area_light(light: &Light) -> CourseLight {
-    let center = light.center().unwrap_or(Vec3::ZERO);
-    let nowhere = Sphere { center: Vec3::ZERO, radius: 0.0 };
-    let d2 = center.length_squared();
-    let color = light.power(nowhere) / (PI * PI * if d2 > 0.0 { d2 } else { 1.0 });
-    CourseLight::Point(center, color)
 }
 
 #[cfg(test)]
@@ -338,8 +312,8 @@ mod tests {
     use super::*;
     use crate::shape::Sphere as Ball;
 
-    fn camera() -> Pinhole {
-        Pinhole::new(DVec3::new(0.0, 0.0, 9.0), DVec3::NEG_Z, DVec3::Y, 1.0, 4, 3).unwrap()
+    fn camera() -> Camera {
+        Camera::perspective(DVec3::new(0.0, 0.0, 9.0), DVec3::NEG_Z, DVec3::Y, 1.0, 4, 3).unwrap()
     }
 
     fn ball(builder: &mut SceneBuilder, center: DVec3, emission: Rgb) {

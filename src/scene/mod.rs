@@ -4,24 +4,28 @@ mod builder;
 mod inside;
 mod interior;
 mod material;
+mod movement;
+mod source;
 mod surface;
 mod walk;
 
-pub use builder::{BuildError, LightStrength, SceneBuilder, SourceKind};
+pub use builder::{BuildError, SceneBuilder};
 pub use inside::Inside;
 pub use interior::{Interior, Open};
 pub use material::{Body, Look, Material, Scattering};
+pub use source::{LightStrength, SourceKind};
 pub use surface::Surface;
 pub use walk::{Arrival, Walk};
 
 use crate::accel::{Hierarchy, Primitive};
 use crate::bsdf::Bsdf;
-use crate::camera::Pinhole;
+use crate::camera::Camera;
 use crate::color::Rgb;
 use crate::light::Light;
 use crate::math::{Bounds, Ray, Sphere};
 use crate::shape::{Mesh, Plane, Shape, SurfacePoint};
 use glam::{DVec3, Vec2, Vec3};
+use movement::Movement;
 use std::sync::Arc;
 
 /// What a surface is made of, and which light it is.
@@ -40,14 +44,22 @@ pub enum CourseLight {
     Directional(Vec3, Rgb),
 }
 
-/// A scene ready to be rendered. Coordinates are relative to its own middle.
+/// A scene ready to be rendered, as it stands at one time. Coordinates are relative to its own middle.
+#[derive(Clone)]
 pub struct Scene {
-    camera: Pinhole,
+    camera: Camera,
     background: Rgb,
     materials: Vec<Material>,
     lights: Vec<Light>,
     course_lights: Vec<CourseLight>,
-    hierarchy: Hierarchy,
+    /// Over triangles, and the shapes that do not move.
+    hierarchy: Arc<Hierarchy>,
+    /// Over the shapes that move: those from `first_moving` on.
+    moving: Option<Arc<Hierarchy>>,
+    first_moving: u32,
+    movement: Option<Arc<Movement>>,
+    /// Around what does not move.
+    still: Bounds,
     shapes: Vec<Shape>,
     shape_attributes: Vec<Attributes>,
     planes: Vec<(Plane, Attributes)>,
@@ -55,7 +67,7 @@ pub struct Scene {
     /// First triangle of each mesh with its attributes, ascending.
     parts: Vec<(u32, Attributes)>,
     /// The part of each triangle.
-    triangle_part: Vec<u32>,
+    triangle_part: Arc<[u32]>,
     domain: Sphere,
     middle: DVec3,
     /// What the camera is inside of.
@@ -93,7 +105,7 @@ enum HitKind {
 impl Scene {
     /// The camera.
     #[must_use]
-    pub fn camera(&self) -> &Pinhole {
+    pub fn camera(&self) -> &Camera {
         &self.camera
     }
 
@@ -150,16 +162,18 @@ impl Scene {
         self.middle
     }
 
-    /// How many triangles there are.
+    /// How many triangles there are, those of meshes that are placed again counted again.
     #[must_use]
     pub fn triangle_count(&self) -> usize {
-        self.mesh.triangles.len()
+        let placed = |shape: &Shape| if let Shape::Instance(instance) = shape { instance.triangles() } else { 0 };
+        self.mesh.triangles.len() + self.shapes.iter().map(placed).sum::<usize>()
     }
 
     /// How many analytic shapes there are, planes included.
     #[must_use]
     pub fn shape_count(&self) -> usize {
-        self.shapes.len() + self.planes.len()
+        let placed = |shape: &&Shape| !matches!(shape, Shape::Instance(_));
+        self.shapes.iter().filter(placed).count() + self.planes.len()
     }
 
     /// The nearest crossing.
@@ -174,6 +188,15 @@ impl Scene {
                 Primitive::Other(i) => HitKind::Shape(i, Vec2::new(h.u, h.v)),
             },
         });
+        if let Some(moving) = &self.moving {
+            let within = Ray { t_max: hit.map_or(ray.t_max, |h| h.t), ..*ray };
+            let first = self.first_moving;
+            if let Some(h) = moving.closest(&within, |i, ray| self.shapes[(first + i) as usize].intersect(ray))
+                && let Primitive::Other(i) = h.primitive
+            {
+                hit = Some(Hit { t: h.t, kind: HitKind::Shape(first + i, Vec2::new(h.u, h.v)) });
+            }
+        }
         for (i, (plane, _)) in self.planes.iter().enumerate() {
             let within = Ray { t_max: hit.map_or(ray.t_max, |h| h.t), ..*ray };
             if let Some((t, ..)) = plane.intersect(&within) {
@@ -188,7 +211,11 @@ impl Scene {
     #[must_use]
     pub fn occluded(&self, ray: &Ray) -> bool {
         self.planes.iter().any(|(plane, _)| plane.intersect(ray).is_some())
-            || self.hierarchy.occluded(ray, |i, ray| self.shapes[i as usize].intersect(ray).is_some())
+            || self.hierarchy.occluded(ray, |i, ray| self.shapes[i as usize].occludes(ray))
+            || self.moving.as_ref().is_some_and(|moving| {
+                let first = self.first_moving;
+                moving.occluded(ray, |i, ray| self.shapes[(first + i) as usize].occludes(ray))
+            })
     }
 
     /// The surface at a crossing of `ray`, whose direction must be of unit length; `chance` in \[0, 1) chooses where materials are
@@ -292,7 +319,7 @@ impl Scene {
                     let middle = shape.sample(Vec2::splat(0.5)).point;
                     Some((middle.p, middle.ng))
                 }
-                Shape::Sphere(_) | Shape::Ellipsoid(_) => None,
+                Shape::Sphere(_) | Shape::Ellipsoid(_) | Shape::Instance(_) => None,
             },
             material: attributes.material,
         });

@@ -1,8 +1,8 @@
 //! Ellipsoids: the unit sphere under an affine map.
 
-use super::{Crossing, ShapeSample, SurfacePoint, widen, within};
+use super::{Crossing, ShapeSample, Sphere, SurfacePoint, widen, within};
 use crate::math::{Ray, Transform, quadratic, warp};
-use glam::{DVec3, Vec2};
+use glam::{DAffine3, DMat3, DVec3, Vec2};
 
 /// The unit sphere under an affine map.
 ///
@@ -20,6 +20,19 @@ impl Ellipsoid {
         let mut ellipsoid = Self { to_world, area: 0.0 };
         ellipsoid.area = ellipsoid.integrate_area();
         ellipsoid
+    }
+
+    /// The image of a sphere under an affine map; `None` where the product is singular.
+    #[must_use]
+    pub fn around(sphere: &Sphere, map: &Transform) -> Option<Self> {
+        let place = DAffine3 { matrix3: DMat3::from_diagonal(DVec3::splat(sphere.radius)), translation: sphere.center };
+        Some(Self::new(Transform::new(*map.forward() * place).ok()?))
+    }
+
+    /// The image under another affine map; `None` where the product is singular.
+    #[must_use]
+    pub fn transformed(&self, map: &Transform) -> Option<Self> {
+        Some(Self::new(Transform::new(*map.forward() * *self.to_world.forward()).ok()?))
     }
 
     #[inline]

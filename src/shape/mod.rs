@@ -2,6 +2,7 @@
 
 mod disc;
 mod ellipsoid;
+mod instance;
 mod mesh;
 mod plane;
 mod rectangle;
@@ -9,12 +10,13 @@ mod sphere;
 
 pub use disc::Disc;
 pub use ellipsoid::Ellipsoid;
+pub use instance::{IndexedMesh, Instance};
 pub use mesh::{Mesh, Triangle};
 pub use plane::Plane;
 pub use rectangle::Rectangle;
 pub use sphere::Sphere;
 
-use crate::math::{Bounds, Ray};
+use crate::math::{Bounds, Ray, Transform};
 use glam::{DVec3, Vec2, Vec3};
 
 /// Where a ray meets a shape: the ray's parameter, and two coordinates whose meaning is the shape's own.
@@ -69,6 +71,8 @@ pub enum Shape {
     Disc(Disc),
     /// A parallelogram.
     Rectangle(Rectangle),
+    /// A mesh that is placed by a map.
+    Instance(Instance),
 }
 
 macro_rules! each {
@@ -78,6 +82,7 @@ macro_rules! each {
             Shape::Ellipsoid($s) => $e,
             Shape::Disc($s) => $e,
             Shape::Rectangle($s) => $e,
+            Shape::Instance($s) => $e,
         }
     };
 }
@@ -90,11 +95,27 @@ impl Shape {
         each!(self, s => s.intersect(ray))
     }
 
+    /// Whether the shape crosses the ray.
+    #[inline]
+    #[must_use]
+    pub fn occludes(&self, ray: &Ray) -> bool {
+        match self {
+            Self::Instance(s) => s.occludes(ray),
+            shape => shape.intersect(ray).is_some(),
+        }
+    }
+
     /// The surface where `ray` crosses it at `t`, with the coordinates `uv` of the [`Crossing`].
     #[inline]
     #[must_use]
-    pub fn surface(&self, ray: &Ray, t: f32, _uv: Vec2) -> SurfacePoint {
-        each!(self, s => s.surface(ray, t))
+    pub fn surface(&self, ray: &Ray, t: f32, uv: Vec2) -> SurfacePoint {
+        match self {
+            Self::Sphere(s) => s.surface(ray, t),
+            Self::Ellipsoid(s) => s.surface(ray, t),
+            Self::Disc(s) => s.surface(ray, t),
+            Self::Rectangle(s) => s.surface(ray, t),
+            Self::Instance(s) => s.surface(ray, uv.x),
+        }
     }
 
     /// A box around the shape.
@@ -118,7 +139,23 @@ impl Shape {
             Self::Ellipsoid(s) => Self::Ellipsoid(s.translated(by)),
             Self::Disc(s) => Self::Disc(s.translated(by)),
             Self::Rectangle(s) => Self::Rectangle(s.translated(by)),
+            Self::Instance(s) => Self::Instance(s.translated(by)),
         }
+    }
+
+    /// The image under an affine map, with the same outer side; `None` where it has no extent left that numbers can hold.
+    #[must_use]
+    pub fn transformed(&self, map: &Transform) -> Option<Self> {
+        Some(match self {
+            Self::Sphere(s) => match map.similarity() {
+                Some(scale) => Self::Sphere(Sphere::new(map.point(s.center), s.radius * scale)),
+                None => Self::Ellipsoid(Ellipsoid::around(s, map)?),
+            },
+            Self::Ellipsoid(s) => Self::Ellipsoid(s.transformed(map)?),
+            Self::Disc(s) => Self::Disc(s.transformed(map)),
+            Self::Rectangle(s) => Self::Rectangle(s.transformed(map)),
+            Self::Instance(s) => Self::Instance(s.transformed(map)?),
+        })
     }
 
     /// Area of the surface \[length²].
@@ -167,7 +204,7 @@ fn outer_bounds(min: DVec3, max: DVec3) -> Bounds {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::{Transform, offset_origin};
+    use crate::math::offset_origin;
     use crate::sampling::{Dimension, Key, Purpose};
     use glam::DAffine3;
 
@@ -236,6 +273,18 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn spheres_stay_spheres_under_similarities_only() {
+        let ball = Shape::Sphere(Sphere::new(DVec3::X, 0.5));
+        let twice = Transform::new(DAffine3::from_scale(DVec3::splat(-2.0))).unwrap();
+        match ball.transformed(&twice) {
+            Some(Shape::Sphere(s)) => assert_eq!((s.center, s.radius), (DVec3::new(-2.0, 0.0, 0.0), 1.0)),
+            other => panic!("{other:?}"),
+        }
+        let stretched = Transform::new(DAffine3::from_scale(DVec3::new(1.0, 2.0, 1.0))).unwrap();
+        assert!(matches!(ball.transformed(&stretched), Some(Shape::Ellipsoid(_))));
     }
 
     #[test]

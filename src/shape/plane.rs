@@ -1,7 +1,7 @@
 //! Infinite planes, which no box can hold.
 
 use super::{Crossing, SurfacePoint, widen, within};
-use crate::math::Ray;
+use crate::math::{Ray, Transform};
 use glam::{DVec3, Vec3};
 
 /// The points with `normal · x = offset`; its outer side is that of the unit normal.
@@ -23,6 +23,12 @@ impl Plane {
     #[must_use]
     pub fn translated(self, by: DVec3) -> Self {
         Self { offset: self.offset + self.normal.dot(by), ..self }
+    }
+
+    /// The image under an affine map, with the same outer side.
+    #[must_use]
+    pub fn transformed(&self, map: &Transform) -> Self {
+        Self::new(map.point(self.normal * self.offset), map.normal(self.normal))
     }
 
     /// The point nearest to the origin, and the unit normal.

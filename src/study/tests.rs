@@ -1,7 +1,7 @@
 //! Studies of scenes whose answers are known.
 
 use super::{About, EffectStudy, Findings, expected_work, page};
-use crate::camera::Pinhole;
+use crate::camera::Camera;
 use crate::integrate::{Algorithm, Settings, Silent};
 use crate::plan::{Effect, Wishes};
 use crate::scene::{LightStrength, Material, Scene, SceneBuilder, SourceKind};
@@ -20,7 +20,7 @@ fn ball(material: Material, width: u32, height: u32) -> Scene {
         .shape(Shape::Sphere(Sphere::new(DVec3::new(0.0, 1.0, 0.0), 0.8)), own, Vec3::ZERO)
         .source(SourceKind::Point { position: DVec3::new(2.0, 4.0, 0.0) }, LightStrength::Power(Vec3::splat(200.0)));
     let (eye, view) = (DVec3::new(0.0, 2.0, 6.0), DVec3::new(0.0, -0.2, -1.0));
-    builder.build(Pinhole::new(eye, view, DVec3::Y, 0.7, width, height).unwrap()).unwrap()
+    builder.build(Camera::perspective(eye, view, DVec3::Y, 0.7, width, height).unwrap()).unwrap()
 }
 
 pub(super) fn matt(width: u32, height: u32) -> Scene {

@@ -1,6 +1,6 @@
 //! Random scenes. Most hold little, so that much of a plan is off; lights like to stand where a test of reach or side is close.
 
-use crate::sketch::{Light, LightKind, Material, Object, Shape, Sketch};
+use crate::sketch::{Light, LightKind, Material, Moving, Object, Shape, Sketch};
 use glam::DVec3;
 
 /// Numbers that look random (Steele, Lea, Flood 2014, "Fast splittable pseudorandom number generators").
@@ -181,6 +181,7 @@ pub fn sketch(seed: u64) -> Sketch {
         lights: Vec::new(),
         materials: Vec::new(),
         objects: Vec::new(),
+        motion: None,
     };
     for _ in 0..1 + r.below(4) {
         add_material(r, &mood, &mut sketch);
@@ -195,7 +196,29 @@ pub fn sketch(seed: u64) -> Sketch {
         add_light(r, &mood, &mut sketch);
     }
     sketch.camera = camera(r, &sketch);
+    if r.chance(0.15) {
+        sketch.camera += &format!("  aperture {}  focusDistance {}", r.between(0.01, 0.5), r.between(1.0, 9.0));
+    }
+    if r.chance(0.2) {
+        sketch.motion = motion(r, &sketch);
+    }
     sketch
+}
+
+/// Something that moves.
+fn motion(r: &mut Random, sketch: &Sketch) -> Option<(Moving, String)> {
+    let lights: Vec<usize> =
+        (0..sketch.lights.len()).filter(|i| !matches!(sketch.lights[*i].kind, LightKind::Environment)).collect();
+    let moving = match r.below(3) {
+        0 => Moving::Camera,
+        1 if !lights.is_empty() => Moving::Light(r.pick(&lights)),
+        _ if !sketch.objects.is_empty() => Moving::Object(r.below(sketch.objects.len())),
+        _ => return None,
+    };
+    let by = r.place(1.0);
+    let shift = format!("Translate {} {} {}", by.x, by.y, by.z);
+    let turn = format!("YRotate {}", r.between(-90.0, 90.0));
+    Some((moving, r.pick(&[shift.as_str(), turn.as_str(), &format!("{shift}  {turn}")]).to_owned()))
 }
 
 /// The scene with one more object or light.

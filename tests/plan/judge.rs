@@ -47,8 +47,16 @@ fn is_true(sketch: &Sketch, scene: &Scene, plan: &Plan, reason: Reason) -> bool 
         }
         Reason::NoSky => !sketch.lights.iter().any(|l| matches!(l.kind, LightKind::Environment)),
         Reason::NoBody => !any(&|m| matches!(m, Material::Dielectric(..))),
+        Reason::NoLens => !sketch.camera.contains("aperture"),
+        Reason::NothingMoves => !sketch.moves(),
         Reason::Without(other) => is_off(plan, other),
-        Reason::Objects(..) | Reason::Lights(..) | Reason::Sky | Reason::Crowded | Reason::NotOfAlgorithm => false,
+        Reason::Objects(..)
+        | Reason::Lights(..)
+        | Reason::Sky
+        | Reason::Crowded
+        | Reason::Lens
+        | Reason::Moving
+        | Reason::NotOfAlgorithm => false,
     }
 }
 

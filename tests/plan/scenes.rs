@@ -77,13 +77,15 @@ fn course_scenes_are_the_same_with_everything_forced_on() {
 }
 
 /// Effects that need one of these words in the text of a scene.
-const NEEDS: [(Effect, &[&str]); 6] = [
+const NEEDS: [(Effect, &[&str]); 8] = [
     (Effect::Casters, &["Mirror", "Dielectric", "Thin", "Conductor"]),
     (Effect::Caustics, &["Mirror", "Dielectric", "Thin", "Conductor"]),
     (Effect::CausticBounces, &["Mirror", "Dielectric", "Thin", "Conductor"]),
     (Effect::Interiors, &["Dielectric"]),
     (Effect::SoftShadows, &["SphereLight", "DiscLight", "RectangleLight", "EnvironmentLight", "emission"]),
     (Effect::Environment, &["EnvironmentLight"]),
+    (Effect::Lens, &["aperture", "fNumber"]),
+    (Effect::Motion, &["Moving"]),
 ];
 
 #[test]

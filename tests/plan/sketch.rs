@@ -13,6 +13,16 @@ pub struct Sketch {
     pub lights: Vec<Light>,
     pub materials: Vec<Material>,
     pub objects: Vec<Object>,
+    /// What moves, and by which maps.
+    pub motion: Option<(Moving, String)>,
+}
+
+/// A thing that moves, counted from 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Moving {
+    Camera,
+    Light(usize),
+    Object(usize),
 }
 
 #[derive(Clone, Debug)]
@@ -86,17 +96,31 @@ impl Display for V {
 impl Sketch {
     /// The scene in the scene language.
     pub fn text(&self) -> String {
-        let mut text =
-            format!("PerspectiveCamera {{ {} }}\nBackground {{ color {} }}\n", self.camera, V(self.background));
+        let wrapped = |what: Moving, text: String| match &self.motion {
+            Some((moving, maps)) if *moving == what => format!("Moving {{ {maps}  {text} }}"),
+            _ => text,
+        };
+        let camera = wrapped(Moving::Camera, format!("PerspectiveCamera {{ {} }}", self.camera));
+        let mut text = format!("{camera}\nBackground {{ color {} }}\n", V(self.background));
         let mut write = |line: String| text.write_str(&line).unwrap();
         write("Lights {\n".into());
-        self.lights.iter().for_each(|light| write(format!("    {light}\n")));
+        let lights = self.lights.iter().enumerate();
+        lights.for_each(|(i, light)| write(format!("    {}\n", wrapped(Moving::Light(i), light.to_string()))));
         write("}\nMaterials {\n".into());
         self.materials.iter().enumerate().for_each(|(i, m)| write(format!("    {}\n", m.named(i))));
         write("}\nGroup {\n".into());
-        self.objects.iter().for_each(|object| write(format!("    MaterialName m{}  {object}\n", object.material)));
+        let objects = self.objects.iter().enumerate();
+        objects.for_each(|(i, object)| {
+            let placed = wrapped(Moving::Object(i), object.to_string());
+            write(format!("    MaterialName m{}  {placed}\n", object.material));
+        });
         write("}\n".into());
         text
+    }
+
+    /// Whether anything moves.
+    pub fn moves(&self) -> bool {
+        self.motion.is_some()
     }
 
     /// Whether `is` holds of a part of the material of `object`.

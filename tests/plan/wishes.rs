@@ -12,17 +12,18 @@ const ALGORITHMS: [Algorithm; 6] =
 
 const CAMERA: &str = "PerspectiveCamera { center 0 3 6  lookAt 0 .5 0  angle 40  width 16  height 12 }";
 
-/// A body of coloured glass on a floor under an even sky and a lamp: it calls for everything.
+/// A body of coloured glass that moves over a floor under an even sky and a lamp, before a lens: it calls for everything.
 fn everything() -> Scene {
     scene(&format!(
-        "{CAMERA}
+        "{}
         Lights {{ RectangleLight {{ corner -1 4 -1  edge0 2 0 0  edge1 0 0 2  power 200 200 200 }}
                   EnvironmentLight {{ radiance .1 .2 .3 }} }}
         Materials {{ Diffuse floor {{ reflectance .7 .6 .5 }}
                      Dielectric glass {{ absorption .5 .1 .9 }} }}
         Group {{ MaterialName floor  Plane {{ normal 0 1 0  offset 0 }}
                  Rectangle {{ corner -2 0 -2  edge0 4 0 0  edge1 0 3 0 }}
-                 MaterialName glass  Sphere {{ center 0 .8 0  radius .7 }} }}"
+                 MaterialName glass  Moving {{ Translate .5 0 0  Sphere {{ center 0 .8 0  radius .7 }} }} }}",
+        CAMERA.replace("angle", "aperture .2  angle")
     ))
 }
 

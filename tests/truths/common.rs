@@ -1,6 +1,6 @@
 //! Scenes, passes, statistics and quadrature that the tests share.
 
-use caustica::camera::{Filter, FilterKind, Pinhole};
+use caustica::camera::{Camera, Filter, FilterKind};
 use caustica::color::Rgb;
 use caustica::format::SceneFile;
 use caustica::image::{self, Image};
@@ -34,9 +34,9 @@ pub fn grey(x: f64) -> Rgb {
 }
 
 /// A camera with a square image of `size` pixels and a full `angle` in degrees.
-pub fn camera(eye: DVec3, at: DVec3, angle: f64, size: u32) -> Pinhole {
+pub fn camera(eye: DVec3, at: DVec3, angle: f64, size: u32) -> Camera {
     let up = if (at - eye).normalize().y.abs() > 0.9 { DVec3::Z } else { DVec3::Y };
-    Pinhole::new(eye, at - eye, up, angle.to_radians(), size, size).unwrap()
+    Camera::perspective(eye, at - eye, up, angle.to_radians(), size, size).unwrap()
 }
 
 /// Builds a scene that only photons see.

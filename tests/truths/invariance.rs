@@ -53,7 +53,7 @@ fn room(at: Place) -> Scene {
     b.source(point, LightStrength::Physical(grey(0.4 * at.scale * at.scale)));
     let (eye, target) = (at.point(vec3(2.5, 1.0, 2.5)), at.point(vec3(0.0, -0.4, 0.0)));
     let up = at.turn * DVec3::Y;
-    let view = caustica::camera::Pinhole::new(eye, target - eye, up, 0.8, 48, 48).unwrap();
+    let view = caustica::camera::Camera::perspective(eye, target - eye, up, 0.8, 48, 48).unwrap();
     b.build(view).unwrap()
 }
 

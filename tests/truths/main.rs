@@ -14,6 +14,7 @@ mod focus;
 mod furnace;
 mod invariance;
 mod irradiance;
+mod lens;
 mod nephroid;
 mod plates;
 mod reference;

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{Aim, Spanned};
+use super::{Aim, Map, Spanned};
 
 /// A source of light.
 #[derive(Clone, Debug, PartialEq)]
@@ -64,6 +64,13 @@ pub enum Light {
         edge1: DVec3,
         /// How strong it is.
         strength: AreaStrength,
+    },
+    /// A light that moves while the shutter is open.
+    Moving {
+        /// As of [`Object::Moving`](super::Object::Moving), but as if the light's place were the origin.
+        maps: Vec<Map>,
+        /// What moves.
+        light: Box<Spanned<Light>>,
     },
     /// Light from all around, infinitely far. There is at most one.
     Environment(EnvironmentRadiance),

@@ -70,21 +70,76 @@ pub struct Description {
     pub root: Group,
 }
 
-/// A pinhole camera.
+/// A camera.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Camera {
-    /// The pinhole.
+    /// The pinhole, the middle of the lens, or the middle of an orthographic picture.
     pub center: DVec3,
     /// Where it looks.
     pub aim: Aim,
     /// A direction that appears upward; not parallel to the view.
     pub up: DVec3,
-    /// Vertical field of view in degrees, inside (0, 180).
-    pub angle: f64,
+    /// How it sees.
+    pub projection: Projection,
     /// Pixels across.
     pub width: u32,
     /// Pixels down.
     pub height: u32,
+    /// How it turns and moves while the shutter is open, as of [`Object::Moving`], but as if its place were the origin.
+    pub motion: Vec<Map>,
+}
+
+/// How a camera sees.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Projection {
+    /// Through a pinhole or a lens.
+    Perspective {
+        /// Vertical field of view in degrees, inside (0, 180).
+        angle: f64,
+        /// `None`: a pinhole.
+        lens: Option<Lens>,
+    },
+    /// In parallel.
+    Orthographic {
+        /// What the picture shows from top to bottom, above 0.
+        size: f64,
+    },
+    /// All around, by longitude and latitude.
+    Environment,
+}
+
+/// A thin lens.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Lens {
+    /// How wide it is open.
+    pub opening: Opening,
+    /// What is sharp.
+    pub focus: Focus,
+    /// Blades of its diaphragm, at least 3, or 0: round.
+    pub blades: u32,
+}
+
+/// How wide a lens is open.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Opening {
+    /// Its radius, at least 0.
+    Radius(f64),
+    /// Focal length over diameter, and the height of the sensor from which the focal length follows; both above 0.
+    FNumber {
+        /// The f-number.
+        number: f64,
+        /// Height of the sensor.
+        sensor: f64,
+    },
+}
+
+/// What a lens makes sharp: the plane across the view ...
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Focus {
+    /// ... at a distance above 0.
+    Distance(f64),
+    /// ... through a point before the camera.
+    Point(DVec3),
 }
 
 /// Where a camera or spotlight points.
@@ -124,6 +179,14 @@ pub enum Object {
         /// Composed by [`Map::product`]: the first listed is applied last.
         maps: Vec<Map>,
         /// What is moved.
+        object: Box<Spanned<Object>>,
+    },
+    /// An object that moves while the shutter is open.
+    Moving {
+        /// Composed as those of a transform. Each grows from nothing, where the shutter opens, to the whole of it, where it closes; none is a
+        /// matrix, and scales are above 0.
+        maps: Vec<Map>,
+        /// What moves.
         object: Box<Spanned<Object>>,
     },
     /// A surface.

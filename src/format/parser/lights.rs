@@ -10,8 +10,9 @@ use super::super::lexer::Token;
 use super::Parser;
 use super::fields::{Fields, Found, Kind};
 
-const LIGHTS: [&str; 8] = [
+const LIGHTS: [&str; 9] = [
     "numLights",
+    "Moving",
     "PointLight",
     "DirectionalLight",
     "SpotLight",
@@ -20,6 +21,10 @@ const LIGHTS: [&str; 8] = [
     "RectangleLight",
     "EnvironmentLight",
 ];
+
+/// Those that have a place or a direction to move.
+const MOVABLE: &[&str] =
+    &["Moving", "PointLight", "DirectionalLight", "SpotLight", "SphereLight", "DiscLight", "RectangleLight"];
 
 const COLOR: (&str, Kind) = ("color", Kind::Vector);
 const INTENSITY: (&str, Kind) = ("intensity", Kind::Vector);
@@ -48,6 +53,11 @@ impl<'a> Parser<'a> {
     fn light(&mut self, word: Token<'a>) -> Result<Light, SceneError> {
         use Kind::{Number, Vector};
         match word.text {
+            "Moving" => {
+                let (maps, light) =
+                    self.moving(word, MOVABLE, |parser, word| Ok(Spanned::new(parser.light(word)?, word.span())))?;
+                Ok(Light::Moving { maps, light: Box::new(light) })
+            }
             "PointLight" => {
                 let f = self.fields(word, &[("position", Vector), COLOR, INTENSITY, POWER])?;
                 Ok(Light::Point { position: f.need("position")?.vector(), strength: f.point_strength()? })

@@ -5,6 +5,7 @@
 mod camera;
 mod fields;
 mod lights;
+mod maps;
 mod materials;
 mod objects;
 mod suggest;
@@ -18,12 +19,22 @@ use glam::DVec3;
 use super::description::{Description, Material, Span, Spanned};
 use super::error::{SceneError, Source};
 use super::lexer::{Lexer, Token};
+use camera::CAMERAS;
 use fields::Kind;
 use materials::Reach;
 pub(super) use materials::is_identifier;
 
 /// The blocks of a file.
-const BLOCKS: [&str; 5] = ["PerspectiveCamera", "Background", "Lights", "Materials", "Group"];
+const BLOCKS: [&str; 8] = [
+    "PerspectiveCamera",
+    "OrthographicCamera",
+    "EnvironmentCamera",
+    "Moving",
+    "Background",
+    "Lights",
+    "Materials",
+    "Group",
+];
 
 /// Reads `text` as a scene; errors call it `name`.
 ///
@@ -94,7 +105,8 @@ impl<'a> Parser<'a> {
             self.lexer.take(word);
             // A block that comes again replaces the one before, as in the course.
             match word.text {
-                "PerspectiveCamera" => camera = Some(Spanned::new(self.camera(word)?, word.span())),
+                "Moving" => camera = Some(self.moving_camera(word)?),
+                text if CAMERAS.contains(&text) => camera = Some(Spanned::new(self.camera(word)?, word.span())),
                 "Background" => background = self.background(word)?,
                 "Lights" => lights = self.lights(word)?,
                 "Materials" => self.materials(word)?,
@@ -112,7 +124,7 @@ impl<'a> Parser<'a> {
         }
         let camera = camera.ok_or_else(|| {
             let help = "add `PerspectiveCamera { center 0 0 10 direction 0 0 -1 up 0 1 0 angle 30 }`";
-            SceneError::of_file(&self.lexer.source(), "the file has no PerspectiveCamera", help)
+            SceneError::of_file(&self.lexer.source(), "the file has no camera", help)
         })?;
         let root = root.ok_or_else(|| {
             let help = "add `Group { … }` with the objects of the scene";

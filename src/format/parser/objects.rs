@@ -1,18 +1,16 @@
-//! Groups, transforms and shapes.
-
-use glam::{DMat4, DVec3};
+//! Groups and shapes.
 
 use super::super::MAX_DEPTH;
-use super::super::description::{Curve, CurveBasis, Group, Item, Map, MeshOptions, Object, Shape, Span, Spanned};
+use super::super::description::{Curve, CurveBasis, Group, Item, MeshOptions, Object, Shape, Spanned};
 use super::super::error::SceneError;
 use super::super::lexer::Token;
 use super::Parser;
 use super::fields::{Fields, Kind};
-use crate::math::Transform;
 
-const OBJECTS: [&str; 11] = [
+pub(super) const OBJECTS: [&str; 12] = [
     "Group",
     "Transform",
+    "Moving",
     "Sphere",
     "Plane",
     "Disc",
@@ -24,8 +22,6 @@ const OBJECTS: [&str; 11] = [
     "BsplineCurve",
 ];
 const ENTRIES: [&str; 3] = ["numObjects", "MaterialIndex", "MaterialName"];
-const MAPS: [&str; 9] =
-    ["Scale", "UniformScale", "Translate", "XRotate", "YRotate", "ZRotate", "Rotate", "Matrix4f", "Matrix"];
 
 const EMISSION: (&str, Kind) = ("emission", Kind::Vector);
 
@@ -52,97 +48,24 @@ impl<'a> Parser<'a> {
         Ok(Group { items })
     }
 
-    fn object(&mut self, keyword: Token<'a>) -> Result<Spanned<Object>, SceneError> {
+    pub fn object(&mut self, keyword: Token<'a>) -> Result<Spanned<Object>, SceneError> {
         let object = match keyword.text {
             "Group" => Object::Group(self.group(keyword)?),
-            "Transform" => self.transform(keyword)?,
+            "Transform" => {
+                let (maps, object) = self.transform(keyword)?;
+                Object::Transform { maps, object: Box::new(object) }
+            }
+            "Moving" => {
+                let (maps, object) = self.moving(keyword, &OBJECTS, Self::object)?;
+                Object::Moving { maps, object: Box::new(object) }
+            }
             _ => self.shape(keyword)?,
         };
         Ok(Spanned::new(object, keyword.span()))
     }
 
-    fn transform(&mut self, keyword: Token<'a>) -> Result<Object, SceneError> {
-        self.descend(keyword)?;
-        let mut maps = Vec::new();
-        let object = loop {
-            match self.word()? {
-                None => {
-                    let message = "`Transform` holds no object".to_owned();
-                    let help = "put an object after its maps: `Transform { Scale 2 2 2 Sphere { … } }`".to_owned();
-                    return Err(self.lexer.error(keyword.span(), message, "this block", help));
-                }
-                Some(word) if MAPS.contains(&word.text) => maps.push(self.map(word)?),
-                Some(word) if OBJECTS.contains(&word.text) => break Box::new(self.object(word)?),
-                Some(word) => return Err(self.unexpected(word, &[&MAPS[..], &OBJECTS].concat())),
-            }
-        };
-        if let Some(word) = self.word()? {
-            let message = format!("unexpected `{}` after the object of `Transform`", super::clip(word.text));
-            let help = "maps stand before the object; put several objects into a Group".to_owned();
-            return Err(self.lexer.error(word.span(), message, "`}` belongs here", help));
-        }
-        if Transform::new(Map::product(&maps)).is_err() {
-            return Err(self.singular(keyword.span(), "this `Transform` flattens its object"));
-        }
-        self.depth -= 1;
-        Ok(Object::Transform { maps, object })
-    }
-
-    fn map(&mut self, word: Token<'a>) -> Result<Map, SceneError> {
-        let (map, span) = match word.text {
-            "Scale" | "Translate" => {
-                let v = self.numbers(word)?;
-                let vector = DVec3::from_array(v.value);
-                (if word.text == "Scale" { Map::Scale(vector) } else { Map::Translate(vector) }, v.span)
-            }
-            "Rotate" => {
-                self.open(word)?;
-                let v = self.numbers::<4>(word)?;
-                let [x, y, z, angle] = v.value;
-                let axis = DVec3::new(x, y, z);
-                self.close()?;
-                if !super::has_direction(axis) {
-                    let message = "the axis of `Rotate` must have a length above 0 (and below 1e154)".to_owned();
-                    let help = "write axis and degrees: `Rotate { 0 1 0 90 }`".to_owned();
-                    return Err(self.lexer.error(v.span, message, "this axis", help));
-                }
-                (Map::Rotate { axis, angle }, v.span)
-            }
-            "Matrix4f" | "Matrix" => {
-                self.open(word)?;
-                let m = self.numbers::<16>(word)?;
-                self.close()?;
-                let matrix = DMat4::from_cols_array(&m.value);
-                if matrix.row(3).to_array() != [0.0, 0.0, 0.0, 1.0] {
-                    let message = format!("the fourth row of `{}` must be 0 0 0 1", word.text);
-                    let help = "columns are listed one after the other: every fourth number is 0, the last is 1";
-                    return Err(self.lexer.error(m.span, message, "this matrix", help.to_owned()));
-                }
-                (Map::Matrix(matrix), m.span)
-            }
-            _ => {
-                let v = self.numbers::<1>(word)?;
-                let map = match (word.text, v.value[0]) {
-                    ("XRotate", angle) => Map::RotateX(angle),
-                    ("YRotate", angle) => Map::RotateY(angle),
-                    ("ZRotate", angle) => Map::RotateZ(angle),
-                    (_, scale) => Map::UniformScale(scale),
-                };
-                (map, v.span)
-            }
-        };
-        match Transform::new(map.matrix()) {
-            Ok(_) => Ok(map),
-            Err(_) => Err(self.singular(span, &format!("`{}` flattens its object", word.text))),
-        }
-    }
-
-    fn singular(&self, span: Span, message: &str) -> SceneError {
-        let help = "scales must not be 0, nor the columns of a matrix lie in one plane; for flat shapes use Disc, \
-                    Rectangle or Triangle";
-        self.lexer.error(span, message.to_owned(), "singular", help.to_owned())
-    }
-
+    // Apart, so that what nests keeps small frames on the stack.
+    #[inline(never)]
     fn shape(&mut self, keyword: Token<'a>) -> Result<Object, SceneError> {
         use Kind::{Name, Number, Vector};
         let known: &[(&str, Kind)] = match keyword.text {
@@ -221,14 +144,14 @@ impl<'a> Parser<'a> {
     }
 
     /// Reads the `}` of a block without fields.
-    fn close(&mut self) -> Result<(), SceneError> {
+    pub fn close(&mut self) -> Result<(), SceneError> {
         self.punctuation("}")?;
         self.open.pop();
         Ok(())
     }
 
     /// Opens a block that may hold others of its kind.
-    fn descend(&mut self, keyword: Token<'a>) -> Result<(), SceneError> {
+    pub fn descend(&mut self, keyword: Token<'a>) -> Result<(), SceneError> {
         if self.depth == MAX_DEPTH {
             let message = format!("groups and transforms nest more than {MAX_DEPTH} deep");
             let help = "list the objects side by side instead".to_owned();

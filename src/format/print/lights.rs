@@ -8,6 +8,11 @@ use super::{Name, Printer};
 impl Printer<'_, '_> {
     pub(super) fn light(&mut self, light: &Light) -> Result {
         match *light {
+            Light::Moving { ref maps, ref light } => {
+                self.open("Moving")?;
+                maps.iter().try_for_each(|map| self.map(map))?;
+                self.light(light)?;
+            }
             Light::Point { position, strength } => {
                 self.open("PointLight")?;
                 self.vector("position", position)?;

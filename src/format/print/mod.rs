@@ -7,7 +7,10 @@ use std::fmt::{Display, Formatter, Result};
 
 use glam::DVec3;
 
-use super::description::{Aim, Camera, Curve, CurveBasis, Description, Group, Item, Map, Object, Shape, Spanned};
+use super::description::{
+    Aim, Camera, Curve, CurveBasis, Description, Focus, Group, Item, Lens, Map, Object, Opening, Projection, Shape,
+    Spanned,
+};
 
 impl Display for Description {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {
@@ -77,14 +80,47 @@ impl Printer<'_, '_> {
     }
 
     fn camera(&mut self, camera: &Camera) -> Result {
-        self.open("PerspectiveCamera")?;
+        if !camera.motion.is_empty() {
+            self.open("Moving")?;
+            camera.motion.iter().try_for_each(|map| self.map(map))?;
+        }
+        self.open(match camera.projection {
+            Projection::Perspective { .. } => "PerspectiveCamera",
+            Projection::Orthographic { .. } => "OrthographicCamera",
+            Projection::Environment => "EnvironmentCamera",
+        })?;
         self.vector("center", camera.center)?;
         self.aim(camera.aim)?;
         self.vector("up", camera.up)?;
-        self.number("angle", camera.angle)?;
+        match camera.projection {
+            Projection::Perspective { angle, lens } => {
+                self.number("angle", angle)?;
+                lens.map_or(Ok(()), |lens| self.lens(&lens))?;
+            }
+            Projection::Orthographic { size } => self.number("size", size)?,
+            Projection::Environment => {}
+        }
         self.field("width", camera.width)?;
         self.field("height", camera.height)?;
+        if !camera.motion.is_empty() {
+            self.close()?;
+        }
         self.close()
+    }
+
+    fn lens(&mut self, lens: &Lens) -> Result {
+        match lens.opening {
+            Opening::Radius(radius) => self.number("aperture", radius)?,
+            Opening::FNumber { number, sensor } => {
+                self.number("fNumber", number)?;
+                self.number("sensorHeight", sensor)?;
+            }
+        }
+        match lens.focus {
+            Focus::Distance(distance) => self.number("focusDistance", distance)?,
+            Focus::Point(point) => self.vector("focusAt", point)?,
+        }
+        self.field("blades", lens.blades)
     }
 
     fn group(&mut self, group: &Group) -> Result {
@@ -106,6 +142,12 @@ impl Printer<'_, '_> {
             Object::Group(group) => self.group(group),
             Object::Transform { maps, object } => {
                 self.open("Transform")?;
+                maps.iter().try_for_each(|map| self.map(map))?;
+                self.object(object)?;
+                self.close()
+            }
+            Object::Moving { maps, object } => {
+                self.open("Moving")?;
                 maps.iter().try_for_each(|map| self.map(map))?;
                 self.object(object)?;
                 self.close()

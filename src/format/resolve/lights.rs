@@ -4,19 +4,24 @@ use super::{Resolver, aim, rgb};
 use crate::color::Rgb;
 use crate::format::SceneError;
 use crate::format::description::{
-    AreaStrength, DirectionalStrength, EnvironmentRadiance, Light, PointStrength, Span, Spanned,
+    AreaStrength, DirectionalStrength, EnvironmentRadiance, Light, Map, PointStrength, Span, Spanned,
 };
 use crate::image;
 use crate::light::Environment;
+use crate::math::Motion;
 use crate::scene::{LightStrength, Material, SourceKind};
 use crate::shape::{Disc, Rectangle, Shape, Sphere};
 use glam::DVec3;
 
 impl Resolver<'_> {
-    pub(super) fn light(&mut self, light: &Spanned<Light>) -> Result<(), SceneError> {
+    pub(super) fn light(&mut self, light: &Spanned<Light>, motion: &Motion) -> Result<(), SceneError> {
         match &light.value {
+            Light::Moving { maps, light } => {
+                let motion = motion.then_inside(maps.iter().map(Map::growing));
+                self.light(light, &motion)?;
+            }
             Light::Point { position, strength } => {
-                self.builder.source(SourceKind::Point { position: *position }, point(*strength));
+                self.source(SourceKind::Point { position: *position }, point(*strength), motion);
             }
             Light::Spot { position, aim: target, angle, penumbra, strength } => {
                 let outer = 0.5 * angle.to_radians();
@@ -26,23 +31,24 @@ impl Resolver<'_> {
                     inner: (outer - penumbra.to_radians()).max(0.0),
                     outer,
                 };
-                self.builder.source(kind, point(*strength));
+                self.source(kind, point(*strength), motion);
             }
             Light::Directional { direction, strength } => {
                 let strength = match strength {
                     DirectionalStrength::Color(c) => LightStrength::Course(rgb(*c)),
                     DirectionalStrength::Irradiance(e) => LightStrength::Physical(rgb(*e)),
                 };
-                self.builder.source(SourceKind::Directional { direction: *direction }, strength);
+                self.source(SourceKind::Directional { direction: *direction }, strength, motion);
             }
             Light::Sphere { center, radius, strength } => {
-                self.area_light(Shape::Sphere(Sphere::new(*center, *radius)), *strength);
+                self.area_light(Shape::Sphere(Sphere::new(*center, *radius)), *center, *strength, motion);
             }
             Light::Disc { center, normal, radius, strength } => {
-                self.area_light(Shape::Disc(Disc::around(*center, *normal, *radius)), *strength);
+                self.area_light(Shape::Disc(Disc::around(*center, *normal, *radius)), *center, *strength, motion);
             }
             Light::Rectangle { corner, edge0, edge1, strength } => {
-                self.area_light(Shape::Rectangle(Rectangle::new(*corner, *edge0, *edge1)), *strength);
+                let middle = *corner + 0.5 * (*edge0 + *edge1);
+                self.area_light(Shape::Rectangle(Rectangle::new(*corner, *edge0, *edge1)), middle, *strength, motion);
             }
             Light::Environment(radiance) => {
                 let environment = self.environment(radiance, light.span)?;
@@ -67,14 +73,26 @@ impl Resolver<'_> {
         }
     }
 
-    /// A black surface that radiates.
-    fn area_light(&mut self, shape: Shape, strength: AreaStrength) {
+    fn source(&mut self, kind: SourceKind, strength: LightStrength, motion: &Motion) {
+        if motion.is_still() {
+            self.builder.source(kind, strength);
+        } else {
+            self.builder.moving_source(kind, strength, motion);
+        }
+    }
+
+    /// A black surface that radiates, and moves as if `place` were the origin.
+    fn area_light(&mut self, shape: Shape, place: DVec3, strength: AreaStrength, motion: &Motion) {
         let radiance = match strength {
             AreaStrength::Radiance(l) => l,
             AreaStrength::Power(w) => w / (std::f64::consts::PI * shape.area()),
         };
         let black = self.builder.material(Material::black());
-        self.builder.shape(shape, black, rgb(radiance));
+        if motion.is_still() {
+            self.builder.shape(shape, black, rgb(radiance));
+        } else {
+            self.builder.moving_shape(shape, motion.about(place), black, rgb(radiance));
+        }
     }
 }
 

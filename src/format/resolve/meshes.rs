@@ -1,81 +1,130 @@
 //! Meshes from files: read once, smoothed where asked, and parted by what they are made of.
 
+use super::shapes::Instanced;
 use super::{Resolver, rgb};
 use crate::color::Rgb;
 use crate::format::SceneError;
-use crate::format::description::{MeshOptions, Spanned};
-use crate::format::mesh::{self, Loaded, MeshError, NO_MATERIAL};
+use crate::format::description::{MeshOptions, Span, Spanned};
+use crate::format::mesh::{self, Loaded, MeshError, NO_MATERIAL, TriangleMesh};
 use crate::format::mtl;
-use crate::math::Transform;
+use crate::math::{Motion, Transform};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
+/// Copies of a mesh share its triangles where that saves so many.
+const WORTH_SHARING: usize = 50_000;
+
 const MEND: &str = "mend the mesh or name another";
 
-/// A file, whether its normals are left out, and the bits of the angle up to which it is smoothed.
-pub(super) type Key = (PathBuf, bool, Option<u64>);
+/// A file, whether its own materials are used, whether its normals are left out, and the bits of the angle that it is smoothed to.
+pub(super) type Key = (PathBuf, bool, bool, Option<u64>);
 
-/// A material of a mesh's own.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Own {
-    index: u32,
-    emission: Rgb,
+/// Where a mesh is placed.
+pub(super) struct Placing<'p> {
+    pub to_world: &'p Motion,
+    /// When the shutter opens.
+    pub map: &'p Transform,
+    pub span: Span,
+    /// The emission that the object has of its own.
+    pub told: Option<Rgb>,
+    /// That, or the emission of the scene's material.
+    pub emission: Rgb,
+}
+
+/// The parts of a mesh by their materials.
+pub(super) struct Pieces {
+    list: Vec<Piece>,
+}
+
+struct Piece {
+    mesh: Rc<TriangleMesh>,
+    /// Index and emission of its own material; `None` where it has the scene's.
+    own: Option<(u32, Rgb)>,
 }
 
 impl Resolver<'_> {
-    /// Adds the mesh of a file: `told` is the emission that the scene gives it, `emission` that or its material's.
+    /// Adds the mesh of a file.
     pub(super) fn mesh(
         &mut self,
-        map: &Transform,
+        placing: &Placing<'_>,
         path: &Spanned<String>,
         options: MeshOptions,
-        told: Option<Rgb>,
+    ) -> Result<(), SceneError> {
+        let pieces = self.pieces(path, options)?;
+        let again = self.uses.get(path.as_str()).map_or(0, |n| n - 1);
+        let in_force = self.material;
+        for piece in &pieces.list {
+            let (material, emission) = match piece.own {
+                Some((material, emission)) => (material, placing.told.unwrap_or(emission)),
+                None => (in_force, placing.emission),
+            };
+            self.material = material;
+            self.piece(placing, &piece.mesh, again, emission)?;
+        }
+        self.material = in_force;
+        Ok(())
+    }
+
+    /// Adds triangles of the material in force, of which there are copies `again` so many times.
+    fn piece(
+        &mut self,
+        placing: &Placing<'_>,
+        mesh: &Rc<TriangleMesh>,
+        again: usize,
         emission: Rgb,
     ) -> Result<(), SceneError> {
-        let file = self.file("mesh", path)?;
-        let loaded = self.loaded(&file, options).map_err(|e| self.bad_file(path, &e, MEND))?;
-        let (whole, scene_material) = (&loaded.mesh, self.material);
-        if !options.own_materials || whole.materials.is_empty() {
-            let normals = whole.normals.as_deref();
-            self.place_mesh(map, &whole.positions, normals, &whole.triangles, scene_material, emission);
-            return Ok(());
-        }
-        let own = self.own_materials(path, &file, &loaded)?;
-        for (number, part) in whole.parts() {
-            let (material, emission) = match own.get(number as usize) {
-                Some(own) if number != NO_MATERIAL => (own.index, told.unwrap_or(own.emission)),
-                _ => (scene_material, emission),
-            };
-            let normals = part.normals.as_deref();
-            self.place_mesh(map, &part.positions, normals, &part.triangles, material, emission);
+        let shared = emission == Rgb::ZERO && again * mesh.triangles.len() >= WORTH_SHARING;
+        if shared || !placing.to_world.is_still() {
+            let instance = self
+                .instanced
+                .entry(Rc::as_ptr(mesh))
+                .or_insert_with(|| Rc::new(Instanced::new(&mesh.positions, mesh.normals.as_deref(), &mesh.triangles)));
+            let instance = Rc::clone(instance);
+            self.place_instance(&instance, placing.to_world, placing.map, placing.span, emission)?;
+        } else {
+            let normals = mesh.normals.as_deref();
+            self.place_mesh(placing.map, &mesh.positions, normals, &mesh.triangles, emission);
         }
         Ok(())
     }
 
-    fn loaded(&mut self, file: &Path, options: MeshOptions) -> Result<Rc<Loaded>, MeshError> {
-        let key = (file.to_owned(), options.no_normals, options.smooth_angle.map(f64::to_bits));
-        if let Some(loaded) = self.meshes.get(&key) {
-            return Ok(loaded.clone());
+    /// The parts of the mesh of a path, read once.
+    fn pieces(&mut self, path: &Spanned<String>, options: MeshOptions) -> Result<Rc<Pieces>, SceneError> {
+        let file = self.file("mesh", path)?;
+        let MeshOptions { own_materials, no_normals, smooth_angle } = options;
+        let key = (file.clone(), own_materials, no_normals, smooth_angle.map(f64::to_bits));
+        if let Some(pieces) = self.meshes.get(&key) {
+            return Ok(pieces.clone());
         }
-        let mut loaded = mesh::load(file, self.monitor)?;
-        if options.no_normals {
+        let mut loaded = mesh::load(&file, self.monitor).map_err(|e| self.bad_file(path, &e, MEND))?;
+        if no_normals {
             loaded.mesh.normals = None;
         }
-        if let Some(angle) = options.smooth_angle {
+        if let Some(angle) = smooth_angle {
             loaded.mesh.smooth(angle);
         }
-        let loaded = Rc::new(loaded);
-        self.meshes.insert(key, loaded.clone());
-        Ok(loaded)
+        let mut list = Vec::new();
+        if own_materials && !loaded.mesh.materials.is_empty() {
+            let own = self.own_materials(path, &file, &loaded)?;
+            for (number, part) in loaded.mesh.parts() {
+                let own = own.get(number as usize).copied().filter(|_| number != NO_MATERIAL);
+                list.push(Piece { mesh: Rc::new(part), own });
+            }
+        } else {
+            list.push(Piece { mesh: Rc::new(loaded.mesh), own: None });
+        }
+        let pieces = Rc::new(Pieces { list });
+        self.meshes.insert(key, pieces.clone());
+        Ok(pieces)
     }
 
-    /// The materials that the mesh of a file names.
+    /// Index and emission of the materials that the mesh of a file names.
     fn own_materials(
         &mut self,
         path: &Spanned<String>,
         file: &Path,
         loaded: &Loaded,
-    ) -> Result<Rc<Vec<Own>>, SceneError> {
+    ) -> Result<Rc<Vec<(u32, Rgb)>>, SceneError> {
         if let Some(own) = self.own_materials.get(file) {
             return Ok(own.clone());
         }
@@ -85,8 +134,7 @@ impl Resolver<'_> {
             let bad = |(message, remedy)| MeshError::BadMaterial { path: file.into(), message, remedy };
             let meaning = found.meaning().map_err(|e| self.bad_file(path, &bad(e), MEND))?;
             let material = self.material(&meaning.kind, &[])?;
-            let emission = meaning.emission.map_or(Rgb::ZERO, rgb);
-            own.push(Own { index: self.builder.material(material), emission });
+            own.push((self.builder.material(material), meaning.emission.map_or(Rgb::ZERO, rgb)));
         }
         let own = Rc::new(own);
         self.own_materials.insert(file.to_owned(), own.clone());

@@ -1,5 +1,6 @@
 //! From description to resolved scene: names and files are looked up, transforms multiplied through.
 
+mod camera;
 mod lights;
 mod materials;
 mod meshes;
@@ -7,14 +8,14 @@ mod shapes;
 #[cfg(test)]
 mod tests;
 
-use super::description::{Aim, Description, Group, Item, Object, Span, Spanned};
-use super::mesh::{Loaded, ReadMonitor};
+use super::description::{Aim, Description, Group, Item, Map, Object, Shape, Span, Spanned};
+use super::mesh::{ReadMonitor, TriangleMesh};
 use super::{SceneError, Source};
-use crate::camera::Pinhole;
 use crate::color::Rgb;
-use crate::math::Transform;
+use crate::math::{Motion, Step, Transform};
 use crate::scene::{Scene, SceneBuilder};
 use glam::{DAffine3, DVec3};
+use shapes::Instanced;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -38,7 +39,7 @@ pub fn resolve_watched(
     folder: &Path,
     monitor: &dyn ReadMonitor,
 ) -> Result<Scene, SceneError> {
-    let camera = camera(description, source)?;
+    let camera = camera::camera(description, source)?;
     let mut resolver = Resolver {
         source,
         folder,
@@ -48,15 +49,20 @@ pub fn resolve_watched(
         monitor,
         meshes: HashMap::new(),
         own_materials: HashMap::new(),
+        uses: uses(&description.root),
+        instanced: HashMap::new(),
         material: 0,
         placing: None,
     };
     resolver.builder.background(rgb(description.background));
     resolver.materials()?;
     for light in &description.lights {
-        resolver.light(light)?;
+        resolver.light(light, &Motion::default())?;
     }
-    resolver.group(&description.root, DAffine3::IDENTITY)?;
+    if !description.camera.motion.is_empty() {
+        resolver.builder.moving_camera(growing(&description.camera.motion));
+    }
+    resolver.group(&description.root, &Motion::default())?;
     resolver.builder.build(camera).map_err(|e| {
         SceneError::of_file(source, e.to_string(), "choose units in which the scene is neither huge nor empty")
     })
@@ -71,9 +77,13 @@ struct Resolver<'a> {
     names: HashMap<&'a str, u32>,
     monitor: &'a dyn ReadMonitor,
     /// Meshes that were read, by their file and what was done with its normals.
-    meshes: HashMap<meshes::Key, Rc<Loaded>>,
+    meshes: HashMap<meshes::Key, Rc<meshes::Pieces>>,
     /// Materials of the files of meshes, in the order in which the meshes name them.
-    own_materials: HashMap<PathBuf, Rc<Vec<meshes::Own>>>,
+    own_materials: HashMap<PathBuf, Rc<Vec<(u32, Rgb)>>>,
+    /// How often each path of a mesh is named.
+    uses: HashMap<&'a str, usize>,
+    /// By the mesh.
+    instanced: HashMap<*const TriangleMesh, Rc<Instanced>>,
     /// The material in force: it persists beyond the group that set it.
     material: u32,
     /// The innermost transform, for errors about the product.
@@ -81,7 +91,7 @@ struct Resolver<'a> {
 }
 
 impl Resolver<'_> {
-    fn group(&mut self, group: &Group, to_world: DAffine3) -> Result<(), SceneError> {
+    fn group(&mut self, group: &Group, to_world: &Motion) -> Result<(), SceneError> {
         for item in &group.items {
             match item {
                 Item::MaterialIndex(index) => self.material = index.value,
@@ -92,13 +102,19 @@ impl Resolver<'_> {
         Ok(())
     }
 
-    fn object(&mut self, object: &Spanned<Object>, to_world: DAffine3) -> Result<(), SceneError> {
+    fn object(&mut self, object: &Spanned<Object>, to_world: &Motion) -> Result<(), SceneError> {
         match &object.value {
             Object::Group(group) => self.group(group, to_world),
             Object::Transform { maps, object: inner } => {
                 let outer = self.placing.replace(object.span);
-                let product = to_world * super::description::Map::product(maps);
-                self.object(inner, product)?;
+                let product = to_world.then_inside([Step::Fixed(Map::product(maps))]);
+                self.object(inner, &product)?;
+                self.placing = outer;
+                Ok(())
+            }
+            Object::Moving { maps, object: inner } => {
+                let outer = self.placing.replace(object.span);
+                self.object(inner, &to_world.then_inside(maps.iter().map(Map::growing)))?;
                 self.placing = outer;
                 Ok(())
             }
@@ -140,11 +156,32 @@ fn places<'a>(folder: &'a Path, path: &'a Path) -> impl Iterator<Item = PathBuf>
     [folder.join(path), above.join(path)].into_iter().take(if path.is_absolute() { 1 } else { 2 })
 }
 
-fn camera(description: &Description, source: &Source) -> Result<Pinhole, SceneError> {
-    let camera = &description.camera;
-    let direction = aim(camera.aim, camera.center);
-    Pinhole::new(camera.center, direction, camera.up, camera.angle.to_radians(), camera.width, camera.height)
-        .map_err(|e| SceneError::at(source, camera.span, e.to_string(), "this camera", "give another `up`"))
+/// How often each path of a mesh is named in a group.
+fn uses(group: &Group) -> HashMap<&str, usize> {
+    fn count<'a>(object: &'a Object, uses: &mut HashMap<&'a str, usize>) {
+        match object {
+            Object::Group(group) => group.items.iter().for_each(|item| {
+                if let Item::Object(object) = item {
+                    count(object, uses);
+                }
+            }),
+            Object::Transform { object, .. } | Object::Moving { object, .. } => count(object, uses),
+            Object::Shape { shape: Shape::Mesh { path, .. }, .. } => *uses.entry(path).or_insert(0) += 1,
+            Object::Shape { .. } => {}
+        }
+    }
+    let mut uses = HashMap::new();
+    for item in &group.items {
+        if let Item::Object(object) = item {
+            count(object, &mut uses);
+        }
+    }
+    uses
+}
+
+/// The motion of maps that grow while the shutter is open.
+fn growing(maps: &[Map]) -> Motion {
+    Motion::default().then_inside(maps.iter().map(Map::growing))
 }
 
 fn aim(aim: Aim, from: DVec3) -> DVec3 {

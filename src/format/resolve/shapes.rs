@@ -1,29 +1,48 @@
 //! Shapes of the description, in world space.
 
 use super::Resolver;
+use super::meshes::Placing;
 use crate::color::Rgb;
 use crate::format::SceneError;
 use crate::format::description::{Shape as Described, Span};
-use crate::math::Transform;
-use crate::shape::{Disc, Ellipsoid, Plane, Rectangle, Shape, Sphere};
-use glam::{DAffine3, DVec3, Vec3};
+use crate::math::{Motion, Transform};
+use crate::shape::{Disc, IndexedMesh, Instance, Mesh, Plane, Rectangle, Shape, Sphere};
+use glam::{DVec3, Vec3};
+use std::sync::Arc;
+
+/// A mesh around its own middle.
+pub(super) struct Instanced {
+    mesh: Arc<IndexedMesh>,
+    middle: DVec3,
+}
+
+impl Instanced {
+    pub(super) fn new(positions: &[DVec3], normals: Option<&[DVec3]>, triangles: &[[u32; 3]]) -> Self {
+        let fold = |f: fn(DVec3, DVec3) -> DVec3| positions.iter().copied().reduce(f).unwrap_or(DVec3::ZERO);
+        let middle = 0.5 * fold(DVec3::min) + 0.5 * fold(DVec3::max);
+        let mesh = Mesh {
+            positions: positions.iter().map(|p| (*p - middle).as_vec3()).collect(),
+            normals: normals.unwrap_or_default().iter().map(|n| n.normalize_or_zero().as_vec3()).collect(),
+            triangles: triangles.to_vec(),
+        };
+        Self { mesh: Arc::new(IndexedMesh::new(mesh)), middle }
+    }
+}
 
 impl Resolver<'_> {
     pub(super) fn shape(
         &mut self,
         shape: &Described,
         span: Span,
-        to_world: DAffine3,
+        to_world: &Motion,
         emission: Rgb,
         told: Option<Rgb>,
     ) -> Result<(), SceneError> {
-        let map = self.transform(to_world, span)?;
+        let map = self.transform(to_world.at(0.0), span)?;
         let material = self.material;
         match shape {
             Described::Sphere { center, radius } => {
-                let sphere = place_sphere(&map, *center, *radius)
-                    .ok_or_else(|| self.refuse(span, "this sphere is squeezed flat", "scale it less"))?;
-                self.builder.shape(sphere, material, emission);
+                self.place(Shape::Sphere(Sphere::new(*center, *radius)), to_world, &map, span, emission)?;
             }
             Described::Plane { normal, offset } => {
                 if emission != Rgb::ZERO {
@@ -31,21 +50,31 @@ impl Resolver<'_> {
                     return Err(self.refuse(span, "an infinite plane cannot emit light", help));
                 }
                 let on = *normal * (*offset / normal.length_squared());
-                self.builder.plane(Plane::new(map.point(on), map.normal(*normal)), material, emission);
+                let plane = Plane::new(on, *normal);
+                if to_world.is_still() {
+                    self.builder.plane(plane.transformed(&map), material, emission);
+                } else {
+                    self.builder.moving_plane(plane, to_world.clone(), material, emission);
+                }
             }
             Described::Disc { center, normal, radius } => {
-                let disc = Disc::around(*center, *normal, *radius).transformed(&map);
-                self.builder.shape(Shape::Disc(disc), material, emission);
+                self.place(Shape::Disc(Disc::around(*center, *normal, *radius)), to_world, &map, span, emission)?;
             }
             Described::Rectangle { corner, edge0, edge1 } => {
-                let rectangle = Rectangle::new(*corner, *edge0, *edge1).transformed(&map);
-                self.builder.shape(Shape::Rectangle(rectangle), material, emission);
+                self.place(Shape::Rectangle(Rectangle::new(*corner, *edge0, *edge1)), to_world, &map, span, emission)?;
             }
             Described::Triangle { vertices, normals } => {
                 let normals = normals.as_ref().map(|n| n.as_slice());
-                self.place_mesh(&map, vertices, normals, &[[0, 1, 2]], material, emission);
+                if to_world.is_still() {
+                    self.place_mesh(&map, vertices, normals, &[[0, 1, 2]], emission);
+                } else {
+                    let instance = Instanced::new(vertices, normals, &[[0, 1, 2]]);
+                    self.place_instance(&instance, to_world, &map, span, emission)?;
+                }
             }
-            Described::Mesh { path, options } => self.mesh(&map, path, *options, told, emission)?,
+            Described::Mesh { path, options } => {
+                self.mesh(&Placing { to_world, map: &map, span, told, emission }, path, *options)?
+            }
             Described::Revolution { .. } => {
                 let help = "tessellate it into an OBJ mesh and use TriangleMesh";
                 return Err(self.refuse(span, "surfaces of revolution cannot be rendered yet", help));
@@ -58,8 +87,50 @@ impl Resolver<'_> {
         Ok(())
     }
 
+    /// Adds a shape under `to_world`, which is `map` when the shutter opens.
+    fn place(
+        &mut self,
+        shape: Shape,
+        to_world: &Motion,
+        map: &Transform,
+        span: Span,
+        emission: Rgb,
+    ) -> Result<(), SceneError> {
+        let placed =
+            shape.transformed(map).ok_or_else(|| self.refuse(span, "this shape is squeezed flat", "scale it less"))?;
+        if to_world.is_still() {
+            self.builder.shape(placed, self.material, emission);
+        } else {
+            self.builder.moving_shape(shape, to_world.clone(), self.material, emission);
+        }
+        Ok(())
+    }
+
     pub(super) fn refuse(&self, span: Span, message: &str, help: &str) -> SceneError {
         SceneError::at(self.source, span, message, "here", help)
+    }
+
+    /// Adds a mesh that is shared, or that moves.
+    pub(super) fn place_instance(
+        &mut self,
+        instanced: &Instanced,
+        to_world: &Motion,
+        map: &Transform,
+        span: Span,
+        emission: Rgb,
+    ) -> Result<(), SceneError> {
+        if emission != Rgb::ZERO {
+            let even = |time| Transform::new(to_world.at(time)).is_ok_and(|map| map.similarity().is_some());
+            if ![0.0, 0.3, 0.7, 1.0].into_iter().all(even) {
+                let help = "stretch it alike in all directions, or let a shape of another kind shine";
+                return Err(self.refuse(span, "a moving mesh that is stretched unevenly cannot emit light", help));
+            }
+        }
+        let shape = Shape::Instance(Instance::new(
+            Arc::clone(&instanced.mesh),
+            Transform::IDENTITY.translated(instanced.middle),
+        ));
+        self.place(shape, to_world, map, span, emission)
     }
 
     pub(super) fn place_mesh(
@@ -68,7 +139,6 @@ impl Resolver<'_> {
         positions: &[DVec3],
         normals: Option<&[DVec3]>,
         triangles: &[[u32; 3]],
-        material: u32,
         emission: Rgb,
     ) {
         let positions: Vec<DVec3> = positions.iter().map(|p| map.point(*p)).collect();
@@ -77,31 +147,6 @@ impl Resolver<'_> {
         // A mirror image turns the winding around; the outer side must stay outside.
         let turned = |[a, b, c]: [u32; 3]| if map.mirrors() { [a, c, b] } else { [a, b, c] };
         let triangles: Vec<[u32; 3]> = triangles.iter().copied().map(turned).collect();
-        self.builder.mesh(&positions, &normals, &triangles, material, emission);
-    }
-}
-
-/// A sphere under an affine map; `None` where the map times the radius is singular.
-fn place_sphere(map: &Transform, center: DVec3, radius: f64) -> Option<Shape> {
-    if let Some(scale) = map.similarity() {
-        return Some(Shape::Sphere(Sphere::new(map.point(center), radius * scale)));
-    }
-    let unit_to_object = DAffine3::from_scale_rotation_translation(DVec3::splat(radius), glam::DQuat::IDENTITY, center);
-    Some(Shape::Ellipsoid(Ellipsoid::new(Transform::new(*map.forward() * unit_to_object).ok()?)))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn spheres_stay_spheres_under_similarities_only() {
-        let twice = Transform::new(DAffine3::from_scale(DVec3::splat(-2.0))).unwrap();
-        match place_sphere(&twice, DVec3::X, 0.5) {
-            Some(Shape::Sphere(s)) => assert_eq!((s.center, s.radius), (DVec3::new(-2.0, 0.0, 0.0), 1.0)),
-            other => panic!("{other:?}"),
-        }
-        let stretched = Transform::new(DAffine3::from_scale(DVec3::new(1.0, 2.0, 1.0))).unwrap();
-        assert!(matches!(place_sphere(&stretched, DVec3::X, 0.5), Some(Shape::Ellipsoid(_))));
+        self.builder.mesh(&positions, &normals, &triangles, self.material, emission);
     }
 }

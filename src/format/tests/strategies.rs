@@ -50,14 +50,45 @@ fn edges() -> impl Strategy<Value = (DVec3, DVec3, DVec3)> {
 
 fn camera() -> impl Strategy<Value = Camera> {
     let size = || 1..=65_536_u32;
-    let views = (edges(), any::<bool>(), 1e-9..179.999, size(), size());
-    views.prop_filter_map("no view", |((center, view, up), aimed, angle, width, height)| {
+    let views = (edges(), any::<bool>(), projection(), size(), size(), vec(grown(false), 0..3));
+    views.prop_filter_map("no view", |((center, view, up), aimed, mut projection, width, height, motion)| {
         let lookat =
             aimed.then_some(center + view).filter(|p| (*p - center).normalize().cross(up.normalize()).length() > 1e-6);
         let aim = lookat.map_or(Aim::Direction(view), Aim::LookAt);
         let parallel = view.normalize().cross(up.normalize()).length() < 1e-6;
-        (!parallel).then_some(Camera { center, aim, up, angle, width, height })
+        if let Projection::Perspective { lens: Some(lens), .. } = &mut projection
+            && let Focus::Point(point) = &mut lens.focus
+        {
+            *point = center + view;
+            if (*point - center).dot(aim_direction(aim, center)) <= 0.0 {
+                return None;
+            }
+        }
+        (!parallel).then_some(Camera { center, aim, up, projection, width, height, motion })
     })
+}
+
+fn aim_direction(aim: Aim, center: DVec3) -> DVec3 {
+    match aim {
+        Aim::Direction(direction) => direction,
+        Aim::LookAt(point) => point - center,
+    }
+}
+
+fn projection() -> impl Strategy<Value = Projection> {
+    let opening = prop_oneof![
+        prop_oneof![Just(0.0), positive()].prop_map(Opening::Radius),
+        (positive(), positive()).prop_map(|(number, sensor)| Opening::FNumber { number, sensor }),
+    ];
+    // The point is put before the camera once that is known.
+    let focus = prop_oneof![positive().prop_map(Focus::Distance), Just(Focus::Point(DVec3::ZERO))];
+    let blades = prop_oneof![Just(0), 3..=64_u32];
+    let lens = (opening, focus, blades).prop_map(|(opening, focus, blades)| Lens { opening, focus, blades });
+    prop_oneof![
+        (1e-9..179.999, option::of(lens)).prop_map(|(angle, lens)| Projection::Perspective { angle, lens }),
+        positive().prop_map(|size| Projection::Orthographic { size }),
+        Just(Projection::Environment),
+    ]
 }
 
 fn point_strength() -> impl Strategy<Value = PointStrength> {
@@ -74,6 +105,13 @@ fn area_strength() -> impl Strategy<Value = AreaStrength> {
 }
 
 fn light() -> impl Strategy<Value = Light> {
+    (still_light(), option::of(vec(grown(true), 0..3))).prop_map(|(light, motion)| match motion {
+        Some(maps) => Light::Moving { maps, light: Box::new(spanned(light)) },
+        None => light,
+    })
+}
+
+fn still_light() -> impl Strategy<Value = Light> {
     prop_oneof![
         (point(), point_strength()).prop_map(|(position, strength)| Light::Point { position, strength }),
         (direction(), colour(), any::<bool>()).prop_map(|(direction, c, physical)| {
@@ -184,6 +222,16 @@ fn map() -> impl Strategy<Value = Map> {
     ]
 }
 
+/// A map that can grow while the shutter is open.
+fn grown(scales: bool) -> impl Strategy<Value = Map> {
+    map().prop_filter("cannot grow", move |map| match *map {
+        Map::Matrix(_) => false,
+        Map::Scale(s) => scales && s.min_element() > 0.0,
+        Map::UniformScale(s) => scales && s > 0.0,
+        _ => true,
+    })
+}
+
 fn spanned<T>(value: T) -> Spanned<T> {
     Spanned::new(value, Span::default())
 }
@@ -198,8 +246,10 @@ fn item() -> impl Strategy<Value = Item> {
         ];
         prop_oneof![
             vec(grouped, 0..4).prop_map(|items| Object::Group(Group { items })),
-            (vec(map(), 0..3), inner)
+            (vec(map(), 0..3), inner.clone())
                 .prop_map(|(maps, object)| Object::Transform { maps, object: Box::new(spanned(object)) }),
+            (vec(grown(true), 0..3), inner)
+                .prop_map(|(maps, object)| Object::Moving { maps, object: Box::new(spanned(object)) }),
         ]
     });
     prop_oneof![
@@ -213,7 +263,7 @@ fn name_materials(group: &mut Group, materials: &[Spanned<Material>]) {
     fn enter(object: &mut Object, materials: &[Spanned<Material>]) {
         match object {
             Object::Group(group) => name_materials(group, materials),
-            Object::Transform { object, .. } => enter(&mut object.value, materials),
+            Object::Transform { object, .. } | Object::Moving { object, .. } => enter(&mut object.value, materials),
             Object::Shape { .. } => {}
         }
     }

@@ -1,5 +1,5 @@
 use super::*;
-use crate::camera::Pinhole;
+use crate::camera::Camera;
 use crate::color::Rgb;
 use crate::photon::{Bandwidth, Kernel, Photon, PhotonMap, VisiblePoint};
 use crate::scene::{Inside, LightStrength, Material, Scene, SceneBuilder, SourceKind};
@@ -14,7 +14,7 @@ fn hall(lamps: impl FnOnce(&mut SceneBuilder)) -> Scene {
     builder.shape(Shape::Rectangle(Rectangle::new(DVec3::new(-8.0, 0.0, -8.0), z, x)), grey, Rgb::ZERO);
     builder.shape(Shape::Rectangle(Rectangle::new(DVec3::new(-8.0, 0.0, -8.0), x, y)), grey, Rgb::ZERO);
     lamps(&mut builder);
-    builder.build(Pinhole::new(DVec3::Y, DVec3::NEG_Z, DVec3::Y, 1.0, 4, 3).unwrap()).unwrap()
+    builder.build(Camera::perspective(DVec3::Y, DVec3::NEG_Z, DVec3::Y, 1.0, 4, 3).unwrap()).unwrap()
 }
 
 const LAMP: DVec3 = DVec3::new(0.0, 6.0, 0.0);

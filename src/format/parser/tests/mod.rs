@@ -2,7 +2,7 @@ mod surfaces;
 
 use super::*;
 use crate::format::MAX_DEPTH;
-use crate::format::description::{Aim, Item, Light, MaterialKind, Object, PointStrength, Shape};
+use crate::format::description::{Aim, Item, Light, MaterialKind, Object, PointStrength, Projection, Shape};
 
 const CAMERA: &str = "PerspectiveCamera { center 0 0 10 direction 0 0 -1 up 0 1 0 angle 30 width 200 height 200 }";
 
@@ -41,7 +41,8 @@ fn first(body: &str) -> Object {
 fn numbers_stop_where_they_can_no_longer_go_on() {
     let text = "PerspectiveCamera{center 0 0 10direction 0 0-1up 0 1 0angle 20width 200height 100}Group{}";
     let camera = parse("a", text).unwrap().camera;
-    assert_eq!((camera.angle, camera.width, camera.height), (20.0, 200, 100));
+    assert_eq!(camera.projection, Projection::Perspective { angle: 20.0, lens: None });
+    assert_eq!((camera.width, camera.height), (200, 100));
     assert_eq!(camera.aim, Aim::Direction(DVec3::NEG_Z));
 }
 
@@ -234,7 +235,7 @@ fn transforms_must_not_flatten() {
         "this `Transform` flattens",
         "scales must not be 0",
     );
-    refused("Group { ‹Transform› { Scale 1 1 1 } }", "holds no object", "put an object after its maps");
+    refused("Group { ‹Transform› { Scale 1 1 1 } }", "holds no object", "put one after its maps");
     refused(
         "Group { Transform { Group { } ‹Group› { } } }",
         "unexpected `Group` after",
@@ -286,7 +287,7 @@ fn an_open_block_is_shown_where_it_opens() {
     ] {
         refused(body, "the file ends inside", "close it with `}`");
     }
-    check(parse("a", ""), (1, 1), "", "the file has no PerspectiveCamera", "add `PerspectiveCamera {");
+    check(parse("a", ""), (1, 1), "", "the file has no camera", "add `PerspectiveCamera {");
     check(scene(""), (1, 1), "", "the file has no Group", "add `Group { … }`");
 }
 

@@ -1,0 +1,124 @@
+//! Maps that change while the shutter is open.
+
+use glam::{DAffine3, DMat3, DVec3};
+
+/// One of the maps of a [`Motion`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Step {
+    /// The same at all times.
+    Fixed(DAffine3),
+    /// A shift, whole at time 1.
+    Shift(DVec3),
+    /// A right-handed turn about a unit axis through the origin \[radians], whole at time 1.
+    Turn(DVec3, f64),
+    /// A stretch of each axis by a factor above 0, whole at time 1 and in between linear.
+    Stretch(DVec3),
+}
+
+impl Step {
+    /// The map at `time`.
+    #[must_use]
+    pub fn at(&self, time: f64) -> DAffine3 {
+        match *self {
+            Self::Fixed(map) => map,
+            Self::Shift(by) => DAffine3::from_translation(by * time),
+            Self::Turn(axis, angle) => DAffine3::from_mat3(turn(axis, angle * time)),
+            Self::Stretch(by) => DAffine3::from_scale(DVec3::ONE + (by - 1.0) * time),
+        }
+    }
+}
+
+/// A map for each time in \[0, 1\], from where the shutter opens to where it closes: a product of steps. Where they turn, points go along true
+/// circles.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Motion {
+    /// The first is applied last; neighbours are not both fixed.
+    steps: Vec<Step>,
+}
+
+impl Motion {
+    /// The map that is `map` at all times.
+    #[must_use]
+    pub fn still(map: DAffine3) -> Self {
+        Self::default().then_inside([Step::Fixed(map)])
+    }
+
+    /// The motion that applies `steps`, the first of them last, and then this one.
+    #[must_use]
+    pub fn then_inside(&self, steps: impl IntoIterator<Item = Step>) -> Self {
+        let mut all = self.steps.clone();
+        for step in steps {
+            match (all.last_mut(), step) {
+                (Some(Step::Fixed(outer)), Step::Fixed(inner)) => *outer *= inner,
+                _ => all.push(step),
+            }
+        }
+        Self { steps: all }
+    }
+
+    /// The motion as if `place` were the origin.
+    #[must_use]
+    pub fn about(&self, place: DVec3) -> Self {
+        let back = Step::Fixed(DAffine3::from_translation(-place));
+        self.followed_by(DAffine3::from_translation(place)).then_inside([back])
+    }
+
+    /// The motion followed by `map`.
+    #[must_use]
+    pub fn followed_by(&self, map: DAffine3) -> Self {
+        Self::still(map).then_inside(self.steps.iter().copied())
+    }
+
+    /// The map at `time`.
+    #[must_use]
+    pub fn at(&self, time: f64) -> DAffine3 {
+        self.steps.iter().fold(DAffine3::IDENTITY, |map, step| map * step.at(time))
+    }
+
+    /// Whether nothing in it depends on time.
+    #[must_use]
+    pub fn is_still(&self) -> bool {
+        self.steps.iter().all(|step| matches!(step, Step::Fixed(_)))
+    }
+}
+
+/// Rodrigues' rotation about a unit `axis`: cos·I + (1 − cos)·aaᵀ + sin·\[a\]×.
+#[must_use]
+pub fn turn(axis: DVec3, radians: f64) -> DMat3 {
+    let (sin, cos) = libm::sincos(radians);
+    let column = |e: DVec3| e * cos + axis * ((1.0 - cos) * axis.dot(e)) + axis.cross(e) * sin;
+    DMat3::from_cols(column(DVec3::X), column(DVec3::Y), column(DVec3::Z))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::PI;
+
+    #[test]
+    fn turning_points_go_along_circles_and_the_first_step_is_applied_last() {
+        let motion = Motion::still(DAffine3::from_translation(DVec3::Y)).then_inside([
+            Step::Turn(DVec3::Y, PI),
+            Step::Shift(DVec3::X),
+            Step::Stretch(DVec3::splat(3.0)),
+        ]);
+        for time in [0.0, 0.3, 1.0] {
+            let p = motion.at(time).transform_point3(DVec3::ZERO);
+            let expected = DVec3::new(libm::cos(PI * time) * time, 1.0, -libm::sin(PI * time) * time);
+            // Few roundings of numbers near 1.
+            assert!((p - expected).length() < 1e-15 * 8.0, "{time}: {p}");
+            let edge = motion.at(time).transform_vector3(DVec3::Y);
+            assert!((edge.length() - (1.0 + 2.0 * time)).abs() < 1e-14);
+        }
+        assert!(!motion.is_still());
+    }
+
+    #[test]
+    fn still_maps_join() {
+        let (a, b) = (DAffine3::from_scale(DVec3::splat(2.0)), DAffine3::from_translation(DVec3::X));
+        let motion = Motion::still(a).then_inside([Step::Fixed(b)]);
+        assert!(motion.is_still() && motion.steps.len() == 1);
+        assert_eq!((motion.at(0.0), motion.at(0.7)), (a * b, a * b));
+        assert_eq!(motion.followed_by(b).at(0.5), b * a * b);
+    }
+}

@@ -1,0 +1,138 @@
+//! What moves while the shutter is open.
+//!
+//! All of a pass happens at one time: photons and camera rays agree on where things are, and no estimate blurs time. So a ray needs no time
+//! of its own, nor the hierarchy boxes that hold a whole motion: things that move have a small hierarchy for themselves, made anew for
+//! each pass.
+
+use super::source::{course_area_light, resolve_source};
+use super::{Inside, LightStrength, Scene, SourceKind};
+use crate::accel::Hierarchy;
+use crate::camera::Camera;
+use crate::light::{Emitter, Light};
+use crate::math::{Bounds, Motion, Sphere, Transform};
+use crate::shape::{Plane, Shape};
+use glam::DVec3;
+use std::sync::Arc;
+
+/// The time at which a scene stands when nobody says otherwise: half way.
+pub(super) const MIDDLE: f64 = 0.5;
+
+/// How far light from infinity is followed beyond the bounded shapes, in their radii, where unbounded planes catch it.
+const OPEN_DOMAIN: f32 = 4.0;
+
+/// All that moves. Motions lead to the scene's own coordinates.
+#[derive(Debug, Default)]
+pub(super) struct Movement {
+    /// The last of the scene's shapes.
+    pub shapes: Vec<(Shape, Motion)>,
+    /// The last of the scene's planes.
+    pub planes: Vec<(Plane, Motion)>,
+    /// Lights by their index.
+    pub sources: Vec<(usize, SourceKind, LightStrength, Motion)>,
+    /// The camera before it is moved, about its own place.
+    pub camera: Option<(Camera, Motion)>,
+}
+
+impl Movement {
+    pub fn is_none(&self) -> bool {
+        self.shapes.is_empty() && self.planes.is_empty() && self.sources.is_empty() && self.camera.is_none()
+    }
+}
+
+/// A shape at a time of its motion; `None` where no numbers can hold it.
+pub(super) fn shape_at(shape: &Shape, motion: &Motion, time: f64) -> Option<Shape> {
+    shape.transformed(&Transform::new(motion.at(time)).ok()?)
+}
+
+/// A plane at a time of its motion.
+pub(super) fn plane_at(plane: &Plane, motion: &Motion, time: f64) -> Option<Plane> {
+    Some(plane.transformed(&Transform::new(motion.at(time)).ok()?))
+}
+
+/// A light at a time of its motion.
+pub(super) fn source_at(kind: &SourceKind, motion: &Motion, time: f64) -> Option<SourceKind> {
+    Some(kind.transformed(&Transform::new(motion.at(time)).ok()?))
+}
+
+impl Scene {
+    /// Whether anything moves while the shutter is open.
+    #[must_use]
+    pub fn moves(&self) -> bool {
+        self.movement.is_some()
+    }
+
+    /// The scene as it stands at `time` in \[0, 1\], from where the shutter opens to where it closes. What stands still is shared.
+    #[must_use]
+    pub fn at(&self, time: f64) -> Self {
+        let mut scene = self.clone();
+        let Some(movement) = &self.movement else { return scene };
+        let (first, first_plane) =
+            (scene.shapes.len() - movement.shapes.len(), scene.planes.len() - movement.planes.len());
+        for (i, (shape, motion)) in (first..).zip(&movement.shapes) {
+            if let Some(placed) = shape_at(shape, motion, time) {
+                scene.put(i, placed);
+            }
+        }
+        for (i, (plane, motion)) in (first_plane..).zip(&movement.planes) {
+            if let Some(placed) = plane_at(plane, motion, time) {
+                scene.planes[i].0 = placed;
+            }
+        }
+        for (i, kind, strength, motion) in &movement.sources {
+            if let Some(placed) = source_at(kind, motion, time) {
+                (scene.lights[*i], scene.course_lights[*i]) = resolve_source(&placed, *strength, DVec3::ZERO);
+            }
+        }
+        if let Some((camera, motion)) = &movement.camera
+            && let Ok(map) = Transform::new(motion.at(time))
+        {
+            scene.camera = camera.moved(&map);
+        }
+        scene.settle(self.still);
+        scene
+    }
+
+    /// Puts another shape in the place of shape `i`, and of the light that it is.
+    fn put(&mut self, i: usize, shape: Shape) {
+        if let Some(light) = self.shape_attributes[i].light {
+            let light = light as usize;
+            if let Light::Area(area) = &mut self.lights[light] {
+                area.emitter = Emitter::Shape(shape.clone());
+            }
+            self.course_lights[light] = course_area_light(&self.lights[light]);
+        }
+        self.shapes[i] = shape;
+    }
+
+    /// Makes all that follows from where things are; `still` is the box around what does not move.
+    pub(super) fn settle(&mut self, still: Bounds) {
+        let moving = self.movement.as_ref().map_or(0, |m| m.shapes.len());
+        self.first_moving = (self.shapes.len() - moving) as u32;
+        let boxes: Vec<Bounds> = self.shapes[self.first_moving as usize..].iter().map(Shape::bounds).collect();
+        self.moving = (moving > 0).then(|| Arc::new(Hierarchy::build(&[], &boxes)));
+        let planes = self.planes.iter().map(|(plane, _)| plane.place().0.length());
+        self.domain = domain(boxes.into_iter().fold(still, Bounds::union), planes);
+        self.camera_inside = Inside::NOTHING;
+        self.light_inside = vec![Inside::NOTHING; self.lights.len()];
+        if self.has_bodies() {
+            self.camera_inside = self.inside_at(self.camera.center().as_vec3());
+            let start = |light: &Light| light.start().map_or(Inside::NOTHING, |p| self.inside_at(p));
+            self.light_inside = self.lights.iter().map(start).collect();
+        }
+    }
+}
+
+/// The ball in which light from infinity counts, around the bounded shapes, or where there are none around the eye at the origin;
+/// `planes` are the distances of unbounded planes.
+fn domain(bounds: Bounds, planes: impl Iterator<Item = f32>) -> Sphere {
+    let ball = bounds.bounding_sphere();
+    let Some(farthest) = planes.reduce(f32::max) else { return ball };
+    let radius = if ball.radius > 0.0 {
+        ball.radius
+    } else if farthest > 0.0 {
+        farthest
+    } else {
+        1.0
+    };
+    Sphere { center: ball.center, radius: radius * OPEN_DOMAIN }
+}

@@ -1,0 +1,169 @@
+//! Meshes that are placed more than once, or that move: one set of triangles under several maps.
+
+use super::{Crossing, Mesh, ShapeSample, SurfacePoint, widen};
+use crate::accel::{Hierarchy, Primitive};
+use crate::math::{Bounds, Ray, Transform, warp};
+use crate::sampling::Discrete;
+use glam::{DVec3, Vec2, Vec3};
+use std::sync::{Arc, OnceLock};
+
+/// A mesh with a hierarchy of its own, in coordinates of its own.
+pub struct IndexedMesh {
+    mesh: Mesh,
+    hierarchy: Hierarchy,
+    bounds: Bounds,
+    /// Triangles by area, for lights.
+    choice: OnceLock<Option<Discrete>>,
+}
+
+impl std::fmt::Debug for IndexedMesh {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_struct("IndexedMesh").field("triangles", &self.mesh.triangles.len()).finish_non_exhaustive()
+    }
+}
+
+impl IndexedMesh {
+    /// Indexes a mesh. It is most exact where its own middle is near its origin.
+    #[must_use]
+    pub fn new(mesh: Mesh) -> Self {
+        let corners: Vec<[Vec3; 3]> = (0..mesh.triangles.len()).map(|i| mesh.corners(i)).collect();
+        let bounds = Bounds::of(corners.iter().flatten().copied());
+        Self { hierarchy: Hierarchy::build(&corners, &[]), mesh, bounds, choice: OnceLock::new() }
+    }
+
+    /// The triangles.
+    #[must_use]
+    pub fn mesh(&self) -> &Mesh {
+        &self.mesh
+    }
+
+    /// Triangles in proportion to their area; `None` where there is none.
+    fn choice(&self) -> Option<&Discrete> {
+        let make = || Discrete::new((0..self.mesh.triangles.len()).map(|i| self.mesh.area(i)));
+        self.choice.get_or_init(make).as_ref()
+    }
+}
+
+/// A mesh under an affine map.
+///
+/// Rays are taken into the mesh's space without normalising them, so that `t` means the same in both. The first coordinate of a crossing
+/// holds the bits of the triangle's index.
+#[derive(Clone, Debug)]
+pub struct Instance {
+    mesh: Arc<IndexedMesh>,
+    to_world: Transform,
+}
+
+impl Instance {
+    /// `mesh` under `to_world`.
+    #[must_use]
+    pub fn new(mesh: Arc<IndexedMesh>, to_world: Transform) -> Self {
+        Self { mesh, to_world }
+    }
+
+    /// The image under another map; `None` where the product is singular.
+    #[must_use]
+    pub(super) fn transformed(&self, map: &Transform) -> Option<Self> {
+        let to_world = Transform::new(*map.forward() * *self.to_world.forward()).ok()?;
+        Some(Self { mesh: Arc::clone(&self.mesh), to_world })
+    }
+
+    /// How many triangles there are.
+    #[must_use]
+    pub fn triangles(&self) -> usize {
+        self.mesh.mesh.triangles.len()
+    }
+
+    #[inline]
+    fn to_object(&self, ray: &Ray) -> (DVec3, DVec3) {
+        let (o, d) = widen(ray);
+        let inverse = self.to_world.inverse();
+        (inverse.transform_point3(o), inverse.transform_vector3(d))
+    }
+
+    #[inline]
+    pub(super) fn intersect(&self, ray: &Ray) -> Option<Crossing> {
+        let (o, d) = self.to_object(ray);
+        let ray = Ray { origin: o.as_vec3(), direction: d.as_vec3(), t_max: ray.t_max };
+        let hit = self.mesh.hierarchy.closest(&ray, |_, _| None)?;
+        match hit.primitive {
+            Primitive::Triangle(i) => Some((hit.t, f32::from_bits(i), 0.0)),
+            Primitive::Other(_) => None,
+        }
+    }
+
+    #[inline]
+    pub(super) fn occludes(&self, ray: &Ray) -> bool {
+        let (o, d) = self.to_object(ray);
+        let ray = Ray { origin: o.as_vec3(), direction: d.as_vec3(), t_max: ray.t_max };
+        self.mesh.hierarchy.occluded(&ray, |_, _| false)
+    }
+
+    #[inline]
+    pub(super) fn surface(&self, ray: &Ray, index: f32) -> SurfacePoint {
+        let (o, d) = self.to_object(ray);
+        let i = index.to_bits() as usize;
+        let [a, b, c] = self.mesh.mesh.corners(i).map(|v| v.as_dvec3());
+        // The test of the hierarchy told which triangle; where on it, its plane tells in double precision.
+        let (e1, e2) = (b - a, c - a);
+        let p = d.cross(e2);
+        let q = (o - a).cross(e1);
+        let determinant = e1.dot(p);
+        let weights = glam::DVec2::new((o - a).dot(p), d.dot(q)) / determinant;
+        self.place(i, inside_triangle(weights))
+    }
+
+    /// The surface of triangle `i` at barycentric weights `b` of its second and third corner.
+    fn place(&self, i: usize, b: Vec2) -> SurfacePoint {
+        let own = self.mesh.mesh.surface(i, b);
+        let p = self.to_world.point(own.p.as_dvec3()).as_vec3();
+        let normal = |n: Vec3| self.to_world.normal(n.as_dvec3()).normalize_or_zero().as_vec3();
+        let (ng, ns) = (normal(own.ng), normal(own.ns));
+        // The place is rounded in both spaces, and the next ray once more on its way into the mesh's.
+        let m = self.to_world.forward().matrix3;
+        let rounded = (own.error + own.p.abs() * f32::EPSILON).as_dvec3();
+        let carried = m.x_axis.abs() * rounded.x + m.y_axis.abs() * rounded.y + m.z_axis.abs() * rounded.z;
+        let error = p.abs() * f32::EPSILON + carried.as_vec3();
+        SurfacePoint { p, error, ng: if ng.dot(ns) < 0.0 { -ng } else { ng }, ns }
+    }
+
+    pub(super) fn extent(&self) -> (DVec3, DVec3) {
+        let corners = self.mesh.bounds.corners().map(|c| self.to_world.point(c.as_dvec3()));
+        let fold = |f: fn(DVec3, DVec3) -> DVec3| corners.iter().copied().reduce(f).unwrap_or(DVec3::ZERO);
+        (fold(DVec3::min), fold(DVec3::max))
+    }
+
+    pub(super) fn translated(&self, by: DVec3) -> Self {
+        Self { mesh: Arc::clone(&self.mesh), to_world: self.to_world.translated(by) }
+    }
+
+    /// How much larger areas are than in the mesh's space; true where the map stretches all directions alike.
+    fn area_scale(&self) -> f64 {
+        let determinant = self.to_world.forward().matrix3.determinant().abs();
+        let edge = libm::cbrt(determinant);
+        edge * edge
+    }
+
+    pub(super) fn area(&self) -> f64 {
+        self.mesh.choice().map_or(0.0, |choice| choice.total() * self.area_scale())
+    }
+
+    pub(super) fn sample(&self, u: Vec2) -> ShapeSample {
+        let (i, b) = match self.mesh.choice() {
+            Some(choice) => {
+                let (i, _) = choice.sample(u.x);
+                // What is left of u.x inside the chosen interval is uniform again.
+                (i, warp::triangle(Vec2::new(choice.remainder(u.x, i), u.y)))
+            }
+            None => (0, Vec2::ZERO),
+        };
+        ShapeSample { point: self.place(i, b), pdf: (1.0 / self.area()) as f32 }
+    }
+}
+
+/// The nearest weights of a point of the triangle, for some that rounding may have put beside it; the first corner where there are none.
+fn inside_triangle(weights: glam::DVec2) -> Vec2 {
+    let w = if weights.is_finite() { weights.max(glam::DVec2::ZERO) } else { glam::DVec2::ZERO };
+    let sum = w.x + w.y;
+    (if sum > 1.0 { w / sum } else { w }).as_vec2()
+}

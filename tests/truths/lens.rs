@@ -1,0 +1,177 @@
+//! Truths 36 and 37: what a thin lens and an open shutter blur.
+
+use crate::common::{agree, camera_rays, project};
+use caustica::format::{Source, parse, resolve};
+use caustica::integrate::{Algorithm, Silent};
+use caustica::math::Ray;
+use caustica::sampling::{Dimension, Key, Purpose};
+use caustica::scene::Scene;
+use glam::{DVec2, Vec3};
+
+fn scene(text: &str) -> Scene {
+    let description = parse("test", text).unwrap();
+    resolve(&description, &Source::new("test", text), &project("scenes")).unwrap()
+}
+
+/// Mean radiance of the first channel by rows, pass by pass.
+fn pictures(scene: &Scene, algorithm: Algorithm, samples: u32, passes: u32) -> Vec<Vec<f64>> {
+    let prepared = algorithm.prepare(scene, camera_rays(samples, 4));
+    let pass = |i| prepared.pass(i, &Silent).image.iter().map(|v| f64::from(v.x)).collect();
+    (0..passes).map(pass).collect()
+}
+
+/// A small lamp at distance S out of focus becomes a disc of diameter A |S − f|/(S p f) pixels, f the distance of focus and p the size of a
+/// pixel at distance 1: a disc has a quarter of the square of its radius as second moment about each axis, to which the lamp's own size
+/// and the pixel's, 1/12, add.
+#[test]
+fn the_circle_of_confusion_has_the_size_of_the_thin_lens() {
+    const PIXELS: f64 = 64.0;
+    let (aperture, angle) = (0.5, 20f64.to_radians());
+    let pixel = 2.0 * libm::tan(0.5 * angle) / PIXELS;
+    let lamp = 0.05;
+    for (distance, focus) in [(20.0f64, 4.0f64), (3.0, 4.0), (6.0, 10.0)] {
+        for opening in [
+            format!("aperture {}", 0.5 * aperture),
+            // The same by its f-number: focal length over diameter.
+            format!("fNumber {}  sensorHeight .3", 0.15 / libm::tan(0.5 * angle) / aperture),
+        ] {
+            let scene = scene(&format!(
+                "PerspectiveCamera {{ center 0 0 0  direction 0 0 -1  angle 20  width 64  height 64
+                                      {opening}  focusDistance {focus} }}
+                 Background {{ color 0 0 0 }}
+                 Lights {{ DiscLight {{ center 0 0 -{distance}  normal 0 0 1  radius {lamp}  radiance 1 1 1 }} }}
+                 Group {{ }}"
+            ));
+            let moments: Vec<DVec2> = pictures(&scene, Algorithm::Path, 64, 24)
+                .iter()
+                .map(|image| {
+                    let at = |i: usize| DVec2::new((i % 64) as f64 + 0.5 - 32.0, (i / 64) as f64 + 0.5 - 32.0);
+                    let weighted = |f: &dyn Fn(DVec2) -> DVec2| {
+                        image.iter().enumerate().map(|(i, v)| f(at(i)) * *v).sum::<DVec2>()
+                    };
+                    weighted(&|p| p * p) / image.iter().sum::<f64>()
+                })
+                .collect();
+            let blur = 0.5 * aperture * (distance - focus).abs() / (distance * pixel * focus);
+            let own = lamp / (distance * pixel);
+            let expected = 0.25 * (blur * blur + own * own) + 1.0 / 12.0;
+            for axis in [0, 1] {
+                let found: Vec<f64> = moments.iter().map(|m| m[axis]).collect();
+                agree(&format!("{opening}, {distance} away"), &found, expected, 1e-5 * expected, 0.03);
+            }
+        }
+    }
+}
+
+/// The edge of a white half plane that moves by v pixels leaves a linear ramp of that width. Passes fill the time in equal steps, so each
+/// pixel is off by less than one of 64 steps, which are v/64 of a ramp; the rest is noise of few rays at the edge: a pixel that the edge is in
+/// has a variance below ¼ in each of 16 · 64 rays.
+#[test]
+fn a_moving_edge_leaves_a_ramp() {
+    const PASSES: u32 = 64;
+    // One pixel is one unit wide; the edge goes from x = −8 to 8 pixels.
+    let scene = scene(
+        "OrthographicCamera { center 0 0 5  direction 0 0 -1  size 4  width 32  height 4 }
+         Background { color 0 0 0 }
+         Group { Moving { Translate 16 0 0  Rectangle { corner -108 -50 0  edge0 100 0 0  edge1 0 100 0  emission 1 1 1 } } }",
+    );
+    let images = pictures(&scene, Algorithm::Path, 16, PASSES);
+    for x in 0..32 {
+        let pixels = images.iter().map(|image| (0..4).map(|y| image[y * 32 + x]).sum::<f64>() / 4.0);
+        let found = pixels.sum::<f64>() / f64::from(PASSES);
+        let (left, right) = (x as f64 - 16.0, x as f64 - 15.0);
+        // The edge at time t is at 16 t − 8: white is what lies left of it.
+        let white = |p: f64| ((8.0 - p) / 16.0).clamp(0.0, 1.0);
+        let expected = 0.5 * (white(left) + white(right));
+        let sigma = 0.5 / (16.0 * 4.0 * f64::from(PASSES) / 16.0).sqrt();
+        let steps = 1.0 / f64::from(PASSES);
+        assert!((found - expected).abs() < steps + 5.0 * sigma / 16.0, "pixel {x}: {found}, not {expected}");
+    }
+}
+
+/// A point light of intensity I that goes by at height h lights the floor by the time mean of I h/(h² + x²)^(3/2), which is
+/// I [x/(h √(h² + x²))] over the length of its way. Passes fill the time evenly: the mean of 64 is off by less than a 64th of how much the
+/// irradiance changes.
+#[test]
+fn a_moving_light_lights_by_the_mean_over_time() {
+    const PASSES: u32 = 64;
+    let scene = scene(
+        "OrthographicCamera { center 0 1 0  direction 0 -1 0  up 0 0 1  size .001  width 1  height 1 }
+         Lights { Moving { Translate 4 0 0  PointLight { position -1 2 0  intensity 3 3 3 } } }
+         Materials { Diffuse white { reflectance 1 1 1 } }
+         Group { MaterialName white  Plane { normal 0 1 0  offset 0 } }",
+    );
+    let integral = |x: f64| x / (2.0 * (4.0 + x * x).sqrt());
+    let expected = 3.0 * (integral(3.0) - integral(-1.0)) / 4.0 / std::f64::consts::PI;
+    let largest = 3.0 / 4.0 / std::f64::consts::PI;
+    for algorithm in [Algorithm::Path, Algorithm::Distributed, Algorithm::Hybrid, Algorithm::Sppm] {
+        let images = pictures(&scene, algorithm, 1, PASSES);
+        let found = images.iter().map(|image| image[0]).sum::<f64>() / f64::from(PASSES);
+        assert!((found - expected).abs() < 2.0 * largest / f64::from(PASSES), "{algorithm:?}: {found}, not {expected}");
+    }
+}
+
+/// What stands at a time is what the same maps put there at rest: distances of hits differ by rounding alone.
+#[test]
+fn what_moves_is_at_each_time_where_its_maps_say() {
+    let body = |what: &str| {
+        format!(
+            "PerspectiveCamera {{ center 0 1 9  direction 0 0 -1  angle 40  width 4  height 4 }}
+             Group {{ Plane {{ normal 0 1 0  offset -3 }}  {what} }}"
+        )
+    };
+    let objects = [
+        "Sphere { center 1 0 0  radius .6 }",
+        "Transform { Scale 1 .4 .7  Sphere { center 1 0 0  radius .6 } }",
+        "Disc { center 1 0 0  normal 1 2 3  radius .8 }",
+        "Rectangle { corner 0 -1 0  edge0 1 0 .3  edge1 0 2 0 }",
+        "Triangle { vertex0 0 0 0  vertex1 2 0 .3  vertex2 0 2 0 }",
+        "Transform { UniformScale .8  TriangleMesh { obj_file mesh/gem.obj } }",
+        "Transform { Scale 1 -.5 .7  TriangleMesh { obj_file mesh/knot.obj } }",
+    ];
+    for object in objects {
+        let moving = scene(&body(&format!(
+            "Transform {{ Translate 0 .3 0  Moving {{ Translate 1 0 .5  YRotate 140  UniformScale 1.5  {object} }} }}"
+        )));
+        assert!(moving.moves());
+        for time in [0.0, 0.25, 1.0] {
+            let maps = format!(
+                "Translate 0 .3 0  Translate {} 0 {}  YRotate {}  UniformScale {}",
+                time,
+                0.5 * time,
+                140.0 * time,
+                1.0 + 0.5 * time
+            );
+            let still = scene(&body(&format!("Transform {{ {maps}  {object} }}")));
+            let placed = moving.at(time);
+            let (mut hits, mut turned) = (0, 0);
+            for i in 0..2000 {
+                let key = Key::new(i).purpose(Purpose::Test);
+                let (a, b) = (key.uniform_2d(Dimension::Film), key.uniform_2d(Dimension::Lens));
+                // From a frame around the object to points near it.
+                let from = Vec3::new(8.0 * a.x - 4.0, 8.0 * a.y - 4.0, 6.0);
+                let to = Vec3::new(4.0 * b.x - 1.5, 3.0 * b.y - 1.5, 0.0);
+                let look = |scene: &Scene| {
+                    let ray = Ray::new(from - scene.middle().as_vec3(), (to - from).normalize());
+                    let hit = scene.intersect(&ray)?;
+                    let surface = scene.surface(&ray, &hit, || 0.5);
+                    let shadowed = scene.occluded(&Ray { t_max: hit.t * 1.01, ..ray });
+                    assert!(shadowed, "{object} at {time}: a hit that casts no shadow");
+                    Some((surface.point.p + scene.middle().as_vec3(), surface.point.ng))
+                };
+                match (look(&still), look(&placed)) {
+                    (None, None) => {}
+                    // Rounding in single precision of places below 10, and of directions; edges are met by chance only.
+                    (Some((p, n)), Some((q, m))) if (p - q).length() < 1e-5 * p.length().max(10.0) => {
+                        hits += u32::from(p.y > -2.9);
+                        turned += u32::from(n.dot(m) < 0.999);
+                    }
+                    other => assert!(i % 500 == 0, "{object} at {time}: {other:?}"),
+                }
+            }
+            assert!(hits > 50, "{object} at {time}: only {hits} rays met it");
+            // Where a ray meets an edge, rounding may give it either triangle.
+            assert!(turned * 100 < hits, "{object} at {time}: {turned} of {hits} normals differ");
+        }
+    }
+}
