@@ -81,10 +81,10 @@ impl TriangleMesh {
         for (t, triangle) in self.triangles.iter_mut().enumerate() {
             for (k, v) in triangle.iter_mut().enumerate() {
                 let group = if missing[t] { groups[3 * t + k] } else { KEEPS };
-                *v = numbers.number((*v, group));
+                *v = numbers.number((*v, group), |key| *key);
             }
         }
-        let vertices = numbers.into_keys();
+        let vertices = numbers.into_list();
         let normal = |&(v, group): &(u32, u32)| match (group, &self.normals) {
             (KEEPS, Some(normals)) => normals[v as usize],
             _ => sums.get(group as usize).copied().unwrap_or_default().normalize_or_zero(),

@@ -151,9 +151,10 @@ impl TriangleMesh {
             let [a, b, c] = *triangle;
             let turned = if *turn { [a, c, b] } else { *triangle };
             let face = self.face_normal(turned);
-            triangles.push(turned.map(|v| numbers.number((v, *turn && normals[v as usize].dot(face) < 0.0))));
+            triangles
+                .push(turned.map(|v| numbers.number((v, *turn && normals[v as usize].dot(face) < 0.0), |key| *key)));
         }
-        let vertices = numbers.into_keys();
+        let vertices = numbers.into_list();
         let normal = |&(v, turned): &(u32, bool)| if turned { -normals[v as usize] } else { normals[v as usize] };
         self.normals = Some(vertices.iter().map(normal).collect());
         self.triangles = triangles;

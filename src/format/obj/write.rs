@@ -50,8 +50,8 @@ pub(in crate::format) fn write(mesh: &TriangleMesh, libraries: &[String], out: &
 /// The number of each key, and the keys without repetition.
 fn number<const N: usize>(keys: impl ExactSizeIterator<Item = [u64; N]>) -> (Vec<u32>, Vec<[u64; N]>) {
     let mut numbers = Numbers::with_capacity(keys.len());
-    let list = keys.map(|key| numbers.number(key)).collect();
-    (list, numbers.into_keys())
+    let list = keys.map(|key| numbers.number(key, |key| *key)).collect();
+    (list, numbers.into_list())
 }
 
 fn short(bits: u64) -> Shortest<f64> {
