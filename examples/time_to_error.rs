@@ -33,10 +33,11 @@ struct Run<'a> {
     reached: Option<(f64, f64)>,
 }
 
-/// The algorithm of that name; with `-even` its work is not divided by a pilot.
+/// The algorithm of that name; with `-even` its work is not divided by a pilot, with `-adaptive` its camera rays go where noise is.
 fn integrator<'a>(name: &str, scene: &'a Scene) -> Option<Box<dyn Integrator + 'a>> {
     // The reference has a box filter.
-    let eye = EyeSettings { filter: Filter::new(FilterKind::Box), ..EyeSettings::default() };
+    let (name, adaptive) = name.strip_suffix("-adaptive").map_or((name, false), |name| (name, true));
+    let eye = EyeSettings { filter: Filter::new(FilterKind::Box), adaptive, ..EyeSettings::default() };
     let (word, balance) = name.strip_suffix("-even").map_or((name, true), |word| (word, false));
     let (algorithm, final_gathering) = match word {
         "pm-direct" => (Algorithm::Pm, FinalGathering::None),

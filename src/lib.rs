@@ -62,3 +62,4 @@ pub mod scene;
 pub mod shape;
 pub mod stats;
 pub mod study;
+pub mod texture;

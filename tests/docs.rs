@@ -4,6 +4,7 @@ use caustica::cli::{Arguments, Command, Exit};
 use caustica::format::description::{Group, Item, Object, Shape};
 use caustica::format::mesh::{self, MeshFormat};
 use caustica::format::{Source, parse, resolve};
+use caustica::image::{self, Image, WriteOptions};
 use caustica::integrate::{Algorithm, Settings, Silent};
 use clap::{CommandFactory, Parser};
 use std::collections::BTreeSet;
@@ -302,6 +303,9 @@ fn the_scenes_of_the_language_page_render() {
     std::fs::write(folder.path().join("mesh/faces.mtl"), mtl).unwrap();
     let converted = mesh::load(&folder.path().join("mesh/faces.obj"), &()).unwrap().mesh;
     converted.write(&folder.path().join("mesh/faces.ply"), MeshFormat::Ply, &[]).unwrap();
+    std::fs::create_dir(folder.path().join("textures")).unwrap();
+    let gray = Image::from_pixels(2, 2, vec![glam::Vec3::splat(0.5); 4]).unwrap();
+    image::write(&folder.path().join("textures/tile.png"), &gray, &WriteOptions::default()).unwrap();
     for (i, text) in scenes.iter().enumerate() {
         let mut description = parse("scene-language.md", text).unwrap();
         prune(&mut description.root);

@@ -35,6 +35,9 @@ pub const STORED_ALPHA: f32 = 0.3;
 /// Width of a lobe of refraction \[rad] below which it cannot be told from a delta: ten roundings of a unit vector in f32.
 const NARROW: f32 = 1e-6;
 
+/// What a cone around a walk widens by at a matt surface, as a tangent.
+const DIFFUSE_BLUR: f32 = 0.2;
+
 /// What a walk carries.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Transport {
@@ -136,6 +139,19 @@ impl Bsdf {
     #[must_use]
     pub fn casts_caustics(&self) -> bool {
         !self.stores_photons() && *self != Self::Black
+    }
+
+    /// By how much a cone around a walk widens here, as a tangent: about a fifth of the lobe, since many walks share what one lobe sees;
+    /// 0 for deltas.
+    #[inline]
+    #[must_use]
+    pub fn blur(&self) -> f32 {
+        match self {
+            Self::Black | Self::Mirror(_) | Self::Dielectric(_) | Self::Thin(_) => 0.0,
+            Self::Diffuse(_) | Self::Phong(_) => DIFFUSE_BLUR,
+            Self::Conductor(conductor) => conductor.alpha() * DIFFUSE_BLUR,
+            Self::RoughDielectric(glass) => glass.alpha() * DIFFUSE_BLUR,
+        }
     }
 
     /// f(wo, wi) in 1/sr without the cosine; deltas are zero, and so are pairs of directions for which `ns` and `ng` disagree on

@@ -33,6 +33,11 @@ impl RoughDielectric {
         Self { eta, alpha }
     }
 
+    #[inline]
+    pub(super) fn alpha(&self) -> f32 {
+        self.alpha
+    }
+
     /// Index of the far side over that of the side of `wo`.
     #[inline]
     fn far_over_near(&self, wo: Vec3, ng: Vec3) -> f64 {

@@ -3,7 +3,7 @@
 mod filter;
 mod lens;
 
-pub use filter::{Filter, FilterKind, UnknownFilter};
+pub use filter::{Filter, FilterKind, FilterSample, UnknownFilter};
 pub use lens::Lens;
 
 use crate::math::{Ray, Transform};
@@ -129,6 +129,18 @@ impl Camera {
     #[must_use]
     pub fn center(&self) -> DVec3 {
         self.center
+    }
+
+    /// Width of a pixel where its rays start \[length], and what it grows by along them.
+    #[inline]
+    #[must_use]
+    pub fn pixel(&self) -> (f32, f32) {
+        let size = self.right.length();
+        match self.projection {
+            Projection::Perspective(_) => (0.0, size as f32),
+            Projection::Orthographic => (size as f32, 0.0),
+            Projection::Panorama => (0.0, (std::f64::consts::TAU / f64::from(self.width)) as f32),
+        }
     }
 
     /// The same camera, moved.

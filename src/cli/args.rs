@@ -107,9 +107,13 @@ pub struct MethodArguments {
     #[arg(long, value_parser = count, default_value = "100", value_name = "N")]
     pub max_bounces: u32,
 
-    /// Pixel filter: box, tent, gaussian or blackman-harris
+    /// Pixel filter: box, tent, gaussian, blackman-harris or mitchell
     #[arg(long, default_value = "blackman-harris", value_name = "NAME")]
     pub filter: FilterKind,
+
+    /// Give pixels camera rays in proportion to their noise, as a pilot sees it; no more in all
+    #[arg(long)]
+    pub adaptive: bool,
 
     /// Seed: the same seed and settings give the same picture, bit for bit
     #[arg(long, default_value = "0", value_name = "N")]

@@ -28,6 +28,7 @@ pub(super) fn settings(arguments: &MethodArguments, effects: Wishes) -> Settings
             max_bounces: arguments.max_bounces,
             seed: arguments.seed,
             filter: Filter::new(arguments.filter),
+            adaptive: arguments.adaptive,
             effects,
         },
         photons,

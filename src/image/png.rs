@@ -129,11 +129,20 @@ fn decode(file: &[u8]) -> Result<Decoded, DecodeFailure> {
 
 /// Linear radiance: by the gAMA chunk where it stands alone, else by sRGB, which PNG files without a label mean by custom.
 pub(super) fn read(file: &[u8]) -> Result<Image, DecodeFailure> {
-    let Decoded { width, height, samples, sixteen, gamma } = decode(file)?;
-    let linear = |signal: f64| match gamma {
-        Some(gamma) => libm::pow(signal, 1.0 / gamma) as f32,
-        None => srgb_decode(signal) as f32,
-    };
+    let decoded = decode(file)?;
+    match decoded.gamma {
+        Some(gamma) => read_by(decoded, |signal| libm::pow(signal, 1.0 / gamma) as f32),
+        None => read_by(decoded, |signal| srgb_decode(signal) as f32),
+    }
+}
+
+/// The samples as they stand, from 0 to 1.
+pub(super) fn read_data(file: &[u8]) -> Result<Image, DecodeFailure> {
+    read_by(decode(file)?, |signal| signal as f32)
+}
+
+fn read_by(decoded: Decoded, linear: impl Fn(f64) -> f32) -> Result<Image, DecodeFailure> {
+    let Decoded { width, height, samples, sixteen, .. } = decoded;
     let table: Vec<f32> = if sixteen {
         (0..=65_535).map(|level| linear(f64::from(level) / 65_535.0)).collect()
     } else {

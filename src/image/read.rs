@@ -26,9 +26,21 @@ const HDR_SIGNATURE: [u8; 3] = *b"#?R";
 /// # Errors
 /// [`ReadError`] where the file is missing, damaged, of another format, transparent, or beyond [`super::MAX_PIXELS`].
 pub fn read(path: &Path) -> Result<Image, ReadError> {
+    read_by(path, png::read)
+}
+
+/// As [`read`], but the numbers of a PNG are taken as they stand, from 0 to 1: data that is no light.
+///
+/// # Errors
+/// [`ReadError`] as for [`read`].
+pub fn read_data(path: &Path) -> Result<Image, ReadError> {
+    read_by(path, png::read_data)
+}
+
+fn read_by(path: &Path, read_png: fn(&[u8]) -> Result<Image, DecodeFailure>) -> Result<Image, ReadError> {
     let file = load(path)?;
     let image = if file.starts_with(&PNG_SIGNATURE) {
-        png::read(&file)
+        read_png(&file)
     } else if file.starts_with(&EXR_SIGNATURE) {
         exr::read(&file)
     } else if file.starts_with(&HDR_SIGNATURE) {

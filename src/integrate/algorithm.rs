@@ -69,15 +69,16 @@ impl Algorithm {
     #[must_use]
     pub fn simulates(self) -> Effects {
         use Effect::{
-            Casters, CausticBounces, Caustics, Environment, Gathering, Interiors, Interreflection, Lens, Motion,
-            Shadows, SoftShadows,
+            Bump, Casters, CausticBounces, Caustics, Environment, Gathering, Interiors, Interreflection, Lens, Motion,
+            Shadows, SoftShadows, Textures,
         };
-        const WHITTED: Effects = Effects::of(&[Casters, Shadows, Environment, Interiors]);
+        const RAYCAST: Effects = Effects::of(&[Textures, Bump]);
+        const WHITTED: Effects = RAYCAST.with(Casters).with(Shadows).with(Environment).with(Interiors);
         const DISTRIBUTED: Effects = WHITTED.with(SoftShadows).with(Lens).with(Motion);
         const PATH: Effects = DISTRIBUTED.with(Interreflection).with(Caustics);
         const PHOTONS: Effects = PATH.with(CausticBounces);
         match self {
-            Self::Raycast => Effects::NONE,
+            Self::Raycast => RAYCAST,
             Self::Whitted => WHITTED,
             Self::Distributed => DISTRIBUTED,
             Self::Path => PATH,

@@ -56,11 +56,12 @@ type Pdf<'f> = dyn Fn(Vec3, &mut Worker) -> f32 + 'f;
 
 impl<'a> DirectLight<'a> {
     pub fn new(scene: &'a Scene, asking: Asking, effects: Effects) -> Self {
-        let all = scene.lights();
+        // What stands for a whole light is its mean.
+        let middles = asking == Asking::Middles || !effects.has(Effect::SoftShadows);
+        let all = if middles || !effects.has(Effect::Textures) { scene.even_lights() } else { scene.lights() };
         let sky = scene.environment().filter(|_| !effects.has(Effect::Environment));
         // The environment is the last of the lights.
         let lights = &all[..sky.unwrap_or(all.len())];
-        let middles = asking == Asking::Middles || !effects.has(Effect::SoftShadows);
         let sampled = |n: u32| {
             let surfaces = if middles { 1 } else { lights.iter().filter(|l| l.has_surface()).count() as u32 };
             if lights.len() > n as usize { Scheme::Chosen(n) } else { Scheme::All((n / surfaces.max(1)).max(1)) }

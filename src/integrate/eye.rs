@@ -43,6 +43,8 @@ pub(super) struct EyePass<'a, M> {
     pub method: &'a M,
     /// Camera rays a pixel.
     pub samples: u32,
+    /// How many each pixel gets, in parts of that.
+    pub density: Option<&'a [f32]>,
     pub pass: u32,
 }
 
@@ -89,7 +91,8 @@ impl<M: Method> EyePass<'_, M> {
     fn run_in<I: Interior>(&self, monitor: &dyn Monitor, out: &mut Pass) {
         let start = Instant::now();
         let (camera, filter) = (self.scene.camera(), Some(&self.settings.filter));
-        let sampling = tiles::Sampling { camera, filter, samples: self.samples, lens: self.effects.has(Effect::Lens) };
+        let lens = self.effects.has(Effect::Lens);
+        let sampling = tiles::Sampling { camera, filter, samples: self.samples, lens, density: self.density };
         let walks = if self.method.repeats_walks() { 0 } else { u64::from(self.pass) };
         let key = Key::new(self.settings.seed).purpose(Purpose::Camera).with(walks);
         let (image, counters) =
@@ -128,7 +131,7 @@ impl<M: Method> EyePass<'_, M> {
         worker: &mut Worker,
         waiting: &mut Vec<Branch<I>>,
     ) -> Rgb {
-        let walk = self.scene.walk_from_camera(*ray);
+        let walk = self.scene.walk_from_camera(*ray, self.effects.detail());
         let mut next =
             Some(Branch { walk, throughput: Rgb::ONE, bounce: 0, history: History::default(), last: None, draw });
         let mut radiance = Rgb::ZERO;

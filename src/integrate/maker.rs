@@ -281,7 +281,7 @@ impl<'a> MapMaker<'a> {
 
 /// A source as effects allow it.
 fn restricted<'a>(source: PhotonSource<'a>, effects: Effects) -> Option<PhotonSource<'a>> {
-    let source = source.with_interiors(effects.has(Effect::Interiors));
+    let source = source.with_interiors(effects.has(Effect::Interiors)).with_detail(effects.detail());
     if effects.has(Effect::Environment) { Some(source) } else { source.without_environment() }
 }
 

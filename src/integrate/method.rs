@@ -5,7 +5,7 @@ use crate::bsdf::{Bsdf, BsdfSample, Transport};
 use crate::color::Rgb;
 use crate::math::Ray;
 use crate::sampling::{Dimension, Draw};
-use crate::scene::{Interior, Scene, Surface, Walk};
+use crate::scene::{Cone, Detail, Interior, Scene, Surface, Walk};
 use glam::Vec3;
 
 /// What a camera walk has met before it stands where it is.
@@ -53,7 +53,8 @@ impl<I: Interior> Vertex<'_, I> {
     /// Part of the light that is left of what comes from `distance` away in unit direction `wi`.
     #[inline]
     pub fn transmittance(&self, scene: &Scene, wi: Vec3, distance: f32) -> Rgb {
-        let mut walk = Walk { ray: Ray::new(self.surface.point.p, wi), inside: *self.inside };
+        let cone = Cone::point(Detail::NONE);
+        let mut walk = Walk { ray: Ray::new(self.surface.point.p, wi), inside: *self.inside, cone };
         let transmitted = wi.dot(self.surface.point.ng) * self.surface.wo.dot(self.surface.point.ng) < 0.0;
         walk.leave(self.surface, wi, transmitted);
         walk.inside.transmittance(scene, distance)

@@ -1,5 +1,6 @@
 //! Algorithms that turn a scene into an image, each in a file, behind one trait.
 
+mod adapt;
 mod algorithm;
 mod balance;
 mod direct;

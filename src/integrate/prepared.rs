@@ -49,6 +49,7 @@ pub(super) struct Walks<'w> {
     settings: &'w EyeSettings,
     direct: &'w DirectLight<'w>,
     samples: u32,
+    density: Option<&'w [f32]>,
     pass: u32,
     job: Job<'w>,
 }
@@ -71,8 +72,8 @@ pub(super) struct Found {
 impl Walks<'_> {
     /// Follows them all.
     pub fn by(self, method: &impl Method) {
-        let Self { scene, effects, settings, direct, samples, pass, job } = self;
-        let eye = EyePass { scene, effects, settings, direct, method, samples, pass };
+        let Self { scene, effects, settings, direct, samples, density, pass, job } = self;
+        let eye = EyePass { scene, effects, settings, direct, method, samples, density, pass };
         match job {
             Job::Picture(monitor, out) => eye.run(monitor, out),
             Job::Points(points, found) => {
@@ -96,6 +97,8 @@ pub(super) struct Prepared<'a> {
     pub strategy: Arc<dyn Strategy>,
     pub samples: u32,
     balance: Option<Balance>,
+    /// How many camera rays each pixel gets, in parts of `samples`.
+    density: Option<Arc<[f32]>>,
 }
 
 impl<'a> Prepared<'a> {
@@ -110,6 +113,7 @@ impl<'a> Prepared<'a> {
             samples: settings.eye.samples.unwrap_or(strategy.samples()),
             strategy: Arc::clone(&strategy),
             balance: None,
+            density: None,
         };
         let (effects, needed) = (plan.effects(), plan.needed());
         let mut prepared = make(effects);
@@ -127,11 +131,22 @@ impl<'a> Prepared<'a> {
             counts.caustic_photons = caustic_photons.unwrap_or(counts.caustic_photons);
         }
         prepared.balance = balance;
+        prepared.density = if settings.eye.adaptive { prepared.find_density() } else { None };
         prepared
     }
 
+    /// Whether passes happen at different times.
+    pub fn moves(&self) -> bool {
+        self.effects.has(Effect::Motion) && self.scene.moves()
+    }
+
+    /// The same with one camera ray a pixel.
+    pub fn looking(self) -> Self {
+        Self { samples: 1, density: None, ..self }
+    }
+
     /// The same algorithm in `scene`, which is its own at another time; what pilots found stays.
-    fn at<'b>(&self, scene: &'b Scene) -> Prepared<'b> {
+    pub fn at<'b>(&self, scene: &'b Scene) -> Prepared<'b> {
         Prepared {
             scene,
             plan: self.plan.clone(),
@@ -142,6 +157,7 @@ impl<'a> Prepared<'a> {
             strategy: Arc::clone(&self.strategy),
             samples: self.samples,
             balance: self.balance,
+            density: self.density.clone(),
         }
     }
 
@@ -156,12 +172,13 @@ impl<'a> Prepared<'a> {
     /// Follows the camera walks of `job`.
     pub fn walk(&self, maps: &Maps<'_>, pass: u32, job: Job<'_>) {
         let Self { scene, effects, eye: settings, direct, samples, .. } = self;
-        self.strategy.walk(Walks { scene, effects: *effects, settings, direct, samples: *samples, pass, job }, maps);
+        let (samples, density) = (*samples, self.density.as_deref());
+        self.strategy.walk(Walks { scene, effects: *effects, settings, direct, samples, density, pass, job }, maps);
     }
 }
 
 /// When in \[0, 1) the things of a pass are seen: the passes together fill the time evenly, a power of two of them in equal steps.
-fn shutter_time(seed: u64, pass: u32) -> f64 {
+pub(super) fn shutter_time(seed: u64, pass: u32) -> f64 {
     let start = Key::new(seed).purpose(Purpose::Shutter).uniform(Dimension::Time);
     let step = f64::from(pass.reverse_bits()) / 4_294_967_296.0;
     let time = f64::from(start) + step;
@@ -170,7 +187,7 @@ fn shutter_time(seed: u64, pass: u32) -> f64 {
 
 impl Integrator for Prepared<'_> {
     fn pass(&self, pass: u32, monitor: &dyn Monitor) -> Pass {
-        if self.effects.has(Effect::Motion) && self.scene.moves() {
+        if self.moves() {
             let scene = self.scene.at(shutter_time(self.eye.seed, pass));
             self.at(&scene).still(pass, monitor)
         } else {
@@ -190,6 +207,7 @@ impl Integrator for Prepared<'_> {
             direct: DirectLight::new(self.scene, self.strategy.asking(), effects),
             maker: self.maker.within(effects, self.strategy.needs(effects)),
             strategy: Arc::clone(&self.strategy),
+            density: None,
             ..*self
         };
         within.sketch()

@@ -6,7 +6,7 @@ use crate::color::Rgb;
 use crate::math::Ray;
 use crate::plan::{Effects, Plan};
 use crate::sampling::{Key, Purpose};
-use crate::scene::{CourseLight, Scene, Surface};
+use crate::scene::{CourseLight, Look, Scene, Surface};
 use crate::stats::Counters;
 use std::time::Instant;
 
@@ -25,7 +25,7 @@ impl Integrator for RayCast<'_> {
     fn pass(&self, pass: u32, monitor: &dyn Monitor) -> Pass {
         let start = Instant::now();
         let (camera, filter) = (self.scene.camera(), self.filter.as_ref());
-        let sampling = tiles::Sampling { camera, filter, samples: self.samples, lens: false };
+        let sampling = tiles::Sampling { camera, filter, samples: self.samples, lens: false, density: None };
         let key = Key::new(self.seed).purpose(Purpose::Camera).with(u64::from(pass));
         let (image, counters) = tiles::render(&sampling, key, monitor, |ray, _, _, (): &mut ()| self.shade(ray));
         let seconds = Seconds { eye: start.elapsed().as_secs_f64(), ..Seconds::default() };
@@ -55,19 +55,22 @@ impl<'a> RayCast<'a> {
         let Some(hit) = self.scene.intersect(ray) else {
             return self.scene.background();
         };
-        let surface = self.scene.surface(ray, &hit, || 0.0);
-        surface.emission + self.scene.course_lights().iter().map(|light| phong(&surface, light)).sum::<Rgb>()
+        let mut cone = self.scene.cone(self.plan.effects().detail());
+        cone.travel(hit.t);
+        let surface = self.scene.surface(ray, &hit, &cone, || 0.0);
+        let look = self.scene.look(&surface, &hit, &cone);
+        surface.emission + self.scene.course_lights().iter().map(|light| phong(&surface, &look, light)).sum::<Rgb>()
     }
 }
 
 /// c·(kd·max(0, N·L) + ks·max(0, V·R)ˢ) with R = 2(N·L)N − L. The highlight is not gated by N·L, normals are not turned, and
 /// 0⁰ is 1.
-fn phong(surface: &Surface<'_>, light: &CourseLight) -> Rgb {
+fn phong(surface: &Surface<'_>, look: &Look, light: &CourseLight) -> Rgb {
     let (to_light, color) = match light {
         CourseLight::Point(position, color) => ((*position - surface.point.p).normalize_or_zero(), *color),
         CourseLight::Directional(direction, color) => (-*direction, *color),
     };
-    let (look, n) = (&surface.material.look, surface.point.ns);
+    let n = surface.point.ns;
     let cos = n.dot(to_light);
     let mirror = n * (2.0 * cos) - to_light;
     let highlight = libm::powf(surface.wo.dot(mirror).max(0.0), look.shininess);

@@ -15,6 +15,8 @@ pub struct EyeSettings {
     pub seed: u64,
     /// Reconstruction filter.
     pub filter: Filter,
+    /// Whether pixels get camera rays in proportion to their noise, as a pilot sees it.
+    pub adaptive: bool,
     /// Effects that are simulated or left out whatever the scene calls for.
     pub effects: Wishes,
 }
@@ -26,6 +28,7 @@ impl Default for EyeSettings {
             max_bounces: 100,
             seed: 0,
             filter: Filter::new(FilterKind::default()),
+            adaptive: false,
             effects: Wishes::PLANNED,
         }
     }

@@ -19,7 +19,7 @@ const RAYS: u32 = 20_000;
 /// Points that the camera sees directly or over casters, spread over the picture; photons count within `radius` \[length] of one.
 pub(super) fn visible(scene: &Scene, settings: &EyeSettings, effects: Effects, radius: f32) -> Visible {
     let direct = &DirectLight::new(scene, Asking::Middles, effects);
-    let walks = EyePass { scene, effects, settings, direct, method: &Seen, samples: 1, pass: 0 };
+    let walks = EyePass { scene, effects, settings, direct, method: &Seen, samples: 1, density: None, pass: 0 };
     let key = Key::new(settings.seed).purpose(Purpose::Visible);
     let (width, height) = scene.camera().size();
     let size = Vec2::new(width as f32, height as f32);

@@ -4,7 +4,8 @@ use super::{DirectSample, Reach};
 use crate::color::Rgb;
 use crate::math::offset_origin;
 use crate::sampling::Discrete;
-use crate::shape::{Mesh, Shape, ShapeSample, SurfacePoint};
+use crate::shape::{Chart, Mapped, Mesh, Shape, ShapeSample, SurfacePoint};
+use crate::texture::{Place, Texture};
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 use std::sync::Arc;
@@ -25,13 +26,33 @@ pub enum Emitter {
     },
 }
 
-/// Uniform radiance from the outer side of a surface.
+/// Radiance from the outer side of a surface.
 #[derive(Clone, Debug)]
 pub struct Area {
     /// The surface.
     pub emitter: Emitter,
-    /// Radiance \[W/(m² sr)].
+    /// Radiance \[W/(m² sr)]; where it varies, its mean.
     pub radiance: Rgb,
+    /// How radiance varies over the surface; `None` where it is the same everywhere.
+    pub glow: Option<Arc<Glow>>,
+}
+
+/// Radiance that follows a texture.
+#[derive(Clone, Debug)]
+pub struct Glow {
+    /// The texture.
+    pub texture: Arc<Texture>,
+    /// How it lies on the surface.
+    pub chart: Chart,
+    /// What it is multiplied by \[W/(m² sr)].
+    pub scale: Rgb,
+}
+
+/// Where a point of an emitter was drawn, as its own coordinates go by.
+#[derive(Clone, Copy, Debug)]
+enum Spot {
+    Shape(Vec2),
+    Triangle(u32, Vec2),
 }
 
 impl Emitter {
@@ -58,21 +79,72 @@ impl Emitter {
     #[inline]
     #[must_use]
     pub fn sample(&self, u: Vec2) -> ShapeSample {
+        self.draw(u).0
+    }
+
+    #[inline]
+    fn draw(&self, u: Vec2) -> (ShapeSample, Spot) {
         match self {
-            Self::Shape(shape) => shape.sample(u),
+            Self::Shape(shape) => {
+                let sample = shape.sample(u);
+                (sample, Spot::Shape(sample.uv))
+            }
             Self::Triangles { mesh, first, choice } => {
                 let (i, probability) = choice.sample(u.x);
                 // What is left of u.x inside the chosen interval is uniform again.
                 let x = choice.remainder(u.x, i);
-                let point = mesh.surface(*first as usize + i, crate::math::warp::triangle(Vec2::new(x, u.y)));
+                let b = crate::math::warp::triangle(Vec2::new(x, u.y));
+                let i = *first + i as u32;
+                let point = mesh.surface(i as usize, b);
                 let area = choice.total() * f64::from(probability);
-                ShapeSample { point, pdf: probability / area as f32 }
+                (ShapeSample { point, pdf: probability / area as f32, uv: b }, Spot::Triangle(i, b))
             }
+        }
+    }
+
+    /// Texture coordinates of a point, as the surface itself has them.
+    fn mapped(&self, p: Vec3, spot: Spot) -> Mapped {
+        match (self, spot) {
+            (Self::Shape(shape), Spot::Shape(uv)) => shape.mapped(p, uv),
+            (Self::Triangles { mesh, .. }, Spot::Triangle(i, b)) => mesh.mapped(i as usize, b),
+            _ => Mapped::default(),
         }
     }
 }
 
+impl Glow {
+    /// Radiance at a place of the surface \[W/(m² sr)].
+    #[must_use]
+    pub fn radiance(&self, place: &Place) -> Rgb {
+        self.texture.color(place) * self.scale
+    }
+}
+
 impl Area {
+    /// The same radiance everywhere.
+    #[must_use]
+    pub fn even(emitter: Emitter, radiance: Rgb) -> Self {
+        Self { emitter, radiance, glow: None }
+    }
+
+    /// A point of the surface, drawn by area, with its radiance.
+    #[inline]
+    pub(super) fn sample(&self, u: Vec2) -> (ShapeSample, Rgb) {
+        let (sample, spot) = self.emitter.draw(u);
+        (sample, self.radiance_at(&sample.point, spot))
+    }
+
+    #[inline]
+    fn radiance_at(&self, point: &SurfacePoint, spot: Spot) -> Rgb {
+        match &self.glow {
+            None => self.radiance,
+            Some(glow) => {
+                let p = glow.chart.in_object(point.p);
+                glow.radiance(&Place::sharp(glow.chart.at(p, || self.emitter.mapped(point.p, spot)).uv, p))
+            }
+        }
+    }
+
     /// Flux \[W]: πL times the area.
     #[must_use]
     pub fn power(&self) -> Rgb {
@@ -81,29 +153,31 @@ impl Area {
 
     #[inline]
     pub(super) fn sample_direct(&self, p: Vec3, u: Vec2) -> Option<DirectSample> {
-        let (point, wi, pdf) = match &self.emitter {
+        const ANY: Spot = Spot::Shape(Vec2::ZERO);
+        let ((point, wi, pdf), spot) = match &self.emitter {
             // Outside a sphere only the visible cap counts; inside it, its outer side cannot be seen.
             Emitter::Shape(Shape::Sphere(sphere)) => {
                 let (point, pdf) = sphere.sample_visible(p, u)?;
                 let (_, wi, _) = crate::math::direction(p, point.p)?;
-                (point, wi, pdf)
+                ((point, wi, pdf), ANY)
             }
-            Emitter::Shape(Shape::Rectangle(rectangle)) => {
-                rectangle.sample_visible(p, u).or_else(|| self.sample_by_area(p, u))?
-            }
+            Emitter::Shape(Shape::Rectangle(rectangle)) => match rectangle.sample_visible(p, u) {
+                Some(seen) => (seen, ANY),
+                None => self.sample_by_area(p, u)?,
+            },
             _ => self.sample_by_area(p, u)?,
         };
         let reach = Reach::Point(offset_origin(point.p, point.error, point.ng, -wi));
-        Some(DirectSample { wi, reach, irradiance: self.radiance / pdf, pdf: Some(pdf) })
+        Some(DirectSample { wi, reach, irradiance: self.radiance_at(&point, spot) / pdf, pdf: Some(pdf) })
     }
 
     /// A point, the unit direction to it from `p`, and its density per steradian.
     #[inline]
-    fn sample_by_area(&self, p: Vec3, u: Vec2) -> Option<(SurfacePoint, Vec3, f32)> {
-        let ShapeSample { point, pdf } = self.emitter.sample(u);
+    fn sample_by_area(&self, p: Vec3, u: Vec2) -> Option<((SurfacePoint, Vec3, f32), Spot)> {
+        let (ShapeSample { point, pdf, .. }, spot) = self.emitter.draw(u);
         let (d2, wi, _) = crate::math::direction(p, point.p)?;
         let cos = -wi.dot(point.ng);
-        (cos > 0.0).then(|| (point, wi, d2 * pdf / cos))
+        (cos > 0.0).then(|| ((point, wi, d2 * pdf / cos), spot))
     }
 
     #[inline]

@@ -35,14 +35,14 @@ impl Light {
                 Some(Emission { ray, flux: *irradiance * area })
             }
             Self::Area(area) => {
-                let ShapeSample { point, pdf } = area.emitter.sample(position);
+                let (ShapeSample { point, pdf, .. }, radiance) = area.sample(position);
                 let local = warp::cosine_hemisphere(direction);
                 let w = Frame::around(point.ng).to_world(local);
-                if w.dot(point.ng) <= 0.0 {
+                if w.dot(point.ng) <= 0.0 || radiance == Rgb::ZERO {
                     return None;
                 }
                 let ray = Ray::new(offset_origin(point.p, point.error, point.ng, w), w);
-                Some(Emission { ray, flux: area.radiance * (PI / pdf) })
+                Some(Emission { ray, flux: radiance * (PI / pdf) })
             }
             Self::Environment(environment) => {
                 let (from, pdf) = environment.sample(direction)?;
@@ -71,14 +71,14 @@ impl Light {
                 Some(Emission { ray: Ray::new(start, *w), flux: *irradiance / pdf })
             }
             Self::Area(area) => {
-                let ShapeSample { point, pdf } = area.emitter.sample(position);
+                let (ShapeSample { point, pdf, .. }, radiance) = area.sample(position);
                 let (w, pdf_w) = targets.sample_direction(point.p, Some(point.ng), direction)?;
                 let cos = w.dot(point.ng);
-                if cos <= 0.0 {
+                if cos <= 0.0 || radiance == Rgb::ZERO {
                     return None;
                 }
                 let ray = Ray::new(offset_origin(point.p, point.error, point.ng, w), w);
-                Some(Emission { ray, flux: area.radiance * (cos / (pdf * pdf_w)) })
+                Some(Emission { ray, flux: radiance * (cos / (pdf * pdf_w)) })
             }
             Self::Environment(environment) => {
                 let (from, pdf) = environment.sample(direction)?;

@@ -10,7 +10,7 @@ mod reach;
 mod spot;
 
 pub use aim::Targets;
-pub use area::{Area, Emitter};
+pub use area::{Area, Emitter, Glow};
 pub use choice::LightChoice;
 pub use emit::Emission;
 pub use environment::{Environment, EnvironmentError};

@@ -3,6 +3,7 @@ mod choice;
 mod direct;
 mod emission;
 mod environment;
+mod glow;
 
 use super::*;
 use crate::math::warp;
@@ -15,7 +16,7 @@ fn key(i: u64) -> Key {
 }
 
 fn area(shape: Shape, radiance: f32) -> Light {
-    Light::Area(Area { emitter: Emitter::Shape(shape), radiance: Rgb::splat(radiance) })
+    Light::Area(Area::even(Emitter::Shape(shape), Rgb::splat(radiance)))
 }
 
 /// Mean and variance of the mean of `f` over `n` keys.

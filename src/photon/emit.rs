@@ -4,7 +4,7 @@ use super::learn::EmissionDensity;
 use crate::color::{self, Rgb};
 use crate::light::{Light, Targets};
 use crate::sampling::{Dimension, Discrete, Key, Purpose, sobol_2d};
-use crate::scene::{Interior, Scene, Walk};
+use crate::scene::{Detail, Interior, Scene, Walk};
 use glam::Vec2;
 
 /// Draws a light finds its aimed power with.
@@ -23,6 +23,8 @@ pub struct PhotonSource<'a> {
     pub(super) densities: Vec<Option<EmissionDensity>>,
     /// Whether photons remember what they are inside of.
     pub(super) interiors: bool,
+    /// What photons see of textures and bumps.
+    detail: Detail,
 }
 
 /// A point in the space of all that can be emitted.
@@ -45,7 +47,8 @@ impl<'a> PhotonSource<'a> {
     #[must_use]
     pub fn everywhere(scene: &'a Scene) -> Option<Self> {
         let choice = Discrete::new(powers(scene))?;
-        Some(Self { scene, choice, targets: None, densities: Vec::new(), interiors: scene.has_bodies() })
+        let (interiors, detail) = (scene.has_bodies(), Detail::ALL);
+        Some(Self { scene, choice, targets: None, densities: Vec::new(), interiors, detail })
     }
 
     /// Emission towards casters, from each light in proportion to the power that goes there; `None` where there is no caster, or
@@ -73,8 +76,8 @@ impl<'a> PhotonSource<'a> {
             if total_aimed > 0.0 { SAFE_SHARE * plain + (1.0 - SAFE_SHARE) * aimed / total_aimed } else { plain }
         };
         let choice = if total > 0.0 { Discrete::new(powers.iter().zip(&aimed).map(weight)) } else { None };
-        let interiors = scene.has_bodies();
-        choice.map(|choice| Self { scene, choice, targets: Some(targets), densities: Vec::new(), interiors })
+        let (interiors, detail) = (scene.has_bodies(), Detail::ALL);
+        choice.map(|choice| Self { scene, choice, targets: Some(targets), densities: Vec::new(), interiors, detail })
     }
 
     /// This source without the light from all around, the same to the bit where there is none; `None` where nothing else shines.
@@ -93,13 +96,24 @@ impl<'a> PhotonSource<'a> {
         let balls = if self.targets.is_some() { scene.caster_balls() } else { None };
         let targets = balls.map(Targets::new);
         let (choice, densities) = (self.choice.clone(), self.densities.clone());
-        PhotonSource { scene, choice, targets, densities, interiors: self.interiors }
+        PhotonSource { scene, choice, targets, densities, ..*self }
     }
 
     /// This source, whose photons remember what they are inside of, or do not.
     #[must_use]
     pub fn with_interiors(self, interiors: bool) -> Self {
         Self { interiors, ..self }
+    }
+
+    /// This source, whose photons see `detail`.
+    #[must_use]
+    pub fn with_detail(self, detail: Detail) -> Self {
+        Self { detail, ..self }
+    }
+
+    /// The lights, as photons leave them.
+    pub(super) fn lights(&self) -> &'a [Light] {
+        if self.detail.textures { self.scene.lights() } else { self.scene.even_lights() }
     }
 
     /// The start of path `index` of `paths`, with its share of the flux \[W].
@@ -130,14 +144,14 @@ impl<'a> PhotonSource<'a> {
     /// The start of a path, with its flux \[W] as if the light were alone and unlearned.
     #[inline]
     pub(super) fn start<I: Interior>(&self, draw: &Draw) -> Option<(Walk<I>, Rgb)> {
-        let light = &self.scene.lights()[draw.light];
+        let light = &self.lights()[draw.light];
         let domain = self.scene.domain();
         let emission = match &self.targets {
             Some(targets) => light.emit_at(targets, domain, draw.position, draw.direction),
             None => light.emit(domain, draw.position, draw.direction),
         }?;
         let ray = if light.is_infinite() { self.scene.starting_beyond_planes(emission.ray) } else { emission.ray };
-        Some((self.scene.walk_from_light(draw.light, ray), emission.flux))
+        Some((self.scene.walk_from_light(draw.light, ray, self.detail), emission.flux))
     }
 }
 

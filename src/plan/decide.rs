@@ -43,6 +43,10 @@ pub enum Reason {
     Moving,
     /// Nothing does.
     NothingMoves,
+    /// Nothing has a texture.
+    NoTexture,
+    /// Nothing has bumps.
+    NoBump,
     /// It rests on another effect, which is off.
     Without(Effect),
 }
@@ -71,6 +75,8 @@ impl fmt::Display for Reason {
             Self::NoLens => f.write_str("the camera has no lens"),
             Self::Moving => f.write_str("something moves while the shutter is open"),
             Self::NothingMoves => f.write_str("nothing moves while the shutter is open"),
+            Self::NoTexture => f.write_str("nothing has a texture"),
+            Self::NoBump => f.write_str("nothing has bumps"),
             Self::Without(effect) => write!(f, "it rests on {effect}, which adds nothing here"),
         }
     }
@@ -200,6 +206,14 @@ fn judge(facts: &Facts, effect: Effect, before: Effects) -> Result<Reason, Reaso
         Effect::Motion => {
             need(facts.moving, Reason::NothingMoves)?;
             Ok(Reason::Moving)
+        }
+        Effect::Textures => {
+            any(facts.textured, Reason::NoTexture)?;
+            Ok(Reason::Objects(facts.textured, "with textures"))
+        }
+        Effect::Bump => {
+            any(facts.bumpy, Reason::NoBump)?;
+            Ok(Reason::Objects(facts.bumpy, "with bumps"))
         }
     }
 }

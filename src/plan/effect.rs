@@ -1,5 +1,7 @@
 //! What can be simulated or left out.
 
+use crate::scene::Detail;
+
 /// A part of light transport that a picture may need.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u16)]
@@ -26,11 +28,15 @@ pub enum Effect {
     Lens,
     /// Things that move while the shutter is open.
     Motion,
+    /// Textures.
+    Textures,
+    /// Bumps: shading normals that textures tilt.
+    Bump,
 }
 
 impl Effect {
     /// All of them, in the order of a table.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 13] = [
         Self::Casters,
         Self::Caustics,
         Self::CausticBounces,
@@ -42,6 +48,8 @@ impl Effect {
         Self::Interiors,
         Self::Lens,
         Self::Motion,
+        Self::Textures,
+        Self::Bump,
     ];
 
     /// As typed.
@@ -59,6 +67,8 @@ impl Effect {
             Self::Interiors => "interiors",
             Self::Lens => "lens",
             Self::Motion => "motion",
+            Self::Textures => "textures",
+            Self::Bump => "bump",
         }
     }
 
@@ -79,6 +89,8 @@ impl Effect {
             }
             Self::Lens => "everything is sharp, near and far",
             Self::Motion => "what moves stands still where it is when the shutter is half way",
+            Self::Textures => "textures show as their mean colours",
+            Self::Bump => "surfaces with bumps are smooth",
         }
     }
 }
@@ -153,6 +165,12 @@ impl Effects {
     #[must_use]
     pub const fn without(self, effect: Effect) -> Self {
         Self(self.0 & !Self::bit(effect))
+    }
+
+    /// What walks see of a scene's dress.
+    #[must_use]
+    pub const fn detail(self) -> Detail {
+        Detail { textures: self.has(Effect::Textures), bumps: self.has(Effect::Bump) }
     }
 
     /// They, in the order of a table.

@@ -22,6 +22,10 @@ pub struct Facts {
     pub lit_casters: usize,
     /// Bodies that light enters.
     pub bodies: usize,
+    /// Things with textures.
+    pub textured: usize,
+    /// Things with bumps.
+    pub bumpy: usize,
     /// Lights with power.
     pub lights: usize,
     /// Of them, those with an extent.
@@ -48,6 +52,8 @@ impl Facts {
             casters: 0,
             lit_casters: 0,
             bodies: 0,
+            textured: 0,
+            bumpy: 0,
             lights: 0,
             soft_lights: 0,
             environment: scene.environment().is_some(),
@@ -81,6 +87,9 @@ impl Facts {
             });
             let ball = object.ball.filter(|_| !facts.moving);
             let reached = || lights.iter().any(|light| light.may_reach(ball, scene.domain()));
+            let (textured, bumpy) = scene.wears(object.material);
+            facts.textured += usize::from(textured || object.glows);
+            facts.bumpy += usize::from(bumpy);
             facts.receivers += usize::from(receives);
             facts.scattering_receivers += usize::from(scatters);
             facts.casters += usize::from(casts);

@@ -2,6 +2,7 @@
 
 use super::movement::{MIDDLE, Movement, plane_at, shape_at, source_at};
 use super::source::{course_area_light, resolve_source};
+use super::wardrobe::{Place, Wardrobe};
 use super::{Attributes, Inside, LightStrength, Material, Scene, SourceKind};
 use crate::accel::Hierarchy;
 use crate::camera::Camera;
@@ -10,7 +11,7 @@ use crate::light::{Area, Emitter, Environment, Light};
 use crate::math::{Bounds, Motion, Sphere, Transform};
 use crate::sampling::Discrete;
 use crate::shape::{Mesh, Plane, Shape, Triangle};
-use glam::{DAffine3, DVec3, Vec3};
+use glam::{DAffine3, DVec3, Vec2, Vec3};
 use std::sync::Arc;
 
 /// Why parts do not make a scene.
@@ -51,6 +52,7 @@ pub struct SceneBuilder {
     moving_sources: Vec<(SourceKind, LightStrength, Motion)>,
     moving_camera: Option<Motion>,
     emissive_plane: bool,
+    pub(super) wardrobe: Wardrobe,
 }
 
 impl SceneBuilder {
@@ -80,6 +82,7 @@ impl SceneBuilder {
 
     /// Adds a shape; an `emission` above zero \[W/(m² sr)] makes it an area light.
     pub fn shape(&mut self, shape: Shape, material: u32, emission: Rgb) -> &mut Self {
+        self.wardrobe.last = Some(Place::Shape(self.shapes.len()));
         self.shapes.push((shape, material, emission));
         self
     }
@@ -87,6 +90,7 @@ impl SceneBuilder {
     /// Adds an unbounded plane.
     pub fn plane(&mut self, plane: Plane, material: u32, emission: Rgb) -> &mut Self {
         self.emissive_plane |= emission != Rgb::ZERO;
+        self.wardrobe.last = Some(Place::Plane(self.planes.len()));
         self.planes.push((plane, material));
         self
     }
@@ -102,6 +106,7 @@ impl SceneBuilder {
         emission: Rgb,
     ) -> &mut Self {
         let base = self.positions.len() as u32;
+        self.wardrobe.last = Some(Place::Part(self.parts.len()));
         self.parts.push((self.triangles.len() as u32, material, emission));
         self.positions.extend_from_slice(positions);
         if !normals.is_empty() {
@@ -124,6 +129,7 @@ impl SceneBuilder {
 
     /// Adds a shape that moves while the shutter is open.
     pub fn moving_shape(&mut self, shape: Shape, motion: Motion, material: u32, emission: Rgb) -> &mut Self {
+        self.wardrobe.last = Some(Place::MovingShape(self.moving_shapes.len()));
         self.moving_shapes.push((shape, motion, material, emission));
         self
     }
@@ -131,6 +137,7 @@ impl SceneBuilder {
     /// Adds an unbounded plane that moves while the shutter is open.
     pub fn moving_plane(&mut self, plane: Plane, motion: Motion, material: u32, emission: Rgb) -> &mut Self {
         self.emissive_plane |= emission != Rgb::ZERO;
+        self.wardrobe.last = Some(Place::MovingPlane(self.moving_planes.len()));
         self.moving_planes.push((plane, motion, material));
         self
     }
@@ -152,7 +159,7 @@ impl SceneBuilder {
     ///
     /// # Errors
     /// [`BuildError`] where the parts cannot be rendered.
-    pub fn build(self, camera: Camera) -> Result<Scene, BuildError> {
+    pub fn build(mut self, camera: Camera) -> Result<Scene, BuildError> {
         if self.emissive_plane {
             return Err(BuildError::EmissivePlane);
         }
@@ -175,7 +182,13 @@ impl SceneBuilder {
             normals.resize(self.positions.len(), Vec3::ZERO);
         }
         let positions: Vec<Vec3> = self.positions.iter().map(|p| (*p - middle).as_vec3()).collect();
-        let mesh = Arc::new(Mesh { positions, normals, triangles: self.triangles });
+        let mut texcoords = std::mem::take(&mut self.wardrobe.texcoords);
+        if !texcoords.is_empty() {
+            texcoords.resize(positions.len(), Vec2::ZERO);
+        }
+        let mesh = Arc::new(Mesh { positions, normals, texcoords, triangles: self.triangles });
+        let wardrobe = self.wardrobe;
+        let charts = wardrobe.charts(middle)?;
 
         let corners: Vec<[Vec3; 3]> = (0..mesh.triangles.len()).map(|i| mesh.corners(i)).collect();
         let boxes: Vec<Bounds> = shapes.iter().map(Shape::bounds).collect();
@@ -204,9 +217,10 @@ impl SceneBuilder {
             lights.push(light);
             course_lights.push(course);
         }
-        let mut area_light = |emitter: Emitter, radiance: Rgb| {
+        let mut area_light = |emitter: Emitter, radiance: Rgb, place: Place| {
             (radiance != Rgb::ZERO).then(|| {
-                let light = Light::Area(Area { emitter, radiance });
+                let glow = wardrobe.glow_of(place, &charts);
+                let light = Light::Area(Area { emitter, radiance, glow });
                 course_lights.push(course_area_light(&light));
                 lights.push(light);
                 lights.len() as u32 - 1
@@ -217,9 +231,11 @@ impl SceneBuilder {
         let shape_attributes = shapes
             .iter()
             .zip(still_looks.chain(moving_looks))
-            .map(|(shape, (material, radiance))| Attributes {
-                material,
-                light: area_light(Emitter::Shape(shape.clone()), radiance),
+            .enumerate()
+            .map(|(i, (shape, (material, radiance)))| {
+                let place = if i < still { Place::Shape(i) } else { Place::MovingShape(i - still) };
+                let light = area_light(Emitter::Shape(shape.clone()), radiance, place);
+                Attributes { material, light, chart: wardrobe.chart_of(place) }
             })
             .collect();
         let ends: Vec<u32> =
@@ -230,15 +246,23 @@ impl SceneBuilder {
             let areas = (*first..end).map(|i| mesh.area(i as usize));
             let choice = if *radiance == Rgb::ZERO { None } else { Discrete::new(areas) };
             let light = choice.and_then(|choice| {
-                area_light(Emitter::Triangles { mesh: mesh.clone(), first: *first, choice }, *radiance)
+                let place = Place::Part(parts.len());
+                area_light(Emitter::Triangles { mesh: mesh.clone(), first: *first, choice }, *radiance, place)
             });
             triangle_part.resize(end as usize, parts.len() as u32);
-            parts.push((*first, Attributes { material: *material, light }));
+            let chart = wardrobe.chart_of(Place::Part(parts.len()));
+            parts.push((*first, Attributes { material: *material, light, chart }));
         }
         // Last, as the course's lights know nothing of it.
         lights.extend(self.environment.map(Light::Environment));
         let plane_materials = self.planes.iter().map(|(_, m)| *m).chain(self.moving_planes.iter().map(|(.., m)| *m));
-        let planes = planes.into_iter().zip(plane_materials);
+        let still_planes = self.planes.len();
+        let plane_attributes = plane_materials.enumerate().map(|(i, material)| {
+            let place = if i < still_planes { Place::Plane(i) } else { Place::MovingPlane(i - still_planes) };
+            Attributes { material, light: None, chart: wardrobe.chart_of(place) }
+        });
+        let planes = planes.into_iter().zip(plane_attributes).collect();
+        let even_lights = wardrobe.even(&lights);
         let camera = match &movement.camera {
             Some((camera, motion)) => {
                 camera.moved(&Transform::new(motion.at(MIDDLE)).map_err(|_| BuildError::Flattened)?)
@@ -254,8 +278,12 @@ impl SceneBuilder {
             first_moving: 0,
             movement: (!movement.is_none()).then(|| Arc::new(movement)),
             still: bounds,
-            planes: planes.map(|(p, material)| (p, Attributes { material, light: None })).collect(),
+            planes,
+            dresses: wardrobe.dresses,
+            textures: wardrobe.textures,
+            charts,
             lights,
+            even_lights,
             course_lights,
             shapes,
             shape_attributes,
@@ -274,6 +302,10 @@ impl SceneBuilder {
         }
     }
 
+    pub(super) fn corner_count(&self) -> usize {
+        self.positions.len()
+    }
+
     /// All that moves, in coordinates around `middle`.
     fn movement(&self, camera: &Camera, middle: DVec3) -> Movement {
         let back = DAffine3::from_translation(-middle);
@@ -285,6 +317,7 @@ impl SceneBuilder {
             planes: self.moving_planes.iter().map(|(p, motion, _)| (*p, motion.followed_by(back))).collect(),
             sources: sources.map(|((kind, s, motion), i)| (i, *kind, *s, motion.followed_by(back))).collect(),
             camera: self.moving_camera.as_ref().map(|motion| (still, motion.about(still.center()))),
+            charts: self.wardrobe.motions(middle),
         }
     }
 

@@ -98,7 +98,7 @@ impl Interior for Inside {
     fn meet(&self, scene: &Scene, surface: &mut Surface<'_>) -> bool {
         let Some(body) = boundary(surface) else { return true };
         let crossing = self.crossing(surface.index, &body, entering(surface), &scene.materials);
-        surface.bsdf = Bsdf::dielectric(crossing.eta, body.roughness);
+        surface.bsdf = Bsdf::dielectric(crossing.eta, surface.roughness);
         crossing.real
     }
 

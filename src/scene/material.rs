@@ -10,6 +10,8 @@ pub struct Material {
     pub scattering: Scattering,
     /// How the course's shading sees it.
     pub look: Look,
+    /// Index of what it wears; without textures both of the above are means.
+    pub dress: Option<u32>,
 }
 
 /// How a surface scatters.
@@ -77,7 +79,7 @@ impl Look {
 
 impl Material {
     fn fixed(bsdf: Bsdf, look: Look) -> Self {
-        Self { scattering: Scattering::Fixed(bsdf), look }
+        Self { scattering: Scattering::Fixed(bsdf), look, dress: None }
     }
 
     /// Lambertian reflection.
@@ -89,12 +91,7 @@ impl Material {
     /// Phong's model; energy is kept by scaling (see [`crate::bsdf::Phong`]), the look is not scaled.
     #[must_use]
     pub fn phong(diffuse: Rgb, specular: Rgb, shininess: f32) -> Self {
-        let bsdf = if specular == Rgb::ZERO {
-            Bsdf::Diffuse(diffuse / diffuse.max_element().max(1.0))
-        } else {
-            Bsdf::Phong(crate::bsdf::Phong::new(diffuse, specular, shininess))
-        };
-        Self::fixed(bsdf, Look { diffuse, specular, shininess })
+        Self::fixed(phong(diffuse, specular, shininess), Look { diffuse, specular, shininess })
     }
 
     /// A perfect mirror.
@@ -113,14 +110,14 @@ impl Material {
     #[must_use]
     pub fn body(body: Body) -> Self {
         let look = Look::matt((-body.absorption).map(libm::expf));
-        Self { scattering: Scattering::Boundary(body), look }
+        Self { scattering: Scattering::Boundary(body), look, dress: None }
     }
 
     /// Material `second` with probability `amount`, else material `first`; both are indices of materials that were added before.
     /// It looks as `look`.
     #[must_use]
     pub fn mix(first: u32, second: u32, amount: f32, look: Look) -> Self {
-        Self { scattering: Scattering::Mix { first, second, amount }, look }
+        Self { scattering: Scattering::Mix { first, second, amount }, look, dress: None }
     }
 
     /// A metal of refractive index `eta` + i`k` and roughness α in \[0, 1].
@@ -140,5 +137,14 @@ impl Material {
     #[must_use]
     pub fn black() -> Self {
         Self::fixed(Bsdf::Black, Look::matt(Rgb::ZERO))
+    }
+}
+
+/// Phong's model, which is Lambert's where nothing shines.
+pub(super) fn phong(diffuse: Rgb, specular: Rgb, shininess: f32) -> Bsdf {
+    if specular == Rgb::ZERO {
+        Bsdf::Diffuse(diffuse / diffuse.max_element().max(1.0))
+    } else {
+        Bsdf::Phong(crate::bsdf::Phong::new(diffuse, specular, shininess))
     }
 }

@@ -1,6 +1,8 @@
 //! The resolved scene: everything looked up, checked, converted, re-centred, in typed arrays. Renderers see only this.
 
 mod builder;
+mod cone;
+mod dress;
 mod inside;
 mod interior;
 mod material;
@@ -8,8 +10,11 @@ mod movement;
 mod source;
 mod surface;
 mod walk;
+mod wardrobe;
 
 pub use builder::{BuildError, SceneBuilder};
+pub use cone::{Cone, Detail};
+pub use dress::{Coat, Dress, Relief, Tint};
 pub use inside::Inside;
 pub use interior::{Interior, Open};
 pub use material::{Body, Look, Material, Scattering};
@@ -18,12 +23,13 @@ pub use surface::Surface;
 pub use walk::{Arrival, Walk};
 
 use crate::accel::{Hierarchy, Primitive};
-use crate::bsdf::Bsdf;
+use crate::bsdf::{Bsdf, Conductor};
 use crate::camera::Camera;
 use crate::color::Rgb;
 use crate::light::Light;
 use crate::math::{Bounds, Ray, Sphere};
-use crate::shape::{Mesh, Plane, Shape, SurfacePoint};
+use crate::shape::{Chart, Mesh, Plane, Shape, SurfacePoint};
+use crate::texture::Texture;
 use glam::{DVec3, Vec2, Vec3};
 use movement::Movement;
 use std::sync::Arc;
@@ -33,6 +39,8 @@ use std::sync::Arc;
 struct Attributes {
     material: u32,
     light: Option<u32>,
+    /// How textures lie on it.
+    chart: u32,
 }
 
 /// A light as the course's shading sees it: a direction or a place, and a colour that does not fall off.
@@ -50,7 +58,13 @@ pub struct Scene {
     camera: Camera,
     background: Rgb,
     materials: Vec<Material>,
+    dresses: Vec<Dress>,
+    textures: Vec<Arc<Texture>>,
+    /// The first is that of what has none of its own.
+    charts: Vec<Chart>,
     lights: Vec<Light>,
+    /// The lights with their mean radiance; none where no light follows a texture.
+    even_lights: Vec<Light>,
     course_lights: Vec<CourseLight>,
     /// Over triangles, and the shapes that do not move.
     hierarchy: Arc<Hierarchy>,
@@ -137,6 +151,12 @@ impl Scene {
         &self.lights
     }
 
+    /// The lights, each with the same radiance everywhere.
+    #[must_use]
+    pub fn even_lights(&self) -> &[Light] {
+        if self.even_lights.is_empty() { &self.lights } else { &self.even_lights }
+    }
+
     /// The lights as the course's shading sees them, in the same order. An environment is none of them.
     #[must_use]
     pub fn course_lights(&self) -> &[CourseLight] {
@@ -218,29 +238,40 @@ impl Scene {
             })
     }
 
-    /// The surface at a crossing of `ray`, whose direction must be of unit length; `chance` in \[0, 1) chooses where materials are
-    /// mixed. A boundary of a body scatters as if nothing else were around.
+    /// The surface at a crossing of `ray`, whose direction must be of unit length, with textures blurred over `cone`; `chance` in
+    /// \[0, 1) chooses where materials are mixed. A boundary of a body scatters as if nothing else were around.
     #[inline]
     #[must_use]
-    pub fn surface(&self, ray: &Ray, hit: &Hit, chance: impl FnOnce() -> f32) -> Surface<'_> {
+    pub fn surface(&self, ray: &Ray, hit: &Hit, cone: &Cone, chance: impl FnOnce() -> f32) -> Surface<'_> {
         let (point, attributes) = self.point(ray, hit);
         let wo = -ray.direction;
         let emission = match attributes.light.map(|l| &self.lights[l as usize]) {
-            Some(Light::Area(area)) if wo.dot(point.ng) > 0.0 => area.radiance,
+            Some(Light::Area(area)) if wo.dot(point.ng) > 0.0 => match &area.glow {
+                Some(glow) if cone.detail.textures => self.glow(glow, hit, &point, wo, cone),
+                _ => area.radiance,
+            },
             _ => Rgb::ZERO,
         };
         let mut index = attributes.material;
         let mut material = &self.materials[index as usize];
         if let Scattering::Mix { .. } = material.scattering {
-            index = self.chosen(index, chance());
+            index = if cone.detail.textures && !self.dresses.is_empty() {
+                self.chosen_by_texture(index, chance(), &|| self.place(hit, &point, wo, cone))
+            } else {
+                self.chosen(index, chance())
+            };
             material = &self.materials[index as usize];
         }
-        let bsdf = match material.scattering {
-            Scattering::Fixed(bsdf) => bsdf,
-            Scattering::Boundary(body) => Bsdf::dielectric(body.index, body.roughness),
-            Scattering::Mix { .. } => Bsdf::Black,
+        let (bsdf, roughness) = match material.scattering {
+            Scattering::Fixed(bsdf) => (bsdf, 0.0),
+            Scattering::Boundary(body) => (Bsdf::dielectric(body.index, body.roughness), body.roughness),
+            Scattering::Mix { .. } => (Bsdf::Black, 0.0),
         };
-        Surface { point, wo, material, index, bsdf, light: attributes.light, emission }
+        let mut surface = Surface { point, wo, material, index, bsdf, roughness, light: attributes.light, emission };
+        if let Some(dress) = material.dress {
+            self.put_on(dress, &mut surface, hit, cone);
+        }
+        surface
     }
 
     #[inline]
@@ -277,18 +308,25 @@ impl Scene {
         index
     }
 
-    /// A walk from the camera along `ray`.
+    /// A walk from the camera along `ray`, which sees `detail`.
     #[inline]
     #[must_use]
-    pub fn walk_from_camera<I: Interior>(&self, ray: Ray) -> Walk<I> {
-        Walk { ray, inside: I::at_camera(self) }
+    pub fn walk_from_camera<I: Interior>(&self, ray: Ray, detail: Detail) -> Walk<I> {
+        Walk { ray, inside: I::at_camera(self), cone: self.cone(detail) }
     }
 
-    /// A walk from a light along `ray`.
+    /// The cone of a ray from the camera.
     #[inline]
     #[must_use]
-    pub fn walk_from_light<I: Interior>(&self, light: usize, ray: Ray) -> Walk<I> {
-        Walk { ray, inside: I::at_light(self, light) }
+    pub fn cone(&self, detail: Detail) -> Cone {
+        Cone::of_pixel(self.camera.pixel(), detail)
+    }
+
+    /// A walk from a light along `ray`, which sees `detail`.
+    #[inline]
+    #[must_use]
+    pub fn walk_from_light<I: Interior>(&self, light: usize, ray: Ray, detail: Detail) -> Walk<I> {
+        Walk { ray, inside: I::at_light(self, light), cone: Cone::point(detail) }
     }
 
     /// Whether a material is the boundary of a body, so that walks have to remember what they are inside of.
@@ -322,31 +360,61 @@ impl Scene {
                 Shape::Sphere(_) | Shape::Ellipsoid(_) | Shape::Instance(_) => None,
             },
             material: attributes.material,
+            glows: self.glows(attributes),
         });
         let ends = self.parts.iter().skip(1).map(|(first, _)| *first).chain([self.mesh.triangles.len() as u32]);
         let parts = self.parts.iter().zip(ends).filter(|((first, _), end)| first < end);
         let meshes = parts.map(|((first, attributes), end)| {
             let corners = (*first..end).flat_map(|i| self.mesh.corners(i as usize));
             let ball = Some(Bounds::of(corners).bounding_sphere());
-            Object { ball, plane: None, material: attributes.material }
+            Object { ball, plane: None, material: attributes.material, glows: self.glows(attributes) }
         });
         let planes = self.planes.iter().map(|(plane, attributes)| Object {
             ball: None,
             plane: Some(plane.place()),
             material: attributes.material,
+            glows: false,
         });
         shapes.chain(meshes).chain(planes)
     }
 
-    /// Tells `hear` of every scattering that a material can stand for: one, but of a mix all its parts.
+    fn glows(&self, attributes: &Attributes) -> bool {
+        let light = attributes.light.map(|light| &self.lights[light as usize]);
+        matches!(light, Some(Light::Area(area)) if area.glow.is_some())
+    }
+
+    /// Tells `hear` of every scattering that a material can stand for: one, but of a mix all its parts, and of a texture what divides
+    /// one kind of scattering from another.
     pub fn scatterings(&self, material: u32, hear: &mut impl FnMut(&Scattering)) {
-        match &self.materials[material as usize].scattering {
+        let Material { scattering, dress, .. } = &self.materials[material as usize];
+        match scattering {
             Scattering::Mix { first, second, .. } => {
                 self.scatterings(*first, hear);
                 self.scatterings(*second, hear);
             }
             scattering => hear(scattering),
         }
+        if let Some(Coat::Conductor { eta, k, roughness }) = dress.map(|dress| self.dresses[dress as usize].coat) {
+            let (least, most) = self.textures[roughness as usize].range();
+            for alpha in [least, most] {
+                hear(&Scattering::Fixed(Bsdf::Conductor(Conductor::new(eta, k, alpha))));
+            }
+        }
+    }
+
+    /// Whether a material, or a part of a mix, has textures, and whether it has bumps.
+    #[must_use]
+    pub fn wears(&self, material: u32) -> (bool, bool) {
+        let Material { scattering, dress, .. } = &self.materials[material as usize];
+        let own = dress.map_or((false, false), |dress| {
+            let Dress { coat, relief } = self.dresses[dress as usize];
+            (coat != Coat::Plain, relief != Relief::Smooth)
+        });
+        let parts = match scattering {
+            Scattering::Mix { first, second, .. } => [*first, *second].map(|part| self.wears(part)),
+            _ => [(false, false); 2],
+        };
+        parts.iter().fold(own, |all, part| (all.0 || part.0, all.1 || part.1))
     }
 
     /// Balls around everything that casts caustics, for aiming photons; `None` where such a thing is unbounded.
@@ -372,6 +440,8 @@ pub struct Object {
     pub plane: Option<(Vec3, Vec3)>,
     /// Index of its material.
     pub material: u32,
+    /// Whether it emits by a texture.
+    pub glows: bool,
 }
 
 /// A ball around a shape, tight for spheres.

@@ -5,12 +5,13 @@
 //! each pass.
 
 use super::source::{course_area_light, resolve_source};
+use super::wardrobe::{chart_at, evened};
 use super::{Inside, LightStrength, Scene, SourceKind};
 use crate::accel::Hierarchy;
 use crate::camera::Camera;
-use crate::light::{Emitter, Light};
+use crate::light::{Emitter, Glow, Light};
 use crate::math::{Bounds, Motion, Sphere, Transform};
-use crate::shape::{Plane, Shape};
+use crate::shape::{Form, Plane, Shape};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -31,6 +32,8 @@ pub(super) struct Movement {
     pub sources: Vec<(usize, SourceKind, LightStrength, Motion)>,
     /// The camera before it is moved, about its own place.
     pub camera: Option<(Camera, Motion)>,
+    /// How textures lie on what moves, by the index of the chart.
+    pub charts: Vec<(usize, Form, Motion)>,
 }
 
 impl Movement {
@@ -68,6 +71,11 @@ impl Scene {
         let Some(movement) = &self.movement else { return scene };
         let (first, first_plane) =
             (scene.shapes.len() - movement.shapes.len(), scene.planes.len() - movement.planes.len());
+        for (i, form, motion) in &movement.charts {
+            if let Some(placed) = chart_at(*form, motion, time) {
+                scene.charts[*i] = placed;
+            }
+        }
         for (i, (shape, motion)) in (first..).zip(&movement.shapes) {
             if let Some(placed) = shape_at(shape, motion, time) {
                 scene.put(i, placed);
@@ -88,6 +96,9 @@ impl Scene {
         {
             scene.camera = camera.moved(&map);
         }
+        if !scene.even_lights.is_empty() {
+            scene.even_lights = scene.lights.iter().map(evened).collect();
+        }
         scene.settle(self.still);
         scene
     }
@@ -98,6 +109,8 @@ impl Scene {
             let light = light as usize;
             if let Light::Area(area) = &mut self.lights[light] {
                 area.emitter = Emitter::Shape(shape.clone());
+                let chart = self.charts[self.shape_attributes[i].chart as usize];
+                area.glow = area.glow.as_ref().map(|glow| Arc::new(Glow { chart, ..Glow::clone(glow) }));
             }
             self.course_lights[light] = course_area_light(&self.lights[light]);
         }

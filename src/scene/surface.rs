@@ -20,6 +20,8 @@ pub struct Surface<'a> {
     pub(super) index: u32,
     /// How it scatters.
     pub bsdf: Bsdf,
+    /// Roughness α, of the boundary of a body.
+    pub(super) roughness: f32,
     /// Index of the light that it is.
     pub light: Option<u32>,
     /// Radiance that it emits towards `wo` \[W/(m² sr)].

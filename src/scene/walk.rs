@@ -1,6 +1,6 @@
 //! The part that every walk through a scene shares: to the next surface that is there for light, and away from it.
 
-use super::{Inside, Interior, Scattering, Scene, Surface};
+use super::{Cone, Detail, Inside, Interior, Scattering, Scene, Surface};
 use crate::color::Rgb;
 use crate::math::Ray;
 use crate::sampling::{Dimension, Key};
@@ -13,6 +13,8 @@ pub struct Walk<I> {
     pub ray: Ray,
     /// What it is inside of.
     pub inside: I,
+    /// How much of a surface it sees at once.
+    pub cone: Cone,
 }
 
 /// Where a walk arrives.
@@ -37,7 +39,8 @@ impl<I: Interior> Walk<I> {
         let mut crossed = false;
         loop {
             let hit = scene.intersect(&self.ray)?;
-            let mut surface = scene.surface(&self.ray, &hit, || key.uniform(Dimension::Mix));
+            self.cone.travel(hit.t);
+            let mut surface = scene.surface(&self.ray, &hit, &self.cone, || key.uniform(Dimension::Mix));
             self.inside.approach(&surface);
             distance += hit.t;
             transmittance *= self.inside.transmittance(scene, hit.t);
@@ -54,6 +57,7 @@ impl<I: Interior> Walk<I> {
     #[inline]
     pub fn leave(&mut self, surface: &Surface<'_>, direction: Vec3, transmitted: bool) {
         self.ray = surface.leave(direction);
+        self.cone.leave(&surface.bsdf);
         if transmitted {
             self.inside.cross(surface, direction);
         }
@@ -69,7 +73,7 @@ impl Scene {
         let mut entered: Vec<u32> = Vec::new();
         let mut left: Vec<u32> = Vec::new();
         while let Some(hit) = self.intersect(&ray) {
-            let surface = self.surface(&ray, &hit, || 0.0);
+            let surface = self.surface(&ray, &hit, &Cone::point(Detail::NONE), || 0.0);
             if let Scattering::Boundary(_) = surface.material.scattering {
                 if surface.wo.dot(surface.point.ng) >= 0.0 {
                     entered.push(surface.index);

@@ -81,6 +81,10 @@ impl Disc {
 
     pub(super) fn sample(&self, u: Vec2) -> ShapeSample {
         let d = warp::disc(u).as_dvec2();
-        ShapeSample { point: self.at(self.center + self.a * d.x + self.b * d.y), pdf: (1.0 / self.area()) as f32 }
+        ShapeSample {
+            point: self.at(self.center + self.a * d.x + self.b * d.y),
+            pdf: (1.0 / self.area()) as f32,
+            uv: Vec2::ZERO,
+        }
     }
 }

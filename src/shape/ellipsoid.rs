@@ -89,7 +89,11 @@ impl Ellipsoid {
     /// Uniform on the unit sphere, so by area of the sphere's preimage.
     pub(super) fn sample(&self, u: Vec2) -> ShapeSample {
         let n = warp::sphere(u).as_dvec3().normalize();
-        ShapeSample { point: self.at(n), pdf: (1.0 / (4.0 * std::f64::consts::PI * self.stretch(n))) as f32 }
+        ShapeSample {
+            point: self.at(n),
+            pdf: (1.0 / (4.0 * std::f64::consts::PI * self.stretch(n))) as f32,
+            uv: Vec2::ZERO,
+        }
     }
 
     /// Density per area of [`Ellipsoid::sample`] where the unit normal is `ng`.

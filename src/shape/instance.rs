@@ -1,6 +1,6 @@
 //! Meshes that are placed more than once, or that move: one set of triangles under several maps.
 
-use super::{Crossing, Mesh, ShapeSample, SurfacePoint, widen};
+use super::{Crossing, Mapped, Mesh, ShapeSample, SurfacePoint, widen};
 use crate::accel::{Hierarchy, Primitive};
 use crate::math::{Bounds, Ray, Transform, warp};
 use crate::sampling::Discrete;
@@ -113,6 +113,18 @@ impl Instance {
         self.place(i, inside_triangle(weights))
     }
 
+    /// Texture coordinates at world point `p` of the triangle that `index` tells.
+    pub(super) fn mapped(&self, p: Vec3, index: f32) -> Mapped {
+        let i = index.to_bits() as usize;
+        let p = self.to_world.inverse().transform_point3(p.as_dvec3());
+        let [a, b, c] = self.mesh.mesh.corners(i).map(|v| v.as_dvec3());
+        let (e1, e2) = (b - a, c - a);
+        let cross = e1.cross(e2);
+        let weights = glam::DVec2::new(e2.cross(cross).dot(p - a), cross.cross(e1).dot(p - a)) / cross.length_squared();
+        let own = self.mesh.mesh.mapped(i, inside_triangle(weights));
+        Mapped { du: self.to_world.normal(own.du), dv: self.to_world.normal(own.dv), ..own }
+    }
+
     /// The surface of triangle `i` at barycentric weights `b` of its second and third corner.
     fn place(&self, i: usize, b: Vec2) -> SurfacePoint {
         let own = self.mesh.mesh.surface(i, b);
@@ -157,7 +169,8 @@ impl Instance {
             }
             None => (0, Vec2::ZERO),
         };
-        ShapeSample { point: self.place(i, b), pdf: (1.0 / self.area()) as f32 }
+        let uv = Vec2::new(f32::from_bits(i as u32), 0.0);
+        ShapeSample { point: self.place(i, b), pdf: (1.0 / self.area()) as f32, uv }
     }
 }
 

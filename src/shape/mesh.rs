@@ -1,7 +1,7 @@
 //! Triangle meshes.
 
-use super::SurfacePoint;
-use glam::{DVec3, Vec2, Vec3};
+use super::{Mapped, SurfacePoint};
+use glam::{DVec2, DVec3, Vec2, Vec3};
 
 /// Corner indices of one triangle.
 pub type Triangle = [u32; 3];
@@ -13,6 +13,8 @@ pub struct Mesh {
     pub positions: Vec<Vec3>,
     /// Unit shading normals, one a corner, or none: flat.
     pub normals: Vec<Vec3>,
+    /// Texture coordinates, one a corner, or none.
+    pub texcoords: Vec<Vec2>,
     /// Corner indices, counter-clockwise seen from outside.
     pub triangles: Vec<Triangle>,
 }
@@ -51,6 +53,27 @@ impl Mesh {
         SurfacePoint { p, error: p.abs() * f32::EPSILON + Vec3::splat(size * (4.0 * f32::EPSILON)), ng, ns }
     }
 
+    /// Texture coordinates of triangle `i` at barycentric weights `b`; where the mesh has none, or the triangle no area, nothing grows.
+    #[must_use]
+    pub fn mapped(&self, i: usize, b: Vec2) -> Mapped {
+        if self.texcoords.is_empty() {
+            return Mapped::default();
+        }
+        let [t0, t1, t2]: [DVec2; 3] = self.triangles[i].map(|v| self.texcoords[v as usize].as_dvec2());
+        let (t1, t2, b) = (t1 - t0, t2 - t0, b.as_dvec2());
+        let uv = t0 + t1 * b.x + t2 * b.y;
+        let [p0, p1, p2] = self.corners(i).map(|v| v.as_dvec3());
+        let (e1, e2) = (p1 - p0, p2 - p0);
+        let cross = e1.cross(e2);
+        let n2 = cross.length_squared();
+        if n2 == 0.0 {
+            return Mapped { uv, ..Mapped::default() };
+        }
+        // What the weights of the second and third corner grow by along a step.
+        let (w1, w2) = (e2.cross(cross) / n2, cross.cross(e1) / n2);
+        Mapped { uv, du: w1 * t1.x + w2 * t2.x, dv: w1 * t1.y + w2 * t2.y }
+    }
+
     #[inline]
     fn shading_normal(&self, i: usize, b1: f64, b2: f64) -> Option<Vec3> {
         if self.normals.is_empty() {
@@ -58,5 +81,27 @@ impl Mesh {
         }
         let [n0, n1, n2]: [DVec3; 3] = self.triangles[i].map(|v| self.normals[v as usize].as_dvec3());
         (n0 * (1.0 - b1 - b2) + n1 * b1 + n2 * b2).try_normalize().map(|n| n.as_vec3())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn coordinates_are_those_of_the_corners_and_grow_along_the_edges() {
+        let mesh = Mesh {
+            positions: vec![Vec3::ZERO, Vec3::new(2.0, 0.0, 0.0), Vec3::new(1.0, 1.0, 0.0)],
+            texcoords: vec![Vec2::new(0.5, 0.25), Vec2::new(1.0, 0.25), Vec2::new(0.5, 1.0)],
+            triangles: vec![[0, 1, 2]],
+            ..Mesh::default()
+        };
+        assert_eq!(mesh.mapped(0, Vec2::ZERO).uv, DVec2::new(0.5, 0.25));
+        let m = mesh.mapped(0, Vec2::new(0.5, 0.5));
+        assert_eq!(m.uv, DVec2::new(0.75, 0.625));
+        let along = |x: DVec3| DVec2::new(m.du.dot(x), m.dv.dot(x));
+        // Coordinates are affine: along an edge they change by as much as the corners differ.
+        assert!((along(DVec3::new(2.0, 0.0, 0.0)) - DVec2::new(0.5, 0.0)).length() < 1e-12);
+        assert!((along(DVec3::new(1.0, 1.0, 0.0)) - DVec2::new(0.0, 0.75)).length() < 1e-12);
     }
 }

@@ -1,5 +1,6 @@
 //! Shapes in the resolved scene: world space, re-centred. Curved ones solve in double precision.
 
+mod chart;
 mod disc;
 mod ellipsoid;
 mod instance;
@@ -8,6 +9,7 @@ mod plane;
 mod rectangle;
 mod sphere;
 
+pub use chart::{Chart, Form, Mapped, upright};
 pub use disc::Disc;
 pub use ellipsoid::Ellipsoid;
 pub use instance::{IndexedMesh, Instance};
@@ -52,6 +54,8 @@ pub struct ShapeSample {
     pub point: SurfacePoint,
     /// Density per area \[1/length²].
     pub pdf: f32,
+    /// The coordinates of a [`Crossing`] there.
+    pub uv: Vec2,
 }
 
 /// Rounding to f32 costs half an ulp of each coordinate; the next test in f64 sees the shape within 32 ulps of `scale`.
@@ -115,6 +119,15 @@ impl Shape {
             Self::Disc(s) => s.surface(ray, t),
             Self::Rectangle(s) => s.surface(ray, t),
             Self::Instance(s) => s.surface(ray, uv.x),
+        }
+    }
+
+    /// Texture coordinates at `p` by what the shape itself says, with `uv` of the [`Crossing`]; of those that say nothing, `uv` as it is.
+    #[must_use]
+    pub fn mapped(&self, p: Vec3, uv: Vec2) -> Mapped {
+        match self {
+            Self::Instance(s) => s.mapped(p, uv.x),
+            _ => Mapped { uv: uv.as_dvec2(), ..Mapped::default() },
         }
     }
 

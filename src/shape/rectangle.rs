@@ -98,7 +98,7 @@ impl Rectangle {
 
     pub(super) fn sample(&self, u: Vec2) -> ShapeSample {
         let p = self.corner + self.edges[0] * f64::from(u.x) + self.edges[1] * f64::from(u.y);
-        ShapeSample { point: self.at(p), pdf: (1.0 / self.area()) as f32 }
+        ShapeSample { point: self.at(p), pdf: (1.0 / self.area()) as f32, uv: Vec2::ZERO }
     }
 
     /// How `from` sees the outer side by solid angle; `None` from behind, and where points are to be drawn by area.

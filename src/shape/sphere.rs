@@ -65,7 +65,11 @@ impl Sphere {
     }
 
     pub(super) fn sample(&self, u: Vec2) -> ShapeSample {
-        ShapeSample { point: self.at(warp::sphere(u).as_dvec3().normalize()), pdf: (1.0 / self.area()) as f32 }
+        ShapeSample {
+            point: self.at(warp::sphere(u).as_dvec3().normalize()),
+            pdf: (1.0 / self.area()) as f32,
+            uv: Vec2::ZERO,
+        }
     }
 
     /// A point of the part that `from` sees, drawn uniformly by solid angle, with its density per steradian.

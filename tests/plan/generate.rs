@@ -101,6 +101,11 @@ enum Kind {
     Brushed,
     Pane,
     Mix,
+    Mask,
+    Patterned,
+    Bumpy,
+    RoughMap,
+    Panel,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -118,7 +123,17 @@ enum Lamp {
     Level,
 }
 
-const RECEIVERS: &[Kind] = &[Kind::Matt, Kind::Black, Kind::Gloss, Kind::DarkGloss, Kind::Brushed, Kind::Mix];
+const RECEIVERS: &[Kind] = &[
+    Kind::Matt,
+    Kind::Black,
+    Kind::Gloss,
+    Kind::DarkGloss,
+    Kind::Brushed,
+    Kind::Mix,
+    Kind::Patterned,
+    Kind::Bumpy,
+    Kind::Panel,
+];
 const DARK: &[Kind] = &[Kind::Black, Kind::Black, Kind::Mirror, Kind::Glass, Kind::Mix, Kind::DarkGloss];
 const BLACK: &[Kind] = &[Kind::Black, Kind::Mirror, Kind::Mix];
 const CASTERS: &[Kind] =
@@ -138,6 +153,11 @@ const ANY: &[Kind] = &[
     Kind::Pane,
     Kind::Mix,
     Kind::Mix,
+    Kind::Mask,
+    Kind::Patterned,
+    Kind::Bumpy,
+    Kind::RoughMap,
+    Kind::Panel,
 ];
 const HARD: &[Lamp] = &[Lamp::Point, Lamp::Directional, Lamp::Spot, Lamp::Level];
 const LEVEL: &[Lamp] = &[Lamp::Level];
@@ -274,8 +294,16 @@ fn add_material(r: &mut Random, mood: &Mood, sketch: &mut Sketch) {
         Kind::Polished => Material::Conductor(r.pick(&[0.0, 0.1, 0.3])),
         Kind::Brushed => Material::Conductor(r.pick(&[0.31, 0.6, 1.0])),
         Kind::Pane => Material::Thin(1.5),
-        Kind::Mix if before == 0 => Material::Mirror(r.color()),
+        Kind::Mix | Kind::Mask if before == 0 => Material::Mirror(r.color()),
         Kind::Mix => mix(r, sketch, before),
+        Kind::Mask => match mix(r, sketch, before) {
+            Material::Mix(a, b, _) => Material::Mask(a, b),
+            other => other,
+        },
+        Kind::Patterned => Material::Patterned(r.strength(0.5).min(DVec3::ONE), tint),
+        Kind::Bumpy => Material::Bumpy(r.color(), r.between(0.01, 0.3)),
+        Kind::RoughMap => Material::RoughMap(r.between(0.0, 0.4), r.between(0.2, 1.0)),
+        Kind::Panel => Material::Panel(r.strength(0.5), tint),
     };
     sketch.materials.push(material);
 }
@@ -293,7 +321,7 @@ fn mix(r: &mut Random, sketch: &Sketch, before: usize) -> Material {
 /// The body in a material.
 fn bodies(sketch: &Sketch, i: usize) -> Option<usize> {
     match sketch.materials[i] {
-        Material::Mix(a, b, _) => bodies(sketch, a).or(bodies(sketch, b)),
+        Material::Mix(a, b, _) | Material::Mask(a, b) => bodies(sketch, a).or(bodies(sketch, b)),
         Material::Dielectric(..) => Some(i),
         _ => None,
     }
@@ -330,6 +358,11 @@ fn add_object(r: &mut Random, mood: &Mood, sketch: &mut Sketch) {
     let shines = !matches!(shape, Shape::Plane(..)) && r.chance(mood.emission);
     let emission = if shines { r.color() } else { DVec3::ZERO };
     let material = sketch.materials.len() - 1 - r.below(sketch.materials.len().min(3));
+    // Nothing without bounds may shine.
+    let shape = match (shape, &sketch.materials[material]) {
+        (Shape::Plane(p, n), Material::Panel(..)) => Shape::Disc(p, n, 1.0),
+        (shape, _) => shape,
+    };
     sketch.objects.push(Object { material, emission, shape });
 }
 

@@ -1,6 +1,6 @@
 //! Whether what a plan says of a scene is true, judged from the parts that the scene was written from and by brute force.
 
-use crate::sketch::{Light, LightKind, Material, Sketch};
+use crate::sketch::{Light, LightKind, Material, Object, Sketch};
 use caustica::color::Rgb;
 use caustica::light::Light as Resolved;
 use caustica::photon::{PhotonPass, PhotonSource, Wants};
@@ -27,7 +27,11 @@ fn is_true(sketch: &Sketch, scene: &Scene, plan: &Plan, reason: Reason) -> bool 
     let all = &sketch.objects;
     let any = |is: &dyn Fn(&Material) -> bool| all.iter().any(|o| sketch.is_of(o, is));
     let shines = |light: &Light| light.strength != DVec3::ZERO;
-    let glows = all.iter().any(|object| object.emission != DVec3::ZERO);
+    let panel = |object: &Object| match sketch.materials[object.material] {
+        Material::Panel(a, b) => a + b != DVec3::ZERO,
+        _ => false,
+    };
+    let glows = all.iter().any(|object| object.emission != DVec3::ZERO || panel(object));
     match reason {
         Reason::NoLight => !glows && !sketch.lights.iter().any(shines),
         Reason::NoCaster => !any(&casts),
@@ -49,6 +53,12 @@ fn is_true(sketch: &Sketch, scene: &Scene, plan: &Plan, reason: Reason) -> bool 
         Reason::NoBody => !any(&|m| matches!(m, Material::Dielectric(..))),
         Reason::NoLens => !sketch.camera.contains("aperture"),
         Reason::NothingMoves => !sketch.moves(),
+        Reason::NoTexture => {
+            let textured = |m: &Material| matches!(m, Material::Patterned(..) | Material::RoughMap(..));
+            let masks = all.iter().any(|o| sketch.has_mask(o.material));
+            !any(&textured) && !masks && !all.iter().any(|o| o.emission == DVec3::ZERO && panel(o))
+        }
+        Reason::NoBump => !any(&|m| matches!(m, Material::Bumpy(..))),
         Reason::Without(other) => is_off(plan, other),
         Reason::Objects(..)
         | Reason::Lights(..)
@@ -74,21 +84,28 @@ impl Light {
 fn receives(material: &Material) -> bool {
     match material {
         Material::Diffuse(_) | Material::Phong(..) => true,
+        Material::Patterned(..) | Material::Bumpy(..) | Material::Panel(..) => true,
         Material::Conductor(roughness) => *roughness > 0.3,
-        Material::Mirror(_) | Material::Dielectric(..) | Material::Thin(_) | Material::Mix(..) => false,
+        Material::RoughMap(a, b) => a.max(*b) > 0.3,
+        Material::Mirror(_) | Material::Dielectric(..) | Material::Thin(_) => false,
+        Material::Mix(..) | Material::Mask(..) => false,
     }
 }
 
 fn scatters(material: &Material) -> bool {
     match material {
         Material::Diffuse(reflectance) => *reflectance != DVec3::ZERO,
+        Material::Patterned(a, b) => *a + *b != DVec3::ZERO,
         Material::Phong(diffuse, specular, _) => *diffuse != DVec3::ZERO || *specular != DVec3::ZERO,
         other => receives(other),
     }
 }
 
 fn casts(material: &Material) -> bool {
-    !receives(material)
+    match material {
+        Material::RoughMap(a, b) => a.min(*b) <= 0.3,
+        other => !receives(other),
+    }
 }
 
 /// Whether no photon finds a way over a caster, and no light sends anything to a point of one, whatever stands between.

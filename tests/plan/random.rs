@@ -10,7 +10,7 @@ use glam::DVec3;
 use std::mem::{Discriminant, discriminant};
 
 /// Every reason for which something is off, but that the algorithm knows nothing of it.
-const OFF: [Reason; 11] = [
+const OFF: [Reason; 13] = [
     Reason::NoLight,
     Reason::NoCaster,
     Reason::NoLitCaster,
@@ -20,6 +20,8 @@ const OFF: [Reason; 11] = [
     Reason::NoSoftLight,
     Reason::NoSky,
     Reason::NoBody,
+    Reason::NoTexture,
+    Reason::NoBump,
     Reason::Without(Effect::Caustics),
     Reason::Without(Effect::Interreflection),
 ];

@@ -77,7 +77,7 @@ fn course_scenes_are_the_same_with_everything_forced_on() {
 }
 
 /// Effects that need one of these words in the text of a scene.
-const NEEDS: [(Effect, &[&str]); 8] = [
+const NEEDS: [(Effect, &[&str]); 10] = [
     (Effect::Casters, &["Mirror", "Dielectric", "Thin", "Conductor"]),
     (Effect::Caustics, &["Mirror", "Dielectric", "Thin", "Conductor"]),
     (Effect::CausticBounces, &["Mirror", "Dielectric", "Thin", "Conductor"]),
@@ -86,6 +86,8 @@ const NEEDS: [(Effect, &[&str]); 8] = [
     (Effect::Environment, &["EnvironmentLight"]),
     (Effect::Lens, &["aperture", "fNumber"]),
     (Effect::Motion, &["Moving"]),
+    (Effect::Textures, &["Textures", "texture"]),
+    (Effect::Bump, &["bump", "normalMap"]),
 ];
 
 #[test]

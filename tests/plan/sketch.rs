@@ -59,6 +59,16 @@ pub enum Material {
     Thin(f64),
     /// Two materials before it, and the share of the second.
     Mix(usize, usize, f64),
+    /// Two materials before it, the second where noise is high.
+    Mask(usize, usize),
+    /// Two colours of a matt pattern.
+    Patterned(DVec3, DVec3),
+    /// A matt colour with bumps of this height.
+    Bumpy(DVec3, f64),
+    /// Metal whose roughness goes between these.
+    RoughMap(f64, f64),
+    /// Two radiances of a matt pattern.
+    Panel(DVec3, DVec3),
 }
 
 #[derive(Clone, Debug)]
@@ -106,6 +116,8 @@ impl Sketch {
         write("Lights {\n".into());
         let lights = self.lights.iter().enumerate();
         lights.for_each(|(i, light)| write(format!("    {}\n", wrapped(Moving::Light(i), light.to_string()))));
+        write("}\nTextures {\n".into());
+        self.materials.iter().enumerate().for_each(|(i, m)| write(m.texture(i)));
         write("}\nMaterials {\n".into());
         self.materials.iter().enumerate().for_each(|(i, m)| write(format!("    {}\n", m.named(i))));
         write("}\nGroup {\n".into());
@@ -128,9 +140,20 @@ impl Sketch {
         self.is_in(object.material, is)
     }
 
+    /// Whether a material is a mask, or a part of it is.
+    pub fn has_mask(&self, material: usize) -> bool {
+        match &self.materials[material] {
+            Material::Mix(first, second, _) => self.has_mask(*first) || self.has_mask(*second),
+            Material::Mask(..) => true,
+            _ => false,
+        }
+    }
+
     fn is_in(&self, material: usize, is: &dyn Fn(&Material) -> bool) -> bool {
         match &self.materials[material] {
-            Material::Mix(first, second, _) => self.is_in(*first, is) || self.is_in(*second, is),
+            Material::Mix(first, second, _) | Material::Mask(first, second) => {
+                self.is_in(*first, is) || self.is_in(*second, is)
+            }
             other => is(other),
         }
     }
@@ -162,8 +185,24 @@ impl Display for Light {
 }
 
 impl Material {
+    /// The texture that it follows, if any.
+    fn texture(&self, i: usize) -> String {
+        let noise = |a, b| format!("    Noise t{i} {{ color0 {}  color1 {}  frequency 3  amplitude 2 }}\n", V(a), V(b));
+        match self {
+            Self::Mask(..) | Self::Bumpy(..) => noise(DVec3::ZERO, DVec3::ONE),
+            Self::Patterned(a, b) | Self::Panel(a, b) => noise(*a, *b),
+            Self::RoughMap(a, b) => noise(DVec3::splat(*a), DVec3::splat(*b)),
+            _ => String::new(),
+        }
+    }
+
     fn named(&self, i: usize) -> String {
         match self {
+            Self::Mask(a, b) => format!("Mix m{i} {{ first m{a}  second m{b}  amount t{i} }}"),
+            Self::Patterned(..) => format!("Diffuse m{i} {{ reflectance t{i} }}"),
+            Self::Bumpy(r, h) => format!("Diffuse m{i} {{ reflectance {}  bump t{i}  bumpHeight {h} }}", V(*r)),
+            Self::RoughMap(..) => format!("Conductor m{i} {{ metal gold  roughness t{i} }}"),
+            Self::Panel(..) => format!("Diffuse m{i} {{ reflectance .5 .5 .5  emission t{i}  emissionScale 3 }}"),
             Self::Diffuse(r) => format!("Diffuse m{i} {{ reflectance {} }}", V(*r)),
             Self::Phong(d, s, n) => {
                 format!("Phong m{i} {{ diffuseColor {}  specularColor {}  shininess {n} }}", V(*d), V(*s))

@@ -18,7 +18,8 @@ fn everything() -> Scene {
         "{}
         Lights {{ RectangleLight {{ corner -1 4 -1  edge0 2 0 0  edge1 0 0 2  power 200 200 200 }}
                   EnvironmentLight {{ radiance .1 .2 .3 }} }}
-        Materials {{ Diffuse floor {{ reflectance .7 .6 .5 }}
+        Textures {{ Checker tiles {{ color0 .7 .6 .5  color1 .2 .3 .4 }}  Noise lumps {{ frequency 3 }} }}
+        Materials {{ Diffuse floor {{ reflectance tiles  bump lumps  bumpHeight .1 }}
                      Dielectric glass {{ absorption .5 .1 .9 }} }}
         Group {{ MaterialName floor  Plane {{ normal 0 1 0  offset 0 }}
                  Rectangle {{ corner -2 0 -2  edge0 4 0 0  edge1 0 3 0 }}

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::Spanned;
+use super::{Emission, Relief, Spanned, Value};
 
 /// What a surface does with light.
 #[derive(Clone, Debug, PartialEq)]
@@ -11,8 +11,10 @@ pub struct Material {
     pub name: Option<String>,
     /// How it reflects and transmits.
     pub kind: MaterialKind,
-    /// Radiance that it sends out by itself, in W/(m² sr).
-    pub emission: Option<DVec3>,
+    /// What it sends out by itself.
+    pub emission: Option<Emission>,
+    /// What makes it look uneven.
+    pub relief: Option<Relief>,
 }
 
 /// How a material reflects and transmits.
@@ -21,23 +23,23 @@ pub enum MaterialKind {
     /// The course's material.
     Phong {
         /// kd.
-        diffuse: DVec3,
+        diffuse: Value<DVec3>,
         /// ks.
-        specular: DVec3,
+        specular: Value<DVec3>,
         /// The exponent, at least 0.
         shininess: f64,
-        /// Name of an image, kept but not used.
-        texture: Option<String>,
+        /// Name of a texture, else path of a picture, that kd is multiplied by.
+        texture: Option<Spanned<String>>,
     },
     /// A Lambertian surface.
     Diffuse {
         /// Share of light that it sends back, inside [0, 1].
-        reflectance: DVec3,
+        reflectance: Value<DVec3>,
     },
     /// A perfect mirror.
     Mirror {
         /// Share of light that it sends back, inside [0, 1].
-        reflectance: DVec3,
+        reflectance: Value<DVec3>,
     },
     /// A body of glass, water, and the like.
     Dielectric {
@@ -46,7 +48,7 @@ pub enum MaterialKind {
         /// What the inside takes from light on its way.
         attenuation: Attenuation,
         /// GGX α of its surface, inside [0, 1]; 0 is smooth.
-        roughness: f64,
+        roughness: Value<f64>,
         /// Where bodies overlap, the one of the highest priority counts; of equal ones, that which was entered last.
         priority: u8,
     },
@@ -55,14 +57,14 @@ pub enum MaterialKind {
         /// What it is made of.
         metal: Metal,
         /// GGX α, inside [0, 1]; 0 is smooth.
-        roughness: f64,
+        roughness: Value<f64>,
     },
     /// A pane without thickness: light goes straight through or is mirrored.
     Thin {
         /// Index of refraction of the pane over that of what is around it.
         index: f64,
         /// Share of light that is left after it has crossed the inside once at right angles, inside (0, 1].
-        transmittance: DVec3,
+        transmittance: Value<DVec3>,
     },
     /// One of two materials at each place, by chance.
     Mix {
@@ -71,7 +73,7 @@ pub enum MaterialKind {
         /// Name of a material that stands before this one.
         second: Spanned<String>,
         /// Share of the second, inside [0, 1].
-        amount: f64,
+        amount: Value<f64>,
     },
 }
 

@@ -5,14 +5,16 @@
 
 mod lights;
 mod materials;
+mod textures;
 
 use std::ops::Deref;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 pub use super::map::Map;
 pub use lights::{AreaStrength, DirectionalStrength, EnvironmentRadiance, Light, PointStrength};
 pub use materials::{Attenuation, Material, MaterialKind, Metal};
+pub use textures::{Coordinates, Emission, Encoding, Pattern, Relief, Texture, TextureKind, Value, Wrap};
 
 /// A stretch of the scene's text, in bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -64,6 +66,8 @@ pub struct Description {
     pub background: DVec3,
     /// In the order of the file.
     pub lights: Vec<Spanned<Light>>,
+    /// In the order of the file.
+    pub textures: Vec<Spanned<Texture>>,
     /// In the order of the file, which `MaterialIndex` counts from 0.
     pub materials: Vec<Spanned<Material>>,
     /// The shapes.
@@ -239,6 +243,8 @@ pub enum Shape {
         vertices: [DVec3; 3],
         /// Shading normals at the corners, of any length.
         normals: Option<[DVec3; 3]>,
+        /// Texture coordinates at the corners; `None`: (0, 0), (1, 0), (0, 1).
+        uv: Option<[DVec2; 3]>,
     },
     /// A mesh in a file of its own.
     Mesh {

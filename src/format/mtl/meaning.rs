@@ -1,9 +1,10 @@
 //! What an MTL material is in the scene language.
 
 use super::FileMaterial;
-use crate::format::description::{Attenuation, Material, MaterialKind};
+use crate::format::description::{Attenuation, Emission, Material, MaterialKind, Span, Spanned};
 use crate::format::mesh::Wrong;
 use glam::DVec3;
+use std::path::{PathBuf, absolute};
 
 /// The index of glass, where a transparent material gives none.
 const GLASS: f64 = 1.5;
@@ -30,19 +31,25 @@ impl FileMaterial {
             }
             let tint = self.filter.filter(|f| f.min_element() > 0.0 && f.max_element() <= 1.0 && *f != DVec3::ONE);
             let attenuation = tint.map_or(Attenuation::None, |color| Attenuation::Tint { color, distance: 1.0 });
-            MaterialKind::Dielectric { index, attenuation, roughness: 0.0, priority: 0 }
+            MaterialKind::Dielectric { index, attenuation, roughness: 0.0.into(), priority: 0 }
         } else if matches!(model, Some(3 | 5 | 8)) && diffuse == DVec3::ZERO && self.texture.is_none() {
-            MaterialKind::Mirror { reflectance: specular.min(DVec3::ONE) }
+            MaterialKind::Mirror { reflectance: specular.min(DVec3::ONE).into() }
         } else {
             let highlights = model.is_none_or(|model| model >= 2);
             MaterialKind::Phong {
-                diffuse,
-                specular: if highlights { specular } else { DVec3::ZERO },
+                diffuse: diffuse.into(),
+                specular: if highlights { specular } else { DVec3::ZERO }.into(),
                 shininess: self.shininess.unwrap_or(0.0),
-                texture: self.texture.as_ref().map(|path| path.display().to_string()),
+                texture: self.texture.as_ref().map(picture),
             }
         };
-        let emission = self.emission.filter(|e| *e != DVec3::ZERO);
-        Ok(Material { name: Some(self.name.clone()), kind, emission })
+        let emission = self.emission.filter(|e| *e != DVec3::ZERO).map(Emission::Radiance);
+        Ok(Material { name: Some(self.name.clone()), kind, emission, relief: None })
     }
+}
+
+/// The whole path of a picture, as it does not count from the scene file's folder.
+fn picture(path: &PathBuf) -> Spanned<String> {
+    let whole = absolute(path).unwrap_or_else(|_| path.clone());
+    Spanned::new(whole.display().to_string(), Span::default())
 }

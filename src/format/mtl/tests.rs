@@ -1,5 +1,5 @@
 use super::*;
-use crate::format::description::{Attenuation, MaterialKind};
+use crate::format::description::{Attenuation, Emission, MaterialKind};
 
 fn read_text(text: &str) -> Result<Vec<FileMaterial>, MeshError> {
     from_text(Path::new("folder/a.mtl"), text)
@@ -71,12 +71,15 @@ fn unsound_lines_are_named() {
 #[test]
 fn materials_become_those_of_the_scene_language() {
     let phong = |kd: f64, ks: f64, shininess| MaterialKind::Phong {
-        diffuse: DVec3::splat(kd),
-        specular: DVec3::splat(ks),
+        diffuse: DVec3::splat(kd).into(),
+        specular: DVec3::splat(ks).into(),
         shininess,
         texture: None,
     };
-    let glass = |index| MaterialKind::Dielectric { index, attenuation: Attenuation::None, roughness: 0.0, priority: 0 };
+    let glass = |index| {
+        let attenuation = Attenuation::None;
+        MaterialKind::Dielectric { index, attenuation, roughness: 0.0.into(), priority: 0 }
+    };
     assert_eq!(kind(""), phong(1.0, 0.0, 0.0));
     assert_eq!(kind("Kd .5 .5 .5\nKs .25\nNs 10\nillum 2"), phong(0.5, 0.25, 10.0));
     assert_eq!(kind("Kd .5 .5 .5\nKs .25\nNs 10"), phong(0.5, 0.25, 10.0));
@@ -95,12 +98,13 @@ fn materials_become_those_of_the_scene_language() {
     }
     for model in [3, 5, 8] {
         let mirror = kind(&format!("Kd 0\nKs .9 .8 2\nillum {model}"));
-        assert_eq!(mirror, MaterialKind::Mirror { reflectance: DVec3::new(0.9, 0.8, 1.0) });
+        assert_eq!(mirror, MaterialKind::Mirror { reflectance: DVec3::new(0.9, 0.8, 1.0).into() });
     }
     assert_eq!(kind("Kd .1\nKs .9\nillum 3"), phong(0.1, 0.9, 0.0));
+    let whole = std::path::absolute("folder/a.png").unwrap();
     let lamp = one("Kd 0\nKe 3 2 1\nmap_Kd a.png").meaning().unwrap();
-    assert_eq!(lamp.emission, Some(DVec3::new(3.0, 2.0, 1.0)));
-    assert!(matches!(lamp.kind, MaterialKind::Phong { texture: Some(path), .. } if path == "folder/a.png"));
+    assert_eq!(lamp.emission, Some(Emission::Radiance(DVec3::new(3.0, 2.0, 1.0))));
+    assert!(matches!(lamp.kind, MaterialKind::Phong { texture: Some(path), .. } if Path::new(&path.value) == whole));
     assert_eq!(one("Ke 0 0 0").meaning().unwrap().emission, None);
     let (message, _) = one("d 0\nNi 0").meaning().unwrap_err();
     assert!(message.contains("`m`") && message.contains("`Ni` is 0"), "{message}");

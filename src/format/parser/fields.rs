@@ -1,19 +1,25 @@
 //! Blocks of named fields in any order.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
-use super::super::description::{Curve, CurveBasis, Span, Spanned};
+use super::super::description::{Curve, CurveBasis, Emission, Map, Span, Spanned, Value as Textured};
 use super::super::error::SceneError;
 use super::super::lexer::{Lexer, Token};
-use super::{Parser, clip, has_direction};
+use super::{Parser, clip, has_direction, suggest};
 
 /// What follows a field's name.
 #[derive(Clone, Copy)]
 pub(super) enum Kind {
     /// Three numbers.
     Vector,
+    /// Three numbers, or the name of a texture.
+    Tint,
     /// A number.
     Number,
+    /// A number, or the name of a texture.
+    Degree,
+    /// Two numbers.
+    Pair,
     /// A whole number.
     Integer,
     /// A path or name, quoted or bare.
@@ -22,13 +28,17 @@ pub(super) enum Kind {
     Curve,
     /// Points in brackets.
     Controls,
+    /// Maps in braces.
+    Maps,
 }
 
 /// What followed a field's name: only the part that its kind fills.
 #[derive(Default)]
 struct Value {
     numbers: DVec3,
+    /// Of a texture too, where it stands for numbers.
     name: String,
+    maps: Vec<Map>,
     basis: CurveBasis,
     controls: Vec<DVec3>,
 }
@@ -69,12 +79,26 @@ impl<'a> Parser<'a> {
     fn value(&mut self, word: Token<'a>, kind: Kind) -> Result<Spanned<Value>, SceneError> {
         let mut value = Value::default();
         let span = match kind {
-            Kind::Vector => {
+            Kind::Tint | Kind::Degree if self.names_follow() => {
+                let read = self.texture_by_name(word)?;
+                value.name = read.value;
+                read.span
+            }
+            Kind::Pair => {
+                let read = self.numbers::<2>(word)?;
+                value.numbers = DVec2::from_array(read.value).extend(0.0);
+                read.span
+            }
+            Kind::Maps => {
+                value.maps = self.maps_alone(word)?;
+                word.span()
+            }
+            Kind::Vector | Kind::Tint => {
                 let read = self.numbers(word)?;
                 value.numbers = DVec3::from_array(read.value);
                 read.span
             }
-            Kind::Number => {
+            Kind::Number | Kind::Degree => {
                 let read = self.numbers::<1>(word)?;
                 value.numbers.x = read.value[0];
                 read.span
@@ -100,6 +124,27 @@ impl<'a> Parser<'a> {
             }
         };
         Ok(Spanned::new(value, span))
+    }
+
+    /// Whether a name comes next, where numbers may come too.
+    fn names_follow(&mut self) -> bool {
+        let token = self.lexer.peek();
+        let number = ["nan", "inf", "infinity"].contains(&token.text.to_ascii_lowercase().as_str());
+        token.text.starts_with(|c: char| c == '"' || c == '_' || c.is_ascii_alphabetic()) && !number
+    }
+
+    fn texture_by_name(&mut self, owner: Token<'a>) -> Result<Spanned<String>, SceneError> {
+        let name = self.name(owner)?;
+        if self.textures.iter().any(|texture| texture.value.name == name.value) {
+            return Ok(name);
+        }
+        let message = format!("no texture is called `{}`", clip(&name.value));
+        let nearest = suggest::nearest(&name.value, self.textures.iter().map(|t| t.value.name.as_str()));
+        let help = match nearest {
+            Some(nearest) => format!("did you mean `{}`?", clip(nearest)),
+            None => "write numbers, or define it ahead of the Materials: `Textures { Checker name { … } }`".to_owned(),
+        };
+        Err(self.lexer.error(name.span, message, "unknown name", help))
     }
 
     /// A path or name after `owner`, quoted or bare.
@@ -162,9 +207,27 @@ impl<'a> Fields<'a> {
         Ok(Found { fields: self, word: *word, value })
     }
 
-    /// `emission`, on materials and shapes.
+    /// `emission`, on shapes.
     pub fn emission(&self) -> Result<Option<DVec3>, SceneError> {
         self.get("emission").map(|emission| emission.colour()).transpose()
+    }
+
+    /// `emission` and `emissionScale`, on materials.
+    pub fn emission_or_texture(&self) -> Result<Option<Emission>, SceneError> {
+        let (emission, scale) = (self.get("emission"), self.get("emissionScale"));
+        let name = emission.and_then(|e| e.texture());
+        match (emission, scale) {
+            (_, Some(scale)) if name.is_none() => {
+                scale.ensure(false, "says nothing without a texture as `emission`")?;
+            }
+            (_, Some(scale)) => scale.ensure(scale.number() >= 0.0, "must not be negative")?,
+            _ => {}
+        }
+        let plain = |emission: Found<'_, 'a>| emission.colour().map(Emission::Radiance);
+        match name {
+            Some(name) => Ok(Some(Emission::Texture { name, scale: scale.map_or(1.0, |s| s.number()) })),
+            None => emission.map(plain).transpose(),
+        }
     }
 }
 
@@ -184,6 +247,24 @@ impl<'a> Found<'_, 'a> {
 
     pub fn number(&self) -> f64 {
         self.value.numbers.x
+    }
+
+    pub fn pair(&self) -> DVec2 {
+        self.value.numbers.truncate()
+    }
+
+    pub fn maps(&self) -> Vec<Map> {
+        self.value.maps.clone()
+    }
+
+    /// The name of the texture that stands for numbers.
+    pub fn texture(&self) -> Option<Spanned<String>> {
+        (!self.value.name.is_empty()).then(|| self.text())
+    }
+
+    /// What is `read` of its numbers, or its texture.
+    pub fn or_texture<T>(&self, read: impl FnOnce(&Self) -> Result<T, SceneError>) -> Result<Textured<T>, SceneError> {
+        self.texture().map_or_else(|| read(self).map(Textured::Plain), |name| Ok(Textured::Texture(name)))
     }
 
     pub fn text(&self) -> Spanned<String> {

@@ -69,6 +69,20 @@ impl<'a> Parser<'a> {
         }
     }
 
+    /// The maps of a block that places nothing.
+    pub fn maps_alone(&mut self, keyword: Token<'a>) -> Result<Vec<Map>, SceneError> {
+        let mut maps = Vec::new();
+        self.open(keyword)?;
+        while let Some(word) = self.word()? {
+            if !MAPS.contains(&word.text) {
+                return Err(self.unexpected(word, &MAPS));
+            }
+            maps.push(self.map(word)?);
+        }
+        self.check_transform(keyword, &maps)?;
+        Ok(maps)
+    }
+
     /// Reads the end of a block that has placed something.
     #[inline(never)]
     fn end(&mut self, keyword: Token<'a>) -> Result<(), SceneError> {

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::super::description::{Attenuation, Material, MaterialKind, Metal, Spanned};
+use super::super::description::{Attenuation, Material, MaterialKind, Metal, Relief, Spanned, Value};
 use super::super::error::SceneError;
 use super::super::lexer::Token;
 use super::fields::{Fields, Found, Kind};
@@ -24,10 +24,11 @@ const MATERIALS: [&str; 10] = [
 /// Indices of refraction whose ratios and squares single precision can tell apart; all of nature lies inside.
 const INDICES: std::ops::RangeInclusive<f64> = 0.001..=1000.0;
 
-const EMISSION: (&str, Kind) = ("emission", Kind::Vector);
+const EMISSION: [(&str, Kind); 2] = [("emission", Kind::Tint), ("emissionScale", Kind::Number)];
+const RELIEF: [(&str, Kind); 3] = [("bump", Kind::Name), ("bumpHeight", Kind::Number), ("normalMap", Kind::Name)];
 const INDEX: (&str, Kind) = ("indexOfRefraction", Kind::Number);
-const ROUGHNESS: (&str, Kind) = ("roughness", Kind::Number);
-const REFLECTANCE: (&str, Kind) = ("reflectance", Kind::Vector);
+const ROUGHNESS: (&str, Kind) = ("roughness", Kind::Degree);
+const REFLECTANCE: (&str, Kind) = ("reflectance", Kind::Tint);
 
 /// Most mixes inside one another: each level doubles the ways through.
 const MAX_MIXES: u8 = 8;
@@ -65,7 +66,7 @@ impl<'a> Parser<'a> {
     }
 
     fn material(&mut self, word: Token<'a>) -> Result<Material, SceneError> {
-        use Kind::{Integer, Name, Number, Vector};
+        use Kind::{Degree, Integer, Name, Number, Tint, Vector};
         let name = self.material_name()?;
         let own: &[(&str, Kind)] = match word.text {
             "Diffuse" | "Mirror" => &[REFLECTANCE],
@@ -78,21 +79,25 @@ impl<'a> Parser<'a> {
                 ("priority", Integer),
             ],
             "Conductor" => &[("metal", Name), ("eta", Vector), ("k", Vector), ROUGHNESS],
-            "Thin" => &[INDEX, ("transmittance", Vector)],
-            "Mix" => &[("first", Name), ("second", Name), ("amount", Number)],
-            _ => &[("diffuseColor", Vector), ("specularColor", Vector), ("shininess", Number), ("texture", Name)],
+            "Thin" => &[INDEX, ("transmittance", Tint)],
+            "Mix" => &[("first", Name), ("second", Name), ("amount", Degree)],
+            _ => &[("diffuseColor", Tint), ("specularColor", Tint), ("shininess", Number), ("texture", Name)],
         };
-        let f = self.fields(word, &[own, &[EMISSION]].concat())?;
+        // What a mix stands for has its own relief.
+        let relief: &[(&str, Kind)] = if word.text == "Mix" { &[] } else { &RELIEF };
+        let f = self.fields(word, &[own, relief, &EMISSION].concat())?;
         let kind = match word.text {
-            "Diffuse" => MaterialKind::Diffuse { reflectance: f.need("reflectance")?.reflectance()? },
+            "Diffuse" => MaterialKind::Diffuse { reflectance: f.need("reflectance")?.or_texture(Found::reflectance)? },
             "Mirror" => {
-                let reflectance = f.get("reflectance").map_or(Ok(DVec3::ONE), |r| r.reflectance())?;
+                let white = Ok(DVec3::ONE.into());
+                let reflectance = f.get("reflectance").map_or(white, |r| r.or_texture(Found::reflectance))?;
                 MaterialKind::Mirror { reflectance }
             }
             "Dielectric" => f.dielectric()?,
             "Conductor" => f.conductor()?,
             "Thin" => {
-                let transmittance = f.get("transmittance").map_or(Ok(DVec3::ONE), |t| t.transmittance())?;
+                let clear = Ok(DVec3::ONE.into());
+                let transmittance = f.get("transmittance").map_or(clear, |t| t.or_texture(Found::transmittance))?;
                 MaterialKind::Thin { index: f.index()?, transmittance }
             }
             "Mix" => self.mix(&f)?,
@@ -106,13 +111,13 @@ impl<'a> Parser<'a> {
             }
             _ => Reach::default(),
         });
-        Ok(Material { name, kind, emission: f.emission()? })
+        Ok(Material { name, kind, emission: f.emission_or_texture()?, relief: f.relief()? })
     }
 
     fn mix(&self, f: &Fields<'a>) -> Result<MaterialKind, SceneError> {
         let first = self.part(f.need("first")?)?;
         let second = self.part(f.need("second")?)?;
-        let amount = f.need("amount")?.share()?;
+        let amount = f.need("amount")?.or_texture(Found::share)?;
         for part in [&first, &second] {
             if self.reach(part).mixes == MAX_MIXES {
                 let message = format!("mixes nest more than {MAX_MIXES} deep");
@@ -149,8 +154,17 @@ impl<'a> Parser<'a> {
         self.names.get(&name.value).map_or(Reach::default(), |&index| self.reach[index])
     }
 
-    /// The name between a material's kind and its `{`, if any.
     fn material_name(&mut self) -> Result<Option<String>, SceneError> {
+        let Some(name) = self.block_name_of("material")? else { return Ok(None) };
+        if self.names.insert(name.value.clone(), self.materials.len()).is_some() {
+            let message = format!("two materials are called `{}`", clip(&name.value));
+            return Err(self.lexer.error(name.span, message, "the second", "give it another name".to_owned()));
+        }
+        Ok(Some(name.value))
+    }
+
+    /// The name between the kind of a material or texture and its `{`, if any.
+    pub fn block_name_of(&mut self, what: &str) -> Result<Option<Spanned<String>>, SceneError> {
         let token = self.lexer.peek();
         let name = match token.text {
             "" | "{" => return Ok(None),
@@ -165,17 +179,13 @@ impl<'a> Parser<'a> {
             let message = format!("`{shown}` is not a plain name");
             let help =
                 format!("put it in quotes, or open the block with `{{`: names start with a letter, not `{shown}`");
-            return Err(self.lexer.error(name.span, message, "as a material's name", help));
+            return Err(self.lexer.error(name.span, message, &format!("as a {what}'s name"), help));
         }
         if name.value.is_empty() {
             let help = "write a name, or leave the quotes out".to_owned();
-            return Err(self.lexer.error(name.span, "the material's name is empty".to_owned(), "empty", help));
+            return Err(self.lexer.error(name.span, format!("the {what}'s name is empty"), "empty", help));
         }
-        if self.names.insert(name.value.clone(), self.materials.len()).is_some() {
-            let message = format!("two materials are called `{shown}`");
-            return Err(self.lexer.error(name.span, message, "the second", "give it another name".to_owned()));
-        }
-        Ok(Some(name.value))
+        Ok(Some(name))
     }
 
     pub fn material_by_index(&mut self, word: Token<'a>) -> Result<Spanned<u32>, SceneError> {
@@ -218,10 +228,10 @@ impl Fields<'_> {
             s.ensure(s.number() >= 0.0, "must not be negative")?;
         }
         Ok(MaterialKind::Phong {
-            diffuse: self.get("diffuseColor").map_or(Ok(DVec3::ONE), |c| c.colour())?,
-            specular: self.get("specularColor").map_or(Ok(DVec3::ZERO), |c| c.colour())?,
+            diffuse: self.get("diffuseColor").map_or(Ok(DVec3::ONE.into()), |c| c.or_texture(Found::colour))?,
+            specular: self.get("specularColor").map_or(Ok(DVec3::ZERO.into()), |c| c.or_texture(Found::colour))?,
             shininess: shininess.map_or(0.0, |s| s.number()),
-            texture: self.get("texture").map(|t| t.text().value),
+            texture: self.get("texture").map(|t| t.text()),
         })
     }
 
@@ -282,8 +292,20 @@ impl Fields<'_> {
         Ok(index.number())
     }
 
-    fn roughness(&self) -> Result<f64, SceneError> {
-        self.get("roughness").map_or(Ok(0.0), |r| r.share())
+    fn roughness(&self) -> Result<Value<f64>, SceneError> {
+        self.get("roughness").map_or(Ok(0.0.into()), |r| r.or_texture(Found::share))
+    }
+
+    fn relief(&self) -> Result<Option<Relief>, SceneError> {
+        let height = self.get("bumpHeight");
+        if self.get("bump").is_none() {
+            if let Some(height) = height {
+                height.ensure(false, "says nothing without `bump`")?;
+            }
+            return Ok(self.get("normalMap").map(|map| Relief::NormalMap(map.text())));
+        }
+        let bump = self.one_of(&["bump", "normalMap"])?;
+        Ok(Some(Relief::Bump { texture: bump.text(), height: self.need("bumpHeight")?.number() }))
     }
 }
 

@@ -11,12 +11,13 @@ mod objects;
 mod suggest;
 #[cfg(test)]
 mod tests;
+mod textures;
 
 use std::collections::HashMap;
 
 use glam::DVec3;
 
-use super::description::{Description, Material, Span, Spanned};
+use super::description::{Description, Material, Span, Spanned, Texture};
 use super::error::{SceneError, Source};
 use super::lexer::{Lexer, Token};
 use camera::CAMERAS;
@@ -25,13 +26,14 @@ use materials::Reach;
 pub(super) use materials::is_identifier;
 
 /// The blocks of a file.
-const BLOCKS: [&str; 8] = [
+const BLOCKS: [&str; 9] = [
     "PerspectiveCamera",
     "OrthographicCamera",
     "EnvironmentCamera",
     "Moving",
     "Background",
     "Lights",
+    "Textures",
     "Materials",
     "Group",
 ];
@@ -45,6 +47,7 @@ pub fn parse(name: &str, text: &str) -> Result<Description, SceneError> {
         lexer: Lexer::new(name, text),
         open: Vec::new(),
         depth: 0,
+        textures: Vec::new(),
         materials: Vec::new(),
         names: HashMap::new(),
         reach: Vec::new(),
@@ -80,6 +83,8 @@ struct Parser<'a> {
     open: Vec<Token<'a>>,
     /// Groups and transforms around the place that is read.
     depth: usize,
+    /// Of the last `Textures` block so far.
+    textures: Vec<Spanned<Texture>>,
     /// Of the last `Materials` block so far, by index and by name.
     materials: Vec<Spanned<Material>>,
     names: HashMap<String, usize>,
@@ -109,6 +114,7 @@ impl<'a> Parser<'a> {
                 text if CAMERAS.contains(&text) => camera = Some(Spanned::new(self.camera(word)?, word.span())),
                 "Background" => background = self.background(word)?,
                 "Lights" => lights = self.lights(word)?,
+                "Textures" => self.textures(word)?,
                 "Materials" => self.materials(word)?,
                 "Group" => {
                     (self.indexed, self.late) = (false, None);
@@ -130,7 +136,8 @@ impl<'a> Parser<'a> {
             let help = "add `Group { … }` with the objects of the scene";
             SceneError::of_file(&self.lexer.source(), "the file has no Group", help)
         })?;
-        Ok(Description { camera, background, lights, materials: self.materials, root })
+        let (textures, materials) = (self.textures, self.materials);
+        Ok(Description { camera, background, lights, textures, materials, root })
     }
 
     fn background(&mut self, block: Token<'a>) -> Result<DVec3, SceneError> {

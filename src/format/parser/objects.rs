@@ -67,7 +67,7 @@ impl<'a> Parser<'a> {
     // Apart, so that what nests keeps small frames on the stack.
     #[inline(never)]
     fn shape(&mut self, keyword: Token<'a>) -> Result<Object, SceneError> {
-        use Kind::{Name, Number, Vector};
+        use Kind::{Name, Number, Pair, Vector};
         let known: &[(&str, Kind)] = match keyword.text {
             "Sphere" => &[("center", Vector), ("radius", Number), EMISSION],
             "Plane" => &[("normal", Vector), ("offset", Number), EMISSION],
@@ -80,6 +80,9 @@ impl<'a> Parser<'a> {
                 ("normal0", Vector),
                 ("normal1", Vector),
                 ("normal2", Vector),
+                ("uv0", Pair),
+                ("uv1", Pair),
+                ("uv2", Pair),
                 EMISSION,
             ],
             "TriangleMesh" => &[
@@ -115,7 +118,13 @@ impl<'a> Parser<'a> {
                     true => Some([normal(names[0])?, normal(names[1])?, normal(names[2])?]),
                     false => None,
                 };
-                Shape::Triangle { vertices, normals }
+                let names = ["uv0", "uv1", "uv2"];
+                let pair = |name| f.need(name).map(|p| p.pair());
+                let uv = match names.iter().any(|name| f.get(name).is_some()) {
+                    true => Some([pair(names[0])?, pair(names[1])?, pair(names[2])?]),
+                    false => None,
+                };
+                Shape::Triangle { vertices, normals, uv }
             }
             "TriangleMesh" => Shape::Mesh { path: f.one_of(&["obj_file", "file"])?.text(), options: f.mesh_options()? },
             "RevSurface" => Shape::Revolution { profile: f.need("profile")?.curve() },

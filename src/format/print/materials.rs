@@ -24,13 +24,13 @@ impl Printer<'_, '_> {
         }
         match &material.kind {
             MaterialKind::Phong { diffuse, specular, shininess, texture } => {
-                self.vector("diffuseColor", *diffuse)?;
-                self.vector("specularColor", *specular)?;
+                self.tint("diffuseColor", diffuse)?;
+                self.tint("specularColor", specular)?;
                 self.number("shininess", *shininess)?;
                 texture.as_ref().map_or(Ok(()), |name| self.field("texture", Name(name)))?;
             }
             MaterialKind::Diffuse { reflectance } | MaterialKind::Mirror { reflectance } => {
-                self.vector("reflectance", *reflectance)?;
+                self.tint("reflectance", reflectance)?;
             }
             MaterialKind::Dielectric { index, attenuation, roughness, priority } => {
                 self.number("indexOfRefraction", *index)?;
@@ -42,7 +42,7 @@ impl Printer<'_, '_> {
                         self.number("tintDistance", distance)?;
                     }
                 }
-                self.number("roughness", *roughness)?;
+                self.degree("roughness", roughness)?;
                 self.field("priority", priority)?;
             }
             MaterialKind::Conductor { metal, roughness } => {
@@ -53,19 +53,20 @@ impl Printer<'_, '_> {
                         self.vector("k", *k)?;
                     }
                 }
-                self.number("roughness", *roughness)?;
+                self.degree("roughness", roughness)?;
             }
             MaterialKind::Thin { index, transmittance } => {
                 self.number("indexOfRefraction", *index)?;
-                self.vector("transmittance", *transmittance)?;
+                self.tint("transmittance", transmittance)?;
             }
             MaterialKind::Mix { first, second, amount } => {
                 self.field("first", Name(first))?;
                 self.field("second", Name(second))?;
-                self.number("amount", *amount)?;
+                self.degree("amount", amount)?;
             }
         }
-        self.optional("emission", material.emission)?;
+        material.relief.as_ref().map_or(Ok(()), |relief| self.relief(relief))?;
+        material.emission.as_ref().map_or(Ok(()), |emission| self.emission(emission))?;
         self.close()
     }
 }

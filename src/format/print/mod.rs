@@ -2,6 +2,7 @@
 
 mod lights;
 mod materials;
+mod textures;
 
 use std::fmt::{Display, Formatter, Result};
 
@@ -23,6 +24,12 @@ impl Display for Description {
             out.open("Lights")?;
             out.field("numLights", self.lights.len())?;
             self.lights.iter().try_for_each(|light| out.light(light))?;
+            out.close()?;
+        }
+        if !self.textures.is_empty() {
+            out.open("Textures")?;
+            out.field("numTextures", self.textures.len())?;
+            self.textures.iter().try_for_each(|texture| out.texture(texture))?;
             out.close()?;
         }
         if !self.materials.is_empty() {
@@ -194,13 +201,16 @@ impl Printer<'_, '_> {
                 self.open("Rectangle")?;
                 self.rectangle(*corner, *edge0, *edge1)?;
             }
-            Shape::Triangle { vertices, normals } => {
+            Shape::Triangle { vertices, normals, uv } => {
                 self.open("Triangle")?;
                 for (i, vertex) in vertices.iter().enumerate() {
                     self.vector(&format!("vertex{i}"), *vertex)?;
                 }
                 for (i, normal) in normals.iter().flatten().enumerate() {
                     self.vector(&format!("normal{i}"), *normal)?;
+                }
+                for (i, uv) in uv.iter().flatten().enumerate() {
+                    self.pair(&format!("uv{i}"), *uv)?;
                 }
             }
             Shape::Mesh { path, options } => {

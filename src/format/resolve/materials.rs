@@ -1,28 +1,38 @@
 //! Materials of the description.
 
+use super::textures::Worn;
 use super::{Resolver, rgb};
 use crate::bsdf::{METALS, metal};
 use crate::color::Rgb;
 use crate::format::SceneError;
-use crate::format::description::{Attenuation, MaterialKind, Metal, Spanned};
-use crate::scene::{Body, Look, Material};
+use crate::format::description::{Attenuation, Emission, MaterialKind, Metal, Spanned};
+use crate::scene::{Body, Coat, Look, Material};
 use glam::DVec3;
 
 impl Resolver<'_> {
     /// All materials, each by the index that it has in the file; white where there is none.
     pub(super) fn materials(&mut self) -> Result<(), SceneError> {
-        let mut materials = Vec::new();
+        let mut looks = Vec::new();
         for (index, described) in self.description.materials.iter().enumerate() {
-            materials.push(self.material(&described.kind, &materials)?);
+            let mut worn = Worn::default();
+            let (material, coat) = self.material(&described.kind, &looks, &mut worn)?;
+            let relief = self.relief(described, &mut worn)?;
+            if let Some(Emission::Texture { name, .. }) = &described.emission {
+                worn.by(&self.known(name, &(0.0..=f32::MAX))?);
+            }
+            self.worn_by_parts(&described.kind, &mut worn);
+            self.worn.push(worn);
+            looks.push(material.look);
+            match Self::dress(coat, relief) {
+                Some(dress) => self.builder.dressed(material, dress),
+                None => self.builder.material(material),
+            };
             if let Some(name) = &described.name {
                 self.names.entry(name).or_insert(index as u32);
             }
         }
-        if materials.is_empty() {
-            materials.push(Material::diffuse(Rgb::ONE));
-        }
-        for material in materials {
-            self.builder.material(material);
+        if looks.is_empty() {
+            self.builder.material(Material::diffuse(Rgb::ONE));
         }
         Ok(())
     }
@@ -35,29 +45,50 @@ impl Resolver<'_> {
         })
     }
 
-    /// A material that may refer to those `before` it.
-    pub(super) fn material(&self, kind: &MaterialKind, before: &[Material]) -> Result<Material, SceneError> {
+    /// A material of means, which may refer to those whose looks are known, and what of it follows textures.
+    pub(super) fn material(
+        &mut self,
+        kind: &MaterialKind,
+        looks: &[Look],
+        worn: &mut Worn,
+    ) -> Result<(Material, Coat), SceneError> {
         Ok(match kind {
-            MaterialKind::Phong { diffuse, specular, shininess, texture: _ } => {
-                Material::phong(rgb(*diffuse), rgb(*specular), *shininess as f32)
+            MaterialKind::Phong { diffuse, specular, shininess, texture } => {
+                let (diffuse, kd) = self.phong_diffuse(diffuse, texture.as_ref(), worn)?;
+                let (specular, ks) = self.tint(specular, &(0.0..=f32::MAX), worn)?;
+                let shininess = *shininess as f32;
+                (Material::phong(kd, ks, shininess), worn.coat(Coat::Phong { diffuse, specular, shininess }))
             }
-            MaterialKind::Diffuse { reflectance } => Material::diffuse(rgb(*reflectance)),
-            MaterialKind::Mirror { reflectance } => Material::mirror(rgb(*reflectance)),
-            MaterialKind::Dielectric { index, attenuation, roughness, priority } => Material::body(Body {
-                index: *index as f32,
-                absorption: absorption(*attenuation),
-                priority: *priority,
-                roughness: *roughness as f32,
-            }),
+            MaterialKind::Diffuse { reflectance } => {
+                let (tint, mean) = self.share(reflectance, worn)?;
+                (Material::diffuse(mean), worn.coat(Coat::Diffuse(tint)))
+            }
+            MaterialKind::Mirror { reflectance } => {
+                let (tint, mean) = self.share(reflectance, worn)?;
+                (Material::mirror(mean), worn.coat(Coat::Mirror(tint)))
+            }
+            MaterialKind::Dielectric { index, attenuation, roughness, priority } => {
+                let (texture, roughness) = self.degree(roughness, worn)?;
+                let body =
+                    Body { index: *index as f32, absorption: absorption(*attenuation), priority: *priority, roughness };
+                (Material::body(body), texture.map_or(Coat::Plain, Coat::Boundary))
+            }
             MaterialKind::Conductor { metal, roughness } => {
                 let (eta, k) = self.metal(metal)?;
-                Material::conductor(eta, k, *roughness as f32)
+                let (texture, alpha) = self.degree(roughness, worn)?;
+                let coat = texture.map_or(Coat::Plain, |roughness| Coat::Conductor { eta, k, roughness });
+                (Material::conductor(eta, k, alpha), coat)
             }
-            MaterialKind::Thin { index, transmittance } => Material::thin(*index as f32, rgb(*transmittance)),
+            MaterialKind::Thin { index, transmittance } => {
+                let (transmittance, mean) = self.share(transmittance, worn)?;
+                let eta = *index as f32;
+                (Material::thin(eta, mean), worn.coat(Coat::Thin { eta, transmittance }))
+            }
             MaterialKind::Mix { first, second, amount } => {
-                let (first, second, amount) = (self.named(first)?, self.named(second)?, *amount as f32);
-                let look = blend(before[first as usize].look, before[second as usize].look, amount);
-                Material::mix(first, second, amount, look)
+                let (first, second) = (self.named(first)?, self.named(second)?);
+                let (texture, amount) = self.degree(amount, worn)?;
+                let look = blend(looks[first as usize], looks[second as usize], amount);
+                (Material::mix(first, second, amount, look), texture.map_or(Coat::Plain, Coat::Mix))
             }
         })
     }

@@ -7,18 +7,21 @@ mod meshes;
 mod shapes;
 #[cfg(test)]
 mod tests;
+mod textures;
 
-use super::description::{Aim, Description, Group, Item, Map, Object, Shape, Span, Spanned};
+use super::description::{Aim, Description, Emission, Group, Item, Map, Object, Shape, Span, Spanned};
 use super::mesh::{ReadMonitor, TriangleMesh};
 use super::{SceneError, Source};
 use crate::color::Rgb;
 use crate::math::{Motion, Step, Transform};
 use crate::scene::{Scene, SceneBuilder};
 use glam::{DAffine3, DVec3};
+use meshes::Shine;
 use shapes::Instanced;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
+use textures::{Known, Worn};
 
 /// Makes a scene of a description. Meshes and pictures are looked for in `folder`, then in the folder above it.
 ///
@@ -47,6 +50,9 @@ pub fn resolve_watched(
         builder: SceneBuilder::new(),
         names: HashMap::new(),
         monitor,
+        known: HashMap::new(),
+        pictures: HashMap::new(),
+        worn: Vec::new(),
         meshes: HashMap::new(),
         own_materials: HashMap::new(),
         uses: uses(&description.root),
@@ -55,6 +61,7 @@ pub fn resolve_watched(
         placing: None,
     };
     resolver.builder.background(rgb(description.background));
+    resolver.textures()?;
     resolver.materials()?;
     for light in &description.lights {
         resolver.light(light, &Motion::default())?;
@@ -75,11 +82,17 @@ struct Resolver<'a> {
     builder: SceneBuilder,
     /// Of the materials so far.
     names: HashMap<&'a str, u32>,
+    /// The textures by name.
+    known: HashMap<&'a str, Known>,
+    /// Pictures that materials name by their files, as light or as numbers.
+    pictures: HashMap<(PathBuf, bool), Known>,
+    /// What each material needs of surfaces.
+    worn: Vec<Worn>,
     monitor: &'a dyn ReadMonitor,
     /// Meshes that were read, by their file and what was done with its normals.
     meshes: HashMap<meshes::Key, Rc<meshes::Pieces>>,
     /// Materials of the files of meshes, in the order in which the meshes name them.
-    own_materials: HashMap<PathBuf, Rc<Vec<(u32, Rgb)>>>,
+    own_materials: HashMap<PathBuf, Rc<Vec<meshes::Own>>>,
     /// How often each path of a mesh is named.
     uses: HashMap<&'a str, usize>,
     /// By the mesh.
@@ -119,10 +132,18 @@ impl Resolver<'_> {
                 Ok(())
             }
             Object::Shape { shape, emission } => {
-                let own = self.description.materials.get(self.material as usize).and_then(|m| m.emission);
-                let told = emission.map(rgb);
-                let emission = rgb(emission.or(own).unwrap_or(DVec3::ZERO));
-                self.shape(shape, object.span, to_world, emission, told)
+                let own = self.description.materials.get(self.material as usize).and_then(|m| m.emission.as_ref());
+                let (radiance, glow) = match (emission, own) {
+                    (Some(emission), _) | (None, Some(Emission::Radiance(emission))) => (rgb(*emission), None),
+                    (None, Some(Emission::Texture { name, scale })) => {
+                        let known = self.known(name, &(0.0..=f32::MAX))?;
+                        let scale = Rgb::splat(*scale as f32);
+                        (known.mean * scale, Some((known.index, scale)))
+                    }
+                    (None, None) => (Rgb::ZERO, None),
+                };
+                let shine = Shine { radiance, told: emission.is_some(), glow };
+                self.shape(shape, object.span, to_world, &shine)
             }
         }
     }

@@ -1,13 +1,13 @@
 //! Shapes of the description, in world space.
 
 use super::Resolver;
-use super::meshes::Placing;
+use super::meshes::{Placing, Shine};
 use crate::color::Rgb;
 use crate::format::SceneError;
 use crate::format::description::{Shape as Described, Span};
 use crate::math::{Motion, Transform};
-use crate::shape::{Disc, IndexedMesh, Instance, Mesh, Plane, Rectangle, Shape, Sphere};
-use glam::{DVec3, Vec3};
+use crate::shape::{Disc, Form, IndexedMesh, Instance, Mesh, Plane, Rectangle, Shape, Sphere};
+use glam::{DVec2, DVec3, Vec3};
 use std::sync::Arc;
 
 /// A mesh around its own middle.
@@ -17,12 +17,18 @@ pub(super) struct Instanced {
 }
 
 impl Instanced {
-    pub(super) fn new(positions: &[DVec3], normals: Option<&[DVec3]>, triangles: &[[u32; 3]]) -> Self {
+    pub(super) fn new(
+        positions: &[DVec3],
+        normals: Option<&[DVec3]>,
+        texcoords: Option<&[DVec2]>,
+        triangles: &[[u32; 3]],
+    ) -> Self {
         let fold = |f: fn(DVec3, DVec3) -> DVec3| positions.iter().copied().reduce(f).unwrap_or(DVec3::ZERO);
         let middle = 0.5 * fold(DVec3::min) + 0.5 * fold(DVec3::max);
         let mesh = Mesh {
             positions: positions.iter().map(|p| (*p - middle).as_vec3()).collect(),
             normals: normals.unwrap_or_default().iter().map(|n| n.normalize_or_zero().as_vec3()).collect(),
+            texcoords: texcoords.unwrap_or_default().iter().map(|t| t.as_vec2()).collect(),
             triangles: triangles.to_vec(),
         };
         Self { mesh: Arc::new(IndexedMesh::new(mesh)), middle }
@@ -35,14 +41,15 @@ impl Resolver<'_> {
         shape: &Described,
         span: Span,
         to_world: &Motion,
-        emission: Rgb,
-        told: Option<Rgb>,
+        shine: &Shine,
     ) -> Result<(), SceneError> {
+        let emission = shine.radiance;
         let map = self.transform(to_world.at(0.0), span)?;
         let material = self.material;
         match shape {
             Described::Sphere { center, radius } => {
                 self.place(Shape::Sphere(Sphere::new(*center, *radius)), to_world, &map, span, emission)?;
+                self.lay(Form::Globe { center: *center }, to_world);
             }
             Described::Plane { normal, offset } => {
                 if emission != Rgb::ZERO {
@@ -56,24 +63,30 @@ impl Resolver<'_> {
                 } else {
                     self.builder.moving_plane(plane, to_world.clone(), material, emission);
                 }
+                self.lay(Form::plane(*normal), to_world);
             }
             Described::Disc { center, normal, radius } => {
                 self.place(Shape::Disc(Disc::around(*center, *normal, *radius)), to_world, &map, span, emission)?;
+                self.lay(Form::disc(*center, *normal, *radius), to_world);
             }
             Described::Rectangle { corner, edge0, edge1 } => {
                 self.place(Shape::Rectangle(Rectangle::new(*corner, *edge0, *edge1)), to_world, &map, span, emission)?;
+                self.lay(Form::rectangle(*corner, *edge0, *edge1), to_world);
             }
-            Described::Triangle { vertices, normals } => {
+            Described::Triangle { vertices, normals, uv } => {
                 let normals = normals.as_ref().map(|n| n.as_slice());
+                let uv = uv.unwrap_or([DVec2::ZERO, DVec2::X, DVec2::Y]);
                 if to_world.is_still() {
                     self.place_mesh(&map, vertices, normals, &[[0, 1, 2]], emission);
+                    self.lay_corners(Some(&uv));
                 } else {
-                    let instance = Instanced::new(vertices, normals, &[[0, 1, 2]]);
+                    let instance = Instanced::new(vertices, normals, Some(&uv), &[[0, 1, 2]]);
                     self.place_instance(&instance, to_world, &map, span, emission)?;
                 }
+                self.lay(Form::Own, to_world);
             }
             Described::Mesh { path, options } => {
-                self.mesh(&Placing { to_world, map: &map, span, told, emission }, path, *options)?
+                self.mesh(&Placing { to_world, map: &map, span, shine }, path, *options)?;
             }
             Described::Revolution { .. } => {
                 let help = "tessellate it into an OBJ mesh and use TriangleMesh";
@@ -83,6 +96,9 @@ impl Resolver<'_> {
                 let help = "put it into a RevSurface as its profile, or leave it out";
                 return Err(self.refuse(span, "a curve by itself has no surface", help));
             }
+        }
+        if let (Some((texture, scale)), false) = (shine.glow, matches!(shape, Described::Mesh { .. })) {
+            self.builder.glow(texture, scale);
         }
         Ok(())
     }
@@ -104,6 +120,25 @@ impl Resolver<'_> {
             self.builder.moving_shape(shape, to_world.clone(), self.material, emission);
         }
         Ok(())
+    }
+
+    /// Whether the material in force follows a texture.
+    fn is_textured(&self) -> bool {
+        self.worn.get(self.material as usize).is_some_and(|worn| worn.textured)
+    }
+
+    /// Lays texture coordinates on the object that was added last, if it wears textures.
+    pub(super) fn lay(&mut self, form: Form, to_world: &Motion) {
+        if self.is_textured() {
+            self.builder.chart(form, to_world);
+        }
+    }
+
+    /// Gives the corners of the mesh that was added last their texture coordinates, if it wears textures.
+    pub(super) fn lay_corners(&mut self, texcoords: Option<&[DVec2]>) {
+        if let Some(texcoords) = texcoords.filter(|_| self.is_textured()) {
+            self.builder.texcoords(texcoords);
+        }
     }
 
     pub(super) fn refuse(&self, span: Span, message: &str, help: &str) -> SceneError {

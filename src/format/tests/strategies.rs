@@ -1,6 +1,6 @@
 //! Descriptions for proptest, of all that the language can say.
 
-use glam::{DMat4, DVec3};
+use glam::{DMat4, DVec2, DVec3};
 use proptest::collection::vec;
 use proptest::option;
 use proptest::prelude::*;
@@ -149,7 +149,112 @@ fn environment() -> impl Strategy<Value = Light> {
     prop_oneof![colour().prop_map(EnvironmentRadiance::Constant), picture].prop_map(Light::Environment)
 }
 
-fn material() -> impl Strategy<Value = (MaterialKind, Option<DVec3>)> {
+fn pair() -> impl Strategy<Value = DVec2> {
+    [finite(), finite()].prop_map(DVec2::from_array)
+}
+
+fn texture() -> impl Strategy<Value = TextureKind> {
+    let part = || prop_oneof![-1e3..-1e-3, 1e-3..1e3];
+    let coordinates = || {
+        ([part(), part()].prop_map(DVec2::from_array), finite(), pair())
+            .prop_map(|(scale, rotate, offset)| Coordinates { scale, rotate, offset })
+    };
+    let encoding = prop_oneof![Just(Encoding::Srgb), Just(Encoding::Linear)];
+    let wrap = prop_oneof![Just(Wrap::Repeat), Just(Wrap::Clamp), Just(Wrap::Mirror)];
+    let pattern = prop_oneof![Just(Pattern::Noise), Just(Pattern::Marble), Just(Pattern::Wood)];
+    let noise = (1..=16_u32, 1e-9..1e9, positive());
+    prop_oneof![
+        (name(), encoding, wrap, coordinates()).prop_map(|(path, encoding, wrap, coordinates)| TextureKind::Image {
+            path: spanned(path),
+            encoding,
+            wrap,
+            coordinates,
+        }),
+        ([colour(), colour()], coordinates())
+            .prop_map(|(colors, coordinates)| TextureKind::Checker { colors, coordinates }),
+        (pattern, [colour(), colour()], noise, vec(map(), 0..3)).prop_map(
+            |(pattern, colors, (octaves, frequency, amplitude), maps)| TextureKind::Solid {
+                pattern,
+                colors,
+                octaves,
+                frequency,
+                amplitude,
+                maps,
+            }
+        ),
+    ]
+}
+
+/// Numbers, or a texture by its number, to be taken modulo how many there are.
+fn value<T: std::fmt::Debug + Clone>(plain: impl Strategy<Value = T>) -> impl Strategy<Value = Value<T>> {
+    (plain, option::weighted(0.3, any::<u8>())).prop_map(|(plain, texture)| match texture {
+        Some(i) => Value::Texture(spanned(i.to_string())),
+        None => Value::Plain(plain),
+    })
+}
+
+/// Turns numbers of textures into names of `textures`; without any, the value is `plain`.
+fn name_texture<T>(value: &mut Value<T>, textures: &[Spanned<Texture>], plain: T) {
+    if let Value::Texture(name) = value {
+        let number: usize = name.value.parse().unwrap();
+        match textures.get(number % textures.len().max(1)) {
+            Some(texture) => name.value = texture.value.name.clone(),
+            None => *value = Value::Plain(plain),
+        }
+    }
+}
+
+fn name_textures(material: &mut Material, textures: &[Spanned<Texture>]) {
+    match &mut material.kind {
+        MaterialKind::Phong { diffuse, specular, .. } => {
+            name_texture(diffuse, textures, DVec3::ONE);
+            name_texture(specular, textures, DVec3::ONE);
+        }
+        MaterialKind::Diffuse { reflectance: tint }
+        | MaterialKind::Mirror { reflectance: tint }
+        | MaterialKind::Thin { transmittance: tint, .. } => name_texture(tint, textures, DVec3::ONE),
+        MaterialKind::Dielectric { roughness: degree, .. }
+        | MaterialKind::Conductor { roughness: degree, .. }
+        | MaterialKind::Mix { amount: degree, .. } => name_texture(degree, textures, 0.5),
+    }
+    if let Some(Emission::Texture { name, .. }) = &mut material.emission {
+        let number: usize = name.value.parse().unwrap();
+        match textures.get(number % textures.len().max(1)) {
+            Some(texture) => name.value = texture.value.name.clone(),
+            None => material.emission = None,
+        }
+    }
+}
+
+fn emission() -> impl Strategy<Value = Emission> {
+    prop_oneof![
+        colour().prop_map(Emission::Radiance),
+        (any::<u8>(), positive()).prop_map(|(i, scale)| Emission::Texture { name: spanned(i.to_string()), scale }),
+    ]
+}
+
+fn relief() -> impl Strategy<Value = Relief> {
+    prop_oneof![
+        (name(), finite()).prop_map(|(texture, height)| Relief::Bump { texture: spanned(texture), height }),
+        name().prop_map(|texture| Relief::NormalMap(spanned(texture))),
+    ]
+}
+
+/// Textures of these kinds and names, of which no two are alike.
+fn textures(drafts: Vec<(String, TextureKind)>) -> Vec<Spanned<Texture>> {
+    let mut textures: Vec<Spanned<Texture>> = Vec::new();
+    for (name, kind) in drafts {
+        if textures.iter().all(|other| other.value.name != name) {
+            textures.push(spanned(Texture { name, kind }));
+        }
+    }
+    textures
+}
+
+/// What a material is, but for its name and the parts of a mix.
+type Look = (MaterialKind, Option<Emission>, Option<Relief>);
+
+fn material() -> impl Strategy<Value = Look> {
     let attenuation = prop_oneof![
         Just(Attenuation::None),
         colour().prop_map(Attenuation::Absorption),
@@ -162,18 +267,23 @@ fn material() -> impl Strategy<Value = (MaterialKind, Option<DVec3>)> {
         (indices(), share()).prop_map(|(eta, k)| Metal::Index { eta, k: 1e3 * k }),
     ];
     let kind = prop_oneof![
-        (colour(), colour(), positive(), option::of(name())).prop_map(|(diffuse, specular, shininess, texture)| {
-            MaterialKind::Phong { diffuse, specular, shininess, texture }
-        }),
-        share().prop_map(|reflectance| MaterialKind::Diffuse { reflectance }),
-        share().prop_map(|reflectance| MaterialKind::Mirror { reflectance }),
-        (index(), attenuation, 0.0..=1.0, any::<u8>()).prop_map(|(index, attenuation, roughness, priority)| {
+        (value(colour()), value(colour()), positive(), option::of(name())).prop_map(
+            |(diffuse, specular, shininess, texture)| MaterialKind::Phong {
+                diffuse,
+                specular,
+                shininess,
+                texture: texture.map(spanned),
+            }
+        ),
+        value(share()).prop_map(|reflectance| MaterialKind::Diffuse { reflectance }),
+        value(share()).prop_map(|reflectance| MaterialKind::Mirror { reflectance }),
+        (index(), attenuation, value(0.0..=1.0), any::<u8>()).prop_map(|(index, attenuation, roughness, priority)| {
             MaterialKind::Dielectric { index, attenuation, roughness, priority }
         }),
-        (metal, 0.0..=1.0).prop_map(|(metal, roughness)| MaterialKind::Conductor { metal, roughness }),
-        (index(), share()).prop_map(|(index, transmittance)| MaterialKind::Thin { index, transmittance }),
+        (metal, value(0.0..=1.0)).prop_map(|(metal, roughness)| MaterialKind::Conductor { metal, roughness }),
+        (index(), value(share())).prop_map(|(index, transmittance)| MaterialKind::Thin { index, transmittance }),
     ];
-    (kind, option::of(colour()))
+    (kind, option::of(emission()), option::of(relief()))
 }
 
 fn curve() -> impl Strategy<Value = Curve> {
@@ -189,8 +299,12 @@ fn shape() -> impl Strategy<Value = Shape> {
         (direction(), finite()).prop_map(|(normal, offset)| Shape::Plane { normal, offset }),
         (point(), direction(), positive()).prop_map(|(center, normal, radius)| Shape::Disc { center, normal, radius }),
         edges().prop_map(|(corner, edge0, edge1)| Shape::Rectangle { corner, edge0, edge1 }),
-        ([point(), point(), point()], option::of([direction(), direction(), direction()]))
-            .prop_map(|(vertices, normals)| Shape::Triangle { vertices, normals }),
+        (
+            [point(), point(), point()],
+            option::of([direction(), direction(), direction()]),
+            option::of([pair(), pair(), pair()])
+        )
+            .prop_map(|(vertices, normals, uv)| Shape::Triangle { vertices, normals, uv }),
         (mesh_path(), any::<bool>(), any::<bool>(), option::of(0.0..=180.0)).prop_map(
             |(path, own_materials, no_normals, smooth_angle)| {
                 let options = MeshOptions { own_materials, no_normals, smooth_angle };
@@ -281,42 +395,46 @@ fn name_materials(group: &mut Group, materials: &[Spanned<Material>]) {
     }
 }
 
-/// Name, kind, emission, and the parts of a mix.
-type Draft = (Option<String>, (MaterialKind, Option<DVec3>), Option<(prop::sample::Index, prop::sample::Index, f64)>);
+/// Name, look, and the parts of a mix.
+type Draft = (Option<String>, Look, Option<(prop::sample::Index, prop::sample::Index, Value<f64>)>);
 
 /// Materials of these kinds and names; where a mix is asked for and can be, it takes the place of the kind.
-fn materials(drafts: Vec<Draft>) -> Vec<Spanned<Material>> {
+fn materials(drafts: Vec<Draft>, textures: &[Spanned<Texture>]) -> Vec<Spanned<Material>> {
     let mut materials: Vec<Spanned<Material>> = Vec::new();
     let mut names: Vec<(String, Option<usize>)> = Vec::new();
-    for (i, (name, (mut kind, emission), mix)) in drafts.into_iter().enumerate() {
+    for (i, (name, (mut kind, emission, mut relief), mix)) in drafts.into_iter().enumerate() {
         let mut body = matches!(kind, MaterialKind::Dielectric { .. }).then_some(i);
         if let (Some((first, second, amount)), false) = (mix, names.is_empty()) {
             let [(first, a), (second, b)] = [first, second].map(|part| &names[part.index(names.len())]);
             if a.is_none() || b.is_none() || a == b {
                 let [first, second] = [first, second].map(|name| spanned(name.clone()));
-                (kind, body) = (MaterialKind::Mix { first, second, amount }, a.or(*b));
+                (kind, body, relief) = (MaterialKind::Mix { first, second, amount }, a.or(*b), None);
             }
         }
         let name = name.filter(|name| names.iter().all(|(other, _)| other != name));
         names.extend(name.clone().map(|name| (name, body)));
-        materials.push(spanned(Material { name, kind, emission }));
+        let mut material = Material { name, kind, emission, relief };
+        name_textures(&mut material, textures);
+        materials.push(spanned(material));
     }
     materials
 }
 
 pub fn description() -> impl Strategy<Value = Description> {
     let part = any::<prop::sample::Index>;
-    let drafts = vec((option::of(name()), material(), option::of((part(), part(), 0.0..=1.0))), 0..6);
+    let drafts = vec((option::of(name()), material(), option::of((part(), part(), value(0.0..=1.0)))), 0..6);
+    let textured = vec((name(), texture()), 0..4);
     let lights = (vec(light(), 0..4), option::of((environment(), part())));
-    let parts = (camera(), colour(), lights, drafts, vec(item(), 0..4));
-    parts.prop_map(|(camera, background, (mut lights, environment), drafts, items)| {
+    let parts = (camera(), colour(), lights, textured, drafts, vec(item(), 0..4));
+    parts.prop_map(|(camera, background, (mut lights, environment), textured, drafts, items)| {
         if let Some((environment, at)) = environment {
             lights.insert(at.index(lights.len() + 1), environment);
         }
-        let materials = materials(drafts);
+        let textures = textures(textured);
+        let materials = materials(drafts, &textures);
         let mut root = Group { items };
         name_materials(&mut root, &materials);
         let lights = lights.into_iter().map(spanned).collect();
-        Description { camera: spanned(camera), background, lights, materials, root }
+        Description { camera: spanned(camera), background, lights, textures, materials, root }
     })
 }

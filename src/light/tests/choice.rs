@@ -27,7 +27,7 @@ fn strewn(n: u64) -> Vec<Light> {
             }
             2 => area(Shape::Sphere(SphereShape::new(center, 0.1)), 30.0 * strength),
             3 => area(Shape::Rectangle(Rectangle::new(center, s * 0.3, t * 0.2)), 15.0 * strength),
-            4 => Light::Area(Area { emitter: emitter_of(mesh(place)), radiance: Rgb::splat(strength) }),
+            4 => Light::Area(Area::even(emitter_of(mesh(place)), Rgb::splat(strength))),
             _ => area(Shape::Disc(Disc::around(center, axis.as_dvec3(), 0.2)), 8.0 * strength),
         }
     };

@@ -12,7 +12,7 @@ use std::sync::Arc;
 pub fn mesh(origin: Vec3) -> Arc<Mesh> {
     let positions = [[0., 0., 0.], [1., 0., 0.], [0., 1.3, 0.], [0., 0., 0.6]].map(|p| Vec3::from(p) + origin);
     let triangles = vec![[0, 1, 2], [0, 3, 1], [0, 2, 3]];
-    Arc::new(Mesh { positions: positions.to_vec(), normals: vec![], triangles })
+    Arc::new(Mesh { positions: positions.to_vec(), triangles, ..Mesh::default() })
 }
 
 pub fn emitter_of(mesh: Arc<Mesh>) -> Emitter {
@@ -83,7 +83,7 @@ fn direct_samples_follow_their_density() {
     for (emitter, p, all) in views {
         // By area, the density of an ellipsoid grows without bound towards its outline, where midpoints fail.
         let least_cos = if matches!(emitter, Emitter::Shape(Shape::Ellipsoid(_))) { 0.2 } else { 0.0 };
-        let light = Light::Area(Area { emitter: emitter.clone(), radiance: Rgb::ONE });
+        let light = Light::Area(Area::even(emitter.clone(), Rgb::ONE));
         let drawn = |u: glam::Vec2| {
             let sample = light.sample_direct(p, u)?;
             let Reach::Point(end) = sample.reach else { panic!("a surface is not at infinity") };

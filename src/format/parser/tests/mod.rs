@@ -56,8 +56,11 @@ fn what_is_left_out_takes_its_default() {
     assert_eq!((d.camera.up, d.camera.width, d.camera.height), (DVec3::Y, 960, 720));
     assert_eq!(d.background, DVec3::splat(0.5));
     let (diffuse, specular) = (DVec3::ONE, DVec3::ZERO);
-    assert_eq!(d.materials[0].kind, MaterialKind::Phong { diffuse, specular, shininess: 0.0, texture: None });
-    assert_eq!(d.materials[1].kind, MaterialKind::Mirror { reflectance: DVec3::ONE });
+    assert_eq!(
+        d.materials[0].kind,
+        MaterialKind::Phong { diffuse: diffuse.into(), specular: specular.into(), shininess: 0.0, texture: None }
+    );
+    assert_eq!(d.materials[1].kind, MaterialKind::Mirror { reflectance: DVec3::ONE.into() });
     assert_eq!(d.materials[1].name.as_deref(), Some("m"));
     assert_eq!(parse("a", &format!("{CAMERA} Background {{}} Group {{}}")).unwrap().background, DVec3::splat(0.5));
 }

@@ -22,8 +22,11 @@ fn bad(body: &str, message: &str, help: &str) {
 fn bodies_have_roughness_and_priority() {
     let kinds = materials("Dielectric { } Dielectric { priority 255 roughness .25 indexOfRefraction 1000 }");
     let attenuation = Attenuation::None;
-    assert_eq!(kinds[0], MaterialKind::Dielectric { index: 1.5, attenuation, roughness: 0.0, priority: 0 });
-    assert_eq!(kinds[1], MaterialKind::Dielectric { index: 1000.0, attenuation, roughness: 0.25, priority: 255 });
+    assert_eq!(kinds[0], MaterialKind::Dielectric { index: 1.5, attenuation, roughness: 0.0.into(), priority: 0 });
+    assert_eq!(
+        kinds[1],
+        MaterialKind::Dielectric { index: 1000.0, attenuation, roughness: 0.25.into(), priority: 255 }
+    );
     bad("Dielectric { priority ‹256› }", "`priority` of `Dielectric` cannot be `256`", "from 0 to 255");
     bad("Dielectric { priority ‹1.5› }", "wants a whole number, found `1.5`", "`priority 1`");
     bad("Dielectric { roughness ‹1.1› }", "`roughness` of `Dielectric` cannot be `1.1`", "between 0 and 1");
@@ -37,9 +40,9 @@ fn bodies_have_roughness_and_priority() {
 #[test]
 fn conductors_are_named_or_given_by_their_index() {
     let kinds = materials("Conductor { metal gold } Conductor { k 3 4 0 roughness 1 eta .1 .2 .3 }");
-    assert_eq!(kinds[0], MaterialKind::Conductor { metal: Metal::Named(named("gold")), roughness: 0.0 });
+    assert_eq!(kinds[0], MaterialKind::Conductor { metal: Metal::Named(named("gold")), roughness: 0.0.into() });
     let metal = Metal::Index { eta: DVec3::new(0.1, 0.2, 0.3), k: DVec3::new(3.0, 4.0, 0.0) };
-    assert_eq!(kinds[1], MaterialKind::Conductor { metal, roughness: 1.0 });
+    assert_eq!(kinds[1], MaterialKind::Conductor { metal, roughness: 1.0.into() });
     bad("‹Conductor› { }", "has no `metal` or `eta`", "add `metal` or `eta`");
     bad("‹Conductor› { eta 1 1 1 }", "`Conductor` has no `k`", "add `k`");
     bad("‹Conductor› { k 1 1 1 }", "`Conductor` has no `eta`", "add `eta`");
@@ -54,8 +57,8 @@ fn conductors_are_named_or_given_by_their_index() {
 #[test]
 fn panes_let_some_light_through() {
     let kinds = materials("Thin { } Thin { transmittance .5 1 .25 indexOfRefraction 1.3 }");
-    assert_eq!(kinds[0], MaterialKind::Thin { index: 1.5, transmittance: DVec3::ONE });
-    assert_eq!(kinds[1], MaterialKind::Thin { index: 1.3, transmittance: DVec3::new(0.5, 1.0, 0.25) });
+    assert_eq!(kinds[0], MaterialKind::Thin { index: 1.5, transmittance: DVec3::ONE.into() });
+    assert_eq!(kinds[1], MaterialKind::Thin { index: 1.3, transmittance: DVec3::new(0.5, 1.0, 0.25).into() });
     bad("Thin { transmittance ‹1 0 1› }", "`transmittance` of `Thin`", "above 0 and at most at 1");
     bad("Thin { transmittance ‹1 1 1.1› }", "`transmittance` of `Thin`", "above 0 and at most at 1");
     bad("Thin { indexOfRefraction ‹0› }", "`indexOfRefraction` of `Thin`", "between 0.001 and 1000");
@@ -66,8 +69,8 @@ fn mixes_are_made_of_what_stands_before_them() {
     let parts = "Mirror a { } Diffuse \"b c\" { reflectance 1 1 1 }";
     let kinds =
         materials(&format!("{parts} Mix m {{ first a second \"b c\" amount .3 }} Mix {{ amount 1 second m first m }}"));
-    assert_eq!(kinds[2], MaterialKind::Mix { first: named("a"), second: named("b c"), amount: 0.3 });
-    assert_eq!(kinds[3], MaterialKind::Mix { first: named("m"), second: named("m"), amount: 1.0 });
+    assert_eq!(kinds[2], MaterialKind::Mix { first: named("a"), second: named("b c"), amount: 0.3.into() });
+    assert_eq!(kinds[3], MaterialKind::Mix { first: named("m"), second: named("m"), amount: 1.0.into() });
     let mix = |fields: &str| format!("{parts} Mix glaze {{ {fields} }} Mirror later {{ }}");
     bad(&mix("first ‹later› second a amount 0"), "no material is called `later`", "stand before it");
     bad(&mix("first a second ‹B_C› amount 0"), "no material is called `B_C`", "did you mean `b c`?");

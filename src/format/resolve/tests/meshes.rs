@@ -1,6 +1,7 @@
 //! Meshes with materials and normals, as scenes use them.
 
 use super::*;
+use crate::image::{self, Image, WriteOptions};
 
 const FACES: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 2 0 1\nv 2 1 1\nv 0 2 0\n";
 
@@ -127,4 +128,42 @@ fn ply_files_are_meshes_too() {
     // Whatever it is called.
     std::fs::rename(folder.0.path().join("a.ply"), folder.0.path().join("b.obj")).unwrap();
     assert_eq!(folder.scene("TriangleMesh { obj_file b.obj }").triangle_count(), 5);
+}
+
+#[test]
+fn pictures_lie_on_a_mesh_with_its_own_materials() {
+    let faces = "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl tile\nf 1/1 2/2 3/3 4/4\n";
+    let folder = Folder::new(faces, "newmtl tile\nKd .5 .5 .5\nmap_Kd pictures/tile.exr\nillum 1\n");
+    std::fs::create_dir(folder.0.path().join("pictures")).unwrap();
+    let picture = Image::from_pixels(2, 1, vec![Vec3::X, Vec3::Y]).unwrap();
+    let path = folder.0.path().join("pictures/tile.exr");
+    image::write(&path, &picture, &WriteOptions::default()).unwrap();
+    let body = "TriangleMesh { file a.obj materials file }";
+    // At the middles of the two texels, with and without materials of the scene, still and moving.
+    for text in [body.to_owned(), format!("Moving {{ Translate 0 0 -.001 {body} }}")] {
+        for materials in ["", MATERIALS] {
+            let scene = resolve_in(folder.0.path(), &format!("{materials}Group {{ {text} }}")).unwrap();
+            assert!(
+                close(colour(&scene, 0.25), vec3(0.5, 0.0, 0.0)) && close(colour(&scene, 0.75), vec3(0.0, 0.5, 0.0))
+            );
+        }
+    }
+    std::fs::remove_file(path).unwrap();
+    assert!(folder.refusal(body).contains("tile.exr` does not exist"));
+    folder.put("a.obj", &format!("mtllib a.mtl\n{FACES}usemtl tile\nf 1 2 3\n"));
+    image::write(&folder.0.path().join("pictures/tile.exr"), &picture, &WriteOptions::default()).unwrap();
+    let message = folder.refusal(body);
+    assert!(message.contains("`a.obj` has no texture coordinates, which the material `tile` needs"), "{message}");
+}
+
+#[test]
+fn an_emission_that_follows_a_texture_is_seen_where_the_material_is() {
+    let folder = Folder::new(PARTS, "newmtl red\nKd .9 .1 .1\nillum 1\nnewmtl lamp\nKd .5\n");
+    let textures = "Textures { Marble veins { color0 1 1 1 color1 2 2 2 } }";
+    let materials = "Materials { Diffuse b { reflectance .2 .2 .2 emission veins } }";
+    let text = format!("{textures}{materials}Group {{ TriangleMesh {{ file a.obj materials file }} }}");
+    let scene = resolve_in(folder.0.path(), &text).unwrap();
+    // Of the parts, only that without a material of its own shines.
+    let [Light::Area(lamp)] = scene.lights() else { panic!("{:?}", scene.lights()) };
+    assert!(lamp.glow.is_some());
 }

@@ -1,0 +1,122 @@
+//! What a builder gathers of textures, and what wears them.
+
+use super::builder::{BuildError, SceneBuilder};
+use super::movement::MIDDLE;
+use super::{Dress, Material};
+use crate::color::Rgb;
+use crate::light::{Area, Glow, Light};
+use crate::math::{Motion, Transform};
+use crate::shape::{Chart, Form};
+use crate::texture::Texture;
+use glam::{DAffine3, DVec2, DVec3, Vec2};
+use std::sync::Arc;
+
+/// Where an object stands among those of its sort.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Place {
+    Shape(usize),
+    MovingShape(usize),
+    Plane(usize),
+    MovingPlane(usize),
+    Part(usize),
+}
+
+/// Textures, and what goes by them.
+#[derive(Debug, Default)]
+pub(super) struct Wardrobe {
+    pub textures: Vec<Arc<Texture>>,
+    pub dresses: Vec<Dress>,
+    /// Of the objects that have one, with the motion of the object.
+    charts: Vec<(Place, Form, Motion)>,
+    /// Textures and scales of the objects that emit by one.
+    glows: Vec<(Place, u32, Rgb)>,
+    /// What was added last.
+    pub last: Option<Place>,
+    /// Of the corners of meshes.
+    pub texcoords: Vec<Vec2>,
+}
+
+impl Wardrobe {
+    /// The motions of charts around `middle`, where they move, by the index of the chart.
+    pub fn motions(&self, middle: DVec3) -> Vec<(usize, Form, Motion)> {
+        let back = DAffine3::from_translation(-middle);
+        let moving = (1..).zip(&self.charts).filter(|(_, (.., motion))| !motion.is_still());
+        moving.map(|(i, (_, form, motion))| (i, *form, motion.followed_by(back))).collect()
+    }
+
+    /// All charts around `middle`; the first is that of what has none of its own.
+    pub fn charts(&self, middle: DVec3) -> Result<Vec<Chart>, BuildError> {
+        let back = DAffine3::from_translation(-middle);
+        let mut charts = vec![Chart::default().translated(-middle)];
+        for (_, form, motion) in &self.charts {
+            charts.push(chart_at(*form, &motion.followed_by(back), MIDDLE).ok_or(BuildError::Flattened)?);
+        }
+        Ok(charts)
+    }
+
+    /// Index of the chart of an object; of several the last counts.
+    pub fn chart_of(&self, place: Place) -> u32 {
+        self.charts.iter().rposition(|(p, ..)| *p == place).map_or(0, |i| i as u32 + 1)
+    }
+
+    /// How the light that an object is follows a texture, if it does.
+    pub fn glow_of(&self, place: Place, charts: &[Chart]) -> Option<Arc<Glow>> {
+        let (_, texture, scale) = self.glows.iter().rfind(|(p, ..)| *p == place)?;
+        let (texture, chart) = (self.textures[*texture as usize].clone(), charts[self.chart_of(place) as usize]);
+        Some(Arc::new(Glow { texture, chart, scale: *scale }))
+    }
+
+    /// The lights with their mean radiance; none where no light follows a texture.
+    pub fn even(&self, lights: &[Light]) -> Vec<Light> {
+        if self.glows.is_empty() { Vec::new() } else { lights.iter().map(evened).collect() }
+    }
+}
+
+/// A chart at a time of the motion of its object; `None` where no numbers can hold it.
+pub(super) fn chart_at(form: Form, motion: &Motion, time: f64) -> Option<Chart> {
+    Some(Chart::new(form, Transform::new(motion.at(time)).ok()?))
+}
+
+/// The light with the same radiance everywhere.
+pub(super) fn evened(light: &Light) -> Light {
+    match light {
+        Light::Area(area) => Light::Area(Area { glow: None, ..area.clone() }),
+        other => other.clone(),
+    }
+}
+
+impl SceneBuilder {
+    /// Adds a texture and returns its index.
+    pub fn texture(&mut self, texture: Texture) -> u32 {
+        self.wardrobe.textures.push(Arc::new(texture));
+        self.wardrobe.textures.len() as u32 - 1
+    }
+
+    /// Adds a material that wears `dress`, of textures that were added, and returns its index.
+    pub fn dressed(&mut self, material: Material, dress: Dress) -> u32 {
+        self.wardrobe.dresses.push(dress);
+        let dress = Some(self.wardrobe.dresses.len() as u32 - 1);
+        self.material(Material { dress, ..material })
+    }
+
+    /// Lays texture coordinates after `form` on the object that was added last, which `to_world` places: the space inside it is that of
+    /// the form, and of patterns in space. Without, coordinates are the object's own parameters, and the space is the world.
+    pub fn chart(&mut self, form: Form, to_world: &Motion) -> &mut Self {
+        self.wardrobe.charts.extend(self.wardrobe.last.map(|last| (last, form, to_world.clone())));
+        self
+    }
+
+    /// The emission of the object that was added last, a mean, follows `texture` times `scale` \[W/(m² sr)].
+    pub fn glow(&mut self, texture: u32, scale: Rgb) -> &mut Self {
+        self.wardrobe.glows.extend(self.wardrobe.last.map(|last| (last, texture, scale)));
+        self
+    }
+
+    /// Gives the corners of the mesh that was added last texture coordinates, one each.
+    pub fn texcoords(&mut self, texcoords: &[DVec2]) -> &mut Self {
+        let before = self.corner_count().saturating_sub(texcoords.len());
+        self.wardrobe.texcoords.resize(before, Vec2::ZERO);
+        self.wardrobe.texcoords.extend(texcoords.iter().map(|t| t.as_vec2()));
+        self
+    }
+}

@@ -1,0 +1,84 @@
+//! Squares.
+
+use crate::color::Rgb;
+use glam::DVec2;
+
+/// A step across an edge between squares, in sides.
+pub(super) const GRAIN: f64 = 1e-3;
+
+/// Squares of side 1: the first colour where ⌊u⌋ + ⌊v⌋ is even, else the second.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Checker {
+    /// The two colours.
+    pub colors: [Rgb; 2],
+}
+
+impl Checker {
+    /// The exact mean over the box of sides `size` around `uv`: the pattern is a product of two square waves.
+    #[must_use]
+    pub fn at(&self, uv: DVec2, size: DVec2) -> Rgb {
+        let product = wave(uv.x, size.x) * wave(uv.y, size.y);
+        let [even, odd] = self.colors;
+        even.lerp(odd, (0.5 - 0.5 * product) as f32)
+    }
+
+    pub(super) fn mean(&self) -> Rgb {
+        (self.colors[0] + self.colors[1]) * 0.5
+    }
+}
+
+/// Mean over `[x − w/2, x + w/2]` of the wave that is 1 where ⌊x⌋ is even, else −1.
+fn wave(x: f64, w: f64) -> f64 {
+    // Narrower, differences of integrals would be rounding.
+    if w < 1e-9 * x.abs().max(1.0) {
+        return if x.floor() % 2.0 == 0.0 { 1.0 } else { -1.0 };
+    }
+    (integral(x + 0.5 * w) - integral(x - 0.5 * w)) / w
+}
+
+/// Integral of the wave from 0: a zigzag of period 2.
+fn integral(x: f64) -> f64 {
+    let phase = x - 2.0 * (0.5 * x).floor();
+    phase.min(2.0 - phase)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CHECKER: Checker = Checker { colors: [Rgb::ZERO, Rgb::ONE] };
+
+    fn at(u: f64, v: f64, w: f64, h: f64) -> f64 {
+        f64::from(CHECKER.at(DVec2::new(u, v), DVec2::new(w, h)).x)
+    }
+
+    #[test]
+    fn squares_alternate_below_zero_too() {
+        for i in -3..4 {
+            for j in -3..4 {
+                let odd = f64::from((i + j) & 1);
+                assert_eq!(at(f64::from(i) + 0.25, f64::from(j) + 0.75, 0.0, 0.0), odd, "{i} {j}");
+            }
+        }
+    }
+
+    /// Against the share of odd cells in the box, added up cell by cell.
+    #[test]
+    fn a_box_holds_its_share_of_both_colours() {
+        for (u, v, w, h) in [(0.3, 0.4, 0.2, 0.2), (1.0, 0.5, 0.5, 0.1), (-3.3, 7.1, 2.7, 5.3), (1e4, 0.1, 3.1, 0.9)] {
+            let overlap = |x: f64, w: f64, cell: f64| (x + 0.5 * w).min(cell + 1.0) - (x - 0.5 * w).max(cell);
+            let cells = |x: f64, w: f64| {
+                let first = (x - 0.5 * w).floor() as i64;
+                (first..first + w.ceil() as i64 + 2).map(move |c| (c, overlap(x, w, c as f64).max(0.0)))
+            };
+            let odd: f64 = cells(u, w)
+                .flat_map(|(i, a)| cells(v, h).map(move |(j, b)| if (i + j) & 1 == 1 { a * b } else { 0.0 }))
+                .sum();
+            // Colours are f32.
+            assert!((at(u, v, w, h) - odd / (w * h)).abs() < 1e-6, "{u} {v} {w} {h}");
+        }
+        for x in [0.0, 0.3, 17.9] {
+            assert!((at(x, 0.2, 4.0, 0.1) - 0.5).abs() < 1e-7, "whole periods hold half of each");
+        }
+    }
+}

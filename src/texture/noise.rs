@@ -1,0 +1,117 @@
+//! Gradient noise.
+
+use glam::DVec3;
+
+/// Widths of a patch, in wavelengths, between which an octave fades: narrower it is there, wider it is its mean, which is 0.
+const FADE: [f64; 2] = [0.25, 1.0];
+
+/// Moves one octave against the next, so that their lattices do not meet.
+const SHIFT: DVec3 = DVec3::new(17.31, 5.77, 11.93);
+
+/// Σ 2⁻ⁱ noise(2ⁱ p) over `octaves`, each faded as a patch of `width` would blur it.
+pub(super) fn fractal(p: DVec3, width: f64, octaves: u32) -> f64 {
+    let (mut sum, mut scale, mut weight) = (0.0, 1.0, 1.0);
+    for i in 0..octaves {
+        let there = fade(width * scale);
+        if there == 0.0 {
+            break;
+        }
+        sum += weight * there * noise(p * scale + SHIFT * f64::from(i));
+        scale *= 2.0;
+        weight *= 0.5;
+    }
+    sum
+}
+
+/// What is left of an octave under a patch of `width` wavelengths.
+fn fade(width: f64) -> f64 {
+    let t = ((FADE[1] - width) / (FADE[1] - FADE[0])).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
+/// Noise in [−1, 1] with value 0 at whole coordinates (Perlin 2002, "Improving noise"); the lattice is hashed without a table, so it
+/// does not repeat. Coordinates that are not finite give 0.
+pub(super) fn noise(p: DVec3) -> f64 {
+    if !p.is_finite() {
+        return 0.0;
+    }
+    let cell = p.floor();
+    let f = p - cell;
+    let w = f * f * f * (f * (f * 6.0 - 15.0) + 10.0);
+    let [x, y, z] = [cell.x as i64, cell.y as i64, cell.z as i64];
+    let corner = |dx: i64, dy: i64, dz: i64| {
+        let h = hash(x.wrapping_add(dx), y.wrapping_add(dy), z.wrapping_add(dz));
+        slope(h, f - DVec3::new(dx as f64, dy as f64, dz as f64))
+    };
+    let along = |dy, dz| lerp(w.x, corner(0, dy, dz), corner(1, dy, dz));
+    lerp(w.z, lerp(w.y, along(0, 0), along(1, 0)), lerp(w.y, along(0, 1), along(1, 1)))
+}
+
+fn lerp(t: f64, a: f64, b: f64) -> f64 {
+    a + t * (b - a)
+}
+
+/// One of the twelve directions to the middles of a cube's edges, four of them twice as likely, times `d`.
+fn slope(h: u64, d: DVec3) -> f64 {
+    let sign = |bit: u64, x: f64| if h >> bit & 1 == 0 { x } else { -x };
+    let (a, b) = match h >> 2 & 15 {
+        0..4 | 12 => (d.x, d.y),
+        4..8 | 13 => (d.y, d.z),
+        8..12 | 14 => (d.x, d.z),
+        _ => (d.y, d.x),
+    };
+    sign(0, a) + sign(1, b)
+}
+
+/// Mixes lattice coordinates (the finaliser of Steele, Lea, Flood 2014).
+fn hash(x: i64, y: i64, z: i64) -> u64 {
+    let mut h = (x as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    h = (h ^ y as u64).rotate_left(29).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    h = (h ^ z as u64).rotate_left(31).wrapping_mul(0x94d0_49bb_1331_11eb);
+    h ^= h >> 30;
+    h = h.wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    h ^ h >> 27
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn point(i: u32) -> DVec3 {
+        DVec3::new(0.618_034, 0.414_214, 0.732_051) * f64::from(i) - 1e3
+    }
+
+    /// Over n points its mean is 0 by symmetry: with a standard deviation below ½ it errs by less than 5/(2√n).
+    #[test]
+    fn noise_is_bounded_and_as_often_above_as_below_zero() {
+        let n = 100_000;
+        let values: Vec<f64> = (0..n).map(|i| noise(point(i))).collect();
+        assert!(values.iter().all(|x| x.abs() <= 1.0));
+        let mean = values.iter().sum::<f64>() / f64::from(n);
+        let square = values.iter().map(|x| x * x).sum::<f64>() / f64::from(n);
+        assert!(mean.abs() < 2.5 / f64::from(n).sqrt() && (0.04..0.2).contains(&square), "{mean} {square}");
+        assert_eq!([noise(DVec3::ZERO), noise(DVec3::new(-3.0, 5.0, 7.0)), noise(DVec3::splat(f64::NAN))], [0.0; 3]);
+    }
+
+    /// Between points 1e-6 apart, on both sides of the faces of cells, values differ by less than 4e-6: its slope is below 4.
+    #[test]
+    fn noise_has_no_steps() {
+        for i in 0..1000 {
+            let p = point(i);
+            for face in [p, DVec3::new(p.x.round(), p.y, p.z), DVec3::new(p.x, p.y, p.z.round())] {
+                let step = DVec3::splat(5e-7);
+                assert!((noise(face + step) - noise(face - step)).abs() < 4e-6, "{face}");
+            }
+        }
+    }
+
+    #[test]
+    fn octaves_fade_as_the_patch_grows() {
+        let p = DVec3::new(0.3, 0.7, 0.2);
+        assert_eq!(fractal(p, 0.0, 1), noise(p));
+        assert_eq!(fractal(p, 0.125, 2), fractal(p, 0.0, 2), "two octaves are coarse enough");
+        assert!(fractal(p, 0.125, 3) != fractal(p, 0.0, 3), "the third is not");
+        assert_eq!(fractal(p, 0.5, 9), fractal(p, 0.5, 1), "finer octaves are gone");
+        assert_eq!(fractal(p, 1.0, 9), 0.0);
+    }
+}

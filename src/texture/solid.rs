@@ -1,0 +1,133 @@
+//! Patterns in space: clouds, veins, rings.
+
+use super::noise::fractal;
+use crate::color::Rgb;
+use glam::{DAffine3, DVec3};
+use std::f64::consts::PI;
+
+/// How a pattern's two colours lie in space. N is the noise of [`Solid`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SolidKind {
+    /// Clouds: ½ + ½ a N, cut to \[0, 1].
+    Noise,
+    /// Veins across the x axis: ½ + ½ sin 2π(f x + a N).
+    Marble,
+    /// Rings about the y axis: ½ + ½ sin 2π(f √(x² + z²) + a N).
+    Wood,
+}
+
+/// A pattern that goes from one colour to another, as the ancestors of the scene language have it (MIT 6.837).
+///
+/// Its noise is that of `octaves` octaves, the first of `frequency` f \[1/length], each next one of twice the frequency and half the
+/// height; `amplitude` a is what the noise is multiplied by.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Solid {
+    /// Form.
+    pub kind: SolidKind,
+    /// Colours at 0 and at 1.
+    pub colors: [Rgb; 2],
+    /// Octaves of noise.
+    pub octaves: u32,
+    /// Of the first octave, and of veins and rings \[1/length].
+    pub frequency: f64,
+    /// What the noise is multiplied by.
+    pub amplitude: f64,
+    /// From the object's space to the pattern's.
+    pub to_pattern: DAffine3,
+}
+
+impl Solid {
+    /// The pattern at `p` of the object's space, over a ball of diameter `width`: noise loses its fine octaves, and a wave
+    /// sin 2πs over a width w of s becomes sin 2πs · sin(πw)/(πw).
+    #[must_use]
+    pub fn at(&self, p: DVec3, width: f64) -> Rgb {
+        let p = self.to_pattern.transform_point3(p) * self.frequency;
+        let w = width * self.stretch() * self.frequency.abs();
+        let noise = self.amplitude * fractal(p, w, self.octaves);
+        let wave = |along: f64| {
+            let phase = along + noise;
+            if phase.is_finite() { 0.5 + 0.5 * libm::sin(2.0 * PI * (phase - phase.floor())) * blur(w) } else { 0.5 }
+        };
+        let t = match self.kind {
+            SolidKind::Noise => (0.5 + 0.5 * noise).clamp(0.0, 1.0),
+            SolidKind::Marble => wave(p.x),
+            SolidKind::Wood => wave(libm::hypot(p.x, p.z)),
+        };
+        self.colors[0].lerp(self.colors[1], t as f32)
+    }
+
+    /// Half way: noise and waves are as often above as below.
+    pub(super) fn mean(&self) -> Rgb {
+        (self.colors[0] + self.colors[1]) * 0.5
+    }
+
+    /// How many times longer a length is in the pattern's space, at most.
+    fn stretch(&self) -> f64 {
+        let m = self.to_pattern.matrix3;
+        m.x_axis.length().max(m.y_axis.length()).max(m.z_axis.length())
+    }
+
+    pub(super) fn grain(&self) -> f64 {
+        let finest =
+            self.frequency.abs() * self.stretch() * f64::from(1u32 << self.octaves.clamp(1, 31).saturating_sub(1));
+        if finest > 0.0 { 1e-2 / finest } else { 1.0 }
+    }
+}
+
+/// sin(πw)/(πw) up to its first zero, and 0 beyond, where the lobes would turn light and dark around.
+fn blur(w: f64) -> f64 {
+    if w < 1e-6 {
+        1.0
+    } else if w < 1.0 {
+        libm::sin(PI * w) / (PI * w)
+    } else {
+        0.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DQuat;
+
+    fn solid(kind: SolidKind, amplitude: f64, to_pattern: DAffine3) -> Solid {
+        Solid { kind, colors: [Rgb::ZERO, Rgb::ONE], octaves: 3, frequency: 2.0, amplitude, to_pattern }
+    }
+
+    #[test]
+    fn veins_and_rings_stand_where_they_should() {
+        let marble = solid(SolidKind::Marble, 0.0, DAffine3::IDENTITY);
+        let wood = solid(SolidKind::Wood, 0.0, DAffine3::IDENTITY);
+        // Two waves a length: brightest an eighth along.
+        for (solid, p) in [(marble, DVec3::new(0.125, 9.0, 3.0)), (wood, DVec3::new(0.075, 9.0, 0.1))] {
+            assert!((solid.at(p, 0.0).x - 1.0).abs() < 1e-6);
+        }
+        let turned =
+            solid(SolidKind::Marble, 0.0, DAffine3::from_quat(DQuat::from_rotation_z(-std::f64::consts::FRAC_PI_2)));
+        assert!((turned.at(DVec3::new(9.0, 0.125, 3.0), 0.0).x - 1.0).abs() < 1e-6);
+    }
+
+    /// The mean of the wave over a box of width w around p, by n midpoints: their error is below (w/n)².
+    #[test]
+    fn a_wide_patch_sees_the_mean_of_the_wave() {
+        let marble = solid(SolidKind::Marble, 0.0, DAffine3::IDENTITY);
+        let (p, width, n) = (0.1, 0.3, 1000);
+        let at = |i: i32| marble.at(DVec3::X * (p + width * ((f64::from(i) + 0.5) / f64::from(n) - 0.5)), 0.0).x;
+        let mean = (0..n).map(|i| f64::from(at(i))).sum::<f64>() / f64::from(n);
+        assert!((f64::from(marble.at(DVec3::X * p, width).x) - mean).abs() < 1e-6);
+        assert_eq!(marble.at(DVec3::X * p, 10.0), Rgb::splat(0.5));
+    }
+
+    /// Noise is as often above as below: over n points the mean errs by less than 5/(2√n), as values lie in [0, 1].
+    #[test]
+    fn patterns_have_their_stated_mean() {
+        let n = 50_000;
+        for kind in [SolidKind::Noise, SolidKind::Marble, SolidKind::Wood] {
+            let solid = solid(kind, 1.5, DAffine3::IDENTITY);
+            let p = |i: u32| DVec3::new(6.180_34, 4.142_14, 7.320_51) * f64::from(i) - 1e5;
+            let mean = (0..n).map(|i| f64::from(solid.at(p(i), 0.0).x)).sum::<f64>() / f64::from(n);
+            assert!((mean - f64::from(solid.mean().x)).abs() < 2.5 / f64::from(n).sqrt(), "{kind:?}: {mean}");
+            assert!(solid.at(DVec3::splat(f64::INFINITY), 0.0).is_finite());
+        }
+    }
+}
