@@ -48,16 +48,21 @@ impl<'a> Parser<'a> {
         Ok(Group { items })
     }
 
-    pub fn object(&mut self, keyword: Token<'a>) -> Result<Spanned<Object>, SceneError> {
+    /// On the heap at once, so that what nests keeps small frames on the stack.
+    pub fn boxed(&mut self, keyword: Token<'a>) -> Result<Box<Spanned<Object>>, SceneError> {
+        self.object(keyword).map(Box::new)
+    }
+
+    fn object(&mut self, keyword: Token<'a>) -> Result<Spanned<Object>, SceneError> {
         let object = match keyword.text {
             "Group" => Object::Group(self.group(keyword)?),
             "Transform" => {
                 let (maps, object) = self.transform(keyword)?;
-                Object::Transform { maps, object: Box::new(object) }
+                Object::Transform { maps, object }
             }
             "Moving" => {
-                let (maps, object) = self.moving(keyword, &OBJECTS, Self::object)?;
-                Object::Moving { maps, object: Box::new(object) }
+                let (maps, object) = self.moving(keyword, &OBJECTS, Self::boxed)?;
+                Object::Moving { maps, object }
             }
             _ => self.shape(keyword)?,
         };

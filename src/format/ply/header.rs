@@ -203,9 +203,13 @@ impl Header {
 impl Element {
     /// Bytes that one of them takes at least.
     pub fn least_bytes(&self, encoding: Encoding) -> usize {
-        let one = |p: &Property| match encoding {
-            Encoding::Ascii => 2,
-            _ => p.list.unwrap_or(p.item).size(),
+        let one = |p: &Property| {
+            // A face has three corners at least.
+            let items = if p.role == Role::Corners { 3 } else { 0 };
+            match encoding {
+                Encoding::Ascii => 2 + 2 * items,
+                _ => p.list.unwrap_or(p.item).size() + items * p.item.size(),
+            }
         };
         self.properties.iter().map(one).sum()
     }
