@@ -316,7 +316,12 @@ fn shape() -> impl Strategy<Value = Shape> {
             option::of([pair(), pair(), pair()].prop_map(Box::new))
         )
             .prop_map(|(vertices, normals, uv)| Shape::Triangle { vertices, normals, uv }),
-        name().prop_map(|path| Shape::Mesh { path: Spanned::new(path, Span::default()) }),
+        (mesh_path(), any::<bool>(), any::<bool>(), option::of(0.0..=180.0)).prop_map(
+            |(path, own_materials, no_normals, smooth_angle)| {
+                let options = MeshOptions { own_materials, no_normals, smooth_angle };
+                Shape::Mesh { path: spanned(path), options }
+            }
+        ),
         curve().prop_map(|profile| Shape::Revolution { profile }),
         curve().prop_map(Shape::Curve),
         (vec(weighed(), 8), any::<bool>()).prop_map(|(controls, once)| {
@@ -327,6 +332,10 @@ fn shape() -> impl Strategy<Value = Shape> {
             Shape::Nurbs { degree: [2, 1], count: [3, 4], knots, controls }
         }),
     ]
+}
+
+fn mesh_path() -> impl Strategy<Value = String> {
+    (name(), any::<bool>()).prop_map(|(name, ply)| if ply { name + ".ply" } else { name })
 }
 
 fn map() -> impl Strategy<Value = Map> {
