@@ -1,7 +1,6 @@
 //! What the pages say is true: their commands run, their scenes render, their tables agree with the program.
 
 use caustica::cli::{Arguments, Command, Exit};
-use caustica::format::description::{Group, Item, Object, Shape};
 use caustica::format::mesh::{self, MeshFormat};
 use caustica::format::{Source, parse, resolve};
 use caustica::image::{self, Image, WriteOptions};
@@ -269,25 +268,6 @@ fn links_between_pages_lead_somewhere() {
     }
 }
 
-/// Leaves out what has no surface or cannot be rendered yet; the resolver's own tests see to their errors.
-fn prune(group: &mut Group) {
-    group.items.retain_mut(|item| match item {
-        Item::Object(object) => keeps(&mut object.value),
-        Item::MaterialIndex(_) | Item::MaterialName(_) => true,
-    });
-}
-
-fn keeps(object: &mut Object) -> bool {
-    match object {
-        Object::Group(group) => {
-            prune(group);
-            true
-        }
-        Object::Transform { object, .. } | Object::Moving { object, .. } => keeps(&mut object.value),
-        Object::Shape { shape, .. } => !matches!(shape, Shape::Curve(_) | Shape::Revolution { .. }),
-    }
-}
-
 #[test]
 fn the_scenes_of_the_language_page_render() {
     let page = std::fs::read_to_string(root().join("docs/scene-language.md")).unwrap();
@@ -308,7 +288,6 @@ fn the_scenes_of_the_language_page_render() {
     image::write(&folder.path().join("textures/tile.png"), &gray, &WriteOptions::default()).unwrap();
     for (i, text) in scenes.iter().enumerate() {
         let mut description = parse("scene-language.md", text).unwrap();
-        prune(&mut description.root);
         (description.camera.value.width, description.camera.value.height) = (32, 24);
         let scene = resolve(&description, &Source::new("scene-language.md", text), folder.path()).unwrap();
         let ray_cast = Algorithm::Raycast.prepare(&scene, Settings::default());

@@ -9,7 +9,7 @@ mod textures;
 
 use std::ops::Deref;
 
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, DVec4};
 
 pub use super::map::Map;
 pub use lights::{AreaStrength, DirectionalStrength, EnvironmentRadiance, Light, PointStrength};
@@ -244,7 +244,7 @@ pub enum Shape {
         /// Shading normals at the corners, of any length.
         normals: Option<[DVec3; 3]>,
         /// Texture coordinates at the corners; `None`: (0, 0), (1, 0), (0, 1).
-        uv: Option<[DVec2; 3]>,
+        uv: Option<Box<[DVec2; 3]>>,
     },
     /// A mesh in a file of its own.
     Mesh {
@@ -260,6 +260,24 @@ pub enum Shape {
     },
     /// A curve by itself, which has no surface.
     Curve(Curve),
+    /// Bézier patches of the same degrees, one after the other.
+    Patches {
+        /// Along u and v, each from 1 to [`MAX_DEGREE`](crate::shape::parametric::MAX_DEGREE).
+        degree: [u32; 2],
+        /// Of each patch (degree u + 1) · (degree v + 1) points with weights, those along v one after the other.
+        controls: Vec<DVec4>,
+    },
+    /// A B-spline surface with weights.
+    Nurbs {
+        /// Along u and v, each from 1 to [`MAX_DEGREE`](crate::shape::parametric::MAX_DEGREE).
+        degree: [u32; 2],
+        /// Number of control points along u and v, each above the degree.
+        count: [u32; 2],
+        /// Each count + degree + 1 numbers that do not decrease, or none: uniform.
+        knots: [Vec<f64>; 2],
+        /// Points with weights, those along v one after the other.
+        controls: Vec<DVec4>,
+    },
 }
 
 /// How the file of a mesh is used. By default as the course has it.

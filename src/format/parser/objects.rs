@@ -6,8 +6,9 @@ use super::super::error::SceneError;
 use super::super::lexer::Token;
 use super::Parser;
 use super::fields::{Fields, Kind};
+use super::surfaces;
 
-pub(super) const OBJECTS: [&str; 12] = [
+pub(super) const OBJECTS: [&str; 14] = [
     "Group",
     "Transform",
     "Moving",
@@ -20,10 +21,12 @@ pub(super) const OBJECTS: [&str; 12] = [
     "RevSurface",
     "BezierCurve",
     "BsplineCurve",
+    "BezierPatch",
+    "NurbsSurface",
 ];
 const ENTRIES: [&str; 3] = ["numObjects", "MaterialIndex", "MaterialName"];
 
-const EMISSION: (&str, Kind) = ("emission", Kind::Vector);
+pub(super) const EMISSION: (&str, Kind) = ("emission", Kind::Vector);
 
 impl<'a> Parser<'a> {
     pub fn group(&mut self, keyword: Token<'a>) -> Result<Group, SceneError> {
@@ -99,6 +102,8 @@ impl<'a> Parser<'a> {
                 EMISSION,
             ],
             "RevSurface" => &[("profile", Kind::Curve), EMISSION],
+            "BezierPatch" => surfaces::PATCHES,
+            "NurbsSurface" => surfaces::NURBS,
             _ => &[("controls", Kind::Controls), EMISSION],
         };
         let f = self.fields(keyword, known)?;
@@ -126,13 +131,15 @@ impl<'a> Parser<'a> {
                 let names = ["uv0", "uv1", "uv2"];
                 let pair = |name| f.need(name).map(|p| p.pair());
                 let uv = match names.iter().any(|name| f.get(name).is_some()) {
-                    true => Some([pair(names[0])?, pair(names[1])?, pair(names[2])?]),
+                    true => Some(Box::new([pair(names[0])?, pair(names[1])?, pair(names[2])?])),
                     false => None,
                 };
                 Shape::Triangle { vertices, normals, uv }
             }
             "TriangleMesh" => Shape::Mesh { path: f.one_of(&["obj_file", "file"])?.text(), options: f.mesh_options()? },
             "RevSurface" => Shape::Revolution { profile: f.need("profile")?.curve() },
+            "BezierPatch" => f.patches()?,
+            "NurbsSurface" => f.nurbs()?,
             "BezierCurve" => Shape::Curve(f.need("controls")?.controls(CurveBasis::Bezier)?),
             _ => Shape::Curve(f.need("controls")?.controls(CurveBasis::Bspline)?),
         };

@@ -4,9 +4,10 @@ use super::Resolver;
 use super::meshes::{Placing, Shine};
 use crate::color::Rgb;
 use crate::format::SceneError;
-use crate::format::description::{Shape as Described, Span};
+use crate::format::description::{Curve, CurveBasis, Shape as Described, Span};
 use crate::math::{Motion, Transform};
-use crate::shape::{Disc, Form, IndexedMesh, Instance, Mesh, Plane, Rectangle, Shape, Sphere};
+use crate::shape::parametric::{Basis, SplineError};
+use crate::shape::{Disc, Form, IndexedMesh, Instance, Mesh, Patch, Plane, Rectangle, Revolution, Shape, Sphere};
 use glam::{DVec2, DVec3, Vec3};
 use std::sync::Arc;
 
@@ -75,7 +76,7 @@ impl Resolver<'_> {
             }
             Described::Triangle { vertices, normals, uv } => {
                 let normals = normals.as_ref().map(|n| n.as_slice());
-                let uv = uv.unwrap_or([DVec2::ZERO, DVec2::X, DVec2::Y]);
+                let uv = uv.as_deref().copied().unwrap_or([DVec2::ZERO, DVec2::X, DVec2::Y]);
                 if to_world.is_still() {
                     self.place_mesh(&map, vertices, normals, &[[0, 1, 2]], emission);
                     self.lay_corners(Some(&uv));
@@ -88,14 +89,33 @@ impl Resolver<'_> {
             Described::Mesh { path, options } => {
                 self.mesh(&Placing { to_world, map: &map, span, shine }, path, *options)?;
             }
-            Described::Revolution { .. } => {
-                let help = "tessellate it into an OBJ mesh and use TriangleMesh";
-                return Err(self.refuse(span, "surfaces of revolution cannot be rendered yet", help));
+            Described::Revolution { profile } => {
+                let surface = revolution(profile).map_err(|e| self.refuse_spline(span, &e))?;
+                self.place(Shape::Revolution(surface), to_world, &map, span, emission)?;
+                self.lay(Form::Own, to_world);
             }
-            Described::Curve(_) => {
-                let help = "put it into a RevSurface as its profile, or leave it out";
-                return Err(self.refuse(span, "a curve by itself has no surface", help));
+            Described::Patches { degree, controls } => {
+                let [u, v] = degree.map(|d| Basis::bezier(d as usize + 1));
+                let bases =
+                    [&u.map_err(|e| self.refuse_spline(span, &e))?, &v.map_err(|e| self.refuse_spline(span, &e))?];
+                for net in controls.chunks(bases[0].controls() * bases[1].controls()) {
+                    let patch = Patch::new(bases, net).map_err(|e| self.refuse_spline(span, &e))?;
+                    self.place(Shape::Patch(patch), to_world, &map, span, emission)?;
+                    self.lay(Form::Own, to_world);
+                }
             }
+            Described::Nurbs { degree, count, knots, controls } => {
+                let basis = |i: usize| match (degree[i] as usize, count[i] as usize) {
+                    (degree, count) if knots[i].is_empty() => Basis::uniform(degree, count),
+                    (degree, count) => Basis::new(degree, count, knots[i].clone()),
+                };
+                let surface = || Patch::new([&basis(0)?, &basis(1)?], controls);
+                let surface = surface().map_err(|e| self.refuse_spline(span, &e))?;
+                self.place(Shape::Patch(surface), to_world, &map, span, emission)?;
+                self.lay(Form::Own, to_world);
+            }
+            // It has no surface, so nothing of it is seen.
+            Described::Curve(_) => {}
         }
         if let (Some((texture, scale)), false) = (shine.glow, matches!(shape, Described::Mesh { .. })) {
             self.builder.glow(texture, scale);
@@ -145,6 +165,16 @@ impl Resolver<'_> {
         SceneError::at(self.source, span, message, "here", help)
     }
 
+    fn refuse_spline(&self, span: Span, error: &SplineError) -> SceneError {
+        let help = match error {
+            SplineError::Degree(_) => "join curves of lower degree, or use a B-spline",
+            SplineError::TooLarge => "choose units in which coordinates are below 1e100",
+            SplineError::NoArea => "move control points off the axis and away from each other, or leave it out",
+            _ => "give control points and knots that fit",
+        };
+        self.refuse(span, &error.to_string(), help)
+    }
+
     /// Adds a mesh that is shared, or that moves.
     pub(super) fn place_instance(
         &mut self,
@@ -184,4 +214,13 @@ impl Resolver<'_> {
         let triangles: Vec<[u32; 3]> = triangles.iter().copied().map(turned).collect();
         self.builder.mesh(&positions, &normals, &triangles, self.material, emission);
     }
+}
+
+fn revolution(profile: &Curve) -> Result<Revolution, SplineError> {
+    let basis = match profile.basis {
+        CurveBasis::Bezier => Basis::bezier(profile.controls.len()),
+        CurveBasis::Bspline => Basis::uniform(3, profile.controls.len()),
+    }?;
+    let controls: Vec<DVec2> = profile.controls.iter().map(|c| c.truncate()).collect();
+    Revolution::new(&basis, &controls)
 }

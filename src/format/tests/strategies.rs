@@ -1,6 +1,6 @@
 //! Descriptions for proptest, of all that the language can say.
 
-use glam::{DMat4, DVec2, DVec3};
+use glam::{DMat4, DVec2, DVec3, DVec4};
 use proptest::collection::vec;
 use proptest::option;
 use proptest::prelude::*;
@@ -293,6 +293,17 @@ fn curve() -> impl Strategy<Value = Curve> {
     })
 }
 
+fn weighed() -> impl Strategy<Value = DVec4> {
+    (point(), prop_oneof![Just(1.0), positive()]).prop_filter_map("no weight", |(p, w)| (w > 0.0).then(|| p.extend(w)))
+}
+
+fn knots(count: usize) -> impl Strategy<Value = Vec<f64>> {
+    vec(finite(), count).prop_map(|mut knots| {
+        knots.sort_by(f64::total_cmp);
+        knots
+    })
+}
+
 fn shape() -> impl Strategy<Value = Shape> {
     prop_oneof![
         (point(), positive()).prop_map(|(center, radius)| Shape::Sphere { center, radius }),
@@ -302,7 +313,7 @@ fn shape() -> impl Strategy<Value = Shape> {
         (
             [point(), point(), point()],
             option::of([direction(), direction(), direction()]),
-            option::of([pair(), pair(), pair()])
+            option::of([pair(), pair(), pair()].prop_map(Box::new))
         )
             .prop_map(|(vertices, normals, uv)| Shape::Triangle { vertices, normals, uv }),
         (mesh_path(), any::<bool>(), any::<bool>(), option::of(0.0..=180.0)).prop_map(
@@ -313,6 +324,13 @@ fn shape() -> impl Strategy<Value = Shape> {
         ),
         curve().prop_map(|profile| Shape::Revolution { profile }),
         curve().prop_map(Shape::Curve),
+        (vec(weighed(), 8), any::<bool>()).prop_map(|(controls, once)| {
+            if once { Shape::Patches { degree: [3, 1], controls } } else { Shape::Patches { degree: [1, 1], controls } }
+        }),
+        (vec(weighed(), 12), option::of(knots(6)), option::of(knots(6))).prop_map(|(controls, u, v)| {
+            let knots = [u.unwrap_or_default(), v.unwrap_or_default()];
+            Shape::Nurbs { degree: [2, 1], count: [3, 4], knots, controls }
+        }),
     ]
 }
 
