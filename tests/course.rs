@@ -3,6 +3,7 @@
 use caustica::format::SceneFile;
 use caustica::image::{self, Curve, Image, RgbBytes, ToneMap, WriteOptions};
 use caustica::integrate::{Algorithm, Settings, Silent};
+use caustica::scene::Scene;
 use std::path::{Path, PathBuf};
 
 fn course() -> Option<PathBuf> {
@@ -15,9 +16,12 @@ fn course() -> Option<PathBuf> {
 }
 
 fn ray_cast(scene: &Path) -> RgbBytes {
-    let scene = SceneFile::read(scene).unwrap().resolve().unwrap();
+    show(&SceneFile::read(scene).unwrap().resolve().unwrap())
+}
+
+fn show(scene: &Scene) -> RgbBytes {
     let (width, height) = scene.camera().size();
-    let integrator = Algorithm::Raycast.prepare(&scene, Settings::default());
+    let integrator = Algorithm::Raycast.prepare(scene, Settings::default());
     let picture = Image::from_pixels(width, height, integrator.pass(0, &Silent).image).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.png");
@@ -51,5 +55,26 @@ fn scenes_01_to_07_match_the_expected_pictures() {
         let theirs = image::read_bytes(&course.join(format!("expected/{}.png", &scene[..7]))).unwrap();
         let n = strays(&ours, &theirs);
         assert!(n <= allowed, "{scene}: {n} pixels differ by more than one level");
+    }
+}
+
+/// Curves have no surface; what is turned has one, and faces the camera.
+#[test]
+fn scenes_08_to_10_show_surfaces_of_revolution() {
+    let Some(course) = course() else { return };
+    let background = |name: &str| {
+        let picture = ray_cast(&course.join(format!("testcases/{name}.txt")));
+        let corner = picture.pixels()[0];
+        let lit = picture.pixels().iter().filter(|p| p.iter().zip(corner).any(|(p, c)| *p > c)).count();
+        let same = picture.pixels().iter().filter(|p| **p == corner).count();
+        (same, lit, picture.pixels().len())
+    };
+    let (same, _, all) = background("scene08_core");
+    assert_eq!(same, all);
+    for (name, seen) in [("scene09_norm", 0.2..0.4), ("scene10_wineglass", 0.15..0.3)] {
+        let (same, lit, all) = background(name);
+        let share = (all - same) as f64 / all as f64;
+        assert!(seen.contains(&share), "{name}: {share}");
+        assert!(lit * 10 > (all - same) * 9, "{name}: {lit} of {}", all - same);
     }
 }

@@ -1,7 +1,7 @@
 //! What the pages say is true: their commands run, their scenes render, their tables agree with the program.
 
 use caustica::cli::{Arguments, Command, Exit};
-use caustica::format::description::{Group, Item, Object, Shape};
+use caustica::format::mesh::{self, MeshFormat};
 use caustica::format::{Source, parse, resolve};
 use caustica::image::{self, Image, WriteOptions};
 use caustica::integrate::{Algorithm, Settings, Silent};
@@ -110,6 +110,7 @@ fn perform(page: &str, line: &[String], folder: &Path) {
                 shrink(&mut arguments, study.method.caustic_photons.is_some());
                 (Some(&study.scene.scene), study.output.iter().collect())
             }
+            Some(Command::Mesh(mesh)) => (Some(&mesh.mesh), mesh.output.iter().collect()),
             None => (None, Vec::new()),
         };
         if let Some(scene) = scene.and_then(Path::to_str) {
@@ -201,12 +202,17 @@ fn table(section: &str) -> Vec<Vec<String>> {
 
 #[test]
 fn the_page_lists_every_flag_with_its_default() {
-    let command = Arguments::command();
-    let render = command.find_subcommand("render").unwrap();
-    let rows = table("Flags");
+    flags_are_listed("render", "Flags");
+    flags_are_listed("mesh", "Mesh");
+}
+
+fn flags_are_listed(command: &str, section: &str) {
+    let arguments = Arguments::command();
+    let command = arguments.find_subcommand(command).unwrap();
+    let rows = table(section);
     let bare = |text: &str| text.replace('`', "");
     let mut known = BTreeSet::new();
-    for argument in render.get_arguments().filter(|a| a.get_id() != "help") {
+    for argument in command.get_arguments().filter(|a| a.get_id() != "help") {
         let Some(long) = argument.get_long() else { continue };
         known.insert(format!("--{long}"));
         let mut first = argument.get_short().map_or(String::new(), |c| format!("`-{c}`, "));
@@ -262,25 +268,6 @@ fn links_between_pages_lead_somewhere() {
     }
 }
 
-/// Leaves out what has no surface or cannot be rendered yet; the resolver's own tests see to their errors.
-fn prune(group: &mut Group) {
-    group.items.retain_mut(|item| match item {
-        Item::Object(object) => keeps(&mut object.value),
-        Item::MaterialIndex(_) | Item::MaterialName(_) => true,
-    });
-}
-
-fn keeps(object: &mut Object) -> bool {
-    match object {
-        Object::Group(group) => {
-            prune(group);
-            true
-        }
-        Object::Transform { object, .. } | Object::Moving { object, .. } => keeps(&mut object.value),
-        Object::Shape { shape, .. } => !matches!(shape, Shape::Curve(_) | Shape::Revolution { .. }),
-    }
-}
-
 #[test]
 fn the_scenes_of_the_language_page_render() {
     let page = std::fs::read_to_string(root().join("docs/scene-language.md")).unwrap();
@@ -289,12 +276,18 @@ fn the_scenes_of_the_language_page_render() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::create_dir(folder.path().join("mesh")).unwrap();
     std::fs::write(folder.path().join("mesh/cube.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    let faces = "v -.4 0 0\nv .4 0 0\nv 0 .8 0\nv 0 .4 .6\n";
+    let parts = "mtllib faces.mtl\nusemtl lamp\nf 1 2 4\nusemtl matt\nf 2 3 4\nusemtl mirror\nf 3 1 4\n";
+    std::fs::write(folder.path().join("mesh/faces.obj"), format!("{faces}{parts}")).unwrap();
+    let mtl = "newmtl lamp\nKe 4 4 3\nnewmtl matt\nKd .8 .2 .1\nillum 1\nnewmtl mirror\nKd 0\nKs .9\nillum 3\n";
+    std::fs::write(folder.path().join("mesh/faces.mtl"), mtl).unwrap();
+    let converted = mesh::load(&folder.path().join("mesh/faces.obj"), &()).unwrap().mesh;
+    converted.write(&folder.path().join("mesh/faces.ply"), MeshFormat::Ply, &[]).unwrap();
     std::fs::create_dir(folder.path().join("textures")).unwrap();
     let gray = Image::from_pixels(2, 2, vec![glam::Vec3::splat(0.5); 4]).unwrap();
     image::write(&folder.path().join("textures/tile.png"), &gray, &WriteOptions::default()).unwrap();
     for (i, text) in scenes.iter().enumerate() {
         let mut description = parse("scene-language.md", text).unwrap();
-        prune(&mut description.root);
         (description.camera.value.width, description.camera.value.height) = (32, 24);
         let scene = resolve(&description, &Source::new("scene-language.md", text), folder.path()).unwrap();
         let ray_cast = Algorithm::Raycast.prepare(&scene, Settings::default());

@@ -106,9 +106,13 @@ impl LightBounds {
 /// Box and normals.
 fn surface(emitter: &Emitter) -> (Bounds, Cone) {
     match emitter {
-        Emitter::Shape(shape @ (Shape::Sphere(_) | Shape::Ellipsoid(_) | Shape::Instance(_))) => {
-            (shape.bounds(), Cone::ALL)
-        }
+        Emitter::Shape(
+            shape @ (Shape::Sphere(_)
+            | Shape::Ellipsoid(_)
+            | Shape::Instance(_)
+            | Shape::Revolution(_)
+            | Shape::Patch(_)),
+        ) => (shape.bounds(), Cone::ALL),
         Emitter::Shape(shape @ (Shape::Disc(_) | Shape::Rectangle(_))) => {
             let axis = shape.sample(Vec2::splat(0.5)).point.ng.as_dvec3();
             (shape.bounds(), Cone { axis, angle: NORMAL_ERROR })

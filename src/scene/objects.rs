@@ -31,7 +31,11 @@ impl Scene {
                     let middle = shape.sample(Vec2::splat(0.5)).point;
                     Some((middle.p, middle.ng))
                 }
-                Shape::Sphere(_) | Shape::Ellipsoid(_) | Shape::Instance(_) => None,
+                Shape::Sphere(_)
+                | Shape::Ellipsoid(_)
+                | Shape::Instance(_)
+                | Shape::Revolution(_)
+                | Shape::Patch(_) => None,
             },
             material: attributes.material,
             glows: self.glows(attributes),

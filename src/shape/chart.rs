@@ -1,7 +1,7 @@
 //! How texture coordinates lie on surfaces.
 
 use crate::math::Transform;
-use glam::{DVec2, DVec3, Vec3};
+use glam::{DVec2, DVec3, Vec2, Vec3};
 use std::f64::consts::{FRAC_1_PI, TAU};
 
 /// Coordinates at a point of a surface.
@@ -13,6 +13,17 @@ pub struct Mapped {
     pub du: DVec3,
     /// The same of v.
     pub dv: DVec3,
+}
+
+impl Mapped {
+    /// Coordinates with the derivatives of a point of the surface by them.
+    #[must_use]
+    pub(super) fn of(uv: Vec2, along_u: DVec3, along_v: DVec3) -> Self {
+        let cross = along_u.cross(along_v);
+        // Where an edge has collapsed, coordinates turn without bounds.
+        let n2 = cross.length_squared().max(f64::MIN_POSITIVE);
+        Self { uv: uv.as_dvec2(), du: along_v.cross(cross) / n2, dv: cross.cross(along_u) / n2 }
+    }
 }
 
 /// What coordinates follow, in the space of an object.

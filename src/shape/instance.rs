@@ -136,7 +136,7 @@ impl Instance {
         let rounded = (own.error + own.p.abs() * f32::EPSILON).as_dvec3();
         let carried = m.x_axis.abs() * rounded.x + m.y_axis.abs() * rounded.y + m.z_axis.abs() * rounded.z;
         let error = p.abs() * f32::EPSILON + carried.as_vec3();
-        SurfacePoint { p, error, ng: if ng.dot(ns) < 0.0 { -ng } else { ng }, ns }
+        SurfacePoint { p, error, ng: if ng.dot(ns) < 0.0 { -ng } else { ng }, ns, uv: b }
     }
 
     pub(super) fn extent(&self) -> (DVec3, DVec3) {

@@ -50,7 +50,13 @@ impl Mesh {
         }
         // The f32 triangle test rounds corners relative to the ray's origin: its error is in ulps of the triangle's size.
         let size = e1.abs().max(e2.abs()).max_element() as f32;
-        SurfacePoint { p, error: p.abs() * f32::EPSILON + Vec3::splat(size * (4.0 * f32::EPSILON)), ng, ns }
+        SurfacePoint {
+            p,
+            error: p.abs() * f32::EPSILON + Vec3::splat(size * (4.0 * f32::EPSILON)),
+            ng,
+            ns,
+            uv: b.as_vec2(),
+        }
     }
 
     /// Texture coordinates of triangle `i` at barycentric weights `b`; where the mesh has none, or the triangle no area, nothing grows.

@@ -5,6 +5,7 @@ mod disc;
 mod ellipsoid;
 mod instance;
 mod mesh;
+pub mod parametric;
 mod plane;
 mod rectangle;
 mod sphere;
@@ -17,6 +18,8 @@ pub use mesh::{Mesh, Triangle};
 pub use plane::Plane;
 pub use rectangle::Rectangle;
 pub use sphere::Sphere;
+
+pub use parametric::{Patch, Revolution};
 
 use crate::math::{Bounds, Ray, Transform};
 use glam::{DVec3, Vec2, Vec3};
@@ -35,6 +38,8 @@ pub struct SurfacePoint {
     pub ng: Vec3,
     /// Shading unit normal, in the same half space as `ng`.
     pub ns: Vec3,
+    /// The coordinates of the point that its shape gave it.
+    pub uv: Vec2,
 }
 
 impl SurfacePoint {
@@ -43,7 +48,7 @@ impl SurfacePoint {
     fn exact(p: DVec3, normal: DVec3, scale: f64) -> Self {
         let ng = normal.as_vec3();
         let rounded = p.as_vec3();
-        Self { p: rounded, error: rounding_error(rounded, scale), ng, ns: ng }
+        Self { p: rounded, error: rounding_error(rounded, scale), ng, ns: ng, uv: Vec2::ZERO }
     }
 }
 
@@ -77,6 +82,10 @@ pub enum Shape {
     Rectangle(Rectangle),
     /// A mesh that is placed by a map.
     Instance(Instance),
+    /// A profile turned about an axis.
+    Revolution(Revolution),
+    /// A tensor-product surface.
+    Patch(Patch),
 }
 
 macro_rules! each {
@@ -87,6 +96,8 @@ macro_rules! each {
             Shape::Disc($s) => $e,
             Shape::Rectangle($s) => $e,
             Shape::Instance($s) => $e,
+            Shape::Revolution($s) => $e,
+            Shape::Patch($s) => $e,
         }
     };
 }
@@ -118,6 +129,8 @@ impl Shape {
             Self::Ellipsoid(s) => s.surface(ray, t),
             Self::Disc(s) => s.surface(ray, t),
             Self::Rectangle(s) => s.surface(ray, t),
+            Self::Revolution(s) => s.surface(ray, t, uv),
+            Self::Patch(s) => s.surface(ray, uv),
             Self::Instance(s) => s.surface(ray, uv.x),
         }
     }
@@ -127,6 +140,8 @@ impl Shape {
     pub fn mapped(&self, p: Vec3, uv: Vec2) -> Mapped {
         match self {
             Self::Instance(s) => s.mapped(p, uv.x),
+            Self::Revolution(s) => s.mapped(p, uv),
+            Self::Patch(s) => s.mapped(uv),
             _ => Mapped { uv: uv.as_dvec2(), ..Mapped::default() },
         }
     }
@@ -153,6 +168,8 @@ impl Shape {
             Self::Disc(s) => Self::Disc(s.translated(by)),
             Self::Rectangle(s) => Self::Rectangle(s.translated(by)),
             Self::Instance(s) => Self::Instance(s.translated(by)),
+            Self::Revolution(s) => Self::Revolution(s.translated(by)),
+            Self::Patch(s) => Self::Patch(s.translated(by)),
         }
     }
 
@@ -168,6 +185,8 @@ impl Shape {
             Self::Disc(s) => Self::Disc(s.transformed(map)),
             Self::Rectangle(s) => Self::Rectangle(s.transformed(map)),
             Self::Instance(s) => Self::Instance(s.transformed(map)?),
+            Self::Revolution(s) => Self::Revolution(s.transformed(map)?),
+            Self::Patch(s) => Self::Patch(s.transformed(map)?),
         })
     }
 
@@ -189,6 +208,8 @@ impl Shape {
     pub fn pdf(&self, point: &SurfacePoint) -> f32 {
         match self {
             Self::Ellipsoid(s) => s.pdf(point.ng.as_dvec3()),
+            Self::Revolution(s) => s.pdf(point),
+            Self::Patch(s) => s.pdf(point),
             uniform => (1.0 / uniform.area()) as f32,
         }
     }

@@ -9,7 +9,7 @@ mod textures;
 
 use std::ops::Deref;
 
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, DVec4};
 
 pub use super::map::Map;
 pub use lights::{AreaStrength, DirectionalStrength, EnvironmentRadiance, Light, PointStrength};
@@ -250,6 +250,8 @@ pub enum Shape {
     Mesh {
         /// As written: not empty, no line breaks.
         path: Spanned<String>,
+        /// How the file is used.
+        options: MeshOptions,
     },
     /// The points (x cos θ, y, x sin θ) of a profile (x, y).
     Revolution {
@@ -258,6 +260,35 @@ pub enum Shape {
     },
     /// A curve by itself, which has no surface.
     Curve(Curve),
+    /// Bézier patches of the same degrees, one after the other.
+    Patches {
+        /// Along u and v, each from 1 to [`MAX_DEGREE`](crate::shape::parametric::MAX_DEGREE).
+        degree: [u32; 2],
+        /// Of each patch (degree u + 1) · (degree v + 1) points with weights, those along v one after the other.
+        controls: Vec<DVec4>,
+    },
+    /// A B-spline surface with weights.
+    Nurbs {
+        /// Along u and v, each from 1 to [`MAX_DEGREE`](crate::shape::parametric::MAX_DEGREE).
+        degree: [u32; 2],
+        /// Number of control points along u and v, each above the degree.
+        count: [u32; 2],
+        /// Each count + degree + 1 numbers that do not decrease, or none: uniform.
+        knots: [Vec<f64>; 2],
+        /// Points with weights, those along v one after the other.
+        controls: Vec<DVec4>,
+    },
+}
+
+/// How the file of a mesh is used. By default as the course has it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MeshOptions {
+    /// Whether its faces are made of the file's own materials rather than of the scene's.
+    pub own_materials: bool,
+    /// Whether the file's normals are left out.
+    pub no_normals: bool,
+    /// The largest angle in degrees, inside [0, 180], between faces that are smoothed where normals are missing.
+    pub smooth_angle: Option<f64>,
 }
 
 /// A polynomial curve.

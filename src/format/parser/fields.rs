@@ -1,6 +1,6 @@
 //! Blocks of named fields in any order.
 
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, DVec4};
 
 use super::super::description::{Curve, CurveBasis, Emission, Map, Span, Spanned, Value as Textured};
 use super::super::error::SceneError;
@@ -28,6 +28,10 @@ pub(super) enum Kind {
     Curve,
     /// Points in brackets.
     Controls,
+    /// Points in brackets, which may have a weight.
+    Net,
+    /// Any number of numbers.
+    Numbers,
     /// Maps in braces.
     Maps,
 }
@@ -41,6 +45,8 @@ struct Value {
     maps: Vec<Map>,
     basis: CurveBasis,
     controls: Vec<DVec3>,
+    net: Vec<DVec4>,
+    list: Vec<f64>,
 }
 
 /// The fields of a block that has been read to its end.
@@ -122,6 +128,19 @@ impl<'a> Parser<'a> {
                 value.controls = self.controls(word)?;
                 word.span()
             }
+            Kind::Net => {
+                value.net = self.net(word)?;
+                word.span()
+            }
+            Kind::Numbers => {
+                let mut end = word.span();
+                while !{ self.lexer }.number().is_end() {
+                    let read = self.numbers::<1>(word)?;
+                    value.list.push(read.value[0]);
+                    end = read.span;
+                }
+                Span { start: word.start, len: end.start + end.len - word.start }
+            }
         };
         Ok(Spanned::new(value, span))
     }
@@ -171,6 +190,30 @@ impl<'a> Parser<'a> {
             self.punctuation("]")?;
         }
         Ok(controls)
+    }
+}
+
+impl<'a> Parser<'a> {
+    /// Points of three numbers and a weight, which is 1 where it is left out.
+    fn net(&mut self, word: Token<'a>) -> Result<Vec<DVec4>, SceneError> {
+        let mut net = Vec::new();
+        while self.lexer.peek().text == "[" {
+            self.punctuation("[")?;
+            let point = DVec3::from_array(self.numbers(word)?.value);
+            let mut weight = 1.0;
+            if self.lexer.peek().text != "]" {
+                let read = self.numbers::<1>(word)?;
+                weight = read.value[0];
+                if weight <= 0.0 {
+                    let message = format!("the weight of a point of `{}` cannot be `{weight}`", word.text);
+                    let help = "weights are above 0; write `[ x y z ]` or `[ x y z weight ]`".to_owned();
+                    return Err(self.lexer.error(read.span, message, "not allowed", help));
+                }
+            }
+            self.punctuation("]")?;
+            net.push(point.extend(weight));
+        }
+        Ok(net)
     }
 }
 
@@ -285,6 +328,16 @@ impl<'a> Found<'_, 'a> {
         };
         self.ensure(controls.len() >= fewest, rule)?;
         Ok(Curve { basis, controls })
+    }
+
+    /// The points of a net.
+    pub fn net(&self) -> &[DVec4] {
+        &self.value.net
+    }
+
+    /// Numbers in a row.
+    pub fn list(&self) -> &[f64] {
+        &self.value.list
     }
 
     /// An error at the value unless `ok`; `rule` goes on from the field's name and says what would be right.

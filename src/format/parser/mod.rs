@@ -9,6 +9,7 @@ mod maps;
 mod materials;
 mod objects;
 mod suggest;
+mod surfaces;
 #[cfg(test)]
 mod tests;
 mod textures;

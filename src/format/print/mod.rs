@@ -6,7 +6,7 @@ mod textures;
 
 use std::fmt::{Display, Formatter, Result};
 
-use glam::DVec3;
+use glam::{DVec3, DVec4};
 
 use super::description::{
     Aim, Camera, Curve, CurveBasis, Description, Focus, Group, Item, Lens, Map, Object, Opening, Projection, Shape,
@@ -213,9 +213,17 @@ impl Printer<'_, '_> {
                     self.pair(&format!("uv{i}"), *uv)?;
                 }
             }
-            Shape::Mesh { path } => {
+            Shape::Mesh { path, options } => {
                 self.open("TriangleMesh")?;
-                self.field("obj_file", Name(path))?;
+                let ply = path.to_ascii_lowercase().ends_with(".ply");
+                self.field(if ply { "file" } else { "obj_file" }, Name(path))?;
+                if options.own_materials {
+                    self.field("materials", "file")?;
+                }
+                if options.no_normals {
+                    self.field("normals", "none")?;
+                }
+                options.smooth_angle.map_or(Ok(()), |angle| self.number("smoothAngle", angle))?;
             }
             Shape::Revolution { profile } => {
                 self.open("RevSurface")?;
@@ -223,6 +231,21 @@ impl Printer<'_, '_> {
                 self.close()?;
             }
             Shape::Curve(curve) => self.curve("", curve)?,
+            Shape::Patches { degree, controls } => {
+                self.open("BezierPatch")?;
+                self.degrees(degree)?;
+                self.net(controls)?;
+            }
+            Shape::Nurbs { degree, count, knots, controls } => {
+                self.open("NurbsSurface")?;
+                self.degrees(degree)?;
+                self.field("countU", count[0])?;
+                self.field("countV", count[1])?;
+                for (name, knots) in ["knotsU", "knotsV"].into_iter().zip(knots).filter(|(_, k)| !k.is_empty()) {
+                    self.field(name, Numbers(knots))?;
+                }
+                self.net(controls)?;
+            }
         }
         self.optional("emission", emission)?;
         self.close()
@@ -243,6 +266,20 @@ impl Printer<'_, '_> {
         self.open(format_args!("{before}{keyword}"))?;
         self.line("controls")?;
         curve.controls.iter().try_for_each(|point| self.line(format_args!("    [ {} ]", Numbers(&point.to_array()))))
+    }
+}
+
+impl Printer<'_, '_> {
+    fn degrees(&mut self, degree: &[u32; 2]) -> Result {
+        self.field("degreeU", degree[0])?;
+        self.field("degreeV", degree[1])
+    }
+
+    /// Points, with their weights unless all are 1.
+    fn net(&mut self, controls: &[DVec4]) -> Result {
+        self.line("controls")?;
+        let numbers = if controls.iter().all(|c| c.w == 1.0) { 3 } else { 4 };
+        controls.iter().try_for_each(|c| self.line(format_args!("    [ {} ]", Numbers(&c.to_array()[..numbers]))))
     }
 }
 

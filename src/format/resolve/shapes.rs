@@ -1,17 +1,15 @@
 //! Shapes of the description, in world space.
 
 use super::Resolver;
+use super::meshes::{Placing, Shine};
 use crate::color::Rgb;
 use crate::format::SceneError;
-use crate::format::description::{Shape as Described, Span};
+use crate::format::description::{Curve, CurveBasis, Shape as Described, Span};
 use crate::math::{Motion, Transform};
-use crate::shape::{Disc, Form, IndexedMesh, Instance, Mesh, Plane, Rectangle, Shape, Sphere};
+use crate::shape::parametric::{Basis, SplineError};
+use crate::shape::{Disc, Form, IndexedMesh, Instance, Mesh, Patch, Plane, Rectangle, Revolution, Shape, Sphere};
 use glam::{DVec2, DVec3, Vec3};
-use std::rc::Rc;
 use std::sync::Arc;
-
-/// Copies of a mesh share its triangles where that saves so many.
-const WORTH_SHARING: usize = 50_000;
 
 /// A mesh around its own middle.
 pub(super) struct Instanced {
@@ -20,7 +18,7 @@ pub(super) struct Instanced {
 }
 
 impl Instanced {
-    fn new(
+    pub(super) fn new(
         positions: &[DVec3],
         normals: Option<&[DVec3]>,
         texcoords: Option<&[DVec2]>,
@@ -44,8 +42,9 @@ impl Resolver<'_> {
         shape: &Described,
         span: Span,
         to_world: &Motion,
-        emission: Rgb,
+        shine: &Shine,
     ) -> Result<(), SceneError> {
+        let emission = shine.radiance;
         let map = self.transform(to_world.at(0.0), span)?;
         let material = self.material;
         match shape {
@@ -87,32 +86,39 @@ impl Resolver<'_> {
                 }
                 self.lay(Form::Own, to_world);
             }
-            Described::Mesh { path } => {
-                let mesh = self.mesh(path)?;
-                let (normals, texcoords) = (mesh.normals.as_deref(), mesh.texcoords.as_deref());
-                self.check_coordinates(texcoords.is_some(), path)?;
-                let again = self.uses.get(path.as_str()).map_or(0, |n| n - 1);
-                let shared = emission == Rgb::ZERO && again * mesh.triangles.len() >= WORTH_SHARING;
-                if shared || !to_world.is_still() {
-                    let instance = self.instanced.entry(Rc::as_ptr(&mesh)).or_insert_with(|| {
-                        Rc::new(Instanced::new(&mesh.positions, normals, texcoords, &mesh.triangles))
-                    });
-                    let instance = Rc::clone(instance);
-                    self.place_instance(&instance, to_world, &map, span, emission)?;
-                } else {
-                    self.place_mesh(&map, &mesh.positions, normals, &mesh.triangles, emission);
-                    self.lay_corners(texcoords);
-                }
+            Described::Mesh { path, options } => {
+                self.mesh(&Placing { to_world, map: &map, span, shine }, path, *options)?;
+            }
+            Described::Revolution { profile } => {
+                let surface = revolution(profile).map_err(|e| self.refuse_spline(span, &e))?;
+                self.place(Shape::Revolution(surface), to_world, &map, span, emission)?;
                 self.lay(Form::Own, to_world);
             }
-            Described::Revolution { .. } => {
-                let help = "tessellate it into an OBJ mesh and use TriangleMesh";
-                return Err(self.refuse(span, "surfaces of revolution cannot be rendered yet", help));
+            Described::Patches { degree, controls } => {
+                let [u, v] = degree.map(|d| Basis::bezier(d as usize + 1));
+                let bases =
+                    [&u.map_err(|e| self.refuse_spline(span, &e))?, &v.map_err(|e| self.refuse_spline(span, &e))?];
+                for net in controls.chunks(bases[0].controls() * bases[1].controls()) {
+                    let patch = Patch::new(bases, net).map_err(|e| self.refuse_spline(span, &e))?;
+                    self.place(Shape::Patch(patch), to_world, &map, span, emission)?;
+                    self.lay(Form::Own, to_world);
+                }
             }
-            Described::Curve(_) => {
-                let help = "put it into a RevSurface as its profile, or leave it out";
-                return Err(self.refuse(span, "a curve by itself has no surface", help));
+            Described::Nurbs { degree, count, knots, controls } => {
+                let basis = |i: usize| match (degree[i] as usize, count[i] as usize) {
+                    (degree, count) if knots[i].is_empty() => Basis::uniform(degree, count),
+                    (degree, count) => Basis::new(degree, count, knots[i].clone()),
+                };
+                let surface = || Patch::new([&basis(0)?, &basis(1)?], controls);
+                let surface = surface().map_err(|e| self.refuse_spline(span, &e))?;
+                self.place(Shape::Patch(surface), to_world, &map, span, emission)?;
+                self.lay(Form::Own, to_world);
             }
+            // It has no surface, so nothing of it is seen.
+            Described::Curve(_) => {}
+        }
+        if let (Some((texture, scale)), false) = (shine.glow, matches!(shape, Described::Mesh { .. })) {
+            self.builder.glow(texture, scale);
         }
         Ok(())
     }
@@ -142,14 +148,14 @@ impl Resolver<'_> {
     }
 
     /// Lays texture coordinates on the object that was added last, if it wears textures.
-    fn lay(&mut self, form: Form, to_world: &Motion) {
+    pub(super) fn lay(&mut self, form: Form, to_world: &Motion) {
         if self.is_textured() {
             self.builder.chart(form, to_world);
         }
     }
 
     /// Gives the corners of the mesh that was added last their texture coordinates, if it wears textures.
-    fn lay_corners(&mut self, texcoords: Option<&[DVec2]>) {
+    pub(super) fn lay_corners(&mut self, texcoords: Option<&[DVec2]>) {
         if let Some(texcoords) = texcoords.filter(|_| self.is_textured()) {
             self.builder.texcoords(texcoords);
         }
@@ -159,8 +165,18 @@ impl Resolver<'_> {
         SceneError::at(self.source, span, message, "here", help)
     }
 
+    fn refuse_spline(&self, span: Span, error: &SplineError) -> SceneError {
+        let help = match error {
+            SplineError::Degree(_) => "join curves of lower degree, or use a B-spline",
+            SplineError::TooLarge => "choose units in which coordinates are below 1e100",
+            SplineError::NoArea => "move control points off the axis and away from each other, or leave it out",
+            _ => "give control points and knots that fit",
+        };
+        self.refuse(span, &error.to_string(), help)
+    }
+
     /// Adds a mesh that is shared, or that moves.
-    fn place_instance(
+    pub(super) fn place_instance(
         &mut self,
         instanced: &Instanced,
         to_world: &Motion,
@@ -182,7 +198,7 @@ impl Resolver<'_> {
         self.place(shape, to_world, map, span, emission)
     }
 
-    fn place_mesh(
+    pub(super) fn place_mesh(
         &mut self,
         map: &Transform,
         positions: &[DVec3],
@@ -198,4 +214,13 @@ impl Resolver<'_> {
         let triangles: Vec<[u32; 3]> = triangles.iter().copied().map(turned).collect();
         self.builder.mesh(&positions, &normals, &triangles, self.material, emission);
     }
+}
+
+fn revolution(profile: &Curve) -> Result<Revolution, SplineError> {
+    let basis = match profile.basis {
+        CurveBasis::Bezier => Basis::bezier(profile.controls.len()),
+        CurveBasis::Bspline => Basis::uniform(3, profile.controls.len()),
+    }?;
+    let controls: Vec<DVec2> = profile.controls.iter().map(|c| c.truncate()).collect();
+    Revolution::new(&basis, &controls)
 }

@@ -36,7 +36,7 @@ fn course_scenes_parse_and_print_back() {
 fn the_reference_holds_whole_scenes() {
     let page = include_str!("../../../docs/scene-language.md");
     let scenes: Vec<&str> = page.split("```caustica\n").skip(1).filter_map(|part| part.split("```").next()).collect();
-    assert_eq!(scenes.len(), 8);
+    assert!(scenes.len() >= 8);
     for text in scenes {
         let d = parse("scene-language.md", text).unwrap();
         assert_eq!(parse("again", &d.to_string()).unwrap(), d);

@@ -1,6 +1,6 @@
 //! Descriptions for proptest, of all that the language can say.
 
-use glam::{DMat4, DVec2, DVec3};
+use glam::{DMat4, DVec2, DVec3, DVec4};
 use proptest::collection::vec;
 use proptest::option;
 use proptest::prelude::*;
@@ -293,6 +293,17 @@ fn curve() -> impl Strategy<Value = Curve> {
     })
 }
 
+fn weighed() -> impl Strategy<Value = DVec4> {
+    (point(), prop_oneof![Just(1.0), positive()]).prop_filter_map("no weight", |(p, w)| (w > 0.0).then(|| p.extend(w)))
+}
+
+fn knots(count: usize) -> impl Strategy<Value = Vec<f64>> {
+    vec(finite(), count).prop_map(|mut knots| {
+        knots.sort_by(f64::total_cmp);
+        knots
+    })
+}
+
 fn shape() -> impl Strategy<Value = Shape> {
     prop_oneof![
         (point(), positive()).prop_map(|(center, radius)| Shape::Sphere { center, radius }),
@@ -305,10 +316,26 @@ fn shape() -> impl Strategy<Value = Shape> {
             option::of([pair(), pair(), pair()].prop_map(Box::new))
         )
             .prop_map(|(vertices, normals, uv)| Shape::Triangle { vertices, normals, uv }),
-        name().prop_map(|path| Shape::Mesh { path: Spanned::new(path, Span::default()) }),
+        (mesh_path(), any::<bool>(), any::<bool>(), option::of(0.0..=180.0)).prop_map(
+            |(path, own_materials, no_normals, smooth_angle)| {
+                let options = MeshOptions { own_materials, no_normals, smooth_angle };
+                Shape::Mesh { path: spanned(path), options }
+            }
+        ),
         curve().prop_map(|profile| Shape::Revolution { profile }),
         curve().prop_map(Shape::Curve),
+        (vec(weighed(), 8), any::<bool>()).prop_map(|(controls, once)| {
+            if once { Shape::Patches { degree: [3, 1], controls } } else { Shape::Patches { degree: [1, 1], controls } }
+        }),
+        (vec(weighed(), 12), option::of(knots(6)), option::of(knots(6))).prop_map(|(controls, u, v)| {
+            let knots = [u.unwrap_or_default(), v.unwrap_or_default()];
+            Shape::Nurbs { degree: [2, 1], count: [3, 4], knots, controls }
+        }),
     ]
+}
+
+fn mesh_path() -> impl Strategy<Value = String> {
+    (name(), any::<bool>()).prop_map(|(name, ply)| if ply { name + ".ply" } else { name })
 }
 
 fn map() -> impl Strategy<Value = Map> {

@@ -1,6 +1,7 @@
 //! Scenes as they resolve: seen by rays, in the coordinates of their files.
 
 mod materials;
+mod meshes;
 mod textures;
 
 use super::super::parse;
@@ -165,13 +166,14 @@ fn an_object_s_emission_takes_the_place_of_its_material_s() {
 
 #[test]
 fn what_cannot_be_rendered_is_refused_with_its_place() {
-    let curve = "BezierCurve { controls [ 1 0 0 ] [ 1 1 0 ] }";
+    let axis = "BezierCurve { controls [ 0 0 0 ] [ 0 1 0 ] }";
+    let long = format!("BezierCurve {{ controls {} }}", "[ 1 0 0 ] [ 1 1 0 ]".repeat(15));
     let glowing = "Materials { Diffuse a { reflectance 0 0 0 emission 1 1 1 } }";
     for (text, offending, message) in [
         ("Group {\nPlane { normal 0 1 0 offset 0 emission 0 0 1 } }".to_owned(), "Plane", "cannot emit"),
         (format!("{glowing} Group {{\nPlane {{ normal 0 1 0 offset 0 }} }}"), "Plane", "cannot emit"),
-        (format!("Group {{\n{curve} }}"), "BezierCurve", "no surface"),
-        (format!("Group {{\nRevSurface {{ profile {curve} }} }}"), "RevSurface", "revolution"),
+        (format!("Group {{\nRevSurface {{ profile {axis} }} }}"), "RevSurface", "no area"),
+        (format!("Group {{\nRevSurface {{ profile {long} }} }}"), "RevSurface", "the degree is 29"),
     ] {
         let error = refusal(&text);
         assert_eq!((error.line(), error.column(), error.text()), (3, 1, offending), "{error}");
@@ -179,6 +181,20 @@ fn what_cannot_be_rendered_is_refused_with_its_place() {
     }
     let error = refusal("Group { Sphere { center 0 0 0 radius 1e300 } }");
     assert!(error.message().contains("single precision") && !error.remedy().is_empty(), "{error}");
+}
+
+#[test]
+fn profiles_are_turned_and_curves_are_not_seen() {
+    let curve = "BezierCurve { controls [ 2 -1 7 ] [ 2 1 7 ] }";
+    assert_eq!(scene(&format!("Group {{ {curve} }}")).shape_count(), 0);
+    let turned = format!("Transform {{ Translate 1 0 0 ZRotate 90 RevSurface {{ profile {curve} }} }}");
+    let scene = scene(&format!("Group {{ {turned} }}"));
+    let (surface, p) = look(&scene, dvec3(1.0, 0.0, 5.0), Vec3::NEG_Z).unwrap();
+    assert!(
+        (p.z - 2.0).abs() < 1e-6 && (surface.point.ng - Vec3::Z).length() < 1e-6,
+        "a profile that goes up faces outward"
+    );
+    assert!(look(&scene, dvec3(3.0, 0.0, 5.0), Vec3::NEG_Z).is_none());
 }
 
 #[test]

@@ -1,0 +1,105 @@
+//! Rays as a surface of revolution sees them: height and distance from the axis.
+
+use glam::DVec3;
+
+/// Squared sine of the angle to the axis from which on a distance from the axis bounds the ray's parameter well.
+const SLANT: f64 = 1e-2;
+
+/// A stretch of a ray; empty unless `lo <= hi`.
+#[derive(Clone, Copy, Debug)]
+pub struct Interval {
+    pub lo: f64,
+    pub hi: f64,
+}
+
+impl Interval {
+    pub fn is_empty(self) -> bool {
+        !(self.lo <= self.hi)
+    }
+}
+
+/// A line whose parameter τ is length, counted from where it passes the middle of the surface.
+///
+/// In the plane of profiles it is the convex curve ρ(τ) = |(x, z)|, y(τ): neither rays at right angles to the axis nor rays along it
+/// are special.
+#[derive(Clone, Copy, Debug)]
+pub struct AxisRay {
+    pub base: DVec3,
+    /// Unit.
+    pub direction: DVec3,
+    /// Squared distance from the axis: `squares[0] + 2·squares[1]·τ + squares[2]·τ²`.
+    pub squares: [f64; 3],
+    /// Where it is nearest to the axis; not finite for rays along it.
+    pub nearest: f64,
+    /// Squared distance there.
+    pub least: f64,
+}
+
+impl AxisRay {
+    pub fn new(base: DVec3, direction: DVec3) -> Self {
+        let DVec3 { x, z, .. } = base;
+        let slant2 = direction.x * direction.x + direction.z * direction.z;
+        let along = x * direction.x + z * direction.z;
+        let across = x * direction.z - z * direction.x;
+        Self {
+            base,
+            direction,
+            squares: [x * x + z * z, along, slant2],
+            nearest: -along / slant2,
+            least: across * across / slant2,
+        }
+    }
+
+    /// Distance from the axis and its derivative, which is 0 on the axis itself, where it has a kink.
+    #[inline]
+    pub fn radius(&self, t: f64) -> (f64, f64) {
+        let (x, z) = (self.base.x + t * self.direction.x, self.base.z + t * self.direction.z);
+        let radius = (x * x + z * z).sqrt();
+        let slope = if radius > 0.0 { (x * self.direction.x + z * self.direction.z) / radius } else { 0.0 };
+        (radius, slope)
+    }
+
+    #[inline]
+    pub fn height(&self, t: f64) -> f64 {
+        self.base.y + t * self.direction.y
+    }
+
+    /// Where within `t` the line may be at a distance within `x` and a height within `y`: at most two stretches.
+    #[inline]
+    pub fn clip(&self, x: [f64; 2], y: [f64; 2], t: Interval, margin: f64) -> [Interval; 2] {
+        const NOWHERE: Interval = Interval { lo: 1.0, hi: 0.0 };
+        let Interval { mut lo, mut hi } = t;
+        let (below, above) = (y[0] - margin - self.base.y, y[1] + margin - self.base.y);
+        if self.direction.y == 0.0 {
+            if below > 0.0 || above < 0.0 {
+                return [NOWHERE; 2];
+            }
+        } else {
+            let (a, b) = (below / self.direction.y, above / self.direction.y);
+            lo = lo.max(a.min(b));
+            hi = hi.min(a.max(b));
+        }
+        let [inner, outer] = [x[0] - margin, x[1] + margin];
+        let slant2 = self.squares[2];
+        if slant2 < SLANT {
+            // The distance changes by less than the length of the stretch: its middle tells enough.
+            let (middle, half) = (0.5 * (lo + hi), 0.5 * (hi - lo));
+            let radius = self.radius(middle).0;
+            let reach = half * slant2.sqrt() + margin;
+            let away = radius - reach > outer || radius + reach < inner;
+            return [if away { NOWHERE } else { Interval { lo, hi } }, NOWHERE];
+        }
+        let shell = outer * outer - self.least;
+        if shell < 0.0 || outer < 0.0 {
+            return [NOWHERE; 2];
+        }
+        let reach = (shell / slant2).sqrt() + margin;
+        (lo, hi) = (lo.max(self.nearest - reach), hi.min(self.nearest + reach));
+        let core = inner * inner - self.least;
+        if inner <= 0.0 || core <= 0.0 {
+            return [Interval { lo, hi }, NOWHERE];
+        }
+        let gap = (core / slant2).sqrt() - margin;
+        [Interval { lo, hi: hi.min(self.nearest - gap) }, Interval { lo: lo.max(self.nearest + gap), hi }]
+    }
+}

@@ -1,0 +1,148 @@
+//! A tree of boxes, eight at a node.
+
+use glam::DVec3;
+
+const WIDTH: usize = 8;
+
+/// Marks a child as a leaf.
+const LEAF: u32 = 1 << 31;
+
+#[derive(Debug)]
+struct Node {
+    /// Lower and upper bounds along each axis.
+    bounds: [[[f64; WIDTH]; 2]; 3],
+    children: [u32; WIDTH],
+}
+
+/// A box as its corners.
+pub type Corners = [DVec3; 2];
+
+/// A line whose parameter τ is length.
+#[derive(Clone, Copy, Debug)]
+pub struct Line {
+    pub base: DVec3,
+    /// Unit.
+    pub direction: DVec3,
+    /// One over each component, as good as infinite where that is 0.
+    pub inverse: DVec3,
+}
+
+impl Line {
+    pub fn new(base: DVec3, direction: DVec3) -> Self {
+        let inverse = direction.map(|d| if d.abs() < 1e-300 { 1e300 } else { 1.0 / d });
+        Self { base, direction, inverse }
+    }
+}
+
+/// Boxes in any order.
+#[derive(Debug)]
+pub struct BoxTree {
+    nodes: Vec<Node>,
+}
+
+impl BoxTree {
+    /// At least one box; each is grown by `margin`.
+    pub fn new(boxes: &[Corners], margin: f64) -> Self {
+        let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
+        let mut tree = Self { nodes: Vec::new() };
+        tree.grow(boxes, &mut order, margin);
+        tree
+    }
+
+    fn grow(&mut self, boxes: &[Corners], order: &mut [u32], margin: f64) -> u32 {
+        let index = self.nodes.len();
+        // A box that holds nothing.
+        let empty = [[f64::INFINITY; WIDTH], [f64::NEG_INFINITY; WIDTH]];
+        self.nodes.push(Node { bounds: [empty; 3], children: [0; WIDTH] });
+        let mut rest = order;
+        let mut parts = Vec::new();
+        if rest.len() <= WIDTH {
+            parts.extend(rest.chunks_mut(1));
+        } else {
+            let share = rest.len().div_ceil(WIDTH);
+            halve(boxes, rest, share);
+            while rest.len() > share {
+                let (part, more) = rest.split_at_mut(share);
+                parts.push(part);
+                rest = more;
+            }
+            parts.push(rest);
+        }
+        for (i, part) in parts.into_iter().enumerate() {
+            let [min, max] = around(boxes, part);
+            let child = if let [leaf] = part { *leaf | LEAF } else { self.grow(boxes, part, margin) };
+            let node = &mut self.nodes[index];
+            for axis in 0..3 {
+                node.bounds[axis][0][i] = min[axis] - margin;
+                node.bounds[axis][1][i] = max[axis] + margin;
+            }
+            node.children[i] = child;
+        }
+        index as u32
+    }
+
+    /// Visits the boxes that `line` meets within `range` of τ, about in the order in which it does; `visit` lowers the end of the range
+    /// at a hit.
+    #[inline]
+    pub fn walk(&self, line: &Line, mut range: [f64; 2], mut visit: impl FnMut(usize, &mut [f64; 2])) {
+        let mut stack = [(0u32, 0.0); 12 * WIDTH];
+        stack[0] = (0, range[0]);
+        let mut count = 1;
+        while count > 0 {
+            count -= 1;
+            let (child, entry) = stack[count];
+            if entry > range[1] {
+                continue;
+            }
+            if child & LEAF != 0 {
+                visit((child & !LEAF) as usize, &mut range);
+                continue;
+            }
+            let node = &self.nodes[child as usize];
+            let (mut lo, mut hi) = ([range[0]; WIDTH], [range[1]; WIDTH]);
+            for axis in 0..3 {
+                let (base, inverse) = (line.base[axis], line.inverse[axis]);
+                let [min, max] = &node.bounds[axis];
+                for i in 0..WIDTH {
+                    let (a, b) = ((min[i] - base) * inverse, (max[i] - base) * inverse);
+                    lo[i] = lo[i].max(a.min(b));
+                    hi[i] = hi[i].min(a.max(b));
+                }
+            }
+            // The nearest goes on top.
+            let start = count;
+            for i in 0..WIDTH {
+                if lo[i] <= hi[i] && node.bounds[0][0][i] < f64::INFINITY {
+                    let mut at = count;
+                    while at > start && stack[at - 1].1 < lo[i] {
+                        stack[at] = stack[at - 1];
+                        at -= 1;
+                    }
+                    stack[at] = (node.children[i], lo[i]);
+                    count += 1;
+                }
+            }
+        }
+    }
+}
+
+fn around(boxes: &[Corners], part: &[u32]) -> Corners {
+    part.iter()
+        .map(|i| boxes[*i as usize])
+        .fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[min, max], [a, b]| [min.min(a), max.max(b)])
+}
+
+/// Sorts until each `share` in turn is close together: halves along the longest axis, at a multiple of `share`.
+fn halve(boxes: &[Corners], part: &mut [u32], share: usize) {
+    if part.len() <= share {
+        return;
+    }
+    let [min, max] = around(boxes, part);
+    let axis = (max - min).max_position();
+    let center = |i: &u32| boxes[*i as usize][0][axis] + boxes[*i as usize][1][axis];
+    let middle = (part.len().div_ceil(share) / 2) * share;
+    part.select_nth_unstable_by(middle, |a, b| center(a).total_cmp(&center(b)).then(a.cmp(b)));
+    let (first, last) = part.split_at_mut(middle);
+    halve(boxes, first, share);
+    halve(boxes, last, share);
+}

@@ -1,0 +1,371 @@
+//! Tensor-product surfaces: Bézier patches, B-splines and NURBS.
+
+use super::box_tree::{BoxTree, Line};
+use super::patch_build::Builder;
+use super::patch_piece::{Beyond, PatchPiece};
+use super::polynomial::Vector;
+use super::spline::{Basis, SplineError};
+use super::{GAUSS, SLACK};
+use crate::math::{Ray, Transform};
+use crate::sampling::Discrete;
+use crate::shape::{Crossing, Mapped, ShapeSample, SurfacePoint, widen, within};
+use glam::{DVec2, DVec3, DVec4, Vec2};
+use std::sync::Arc;
+
+/// Sines of the angle between the derivatives, in parts of the leaf's size, below which a point is a pole or an edge without length.
+const COLLAPSED: f64 = 1e-7;
+
+/// The points Σ Bᵢ(u) Bⱼ(v) wᵢⱼ pᵢⱼ / Σ Bᵢ(u) Bⱼ(v) wᵢⱼ of a net of control points, with u and v in \[0, 1] by the knots' ranges.
+///
+/// The outer side is that of ∂u × ∂v, under maps that mirror too.
+#[derive(Clone, Debug)]
+pub struct Patch {
+    net: Arc<Net>,
+    /// From the net's space, which has the middle of the control points as origin.
+    to_world: Transform,
+    /// In the world.
+    area: f64,
+}
+
+#[derive(Debug)]
+struct Net {
+    degree: [usize; 2],
+    leaves: Vec<Leaf>,
+    powers: Vec<Vector<4>>,
+    /// Knots of both directions that part stretches.
+    breaks: [Vec<f64>; 2],
+    /// For each pair of stretches, then below.
+    roots: Vec<Branch>,
+    cuts: Vec<Cut>,
+    tree: BoxTree,
+    /// Area of each leaf.
+    choice: Discrete,
+    /// Half the size of a box around it all, which is centred on the origin.
+    half: DVec3,
+    size: f64,
+    noise: f64,
+}
+
+/// A piece that is flat enough.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Leaf {
+    /// Middle and half width along u and v.
+    pub middle: DVec2,
+    pub half: DVec2,
+    /// The point in the middle.
+    pub point: DVec3,
+    pub bounds: Beyond,
+}
+
+/// Where what was cut goes on.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Branch {
+    Leaf(u32),
+    Cut(u32),
+}
+
+/// A piece cut in two.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cut {
+    /// 0 for u, 1 for v.
+    pub axis: usize,
+    pub at: f64,
+    pub parts: [Branch; 2],
+}
+
+impl Patch {
+    /// A surface of control points (x, y, z, weight), those along v one after the other.
+    ///
+    /// # Errors
+    /// [`SplineError`] where numbers do not fit, weights are not above 0, values are too large, or the surface has no area.
+    pub fn new(bases: [&Basis; 2], controls: &[DVec4]) -> Result<Self, SplineError> {
+        let [rows, columns] = bases.map(Basis::controls);
+        if controls.len() != rows * columns {
+            return Err(SplineError::Net { controls: controls.len(), rows, columns });
+        }
+        if let Some(i) = controls.iter().position(|c| !(c.w > 0.0)) {
+            return Err(SplineError::Weight(i));
+        }
+        let points: Vec<DVec3> = controls.iter().map(|c| c.truncate()).collect();
+        if !points.iter().all(|p| p.abs().max_element() < 1e100) || !controls.iter().all(|c| c.w < 1e100) {
+            return Err(SplineError::TooLarge);
+        }
+        let bounds =
+            |p: &[DVec3]| p.iter().fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[a, b], p| [a.min(*p), b.max(*p)]);
+        let [min, max] = bounds(&points);
+        let place = 0.5 * min + 0.5 * max;
+        let heaviest = controls.iter().fold(0.0, |m: f64, c| m.max(c.w));
+        let weigh = |(p, c): (&DVec3, &DVec4)| ((*p - place) * (c.w / heaviest)).extend(c.w / heaviest).to_array();
+        let weighed: Vec<Vector<4>> = points.iter().zip(controls).map(weigh).collect();
+
+        let mut builder = Builder::new(bases.map(Basis::degree));
+        for u in bases[0].spans() {
+            // Along u for each column of the net, then along v.
+            let columns: Vec<Vec<Vector<4>>> =
+                (0..columns).map(|j| bases[0].piece(u, &weighed, (j, columns))).collect();
+            for v in bases[1].spans() {
+                let mut piece = Vec::new();
+                for i in 0..=bases[0].degree() {
+                    let row: Vec<Vector<4>> = columns.iter().map(|c| c[i]).collect();
+                    piece.extend(bases[1].piece(v, &row, (0, 1)));
+                }
+                builder.piece(&piece, [u.range, v.range]);
+            }
+        }
+        let half = 0.5 * (max - min);
+        let size = half.length();
+        if !(size > 0.0) {
+            return Err(SplineError::NoArea);
+        }
+        let [p, q] = bases.map(Basis::degree);
+        let noise = size * f64::EPSILON * (64 + 4 * (p * p + q * q)) as f64;
+        let Builder { leaves, powers, roots, cuts, boxes, .. } = builder;
+        let nothing = Discrete::new([1.0]).ok_or(SplineError::NoArea)?;
+        let mut net = Net {
+            degree: [p, q],
+            tree: BoxTree::new(&boxes, 4.0 * noise),
+            choice: nothing,
+            leaves,
+            powers,
+            breaks: bases.map(|b| b.spans().map(|s| s.range[0]).collect()),
+            roots,
+            cuts,
+            half,
+            size,
+            noise,
+        };
+        let areas = (0..net.leaves.len()).map(|i| leaf_area(&net.piece(i), &Transform::IDENTITY));
+        net.choice = Discrete::new(areas).ok_or(SplineError::NoArea)?;
+        let area = net.choice.total();
+        Ok(Self { net: Arc::new(net), to_world: Transform::IDENTITY.translated(place), area })
+    }
+
+    /// The image under another map; `None` where the product is singular.
+    pub(in crate::shape) fn transformed(&self, map: &Transform) -> Option<Self> {
+        let to_world = Transform::new(*map.forward() * *self.to_world.forward()).ok()?;
+        let net = &self.net;
+        let area = match to_world.similarity() {
+            Some(scale) => scale * scale * net.choice.total(),
+            None => (0..net.leaves.len()).map(|i| leaf_area(&net.piece(i), &to_world)).sum(),
+        };
+        Some(Self { net: Arc::clone(net), to_world, area })
+    }
+
+    /// How many flat pieces the surface is cut into.
+    #[must_use]
+    pub fn pieces(&self) -> usize {
+        self.net.leaves.len()
+    }
+
+    /// The ray in the net's space, τ at its origin as a negative number, and τ for each unit of t; `None` where it passes by.
+    fn line(&self, ray: &Ray) -> Option<(Line, f64, f64)> {
+        let (o, d) = widen(ray);
+        let inverse = self.to_world.inverse();
+        let (o, d) = (inverse.transform_point3(o), inverse.transform_vector3(d));
+        let length = d.length();
+        let direction = d / length;
+        let start = -o.dot(direction);
+        // Twice, as the first step rounds in proportion to a distance that may be long.
+        let base = o + direction * start;
+        let more = -base.dot(direction);
+        let base = base + direction * more;
+        let size = self.net.size * (1.0 + 1e-9);
+        (base.length_squared() <= size * size).then(|| (Line::new(base, direction), start + more, length))
+    }
+
+    pub(in crate::shape) fn intersect(&self, ray: &Ray) -> Option<Crossing> {
+        let (line, start, length) = self.line(ray)?;
+        let net = &*self.net;
+        let end = f64::from(ray.t_max) * length - start;
+        let size = net.size * (1.0 + 1e-9);
+        let mut found: Option<(usize, DVec2, f64)> = None;
+        net.tree.walk(&line, [(-start).max(-size), end.min(size)], |leaf, range| {
+            if let Some(at) = net.piece(leaf).nearest(&line, range, net.size) {
+                found = Some((leaf, at, range[1]));
+            }
+        });
+        let (leaf, at, t) = found?;
+        let t = within(ray, (start + t) / length)?;
+        let uv = net.leaves[leaf].coordinates(at);
+        Some((t, uv.x, uv.y))
+    }
+
+    pub(in crate::shape) fn surface(&self, ray: &Ray, uv: Vec2) -> SurfacePoint {
+        let (leaf, mut at) = self.net.find(uv);
+        if let Some((line, ..)) = self.line(ray) {
+            // Newton's method makes up for the rounding of the coordinates.
+            let most = 2.0 * f64::from(f32::EPSILON) / self.net.leaves[leaf].half;
+            for _ in 0..2 {
+                let step = self.net.piece(leaf).step(&line, at);
+                if step.abs().cmple(most).all() {
+                    at = (at + step).clamp(DVec2::NEG_ONE, DVec2::ONE);
+                }
+            }
+        }
+        self.at(leaf, at, uv)
+    }
+
+    fn at(&self, leaf: usize, at: DVec2, uv: Vec2) -> SurfacePoint {
+        let net = &*self.net;
+        let [p, ..] = net.piece(leaf).point(at);
+        // By the inverse transpose, a mirror image keeps its outer side.
+        let normal = self.to_world.normal(net.normal(leaf, at)).normalize();
+        let m = self.to_world.forward().matrix3;
+        let widest = m.x_axis.length() + m.y_axis.length() + m.z_axis.length();
+        let scale = widest * net.size + self.to_world.forward().translation.abs().max_element();
+        SurfacePoint { uv, ..SurfacePoint::exact(self.to_world.point(p), normal, scale * SLACK) }
+    }
+
+    pub(in crate::shape) fn extent(&self) -> (DVec3, DVec3) {
+        let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+        for i in 0..8 {
+            let side = |bit: u32| if i >> bit & 1 == 0 { -1.0 } else { 1.0 };
+            let corner = self.to_world.point(self.net.half * DVec3::new(side(0), side(1), side(2)));
+            (min, max) = (min.min(corner), max.max(corner));
+        }
+        (min, max)
+    }
+
+    pub(in crate::shape) fn translated(&self, by: DVec3) -> Self {
+        Self { to_world: self.to_world.translated(by), ..self.clone() }
+    }
+
+    pub(in crate::shape) fn area(&self) -> f64 {
+        self.area
+    }
+
+    /// A leaf by its area, then uniform in its coordinates.
+    pub(in crate::shape) fn sample(&self, u: Vec2) -> ShapeSample {
+        let net = &*self.net;
+        let (leaf, _) = net.choice.sample(u.x);
+        let at = DVec2::new(f64::from(net.choice.remainder(u.x, leaf)), f64::from(u.y)) * 2.0 - 1.0;
+        let uv = net.leaves[leaf].coordinates(at);
+        let point = self.at(leaf, at, uv);
+        ShapeSample { pdf: self.pdf(&point), point, uv }
+    }
+
+    /// Density per area of [`Patch::sample`].
+    pub(in crate::shape) fn pdf(&self, seen: &SurfacePoint) -> f32 {
+        let net = &*self.net;
+        let (leaf, at) = net.find(seen.uv);
+        let [_, along_x, along_y] = net.piece(leaf).point(at);
+        let element = self.to_world.vector(along_x).cross(self.to_world.vector(along_y)).length();
+        (f64::from(net.choice.probability(leaf)) / (4.0 * element)) as f32
+    }
+
+    /// Coordinates and how they grow in the world.
+    pub(in crate::shape) fn mapped(&self, uv: Vec2) -> Mapped {
+        let (leaf, at) = self.net.find(uv);
+        let [_, along_x, along_y] = self.net.piece(leaf).point(at);
+        let half = self.net.leaves[leaf].half;
+        Mapped::of(uv, self.to_world.vector(along_x / half.x), self.to_world.vector(along_y / half.y))
+    }
+}
+
+impl Leaf {
+    /// Coordinates on the whole surface, rounded so that they fall on this leaf again.
+    fn coordinates(&self, at: DVec2) -> Vec2 {
+        let (low, high) = (self.middle - self.half, self.middle + self.half);
+        let round = |x: f64, low: f64, high: f64| {
+            let x = x as f32;
+            if f64::from(x) < low {
+                x.next_up()
+            } else if f64::from(x) >= high && high < 1.0 {
+                x.next_down()
+            } else {
+                x
+            }
+        };
+        let p = self.middle + self.half * at;
+        Vec2::new(round(p.x, low.x, high.x), round(p.y, low.y, high.y))
+    }
+}
+
+impl Net {
+    fn piece(&self, leaf: usize) -> PatchPiece<'_> {
+        let [p, q] = self.degree;
+        let room = (p + 1) * (q + 1);
+        let powers = &self.powers[leaf * room..(leaf + 1) * room];
+        let Leaf { point, bounds, .. } = self.leaves[leaf];
+        PatchPiece { powers, middle: point, degree: self.degree, bounds, noise: self.noise }
+    }
+
+    /// The leaf of a place on the whole surface, and the place on it.
+    fn find(&self, uv: Vec2) -> (usize, DVec2) {
+        let uv = uv.as_dvec2();
+        let stretch = |axis: usize| self.breaks[axis].partition_point(|b| *b <= uv[axis]).saturating_sub(1);
+        let mut branch = self.roots[stretch(0) * self.breaks[1].len() + stretch(1)];
+        loop {
+            match branch {
+                Branch::Cut(cut) => {
+                    let cut = &self.cuts[cut as usize];
+                    branch = cut.parts[usize::from(uv[cut.axis] >= cut.at)];
+                }
+                Branch::Leaf(leaf) => {
+                    let l = &self.leaves[leaf as usize];
+                    return (leaf as usize, ((uv - l.middle) / l.half).clamp(DVec2::NEG_ONE, DVec2::ONE));
+                }
+            }
+        }
+    }
+
+    /// ∂u × ∂v at any length, or its limit from inside the leaf where that is nothing.
+    fn normal(&self, leaf: usize, at: DVec2) -> DVec3 {
+        let piece = self.piece(leaf);
+        let [_, middle_x, middle_y] = piece.point(DVec2::ZERO);
+        let least = COLLAPSED * middle_x.cross(middle_y).length();
+        let mut inward = 0.0;
+        loop {
+            let [_, along_x, along_y] = piece.point(at * (1.0 - inward));
+            let normal = along_x.cross(along_y);
+            if normal.length() > least || inward > 0.9 {
+                return if normal.length_squared() > 0.0 { normal } else { DVec3::Z };
+            }
+            inward = if inward == 0.0 { 1e-5 } else { 10.0 * inward };
+        }
+    }
+}
+
+/// By Gauss's rule.
+fn leaf_area(piece: &PatchPiece<'_>, to_world: &Transform) -> f64 {
+    let element = |x: f64, y: f64| {
+        let [_, along_x, along_y] = piece.point(DVec2::new(x, y));
+        to_world.vector(along_x).cross(to_world.vector(along_y)).length()
+    };
+    GAUSS.iter().flat_map(|(x, wx)| GAUSS.iter().map(move |(y, wy)| wx * wy * element(*x, *y))).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::Vec3;
+
+    /// An eighth of the unit sphere: a quarter circle (rational, degree 2) turned by another, with a pole at the top.
+    pub(in crate::shape::parametric) fn octant() -> Patch {
+        let arc = [(1.0, 0.0, 1.0), (1.0, 1.0, std::f64::consts::FRAC_1_SQRT_2), (0.0, 1.0, 1.0)];
+        let mut controls = Vec::new();
+        for (r, h, w) in arc {
+            for (c, s, v) in arc {
+                controls.push(DVec4::new(r * c, h, r * s, w * v));
+            }
+        }
+        let basis = Basis::bezier(3).unwrap();
+        Patch::new([&basis, &basis], &controls).unwrap()
+    }
+
+    #[test]
+    fn quarter_circles_make_a_sphere() {
+        let patch = octant();
+        eprintln!("{} pieces", patch.pieces());
+        assert!((patch.area() / (std::f64::consts::FRAC_PI_2) - 1.0).abs() < 1e-9, "{}", patch.area());
+        for d in [Vec3::ONE, Vec3::new(0.1, 0.7, 0.4), Vec3::new(1e-3, 1.0, 1e-3), Vec3::new(0.5, 0.01, 0.02), Vec3::Y]
+        {
+            let d = d.normalize();
+            let ray = Ray::new(d * 3.0, -d);
+            let (t, u, v) = patch.intersect(&ray).unwrap();
+            assert!((t - 2.0).abs() < 1e-6, "{d} {t}");
+            let p = patch.surface(&ray, Vec2::new(u, v));
+            assert!((p.p - d).length() < 1e-6 && p.ng.dot(d).abs() > 1.0 - 1e-6, "{d} {p:?}");
+        }
+    }
+}

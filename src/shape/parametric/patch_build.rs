@@ -1,0 +1,145 @@
+//! Cutting Bézier pieces of surfaces until they are flat.
+
+use super::box_tree::Corners;
+use super::patch::{Branch, Cut, Leaf};
+use super::patch_piece::Beyond;
+use super::polynomial::{Vector, split, to_powers};
+use glam::{DVec2, DVec3};
+
+/// Change of the derivatives, in parts of themselves, below which rays that are not near grazing need no further cut.
+const FLAT: f64 = 1.0 / 8.0;
+
+/// Halvings of a Bézier piece at most, where it never gets flat: at poles, cusps and edges without length.
+const DEPTH: u32 = 14;
+
+/// Sizes below this part of the piece's are not cut further for flatness.
+const SMALL: f64 = 1.0 / 256.0;
+
+pub(super) struct Builder {
+    degree: [usize; 2],
+    pub leaves: Vec<Leaf>,
+    pub powers: Vec<Vector<4>>,
+    pub boxes: Vec<Corners>,
+    pub roots: Vec<Branch>,
+    pub cuts: Vec<Cut>,
+}
+
+impl Builder {
+    pub fn new(degree: [usize; 2]) -> Self {
+        let (leaves, powers, boxes) = (Vec::new(), Vec::new(), Vec::new());
+        Self { degree, leaves, powers, boxes, roots: Vec::new(), cuts: Vec::new() }
+    }
+
+    /// Adds the piece of Bézier control points that spans `ranges` of u and v.
+    pub fn piece(&mut self, controls: &[Vector<4>], ranges: [[f64; 2]; 2]) {
+        let [min, max] = hull(controls);
+        let root = self.cut(controls, ranges, SMALL * (max - min).length(), DEPTH);
+        self.roots.push(root);
+    }
+
+    fn cut(&mut self, controls: &[Vector<4>], ranges: [[f64; 2]; 2], small: f64, depth: u32) -> Branch {
+        let [p, q] = self.degree;
+        let columns = q + 1;
+        let mut powers = controls.to_vec();
+        (0..=p).for_each(|i| to_powers(&mut powers, i * columns, 1, q));
+        (0..=q).for_each(|j| to_powers(&mut powers, j, columns, p));
+        let weight = powers[0][3];
+        powers.iter_mut().flatten().for_each(|x| *x /= weight);
+        let point = vector(&powers[0]);
+        for c in &mut powers {
+            let seen = vector(c) - point * c[3];
+            *c = seen.extend(c[3]).to_array();
+        }
+        let corners = hull(controls);
+        let tiny = (corners[1] - corners[0]).length() <= small;
+        if depth > 0
+            && !tiny
+            && let Some(axis) = bent(&powers, columns)
+        {
+            let [start, end] = ranges[axis];
+            let at = 0.5 * (start + end);
+            let (first, last) = halves(controls, columns, axis);
+            let part = |range: [f64; 2]| {
+                let mut ranges = ranges;
+                ranges[axis] = range;
+                ranges
+            };
+            let index = self.cuts.len();
+            let nothing = Branch::Leaf(0);
+            self.cuts.push(Cut { axis, at, parts: [nothing; 2] });
+            let parts = [
+                self.cut(&first, part([start, at]), small, depth - 1),
+                self.cut(&last, part([at, end]), small, depth - 1),
+            ];
+            self.cuts[index].parts = parts;
+            return Branch::Cut(index as u32);
+        }
+        let [[u0, u1], [v0, v1]] = ranges;
+        self.leaves.push(Leaf {
+            middle: 0.5 * DVec2::new(u0 + u1, v0 + v1),
+            half: 0.5 * DVec2::new(u1 - u0, v1 - v0),
+            point,
+            bounds: Beyond::of(&powers, columns),
+        });
+        self.powers.extend(powers);
+        self.boxes.push(corners);
+        Branch::Leaf(self.leaves.len() as u32 - 1)
+    }
+}
+
+fn vector(c: &Vector<4>) -> DVec3 {
+    DVec3::new(c[0], c[1], c[2])
+}
+
+/// A box around the points.
+fn hull(controls: &[Vector<4>]) -> Corners {
+    let points = controls.iter().map(|c| vector(c) / c[3]);
+    points.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[min, max], p| [min.min(p), max.max(p)])
+}
+
+/// The direction in which a piece, counted from its middle, is best cut; `None` where it is flat.
+fn bent(a: &[Vector<4>], columns: usize) -> Option<usize> {
+    let (along_x, along_y) = (vector(&a[columns]), vector(&a[1]));
+    let normal = along_x.cross(along_y);
+    let mut turns = [DVec3::ZERO; 2];
+    for (i, row) in a.chunks_exact(columns).enumerate() {
+        for (j, c) in row.iter().enumerate().filter(|(j, _)| i + j >= 2) {
+            let size = vector(c).abs();
+            turns[0] += size * i as f64;
+            turns[1] += size * j as f64;
+        }
+    }
+    // Seen along the normal, rows of the inverse times the determinant.
+    let length = normal.length();
+    let (for_x, for_y) = (along_y.cross(normal).abs(), normal.cross(along_x).abs());
+    let turn = turns[0] + turns[1];
+    if for_x.dot(turn).max(for_y.dot(turn)) <= FLAT * length * length && length > 0.0 {
+        return None;
+    }
+    let [x, y] = turns.map(DVec3::length);
+    let longer = usize::from(along_y.length() > along_x.length());
+    Some(if x > 1.5 * y {
+        0
+    } else if y > 1.5 * x {
+        1
+    } else {
+        longer
+    })
+}
+
+/// Both halves of a net across an axis.
+fn halves(controls: &[Vector<4>], columns: usize, axis: usize) -> (Vec<Vector<4>>, Vec<Vector<4>>) {
+    let (mut first, mut last) = (controls.to_vec(), controls.to_vec());
+    let rows = controls.len() / columns;
+    let (lines, stride) = if axis == 0 { (columns, columns) } else { (rows, 1) };
+    for i in 0..lines {
+        let start = if axis == 0 { i } else { i * columns };
+        let count = if axis == 0 { rows } else { columns };
+        let line: Vec<Vector<4>> = (0..count).map(|k| controls[start + k * stride]).collect();
+        let (a, b) = split(&line, 0.5);
+        for (k, (a, b)) in a.into_iter().zip(b).enumerate() {
+            (first[start + k * stride], last[start + k * stride]) = (a, b);
+        }
+    }
+    (first, last)
+}

@@ -1,0 +1,261 @@
+//! Short pieces of surfaces, and where lines meet them.
+
+use super::box_tree::Line;
+use super::polynomial::{MAX_DEGREE, Vector, evaluate_2d, recentre};
+use super::profile::{CONTRACTION, FIRST_STEP, OVERLAP, POINT, RATE};
+use glam::{DVec2, DVec3};
+
+/// A piece of a surface: w·(x, y, z), counted from its middle, and w, for both coordinates in \[−1, 1] and in powers of them; w is 1 in
+/// the middle.
+#[derive(Clone, Copy, Debug)]
+pub struct PatchPiece<'a> {
+    pub powers: &'a [Vector<4>],
+    /// Its middle.
+    pub middle: DVec3,
+    /// Degrees.
+    pub degree: [usize; 2],
+    pub bounds: Beyond,
+    /// How far rounding may move a point of it.
+    pub noise: f64,
+}
+
+/// Bounds on what lies beyond the linear terms: sums of |aᵢⱼ|, and of (i + j)|aᵢⱼ|, which bound the remainder and the change of the
+/// derivatives.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Beyond {
+    pub rest: Vector<4>,
+    pub turn: Vector<4>,
+}
+
+impl Beyond {
+    #[inline]
+    pub fn of(a: &[Vector<4>], columns: usize) -> Self {
+        let mut beyond = Self::default();
+        for (i, row) in a.chunks_exact(columns).enumerate() {
+            for (j, c) in row.iter().enumerate().skip(if i < 2 { 2 - i } else { 0 }) {
+                for k in 0..4 {
+                    beyond.rest[k] += c[k].abs();
+                    beyond.turn[k] += (i + j) as f64 * c[k].abs();
+                }
+            }
+        }
+        beyond
+    }
+
+    /// Of the surface as seen from `base`: of w·((x, y, z) − base).
+    #[inline]
+    fn from(sums: &Vector<4>, base: DVec3) -> DVec3 {
+        split(sums).0 + base.abs() * sums[3]
+    }
+}
+
+#[inline]
+fn split(a: &Vector<4>) -> (DVec3, f64) {
+    (DVec3::new(a[0], a[1], a[2]), a[3])
+}
+
+/// w·((x, y, z) − base), or a derivative of it.
+#[inline]
+fn seen(a: &Vector<4>, base: DVec3) -> DVec3 {
+    let (p, w) = split(a);
+    p - base * w
+}
+
+/// What a box holds.
+enum Verdict {
+    Nothing,
+    /// Exactly one root.
+    Root(DVec2, f64),
+    /// Not known: the box must be cut.
+    Unclear,
+    /// The line runs inside the surface to rounding, all over the box.
+    Inside,
+}
+
+impl PatchPiece<'_> {
+    /// The nearest crossing within `range` of τ, as the coordinates and τ. The end of the range is moved to it.
+    #[inline]
+    pub fn nearest(&self, line: &Line, range: &mut [f64; 2], size: f64) -> Option<DVec2> {
+        // Bounds on the change of weights count in proportion to the distance of the line's base, which may be anywhere on it.
+        let (near, start) = self.from_middle(line);
+        let mut own = range.map(|t| t - start);
+        let found = match judge(self.powers, self.degree[1] + 1, &self.bounds, &near, self.noise) {
+            Verdict::Nothing => None,
+            Verdict::Root(at, t) => (own[0] <= t && t <= own[1]).then(|| {
+                own[1] = t;
+                at
+            }),
+            _ => match self.powers.len() {
+                ..=16 => self.refine::<16>(&near, &mut own, size),
+                17..=64 => self.refine::<64>(&near, &mut own, size),
+                _ => self.refine::<{ (MAX_DEGREE + 1) * (MAX_DEGREE + 1) }>(&near, &mut own, size),
+            },
+        }?;
+        range[1] = own[1] + start;
+        Some(found)
+    }
+
+    /// The line counted from the middle of the piece, with its base as near to it as can be, and τ there.
+    #[inline]
+    fn from_middle(&self, line: &Line) -> (Line, f64) {
+        let start = (self.middle - line.base).dot(line.direction);
+        (Line { base: line.base + line.direction * start - self.middle, ..*line }, start)
+    }
+
+    /// The step of Newton's method from a place.
+    pub fn step(&self, line: &Line, at: DVec2) -> DVec2 {
+        newton_step(self.powers, self.degree[1] + 1, &self.from_middle(line).0, at).0
+    }
+
+    /// The point and its derivatives.
+    #[inline]
+    pub fn point(&self, at: DVec2) -> [DVec3; 3] {
+        let [value, along_x, along_y] = evaluate_2d(self.powers, self.degree[1] + 1, at.x, at.y);
+        let (p, w) = split(&value);
+        let p = p / w;
+        [p + self.middle, seen(&along_x, p) / w, seen(&along_y, p) / w]
+    }
+
+    /// Halves the piece along its longer side until each box holds none or one root for certain, or is a point to rounding.
+    #[cold]
+    #[inline(never)]
+    fn refine<const ROOM: usize>(&self, line: &Line, range: &mut [f64; 2], size: f64) -> Option<DVec2> {
+        let [p, q] = self.degree;
+        let columns = q + 1;
+        let mut boxes = [(DVec2::ZERO, DVec2::ZERO); 128];
+        boxes[0] = (DVec2::ZERO, DVec2::ONE);
+        let mut count = 1;
+        let mut found = None;
+        let mut own = [[0.0; 4]; ROOM];
+        let a = &mut own[..self.powers.len()];
+        while count > 0 {
+            count -= 1;
+            let (middle, half) = boxes[count];
+            a.copy_from_slice(self.powers);
+            (0..=p).for_each(|i| recentre(a, (i * columns, 1), q, middle.y, half.y));
+            (0..=q).for_each(|j| recentre(a, (j, columns), p, middle.x, half.x));
+            let bounds = Beyond::of(a, columns);
+            let Some(reach) = self.reaches(a, &bounds, line, *range) else { continue };
+            let point = || DVec2::new(middle.x, middle.y);
+            let touched = match judge(a, columns, &bounds, line, self.noise) {
+                Verdict::Nothing => None,
+                Verdict::Root(at, t) => Some((middle + half * at, t)),
+                _ if reach.max_element() <= 4.0 * self.noise => Some((point(), along(a, line))),
+                Verdict::Inside if reach.max_element() <= POINT * size => Some((point(), along(a, line))),
+                Verdict::Inside => None,
+                // A hundred halvings are below rounding, so the stack cannot overflow.
+                Verdict::Unclear if count + 2 <= boxes.len() => {
+                    let side = if longer_in_x(a, columns) { DVec2::X } else { DVec2::Y };
+                    let (step, rest) = (0.5 * half * side, half * (1.0 - 0.5 * side));
+                    boxes[count] = (middle + step, rest);
+                    boxes[count + 1] = (middle - step, rest);
+                    count += 2;
+                    None
+                }
+                Verdict::Unclear => None,
+            };
+            if let Some((at, t)) = touched
+                && range[0] <= t
+                && t <= range[1]
+            {
+                range[1] = t;
+                found = Some(at);
+            }
+        }
+        found
+    }
+
+    /// Half the size of a box around the piece, where the line meets it within the range.
+    fn reaches(&self, a: &[Vector<4>], bounds: &Beyond, line: &Line, range: [f64; 2]) -> Option<DVec3> {
+        let columns = self.degree[1] + 1;
+        let [middle, along_y, along_x] = [0, 1, columns].map(|i| seen(&a[i], line.base));
+        let reach = along_x.abs() + along_y.abs() + Beyond::from(&bounds.rest, line.base) + self.noise;
+        let (a1, a2) = ((middle - reach) * line.inverse, (middle + reach) * line.inverse);
+        let (lo, hi) = (a1.min(a2).max_element(), a1.max(a2).min_element());
+        // Of w·τ; w is positive, and near its value in the middle.
+        let spread = a[1][3].abs() + a[columns][3].abs() + bounds.rest[3];
+        let (least, most) = ((a[0][3] - spread).max(0.0), a[0][3] + spread);
+        let at_least = if lo > 0.0 { lo / most } else { lo / least };
+        let at_most = if hi > 0.0 { hi / least } else { hi / most };
+        (lo <= hi && !(at_least > range[1] || at_most < range[0])).then_some(reach)
+    }
+}
+
+/// Where on the line the middle of a piece is.
+fn along(a: &[Vector<4>], line: &Line) -> f64 {
+    seen(&a[0], line.base).dot(line.direction) / a[0][3]
+}
+
+fn longer_in_x(a: &[Vector<4>], columns: usize) -> bool {
+    let (mut x, mut y) = (DVec3::ZERO, DVec3::ZERO);
+    for (i, row) in a.chunks_exact(columns).enumerate() {
+        for (j, c) in row.iter().enumerate() {
+            let size = split(c).0.abs();
+            x += if i > 0 { size } else { DVec3::ZERO };
+            y += if j > 0 { size } else { DVec3::ZERO };
+        }
+    }
+    x.max_element() > y.max_element()
+}
+
+/// Looks for roots of w·(point − base) = w·τ·direction with both coordinates in \[−1, 1].
+#[inline]
+fn judge(a: &[Vector<4>], columns: usize, bounds: &Beyond, line: &Line, noise: f64) -> Verdict {
+    let d = line.direction;
+    let [miss, along_y, along_x] = [0, 1, columns].map(|i| seen(&a[i], line.base));
+    let determinant = d.dot(along_x.cross(along_y));
+    let least = determinant.abs();
+    // Rows of the inverse times the determinant.
+    let (for_x, for_y) = (d.cross(along_y), along_x.cross(d));
+    let (size_x, size_y) = (for_x.abs(), for_y.abs());
+    let (x, y) = (for_x.dot(miss), for_y.dot(miss));
+    let error = Beyond::from(&bounds.rest, line.base) + noise;
+    if x.abs() > least + size_x.dot(error) || y.abs() > least + size_y.dot(error) {
+        return Verdict::Nothing;
+    }
+    let turn = Beyond::from(&bounds.turn, line.base);
+    let (turn_x, turn_y) = (size_x.dot(turn), size_y.dot(turn));
+    if turn_x.max(turn_y) < CONTRACTION * least {
+        let blur = noise * size_x.element_sum().max(size_y.element_sum()) / least;
+        let start = DVec2::new(x, y) / determinant;
+        return newton(a, columns, line, start, OVERLAP + 4.0 * blur)
+            .map_or(Verdict::Nothing, |(at, t)| Verdict::Root(at, t));
+    }
+    let blur = (size_x.element_sum() + size_y.element_sum()) * noise;
+    if least + turn_x + turn_y <= blur { Verdict::Inside } else { Verdict::Unclear }
+}
+
+/// The step of Newton's method from a place, and τ after it.
+#[inline]
+fn newton_step(a: &[Vector<4>], columns: usize, line: &Line, at: DVec2) -> (DVec2, f64) {
+    let values = evaluate_2d(a, columns, at.x, at.y);
+    let [miss, along_x, along_y] = values.map(|v| seen(&v, line.base));
+    let d = line.direction;
+    let determinant = d.dot(along_x.cross(along_y));
+    let step = DVec2::new(d.cross(along_y).dot(miss), along_x.cross(d).dot(miss)) / determinant;
+    let w = values[0][3] + step.x * values[1][3] + step.y * values[2][3];
+    (step, (miss + along_x * step.x + along_y * step.y).dot(d) / w)
+}
+
+/// The only root there can be, or none: as in [`super::profile`].
+fn newton(a: &[Vector<4>], columns: usize, line: &Line, start: DVec2, tolerance: f64) -> Option<(DVec2, f64)> {
+    let mut at = start.clamp(DVec2::NEG_ONE, DVec2::ONE);
+    let mut longest = FIRST_STEP;
+    loop {
+        let (step, t) = newton_step(a, columns, line, at);
+        let size = step.abs().max_element();
+        if !(size <= longest.max(tolerance)) {
+            return None;
+        }
+        longest *= RATE;
+        let next = (at + step).clamp(DVec2::NEG_ONE, DVec2::ONE);
+        let moved = (next - at).abs().max_element();
+        at = next;
+        if size <= tolerance {
+            return Some((at, t));
+        }
+        if moved <= 0.01 * tolerance {
+            return None;
+        }
+    }
+}

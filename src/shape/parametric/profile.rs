@@ -1,0 +1,186 @@
+//! Profiles: curves in the half plane of distance from the axis and height, cut into short pieces, and where rays meet them.
+
+use super::axis_ray::{AxisRay, Interval};
+use super::polynomial::{MAX_DEGREE, Vector, evaluate, recentre};
+
+/// A piece of a profile: (ρ, y) for x in \[−1, 1], in powers of x.
+#[derive(Clone, Copy, Debug)]
+pub struct Piece<'a> {
+    pub powers: &'a [Vector<2>],
+    /// How far rounding may move a point of it.
+    pub noise: f64,
+}
+
+/// Deviation from a constant derivative below which Newton's method, kept inside the box, is sure to find what is there: with J̄ the
+/// mean Jacobian between an iterate and the root and J that at the iterate, both within q of the middle's,
+/// |1 − J⁻¹J̄| ≤ 2q/(1 − q), which is [`RATE`].
+pub const CONTRACTION: f64 = 0.25;
+
+/// Part of the distance from a root that a step of Newton's method leaves at most.
+pub const RATE: f64 = 2.0 / 3.0;
+
+/// Longest first step to a root inside the box, in half widths: |J⁻¹J̄| times the box's width.
+pub const FIRST_STEP: f64 = 2.0 * (1.0 + RATE);
+
+/// A root this far outside a piece, in its half widths, counts as inside: neighbours overlap by it, so that none is lost between.
+pub const OVERLAP: f64 = 1e-10;
+
+/// Sizes, in parts of the surface, below which a double root is one place.
+pub const POINT: f64 = 1e-6;
+
+/// What a box holds.
+enum Verdict {
+    Nothing,
+    /// Exactly one root, at (x, τ).
+    Root(f64, f64),
+    /// Not known: the box must be cut.
+    Unclear,
+    /// The ray runs inside the surface to rounding, all over the box.
+    Inside,
+}
+
+/// Bounds on what lies beyond the linear terms: sums of |aₖ| and of k|aₖ|, which bound the remainder and the derivative's change.
+#[inline]
+fn beyond_linear(a: &[Vector<2>]) -> (Vector<2>, Vector<2>) {
+    let (mut rest, mut turn) = ([0.0; 2], [0.0; 2]);
+    for (k, c) in a.iter().enumerate().skip(2) {
+        for i in 0..2 {
+            rest[i] += c[i].abs();
+            turn[i] += k as f64 * c[i].abs();
+        }
+    }
+    (rest, turn)
+}
+
+impl Piece<'_> {
+    /// The nearest crossing within `t`, as (x, τ). The end of `t` is moved to it.
+    ///
+    /// Boxes in x are halved until each holds none or one root for certain, or is a point to rounding.
+    pub fn nearest(&self, ray: &AxisRay, t: &mut Interval, size: f64) -> Option<(f64, f64)> {
+        let degree = self.powers.len() - 1;
+        let mut boxes = [(0.0, 0.0); 64];
+        boxes[0] = (0.0, 1.0);
+        let mut count = 1;
+        let mut found = None;
+        let mut own = [[0.0; 2]; MAX_DEGREE + 1];
+        while count > 0 {
+            count -= 1;
+            let (middle, half) = boxes[count];
+            let a = if half == 1.0 {
+                self.powers
+            } else {
+                own[..=degree].copy_from_slice(self.powers);
+                recentre(&mut own[..=degree], (0, 1), degree, middle, half);
+                &own[..=degree]
+            };
+            let (rest, turn) = beyond_linear(a);
+            let reach = [a[1][0].abs() + rest[0], a[1][1].abs() + rest[1]];
+            let range = |i: usize| [a[0][i] - reach[i], a[0][i] + reach[i]];
+            let mut cut = false;
+            for stretch in ray.clip(range(0), range(1), *t, self.noise) {
+                if stretch.is_empty() {
+                    continue;
+                }
+                let extent = reach[0].max(reach[1]);
+                let touched = match judge(a, (rest, turn), ray, stretch, self.noise) {
+                    Verdict::Nothing => None,
+                    Verdict::Root(x, at) => Some((middle + half * x, at)),
+                    _ if extent <= 4.0 * self.noise => Some((middle, 0.5 * (stretch.lo + stretch.hi))),
+                    Verdict::Inside if extent <= POINT * size => Some((middle, 0.5 * (stretch.lo + stretch.hi))),
+                    Verdict::Inside => None,
+                    Verdict::Unclear => {
+                        cut = true;
+                        None
+                    }
+                };
+                if let Some((x, at)) = touched
+                    && t.lo <= at
+                    && at <= t.hi
+                {
+                    t.hi = at;
+                    found = Some((x, at));
+                }
+            }
+            // Sixty halvings are below rounding, so the stack cannot overflow.
+            if cut && count + 2 <= boxes.len() {
+                let half = 0.5 * half;
+                boxes[count] = (middle + half, half);
+                boxes[count + 1] = (middle - half, half);
+                count += 2;
+            }
+        }
+        found
+    }
+}
+
+/// Looks for roots of ρ(x) − |ray(τ)| and y(x) − ray(τ).y with x in \[−1, 1] and τ in `t`.
+#[inline]
+fn judge(a: &[Vector<2>], (rest, turn): (Vector<2>, Vector<2>), ray: &AxisRay, t: Interval, noise: f64) -> Verdict {
+    let dy = ray.direction.y;
+    let at = 0.5 * (t.lo + t.hi);
+    let (radius, slope) = ray.radius(at);
+    let [dx, dh] = a[1];
+    let determinant = slope * dh - dx * dy;
+    let least = determinant.abs();
+    // A stretch wider than needed is no harm, but one too narrow for the piece's curvature would never contract.
+    let wander = dh.abs() * turn[0] + dx.abs() * turn[1];
+    let mut half = 0.5 * (t.hi - t.lo) + noise;
+    if wander < least {
+        half = half.max(8.0 * wander / least);
+    }
+    let ends = [ray.radius(at - half), ray.radius(at + half)];
+    let bow = (ends[0].0 - radius + slope * half).max(ends[1].0 - radius - slope * half).max(0.0);
+    let bend = (slope - ends[0].1).max(ends[1].1 - slope).max(0.0);
+    let miss = [radius - a[0][0], ray.height(at) - a[0][1]];
+    let error = [rest[0] + bow + noise, rest[1] + noise];
+    let across = slope * miss[1] - dy * miss[0];
+    let along = dx * miss[1] - dh * miss[0];
+    if across.abs() > least + dy.abs() * error[0] + slope.abs() * error[1]
+        || along.abs() > least * half + dh.abs() * error[0] + dx.abs() * error[1]
+    {
+        return Verdict::Nothing;
+    }
+    let change = [turn[0] + bend * half, turn[1]];
+    let (from_x, from_t) =
+        (dy.abs() * change[0] + slope.abs() * change[1], dh.abs() * change[0] + dx.abs() * change[1]);
+    if from_x < CONTRACTION * least && from_t < CONTRACTION * least * half {
+        let blur = noise * (dy.abs() + slope.abs()).max((dh.abs() + dx.abs()) / half) / least;
+        let start = (across / determinant, along / determinant);
+        return newton(a, ray, at, half, start, OVERLAP + 4.0 * blur)
+            .map_or(Verdict::Nothing, |(x, t)| Verdict::Root(x, t));
+    }
+    let blur = (dy.abs() + slope.abs() + bend) * noise;
+    let most = least + dh.abs() * bend + dy.abs() * turn[0] + (slope.abs() + bend) * turn[1];
+    if most <= blur { Verdict::Inside } else { Verdict::Unclear }
+}
+
+/// The only root there can be, or none. Roots within `tolerance` of the box, in its half widths, count.
+fn newton(a: &[Vector<2>], ray: &AxisRay, at: f64, half: f64, start: (f64, f64), tolerance: f64) -> Option<(f64, f64)> {
+    let dy = ray.direction.y;
+    let (mut x, mut z) = (start.0.clamp(-1.0, 1.0), start.1.clamp(-half, half));
+    let mut longest = FIRST_STEP;
+    loop {
+        let ([px, py], [dx, dh]) = evaluate(a, x);
+        let (radius, slope) = ray.radius(at + z);
+        let miss = [radius - px, ray.height(at + z) - py];
+        let determinant = slope * dh - dx * dy;
+        let step_x = (slope * miss[1] - dy * miss[0]) / determinant;
+        let step_z = (dx * miss[1] - dh * miss[0]) / determinant;
+        let step = step_x.abs().max(step_z.abs() / half);
+        // A root inside the box would be nearer by now.
+        if !(step <= longest.max(tolerance)) {
+            return None;
+        }
+        longest *= RATE;
+        let (next_x, next_z) = ((x + step_x).clamp(-1.0, 1.0), (z + step_z).clamp(-half, half));
+        let moved = (next_x - x).abs().max((next_z - z).abs() / half);
+        (x, z) = (next_x, next_z);
+        if step <= tolerance {
+            return Some((x, at + z));
+        }
+        // A root x* would have |T(x) − x*| ≤ ⅔|x − x*|: at a standstill the iterate is the root, or there is none.
+        if moved <= 0.01 * tolerance {
+            return None;
+        }
+    }
+}

@@ -1,0 +1,115 @@
+//! A tree of rings: ranges of distance from the axis and height, eight at a node.
+
+use super::axis_ray::{AxisRay, Interval};
+
+const WIDTH: usize = 8;
+
+/// Marks a child as a leaf.
+pub const LEAF: u32 = 1 << 31;
+
+/// Squares of distances and heights of eight rings, grown so that rounding loses nothing.
+#[derive(Debug)]
+struct Node {
+    inner2: [f64; WIDTH],
+    outer2: [f64; WIDTH],
+    below: [f64; WIDTH],
+    above: [f64; WIDTH],
+    children: [u32; WIDTH],
+}
+
+/// The ring between two distances from the axis and two heights.
+#[derive(Clone, Copy, Debug)]
+pub struct Ring {
+    pub radius: [f64; 2],
+    pub height: [f64; 2],
+}
+
+impl Ring {
+    pub fn union(self, other: Self) -> Self {
+        let join = |a: [f64; 2], b: [f64; 2]| [a[0].min(b[0]), a[1].max(b[1])];
+        Self { radius: join(self.radius, other.radius), height: join(self.height, other.height) }
+    }
+}
+
+/// Rings in the order of the profile.
+#[derive(Debug)]
+pub struct RingTree {
+    nodes: Vec<Node>,
+}
+
+impl RingTree {
+    /// At least one ring, of a surface that reaches `size` from the origin.
+    pub fn new(rings: &[Ring], size: f64) -> Self {
+        let mut tree = Self { nodes: Vec::new() };
+        tree.grow(rings, 0, 1e-12 * size);
+        tree
+    }
+
+    fn grow(&mut self, rings: &[Ring], first: usize, margin: f64) -> u32 {
+        let index = self.nodes.len();
+        let nowhere = [f64::INFINITY; WIDTH];
+        let (below, above) = (nowhere, nowhere.map(|x| -x));
+        self.nodes.push(Node { inner2: nowhere, outer2: above, below, above, children: [0; WIDTH] });
+        let share = rings.len().div_ceil(WIDTH).max(1);
+        for (i, part) in rings.chunks(share).enumerate() {
+            let ring = part[1..].iter().fold(part[0], |a, b| a.union(*b));
+            let start = first + i * share;
+            let child = if part.len() == 1 { start as u32 | LEAF } else { self.grow(part, start, margin) };
+            let inner = (ring.radius[0] - margin).max(0.0);
+            let outer = ring.radius[1] + margin;
+            let node = &mut self.nodes[index];
+            // Distances are compared as squares, whose rounding is in proportion to the square of the size.
+            node.inner2[i] = inner * inner - margin * margin * 1e6;
+            node.outer2[i] = outer * outer + margin * margin * 1e6;
+            (node.below[i], node.above[i]) = (ring.height[0] - margin, ring.height[1] + margin);
+            node.children[i] = child;
+        }
+        index as u32
+    }
+
+    /// Visits the leaves that `ray` may meet within `t`, about in the order in which it does; `visit` shortens `t` at a hit.
+    #[inline]
+    pub fn walk(&self, ray: &AxisRay, mut t: Interval, mut visit: impl FnMut(usize, &mut Interval)) {
+        let dy = ray.direction.y;
+        let inverse = if dy.abs() < 1e-300 { 1e300 } else { 1.0 / dy };
+        let mut stack = [(0u32, 0.0); 8 * WIDTH];
+        stack[0] = (0, t.lo);
+        let mut count = 1;
+        while count > 0 {
+            count -= 1;
+            let (child, entry) = stack[count];
+            if entry > t.hi {
+                continue;
+            }
+            if child & LEAF != 0 {
+                visit((child & !LEAF) as usize, &mut t);
+                continue;
+            }
+            let node = &self.nodes[child as usize];
+            let mut entries = [f64::INFINITY; WIDTH];
+            let [c0, c1, c2] = ray.squares;
+            for i in 0..WIDTH {
+                let a = (node.below[i] - ray.base.y) * inverse;
+                let b = (node.above[i] - ray.base.y) * inverse;
+                let (lo, hi) = (t.lo.max(a.min(b)), t.hi.min(a.max(b)));
+                let [p, q] = [lo, hi].map(|t| c0 + t * (2.0 * c1 + t * c2));
+                let least = if lo <= ray.nearest && ray.nearest <= hi { ray.least } else { p.min(q) };
+                let meets = lo <= hi && p.max(q) >= node.inner2[i] && least <= node.outer2[i];
+                entries[i] = if meets { lo } else { f64::INFINITY };
+            }
+            // The nearest goes on top.
+            let start = count;
+            for (i, entry) in entries.into_iter().enumerate() {
+                if entry < f64::INFINITY {
+                    let mut at = count;
+                    while at > start && stack[at - 1].1 < entry {
+                        stack[at] = stack[at - 1];
+                        at -= 1;
+                    }
+                    stack[at] = (node.children[i], entry);
+                    count += 1;
+                }
+            }
+        }
+    }
+}

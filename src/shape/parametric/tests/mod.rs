@@ -1,0 +1,228 @@
+//! Parametric surfaces against a reference that halves quads, and against forms that are known exactly.
+
+mod reference;
+
+use super::super::Shape;
+use super::{Basis, Patch, Revolution};
+use crate::math::{Ray, Transform, warp};
+use crate::sampling::{Dimension, Key, Purpose};
+use glam::{DAffine3, DVec2, DVec3, DVec4, Vec2, Vec3};
+use reference::{Form, Found, Piece};
+
+/// A surface with what stands for it.
+struct Case {
+    name: &'static str,
+    shape: Shape,
+    pieces: Vec<Piece>,
+    /// One of so many rays is enough: what the reference knows of its bends is crude, so that it takes long.
+    thin: u64,
+}
+
+fn key(i: u64) -> Key {
+    Key::new(11).purpose(Purpose::Test).with(i)
+}
+
+/// In \[−1, 1].
+fn random(i: u64) -> f64 {
+    f64::from(key(i).uniform(Dimension::LightPosition)) * 2.0 - 1.0
+}
+
+fn turned(name: &'static str, basis: &Basis, controls: &[[f64; 2]]) -> Case {
+    let points: Vec<DVec2> = controls.iter().map(|c| DVec2::from_array(*c)).collect();
+    let shape = Shape::Revolution(Revolution::new(basis, &points).unwrap());
+    let piece = |span| basis.piece(span, controls, (0, 1)).into_iter().map(DVec2::from_array).collect();
+    let pieces = basis.spans().map(|span| Piece::new(Form::Turned(piece(span)))).collect();
+    Case { name, shape, pieces, thin: 1 }
+}
+
+fn net(name: &'static str, bases: [&Basis; 2], controls: &[DVec4]) -> Case {
+    let shape = Shape::Patch(Patch::new(bases, controls).unwrap());
+    let columns = bases[1].controls();
+    let weighed: Vec<[f64; 4]> = controls.iter().map(|c| (c.truncate() * c.w).extend(c.w).to_array()).collect();
+    let mut pieces = Vec::new();
+    for u in bases[0].spans() {
+        let along: Vec<Vec<[f64; 4]>> = (0..columns).map(|j| bases[0].piece(u, &weighed, (j, columns))).collect();
+        for v in bases[1].spans() {
+            let rows = (0..=bases[0].degree()).flat_map(|i| {
+                let row: Vec<[f64; 4]> = along.iter().map(|c| c[i]).collect();
+                bases[1].piece(v, &row, (0, 1))
+            });
+            let points = rows.map(|[x, y, z, w]| DVec4::new(x / w, y / w, z / w, w)).collect();
+            pieces.push(Piece::new(Form::Patch(points, [bases[0].degree(), bases[1].degree()])));
+        }
+    }
+    Case { name, shape, pieces, thin: 1 }
+}
+
+/// A cup with a wall, from the axis and back to it, through points that almost coincide; x is negative.
+fn cup() -> Case {
+    let profile = [
+        [0.0, -0.3],
+        [0.0, -0.300001],
+        [0.0, -0.300002],
+        [-0.5, -0.25],
+        [-0.9, 0.2],
+        [-0.8, 1.1],
+        [-0.85, 1.25],
+        [-0.95, 1.1],
+        [-1.05, 0.1],
+        [-0.6, -0.45],
+        [-0.1, -0.7],
+        [-0.12, -1.2],
+        [-0.7, -1.3],
+        [-0.7, -1.4],
+        [0.0, -1.4],
+        [0.0, -1.400001],
+        [0.0, -1.400002],
+    ];
+    turned("cup", &Basis::uniform(3, profile.len()).unwrap(), &profile)
+}
+
+fn cases() -> Vec<Case> {
+    let cubic = Basis::bezier(4).unwrap();
+    let wave = |rows: usize, columns: usize, seed: u64, height: f64| -> Vec<DVec4> {
+        let place = |i: usize, n: usize| 2.0 * i as f64 / (n - 1) as f64 - 1.0;
+        let point = |k: usize| {
+            let (i, j) = (k / columns, k % columns);
+            DVec4::new(place(i, rows), height * random(seed + k as u64), place(j, columns), 1.0)
+        };
+        (0..rows * columns).map(point).collect()
+    };
+    let weighed = |mut net: Vec<DVec4>, seed: u64| {
+        for (i, c) in net.iter_mut().enumerate() {
+            c.w = libm::exp(random(seed + i as u64));
+        }
+        net
+    };
+    let (twenty, ten) = (Basis::bezier(21).unwrap(), Basis::bezier(11).unwrap());
+    let coil: Vec<[f64; 2]> =
+        (0..21).map(|i| [1.5 + random(600 + i), 0.3 * (i as f64 - 10.0) + 2.0 * random(700 + i)]).collect();
+    let uneven = Basis::new(3, 7, vec![0.0, 0.0, 0.0, 0.5, 1.0, 1.0, 3.0, 3.5, 4.0, 4.0, 9.0]).unwrap();
+    let quadratic = Basis::uniform(2, 5).unwrap();
+    let mut collapsed = wave(4, 4, 900, 0.7);
+    collapsed[..4].fill(DVec4::new(-1.0, 0.2, 0.0, 1.0));
+    let mut loops = wave(4, 4, 950, 1.0);
+    for (i, c) in loops.iter_mut().enumerate() {
+        *c = DVec4::new(random(1000 + i as u64), c.y, random(1100 + i as u64), 1.0);
+    }
+    vec![
+        cup(),
+        turned("arch", &cubic, &[[-2.0, 2.0], [-4.0, 0.0], [0.0, 0.0], [-2.0, -2.0]]),
+        turned("crossing", &cubic, &[[-1.0, -1.0], [2.0, -0.5], [-2.0, 0.5], [1.0, 1.0]]),
+        Case { thin: 10, ..turned("degree 20", &twenty, &coil) },
+        net("wave", [&cubic, &cubic], &wave(4, 4, 100, 0.8)),
+        net("loops", [&cubic, &cubic], &loops),
+        net("collapsed", [&cubic, &cubic], &collapsed),
+        Case { thin: 10, ..net("nurbs", [&uneven, &quadratic], &weighed(wave(7, 5, 300, 0.5), 400)) },
+        Case { thin: 400, ..net("degrees 20 and 10", [&twenty, &ten], &wave(21, 11, 500, 1.0)) },
+    ]
+}
+
+/// Rays of several kinds at a surface within a box: from afar, from inside it, and along the axes.
+fn ray(shape: &Shape, i: u64) -> Ray {
+    let (min, max) = shape.extent();
+    let (middle, half) = ((0.5 * (min + max)).as_vec3(), (0.5 * (max - min)).as_vec3());
+    let k = key(i);
+    let inside = |seed: u64| {
+        let (a, b) = (k.with(seed).uniform_2d(Dimension::LightPosition), k.with(seed).uniform(Dimension::Light));
+        middle + half * (Vec3::new(a.x, a.y, b) * 2.0 - 1.0)
+    };
+    let far = middle + warp::sphere(k.uniform_2d(Dimension::LightDirection)) * (2.0 * half.length());
+    match i % 8 {
+        0 => Ray::new(inside(1), warp::sphere(k.uniform_2d(Dimension::LightDirection)) * 0.7),
+        1 => {
+            let from = inside(1);
+            Ray::new(Vec3::new(2.5 * half.max_element(), from.y, from.z), -Vec3::X)
+        }
+        2 => {
+            let from = inside(1);
+            Ray::new(Vec3::new(from.x, middle.y + 2.0 * half.y, from.z), Vec3::new(0.0, -2.0, 0.0))
+        }
+        _ => Ray::new(far, inside(2) - far),
+    }
+}
+
+/// What a comparison saw.
+#[derive(Debug, Default)]
+struct Tally {
+    rays: u64,
+    hits: u64,
+    /// Answers differ where the ray grazes, or passes an edge within the error of the reference.
+    undecided: u64,
+}
+
+/// Compares over rays `from..to`.
+///
+/// The reference is off by `error` at most. A ray that dips by more than that under a surface of radius R of curvature meets it at a
+/// cosine above √(2·error/R), here about .002; facets turn their normals by less than that again.
+fn compare(case: &Case, rays: std::ops::Range<u64>) -> Tally {
+    let (min, max) = case.shape.extent();
+    let size = 0.5 * (max - min).length();
+    let error = 1e-6 * size;
+    let grazing = 0.02;
+    let mut tally = Tally::default();
+    let mut found = Found { hit: None, touches: Vec::new() };
+    for i in rays {
+        let ray = ray(&case.shape, i);
+        (found.hit, tally.rays) = (None, tally.rays + 1);
+        found.touches.clear();
+        let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
+        case.pieces.iter().for_each(|p| p.meet(o, d, error, &mut found));
+        let ours = case.shape.intersect(&ray);
+        let told = || format!("{} ray {i}: {ours:?} against {:?}", case.name, found.hit);
+        if let Some((t, u, v)) = ours {
+            tally.hits += 1;
+            let surface = case.shape.surface(&ray, t, Vec2::new(u, v));
+            let off = surface.p.as_dvec3() - o;
+            let beside = (off - d * (off.dot(d) / d.length_squared())).length();
+            assert!(beside <= 4e-6 * (size + o.length()), "{}: {beside} beside the ray", told());
+        }
+        let t = ours.map(|(t, ..)| f64::from(t));
+        let length = d.length();
+        let near = |a: f64, b: f64| (a - b).abs() * length;
+        let within = |[lo, hi]: [f64; 2], t: f64, by: f64| (lo - t) * length <= by && (t - hi) * length <= by;
+        let rounding = 1e-6 * (o.length() + size);
+        let agree = match (t, found.hit) {
+            (None, None) => true,
+            (Some(a), Some(b)) => {
+                let there = found.touches.iter().filter(|x| within(x.t, b, 4.0 * error));
+                let cos = there.map(|x| x.cos).fold(1.0, f64::min).max(grazing);
+                near(a, b) <= 4.0 * error / cos + rounding
+            }
+            _ => false,
+        };
+        if agree {
+            continue;
+        }
+        // Only what lies at the nearer of the two answers can excuse a difference.
+        let first = t.unwrap_or(f64::INFINITY).min(found.hit.unwrap_or(f64::INFINITY));
+        let reach = 4.0 * error / grazing + rounding;
+        let excuse = found.touches.iter().any(|x| within(x.t, first, reach) && (x.cos <= grazing || x.edge));
+        let behind = first * length <= reach;
+        assert!(excuse || behind, "{}", told());
+        tally.undecided += 1;
+    }
+    tally
+}
+
+fn agree_over(rays: u64) {
+    for case in cases() {
+        let start = std::time::Instant::now();
+        let tally = compare(&case, 0..rays / case.thin);
+        eprintln!("{}: {tally:?} in {:.1?}", case.name, start.elapsed());
+        assert!(tally.hits * 20 > tally.rays, "{}: hardly a hit in {tally:?}", case.name);
+        assert!(tally.undecided * 2000 <= tally.rays, "{}: {tally:?}", case.name);
+    }
+}
+
+#[test]
+fn every_root_is_found() {
+    agree_over(16_000);
+}
+
+/// `cargo test --release --lib every_root_is_found_at_length -- --ignored --nocapture`
+#[test]
+#[ignore = "takes minutes"]
+fn every_root_is_found_at_length() {
+    agree_over(10_000_000);
+}

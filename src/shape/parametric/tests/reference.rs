@@ -1,0 +1,181 @@
+//! Surfaces met by rays in another way: quads are halved until two triangles stand for each within a derived error, in double
+//! precision. Nothing is shared with the solver but the control points.
+
+use glam::{DVec2, DVec3, DVec4, Vec4Swizzles};
+
+/// A Bézier piece, or one turned about the y axis.
+pub enum Form {
+    /// Control points with weights, and the degrees.
+    Patch(Vec<DVec4>, [usize; 2]),
+    /// A profile; v is the angle in turns.
+    Turned(Vec<DVec2>),
+}
+
+/// A piece with bounds on second derivatives by u, by v, and mixed.
+pub struct Piece {
+    form: Form,
+    bends: [f64; 3],
+}
+
+/// A place near which the ray passes.
+pub struct Touch {
+    /// The stretch of the ray in the quad's box.
+    pub t: [f64; 2],
+    /// Between ray and normal.
+    pub cos: f64,
+    /// Whether it is at an edge of the piece.
+    pub edge: bool,
+}
+
+pub struct Found {
+    /// The nearest crossing of a triangle.
+    pub hit: Option<f64>,
+    pub touches: Vec<Touch>,
+}
+
+fn casteljau<T: Copy + std::ops::Mul<f64, Output = T> + std::ops::Add<Output = T>>(points: &mut [T], s: f64) -> T {
+    for n in (1..points.len()).rev() {
+        for i in 0..n {
+            points[i] = points[i] * (1.0 - s) + points[i + 1] * s;
+        }
+    }
+    points[0]
+}
+
+/// Largest n(n − 1)|Δ²b| along lines of a net of values, which bounds the second derivative; and n|Δb|, which bounds the first.
+fn differences(points: &[DVec4], degree: [usize; 2], axis: usize) -> (DVec4, DVec4) {
+    let columns = degree[1] + 1;
+    let step = if axis == 0 { columns } else { 1 };
+    let n = degree[axis] as f64;
+    let inside = |i: usize, k: usize| if axis == 0 { i + k * step < points.len() } else { i % columns + k < columns };
+    let (mut first, mut second) = (DVec4::ZERO, DVec4::ZERO);
+    for i in 0..points.len() {
+        if inside(i, 1) {
+            first = first.max((points[i + step] - points[i]).abs() * n);
+        }
+        if inside(i, 2) {
+            let d = points[i + 2 * step] - 2.0 * points[i + step] + points[i];
+            second = second.max(d.abs() * n * (n - 1.0));
+        }
+    }
+    (first, second)
+}
+
+impl Piece {
+    pub fn new(form: Form) -> Self {
+        let bends = match &form {
+            Form::Turned(profile) => {
+                let flat: Vec<DVec4> = profile.iter().map(|p| DVec4::new(p.x, p.y, 0.0, 1.0)).collect();
+                let (first, second) = differences(&flat, [profile.len() - 1, 0], 0);
+                let turn = std::f64::consts::TAU;
+                let radius = profile.iter().fold(0.0, |r: f64, p| r.max(p.x.abs()));
+                [second.xy().length(), radius * turn * turn, first.x * turn]
+            }
+            Form::Patch(controls, degree) => {
+                // Of S = A/W: W·S″ = A″ − 2W′S′ − W″S, and so on.
+                let homogeneous: Vec<DVec4> = controls.iter().map(|c| (c.xyz() * c.w).extend(c.w)).collect();
+                let least = controls.iter().fold(f64::INFINITY, |m: f64, c| m.min(c.w));
+                let far = controls.iter().fold(0.0, |m: f64, c| m.max(c.xyz().length()));
+                let sides = [0, 1].map(|axis| differences(&homogeneous, *degree, axis));
+                let slopes = sides.map(|(first, _)| (first.xyz().length() + first.w * far) / least);
+                let own = [0, 1].map(|i| {
+                    let (first, second) = sides[i];
+                    (second.xyz().length() + 2.0 * first.w * slopes[i] + second.w * far) / least
+                });
+                let columns = degree[1] + 1;
+                let n = (degree[0] * degree[1]) as f64;
+                let mixed = (0..controls.len()).filter(|i| i + columns < controls.len() && i % columns + 1 < columns);
+                let twist = mixed.fold(DVec4::ZERO, |m, i| {
+                    let d =
+                        homogeneous[i] + homogeneous[i + columns + 1] - homogeneous[i + 1] - homogeneous[i + columns];
+                    m.max(d.abs() * n)
+                });
+                let (w0, w1) = (sides[0].0.w, sides[1].0.w);
+                let twist = (twist.xyz().length() + w0 * slopes[1] + w1 * slopes[0] + twist.w * far) / least;
+                [own[0], own[1], twist]
+            }
+        };
+        Self { form, bends }
+    }
+
+    pub fn at(&self, u: f64, v: f64) -> DVec3 {
+        match &self.form {
+            Form::Turned(profile) => {
+                let mut buffer = [DVec2::ZERO; 25];
+                buffer[..profile.len()].copy_from_slice(profile);
+                let p = casteljau(&mut buffer[..profile.len()], u);
+                let (sin, cos) = libm::sincos(v * std::f64::consts::TAU);
+                DVec3::new(p.x * cos, p.y, p.x * sin)
+            }
+            Form::Patch(controls, [p, q]) => {
+                let (mut rows, mut row) = ([DVec4::ZERO; 25], [DVec4::ZERO; 25]);
+                for i in 0..=*p {
+                    for j in 0..=*q {
+                        let c = controls[i * (q + 1) + j];
+                        row[j] = (c.xyz() * c.w).extend(c.w);
+                    }
+                    rows[i] = casteljau(&mut row[..=*q], v);
+                }
+                let a = casteljau(&mut rows[..=*p], u);
+                a.xyz() / a.w
+            }
+        }
+    }
+
+    /// Everything of the piece that the ray passes within `error`.
+    pub fn meet(&self, o: DVec3, d: DVec3, error: f64, found: &mut Found) {
+        let turned = matches!(self.form, Form::Turned(_));
+        let parts = if turned { 4 } else { 1 };
+        let quad = |[u0, u1, v0, v1]: [f64; 4]| {
+            ([u0, u1, v0, v1], [self.at(u0, v0), self.at(u1, v0), self.at(u1, v1), self.at(u0, v1)])
+        };
+        let part = |i: i32| quad([0.0, 1.0, f64::from(i) / f64::from(parts), f64::from(i + 1) / f64::from(parts)]);
+        let mut quads: Vec<([f64; 4], [DVec3; 4])> = (0..parts).map(part).collect();
+        let [uu, vv, uv] = self.bends;
+        while let Some(([u0, u1, v0, v1], corners)) = quads.pop() {
+            let (du, dv) = (u1 - u0, v1 - v0);
+            // A bilinear quad differs from the surface by the first two terms, two triangles from it by the last.
+            let [a, b, c] = [uu * du * du / 8.0, vv * dv * dv / 8.0, uv * du * dv / 4.0];
+            let off = a + b + c;
+            let min = corners.into_iter().fold(DVec3::INFINITY, DVec3::min) - off;
+            let max = corners.into_iter().fold(DVec3::NEG_INFINITY, DVec3::max) + off;
+            let (near, far) = ((min - o) / d, (max - o) / d);
+            let (lo, hi) = (near.min(far).max_element(), near.max(far).min_element());
+            if !(lo <= hi && hi > 0.0) {
+                continue;
+            }
+            if off > error {
+                let (u, v) = (0.5 * (u0 + u1), 0.5 * (v0 + v1));
+                // The twist halves with either.
+                let [p, q, r, s] = corners;
+                if a > b || a == b && du > dv {
+                    let (e, f) = (self.at(u, v0), self.at(u, v1));
+                    quads.extend([([u0, u, v0, v1], [p, e, f, s]), ([u, u1, v0, v1], [e, q, r, f])]);
+                } else {
+                    let (e, f) = (self.at(u0, v), self.at(u1, v));
+                    quads.extend([([u0, u1, v0, v], [p, q, f, e]), ([u0, u1, v, v1], [e, f, r, s])]);
+                }
+                continue;
+            }
+            let normal = (corners[2] - corners[0]).cross(corners[3] - corners[1]).normalize_or_zero();
+            let edge = u0 == 0.0 || u1 == 1.0 || !turned && (v0 == 0.0 || v1 == 1.0);
+            found.touches.push(Touch { t: [lo, hi], cos: normal.dot(d).abs() / d.length(), edge });
+            for [i, j, k] in [[0, 1, 2], [0, 2, 3]] {
+                if let Some(t) = cross(o, d, corners[i], corners[j], corners[k]) {
+                    found.hit = Some(found.hit.map_or(t, |h: f64| h.min(t)));
+                }
+            }
+        }
+    }
+}
+
+/// Möller and Trumbore's test, edges included.
+fn cross(o: DVec3, d: DVec3, a: DVec3, b: DVec3, c: DVec3) -> Option<f64> {
+    let (e1, e2, s) = (b - a, c - a, o - a);
+    let p = d.cross(e2);
+    let determinant = e1.dot(p);
+    let (x, q) = (s.dot(p) / determinant, s.cross(e1));
+    let (y, t) = (d.dot(q) / determinant, e2.dot(q) / determinant);
+    let slack = -1e-9;
+    (x >= slack && y >= slack && x + y <= 1.0 - slack && t > 0.0).then_some(t)
+}
