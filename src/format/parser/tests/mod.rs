@@ -1,4 +1,5 @@
 mod surfaces;
+mod textures;
 
 use super::*;
 use crate::format::MAX_DEPTH;

@@ -2,6 +2,7 @@
 
 mod materials;
 mod meshes;
+mod textures;
 
 use super::super::parse;
 use super::*;
