@@ -1,6 +1,7 @@
 //! What the pages say is true: their commands run, their scenes render, their tables agree with the program.
 
 use caustica::cli::{Arguments, Command, Exit};
+use caustica::format::mesh::{self, MeshFormat};
 use caustica::format::{Source, parse, resolve};
 use caustica::image::{self, Image, WriteOptions};
 use caustica::integrate::{Algorithm, Settings, Silent};
@@ -109,6 +110,7 @@ fn perform(page: &str, line: &[String], folder: &Path) {
                 shrink(&mut arguments, study.method.caustic_photons.is_some());
                 (Some(&study.scene.scene), study.output.iter().collect())
             }
+            Some(Command::Mesh(mesh)) => (Some(&mesh.mesh), mesh.output.iter().collect()),
             None => (None, Vec::new()),
         };
         if let Some(scene) = scene.and_then(Path::to_str) {
@@ -200,12 +202,17 @@ fn table(section: &str) -> Vec<Vec<String>> {
 
 #[test]
 fn the_page_lists_every_flag_with_its_default() {
-    let command = Arguments::command();
-    let render = command.find_subcommand("render").unwrap();
-    let rows = table("Flags");
+    flags_are_listed("render", "Flags");
+    flags_are_listed("mesh", "Mesh");
+}
+
+fn flags_are_listed(command: &str, section: &str) {
+    let arguments = Arguments::command();
+    let command = arguments.find_subcommand(command).unwrap();
+    let rows = table(section);
     let bare = |text: &str| text.replace('`', "");
     let mut known = BTreeSet::new();
-    for argument in render.get_arguments().filter(|a| a.get_id() != "help") {
+    for argument in command.get_arguments().filter(|a| a.get_id() != "help") {
         let Some(long) = argument.get_long() else { continue };
         known.insert(format!("--{long}"));
         let mut first = argument.get_short().map_or(String::new(), |c| format!("`-{c}`, "));
@@ -269,6 +276,13 @@ fn the_scenes_of_the_language_page_render() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::create_dir(folder.path().join("mesh")).unwrap();
     std::fs::write(folder.path().join("mesh/cube.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+    let faces = "v -.4 0 0\nv .4 0 0\nv 0 .8 0\nv 0 .4 .6\n";
+    let parts = "mtllib faces.mtl\nusemtl lamp\nf 1 2 4\nusemtl matt\nf 2 3 4\nusemtl mirror\nf 3 1 4\n";
+    std::fs::write(folder.path().join("mesh/faces.obj"), format!("{faces}{parts}")).unwrap();
+    let mtl = "newmtl lamp\nKe 4 4 3\nnewmtl matt\nKd .8 .2 .1\nillum 1\nnewmtl mirror\nKd 0\nKs .9\nillum 3\n";
+    std::fs::write(folder.path().join("mesh/faces.mtl"), mtl).unwrap();
+    let converted = mesh::load(&folder.path().join("mesh/faces.obj"), &()).unwrap().mesh;
+    converted.write(&folder.path().join("mesh/faces.ply"), MeshFormat::Ply, &[]).unwrap();
     std::fs::create_dir(folder.path().join("textures")).unwrap();
     let gray = Image::from_pixels(2, 2, vec![glam::Vec3::splat(0.5); 4]).unwrap();
     image::write(&folder.path().join("textures/tile.png"), &gray, &WriteOptions::default()).unwrap();

@@ -166,7 +166,7 @@ fn bumps_make_no_light() {
                 let mean = passes.iter().sum::<f64>() / 8.0;
                 let variance = passes.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / 7.0 / 8.0;
                 assert!(mean < 1.0 + 5.0 * variance.sqrt() + 1e-5, "{relief}, {material}: {mean}");
-                assert!(mean > 0.5, "{relief}, {material}: {mean}");
+                assert!(mean > 0.4, "{relief}, {material}: {mean}");
             }
         }
     }

@@ -1,5 +1,6 @@
 //! What can be typed.
 
+use super::MeshArguments;
 use super::number::{count, duration, length, positive_count, size, stops, threads};
 use crate::camera::FilterKind;
 use crate::image::{BitDepth, Curve};
@@ -31,6 +32,8 @@ pub enum Command {
     Plan(Box<PlanArguments>),
     /// Measure what parts of a picture cost and are worth
     Study(Box<StudyArguments>),
+    /// Tell what a mesh is like, repair it, and convert it
+    Mesh(Box<MeshArguments>),
 }
 
 /// How light is computed.

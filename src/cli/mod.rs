@@ -3,6 +3,7 @@
 mod args;
 mod interrupt;
 mod memory;
+mod mesh;
 mod number;
 mod plan;
 mod progress;
@@ -13,6 +14,7 @@ mod settings;
 mod study;
 
 pub use args::{Arguments, Command, PlanArguments, RenderArguments, StudyArguments};
+pub use mesh::MeshArguments;
 
 use std::process::ExitCode;
 
@@ -62,5 +64,6 @@ pub fn run(arguments: Arguments) -> Result<Exit, Failure> {
         Command::Render(arguments) => render::run(&arguments),
         Command::Plan(arguments) => plan::run(&arguments),
         Command::Study(arguments) => study::run(&arguments),
+        Command::Mesh(arguments) => mesh::run(&arguments),
     }
 }

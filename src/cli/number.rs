@@ -1,6 +1,7 @@
 //! Numbers as people write them.
 
 use crate::image::MAX_EXPOSURE_STOPS;
+use glam::DVec3;
 use std::time::Duration;
 
 /// A count with an optional suffix k (thousand) or M (million); a fraction is allowed before a suffix: `2.5M`.
@@ -74,6 +75,35 @@ pub(super) fn length(text: &str) -> Result<f32, String> {
     value.ok_or_else(|| format!("`{text}` is no length: write a number above 0, in units of the scene"))
 }
 
+/// A length of zero or more, in double precision.
+pub(super) fn distance(text: &str) -> Result<f64, String> {
+    within(text, |x| x >= 0.0).ok_or_else(|| format!("`{text}` is no length: write a number of at least 0"))
+}
+
+/// A factor above zero.
+pub(super) fn above_zero(text: &str) -> Result<f64, String> {
+    within(text, |x| x > 0.0).ok_or_else(|| format!("`{text}` is no factor: write a number above 0"))
+}
+
+/// An angle from 0 to 180 degrees.
+pub(super) fn degrees(text: &str) -> Result<f64, String> {
+    within(text, |x| (0.0..=180.0).contains(&x))
+        .ok_or_else(|| format!("`{text}` is no such angle: write degrees from 0 to 180"))
+}
+
+/// Three numbers with commas between them.
+pub(super) fn point(text: &str) -> Result<DVec3, String> {
+    let numbers: Option<Vec<f64>> = text.split(',').map(|part| within(part.trim(), |_| true)).collect();
+    match numbers.as_deref() {
+        Some(&[x, y, z]) => Ok(DVec3::new(x, y, z)),
+        _ => Err(format!("`{text}` is no point: write three numbers such as 0,1.5,-2")),
+    }
+}
+
+fn within(text: &str, rule: impl Fn(f64) -> bool) -> Option<f64> {
+    text.parse::<f64>().ok().filter(|x| x.is_finite() && rule(*x))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -103,5 +133,14 @@ mod tests {
         assert_eq!((stops("+1.5"), stops("-64")), (Ok(1.5), Ok(-64.0)));
         assert!(threads("0").is_err() && threads("1025").is_err() && threads("1k") == Ok(1000));
         assert!(length("0").is_err() && length("NaN").is_err() && length("0.5").is_ok());
+    }
+
+    #[test]
+    fn measures_of_meshes() {
+        assert_eq!(point("1,-2.5, 3e2"), Ok(DVec3::new(1.0, -2.5, 300.0)));
+        assert!(["1,2", "1,2,3,4", "1,2,x", "1,2,inf", ""].iter().all(|text| point(text).is_err()));
+        assert!(distance("0") == Ok(0.0) && distance("-1").is_err() && distance("nan").is_err());
+        assert!(above_zero("0").is_err() && above_zero("1e-3") == Ok(1e-3));
+        assert!(degrees("180") == Ok(180.0) && degrees("181").is_err());
     }
 }

@@ -1,8 +1,10 @@
 //! Progress: bars on a terminal, plain lines elsewhere.
 
+use crate::format::mesh::{ReadMonitor, TriangleMesh};
 use crate::integrate::{Monitor, Phase};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{IsTerminal, Write};
+use std::path::Path;
 use std::sync::Mutex;
 
 /// Writes a line to the standard error. A reader that has gone away must not end a render, so failure is of no account.
@@ -80,6 +82,38 @@ impl Monitor for Progress {
     fn advance(&self, units: u64) {
         if let Self::Bars { phase, .. } = self {
             phase.inc(units);
+        }
+    }
+}
+
+/// Triangles of a mesh whose reading takes long enough to be told of.
+const MANY: usize = 1_000_000;
+
+impl ReadMonitor for Progress {
+    fn begin(&self, path: &Path, bytes: u64) {
+        let Self::Bars { phase: bar, .. } = self else { return };
+        let template = "reading {prefix} {bar:28} {percent:>3} %  {binary_bytes_per_sec}";
+        if let Ok(style) = ProgressStyle::with_template(template) {
+            bar.set_style(style);
+        }
+        bar.set_prefix(path.display().to_string());
+        bar.set_length(bytes);
+        bar.reset();
+    }
+
+    fn advance(&self, bytes: u64) {
+        if let Self::Bars { phase, .. } = self {
+            phase.inc(bytes);
+        }
+    }
+
+    fn end(&self, path: &Path, mesh: &TriangleMesh) {
+        if let Self::Bars { phase, .. } = self {
+            phase.set_length(0);
+            phase.reset();
+        }
+        if mesh.triangles.len() >= MANY {
+            self.say(&format!("read {}: {} triangles", path.display(), mesh.triangles.len()));
         }
     }
 }

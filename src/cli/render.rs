@@ -30,7 +30,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Exit, Failure> {
 
 fn run_in_pool(arguments: &RenderArguments, progress: &Progress) -> Result<Exit, Failure> {
     let start = Instant::now();
-    let scene = load(&arguments.scene)?;
+    let scene = load(&arguments.scene, progress)?;
     let algorithm = Algorithm::from(arguments.method.integrator);
     let mut setting = Setting {
         scene: arguments.scene.scene.display().to_string(),

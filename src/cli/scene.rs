@@ -4,18 +4,19 @@ use super::args::SceneArguments;
 use super::memory::{self, check_pictures};
 use super::{Exit, Failure};
 use crate::format::SceneFile;
+use crate::format::mesh::ReadMonitor;
 use crate::scene::Scene;
 use miette::IntoDiagnostic;
 
 /// Reads and resolves a scene file, with the picture size replaced where one is given; refuses a picture that does not fit into
-/// memory.
-pub(super) fn load(arguments: &SceneArguments) -> Result<Scene, Failure> {
+/// memory. `monitor` hears how far meshes are read.
+pub(super) fn load(arguments: &SceneArguments, monitor: &dyn ReadMonitor) -> Result<Scene, Failure> {
     let mut file = SceneFile::read(&arguments.scene).map_err(|e| Failure::new(Exit::Input, e))?;
     if let Some((width, height)) = arguments.size {
         file.description.camera.value.width = width;
         file.description.camera.value.height = height;
     }
-    let scene = file.resolve().map_err(|e| Failure::new(Exit::Input, e))?;
+    let scene = file.resolve_watched(monitor).map_err(|e| Failure::new(Exit::Input, e))?;
     check_pictures(1, scene.camera().size(), memory::free()).map_err(|e| Failure::new(Exit::Usage, e))?;
     Ok(scene)
 }

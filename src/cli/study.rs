@@ -49,7 +49,7 @@ fn check_page(path: &Path) -> Result<(), Failure> {
 fn run_in_pool(arguments: &StudyArguments, progress: &Progress) -> Result<Exit, Failure> {
     let usage = |e| Failure::new(Exit::Usage, e);
     let start = Instant::now();
-    let scene = load(&arguments.scene)?;
+    let scene = load(&arguments.scene, progress)?;
     let algorithm = Algorithm::from(arguments.method.integrator);
     // No more than one picture without each effect, besides the whole one.
     check_pictures(Effect::ALL.len() + 1, scene.camera().size(), memory::free()).map_err(usage)?;

@@ -1,7 +1,8 @@
 //! Scene files.
 
 use super::description::Description;
-use super::{SceneError, Source, parse_bytes, resolve};
+use super::mesh::ReadMonitor;
+use super::{SceneError, Source, parse_bytes, resolve, resolve_watched};
 use crate::scene::Scene;
 use std::path::{Path, PathBuf};
 
@@ -52,5 +53,13 @@ impl SceneFile {
     /// [`SceneError`].
     pub fn resolve(&self) -> Result<Scene, SceneError> {
         resolve(&self.description, &self.source, &self.folder)
+    }
+
+    /// As [`SceneFile::resolve`]; `monitor` hears how far meshes are read.
+    ///
+    /// # Errors
+    /// [`SceneError`].
+    pub fn resolve_watched(&self, monitor: &dyn ReadMonitor) -> Result<Scene, SceneError> {
+        resolve_watched(&self.description, &self.source, &self.folder, monitor)
     }
 }

@@ -5,8 +5,11 @@ mod error;
 mod file;
 mod lexer;
 mod map;
-pub mod obj;
+pub mod mesh;
+pub mod mtl;
+mod obj;
 mod parser;
+mod ply;
 mod print;
 mod resolve;
 #[cfg(test)]
@@ -15,7 +18,7 @@ mod tests;
 pub use error::{SceneError, Source};
 pub use file::{ReadError, SceneFile};
 pub use parser::{parse, parse_bytes};
-pub use resolve::resolve;
+pub use resolve::{resolve, resolve_watched};
 
 /// How deep groups and transforms may nest.
 pub const MAX_DEPTH: usize = 512;

@@ -13,6 +13,6 @@ mod write;
 pub use buffer::{Image, MAX_PIXELS, Raster, RgbBytes, SizeError};
 pub use error::{ReadError, WriteError};
 pub use read::{read, read_bytes, read_data};
-pub use replace::{check_place, replace_file};
+pub use replace::{check_place, replace_file, replace_with};
 pub use tone::{Curve, MAX_EXPOSURE_STOPS, ToneMap, UnknownCurve, WriteReport};
 pub use write::{BitDepth, OutputFormat, WriteOptions, check_writable, encode, write};

@@ -19,7 +19,11 @@ pub fn replace_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     replace_with(path, |file| file.write_all(bytes))
 }
 
-fn replace_with(path: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> Result<(), WriteError> {
+/// As [`replace_file`], with what `fill` writes.
+///
+/// # Errors
+/// [`WriteError`], as of [`replace_file`], or where `fill` fails.
+pub fn replace_with(path: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> Result<(), WriteError> {
     let place = Place::find(path)?;
     // Dropping the temporary file on an early return removes it.
     let mut temporary = place.temporary()?;

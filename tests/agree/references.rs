@@ -108,3 +108,22 @@ fn the_rough_room_is_the_reference() {
         [0.15, 0.05, 0.01],
     );
 }
+
+/// Camera rays alone see depth of field, so `Ppm`, whose rays are the same in all passes, shows one that does not settle: it is left out. The
+/// windows are the ball before the plane of focus, the mirror in it, and the ball behind it.
+#[test]
+fn the_lens_sees_as_the_reference() {
+    let methods = [
+        (Method::Path, WALKS),
+        (Method::Hybrid, WALKS),
+        (Method::Sppm, WALKS),
+        (Method::Seen, WALKS),
+        (Method::Gathered, WALKS),
+    ];
+    compare_all(
+        "lens",
+        &methods,
+        &[("near ball", [20, 40, 40, 62]), ("mirror", [40, 60, 28, 50]), ("far ball", [62, 76, 26, 40])],
+        [0.15, 0.05, 0.01],
+    );
+}

@@ -2,6 +2,7 @@
 
 mod exits;
 mod interrupt;
+mod mesh;
 mod outputs;
 mod repeat;
 mod scenes;

@@ -244,12 +244,14 @@ pub enum Shape {
         /// Shading normals at the corners, of any length.
         normals: Option<[DVec3; 3]>,
         /// Texture coordinates at the corners; `None`: (0, 0), (1, 0), (0, 1).
-        uv: Option<[DVec2; 3]>,
+        uv: Option<Box<[DVec2; 3]>>,
     },
     /// A mesh in a file of its own.
     Mesh {
         /// As written: not empty, no line breaks.
         path: Spanned<String>,
+        /// How the file is used.
+        options: MeshOptions,
     },
     /// The points (x cos θ, y, x sin θ) of a profile (x, y).
     Revolution {
@@ -276,6 +278,17 @@ pub enum Shape {
         /// Points with weights, those along v one after the other.
         controls: Vec<DVec4>,
     },
+}
+
+/// How the file of a mesh is used. By default as the course has it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MeshOptions {
+    /// Whether its faces are made of the file's own materials rather than of the scene's.
+    pub own_materials: bool,
+    /// Whether the file's normals are left out.
+    pub no_normals: bool,
+    /// The largest angle in degrees, inside [0, 180], between faces that are smoothed where normals are missing.
+    pub smooth_angle: Option<f64>,
 }
 
 /// A polynomial curve.

@@ -1,4 +1,4 @@
-//! Triangle meshes from Wavefront OBJ files.
+//! Triangle meshes from and to Wavefront OBJ files.
 //!
 //! Crate `tobj` reads the numbers and fans the polygons. Handed a file as it is, it names no lines, stops at comments
 //! that are not UTF-8, lets normals slip to other vertices where only some faces have them, and overflows on wild
@@ -7,184 +7,122 @@
 mod check;
 #[cfg(test)]
 mod tests;
+mod write;
 
-use std::collections::HashMap;
-use std::hash::Hash;
-use std::path::{Path, PathBuf};
-
+use super::mesh::{Loaded, MeshError, NO_MATERIAL, ReadMonitor, TriangleMesh, unit};
+use check::Sound;
 use glam::{DVec2, DVec3};
+use std::collections::HashMap;
+use std::io::{BufRead, Read};
+use std::path::Path;
+pub(super) use write::write;
 
-/// Triangles with shared vertices.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct TriangleMesh {
-    /// Places of the vertices, each used by a triangle.
-    pub positions: Vec<DVec3>,
-    /// Counterclockwise seen from outside; indices into `positions`. Triangles without area are kept.
-    pub triangles: Vec<[u32; 3]>,
-    /// Shading normals by vertex, of unit length. Zero where the file has none: then at all corners of a triangle.
-    pub normals: Option<Vec<DVec3>>,
-    /// Texture coordinates by vertex; zero where the file has none.
-    pub texcoords: Option<Vec<DVec2>>,
-}
-
-/// Why a mesh could not be read.
-#[derive(Debug, thiserror::Error)]
-pub enum ObjError {
-    /// There is no such file.
-    #[error("there is no mesh file {}: check the path, which counts from the scene file's folder or the one above it", path.display())]
-    Missing {
-        /// The file.
-        path: PathBuf,
-    },
-    /// The file is there but cannot be read.
-    #[error("cannot read the mesh {}: check that it is a file and that you may read it", path.display())]
-    Unreadable {
-        /// The file.
-        path: PathBuf,
-        /// What the system says.
-        source: std::io::Error,
-    },
-    /// A line that says nothing sound.
-    #[error("{}:{line}: {message}: {remedy}", path.display())]
-    Line {
-        /// The file.
-        path: PathBuf,
-        /// From 1.
-        line: usize,
-        /// What is wrong.
-        message: String,
-        /// What would be right.
-        remedy: &'static str,
-    },
-    /// Nothing to see.
-    #[error("the mesh {} has no faces: export it with faces (lines that start with `f`)", path.display())]
-    NoFaces {
-        /// The file.
-        path: PathBuf,
-    },
-    /// More vertices than an index can count.
-    #[error("the mesh {} has more than 4294967295 vertices: split it", path.display())]
-    TooLarge {
-        /// The file.
-        path: PathBuf,
-    },
-    /// The reader refuses what the check let pass.
-    #[error("cannot read the mesh {}: {source}: export it anew as plain triangles", path.display())]
-    Malformed {
-        /// The file.
-        path: PathBuf,
-        /// What the reader says.
-        source: tobj::LoadError,
-    },
-}
-
-/// Reads the triangles of an OBJ file; polygons are cut into fans about their first corner.
-///
-/// Vertices are shared where position, normal and texture coordinates agree in every bit. Materials, lines, points,
-/// groups and names are passed over.
-///
-/// # Errors
-/// See [`ObjError`]; all name the file.
-pub fn load(path: &Path) -> Result<TriangleMesh, ObjError> {
-    let bytes = std::fs::read(path).map_err(|source| match source.kind() {
-        std::io::ErrorKind::NotFound => ObjError::Missing { path: path.into() },
-        _ => ObjError::Unreadable { path: path.into(), source },
-    })?;
-    // Only comments and names may hold other encodings, and they are passed over.
-    from_text(path, &String::from_utf8_lossy(&bytes))
-}
-
-fn from_text(path: &Path, text: &str) -> Result<TriangleMesh, ObjError> {
-    let sound = check::sound_lines(text).map_err(|e| ObjError::Line {
-        path: path.into(),
-        line: e.line,
-        message: e.message,
-        remedy: e.remedy,
-    })?;
+/// The triangles of an OBJ file. Lines, points, groups and names of objects are passed over.
+pub(super) fn read(path: &Path, bytes: Vec<u8>, monitor: &dyn ReadMonitor) -> Result<Loaded, MeshError> {
+    // Only comments and names may hold other encodings.
+    let text = String::from_utf8(bytes).unwrap_or_else(|e| String::from_utf8_lossy(e.as_bytes()).into_owned());
+    let sound = check::sound_lines(&text, monitor).map_err(|e| MeshError::line(path, e.line, e.wrong))?;
+    drop(text);
+    let malformed = |source| MeshError::Malformed { path: path.into(), source };
     let options = tobj::LoadOptions { single_index: true, triangulate: true, ..Default::default() };
     let no_materials = |_: &Path| Ok(Default::default());
-    let (models, _) = tobj::load_obj_buf(&mut sound.as_bytes(), &options, no_materials)
-        .map_err(|source| ObjError::Malformed { path: path.into(), source })?;
-    let mut mesh = Merge::default();
-    for model in &models {
-        mesh.add(&model.mesh).ok_or_else(|| ObjError::TooLarge { path: path.into() })?;
-    }
-    if mesh.triangles.is_empty() {
-        return Err(ObjError::NoFaces { path: path.into() });
-    }
-    Ok(mesh.finish())
+    let mut reader = Watched { texts: &sound.texts, at: 0, monitor };
+    reader.skip_empty();
+    let (models, _) = tobj::load_obj_buf(&mut reader, &options, no_materials).map_err(malformed)?;
+    let mesh = join(&models, &sound).ok_or_else(|| MeshError::TooLarge { path: path.into() })?;
+    Ok(Loaded {
+        mesh,
+        libraries: sound.libraries,
+        vertices: sound.vertices,
+        isolated: sound.isolated,
+        positions_only: true,
+    })
 }
 
-/// What makes a vertex: the bits of its position, normal and texture coordinates.
-#[derive(Clone, Copy, PartialEq, Eq, Hash)]
-struct Vertex {
-    position: [u64; 3],
-    normal: [u64; 3],
-    texcoord: [u64; 2],
+/// Texts one after the other, which tell when they have been read.
+struct Watched<'t> {
+    texts: &'t [String],
+    /// How much of the first is read.
+    at: usize,
+    monitor: &'t dyn ReadMonitor,
 }
 
-/// Meshes put together, with equal vertices made one.
-#[derive(Default)]
-struct Merge {
-    vertices: Vec<Vertex>,
-    indices: HashMap<Vertex, u32>,
-    triangles: Vec<[u32; 3]>,
-    textured: bool,
-}
-
-impl Merge {
-    /// Adds the triangles of `mesh`; none if there are too many vertices.
-    fn add(&mut self, mesh: &tobj::Mesh) -> Option<()> {
-        let vector = |list: &[f64], i: u32| {
-            let i = 3 * i as usize;
-            list.get(i..i + 3).map_or(DVec3::ZERO, DVec3::from_slice)
-        };
-        self.textured |= !mesh.texcoords.is_empty();
-        for corners in mesh.indices.chunks_exact(3) {
-            let corners = [corners[0], corners[1], corners[2]];
-            let mut normals = corners.map(|i| unit(vector(&mesh.normals, i)));
-            if normals.contains(&DVec3::ZERO) {
-                normals = [DVec3::ZERO; 3];
-            }
-            let mut triangle = [0; 3];
-            for k in 0..3 {
-                let i = 2 * corners[k] as usize;
-                let texcoord = mesh.texcoords.get(i..i + 2).map_or(DVec2::ZERO, DVec2::from_slice);
-                triangle[k] = self.vertex(Vertex {
-                    position: vector(&mesh.positions, corners[k]).to_array().map(f64::to_bits),
-                    normal: normals[k].to_array().map(f64::to_bits),
-                    texcoord: texcoord.to_array().map(f64::to_bits),
-                })?;
-            }
-            self.triangles.push(triangle);
-        }
-        Some(())
+impl BufRead for Watched<'_> {
+    fn fill_buf(&mut self) -> std::io::Result<&[u8]> {
+        Ok(self.texts.first().map_or(&[], |text| &text.as_bytes()[self.at..]))
     }
 
-    fn vertex(&mut self, vertex: Vertex) -> Option<u32> {
-        let next = u32::try_from(self.vertices.len()).ok()?;
-        Some(*self.indices.entry(vertex).or_insert_with(|| {
-            self.vertices.push(vertex);
-            next
-        }))
-    }
-
-    fn finish(self) -> TriangleMesh {
-        let all = |part: fn(&Vertex) -> [u64; 3]| -> Vec<DVec3> {
-            self.vertices.iter().map(|v| DVec3::from_array(part(v).map(f64::from_bits))).collect()
-        };
-        let normals = all(|v| v.normal);
-        let texcoords = || self.vertices.iter().map(|v| DVec2::from_array(v.texcoord.map(f64::from_bits))).collect();
-        TriangleMesh {
-            positions: all(|v| v.position),
-            normals: normals.iter().any(|n| *n != DVec3::ZERO).then_some(normals),
-            texcoords: self.textured.then(texcoords),
-            triangles: self.triangles,
+    fn consume(&mut self, n: usize) {
+        self.at += n;
+        if let Some(text) = self.texts.first()
+            && self.at == text.len()
+        {
+            self.monitor.advance(text.len() as u64 / 2);
+            (self.texts, self.at) = (&self.texts[1..], 0);
+            self.skip_empty();
         }
     }
 }
 
-/// `v` at unit length, or zero where it is too short or long to tell.
-fn unit(v: DVec3) -> DVec3 {
-    if v.length_squared().is_normal() { v.normalize() } else { DVec3::ZERO }
+impl Watched<'_> {
+    /// An empty text would look like the end of all.
+    fn skip_empty(&mut self) {
+        while let [first, rest @ ..] = self.texts
+            && first.is_empty()
+        {
+            self.texts = rest;
+        }
+    }
+}
+
+impl Read for Watched<'_> {
+    fn read(&mut self, into: &mut [u8]) -> std::io::Result<usize> {
+        let n = self.fill_buf()?.read(into)?;
+        self.consume(n);
+        Ok(n)
+    }
+}
+
+/// One mesh of all groups; none if there are too many vertices.
+fn join(models: &[tobj::Model], sound: &Sound) -> Option<TriangleMesh> {
+    let mut mesh = TriangleMesh::default();
+    let has = |list: fn(&tobj::Mesh) -> &Vec<f64>| models.iter().any(|model| !list(&model.mesh).is_empty());
+    let (has_normals, has_texcoords) = (has(|mesh| &mesh.normals), has(|mesh| &mesh.texcoords));
+    let (mut normals, mut texcoords) = (Vec::new(), Vec::new());
+    let mut numbers: HashMap<&str, u32> = HashMap::new();
+    for (model, material) in models.iter().zip(&sound.groups) {
+        let part = &model.mesh;
+        let base = u32::try_from(mesh.positions.len()).ok()?;
+        let (points, _) = part.positions.as_chunks::<3>();
+        mesh.positions.extend(points.iter().copied().map(DVec3::from_array));
+        if i32::try_from(mesh.positions.len()).is_err() {
+            return None;
+        }
+        if has_normals {
+            normals.extend(part.normals.as_chunks::<3>().0.iter().map(|n| unit(DVec3::from_array(*n))));
+            normals.resize(mesh.positions.len(), DVec3::ZERO);
+        }
+        if has_texcoords {
+            texcoords.extend(part.texcoords.as_chunks::<2>().0.iter().copied().map(DVec2::from_array));
+            texcoords.resize(mesh.positions.len(), DVec2::ZERO);
+        }
+        let (corners, _) = part.indices.as_chunks::<3>();
+        mesh.triangles.extend(corners.iter().map(|t| t.map(|v| v + base)));
+        let number = if material.is_empty() {
+            NO_MATERIAL
+        } else {
+            *numbers.entry(material).or_insert_with(|| {
+                mesh.materials.push(material.clone());
+                mesh.materials.len() as u32 - 1
+            })
+        };
+        mesh.triangle_materials.resize(mesh.triangles.len(), number);
+    }
+    if mesh.materials.is_empty() {
+        mesh.triangle_materials = Vec::new();
+    }
+    mesh.normals = has_normals.then_some(normals);
+    mesh.texcoords = has_texcoords.then_some(texcoords);
+    mesh.share();
+    Some(mesh)
 }

@@ -1,11 +1,16 @@
 use std::path::PathBuf;
 
+use super::super::mesh;
 use super::*;
+
+fn load(path: &Path) -> Result<TriangleMesh, MeshError> {
+    mesh::load(path, &()).map(|loaded| loaded.mesh)
+}
 
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
-fn read(text: &str) -> Result<TriangleMesh, ObjError> {
-    from_text(Path::new("a.obj"), text)
+fn read(text: &str) -> Result<TriangleMesh, MeshError> {
+    super::read(Path::new("a.obj"), text.into(), &()).map(|loaded| loaded.mesh)
 }
 
 fn faces(text: &str) -> TriangleMesh {
@@ -32,7 +37,7 @@ fn polygons_become_fans() {
 
 #[test]
 fn what_is_not_a_face_is_passed_over() {
-    let odd = "mtllib none.mtl\n# C:\\\no \u{fffd}\ng a b\nusemtl x\ns off\nl 1 2\np 1\ncurv 0 1 2\nvp 1\n";
+    let odd = "mtllib none.mtl\n# C:\\\no \u{fffd}\ng a b\ns off\nl 1 2\np 1\ncurv 0 1 2\nvp 1\n";
     assert_eq!(faces(&format!("{odd}f 1 2 3\n{odd}f 1 3 4")), faces("f 1 2 3\nf 1 3 4"));
     // A weight and a colour.
     let coloured = "v 0 0 0 2\nv 1 0 0 1 0 0\nv 0 1 0\nf 1 2 3";
@@ -104,16 +109,54 @@ fn unsound_lines_are_named() {
         refused(&format!("vt 0 {number}"), "is not a finite number");
     }
     refused("v 0 0", "`v` holds 2 numbers");
-    refused("", "has no faces");
-    refused("l 1 2", "has no faces");
+}
+
+#[test]
+fn a_file_without_faces_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a.obj");
+    for text in ["", "l 1 2\n", "usemtl a\n"] {
+        std::fs::write(&path, format!("{SQUARE}{text}")).unwrap();
+        assert!(load(&path).unwrap_err().to_string().contains("has no faces"));
+    }
+}
+
+#[test]
+fn faces_are_made_of_the_material_last_named() {
+    let text = "mtllib a.mtl\nf 1 2 3\nusemtl red paint\nf 1 2 3\nusemtl b\nusemtl c#1\nf 1 2 3\nf 1 3 4\nusemtl red paint\n\
+                f -1 -2 -3\nusemtl\nf 1 2 3\nmtllib b.mtl c.mtl\n";
+    let loaded = super::read(Path::new("a.obj"), format!("{SQUARE}{text}").into(), &()).unwrap();
+    assert_eq!(loaded.libraries, ["a.mtl", "b.mtl c.mtl"]);
+    assert_eq!(loaded.mesh.materials, ["red paint", "c#1"]);
+    assert_eq!(loaded.mesh.triangle_materials, [NO_MATERIAL, 0, 1, 1, 0, NO_MATERIAL]);
+    assert_eq!((loaded.vertices, loaded.isolated, loaded.mesh.positions.len()), (4, 0, 4));
+    let plain = faces("mtllib a.mtl\nf 1 2 3");
+    assert!(plain.materials.is_empty() && plain.triangle_materials.is_empty());
+}
+
+#[test]
+fn chunks_of_a_large_file_join_without_a_seam() {
+    let row = |i: usize, name: &str| format!("usemtl {name}\nv {i} 0 0\nv {i} 1 0\nv {i}.5 0 1\nf -3 -2 \\\n -1\n");
+    // Of 4 MB each; the material of one goes on in the next.
+    let n = 200_000;
+    let mut text: String = (0..n / 2).map(|i| row(i, "a")).collect();
+    text.extend((n / 2..n).map(|i| row(i, "b").replace("usemtl b\n", if i == n / 2 { "usemtl b\n" } else { "" })));
+    assert!(text.len() > 2 * (1 << 22));
+    let mesh = read(&text).unwrap();
+    assert_eq!((mesh.triangles.len(), mesh.positions.len()), (n, 3 * n));
+    assert!(mesh.triangles.iter().enumerate().all(|(i, t)| *t == [0, 1, 2].map(|k| 3 * i as u32 + k)));
+    assert!(mesh.triangle_materials.iter().enumerate().all(|(i, m)| *m == u32::from(i >= n / 2)));
+    let lines = text.lines().count();
+    let error = read(&format!("{text}f 1 2 0\n")).unwrap_err().to_string();
+    assert!(error.starts_with(&format!("a.obj:{}: ", lines + 1)), "{error}");
 }
 
 #[test]
 fn files_are_named_when_they_cannot_be_read() {
     let folder = tempfile::tempdir().unwrap();
     let missing = load(&folder.path().join("none.obj")).unwrap_err();
-    assert!(matches!(missing, ObjError::Missing { .. }) && missing.to_string().contains("none.obj"));
-    assert!(matches!(load(folder.path()).unwrap_err(), ObjError::Unreadable { .. }));
+    assert!(matches!(missing, MeshError::Missing { .. }) && missing.to_string().contains("none.obj"));
+    assert!(matches!(load(folder.path()).unwrap_err(), MeshError::Unreadable { .. }));
     let latin = folder.path().join("latin.obj");
     std::fs::write(&latin, [b"# caf\xe9\n", SQUARE.as_bytes(), b"f 1 2 3"].concat()).unwrap();
     assert_eq!(load(&latin).unwrap().triangles.len(), 1);

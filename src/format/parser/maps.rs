@@ -19,8 +19,8 @@ type Placed<T> = (Vec<Map>, T);
 type Reader<'a, T> = fn(&mut Parser<'a>, Token<'a>) -> Result<T, SceneError>;
 
 impl<'a> Parser<'a> {
-    pub fn transform(&mut self, keyword: Token<'a>) -> Result<Placed<Spanned<Object>>, SceneError> {
-        let placed = self.placed(keyword, &OBJECTS, Self::object)?;
+    pub fn transform(&mut self, keyword: Token<'a>) -> Result<Placed<Box<Spanned<Object>>>, SceneError> {
+        let placed = self.placed(keyword, &OBJECTS, Self::boxed)?;
         self.check_transform(keyword, &placed.0)?;
         Ok(placed)
     }

@@ -1,11 +1,11 @@
 //! Groups and shapes.
 
 use super::super::MAX_DEPTH;
-use super::super::description::{Curve, CurveBasis, Group, Item, Object, Shape, Spanned};
+use super::super::description::{Curve, CurveBasis, Group, Item, MeshOptions, Object, Shape, Spanned};
 use super::super::error::SceneError;
 use super::super::lexer::Token;
 use super::Parser;
-use super::fields::Kind;
+use super::fields::{Fields, Kind};
 use super::surfaces;
 
 pub(super) const OBJECTS: [&str; 14] = [
@@ -51,16 +51,21 @@ impl<'a> Parser<'a> {
         Ok(Group { items })
     }
 
-    pub fn object(&mut self, keyword: Token<'a>) -> Result<Spanned<Object>, SceneError> {
+    /// On the heap at once, so that what nests keeps small frames on the stack.
+    pub fn boxed(&mut self, keyword: Token<'a>) -> Result<Box<Spanned<Object>>, SceneError> {
+        self.object(keyword).map(Box::new)
+    }
+
+    fn object(&mut self, keyword: Token<'a>) -> Result<Spanned<Object>, SceneError> {
         let object = match keyword.text {
             "Group" => Object::Group(self.group(keyword)?),
             "Transform" => {
                 let (maps, object) = self.transform(keyword)?;
-                Object::Transform { maps, object: Box::new(object) }
+                Object::Transform { maps, object }
             }
             "Moving" => {
-                let (maps, object) = self.moving(keyword, &OBJECTS, Self::object)?;
-                Object::Moving { maps, object: Box::new(object) }
+                let (maps, object) = self.moving(keyword, &OBJECTS, Self::boxed)?;
+                Object::Moving { maps, object }
             }
             _ => self.shape(keyword)?,
         };
@@ -88,7 +93,14 @@ impl<'a> Parser<'a> {
                 ("uv2", Pair),
                 EMISSION,
             ],
-            "TriangleMesh" => &[("obj_file", Name), EMISSION],
+            "TriangleMesh" => &[
+                ("obj_file", Name),
+                ("file", Name),
+                ("materials", Name),
+                ("normals", Name),
+                ("smoothAngle", Number),
+                EMISSION,
+            ],
             "RevSurface" => &[("profile", Kind::Curve), EMISSION],
             "BezierPatch" => surfaces::PATCHES,
             "NurbsSurface" => surfaces::NURBS,
@@ -119,12 +131,12 @@ impl<'a> Parser<'a> {
                 let names = ["uv0", "uv1", "uv2"];
                 let pair = |name| f.need(name).map(|p| p.pair());
                 let uv = match names.iter().any(|name| f.get(name).is_some()) {
-                    true => Some([pair(names[0])?, pair(names[1])?, pair(names[2])?]),
+                    true => Some(Box::new([pair(names[0])?, pair(names[1])?, pair(names[2])?])),
                     false => None,
                 };
                 Shape::Triangle { vertices, normals, uv }
             }
-            "TriangleMesh" => Shape::Mesh { path: f.need("obj_file")?.text() },
+            "TriangleMesh" => Shape::Mesh { path: f.one_of(&["obj_file", "file"])?.text(), options: f.mesh_options()? },
             "RevSurface" => Shape::Revolution { profile: f.need("profile")?.curve() },
             "BezierPatch" => f.patches()?,
             "NurbsSurface" => f.nurbs()?,
@@ -168,5 +180,27 @@ impl<'a> Parser<'a> {
         }
         self.depth += 1;
         self.open(keyword)
+    }
+}
+
+impl Fields<'_> {
+    fn mesh_options(&self) -> Result<MeshOptions, SceneError> {
+        let is = |name: &str, usual: &str, other: &str| match self.get(name) {
+            Some(field) => {
+                let word = field.text().value;
+                field.ensure(word == usual || word == other, &format!("must be `{usual}` or `{other}`"))?;
+                Ok(word == other)
+            }
+            None => Ok(false),
+        };
+        let angle = self.get("smoothAngle");
+        if let Some(angle) = angle {
+            angle.ensure((0.0..=180.0).contains(&angle.number()), "must lie between 0 and 180")?;
+        }
+        Ok(MeshOptions {
+            own_materials: is("materials", "scene", "file")?,
+            no_normals: is("normals", "file", "none")?,
+            smooth_angle: angle.map(|angle| angle.number()),
+        })
     }
 }

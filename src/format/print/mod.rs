@@ -211,13 +211,21 @@ impl Printer<'_, '_> {
                 for (i, normal) in normals.iter().flatten().enumerate() {
                     self.vector(&format!("normal{i}"), *normal)?;
                 }
-                for (i, uv) in uv.iter().flatten().enumerate() {
+                for (i, uv) in uv.iter().flat_map(|uv| uv.iter()).enumerate() {
                     self.pair(&format!("uv{i}"), *uv)?;
                 }
             }
-            Shape::Mesh { path } => {
+            Shape::Mesh { path, options } => {
                 self.open("TriangleMesh")?;
-                self.field("obj_file", Name(path))?;
+                let ply = path.to_ascii_lowercase().ends_with(".ply");
+                self.field(if ply { "file" } else { "obj_file" }, Name(path))?;
+                if options.own_materials {
+                    self.field("materials", "file")?;
+                }
+                if options.no_normals {
+                    self.field("normals", "none")?;
+                }
+                options.smooth_angle.map_or(Ok(()), |angle| self.number("smoothAngle", angle))?;
             }
             Shape::Revolution { profile } => {
                 self.open("RevSurface")?;

@@ -46,7 +46,7 @@ impl Resolver<'_> {
     }
 
     /// A material of means, which may refer to those whose looks are known, and what of it follows textures.
-    fn material(
+    pub(super) fn material(
         &mut self,
         kind: &MaterialKind,
         looks: &[Look],

@@ -3,18 +3,20 @@
 mod camera;
 mod lights;
 mod materials;
+mod meshes;
 mod shapes;
 #[cfg(test)]
 mod tests;
 mod textures;
 
 use super::description::{Aim, Description, Emission, Group, Item, Map, Object, Shape, Span, Spanned};
-use super::obj::{self, TriangleMesh};
+use super::mesh::{ReadMonitor, TriangleMesh};
 use super::{SceneError, Source};
 use crate::color::Rgb;
 use crate::math::{Motion, Step, Transform};
 use crate::scene::{Scene, SceneBuilder};
 use glam::{DAffine3, DVec3};
+use meshes::Shine;
 use shapes::Instanced;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -27,6 +29,19 @@ use textures::{Known, Worn};
 /// [`SceneError`] with the place in `source`: a mesh or picture that is missing or broken, an unknown metal, a singular product
 /// of transforms, what cannot emit or cannot be rendered yet.
 pub fn resolve(description: &Description, source: &Source, folder: &Path) -> Result<Scene, SceneError> {
+    resolve_watched(description, source, folder, &())
+}
+
+/// As [`resolve`]; `monitor` hears how far meshes are read.
+///
+/// # Errors
+/// [`SceneError`], as of [`resolve`].
+pub fn resolve_watched(
+    description: &Description,
+    source: &Source,
+    folder: &Path,
+    monitor: &dyn ReadMonitor,
+) -> Result<Scene, SceneError> {
     let camera = camera::camera(description, source)?;
     let mut resolver = Resolver {
         source,
@@ -34,10 +49,12 @@ pub fn resolve(description: &Description, source: &Source, folder: &Path) -> Res
         description,
         builder: SceneBuilder::new(),
         names: HashMap::new(),
+        monitor,
         known: HashMap::new(),
         pictures: HashMap::new(),
         worn: Vec::new(),
         meshes: HashMap::new(),
+        own_materials: HashMap::new(),
         uses: uses(&description.root),
         instanced: HashMap::new(),
         material: 0,
@@ -71,7 +88,11 @@ struct Resolver<'a> {
     pictures: HashMap<(PathBuf, bool), Known>,
     /// What each material needs of surfaces.
     worn: Vec<Worn>,
-    meshes: HashMap<PathBuf, Rc<TriangleMesh>>,
+    monitor: &'a dyn ReadMonitor,
+    /// Meshes that were read, by their file and what was done with its normals.
+    meshes: HashMap<meshes::Key, Rc<meshes::Pieces>>,
+    /// Materials of the files of meshes, in the order in which the meshes name them.
+    own_materials: HashMap<PathBuf, Rc<Vec<meshes::Own>>>,
     /// How often each path of a mesh is named.
     uses: HashMap<&'a str, usize>,
     /// By the mesh.
@@ -112,7 +133,7 @@ impl Resolver<'_> {
             }
             Object::Shape { shape, emission } => {
                 let own = self.description.materials.get(self.material as usize).and_then(|m| m.emission.as_ref());
-                let (emission, glow) = match (emission, own) {
+                let (radiance, glow) = match (emission, own) {
                     (Some(emission), _) | (None, Some(Emission::Radiance(emission))) => (rgb(*emission), None),
                     (None, Some(Emission::Texture { name, scale })) => {
                         let known = self.known(name, &(0.0..=f32::MAX))?;
@@ -121,11 +142,8 @@ impl Resolver<'_> {
                     }
                     (None, None) => (Rgb::ZERO, None),
                 };
-                self.shape(shape, object.span, to_world, emission)?;
-                if let Some((texture, scale)) = glow {
-                    self.builder.glow(texture, scale);
-                }
-                Ok(())
+                let shine = Shine { radiance, told: emission.is_some(), glow };
+                self.shape(shape, object.span, to_world, &shine)
             }
         }
     }
@@ -136,18 +154,6 @@ impl Resolver<'_> {
             let help = "no scale may be zero, and no axis of a matrix may be a mix of the others";
             SceneError::at(self.source, place, e.to_string(), "together with the transforms around it", help)
         })
-    }
-
-    /// The mesh of a path, read once.
-    fn mesh(&mut self, path: &Spanned<String>) -> Result<Rc<TriangleMesh>, SceneError> {
-        let file = self.file("mesh", path)?;
-        if let Some(mesh) = self.meshes.get(&file) {
-            return Ok(mesh.clone());
-        }
-        let mesh = obj::load(&file).map_err(|e| self.bad_file(path, &e, "mend the mesh or name another"))?;
-        let mesh = Rc::new(mesh);
-        self.meshes.insert(file, mesh.clone());
-        Ok(mesh)
     }
 
     /// Where the file of a path is; `kind` says what it is taken for.
@@ -181,7 +187,7 @@ fn uses(group: &Group) -> HashMap<&str, usize> {
                 }
             }),
             Object::Transform { object, .. } | Object::Moving { object, .. } => count(object, uses),
-            Object::Shape { shape: Shape::Mesh { path }, .. } => *uses.entry(path).or_insert(0) += 1,
+            Object::Shape { shape: Shape::Mesh { path, .. }, .. } => *uses.entry(path).or_insert(0) += 1,
             Object::Shape { .. } => {}
         }
     }

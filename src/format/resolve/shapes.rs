@@ -1,6 +1,7 @@
 //! Shapes of the description, in world space.
 
 use super::Resolver;
+use super::meshes::{Placing, Shine};
 use crate::color::Rgb;
 use crate::format::SceneError;
 use crate::format::description::{Curve, CurveBasis, Shape as Described, Span};
@@ -8,11 +9,7 @@ use crate::math::{Motion, Transform};
 use crate::shape::parametric::{Basis, SplineError};
 use crate::shape::{Disc, Form, IndexedMesh, Instance, Mesh, Patch, Plane, Rectangle, Revolution, Shape, Sphere};
 use glam::{DVec2, DVec3, Vec3};
-use std::rc::Rc;
 use std::sync::Arc;
-
-/// Copies of a mesh share its triangles where that saves so many.
-const WORTH_SHARING: usize = 50_000;
 
 /// A mesh around its own middle.
 pub(super) struct Instanced {
@@ -21,7 +18,7 @@ pub(super) struct Instanced {
 }
 
 impl Instanced {
-    fn new(
+    pub(super) fn new(
         positions: &[DVec3],
         normals: Option<&[DVec3]>,
         texcoords: Option<&[DVec2]>,
@@ -47,8 +44,9 @@ impl Resolver<'_> {
         shape: &Described,
         span: Span,
         to_world: &Motion,
-        emission: Rgb,
+        shine: &Shine,
     ) -> Result<(), SceneError> {
+        let emission = shine.radiance;
         let map = self.transform(to_world.at(0.0), span)?;
         let material = self.material;
         match shape {
@@ -80,7 +78,7 @@ impl Resolver<'_> {
             }
             Described::Triangle { vertices, normals, uv } => {
                 let normals = normals.as_ref().map(|n| n.as_slice());
-                let uv = uv.unwrap_or([DVec2::ZERO, DVec2::X, DVec2::Y]);
+                let uv = uv.as_deref().copied().unwrap_or([DVec2::ZERO, DVec2::X, DVec2::Y]);
                 if to_world.is_still() {
                     self.place_mesh(&map, vertices, normals, &[[0, 1, 2]], emission);
                     self.lay_corners(Some(&uv));
@@ -90,23 +88,8 @@ impl Resolver<'_> {
                 }
                 self.lay(Form::Own, to_world);
             }
-            Described::Mesh { path } => {
-                let mesh = self.mesh(path)?;
-                let (normals, texcoords) = (mesh.normals.as_deref(), mesh.texcoords.as_deref());
-                self.check_coordinates(texcoords.is_some(), path)?;
-                let again = self.uses.get(path.as_str()).map_or(0, |n| n - 1);
-                let shared = emission == Rgb::ZERO && again * mesh.triangles.len() >= WORTH_SHARING;
-                if shared || !to_world.is_still() {
-                    let instance = self.instanced.entry(Rc::as_ptr(&mesh)).or_insert_with(|| {
-                        Rc::new(Instanced::new(&mesh.positions, normals, texcoords, &mesh.triangles))
-                    });
-                    let instance = Rc::clone(instance);
-                    self.place_instance(&instance, to_world, &map, span, emission)?;
-                } else {
-                    self.place_mesh(&map, &mesh.positions, normals, &mesh.triangles, emission);
-                    self.lay_corners(texcoords);
-                }
-                self.lay(Form::Own, to_world);
+            Described::Mesh { path, options } => {
+                self.mesh(&Placing { to_world, map: &map, span, shine }, path, *options)?;
             }
             Described::Revolution { profile } => {
                 let surface = revolution(profile).map_err(|e| self.refuse_spline(span, &e))?;
@@ -136,6 +119,9 @@ impl Resolver<'_> {
             // It has no surface, so nothing of it is seen.
             Described::Curve(_) => {}
         }
+        if let (Some((texture, scale)), false) = (shine.glow, matches!(shape, Described::Mesh { .. })) {
+            self.builder.glow(texture, scale);
+        }
         Ok(())
     }
 
@@ -164,14 +150,14 @@ impl Resolver<'_> {
     }
 
     /// Lays texture coordinates on the object that was added last, if it wears textures.
-    fn lay(&mut self, form: Form, to_world: &Motion) {
+    pub(super) fn lay(&mut self, form: Form, to_world: &Motion) {
         if self.is_textured() {
             self.builder.chart(form, to_world);
         }
     }
 
     /// Gives the corners of the mesh that was added last their texture coordinates, if it wears textures.
-    fn lay_corners(&mut self, texcoords: Option<&[DVec2]>) {
+    pub(super) fn lay_corners(&mut self, texcoords: Option<&[DVec2]>) {
         if let Some(texcoords) = texcoords.filter(|_| self.is_textured()) {
             self.builder.texcoords(texcoords);
         }
@@ -192,7 +178,7 @@ impl Resolver<'_> {
     }
 
     /// Adds a mesh that is shared, or that moves.
-    fn place_instance(
+    pub(super) fn place_instance(
         &mut self,
         instanced: &Instanced,
         to_world: &Motion,
@@ -214,7 +200,7 @@ impl Resolver<'_> {
         self.place(shape, to_world, map, span, emission)
     }
 
-    fn place_mesh(
+    pub(super) fn place_mesh(
         &mut self,
         map: &Transform,
         positions: &[DVec3],

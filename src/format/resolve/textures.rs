@@ -218,12 +218,20 @@ impl<'a> Resolver<'a> {
     }
 
     /// Whether a surface has what the material in force needs of it.
-    pub(super) fn check_coordinates(&self, there: bool, path: &Spanned<String>) -> Result<(), SceneError> {
+    ///
+    /// `own` is the name of a material of the mesh's own, where it has one.
+    pub(super) fn check_coordinates(
+        &self,
+        there: bool,
+        path: &Spanned<String>,
+        own: Option<&str>,
+    ) -> Result<(), SceneError> {
         let worn = self.worn.get(self.material as usize).copied().unwrap_or_default();
         if there || !worn.by_coordinates {
             return Ok(());
         }
-        let name = self.description.materials.get(self.material as usize).and_then(|m| m.name.as_deref());
+        let described = self.description.materials.get(self.material as usize);
+        let name = own.or_else(|| described.and_then(|m| m.name.as_deref()));
         let material = name.map_or(format!("material {}", self.material), |name| format!("the material `{name}`"));
         let message = format!("the mesh `{}` has no texture coordinates, which {material} needs", path.value);
         let help = "export it with texture coordinates (lines `vt`), or use Noise, Marble or Wood, which need none";

@@ -1,8 +1,11 @@
 mod surfaces;
+mod textures;
 
 use super::*;
 use crate::format::MAX_DEPTH;
-use crate::format::description::{Aim, Item, Light, MaterialKind, Object, PointStrength, Projection, Shape};
+use crate::format::description::{
+    Aim, Item, Light, MaterialKind, MeshOptions, Object, PointStrength, Projection, Shape,
+};
 
 const CAMERA: &str = "PerspectiveCamera { center 0 0 10 direction 0 0 -1 up 0 1 0 angle 30 width 200 height 200 }";
 
@@ -82,7 +85,7 @@ fn the_last_group_wins() {
 #[test]
 fn names_may_be_quoted_or_bare() {
     let mesh = |body: &str| match first(body) {
-        Object::Shape { shape: Shape::Mesh { path }, .. } => path.value,
+        Object::Shape { shape: Shape::Mesh { path, .. }, .. } => path.value,
         other => panic!("{other:?}"),
     };
     assert_eq!(mesh("Group { TriangleMesh { obj_file mesh/cube.obj } }"), "mesh/cube.obj");
@@ -335,4 +338,26 @@ fn bytes_must_be_text() {
     assert_eq!((error.line(), error.column()), (2, 3));
     assert!(error.message().contains("byte 0xff at offset 7") && error.remedy().contains("save the file as UTF-8"));
     assert!(parse_bytes("a", b"\xff\xfeP\0").unwrap_err().remedy().contains("UTF-16"));
+}
+
+#[test]
+fn meshes_tell_how_their_file_is_used() {
+    let options = |fields: &str| match first(&format!("Group {{ TriangleMesh {{ {fields} }} }}")) {
+        Object::Shape { shape: Shape::Mesh { path, options }, .. } => {
+            assert_eq!(path.value, "a.obj");
+            options
+        }
+        other => panic!("{other:?}"),
+    };
+    let default = MeshOptions { own_materials: false, no_normals: false, smooth_angle: None };
+    assert_eq!((options("obj_file a.obj"), MeshOptions::default()), (default, default));
+    assert_eq!(options("file a.obj materials scene normals file"), default);
+    let all = MeshOptions { own_materials: true, no_normals: true, smooth_angle: Some(40.0) };
+    assert_eq!(options("smoothAngle 40 normals none materials file file a.obj"), all);
+    refused("Group { TriangleMesh { obj_file a ‹file› b } }", "both `obj_file` and `file`", "keep one of");
+    refused("Group { ‹TriangleMesh› { } }", "no `obj_file` or `file`", "add");
+    refused("Group { TriangleMesh { file a materials ‹mine› } }", "cannot be `mine`", "`scene` or `file`");
+    refused("Group { TriangleMesh { file a normals ‹smooth› } }", "cannot be `smooth`", "`file` or `none`");
+    refused("Group { TriangleMesh { file a smoothAngle ‹181› } }", "cannot be `181`", "between 0 and 180");
+    refused("Group { TriangleMesh { file a smoothAngle ‹-1› } }", "cannot be `-1`", "between 0 and 180");
 }

@@ -1,6 +1,8 @@
 //! Scenes as they resolve: seen by rays, in the coordinates of their files.
 
 mod materials;
+mod meshes;
+mod textures;
 
 use super::super::parse;
 use super::*;

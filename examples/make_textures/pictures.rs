@@ -1,0 +1,85 @@
+//! Three pictures: a globe, the normals of a tile, and scratches.
+
+use caustica::color::Rgb;
+use caustica::image::{Curve, Image};
+use caustica::texture::{Solid, SolidKind};
+use glam::{DAffine3, DVec2, DVec3, Vec3};
+use std::f64::consts::{PI, TAU};
+
+/// Name, what its numbers mean, and the picture.
+pub const ALL: [(&str, Curve, fn() -> Image); 3] =
+    [("globe.png", Curve::Srgb, globe), ("tile.png", Curve::Course, tile), ("scratches.png", Curve::Course, scratches)];
+
+fn picture(width: u32, height: u32, pixel: impl Fn(DVec2) -> Rgb) -> Image {
+    let at = |i: u32| {
+        let (x, y) = (f64::from(i % width) + 0.5, f64::from(i / width) + 0.5);
+        pixel(DVec2::new(x / f64::from(width), 1.0 - y / f64::from(height)))
+    };
+    Image::from_pixels(width, height, (0..width * height).map(at).collect()).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn noise(octaves: u32, frequency: f64, amplitude: f64) -> Solid {
+    let colors = [Rgb::ZERO, Rgb::ONE];
+    Solid { kind: SolidKind::Noise, colors, octaves, frequency, amplitude, to_pattern: DAffine3::IDENTITY }
+}
+
+/// A planet, as a map of longitude and latitude. Its land is noise on the sphere, so the map has no seam and no pinch.
+fn globe() -> Image {
+    let (land, climate) = (noise(7, 1.3, 1.6), noise(3, 2.5, 1.0));
+    picture(512, 256, |uv| {
+        let (sin, cos) = libm::sincos(TAU * (uv.x - 0.5));
+        let (up, around) = libm::sincos(PI * (uv.y - 0.5));
+        let p = DVec3::new(around * sin, up, around * cos);
+        let height = land.at(p + 3.7, 0.0).x;
+        let cold = up.abs() as f32 + 0.35 * (climate.at(p - 9.1, 0.0).x - 0.5);
+        let color = |r: f32, g: f32, b: f32| Vec3::new(r, g, b);
+        match height {
+            _ if cold > 0.86 => color(0.85, 0.88, 0.92),
+            h if h < 0.44 => color(0.015, 0.05, 0.18),
+            h if h < 0.50 => color(0.03, 0.14, 0.30),
+            h if h < 0.52 => color(0.62, 0.52, 0.32),
+            h if h > 0.80 => color(0.45, 0.40, 0.36),
+            _ if cold > 0.66 => color(0.30, 0.32, 0.20),
+            _ if cold < 0.28 => color(0.05, 0.20, 0.04),
+            _ if cold < 0.42 => color(0.50, 0.38, 0.18),
+            _ => color(0.12, 0.28, 0.07),
+        }
+    })
+}
+
+/// Normals of a tile with slanted edges and a boss in its middle.
+fn tile() -> Image {
+    let height = |p: DVec2| {
+        let edge = 0.5 - (p - 0.5).abs().max_element();
+        let boss = 0.09 - ((p - 0.5).length() - 0.2).max(0.0);
+        smooth(edge / 0.1) * 0.06 + smooth(boss / 0.09) * 0.07
+    };
+    picture(128, 128, |uv| {
+        let step = 0.5 / 128.0;
+        let slope = |d: DVec2| (height(uv + d) - height(uv - d)) / (2.0 * step);
+        let n = DVec3::new(-slope(DVec2::X * step), -slope(DVec2::Y * step), 1.0).normalize();
+        // Half a level more, as the writer cuts levels off.
+        (n * 0.5 + 0.5).as_vec3() + 0.5 / 255.0
+    })
+}
+
+/// Roughness: fine strokes along u on smooth ground.
+fn scratches() -> Image {
+    let strokes = Solid { to_pattern: DAffine3::from_scale(DVec3::new(6.0, 90.0, 1.0)), ..noise(2, 1.0, 1.2) };
+    let stains = noise(4, 4.0, 1.2);
+    picture(256, 256, |uv| {
+        // Around a cylinder on which u comes back to where it began.
+        let (sin, cos) = libm::sincos(TAU * uv.x);
+        let p = DVec3::new(cos / TAU, uv.y, sin / TAU);
+        let stroke = (strokes.at(p, 0.0).x - 0.5).max(0.0) * 1.2;
+        let level = 0.03 + 0.25 * stroke + 0.2 * smooth(f64::from(stains.at(p, 0.0).x - 0.45) / 0.2) as f32;
+        // Few levels make a small file.
+        Rgb::splat((level.min(0.29) * 64.0).round() / 64.0 + 0.5 / 255.0)
+    })
+}
+
+/// From 0 to 1 without an edge at either end.
+fn smooth(t: f64) -> f64 {
+    let t = t.clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}

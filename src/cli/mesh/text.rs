@@ -1,0 +1,69 @@
+//! The report of a mesh as a table.
+
+use crate::format::mesh::{MeshReport, Repaired};
+use std::fmt::Write;
+
+/// The figures in one column, or in two where the mesh was changed.
+pub(super) fn table(
+    name: &str,
+    before: &MeshReport,
+    repaired: Option<&Repaired>,
+    after: Option<&MeshReport>,
+) -> String {
+    let mut text = format!("{name}\n");
+    // Writing to a string cannot fail.
+    if after.is_some() {
+        let _ = writeln!(text, "  {:<24} {:>26} {:>26}", "", "before", "after");
+    }
+    let after = after.map(rows);
+    for (i, (label, value)) in rows(before).into_iter().enumerate() {
+        let changed = after.as_ref().map_or("", |rows| rows[i].1.as_str());
+        let line = format!("  {label:<24} {value:>26} {changed:>26}");
+        let _ = writeln!(text, "{}", line.trim_end());
+    }
+    if !before.materials.is_empty() {
+        let _ = writeln!(text, "  materials: {}", before.materials.join(", "));
+    }
+    if let Some(done) = repaired {
+        let parts = [
+            (done.welded, "vertices welded"),
+            (done.duplicates, "duplicate triangles removed"),
+            (done.degenerate, "degenerate triangles removed"),
+            (done.turned, "triangles turned"),
+        ];
+        let told: Vec<String> = parts.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}")).collect();
+        let told = if told.is_empty() { "nothing to repair".to_owned() } else { told.join(", ") };
+        let _ = writeln!(text, "  {told}");
+    }
+    text
+}
+
+fn rows(report: &MeshReport) -> Vec<(&'static str, String)> {
+    let yes = |yes: bool| if yes { "yes" } else { "no" }.to_owned();
+    let point = |p: [f64; 3]| p.map(|x| format!("{x:.4}")).join(" ");
+    let or_none = |x: Option<String>| x.unwrap_or_else(|| "-".to_owned());
+    vec![
+        ("vertices", report.vertices.to_string()),
+        ("repeated vertices", report.repeated_vertices.to_string()),
+        ("isolated vertices", report.isolated_vertices.to_string()),
+        ("triangles", report.triangles.to_string()),
+        ("degenerate faces", report.degenerate_faces.to_string()),
+        ("duplicate faces", report.duplicate_faces.to_string()),
+        ("normals", yes(report.normals)),
+        ("texture coordinates", yes(report.texture_coordinates)),
+        ("least coordinates", point(report.min)),
+        ("greatest coordinates", point(report.max)),
+        ("area", format!("{:.6e}", report.area)),
+        ("volume", or_none(report.volume.map(|volume| format!("{volume:.6e}")))),
+        ("closed", yes(report.closed)),
+        ("boundary edges", report.boundary_edges.to_string()),
+        ("manifold", yes(report.manifold)),
+        ("non-manifold edges", report.non_manifold_edges.to_string()),
+        ("non-manifold vertices", report.non_manifold_vertices.to_string()),
+        ("orientable", yes(report.orientable)),
+        ("inconsistent edges", report.inconsistent_edges.to_string()),
+        ("components", report.components.to_string()),
+        ("Euler characteristic", report.euler_characteristic.to_string()),
+        ("genus", or_none(report.genus.map(|genus| genus.to_string()))),
+    ]
+}

@@ -1,0 +1,114 @@
+//! Why a mesh could not be read.
+
+use std::path::{Path, PathBuf};
+
+/// Why a mesh or its materials could not be read.
+#[derive(Debug, thiserror::Error)]
+pub enum MeshError {
+    /// There is no such file.
+    #[error("there is no mesh file {}: check the path, which counts from the scene file's folder or the one above it", path.display())]
+    Missing {
+        /// The file.
+        path: PathBuf,
+    },
+    /// There is no such file of materials.
+    #[error("there is no material file {}: put it beside the mesh that names it", path.display())]
+    NoLibrary {
+        /// The file.
+        path: PathBuf,
+    },
+    /// The file is there but cannot be read.
+    #[error("cannot read the mesh {}: check that it is a file and that you may read it", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// A line that says nothing sound.
+    #[error("{}:{line}: {message}: {remedy}", path.display())]
+    Line {
+        /// The file.
+        path: PathBuf,
+        /// From 1.
+        line: usize,
+        /// What is wrong.
+        message: String,
+        /// What would be right.
+        remedy: &'static str,
+    },
+    /// A place in a binary file that says nothing sound.
+    #[error("{}: byte {byte}, {element}: {message}: {remedy}", path.display())]
+    Byte {
+        /// The file.
+        path: PathBuf,
+        /// From 0.
+        byte: usize,
+        /// Which vertex, face or other entry, from 0.
+        element: String,
+        /// What is wrong.
+        message: String,
+        /// What would be right.
+        remedy: &'static str,
+    },
+    /// Nothing to see.
+    #[error("the mesh {} has no faces: export it with faces", path.display())]
+    NoFaces {
+        /// The file.
+        path: PathBuf,
+    },
+    /// More vertices than an index can count.
+    #[error("the mesh {} has more than 2147483647 vertices: split it", path.display())]
+    TooLarge {
+        /// The file.
+        path: PathBuf,
+    },
+    /// Faces name a material that no file of materials holds.
+    #[error("the mesh {} names a material `{name}` that its material files do not hold: add it to one of them", path.display())]
+    NoMaterial {
+        /// The file.
+        path: PathBuf,
+        /// The material.
+        name: String,
+    },
+    /// A material that cannot be rendered.
+    #[error("{}: {message}: {remedy}", path.display())]
+    BadMaterial {
+        /// The mesh whose material files hold it.
+        path: PathBuf,
+        /// What is wrong.
+        message: String,
+        /// What would be right.
+        remedy: &'static str,
+    },
+    /// The reader refuses what the check let pass.
+    #[error("cannot read the mesh {}: {source}: export it anew as plain triangles", path.display())]
+    Malformed {
+        /// The file.
+        path: PathBuf,
+        /// What the reader says.
+        source: tobj::LoadError,
+    },
+}
+
+/// What is wrong, and what would be right.
+pub(in crate::format) type Wrong = (String, &'static str);
+
+impl MeshError {
+    pub(in crate::format) fn line(path: &Path, line: usize, (message, remedy): Wrong) -> Self {
+        Self::Line { path: path.into(), line, message, remedy }
+    }
+}
+
+/// The bytes of a file.
+pub(in crate::format) fn read(path: &Path) -> Result<Vec<u8>, MeshError> {
+    std::fs::read(path).map_err(|source| match source.kind() {
+        std::io::ErrorKind::NotFound => MeshError::Missing { path: path.into() },
+        _ => MeshError::Unreadable { path: path.into(), source },
+    })
+}
+
+/// A word of a file, short enough to show.
+pub(in crate::format) fn shown(word: &str) -> String {
+    word.escape_debug().take(40).collect()
+}

@@ -1,0 +1,102 @@
+//! Shading normals of a mesh that has none.
+
+use super::TriangleMesh;
+use super::share::Numbers;
+use super::topology::{Topology, Union};
+use glam::DVec3;
+
+impl TriangleMesh {
+    /// Gives normals to triangles that have none: the mean of the normals of the faces around a vertex, weighted by their angles
+    /// there (Thürmer and Wüthrich 1998, "Computing vertex normals from polygonal facets").
+    ///
+    /// Faces count together that hang together over edges at which their normals differ by at most `angle` degrees; at other
+    /// edges, at borders, at edges of more than two faces and where windings disagree, vertices are split.
+    pub fn smooth(&mut self, angle: f64) {
+        let missing: Vec<bool> = match &self.normals {
+            Some(normals) => {
+                let zero = |t: &[u32; 3]| t.iter().any(|&v| normals[v as usize] == DVec3::ZERO);
+                self.triangles.iter().map(zero).collect()
+            }
+            None => vec![true; self.triangles.len()],
+        };
+        if !missing.contains(&true) {
+            return;
+        }
+        let faces: Vec<DVec3> = self.triangles.iter().map(|t| self.face_normal(*t)).collect();
+        let groups = self.groups(&faces, angle);
+        let mut sums: Vec<DVec3> = Vec::new();
+        for (corner, group) in groups.iter().enumerate() {
+            if *group as usize == sums.len() {
+                sums.push(DVec3::ZERO);
+            }
+            sums[*group as usize] += faces[corner / 3] * self.angle(corner);
+        }
+        self.split(&missing, &groups, &sums);
+    }
+
+    /// Unit normal by the winding; zero for triangles without area.
+    pub(super) fn face_normal(&self, triangle: [u32; 3]) -> DVec3 {
+        let [a, b, c] = triangle.map(|v| self.positions[v as usize]);
+        direction(direction(b - a).cross(direction(c - a)))
+    }
+
+    /// The angle of a corner, counted through all triangles \[radians].
+    fn angle(&self, corner: usize) -> f64 {
+        let triangle = self.triangles[corner / 3];
+        let [p, q, r] = [0, 1, 2].map(|k| self.positions[triangle[(corner + k) % 3] as usize]);
+        let (e, f) = (direction(q - p), direction(r - p));
+        libm::atan2(e.cross(f).length(), e.dot(f))
+    }
+
+    /// The group of each corner, numbered by first use: corners of a group share their normal.
+    fn groups(&self, faces: &[DVec3], angle: f64) -> Vec<u32> {
+        // Products of unit vectors err by some ulps; faces that differ by the very angle count together.
+        let least = if angle >= 180.0 { f64::NEG_INFINITY } else { libm::cos(angle.to_radians()) - 8.0 * f64::EPSILON };
+        let topology = Topology::new(self);
+        let mut union = Union::new(3 * self.triangles.len());
+        for sides in topology.edges() {
+            let &[a, b] = sides else { continue };
+            let smooth = faces[a.triangle as usize].dot(faces[b.triangle as usize]) >= least;
+            if a.forward != b.forward && smooth {
+                let ([a0, a1], [b0, b1]) = (a.corners(), b.corners());
+                union.join(a0, b0, false);
+                union.join(a1, b1, false);
+            }
+        }
+        let mut numbers = vec![u32::MAX; 3 * self.triangles.len()];
+        let mut next = 0;
+        for corner in 0..numbers.len() {
+            // The root is the least, so it has its number already.
+            let (root, _) = union.find(corner);
+            numbers[corner] = if root == corner { next } else { numbers[root] };
+            next += u32::from(root == corner);
+        }
+        numbers
+    }
+
+    /// Gives each corner that lacks one the normal of its group.
+    fn split(&mut self, missing: &[bool], groups: &[u32], sums: &[DVec3]) {
+        const KEEPS: u32 = u32::MAX;
+        let mut numbers: Numbers<(u32, u32)> = Numbers::with_capacity(self.positions.len());
+        for (t, triangle) in self.triangles.iter_mut().enumerate() {
+            for (k, v) in triangle.iter_mut().enumerate() {
+                let group = if missing[t] { groups[3 * t + k] } else { KEEPS };
+                *v = numbers.number((*v, group), |key| *key);
+            }
+        }
+        let vertices = numbers.into_list();
+        let normal = |&(v, group): &(u32, u32)| match (group, &self.normals) {
+            (KEEPS, Some(normals)) => normals[v as usize],
+            _ => sums.get(group as usize).copied().unwrap_or_default().normalize_or_zero(),
+        };
+        self.normals = Some(vertices.iter().map(normal).collect());
+        self.take(vertices.iter().map(|(v, _)| *v));
+        self.share();
+    }
+}
+
+/// `v` at unit length, however short or long it is; zero for zero.
+fn direction(v: DVec3) -> DVec3 {
+    let size = v.abs().max_element();
+    if size > 0.0 && size.is_finite() { (v / size).normalize_or_zero() } else { DVec3::ZERO }
+}

@@ -1,0 +1,173 @@
+//! Windings that agree, with the outside outside.
+
+use super::share::Numbers;
+use super::topology::{Topology, Union};
+use super::{NO_MATERIAL, TriangleMesh};
+use glam::DVec3;
+use std::collections::BTreeMap;
+use std::f64::consts::TAU;
+
+/// Most closed surfaces that are looked at for lying in one another.
+const MOST_NESTED: usize = 256;
+
+/// Faces that hang together over edges of two faces.
+#[derive(Debug, Default)]
+struct Patch {
+    faces: Vec<u32>,
+    /// Whether it has no other edges.
+    closed: bool,
+    /// Whether windings can agree.
+    orientable: bool,
+    low: DVec3,
+    high: DVec3,
+    material: u32,
+}
+
+impl TriangleMesh {
+    /// Makes windings agree on each surface. Closed ones face outward by their volume, and inward where they lie within an odd
+    /// number of others of the same material, as the wall of a hollow does; others keep the winding of most of their faces.
+    /// Surfaces with one side only are left as they are. Returns how many triangles were turned.
+    pub fn orient(&mut self) -> usize {
+        let topology = Topology::new(self);
+        let mut windings = Union::new(self.triangles.len());
+        let mut twisted = Vec::new();
+        for sides in topology.edges() {
+            if let &[a, b] = sides
+                && !windings.join(a.triangle as usize, b.triangle as usize, a.forward == b.forward)
+            {
+                twisted.push(a.triangle as usize);
+            }
+        }
+        let mut turn = vec![false; self.triangles.len()];
+        let mut patches: BTreeMap<usize, Patch> = BTreeMap::new();
+        for (t, turn) in turn.iter_mut().enumerate().filter(|(t, _)| topology.is_whole(self.triangles[*t])) {
+            let (root, against) = windings.find(t);
+            *turn = against;
+            patches.entry(root).or_insert_with(|| self.patch(t)).add(self, t);
+        }
+        for t in twisted {
+            patches.entry(windings.find(t).0).and_modify(|patch| patch.orientable = false);
+        }
+        for sides in topology.edges().filter(|sides| sides.len() != 2) {
+            for side in sides {
+                patches.entry(windings.find(side.triangle as usize).0).and_modify(|patch| patch.closed = false);
+            }
+        }
+        let patches: Vec<Patch> = patches.into_values().collect();
+        let depths = self.depths(&patches, &turn);
+        for (patch, depth) in patches.iter().zip(depths) {
+            let turned = patch.faces.iter().filter(|t| turn[**t as usize]).count();
+            let other_way = match (patch.orientable, patch.closed) {
+                (false, _) => {
+                    patch.faces.iter().for_each(|t| turn[*t as usize] = false);
+                    continue;
+                }
+                (_, true) => (self.signed_volume(patch, &turn) < 0.0) != (depth % 2 == 1),
+                (_, false) => 2 * turned > patch.faces.len(),
+            };
+            patch.faces.iter().for_each(|t| turn[*t as usize] ^= other_way);
+        }
+        self.turn(&turn);
+        turn.into_iter().filter(|turned| *turned).count()
+    }
+
+    /// Turns all triangles and normals around.
+    pub fn flip(&mut self) {
+        self.triangles.iter_mut().for_each(|[_, b, c]| std::mem::swap(b, c));
+        self.normals.iter_mut().flatten().for_each(|n| *n = -*n);
+    }
+
+    fn patch(&self, first: usize) -> Patch {
+        Patch {
+            closed: true,
+            orientable: true,
+            low: DVec3::INFINITY,
+            high: DVec3::NEG_INFINITY,
+            material: self.triangle_materials.get(first).copied().unwrap_or(NO_MATERIAL),
+            faces: Vec::new(),
+        }
+    }
+
+    fn corners(&self, triangle: u32) -> [DVec3; 3] {
+        self.triangles[triangle as usize].map(|v| self.positions[v as usize])
+    }
+
+    /// Six times the volume that a closed patch encloses once the triangles in `turn` are turned.
+    fn signed_volume(&self, patch: &Patch, turn: &[bool]) -> f64 {
+        let middle = 0.5 * (patch.low + patch.high);
+        let six = |t: &u32| {
+            let [a, b, c] = self.corners(*t).map(|p| p - middle);
+            let six = a.dot(b.cross(c));
+            if turn[*t as usize] { -six } else { six }
+        };
+        patch.faces.iter().map(six).sum()
+    }
+
+    /// Within how many other closed patches of its material each closed patch lies; triangles in `turn` make each agree.
+    fn depths(&self, patches: &[Patch], turn: &[bool]) -> Vec<usize> {
+        let closed = |patch: &Patch| patch.closed && patch.orientable;
+        let mut depths = vec![0; patches.len()];
+        if patches.iter().filter(|patch| closed(patch)).count() > MOST_NESTED {
+            return depths;
+        }
+        for (depth, inner) in depths.iter_mut().zip(patches).filter(|(_, inner)| closed(inner)) {
+            let [a, b, c] = self.corners(inner.faces[0]);
+            let middle = (a + b + c) / 3.0;
+            let around = |outer: &&Patch| {
+                let other = !std::ptr::eq(*outer, inner);
+                let near = middle.cmpgt(outer.low).all() && middle.cmplt(outer.high).all();
+                other && closed(outer) && near && outer.material == inner.material && self.encloses(outer, turn, middle)
+            };
+            *depth = patches.iter().filter(around).count();
+        }
+        depths
+    }
+
+    /// Whether a closed patch winds around `p`, by the solid angles of its faces once the triangles in `turn` are turned (van
+    /// Oosterom and Strackee 1983, "The solid angle of a plane triangle").
+    fn encloses(&self, patch: &Patch, turn: &[bool], p: DVec3) -> bool {
+        let angle = |t: &u32| {
+            let [a, b, c] = self.corners(*t).map(|q| q - p);
+            let [la, lb, lc] = [a, b, c].map(DVec3::length);
+            let below = la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb;
+            let angle = 2.0 * libm::atan2(a.dot(b.cross(c)), below);
+            if turn[*t as usize] { -angle } else { angle }
+        };
+        // All around is 4π, not around is 0.
+        patch.faces.iter().map(angle).sum::<f64>().abs() > TAU
+    }
+
+    /// Turns triangles around, and those of their corners' normals that would point to the other side.
+    fn turn(&mut self, turn: &[bool]) {
+        let Some(normals) = &self.normals else {
+            for (triangle, _) in self.triangles.iter_mut().zip(turn).filter(|(_, turn)| **turn) {
+                triangle.swap(1, 2);
+            }
+            return;
+        };
+        let mut numbers: Numbers<(u32, bool)> = Numbers::with_capacity(self.positions.len());
+        let mut triangles = Vec::with_capacity(self.triangles.len());
+        for (triangle, turn) in self.triangles.iter().zip(turn) {
+            let [a, b, c] = *triangle;
+            let turned = if *turn { [a, c, b] } else { *triangle };
+            let face = self.face_normal(turned);
+            triangles
+                .push(turned.map(|v| numbers.number((v, *turn && normals[v as usize].dot(face) < 0.0), |key| *key)));
+        }
+        let vertices = numbers.into_list();
+        let normal = |&(v, turned): &(u32, bool)| if turned { -normals[v as usize] } else { normals[v as usize] };
+        self.normals = Some(vertices.iter().map(normal).collect());
+        self.triangles = triangles;
+        self.take(vertices.iter().map(|(v, _)| *v));
+        self.share();
+    }
+}
+
+impl Patch {
+    fn add(&mut self, mesh: &TriangleMesh, t: usize) {
+        self.faces.push(t as u32);
+        for p in mesh.corners(t as u32) {
+            (self.low, self.high) = (self.low.min(p), self.high.max(p));
+        }
+    }
+}

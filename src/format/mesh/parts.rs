@@ -1,0 +1,45 @@
+//! The parts of a mesh that are made of one material.
+
+use super::TriangleMesh;
+
+const UNKNOWN: u32 = u32::MAX;
+
+impl TriangleMesh {
+    /// The parts by material, each with the vertices that it uses, in the order in which materials are first used; with
+    /// [`NO_MATERIAL`](super::NO_MATERIAL) that of triangles without one. Parts know no materials themselves.
+    #[must_use]
+    pub fn parts(&self) -> Vec<(u32, Self)> {
+        let number = |t: usize| self.triangle_materials.get(t).copied().unwrap_or(super::NO_MATERIAL);
+        let mut order: Vec<usize> = (0..self.triangles.len()).collect();
+        // Stable: triangles of one material stay in order.
+        order.sort_by_key(|t| number(*t));
+        let mut known = vec![UNKNOWN; self.positions.len()];
+        let mut parts: Vec<(usize, u32, Self)> = Vec::new();
+        for group in order.chunk_by(|a, b| number(*a) == number(*b)) {
+            let mut part = Self::default();
+            let mut used: Vec<u32> = Vec::new();
+            for t in group {
+                let triangle = self.triangles[*t].map(|v| {
+                    let number = &mut known[v as usize];
+                    if *number == UNKNOWN {
+                        *number = used.len() as u32;
+                        used.push(v);
+                    }
+                    *number
+                });
+                part.triangles.push(triangle);
+            }
+            part.positions = used.iter().map(|v| self.positions[*v as usize]).collect();
+            if let Some(normals) = &self.normals {
+                part.normals = Some(used.iter().map(|v| normals[*v as usize]).collect());
+            }
+            if let Some(texcoords) = &self.texcoords {
+                part.texcoords = Some(used.iter().map(|v| texcoords[*v as usize]).collect());
+            }
+            used.iter().for_each(|v| known[*v as usize] = UNKNOWN);
+            parts.push((group[0], number(group[0]), part));
+        }
+        parts.sort_by_key(|(first, ..)| *first);
+        parts.into_iter().map(|(_, number, part)| (number, part)).collect()
+    }
+}

@@ -1,0 +1,118 @@
+//! One vertex for all that agree.
+
+use super::TriangleMesh;
+use ahash::RandomState;
+use glam::{DVec2, DVec3};
+use hashbrown::HashTable;
+use hashbrown::hash_table::Entry;
+use std::hash::Hash;
+
+/// Finds things with equal keys among those that came before, by their number.
+pub(in crate::format) struct Numbers<T> {
+    hasher: RandomState,
+    table: HashTable<u32>,
+    list: Vec<T>,
+}
+
+impl<T> Numbers<T> {
+    pub fn with_capacity(n: usize) -> Self {
+        // Numbers depend on the order of things alone, so any seed does.
+        let hasher = RandomState::with_seeds(1, 2, 3, 4);
+        Self { hasher, table: HashTable::with_capacity(n), list: Vec::with_capacity(n) }
+    }
+
+    /// The number of the first thing that had the key of `thing`, which is the next one where there is none.
+    #[inline]
+    pub fn number<K: Hash + Eq>(&mut self, thing: T, key: impl Fn(&T) -> K) -> u32 {
+        let Self { hasher, table, list } = self;
+        let own = key(&thing);
+        let equal = |i: &u32| key(&list[*i as usize]) == own;
+        match table.entry(hasher.hash_one(&own), equal, |&i| hasher.hash_one(key(&list[i as usize]))) {
+            Entry::Occupied(found) => *found.get(),
+            Entry::Vacant(place) => {
+                let next = list.len() as u32;
+                place.insert(next);
+                list.push(thing);
+                next
+            }
+        }
+    }
+
+    /// The first thing of each number.
+    pub fn into_list(self) -> Vec<T> {
+        self.list
+    }
+}
+
+/// The bits of a point.
+pub(in crate::format) fn bits(p: DVec3) -> [u64; 3] {
+    p.to_array().map(f64::to_bits)
+}
+
+/// The bits of a place: its two zeros are one.
+fn place(p: DVec3) -> [u64; 3] {
+    bits(p + DVec3::ZERO)
+}
+
+const UNKNOWN: u32 = u32::MAX;
+
+impl TriangleMesh {
+    /// Makes vertices one that agree in every bit, drops those that no triangle uses, and numbers the others by first use.
+    /// Where one corner of a triangle has no normal, none keeps its own.
+    pub fn share(&mut self) {
+        let normals = self.normals.as_deref();
+        let mut known: Vec<u32> = vec![UNKNOWN; self.positions.len()];
+        // A vertex, and whether it is to lose its normal.
+        let mut numbers: Numbers<(u32, bool)> = Numbers::with_capacity(self.positions.len());
+        let key = |&(v, flat): &(u32, bool)| {
+            let normal = normals.filter(|_| !flat).map_or(DVec3::ZERO, |n| n[v as usize]);
+            let texcoord = self.texcoords.as_ref().map_or(DVec2::ZERO, |t| t[v as usize]);
+            (bits(self.positions[v as usize]), bits(normal), texcoord.to_array().map(f64::to_bits))
+        };
+        for triangle in &mut self.triangles {
+            let flat = normals.is_some_and(|n| triangle.iter().any(|&v| n[v as usize] == DVec3::ZERO));
+            for v in triangle {
+                let seen = known[*v as usize];
+                if seen != UNKNOWN && !flat {
+                    *v = seen;
+                    continue;
+                }
+                let number = numbers.number((*v, flat), key);
+                if !flat {
+                    known[*v as usize] = number;
+                }
+                *v = number;
+            }
+        }
+        let vertices = numbers.into_list();
+        if let Some(normals) = self.normals.take() {
+            let normal = |&(v, flat): &(u32, bool)| if flat { DVec3::ZERO } else { normals[v as usize] };
+            let normals: Vec<DVec3> = vertices.iter().map(normal).collect();
+            self.normals = normals.iter().any(|n| *n != DVec3::ZERO).then_some(normals);
+        }
+        self.take(vertices.iter().map(|(v, _)| *v));
+    }
+
+    /// Makes the vertices copies of those listed, but for their normals, which have been made already.
+    pub(super) fn take(&mut self, list: impl Iterator<Item = u32> + Clone) {
+        self.positions = list.clone().map(|v| self.positions[v as usize]).collect();
+        let texcoord = |texcoords: Vec<DVec2>| list.map(|v| texcoords[v as usize]).collect();
+        self.texcoords = self.texcoords.take().map(texcoord);
+    }
+
+    /// The number of each vertex's place: vertices at the same place have the same number. And how many places there are.
+    #[must_use]
+    pub fn places(&self) -> (Vec<u32>, usize) {
+        let mut numbers = Numbers::with_capacity(self.positions.len());
+        let places = self.positions.iter().map(|p| numbers.number(place(*p), |key| *key)).collect();
+        (places, numbers.into_list().len())
+    }
+
+    pub(super) fn distinct_positions(&self) -> usize {
+        let mut numbers = Numbers::with_capacity(self.positions.len());
+        self.positions.iter().for_each(|p| {
+            numbers.number(bits(*p), |key| *key);
+        });
+        numbers.into_list().len()
+    }
+}

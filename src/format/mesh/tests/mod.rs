@@ -1,0 +1,103 @@
+//! Meshes of known figures.
+
+mod course;
+mod files;
+mod normals;
+mod repair;
+mod report;
+
+use super::TriangleMesh;
+use glam::DVec3;
+use std::f64::consts::TAU;
+
+fn mesh(positions: &[[f64; 3]], triangles: &[[u32; 3]]) -> TriangleMesh {
+    TriangleMesh {
+        positions: positions.iter().copied().map(DVec3::from_array).collect(),
+        triangles: triangles.to_vec(),
+        ..TriangleMesh::default()
+    }
+}
+
+fn tetrahedron() -> TriangleMesh {
+    let points = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    mesh(&points, &[[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
+}
+
+/// From −1 to 1.
+fn cube() -> TriangleMesh {
+    let points: Vec<[f64; 3]> =
+        (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2 & 1].map(|bit| f64::from(2 * bit - 1))).collect();
+    let quads = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let triangles: Vec<[u32; 3]> = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
+    mesh(&points, &triangles)
+}
+
+/// `n` by `m` quads around the z axis, each cut in two.
+fn torus(n: u32, m: u32) -> TriangleMesh {
+    let circle = |i: u32, n: u32| libm::sincos(TAU * f64::from(i) / f64::from(n));
+    let point = |i: u32, j: u32| {
+        let ((s, c), (t, d)) = (circle(i, n), circle(j, m));
+        [(2.0 + d) * c, (2.0 + d) * s, t]
+    };
+    let points: Vec<[f64; 3]> = (0..n).flat_map(|i| (0..m).map(move |j| point(i, j))).collect();
+    let k = |i: u32, j: u32| i % n * m + j % m;
+    let quad = |i, j| [k(i, j), k(i + 1, j), k(i + 1, j + 1), k(i, j + 1)];
+    let quads = (0..n).flat_map(|i| (0..m).map(move |j| quad(i, j)));
+    mesh(&points, &quads.flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect::<Vec<_>>())
+}
+
+/// A band of `n` quads with half a turn.
+fn moebius(n: u32) -> TriangleMesh {
+    let point = |i: u32, side: f64| {
+        let angle = TAU * f64::from(i) / f64::from(n);
+        let ((s, c), (t, d)) = (libm::sincos(angle), libm::sincos(0.5 * angle));
+        let radius = 2.0 + side * d;
+        [radius * c, radius * s, side * t]
+    };
+    let points: Vec<[f64; 3]> = (0..n).flat_map(|i| [point(i, 0.5), point(i, -0.5)]).collect();
+    let triangles: Vec<[u32; 3]> = (0..n)
+        .flat_map(|i| {
+            let (a, b) = (2 * i, 2 * i + 1);
+            let (c, d) = if i + 1 < n { (a + 2, b + 2) } else { (1, 0) };
+            [[a, b, c], [b, d, c]]
+        })
+        .collect();
+    mesh(&points, &triangles)
+}
+
+/// A sphere of radius 1: a cube whose faces are cut into `n` by `n` quads, blown up.
+fn ball(n: u32) -> TriangleMesh {
+    let mut ball = TriangleMesh::default();
+    let cube = cube();
+    for face in cube.triangles.chunks(2) {
+        let [a, b, c] = face[0].map(|v| cube.positions[v as usize]);
+        let base = ball.positions.len() as u32;
+        for i in 0..=n {
+            for j in 0..=n {
+                let (u, v) = (f64::from(i) / f64::from(n), f64::from(j) / f64::from(n));
+                ball.positions.push((a + (b - a) * u + (c - b) * v).normalize());
+                if i < n && j < n {
+                    let p = base + i * (n + 1) + j;
+                    let [q, r, s] = [p + n + 1, p + n + 2, p + 1];
+                    ball.triangles.extend([[p, q, r], [p, r, s]]);
+                }
+            }
+        }
+    }
+    // Edges of faces differ by roundings.
+    ball.weld(1e-12);
+    ball
+}
+
+/// Both side by side.
+fn with(mut a: TriangleMesh, b: &TriangleMesh) -> TriangleMesh {
+    let base = a.positions.len() as u32;
+    a.positions.extend(&b.positions);
+    a.triangles.extend(b.triangles.iter().map(|t| t.map(|v| v + base)));
+    a
+}
+
+fn moved(mut mesh: TriangleMesh, scale: f64, offset: DVec3) -> TriangleMesh {
+    mesh.positions.iter_mut().for_each(|p| *p = *p * scale + offset);
+    mesh
+}

@@ -1,0 +1,91 @@
+//! Smooth normals in closed form.
+
+use super::*;
+
+#[test]
+fn a_cube_is_flat_or_round() {
+    let mut flat = cube();
+    flat.smooth(30.0);
+    assert_eq!(flat.positions.len(), 24);
+    let normals = flat.normals.clone().unwrap();
+    for t in &flat.triangles {
+        let face = flat.face_normal(*t);
+        assert!(t.iter().all(|v| normals[*v as usize] == face), "{face}");
+    }
+    for angle in [90.0, 180.0] {
+        let mut round = cube();
+        round.smooth(angle);
+        assert_eq!(round.positions.len(), 8);
+        for (p, n) in round.positions.iter().zip(round.normals.as_ref().unwrap()) {
+            // Faces are cut into triangles unevenly, but their angles add up to the same. Sums of unit vectors err by ulps.
+            assert!((*n - p.normalize()).length() < 4e-16 * 4.0, "{n} at {p}");
+        }
+    }
+    let mut sharp = cube();
+    sharp.smooth(89.9);
+    assert_eq!(sharp.positions.len(), 24);
+}
+
+#[test]
+fn a_ball_has_the_normals_of_a_sphere() {
+    let n = 24;
+    let mut ball = ball(n);
+    ball.smooth(180.0);
+    assert_eq!(ball.positions.len() as u32, 6 * n * n + 2);
+    for (p, normal) in ball.positions.iter().zip(ball.normals.as_ref().unwrap()) {
+        // The normal of a triangle in a unit sphere is that of the sphere at its circumcentre; so all faces around a vertex, and
+        // with them any mean, lie within an edge's length of the vertex's direction. An edge spans at most (π/2)/n √2 · 4/π.
+        let edge = 2.0 * std::f64::consts::SQRT_2 / f64::from(n);
+        let angle = libm::acos(p.dot(*normal).min(1.0));
+        assert!(angle < edge, "{angle} {edge}");
+        // Where the faces around it lie alike on all sides, errors cancel to the second order.
+        assert!(angle < edge * edge, "{angle} {edge}");
+    }
+}
+
+#[test]
+fn weights_are_angles() {
+    // A corner of a cube whose one face is cut twice at that corner: the count of triangles is not to matter.
+    let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 1.0, 0.0], [0.2, 1.0, 0.0]];
+    let mut corner = mesh(&points, &[[0, 1, 4], [0, 4, 5], [0, 5, 2], [0, 3, 1], [0, 2, 3]]);
+    corner.smooth(180.0);
+    let normal = corner.normals.unwrap()[0];
+    assert!((normal - DVec3::new(1.0, 1.0, 1.0).normalize()).length() < 1e-15, "{normal}");
+}
+
+#[test]
+fn normals_that_are_there_stay() {
+    let mut cube = cube();
+    cube.smooth(180.0);
+    let before = cube.clone();
+    cube.smooth(10.0);
+    assert_eq!(cube, before);
+    // A triangle without normals between others that have them.
+    let normals = cube.normals.as_mut().unwrap();
+    let lost = cube.triangles[0];
+    cube.positions.push(cube.positions[lost[0] as usize]);
+    normals.push(DVec3::ZERO);
+    cube.triangles[0][0] = 8;
+    cube.smooth(10.0);
+    let normals = cube.normals.as_ref().unwrap();
+    let face = cube.face_normal(cube.triangles[0]);
+    assert!(cube.triangles[0].iter().all(|v| normals[*v as usize] == face));
+    let kept = before.normals.unwrap();
+    for (t, old) in cube.triangles.iter().zip(&before.triangles).skip(1) {
+        assert!((0..3).all(|k| normals[t[k] as usize] == kept[old[k] as usize]));
+    }
+}
+
+#[test]
+fn faces_without_area_take_nothing_and_give_nothing() {
+    let mut cube = cube();
+    cube.triangles.push([0, 0, 1]);
+    cube.smooth(30.0);
+    let normals = cube.normals.as_ref().unwrap();
+    assert!(cube.triangles[..12].iter().flatten().all(|v| normals[*v as usize].is_normalized()));
+    assert_eq!(normals.iter().filter(|n| **n == DVec3::ZERO).count(), 2);
+    // Tiny faces count as others do.
+    let mut tiny = moved(super::cube(), 1e-170, DVec3::ZERO);
+    tiny.smooth(180.0);
+    assert!(tiny.normals.unwrap().iter().all(|n| n.is_normalized()));
+}

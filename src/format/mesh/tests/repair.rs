@@ -1,0 +1,163 @@
+//! Meshes that are broken and mended.
+
+use super::super::{MeshReport, Repair};
+use super::*;
+
+fn all(mesh: &TriangleMesh) -> Repair {
+    Repair { weld: Some(Repair::WELD * mesh.diagonal()), duplicates: true, degenerate: true, orient: true }
+}
+
+#[track_caller]
+fn mended(mut broken: TriangleMesh, whole: &MeshReport) -> TriangleMesh {
+    assert_ne!(broken.report(), *whole, "nothing is broken");
+    let repair = all(&broken);
+    broken.repair(&repair);
+    let report = broken.report();
+    // Sums may be taken in another order.
+    let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * b.abs();
+    assert!(near(report.area, whole.area) && near(report.volume.unwrap(), whole.volume.unwrap()), "{report:?}");
+    let (area, volume, min, max) = (whole.area, whole.volume, whole.min, whole.max);
+    assert_eq!(MeshReport { area, volume, min, max, ..report }, *whole);
+    broken
+}
+
+#[test]
+fn each_kind_of_harm_is_mended() {
+    for whole in [cube(), torus(12, 8), ball(5)] {
+        let report = whole.report();
+        let mut turned = whole.clone();
+        turned.triangles.iter_mut().step_by(3).for_each(|t| t.swap(0, 1));
+        mended(turned, &report);
+        let mut inside_out = whole.clone();
+        inside_out.flip();
+        assert!(inside_out.report().volume.unwrap() < 0.0);
+        mended(inside_out, &report);
+        let mut split = whole.clone();
+        for (i, t) in split.triangles.iter_mut().enumerate() {
+            let shift = 1e-10 * (i % 3) as f64;
+            split.positions.push(split.positions[t[0] as usize] + DVec3::splat(shift));
+            t[0] = split.positions.len() as u32 - 1;
+        }
+        assert!(!split.report().closed);
+        mended(split, &report);
+        let mut worn = whole.clone();
+        let [a, b, c] = worn.triangles[5];
+        worn.triangles.insert(2, [a, a, b]);
+        worn.triangles.insert(0, [b, a, c]);
+        worn.positions.push(DVec3::splat(9.0));
+        // On the line of the edge, exactly.
+        let beyond = 2.0 * worn.positions[b as usize] - worn.positions[a as usize];
+        if (beyond - worn.positions[b as usize]) == worn.positions[b as usize] - worn.positions[a as usize] {
+            worn.positions.push(beyond);
+            worn.triangles.push([a, b, worn.positions.len() as u32 - 1]);
+        }
+        mended(worn, &report);
+    }
+}
+
+#[test]
+fn a_whole_mesh_is_left_alone() {
+    for mut whole in [cube(), torus(12, 8), ball(4), moebius(9)] {
+        whole.share();
+        let before = whole.clone();
+        let repair = all(&whole);
+        assert_eq!(whole.repair(&repair), Default::default());
+        assert_eq!(whole, before);
+    }
+}
+
+#[test]
+fn hollows_face_inward() {
+    let shells = [(1.0, 1.0), (0.5, -1.0), (0.25, 1.0)];
+    let mut nested = TriangleMesh::default();
+    for (i, (size, _)) in shells.into_iter().enumerate() {
+        let mut shell = moved(cube(), size, DVec3::splat(0.01));
+        if i != 1 {
+            shell.flip();
+        }
+        nested = with(nested, &shell);
+    }
+    nested = with(nested, &moved(cube(), 1.0, DVec3::new(5.0, 0.0, 0.0)));
+    nested.orient();
+    let volume: f64 = shells.iter().map(|(size, sign)| 8.0 * sign * size * size * size).sum();
+    assert!((nested.report().volume.unwrap() - volume - 8.0).abs() < 1e-12);
+    // Of another material: no hollow.
+    let mut other = with(cube(), &moved(cube(), 0.5, DVec3::ZERO));
+    other.materials = vec!["a".to_owned(), "b".to_owned()];
+    other.triangle_materials = [[0; 12], [1; 12]].concat();
+    other.orient();
+    assert!((other.report().volume.unwrap() - 9.0).abs() < 1e-12);
+}
+
+#[test]
+fn open_surfaces_follow_their_majority() {
+    let mut open = cube();
+    open.flip();
+    open.triangles.truncate(10);
+    open.triangles[4].swap(0, 1);
+    let turned = open.orient();
+    assert_eq!((turned, open.report().inconsistent_edges), (1, 0));
+    let mut one_sided = moebius(9);
+    let before = one_sided.clone();
+    assert_eq!(one_sided.orient(), 0);
+    assert_eq!(one_sided.triangles, before.triangles);
+}
+
+#[test]
+fn normals_turn_only_where_they_are_wrong() {
+    let mut right = ball(3);
+    right.smooth(180.0);
+    let mut wound = right.clone();
+    wound.triangles.iter_mut().for_each(|t| t.swap(0, 1));
+    assert_eq!(wound.orient(), right.triangles.len());
+    for (t, p) in wound.triangles.iter().zip(&right.triangles) {
+        assert!(wound.face_normal(*t).dot(right.face_normal(*p)) > 0.999);
+    }
+    let sides = |mesh: &TriangleMesh| {
+        let normals = mesh.normals.clone().unwrap();
+        mesh.positions.iter().zip(normals).all(|(p, n)| p.dot(n) > 0.0)
+    };
+    assert!(sides(&wound));
+    let mut flipped = right.clone();
+    flipped.flip();
+    flipped.orient();
+    assert!(sides(&flipped) && flipped.positions.len() == right.positions.len());
+}
+
+#[test]
+fn welding_takes_the_first_within_reach() {
+    let points = [[0.0; 3], [0.9, 0.0, 0.0], [1.8, 0.0, 0.0], [1.8, 5.0, 0.0]];
+    let mut row = mesh(&points, &[[0, 1, 3], [1, 2, 3]]);
+    assert_eq!(row.weld(1.0), 1);
+    assert_eq!(row.positions, [[0.0; 3], [1.8, 5.0, 0.0], [1.8, 0.0, 0.0]].map(DVec3::from_array));
+    assert_eq!(row.triangles, [[0, 0, 1], [0, 2, 1]]);
+    let mut far = moved(cube(), 1e100, DVec3::ZERO);
+    assert_eq!((far.weld(0.0), far.weld(1e-300)), (0, 0));
+    assert_eq!(far.weld(f64::MAX), 7);
+}
+
+#[test]
+fn a_needle_that_closes_a_slit_stays() {
+    // The edge 0-1 of the first face carries vertex 3 of the others.
+    let points = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 0.0, 0.0], [1.0, -1.0, 0.0]];
+    let mut slit = mesh(&points, &[[0, 1, 2], [0, 4, 3], [3, 4, 1], [0, 3, 1]]);
+    let before = slit.report();
+    let repair = all(&slit);
+    assert_eq!((slit.repair(&repair).degenerate, before.boundary_edges), (0, 4));
+    assert_eq!(slit.report(), before);
+}
+
+#[test]
+fn materials_go_with_their_triangles() {
+    let mut cube = cube();
+    cube.materials = ["a", "b", "c"].map(str::to_owned).to_vec();
+    cube.triangle_materials = (0..12).map(|t| [0, 1, 2, super::super::NO_MATERIAL][t / 3]).collect();
+    cube.triangles[3] = [0, 0, 1];
+    cube.triangles[4] = cube.triangles[0];
+    cube.triangles[5] = [1, 1, 1];
+    cube.repair(&Repair { duplicates: true, degenerate: true, ..Repair::default() });
+    assert_eq!(cube.materials, ["a", "c"]);
+    assert_eq!(cube.triangle_materials, [[0; 3], [1; 3], [super::super::NO_MATERIAL; 3]].concat());
+    let parts: Vec<(u32, usize)> = cube.parts().iter().map(|(m, part)| (*m, part.triangles.len())).collect();
+    assert_eq!(parts, [(0, 3), (1, 3), (super::super::NO_MATERIAL, 3)]);
+}

@@ -1,0 +1,82 @@
+//! Reports of meshes in closed form.
+
+use super::*;
+
+#[track_caller]
+fn near(a: f64, b: f64) {
+    // Sums of some thousand terms.
+    assert!((a - b).abs() <= 1e-12 * b.abs(), "{a} is not {b}");
+}
+
+#[test]
+fn closed_solids_have_their_area_volume_and_genus() {
+    let report = cube().report();
+    near(report.area, 24.0);
+    near(report.volume.unwrap(), 8.0);
+    assert_eq!((report.min, report.max), ([-1.0; 3], [1.0; 3]));
+    assert_eq!((report.euler_characteristic, report.genus, report.components), (2, Some(0), 1));
+    assert!(report.closed && report.manifold && report.orientable);
+    let report = tetrahedron().report();
+    near(report.area, 1.5 + libm::sqrt(3.0) / 2.0);
+    near(report.volume.unwrap(), 1.0 / 6.0);
+    assert_eq!((report.vertices, report.triangles, report.genus), (4, 4, Some(0)));
+    let (n, m) = (40, 30);
+    let report = torus(n, m).report();
+    // The ring of a regular polygon turned about the axis: of the circle's 2π² R r², the polygons' parts of their circles.
+    let inscribed = |n: u32| f64::from(n) / TAU * libm::sin(TAU / f64::from(n));
+    let ring = 2.0 * libm::pow(std::f64::consts::PI, 2.0) * 2.0 * inscribed(n) * inscribed(m);
+    // The radius of each quad's middle is the same, but its triangles are not flat together: second order in 1/(n m).
+    assert!((report.volume.unwrap() - ring).abs() < 1e-3 * ring, "{:?} {ring}", report.volume);
+    assert_eq!((report.euler_characteristic, report.genus), (0, Some(1)));
+}
+
+#[test]
+fn surfaces_with_borders_or_one_side_say_so() {
+    let report = moebius(20).report();
+    assert!(!report.orientable && !report.closed && report.manifold);
+    // One border all the way around both sides of the band.
+    assert_eq!((report.boundary_edges, report.euler_characteristic, report.volume, report.genus), (40, 0, None, None));
+    let mut open = cube();
+    open.triangles.truncate(10);
+    let report = open.report();
+    assert_eq!((report.closed, report.boundary_edges, report.euler_characteristic), (false, 4, 1));
+    assert_eq!(report.volume, None);
+}
+
+#[test]
+fn what_is_wrong_is_counted() {
+    let mut odd = cube();
+    odd.triangles[0].swap(1, 2);
+    let report = odd.report();
+    assert_eq!((report.inconsistent_edges, report.orientable, report.volume), (3, true, None));
+    // Two cubes that share an edge: four faces there, and the ends of the edge are pinched no more than that.
+    let two = with(cube(), &moved(cube(), 1.0, DVec3::new(2.0, 2.0, 0.0)));
+    let report = two.report();
+    assert_eq!((report.non_manifold_edges, report.manifold, report.components, report.genus), (1, false, 1, None));
+    assert_eq!((report.repeated_vertices, report.non_manifold_vertices), (2, 0));
+    near(report.volume.unwrap(), 16.0);
+    // At one corner only.
+    let two = with(cube(), &moved(cube(), 1.0, DVec3::splat(2.0)));
+    let report = two.report();
+    assert_eq!((report.non_manifold_edges, report.non_manifold_vertices, report.components), (0, 1, 2));
+    let mut worn = cube();
+    worn.positions.push(DVec3::ZERO);
+    worn.triangles.extend([[0, 0, 1], [3, 1, 0], [0, 3, 1]]);
+    let report = worn.report();
+    assert_eq!((report.isolated_vertices, report.degenerate_faces, report.duplicate_faces), (1, 1, 2));
+}
+
+#[test]
+fn seams_are_no_borders() {
+    let mut seam = cube();
+    seam.smooth(30.0);
+    assert_eq!(seam.positions.len(), 24);
+    let report = seam.report();
+    assert!(report.closed && report.normals);
+    assert_eq!((report.genus, report.repeated_vertices), (Some(0), 0));
+    // The two zeros are one place.
+    let mut zeros = tetrahedron();
+    zeros.positions.push(-DVec3::ZERO);
+    zeros.triangles[0][0] = 4;
+    assert!(zeros.report().closed);
+}

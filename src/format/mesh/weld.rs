@@ -1,0 +1,81 @@
+//! Vertices that nearly coincide.
+
+use super::TriangleMesh;
+use ahash::RandomState;
+use glam::DVec3;
+use std::collections::HashMap;
+
+const NONE: u32 = u32::MAX;
+
+/// Beyond this, squares of distances would not be finite.
+const FARTHEST: f64 = 1e150;
+
+impl TriangleMesh {
+    /// Moves each vertex to the first one that is at most `tolerance` away, in the order of vertices, and makes those one that
+    /// then agree in every bit. Returns how many places there are less.
+    pub fn weld(&mut self, tolerance: f64) -> usize {
+        let (_, before) = self.places();
+        let mut kept = Kept::new(tolerance.clamp(0.0, FARTHEST), &self.positions);
+        for p in &mut self.positions {
+            *p = kept.nearby(*p);
+        }
+        self.share();
+        let (_, after) = self.places();
+        before.saturating_sub(after)
+    }
+}
+
+/// Points that others have been moved to, by cells of a grid twice as wide as the tolerance.
+struct Kept {
+    tolerance: f64,
+    low: DVec3,
+    cell: f64,
+    first: HashMap<[i64; 3], u32, RandomState>,
+    /// Each point, and the one before it in its cell.
+    points: Vec<(DVec3, u32)>,
+}
+
+impl Kept {
+    fn new(tolerance: f64, positions: &[DVec3]) -> Self {
+        let (low, high) =
+            positions.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(*p), high.max(*p)));
+        // Cells that are too narrow to be counted would all be one.
+        let cell = (2.0 * tolerance).max((high - low).max_element() * 1e-12);
+        Self {
+            tolerance,
+            low,
+            cell: if cell > 0.0 && cell.is_finite() { cell } else { 1.0 },
+            first: HashMap::with_hasher(RandomState::with_seeds(1, 2, 3, 4)),
+            points: Vec::new(),
+        }
+    }
+
+    /// The first point that was kept within the tolerance of `p`; `p` itself, kept from now on, where there is none.
+    fn nearby(&mut self, p: DVec3) -> DVec3 {
+        let at = (p - self.low) / self.cell;
+        let corner = at.floor();
+        // Half a cell is the farthest that a neighbour can be.
+        let side = (at - corner).cmpge(DVec3::splat(0.5));
+        let base = corner.to_array().map(|x| x as i64);
+        let step = [side.x, side.y, side.z].map(|upper| if upper { 1 } else { -1 });
+        let mut found = NONE;
+        for neighbour in 0..8 {
+            let cell = [0, 1, 2].map(|axis| base[axis] + if neighbour >> axis & 1 == 1 { step[axis] } else { 0 });
+            let mut i = self.first.get(&cell).copied().unwrap_or(NONE);
+            while i != NONE {
+                let (point, before) = self.points[i as usize];
+                if (point - p).length() <= self.tolerance {
+                    found = found.min(i);
+                }
+                i = before;
+            }
+        }
+        if found != NONE {
+            return self.points[found as usize].0;
+        }
+        let number = self.points.len() as u32;
+        let before = self.first.insert(base, number).unwrap_or(NONE);
+        self.points.push((p, before));
+        p
+    }
+}

@@ -1,0 +1,64 @@
+//! Meshes into files.
+
+use super::TriangleMesh;
+use crate::format::{obj, ply};
+use crate::image::{WriteError, replace_with};
+use std::fmt::{Display, Formatter, Result as Written};
+use std::io::{BufWriter, Write};
+use std::path::Path;
+
+/// The form of a mesh file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum MeshFormat {
+    /// Wavefront OBJ.
+    Obj,
+    /// PLY in binary, low bytes first.
+    Ply,
+    /// PLY as text.
+    PlyText,
+}
+
+impl MeshFormat {
+    /// The form that the extension of a path names; `text` says which PLY.
+    #[must_use]
+    pub fn of(path: &Path, text: bool) -> Option<Self> {
+        let is = |name: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(name));
+        match (is("obj"), is("ply"), text) {
+            (true, ..) => Some(Self::Obj),
+            (_, true, false) => Some(Self::Ply),
+            (_, true, true) => Some(Self::PlyText),
+            _ => None,
+        }
+    }
+}
+
+impl TriangleMesh {
+    /// Writes the mesh whole or not at all. Numbers read back bit for bit; an OBJ file names the materials and their
+    /// `libraries`, PLY holds none.
+    ///
+    /// # Errors
+    /// [`WriteError`].
+    pub fn write(&self, path: &Path, format: MeshFormat, libraries: &[String]) -> Result<(), WriteError> {
+        replace_with(path, |file| {
+            let mut out = BufWriter::with_capacity(1 << 20, file);
+            match format {
+                MeshFormat::Obj => obj::write(self, libraries, &mut out)?,
+                MeshFormat::Ply => ply::write(self, false, &mut out)?,
+                MeshFormat::PlyText => ply::write(self, true, &mut out)?,
+            }
+            out.flush()
+        })
+    }
+}
+
+/// The shortest decimal that reads back as the same number, by exponent where that is far from 1.
+pub(in crate::format) struct Shortest<T>(pub T);
+
+impl<T: Copy + Into<f64> + Display + std::fmt::LowerExp> Display for Shortest<T> {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Written {
+        match self.0.into().abs() {
+            0.0 | 1e-5..1e16 => write!(f, "{}", self.0),
+            _ => write!(f, "{:e}", self.0),
+        }
+    }
+}

@@ -1,0 +1,117 @@
+//! The lines of an MTL file that count, proved sound one by one.
+
+use super::super::mesh::{Wrong, shown};
+use std::fmt::Write;
+
+const REPAIR: &str = "repair it or export the materials anew";
+
+/// The lines of `text` that count, each in the one form that the reader knows; or the first that is wrong, from 1.
+pub(super) fn sound_lines(text: &str) -> Result<String, (usize, Wrong)> {
+    let mut sound = String::new();
+    let mut named = false;
+    for (i, line) in text.lines().enumerate() {
+        check(line.trim(), &mut named, &mut sound).map_err(|wrong| (i + 1, wrong))?;
+    }
+    Ok(sound)
+}
+
+fn check(line: &str, named: &mut bool, sound: &mut String) -> Result<(), Wrong> {
+    let (keyword, rest) = line.split_once(|c: char| c.is_ascii_whitespace()).unwrap_or((line, ""));
+    let rest = rest.trim();
+    // Writing to a string cannot fail.
+    match keyword {
+        "newmtl" => {
+            if rest.is_empty() {
+                return Err(("`newmtl` gives no name".to_owned(), "write a name after it"));
+            }
+            *named = true;
+            let _ = writeln!(sound, "newmtl {rest}");
+            return Ok(());
+        }
+        "Kd" | "Ks" | "Ke" | "Tf" | "Ns" | "Ni" | "d" | "Tr" | "illum" | "map_Kd" if !*named => {
+            return Err((format!("`{keyword}` stands before any `newmtl`"), "put `newmtl` and a name before it"));
+        }
+        "Kd" | "Ks" | "Ke" | "Tf" => {
+            let [r, g, b] = colour(keyword, rest)?;
+            let _ = writeln!(sound, "{keyword} {r} {g} {b}");
+        }
+        // Some exporters write negative exponents where they mean none.
+        "Ns" => {
+            let _ = writeln!(sound, "Ns {}", number(keyword, rest)?.max(0.0));
+        }
+        "Ni" => {
+            let _ = writeln!(sound, "Ni {}", number(keyword, rest)?);
+        }
+        "d" | "Tr" => {
+            let written = number(keyword, rest.strip_prefix("-halo").unwrap_or(rest))?;
+            if !(0.0..=1.0).contains(&written) {
+                return Err((format!("`{keyword}` is {written}"), "it must lie between 0 and 1"));
+            }
+            let _ = writeln!(sound, "d {}", if keyword == "d" { written } else { 1.0 - written });
+        }
+        "illum" => {
+            let model = rest.split_ascii_whitespace().next().unwrap_or_default();
+            if !model.parse::<u8>().is_ok_and(|model| model <= 10) {
+                return Err((format!("`{}` is no illumination model", shown(model)), "it must be one of 0 to 10"));
+            }
+            let _ = writeln!(sound, "illum {model}");
+        }
+        "map_Kd" => {
+            let path = without_options(rest);
+            if path.is_empty() {
+                return Err(("`map_Kd` names no picture".to_owned(), "write its path after it"));
+            }
+            let _ = writeln!(sound, "map_Kd {path}");
+        }
+        _ => {}
+    }
+    Ok(())
+}
+
+fn number(keyword: &str, rest: &str) -> Result<f64, Wrong> {
+    let word = rest.split_ascii_whitespace().next().unwrap_or_default();
+    match word.parse::<f64>() {
+        Ok(number) if number.is_finite() => Ok(number),
+        _ => Err((format!("`{}` of `{keyword}` is not a finite number", shown(word)), REPAIR)),
+    }
+}
+
+/// Three numbers, or one that stands for all.
+fn colour(keyword: &str, rest: &str) -> Result<[f64; 3], Wrong> {
+    let words: Vec<&str> = rest.split_ascii_whitespace().take_while(|word| !word.starts_with('#')).collect();
+    let numbers = match words[..] {
+        [one] => [number(keyword, one)?; 3],
+        [r, g, b, ..] if r != "xyz" && r != "spectral" => {
+            [number(keyword, r)?, number(keyword, g)?, number(keyword, b)?]
+        }
+        _ => return Err((format!("`{keyword}` holds no RGB colour"), "write it as red, green and blue")),
+    };
+    match numbers.iter().find(|number| **number < 0.0) {
+        Some(negative) => Err((format!("`{keyword}` holds {negative}"), "colours must not be negative")),
+        None => Ok(numbers),
+    }
+}
+
+/// The path after the options of a map, which say nothing here.
+fn without_options(mut rest: &str) -> &str {
+    let next = |text: &str| text.split_ascii_whitespace().next().unwrap_or_default().to_owned();
+    let after = |text: &'_ str, word: &str| text[word.len()..].trim_start().len();
+    loop {
+        let option = next(rest);
+        let most = match option.as_str() {
+            "-o" | "-s" | "-t" => 3,
+            "-mm" => 2,
+            "-blendu" | "-blendv" | "-cc" | "-clamp" | "-texres" | "-bm" | "-boost" | "-imfchan" | "-type" => 1,
+            _ => return rest,
+        };
+        rest = &rest[rest.len() - after(rest, &option)..];
+        for k in 0..most {
+            let value = next(rest);
+            // Offsets and scales may give fewer numbers than three.
+            if k > 0 && value.parse::<f64>().is_err() {
+                break;
+            }
+            rest = &rest[rest.len() - after(rest, &value)..];
+        }
+    }
+}

@@ -1,0 +1,55 @@
+//! What an MTL material is in the scene language.
+
+use super::FileMaterial;
+use crate::format::description::{Attenuation, Emission, Material, MaterialKind, Span, Spanned};
+use crate::format::mesh::Wrong;
+use glam::DVec3;
+use std::path::{PathBuf, absolute};
+
+/// The index of glass, where a transparent material gives none.
+const GLASS: f64 = 1.5;
+
+impl FileMaterial {
+    /// The material of the scene language that comes closest.
+    ///
+    /// A Dielectric where the illumination model is one of glass or refraction (4, 6, 7, 9) or `d` is below 1: of index `Ni`, and
+    /// tinted by `Tf`. A Mirror of `Ks` where the model is one of reflection (3, 5, 8) and `Kd` is black. Else Phong's model of
+    /// `Kd`, of `Ks` and `Ns` where the model has highlights (2 and up, or none is given), and of the picture.
+    ///
+    /// # Errors
+    /// A message and a remedy where the index of a transparent material is out of range.
+    pub fn meaning(&self) -> Result<Material, Wrong> {
+        let model = self.illumination;
+        let diffuse = self.diffuse.unwrap_or(DVec3::ONE);
+        let specular = self.specular.unwrap_or(DVec3::ZERO);
+        let transparent = matches!(model, Some(4 | 6 | 7 | 9)) || self.dissolve.is_some_and(|d| d < 1.0);
+        let kind = if transparent {
+            let index = self.index.unwrap_or(GLASS);
+            if !(0.001..=1000.0).contains(&index) {
+                let message = format!("the material `{}` is transparent and its `Ni` is {index}", self.name);
+                return Err((message, "give it an index of refraction between 0.001 and 1000"));
+            }
+            let tint = self.filter.filter(|f| f.min_element() > 0.0 && f.max_element() <= 1.0 && *f != DVec3::ONE);
+            let attenuation = tint.map_or(Attenuation::None, |color| Attenuation::Tint { color, distance: 1.0 });
+            MaterialKind::Dielectric { index, attenuation, roughness: 0.0.into(), priority: 0 }
+        } else if matches!(model, Some(3 | 5 | 8)) && diffuse == DVec3::ZERO && self.texture.is_none() {
+            MaterialKind::Mirror { reflectance: specular.min(DVec3::ONE).into() }
+        } else {
+            let highlights = model.is_none_or(|model| model >= 2);
+            MaterialKind::Phong {
+                diffuse: diffuse.into(),
+                specular: if highlights { specular } else { DVec3::ZERO }.into(),
+                shininess: self.shininess.unwrap_or(0.0),
+                texture: self.texture.as_ref().map(picture),
+            }
+        };
+        let emission = self.emission.filter(|e| *e != DVec3::ZERO).map(Emission::Radiance);
+        Ok(Material { name: Some(self.name.clone()), kind, emission, relief: None })
+    }
+}
+
+/// The whole path of a picture, as it does not count from the scene file's folder.
+fn picture(path: &PathBuf) -> Spanned<String> {
+    let whole = absolute(path).unwrap_or_else(|_| path.clone());
+    Spanned::new(whole.display().to_string(), Span::default())
+}

@@ -1,0 +1,113 @@
+//! Materials from and to MTL files, which stand beside OBJ files.
+//!
+//! As with meshes, each line is checked here, and crate `tobj` reads the sound ones.
+
+mod check;
+mod meaning;
+#[cfg(test)]
+mod tests;
+mod write;
+
+use super::mesh::{Loaded, MeshError, read};
+use glam::DVec3;
+use std::path::{Path, PathBuf};
+pub use write::write;
+
+/// A material as an MTL file has it. What it does not tell is `None`.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FileMaterial {
+    /// What `usemtl` calls it.
+    pub name: String,
+    /// Kd.
+    pub diffuse: Option<DVec3>,
+    /// Ks.
+    pub specular: Option<DVec3>,
+    /// Ke: radiance.
+    pub emission: Option<DVec3>,
+    /// Tf: share of light that passes through.
+    pub filter: Option<DVec3>,
+    /// Ns: the exponent of the highlight.
+    pub shininess: Option<f64>,
+    /// d, or 1 − Tr: 1 is opaque.
+    pub dissolve: Option<f64>,
+    /// Ni: index of refraction.
+    pub index: Option<f64>,
+    /// illum: the number of the illumination model.
+    pub illumination: Option<u8>,
+    /// map_Kd: the picture that Kd is multiplied by; its path counts from the same folder as the MTL file's own.
+    pub texture: Option<PathBuf>,
+}
+
+/// The materials of the `libraries` that the mesh at `mesh` names, in their order; of a name, the last counts.
+///
+/// A line `mtllib` may hold one path with spaces or several paths; it is one if there is such a file.
+///
+/// # Errors
+/// See [`MeshError`]; all name the file.
+pub fn load(mesh: &Path, libraries: &[String]) -> Result<Vec<FileMaterial>, MeshError> {
+    let folder = mesh.parent().unwrap_or(Path::new(""));
+    let mut materials: Vec<FileMaterial> = Vec::new();
+    for library in libraries {
+        let whole = folder.join(portable(library));
+        let paths = match whole.is_file() {
+            true => vec![whole],
+            false => library.split_whitespace().map(|part| folder.join(portable(part))).collect(),
+        };
+        for path in paths {
+            let bytes = read(&path).map_err(|e| match e {
+                MeshError::Missing { path } => MeshError::NoLibrary { path },
+                other => other,
+            })?;
+            for material in from_text(&path, &String::from_utf8_lossy(&bytes))? {
+                materials.retain(|earlier| earlier.name != material.name);
+                materials.push(material);
+            }
+        }
+    }
+    Ok(materials)
+}
+
+/// The materials that a mesh read from `path` names, in the order of its names.
+///
+/// # Errors
+/// See [`MeshError`]: a file of materials is missing or wrong, or none holds one of the names.
+pub fn of_mesh(path: &Path, loaded: &Loaded) -> Result<Vec<FileMaterial>, MeshError> {
+    let library = load(path, &loaded.libraries)?;
+    let find = |name: &String| {
+        let none = || MeshError::NoMaterial { path: path.into(), name: name.clone() };
+        library.iter().find(|material| material.name == *name).cloned().ok_or_else(none)
+    };
+    loaded.mesh.materials.iter().map(find).collect()
+}
+
+fn from_text(path: &Path, text: &str) -> Result<Vec<FileMaterial>, MeshError> {
+    let sound = check::sound_lines(text).map_err(|(line, wrong)| MeshError::line(path, line, wrong))?;
+    let malformed = |source| MeshError::Malformed { path: path.into(), source };
+    let (materials, _) = tobj::load_mtl_buf(&mut sound.as_bytes()).map_err(malformed)?;
+    let vector = |v: Option<[f64; 3]>| v.map(DVec3::from_array);
+    let folder = path.parent().unwrap_or(Path::new(""));
+    Ok(materials
+        .into_iter()
+        .map(|m| FileMaterial {
+            diffuse: vector(m.diffuse),
+            specular: vector(m.specular),
+            emission: vector(m.emissive),
+            // tobj keeps it as text, which the check has written.
+            filter: m.unknown_param.get("Tf").map(|text| {
+                let mut numbers = text.split(' ').map(|word| word.parse().unwrap_or_default());
+                DVec3::from_array([(); 3].map(|()| numbers.next().unwrap_or_default()))
+            }),
+            shininess: m.shininess,
+            dissolve: m.dissolve,
+            index: m.optical_density,
+            illumination: m.illumination_model,
+            texture: m.diffuse_texture.map(|picture| folder.join(portable(&picture))),
+            name: m.name,
+        })
+        .collect())
+}
+
+/// A path as written on any system.
+fn portable(path: &str) -> PathBuf {
+    PathBuf::from(path.replace('\\', "/"))
+}

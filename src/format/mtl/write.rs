@@ -1,0 +1,41 @@
+//! Materials as MTL text.
+
+use super::FileMaterial;
+use crate::format::mesh::Shortest;
+use crate::image::{WriteError, replace_file};
+use std::fmt::Write;
+use std::path::{Path, absolute};
+
+/// Writes materials whole or not at all. Pictures in the folder of `path` or below are named from there, others by their whole path.
+///
+/// # Errors
+/// [`WriteError`].
+pub fn write(path: &Path, materials: &[FileMaterial]) -> Result<(), WriteError> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let mut text = format!("# Caustica {}\n", env!("CARGO_PKG_VERSION"));
+    // Writing to a string cannot fail.
+    for material in materials {
+        let _ = writeln!(text, "\nnewmtl {}", material.name);
+        let colours =
+            [("Kd", material.diffuse), ("Ks", material.specular), ("Ke", material.emission), ("Tf", material.filter)];
+        for (keyword, colour) in colours {
+            if let Some(c) = colour {
+                let _ = writeln!(text, "{keyword} {} {} {}", Shortest(c.x), Shortest(c.y), Shortest(c.z));
+            }
+        }
+        for (keyword, number) in [("Ns", material.shininess), ("Ni", material.index), ("d", material.dissolve)] {
+            if let Some(number) = number {
+                let _ = writeln!(text, "{keyword} {}", Shortest(number));
+            }
+        }
+        if let Some(model) = material.illumination {
+            let _ = writeln!(text, "illum {model}");
+        }
+        if let Some(picture) = &material.texture {
+            let inside = picture.strip_prefix(folder).ok();
+            let named = inside.map(Path::to_owned).or_else(|| absolute(picture).ok());
+            let _ = writeln!(text, "map_Kd {}", named.as_deref().unwrap_or(picture).display());
+        }
+    }
+    replace_file(path, text.as_bytes())
+}

@@ -1,0 +1,59 @@
+//! Meshes as OBJ text.
+
+use super::super::mesh::{NO_MATERIAL, Numbers, Shortest, TriangleMesh, bits};
+use glam::DVec3;
+use std::io::{Result, Write};
+
+/// Writes the mesh. Positions, normals and texture coordinates that agree in every bit are written once.
+pub(in crate::format) fn write(mesh: &TriangleMesh, libraries: &[String], out: &mut impl Write) -> Result<()> {
+    writeln!(out, "# Caustica {}", env!("CARGO_PKG_VERSION"))?;
+    for library in libraries {
+        writeln!(out, "mtllib {library}")?;
+    }
+    let (places, positions) = number(mesh.positions.iter().map(|p| bits(*p)));
+    for [x, y, z] in positions {
+        writeln!(out, "v {} {} {}", short(x), short(y), short(z))?;
+    }
+    let texcoords = mesh.texcoords.as_deref().unwrap_or_default();
+    let (mapped, texcoords) = number(texcoords.iter().map(|t| t.to_array().map(f64::to_bits)));
+    for [s, t] in texcoords {
+        writeln!(out, "vt {} {}", short(s), short(t))?;
+    }
+    let normals = mesh.normals.as_deref().unwrap_or_default();
+    let (facing, unique) = number(normals.iter().map(|n| bits(*n)));
+    for [x, y, z] in unique {
+        writeln!(out, "vn {} {} {}", short(x), short(y), short(z))?;
+    }
+    let mut material = NO_MATERIAL;
+    for (i, triangle) in mesh.triangles.iter().enumerate() {
+        let own = mesh.triangle_materials.get(i).copied().unwrap_or(NO_MATERIAL);
+        if own != material {
+            material = own;
+            writeln!(out, "usemtl {}", mesh.materials.get(own as usize).map_or("", String::as_str))?;
+        }
+        let smooth = !normals.is_empty() && triangle.iter().all(|v| normals[*v as usize] != DVec3::ZERO);
+        out.write_all(b"f")?;
+        for v in triangle.map(|v| v as usize) {
+            let place = places[v] + 1;
+            match (mapped.get(v), smooth) {
+                (None, false) => write!(out, " {place}")?,
+                (None, true) => write!(out, " {place}//{}", facing[v] + 1)?,
+                (Some(t), false) => write!(out, " {place}/{}", t + 1)?,
+                (Some(t), true) => write!(out, " {place}/{}/{}", t + 1, facing[v] + 1)?,
+            }
+        }
+        out.write_all(b"\n")?;
+    }
+    Ok(())
+}
+
+/// The number of each key, and the keys without repetition.
+fn number<const N: usize>(keys: impl ExactSizeIterator<Item = [u64; N]>) -> (Vec<u32>, Vec<[u64; N]>) {
+    let mut numbers = Numbers::with_capacity(keys.len());
+    let list = keys.map(|key| numbers.number(key, |key| *key)).collect();
+    (list, numbers.into_list())
+}
+
+fn short(bits: u64) -> Shortest<f64> {
+    Shortest(f64::from_bits(bits))
+}

@@ -1,0 +1,278 @@
+//! The header of a PLY file: which elements follow, and what each consists of.
+
+use super::super::mesh::{Wrong, shown};
+
+/// How the body is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Encoding {
+    Ascii,
+    Little,
+    Big,
+}
+
+/// The type of a number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Type {
+    I8,
+    U8,
+    I16,
+    U16,
+    I32,
+    U32,
+    F32,
+    F64,
+}
+
+impl Type {
+    fn named(name: &str) -> Option<Self> {
+        Some(match name {
+            "char" | "int8" => Self::I8,
+            "uchar" | "uint8" => Self::U8,
+            "short" | "int16" => Self::I16,
+            "ushort" | "uint16" => Self::U16,
+            "int" | "int32" => Self::I32,
+            "uint" | "uint32" => Self::U32,
+            "float" | "float32" => Self::F32,
+            "double" | "float64" => Self::F64,
+            _ => return None,
+        })
+    }
+
+    /// Bytes in binary files.
+    pub fn size(self) -> usize {
+        match self {
+            Self::I8 | Self::U8 => 1,
+            Self::I16 | Self::U16 => 2,
+            Self::I32 | Self::U32 | Self::F32 => 4,
+            Self::F64 => 8,
+        }
+    }
+
+    fn is_whole(self) -> bool {
+        !matches!(self, Self::F32 | Self::F64)
+    }
+}
+
+/// What a property means to a mesh.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Role {
+    /// A number of a vertex: x, y, z, then the normal's, then the texture coordinates.
+    Slot(usize),
+    /// The corners of a face.
+    Corners,
+    /// Nothing.
+    Other,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Property {
+    pub role: Role,
+    /// Type of the length, for lists.
+    pub list: Option<Type>,
+    pub item: Type,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    Vertex,
+    Face,
+    Other,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Element {
+    pub kind: Kind,
+    pub name: String,
+    pub count: u64,
+    pub properties: Vec<Property>,
+    /// The line that declares it, from 1.
+    line: usize,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Header {
+    pub encoding: Encoding,
+    pub elements: Vec<Element>,
+    /// Where the body begins.
+    pub bytes: usize,
+    /// Lines of the header.
+    pub lines: usize,
+}
+
+/// A line from 1 and what is wrong with it.
+pub(super) type LineError = (usize, Wrong);
+
+const NOT_PLY: &str = "export it anew as PLY";
+const NAMES: [(&str, usize); 14] = [
+    ("x", 0),
+    ("y", 1),
+    ("z", 2),
+    ("nx", 3),
+    ("ny", 4),
+    ("nz", 5),
+    ("s", 6),
+    ("t", 7),
+    ("u", 6),
+    ("v", 7),
+    ("texture_u", 6),
+    ("texture_v", 7),
+    ("texture_s", 6),
+    ("texture_t", 7),
+];
+
+impl Header {
+    pub fn parse(bytes: &[u8]) -> Result<Self, LineError> {
+        let mut header = Self { encoding: Encoding::Ascii, elements: Vec::new(), bytes: 0, lines: 0 };
+        let mut encoding = None;
+        loop {
+            let rest = &bytes[header.bytes..];
+            let number = header.lines + 1;
+            let wrong = |message: String, remedy| Err((number, (message, remedy)));
+            let Some(end) = rest.iter().position(|b| matches!(b, b'\n' | b'\r')) else {
+                return wrong("the header ends without `end_header`".to_owned(), NOT_PLY);
+            };
+            let line = String::from_utf8_lossy(&rest[..end]);
+            header.bytes += end + if rest[end..].starts_with(b"\r\n") { 2 } else { 1 };
+            header.lines += 1;
+            let mut words = line.split_ascii_whitespace();
+            match words.next() {
+                _ if number == 1 && line.trim() != "ply" => {
+                    return wrong("the first line is not `ply`".to_owned(), NOT_PLY);
+                }
+                Some("format") => {
+                    encoding = Some(match words.next() {
+                        Some("ascii") => Encoding::Ascii,
+                        Some("binary_little_endian") => Encoding::Little,
+                        Some("binary_big_endian") => Encoding::Big,
+                        other => {
+                            let message = format!("unknown format `{}`", shown(other.unwrap_or_default()));
+                            return wrong(message, "known are ascii, binary_little_endian and binary_big_endian");
+                        }
+                    });
+                }
+                Some("element") => {
+                    let element = element(words, number).map_err(|e| (number, e))?;
+                    if element.kind != Kind::Other && header.elements.iter().any(|e| e.kind == element.kind) {
+                        return wrong(format!("`{}` is declared twice", element.name), NOT_PLY);
+                    }
+                    header.elements.push(element);
+                }
+                Some("property") => match header.elements.last_mut() {
+                    Some(element) => {
+                        let property = property(words, element.kind).map_err(|e| (number, e))?;
+                        element.properties.push(property);
+                    }
+                    None => return wrong("a property stands before any element".to_owned(), NOT_PLY),
+                },
+                Some("end_header") => break,
+                Some("ply" | "comment" | "obj_info") | None => {}
+                Some(word) => return wrong(format!("`{}` is no line of a PLY header", shown(word)), NOT_PLY),
+            }
+        }
+        let Some(encoding) = encoding else {
+            return Err((header.lines, ("the header names no format".to_owned(), NOT_PLY)));
+        };
+        header.encoding = encoding;
+        header.elements.iter().try_for_each(Element::check)?;
+        header.fit(bytes.len())?;
+        Ok(header)
+    }
+
+    /// Refuses counts that the file cannot hold, so that memory may be taken for them.
+    fn fit(&self, bytes: usize) -> Result<(), LineError> {
+        // The last number of a text may have no white space after it.
+        let mut left = bytes - self.bytes + usize::from(self.encoding == Encoding::Ascii);
+        for element in &self.elements {
+            let least = element.least_bytes(self.encoding);
+            let needed = usize::try_from(element.count).ok().and_then(|n| n.checked_mul(least));
+            match needed.and_then(|needed| left.checked_sub(needed)) {
+                Some(rest) => left = rest,
+                None => {
+                    let message = format!(
+                        "{} times `{}` need {least} bytes each at least, and {left} bytes are left of the file",
+                        element.count, element.name
+                    );
+                    return Err((element.line, (message, "the file is cut short, or the count is wrong")));
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Element {
+    /// Bytes that one of them takes at least.
+    pub fn least_bytes(&self, encoding: Encoding) -> usize {
+        let one = |p: &Property| {
+            // A face has three corners at least.
+            let items = if p.role == Role::Corners { 3 } else { 0 };
+            match encoding {
+                Encoding::Ascii => 2 + 2 * items,
+                _ => p.list.unwrap_or(p.item).size() + items * p.item.size(),
+            }
+        };
+        self.properties.iter().map(one).sum()
+    }
+
+    pub fn has(&self, slot: usize) -> bool {
+        self.properties.iter().any(|p| p.role == Role::Slot(slot))
+    }
+
+    fn check(&self) -> Result<(), LineError> {
+        let wrong = |message: &str, remedy| Err((self.line, (message.to_owned(), remedy)));
+        match self.kind {
+            Kind::Vertex if !(0..3).all(|slot| self.has(slot)) => {
+                wrong("`vertex` lacks one of the properties x, y and z", "export it with positions")
+            }
+            Kind::Face if !self.properties.iter().any(|p| p.role == Role::Corners) => {
+                wrong("`face` has no list `vertex_indices`", "export it with the corners of its faces")
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+fn element<'w>(mut words: impl Iterator<Item = &'w str>, line: usize) -> Result<Element, Wrong> {
+    let (name, count) = (words.next().unwrap_or_default(), words.next().unwrap_or_default());
+    let Ok(count) = count.parse::<u64>() else {
+        return Err((format!("`{}` is no count of elements", shown(count)), "write `element name count`"));
+    };
+    let kind = match name {
+        "vertex" => Kind::Vertex,
+        "face" => Kind::Face,
+        _ => Kind::Other,
+    };
+    Ok(Element { kind, name: shown(name), count, properties: Vec::new(), line })
+}
+
+fn property<'w>(mut words: impl Iterator<Item = &'w str>, kind: Kind) -> Result<Property, Wrong> {
+    let mut next = || words.next().unwrap_or_default();
+    let known = |name: &str| {
+        let message = || format!("`{}` is no type of a number", shown(name));
+        Type::named(name).ok_or_else(|| (message(), "known are char to uint, int8 to uint32, float and double"))
+    };
+    let first = next();
+    let (list, item) = match first {
+        "list" => (Some(known(next())?), known(next())?),
+        name => (None, known(name)?),
+    };
+    let name = next();
+    if list.is_some_and(|count| !count.is_whole()) {
+        let message = format!("the length of the list `{}` is not a whole number", shown(name));
+        return Err((message, "give it an integer type, such as uchar"));
+    }
+    let role = match (kind, name, list) {
+        (Kind::Vertex, _, None) => {
+            NAMES.iter().find(|(known, _)| *known == name).map_or(Role::Other, |(_, slot)| Role::Slot(*slot))
+        }
+        (Kind::Face, "vertex_indices" | "vertex_index", Some(_)) => {
+            if !item.is_whole() {
+                let message = format!("the indices `{name}` are not whole numbers");
+                return Err((message, "give them an integer type, such as int"));
+            }
+            Role::Corners
+        }
+        _ => Role::Other,
+    };
+    Ok(Property { role, list, item })
+}

@@ -1,0 +1,244 @@
+use super::super::mesh::TriangleMesh;
+use super::*;
+
+const VERTEX: &str = "property float x\nproperty float y\nproperty float z\n";
+const FACE: &str = "property list uchar int vertex_indices\n";
+
+fn read_bytes(bytes: &[u8]) -> Result<TriangleMesh, MeshError> {
+    read(Path::new("a.ply"), bytes, &()).map(|loaded| loaded.mesh)
+}
+
+fn header(encoding: &str, vertices: impl std::fmt::Display, faces: impl std::fmt::Display) -> String {
+    let (v, f) = (format!("element vertex {vertices}\n{VERTEX}"), format!("element face {faces}\n{FACE}"));
+    format!("ply\nformat {encoding} 1.0\n{v}{f}end_header\n")
+}
+
+fn ascii(vertices: usize, faces: usize, body: &str) -> Result<TriangleMesh, MeshError> {
+    read_bytes(format!("{}{body}", header("ascii", vertices, faces)).as_bytes())
+}
+
+#[track_caller]
+fn refused(bytes: &[u8], message: &str) {
+    let error = read_bytes(bytes).unwrap_err().to_string();
+    assert!(error.contains(message), "`{message}` is not in `{error}`");
+    assert!(error.starts_with("a.ply:") && error.matches(": ").count() >= 2, "{error}");
+}
+
+const SQUARE: &str = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
+
+#[test]
+fn polygons_become_fans() {
+    let mesh = ascii(4, 2, &format!("{SQUARE}4 0 1 2 3\n3 0 2 3\n")).unwrap();
+    assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3], [0, 2, 3]]);
+    assert_eq!(mesh.positions[2], DVec3::new(1.0, 1.0, 0.0));
+    // White space parts numbers, however lines are broken, and any may end them.
+    assert_eq!(ascii(4, 1, "0 0 0 1\r\n0 0 1 1 0\t0 1 0 4 0 1 2\n3").unwrap().triangles.len(), 2);
+}
+
+#[test]
+fn numbers_of_every_type_are_read_from_either_end() {
+    let types: [(&str, &[u8]); 16] = [
+        ("char", &[3]),
+        ("int8", &[3]),
+        ("uchar", &[3]),
+        ("uint8", &[3]),
+        ("short", &[0, 3]),
+        ("int16", &[0, 3]),
+        ("ushort", &[0, 3]),
+        ("uint16", &[0, 3]),
+        ("int", &[0, 0, 0, 3]),
+        ("int32", &[0, 0, 0, 3]),
+        ("uint", &[0, 0, 0, 3]),
+        ("uint32", &[0, 0, 0, 3]),
+        ("float", &[0x40, 0x40, 0, 0]),
+        ("float32", &[0x40, 0x40, 0, 0]),
+        ("double", &[0x40, 8, 0, 0, 0, 0, 0, 0]),
+        ("float64", &[0x40, 8, 0, 0, 0, 0, 0, 0]),
+    ];
+    for (name, three) in types {
+        for (encoding, big) in [("binary_big_endian", true), ("binary_little_endian", false)] {
+            let bytes: Vec<u8> = if big { three.to_vec() } else { three.iter().rev().copied().collect() };
+            let zero = vec![0; bytes.len()];
+            // A vertex at (3, 0, 0), one at (0, 3, 0), one at 0; a list of numbers, and a face of lists of this type.
+            let whole = !name.starts_with(['f', 'd']);
+            let index = if whole { name } else { "uchar" };
+            let mut text = format!("ply\nformat {encoding} 1.0\nelement vertex 4\n").into_bytes();
+            for axis in ["x", "y", "z"] {
+                text.extend(format!("property {name} {axis}\n").bytes());
+            }
+            text.extend(
+                format!("element other 1\nproperty list uchar {name} skipped\nproperty {name} skipped\n").bytes(),
+            );
+            text.extend(
+                format!("element face 1\nproperty {name} s\nproperty list {index} {index} vertex_index\n").bytes(),
+            );
+            text.extend(b"end_header\n");
+            for corner in [[1, 0, 0], [0, 1, 0], [0, 0, 1], [0, 0, 0]] {
+                for one in corner {
+                    text.extend(if one == 1 { &bytes } else { &zero });
+                }
+            }
+            text.extend([[2].as_slice(), &bytes, &zero, &bytes].concat());
+            let number = |n: u8| {
+                let mut wide = vec![0; if whole { bytes.len() } else { 1 }];
+                let at = if big { wide.len() - 1 } else { 0 };
+                wide[at] = n;
+                wide
+            };
+            text.extend(&bytes);
+            for n in [3, 3, 0, 1] {
+                text.extend(number(n));
+            }
+            let mesh = read_bytes(&text).unwrap();
+            assert_eq!(mesh.positions, [DVec3::ZERO, DVec3::X * 3.0, DVec3::Y * 3.0], "{name} {encoding}");
+            // Each is cut somewhere else.
+            for end in 0..text.len() {
+                assert!(read_bytes(&text[..end]).is_err(), "{name} {encoding} {end}");
+            }
+        }
+    }
+}
+
+#[test]
+fn normals_and_texture_coordinates_go_by_their_names() {
+    for (s, t) in [("s", "t"), ("u", "v"), ("texture_u", "texture_v"), ("texture_s", "texture_t")] {
+        let text = format!(
+            "ply\r\nformat ascii 1.0\r\ncomment end_header\r\nobj_info x\r\nelement vertex 3\r\nproperty double {t}\r\n\
+             property float nz\r\n{VERTEX}property float nx\r\nproperty float ny\r\nproperty double {s}\r\n\
+             property list uchar float more\r\nelement face 1\r\n{FACE}end_header\r\n\
+             .5 2 0 0 0 0 0 .25 0\r\n.5 2 1 0 0 0 0 .25 2 1 1\r\n.5 2 0 1 0 0 0 .25 0\r\n3 0 1 2\r\n"
+        );
+        let mesh = read_bytes(text.as_bytes()).unwrap();
+        assert_eq!(mesh.normals.unwrap(), [DVec3::Z; 3]);
+        assert_eq!(mesh.texcoords.unwrap(), [DVec2::new(0.25, 0.5); 3]);
+        assert_eq!(mesh.positions, [DVec3::ZERO, DVec3::X, DVec3::Y]);
+    }
+    let half = format!("ply\nformat ascii 1.0\nelement vertex 3\n{VERTEX}property float nx\nproperty float s\n");
+    let half = format!("{half}element face 1\n{FACE}end_header\n0 0 0 1 1 1 0 0 1 1 0 1 0 1 1 3 0 1 2");
+    let mesh = read_bytes(half.as_bytes()).unwrap();
+    assert_eq!((mesh.normals, mesh.texcoords), (None, None));
+}
+
+#[test]
+fn faces_may_stand_before_vertices() {
+    let text = format!(
+        "ply\nformat ascii 1.0\nelement face 1\n{FACE}element empty 18446744073709551615\nelement vertex 3\n{VERTEX}end_header\n\
+         3 0 1 2 0 0 0 1 0 0 0 1 0"
+    );
+    assert_eq!(read_bytes(text.as_bytes()).unwrap().triangles, [[0, 1, 2]]);
+}
+
+#[test]
+fn headers_that_cannot_be_are_named_by_line() {
+    let with = |line: &str| format!("ply\nformat ascii 1.0\n{line}\nend_header\n");
+    for (line, message) in [
+        ("element vertex -1", "a.ply:3: `-1` is no count"),
+        ("element vertex 1e3", "a.ply:3: `1e3` is no count"),
+        ("element vertex", "a.ply:3: `` is no count"),
+        ("property float x", "a.ply:3: a property stands before any element"),
+        ("element vertex 3\nproperty float x\nproperty float y", "a.ply:3: `vertex` lacks one of"),
+        ("element face 3\nproperty float x", "a.ply:3: `face` has no list"),
+        ("element face 3\nproperty int vertex_indices", "a.ply:3: `face` has no list"),
+        ("element vertex 3\nproperty half x", "a.ply:4: `half` is no type"),
+        ("element vertex 3\nproperty list float int x", "a.ply:4: the length of the list `x`"),
+        ("element face 3\nproperty list uchar float vertex_index", "a.ply:4: the indices `vertex_index`"),
+        ("element face 3\nproperty list uchar", "a.ply:4: `` is no type"),
+        ("format spoken 1.0", "a.ply:3: unknown format `spoken`"),
+        ("\u{1b}[31m", "is no line of a PLY header"),
+    ] {
+        refused(with(line).as_bytes(), message);
+    }
+    refused(b"ply\nend_header\n", "names no format");
+    refused(b"ply\nformat ascii 1.0\nelement vertex 3", "a.ply:3: the header ends without");
+    refused(b"", "a.ply:1: the header ends without");
+    refused(b"v 0 0 0\n", "a.ply:1: the first line is not `ply`");
+    let twice = format!("element vertex 0\n{VERTEX}element vertex 0");
+    refused(with(&twice).as_bytes(), "`vertex` is declared twice");
+}
+
+#[test]
+fn counts_are_not_believed() {
+    for count in ["4", "4294967295", "18446744073709551615"] {
+        for encoding in ["ascii", "binary_little_endian", "binary_big_endian"] {
+            let body = if encoding == "ascii" { "0 0 0 1 0 0 0 1 0 3 0 1 2".as_bytes() } else { &[0; 49] };
+            let text = |v: &str, f: &str| [header(encoding, v, f).as_bytes(), body].concat();
+            refused(&text(count, "1"), "a.ply:");
+            refused(
+                &text(count, "1"),
+                if count == "4" { "" } else { "a.ply:3: 4294967295" }.split(' ').next().unwrap(),
+            );
+            refused(&text("3", "4294967295"), "a.ply:7: 4294967295 times `face` need");
+        }
+    }
+    // A list of 4294967295 corners, or a negative number of them.
+    let start = format!("ply\nformat binary_little_endian 1.0\nelement vertex 1\n{VERTEX}element face 1\n");
+    let listed = |count: &str, n: u8| {
+        let header = format!("{start}property list {count} int vertex_indices\nend_header\n");
+        [header.as_bytes(), &[0; 12], &[n; 4], &[0; 40]].concat()
+    };
+    refused(&listed("uint", 0xff), "the file ends here: the file is cut short");
+    refused(&listed("int", 0xff), "face 0: a face with -1 corners");
+    refused(&listed("char", 0xff), "a face with -1 corners");
+    refused(&listed("uchar", 2), "a face with 2 corners");
+}
+
+#[test]
+fn bodies_that_cannot_be_are_named_by_place() {
+    let ascii = |body: &str| format!("{}{body}", header("ascii", 4, 1));
+    for (body, message) in [
+        ("0 0 0\n1 0 nan\n0 0 0\n0 0 0\n3 0 1 2", "a.ply:11: `z` is NaN"),
+        ("0 0 0\n1 0 1e99\n0 0 0\n0 0 0\n3 0 1 2", "a.ply:11: `z` is inf"),
+        ("0 0 0\n1 0 x\n0 0 0\n0 0 0\n3 0 1 2", "a.ply:11: `x` is not a number"),
+        ("0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 4", "a.ply:14: there is no vertex 4: the file has 4"),
+        ("0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 -1", "there is no vertex -1"),
+        ("0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 1.5", "`1.5` is not a number"),
+        ("0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 99999999999999999999", "is not a number"),
+        ("0 0 0\n1 0 0\n1 1 0\n0 1 0\n2 0 1    ", "a face with 2 corners"),
+        ("0 0 0\n1 0 0\n1 1 0\n0 1 0\n-3 0 1 2", "a face with -3 corners"),
+        ("0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1      ", "the file ends here"),
+    ] {
+        refused(ascii(body).as_bytes(), message);
+    }
+    let binary = |x: f32, index: i32| {
+        let mut bytes = header("binary_little_endian", 1, 1).into_bytes();
+        bytes.extend([x.to_le_bytes(), [0; 4], [0; 4]].concat());
+        bytes.extend([[3].as_slice(), &[0; 8], &index.to_le_bytes()].concat());
+        bytes
+    };
+    assert_eq!(read_bytes(&binary(1.0, 0)).unwrap().triangles, [[0; 3]]);
+    let start = header("binary_little_endian", 1, 1).len();
+    refused(&binary(f32::NAN, 0), &format!("a.ply: byte {start}, vertex 0: `x` is NaN"));
+    refused(&binary(1.0, 1), &format!("a.ply: byte {}, face 0: there is no vertex 1", start + 12));
+    refused(&binary(1.0, -1), "there is no vertex -1");
+}
+
+#[test]
+fn bytes_that_are_no_text_are_refused() {
+    let bytes = [header("ascii", 3, 1).as_bytes(), b"0 0 0 1 0 0 0 1 0 3 0 \xff 2"].concat();
+    refused(&bytes, "a.ply:10: there are bytes here that are no text");
+}
+
+proptest::proptest! {
+    #[test]
+    fn no_bytes_make_the_reader_panic(
+        words in proptest::collection::vec(
+            "element (vertex|face|x) [0-9]{1,20}\n|property (list (u?char|u?int) )?(u?char|int|float|double) (x|y|z|nx|s|vertex_index)\n\
+             |format (ascii|binary_(little|big)_endian) 1.0\n|end_header\n|[0-9. -]{0,20}|.{0,3}", 0..24),
+        bytes in proptest::collection::vec(proptest::num::u8::ANY, 0..80),
+    ) {
+        let _ = read_bytes(&[b"ply\nformat binary_little_endian 1.0\n", words.concat().as_bytes(), &bytes].concat());
+        let _ = read_bytes(&[b"ply\n", words.concat().as_bytes(), &bytes].concat());
+    }
+
+    #[test]
+    fn no_change_of_a_file_makes_the_reader_panic(at in proptest::num::usize::ANY, new in proptest::num::u8::ANY) {
+        for encoding in ["ascii", "binary_little_endian"] {
+            let body: &[u8] = if encoding == "ascii" { b"0 0 0 1 0 0 0 1 0 3 0 1 2" } else { &[0; 49] };
+            let mut bytes = [header(encoding, 3, 1).as_bytes(), body].concat();
+            let at = at % bytes.len();
+            bytes[at] = new;
+            let _ = read_bytes(&bytes);
+            let _ = read_bytes(&bytes[..at]);
+        }
+    }
+}

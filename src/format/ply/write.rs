@@ -1,0 +1,68 @@
+//! Meshes as PLY.
+
+use super::super::mesh::{Shortest, TriangleMesh};
+use std::io::{Result, Write};
+
+/// Some numbers of each vertex: as `float` where every one of them fits into that exactly, else as `double`.
+struct Columns<'m> {
+    names: &'static [&'static str],
+    single: bool,
+    get: Box<dyn Fn(usize) -> [f64; 3] + 'm>,
+}
+
+impl<'m> Columns<'m> {
+    fn new(names: &'static [&'static str], n: usize, get: impl Fn(usize) -> [f64; 3] + 'm) -> Self {
+        let fits = |x: f64| f64::from(x as f32).to_bits() == x.to_bits();
+        let single = (0..n).all(|v| get(v)[..names.len()].iter().all(|x| fits(*x)));
+        Self { names, single, get: Box::new(get) }
+    }
+}
+
+/// Writes the mesh, as text or low bytes first.
+pub(in crate::format) fn write(mesh: &TriangleMesh, text: bool, out: &mut impl Write) -> Result<()> {
+    let n = mesh.positions.len();
+    let mut columns = vec![Columns::new(&["x", "y", "z"], n, |v| mesh.positions[v].to_array())];
+    if let Some(normals) = &mesh.normals {
+        columns.push(Columns::new(&["nx", "ny", "nz"], n, |v| normals[v].to_array()));
+    }
+    if let Some(texcoords) = &mesh.texcoords {
+        columns.push(Columns::new(&["s", "t"], n, |v| [texcoords[v].x, texcoords[v].y, 0.0]));
+    }
+    let encoding = if text { "ascii" } else { "binary_little_endian" };
+    writeln!(out, "ply\nformat {encoding} 1.0\ncomment Caustica {}", env!("CARGO_PKG_VERSION"))?;
+    writeln!(out, "element vertex {n}")?;
+    for column in &columns {
+        for name in column.names {
+            writeln!(out, "property {} {name}", if column.single { "float" } else { "double" })?;
+        }
+    }
+    writeln!(out, "element face {}\nproperty list uchar int vertex_indices\nend_header", mesh.triangles.len())?;
+    for v in 0..n {
+        let mut gap = "";
+        for column in &columns {
+            for x in &(column.get)(v)[..column.names.len()] {
+                match (text, column.single) {
+                    (true, true) => write!(out, "{gap}{}", Shortest(*x as f32))?,
+                    (true, false) => write!(out, "{gap}{}", Shortest(*x))?,
+                    (false, true) => out.write_all(&(*x as f32).to_le_bytes())?,
+                    (false, false) => out.write_all(&x.to_le_bytes())?,
+                }
+                gap = " ";
+            }
+        }
+        if text {
+            writeln!(out)?;
+        }
+    }
+    for [a, b, c] in &mesh.triangles {
+        if text {
+            writeln!(out, "3 {a} {b} {c}")?;
+        } else {
+            out.write_all(&[3])?;
+            for v in [a, b, c] {
+                out.write_all(&v.to_le_bytes())?;
+            }
+        }
+    }
+    Ok(())
+}

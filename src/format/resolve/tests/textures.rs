@@ -1,0 +1,117 @@
+//! What textures need of files, fields and meshes.
+
+use super::*;
+use crate::image::{self, Image, WriteOptions};
+
+/// Material blocks and a ball of the last one.
+fn ball(textures: &str, materials: &str) -> String {
+    format!(
+        "Textures {{ {textures} }}\nMaterials {{ {materials} }}\nGroup {{ MaterialIndex 0 Sphere {{ center 0 0 0 radius 1 }} }}"
+    )
+}
+
+fn picture(path: &Path, value: f32) {
+    let pixels = Image::from_pixels(2, 2, vec![Vec3::splat(value); 4]).unwrap();
+    image::write(path, &pixels, &WriteOptions::default()).unwrap();
+}
+
+fn bsdf(scene: &Scene) -> Bsdf {
+    look(scene, dvec3(0.0, 0.0, 5.0), Vec3::NEG_Z).unwrap().0.bsdf
+}
+
+#[test]
+fn values_outside_of_a_field_s_range_are_refused_at_the_name() {
+    for (field, kind) in [("reflectance", "Diffuse"), ("transmittance", "Thin"), ("roughness", "Dielectric")] {
+        let error = refusal(&ball("Checker loud { color1 2 0 0 }", &format!("{kind} {{ {field} loud }}")));
+        assert_eq!((error.line(), error.text()), (3, "loud"), "{error}");
+        assert!(error.message().contains("from 0 to 2") && error.remedy().contains("between 0 and 1"), "{error}");
+    }
+    // Radiance has no upper bound, nor has a colour that is scaled down.
+    scene(&ball("Checker loud { color1 2 0 0 }", "Phong { diffuseColor loud emission loud }"));
+}
+
+#[test]
+fn pictures_are_of_light_or_of_numbers() {
+    let folder = tempfile::tempdir().unwrap();
+    picture(&folder.path().join("half.png"), 0.5);
+    picture(&folder.path().join("half.exr"), 0.5);
+    let with = |textures: &str, material: &str| resolve_in(folder.path(), &ball(textures, material));
+    let reflectance = |textures: &str, material: &str| match bsdf(&with(textures, material).unwrap()) {
+        Bsdf::Diffuse(reflectance) => reflectance.x,
+        other => panic!("{other:?}"),
+    };
+    // Eight bits are off by half a level; .5 is level 188 of the sRGB curve.
+    assert!((reflectance("Image t { file half.png }", "Diffuse { reflectance t }") - 0.5).abs() < 0.003);
+    let numbers = reflectance("Image t { file half.png encoding linear }", "Diffuse { reflectance t }");
+    assert!((numbers - 188.0 / 255.0).abs() < 1e-6, "{numbers}");
+    assert_eq!(reflectance("Image t { file half.exr }", "Diffuse { reflectance t }"), 0.5);
+    // The course's field: a texture, else a picture, times the colour.
+    assert_eq!(reflectance("", "Phong { diffuseColor .5 1 1 texture half.exr }"), 0.25);
+    assert_eq!(reflectance("Checker half.exr { color0 1 1 1 }", "Phong { texture half.exr }"), 1.0);
+
+    let error = with("Image t { file half.png }", "Diffuse { reflectance t normalMap t }").unwrap_err();
+    assert!(error.text() == "t" && error.remedy().contains("encoding linear"), "{error}");
+    with("Image t { file half.png encoding linear }", "Diffuse { reflectance t normalMap t }").unwrap();
+    with("", "Diffuse { reflectance 1 1 1 normalMap half.png }").unwrap();
+}
+
+#[test]
+fn pictures_that_are_missing_or_hold_no_light_are_shown_where_they_are_named() {
+    let folder = tempfile::tempdir().unwrap();
+    picture(&folder.path().join("dark.exr"), -1.0);
+    let with = |textures: &str, material: &str| resolve_in(folder.path(), &ball(textures, material)).unwrap_err();
+    let missing = with("Image t { file no.png }", "Mirror { }");
+    assert_eq!((missing.line(), missing.text()), (2, "no.png"), "{missing}");
+    assert!(missing.message().contains("does not exist"));
+    for (field, text) in [("bump no.png bumpHeight 1", "no.png"), ("normalMap no.png", "no.png")] {
+        let error = with("", &format!("Mirror {{ {field} }}"));
+        assert_eq!((error.line(), error.text()), (3, text), "{error}");
+        assert!(error.message().contains("texture or picture"), "{error}");
+    }
+    let dark = with("Image t { file dark.exr }", "Mirror { }");
+    assert!(dark.text() == "dark.exr" && dark.message().contains("negative"), "{dark}");
+}
+
+#[test]
+fn meshes_without_coordinates_take_patterns_in_space_only() {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("bare.obj"), "v -1 -1 0\nv 1 -1 0\nv -1 1 0\nf 1 2 3\n").unwrap();
+    let with = |texture: &str, material: &str| {
+        let text = format!(
+            "Textures {{ {texture} }} Materials {{ {material} }}\nGroup {{ MaterialIndex 0 TriangleMesh {{ obj_file bare.obj }} }}"
+        );
+        resolve_in(folder.path(), &text)
+    };
+    let error = with("Checker t { }", "Diffuse tiled { reflectance t }").unwrap_err();
+    assert_eq!((error.line(), error.text()), (3, "bare.obj"), "{error}");
+    assert!(error.message().contains("`tiled`") && error.remedy().contains("Marble"), "{error}");
+    assert!(
+        with("Noise t { }", "Diffuse { reflectance .5 .5 .5 normalMap t }").is_err(),
+        "directions go by coordinates"
+    );
+    with("Noise t { }", "Diffuse { reflectance t bump t bumpHeight .1 }").unwrap();
+}
+
+/// A block of wood that is turned keeps its rings: the pattern is in the space of the object.
+#[test]
+fn patterns_move_with_their_objects() {
+    let of = |maps: &str| {
+        scene(&format!(
+            "Textures {{ Wood t {{ frequency 3 }} }} Materials {{ Diffuse {{ reflectance t }} }}
+             Group {{ MaterialIndex 0 Transform {{ {maps} Sphere {{ center 0 0 0 radius 1 }} }} }}"
+        ))
+    };
+    let plain = of("UniformScale 1");
+    let (moved, turned) = (of("Translate 5 0 0 UniformScale 2"), of("XRotate 90"));
+    for (x, y) in [(0.1, 0.2), (-0.5, 0.3), (0.0, -0.7)] {
+        let at = |scene: &Scene, p: DVec3| look(scene, p, Vec3::NEG_Z).unwrap().0.bsdf;
+        let expected = at(&plain, dvec3(x, y, 9.0));
+        let close = |found: Bsdf| match (found, expected) {
+            (Bsdf::Diffuse(a), Bsdf::Diffuse(b)) => assert!((a - b).abs().max_element() < 1e-4, "{a} {b}"),
+            other => panic!("{other:?}"),
+        };
+        close(at(&moved, dvec3(5.0 + 2.0 * x, 2.0 * y, 9.0)));
+        // XRotate takes (x, y, z) to (x, −z, y): where its z is seen from above.
+        close(look(&turned, dvec3(x, -9.0, y), Vec3::Y).unwrap().0.bsdf);
+    }
+}

@@ -1,0 +1,117 @@
+//! What a scene holds, as planning sees it.
+
+use super::{Attributes, Coat, Dress, Material, Relief, Scattering, Scene};
+use crate::bsdf::{Bsdf, Conductor};
+use crate::light::Light;
+use crate::math::{Bounds, Sphere};
+use crate::shape::Shape;
+use glam::{Vec2, Vec3};
+
+/// A shape, a mesh or a plane, as planning sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct Object {
+    /// A ball around it, tight for spheres; `None` where it is unbounded.
+    pub ball: Option<Sphere>,
+    /// A point and the unit normal of the plane that it lies in; `None` where it is not flat for certain. No part of what is flat
+    /// sees another.
+    pub plane: Option<(Vec3, Vec3)>,
+    /// Index of its material.
+    pub material: u32,
+    /// Whether it emits by a texture.
+    pub glows: bool,
+}
+
+impl Scene {
+    /// Everything that is made of something.
+    pub fn objects(&self) -> impl Iterator<Item = Object> {
+        let shapes = self.shapes.iter().zip(&self.shape_attributes).map(|(shape, attributes)| Object {
+            ball: Some(bounding_ball(shape)),
+            plane: match shape {
+                Shape::Disc(_) | Shape::Rectangle(_) => {
+                    let middle = shape.sample(Vec2::splat(0.5)).point;
+                    Some((middle.p, middle.ng))
+                }
+                Shape::Sphere(_)
+                | Shape::Ellipsoid(_)
+                | Shape::Instance(_)
+                | Shape::Revolution(_)
+                | Shape::Patch(_) => None,
+            },
+            material: attributes.material,
+            glows: self.glows(attributes),
+        });
+        let ends = self.parts.iter().skip(1).map(|(first, _)| *first).chain([self.mesh.triangles.len() as u32]);
+        let parts = self.parts.iter().zip(ends).filter(|((first, _), end)| first < end);
+        let meshes = parts.map(|((first, attributes), end)| {
+            let corners = (*first..end).flat_map(|i| self.mesh.corners(i as usize));
+            let ball = Some(Bounds::of(corners).bounding_sphere());
+            Object { ball, plane: None, material: attributes.material, glows: self.glows(attributes) }
+        });
+        let planes = self.planes.iter().map(|(plane, attributes)| Object {
+            ball: None,
+            plane: Some(plane.place()),
+            material: attributes.material,
+            glows: false,
+        });
+        shapes.chain(meshes).chain(planes)
+    }
+
+    fn glows(&self, attributes: &Attributes) -> bool {
+        let light = attributes.light.map(|light| &self.lights[light as usize]);
+        matches!(light, Some(Light::Area(area)) if area.glow.is_some())
+    }
+
+    /// Tells `hear` of every scattering that a material can stand for: one, but of a mix all its parts, and of a texture what divides
+    /// one kind of scattering from another.
+    pub fn scatterings(&self, material: u32, hear: &mut impl FnMut(&Scattering)) {
+        let Material { scattering, dress, .. } = &self.materials[material as usize];
+        match scattering {
+            Scattering::Mix { first, second, .. } => {
+                self.scatterings(*first, hear);
+                self.scatterings(*second, hear);
+            }
+            scattering => hear(scattering),
+        }
+        if let Some(Coat::Conductor { eta, k, roughness }) = dress.map(|dress| self.dresses[dress as usize].coat) {
+            let (least, most) = self.textures[roughness as usize].range();
+            for alpha in [least, most] {
+                hear(&Scattering::Fixed(Bsdf::Conductor(Conductor::new(eta, k, alpha))));
+            }
+        }
+    }
+
+    /// Whether a material, or a part of a mix, has textures, and whether it has bumps.
+    #[must_use]
+    pub fn wears(&self, material: u32) -> (bool, bool) {
+        let Material { scattering, dress, .. } = &self.materials[material as usize];
+        let own = dress.map_or((false, false), |dress| {
+            let Dress { coat, relief } = self.dresses[dress as usize];
+            (coat != Coat::Plain, relief != Relief::Smooth)
+        });
+        let parts = match scattering {
+            Scattering::Mix { first, second, .. } => [*first, *second].map(|part| self.wears(part)),
+            _ => [(false, false); 2],
+        };
+        parts.iter().fold(own, |all, part| (all.0 || part.0, all.1 || part.1))
+    }
+
+    /// Balls around everything that casts caustics, for aiming photons; `None` where such a thing is unbounded.
+    #[must_use]
+    pub fn caster_balls(&self) -> Option<Vec<Sphere>> {
+        self.objects().filter(|o| self.casts_caustics(o.material)).map(|o| o.ball).collect()
+    }
+
+    fn casts_caustics(&self, material: u32) -> bool {
+        let mut casts = false;
+        self.scatterings(material, &mut |scattering| casts |= scattering.casts_caustics());
+        casts
+    }
+}
+
+/// A ball around a shape, tight for spheres.
+fn bounding_ball(shape: &Shape) -> Sphere {
+    match shape {
+        Shape::Sphere(s) => Sphere { center: s.center.as_vec3(), radius: s.radius as f32 },
+        other => other.bounds().bounding_sphere(),
+    }
+}
