@@ -1,6 +1,7 @@
 //! The language as a whole: the course's scenes, the reference's examples, and what proptest makes up.
 
 mod strategies;
+mod values;
 
 use std::path::PathBuf;
 

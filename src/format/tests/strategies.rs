@@ -6,47 +6,7 @@ use proptest::option;
 use proptest::prelude::*;
 
 use super::super::description::*;
-
-fn finite() -> impl Strategy<Value = f64> {
-    use proptest::num::f64::{NEGATIVE, NORMAL, POSITIVE, SUBNORMAL, ZERO};
-    POSITIVE | NEGATIVE | NORMAL | SUBNORMAL | ZERO
-}
-
-fn positive() -> impl Strategy<Value = f64> {
-    proptest::num::f64::POSITIVE | proptest::num::f64::NORMAL
-}
-
-fn point() -> impl Strategy<Value = DVec3> {
-    [finite(), finite(), finite()].prop_map(DVec3::from_array)
-}
-
-/// Of a length that can be squared.
-fn direction() -> impl Strategy<Value = DVec3> {
-    let one = -1e3..1e3;
-    ([one.clone(), one.clone(), one], -100..100_i32).prop_filter_map("no length", |(v, exponent)| {
-        let v = DVec3::from_array(v);
-        (v.length() > 1e-3).then_some(v * f64::from(exponent).exp2())
-    })
-}
-
-fn colour() -> impl Strategy<Value = DVec3> {
-    [positive(), positive(), positive()].prop_map(DVec3::from_array)
-}
-
-fn share() -> impl Strategy<Value = DVec3> {
-    let one = 1e-9..=1.0;
-    [one.clone(), one.clone(), one].prop_map(DVec3::from_array)
-}
-
-/// Bare, quoted, and all that needs care between the two.
-fn name() -> impl Strategy<Value = String> {
-    prop_oneof!["[a-z_][a-z0-9_.-]{0,8}", "[a-z/{}\\[\\]#\" \\\\\u{e9}]{1,8}", "//x", "#x", "[^\r\n]{1,8}"]
-}
-
-fn edges() -> impl Strategy<Value = (DVec3, DVec3, DVec3)> {
-    (point(), direction(), direction())
-        .prop_filter("no area", |(_, a, b)| a.normalize().cross(b.normalize()).length() > 1e-9)
-}
+use super::values::*;
 
 fn camera() -> impl Strategy<Value = Camera> {
     let size = || 1..=65_536_u32;

@@ -1,0 +1,98 @@
+//! Renders the pictures of docs/gallery.md and writes the page:
+//!
+//! ```sh
+//! cargo run --release --example gallery -- [NAME …]
+//! ```
+//!
+//! With names it renders those alone; what it knows of the others stays in the statistics beside their pictures.
+
+mod entries;
+
+use caustica::cli::{self, Arguments};
+use clap::Parser;
+use entries::{ENTRIES, Entry};
+use std::error::Error;
+use std::fmt::Write;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// Where pictures lie, as the page and its commands name it.
+const FOLDER: &str = "docs/images/gallery";
+
+fn main() -> Result<(), Box<dyn Error>> {
+    // Scenes and pictures are named as from the project's folder.
+    std::env::set_current_dir(env!("CARGO_MANIFEST_DIR"))?;
+    fs::create_dir_all(FOLDER)?;
+    let names: Vec<String> = std::env::args().skip(1).collect();
+    if let Some(unknown) = names.iter().find(|name| ENTRIES.iter().all(|entry| entry.name != **name)) {
+        return Err(format!("no picture is called `{unknown}`").into());
+    }
+    for entry in ENTRIES.iter().filter(|entry| names.is_empty() || names.iter().any(|name| name == entry.name)) {
+        render(entry)?;
+    }
+    let page = page()?;
+    fs::write("docs/gallery.md", page)?;
+    Ok(())
+}
+
+impl Entry {
+    fn picture(&self) -> PathBuf {
+        Path::new(FOLDER).join(self.name).with_extension("png")
+    }
+
+    fn statistics(&self) -> PathBuf {
+        Path::new(FOLDER).join(self.name).with_extension("json")
+    }
+
+    /// What a reader types.
+    fn command(&self) -> String {
+        let gap = if self.arguments.is_empty() { "" } else { " " };
+        format!("caustica render {} -o {}{gap}{}", self.scene, self.picture().display(), self.arguments)
+    }
+}
+
+fn render(entry: &Entry) -> Result<(), Box<dyn Error>> {
+    let command = format!("{} --stats {}", entry.command(), entry.statistics().display());
+    eprintln!("\n{command}");
+    let arguments = Arguments::try_parse_from(command.split_whitespace())?;
+    cli::run(arguments).map(drop).map_err(|failure| format!("{:?}", failure.report).into())
+}
+
+/// The page, of the pictures and statistics that are there.
+fn page() -> Result<String, Box<dyn Error>> {
+    let mut page = String::from(
+        "# Gallery\n\nOne picture for each effect, then compositions of many. Each has its scene, the command that makes it, and what it took on two \
+         cores: passes, photons that were stored in all of them, and time on the wall and of the processor. The page is written, and all pictures are \
+         rendered, by\n\n```sh\ncargo run --release --example gallery\n```\n",
+    );
+    let mut part = "";
+    for entry in ENTRIES {
+        if entry.part != part {
+            part = entry.part;
+            write!(page, "\n## {part}\n")?;
+        }
+        let text = fs::read_to_string(entry.statistics())?;
+        let statistics: serde_json::Value = serde_json::from_str(&text)?;
+        let number = |path: &str| statistics.pointer(path).and_then(serde_json::Value::as_f64).unwrap_or(0.0);
+        let stored = number("/photons/global/stored") + number("/photons/caustic/stored");
+        let photons =
+            if stored > 0.0 { format!("{:.1} M photons", stored / 1e6) } else { "no photons".to_owned() };
+        write!(
+            page,
+            "\n### {}\n\n![{}]({})\n\n{}\n\n```sh\n{}\n```\n\n[{}](../{}): {} × {}, {} passes, {photons}, {:.0} s, {:.0} s of the processor.\n",
+            entry.title,
+            entry.title,
+            entry.picture().strip_prefix("docs")?.display(),
+            entry.text,
+            entry.command(),
+            entry.scene,
+            entry.scene,
+            number("/width"),
+            number("/height"),
+            number("/passes"),
+            number("/seconds/render") + number("/seconds/setup"),
+            number("/cpu_seconds"),
+        )?;
+    }
+    Ok(page)
+}
