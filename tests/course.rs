@@ -1,9 +1,16 @@
 //! The course's scenes against the course's pictures. Both stay where they are; without them these tests say so and pass.
 
+use caustica::camera::Pinhole;
+use caustica::color::Rgb;
 use caustica::format::SceneFile;
+use caustica::format::description::{Curve, CurveBasis, Group, Item, Object, Shape as Described};
 use caustica::image::{self, Curve, Image, RgbBytes, ToneMap, WriteOptions};
 use caustica::integrate::{Algorithm, Settings, Silent};
-use caustica::scene::Scene;
+use caustica::math::Ray;
+use caustica::scene::{Material, Scene, SceneBuilder};
+use caustica::shape::parametric::Basis;
+use caustica::shape::{Revolution, Shape};
+use glam::{DVec2, DVec3, Vec3};
 use std::path::{Path, PathBuf};
 
 fn course() -> Option<PathBuf> {
@@ -76,5 +83,132 @@ fn scenes_08_to_10_show_surfaces_of_revolution() {
         let share = (all - same) as f64 / all as f64;
         assert!(seen.contains(&share), "{name}: {share}");
         assert!(lit * 10 > (all - same) * 9, "{name}: {lit} of {}", all - same);
+    }
+}
+
+/// The first profile of a scene.
+fn profile(group: &Group) -> Option<Curve> {
+    group.items.iter().find_map(|item| match item {
+        Item::Object(object) => profile_of(&object.value),
+        _ => None,
+    })
+}
+
+fn profile_of(object: &Object) -> Option<Curve> {
+    match object {
+        Object::Group(group) => profile(group),
+        Object::Transform { object, .. } | Object::Moving { object, .. } => profile_of(&object.value),
+        Object::Shape { shape: Described::Revolution { profile }, .. } => Some(profile.clone()),
+        Object::Shape { .. } => None,
+    }
+}
+
+/// The point of a curve: by de Casteljau, or by the basis of uniform cubics.
+fn point_of(curve: &Curve, at: f64) -> DVec3 {
+    let mut points = curve.controls.clone();
+    match curve.basis {
+        CurveBasis::Bezier => {
+            for n in (1..points.len()).rev() {
+                for i in 0..n {
+                    points[i] = points[i].lerp(points[i + 1], at);
+                }
+            }
+            points[0]
+        }
+        CurveBasis::Bspline => {
+            let spans = (points.len() - 3) as f64;
+            let span = (at * spans).floor().min(spans - 1.0);
+            let (t, i) = (at * spans - span, span as usize);
+            let (t2, t3) = (t * t, t * t * t);
+            let weights =
+                [1.0 - 3.0 * t + 3.0 * t2 - t3, 4.0 - 6.0 * t2 + 3.0 * t3, 1.0 + 3.0 * t + 3.0 * t2 - 3.0 * t3, t3];
+            weights.iter().enumerate().map(|(k, w)| points[i + k] * (w / 6.0)).sum()
+        }
+    }
+}
+
+fn scene_of(fill: impl FnOnce(&mut SceneBuilder, u32)) -> Scene {
+    let mut builder = SceneBuilder::new();
+    let white = builder.material(Material::diffuse(Rgb::ONE));
+    fill(&mut builder, white);
+    let camera = Pinhole::new(DVec3::new(0.0, 0.0, 9.0), DVec3::NEG_Z, DVec3::Y, 1.0, 4, 4).unwrap();
+    builder.build(camera).unwrap()
+}
+
+/// A surface of revolution and a mesh of 1,200 by 1,024 quads of it show the same: from outside, from within, from the axis, and
+/// edge-on. Only next to an outline of the mesh may pixels differ.
+#[test]
+fn scenes_09_and_10_look_as_fine_meshes_do() {
+    let Some(course) = course() else { return };
+    for name in ["scene09_norm", "scene10_wineglass"] {
+        let file = SceneFile::read(course.join(format!("testcases/{name}.txt"))).unwrap();
+        let curve = profile(&file.description.root).unwrap();
+        let basis = match curve.basis {
+            CurveBasis::Bezier => Basis::bezier(curve.controls.len()),
+            CurveBasis::Bspline => Basis::uniform(3, curve.controls.len()),
+        };
+        let controls: Vec<DVec2> = curve.controls.iter().map(|c| c.truncate()).collect();
+        let exact = scene_of(|b, white| {
+            let surface = Revolution::new(&basis.unwrap(), &controls).unwrap();
+            b.shape(Shape::Revolution(surface), white, Rgb::ZERO);
+        });
+        let (along, around) = (1_200u32, 1_024u32);
+        let place = |i: u32, j: u32| {
+            let p = point_of(&curve, f64::from(i) / f64::from(along));
+            let (sin, cos) = libm::sincos(f64::from(j) / f64::from(around) * std::f64::consts::TAU);
+            DVec3::new(p.x * cos, p.y, p.x * sin)
+        };
+        let corners: Vec<DVec3> =
+            (0..=along).flat_map(|i| (0..around).map(move |j| (i, j))).map(|(i, j)| place(i, j)).collect();
+        let quads = (0..along).flat_map(|i| (0..around).map(move |j| (i * around + j, i * around + (j + 1) % around)));
+        let triangles: Vec<[u32; 3]> =
+            quads.flat_map(|(a, b)| [[a, b, a + around], [b, b + around, a + around]]).collect();
+        let mesh = scene_of(|b, white| {
+            b.mesh(&corners, &[], &triangles, white, Rgb::ZERO);
+        });
+        let views = [
+            (DVec3::new(0.0, 0.0, 10.0), DVec3::ZERO),
+            (DVec3::new(0.3, 1.2, 0.1), DVec3::new(1.0, 0.2, 0.4)),
+            (DVec3::new(0.0, 9.0, 0.0), DVec3::new(0.0, 0.0, 1e-3)),
+            (DVec3::new(0.0, 1.0, 0.0), DVec3::new(0.0, -2.0, 0.0)),
+            (DVec3::new(8.0, controls[0].y, 0.0), DVec3::new(0.0, controls[0].y, 0.0)),
+        ];
+        for (v, (eye, target)) in views.into_iter().enumerate() {
+            let n = 160;
+            let forward = (target - eye).normalize();
+            let right = forward.cross(DVec3::new(0.1, 1.0, 0.2)).normalize();
+            let up = right.cross(forward);
+            let look = |scene: &Scene, i: i32, j: i32| {
+                let offset = |k: i32| (f64::from(k) + 0.5) / f64::from(n) - 0.5;
+                let d = (forward + (right * offset(i) + up * offset(j)) * 0.9).normalize();
+                let ray = Ray::new((eye - scene.middle()).as_vec3(), d.as_vec3());
+                scene.intersect(&ray).map(|hit| (hit.t, scene.normal_at(&ray, &hit)))
+            };
+            let pixels = || (0..n).flat_map(|j| (0..n).map(move |i| (i, j)));
+            let meshed: Vec<Option<(f32, Vec3)>> = pixels().map(|(i, j)| look(&mesh, i, j)).collect();
+            let smooth: Vec<Option<(f32, Vec3)>> = pixels().map(|(i, j)| look(&exact, i, j)).collect();
+            let alike = |a: Option<(f32, Vec3)>, b: Option<(f32, Vec3)>, depth: f32, cos: f32| match (a, b) {
+                (None, None) => true,
+                (Some((s, m)), Some((t, n))) => (s - t).abs() <= depth * s && m.dot(n).abs() >= cos,
+                _ => false,
+            };
+            let at = |i: i32, j: i32| meshed[(j * n + i) as usize];
+            let mut hits = 0;
+            for (k, (i, j)) in pixels().enumerate() {
+                hits += u32::from(smooth[k].is_some());
+                // Of smooth neighbours, a pixel lies between; at outlines and rims it may be on either side.
+                let near = (-1..=1).flat_map(|y| (-1..=1).map(move |x| (i + x, j + y)));
+                let outline = near
+                    .filter(|(x, y)| (0..n).contains(x) && (0..n).contains(y))
+                    .any(|(x, y)| !alike(at(i, j), at(x, y), 0.1, 0.8));
+                assert!(
+                    outline || alike(smooth[k], meshed[k], 2e-3, 0.999),
+                    "{name}, view {v}, {i} {j}: {:?} {:?}",
+                    smooth[k],
+                    meshed[k]
+                );
+            }
+            assert!(hits > 20, "{name}, view {v}: {hits}");
+        }
     }
 }

@@ -75,8 +75,7 @@ fn page() -> Result<String, Box<dyn Error>> {
         let statistics: serde_json::Value = serde_json::from_str(&text)?;
         let number = |path: &str| statistics.pointer(path).and_then(serde_json::Value::as_f64).unwrap_or(0.0);
         let stored = number("/photons/global/stored") + number("/photons/caustic/stored");
-        let photons =
-            if stored > 0.0 { format!("{:.1} M photons", stored / 1e6) } else { "no photons".to_owned() };
+        let photons = if stored > 0.0 { format!("{:.1} M photons", stored / 1e6) } else { "no photons".to_owned() };
         write!(
             page,
             "\n### {}\n\n![{}]({})\n\n{}\n\n```sh\n{}\n```\n\n[{}](../{}): {} × {}, {} passes, {photons}, {:.0} s, {:.0} s of the processor.\n",

@@ -179,6 +179,8 @@ impl Printer<'_, '_> {
         }
     }
 
+    // Kept out of the functions that call each other for what nests: their stack is to stay small.
+    #[inline(never)]
     fn shape(&mut self, shape: &Shape, emission: Option<DVec3>) -> Result {
         match shape {
             Shape::Sphere { center, radius } => {

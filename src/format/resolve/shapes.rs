@@ -37,6 +37,8 @@ impl Instanced {
 }
 
 impl Resolver<'_> {
+    // Kept out of the functions that call each other for what nests: their stack is to stay small.
+    #[inline(never)]
     pub(super) fn shape(
         &mut self,
         shape: &Described,

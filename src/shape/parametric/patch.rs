@@ -262,6 +262,15 @@ impl Patch {
     }
 }
 
+#[cfg(test)]
+impl Patch {
+    /// The point of coordinates.
+    pub(super) fn point_of(&self, uv: Vec2) -> DVec3 {
+        let (leaf, at) = self.net.find(uv);
+        self.to_world.point(self.net.piece(leaf).point(at)[0])
+    }
+}
+
 impl Leaf {
     /// Coordinates on the whole surface, rounded so that they fall on this leaf again.
     fn coordinates(&self, at: DVec2) -> Vec2 {
@@ -287,7 +296,7 @@ impl Net {
         let room = (p + 1) * (q + 1);
         let powers = &self.powers[leaf * room..(leaf + 1) * room];
         let Leaf { point, bounds, .. } = self.leaves[leaf];
-        PatchPiece { powers, middle: point, degree: self.degree, bounds, noise: self.noise }
+        PatchPiece { powers, middle: point, columns: q + 1, bounds, noise: self.noise }
     }
 
     /// The leaf of a place on the whole surface, and the place on it.

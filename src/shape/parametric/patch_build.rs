@@ -7,7 +7,7 @@ use super::polynomial::{Vector, split, to_powers};
 use glam::{DVec2, DVec3};
 
 /// Change of the derivatives, in parts of themselves, below which rays that are not near grazing need no further cut.
-const FLAT: f64 = 1.0 / 8.0;
+const FLAT: f64 = 1.0 / 16.0;
 
 /// Halvings of a Bézier piece at most, where it never gets flat: at poles, cusps and edges without length.
 const DEPTH: u32 = 14;

@@ -1,7 +1,7 @@
 //! Short pieces of surfaces, and where lines meet them.
 
 use super::box_tree::Line;
-use super::polynomial::{MAX_DEGREE, Vector, evaluate_2d, recentre};
+use super::polynomial::{MAX_DEGREE, Vector, evaluate_2d, recentre, recentre_rows};
 use super::profile::{CONTRACTION, FIRST_STEP, OVERLAP, POINT, RATE};
 use glam::{DVec2, DVec3};
 
@@ -12,25 +12,27 @@ pub struct PatchPiece<'a> {
     pub powers: &'a [Vector<4>],
     /// Its middle.
     pub middle: DVec3,
-    /// Degrees.
-    pub degree: [usize; 2],
+    /// The degree in y and 1.
+    pub columns: usize,
     pub bounds: Beyond,
     /// How far rounding may move a point of it.
     pub noise: f64,
 }
 
-/// Bounds on what lies beyond the linear terms: sums of |aᵢⱼ|, and of (i + j)|aᵢⱼ|, which bound the remainder and the change of the
-/// derivatives.
-#[derive(Clone, Copy, Debug, Default)]
+/// Constant and linear terms, and bounds on what lies beyond: sums of |aᵢⱼ|, and of (i + j)|aᵢⱼ|, which bound the remainder and the
+/// change of the derivatives.
+#[derive(Clone, Copy, Debug)]
 pub struct Beyond {
-    pub rest: Vector<4>,
-    pub turn: Vector<4>,
+    /// The constant, along y, and along x.
+    linear: [Vector<4>; 3],
+    rest: Vector<4>,
+    turn: Vector<4>,
 }
 
 impl Beyond {
     #[inline]
     pub fn of(a: &[Vector<4>], columns: usize) -> Self {
-        let mut beyond = Self::default();
+        let mut beyond = Self { linear: [a[0], a[1], a[columns]], rest: [0.0; 4], turn: [0.0; 4] };
         for (i, row) in a.chunks_exact(columns).enumerate() {
             for (j, c) in row.iter().enumerate().skip(if i < 2 { 2 - i } else { 0 }) {
                 for k in 0..4 {
@@ -79,7 +81,7 @@ impl PatchPiece<'_> {
         // Bounds on the change of weights count in proportion to the distance of the line's base, which may be anywhere on it.
         let (near, start) = self.from_middle(line);
         let mut own = range.map(|t| t - start);
-        let found = match judge(self.powers, self.degree[1] + 1, &self.bounds, &near, self.noise) {
+        let found = match judge(self.powers, self.columns, &self.bounds, &near, self.noise) {
             Verdict::Nothing => None,
             Verdict::Root(at, t) => (own[0] <= t && t <= own[1]).then(|| {
                 own[1] = t;
@@ -104,13 +106,13 @@ impl PatchPiece<'_> {
 
     /// The step of Newton's method from a place.
     pub fn step(&self, line: &Line, at: DVec2) -> DVec2 {
-        newton_step(self.powers, self.degree[1] + 1, &self.from_middle(line).0, at).0
+        newton_step(self.powers, self.columns, &self.from_middle(line).0, at).0
     }
 
     /// The point and its derivatives.
     #[inline]
     pub fn point(&self, at: DVec2) -> [DVec3; 3] {
-        let [value, along_x, along_y] = evaluate_2d(self.powers, self.degree[1] + 1, at.x, at.y);
+        let [value, along_x, along_y] = evaluate_2d(self.powers, self.columns, at.x, at.y);
         let (p, w) = split(&value);
         let p = p / w;
         [p + self.middle, seen(&along_x, p) / w, seen(&along_y, p) / w]
@@ -120,8 +122,7 @@ impl PatchPiece<'_> {
     #[cold]
     #[inline(never)]
     fn refine<const ROOM: usize>(&self, line: &Line, range: &mut [f64; 2], size: f64) -> Option<DVec2> {
-        let [p, q] = self.degree;
-        let columns = q + 1;
+        let columns = self.columns;
         let mut boxes = [(DVec2::ZERO, DVec2::ZERO); 128];
         boxes[0] = (DVec2::ZERO, DVec2::ONE);
         let mut count = 1;
@@ -132,10 +133,14 @@ impl PatchPiece<'_> {
             count -= 1;
             let (middle, half) = boxes[count];
             a.copy_from_slice(self.powers);
-            (0..=p).for_each(|i| recentre(a, (i * columns, 1), q, middle.y, half.y));
-            (0..=q).for_each(|j| recentre(a, (j, columns), p, middle.x, half.x));
+            if half.x < 1.0 {
+                recentre_rows(a, columns, middle.x, half.x);
+            }
+            if half.y < 1.0 {
+                a.chunks_exact_mut(columns).for_each(|row| recentre(row, middle.y, half.y));
+            }
             let bounds = Beyond::of(a, columns);
-            let Some(reach) = self.reaches(a, &bounds, line, *range) else { continue };
+            let Some(reach) = self.reaches(&bounds, line, *range) else { continue };
             let point = || DVec2::new(middle.x, middle.y);
             let touched = match judge(a, columns, &bounds, line, self.noise) {
                 Verdict::Nothing => None,
@@ -166,15 +171,15 @@ impl PatchPiece<'_> {
     }
 
     /// Half the size of a box around the piece, where the line meets it within the range.
-    fn reaches(&self, a: &[Vector<4>], bounds: &Beyond, line: &Line, range: [f64; 2]) -> Option<DVec3> {
-        let columns = self.degree[1] + 1;
-        let [middle, along_y, along_x] = [0, 1, columns].map(|i| seen(&a[i], line.base));
+    fn reaches(&self, bounds: &Beyond, line: &Line, range: [f64; 2]) -> Option<DVec3> {
+        let [middle, along_y, along_x] = bounds.linear.map(|a| seen(&a, line.base));
         let reach = along_x.abs() + along_y.abs() + Beyond::from(&bounds.rest, line.base) + self.noise;
         let (a1, a2) = ((middle - reach) * line.inverse, (middle + reach) * line.inverse);
         let (lo, hi) = (a1.min(a2).max_element(), a1.max(a2).min_element());
         // Of w·τ; w is positive, and near its value in the middle.
-        let spread = a[1][3].abs() + a[columns][3].abs() + bounds.rest[3];
-        let (least, most) = ((a[0][3] - spread).max(0.0), a[0][3] + spread);
+        let [w, along_y, along_x] = bounds.linear.map(|a| a[3]);
+        let spread = along_x.abs() + along_y.abs() + bounds.rest[3];
+        let (least, most) = ((w - spread).max(0.0), w + spread);
         let at_least = if lo > 0.0 { lo / most } else { lo / least };
         let at_most = if hi > 0.0 { hi / least } else { hi / most };
         (lo <= hi && !(at_least > range[1] || at_most < range[0])).then_some(reach)
@@ -202,7 +207,7 @@ fn longer_in_x(a: &[Vector<4>], columns: usize) -> bool {
 #[inline]
 fn judge(a: &[Vector<4>], columns: usize, bounds: &Beyond, line: &Line, noise: f64) -> Verdict {
     let d = line.direction;
-    let [miss, along_y, along_x] = [0, 1, columns].map(|i| seen(&a[i], line.base));
+    let [miss, along_y, along_x] = bounds.linear.map(|a| seen(&a, line.base));
     let determinant = d.dot(along_x.cross(along_y));
     let least = determinant.abs();
     // Rows of the inverse times the determinant.

@@ -54,22 +54,34 @@ fn binomial(n: usize, k: usize) -> f64 {
     (0..k).fold(1u64, |b, i| b * (n - i) as u64 / (i as u64 + 1)) as f64
 }
 
-/// Turns a(x) into a(`middle` + `half`·x), for the coefficients at `first`, `first + stride`, … of `a` (Shaw and Traub's shift).
-pub fn recentre<const N: usize>(
-    a: &mut [Vector<N>],
-    (first, stride): (usize, usize),
-    degree: usize,
-    middle: f64,
-    half: f64,
-) {
-    for i in 0..degree {
-        for k in (i..degree).rev() {
-            a[first + k * stride] = combine(a[first + k * stride], a[first + (k + 1) * stride], middle);
+/// Turns a(x) into a(`middle` + `half`·x) (Shaw and Traub's shift).
+#[inline]
+pub fn recentre<const N: usize>(a: &mut [Vector<N>], middle: f64, half: f64) {
+    let mut scale = 1.0;
+    for i in 0..a.len() {
+        let mut above = [0.0; N];
+        for c in a[i..].iter_mut().rev() {
+            above = combine(*c, above, middle);
+            *c = above;
         }
+        a[i] = a[i].map(|x| x * scale);
+        scale *= half;
     }
-    let mut scale = half;
-    for k in 1..=degree {
-        a[first + k * stride] = a[first + k * stride].map(|x| x * scale);
+}
+
+/// The same in x of a(x, y), whose rows are polynomials in y.
+#[inline]
+pub fn recentre_rows<const N: usize>(a: &mut [Vector<N>], columns: usize, middle: f64, half: f64) {
+    let rows = a.len() / columns;
+    let mut scale = 1.0;
+    for i in 0..rows {
+        for k in (i..rows - 1).rev() {
+            let (low, high) = a.split_at_mut((k + 1) * columns);
+            for (c, above) in low[k * columns..].iter_mut().zip(&*high) {
+                *c = combine(*c, *above, middle);
+            }
+        }
+        a[i * columns..(i + 1) * columns].iter_mut().flatten().for_each(|x| *x *= scale);
         scale *= half;
     }
 }
@@ -142,12 +154,17 @@ mod tests {
         let mut a = bezier(7);
         to_powers(&mut a, 0, 1, 7);
         let mut b = a.clone();
-        recentre(&mut b, (0, 1), 7, 0.25, 0.5);
+        recentre(&mut b, 0.25, 0.5);
         for i in 0..=10 {
             let x = f64::from(i) / 5.0 - 1.0;
             let (p, q) = (evaluate(&a, 0.25 + 0.5 * x).0, evaluate(&b, x).0);
             assert!((p[0] - q[0]).abs() < 1e-13 && (p[1] - q[1]).abs() < 1e-13);
         }
+        let mut c = bezier(7);
+        let mut d = c.clone();
+        recentre(&mut c, -0.5, 0.25);
+        recentre_rows(&mut d, 1, -0.5, 0.25);
+        assert_eq!(c, d);
     }
 
     #[test]

@@ -70,7 +70,7 @@ impl Piece<'_> {
                 self.powers
             } else {
                 own[..=degree].copy_from_slice(self.powers);
-                recentre(&mut own[..=degree], (0, 1), degree, middle, half);
+                recentre(&mut own[..=degree], middle, half);
                 &own[..=degree]
             };
             let (rest, turn) = beyond_linear(a);

@@ -236,6 +236,18 @@ impl Revolution {
     }
 }
 
+#[cfg(test)]
+impl Revolution {
+    /// The point of coordinates.
+    pub(super) fn point_of(&self, uv: Vec2) -> DVec3 {
+        let (leaf, x) = self.profile.find(f64::from(uv.x));
+        let ([radius, height], _) = evaluate(self.profile.powers(leaf), x);
+        let (sin, cos) = sincos(f64::from(uv.y) * TAU);
+        let side = radius * self.profile.leaves[leaf].side;
+        self.to_world.point(DVec3::new(side * cos, height, side * sin))
+    }
+}
+
 impl Profile {
     fn powers(&self, leaf: usize) -> &[Vector<2>] {
         let end = self.leaves.get(leaf + 1).map_or(self.powers.len(), |l| l.first as usize);

@@ -1,12 +1,13 @@
 //! Parametric surfaces against a reference that halves quads, and against forms that are known exactly.
 
+mod exact;
 mod reference;
 
 use super::super::Shape;
 use super::{Basis, Patch, Revolution};
-use crate::math::{Ray, Transform, warp};
+use crate::math::{Ray, warp};
 use crate::sampling::{Dimension, Key, Purpose};
-use glam::{DAffine3, DVec2, DVec3, DVec4, Vec2, Vec3};
+use glam::{DVec2, DVec3, DVec4, Vec2, Vec3};
 use reference::{Form, Found, Piece};
 
 /// A surface with what stands for it.

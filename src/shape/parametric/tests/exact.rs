@@ -1,0 +1,340 @@
+//! Forms that are known exactly, places where solvers fail, and rays that leave.
+
+use super::{Basis, Patch, Revolution, cases, cup, key, net, ray};
+use crate::math::{Frame, Ray, Transform, offset_origin, warp};
+use crate::sampling::Dimension;
+use crate::shape::Shape;
+use glam::{DAffine3, DQuat, DVec2, DVec3, DVec4, Vec2, Vec3};
+
+/// A full circle of degree 2 as control points and weights.
+fn circle() -> (Basis, Vec<(f64, f64, f64)>) {
+    let w = std::f64::consts::FRAC_1_SQRT_2;
+    let knots = vec![0.0, 0.0, 0.0, 1.0, 1.0, 2.0, 2.0, 3.0, 3.0, 4.0, 4.0, 4.0];
+    let corners = [(1, 0), (1, 1), (0, 1), (-1, 1), (-1, 0), (-1, -1), (0, -1), (1, -1), (1, 0)];
+    let weight = |i: usize| if i % 2 == 1 { w } else { 1.0 };
+    let points = corners.iter().enumerate().map(|(i, (x, y))| (f64::from(*x), f64::from(*y), weight(i)));
+    (Basis::new(2, 9, knots).unwrap(), points.collect())
+}
+
+/// A circle of radius `small` around the circle of radius `large`; from the top over the outside down, so that its outside is outside.
+pub fn torus(large: f64, small: f64) -> Patch {
+    let (basis, points) = circle();
+    let mut controls = Vec::new();
+    for (r, h, w) in &points {
+        for (c, s, v) in &points {
+            let radius = large + small * r;
+            controls.push(DVec4::new(radius * c, small * h, radius * s, w * v));
+        }
+    }
+    Patch::new([&basis, &basis], &controls).unwrap()
+}
+
+/// The unit sphere: half a circle around the axis, with poles.
+fn sphere() -> Patch {
+    let (basis, points) = circle();
+    let half = Basis::new(2, 5, vec![0.0, 0.0, 0.0, 1.0, 1.0, 2.0, 2.0, 2.0]).unwrap();
+    let mut controls = Vec::new();
+    for (h, r, w) in &points[..5] {
+        for (c, s, v) in &points {
+            controls.push(DVec4::new(r * c, *h, -r * s, w * v));
+        }
+    }
+    Patch::new([&half, &basis], &controls).unwrap()
+}
+
+/// Against the quadratic in double precision: the only error is the rounding of `t`, except where rays graze within 10⁻¹².
+#[test]
+fn a_sphere_of_nurbs_is_the_sphere() {
+    let shape = Shape::Patch(sphere());
+    assert!((shape.area() / (4.0 * std::f64::consts::PI) - 1.0).abs() < 1e-9, "{}", shape.area());
+    let mut hits = 0;
+    for i in 0..60_000 {
+        let ray = ray(&shape, i);
+        let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
+        let (a, b) = (d.length_squared(), o.dot(d));
+        let nearest = (o - d * (b / a)).length_squared();
+        let found = shape.intersect(&ray);
+        if (nearest - 1.0).abs() < 1e-12 {
+            continue;
+        }
+        let root = ((1.0 - nearest).max(0.0) * a).sqrt();
+        let truth =
+            if nearest > 1.0 { None } else { [(-b - root) / a, (-b + root) / a].into_iter().find(|t| *t > 1e-7) };
+        match (found, truth) {
+            (None, None) => {}
+            (Some((t, u, v)), Some(truth)) => {
+                hits += 1;
+                assert!((f64::from(t) - truth).abs() <= 1e-7 * truth, "{i}: {t} {truth}");
+                let p = shape.surface(&ray, t, Vec2::new(u, v));
+                assert!((p.p.length() - 1.0).abs() < 2e-7 && p.ng.dot(p.p) > 1.0 - 1e-6, "{i}: {p:?}");
+            }
+            _ => panic!("{i}: {found:?} {truth:?} {nearest}"),
+        }
+    }
+    assert!(hits > 20_000);
+}
+
+/// The quartic has no sign to change before the first crossing, and changes it there.
+#[test]
+fn a_torus_of_nurbs_is_the_torus() {
+    let (large, small) = (1.0, 0.4);
+    let shape = Shape::Patch(torus(large, small));
+    let area = 4.0 * std::f64::consts::PI * std::f64::consts::PI * large * small;
+    assert!((shape.area() / area - 1.0).abs() < 1e-9, "{}", shape.area() / area);
+    let value = |p: DVec3| libm::hypot(libm::hypot(p.x, p.z) - large, p.y) - small;
+    let mut hits = 0;
+    for i in 0..8_000 {
+        let ray = ray(&shape, i);
+        let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
+        let found = shape.intersect(&ray);
+        let end = found.map_or(8.0 / d.length(), |(t, ..)| f64::from(t));
+        let side = value(o).signum();
+        for k in 1..400 {
+            let here = value(o + d * (end * f64::from(k) / 400.0));
+            assert!(here * side > -1e-6, "{i}: {found:?} passes over {here}");
+        }
+        if let Some((t, u, v)) = found {
+            hits += 1;
+            assert!(value(o + d * f64::from(t)).abs() < 4e-7, "{i}");
+            let p = shape.surface(&ray, t, Vec2::new(u, v));
+            let step = p.p.as_dvec3() + p.ng.as_dvec3() * 1e-3;
+            assert!((value(step) - 1e-3).abs() < 2e-6, "{i}: the normal points outward");
+        }
+    }
+    assert!(hits > 2_000);
+}
+
+#[test]
+fn turned_lines_meet_rays_where_quadratics_do() {
+    let line = |a: [f64; 2], b: [f64; 2]| {
+        let basis = Basis::bezier(2).unwrap();
+        Shape::Revolution(Revolution::new(&basis, &[DVec2::from(a), DVec2::from(b)]).unwrap())
+    };
+    for (a, b) in
+        [([1.0, -1.0], [1.0, 1.0]), ([0.0, 1.0], [-1.0, -0.5]), ([0.5, 0.5], [2.0, 0.2]), ([0.2, 0.0], [1.5, 0.0])]
+    {
+        let shape = line(a, b);
+        let ([ra, ya], [rb, yb]) = (a.map(f64::abs), b.map(f64::abs));
+        let (ya, yb) = (ya.copysign(a[1]), yb.copysign(b[1]));
+        let mut hits = 0;
+        for i in 0..20_000 {
+            let ray = ray(&shape, i);
+            let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
+            // Places on the line: (ρ, y) = (ra, ya) + s (rb − ra, yb − ya), eliminated by the larger component.
+            let (dr, dy) = (rb - ra, yb - ya);
+            let mut truth = f64::INFINITY;
+            let (mut edge, mut grazes) = (false, false);
+            let mut offer = |t: f64, s: f64| {
+                edge |= (s * (s - 1.0)).abs() < 1e-9;
+                if (0.0..=1.0).contains(&s) && t > 0.0 {
+                    truth = truth.min(t);
+                }
+            };
+            if dy == 0.0 {
+                let t = (ya - o.y) / d.y;
+                let p = o + d * t;
+                offer(t, (libm::hypot(p.x, p.z) - ra) / dr);
+            } else {
+                // ρ = p + q t along the ray, by its height.
+                let (p, q) = (ra + dr * (o.y - ya) / dy, dr * d.y / dy);
+                let a = d.x * d.x + d.z * d.z - q * q;
+                let b = o.x * d.x + o.z * d.z - p * q;
+                let c = o.x * o.x + o.z * o.z - p * p;
+                let discriminant = b * b - a * c;
+                grazes = discriminant.abs() < 1e-10;
+                if discriminant > 0.0 {
+                    for root in [(-b - discriminant.sqrt()) / a, (-b + discriminant.sqrt()) / a] {
+                        if p + q * root >= 0.0 {
+                            offer(root, (o.y + d.y * root - ya) / dy);
+                        }
+                    }
+                }
+            }
+            let found = shape.intersect(&ray).map_or(f64::INFINITY, |(t, ..)| f64::from(t));
+            hits += u32::from(found.is_finite());
+            let same = found == truth || (found - truth).abs() <= 1e-6 * truth.max(1.0);
+            assert!(same || edge || grazes, "{a:?} {b:?} {i}: {found} {truth}");
+        }
+        assert!(hits > 1_000, "{a:?} {b:?} {hits}");
+    }
+}
+
+#[test]
+fn tangent_rays_end() {
+    let hits = |shape: &Shape, o: DVec3, d: DVec3| shape.intersect(&Ray::new(o.as_vec3(), d.as_vec3()));
+    let ring = Shape::Patch(torus(1.0, 0.5));
+    // Over the top, where a whole circle touches; along the outside; through the hole.
+    for (height, expected) in [(0.5f32, None), (0.5f32.next_up(), Some(false)), (0.5f32.next_down(), Some(true))] {
+        let found = hits(&ring, DVec3::new(-3.0, f64::from(height), 0.0), DVec3::X);
+        assert!(expected.is_none_or(|e| e == found.is_some()), "{height} {found:?}");
+        if let Some((t, ..)) = found {
+            assert!((t - 2.0).abs() < 2e-3, "{t}");
+        }
+    }
+    for x in [1.5f32.next_up(), 1.5, 1.5f32.next_down()] {
+        let found = hits(&ring, DVec3::new(f64::from(x), 0.0, 3.0), DVec3::NEG_Z);
+        assert!(
+            found.is_none_or(|(t, ..)| (t - 3.0).abs() < 2e-3) && (x == 1.5 || found.is_some() == (x < 1.5)),
+            "{x}"
+        );
+    }
+    assert!(hits(&ring, DVec3::new(0.0, 3.0, 0.0), DVec3::NEG_Y).is_none());
+    let cup = cup().shape;
+    // Along the axis, from above, below and within, and beside it by the least there is.
+    for x in [0.0, 1e-30, 1e-9, 1e-7] {
+        let (t, ..) = hits(&cup, DVec3::new(x, 3.0, 0.0), DVec3::NEG_Y).unwrap();
+        assert!((t - 3.3).abs() < 2e-6, "{x} {t}");
+        let (t, ..) = hits(&cup, DVec3::new(x, -3.0, x), DVec3::Y * 0.5).unwrap();
+        assert!((t - 3.2).abs() < 4e-6, "{x} {t}");
+        assert!(hits(&cup, DVec3::new(0.0, -0.8, x), DVec3::Y).is_some());
+    }
+}
+
+/// A flat patch seen edge-on is a line: nothing. A bent one of no thickness is met at its ridge.
+#[test]
+fn edge_on_is_a_miss() {
+    let linear = Basis::bezier(2).unwrap();
+    let corner = |x: f64, z: f64| DVec4::new(x, 0.0, z, 1.0);
+    let flat =
+        net("flat", [&linear, &linear], &[corner(-1.0, -1.0), corner(-1.0, 1.0), corner(1.0, -1.0), corner(1.0, 1.0)]);
+    for d in [Vec3::X, Vec3::new(1.0, 0.0, 0.3), Vec3::new(-1.0, 0.0, 1.0)] {
+        assert!(flat.shape.intersect(&Ray::new(-d * 3.0, d)).is_none());
+    }
+    let (t, u, v) = flat.shape.intersect(&Ray::new(Vec3::new(0.5, 2.0, -0.5), -Vec3::Y)).unwrap();
+    assert!((t, u, v) == (2.0, 0.75, 0.25));
+}
+
+/// Where derivatives vanish, normals are the limits from around.
+#[test]
+fn poles_and_collapsed_edges_have_normals() {
+    let ball = Shape::Patch(sphere());
+    for side in [1.0, -1.0] {
+        let ray = Ray::new(Vec3::Y * (3.0 * side), Vec3::Y * -side);
+        let (t, u, v) = ball.intersect(&ray).unwrap();
+        let p = ball.surface(&ray, t, Vec2::new(u, v));
+        assert!((t - 2.0).abs() < 1e-6 && (p.ng - Vec3::Y * side).length() < 1e-4, "{p:?}");
+    }
+    for case in cases() {
+        for i in 0..400 {
+            let u = key(i).uniform_2d(Dimension::LightPosition);
+            for uv in
+                [u, Vec2::new(0.0, u.y), Vec2::new(1.0, u.y), Vec2::new(u.x, 0.0), Vec2::new(u.x, 1.0), Vec2::ZERO]
+            {
+                let ray = Ray::new(Vec3::splat(9.0), Vec3::new(-1.0, -0.9, -0.8));
+                let p = case.shape.surface(&ray, 1.0, uv);
+                assert!((p.ng.length() - 1.0).abs() < 1e-5 && p.p.is_finite(), "{} {uv}: {p:?}", case.name);
+            }
+        }
+    }
+}
+
+fn placed() -> Vec<(&'static str, Shape)> {
+    let squash = Transform::new(DAffine3::from_scale_rotation_translation(
+        DVec3::new(30.0, -8.0, 55.0),
+        DQuat::from_xyzw(0.5, 0.5, 0.5, 0.5),
+        DVec3::new(300.0, -2000.0, 100.0),
+    ))
+    .unwrap();
+    let moved = |s: Shape| s.transformed(&squash).unwrap();
+    let cases: Vec<(&str, Shape)> = cases().into_iter().map(|c| (c.name, c.shape)).collect();
+    let mirrored: Vec<(&str, Shape)> = cases.iter().map(|(name, s)| (*name, moved(s.clone()))).collect();
+    cases.into_iter().chain(mirrored).collect()
+}
+
+/// Whether a point drawn with this density may be at an apex, where the other side of the surface is as near as one likes.
+fn is_apex(shape: &Shape, pdf: f32) -> bool {
+    f64::from(pdf) * shape.area() > 30.0
+}
+
+/// What does not pass through itself, where one part of the surface is as near to another as one likes.
+fn simple() -> impl Iterator<Item = (&'static str, Shape)> {
+    placed().into_iter().filter(|(name, _)| *name != "loops")
+}
+
+/// No ray that leaves at a slant above .1 meets its own start again: only bends of a radius below 10⁻⁴ of the size could be met so soon.
+#[test]
+fn rays_leave_cleanly() {
+    for (name, shape) in simple() {
+        let (min, max) = shape.extent();
+        let size = 0.5 * (max - min).length() as f32;
+        for i in 0..6_000 {
+            let sample = shape.sample(key(i).uniform_2d(Dimension::LightPosition));
+            if is_apex(&shape, sample.pdf) {
+                continue;
+            }
+            let s = sample.point;
+            let d = warp::cosine_hemisphere(key(i).uniform_2d(Dimension::LightDirection));
+            if d.z < 0.1 {
+                continue;
+            }
+            let d = Frame::around(s.ng).to_world(d);
+            for d in [d, -d] {
+                let origin = offset_origin(s.p, s.error, s.ng, d);
+                assert!((origin - s.p).length() < 1e-6 * (size + s.p.length()), "{name}");
+                if let Some((t, ..)) = shape.intersect(&Ray::new(origin, d)) {
+                    assert!(t > 2e-5 * size, "{name} {i}: {t} of {size}");
+                }
+            }
+        }
+    }
+}
+
+/// The mean of 1/pdf is the area, within five standard errors; sampled points are found again by rays.
+#[test]
+fn samples_have_the_stated_density() {
+    for (name, shape) in simple() {
+        let (n, mut sum, mut squares, mut strays) = (20_000, 0.0, 0.0, 0);
+        let size = (shape.extent().1 - shape.extent().0).length() as f32;
+        for i in 0..u64::from(n) {
+            let sample = shape.sample(key(i).uniform_2d(Dimension::LightPosition));
+            let inverse = 1.0 / f64::from(sample.pdf);
+            assert!(inverse.is_finite() && sample.uv == sample.point.uv, "{name}");
+            sum += inverse;
+            squares += inverse * inverse;
+            let from = sample.point.p + sample.point.ng * (1e-3 * size);
+            let ray = Ray::new(from, -sample.point.ng);
+            let found = shape.intersect(&ray).filter(|(t, ..)| (t - 1e-3 * size).abs() < 1e-5 * size);
+            if let Some((t, u, v)) = found.filter(|_| !is_apex(&shape, sample.pdf)) {
+                let again = shape.pdf(&shape.surface(&ray, t, Vec2::new(u, v)));
+                // The density leaps between leaves, and rounding may take a point across.
+                strays += u32::from((again / sample.pdf - 1.0).abs() > 0.05);
+            }
+        }
+        assert!(strays * 500 < n, "{name}: {strays}");
+        let mean = sum / f64::from(n);
+        let sigma = ((squares / n as f64 - mean * mean).max(0.0) / f64::from(n)).sqrt();
+        assert!((mean - shape.area()).abs() < 5.0 * sigma, "{name}: {mean} {}", shape.area());
+    }
+}
+
+/// Coordinates grow along a step on the surface as their gradients say.
+#[test]
+fn coordinates_grow_as_told() {
+    for (name, shape) in placed() {
+        let size = (shape.extent().1 - shape.extent().0).length();
+        let ray = Ray::new(Vec3::ZERO, Vec3::new(1.0, 0.9, 0.8));
+        let mut tried = 0;
+        for i in 0..500 {
+            let uv = key(i).uniform_2d(Dimension::LightPosition) * 0.9 + 0.05;
+            let at = |uv: Vec2| match &shape {
+                Shape::Revolution(s) => s.point_of(uv),
+                Shape::Patch(s) => s.point_of(uv),
+                _ => panic!("{ray:?}"),
+            };
+            let here = at(uv);
+            let mapped = shape.mapped(here.as_vec3(), uv);
+            for step in [Vec2::X, Vec2::Y] {
+                let after = uv + step * 2e-4;
+                let change = at(after) - here;
+                let told = DVec2::new(mapped.du.dot(change), mapped.dv.dot(change));
+                // Not across the axis, where the angle jumps.
+                if change.length() > 1e-5 * size && mapped.dv.length() * size < 30.0 {
+                    tried += 1;
+                    let truth = (after - uv).as_dvec2();
+                    assert!((told - truth).length() < 0.05 * truth.length(), "{name} {uv}: {told} {truth}");
+                }
+            }
+        }
+        assert!(tried > 100, "{name}");
+    }
+}
