@@ -1,7 +1,11 @@
 //! What textures do to pictures: closed forms for means, slopes and light, and how much footprints calm.
 
+#[path = "../examples/make_textures/pictures.rs"]
+mod pictures;
+
 use caustica::color::{self, Rgb};
 use caustica::format::{Source, parse, resolve};
+use caustica::image::{self, ToneMap, WriteOptions};
 use caustica::integrate::{Algorithm, EyeSettings, Settings, Silent};
 use caustica::math::Ray;
 use caustica::plan::{Effect, Wishes};
@@ -103,9 +107,9 @@ fn a_ramp_of_heights_is_a_tilted_plane() {
     let folder = tempfile::tempdir().unwrap();
     // Heights go up by 1/64 a pixel.
     let pixels = (0..64 * 4).map(|i| Vec3::splat((i % 64) as f32 / 64.0)).collect();
-    let ramp = caustica::image::Image::from_pixels(64, 4, pixels).unwrap();
+    let ramp = image::Image::from_pixels(64, 4, pixels).unwrap();
     let path = folder.path().join("ramp.exr");
-    caustica::image::write(&path, &ramp, &Default::default()).unwrap();
+    image::write(&path, &ramp, &Default::default()).unwrap();
     for (height, width) in [(0.5, 2.0), (-1.5, 3.0)] {
         let scene = scene(&format!(
             "{CAMERA} Textures {{ Image ramp {{ file \"{}\"  encoding linear  wrap clamp }} }}
@@ -238,5 +242,17 @@ fn textures_move_with_what_wears_them() {
             // Rounding of places below 10 to f32.
             assert!((a.0 - b.0).length() < 1e-5 && (a.1, a.2) == (b.1, b.2), "{object} at {time}: {a:?} {b:?}");
         }
+    }
+}
+
+#[test]
+fn the_scene_s_pictures_are_what_their_maker_writes() {
+    let (folder, kept) = (tempfile::tempdir().unwrap(), Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/textures"));
+    for (name, curve, make) in pictures::ALL {
+        let path = folder.path().join(name);
+        let tone = ToneMap { curve, ..ToneMap::default() };
+        image::write(&path, &make(), &WriteOptions { tone, ..WriteOptions::default() }).unwrap();
+        let [made, kept] = [&path, &kept.join(name)].map(|p| std::fs::read(p).unwrap());
+        assert!(made == kept, "{name}: run `cargo run --release --example make_textures`");
     }
 }
