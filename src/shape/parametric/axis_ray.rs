@@ -14,7 +14,7 @@ pub struct Interval {
 
 impl Interval {
     pub fn is_empty(self) -> bool {
-        !(self.lo <= self.hi)
+        self.lo.is_nan() || self.hi.is_nan() || self.lo > self.hi
     }
 }
 

@@ -83,7 +83,7 @@ impl Patch {
         if controls.len() != rows * columns {
             return Err(SplineError::Net { controls: controls.len(), rows, columns });
         }
-        if let Some(i) = controls.iter().position(|c| !(c.w > 0.0)) {
+        if let Some(i) = controls.iter().position(|c| c.w.is_nan() || c.w <= 0.0) {
             return Err(SplineError::Weight(i));
         }
         let points: Vec<DVec3> = controls.iter().map(|c| c.truncate()).collect();
@@ -114,7 +114,7 @@ impl Patch {
         }
         let half = 0.5 * (max - min);
         let size = half.length();
-        if !(size > 0.0) {
+        if size == 0.0 {
             return Err(SplineError::NoArea);
         }
         let [p, q] = bases.map(Basis::degree);

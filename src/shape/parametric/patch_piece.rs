@@ -34,10 +34,10 @@ impl Beyond {
     pub fn of(a: &[Vector<4>], columns: usize) -> Self {
         let mut beyond = Self { linear: [a[0], a[1], a[columns]], rest: [0.0; 4], turn: [0.0; 4] };
         for (i, row) in a.chunks_exact(columns).enumerate() {
-            for (j, c) in row.iter().enumerate().skip(if i < 2 { 2 - i } else { 0 }) {
-                for k in 0..4 {
-                    beyond.rest[k] += c[k].abs();
-                    beyond.turn[k] += (i + j) as f64 * c[k].abs();
+            for (j, c) in row.iter().enumerate().skip(2usize.saturating_sub(i)) {
+                for (k, c) in c.iter().enumerate() {
+                    beyond.rest[k] += c.abs();
+                    beyond.turn[k] += (i + j) as f64 * c.abs();
                 }
             }
         }
@@ -79,7 +79,7 @@ impl PatchPiece<'_> {
     #[inline]
     pub fn nearest(&self, line: &Line, range: &mut [f64; 2], size: f64) -> Option<DVec2> {
         // Bounds on the change of weights count in proportion to the distance of the line's base, which may be anywhere on it.
-        let (near, start) = self.from_middle(line);
+        let (near, start) = self.seen_from_middle(line);
         let mut own = range.map(|t| t - start);
         let found = match judge(self.powers, self.columns, &self.bounds, &near, self.noise) {
             Verdict::Nothing => None,
@@ -99,14 +99,14 @@ impl PatchPiece<'_> {
 
     /// The line counted from the middle of the piece, with its base as near to it as can be, and τ there.
     #[inline]
-    fn from_middle(&self, line: &Line) -> (Line, f64) {
+    fn seen_from_middle(&self, line: &Line) -> (Line, f64) {
         let start = (self.middle - line.base).dot(line.direction);
         (Line { base: line.base + line.direction * start - self.middle, ..*line }, start)
     }
 
     /// The step of Newton's method from a place.
     pub fn step(&self, line: &Line, at: DVec2) -> DVec2 {
-        newton_step(self.powers, self.columns, &self.from_middle(line).0, at).0
+        newton_step(self.powers, self.columns, &self.seen_from_middle(line).0, at).0
     }
 
     /// The point and its derivatives.
@@ -249,7 +249,7 @@ fn newton(a: &[Vector<4>], columns: usize, line: &Line, start: DVec2, tolerance:
     loop {
         let (step, t) = newton_step(a, columns, line, at);
         let size = step.abs().max_element();
-        if !(size <= longest.max(tolerance)) {
+        if size.is_nan() || size > longest.max(tolerance) {
             return None;
         }
         longest *= RATE;

@@ -168,7 +168,7 @@ fn newton(a: &[Vector<2>], ray: &AxisRay, at: f64, half: f64, start: (f64, f64),
         let step_z = (dx * miss[1] - dh * miss[0]) / determinant;
         let step = step_x.abs().max(step_z.abs() / half);
         // A root inside the box would be nearer by now.
-        if !(step <= longest.max(tolerance)) {
+        if step.is_nan() || step > longest.max(tolerance) {
             return None;
         }
         longest *= RATE;

@@ -88,14 +88,14 @@ impl RingTree {
             let node = &self.nodes[child as usize];
             let mut entries = [f64::INFINITY; WIDTH];
             let [c0, c1, c2] = ray.squares;
-            for i in 0..WIDTH {
+            for (i, entry) in entries.iter_mut().enumerate() {
                 let a = (node.below[i] - ray.base.y) * inverse;
                 let b = (node.above[i] - ray.base.y) * inverse;
                 let (lo, hi) = (t.lo.max(a.min(b)), t.hi.min(a.max(b)));
                 let [p, q] = [lo, hi].map(|t| c0 + t * (2.0 * c1 + t * c2));
                 let least = if lo <= ray.nearest && ray.nearest <= hi { ray.least } else { p.min(q) };
                 let meets = lo <= hi && p.max(q) >= node.inner2[i] && least <= node.outer2[i];
-                entries[i] = if meets { lo } else { f64::INFINITY };
+                *entry = if meets { lo } else { f64::INFINITY };
             }
             // The nearest goes on top.
             let start = count;
