@@ -113,6 +113,14 @@ pub const ENTRIES: &[Entry] = &[
         text: "Pictures, tiles to the horizon, marble and wood cut from a block, and reliefs, filtered by the footprint of the ray.",
     },
     Entry {
+        name: "teapot",
+        part: SHAPES,
+        title: "Bézier patches",
+        scene: "scenes/teapot.txt",
+        arguments: "--size 640x480 --passes 16",
+        text: "A pot of bicubic patches, which rays meet as they are: no triangles, no edges in its outline.",
+    },
+    Entry {
         name: "goblet",
         part: SHAPES,
         title: "Meshes with interpolated normals",
