@@ -1,7 +1,9 @@
 //! Dielectrics, conductors, panes and mixes, and light from all around.
 
 use super::{refused, scene};
-use crate::format::description::{Attenuation, EnvironmentRadiance, Light, MaterialKind, Metal, Span, Spanned};
+use crate::format::description::{
+    Attenuation, EnvironmentRadiance, Item, Light, MaterialKind, Metal, Object, Shape, Span, Spanned,
+};
 use glam::DVec3;
 
 fn materials(body: &str) -> Vec<MaterialKind> {
@@ -133,4 +135,50 @@ fn light_from_all_around_is_one_colour_or_a_picture() {
     let one = "EnvironmentLight { radiance 1 1 1 }";
     refused(&format!("Lights {{ {one} ‹EnvironmentLight› {{ }} }}"), "`EnvironmentLight` is given twice", "keep one");
     scene(&format!("Lights {{ {one} }} Lights {{ {one} }} Group {{ }}")).unwrap();
+}
+
+#[test]
+fn nets_of_control_points_must_fit() {
+    let object = |body: &str| {
+        let d = scene(&format!("Group {{ {body} }}")).unwrap();
+        match d.root.items.into_iter().next() {
+            Some(Item::Object(Spanned { value: Object::Shape { shape, .. }, .. })) => shape,
+            other => panic!("{other:?}"),
+        }
+    };
+    let four = "[ 0 0 0 ] [ 0 0 1 2 ] [ 1 0 0 ] [ 1 0 1 .5 ]";
+    match object(&format!("BezierPatch {{ degreeU 1 controls {four} {four} {four} {four} degreeV 1 }}")) {
+        Shape::Patches { degree, controls } => {
+            assert_eq!((degree, controls.len()), ([1, 1], 16));
+            assert_eq!([controls[0].w, controls[1].w, controls[3].w], [1.0, 2.0, 0.5]);
+        }
+        other => panic!("{other:?}"),
+    }
+    let nurbs = |fields: &str| format!("NurbsSurface {{ degreeU 1 degreeV 1 countU 2 countV 2 {fields} }}");
+    match object(&nurbs(&format!("knotsU 0 0 1.5 1.5 controls {four}"))) {
+        Shape::Nurbs { knots: [u, v], count, .. } => {
+            assert_eq!((u, v, count), (vec![0.0, 0.0, 1.5, 1.5], vec![], [2, 2]))
+        }
+        other => panic!("{other:?}"),
+    }
+    let bad = |body: &str, message: &str, help: &str| refused(&format!("Group {{ {body} }}"), message, help);
+    bad(&format!("BezierPatch {{ ‹controls› {four} }}"), "`controls` of `BezierPatch`", "16 points for each patch");
+    bad("BezierPatch { ‹controls› }", "`controls` of `BezierPatch`", "16 points for each patch");
+    bad("‹BezierPatch› { }", "`BezierPatch` has no `controls`", "add `controls`");
+    bad("BezierPatch { degreeU ‹25› }", "`degreeU` of `BezierPatch` cannot be `25`", "between 1 and 24");
+    bad("BezierPatch { degreeV ‹0› }", "`degreeV`", "between 1 and 24");
+    bad("BezierPatch { controls [ 0 0 0 ‹0› ] }", "the weight of a point of `controls` cannot be `0`", "above 0");
+    bad("BezierPatch { controls [ 0 0 0 ‹-1› ] }", "the weight", "above 0");
+    bad("NurbsSurface { countU ‹3› countV 4 }", "`countU` of `NurbsSurface` cannot be `3`", "above the degree");
+    bad(&nurbs("‹knotsU 0 1 2› controls"), "`knotsU`", "count + degree + 1 = 4 numbers, and holds 3");
+    bad(&nurbs("‹knotsV 0 1 .5 2› controls"), "`knotsV`", "must not decrease");
+    bad(&nurbs("‹controls› [ 0 0 0 ]"), "`controls`", "countU · countV = 4 points, and holds 1");
+    bad("‹NurbsSurface› { countU 4 }", "has no `countV`", "add `countV`");
+    bad(
+        "NurbsSurface { countU ‹4294967295› countV 4294967295 degreeU 24 ‹controls› }"
+            .replace("‹4294967295›", "4294967295")
+            .as_str(),
+        "`controls`",
+        "and holds 0",
+    );
 }

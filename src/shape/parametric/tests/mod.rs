@@ -7,7 +7,7 @@ use super::super::Shape;
 use super::{Basis, Patch, Revolution};
 use crate::math::{Ray, warp};
 use crate::sampling::{Dimension, Key, Purpose};
-use glam::{DVec2, DVec3, DVec4, Vec2, Vec3};
+use glam::{DVec2, DVec4, Vec2, Vec3};
 use reference::{Form, Found, Piece};
 
 /// A surface with what stands for it.
