@@ -29,7 +29,7 @@ pub const ENTRIES: &[Entry] = &[
         part: CAUSTICS,
         title: "Caustic by reflection",
         scene: "scenes/ring.txt",
-        arguments: "--size 640x480 --passes 16",
+        arguments: "--size 480x360 --passes 10",
         text: "The nephroid inside a ring of gold, and inside one of silver.",
     },
     Entry {
@@ -37,7 +37,7 @@ pub const ENTRIES: &[Entry] = &[
         part: CAUSTICS,
         title: "Caustic by refraction",
         scene: "scenes/glass-ball.txt",
-        arguments: "--size 640x480 --passes 16",
+        arguments: "--size 480x360 --passes 10",
         text: "The light that a ball of glass gathers, in a room whose walls colour each other.",
     },
     Entry {
@@ -45,7 +45,7 @@ pub const ENTRIES: &[Entry] = &[
         part: CAUSTICS,
         title: "Caustic through waves",
         scene: "scenes/pool.txt",
-        arguments: "--size 640x480 --passes 16",
+        arguments: "--size 480x360 --passes 10",
         text: "Light that came through the waves, seen through the waves: paths that only photons find.",
     },
     Entry {
@@ -53,7 +53,7 @@ pub const ENTRIES: &[Entry] = &[
         part: CAUSTICS,
         title: "Cut stones",
         scene: "scenes/gem.txt",
-        arguments: "--size 640x480 --passes 16",
+        arguments: "--size 480x360 --passes 10",
         text: "Total reflection inside of diamond, ruby and sapphire, with the sparks that they throw.",
     },
     Entry {
@@ -61,7 +61,7 @@ pub const ENTRIES: &[Entry] = &[
         part: LIGHT,
         title: "Area lights and soft shadows",
         scene: "scenes/window.txt",
-        arguments: "--size 640x480 --passes 16",
+        arguments: "--size 480x360 --passes 10",
         text: "A room that a window lights.",
     },
     Entry {
@@ -69,7 +69,7 @@ pub const ENTRIES: &[Entry] = &[
         part: LIGHT,
         title: "Many lights",
         scene: "scenes/many-lights.txt",
-        arguments: "--size 640x480 --passes 16",
+        arguments: "--size 480x360 --passes 10",
         text: "Lights chosen by a tree over power, place and direction.",
     },
     Entry {
@@ -77,7 +77,7 @@ pub const ENTRIES: &[Entry] = &[
         part: LIGHT,
         title: "Light from all around",
         scene: "scenes/sky.txt",
-        arguments: "--size 640x480 --passes 16",
+        arguments: "--size 480x360 --passes 10",
         text: "A sky lights, and is mirrored and refracted.",
     },
     Entry {
@@ -85,7 +85,7 @@ pub const ENTRIES: &[Entry] = &[
         part: LIGHT,
         title: "A lamp inside of glass",
         scene: "scenes/bulb.txt",
-        arguments: "--size 640x480 --passes 12",
+        arguments: "--size 480x360 --passes 10",
         text: "All light of the room has gone through the glass of the bulb: no shadow ray finds it.",
     },
     Entry {
@@ -93,7 +93,7 @@ pub const ENTRIES: &[Entry] = &[
         part: MATTER,
         title: "Rough glass and rough metal",
         scene: "scenes/frosted.txt",
-        arguments: "--size 640x480 --passes 16",
+        arguments: "--size 480x360 --passes 10",
         text: "Microfacets of growing roughness.",
     },
     Entry {
@@ -101,7 +101,7 @@ pub const ENTRIES: &[Entry] = &[
         part: MATTER,
         title: "Bodies inside of bodies",
         scene: "scenes/fishbowl.txt",
-        arguments: "--size 640x480 --passes 16",
+        arguments: "--size 480x360 --passes 10",
         text: "Water in glass, whose common boundary bends light by the ratio of their indices.",
     },
     Entry {
@@ -109,15 +109,23 @@ pub const ENTRIES: &[Entry] = &[
         part: MATTER,
         title: "Textures, bumps and normal maps",
         scene: "scenes/textures.txt",
-        arguments: "--size 640x480 --passes 16",
+        arguments: "--size 480x360 --passes 10",
         text: "Pictures, tiles to the horizon, marble and wood cut from a block, and reliefs, filtered by the footprint of the ray.",
+    },
+    Entry {
+        name: "teapot",
+        part: SHAPES,
+        title: "Bézier patches",
+        scene: "scenes/teapot.txt",
+        arguments: "--size 480x360 --passes 10",
+        text: "A pot of bicubic patches, which rays meet as they are: no triangles, no edges in its outline.",
     },
     Entry {
         name: "goblet",
         part: SHAPES,
         title: "Meshes with interpolated normals",
         scene: "scenes/goblet.txt",
-        arguments: "--size 640x480 --passes 16",
+        arguments: "--size 480x360 --passes 10",
         text: "Wine in a glass, and a fluted vase, each of many thousand triangles.",
     },
     Entry {
@@ -125,7 +133,7 @@ pub const ENTRIES: &[Entry] = &[
         part: CAMERA,
         title: "Depth of field",
         scene: "scenes/marbles.txt",
-        arguments: "--size 640x480 --passes 24 --adaptive",
+        arguments: "--size 480x360 --passes 16 --adaptive",
         text: "A lens of six blades: what is out of focus takes its form.",
     },
     Entry {
@@ -133,7 +141,7 @@ pub const ENTRIES: &[Entry] = &[
         part: CAMERA,
         title: "Motion blur",
         scene: "scenes/motion.txt",
-        arguments: "--size 640x480 --passes 64 --spp 4 --photons 100k",
+        arguments: "--size 480x360 --passes 64 --spp 3 --photons 50k",
         text: "Sails that turn, a ball that falls, and a glass ball that rolls with its caustic.",
     },
     Entry {
@@ -149,7 +157,7 @@ pub const ENTRIES: &[Entry] = &[
         part: ALGORITHMS,
         title: "Whitted ray tracing",
         scene: "scenes/glass-ball.txt",
-        arguments: "--integrator whitted --size 320x240 --passes 16",
+        arguments: "--integrator whitted --size 320x240 --passes 8",
         text: "Mirrors, glass and hard shadows.",
     },
     Entry {
@@ -157,7 +165,7 @@ pub const ENTRIES: &[Entry] = &[
         part: ALGORITHMS,
         title: "Distributed ray tracing",
         scene: "scenes/glass-ball.txt",
-        arguments: "--integrator distributed --size 320x240 --passes 16",
+        arguments: "--integrator distributed --size 320x240 --passes 8",
         text: "Soft shadows; no light between matt walls.",
     },
     Entry {
@@ -165,7 +173,7 @@ pub const ENTRIES: &[Entry] = &[
         part: ALGORITHMS,
         title: "Path tracing",
         scene: "scenes/glass-ball.txt",
-        arguments: "--integrator path --size 320x240 --passes 64",
+        arguments: "--integrator path --size 320x240 --passes 16",
         text: "Light between walls; caustics come by chance, as grain.",
     },
     Entry {
@@ -181,7 +189,7 @@ pub const ENTRIES: &[Entry] = &[
         part: ALGORITHMS,
         title: "Progressive photon mapping",
         scene: "scenes/glass-ball.txt",
-        arguments: "--integrator ppm --size 320x240 --passes 32",
+        arguments: "--integrator ppm --size 320x240 --passes 16",
         text: "Radii shrink from pass to pass, so blur goes as noise does.",
     },
     Entry {
@@ -189,7 +197,7 @@ pub const ENTRIES: &[Entry] = &[
         part: ALGORITHMS,
         title: "Stochastic progressive photon mapping",
         scene: "scenes/glass-ball.txt",
-        arguments: "--integrator sppm --size 320x240 --passes 32",
+        arguments: "--integrator sppm --size 320x240 --passes 16",
         text: "The same with new camera rays in each pass.",
     },
     Entry {
@@ -197,7 +205,7 @@ pub const ENTRIES: &[Entry] = &[
         part: ALGORITHMS,
         title: "Hybrid",
         scene: "scenes/glass-ball.txt",
-        arguments: "--integrator hybrid --size 320x240 --passes 32",
+        arguments: "--integrator hybrid --size 320x240 --passes 16",
         text: "Paths for what connections find, photons for the rest: the default.",
     },
     Entry {
@@ -205,7 +213,7 @@ pub const ENTRIES: &[Entry] = &[
         part: COMPOSITIONS,
         title: "Still life",
         scene: "scenes/still-life.txt",
-        arguments: "--passes 16",
+        arguments: "--passes 12 --spp 4",
         text: "Surfaces of revolution, a mesh, wine in glass, marble and wood, dented brass, caustics, soft light, depth of field.",
     },
     Entry {
@@ -213,7 +221,7 @@ pub const ENTRIES: &[Entry] = &[
         part: COMPOSITIONS,
         title: "Garden pool",
         scene: "scenes/garden-pool.txt",
-        arguments: "--passes 24 --spp 8",
+        arguments: "--passes 16 --spp 3",
         text: "Caustics through waves under a sky, tiles, stone, a ball that drops, glass, gold, instances of a mesh.",
     },
     Entry {
@@ -221,7 +229,7 @@ pub const ENTRIES: &[Entry] = &[
         part: COMPOSITIONS,
         title: "Cabinet of optics",
         scene: "scenes/cabinet.txt",
-        arguments: "--passes 24",
+        arguments: "--passes 12 --spp 4",
         text: "A ring's nephroid, a ball lens, a cut stone, metals, frosted and thin glass, marble, a relief, light from wall to wall.",
     },
 ];

@@ -54,8 +54,7 @@ impl Hierarchy {
     /// Builds over `triangles`, given by their corners, and `others`, boxes around what the closures of
     /// [`closest`](Self::closest) and [`occluded`](Self::occluded) intersect.
     ///
-    /// At most 2³⁰ of either. Corners must be finite. A hit of another primitive must lie in its box, to 10⁻⁶ of the box's size;
-    /// for one that moves, the box bounds the whole shutter interval. A triangle without area and an empty box are never hit.
+    /// At most 2³⁰ of either. Corners must be finite. A hit of another primitive must lie in its box, to 10⁻⁶ of the box's size. A triangle without area and an empty box are never hit.
     #[must_use]
     pub fn build(triangles: &[[Vec3; 3]], others: &[Bounds]) -> Self {
         let bounds = Bounds::of(triangles.iter().flatten().copied());

@@ -119,6 +119,12 @@ impl Camera {
         }
     }
 
+    /// Whether all rays start at its middle, or a lens around it.
+    #[must_use]
+    pub fn has_eye(&self) -> bool {
+        self.projection != Projection::Orthographic
+    }
+
     /// Image size in pixels.
     #[must_use]
     pub fn size(&self) -> (u32, u32) {

@@ -4,10 +4,10 @@
 //! in proportion to σ over the light. A few looks before the first pass tell both. What they find holds for all passes, so passes stay
 //! independent, and as no ray of the looks is used again the mean is without bias.
 
+use super::Pass;
 use super::Silent;
 use super::maker::Draft;
 use super::prepared::{Job, Prepared};
-use super::{Pass, prepared};
 use crate::color;
 use crate::sampling::{Key, Purpose};
 use std::sync::Arc;
@@ -28,28 +28,23 @@ impl Prepared<'_> {
         let key = Key::new(self.eye.seed).purpose(Purpose::Balance);
         let maps =
             self.maker.make_from(&Draft { key, pass: 0, part: PART, limited: true }, &Silent, &mut Pass::default());
+        // All at one time, as the rays of a pass are.
+        let looking = self.at(self.scene).looking();
         let looks: Vec<Vec<f64>> = (0..LOOKS)
             .map(|i| {
                 let mut out = Pass::default();
                 // Passes that no render reaches.
-                let pass = u32::MAX - i;
-                let job = Job::Picture(&Silent, &mut out);
-                if self.moves() {
-                    let scene = self.scene.at(prepared::shutter_time(self.eye.seed, i));
-                    self.at(&scene).looking().walk(&maps, pass, job);
-                } else {
-                    self.at(self.scene).looking().walk(&maps, pass, job);
-                }
+                looking.walk(&maps, u32::MAX - i, Job::Picture(&Silent, &mut out));
                 out.image.iter().map(|v| f64::from(color::mean(*v))).collect()
             })
             .collect();
         let (width, height) = self.scene.camera().size();
-        density(&looks, width as usize, height as usize)
+        density(&looks, width as usize, height as usize, self.samples)
     }
 }
 
 /// See [`Prepared::find_density`]; `looks` are pictures of the same.
-fn density(looks: &[Vec<f64>], width: usize, height: usize) -> Option<Arc<[f32]>> {
+fn density(looks: &[Vec<f64>], width: usize, height: usize, samples: u32) -> Option<Arc<[f32]>> {
     let n = looks.len() as f64;
     let mean: Vec<f64> = (0..width * height).map(|i| looks.iter().map(|look| look[i]).sum::<f64>() / n).collect();
     let variance =
@@ -78,9 +73,15 @@ fn density(looks: &[Vec<f64>], width: usize, height: usize) -> Option<Arc<[f32]>
     if largest == 0.0 {
         return None;
     }
-    let share = |scale: f64, w: f64| (scale * w).clamp(FEWEST, MOST);
+    // No pixel goes without a ray.
+    let fewest = FEWEST.max(1.0 / f64::from(samples));
+    let share = |scale: f64, w: f64| (scale * w).clamp(fewest, MOST);
     let total = |scale: f64| wanted.iter().map(|w| share(scale, *w)).sum::<f64>() / wanted.len() as f64;
-    let (mut low, mut high) = (0.0, MOST / wanted.iter().copied().filter(|w| *w > 0.0).fold(largest, f64::min));
+    let (mut low, mut high) = (0.0, 1.0 / largest);
+    // Where few pixels want rays, not all are given out.
+    while total(high) < 1.0 && high * largest < MOST * 1e6 {
+        high *= 2.0;
+    }
     // The mean grows with the scale; sixty halvings leave nothing of the interval.
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
@@ -105,7 +106,7 @@ mod tests {
             (0..width * height).map(value).collect::<Vec<f64>>()
         };
         let looks: Vec<Vec<f64>> = (0..64).map(look).collect();
-        let found = density(&looks, width, height).unwrap();
+        let found = density(&looks, width, height, 16).unwrap();
         let mean = found.iter().map(|d| f64::from(*d)).sum::<f64>() / found.len() as f64;
         assert!((mean - 1.0).abs() < 1e-3, "{mean}");
         for (i, share) in found.iter().enumerate() {
@@ -116,7 +117,13 @@ mod tests {
                 _ => {}
             }
         }
-        assert!(density(&[vec![1.0; 128], vec![1.0; 128]], width, height).is_none());
-        assert!(density(&[vec![0.0; 128], vec![0.0; 128]], width, height).is_none());
+        // With one ray a pixel there is none to take away.
+        assert!(density(&looks, width, height, 1).unwrap().iter().all(|share| *share == 1.0));
+        // A pixel that wants almost nothing takes nothing from the others.
+        let mut faint = looks.clone();
+        (0..64).for_each(|i| faint[i][0] = 1.0 + 1e-12 * i as f64);
+        assert_eq!(density(&faint, width, height, 16).unwrap()[20..], found[20..]);
+        assert!(density(&[vec![1.0; 128], vec![1.0; 128]], width, height, 16).is_none());
+        assert!(density(&[vec![0.0; 128], vec![0.0; 128]], width, height, 16).is_none());
     }
 }

@@ -22,6 +22,9 @@ const AFTER_COUNT: u32 = 50;
 /// Radius within which a photon counts for what is seen, before the maps' own radii are known, in radii of the scene.
 const SEEN_WITHIN: f32 = 0.01;
 
+/// Radius of a map of which the pilot found no photon, in radii of the scene.
+const UNSEEN: f32 = 0.01;
+
 /// Learned emission is used where it would take at least so many times as many paths to do without.
 const LEAST_GAIN: f64 = 1.5;
 
@@ -162,8 +165,8 @@ impl<'a> MapMaker<'a> {
                 let pass = PhotonPass { scene: self.scene, source, wants, max_bounces: settings.eye.max_bounces };
                 auto_radius(self.scene, &pass, paths, k, settings.eye.seed)
             };
-            // Without photons the radius never matters.
-            settings.radius.or_else(found).unwrap_or(1.0)
+            // A pilot may find none where others will, as of things that move.
+            settings.radius.or_else(found).unwrap_or(self.scene.domain().radius * UNSEEN)
         };
         let smooth = if self.needs.after_caustic {
             let after = Wants { after_caustic: true, ..Wants::NONE };

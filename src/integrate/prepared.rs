@@ -178,7 +178,7 @@ impl<'a> Prepared<'a> {
 }
 
 /// When in \[0, 1) the things of a pass are seen: the passes together fill the time evenly, a power of two of them in equal steps.
-pub(super) fn shutter_time(seed: u64, pass: u32) -> f64 {
+fn shutter_time(seed: u64, pass: u32) -> f64 {
     let start = Key::new(seed).purpose(Purpose::Shutter).uniform(Dimension::Time);
     let step = f64::from(pass.reverse_bits()) / 4_294_967_296.0;
     let time = f64::from(start) + step;

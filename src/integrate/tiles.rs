@@ -107,7 +107,10 @@ fn pixel(
         let draw = Draw::new(pixel, sample, samples);
         let (at, weight) = match sampling.filter {
             Some(filter) => {
-                let FilterSample { offset, weight } = filter.sample(draw.two(Dimension::Film));
+                // What makes up for signs is without bias where samples are independent.
+                let film =
+                    if filter.is_signed() { draw.key().uniform_2d(Dimension::Film) } else { draw.two(Dimension::Film) };
+                let FilterSample { offset, weight } = filter.sample(film);
                 (corner + 0.5 + offset, weight)
             }
             None => (corner + Vec2::Y, 1.0),
@@ -156,7 +159,7 @@ impl Sum {
     fn weighted(&self) -> DVec3 {
         let others = f64::from(self.count) - 1.0;
         if others < 1.0 {
-            return self.values;
+            return self.weighted;
         }
         // Σ (1 − wᵢ)(S − Lᵢ)/(n − 1), by the sums that are there.
         let lacks = (self.weighted - self.values) - self.values * self.excess;

@@ -21,6 +21,7 @@ use crate::math::Sphere;
 use crate::shape::SurfacePoint;
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
+use std::sync::Arc;
 
 /// A source of light.
 #[derive(Clone, Debug)]
@@ -44,7 +45,7 @@ pub enum Light {
     /// A surface that radiates from its outer side.
     Area(Area),
     /// Radiance from infinity, from all around.
-    Environment(Environment),
+    Environment(Arc<Environment>),
 }
 
 /// Where a shadow ray ends.

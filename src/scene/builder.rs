@@ -1,6 +1,6 @@
 //! Building a resolved scene from parts in world coordinates.
 
-use super::movement::{MIDDLE, Movement, plane_at, shape_at, source_at};
+use super::movement::{MIDDLE, Movement, constant_strength, plane_at, shape_at, source_at};
 use super::source::{course_area_light, resolve_source};
 use super::wardrobe::{Place, Wardrobe};
 use super::{Attributes, Inside, LightStrength, Material, Scene, SourceKind};
@@ -192,11 +192,15 @@ impl SceneBuilder {
 
         let corners: Vec<[Vec3; 3]> = (0..mesh.triangles.len()).map(|i| mesh.corners(i)).collect();
         let boxes: Vec<Bounds> = shapes.iter().map(Shape::bounds).collect();
+        let at = |time| {
+            movement.shapes.iter().filter_map(move |(shape, motion)| Some(shape_at(shape, motion, time)?.bounds()))
+        };
+        let ends: Vec<Bounds> = at(0.0).chain(at(1.0)).collect();
         let farthest = corners
             .iter()
             .flatten()
             .map(|p| p.abs().max_element())
-            .chain(boxes.iter().map(|b| b.min.abs().max(b.max.abs()).max_element()))
+            .chain(boxes.iter().chain(&ends).map(|b| b.min.abs().max(b.max.abs()).max_element()))
             .fold(0.0, f32::max);
         // Squares and products of three coordinates must stay finite.
         if farthest.is_nan() || farthest > 1e12 {
@@ -254,7 +258,7 @@ impl SceneBuilder {
             parts.push((*first, Attributes { material: *material, light, chart }));
         }
         // Last, as the course's lights know nothing of it.
-        lights.extend(self.environment.map(Light::Environment));
+        lights.extend(self.environment.map(|sky| Light::Environment(Arc::new(sky))));
         let plane_materials = self.planes.iter().map(|(_, m)| *m).chain(self.moving_planes.iter().map(|(.., m)| *m));
         let still_planes = self.planes.len();
         let plane_attributes = plane_materials.enumerate().map(|(i, material)| {
@@ -315,7 +319,12 @@ impl SceneBuilder {
         Movement {
             shapes: self.moving_shapes.iter().map(|(s, motion, ..)| (s.clone(), motion.followed_by(back))).collect(),
             planes: self.moving_planes.iter().map(|(p, motion, _)| (*p, motion.followed_by(back))).collect(),
-            sources: sources.map(|((kind, s, motion), i)| (i, *kind, *s, motion.followed_by(back))).collect(),
+            sources: sources
+                .map(|((kind, strength, motion), i)| {
+                    let motion = motion.followed_by(back);
+                    (i, *kind, constant_strength(kind, *strength, &motion), motion)
+                })
+                .collect(),
             camera: self.moving_camera.as_ref().map(|motion| (still, motion.about(still.center()))),
             charts: self.wardrobe.motions(middle),
         }

@@ -3,13 +3,14 @@
 use super::{Body, Inside, Scattering, Scene, Surface};
 use crate::bsdf::Bsdf;
 use crate::color::Rgb;
+use crate::math::Ray;
 use glam::Vec3;
 
 /// The memory of a walk: [`Inside`], or [`Open`] where there is nothing to remember. Walks are compiled for each, so that scenes
 /// without bodies pay for none.
 pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
-    /// At the camera.
-    fn at_camera(scene: &Scene) -> Self;
+    /// At the start of a camera ray.
+    fn at_camera(scene: &Scene, ray: &Ray) -> Self;
 
     /// At light `light`.
     fn at_light(scene: &Scene, light: usize) -> Self;
@@ -32,7 +33,7 @@ pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
 pub struct Open;
 
 impl Interior for Open {
-    fn at_camera(_: &Scene) -> Self {
+    fn at_camera(_: &Scene, _: &Ray) -> Self {
         Self
     }
 
@@ -71,8 +72,8 @@ fn entering(surface: &Surface<'_>) -> bool {
 }
 
 impl Interior for Inside {
-    fn at_camera(scene: &Scene) -> Self {
-        scene.camera_inside
+    fn at_camera(scene: &Scene, ray: &Ray) -> Self {
+        if scene.camera.has_eye() { scene.camera_inside } else { scene.inside_at(ray.origin) }
     }
 
     fn at_light(scene: &Scene, light: usize) -> Self {

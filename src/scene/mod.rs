@@ -314,7 +314,7 @@ impl Scene {
     #[inline]
     #[must_use]
     pub fn walk_from_camera<I: Interior>(&self, ray: Ray, detail: Detail) -> Walk<I> {
-        Walk { ray, inside: I::at_camera(self), cone: self.cone(detail) }
+        Walk { ray, inside: I::at_camera(self, &ray), cone: self.cone(detail) }
     }
 
     /// The cone of a ray from the camera.

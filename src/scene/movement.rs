@@ -57,6 +57,17 @@ pub(super) fn source_at(kind: &SourceKind, motion: &Motion, time: f64) -> Option
     Some(kind.transformed(&Transform::new(motion.at(time)).ok()?))
 }
 
+/// The strength of a light that moves: a course's colour means what it does half way, and the lamp stays as strong as it is there.
+pub(super) fn constant_strength(kind: &SourceKind, strength: LightStrength, motion: &Motion) -> LightStrength {
+    let (LightStrength::Course(_), Some(placed)) = (strength, source_at(kind, motion, MIDDLE)) else { return strength };
+    match resolve_source(&placed, strength, DVec3::ZERO).0 {
+        Light::Point { intensity, .. } => LightStrength::Physical(intensity),
+        Light::Spot(spot) => LightStrength::Physical(spot.peak),
+        Light::Directional { irradiance, .. } => LightStrength::Physical(irradiance),
+        Light::Area(_) | Light::Environment(_) => strength,
+    }
+}
+
 impl Scene {
     /// Whether anything moves while the shutter is open.
     #[must_use]
@@ -64,7 +75,8 @@ impl Scene {
         self.movement.is_some()
     }
 
-    /// The scene as it stands at `time` in \[0, 1\], from where the shutter opens to where it closes. What stands still is shared.
+    /// The scene as it stands at `time` in \[0, 1\], from where the shutter opens to where it closes. Triangles, hierarchies, textures and the sky
+    /// are shared.
     #[must_use]
     pub fn at(&self, time: f64) -> Self {
         let mut scene = self.clone();

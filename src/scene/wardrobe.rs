@@ -9,10 +9,11 @@ use crate::math::{Motion, Transform};
 use crate::shape::{Chart, Form};
 use crate::texture::Texture;
 use glam::{DAffine3, DVec2, DVec3, Vec2};
+use std::collections::HashMap;
 use std::sync::Arc;
 
 /// Where an object stands among those of its sort.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Place {
     Shape(usize),
     MovingShape(usize),
@@ -27,9 +28,11 @@ pub(super) struct Wardrobe {
     pub textures: Vec<Arc<Texture>>,
     pub dresses: Vec<Dress>,
     /// Of the objects that have one, with the motion of the object.
-    charts: Vec<(Place, Form, Motion)>,
+    charts: Vec<(Form, Motion)>,
+    /// Indices of charts, from 1, by their objects.
+    chart_of: HashMap<Place, u32>,
     /// Textures and scales of the objects that emit by one.
-    glows: Vec<(Place, u32, Rgb)>,
+    glows: HashMap<Place, (u32, Rgb)>,
     /// What was added last.
     pub last: Option<Place>,
     /// Of the corners of meshes.
@@ -40,15 +43,15 @@ impl Wardrobe {
     /// The motions of charts around `middle`, where they move, by the index of the chart.
     pub fn motions(&self, middle: DVec3) -> Vec<(usize, Form, Motion)> {
         let back = DAffine3::from_translation(-middle);
-        let moving = (1..).zip(&self.charts).filter(|(_, (.., motion))| !motion.is_still());
-        moving.map(|(i, (_, form, motion))| (i, *form, motion.followed_by(back))).collect()
+        let moving = (1..).zip(&self.charts).filter(|(_, (_, motion))| !motion.is_still());
+        moving.map(|(i, (form, motion))| (i, *form, motion.followed_by(back))).collect()
     }
 
     /// All charts around `middle`; the first is that of what has none of its own.
     pub fn charts(&self, middle: DVec3) -> Result<Vec<Chart>, BuildError> {
         let back = DAffine3::from_translation(-middle);
         let mut charts = vec![Chart::default().translated(-middle)];
-        for (_, form, motion) in &self.charts {
+        for (form, motion) in &self.charts {
             charts.push(chart_at(*form, &motion.followed_by(back), MIDDLE).ok_or(BuildError::Flattened)?);
         }
         Ok(charts)
@@ -56,12 +59,12 @@ impl Wardrobe {
 
     /// Index of the chart of an object; of several the last counts.
     pub fn chart_of(&self, place: Place) -> u32 {
-        self.charts.iter().rposition(|(p, ..)| *p == place).map_or(0, |i| i as u32 + 1)
+        self.chart_of.get(&place).copied().unwrap_or(0)
     }
 
     /// How the light that an object is follows a texture, if it does.
     pub fn glow_of(&self, place: Place, charts: &[Chart]) -> Option<Arc<Glow>> {
-        let (_, texture, scale) = self.glows.iter().rfind(|(p, ..)| *p == place)?;
+        let (texture, scale) = self.glows.get(&place)?;
         let (texture, chart) = (self.textures[*texture as usize].clone(), charts[self.chart_of(place) as usize]);
         Some(Arc::new(Glow { texture, chart, scale: *scale }))
     }
@@ -102,13 +105,16 @@ impl SceneBuilder {
     /// Lays texture coordinates after `form` on the object that was added last, which `to_world` places: the space inside it is that of
     /// the form, and of patterns in space. Without, coordinates are the object's own parameters, and the space is the world.
     pub fn chart(&mut self, form: Form, to_world: &Motion) -> &mut Self {
-        self.wardrobe.charts.extend(self.wardrobe.last.map(|last| (last, form, to_world.clone())));
+        if let Some(last) = self.wardrobe.last {
+            self.wardrobe.charts.push((form, to_world.clone()));
+            self.wardrobe.chart_of.insert(last, self.wardrobe.charts.len() as u32);
+        }
         self
     }
 
     /// The emission of the object that was added last, a mean, follows `texture` times `scale` \[W/(m² sr)].
     pub fn glow(&mut self, texture: u32, scale: Rgb) -> &mut Self {
-        self.wardrobe.glows.extend(self.wardrobe.last.map(|last| (last, texture, scale)));
+        self.wardrobe.glows.extend(self.wardrobe.last.map(|last| (last, (texture, scale))));
         self
     }
 

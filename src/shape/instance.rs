@@ -52,20 +52,23 @@ impl IndexedMesh {
 pub struct Instance {
     mesh: Arc<IndexedMesh>,
     to_world: Transform,
+    /// How much larger areas are than in the mesh's space; true where the map stretches all directions alike.
+    area_scale: f64,
 }
 
 impl Instance {
     /// `mesh` under `to_world`.
     #[must_use]
     pub fn new(mesh: Arc<IndexedMesh>, to_world: Transform) -> Self {
-        Self { mesh, to_world }
+        let edge = libm::cbrt(to_world.forward().matrix3.determinant().abs());
+        Self { mesh, to_world, area_scale: edge * edge }
     }
 
     /// The image under another map; `None` where the product is singular.
     #[must_use]
     pub(super) fn transformed(&self, map: &Transform) -> Option<Self> {
         let to_world = Transform::new(*map.forward() * *self.to_world.forward()).ok()?;
-        Some(Self { mesh: Arc::clone(&self.mesh), to_world })
+        Some(Self::new(Arc::clone(&self.mesh), to_world))
     }
 
     /// How many triangles there are.
@@ -146,18 +149,11 @@ impl Instance {
     }
 
     pub(super) fn translated(&self, by: DVec3) -> Self {
-        Self { mesh: Arc::clone(&self.mesh), to_world: self.to_world.translated(by) }
-    }
-
-    /// How much larger areas are than in the mesh's space; true where the map stretches all directions alike.
-    fn area_scale(&self) -> f64 {
-        let determinant = self.to_world.forward().matrix3.determinant().abs();
-        let edge = libm::cbrt(determinant);
-        edge * edge
+        Self { to_world: self.to_world.translated(by), ..self.clone() }
     }
 
     pub(super) fn area(&self) -> f64 {
-        self.mesh.choice().map_or(0.0, |choice| choice.total() * self.area_scale())
+        self.mesh.choice().map_or(0.0, |choice| choice.total() * self.area_scale)
     }
 
     pub(super) fn sample(&self, u: Vec2) -> ShapeSample {

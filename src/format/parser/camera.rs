@@ -74,7 +74,11 @@ impl<'a> Parser<'a> {
                 angle.ensure(angle.number() > 0.0 && angle.number() < 180.0, "must lie between 0 and 180 degrees")?;
                 Projection::Perspective { angle: angle.number(), lens: f.lens(center, direction, aim)? }
             }
-            "OrthographicCamera" => Projection::Orthographic { size: f.need("size")?.positive()? },
+            "OrthographicCamera" => {
+                let size = f.need("size")?;
+                size.ensure(size.number() > 0.0 && size.number() <= 1e12, "must lie between 0 and 1e12")?;
+                Projection::Orthographic { size: size.number() }
+            }
             _ => Projection::Environment,
         };
         let side = |name, default: u32| match f.get(name) {
@@ -85,7 +89,10 @@ impl<'a> Parser<'a> {
                 Ok(pixels as u32)
             }
         };
-        let (width, height) = (side("width", 960)?, side("height", 720)?);
+        let width = side("width", 960)?;
+        // All directions are twice as wide as high.
+        let usual = if block.text == "EnvironmentCamera" { width.div_ceil(2) } else { 720 };
+        let height = side("height", usual)?;
         Ok(Camera { center, aim, up, projection, width, height, motion: Vec::new() })
     }
 }

@@ -14,7 +14,15 @@ pub(super) fn camera(description: &Description, source: &Source) -> Result<Camer
         Projection::Perspective { angle, lens } => {
             let camera = Camera::perspective(center, direction, up, angle.to_radians(), width, height);
             match lens {
-                Some(lens) => camera.map(|camera| camera.with_lens(resolve_lens(&lens, angle, center, direction))),
+                Some(lens) => {
+                    let lens = resolve_lens(&lens, angle, center, direction);
+                    if !(lens.radius < LARGEST && lens.focus < LARGEST) {
+                        let help = "close it, or focus nearer";
+                        let message = "the lens is larger, or focused farther, than single precision can hold";
+                        return Err(SceneError::at(source, described.span, message, "this camera", help));
+                    }
+                    camera.map(|camera| camera.with_lens(lens))
+                }
                 None => camera,
             }
         }
@@ -23,6 +31,9 @@ pub(super) fn camera(description: &Description, source: &Source) -> Result<Camer
     };
     camera.map_err(|e| SceneError::at(source, described.span, e.to_string(), "this camera", "give another `up`"))
 }
+
+/// Lengths whose squares and products single precision can hold.
+const LARGEST: f64 = 1e12;
 
 fn resolve_lens(lens: &description::Lens, angle: f64, center: DVec3, direction: DVec3) -> Lens {
     let radius = match lens.opening {

@@ -8,13 +8,14 @@ use crate::format::description::{Curve, CurveBasis, Shape as Described, Span};
 use crate::math::{Motion, Transform};
 use crate::shape::parametric::{Basis, SplineError};
 use crate::shape::{Disc, Form, IndexedMesh, Instance, Mesh, Patch, Plane, Rectangle, Revolution, Shape, Sphere};
-use glam::{DVec2, DVec3, Vec3};
+use glam::{DAffine3, DMat3, DVec2, DVec3, Vec3};
 use std::sync::Arc;
 
-/// A mesh around its own middle.
+/// A mesh around its own middle, in its own size.
 pub(super) struct Instanced {
     mesh: Arc<IndexedMesh>,
-    middle: DVec3,
+    /// To where the mesh was.
+    place: DAffine3,
 }
 
 impl Instanced {
@@ -25,14 +26,19 @@ impl Instanced {
         triangles: &[[u32; 3]],
     ) -> Self {
         let fold = |f: fn(DVec3, DVec3) -> DVec3| positions.iter().copied().reduce(f).unwrap_or(DVec3::ZERO);
-        let middle = 0.5 * fold(DVec3::min) + 0.5 * fold(DVec3::max);
+        let (min, max) = (fold(DVec3::min), fold(DVec3::max));
+        let middle = 0.5 * min + 0.5 * max;
+        let extent = (max - min).max_element();
+        // A power of two changes no digit.
+        let size = if extent > 0.0 { libm::exp2(libm::log2(extent).floor()) } else { 1.0 };
+        let place = DAffine3 { matrix3: DMat3::from_diagonal(DVec3::splat(size)), translation: middle };
         let mesh = Mesh {
-            positions: positions.iter().map(|p| (*p - middle).as_vec3()).collect(),
+            positions: positions.iter().map(|p| ((*p - middle) / size).as_vec3()).collect(),
             normals: normals.unwrap_or_default().iter().map(|n| n.normalize_or_zero().as_vec3()).collect(),
             texcoords: texcoords.unwrap_or_default().iter().map(|t| t.as_vec2()).collect(),
             triangles: triangles.to_vec(),
         };
-        Self { mesh: Arc::new(IndexedMesh::new(mesh)), middle }
+        Self { mesh: Arc::new(IndexedMesh::new(mesh)), place }
     }
 }
 
@@ -104,6 +110,7 @@ impl Resolver<'_> {
                     let patch = Patch::new(bases, net).map_err(|e| self.refuse_spline(span, &e))?;
                     self.place(Shape::Patch(patch), to_world, &map, span, emission)?;
                     self.lay(Form::Own, to_world);
+                    self.glow(shine);
                 }
             }
             Described::Nurbs { degree, count, knots, controls } => {
@@ -119,10 +126,18 @@ impl Resolver<'_> {
             // It has no surface, so nothing of it is seen.
             Described::Curve(_) => {}
         }
-        if let (Some((texture, scale)), false) = (shine.glow, matches!(shape, Described::Mesh { .. })) {
-            self.builder.glow(texture, scale);
+        // Of several parts each has been told.
+        if !matches!(shape, Described::Mesh { .. } | Described::Patches { .. } | Described::Curve(_)) {
+            self.glow(shine);
         }
         Ok(())
+    }
+
+    /// Lets the object that was added last emit by a texture, if it does.
+    fn glow(&mut self, shine: &Shine) {
+        if let Some((texture, scale)) = shine.glow {
+            self.builder.glow(texture, scale);
+        }
     }
 
     /// Adds a shape under `to_world`, which is `map` when the shutter opens.
@@ -193,10 +208,8 @@ impl Resolver<'_> {
                 return Err(self.refuse(span, "a moving mesh that is stretched unevenly cannot emit light", help));
             }
         }
-        let shape = Shape::Instance(Instance::new(
-            Arc::clone(&instanced.mesh),
-            Transform::IDENTITY.translated(instanced.middle),
-        ));
+        let own = self.transform(instanced.place, span)?;
+        let shape = Shape::Instance(Instance::new(Arc::clone(&instanced.mesh), own));
         self.place(shape, to_world, map, span, emission)
     }
 

@@ -46,7 +46,7 @@ fn projection() -> impl Strategy<Value = Projection> {
     let lens = (opening, focus, blades).prop_map(|(opening, focus, blades)| Lens { opening, focus, blades });
     prop_oneof![
         (1e-9..179.999, option::of(lens)).prop_map(|(angle, lens)| Projection::Perspective { angle, lens }),
-        positive().prop_map(|size| Projection::Orthographic { size }),
+        (1e-12..1e12).prop_map(|size| Projection::Orthographic { size }),
         Just(Projection::Environment),
     ]
 }

@@ -18,7 +18,7 @@ fn lights() -> Vec<Light> {
         Light::Directional { direction: Vec3::new(0.1, -1.0, 0.2).normalize(), irradiance: Rgb::splat(2.0) },
         area(Shape::Disc(Disc::new(y(2.0), DVec3::X, DVec3::Z)), 2.0),
         area(Shape::Sphere(SphereShape::new(y(2.0), 0.5)), 2.0),
-        Light::Environment(sky(0.7)),
+        Light::Environment(sky(0.7).into()),
     ]
 }
 

@@ -91,7 +91,7 @@ fn rows_weigh_what_they_light() {
 /// analytic-truths 38, by direct light and by photons through a ball of radius a: every direction brings π a² L.
 #[test]
 fn a_constant_environment_lights_a_plane_by_pi_l() {
-    let light = Light::Environment(constant());
+    let light = Light::Environment(constant().into());
     agrees(irradiance(&light, Vec3::new(1.0, 2.0, 3.0), Vec3::new(0.6, 0.0, 0.8)), 2.0 * PI);
     let domain = Sphere { center: Vec3::new(0.5, 0.0, 0.0), radius: 2.0 };
     let (a, ball) = (0.7f64, Vec3::new(-0.3, 0.2, 0.5));
@@ -117,7 +117,7 @@ fn a_constant_environment_lights_a_plane_by_pi_l() {
 fn the_sun_is_found() {
     let environment = sky(0.4);
     let n = environment.sample(Vec2::splat(0.5)).unwrap().0;
-    let by_map = irradiance(&Light::Environment(environment.clone()), Vec3::ZERO, n);
+    let by_map = irradiance(&Light::Environment(environment.clone().into()), Vec3::ZERO, n);
     let uniformly = estimate(100_000, |k| {
         let w = warp::sphere(k.uniform_2d(Dimension::LightPosition));
         4.0 * PI * f64::from(environment.radiance(w).x * w.dot(n).max(0.0))
@@ -158,6 +158,6 @@ fn pictures_that_cannot_light_are_refused() {
             assert!(refused.unwrap_err().to_string().contains("column 1, row 1"));
         }
     }
-    let black = Light::Environment(Environment::constant(Rgb::ZERO).unwrap());
+    let black = Light::Environment(Environment::constant(Rgb::ZERO).unwrap().into());
     assert!(black.sample_direct(Vec3::ZERO, Vec2::ZERO).is_none() && black.density(Vec3::ZERO, Vec3::X, None) == 0.0);
 }
