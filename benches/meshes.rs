@@ -5,7 +5,7 @@ use divan::Bencher;
 use divan::counter::ItemsCount;
 use glam::DVec3;
 use std::f64::consts::TAU;
-use std::path::PathBuf;
+use std::path::Path;
 use std::sync::LazyLock;
 
 fn main() {
@@ -47,7 +47,7 @@ static FOLDER: LazyLock<tempfile::TempDir> = LazyLock::new(|| {
     folder
 });
 
-fn write(name: &str, path: &PathBuf) {
+fn write(name: &str, path: &Path) {
     let format = MeshFormat::of(path, name.starts_with("text")).expect("a form of meshes");
     torus(name.starts_with("smooth")).write(path, format, &[]).expect("room for a mesh");
 }

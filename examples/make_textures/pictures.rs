@@ -7,7 +7,10 @@ use glam::{DAffine3, DVec2, DVec3, Vec3};
 use std::f64::consts::{PI, TAU};
 
 /// Name, what its numbers mean, and the picture.
-pub const ALL: [(&str, Curve, fn() -> Image); 3] =
+pub type Entry = (&'static str, Curve, fn() -> Image);
+
+/// All pictures.
+pub const ALL: [Entry; 3] =
     [("globe.png", Curve::Srgb, globe), ("tile.png", Curve::Course, tile), ("scratches.png", Curve::Course, scratches)];
 
 fn picture(width: u32, height: u32, pixel: impl Fn(DVec2) -> Rgb) -> Image {
