@@ -29,7 +29,7 @@ pub const ENTRIES: &[Entry] = &[
         part: CAUSTICS,
         title: "Caustic by reflection",
         scene: "scenes/ring.txt",
-        arguments: "--size 480x360 --passes 10",
+        arguments: "--size 480x360 --passes 6",
         text: "The nephroid inside a ring of gold, and inside one of silver.",
     },
     Entry {
@@ -37,7 +37,7 @@ pub const ENTRIES: &[Entry] = &[
         part: CAUSTICS,
         title: "Caustic by refraction",
         scene: "scenes/glass-ball.txt",
-        arguments: "--size 480x360 --passes 10",
+        arguments: "--size 480x360 --passes 6",
         text: "The light that a ball of glass gathers, in a room whose walls colour each other.",
     },
     Entry {
@@ -45,7 +45,7 @@ pub const ENTRIES: &[Entry] = &[
         part: CAUSTICS,
         title: "Caustic through waves",
         scene: "scenes/pool.txt",
-        arguments: "--size 480x360 --passes 10",
+        arguments: "--size 480x360 --passes 6",
         text: "Light that came through the waves, seen through the waves: paths that only photons find.",
     },
     Entry {
@@ -53,7 +53,7 @@ pub const ENTRIES: &[Entry] = &[
         part: CAUSTICS,
         title: "Cut stones",
         scene: "scenes/gem.txt",
-        arguments: "--size 480x360 --passes 10",
+        arguments: "--size 480x360 --passes 6",
         text: "Total reflection inside of diamond, ruby and sapphire, with the sparks that they throw.",
     },
     Entry {
@@ -61,7 +61,7 @@ pub const ENTRIES: &[Entry] = &[
         part: LIGHT,
         title: "Area lights and soft shadows",
         scene: "scenes/window.txt",
-        arguments: "--size 480x360 --passes 10",
+        arguments: "--size 480x360 --passes 6",
         text: "A room that a window lights.",
     },
     Entry {
@@ -69,7 +69,7 @@ pub const ENTRIES: &[Entry] = &[
         part: LIGHT,
         title: "Many lights",
         scene: "scenes/many-lights.txt",
-        arguments: "--size 480x360 --passes 10",
+        arguments: "--size 480x360 --passes 6",
         text: "Lights chosen by a tree over power, place and direction.",
     },
     Entry {
@@ -77,7 +77,7 @@ pub const ENTRIES: &[Entry] = &[
         part: LIGHT,
         title: "Light from all around",
         scene: "scenes/sky.txt",
-        arguments: "--size 480x360 --passes 10",
+        arguments: "--size 480x360 --passes 6",
         text: "A sky lights, and is mirrored and refracted.",
     },
     Entry {
@@ -85,7 +85,7 @@ pub const ENTRIES: &[Entry] = &[
         part: LIGHT,
         title: "A lamp inside of glass",
         scene: "scenes/bulb.txt",
-        arguments: "--size 480x360 --passes 10",
+        arguments: "--size 480x360 --passes 6",
         text: "All light of the room has gone through the glass of the bulb: no shadow ray finds it.",
     },
     Entry {
@@ -93,7 +93,7 @@ pub const ENTRIES: &[Entry] = &[
         part: MATTER,
         title: "Rough glass and rough metal",
         scene: "scenes/frosted.txt",
-        arguments: "--size 480x360 --passes 10",
+        arguments: "--size 480x360 --passes 6",
         text: "Microfacets of growing roughness.",
     },
     Entry {
@@ -101,7 +101,7 @@ pub const ENTRIES: &[Entry] = &[
         part: MATTER,
         title: "Bodies inside of bodies",
         scene: "scenes/fishbowl.txt",
-        arguments: "--size 480x360 --passes 10",
+        arguments: "--size 480x360 --passes 6",
         text: "Water in glass, whose common boundary bends light by the ratio of their indices.",
     },
     Entry {
@@ -109,7 +109,7 @@ pub const ENTRIES: &[Entry] = &[
         part: MATTER,
         title: "Textures, bumps and normal maps",
         scene: "scenes/textures.txt",
-        arguments: "--size 480x360 --passes 10",
+        arguments: "--size 480x360 --passes 6",
         text: "Pictures, tiles to the horizon, marble and wood cut from a block, and reliefs, filtered by the footprint of the ray.",
     },
     Entry {
@@ -117,7 +117,7 @@ pub const ENTRIES: &[Entry] = &[
         part: SHAPES,
         title: "Bézier patches",
         scene: "scenes/teapot.txt",
-        arguments: "--size 480x360 --passes 10",
+        arguments: "--size 480x360 --passes 6",
         text: "A pot of bicubic patches, which rays meet as they are: no triangles, no edges in its outline.",
     },
     Entry {
@@ -125,7 +125,7 @@ pub const ENTRIES: &[Entry] = &[
         part: SHAPES,
         title: "Meshes with interpolated normals",
         scene: "scenes/goblet.txt",
-        arguments: "--size 480x360 --passes 10",
+        arguments: "--size 480x360 --passes 6",
         text: "Wine in a glass, and a fluted vase, each of many thousand triangles.",
     },
     Entry {
@@ -133,7 +133,7 @@ pub const ENTRIES: &[Entry] = &[
         part: CAMERA,
         title: "Depth of field",
         scene: "scenes/marbles.txt",
-        arguments: "--size 480x360 --passes 16 --adaptive",
+        arguments: "--size 480x360 --passes 12 --adaptive",
         text: "A lens of six blades: what is out of focus takes its form.",
     },
     Entry {
@@ -141,7 +141,7 @@ pub const ENTRIES: &[Entry] = &[
         part: CAMERA,
         title: "Motion blur",
         scene: "scenes/motion.txt",
-        arguments: "--size 480x360 --passes 64 --spp 3 --photons 50k",
+        arguments: "--size 480x360 --passes 48 --spp 2 --photons 30k",
         text: "Sails that turn, a ball that falls, and a glass ball that rolls with its caustic.",
     },
     Entry {
@@ -213,7 +213,7 @@ pub const ENTRIES: &[Entry] = &[
         part: COMPOSITIONS,
         title: "Still life",
         scene: "scenes/still-life.txt",
-        arguments: "--passes 12 --spp 4",
+        arguments: "--passes 6 --spp 4",
         text: "Surfaces of revolution, a mesh, wine in glass, marble and wood, dented brass, caustics, soft light, depth of field.",
     },
     Entry {
@@ -221,7 +221,7 @@ pub const ENTRIES: &[Entry] = &[
         part: COMPOSITIONS,
         title: "Garden pool",
         scene: "scenes/garden-pool.txt",
-        arguments: "--passes 16 --spp 3",
+        arguments: "--passes 8 --spp 3",
         text: "Caustics through waves under a sky, tiles, stone, a ball that drops, glass, gold, instances of a mesh.",
     },
     Entry {
@@ -229,7 +229,7 @@ pub const ENTRIES: &[Entry] = &[
         part: COMPOSITIONS,
         title: "Cabinet of optics",
         scene: "scenes/cabinet.txt",
-        arguments: "--passes 12 --spp 4",
+        arguments: "--passes 6 --spp 4",
         text: "A ring's nephroid, a ball lens, a cut stone, metals, frosted and thin glass, marble, a relief, light from wall to wall.",
     },
 ];
