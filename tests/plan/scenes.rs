@@ -54,18 +54,12 @@ fn course() -> Vec<(PathBuf, Scene)> {
         eprintln!("SKIPPED: {} is absent", folder.display());
         return Vec::new();
     }
-    let mut scenes = Vec::new();
-    for path in files(&folder) {
-        match read(&path) {
-            Ok(scene) => scenes.push((path, scene)),
-            Err(error) => {
-                let text = fs::read_to_string(&path).unwrap();
-                assert!(text.contains("Curve"), "{}: {error}", path.display());
-                eprintln!("SKIPPED: {}: {error}", path.display());
-            }
-        }
-    }
-    assert!(scenes.len() >= 7, "only {} of the course's scenes can be rendered", scenes.len());
+    let scene = |path: PathBuf| match read(&path) {
+        Ok(scene) => (path, scene),
+        Err(error) => panic!("{}: {error}", path.display()),
+    };
+    let scenes: Vec<(PathBuf, Scene)> = files(&folder).into_iter().map(scene).collect();
+    assert_eq!(scenes.len(), 10, "the course has ten scenes");
     scenes
 }
 
@@ -98,7 +92,10 @@ fn course_scenes_call_for_nothing_that_their_text_lacks() {
             let plan = Plan::new(&scene, algorithm.simulates(), Wishes::PLANNED);
             for decision in plan.decisions {
                 let needs = NEEDS.iter().find(|(effect, _)| *effect == decision.effect).map(|(_, words)| *words);
-                // What the text holds need not add anything, but here all of it does.
+                // What the text holds need not add anything, but here all of it does, where there is anything to see.
+                if needs.is_none() && scene.objects().next().is_none() {
+                    continue;
+                }
                 let there = needs.is_none_or(|words| words.iter().any(|w| text.contains(w)));
                 let expected = there && algorithm.simulates().has(decision.effect);
                 let name = path.file_name().unwrap().to_string_lossy();
