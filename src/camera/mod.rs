@@ -17,6 +17,8 @@ pub struct Camera {
     /// One pixel to the right, and one pixel up, on the plane at distance 1; of a panorama, of unit length.
     right: DVec3,
     up: DVec3,
+    /// Length of `right` and of `up`.
+    pixel: f64,
     projection: Projection,
     width: u32,
     height: u32,
@@ -96,7 +98,7 @@ impl Camera {
         }
         let right = right.normalize();
         let up = right.cross(forward) * pixel;
-        Ok(Self { center, forward, right: right * pixel, up, projection, width, height })
+        Ok(Self { center, forward, right: right * pixel, up, pixel, projection, width, height })
     }
 
     /// The same camera with a lens, where it is a perspective one; an opening of radius 0 is a pinhole.
@@ -141,10 +143,10 @@ impl Camera {
     #[inline]
     #[must_use]
     pub fn pixel(&self) -> (f32, f32) {
-        let size = self.right.length();
+        let size = self.pixel as f32;
         match self.projection {
-            Projection::Perspective(_) => (0.0, size as f32),
-            Projection::Orthographic => (size as f32, 0.0),
+            Projection::Perspective(_) => (0.0, size),
+            Projection::Orthographic => (size, 0.0),
             Projection::Panorama => (0.0, (std::f64::consts::TAU / f64::from(self.width)) as f32),
         }
     }
@@ -177,8 +179,8 @@ impl Camera {
         let y = 0.5 * f64::from(self.height) - f64::from(p.y);
         match (self.projection, lens) {
             (Projection::Perspective(Some(thin)), Some(u)) => {
-                let on_lens = thin.sample(u);
-                let origin = self.center + self.right.normalize() * on_lens.x + self.up.normalize() * on_lens.y;
+                let on_lens = thin.sample(u) / self.pixel;
+                let origin = self.center + self.right * on_lens.x + self.up * on_lens.y;
                 let in_focus = self.center + (self.right * x + self.up * y + self.forward) * thin.focus;
                 Ray::new(origin.as_vec3(), (in_focus - origin).normalize().as_vec3())
             }

@@ -4,10 +4,9 @@
 //! in proportion to σ over the light. A few looks before the first pass tell both. What they find holds for all passes, so passes stay
 //! independent, and as no ray of the looks is used again the mean is without bias.
 
-use super::Pass;
-use super::Silent;
 use super::maker::Draft;
 use super::prepared::{Job, Prepared};
+use super::{Pass, Silent};
 use crate::color;
 use crate::sampling::{Key, Purpose};
 use std::sync::Arc;

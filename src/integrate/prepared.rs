@@ -200,17 +200,9 @@ impl Integrator for Prepared<'_> {
     }
 
     fn expected_work(&self, effects: Effects) -> Counters {
-        let within = Self {
-            plan: self.plan.clone(),
-            effects,
-            eye: self.eye.clone(),
-            direct: DirectLight::new(self.scene, self.strategy.asking(), effects),
-            maker: self.maker.within(effects, self.strategy.needs(effects)),
-            strategy: Arc::clone(&self.strategy),
-            density: None,
-            ..*self
-        };
-        within.sketch()
+        let direct = DirectLight::new(self.scene, self.strategy.asking(), effects);
+        let maker = self.maker.within(effects, self.strategy.needs(effects));
+        Self { effects, direct, maker, ..self.at(self.scene) }.sketch()
     }
 
     fn plan(&self) -> &Plan {

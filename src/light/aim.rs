@@ -59,12 +59,6 @@ impl Targets {
         Self { balls }
     }
 
-    /// Whether there is nothing to aim at.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.balls.is_empty()
-    }
-
     /// A direction from `p` towards the targets, above the plane of `horizon` where one is given, with its density per
     /// steradian. `None` where no target is in view.
     #[must_use]

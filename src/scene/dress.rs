@@ -1,7 +1,7 @@
 //! What textures make of materials.
 
 use super::material::phong;
-use super::{Body, Cone, Hit, HitKind, Look, Scattering, Scene, Surface};
+use super::{Body, Cone, Hit, HitKind, Look, Material, Scattering, Scene, Surface};
 use crate::bsdf::{Bsdf, Conductor, STORED_ALPHA, Thin};
 use crate::color::Rgb;
 use crate::light::Glow;
@@ -169,18 +169,12 @@ impl Scene {
 
     /// What a mix whose share may follow a texture stands for this time.
     #[inline(never)]
-    pub(super) fn chosen_by_texture(&self, mut index: u32, mut chance: f32, place: &dyn Fn() -> Place) -> u32 {
-        while let material = &self.materials[index as usize]
-            && let Scattering::Mix { first, second, amount } = material.scattering
-        {
-            let amount = match material.dress.map(|dress| self.dresses[dress as usize].coat) {
-                Some(Coat::Mix(texture)) => self.textures[texture as usize].number(&place()),
-                _ => amount,
-            };
-            (index, chance) =
-                if chance < amount { (second, chance / amount) } else { (first, (chance - amount) / (1.0 - amount)) };
-        }
-        index
+    pub(super) fn chosen_by_texture(&self, index: u32, chance: f32, place: &dyn Fn() -> Place) -> u32 {
+        let coat = |material: &Material| material.dress.map(|dress| self.dresses[dress as usize].coat);
+        self.chosen(index, chance, |material, amount| match coat(material) {
+            Some(Coat::Mix(texture)) => self.textures[texture as usize].number(&place()),
+            _ => amount,
+        })
     }
 
     /// The place of a hit as textures see it, by a cone that has come to it.

@@ -8,6 +8,7 @@ mod interior;
 mod material;
 mod movement;
 mod objects;
+mod settle;
 mod source;
 mod surface;
 mod walk;
@@ -260,7 +261,7 @@ impl Scene {
             index = if cone.detail.textures && !self.dresses.is_empty() {
                 self.chosen_by_texture(index, chance(), &|| self.place(hit, &point, wo, cone))
             } else {
-                self.chosen(index, chance())
+                self.chosen(index, chance(), |_, amount| amount)
             };
             material = &self.materials[index as usize];
         }
@@ -300,9 +301,13 @@ impl Scene {
         self.point(ray, hit).0.ng
     }
 
-    /// What a mix stands for this time.
-    fn chosen(&self, mut index: u32, mut chance: f32) -> u32 {
-        while let Scattering::Mix { first, second, amount } = self.materials[index as usize].scattering {
+    /// What a mix stands for this time; `share` gives the share of the second of each mix on the way, of which it gets the material and the
+    /// amount that is the same everywhere.
+    fn chosen(&self, mut index: u32, mut chance: f32, share: impl Fn(&Material, f32) -> f32) -> u32 {
+        while let material = &self.materials[index as usize]
+            && let Scattering::Mix { first, second, amount } = material.scattering
+        {
+            let amount = share(material, amount);
             // What is left of the number inside the chosen part is uniform again.
             (index, chance) =
                 if chance < amount { (second, chance / amount) } else { (first, (chance - amount) / (1.0 - amount)) };

@@ -6,20 +6,16 @@
 
 use super::source::{course_area_light, resolve_source};
 use super::wardrobe::{chart_at, evened};
-use super::{Inside, LightStrength, Scene, SourceKind};
-use crate::accel::Hierarchy;
+use super::{LightStrength, Scene, SourceKind};
 use crate::camera::Camera;
 use crate::light::{Emitter, Glow, Light};
-use crate::math::{Bounds, Motion, Sphere, Transform};
+use crate::math::{Motion, Transform};
 use crate::shape::{Form, Plane, Shape};
 use glam::DVec3;
 use std::sync::Arc;
 
 /// The time at which a scene stands when nobody says otherwise: half way.
 pub(super) const MIDDLE: f64 = 0.5;
-
-/// How far light from infinity is followed beyond the bounded shapes, in their radii, where unbounded planes catch it.
-const OPEN_DOMAIN: f32 = 4.0;
 
 /// All that moves. Motions lead to the scene's own coordinates.
 #[derive(Debug, Default)]
@@ -128,36 +124,4 @@ impl Scene {
         }
         self.shapes[i] = shape;
     }
-
-    /// Makes all that follows from where things are; `still` is the box around what does not move.
-    pub(super) fn settle(&mut self, still: Bounds) {
-        let moving = self.movement.as_ref().map_or(0, |m| m.shapes.len());
-        self.first_moving = (self.shapes.len() - moving) as u32;
-        let boxes: Vec<Bounds> = self.shapes[self.first_moving as usize..].iter().map(Shape::bounds).collect();
-        self.moving = (moving > 0).then(|| Arc::new(Hierarchy::build(&[], &boxes)));
-        let planes = self.planes.iter().map(|(plane, _)| plane.place().0.length());
-        self.domain = domain(boxes.into_iter().fold(still, Bounds::union), planes);
-        self.camera_inside = Inside::NOTHING;
-        self.light_inside = vec![Inside::NOTHING; self.lights.len()];
-        if self.has_bodies() {
-            self.camera_inside = self.inside_at(self.camera.center().as_vec3());
-            let start = |light: &Light| light.start().map_or(Inside::NOTHING, |p| self.inside_at(p));
-            self.light_inside = self.lights.iter().map(start).collect();
-        }
-    }
-}
-
-/// The ball in which light from infinity counts, around the bounded shapes, or where there are none around the eye at the origin;
-/// `planes` are the distances of unbounded planes.
-fn domain(bounds: Bounds, planes: impl Iterator<Item = f32>) -> Sphere {
-    let ball = bounds.bounding_sphere();
-    let Some(farthest) = planes.reduce(f32::max) else { return ball };
-    let radius = if ball.radius > 0.0 {
-        ball.radius
-    } else if farthest > 0.0 {
-        farthest
-    } else {
-        1.0
-    };
-    Sphere { center: ball.center, radius: radius * OPEN_DOMAIN }
 }

@@ -2,7 +2,7 @@
 
 use super::{Crossing, Mapped, Mesh, ShapeSample, SurfacePoint, widen};
 use crate::accel::{Hierarchy, Primitive};
-use crate::math::{Bounds, Ray, Transform, warp};
+use crate::math::{Ray, Transform, warp};
 use crate::sampling::Discrete;
 use glam::{DVec3, Vec2, Vec3};
 use std::sync::{Arc, OnceLock};
@@ -11,7 +11,6 @@ use std::sync::{Arc, OnceLock};
 pub struct IndexedMesh {
     mesh: Mesh,
     hierarchy: Hierarchy,
-    bounds: Bounds,
     /// Triangles by area, for lights.
     choice: OnceLock<Option<Discrete>>,
 }
@@ -27,14 +26,7 @@ impl IndexedMesh {
     #[must_use]
     pub fn new(mesh: Mesh) -> Self {
         let corners: Vec<[Vec3; 3]> = (0..mesh.triangles.len()).map(|i| mesh.corners(i)).collect();
-        let bounds = Bounds::of(corners.iter().flatten().copied());
-        Self { hierarchy: Hierarchy::build(&corners, &[]), mesh, bounds, choice: OnceLock::new() }
-    }
-
-    /// The triangles.
-    #[must_use]
-    pub fn mesh(&self) -> &Mesh {
-        &self.mesh
+        Self { hierarchy: Hierarchy::build(&corners, &[]), mesh, choice: OnceLock::new() }
     }
 
     /// Triangles in proportion to their area; `None` where there is none.
@@ -143,7 +135,7 @@ impl Instance {
     }
 
     pub(super) fn extent(&self) -> (DVec3, DVec3) {
-        let corners = self.mesh.bounds.corners().map(|c| self.to_world.point(c.as_dvec3()));
+        let corners = self.mesh.hierarchy.bounds().corners().map(|c| self.to_world.point(c.as_dvec3()));
         let fold = |f: fn(DVec3, DVec3) -> DVec3| corners.iter().copied().reduce(f).unwrap_or(DVec3::ZERO);
         (fold(DVec3::min), fold(DVec3::max))
     }

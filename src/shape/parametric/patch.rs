@@ -5,10 +5,10 @@ use super::patch_build::Builder;
 use super::patch_piece::{Beyond, PatchPiece};
 use super::polynomial::Vector;
 use super::spline::{Basis, SplineError};
-use super::{GAUSS, SLACK};
+use super::{GAUSS, Nearest, SLACK};
 use crate::math::{Ray, Transform};
 use crate::sampling::Discrete;
-use crate::shape::{Crossing, Mapped, ShapeSample, SurfacePoint, widen, within};
+use crate::shape::{Crossing, Mapped, ShapeSample, SurfacePoint, within};
 use glam::{DVec2, DVec3, DVec4, Vec2};
 use std::sync::Arc;
 
@@ -151,26 +151,11 @@ impl Patch {
         Some(Self { net: Arc::clone(net), to_world, area })
     }
 
-    /// How many flat pieces the surface is cut into.
-    #[must_use]
-    pub fn pieces(&self) -> usize {
-        self.net.leaves.len()
-    }
-
     /// The ray in the net's space, τ at its origin as a negative number, and τ for each unit of t; `None` where it passes by.
     fn line(&self, ray: &Ray) -> Option<(Line, f64, f64)> {
-        let (o, d) = widen(ray);
-        let inverse = self.to_world.inverse();
-        let (o, d) = (inverse.transform_point3(o), inverse.transform_vector3(d));
-        let length = d.length();
-        let direction = d / length;
-        let start = -o.dot(direction);
-        // Twice, as the first step rounds in proportion to a distance that may be long.
-        let base = o + direction * start;
-        let more = -base.dot(direction);
-        let base = base + direction * more;
+        let Nearest { base, direction, start, length } = Nearest::new(ray, &self.to_world);
         let size = self.net.size * (1.0 + 1e-9);
-        (base.length_squared() <= size * size).then(|| (Line::new(base, direction), start + more, length))
+        (base.length_squared() <= size * size).then(|| (Line::new(base, direction), start, length))
     }
 
     pub(in crate::shape) fn intersect(&self, ray: &Ray) -> Option<Crossing> {
@@ -365,7 +350,6 @@ mod tests {
     #[test]
     fn quarter_circles_make_a_sphere() {
         let patch = octant();
-        eprintln!("{} pieces", patch.pieces());
         assert!((patch.area() / (std::f64::consts::FRAC_PI_2) - 1.0).abs() < 1e-9, "{}", patch.area());
         for d in [Vec3::ONE, Vec3::new(0.1, 0.7, 0.4), Vec3::new(1e-3, 1.0, 1e-3), Vec3::new(0.5, 0.01, 0.02), Vec3::Y]
         {

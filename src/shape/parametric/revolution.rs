@@ -5,7 +5,7 @@ use super::polynomial::{Vector, evaluate, split, to_powers};
 use super::profile::Piece;
 use super::ring_tree::{Ring, RingTree};
 use super::spline::{Basis, SplineError};
-use super::{GAUSS, SLACK};
+use super::{GAUSS, Nearest, SLACK};
 use crate::math::{Ray, Transform};
 use crate::sampling::Discrete;
 use crate::shape::{Crossing, Mapped, ShapeSample, SurfacePoint, widen, within};
@@ -92,8 +92,8 @@ impl Revolution {
         let mut profile = Profile { leaves, powers, tree, size, noise, choice: nothing };
         let areas = (0..profile.leaves.len()).map(|i| profile.leaf_area(i, &Transform::IDENTITY));
         profile.choice = Discrete::new(areas).ok_or(SplineError::NoArea)?;
-        let area = profile.choice.total();
         let to_world = Transform::IDENTITY.translated(DVec3::new(0.0, middle, 0.0));
+        let area = profile.choice.total();
         Ok(Self { profile: Arc::new(profile), to_world, area })
     }
 
@@ -129,18 +129,9 @@ impl Revolution {
     /// The ray in the profile's space, the τ at which it is nearest to the middle less that at its origin, and τ for each unit of t.
     /// `None` where it passes the surface by.
     fn line(&self, ray: &Ray) -> Option<(AxisRay, f64, f64)> {
-        let (o, d) = widen(ray);
-        let inverse = self.to_world.inverse();
-        let (o, d) = (inverse.transform_point3(o), inverse.transform_vector3(d));
-        let length = d.length();
-        let direction = d / length;
-        let start = -o.dot(direction);
-        // Twice, as the first step rounds in proportion to a distance that may be long.
-        let base = o + direction * start;
-        let more = -base.dot(direction);
-        let base = base + direction * more;
+        let Nearest { base, direction, start, length } = Nearest::new(ray, &self.to_world);
         let size = self.profile.size * (1.0 + 1e-9);
-        (base.length_squared() <= size * size).then(|| (AxisRay::new(base, direction), start + more, length))
+        (base.length_squared() <= size * size).then(|| (AxisRay::new(base, direction), start, length))
     }
 
     /// θ/2π in \[0, 1) of a point of a leaf.
