@@ -62,7 +62,7 @@ fn render(entry: &Entry) -> Result<(), Box<dyn Error>> {
 fn page() -> Result<String, Box<dyn Error>> {
     let mut page = String::from(
         "# Gallery\n\nOne picture for each effect, then compositions of many. Each has its scene, the command that makes it, and what it took on two \
-         cores: passes, photons that were stored in all of them, and time on the wall and of the processor. The page is written, and all pictures are \
+         cores that other work shared: passes, photons that were stored in all of them, and time on the wall and of the processor. The page is written, and all pictures are \
          rendered, by\n\n```sh\ncargo run --release --example gallery\n```\n",
     );
     let mut part = "";

@@ -192,6 +192,25 @@ mod tests {
     }
 
     #[test]
+    fn suns_light_scenes_of_planes_alone() {
+        let mut builder = SceneBuilder::new();
+        let white = builder.material(Material::diffuse(Rgb::ONE));
+        builder.plane(Plane::new(DVec3::NEG_Y, DVec3::Y), white, Rgb::ZERO);
+        builder.plane(Plane::new(DVec3::Z * -3.0, DVec3::Z), white, Rgb::ZERO);
+        let direction = DVec3::new(0.1, -1.0, -0.5);
+        builder.source(SourceKind::Directional { direction }, LightStrength::Physical(Rgb::ONE));
+        let eye = Camera::perspective(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 1.0, 4, 3).unwrap();
+        let scene = builder.build(eye).unwrap();
+        // As far as the farther plane, with room.
+        assert!(scene.domain().radius >= 3.0);
+        let source = PhotonSource::everywhere(&scene).unwrap();
+        let pass = PhotonPass { scene: &scene, source: &source, wants: Wants::ALL, max_bounces: 0 };
+        let photons = pass.trace(Key::new(1), 4096, &|_| {}).photons;
+        let on = |axis: usize, at: f32| photons.iter().any(|p| (p.position[axis] - at).abs() < 1e-3);
+        assert!(on(1, -1.0) && on(2, -3.0));
+    }
+
+    #[test]
     fn planes_shade_parallel_light_however_far_upstream() {
         for (height, shaded) in [(1.0, true), (100.0, true), (1e6, true), (-1.0, false)] {
             let scene = sun_over_ball(height);

@@ -115,3 +115,22 @@ fn patterns_move_with_their_objects() {
         close(look(&turned, dvec3(x, -9.0, y), Vec3::Y).unwrap().0.bsdf);
     }
 }
+
+/// All patches of one block, but not what stood before a curve.
+#[test]
+fn each_part_of_an_object_emits_by_its_texture() {
+    let net = |x: f64| {
+        let at = |i: u32| format!("[ {} {} 0 ]", x + f64::from(i / 4), i % 4);
+        (0..16).map(at).collect::<Vec<_>>().join(" ")
+    };
+    let glows = |objects: &str| -> Vec<bool> {
+        let materials = "Diffuse plain { reflectance 0 0 0 } Diffuse panel { reflectance 0 0 0 emission t }";
+        let text = format!("Textures {{ Checker t {{ }} }} Materials {{ {materials} }} Group {{ {objects} }}");
+        scene(&text).objects().map(|o| o.glows).collect()
+    };
+    let patches = format!("MaterialName panel BezierPatch {{ controls {} {} }}", net(0.0), net(5.0));
+    assert_eq!(glows(&patches), [true, true]);
+    let before = "MaterialName plain Sphere { center 0 0 0 radius 1 emission 5 5 5 }";
+    let curve = "MaterialName panel BezierCurve { controls [ 3 0 0 ] [ 3 1 0 ] [ 1 1 0 ] }";
+    assert_eq!(glows(&format!("{before} {curve}")), [false]);
+}
