@@ -54,6 +54,7 @@ pub mod image;
 pub mod integrate;
 pub mod light;
 pub mod math;
+pub mod medium;
 pub mod photon;
 pub mod plan;
 pub mod render;

@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 /// Rooms by storey; a room uses only rooms of lower storeys.
 const STOREYS: [&[&str]; 10] = [
     &["math", "sampling", "color", "image", "stats"],
-    &["accel", "texture", "bsdf", "medium"],
-    &["shape"],
+    &["accel", "texture", "bsdf"],
+    &["shape", "medium"],
     &["light", "camera"],
     &["scene"],
     &["plan", "photon"],

@@ -4,12 +4,15 @@
 //! triangles, both laid out for vector units. The hit of a triangle is a pure function of the ray and its corners, and the
 //! boxes never lose one, so no answer depends on the shape of the tree.
 
+mod along;
 mod grow;
 mod packet;
 mod probe;
 #[cfg(test)]
 mod tests;
 mod wide;
+
+pub use along::Boxes;
 
 use crate::math::{Bounds, Ray};
 use glam::Vec3;

@@ -36,7 +36,7 @@ pub const STORED_ALPHA: f32 = 0.3;
 const NARROW: f32 = 1e-6;
 
 /// What a cone around a walk widens by at a matt surface, as a tangent.
-const DIFFUSE_BLUR: f32 = 0.2;
+pub(crate) const DIFFUSE_BLUR: f32 = 0.2;
 
 /// What a walk carries.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -13,7 +13,7 @@ use crate::color::{self, Rgb};
 use crate::math::Ray;
 use crate::plan::{Effect, Effects};
 use crate::sampling::{Dimension, Draw, Key, Purpose};
-use crate::scene::{Arrival, Inside, Interior, Open, Scene, Surface, Walk};
+use crate::scene::{Arrival, Inside, Interior, Open, Scene, Step, Surface, Walk};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use std::time::Instant;
@@ -157,7 +157,7 @@ impl<M: Method> EyePass<'_, M> {
         radiance: &mut Rgb,
     ) -> Option<Next<I>> {
         worker.counters.onward_rays += u64::from(branch.bounce > 0);
-        let Some(arrival) = branch.walk.advance(self.scene, branch.draw.key()) else {
+        let Step::Arrived(arrival) = branch.walk.advance(self.scene, branch.draw.key(), |_| None) else {
             *radiance += branch.throughput * self.escaped(branch);
             return None;
         };

@@ -3,6 +3,7 @@
 mod bounds;
 mod float;
 mod frame;
+mod morton;
 mod motion;
 mod ray;
 mod transform;
@@ -11,6 +12,7 @@ pub mod warp;
 pub use bounds::{Bounds, Sphere};
 pub use float::{direction, gamma, quadratic, sin_cos_turns};
 pub use frame::Frame;
+pub use morton::morton_order;
 pub use motion::{Motion, Step, turn};
 pub use ray::{Ray, offset_origin};
 pub use transform::{Singular, Transform};

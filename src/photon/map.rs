@@ -1,6 +1,7 @@
 //! The photon map: a kd-tree of crate kiddo.
 
 use super::{Flux, Photon};
+use crate::math::morton_order;
 use glam::{Mat3, Vec3};
 use kiddo::leaf_strategy::VecOfArenas;
 use kiddo::{Eytzinger, KdTree, SquaredEuclidean};
@@ -40,7 +41,9 @@ impl PhotonMap {
     #[must_use]
     pub fn build(mut photons: Vec<Photon>) -> Self {
         photons.par_iter_mut().for_each(|p| p.position = TURN * p.position);
-        sort_along_curve(&mut photons);
+        // Along a curve the build and the leaves are coherent.
+        let order = morton_order(&photons, |p| p.position);
+        photons = order.par_iter().map(|i| photons[*i as usize]).collect();
         merge_alike(&mut photons);
         let len = photons.len();
         let at = |p: &Photon, axis: usize| p.position[axis];
@@ -74,32 +77,6 @@ impl PhotonMap {
             .unsorted()
             .visit(|found| visitor(&found.item, found.distance));
     }
-}
-
-/// Sorts by place along a Morton curve, so that the build and the leaves are coherent; photons that agree in everything are
-/// interchangeable, so the order is one for any thread count.
-fn sort_along_curve(photons: &mut Vec<Photon>) {
-    let bounds = crate::math::Bounds::of(photons.iter().map(|p| p.position));
-    let scale = Vec3::splat(f32::from(u16::MAX) * 16.0) / bounds.extent().max(Vec3::splat(f32::MIN_POSITIVE));
-    let mut keyed: Vec<(u64, u32)> =
-        photons.par_iter().enumerate().map(|(i, p)| (morton((p.position - bounds.min) * scale), i as u32)).collect();
-    keyed.par_sort_unstable();
-    let sorted: Vec<Photon> = keyed.par_iter().map(|(_, i)| photons[*i as usize]).collect();
-    *photons = sorted;
-}
-
-/// Interleaves 20 bits of each coordinate.
-#[inline]
-fn morton(p: Vec3) -> u64 {
-    let spread = |x: f32| {
-        let mut v = (x as u64) & 0x1f_ffff;
-        v = (v | v << 32) & 0x001f_0000_0000_ffff;
-        v = (v | v << 16) & 0x001f_0000_ff00_00ff;
-        v = (v | v << 8) & 0x100f_00f0_0f00_f00f;
-        v = (v | v << 4) & 0x10c3_0c30_c30c_30c3;
-        (v | v << 2) & 0x1249_2492_4924_9249
-    };
-    spread(p.x) | spread(p.y) << 1 | spread(p.z) << 2
 }
 
 /// Replaces crowds at one place and on one side by a single photon of their summed flux and mean direction.

@@ -1,21 +1,25 @@
 //! The photon store: emission, tracing, the kd-tree, and density estimates.
 
+mod beam;
 mod coverage;
 mod emit;
 mod estimate;
 mod kernel;
 mod learn;
 mod map;
+mod points;
 mod record;
 mod trace;
 mod visible;
 
+pub use beam::{Beam, BeamMap, Crossing};
 pub use coverage::coverage;
 pub use emit::PhotonSource;
 pub use estimate::{Bandwidth, Estimate, Scratch};
 pub use kernel::{Kernel, UnknownKernel};
 pub use learn::{Lesson, Pilot};
 pub use map::PhotonMap;
+pub use points::{PointMap, VolumePhoton};
 pub use record::{Flux, Photon};
 pub use trace::{Audit, Class, PhotonPass, THINNING, Traced, Wants};
 pub use visible::{Visible, VisiblePoint};

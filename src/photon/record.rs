@@ -118,14 +118,14 @@ impl Flux {
 
 /// Octahedral coordinates in 16 bits each (Cigolle et al. 2014, JCGT 3(2)).
 #[inline]
-fn encode(v: Vec3) -> [u16; 2] {
+pub(super) fn encode(v: Vec3) -> [u16; 2] {
     let p = Vec2::new(v.x, v.y) / (v.x.abs() + v.y.abs() + v.z.abs());
     let p = if v.z < 0.0 { fold(p) } else { p };
     [p.x, p.y].map(|c| ((c * 0.5 + 0.5) * 65_535.0 + 0.5) as u16)
 }
 
 #[inline]
-fn decode(e: [u16; 2]) -> Vec3 {
+pub(super) fn decode(e: [u16; 2]) -> Vec3 {
     let [x, y] = e.map(|c| f32::from(c) * (2.0 / 65_535.0) - 1.0);
     let z = 1.0 - x.abs() - y.abs();
     let p = if z < 0.0 { fold(Vec2::new(x, y)) } else { Vec2::new(x, y) };

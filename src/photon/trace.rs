@@ -4,7 +4,7 @@ use super::{Photon, PhotonSource};
 use crate::bsdf::{Transport, deposit_factor, shading_normal_factor};
 use crate::color::{self, Rgb};
 use crate::sampling::{Dimension, Key};
-use crate::scene::{Arrival, Inside, Interior, Open, Scene, Surface, Walk};
+use crate::scene::{Arrival, Inside, Interior, Open, Scene, Step, Surface, Walk};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::ops::AddAssign;
@@ -213,7 +213,9 @@ impl PhotonPass<'_> {
         for bounce in 0.. {
             *rays += 1;
             let key = path.with(bounce.into());
-            let Some(Arrival { surface, transmittance, crossed, .. }) = walk.advance(self.scene, key) else {
+            let Step::Arrived(Arrival { surface, transmittance, crossed, .. }) =
+                walk.advance(self.scene, key, |_| None)
+            else {
                 return book(&mut audit.escaped, flux);
             };
             let left = flux * transmittance;

@@ -170,7 +170,7 @@ impl Effects {
     /// What walks see of a scene's dress.
     #[must_use]
     pub const fn detail(self) -> Detail {
-        Detail { textures: self.has(Effect::Textures), bumps: self.has(Effect::Bump) }
+        Detail { textures: self.has(Effect::Textures), bumps: self.has(Effect::Bump), ..Detail::NONE }
     }
 
     /// They, in the order of a table.

@@ -66,6 +66,12 @@ pub enum Dimension {
     Lens,
     /// When, while the shutter is open.
     Time,
+    /// Which wavelength.
+    Wavelength,
+    /// Which direction after scattering in a medium.
+    Phase,
+    /// What happens on the way through a medium.
+    Medium,
 }
 
 /// A name for a place in the space of random decisions.

@@ -6,9 +6,10 @@ use super::wardrobe::{Place, Wardrobe};
 use super::{Attributes, Inside, LightStrength, Material, Scene, SourceKind};
 use crate::accel::Hierarchy;
 use crate::camera::Camera;
-use crate::color::Rgb;
+use crate::color::{Glass, Rgb};
 use crate::light::{Area, Emitter, Environment, Light};
 use crate::math::{Bounds, Motion, Sphere, Transform};
+use crate::medium::Medium;
 use crate::sampling::Discrete;
 use crate::shape::{Mesh, Plane, Shape, Triangle};
 use glam::{DAffine3, DVec3, Vec2, Vec3};
@@ -40,6 +41,9 @@ pub struct SceneBuilder {
     background: Rgb,
     environment: Option<Environment>,
     materials: Vec<Material>,
+    glasses: Vec<Glass>,
+    media: Vec<Medium>,
+    filling: Option<u32>,
     shapes: Vec<(Shape, u32, Rgb)>,
     planes: Vec<(Plane, u32)>,
     positions: Vec<DVec3>,
@@ -78,6 +82,24 @@ impl SceneBuilder {
     pub fn material(&mut self, material: Material) -> u32 {
         self.materials.push(material);
         self.materials.len() as u32 - 1
+    }
+
+    /// Adds a refractive index that depends on the wavelength, and returns its index.
+    pub fn glass(&mut self, glass: Glass) -> u32 {
+        self.glasses.push(glass);
+        self.glasses.len() as u32 - 1
+    }
+
+    /// Adds a medium, and returns its index.
+    pub fn medium(&mut self, medium: Medium) -> u32 {
+        self.media.push(medium);
+        self.media.len() as u32 - 1
+    }
+
+    /// Fills whatever no body fills with the medium of index `medium`.
+    pub fn filled_with(&mut self, medium: u32) -> &mut Self {
+        self.filling = Some(medium);
+        self
     }
 
     /// Adds a shape; an `emission` above zero \[W/(m² sr)] makes it an area light.
@@ -277,6 +299,9 @@ impl SceneBuilder {
             camera,
             background: self.background,
             materials: self.materials,
+            glasses: self.glasses,
+            media: self.media.iter().map(|medium| medium.translated(-middle)).collect(),
+            filling: self.filling,
             hierarchy: Arc::new(Hierarchy::build(&corners, &boxes[..still])),
             moving: None,
             first_moving: 0,

@@ -1,24 +1,28 @@
 //! How much of a surface a ray sees at once.
 
-use crate::bsdf::Bsdf;
+use crate::bsdf::{Bsdf, DIFFUSE_BLUR};
 
 /// Part of a pixel that textures are blurred over: the pixel's own filter blurs them too.
 const PIXEL: f32 = 0.5;
 
-/// What of a scene's dress is looked at.
+/// What walks see of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Detail {
     /// Textures; else their means.
     pub textures: bool,
     /// Bumps; else surfaces are smooth.
     pub bumps: bool,
+    /// Media; else bodies are filled with nothing that scatters.
+    pub media: bool,
+    /// Wavelengths; else glass has the index of the d line.
+    pub dispersion: bool,
 }
 
 impl Detail {
     /// Everything.
-    pub const ALL: Self = Self { textures: true, bumps: true };
+    pub const ALL: Self = Self { textures: true, bumps: true, media: true, dispersion: true };
     /// Nothing.
-    pub const NONE: Self = Self { textures: false, bumps: false };
+    pub const NONE: Self = Self { textures: false, bumps: false, media: false, dispersion: false };
 }
 
 /// The cone around a ray that textures are blurred over (Amanatides 1984, "Ray tracing with cones"; Akenine-Möller et al. 2021,
@@ -68,6 +72,15 @@ impl Cone {
             self.spread += bsdf.blur();
         }
         self.scattered |= !bsdf.is_specular();
+    }
+
+    /// Leaves a point of a medium.
+    #[inline]
+    pub(super) fn scatter(&mut self) {
+        if self.blurs {
+            self.spread += DIFFUSE_BLUR;
+        }
+        self.scattered = true;
     }
 
     /// Diameter where the ray is \[length].

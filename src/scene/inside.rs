@@ -19,8 +19,16 @@ pub struct Inside {
 pub(super) struct Crossing {
     /// Whether the boundary is there for light: else a body of higher priority fills both sides.
     pub real: bool,
-    /// Index inside the boundary's body over the index outside it.
-    pub eta: f32,
+    /// The body outside; `None` is air.
+    pub outside: Option<Body>,
+}
+
+impl Crossing {
+    /// Index inside the boundary's `body` over the index outside it.
+    #[inline]
+    pub fn eta(&self, body: &Body, index: impl Fn(&Body) -> f32) -> f32 {
+        index(body) / self.outside.as_ref().map_or(1.0, index)
+    }
 }
 
 impl Inside {
@@ -69,13 +77,25 @@ impl Inside {
         self.bodies().contains(&material)
     }
 
-    /// The body that counts.
+    /// The body whose content counts.
     #[inline]
     pub(super) fn top(&self, materials: &[Material]) -> Option<(u32, Body)> {
+        self.greatest(materials, |_| true)
+    }
+
+    /// The body whose refractive index counts.
+    #[inline]
+    pub(super) fn densest(&self, materials: &[Material]) -> Option<(u32, Body)> {
+        self.greatest(materials, |body| !body.clear)
+    }
+
+    #[inline]
+    fn greatest(&self, materials: &[Material], counts: impl Fn(&Body) -> bool) -> Option<(u32, Body)> {
         let mut top: Option<(u32, Body)> = None;
         for index in self.bodies() {
             if let Scattering::Boundary(body) = materials[*index as usize].scattering
-                && top.is_none_or(|(_, t)| body.priority >= t.priority)
+                && counts(&body)
+                && top.is_none_or(|(_, t)| body.rank() >= t.rank())
             {
                 top = Some((*index, body));
             }
@@ -88,15 +108,14 @@ impl Inside {
     pub(super) fn crossing(&self, material: u32, body: &Body, entering: bool, materials: &[Material]) -> Crossing {
         let mut around = *self;
         let real = if entering {
-            self.top(materials).is_none_or(|(_, top)| body.priority >= top.priority)
+            self.densest(materials).is_none_or(|(_, top)| body.priority >= top.priority)
         } else {
             // The walk leaves the body that was entered last among its equals.
-            let top = self.top(materials).is_none_or(|(index, _)| index == material);
+            let top = self.densest(materials).is_none_or(|(index, _)| index == material);
             around.leave(material);
             top
         };
-        let outside = around.top(materials).map_or(1.0, |(_, b)| b.index);
-        Crossing { real, eta: body.index / outside }
+        Crossing { real, outside: around.densest(materials).map(|(_, body)| body) }
     }
 
     /// Goes through a boundary in unit `direction`, where `ng` points out of its body.
@@ -109,10 +128,9 @@ impl Inside {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::color::Rgb;
 
     fn materials() -> Vec<Material> {
-        let body = |index, priority| Material::body(Body { index, absorption: Rgb::ZERO, priority, roughness: 0.0 });
+        let body = |index, priority| Material::body(Body { priority, ..Body::new(index) });
         // Water, ice, glass.
         vec![body(1.33, 0), body(1.31, 1), body(1.5, 2)]
     }
@@ -139,7 +157,8 @@ mod tests {
         assert!(!inside(&[2]).crossing(0, &body(0), true, &m).real, "water begins inside the glass");
         assert!(!inside(&[2, 0]).crossing(0, &body(0), false, &m).real);
         let out = inside(&[2, 0]).crossing(2, &body(2), false, &m);
-        assert_eq!(out, Crossing { real: true, eta: 1.5 / 1.33 }, "glass to the water that began inside it");
+        assert_eq!(out, Crossing { real: true, outside: Some(body(0)) }, "glass to the water that began inside it");
+        assert_eq!(out.eta(&body(2), |b| b.index), 1.5 / 1.33);
     }
 
     /// The same boundary met from both sides has the same index ratio: a walk and its reverse see one interface.
@@ -170,7 +189,21 @@ mod tests {
         }
         assert_eq!(inside(&[2, 0]).top(&m).unwrap().0, 0, "the last one entered counts");
         let glass = Body { priority: 0, ..body(2) };
-        assert_eq!(inside(&[2]).crossing(2, &glass, true, &m).eta, 1.0, "glass in the same glass is no boundary");
+        let crossing = inside(&[2]).crossing(2, &glass, true, &m);
+        assert_eq!(crossing.eta(&glass, |b| b.index), 1.0, "glass in the same glass is no boundary");
+    }
+
+    #[test]
+    fn what_is_clear_gives_way_and_has_no_index() {
+        let mut m = materials();
+        m.push(Material::body(Body::clear(0)));
+        m.push(Material::body(Body { priority: 9, ..Body::clear(1) }));
+        assert_eq!(inside(&[0, 3]).top(&m).unwrap().0, 0, "of equals, what is not clear");
+        assert_eq!(inside(&[3]).top(&m).unwrap().0, 3);
+        assert_eq!(inside(&[2, 4]).top(&m).unwrap().0, 4, "smoke that displaces glass");
+        assert_eq!(inside(&[2, 4]).densest(&m).unwrap().0, 2, "but the glass bends light");
+        let into = inside(&[4]).crossing(2, &body(2), true, &m);
+        assert_eq!(into, Crossing { real: true, outside: None });
     }
 
     #[test]

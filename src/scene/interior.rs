@@ -1,19 +1,57 @@
 //! What a walk remembers of the bodies that it is inside of, or nothing where a scene has none.
 
-use super::{Body, Inside, Scattering, Scene, Surface};
+use super::{Body, Detail, Inside, Scattering, Scene, Surface};
 use crate::bsdf::Bsdf;
-use crate::color::Rgb;
+use crate::color::{Rgb, Wavelength};
 use crate::math::Ray;
+use crate::sampling::Key;
 use glam::Vec3;
 
-/// The memory of a walk: [`Inside`], or [`Open`] where there is nothing to remember. Walks are compiled for each, so that scenes
-/// without bodies pay for none.
-pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
-    /// At the start of a camera ray.
-    fn at_camera(scene: &Scene, ray: &Ray) -> Self;
+/// What walks have to remember.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Memory {
+    /// Nothing: [`Open`].
+    Nothing,
+    /// The bodies that they are inside of: [`Inside`].
+    Bodies,
+    /// And what these are filled with, and a wavelength: [`Immersed`](super::Immersed).
+    Media,
+}
 
-    /// At light `light`.
-    fn at_light(scene: &Scene, light: usize) -> Self;
+/// What a boundary is for a walk.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Meeting {
+    /// A surface.
+    Surface,
+    /// Not there for light, but it ends a shadow ray: bodies overlap.
+    Hidden,
+    /// Not there at all.
+    Clear,
+}
+
+/// The memory of a walk: [`Immersed`](super::Immersed), [`Inside`], or [`Open`] where there is nothing to remember. Walks are compiled for
+/// each, so that scenes without bodies pay for none, and scenes without media for no media.
+pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
+    /// Whether walks may go through media, or have a wavelength.
+    const IMMERSED: bool;
+
+    /// At the start of a camera ray that sees `detail`.
+    fn at_camera(scene: &Scene, ray: &Ray, detail: Detail) -> Self;
+
+    /// At light `light`, of a photon that sees `detail`.
+    fn at_light(scene: &Scene, light: usize, detail: Detail) -> Self;
+
+    /// Index of the medium around.
+    #[inline]
+    fn medium(&self, _: &Scene) -> Option<u32> {
+        None
+    }
+
+    /// The wavelength that the walk has chosen.
+    #[inline]
+    fn wavelength(&self) -> Option<Wavelength> {
+        None
+    }
 
     /// Part of the light that is left after `distance` in here.
     fn transmittance(&self, scene: &Scene, distance: f32) -> Rgb;
@@ -21,11 +59,17 @@ pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
     /// Learns of the boundary that `surface` may be, before the way to it is reckoned.
     fn approach(&mut self, surface: &Surface<'_>);
 
-    /// Whether `surface` is there for light; gives it the BSDF of what it divides.
-    fn meet(&self, scene: &Scene, surface: &mut Surface<'_>) -> bool;
+    /// What `surface` is for light; gives it the BSDF of what it divides. `key` is that of the vertex.
+    fn meet(&mut self, scene: &Scene, surface: &mut Surface<'_>, key: Key) -> Meeting;
 
     /// Goes through the boundary that `surface` may be in unit `direction`.
     fn cross(&mut self, surface: &Surface<'_>, direction: Vec3);
+
+    /// What throughput is multiplied by on leaving `surface`, for a wavelength that was chosen there.
+    #[inline]
+    fn leave(&mut self, _: &Surface<'_>, _: bool) -> Rgb {
+        Rgb::ONE
+    }
 }
 
 /// Nothing is remembered: bodies absorb nothing and lie in air.
@@ -33,11 +77,13 @@ pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
 pub struct Open;
 
 impl Interior for Open {
-    fn at_camera(_: &Scene, _: &Ray) -> Self {
+    const IMMERSED: bool = false;
+
+    fn at_camera(_: &Scene, _: &Ray, _: Detail) -> Self {
         Self
     }
 
-    fn at_light(_: &Scene, _: usize) -> Self {
+    fn at_light(_: &Scene, _: usize, _: Detail) -> Self {
         Self
     }
 
@@ -50,8 +96,8 @@ impl Interior for Open {
     fn approach(&mut self, _: &Surface<'_>) {}
 
     #[inline]
-    fn meet(&self, _: &Scene, _: &mut Surface<'_>) -> bool {
-        true
+    fn meet(&mut self, _: &Scene, _: &mut Surface<'_>, _: Key) -> Meeting {
+        Meeting::Surface
     }
 
     #[inline]
@@ -59,7 +105,7 @@ impl Interior for Open {
 }
 
 #[inline]
-fn boundary(surface: &Surface<'_>) -> Option<Body> {
+pub(super) fn boundary(surface: &Surface<'_>) -> Option<Body> {
     match surface.material.scattering {
         Scattering::Boundary(body) => Some(body),
         _ => None,
@@ -67,16 +113,18 @@ fn boundary(surface: &Surface<'_>) -> Option<Body> {
 }
 
 #[inline]
-fn entering(surface: &Surface<'_>) -> bool {
+pub(super) fn entering(surface: &Surface<'_>) -> bool {
     surface.wo.dot(surface.point.ng) >= 0.0
 }
 
 impl Interior for Inside {
-    fn at_camera(scene: &Scene, ray: &Ray) -> Self {
+    const IMMERSED: bool = false;
+
+    fn at_camera(scene: &Scene, ray: &Ray, _: Detail) -> Self {
         if scene.camera.has_eye() { scene.camera_inside } else { scene.inside_at(ray.origin) }
     }
 
-    fn at_light(scene: &Scene, light: usize) -> Self {
+    fn at_light(scene: &Scene, light: usize, _: Detail) -> Self {
         scene.light_inside[light]
     }
 
@@ -96,11 +144,14 @@ impl Interior for Inside {
     }
 
     #[inline]
-    fn meet(&self, scene: &Scene, surface: &mut Surface<'_>) -> bool {
-        let Some(body) = boundary(surface) else { return true };
+    fn meet(&mut self, scene: &Scene, surface: &mut Surface<'_>, _: Key) -> Meeting {
+        let Some(body) = boundary(surface) else { return Meeting::Surface };
+        if body.clear {
+            return Meeting::Clear;
+        }
         let crossing = self.crossing(surface.index, &body, entering(surface), &scene.materials);
-        surface.bsdf = Bsdf::dielectric(crossing.eta, surface.roughness);
-        crossing.real
+        surface.bsdf = Bsdf::dielectric(crossing.eta(&body, |body| body.index), surface.roughness);
+        if crossing.real { Meeting::Surface } else { Meeting::Hidden }
     }
 
     #[inline]

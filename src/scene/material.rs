@@ -38,7 +38,7 @@ impl Scattering {
     pub fn casts_caustics(&self) -> bool {
         match self {
             Self::Fixed(bsdf) => bsdf.casts_caustics(),
-            Self::Boundary(_) => true,
+            Self::Boundary(body) => !body.clear,
             Self::Mix { .. } => false,
         }
     }
@@ -56,6 +56,32 @@ pub struct Body {
     pub priority: u8,
     /// Roughness α of its surface; 0 is smooth.
     pub roughness: f32,
+    /// Index of its glass, where the refractive index depends on the wavelength; `index` is that at the d line.
+    pub glass: Option<u32>,
+    /// Index of the medium that fills it.
+    pub medium: Option<u32>,
+    /// Whether it has no surface that light could tell, and is but a place where the medium is. Of equal priority, other bodies
+    /// displace it.
+    pub clear: bool,
+}
+
+impl Body {
+    /// A smooth body of absolute `index` that is filled with nothing.
+    #[must_use]
+    pub fn new(index: f32) -> Self {
+        Self { index, absorption: Rgb::ZERO, priority: 0, roughness: 0.0, glass: None, medium: None, clear: false }
+    }
+
+    /// A place that is filled with a medium, which light enters and leaves without noticing.
+    #[must_use]
+    pub fn clear(medium: u32) -> Self {
+        Self { medium: Some(medium), clear: true, ..Self::new(1.0) }
+    }
+
+    /// What decides between bodies that overlap: the greater counts.
+    pub(super) fn rank(&self) -> (u8, bool) {
+        (self.priority, !self.clear)
+    }
 }
 
 /// Coefficients of Phong's model as the course has it.
@@ -103,7 +129,7 @@ impl Material {
     /// A smooth body of absolute `index` that absorbs with `absorption` \[1/length].
     #[must_use]
     pub fn dielectric(index: f32, absorption: Rgb) -> Self {
-        Self::body(Body { index, absorption, priority: 0, roughness: 0.0 })
+        Self::body(Body { absorption, ..Body::new(index) })
     }
 
     /// The boundary of a body.

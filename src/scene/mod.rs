@@ -3,6 +3,7 @@
 mod builder;
 mod cone;
 mod dress;
+mod immersed;
 mod inside;
 mod interior;
 mod material;
@@ -17,20 +18,22 @@ mod wardrobe;
 pub use builder::{BuildError, SceneBuilder};
 pub use cone::{Cone, Detail};
 pub use dress::{Coat, Dress, Relief, Tint};
+pub use immersed::Immersed;
 pub use inside::Inside;
-pub use interior::{Interior, Open};
+pub use interior::{Interior, Meeting, Memory, Open};
 pub use material::{Body, Look, Material, Scattering};
 pub use objects::Object;
 pub use source::{LightStrength, SourceKind};
 pub use surface::Surface;
-pub use walk::{Arrival, Walk};
+pub use walk::{Arrival, Step, Stretch, Walk};
 
 use crate::accel::{Hierarchy, Primitive};
 use crate::bsdf::Bsdf;
 use crate::camera::Camera;
-use crate::color::Rgb;
+use crate::color::{Glass, Rgb};
 use crate::light::Light;
 use crate::math::{Bounds, Ray, Sphere};
+use crate::medium::Medium;
 use crate::shape::{Chart, Mesh, Plane, Shape, SurfacePoint};
 use crate::texture::Texture;
 use glam::{DVec3, Vec2, Vec3};
@@ -61,6 +64,11 @@ pub struct Scene {
     camera: Camera,
     background: Rgb,
     materials: Vec<Material>,
+    /// Indices of refraction that depend on the wavelength.
+    glasses: Vec<Glass>,
+    media: Vec<Medium>,
+    /// The medium that is wherever no body is.
+    filling: Option<u32>,
     dresses: Vec<Dress>,
     textures: Vec<Arc<Texture>>,
     /// The first is that of what has none of its own.
@@ -170,6 +178,24 @@ impl Scene {
     #[must_use]
     pub fn materials(&self) -> &[Material] {
         &self.materials
+    }
+
+    /// The refractive indices that depend on the wavelength.
+    #[must_use]
+    pub fn glasses(&self) -> &[Glass] {
+        &self.glasses
+    }
+
+    /// The media.
+    #[must_use]
+    pub fn media(&self) -> &[Medium] {
+        &self.media
+    }
+
+    /// Index of the medium that is wherever no body is.
+    #[must_use]
+    pub fn filling(&self) -> Option<u32> {
+        self.filling
     }
 
     /// The ball in which photons of light from infinity are followed: it holds all bounded shapes, with room around them where an
@@ -319,7 +345,7 @@ impl Scene {
     #[inline]
     #[must_use]
     pub fn walk_from_camera<I: Interior>(&self, ray: Ray, detail: Detail) -> Walk<I> {
-        Walk { ray, inside: I::at_camera(self, &ray), cone: self.cone(detail) }
+        Walk { ray, inside: I::at_camera(self, &ray, detail), cone: self.cone(detail) }
     }
 
     /// The cone of a ray from the camera.
@@ -333,13 +359,21 @@ impl Scene {
     #[inline]
     #[must_use]
     pub fn walk_from_light<I: Interior>(&self, light: usize, ray: Ray, detail: Detail) -> Walk<I> {
-        Walk { ray, inside: I::at_light(self, light), cone: Cone::point(detail) }
+        Walk { ray, inside: I::at_light(self, light, detail), cone: Cone::point(detail) }
     }
 
     /// Whether a material is the boundary of a body, so that walks have to remember what they are inside of.
     #[must_use]
     pub fn has_bodies(&self) -> bool {
-        self.materials.iter().any(|m| matches!(m.scattering, Scattering::Boundary(_)))
+        self.bodies().next().is_some()
+    }
+
+    /// The bodies that materials bound.
+    pub fn bodies(&self) -> impl Iterator<Item = &Body> {
+        self.materials.iter().filter_map(|m| match &m.scattering {
+            Scattering::Boundary(body) => Some(body),
+            _ => None,
+        })
     }
 
     /// The ray with its start moved back to where nothing unbounded lies behind it: light from infinity comes from beyond all planes.

@@ -1,10 +1,12 @@
 //! The part that every walk through a scene shares: to the next surface that is there for light, and away from it.
 
-use super::{Cone, Detail, Inside, Interior, Scattering, Scene, Surface};
+use super::{Cone, Detail, Inside, Interior, Meeting, Scattering, Scene, Surface};
 use crate::color::Rgb;
 use crate::math::Ray;
+use crate::medium::Medium;
 use crate::sampling::{Dimension, Key};
 use glam::Vec3;
+use rand::RngExt;
 
 /// A walk between two surfaces.
 #[derive(Clone, Copy, Debug)]
@@ -15,6 +17,30 @@ pub struct Walk<I> {
     pub inside: I,
     /// How much of a surface it sees at once.
     pub cone: Cone,
+}
+
+/// A part of a way that lies in a medium.
+#[derive(Clone, Copy, Debug)]
+pub struct Stretch<'a, I> {
+    /// The way, of unit direction, up to its end at `t_max`, which may be at infinity.
+    pub ray: Ray,
+    /// Index of the medium.
+    pub index: u32,
+    /// The medium.
+    pub medium: &'a Medium,
+    /// What it is inside of.
+    pub inside: I,
+}
+
+/// What ends a step of a walk.
+#[derive(Clone, Copy, Debug)]
+pub enum Step<'a> {
+    /// A surface.
+    Arrived(Arrival<'a>),
+    /// Light is scattered in a medium, after this distance.
+    Scattered(f32),
+    /// Nothing.
+    Escaped,
 }
 
 /// Where a walk arrives.
@@ -31,40 +57,102 @@ pub struct Arrival<'a> {
 }
 
 impl<I: Interior> Walk<I> {
-    /// Goes to the next surface; `None` where there is none. `key` is that of the vertex.
+    /// Goes to the next surface. `key` is that of the vertex. `through` is shown every stretch in a medium, in order, and tells where light is
+    /// scattered there, if it is.
     #[inline]
-    pub fn advance<'a>(&mut self, scene: &'a Scene, key: Key) -> Option<Arrival<'a>> {
+    pub fn advance<'a>(
+        &mut self,
+        scene: &'a Scene,
+        key: Key,
+        mut through: impl FnMut(&Stretch<'a, I>) -> Option<f32>,
+    ) -> Step<'a> {
         let mut transmittance = Rgb::ONE;
         let mut distance = 0.0;
         let mut crossed = false;
         loop {
-            let hit = scene.intersect(&self.ray)?;
-            self.cone.travel(hit.t);
-            let mut surface = scene.surface(&self.ray, &hit, &self.cone, || key.uniform(Dimension::Mix));
-            self.inside.approach(&surface);
-            distance += hit.t;
-            transmittance *= self.inside.transmittance(scene, hit.t);
-            if self.inside.meet(scene, &mut surface) {
-                return Some(Arrival { surface, transmittance, distance, crossed });
+            let hit = scene.intersect(&self.ray);
+            let mut surface = hit.map(|hit| {
+                self.cone.travel(hit.t);
+                let surface = scene.surface(&self.ray, &hit, &self.cone, || key.uniform(Dimension::Mix));
+                self.inside.approach(&surface);
+                (surface, hit.t)
+            });
+            if I::IMMERSED
+                && let Some(index) = self.inside.medium(scene)
+            {
+                let end = hit.map_or(f32::INFINITY, |hit| hit.t);
+                let ray = Ray { t_max: end, ..self.ray };
+                let stretch = Stretch { ray, index, medium: &scene.media[index as usize], inside: self.inside };
+                if let Some(t) = through(&stretch) {
+                    self.ray = Ray::new(ray.at(t), ray.direction);
+                    return Step::Scattered(distance + t);
+                }
+            }
+            let Some((surface, t)) = &mut surface else { return Step::Escaped };
+            distance += *t;
+            transmittance *= self.inside.transmittance(scene, *t);
+            match self.inside.meet(scene, surface, key) {
+                Meeting::Surface => {
+                    return Step::Arrived(Arrival { surface: *surface, transmittance, distance, crossed });
+                }
+                Meeting::Hidden => crossed = true,
+                Meeting::Clear => {}
             }
             self.ray = surface.leave(self.ray.direction);
-            self.inside.cross(&surface, self.ray.direction);
-            crossed = true;
+            self.inside.cross(surface, self.ray.direction);
         }
     }
 
-    /// Goes on from `surface` in unit `direction`.
+    /// Goes on from `surface` in unit `direction`, and returns what throughput is multiplied by for that.
     #[inline]
-    pub fn leave(&mut self, surface: &Surface<'_>, direction: Vec3, transmitted: bool) {
+    pub fn leave(&mut self, surface: &Surface<'_>, direction: Vec3, transmitted: bool) -> Rgb {
         self.ray = surface.leave(direction);
         self.cone.leave(&surface.bsdf);
         if transmitted {
             self.inside.cross(surface, direction);
         }
+        self.inside.leave(surface, transmitted)
+    }
+
+    /// Goes on in unit `direction` from where light was scattered in a medium.
+    #[inline]
+    pub fn turn(&mut self, direction: Vec3) {
+        self.ray = Ray::new(self.ray.origin, direction);
+        self.cone.scatter();
     }
 }
 
 impl Scene {
+    /// Part of the light that is left of what comes along `ray`, of unit direction, whose start is inside of `inside`, from its end at
+    /// `t_max`, which may be at infinity; unbiased. Surfaces let nothing through.
+    #[must_use]
+    pub fn clearance<I: Interior>(&self, ray: &Ray, mut inside: I, key: Key) -> Rgb {
+        let mut left = Rgb::ONE;
+        let mut ray = *ray;
+        let end = ray.at(ray.t_max);
+        let mut rng = key.rng();
+        loop {
+            let hit = self.intersect(&ray);
+            let surface = hit.map(|hit| self.surface(&ray, &hit, &Cone::point(Detail::NONE), || rng.random()));
+            if let Some(surface) = &surface {
+                inside.approach(surface);
+            }
+            let distance = hit.map_or(ray.t_max, |hit| hit.t);
+            left *= inside.transmittance(self, distance);
+            if let Some(index) = inside.medium(self) {
+                left *= self.media[index as usize].transmittance(&ray, distance, &mut rng);
+            }
+            let Some(mut surface) = surface else { return left };
+            if left == Rgb::ZERO || inside.meet(self, &mut surface, key) != Meeting::Clear {
+                return Rgb::ZERO;
+            }
+            let next = surface.leave(ray.direction);
+            let t_max = if ray.t_max == f32::INFINITY { f32::INFINITY } else { (end - next.origin).length() };
+            ray = Ray { t_max, ..next };
+            inside.cross(&surface, ray.direction);
+        }
+    }
+
     /// What lies around a point: every body that a ray from it leaves before it enters it.
     #[must_use]
     pub(super) fn inside_at(&self, p: Vec3) -> Inside {

@@ -1,7 +1,7 @@
 //! Textures: colours and numbers that vary over a surface, or through space. All are filtered by the patch that one look covers.
 
 mod checker;
-mod noise;
+pub(crate) mod noise;
 mod picture;
 mod place;
 mod solid;

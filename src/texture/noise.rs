@@ -9,7 +9,7 @@ const FADE: [f64; 2] = [0.25, 1.0];
 const SHIFT: DVec3 = DVec3::new(17.31, 5.77, 11.93);
 
 /// Σ 2⁻ⁱ noise(2ⁱ p) over `octaves`, each faded as a patch of `width` would blur it.
-pub(super) fn fractal(p: DVec3, width: f64, octaves: u32) -> f64 {
+pub(crate) fn fractal(p: DVec3, width: f64, octaves: u32) -> f64 {
     let (mut sum, mut scale, mut weight) = (0.0, 1.0, 1.0);
     for i in 0..octaves {
         let there = fade(width * scale);

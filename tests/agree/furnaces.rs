@@ -63,7 +63,7 @@ fn what_loses_nothing_is_invisible_in_a_furnace() {
 /// interfaces, and up to 14 % of the tenth that goes round inside.
 #[test]
 fn rough_balls_in_a_furnace_lose_what_they_state_and_never_gain() {
-    let frosted = Material::body(Body { index: 1.5, absorption: Vec3::ZERO, priority: 0, roughness: 0.1 });
+    let frosted = Material::body(Body { roughness: 0.1, ..Body::new(1.5) });
     let rough = Material::conductor(Vec3::ZERO, Vec3::splat(2.0), 0.1);
     let stored = Material::conductor(Vec3::ZERO, Vec3::splat(2.0), 0.5);
     for (name, ball, least) in [("metal", rough, 0.96), ("frosted glass", frosted, 0.95), ("rough metal", stored, 0.6)]

@@ -69,8 +69,8 @@ impl Resolver<'_> {
             }
             MaterialKind::Dielectric { index, attenuation, roughness, priority } => {
                 let (texture, roughness) = self.degree(roughness, worn)?;
-                let body =
-                    Body { index: *index as f32, absorption: absorption(*attenuation), priority: *priority, roughness };
+                let absorption = absorption(*attenuation);
+                let body = Body { absorption, priority: *priority, roughness, ..Body::new(*index as f32) };
                 (Material::body(body), texture.map_or(Coat::Plain, Coat::Boundary))
             }
             MaterialKind::Conductor { metal, roughness } => {

@@ -29,7 +29,7 @@ fn materials_become_what_they_say() {
         Scattering::Boundary(body) => body.absorption,
         _ => panic!("{i}"),
     };
-    let body = Body { index: 1.7, absorption: Vec3::ZERO, priority: 7, roughness: 0.25 };
+    let body = Body { priority: 7, roughness: 0.25, ..Body::new(1.7) };
     assert_eq!(scene.materials()[0].scattering, Scattering::Boundary(body));
     assert_eq!((absorption(0), absorption(1)), (Vec3::ZERO, vec3(1.0, 2.0, 3.0)));
     // A half after two units, a quarter after two units: ln 2 / 2 and ln 2 a unit.

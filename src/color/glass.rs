@@ -1,0 +1,276 @@
+//! How the index of refraction depends on the wavelength.
+
+/// Fraunhofer's lines F, d and C \[nm\].
+const LINES: [f64; 3] = [486.13, 587.56, 656.27];
+/// Shortest and longest wavelength of a walk \[nm\].
+const BAND: [u32; 2] = [380, 720];
+
+/// The index of refraction of a transparent substance as a function of the wavelength λ.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Glass {
+    /// n = a + b/λ² + c/λ⁴.
+    Cauchy {
+        /// The index at infinite wavelength.
+        a: f64,
+        /// \[µm²\].
+        b: f64,
+        /// \[µm⁴\].
+        c: f64,
+    },
+    /// n² = 1 + Σ bᵢ λ²/(λ² − cᵢ).
+    Sellmeier {
+        /// Strengths of the resonances; zero for one that is not there.
+        b: [f64; 4],
+        /// Squares of the resonances' wavelengths \[µm²\].
+        c: [f64; 4],
+    },
+}
+
+impl Glass {
+    /// Cauchy's equation of two terms with the index `nd` at the line d and Abbe's number `vd`.
+    #[must_use]
+    pub fn of_abbe(nd: f64, vd: f64) -> Self {
+        let [f, d, c] = LINES.map(inverse_square);
+        let b = (nd - 1.0) / (vd * (f - c));
+        Self::Cauchy { a: nd - b * d, b, c: 0.0 }
+    }
+
+    /// The index at a wavelength \[nm\].
+    #[must_use]
+    pub fn index(&self, nm: f32) -> f32 {
+        self.at(f64::from(nm)) as f32
+    }
+
+    /// The index at the line d, 587.56 nm.
+    #[must_use]
+    pub fn index_d(&self) -> f32 {
+        self.at(LINES[1]) as f32
+    }
+
+    /// Abbe's number (n_d − 1)/(n_F − n_C), with the lines F at 486.13 nm and C at 656.27 nm. The smaller, the more the substance
+    /// parts colours.
+    #[must_use]
+    pub fn abbe(&self) -> f32 {
+        let [f, d, c] = LINES.map(|nm| self.at(nm));
+        ((d - 1.0) / (f - c)) as f32
+    }
+
+    /// Bounds of the index between 380 and 720 nm, met or missed by the width of a nanometre. `None` where some index is not a
+    /// positive number, as at a resonance in that range.
+    #[must_use]
+    pub fn range(&self) -> Option<[f64; 2]> {
+        let [mut least, mut most] = [f64::INFINITY, f64::NEG_INFINITY];
+        for nm in BAND[0]..BAND[1] {
+            let [low, high] = self.bounds(f64::from(nm), f64::from(nm + 1))?;
+            least = least.min(low);
+            most = most.max(high);
+        }
+        Some([least, most])
+    }
+
+    /// Bounds of the index between two wavelengths \[nm\]: every term is monotonic there.
+    fn bounds(&self, from: f64, to: f64) -> Option<[f64; 2]> {
+        let mut sum = [0.0f64; 2];
+        let mut add = |p: f64, q: f64| {
+            sum[0] += p.min(q);
+            sum[1] += p.max(q);
+        };
+        let root = match *self {
+            Self::Cauchy { a, b, c } => {
+                let [p, q] = [from, to].map(inverse_square);
+                add(a, a);
+                add(b * p, b * q);
+                add(c * p * p, c * q * q);
+                false
+            }
+            Self::Sellmeier { b, c } => {
+                let [p, q] = [from, to].map(square);
+                add(1.0, 1.0);
+                for (b, c) in b.into_iter().zip(c) {
+                    if b != 0.0 && p <= c && c <= q {
+                        return None;
+                    }
+                    add(term(b, c, p), term(b, c, q));
+                }
+                true
+            }
+        };
+        let sum = if root { sum.map(f64::sqrt) } else { sum };
+        (sum[0] > 0.0 && sum[1].is_finite()).then_some(sum)
+    }
+
+    fn at(&self, nm: f64) -> f64 {
+        match *self {
+            Self::Cauchy { a, b, c } => {
+                let t = inverse_square(nm);
+                a + t * (b + t * c)
+            }
+            Self::Sellmeier { b, c } => {
+                let x = square(nm);
+                (1.0 + b.into_iter().zip(c).map(|(b, c)| term(b, c, x)).sum::<f64>()).sqrt()
+            }
+        }
+    }
+}
+
+/// λ² \[µm²\] of a wavelength \[nm\].
+fn square(nm: f64) -> f64 {
+    nm * nm * 1e-6
+}
+
+/// 1/λ² \[µm⁻²\] of a wavelength \[nm\].
+fn inverse_square(nm: f64) -> f64 {
+    1.0 / square(nm)
+}
+
+/// A term of Sellmeier's equation; nothing without strength, even at the resonance.
+fn term(b: f64, c: f64, x: f64) -> f64 {
+    if b == 0.0 { 0.0 } else { b * x / (x - c) }
+}
+
+const fn three(b: [f64; 3], c: [f64; 3]) -> Glass {
+    Glass::Sellmeier { b: [b[0], b[1], b[2], 0.0], c: [c[0], c[1], c[2], 0.0] }
+}
+
+/// Name, index and source of each substance that [`glass`] knows, in alphabetical order.
+///
+/// Indices of glasses, fused silica and sapphire are relative to air, those of water and diamond to vacuum, which differ by
+/// less than 0.0003 of themselves.
+/// The coefficients are in the database of refractiveindex.info, which is in the public domain.
+pub const GLASSES: [(&str, Glass, &str); 9] = [
+    (
+        "BK7",
+        three([1.03961212, 0.231792344, 1.01046945], [0.00600069867, 0.0200179144, 103.560653]),
+        "N-BK7, SCHOTT's catalogue of optical glasses",
+    ),
+    (
+        "F2",
+        three([1.34533359, 0.209073176, 0.937357162], [0.00997743871, 0.0470450767, 111.886764]),
+        "F2, SCHOTT's catalogue of optical glasses",
+    ),
+    (
+        "LAK9",
+        three([1.46231905, 0.344399589, 1.15508372], [0.00724270156, 0.0243353131, 85.4686868]),
+        "N-LAK9, SCHOTT's catalogue of optical glasses",
+    ),
+    (
+        "SF10",
+        three([1.62153902, 0.256287842, 1.64447552], [0.0122241457, 0.0595736775, 147.468793]),
+        "N-SF10, SCHOTT's catalogue of optical glasses",
+    ),
+    (
+        "SF11",
+        three([1.73759695, 0.313747346, 1.89878101], [0.013188707, 0.0623068142, 155.23629]),
+        "N-SF11, SCHOTT's catalogue of optical glasses",
+    ),
+    (
+        "diamond",
+        three([0.3306, 4.3356, 0.0], [0.175 * 0.175, 0.106 * 0.106, 0.0]),
+        "Peter 1923, Zeitschrift für Physik 15, 358",
+    ),
+    (
+        "fusedSilica",
+        three([0.6961663, 0.4079426, 0.8974794], [0.0684043 * 0.0684043, 0.1162414 * 0.1162414, 9.896161 * 9.896161]),
+        "Malitson 1965, Journal of the Optical Society of America 55, 1205",
+    ),
+    (
+        "sapphire",
+        three(
+            [1.4313493, 0.65054713, 5.3414021],
+            [0.0726631 * 0.0726631, 0.1193242 * 0.1193242, 18.028251 * 18.028251],
+        ),
+        "the ordinary ray, Malitson and Dodge 1972, Journal of the Optical Society of America 62, 1405",
+    ),
+    (
+        "water",
+        Glass::Sellmeier {
+            b: [0.5684027565, 0.1726177391, 0.02086189578, 0.1130748688],
+            c: [0.005101829712, 0.01821153936, 0.02620722293, 10.69792721],
+        },
+        "at 20 °C, Daimon and Masumura 2007, Applied Optics 46, 3811",
+    ),
+];
+
+/// The substance of this name; `None` for one that is not in [`GLASSES`].
+#[must_use]
+pub fn glass(name: &str) -> Option<Glass> {
+    GLASSES.iter().find(|g| g.0 == name).map(|g| g.1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The catalogue's own figures, to the last digit given.
+    #[test]
+    fn bk7_is_as_the_catalogue_says() {
+        let bk7 = glass("BK7").unwrap();
+        for (nm, n) in [(486.13, 1.522376), (587.56, 1.516800), (656.27, 1.514322)] {
+            assert!((f64::from(bk7.index(nm)) - n).abs() < 6e-7, "{nm}: {}", bk7.index(nm));
+        }
+        assert_eq!(bk7.index_d(), bk7.index(587.56));
+        assert!((bk7.abbe() - 64.167).abs() < 5e-3, "{}", bk7.abbe());
+    }
+
+    /// Index at the line d and Abbe's number from catalogues and tables, to their last digit.
+    #[test]
+    fn substances_are_themselves() {
+        let known = [
+            ("BK7", 1.51680, 5e-6, 64.17, 0.01),
+            ("F2", 1.62004, 5e-6, 36.37, 0.01),
+            ("LAK9", 1.69100, 5e-6, 54.71, 0.01),
+            ("SF10", 1.72828, 5e-6, 28.53, 0.01),
+            ("SF11", 1.78472, 5e-6, 25.68, 0.01),
+            ("diamond", 2.4175, 5e-4, 55.3, 0.5),
+            ("fusedSilica", 1.45846, 5e-6, 67.8, 0.05),
+            ("sapphire", 1.7682, 5e-5, 72.2, 0.2),
+            ("water", 1.3334, 5e-5, 55.7, 0.2),
+        ];
+        assert_eq!(known.map(|k| k.0), GLASSES.map(|g| g.0));
+        for (name, nd, tolerance, vd, slack) in known {
+            let glass = glass(name).unwrap();
+            assert!((glass.index_d() - nd).abs() < tolerance, "{name}: {}", glass.index_d());
+            assert!((glass.abbe() - vd).abs() < slack, "{name}: {}", glass.abbe());
+        }
+        assert_eq!(glass("bk7"), None);
+    }
+
+    #[test]
+    fn bounds_hold_every_index_of_the_band() {
+        let made = [Glass::of_abbe(1.5, 20.0), Glass::Cauchy { a: 1.5, b: -0.01, c: 0.001 }];
+        for glass in GLASSES.iter().map(|g| g.1).chain(made) {
+            let [least, most] = glass.range().unwrap();
+            let (mut low, mut high) = (f64::INFINITY, 0.0f64);
+            for step in 0..=3400 {
+                let n = glass.at(380.0 + f64::from(step) * 0.1);
+                assert!((least - 1e-15..=most + 1e-15).contains(&n) && n > 1.0, "{glass:?} {n}");
+                (low, high) = (low.min(n), high.max(n));
+            }
+            // A term moves by less than 0.001 in a nanometre, and twice where terms move against each other.
+            assert!(low - least < 2e-3 && most - high < 2e-3, "{glass:?}");
+        }
+    }
+
+    #[test]
+    fn no_index_is_told_as_such() {
+        let resonance = |c: f64| three([0.01, 1.2, 0.0], [c, 0.01, 0.0]);
+        // At 600.0005 nm: so narrow that whole nanometres miss it.
+        assert_eq!(resonance(square(600.0005)).range(), None);
+        assert!(resonance(square(900.0)).range().is_some());
+        assert_eq!(three([-3.0, 0.0, 0.0], [0.01, 0.0, 0.0]).range(), None);
+        assert_eq!(Glass::Cauchy { a: 1.0, b: -0.2, c: 0.0 }.range(), None);
+        assert_eq!(Glass::Cauchy { a: f64::NAN, b: 0.0, c: 0.0 }.range(), None);
+        assert_eq!(Glass::Cauchy { a: f64::MAX, b: f64::MAX, c: 0.0 }.range(), None);
+    }
+
+    #[test]
+    fn abbes_number_comes_back() {
+        for (nd, vd) in [(1.5, 64.2), (1.9, 12.0), (1.333, 55.7), (0.7, 30.0)] {
+            let glass = Glass::of_abbe(nd, vd);
+            // Rounding of the result to f32.
+            assert!(
+                (f64::from(glass.index_d()) - nd).abs() < 1e-7 * nd && (glass.abbe() / vd as f32 - 1.0).abs() < 1e-6
+            );
+        }
+    }
+}

@@ -1,0 +1,31 @@
+//! An order of points in which neighbours are near each other.
+
+use super::Bounds;
+use glam::Vec3;
+use rayon::prelude::*;
+
+/// The order of items along a Morton curve through their places, which must be finite. Items of one cell, a 2²⁰th of the extent,
+/// keep their order. It does not depend on the number of threads.
+#[must_use]
+pub fn morton_order<T: Sync>(items: &[T], place: impl Fn(&T) -> Vec3 + Sync) -> Vec<u32> {
+    let bounds = Bounds::of(items.iter().map(&place));
+    let scale = Vec3::splat(f32::from(u16::MAX) * 16.0) / bounds.extent().max(Vec3::splat(f32::MIN_POSITIVE));
+    let key = |(i, item)| (code((place(item) - bounds.min) * scale), i as u32);
+    let mut keyed: Vec<(u64, u32)> = items.par_iter().enumerate().map(key).collect();
+    keyed.par_sort_unstable();
+    keyed.par_iter().map(|(_, i)| *i).collect()
+}
+
+/// Interleaves 20 bits of each coordinate.
+#[inline]
+fn code(p: Vec3) -> u64 {
+    let spread = |x: f32| {
+        let mut v = (x as u64) & 0x1f_ffff;
+        v = (v | v << 32) & 0x001f_0000_0000_ffff;
+        v = (v | v << 16) & 0x001f_0000_ff00_00ff;
+        v = (v | v << 8) & 0x100f_00f0_0f00_f00f;
+        v = (v | v << 4) & 0x10c3_0c30_c30c_30c3;
+        (v | v << 2) & 0x1249_2492_4924_9249
+    };
+    spread(p.x) | spread(p.y) << 1 | spread(p.z) << 2
+}

@@ -1,0 +1,77 @@
+//! Media of density 1 everywhere, in closed form.
+
+use super::{Flight, Medium, shares, weight};
+use crate::color::Rgb;
+use glam::DVec3;
+use rand::{Rng, RngExt};
+
+/// σ·distance, which is 0 where σ is, however far.
+fn depth(sigma: Rgb, distance: f64) -> DVec3 {
+    DVec3::from_array(sigma.to_array().map(|s| if s > 0.0 { f64::from(s) * distance } else { 0.0 }))
+}
+
+/// exp(−depth) in each channel.
+fn exp(depth: DVec3) -> DVec3 {
+    DVec3::from_array(depth.to_array().map(|x| libm::exp(-x)))
+}
+
+/// Beer's law.
+pub(super) fn transmittance(sigma: Rgb, distance: f32) -> Rgb {
+    exp(depth(sigma, f64::from(distance.max(0.0)))).as_vec3()
+}
+
+/// One channel, chosen by its share of throughput, says how far; the weight is that of the mixture of all (the balance heuristic),
+/// so that no channel's weight exceeds the inverse of its share. A channel without extinction always gets through: without its
+/// share, blue light would be carried by the luck of red.
+pub(super) fn flight(medium: &Medium, distance: f32, throughput: Rgb, rng: &mut impl Rng) -> Flight {
+    let sigma = medium.extinction();
+    let share = shares(throughput);
+    let mut choice = rng.random::<f64>();
+    let mut channel = 0;
+    // Rounding may leave a rest after the last channel; then it is the last that has a share.
+    for i in 0..3 {
+        if share[i] > 0.0 {
+            channel = i;
+            if choice < share[i] {
+                break;
+            }
+            choice -= share[i];
+        }
+    }
+    let rate = f64::from(sigma[channel]);
+    let distance = f64::from(distance.max(0.0));
+    let t = if rate > 0.0 { -libm::log(1.0 - rng.random::<f64>()) / rate } else { f64::INFINITY };
+    if t < distance {
+        let left = exp(depth(sigma, t));
+        let density = share.dot(sigma.as_dvec3() * left);
+        Flight { scattered: Some(t as f32), weight: weight(medium.scattering.as_dvec3() * left / density, share) }
+    } else {
+        let left = exp(depth(sigma, distance));
+        Flight { scattered: None, weight: weight(left / share.dot(left), share) }
+    }
+}
+
+/// The density of scattering at `t`, over all choices of a channel.
+pub(super) fn flight_pdf(sigma: Rgb, t: f32, throughput: Rgb) -> f32 {
+    if t < 0.0 {
+        return 0.0;
+    }
+    shares(throughput).dot(sigma.as_dvec3() * exp(depth(sigma, f64::from(t)))) as f32
+}
+
+/// ∫ ε exp(−σt) dt = ε(1 − exp(−σd))/σ.
+pub(super) fn emitted(medium: &Medium, distance: f32) -> Rgb {
+    let sigma = medium.extinction();
+    let distance = f64::from(distance.max(0.0));
+    let channel = |i: usize| {
+        let (emission, rate) = (f64::from(medium.emission[i]), f64::from(sigma[i]));
+        if emission == 0.0 {
+            0.0
+        } else if rate == 0.0 {
+            emission * distance
+        } else {
+            -emission * libm::expm1(-rate * distance) / rate
+        }
+    };
+    DVec3::from_array(std::array::from_fn(channel)).as_vec3()
+}

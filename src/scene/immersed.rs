@@ -1,0 +1,115 @@
+//! The memory of walks that go through media, or choose a wavelength.
+
+use super::interior::{boundary, entering};
+use super::{Body, Detail, Inside, Interior, Meeting, Scene, Surface};
+use crate::bsdf::{Bsdf, Dielectric, Transport};
+use crate::color::{Rgb, Wavelength};
+use crate::math::Ray;
+use crate::sampling::{Dimension, Key};
+use glam::Vec3;
+
+/// A reflectance above which light that is thrown back keeps its wavelength.
+const FAINT: f32 = 0.2;
+
+/// [`Inside`], and a wavelength where the walk has one.
+///
+/// A walk chooses its wavelength at the first surface that bends wavelengths differently, and keeps it. What such a surface reflects
+/// faintly stays white.
+#[derive(Clone, Copy, Debug)]
+pub struct Immersed {
+    inside: Inside,
+    wavelength: Option<Wavelength>,
+    /// The surface that was met as it were for the d line, where the wavelength was chosen there.
+    chosen_at: Option<Dielectric>,
+    detail: Detail,
+}
+
+impl Immersed {
+    fn new(inside: Inside, detail: Detail) -> Self {
+        Self { inside, wavelength: None, chosen_at: None, detail }
+    }
+}
+
+impl Interior for Immersed {
+    const IMMERSED: bool = true;
+
+    fn at_camera(scene: &Scene, ray: &Ray, detail: Detail) -> Self {
+        Self::new(Inside::at_camera(scene, ray, detail), detail)
+    }
+
+    fn at_light(scene: &Scene, light: usize, detail: Detail) -> Self {
+        Self::new(Inside::at_light(scene, light, detail), detail)
+    }
+
+    #[inline]
+    fn medium(&self, scene: &Scene) -> Option<u32> {
+        if !self.detail.media {
+            return None;
+        }
+        match self.inside.top(&scene.materials) {
+            Some((_, body)) => body.medium,
+            None => scene.filling,
+        }
+    }
+
+    #[inline]
+    fn wavelength(&self) -> Option<Wavelength> {
+        self.wavelength
+    }
+
+    #[inline]
+    fn transmittance(&self, scene: &Scene, distance: f32) -> Rgb {
+        self.inside.transmittance(scene, distance)
+    }
+
+    #[inline]
+    fn approach(&mut self, surface: &Surface<'_>) {
+        self.inside.approach(surface);
+    }
+
+    #[inline]
+    fn meet(&mut self, scene: &Scene, surface: &mut Surface<'_>, key: Key) -> Meeting {
+        let (Some(body), true) = (boundary(surface), self.detail.dispersion && !scene.glasses.is_empty()) else {
+            return self.inside.meet(scene, surface, key);
+        };
+        if body.clear {
+            return Meeting::Clear;
+        }
+        let crossing = self.inside.crossing(surface.index, &body, entering(surface), &scene.materials);
+        let disperses = body.glass.is_some() || crossing.outside.is_some_and(|body| body.glass.is_some());
+        if disperses && crossing.real && self.wavelength.is_none() {
+            self.wavelength = Some(Wavelength::sample(key.uniform(Dimension::Wavelength)));
+            self.chosen_at = Some(Dielectric { eta: crossing.eta(&body, |body| body.index) });
+        }
+        let index = |body: &Body| match (body.glass, self.wavelength) {
+            (Some(glass), Some(wavelength)) => scene.glasses[glass as usize].index(wavelength.nanometres()),
+            _ => body.index,
+        };
+        surface.bsdf = Bsdf::dielectric(crossing.eta(&body, index), surface.roughness);
+        if crossing.real { Meeting::Surface } else { Meeting::Hidden }
+    }
+
+    #[inline]
+    fn cross(&mut self, surface: &Surface<'_>, direction: Vec3) {
+        self.inside.cross(surface, direction);
+    }
+
+    #[inline]
+    fn leave(&mut self, surface: &Surface<'_>, transmitted: bool) -> Rgb {
+        let (Some(plain), Some(wavelength)) = (self.chosen_at.take(), self.wavelength) else { return Rgb::ONE };
+        let weight = wavelength.weight();
+        if !transmitted && let Bsdf::Dielectric(own) = surface.bsdf {
+            let reflected = |glass: Dielectric| {
+                let point = &surface.point;
+                glass.split(surface.wo, point.ns, point.ng, Transport::Importance).reflected.1
+            };
+            let (plain, own) = (reflected(plain), reflected(own));
+            if plain < FAINT && own > 0.0 {
+                // The mean over wavelengths of R(λ)·w(λ), with R of the d line as a control variate for what is left white.
+                self.wavelength = None;
+                return (weight * (own - plain) + plain) / own;
+            }
+        }
+        weight
+    }
+}
