@@ -1,5 +1,9 @@
 //! Direct light by shadow rays.
 
+mod scattered;
+
+pub(super) use scattered::Scattering;
+
 use super::eye::Last;
 use super::method::{History, Vertex};
 use super::tiles::Worker;
@@ -43,6 +47,8 @@ pub(super) struct DirectLight<'a> {
     scene: &'a Scene,
     lights: &'a [Light],
     effects: Effects,
+    /// Whether some bodies let shadow rays in.
+    clear: bool,
     /// Whether lights are asked at their middles.
     middles: bool,
     /// Where lights are chosen.
@@ -77,7 +83,8 @@ impl<'a> DirectLight<'a> {
         } else {
             None
         };
-        Self { scene, lights, effects, middles, choice, schemes }
+        let clear = scene.bodies().any(|body| body.clear);
+        Self { scene, lights, effects, clear, middles, choice, schemes }
     }
 
     fn scheme(&self, history: History) -> Scheme {
@@ -170,9 +177,18 @@ impl<'a> DirectLight<'a> {
             Reach::Infinity => surface.leave(sample.wi),
         };
         if self.scene.occluded(&ray) {
-            return Rgb::ZERO;
+            return if self.clear { reflected * self.clearance(vertex, &sample) } else { Rgb::ZERO };
         }
         reflected * self.left(vertex, &sample)
+    }
+
+    /// The same where something is in the way, which may be clear.
+    fn clearance<I: Interior>(&self, vertex: &Vertex<'_, I>, sample: &DirectSample) -> Rgb {
+        let mut walk = vertex.leaving(sample.wi);
+        if let Reach::Point(target) = sample.reach {
+            walk.ray.t_max = (target - walk.ray.origin).length();
+        }
+        self.scene.clearance(&walk.ray, walk.inside, vertex.shadow_draw.key())
     }
 
     /// Part of the light that is left after its way from a light.
@@ -182,6 +198,7 @@ impl<'a> DirectLight<'a> {
             Reach::Point(target) => {
                 vertex.transmittance(self.scene, sample.wi, (target - vertex.surface.point.p).length())
             }
+            Reach::Infinity if I::IMMERSED => vertex.transmittance(self.scene, sample.wi, f32::INFINITY),
             Reach::Infinity => Rgb::ONE,
         }
     }

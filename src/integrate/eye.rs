@@ -4,6 +4,8 @@
 //! is carried by photons where it begins with casters and then meets a receiver: no connection finds it. What a method leaves
 //! to photons, its walk does not count when it meets a light by chance, so that each path counts once.
 
+mod media;
+
 use super::direct::DirectLight;
 use super::method::{AtReceiver, History, Method, Vertex};
 use super::tiles::{self, Worker};
@@ -11,9 +13,10 @@ use super::{EyeSettings, Monitor, Pass};
 use crate::bsdf::{Bsdf, Transport};
 use crate::color::{self, Rgb};
 use crate::math::Ray;
+use crate::medium::Phase;
 use crate::plan::{Effect, Effects};
 use crate::sampling::{Dimension, Draw, Key, Purpose};
-use crate::scene::{Arrival, Inside, Interior, Open, Scene, Step, Surface, Walk};
+use crate::scene::{Arrival, Immersed, Inside, Interior, Memory, Open, Scene, Step, Surface, Walk};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use std::time::Instant;
@@ -81,10 +84,10 @@ enum Next<I> {
 impl<M: Method> EyePass<'_, M> {
     /// Renders all pixels into `out`.
     pub fn run(&self, monitor: &dyn Monitor, out: &mut Pass) {
-        if self.effects.has(Effect::Interiors) {
-            self.run_in::<Inside>(monitor, out);
-        } else {
-            self.run_in::<Open>(monitor, out);
+        match self.effects.memory() {
+            Memory::Media => self.run_in::<Immersed>(monitor, out),
+            Memory::Bodies => self.run_in::<Inside>(monitor, out),
+            Memory::Nothing => self.run_in::<Open>(monitor, out),
         }
     }
 
@@ -106,7 +109,11 @@ impl<M: Method> EyePass<'_, M> {
 
     /// Radiance along camera rays through points of the film, each with its random numbers; in parallel where there are many.
     pub fn at(&self, points: &[(Vec2, Draw)]) -> (Vec<Rgb>, Vec<Worker>) {
-        if self.effects.has(Effect::Interiors) { self.at_in::<Inside>(points) } else { self.at_in::<Open>(points) }
+        match self.effects.memory() {
+            Memory::Media => self.at_in::<Immersed>(points),
+            Memory::Bodies => self.at_in::<Inside>(points),
+            Memory::Nothing => self.at_in::<Open>(points),
+        }
     }
 
     fn at_in<I: Interior>(&self, points: &[(Vec2, Draw)]) -> (Vec<Rgb>, Vec<Worker>) {
@@ -157,11 +164,23 @@ impl<M: Method> EyePass<'_, M> {
         radiance: &mut Rgb,
     ) -> Option<Next<I>> {
         worker.counters.onward_rays += u64::from(branch.bounce > 0);
-        let Step::Arrived(arrival) = branch.walk.advance(self.scene, branch.draw.key(), |_| None) else {
-            *radiance += branch.throughput * self.escaped(branch);
-            return None;
+        let (step, phase) = if I::IMMERSED {
+            self.advance_in_media(branch, worker, radiance)
+        } else {
+            (branch.walk.advance(self.scene, branch.draw.key(), |_| None), Phase::Isotropic)
         };
-        let Arrival { mut surface, transmittance, distance, crossed } = arrival;
+        let Arrival { mut surface, transmittance, distance, crossed } = match step {
+            Step::Arrived(arrival) => arrival,
+            Step::Scattered { transmittance, crossed, .. } => {
+                branch.throughput *= transmittance;
+                branch.history.casters += u32::from(crossed);
+                return self.scatter(branch, phase);
+            }
+            Step::Escaped => {
+                *radiance += branch.throughput * self.escaped(branch);
+                return None;
+            }
+        };
         branch.throughput *= transmittance;
         if crossed {
             branch.history.casters += 1;
@@ -338,7 +357,7 @@ impl<I: Interior> Branch<I> {
     #[inline]
     fn leaving(&self, surface: &Surface<'_>, direction: Vec3, weight: Rgb, transmitted: bool) -> Self {
         let mut walk = self.walk;
-        walk.leave(surface, direction, transmitted);
+        let weight = weight * walk.leave(surface, direction, transmitted);
         let draw = self.draw.with(u64::from(self.bounce) << 1 | u64::from(transmitted));
         Self { walk, throughput: self.throughput * weight, bounce: self.bounce + 1, last: None, draw, ..*self }
     }

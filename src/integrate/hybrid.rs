@@ -60,6 +60,10 @@ impl Method for Connected<'_> {
         }
     }
 
+    fn in_medium(&self, _: History) -> AtReceiver {
+        AtReceiver { direct: true, onward: self.onward }
+    }
+
     fn counts(&self, history: History) -> bool {
         !history.is_caustic()
     }

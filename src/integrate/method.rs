@@ -5,8 +5,9 @@ use crate::bsdf::{Bsdf, BsdfSample, Transport};
 use crate::color::Rgb;
 use crate::math::Ray;
 use crate::sampling::{Dimension, Draw};
-use crate::scene::{Cone, Detail, Interior, Scene, Surface, Walk};
+use crate::scene::{Cone, Detail, Interior, Scene, Stretch, Surface, Walk};
 use glam::Vec3;
+use rand::rngs::SmallRng;
 
 /// What a camera walk has met before it stands where it is.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -50,15 +51,37 @@ impl<I: Interior> Vertex<'_, I> {
         horizon(self.surface)
     }
 
-    /// Part of the light that is left of what comes from `distance` away in unit direction `wi`.
+    /// A walk that leaves in unit direction `wi`.
     #[inline]
-    pub fn transmittance(&self, scene: &Scene, wi: Vec3, distance: f32) -> Rgb {
+    pub fn leaving(&self, wi: Vec3) -> Walk<I> {
         let cone = Cone::point(Detail::NONE);
         let mut walk = Walk { ray: Ray::new(self.surface.point.p, wi), inside: *self.inside, cone };
         let transmitted = wi.dot(self.surface.point.ng) * self.surface.wo.dot(self.surface.point.ng) < 0.0;
         walk.leave(self.surface, wi, transmitted);
+        walk
+    }
+
+    /// Part of the light that is left of what comes from `distance` away in unit direction `wi`, where nothing is in the way.
+    #[inline]
+    pub fn transmittance(&self, scene: &Scene, wi: Vec3, distance: f32) -> Rgb {
+        let walk = self.leaving(wi);
+        if I::IMMERSED {
+            let ray = Ray { t_max: distance, ..walk.ray };
+            return scene.dimming(&ray, &walk.inside, self.shadow_draw.key());
+        }
         walk.inside.transmittance(scene, distance)
     }
+}
+
+/// A stretch of a medium that a walk goes through.
+pub(super) struct Passage<'a, I> {
+    pub stretch: &'a Stretch<'a, I>,
+    /// What came before.
+    pub history: History,
+    /// Part of what it sends back that reaches the pixel.
+    pub throughput: Rgb,
+    /// Random numbers of the step.
+    pub draw: Draw,
 }
 
 /// The side of a surface on which light counts; `None` where both do.
@@ -89,6 +112,16 @@ pub(super) trait Method: Sync {
 
     /// Radiance that a receiver sends to its viewer of light that photons brought.
     fn photons<I: Interior>(&self, _: &Vertex<'_, I>, _: &mut Worker) -> Rgb {
+        Rgb::ZERO
+    }
+
+    /// What is done where a medium scatters light.
+    fn in_medium(&self, _: History) -> AtReceiver {
+        AtReceiver { direct: true, onward: false }
+    }
+
+    /// Radiance that a stretch of a medium sends to its start of light that photons brought.
+    fn volume<I: Interior>(&self, _: &Passage<'_, I>, _: &mut SmallRng, _: &mut Worker) -> Rgb {
         Rgb::ZERO
     }
 

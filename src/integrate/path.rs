@@ -39,6 +39,10 @@ impl Method for Everywhere {
         AtReceiver { direct: true, onward: self.onward }
     }
 
+    fn in_medium(&self, _: History) -> AtReceiver {
+        AtReceiver { direct: true, onward: self.onward }
+    }
+
     fn counts(&self, history: History) -> bool {
         self.caustics || !history.is_caustic()
     }

@@ -46,6 +46,10 @@ impl Method for Seen {
         Rgb::ZERO
     }
 
+    fn in_medium(&self, _: History) -> AtReceiver {
+        AtReceiver { direct: false, onward: false }
+    }
+
     fn counts(&self, _: History) -> bool {
         false
     }

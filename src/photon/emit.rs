@@ -4,7 +4,7 @@ use super::learn::EmissionDensity;
 use crate::color::{self, Rgb};
 use crate::light::{Light, Targets};
 use crate::sampling::{Dimension, Discrete, Key, Purpose, sobol_2d};
-use crate::scene::{Detail, Interior, Scene, Walk};
+use crate::scene::{Detail, Interior, Memory, Scene, Walk};
 use glam::Vec2;
 
 /// Draws a light finds its aimed power with.
@@ -47,7 +47,7 @@ impl<'a> PhotonSource<'a> {
     #[must_use]
     pub fn everywhere(scene: &'a Scene) -> Option<Self> {
         let choice = Discrete::new(powers(scene))?;
-        let (interiors, detail) = (scene.has_bodies(), Detail::ALL);
+        let (interiors, detail) = (scene.has_interiors(), Detail::ALL);
         Some(Self { scene, choice, targets: None, densities: Vec::new(), interiors, detail })
     }
 
@@ -76,7 +76,7 @@ impl<'a> PhotonSource<'a> {
             if total_aimed > 0.0 { SAFE_SHARE * plain + (1.0 - SAFE_SHARE) * aimed / total_aimed } else { plain }
         };
         let choice = if total > 0.0 { Discrete::new(powers.iter().zip(&aimed).map(weight)) } else { None };
-        let (interiors, detail) = (scene.has_bodies(), Detail::ALL);
+        let (interiors, detail) = (scene.has_interiors(), Detail::ALL);
         choice.map(|choice| Self { scene, choice, targets: Some(targets), densities: Vec::new(), interiors, detail })
     }
 
@@ -109,6 +109,11 @@ impl<'a> PhotonSource<'a> {
     #[must_use]
     pub fn with_detail(self, detail: Detail) -> Self {
         Self { detail, ..self }
+    }
+
+    /// What its photons remember.
+    pub(super) fn memory(&self) -> Memory {
+        self.detail.memory(self.interiors)
     }
 
     /// The lights, as photons leave them.

@@ -1,6 +1,8 @@
 //! The photon store: emission, tracing, the kd-tree, and density estimates.
 
+mod audit;
 mod beam;
+mod class;
 mod coverage;
 mod emit;
 mod estimate;
@@ -12,7 +14,9 @@ mod record;
 mod trace;
 mod visible;
 
+pub use audit::Audit;
 pub use beam::{Beam, BeamMap, Crossing};
+pub use class::{Class, THINNING, Wants};
 pub use coverage::coverage;
 pub use emit::PhotonSource;
 pub use estimate::{Bandwidth, Estimate, Scratch};
@@ -21,5 +25,5 @@ pub use learn::{Lesson, Pilot};
 pub use map::PhotonMap;
 pub use points::{PointMap, VolumePhoton};
 pub use record::{Flux, Photon};
-pub use trace::{Audit, Class, PhotonPass, THINNING, Traced, Wants};
+pub use trace::{PhotonPass, Traced, Volume};
 pub use visible::{Visible, VisiblePoint};

@@ -14,6 +14,8 @@ pub struct Flux {
     green: u16,
     from: [u16; 2],
     normal: [i8; 3],
+    /// The code of its wavelength, 0 where it carries all.
+    wavelength: u8,
     /// normal · position: the plane's offset from the origin.
     offset: f32,
 }
@@ -46,10 +48,20 @@ impl Photon {
             green: fraction(flux.y),
             from: encode(from),
             normal: [normal.x, normal.y, normal.z].map(|c| (c * NORMAL_SCALE).round() as i8),
+            wavelength: 0,
             offset: 0.0,
         };
         flux.offset = flux.normal().dot(position);
         Some(Self { position, flux })
+    }
+}
+
+impl Photon {
+    /// The same photon of the wavelength with this code.
+    #[inline]
+    #[must_use]
+    pub fn with_wavelength(self, wavelength: u8) -> Self {
+        Self { flux: Flux { wavelength, ..self.flux }, ..self }
     }
 }
 
@@ -89,6 +101,13 @@ impl Flux {
         let unit = self.sum * (1.0 / 65_535.0);
         let (red, green) = (f32::from(self.red), f32::from(self.green));
         Rgb::new(red, green, (65_535.0 - red - green).max(0.0)) * unit
+    }
+
+    /// The code of its wavelength, 0 where it carries all.
+    #[inline]
+    #[must_use]
+    pub fn wavelength(&self) -> u8 {
+        self.wavelength
     }
 
     /// Unit direction to where the photon came from, within 10⁻⁴ rad.

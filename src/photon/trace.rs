@@ -1,124 +1,19 @@
 //! The walk of a photon.
 
-use super::{Photon, PhotonSource};
+use super::audit::book;
+use super::{Audit, Beam, Class, Photon, PhotonSource, THINNING, VolumePhoton, Wants};
 use crate::bsdf::{Transport, deposit_factor, shading_normal_factor};
-use crate::color::{self, Rgb};
+use crate::color::{self, Rgb, Wavelength};
+use crate::math::Ray;
+use crate::medium::Phase;
 use crate::sampling::{Dimension, Key};
-use crate::scene::{Arrival, Inside, Interior, Open, Scene, Step, Surface, Walk};
-use glam::DVec3;
+use crate::scene::{Arrival, Immersed, Inside, Interior, Memory, Open, Scene, Step, Stretch, Surface, Walk};
+use glam::Vec3;
+use rand::rngs::SmallRng;
 use rayon::prelude::*;
-use std::ops::AddAssign;
 
-/// History of a stored photon.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Class {
-    /// Straight from a light.
-    Direct,
-    /// By bounces off casters only: see [`Bsdf::casts_caustics`](crate::bsdf::Bsdf::casts_caustics).
-    Caustic,
-    /// As a caustic to a surface that stores photons, and on from there.
-    AfterCaustic,
-    /// Straight from a light to a surface that stores photons, and on from there.
-    Global,
-}
-
-/// Which classes are stored.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Wants {
-    /// Store direct photons.
-    pub direct: bool,
-    /// Store caustic photons.
-    pub caustic: bool,
-    /// Store what caustic photons become.
-    pub after_caustic: bool,
-    /// Store global photons.
-    pub global: bool,
-    /// Keep what caustic photons become apart from the others; as it is smooth, only one of [`THINNING`] is followed, with the flux
-    /// of all.
-    pub apart: bool,
-}
-
-impl Wants {
-    /// Direct photons only.
-    pub const DIRECT: Self = Self { direct: true, ..Self::NONE };
-    /// Caustic photons only: a path ends at the first surface that stores photons.
-    pub const CAUSTIC: Self = Self { caustic: true, ..Self::NONE };
-    /// Photons that met a surface that stores photons before.
-    pub const GLOBAL: Self = Self { after_caustic: true, global: true, ..Self::NONE };
-    /// Nothing.
-    pub const NONE: Self = Self { direct: false, caustic: false, after_caustic: false, global: false, apart: false };
-    /// All classes.
-    pub const ALL: Self = Self { direct: true, caustic: true, after_caustic: true, global: true, apart: false };
-
-    fn has(self, class: Class) -> bool {
-        match class {
-            Class::Direct => self.direct,
-            Class::Caustic => self.caustic,
-            Class::AfterCaustic => self.after_caustic,
-            Class::Global => self.global,
-        }
-    }
-
-    /// Whether anything wanted can follow on a photon of `class` that goes on.
-    fn may_follow(self, class: Class) -> bool {
-        match class {
-            Class::Direct => true,
-            Class::Caustic => self.caustic || self.after_caustic,
-            Class::AfterCaustic => self.after_caustic,
-            Class::Global => self.global,
-        }
-    }
-}
-
-/// Of photons that go on after a caustic, so many are followed as one where they are kept apart.
-pub const THINNING: u32 = 8;
-
-impl Class {
-    /// The class after a surface.
-    fn after(self, stores: bool) -> Self {
-        match (stores, self) {
-            (false, Self::Direct) => Self::Caustic,
-            (false, other) => other,
-            (true, Self::Direct | Self::Global) => Self::Global,
-            (true, Self::Caustic | Self::AfterCaustic) => Self::AfterCaustic,
-        }
-    }
-}
-
-/// Where the emitted flux went \[W]. Emitted = absorbed + escaped + stopped + roulette, to rounding; the mean of `roulette` is
-/// zero.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
-pub struct Audit {
-    /// Flux that left the lights.
-    pub emitted: [f64; 3],
-    /// Flux taken up by surfaces and bodies.
-    pub absorbed: [f64; 3],
-    /// Flux that left the scene.
-    pub escaped: [f64; 3],
-    /// Flux of paths cut by the bounce limit, or ended because what would follow is not wanted.
-    pub stopped: [f64; 3],
-    /// Flux removed by Russian roulette less flux it added.
-    pub roulette: [f64; 3],
-}
-
-impl AddAssign for Audit {
-    fn add_assign(&mut self, other: Self) {
-        let pairs = [
-            (&mut self.emitted, other.emitted),
-            (&mut self.absorbed, other.absorbed),
-            (&mut self.escaped, other.escaped),
-            (&mut self.stopped, other.stopped),
-            (&mut self.roulette, other.roulette),
-        ];
-        for (mine, theirs) in pairs {
-            *mine = (DVec3::from(*mine) + DVec3::from(theirs)).to_array();
-        }
-    }
-}
-
-fn book(account: &mut [f64; 3], flux: Rgb) {
-    *account = (DVec3::from(*account) + flux.as_dvec3()).to_array();
-}
+/// Optical thickness beyond which a beam is not looked at: 10⁻⁹ of it is left.
+const FAINTEST: f32 = 20.0;
 
 /// What a photon pass stored and did.
 #[derive(Debug, Default)]
@@ -127,12 +22,62 @@ pub struct Traced {
     pub photons: Vec<Photon>,
     /// What caustic photons became, where [`Wants::apart`] says so.
     pub after_caustic: Vec<Photon>,
+    /// What was stored in media, of the classes of `photons`.
+    pub volume: Volume,
+    /// What was stored in media, of the classes of `after_caustic`.
+    pub after_volume: Volume,
     /// Flux account.
     pub audit: Audit,
     /// Rays traced.
     pub rays: u64,
     /// Paths emitted.
     pub paths: u64,
+}
+
+/// What was stored in media.
+#[derive(Clone, Debug, Default)]
+pub struct Volume {
+    /// Ways through homogeneous media.
+    pub beams: Vec<Beam>,
+    /// Where light was scattered.
+    pub points: Vec<VolumePhoton>,
+}
+
+impl Volume {
+    /// How much is stored.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.beams.len() + self.points.len()
+    }
+
+    /// Whether nothing is.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    fn extend(&mut self, other: Self) {
+        self.beams.extend(other.beams);
+        self.points.extend(other.points);
+    }
+}
+
+impl Traced {
+    /// How much is stored in all.
+    #[must_use]
+    pub fn stored(&self) -> usize {
+        self.photons.len() + self.after_caustic.len() + self.volume.len() + self.after_volume.len()
+    }
+}
+
+/// Light that a density estimate can use.
+pub(super) enum Deposit<'a> {
+    /// It landed on a surface.
+    Surface(&'a Surface<'a>),
+    /// It begins a way through a homogeneous medium, of this index.
+    Beam(&'a Ray, u32),
+    /// It was scattered in a medium of this index, at a place, and had travelled in a direction.
+    Point(Vec3, Vec3, u32),
 }
 
 /// One pass of photons from a source.
@@ -156,10 +101,10 @@ impl PhotonPass<'_> {
     ///
     /// The result is the same for any number of threads: chunks are fixed and joined in order.
     pub fn trace(&self, pass: Key, paths: u32, done: &(dyn Fn(u64) + Sync)) -> Traced {
-        if self.source.interiors {
-            self.trace_in::<Inside>(pass, paths, done)
-        } else {
-            self.trace_in::<Open>(pass, paths, done)
+        match self.source.memory() {
+            Memory::Media => self.trace_in::<Immersed>(pass, paths, done),
+            Memory::Bodies => self.trace_in::<Inside>(pass, paths, done),
+            Memory::Nothing => self.trace_in::<Open>(pass, paths, done),
         }
     }
 
@@ -169,13 +114,38 @@ impl PhotonPass<'_> {
             .map(|chunk| {
                 let range = chunk * CHUNK..paths.min((chunk + 1).saturating_mul(CHUNK));
                 let mut traced = Traced { paths: u64::from(range.end - range.start), ..Traced::default() };
-                let Traced { photons, after_caustic, audit, rays, .. } = &mut traced;
+                let Traced { photons, after_caustic, volume, after_volume, audit, rays, .. } = &mut traced;
                 for index in range {
                     if let Some((walk, flux)) = self.source.emit::<I>(pass, index, paths) {
-                        let store = |class, surface: &Surface<'_>, flux| {
+                        let store = |class, deposit: Deposit<'_>, flux, wavelength: Option<Wavelength>| {
                             let apart = self.wants.apart && class == Class::AfterCaustic;
-                            let kept = if apart { &mut *after_caustic } else { &mut *photons };
-                            kept.extend(Photon::new(surface.point.p, flux, surface.wo, surface.facing_normal()));
+                            let (on, within) = if apart {
+                                (&mut *after_caustic, &mut *after_volume)
+                            } else {
+                                (&mut *photons, &mut *volume)
+                            };
+                            let code = wavelength.map_or(0, Wavelength::code);
+                            match deposit {
+                                Deposit::Surface(surface) => {
+                                    let photon =
+                                        Photon::new(surface.point.p, flux, surface.wo, surface.facing_normal());
+                                    on.extend(photon.map(|photon| photon.with_wavelength(code)));
+                                }
+                                Deposit::Beam(ray, medium) => {
+                                    let length = self.end_of_beam(ray, medium);
+                                    within.beams.extend(Beam::new(
+                                        ray.origin,
+                                        ray.direction,
+                                        length,
+                                        flux,
+                                        medium,
+                                        code,
+                                    ));
+                                }
+                                Deposit::Point(p, direction, medium) => {
+                                    within.points.extend(VolumePhoton::new(p, flux, direction, medium, code));
+                                }
+                            }
                         };
                         self.follow(walk, flux, pass.with(u64::from(index)), (audit, rays), store);
                     }
@@ -190,6 +160,8 @@ impl PhotonPass<'_> {
         for chunk in chunks {
             total.photons.extend_from_slice(&chunk.photons);
             total.after_caustic.extend_from_slice(&chunk.after_caustic);
+            total.volume.extend(chunk.volume);
+            total.after_volume.extend(chunk.after_volume);
             total.audit += chunk.audit;
             total.rays += chunk.rays;
             total.paths += chunk.paths;
@@ -197,8 +169,19 @@ impl PhotonPass<'_> {
         total
     }
 
-    /// Follows one photon until it is absorbed, escapes or is stopped. `deposit` hears of every landing of a wanted class where a
-    /// density estimate can use it, with its flux \[W].
+    /// Where a beam along `ray` ends that has nothing to end at: where next to nothing is left of it, or far outside.
+    fn end_of_beam(&self, ray: &Ray, medium: u32) -> f32 {
+        if ray.t_max.is_finite() {
+            return ray.t_max;
+        }
+        let domain = self.scene.domain();
+        let far = 2.0 * ((domain.center - ray.origin).length() + domain.radius);
+        let least = self.scene.media()[medium as usize].extinction().min_element();
+        if least > 0.0 { FAINTEST / least } else { far }
+    }
+
+    /// Follows one photon until it is absorbed, escapes or is stopped. `deposit` hears of all light of a wanted class where a
+    /// density estimate can use it, with its flux \[W] and its wavelength.
     #[inline]
     pub(super) fn follow<I: Interior>(
         &self,
@@ -206,28 +189,49 @@ impl PhotonPass<'_> {
         mut flux: Rgb,
         path: Key,
         (audit, rays): (&mut Audit, &mut u64),
-        mut deposit: impl FnMut(Class, &Surface<'_>, Rgb),
+        mut deposit: impl FnMut(Class, Deposit<'_>, Rgb, Option<Wavelength>),
     ) {
         let mut class = Class::Direct;
         book(&mut audit.emitted, flux);
         for bounce in 0.. {
             *rays += 1;
             let key = path.with(bounce.into());
-            let Step::Arrived(Arrival { surface, transmittance, crossed, .. }) =
+            let sent = flux;
+            let mut phase = Phase::Isotropic;
+            let step = if I::IMMERSED {
+                let mut rng = key.rng();
+                walk.advance(self.scene, key, |stretch| {
+                    let class = if stretch.crossed { class.beyond_casters() } else { class };
+                    phase = stretch.medium.phase;
+                    self.through(stretch, class, &mut flux, &mut rng, &mut deposit)
+                })
+            } else {
                 walk.advance(self.scene, key, |_| None)
-            else {
-                return book(&mut audit.escaped, flux);
+            };
+            if flux != sent {
+                book(&mut audit.absorbed, sent - flux);
+            }
+            let (surface, transmittance, crossed) = match step {
+                Step::Escaped => return book(&mut audit.escaped, flux),
+                Step::Arrived(Arrival { surface, transmittance, crossed, .. }) => {
+                    (Some(surface), transmittance, crossed)
+                }
+                Step::Scattered { transmittance, crossed, .. } => (None, transmittance, crossed),
             };
             let left = flux * transmittance;
             book(&mut audit.absorbed, flux - left);
             flux = left;
-            if crossed && class == Class::Direct {
-                class = Class::Caustic;
+            if crossed {
+                class = class.beyond_casters();
             }
 
-            let stores = surface.bsdf.stores_photons();
-            if stores && self.wants.has(class) {
-                deposit(class, &surface, flux * deposit_factor(surface.wo, surface.point.ns, surface.point.ng));
+            let stores = surface.as_ref().is_none_or(|surface| surface.bsdf.stores_photons());
+            if let Some(surface) = &surface
+                && stores
+                && self.wants.has(class)
+            {
+                let landed = flux * deposit_factor(surface.wo, surface.point.ns, surface.point.ng);
+                deposit(class, Deposit::Surface(surface), landed, walk.inside.wavelength());
             }
             let next = class.after(stores);
             if bounce == self.max_bounces || !self.wants.may_follow(next) {
@@ -243,24 +247,61 @@ impl PhotonPass<'_> {
             }
 
             // Scatter.
-            let (lobe, u) = (key.uniform(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
-            let Some(sample) = surface.sample(lobe, u, Transport::Importance) else {
-                return book(&mut audit.absorbed, flux);
+            let before = color::mean(flux);
+            let ratio = if let Some(surface) = &surface {
+                let (lobe, u) = (key.uniform(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
+                let Some(sample) = surface.sample(lobe, u, Transport::Importance) else {
+                    return book(&mut audit.absorbed, flux);
+                };
+                let adjoint = shading_normal_factor(surface.wo, sample.wi, surface.point.ns, surface.point.ng);
+                let chosen = walk.leave(surface, sample.wi, sample.transmitted);
+                let scattered = flux * sample.weight * adjoint * chosen;
+                book(&mut audit.absorbed, flux - scattered);
+                flux = scattered;
+                color::mean(scattered) / before
+            } else {
+                let (direction, _) = phase.sample(walk.ray.direction, key.uniform_2d(Dimension::Phase));
+                walk.turn(direction);
+                // What was absorbed on the way is no loss of this moment, but roulette may have its say.
+                before / color::mean(sent)
             };
-            let adjoint = shading_normal_factor(surface.wo, sample.wi, surface.point.ns, surface.point.ng);
-            let scattered = flux * sample.weight * adjoint;
-            book(&mut audit.absorbed, flux - scattered);
 
             // Roulette on the ratio of throughputs keeps stored photons alike in power.
-            let ratio = color::mean(scattered) / color::mean(flux);
             if ratio.is_nan() || key.uniform(Dimension::Roulette) >= ratio {
-                return book(&mut audit.roulette, scattered);
+                return book(&mut audit.roulette, flux);
             }
-            flux = scattered / ratio.min(1.0);
-            book(&mut audit.roulette, scattered - flux);
-
+            let kept = flux / ratio.min(1.0);
+            book(&mut audit.roulette, flux - kept);
+            flux = kept;
             class = next;
-            walk.leave(&surface, sample.wi, sample.transmitted);
         }
+    }
+
+    /// Takes `flux` through a stretch of a medium, and tells where it is scattered, if it is.
+    #[inline]
+    fn through<I: Interior>(
+        &self,
+        stretch: &Stretch<'_, I>,
+        class: Class,
+        flux: &mut Rgb,
+        rng: &mut SmallRng,
+        deposit: &mut impl FnMut(Class, Deposit<'_>, Rgb, Option<Wavelength>),
+    ) -> Option<f32> {
+        let Stretch { ray, medium, index, .. } = stretch;
+        let wavelength = stretch.inside.wavelength();
+        let stored = self.wants.has_in_media(class) && medium.scatters();
+        let as_beam = self.wants.beams && medium.is_homogeneous();
+        if stored && as_beam {
+            deposit(class, Deposit::Beam(ray, *index), *flux * stretch.left, wavelength);
+        }
+        let flight = medium.flight(ray, ray.t_max, *flux, rng);
+        *flux *= flight.weight;
+        if let Some(t) = flight.scattered
+            && stored
+            && !as_beam
+        {
+            deposit(class, Deposit::Point(ray.at(t), ray.direction, *index), *flux * stretch.left, wavelength);
+        }
+        flight.scattered
     }
 }

@@ -47,6 +47,14 @@ pub enum Reason {
     NoTexture,
     /// Nothing has bumps.
     NoBump,
+    /// So many media.
+    Media(usize),
+    /// Nothing is filled.
+    NoMedium,
+    /// A medium is wherever no body is.
+    Filled,
+    /// No glass parts wavelengths.
+    NoDispersion,
     /// It rests on another effect, which is off.
     Without(Effect),
 }
@@ -77,6 +85,11 @@ impl fmt::Display for Reason {
             Self::NothingMoves => f.write_str("nothing moves while the shutter is open"),
             Self::NoTexture => f.write_str("nothing has a texture"),
             Self::NoBump => f.write_str("nothing has bumps"),
+            Self::Media(1) => f.write_str("1 medium scatters, absorbs or glows"),
+            Self::Media(n) => write!(f, "{n} media scatter, absorb or glow"),
+            Self::NoMedium => f.write_str("nothing is filled with a medium"),
+            Self::Filled => f.write_str("a medium is all around"),
+            Self::NoDispersion => f.write_str("no glass bends one wavelength more than another"),
             Self::Without(effect) => write!(f, "it rests on {effect}, which adds nothing here"),
         }
     }
@@ -152,6 +165,9 @@ impl Plan {
 fn judge(facts: &Facts, effect: Effect, before: Effects) -> Result<Reason, Reason> {
     let need = |there: bool, why: Reason| if there { Ok(()) } else { Err(why) };
     let any = |n: usize, why: Reason| need(n > 0, why);
+    // Media that scatter light are lit, and light others.
+    let receivers = facts.receivers + facts.scattering_media;
+    let scattering = facts.scattering_receivers + facts.scattering_media;
     match effect {
         Effect::Casters => {
             any(facts.casters, Reason::NoCaster)?;
@@ -161,25 +177,25 @@ fn judge(facts: &Facts, effect: Effect, before: Effects) -> Result<Reason, Reaso
             any(facts.lights, Reason::NoLight)?;
             any(facts.casters, Reason::NoCaster)?;
             any(facts.lit_casters, Reason::NoLitCaster)?;
-            any(facts.receivers, Reason::NoReceiver)?;
+            any(receivers, Reason::NoReceiver)?;
             Ok(Reason::Objects(facts.lit_casters, "may throw light on others"))
         }
         Effect::CausticBounces => {
             need(before.has(Effect::Caustics), Reason::Without(Effect::Caustics))?;
-            any(facts.scattering_receivers, Reason::BlackReceivers)?;
-            Ok(Reason::Objects(facts.scattering_receivers, "may pass caustics on"))
+            any(scattering, Reason::BlackReceivers)?;
+            Ok(Reason::Objects(scattering, "may pass caustics on"))
         }
         Effect::Interreflection => {
-            any(facts.lights, Reason::NoLight)?;
-            any(facts.receivers, Reason::NoReceiver)?;
-            any(facts.scattering_receivers, Reason::BlackReceivers)?;
+            any(facts.lights + facts.glowing_media, Reason::NoLight)?;
+            any(receivers, Reason::NoReceiver)?;
+            any(scattering, Reason::BlackReceivers)?;
             // A walk on from a receiver is also how half of the light of soft lights is found: those are never clear of the object.
             need(!facts.one_flat_object, Reason::OneFlatObject)?;
-            Ok(Reason::Objects(facts.scattering_receivers, "may light others"))
+            Ok(Reason::Objects(scattering, "may light others"))
         }
         Effect::Gathering => {
             need(before.has(Effect::Interreflection), Reason::Without(Effect::Interreflection))?;
-            Ok(Reason::Objects(facts.scattering_receivers, "may light others"))
+            Ok(Reason::Objects(scattering, "may light others"))
         }
         Effect::Shadows => {
             any(facts.lights, Reason::NoLight)?;
@@ -196,6 +212,9 @@ fn judge(facts: &Facts, effect: Effect, before: Effects) -> Result<Reason, Reaso
             Ok(Reason::Sky)
         }
         Effect::Interiors => {
+            if facts.filled {
+                return Ok(Reason::Filled);
+            }
             any(facts.bodies, Reason::NoBody)?;
             Ok(Reason::Objects(facts.bodies, "that light enters"))
         }
@@ -214,6 +233,14 @@ fn judge(facts: &Facts, effect: Effect, before: Effects) -> Result<Reason, Reaso
         Effect::Bump => {
             any(facts.bumpy, Reason::NoBump)?;
             Ok(Reason::Objects(facts.bumpy, "with bumps"))
+        }
+        Effect::Media => {
+            any(facts.media, Reason::NoMedium)?;
+            Ok(Reason::Media(facts.media))
+        }
+        Effect::Dispersion => {
+            any(facts.dispersive, Reason::NoDispersion)?;
+            Ok(Reason::Objects(facts.dispersive, "that bend one wavelength more than another"))
         }
     }
 }

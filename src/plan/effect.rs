@@ -1,6 +1,6 @@
 //! What can be simulated or left out.
 
-use crate::scene::Detail;
+use crate::scene::{Detail, Memory};
 
 /// A part of light transport that a picture may need.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,11 +32,15 @@ pub enum Effect {
     Textures,
     /// Bumps: shading normals that textures tilt.
     Bump,
+    /// What fills bodies, or the open: light that is scattered, absorbed and emitted between surfaces.
+    Media,
+    /// Wavelengths that glass parts.
+    Dispersion,
 }
 
 impl Effect {
     /// All of them, in the order of a table.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 15] = [
         Self::Casters,
         Self::Caustics,
         Self::CausticBounces,
@@ -50,6 +54,8 @@ impl Effect {
         Self::Motion,
         Self::Textures,
         Self::Bump,
+        Self::Media,
+        Self::Dispersion,
     ];
 
     /// As typed.
@@ -69,6 +75,8 @@ impl Effect {
             Self::Motion => "motion",
             Self::Textures => "textures",
             Self::Bump => "bump",
+            Self::Media => "media",
+            Self::Dispersion => "dispersion",
         }
     }
 
@@ -91,6 +99,8 @@ impl Effect {
             Self::Motion => "what moves stands still where it is when the shutter is half way",
             Self::Textures => "textures show as their mean colours",
             Self::Bump => "surfaces with bumps are smooth",
+            Self::Media => "fog, smoke and whatever else fills bodies is missing",
+            Self::Dispersion => "glass bends all colours alike: no spectrum, no fire",
         }
     }
 }
@@ -170,7 +180,18 @@ impl Effects {
     /// What walks see of a scene's dress.
     #[must_use]
     pub const fn detail(self) -> Detail {
-        Detail { textures: self.has(Effect::Textures), bumps: self.has(Effect::Bump), ..Detail::NONE }
+        Detail {
+            textures: self.has(Effect::Textures),
+            bumps: self.has(Effect::Bump),
+            media: self.has(Effect::Media),
+            dispersion: self.has(Effect::Dispersion),
+        }
+    }
+
+    /// What walks have to remember.
+    #[must_use]
+    pub const fn memory(self) -> Memory {
+        self.detail().memory(self.has(Effect::Interiors))
     }
 
     /// They, in the order of a table.

@@ -22,6 +22,16 @@ pub struct Facts {
     pub lit_casters: usize,
     /// Bodies that light enters.
     pub bodies: usize,
+    /// Bodies of glass that bends one wavelength more than another.
+    pub dispersive: usize,
+    /// Media that do something to light: in bodies, or all around.
+    pub media: usize,
+    /// Of them, those that scatter.
+    pub scattering_media: usize,
+    /// Of them, those that glow.
+    pub glowing_media: usize,
+    /// Whether a medium is wherever no body is.
+    pub filled: bool,
     /// Things with textures.
     pub textured: usize,
     /// Things with bumps.
@@ -52,6 +62,11 @@ impl Facts {
             casters: 0,
             lit_casters: 0,
             bodies: 0,
+            dispersive: 0,
+            media: 0,
+            scattering_media: 0,
+            glowing_media: 0,
+            filled: scene.filling().is_some(),
             textured: 0,
             bumpy: 0,
             lights: 0,
@@ -65,9 +80,25 @@ impl Facts {
         let some = Sphere { center: Vec3::ZERO, radius: 1.0 };
         let lights: Vec<&Light> = scene.lights().iter().filter(|l| l.power(some) != Rgb::ZERO).collect();
         facts.lights = lights.len();
+        let mut media: Vec<u32> = scene.filling().into_iter().collect();
+        for object in &objects {
+            scene.scatterings(object.material, &mut |scattering| {
+                if let Scattering::Boundary(body) = scattering {
+                    media.extend(body.medium);
+                    facts.dispersive += usize::from(body.glass.is_some());
+                }
+            });
+        }
+        media.sort_unstable();
+        media.dedup();
+        let media = || media.iter().map(|index| &scene.media()[*index as usize]);
+        facts.media = media().filter(|medium| !medium.is_empty()).count();
+        facts.scattering_media = media().filter(|medium| medium.scatters()).count();
+        facts.glowing_media = media().filter(|medium| medium.emits()).count();
         // What moves is elsewhere at another time.
         if let [Object { plane: Some((p, n)), .. }] = objects[..]
             && !facts.moving
+            && facts.media == 0
         {
             facts.one_flat_object = lights.iter().all(|light| light.is_clear_of(p, n));
         }

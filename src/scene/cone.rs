@@ -1,5 +1,6 @@
 //! How much of a surface a ray sees at once.
 
+use super::Memory;
 use crate::bsdf::{Bsdf, DIFFUSE_BLUR};
 
 /// Part of a pixel that textures are blurred over: the pixel's own filter blurs them too.
@@ -19,6 +20,16 @@ pub struct Detail {
 }
 
 impl Detail {
+    /// What walks have to remember that see this; `interiors` says whether they remember bodies at all.
+    #[must_use]
+    pub const fn memory(self, interiors: bool) -> Memory {
+        match interiors {
+            false => Memory::Nothing,
+            true if self.media || self.dispersion => Memory::Media,
+            true => Memory::Bodies,
+        }
+    }
+
     /// Everything.
     pub const ALL: Self = Self { textures: true, bumps: true, media: true, dispersion: true };
     /// Nothing.

@@ -95,6 +95,15 @@ impl Interior for Immersed {
     }
 
     #[inline]
+    fn arrive(&mut self, surface: &Surface<'_>) -> Rgb {
+        // Connections are made here too.
+        if surface.bsdf.is_specular() || self.chosen_at.take().is_none() {
+            return Rgb::ONE;
+        }
+        self.wavelength.map_or(Rgb::ONE, Wavelength::weight)
+    }
+
+    #[inline]
     fn leave(&mut self, surface: &Surface<'_>, transmitted: bool) -> Rgb {
         let (Some(plain), Some(wavelength)) = (self.chosen_at.take(), self.wavelength) else { return Rgb::ONE };
         let weight = wavelength.weight();

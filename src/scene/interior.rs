@@ -65,6 +65,12 @@ pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
     /// Goes through the boundary that `surface` may be in unit `direction`.
     fn cross(&mut self, surface: &Surface<'_>, direction: Vec3);
 
+    /// What throughput is multiplied by at `surface` before anything is done there, for a wavelength that was chosen there.
+    #[inline]
+    fn arrive(&mut self, _: &Surface<'_>) -> Rgb {
+        Rgb::ONE
+    }
+
     /// What throughput is multiplied by on leaving `surface`, for a wavelength that was chosen there.
     #[inline]
     fn leave(&mut self, _: &Surface<'_>, _: bool) -> Rgb {

@@ -368,6 +368,12 @@ impl Scene {
         self.bodies().next().is_some()
     }
 
+    /// Whether walks have to remember what they are inside of: bodies, or the medium around them.
+    #[must_use]
+    pub fn has_interiors(&self) -> bool {
+        self.filling.is_some() || self.has_bodies()
+    }
+
     /// The bodies that materials bound.
     pub fn bodies(&self) -> impl Iterator<Item = &Body> {
         self.materials.iter().filter_map(|m| match &m.scattering {

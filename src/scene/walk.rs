@@ -30,6 +30,10 @@ pub struct Stretch<'a, I> {
     pub medium: &'a Medium,
     /// What it is inside of.
     pub inside: I,
+    /// Part of the light that is left after what bodies absorbed before it.
+    pub left: Rgb,
+    /// Whether the way crossed boundaries before that end a shadow ray.
+    pub crossed: bool,
 }
 
 /// What ends a step of a walk.
@@ -37,8 +41,15 @@ pub struct Stretch<'a, I> {
 pub enum Step<'a> {
     /// A surface.
     Arrived(Arrival<'a>),
-    /// Light is scattered in a medium, after this distance.
-    Scattered(f32),
+    /// Light is scattered in a medium.
+    Scattered {
+        /// Length of the way \[length].
+        distance: f32,
+        /// Part of the light that is left after what bodies absorbed on the way.
+        transmittance: Rgb,
+        /// Whether the way crossed boundaries that are not there for light, but end a shadow ray.
+        crossed: bool,
+    },
     /// Nothing.
     Escaped,
 }
@@ -82,10 +93,11 @@ impl<I: Interior> Walk<I> {
             {
                 let end = hit.map_or(f32::INFINITY, |hit| hit.t);
                 let ray = Ray { t_max: end, ..self.ray };
-                let stretch = Stretch { ray, index, medium: &scene.media[index as usize], inside: self.inside };
+                let (medium, inside) = (&scene.media[index as usize], self.inside);
+                let stretch = Stretch { ray, index, medium, inside, left: transmittance, crossed };
                 if let Some(t) = through(&stretch) {
                     self.ray = Ray::new(ray.at(t), ray.direction);
-                    return Step::Scattered(distance + t);
+                    return Step::Scattered { distance: distance + t, transmittance, crossed };
                 }
             }
             let Some((surface, t)) = &mut surface else { return Step::Escaped };
@@ -93,6 +105,7 @@ impl<I: Interior> Walk<I> {
             transmittance *= self.inside.transmittance(scene, *t);
             match self.inside.meet(scene, surface, key) {
                 Meeting::Surface => {
+                    transmittance *= self.inside.arrive(surface);
                     return Step::Arrived(Arrival { surface: *surface, transmittance, distance, crossed });
                 }
                 Meeting::Hidden => crossed = true,
@@ -150,6 +163,18 @@ impl Scene {
             let t_max = if ray.t_max == f32::INFINITY { f32::INFINITY } else { (end - next.origin).length() };
             ray = Ray { t_max, ..next };
             inside.cross(&surface, ray.direction);
+        }
+    }
+
+    /// Part of the light that is left of what comes along `ray`, of unit direction, in what lies around its start, whatever stands in the way;
+    /// unbiased.
+    #[inline]
+    #[must_use]
+    pub fn dimming<I: Interior>(&self, ray: &Ray, inside: &I, key: Key) -> Rgb {
+        let left = inside.transmittance(self, ray.t_max);
+        match inside.medium(self) {
+            Some(index) => left * self.media[index as usize].transmittance(ray, ray.t_max, &mut key.rng()),
+            None => left,
         }
     }
 

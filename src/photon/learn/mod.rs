@@ -6,10 +6,11 @@ mod tests;
 
 pub(super) use density::EmissionDensity;
 
+use super::trace::Deposit;
 use super::{Audit, PhotonPass, PhotonSource, Scratch, Visible, Wants};
 use crate::color;
 use crate::sampling::{Discrete, Key, Purpose};
-use crate::scene::{Inside, Interior, Open};
+use crate::scene::{Immersed, Inside, Interior, Memory, Open};
 use density::{Fit, Sample};
 use rayon::prelude::*;
 
@@ -96,10 +97,10 @@ impl PhotonSource<'_> {
             .into_par_iter()
             .map(|chunk| {
                 let range = chunk * CHUNK..paths.min((chunk + 1).saturating_mul(CHUNK));
-                if self.interiors {
-                    self.explore_chunk::<Inside>(pilot, key, range, paths)
-                } else {
-                    self.explore_chunk::<Open>(pilot, key, range, paths)
+                match self.memory() {
+                    Memory::Media => self.explore_chunk::<Immersed>(pilot, key, range, paths),
+                    Memory::Bodies => self.explore_chunk::<Inside>(pilot, key, range, paths),
+                    Memory::Nothing => self.explore_chunk::<Open>(pilot, key, range, paths),
                 }
             })
             .collect();
@@ -127,11 +128,19 @@ impl PhotonSource<'_> {
             let draw = self.draw(key, index, paths);
             let mut square = 0.0;
             if let Some((walk, flux)) = self.start::<I>(&draw) {
-                pass.follow(walk, flux, key.with(index.into()), (&mut audit, &mut found.rays), |_, surface, flux| {
-                    let flux = f64::from(color::mean(flux));
-                    let importance = pilot.visible.importance(surface.point.p, surface.facing_normal(), &mut scratch);
-                    square += flux * flux * f64::from(importance);
-                });
+                pass.follow(
+                    walk,
+                    flux,
+                    key.with(index.into()),
+                    (&mut audit, &mut found.rays),
+                    |_, deposit, flux, _| {
+                        let Deposit::Surface(surface) = deposit else { return };
+                        let flux = f64::from(color::mean(flux));
+                        let importance =
+                            pilot.visible.importance(surface.point.p, surface.facing_normal(), &mut scratch);
+                        square += flux * flux * f64::from(importance);
+                    },
+                );
             }
             // One path of no finite worth must not decide alone.
             let square = if square.is_finite() { square } else { 0.0 };

@@ -1,0 +1,89 @@
+//! Camera walks through media.
+
+use super::{Branch, EyePass, Last, Next};
+use crate::color::{self, Rgb};
+use crate::integrate::direct::Scattering;
+use crate::integrate::method::{History, Method, Passage};
+use crate::integrate::tiles::Worker;
+use crate::medium::Phase;
+use crate::sampling::Dimension;
+use crate::scene::{Interior, Step, Stretch};
+use rand::rngs::SmallRng;
+
+impl<M: Method> EyePass<'_, M> {
+    /// Goes to where a walk ends or is scattered, by what phase function, and adds what the media on the way send back.
+    pub(super) fn advance_in_media<I: Interior>(
+        &self,
+        branch: &mut Branch<I>,
+        worker: &mut Worker,
+        radiance: &mut Rgb,
+    ) -> (Step<'_>, Phase) {
+        let mut rng = branch.draw.key().with(u64::from(self.pass)).rng();
+        let mut walk = branch.walk;
+        let mut phase = Phase::Isotropic;
+        let step = walk.advance(self.scene, branch.draw.key(), |stretch| {
+            phase = stretch.medium.phase;
+            self.through(branch, stretch, &mut rng, worker, radiance)
+        });
+        branch.walk = walk;
+        (step, phase)
+    }
+
+    /// Adds what a stretch of a medium sends back, and takes the walk through it or to where it is scattered.
+    fn through<I: Interior>(
+        &self,
+        branch: &mut Branch<I>,
+        stretch: &Stretch<'_, I>,
+        rng: &mut SmallRng,
+        worker: &mut Worker,
+        radiance: &mut Rgb,
+    ) -> Option<f32> {
+        let Stretch { medium, ray, .. } = stretch;
+        let here = branch.throughput * stretch.left;
+        if medium.emits() {
+            *radiance += here * medium.emitted(ray, ray.t_max, rng);
+        }
+        if !medium.scatters() {
+            branch.throughput *= medium.transmittance(ray, ray.t_max, rng);
+            return None;
+        }
+        let history = History { casters: branch.history.casters + u32::from(stretch.crossed), ..branch.history };
+        let mut to_do = self.method.in_medium(history);
+        to_do.onward &= branch.bounce < self.settings.max_bounces;
+        let flight = medium.flight(ray, ray.t_max, here, rng);
+        let mut found = Rgb::ZERO;
+        if to_do.direct {
+            let shadow_draw = branch.draw.with(u64::from(self.pass) << 32);
+            let onward = to_do.onward;
+            let scattering = Scattering { stretch, throughput: here, flight: &flight, history, onward, shadow_draw };
+            found += self.direct.scattered(&scattering, worker);
+        }
+        found += self.method.volume(&Passage { stretch, history, throughput: here, draw: branch.draw }, rng, worker);
+        *radiance += here * found;
+        if to_do.onward {
+            branch.throughput *= flight.weight;
+            return flight.scattered;
+        }
+        branch.throughput *= medium.transmittance(ray, ray.t_max, rng);
+        None
+    }
+
+    /// Goes on from where a walk was scattered in a medium.
+    pub(super) fn scatter<I: Interior>(&self, branch: &mut Branch<I>, phase: Phase) -> Option<Next<I>> {
+        let mut next = *branch;
+        let (direction, pdf) = phase.sample(next.walk.ray.direction, branch.draw.two(Dimension::Phase));
+        next.walk.turn(direction);
+        next.last = Some(Last { p: next.walk.ray.origin, horizon: None, history: branch.history, pdf });
+        next.history = History { receivers: branch.history.receivers + 1, casters: 0 };
+        next.bounce += 1;
+        next.draw = branch.draw.with(u64::from(branch.bounce) << 1);
+        let strength = color::mean(next.throughput);
+        let survival = (strength / super::CERTAIN).min(1.0);
+        if survival.is_nan() || branch.draw.one(Dimension::Roulette) >= survival {
+            return None;
+        }
+        next.throughput /= survival;
+        *branch = next;
+        Some(Next::One)
+    }
+}
