@@ -47,3 +47,46 @@ fn smooth(x: f64) -> f64 {
     let x = x.clamp(0.0, 1.0);
     x * x * (3.0 - 2.0 * x)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const CLOUD: Cloud = Cloud { octaves: 5, scale: 4.0, cover: 0.7, softness: 0.4, seed: 1 };
+
+    fn points() -> impl Iterator<Item = DVec3> {
+        (0..20u32.pow(3)).map(|i| (DVec3::from([i % 20, i / 20 % 20, i / 400].map(f64::from)) + 0.5) / 20.0)
+    }
+
+    fn mean(cloud: Cloud) -> f64 {
+        let density = cloud.density(0.0);
+        points().map(|p| f64::from(density(p))).sum::<f64>() / 8000.0
+    }
+
+    #[test]
+    fn densities_lie_between_zero_and_one_inside_the_ellipsoid() {
+        for softness in [0.0, 0.4, 1.0] {
+            let density = Cloud { softness, cover: 1.0, ..CLOUD }.density(0.0);
+            for p in points() {
+                let d = density(p);
+                assert!((0.0..=1.0).contains(&d), "{p} {d}");
+                assert!(d == 0.0 || (2.0 * p - 1.0).length() < 1.0, "{p} {d}");
+            }
+            assert_eq!([density(DVec3::ZERO), density(DVec3::splat(f64::NAN))], [0.0; 2]);
+        }
+    }
+
+    /// The ball is π/6 of the cube, and noise is as often above as below its middle, 1/2: full cover is π/12, within what
+    /// some 4π/3·2³ = 34 independent wavelengths of spread ¼ allow, five times over.
+    #[test]
+    fn cover_softness_and_seed_are_what_they_say() {
+        let full = mean(Cloud { cover: 1.0, softness: 0.0, ..CLOUD });
+        let truth = std::f64::consts::PI / 12.0;
+        assert!((full / truth - 1.0).abs() < 5.0 * 0.5 / 34f64.sqrt(), "{full}");
+        let covers = [0.0, 0.3, 0.6, 0.9].map(|cover| mean(Cloud { cover, ..CLOUD }));
+        assert!(covers[0] == 0.0 && covers.is_sorted() && covers[3] > covers[1], "{covers:?}");
+        assert!(mean(Cloud { softness: 0.8, ..CLOUD }) < mean(Cloud { softness: 0.2, ..CLOUD }));
+        let [one, same, other] = [CLOUD, CLOUD, Cloud { seed: 2, ..CLOUD }].map(mean);
+        assert!(one == same && one != other, "{one} {other}");
+    }
+}

@@ -1,1 +1,53 @@
+//! Media against closed forms. Randomness is keyed, so a test that passes once passes always; bounds are five standard errors of
+//! the mean, which 6·10⁻⁷ of all keys exceed.
 
+mod extremes;
+mod fields;
+mod flights;
+mod phases;
+mod walks;
+
+use super::*;
+use crate::sampling::{Key, Purpose};
+use rand::rngs::SmallRng;
+
+fn rng(n: u64) -> SmallRng {
+    Key::new(23).purpose(Purpose::Test).with(n).rng()
+}
+
+/// A running mean of each channel with its spread.
+#[derive(Default)]
+struct Mean {
+    n: f64,
+    sum: DVec3,
+    squares: DVec3,
+}
+
+impl Mean {
+    fn add(&mut self, x: DVec3) {
+        self.n += 1.0;
+        self.sum += x;
+        self.squares += x * x;
+    }
+
+    /// Within five standard errors, and 10⁻⁶ for the rounding of f32 weights.
+    fn agrees(&self, truth: DVec3, what: &str) {
+        self.bounded(truth, DVec3::ZERO, what);
+    }
+
+    /// The same for values up to `most`, of which few may be what matters: five errors leave out what 29·most/n holds (the
+    /// empirical Bernstein bound of Maurer and Pontil 2009, with ln(2/δ) = 12.5).
+    fn bounded(&self, truth: DVec3, most: DVec3, what: &str) {
+        let mean = self.sum / self.n;
+        for i in 0..3 {
+            let error = ((self.squares[i] / self.n - mean[i] * mean[i]).max(0.0) / self.n).sqrt();
+            let off = (mean[i] - truth[i]).abs();
+            assert!(
+                off <= 5.0 * error + 29.0 * most[i] / self.n + 1e-6 * truth[i].abs(),
+                "{what}[{i}]: {} ± {error}, not {}",
+                mean[i],
+                truth[i]
+            );
+        }
+    }
+}

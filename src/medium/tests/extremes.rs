@@ -1,0 +1,117 @@
+//! Nothing is left, nothing is lost, or nothing is there.
+
+use super::*;
+use glam::DAffine3;
+
+const X: Vec3 = Vec3::X;
+
+fn grid(values: Vec<f32>, size: [u32; 3]) -> Option<Arc<Field>> {
+    let place = DAffine3::from_translation(DVec3::new(0.0, -0.5, -0.5));
+    Some(Arc::new(Field::new(size, values, place).unwrap()))
+}
+
+fn medium(a: Vec3, s: Vec3, e: Vec3, density: Option<Arc<Field>>) -> Medium {
+    Medium { absorption: a, scattering: s, emission: e, phase: Phase::Isotropic, density }
+}
+
+#[test]
+fn what_is_not_there_changes_nothing() {
+    let ray = Ray::new(Vec3::ZERO, X);
+    let nothing = medium(Vec3::ZERO, Vec3::ZERO, Vec3::ZERO, None);
+    let thin = medium(Vec3::ONE, Vec3::ONE, Vec3::ONE, grid(vec![0.0; 8], [2; 3]));
+    let elsewhere = medium(Vec3::ONE, Vec3::ONE, Vec3::ONE, grid(vec![1.0; 8], [2; 3])).translated(DVec3::Y * 2.0);
+    for (medium, empty) in [(nothing, true), (thin, true), (elsewhere, false)] {
+        assert_eq!(medium.is_empty(), empty);
+        for distance in [0.0, 1.0, f32::INFINITY] {
+            let random = &mut rng(6);
+            assert_eq!(medium.transmittance(&ray, distance, random), Vec3::ONE);
+            assert_eq!(medium.emitted(&ray, distance, random), Vec3::ZERO);
+            let flight = medium.flight(&ray, distance, Vec3::ONE, random);
+            assert_eq!(flight, Flight { scattered: None, weight: Vec3::ONE });
+        }
+    }
+}
+
+/// No channel underflows into a quotient of zeros, with a depth of 10⁴ and without an end.
+#[test]
+fn depths_of_ten_thousand_are_finite() {
+    let ray = Ray::new(Vec3::ZERO, X);
+    for density in [None, grid(vec![1.0; 20], [20, 1, 1])] {
+        let scale = 1e4;
+        let grey = medium(Vec3::splat(0.25 * scale), Vec3::splat(0.75 * scale), Vec3::splat(scale), density.clone());
+        let white = medium(Vec3::ZERO, Vec3::splat(scale), Vec3::ZERO, density.clone());
+        let mixed = medium(Vec3::ZERO, Vec3::new(scale, 1.0, 0.0), Vec3::X, density);
+        let random = &mut rng(7);
+        for distance in [1.0, f32::INFINITY] {
+            for _ in 0..10_000 {
+                for (medium, albedo) in [(&grey, 0.75), (&white, 1.0)] {
+                    let flight = medium.flight(&ray, distance, Vec3::ONE, random);
+                    assert!(flight.scattered.is_some_and(|t| t < 0.01), "{flight:?}");
+                    assert!((flight.weight - albedo).abs().max_element() < 1e-6, "{flight:?}");
+                }
+                for throughput in [Vec3::ONE, Vec3::X, Vec3::Z, Vec3::ZERO, Vec3::new(1e-30, 1.0, 1e30), Vec3::INFINITY]
+                {
+                    let flight = mixed.flight(&ray, distance, throughput, random);
+                    assert!(flight.weight.is_finite() && flight.weight.min_element() >= 0.0, "{flight:?}");
+                    let whole = throughput.element_sum();
+                    let after = (throughput * flight.weight).element_sum();
+                    assert!(!whole.is_finite() || after <= whole * (1.0 + 1e-6), "{throughput} {flight:?}");
+                    if throughput == Vec3::Z {
+                        assert_eq!(flight, Flight { scattered: None, weight: Vec3::Z });
+                    }
+                }
+            }
+            // Two mean free paths in a million leave e⁻²⁰⁰⁰⁰ and no more than the roulette keeps.
+            assert_eq!(grey.transmittance(&ray, distance, random), Vec3::ZERO);
+            assert!(
+                (grey.emitted(&ray, f32::INFINITY, random) - 1.0).abs().max_element() < 1e-6 || !grey.is_homogeneous()
+            );
+        }
+    }
+}
+
+/// Walks among null collisions alone: the field is 0 on the way, its block's majorant is not. The depth of the majorant is four
+/// times the patience, so 1/16 of all walks are left, 16 times as strong: a standard error of 4/√n.
+#[test]
+fn impatience_is_unbiased() {
+    let mut values = vec![0.0; 512];
+    values[511] = 1.0;
+    let ray = Ray::new(Vec3::new(0.0, -0.4, -0.4), X);
+    let medium = medium(Vec3::splat(65_000.0), Vec3::splat(1000.0), Vec3::ZERO, grid(values, [8; 3]));
+    let (random, n) = (&mut rng(8), 2000);
+    let (mut left, mut flown) = (0.0, 0.0);
+    for _ in 0..n {
+        left += medium.transmittance(&ray, 1.0, random).x;
+        flown += medium.flight(&ray, 1.0, Vec3::ONE, random).weight.x;
+    }
+    for mean in [left, flown].map(|sum| sum / n as f32) {
+        assert!((mean - 1.0).abs() < 20.0 / (n as f32).sqrt(), "{mean}");
+    }
+}
+
+#[test]
+fn the_greatest_densities_end() {
+    let mut values = vec![0.0; 512];
+    values[100] = f32::MAX;
+    let ray = Ray::new(Vec3::new(-1.0, -0.4, -0.4), Vec3::new(1.0, 0.3, 0.2).normalize());
+    let medium = medium(Vec3::splat(f32::MAX), Vec3::ONE, Vec3::ONE, grid(values, [8; 3]));
+    let random = &mut rng(9);
+    for _ in 0..100 {
+        let flight = medium.flight(&ray, f32::INFINITY, Vec3::ONE, random);
+        let light = medium.transmittance(&ray, f32::INFINITY, random) + medium.emitted(&ray, f32::INFINITY, random);
+        assert!(flight.weight.is_finite() && light.is_finite(), "{flight:?} {light}");
+    }
+}
+
+#[test]
+fn kinds_are_told_apart() {
+    let (zero, one) = (Vec3::ZERO, Vec3::ONE);
+    let glow = medium(zero, zero, one, None);
+    assert!(glow.emits() && !glow.scatters() && !glow.is_empty() && glow.is_homogeneous());
+    let fog = medium(zero, one, zero, grid(vec![2.0], [1; 3]));
+    assert!(!fog.emits() && fog.scatters() && !fog.is_homogeneous());
+    assert_eq!([fog.density_at(X * 0.5), fog.density_at(X * 1.5)], [2.0, 0.0]);
+    assert_eq!(fog.translated(DVec3::X).density_at(X * 1.5), 2.0);
+    assert_eq!(glow.translated(DVec3::X).density_at(X), 1.0);
+    assert_eq!(glow.emitted(&Ray::new(zero, X), 3.0, &mut rng(10)), one * 3.0);
+}
