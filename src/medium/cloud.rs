@@ -22,7 +22,6 @@ pub struct Cloud {
 
 impl Cloud {
     /// Its density, from 0 to 1, at points of the unit cube, told no finer than `width` (in sides of the cube; 0 is all).
-    #[must_use]
     pub fn density(&self, width: f64) -> impl Fn(DVec3) -> f32 + Sync + use<> {
         let mut rng = Key::new(self.seed).rng();
         // Far enough that clouds of two seeds share no part, near enough that sums keep their digits.
@@ -30,10 +29,10 @@ impl Cloud {
         let Self { octaves, scale, cover, softness, .. } = *self;
         move |p| {
             let inwards = 1.0 - (2.0 * p - 1.0).length();
-            let edge = if inwards <= 0.0 { 0.0 } else { smooth(inwards / softness.max(f64::MIN_POSITIVE)) };
+            let edge = if inwards > 0.0 { smooth(inwards / softness.max(f64::MIN_POSITIVE)) } else { 0.0 };
             // The edge takes from the cover, so that it frays rather than fades.
             let cover = cover.clamp(0.0, 1.0) * edge;
-            if !(cover > 0.0) {
+            if cover <= 0.0 {
                 return 0.0;
             }
             let height = (0.5 + fractal(p * scale + shift, width * scale, octaves)).clamp(0.0, 1.0);

@@ -40,7 +40,7 @@ fn track<R: Rng>(line: &Line, rate: f64, rng: &mut R, mut visit: impl FnMut(Coll
         let mut t = start;
         loop {
             let step = depth / (rate * majorant);
-            if !(step < stop - t) {
+            if step >= stop - t {
                 depth -= (stop - t) * (rate * majorant);
                 break;
             }
@@ -71,7 +71,7 @@ fn roulette(left: f64, steps: u32, rng: &mut impl Rng) -> Option<f64> {
 pub(super) fn transmittance(medium: &Medium, field: &Field, ray: &Ray, distance: f32, rng: &mut impl Rng) -> Rgb {
     let sigma = medium.extinction().as_dvec3();
     let rate = sigma.max_element();
-    if !(rate > 0.0) {
+    if rate <= 0.0 {
         return Rgb::ONE;
     }
     let (mut left, mut steps) = (DVec3::ONE, 0u32);
@@ -111,12 +111,12 @@ pub(super) fn flight(
     let scattering = DVec3::select(alive, medium.scattering.as_dvec3(), DVec3::ZERO);
     let rate = sigma.max_element();
     let (mut left, mut steps, mut scattered) = (DVec3::ONE, 0u32, None);
-    let through = !(rate > 0.0)
+    let through = rate <= 0.0
         || track(&field.along(ray, distance), rate, rng, |collision, rng| {
             let real = left * scattering * collision.density;
             let null = left * (DVec3::ONE - sigma * collision.density).max(DVec3::ZERO);
             let (a, b) = (share.dot(real), share.dot(null));
-            if !(a + b > 0.0) {
+            if a + b <= 0.0 {
                 return Step::End;
             }
             let probability = a / (a + b);
@@ -144,7 +144,7 @@ pub(super) fn emitted(medium: &Medium, field: &Field, ray: &Ray, distance: f32, 
     let (sigma, emission) = (medium.extinction().as_dvec3(), medium.emission.as_dvec3());
     let line = field.along(ray, distance);
     let depth: f64 = line.blocks().map(|(start, stop, majorant)| (stop - start) * majorant).sum();
-    if !(depth > 0.0) {
+    if depth <= 0.0 {
         return Rgb::ZERO;
     }
     // A thin flame is looked at as often as a dense one.
