@@ -4,6 +4,7 @@ use super::MeshArguments;
 use super::number::{count, duration, length, positive_count, size, stops, threads};
 use crate::camera::FilterKind;
 use crate::image::{BitDepth, Curve};
+use crate::integrate::VolumeEstimate;
 use crate::photon::Kernel;
 use crate::plan::Wishes;
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -102,6 +103,10 @@ pub struct MethodArguments {
     /// How pm looks at the global map: none (directly), bsdf or importance (gather rays, drawn from the BSDF or guided by photons)
     #[arg(long, value_enum, default_value = "bsdf", value_name = "NAME")]
     pub final_gathering: GatheringName,
+
+    /// How light in media is estimated from photons: beams, beam-radiance or points
+    #[arg(long, value_enum, default_value = "beams", value_name = "NAME")]
+    pub volume: VolumeEstimate,
 
     /// Bounces after which a path is cut
     #[arg(long, value_parser = count, default_value = "100", value_name = "N")]

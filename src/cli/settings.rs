@@ -2,8 +2,24 @@
 
 use super::args::{AlgorithmName, GatheringName, MethodArguments};
 use crate::camera::Filter;
-use crate::integrate::{Algorithm, EyeSettings, FinalGathering, Settings};
+use crate::integrate::{Algorithm, EyeSettings, FinalGathering, Settings, VolumeEstimate};
 use crate::plan::Wishes;
+use clap::ValueEnum;
+use clap::builder::PossibleValue;
+
+impl ValueEnum for VolumeEstimate {
+    fn value_variants<'a>() -> &'a [Self] {
+        &[Self::Beams, Self::BeamRadiance, Self::Points]
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(PossibleValue::new(match self {
+            Self::Beams => "beams",
+            Self::BeamRadiance => "beam-radiance",
+            Self::Points => "points",
+        }))
+    }
+}
 
 impl From<AlgorithmName> for Algorithm {
     fn from(name: AlgorithmName) -> Self {
@@ -37,6 +53,7 @@ pub(super) fn settings(arguments: &MethodArguments, effects: Wishes) -> Settings
         gather_k: arguments.gather_k,
         radius: arguments.radius,
         kernel: arguments.kernel,
+        volume: arguments.volume,
         final_gathering: match arguments.final_gathering {
             GatheringName::None => FinalGathering::None,
             GatheringName::Bsdf => FinalGathering::Bsdf,

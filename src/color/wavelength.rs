@@ -27,6 +27,11 @@ const CODES: f32 = 255.0;
 pub struct Wavelength(f32);
 
 impl Wavelength {
+    /// The shortest there is \[nm].
+    pub const SHORTEST: f32 = SHORTEST;
+    /// The longest there is \[nm].
+    pub const LONGEST: f32 = SHORTEST + CELLS as f32;
+
     /// By the mean of the channels' responses, for `u` in \[0, 1).
     #[must_use]
     pub fn sample(u: f32) -> Self {

@@ -6,12 +6,13 @@
 
 use super::direct::Asking;
 use super::maps::{Maps, Needs};
-use super::method::{AtReceiver, History, Method, Vertex};
+use super::method::{AtReceiver, History, Method, Passage, Vertex};
 use super::prepared::{Strategy, Walks};
 use super::tiles::Worker;
 use crate::color::Rgb;
 use crate::plan::{Effect, Effects};
 use crate::scene::Interior;
+use rand::rngs::SmallRng;
 
 /// Path tracing with a caustic map.
 #[derive(Debug)]
@@ -56,6 +57,13 @@ impl Method for Connected<'_> {
     fn photons<I: Interior>(&self, vertex: &Vertex<'_, I>, worker: &mut Worker) -> Rgb {
         match vertex.draw.place() {
             (0, count) if vertex.history.receivers == 0 => self.maps.radiance(vertex, worker) * count as f32,
+            _ => Rgb::ZERO,
+        }
+    }
+
+    fn volume<I: Interior>(&self, passage: &Passage<'_, I>, rng: &mut SmallRng, worker: &mut Worker) -> Rgb {
+        match passage.draw.place() {
+            (0, count) if passage.history.receivers == 0 => self.maps.volume(passage, rng, worker) * count as f32,
             _ => Rgb::ZERO,
         }
     }

@@ -1,10 +1,12 @@
 //! Making the photon maps of any pass.
 
 use super::maps::{Gathering, Maps, Needs, Schedule};
-use super::pilot::auto_radius;
+use super::pilot::{Blurs, auto_radius, volume_blurs};
+use super::progressive::shrink_in;
 use super::visible::visible;
+use super::volume::{VolumeEstimate, VolumeMap};
 use super::{Expected, EyeSettings, Lessons, Monitor, Pass, Phase, PhotonReport, Radii, Settings, shrink};
-use crate::photon::{Bandwidth, Photon, PhotonMap, PhotonPass, PhotonSource, Pilot, THINNING, Traced, Wants};
+use crate::photon::{Bandwidth, Photon, PhotonMap, PhotonPass, PhotonSource, Pilot, THINNING, Traced, Volume, Wants};
 use crate::plan::{Effect, Effects};
 use crate::sampling::{Key, Purpose};
 use crate::scene::Scene;
@@ -30,6 +32,9 @@ const LEAST_GAIN: f64 = 1.5;
 
 /// Gather rays are guided by one photon path of so many of the global map.
 const GUIDING: u32 = 16;
+
+/// Wavelengths that count as one in the first pass \[nm], where walks and photons both have one: some twentieth of all.
+const BAND: f32 = 20.0;
 
 /// An estimate over fewer photons is noise, however many passes have shrunk it.
 const FEWEST: f64 = 8.0;
@@ -77,6 +82,8 @@ pub(super) struct MapMaker<'a> {
     pub counts: Counts,
     /// `None` where there is no map.
     pub radii: Option<Radii>,
+    /// Radii of blurs in media, of caustics and of the rest.
+    blurs: [Blurs; 2],
     pub lessons: Lessons,
 }
 
@@ -97,9 +104,13 @@ impl<'a> MapMaker<'a> {
         let lessons = Lessons::default();
         let (photons, caustic_photons) = (settings.photons, settings.caustic_photons);
         let counts = Counts { photons, caustic_photons };
-        let mut maker = Self { scene, settings, effects, needs, global, caustic, counts, radii: None, lessons };
+        let blurs = [Blurs::default(); 2];
+        let mut maker = Self { scene, settings, effects, needs, global, caustic, counts, radii: None, blurs, lessons };
         maker.learn();
         maker.radii = maker.has_photons().then(|| maker.find_radii());
+        if maker.lights_media() {
+            maker.blurs = maker.find_blurs();
+        }
         maker
     }
 
@@ -134,7 +145,8 @@ impl<'a> MapMaker<'a> {
 
     /// Aims emission at what is seen, where that is much better.
     fn learn(&mut self) {
-        if self.caustic.is_none() && self.global.is_none() {
+        // What is seen of media, no point on a surface tells.
+        if (self.caustic.is_none() && self.global.is_none()) || self.lights_media() {
             return;
         }
         let (scene, settings) = (self.scene, &self.settings);
@@ -178,6 +190,41 @@ impl<'a> MapMaker<'a> {
         Radii { global: smooth, caustic }
     }
 
+    /// Whether photons are stored in media.
+    fn lights_media(&self) -> bool {
+        let media = self.effects.has(Effect::Media) && self.effects.has(Effect::Interiors);
+        media && self.has_photons() && self.scene.media().iter().any(|medium| medium.scatters())
+    }
+
+    /// Radii that hold enough of what is stored in media along most rays.
+    fn find_blurs(&self) -> [Blurs; 2] {
+        let settings = &self.settings;
+        let found = |source: &Option<PhotonSource<'a>>, wants: Wants, paths: u32| {
+            let source = source.as_ref()?;
+            let pass = PhotonPass { scene: self.scene, source, wants, max_bounces: settings.eye.max_bounces };
+            volume_blurs(&pass, self.effects.detail(), paths, settings)
+        };
+        let of = |source, wants, paths| {
+            if let Some(radius) = settings.radius {
+                return Blurs { beams: radius, points: radius };
+            }
+            let unseen = self.scene.domain().radius * UNSEEN;
+            found(source, self.stored(wants), paths).unwrap_or(Blurs { beams: unseen, points: unseen })
+        };
+        let caustic = of(&self.caustic, Wants::CAUSTIC, settings.caustic_photons);
+        let rest = if self.needs.after_caustic {
+            of(&self.caustic, Wants { after_caustic: true, ..Wants::NONE }, settings.caustic_photons)
+        } else {
+            of(&self.global, Wants { direct: false, ..self.needs.global }, settings.photons)
+        };
+        [caustic, rest]
+    }
+
+    /// What is wanted, in the form that estimates in media take.
+    fn stored(&self, wants: Wants) -> Wants {
+        Wants { beams: self.settings.volume == VolumeEstimate::Beams, ..wants }
+    }
+
     /// Whether a pass has photons.
     pub fn has_photons(&self) -> bool {
         self.caustic.is_some() || self.global.is_some()
@@ -193,7 +240,7 @@ impl<'a> MapMaker<'a> {
             let pass = PhotonPass { scene: self.scene, source, wants, max_bounces: settings.eye.max_bounces };
             let traced = pass.trace(key, probe, &|_| {});
             let scale = |n: usize| (n as f64 * f64::from(paths) / f64::from(probe)) as u64;
-            let (one, other) = (scale(traced.photons.len()), scale(traced.after_caustic.len()));
+            let (one, other) = (scale(traced.photons.len()), scale(traced.stored() - traced.photons.len()));
             Expected { paths: paths.into(), photons: one + other, most: one.max(other) }
         };
         let guides = if self.needs.guides { self.counts.photons / GUIDING } else { 0 };
@@ -223,14 +270,14 @@ impl<'a> MapMaker<'a> {
         let job = (self.needs.by_casters(), counts.caustic_photons);
         let traced = self.trace(self.caustic.as_ref(), job, key(Purpose::CausticPhotons), monitor, out);
         out.caustic = report(&traced);
-        let caustic = index(traced.photons, monitor, out);
+        let caustic = (index(traced.photons, monitor, out), traced.volume);
         let smooth = if self.needs.after_caustic {
-            index(traced.after_caustic, monitor, out)
+            (index(traced.after_caustic, monitor, out), traced.after_volume)
         } else {
             let job = (self.needs.global, counts.photons);
             let traced = self.trace(self.global.as_ref(), job, key(Purpose::GlobalPhotons), monitor, out);
             out.global = report(&traced);
-            index(traced.photons, monitor, out)
+            (index(traced.photons, monitor, out), traced.volume)
         };
         let guides = if self.needs.guides {
             let job = (Wants::GLOBAL, counts.photons / GUIDING);
@@ -247,20 +294,33 @@ impl<'a> MapMaker<'a> {
         let smooth_k = self.settings.gather_k.unwrap_or(0).div_ceil(part);
         Maps {
             guides,
-            caustic: self.gathering(caustic, radii.caustic, k, draft),
-            smooth: self.gathering(smooth, radii.global, smooth_k, draft),
+            caustic: self.gathering(caustic, (radii.caustic, self.blurs[0]), k, draft),
+            smooth: self.gathering(smooth, (radii.global, self.blurs[1]), smooth_k, draft),
         }
     }
 
-    fn gathering(&self, map: PhotonMap, radius: f32, most: u32, draft: &Draft) -> Gathering<'a> {
-        let area = match self.needs.schedule {
-            Schedule::Shrinking => shrink(draft.pass),
-            Schedule::Fixed => 1.0,
+    fn gathering(
+        &self,
+        (map, volume): (PhotonMap, Volume),
+        (radius, blurs): (f32, Blurs),
+        most: u32,
+        draft: &Draft,
+    ) -> Gathering<'a> {
+        // Radii that stay are those of the first pass.
+        let pass = match self.needs.schedule {
+            Schedule::Shrinking => draft.pass,
+            Schedule::Fixed => 0,
         };
+        let area = shrink(pass);
+        let estimate = self.settings.volume;
+        let (of_beams, of_points) = estimate.dimensions();
+        let blurs = (blurs.beams * shrink_in(of_beams, pass), blurs.points * shrink_in(of_points, pass));
+        let band = BAND * area.sqrt() as f32;
+        let volume = VolumeMap::build(volume, blurs, estimate, band);
         let most = if draft.limited { most } else { 0 };
         let k = (f64::from(most) * area).round().max(FEWEST) as u32;
         let bandwidth = Bandwidth { radius: radius * area.sqrt() as f32, k: k.min(most) };
-        Gathering { scene: self.scene, map, bandwidth, kernel: self.settings.kernel }
+        Gathering { scene: self.scene, map, bandwidth, kernel: self.settings.kernel, volume, band }
     }
 
     fn trace(
@@ -274,7 +334,8 @@ impl<'a> MapMaker<'a> {
         let Some(source) = source else { return Traced::default() };
         let start = Instant::now();
         monitor.begin(Phase::Photons, u64::from(paths));
-        let pass = PhotonPass { scene: self.scene, source, wants, max_bounces: self.settings.eye.max_bounces };
+        let (wants, max_bounces) = (self.stored(wants), self.settings.eye.max_bounces);
+        let pass = PhotonPass { scene: self.scene, source, wants, max_bounces };
         let traced = pass.trace(key, paths, &|n| monitor.advance(n));
         out.counters.photon_rays += traced.rays;
         out.seconds.photons += start.elapsed().as_secs_f64();
@@ -289,8 +350,7 @@ fn restricted<'a>(source: PhotonSource<'a>, effects: Effects) -> Option<PhotonSo
 }
 
 fn report(traced: &Traced) -> PhotonReport {
-    let stored = traced.photons.len() + traced.after_caustic.len();
-    PhotonReport { emitted: traced.paths, stored: stored as u64, audit: traced.audit }
+    PhotonReport { emitted: traced.paths, stored: traced.stored() as u64, audit: traced.audit }
 }
 
 fn index(photons: Vec<Photon>, monitor: &dyn Monitor, out: &mut Pass) -> PhotonMap {

@@ -1,12 +1,14 @@
 //! The photon maps of a pass.
 
-use super::method::Vertex;
+use super::method::{Passage, Vertex};
 use super::tiles::Worker;
+use super::volume::{VolumeMap, shared};
 use crate::bsdf::Transport;
 use crate::color::Rgb;
-use crate::photon::{Bandwidth, Kernel, PhotonMap, Scratch, Wants, coverage};
+use crate::photon::{Bandwidth, Flux, Kernel, PhotonMap, Scratch, Wants, coverage};
 use crate::plan::{Effect, Effects};
 use crate::scene::{Interior, Scene};
+use rand::Rng;
 
 /// How radii go from pass to pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,6 +75,10 @@ pub(super) struct Gathering<'a> {
     pub map: PhotonMap,
     pub bandwidth: Bandwidth,
     pub kernel: Kernel,
+    /// The same light in media.
+    pub volume: VolumeMap,
+    /// Wavelengths so far apart count as one \[nm].
+    pub band: f32,
 }
 
 /// The maps of one pass.
@@ -90,6 +96,13 @@ impl Maps<'_> {
     pub fn radiance<I: Interior>(&self, vertex: &Vertex<'_, I>, worker: &mut Worker) -> Rgb {
         let caustic = self.caustic.radiance(vertex, |w| &mut w.caustic, worker);
         caustic + self.smooth.radiance(vertex, |w| &mut w.smooth, worker)
+    }
+
+    /// Radiance that a stretch of a medium sends to its start of the light in both maps.
+    #[inline]
+    pub fn volume<I: Interior>(&self, passage: &Passage<'_, I>, rng: &mut impl Rng, worker: &mut Worker) -> Rgb {
+        let caustic = self.caustic.volume.radiance(passage, rng, worker);
+        caustic + self.smooth.volume.radiance(passage, rng, worker)
     }
 }
 
@@ -113,7 +126,11 @@ impl Gathering<'_> {
         worker.counters.gathers += 1;
         let surface = vertex.surface;
         let ns = if surface.wo.dot(surface.point.ng) < 0.0 { -surface.point.ns } else { surface.point.ns };
-        let brdf = |from| surface.bsdf.evaluate(surface.wo, from, ns, ns, Transport::Radiance);
+        let own = vertex.inside.wavelength();
+        let brdf = |flux: &Flux| {
+            let brdf = surface.bsdf.evaluate(surface.wo, flux.from(), ns, ns, Transport::Radiance);
+            if I::IMMERSED { brdf * shared(own, flux.wavelength(), self.band) } else { brdf }
+        };
         let normal = surface.facing_normal();
         let found = self.map.estimate(surface.point.p, normal, self.bandwidth, self.kernel, scratch(worker), brdf);
         worker.counters.gathered_photons += u64::from(found.count);

@@ -24,6 +24,7 @@ mod sketch;
 mod sppm;
 mod tiles;
 mod visible;
+mod volume;
 mod whitted;
 
 pub use algorithm::Algorithm;
@@ -33,6 +34,7 @@ pub use pass::{Expected, Monitor, Pass, Phase, PhotonReport, Seconds, Silent};
 pub use pilot::{Lessons, Radii};
 pub use progressive::{ALPHA, shrink};
 pub use settings::{EyeSettings, FinalGathering, Settings};
+pub use volume::VolumeEstimate;
 
 use crate::plan::{Effects, Plan};
 use crate::stats::Counters;

@@ -1,8 +1,12 @@
 //! Radii found by a pilot pass.
 
-use crate::photon::{Lesson, Photon, PhotonMap, PhotonPass};
-use crate::sampling::{Key, Purpose};
-use crate::scene::Scene;
+use super::{Settings, VolumeEstimate};
+use crate::bsdf::Transport;
+use crate::math::Ray;
+use crate::photon::{BeamMap, Lesson, Photon, PhotonMap, PhotonPass, PointMap};
+use crate::sampling::{Dimension, Draw, Key, Purpose};
+use crate::scene::{Arrival, Detail, Immersed, Scene, Step};
+use glam::Vec2;
 
 /// Paths of the pilot: its radii are scaled to the photon count of a pass.
 const PATHS: u32 = 1 << 16;
@@ -18,6 +22,18 @@ const WIDEST: f32 = 0.1;
 
 /// Narrowest radius as part of the scene's.
 const NARROWEST: f32 = 1e-6;
+
+/// Camera rays that the pilot of media looks along.
+const RAYS: u32 = 512;
+
+/// Casters that those rays are followed over.
+const MOST_CASTERS: u32 = 8;
+
+/// How many beams or photons half of the rays that meet any should meet.
+const MET: f64 = 64.0;
+
+/// The trial radius of that pilot as part of the scene's.
+const TRIAL: f32 = 0.02;
 
 /// Largest gather radii of the first pass \[length].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,4 +77,92 @@ pub(super) fn auto_radius(scene: &Scene, pass: &PhotonPass<'_>, paths: u32, k: u
     // Density grows with the number of paths, area with the square of the radius.
     let scaled = served * (PATHS as f32 / paths as f32).sqrt();
     Some(scaled.clamp(size * NARROWEST, size * WIDEST))
+}
+
+/// Radii of blurs in media \[length].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Blurs {
+    pub beams: f32,
+    pub points: f32,
+}
+
+impl Default for Blurs {
+    fn default() -> Self {
+        Self { beams: 1.0, points: 1.0 }
+    }
+}
+
+/// Radii within which most rays find enough of what a pass of `paths` paths stores in media, found from a smaller pilot; `None` where it
+/// stores nothing there.
+pub(super) fn volume_blurs(pass: &PhotonPass<'_>, detail: Detail, paths: u32, settings: &Settings) -> Option<Blurs> {
+    let scene = pass.scene;
+    let key = Key::new(settings.eye.seed).purpose(Purpose::Pilot);
+    let traced = pass.trace(key, PATHS, &|_| {});
+    let mut volume = traced.volume;
+    volume.beams.extend(traced.after_volume.beams);
+    volume.points.extend(traced.after_volume.points);
+    if volume.is_empty() {
+        return None;
+    }
+    let size = scene.domain().radius.max(f32::MIN_POSITIVE);
+    let trial = size * TRIAL;
+    let ways = ways(scene, detail, key);
+    let more = f64::from(paths) / f64::from(PATHS);
+    let radius = |counts: Vec<f64>, dimensions: u32| {
+        let mut counts: Vec<f64> = counts.into_iter().filter(|n| *n > 0.0).collect();
+        counts.sort_by(f64::total_cmp);
+        let median = counts.get(counts.len() / 2).copied().unwrap_or(1.0);
+        let ratio = libm::pow(MET / (median * more), 1.0 / f64::from(dimensions)) as f32;
+        (trial * ratio).clamp(size * NARROWEST, size * WIDEST)
+    };
+    let (of_beams, of_points) = settings.volume.dimensions();
+    let (beams, points) = (BeamMap::build(volume.beams, trial), PointMap::build(volume.points, trial));
+    let beams = ways.iter().map(|way| {
+        let mut count = 0.0;
+        way.iter().for_each(|ray| beams.visit(ray, |_, _| count += 1.0));
+        count
+    });
+    let beams = radius(beams.collect(), of_beams);
+    let points = ways.iter().map(|way| {
+        let mut count = 0.0;
+        for ray in way {
+            if settings.volume == VolumeEstimate::Points {
+                points.around(ray.at(0.5 * ray.t_max.min(2.0 * size)), |_, _| count += 1.0);
+            } else {
+                points.visit(ray, |_, _, _, _| count += 1.0);
+            }
+        }
+        count
+    });
+    Some(Blurs { beams, points: radius(points.collect(), of_points) })
+}
+
+/// The stretches of media along camera rays, over casters to the first other surface.
+fn ways(scene: &Scene, detail: Detail, key: Key) -> Vec<Vec<Ray>> {
+    let (width, height) = scene.camera().size();
+    let size = Vec2::new(width as f32, height as f32);
+    let along = |i| {
+        let draw = Draw::new(key, i, RAYS);
+        let ray = scene.camera().ray(draw.two(Dimension::Film) * size, None);
+        let mut walk = scene.walk_from_camera::<Immersed>(ray, detail);
+        let mut found = Vec::new();
+        for bounce in 0..MOST_CASTERS {
+            let draw = draw.with(bounce.into());
+            let step = walk.advance(scene, draw.key(), |stretch| {
+                if stretch.medium.scatters() {
+                    found.push(stretch.ray);
+                }
+                None
+            });
+            let Step::Arrived(Arrival { surface, .. }) = step else { break };
+            if surface.bsdf.stores_photons() {
+                break;
+            }
+            let (lobe, u) = (draw.one(Dimension::BsdfLobe), draw.two(Dimension::BsdfDirection));
+            let Some(sample) = surface.sample(lobe, u, Transport::Radiance) else { break };
+            let _ = walk.leave(&surface, sample.wi, sample.transmitted);
+        }
+        found
+    };
+    (0..RAYS).map(along).collect()
 }

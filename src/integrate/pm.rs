@@ -8,7 +8,7 @@ use super::FinalGathering;
 use super::direct::Asking;
 use super::guide::GUIDES;
 use super::maps::{Maps, Needs, Schedule};
-use super::method::{AtReceiver, History, Method, Vertex};
+use super::method::{AtReceiver, History, Method, Passage, Vertex};
 use super::prepared::{Strategy, Walks};
 use super::tiles::Worker;
 use crate::bsdf::{BsdfSample, Transport};
@@ -18,6 +18,7 @@ use crate::plan::{Effect, Effects};
 use crate::sampling::Dimension;
 use crate::scene::Interior;
 use glam::Vec3;
+use rand::rngs::SmallRng;
 use std::cell::RefCell;
 
 /// A gather ray shorter than so many radii of the global map ends where the map knows no more than where it began: the walk goes
@@ -89,6 +90,10 @@ impl Method for Seen<'_> {
         self.maps.radiance(vertex, worker)
     }
 
+    fn volume<I: Interior>(&self, passage: &Passage<'_, I>, rng: &mut SmallRng, worker: &mut Worker) -> Rgb {
+        self.maps.volume(passage, rng, worker)
+    }
+
     fn counts(&self, history: History) -> bool {
         !history.is_caustic()
     }
@@ -130,8 +135,8 @@ impl Method for Gathered<'_> {
         let guide = RefCell::new(guide);
         let around = Bandwidth { radius: self.short * GUIDED_WITHIN, k: GUIDES };
         let (p, normal) = (surface.point.p, surface.facing_normal());
-        let _ = self.maps.guides.estimate(p, normal, around, Kernel::Cone, guides, |from| {
-            guide.borrow_mut().push(from);
+        let _ = self.maps.guides.estimate(p, normal, around, Kernel::Cone, guides, |flux| {
+            guide.borrow_mut().push(flux.from());
             Rgb::ZERO
         });
     }
@@ -178,6 +183,10 @@ impl Method for Gathered<'_> {
         } else {
             self.maps.caustic.radiance(vertex, |w| &mut w.caustic, worker)
         }
+    }
+
+    fn volume<I: Interior>(&self, passage: &Passage<'_, I>, rng: &mut SmallRng, worker: &mut Worker) -> Rgb {
+        self.maps.volume(passage, rng, worker)
     }
 
     fn counts(&self, history: History) -> bool {

@@ -8,12 +8,36 @@ pub const ALPHA: f64 = 2.0 / 3.0;
 /// (Knaus and Zwicker 2011, equation 15).
 #[must_use]
 pub fn shrink(pass: u32) -> f64 {
-    (1..=pass).map(f64::from).map(|i| (i + ALPHA) / (i + 1.0)).product()
+    product(ALPHA, pass)
+}
+
+/// The radius of pass `pass` over that of the first, of a kernel in so many dimensions: its measure shrinks by the same law with
+/// α = 4/(4 + d), where variance N^−α and squared bias N^4(α−1)/d fall alike.
+#[must_use]
+pub(super) fn shrink_in(dimensions: u32, pass: u32) -> f32 {
+    let d = f64::from(dimensions);
+    libm::pow(product(4.0 / (4.0 + d), pass), 1.0 / d) as f32
+}
+
+fn product(alpha: f64, pass: u32) -> f64 {
+    (1..=pass).map(f64::from).map(|i| (i + alpha) / (i + 1.0)).product()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn discs_shrink_by_the_law_of_surfaces() {
+        for pass in [0, 1, 17, 1000] {
+            assert!((f64::from(shrink_in(2, pass)) - shrink(pass).sqrt()).abs() < 1e-6);
+        }
+        // N^(α−1)/d: −1/5, −1/6 and −1/7.
+        for (dimensions, power) in [(1, -0.2), (2, -1.0 / 6.0), (3, -1.0 / 7.0)] {
+            let ratio = f64::from(shrink_in(dimensions, 99_999) / shrink_in(dimensions, 9999));
+            assert!((libm::log10(ratio) - power).abs() < 1e-3, "{dimensions}: {ratio}");
+        }
+    }
 
     /// The closed form Γ(N+α)/(Γ(1+α)Γ(N+1)) and its asymptote N^(α−1)/Γ(1+α), whose relative error is below 1/N.
     #[test]

@@ -1,5 +1,6 @@
 //! What a user may set.
 
+use super::VolumeEstimate;
 use crate::camera::{Filter, FilterKind};
 use crate::photon::Kernel;
 use crate::plan::Wishes;
@@ -53,6 +54,8 @@ pub struct Settings {
     pub radius: Option<f32>,
     /// Kernel of the estimates.
     pub kernel: Kernel,
+    /// How light in media is estimated from photons.
+    pub volume: VolumeEstimate,
     /// How [`Algorithm::Pm`](super::Algorithm::Pm) looks at the global map.
     pub final_gathering: FinalGathering,
 }
@@ -79,6 +82,7 @@ impl Default for Settings {
             gather_k: None,
             radius: None,
             kernel: Kernel::default(),
+            volume: VolumeEstimate::default(),
             final_gathering: FinalGathering::default(),
         }
     }

@@ -56,7 +56,7 @@ pub(super) const SAME_SIDE: f32 = 0.5;
 pub(super) const FLATNESS: f32 = 0.25;
 
 impl PhotonMap {
-    /// Radiance that leaves point `p` where `brdf` gives f \[1/sr] for the direction a photon came from.
+    /// Radiance that leaves point `p` where `brdf` gives f \[1/sr] for what brought a photon.
     ///
     /// `normal` is the unit geometric normal on the viewer's side: a photon counts if it landed on that side of a surface
     /// of similar orientation, near the tangent plane. The sum is Σ f·ΔΦ·K over the kernel's disc (Jensen 2001, section 7.2).
@@ -67,7 +67,7 @@ impl PhotonMap {
         bandwidth: Bandwidth,
         kernel: Kernel,
         scratch: &mut Scratch,
-        brdf: impl Fn(Vec3) -> Rgb,
+        brdf: impl Fn(&Flux) -> Rgb,
     ) -> Estimate {
         if self.is_empty() {
             return Estimate { radius: bandwidth.radius, ..Estimate::default() };
@@ -84,9 +84,10 @@ impl PhotonMap {
                     // A kernel that does not vanish at the k-th photon must leave it out: (k − 1)/(πr²) is unbiased.
                     kernel.vanishes_at_edge() || d2 < r2 || scratch.found.len() < bandwidth.k as usize
                 };
-                let sum = scratch.found.iter().filter(|(d2, _)| taken(*d2)).fold(Rgb::ZERO, |sum, (d2, flux)| {
-                    sum + brdf(flux.from()) * flux.power() * kernel.shape(*d2 * inverse)
-                });
+                let sum =
+                    scratch.found.iter().filter(|(d2, _)| taken(*d2)).fold(Rgb::ZERO, |sum, (d2, flux)| {
+                        sum + brdf(flux) * flux.power() * kernel.shape(*d2 * inverse)
+                    });
                 let count = scratch.found.len() as u32;
                 // All within the radius keep the radius itself, to the bit.
                 let radius = if count < bandwidth.k { bandwidth.radius } else { r2.sqrt() };
@@ -102,7 +103,7 @@ impl PhotonMap {
         normal: Vec3,
         bandwidth: Bandwidth,
         kernel: Kernel,
-        brdf: impl Fn(Vec3) -> Rgb,
+        brdf: impl Fn(&Flux) -> Rgb,
     ) -> Estimate {
         let r2 = bandwidth.radius * bandwidth.radius;
         let inverse = 1.0 / r2;
@@ -112,7 +113,7 @@ impl PhotonMap {
         self.visit(p, bandwidth.radius, |flux, d2| {
             if counts(flux, &plane, bandwidth.radius) {
                 count += 1;
-                sum += brdf(flux.from()) * flux.power() * kernel.shape(d2 * inverse);
+                sum += brdf(flux) * flux.power() * kernel.shape(d2 * inverse);
             }
         });
         Estimate { radiance: sum * kernel.scale(r2), radius: bandwidth.radius, count }
