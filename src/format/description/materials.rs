@@ -1,5 +1,6 @@
 //! What a scene file says of its materials.
 
+use crate::color::Glass;
 use glam::DVec3;
 
 use super::{Emission, Relief, Spanned, Value};
@@ -43,8 +44,8 @@ pub enum MaterialKind {
     },
     /// A body of glass, water, and the like.
     Dielectric {
-        /// Absolute index of refraction: that of air is 1.
-        index: f64,
+        /// How it bends light.
+        refraction: Refraction,
         /// What the inside takes from light on its way.
         attenuation: Attenuation,
         /// GGX α of its surface, inside [0, 1]; 0 is smooth.
@@ -75,6 +76,30 @@ pub enum MaterialKind {
         /// Share of the second, inside [0, 1].
         amount: Value<f64>,
     },
+}
+
+/// How the inside of a dielectric bends light, by absolute indices of refraction: that of air is 1.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Refraction {
+    /// All light alike.
+    Index(f64),
+    /// As a substance of the table of names.
+    Named(Spanned<String>),
+    /// Like Cauchy's equation of two terms.
+    Abbe {
+        /// The index at the line d, 587.56 nm.
+        index: f64,
+        /// Abbe's number, above 0.
+        abbe: f64,
+    },
+    /// By its own equation, whose indices lie inside [0.001, 1000] from 380 to 720 nm.
+    Own(Glass),
+}
+
+impl From<f64> for Refraction {
+    fn from(index: f64) -> Self {
+        Self::Index(index)
+    }
 }
 
 /// What a conductor is made of.

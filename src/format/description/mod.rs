@@ -13,7 +13,7 @@ use glam::{DVec2, DVec3, DVec4};
 
 pub use super::map::Map;
 pub use lights::{AreaStrength, DirectionalStrength, EnvironmentRadiance, Light, PointStrength};
-pub use materials::{Attenuation, Material, MaterialKind, Metal};
+pub use materials::{Attenuation, Material, MaterialKind, Metal, Refraction};
 pub use textures::{Coordinates, Emission, Encoding, Pattern, Relief, Texture, TextureKind, Value, Wrap};
 
 /// A stretch of the scene's text, in bytes.

@@ -31,7 +31,7 @@ impl FileMaterial {
             }
             let tint = self.filter.filter(|f| f.min_element() > 0.0 && f.max_element() <= 1.0 && *f != DVec3::ONE);
             let attenuation = tint.map_or(Attenuation::None, |color| Attenuation::Tint { color, distance: 1.0 });
-            MaterialKind::Dielectric { index, attenuation, roughness: 0.0.into(), priority: 0 }
+            MaterialKind::Dielectric { refraction: index.into(), attenuation, roughness: 0.0.into(), priority: 0 }
         } else if matches!(model, Some(3 | 5 | 8)) && diffuse == DVec3::ZERO && self.texture.is_none() {
             MaterialKind::Mirror { reflectance: specular.min(DVec3::ONE).into() }
         } else {

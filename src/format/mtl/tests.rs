@@ -76,9 +76,9 @@ fn materials_become_those_of_the_scene_language() {
         shininess,
         texture: None,
     };
-    let glass = |index| {
+    let glass = |index: f64| {
         let attenuation = Attenuation::None;
-        MaterialKind::Dielectric { index, attenuation, roughness: 0.0.into(), priority: 0 }
+        MaterialKind::Dielectric { refraction: index.into(), attenuation, roughness: 0.0.into(), priority: 0 }
     };
     assert_eq!(kind(""), phong(1.0, 0.0, 0.0));
     assert_eq!(kind("Kd .5 .5 .5\nKs .25\nNs 10\nillum 2"), phong(0.5, 0.25, 10.0));

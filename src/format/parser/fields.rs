@@ -133,13 +133,14 @@ impl<'a> Parser<'a> {
                 word.span()
             }
             Kind::Numbers => {
-                let mut end = word.span();
+                let mut span = None;
                 while !{ self.lexer }.number().is_end() {
                     let read = self.numbers::<1>(word)?;
                     value.list.push(read.value[0]);
-                    end = read.span;
+                    let start = span.map_or(read.span.start, |s: Span| s.start);
+                    span = Some(Span { start, len: read.span.start + read.span.len - start });
                 }
-                Span { start: word.start, len: end.start + end.len - word.start }
+                span.unwrap_or(word.span())
             }
         };
         Ok(Spanned::new(value, span))

@@ -22,7 +22,7 @@ const MATERIALS: [&str; 10] = [
 ];
 
 /// Indices of refraction whose ratios and squares single precision can tell apart; all of nature lies inside.
-const INDICES: std::ops::RangeInclusive<f64> = 0.001..=1000.0;
+pub(super) const INDICES: std::ops::RangeInclusive<f64> = 0.001..=1000.0;
 
 const EMISSION: [(&str, Kind); 2] = [("emission", Kind::Tint), ("emissionScale", Kind::Number)];
 const RELIEF: [(&str, Kind); 3] = [("bump", Kind::Name), ("bumpHeight", Kind::Number), ("normalMap", Kind::Name)];
@@ -66,12 +66,17 @@ impl<'a> Parser<'a> {
     }
 
     fn material(&mut self, word: Token<'a>) -> Result<Material, SceneError> {
-        use Kind::{Degree, Integer, Name, Number, Tint, Vector};
+        use Kind::{Degree, Integer, Name, Number, Numbers, Tint, Vector};
         let name = self.material_name()?;
         let own: &[(&str, Kind)] = match word.text {
             "Diffuse" | "Mirror" => &[REFLECTANCE],
             "Dielectric" => &[
                 INDEX,
+                ("abbe", Number),
+                ("glass", Name),
+                ("cauchy", Numbers),
+                ("sellmeierB", Numbers),
+                ("sellmeierC", Numbers),
                 ("absorption", Vector),
                 ("tint", Vector),
                 ("tintDistance", Number),
@@ -241,7 +246,7 @@ impl Fields<'_> {
             p.ensure(p.number() <= f64::from(u8::MAX), "must be a whole number from 0 to 255")?;
         }
         Ok(MaterialKind::Dielectric {
-            index: self.index()?,
+            refraction: self.refraction()?,
             attenuation: self.attenuation()?,
             roughness: self.roughness()?,
             priority: priority.map_or(0, |p| p.number() as u8),
@@ -286,7 +291,7 @@ impl Fields<'_> {
         Ok(MaterialKind::Conductor { metal, roughness: self.roughness()? })
     }
 
-    fn index(&self) -> Result<f64, SceneError> {
+    pub(super) fn index(&self) -> Result<f64, SceneError> {
         let Some(index) = self.get("indexOfRefraction") else { return Ok(1.5) };
         index.ensure(INDICES.contains(&index.number()), "must lie between 0.001 and 1000")?;
         Ok(index.number())

@@ -8,6 +8,7 @@ mod lights;
 mod maps;
 mod materials;
 mod objects;
+mod refraction;
 mod suggest;
 mod surfaces;
 #[cfg(test)]
@@ -25,6 +26,7 @@ use camera::CAMERAS;
 use fields::Kind;
 use materials::Reach;
 pub(super) use materials::is_identifier;
+pub(super) use suggest::nearest;
 
 /// The blocks of a file.
 const BLOCKS: [&str; 9] = [

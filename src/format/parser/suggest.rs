@@ -4,7 +4,7 @@
 const LONGEST: usize = 40;
 
 /// The candidate that is nearest to `word`, if it differs in at most a third of its letters; case does not count.
-pub(super) fn nearest<'c>(word: &str, candidates: impl Iterator<Item = &'c str>) -> Option<&'c str> {
+pub(in crate::format) fn nearest<'c>(word: &str, candidates: impl Iterator<Item = &'c str>) -> Option<&'c str> {
     let word: Vec<char> = word.chars().take(LONGEST + 1).flat_map(char::to_lowercase).collect();
     if word.len() > LONGEST {
         return None;

@@ -2,9 +2,10 @@
 
 use std::fmt::Result;
 
-use super::super::description::{Attenuation, Material, MaterialKind, Metal};
+use super::super::description::{Attenuation, Material, MaterialKind, Metal, Refraction};
 use super::super::parser::is_identifier;
-use super::{Name, Printer, Quoted};
+use super::{Name, Numbers, Printer, Quoted};
+use crate::color::Glass;
 
 impl Printer<'_, '_> {
     pub(super) fn material(&mut self, material: &Material) -> Result {
@@ -32,8 +33,8 @@ impl Printer<'_, '_> {
             MaterialKind::Diffuse { reflectance } | MaterialKind::Mirror { reflectance } => {
                 self.tint("reflectance", reflectance)?;
             }
-            MaterialKind::Dielectric { index, attenuation, roughness, priority } => {
-                self.number("indexOfRefraction", *index)?;
+            MaterialKind::Dielectric { refraction, attenuation, roughness, priority } => {
+                self.refraction(refraction)?;
                 match *attenuation {
                     Attenuation::None => {}
                     Attenuation::Absorption(absorption) => self.vector("absorption", absorption)?,
@@ -68,5 +69,23 @@ impl Printer<'_, '_> {
         material.relief.as_ref().map_or(Ok(()), |relief| self.relief(relief))?;
         material.emission.as_ref().map_or(Ok(()), |emission| self.emission(emission))?;
         self.close()
+    }
+
+    fn refraction(&mut self, refraction: &Refraction) -> Result {
+        match refraction {
+            Refraction::Index(index) => self.number("indexOfRefraction", *index),
+            Refraction::Named(name) => self.field("glass", Name(name)),
+            Refraction::Abbe { index, abbe } => {
+                self.number("indexOfRefraction", *index)?;
+                self.number("abbe", *abbe)
+            }
+            Refraction::Own(Glass::Cauchy { a, b, c }) => self.field("cauchy", Numbers(&[*a, *b, *c])),
+            Refraction::Own(Glass::Sellmeier { b, c }) => {
+                // Terms that are not there take no words.
+                let terms = (1..b.len()).rev().find(|i| (b[*i], c[*i]) != (0.0, 0.0)).map_or(1, |last| last + 1);
+                self.field("sellmeierB", Numbers(&b[..terms]))?;
+                self.field("sellmeierC", Numbers(&c[..terms]))
+            }
+        }
     }
 }

@@ -3,9 +3,10 @@
 use super::textures::Worn;
 use super::{Resolver, rgb};
 use crate::bsdf::{METALS, metal};
-use crate::color::Rgb;
+use crate::color::{GLASSES, Glass, Rgb, glass};
 use crate::format::SceneError;
-use crate::format::description::{Attenuation, Emission, MaterialKind, Metal, Spanned};
+use crate::format::description::{Attenuation, Emission, MaterialKind, Metal, Refraction, Spanned};
+use crate::format::parser::nearest;
 use crate::scene::{Body, Coat, Look, Material};
 use glam::DVec3;
 
@@ -67,10 +68,11 @@ impl Resolver<'_> {
                 let (tint, mean) = self.share(reflectance, worn)?;
                 (Material::mirror(mean), worn.coat(Coat::Mirror(tint)))
             }
-            MaterialKind::Dielectric { index, attenuation, roughness, priority } => {
+            MaterialKind::Dielectric { refraction, attenuation, roughness, priority } => {
                 let (texture, roughness) = self.degree(roughness, worn)?;
+                let (index, glass) = self.refraction(refraction)?;
                 let absorption = absorption(*attenuation);
-                let body = Body { absorption, priority: *priority, roughness, ..Body::new(*index as f32) };
+                let body = Body { absorption, priority: *priority, roughness, glass, ..Body::new(index) };
                 (Material::body(body), texture.map_or(Coat::Plain, Coat::Boundary))
             }
             MaterialKind::Conductor { metal, roughness } => {
@@ -90,6 +92,28 @@ impl Resolver<'_> {
                 let look = blend(looks[first as usize], looks[second as usize], amount);
                 (Material::mix(first, second, amount, look), texture.map_or(Coat::Plain, Coat::Mix))
             }
+        })
+    }
+
+    /// The index of refraction at the line d, and that of the glass where it depends on the wavelength.
+    fn refraction(&mut self, described: &Refraction) -> Result<(f32, Option<u32>), SceneError> {
+        let glass = match described {
+            Refraction::Index(index) => return Ok((*index as f32, None)),
+            Refraction::Named(name) => self.substance(name)?,
+            Refraction::Abbe { index, abbe } => Glass::of_abbe(*index, *abbe),
+            Refraction::Own(glass) => *glass,
+        };
+        Ok((glass.index_d(), Some(self.builder.glass(glass))))
+    }
+
+    fn substance(&self, name: &Spanned<String>) -> Result<Glass, SceneError> {
+        glass(name).ok_or_else(|| {
+            let names = || GLASSES.iter().map(|g| g.0);
+            let message = format!("no glass is called `{}`", name.value);
+            let guess = nearest(name, names()).map_or(String::new(), |n| format!("did you mean `{n}`? "));
+            let known = names().collect::<Vec<_>>().join(", ");
+            let help = format!("{guess}known are {known}; of others, give `cauchy`, or `indexOfRefraction` and `abbe`");
+            SceneError::at(self.source, name.span, message, "unknown name", help)
         })
     }
 

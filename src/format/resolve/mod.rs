@@ -26,7 +26,7 @@ use textures::{Known, Worn};
 /// Makes a scene of a description. Meshes and pictures are looked for in `folder`, then in the folder above it.
 ///
 /// # Errors
-/// [`SceneError`] with the place in `source`: a mesh or picture that is missing or broken, an unknown metal, a singular product
+/// [`SceneError`] with the place in `source`: a mesh or picture that is missing or broken, an unknown metal or glass, a singular product
 /// of transforms, what cannot emit or cannot be rendered yet.
 pub fn resolve(description: &Description, source: &Source, folder: &Path) -> Result<Scene, SceneError> {
     resolve_watched(description, source, folder, &())

@@ -1,5 +1,6 @@
 //! The language as a whole: the course's scenes, the reference's examples, and what proptest makes up.
 
+mod refraction;
 mod strategies;
 mod values;
 
@@ -43,6 +44,8 @@ fn the_reference_holds_whole_scenes() {
         assert_eq!(parse("again", &d.to_string()).unwrap(), d);
     }
     assert!(page.contains(&crate::bsdf::METALS.join(", ")), "the page lists other metals");
+    let glasses = crate::color::GLASSES.map(|g| g.0).join(", ");
+    assert!(page.contains(&glasses), "the page lists other glasses than {glasses}");
 }
 
 #[test]

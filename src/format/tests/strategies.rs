@@ -6,6 +6,7 @@ use proptest::option;
 use proptest::prelude::*;
 
 use super::super::description::*;
+use super::refraction::refraction;
 use super::values::*;
 
 fn camera() -> impl Strategy<Value = Camera> {
@@ -237,9 +238,14 @@ fn material() -> impl Strategy<Value = Look> {
         ),
         value(share()).prop_map(|reflectance| MaterialKind::Diffuse { reflectance }),
         value(share()).prop_map(|reflectance| MaterialKind::Mirror { reflectance }),
-        (index(), attenuation, value(0.0..=1.0), any::<u8>()).prop_map(|(index, attenuation, roughness, priority)| {
-            MaterialKind::Dielectric { index, attenuation, roughness, priority }
-        }),
+        (refraction(), attenuation, value(0.0..=1.0), any::<u8>()).prop_map(
+            |(refraction, attenuation, roughness, priority)| MaterialKind::Dielectric {
+                refraction,
+                attenuation,
+                roughness,
+                priority
+            }
+        ),
         (metal, value(0.0..=1.0)).prop_map(|(metal, roughness)| MaterialKind::Conductor { metal, roughness }),
         (index(), value(share())).prop_map(|(index, transmittance)| MaterialKind::Thin { index, transmittance }),
     ];

@@ -1,3 +1,4 @@
+mod refraction;
 mod surfaces;
 mod textures;
 

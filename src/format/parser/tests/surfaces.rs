@@ -6,17 +6,17 @@ use crate::format::description::{
 };
 use glam::DVec3;
 
-fn materials(body: &str) -> Vec<MaterialKind> {
+pub(super) fn materials(body: &str) -> Vec<MaterialKind> {
     let d = scene(&format!("Materials {{ {body} }} Group {{ }}")).unwrap();
     d.materials.into_iter().map(|m| m.value.kind).collect()
 }
 
-fn named(name: &str) -> Spanned<String> {
+pub(super) fn named(name: &str) -> Spanned<String> {
     Spanned::new(name.to_owned(), Span::default())
 }
 
 #[track_caller]
-fn bad(body: &str, message: &str, help: &str) {
+pub(super) fn bad(body: &str, message: &str, help: &str) {
     refused(&format!("Materials {{ {body} }}"), message, help);
 }
 
@@ -24,10 +24,13 @@ fn bad(body: &str, message: &str, help: &str) {
 fn bodies_have_roughness_and_priority() {
     let kinds = materials("Dielectric { } Dielectric { priority 255 roughness .25 indexOfRefraction 1000 }");
     let attenuation = Attenuation::None;
-    assert_eq!(kinds[0], MaterialKind::Dielectric { index: 1.5, attenuation, roughness: 0.0.into(), priority: 0 });
+    assert_eq!(
+        kinds[0],
+        MaterialKind::Dielectric { refraction: 1.5.into(), attenuation, roughness: 0.0.into(), priority: 0 }
+    );
     assert_eq!(
         kinds[1],
-        MaterialKind::Dielectric { index: 1000.0, attenuation, roughness: 0.25.into(), priority: 255 }
+        MaterialKind::Dielectric { refraction: 1000.0.into(), attenuation, roughness: 0.25.into(), priority: 255 }
     );
     bad("Dielectric { priority ‹256› }", "`priority` of `Dielectric` cannot be `256`", "from 0 to 255");
     bad("Dielectric { priority ‹1.5› }", "wants a whole number, found `1.5`", "`priority 1`");
@@ -170,8 +173,8 @@ fn nets_of_control_points_must_fit() {
     bad("BezierPatch { controls [ 0 0 0 ‹0› ] }", "the weight of a point of `controls` cannot be `0`", "above 0");
     bad("BezierPatch { controls [ 0 0 0 ‹-1› ] }", "the weight", "above 0");
     bad("NurbsSurface { countU ‹3› countV 4 }", "`countU` of `NurbsSurface` cannot be `3`", "above the degree");
-    bad(&nurbs("‹knotsU 0 1 2› controls"), "`knotsU`", "count + degree + 1 = 4 numbers, and holds 3");
-    bad(&nurbs("‹knotsV 0 1 .5 2› controls"), "`knotsV`", "must not decrease");
+    bad(&nurbs("knotsU ‹0 1 2› controls"), "`knotsU`", "count + degree + 1 = 4 numbers, and holds 3");
+    bad(&nurbs("knotsV ‹0 1 .5 2› controls"), "`knotsV`", "must not decrease");
     bad(&nurbs("‹controls› [ 0 0 0 ]"), "`controls`", "countU · countV = 4 points, and holds 1");
     bad("‹NurbsSurface› { countU 4 }", "has no `countV`", "add `countV`");
     bad(

@@ -2,7 +2,7 @@
 
 use super::{CAMERA, close, refusal, scene};
 use crate::bsdf::{Bsdf, Conductor, METALS, Thin, metal};
-use crate::color::Rgb;
+use crate::color::{GLASSES, Glass, Rgb};
 use crate::format::description::MaterialKind;
 use crate::format::{Source, parse, resolve};
 use crate::scene::{Body, Scattering, Scene};
@@ -59,6 +59,37 @@ fn metals_have_the_index_of_their_name_or_their_own() {
     assert_eq!((error.line(), error.column(), error.text()), (3, 19, "unobtainium"));
     assert!(error.message().contains("no metal is called `unobtainium`"));
     assert!(METALS.iter().all(|name| error.remedy().contains(name)), "{}", error.remedy());
+}
+
+#[test]
+fn glasses_have_the_index_of_their_name_or_their_own() {
+    let index = |scene: &Scene| match scene.materials()[0].scattering {
+        Scattering::Boundary(body) => (body.index, body.glass.map(|g| scene.glasses()[g as usize])),
+        other => panic!("{other:?}"),
+    };
+    for (name, glass, _) in GLASSES {
+        let scene = of(&format!("Dielectric {{ glass {name} }}"));
+        assert_eq!(index(&scene), (glass.index_d(), Some(glass)), "{name}");
+    }
+    let crown = Glass::of_abbe(1.5, 60.0);
+    assert_eq!(index(&of("Dielectric { indexOfRefraction 1.5 abbe 60 }")), (1.5, Some(crown)));
+    let cauchy = Glass::Cauchy { a: 1.5, b: 0.004, c: 1e-5 };
+    assert_eq!(index(&of("Dielectric { cauchy 1.5 .004 1e-5 }")), (cauchy.index_d(), Some(cauchy)));
+    let sellmeier = Glass::Sellmeier { b: [1.0, 0.5, 0.0, 0.0], c: [0.01, 90.0, 0.0, 0.0] };
+    let scene = of("Dielectric { sellmeierB 1 .5 sellmeierC .01 90 }");
+    assert_eq!(index(&scene), (sellmeier.index_d(), Some(sellmeier)));
+    assert_eq!(index(&of("Dielectric { indexOfRefraction 1.5 }")), (1.5, None));
+}
+
+#[test]
+fn unknown_glasses_are_refused_with_those_that_are_known() {
+    let error = refusal(&format!("Materials {{\nDielectric {{ glass diamant }} }} {BALL}"));
+    assert_eq!((error.line(), error.column(), error.text()), (3, 20, "diamant"));
+    assert!(error.message().contains("no glass is called `diamant`"));
+    assert!(error.remedy().starts_with("did you mean `diamond`? known are BK7, "), "{}", error.remedy());
+    assert!(GLASSES.iter().all(|g| error.remedy().contains(g.0)), "{}", error.remedy());
+    let error = refusal(&format!("Materials {{ Dielectric {{ glass unobtainium }} }} {BALL}"));
+    assert!(error.remedy().starts_with("known are BK7, "), "{}", error.remedy());
 }
 
 #[test]
