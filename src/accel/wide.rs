@@ -29,11 +29,14 @@ const _: () = assert!((ARITY - 1) * (MAX_DEPTH as usize + 1) + ARITY <= DEEPEST_
 const PADDING: f32 = gamma(16);
 const STRETCH: f32 = 1.0 + 2.0 * gamma(16);
 
-/// Eight boxes; vacant ones are inside out and never entered.
+/// Eight boxes, by axis, then lower and upper planes; vacant ones are inside out and never entered.
+#[derive(Clone, Copy)]
+#[repr(C, align(64))]
+pub(super) struct Octet([[f32x8; 2]; 3]);
+
 #[repr(C, align(64))]
 struct Node {
-    /// By axis, then lower and upper.
-    planes: [[f32x8; 2]; 3],
+    boxes: Octet,
     children: [u32; ARITY],
 }
 
@@ -70,17 +73,13 @@ impl Wide {
             chosen[count] = child;
             count += 1;
         });
-        let mut node =
-            Node { planes: [[f32x8::splat(f32::INFINITY), f32x8::splat(f32::NEG_INFINITY)]; 3], children: [0; 8] };
+        let mut node = Node { boxes: Octet::VACANT, children: [0; ARITY] };
         let index = self.nodes.len();
         self.nodes.push(Node { ..node });
         let mut deepest = 0;
         for (slot, &(at, start)) in chosen[..count].iter().enumerate() {
             let branch = &source.tree[at];
-            for axis in 0..3 {
-                node.planes[axis][0].as_mut_array()[slot] = branch.bounds.min[axis];
-                node.planes[axis][1].as_mut_array()[slot] = branch.bounds.max[axis];
-            }
+            node.boxes.set(slot, branch.bounds.min.into(), branch.bounds.max.into());
             let members = &source.fragments[start..start + branch.size as usize];
             node.children[slot] = if !branch.leaf {
                 let child = self.nodes.len() as u32;
@@ -132,7 +131,7 @@ impl Wide {
         loop {
             if current < PACKET {
                 let node = &self.nodes[current as usize];
-                let (mut hits, near) = node.enter(&slabs, limit);
+                let (mut hits, near) = node.boxes.enter(&slabs, limit);
                 if hits != 0 {
                     let slot = |hits: u32| hits.trailing_zeros() as usize & (ARITY - 1);
                     let entry =
@@ -186,7 +185,7 @@ impl Wide {
 }
 
 /// A probe's origin and reciprocal direction along each axis, for eight boxes at a time, and which plane it meets first.
-struct Slabs {
+pub(super) struct Slabs {
     origin: [f32x8; 3],
     reciprocal: [f32x8; 3],
     near: [usize; 3],
@@ -194,7 +193,7 @@ struct Slabs {
 
 impl Slabs {
     #[inline]
-    fn new(probe: &Probe) -> Self {
+    pub fn new(probe: &Probe) -> Self {
         let ([ox, oy, oz], [rx, ry, rz]) = (probe.origin, probe.reciprocal);
         Self {
             origin: [f32x8::splat(ox), f32x8::splat(oy), f32x8::splat(oz)],
@@ -204,11 +203,20 @@ impl Slabs {
     }
 }
 
-impl Node {
+impl Octet {
+    pub const VACANT: Self = Self([[f32x8::splat(f32::INFINITY), f32x8::splat(f32::NEG_INFINITY)]; 3]);
+
+    pub fn set(&mut self, slot: usize, min: Vec3, max: Vec3) {
+        for (axis, [lower, upper]) in self.0.iter_mut().enumerate() {
+            lower.as_mut_array()[slot] = min[axis];
+            upper.as_mut_array()[slot] = max[axis];
+        }
+    }
+
     /// A mask of the boxes that the probe enters within the limit, and where it enters them (Ize 2013).
     #[inline]
-    fn enter(&self, slabs: &Slabs, limit: f32) -> (u32, f32x8) {
-        let at = |axis: usize, side: usize| (self.planes[axis][side & 1] - slabs.origin[axis]) * slabs.reciprocal[axis];
+    pub fn enter(&self, slabs: &Slabs, limit: f32) -> (u32, f32x8) {
+        let at = |axis: usize, side: usize| (self.0[axis][side & 1] - slabs.origin[axis]) * slabs.reciprocal[axis];
         let [nx, ny, nz] = slabs.near;
         let near = at(0, nx).fast_max(at(1, ny)).fast_max(at(2, nz)).fast_max(f32x8::ZERO);
         let far = at(0, nx ^ 1).fast_min(at(1, ny ^ 1)).fast_min(at(2, nz ^ 1)).fast_min(f32x8::splat(limit));

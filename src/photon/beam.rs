@@ -1,8 +1,9 @@
 //! Photon beams: where a ray through a medium passes the ways of photons.
 
+use super::packet::{LANES, Piece, Pieces, Wanted, slots};
 use crate::accel::Boxes;
 use crate::color::Rgb;
-use crate::math::{Bounds, Ray, gamma};
+use crate::math::{Bounds, Ray, gamma, morton_order};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
@@ -83,22 +84,14 @@ impl Crossing {
     }
 }
 
-/// A part of a beam that has a box of its own.
-#[derive(Clone, Copy)]
-struct Piece {
-    beam: u32,
-    /// From where to where along the beam: the end counts for the next piece.
-    from: f32,
-    to: f32,
-}
-
 /// Beams that a ray can be asked for.
 ///
 /// Beam × beam with a blur in one dimension (Jarosz et al. 2011, A comprehensive theory of volumetric radiance estimation,
 /// section 4.3): radiance towards the ray's origin is Σ flux · σs · p(cos) · T(ray, t) · T(beam, s) · weight.
 pub struct BeamMap {
     beams: Vec<Beam>,
-    pieces: Vec<Piece>,
+    packets: Vec<Pieces>,
+    /// Of the packets.
     boxes: Boxes,
     radius: f32,
 }
@@ -112,18 +105,18 @@ impl BeamMap {
     #[must_use]
     pub fn build(mut beams: Vec<Beam>, radius: f32) -> Self {
         beams.retain(Beam::is_sound);
-        let length = piece_length(&beams, radius);
-        let pieces: Vec<Piece> = beams
-            .iter()
-            .zip(0..)
-            .flat_map(|(beam, index)| {
-                let count = (f64::from(beam.length) * spread(beam) / length).ceil().max(1.0) as u32;
-                let cut = move |k: u32| beam.length * (k as f32 / count as f32);
-                (0..count).map(move |k| Piece { beam: index, from: cut(k), to: cut(k + 1) })
-            })
-            .collect();
-        let bounds: Vec<Bounds> = pieces.par_iter().map(|p| p.bounds(&beams[p.beam as usize], radius)).collect();
-        Self { boxes: Boxes::build(&bounds), beams, pieces, radius }
+        let radius = radius.max(0.0);
+        let pieces = cut(&beams, piece_length(&beams, radius));
+        let beam = |piece: &Piece| &beams[piece.beam as usize];
+        let middle = |p: &Piece| beam(p).at(0.5 * (f64::from(p.from) + f64::from(p.to))).as_vec3();
+        let order = morton_order(&pieces, middle);
+        let run = |run: &[u32]| {
+            let pieces = || run.iter().map(|i| pieces[*i as usize]);
+            let bounds = pieces().fold(Bounds::EMPTY, |all, p| all.union(p.bounds(beam(&p), radius)));
+            (Pieces::new(pieces().map(|p| (p, beam(&p).start, beam(&p).direction))), bounds)
+        };
+        let (packets, bounds): (Vec<Pieces>, Vec<Bounds>) = order.par_chunks(LANES).map(run).unzip();
+        Self { boxes: Boxes::build(&bounds), beams, packets, radius }
     }
 
     /// How many beams are stored.
@@ -148,13 +141,17 @@ impl BeamMap {
     /// before. Allocates nothing.
     #[inline]
     pub fn visit(&self, ray: &Ray, mut visitor: impl FnMut(&Beam, Crossing)) {
+        let wanted = Wanted::new(ray, self.radius);
         self.boxes.along(ray, &mut |index| {
-            let piece = &self.pieces[index as usize];
-            let beam = &self.beams[piece.beam as usize];
-            if let Some(crossing) = Crossing::of(ray, beam, f64::from(self.radius))
-                && piece.holds(crossing.s, beam)
-            {
-                visitor(beam, crossing);
+            let packet = &self.packets[index as usize];
+            for slot in slots(packet.near_line(&wanted)) {
+                let piece = packet.piece(slot);
+                let beam = &self.beams[piece.beam as usize];
+                if let Some(crossing) = Crossing::of(ray, beam, f64::from(self.radius))
+                    && piece.holds(crossing.s, beam)
+                {
+                    visitor(beam, crossing);
+                }
             }
         });
     }
@@ -176,6 +173,17 @@ impl Piece {
     }
 }
 
+/// Cuts beams into pieces: of spread one, into such of the given length.
+fn cut(beams: &[Beam], length: f64) -> Vec<Piece> {
+    let of = |(index, beam): (usize, &Beam)| {
+        let (index, whole) = (index as u32, beam.length);
+        let count = (f64::from(whole) * spread(beam) / length).ceil().max(1.0) as u32;
+        let at = move |k: u32| whole * (k as f32 / count as f32);
+        (0..count).map(move |k| Piece { beam: index, from: at(k), to: at(k + 1) })
+    };
+    beams.par_iter().enumerate().flat_map_iter(of).collect()
+}
+
 /// How much the box of a beam outgrows the beam: zero along an axis, one along a diagonal of the cube.
 ///
 /// A beam of length L cut into n pieces has boxes of total area L² c/n + n·12 r² + what does not depend on n, where c is the
@@ -192,3 +200,6 @@ fn piece_length(beams: &[Beam], radius: f32) -> f64 {
     let most = (MOST_PIECES - 1.0) * beams.len().max(1) as f64;
     (12f64.sqrt() * f64::from(radius)).max(total / most).max(f64::MIN_POSITIVE)
 }
+
+#[cfg(test)]
+mod tests;

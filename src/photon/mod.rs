@@ -9,6 +9,7 @@ mod estimate;
 mod kernel;
 mod learn;
 mod map;
+mod packet;
 mod points;
 mod record;
 mod trace;

@@ -1,21 +1,22 @@
 //! Volume photons: which of them a ray through a medium passes, and which lie about a place.
 
+use super::packet::{LANES, Points, Wanted, slots};
 use super::record::{decode, encode};
 use crate::accel::Boxes;
 use crate::color::Rgb;
 use crate::math::{Bounds, Ray, morton_order};
 use glam::Vec3;
 use rayon::prelude::*;
-use std::f32::consts::FRAC_1_PI;
+use std::f64::consts::FRAC_1_PI;
 
-/// A photon where it scattered in a medium: 32 bytes.
+/// A photon where a medium stopped it, to scatter or be absorbed: 32 bytes.
 ///
 /// Flux is right to 2⁻²⁴ in power and 1.5·10⁻⁵ in hue, the direction to 10⁻⁴ rad.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VolumePhoton {
     /// Place.
     pub position: Vec3,
-    /// Which medium it scattered in.
+    /// Which medium stopped it.
     pub medium: u32,
     sum: f32,
     red: u16,
@@ -26,7 +27,7 @@ pub struct VolumePhoton {
 }
 
 impl VolumePhoton {
-    /// Packs a place, flux \[W], and the unit direction of travel.
+    /// Packs a place, the arriving flux \[W], and the unit direction of travel.
     ///
     /// `None` where the place or the flux is not finite, or the flux is zero or negative: such photons carry nothing, or would
     /// poison an estimate.
@@ -59,12 +60,13 @@ impl VolumePhoton {
     }
 }
 
-/// Photons of a run along the curve that share a box.
-const RUN: usize = 8;
-
 /// Volume photons that a ray or a place can be asked for.
 pub struct PointMap {
+    /// Along a Morton curve.
     photons: Vec<VolumePhoton>,
+    /// Their places.
+    packets: Vec<Points>,
+    /// Of the packets.
     boxes: Boxes,
     radius: f32,
 }
@@ -75,9 +77,13 @@ impl PointMap {
     pub fn build(photons: Vec<VolumePhoton>, radius: f32) -> Self {
         let order = morton_order(&photons, |p| p.position);
         let photons: Vec<VolumePhoton> = order.par_iter().map(|i| photons[*i as usize]).collect();
-        let bounds = |run: &[VolumePhoton]| Bounds::of(run.iter().map(|p| p.position)).expanded(radius);
-        let boxes: Vec<Bounds> = photons.par_chunks(RUN).map(bounds).collect();
-        Self { boxes: Boxes::build(&boxes), photons, radius }
+        let radius = radius.max(0.0);
+        let run = |run: &[VolumePhoton]| {
+            let places = || run.iter().map(|p| p.position);
+            (Points::new(places()), Bounds::of(places()).expanded(radius))
+        };
+        let (packets, bounds): (Vec<Points>, Vec<Bounds>) = photons.par_chunks(LANES).map(run).unzip();
+        Self { boxes: Boxes::build(&bounds), photons, packets, radius }
     }
 
     /// How many photons are stored.
@@ -102,44 +108,43 @@ impl PointMap {
     /// distance along the ray, the cosine between the ray's direction and the photon's, and K₂ \[1/length²].
     ///
     /// The beam radiance estimate (Jarosz, Zwicker and Jensen 2008, section 5): radiance towards the ray's origin is
-    /// Σ flux · p(cos) · T(t) · weight for photons stored at scatterings. Allocates nothing.
+    /// Σ albedo · flux · p(cos) · T(t) · weight for photons stored where a medium stopped them. Allocates nothing.
     #[inline]
     pub fn visit(&self, ray: &Ray, mut visitor: impl FnMut(&VolumePhoton, f32, f32, f32)) {
-        let r2 = self.radius * self.radius;
+        let wanted = Wanted::new(ray, self.radius);
+        let r2 = f64::from(self.radius) * f64::from(self.radius);
         let scale = 3.0 * FRAC_1_PI / r2;
         let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
+        let per_d2 = 1.0 / d.length_squared();
         self.boxes.along(ray, &mut |run| {
-            for photon in self.run(run) {
+            for slot in slots(self.packets[run as usize].near_line(&wanted)) {
+                let photon = &self.photons[run as usize * LANES + slot];
                 let to = photon.position.as_dvec3() - o;
-                let t = to.dot(d) / d.length_squared();
-                let d2 = (to - d * t).length_squared() as f32;
+                let t = to.dot(d) * per_d2;
+                let d2 = (to - d * t).length_squared();
                 if d2 < r2 && t > 0.0 && t < f64::from(ray.t_max) {
                     let x = 1.0 - d2 / r2;
-                    visitor(photon, t as f32, ray.direction.dot(photon.direction()), scale * x * x);
+                    visitor(photon, t as f32, ray.direction.dot(photon.direction()), (scale * x * x) as f32);
                 }
             }
         });
     }
 
-    /// Visits every photon closer than the radius to a place, with K₃ \[1/length³]: there, Σ flux · p(cos) · weight is the
+    /// Visits every photon closer than the radius to a place, with K₃ \[1/length³]: there, Σ albedo · flux · p(cos) · weight is the
     /// light that scatters towards a ray in each unit of its length (Jensen and Christensen 1998, section 3.2). Allocates nothing.
     #[inline]
     pub fn around(&self, p: Vec3, mut visitor: impl FnMut(&VolumePhoton, f32)) {
-        let r2 = self.radius * self.radius;
-        let scale = 15.0 / 8.0 * FRAC_1_PI / (r2 * self.radius);
+        let per_radius = 1.0 / self.radius;
+        let scale = (15.0 / 8.0 * FRAC_1_PI) as f32 * per_radius * per_radius * per_radius;
         let here = Ray { origin: p, direction: Vec3::Z, t_max: 0.0 };
         self.boxes.along(&here, &mut |run| {
-            for photon in self.run(run) {
-                let d2 = photon.position.distance_squared(p);
-                if d2 < r2 {
-                    visitor(photon, scale * (1.0 - d2 / r2));
-                }
+            let (mask, x2) = self.packets[run as usize].near(p, per_radius);
+            for slot in slots(mask) {
+                visitor(&self.photons[run as usize * LANES + slot], scale * (1.0 - x2.as_array()[slot]));
             }
         });
     }
-
-    fn run(&self, index: u32) -> &[VolumePhoton] {
-        let start = index as usize * RUN;
-        &self.photons[start..self.photons.len().min(start + RUN)]
-    }
 }
+
+#[cfg(test)]
+mod tests;

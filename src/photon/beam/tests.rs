@@ -1,0 +1,245 @@
+use super::*;
+use crate::math::warp;
+use crate::sampling::{Dimension, Key, Purpose};
+use std::f64::consts::PI;
+
+fn key(i: u64) -> Key {
+    Key::new(12).purpose(Purpose::Test).with(i)
+}
+
+/// A point of the unit cube.
+fn place(i: u64) -> Vec3 {
+    key(i).uniform_2d(Dimension::LightPosition).extend(key(i).uniform(Dimension::Light))
+}
+
+fn sphere(i: u64) -> Vec3 {
+    warp::sphere(key(i).uniform_2d(Dimension::LightDirection))
+}
+
+fn beam(start: Vec3, direction: Vec3, length: f32) -> Beam {
+    Beam::new(start, direction, length, Rgb::ONE, 0, 0).unwrap()
+}
+
+/// Beams in a cube of the given size about `middle`, each known by its medium: short and long, some along axes.
+fn random(n: u64, size: f32, middle: Vec3) -> Vec<Beam> {
+    let one = |i: u64| {
+        let direction = if i % 5 == 0 { [Vec3::X, -Vec3::Y, Vec3::Z][i as usize / 5 % 3] } else { sphere(i) };
+        let length = size * [0.003, 0.3, 2.0][i as usize % 3];
+        Beam { medium: i as u32, ..beam(middle + (place(i) - 0.5) * size, direction, length) }
+    };
+    (0..n).map(one).collect()
+}
+
+fn rays(n: u64, size: f32, middle: Vec3) -> impl Iterator<Item = Ray> {
+    (0..n).map(move |i| {
+        let (i, axes) = (i + 1_000_000, [Vec3::X, Vec3::Y, -Vec3::Z]);
+        let direction = if i % 4 == 0 { axes[i as usize / 4 % 3] } else { sphere(i) };
+        let t_max = [f32::INFINITY, 2.0, 0.3][i as usize % 3] * size;
+        Ray { origin: middle + (place(i) - 0.5) * size - direction * (0.5 * size), direction, t_max }
+    })
+}
+
+fn found(map: &BeamMap, ray: &Ray) -> Vec<(u32, u32)> {
+    let mut all = Vec::new();
+    map.visit(ray, |beam, crossing| all.push((beam.medium, crossing.weight.to_bits())));
+    all
+}
+
+/// The same crossings as from a scan, each once and to the last bit, at scales and places where rounding tells.
+#[test]
+fn what_a_scan_finds_is_found() {
+    for (size, middle) in [(1.0, Vec3::ZERO), (1e-12, Vec3::ZERO), (1e9, Vec3::ZERO), (1.0, Vec3::new(5e3, -7e3, 0.0))]
+    {
+        for part in [1e-4f32, 0.01, 0.3] {
+            let (beams, radius) = (random(3001, size, middle), part * size);
+            let map = BeamMap::build(beams.clone(), radius);
+            assert!((map.len(), map.radius()) == (3001, radius));
+            let mut count = 0;
+            for ray in rays(60, size, middle) {
+                let mut all = found(&map, &ray);
+                all.sort_unstable();
+                let scan = |b: &Beam| Crossing::of(&ray, b, radius.into()).map(|c| (b.medium, c.weight.to_bits()));
+                let expected: Vec<(u32, u32)> = beams.iter().filter_map(scan).collect();
+                assert_eq!(all, expected, "{size} {radius}");
+                count += all.len();
+            }
+            assert!(part < 0.01 || count > 100, "{count}");
+        }
+    }
+}
+
+/// Against the minimum of the distance over both places, from its normal equations rather than from cross products.
+#[test]
+fn a_crossing_is_the_closest_approach() {
+    let mut count = 0;
+    for (i, ray) in (0..20_000).zip(rays(20_000, 1.0, Vec3::ZERO)) {
+        let beam = random(1, 1.0, place(i)).pop().map(|b| Beam { direction: sphere(i), length: 1.0, ..b }).unwrap();
+        let (d, b, w) =
+            (ray.direction.as_dvec3(), beam.direction.as_dvec3(), (beam.start.as_dvec3() - ray.origin.as_dvec3()));
+        let (dd, bb, db, dw, bw) = (d.dot(d), b.dot(b), d.dot(b), d.dot(w), b.dot(w));
+        let det = dd * bb - db * db;
+        let (t, s) = ((bb * dw - db * bw) / det, (db * dw - dd * bw) / det);
+        let distance = (w + b * s - d * t).length();
+        let x = distance / 0.2;
+        let inside = t > 0.0 && t < f64::from(ray.t_max) && s > 0.0 && s < 1.0 && x < 1.0;
+        let crossing = Crossing::of(&ray, &beam, 0.2);
+        assert_eq!(crossing.is_some(), inside, "{t} {s} {x}");
+        if let Some(c) = crossing {
+            count += 1;
+            let weight = 0.75 / 0.2 * (1.0 - x * x) / det.sqrt();
+            // f32 results of f64 arithmetic, which loses 1/sin² of its digits.
+            let error = 1e-7 + 1e-15 / det;
+            assert!((f64::from(c.t) - t).abs() < error * (1.0 + t) && (f64::from(c.s) - s).abs() < error * (1.0 + s));
+            assert!(
+                (f64::from(c.weight) - weight).abs() <= error * (weight + 4.0) && (f64::from(c.cos) - db).abs() < 1e-7
+            );
+        }
+    }
+    assert!(count > 500, "{count}");
+}
+
+/// Midpoint rule over the distance: K₁ has integral 1, and the sine divides it.
+#[test]
+fn the_kernel_has_unit_integral() {
+    let (n, radius, sine) = (2000, 0.3, 0.6);
+    let ray = Ray { origin: Vec3::ZERO, direction: Vec3::X, t_max: 10.0 };
+    let mut sum = 0.0;
+    for i in 0..n {
+        let height = radius * ((2 * i + 1) as f32 / n as f32 - 1.0);
+        let beam = beam(Vec3::new(1.0, -1.0, height), Vec3::new(0.8, sine, 0.0), 9.0);
+        let crossing = Crossing::of(&ray, &beam, radius.into()).unwrap();
+        sum += crossing.weight * sine * 2.0 * radius / n as f32;
+        assert!((crossing.cos - 0.8).abs() < 1e-6 && (crossing.s * sine - 1.0).abs() < 1e-6);
+    }
+    // The rule errs by n⁻², sums of n terms by γ(n) at worst.
+    assert!((sum - 1.0).abs() < gamma(n), "{sum}");
+}
+
+#[test]
+fn beams_and_rays_end() {
+    let ray = Ray { origin: Vec3::ZERO, direction: Vec3::X, t_max: 2.0 };
+    let meets = |x: f32, from: f32, to: f32| {
+        let map = BeamMap::build(vec![beam(Vec3::new(x, from, 0.01), Vec3::Y, to - from)], 0.1);
+        let all = found(&map, &ray).len();
+        assert!(all <= 1);
+        all == 1
+    };
+    assert!(meets(1.0, -1.0, 1.0) && meets(1.0, -1e-3, 7.0) && meets(1.0, -7.0, 1e-3));
+    assert!(!meets(1.0, 1e-3, 1.0) && !meets(1.0, -1.0, -1e-3));
+    assert!(meets(1e-3, -1.0, 1.0) && meets(1.999, -1.0, 1.0));
+    assert!(!meets(-1e-3, -1.0, 1.0) && !meets(2.001, -1.0, 1.0));
+}
+
+/// Lines whose directions cannot be told apart have no crossing; those a little further apart have one, of finite weight.
+#[test]
+fn nearly_parallel_lines() {
+    let ray = Ray { origin: Vec3::ZERO, direction: Vec3::X, t_max: 10.0 };
+    let at = |sine: f32| Crossing::of(&ray, &beam(Vec3::new(0.0, -sine, 0.01), Vec3::new(1.0, sine, 0.0), 10.0), 0.1);
+    assert!(at(0.0).is_none() && at(3e-7).is_none());
+    for sine in [1e-6, 1e-3] {
+        let c = at(sine).unwrap();
+        assert!((c.t - 1.0).abs() < 1e-6 && (c.weight * sine / (7.5 * 0.99) - 1.0).abs() < 1e-6, "{c:?}");
+    }
+}
+
+#[test]
+fn useless_beams_are_refused() {
+    let new = |start, direction, length, flux| Beam::new(start, direction, length, flux, 0, 0).is_some();
+    assert!(new(Vec3::ZERO, Vec3::Z, 1.0, Rgb::X));
+    for flux in [Rgb::ZERO, Rgb::NAN, Rgb::INFINITY, Rgb::new(-1.0, 2.0, 0.0)] {
+        assert!(!new(Vec3::ZERO, Vec3::Z, 1.0, flux));
+    }
+    for length in [0.0, -1.0, f32::NAN, f32::INFINITY] {
+        assert!(!new(Vec3::ZERO, Vec3::Z, length, Rgb::ONE));
+    }
+    for vector in [Vec3::NAN, Vec3::INFINITY] {
+        assert!(!new(vector, Vec3::Z, 1.0, Rgb::ONE) && !new(Vec3::ZERO, vector, 1.0, Rgb::ONE));
+    }
+    assert!(!new(Vec3::ZERO, Vec3::ZERO, 1.0, Rgb::ONE));
+    let bad = Beam { length: f32::NAN, ..beam(Vec3::ZERO, Vec3::X, 1.0) };
+    let ray = Ray::new(Vec3::NEG_Y, Vec3::Y);
+    for radius in [0.0, -1.0, f32::NAN] {
+        assert!(found(&BeamMap::build(random(100, 1.0, Vec3::ZERO), radius), &ray).is_empty());
+    }
+    let map = BeamMap::build(vec![bad], 1.0);
+    assert!(map.is_empty() && found(&map, &ray).is_empty());
+}
+
+#[test]
+fn pieces_are_few_and_the_map_is_one_for_any_number_of_threads() {
+    for radius in [1e-9, 0.01, 10.0] {
+        let beams = random(5000, 1.0, Vec3::ZERO);
+        let pieces = cut(&beams, piece_length(&beams, radius)).len();
+        assert!(pieces as f64 <= MOST_PIECES * 5000.0 && pieces >= 5000, "{pieces}");
+    }
+    let with = |n| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
+        let map = pool.install(|| BeamMap::build(random(5000, 1.0, Vec3::ZERO), 0.01));
+        rays(30, 1.0, Vec3::ZERO).map(|ray| found(&map, &ray)).collect::<Vec<_>>()
+    };
+    assert_eq!(with(1), with(3));
+}
+
+/// Sums over many maps: the mean must be within four standard errors of the truth, and these small enough to tell.
+fn assert_mean(values: &[f64], truth: f64, precision: f64) {
+    let n = values.len() as f64;
+    let mean = values.iter().sum::<f64>() / n;
+    let error = (values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / (n * (n - 1.0))).sqrt();
+    assert!(error < precision * truth, "{error} is too large beside {truth}");
+    assert!((mean - truth).abs() < 4.0 * error, "{mean} is not {truth}, give or take {error}");
+}
+
+/// A collimated beam crossed by a ray (analytic-truths 27 in the project's notes): a blur across the ray's plane, where the beams
+/// are uniform, has no bias.
+#[test]
+fn a_collimated_beam_seen_from_the_side() {
+    let (extinction, scattering, depth, across) = (1.3f64, 0.9f64, 0.7f64, 1.6f64);
+    let irradiance = 2.0;
+    let ray = Ray { origin: Vec3::new(0.0, 0.0, depth as f32), direction: Vec3::X, t_max: across as f32 };
+    let run = |run: u64| {
+        let n = 20_000u64;
+        // Beams fill −½ … ½ across the plane, further than the radius, and more than the ray's length along it.
+        let flux = (irradiance * (across + 1.0) / n as f64) as f32;
+        let one = |i: u64| {
+            let u = key(run * n + i).uniform_2d(Dimension::LightPosition);
+            let start = Vec3::new(u.x * (across as f32 + 1.0) - 0.5, u.y - 0.5, 0.0);
+            Beam::new(start, Vec3::Z, 3.0, Rgb::splat(flux), 0, 0).unwrap()
+        };
+        let map = BeamMap::build((0..n).map(one).collect(), 0.1);
+        let mut sum = 0.0;
+        map.visit(&ray, |beam, c| {
+            let transmittance = libm::exp(-extinction * (f64::from(c.t) + f64::from(c.s)));
+            sum += f64::from(beam.flux.x) * scattering / (4.0 * PI) * transmittance * f64::from(c.weight);
+        });
+        sum
+    };
+    let truth =
+        scattering / (4.0 * PI) * irradiance * libm::exp(-extinction * depth) * (1.0 - libm::exp(-extinction * across))
+            / extinction;
+    assert_mean(&(0..16).map(run).collect::<Vec<_>>(), truth, 0.01);
+}
+
+/// Uniform random chords of a ball fill it with the mean fluence Σ length · flux/volume; a ray inside gathers that times its length.
+#[test]
+fn isotropic_beams_through_a_ball_give_the_mean_fluence() {
+    let ray = Ray { origin: Vec3::new(-0.5, 0.1, 0.2), direction: Vec3::new(0.8, -0.36, 0.48), t_max: 1.1 };
+    let (mut sums, mut lengths) = (Vec::new(), 0.0);
+    let (runs, n) = (16, 20_000);
+    for run in 0..runs {
+        let one = |i: u64| {
+            let direction = sphere(run * n + i);
+            let (a, b) = direction.any_orthonormal_pair();
+            let p = warp::disc(key(run * n + i).uniform_2d(Dimension::LightPosition));
+            let half = (1.0 - p.length_squared()).max(0.0).sqrt();
+            Beam::new(a * p.x + b * p.y - direction * half, direction, 2.0 * half, Rgb::ONE, 0, 0)
+        };
+        let beams: Vec<Beam> = (0..n).filter_map(one).collect();
+        lengths += beams.iter().map(|b| f64::from(b.length)).sum::<f64>() / runs as f64;
+        let mut sum = 0.0;
+        BeamMap::build(beams, 0.05).visit(&ray, |_, c| sum += f64::from(c.weight));
+        sums.push(sum);
+    }
+    // Chords of a ball of radius 1 are 4/3 long in the mean, with deviation √2/3 each.
+    assert!((lengths / n as f64 - 4.0 / 3.0).abs() < 5.0 * 0.4715 / ((runs * n) as f64).sqrt());
+    assert_mean(&sums, lengths / (4.0 * PI / 3.0) * 1.1, 0.01);
+}
