@@ -184,11 +184,12 @@ impl<'a> DirectLight<'a> {
 
     /// The same where something is in the way, which may be clear.
     fn clearance<I: Interior>(&self, vertex: &Vertex<'_, I>, sample: &DirectSample) -> Rgb {
-        let mut walk = vertex.leaving(sample.wi);
-        if let Reach::Point(target) = sample.reach {
-            walk.ray.t_max = (target - walk.ray.origin).length();
-        }
-        self.scene.clearance(&walk.ray, walk.inside, vertex.shadow_draw.key())
+        let walk = vertex.leaving(sample.wi);
+        let ray = match sample.reach {
+            Reach::Point(target) => vertex.surface.segment_to(target, sample.wi),
+            Reach::Infinity => walk.ray,
+        };
+        self.scene.clearance(&ray, walk.inside, vertex.shadow_draw.key())
     }
 
     /// Part of the light that is left after its way from a light.

@@ -1,6 +1,6 @@
 //! The part that every walk through a scene shares: to the next surface that is there for light, and away from it.
 
-use super::{Cone, Detail, Inside, Interior, Meeting, Scattering, Scene, Surface};
+use super::{Cone, Detail, Hit, Inside, Interior, Meeting, Scattering, Scene, Surface};
 use crate::color::Rgb;
 use crate::math::Ray;
 use crate::medium::Medium;
@@ -136,33 +136,34 @@ impl<I: Interior> Walk<I> {
 }
 
 impl Scene {
-    /// Part of the light that is left of what comes along `ray`, of unit direction, whose start is inside of `inside`, from its end at
-    /// `t_max`, which may be at infinity; unbiased. Surfaces let nothing through.
+    /// Part of the light that is left of what comes from the end of `ray` to its start, which is inside of `inside`; unbiased. Surfaces let
+    /// nothing through. The direction of a ray that ends must reach from its start to its end, that of others be a unit vector.
     #[must_use]
     pub fn clearance<I: Interior>(&self, ray: &Ray, mut inside: I, key: Key) -> Rgb {
+        let target = ray.at(ray.t_max);
+        let ends = ray.t_max.is_finite();
         let mut left = Rgb::ONE;
         let mut ray = *ray;
-        let end = ray.at(ray.t_max);
         let mut rng = key.rng();
         loop {
-            let hit = self.intersect(&ray);
-            let surface = hit.map(|hit| self.surface(&ray, &hit, &Cone::point(Detail::NONE), || rng.random()));
+            let length = ray.direction.length();
+            let unit = Ray::new(ray.origin, ray.direction / length);
+            let hit = self.intersect(&ray).map(|hit| Hit { t: hit.t * length, ..hit });
+            let surface = hit.map(|hit| self.surface(&unit, &hit, &Cone::point(Detail::NONE), || rng.random()));
             if let Some(surface) = &surface {
                 inside.approach(surface);
             }
-            let distance = hit.map_or(ray.t_max, |hit| hit.t);
+            let distance = hit.map_or(ray.t_max * length, |hit| hit.t);
             left *= inside.transmittance(self, distance);
             if let Some(index) = inside.medium(self) {
-                left *= self.media[index as usize].transmittance(&ray, distance, &mut rng);
+                left *= self.media[index as usize].transmittance(&unit, distance, &mut rng);
             }
             let Some(mut surface) = surface else { return left };
             if left == Rgb::ZERO || inside.meet(self, &mut surface, key) != Meeting::Clear {
                 return Rgb::ZERO;
             }
-            let next = surface.leave(ray.direction);
-            let t_max = if ray.t_max == f32::INFINITY { f32::INFINITY } else { (end - next.origin).length() };
-            ray = Ray { t_max, ..next };
-            inside.cross(&surface, ray.direction);
+            ray = if ends { surface.segment_to(target, unit.direction) } else { surface.leave(unit.direction) };
+            inside.cross(&surface, unit.direction);
         }
     }
 

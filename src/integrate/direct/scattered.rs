@@ -96,17 +96,22 @@ impl DirectLight<'_> {
             let asked = rays * pdf;
             found *= asked / (asked + phase);
         }
-        let t_max = match sample.reach {
-            Reach::Point(target) => (target - place.p).length(),
-            Reach::Infinity => f32::INFINITY,
+        let (ray, t_max) = match sample.reach {
+            Reach::Point(target) => (Ray::between(place.p, target), (target - place.p).length()),
+            Reach::Infinity => (Ray::new(place.p, sample.wi), f32::INFINITY),
         };
-        let ray = Ray { t_max, ..Ray::new(place.p, sample.wi) };
         if self.effects.has(Effect::Shadows) {
             worker.counters.shadow_rays += 1;
-            found * self.scene.clearance(&ray, stretch.inside, draw.key())
-        } else {
-            found * self.scene.dimming(&ray, &stretch.inside, draw.key())
+            if self.scene.occluded(&ray) {
+                return if self.clear {
+                    found * self.scene.clearance(&ray, stretch.inside, draw.key())
+                } else {
+                    Rgb::ZERO
+                };
+            }
         }
+        let ray = Ray { t_max, ..Ray::new(place.p, sample.wi) };
+        found * self.scene.dimming(&ray, &stretch.inside, draw.key())
     }
 }
 
