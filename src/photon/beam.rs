@@ -97,7 +97,7 @@ pub struct BeamMap {
 }
 
 /// Pieces per beam that the map may hold on average.
-const MOST_PIECES: f64 = 8.0;
+const MOST_PIECES: f64 = 4.0;
 
 impl BeamMap {
     /// Indexes beams for a blur of the given radius. Those that [`Beam::new`] refuses are left out. The result does not depend on the

@@ -73,7 +73,7 @@ fn what_a_scan_finds_is_found() {
 fn a_crossing_is_the_closest_approach() {
     let mut count = 0;
     for (i, ray) in (0..20_000).zip(rays(20_000, 1.0, Vec3::ZERO)) {
-        let beam = random(1, 1.0, place(i)).pop().map(|b| Beam { direction: sphere(i), length: 1.0, ..b }).unwrap();
+        let beam = beam(place(i) - 0.5, sphere(i), 1.0);
         let (d, b, w) =
             (ray.direction.as_dvec3(), beam.direction.as_dvec3(), (beam.start.as_dvec3() - ray.origin.as_dvec3()));
         let (dd, bb, db, dw, bw) = (d.dot(d), b.dot(b), d.dot(b), d.dot(w), b.dot(w));
@@ -224,7 +224,7 @@ fn a_collimated_beam_seen_from_the_side() {
 fn isotropic_beams_through_a_ball_give_the_mean_fluence() {
     let ray = Ray { origin: Vec3::new(-0.5, 0.1, 0.2), direction: Vec3::new(0.8, -0.36, 0.48), t_max: 1.1 };
     let (mut sums, mut lengths) = (Vec::new(), 0.0);
-    let (runs, n) = (16, 20_000);
+    let (runs, n) = (16, 100_000);
     for run in 0..runs {
         let one = |i: u64| {
             let direction = sphere(run * n + i);

@@ -157,11 +157,13 @@ fn a_collimated_beam_seen_from_the_side() {
     let (mut lines, mut balls) = (Vec::new(), Vec::new());
     for run in 0..24u64 {
         let n = 100_000u64;
-        let (wide, high) = (across as f32 + 0.2, 0.2);
-        let power = (irradiance * f64::from(wide * high) / n as f64) as f32;
+        let (wide, high) = (across as f32 + 0.2, 0.11);
+        // What is left at 0.1 before the ray and beyond it: only photons between can count.
+        let (before, beyond) = (libm::exp(-extinction * (depth - 0.1)), libm::exp(-extinction * (depth + 0.1)));
+        let power = (irradiance * f64::from(wide * high) * (before - beyond) / n as f64) as f32;
         let one = |i: u64| {
             let u = place(run * n + i);
-            let fall = -libm::log(1.0 - f64::from(u.z)) / extinction;
+            let fall = -libm::log(before - f64::from(u.z) * (before - beyond)) / extinction;
             let at = Vec3::new(u.x * wide - 0.1, (u.y - 0.5) * high, fall as f32);
             VolumePhoton::new(at, Rgb::splat(power), Vec3::Z, 0, 0).unwrap()
         };
