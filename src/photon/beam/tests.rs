@@ -23,7 +23,7 @@ fn beam(start: Vec3, direction: Vec3, length: f32) -> Beam {
 /// Beams in a cube of the given size about `middle`, each known by its medium: short and long, some along axes.
 fn random(n: u64, size: f32, middle: Vec3) -> Vec<Beam> {
     let one = |i: u64| {
-        let direction = if i % 5 == 0 { [Vec3::X, -Vec3::Y, Vec3::Z][i as usize / 5 % 3] } else { sphere(i) };
+        let direction = if i.is_multiple_of(5) { [Vec3::X, -Vec3::Y, Vec3::Z][i as usize / 5 % 3] } else { sphere(i) };
         let length = size * [0.003, 0.3, 2.0][i as usize % 3];
         Beam { medium: i as u32, ..beam(middle + (place(i) - 0.5) * size, direction, length) }
     };
@@ -33,7 +33,7 @@ fn random(n: u64, size: f32, middle: Vec3) -> Vec<Beam> {
 fn rays(n: u64, size: f32, middle: Vec3) -> impl Iterator<Item = Ray> {
     (0..n).map(move |i| {
         let (i, axes) = (i + 1_000_000, [Vec3::X, Vec3::Y, -Vec3::Z]);
-        let direction = if i % 4 == 0 { axes[i as usize / 4 % 3] } else { sphere(i) };
+        let direction = if i.is_multiple_of(4) { axes[i as usize / 4 % 3] } else { sphere(i) };
         let t_max = [f32::INFINITY, 2.0, 0.3][i as usize % 3] * size;
         Ray { origin: middle + (place(i) - 0.5) * size - direction * (0.5 * size), direction, t_max }
     })

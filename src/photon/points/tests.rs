@@ -47,7 +47,8 @@ fn what_a_scan_finds_is_found() {
             assert!((map.len(), map.radius()) == (5003, radius));
             let mut count = 0;
             for i in 1_000_000..1_000_100u64 {
-                let direction = if i % 4 == 0 { [Vec3::X, Vec3::Y, -Vec3::Z][i as usize / 4 % 3] } else { sphere(i) };
+                let direction =
+                    if i.is_multiple_of(4) { [Vec3::X, Vec3::Y, -Vec3::Z][i as usize / 4 % 3] } else { sphere(i) };
                 let target = middle + (place(i) - 0.5) * size;
                 let t_max = [f32::INFINITY, 100.2, 100.0][i as usize % 3] * size;
                 let ray = Ray { origin: target - direction * (size * 100.0), direction, t_max };
