@@ -68,6 +68,25 @@ fn what_a_scan_finds_is_found() {
     }
 }
 
+/// Rays aimed at the very places where beams are cut, from near and far: where rounding decides which piece is met, just one is.
+#[test]
+fn beams_are_met_once_where_they_are_cut() {
+    let radius = 0.02;
+    let beams = random(900, 1.0, Vec3::splat(30.0));
+    let map = BeamMap::build(beams.clone(), radius);
+    let mut count = 0;
+    for (i, piece) in (0..).zip(cut(&beams, piece_length(&beams, radius))) {
+        let beam = &beams[piece.beam as usize];
+        let direction = sphere(2_000_000 + i);
+        let target = beam.at(piece.to.into()).as_vec3();
+        let ray = Ray::new(target - direction * [0.1, 10.0, 300.0][i as usize % 3], direction);
+        let expected = usize::from(Crossing::of(&ray, beam, radius.into()).is_some());
+        assert_eq!(found(&map, &ray).iter().filter(|f| f.0 == beam.medium).count(), expected);
+        count += expected;
+    }
+    assert!(count > 1000, "{count}");
+}
+
 /// Against the minimum of the distance over both places, from its normal equations rather than from cross products.
 #[test]
 fn a_crossing_is_the_closest_approach() {
