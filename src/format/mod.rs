@@ -3,6 +3,7 @@
 pub mod description;
 mod error;
 mod file;
+pub mod grid;
 mod lexer;
 mod map;
 pub mod mesh;

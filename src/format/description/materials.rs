@@ -16,6 +16,8 @@ pub struct Material {
     pub emission: Option<Emission>,
     /// What makes it look uneven.
     pub relief: Option<Relief>,
+    /// Name of the medium that fills the body, where the material is a `Dielectric` or a `Clear`.
+    pub medium: Option<Spanned<String>>,
 }
 
 /// How a material reflects and transmits.
@@ -51,6 +53,11 @@ pub enum MaterialKind {
         /// GGX α of its surface, inside [0, 1]; 0 is smooth.
         roughness: Value<f64>,
         /// Where bodies overlap, the one of the highest priority counts; of equal ones, that which was entered last.
+        priority: u8,
+    },
+    /// A place without a surface that light could tell.
+    Clear {
+        /// As of a dielectric.
         priority: u8,
     },
     /// A metal, which light does not enter.

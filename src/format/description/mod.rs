@@ -5,6 +5,7 @@
 
 mod lights;
 mod materials;
+mod media;
 mod textures;
 
 use std::ops::Deref;
@@ -14,6 +15,7 @@ use glam::{DVec2, DVec3, DVec4};
 pub use super::map::Map;
 pub use lights::{AreaStrength, DirectionalStrength, EnvironmentRadiance, Light, PointStrength};
 pub use materials::{Attenuation, Material, MaterialKind, Metal, Refraction};
+pub use media::{Coefficients, Density, Extent, Medium, Phase};
 pub use textures::{Coordinates, Emission, Encoding, Pattern, Relief, Texture, TextureKind, Value, Wrap};
 
 /// A stretch of the scene's text, in bytes.
@@ -64,10 +66,14 @@ pub struct Description {
     pub camera: Spanned<Camera>,
     /// Radiance of rays that leave the scene.
     pub background: DVec3,
+    /// Name of the medium that is wherever no body is.
+    pub filling: Option<Spanned<String>>,
     /// In the order of the file.
     pub lights: Vec<Spanned<Light>>,
     /// In the order of the file.
     pub textures: Vec<Spanned<Texture>>,
+    /// In the order of the file.
+    pub media: Vec<Spanned<Medium>>,
     /// In the order of the file, which `MaterialIndex` counts from 0.
     pub materials: Vec<Spanned<Material>>,
     /// The shapes.

@@ -44,7 +44,7 @@ impl FileMaterial {
             }
         };
         let emission = self.emission.filter(|e| *e != DVec3::ZERO).map(Emission::Radiance);
-        Ok(Material { name: Some(self.name.clone()), kind, emission, relief: None })
+        Ok(Material { name: Some(self.name.clone()), kind, emission, relief: None, medium: None })
     }
 }
 

@@ -8,7 +8,7 @@ use super::super::lexer::Token;
 use super::fields::{Fields, Found, Kind};
 use super::{Parser, clip, suggest};
 
-const MATERIALS: [&str; 10] = [
+const MATERIALS: [&str; 11] = [
     "numMaterials",
     "Material",
     "PhongMaterial",
@@ -16,6 +16,7 @@ const MATERIALS: [&str; 10] = [
     "Diffuse",
     "Mirror",
     "Dielectric",
+    "Clear",
     "Conductor",
     "Thin",
     "Mix",
@@ -82,7 +83,9 @@ impl<'a> Parser<'a> {
                 ("tintDistance", Number),
                 ROUGHNESS,
                 ("priority", Integer),
+                ("medium", Name),
             ],
+            "Clear" => &[("medium", Name), ("priority", Integer)],
             "Conductor" => &[("metal", Name), ("eta", Vector), ("k", Vector), ROUGHNESS],
             "Thin" => &[INDEX, ("transmittance", Tint)],
             "Mix" => &[("first", Name), ("second", Name), ("amount", Degree)],
@@ -99,6 +102,7 @@ impl<'a> Parser<'a> {
                 MaterialKind::Mirror { reflectance }
             }
             "Dielectric" => f.dielectric()?,
+            "Clear" => f.clear()?,
             "Conductor" => f.conductor()?,
             "Thin" => {
                 let clear = Ok(DVec3::ONE.into());
@@ -116,7 +120,8 @@ impl<'a> Parser<'a> {
             }
             _ => Reach::default(),
         });
-        Ok(Material { name, kind, emission: f.emission_or_texture()?, relief: f.relief()? })
+        let medium = self.contents(&f)?;
+        Ok(Material { name, kind, emission: f.emission_or_texture()?, relief: f.relief()?, medium })
     }
 
     fn mix(&self, f: &Fields<'a>) -> Result<MaterialKind, SceneError> {
@@ -128,6 +133,12 @@ impl<'a> Parser<'a> {
                 let message = format!("mixes nest more than {MAX_MIXES} deep");
                 let help = "mix fewer materials, or materials that are no mixes".to_owned();
                 return Err(f.error(part.span, message, "the deepest that may be", help));
+            }
+            let index = self.names.get(&part.value).copied();
+            if index.is_some_and(|index| matches!(self.materials[index].kind, MaterialKind::Clear { .. })) {
+                let message = "a mix cannot be `Clear`, which has no surface".to_owned();
+                let help = "mix a `Dielectric { indexOfRefraction 1 … }` of the same medium instead".to_owned();
+                return Err(f.error(part.span, message, "no surface", help));
             }
         }
         // Light would enter one of them, leave the other, and take the first for what is around it ever after.
@@ -241,16 +252,18 @@ impl Fields<'_> {
     }
 
     fn dielectric(&self) -> Result<MaterialKind, SceneError> {
-        let priority = self.get("priority");
-        if let Some(p) = priority {
-            p.ensure(p.number() <= f64::from(u8::MAX), "must be a whole number from 0 to 255")?;
-        }
         Ok(MaterialKind::Dielectric {
             refraction: self.refraction()?,
             attenuation: self.attenuation()?,
             roughness: self.roughness()?,
-            priority: priority.map_or(0, |p| p.number() as u8),
+            priority: self.priority()?,
         })
+    }
+
+    pub(super) fn priority(&self) -> Result<u8, SceneError> {
+        let Some(priority) = self.get("priority") else { return Ok(0) };
+        priority.ensure(priority.number() <= f64::from(u8::MAX), "must be a whole number from 0 to 255")?;
+        Ok(priority.number() as u8)
     }
 
     fn attenuation(&self) -> Result<Attenuation, SceneError> {
@@ -315,7 +328,7 @@ impl Fields<'_> {
 }
 
 impl Found<'_, '_> {
-    fn share(&self) -> Result<f64, SceneError> {
+    pub(super) fn share(&self) -> Result<f64, SceneError> {
         self.ensure((0.0..=1.0).contains(&self.number()), "must lie between 0 and 1")?;
         Ok(self.number())
     }

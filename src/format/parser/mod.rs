@@ -7,6 +7,7 @@ mod fields;
 mod lights;
 mod maps;
 mod materials;
+mod media;
 mod objects;
 mod refraction;
 mod suggest;
@@ -19,7 +20,7 @@ use std::collections::HashMap;
 
 use glam::DVec3;
 
-use super::description::{Description, Material, Span, Spanned, Texture};
+use super::description::{Description, Material, Medium, Span, Spanned, Texture};
 use super::error::{SceneError, Source};
 use super::lexer::{Lexer, Token};
 use camera::CAMERAS;
@@ -29,7 +30,7 @@ pub(super) use materials::is_identifier;
 pub(super) use suggest::nearest;
 
 /// The blocks of a file.
-const BLOCKS: [&str; 9] = [
+const BLOCKS: [&str; 10] = [
     "PerspectiveCamera",
     "OrthographicCamera",
     "EnvironmentCamera",
@@ -37,6 +38,7 @@ const BLOCKS: [&str; 9] = [
     "Background",
     "Lights",
     "Textures",
+    "Media",
     "Materials",
     "Group",
 ];
@@ -51,6 +53,7 @@ pub fn parse(name: &str, text: &str) -> Result<Description, SceneError> {
         open: Vec::new(),
         depth: 0,
         textures: Vec::new(),
+        media: Vec::new(),
         materials: Vec::new(),
         names: HashMap::new(),
         reach: Vec::new(),
@@ -88,6 +91,8 @@ struct Parser<'a> {
     depth: usize,
     /// Of the last `Textures` block so far.
     textures: Vec<Spanned<Texture>>,
+    /// Of the last `Media` block so far.
+    media: Vec<Spanned<Medium>>,
     /// Of the last `Materials` block so far, by index and by name.
     materials: Vec<Spanned<Material>>,
     names: HashMap<String, usize>,
@@ -102,7 +107,7 @@ struct Parser<'a> {
 impl<'a> Parser<'a> {
     fn file(mut self) -> Result<Description, SceneError> {
         let mut camera = None;
-        let mut background = DVec3::splat(0.5);
+        let mut background = (DVec3::splat(0.5), None);
         let mut lights = Vec::new();
         let mut root = None;
         loop {
@@ -118,6 +123,7 @@ impl<'a> Parser<'a> {
                 "Background" => background = self.background(word)?,
                 "Lights" => lights = self.lights(word)?,
                 "Textures" => self.textures(word)?,
+                "Media" => self.media(word)?,
                 "Materials" => self.materials(word)?,
                 "Group" => {
                     (self.indexed, self.late) = (false, None);
@@ -131,6 +137,10 @@ impl<'a> Parser<'a> {
             let help = "put all materials into one block before the Group".to_owned();
             return Err(self.lexer.error(block.span(), message, "too late", help));
         }
+        let (background, filling) = background;
+        if let Some(name) = &filling {
+            self.check_medium(name, "in the file")?;
+        }
         let camera = camera.ok_or_else(|| {
             let help = "add `PerspectiveCamera { center 0 0 10 direction 0 0 -1 up 0 1 0 angle 30 }`";
             SceneError::of_file(&self.lexer.source(), "the file has no camera", help)
@@ -139,13 +149,15 @@ impl<'a> Parser<'a> {
             let help = "add `Group { … }` with the objects of the scene";
             SceneError::of_file(&self.lexer.source(), "the file has no Group", help)
         })?;
-        let (textures, materials) = (self.textures, self.materials);
-        Ok(Description { camera, background, lights, textures, materials, root })
+        let Self { textures, media, materials, .. } = self;
+        Ok(Description { camera, background, filling, lights, textures, media, materials, root })
     }
 
-    fn background(&mut self, block: Token<'a>) -> Result<DVec3, SceneError> {
-        let f = self.fields(block, &[("color", Kind::Vector)])?;
-        f.get("color").map_or(Ok(DVec3::splat(0.5)), |color| color.colour())
+    /// Its colour, and the name of the medium that fills the scene.
+    fn background(&mut self, block: Token<'a>) -> Result<(DVec3, Option<Spanned<String>>), SceneError> {
+        let f = self.fields(block, &[("color", Kind::Vector), ("medium", Kind::Name)])?;
+        let color = f.get("color").map_or(Ok(DVec3::splat(0.5)), |color| color.colour())?;
+        Ok((color, f.get("medium").map(|medium| medium.text())))
     }
 
     /// Reads the `{` after a block's keyword.

@@ -14,6 +14,7 @@ impl Printer<'_, '_> {
             MaterialKind::Diffuse { .. } => "Diffuse",
             MaterialKind::Mirror { .. } => "Mirror",
             MaterialKind::Dielectric { .. } => "Dielectric",
+            MaterialKind::Clear { .. } => "Clear",
             MaterialKind::Conductor { .. } => "Conductor",
             MaterialKind::Thin { .. } => "Thin",
             MaterialKind::Mix { .. } => "Mix",
@@ -46,6 +47,7 @@ impl Printer<'_, '_> {
                 self.degree("roughness", roughness)?;
                 self.field("priority", priority)?;
             }
+            MaterialKind::Clear { priority } => self.field("priority", priority)?,
             MaterialKind::Conductor { metal, roughness } => {
                 match metal {
                     Metal::Named(name) => self.field("metal", Name(name))?,
@@ -66,6 +68,7 @@ impl Printer<'_, '_> {
                 self.degree("amount", amount)?;
             }
         }
+        material.medium.as_ref().map_or(Ok(()), |medium| self.field("medium", Name(medium)))?;
         material.relief.as_ref().map_or(Ok(()), |relief| self.relief(relief))?;
         material.emission.as_ref().map_or(Ok(()), |emission| self.emission(emission))?;
         self.close()

@@ -2,6 +2,7 @@
 
 mod lights;
 mod materials;
+mod media;
 mod textures;
 
 use std::fmt::{Display, Formatter, Result};
@@ -19,6 +20,7 @@ impl Display for Description {
         out.camera(&self.camera)?;
         out.open("Background")?;
         out.vector("color", self.background)?;
+        self.filling.as_ref().map_or(Ok(()), |medium| out.field("medium", Name(medium)))?;
         out.close()?;
         if !self.lights.is_empty() {
             out.open("Lights")?;
@@ -30,6 +32,12 @@ impl Display for Description {
             out.open("Textures")?;
             out.field("numTextures", self.textures.len())?;
             self.textures.iter().try_for_each(|texture| out.texture(texture))?;
+            out.close()?;
+        }
+        if !self.media.is_empty() {
+            out.open("Media")?;
+            out.field("numMedia", self.media.len())?;
+            self.media.iter().try_for_each(|medium| out.medium(medium))?;
             out.close()?;
         }
         if !self.materials.is_empty() {

@@ -5,7 +5,7 @@ use std::fmt::{Display, Formatter, Result};
 use glam::{DVec2, DVec3};
 
 use super::super::description::{
-    Coordinates, Emission, Encoding, Pattern, Relief, Spanned, Texture, TextureKind, Value, Wrap,
+    Coordinates, Emission, Encoding, Map, Pattern, Relief, Spanned, Texture, TextureKind, Value, Wrap,
 };
 use super::super::parser::is_identifier;
 use super::{Name, Numbers, Printer, Quoted};
@@ -43,13 +43,19 @@ impl Printer<'_, '_> {
                 self.field("octaves", octaves)?;
                 self.number("frequency", *frequency)?;
                 self.number("amplitude", *amplitude)?;
-                if !maps.is_empty() {
-                    self.open("Transform")?;
-                    maps.iter().try_for_each(|map| self.map(map))?;
-                    self.close()?;
-                }
+                self.maps(maps)?;
             }
         }
+        self.close()
+    }
+
+    /// A `Transform` of no object, unless it does nothing.
+    pub(super) fn maps(&mut self, maps: &[Map]) -> Result {
+        if maps.is_empty() {
+            return Ok(());
+        }
+        self.open("Transform")?;
+        maps.iter().try_for_each(|map| self.map(map))?;
         self.close()
     }
 
@@ -110,7 +116,7 @@ impl Printer<'_, '_> {
 }
 
 /// A texture's name where numbers may stand too: bare where nothing else reads so.
-struct Reference<'a>(&'a str);
+pub(super) struct Reference<'a>(pub &'a str);
 
 impl Display for Reference<'_> {
     fn fmt(&self, f: &mut Formatter<'_>) -> Result {

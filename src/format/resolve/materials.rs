@@ -16,7 +16,8 @@ impl Resolver<'_> {
         let mut looks = Vec::new();
         for (index, described) in self.description.materials.iter().enumerate() {
             let mut worn = Worn::default();
-            let (material, coat) = self.material(&described.kind, &looks, &mut worn)?;
+            let (mut material, coat) = self.material(&described.kind, &looks, &mut worn)?;
+            self.fill(&mut material, described)?;
             let relief = self.relief(described, &mut worn)?;
             if let Some(Emission::Texture { name, .. }) = &described.emission {
                 worn.by(&self.known(name, &(0.0..=f32::MAX))?);
@@ -74,6 +75,10 @@ impl Resolver<'_> {
                 let absorption = absorption(*attenuation);
                 let body = Body { absorption, priority: *priority, roughness, glass, ..Body::new(index) };
                 (Material::body(body), texture.map_or(Coat::Plain, Coat::Boundary))
+            }
+            MaterialKind::Clear { priority } => {
+                let place = Body { priority: *priority, clear: true, ..Body::new(1.0) };
+                (Material::body(place), Coat::Plain)
             }
             MaterialKind::Conductor { metal, roughness } => {
                 let (eta, k) = self.metal(metal)?;

@@ -3,6 +3,7 @@
 mod camera;
 mod lights;
 mod materials;
+mod media;
 mod meshes;
 mod shapes;
 #[cfg(test)]
@@ -14,6 +15,7 @@ use super::mesh::{ReadMonitor, TriangleMesh};
 use super::{SceneError, Source};
 use crate::color::Rgb;
 use crate::math::{Motion, Step, Transform};
+use crate::medium::Medium;
 use crate::scene::{Scene, SceneBuilder};
 use glam::{DAffine3, DVec3};
 use meshes::Shine;
@@ -23,11 +25,11 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use textures::{Known, Worn};
 
-/// Makes a scene of a description. Meshes and pictures are looked for in `folder`, then in the folder above it.
+/// Makes a scene of a description. Meshes, pictures and grids are looked for in `folder`, then in the folder above it.
 ///
 /// # Errors
-/// [`SceneError`] with the place in `source`: a mesh or picture that is missing or broken, an unknown metal or glass, a singular product
-/// of transforms, what cannot emit or cannot be rendered yet.
+/// [`SceneError`] with the place in `source`: a mesh, picture or grid that is missing or broken, an unknown metal or glass, a singular
+/// product of transforms, what cannot emit, a medium that cannot fill what it should.
 pub fn resolve(description: &Description, source: &Source, folder: &Path) -> Result<Scene, SceneError> {
     resolve_watched(description, source, folder, &())
 }
@@ -52,6 +54,7 @@ pub fn resolve_watched(
         monitor,
         known: HashMap::new(),
         pictures: HashMap::new(),
+        media: HashMap::new(),
         worn: Vec::new(),
         meshes: HashMap::new(),
         own_materials: HashMap::new(),
@@ -62,6 +65,8 @@ pub fn resolve_watched(
     };
     resolver.builder.background(rgb(description.background));
     resolver.textures()?;
+    resolver.media()?;
+    resolver.filling()?;
     resolver.materials()?;
     for light in &description.lights {
         resolver.light(light, &Motion::default())?;
@@ -86,6 +91,8 @@ struct Resolver<'a> {
     known: HashMap<&'a str, Known>,
     /// Pictures that materials name by their files, as light or as numbers.
     pictures: HashMap<(PathBuf, bool), Known>,
+    /// The media by name, with their indices.
+    media: HashMap<&'a str, (u32, Medium)>,
     /// What each material needs of surfaces.
     worn: Vec<Worn>,
     monitor: &'a dyn ReadMonitor,
@@ -142,6 +149,7 @@ impl Resolver<'_> {
                     }
                     (None, None) => (Rgb::ZERO, None),
                 };
+                self.check_clear(radiance, object.span)?;
                 let shine = Shine { radiance, told: emission.is_some(), glow };
                 self.shape(shape, object.span, to_world, &shine)
             }

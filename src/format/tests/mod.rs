@@ -1,5 +1,6 @@
 //! The language as a whole: the course's scenes, the reference's examples, and what proptest makes up.
 
+mod media;
 mod refraction;
 mod strategies;
 mod values;

@@ -6,6 +6,7 @@ use proptest::option;
 use proptest::prelude::*;
 
 use super::super::description::*;
+use super::media::media;
 use super::refraction::refraction;
 use super::values::*;
 
@@ -177,6 +178,7 @@ fn name_textures(material: &mut Material, textures: &[Spanned<Texture>]) {
         MaterialKind::Dielectric { roughness: degree, .. }
         | MaterialKind::Conductor { roughness: degree, .. }
         | MaterialKind::Mix { amount: degree, .. } => name_texture(degree, textures, 0.5),
+        MaterialKind::Clear { .. } => {}
     }
     if let Some(Emission::Texture { name, .. }) = &mut material.emission {
         let number: usize = name.value.parse().unwrap();
@@ -304,7 +306,7 @@ fn mesh_path() -> impl Strategy<Value = String> {
     (name(), any::<bool>()).prop_map(|(name, ply)| if ply { name + ".ply" } else { name })
 }
 
-fn map() -> impl Strategy<Value = Map> {
+pub fn map() -> impl Strategy<Value = Map> {
     let scale = || prop_oneof![0.01..100.0, -100.0..-0.01];
     let angle = || -1e3..1e3;
     prop_oneof![
@@ -330,7 +332,7 @@ fn grown(scales: bool) -> impl Strategy<Value = Map> {
     })
 }
 
-fn spanned<T>(value: T) -> Spanned<T> {
+pub fn spanned<T>(value: T) -> Spanned<T> {
     Spanned::new(value, Span::default())
 }
 
@@ -397,11 +399,32 @@ fn materials(drafts: Vec<Draft>, textures: &[Spanned<Texture>]) -> Vec<Spanned<M
         }
         let name = name.filter(|name| names.iter().all(|(other, _)| other != name));
         names.extend(name.clone().map(|name| (name, body)));
-        let mut material = Material { name, kind, emission, relief };
+        let mut material = Material { name, kind, emission, relief, medium: None };
         name_textures(&mut material, textures);
         materials.push(spanned(material));
     }
     materials
+}
+
+/// Fills bodies with `media`, and makes some of those that are named nowhere else `Clear`.
+fn fill(materials: &mut [Spanned<Material>], media: &[Spanned<Medium>], fills: &[Option<prop::sample::Index>]) {
+    let parts: Vec<String> = materials
+        .iter()
+        .filter_map(|m| match &m.kind {
+            MaterialKind::Mix { first, second, .. } => Some([first.value.clone(), second.value.clone()]),
+            _ => None,
+        })
+        .flatten()
+        .collect();
+    for (material, fill) in materials.iter_mut().zip(fills) {
+        let material = &mut material.value;
+        let MaterialKind::Dielectric { priority, .. } = material.kind else { continue };
+        material.medium = fill.filter(|_| !media.is_empty()).map(|i| spanned(i.get(media).value.name.clone()));
+        if priority % 2 == 0 && material.name.as_ref().is_none_or(|name| !parts.contains(name)) {
+            material.kind = MaterialKind::Clear { priority };
+            (material.emission, material.relief) = (None, None);
+        }
+    }
 }
 
 pub fn description() -> impl Strategy<Value = Description> {
@@ -409,16 +432,20 @@ pub fn description() -> impl Strategy<Value = Description> {
     let drafts = vec((option::of(name()), material(), option::of((part(), part(), value(0.0..=1.0)))), 0..6);
     let textured = vec((name(), texture()), 0..4);
     let lights = (vec(light(), 0..4), option::of((environment(), part())));
-    let parts = (camera(), colour(), lights, textured, drafts, vec(item(), 0..4));
-    parts.prop_map(|(camera, background, (mut lights, environment), textured, drafts, items)| {
+    let filled = (media(), vec(option::of(part()), 6), option::of(part()));
+    let parts = (camera(), colour(), lights, textured, filled, drafts, vec(item(), 0..4));
+    parts.prop_map(|(camera, background, (mut lights, environment), textured, filled, drafts, items)| {
         if let Some((environment, at)) = environment {
             lights.insert(at.index(lights.len() + 1), environment);
         }
         let textures = textures(textured);
-        let materials = materials(drafts, &textures);
+        let mut materials = materials(drafts, &textures);
+        let (media, fills, filling) = filled;
+        fill(&mut materials, &media, &fills);
+        let filling = filling.filter(|_| !media.is_empty()).map(|i| spanned(i.get(&media).value.name.clone()));
         let mut root = Group { items };
         name_materials(&mut root, &materials);
         let lights = lights.into_iter().map(spanned).collect();
-        Description { camera: spanned(camera), background, lights, textures, materials, root }
+        Description { camera: spanned(camera), background, filling, lights, textures, media, materials, root }
     })
 }

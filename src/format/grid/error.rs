@@ -1,0 +1,79 @@
+//! Why a grid could not be read.
+
+use std::path::{Path, PathBuf};
+
+/// Why a file of densities could not be read.
+#[derive(Debug, thiserror::Error)]
+pub enum GridError {
+    /// It cannot be opened or read.
+    #[error("cannot read the grid {}: {source}: check that it is a file and that you may read it", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// What the system says.
+        source: std::io::Error,
+    },
+    /// A line that says nothing sound.
+    #[error("{}:{line}: {message}: {remedy}", path.display())]
+    Line {
+        /// The file.
+        path: PathBuf,
+        /// From 1.
+        line: usize,
+        /// What is wrong.
+        message: String,
+        /// What would be right.
+        remedy: &'static str,
+    },
+    /// The numbers are more or fewer than the size tells.
+    #[error(
+        "{}: {found} bytes follow the empty line, but {} × {} × {} cells of type f32 take {expected}: write the file anew, or \
+         mend its size",
+        path.display(), size[0], size[1], size[2]
+    )]
+    Length {
+        /// The file.
+        path: PathBuf,
+        /// Cells along x, y and z.
+        size: [u32; 3],
+        /// Bytes that the cells take.
+        expected: u64,
+        /// Bytes that are there.
+        found: u64,
+    },
+    /// A number that is no density.
+    #[error(
+        "{}: the density of cell ({}, {}, {}), counted from 0, is {value}: it must be finite and at least 0",
+        path.display(), cell[0], cell[1], cell[2]
+    )]
+    Cell {
+        /// The file.
+        path: PathBuf,
+        /// Column, row and layer.
+        cell: [u32; 3],
+        /// Its density.
+        value: f32,
+    },
+    /// More cells than there is memory for.
+    #[error("{}: {cells} cells do not fit into memory: make the grid coarser", path.display())]
+    NoMemory {
+        /// The file.
+        path: PathBuf,
+        /// How many.
+        cells: usize,
+    },
+}
+
+/// What is wrong, and what would be right.
+pub(super) type Wrong = (String, &'static str);
+
+impl GridError {
+    pub(super) fn line(path: &Path, line: usize, (message, remedy): Wrong) -> Self {
+        Self::Line { path: path.into(), line, message, remedy }
+    }
+}
+
+/// A word of a file, short enough to show.
+pub(super) fn shown(word: &str) -> String {
+    word.escape_debug().take(40).collect()
+}

@@ -1,0 +1,221 @@
+//! Files of densities on a grid: lines of text, an empty line, and the numbers, x running fastest.
+//!
+//! ```text
+//! caustica-grid 1
+//! size 64 32 64
+//! type f32
+//!
+//! ```
+//!
+//! The numbers are words, where the type is `text`, or single precision with the least byte first, where it is `f32`. Lines
+//! that begin with `#` are passed over.
+
+mod error;
+#[cfg(test)]
+mod tests;
+
+pub use error::GridError;
+use error::{Wrong, shown};
+
+use std::fs::File;
+use std::io::{BufReader, BufWriter, Read, Write};
+use std::path::Path;
+
+/// Most cells of a grid.
+pub const MAX_CELLS: u64 = 1 << 30;
+
+/// Most bytes before the numbers.
+const LONGEST_HEADER: u64 = 4096;
+
+/// Bytes that are read at once.
+const CHUNK: usize = 1 << 16;
+
+/// Densities on a grid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Grid {
+    /// Cells along x, y and z, each at least 1.
+    pub size: [u32; 3],
+    /// Finite and not negative, x running fastest.
+    pub values: Vec<f32>,
+}
+
+/// How numbers are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Encoding {
+    /// Little-endian single precision.
+    F32,
+    /// Words.
+    Text,
+}
+
+/// What stands before the numbers.
+struct Header {
+    size: [u32; 3],
+    cells: usize,
+    encoding: Encoding,
+    /// Lines and bytes that it takes, with the empty line.
+    lines: usize,
+    bytes: u64,
+}
+
+/// Reads the grid of a file.
+///
+/// Memory is taken once the file is known to be long enough for what its header tells.
+///
+/// # Errors
+/// [`GridError`].
+pub fn read(path: &Path) -> Result<Grid, GridError> {
+    let unreadable = |source| GridError::Unreadable { path: path.into(), source };
+    let mut file = File::open(path).map_err(unreadable)?;
+    let length = file.metadata().map_err(unreadable)?.len();
+    let mut start = Vec::new();
+    Read::take(&mut file, LONGEST_HEADER).read_to_end(&mut start).map_err(unreadable)?;
+    let header = header(&start).map_err(|(line, wrong)| GridError::line(path, line, wrong))?;
+    let rest = start[header.bytes as usize..].chain(file);
+    let values = match header.encoding {
+        Encoding::F32 => singles(path, &header, length, BufReader::with_capacity(CHUNK, rest))?,
+        Encoding::Text => words(path, &header, length, rest)?,
+    };
+    if let Some(i) = values.iter().position(|v| !(v.is_finite() && *v >= 0.0)) {
+        return Err(GridError::Cell { path: path.into(), cell: cell(header.size, i), value: values[i] });
+    }
+    Ok(Grid { size: header.size, values })
+}
+
+/// Writes a grid.
+///
+/// # Errors
+/// What the system says.
+pub fn write(path: &Path, grid: &Grid, encoding: Encoding) -> std::io::Result<()> {
+    let mut out = BufWriter::new(File::create(path)?);
+    let [x, y, z] = grid.size;
+    let word = if encoding == Encoding::F32 { "f32" } else { "text" };
+    write!(out, "caustica-grid 1\nsize {x} {y} {z}\ntype {word}\n\n")?;
+    for row in grid.values.chunks(x.max(1) as usize) {
+        match encoding {
+            Encoding::F32 => row.iter().try_for_each(|value| out.write_all(&value.to_le_bytes()))?,
+            Encoding::Text => {
+                let words: Vec<String> = row.iter().map(f32::to_string).collect();
+                writeln!(out, "{}", words.join(" "))?;
+            }
+        }
+    }
+    out.flush()
+}
+
+/// What stands before the numbers in the first bytes of a file; else the line from 1, and what is wrong with it.
+fn header(start: &[u8]) -> Result<Header, (usize, Wrong)> {
+    if start.starts_with(b" BDV") {
+        return Err((1, ("this is an OpenVDB file".to_owned(), "sample it on a grid, and write that as `type f32`")));
+    }
+    let (mut size, mut encoding, mut bytes) = (None, None, 0);
+    for (i, line) in start.split_inclusive(|byte| *byte == b'\n').enumerate() {
+        bytes += line.len();
+        let wrong = |message: &str, remedy| (i + 1, (message.to_owned(), remedy));
+        let text = std::str::from_utf8(line).map(str::trim).ok();
+        let words: Vec<&str> = text.unwrap_or("\u{fffd}").split_whitespace().collect();
+        match words[..] {
+            ["caustica-grid", "1"] if i == 0 => {}
+            ["caustica-grid", _] if i == 0 => return Err(wrong("this version is not known", "write version 1")),
+            _ if i == 0 => return Err(wrong("this is no grid", "begin the file with the line `caustica-grid 1`")),
+            ["size", x, y, z] if size.is_none() => size = Some(cells([x, y, z]).map_err(|wrong| (i + 1, wrong))?),
+            ["type", "f32"] if encoding.is_none() => encoding = Some(Encoding::F32),
+            ["type", "text"] if encoding.is_none() => encoding = Some(Encoding::Text),
+            ["type", _] if encoding.is_none() => {
+                return Err(wrong("this type is not known", "write `type f32` or `type text`"));
+            }
+            [] if line.ends_with(b"\n") => {
+                let no_size = || wrong("the size is missing", "write `size NX NY NZ` ahead of the empty line");
+                let (size, cells) = size.ok_or_else(no_size)?;
+                let no_type =
+                    || wrong("the type is missing", "write `type f32` or `type text` ahead of the empty line");
+                let encoding = encoding.ok_or_else(no_type)?;
+                return Ok(Header { size, cells, encoding, lines: i + 1, bytes: bytes as u64 });
+            }
+            [word, ..] if word.starts_with('#') => {}
+            _ => {
+                let remedy = "write `size NX NY NZ` and `type f32` or `type text`, each once, then an empty line";
+                return Err(wrong("this line says nothing of a grid", remedy));
+            }
+        }
+    }
+    let lines = start.split_inclusive(|byte| *byte == b'\n').count();
+    let message = "no empty line ends what stands before the numbers".to_owned();
+    Err((lines.max(1), (message, "write one after at most 4096 bytes")))
+}
+
+/// The words of a size, and their product.
+fn cells(words: [&str; 3]) -> Result<([u32; 3], usize), Wrong> {
+    let mut size = [0_u32; 3];
+    for (side, word) in size.iter_mut().zip(words) {
+        let number = word.parse().ok().filter(|n| *n > 0);
+        *side = number
+            .ok_or_else(|| (format!("`{}` is no number of cells", shown(word)), "write whole numbers from 1 on"))?;
+    }
+    let product = size.iter().try_fold(1_u64, |product, side| product.checked_mul(u64::from(*side)));
+    match product.filter(|cells| *cells <= MAX_CELLS) {
+        Some(cells) => Ok((size, cells as usize)),
+        None => Err((format!("{} × {} × {} cells are too many", size[0], size[1], size[2]), "at most 2³⁰ may be")),
+    }
+}
+
+/// Which cell number `i` is.
+fn cell(size: [u32; 3], i: usize) -> [u32; 3] {
+    let (row, layer) = (size[0] as usize, size[0] as usize * size[1] as usize);
+    [i % row, i % layer / row, i / layer].map(|i| i as u32)
+}
+
+fn reserve(path: &Path, header: &Header) -> Result<Vec<f32>, GridError> {
+    let mut values = Vec::new();
+    match values.try_reserve_exact(header.cells) {
+        Ok(()) => Ok(values),
+        Err(_) => Err(GridError::NoMemory { path: path.into(), cells: header.cells }),
+    }
+}
+
+fn singles(path: &Path, header: &Header, length: u64, mut from: impl Read) -> Result<Vec<f32>, GridError> {
+    let (expected, found) = (4 * header.cells as u64, length.saturating_sub(header.bytes));
+    if expected != found {
+        return Err(GridError::Length { path: path.into(), size: header.size, expected, found });
+    }
+    let mut values = reserve(path, header)?;
+    let mut chunk = [0; CHUNK];
+    while values.len() < header.cells {
+        let chunk = &mut chunk[..CHUNK.min(4 * (header.cells - values.len()))];
+        from.read_exact(chunk).map_err(|source| GridError::Unreadable { path: path.into(), source })?;
+        values.extend(chunk.as_chunks().0.iter().map(|bytes| f32::from_le_bytes(*bytes)));
+    }
+    Ok(values)
+}
+
+fn words(path: &Path, header: &Header, length: u64, mut from: impl Read) -> Result<Vec<f32>, GridError> {
+    let wrong = |line, message, remedy| GridError::line(path, line, (message, remedy));
+    let count = |found: usize| format!("{found} numbers follow, but the size asks for {}", header.cells);
+    const REMEDY: &str = "give one number for each cell, x running fastest, and nothing behind them";
+    // Each takes a byte and one to part it from the next.
+    let most = length.saturating_sub(header.bytes).div_ceil(2);
+    if most < header.cells as u64 {
+        return Err(wrong(header.lines, format!("at most {}", count(most as usize)), REMEDY));
+    }
+    let mut values = reserve(path, header)?;
+    let mut bytes = Vec::new();
+    from.read_to_end(&mut bytes).map_err(|source| GridError::Unreadable { path: path.into(), source })?;
+    let mut lines = header.lines;
+    for line in bytes.split(|byte| *byte == b'\n') {
+        lines += 1;
+        for word in line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty()) {
+            if values.len() == header.cells {
+                return Err(wrong(lines, format!("more than {}", count(header.cells)), REMEDY));
+            }
+            let text = String::from_utf8_lossy(word);
+            let number = text.parse().map_err(|_| {
+                wrong(lines, format!("`{}` is no number", shown(&text)), "write numbers, parted by spaces or lines")
+            })?;
+            values.push(number);
+        }
+    }
+    if values.len() < header.cells {
+        return Err(wrong(lines, count(values.len()), REMEDY));
+    }
+    Ok(values)
+}

@@ -1,0 +1,164 @@
+//! Media of the description, and what they fill.
+
+use super::{Resolver, rgb};
+use crate::color::Rgb;
+use crate::format::description::{
+    self, Coefficients, Density, Extent, Light, Map, Material, MaterialKind, Medium as Described, Span, Spanned,
+};
+use crate::format::{SceneError, grid};
+use crate::medium::{Cloud, Field, FieldError, Medium, Phase};
+use crate::scene::{self, Scattering};
+use glam::{DAffine3, DVec3};
+use std::sync::Arc;
+
+/// What single precision holds, also times coefficients and lengths.
+const DENSEST: f64 = 1e12;
+
+impl Resolver<'_> {
+    pub(super) fn media(&mut self) -> Result<(), SceneError> {
+        for described in &self.description.media {
+            let medium = self.medium(described)?;
+            let index = self.builder.medium(medium.clone());
+            self.media.insert(&described.name, (index, medium));
+        }
+        Ok(())
+    }
+
+    fn medium(&self, described: &Spanned<Described>) -> Result<Medium, SceneError> {
+        let (absorption, scattering) = match described.coefficients {
+            Coefficients::Parts { absorption, scattering } => (absorption, scattering),
+            Coefficients::Whole { extinction, albedo } => (extinction * (1.0 - albedo), extinction * albedo),
+        };
+        let phase = match described.phase {
+            description::Phase::Isotropic => Phase::Isotropic,
+            description::Phase::Rayleigh => Phase::Rayleigh,
+            description::Phase::HenyeyGreenstein(g) => Phase::HenyeyGreenstein(g as f32),
+        };
+        let (absorption, scattering, emission) = (rgb(absorption), rgb(scattering), rgb(described.emission));
+        Ok(match self.field(described)? {
+            None => Medium::homogeneous(absorption, scattering, emission, phase),
+            Some(field) => Medium::varied(absorption, scattering, emission, phase, Arc::new(field)),
+        })
+    }
+
+    fn field(&self, described: &Spanned<Described>) -> Result<Option<Field>, SceneError> {
+        let help = "give a box with an extent, and fewer cells if memory does not suffice";
+        let refuse = |e: FieldError| self.refuse(described.span, &e.to_string(), help);
+        let field = match &described.density {
+            Density::Even => return Ok(None),
+            Density::Grid { path, scale, extent } => {
+                let file = self.file("grid", path)?;
+                let help = "mend the grid or name another; the scene language's page tells how such a file looks";
+                let mut grid = grid::read(&file).map_err(|e| self.bad_file(path, &e, help))?;
+                for value in &mut grid.values {
+                    let scaled = f64::from(*value) * scale;
+                    if scaled > DENSEST {
+                        let message = format!("the grid `{}` is as dense as {value}, times {scale}", path.value);
+                        return Err(self.bad_file(path, &message, "choose a `densityScale` by which it is below 1e12"));
+                    }
+                    *value = scaled as f32;
+                }
+                Field::new(grid.size, grid.values, placement(extent)).map_err(refuse)?
+            }
+            Density::Cloud { cover, softness, octaves, frequency, seed, resolution, extent } => {
+                let cloud = Cloud {
+                    octaves: *octaves,
+                    scale: *frequency,
+                    cover: *cover,
+                    softness: *softness,
+                    seed: u64::from(*seed),
+                };
+                let density = cloud.density(1.0 / f64::from(*resolution));
+                Field::from_fn(cells(extent, *resolution), placement(extent), density).map_err(refuse)?
+            }
+        };
+        Ok(Some(field))
+    }
+
+    /// Fills what no body fills.
+    pub(super) fn filling(&mut self) -> Result<(), SceneError> {
+        let Some(name) = &self.description.filling else { return Ok(()) };
+        let (index, medium) = self.known_medium(name)?;
+        let refuse = |what: &str, help: &str| {
+            let message = format!("the medium `{}` cannot fill the scene: {what}", name.value);
+            Err(SceneError::at(self.source, name.span, message, "fills the scene", help))
+        };
+        if !medium.is_homogeneous() {
+            return refuse("it is not the same everywhere", "put it into a shape of a material `Clear { medium … }`");
+        }
+        let extinction = medium.extinction();
+        if (medium.emission.cmpgt(Rgb::ZERO) & extinction.cmpeq(Rgb::ZERO)).any() {
+            let help = "let it absorb in each channel in which it emits, or put it into a shape of a material `Clear`";
+            return refuse("it emits, takes nothing away, and so is infinitely bright", help);
+        }
+        if extinction != Rgb::ZERO
+            && let Some(light) = self.description.lights.iter().find_map(|light| from_infinity(light))
+        {
+            let message = format!("light from infinity never arrives: the medium `{}` fills the scene", name.value);
+            let help = "leave the light out, or put the medium into a shape of a material `Clear { medium … }`";
+            return Err(self.refuse(light, &message, help));
+        }
+        self.builder.filled_with(index);
+        Ok(())
+    }
+
+    /// Fills the body that `material` bounds, if it bounds one.
+    ///
+    /// What a homogeneous medium absorbs beside what the body absorbs makes a medium of its own.
+    pub(super) fn fill(&mut self, material: &mut scene::Material, described: &Material) -> Result<(), SceneError> {
+        let (Some(name), Scattering::Boundary(body)) = (&described.medium, &mut material.scattering) else {
+            return Ok(());
+        };
+        let (mut index, mut medium) = self.known_medium(name)?;
+        if body.absorption != Rgb::ZERO {
+            if !medium.is_homogeneous() {
+                let message = format!("the body absorbs, and so does the medium `{}`, which varies", name.value);
+                let help = "leave out `absorption` and `tint`, or fill the body with a medium that is even";
+                return Err(SceneError::at(self.source, name.span, message, "fills this body", help));
+            }
+            medium.absorption += std::mem::replace(&mut body.absorption, Rgb::ZERO);
+            index = self.builder.medium(medium);
+        }
+        body.medium = Some(index);
+        Ok(())
+    }
+
+    /// Refuses light from an object of a material that has no surface.
+    pub(super) fn check_clear(&self, radiance: Rgb, span: Span) -> Result<(), SceneError> {
+        let material = self.description.materials.get(self.material as usize);
+        if radiance == Rgb::ZERO || !material.is_some_and(|m| matches!(m.kind, MaterialKind::Clear { .. })) {
+            return Ok(());
+        }
+        let help = "give `emission` to its medium, or the object another material";
+        Err(self.refuse(span, "what is `Clear` has no surface that could emit light", help))
+    }
+
+    fn known_medium(&self, name: &Spanned<String>) -> Result<(u32, Medium), SceneError> {
+        self.media.get(name.as_str()).cloned().ok_or_else(|| {
+            let message = format!("no medium is called `{}`", name.value);
+            SceneError::at(self.source, name.span, message, "unknown name", "define it in Media first")
+        })
+    }
+}
+
+/// Unit cube to world.
+fn placement(extent: &Extent) -> DAffine3 {
+    let fit = DAffine3::from_scale(extent.max - extent.min);
+    Map::product(&extent.maps) * DAffine3 { translation: extent.min, ..fit }
+}
+
+/// Cells that are nearly cubes, `resolution` along the longest side.
+fn cells(extent: &Extent, resolution: u32) -> [u32; 3] {
+    let sides = extent.max - extent.min;
+    let count = |side: f64| (f64::from(resolution) * (side / sides.max_element())).ceil().max(2.0) as u32;
+    DVec3::to_array(&sides).map(count)
+}
+
+/// Where a light stands in the file that comes from infinitely far.
+fn from_infinity(light: &Spanned<Light>) -> Option<Span> {
+    match &light.value {
+        Light::Directional { .. } | Light::Environment(_) => Some(light.span),
+        Light::Moving { light, .. } => from_infinity(light),
+        _ => None,
+    }
+}

@@ -1,0 +1,69 @@
+//! Media for proptest.
+
+use glam::DVec3;
+use proptest::collection::vec;
+use proptest::prelude::*;
+
+use super::super::description::{Coefficients, Density, Extent, Medium, Phase, Spanned};
+use super::strategies::{map, spanned};
+use super::values::{name, point, share};
+
+/// Up to what single precision holds with room to spare.
+fn coefficient() -> impl Strategy<Value = DVec3> {
+    let one = || prop_oneof![Just(0.0), 0.0..=1e12, 0.0..1.0];
+    [one(), one(), one()].prop_map(DVec3::from_array)
+}
+
+fn coefficients() -> impl Strategy<Value = Coefficients> {
+    prop_oneof![
+        (coefficient(), coefficient())
+            .prop_map(|(absorption, scattering)| Coefficients::Parts { absorption, scattering }),
+        (coefficient(), share()).prop_map(|(extinction, albedo)| Coefficients::Whole { extinction, albedo }),
+    ]
+}
+
+fn phase() -> impl Strategy<Value = Phase> {
+    prop_oneof![
+        Just(Phase::Isotropic),
+        Just(Phase::Rayleigh),
+        (-1.0 + 1e-7..=1.0 - 1e-7).prop_map(Phase::HenyeyGreenstein),
+    ]
+}
+
+fn extent() -> impl Strategy<Value = Extent> {
+    let corners = (point(), point()).prop_filter_map("no extent", |(a, b)| {
+        let (min, max) = (a.min(b), a.max(b));
+        let sides = max - min;
+        (sides.min_element() > 0.0 && sides.is_finite()).then_some((min, max))
+    });
+    (corners, vec(map(), 0..3)).prop_map(|((min, max), maps)| Extent { min, max, maps })
+}
+
+fn density() -> impl Strategy<Value = Density> {
+    let shares = (0.0..=1.0, 0.0..=1.0);
+    let noise = (1..=16_u32, 1e-9..1e9, any::<u32>(), 2..=512_u32);
+    prop_oneof![
+        2 => Just(Density::Even),
+        1 => (name(), 1e-9..1e9, extent())
+            .prop_map(|(path, scale, extent)| Density::Grid { path: spanned(path), scale, extent }),
+        1 => (shares, noise, extent()).prop_map(|((cover, softness), (octaves, frequency, seed, resolution), extent)| {
+            Density::Cloud { cover, softness, octaves, frequency, seed, resolution, extent }
+        }),
+    ]
+}
+
+/// Of names of which no two are alike.
+pub fn media() -> impl Strategy<Value = Vec<Spanned<Medium>>> {
+    let medium = (name(), coefficients(), coefficient(), phase(), density()).prop_map(
+        |(name, coefficients, emission, phase, density)| Medium { name, coefficients, emission, phase, density },
+    );
+    vec(medium, 0..4).prop_map(|drafts| {
+        let mut media: Vec<Spanned<Medium>> = Vec::new();
+        for medium in drafts {
+            if media.iter().all(|other| other.value.name != medium.name) {
+                media.push(spanned(medium));
+            }
+        }
+        media
+    })
+}
