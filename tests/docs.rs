@@ -1,6 +1,7 @@
 //! What the pages say is true: their commands run, their scenes render, their tables agree with the program.
 
 use caustica::cli::{Arguments, Command, Exit};
+use caustica::format::grid::{self, Encoding, Grid};
 use caustica::format::mesh::{self, MeshFormat};
 use caustica::format::{Source, parse, resolve};
 use caustica::image::{self, Image, WriteOptions};
@@ -286,6 +287,9 @@ fn the_scenes_of_the_language_page_render() {
     std::fs::create_dir(folder.path().join("textures")).unwrap();
     let gray = Image::from_pixels(2, 2, vec![glam::Vec3::splat(0.5); 4]).unwrap();
     image::write(&folder.path().join("textures/tile.png"), &gray, &WriteOptions::default()).unwrap();
+    std::fs::create_dir(folder.path().join("grids")).unwrap();
+    let flame = Grid { size: [2, 3, 2], values: vec![0.5; 12] };
+    grid::write(&folder.path().join("grids/flame.grid"), &flame, Encoding::F32).unwrap();
     for (i, text) in scenes.iter().enumerate() {
         let mut description = parse("scene-language.md", text).unwrap();
         (description.camera.value.width, description.camera.value.height) = (32, 24);

@@ -1,3 +1,4 @@
+mod media;
 mod refraction;
 mod surfaces;
 mod textures;

@@ -1,6 +1,7 @@
 //! Scenes as they resolve: seen by rays, in the coordinates of their files.
 
 mod materials;
+mod media;
 mod meshes;
 mod textures;
 
