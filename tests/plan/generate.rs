@@ -1,6 +1,6 @@
 //! Random scenes. Most hold little, so that much of a plan is off; lights like to stand where a test of reach or side is close.
 
-use crate::sketch::{Light, LightKind, Material, Moving, Object, Shape, Sketch};
+use crate::sketch::{Light, LightKind, Material, Moving, Object, Shape, Sketch, Stuff};
 use glam::DVec3;
 
 /// Numbers that look random (Steele, Lea, Flood 2014, "Fast splittable pseudorandom number generators").
@@ -106,6 +106,9 @@ enum Kind {
     Bumpy,
     RoughMap,
     Panel,
+    Clear,
+    Filled,
+    Prism,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -158,7 +161,11 @@ const ANY: &[Kind] = &[
     Kind::Bumpy,
     Kind::RoughMap,
     Kind::Panel,
+    Kind::Clear,
+    Kind::Filled,
+    Kind::Prism,
 ];
+const MURKY: &[Kind] = &[Kind::Clear, Kind::Clear, Kind::Filled, Kind::Prism, Kind::Matt, Kind::Mix];
 const HARD: &[Lamp] = &[Lamp::Point, Lamp::Directional, Lamp::Spot, Lamp::Level];
 const LEVEL: &[Lamp] = &[Lamp::Level];
 const AWAY: &[Lamp] = &[Lamp::SpotAway, Lamp::DiscAway];
@@ -178,7 +185,7 @@ const LAMPS: &[Lamp] = &[
 const PLAIN: Mood =
     Mood { materials: ANY, lights: LAMPS, most_lights: 3, black_light: 0.1, emission: 0.1, most_objects: 5, flat: 0.4 };
 
-const MOODS: [Mood; 10] = [
+const MOODS: [Mood; 11] = [
     PLAIN,
     Mood { lights: HARD, emission: 0.0, ..PLAIN },
     Mood { lights: AWAY, emission: 0.0, black_light: 0.0, ..PLAIN },
@@ -188,6 +195,7 @@ const MOODS: [Mood; 10] = [
     Mood { materials: CASTERS, ..PLAIN },
     Mood { most_objects: 1, lights: HARD, emission: 0.2, flat: 0.8, most_lights: 2, ..PLAIN },
     Mood { most_objects: 1, lights: LEVEL, emission: 0.0, flat: 1.0, black_light: 0.0, ..PLAIN },
+    Mood { materials: MURKY, ..PLAIN },
     Mood { black_light: 0.9, emission: 0.0, most_lights: 7, ..PLAIN },
 ];
 
@@ -201,6 +209,7 @@ pub fn sketch(seed: u64) -> Sketch {
         lights: Vec::new(),
         materials: Vec::new(),
         objects: Vec::new(),
+        filling: None,
         motion: None,
     };
     for _ in 0..1 + r.below(4) {
@@ -214,6 +223,11 @@ pub fn sketch(seed: u64) -> Sketch {
     }
     for _ in 0..r.below(mood.most_lights + 1) {
         add_light(r, &mood, &mut sketch);
+    }
+    // Light from infinity would never arrive.
+    let endless = |l: &Light| matches!(l.kind, LightKind::Environment | LightKind::Directional(_));
+    if r.chance(0.1) && !sketch.lights.iter().any(endless) {
+        sketch.filling = Some(r.pick(&[Stuff::Fog, Stuff::Soot, Stuff::Flame, Stuff::Nothing]));
     }
     sketch.camera = camera(r, &sketch);
     if r.chance(0.15) {
@@ -304,6 +318,9 @@ fn add_material(r: &mut Random, mood: &Mood, sketch: &mut Sketch) {
         Kind::Bumpy => Material::Bumpy(r.color(), r.between(0.01, 0.3)),
         Kind::RoughMap => Material::RoughMap(r.between(0.0, 0.4), r.between(0.2, 1.0)),
         Kind::Panel => Material::Panel(r.strength(0.5), tint),
+        Kind::Clear => Material::Clear(r.pick(&Stuff::ALL)),
+        Kind::Filled => Material::Filled(r.pick(&[1.0, 1.33]), r.pick(&Stuff::ALL)),
+        Kind::Prism => Material::Prism(r.pick(&["SF11", "diamond"])),
     };
     sketch.materials.push(material);
 }
@@ -322,7 +339,7 @@ fn mix(r: &mut Random, sketch: &Sketch, before: usize) -> Material {
 fn bodies(sketch: &Sketch, i: usize) -> Option<usize> {
     match sketch.materials[i] {
         Material::Mix(a, b, _) | Material::Mask(a, b) => bodies(sketch, a).or(bodies(sketch, b)),
-        Material::Dielectric(..) => Some(i),
+        Material::Dielectric(..) | Material::Clear(_) | Material::Filled(..) | Material::Prism(_) => Some(i),
         _ => None,
     }
 }
@@ -355,9 +372,10 @@ fn add_object(r: &mut Random, mood: &Mood, sketch: &mut Sketch) {
             _ => Shape::Sphere(center, r.between(0.2, 1.2)),
         }
     };
-    let shines = !matches!(shape, Shape::Plane(..)) && r.chance(mood.emission);
-    let emission = if shines { r.color() } else { DVec3::ZERO };
     let material = sketch.materials.len() - 1 - r.below(sketch.materials.len().min(3));
+    let clear = matches!(sketch.materials[material], Material::Clear(_));
+    let shines = !matches!(shape, Shape::Plane(..)) && r.chance(mood.emission) && !clear;
+    let emission = if shines { r.color() } else { DVec3::ZERO };
     // Nothing without bounds may shine.
     let shape = match (shape, &sketch.materials[material]) {
         (Shape::Plane(p, n), Material::Panel(..)) => Shape::Disc(p, n, 1.0),
@@ -373,7 +391,11 @@ fn add_light(r: &mut Random, mood: &Mood, sketch: &mut Sketch) {
     let angle = r.pick(&[8.0, 30.0, 90.0, 179.0, 250.0]);
     let penumbra = r.pick(&[0.0, 0.2, 0.5]) * angle;
     let sky = || sketch.lights.iter().any(|l| matches!(l.kind, LightKind::Environment));
-    let kind = match r.pick(mood.lights) {
+    let lamp = match r.pick(mood.lights) {
+        Lamp::Sky | Lamp::Directional if sketch.filling.is_some() => Lamp::Point,
+        lamp => lamp,
+    };
+    let kind = match lamp {
         Lamp::Sky if sky() => LightKind::Point(place),
         Lamp::Sky => LightKind::Environment,
         Lamp::Point => LightKind::Point(place),
@@ -391,6 +413,10 @@ fn add_light(r: &mut Random, mood: &Mood, sketch: &mut Sketch) {
             LightKind::Rectangle(place, a, b)
         }
         Lamp::Level => level(r, sketch),
+    };
+    let kind = match kind {
+        LightKind::Directional(_) if sketch.filling.is_some() => LightKind::Point(place),
+        kind => kind,
     };
     sketch.lights.push(Light { kind, strength: r.strength(mood.black_light) });
 }

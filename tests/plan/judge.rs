@@ -1,6 +1,6 @@
 //! Whether what a plan says of a scene is true, judged from the parts that the scene was written from and by brute force.
 
-use crate::sketch::{Light, LightKind, Material, Object, Sketch};
+use crate::sketch::{Light, LightKind, Material, Object, Sketch, Stuff};
 use caustica::color::Rgb;
 use caustica::light::Light as Resolved;
 use caustica::photon::{PhotonPass, PhotonSource, Wants};
@@ -32,12 +32,15 @@ fn is_true(sketch: &Sketch, scene: &Scene, plan: &Plan, reason: Reason) -> bool 
         _ => false,
     };
     let glows = all.iter().any(|object| object.emission != DVec3::ZERO || panel(object));
+    let media = sketch.media();
+    let murky = media.iter().any(|stuff| stuff.scatters());
     match reason {
         Reason::NoLight => !glows && !sketch.lights.iter().any(shines),
         Reason::NoCaster => !any(&casts),
         Reason::NoLitCaster => casters_are_dark(sketch, scene),
-        Reason::NoReceiver => !any(&receives),
-        Reason::BlackReceivers => !any(&scatters),
+        Reason::NoReceiver => !any(&receives) && !murky,
+        Reason::BlackReceivers => !any(&scatters) && !murky,
+        Reason::OneFlatObject if media.iter().any(|stuff| *stuff != Stuff::Nothing) => false,
         Reason::OneFlatObject => {
             let lamps = sketch.lights.iter().filter(|l| l.is_object()).count();
             all.len() + lamps == 1 && all.iter().all(|o| o.shape.is_flat())
@@ -50,7 +53,9 @@ fn is_true(sketch: &Sketch, scene: &Scene, plan: &Plan, reason: Reason) -> bool 
             !glows && !sketch.lights.iter().any(|l| shines(l) && soft(l))
         }
         Reason::NoSky => !sketch.lights.iter().any(|l| matches!(l.kind, LightKind::Environment)),
-        Reason::NoBody => !any(&|m| matches!(m, Material::Dielectric(..))),
+        Reason::NoBody => sketch.filling.is_none() && !any(&is_body),
+        Reason::NoMedium => media.iter().all(|stuff| *stuff == Stuff::Nothing),
+        Reason::NoDispersion => !any(&|m| matches!(m, Material::Prism(_))),
         Reason::NoLens => !sketch.camera.contains("aperture"),
         Reason::NothingMoves => !sketch.moves(),
         Reason::NoTexture => {
@@ -66,6 +71,8 @@ fn is_true(sketch: &Sketch, scene: &Scene, plan: &Plan, reason: Reason) -> bool 
         | Reason::Crowded
         | Reason::Lens
         | Reason::Moving
+        | Reason::Media(_)
+        | Reason::Filled
         | Reason::NotOfAlgorithm => false,
     }
 }
@@ -81,6 +88,10 @@ impl Light {
     }
 }
 
+fn is_body(material: &Material) -> bool {
+    matches!(material, Material::Dielectric(..) | Material::Clear(_) | Material::Filled(..) | Material::Prism(_))
+}
+
 fn receives(material: &Material) -> bool {
     match material {
         Material::Diffuse(_) | Material::Phong(..) => true,
@@ -88,6 +99,7 @@ fn receives(material: &Material) -> bool {
         Material::Conductor(roughness) => *roughness > 0.3,
         Material::RoughMap(a, b) => a.max(*b) > 0.3,
         Material::Mirror(_) | Material::Dielectric(..) | Material::Thin(_) => false,
+        Material::Clear(_) | Material::Filled(..) | Material::Prism(_) => false,
         Material::Mix(..) | Material::Mask(..) => false,
     }
 }
@@ -104,6 +116,7 @@ fn scatters(material: &Material) -> bool {
 fn casts(material: &Material) -> bool {
     match material {
         Material::RoughMap(a, b) => a.min(*b) <= 0.3,
+        Material::Clear(_) => false,
         other => !receives(other),
     }
 }

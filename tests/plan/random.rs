@@ -150,6 +150,7 @@ fn pictures_by_many_lights_are_the_same() {
             objects: vec![object(Shape::Plane(DVec3::ZERO, DVec3::Y)), object(Shape::Sphere(DVec3::Y, 0.8))],
             camera: "center -6.631 0 0  lookAt -0.337 0.646 -0.01  angle 25  width 12  height 9".to_owned(),
             background: DVec3::ZERO,
+            filling: None,
             motion: None,
         };
         let how = How { radius: Some(0.2), caustic_photons: 0, photons: 20_000, ..How::new(Algorithm::Sppm) };

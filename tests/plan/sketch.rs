@@ -13,6 +13,8 @@ pub struct Sketch {
     pub lights: Vec<Light>,
     pub materials: Vec<Material>,
     pub objects: Vec<Object>,
+    /// What is wherever no body is.
+    pub filling: Option<Stuff>,
     /// What moves, and by which maps.
     pub motion: Option<(Moving, String)>,
 }
@@ -46,6 +48,48 @@ pub enum LightKind {
     Environment,
 }
 
+/// What bodies are filled with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stuff {
+    /// It scatters.
+    Fog,
+    /// It absorbs.
+    Soot,
+    /// It glows.
+    Flame,
+    /// It does nothing.
+    Nothing,
+    /// It scatters in places.
+    Puff,
+}
+
+impl Stuff {
+    pub const ALL: [Self; 5] = [Self::Fog, Self::Soot, Self::Flame, Self::Nothing, Self::Puff];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Fog => "fog",
+            Self::Soot => "soot",
+            Self::Flame => "flame",
+            Self::Nothing => "nothing",
+            Self::Puff => "puff",
+        }
+    }
+
+    pub fn scatters(self) -> bool {
+        matches!(self, Self::Fog | Self::Puff)
+    }
+}
+
+const MEDIA: &str = "Media {
+    Medium fog { scattering .2 .3 .4  absorption .1 0 .05  anisotropy .5 }
+    Medium soot { absorption .1 .2 .3 }
+    Medium flame { absorption .2 .2 .2  emission 1 .5 .1 }
+    Medium nothing { }
+    Cloud puff { scattering 2 2 2  min -1 -1 -1  max 1 1 1  resolution 8 }
+}
+";
+
 #[derive(Clone, Debug)]
 pub enum Material {
     Diffuse(DVec3),
@@ -69,6 +113,12 @@ pub enum Material {
     RoughMap(f64, f64),
     /// Two radiances of a matt pattern.
     Panel(DVec3, DVec3),
+    /// A place without a surface.
+    Clear(Stuff),
+    /// Index of a body, and what fills it.
+    Filled(f64, Stuff),
+    /// Glass that parts colours.
+    Prism(&'static str),
 }
 
 #[derive(Clone, Debug)]
@@ -111,14 +161,20 @@ impl Sketch {
             _ => text,
         };
         let camera = wrapped(Moving::Camera, format!("PerspectiveCamera {{ {} }}", self.camera));
-        let mut text = format!("{camera}\nBackground {{ color {} }}\n", V(self.background));
+        let filling = self.filling.map_or(String::new(), |stuff| format!("  medium {}", stuff.name()));
+        let mut text = format!("{camera}\nBackground {{ color {}{filling} }}\n", V(self.background));
         let mut write = |line: String| text.write_str(&line).unwrap();
         write("Lights {\n".into());
         let lights = self.lights.iter().enumerate();
         lights.for_each(|(i, light)| write(format!("    {}\n", wrapped(Moving::Light(i), light.to_string()))));
         write("}\nTextures {\n".into());
         self.materials.iter().enumerate().for_each(|(i, m)| write(m.texture(i)));
-        write("}\nMaterials {\n".into());
+        write("}\n".into());
+        let filled = |m: &Material| matches!(m, Material::Clear(_) | Material::Filled(..));
+        if self.filling.is_some() || self.materials.iter().any(filled) {
+            write(MEDIA.into());
+        }
+        write("Materials {\n".into());
         self.materials.iter().enumerate().for_each(|(i, m)| write(format!("    {}\n", m.named(i))));
         write("}\nGroup {\n".into());
         let objects = self.objects.iter().enumerate();
@@ -133,6 +189,18 @@ impl Sketch {
     /// Whether anything moves.
     pub fn moves(&self) -> bool {
         self.motion.is_some()
+    }
+
+    /// What is somewhere.
+    pub fn media(&self) -> Vec<Stuff> {
+        let mut media: Vec<Stuff> = self.filling.into_iter().collect();
+        for stuff in Stuff::ALL {
+            let holds = |m: &Material| matches!(m, Material::Clear(s) | Material::Filled(_, s) if *s == stuff);
+            if self.objects.iter().any(|o| self.is_of(o, &holds)) {
+                media.push(stuff);
+            }
+        }
+        media
     }
 
     /// Whether `is` holds of a part of the material of `object`.
@@ -213,6 +281,9 @@ impl Material {
                 format!("Dielectric m{i} {{ indexOfRefraction {n}  absorption {a}  roughness {r}  priority {p} }}")
             }
             Self::Conductor(r) => format!("Conductor m{i} {{ metal gold  roughness {r} }}"),
+            Self::Clear(stuff) => format!("Clear m{i} {{ medium {} }}", stuff.name()),
+            Self::Filled(n, stuff) => format!("Dielectric m{i} {{ indexOfRefraction {n}  medium {} }}", stuff.name()),
+            Self::Prism(glass) => format!("Dielectric m{i} {{ glass {glass} }}"),
             Self::Thin(n) => format!("Thin m{i} {{ indexOfRefraction {n}  transmittance .9 .8 .7 }}"),
             Self::Mix(a, b, amount) => format!("Mix m{i} {{ first m{a}  second m{b}  amount {amount} }}"),
         }
