@@ -5,6 +5,7 @@ use super::{Monitor, Phase};
 use crate::camera::{Camera, Filter, FilterSample};
 use crate::color::Rgb;
 use crate::math::Ray;
+use crate::medium::Fade;
 use crate::photon::{Scratch, VisiblePoint};
 use crate::sampling::{Dimension, Draw, Key};
 use crate::stats::Counters;
@@ -23,6 +24,8 @@ pub(super) struct Worker {
     pub guides: Scratch,
     /// Where light comes from, for gather rays.
     pub guide: Guide,
+    /// What is left of light along a stretch of a medium.
+    pub fade: Fade,
     /// Where walks ended, for a pilot.
     pub visible: Vec<VisiblePoint>,
 }

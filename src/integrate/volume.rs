@@ -3,7 +3,7 @@
 use super::method::Passage;
 use super::tiles::Worker;
 use crate::color::{Rgb, Wavelength};
-use crate::medium::Medium;
+use crate::medium::{Fade, Medium, transmittance};
 use crate::photon::{BeamMap, PointMap, Volume};
 use crate::scene::{Interior, Stretch};
 use rand::Rng;
@@ -53,8 +53,8 @@ impl VolumeMap {
             return Rgb::ZERO;
         }
         worker.counters.gathers += 1;
-        let found = &mut worker.counters.gathered_photons;
-        let Stretch { medium, .. } = passage.stretch;
+        let (found, fade) = (&mut worker.counters.gathered_photons, &mut worker.fade);
+        let Stretch { ray, medium, .. } = passage.stretch;
         let mut sum = Rgb::ZERO;
         if medium.is_homogeneous() {
             sum += self.by_beams(passage, found);
@@ -64,7 +64,10 @@ impl VolumeMap {
         }
         sum + match self.estimate {
             VolumeEstimate::Points => self.at_a_point(passage, rng, found),
-            VolumeEstimate::Beams | VolumeEstimate::BeamRadiance => self.along(passage, rng, found),
+            VolumeEstimate::Beams | VolumeEstimate::BeamRadiance => {
+                fade.learn(medium, ray, ray.t_max, rng);
+                self.along(passage, fade, found)
+            }
         }
     }
 
@@ -77,14 +80,14 @@ impl VolumeMap {
                 return;
             }
             *found += 1;
-            let left = faded(extinction, crossing.t + crossing.s);
+            let left = transmittance(extinction, crossing.t + crossing.s);
             let phase = medium.phase.evaluate(-crossing.cos);
             sum += beam.flux * left * self.shared(own, beam.wavelength) * (phase * crossing.weight);
         });
         sum * medium.scattering
     }
 
-    fn along<I: Interior>(&self, passage: &Passage<'_, I>, rng: &mut impl Rng, found: &mut u64) -> Rgb {
+    fn along<I: Interior>(&self, passage: &Passage<'_, I>, fade: &Fade, found: &mut u64) -> Rgb {
         let Stretch { ray, medium, index, inside, .. } = passage.stretch;
         let own = inside.wavelength();
         let mut sum = Rgb::ZERO;
@@ -93,7 +96,7 @@ impl VolumeMap {
                 return;
             }
             *found += 1;
-            let left = medium.transmittance(ray, t, rng);
+            let left = fade.left(t);
             let phase = medium.phase.evaluate(-cos);
             sum += photon.flux() * left * self.shared(own, photon.wavelength) * (phase * weight);
         });
@@ -128,14 +131,6 @@ impl VolumeMap {
 fn over(weight: Rgb, medium: &Medium, p: glam::Vec3) -> Rgb {
     let scattering = medium.scattering * medium.density_at(p);
     Rgb::select(scattering.cmpgt(Rgb::ZERO), weight / scattering, Rgb::ZERO)
-}
-
-/// Part of light that is left after `distance`.
-fn faded(extinction: Rgb, distance: f32) -> Rgb {
-    if extinction.x == extinction.y && extinction.y == extinction.z {
-        return Rgb::splat(libm::expf(-extinction.x * distance));
-    }
-    (extinction * -distance).map(libm::expf)
 }
 
 /// What the flux of a photon with a wavelength of code `other` is multiplied by for a walk of wavelength `own`, where either has one.

@@ -15,8 +15,14 @@ fn exp(depth: DVec3) -> DVec3 {
     DVec3::from_array(depth.to_array().map(|x| libm::exp(-x)))
 }
 
-/// Beer's law.
-pub(super) fn transmittance(sigma: Rgb, distance: f32) -> Rgb {
+/// Beer's law: the part of light that is left after `distance` where extinction is `sigma` \[1/length].
+#[inline]
+#[must_use]
+pub fn transmittance(sigma: Rgb, distance: f32) -> Rgb {
+    if sigma.x == sigma.y && sigma.y == sigma.z {
+        let depth = if sigma.x > 0.0 { f64::from(sigma.x) * f64::from(distance.max(0.0)) } else { 0.0 };
+        return Rgb::splat(libm::exp(-depth) as f32);
+    }
     exp(depth(sigma, f64::from(distance.max(0.0)))).as_vec3()
 }
 

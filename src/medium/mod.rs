@@ -9,6 +9,7 @@ mod tracking;
 
 pub use cloud::Cloud;
 pub use field::{Field, FieldError};
+pub use homogeneous::transmittance;
 pub use phase::Phase;
 
 use crate::color::Rgb;
@@ -42,6 +43,39 @@ pub struct Flight {
     /// What its throughput is multiplied by: σs·T over the density of scattering there, or T over the probability of getting
     /// through. Zero in channels without throughput.
     pub weight: Rgb,
+}
+
+/// What is left of light all along a way: an unbiased estimate at every distance, alike for all.
+#[derive(Clone, Debug, Default)]
+pub struct Fade {
+    extinction: Rgb,
+    /// Distances at which it drops, with what is left from there on.
+    steps: Vec<(f32, Rgb)>,
+}
+
+impl Fade {
+    /// Learns of the first `distance` of `ray`, whose direction is a unit vector. Memory is kept.
+    pub fn learn(&mut self, medium: &Medium, ray: &Ray, distance: f32, rng: &mut impl Rng) {
+        self.steps.clear();
+        self.extinction = Rgb::ZERO;
+        match &medium.density {
+            None => self.extinction = medium.extinction(),
+            Some(field) => tracking::fade(medium, field, ray, distance, rng, self),
+        }
+    }
+
+    /// The part of light that is left after `t`: exact where the medium is homogeneous.
+    #[inline]
+    #[must_use]
+    pub fn left(&self, t: f32) -> Rgb {
+        if self.extinction != Rgb::ZERO {
+            return homogeneous::transmittance(self.extinction, t);
+        }
+        match self.steps.partition_point(|(drop, _)| *drop <= t) {
+            0 => Rgb::ONE,
+            n => self.steps[n - 1].1,
+        }
+    }
 }
 
 impl Medium {

@@ -4,7 +4,7 @@
 //! (Woodcock 1965). Absorption is weighed, never drawn.
 
 use super::field::{Field, Line};
-use super::{Flight, Medium, shares, weight};
+use super::{Fade, Flight, Medium, shares, weight};
 use crate::color::Rgb;
 use crate::math::Ray;
 use glam::DVec3;
@@ -18,6 +18,9 @@ const PATIENCE: u32 = 1 << 14;
 
 /// The mean number of tentative collisions along a way, at least, where emission is looked for.
 const LOOKS: f64 = 4.0;
+
+/// The mean number of tentative collisions along a way, at least, where what is left is wanted all along it.
+const FINE: f64 = 16.0;
 
 /// A tentative collision.
 struct Collision {
@@ -80,6 +83,28 @@ pub(super) fn transmittance(medium: &Medium, field: &Field, ray: &Ray, distance:
         decay(&mut left, &mut steps, rng)
     });
     if through { left.as_vec3() } else { Rgb::ZERO }
+}
+
+/// Ratio tracking that keeps what is left after each collision, in order, for all distances up to `distance` at once.
+pub(super) fn fade(medium: &Medium, field: &Field, ray: &Ray, distance: f32, rng: &mut impl Rng, fade: &mut Fade) {
+    let sigma = medium.extinction().as_dvec3();
+    let line = field.along(ray, distance);
+    let depth: f64 = line.blocks().map(|(start, stop, majorant)| (stop - start) * majorant).sum();
+    if sigma == DVec3::ZERO || depth <= 0.0 {
+        return;
+    }
+    // More collisions take less away each: a smoother curve.
+    let rate = sigma.max_element().max(FINE / depth);
+    let (mut left, mut steps) = (DVec3::ONE, 0u32);
+    let through = track(&line, rate, rng, |collision, rng| {
+        left *= DVec3::ONE - sigma * collision.density;
+        let step = decay(&mut left, &mut steps, rng);
+        fade.steps.push((collision.t as f32, left.as_vec3()));
+        step
+    });
+    if !through && let Some((_, left)) = fade.steps.last_mut() {
+        *left = Rgb::ZERO;
+    }
 }
 
 /// Ends a walk of which too little is left.
