@@ -92,7 +92,7 @@ impl Resolver<'_> {
             return refuse("it emits, takes nothing away, and so is infinitely bright", help);
         }
         if extinction != Rgb::ZERO
-            && let Some(light) = self.description.lights.iter().find_map(|light| from_infinity(light))
+            && let Some(light) = self.description.lights.iter().find_map(from_infinity)
         {
             let message = format!("light from infinity never arrives: the medium `{}` fills the scene", name.value);
             let help = "leave the light out, or put the medium into a shape of a material `Clear { medium … }`";
