@@ -39,6 +39,9 @@ const BAND: f32 = 20.0;
 /// An estimate over fewer photons is noise, however many passes have shrunk it.
 const FEWEST: f64 = 8.0;
 
+/// A beam with the boxes of its pieces takes as much memory as so many photons.
+const BEAM: usize = 4;
+
 /// Paths that tell how many photons a path stores.
 const PROBE: u32 = 4096;
 
@@ -240,7 +243,9 @@ impl<'a> MapMaker<'a> {
             let pass = PhotonPass { scene: self.scene, source, wants, max_bounces: settings.eye.max_bounces };
             let traced = pass.trace(key, probe, &|_| {});
             let scale = |n: usize| (n as f64 * f64::from(paths) / f64::from(probe)) as u64;
-            let (one, other) = (scale(traced.photons.len()), scale(traced.stored() - traced.photons.len()));
+            let in_media = |volume: &Volume| volume.points.len() + BEAM * volume.beams.len();
+            let one = scale(traced.photons.len() + in_media(&traced.volume));
+            let other = scale(traced.after_caustic.len() + in_media(&traced.after_volume));
             Expected { paths: paths.into(), photons: one + other, most: one.max(other) }
         };
         let guides = if self.needs.guides { self.counts.photons / GUIDING } else { 0 };

@@ -52,12 +52,19 @@ impl<'a> RayCast<'a> {
     }
 
     fn shade(&self, ray: &Ray) -> Rgb {
-        let Some(hit) = self.scene.intersect(ray) else {
-            return self.scene.background();
-        };
+        let mut ray = *ray;
         let mut cone = self.scene.cone(self.plan.effects().detail());
-        cone.travel(hit.t);
-        let surface = self.scene.surface(ray, &hit, &cone, || 0.0);
+        let (hit, surface) = loop {
+            let Some(hit) = self.scene.intersect(&ray) else {
+                return self.scene.background();
+            };
+            cone.travel(hit.t);
+            let surface = self.scene.surface(&ray, &hit, &cone, || 0.0);
+            if !surface.is_clear() {
+                break (hit, surface);
+            }
+            ray = surface.leave(ray.direction);
+        };
         let look = self.scene.look(&surface, &hit, &cone);
         surface.emission + self.scene.course_lights().iter().map(|light| phong(&surface, &look, light)).sum::<Rgb>()
     }

@@ -1,6 +1,6 @@
 //! A hit that has been looked at.
 
-use super::Material;
+use super::{Material, Scattering};
 use crate::bsdf::{Bsdf, BsdfSample, Transport};
 use crate::color::Rgb;
 use crate::math::{Ray, offset_origin};
@@ -34,6 +34,13 @@ impl Surface<'_> {
     #[must_use]
     pub fn facing_normal(&self) -> Vec3 {
         if self.wo.dot(self.point.ng) < 0.0 { -self.point.ng } else { self.point.ng }
+    }
+
+    /// Whether it is but the bound of a place, which light does not notice.
+    #[inline]
+    #[must_use]
+    pub fn is_clear(&self) -> bool {
+        matches!(self.material.scattering, Scattering::Boundary(body) if body.clear)
     }
 
     /// A ray that leaves in unit `direction`.

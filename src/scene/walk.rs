@@ -154,7 +154,7 @@ impl Scene {
                 inside.approach(surface);
             }
             let distance = hit.map_or(ray.t_max * length, |hit| hit.t);
-            left *= inside.transmittance(self, distance);
+            left *= inside.transmittance(self, bounded(distance));
             if let Some(index) = inside.medium(self) {
                 left *= self.media[index as usize].transmittance(&unit, distance, &mut rng);
             }
@@ -172,7 +172,7 @@ impl Scene {
     #[inline]
     #[must_use]
     pub fn dimming<I: Interior>(&self, ray: &Ray, inside: &I, key: Key) -> Rgb {
-        let left = inside.transmittance(self, ray.t_max);
+        let left = inside.transmittance(self, bounded(ray.t_max));
         match inside.medium(self) {
             Some(index) => left * self.media[index as usize].transmittance(ray, ray.t_max, &mut key.rng()),
             None => left,
@@ -204,4 +204,9 @@ impl Scene {
         left.iter().rev().for_each(|material| inside.enter(*material));
         inside
     }
+}
+
+/// How far a body absorbs: one without an end is open by mistake, and lets light in.
+fn bounded(distance: f32) -> f32 {
+    if distance.is_finite() { distance } else { 0.0 }
 }

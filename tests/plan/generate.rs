@@ -329,6 +329,10 @@ fn add_material(r: &mut Random, mood: &Mood, sketch: &mut Sketch) {
 fn mix(r: &mut Random, sketch: &Sketch, before: usize) -> Material {
     let (a, b, amount) = (r.below(before), r.below(before), r.pick(&[0.0, 0.25, 0.5, 1.0]));
     let body = |i| bodies(sketch, i);
+    let clear = |i: usize| matches!(sketch.materials[i], Material::Clear(_));
+    if clear(a) || clear(b) {
+        return Material::Mirror(DVec3::splat(amount));
+    }
     match (body(a), body(b)) {
         (Some(x), Some(y)) if x != y => Material::Mix(a, a, amount),
         _ => Material::Mix(a, b, amount),

@@ -71,7 +71,7 @@ fn course_scenes_are_the_same_with_everything_forced_on() {
 }
 
 /// Effects that need one of these words in the text of a scene.
-const NEEDS: [(Effect, &[&str]); 10] = [
+const NEEDS: [(Effect, &[&str]); 12] = [
     (Effect::Casters, &["Mirror", "Dielectric", "Thin", "Conductor"]),
     (Effect::Caustics, &["Mirror", "Dielectric", "Thin", "Conductor"]),
     (Effect::CausticBounces, &["Mirror", "Dielectric", "Thin", "Conductor"]),
@@ -82,6 +82,8 @@ const NEEDS: [(Effect, &[&str]); 10] = [
     (Effect::Motion, &["Moving"]),
     (Effect::Textures, &["Textures", "texture"]),
     (Effect::Bump, &["bump", "normalMap"]),
+    (Effect::Media, &["medium"]),
+    (Effect::Dispersion, &["glass", "abbe", "cauchy", "sellmeier"]),
 ];
 
 #[test]

@@ -19,10 +19,12 @@ fn everything() -> Scene {
         Lights {{ RectangleLight {{ corner -1 4 -1  edge0 2 0 0  edge1 0 0 2  power 200 200 200 }}
                   EnvironmentLight {{ radiance .1 .2 .3 }} }}
         Textures {{ Checker tiles {{ color0 .7 .6 .5  color1 .2 .3 .4 }}  Noise lumps {{ frequency 3 }} }}
-        Materials {{ Diffuse floor {{ reflectance tiles  bump lumps  bumpHeight .1 }}
-                     Dielectric glass {{ absorption .5 .1 .9 }} }}
+        Media {{ Medium smoke {{ scattering .2 .2 .2 }} }}
+        Materials {{ Diffuse floor {{ reflectance tiles  bump lumps  bumpHeight .1 }}  Clear haze {{ medium smoke }}
+                     Dielectric glass {{ glass SF11  absorption .5 .1 .9 }} }}
         Group {{ MaterialName floor  Plane {{ normal 0 1 0  offset 0 }}
                  Rectangle {{ corner -2 0 -2  edge0 4 0 0  edge1 0 3 0 }}
+                 MaterialName haze  Sphere {{ center .5 1 1  radius .8 }}
                  MaterialName glass  Moving {{ Translate .5 0 0  Sphere {{ center 0 .8 0  radius .7 }} }} }}",
         CAMERA.replace("angle", "aperture .2  angle")
     ))

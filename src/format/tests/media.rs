@@ -4,7 +4,7 @@ use glam::DVec3;
 use proptest::collection::vec;
 use proptest::prelude::*;
 
-use super::super::description::{Coefficients, Density, Extent, Medium, Phase, Spanned};
+use super::super::description::{Coefficients, Density, Extent, Material, MaterialKind, Medium, Phase, Spanned};
 use super::strategies::{map, spanned};
 use super::values::{name, point, share};
 
@@ -66,4 +66,25 @@ pub fn media() -> impl Strategy<Value = Vec<Spanned<Medium>>> {
         }
         media
     })
+}
+
+/// Fills bodies with `media`, and makes some of those that are named nowhere else `Clear`.
+pub fn fill(materials: &mut [Spanned<Material>], media: &[Spanned<Medium>], fills: &[Option<prop::sample::Index>]) {
+    let parts: Vec<String> = materials
+        .iter()
+        .filter_map(|m| match &m.kind {
+            MaterialKind::Mix { first, second, .. } => Some([first.value.clone(), second.value.clone()]),
+            _ => None,
+        })
+        .flatten()
+        .collect();
+    for (material, fill) in materials.iter_mut().zip(fills) {
+        let material = &mut material.value;
+        let MaterialKind::Dielectric { priority, .. } = material.kind else { continue };
+        material.medium = fill.filter(|_| !media.is_empty()).map(|i| spanned(i.get(media).value.name.clone()));
+        if priority % 2 == 0 && material.name.as_ref().is_none_or(|name| !parts.contains(name)) {
+            material.kind = MaterialKind::Clear { priority };
+            (material.emission, material.relief) = (None, None);
+        }
+    }
 }

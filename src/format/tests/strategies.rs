@@ -6,7 +6,7 @@ use proptest::option;
 use proptest::prelude::*;
 
 use super::super::description::*;
-use super::media::media;
+use super::media::{fill, media};
 use super::refraction::refraction;
 use super::values::*;
 
@@ -404,27 +404,6 @@ fn materials(drafts: Vec<Draft>, textures: &[Spanned<Texture>]) -> Vec<Spanned<M
         materials.push(spanned(material));
     }
     materials
-}
-
-/// Fills bodies with `media`, and makes some of those that are named nowhere else `Clear`.
-fn fill(materials: &mut [Spanned<Material>], media: &[Spanned<Medium>], fills: &[Option<prop::sample::Index>]) {
-    let parts: Vec<String> = materials
-        .iter()
-        .filter_map(|m| match &m.kind {
-            MaterialKind::Mix { first, second, .. } => Some([first.value.clone(), second.value.clone()]),
-            _ => None,
-        })
-        .flatten()
-        .collect();
-    for (material, fill) in materials.iter_mut().zip(fills) {
-        let material = &mut material.value;
-        let MaterialKind::Dielectric { priority, .. } = material.kind else { continue };
-        material.medium = fill.filter(|_| !media.is_empty()).map(|i| spanned(i.get(media).value.name.clone()));
-        if priority % 2 == 0 && material.name.as_ref().is_none_or(|name| !parts.contains(name)) {
-            material.kind = MaterialKind::Clear { priority };
-            (material.emission, material.relief) = (None, None);
-        }
-    }
 }
 
 pub fn description() -> impl Strategy<Value = Description> {
