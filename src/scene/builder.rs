@@ -96,7 +96,7 @@ impl SceneBuilder {
         self.media.len() as u32 - 1
     }
 
-    /// Fills whatever no body fills with the medium of index `medium`.
+    /// Fills whatever no body fills with the medium of index `medium`: see [`Scene::filling`].
     pub fn filled_with(&mut self, medium: u32) -> &mut Self {
         self.filling = Some(medium);
         self
@@ -302,6 +302,7 @@ impl SceneBuilder {
             glasses: self.glasses,
             media: self.media.iter().map(|medium| medium.translated(-middle)).collect(),
             filling: self.filling,
+            filled: Sphere { center: Vec3::ZERO, radius: 0.0 },
             hierarchy: Arc::new(Hierarchy::build(&corners, &boxes[..still])),
             moving: None,
             first_moving: 0,

@@ -1,7 +1,7 @@
 //! The memory of walks that go through media, or choose a wavelength.
 
 use super::interior::{boundary, entering};
-use super::{Body, Detail, Inside, Interior, Meeting, Scene, Surface};
+use super::{Body, Detail, Filling, Inside, Interior, Meeting, Scene, Surface};
 use crate::bsdf::{Bsdf, Dielectric, Transport};
 use crate::color::{Rgb, Wavelength};
 use crate::math::Ray;
@@ -42,14 +42,15 @@ impl Interior for Immersed {
     }
 
     #[inline]
-    fn medium(&self, scene: &Scene) -> Option<u32> {
+    fn medium(&self, scene: &Scene) -> Option<Filling> {
         if !self.detail.media {
             return None;
         }
-        match self.inside.top(&scene.materials) {
-            Some((_, body)) => body.medium,
-            None => scene.filling,
-        }
+        let (medium, everywhere) = match self.inside.top(&scene.materials) {
+            Some((_, body)) => (body.medium, false),
+            None => (scene.filling, true),
+        };
+        medium.map(|medium| Filling { medium, everywhere })
     }
 
     #[inline]

@@ -29,6 +29,15 @@ pub enum Meeting {
     Clear,
 }
 
+/// A medium around a walk.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Filling {
+    /// Its index.
+    pub medium: u32,
+    /// Whether it fills the scene, and not a body.
+    pub everywhere: bool,
+}
+
 /// The memory of a walk: [`Immersed`](super::Immersed), [`Inside`], or [`Open`] where there is nothing to remember. Walks are compiled for
 /// each, so that scenes without bodies pay for none, and scenes without media for no media.
 pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
@@ -41,9 +50,9 @@ pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
     /// At light `light`, of a photon that sees `detail`.
     fn at_light(scene: &Scene, light: usize, detail: Detail) -> Self;
 
-    /// Index of the medium around.
+    /// The medium around.
     #[inline]
-    fn medium(&self, _: &Scene) -> Option<u32> {
+    fn medium(&self, _: &Scene) -> Option<Filling> {
         None
     }
 

@@ -20,7 +20,7 @@ pub use cone::{Cone, Detail};
 pub use dress::{Coat, Dress, Relief, Tint};
 pub use immersed::Immersed;
 pub use inside::Inside;
-pub use interior::{Interior, Meeting, Memory, Open};
+pub use interior::{Filling, Interior, Meeting, Memory, Open};
 pub use material::{Body, Look, Material, Scattering};
 pub use objects::Object;
 pub use source::{LightStrength, SourceKind};
@@ -69,6 +69,8 @@ pub struct Scene {
     media: Vec<Medium>,
     /// The medium that is wherever no body is.
     filling: Option<u32>,
+    /// Where that ends.
+    filled: Sphere,
     dresses: Vec<Dress>,
     textures: Vec<Arc<Texture>>,
     /// The first is that of what has none of its own.
@@ -192,7 +194,7 @@ impl Scene {
         &self.media
     }
 
-    /// Index of the medium that is wherever no body is.
+    /// Index of the medium that is wherever no body is, in a ball twice as large as one around the bounded shapes, the camera and the lights.
     #[must_use]
     pub fn filling(&self) -> Option<u32> {
         self.filling

@@ -11,6 +11,10 @@ use std::sync::Arc;
 /// How far light from infinity is followed beyond the bounded shapes, in their radii, where unbounded planes catch it.
 const OPEN_DOMAIN: f32 = 4.0;
 
+/// How far a medium that fills the scene reaches, in distances of the farthest that is to be seen. Without an end, most photons would be lost in
+/// it far away.
+const FILLED: f32 = 2.0;
+
 impl Scene {
     /// Makes all that follows from where things are; `still` is the box around what does not move.
     pub(super) fn settle(&mut self, still: Bounds) {
@@ -20,6 +24,9 @@ impl Scene {
         self.moving = (moving > 0).then(|| Arc::new(Hierarchy::build(&[], &boxes)));
         let planes = self.planes.iter().map(|(plane, _)| plane.place().0.length());
         self.domain = domain(boxes.into_iter().fold(still, Bounds::union), planes);
+        let places = self.lights.iter().filter_map(Light::start).chain([self.camera.center().as_vec3()]);
+        let farthest = places.map(|p| p.distance(self.domain.center)).fold(self.domain.radius, f32::max);
+        self.filled = Sphere { center: self.domain.center, radius: farthest * FILLED };
         self.camera_inside = Inside::NOTHING;
         self.light_inside = vec![Inside::NOTHING; self.lights.len()];
         if self.has_bodies() {

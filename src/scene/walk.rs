@@ -1,6 +1,6 @@
 //! The part that every walk through a scene shares: to the next surface that is there for light, and away from it.
 
-use super::{Cone, Detail, Hit, Inside, Interior, Meeting, Scattering, Scene, Surface};
+use super::{Cone, Detail, Filling, Hit, Inside, Interior, Meeting, Scattering, Scene, Surface};
 use crate::color::Rgb;
 use crate::math::Ray;
 use crate::medium::Medium;
@@ -89,15 +89,14 @@ impl<I: Interior> Walk<I> {
                 (surface, hit.t)
             });
             if I::IMMERSED
-                && let Some(index) = self.inside.medium(scene)
+                && let Some((index, ray, from)) =
+                    scene.immersed_part(&self.ray, hit.map_or(f32::INFINITY, |hit| hit.t), &self.inside)
             {
-                let end = hit.map_or(f32::INFINITY, |hit| hit.t);
-                let ray = Ray { t_max: end, ..self.ray };
                 let (medium, inside) = (&scene.media[index as usize], self.inside);
                 let stretch = Stretch { ray, index, medium, inside, left: transmittance, crossed };
                 if let Some(t) = through(&stretch) {
                     self.ray = Ray::new(ray.at(t), ray.direction);
-                    return Step::Scattered { distance: distance + t, transmittance, crossed };
+                    return Step::Scattered { distance: distance + from + t, transmittance, crossed };
                 }
             }
             let Some((surface, t)) = &mut surface else { return Step::Escaped };
@@ -155,8 +154,8 @@ impl Scene {
             }
             let distance = hit.map_or(ray.t_max * length, |hit| hit.t);
             left *= inside.transmittance(self, bounded(distance));
-            if let Some(index) = inside.medium(self) {
-                left *= self.media[index as usize].transmittance(&unit, distance, &mut rng);
+            if let Some((index, part, _)) = self.immersed_part(&unit, distance, &inside) {
+                left *= self.media[index as usize].transmittance(&part, part.t_max, &mut rng);
             }
             let Some(mut surface) = surface else { return left };
             if left == Rgb::ZERO || inside.meet(self, &mut surface, key) != Meeting::Clear {
@@ -173,10 +172,33 @@ impl Scene {
     #[must_use]
     pub fn dimming<I: Interior>(&self, ray: &Ray, inside: &I, key: Key) -> Rgb {
         let left = inside.transmittance(self, bounded(ray.t_max));
-        match inside.medium(self) {
-            Some(index) => left * self.media[index as usize].transmittance(ray, ray.t_max, &mut key.rng()),
+        match self.immersed_part(ray, ray.t_max, inside) {
+            Some((index, part, _)) => {
+                left * self.media[index as usize].transmittance(&part, part.t_max, &mut key.rng())
+            }
             None => left,
         }
+    }
+
+    /// The medium around, the part of `ray`, of unit direction, that lies in it up to `end`, and where that begins.
+    #[inline]
+    fn immersed_part<I: Interior>(&self, ray: &Ray, end: f32, inside: &I) -> Option<(u32, Ray, f32)> {
+        let Filling { medium, everywhere } = inside.medium(self)?;
+        let whole = Ray { t_max: end, ..*ray };
+        if !everywhere {
+            return Some((medium, whole, 0.0));
+        }
+        let (o, d) = ((ray.origin - self.filled.center).as_dvec3(), ray.direction.as_dvec3());
+        let radius = f64::from(self.filled.radius);
+        let middle = -o.dot(d);
+        let half = (radius * radius - (o + d * middle).length_squared()).sqrt();
+        // Not so for a ray that passes the ball by, whose half is no number.
+        let (from, to) = ((middle - half).max(0.0) as f32, ((middle + half) as f32).min(end));
+        if !(half > 0.0 && from < to) {
+            return None;
+        }
+        let part = if from > 0.0 { Ray { origin: ray.at(from), ..whole } } else { whole };
+        Some((medium, Ray { t_max: to - from, ..part }, from))
     }
 
     /// What lies around a point: every body that a ray from it leaves before it enters it.
