@@ -6,6 +6,7 @@ use crate::color::{Rgb, Wavelength};
 use crate::medium::{Fade, Medium, transmittance};
 use crate::photon::{BeamMap, PointMap, Volume};
 use crate::scene::{Interior, Stretch};
+use glam::Vec3;
 use rand::Rng;
 
 /// How light in media is estimated from photons.
@@ -82,7 +83,7 @@ impl VolumeMap {
             *found += 1;
             let left = transmittance(extinction, crossing.t + crossing.s);
             let phase = medium.phase.evaluate(-crossing.cos);
-            sum += beam.flux * left * self.shared(own, beam.wavelength) * (phase * crossing.weight);
+            sum += beam.flux * left * shared(own, beam.wavelength, self.band) * (phase * crossing.weight);
         });
         sum * medium.scattering
     }
@@ -98,7 +99,7 @@ impl VolumeMap {
             *found += 1;
             let left = fade.left(t);
             let phase = medium.phase.evaluate(-cos);
-            sum += photon.flux() * left * self.shared(own, photon.wavelength) * (phase * weight);
+            sum += photon.flux() * left * shared(own, photon.wavelength, self.band) * (phase * weight);
         });
         sum
     }
@@ -116,19 +117,15 @@ impl VolumeMap {
             }
             *found += 1;
             let phase = medium.phase.evaluate(-photon.direction().dot(ray.direction));
-            sum += photon.flux() * self.shared(own, photon.wavelength) * (phase * weight);
+            sum += photon.flux() * shared(own, photon.wavelength, self.band) * (phase * weight);
         });
         // What was drawn counts σs·T over the density; the photons are scattered light already.
         sum * over(flight.weight, medium, p)
     }
-
-    /// See [`shared`].
-    fn shared(&self, own: Option<Wavelength>, other: u8) -> Rgb {
-        shared(own, other, self.band)
-    }
 }
 
-fn over(weight: Rgb, medium: &Medium, p: glam::Vec3) -> Rgb {
+/// `weight` over σs at `p`.
+fn over(weight: Rgb, medium: &Medium, p: Vec3) -> Rgb {
     let scattering = medium.scattering * medium.density_at(p);
     Rgb::select(scattering.cmpgt(Rgb::ZERO), weight / scattering, Rgb::ZERO)
 }
