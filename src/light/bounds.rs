@@ -200,7 +200,8 @@ impl Importance {
         };
         let least = |cos: f64| Angle::of_cos(cos.clamp(-1.0, 1.0));
         let emitted = least(w.dot(self.axis.as_dvec3())).less(self.normals).less(ball).0;
-        if emitted <= self.cos_spread {
+        // Without a spread the cone itself still counts.
+        if emitted < self.cos_spread {
             return 0.0;
         }
         let received = n.map_or(1.0, |n| least(-w.dot(n.as_dvec3())).less(ball).0);
