@@ -4,7 +4,7 @@ use crate::common::project;
 use caustica::camera::{Filter, FilterKind};
 use caustica::color::Rgb;
 use caustica::format::{Source, parse, resolve};
-use caustica::integrate::{Algorithm, EyeSettings, FinalGathering, Integrator, Settings, Silent};
+use caustica::integrate::{Algorithm, EyeSettings, FinalGathering, Integrator, Settings, Silent, VolumeEstimate};
 use caustica::photon::Kernel;
 use caustica::scene::Scene;
 
@@ -13,6 +13,10 @@ pub enum Method {
     Path,
     Hybrid,
     Sppm,
+    /// `Sppm` that looks at photons in media along rays.
+    Along,
+    /// `Sppm` that looks at photons in media around points.
+    Around,
     Ppm,
     /// Photon mapping whose global map is seen itself.
     Seen,
@@ -71,6 +75,11 @@ fn prepare<'a>(method: Method, scene: &'a Scene, effort: Effort, i: u32) -> Box<
         gather_k: Some(0),
         radius: Some(effort.radius as f32),
         kernel: Kernel::Epanechnikov,
+        volume: match method {
+            Method::Along => VolumeEstimate::BeamRadiance,
+            Method::Around => VolumeEstimate::Points,
+            _ => VolumeEstimate::Beams,
+        },
         final_gathering: match method {
             Method::Gathered => FinalGathering::Bsdf,
             Method::Guided => FinalGathering::Importance,
@@ -80,7 +89,7 @@ fn prepare<'a>(method: Method, scene: &'a Scene, effort: Effort, i: u32) -> Box<
     let algorithm = match method {
         Method::Path => Algorithm::Path,
         Method::Hybrid => Algorithm::Hybrid,
-        Method::Sppm => Algorithm::Sppm,
+        Method::Sppm | Method::Along | Method::Around => Algorithm::Sppm,
         Method::Ppm => Algorithm::Ppm,
         Method::Seen | Method::Gathered | Method::Guided => Algorithm::Pm,
     };

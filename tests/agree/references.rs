@@ -127,3 +127,20 @@ fn the_lens_sees_as_the_reference() {
         [0.15, 0.05, 0.01],
     );
 }
+
+/// Light in a fog that fills the room. The windows are the ball, the air below the lamp, and the wall behind. Looked at along rays or around points,
+/// photons in the fog are few: the three estimates are compared by wider discs, and less sharply.
+#[test]
+fn the_foggy_room_is_the_reference() {
+    let methods = [
+        (Method::Path, CHANCE),
+        (Method::Hybrid, WALKS),
+        (Method::Sppm, BIASED),
+        (Method::Seen, BIASED),
+        (Method::Gathered, BIASED),
+    ];
+    let windows = [("ball", [50, 72, 32, 56]), ("air", [40, 60, 8, 20]), ("back", [35, 50, 25, 40])];
+    compare_all("fog", &methods, &windows, [0.15, 0.05, 0.01]);
+    let wide = Effort { radius: 0.1, ..BIASED };
+    compare_all("fog", &[(Method::Along, wide), (Method::Around, wide)], &[], [0.6, 0.1, 0.05]);
+}
