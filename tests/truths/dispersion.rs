@@ -88,7 +88,6 @@ fn a_prism_parts_colours_by_their_indices() {
             .filter(|c| Wavelength::from_code(*c).is_some_and(|w| (f64::from(w.nanometres()) - nm).abs() <= 2.0))
             .collect();
         assert!((2..=4).contains(&codes.len()));
-        let mut strays = Vec::new();
         // Each photon against its own band, moved to the line.
         let samples: Vec<f64> = passes
             .iter()
@@ -101,26 +100,19 @@ fn a_prism_parts_colours_by_their_indices() {
                         let own = deviation(angle, bk7(middle(p).unwrap())) - deviation(angle, bk7(nm));
                         down(p) - own.to_degrees()
                     })
-                    // What went round inside leaves elsewhere.
-                    .filter(|turned| {
-                        let off = turned - deviation(angle, bk7(nm)).to_degrees();
-                        if off.abs() >= 0.01 {
-                            strays.push(off);
-                        }
-                        off.abs() < 0.01
-                    })
+                    // A band is ±.005° wide. What the base threw up, grazing, leaves as d does, whatever its colour: .2° off and more.
+                    .filter(|turned| (turned - deviation(angle, bk7(nm)).to_degrees()).abs() < 0.01)
                     .collect();
                 assert!(turned.len() > 20, "{line}: only {} photons", turned.len());
                 turned.iter().sum::<f64>() / turned.len() as f64
             })
             .collect();
-        eprintln!("{line}: strays {strays:?}");
         let expected = deviation(angle, bk7(nm)).to_degrees();
         agree(&format!("prism, line {line}"), &samples, expected, 5e-4, 1e-5);
         found.push(samples.iter().sum::<f64>() / samples.len() as f64);
     }
     eprintln!("spread from F to C {:.5}°", found[0] - found[2]);
-    assert!((found[0] - found[2] - 0.70973).abs() < 0.002);
+    assert!((found[0] - found[2] - 0.70973).abs() < 5e-4);
 }
 
 /// A lamp's cone into a prism, all in a ball: whatever the colours do, all of the light lands, in each channel alike, with and without
