@@ -1,4 +1,4 @@
-//! A round brilliant: 57 facets and the girdle, cut as a jeweller does, by one plane after another.
+//! Round brilliants: 57 facets and the girdle, cut as a jeweller does, by one plane after another.
 
 use std::f64::consts::{FRAC_PI_8, TAU};
 
@@ -15,8 +15,9 @@ const GIRDLE: f64 = 0.03;
 /// How far the stars reach from the table's edge to the girdle, and the lower halves from the girdle to the axis.
 const STAR_REACH: f64 = 0.5;
 const LOWER_HALF_REACH: f64 = 0.77;
-/// Sides of the girdle: a multiple of 16, so that corners of the outline lie where halves meet.
-const GIRDLE_SIDES: usize = 96;
+/// Sides of a round girdle and of a faceted one: multiples of 16, so that corners of the outline lie where halves meet.
+const ROUND_SIDES: usize = 96;
+const FACETED_SIDES: usize = 16;
 
 /// The half-space of points p with n · p ≤ d.
 struct Plane {
@@ -35,8 +36,17 @@ impl Plane {
 
 /// The stone, girdle of radius 1 about y = 0, table up.
 pub fn gem() -> Mesh {
-    let mut mesh = Mesh::new("Round brilliant cut: 57 flat facets and a girdle of 96", 9, 0);
-    let planes = planes();
+    cut("Round brilliant cut: 57 flat facets and a girdle of 96", ROUND_SIDES)
+}
+
+/// The same of few triangles, with a girdle of flat facets.
+pub fn brilliant() -> Mesh {
+    cut("Brilliant cut: 57 flat facets and a girdle of 16", FACETED_SIDES)
+}
+
+fn cut(title: &'static str, sides: usize) -> Mesh {
+    let mut mesh = Mesh::new(title, 9, 0);
+    let planes = planes(sides);
     let mut known: Vec<(DVec3, usize)> = Vec::new();
     for (i, plane) in planes.iter().enumerate() {
         let others = planes.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, other)| other);
@@ -58,7 +68,7 @@ pub fn gem() -> Mesh {
     mesh
 }
 
-fn planes() -> Vec<Plane> {
+fn planes(sides: usize) -> Vec<Plane> {
     let at = |radius: f64, eighth: f64, y: f64| {
         let (sin, cos) = libm::sincos(eighth * 2.0 * FRAC_PI_8);
         DVec3::new(radius * cos, y, radius * sin)
@@ -88,8 +98,8 @@ fn planes() -> Vec<Plane> {
             planes.push(Plane::through(at(1.0, side, -GIRDLE), at(1.0, k + 0.5, -GIRDLE), lower));
         }
     }
-    let step = TAU / GIRDLE_SIDES as f64;
-    planes.extend((0..GIRDLE_SIDES).map(|k| {
+    let step = TAU / sides as f64;
+    planes.extend((0..sides).map(|k| {
         let (sin, cos) = libm::sincos((k as f64 + 0.5) * step);
         Plane { n: DVec3::new(cos, 0.0, sin), d: libm::cos(0.5 * step) }
     }));

@@ -17,7 +17,8 @@ pub use mesh::Mesh;
 pub type Generator = fn() -> Mesh;
 
 /// Every mesh: the name of its file in mesh/ and its generator.
-pub const ALL: [(&str, Generator); 8] = [
+pub const ALL: [(&str, Generator); 9] = [
+    ("brilliant.obj", gem::brilliant),
     ("gem.obj", gem::gem),
     ("goblet.obj", goblet::goblet),
     ("knot.obj", knot::knot),
