@@ -15,6 +15,8 @@ pub struct Entry {
 }
 
 const CAUSTICS: &str = "Caustics";
+const COLOURS: &str = "Light parted into colours";
+const MEDIA: &str = "Fog, smoke, milk";
 const LIGHT: &str = "Light";
 const MATTER: &str = "Materials and textures";
 const SHAPES: &str = "Shapes";
@@ -55,6 +57,30 @@ pub const ENTRIES: &[Entry] = &[
         scene: "scenes/gem.txt",
         arguments: "--size 480x360 --passes 6",
         text: "Total reflection inside of diamond, ruby and sapphire, with the sparks that they throw.",
+    },
+    Entry {
+        name: "prism",
+        part: COLOURS,
+        title: "Prism",
+        scene: "scenes/prism.txt",
+        arguments: "--size 480x360 --passes 8",
+        text: "White light through flint glass: a fan on the table, a spectrum on the wall.",
+    },
+    Entry {
+        name: "rainbow",
+        part: COLOURS,
+        title: "Rainbow",
+        scene: "scenes/rainbow.txt",
+        arguments: "--size 480x360 --passes 8",
+        text: "What one drop sends back: the first bow at 42 degrees, a second around it, a dark band between.",
+    },
+    Entry {
+        name: "cut-stone",
+        part: COLOURS,
+        title: "Fire of diamond",
+        scene: "scenes/cut-stone.txt",
+        arguments: "--size 480x360 --passes 8",
+        text: "Facets of one stone and the patches of light that they throw, with edges of colour.",
     },
     Entry {
         name: "soft-shadows",
@@ -111,6 +137,38 @@ pub const ENTRIES: &[Entry] = &[
         scene: "scenes/textures.txt",
         arguments: "--size 480x360 --passes 6",
         text: "Pictures, tiles to the horizon, marble and wood cut from a block, and reliefs, filtered by the footprint of the ray.",
+    },
+    Entry {
+        name: "lens-in-fog",
+        part: MEDIA,
+        title: "Caustic in fog",
+        scene: "scenes/lens-in-fog.txt",
+        arguments: "--size 480x360 --passes 4",
+        text: "A ball lens gathers light in thin fog: the caustic is seen in space, by beams that photons leave.",
+    },
+    Entry {
+        name: "god-rays",
+        part: MEDIA,
+        title: "Rays of the sun",
+        scene: "scenes/god-rays.txt",
+        arguments: "--size 480x360 --passes 8",
+        text: "Sheets of light between the slats of a window, in dusty air.",
+    },
+    Entry {
+        name: "smoke",
+        part: MEDIA,
+        title: "Smoke",
+        scene: "scenes/smoke.txt",
+        arguments: "--size 480x360 --passes 8",
+        text: "A plume of noise that shadows itself and the ground.",
+    },
+    Entry {
+        name: "milk",
+        part: MEDIA,
+        title: "Milk and tea",
+        scene: "scenes/milk.txt",
+        arguments: "--size 400x300 --passes 4",
+        text: "Liquids that scatter and absorb, in glass that they touch: bodies in bodies, by priorities.",
     },
     Entry {
         name: "teapot",
