@@ -89,7 +89,7 @@ impl fmt::Display for Reason {
             Self::Media(n) => write!(f, "{n} media scatter, absorb or glow"),
             Self::NoMedium => f.write_str("nothing is filled with a medium"),
             Self::Filled => f.write_str("a medium is all around"),
-            Self::NoDispersion => f.write_str("no glass bends one wavelength more than another"),
+            Self::NoDispersion => f.write_str("no glass parts colours"),
             Self::Without(effect) => write!(f, "it rests on {effect}, which adds nothing here"),
         }
     }
@@ -186,7 +186,9 @@ fn judge(facts: &Facts, effect: Effect, before: Effects) -> Result<Reason, Reaso
             Ok(Reason::Objects(scattering, "may pass caustics on"))
         }
         Effect::Interreflection => {
-            any(facts.lights + facts.glowing_media, Reason::NoLight)?;
+            // A background is seen through what scatters by the same walks that are scattered there.
+            let hazy = facts.background && facts.scattering_media > 0;
+            need(facts.lights + facts.glowing_media > 0 || hazy, Reason::NoLight)?;
             any(receivers, Reason::NoReceiver)?;
             any(scattering, Reason::BlackReceivers)?;
             // A walk on from a receiver is also how half of the light of soft lights is found: those are never clear of the object.
@@ -240,7 +242,7 @@ fn judge(facts: &Facts, effect: Effect, before: Effects) -> Result<Reason, Reaso
         }
         Effect::Dispersion => {
             any(facts.dispersive, Reason::NoDispersion)?;
-            Ok(Reason::Objects(facts.dispersive, "that bend one wavelength more than another"))
+            Ok(Reason::Objects(facts.dispersive, "of glass that parts colours"))
         }
     }
 }

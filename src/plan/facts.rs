@@ -32,6 +32,8 @@ pub struct Facts {
     pub glowing_media: usize,
     /// Whether a medium is wherever no body is.
     pub filled: bool,
+    /// Whether a background is seen that lights nothing.
+    pub background: bool,
     /// Things with textures.
     pub textured: usize,
     /// Things with bumps.
@@ -67,6 +69,7 @@ impl Facts {
             scattering_media: 0,
             glowing_media: 0,
             filled: scene.filling().is_some(),
+            background: scene.background() != Rgb::ZERO,
             textured: 0,
             bumpy: 0,
             lights: 0,
