@@ -176,7 +176,11 @@ impl<M: Method> EyePass<'_, M> {
                 branch.history.casters += u32::from(crossed);
                 return self.scatter(branch, phase);
             }
-            Step::Escaped => {
+            Step::Escaped { crossed } => {
+                if crossed {
+                    branch.history.casters += 1;
+                    branch.last = None;
+                }
                 *radiance += branch.throughput * self.escaped(branch);
                 return None;
             }

@@ -216,7 +216,7 @@ impl<'a> MapMaker<'a> {
         };
         let caustic = of(&self.caustic, Wants::CAUSTIC, settings.caustic_photons);
         let rest = if self.needs.after_caustic {
-            of(&self.caustic, Wants { after_caustic: true, ..Wants::NONE }, settings.caustic_photons)
+            of(&self.caustic, Wants { after_caustic: true, ..Wants::NONE }, settings.caustic_photons / THINNING)
         } else {
             of(&self.global, Wants { direct: false, ..self.needs.global }, settings.photons)
         };

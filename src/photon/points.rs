@@ -9,14 +9,14 @@ use glam::Vec3;
 use rayon::prelude::*;
 use std::f64::consts::FRAC_1_PI;
 
-/// A photon where a medium stopped it, to scatter or be absorbed: 32 bytes.
+/// A photon where a medium scattered it: 32 bytes.
 ///
 /// Flux is right to 2⁻²⁴ in power and 1.5·10⁻⁵ in hue, the direction to 10⁻⁴ rad.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VolumePhoton {
     /// Place.
     pub position: Vec3,
-    /// Which medium stopped it.
+    /// Which medium scattered it.
     pub medium: u32,
     sum: f32,
     red: u16,
@@ -27,7 +27,7 @@ pub struct VolumePhoton {
 }
 
 impl VolumePhoton {
-    /// Packs a place, the arriving flux \[W], and the unit direction of travel.
+    /// Packs a place, the scattered flux \[W], and the unit direction of travel.
     ///
     /// `None` where the place or the flux is not finite, or the flux is zero or negative: such photons carry nothing, or would
     /// poison an estimate.
@@ -108,7 +108,7 @@ impl PointMap {
     /// distance along the ray, the cosine between the ray's direction and the photon's, and K₂ \[1/length²].
     ///
     /// The beam radiance estimate (Jarosz, Zwicker and Jensen 2008, section 5): radiance towards the ray's origin is
-    /// Σ albedo · flux · p(cos) · T(t) · weight for photons stored where a medium stopped them. Allocates nothing.
+    /// Σ flux · p(cos) · T(t) · weight for photons stored where a medium scattered them. Allocates nothing.
     #[inline]
     pub fn visit(&self, ray: &Ray, mut visitor: impl FnMut(&VolumePhoton, f32, f32, f32)) {
         let wanted = Wanted::new(ray, self.radius);
@@ -130,7 +130,7 @@ impl PointMap {
         });
     }
 
-    /// Visits every photon closer than the radius to a place, with K₃ \[1/length³]: there, Σ albedo · flux · p(cos) · weight is the
+    /// Visits every photon closer than the radius to a place, with K₃ \[1/length³]: there, Σ flux · p(cos) · weight is the
     /// light that scatters towards a ray in each unit of its length (Jensen and Christensen 1998, section 3.2). Allocates nothing.
     #[inline]
     pub fn around(&self, p: Vec3, mut visitor: impl FnMut(&VolumePhoton, f32)) {

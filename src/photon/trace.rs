@@ -177,7 +177,7 @@ impl PhotonPass<'_> {
         let domain = self.scene.domain();
         let far = 2.0 * ((domain.center - ray.origin).length() + domain.radius);
         let least = self.scene.media()[medium as usize].extinction().min_element();
-        if least > 0.0 { FAINTEST / least } else { far }
+        if least > 0.0 { (FAINTEST / least).min(far) } else { far }
     }
 
     /// Follows one photon until it is absorbed, escapes or is stopped. `deposit` hears of all light of a wanted class where a
@@ -212,7 +212,7 @@ impl PhotonPass<'_> {
                 book(&mut audit.absorbed, sent - flux);
             }
             let (surface, transmittance, crossed) = match step {
-                Step::Escaped => return book(&mut audit.escaped, flux),
+                Step::Escaped { .. } => return book(&mut audit.escaped, flux),
                 Step::Arrived(Arrival { surface, transmittance, crossed, .. }) => {
                     (Some(surface), transmittance, crossed)
                 }

@@ -8,8 +8,9 @@ use crate::math::Ray;
 use crate::sampling::{Dimension, Key};
 use glam::Vec3;
 
-/// A reflectance above which light that is thrown back keeps its wavelength.
-const FAINT: f32 = 0.2;
+/// Reflectances between which light that is thrown back stays white. Those of all wavelengths are then within a third of one another: towards
+/// total reflection they are not, nor where both sides have nearly the same index.
+const FAINT: std::ops::Range<f32> = 0.004..0.2;
 
 /// [`Inside`], and a wavelength where the walk has one.
 ///
@@ -114,7 +115,7 @@ impl Interior for Immersed {
                 glass.split(surface.wo, point.ns, point.ng, Transport::Importance).reflected.1
             };
             let (plain, own) = (reflected(plain), reflected(own));
-            if plain < FAINT && own > 0.0 {
+            if FAINT.contains(&plain) && own > 0.0 {
                 // The mean over wavelengths of R(λ)·w(λ), with R of the d line as a control variate for what is left white.
                 self.wavelength = None;
                 return (weight * (own - plain) + plain) / own;

@@ -51,7 +51,10 @@ pub enum Step<'a> {
         crossed: bool,
     },
     /// Nothing.
-    Escaped,
+    Escaped {
+        /// Whether the way crossed boundaries that are not there for light, but end a shadow ray.
+        crossed: bool,
+    },
 }
 
 /// Where a walk arrives.
@@ -82,6 +85,7 @@ impl<I: Interior> Walk<I> {
         let mut crossed = false;
         loop {
             let hit = scene.intersect(&self.ray);
+            let cone = self.cone;
             let mut surface = hit.map(|hit| {
                 self.cone.travel(hit.t);
                 let surface = scene.surface(&self.ray, &hit, &self.cone, || key.uniform(Dimension::Mix));
@@ -96,10 +100,12 @@ impl<I: Interior> Walk<I> {
                 let stretch = Stretch { ray, index, medium, inside, left: transmittance, crossed };
                 if let Some(t) = through(&stretch) {
                     self.ray = Ray::new(ray.at(t), ray.direction);
+                    self.cone = cone;
+                    self.cone.travel(from + t);
                     return Step::Scattered { distance: distance + from + t, transmittance, crossed };
                 }
             }
-            let Some((surface, t)) = &mut surface else { return Step::Escaped };
+            let Some((surface, t)) = &mut surface else { return Step::Escaped { crossed } };
             distance += *t;
             transmittance *= self.inside.transmittance(scene, *t);
             match self.inside.meet(scene, surface, key) {

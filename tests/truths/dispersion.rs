@@ -231,7 +231,7 @@ fn white_through_a_slab_is_white() {
 fn through_ball(b: f64, n: f64, k: u32) -> (DVec2, DVec2, f64) {
     let (outer, inner) = (libm::asin(b), libm::asin(b / n));
     let r = fresnel((1.0 - b * b).sqrt(), n);
-    let part = if k == 0 { r } else { (1.0 - r) * (1.0 - r) * r.powi(k as i32 - 1) };
+    let part = if k == 0 { r } else { (1.0 - r) * (1.0 - r) * libm::pow(r, f64::from(k) - 1.0) };
     // It meets the ball at the angle π − outer, seen from the middle, and each inner way turns that by π − 2·inner backwards.
     let at = PI - outer - f64::from(k) * (PI - 2.0 * inner);
     (DVec2::from_angle(at), DVec2::from_angle(at - outer), part)

@@ -120,7 +120,8 @@ impl<I: Interior> Scattering<'_, I> {
     /// stretch (Kulla and Fajardo 2012, "Importance sampling techniques for path tracing in participating media").
     fn near(&self, pivot: Vec3, draw: Draw) -> Option<Place> {
         let Stretch { ray, medium, .. } = self.stretch;
-        let mut rng = draw.key().rng();
+        // Shadow rays from the place have the numbers of the key itself.
+        let mut rng = draw.key().with(1).rng();
         let angles = Angles::new(ray, pivot);
         let Vec2 { x: which, y: u } = draw.two(Dimension::Medium);
         let t = if which < 0.5 {

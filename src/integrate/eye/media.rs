@@ -10,6 +10,9 @@ use crate::sampling::Dimension;
 use crate::scene::{Interior, Step, Stretch};
 use rand::rngs::SmallRng;
 
+/// Tells the numbers of ways from those of shadow rays.
+const WAY: u64 = 1 << 63;
+
 impl<M: Method> EyePass<'_, M> {
     /// Goes to where a walk ends or is scattered, by what phase function, and adds what the media on the way send back.
     pub(super) fn advance_in_media<I: Interior>(
@@ -18,7 +21,7 @@ impl<M: Method> EyePass<'_, M> {
         worker: &mut Worker,
         radiance: &mut Rgb,
     ) -> (Step<'_>, Phase) {
-        let mut rng = branch.draw.key().with(u64::from(self.pass)).rng();
+        let mut rng = branch.draw.key().with(WAY | u64::from(self.pass)).rng();
         let mut walk = branch.walk;
         let mut phase = Phase::Isotropic;
         let step = walk.advance(self.scene, branch.draw.key(), |stretch| {
