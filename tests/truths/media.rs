@@ -322,7 +322,7 @@ fn milk_in_a_furnace_is_invisible() {
     ] {
         let scene = furnace(media, ball, eye);
         for algorithm in [Algorithm::Path, Algorithm::Hybrid] {
-            let mut settings = with(16, Wishes::PLANNED);
+            let mut settings = with(24, Wishes::PLANNED);
             settings.eye.max_bounces = 10_000;
             let samples = seen(&scene, algorithm, settings, PASSES);
             agree_each(&format!("{what}, {}", algorithm.name()), &samples, DVec3::ONE, DVec3::ZERO, 0.01);
