@@ -1,7 +1,7 @@
 //! Volume photons: which of them a ray through a medium passes, and which lie about a place.
 
 use super::packet::{LANES, Points, Wanted, slots};
-use super::record::{decode, encode};
+use super::record::{Power, decode, encode};
 use crate::accel::Boxes;
 use crate::color::Rgb;
 use crate::math::{Bounds, Ray, morton_order};
@@ -18,9 +18,7 @@ pub struct VolumePhoton {
     pub position: Vec3,
     /// Which medium scattered it.
     pub medium: u32,
-    sum: f32,
-    red: u16,
-    green: u16,
+    power: Power,
     direction: [u16; 2],
     /// The code of its wavelength, 0 where it carries all.
     pub wavelength: u8,
@@ -34,22 +32,15 @@ impl VolumePhoton {
     #[inline]
     #[must_use]
     pub fn new(position: Vec3, flux: Rgb, direction: Vec3, medium: u32, wavelength: u8) -> Option<Self> {
-        let sum = flux.x + flux.y + flux.z;
-        if !(sum > 0.0 && sum.is_finite() && flux.min_element() >= 0.0 && position.is_finite()) {
-            return None;
-        }
-        let fraction = |c: f32| (c / sum * 65_535.0 + 0.5) as u16;
-        let (red, green) = (fraction(flux.x), fraction(flux.y));
-        Some(Self { position, medium, sum, red, green, direction: encode(direction), wavelength })
+        let power = Power::new(flux).filter(|_| position.is_finite())?;
+        Some(Self { position, medium, power, direction: encode(direction), wavelength })
     }
 
     /// Flux \[W].
     #[inline]
     #[must_use]
     pub fn flux(&self) -> Rgb {
-        let unit = self.sum * (1.0 / 65_535.0);
-        let (red, green) = (f32::from(self.red), f32::from(self.green));
-        Rgb::new(red, green, (65_535.0 - red - green).max(0.0)) * unit
+        self.power.flux()
     }
 
     /// Unit direction of travel.

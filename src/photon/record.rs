@@ -3,15 +3,39 @@
 use crate::color::Rgb;
 use glam::{Vec2, Vec3};
 
-/// Direction, tangent plane and flux of a stored photon: 20 bytes.
-///
-/// Flux is the sum of its channels in single precision with two 16-bit fractions, so that hue is right to 1.5·10⁻⁵ and power
+/// Flux \[W] in 8 bytes: the sum of its channels in single precision with two 16-bit fractions, so that hue is right to 1.5·10⁻⁵ and power
 /// to 2⁻²⁴ from 10⁻³⁷ to 10³⁸ W.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
-pub struct Flux {
+pub(super) struct Power {
     sum: f32,
     red: u16,
     green: u16,
+}
+
+impl Power {
+    /// `None` where the flux is not finite, zero or negative: it carries nothing, or would poison an estimate.
+    #[inline]
+    pub fn new(flux: Rgb) -> Option<Self> {
+        let sum = flux.x + flux.y + flux.z;
+        if !(sum > 0.0 && sum.is_finite() && flux.min_element() >= 0.0) {
+            return None;
+        }
+        let fraction = |c: f32| (c / sum * 65_535.0 + 0.5) as u16;
+        Some(Self { sum, red: fraction(flux.x), green: fraction(flux.y) })
+    }
+
+    #[inline]
+    pub fn flux(self) -> Rgb {
+        let unit = self.sum * (1.0 / 65_535.0);
+        let (red, green) = (f32::from(self.red), f32::from(self.green));
+        Rgb::new(red, green, (65_535.0 - red - green).max(0.0)) * unit
+    }
+}
+
+/// Direction, tangent plane and flux of a stored photon: 20 bytes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
+pub struct Flux {
+    power: Power,
     from: [u16; 2],
     normal: [i8; 3],
     /// The code of its wavelength, 0 where it carries all.
@@ -37,15 +61,9 @@ impl Photon {
     #[inline]
     #[must_use]
     pub fn new(position: Vec3, flux: Rgb, from: Vec3, normal: Vec3) -> Option<Self> {
-        let sum = flux.x + flux.y + flux.z;
-        if !(sum > 0.0 && sum.is_finite() && flux.min_element() >= 0.0 && position.is_finite()) {
-            return None;
-        }
-        let fraction = |c: f32| (c / sum * 65_535.0 + 0.5) as u16;
+        let power = Power::new(flux).filter(|_| position.is_finite())?;
         let mut flux = Flux {
-            sum,
-            red: fraction(flux.x),
-            green: fraction(flux.y),
+            power,
             from: encode(from),
             normal: [normal.x, normal.y, normal.z].map(|c| (c * NORMAL_SCALE).round() as i8),
             wavelength: 0,
@@ -98,9 +116,7 @@ impl Flux {
     #[inline]
     #[must_use]
     pub fn power(&self) -> Rgb {
-        let unit = self.sum * (1.0 / 65_535.0);
-        let (red, green) = (f32::from(self.red), f32::from(self.green));
-        Rgb::new(red, green, (65_535.0 - red - green).max(0.0)) * unit
+        self.power.flux()
     }
 
     /// The code of its wavelength, 0 where it carries all.

@@ -216,7 +216,7 @@ impl PhotonPass<'_> {
                 Step::Arrived(Arrival { surface, transmittance, crossed, .. }) => {
                     (Some(surface), transmittance, crossed)
                 }
-                Step::Scattered { transmittance, crossed, .. } => (None, transmittance, crossed),
+                Step::Scattered { transmittance, crossed } => (None, transmittance, crossed),
             };
             let left = flux * transmittance;
             book(&mut audit.absorbed, flux - left);
