@@ -171,7 +171,7 @@ impl<M: Method> EyePass<'_, M> {
         };
         let Arrival { mut surface, transmittance, distance, crossed } = match step {
             Step::Arrived(arrival) => arrival,
-            Step::Scattered { transmittance, crossed, .. } => {
+            Step::Scattered { transmittance, crossed } => {
                 branch.throughput *= transmittance;
                 branch.history.casters += u32::from(crossed);
                 return self.scatter(branch, phase);

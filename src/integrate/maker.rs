@@ -196,7 +196,7 @@ impl<'a> MapMaker<'a> {
     /// Whether photons are stored in media.
     fn lights_media(&self) -> bool {
         let media = self.effects.has(Effect::Media) && self.effects.has(Effect::Interiors);
-        media && self.has_photons() && self.scene.media().iter().any(|medium| medium.scatters())
+        media && self.has_photons() && self.scene.media_in_use().iter().any(|medium| medium.scatters())
     }
 
     /// Radii that hold enough of what is stored in media along most rays.
@@ -325,7 +325,7 @@ impl<'a> MapMaker<'a> {
         let most = if draft.limited { most } else { 0 };
         let k = (f64::from(most) * area).round().max(FEWEST) as u32;
         let bandwidth = Bandwidth { radius: radius * area.sqrt() as f32, k: k.min(most) };
-        Gathering { scene: self.scene, map, bandwidth, kernel: self.settings.kernel, volume, band }
+        Gathering { scene: self.scene, map, bandwidth, kernel: self.settings.kernel, volume }
     }
 
     fn trace(

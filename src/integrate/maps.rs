@@ -77,8 +77,6 @@ pub(super) struct Gathering<'a> {
     pub kernel: Kernel,
     /// The same light in media.
     pub volume: VolumeMap,
-    /// Wavelengths so far apart count as one \[nm].
-    pub band: f32,
 }
 
 /// The maps of one pass.
@@ -129,7 +127,7 @@ impl Gathering<'_> {
         let own = vertex.inside.wavelength();
         let brdf = |flux: &Flux| {
             let brdf = surface.bsdf.evaluate(surface.wo, flux.from(), ns, ns, Transport::Radiance);
-            if I::IMMERSED { brdf * shared(own, flux.wavelength(), self.band) } else { brdf }
+            if I::IMMERSED { brdf * shared(own, flux.wavelength(), self.volume.band) } else { brdf }
         };
         let normal = surface.facing_normal();
         let found = self.map.estimate(surface.point.p, normal, self.bandwidth, self.kernel, scratch(worker), brdf);

@@ -37,8 +37,8 @@ pub(super) struct VolumeMap {
     beams: BeamMap,
     points: PointMap,
     estimate: VolumeEstimate,
-    /// Wavelengths so far apart count as one \[nm].
-    band: f32,
+    /// Wavelengths so far apart count as one \[nm], on surfaces too.
+    pub band: f32,
 }
 
 impl VolumeMap {

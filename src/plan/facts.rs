@@ -83,21 +83,10 @@ impl Facts {
         let some = Sphere { center: Vec3::ZERO, radius: 1.0 };
         let lights: Vec<&Light> = scene.lights().iter().filter(|l| l.power(some) != Rgb::ZERO).collect();
         facts.lights = lights.len();
-        let mut media: Vec<u32> = scene.filling().into_iter().collect();
-        for object in &objects {
-            scene.scatterings(object.material, &mut |scattering| {
-                if let Scattering::Boundary(body) = scattering {
-                    media.extend(body.medium);
-                    facts.dispersive += usize::from(body.glass.is_some());
-                }
-            });
-        }
-        media.sort_unstable();
-        media.dedup();
-        let media = || media.iter().map(|index| &scene.media()[*index as usize]);
-        facts.media = media().filter(|medium| !medium.is_empty()).count();
-        facts.scattering_media = media().filter(|medium| medium.scatters()).count();
-        facts.glowing_media = media().filter(|medium| medium.emits()).count();
+        let media = scene.media_in_use();
+        facts.media = media.iter().filter(|medium| !medium.is_empty()).count();
+        facts.scattering_media = media.iter().filter(|medium| medium.scatters()).count();
+        facts.glowing_media = media.iter().filter(|medium| medium.emits()).count();
         // What moves is elsewhere at another time.
         if let [Object { plane: Some((p, n)), .. }] = objects[..]
             && !facts.moving
@@ -107,7 +96,7 @@ impl Facts {
         }
         facts.soft_lights = lights.iter().filter(|l| l.has_surface()).count();
         for object in &objects {
-            let (mut receives, mut scatters, mut casts, mut bounds) = (false, false, false, false);
+            let (mut receives, mut scatters, mut casts, mut bounds, mut parts) = (false, false, false, false, false);
             scene.scatterings(object.material, &mut |scattering| {
                 casts |= scattering.casts_caustics();
                 match scattering {
@@ -115,7 +104,10 @@ impl Facts {
                         receives = true;
                         scatters |= *bsdf != Bsdf::Diffuse(Rgb::ZERO);
                     }
-                    Scattering::Boundary(_) => bounds = true,
+                    Scattering::Boundary(body) => {
+                        bounds = true;
+                        parts |= body.glass.is_some();
+                    }
                     Scattering::Fixed(_) | Scattering::Mix { .. } => {}
                 }
             });
@@ -129,6 +121,7 @@ impl Facts {
             facts.casters += usize::from(casts);
             facts.lit_casters += usize::from(casts && reached());
             facts.bodies += usize::from(bounds);
+            facts.dispersive += usize::from(parts);
         }
         facts
     }

@@ -4,6 +4,7 @@ use super::{Attributes, Coat, Dress, Material, Relief, Scattering, Scene};
 use crate::bsdf::{Bsdf, Conductor};
 use crate::light::Light;
 use crate::math::{Bounds, Sphere};
+use crate::medium::Medium;
 use crate::shape::Shape;
 use glam::{Vec2, Vec3};
 
@@ -78,6 +79,22 @@ impl Scene {
                 hear(&Scattering::Fixed(Bsdf::Conductor(Conductor::new(eta, k, alpha))));
             }
         }
+    }
+
+    /// The media that are somewhere, each once: in what bounds a body, or wherever no body is.
+    #[must_use]
+    pub fn media_in_use(&self) -> Vec<&Medium> {
+        let mut indices: Vec<u32> = self.filling.into_iter().collect();
+        for object in self.objects() {
+            self.scatterings(object.material, &mut |scattering| {
+                if let Scattering::Boundary(body) = scattering {
+                    indices.extend(body.medium);
+                }
+            });
+        }
+        indices.sort_unstable();
+        indices.dedup();
+        indices.into_iter().map(|index| &self.media[index as usize]).collect()
     }
 
     /// Whether a material, or a part of a mix, has textures, and whether it has bumps.

@@ -43,8 +43,6 @@ pub enum Step<'a> {
     Arrived(Arrival<'a>),
     /// Light is scattered in a medium.
     Scattered {
-        /// Length of the way \[length].
-        distance: f32,
         /// Part of the light that is left after what bodies absorbed on the way.
         transmittance: Rgb,
         /// Whether the way crossed boundaries that are not there for light, but end a shadow ray.
@@ -102,7 +100,7 @@ impl<I: Interior> Walk<I> {
                     self.ray = Ray::new(ray.at(t), ray.direction);
                     self.cone = cone;
                     self.cone.travel(from + t);
-                    return Step::Scattered { distance: distance + from + t, transmittance, crossed };
+                    return Step::Scattered { transmittance, crossed };
                 }
             }
             let Some((surface, t)) = &mut surface else { return Step::Escaped { crossed } };

@@ -224,7 +224,7 @@ pub fn sketch(seed: u64) -> Sketch {
     for _ in 0..r.below(mood.most_lights + 1) {
         add_light(r, &mood, &mut sketch);
     }
-    // Light from infinity would never arrive.
+    // Light from infinity is refused there.
     let endless = |l: &Light| matches!(l.kind, LightKind::Environment | LightKind::Directional(_));
     if r.chance(0.1) && !sketch.lights.iter().any(endless) {
         sketch.filling = Some(r.pick(&[Stuff::Fog, Stuff::Soot, Stuff::Flame, Stuff::Nothing]));

@@ -1,7 +1,7 @@
 //! Wishes do something: what is forced off is missing, and costs nothing.
 
 use crate::compare::{How, Picture, scene};
-use caustica::integrate::Algorithm;
+use caustica::integrate::{Algorithm, EyeSettings, Settings};
 use caustica::plan::{Effect, Effects, Wishes};
 use caustica::scene::Scene;
 use caustica::stats::Counters;
@@ -157,4 +157,24 @@ fn what_a_scene_does_not_call_for_costs_nothing() {
         }
         assert_eq!((disc.shadow_rays, disc.onward_rays, disc.photon_rays, disc.gathers), (0, 0, 0, 0), "{name}");
     }
+}
+
+/// What is described and is nowhere must not change what pilots do, whatever is forced on.
+#[test]
+fn media_that_are_nowhere_change_nothing() {
+    let scene = scene(&format!(
+        "{CAMERA}
+        Lights {{ PointLight {{ position 1 4 2  power 200 200 200 }} }}
+        Media {{ Medium smoke {{ scattering .2 .2 .2 }} }}
+        Materials {{ Diffuse floor {{ reflectance .7 .6 .5 }}  Dielectric glass {{ }}  Clear haze {{ medium smoke }} }}
+        Group {{ MaterialName floor  Plane {{ normal 0 1 0  offset 0 }}
+                 MaterialName glass  Sphere {{ center 0 .8 0  radius .7 }} }}"
+    ));
+    let lessons = |effects| {
+        let eye = EyeSettings { effects, ..EyeSettings::default() };
+        Algorithm::Hybrid.prepare(&scene, Settings { eye, balance: false, ..Settings::default() }).lessons()
+    };
+    let planned = lessons(Wishes::PLANNED);
+    assert!(planned.caustic.is_some());
+    assert_eq!(planned, lessons(Wishes::ALL));
 }

@@ -94,7 +94,10 @@ impl Resolver<'_> {
         if extinction != Rgb::ZERO
             && let Some(light) = self.description.lights.iter().find_map(from_infinity)
         {
-            let message = format!("light from infinity never arrives: the medium `{}` fills the scene", name.value);
+            let message = format!(
+                "how much light from infinity arrives would hang on where `{}` ends, which fills the scene",
+                name.value
+            );
             let help = "leave the light out, or put the medium into a shape of a material `Clear { medium … }`";
             return Err(self.refuse(light, &message, help));
         }

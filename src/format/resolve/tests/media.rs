@@ -172,7 +172,7 @@ fn what_cannot_fill_the_scene_is_refused() {
     for (fog, light) in [("absorption 1 0 0", sun), ("scattering 0 0 1", sky)] {
         let error = refusal(&of(&format!("Medium a {{ {fog} }}"), &format!("{lamp} {light}")));
         assert_eq!((error.line(), error.text()), (3, light.split(' ').next().unwrap()), "{error}");
-        assert!(error.message().contains("never arrives") && error.remedy().contains("`Clear {"), "{error}");
+        assert!(error.message().contains("light from infinity") && error.remedy().contains("`Clear {"), "{error}");
         scene(&of("Medium a { }", light));
         scene(&of(&format!("Medium a {{ {fog} }}"), lamp));
     }
