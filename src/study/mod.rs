@@ -2,6 +2,7 @@
 
 mod effects;
 mod html;
+pub mod methods;
 mod page;
 mod picture;
 #[cfg(test)]
