@@ -45,6 +45,7 @@ pub(super) fn settings(arguments: &MethodArguments, effects: Wishes) -> Settings
             seed: arguments.seed,
             filter: Filter::new(arguments.filter),
             adaptive: arguments.adaptive,
+            gauge: false,
             effects,
         },
         photons,

@@ -9,7 +9,7 @@ mod media;
 use super::direct::DirectLight;
 use super::method::{AtReceiver, History, Method, Vertex};
 use super::tiles::{self, Worker};
-use super::{EyeSettings, Monitor, Pass};
+use super::{EyeSettings, Monitor, Pass, Silent};
 use crate::bsdf::{Bsdf, Transport};
 use crate::color::{self, Rgb};
 use crate::math::Ray;
@@ -33,6 +33,9 @@ const CHUNK: usize = 64;
 
 /// Branches that may wait at once.
 const BRANCHES: usize = 16;
+
+/// Where passes share their camera walks, about so many tiles are walked anew in each, to tell what is amiss with those that stay.
+const FRESH: u32 = 48;
 
 /// After so many casters a walk goes on with the probability of its throughput.
 const CERTAIN_CASTERS: u32 = 8;
@@ -95,15 +98,27 @@ impl<M: Method> EyePass<'_, M> {
         let start = Instant::now();
         let (camera, filter) = (self.scene.camera(), Some(&self.settings.filter));
         let lens = self.effects.has(Effect::Lens);
-        let sampling = tiles::Sampling { camera, filter, samples: self.samples, lens, density: self.density };
-        let walks = if self.method.repeats_walks() { 0 } else { u64::from(self.pass) };
-        let key = Key::new(self.settings.seed).purpose(Purpose::Camera).with(walks);
-        let (image, counters) =
-            tiles::render(&sampling, key, monitor, |ray, draw, worker, waiting: &mut Vec<Branch<I>>| {
+        let gauge = self.settings.gauge && self.method.estimates();
+        let (samples, density) = (self.samples, self.density);
+        let mut sampling = tiles::Sampling { camera, filter, samples, lens, density, gauge, every: 1 };
+        let repeats = self.method.repeats_walks();
+        let key = Key::new(self.settings.seed).purpose(Purpose::Camera);
+        let render = |sampling: &tiles::Sampling<'_>, walks: u64, monitor: &dyn Monitor| {
+            tiles::render(sampling, key.with(walks), monitor, |ray, draw, worker, waiting: &mut Vec<Branch<I>>| {
                 self.radiance(ray, draw, worker, waiting)
-            });
-        out.image = image;
-        out.counters += counters;
+            })
+        };
+        let rendered = render(&sampling, if repeats { 0 } else { u64::from(self.pass) }, monitor);
+        (out.image, out.gauged) = (rendered.image, rendered.gauged);
+        out.counters += rendered.counters;
+        if gauge && repeats {
+            let (width, height) = camera.size();
+            sampling =
+                tiles::Sampling { gauge: false, every: (tiles::tiles(width, height) / FRESH).max(2), ..sampling };
+            let fresh = render(&sampling, u64::from(self.pass) + 1, &Silent);
+            out.fresh = fresh.only.iter().map(|i| (*i, fresh.image[*i as usize])).collect();
+            out.counters += fresh.counters;
+        }
         out.seconds.eye += start.elapsed().as_secs_f64();
     }
 

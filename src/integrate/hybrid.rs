@@ -53,17 +53,21 @@ impl Method for Connected<'_> {
         AtReceiver { direct: true, onward: self.onward }
     }
 
+    fn estimates(&self) -> bool {
+        true
+    }
+
     #[inline]
     fn photons<I: Interior>(&self, vertex: &Vertex<'_, I>, worker: &mut Worker) -> Rgb {
         match vertex.draw.place() {
-            (0, count) if vertex.history.receivers == 0 => self.maps.radiance(vertex, worker) * count as f32,
+            (0, count) if vertex.history.receivers == 0 => self.maps.radiance(vertex, count, worker),
             _ => Rgb::ZERO,
         }
     }
 
     fn volume<I: Interior>(&self, passage: &Passage<'_, I>, rng: &mut SmallRng, worker: &mut Worker) -> Rgb {
         match passage.draw.place() {
-            (0, count) if passage.history.receivers == 0 => self.maps.volume(passage, rng, worker) * count as f32,
+            (0, count) if passage.history.receivers == 0 => self.maps.volume(passage, count, rng, worker),
             _ => Rgb::ZERO,
         }
     }

@@ -1,11 +1,12 @@
 //! The photon maps of a pass.
 
+use super::gauged::DiscSum;
 use super::method::{Passage, Vertex};
 use super::tiles::Worker;
 use super::volume::{VolumeMap, shared};
 use crate::bsdf::Transport;
 use crate::color::Rgb;
-use crate::photon::{Bandwidth, Flux, Kernel, PhotonMap, Scratch, Wants, coverage};
+use crate::photon::{Bandwidth, Flux, Kernel, Nested, PhotonMap, Scratch, Wants, coverage, nested_coverage};
 use crate::plan::{Effect, Effects};
 use crate::scene::{Interior, Scene};
 use rand::Rng;
@@ -75,6 +76,8 @@ pub(super) struct Gathering<'a> {
     pub map: PhotonMap,
     pub bandwidth: Bandwidth,
     pub kernel: Kernel,
+    /// Whether finer discs are looked at too, to tell the error.
+    pub gauge: bool,
     /// The same light in media.
     pub volume: VolumeMap,
 }
@@ -89,18 +92,31 @@ pub(super) struct Maps<'a> {
 }
 
 impl Maps<'_> {
-    /// Radiance that the surface of `vertex` sends to its viewer of the light in both maps.
+    /// Radiance that the surface of `vertex` sends to its viewer of the light in both maps, which counts `times` times.
     #[inline]
-    pub fn radiance<I: Interior>(&self, vertex: &Vertex<'_, I>, worker: &mut Worker) -> Rgb {
-        let caustic = self.caustic.radiance(vertex, |w| &mut w.caustic, worker);
-        caustic + self.smooth.radiance(vertex, |w| &mut w.smooth, worker)
+    pub fn radiance<I: Interior>(&self, vertex: &Vertex<'_, I>, times: u32, worker: &mut Worker) -> Rgb {
+        let caustic = self.caustic(vertex, times, worker);
+        let smooth = self.smooth.radiance(vertex, times, |w| (&mut w.smooth, &mut w.tally.global), worker);
+        (caustic + smooth) * times as f32
     }
 
-    /// Radiance that a stretch of a medium sends to its start of the light in both maps.
+    /// The same of the caustic map alone, not multiplied.
     #[inline]
-    pub fn volume<I: Interior>(&self, passage: &Passage<'_, I>, rng: &mut impl Rng, worker: &mut Worker) -> Rgb {
-        let caustic = self.caustic.volume.radiance(passage, rng, worker);
-        caustic + self.smooth.volume.radiance(passage, rng, worker)
+    pub fn caustic<I: Interior>(&self, vertex: &Vertex<'_, I>, times: u32, worker: &mut Worker) -> Rgb {
+        self.caustic.radiance(vertex, times, |w| (&mut w.caustic, &mut w.tally.caustic), worker)
+    }
+
+    /// Radiance that a stretch of a medium sends to its start of the light in both maps, which counts `times` times.
+    #[inline]
+    pub fn volume<I: Interior>(
+        &self,
+        passage: &Passage<'_, I>,
+        times: u32,
+        rng: &mut impl Rng,
+        worker: &mut Worker,
+    ) -> Rgb {
+        let caustic = self.caustic.volume.radiance(passage, times, rng, worker);
+        (caustic + self.smooth.volume.radiance(passage, times, rng, worker)) * times as f32
     }
 }
 
@@ -110,12 +126,13 @@ impl Gathering<'_> {
         self.bandwidth.radius
     }
 
-    /// Radiance that the surface of `vertex` sends to its viewer of the light in the map.
+    /// What the surface of `vertex` sends to its viewer of the light in the map; it will count `times` times.
     #[inline]
-    pub fn radiance<I: Interior>(
+    fn radiance<I: Interior>(
         &self,
         vertex: &Vertex<'_, I>,
-        scratch: fn(&mut Worker) -> &mut Scratch,
+        times: u32,
+        own: fn(&mut Worker) -> (&mut Scratch, &mut DiscSum),
         worker: &mut Worker,
     ) -> Rgb {
         if self.map.is_empty() {
@@ -124,18 +141,33 @@ impl Gathering<'_> {
         worker.counters.gathers += 1;
         let surface = vertex.surface;
         let ns = if surface.wo.dot(surface.point.ng) < 0.0 { -surface.point.ns } else { surface.point.ns };
-        let own = vertex.inside.wavelength();
+        let wavelength = vertex.inside.wavelength();
         let brdf = |flux: &Flux| {
             let brdf = surface.bsdf.evaluate(surface.wo, flux.from(), ns, ns, Transport::Radiance);
-            if I::IMMERSED { brdf * shared(own, flux.wavelength(), self.volume.band) } else { brdf }
+            if I::IMMERSED { brdf * shared(wavelength, flux.wavelength(), self.volume.band) } else { brdf }
         };
-        let normal = surface.facing_normal();
-        let found = self.map.estimate(surface.point.p, normal, self.bandwidth, self.kernel, scratch(worker), brdf);
-        worker.counters.gathered_photons += u64::from(found.count);
-        if found.count == 0 {
+        let (p, normal) = (surface.point.p, surface.facing_normal());
+        let (bandwidth, kernel, key) = (self.bandwidth, self.kernel, vertex.draw.key());
+        let (scratch, discs) = own(worker);
+        if !self.gauge {
+            let found = self.map.estimate(p, normal, bandwidth, kernel, scratch, brdf);
+            worker.counters.gathered_photons += u64::from(found.count);
+            if found.count == 0 {
+                return Rgb::ZERO;
+            }
+            return found.radiance / coverage(self.scene, p, normal, found.radius, kernel, key);
+        }
+        let Nested { whole, mut radiance } = self.map.estimate_nested(p, normal, bandwidth, kernel, scratch, brdf);
+        discs.add(whole.radius, whole.count);
+        worker.counters.gathered_photons += u64::from(whole.count);
+        if whole.count == 0 {
             return Rgb::ZERO;
         }
-        let key = vertex.draw.key();
-        found.radiance / coverage(self.scene, surface.point.p, normal, found.radius, self.kernel, key)
+        let covered = nested_coverage(self.scene, p, normal, whole.radius, kernel, key);
+        for (radiance, covered) in radiance.iter_mut().zip(covered) {
+            *radiance /= covered;
+        }
+        worker.tally.note(vertex.throughput * times as f32, radiance);
+        radiance[0]
     }
 }

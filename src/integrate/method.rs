@@ -110,6 +110,11 @@ pub(super) trait Method: Sync {
     /// What is done at a receiver.
     fn at_receiver<I: Interior>(&self, vertex: &Vertex<'_, I>) -> AtReceiver;
 
+    /// Whether it looks at photons.
+    fn estimates(&self) -> bool {
+        false
+    }
+
     /// Radiance that a receiver sends to its viewer of light that photons brought.
     fn photons<I: Interior>(&self, _: &Vertex<'_, I>, _: &mut Worker) -> Rgb {
         Rgb::ZERO

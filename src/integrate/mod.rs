@@ -6,6 +6,7 @@ mod balance;
 mod direct;
 mod distributed;
 mod eye;
+mod gauged;
 mod guide;
 mod hybrid;
 mod maker;
@@ -29,6 +30,7 @@ mod whitted;
 
 pub use algorithm::Algorithm;
 pub use balance::Balance;
+pub use gauged::{Discs, Gauged};
 pub use maker::CAUSTIC_K;
 pub use pass::{Expected, Monitor, Pass, Phase, PhotonReport, Seconds, Silent};
 pub use pilot::{Lessons, Radii};

@@ -1,5 +1,6 @@
 //! What a pass hands back, and whom it tells of its progress.
 
+use super::Gauged;
 use crate::color::Rgb;
 use crate::photon::Audit;
 use crate::stats::Counters;
@@ -80,6 +81,10 @@ pub struct Pass {
     pub global: PhotonReport,
     /// The caustic map's photons.
     pub caustic: PhotonReport,
+    /// What is told of the error of each pixel's estimates; empty where nobody asked, or where there are none.
+    pub gauged: Vec<Gauged>,
+    /// Of passes that share their camera walks: some pixels, by walks of the pass's own, each with its place in `image`.
+    pub fresh: Vec<(u32, Rgb)>,
 }
 
 impl AddAssign for Seconds {

@@ -127,9 +127,9 @@ pub(super) fn volume_blurs(pass: &PhotonPass<'_>, detail: Detail, paths: u32, se
         let mut count = 0.0;
         for ray in way {
             if settings.volume == VolumeEstimate::Points {
-                points.around(ray.at(0.5 * ray.t_max.min(2.0 * size)), |_, _| count += 1.0);
+                points.around(ray.at(0.5 * ray.t_max.min(2.0 * size)), |_, _, _| count += 1.0);
             } else {
-                points.visit(ray, |_, _, _, _| count += 1.0);
+                points.visit(ray, |_, _, _, _, _| count += 1.0);
             }
         }
         count

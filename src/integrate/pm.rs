@@ -85,13 +85,17 @@ impl Method for Seen<'_> {
         AtReceiver { direct: true, onward: false }
     }
 
+    fn estimates(&self) -> bool {
+        true
+    }
+
     #[inline]
     fn photons<I: Interior>(&self, vertex: &Vertex<'_, I>, worker: &mut Worker) -> Rgb {
-        self.maps.radiance(vertex, worker)
+        self.maps.radiance(vertex, 1, worker)
     }
 
     fn volume<I: Interior>(&self, passage: &Passage<'_, I>, rng: &mut SmallRng, worker: &mut Worker) -> Rgb {
-        self.maps.volume(passage, rng, worker)
+        self.maps.volume(passage, 1, rng, worker)
     }
 
     fn counts(&self, history: History) -> bool {
@@ -123,6 +127,10 @@ impl Method for Gathered<'_> {
     fn at_receiver<I: Interior>(&self, vertex: &Vertex<'_, I>) -> AtReceiver {
         let goes_on = !self.ends_at(vertex);
         AtReceiver { direct: goes_on, onward: goes_on }
+    }
+
+    fn estimates(&self) -> bool {
+        true
     }
 
     fn prepare<I: Interior>(&self, vertex: &Vertex<'_, I>, worker: &mut Worker) {
@@ -178,15 +186,11 @@ impl Method for Gathered<'_> {
     }
 
     fn photons<I: Interior>(&self, vertex: &Vertex<'_, I>, worker: &mut Worker) -> Rgb {
-        if self.ends_at(vertex) {
-            self.maps.radiance(vertex, worker)
-        } else {
-            self.maps.caustic.radiance(vertex, |w| &mut w.caustic, worker)
-        }
+        if self.ends_at(vertex) { self.maps.radiance(vertex, 1, worker) } else { self.maps.caustic(vertex, 1, worker) }
     }
 
     fn volume<I: Interior>(&self, passage: &Passage<'_, I>, rng: &mut SmallRng, worker: &mut Worker) -> Rgb {
-        self.maps.volume(passage, rng, worker)
+        self.maps.volume(passage, 1, rng, worker)
     }
 
     fn counts(&self, history: History) -> bool {

@@ -25,9 +25,11 @@ impl Integrator for RayCast<'_> {
     fn pass(&self, pass: u32, monitor: &dyn Monitor) -> Pass {
         let start = Instant::now();
         let (camera, filter) = (self.scene.camera(), self.filter.as_ref());
-        let sampling = tiles::Sampling { camera, filter, samples: self.samples, lens: false, density: None };
+        let (samples, lens, density) = (self.samples, false, None);
+        let sampling = tiles::Sampling { camera, filter, samples, lens, density, gauge: false, every: 1 };
         let key = Key::new(self.seed).purpose(Purpose::Camera).with(u64::from(pass));
-        let (image, counters) = tiles::render(&sampling, key, monitor, |ray, _, _, (): &mut ()| self.shade(ray));
+        let tiles::Rendered { image, counters, .. } =
+            tiles::render(&sampling, key, monitor, |ray, _, _, (): &mut ()| self.shade(ray));
         let seconds = Seconds { eye: start.elapsed().as_secs_f64(), ..Seconds::default() };
         Pass { image, counters, seconds, ..Pass::default() }
     }

@@ -18,6 +18,8 @@ pub struct EyeSettings {
     pub filter: Filter,
     /// Whether pixels get camera rays in proportion to their noise, as a pilot sees it.
     pub adaptive: bool,
+    /// Whether passes tell of the error of their estimates. The picture is the same.
+    pub gauge: bool,
     /// Effects that are simulated or left out whatever the scene calls for.
     pub effects: Wishes,
 }
@@ -30,6 +32,7 @@ impl Default for EyeSettings {
             seed: 0,
             filter: Filter::new(FilterKind::default()),
             adaptive: false,
+            gauge: false,
             effects: Wishes::PLANNED,
         }
     }

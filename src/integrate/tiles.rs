@@ -1,7 +1,8 @@
 //! The pixels of a pass, in tiles.
 
+use super::gauged::Tally;
 use super::guide::Guide;
-use super::{Monitor, Phase};
+use super::{Gauged, Monitor, Phase};
 use crate::camera::{Camera, Filter, FilterSample};
 use crate::color::Rgb;
 use crate::math::Ray;
@@ -24,6 +25,8 @@ pub(super) struct Worker {
     pub guides: Scratch,
     /// Where light comes from, for gather rays.
     pub guide: Guide,
+    /// What estimates tell of their error.
+    pub tally: Tally,
     /// What is left of light along a stretch of a medium.
     pub fade: Fade,
     /// Where walks ended, for a pilot.
@@ -41,6 +44,21 @@ pub(super) struct Sampling<'a> {
     pub lens: bool,
     /// How many rays each pixel gets, in parts of the mean; `None`: all alike.
     pub density: Option<&'a [f32]>,
+    /// Whether estimates tell of their error.
+    pub gauge: bool,
+    /// Every so many-th tile alone is rendered, the rest left black; 1: all.
+    pub every: u32,
+}
+
+/// A picture, by rows from the top, and what it took.
+#[derive(Default)]
+pub(super) struct Rendered {
+    pub image: Vec<Rgb>,
+    /// What estimates tell of their error; empty where they are not asked.
+    pub gauged: Vec<Gauged>,
+    /// Pixels that were rendered, where not all were.
+    pub only: Vec<u32>,
+    pub counters: Counters,
 }
 
 impl Sampling<'_> {
@@ -51,24 +69,25 @@ impl Sampling<'_> {
     }
 }
 
-/// Renders all pixels: `radiance` gets a camera ray, the random numbers of its sample, and what the tile keeps: a worker, and whatever
+/// Renders pixels: `radiance` gets a camera ray, the random numbers of its sample, and what the tile keeps: a worker, and whatever
 /// else is asked for.
 pub(super) fn render<T: Default>(
     sampling: &Sampling<'_>,
     key: Key,
     monitor: &dyn Monitor,
     radiance: impl Fn(&Ray, Draw, &mut Worker, &mut T) -> Rgb + Sync,
-) -> (Vec<Rgb>, Counters) {
+) -> Rendered {
     let (width, height) = sampling.camera.size();
     let columns = width.div_ceil(EDGE);
-    monitor.begin(Phase::Eye, u64::from(width) * u64::from(height));
-    let tiles: Vec<(Vec<Rgb>, Counters)> = (0..columns * height.div_ceil(EDGE))
+    let every = sampling.every;
+    monitor.begin(Phase::Eye, u64::from(width) * u64::from(height) / u64::from(every));
+    let tiles: Vec<(Vec<(Rgb, Gauged)>, Counters)> = (0..tiles(width, height).div_ceil(every))
         .into_par_iter()
         .map(|tile| {
             let mut worker = Worker::default();
             let mut more = T::default();
             let mut pixels = Vec::with_capacity((EDGE * EDGE) as usize);
-            for (x, y) in pixels_of(tile, columns, width, height) {
+            for (x, y) in pixels_of(tile * every, columns, width, height) {
                 pixels.push(pixel(sampling, x, y, key, &mut worker, |ray, draw, worker| {
                     radiance(ray, draw, worker, &mut more)
                 }));
@@ -78,15 +97,30 @@ pub(super) fn render<T: Default>(
         })
         .collect();
 
-    let mut image = vec![Rgb::ZERO; width as usize * height as usize];
-    let mut counters = Counters::default();
-    for (tile, (pixels, counted)) in tiles.iter().enumerate() {
-        for ((x, y), value) in pixels_of(tile as u32, columns, width, height).zip(pixels) {
-            image[y as usize * width as usize + x as usize] = *value;
-        }
-        counters += *counted;
+    let pixels = width as usize * height as usize;
+    let mut out = Rendered { image: vec![Rgb::ZERO; pixels], ..Rendered::default() };
+    if sampling.gauge {
+        out.gauged = vec![Gauged::default(); pixels];
     }
-    (image, counters)
+    for (tile, (pixels, counted)) in tiles.iter().enumerate() {
+        for ((x, y), (value, gauged)) in pixels_of(tile as u32 * every, columns, width, height).zip(pixels) {
+            let at = y as usize * width as usize + x as usize;
+            out.image[at] = *value;
+            if sampling.gauge {
+                out.gauged[at] = *gauged;
+            }
+            if every > 1 {
+                out.only.push(at as u32);
+            }
+        }
+        out.counters += *counted;
+    }
+    out
+}
+
+/// Tiles of a picture.
+pub(super) fn tiles(width: u32, height: u32) -> u32 {
+    width.div_ceil(EDGE) * height.div_ceil(EDGE)
 }
 
 fn pixels_of(tile: u32, columns: u32, width: u32, height: u32) -> impl Iterator<Item = (u32, u32)> {
@@ -101,7 +135,7 @@ fn pixel(
     key: Key,
     worker: &mut Worker,
     mut radiance: impl FnMut(&Ray, Draw, &mut Worker) -> Rgb,
-) -> Rgb {
+) -> (Rgb, Gauged) {
     let corner = Vec2::new(x as f32, y as f32);
     let pixel = key.with(u64::from(y) << 32 | u64::from(x));
     let mut sum = Sum::default();
@@ -121,14 +155,19 @@ fn pixel(
         worker.counters.camera_rays += 1;
         let lens = sampling.lens.then(|| draw.two(Dimension::Lens));
         let value = radiance(&sampling.camera.ray(at, lens), draw, worker);
-        if value.is_finite() {
+        let finite = value.is_finite();
+        if finite {
             sum.add(value, weight);
         } else {
             worker.counters.rejected_samples += 1;
         }
+        if sampling.gauge {
+            worker.tally.end_ray(finite.then_some(weight));
+        }
     }
     let mean = if sampling.filter.is_some_and(Filter::is_signed) { sum.weighted() } else { sum.plain() };
-    (mean / f64::from(samples)).as_vec3()
+    let gauged = if sampling.gauge { worker.tally.end_pixel(samples) } else { Gauged::default() };
+    ((mean / f64::from(samples)).as_vec3(), gauged)
 }
 
 /// The sums of a pixel.
@@ -180,12 +219,20 @@ mod tests {
     fn looked(kind: FilterKind, samples: u32, look: impl Fn(f32) -> f32 + Sync) -> Vec<(f64, f64)> {
         let camera = Camera::orthographic(DVec3::Z, DVec3::NEG_Z, DVec3::Y, 1.0, 12, 1).unwrap();
         let filter = Filter::new(kind);
-        let sampling = Sampling { camera: &camera, filter: Some(&filter), samples, lens: false, density: None };
+        let sampling = Sampling {
+            camera: &camera,
+            filter: Some(&filter),
+            samples,
+            lens: false,
+            density: None,
+            gauge: false,
+            every: 1,
+        };
         let passes = 400u32;
         let mut sums = vec![(0.0, 0.0); 12];
         for pass in 0..passes {
             let key = Key::new(8).purpose(Purpose::Test).with(u64::from(pass));
-            let (image, _) = render(&sampling, key, &super::super::Silent, |ray, _, _, (): &mut ()| {
+            let Rendered { image, .. } = render(&sampling, key, &super::super::Silent, |ray, _, _, (): &mut ()| {
                 Rgb::splat(look(ray.origin.x + 6.0))
             });
             for (sum, value) in sums.iter_mut().zip(image) {

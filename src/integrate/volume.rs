@@ -4,7 +4,7 @@ use super::method::Passage;
 use super::tiles::Worker;
 use crate::color::{Rgb, Wavelength};
 use crate::medium::{Fade, Medium, transmittance};
-use crate::photon::{BeamMap, PointMap, Volume};
+use crate::photon::{BeamMap, LEVELS, PointMap, Volume};
 use crate::scene::{Interior, Stretch};
 use glam::Vec3;
 use rand::Rng;
@@ -39,43 +39,103 @@ pub(super) struct VolumeMap {
     estimate: VolumeEstimate,
     /// Wavelengths so far apart count as one \[nm], on surfaces too.
     pub band: f32,
+    /// Whether narrower blurs are looked at too, to tell the error.
+    gauge: bool,
+}
+
+/// Sums at the radius of a blur, and at narrower ones within it.
+struct Sums {
+    sums: [Rgb; LEVELS],
+    /// What the kernel grows by at half the squared radius, but for its shape.
+    narrower: f32,
+    /// The kernel's shape is this power of 1 − x².
+    power: i32,
+    gauge: bool,
+}
+
+impl Sums {
+    /// Of a kernel in so many dimensions.
+    fn new(dimensions: u32, power: i32, gauge: bool) -> Self {
+        let narrower = [1.0, std::f32::consts::SQRT_2, 2.0, 2.0 * std::f32::consts::SQRT_2][dimensions as usize];
+        Self { sums: [Rgb::ZERO; LEVELS], narrower, power, gauge }
+    }
+
+    /// Adds `sent` by a kernel of `weight` at squared distance `x2`, in squares of the radius.
+    #[inline]
+    fn add(&mut self, sent: Rgb, weight: f32, x2: f32) {
+        self.sums[0] += sent * weight;
+        if !self.gauge {
+            return;
+        }
+        let (mut scale, mut x) = (1.0, x2);
+        for sum in &mut self.sums[1..] {
+            scale *= self.narrower;
+            x *= 2.0;
+            if x < 1.0 {
+                let ratio = (1.0 - x) / (1.0 - x2);
+                let shape = if self.power == 1 { ratio } else { ratio * ratio };
+                *sum += sent * (weight * scale * shape);
+            }
+        }
+    }
+
+    /// All of them times `by`.
+    fn times(self, by: Rgb) -> [Rgb; LEVELS] {
+        self.sums.map(|sum| sum * by)
+    }
 }
 
 impl VolumeMap {
     /// Indexes what was stored for blurs of these radii: of beams, and of points.
-    pub fn build(volume: Volume, (beams, points): (f32, f32), estimate: VolumeEstimate, band: f32) -> Self {
+    pub fn build(
+        volume: Volume,
+        (beams, points): (f32, f32),
+        estimate: VolumeEstimate,
+        band: f32,
+        gauge: bool,
+    ) -> Self {
         let Volume { beams: ways, points: places } = volume;
-        Self { beams: BeamMap::build(ways, beams), points: PointMap::build(places, points), estimate, band }
+        Self { beams: BeamMap::build(ways, beams), points: PointMap::build(places, points), estimate, band, gauge }
     }
 
-    /// Radiance that a stretch sends to its start.
-    pub fn radiance<I: Interior>(&self, passage: &Passage<'_, I>, rng: &mut impl Rng, worker: &mut Worker) -> Rgb {
+    /// Radiance that a stretch sends to its start; it will count `times` times.
+    pub fn radiance<I: Interior>(
+        &self,
+        passage: &Passage<'_, I>,
+        times: u32,
+        rng: &mut impl Rng,
+        worker: &mut Worker,
+    ) -> Rgb {
         if self.beams.is_empty() && self.points.is_empty() {
             return Rgb::ZERO;
         }
         worker.counters.gathers += 1;
         let (found, fade) = (&mut worker.counters.gathered_photons, &mut worker.fade);
         let Stretch { ray, medium, .. } = passage.stretch;
-        let mut sum = Rgb::ZERO;
+        let mut levels = [Rgb::ZERO; LEVELS];
+        let mut add = |sums: [Rgb; LEVELS]| levels.iter_mut().zip(sums).for_each(|(level, sum)| *level += sum);
         if medium.is_homogeneous() {
-            sum += self.by_beams(passage, found);
+            add(self.by_beams(passage, found));
         }
-        if self.points.is_empty() {
-            return sum;
+        if !self.points.is_empty() {
+            add(match self.estimate {
+                VolumeEstimate::Points => self.at_a_point(passage, rng, found),
+                VolumeEstimate::Beams | VolumeEstimate::BeamRadiance => {
+                    fade.learn(medium, ray, ray.t_max, rng);
+                    self.along(passage, fade, found)
+                }
+            });
         }
-        sum + match self.estimate {
-            VolumeEstimate::Points => self.at_a_point(passage, rng, found),
-            VolumeEstimate::Beams | VolumeEstimate::BeamRadiance => {
-                fade.learn(medium, ray, ray.t_max, rng);
-                self.along(passage, fade, found)
-            }
+        if self.gauge {
+            worker.tally.note(passage.throughput * times as f32, levels);
         }
+        levels[0]
     }
 
-    fn by_beams<I: Interior>(&self, passage: &Passage<'_, I>, found: &mut u64) -> Rgb {
+    fn by_beams<I: Interior>(&self, passage: &Passage<'_, I>, found: &mut u64) -> [Rgb; LEVELS] {
         let Stretch { ray, medium, index, inside, .. } = passage.stretch;
         let (own, extinction) = (inside.wavelength(), medium.extinction());
-        let mut sum = Rgb::ZERO;
+        let mut sums = Sums::new(1, 1, self.gauge);
         self.beams.visit(ray, |beam, crossing| {
             if beam.medium != *index {
                 return;
@@ -83,44 +143,45 @@ impl VolumeMap {
             *found += 1;
             let left = transmittance(extinction, crossing.t + crossing.s);
             let phase = medium.phase.evaluate(-crossing.cos);
-            sum += beam.flux * left * shared(own, beam.wavelength, self.band) * (phase * crossing.weight);
+            let sent = beam.flux * left * shared(own, beam.wavelength, self.band);
+            sums.add(sent, phase * crossing.weight, crossing.x2);
         });
-        sum * medium.scattering
+        sums.times(medium.scattering)
     }
 
-    fn along<I: Interior>(&self, passage: &Passage<'_, I>, fade: &Fade, found: &mut u64) -> Rgb {
+    fn along<I: Interior>(&self, passage: &Passage<'_, I>, fade: &Fade, found: &mut u64) -> [Rgb; LEVELS] {
         let Stretch { ray, medium, index, inside, .. } = passage.stretch;
         let own = inside.wavelength();
-        let mut sum = Rgb::ZERO;
-        self.points.visit(ray, |photon, t, cos, weight| {
+        let mut sums = Sums::new(2, 2, self.gauge);
+        self.points.visit(ray, |photon, t, cos, weight, x2| {
             if photon.medium != *index {
                 return;
             }
             *found += 1;
             let left = fade.left(t);
             let phase = medium.phase.evaluate(-cos);
-            sum += photon.flux() * left * shared(own, photon.wavelength, self.band) * (phase * weight);
+            sums.add(photon.flux() * left * shared(own, photon.wavelength, self.band), phase * weight, x2);
         });
-        sum
+        sums.times(Rgb::ONE)
     }
 
-    fn at_a_point<I: Interior>(&self, passage: &Passage<'_, I>, rng: &mut impl Rng, found: &mut u64) -> Rgb {
+    fn at_a_point<I: Interior>(&self, passage: &Passage<'_, I>, rng: &mut impl Rng, found: &mut u64) -> [Rgb; LEVELS] {
         let Stretch { ray, medium, index, inside, .. } = passage.stretch;
         let own = inside.wavelength();
         let flight = medium.flight(ray, ray.t_max, passage.throughput, rng);
-        let Some(t) = flight.scattered else { return Rgb::ZERO };
+        let Some(t) = flight.scattered else { return [Rgb::ZERO; LEVELS] };
         let p = ray.at(t);
-        let mut sum = Rgb::ZERO;
-        self.points.around(p, |photon, weight| {
+        let mut sums = Sums::new(3, 1, self.gauge);
+        self.points.around(p, |photon, weight, x2| {
             if photon.medium != *index {
                 return;
             }
             *found += 1;
             let phase = medium.phase.evaluate(-photon.direction().dot(ray.direction));
-            sum += photon.flux() * shared(own, photon.wavelength, self.band) * (phase * weight);
+            sums.add(photon.flux() * shared(own, photon.wavelength, self.band), phase * weight, x2);
         });
         // What was drawn counts σs·T over the density; the photons are scattered light already.
-        sum * over(flight.weight, medium, p)
+        sums.times(over(flight.weight, medium, p))
     }
 }
 

@@ -57,6 +57,8 @@ pub struct Crossing {
     pub cos: f32,
     /// K₁(d)/sin θ \[1/length]: a kernel of integral 1 over the distance of the lines, over the sine between them.
     pub weight: f32,
+    /// Squared distance of the lines, in squares of the radius.
+    pub x2: f32,
 }
 
 /// Sine below which two unit directions, each rounded and normalised in four operations, may be one.
@@ -80,7 +82,7 @@ impl Crossing {
         }
         let x2 = height * height / (radius * radius * sin2);
         let weight = 0.75 * (1.0 - x2) / (radius * sin2.sqrt());
-        Some(Self { t: t as f32, s: s as f32, cos: d.dot(b) as f32, weight: weight as f32 })
+        Some(Self { t: t as f32, s: s as f32, cos: d.dot(b) as f32, weight: weight as f32, x2: x2 as f32 })
     }
 }
 

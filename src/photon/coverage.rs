@@ -1,7 +1,7 @@
 //! How much of an estimate's disc is surface.
 
 use super::Kernel;
-use super::estimate::{FLATNESS, SAME_SIDE};
+use super::estimate::{FLATNESS, LEVELS, SAME_SIDE};
 use crate::math::{Frame, Ray, warp};
 use crate::sampling::{Dimension, Key, sobol_2d};
 use crate::scene::Scene;
@@ -20,13 +20,19 @@ const LEAST: f32 = 0.05;
 /// estimate over this is the kernel's mean of the light on the surface that is there. On a flat surface it is exactly 1.
 #[must_use]
 pub fn coverage(scene: &Scene, p: Vec3, normal: Vec3, radius: f32, kernel: Kernel, key: Key) -> f32 {
+    nested_coverage(scene, p, normal, radius, kernel, key)[0]
+}
+
+/// The same of the disc and of the finer ones within it (see [`Nested`](super::Nested)), by the same rays.
+#[must_use]
+pub fn nested_coverage(scene: &Scene, p: Vec3, normal: Vec3, radius: f32, kernel: Kernel, key: Key) -> [f32; LEVELS] {
     let frame = Frame::around(normal);
     let height = radius * FLATNESS;
-    let (mut covered, mut whole) = (0.0, 0.0);
+    let (mut covered, mut whole) = ([0.0; LEVELS], [0.0; LEVELS]);
     for i in 0..PROBES {
         let d = warp::disc(sobol_2d(i, key, Dimension::Probe));
-        let shape = kernel.shape(d.length_squared());
-        whole += shape;
+        let shapes = shapes(kernel, d.length_squared());
+        whole = add(whole, shapes);
         let above = p + (frame.s * d.x + frame.t * d.y) * radius + normal * height;
         let ray = Ray { t_max: 2.0 * height, ..Ray::new(above, -normal) };
         let Some(hit) = scene.intersect(&ray) else { continue };
@@ -34,19 +40,22 @@ pub fn coverage(scene: &Scene, p: Vec3, normal: Vec3, radius: f32, kernel: Kerne
         if cos > SAME_SIDE {
             let rise = (height - hit.t) / radius;
             // The plane itself is met within rounding: it must count as flat.
-            let distance2 = d.length_squared() + rise * rise;
-            let shape = if rise.abs() < 1e-3 {
-                shape
-            } else if distance2 < 1.0 {
-                kernel.shape(distance2)
-            } else {
-                0.0
-            };
+            let there = if rise.abs() < 1e-3 { shapes } else { self::shapes(kernel, d.length_squared() + rise * rise) };
             let cos = if cos > 0.999_999 { 1.0 } else { cos };
-            covered += shape / cos;
+            covered = add(covered, there.map(|shape| shape / cos));
         }
     }
-    if whole > 0.0 { (covered / whole).max(LEAST) } else { 1.0 }
+    let part = |level: usize| if whole[level] > 0.0 { (covered[level] / whole[level]).max(LEAST) } else { 1.0 };
+    std::array::from_fn(part)
+}
+
+/// The kernel at squared distance `x` in each disc, in squares of the first one's radius.
+fn shapes(kernel: Kernel, x: f32) -> [f32; LEVELS] {
+    [kernel.shape_within(x), kernel.shape_within(2.0 * x), kernel.shape_within(4.0 * x)]
+}
+
+fn add(a: [f32; LEVELS], b: [f32; LEVELS]) -> [f32; LEVELS] {
+    std::array::from_fn(|level| a[level] + b[level])
 }
 
 #[cfg(test)]

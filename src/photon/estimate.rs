@@ -25,6 +25,18 @@ pub struct Estimate {
     pub count: u32,
 }
 
+/// Discs of an estimate and of the finer ones within it, each with half the area of the one before.
+pub const LEVELS: usize = 3;
+
+/// An estimate, and what the same photons tell at finer radii.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Nested {
+    /// The estimate itself.
+    pub whole: Estimate,
+    /// Radiance at the radius, at 1/√2 and at ½ of it \[W/(m² sr)].
+    pub radiance: [Rgb; LEVELS],
+}
+
 /// Buffers of nearest-neighbour searches, made once per tile.
 #[derive(Debug, Default)]
 pub struct Scratch {
@@ -69,8 +81,37 @@ impl PhotonMap {
         scratch: &mut Scratch,
         brdf: impl Fn(&Flux) -> Rgb,
     ) -> Estimate {
+        self.gather::<1>(p, normal, bandwidth, kernel, scratch, brdf).0
+    }
+
+    /// The same with what its finer discs tell: the estimate is bit for bit that of [`PhotonMap::estimate`].
+    ///
+    /// Within the distance of the k-th neighbour the others lie as evenly as density is even, so a finer disc is without bias as the whole
+    /// one is.
+    pub fn estimate_nested(
+        &self,
+        p: Vec3,
+        normal: Vec3,
+        bandwidth: Bandwidth,
+        kernel: Kernel,
+        scratch: &mut Scratch,
+        brdf: impl Fn(&Flux) -> Rgb,
+    ) -> Nested {
+        let (whole, radiance) = self.gather(p, normal, bandwidth, kernel, scratch, brdf);
+        Nested { whole, radiance }
+    }
+
+    fn gather<const N: usize>(
+        &self,
+        p: Vec3,
+        normal: Vec3,
+        bandwidth: Bandwidth,
+        kernel: Kernel,
+        scratch: &mut Scratch,
+        brdf: impl Fn(&Flux) -> Rgb,
+    ) -> (Estimate, [Rgb; N]) {
         if self.is_empty() {
-            return Estimate { radius: bandwidth.radius, ..Estimate::default() };
+            return (Estimate { radius: bandwidth.radius, ..Estimate::default() }, [Rgb::ZERO; N]);
         }
         if bandwidth.k > 0 {
             let r2 = match self.nearest(p, normal, bandwidth, scratch) {
@@ -79,44 +120,29 @@ impl PhotonMap {
                 Nearest::Crowd(_) => None,
             };
             if let Some(r2) = r2 {
-                let inverse = 1.0 / r2;
-                let taken = |d2: f32| {
+                let mut sums = Sums::<N>::new(kernel, r2);
+                for (d2, flux) in &scratch.found {
                     // A kernel that does not vanish at the k-th photon must leave it out: (k − 1)/(πr²) is unbiased.
-                    kernel.vanishes_at_edge() || d2 < r2 || scratch.found.len() < bandwidth.k as usize
-                };
-                let sum =
-                    scratch.found.iter().filter(|(d2, _)| taken(*d2)).fold(Rgb::ZERO, |sum, (d2, flux)| {
-                        sum + brdf(flux) * flux.power() * kernel.shape(*d2 * inverse)
-                    });
+                    if kernel.vanishes_at_edge() || *d2 < r2 || scratch.found.len() < bandwidth.k as usize {
+                        sums.add(*d2, brdf(flux) * flux.power());
+                    }
+                }
                 let count = scratch.found.len() as u32;
                 // All within the radius keep the radius itself, to the bit.
                 let radius = if count < bandwidth.k { bandwidth.radius } else { r2.sqrt() };
-                return Estimate { radiance: sum * kernel.scale(r2), radius, count };
+                return sums.estimate(radius, count);
             }
         }
-        self.within(p, normal, bandwidth, kernel, brdf)
-    }
-
-    fn within(
-        &self,
-        p: Vec3,
-        normal: Vec3,
-        bandwidth: Bandwidth,
-        kernel: Kernel,
-        brdf: impl Fn(&Flux) -> Rgb,
-    ) -> Estimate {
-        let r2 = bandwidth.radius * bandwidth.radius;
-        let inverse = 1.0 / r2;
-        let mut sum = Rgb::ZERO;
-        let mut count = 0;
         let plane = TangentPlane::new(p, normal);
+        let mut sums = Sums::<N>::new(kernel, bandwidth.radius * bandwidth.radius);
+        let mut count = 0;
         self.visit(p, bandwidth.radius, |flux, d2| {
             if counts(flux, &plane, bandwidth.radius) {
                 count += 1;
-                sum += brdf(flux) * flux.power() * kernel.shape(d2 * inverse);
+                sums.add(d2, brdf(flux) * flux.power());
             }
         });
-        Estimate { radiance: sum * kernel.scale(r2), radius: bandwidth.radius, count }
+        sums.estimate(bandwidth.radius, count)
     }
 
     /// Leaves the k nearest photons in `scratch`, or all where the largest radius holds fewer.
@@ -166,6 +192,39 @@ impl PhotonMap {
             Nearest::Kth(r2) | Nearest::Crowd(r2) => Some(r2.sqrt()),
             Nearest::Fewer => None,
         }
+    }
+}
+
+/// Sums over the photons of nested discs.
+struct Sums<const N: usize> {
+    kernel: Kernel,
+    r2: f32,
+    inverse: f32,
+    sums: [Rgb; N],
+}
+
+impl<const N: usize> Sums<N> {
+    fn new(kernel: Kernel, r2: f32) -> Self {
+        Self { kernel, r2, inverse: 1.0 / r2, sums: [Rgb::ZERO; N] }
+    }
+
+    #[inline]
+    fn add(&mut self, d2: f32, reflected: Rgb) {
+        let x = d2 * self.inverse;
+        self.sums[0] += reflected * self.kernel.shape(x);
+        for (sum, x) in self.sums[1..].iter_mut().zip([2.0 * x, 4.0 * x]) {
+            *sum += reflected * self.kernel.shape_within(x);
+        }
+    }
+
+    fn estimate(self, radius: f32, count: u32) -> (Estimate, [Rgb; N]) {
+        let mut r2 = self.r2;
+        let radiance = self.sums.map(|sum| {
+            let scaled = sum * self.kernel.scale(r2);
+            r2 *= 0.5;
+            scaled
+        });
+        (Estimate { radiance: radiance[0], radius, count }, radiance)
     }
 }
 

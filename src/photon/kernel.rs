@@ -45,6 +45,13 @@ impl Kernel {
         }
     }
 
+    /// The same, but zero from the edge on, for discs within a search.
+    #[inline]
+    #[must_use]
+    pub fn shape_within(self, x: f32) -> f32 {
+        if x < 1.0 { self.shape(x) } else { 0.0 }
+    }
+
     /// What turns [`Kernel::shape`] into a density \[1/length²].
     #[inline]
     #[must_use]

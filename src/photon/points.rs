@@ -96,12 +96,13 @@ impl PointMap {
     }
 
     /// Visits every photon closer than the radius to the ray, of unit direction, and not before its start or beyond its end: with the
-    /// distance along the ray, the cosine between the ray's direction and the photon's, and K₂ \[1/length²].
+    /// distance along the ray, the cosine between the ray's direction and the photon's, K₂ \[1/length²], and the squared distance in
+    /// squares of the radius.
     ///
     /// The beam radiance estimate (Jarosz, Zwicker and Jensen 2008, section 5): radiance towards the ray's origin is
     /// Σ flux · p(cos) · T(t) · weight for photons stored where a medium scattered them. Allocates nothing.
     #[inline]
-    pub fn visit(&self, ray: &Ray, mut visitor: impl FnMut(&VolumePhoton, f32, f32, f32)) {
+    pub fn visit(&self, ray: &Ray, mut visitor: impl FnMut(&VolumePhoton, f32, f32, f32, f32)) {
         let wanted = Wanted::new(ray, self.radius);
         let r2 = f64::from(self.radius) * f64::from(self.radius);
         let scale = 3.0 * FRAC_1_PI / r2;
@@ -114,24 +115,26 @@ impl PointMap {
                 let t = to.dot(d) * per_d2;
                 let d2 = (to - d * t).length_squared();
                 if d2 < r2 && t > 0.0 && t < f64::from(ray.t_max) {
-                    let x = 1.0 - d2 / r2;
-                    visitor(photon, t as f32, ray.direction.dot(photon.direction()), (scale * x * x) as f32);
+                    let (x2, cos) = (d2 / r2, ray.direction.dot(photon.direction()));
+                    visitor(photon, t as f32, cos, (scale * (1.0 - x2) * (1.0 - x2)) as f32, x2 as f32);
                 }
             }
         });
     }
 
-    /// Visits every photon closer than the radius to a place, with K₃ \[1/length³]: there, Σ flux · p(cos) · weight is the
-    /// light that scatters towards a ray in each unit of its length (Jensen and Christensen 1998, section 3.2). Allocates nothing.
+    /// Visits every photon closer than the radius to a place, with K₃ \[1/length³] and the squared distance in squares of the radius:
+    /// there, Σ flux · p(cos) · weight is the light that scatters towards a ray in each unit of its length (Jensen and Christensen
+    /// 1998, section 3.2). Allocates nothing.
     #[inline]
-    pub fn around(&self, p: Vec3, mut visitor: impl FnMut(&VolumePhoton, f32)) {
+    pub fn around(&self, p: Vec3, mut visitor: impl FnMut(&VolumePhoton, f32, f32)) {
         let per_radius = 1.0 / self.radius;
         let scale = (15.0 / 8.0 * FRAC_1_PI) as f32 * per_radius * per_radius * per_radius;
         let here = Ray { origin: p, direction: Vec3::Z, t_max: 0.0 };
         self.boxes.along(&here, &mut |run| {
             let (mask, x2) = self.packets[run as usize].near(p, per_radius);
             for slot in slots(mask) {
-                visitor(&self.photons[run as usize * LANES + slot], scale * (1.0 - x2.as_array()[slot]));
+                let x2 = x2.as_array()[slot];
+                visitor(&self.photons[run as usize * LANES + slot], scale * (1.0 - x2), x2);
             }
         });
     }

@@ -73,7 +73,7 @@ fn check_line(map: &PointMap, photons: &[VolumePhoton], ray: &Ray) {
         }
     }
     let mut found = Vec::new();
-    map.visit(ray, |p, t, cos, weight| {
+    map.visit(ray, |p, t, cos, weight, _| {
         assert_eq!(cos, ray.direction.dot(p.direction()));
         if f64::from(weight) * r * r > 1e-17 {
             found.push((p.medium, f64::from(t), f64::from(weight)));
@@ -93,7 +93,7 @@ fn check_place(map: &PointMap, photons: &[VolumePhoton], place: Vec3) -> usize {
     let r = f64::from(map.radius());
     let x2 = |p: &VolumePhoton| (p.position.as_dvec3() - place.as_dvec3()).length_squared() / (r * r);
     let mut found = Vec::new();
-    map.around(place, |p, weight| {
+    map.around(place, |p, weight, _| {
         let expected = 15.0 / (8.0 * PI * r * r * r) * (1.0 - x2(p));
         assert!((f64::from(weight) - expected).abs() * r * r * r < 1e-6, "{weight} {expected}");
         found.push(p.medium);
@@ -111,8 +111,8 @@ fn crowds_nothing_and_no_radius() {
     let ray = Ray::new(Vec3::NEG_Z, Vec3::Z);
     let count = |map: &PointMap| {
         let (mut line, mut ball) = (0, 0);
-        map.visit(&ray, |_, _, _, _| line += 1);
-        map.around(Vec3::ZERO, |_, _| ball += 1);
+        map.visit(&ray, |_, _, _, _, _| line += 1);
+        map.around(Vec3::ZERO, |_, _, _| ball += 1);
         (line, ball)
     };
     assert!(PointMap::build(Vec::new(), 1.0).is_empty());
@@ -130,7 +130,7 @@ fn the_map_is_one_for_any_number_of_threads() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
         let map = pool.install(|| PointMap::build(random(20_000, |i| place(i % 6000)), 0.1));
         let mut all = Vec::new();
-        map.visit(&ray, |p, _, _, _| all.push(p.medium));
+        map.visit(&ray, |p, _, _, _, _| all.push(p.medium));
         all
     };
     assert!(with(1).len() > 100);
@@ -174,7 +174,7 @@ fn a_collimated_beam_seen_from_the_side() {
             scattered * libm::exp(-extinction * t) * f64::from(weight)
         };
         let mut line = 0.0;
-        map.visit(&ray, |p, t, cos, weight| {
+        map.visit(&ray, |p, t, cos, weight, _| {
             assert!(cos.abs() < 1e-4);
             line += part(p, f64::from(t), weight);
         });
@@ -184,7 +184,7 @@ fn a_collimated_beam_seen_from_the_side() {
         let step = across / f64::from(steps);
         for k in 0..steps {
             let t = (f64::from(k) + 0.5) * step;
-            map.around(ray.at(t as f32), |p, weight| ball += part(p, t, weight) * step);
+            map.around(ray.at(t as f32), |p, weight, _| ball += part(p, t, weight) * step);
         }
         balls.push(ball);
     }
