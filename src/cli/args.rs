@@ -1,7 +1,7 @@
 //! What can be typed.
 
 use super::MeshArguments;
-use super::number::{count, duration, length, positive_count, size, stops, threads};
+use super::number::{alpha, count, duration, length, positive_count, size, stops, threads};
 use crate::camera::FilterKind;
 use crate::image::{BitDepth, Curve};
 use crate::integrate::VolumeEstimate;
@@ -95,6 +95,10 @@ pub struct MethodArguments {
     /// Largest gather radius of the first pass, in units of the scene  [default: found by a pilot pass]
     #[arg(long, value_parser = length, value_name = "R")]
     pub radius: Option<f32>,
+
+    /// How fast gather radii shrink: variance falls as N^-ALPHA over N passes, in (0, 1]; 1 keeps them. No matter to pm  [default: 2/3]
+    #[arg(long, value_parser = alpha, value_name = "ALPHA")]
+    pub alpha: Option<f64>,
 
     /// Kernel of the density estimate: box, cone or epanechnikov
     #[arg(long, default_value = "epanechnikov", value_name = "NAME")]

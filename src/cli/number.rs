@@ -85,6 +85,12 @@ pub(super) fn above_zero(text: &str) -> Result<f64, String> {
     within(text, |x| x > 0.0).ok_or_else(|| format!("`{text}` is no factor: write a number above 0"))
 }
 
+/// An exponent above 0 and at most 1.
+pub(super) fn alpha(text: &str) -> Result<f64, String> {
+    within(text, |x| x > 0.0 && x <= 1.0)
+        .ok_or_else(|| format!("`{text}` is no such exponent: write a number above 0 and at most 1"))
+}
+
 /// An angle from 0 to 180 degrees.
 pub(super) fn degrees(text: &str) -> Result<f64, String> {
     within(text, |x| (0.0..=180.0).contains(&x))
@@ -132,6 +138,7 @@ mod tests {
         }
         assert_eq!((stops("+1.5"), stops("-64")), (Ok(1.5), Ok(-64.0)));
         assert!(threads("0").is_err() && threads("1025").is_err() && threads("1k") == Ok(1000));
+        assert!(["0", "1.01", "NaN"].iter().all(|text| alpha(text).is_err()) && alpha("1") == Ok(1.0));
         assert!(length("0").is_err() && length("NaN").is_err() && length("0.5").is_ok());
     }
 

@@ -2,7 +2,7 @@
 
 use super::args::{AlgorithmName, GatheringName, MethodArguments};
 use crate::camera::Filter;
-use crate::integrate::{Algorithm, EyeSettings, FinalGathering, Settings, VolumeEstimate};
+use crate::integrate::{ALPHA, Algorithm, EyeSettings, FinalGathering, Settings, VolumeEstimate};
 use crate::plan::Wishes;
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
@@ -53,6 +53,7 @@ pub(super) fn settings(arguments: &MethodArguments, effects: Wishes) -> Settings
         balance: arguments.photons.is_none() && arguments.caustic_photons.is_none() && arguments.gather_k.is_none(),
         gather_k: arguments.gather_k,
         radius: arguments.radius,
+        alpha: arguments.alpha.unwrap_or(ALPHA),
         kernel: arguments.kernel,
         volume: arguments.volume,
         final_gathering: match arguments.final_gathering {

@@ -1,7 +1,7 @@
 //! Errors relative to the light around.
 
 use super::Image;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 /// Half the edge of the square over which light is averaged, in pixels.
 const AROUND: usize = 2;
@@ -20,8 +20,18 @@ impl RelativeScale {
     /// The scale of what `picture` shows, the truth or what comes near it. Pixels that are not finite are left out of its means.
     #[must_use]
     pub fn of(picture: &Image) -> Self {
-        let (width, height) = (picture.width() as usize, picture.height() as usize);
-        let light: Vec<f64> = picture.pixels().iter().map(|p| p.as_dvec3().element_sum().abs() / 3.0).collect();
+        Self::of_pixels((picture.width(), picture.height()), picture.pixels())
+    }
+
+    /// The same of the pixels of a picture of width and height `size`, by rows from the top.
+    ///
+    /// # Panics
+    /// Where there are not as many.
+    #[must_use]
+    pub fn of_pixels(size: (u32, u32), pixels: &[Vec3]) -> Self {
+        let (width, height) = (size.0 as usize, size.1 as usize);
+        assert_eq!(pixels.len(), width * height);
+        let light: Vec<f64> = pixels.iter().map(|p| p.as_dvec3().element_sum().abs() / 3.0).collect();
         let around: Vec<f64> = (0..width * height)
             .map(|i| {
                 let (x, y) = (i % width, i / width);
@@ -63,7 +73,6 @@ impl RelativeScale {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::Vec3;
 
     fn image(width: u32, values: &[f32]) -> Image {
         let pixels: Vec<Vec3> = values.iter().map(|v| Vec3::splat(*v)).collect();

@@ -5,7 +5,7 @@ use super::pilot::{Blurs, auto_radius, volume_blurs};
 use super::progressive::shrink_in;
 use super::visible::visible;
 use super::volume::{VolumeEstimate, VolumeMap};
-use super::{Expected, EyeSettings, Lessons, Monitor, Pass, Phase, PhotonReport, Radii, Settings, shrink};
+use super::{Expected, EyeSettings, Lessons, Monitor, Pass, Phase, PhotonReport, Radii, RadiusLaw, Settings, shrink};
 use crate::photon::{Bandwidth, Photon, PhotonMap, PhotonPass, PhotonSource, Pilot, THINNING, Traced, Volume, Wants};
 use crate::plan::{Effect, Effects};
 use crate::sampling::{Key, Purpose};
@@ -228,6 +228,15 @@ impl<'a> MapMaker<'a> {
         Wants { beams: self.settings.volume == VolumeEstimate::Beams, ..wants }
     }
 
+    /// How radii go from pass to pass.
+    pub fn law(&self) -> RadiusLaw {
+        let alpha = match self.needs.schedule {
+            Schedule::Shrinking => self.settings.alpha,
+            Schedule::Fixed => 1.0,
+        };
+        RadiusLaw { alpha, kernel: self.settings.kernel }
+    }
+
     /// Whether a pass has photons.
     pub fn has_photons(&self) -> bool {
         self.caustic.is_some() || self.global.is_some()
@@ -311,22 +320,18 @@ impl<'a> MapMaker<'a> {
         most: u32,
         draft: &Draft,
     ) -> Gathering<'a> {
-        // Radii that stay are those of the first pass.
-        let pass = match self.needs.schedule {
-            Schedule::Shrinking => draft.pass,
-            Schedule::Fixed => 0,
-        };
-        let area = shrink(pass);
+        let (pass, RadiusLaw { alpha, kernel }) = (draft.pass, self.law());
+        let area = shrink(alpha, pass);
         let estimate = self.settings.volume;
         let (of_beams, of_points) = estimate.dimensions();
-        let blurs = (blurs.beams * shrink_in(of_beams, pass), blurs.points * shrink_in(of_points, pass));
+        let blurs = (blurs.beams * shrink_in(of_beams, alpha, pass), blurs.points * shrink_in(of_points, alpha, pass));
         let band = BAND * area.sqrt() as f32;
         let gauge = self.settings.eye.gauge;
         let volume = VolumeMap::build(volume, blurs, estimate, band, gauge);
         let most = if draft.limited { most } else { 0 };
         let k = (f64::from(most) * area).round().max(FEWEST) as u32;
         let bandwidth = Bandwidth { radius: radius * area.sqrt() as f32, k: k.min(most) };
-        Gathering { scene: self.scene, map, bandwidth, kernel: self.settings.kernel, gauge, volume }
+        Gathering { scene: self.scene, map, bandwidth, kernel, gauge, volume }
     }
 
     fn trace(

@@ -34,7 +34,7 @@ pub use gauged::{Discs, Gauged};
 pub use maker::CAUSTIC_K;
 pub use pass::{Expected, Monitor, Pass, Phase, PhotonReport, Seconds, Silent};
 pub use pilot::{Lessons, Radii};
-pub use progressive::{ALPHA, shrink};
+pub use progressive::{ALPHA, RadiusLaw, shrink};
 pub use settings::{EyeSettings, FinalGathering, Settings};
 pub use volume::VolumeEstimate;
 
@@ -56,6 +56,11 @@ pub trait Integrator: Sync {
 
     /// Largest gather radii of the first pass; `None` without photons.
     fn radii(&self) -> Option<Radii> {
+        None
+    }
+
+    /// How radii go from pass to pass; `None` without estimates.
+    fn radius_law(&self) -> Option<RadiusLaw> {
         None
     }
 

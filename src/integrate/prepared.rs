@@ -6,7 +6,7 @@ use super::eye::EyePass;
 use super::maker::MapMaker;
 use super::maps::{Maps, Needs};
 use super::method::Method;
-use super::{Expected, EyeSettings, Integrator, Lessons, Monitor, Pass, Radii, Settings};
+use super::{Expected, EyeSettings, Integrator, Lessons, Monitor, Pass, Radii, RadiusLaw, Settings};
 use crate::color::Rgb;
 use crate::plan::{Effect, Effects, Plan};
 use crate::sampling::{Dimension, Draw, Key, Purpose};
@@ -215,6 +215,10 @@ impl Integrator for Prepared<'_> {
 
     fn radii(&self) -> Option<Radii> {
         self.maker.radii
+    }
+
+    fn radius_law(&self) -> Option<RadiusLaw> {
+        self.maker.has_photons().then(|| self.maker.law())
     }
 
     fn lessons(&self) -> Lessons {

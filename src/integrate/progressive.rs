@@ -1,26 +1,35 @@
 //! The radius law of independent passes.
 
+use crate::photon::Kernel;
+
 /// How fast the radius shrinks: variance falls as N^−α, squared bias as N^2(α−1); ⅔ balances both (Kaplanyan and Dachsbacher
 /// 2013).
 pub const ALPHA: f64 = 2.0 / 3.0;
 
+/// How radii go from pass to pass, and how noisy their estimates are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RadiusLaw {
+    /// Variance of n passes falls as n^−α where estimates make it; 1 where radii stay.
+    pub alpha: f64,
+    /// Kernel of the estimates.
+    pub kernel: Kernel,
+}
+
 /// Squared radius of pass `pass` (counted from 0) over that of the first: the product of (i + α)/(i + 1) for i = 1 … pass
 /// (Knaus and Zwicker 2011, equation 15).
 #[must_use]
-pub fn shrink(pass: u32) -> f64 {
-    product(ALPHA, pass)
-}
-
-/// The radius of pass `pass` over that of the first, of a kernel in so many dimensions: its measure shrinks by the same law with
-/// α = 4/(4 + d), where variance N^−α and squared bias N^4(α−1)/d fall alike.
-#[must_use]
-pub(super) fn shrink_in(dimensions: u32, pass: u32) -> f32 {
-    let d = f64::from(dimensions);
-    libm::pow(product(4.0 / (4.0 + d), pass), 1.0 / d) as f32
-}
-
-fn product(alpha: f64, pass: u32) -> f64 {
+pub fn shrink(alpha: f64, pass: u32) -> f64 {
     (1..=pass).map(f64::from).map(|i| (i + alpha) / (i + 1.0)).product()
+}
+
+/// The radius of pass `pass` over that of the first, of a kernel in so many dimensions, where the squared radius of discs follows
+/// [`shrink`]: its measure shrinks by the same law, with 1 − α times 3d/(4 + d). By default that is α = 4/(4 + d), where variance N^−α and
+/// squared bias N^4(α−1)/d fall alike.
+#[must_use]
+pub(super) fn shrink_in(dimensions: u32, alpha: f64, pass: u32) -> f32 {
+    let d = f64::from(dimensions);
+    let own = 1.0 - (1.0 - alpha) * 3.0 * d / (4.0 + d);
+    libm::pow(shrink(own, pass), 1.0 / d) as f32
 }
 
 #[cfg(test)]
@@ -30,11 +39,11 @@ mod tests {
     #[test]
     fn discs_shrink_by_the_law_of_surfaces() {
         for pass in [0, 1, 17, 1000] {
-            assert!((f64::from(shrink_in(2, pass)) - shrink(pass).sqrt()).abs() < 1e-6);
+            assert!((f64::from(shrink_in(2, ALPHA, pass)) - shrink(ALPHA, pass).sqrt()).abs() < 1e-6);
         }
         // N^(α−1)/d: −1/5, −1/6 and −1/7.
         for (dimensions, power) in [(1, -0.2), (2, -1.0 / 6.0), (3, -1.0 / 7.0)] {
-            let ratio = f64::from(shrink_in(dimensions, 99_999) / shrink_in(dimensions, 9999));
+            let ratio = f64::from(shrink_in(dimensions, ALPHA, 99_999) / shrink_in(dimensions, ALPHA, 9999));
             assert!((libm::log10(ratio) - power).abs() < 1e-3, "{dimensions}: {ratio}");
         }
     }
@@ -42,13 +51,13 @@ mod tests {
     /// The closed form Γ(N+α)/(Γ(1+α)Γ(N+1)) and its asymptote N^(α−1)/Γ(1+α), whose relative error is below 1/N.
     #[test]
     fn the_product_is_the_ratio_of_gammas() {
-        assert_eq!(shrink(0), 1.0);
+        assert_eq!((shrink(ALPHA, 0), shrink(1.0, 1000), shrink_in(3, 1.0, 1000)), (1.0, 1.0, 1.0));
         for pass in [1u32, 10, 1000, 1_000_000] {
             let n = f64::from(pass) + 1.0;
             let closed = libm::exp(libm::lgamma(n + ALPHA) - libm::lgamma(1.0 + ALPHA) - libm::lgamma(n + 1.0));
-            assert!((shrink(pass) / closed - 1.0).abs() < 1e-7);
+            assert!((shrink(ALPHA, pass) / closed - 1.0).abs() < 1e-7);
             let asymptote = libm::pow(n, ALPHA - 1.0) / libm::tgamma(1.0 + ALPHA);
-            assert!((shrink(pass) / asymptote - 1.0).abs() < 1.0 / n);
+            assert!((shrink(ALPHA, pass) / asymptote - 1.0).abs() < 1.0 / n);
         }
     }
 }

@@ -1,6 +1,6 @@
 //! What a user may set.
 
-use super::VolumeEstimate;
+use super::{ALPHA, VolumeEstimate};
 use crate::camera::{Filter, FilterKind};
 use crate::photon::Kernel;
 use crate::plan::Wishes;
@@ -55,6 +55,8 @@ pub struct Settings {
     pub gather_k: Option<u32>,
     /// Largest radius of the first pass \[length]; `None` lets a pilot find one for each map.
     pub radius: Option<f32>,
+    /// How fast radii shrink from pass to pass, in (0, 1]; 1: not at all. Those of [`Algorithm::Pm`](super::Algorithm::Pm) stay anyway.
+    pub alpha: f64,
     /// Kernel of the estimates.
     pub kernel: Kernel,
     /// How light in media is estimated from photons.
@@ -84,6 +86,7 @@ impl Default for Settings {
             balance: true,
             gather_k: None,
             radius: None,
+            alpha: ALPHA,
             kernel: Kernel::default(),
             volume: VolumeEstimate::default(),
             final_gathering: FinalGathering::default(),

@@ -82,6 +82,16 @@ impl Kernel {
         }
     }
 
+    /// Variance of the difference to the same kernel on a disc of half the area, by the same photons, over the variance of the estimate.
+    #[must_use]
+    pub fn step_noise(self) -> f32 {
+        match self {
+            Self::Box => 1.0,
+            Self::Cone => std::f32::consts::SQRT_2 - 1.0,
+            Self::Epanechnikov => 0.5,
+        }
+    }
+
     /// Second moment µ₂ per axis of the unit kernel: the estimate's bias is (r²/2)·µ₂·∇²E.
     #[must_use]
     pub fn second_moment(self) -> f32 {
@@ -103,17 +113,23 @@ mod tests {
         let n = 100_000;
         let r = 1.7f32;
         for kernel in [Kernel::Box, Kernel::Cone, Kernel::Epanechnikov] {
-            let (mut integral, mut square, mut second) = (0.0f64, 0.0f64, 0.0f64);
+            let (mut integral, mut square, mut second, mut step) = (0.0f64, 0.0f64, 0.0f64, 0.0f64);
             for i in 0..n {
                 let d = (i as f32 + 0.5) / n as f32 * r;
                 let ring = f64::from(std::f32::consts::TAU * d * r / n as f32);
                 let k = f64::from(kernel.shape(d * d / (r * r)) * kernel.scale(r * r));
                 integral += k * ring;
                 square += k * k * ring * f64::from(std::f32::consts::PI * r * r);
+                let x = 2.0 * d * d / (r * r);
+                let finer = f64::from(kernel.shape_within(x) * kernel.scale(0.5 * r * r));
+                step += (k - finer) * (k - finer) * ring * f64::from(std::f32::consts::PI * r * r);
                 second += k * ring * f64::from(d * d / (r * r)) * 0.5;
             }
             assert!((integral - 1.0).abs() < 1e-5, "{kernel:?} {integral}");
             assert!((square - f64::from(kernel.noise_factor())).abs() < 1e-5, "{kernel:?} {square}");
+            // The box ends within a ring of the sum, whose weight is 1/n.
+            let share = f64::from(kernel.step_noise());
+            assert!((step / square - share).abs() < 5e-5, "{kernel:?} {}", step / square);
             assert!((second - f64::from(kernel.second_moment())).abs() < 1e-5, "{kernel:?} {second}");
         }
     }

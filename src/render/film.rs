@@ -39,6 +39,12 @@ impl Film {
         (self.width, self.height)
     }
 
+    /// The sums, by rows from the top.
+    #[must_use]
+    pub fn sums(&self) -> &[DVec3] {
+        &self.sum
+    }
+
     /// The mean of the passes; black where there is none.
     #[must_use]
     pub fn mean(&self) -> Vec<Rgb> {

@@ -1,6 +1,7 @@
 //! Driving an integrator: passes, when to stop, the mean of what they gave.
 
 mod film;
+pub mod gauge;
 
 pub use film::Film;
 

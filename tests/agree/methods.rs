@@ -4,7 +4,9 @@ use crate::common::project;
 use caustica::camera::{Filter, FilterKind};
 use caustica::color::Rgb;
 use caustica::format::{Source, parse, resolve};
-use caustica::integrate::{Algorithm, EyeSettings, FinalGathering, Integrator, Settings, Silent, VolumeEstimate};
+use caustica::integrate::{
+    ALPHA, Algorithm, EyeSettings, FinalGathering, Integrator, Settings, Silent, VolumeEstimate,
+};
 use caustica::photon::Kernel;
 use caustica::scene::Scene;
 
@@ -74,6 +76,7 @@ fn prepare<'a>(method: Method, scene: &'a Scene, effort: Effort, i: u32) -> Box<
         caustic_photons: effort.caustic,
         gather_k: Some(0),
         radius: Some(effort.radius as f32),
+        alpha: ALPHA,
         kernel: Kernel::Epanechnikov,
         volume: match method {
             Method::Along => VolumeEstimate::BeamRadiance,

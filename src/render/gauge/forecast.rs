@@ -1,0 +1,178 @@
+//! How many passes an error takes.
+
+use super::{Gauge, Reading};
+use crate::integrate::shrink;
+use crate::render::Film;
+
+/// Nobody waits for more passes.
+const MOST_PASSES: u32 = 10_000_000;
+
+/// What an error takes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Needed {
+    /// So many passes in all.
+    Passes(u32),
+    /// No number of passes: what they leave is larger.
+    Never {
+        /// The relative error that is left.
+        floor: f64,
+    },
+    /// More than ten million passes.
+    TooMany,
+}
+
+/// How the error goes on from here.
+///
+/// A part of the noise falls as 1/n, that of estimates as Σ 1/aᵢ over n², where aᵢ is what is left of the area of discs in pass i; how much
+/// of the noise they make is told by how noisy D₀ is. Blur goes as the mean of aᵢ to the power by which it was seen to go.
+#[derive(Clone, Copy, Debug)]
+pub struct Forecast {
+    alpha: f64,
+    /// Relative variance of a pass that does not depend on discs.
+    even: f64,
+    /// The same of estimates in the first pass.
+    gathered: f64,
+    /// Blur of the first pass.
+    blur: f64,
+    /// Blur goes as area to this power.
+    power: f64,
+    frozen: f64,
+}
+
+impl Gauge {
+    /// How the error goes on; `None` while too few passes tell.
+    #[must_use]
+    pub fn forecast(&self, film: &Film) -> Option<Forecast> {
+        let reading = self.read(film);
+        reading
+            .error
+            .is_finite()
+            .then(|| Forecast::new(&reading, self.law.map(|law| (law.alpha, law.kernel.step_noise()))))
+    }
+}
+
+impl Forecast {
+    fn new(reading: &Reading, law: Option<(f64, f32)>) -> Self {
+        let Some((alpha, step_noise)) = law else {
+            let even = reading.variance;
+            return Self { alpha: 1.0, even, gathered: 0.0, blur: 0.0, power: 1.0, frozen: reading.frozen };
+        };
+        let n = f64::from(reading.passes);
+        let power = (-libm::log2(reading.ratio)).max(0.0);
+        let mut sums = Sums::new(alpha, power);
+        (0..reading.passes).for_each(|_| sums.advance());
+        let gathered = (reading.step_variance / f64::from(step_noise)).min(reading.variance);
+        Self {
+            alpha,
+            even: reading.variance - gathered,
+            gathered: gathered * n / sums.inverse,
+            blur: reading.blur * n / sums.blur,
+            power,
+            frozen: reading.frozen,
+        }
+    }
+
+    /// The relative error after `passes` passes, at least one, as noise and bias.
+    #[must_use]
+    pub fn after(&self, passes: u32) -> (f64, f64) {
+        let mut sums = Sums::new(self.alpha, self.power);
+        (0..passes).for_each(|_| sums.advance());
+        self.at(&sums)
+    }
+
+    fn at(&self, sums: &Sums) -> (f64, f64) {
+        let n = f64::from(sums.passes);
+        let noise2 = (self.even * n + self.gathered * sums.inverse) / (n * n);
+        let blur = self.blur * sums.blur / n;
+        (noise2.sqrt(), (blur * blur + self.frozen * self.frozen).sqrt())
+    }
+
+    /// Passes until the error is at most `target`.
+    #[must_use]
+    pub fn passes_to(&self, target: f64) -> Needed {
+        let floor = if self.alpha < 1.0 && self.power > 0.0 { self.frozen } else { self.blur.hypot(self.frozen) };
+        if floor >= target {
+            return Needed::Never { floor };
+        }
+        let mut sums = Sums::new(self.alpha, self.power);
+        while sums.passes < MOST_PASSES {
+            sums.advance();
+            let (noise, bias) = self.at(&sums);
+            if noise.hypot(bias) <= target {
+                return Needed::Passes(sums.passes);
+            }
+        }
+        Needed::TooMany
+    }
+}
+
+/// Sums over passes.
+struct Sums {
+    alpha: f64,
+    power: f64,
+    passes: u32,
+    /// What is left of the area of discs in the next pass.
+    area: f64,
+    /// Σ 1/area.
+    inverse: f64,
+    /// Σ area^power.
+    blur: f64,
+}
+
+impl Sums {
+    fn new(alpha: f64, power: f64) -> Self {
+        Self { alpha, power, passes: 0, area: shrink(alpha, 0), inverse: 0.0, blur: 0.0 }
+    }
+
+    fn advance(&mut self) {
+        self.inverse += 1.0 / self.area;
+        self.blur += if self.power == 1.0 { self.area } else { libm::pow(self.area, self.power) };
+        self.passes += 1;
+        let i = f64::from(self.passes);
+        self.area *= (i + self.alpha) / (i + 1.0);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn reading(passes: u32, variance: f64, step_variance: f64, blur: f64, ratio: f64) -> Reading {
+        Reading { passes, variance, step_variance, blur, ratio, ..Reading::default() }
+    }
+
+    /// 4 passes of variance .04: .1 now, .01 after 400.
+    #[test]
+    fn noise_alone_falls_as_the_root_of_passes() {
+        let forecast = Forecast::new(&reading(4, 0.04, 0.0, 0.0, 0.5), None);
+        assert!((forecast.after(4).0 - 0.1).abs() < 1e-12);
+        assert_eq!(forecast.passes_to(0.01), Needed::Passes(400));
+        assert_eq!(forecast.passes_to(1e-9), Needed::TooMany);
+    }
+
+    #[test]
+    fn fixed_radii_leave_a_floor() {
+        let forecast = Forecast::new(&reading(10, 0.04, 0.01, 0.02, 0.5), Some((1.0, 0.5)));
+        assert_eq!(forecast.passes_to(0.02), Needed::Never { floor: 0.02 });
+        let Needed::Passes(n) = forecast.passes_to(0.025) else { panic!("it can be reached") };
+        // .04/n = .025² − .02².
+        assert_eq!(n, 178);
+    }
+
+    /// Where estimates make all noise, the exact law of Knaus and Zwicker holds: both parts go as n^(−1/3) in the long run.
+    #[test]
+    fn shrinking_radii_follow_their_law() {
+        let alpha = 2.0 / 3.0;
+        let forecast = Forecast::new(&reading(8, 0.04, 0.02, 0.02, 0.5), Some((alpha, 0.5)));
+        let mean = |n: u32, power: f64| (0..n).map(|i| libm::pow(shrink(alpha, i), power)).sum::<f64>() / f64::from(n);
+        let (noise, bias) = forecast.after(64);
+        let expected = 0.04 / 8.0 * (mean(64, -1.0) / 64.0) / (mean(8, -1.0) / 8.0);
+        assert!((noise * noise / expected - 1.0).abs() < 1e-9, "{noise}");
+        assert!((bias / (0.02 * mean(64, 1.0) / mean(8, 1.0)) - 1.0).abs() < 1e-9, "{bias}");
+        let slope = |f: fn((f64, f64)) -> f64| libm::log10(f(forecast.after(1_000_000)) / f(forecast.after(100_000)));
+        assert!((slope(|e| e.0) + 1.0 / 3.0).abs() < 1e-3 && (slope(|e| e.1) + 1.0 / 3.0).abs() < 1e-3);
+        let Needed::Passes(n) = forecast.passes_to(0.01) else { panic!("it can be reached") };
+        let error = |n| forecast.after(n).0.hypot(forecast.after(n).1);
+        assert!(error(n) <= 0.01 && error(n - 1) > 0.01);
+    }
+}

@@ -1,0 +1,230 @@
+//! What a gauge tells of the picture so far.
+
+use super::{Estimates, Frozen, Gauge};
+use crate::image::RelativeScale;
+use crate::render::Film;
+use serde::Serialize;
+
+/// How sure an interval is to hold the true error.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(transparent)]
+pub struct Confidence(f64);
+
+impl Confidence {
+    /// `None` where `part` is not between 0 and 1.
+    #[must_use]
+    pub fn new(part: f64) -> Option<Self> {
+        (part > 0.0 && part < 1.0).then_some(Self(part))
+    }
+
+    /// As given.
+    #[must_use]
+    pub fn part(self) -> f64 {
+        self.0
+    }
+
+    /// Standard deviations of a Gaussian within which so large a part of it lies, on both sides.
+    #[must_use]
+    pub fn deviations(self) -> f64 {
+        // Sixty halvings leave nothing of the interval; beyond forty deviations is less than the least number.
+        let (mut low, mut high) = (0.0, 40.0);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if libm::erf(middle * std::f64::consts::FRAC_1_SQRT_2) < self.0 { low = middle } else { high = middle }
+        }
+        high
+    }
+}
+
+impl Default for Confidence {
+    /// 90 %.
+    fn default() -> Self {
+        Self(0.9)
+    }
+}
+
+/// The error of a picture as far as its own passes show it. All errors are relative, on the scale of
+/// [`RelativeScale`](crate::image::RelativeScale).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Reading {
+    /// Passes made.
+    pub passes: u32,
+    /// Root of noise² + bias².
+    pub error: f64,
+    /// Between this and `high` the error lies with the confidence that was asked for.
+    pub low: f64,
+    /// See `low`.
+    pub high: f64,
+    /// Standard error of the mean of the passes.
+    pub noise: f64,
+    /// What more passes of the same kind would not average away: root of blur² + frozen².
+    pub bias: f64,
+    /// Of that, the part that goes with the radii of estimates.
+    pub blur: f64,
+    /// Of that, the part of camera walks that all passes share.
+    pub frozen: f64,
+    /// Blur at half the area over that at the whole: ½ in smooth light, more at edges.
+    #[serde(skip)]
+    pub(super) ratio: f64,
+    /// Blur over |D₀ + D₁|, the part of it that is seen.
+    #[serde(skip)]
+    pub(super) extrapolation: f64,
+    /// Relative variance of a pass.
+    #[serde(skip)]
+    pub(super) variance: f64,
+    /// Relative variance of D₀ of a pass.
+    #[serde(skip)]
+    pub(super) step_variance: f64,
+}
+
+/// The fewest passes that an error can be told from.
+const FEWEST: u32 = 4;
+
+/// Bounds of what is taken from pass to pass and scale to scale: light smoother than r² is not believed, nor light so rough that the blur
+/// would hardly shrink.
+const RATIOS: (f64, f64) = (0.4, 0.92);
+
+/// The part of the blur that is not seen but extrapolated is uncertain by half of itself, two deviations.
+const UNSEEN: f64 = 0.25;
+
+/// Sums of squares and products of what finer discs tell, without noise in the mean.
+struct Steps {
+    /// ‖D₀‖², D₀·D₁, ‖D₁‖².
+    zero: f64,
+    both: f64,
+    one: f64,
+    /// Relative variance of D₀ of a pass.
+    variance: f64,
+    /// Variance of `zero`.
+    doubt: f64,
+}
+
+impl Gauge {
+    /// The error of the mean of the passes so far, with an interval of the usual confidence. With fewer than four passes nothing is
+    /// known: every number is infinite.
+    #[must_use]
+    pub fn read(&self, film: &Film) -> Reading {
+        self.read_with(film, Confidence::default())
+    }
+
+    /// The same with an interval of the given confidence.
+    #[must_use]
+    pub fn read_with(&self, film: &Film, confidence: Confidence) -> Reading {
+        let passes = self.passes;
+        if passes < FEWEST {
+            let unknown = f64::INFINITY;
+            let (error, low, high, noise, bias) = (unknown, 0.0, unknown, unknown, unknown);
+            return Reading { passes, error, low, high, noise, bias, ..Reading::default() };
+        }
+        let n = f64::from(passes);
+        let scale = RelativeScale::of_pixels(film.size(), &film.mean());
+        let variance = scale.mean(|i| self.deviations[i].as_dvec3()) / (n - 1.0);
+        let noise2 = variance / n;
+        let steps = self.estimates.as_ref().map(|estimates| estimates.steps(&scale, n));
+        let blur = steps.as_ref().map(extrapolated).unwrap_or_default();
+        let (frozen2, frozen_doubt) = self.frozen.square(&scale, n);
+        let square = noise2 + blur.square + frozen2;
+        // The error of this one picture scatters about what is expected, and what is expected is only estimated.
+        let scatter = self.spread.scatter();
+        let realised = noise2 * noise2 * scatter + 2.0 * noise2 * (blur.square + frozen2) * scatter;
+        let estimated = noise2 * noise2 * self.spread.doubt().max(scatter / (n - 1.0));
+        let deviation = (realised + estimated + blur.doubt + frozen_doubt).sqrt();
+        let reach = confidence.deviations() * deviation;
+        let error = square.sqrt();
+        Reading {
+            passes,
+            error,
+            low: (square - reach).max(0.0).sqrt(),
+            high: (square + reach).sqrt(),
+            noise: noise2.sqrt(),
+            bias: (blur.square + frozen2).sqrt(),
+            blur: blur.square.sqrt(),
+            frozen: frozen2.sqrt(),
+            ratio: blur.ratio,
+            extrapolation: blur.extrapolation,
+            variance,
+            step_variance: steps.map_or(0.0, |steps| steps.variance),
+        }
+    }
+}
+
+impl Estimates {
+    fn steps(&self, scale: &RelativeScale, n: f64) -> Steps {
+        let [zero, one] = &self.steps;
+        let weights = scale.weights();
+        let (mut square, mut sums) = ([0.0; 3], 0.0);
+        for (i, weight) in weights.iter().enumerate() {
+            let (a, b) = (zero[i].as_dvec3(), one[i].as_dvec3());
+            let products = self.products[i].map(f64::from);
+            for ((sum, whole), same) in square.iter_mut().zip([a.dot(a), a.dot(b), b.dot(b)]).zip(products) {
+                *sum += weight * (whole - same);
+            }
+            sums += weight * (products[0] - a.dot(a) / n);
+        }
+        let count = weights.len() as f64;
+        let [zero, both, one] = square.map(|sum| sum / (count * n * (n - 1.0)));
+        let variance = sums / (count * (n - 1.0));
+        // Of a sum over pairs of passes, and of its product with what it looks for.
+        let scatter = self.spread.scatter();
+        let doubt = variance * variance * scatter / (n * (n - 1.0)) + 2.0 * zero.max(0.0) * variance * scatter / n;
+        Steps { zero, both, one, variance, doubt }
+    }
+}
+
+/// Squared blur, as far as two steps show it.
+#[derive(Default)]
+struct Blur {
+    square: f64,
+    /// Variance of that.
+    doubt: f64,
+    ratio: f64,
+    extrapolation: f64,
+}
+
+/// What D₀, D₁ and all that would follow add up to.
+///
+/// In smooth light each step is half of the last; about edges and foci, which look alike at all scales, steps shrink by another ratio q, and
+/// point less and less the same way: Dᵢ·Dⱼ = ‖D₀‖² q^(i+j) c^|i−j|. So ‖Σ Dᵢ‖² = ‖D₀‖² (1 + qc)/((1 − qc)(1 − q²)), which is 4‖D₀‖² in
+/// smooth light. q² and qc are what is measured, as far as they stand out from noise.
+fn extrapolated(steps: &Steps) -> Blur {
+    let zero = steps.zero.max(0.0);
+    if zero <= 0.0 {
+        return Blur { square: 0.0, doubt: 16.0 * steps.doubt, ratio: 0.5, extrapolation: 0.0 };
+    }
+    // What stands out from its own doubt, and matters beside the noise, has a say in the law; else light is taken to be smooth.
+    let trust = zero * zero / (zero * zero + 4.0 * steps.doubt);
+    let (least, most) = RATIOS;
+    let squared = (steps.one / zero).clamp(least * least, most * most);
+    let together = (steps.both / zero).clamp(least * least, squared.sqrt().min(most));
+    let squared = 0.25 + trust * (squared - 0.25);
+    let together = 0.5 + trust * (together - 0.5);
+    let whole = (1.0 + together) / ((1.0 - together) * (1.0 - squared));
+    let seen = 1.0 + 2.0 * together + squared;
+    let square = zero * whole;
+    let unseen = square.sqrt() - (zero * seen).sqrt();
+    let of_law = 2.0 * square.sqrt() * UNSEEN * unseen;
+    Blur {
+        square,
+        doubt: whole * whole * steps.doubt + of_law * of_law,
+        ratio: squared.sqrt(),
+        extrapolation: (whole / seen).sqrt(),
+    }
+}
+
+impl Frozen {
+    /// Mean relative square of what shared walks do, and the variance of that.
+    fn square(&self, scale: &RelativeScale, n: f64) -> (f64, f64) {
+        if self.places.is_empty() {
+            return (0.0, 0.0);
+        }
+        let weights = scale.weights();
+        let one = |((at, sum), square): ((&u32, &glam::DVec3), &f64)| {
+            weights[*at as usize] * (sum.length_squared() - square) / (n * (n - 1.0))
+        };
+        let values: Vec<f64> = self.places.iter().zip(&self.sums).zip(&self.squares).map(one).collect();
+        let count = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / count;
+        let variance = values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / (count - 1.0).max(1.0);
+        (mean.max(0.0), variance / count)
+    }
+}

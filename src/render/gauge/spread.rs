@@ -1,0 +1,123 @@
+//! How noise is spread over a picture: how many independent values it is worth.
+
+use crate::color::Rgb;
+
+/// Learns from pictures of the same, one at a time, the variance of one and in how many independent parts it comes.
+///
+/// The difference of two pictures over √2 has their noise and nothing else. The mean of its squares is the variance v; the product of two
+/// such differences has mean zero and the variance tr Σ², which is v² over the number of independent values of equal variance that would
+/// scatter as much (Satterthwaite).
+#[derive(Clone, Debug, Default)]
+pub(super) struct Spread {
+    first: Vec<Rgb>,
+    last: Vec<Rgb>,
+    has_first: bool,
+    has_last: bool,
+    variances: Moments,
+    products: Moments,
+}
+
+/// Mean and variance of a stream (Welford).
+#[derive(Clone, Copy, Debug, Default)]
+struct Moments {
+    count: f64,
+    mean: f64,
+    m2: f64,
+}
+
+impl Moments {
+    fn add(&mut self, x: f64) {
+        self.count += 1.0;
+        let delta = x - self.mean;
+        self.mean += delta / self.count;
+        self.m2 += delta * (x - self.mean);
+    }
+}
+
+impl Spread {
+    /// Adds a picture; `weights` say how a squared difference counts.
+    pub fn add(&mut self, picture: impl Iterator<Item = Rgb>, weights: &[f64]) {
+        if !self.has_first {
+            self.first.clear();
+            self.first.extend(picture);
+            self.has_first = true;
+            return;
+        }
+        self.has_first = false;
+        let n = weights.len() as f64;
+        let (mut square, mut product) = (0.0, 0.0);
+        let has_last = self.has_last;
+        self.last.resize(weights.len(), Rgb::ZERO);
+        for (((value, first), last), weight) in picture.zip(&self.first).zip(&mut self.last).zip(weights) {
+            let difference = (value - *first) * std::f32::consts::FRAC_1_SQRT_2;
+            square += weight * f64::from(difference.length_squared());
+            product += weight * f64::from(difference.dot(*last));
+            *last = difference;
+        }
+        self.variances.add(square / n);
+        if has_last {
+            let product = product / n;
+            self.products.add(product * product);
+        }
+        self.has_last = true;
+    }
+
+    /// Relative variance of the mean of n pictures' squared error about its expectation, were their noise Gaussian: 2 over the number of
+    /// independent values. With fewer than six pictures, the widest there is: all noise in one value.
+    pub fn scatter(&self) -> f64 {
+        let v = self.variances.mean;
+        if self.products.count < 2.0 || v <= 0.0 {
+            return if v > 0.0 { 2.0 } else { 0.0 };
+        }
+        2.0 * (self.products.mean / (v * v)).min(1.0)
+    }
+
+    /// Relative variance of the variance that so many pictures tell, as they show it: rare bright pixels make it large.
+    pub fn doubt(&self) -> f64 {
+        let Moments { count, mean, m2 } = self.variances;
+        if count < 2.0 || mean <= 0.0 {
+            return if mean > 0.0 { 2.0 } else { 0.0 };
+        }
+        m2 / (count - 1.0) / count / (mean * mean)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampling::{Dimension, Key, Purpose};
+
+    /// Uniform noise of variance 1/12 a channel in blocks of `block` equal pixels.
+    fn learn(block: usize, pixels: usize, pictures: u64) -> Spread {
+        let mut spread = Spread::default();
+        let weights = vec![1.0; pixels];
+        for picture in 0..pictures {
+            let key = Key::new(9).purpose(Purpose::Test).with(picture);
+            let value = |i: usize| Rgb::X * key.with((i / block) as u64).uniform(Dimension::Film);
+            spread.add((0..pixels).map(value), &weights);
+        }
+        spread
+    }
+
+    /// 240 pixels in blocks of b are 240/b values, and tr Σ² is known to √(2/K) over the K = 199 products of 400 pictures: five sigma.
+    #[test]
+    fn blocks_of_equal_pixels_are_one_value_each() {
+        for block in [1, 4, 24] {
+            let spread = learn(block, 240, 400);
+            assert!((spread.variances.mean * 12.0 - 1.0).abs() < 5.0 * (2.0 * block as f64 / 240.0 / 200.0).sqrt());
+            let independent = 2.0 / spread.scatter();
+            let expected = 240.0 / block as f64;
+            assert!((independent / expected - 1.0).abs() < 5.0 * (2.0 / 199f64).sqrt(), "{independent} {expected}");
+        }
+    }
+
+    #[test]
+    fn few_pictures_know_little_and_black_ones_all() {
+        assert_eq!(learn(1, 10, 1).scatter(), 0.0);
+        assert_eq!((learn(1, 10, 3).scatter(), learn(1, 10, 3).doubt()), (2.0, 2.0));
+        assert!(learn(1, 10, 8).scatter() < 2.0);
+        let mut black = Spread::default();
+        (0..8).for_each(|_| black.add(std::iter::repeat_n(Rgb::ZERO, 4), &[1.0; 4]));
+        assert_eq!((black.scatter(), black.doubt()), (0.0, 0.0));
+    }
+}
