@@ -1,12 +1,13 @@
 //! What can be typed.
 
 use super::MeshArguments;
-use super::number::{alpha, count, duration, length, positive_count, size, stops, threads};
+use super::number::{alpha, confidence, count, duration, error, length, positive_count, size, stops, threads};
 use crate::camera::FilterKind;
 use crate::image::{BitDepth, Curve};
 use crate::integrate::VolumeEstimate;
 use crate::photon::Kernel;
 use crate::plan::Wishes;
+use crate::render::gauge::Confidence;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 use std::time::Duration;
@@ -172,13 +173,25 @@ pub struct RenderArguments {
     #[allow(missing_docs)]
     pub effects: EffectsArguments,
 
-    /// Passes; their mean is the picture  [default: by integrator, or no limit with --time]
+    /// Passes; their mean is the picture  [default: by integrator, or no limit with --time or --target-error]
     #[arg(long, value_parser = positive_count, value_name = "N")]
     pub passes: Option<u32>,
 
     /// End after the pass in which this much time has gone by, such as 60s or 5m
     #[arg(long, value_parser = duration, value_name = "TIME")]
     pub time: Option<Duration>,
+
+    /// End after the pass by which the relative error is no larger, such as 2%; the error is told of noise and bias (see docs/accuracy.md)
+    #[arg(long, value_parser = error, value_name = "ERROR", conflicts_with = "no_gauge")]
+    pub target_error: Option<f64>,
+
+    /// How sure --target-error must be
+    #[arg(long, value_parser = confidence, default_value = "90%", value_name = "PART")]
+    pub confidence: Confidence,
+
+    /// Do not tell the error: a picture takes a little less time and memory, and is the same
+    #[arg(long)]
+    pub no_gauge: bool,
 
     /// Tone curve of PNG: srgb, filmic or course (bytes without gamma)  [default: srgb; raycast course]
     #[arg(long, value_name = "NAME")]

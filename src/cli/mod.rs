@@ -1,6 +1,7 @@
 //! The command line: what was typed, what it means, and what is told in return.
 
 mod args;
+mod error;
 mod interrupt;
 mod memory;
 mod mesh;

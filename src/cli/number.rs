@@ -1,6 +1,7 @@
 //! Numbers as people write them.
 
 use crate::image::MAX_EXPOSURE_STOPS;
+use crate::render::gauge::Confidence;
 use glam::DVec3;
 use std::time::Duration;
 
@@ -91,6 +92,24 @@ pub(super) fn alpha(text: &str) -> Result<f64, String> {
         .ok_or_else(|| format!("`{text}` is no such exponent: write a number above 0 and at most 1"))
 }
 
+/// A part of a whole, zero or more: `2%` or `0.02`.
+pub(super) fn fraction(text: &str) -> Result<f64, String> {
+    let (digits, scale) = text.strip_suffix('%').map_or((text, 1.0), |digits| (digits.trim_end(), 100.0));
+    let value = within(digits, |x| x >= 0.0).map(|x| x / scale);
+    value.ok_or_else(|| format!("`{text}` is no part of a whole: write it as 2% or 0.02"))
+}
+
+/// An error above zero.
+pub(super) fn error(text: &str) -> Result<f64, String> {
+    fraction(text).ok().filter(|x| *x > 0.0).ok_or_else(|| format!("`{text}` is no error: write it as 2% or 0.02"))
+}
+
+/// How sure to be: from one half to less than all.
+pub(super) fn confidence(text: &str) -> Result<Confidence, String> {
+    let part = fraction(text).ok().filter(|x| (0.5..1.0).contains(x)).and_then(Confidence::new);
+    part.ok_or_else(|| format!("`{text}` is no confidence: write a part from 50% to less than 100%"))
+}
+
 /// An angle from 0 to 180 degrees.
 pub(super) fn degrees(text: &str) -> Result<f64, String> {
     within(text, |x| (0.0..=180.0).contains(&x))
@@ -140,6 +159,13 @@ mod tests {
         assert!(threads("0").is_err() && threads("1025").is_err() && threads("1k") == Ok(1000));
         assert!(["0", "1.01", "NaN"].iter().all(|text| alpha(text).is_err()) && alpha("1") == Ok(1.0));
         assert!(length("0").is_err() && length("NaN").is_err() && length("0.5").is_ok());
+    }
+
+    #[test]
+    fn errors_and_how_sure_to_be() {
+        assert!(error("2%") == Ok(0.02) && error("0").is_err() && error("-1%").is_err() && error("inf").is_err());
+        assert_eq!(confidence("90%").map(Confidence::part), Ok(0.9));
+        assert!(["49%", "100%", "NaN", "sure"].iter().all(|text| confidence(text).is_err()));
     }
 
     #[test]

@@ -39,16 +39,18 @@ impl Progress {
         }
     }
 
-    /// A pass begins; `of` is how many there will be, where that is known.
-    pub fn pass(&self, pass: u32, of: Option<u32>) {
+    /// A pass begins; `of` is how many there will be, where that is known, and `note` what there is to say of those before.
+    pub fn pass(&self, pass: u32, of: Option<u32>, note: Option<String>) {
         let label = match of {
             Some(of) => format!("pass {pass}/{of}"),
             None => format!("pass {pass}"),
         };
-        if let Self::Bars { prefix, .. } = self
-            && let Ok(mut prefix) = prefix.lock()
-        {
+        let Self::Bars { phase, prefix } = self else { return };
+        if let Ok(mut prefix) = prefix.lock() {
             *prefix = label;
+        }
+        if let Some(note) = note {
+            phase.set_message(note);
         }
     }
 
@@ -68,7 +70,8 @@ impl Monitor for Progress {
             Phase::Trees => ("trees", "photons"),
             Phase::Eye => ("image", "pixels"),
         };
-        let template = format!("{{prefix}} {name:<8} {{bar:28}} {{percent:>3}} %  {{per_sec}} {unit}  {{eta}} left");
+        let template =
+            format!("{{prefix}} {name:<8} {{bar:28}} {{percent:>3}} %  {{per_sec}} {unit}  {{eta}} left  {{msg}}");
         if let Ok(style) = ProgressStyle::with_template(&template) {
             bar.set_style(style);
         }

@@ -1,16 +1,19 @@
 //! `caustica render`.
 
+use super::error;
 use super::interrupt::{INTERRUPTED, listen};
 use super::memory::{self, check_photons};
 use super::plan::{self, counted};
 use super::progress::{Progress, tell};
-use super::report::{Report, Setting};
+use super::report::{ErrorReport, Report, Setting};
 use super::scene::{in_pool, load};
 use super::settings::settings;
 use super::{Exit, Failure, RenderArguments};
 use crate::image::{self, Curve, Image, ToneMap, WriteOptions};
 use crate::integrate::{Algorithm, Lessons};
-use crate::render::{Ended, Rendered, Stop, render};
+use crate::render::gauge::Confidence;
+use crate::render::{Ended, Rendered, Stop, Target, render};
+use crate::study::text::percent;
 use glam::Vec3;
 use miette::IntoDiagnostic;
 use std::time::Instant;
@@ -58,7 +61,11 @@ fn run_in_pool(arguments: &RenderArguments, progress: &Progress) -> Result<Exit,
     } else if setting.lights == 0 {
         progress.say("note: the scene has no lights: all but its background is black");
     }
-    let integrator = algorithm.prepare(&scene, settings(&arguments.method, arguments.effects.effects));
+    // Ray casting makes one pass, from which no error can be told.
+    let gauged = !arguments.no_gauge && algorithm != Algorithm::Raycast;
+    let mut settings = settings(&arguments.method, arguments.effects.effects);
+    settings.eye.gauge = gauged;
+    let integrator = algorithm.prepare(&scene, settings);
     check_photons(integrator.expected(), memory::free()).map_err(|e| Failure::new(Exit::Usage, e))?;
     progress.say(&plan::line(integrator.plan()));
     integrator.balance().iter().for_each(|balance| progress.say(&plan::balance_line(balance)));
@@ -69,19 +76,29 @@ fn run_in_pool(arguments: &RenderArguments, progress: &Progress) -> Result<Exit,
     setting.balance = integrator.balance();
     setting.setup = start.elapsed().as_secs_f64();
 
-    let passes = arguments.passes.or(match arguments.time {
+    let passes = arguments.passes.or(match (arguments.time, arguments.target_error) {
+        (None, None) => Some(algorithm.passes()),
         // One pass of ray casting is all there is to it.
-        Some(_) if algorithm != Algorithm::Raycast => None,
-        _ => Some(algorithm.passes()),
+        _ if algorithm == Algorithm::Raycast => Some(algorithm.passes()),
+        _ => None,
     });
-    let stop = Stop { passes, time: arguments.time, interrupted: &INTERRUPTED };
-    progress.pass(1, passes);
-    let rendered = render(integrator.as_ref(), scene.camera().size(), &stop, progress, |made| {
+    let target = arguments.target_error.map(|error| Target { error, confidence: arguments.confidence });
+    let stop = Stop { passes, time: arguments.time, target, interrupted: &INTERRUPTED };
+    progress.pass(1, passes, None);
+    let began = Instant::now();
+    let rendered = render(integrator.as_ref(), scene.camera().size(), &stop, gauged, progress, |standing| {
+        let made = standing.passes;
+        let a_pass = began.elapsed().as_secs_f64() / f64::from(made);
+        let error = standing.error.as_ref().map(|(reading, forecast)| {
+            let aim = arguments.target_error.unwrap_or(0.5 * reading.error);
+            format!("error {}; {}", error::parts(reading), error::outlook(reading, forecast, aim, a_pass))
+        });
         if matches!(progress, Progress::Lines) {
             let of = passes.map_or(String::new(), |n| format!("/{n}"));
-            progress.say(&format!("pass {made}{of} after {:.1} s", start.elapsed().as_secs_f64()));
+            let error = error.as_ref().map_or(String::new(), |error| format!(": {error}"));
+            progress.say(&format!("pass {made}{of} after {:.1} s{error}", start.elapsed().as_secs_f64()));
         }
-        progress.pass(made + 1, passes);
+        progress.pass(made + 1, passes, error);
     });
     progress.finish();
     conclude(arguments, progress, setting, &rendered)
@@ -120,10 +137,14 @@ fn conclude(
     if picture.pixels().iter().all(|p| *p == Vec3::ZERO) {
         progress.say("note: every pixel is black");
     }
-    let report = Report::new(setting, rendered);
+    let report = Report::new(setting, rendered, confidence(arguments));
     let why = match rendered.ended {
         Ended::Passes => String::new(),
         Ended::Time => format!("; time was up: --passes {} repeats this picture bit for bit", rendered.film.passes()),
+        Ended::Target => {
+            format!("; the error is low enough: --passes {} repeats this picture", rendered.film.passes())
+        }
+        Ended::Floor => "; the error cannot become as low".to_owned(),
         Ended::Interrupted => format!("; interrupted: --passes {} repeats this picture", rendered.film.passes()),
     };
     progress.say(&format!(
@@ -133,9 +154,23 @@ fn conclude(
         report.rates.rays_per_second * 1e-6,
         report.rates.photons_per_second * 1e-6,
     ));
+    if let Some(ErrorReport { reading, .. }) = &report.error {
+        let interval = format!("{} to {}", percent(reading.low), percent(reading.high));
+        let sure = percent(confidence(arguments).part());
+        progress.say(&format!("error {}; {interval} with {sure} confidence", error::parts(reading)));
+    }
+    if rendered.ended == Ended::Floor {
+        tell(&format!("warning: {}", error::REMEDY));
+    }
     if let Some(path) = &arguments.stats {
         let json = serde_json::to_vec_pretty(&report).into_diagnostic().map_err(output)?;
         image::replace_file(path, &json).into_diagnostic().map_err(output)?;
     }
     Ok(if rendered.ended == Ended::Interrupted { Exit::Interrupted } else { Exit::Success })
+}
+
+/// Of the intervals that are told.
+fn confidence(arguments: &RenderArguments) -> Confidence {
+    let target = |error| Target { error, confidence: arguments.confidence };
+    arguments.target_error.map_or(Confidence::default(), |error| target(error).interval())
 }

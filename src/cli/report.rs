@@ -2,6 +2,7 @@
 
 use super::plan::EffectReport;
 use crate::integrate::{Balance, Lessons, PhotonReport, Radii, Seconds};
+use crate::render::gauge::{Confidence, Needed, Reading};
 use crate::render::{Ended, Rendered};
 use crate::stats::{Counters, cpu_seconds};
 use serde::Serialize;
@@ -30,11 +31,41 @@ pub(super) struct Report {
     pub effects: Vec<EffectReport>,
     pub balance: Option<Balance>,
     pub photons: Photons,
+    /// `None` with too few passes, or without the gauge.
+    pub error: Option<ErrorReport>,
     pub counters: Counters,
     pub seconds: Times,
     pub rates: Rates,
     pub peak_memory_bytes: Option<u64>,
     pub cpu_seconds: Option<f64>,
+}
+
+/// The error of the picture, relative (see `RelativeScale`).
+#[derive(Debug, Serialize)]
+pub(super) struct ErrorReport {
+    #[serde(flatten)]
+    pub reading: Reading,
+    /// Of the interval from `low` to `high`.
+    confidence: Confidence,
+    /// Passes that make the error half as large, in all; `None` where none do.
+    halving_passes: Option<u32>,
+    /// The time that they take from now on \[s].
+    halving_seconds: Option<f64>,
+}
+
+impl ErrorReport {
+    fn new(rendered: &Rendered, confidence: Confidence) -> Option<Self> {
+        let gauge = rendered.gauge.as_ref()?;
+        let reading = gauge.read_with(&rendered.film, confidence);
+        let forecast = gauge.forecast(&reading)?;
+        let halving_passes = match forecast.passes_to(0.5 * reading.error) {
+            Needed::Passes(n) => Some(n),
+            Needed::Never { .. } | Needed::TooMany => None,
+        };
+        let a_pass = rendered.wall.as_secs_f64() / f64::from(reading.passes);
+        let halving_seconds = halving_passes.map(|n| f64::from(n.saturating_sub(reading.passes)) * a_pass);
+        Some(Self { reading, confidence, halving_passes, halving_seconds })
+    }
 }
 
 #[derive(Debug, Serialize)]
@@ -80,7 +111,7 @@ pub(super) struct Setting {
 }
 
 impl Report {
-    pub fn new(setting: Setting, rendered: &Rendered) -> Self {
+    pub fn new(setting: Setting, rendered: &Rendered, confidence: Confidence) -> Self {
         let (width, height) = rendered.film.size();
         let wall = rendered.wall.as_secs_f64();
         let rate = |n: u64, seconds: f64| if seconds > 0.0 { n as f64 / seconds } else { 0.0 };
@@ -104,6 +135,7 @@ impl Report {
             effects: setting.effects,
             balance: setting.balance,
             photons: Photons { global: rendered.global, caustic: rendered.caustic },
+            error: ErrorReport::new(rendered, confidence),
             counters: rendered.counters,
             seconds: Times { setup: setting.setup, passes: rendered.seconds, render: wall },
             rates: Rates {

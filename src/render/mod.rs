@@ -7,6 +7,7 @@ pub use film::Film;
 
 use crate::integrate::{Integrator, Monitor, PhotonReport, Seconds};
 use crate::stats::Counters;
+use gauge::{Confidence, Forecast, Gauge, Needed, Reading};
 use serde::Serialize;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -18,8 +19,27 @@ pub struct Stop<'a> {
     pub passes: Option<u32>,
     /// After the pass during which so much time has gone by.
     pub time: Option<Duration>,
+    /// After the pass by which the error is low enough.
+    pub target: Option<Target>,
     /// After the pass during which this becomes true.
     pub interrupted: &'a AtomicBool,
+}
+
+/// An error that is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Target {
+    /// Relative error (see [`Reading`]).
+    pub error: f64,
+    /// How sure it must be that the true error is no larger.
+    pub confidence: Confidence,
+}
+
+impl Target {
+    /// The interval whose upper end is above the true error with the target's confidence: half of what it leaves out lies below it.
+    #[must_use]
+    pub fn interval(self) -> Confidence {
+        Confidence::new(2.0 * self.confidence.part() - 1.0).unwrap_or(Confidence::LEAST)
+    }
 }
 
 /// Why a render ended.
@@ -30,6 +50,10 @@ pub enum Ended {
     Passes,
     /// Time was up.
     Time,
+    /// The error is as low as was asked for.
+    Target,
+    /// The error cannot become as low, and nothing else was asked for.
+    Floor,
     /// The user asked.
     Interrupted,
 }
@@ -39,6 +63,8 @@ pub enum Ended {
 pub struct Rendered {
     /// The sum of all passes.
     pub film: Film,
+    /// What is known of its error; `None` where passes were not gauged.
+    pub gauge: Option<Gauge>,
     /// Why it ended.
     pub ended: Ended,
     /// Work of all passes.
@@ -53,17 +79,36 @@ pub struct Rendered {
     pub wall: Duration,
 }
 
-/// Renders passes 0, 1, 2 … of an image of `size` pixels until `stop`. `after` hears the number of passes made after each.
+/// How a render stands after a pass.
+#[derive(Clone, Copy, Debug)]
+pub struct Standing {
+    /// Passes made.
+    pub passes: u32,
+    /// The error so far and how it goes on, where that was looked at after this pass.
+    pub error: Option<(Reading, Forecast)>,
+}
+
+/// The error is looked at when so many times as many passes are made as when it was looked at last: each look costs a part of a pass.
+const LOOK_EVERY: f64 = 1.05;
+
+/// Passes from which on it is believed that a target cannot be reached, and how far it must be from what is left.
+const SURE: u32 = 16;
+const CLEARLY: f64 = 0.8;
+
+/// Renders passes 0, 1, 2 … of an image of `size` pixels until `stop`; with `gauged` the error is looked at too, of algorithms whose
+/// settings have the gauge on. `after` hears how things stand after each pass.
 pub fn render(
     integrator: &dyn Integrator,
     size: (u32, u32),
     stop: &Stop<'_>,
+    gauged: bool,
     monitor: &dyn Monitor,
-    mut after: impl FnMut(u32),
+    mut after: impl FnMut(&Standing),
 ) -> Rendered {
     let start = Instant::now();
     let mut rendered = Rendered {
         film: Film::new(size.0, size.1),
+        gauge: gauged.then(|| Gauge::new(integrator.radius_law())),
         ended: Ended::Passes,
         counters: Counters::default(),
         seconds: Seconds::default(),
@@ -71,15 +116,25 @@ pub fn render(
         caustic: PhotonReport::default(),
         wall: Duration::ZERO,
     };
+    let mut look_at = 0.0;
     loop {
         let pass = integrator.pass(rendered.film.passes(), monitor);
+        if let Some(gauge) = &mut rendered.gauge {
+            gauge.add(&rendered.film, &pass);
+        }
         rendered.film.add(&pass.image);
         rendered.counters += pass.counters;
         rendered.seconds += pass.seconds;
         rendered.global += pass.global;
         rendered.caustic += pass.caustic;
         let made = rendered.film.passes();
-        after(made);
+        let error = rendered.gauge.as_ref().filter(|_| f64::from(made) >= look_at).and_then(|gauge| {
+            look_at = LOOK_EVERY * f64::from(made);
+            let confidence = stop.target.map_or(Confidence::default(), Target::interval);
+            let reading = gauge.read_with(&rendered.film, confidence);
+            gauge.forecast(&reading).map(|forecast| (reading, forecast))
+        });
+        after(&Standing { passes: made, error });
         let ended = if stop.interrupted.load(Ordering::Relaxed) {
             Some(Ended::Interrupted)
         } else if stop.passes.is_some_and(|most| made >= most) || made == u32::MAX {
@@ -87,13 +142,26 @@ pub fn render(
         } else if stop.time.is_some_and(|most| start.elapsed() >= most) {
             Some(Ended::Time)
         } else {
-            None
+            error.and_then(|(reading, forecast)| stop.by_error(&reading, &forecast))
         };
         if let Some(ended) = ended {
             rendered.ended = ended;
             rendered.wall = start.elapsed();
             return rendered;
         }
+    }
+}
+
+impl Stop<'_> {
+    /// Whether an error ends a render.
+    fn by_error(&self, reading: &Reading, forecast: &Forecast) -> Option<Ended> {
+        let target = self.target?;
+        if reading.high <= target.error {
+            return Some(Ended::Target);
+        }
+        let Needed::Never { floor } = forecast.passes_to(target.error) else { return None };
+        let hopeless = reading.passes >= SURE && CLEARLY * floor > target.error;
+        (hopeless && self.passes.is_none() && self.time.is_none()).then_some(Ended::Floor)
     }
 }
 
@@ -122,8 +190,8 @@ mod tests {
 
     #[test]
     fn the_image_is_the_mean_of_the_passes() {
-        let stop = Stop { passes: Some(4), time: None, interrupted: &AtomicBool::new(false) };
-        let rendered = super::render(&Counting, (2, 1), &stop, &Silent, |_| {});
+        let stop = Stop { passes: Some(4), time: None, target: None, interrupted: &AtomicBool::new(false) };
+        let rendered = super::render(&Counting, (2, 1), &stop, false, &Silent, |_| {});
         assert_eq!((rendered.ended, rendered.film.passes()), (Ended::Passes, 4));
         assert_eq!(rendered.film.mean(), vec![Rgb::splat(1.5); 2]);
     }
@@ -131,13 +199,13 @@ mod tests {
     #[test]
     fn time_and_interrupts_end_after_a_whole_pass() {
         let interrupted = AtomicBool::new(false);
-        let stop = Stop { passes: None, time: Some(Duration::ZERO), interrupted: &interrupted };
-        assert_eq!(super::render(&Counting, (2, 1), &stop, &Silent, |_| {}).ended, Ended::Time);
-        let stop = Stop { passes: None, time: None, interrupted: &interrupted };
+        let stop = Stop { passes: None, time: Some(Duration::ZERO), target: None, interrupted: &interrupted };
+        assert_eq!(super::render(&Counting, (2, 1), &stop, false, &Silent, |_| {}).ended, Ended::Time);
+        let stop = Stop { passes: None, time: None, target: None, interrupted: &interrupted };
         let mut made = 0;
-        let rendered = super::render(&Counting, (2, 1), &stop, &Silent, |n| {
-            made = n;
-            interrupted.store(n == 3, Ordering::Relaxed);
+        let rendered = super::render(&Counting, (2, 1), &stop, false, &Silent, |standing| {
+            made = standing.passes;
+            interrupted.store(made == 3, Ordering::Relaxed);
         });
         assert_eq!((rendered.ended, made, rendered.film.passes()), (Ended::Interrupted, 3, 3));
     }

@@ -2,7 +2,6 @@
 
 use super::{Gauge, Reading};
 use crate::integrate::shrink;
-use crate::render::Film;
 
 /// Nobody waits for more passes.
 const MOST_PASSES: u32 = 10_000_000;
@@ -40,14 +39,11 @@ pub struct Forecast {
 }
 
 impl Gauge {
-    /// How the error goes on; `None` while too few passes tell.
+    /// How the error goes on after what was read; `None` while too few passes tell.
     #[must_use]
-    pub fn forecast(&self, film: &Film) -> Option<Forecast> {
-        let reading = self.read(film);
-        reading
-            .error
-            .is_finite()
-            .then(|| Forecast::new(&reading, self.law.map(|law| (law.alpha, law.kernel.step_noise()))))
+    pub fn forecast(&self, reading: &Reading) -> Option<Forecast> {
+        let law = self.law.map(|law| (law.alpha, law.kernel.step_noise()));
+        reading.error.is_finite().then(|| Forecast::new(reading, law))
     }
 }
 

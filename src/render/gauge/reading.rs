@@ -11,6 +11,9 @@ use serde::Serialize;
 pub struct Confidence(f64);
 
 impl Confidence {
+    /// Of an interval that is a point.
+    pub const LEAST: Self = Self(1e-9);
+
     /// `None` where `part` is not between 0 and 1.
     #[must_use]
     pub fn new(part: f64) -> Option<Self> {

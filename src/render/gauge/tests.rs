@@ -37,7 +37,7 @@ fn nothing_is_known_of_three_passes() {
     let (gauge, film) = gauged(3, 1, 0.1, 0.0);
     let reading = gauge.read(&film);
     assert!(reading.error.is_infinite() && reading.high.is_infinite() && reading.low == 0.0);
-    assert!(gauge.forecast(&film).is_none());
+    assert!(gauge.forecast(&reading).is_none());
 }
 
 /// Relative to √2: noise is σ/√(2n), bias b/√2 of light 1 (the scale knows the light with its bias: 1 + b).

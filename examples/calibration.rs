@@ -1,0 +1,141 @@
+//! How well the gauge knows the error: what it says over what is true, for scenes, methods, numbers of passes and seeds.
+//!
+//! ```sh
+//! cargo run --release --example calibration -- [SCENE …] [--methods M,…] [--passes N,…] [--seeds N] [--truth PASSES]
+//! ```
+//!
+//! The truth is that of two long renders by `hybrid` with a third of the radius, 36 in units of what it blurs: E[(I − A)(I − B)] is the
+//! squared error of I, though A and B are noisy.
+
+use caustica::format::SceneFile;
+use caustica::image::RelativeScale;
+use caustica::integrate::{Algorithm, FinalGathering, Settings, Silent};
+use caustica::render::gauge::Gauge;
+use caustica::render::{Film, Stop, render};
+use caustica::scene::Scene;
+use glam::Vec3;
+use std::error::Error;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+const SCENES: [&str; 6] = ["matte", "ball-lens", "ring", "mirror-caustic", "many-lights", "frosted"];
+const SIZE: (u32, u32) = (96, 72);
+const PHOTONS: u32 = 40_000;
+
+struct Plan {
+    scenes: Vec<String>,
+    methods: Vec<String>,
+    passes: Vec<u32>,
+    seeds: u64,
+    truth: u32,
+}
+
+fn plan() -> Result<Plan, Box<dyn Error>> {
+    let list = |text: &str| text.split(',').map(str::to_owned).collect::<Vec<_>>();
+    let mut plan = Plan {
+        scenes: Vec::new(),
+        methods: list("path,hybrid,sppm,ppm,pm"),
+        passes: vec![6, 18, 54],
+        seeds: 8,
+        truth: 400,
+    };
+    let mut words = std::env::args().skip(1);
+    while let Some(word) = words.next() {
+        let mut value = || words.next().ok_or(format!("{word} wants a value"));
+        match word.as_str() {
+            "--methods" => plan.methods = list(&value()?),
+            "--passes" => plan.passes = list(&value()?).iter().map(|n| n.parse()).collect::<Result<_, _>>()?,
+            "--seeds" => plan.seeds = value()?.parse()?,
+            "--truth" => plan.truth = value()?.parse()?,
+            _ => plan.scenes.push(word),
+        }
+    }
+    if plan.scenes.is_empty() {
+        plan.scenes = SCENES.map(str::to_owned).to_vec();
+    }
+    Ok(plan)
+}
+
+fn scene(name: &str) -> Result<Scene, Box<dyn Error>> {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(format!("{name}.txt"));
+    let mut file = SceneFile::read(&path)?;
+    let camera = &mut file.description.camera.value;
+    (camera.width, camera.height) = SIZE;
+    Ok(file.resolve()?)
+}
+
+fn settings(seed: u64) -> Settings {
+    let mut settings = Settings {
+        photons: PHOTONS,
+        caustic_photons: PHOTONS / 2,
+        balance: false,
+        final_gathering: FinalGathering::None,
+        ..Settings::default()
+    };
+    settings.eye.seed = seed;
+    settings
+}
+
+/// The mean of many passes with small discs that stay.
+fn reference(scene: &Scene, seed: u64, passes: u32) -> Vec<Vec3> {
+    let mut settings = settings(seed);
+    let radii = Algorithm::Hybrid.prepare(scene, settings.clone()).radii();
+    settings.radius = radii.map(|radii| radii.caustic / 3.0);
+    (settings.alpha, settings.gather_k) = (1.0, Some(0));
+    (settings.photons, settings.caustic_photons) = (4 * PHOTONS, 4 * PHOTONS);
+    let stop = Stop { passes: Some(passes), time: None, target: None, interrupted: &AtomicBool::new(false) };
+    let integrator = Algorithm::Hybrid.prepare(scene, settings);
+    render(integrator.as_ref(), SIZE, &stop, false, &Silent, |_| {}).film.mean()
+}
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let plan = plan()?;
+    println!(
+        "| scene | method | passes | true error | noise | bias | told / true, mean (least to most) | intervals that hold |"
+    );
+    println!("| --- | --- | --- | --- | --- | --- | --- | --- |");
+    for name in &plan.scenes {
+        let scene = scene(name)?;
+        let [a, b] = [1u64, 2].map(|i| reference(&scene, i << 40, plan.truth));
+        let truth: Vec<Vec3> = a.iter().zip(&b).map(|(a, b)| (*a + *b) * 0.5).collect();
+        let scale = RelativeScale::of_pixels(SIZE, &truth);
+        let apart = 0.5 * scale.mean(|i| (a[i] - b[i]).as_dvec3() * (a[i] - b[i]).as_dvec3()).sqrt();
+        eprintln!("{name}: references known to {:.2} % but for their bias", 100.0 * apart);
+        for method in &plan.methods {
+            let algorithm = Algorithm::ALL.into_iter().find(|a| a.name() == method).ok_or("no such method")?;
+            let mut rows = vec![Vec::new(); plan.passes.len()];
+            for seed in 0..plan.seeds {
+                let mut settings = settings(seed);
+                settings.eye.gauge = true;
+                let integrator = algorithm.prepare(&scene, settings);
+                let (mut film, mut gauge) = (Film::new(SIZE.0, SIZE.1), Gauge::new(integrator.radius_law()));
+                for pass in 0..*plan.passes.iter().max().ok_or("no passes")? {
+                    let made = integrator.pass(pass, &Silent);
+                    gauge.add(&film, &made);
+                    film.add(&made.image);
+                    let Some(at) = plan.passes.iter().position(|n| *n == pass + 1) else { continue };
+                    let mean = film.mean();
+                    let square = scale.mean(|i| (mean[i] - a[i]).as_dvec3() * (mean[i] - b[i]).as_dvec3());
+                    rows[at].push((gauge.read(&film), square.max(0.0).sqrt()));
+                }
+            }
+            for (passes, row) in plan.passes.iter().zip(&rows) {
+                let n = row.len() as f64;
+                let mean = |of: &dyn Fn(usize) -> f64| (0..row.len()).map(of).sum::<f64>() / n;
+                let ratios: Vec<f64> = row.iter().map(|(told, error)| told.error / error).collect();
+                let held = row.iter().filter(|(told, error)| told.low <= *error && *error <= told.high).count();
+                println!(
+                    "| {name} | {method} | {passes} | {:.2} % | {:.2} % | {:.2} % | {:.2} ({:.2} to {:.2}) | {held}/{} |",
+                    100.0 * mean(&|i| row[i].1),
+                    100.0 * mean(&|i| row[i].0.noise),
+                    100.0 * mean(&|i| row[i].0.bias),
+                    mean(&|i| ratios[i]),
+                    ratios.iter().copied().fold(f64::INFINITY, f64::min),
+                    ratios.iter().copied().fold(0.0, f64::max),
+                    row.len(),
+                );
+            }
+        }
+    }
+    Ok(())
+}
