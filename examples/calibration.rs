@@ -83,7 +83,8 @@ fn reference(scene: &Scene, seed: u64, passes: u32) -> Vec<Vec3> {
     settings.radius = radii.map(|radii| radii.caustic / 3.0);
     (settings.alpha, settings.gather_k) = (1.0, Some(0));
     (settings.photons, settings.caustic_photons) = (4 * PHOTONS, 4 * PHOTONS);
-    let stop = Stop { passes: Some(passes), time: None, target: None, interrupted: &AtomicBool::new(false) };
+    let stop =
+        Stop { at_least: 1, passes: Some(passes), time: None, target: None, interrupted: &AtomicBool::new(false) };
     let integrator = Algorithm::Hybrid.prepare(scene, settings);
     render(integrator.as_ref(), SIZE, &stop, false, &Silent, |_| {}).film.mean()
 }

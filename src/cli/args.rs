@@ -32,6 +32,8 @@ pub enum Command {
     Render(Box<RenderArguments>),
     /// Tell what of light a scene calls for, why, and what it costs
     Plan(Box<PlanArguments>),
+    /// Tell what an error costs: passes, time and photons, after a short pilot
+    Price(Box<PriceArguments>),
     /// Measure what parts of a picture cost and are worth
     Study(Box<StudyArguments>),
     /// Tell what a mesh is like, repair it, and convert it
@@ -232,6 +234,38 @@ pub struct PlanArguments {
     /// Print JSON
     #[arg(long)]
     pub json: bool,
+}
+
+/// Arguments of `price`.
+#[derive(Debug, Args)]
+pub struct PriceArguments {
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub scene: SceneArguments,
+
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub method: MethodArguments,
+
+    #[command(flatten)]
+    #[allow(missing_docs)]
+    pub effects: EffectsArguments,
+
+    /// Relative errors to be priced
+    #[arg(long, value_parser = error, value_delimiter = ',', default_value = "10%,5%,2%,1%", value_name = "ERROR,…")]
+    pub errors: Vec<f64>,
+
+    /// Let the pilot run for about so long, and eight passes at least
+    #[arg(long, value_parser = duration, default_value = "10s", value_name = "TIME")]
+    pub pilot: Duration,
+
+    /// Print JSON
+    #[arg(long)]
+    pub json: bool,
+
+    /// Say nothing but the result, errors and warnings
+    #[arg(short, long)]
+    pub quiet: bool,
 }
 
 /// What is studied: exactly one.

@@ -7,6 +7,7 @@ mod memory;
 mod mesh;
 mod number;
 mod plan;
+mod price;
 mod progress;
 mod render;
 mod report;
@@ -14,7 +15,7 @@ mod scene;
 mod settings;
 mod study;
 
-pub use args::{Arguments, Command, PlanArguments, RenderArguments, StudyArguments};
+pub use args::{Arguments, Command, PlanArguments, PriceArguments, RenderArguments, StudyArguments};
 pub use mesh::MeshArguments;
 
 use std::process::ExitCode;
@@ -64,6 +65,7 @@ pub fn run(arguments: Arguments) -> Result<Exit, Failure> {
     match arguments.command {
         Command::Render(arguments) => render::run(&arguments),
         Command::Plan(arguments) => plan::run(&arguments),
+        Command::Price(arguments) => price::run(&arguments),
         Command::Study(arguments) => study::run(&arguments),
         Command::Mesh(arguments) => mesh::run(&arguments),
     }

@@ -1,10 +1,11 @@
 //! `caustica plan`.
 
 use super::args::PlanArguments;
+use super::progress::{Progress, tell};
 use super::scene::{in_pool, load};
 use super::settings::settings;
 use super::{Exit, Failure};
-use crate::integrate::{Algorithm, Balance};
+use crate::integrate::{Algorithm, Balance, Integrator};
 use crate::plan::{Decision, Facts, Plan};
 use crate::study::text::{amount, signed};
 use crate::study::{ExpectedWork, Work, expected_work};
@@ -43,8 +44,15 @@ pub(super) fn line(plan: &Plan) -> String {
     format!("plan: {}; without {}", names(|d| d.on), names(|d| !d.on))
 }
 
+/// Says what will be simulated and how a pass divides its work, and warns of wishes that do harm.
+pub(super) fn announce(integrator: &dyn Integrator, progress: &Progress) {
+    progress.say(&line(integrator.plan()));
+    integrator.balance().iter().for_each(|balance| progress.say(&balance_line(balance)));
+    complaints(integrator.plan()).for_each(|line| tell(&line));
+}
+
 /// How a pass divides its work, in a line.
-pub(super) fn balance_line(balance: &Balance) -> String {
+fn balance_line(balance: &Balance) -> String {
     let Balance { samples, photons, caustic_photons } = balance;
     let mut line = format!("a pass: {}", counted(*samples as usize, "camera ray a pixel", "camera rays a pixel"));
     for (n, which) in [(photons, "photon paths"), (caustic_photons, "photon paths aimed at casters")] {

@@ -67,9 +67,7 @@ fn run_in_pool(arguments: &RenderArguments, progress: &Progress) -> Result<Exit,
     settings.eye.gauge = gauged;
     let integrator = algorithm.prepare(&scene, settings);
     check_photons(integrator.expected(), memory::free()).map_err(|e| Failure::new(Exit::Usage, e))?;
-    progress.say(&plan::line(integrator.plan()));
-    integrator.balance().iter().for_each(|balance| progress.say(&plan::balance_line(balance)));
-    plan::complaints(integrator.plan()).for_each(|line| tell(&line));
+    plan::announce(integrator.as_ref(), progress);
     setting.radii = integrator.radii();
     setting.emission = integrator.lessons();
     setting.effects = plan::effects(integrator.plan());
@@ -83,7 +81,7 @@ fn run_in_pool(arguments: &RenderArguments, progress: &Progress) -> Result<Exit,
         _ => None,
     });
     let target = arguments.target_error.map(|error| Target { error, confidence: arguments.confidence });
-    let stop = Stop { passes, time: arguments.time, target, interrupted: &INTERRUPTED };
+    let stop = Stop { at_least: 1, passes, time: arguments.time, target, interrupted: &INTERRUPTED };
     progress.pass(1, passes, None);
     let began = Instant::now();
     let rendered = render(integrator.as_ref(), scene.camera().size(), &stop, gauged, progress, |standing| {

@@ -62,10 +62,16 @@ impl RelativeScale {
         &self.weights
     }
 
+    /// What an e², or a product of two errors, of pixel `i` counts, summed over channels: from −1 to 1.
+    #[must_use]
+    pub fn counts(&self, i: usize, product: f64) -> f64 {
+        (self.weights[i] * product).clamp(-1.0, 1.0)
+    }
+
     /// The mean over pixels of what `product` gives for each, an e² or a product of two errors by channel, on this scale.
     #[must_use]
     pub fn mean(&self, product: impl Fn(usize) -> DVec3) -> f64 {
-        let sum: f64 = self.weights.iter().enumerate().map(|(i, w)| w * product(i).element_sum()).sum();
+        let sum: f64 = (0..self.weights.len()).map(|i| self.counts(i, product(i).element_sum())).sum();
         sum / self.weights.len() as f64
     }
 }
@@ -99,6 +105,13 @@ mod tests {
         let corner = 1008.0 / 9.0;
         assert!((scale.weights()[0] * 3.0 * (corner * corner + 1.0) - 1.0).abs() < 1e-12);
         assert!(scale.weights()[255] * 3.0 <= 1.0);
+    }
+
+    #[test]
+    fn a_speck_is_one_wrong_pixel() {
+        let scale = RelativeScale::of(&image(8, &[1.0; 64]));
+        let speck = |i| if i == 5 { DVec3::splat(1e9) } else { DVec3::ZERO };
+        assert_eq!((scale.mean(speck), scale.mean(|i| -speck(i))), (1.0 / 64.0, -1.0 / 64.0));
     }
 
     #[test]

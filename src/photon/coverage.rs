@@ -20,19 +20,13 @@ const LEAST: f32 = 0.05;
 /// estimate over this is the kernel's mean of the light on the surface that is there. On a flat surface it is exactly 1.
 #[must_use]
 pub fn coverage(scene: &Scene, p: Vec3, normal: Vec3, radius: f32, kernel: Kernel, key: Key) -> f32 {
-    nested_coverage(scene, p, normal, radius, kernel, key)[0]
-}
-
-/// The same of the disc and of the finer ones within it (see [`Nested`](super::Nested)), by the same rays.
-#[must_use]
-pub fn nested_coverage(scene: &Scene, p: Vec3, normal: Vec3, radius: f32, kernel: Kernel, key: Key) -> [f32; LEVELS] {
     let frame = Frame::around(normal);
     let height = radius * FLATNESS;
-    let (mut covered, mut whole) = ([0.0; LEVELS], [0.0; LEVELS]);
+    let (mut covered, mut whole) = (0.0, 0.0);
     for i in 0..PROBES {
         let d = warp::disc(sobol_2d(i, key, Dimension::Probe));
-        let shapes = shapes(kernel, d.length_squared());
-        whole = add(whole, shapes);
+        let shape = kernel.shape(d.length_squared());
+        whole += shape;
         let above = p + (frame.s * d.x + frame.t * d.y) * radius + normal * height;
         let ray = Ray { t_max: 2.0 * height, ..Ray::new(above, -normal) };
         let Some(hit) = scene.intersect(&ray) else { continue };
@@ -40,22 +34,28 @@ pub fn nested_coverage(scene: &Scene, p: Vec3, normal: Vec3, radius: f32, kernel
         if cos > SAME_SIDE {
             let rise = (height - hit.t) / radius;
             // The plane itself is met within rounding: it must count as flat.
-            let there = if rise.abs() < 1e-3 { shapes } else { self::shapes(kernel, d.length_squared() + rise * rise) };
+            let shape = if rise.abs() < 1e-3 { shape } else { kernel.shape_within(d.length_squared() + rise * rise) };
             let cos = if cos > 0.999_999 { 1.0 } else { cos };
-            covered = add(covered, there.map(|shape| shape / cos));
+            covered += shape / cos;
         }
     }
-    let part = |level: usize| if whole[level] > 0.0 { (covered[level] / whole[level]).max(LEAST) } else { 1.0 };
-    std::array::from_fn(part)
+    if whole > 0.0 { (covered / whole).max(LEAST) } else { 1.0 }
 }
 
-/// The kernel at squared distance `x` in each disc, in squares of the first one's radius.
-fn shapes(kernel: Kernel, x: f32) -> [f32; LEVELS] {
-    [kernel.shape_within(x), kernel.shape_within(2.0 * x), kernel.shape_within(4.0 * x)]
-}
-
-fn add(a: [f32; LEVELS], b: [f32; LEVELS]) -> [f32; LEVELS] {
-    std::array::from_fn(|level| a[level] + b[level])
+/// The same of the disc and of the finer ones within it (see [`Nested`](super::Nested)). Each is probed by as many rays, as the mean of
+/// one over what few of them tell is too large; but what is even throughout the disc is so within.
+#[must_use]
+pub fn nested_coverage(scene: &Scene, p: Vec3, normal: Vec3, radius: f32, kernel: Kernel, key: Key) -> [f32; LEVELS] {
+    let whole = coverage(scene, p, normal, radius, kernel, key);
+    let mut levels = [whole; LEVELS];
+    if whole != 1.0 {
+        let mut radius = radius;
+        for level in &mut levels[1..] {
+            radius *= std::f32::consts::FRAC_1_SQRT_2;
+            *level = coverage(scene, p, normal, radius, kernel, key);
+        }
+    }
+    levels
 }
 
 #[cfg(test)]

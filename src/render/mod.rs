@@ -15,6 +15,8 @@ use std::time::{Duration, Instant};
 /// When a render ends; at least one pass is always made.
 #[derive(Clone, Copy, Debug)]
 pub struct Stop<'a> {
+    /// Neither time nor error ends it before so many passes.
+    pub at_least: u32,
     /// After so many passes.
     pub passes: Option<u32>,
     /// After the pass during which so much time has gone by.
@@ -139,6 +141,8 @@ pub fn render(
             Some(Ended::Interrupted)
         } else if stop.passes.is_some_and(|most| made >= most) || made == u32::MAX {
             Some(Ended::Passes)
+        } else if made < stop.at_least {
+            None
         } else if stop.time.is_some_and(|most| start.elapsed() >= most) {
             Some(Ended::Time)
         } else {
@@ -190,7 +194,8 @@ mod tests {
 
     #[test]
     fn the_image_is_the_mean_of_the_passes() {
-        let stop = Stop { passes: Some(4), time: None, target: None, interrupted: &AtomicBool::new(false) };
+        let stop =
+            Stop { at_least: 1, passes: Some(4), time: None, target: None, interrupted: &AtomicBool::new(false) };
         let rendered = super::render(&Counting, (2, 1), &stop, false, &Silent, |_| {});
         assert_eq!((rendered.ended, rendered.film.passes()), (Ended::Passes, 4));
         assert_eq!(rendered.film.mean(), vec![Rgb::splat(1.5); 2]);
@@ -199,9 +204,10 @@ mod tests {
     #[test]
     fn time_and_interrupts_end_after_a_whole_pass() {
         let interrupted = AtomicBool::new(false);
-        let stop = Stop { passes: None, time: Some(Duration::ZERO), target: None, interrupted: &interrupted };
+        let stop =
+            Stop { at_least: 1, passes: None, time: Some(Duration::ZERO), target: None, interrupted: &interrupted };
         assert_eq!(super::render(&Counting, (2, 1), &stop, false, &Silent, |_| {}).ended, Ended::Time);
-        let stop = Stop { passes: None, time: None, target: None, interrupted: &interrupted };
+        let stop = Stop { at_least: 1, passes: None, time: None, target: None, interrupted: &interrupted };
         let mut made = 0;
         let rendered = super::render(&Counting, (2, 1), &stop, false, &Silent, |standing| {
             made = standing.passes;

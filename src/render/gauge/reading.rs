@@ -83,9 +83,15 @@ pub struct Reading {
 /// The fewest passes that an error can be told from.
 const FEWEST: u32 = 4;
 
-/// Bounds of what is taken from pass to pass and scale to scale: light smoother than r² is not believed, nor light so rough that the blur
-/// would hardly shrink.
-const RATIOS: (f64, f64) = (0.4, 0.92);
+/// D₀·D₁ and ‖D₁‖² over ‖D₀‖², in light that is smoother than r² allows: less is noise.
+const SMOOTHEST: (f64, f64) = (0.4, 0.16);
+
+/// The same about the edge of light, of Epanechnikov's kernel. What is finer than discs shows more, up to where nothing can be told from
+/// it; it is taken for an edge.
+const EDGE: (f64, f64) = (0.7275, 0.7074);
+
+/// With which ‖D₁‖² the sum below is right for an edge, whose steps do not quite lose their direction as it has it: 14.6 ‖D₀‖².
+const AS_EDGE: f64 = 0.566;
 
 /// The part of the blur that is not seen but extrapolated is uncertain by half of itself, two deviations.
 const UNSEEN: f64 = 0.25;
@@ -121,8 +127,7 @@ impl Gauge {
         }
         let n = f64::from(passes);
         let scale = RelativeScale::of_pixels(film.size(), &film.mean());
-        let variance = scale.mean(|i| self.deviations[i].as_dvec3()) / (n - 1.0);
-        let noise2 = variance / n;
+        let noise2 = scale.mean(|i| self.deviations[i].as_dvec3() / (n * (n - 1.0)));
         let steps = self.estimates.as_ref().map(|estimates| estimates.steps(&scale, n));
         let blur = steps.as_ref().map(extrapolated).unwrap_or_default();
         let (frozen2, frozen_doubt) = self.frozen.square(&scale, n);
@@ -145,7 +150,7 @@ impl Gauge {
             frozen: frozen2.sqrt(),
             ratio: blur.ratio,
             extrapolation: blur.extrapolation,
-            variance,
+            variance: noise2 * n,
             step_variance: steps.map_or(0.0, |steps| steps.variance),
         }
     }
@@ -154,19 +159,18 @@ impl Gauge {
 impl Estimates {
     fn steps(&self, scale: &RelativeScale, n: f64) -> Steps {
         let [zero, one] = &self.steps;
-        let weights = scale.weights();
-        let (mut square, mut sums) = ([0.0; 3], 0.0);
-        for (i, weight) in weights.iter().enumerate() {
+        let pixels = scale.weights().len();
+        let (mut square, mut variance) = ([0.0; 3], 0.0);
+        for i in 0..pixels {
             let (a, b) = (zero[i].as_dvec3(), one[i].as_dvec3());
             let products = self.products[i].map(f64::from);
             for ((sum, whole), same) in square.iter_mut().zip([a.dot(a), a.dot(b), b.dot(b)]).zip(products) {
-                *sum += weight * (whole - same);
+                *sum += scale.counts(i, (whole - same) / (n * (n - 1.0)));
             }
-            sums += weight * (products[0] - a.dot(a) / n);
+            variance += scale.counts(i, (products[0] - a.dot(a) / n) / (n * (n - 1.0)));
         }
-        let count = weights.len() as f64;
-        let [zero, both, one] = square.map(|sum| sum / (count * n * (n - 1.0)));
-        let variance = sums / (count * (n - 1.0));
+        let [zero, both, one] = square.map(|sum| sum / pixels as f64);
+        let variance = n * variance / pixels as f64;
         // Of a sum over pairs of passes, and of its product with what it looks for.
         let scatter = self.spread.scatter();
         let doubt = variance * variance * scatter / (n * (n - 1.0)) + 2.0 * zero.max(0.0) * variance * scatter / n;
@@ -196,12 +200,11 @@ fn extrapolated(steps: &Steps) -> Blur {
     }
     // What stands out from its own doubt, and matters beside the noise, has a say in the law; else light is taken to be smooth.
     let trust = zero * zero / (zero * zero + 4.0 * steps.doubt);
-    let (least, most) = RATIOS;
-    let squared = (steps.one / zero).clamp(least * least, most * most);
-    let together = (steps.both / zero).clamp(least * least, squared.sqrt().min(most));
+    let squared = (steps.one / zero).clamp(SMOOTHEST.1, EDGE.1);
+    let together = (steps.both / zero).clamp(SMOOTHEST.0, EDGE.0).min(squared.sqrt());
     let squared = 0.25 + trust * (squared - 0.25);
     let together = 0.5 + trust * (together - 0.5);
-    let whole = (1.0 + together) / ((1.0 - together) * (1.0 - squared));
+    let whole = (1.0 + together) / ((1.0 - together) * (1.0 - squared.min(AS_EDGE)));
     let seen = 1.0 + 2.0 * together + squared;
     let square = zero * whole;
     let unseen = square.sqrt() - (zero * seen).sqrt();
@@ -220,9 +223,8 @@ impl Frozen {
         if self.places.is_empty() {
             return (0.0, 0.0);
         }
-        let weights = scale.weights();
         let one = |((at, sum), square): ((&u32, &glam::DVec3), &f64)| {
-            weights[*at as usize] * (sum.length_squared() - square) / (n * (n - 1.0))
+            scale.counts(*at as usize, (sum.length_squared() - square) / (n * (n - 1.0)))
         };
         let values: Vec<f64> = self.places.iter().zip(&self.sums).zip(&self.squares).map(one).collect();
         let count = values.len() as f64;

@@ -35,8 +35,8 @@ impl Moments {
 }
 
 impl Spread {
-    /// Adds a picture; `weights` say how a squared difference counts.
-    pub fn add(&mut self, picture: impl Iterator<Item = Rgb>, weights: &[f64]) {
+    /// Adds a picture; `weights` say how a squared difference counts, and no pixel counts for more than `most`.
+    pub fn add(&mut self, picture: impl Iterator<Item = Rgb>, weights: &[f64], most: f64) {
         if !self.has_first {
             self.first.clear();
             self.first.extend(picture);
@@ -49,8 +49,12 @@ impl Spread {
         let has_last = self.has_last;
         self.last.resize(weights.len(), Rgb::ZERO);
         for (((value, first), last), weight) in picture.zip(&self.first).zip(&mut self.last).zip(weights) {
-            let difference = (value - *first) * std::f32::consts::FRAC_1_SQRT_2;
-            square += weight * f64::from(difference.length_squared());
+            let mut difference = (value - *first) * std::f32::consts::FRAC_1_SQRT_2;
+            let counts = weight * f64::from(difference.length_squared());
+            if counts > most {
+                difference *= (most / counts).sqrt() as f32;
+            }
+            square += counts.min(most);
             product += weight * f64::from(difference.dot(*last));
             *last = difference;
         }
@@ -94,7 +98,7 @@ mod tests {
         for picture in 0..pictures {
             let key = Key::new(9).purpose(Purpose::Test).with(picture);
             let value = |i: usize| Rgb::X * key.with((i / block) as u64).uniform(Dimension::Film);
-            spread.add((0..pixels).map(value), &weights);
+            spread.add((0..pixels).map(value), &weights, f64::INFINITY);
         }
         spread
     }
@@ -117,7 +121,7 @@ mod tests {
         assert_eq!((learn(1, 10, 3).scatter(), learn(1, 10, 3).doubt()), (2.0, 2.0));
         assert!(learn(1, 10, 8).scatter() < 2.0);
         let mut black = Spread::default();
-        (0..8).for_each(|_| black.add(std::iter::repeat_n(Rgb::ZERO, 4), &[1.0; 4]));
+        (0..8).for_each(|_| black.add(std::iter::repeat_n(Rgb::ZERO, 4), &[1.0; 4], 1.0));
         assert_eq!((black.scatter(), black.doubt()), (0.0, 0.0));
     }
 }
