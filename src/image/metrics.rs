@@ -1,6 +1,7 @@
 //! How far two pictures are apart.
 
 use super::buffer::{Image, RgbBytes};
+use super::relative::RelativeScale;
 
 /// Why two pictures cannot be compared.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -23,10 +24,10 @@ pub enum MetricError {
         /// Row from the top.
         y: u32,
     },
-    /// ε or the clip is not a positive number.
-    #[error("{name} is {value}, but must be a positive number")]
+    /// An option is out of range.
+    #[error("{name} is {value}, which is out of range")]
     Parameter {
-        /// `epsilon` or `clip`.
+        /// `epsilon`, `clip`, `exposure` or `pixels per degree`.
         name: &'static str,
         /// As given.
         value: f64,
@@ -78,6 +79,61 @@ pub fn max_abs_difference(a: &Image, b: &Image) -> Result<f64, MetricError> {
     Ok(pairs(a, b)?.fold(0.0, |most, (a, b)| (a.as_dvec3() - b.as_dvec3()).abs().max_element().max(most)))
 }
 
+/// The largest difference of a channel, and where it is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Largest {
+    /// Absolute difference.
+    pub difference: f64,
+    /// Column from the left.
+    pub x: u32,
+    /// Row from the top.
+    pub y: u32,
+}
+
+/// Where two pictures differ.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Differences {
+    /// Of red, green and blue, the first where several are as large; `None` where the channel is the same throughout.
+    pub largest: [Option<Largest>; 3],
+    /// Pixels with a channel that differs.
+    pub pixels: usize,
+}
+
+/// The largest difference of each channel with its place, and the number of pixels that differ. Zeros of both signs are the same.
+///
+/// # Errors
+/// [`MetricError`] where sizes differ or a pixel is not finite.
+pub fn differences(a: &Image, b: &Image) -> Result<Differences, MetricError> {
+    let width = a.width() as usize;
+    let mut found = Differences::default();
+    for (i, (a, b)) in pairs(a, b)?.enumerate() {
+        if a == b {
+            continue;
+        }
+        found.pixels += 1;
+        for (most, difference) in found.largest.iter_mut().zip((a.as_dvec3() - b.as_dvec3()).abs().to_array()) {
+            if difference > most.map_or(0.0, |m| m.difference) {
+                *most = Some(Largest { difference, x: (i % width) as u32, y: (i / width) as u32 });
+            }
+        }
+    }
+    Ok(found)
+}
+
+/// Root of the mean squared error on the [`RelativeScale`] of the `reference`.
+///
+/// # Errors
+/// [`MetricError`] where sizes differ or a pixel is not finite.
+pub fn relative_error(a: &Image, reference: &Image) -> Result<f64, MetricError> {
+    check_pair(a, reference)?;
+    let (a, b) = (a.pixels(), reference.pixels());
+    let square = |i: usize| {
+        let d = a[i].as_dvec3() - b[i].as_dvec3();
+        d * d
+    };
+    Ok(RelativeScale::of(reference).mean(square).sqrt())
+}
+
 /// How two pictures of bytes differ.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ByteDifference {
@@ -103,11 +159,8 @@ fn check_sizes(a: (u32, u32), b: (u32, u32)) -> Result<(), MetricError> {
     if a == b { Ok(()) } else { Err(MetricError::Size { a, b }) }
 }
 
-/// The pixels side by side, all finite. Differences of finite f32 stay finite in f64.
-fn pairs<'a>(
-    a: &'a Image,
-    b: &'a Image,
-) -> Result<impl Iterator<Item = (&'a glam::Vec3, &'a glam::Vec3)>, MetricError> {
+/// Refuses pictures of two sizes, and pixels that are not finite.
+pub(super) fn check_pair(a: &Image, b: &Image) -> Result<(), MetricError> {
     check_sizes((a.width(), a.height()), (b.width(), b.height()))?;
     for (which, image) in [("first", a), ("second", b)] {
         if let Some(at) = image.pixels().iter().position(|pixel| !pixel.is_finite()) {
@@ -115,6 +168,15 @@ fn pairs<'a>(
             return Err(MetricError::NonFinite { which, x: (at % width) as u32, y: (at / width) as u32 });
         }
     }
+    Ok(())
+}
+
+/// The pixels side by side, all finite. Differences of finite f32 stay finite in f64.
+fn pairs<'a>(
+    a: &'a Image,
+    b: &'a Image,
+) -> Result<impl Iterator<Item = (&'a glam::Vec3, &'a glam::Vec3)>, MetricError> {
+    check_pair(a, b)?;
     Ok(a.pixels().iter().zip(b.pixels()))
 }
 
@@ -156,6 +218,26 @@ mod tests {
         assert_eq!(relative_mse(&a, &nan, 0.1, Some(1.0)), Err(expected));
         assert!(matches!(relative_mse(&a, &a, 0.0, None), Err(MetricError::Parameter { name: "epsilon", .. })));
         assert!(matches!(relative_mse(&a, &a, 1.0, Some(-1.0)), Err(MetricError::Parameter { name: "clip", .. })));
+    }
+
+    #[test]
+    fn the_largest_differences_have_places() {
+        let zero = Image::new(2, 2).unwrap();
+        let pixels = [[0.0, 1.0, 0.0], [-0.0, -2.0, 0.5], [0.0; 3], [0.0, 2.0, 0.25]].map(Vec3::from_array);
+        let image = Image::from_pixels(2, 2, pixels.to_vec()).unwrap();
+        let found = differences(&image, &zero).unwrap();
+        let at = |difference, x, y| Some(Largest { difference, x, y });
+        assert_eq!(found, Differences { largest: [None, at(2.0, 1, 0), at(0.5, 1, 0)], pixels: 3 });
+        assert_eq!(differences(&zero, &image).unwrap(), found);
+        assert_eq!(differences(&image, &image).unwrap(), Differences::default());
+    }
+
+    /// Of an even picture of light 2, an error of .1 everywhere is .1/√(4 + 4).
+    #[test]
+    fn the_relative_error_is_a_root() {
+        let (a, b) = (image(&[[2.1; 3]; 9]), image(&[[2.0; 3]; 9]));
+        assert!((relative_error(&a, &b).unwrap() - 0.1 / f64::sqrt(8.0)).abs() < 1e-7);
+        assert!(relative_error(&a, &image(&[[2.0; 3]; 8])).is_err());
     }
 
     #[test]

@@ -3,6 +3,7 @@
 mod buffer;
 mod error;
 mod exr;
+pub mod flip;
 pub mod metrics;
 mod png;
 mod read;

@@ -1,0 +1,125 @@
+use super::*;
+
+fn picture(color: impl Fn(i32, i32) -> [f32; 3]) -> Image {
+    let pixels = (0..48).flat_map(|y| (0..64).map(move |x| (x, y))).map(|(x, y)| Vec3::from(color(x, y))).collect();
+    Image::from_pixels(64, 48, pixels).unwrap()
+}
+
+fn smooth(x: i32, y: i32) -> [f32; 3] {
+    [x as f32 / 64.0, y as f32 / 64.0, ((x + y) % 64) as f32 / 64.0]
+}
+
+fn noise(x: i32, y: i32, channel: i32) -> f32 {
+    ((x * 73 + y * 151 + channel * 37) % 17 - 8) as f32
+}
+
+fn noisy(x: i32, y: i32) -> [f32; 3] {
+    std::array::from_fn(|k| (smooth(x, y)[k] + noise(x, y, k as i32) / 64.0).clamp(0.0, 1.0))
+}
+
+fn boxed(x: i32, y: i32) -> [f32; 3] {
+    if (20..40).contains(&x) && (10..30).contains(&y) { [0.75, 0.5, 0.25] } else { [0.125, 0.125, 0.25] }
+}
+
+fn bright(x: i32, y: i32) -> [f32; 3] {
+    let lamp = if (50..54).contains(&x) && (8..12).contains(&y) { 64.0 } else { 1.0 };
+    smooth(x, y).map(|c| (c + 0.0625) * lamp)
+}
+
+fn ldr(a: &Image, b: &Image) -> Flip {
+    flip(a, b, &FlipOptions::default()).unwrap()
+}
+
+/// A mean, and the errors of three pixels: the largest, that in column 30 of row 20, and the first.
+#[track_caller]
+fn expect(found: &Flip, mean: f64, [largest, inside, first]: [f32; 3]) {
+    // The other program computes in f32 all through; roots of small features amplify that to some 1e-4 of a pixel.
+    assert!((found.mean - mean).abs() < 2e-5, "{} instead of {mean}", found.mean);
+    let most = found.map.iter().copied().fold(0.0, f32::max);
+    for (found, expected) in [(most, largest), (found.map[20 * 64 + 30], inside), (found.map[0], first)] {
+        assert!((found - expected).abs() < 2e-4, "{found} instead of {expected}");
+    }
+}
+
+/// Figures of the authors' own program, flip-evaluator 1.7, for the same pictures.
+#[test]
+fn the_authors_program_finds_the_same() {
+    let shifted = picture(|x, y| boxed(x - 2, y + 1));
+    expect(&ldr(&picture(smooth), &picture(noisy)), 0.077_562_697, [0.430_228_1, 0.087_598_2, 0.299_372_6]);
+    expect(&ldr(&picture(boxed), &shifted), 0.093_975_276, [0.729_492, 0.016_107_9, 0.0]);
+    let coarse = FlipOptions { pixels_per_degree: 20.0, ..FlipOptions::default() };
+    let found = flip(&picture(smooth), &picture(noisy), &coarse).unwrap();
+    expect(&found, 0.327_105_910, [0.763_210_7, 0.229_014_2, 0.031_483_4]);
+    let found = flip(&picture(boxed), &shifted, &coarse).unwrap();
+    expect(&found, 0.067_302_711, [0.974_457_3, 0.0, 0.0]);
+    let test = picture(|x, y| bright(x, y).map(|c| c * (1.0 + noise(x, y, 0) / 32.0)));
+    let hdr = FlipOptions { mode: FlipMode::Hdr, ..FlipOptions::default() };
+    expect(&flip(&picture(bright), &test, &hdr).unwrap(), 0.051_461_030, [0.212_969_1, 0.029_936_8, 0.190_408_4]);
+}
+
+#[test]
+fn ends_of_the_scale() {
+    let even = |color: [f32; 3]| picture(move |_, _| color);
+    let hdr = FlipOptions { mode: FlipMode::Hdr, ..FlipOptions::default() };
+    for image in [picture(noisy), picture(bright), even([0.0; 3])] {
+        for options in [FlipOptions::default(), hdr] {
+            assert_eq!(flip(&image, &image, &options).unwrap(), Flip { map: vec![0.0; 64 * 48], mean: 0.0 });
+        }
+    }
+    // The largest difference of all is of green and blue (section 4.1.3); of black and white the program above finds .9674.
+    assert!((ldr(&even([0.0, 1.0, 0.0]), &even([0.0, 0.0, 1.0])).mean - 1.0).abs() < 1e-6);
+    assert!((ldr(&even([0.0; 3]), &even([1.0; 3])).mean - 0.967_388_3).abs() < 1e-5);
+}
+
+#[test]
+fn ldr_is_symmetric_and_exposed() {
+    let (a, b) = (picture(smooth), picture(noisy));
+    assert_eq!(ldr(&a, &b), ldr(&b, &a));
+    let half = |image: &Image| Image::from_pixels(64, 48, image.pixels().iter().map(|p| *p * 0.5).collect()).unwrap();
+    let brighter = FlipOptions { mode: FlipMode::Ldr(1.0), ..FlipOptions::default() };
+    assert_eq!(flip(&half(&a), &half(&b), &brighter).unwrap(), ldr(&a, &b));
+}
+
+/// The more often rows and columns are averaged with their neighbours, the more a picture differs from what it was.
+#[test]
+fn more_blur_is_more_difference() {
+    let sharp = picture(boxed);
+    let mut image = sharp.clone();
+    let mut last = 0.0;
+    for _ in 0..6 {
+        let old = image.clone();
+        image = picture(|x, y| {
+            let at = |x: i32, y: i32| old.get(x.clamp(0, 63) as u32, y.clamp(0, 47) as u32).unwrap();
+            let sum: Vec3 = [(-1, 0), (1, 0), (0, -1), (0, 1)].map(|(i, j)| at(x + i, y + j)).into_iter().sum();
+            ((sum + at(x, y)) / 5.0).to_array()
+        });
+        let mean = ldr(&sharp, &image).mean;
+        assert!(mean > last, "{mean} after {last}");
+        last = mean;
+    }
+}
+
+#[test]
+fn threads_change_nothing_and_a_pixel_is_a_picture() {
+    let (a, b) = (picture(smooth), picture(noisy));
+    let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+    assert_eq!(one.install(|| ldr(&a, &b)), ldr(&a, &b));
+    let single = |v: f32| Image::from_pixels(1, 1, vec![Vec3::splat(v)]).unwrap();
+    let wide = FlipOptions { pixels_per_degree: 1000.0, ..FlipOptions::default() };
+    assert!(flip(&single(0.0), &single(1.0), &wide).unwrap().mean > 0.9);
+    let narrow = FlipOptions { pixels_per_degree: 1.0, ..FlipOptions::default() };
+    assert!(flip(&a, &b, &narrow).unwrap().mean.is_finite());
+}
+
+#[test]
+fn what_cannot_be_compared_is_an_error() {
+    let a = picture(smooth);
+    let options = |pixels_per_degree, mode| FlipOptions { pixels_per_degree, mode };
+    for bad in [0.5, f64::NAN, 1001.0] {
+        let error = flip(&a, &a, &options(bad, FlipMode::Hdr)).unwrap_err();
+        assert!(matches!(error, MetricError::Parameter { name: "pixels per degree", .. }));
+    }
+    let error = flip(&a, &a, &options(67.0, FlipMode::Ldr(f32::NAN))).unwrap_err();
+    assert!(matches!(error, MetricError::Parameter { name: "exposure", .. }));
+    assert!(matches!(flip(&a, &Image::new(2, 2).unwrap(), &FlipOptions::default()), Err(MetricError::Size { .. })));
+}
