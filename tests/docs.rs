@@ -111,6 +111,7 @@ fn perform(page: &str, line: &[String], folder: &Path) {
                 shrink(&mut arguments, study.method.caustic_photons.is_some());
                 (Some(&study.scene.scene), study.output.iter().collect())
             }
+            Some(Command::Diff(diff)) => (None, diff.output.iter().collect()),
             Some(Command::Mesh(mesh)) => (Some(&mesh.mesh), mesh.output.iter().collect()),
             None => (None, Vec::new()),
         };
@@ -204,6 +205,7 @@ fn table(section: &str) -> Vec<Vec<String>> {
 #[test]
 fn the_page_lists_every_flag_with_its_default() {
     flags_are_listed("render", "Flags");
+    flags_are_listed("diff", "Diff");
     flags_are_listed("mesh", "Mesh");
 }
 
@@ -246,7 +248,7 @@ fn flags_are_listed(command: &str, section: &str) {
 #[test]
 fn the_page_lists_every_exit_code() {
     let codes: Vec<String> = table("Exit codes").iter().map(|row| row[0].replace('`', "")).collect();
-    let known = [Exit::Success, Exit::Input, Exit::Usage, Exit::Output, Exit::Interrupted];
+    let known = [Exit::Success, Exit::Input, Exit::Usage, Exit::Output, Exit::Differ, Exit::Interrupted];
     assert_eq!(codes, known.map(|exit| (exit as u8).to_string()));
 }
 

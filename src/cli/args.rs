@@ -1,7 +1,7 @@
 //! What can be typed.
 
-use super::MeshArguments;
 use super::number::{alpha, confidence, count, duration, error, length, positive_count, size, stops, threads};
+use super::{DiffArguments, MeshArguments};
 use crate::camera::FilterKind;
 use crate::image::{BitDepth, Curve};
 use crate::integrate::VolumeEstimate;
@@ -22,8 +22,8 @@ pub struct Arguments {
 }
 
 const EXIT_CODES: &str = "\
-Exit codes: 0 done; 1 a scene or mesh is missing or wrong; 2 wrong command line, or too little memory for it; 3 an output cannot be written; \
-130 interrupted (once: the picture so far was written; twice: nothing was).";
+Exit codes: 0 done; 1 a scene, mesh or picture is missing or wrong; 2 wrong command line, or too little memory for it; 3 an output cannot be written; \
+4 pictures differ by more than `caustica diff` was told to allow; 130 interrupted (once: the picture so far was written; twice: nothing was).";
 
 /// The commands.
 #[derive(Debug, Subcommand)]
@@ -36,6 +36,8 @@ pub enum Command {
     Price(Box<PriceArguments>),
     /// Measure what parts of a picture cost and are worth
     Study(Box<StudyArguments>),
+    /// Tell how far two pictures are apart, and draw where
+    Diff(Box<DiffArguments>),
     /// Tell what a mesh is like, repair it, and convert it
     Mesh(Box<MeshArguments>),
 }

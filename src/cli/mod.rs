@@ -1,6 +1,7 @@
 //! The command line: what was typed, what it means, and what is told in return.
 
 mod args;
+mod diff;
 mod error;
 mod interrupt;
 mod memory;
@@ -16,6 +17,7 @@ mod settings;
 mod study;
 
 pub use args::{Arguments, Command, PlanArguments, PriceArguments, RenderArguments, StudyArguments};
+pub use diff::{DiffArguments, FlipName, MapKind};
 pub use mesh::MeshArguments;
 
 use std::process::ExitCode;
@@ -26,12 +28,14 @@ use std::process::ExitCode;
 pub enum Exit {
     /// All was done.
     Success = 0,
-    /// A scene, mesh or other input is missing or wrong.
+    /// A scene, mesh, picture or other input is missing or wrong.
     Input = 1,
     /// The command line is wrong, or asks for more than memory holds.
     Usage = 2,
     /// An output cannot be written.
     Output = 3,
+    /// Pictures differ by more than was allowed.
+    Differ = 4,
     /// Interrupted: once, the picture so far was written; twice, nothing was.
     Interrupted = 130,
 }
@@ -67,6 +71,7 @@ pub fn run(arguments: Arguments) -> Result<Exit, Failure> {
         Command::Plan(arguments) => plan::run(&arguments),
         Command::Price(arguments) => price::run(&arguments),
         Command::Study(arguments) => study::run(&arguments),
+        Command::Diff(arguments) => diff::run(&arguments),
         Command::Mesh(arguments) => mesh::run(&arguments),
     }
 }

@@ -1,6 +1,7 @@
 //! Numbers as people write them.
 
 use crate::image::MAX_EXPOSURE_STOPS;
+use crate::image::flip::PIXELS_PER_DEGREE_RANGE;
 use crate::render::gauge::Confidence;
 use glam::DVec3;
 use std::time::Duration;
@@ -116,6 +117,25 @@ pub(super) fn degrees(text: &str) -> Result<f64, String> {
         .ok_or_else(|| format!("`{text}` is no such angle: write degrees from 0 to 180"))
 }
 
+/// A part of a whole, zero or more: `2%` or `0.02`.
+pub(super) fn fraction(text: &str) -> Result<f64, String> {
+    let (digits, scale) = text.strip_suffix('%').map_or((text, 1.0), |digits| (digits.trim_end(), 100.0));
+    let value = within(digits, |x| x >= 0.0).map(|x| x / scale);
+    value.ok_or_else(|| format!("`{text}` is no part of a whole: write it as 2% or 0.02"))
+}
+
+/// The most that is allowed: zero or more.
+pub(super) fn bound(text: &str) -> Result<f64, String> {
+    within(text, |x| x >= 0.0).ok_or_else(|| format!("`{text}` is no bound: write a number of at least 0"))
+}
+
+/// Pixels in a degree of the viewer's field.
+pub(super) fn pixels_per_degree(text: &str) -> Result<f64, String> {
+    let (least, most) = (PIXELS_PER_DEGREE_RANGE.start(), PIXELS_PER_DEGREE_RANGE.end());
+    within(text, |x| PIXELS_PER_DEGREE_RANGE.contains(&x))
+        .ok_or_else(|| format!("`{text}` are not so many pixels: write a number from {least} to {most}"))
+}
+
 /// Three numbers with commas between them.
 pub(super) fn point(text: &str) -> Result<DVec3, String> {
     let numbers: Option<Vec<f64>> = text.split(',').map(|part| within(part.trim(), |_| true)).collect();
@@ -166,6 +186,17 @@ mod tests {
         assert!(error("2%") == Ok(0.02) && error("0").is_err() && error("-1%").is_err() && error("inf").is_err());
         assert_eq!(confidence("90%").map(Confidence::part), Ok(0.9));
         assert!(["49%", "100%", "NaN", "sure"].iter().all(|text| confidence(text).is_err()));
+    }
+
+    #[test]
+    fn parts_and_bounds() {
+        assert_eq!([fraction("2%"), fraction("0.02"), fraction("2 %")], [Ok(0.02), Ok(0.02), Ok(0.02)]);
+        assert_eq!([fraction("0"), fraction("150%"), fraction("1e-3%")], [Ok(0.0), Ok(1.5), Ok(1e-5)]);
+        for bad in ["", "%", "2%%", "-1%", "-0.1", "nan", "inf%", "two", "2% of it"] {
+            assert!(fraction(bad).is_err(), "{bad}");
+        }
+        assert!(bound("0") == Ok(0.0) && bound("1e-3") == Ok(1e-3) && bound("-1").is_err() && bound("NaN").is_err());
+        assert!(pixels_per_degree("67.02") == Ok(67.02) && pixels_per_degree("0.9").is_err());
     }
 
     #[test]

@@ -15,6 +15,20 @@ pub enum WriteError {
         /// The path as given.
         path: PathBuf,
     },
+    /// The extension is not that of the one format that holds layers.
+    #[error("`{}` cannot hold layers: give it the extension .exr", path.display())]
+    NoLayers {
+        /// The path as given.
+        path: PathBuf,
+    },
+    /// A layer that the format cannot hold.
+    #[error("the channel `{channel}` cannot be stored: {reason}")]
+    Channel {
+        /// Its whole name.
+        channel: String,
+        /// The rule it breaks.
+        reason: &'static str,
+    },
     /// The folder that should hold the file is missing.
     #[error("cannot write `{}`: there is no folder `{}`: create it or choose another path", path.display(), folder.display())]
     NoFolder {

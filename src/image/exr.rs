@@ -14,7 +14,7 @@ use super::error::{DecodeFailure, WriteError, check_plausible};
 use super::tone::WriteReport;
 
 /// Rec. 709 primaries and the white point D65.
-const REC_709: Chromaticities = Chromaticities {
+pub(super) const REC_709: Chromaticities = Chromaticities {
     red: Vec2(0.64, 0.33),
     green: Vec2(0.30, 0.60),
     blue: Vec2(0.15, 0.06),
@@ -29,20 +29,25 @@ pub(super) fn encode(image: &Image, metadata: &[(String, String)]) -> Result<(Ve
         let pixel = pixels[y * width + x];
         (pixel.x, pixel.y, pixel.z)
     });
-    let mut attributes = LayerAttributes::default();
-    if !metadata.is_empty() {
-        // One attribute holds all pairs: the crate keeps custom attributes in a hash map, whose order varies by run.
-        let lines: Vec<String> = metadata.iter().map(|(key, text)| format!("{key}: {text}")).collect();
-        attributes.comments = Some(Text::from_slice_unchecked(lines.join("\n").as_bytes()));
-    }
     let size = (width, image.height() as usize);
-    let mut picture = ExrImage::from_layer(Layer::new(size, attributes, Encoding::SMALL_LOSSLESS, channels));
+    let mut picture = ExrImage::from_layer(Layer::new(size, attributes(metadata), Encoding::SMALL_LOSSLESS, channels));
     picture.attributes.chromaticities = Some(REC_709);
 
     let mut file = Cursor::new(Vec::new());
     picture.write().non_parallel().to_buffered(&mut file).map_err(|error| WriteError::Encode(error.to_string()))?;
     let non_finite = pixels.iter().filter(|pixel| !pixel.is_finite()).count();
     Ok((file.into_inner(), WriteReport { non_finite, ..WriteReport::default() }))
+}
+
+/// The attributes that hold `metadata`.
+pub(super) fn attributes(metadata: &[(String, String)]) -> LayerAttributes {
+    let mut attributes = LayerAttributes::default();
+    if !metadata.is_empty() {
+        // One attribute holds all pairs: the crate keeps custom attributes in a hash map, whose order varies by run.
+        let lines: Vec<String> = metadata.iter().map(|(key, text)| format!("{key}: {text}")).collect();
+        attributes.comments = Some(Text::from_slice_unchecked(lines.join("\n").as_bytes()));
+    }
+    attributes
 }
 
 impl From<exr::error::Error> for DecodeFailure {

@@ -2,6 +2,7 @@
 
 use super::buffer::{Image, RgbBytes};
 use super::relative::RelativeScale;
+use serde::Serialize;
 
 /// Why two pictures cannot be compared.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -80,7 +81,7 @@ pub fn max_abs_difference(a: &Image, b: &Image) -> Result<f64, MetricError> {
 }
 
 /// The largest difference of a channel, and where it is.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Largest {
     /// Absolute difference.
     pub difference: f64,

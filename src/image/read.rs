@@ -17,6 +17,29 @@ const EXR_SIGNATURE: [u8; 4] = *b"\x76\x2f\x31\x01";
 /// Of `#?RADIANCE` and `#?RGBE`.
 const HDR_SIGNATURE: [u8; 3] = *b"#?R";
 
+/// A format that pictures are read from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum InputFormat {
+    /// PNG: levels of a display.
+    Png,
+    /// OpenEXR: radiance.
+    Exr,
+    /// Radiance HDR: radiance.
+    Hdr,
+}
+
+impl InputFormat {
+    /// By the first bytes of a file, whatever its name says.
+    fn of(file: &[u8]) -> Option<Self> {
+        match file {
+            _ if file.starts_with(&PNG_SIGNATURE) => Some(Self::Png),
+            _ if file.starts_with(&EXR_SIGNATURE) => Some(Self::Exr),
+            _ if file.starts_with(&HDR_SIGNATURE) => Some(Self::Hdr),
+            _ => None,
+        }
+    }
+}
+
 /// Reads a PNG, OpenEXR or Radiance HDR picture, told apart by its first bytes, as linear radiance.
 ///
 /// A PNG is decoded by its gAMA chunk where it has one and no sRGB chunk, else by the sRGB curve. Of an OpenEXR file the
@@ -26,6 +49,14 @@ const HDR_SIGNATURE: [u8; 3] = *b"#?R";
 /// # Errors
 /// [`ReadError`] where the file is missing, damaged, of another format, transparent, or beyond [`super::MAX_PIXELS`].
 pub fn read(path: &Path) -> Result<Image, ReadError> {
+    Ok(read_with_format(path)?.0)
+}
+
+/// As [`read`], and what the file is.
+///
+/// # Errors
+/// [`ReadError`] as for [`read`].
+pub fn read_with_format(path: &Path) -> Result<(Image, InputFormat), ReadError> {
     read_by(path, png::read)
 }
 
@@ -34,21 +65,20 @@ pub fn read(path: &Path) -> Result<Image, ReadError> {
 /// # Errors
 /// [`ReadError`] as for [`read`].
 pub fn read_data(path: &Path) -> Result<Image, ReadError> {
-    read_by(path, png::read_data)
+    Ok(read_by(path, png::read_data)?.0)
 }
 
-fn read_by(path: &Path, read_png: fn(&[u8]) -> Result<Image, DecodeFailure>) -> Result<Image, ReadError> {
+type Decoder = fn(&[u8]) -> Result<Image, DecodeFailure>;
+
+fn read_by(path: &Path, read_png: Decoder) -> Result<(Image, InputFormat), ReadError> {
     let file = load(path)?;
-    let image = if file.starts_with(&PNG_SIGNATURE) {
-        read_png(&file)
-    } else if file.starts_with(&EXR_SIGNATURE) {
-        exr::read(&file)
-    } else if file.starts_with(&HDR_SIGNATURE) {
-        read_hdr(&file)
-    } else {
-        return Err(ReadError::UnknownFormat { path: path.to_owned() });
+    let format = InputFormat::of(&file).ok_or_else(|| ReadError::UnknownFormat { path: path.to_owned() })?;
+    let image = match format {
+        InputFormat::Png => read_png(&file),
+        InputFormat::Exr => exr::read(&file),
+        InputFormat::Hdr => read_hdr(&file),
     };
-    image.map_err(|failure| failure.at(path.to_owned()))
+    Ok((image.map_err(|failure| failure.at(path.to_owned()))?, format))
 }
 
 /// Reads the bytes of an 8-bit PNG as they stand, for exact comparisons.
@@ -57,14 +87,12 @@ fn read_by(path: &Path, read_png: fn(&[u8]) -> Result<Image, DecodeFailure>) -> 
 /// [`ReadError`] as for [`read`], and where the file is no PNG or has 16 bits a channel.
 pub fn read_bytes(path: &Path) -> Result<RgbBytes, ReadError> {
     let file = load(path)?;
-    let bytes = if file.starts_with(&EXR_SIGNATURE) || file.starts_with(&HDR_SIGNATURE) {
-        Err(DecodeFailure::Reason(
+    let bytes = match InputFormat::of(&file) {
+        Some(InputFormat::Png) => png::read_bytes(&file),
+        Some(_) => Err(DecodeFailure::Reason(
             "a picture of floating-point numbers has no bytes to compare: use an 8-bit PNG".into(),
-        ))
-    } else if file.starts_with(&PNG_SIGNATURE) {
-        png::read_bytes(&file)
-    } else {
-        return Err(ReadError::UnknownFormat { path: path.to_owned() });
+        )),
+        None => return Err(ReadError::UnknownFormat { path: path.to_owned() }),
     };
     bytes.map_err(|failure| failure.at(path.to_owned()))
 }

@@ -92,7 +92,7 @@ pub fn check_writable(path: &Path) -> Result<(), WriteError> {
 }
 
 /// The rules of PNG keywords (ISO/IEC 15948, 11.3.4.2), narrowed to ASCII; for OpenEXR too, so that a pair fits both or none.
-fn check_metadata(metadata: &[(String, String)]) -> Result<(), WriteError> {
+pub(super) fn check_metadata(metadata: &[(String, String)]) -> Result<(), WriteError> {
     for (key, text) in metadata {
         let broken = if !(1..=79).contains(&key.len()) {
             Some("a key must have 1 to 79 characters")

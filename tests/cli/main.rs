@@ -1,5 +1,6 @@
 //! The program from outside: what it writes, what it says, and how it ends.
 
+mod diff;
 mod exits;
 mod interrupt;
 mod mesh;

@@ -25,7 +25,6 @@ pub(super) fn exposures(reference: &Image) -> Vec<f64> {
     let middle = lit.len() / 2;
     let median = *lit.select_nth_unstable_by(middle, f64::total_cmp).1;
     let bright = burning();
-    let bright = burning();
     let (first, last) = (libm::log2(bright / brightest), libm::log2(bright / median));
     let count = (last - first).ceil().max(2.0);
     (0..count as u32).map(|i| first + f64::from(i) * (last - first) / (count - 1.0)).collect()

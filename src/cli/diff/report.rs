@@ -1,0 +1,102 @@
+//! What `caustica diff` found, as a table and as JSON; docs/cli.md describes each field.
+
+use super::map::Colors;
+use crate::image::metrics::Largest;
+use crate::study::text::figure;
+use serde::Serialize;
+use std::fmt::Write;
+
+/// ε of the relative MSE.
+pub(super) const EPSILON: f64 = 0.01;
+
+#[derive(Debug, Serialize)]
+pub(super) struct Report {
+    pub schema: u32,
+    pub version: &'static str,
+    pub a: String,
+    pub b: String,
+    pub width: u32,
+    pub height: u32,
+    pub mean: Means,
+    pub rmse: f64,
+    pub relative_mse: f64,
+    pub relative_error: f64,
+    pub flip: FlipReport,
+    pub largest: LargestReport,
+    pub differing_pixels: usize,
+    /// `None` where no map was asked for.
+    pub map: Option<MapReport>,
+    /// Flags whose bound is exceeded.
+    pub exceeded: Vec<&'static str>,
+}
+
+#[derive(Debug, Serialize)]
+pub(super) struct Means {
+    pub a: f64,
+    pub b: f64,
+}
+
+#[derive(Debug, Serialize)]
+pub(super) struct FlipReport {
+    pub mode: &'static str,
+    /// `None` for HDR.
+    pub exposure: Option<f32>,
+    pub pixels_per_degree: f64,
+    pub mean: f64,
+}
+
+#[derive(Debug, Serialize)]
+pub(super) struct LargestReport {
+    pub red: Option<Largest>,
+    pub green: Option<Largest>,
+    pub blue: Option<Largest>,
+}
+
+#[derive(Debug, Serialize)]
+pub(super) struct MapReport {
+    pub file: String,
+    pub kind: &'static str,
+    /// `None` for OpenEXR.
+    pub colors: Option<Colors>,
+}
+
+impl Report {
+    /// The largest difference of any channel.
+    pub fn largest(&self) -> f64 {
+        let LargestReport { red, green, blue } = &self.largest;
+        [red, green, blue].into_iter().flatten().map(|l| l.difference).fold(0.0, f64::max)
+    }
+
+    pub fn table(&self) -> String {
+        let pixels = u64::from(self.width) * u64::from(self.height);
+        let mut text = format!("{} against {}, {} × {} pixels\n", self.a, self.b, self.width, self.height);
+        let mut row = |name: &str, value: String, about: String| {
+            let line = format!("  {name:<20} {value:>10}  {about}");
+            let _ = writeln!(text, "{}", line.trim_end());
+        };
+        row("mean radiance", figure(self.mean.a), format!("of the reference {}", figure(self.mean.b)));
+        row("RMSE", figure(self.rmse), String::new());
+        row("relative MSE", figure(self.relative_mse), format!("with ε = {EPSILON}"));
+        row("relative error", percent(self.relative_error), "of the light around".to_owned());
+        let seen = match self.flip.exposure {
+            Some(stops) => format!("LDR, at an exposure of {stops} stops"),
+            None => "HDR".to_owned(),
+        };
+        row("FLIP", figure(self.flip.mean), format!("{seen}, {:.2} pixels per degree", self.flip.pixels_per_degree));
+        let LargestReport { red, green, blue } = &self.largest;
+        for (name, largest) in [("red", red), ("green", green), ("blue", blue)] {
+            let (value, place) = match largest {
+                Some(Largest { difference, x, y }) => (figure(*difference), format!("in column {x}, row {y}")),
+                None => (figure(0.0), String::new()),
+            };
+            row(&format!("largest in {name}"), value, place);
+        }
+        let part = percent(self.differing_pixels as f64 / pixels as f64);
+        row("pixels that differ", self.differing_pixels.to_string(), part);
+        text
+    }
+}
+
+fn percent(part: f64) -> String {
+    format!("{} %", figure(100.0 * part))
+}

@@ -1,0 +1,74 @@
+//! Colours for numbers.
+
+use super::tone::srgb_decode;
+use glam::{DVec3, Vec3};
+
+/// The ramp magma of Smith and van der Walt (2015, in the public domain by CC0) at nine even steps, as bytes of sRGB: even in
+/// perceived lightness, from black by purple and orange to a pale yellow.
+const MAGMA: [[u8; 3]; 9] = [
+    [0x00, 0x00, 0x04],
+    [0x1d, 0x11, 0x47],
+    [0x51, 0x12, 0x7c],
+    [0x82, 0x26, 0x81],
+    [0xb6, 0x36, 0x79],
+    [0xe6, 0x51, 0x64],
+    [0xfb, 0x88, 0x61],
+    [0xfe, 0xc2, 0x87],
+    [0xfc, 0xfd, 0xbf],
+];
+
+/// Brewer's RdBu of five classes (colorbrewer2.org), from blue to red, as bytes of sRGB.
+const BLUE_RED: [[u8; 3]; 5] =
+    [[0x05, 0x71, 0xb0], [0x92, 0xc5, 0xde], [0xf7, 0xf7, 0xf7], [0xf4, 0xa5, 0x82], [0xca, 0x00, 0x20]];
+
+/// A colour for a number in [0, 1], in linear light: the larger, the lighter. Numbers beyond are clamped.
+#[must_use]
+pub fn sequential(t: f64) -> Vec3 {
+    between(&MAGMA, t)
+}
+
+/// A colour for a number in [−1, 1], in linear light: blue, nearly white at 0, red. Numbers beyond are clamped.
+#[must_use]
+pub fn diverging(t: f64) -> Vec3 {
+    between(&BLUE_RED, 0.5 + 0.5 * t)
+}
+
+/// Signals are mixed, not light: equal steps of them look more alike.
+fn between(steps: &[[u8; 3]], t: f64) -> Vec3 {
+    let last = steps.len() - 1;
+    let place = t.clamp(0.0, 1.0) * last as f64;
+    let step = (place as usize).min(last - 1);
+    let signal = |i: usize| DVec3::from(steps[i].map(f64::from)) / 255.0;
+    let mixed = signal(step).lerp(signal(step + 1), place - step as f64);
+    DVec3::from(mixed.to_array().map(srgb_decode)).as_vec3()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::image::{Image, OutputFormat, WriteOptions, encode, read_bytes};
+
+    /// The colours as a PNG shows them.
+    fn shown(colors: Vec<Vec3>) -> Vec<[u8; 3]> {
+        let image = Image::from_pixels(colors.len() as u32, 1, colors).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.png");
+        std::fs::write(&path, encode(OutputFormat::Png, &image, &WriteOptions::default()).unwrap().0).unwrap();
+        read_bytes(&path).unwrap().pixels().to_vec()
+    }
+
+    #[test]
+    fn steps_are_the_published_bytes_and_what_is_beyond_is_clamped() {
+        assert_eq!(shown((0..9).map(|i| sequential(f64::from(i) / 8.0)).collect()), MAGMA);
+        assert_eq!(shown((0..5).map(|i| diverging(f64::from(i) / 2.0 - 1.0)).collect()), BLUE_RED);
+        assert_eq!((sequential(-1.0), sequential(2.0)), (sequential(0.0), sequential(1.0)));
+        assert_eq!((diverging(-9.0), diverging(9.0)), (diverging(-1.0), diverging(1.0)));
+    }
+
+    #[test]
+    fn larger_is_lighter() {
+        let luminance = |c: Vec3| c.dot(Vec3::new(0.2126, 0.7152, 0.0722));
+        let lights: Vec<f32> = (0..=64).map(|i| luminance(sequential(f64::from(i) / 64.0))).collect();
+        assert!(lights.is_sorted_by(|a, b| a < b), "{lights:?}");
+    }
+}
