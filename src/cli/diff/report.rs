@@ -79,7 +79,7 @@ impl Report {
         row("relative MSE", figure(self.relative_mse), format!("with ε = {EPSILON}"));
         row("relative error", percent(self.relative_error), "of the light around".to_owned());
         let seen = match self.flip.exposure {
-            Some(stops) => format!("LDR, at an exposure of {stops} stops"),
+            Some(stops) => format!("LDR at {stops} stops"),
             None => "HDR".to_owned(),
         };
         row("FLIP", figure(self.flip.mean), format!("{seen}, {:.2} pixels per degree", self.flip.pixels_per_degree));
