@@ -28,7 +28,7 @@ pub enum FlipMode {
     /// As a PNG of the sRGB curve shows it: radiance is multiplied by 2 to this power and clamped to [0, 1]. At most
     /// ±[`MAX_EXPOSURE_STOPS`].
     Ldr(f32),
-    /// By a film curve at each of a range of exposures, a stop apart at most, from where the brightest pixel of the reference is
+    /// By a film curve at each of a range of exposures, about a stop apart, from where the brightest pixel of the reference is
     /// about to burn out to where the median is; each pixel keeps its largest error. The median is over pixels that are not black.
     Hdr,
 }
@@ -72,7 +72,7 @@ pub fn flip(reference: &Image, test: &Image, options: &FlipOptions) -> Result<Fl
     let mut map = vec![0.0; reference.pixels().len()];
     match options.mode {
         FlipMode::Ldr(stops) => {
-            if !(stops.abs() <= MAX_EXPOSURE_STOPS) {
+            if !(-MAX_EXPOSURE_STOPS..=MAX_EXPOSURE_STOPS).contains(&stops) {
                 return Err(MetricError::Parameter { name: "exposure", value: stops.into() });
             }
             let scale = libm::exp2f(stops);
