@@ -193,6 +193,10 @@ pub struct RenderArguments {
     #[arg(long, value_parser = confidence, default_value = "90%", value_name = "PART")]
     pub confidence: Confidence,
 
+    /// Write the picture and maps of its error as layers of an .exr file: noise, bias, and the radius and photons of estimates
+    #[arg(long, value_name = "FILE", conflicts_with = "no_gauge")]
+    pub aov: Option<PathBuf>,
+
     /// Do not tell the error: a picture takes a little less time and memory, and is the same
     #[arg(long)]
     pub no_gauge: bool,

@@ -6,6 +6,10 @@ use crate::integrate::Expected;
 /// Bytes a pixel: the film (24), its mean (12), and what is encoded of it (12 in OpenEXR).
 const PER_PIXEL: u64 = 50;
 
+/// Bytes a pixel of the gauge: what a pass tells (48), noise (12), finer discs (36), discs (24), and two differences each of passes and of
+/// finer discs (48).
+const PER_GAUGED_PIXEL: u64 = 170;
+
 /// Bytes a stored photon while its tree is built: itself (32), its sorted copy (32) and the copy's key (16), then the tree (33)
 /// instead of the key; the rest is the slack of growing lists.
 const PER_PHOTON: u64 = 100;
@@ -24,7 +28,7 @@ pub(super) enum TooMuch {
         format_args!("take{} {}", if *count == 1 { "s" } else { "" }, bytes(*needed)),
         bytes(*free)
     )]
-    #[diagnostic(help("choose a smaller --size"))]
+    #[diagnostic(help("choose a smaller --size; a render without the gauge (--no-gauge) takes a quarter"))]
     Picture { count: usize, width: u32, height: u32, needed: u64, free: u64 },
     /// More photons than indices.
     #[error("a pass of {paths} photon paths would store about {stored} photons, and {} can be indexed", u32::MAX)]
@@ -44,12 +48,21 @@ const REMEDY: &str =
     "take fewer --photons or --caustic-photons and more --passes: photons of a pass are kept in memory, passes add up";
 
 /// Checks that so many pictures of a size fit into `free` bytes, where that number is known.
-pub(super) fn check_pictures(count: usize, (width, height): (u32, u32), free: Option<u64>) -> Result<(), TooMuch> {
+pub(super) fn check_pictures(count: usize, size: (u32, u32), free: Option<u64>) -> Result<(), TooMuch> {
+    check(count, size, PER_PIXEL, free)
+}
+
+/// Checks that a picture with the gauge of its error fits.
+pub(super) fn check_gauged(size: (u32, u32), free: Option<u64>) -> Result<(), TooMuch> {
+    check(1, size, PER_PIXEL + PER_GAUGED_PIXEL, free)
+}
+
+fn check(count: usize, (width, height): (u32, u32), bytes_a_pixel: u64, free: Option<u64>) -> Result<(), TooMuch> {
     let pixels = u64::from(width) * u64::from(height);
     if pixels > MAX_PIXELS {
         return Err(SizeError::TooLarge { width, height }.into());
     }
-    let needed = pixels * PER_PIXEL * count as u64;
+    let needed = pixels * bytes_a_pixel * count as u64;
     match free {
         Some(free) if needed > free => Err(TooMuch::Picture { count, width, height, needed, free }),
         _ => Ok(()),
@@ -92,6 +105,7 @@ mod tests {
         assert_eq!(check_pictures(1, (1000, 1000), Some(50_000_000)), Ok(()));
         let refused = check_pictures(1, (1000, 1000), Some(49_999_999)).unwrap_err().to_string();
         assert!(refused.contains("a picture of 1000 × 1000") && refused.contains("0.1 GB"), "{refused}");
+        assert!(matches!(check_gauged((1000, 1000), Some(219_999_999)), Err(TooMuch::Picture { .. })));
         assert_eq!(check_pictures(4, (500, 500), Some(50_000_000)), Ok(()));
         let refused = check_pictures(5, (500, 500), Some(50_000_000)).unwrap_err().to_string();
         assert!(refused.contains("5 pictures of 500 × 500 pixels take 0.1 GB"), "{refused}");

@@ -1,5 +1,6 @@
 //! The command line: what was typed, what it means, and what is told in return.
 
+mod aov;
 mod args;
 mod diff;
 mod error;

@@ -117,13 +117,6 @@ pub(super) fn degrees(text: &str) -> Result<f64, String> {
         .ok_or_else(|| format!("`{text}` is no such angle: write degrees from 0 to 180"))
 }
 
-/// A part of a whole, zero or more: `2%` or `0.02`.
-pub(super) fn fraction(text: &str) -> Result<f64, String> {
-    let (digits, scale) = text.strip_suffix('%').map_or((text, 1.0), |digits| (digits.trim_end(), 100.0));
-    let value = within(digits, |x| x >= 0.0).map(|x| x / scale);
-    value.ok_or_else(|| format!("`{text}` is no part of a whole: write it as 2% or 0.02"))
-}
-
 /// The most that is allowed: zero or more.
 pub(super) fn bound(text: &str) -> Result<f64, String> {
     within(text, |x| x >= 0.0).ok_or_else(|| format!("`{text}` is no bound: write a number of at least 0"))

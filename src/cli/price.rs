@@ -2,7 +2,7 @@
 
 use super::error::seconds;
 use super::interrupt::{INTERRUPTED, listen};
-use super::memory::{self, check_photons};
+use super::memory::{self, check_gauged, check_photons};
 use super::plan::announce;
 use super::progress::Progress;
 use super::report::peak_memory;
@@ -39,6 +39,7 @@ pub(super) fn run(arguments: &PriceArguments) -> Result<Exit, Failure> {
         let algorithm = Algorithm::from(arguments.method.integrator);
         let mut settings = settings(&arguments.method, arguments.effects.effects);
         settings.eye.gauge = true;
+        check_gauged(scene.camera().size(), memory::free()).map_err(|e| Failure::new(Exit::Usage, e))?;
         let integrator = algorithm.prepare(&scene, settings);
         check_photons(integrator.expected(), memory::free()).map_err(|e| Failure::new(Exit::Usage, e))?;
         announce(integrator.as_ref(), &progress);

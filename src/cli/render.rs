@@ -2,13 +2,13 @@
 
 use super::error;
 use super::interrupt::{INTERRUPTED, listen};
-use super::memory::{self, check_photons};
+use super::memory::{self, check_gauged, check_photons};
 use super::plan::{self, counted};
 use super::progress::{Progress, tell};
 use super::report::{ErrorReport, Report, Setting};
 use super::scene::{in_pool, load};
 use super::settings::settings;
-use super::{Exit, Failure, RenderArguments};
+use super::{Exit, Failure, RenderArguments, aov};
 use crate::image::{self, Curve, Image, ToneMap, WriteOptions};
 use crate::integrate::{Algorithm, Lessons};
 use crate::render::gauge::Confidence;
@@ -22,6 +22,9 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Exit, Failure> {
     // Whatever can fail without rendering fails before it.
     for path in &arguments.output {
         image::check_writable(path).into_diagnostic().map_err(|e| Failure::new(Exit::Output, e))?;
+    }
+    if let Some(path) = &arguments.aov {
+        image::check_layers_path(path).into_diagnostic().map_err(|e| Failure::new(Exit::Output, e))?;
     }
     if let Some(path) = &arguments.stats {
         image::check_place(path).into_diagnostic().map_err(|e| Failure::new(Exit::Output, e))?;
@@ -65,6 +68,9 @@ fn run_in_pool(arguments: &RenderArguments, progress: &Progress) -> Result<Exit,
     let gauged = !arguments.no_gauge && algorithm != Algorithm::Raycast;
     let mut settings = settings(&arguments.method, arguments.effects.effects);
     settings.eye.gauge = gauged;
+    if gauged {
+        check_gauged(scene.camera().size(), memory::free()).map_err(|e| Failure::new(Exit::Usage, e))?;
+    }
     let integrator = algorithm.prepare(&scene, settings);
     check_photons(integrator.expected(), memory::free()).map_err(|e| Failure::new(Exit::Usage, e))?;
     plan::announce(integrator.as_ref(), progress);
@@ -127,6 +133,12 @@ fn conclude(
         if written.non_finite > 0 {
             tell(&format!("warning: {} pixels of {} are not finite", written.non_finite, path.display()));
         }
+    }
+    if let Some(path) = &arguments.aov {
+        let layers = aov::layers(rendered);
+        let written = image::write_layers(path, (width, height), &layers, &options.metadata);
+        written.into_diagnostic().map_err(output)?;
+        progress.say(&format!("wrote {}", path.display()));
     }
     if rendered.counters.rejected_samples > 0 {
         let n = rendered.counters.rejected_samples;
