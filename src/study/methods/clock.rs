@@ -1,0 +1,56 @@
+//! What time costs are told by.
+
+use crate::stats::cpu_seconds;
+use std::ops::{AddAssign, Sub};
+use std::time::Instant;
+
+/// A moment, or the time between two.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Moment {
+    /// Processor time of all threads \[s]; wall time where the system does not tell it.
+    pub processor: f64,
+    /// Wall time \[s].
+    pub wall: f64,
+}
+
+impl Sub for Moment {
+    type Output = Self;
+
+    fn sub(self, o: Self) -> Self {
+        Self { processor: self.processor - o.processor, wall: self.wall - o.wall }
+    }
+}
+
+impl AddAssign for Moment {
+    fn add_assign(&mut self, o: Self) {
+        self.processor += o.processor;
+        self.wall += o.wall;
+    }
+}
+
+/// Tells moments.
+pub(super) type Clock<'c> = Box<dyn Fn() -> Moment + 'c>;
+
+/// This system's clocks.
+pub(super) fn system() -> Clock<'static> {
+    let start = Instant::now();
+    Box::new(move || {
+        let wall = start.elapsed().as_secs_f64();
+        Moment { processor: cpu_seconds().unwrap_or(wall), wall }
+    })
+}
+
+/// What `work` gives, and what it took.
+pub(super) fn timed<T>(clock: &dyn Fn() -> Moment, work: impl FnOnce() -> T) -> (T, Moment) {
+    let before = clock();
+    let done = work();
+    (done, clock() - before)
+}
+
+/// The processor, where the system tells (Linux), and the threads.
+pub(super) fn machine(threads: usize) -> String {
+    let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let model = info.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':'));
+    let name = model.map_or(std::env::consts::ARCH, |(_, name)| name.trim());
+    format!("{name}, {threads} {}", if threads == 1 { "thread" } else { "threads" })
+}

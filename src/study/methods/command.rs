@@ -1,0 +1,71 @@
+//! Commands that repeat what was done.
+
+use super::Variant;
+
+/// What is studied, as it was asked for.
+#[derive(Clone, Debug, Default)]
+pub struct Subject {
+    /// The scene's file.
+    pub scene: String,
+    /// The picture's size, where it is not the scene's.
+    pub size: Option<(u32, u32)>,
+    /// The command that repeats the study.
+    pub command: String,
+}
+
+impl Subject {
+    /// The command that renders so many passes of a variant: the same picture, bit for bit.
+    pub(super) fn render(&self, variant: &Variant, passes: u32) -> String {
+        let mut words = ["caustica", "render"].map(str::to_owned).to_vec();
+        // What begins with a dash would be read as a flag.
+        words.push(if self.scene.starts_with('-') { format!("./{}", self.scene) } else { self.scene.clone() });
+        if let Some((width, height)) = self.size {
+            words.extend(["--size".to_owned(), format!("{width}x{height}")]);
+        }
+        words.extend(variant.flags.iter().cloned());
+        words.extend(["--seed".to_owned(), variant.settings.eye.seed.to_string()]);
+        words.extend(["--passes".to_owned(), passes.to_string()]);
+        words.extend(["-o".to_owned(), format!("{}.exr", file_name(&variant.label))]);
+        in_shell(&words)
+    }
+}
+
+/// Letters, digits and dots, with one dash for all that is between them.
+fn file_name(label: &str) -> String {
+    let parts = label.split(|c: char| !(c.is_ascii_alphanumeric() || c == '.')).filter(|part| !part.is_empty());
+    parts.collect::<Vec<_>>().join("-")
+}
+
+/// Words as a POSIX shell reads them back.
+#[must_use]
+pub fn in_shell(words: &[String]) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "_@%+=:,./-".contains(c);
+    let quoted = |word: &String| {
+        if !word.is_empty() && word.chars().all(plain) {
+            word.clone()
+        } else {
+            format!("'{}'", word.replace('\'', r"'\''"))
+        }
+    };
+    words.iter().map(quoted).collect::<Vec<_>>().join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::integrate::{Algorithm, Settings};
+
+    #[test]
+    fn a_command_survives_a_shell() {
+        let mut settings = Settings::default();
+        settings.eye.seed = 7;
+        let flags = ["--integrator", "sppm", "--gather-k", "20"].map(str::to_owned).to_vec();
+        let variant = Variant { label: "sppm --gather-k 20".into(), algorithm: Algorithm::Sppm, settings, flags };
+        let subject = |scene: &str| Subject { scene: scene.into(), size: Some((4, 3)), command: String::new() };
+        let rest = "--size 4x3 --integrator sppm --gather-k 20 --seed 7 --passes 5 -o sppm-gather-k-20.exr";
+        assert_eq!(subject("a/b.txt").render(&variant, 5), format!("caustica render a/b.txt {rest}"));
+        assert_eq!(subject("it's $1.txt").render(&variant, 5), format!(r"caustica render 'it'\''s $1.txt' {rest}"));
+        assert_eq!(subject("-x.txt").render(&variant, 5), format!("caustica render ./-x.txt {rest}"));
+        assert_eq!(in_shell(&[String::new()]), "''");
+    }
+}

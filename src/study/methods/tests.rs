@@ -1,0 +1,282 @@
+//! Studies of methods whose noise, bias and cost are known.
+
+use super::clock::Clock;
+use super::run::Maker;
+use super::split::{by_pixel, split};
+use super::{Limits, MethodStudy, MethodsFound, Moment, References, Step, Subject, TruthError, Variant, truthful};
+use crate::color::Rgb;
+use crate::image::{self, Image, WriteOptions};
+use crate::integrate::{Algorithm, EyeSettings, Integrator, Monitor, Pass, Settings, Silent};
+use crate::plan::{Effect, Effects, Plan, Wishes};
+use crate::stats::{Counters, cpu_seconds};
+use crate::study::tests::{glass_on_floor, matt};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+const SIZE: (u32, u32) = (64, 64);
+const CHANNELS: f64 = 3.0 * 64.0 * 64.0;
+
+/// Even noise of this standard deviation, of a key.
+fn noise(sigma: f64, key: u64) -> f64 {
+    // Steele, Lea and Flood 2014, "Fast splittable pseudorandom number generators".
+    let mut z = key.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    let uniform = ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64;
+    12f64.sqrt() * sigma * (uniform - 0.5)
+}
+
+/// Light of 1 everywhere, wrong by `bias` and noise.
+fn picture(bias: f64, sigma: f64, name: u64) -> Vec<Rgb> {
+    let value = |i: u64| 1.0 + bias + noise(sigma, (name << 32) + i);
+    let pixel = |i: u64| glam::DVec3::new(value(3 * i), value(3 * i + 1), value(3 * i + 2)).as_vec3();
+    (0..u64::from(SIZE.0 * SIZE.1)).map(pixel).collect()
+}
+
+fn image(pixels: Vec<Rgb>) -> Image {
+    Image::from_pixels(SIZE.0, SIZE.1, pixels).unwrap()
+}
+
+/// Two references with noise of this size.
+fn references(sigma: f64) -> References {
+    let [a, b] = [1000, 1001].map(|name| image(picture(0.0, sigma, name)));
+    References::new("here".into(), a, Some(b)).unwrap()
+}
+
+fn near(found: f64, expected: f64, sigma: f64) {
+    assert!((found - expected).abs() < 4.0 * sigma, "{found} is not {expected} ± {sigma}");
+}
+
+/// Of light 1 an error e counts e²/2. A product of two errors of variance v has a standard deviation of about v.
+#[test]
+fn noise_and_bias_are_told_apart_and_the_references_noise_is_in_neither() {
+    let (bias, sigma, reference) = (0.1, 0.2, 0.2);
+    let pictures: Vec<_> = (0..4).map(|seed| picture(bias, sigma, seed)).collect();
+    let found = split(&references(reference), &pictures);
+    let (bias2, noise2, truth2) = (bias * bias, sigma * sigma, reference * reference);
+    let of_mean = |v: f64| 0.5 * v / CHANNELS.sqrt();
+    for square in &found.squares {
+        near(*square, 0.5 * (bias2 + noise2), of_mean(bias2 + noise2 + truth2));
+    }
+    // A variance of n values with three degrees of freedom each is known to √(2/3n).
+    near(found.noise2, 0.5 * noise2, 0.5 * noise2 * (2.0 / (3.0 * CHANNELS)).sqrt());
+    near(found.bias2, 0.5 * bias2, of_mean(bias2 + 0.25 * noise2 + truth2));
+    let mean: f64 = found.squares.iter().sum::<f64>() / 4.0;
+    assert!((mean - found.noise2 - found.bias2).abs() < 1e-12, "the parts make the whole");
+    near(found.rmse * found.rmse, bias2 + noise2, 2.0 * of_mean(bias2 + noise2 + truth2));
+}
+
+#[test]
+fn without_bias_the_split_says_so() {
+    let pictures: Vec<_> = (0..4).map(|seed| picture(0.0, 0.2, seed)).collect();
+    let found = split(&references(0.2), &pictures);
+    near(found.bias2, 0.0, 0.5 * (0.01 + 0.04) / CHANNELS.sqrt());
+}
+
+#[test]
+fn the_map_of_errors_has_their_mean() {
+    let truth = References::new("here".into(), image(picture(0.0, 0.0, 0)), None).unwrap();
+    let pictures = [picture(0.1, 0.0, 0), picture(-0.3, 0.0, 0)];
+    let map = by_pixel(&truth, &pictures);
+    // √(½ · ½(.01 + .09)); f32 pixels near 1 are known to 6e-8, their errors of .1 to 6e-7.
+    assert!(map.iter().all(|e| (f64::from(*e) - 0.025f64.sqrt()).abs() < 1e-6), "{}", map[0]);
+}
+
+/// A method of known noise, bias and cost.
+#[derive(Clone, Copy)]
+struct Fake {
+    bias: f64,
+    sigma: f64,
+    /// Processor time of a pass of the first seed \[s]; each next one takes half as much again.
+    cost: f64,
+    /// Whether its third pass of the first seed is interrupted.
+    interrupts: bool,
+}
+
+const FAST: Fake = Fake { bias: 0.0, sigma: 0.5, cost: 0.2, interrupts: false };
+const SLOW: Fake = Fake { bias: 0.1, sigma: 0.1, cost: 0.8, interrupts: false };
+
+/// What all methods of a study share.
+#[derive(Default)]
+struct World {
+    time: Mutex<Moment>,
+    /// Methods, seeds and passes as they came.
+    log: Mutex<Vec<(f64, u64, u32)>>,
+    interrupted: AtomicBool,
+}
+
+struct Running<'w> {
+    fake: Fake,
+    seed: u64,
+    world: &'w World,
+}
+
+impl Integrator for Running<'_> {
+    fn pass(&self, pass: u32, _: &dyn Monitor) -> Pass {
+        let Fake { bias, sigma, cost, interrupts } = self.fake;
+        let processor = cost * (1.0 + 0.5 * self.seed as f64);
+        // The processor is elsewhere for a fifth of the time.
+        let wall = processor / (0.8 * rayon::current_num_threads() as f64);
+        *self.world.time.lock().unwrap() += Moment { processor, wall };
+        self.world.log.lock().unwrap().push((cost, self.seed, pass));
+        self.world.interrupted.fetch_or(interrupts && pass == 2 && self.seed == 0, Ordering::Relaxed);
+        let name = (f64::to_bits(cost) >> 40) + 1000 * u64::from(pass) + self.seed;
+        let counters = Counters { camera_rays: 10 + self.seed, shadow_rays: 5, ..Counters::default() };
+        let mut pass = Pass { image: picture(bias, sigma, name), counters, ..Pass::default() };
+        pass.global.emitted = 100;
+        pass.caustic.emitted = 50;
+        pass
+    }
+
+    fn expected_work(&self, _: Effects) -> Counters {
+        Counters::default()
+    }
+
+    fn plan(&self) -> &Plan {
+        unreachable!("nothing asks for it here")
+    }
+}
+
+fn study<'w>(world: &'w World, fakes: &[Fake], limits: Limits) -> MethodsFound {
+    let variant = |fake: Fake| {
+        let label = format!("of {} s", fake.cost);
+        let settings = Settings::default();
+        let variant = Variant { label, algorithm: Algorithm::Path, settings, flags: vec!["--spp".into(), "3".into()] };
+        let make: Maker<'w> = Box::new(move |seed| Box::new(Running { fake, seed, world }));
+        (variant, make)
+    };
+    let clock: Clock<'w> = Box::new(|| *world.time.lock().unwrap());
+    let study = MethodStudy::new(SIZE, fakes.iter().map(|f| variant(*f)).collect(), 2, clock).unwrap();
+    let subject = Subject { scene: "a.txt".into(), ..Subject::default() };
+    let mut told = Vec::new();
+    let found = study.run(&subject, limits, &references(0.0), &world.interrupted, &Silent, |step| {
+        if let Step::Checkpoint(label, checkpoint) = step {
+            told.push((label.to_owned(), checkpoint.passes));
+        }
+    });
+    let found = found.unwrap();
+    for method in &found.methods {
+        for checkpoint in &method.checkpoints {
+            assert!(told.contains(&(method.label.clone(), checkpoint.passes)), "{}", checkpoint.passes);
+        }
+    }
+    found
+}
+
+fn passes(found: &MethodsFound, method: usize) -> Vec<u32> {
+    found.methods[method].checkpoints.iter().map(|c| c.passes).collect()
+}
+
+/// Two seeds whose passes take 1 and 1.5 of the cost take 1.25 in the mean: 1 s the slow ones, .25 s the fast ones.
+#[test]
+fn each_method_runs_until_its_budget_is_spent() {
+    let world = World::default();
+    let found = study(&world, &[SLOW, FAST], Limits { budget: 6.0 - 1e-9, passes: None });
+    assert_eq!(passes(&found, 0), [1, 2, 4, 6]);
+    assert_eq!(passes(&found, 1), [1, 2, 4, 8, 16, 24]);
+    let last = found.methods[0].checkpoints.last().unwrap();
+    assert!((last.seconds - 6.0).abs() < 1e-9 && (last.rays - 6.0 * 15.5).abs() < 1e-9 && last.photons == 900.0);
+    assert!((last.wall * 0.8 * rayon::current_num_threads() as f64 - 6.0).abs() < 1e-9);
+    assert!(!found.interrupted && (found.share - if cpu_seconds().is_some() { 0.8 } else { 1.0 }).abs() < 1e-9);
+    assert!(found.methods[1].command.ends_with(" --spp 3 --seed 0 --passes 24 -o of-0.2-s.exr"));
+}
+
+#[test]
+fn a_last_checkpoint_takes_the_place_of_one_that_is_near() {
+    let found = study(&World::default(), &[SLOW, FAST], Limits { budget: 5.0 - 1e-9, passes: None });
+    assert_eq!((passes(&found, 0), passes(&found, 1)), (vec![1, 2, 5], vec![1, 2, 4, 8, 20]));
+    let capped = study(&World::default(), &[SLOW, FAST], Limits { budget: 5.0 - 1e-9, passes: Some(6) });
+    assert_eq!((passes(&capped, 0), passes(&capped, 1)), (vec![1, 2, 5], vec![1, 2, 4, 6]));
+    let least = study(&World::default(), &[SLOW, FAST], Limits { budget: 0.0, passes: None });
+    assert_eq!((passes(&least, 0), passes(&least, 1)), (vec![1], vec![1]));
+}
+
+#[test]
+fn turns_begin_elsewhere_in_each_round() {
+    let world = World::default();
+    study(&world, &[SLOW, FAST], Limits { budget: 1e9, passes: Some(3) });
+    let round = [(0.8, 0), (0.8, 1), (0.2, 0), (0.2, 1)];
+    let expected = (0..3).flat_map(|r| (0..4).map(move |i| (round[(i + r) % 4].0, round[(i + r) % 4].1, r as u32)));
+    assert_eq!(*world.log.lock().unwrap(), expected.collect::<Vec<_>>());
+}
+
+#[test]
+fn an_interrupt_ends_all_after_the_round() {
+    let world = World::default();
+    let found = study(&world, &[Fake { interrupts: true, ..SLOW }, FAST], Limits { budget: 100.0, passes: None });
+    assert!(found.interrupted);
+    assert_eq!((passes(&found, 0), passes(&found, 1)), (vec![1, 2, 3], vec![1, 2, 3]));
+    // In the last round of all, nothing is missing.
+    let whole =
+        study(&World::default(), &[Fake { interrupts: true, ..SLOW }], Limits { budget: 100.0, passes: Some(3) });
+    assert!(!whole.interrupted);
+}
+
+#[test]
+fn errors_fall_as_passes_say() {
+    let found = study(&World::default(), &[SLOW, FAST], Limits { budget: 100.0, passes: Some(16) });
+    for (method, Fake { bias, sigma, .. }) in found.methods.iter().zip([SLOW, FAST]) {
+        for checkpoint in &method.checkpoints {
+            let noise2 = sigma * sigma / f64::from(checkpoint.passes);
+            // Known to √(2/n), with one degree of freedom a channel; means are rounded at 6e-8 of 1.
+            near(checkpoint.noise2, 0.5 * noise2, 0.5 * noise2 * (2.0 / CHANNELS).sqrt() + 1e-9);
+            let v = bias * bias + noise2;
+            near(checkpoint.square(), 0.5 * v, v / CHANNELS.sqrt());
+            near(checkpoint.bias2, 0.5 * bias * bias, v / CHANNELS.sqrt());
+        }
+        let error = method.error.iter().map(|e| f64::from(e * e)).sum::<f64>() / f64::from(SIZE.0 * SIZE.1);
+        assert!((error - method.checkpoints.last().unwrap().square()).abs() < 1e-6, "{error}");
+        // The mean of n values of deviation σ/√(16 · 2 seeds).
+        let mean = method.difference.pixels().iter().map(|d| d.as_dvec3().element_sum()).sum::<f64>() / CHANNELS;
+        near(mean, bias, sigma / (32.0 * CHANNELS).sqrt());
+    }
+    let world = World::default();
+    let one = Running { fake: SLOW, seed: 0, world: &world };
+    let sum = (0..16).map(|i| one.pass(i, &Silent).image[7].as_dvec3()).sum::<glam::DVec3>();
+    assert_eq!(found.methods[0].picture.pixels()[7], (sum / 16.0).as_vec3());
+}
+
+#[test]
+fn references_know_their_noise() {
+    // The mean of both has half the variance of each: of light 1, √(.2²/2 / 2) = .1.
+    let truth = references(0.2).truth();
+    near(truth.error.unwrap(), 0.1, 0.1 / (2.0 * CHANNELS).sqrt() + 5e-4);
+    let exact = References::new("here".into(), image(picture(0.0, 0.0, 0)), None).unwrap();
+    assert_eq!(exact.truth().error, None);
+}
+
+#[test]
+fn references_are_rendered_by_what_misses_nothing() {
+    let (matt, glass) = (matt(8, 6), glass_on_floor(8, 6));
+    assert_eq!(truthful(&matt, Wishes::PLANNED).0, Algorithm::Path);
+    assert_eq!(truthful(&glass, Wishes::PLANNED).0, Algorithm::Hybrid);
+    assert_eq!(truthful(&glass, Wishes::PLANNED.without(Effect::Caustics)).0, Algorithm::Path);
+    let render = |seed, interrupted| {
+        let like = EyeSettings { seed, ..EyeSettings::default() };
+        References::render(&matt, &like, 0.0, &AtomicBool::new(interrupted), &Silent, |_, _| {}).unwrap()
+    };
+    let [first, second] = [0, 1].map(|seed| render(seed, false).unwrap());
+    assert!(first.pair()[0] != first.pair()[1] && first.pair()[0] != second.pair()[0]);
+    assert!(first.truth().source.starts_with("auto: 1 pass of path, twice: "));
+    assert!(render(0, true).is_none());
+}
+
+#[test]
+fn references_that_cannot_be_used_are_refused_with_a_remedy() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name);
+    let good = image(picture(0.0, 0.2, 0));
+    for name in ["a.exr", "a.png"] {
+        image::write(&path(name), &good, &WriteOptions::default()).unwrap();
+    }
+    assert!(References::read(&path("a.exr"), None, SIZE).unwrap().truth().source.contains("taken as exact"));
+    let refused = |name: &str, size| References::read(&path("a.exr"), Some(&path(name)), size).unwrap_err();
+    assert!(matches!(refused("a.png", SIZE), TruthError::NotLinear { .. }));
+    assert!(matches!(refused("b.exr", SIZE), TruthError::Read(_)));
+    let other = refused("a.exr", (64, 63)).to_string();
+    assert!(other.contains("64 × 64 pixels, but the study 64 × 63: give --size 64x64"), "{other}");
+    let mut pixels = picture(0.0, 0.0, 0);
+    pixels[70].x = f32::NAN;
+    let broken = References::new(String::new(), good, Some(image(pixels))).unwrap_err();
+    assert!(broken.to_string().contains("column 6, row 1"), "{broken}");
+}

@@ -1,0 +1,194 @@
+//! What errors are held against: two references that know nothing of each other.
+
+use super::Truth;
+use super::clock::{system, timed};
+use crate::image::metrics::{MetricError, rmse};
+use crate::image::{Image, RelativeScale, SizeError};
+use crate::integrate::{Algorithm, EyeSettings, Monitor, Settings};
+use crate::plan::{Effect, Plan, Wishes};
+use crate::render::Film;
+use crate::scene::Scene;
+use glam::DVec3;
+use std::fs::File;
+use std::io::Read as _;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// How far the seeds of the references are from the first that is studied.
+const FAR: [u64; 2] = [1 << 62, 1 << 63];
+
+/// First bytes of a PNG.
+const PNG: [u8; 4] = *b"\x89PNG";
+
+/// Why a reference cannot be used.
+#[derive(Debug, thiserror::Error)]
+pub enum TruthError {
+    /// It cannot be read.
+    #[error(transparent)]
+    Read(#[from] crate::image::ReadError),
+    /// It holds colours of a display, not light.
+    #[error("`{}` is a PNG, whose light is clipped and rounded: give an OpenEXR or Radiance HDR picture", path.display())]
+    NotLinear {
+        /// The file.
+        path: PathBuf,
+    },
+    /// It is of another size.
+    #[error(
+        "`{}` has {} × {} pixels, but the study {} × {}: give --size {}x{}, or a reference of the study's size",
+        path.display(), found.0, found.1, wanted.0, wanted.1, found.0, found.1
+    )]
+    Size {
+        /// The file.
+        path: PathBuf,
+        /// Its width and height.
+        found: (u32, u32),
+        /// The study's.
+        wanted: (u32, u32),
+    },
+    /// Its pixels are beyond measure, or two references differ in size.
+    #[error("the references cannot be used: {0}")]
+    Metric(#[from] MetricError),
+    /// The picture's size cannot be used.
+    #[error(transparent)]
+    Extent(#[from] SizeError),
+}
+
+/// Two references of equal size with all finite pixels.
+#[derive(Clone, Debug)]
+pub struct References {
+    source: String,
+    error: Option<f64>,
+    pair: [Image; 2],
+    mean: Image,
+    scale: RelativeScale,
+}
+
+impl References {
+    /// Two references, or one that is exact, or taken to be so.
+    ///
+    /// # Errors
+    /// [`TruthError::Metric`] where sizes differ or a pixel is not finite.
+    pub fn new(source: String, a: Image, b: Option<Image>) -> Result<Self, TruthError> {
+        let exact = b.is_none();
+        let b = b.unwrap_or_else(|| a.clone());
+        // Alike in size and finite: what is measured does not matter.
+        rmse(&a, &b)?;
+        let halves = a.pixels().iter().zip(b.pixels()).map(|(a, b)| ((a.as_dvec3() + b.as_dvec3()) * 0.5).as_vec3());
+        let mean = Image::from_pixels(a.width(), a.height(), halves.collect())?;
+        let scale = RelativeScale::of(&mean);
+        let apart = |i: usize| (a.pixels()[i].as_dvec3() - b.pixels()[i].as_dvec3()).map(|d| d * d);
+        let error = (!exact).then(|| 0.5 * scale.mean(apart).sqrt());
+        Ok(Self { source, error, pair: [a, b], mean, scale })
+    }
+
+    /// Reads one file or two of pictures of `size`.
+    ///
+    /// # Errors
+    /// [`TruthError`].
+    pub fn read(first: &Path, second: Option<&Path>, size: (u32, u32)) -> Result<Self, TruthError> {
+        let source = match second {
+            Some(second) => format!("{}, {}", first.display(), second.display()),
+            None => format!("{}, taken as exact", first.display()),
+        };
+        Self::new(source, read(first, size)?, second.map(|path| read(path, size)).transpose()?)
+    }
+
+    /// Renders two references, each for at least `seconds` of processor time, in whole passes; `None` where `interrupted` became true.
+    ///
+    /// Of the settings, those that say what the picture is are taken: filter, bounces and effects; the seeds are far from theirs.
+    /// `after` hears the passes made of each, and how much of the time has gone by.
+    ///
+    /// # Errors
+    /// [`TruthError`] where a pixel is not finite.
+    pub fn render(
+        scene: &Scene,
+        like: &EyeSettings,
+        seconds: f64,
+        interrupted: &AtomicBool,
+        monitor: &dyn Monitor,
+        mut after: impl FnMut(u32, f64),
+    ) -> Result<Option<Self>, TruthError> {
+        let (algorithm, why) = truthful(scene, like.effects);
+        let clock = system();
+        let (width, height) = scene.camera().size();
+        let prepare = |far| {
+            let eye = EyeSettings { seed: like.seed.wrapping_add(far), samples: None, adaptive: false, ..like.clone() };
+            algorithm.prepare(scene, Settings { eye, ..Settings::default() })
+        };
+        let integrators = FAR.map(prepare);
+        let mut films = [Film::new(width, height), Film::new(width, height)];
+        let mut spent = 0.0;
+        while films[0].passes() == 0 || spent < 2.0 * seconds {
+            if interrupted.load(Ordering::Relaxed) {
+                return Ok(None);
+            }
+            let ((), time) = timed(&clock, || {
+                for (integrator, film) in integrators.iter().zip(&mut films) {
+                    film.add(&integrator.pass(film.passes(), monitor).image);
+                }
+            });
+            spent += time.processor;
+            after(films[0].passes(), spent / (2.0 * seconds));
+        }
+        let n = films[0].passes();
+        let passes = if n == 1 { "pass" } else { "passes" };
+        let source = format!("auto: {n} {passes} of {}, twice: {why}", algorithm.name());
+        let [a, b] = films.map(|film| Image::from_pixels(width, height, film.mean()));
+        Self::new(source, a?, Some(b?)).map(Some)
+    }
+
+    /// The two pictures; the same one twice where it is exact.
+    #[must_use]
+    pub fn pair(&self) -> &[Image; 2] {
+        &self.pair
+    }
+
+    /// Their mean, with where it is from.
+    ///
+    /// The error that it is given is that of the mean's noise, ½√(mean of (A − B)²), which says nothing of a bias that both share.
+    #[must_use]
+    pub fn truth(&self) -> Truth {
+        Truth { source: self.source.clone(), error: self.error, picture: self.mean.clone() }
+    }
+
+    /// Their mean.
+    pub(super) fn mean(&self) -> &Image {
+        &self.mean
+    }
+
+    /// What errors are relative to.
+    pub(super) fn scale(&self) -> &RelativeScale {
+        &self.scale
+    }
+
+    /// (I − A)(I − B) of a value of pixel `i`, summed over channels.
+    pub(super) fn square(&self, i: usize, value: DVec3) -> f64 {
+        let [a, b] = self.pair.each_ref().map(|image| image.pixels()[i].as_dvec3());
+        ((value - a) * (value - b)).element_sum()
+    }
+}
+
+fn read(path: &Path, wanted: (u32, u32)) -> Result<Image, TruthError> {
+    let mut start = [0; PNG.len()];
+    if File::open(path).and_then(|mut file| file.read_exact(&mut start)).is_ok() && start == PNG {
+        return Err(TruthError::NotLinear { path: path.to_owned() });
+    }
+    let image = crate::image::read(path)?;
+    let found = (image.width(), image.height());
+    if found != wanted {
+        return Err(TruthError::Size { path: path.to_owned(), found, wanted });
+    }
+    Ok(image)
+}
+
+/// The algorithm that references are made by, and why: `path` is unbiased, and complete where there are no caustics to be missed; with
+/// them, `hybrid` blurs nothing but these, by radii that shrink.
+#[must_use]
+pub fn truthful(scene: &Scene, wishes: Wishes) -> (Algorithm, &'static str) {
+    let plan = Plan::new(scene, Algorithm::Hybrid.simulates(), wishes);
+    if plan.effects().has(Effect::Caustics) {
+        (Algorithm::Hybrid, "unbiased but for caustics, blurred by radii that shrink")
+    } else {
+        (Algorithm::Path, "unbiased, and no caustics are missed")
+    }
+}

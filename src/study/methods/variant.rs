@@ -1,0 +1,86 @@
+//! What is compared.
+
+use crate::integrate::{Algorithm, Settings};
+use crate::plan::{Effect, Plan, Wishes};
+use crate::scene::Scene;
+
+/// An algorithm with its settings.
+#[derive(Clone, Debug)]
+pub struct Variant {
+    /// What tells it from the others, such as `sppm` or `sppm --gather-k 20`.
+    pub label: String,
+    /// The algorithm.
+    pub algorithm: Algorithm,
+    /// Its settings, with the first seed.
+    pub settings: Settings,
+    /// The words of `caustica render` that name the algorithm and the settings, without `--seed` and `--passes`.
+    pub flags: Vec<String>,
+}
+
+/// Why variants cannot be compared.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum VariantError {
+    /// There is none.
+    #[error("there is no method to study")]
+    None,
+    /// Two have one label.
+    #[error("`{0}` is named twice")]
+    Twice(String),
+    /// Nothing tells noise from bias.
+    #[error("one seed does not tell noise from bias: take two at least")]
+    OneSeed,
+}
+
+pub(super) fn check(variants: &[Variant], seeds: u32) -> Result<(), VariantError> {
+    if variants.is_empty() {
+        return Err(VariantError::None);
+    }
+    if seeds < 2 {
+        return Err(VariantError::OneSeed);
+    }
+    let twice = variants.iter().enumerate().find(|(i, v)| variants[..*i].iter().any(|before| before.label == v.label));
+    twice.map_or(Ok(()), |(_, v)| Err(VariantError::Twice(v.label.clone())))
+}
+
+/// The methods of global illumination that differ in a scene: photons are for light that reaches what stores them, and `hybrid` is
+/// `path` where there are no caustics.
+#[must_use]
+pub fn methods_for(scene: &Scene, wishes: Wishes) -> Vec<Algorithm> {
+    let plan = Plan::new(scene, Algorithm::Hybrid.simulates(), wishes);
+    let facts = &plan.facts;
+    let photons = facts.lights > 0 && facts.receivers + facts.scattering_media > 0;
+    let applies = |algorithm: &Algorithm| match algorithm {
+        Algorithm::Path => true,
+        Algorithm::Hybrid => photons && plan.effects().has(Effect::Caustics),
+        _ => photons,
+    };
+    let all = [Algorithm::Path, Algorithm::Pm, Algorithm::Ppm, Algorithm::Sppm, Algorithm::Hybrid];
+    all.into_iter().filter(applies).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::tests::{glass_on_floor, matt};
+
+    fn variant(label: &str) -> Variant {
+        let settings = Settings::default();
+        Variant { label: label.to_owned(), algorithm: Algorithm::Path, settings, flags: Vec::new() }
+    }
+
+    #[test]
+    fn labels_and_seeds_are_checked() {
+        assert_eq!(check(&[variant("a"), variant("b")], 2), Ok(()));
+        assert_eq!(check(&[variant("a"), variant("b"), variant("a")], 2), Err(VariantError::Twice("a".into())));
+        assert_eq!((check(&[], 2), check(&[variant("a")], 1)), (Err(VariantError::None), Err(VariantError::OneSeed)));
+    }
+
+    #[test]
+    fn methods_apply_where_they_differ() {
+        use Algorithm::{Hybrid, Path, Pm, Ppm, Sppm};
+        assert_eq!(methods_for(&glass_on_floor(4, 3), Wishes::PLANNED), [Path, Pm, Ppm, Sppm, Hybrid]);
+        assert_eq!(methods_for(&matt(4, 3), Wishes::PLANNED), [Path, Pm, Ppm, Sppm]);
+        let without = Wishes::PLANNED.without(Effect::Caustics);
+        assert_eq!(methods_for(&glass_on_floor(4, 3), without), [Path, Pm, Ppm, Sppm]);
+    }
+}
