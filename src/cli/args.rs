@@ -4,12 +4,13 @@ use super::number::{alpha, confidence, count, duration, error, length, positive_
 use super::{DiffArguments, MeshArguments};
 use crate::camera::FilterKind;
 use crate::image::{BitDepth, Curve};
-use crate::integrate::VolumeEstimate;
+use crate::integrate::{Algorithm, FinalGathering, VolumeEstimate};
 use crate::photon::Kernel;
 use crate::plan::Wishes;
 use crate::render::gauge::Confidence;
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
+use std::str::FromStr;
 use std::time::Duration;
 
 /// Photon mapping that tells what accuracy costs.
@@ -42,44 +43,12 @@ pub enum Command {
     Mesh(Box<MeshArguments>),
 }
 
-/// How light is computed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum AlgorithmName {
-    /// Path tracing for what connections find, photons for the rest
-    Hybrid,
-    /// Path tracing
-    Path,
-    /// Stochastic progressive photon mapping
-    Sppm,
-    /// Progressive photon mapping: hit points that stay
-    Ppm,
-    /// Photon mapping with a global and a caustic map and final gathering
-    Pm,
-    /// Distributed ray tracing: soft shadows and glossy reflections, without light between matt surfaces
-    Distributed,
-    /// Ray tracing: mirrors, glass, hard shadows
-    Whitted,
-    /// Ray casting with Phong's model: no shadows, no bounces
-    Raycast,
-}
-
-/// How photon mapping looks at its global map.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum GatheringName {
-    /// Directly
-    None,
-    /// By gather rays drawn from the BSDF
-    Bsdf,
-    /// By gather rays guided by photons
-    Importance,
-}
-
 /// What light is computed by: common to all commands that render.
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub struct MethodArguments {
     /// The algorithm
     #[arg(long, value_enum, default_value = "hybrid")]
-    pub integrator: AlgorithmName,
+    pub integrator: Algorithm,
 
     /// Photon paths of the global map a pass, such as 500k or 2M; 0 for none  [default: about 500k]
     #[arg(long, value_parser = count, value_name = "N")]
@@ -111,7 +80,7 @@ pub struct MethodArguments {
 
     /// How pm looks at the global map: none (directly), bsdf or importance (gather rays, drawn from the BSDF or guided by photons)
     #[arg(long, value_enum, default_value = "bsdf", value_name = "NAME")]
-    pub final_gathering: GatheringName,
+    pub final_gathering: FinalGathering,
 
     /// How light in media is estimated from photons: beams, beam-radiance or points
     #[arg(long, value_enum, default_value = "beams", value_name = "NAME")]
@@ -274,17 +243,93 @@ pub struct PriceArguments {
     pub quiet: bool,
 }
 
-/// What is studied: exactly one.
+/// What is studied: effects, or methods.
 #[derive(Debug, Args)]
-#[group(required = true, multiple = false)]
 pub struct StudyKind {
     /// Render the picture with and without each effect of the plan: what it costs, and what it adds
-    #[arg(long)]
+    #[arg(long, conflicts_with_all = ["methods", "variants", "knobs", "budget", "seeds", "truth", "truth_time", "save_truth"])]
     pub effects: bool,
+
+    /// Measure how the error of these methods falls with time, such as path,sppm  [default: those of path, pm, ppm, sppm and hybrid that
+    /// differ in the scene, where neither --variant nor --knobs is given]
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "NAMES")]
+    pub methods: Vec<Algorithm>,
+
+    /// Measure a method with flags of its own besides those given to all, such as "sppm --gather-k 20"; may be given several times
+    #[arg(long = "variant", value_name = "METHOD FLAGS")]
+    pub variants: Vec<String>,
+
+    /// Measure what each setting of a method buys: it alone, and with one setting changed at a time
+    #[arg(long, value_enum, value_name = "METHOD")]
+    pub knobs: Option<Algorithm>,
+
+    /// Processor time that a seed of each method may take, such as 60s or 5m
+    #[arg(long, value_parser = duration, default_value = "60s", value_name = "TIME")]
+    pub budget: Duration,
+
+    /// Pictures of each method, from --seed upwards; what tells noise from bias
+    #[arg(long, value_parser = seeds, default_value = "8", value_name = "N")]
+    pub seeds: u32,
+
+    /// What errors are held against: auto (two references, rendered first), A.exr,B.exr (two that are independent) or A.exr (exact)
+    #[arg(long, default_value = "auto", value_name = "FILES")]
+    pub truth: TruthFiles,
+
+    /// Processor time of each of the two references of --truth auto  [default: four times --budget]
+    #[arg(long, value_parser = duration, value_name = "TIME")]
+    pub truth_time: Option<Duration>,
+
+    /// Where to keep the two references of --truth auto: A.exr,B.exr
+    #[arg(long, value_name = "FILES", value_parser = pair)]
+    pub save_truth: Option<(PathBuf, PathBuf)>,
+}
+
+/// What errors are held against.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum TruthFiles {
+    /// Two references, to be rendered.
+    Auto,
+    /// One that is exact.
+    One(PathBuf),
+    /// Two that are independent.
+    Two(PathBuf, PathBuf),
+}
+
+impl FromStr for TruthFiles {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text {
+            "auto" => Ok(Self::Auto),
+            _ if text.contains(',') => pair(text).map(|(a, b)| Self::Two(a, b)),
+            _ => Ok(Self::One(text.into())),
+        }
+    }
+}
+
+/// Two files.
+fn pair(text: &str) -> Result<(PathBuf, PathBuf), String> {
+    match text.split(',').collect::<Vec<_>>()[..] {
+        [a, b] if a == b => Err(format!("`{a}` is named twice: two references must be independent")),
+        [a, b] if !a.is_empty() && !b.is_empty() => Ok((a.into(), b.into())),
+        _ => Err(format!("`{text}` names no two files: write A.exr,B.exr")),
+    }
+}
+
+/// More seeds tell no more than longer runs do.
+const MOST_SEEDS: u32 = 1000;
+
+fn seeds(text: &str) -> Result<u32, String> {
+    match count(text)? {
+        0 | 1 => Err("it must be at least 2, as one picture does not tell noise from bias".to_owned()),
+        n @ ..=MOST_SEEDS => Ok(n),
+        _ => Err(format!("it must be at most {MOST_SEEDS}")),
+    }
 }
 
 /// Arguments of `study`.
 #[derive(Debug, Args)]
+#[command(mut_arg("integrator", |integrator| integrator.requires("effects")))]
 pub struct StudyArguments {
     #[command(flatten)]
     #[allow(missing_docs)]
@@ -294,9 +339,10 @@ pub struct StudyArguments {
     #[allow(missing_docs)]
     pub scene: SceneArguments,
 
-    /// Write a page with the pictures: one .html file that needs no other
+    /// Write a report; the extension says which. .html: a page with the pictures that needs no other file; .json: all figures. May be
+    /// given several times
     #[arg(short, long = "output", value_name = "FILE")]
-    pub output: Option<PathBuf>,
+    pub output: Vec<PathBuf>,
 
     #[command(flatten)]
     #[allow(missing_docs)]
@@ -306,9 +352,9 @@ pub struct StudyArguments {
     #[arg(long, allow_hyphen_values = true, value_name = "WISHES", default_value = "auto")]
     pub wish: Wishes,
 
-    /// Passes of each picture
-    #[arg(long, value_parser = positive_count, default_value = "4", value_name = "N")]
-    pub passes: u32,
+    /// Passes of each picture, or the most of each method  [default: 4 with --effects, else as many as --budget allows]
+    #[arg(long, value_parser = positive_count, value_name = "N")]
+    pub passes: Option<u32>,
 
     /// Exposure of the whole picture on the page in stops: +1 is twice as bright
     #[arg(long, default_value = "0", value_parser = stops, allow_negative_numbers = true, value_name = "STOPS")]

@@ -90,7 +90,8 @@ pub(super) fn free() -> Option<u64> {
     Some(kib * 1024)
 }
 
-fn bytes(n: u64) -> String {
+/// Bytes in words.
+pub(super) fn bytes(n: u64) -> String {
     format!("{:.1} GB", n as f64 * 1e-9)
 }
 

@@ -17,7 +17,7 @@ use std::io::Write as _;
 pub(super) fn run(arguments: &PlanArguments) -> Result<Exit, Failure> {
     in_pool(&arguments.scene, || {
         let scene = load(&arguments.scene, &())?;
-        let algorithm = Algorithm::from(arguments.method.integrator);
+        let algorithm = arguments.method.integrator;
         let settings = settings(&arguments.method, arguments.effects.effects);
         let integrator = algorithm.prepare(&scene, settings);
         let (plan, balance) = (integrator.plan(), integrator.balance());

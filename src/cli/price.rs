@@ -7,7 +7,7 @@ use super::plan::announce;
 use super::progress::Progress;
 use super::report::peak_memory;
 use super::scene::{in_pool, load};
-use super::settings::settings;
+use super::settings::{flags, settings};
 use super::{Exit, Failure, PriceArguments, error};
 use crate::integrate::{Algorithm, Integrator};
 use crate::render::gauge::{Forecast, Needed, Reading};
@@ -138,7 +138,15 @@ impl List {
         let forecast = rendered.gauge.as_ref().and_then(|gauge| gauge.forecast(&reading));
         let forecast = forecast.ok_or(TooShort { passes })?;
         let pass_photons = (rendered.global.emitted + rendered.caustic.emitted) as f64 / f64::from(passes);
-        let price = |error: &f64| Price::new(*error, &reading, &forecast, (setup, a_pass, pass_photons));
+        let mut words = flags(&arguments.method, "--effects", arguments.effects.effects);
+        if arguments.method.seed != 0 {
+            words.extend(["--seed".to_owned(), arguments.method.seed.to_string()]);
+        }
+        let words = words.join(" ");
+        let price = |error: &f64| {
+            let price = Price::new(*error, &reading, &forecast, (setup, a_pass, pass_photons));
+            Price { flags: price.passes.map(|n| format!("{words} --passes {n}")), ..price }
+        };
         let (width, height) = rendered.film.size();
         Ok(Self {
             schema: 1,
@@ -219,7 +227,7 @@ impl Price {
             seconds_high: passes.and_then(|_| at(reading.high)),
             photons: passes.map(|n| f64::from(n) * pass_photons),
             floor,
-            flags: passes.map(|n| format!("--passes {n}")),
+            flags: None,
         }
     }
 }

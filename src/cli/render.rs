@@ -37,7 +37,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Exit, Failure> {
 fn run_in_pool(arguments: &RenderArguments, progress: &Progress) -> Result<Exit, Failure> {
     let start = Instant::now();
     let scene = load(&arguments.scene, progress)?;
-    let algorithm = Algorithm::from(arguments.method.integrator);
+    let algorithm = arguments.method.integrator;
     let mut setting = Setting {
         scene: arguments.scene.scene.display().to_string(),
         integrator: algorithm.name(),
@@ -118,7 +118,7 @@ fn conclude(
     let output = |e: miette::Report| Failure::new(Exit::Output, e);
     let (width, height) = rendered.film.size();
     let picture = Image::from_pixels(width, height, rendered.film.mean()).into_diagnostic().map_err(output)?;
-    let curve = arguments.tone.unwrap_or(match Algorithm::from(arguments.method.integrator) {
+    let curve = arguments.tone.unwrap_or(match arguments.method.integrator {
         Algorithm::Raycast => Curve::Course,
         _ => Curve::Srgb,
     });

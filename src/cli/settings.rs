@@ -1,11 +1,47 @@
-//! The algorithm and the settings that the command line names.
+//! The algorithm and the settings that the command line names, and the words that name them.
 
-use super::args::{AlgorithmName, GatheringName, MethodArguments};
-use crate::camera::Filter;
+use super::args::MethodArguments;
+use crate::camera::{Filter, FilterKind};
 use crate::integrate::{ALPHA, Algorithm, EyeSettings, FinalGathering, Settings, VolumeEstimate};
-use crate::plan::Wishes;
+use crate::photon::Kernel;
+use crate::plan::{Effect, Wishes};
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
+
+impl ValueEnum for Algorithm {
+    fn value_variants<'a>() -> &'a [Self] {
+        &Self::ALL
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(PossibleValue::new(self.name()).help(match self {
+            Self::Hybrid => "Path tracing for what connections find, photons for the rest",
+            Self::Path => "Path tracing",
+            Self::Sppm => "Stochastic progressive photon mapping",
+            Self::Ppm => "Progressive photon mapping: hit points that stay",
+            Self::Pm => "Photon mapping with a global and a caustic map and final gathering",
+            Self::Distributed => {
+                "Distributed ray tracing: soft shadows and glossy reflections, without light between matt surfaces"
+            }
+            Self::Whitted => "Ray tracing: mirrors, glass, hard shadows",
+            Self::Raycast => "Ray casting with Phong's model: no shadows, no bounces",
+        }))
+    }
+}
+
+impl ValueEnum for FinalGathering {
+    fn value_variants<'a>() -> &'a [Self] {
+        &[Self::None, Self::Bsdf, Self::Importance]
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(match self {
+            Self::None => PossibleValue::new("none").help("Directly"),
+            Self::Bsdf => PossibleValue::new("bsdf").help("By gather rays drawn from the BSDF"),
+            Self::Importance => PossibleValue::new("importance").help("By gather rays guided by photons"),
+        })
+    }
+}
 
 impl ValueEnum for VolumeEstimate {
     fn value_variants<'a>() -> &'a [Self] {
@@ -18,21 +54,6 @@ impl ValueEnum for VolumeEstimate {
             Self::BeamRadiance => "beam-radiance",
             Self::Points => "points",
         }))
-    }
-}
-
-impl From<AlgorithmName> for Algorithm {
-    fn from(name: AlgorithmName) -> Self {
-        match name {
-            AlgorithmName::Hybrid => Self::Hybrid,
-            AlgorithmName::Path => Self::Path,
-            AlgorithmName::Sppm => Self::Sppm,
-            AlgorithmName::Ppm => Self::Ppm,
-            AlgorithmName::Pm => Self::Pm,
-            AlgorithmName::Distributed => Self::Distributed,
-            AlgorithmName::Whitted => Self::Whitted,
-            AlgorithmName::Raycast => Self::Raycast,
-        }
     }
 }
 
@@ -56,10 +77,100 @@ pub(super) fn settings(arguments: &MethodArguments, effects: Wishes) -> Settings
         alpha: arguments.alpha.unwrap_or(ALPHA),
         kernel: arguments.kernel,
         volume: arguments.volume,
-        final_gathering: match arguments.final_gathering {
-            GatheringName::None => FinalGathering::None,
-            GatheringName::Bsdf => FinalGathering::Bsdf,
-            GatheringName::Importance => FinalGathering::Importance,
-        },
+        final_gathering: arguments.final_gathering,
+    }
+}
+
+/// The words from which these arguments are read, but for the seed: those that are not the defaults. `effects` is the flag that tells
+/// wishes.
+pub(super) fn flags(arguments: &MethodArguments, effects: &str, wishes: Wishes) -> Vec<String> {
+    let MethodArguments { kernel, final_gathering, volume, max_bounces, filter, .. } = *arguments;
+    let number = |n: Option<u32>| n.map(|n| n.to_string());
+    let unless_default = |is: bool, value: String| (!is).then_some(value);
+    let named = [
+        ("--integrator", Some(arguments.integrator.name().to_owned())),
+        ("--photons", number(arguments.photons)),
+        ("--caustic-photons", number(arguments.caustic_photons)),
+        ("--spp", number(arguments.spp)),
+        ("--gather-k", number(arguments.gather_k)),
+        ("--radius", arguments.radius.map(|r| r.to_string())),
+        ("--alpha", arguments.alpha.map(|alpha| alpha.to_string())),
+        ("--kernel", unless_default(kernel == Kernel::default(), kernel_name(kernel).to_owned())),
+        ("--final-gathering", unless_default(final_gathering == FinalGathering::default(), word(final_gathering))),
+        ("--volume", unless_default(volume == VolumeEstimate::default(), word(volume))),
+        ("--max-bounces", unless_default(max_bounces == EyeSettings::default().max_bounces, max_bounces.to_string())),
+        ("--filter", unless_default(filter == FilterKind::default(), filter_name(filter).to_owned())),
+        (effects, in_words(wishes)),
+    ];
+    let mut words: Vec<String> =
+        named.into_iter().filter_map(|(flag, value)| Some([flag.to_owned(), value?])).flatten().collect();
+    if arguments.adaptive {
+        words.push("--adaptive".to_owned());
+    }
+    words
+}
+
+fn word(value: impl ValueEnum) -> String {
+    value.to_possible_value().map_or(String::new(), |v| v.get_name().to_owned())
+}
+
+pub(super) fn kernel_name(kernel: Kernel) -> &'static str {
+    match kernel {
+        Kernel::Box => "box",
+        Kernel::Cone => "cone",
+        Kernel::Epanechnikov => "epanechnikov",
+    }
+}
+
+fn filter_name(filter: FilterKind) -> &'static str {
+    match filter {
+        FilterKind::Box => "box",
+        FilterKind::Tent => "tent",
+        FilterKind::Gaussian => "gaussian",
+        FilterKind::BlackmanHarris => "blackman-harris",
+        FilterKind::Mitchell => "mitchell",
+    }
+}
+
+/// Wishes as they are read; `None` where there is none.
+fn in_words(wishes: Wishes) -> Option<String> {
+    let signed = |e: Effect| wishes.of(e).map(|on| format!("{}{}", if on { '+' } else { '-' }, e.name()));
+    let words: Vec<String> = Effect::ALL.into_iter().filter_map(signed).collect();
+    (!words.is_empty()).then(|| words.join(","))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cli::{Arguments, Command};
+    use clap::Parser;
+
+    fn read(line: &str) -> (MethodArguments, Wishes) {
+        let words = ["caustica", "render", "a.txt", "-o", "a.png"].into_iter().chain(line.split_whitespace());
+        match Arguments::try_parse_from(words).unwrap().command {
+            Command::Render(render) => (render.method, render.effects.effects),
+            _ => unreachable!("it is `render`"),
+        }
+    }
+
+    #[test]
+    fn flags_are_read_back() {
+        let all = "--integrator pm --photons 2000 --caustic-photons 30 --spp 3 --gather-k 20 --radius 0.012345679 --alpha 0.7 --kernel cone \
+                   --final-gathering importance --volume beam-radiance --max-bounces 7 --filter mitchell --effects \
+                   -caustics,+lens --adaptive";
+        let (method, wishes) = read(all);
+        let written = flags(&method, "--effects", wishes).join(" ");
+        let (again, same) = read(&written);
+        assert_eq!((format!("{again:?}"), same), (format!("{method:?}"), wishes), "{written}");
+        for flag in all.split_whitespace().filter(|word| word.starts_with("--")) {
+            assert!(written.split(' ').any(|word| word == flag), "{flag} is not in {written}");
+        }
+        assert_eq!(flags(&read("").0, "--effects", Wishes::PLANNED), ["--integrator", "hybrid"]);
+        for kind in ["box", "cone", "epanechnikov"] {
+            assert_eq!(kernel_name(kind.parse().unwrap()), kind);
+        }
+        for kind in ["box", "tent", "gaussian", "blackman-harris", "mitchell"] {
+            assert_eq!(filter_name(kind.parse().unwrap()), kind);
+        }
     }
 }

@@ -1,14 +1,13 @@
-//! `caustica study`.
+//! `caustica study --effects`.
 
-use super::interrupt::{INTERRUPTED, listen};
-use super::memory::{self, check_photons, check_pictures};
-use super::plan::{self, EffectReport};
-use super::progress::{Progress, tell};
-use super::scene::{in_pool, load};
-use super::settings::settings;
-use super::{Exit, Failure, StudyArguments};
-use crate::image::{check_place, replace_file};
-use crate::integrate::Algorithm;
+use super::output::{Outputs, Writer};
+use crate::cli::interrupt::{INTERRUPTED, listen};
+use crate::cli::memory::{self, check_photons, check_pictures};
+use crate::cli::plan::{self, EffectReport};
+use crate::cli::progress::{Progress, tell};
+use crate::cli::scene::{in_pool, load};
+use crate::cli::settings::settings;
+use crate::cli::{Exit, Failure, StudyArguments};
 use crate::plan::{Decision, Effect};
 use crate::stats::Counters;
 use crate::study::text::{amount, figure, milliseconds, percent, signed};
@@ -17,47 +16,38 @@ use miette::IntoDiagnostic;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::io::Write as _;
-use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// A page whose name says something else.
-#[derive(Debug, thiserror::Error, miette::Diagnostic)]
-#[error("`{}` does not name a page", path.display())]
-#[diagnostic(help("give it the extension .html"))]
-struct NotHtml {
-    path: PathBuf,
-}
+/// Passes of each picture, where the user does not say.
+const PASSES: u32 = 4;
+
+/// What reports are written as.
+const REPORTS: [(&str, Writer<Findings>); 2] = [("html", html), ("json", json)];
 
 pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Failure> {
     // Whatever can fail without rendering fails before it.
-    if let Some(path) = &arguments.output {
-        check_page(path)?;
-    }
+    let outputs = Outputs::check(&arguments.output, &REPORTS)?;
     listen("the study");
     let progress = Progress::new(arguments.quiet);
-    in_pool(&arguments.scene, || run_in_pool(arguments, &progress))
+    in_pool(&arguments.scene, || run_in_pool(arguments, &outputs, &progress))
 }
 
-fn check_page(path: &Path) -> Result<(), Failure> {
-    let named = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("html") || e.eq_ignore_ascii_case("htm"));
-    if !named {
-        return Err(Failure::new(Exit::Output, NotHtml { path: path.to_owned() }));
-    }
-    check_place(path).into_diagnostic().map_err(|e| Failure::new(Exit::Output, e))
-}
-
-fn run_in_pool(arguments: &StudyArguments, progress: &Progress) -> Result<Exit, Failure> {
+fn run_in_pool(
+    arguments: &StudyArguments,
+    outputs: &Outputs<'_, Findings>,
+    progress: &Progress,
+) -> Result<Exit, Failure> {
     let usage = |e| Failure::new(Exit::Usage, e);
     let start = Instant::now();
     let scene = load(&arguments.scene, progress)?;
-    let algorithm = Algorithm::from(arguments.method.integrator);
+    let algorithm = arguments.method.integrator;
     // No more than one picture without each effect, besides the whole one.
     check_pictures(Effect::ALL.len() + 1, scene.camera().size(), memory::free()).map_err(usage)?;
     let study = EffectStudy::prepare(&scene, algorithm, &settings(&arguments.method, arguments.wish));
     check_photons(study.expected(), memory::free()).map_err(usage)?;
     progress.say(&plan::line(study.plan()));
     plan::complaints(study.plan()).for_each(|line| tell(&line));
-    let (pictures, passes) = (study.pictures(), arguments.passes);
+    let (pictures, passes) = (study.pictures(), arguments.passes.unwrap_or(PASSES));
     progress.say(&format!("{pictures} pictures of {passes} passes each"));
     progress.pass(1, Some(passes), None);
     let found = study.run(passes, &INTERRUPTED, progress, |made| {
@@ -72,27 +62,35 @@ fn run_in_pool(arguments: &StudyArguments, progress: &Progress) -> Result<Exit, 
     if rejected > 0 {
         tell(&format!("warning: {rejected} samples were not finite and were left out"));
     }
-    conclude(arguments, progress, &found).map_err(|e| Failure::new(Exit::Output, e))?;
+    conclude(arguments, outputs, progress, &found).map_err(|e| Failure::new(Exit::Output, e))?;
     Ok(if found.interrupted { Exit::Interrupted } else { Exit::Success })
 }
 
-/// Writes the page and prints the figures.
-fn conclude(arguments: &StudyArguments, progress: &Progress, found: &Findings) -> miette::Result<()> {
-    let scene = arguments.scene.scene.display().to_string();
-    let integrator = Algorithm::from(arguments.method.integrator).name();
-    let seed = arguments.method.seed;
-    if let Some(path) = &arguments.output {
-        let about = About { scene: scene.clone(), integrator, seed, exposure: arguments.exposure };
-        replace_file(path, page(&about, found).into_diagnostic()?.as_bytes()).into_diagnostic()?;
-        progress.say(&format!("wrote {}", path.display()));
-    }
-    let text = if arguments.json {
-        let report = Report::new(scene, integrator, seed, found);
-        serde_json::to_string_pretty(&report).into_diagnostic()? + "\n"
-    } else {
-        table(integrator, found)
-    };
+/// Writes the reports and prints the figures.
+fn conclude(
+    arguments: &StudyArguments,
+    outputs: &Outputs<'_, Findings>,
+    progress: &Progress,
+    found: &Findings,
+) -> miette::Result<()> {
+    outputs.write(arguments, found, progress)?;
+    let text =
+        if arguments.json { json(arguments, found)? + "\n" } else { table(arguments.method.integrator.name(), found) };
     std::io::stdout().write_all(text.as_bytes()).into_diagnostic()
+}
+
+/// A page with the pictures.
+fn html(arguments: &StudyArguments, found: &Findings) -> miette::Result<String> {
+    let scene = arguments.scene.scene.display().to_string();
+    let (integrator, seed) = (arguments.method.integrator.name(), arguments.method.seed);
+    page(&About { scene, integrator, seed, exposure: arguments.exposure }, found).into_diagnostic()
+}
+
+/// All figures.
+fn json(arguments: &StudyArguments, found: &Findings) -> miette::Result<String> {
+    let scene = arguments.scene.scene.display().to_string();
+    let report = Report::new(scene, arguments.method.integrator.name(), arguments.method.seed, found);
+    serde_json::to_string_pretty(&report).into_diagnostic()
 }
 
 fn table(integrator: &str, found: &Findings) -> String {
