@@ -109,6 +109,9 @@ fn perform(page: &str, line: &[String], folder: &Path) {
             Some(Command::Plan(plan)) => (Some(&plan.scene.scene), Vec::new()),
             Some(Command::Study(study)) => {
                 shrink(&mut arguments, study.method.caustic_photons.is_some());
+                if !study.kind.effects {
+                    put(&mut arguments, "--budget", "0.1s");
+                }
                 (Some(&study.scene.scene), study.output.iter().collect())
             }
             Some(Command::Diff(diff)) => (None, diff.output.iter().collect()),
@@ -156,13 +159,16 @@ fn shrink(arguments: &mut Vec<String>, caustic: bool) {
     if caustic {
         small.push(("--caustic-photons", "1k"));
     }
-    for (flag, value) in small {
-        if let Some(at) = arguments.iter().position(|a| a == flag) {
-            arguments.drain(at..at + 2);
-        }
-        arguments.retain(|a| !a.starts_with(&format!("{flag}=")));
-        arguments.extend([flag.to_owned(), value.to_owned()]);
+    small.into_iter().for_each(|(flag, value)| put(arguments, flag, value));
+}
+
+/// Gives a flag a value, whatever it had.
+fn put(arguments: &mut Vec<String>, flag: &str, value: &str) {
+    if let Some(at) = arguments.iter().position(|a| a == flag) {
+        arguments.drain(at..at + 2);
     }
+    arguments.retain(|a| !a.starts_with(&format!("{flag}=")));
+    arguments.extend([flag.to_owned(), value.to_owned()]);
 }
 
 #[test]

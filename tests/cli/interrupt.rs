@@ -90,3 +90,30 @@ fn twice_stops_at_once_and_writes_nothing() {
     assert_eq!((code, words.as_str()), (Some(130), ""));
     assert_eq!((shop.bytes("a.png"), shop.names()), (b"old".to_vec(), vec!["a.png".to_owned(), "box.txt".to_owned()]));
 }
+
+#[test]
+fn a_study_tells_what_it_has_after_the_round() {
+    let shop = Workshop::new();
+    shop.render("box.txt", "-o a.exr").expect(0, &[]);
+    let line = "study box.txt --methods path,sppm --truth a.exr --photons 1k --spp 1 --seeds 2 --budget 1h -o a.json";
+    let mut study = Render::start(&shop, line);
+    study.wait_for("sppm: 2 passes");
+    study.interrupt();
+    let (code, words) = study.end();
+    assert_eq!(code, Some(130), "{words}");
+    assert!(words.contains("interrupted: the study so far is written") && words.contains("wrote a.json"), "{words}");
+    let report: serde_json::Value = serde_json::from_slice(&shop.bytes("a.json")).unwrap();
+    let last = |i: usize| &report["methods"][i]["checkpoints"].as_array().unwrap().last().unwrap()["passes"];
+    assert!(report["interrupted"] == true && last(0) == last(1), "{report}");
+}
+
+#[test]
+fn references_that_are_cut_short_are_no_truth() {
+    let shop = Workshop::new();
+    let mut study = Render::start(&shop, "study box.txt --budget 1h --save-truth a.exr,b.exr");
+    study.wait_for("references: 1 pass of each");
+    study.interrupt();
+    let (code, words) = study.end();
+    assert!(code == Some(130) && words.contains("interrupted before anything was measured"), "{code:?} {words}");
+    assert_eq!(shop.names(), ["box.txt"]);
+}

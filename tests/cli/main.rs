@@ -4,6 +4,7 @@ mod diff;
 mod exits;
 mod interrupt;
 mod mesh;
+mod methods;
 mod outputs;
 mod repeat;
 mod scenes;

@@ -94,11 +94,11 @@ fn check_well_formed(page: &str) {
 #[test]
 fn a_page_holds_all_its_pictures() {
     let shop = Workshop::new();
-    study(&shop, "-o a.html").expect(0, &["wrote a.html"]);
-    assert_eq!(shop.names(), ["a.html", "box.txt"]);
+    study(&shop, "-o a.html -o a.json").expect(0, &["wrote a.html", "wrote a.json"]);
+    assert_eq!(shop.names(), ["a.html", "a.json", "box.txt"]);
     let page = String::from_utf8(shop.bytes("a.html")).unwrap();
     check_well_formed(&page);
-    let report = json(&study(&shop, "--json"));
+    let report: Value = serde_json::from_slice(&shop.bytes("a.json")).unwrap();
     let rows = report["effects"].as_array().unwrap();
     for row in rows {
         let name = row["effect"].as_str().unwrap();
@@ -114,7 +114,6 @@ fn a_page_holds_all_its_pictures() {
 fn failures_have_their_codes_and_leave_the_old_page() {
     let shop = Workshop::new();
     shop.put("a.html", "old page");
-    run(&shop, "study box.txt").expect(2, &["--effects"]);
     run(&shop, "study --effects").expect(2, &["SCENE"]);
     run(&shop, "study --effects box.txt --passes 0 -o a.html").expect(2, &["at least 1"]);
     study(&shop, "--wish shadows -o a.html").expect(2, &["`shadows` is no wish"]);
@@ -124,7 +123,7 @@ fn failures_have_their_codes_and_leave_the_old_page() {
     let refused = |line: &str, parts: &[&str]| {
         run(&shop, &format!("study --effects box.txt {long} {line}")).expect(3, parts);
     };
-    refused("-o a.png", &["`a.png` does not name a page", "help: give it the extension .html"]);
+    refused("-o a.png", &["`a.png` does not name a report", "help: give it the extension .html or .json"]);
     refused("-o no/a.html", &["no folder `no`"]);
     assert_eq!((shop.bytes("a.html"), shop.names()), (b"old page".to_vec(), vec!["a.html".into(), "box.txt".into()]));
 }
