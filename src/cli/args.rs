@@ -242,12 +242,13 @@ pub struct PriceArguments {
     #[arg(short, long)]
     pub quiet: bool,
 }
+/// Arguments of a study of methods.
+const OF_METHODS: [&str; 8] = ["methods", "variants", "knobs", "budget", "seeds", "truth", "truth_time", "save_truth"];
 
-/// What is studied: effects, or methods.
 #[derive(Debug, Args)]
 pub struct StudyKind {
     /// Render the picture with and without each effect of the plan: what it costs, and what it adds
-    #[arg(long, conflicts_with_all = ["methods", "variants", "knobs", "budget", "seeds", "truth", "truth_time", "save_truth"])]
+    #[arg(long, conflicts_with_all = OF_METHODS)]
     pub effects: bool,
 
     /// Measure how the error of these methods falls with time, such as path,sppm  [default: those of path, pm, ppm, sppm and hybrid that
@@ -329,7 +330,7 @@ fn seeds(text: &str) -> Result<u32, String> {
 
 /// Arguments of `study`.
 #[derive(Debug, Args)]
-#[command(mut_arg("integrator", |integrator| integrator.requires("effects")))]
+#[command(mut_arg("integrator", |integrator| integrator.requires("effects").conflicts_with_all(OF_METHODS)))]
 pub struct StudyArguments {
     #[command(flatten)]
     #[allow(missing_docs)]

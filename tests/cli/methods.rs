@@ -62,7 +62,7 @@ fn the_commands_that_a_study_tells_repeat_it_bit_for_bit() {
         rendered.expect(0, &["wrote "]);
         // Held against the picture that the command renders, the first seed's last picture has no error at all.
         let picture = words(command).pop().unwrap();
-        let again = json(&run(&shop, &format!("{} {LEAST} --json", line.replace("a.exr,b.exr", &picture))));
+        let again = json(&run(&shop, &format!("{} {LEAST}", line.replace("a.exr,b.exr", &picture))));
         let same = again["methods"].as_array().unwrap().iter().find(|m| m["label"] == method["label"]).unwrap();
         let last = same["checkpoints"].as_array().unwrap().last().unwrap();
         assert_eq!((&last["passes"], &last["squares"][0]), (&3.into(), &0.0.into()), "{command}");
@@ -153,7 +153,8 @@ fn what_cannot_be_studied_is_refused_before_any_work() {
     refused(2, "--methods path,path --truth a.exr", &["`path` is named twice"]);
     refused(2, "--methods path --variant 'sppm --gather-k many'", &["--variant \"sppm --gather-k many\"", "no count"]);
     refused(2, "--variant 'bdpt'", &["no method `bdpt`", "help: begin with one of"]);
-    refused(2, "--integrator path", &["--effects"]);
+    refused(2, "--integrator path", &["--integrator", "--budget"]);
+    run(&shop, "study box.txt --integrator path").expect(2, &["--effects"]);
     refused(2, "--effects --methods path", &["--effects", "--methods"]);
     refused(2, "--seeds 1", &["at least 2"]);
     refused(2, "--seeds 1M", &["at most 1000"]);
