@@ -36,7 +36,7 @@ pub(super) fn run(arguments: &PriceArguments) -> Result<Exit, Failure> {
     in_pool(&arguments.scene, || {
         let start = Instant::now();
         let scene = load(&arguments.scene, &progress)?;
-        let algorithm = Algorithm::from(arguments.method.integrator);
+        let algorithm = arguments.method.integrator;
         let mut settings = settings(&arguments.method, arguments.effects.effects);
         settings.eye.gauge = true;
         check_gauged(scene.camera().size(), memory::free()).map_err(|e| Failure::new(Exit::Usage, e))?;
@@ -75,12 +75,12 @@ fn pilot(
         interrupted: &INTERRUPTED,
     };
     let (began, mut first) = (Instant::now(), 0.0);
-    progress.pass(1, None, None);
+    progress.pass(1, None);
     let rendered = render(integrator, size, &stop, true, progress, |standing| {
         if standing.passes == 1 {
             first = began.elapsed().as_secs_f64();
         }
-        progress.pass(standing.passes + 1, None, None);
+        progress.pass(standing.passes + 1, None);
     });
     progress.finish();
     // The first pass warms caches up.

@@ -39,17 +39,22 @@ impl Progress {
         }
     }
 
-    /// A pass begins; `of` is how many there will be, where that is known, and `note` what there is to say of those before.
-    pub fn pass(&self, pass: u32, of: Option<u32>, note: Option<String>) {
+    /// A pass begins; `of` is how many there will be, where that is known.
+    pub fn pass(&self, pass: u32, of: Option<u32>) {
         let label = match of {
             Some(of) => format!("pass {pass}/{of}"),
             None => format!("pass {pass}"),
         };
-        let Self::Bars { phase, prefix } = self else { return };
-        if let Ok(mut prefix) = prefix.lock() {
+        if let Self::Bars { prefix, .. } = self
+            && let Ok(mut prefix) = prefix.lock()
+        {
             *prefix = label;
         }
-        if let Some(note) = note {
+    }
+
+    /// What there is to say of the passes so far, beside the bar.
+    pub fn note(&self, note: String) {
+        if let Self::Bars { phase, .. } = self {
             phase.set_message(note);
         }
     }

@@ -88,7 +88,7 @@ fn run_in_pool(arguments: &RenderArguments, progress: &Progress) -> Result<Exit,
     });
     let target = arguments.target_error.map(|error| Target { error, confidence: arguments.confidence });
     let stop = Stop { at_least: 1, passes, time: arguments.time, target, interrupted: &INTERRUPTED };
-    progress.pass(1, passes, None);
+    progress.pass(1, passes);
     let began = Instant::now();
     let rendered = render(integrator.as_ref(), scene.camera().size(), &stop, gauged, progress, |standing| {
         let made = standing.passes;
@@ -102,7 +102,8 @@ fn run_in_pool(arguments: &RenderArguments, progress: &Progress) -> Result<Exit,
             let error = error.as_ref().map_or(String::new(), |error| format!(": {error}"));
             progress.say(&format!("pass {made}{of} after {:.1} s{error}", start.elapsed().as_secs_f64()));
         }
-        progress.pass(made + 1, passes, error);
+        progress.pass(made + 1, passes);
+        error.into_iter().for_each(|note| progress.note(note));
     });
     progress.finish();
     conclude(arguments, progress, setting, &rendered)

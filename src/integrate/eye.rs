@@ -112,11 +112,9 @@ impl<M: Method> EyePass<'_, M> {
         (out.image, out.gauged) = (rendered.image, rendered.gauged);
         out.counters += rendered.counters;
         if gauge && repeats {
-            let (width, height) = camera.size();
-            sampling =
-                tiles::Sampling { gauge: false, every: (tiles::tiles(width, height) / FRESH).max(2), ..sampling };
+            sampling = tiles::Sampling { gauge: false, every: tiles::every(camera.size(), FRESH), ..sampling };
             let fresh = render(&sampling, u64::from(self.pass) + 1, &Silent);
-            out.fresh = fresh.only.iter().map(|i| (*i, fresh.image[*i as usize])).collect();
+            out.fresh = fresh.places.iter().map(|i| (*i, fresh.image[*i as usize])).collect();
             out.counters += fresh.counters;
         }
         out.seconds.eye += start.elapsed().as_secs_f64();

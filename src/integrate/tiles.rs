@@ -56,8 +56,8 @@ pub(super) struct Rendered {
     pub image: Vec<Rgb>,
     /// What estimates tell of their error; empty where they are not asked.
     pub gauged: Vec<Gauged>,
-    /// Pixels that were rendered, where not all were.
-    pub only: Vec<u32>,
+    /// Pixels that were rendered.
+    pub places: Vec<u32>,
     pub counters: Counters,
 }
 
@@ -81,7 +81,7 @@ pub(super) fn render<T: Default>(
     let columns = width.div_ceil(EDGE);
     let every = sampling.every;
     monitor.begin(Phase::Eye, u64::from(width) * u64::from(height) / u64::from(every));
-    let tiles: Vec<(Vec<(Rgb, Gauged)>, Counters)> = (0..tiles(width, height).div_ceil(every))
+    let tiles: Vec<(Vec<(Rgb, Gauged)>, Counters)> = (0..(columns * height.div_ceil(EDGE)).div_ceil(every))
         .into_par_iter()
         .map(|tile| {
             let mut worker = Worker::default();
@@ -109,18 +109,23 @@ pub(super) fn render<T: Default>(
             if sampling.gauge {
                 out.gauged[at] = *gauged;
             }
-            if every > 1 {
-                out.only.push(at as u32);
-            }
+            out.places.push(at as u32);
         }
         out.counters += *counted;
     }
     out
 }
 
-/// Tiles of a picture.
-pub(super) fn tiles(width: u32, height: u32) -> u32 {
-    width.div_ceil(EDGE) * height.div_ceil(EDGE)
+/// The step by which tiles of a picture are passed over so that at least `wanted` are left, spread over rows and columns.
+pub(super) fn every((width, height): (u32, u32), wanted: u32) -> u32 {
+    let columns = width.div_ceil(EDGE);
+    let most = (columns * height.div_ceil(EDGE) / wanted).max(1);
+    // A step that shares a factor with the columns would leave some of them out.
+    (1..=most).rev().find(|step| gcd(*step, columns) == 1).unwrap_or(1)
+}
+
+fn gcd(a: u32, b: u32) -> u32 {
+    if b == 0 { a } else { gcd(b, a % b) }
 }
 
 fn pixels_of(tile: u32, columns: u32, width: u32, height: u32) -> impl Iterator<Item = (u32, u32)> {
@@ -264,6 +269,18 @@ mod tests {
             }
             // Blunter tests could not tell the filter from its positive part.
             assert!(samples < 16 || edge.iter().any(|(mean, error)| *mean < -5.0 * error));
+        }
+    }
+
+    #[test]
+    fn tiles_that_are_left_are_enough_and_in_all_columns() {
+        for size in [(96, 72), (640, 480), (1920, 1080), (16, 16), (4000, 16)] {
+            let (columns, rows) = (size.0.div_ceil(EDGE), size.1.div_ceil(EDGE));
+            let step = every(size, 48);
+            assert!(step == 1 || columns * rows / step >= 48, "{size:?} {step}");
+            let left: std::collections::HashSet<u32> =
+                (0..columns * rows).step_by(step as usize).map(|tile| tile % columns).collect();
+            assert!(rows < step || left.len() as u32 == columns, "{size:?} {step}");
         }
     }
 

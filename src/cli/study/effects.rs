@@ -49,12 +49,12 @@ fn run_in_pool(
     plan::complaints(study.plan()).for_each(|line| tell(&line));
     let (pictures, passes) = (study.pictures(), arguments.passes.unwrap_or(PASSES));
     progress.say(&format!("{pictures} pictures of {passes} passes each"));
-    progress.pass(1, Some(passes), None);
+    progress.pass(1, Some(passes));
     let found = study.run(passes, &INTERRUPTED, progress, |made| {
         if matches!(progress, Progress::Lines) {
             progress.say(&format!("pass {made}/{passes} of each after {:.1} s", start.elapsed().as_secs_f64()));
         }
-        progress.pass(made + 1, Some(passes), None);
+        progress.pass(made + 1, Some(passes));
     });
     progress.finish();
     let found = found.into_diagnostic().map_err(|e| Failure::new(Exit::Input, e))?;

@@ -6,9 +6,11 @@ use super::variant::{VariantError, check};
 use super::{Checkpoint, MethodFound, MethodsFound, Moment, References, Subject, Variant};
 use crate::color::Rgb;
 use crate::image::Image;
+use crate::image::flip::{FlipOptions, flip};
 use crate::image::metrics::rmse;
 use crate::integrate::{Expected, Integrator, Monitor, Radii};
 use crate::render::Film;
+use crate::render::gauge::Gauge;
 use crate::scene::Scene;
 use crate::stats::cpu_seconds;
 use crate::study::StudyError;
@@ -17,8 +19,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// How much more than the checkpoint before the last one must have, so that both are kept.
 const WORTH: f64 = 1.3;
 
-/// Bytes a pixel of a film.
-const FILM: u64 = 24;
+/// Bytes a pixel of a film and of the gauge of its error.
+const FILM: u64 = 24 + 170;
 
 /// Bytes a pixel of a picture.
 const PICTURE: u64 = 12;
@@ -74,6 +76,8 @@ struct Run<'a> {
 struct Seed<'a> {
     integrator: Option<Box<dyn Integrator + 'a>>,
     film: Film,
+    /// Made with the first pass.
+    gauge: Option<Gauge>,
 }
 
 struct Last {
@@ -94,6 +98,7 @@ impl<'a> MethodStudy<'a> {
             let make = move |seed| {
                 let mut settings = settings.clone();
                 settings.eye.seed = seed;
+                settings.eye.gauge = true;
                 algorithm.prepare(scene, settings)
             };
             (variant, Box::new(make) as Maker<'a>)
@@ -113,7 +118,7 @@ impl<'a> MethodStudy<'a> {
             let (first, setup) = timed(&clock, || make(variant.settings.eye.seed));
             let (radii, expected) = (first.radii(), first.expected());
             let none = (1..seeds).map(|_| None);
-            let film = |integrator| Seed { integrator, film: Film::new(size.0, size.1) };
+            let film = |integrator| Seed { integrator, film: Film::new(size.0, size.1), gauge: None };
             Run {
                 variant,
                 make,
@@ -219,10 +224,11 @@ impl<'a> MethodStudy<'a> {
 
 impl Run<'_> {
     fn pass(&mut self, seed: usize, pass: u32, clock: &dyn Fn() -> Moment, monitor: &dyn Monitor) {
-        let Seed { integrator, film } = &mut self.seeds[seed];
+        let Seed { integrator, film, gauge } = &mut self.seeds[seed];
         let first = self.variant.settings.eye.seed;
         let integrator = integrator.get_or_insert_with(|| (self.make)(first.wrapping_add(seed as u64)));
         let (pass, time) = timed(clock, || integrator.pass(pass, monitor));
+        gauge.get_or_insert_with(|| Gauge::new(integrator.radius_law())).add(film, &pass);
         film.add(&pass.image);
         self.time += time;
         self.rays += pass.counters.rays();
@@ -244,6 +250,8 @@ impl Run<'_> {
             rmse(&image(picture.clone())?, references.mean())?;
         }
         let measured = split(references, &pictures);
+        let told = |seed: &Seed<'_>| Some(seed.gauge.as_ref()?.read(&seed.film).error);
+        let gauged: Vec<f64> = self.seeds.iter().filter_map(told).filter(|e| e.is_finite()).map(|e| e * e).collect();
         let seeds = pictures.len() as f64;
         let checkpoint = Checkpoint {
             passes,
@@ -254,9 +262,9 @@ impl Run<'_> {
             squares: measured.squares,
             noise2: measured.noise2,
             bias2: measured.bias2,
-            gauged: Vec::new(),
+            gauged,
             rmse: measured.rmse,
-            flip: flip(&pictures[0], references.mean()),
+            flip: flip(references.mean(), &image(pictures[0].clone())?, &FlipOptions::default())?.mean,
         };
         if last {
             self.checkpoints.pop_if(|before| f64::from(passes) < WORTH * f64::from(before.passes));
@@ -286,9 +294,4 @@ impl Run<'_> {
             difference,
         })
     }
-}
-
-/// FLIP of a picture to the truth, in \[0, 1].
-fn flip(_picture: &[Rgb], _truth: &Image) -> f64 {
-    0.0
 }

@@ -21,20 +21,23 @@ pub(super) fn split(references: &References, pictures: &[Vec<Rgb>]) -> Split {
     let seeds = pictures.len() as f64;
     let mut squares = vec![0.0; pictures.len()];
     let (mut apart, mut of_mean, mut plain) = (0.0, 0.0, 0.0);
-    for (i, weight) in references.scale().weights().iter().enumerate() {
+    let scale = references.scale();
+    let count = scale.weights().len();
+    for i in 0..count {
         let mean = mean(pictures, i);
         for (square, picture) in squares.iter_mut().zip(pictures) {
             let pixel = picture[i].as_dvec3();
             let error = references.square(i, pixel);
-            *square += weight * error;
+            *square += scale.counts(i, error);
             plain += error;
-            apart += weight * (pixel - mean).length_squared();
         }
-        of_mean += weight * references.square(i, mean);
+        let spread: f64 = pictures.iter().map(|picture| (picture[i].as_dvec3() - mean).length_squared()).sum();
+        apart += scale.counts(i, spread / (seeds - 1.0));
+        of_mean += scale.counts(i, references.square(i, mean));
     }
-    let pixels = references.scale().weights().len() as f64;
+    let pixels = count as f64;
     squares.iter_mut().for_each(|square| *square /= pixels);
-    let noise2 = apart / (pixels * (seeds - 1.0));
+    let noise2 = apart / pixels;
     let rmse = (plain / (3.0 * pixels * seeds)).max(0.0).sqrt();
     Split { squares, noise2, bias2: of_mean / pixels - noise2 / seeds, rmse }
 }
@@ -46,10 +49,10 @@ pub(super) fn mean(pictures: &[Vec<Rgb>], i: usize) -> DVec3 {
 
 /// Root of the relative squared error of each pixel, mean over seeds; zero where noise hides it.
 pub(super) fn by_pixel(references: &References, pictures: &[Vec<Rgb>]) -> Vec<f32> {
-    let weights = references.scale().weights().iter().enumerate();
-    let square = |(i, weight): (usize, &f64)| {
-        let sum: f64 = pictures.iter().map(|picture| references.square(i, picture[i].as_dvec3())).sum();
-        (weight * sum / pictures.len() as f64).max(0.0).sqrt() as f32
+    let scale = references.scale();
+    let square = |i: usize| {
+        let counts = |picture: &Vec<Rgb>| scale.counts(i, references.square(i, picture[i].as_dvec3()));
+        (pictures.iter().map(counts).sum::<f64>() / pictures.len() as f64).max(0.0).sqrt() as f32
     };
-    weights.map(square).collect()
+    (0..scale.weights().len()).map(square).collect()
 }
