@@ -274,7 +274,7 @@ mod tests {
 
     #[test]
     fn tiles_that_are_left_are_enough_and_in_all_columns() {
-        for size in [(96, 72), (640, 480), (1920, 1080), (16, 16), (4000, 16)] {
+        for size in [(96u32, 72u32), (640, 480), (1920, 1080), (16, 16), (4000, 16)] {
             let (columns, rows) = (size.0.div_ceil(EDGE), size.1.div_ceil(EDGE));
             let step = every(size, 48);
             assert!(step == 1 || columns * rows / step >= 48, "{size:?} {step}");
