@@ -1,17 +1,15 @@
 //! Studies: what of a picture costs what, and is worth what.
 
 mod effects;
-mod html;
 pub mod methods;
-mod page;
-mod picture;
+pub mod report;
 #[cfg(test)]
 mod tests;
-pub mod text;
 mod work;
 
 pub use effects::{Clock, Cost, EffectStudy, Finding, Findings, Gain, Spent, StudyError};
-pub use page::{About, page};
+pub use report::effects::{About, page};
+pub use report::text;
 pub use work::{ExpectedWork, Work, expected_work};
 
 use crate::integrate::{Algorithm, Settings};

@@ -22,6 +22,9 @@ pub struct Checkpoint {
     pub squares: Vec<f64>,
     /// Relative variance between seeds.
     pub noise2: f64,
+    /// Each seed's part of it: the relative squared difference of its picture to the mean over S seeds, times S/(S − 1). Their mean is
+    /// `noise2`; empty with one seed.
+    pub noises: Vec<f64>,
     /// Relative squared error of the mean of infinitely many seeds, without bias; it can be below zero where noise hides it.
     pub bias2: f64,
     /// What the gauge of each seed's render says its relative squared error is.
@@ -51,6 +54,8 @@ pub struct MethodFound {
     pub command: String,
     /// Preparation, pilots included, of the first seed \[s].
     pub setup: f64,
+    /// How fast radii shrink: α of [`shrink`](crate::integrate::shrink), 1 where they stay.
+    pub alpha: f64,
     /// Largest gather radii of the first pass, of the global and of the caustic map; `None` without photons \[length].
     pub radii: Option<[f32; 2]>,
     /// From few passes to many; each has twice the passes of the last, but for the final one.

@@ -2,6 +2,7 @@
 
 mod clock;
 mod command;
+pub mod fit;
 mod found;
 mod run;
 mod split;

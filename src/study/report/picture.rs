@@ -1,7 +1,7 @@
 //! Pictures of differences: what an effect adds and what it takes away, each bright enough to be seen.
 
-use super::StudyError;
 use crate::image::{Curve, Image, MAX_EXPOSURE_STOPS, OutputFormat, ToneMap, WriteOptions, encode};
+use crate::study::StudyError;
 use glam::Vec3;
 
 /// Of the pixels that are not black, so many may be clipped.

@@ -2,9 +2,9 @@
 
 use super::html::{escape, picture};
 use super::picture::{added, exposure, png, taken};
-use super::text::{figure, milliseconds, percent, signed};
-use super::{Clock, Finding, Findings, StudyError};
+use super::text::{amount, figure, milliseconds, percent, signed};
 use crate::image::Image;
+use crate::study::{Clock, Finding, Findings, StudyError};
 use std::fmt::Write;
 
 /// A part of a difference whose mean is less than this of the other's is noise, and is not shown.
@@ -136,7 +136,7 @@ fn table(findings: &Findings) -> String {
     }
     let whole = &findings.whole;
     let passes = whole.passes.len() as f64;
-    let a_pass = |n: u64| super::text::amount(n as f64 / passes);
+    let a_pass = |n: u64| amount(n as f64 / passes);
     let cells = [
         format!("{:.1}", 1e3 * whole.seconds() / passes),
         String::new(),

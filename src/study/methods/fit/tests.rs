@@ -1,0 +1,221 @@
+//! Methods whose laws are known, with the scatter of seeds.
+
+use super::*;
+use crate::image::Image;
+use crate::integrate::{ALPHA, Algorithm, shrink};
+use crate::study::methods::{MethodsFound, Truth};
+use glam::Vec3;
+use rand::RngExt;
+
+const SEEDS: usize = 8;
+const PIXELS: usize = 64;
+
+/// Pixels whose error after n passes is that of a mean of passes of variance 1/shrink and bias `bias` · shrink.
+fn synthetic(algorithm: Algorithm, bias: f64, alpha: f64, passes: &[u32], name: u64) -> MethodFound {
+    let mut rng = Key::new(77).with(name).rng();
+    // Irwin–Hall: twelve uniform numbers less six have variance 1.
+    let mut normal = || (0..12).map(|_| rng.random::<f64>()).sum::<f64>() - 6.0;
+    let shrinks = |i: u32| if alpha < 1.0 { shrink(i) } else { 1.0 };
+    let (mut made, mut drift) = (0, 0.0);
+    let mut sums = vec![[0.0; PIXELS]; SEEDS];
+    let checkpoints = passes.iter().map(|&n| {
+        let variance: f64 = (made..n).map(|i| 1.0 / shrinks(i)).sum();
+        drift += (made..n).map(|i| bias * shrinks(i)).sum::<f64>();
+        made = n;
+        for sum in sums.iter_mut().flatten() {
+            *sum += variance.sqrt() * normal();
+        }
+        let error = |sum: f64| 0.1 * (sum + drift) / f64::from(n);
+        let mean_of = |seed: &[f64; PIXELS], of: &dyn Fn(usize, f64) -> f64| {
+            seed.iter().enumerate().map(|(i, s)| of(i, *s)).sum::<f64>() / PIXELS as f64
+        };
+        let means: Vec<f64> =
+            (0..PIXELS).map(|p| sums.iter().map(|s| error(s[p])).sum::<f64>() / SEEDS as f64).collect();
+        let squares: Vec<f64> = sums.iter().map(|s| mean_of(s, &|_, x| error(x) * error(x))).collect();
+        let apart = |i: usize, x: f64| (error(x) - means[i]) * (error(x) - means[i]);
+        let noises: Vec<f64> =
+            sums.iter().map(|s| mean_of(s, &apart) * SEEDS as f64 / (SEEDS - 1) as f64).collect();
+        let noise2 = noises.iter().sum::<f64>() / SEEDS as f64;
+        let bias2 = squares.iter().sum::<f64>() / SEEDS as f64 - noise2;
+        let seconds = 0.25 * f64::from(n);
+        Checkpoint { passes: n, seconds, photons: 1000.0 * f64::from(n), squares, noises, noise2, bias2, ..Checkpoint::default() }
+    });
+    MethodFound {
+        label: algorithm.name().into(),
+        algorithm,
+        command: "caustica render".into(),
+        setup: 0.0,
+        alpha,
+        radii: Some([0.1, 0.1]),
+        checkpoints: checkpoints.collect(),
+        picture: Image::new(1, 1).unwrap(),
+        error: vec![0.0],
+        difference: Image::new(1, 1).unwrap(),
+    }
+}
+
+fn doubled(count: u32) -> Vec<u32> {
+    (0..count).map(|i| 1 << i).collect()
+}
+
+fn judged(method: &MethodFound) -> Verdict {
+    verdict(method, fit(method).as_ref(), None)
+}
+
+/// An interval of 95 % misses 10 or more of 100 with a chance of 3 %; the law of the squares' logarithm differs from the logarithm of their law by
+/// 1/(SEEDS · PIXELS), which is nothing beside the interval.
+#[test]
+fn intervals_cover_the_law() {
+    let passes = doubled(9);
+    let laws = [(Algorithm::Path, 0.0, 1.0), (Algorithm::Sppm, 2.0, ALPHA), (Algorithm::Pm, 0.0, 1.0)];
+    for (algorithm, bias, alpha) in laws {
+        let mut covered = [0; 2];
+        for name in 0..100 {
+            let method = synthetic(algorithm, bias, alpha, &passes, name);
+            let fit = fit(&method).unwrap();
+            assert_eq!(fit.passes, [16, 32, 64, 128, 256]);
+            for (covered, (slopes, quantity)) in
+                covered.iter_mut().zip([(fit.error, Quantity::Error), (fit.noise, Quantity::Noise)])
+            {
+                let law = theory(algorithm, quantity, &fit.passes, alpha).unwrap();
+                let [low, high] = slopes.unwrap().by_passes.interval.unwrap();
+                // Without bias, the error's law is that of noise.
+                let law = if bias == 0.0 { Law { flattest: law.steepest, ..law } } else { law };
+                *covered += usize::from(low <= law.flattest && high >= law.steepest);
+            }
+        }
+        assert!(covered.iter().all(|c| *c >= 90), "{algorithm:?} {covered:?}");
+    }
+}
+
+#[test]
+fn slopes_are_recovered() {
+    let passes = doubled(9);
+    let path = fit(&synthetic(Algorithm::Path, 0.0, 1.0, &passes, 1)).unwrap();
+    let sppm = fit(&synthetic(Algorithm::Sppm, 4.0, ALPHA, &passes, 2)).unwrap();
+    let pm = fit(&synthetic(Algorithm::Pm, 4.0, 1.0, &passes, 3)).unwrap();
+    // A root's logarithm deviates by 1/√(2 · SEEDS · PIXELS) = .031, a slope by that over √(10 log²2) = 2.19; four deviations.
+    let close = |slopes: Option<Slopes>, slope: f64| {
+        let Slopes { by_time, by_passes } = slopes.unwrap();
+        assert!((by_passes.value - slope).abs() < 0.057 && (by_time.value - by_passes.value).abs() < 1e-9, "{by_passes:?} {slope}");
+    };
+    close(path.error, -0.5);
+    close(path.noise, -0.5);
+    for (slopes, quantity) in [(sppm.error, Quantity::Bias), (sppm.noise, Quantity::Noise), (sppm.bias, Quantity::Bias)] {
+        close(slopes, theory(Algorithm::Sppm, quantity, &sppm.passes, ALPHA).unwrap().flattest);
+    }
+    close(pm.bias, 0.0);
+    close(pm.error, 0.0);
+}
+
+#[test]
+fn verdicts_tell_what_it_is() {
+    let passes = doubled(9);
+    let is = |algorithm, bias, alpha, passes: &[u32]| judged(&synthetic(algorithm, bias, alpha, passes, 5));
+    assert!(matches!(is(Algorithm::Path, 0.0, 1.0, &passes), Verdict::Expected { ahead: None, .. }));
+    assert!(matches!(is(Algorithm::Sppm, 3.0, ALPHA, &passes), Verdict::Expected { ahead: None, .. }));
+    // 0.1 · 3 is the bias.
+    let plateau = is(Algorithm::Pm, 3.0, 1.0, &passes);
+    assert!(matches!(plateau, Verdict::Plateau { floor, cause: Cause::Radii(_) } if (floor - 0.3).abs() < 0.01), "{plateau:?}");
+    assert_eq!(plateau.to_string(), "plateau: bias floor of 30 % at r = 0.100");
+    assert!(matches!(is(Algorithm::Path, 3.0, 1.0, &passes), Verdict::Plateau { cause: Cause::Unknown, .. }));
+    assert!(matches!(is(Algorithm::Whitted, 3.0, 1.0, &passes), Verdict::Plateau { cause: Cause::LeavesOut, .. }));
+    // A tenth of the noise that is left.
+    assert!(matches!(is(Algorithm::Pm, 0.001, 1.0, &passes), Verdict::Hidden { most, .. } if most < 0.005));
+    // As much as the noise that is left.
+    assert!(matches!(is(Algorithm::Pm, 1.0 / 16.0, 1.0, &passes), Verdict::Expected { ahead: Some(_), .. }));
+    assert!(matches!(is(Algorithm::Path, 0.0, ALPHA, &passes), Verdict::Slower { .. }));
+    assert!(matches!(is(Algorithm::Ppm, 0.0, 1.0, &passes), Verdict::Expected { .. } | Verdict::Faster { .. } | Verdict::Hidden { .. }));
+    assert_eq!(is(Algorithm::Path, 0.0, 1.0, &doubled(2)), Verdict::TooFew);
+}
+
+#[test]
+fn what_the_truth_cannot_tell_is_no_finding() {
+    let method = synthetic(Algorithm::Path, 0.0, 1.0, &doubled(9), 6);
+    let fit = fit(&method);
+    // The last error is .1/16.
+    assert!(matches!(verdict(&method, fit.as_ref(), Some(0.01)), Verdict::Untold { truth: Some(_) }));
+    assert!(matches!(verdict(&method, fit.as_ref(), Some(0.005)), Verdict::Expected { .. }));
+    let mut below = method.clone();
+    below.checkpoints.last_mut().unwrap().squares = vec![-1e-9; SEEDS];
+    assert!(matches!(judged(&below), Verdict::Untold { truth: None }));
+    let mut alone = method;
+    alone.checkpoints.iter_mut().for_each(|c| (c.squares.truncate(1), c.noises.clear()).1);
+    assert!(matches!(judged(&alone), Verdict::Wide { .. }));
+}
+
+/// Noiseless: the error is .1/√n after n/4 seconds.
+fn exact() -> MethodFound {
+    let mut method = synthetic(Algorithm::Path, 0.0, 1.0, &doubled(9), 7);
+    for c in &mut method.checkpoints {
+        c.squares = vec![0.01 / f64::from(c.passes); SEEDS];
+        (c.noises, c.noise2, c.bias2) = (c.squares.clone(), c.square(), 0.0);
+    }
+    method
+}
+
+#[test]
+fn prices_follow_the_law() {
+    let method = exact();
+    let fit = fit(&method);
+    let verdict = verdict(&method, fit.as_ref(), None);
+    let reach = |error| reach(&method, fit.as_ref(), &verdict, error);
+    assert!(matches!(reach(0.2), Reach::Within(price) if price.passes == 1.0));
+    let Reach::Measured(price) = reach(0.05 / 3.0) else { panic!() };
+    assert!((price.passes - 36.0).abs() < 1e-9 && (price.seconds - 9.0).abs() < 1e-9 && (price.photons - 36e3).abs() < 1e-6);
+    let Reach::Predicted { price, seconds: Some([low, high]) } = reach(0.1 / 64.0) else { panic!() };
+    assert!((price.passes - 4096.0).abs() < 1e-6 && (low - 1024.0).abs() < 1e-6 && (high - 1024.0).abs() < 1e-6);
+    let Reach::Predicted { price, .. } = tenth(&method, fit.as_ref(), &verdict) else { panic!() };
+    assert!((price.seconds - 6400.0).abs() < 1e-6);
+    for (seconds, passes) in [(0.25, 1.0), (3.0, 12.0), (640.0, 2560.0)] {
+        let error = error_at(&method, fit.as_ref(), seconds).unwrap();
+        assert!((error - 0.1 / f64::sqrt(passes)).abs() < 1e-12, "{error}");
+    }
+    assert_eq!(error_at(&method, fit.as_ref(), 0.1), None);
+}
+
+#[test]
+fn a_plateau_is_never_left() {
+    let method = synthetic(Algorithm::Pm, 3.0, 1.0, &doubled(9), 8);
+    let fit = fit(&method);
+    let verdict = verdict(&method, fit.as_ref(), None);
+    assert!(matches!(reach(&method, fit.as_ref(), &verdict, 0.1), Reach::Never { floor } if (floor - 0.3).abs() < 0.01));
+    assert!(matches!(tenth(&method, fit.as_ref(), &verdict), Reach::Never { .. }));
+}
+
+/// The second costs twice as much a pass, but begins with a third of the error and stays there.
+#[test]
+fn the_least_error_at_each_time_and_at_the_budget() {
+    let mut early = exact();
+    early.checkpoints.iter_mut().for_each(|c| (c.seconds *= 2.0, c.squares.fill(0.001)).1);
+    let picture = Image::from_pixels(1, 1, vec![Vec3::ONE]).unwrap();
+    let mut found = MethodsFound {
+        scene: "a.txt".into(),
+        command: "caustica study a.txt".into(),
+        program: "caustica".into(),
+        machine: "test".into(),
+        seeds: 8,
+        budget: 64.0,
+        share: 1.0,
+        truth: Truth { source: "closed form".into(), error: None, picture },
+        methods: vec![exact(), early],
+        interrupted: false,
+    };
+    let points: Vec<(usize, usize)> = pareto(&found.methods).iter().map(|m| (m.method, m.checkpoint)).collect();
+    assert_eq!(points, [(0, 0), (1, 0), (0, 4), (0, 5), (0, 6), (0, 7), (0, 8)]);
+    let recommended = |found: &MethodsFound| {
+        let fits: Vec<_> = found.methods.iter().map(fit).collect();
+        recommend(found, &fits).unwrap()
+    };
+    let late = recommended(&found);
+    assert!(late.method == 0 && (late.error - 0.1 / 16.0).abs() < 1e-12 && late.alike.is_empty());
+    found.budget = 1.0;
+    assert_eq!(recommended(&found).method, 1);
+}
+
+#[test]
+fn students_t_is_that_of_tables() {
+    for (degrees, t) in [(1, 12.7062), (7, 2.3646), (11, 2.2010), (30, 2.0423), (1000, 1.9623)] {
+        assert!((student(degrees) - t).abs() < 1e-3, "{degrees}");
+    }
+}

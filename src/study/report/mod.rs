@@ -1,0 +1,6 @@
+//! What studies found, as pages, tables and data.
+
+pub mod effects;
+mod html;
+mod picture;
+pub mod text;

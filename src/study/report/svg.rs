@@ -1,0 +1,325 @@
+//! Log-log plots as SVG within a page: no script, colours and shapes that tell methods apart in light and dark.
+
+use super::html::escape;
+use std::fmt::Write;
+
+/// Colours of Okabe and Ito (2008) that stand out from white and from black, by most contrast; the last is that of the text.
+const COLOURS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "currentColor"];
+
+/// Height of a label [px].
+const LABEL: f64 = 16.0;
+
+/// Width of a letter, on the safe side [px].
+const LETTER: f64 = 7.2;
+
+/// Letters of a label that are shown; all are in its title.
+const LETTERS: usize = 30;
+
+/// How a line is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Stroke {
+    /// With markers.
+    Solid,
+    Dashed,
+    Dotted,
+}
+
+/// Points joined by a line; those that are not above zero and finite are left out.
+#[derive(Clone, Debug)]
+pub(super) struct Series {
+    pub(super) label: String,
+    /// Which colour and shape.
+    pub(super) style: usize,
+    pub(super) stroke: Stroke,
+    pub(super) points: Vec<(f64, f64)>,
+    /// Least and most of each point, where known.
+    pub(super) bars: Vec<Option<[f64; 2]>>,
+}
+
+/// A straight line of a power law through a point.
+#[derive(Clone, Debug)]
+pub(super) struct Guide {
+    pub(super) label: String,
+    pub(super) slope: f64,
+    pub(super) through: (f64, f64),
+}
+
+/// A plot of relative errors against seconds.
+#[derive(Clone, Debug)]
+pub(super) struct Plot<'a> {
+    /// Unique in the page.
+    pub(super) id: &'a str,
+    pub(super) title: &'a str,
+    /// What it shows, for those who do not see it.
+    pub(super) words: &'a str,
+    pub(super) size: (f64, f64),
+    pub(super) series: Vec<Series>,
+    pub(super) guides: Vec<Guide>,
+}
+
+/// A logarithmic axis.
+#[derive(Clone, Copy)]
+struct Axis {
+    least: f64,
+    most: f64,
+    /// Where both are [px].
+    from: f64,
+    to: f64,
+}
+
+impl Axis {
+    /// Holds all values with some space around.
+    fn of(values: impl Iterator<Item = f64>, (from, to): (f64, f64)) -> Option<Self> {
+        let (least, most) =
+            values.filter(|v| drawable(*v)).fold((f64::MAX, 0.0), |(a, b): (f64, f64), v| (a.min(v), b.max(v)));
+        if most <= 0.0 {
+            return None;
+        }
+        // At least a factor of four, so that a single point has ticks around it.
+        let space = f64::max(1.12, (4.0 * least / most).sqrt());
+        Some(Self { least: least / space, most: most * space, from, to })
+    }
+
+    fn at(&self, value: f64) -> f64 {
+        let part = libm::log(value / self.least) / libm::log(self.most / self.least);
+        self.from + part * (self.to - self.from)
+    }
+
+    /// Values of ticks, and whether they have a label.
+    fn ticks(&self) -> Vec<(f64, bool)> {
+        let decades = libm::log10(self.most / self.least);
+        let first = libm::floor(libm::log10(self.least)) as i32;
+        let last = libm::ceil(libm::log10(self.most)) as i32;
+        let mut ticks = Vec::new();
+        for decade in first..=last {
+            for digit in [1.0, 2.0, 5.0] {
+                let value = digit * libm::pow(10.0, f64::from(decade));
+                if value >= self.least && value <= self.most {
+                    ticks.push((value, digit == 1.0 || decades < 2.6));
+                }
+            }
+        }
+        ticks
+    }
+}
+
+fn drawable(value: f64) -> bool {
+    value > 0.0 && value.is_finite()
+}
+
+/// The colour of a style, as CSS.
+pub(super) fn colour(style: usize) -> &'static str {
+    COLOURS[style % COLOURS.len()]
+}
+
+/// The marker of a style around a point.
+pub(super) fn marker(style: usize, x: f64, y: f64) -> String {
+    // Sizes of about equal area.
+    let path = |points: &[(f64, f64)]| {
+        let ends: Vec<String> = points.iter().map(|(dx, dy)| format!("{:.1},{:.1}", x + dx, y + dy)).collect();
+        format!("<polygon points=\"{}\"/>", ends.join(" "))
+    };
+    match style % 6 {
+        0 => format!("<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"4\"/>"),
+        1 => path(&[(-3.6, -3.6), (3.6, -3.6), (3.6, 3.6), (-3.6, 3.6)]),
+        2 => path(&[(0.0, -5.2), (4.9, 3.4), (-4.9, 3.4)]),
+        3 => path(&[(0.0, -5.2), (5.2, 0.0), (0.0, 5.2), (-5.2, 0.0)]),
+        4 => path(&[(0.0, 5.2), (4.9, -3.4), (-4.9, -3.4)]),
+        _ => path(&[
+            (-1.6, -4.8), (1.6, -4.8), (1.6, -1.6), (4.8, -1.6), (4.8, 1.6), (1.6, 1.6),
+            (1.6, 4.8), (-1.6, 4.8), (-1.6, 1.6), (-4.8, 1.6), (-4.8, -1.6), (-1.6, -1.6),
+        ]),
+    }
+}
+
+/// The plot; `None` where nothing can be drawn.
+pub(super) fn plot(plot: &Plot<'_>) -> Option<String> {
+    let (width, height) = plot.size;
+    let longest = plot.series.iter().map(|s| shortened(&s.label).chars().count()).max()?;
+    let right = width - 18.0 - LETTER * longest as f64;
+    let points = || plot.series.iter().flat_map(|s| s.points.iter().filter(|p| drawable(p.0) && drawable(p.1)));
+    let x = Axis::of(points().map(|p| p.0), (58.0, right))?;
+    let y = Axis::of(points().map(|p| p.1), (height - 46.0, 12.0))?;
+    let Plot { id, .. } = plot;
+    let mut svg = format!(
+        "<svg id=\"{id}\" role=\"img\" aria-labelledby=\"{id}-title {id}-desc\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" \
+         height=\"{height}\">\n<title id=\"{id}-title\">{}</title>\n<desc id=\"{id}-desc\">{}</desc>\n",
+        escape(plot.title),
+        escape(plot.words)
+    );
+    axes(&mut svg, &x, &y, plot.size);
+    plot.guides.iter().for_each(|guide| draw_guide(&mut svg, guide, &x, &y));
+    let _ = writeln!(svg, "<clipPath id=\"{id}-clip\"><rect x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\"/></clipPath>",
+        x.from - 6.0, y.to - 6.0, x.to - x.from + 12.0, y.from - y.to + 12.0);
+    let mut ends = Vec::new();
+    for series in &plot.series {
+        ends.extend(draw_series(&mut svg, series, id, &x, &y).map(|end| (end, series)));
+    }
+    labels(&mut svg, ends, &x, &y);
+    svg += "</svg>\n";
+    Some(svg)
+}
+
+fn axes(svg: &mut String, x: &Axis, y: &Axis, (_, height): (f64, f64)) {
+    for (value, has_label) in x.ticks() {
+        let at = x.at(value);
+        let class = if has_label { "grid" } else { "grid faint" };
+        let _ = writeln!(svg, "<line class=\"{class}\" x1=\"{at:.1}\" x2=\"{at:.1}\" y1=\"{:.1}\" y2=\"{:.1}\"/>", y.from, y.to);
+        if has_label {
+            let _ = writeln!(svg, "<text class=\"tick\" text-anchor=\"middle\" x=\"{at:.1}\" y=\"{:.1}\">{} s</text>", y.from + 18.0, plain(value));
+        }
+    }
+    for (value, has_label) in y.ticks() {
+        let at = y.at(value);
+        let class = if has_label { "grid" } else { "grid faint" };
+        let _ = writeln!(svg, "<line class=\"{class}\" x1=\"{:.1}\" x2=\"{:.1}\" y1=\"{at:.1}\" y2=\"{at:.1}\"/>", x.from, x.to);
+        if has_label {
+            let _ = writeln!(svg, "<text class=\"tick\" text-anchor=\"end\" x=\"{:.1}\" y=\"{:.1}\">{} %</text>", x.from - 6.0, at + 4.0, plain(100.0 * value));
+        }
+    }
+    let _ = writeln!(svg, "<text class=\"tick\" text-anchor=\"middle\" x=\"{:.1}\" y=\"{:.1}\">processor time</text>", 0.5 * (x.from + x.to), height - 8.0);
+}
+
+/// One digit, written out: `0.05`, `20`, `1000`.
+fn plain(value: f64) -> String {
+    let decimals = libm::ceil(-libm::log10(value) - 1e-9).max(0.0) as usize;
+    format!("{value:.decimals$}")
+}
+
+fn draw_guide(svg: &mut String, guide: &Guide, x: &Axis, y: &Axis) {
+    let (x0, y0) = guide.through;
+    if !(drawable(x0) && drawable(y0)) {
+        return;
+    }
+    let height = |at: f64| y0 * libm::pow(at / x0, guide.slope);
+    // Where it leaves the plot above and below; a level line leaves nowhere.
+    let leaves = |value: f64| x0 * libm::pow(value / y0, 1.0 / guide.slope);
+    let (mut from, mut to) = (x.least, x.most);
+    if guide.slope < 0.0 {
+        (from, to) = (from.max(leaves(y.most)), to.min(leaves(y.least)));
+    } else if height(from) < y.least || height(from) > y.most {
+        return;
+    }
+    if to <= from {
+        return;
+    }
+    let [(x1, y1), (x2, y2)] = [from, to].map(|at| (x.at(at), y.at(height(at))));
+    let _ = writeln!(svg, "<line class=\"guide\" x1=\"{x1:.1}\" y1=\"{y1:.1}\" x2=\"{x2:.1}\" y2=\"{y2:.1}\"/>");
+    let (tx, ty) = (x1 + 0.97 * (x2 - x1), y1 + 0.97 * (y2 - y1) - 5.0);
+    let _ = writeln!(svg, "<text class=\"guide\" text-anchor=\"end\" x=\"{tx:.1}\" y=\"{ty:.1}\">{}</text>", escape(&guide.label));
+}
+
+/// Draws a line and tells where it ends.
+fn draw_series(svg: &mut String, series: &Series, id: &str, x: &Axis, y: &Axis) -> Option<(f64, f64)> {
+    let colour = colour(series.style);
+    let mut ends = Vec::new();
+    let mut markers = String::new();
+    for (i, (time, error)) in series.points.iter().enumerate() {
+        if !(drawable(*time) && drawable(*error)) {
+            continue;
+        }
+        let (px, py) = (x.at(*time), y.at(*error));
+        ends.push((px, py));
+        if let Some([low, high]) = series.bars.get(i).copied().flatten() {
+            let [y1, y2] = [high, low].map(|v| y.at(v.clamp(0.5 * y.least, 2.0 * y.most)));
+            let _ = write!(markers, "<line class=\"bar\" x1=\"{px:.1}\" x2=\"{px:.1}\" y1=\"{y1:.1}\" y2=\"{y2:.1}\"/>");
+        }
+        if series.stroke == Stroke::Solid {
+            markers += &marker(series.style, px, py);
+        }
+    }
+    let dash = match series.stroke {
+        Stroke::Solid => "",
+        Stroke::Dashed => " stroke-dasharray=\"8 5\"",
+        Stroke::Dotted => " stroke-dasharray=\"1 5\" stroke-linecap=\"round\"",
+    };
+    let line: Vec<String> = ends.iter().map(|(x, y)| format!("{x:.1},{y:.1}")).collect();
+    let _ = writeln!(
+        svg,
+        "<g clip-path=\"url(#{id}-clip)\" stroke=\"{colour}\" fill=\"{colour}\"><polyline class=\"line\"{dash} points=\"{}\"/>{markers}</g>",
+        line.join(" ")
+    );
+    ends.last().copied()
+}
+
+/// Labels right of the plot, at the height of the lines' ends as far as they do not touch.
+fn labels(svg: &mut String, mut ends: Vec<((f64, f64), &Series)>, x: &Axis, y: &Axis) {
+    ends.sort_by(|a, b| a.0.1.total_cmp(&b.0.1));
+    let heights = apart(&ends.iter().map(|(end, _)| end.1).collect::<Vec<_>>(), (y.to + 4.0, y.from));
+    for (((end_x, end_y), series), at) in ends.into_iter().zip(heights) {
+        let colour = colour(series.style);
+        let label_x = x.to + 14.0;
+        let _ = writeln!(
+            svg,
+            "<polyline class=\"lead\" stroke=\"{colour}\" points=\"{:.1},{end_y:.1} {:.1},{at:.1}\"/><text class=\"label\" x=\"{label_x:.1}\" y=\"{:.1}\">{}<title>{}</title></text>",
+            end_x + 6.0,
+            label_x - 3.0,
+            at + 4.5,
+            escape(&shortened(&series.label)),
+            escape(&series.label)
+        );
+    }
+}
+
+fn shortened(label: &str) -> String {
+    if label.chars().count() <= LETTERS {
+        return label.to_owned();
+    }
+    label.chars().take(LETTERS - 1).chain(['…']).collect()
+}
+
+/// Heights in order, moved as little as keeps each from the next, within `range` where there is room.
+fn apart(heights: &[f64], (top, bottom): (f64, f64)) -> Vec<f64> {
+    let mut placed: Vec<f64> = Vec::with_capacity(heights.len());
+    for &height in heights {
+        let least = placed.last().map_or(top, |last| last + LABEL);
+        placed.push(height.max(least));
+    }
+    // What was pushed out below is pushed back from there.
+    let mut most = bottom;
+    for at in placed.iter_mut().rev() {
+        *at = at.min(most);
+        most = *at - LABEL;
+    }
+    placed
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn series(label: &str, style: usize, points: &[(f64, f64)]) -> Series {
+        Series { label: label.into(), style, stroke: Stroke::Solid, points: points.to_vec(), bars: Vec::new() }
+    }
+
+    #[test]
+    fn labels_do_not_touch() {
+        let placed = apart(&[10.0, 11.0, 12.0, 80.0, 99.0, 100.0], (10.0, 100.0));
+        assert!(placed.windows(2).all(|pair| pair[1] - pair[0] >= LABEL - 1e-9), "{placed:?}");
+        assert!(placed[0] >= 10.0 - 1e-9 && placed[5] <= 100.0 && placed[1] == 26.0);
+    }
+
+    #[test]
+    fn a_decade_is_as_long_as_any_other() {
+        let axis = Axis::of([0.01, 10.0].into_iter(), (0.0, 300.0)).unwrap();
+        assert!((axis.at(1.0) - axis.at(0.1) - (axis.at(0.1) - axis.at(0.01))).abs() < 1e-9);
+        let labelled: Vec<f64> = axis.ticks().into_iter().filter(|t| t.1).map(|t| t.0).collect();
+        let expected = [0.01, 0.1, 1.0, 10.0];
+        assert!(labelled.len() == 4 && labelled.iter().zip(expected).all(|(a, b)| (a / b - 1.0).abs() < 1e-12));
+        assert_eq!([0.05, 0.5, 2.0, 100.0, 0.01].map(plain), ["0.05", "0.5", "2", "100", "0.01"]);
+        // One point has ticks around it.
+        assert!(Axis::of([3.0].into_iter(), (0.0, 1.0)).unwrap().ticks().len() >= 2);
+    }
+
+    #[test]
+    fn what_has_no_logarithm_is_not_drawn() {
+        let draw = |points: &[(f64, f64)]| {
+            let all = vec![series("a<b", 0, points)];
+            plot(&Plot { id: "p", title: "t", words: "w", size: (400.0, 300.0), series: all, guides: vec![] })
+        };
+        assert!(draw(&[(0.0, 1.0), (1.0, -1.0), (1.0, f64::NAN)]).is_none());
+        let svg = draw(&[(1.0, 0.5), (2.0, 0.0), (4.0, 0.25)]).unwrap();
+        assert_eq!(svg.matches("<circle").count(), 2);
+        assert!(svg.contains("a&lt;b") && !svg.contains("NaN") && !svg.contains("inf"));
+    }
+}
