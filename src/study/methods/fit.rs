@@ -70,9 +70,7 @@ pub fn fit(method: &MethodFound) -> Option<Fit> {
     let error = slopes(tail, seeds, |c, weights| weights.map_or_else(|| c.square(), |w| mean(&c.squares, w)));
     let noise = slopes(tail, apart, |c, weights| weights.map_or(c.noise2, |w| mean(&c.noises, w)));
     // The mean squared error is that of bias and noise together, exactly, so the rest is the bias's.
-    let bias = slopes(tail, apart, |c, weights| {
-        weights.map_or(c.bias2, |w| mean(&c.squares, w) - mean(&c.noises, w))
-    });
+    let bias = slopes(tail, apart, |c, weights| weights.map_or(c.bias2, |w| mean(&c.squares, w) - mean(&c.noises, w)));
     Some(Fit { passes: tail.iter().map(|c| c.passes).collect(), error, noise, bias })
 }
 
@@ -121,7 +119,8 @@ fn resampled(replicate: u64, seeds: usize) -> Vec<f64> {
 fn line(x: &[f64], y: &[f64]) -> f64 {
     let n = x.len() as f64;
     let (mx, my) = (x.iter().sum::<f64>() / n, y.iter().sum::<f64>() / n);
-    let (xy, xx) = x.iter().zip(y).fold((0.0, 0.0), |(xy, xx), (x, y)| (xy + (x - mx) * (y - my), xx + (x - mx) * (x - mx)));
+    let (xy, xx) =
+        x.iter().zip(y).fold((0.0, 0.0), |(xy, xx), (x, y)| (xy + (x - mx) * (y - my), xx + (x - mx) * (x - mx)));
     xy / xx
 }
 
@@ -151,8 +150,9 @@ fn student(degrees: usize) -> f64 {
     FEW.get(degrees.wrapping_sub(1)).copied().unwrap_or(many)
 }
 
-/// A 95 % interval of the mean over seeds; `None` with fewer than two.
-fn spread(values: &[f64]) -> Option<[f64; 2]> {
+/// A 95 % interval of the mean over seeds, by Student's t; `None` with fewer than two.
+#[must_use]
+pub fn spread(values: &[f64]) -> Option<[f64; 2]> {
     let n = values.len();
     if n < 2 {
         return None;
@@ -165,7 +165,8 @@ fn spread(values: &[f64]) -> Option<[f64; 2]> {
 /// A 95 % interval of the squared bias; `None` where the seeds' parts are not known.
 fn bias_spread(checkpoint: &Checkpoint) -> Option<[f64; 2]> {
     let Checkpoint { squares, noises, .. } = checkpoint;
-    (squares.len() == noises.len()).then(|| squares.iter().zip(noises).map(|(s, n)| s - n).collect::<Vec<_>>())
+    (squares.len() == noises.len())
+        .then(|| squares.iter().zip(noises).map(|(s, n)| s - n).collect::<Vec<_>>())
         .and_then(|parts| spread(&parts))
 }
 

@@ -1,4 +1,8 @@
-//! The page of a study: one HTML file that holds its pictures and needs nothing else.
+//! What each effect costs and gives: as a page, one HTML file that holds its pictures and needs nothing else, and as tables.
+
+mod data;
+
+pub use data::{csv, markdown};
 
 use super::html::{escape, picture};
 use super::picture::{added, exposure, png, taken};

@@ -2,5 +2,9 @@
 
 pub mod effects;
 mod html;
+mod maps;
+pub mod methods;
 mod picture;
+mod plain;
+mod svg;
 pub mod text;

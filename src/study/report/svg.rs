@@ -126,8 +126,18 @@ pub(super) fn marker(style: usize, x: f64, y: f64) -> String {
         3 => path(&[(0.0, -5.2), (5.2, 0.0), (0.0, 5.2), (-5.2, 0.0)]),
         4 => path(&[(0.0, 5.2), (4.9, -3.4), (-4.9, -3.4)]),
         _ => path(&[
-            (-1.6, -4.8), (1.6, -4.8), (1.6, -1.6), (4.8, -1.6), (4.8, 1.6), (1.6, 1.6),
-            (1.6, 4.8), (-1.6, 4.8), (-1.6, 1.6), (-4.8, 1.6), (-4.8, -1.6), (-1.6, -1.6),
+            (-1.6, -4.8),
+            (1.6, -4.8),
+            (1.6, -1.6),
+            (4.8, -1.6),
+            (4.8, 1.6),
+            (1.6, 1.6),
+            (1.6, 4.8),
+            (-1.6, 4.8),
+            (-1.6, 1.6),
+            (-4.8, 1.6),
+            (-4.8, -1.6),
+            (-1.6, -1.6),
         ]),
     }
 }
@@ -149,8 +159,14 @@ pub(super) fn plot(plot: &Plot<'_>) -> Option<String> {
     );
     axes(&mut svg, &x, &y, plot.size);
     plot.guides.iter().for_each(|guide| draw_guide(&mut svg, guide, &x, &y));
-    let _ = writeln!(svg, "<clipPath id=\"{id}-clip\"><rect x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\"/></clipPath>",
-        x.from - 6.0, y.to - 6.0, x.to - x.from + 12.0, y.from - y.to + 12.0);
+    let _ = writeln!(
+        svg,
+        "<clipPath id=\"{id}-clip\"><rect x=\"{:.1}\" y=\"{:.1}\" width=\"{:.1}\" height=\"{:.1}\"/></clipPath>",
+        x.from - 6.0,
+        y.to - 6.0,
+        x.to - x.from + 12.0,
+        y.from - y.to + 12.0
+    );
     let mut ends = Vec::new();
     for series in &plot.series {
         ends.extend(draw_series(&mut svg, series, id, &x, &y).map(|end| (end, series)));
@@ -164,20 +180,44 @@ fn axes(svg: &mut String, x: &Axis, y: &Axis, (_, height): (f64, f64)) {
     for (value, has_label) in x.ticks() {
         let at = x.at(value);
         let class = if has_label { "grid" } else { "grid faint" };
-        let _ = writeln!(svg, "<line class=\"{class}\" x1=\"{at:.1}\" x2=\"{at:.1}\" y1=\"{:.1}\" y2=\"{:.1}\"/>", y.from, y.to);
+        let _ = writeln!(
+            svg,
+            "<line class=\"{class}\" x1=\"{at:.1}\" x2=\"{at:.1}\" y1=\"{:.1}\" y2=\"{:.1}\"/>",
+            y.from, y.to
+        );
         if has_label {
-            let _ = writeln!(svg, "<text class=\"tick\" text-anchor=\"middle\" x=\"{at:.1}\" y=\"{:.1}\">{} s</text>", y.from + 18.0, plain(value));
+            let _ = writeln!(
+                svg,
+                "<text class=\"tick\" text-anchor=\"middle\" x=\"{at:.1}\" y=\"{:.1}\">{} s</text>",
+                y.from + 18.0,
+                plain(value)
+            );
         }
     }
     for (value, has_label) in y.ticks() {
         let at = y.at(value);
         let class = if has_label { "grid" } else { "grid faint" };
-        let _ = writeln!(svg, "<line class=\"{class}\" x1=\"{:.1}\" x2=\"{:.1}\" y1=\"{at:.1}\" y2=\"{at:.1}\"/>", x.from, x.to);
+        let _ = writeln!(
+            svg,
+            "<line class=\"{class}\" x1=\"{:.1}\" x2=\"{:.1}\" y1=\"{at:.1}\" y2=\"{at:.1}\"/>",
+            x.from, x.to
+        );
         if has_label {
-            let _ = writeln!(svg, "<text class=\"tick\" text-anchor=\"end\" x=\"{:.1}\" y=\"{:.1}\">{} %</text>", x.from - 6.0, at + 4.0, plain(100.0 * value));
+            let _ = writeln!(
+                svg,
+                "<text class=\"tick\" text-anchor=\"end\" x=\"{:.1}\" y=\"{:.1}\">{} %</text>",
+                x.from - 6.0,
+                at + 4.0,
+                plain(100.0 * value)
+            );
         }
     }
-    let _ = writeln!(svg, "<text class=\"tick\" text-anchor=\"middle\" x=\"{:.1}\" y=\"{:.1}\">processor time</text>", 0.5 * (x.from + x.to), height - 8.0);
+    let _ = writeln!(
+        svg,
+        "<text class=\"tick\" text-anchor=\"middle\" x=\"{:.1}\" y=\"{:.1}\">processor time</text>",
+        0.5 * (x.from + x.to),
+        height - 8.0
+    );
 }
 
 /// One digit, written out: `0.05`, `20`, `1000`.
@@ -206,7 +246,11 @@ fn draw_guide(svg: &mut String, guide: &Guide, x: &Axis, y: &Axis) {
     let [(x1, y1), (x2, y2)] = [from, to].map(|at| (x.at(at), y.at(height(at))));
     let _ = writeln!(svg, "<line class=\"guide\" x1=\"{x1:.1}\" y1=\"{y1:.1}\" x2=\"{x2:.1}\" y2=\"{y2:.1}\"/>");
     let (tx, ty) = (x1 + 0.97 * (x2 - x1), y1 + 0.97 * (y2 - y1) - 5.0);
-    let _ = writeln!(svg, "<text class=\"guide\" text-anchor=\"end\" x=\"{tx:.1}\" y=\"{ty:.1}\">{}</text>", escape(&guide.label));
+    let _ = writeln!(
+        svg,
+        "<text class=\"guide\" text-anchor=\"end\" x=\"{tx:.1}\" y=\"{ty:.1}\">{}</text>",
+        escape(&guide.label)
+    );
 }
 
 /// Draws a line and tells where it ends.
@@ -222,7 +266,8 @@ fn draw_series(svg: &mut String, series: &Series, id: &str, x: &Axis, y: &Axis) 
         ends.push((px, py));
         if let Some([low, high]) = series.bars.get(i).copied().flatten() {
             let [y1, y2] = [high, low].map(|v| y.at(v.clamp(0.5 * y.least, 2.0 * y.most)));
-            let _ = write!(markers, "<line class=\"bar\" x1=\"{px:.1}\" x2=\"{px:.1}\" y1=\"{y1:.1}\" y2=\"{y2:.1}\"/>");
+            let _ =
+                write!(markers, "<line class=\"bar\" x1=\"{px:.1}\" x2=\"{px:.1}\" y1=\"{y1:.1}\" y2=\"{y2:.1}\"/>");
         }
         if series.stroke == Stroke::Solid {
             markers += &marker(series.style, px, py);

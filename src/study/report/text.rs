@@ -46,6 +46,28 @@ pub fn percent(part: f64) -> String {
     }
 }
 
+/// An error in percent with three digits: `12.3 %`, `0.0450 %`.
+#[must_use]
+pub fn error(part: f64) -> String {
+    format!("{} %", figure(100.0 * part))
+}
+
+/// A time: `0.25 s`, `12.3 s`, `4 min 10 s`, `2 h 5 min`, `3 days`.
+#[must_use]
+pub fn duration(seconds: f64) -> String {
+    // What would round to 60 of a unit is 1 of the next.
+    match seconds {
+        s if s.is_nan() || s < 59.95 => format!("{} s", figure(s)),
+        s if s < 3599.5 => format!("{:.0} min {:.0} s", (s.round() / 60.0).floor(), s.round() % 60.0),
+        s if s < 172_770.0 => {
+            let minutes = (s / 60.0).round();
+            format!("{:.0} h {:.0} min", (minutes / 60.0).floor(), minutes % 60.0)
+        }
+        s if s.is_finite() => format!("{:.0} days", s / 86_400.0),
+        _ => "∞".to_owned(),
+    }
+}
+
 /// Three digits of any number: `0`, `0.0123`, `12.3`, `1.23e-7`.
 #[must_use]
 pub fn figure(x: f64) -> String {
@@ -81,6 +103,13 @@ mod tests {
             assert_eq!(amount(n), text);
         }
         assert_eq!([1500.0, 0.0, -1500.0].map(signed), ["+1.5 k", "0", "-1.5 k"]);
+    }
+
+    #[test]
+    fn times_are_in_units_that_people_use() {
+        let times = [0.25, 12.34, 59.96, 250.0, 3599.9, 7500.0, 3e5, f64::INFINITY].map(duration);
+        assert_eq!(times, ["0.250 s", "12.3 s", "1 min 0 s", "4 min 10 s", "1 h 0 min", "2 h 5 min", "3 days", "∞"]);
+        assert_eq!([0.1234, 4.5e-4].map(error), ["12.3 %", "0.0450 %"]);
     }
 
     #[test]

@@ -26,11 +26,7 @@ impl Price {
     /// Between two prices, in logarithms where both are above zero.
     fn between(a: Self, b: Self, t: f64) -> Self {
         let mix = |a: f64, b: f64| if a > 0.0 && b > 0.0 { a * libm::pow(b / a, t) } else { a + (b - a) * t };
-        Self {
-            seconds: mix(a.seconds, b.seconds),
-            passes: mix(a.passes, b.passes),
-            photons: mix(a.photons, b.photons),
-        }
+        Self { seconds: mix(a.seconds, b.seconds), passes: mix(a.passes, b.passes), photons: mix(a.photons, b.photons) }
     }
 }
 

@@ -115,7 +115,10 @@ mod tests {
         let passes = [4, 8, 16, 32, 64];
         let law = |algorithm, quantity| theory(algorithm, quantity, &passes, ALPHA);
         let hybrid = law(Algorithm::Hybrid, Quantity::Noise).unwrap();
-        assert_eq!((hybrid.steepest, Some(hybrid.flattest)), (-0.5, law(Algorithm::Ppm, Quantity::Noise).map(|l| l.flattest)));
+        assert_eq!(
+            (hybrid.steepest, Some(hybrid.flattest)),
+            (-0.5, law(Algorithm::Ppm, Quantity::Noise).map(|l| l.flattest))
+        );
         assert_eq!(law(Algorithm::Path, Quantity::Bias), None);
         assert_eq!(law(Algorithm::Path, Quantity::Error), Some(Law::one(-0.5)));
         assert_eq!(law(Algorithm::Pm, Quantity::Error), Some(Law { steepest: -0.5, flattest: 0.0 }));

@@ -3,7 +3,7 @@
 use super::{Fit, Law, Quantity, Slope, bias_spread, spread, theory};
 use crate::integrate::Algorithm;
 use crate::study::methods::MethodFound;
-use crate::study::report::text::{figure, percent};
+use crate::study::report::text::{self, figure};
 use std::fmt;
 
 /// Part of the squared error that bias must explain to be its cause: the error is then within 12 % of the bias, whatever the noise does.
@@ -85,7 +85,9 @@ pub fn verdict(method: &MethodFound, fit: Option<&Fit>, truth: Option<f64>) -> V
     let Slope { value: slope, interval } = slopes.by_passes;
     let Some([low, high]) = interval else { return Verdict::Wide { slope } };
     let law = |quantity| theory(method.algorithm, quantity, &fit.passes, method.alpha);
-    let (Some(noise), Some(error)) = (law(Quantity::Noise), law(Quantity::Error)) else { return Verdict::Wide { slope } };
+    let (Some(noise), Some(error)) = (law(Quantity::Noise), law(Quantity::Error)) else {
+        return Verdict::Wide { slope };
+    };
     let bias = law(Quantity::Bias);
     // A bias that stays is no law by which an error falls.
     let falling = bias.filter(|b| b.flattest < 0.0).map_or(noise.flattest, |b| b.flattest.max(noise.flattest));
@@ -121,17 +123,21 @@ impl fmt::Display for Verdict {
         match self {
             Self::TooFew => write!(f, "too few checkpoints: give it more time"),
             Self::Untold { truth: Some(truth) } => {
-                write!(f, "below what the references can tell: they are good to {}", percent(*truth))
+                write!(f, "below what the references can tell: they are good to {}", text::error(*truth))
             }
             Self::Untold { truth: None } => write!(f, "below what these seeds can tell from none"),
             Self::Wide { slope } => write!(f, "slope {slope:.2}; too few seeds to say how surely"),
-            Self::Plateau { floor, cause } => write!(f, "plateau: bias floor of {}{cause}", percent(*floor)),
+            Self::Plateau { floor, cause } => write!(f, "plateau: bias floor of {}{cause}", text::error(*floor)),
             Self::Hidden { slope, most } => {
-                write!(f, "falls as theory says; noise hides the bias, which is below {} (slope {slope:.2})", percent(*most))
+                write!(
+                    f,
+                    "falls as theory says; noise hides the bias, which is below {} (slope {slope:.2})",
+                    text::error(*most)
+                )
             }
             Self::Expected { slope, ahead: None } => write!(f, "falls as theory says (slope {slope:.2})"),
             Self::Expected { slope, ahead: Some(floor) } => {
-                write!(f, "falls as theory says, towards a bias floor of {} (slope {slope:.2})", percent(*floor))
+                write!(f, "falls as theory says, towards a bias floor of {} (slope {slope:.2})", text::error(*floor))
             }
             Self::Slower { slope, law } => write!(f, "falls more slowly than theory says: slope {slope:.2}, not {law}"),
             Self::Faster { slope, law } => write!(f, "falls faster than theory says: slope {slope:.2}, not {law}"),

@@ -1,0 +1,92 @@
+//! What effects cost and give, as tables in plain text.
+
+use super::{About, clock, part};
+use crate::study::report::plain::{csv_row, markdown_table, markdown_text};
+use crate::study::report::text::{amount, figure, milliseconds, percent, signed};
+use crate::study::{Finding, Findings};
+
+/// One row an effect, simulated or not; what is not known of it is empty. Seconds, and radiance in W/(m² sr).
+#[must_use]
+pub fn csv(findings: &Findings) -> String {
+    let mut table = csv_row(&[
+        "effect",
+        "on",
+        "forced",
+        "reason",
+        "seconds",
+        "seconds_error",
+        "ratio",
+        "setup",
+        "rays",
+        "gathers",
+        "gathered_photons",
+        "rmse",
+        "relative_rmse",
+        "adds",
+        "takes",
+    ]);
+    for decision in &findings.plan.decisions {
+        let found = findings.effects.iter().find(|f| f.decision.effect == decision.effect);
+        let figure = |of: &dyn Fn(&Finding) -> Option<f64>| found.and_then(of).map_or(String::new(), |v| v.to_string());
+        table += &csv_row(&[
+            decision.effect.to_string(),
+            decision.on.to_string(),
+            decision.is_forced().to_string(),
+            decision.reason.to_string(),
+            figure(&|f| Some(f.cost.seconds)),
+            figure(&|f| f.cost.seconds_error),
+            figure(&|f| Some(f.cost.ratio)),
+            figure(&|f| Some(f.cost.setup)),
+            figure(&|f| Some(f.cost.rays)),
+            figure(&|f| Some(f.cost.gathers)),
+            figure(&|f| Some(f.cost.gathered_photons)),
+            figure(&|f| Some(f.gain.rmse)),
+            figure(&|f| f.gain.relative_rmse),
+            figure(&|f| Some(f.gain.adds)),
+            figure(&|f| Some(f.gain.takes)),
+        ]);
+    }
+    table
+}
+
+/// The figures in Markdown.
+#[must_use]
+pub fn markdown(about: &About, findings: &Findings) -> String {
+    let passes = findings.whole.passes.len();
+    let a_pass = |n: u64| amount(n as f64 / passes as f64);
+    let mut text = format!(
+        "# What light costs, and what it is worth: {}\n\nCaustica {}, {}, seed {}, passes of each picture: {passes}. Seconds are {}. Each effect \
+         was left out once, all else the same. The whole picture: {:.1} ms, {} rays and {} gathered photons a pass, mean radiance {} W/(m² sr).\n\n",
+        markdown_text(&about.scene),
+        env!("CARGO_PKG_VERSION"),
+        about.integrator,
+        about.seed,
+        clock(findings.clock),
+        1e3 * findings.whole.seconds() / passes as f64,
+        a_pass(findings.whole.counters.rays()),
+        a_pass(findings.whole.counters.gathered_photons),
+        figure(findings.mean),
+    );
+    let row = |Finding { decision, cost, gain, .. }: &Finding| {
+        let error = cost.seconds_error.map_or(String::new(), |e| format!(" ± {:.1}", 1e3 * e));
+        vec![
+            decision.effect.to_string(),
+            milliseconds(cost.seconds) + &error,
+            format!("{:.2}", cost.ratio),
+            signed(cost.rays),
+            signed(cost.gathered_photons),
+            gain.relative_rmse.map_or(figure(gain.rmse), percent),
+            part(gain.adds, findings.mean),
+            part(gain.takes, findings.mean),
+        ]
+    };
+    let rows: Vec<Vec<String>> = findings.effects.iter().map(row).collect();
+    let heads =
+        ["effect", "ms a pass", "time, with to without", "rays a pass", "gathered photons", "changes", "adds", "takes"];
+    text += &markdown_table(&heads, &rows);
+    for decision in findings.plan.decisions.iter().filter(|d| !d.on) {
+        let wished = if decision.is_forced() { "off, as wished, though " } else { "off: " };
+        text += &format!("\n- {}: {wished}{}", decision.effect, markdown_text(&decision.reason.to_string()));
+    }
+    text + "\n"
+}

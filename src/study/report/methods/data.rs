@@ -1,0 +1,245 @@
+//! A study of methods as data and as plain text.
+
+use super::analysis::{Analysis, ERRORS, law_text, reach_text, slope};
+use super::tables::root;
+use super::warnings;
+use crate::study::methods::fit::{Fit, Law, Milestone, Quantity, Reach, Recommendation, spread};
+use crate::study::methods::{Checkpoint, MethodFound, MethodsFound};
+use crate::study::report::plain::{csv_row, markdown_block, markdown_table, markdown_text};
+use crate::study::report::text::{amount, duration, error};
+use serde::Serialize;
+
+/// Version of the schema of [`json`]: it grows when a field changes its meaning or goes.
+const SCHEMA: u32 = 1;
+
+/// One row a method and checkpoint. Seconds are of processor time; errors, noise and bias are relative; what is squared says so, as
+/// it can be below zero where noise hides it. `squares` has those of all seeds, with semicolons between.
+#[must_use]
+pub fn csv(found: &MethodsFound) -> String {
+    let mut table = csv_row(&[
+        "method",
+        "algorithm",
+        "passes",
+        "seconds",
+        "wall",
+        "setup",
+        "rays",
+        "photons",
+        "error2",
+        "error2_low",
+        "error2_high",
+        "noise2",
+        "bias2",
+        "gauged2",
+        "rmse",
+        "flip",
+        "squares",
+        "command",
+    ]);
+    for method in &found.methods {
+        for c in &method.checkpoints {
+            let number = |v: f64| v.to_string();
+            let [low, high] = spread(&c.squares).map_or_else(Default::default, |ends| ends.map(number));
+            let gauged = c.gauged.iter().sum::<f64>() / c.gauged.len() as f64;
+            table += &csv_row(&[
+                method.label.clone(),
+                method.algorithm.name().to_owned(),
+                c.passes.to_string(),
+                number(c.seconds),
+                number(c.wall),
+                number(method.setup),
+                number(c.rays),
+                number(c.photons),
+                number(c.square()),
+                low,
+                high,
+                number(c.noise2),
+                number(c.bias2),
+                if c.gauged.is_empty() { String::new() } else { number(gauged) },
+                number(c.rmse),
+                number(c.flip),
+                c.squares.iter().map(f64::to_string).collect::<Vec<_>>().join(";"),
+                method.command.clone(),
+            ]);
+        }
+    }
+    table
+}
+
+#[derive(Serialize)]
+struct Report<'f> {
+    schema: u32,
+    program: &'f str,
+    machine: &'f str,
+    scene: &'f str,
+    command: &'f str,
+    width: u32,
+    height: u32,
+    seeds: u32,
+    budget: f64,
+    share: f64,
+    interrupted: bool,
+    warnings: Vec<String>,
+    truth: TruthReport<'f>,
+    methods: Vec<MethodReport<'f>>,
+    pareto: &'f [Milestone],
+    recommendation: &'f Option<Recommendation>,
+}
+
+#[derive(Serialize)]
+struct TruthReport<'f> {
+    source: &'f str,
+    error: Option<f64>,
+}
+
+#[derive(Serialize)]
+struct MethodReport<'f> {
+    label: &'f str,
+    algorithm: &'static str,
+    command: &'f str,
+    setup: f64,
+    alpha: f64,
+    radii: Option<[f32; 2]>,
+    checkpoints: &'f [Checkpoint],
+    fit: &'f Option<Fit>,
+    theory: Theory,
+    verdict: String,
+    reaches: Vec<Target>,
+    tenth: Reach,
+}
+
+/// Slopes against passes over the fitted checkpoints.
+#[derive(Serialize)]
+struct Theory {
+    error: Option<Law>,
+    noise: Option<Law>,
+    bias: Option<Law>,
+}
+
+#[derive(Serialize)]
+struct Target {
+    error: f64,
+    #[serde(flatten)]
+    reach: Reach,
+}
+
+/// Everything but pixels, with fits and verdicts. What is infinite is `null`.
+///
+/// # Errors
+/// Where a text is not what JSON can hold, which no `String` is.
+pub fn json(found: &MethodsFound) -> Result<String, serde_json::Error> {
+    let analysis = Analysis::of(found);
+    let methods = found.methods.iter().zip(&analysis.methods).map(|(method, judged)| {
+        let law = |quantity| judged.law(method, quantity);
+        let target = |(error, reach): (f64, Reach)| Target { error, reach };
+        MethodReport {
+            label: &method.label,
+            algorithm: method.algorithm.name(),
+            command: &method.command,
+            setup: method.setup,
+            alpha: method.alpha,
+            radii: method.radii,
+            checkpoints: &method.checkpoints,
+            fit: &judged.fit,
+            theory: Theory { error: law(Quantity::Error), noise: law(Quantity::Noise), bias: law(Quantity::Bias) },
+            verdict: judged.verdict.to_string(),
+            reaches: ERRORS.into_iter().zip(judged.reaches).map(target).collect(),
+            tenth: judged.tenth,
+        }
+    });
+    let report = Report {
+        schema: SCHEMA,
+        program: &found.program,
+        machine: &found.machine,
+        scene: &found.scene,
+        command: &found.command,
+        width: found.truth.picture.width(),
+        height: found.truth.picture.height(),
+        seeds: found.seeds,
+        budget: found.budget,
+        share: found.share,
+        interrupted: found.interrupted,
+        warnings: warnings(found),
+        truth: TruthReport { source: &found.truth.source, error: found.truth.error },
+        methods: methods.collect(),
+        pareto: &analysis.pareto,
+        recommendation: &analysis.recommendation,
+    };
+    Ok(serde_json::to_string_pretty(&report)? + "\n")
+}
+
+/// Tables, verdicts and commands in Markdown.
+#[must_use]
+pub fn markdown(found: &MethodsFound) -> String {
+    let analysis = Analysis::of(found);
+    let truth = found.truth.error.map_or(String::new(), |e| format!(", its own error about {}", error(e)));
+    let mut text = format!(
+        "# What accuracy costs in time: {}\n\n{}. {}. Seeds: {} of each method, up to {} of processor time each. Truth: {}{truth}.\n\n{}",
+        markdown_text(&found.scene),
+        markdown_text(&found.program),
+        markdown_text(&found.machine),
+        found.seeds,
+        duration(found.budget),
+        markdown_text(&found.truth.source),
+        markdown_block(&found.command),
+    );
+    for warning in warnings(found) {
+        text += &format!("\n> {}\n", markdown_text(&warning));
+    }
+    if let Some((words, command)) = analysis.advice(found) {
+        text += &format!("\n## To render with\n\n{}\n\n{}", markdown_text(&words), markdown_block(&command));
+    }
+    let all = || found.methods.iter().zip(&analysis.methods);
+    let rows = all().map(|(method, judged)| {
+        let of =
+            |square: fn(&Checkpoint) -> f64| method.checkpoints.last().map_or("–".to_owned(), |c| root(square(c)));
+        let fit = judged.fit.as_ref();
+        vec![
+            method.label.clone(),
+            of(Checkpoint::square),
+            of(|c| c.noise2),
+            of(|c| c.bias2),
+            slope(fit.and_then(|f| f.error)),
+            fit.map_or("–".to_owned(), |_| law_text(judged.law(method, Quantity::Error))),
+            judged.verdict.to_string(),
+        ]
+    });
+    let heads = ["method", "error at the end", "noise", "bias", "slope", "theory", "verdict"];
+    text += &format!("\n## Verdicts\n\n{}", markdown_table(&heads, &rows.collect::<Vec<_>>()));
+    let rows = all().map(|(method, judged)| {
+        let reach = |reach: &Reach| {
+            let (time, work) = reach_text(reach, method.algorithm.has_photons());
+            if work.is_empty() { time } else { format!("{time} ({work})") }
+        };
+        let reaches = judged.reaches.iter().chain([&judged.tenth]).map(reach);
+        [method.label.clone(), duration(method.setup)].into_iter().chain(reaches).collect()
+    });
+    let heads = ["method", "preparation", "10 %", "5 %", "2 %", "1 %", "a tenth of the last"];
+    text += &format!("\n## Time to reach an error\n\n{}", markdown_table(&heads, &rows.collect::<Vec<_>>()));
+    text += "\n## Checkpoints\n";
+    for method in &found.methods {
+        text += &format!(
+            "\n### {}\n\n{}\n{}",
+            markdown_text(&method.label),
+            checkpoints(method),
+            markdown_block(&method.command)
+        );
+    }
+    text
+}
+
+fn checkpoints(method: &MethodFound) -> String {
+    let row = |c: &Checkpoint| {
+        vec![
+            c.passes.to_string(),
+            duration(c.seconds),
+            amount(c.rays),
+            amount(c.photons),
+            root(c.square()),
+            root(c.noise2),
+            root(c.bias2),
+        ]
+    };
+    let rows: Vec<Vec<String>> = method.checkpoints.iter().map(row).collect();
+    markdown_table(&["passes", "processor time", "rays", "photons", "error", "noise", "bias"], &rows)
+}

@@ -1,0 +1,68 @@
+//! Rows of tables in plain text.
+
+/// A row of comma-separated values, with the line's end (RFC 4180).
+pub(super) fn csv_row<T: AsRef<str>>(cells: &[T]) -> String {
+    let quoted = |cell: &T| {
+        let cell = cell.as_ref();
+        if cell.contains(['"', ',', '\n', '\r']) {
+            format!("\"{}\"", cell.replace('"', "\"\""))
+        } else {
+            cell.to_owned()
+        }
+    };
+    cells.iter().map(quoted).collect::<Vec<_>>().join(",") + "\r\n"
+}
+
+/// A table in Markdown.
+pub(super) fn markdown_table(heads: &[&str], rows: &[Vec<String>]) -> String {
+    let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
+    let mut table = line(heads.iter().map(|head| markdown_text(head)).collect());
+    table += &format!("|{}\n", " --- |".repeat(heads.len()));
+    rows.iter().for_each(|row| table += &line(row.iter().map(|cell| markdown_text(cell)).collect()));
+    table
+}
+
+/// Text in which nothing is markup.
+pub(super) fn markdown_text(text: &str) -> String {
+    let mut escaped = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '\\' | '|' | '*' | '_' | '`' | '<' | '[' | ']' | '#' => {
+                escaped.push('\\');
+                escaped.push(c);
+            }
+            c if c.is_control() => escaped.push(' '),
+            c => escaped.push(c),
+        }
+    }
+    escaped
+}
+
+/// A block of code in Markdown, whatever it holds.
+pub(super) fn markdown_block(text: &str) -> String {
+    let mut longest = 2;
+    let mut run = 0;
+    for c in text.chars() {
+        run = if c == '`' { run + 1 } else { 0 };
+        longest = longest.max(run);
+    }
+    let fence = "`".repeat(longest + 1);
+    format!("{fence}sh\n{text}\n{fence}\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_separates_is_quoted() {
+        assert_eq!(csv_row(&["a", "b, \"c\"", "d\ne"]), "a,\"b, \"\"c\"\"\",\"d\ne\"\r\n");
+    }
+
+    #[test]
+    fn text_in_markdown_is_text() {
+        let table = markdown_table(&["a|b", "c"], &[vec!["x_y".into(), "1 %".into()]]);
+        assert_eq!(table, "| a\\|b | c |\n| --- | --- |\n| x\\_y | 1 % |\n");
+        assert_eq!(markdown_block("echo ```"), "````sh\necho ```\n````\n");
+    }
+}

@@ -1,0 +1,87 @@
+//! A browser without a window.
+
+use std::fs;
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// A page is shown in seconds; a browser that hangs fails the test.
+const LIMIT: Duration = Duration::from_secs(120);
+
+pub struct Browser {
+    program: PathBuf,
+    folder: tempfile::TempDir,
+}
+
+/// What a page became.
+pub struct Shown {
+    /// Elements after its scripts ran.
+    pub dom: String,
+    /// What it wrote to the console.
+    pub complaints: Vec<String>,
+    /// The window, by rows.
+    pub pixels: Vec<[u8; 3]>,
+}
+
+impl Browser {
+    /// The first one in PATH.
+    pub fn find() -> Option<Self> {
+        let path = std::env::var_os("PATH")?;
+        let names = ["chromium", "chromium-browser", "google-chrome"];
+        let program = std::env::split_paths(&path)
+            .flat_map(|folder| names.map(|name| folder.join(name)))
+            .find(|program| program.is_file())?;
+        Some(Self { program, folder: tempfile::tempdir().unwrap() })
+    }
+
+    /// Opens a page, with what follows its address, in a window of some size.
+    pub fn open(&self, name: &str, page: &str, fragment: &str, (width, height): (u32, u32)) -> Shown {
+        let path = self.folder.path().join(name);
+        fs::write(&path, page).unwrap();
+        let address = format!("file://{}{fragment}", path.display());
+        let screenshot = self.folder.path().join("screenshot.png");
+        let size = format!("--window-size={width},{height}");
+        let (_, complaints) = self.run(&[&size, &format!("--screenshot={}", screenshot.display()), &address]);
+        let (dom, _) = self.run(&[&size, "--dump-dom", &address]);
+        Shown { dom, complaints, pixels: pixels(&screenshot) }
+    }
+
+    /// What it wrote, and what it wrote of the console.
+    fn run(&self, arguments: &[&str]) -> (String, Vec<String>) {
+        let [out, error] = ["out", "error"].map(|name| self.folder.path().join(name));
+        let profile = format!("--user-data-dir={}", self.folder.path().join("profile").display());
+        let mut child = Command::new(&self.program)
+            .args(["--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--virtual-time-budget=5000"])
+            .args(["--enable-logging=stderr", "--no-first-run", "--disable-dev-shm-usage", &profile])
+            .args(arguments)
+            .stdin(Stdio::null())
+            .stdout(fs::File::create(&out).unwrap())
+            .stderr(fs::File::create(&error).unwrap())
+            .spawn()
+            .unwrap();
+        let start = Instant::now();
+        let status = loop {
+            if let Some(status) = child.try_wait().unwrap() {
+                break status;
+            }
+            if start.elapsed() > LIMIT {
+                child.kill().unwrap();
+                child.wait().unwrap();
+                panic!("the browser did not end: {}", fs::read_to_string(&error).unwrap());
+            }
+            std::thread::sleep(Duration::from_millis(20));
+        };
+        let [out, error] = [out, error].map(|path| String::from_utf8_lossy(&fs::read(path).unwrap()).into_owned());
+        assert!(status.success(), "{error}");
+        let complaints = error.lines().filter(|line| line.contains("CONSOLE")).map(str::to_owned).collect();
+        (out, complaints)
+    }
+}
+
+fn pixels(path: &std::path::Path) -> Vec<[u8; 3]> {
+    let mut reader = png::Decoder::new(std::io::BufReader::new(fs::File::open(path).unwrap())).read_info().unwrap();
+    let mut bytes = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut bytes).unwrap();
+    let channels = info.color_type.samples();
+    bytes[..info.buffer_size()].chunks_exact(channels).map(|p| [p[0], p[1], p[2]]).collect()
+}
