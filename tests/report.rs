@@ -229,6 +229,9 @@ fn a_browser_shows_the_page() {
         return;
     };
     let page = html(&found()).unwrap();
+    if let Ok(p) = std::env::var("TMP_PAGE") {
+        std::fs::write(p, &page).unwrap();
+    }
     let shown = browser.open("report.html", &page, "", (1000, 900));
     assert!(shown.complaints.is_empty(), "{:?}", shown.complaints);
     let dom = words(&shown.dom);
@@ -236,8 +239,10 @@ fn a_browser_shows_the_page() {
     assert_eq!(dom.matches("class=\"picture shown\"").count(), 1);
     assert_eq!(dom.matches("<polyline").count(), page.matches("<polyline").count());
 
-    let pm = browser.open("report.html", &page, "#show=pm", (1000, 900));
-    let long = browser.open("report.html", &page, "#show=sppm%20--gather-k%2020%20--photons%202M", (1000, 900));
+    // So high that nothing is to be scrolled: what is scrolled to is not painted in a screenshot.
+    let high = (1000, 12_000);
+    let pm = browser.open("report.html", &page, "#show=pm", high);
+    let long = browser.open("report.html", &page, "#show=sppm%20--gather-k%2020%20--photons%202M", high);
     assert!(words(&long.dom).contains("aria-pressed=\"true\">sppm --gather-k 20"));
     let differing = pm.pixels.iter().zip(&long.pixels).filter(|(a, b)| a != b).count();
     // A tenth of the picture's pixels at least.

@@ -5,7 +5,7 @@ mod data;
 pub use data::{csv, markdown};
 
 use super::html::{escape, picture};
-use super::picture::{added, exposure, png, taken};
+use super::picture::{added, exposure, png, stops, taken};
 use super::text::{amount, figure, milliseconds, percent, signed};
 use crate::image::Image;
 use crate::study::{Clock, Finding, Findings, StudyError};
@@ -89,11 +89,6 @@ fn clock(clock: Clock) -> &'static str {
         Clock::Processor => "of processor time, all threads together",
         Clock::Wall => "on the wall",
     }
-}
-
-fn stops(stops: f32) -> String {
-    let sign = if stops > 0.0 { "+" } else { "" };
-    format!("{sign}{stops} {}", if stops.abs() == 1.0 { "stop" } else { "stops" })
 }
 
 fn shown(image: &Image, exposure: f32, words: &str, caption: &str) -> Result<String, StudyError> {

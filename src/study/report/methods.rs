@@ -73,8 +73,8 @@ const READING: &str = "<h2>How to read this</h2>\n\
 pixel. Noise is what differs between seeds; bias is what all seeds have in common and the truth has not. Squares add up: error² = noise² + bias². \
 Time is processor time of all threads, without preparation, mean over seeds.</p>\n\
 <p>Slopes are those of straight lines in the plots, by least squares over the checkpoints that have at least a sixteenth of the last one&#39;s \
-passes; the interval holds 95 %, by drawing seeds anew a thousand times. Theory is that of independent passes: noise falls as n^−½, or where radii \
-shrink as n^−⅓ in the end; bias stays where radii stay.</p>\n";
+passes; the interval holds 95 %, by drawing seeds anew a thousand times. Theory is that of independent passes: noise falls as n<sup>−½</sup>, or where radii \
+shrink as n<sup>−⅓</sup> in the end; bias stays where radii stay.</p>\n";
 
 fn block(command: &str) -> String {
     format!("<pre tabindex=\"0\"><code>{}</code></pre>\n", escape(command))

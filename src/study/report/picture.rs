@@ -39,6 +39,12 @@ pub(super) fn exposure(image: &Image) -> Option<f32> {
     Some((-libm::log2f(*peak)).floor().clamp(-MAX_EXPOSURE_STOPS, MAX_EXPOSURE_STOPS))
 }
 
+/// An exposure: `+1 stop`, `0 stops`, `-3 stops`.
+pub(super) fn stops(stops: f32) -> String {
+    let sign = if stops > 0.0 { "+" } else { "" };
+    format!("{sign}{stops} {}", if stops.abs() == 1.0 { "stop" } else { "stops" })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

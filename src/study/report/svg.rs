@@ -10,7 +10,7 @@ const COLOURS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00
 const LABEL: f64 = 16.0;
 
 /// Width of a letter, on the safe side [px].
-const LETTER: f64 = 7.2;
+const LETTER: f64 = 6.9;
 
 /// Letters of a label that are shown; all are in its title.
 const LETTERS: usize = 30;
@@ -245,12 +245,9 @@ fn draw_guide(svg: &mut String, guide: &Guide, x: &Axis, y: &Axis) {
     }
     let [(x1, y1), (x2, y2)] = [from, to].map(|at| (x.at(at), y.at(height(at))));
     let _ = writeln!(svg, "<line class=\"guide\" x1=\"{x1:.1}\" y1=\"{y1:.1}\" x2=\"{x2:.1}\" y2=\"{y2:.1}\"/>");
-    let (tx, ty) = (x1 + 0.97 * (x2 - x1), y1 + 0.97 * (y2 - y1) - 5.0);
-    let _ = writeln!(
-        svg,
-        "<text class=\"guide\" text-anchor=\"end\" x=\"{tx:.1}\" y=\"{ty:.1}\">{}</text>",
-        escape(&guide.label)
-    );
+    // Right of and above a line that falls, early on, where what is measured is not.
+    let (tx, ty) = (x1 + 0.3 * (x2 - x1) + 5.0, y1 + 0.3 * (y2 - y1) - 4.0);
+    let _ = writeln!(svg, "<text class=\"guide\" x=\"{tx:.1}\" y=\"{ty:.1}\">{}</text>", escape(&guide.label));
 }
 
 /// Draws a line and tells where it ends.

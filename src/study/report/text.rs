@@ -52,19 +52,33 @@ pub fn error(part: f64) -> String {
     format!("{} %", figure(100.0 * part))
 }
 
+/// A slope with two digits: `−0.50`, `0.00`.
+#[must_use]
+pub fn slope(slope: f64) -> String {
+    // Adding zero takes the sign off a zero.
+    format!("{:.2}", (100.0 * slope).round() / 100.0 + 0.0).replace('-', "−")
+}
+
 /// A time: `0.25 s`, `12.3 s`, `4 min 10 s`, `2 h 5 min`, `3 days`.
 #[must_use]
 pub fn duration(seconds: f64) -> String {
     // What would round to 60 of a unit is 1 of the next.
     match seconds {
         s if s.is_nan() || s < 59.95 => format!("{} s", figure(s)),
-        s if s < 3599.5 => format!("{:.0} min {:.0} s", (s.round() / 60.0).floor(), s.round() % 60.0),
-        s if s < 172_770.0 => {
-            let minutes = (s / 60.0).round();
-            format!("{:.0} h {:.0} min", (minutes / 60.0).floor(), minutes % 60.0)
-        }
+        s if s < 3599.5 => sixties(s.round(), "min", "s"),
+        s if s < 172_770.0 => sixties((s / 60.0).round(), "h", "min"),
         s if s.is_finite() => format!("{:.0} days", s / 86_400.0),
         _ => "∞".to_owned(),
+    }
+}
+
+/// A whole number of small units as large ones, sixty small ones each, and what is left.
+fn sixties(small: f64, large_unit: &str, small_unit: &str) -> String {
+    let (large, rest) = ((small / 60.0).floor(), small % 60.0);
+    if rest == 0.0 {
+        format!("{large:.0} {large_unit}")
+    } else {
+        format!("{large:.0} {large_unit} {rest:.0} {small_unit}")
     }
 }
 
@@ -108,7 +122,8 @@ mod tests {
     #[test]
     fn times_are_in_units_that_people_use() {
         let times = [0.25, 12.34, 59.96, 250.0, 3599.9, 7500.0, 3e5, f64::INFINITY].map(duration);
-        assert_eq!(times, ["0.250 s", "12.3 s", "1 min 0 s", "4 min 10 s", "1 h 0 min", "2 h 5 min", "3 days", "∞"]);
+        assert_eq!(times, ["0.250 s", "12.3 s", "1 min", "4 min 10 s", "1 h", "2 h 5 min", "3 days", "∞"]);
+        assert_eq!([-0.333, -0.001, 0.5].map(slope), ["−0.33", "0.00", "0.50"]);
         assert_eq!([0.1234, 4.5e-4].map(error), ["12.3 %", "0.0450 %"]);
     }
 

@@ -3,7 +3,7 @@
 use super::{Fit, Law, Quantity, Slope, bias_spread, spread, theory};
 use crate::integrate::Algorithm;
 use crate::study::methods::MethodFound;
-use crate::study::report::text::{self, figure};
+use crate::study::report::text::{error, figure, slope as digits};
 use std::fmt;
 
 /// Part of the squared error that bias must explain to be its cause: the error is then within 12 % of the bias, whatever the noise does.
@@ -85,7 +85,7 @@ pub fn verdict(method: &MethodFound, fit: Option<&Fit>, truth: Option<f64>) -> V
     let Slope { value: slope, interval } = slopes.by_passes;
     let Some([low, high]) = interval else { return Verdict::Wide { slope } };
     let law = |quantity| theory(method.algorithm, quantity, &fit.passes, method.alpha);
-    let (Some(noise), Some(error)) = (law(Quantity::Noise), law(Quantity::Error)) else {
+    let (Some(noise), Some(total)) = (law(Quantity::Noise), law(Quantity::Error)) else {
         return Verdict::Wide { slope };
     };
     let bias = law(Quantity::Bias);
@@ -94,11 +94,11 @@ pub fn verdict(method: &MethodFound, fit: Option<&Fit>, truth: Option<f64>) -> V
     if low > falling && last.bias2 >= BIAS_SHARE * last.square() {
         return Verdict::Plateau { floor: last.bias2.sqrt(), cause: cause(method) };
     }
-    if low > error.flattest {
-        return Verdict::Slower { slope, law: error };
+    if low > total.flattest {
+        return Verdict::Slower { slope, law: total };
     }
-    if high < error.steepest {
-        return Verdict::Faster { slope, law: error };
+    if high < total.steepest {
+        return Verdict::Faster { slope, law: total };
     }
     let seen = bias_spread(last);
     match seen {
@@ -120,27 +120,29 @@ fn cause(method: &MethodFound) -> Cause {
 
 impl fmt::Display for Verdict {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let as_theory = "falls as theory says";
         match self {
             Self::TooFew => write!(f, "too few checkpoints: give it more time"),
             Self::Untold { truth: Some(truth) } => {
-                write!(f, "below what the references can tell: they are good to {}", text::error(*truth))
+                write!(f, "below what the references can tell: they are good to {}", error(*truth))
             }
             Self::Untold { truth: None } => write!(f, "below what these seeds can tell from none"),
-            Self::Wide { slope } => write!(f, "slope {slope:.2}; too few seeds to say how surely"),
-            Self::Plateau { floor, cause } => write!(f, "plateau: bias floor of {}{cause}", text::error(*floor)),
+            Self::Wide { slope } => write!(f, "slope {}; too few seeds to say how surely", digits(*slope)),
+            Self::Plateau { floor, cause } => write!(f, "plateau: bias floor of {}{cause}", error(*floor)),
             Self::Hidden { slope, most } => {
-                write!(
-                    f,
-                    "falls as theory says; noise hides the bias, which is below {} (slope {slope:.2})",
-                    text::error(*most)
-                )
+                let (most, slope) = (error(*most), digits(*slope));
+                write!(f, "{as_theory}; noise hides the bias, which is below {most} (slope {slope})")
             }
-            Self::Expected { slope, ahead: None } => write!(f, "falls as theory says (slope {slope:.2})"),
+            Self::Expected { slope, ahead: None } => write!(f, "{as_theory} (slope {})", digits(*slope)),
             Self::Expected { slope, ahead: Some(floor) } => {
-                write!(f, "falls as theory says, towards a bias floor of {} (slope {slope:.2})", text::error(*floor))
+                write!(f, "{as_theory}, towards a bias floor of {} (slope {})", error(*floor), digits(*slope))
             }
-            Self::Slower { slope, law } => write!(f, "falls more slowly than theory says: slope {slope:.2}, not {law}"),
-            Self::Faster { slope, law } => write!(f, "falls faster than theory says: slope {slope:.2}, not {law}"),
+            Self::Slower { slope, law } => {
+                write!(f, "falls more slowly than theory says: slope {}, not {law}", digits(*slope))
+            }
+            Self::Faster { slope, law } => {
+                write!(f, "falls faster than theory says: slope {}, not {law}", digits(*slope))
+            }
         }
     }
 }
@@ -162,11 +164,9 @@ impl fmt::Display for Cause {
 
 impl fmt::Display for Law {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if self.flattest - self.steepest < 0.005 {
-            write!(f, "{:.2}", self.steepest)
-        } else {
-            // Adding zero takes the sign off a zero.
-            write!(f, "{:.2} to {:.2}", self.steepest, self.flattest + 0.0)
+        match [self.steepest, self.flattest].map(digits) {
+            [a, b] if a == b => f.write_str(&a),
+            [a, b] => write!(f, "{a} … {b}"),
         }
     }
 }

@@ -90,3 +90,32 @@ pub fn markdown(about: &About, findings: &Findings) -> String {
     }
     text + "\n"
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::integrate::{Algorithm, Settings, Silent};
+    use crate::plan::{Effect, Wishes};
+    use crate::study::EffectStudy;
+    use crate::study::tests::matt;
+    use std::sync::atomic::AtomicBool;
+
+    #[test]
+    fn every_effect_has_a_row() {
+        let scene = matt(8, 6);
+        let mut settings = Settings::default();
+        settings.eye.effects = Wishes::PLANNED.with(Effect::Environment);
+        let study = EffectStudy::prepare(&scene, Algorithm::Whitted, &settings);
+        let findings = study.run(2, &AtomicBool::new(false), &Silent, |_| {}).unwrap();
+        let table = csv(&findings);
+        let rows: Vec<&str> = table.split("\r\n").collect();
+        assert_eq!(rows.len(), 1 + findings.plan.decisions.len() + 1);
+        assert!(rows.iter().any(|row| row.starts_with("shadows,true,false,")));
+        // What is off has no figures.
+        assert!(rows.iter().any(|row| row.starts_with("caustics,false,") && row.ends_with(",,,,,,,,,,,")));
+        let about = About { scene: "a_b.txt".into(), integrator: "whitted", seed: 3, exposure: 0.0 };
+        let text = markdown(&about, &findings);
+        assert!(text.contains(": a\\_b.txt") && text.contains("| shadows | ") && text.contains("- caustics: off: "));
+        assert!(text.contains("| environment | "));
+    }
+}

@@ -1,11 +1,11 @@
 //! What all reports of a study of methods tell of it.
 
 use crate::study::methods::fit::{
-    Fit, Law, Milestone, Quantity, Reach, Recommendation, Slopes, Verdict, fit, pareto, reach, recommend, tenth,
+    Fit, Law, Milestone, Price, Quantity, Reach, Recommendation, Slopes, Verdict, fit, pareto, reach, recommend, tenth,
     theory, verdict,
 };
 use crate::study::methods::{MethodFound, MethodsFound};
-use crate::study::report::text::{amount, duration, error};
+use crate::study::report::text::{self, amount, duration, error};
 
 /// Relative errors whose time is told.
 pub(super) const ERRORS: [f64; 4] = [0.1, 0.05, 0.02, 0.01];
@@ -75,42 +75,31 @@ impl Judged {
 /// A slope against passes with its interval: `−0.49 (−0.52 … −0.46)`.
 pub(super) fn slope(slopes: Option<Slopes>) -> String {
     let Some(Slopes { by_passes, .. }) = slopes else { return "–".to_owned() };
-    let interval =
-        by_passes.interval.map_or(String::new(), |[low, high]| format!(" ({} … {})", number(low), number(high)));
-    format!("{}{interval}", number(by_passes.value))
-}
-
-/// A slope with a sign as typeset.
-pub(super) fn number(slope: f64) -> String {
-    // Adding zero takes the sign off a zero.
-    let text = format!("{:.2}", (100.0 * slope).round() / 100.0 + 0.0);
-    text.replace('-', "−")
+    let interval = by_passes
+        .interval
+        .map_or(String::new(), |[low, high]| format!(" ({} … {})", text::slope(low), text::slope(high)));
+    format!("{}{interval}", text::slope(by_passes.value))
 }
 
 /// Theory's slopes: `−0.50`, `−0.50 … 0.00`.
 pub(super) fn law_text(law: Option<Law>) -> String {
-    match law {
-        None => "none".to_owned(),
-        Some(law) if number(law.steepest) == number(law.flattest) => number(law.steepest),
-        Some(law) => format!("{} … {}", number(law.steepest), number(law.flattest)),
-    }
+    law.map_or("none".to_owned(), |law| law.to_string())
 }
 
 /// How an error is reached: in time, and what else it takes.
-pub(super) fn reach_text(reach: &Reach, has_photons: bool) -> (String, String) {
-    let work = |price: &crate::study::methods::fit::Price| {
-        let passes = format!("{} passes", amount(price.passes.max(1.0)));
-        if has_photons { format!("{passes}, {} photons", amount(price.photons)) } else { passes }
+pub(super) fn reach_text(reach: &Reach, has_photons: bool) -> (String, Vec<String>) {
+    let work = |price: &Price| {
+        let passes = Some(format!("{} passes", amount(price.passes.max(1.0))));
+        passes.into_iter().chain(has_photons.then(|| format!("{} photons", amount(price.photons))))
     };
     match reach {
-        Reach::Within(price) => (format!("< {}", duration(price.seconds)), work(price)),
-        Reach::Measured(price) => (duration(price.seconds), work(price)),
+        Reach::Within(price) => (format!("< {}", duration(price.seconds)), work(price).collect()),
+        Reach::Measured(price) => (duration(price.seconds), work(price).collect()),
         Reach::Predicted { price, seconds } => {
-            let range =
-                seconds.map_or(String::new(), |[low, high]| format!("{} to {}; ", duration(low), duration(high)));
-            (format!("≈ {}", duration(price.seconds)), range + &work(price))
+            let range = seconds.map(|[low, high]| format!("{} to {}", duration(low), duration(high)));
+            (format!("≈ {}", duration(price.seconds)), range.into_iter().chain(work(price)).collect())
         }
-        Reach::Never { floor } => ("never: plateau".to_owned(), format!("bias stays at {}", error(*floor))),
-        Reach::Unknown => ("–".to_owned(), String::new()),
+        Reach::Never { floor } => ("never: plateau".to_owned(), vec![format!("bias stays at {}", error(*floor))]),
+        Reach::Unknown => ("–".to_owned(), Vec::new()),
     }
 }

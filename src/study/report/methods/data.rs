@@ -209,7 +209,7 @@ pub fn markdown(found: &MethodsFound) -> String {
     let rows = all().map(|(method, judged)| {
         let reach = |reach: &Reach| {
             let (time, work) = reach_text(reach, method.algorithm.has_photons());
-            if work.is_empty() { time } else { format!("{time} ({work})") }
+            if work.is_empty() { time } else { format!("{time} ({})", work.join(", ")) }
         };
         let reaches = judged.reaches.iter().chain([&judged.tenth]).map(reach);
         [method.label.clone(), duration(method.setup)].into_iter().chain(reaches).collect()

@@ -1,6 +1,6 @@
 //! Figures of a page: plots, pictures and maps, each with the command that makes it again.
 
-use super::analysis::{Analysis, Judged, number};
+use super::analysis::{Analysis, Judged};
 use super::tables::{key, root, slopes};
 use crate::image::{Image, RelativeScale};
 use crate::integrate::Algorithm;
@@ -9,9 +9,9 @@ use crate::study::methods::fit::{Quantity, spread};
 use crate::study::methods::{Checkpoint, MethodFound, MethodsFound};
 use crate::study::report::html::{escape, picture};
 use crate::study::report::maps::{LEAST, difference_map, error_map, ramp, relative, scale, signed_ramp, windows};
-use crate::study::report::picture::{exposure, png};
+use crate::study::report::picture::{exposure, png, stops};
 use crate::study::report::svg::{Guide, Plot, Series, Stroke, plot};
-use crate::study::report::text::{duration, error, figure};
+use crate::study::report::text::{duration, error, figure, slope};
 use glam::Vec3;
 use std::fmt::Write;
 
@@ -29,10 +29,6 @@ fn framed(class: &str, label: &str, what: &str, caption: &str, command: &str) ->
         escape(caption),
         escape(command)
     )
-}
-
-fn stops(stops: f32) -> String {
-    format!("exposure {stops:+} {}", if stops.abs() == 1.0 { "stop" } else { "stops" })
 }
 
 fn sized(image: &Image) -> (u32, u32) {
@@ -97,7 +93,7 @@ fn small_plot(i: usize, method: &MethodFound, judged: &Judged) -> Option<String>
         let law = judged.law(method, quantity)?;
         // Below the line that it is held against, which would hide it.
         let through = (last.seconds, 0.8 * square.max(0.0).sqrt());
-        Some(Guide { label: format!("{name} {}", number(law.flattest)), slope: law.flattest, through })
+        Some(Guide { label: format!("{name} {}", slope(law.flattest)), slope: law.flattest, through })
     };
     let noise = guide(Quantity::Noise, "noise", last.noise2);
     // Where noise hides the bias there is nothing to hold a law against.
@@ -118,11 +114,11 @@ fn small_plot(i: usize, method: &MethodFound, judged: &Judged) -> Option<String>
 
 /// The truth and all pictures at one place.
 pub(super) fn flip(found: &MethodsFound) -> Result<String, StudyError> {
-    let stops_of = exposure(&found.truth.picture).unwrap_or(0.0);
+    let exposed = exposure(&found.truth.picture).unwrap_or(0.0);
     let mut flip = "<div id=\"pictures\">\n<div id=\"flip-buttons\" role=\"group\" aria-label=\"Picture\" hidden=\"hidden\"></div>\n<div id=\"flip\">\n".to_owned();
     let mut add = |label: &str, image: &Image, caption: &str, command: &str| -> Result<(), StudyError> {
-        let shown = picture(&png(image, stops_of)?, sized(image), label);
-        flip += &framed("picture", label, &shown, &format!("{caption}; {}.", stops(stops_of)), command);
+        let shown = picture(&png(image, exposed)?, sized(image), label);
+        flip += &framed("picture", label, &shown, &format!("{caption}; exposure {}.", stops(exposed)), command);
         Ok(())
     };
     add("truth", &found.truth.picture, &format!("The truth: {}", found.truth.source), &found.command)?;
@@ -143,7 +139,7 @@ pub(super) fn crops(found: &MethodsFound) -> Result<String, StudyError> {
     let mut crops = String::new();
     for window in windows(&found.methods, CROPS) {
         let truth = window.of(&found.truth.picture)?;
-        let stops_of = exposure(&truth).unwrap_or(0.0);
+        let exposed = exposure(&truth).unwrap_or(0.0);
         let place = format!(
             "columns {} to {}, rows {} to {}",
             window.x,
@@ -157,10 +153,10 @@ pub(super) fn crops(found: &MethodsFound) -> Result<String, StudyError> {
                 "<h2>Where errors are largest</h2>\n<p>The places where the squared errors, each method&#39;s in its own mean, add up to most; {ENLARGED} times enlarged.</p>"
             );
         }
-        let _ = writeln!(crops, "<h3>In {place}</h3>\n<p>With {}.</p>\n<div class=\"pictures\">", stops(stops_of));
+        let _ = writeln!(crops, "<h3>In {place}</h3>\n<p>Exposure {}.</p>\n<div class=\"pictures\">", stops(exposed));
         let size = (window.width * ENLARGED, window.height * ENLARGED);
         let mut add = |label: &str, image: &Image, command: &str| -> Result<(), StudyError> {
-            let shown = picture(&png(image, stops_of)?, size, &format!("{label}, {place}"));
+            let shown = picture(&png(image, exposed)?, size, &format!("{label}, {place}"));
             crops += &framed("crop", "", &shown, label, command);
             Ok(())
         };

@@ -17,10 +17,12 @@ pub(super) fn key(style: usize) -> String {
     )
 }
 
-fn head(columns: &[&str]) -> String {
-    let mut table = "<div class=\"scroll\" tabindex=\"0\"><table>\n<thead><tr>".to_owned();
+/// The beginning of a table, whose first `left` columns are words.
+fn head(columns: &[&str], left: usize) -> String {
+    let mut table =
+        "<div class=\"scroll\" role=\"region\" aria-label=\"table\" tabindex=\"0\"><table>\n<thead><tr>".to_owned();
     for (i, column) in columns.iter().enumerate() {
-        let class = if i == 0 { "" } else { " class=\"n\"" };
+        let class = if i < left { "" } else { " class=\"n\"" };
         let _ = write!(table, "<th scope=\"col\"{class}>{}</th>", escape(column));
     }
     table + "</tr></thead>\n<tbody>\n"
@@ -34,10 +36,11 @@ pub(super) fn root(square: f64) -> String {
 }
 
 pub(super) fn verdicts(found: &MethodsFound, analysis: &Analysis) -> String {
-    let mut table = head(&["method", "error at the end", "noise", "bias", "slope", "theory", "verdict"]);
+    let mut table = head(&["method", "verdict", "error at the end", "noise", "bias", "slope", "theory"], 2);
     for (i, (method, judged)) in found.methods.iter().zip(&analysis.methods).enumerate() {
         let _ =
-            write!(table, "<tr><th scope=\"row\"><a href=\"#method-{i}\">{}{}</a></th>", key(i), escape(&method.label));
+            write!(table, "<tr><th scope=\"row\">{}<a href=\"#method-{i}\">{}</a></th>", key(i), escape(&method.label));
+        let _ = write!(table, "<td class=\"words\">{}</td>", escape(&judged.verdict.to_string()));
         let last = method.checkpoints.last();
         let of = |square: fn(&Checkpoint) -> f64| last.map_or("–".to_owned(), |c| root(square(c)));
         let fit = judged.fit.as_ref();
@@ -50,7 +53,7 @@ pub(super) fn verdicts(found: &MethodsFound, analysis: &Analysis) -> String {
         ] {
             let _ = write!(table, "<td class=\"n\">{}</td>", escape(&cell));
         }
-        let _ = writeln!(table, "<td class=\"words\">{}</td></tr>", escape(&judged.verdict.to_string()));
+        table += "</tr>\n";
     }
     let note = "<p>Slopes are those of the error&#39;s logarithm against that of passes, with 95 % intervals.</p>\n";
     table + END + note
@@ -63,14 +66,16 @@ pub(super) fn reaches(found: &MethodsFound, analysis: &Analysis) -> String {
         .chain(heads.iter().map(String::as_str))
         .chain(["a tenth of the last"])
         .collect();
-    let mut table = head(&columns);
+    let mut table = head(&columns, 1);
     for (i, (method, judged)) in found.methods.iter().zip(&analysis.methods).enumerate() {
         let _ = write!(table, "<tr><th scope=\"row\">{}{}</th>", key(i), escape(&method.label));
         let _ = write!(table, "<td class=\"n\">{}</td>", duration(method.setup));
         for reach in judged.reaches.iter().chain([&judged.tenth]) {
             let (time, work) = reach_text(reach, method.algorithm.has_photons());
             let class = if matches!(reach, Reach::Predicted { .. }) { "n predicted" } else { "n" };
-            let _ = write!(table, "<td class=\"{class}\">{}<small>{}</small></td>", escape(&time), escape(&work));
+            let _ = write!(table, "<td class=\"{class}\">{}", escape(&time));
+            work.iter().for_each(|line| table += &format!("<small>{}</small>", escape(line)));
+            table += "</td>";
         }
         table += "</tr>\n";
     }
@@ -97,19 +102,22 @@ pub(super) fn checkpoints(found: &MethodsFound) -> String {
     let mut all = String::new();
     for (i, method) in found.methods.iter().enumerate() {
         let _ = writeln!(all, "<details><summary>{}{}: every checkpoint</summary>", key(i), escape(&method.label));
-        all += &head(&[
-            "passes",
-            "processor time",
-            "wall",
-            "rays",
-            "photons",
-            "error",
-            "noise",
-            "bias",
-            "the gauge says",
-            "RMSE, W/(m² sr)",
-            "FLIP",
-        ]);
+        all += &head(
+            &[
+                "passes",
+                "processor time",
+                "wall",
+                "rays",
+                "photons",
+                "error",
+                "noise",
+                "bias",
+                "the gauge says",
+                "RMSE, W/(m² sr)",
+                "FLIP",
+            ],
+            1,
+        );
         for c in &method.checkpoints {
             let gauged = c.gauged.iter().sum::<f64>() / c.gauged.len() as f64;
             let cells = [
@@ -137,7 +145,7 @@ pub(super) fn checkpoints(found: &MethodsFound) -> String {
 /// The slopes of one method, with theory's.
 pub(super) fn slopes(method: &crate::study::methods::MethodFound, judged: &super::analysis::Judged) -> String {
     let Some(fit) = &judged.fit else { return String::new() };
-    let mut table = head(&["", "against passes", "against time", "theory"]);
+    let mut table = head(&["", "against passes", "against time", "theory"], 1);
     for (name, slopes, quantity) in [
         ("error", fit.error, Quantity::Error),
         ("noise", fit.noise, Quantity::Noise),
