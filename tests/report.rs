@@ -229,9 +229,6 @@ fn a_browser_shows_the_page() {
         return;
     };
     let page = html(&found()).unwrap();
-    if let Ok(p) = std::env::var("TMP_PAGE") {
-        std::fs::write(p, &page).unwrap();
-    }
     let shown = browser.open("report.html", &page, "", (1000, 900));
     assert!(shown.complaints.is_empty(), "{:?}", shown.complaints);
     let dom = words(&shown.dom);
@@ -247,6 +244,10 @@ fn a_browser_shows_the_page() {
     let differing = pm.pixels.iter().zip(&long.pixels).filter(|(a, b)| a != b).count();
     // A tenth of the picture's pixels at least.
     assert!(differing > (WIDTH * HEIGHT / 10) as usize, "{differing}");
+
+    let press = "<script>document.body.dispatchEvent(new KeyboardEvent('keydown', { key: 'ArrowLeft', bubbles: true }))</script></body>";
+    let turned = browser.open("report.html", &page.replace("</body>", press), "#show=hybrid", (1000, 900));
+    assert!(words(&turned.dom).contains("aria-pressed=\"true\">path</button>") && turned.complaints.is_empty());
 
     // The plot alone.
     let style = &page[page.find("<style>").unwrap()..page.find("</style>").unwrap() + "</style>".len()];

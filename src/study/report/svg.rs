@@ -42,6 +42,8 @@ pub(super) struct Guide {
     pub(super) label: String,
     pub(super) slope: f64,
     pub(super) through: (f64, f64),
+    /// Whether what is measured lies above it, so that its label is below.
+    pub(super) below: bool,
 }
 
 /// A plot of relative errors against seconds.
@@ -245,9 +247,14 @@ fn draw_guide(svg: &mut String, guide: &Guide, x: &Axis, y: &Axis) {
     }
     let [(x1, y1), (x2, y2)] = [from, to].map(|at| (x.at(at), y.at(height(at))));
     let _ = writeln!(svg, "<line class=\"guide\" x1=\"{x1:.1}\" y1=\"{y1:.1}\" x2=\"{x2:.1}\" y2=\"{y2:.1}\"/>");
-    // Right of and above a line that falls, early on, where what is measured is not.
-    let (tx, ty) = (x1 + 0.3 * (x2 - x1) + 5.0, y1 + 0.3 * (y2 - y1) - 4.0);
-    let _ = writeln!(svg, "<text class=\"guide\" x=\"{tx:.1}\" y=\"{ty:.1}\">{}</text>", escape(&guide.label));
+    // Beside a line that falls, early on, and away from what is measured.
+    let (dx, dy, anchor) = if guide.below { (-5.0, 13.0, "end") } else { (5.0, -4.0, "start") };
+    let (tx, ty) = (x1 + 0.35 * (x2 - x1) + dx, y1 + 0.35 * (y2 - y1) + dy);
+    let _ = writeln!(
+        svg,
+        "<text class=\"guide\" text-anchor=\"{anchor}\" x=\"{tx:.1}\" y=\"{ty:.1}\">{}</text>",
+        escape(&guide.label)
+    );
 }
 
 /// Draws a line and tells where it ends.

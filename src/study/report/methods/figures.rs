@@ -56,7 +56,8 @@ pub(super) fn main_plot(found: &MethodsFound) -> String {
     let first = all().map(|p| p.0).fold(f64::INFINITY, f64::min);
     let most = all().map(|p| p.1).fold(0.0, f64::max);
     // Above what is measured, so that they are no lines among the others.
-    let guide = |slope: f64, label: &str| Guide { label: label.into(), slope, through: (first, 1.6 * most) };
+    let guide =
+        |slope: f64, label: &str| Guide { label: label.into(), slope, through: (first, 1.6 * most), below: false };
     let ends: Vec<String> = found
         .methods
         .iter()
@@ -93,7 +94,7 @@ fn small_plot(i: usize, method: &MethodFound, judged: &Judged) -> Option<String>
         let law = judged.law(method, quantity)?;
         // Below the line that it is held against, which would hide it.
         let through = (last.seconds, 0.8 * square.max(0.0).sqrt());
-        Some(Guide { label: format!("{name} {}", slope(law.flattest)), slope: law.flattest, through })
+        Some(Guide { label: format!("{name} {}", slope(law.flattest)), slope: law.flattest, through, below: true })
     };
     let noise = guide(Quantity::Noise, "noise", last.noise2);
     // Where noise hides the bias there is nothing to hold a law against.

@@ -34,7 +34,7 @@
   }
   document.addEventListener("keydown", function (event) {
     if (event.altKey || event.ctrlKey || event.metaKey || event.shiftKey) return;
-    if (event.target.closest(".scroll, pre")) return;
+    if (event.target.closest(".scroll, .plot, pre")) return;
     var step = { ArrowLeft: -1, ArrowRight: 1 }[event.key];
     if (!step) return;
     show(at + step);
