@@ -2,17 +2,19 @@
 //!
 //! ```sh
 //! cargo run --release --example calibration -- [SCENE …] [--methods M,…] [--passes N,…] [--seeds N] [--truth PASSES]
+//!     [--targets ERROR,…]
 //! ```
 //!
 //! The truth is that of two long renders by `hybrid` with a tenth of the radius: E[(I − A)(I − B)] is the squared error of I, though A and
-//! B are noisy. `path` is left out where the scene calls for caustics, which it finds rarely or never, and its passes cannot tell.
+//! B are noisy. `path` is left out where the scene calls for caustics, which it finds rarely or never, and its passes cannot tell. With `--targets`, renders that
+//! end by `--target-error` at the usual confidence are held against the truth instead.
 
 use caustica::format::SceneFile;
 use caustica::image::RelativeScale;
 use caustica::integrate::{Algorithm, FinalGathering, Settings, Silent};
 use caustica::plan::{Effect, Plan, Wishes};
-use caustica::render::gauge::Gauge;
-use caustica::render::{Film, Stop, render};
+use caustica::render::gauge::{Confidence, Gauge};
+use caustica::render::{Film, Stop, Target, render};
 use caustica::scene::Scene;
 use glam::Vec3;
 use std::error::Error;
@@ -29,6 +31,7 @@ struct Asked {
     passes: Vec<u32>,
     seeds: u64,
     truth: u32,
+    targets: Vec<f64>,
 }
 
 fn asked() -> Result<Asked, Box<dyn Error>> {
@@ -39,6 +42,7 @@ fn asked() -> Result<Asked, Box<dyn Error>> {
         passes: vec![6, 16, 40],
         seeds: 8,
         truth: 300,
+        targets: Vec::new(),
     };
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
@@ -47,6 +51,9 @@ fn asked() -> Result<Asked, Box<dyn Error>> {
             "--methods" => asked.methods = list(&value()?),
             "--passes" => asked.passes = list(&value()?).iter().map(|n| n.parse()).collect::<Result<_, _>>()?,
             "--seeds" => asked.seeds = value()?.parse()?,
+            "--targets" => {
+                asked.targets = list(&value()?).iter().map(|e| e.parse()).collect::<Result<_, _>>()?;
+            }
             "--truth" => asked.truth = value()?.parse()?,
             _ => asked.scenes.push(word),
         }
@@ -90,6 +97,30 @@ fn reference(scene: &Scene, seed: u64, passes: u32) -> Vec<Vec3> {
     render(integrator.as_ref(), SIZE, &stop, false, &Silent, |_| {}).film.mean()
 }
 
+/// Renders until the error is told to be low enough, and how large it is then.
+fn stopped(name: &str, scene: &Scene, algorithm: Algorithm, error: f64, seeds: u64, square: &dyn Fn(&[Vec3]) -> f64) {
+    let target = Some(Target { error, confidence: Confidence::default() });
+    let stop = Stop { at_least: 1, passes: None, time: None, target, interrupted: &AtomicBool::new(false) };
+    let (mut passes, mut errors) = (0, Vec::new());
+    for seed in 0..seeds {
+        let mut settings = settings(seed);
+        settings.eye.gauge = true;
+        let integrator = algorithm.prepare(scene, settings);
+        let rendered = render(integrator.as_ref(), SIZE, &stop, true, &Silent, |_| {});
+        passes += rendered.film.passes();
+        errors.push(square(&rendered.film.mean()).max(0.0).sqrt());
+    }
+    println!(
+        "| {name} | {} | {:.0} % | {:.0} | {:.2} % ({:.2} %) | {}/{seeds} |",
+        algorithm.name(),
+        100.0 * error,
+        f64::from(passes) / seeds as f64,
+        100.0 * errors.iter().sum::<f64>() / seeds as f64,
+        100.0 * errors.iter().copied().fold(0.0, f64::max),
+        errors.iter().filter(|e| **e <= error).count(),
+    );
+}
+
 fn main() -> Result<(), Box<dyn Error>> {
     let asked = asked()?;
     println!(
@@ -109,6 +140,13 @@ fn main() -> Result<(), Box<dyn Error>> {
             if algorithm == Algorithm::Path && wanted.has(Effect::Caustics) {
                 continue;
             }
+            let square = |mean: &[Vec3]| scale.mean(|i| (mean[i] - a[i]).as_dvec3() * (mean[i] - b[i]).as_dvec3());
+            if !asked.targets.is_empty() {
+                for error in &asked.targets {
+                    stopped(name, &scene, algorithm, *error, asked.seeds, &square);
+                }
+                continue;
+            }
             let mut rows = vec![Vec::new(); asked.passes.len()];
             for seed in 0..asked.seeds {
                 let mut settings = settings(seed);
@@ -120,9 +158,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                     gauge.add(&film, &made);
                     film.add(&made.image);
                     let Some(at) = asked.passes.iter().position(|n| *n == pass + 1) else { continue };
-                    let mean = film.mean();
-                    let square = scale.mean(|i| (mean[i] - a[i]).as_dvec3() * (mean[i] - b[i]).as_dvec3());
-                    rows[at].push((gauge.read(&film), square.max(0.0).sqrt()));
+                    rows[at].push((gauge.read(&film), square(&film.mean()).max(0.0).sqrt()));
                 }
             }
             for (passes, row) in asked.passes.iter().zip(&rows) {

@@ -6,9 +6,9 @@ use crate::integrate::Expected;
 /// Bytes a pixel: the film (24), its mean (12), and what is encoded of it (12 in OpenEXR).
 const PER_PIXEL: u64 = 50;
 
-/// Bytes a pixel of the gauge: what a pass tells (48), noise (12), finer discs (36), discs (24), and two differences each of passes and of
-/// finer discs (48).
-const PER_GAUGED_PIXEL: u64 = 170;
+/// Bytes a pixel of the gauge: what a pass tells (48), noise (12), finer discs (36), discs (24), and three pictures each of passes and of
+/// finer discs (72).
+const PER_GAUGED_PIXEL: u64 = 192;
 
 /// Bytes a stored photon while its tree is built: itself (32), its sorted copy (32) and the copy's key (16), then the tree (33)
 /// instead of the key; the rest is the slack of growing lists.
@@ -106,7 +106,7 @@ mod tests {
         assert_eq!(check_pictures(1, (1000, 1000), Some(50_000_000)), Ok(()));
         let refused = check_pictures(1, (1000, 1000), Some(49_999_999)).unwrap_err().to_string();
         assert!(refused.contains("a picture of 1000 × 1000") && refused.contains("0.1 GB"), "{refused}");
-        assert!(matches!(check_gauged((1000, 1000), Some(219_999_999)), Err(TooMuch::Picture { .. })));
+        assert!(matches!(check_gauged((1000, 1000), Some(241_999_999)), Err(TooMuch::Picture { .. })));
         assert_eq!(check_pictures(4, (500, 500), Some(50_000_000)), Ok(()));
         let refused = check_pictures(5, (500, 500), Some(50_000_000)).unwrap_err().to_string();
         assert!(refused.contains("5 pictures of 500 × 500 pixels take 0.1 GB"), "{refused}");

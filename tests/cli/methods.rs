@@ -166,7 +166,11 @@ fn what_cannot_be_studied_is_refused_before_any_work() {
     refused(1, "--truth a.exr,a.png", &["`a.png` is a PNG", "OpenEXR"]);
     refused(1, "--truth a.exr --size 20x15", &["`a.exr` has 40 × 30 pixels, but the study 20 × 15: give --size 40x30"]);
     refused(1, "--truth none.exr", &["none.exr"]);
-    refused(3, "-o a.png", &["`a.png` does not name a report", "help: give it the extension .json"]);
+    refused(
+        3,
+        "-o a.png",
+        &["`a.png` does not name a report", "help: give it the extension .html or .csv or .json or .md"],
+    );
     refused(3, "-o no/a.json", &["no folder `no`"]);
     refused(3, "--save-truth c.exr,d.png", &["`d.png` cannot hold a reference", "help: give it the extension .exr"]);
     refused(3, "--save-truth no/c.exr,d.exr", &["no folder `no`"]);

@@ -10,6 +10,7 @@ use crate::cli::settings::settings;
 use crate::cli::{Exit, Failure, StudyArguments};
 use crate::plan::{Decision, Effect};
 use crate::stats::Counters;
+use crate::study::report::effects::{csv, markdown};
 use crate::study::text::{amount, figure, milliseconds, percent, signed};
 use crate::study::{About, Clock, Cost, EffectStudy, Findings, Gain, Spent, page};
 use miette::IntoDiagnostic;
@@ -22,7 +23,12 @@ use std::time::Instant;
 const PASSES: u32 = 4;
 
 /// What reports are written as.
-const REPORTS: [(&str, Writer<Findings>); 2] = [("html", html), ("json", json)];
+const REPORTS: [(&str, Writer<Findings>); 4] = [
+    ("html", |arguments, found| page(&about(arguments), found).into_diagnostic()),
+    ("csv", |_, found| Ok(csv(found))),
+    ("json", json),
+    ("md", |arguments, found| Ok(markdown(&about(arguments), found))),
+];
 
 pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Failure> {
     // Whatever can fail without rendering fails before it.
@@ -79,11 +85,10 @@ fn conclude(
     std::io::stdout().write_all(text.as_bytes()).into_diagnostic()
 }
 
-/// A page with the pictures.
-fn html(arguments: &StudyArguments, found: &Findings) -> miette::Result<String> {
+fn about(arguments: &StudyArguments) -> About {
     let scene = arguments.scene.scene.display().to_string();
     let (integrator, seed) = (arguments.method.integrator.name(), arguments.method.seed);
-    page(&About { scene, integrator, seed, exposure: arguments.exposure }, found).into_diagnostic()
+    About { scene, integrator, seed, exposure: arguments.exposure }
 }
 
 /// All figures.

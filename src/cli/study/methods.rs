@@ -2,7 +2,7 @@
 
 use super::knobs;
 use super::output::{Outputs, Writer, check_reference};
-use super::table::{json, root, table};
+use super::table::{root, table};
 use super::variants::Named;
 use crate::cli::args::TruthFiles;
 use crate::cli::interrupt::{INTERRUPTED, listen};
@@ -18,6 +18,7 @@ use crate::scene::Scene;
 use crate::study::methods::{
     Limits, MethodStudy, MethodsFound, References, Step, Subject, Variant, in_shell, methods_for,
 };
+use crate::study::report::methods as report;
 use miette::IntoDiagnostic;
 use std::io::Write as _;
 
@@ -28,7 +29,12 @@ const TRUTH_BUDGETS: f64 = 4.0;
 const UNDISTURBED: f64 = 0.9;
 
 /// What reports are written as.
-const REPORTS: [(&str, Writer<MethodsFound>); 1] = [("json", |_, found| json(found).into_diagnostic())];
+const REPORTS: [(&str, Writer<MethodsFound>); 4] = [
+    ("html", |_, found| report::html(found).into_diagnostic()),
+    ("csv", |_, found| Ok(report::csv(found))),
+    ("json", |_, found| report::json(found).into_diagnostic()),
+    ("md", |_, found| Ok(report::markdown(found))),
+];
 
 /// Flags that do not go together.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
@@ -212,6 +218,6 @@ fn conclude(
     found: &MethodsFound,
 ) -> miette::Result<()> {
     outputs.write(arguments, found, progress)?;
-    let text = if arguments.json { json(found).into_diagnostic()? + "\n" } else { table(found) };
+    let text = if arguments.json { report::json(found).into_diagnostic()? + "\n" } else { table(found) };
     std::io::stdout().write_all(text.as_bytes()).into_diagnostic()
 }

@@ -1,8 +1,8 @@
-//! The figures of a study of methods, as a table and as JSON.
+//! The figures of a study of methods as a table.
 
-use crate::study::methods::{Checkpoint, MethodFound, MethodsFound};
+use crate::study::methods::fit::{fit, verdict};
+use crate::study::methods::{Checkpoint, MethodsFound};
 use crate::study::text::percent;
-use serde::Serialize;
 use std::fmt::Write as _;
 
 /// A table for each method: a row a checkpoint.
@@ -16,23 +16,25 @@ pub(super) fn table(found: &MethodsFound) -> String {
         let _ = writeln!(text, "\n{}: prepared in {:.2} s", method.label, method.setup);
         let _ = writeln!(
             text,
-            "  {:>8} {:>10} {:>9} {:>9} {:>9} {:>7}",
-            "passes", "seconds", "error", "noise", "bias", "rate"
+            "  {:>8} {:>10} {:>9} {:>9} {:>9} {:>7} {:>9}",
+            "passes", "seconds", "error", "noise", "bias", "rate", "gauged"
         );
         for (i, checkpoint) in method.checkpoints.iter().enumerate() {
             let before = i.checked_sub(1).map(|before| &method.checkpoints[before]);
             let rate = before.and_then(|before| rate(before, checkpoint));
             let _ = writeln!(
                 text,
-                "  {:>8} {:>10.3} {:>9} {:>9} {:>9} {:>7}",
+                "  {:>8} {:>10.3} {:>9} {:>9} {:>9} {:>7} {:>9}",
                 checkpoint.passes,
                 checkpoint.seconds,
                 root(checkpoint.square()),
                 root(checkpoint.noise2),
                 root(checkpoint.bias2),
                 rate.map_or(String::new(), |rate| format!("{rate:.2}")),
+                gauged(checkpoint),
             );
         }
+        let _ = writeln!(text, "  {}", verdict(method, fit(method).as_ref(), found.truth.error));
         let _ = writeln!(text, "  {}", method.command);
     }
     text
@@ -43,68 +45,17 @@ pub(super) fn root(square: f64) -> String {
     if square > 0.0 { percent(square.sqrt()) } else { "-".to_owned() }
 }
 
+/// The error that the gauges of the seeds tell.
+fn gauged(checkpoint: &Checkpoint) -> String {
+    let Checkpoint { gauged, .. } = checkpoint;
+    if gauged.is_empty() { String::new() } else { root(gauged.iter().sum::<f64>() / gauged.len() as f64) }
+}
+
 /// The power of time by which the error went from one checkpoint to the next.
 fn rate(before: &Checkpoint, after: &Checkpoint) -> Option<f64> {
     let error = 0.5 * libm::log(after.square() / before.square());
     let rate = error / libm::log(after.seconds / before.seconds);
     rate.is_finite().then_some(rate)
-}
-
-#[derive(Debug, Serialize)]
-struct Report<'f> {
-    schema: u32,
-    version: &'static str,
-    scene: &'f str,
-    command: &'f str,
-    machine: &'f str,
-    width: u32,
-    height: u32,
-    seeds: u32,
-    budget: f64,
-    share: f64,
-    interrupted: bool,
-    truth: TruthReport<'f>,
-    methods: Vec<Row<'f>>,
-}
-
-#[derive(Debug, Serialize)]
-struct TruthReport<'f> {
-    source: &'f str,
-    error: Option<f64>,
-}
-
-#[derive(Debug, Serialize)]
-struct Row<'f> {
-    label: &'f str,
-    integrator: &'static str,
-    command: &'f str,
-    setup: f64,
-    /// Of the global and of the caustic map.
-    radii: Option<[f32; 2]>,
-    checkpoints: &'f [Checkpoint],
-}
-
-/// All figures.
-pub(super) fn json(found: &MethodsFound) -> serde_json::Result<String> {
-    let rows = found.methods.iter().map(|method| {
-        let MethodFound { label, algorithm, command, setup, radii, checkpoints, .. } = method;
-        Row { label, integrator: algorithm.name(), command, setup: *setup, radii: *radii, checkpoints }
-    });
-    serde_json::to_string_pretty(&Report {
-        schema: 1,
-        version: env!("CARGO_PKG_VERSION"),
-        scene: &found.scene,
-        command: &found.command,
-        machine: &found.machine,
-        width: found.truth.picture.width(),
-        height: found.truth.picture.height(),
-        seeds: found.seeds,
-        budget: found.budget,
-        share: found.share,
-        interrupted: found.interrupted,
-        truth: TruthReport { source: &found.truth.source, error: found.truth.error },
-        methods: rows.collect(),
-    })
 }
 
 #[cfg(test)]

@@ -100,16 +100,13 @@ impl Gauge {
         if self.passes.is_power_of_two() {
             self.scale = Some(RelativeScale::of_pixels(film.size(), &film.mean()));
         }
-        if let Some(scale) = &self.scale {
-            // A pixel of the mean counts for 1 at most.
-            self.spread.add(pass.image.iter().copied(), scale.weights(), n + 1.0);
-        }
+        let weights = self.scale.as_ref().map_or(&[][..], RelativeScale::weights);
+        // A pixel of the mean counts for 1 at most.
+        self.spread.add(pass.image.iter().copied(), weights, n + 1.0);
         if !pass.gauged.is_empty() {
             let estimates = self.estimates.get_or_insert_with(|| Estimates::new(pass.gauged.len()));
             estimates.add(&pass.gauged);
-            if let Some(scale) = &self.scale {
-                estimates.spread.add(pass.gauged.iter().map(|g| g.steps[0]), scale.weights(), n + 1.0);
-            }
+            estimates.spread.add(pass.gauged.iter().map(|g| g.steps[0]), weights, n + 1.0);
         }
         self.frozen.add(pass);
         self.passes += 1;

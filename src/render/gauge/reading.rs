@@ -86,15 +86,16 @@ const FEWEST: u32 = 4;
 /// D₀·D₁ and ‖D₁‖² over ‖D₀‖², in light that is smoother than r² allows: less is noise.
 const SMOOTHEST: (f64, f64) = (0.4, 0.16);
 
-/// The same about the edge of light, of Epanechnikov's kernel. What is finer than discs shows more, up to where nothing can be told from
-/// it; it is taken for an edge.
-const EDGE: (f64, f64) = (0.7275, 0.7074);
+/// D₀·D₁ over ‖D₀‖² about the edge of light, of Epanechnikov's kernel: nothing shows more.
+const EDGE: f64 = 0.7275;
 
-/// With which ‖D₁‖² the sum below is right for an edge, whose steps do not quite lose their direction as it has it: 14.6 ‖D₀‖².
-const AS_EDGE: f64 = 0.566;
+/// ‖D₁‖² over ‖D₀‖² and what the whole blur is, by that kernel, of an edge and of bands of light that are a half and a fifth as wide as
+/// the disc. What is finer still cannot be told by its own photons.
+const ROUGH: [(f64, f64); 3] = [(0.7074, 14.6), (0.957, 16.9), (1.3145, 45.2)];
 
-/// The part of the blur that is not seen but extrapolated is uncertain by half of itself, two deviations.
-const UNSEEN: f64 = 0.25;
+/// The part of the blur that is not seen but extrapolated is uncertain by half of itself: edges and bands, which show alike, differ by
+/// as much.
+const UNSEEN: f64 = 0.5;
 
 /// Sums of squares and products of what finer discs tell, without noise in the mean.
 struct Steps {
@@ -200,11 +201,11 @@ fn extrapolated(steps: &Steps) -> Blur {
     }
     // What stands out from its own doubt, and matters beside the noise, has a say in the law; else light is taken to be smooth.
     let trust = zero * zero / (zero * zero + 4.0 * steps.doubt);
-    let squared = (steps.one / zero).clamp(SMOOTHEST.1, EDGE.1);
-    let together = (steps.both / zero).clamp(SMOOTHEST.0, EDGE.0).min(squared.sqrt());
+    let squared = (steps.one / zero).clamp(SMOOTHEST.1, ROUGH[2].0);
+    let together = (steps.both / zero).clamp(SMOOTHEST.0, EDGE).min(squared.sqrt());
     let squared = 0.25 + trust * (squared - 0.25);
     let together = 0.5 + trust * (together - 0.5);
-    let whole = (1.0 + together) / ((1.0 - together) * (1.0 - squared.min(AS_EDGE)));
+    let whole = all_steps(together, squared);
     let seen = 1.0 + 2.0 * together + squared;
     let square = zero * whole;
     let unseen = square.sqrt() - (zero * seen).sqrt();
@@ -215,6 +216,16 @@ fn extrapolated(steps: &Steps) -> Blur {
         ratio: squared.sqrt(),
         extrapolation: (whole / seen).sqrt(),
     }
+}
+
+/// ‖Σ Dᵢ‖² over ‖D₀‖²: by the law of [`extrapolated`], but no more than edges and bands of light show.
+fn all_steps(together: f64, squared: f64) -> f64 {
+    let law = (1.0 + together) / ((1.0 - together) * (1.0 - squared.min(ROUGH[0].0)));
+    let rough = ROUGH.windows(2).find(|pair| squared <= pair[1].0).map_or(ROUGH[2].1, |pair| {
+        let [(q, s), (next_q, next_s)] = [pair[0], pair[1]];
+        s + (next_s - s) * ((squared - q) / (next_q - q)).max(0.0)
+    });
+    law.min(rough)
 }
 
 impl Frozen {

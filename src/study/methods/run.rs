@@ -20,7 +20,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 const WORTH: f64 = 1.3;
 
 /// Bytes a pixel of a film and of the gauge of its error.
-const FILM: u64 = 24 + 170;
+const FILM: u64 = 24 + 192;
 
 /// Bytes a pixel of a picture.
 const PICTURE: u64 = 12;
@@ -64,6 +64,7 @@ struct Run<'a> {
     setup: f64,
     radii: Option<Radii>,
     expected: Expected,
+    alpha: f64,
     seeds: Vec<Seed<'a>>,
     time: Moment,
     rays: u64,
@@ -117,6 +118,7 @@ impl<'a> MethodStudy<'a> {
         let runs = named.into_iter().zip(makers).map(|(variant, make)| {
             let (first, setup) = timed(&clock, || make(variant.settings.eye.seed));
             let (radii, expected) = (first.radii(), first.expected());
+            let alpha = first.radius_law().map_or(1.0, |law| law.alpha);
             let none = (1..seeds).map(|_| None);
             let film = |integrator| Seed { integrator, film: Film::new(size.0, size.1), gauge: None };
             Run {
@@ -125,6 +127,7 @@ impl<'a> MethodStudy<'a> {
                 setup: setup.processor,
                 radii,
                 expected,
+                alpha,
                 seeds: std::iter::once(Some(first)).chain(none).map(film).collect(),
                 time: Moment::default(),
                 rays: 0,
@@ -260,6 +263,7 @@ impl Run<'_> {
             rays: self.rays as f64 / seeds,
             photons: self.photons as f64 / seeds,
             squares: measured.squares,
+            noises: measured.noises,
             noise2: measured.noise2,
             bias2: measured.bias2,
             gauged,
@@ -287,6 +291,7 @@ impl Run<'_> {
             label: self.variant.label,
             algorithm: self.variant.algorithm,
             setup: self.setup,
+            alpha: self.alpha,
             radii: self.radii.map(|r| [r.global, r.caustic]),
             checkpoints: self.checkpoints,
             picture,

@@ -8,6 +8,7 @@ use glam::DVec3;
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Split {
     pub squares: Vec<f64>,
+    pub noises: Vec<f64>,
     pub noise2: f64,
     pub bias2: f64,
     pub rmse: f64,
@@ -16,30 +17,31 @@ pub(super) struct Split {
 /// Splits the error of two pictures or more, which differ by their seeds.
 ///
 /// With I a picture and A and B references, all three independent of each other, E[(I − A)(I − B)] = bias² + variance of I: the noise
-/// of the references cancels. That of the mean of S pictures is bias² + variance/S.
+/// of the references cancels.
 pub(super) fn split(references: &References, pictures: &[Vec<Rgb>]) -> Split {
     let seeds = pictures.len() as f64;
-    let mut squares = vec![0.0; pictures.len()];
-    let (mut apart, mut of_mean, mut plain) = (0.0, 0.0, 0.0);
+    let (mut squares, mut noises) = (vec![0.0; pictures.len()], vec![0.0; pictures.len()]);
+    let mut plain = 0.0;
     let scale = references.scale();
     let count = scale.weights().len();
+    // What is left of a picture less the mean has lost a part of its noise to the mean.
+    let whole = seeds / (seeds - 1.0);
     for i in 0..count {
         let mean = mean(pictures, i);
-        for (square, picture) in squares.iter_mut().zip(pictures) {
+        for ((square, noise), picture) in squares.iter_mut().zip(&mut noises).zip(pictures) {
             let pixel = picture[i].as_dvec3();
             let error = references.square(i, pixel);
             *square += scale.counts(i, error);
+            *noise += scale.counts(i, whole * (pixel - mean).length_squared());
             plain += error;
         }
-        let spread: f64 = pictures.iter().map(|picture| (picture[i].as_dvec3() - mean).length_squared()).sum();
-        apart += scale.counts(i, spread / (seeds - 1.0));
-        of_mean += scale.counts(i, references.square(i, mean));
     }
     let pixels = count as f64;
-    squares.iter_mut().for_each(|square| *square /= pixels);
-    let noise2 = apart / pixels;
+    squares.iter_mut().chain(&mut noises).for_each(|sum| *sum /= pixels);
+    let noise2 = noises.iter().sum::<f64>() / seeds;
+    let bias2 = squares.iter().sum::<f64>() / seeds - noise2;
     let rmse = (plain / (3.0 * pixels * seeds)).max(0.0).sqrt();
-    Split { squares, noise2, bias2: of_mean / pixels - noise2 / seeds, rmse }
+    Split { squares, noises, noise2, bias2, rmse }
 }
 
 /// Mean of pixel `i`.

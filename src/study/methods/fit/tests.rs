@@ -15,7 +15,7 @@ fn synthetic(algorithm: Algorithm, bias: f64, alpha: f64, passes: &[u32], name: 
     let mut rng = Key::new(77).with(name).rng();
     // Irwin–Hall: twelve uniform numbers less six have variance 1.
     let mut normal = || (0..12).map(|_| rng.random::<f64>()).sum::<f64>() - 6.0;
-    let shrinks = |i: u32| if alpha < 1.0 { shrink(i) } else { 1.0 };
+    let shrinks = |i: u32| shrink(alpha, i);
     let (mut made, mut drift) = (0, 0.0);
     let mut sums = vec![[0.0; PIXELS]; SEEDS];
     let checkpoints = passes.iter().map(|&n| {

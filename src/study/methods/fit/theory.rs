@@ -90,7 +90,7 @@ mod tests {
 
     #[test]
     fn radii_that_shrink_fall_by_their_sums() {
-        let sum = |n: u32, of: fn(f64) -> f64| (0..n).map(|i| of(shrink(i))).sum::<f64>();
+        let sum = |n: u32, of: fn(f64) -> f64| (0..n).map(|i| of(shrink(ALPHA, i))).sum::<f64>();
         let [variance, bias] = progressive(&[16, 32], ALPHA);
         let expected = [(sum(32, |s| 1.0 / s) / 4.0) / sum(16, |s| 1.0 / s), sum(32, |s| s) / 2.0 / sum(16, |s| s)];
         for (slope, ratio) in [variance, bias].into_iter().zip(expected) {
