@@ -106,6 +106,13 @@ fn perform(page: &str, line: &[String], folder: &Path) {
                 shrink(&mut arguments, render.method.caustic_photons.is_some());
                 (Some(&render.scene.scene), render.output.iter().chain(&render.stats).collect())
             }
+            Some(Command::Price(price)) => {
+                shrink(&mut arguments, price.method.caustic_photons.is_some());
+                let passes = arguments.iter().position(|word| word == "--passes").unwrap();
+                arguments.drain(passes..passes + 2);
+                put(&mut arguments, "--pilot", "0.1s");
+                (Some(&price.scene.scene), Vec::new())
+            }
             Some(Command::Plan(plan)) => (Some(&plan.scene.scene), Vec::new()),
             Some(Command::Study(study)) => {
                 shrink(&mut arguments, study.method.caustic_photons.is_some());

@@ -41,7 +41,7 @@ fn picture(of: impl Fn(f64, f64, u32) -> Vec3) -> Image {
 fn method(label: &str, algorithm: Algorithm, noise: f64, bias: f64, pass: f64, count: u32) -> MethodFound {
     let key = Key::new(5).with(label.bytes().map(u64::from).sum());
     let alpha = if algorithm == Algorithm::Pm { 1.0 } else { ALPHA };
-    let shrinks = |i| if matches!(algorithm, Algorithm::Sppm | Algorithm::Hybrid) { shrink(i) } else { 1.0 };
+    let shrinks = |i| if matches!(algorithm, Algorithm::Sppm | Algorithm::Hybrid) { shrink(ALPHA, i) } else { 1.0 };
     let checkpoint = |i: u32| {
         let n = 1 << i;
         let variance = noise * noise * (0..n).map(|i| 1.0 / shrinks(i)).sum::<f64>() / f64::from(n * n);

@@ -18,7 +18,19 @@ use glam::Vec3;
 use miette::IntoDiagnostic;
 use std::time::Instant;
 
+/// An error is asked of what cannot tell it.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+#[error("{flag} asks for an error, which one pass of ray casting does not tell")]
+#[diagnostic(help("leave it out, or choose another --integrator"))]
+struct NoError {
+    flag: &'static str,
+}
+
 pub(super) fn run(arguments: &RenderArguments) -> Result<Exit, Failure> {
+    let asked = [("--target-error", arguments.target_error.is_some()), ("--aov", arguments.aov.is_some())];
+    if let (Algorithm::Raycast, Some((flag, _))) = (arguments.method.integrator, asked.iter().find(|(_, is)| *is)) {
+        return Err(Failure::new(Exit::Usage, NoError { flag }));
+    }
     // Whatever can fail without rendering fails before it.
     for path in &arguments.output {
         image::check_writable(path).into_diagnostic().map_err(|e| Failure::new(Exit::Output, e))?;

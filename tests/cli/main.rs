@@ -1,6 +1,7 @@
 //! The program from outside: what it writes, what it says, and how it ends.
 
 mod diff;
+mod errors;
 mod exits;
 mod interrupt;
 mod mesh;

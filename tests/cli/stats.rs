@@ -42,7 +42,7 @@ fn the_page_describes_every_field_and_no_other() {
     let mut found = BTreeSet::new();
     // Without numbers of its own, so that all fields have a value.
     let balanced = Workshop::new();
-    let arguments = "render box.txt -o a.png --integrator sppm --size 8x8 --passes 1 --stats a.json";
+    let arguments = "render box.txt -o a.png --integrator sppm --size 8x8 --passes 4 --stats a.json";
     balanced.run(&arguments.split(' ').collect::<Vec<_>>()).expect(0, &[]);
     paths(&serde_json::from_slice(&balanced.bytes("a.json")).unwrap(), "", &mut found);
     // `photons` and `emission` hold the same report for both maps, which the page describes once.
