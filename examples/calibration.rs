@@ -39,9 +39,9 @@ fn asked() -> Result<Asked, Box<dyn Error>> {
     let mut asked = Asked {
         scenes: Vec::new(),
         methods: list("path,hybrid,sppm,ppm,pm"),
-        passes: vec![6, 16, 40],
+        passes: vec![4, 8, 16],
         seeds: 8,
-        truth: 300,
+        truth: 120,
         targets: Vec::new(),
     };
     let mut words = std::env::args().skip(1);

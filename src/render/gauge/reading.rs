@@ -83,8 +83,8 @@ pub struct Reading {
 /// The fewest passes that an error can be told from.
 const FEWEST: u32 = 4;
 
-/// D₀·D₁ and ‖D₁‖² over ‖D₀‖², in light that is smoother than r² allows: less is noise.
-const SMOOTHEST: (f64, f64) = (0.4, 0.16);
+/// The least D₀·D₁ over ‖D₀‖²: steps that undo each other more than this are noise.
+const UNDOING: f64 = -0.5;
 
 /// D₀·D₁ over ‖D₀‖² about the edge of light, of Epanechnikov's kernel: nothing shows more.
 const EDGE: f64 = 0.7275;
@@ -92,6 +92,9 @@ const EDGE: f64 = 0.7275;
 /// ‖D₁‖² over ‖D₀‖² and what the whole blur is, by that kernel, of an edge and of bands of light that are a half and a fifth as wide as
 /// the disc. What is finer still cannot be told by its own photons.
 const ROUGH: [(f64, f64); 3] = [(0.7074, 14.6), (0.957, 16.9), (1.3145, 45.2)];
+
+/// A blur whose steps hardly shrink is taken to go away as that of an edge.
+const MOST_RATIO: f64 = 0.841;
 
 /// The part of the blur that is not seen but extrapolated is uncertain by half of itself: edges and bands, which show alike, differ by
 /// as much.
@@ -192,7 +195,7 @@ struct Blur {
 /// What D₀, D₁ and all that would follow add up to.
 ///
 /// In smooth light each step is half of the last; about edges and foci, which look alike at all scales, steps shrink by another ratio q, and
-/// point less and less the same way: Dᵢ·Dⱼ = ‖D₀‖² q^(i+j) c^|i−j|. So ‖Σ Dᵢ‖² = ‖D₀‖² (1 + qc)/((1 − qc)(1 − q²)), which is 4‖D₀‖² in
+/// point less and less the same way, or against each other where features of all sizes lie side by side: Dᵢ·Dⱼ = ‖D₀‖² q^(i+j) c^|i−j|. So ‖Σ Dᵢ‖² = ‖D₀‖² (1 + qc)/((1 − qc)(1 − q²)), which is 4‖D₀‖² in
 /// smooth light. q² and qc are what is measured, as far as they stand out from noise.
 fn extrapolated(steps: &Steps) -> Blur {
     let zero = steps.zero.max(0.0);
@@ -201,8 +204,8 @@ fn extrapolated(steps: &Steps) -> Blur {
     }
     // What stands out from its own doubt, and matters beside the noise, has a say in the law; else light is taken to be smooth.
     let trust = zero * zero / (zero * zero + 4.0 * steps.doubt);
-    let squared = (steps.one / zero).clamp(SMOOTHEST.1, ROUGH[2].0);
-    let together = (steps.both / zero).clamp(SMOOTHEST.0, EDGE).min(squared.sqrt());
+    let squared = (steps.one / zero).clamp(0.0, ROUGH[2].0);
+    let together = (steps.both / zero).clamp(UNDOING, EDGE).clamp(-squared.sqrt(), squared.sqrt());
     let squared = 0.25 + trust * (squared - 0.25);
     let together = 0.5 + trust * (together - 0.5);
     let whole = all_steps(together, squared);
@@ -213,7 +216,8 @@ fn extrapolated(steps: &Steps) -> Blur {
     Blur {
         square,
         doubt: whole * whole * steps.doubt + of_law * of_law,
-        ratio: squared.sqrt(),
+        // The law of areas by which the blur shrinks is that of light between smooth and rough.
+        ratio: squared.sqrt().clamp(0.5, MOST_RATIO),
         extrapolation: (whole / seen).sqrt(),
     }
 }
