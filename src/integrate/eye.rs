@@ -115,7 +115,6 @@ impl<M: Method> EyePass<'_, M> {
             sampling = tiles::Sampling { gauge: false, every: tiles::every(camera.size(), FRESH), ..sampling };
             let fresh = render(&sampling, u64::from(self.pass) + 1, &Silent);
             out.fresh = fresh.places.iter().map(|i| (*i, fresh.image[*i as usize])).collect();
-            out.counters += fresh.counters;
         }
         out.seconds.eye += start.elapsed().as_secs_f64();
     }

@@ -326,12 +326,11 @@ impl<'a> MapMaker<'a> {
         let (of_beams, of_points) = estimate.dimensions();
         let blurs = (blurs.beams * shrink_in(of_beams, alpha, pass), blurs.points * shrink_in(of_points, alpha, pass));
         let band = BAND * area.sqrt() as f32;
-        let gauge = self.settings.eye.gauge;
-        let volume = VolumeMap::build(volume, blurs, estimate, band, gauge);
+        let volume = VolumeMap::build(volume, blurs, estimate, band);
         let most = if draft.limited { most } else { 0 };
         let k = (f64::from(most) * area).round().max(FEWEST) as u32;
         let bandwidth = Bandwidth { radius: radius * area.sqrt() as f32, k: k.min(most) };
-        Gathering { scene: self.scene, map, bandwidth, kernel, gauge, volume }
+        Gathering { scene: self.scene, map, bandwidth, kernel, volume }
     }
 
     fn trace(

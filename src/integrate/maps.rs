@@ -76,8 +76,6 @@ pub(super) struct Gathering<'a> {
     pub map: PhotonMap,
     pub bandwidth: Bandwidth,
     pub kernel: Kernel,
-    /// Whether finer discs are looked at too, to tell the error.
-    pub gauge: bool,
     /// The same light in media.
     pub volume: VolumeMap,
 }
@@ -148,8 +146,9 @@ impl Gathering<'_> {
         };
         let (p, normal) = (surface.point.p, surface.facing_normal());
         let (bandwidth, kernel, key) = (self.bandwidth, self.kernel, vertex.draw.key());
+        let gauge = worker.gauge;
         let (scratch, discs) = own(worker);
-        if !self.gauge {
+        if !gauge {
             let found = self.map.estimate(p, normal, bandwidth, kernel, scratch, brdf);
             worker.counters.gathered_photons += u64::from(found.count);
             if found.count == 0 {

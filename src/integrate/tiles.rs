@@ -25,7 +25,9 @@ pub(super) struct Worker {
     pub guides: Scratch,
     /// Where light comes from, for gather rays.
     pub guide: Guide,
-    /// What estimates tell of their error.
+    /// Whether estimates tell of their error.
+    pub gauge: bool,
+    /// What they tell.
     pub tally: Tally,
     /// What is left of light along a stretch of a medium.
     pub fade: Fade,
@@ -46,7 +48,7 @@ pub(super) struct Sampling<'a> {
     pub density: Option<&'a [f32]>,
     /// Whether estimates tell of their error.
     pub gauge: bool,
-    /// Every so many-th tile alone is rendered, the rest left black; 1: all.
+    /// One tile of so many is rendered, the rest left black; 1: all.
     pub every: u32,
 }
 
@@ -81,13 +83,15 @@ pub(super) fn render<T: Default>(
     let columns = width.div_ceil(EDGE);
     let every = sampling.every;
     monitor.begin(Phase::Eye, u64::from(width) * u64::from(height) / u64::from(every));
-    let tiles: Vec<(Vec<(Rgb, Gauged)>, Counters)> = (0..(columns * height.div_ceil(EDGE)).div_ceil(every))
-        .into_par_iter()
+    let wanted: Vec<u32> =
+        (0..columns * height.div_ceil(EDGE)).filter(|tile| is_wanted(*tile, columns, every)).collect();
+    let tiles: Vec<(Vec<(Rgb, Gauged)>, Counters)> = wanted
+        .par_iter()
         .map(|tile| {
-            let mut worker = Worker::default();
+            let mut worker = Worker { gauge: sampling.gauge, ..Worker::default() };
             let mut more = T::default();
             let mut pixels = Vec::with_capacity((EDGE * EDGE) as usize);
-            for (x, y) in pixels_of(tile * every, columns, width, height) {
+            for (x, y) in pixels_of(*tile, columns, width, height) {
                 pixels.push(pixel(sampling, x, y, key, &mut worker, |ray, draw, worker| {
                     radiance(ray, draw, worker, &mut more)
                 }));
@@ -102,8 +106,8 @@ pub(super) fn render<T: Default>(
     if sampling.gauge {
         out.gauged = vec![Gauged::default(); pixels];
     }
-    for (tile, (pixels, counted)) in tiles.iter().enumerate() {
-        for ((x, y), (value, gauged)) in pixels_of(tile as u32 * every, columns, width, height).zip(pixels) {
+    for (tile, (pixels, counted)) in wanted.iter().zip(&tiles) {
+        for ((x, y), (value, gauged)) in pixels_of(*tile, columns, width, height).zip(pixels) {
             let at = y as usize * width as usize + x as usize;
             out.image[at] = *value;
             if sampling.gauge {
@@ -116,16 +120,15 @@ pub(super) fn render<T: Default>(
     out
 }
 
-/// The step by which tiles of a picture are passed over so that at least `wanted` are left, spread over rows and columns.
+/// One tile of so many leaves about `wanted` of a picture, but no more than half.
 pub(super) fn every((width, height): (u32, u32), wanted: u32) -> u32 {
-    let columns = width.div_ceil(EDGE);
-    let most = (columns * height.div_ceil(EDGE) / wanted).max(1);
-    // A step that shares a factor with the columns would leave some of them out.
-    (1..=most).rev().find(|step| gcd(*step, columns) == 1).unwrap_or(1)
+    (width.div_ceil(EDGE) * height.div_ceil(EDGE) / wanted).max(2)
 }
 
-fn gcd(a: u32, b: u32) -> u32 {
-    if b == 0 { a } else { gcd(b, a % b) }
+/// Whether a tile is one of those that are rendered: they lie on slanting lines, so that rows and columns have alike.
+fn is_wanted(tile: u32, columns: u32, every: u32) -> bool {
+    let slant = (every * 5 / 8) | 1;
+    (tile % columns + tile / columns * slant) % every == 0
 }
 
 fn pixels_of(tile: u32, columns: u32, width: u32, height: u32) -> impl Iterator<Item = (u32, u32)> {
@@ -276,11 +279,11 @@ mod tests {
     fn tiles_that_are_left_are_enough_and_in_all_columns() {
         for size in [(96u32, 72u32), (640, 480), (1920, 1080), (16, 16), (4000, 16)] {
             let (columns, rows) = (size.0.div_ceil(EDGE), size.1.div_ceil(EDGE));
-            let step = every(size, 48);
-            assert!(step == 1 || columns * rows / step >= 48, "{size:?} {step}");
-            let left: std::collections::HashSet<u32> =
-                (0..columns * rows).step_by(step as usize).map(|tile| tile % columns).collect();
-            assert!(rows < step || left.len() as u32 == columns, "{size:?} {step}");
+            let every = every(size, 48);
+            let left: Vec<u32> = (0..columns * rows).filter(|tile| is_wanted(*tile, columns, every)).collect();
+            assert!(left.len() as u32 >= 40.min(columns * rows / 2).max(1), "{size:?} {every}: {}", left.len());
+            let taken: std::collections::HashSet<u32> = left.iter().map(|tile| tile % columns).collect();
+            assert!(rows < every || taken.len() as u32 == columns, "{size:?} {every}");
         }
     }
 

@@ -39,8 +39,6 @@ pub(super) struct VolumeMap {
     estimate: VolumeEstimate,
     /// Wavelengths so far apart count as one \[nm], on surfaces too.
     pub band: f32,
-    /// Whether narrower blurs are looked at too, to tell the error.
-    gauge: bool,
 }
 
 /// Sums at the radius of a blur, and at narrower ones within it.
@@ -87,15 +85,9 @@ impl Sums {
 
 impl VolumeMap {
     /// Indexes what was stored for blurs of these radii: of beams, and of points.
-    pub fn build(
-        volume: Volume,
-        (beams, points): (f32, f32),
-        estimate: VolumeEstimate,
-        band: f32,
-        gauge: bool,
-    ) -> Self {
+    pub fn build(volume: Volume, (beams, points): (f32, f32), estimate: VolumeEstimate, band: f32) -> Self {
         let Volume { beams: ways, points: places } = volume;
-        Self { beams: BeamMap::build(ways, beams), points: PointMap::build(places, points), estimate, band, gauge }
+        Self { beams: BeamMap::build(ways, beams), points: PointMap::build(places, points), estimate, band }
     }
 
     /// Radiance that a stretch sends to its start; it will count `times` times.
@@ -110,32 +102,33 @@ impl VolumeMap {
             return Rgb::ZERO;
         }
         worker.counters.gathers += 1;
+        let gauge = worker.gauge;
         let (found, fade) = (&mut worker.counters.gathered_photons, &mut worker.fade);
         let Stretch { ray, medium, .. } = passage.stretch;
         let mut levels = [Rgb::ZERO; LEVELS];
         let mut add = |sums: [Rgb; LEVELS]| levels.iter_mut().zip(sums).for_each(|(level, sum)| *level += sum);
         if medium.is_homogeneous() {
-            add(self.by_beams(passage, found));
+            add(self.by_beams(passage, found, gauge));
         }
         if !self.points.is_empty() {
             add(match self.estimate {
-                VolumeEstimate::Points => self.at_a_point(passage, rng, found),
+                VolumeEstimate::Points => self.at_a_point(passage, rng, found, gauge),
                 VolumeEstimate::Beams | VolumeEstimate::BeamRadiance => {
                     fade.learn(medium, ray, ray.t_max, rng);
-                    self.along(passage, fade, found)
+                    self.along(passage, fade, found, gauge)
                 }
             });
         }
-        if self.gauge {
+        if gauge {
             worker.tally.note(passage.throughput * times as f32, levels);
         }
         levels[0]
     }
 
-    fn by_beams<I: Interior>(&self, passage: &Passage<'_, I>, found: &mut u64) -> [Rgb; LEVELS] {
+    fn by_beams<I: Interior>(&self, passage: &Passage<'_, I>, found: &mut u64, gauge: bool) -> [Rgb; LEVELS] {
         let Stretch { ray, medium, index, inside, .. } = passage.stretch;
         let (own, extinction) = (inside.wavelength(), medium.extinction());
-        let mut sums = Sums::new(1, 1, self.gauge);
+        let mut sums = Sums::new(1, 1, gauge);
         self.beams.visit(ray, |beam, crossing| {
             if beam.medium != *index {
                 return;
@@ -149,10 +142,10 @@ impl VolumeMap {
         sums.times(medium.scattering)
     }
 
-    fn along<I: Interior>(&self, passage: &Passage<'_, I>, fade: &Fade, found: &mut u64) -> [Rgb; LEVELS] {
+    fn along<I: Interior>(&self, passage: &Passage<'_, I>, fade: &Fade, found: &mut u64, gauge: bool) -> [Rgb; LEVELS] {
         let Stretch { ray, medium, index, inside, .. } = passage.stretch;
         let own = inside.wavelength();
-        let mut sums = Sums::new(2, 2, self.gauge);
+        let mut sums = Sums::new(2, 2, gauge);
         self.points.visit(ray, |photon, t, cos, weight, x2| {
             if photon.medium != *index {
                 return;
@@ -165,13 +158,19 @@ impl VolumeMap {
         sums.times(Rgb::ONE)
     }
 
-    fn at_a_point<I: Interior>(&self, passage: &Passage<'_, I>, rng: &mut impl Rng, found: &mut u64) -> [Rgb; LEVELS] {
+    fn at_a_point<I: Interior>(
+        &self,
+        passage: &Passage<'_, I>,
+        rng: &mut impl Rng,
+        found: &mut u64,
+        gauge: bool,
+    ) -> [Rgb; LEVELS] {
         let Stretch { ray, medium, index, inside, .. } = passage.stretch;
         let own = inside.wavelength();
         let flight = medium.flight(ray, ray.t_max, passage.throughput, rng);
         let Some(t) = flight.scattered else { return [Rgb::ZERO; LEVELS] };
         let p = ray.at(t);
-        let mut sums = Sums::new(3, 1, self.gauge);
+        let mut sums = Sums::new(3, 1, gauge);
         self.points.around(p, |photon, weight, x2| {
             if photon.medium != *index {
                 return;

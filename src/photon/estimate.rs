@@ -113,6 +113,10 @@ impl PhotonMap {
         if self.is_empty() {
             return (Estimate { radius: bandwidth.radius, ..Estimate::default() }, [Rgb::ZERO; N]);
         }
+        let plane = TangentPlane::new(p, normal);
+        // What a narrower search would leave out as too high over the plane, its disc does not see.
+        let height =
+            |flux: &Flux| if N > 1 { flux.relation(&plane).1.abs() / (bandwidth.radius * FLATNESS) } else { 0.0 };
         if bandwidth.k > 0 {
             let r2 = match self.nearest(p, normal, bandwidth, scratch) {
                 Nearest::Kth(r2) => Some(r2),
@@ -124,7 +128,7 @@ impl PhotonMap {
                 for (d2, flux) in &scratch.found {
                     // A kernel that does not vanish at the k-th photon must leave it out: (k − 1)/(πr²) is unbiased.
                     if kernel.vanishes_at_edge() || *d2 < r2 || scratch.found.len() < bandwidth.k as usize {
-                        sums.add(*d2, brdf(flux) * flux.power());
+                        sums.add(*d2, height(flux), brdf(flux) * flux.power());
                     }
                 }
                 let count = scratch.found.len() as u32;
@@ -133,13 +137,12 @@ impl PhotonMap {
                 return sums.estimate(radius, count);
             }
         }
-        let plane = TangentPlane::new(p, normal);
         let mut sums = Sums::<N>::new(kernel, bandwidth.radius * bandwidth.radius);
         let mut count = 0;
         self.visit(p, bandwidth.radius, |flux, d2| {
             if counts(flux, &plane, bandwidth.radius) {
                 count += 1;
-                sums.add(d2, brdf(flux) * flux.power());
+                sums.add(d2, height(flux), brdf(flux) * flux.power());
             }
         });
         sums.estimate(bandwidth.radius, count)
@@ -208,12 +211,16 @@ impl<const N: usize> Sums<N> {
         Self { kernel, r2, inverse: 1.0 / r2, sums: [Rgb::ZERO; N] }
     }
 
+    /// `height` over the tangent plane is in parts of what counts.
     #[inline]
-    fn add(&mut self, d2: f32, reflected: Rgb) {
+    fn add(&mut self, d2: f32, height: f32, reflected: Rgb) {
         let x = d2 * self.inverse;
         self.sums[0] += reflected * self.kernel.shape(x);
-        for (sum, x) in self.sums[1..].iter_mut().zip([2.0 * x, 4.0 * x]) {
-            *sum += reflected * self.kernel.shape_within(x);
+        let finer = [(2.0 * x, std::f32::consts::FRAC_1_SQRT_2), (4.0 * x, 0.5)];
+        for (sum, (x, highest)) in self.sums[1..].iter_mut().zip(finer) {
+            if height <= highest {
+                *sum += reflected * self.kernel.shape_within(x);
+            }
         }
     }
 

@@ -100,6 +100,9 @@ const MOST_RATIO: f64 = 0.841;
 /// as much.
 const UNSEEN: f64 = 0.5;
 
+/// Edge of the tiles in which pixels are walked anew, or more: neighbours are alike.
+const TILE: u32 = 16;
+
 /// Sums of squares and products of what finer discs tell, without noise in the mean.
 struct Steps {
     /// ‖D₀‖², D₀·D₁, ‖D₁‖².
@@ -134,7 +137,7 @@ impl Gauge {
         let noise2 = scale.mean(|i| self.deviations[i].as_dvec3() / (n * (n - 1.0)));
         let steps = self.estimates.as_ref().map(|estimates| estimates.steps(&scale, n));
         let blur = steps.as_ref().map(extrapolated).unwrap_or_default();
-        let (frozen2, frozen_doubt) = self.frozen.square(&scale, n);
+        let (frozen2, frozen_doubt) = self.frozen.square(&scale, film.size().0, n);
         let square = noise2 + blur.square + frozen2;
         // The error of this one picture scatters about what is expected, and what is expected is only estimated.
         let scatter = self.spread.scatter();
@@ -233,18 +236,23 @@ fn all_steps(together: f64, squared: f64) -> f64 {
 }
 
 impl Frozen {
-    /// Mean relative square of what shared walks do, and the variance of that.
-    fn square(&self, scale: &RelativeScale, n: f64) -> (f64, f64) {
+    /// Mean relative square of what shared walks do in a picture of so many columns, and the variance of that, by what tells its tiles apart.
+    fn square(&self, scale: &RelativeScale, columns: u32, n: f64) -> (f64, f64) {
         if self.places.is_empty() {
             return (0.0, 0.0);
         }
+        let tile = |at: u32| (at % columns / TILE, at / columns / TILE);
         let one = |((at, sum), square): ((&u32, &glam::DVec3), &f64)| {
-            scale.counts(*at as usize, (sum.length_squared() - square) / (n * (n - 1.0)))
+            (tile(*at), scale.counts(*at as usize, (sum.length_squared() - square) / (n * (n - 1.0))))
         };
-        let values: Vec<f64> = self.places.iter().zip(&self.sums).zip(&self.squares).map(one).collect();
-        let count = values.len() as f64;
-        let mean = values.iter().sum::<f64>() / count;
-        let variance = values.iter().map(|v| (v - mean) * (v - mean)).sum::<f64>() / (count - 1.0).max(1.0);
-        (mean.max(0.0), variance / count)
+        let values: Vec<_> = self.places.iter().zip(&self.sums).zip(&self.squares).map(one).collect();
+        let mean = values.iter().map(|(_, value)| value).sum::<f64>() / values.len() as f64;
+        // Of sums of deviations: tiles at the border are smaller than others.
+        let tiles = values.chunk_by(|a, b| a.0 == b.0);
+        let sums: Vec<f64> = tiles.map(|tile| tile.iter().map(|(_, value)| value - mean).sum()).collect();
+        let count = sums.len() as f64;
+        let variance = sums.iter().map(|sum| sum * sum).sum::<f64>() / (values.len() as f64 * values.len() as f64);
+        let one_tile = mean * mean;
+        (mean.max(0.0), if sums.len() > 1 { variance * count / (count - 1.0) } else { one_tile })
     }
 }
