@@ -158,7 +158,7 @@ pub struct RenderArguments {
     #[arg(long, value_parser = error, value_name = "ERROR", conflicts_with = "no_gauge")]
     pub target_error: Option<f64>,
 
-    /// How sure --target-error must be
+    /// How sure --target-error must be; without it, the interval of the error that is told
     #[arg(long, value_parser = confidence, default_value = "90%", value_name = "PART")]
     pub confidence: Confidence,
 

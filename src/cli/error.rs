@@ -6,14 +6,25 @@ use crate::study::text::percent;
 /// What helps where an error cannot become as low as is asked for.
 pub(super) const REMEDY: &str = "what is left is bias of this method: choose a smaller --radius, or --integrator sppm or hybrid, whose radii shrink";
 
+/// An error is asked of what cannot tell it.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+#[error("{flag} asks for an error, which one pass of ray casting does not tell")]
+#[diagnostic(help("leave it out, or choose another --integrator"))]
+pub(super) struct NoError {
+    pub flag: &'static str,
+}
+
 /// An error and what it is made of: `2.1 % (noise 1.9 %, bias 0.8 %)`.
 pub(super) fn parts(reading: &Reading) -> String {
     format!("{} (noise {}, bias {})", percent(reading.error), percent(reading.noise), percent(reading.bias))
 }
 
-/// When the error will be down to `aim`, at so many seconds a pass.
-pub(super) fn outlook(reading: &Reading, forecast: &Forecast, aim: f64, a_pass: f64) -> String {
-    let aimed = percent(aim);
+/// When the error will be down to `aim`, which is called `named`, at so many seconds a pass; nothing where there is no error.
+pub(super) fn outlook(reading: &Reading, forecast: &Forecast, (named, aim): (f64, f64), a_pass: f64) -> String {
+    if reading.error == 0.0 {
+        return String::new();
+    }
+    let aimed = format!("; {}", percent(named));
     match forecast.passes_to(aim) {
         Needed::Passes(n) => {
             let more = n.saturating_sub(reading.passes);

@@ -3,12 +3,12 @@
 use crate::image::{MAX_PIXELS, SizeError};
 use crate::integrate::Expected;
 
-/// Bytes a pixel: the film (24), its mean (12), and what is encoded of it (12 in OpenEXR).
-const PER_PIXEL: u64 = 50;
+/// Bytes a pixel: the film (24), a pass in tiles (64) and whole (12); at the end, in place of the pass, its mean and what is encoded of it.
+const PER_PIXEL: u64 = 100;
 
-/// Bytes a pixel of the gauge: what a pass tells (48), noise (12), finer discs (36), discs (24), and three pictures each of passes and of
-/// finer discs (72).
-const PER_GAUGED_PIXEL: u64 = 192;
+/// Bytes a pixel of the gauge: what a pass tells (48), noise (12), finer discs (36), discs (24), three pictures each of passes and of
+/// finer discs (72), and what errors are relative to (8); maps of errors take less than a pass.
+const PER_GAUGED_PIXEL: u64 = 200;
 
 /// Bytes a stored photon while its tree is built: itself (32), its sorted copy (32) and the copy's key (16), then the tree (33)
 /// instead of the key; the rest is the slack of growing lists.
@@ -103,12 +103,12 @@ mod tests {
     fn pictures_are_held_against_the_format_and_the_memory() {
         assert_eq!(check_pictures(1, (16_384, 16_384), None), Ok(()));
         assert!(matches!(check_pictures(1, (16_385, 16_384), None), Err(TooMuch::Pixels(_))));
-        assert_eq!(check_pictures(1, (1000, 1000), Some(50_000_000)), Ok(()));
-        let refused = check_pictures(1, (1000, 1000), Some(49_999_999)).unwrap_err().to_string();
+        assert_eq!(check_pictures(1, (1000, 1000), Some(100_000_000)), Ok(()));
+        let refused = check_pictures(1, (1000, 1000), Some(99_999_999)).unwrap_err().to_string();
         assert!(refused.contains("a picture of 1000 × 1000") && refused.contains("0.1 GB"), "{refused}");
-        assert!(matches!(check_gauged((1000, 1000), Some(241_999_999)), Err(TooMuch::Picture { .. })));
-        assert_eq!(check_pictures(4, (500, 500), Some(50_000_000)), Ok(()));
-        let refused = check_pictures(5, (500, 500), Some(50_000_000)).unwrap_err().to_string();
+        assert!(matches!(check_gauged((1000, 1000), Some(299_999_999)), Err(TooMuch::Picture { .. })));
+        assert_eq!(check_pictures(4, (500, 500), Some(100_000_000)), Ok(()));
+        let refused = check_pictures(5, (500, 500), Some(100_000_000)).unwrap_err().to_string();
         assert!(refused.contains("5 pictures of 500 × 500 pixels take 0.1 GB"), "{refused}");
     }
 

@@ -1,6 +1,6 @@
 //! `caustica price`.
 
-use super::error::seconds;
+use super::error::{NoError, seconds};
 use super::interrupt::{INTERRUPTED, listen};
 use super::memory::{self, check_gauged, check_photons};
 use super::plan::announce;
@@ -31,6 +31,9 @@ struct TooShort {
 }
 
 pub(super) fn run(arguments: &PriceArguments) -> Result<Exit, Failure> {
+    if arguments.method.integrator == Algorithm::Raycast {
+        return Err(Failure::new(Exit::Usage, NoError { flag: "price" }));
+    }
     listen("what the pilot found");
     let progress = Progress::new(arguments.quiet);
     in_pool(&arguments.scene, || {
@@ -142,6 +145,9 @@ impl List {
         if arguments.method.seed != 0 {
             words.extend(["--seed".to_owned(), arguments.method.seed.to_string()]);
         }
+        if let Some((width, height)) = arguments.scene.size {
+            words.extend(["--size".to_owned(), format!("{width}x{height}")]);
+        }
         let words = words.join(" ");
         let price = |error: &f64| {
             let price = Price::new(*error, &reading, &forecast, (setup, a_pass, pass_photons));
@@ -213,8 +219,8 @@ impl Price {
             Needed::TooMany => Err(None),
         };
         let time = |n: u32| setup + a_pass * f64::from(n);
-        // Were the pilot's error larger than it seems, less of it would be asked for.
-        let at = |end: f64| needed(error * reading.error / end).ok().map(time);
+        // Were the pilot's error larger than it seems, less of it would be asked for. What has no error has it for nothing.
+        let at = |end: f64| if end > 0.0 { needed(error * reading.error / end).ok().map(time) } else { Some(time(1)) };
         let (passes, floor) = match needed(error) {
             Ok(n) => (Some(n), None),
             Err(floor) => (None, floor),

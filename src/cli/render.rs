@@ -11,25 +11,17 @@ use super::settings::settings;
 use super::{Exit, Failure, RenderArguments, aov};
 use crate::image::{self, Curve, Image, ToneMap, WriteOptions};
 use crate::integrate::{Algorithm, Lessons};
-use crate::render::gauge::Confidence;
+use crate::render::gauge::{Confidence, FEWEST};
 use crate::render::{Ended, Rendered, Stop, Target, render};
 use crate::study::text::percent;
 use glam::Vec3;
 use miette::IntoDiagnostic;
 use std::time::Instant;
 
-/// An error is asked of what cannot tell it.
-#[derive(Debug, thiserror::Error, miette::Diagnostic)]
-#[error("{flag} asks for an error, which one pass of ray casting does not tell")]
-#[diagnostic(help("leave it out, or choose another --integrator"))]
-struct NoError {
-    flag: &'static str,
-}
-
 pub(super) fn run(arguments: &RenderArguments) -> Result<Exit, Failure> {
     let asked = [("--target-error", arguments.target_error.is_some()), ("--aov", arguments.aov.is_some())];
     if let (Algorithm::Raycast, Some((flag, _))) = (arguments.method.integrator, asked.iter().find(|(_, is)| *is)) {
-        return Err(Failure::new(Exit::Usage, NoError { flag }));
+        return Err(Failure::new(Exit::Usage, error::NoError { flag }));
     }
     // Whatever can fail without rendering fails before it.
     for path in &arguments.output {
@@ -105,9 +97,12 @@ fn run_in_pool(arguments: &RenderArguments, progress: &Progress) -> Result<Exit,
     let rendered = render(integrator.as_ref(), scene.camera().size(), &stop, gauged, progress, |standing| {
         let made = standing.passes;
         let a_pass = began.elapsed().as_secs_f64() / f64::from(made);
-        let error = standing.error.as_ref().map(|(reading, forecast)| {
-            let aim = arguments.target_error.unwrap_or(0.5 * reading.error);
-            format!("error {}; {}", error::parts(reading), error::outlook(reading, forecast, aim, a_pass))
+        let error = standing.error.as_ref().filter(|_| !arguments.quiet).map(|(reading, forecast)| {
+            // A target is reached when the upper end of the interval is.
+            let aim = target.map(|target| (target.error, target.error * reading.error / reading.high));
+            let (named, aim) = aim.unwrap_or((0.5 * reading.error, 0.5 * reading.error));
+            let outlook = error::outlook(reading, forecast, (named, aim), a_pass);
+            format!("error {}{outlook}", error::parts(reading))
         });
         if matches!(progress, Progress::Lines) {
             let of = passes.map_or(String::new(), |n| format!("/{n}"));
@@ -149,6 +144,10 @@ fn conclude(
     }
     if let Some(path) = &arguments.aov {
         let layers = aov::layers(rendered);
+        if rendered.film.passes() < FEWEST {
+            let passes = counted(rendered.film.passes() as usize, "pass tells", "passes tell");
+            tell(&format!("warning: {passes} no error: {} has no maps of it", path.display()));
+        }
         let written = image::write_layers(path, (width, height), &layers, &options.metadata);
         written.into_diagnostic().map_err(output)?;
         progress.say(&format!("wrote {}", path.display()));
@@ -195,5 +194,5 @@ fn conclude(
 /// Of the intervals that are told.
 fn confidence(arguments: &RenderArguments) -> Confidence {
     let target = |error| Target { error, confidence: arguments.confidence };
-    arguments.target_error.map_or(Confidence::default(), |error| target(error).interval())
+    arguments.target_error.map_or(arguments.confidence, |error| target(error).interval())
 }

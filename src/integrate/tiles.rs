@@ -128,7 +128,7 @@ pub(super) fn every((width, height): (u32, u32), wanted: u32) -> u32 {
 /// Whether a tile is one of those that are rendered: they lie on slanting lines, so that rows and columns have alike.
 fn is_wanted(tile: u32, columns: u32, every: u32) -> bool {
     let slant = (every * 5 / 8) | 1;
-    (tile % columns + tile / columns * slant) % every == 0
+    (tile % columns + tile / columns * slant).is_multiple_of(every)
 }
 
 fn pixels_of(tile: u32, columns: u32, width: u32, height: u32) -> impl Iterator<Item = (u32, u32)> {

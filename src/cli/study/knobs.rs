@@ -17,6 +17,9 @@ const RADII: [f32; 3] = [0.5, 1.0, 2.0];
 /// What photon paths are multiplied by: fewer make more passes for the same time.
 const PHOTONS: [f64; 2] = [0.25, 4.0];
 
+/// How fast radii shrink, beside ⅔.
+const ALPHAS: [f64; 3] = [0.5, 0.8, 1.0];
+
 /// What camera rays are multiplied by.
 const SAMPLES: [f64; 2] = [0.5, 2.0];
 
@@ -77,12 +80,18 @@ fn vary(plain: Named, pilot: &Pilot) -> Vec<Named> {
         for radius in pilot.radius.iter().flat_map(|r| RADII.map(|by| r * by)).filter(|r| base.radius != Some(*r)) {
             add(format!("--radius {radius}"), &|method| method.radius = Some(radius));
         }
+        for alpha in ALPHAS.into_iter().filter(|a| algorithm != Algorithm::Pm && base.alpha != Some(*a)) {
+            add(format!("--alpha {alpha}"), &|method| method.alpha = Some(alpha));
+        }
         for kernel in [Kernel::Box, Kernel::Cone, Kernel::Epanechnikov].into_iter().filter(|k| base.kernel != *k) {
             add(format!("--kernel {}", kernel_name(kernel)), &|method| method.kernel = kernel);
         }
         for by in PHOTONS {
             let [photons, caustic] =
                 [pilot.photons, pilot.caustic_photons].map(|n| if n == 0 { 0 } else { scaled(n, by) });
+            if [photons, caustic] == [pilot.photons, pilot.caustic_photons] {
+                continue;
+            }
             add(format!("--photons {photons} --caustic-photons {caustic}"), &|method| {
                 (method.photons, method.caustic_photons) = (Some(photons), Some(caustic));
             });

@@ -183,11 +183,14 @@ fn render_truth(arguments: &StudyArguments, scene: &Scene, progress: &Progress) 
 /// What is studied, and the command that repeats it.
 fn subject(arguments: &StudyArguments) -> Subject {
     let (kind, scene) = (&arguments.kind, arguments.scene.scene.display().to_string());
-    let mut words = ["caustica", "study", &scene].map(str::to_owned).to_vec();
+    // What begins with a dash would be read as a flag.
+    let named = if scene.starts_with('-') { format!("./{scene}") } else { scene.clone() };
+    let mut words = ["caustica", "study", &named].map(str::to_owned).to_vec();
     let mut add = |flag: &str, value: Option<String>| {
         words.extend(value.into_iter().flat_map(|value| [flag.to_owned(), value]));
     };
     add("--size", arguments.scene.size.map(|(width, height)| format!("{width}x{height}")));
+    add("--threads", arguments.scene.threads.map(|n| n.to_string()));
     let names = kind.methods.iter().map(|algorithm| algorithm.name()).collect::<Vec<_>>().join(",");
     add("--methods", (!names.is_empty()).then_some(names));
     kind.variants.iter().for_each(|text| add("--variant", Some(text.clone())));

@@ -9,7 +9,7 @@ mod reading;
 mod spread;
 
 pub use forecast::{Forecast, Needed};
-pub use reading::{Confidence, Reading};
+pub use reading::{Confidence, FEWEST, Reading};
 
 use super::Film;
 use crate::image::RelativeScale;

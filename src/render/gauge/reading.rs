@@ -81,7 +81,7 @@ pub struct Reading {
 }
 
 /// The fewest passes that an error can be told from.
-const FEWEST: u32 = 4;
+pub const FEWEST: u32 = 4;
 
 /// The least D₀·D₁ over ‖D₀‖²: steps that undo each other more than this are noise.
 const UNDOING: f64 = -0.5;

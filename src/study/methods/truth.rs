@@ -26,6 +26,12 @@ pub enum TruthError {
     /// It cannot be read.
     #[error(transparent)]
     Read(#[from] crate::image::ReadError),
+    /// It is a copy of the other one.
+    #[error("`{}` is the same picture as the other reference, whose noise would pass for bias: render it with another seed", path.display())]
+    Same {
+        /// Where it is.
+        path: PathBuf,
+    },
     /// It holds colours of a display, not light.
     #[error("`{}` is a PNG, whose light is clipped and rounded: give an OpenEXR or Radiance HDR picture", path.display())]
     NotLinear {
@@ -90,7 +96,11 @@ impl References {
             Some(second) => format!("{}, {}", first.display(), second.display()),
             None => format!("{}, taken as exact", first.display()),
         };
-        Self::new(source, read(first, size)?, second.map(|path| read(path, size)).transpose()?)
+        let (a, b) = (read(first, size)?, second.map(|path| read(path, size)).transpose()?);
+        match second {
+            Some(second) if b.as_ref() == Some(&a) => Err(TruthError::Same { path: second.to_owned() }),
+            _ => Self::new(source, a, b),
+        }
     }
 
     /// Renders two references, each for at least `seconds` of processor time, in whole passes; `None` where `interrupted` became true.
