@@ -22,8 +22,8 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 const SCENES: [&str; 6] = ["matte", "ball-lens", "ring", "many-lights", "mirror-caustic", "frosted"];
-const SIZE: (u32, u32) = (96, 72);
-const PHOTONS: u32 = 40_000;
+const SIZE: (u32, u32) = (80, 60);
+const PHOTONS: u32 = 20_000;
 
 struct Asked {
     scenes: Vec<String>,

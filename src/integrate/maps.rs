@@ -162,11 +162,15 @@ impl Gathering<'_> {
         if whole.count == 0 {
             return Rgb::ZERO;
         }
-        let covered = nested_coverage(self.scene, p, normal, whole.radius, kernel, key);
-        for (radiance, covered) in radiance.iter_mut().zip(covered) {
-            *radiance /= covered;
+        let covered = coverage(self.scene, p, normal, whole.radius, kernel, key);
+        let found = whole.radiance / covered;
+        if covered != 1.0 {
+            // Probes of the pass's own, also where passes share their walks: what chance these have is not blur.
+            let key = vertex.shadow_draw.key();
+            let levels = nested_coverage(self.scene, p, normal, whole.radius, kernel, key);
+            radiance.iter_mut().zip(levels).for_each(|(radiance, covered)| *radiance /= covered);
         }
         worker.tally.note(vertex.throughput * times as f32, radiance);
-        radiance[0]
+        found
     }
 }

@@ -43,19 +43,15 @@ pub fn coverage(scene: &Scene, p: Vec3, normal: Vec3, radius: f32, kernel: Kerne
 }
 
 /// The same of the disc and of the finer ones within it (see [`Nested`](super::Nested)). Each is probed by as many rays, as the mean of
-/// one over what few of them tell is too large; but what is even throughout the disc is so within.
+/// one over what few of them tell is too large.
 #[must_use]
 pub fn nested_coverage(scene: &Scene, p: Vec3, normal: Vec3, radius: f32, kernel: Kernel, key: Key) -> [f32; LEVELS] {
-    let whole = coverage(scene, p, normal, radius, kernel, key);
-    let mut levels = [whole; LEVELS];
-    if whole != 1.0 {
-        let mut radius = radius;
-        for level in &mut levels[1..] {
-            radius *= std::f32::consts::FRAC_1_SQRT_2;
-            *level = coverage(scene, p, normal, radius, kernel, key);
-        }
-    }
-    levels
+    let mut radius = radius;
+    [(); LEVELS].map(|()| {
+        let covered = coverage(scene, p, normal, radius, kernel, key);
+        radius *= std::f32::consts::FRAC_1_SQRT_2;
+        covered
+    })
 }
 
 #[cfg(test)]
@@ -158,6 +154,21 @@ mod tests {
                 covers(&scene, DVec3::ZERO, kernel, 0.5);
             }
         }
+    }
+
+    /// The edge is .3 away: within the discs of .5 and .354, beyond that of .25.
+    #[test]
+    fn finer_discs_are_probed_by_themselves() {
+        let p = DVec3::X * 0.7;
+        let levels = |i| {
+            let key = Key::new(5).purpose(Purpose::Test).with(i);
+            nested_coverage(&square(), p.as_vec3(), Vec3::Y, 0.5, Kernel::Box, key)
+        };
+        let all: Vec<[f32; LEVELS]> = (0..500).map(levels).collect();
+        assert!(all.iter().all(|levels| levels[2] == 1.0), "a quarter is nearer than the edge");
+        assert!(all.iter().any(|levels| levels[0] < 1.0) && all.iter().any(|levels| levels[1] < 1.0));
+        let mean = |level: usize| all.iter().map(|l| f64::from(l[level])).sum::<f64>() / 500.0;
+        assert!(mean(0) < mean(1) && mean(1) < 1.0);
     }
 
     #[test]
