@@ -127,8 +127,13 @@ pub(super) fn every((width, height): (u32, u32), wanted: u32) -> u32 {
 
 /// Whether a tile is one of those that are rendered: they lie on slanting lines, so that rows and columns have alike.
 fn is_wanted(tile: u32, columns: u32, every: u32) -> bool {
-    let slant = (every * 5 / 8) | 1;
+    // A slant that shares a factor with the step would leave columns out.
+    let slant = (1..=every.div_ceil(2)).rev().find(|slant| gcd(*slant, every) == 1).unwrap_or(1);
     (tile % columns + tile / columns * slant).is_multiple_of(every)
+}
+
+fn gcd(a: u32, b: u32) -> u32 {
+    if b == 0 { a } else { gcd(b, a % b) }
 }
 
 fn pixels_of(tile: u32, columns: u32, width: u32, height: u32) -> impl Iterator<Item = (u32, u32)> {
