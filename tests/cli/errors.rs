@@ -80,9 +80,11 @@ fn maps_of_errors_are_layers_of_one_file() {
         let channel = layer.channel_data.list.iter().find(|c| c.name.to_string() == name).unwrap();
         channel.sample_data.values_as_f32().collect()
     };
-    // The noise of the whole picture is that of its pixels; all see walls, and so the global map.
-    assert!(values("noise.G").iter().all(|v| *v > 0.0 && v.is_finite()));
-    assert!(values("radius.global").iter().all(|v| *v > 0.0) && values("photons.global").iter().any(|v| *v > 1.0));
+    // What shows the lamp and nothing else has neither noise nor estimates; that is a small part.
+    let lit = |name: &str| values(name).iter().filter(|v| **v > 0.0).count();
+    assert!(values("noise.G").iter().all(|v| *v >= 0.0 && v.is_finite()) && lit("noise.G") > 1100);
+    assert!(lit("radius.global") > 1100 && lit("radius.caustic") > 0 && lit("photons.caustic") > 0);
+    assert!(values("photons.global").iter().any(|v| *v > 1.0));
     let bias = values("bias.G");
     assert!(bias.iter().any(|v| *v > 0.0) && bias.iter().any(|v| *v < 0.0));
 

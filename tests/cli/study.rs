@@ -123,7 +123,10 @@ fn failures_have_their_codes_and_leave_the_old_page() {
     let refused = |line: &str, parts: &[&str]| {
         run(&shop, &format!("study --effects box.txt {long} {line}")).expect(3, parts);
     };
-    refused("-o a.png", &["`a.png` does not name a report", "help: give it the extension .html or .json"]);
+    refused(
+        "-o a.png",
+        &["`a.png` does not name a report", "help: give it the extension .html or .csv or .json or .md"],
+    );
     refused("-o no/a.html", &["no folder `no`"]);
     assert_eq!((shop.bytes("a.html"), shop.names()), (b"old page".to_vec(), vec!["a.html".into(), "box.txt".into()]));
 }
