@@ -86,7 +86,7 @@ pub const FEWEST: u32 = 4;
 /// The least D₀·D₁ over ‖D₀‖²: steps that undo each other more than this are noise.
 const UNDOING: f64 = -0.5;
 
-/// D₀·D₁ over ‖D₀‖² about the edge of light, of Epanechnikov's kernel: nothing shows more.
+/// D₀·D₁ over ‖D₀‖² about the edge of light, of Epanechnikov's kernel: more is not taken into the law, whose sum would have no end.
 const EDGE: f64 = 0.7275;
 
 /// ‖D₁‖² over ‖D₀‖² and what the whole blur is, by that kernel, of an edge and of bands of light that are a half and a fifth as wide as
@@ -198,8 +198,9 @@ struct Blur {
 /// What D₀, D₁ and all that would follow add up to.
 ///
 /// In smooth light each step is half of the last; about edges and foci, which look alike at all scales, steps shrink by another ratio q, and
-/// point less and less the same way, or against each other where features of all sizes lie side by side: Dᵢ·Dⱼ = ‖D₀‖² q^(i+j) c^|i−j|. So ‖Σ Dᵢ‖² = ‖D₀‖² (1 + qc)/((1 − qc)(1 − q²)), which is 4‖D₀‖² in
-/// smooth light. q² and qc are what is measured, as far as they stand out from noise.
+/// point less and less the same way, or against each other where features of all sizes lie side by side: Dᵢ·Dⱼ = ‖D₀‖² q^(i+j) c^|i−j|. So
+/// ‖Σ Dᵢ‖² = ‖D₀‖² (1 + qc)/((1 − qc)(1 − q²)), which is 4‖D₀‖² in smooth light. q² and qc are what is measured, as far as they stand out
+/// from noise.
 fn extrapolated(steps: &Steps) -> Blur {
     let zero = steps.zero.max(0.0);
     if zero <= 0.0 {
