@@ -123,10 +123,21 @@ fn stopped(name: &str, scene: &Scene, algorithm: Algorithm, error: f64, seeds: u
 
 fn main() -> Result<(), Box<dyn Error>> {
     let asked = asked()?;
-    println!(
-        "| scene | method | passes | true error | noise | bias | told / true, mean (least to most) | intervals that hold |"
-    );
-    println!("| --- | --- | --- | --- | --- | --- | --- | --- |");
+    let columns: &[&str] = if asked.targets.is_empty() {
+        &[
+            "scene",
+            "method",
+            "passes",
+            "true error",
+            "noise",
+            "bias",
+            "told / true, mean (least to most)",
+            "intervals that hold",
+        ]
+    } else {
+        &["scene", "method", "target", "passes, mean", "true error, mean (most)", "runs at most the target"]
+    };
+    println!("| {} |\n|{}", columns.join(" | "), " --- |".repeat(columns.len()));
     for name in &asked.scenes {
         let scene = scene(name)?;
         let [a, b] = [1u64, 2].map(|i| reference(&scene, i << 40, asked.truth));
