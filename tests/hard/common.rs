@@ -1,0 +1,1 @@
+//! Scenes, renders and statistics that the groups share.

@@ -1,0 +1,1 @@
+//! Media at the ends of their coefficients, and boundaries by the million.

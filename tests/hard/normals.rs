@@ -1,0 +1,1 @@
+//! Shading normals against geometric ones: no light through the back, no exploding weights, no energy gained.

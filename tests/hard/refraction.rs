@@ -1,0 +1,1 @@
+//! Refraction at the critical angle, without a change of index, between bodies that share a face, and a thousand times over.

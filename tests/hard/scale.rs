@@ -1,0 +1,1 @@
+//! Scale and place: scenes that are huge, tiny, far away or turned show the same picture.

@@ -1,0 +1,1 @@
+//! Triangles at the ends of what they can be, and rays along, through and from their edges: nothing leaks, nothing is hit twice.
