@@ -42,7 +42,7 @@ fn picture(scene: &Path) -> Image {
     };
     let integrator = Algorithm::Hybrid.prepare(&scene, settings);
     let stop = Stop { at_least: 1, passes: Some(2), time: None, target: None, interrupted: &AtomicBool::new(false) };
-    let rendered = render(integrator.as_ref(), SIZE, &stop, false, &Silent, |_| {});
+    let rendered = render(integrator.as_ref(), SIZE, &stop, &Silent, |_| {});
     Image::from_pixels(SIZE.0, SIZE.1, rendered.film.mean()).unwrap()
 }
 

@@ -79,7 +79,7 @@ fn pilot(
     };
     let (began, mut first) = (Instant::now(), 0.0);
     progress.pass(1, None);
-    let rendered = render(integrator, size, &stop, true, progress, |standing| {
+    let rendered = render(integrator, size, &stop, progress, |standing| {
         if standing.passes == 1 {
             first = began.elapsed().as_secs_f64();
         }

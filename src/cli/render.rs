@@ -94,7 +94,7 @@ fn run_in_pool(arguments: &RenderArguments, progress: &Progress) -> Result<Exit,
     let stop = Stop { at_least: 1, passes, time: arguments.time, target, interrupted: &INTERRUPTED };
     progress.pass(1, passes);
     let began = Instant::now();
-    let rendered = render(integrator.as_ref(), scene.camera().size(), &stop, gauged, progress, |standing| {
+    let rendered = render(integrator.as_ref(), scene.camera().size(), &stop, progress, |standing| {
         let made = standing.passes;
         let a_pass = began.elapsed().as_secs_f64() / f64::from(made);
         let error = standing.error.as_ref().filter(|_| !arguments.quiet).map(|(reading, forecast)| {

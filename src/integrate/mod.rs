@@ -64,6 +64,11 @@ pub trait Integrator: Sync {
         None
     }
 
+    /// Whether passes tell of the error of their estimates.
+    fn gauged(&self) -> bool {
+        false
+    }
+
     /// What a pass will keep in memory, found from few paths.
     fn expected(&self) -> Expected {
         Expected::default()

@@ -221,6 +221,10 @@ impl Integrator for Prepared<'_> {
         self.maker.has_photons().then(|| self.maker.law())
     }
 
+    fn gauged(&self) -> bool {
+        self.eye.gauge
+    }
+
     fn lessons(&self) -> Lessons {
         self.maker.lessons
     }

@@ -52,15 +52,28 @@ pub(super) struct Sampling<'a> {
     pub every: u32,
 }
 
-/// A picture, by rows from the top, and what it took.
+/// A picture or a tile of it, by rows from the top, and what it took.
 #[derive(Default)]
 pub(super) struct Rendered {
     pub image: Vec<Rgb>,
     /// What estimates tell of their error; empty where they are not asked.
     pub gauged: Vec<Gauged>,
-    /// Pixels that were rendered.
+    /// Pixels that were rendered, where tiles are left out.
     pub places: Vec<u32>,
     pub counters: Counters,
+}
+
+impl Rendered {
+    /// With room for so many pixels of what `sampling` asks for.
+    fn with_capacity(pixels: usize, sampling: &Sampling<'_>) -> Self {
+        let room = |wanted: bool| if wanted { pixels } else { 0 };
+        Self {
+            image: Vec::with_capacity(pixels),
+            gauged: Vec::with_capacity(room(sampling.gauge)),
+            places: Vec::with_capacity(room(sampling.every > 1)),
+            counters: Counters::default(),
+        }
+    }
 }
 
 impl Sampling<'_> {
@@ -85,19 +98,26 @@ pub(super) fn render<T: Default>(
     monitor.begin(Phase::Eye, u64::from(width) * u64::from(height) / u64::from(every));
     let wanted: Vec<u32> =
         (0..columns * height.div_ceil(EDGE)).filter(|tile| is_wanted(*tile, columns, every)).collect();
-    let tiles: Vec<(Vec<(Rgb, Gauged)>, Counters)> = wanted
+    let tiles: Vec<Rendered> = wanted
         .par_iter()
         .map(|tile| {
             let mut worker = Worker { gauge: sampling.gauge, ..Worker::default() };
             let mut more = T::default();
-            let mut pixels = Vec::with_capacity((EDGE * EDGE) as usize);
+            let mut out = Rendered::with_capacity((EDGE * EDGE) as usize, sampling);
             for (x, y) in pixels_of(*tile, columns, width, height) {
-                pixels.push(pixel(sampling, x, y, key, &mut worker, |ray, draw, worker| {
+                let at = y * width + x;
+                out.image.push(pixel(sampling, x, y, key, &mut worker, |ray, draw, worker| {
                     radiance(ray, draw, worker, &mut more)
                 }));
+                if sampling.gauge {
+                    out.gauged.push(worker.tally.end_pixel(sampling.rays(at as usize)));
+                }
+                if every > 1 {
+                    out.places.push(at);
+                }
             }
-            monitor.advance(pixels.len() as u64);
-            (pixels, worker.counters)
+            monitor.advance(out.image.len() as u64);
+            Rendered { counters: worker.counters, ..out }
         })
         .collect();
 
@@ -106,16 +126,16 @@ pub(super) fn render<T: Default>(
     if sampling.gauge {
         out.gauged = vec![Gauged::default(); pixels];
     }
-    for (tile, (pixels, counted)) in wanted.iter().zip(&tiles) {
-        for ((x, y), (value, gauged)) in pixels_of(*tile, columns, width, height).zip(pixels) {
+    for (tile, rendered) in wanted.iter().zip(tiles) {
+        for (i, (x, y)) in pixels_of(*tile, columns, width, height).enumerate() {
             let at = y as usize * width as usize + x as usize;
-            out.image[at] = *value;
+            out.image[at] = rendered.image[i];
             if sampling.gauge {
-                out.gauged[at] = *gauged;
+                out.gauged[at] = rendered.gauged[i];
             }
-            out.places.push(at as u32);
         }
-        out.counters += *counted;
+        out.places.extend(rendered.places);
+        out.counters += rendered.counters;
     }
     out
 }
@@ -148,7 +168,7 @@ fn pixel(
     key: Key,
     worker: &mut Worker,
     mut radiance: impl FnMut(&Ray, Draw, &mut Worker) -> Rgb,
-) -> (Rgb, Gauged) {
+) -> Rgb {
     let corner = Vec2::new(x as f32, y as f32);
     let pixel = key.with(u64::from(y) << 32 | u64::from(x));
     let mut sum = Sum::default();
@@ -179,8 +199,7 @@ fn pixel(
         }
     }
     let mean = if sampling.filter.is_some_and(Filter::is_signed) { sum.weighted() } else { sum.plain() };
-    let gauged = if sampling.gauge { worker.tally.end_pixel(samples) } else { Gauged::default() };
-    ((mean / f64::from(samples)).as_vec3(), gauged)
+    (mean / f64::from(samples)).as_vec3()
 }
 
 /// The sums of a pixel.

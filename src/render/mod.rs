@@ -97,20 +97,18 @@ const LOOK_EVERY: f64 = 1.05;
 const SURE: u32 = 16;
 const CLEARLY: f64 = 0.8;
 
-/// Renders passes 0, 1, 2 … of an image of `size` pixels until `stop`; with `gauged` the error is looked at too, of algorithms whose
-/// settings have the gauge on. `after` hears how things stand after each pass.
+/// Renders passes 0, 1, 2 … of an image of `size` pixels until `stop`; the error is looked at too where passes are gauged. `after` hears how things stand after each pass.
 pub fn render(
     integrator: &dyn Integrator,
     size: (u32, u32),
     stop: &Stop<'_>,
-    gauged: bool,
     monitor: &dyn Monitor,
     mut after: impl FnMut(&Standing),
 ) -> Rendered {
     let start = Instant::now();
     let mut rendered = Rendered {
         film: Film::new(size.0, size.1),
-        gauge: gauged.then(|| Gauge::new(integrator.radius_law())),
+        gauge: integrator.gauged().then(|| Gauge::new(integrator.radius_law())),
         ended: Ended::Passes,
         counters: Counters::default(),
         seconds: Seconds::default(),
@@ -196,7 +194,7 @@ mod tests {
     fn the_image_is_the_mean_of_the_passes() {
         let stop =
             Stop { at_least: 1, passes: Some(4), time: None, target: None, interrupted: &AtomicBool::new(false) };
-        let rendered = super::render(&Counting, (2, 1), &stop, false, &Silent, |_| {});
+        let rendered = super::render(&Counting, (2, 1), &stop, &Silent, |_| {});
         assert_eq!((rendered.ended, rendered.film.passes()), (Ended::Passes, 4));
         assert_eq!(rendered.film.mean(), vec![Rgb::splat(1.5); 2]);
     }
@@ -206,10 +204,10 @@ mod tests {
         let interrupted = AtomicBool::new(false);
         let stop =
             Stop { at_least: 1, passes: None, time: Some(Duration::ZERO), target: None, interrupted: &interrupted };
-        assert_eq!(super::render(&Counting, (2, 1), &stop, false, &Silent, |_| {}).ended, Ended::Time);
+        assert_eq!(super::render(&Counting, (2, 1), &stop, &Silent, |_| {}).ended, Ended::Time);
         let stop = Stop { at_least: 1, passes: None, time: None, target: None, interrupted: &interrupted };
         let mut made = 0;
-        let rendered = super::render(&Counting, (2, 1), &stop, false, &Silent, |standing| {
+        let rendered = super::render(&Counting, (2, 1), &stop, &Silent, |standing| {
             made = standing.passes;
             interrupted.store(made == 3, Ordering::Relaxed);
         });

@@ -6,6 +6,7 @@
 
 mod forecast;
 mod reading;
+mod specks;
 mod spread;
 
 pub use forecast::{Forecast, Needed};

@@ -1,5 +1,6 @@
 //! What a gauge tells of the picture so far.
 
+use super::specks::Specks;
 use super::{Estimates, Frozen, Gauge};
 use crate::image::RelativeScale;
 use crate::render::Film;
@@ -78,6 +79,9 @@ pub struct Reading {
     /// Relative variance of D₀ of a pass.
     #[serde(skip)]
     pub(super) step_variance: f64,
+    /// The part of the variance that is of single bright finds.
+    #[serde(skip)]
+    pub(super) specks: Specks,
 }
 
 /// The fewest passes that an error can be told from.
@@ -134,7 +138,16 @@ impl Gauge {
         }
         let n = f64::from(passes);
         let scale = RelativeScale::of_pixels(film.size(), &film.mean());
-        let noise2 = scale.mean(|i| self.deviations[i].as_dvec3() / (n * (n - 1.0)));
+        let mut specks = Specks::default();
+        let part = 1.0 / scale.weights().len() as f64;
+        let noise2 = self.deviations.iter().zip(scale.weights()).map(|(deviation, weight)| {
+            let square = weight * deviation.as_dvec3().element_sum() / (n * (n - 1.0));
+            if square > 1.0 {
+                specks.add(square, part);
+            }
+            square.min(1.0)
+        });
+        let noise2 = noise2.sum::<f64>() * part;
         let steps = self.estimates.as_ref().map(|estimates| estimates.steps(&scale, n));
         let blur = steps.as_ref().map(extrapolated).unwrap_or_default();
         let (frozen2, frozen_doubt) = self.frozen.square(&scale, film.size().0, n);
@@ -159,6 +172,7 @@ impl Gauge {
             extrapolation: blur.extrapolation,
             variance: noise2 * n,
             step_variance: steps.map_or(0.0, |steps| steps.variance),
+            specks,
         }
     }
 }

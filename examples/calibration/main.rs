@@ -2,12 +2,14 @@
 //!
 //! ```sh
 //! cargo run --release --example calibration -- [SCENE …] [--methods M,…] [--passes N,…] [--seeds N] [--truth PASSES]
-//!     [--targets ERROR,…]
+//!     [--targets ERROR,…] [--forecasts ERROR,…]
 //! ```
 //!
 //! The truth is that of two long renders by `hybrid` with a tenth of the radius: E[(I − A)(I − B)] is the squared error of I, though A and
 //! B are noisy. `path` is left out where the scene calls for caustics, which it finds rarely or never, and its passes cannot tell. With `--targets`, renders that
-//! end by `--target-error` at the usual confidence are held against the truth instead.
+//! end by `--target-error` at the usual confidence are held against the truth instead, with `--forecasts` forecasts against what happens.
+
+mod forecasts;
 
 use caustica::format::SceneFile;
 use caustica::image::RelativeScale;
@@ -32,6 +34,7 @@ struct Asked {
     seeds: u64,
     truth: u32,
     targets: Vec<f64>,
+    forecasts: Vec<f64>,
 }
 
 fn asked() -> Result<Asked, Box<dyn Error>> {
@@ -43,7 +46,9 @@ fn asked() -> Result<Asked, Box<dyn Error>> {
         seeds: 8,
         truth: 120,
         targets: Vec::new(),
+        forecasts: Vec::new(),
     };
+    let errors = |text: &str| text.split(',').map(str::parse).collect::<Result<Vec<f64>, _>>();
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
         let mut value = || words.next().ok_or(format!("{word} wants a value"));
@@ -51,9 +56,8 @@ fn asked() -> Result<Asked, Box<dyn Error>> {
             "--methods" => asked.methods = list(&value()?),
             "--passes" => asked.passes = list(&value()?).iter().map(|n| n.parse()).collect::<Result<_, _>>()?,
             "--seeds" => asked.seeds = value()?.parse()?,
-            "--targets" => {
-                asked.targets = list(&value()?).iter().map(|e| e.parse()).collect::<Result<_, _>>()?;
-            }
+            "--targets" => asked.targets = errors(&value()?)?,
+            "--forecasts" => asked.forecasts = errors(&value()?)?,
             "--truth" => asked.truth = value()?.parse()?,
             _ => asked.scenes.push(word),
         }
@@ -94,7 +98,7 @@ fn reference(scene: &Scene, seed: u64, passes: u32) -> Vec<Vec3> {
     let stop =
         Stop { at_least: 1, passes: Some(passes), time: None, target: None, interrupted: &AtomicBool::new(false) };
     let integrator = Algorithm::Hybrid.prepare(scene, settings);
-    render(integrator.as_ref(), SIZE, &stop, false, &Silent, |_| {}).film.mean()
+    render(integrator.as_ref(), SIZE, &stop, &Silent, |_| {}).film.mean()
 }
 
 /// Renders until the error is told to be low enough, and how large it is then.
@@ -106,7 +110,7 @@ fn stopped(name: &str, scene: &Scene, algorithm: Algorithm, error: f64, seeds: u
         let mut settings = settings(seed);
         settings.eye.gauge = true;
         let integrator = algorithm.prepare(scene, settings);
-        let rendered = render(integrator.as_ref(), SIZE, &stop, true, &Silent, |_| {});
+        let rendered = render(integrator.as_ref(), SIZE, &stop, &Silent, |_| {});
         passes += rendered.film.passes();
         errors.push(square(&rendered.film.mean()).max(0.0).sqrt());
     }
@@ -123,6 +127,11 @@ fn stopped(name: &str, scene: &Scene, algorithm: Algorithm, error: f64, seeds: u
 
 fn main() -> Result<(), Box<dyn Error>> {
     let asked = asked()?;
+    let named = |name: &String| Algorithm::ALL.into_iter().find(|a| a.name() == name).ok_or("no such method");
+    let methods = asked.methods.iter().map(named).collect::<Result<Vec<Algorithm>, _>>()?;
+    if !asked.forecasts.is_empty() {
+        return forecasts::print(&asked.scenes, &methods, &asked.forecasts, asked.seeds);
+    }
     let columns: &[&str] = if asked.targets.is_empty() {
         &[
             "scene",
@@ -145,8 +154,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let scale = RelativeScale::of_pixels(SIZE, &truth);
         let apart = 0.5 * scale.mean(|i| (a[i] - b[i]).as_dvec3() * (a[i] - b[i]).as_dvec3()).sqrt();
         eprintln!("{name}: references known to {:.2} % but for their bias", 100.0 * apart);
-        for method in &asked.methods {
-            let algorithm = Algorithm::ALL.into_iter().find(|a| a.name() == method).ok_or("no such method")?;
+        for algorithm in methods.iter().copied() {
             let wanted = Plan::new(&scene, algorithm.simulates(), Wishes::PLANNED).effects();
             if algorithm == Algorithm::Path && wanted.has(Effect::Caustics) {
                 continue;
@@ -178,7 +186,8 @@ fn main() -> Result<(), Box<dyn Error>> {
                 let ratios: Vec<f64> = row.iter().map(|(told, error)| told.error / error).collect();
                 let held = row.iter().filter(|(told, error)| told.low <= *error && *error <= told.high).count();
                 println!(
-                    "| {name} | {method} | {passes} | {:.2} % | {:.2} % | {:.2} % | {:.2} ({:.2} to {:.2}) | {held}/{} |",
+                    "| {name} | {} | {passes} | {:.2} % | {:.2} % | {:.2} % | {:.2} ({:.2} to {:.2}) | {held}/{} |",
+                    algorithm.name(),
                     100.0 * mean(&|i| row[i].1),
                     100.0 * mean(&|i| row[i].0.noise),
                     100.0 * mean(&|i| row[i].0.bias),

@@ -1,0 +1,53 @@
+//! How well a pilot of eight passes foretells the time to an error, against the render that goes on from it.
+//!
+//! Times are of the processor, without setting up; a render ends by its own gauge, at the first pass whose error is no more than asked for.
+
+use super::{SIZE, scene, settings};
+use caustica::integrate::{Algorithm, Silent};
+use caustica::render::gauge::{Confidence, Needed};
+use caustica::render::{Rendered, Stop, Target, render};
+use caustica::scene::Scene;
+use caustica::stats::cpu_seconds;
+use std::error::Error;
+use std::sync::atomic::AtomicBool;
+
+const PILOT: u32 = 8;
+
+/// A render, and the processor seconds of its passes.
+fn rendered(scene: &Scene, algorithm: Algorithm, seed: u64, stop: &Stop<'_>) -> (Rendered, f64) {
+    let mut settings = settings(seed);
+    settings.eye.gauge = true;
+    let integrator = algorithm.prepare(scene, settings);
+    let start = cpu_seconds().unwrap_or(0.0);
+    let rendered = render(integrator.as_ref(), SIZE, stop, &Silent, |_| {});
+    (rendered, cpu_seconds().unwrap_or(0.0) - start)
+}
+
+/// Prints a table of what is foretold and what it took, by scene, method, seed and error.
+pub fn print(scenes: &[String], methods: &[Algorithm], errors: &[f64], seeds: u64) -> Result<(), Box<dyn Error>> {
+    println!("| scene | method | seed | error | foretold | passes | it took | passes | foretold / taken |");
+    println!("|{}", " --- |".repeat(9));
+    for name in scenes {
+        let scene = scene(name)?;
+        for (method, seed) in methods.iter().flat_map(|method| (0..seeds).map(move |seed| (*method, seed))) {
+            let interrupted = AtomicBool::new(false);
+            let pilot = Stop { at_least: 1, passes: Some(PILOT), time: None, target: None, interrupted: &interrupted };
+            let (made, seconds) = rendered(&scene, method, seed, &pilot);
+            let gauge = made.gauge.as_ref().ok_or("no gauge")?;
+            let forecast = gauge.forecast(&gauge.read(&made.film)).ok_or("no forecast")?;
+            for error in errors {
+                let row = format!("| {name} | {} | {seed} | {:.1} %", method.name(), 100.0 * error);
+                let Needed::Passes(passes) = forecast.passes_to(*error) else {
+                    println!("{row} | {:?} | | | | |", forecast.passes_to(*error));
+                    continue;
+                };
+                let target = Some(Target { error: *error, confidence: Confidence::new(0.5).ok_or("half is a part")? });
+                let (done, taken) = rendered(&scene, method, seed, &Stop { passes: Some(2000), target, ..pilot });
+                let foretold = seconds / f64::from(PILOT) * f64::from(passes);
+                let (took, ratio) = (done.film.passes(), foretold / taken);
+                println!("{row} | {foretold:.1} s | {passes} | {taken:.1} s | {took} | {ratio:.2} |");
+            }
+        }
+    }
+    Ok(())
+}
