@@ -1,5 +1,7 @@
 //! What the pages say is true: their commands run, their scenes render, their tables agree with the program.
 
+mod shell;
+
 use caustica::cli::{Arguments, Command, Exit};
 use caustica::format::grid::{self, Encoding, Grid};
 use caustica::format::mesh::{self, MeshFormat};
@@ -7,6 +9,7 @@ use caustica::format::{Source, parse, resolve};
 use caustica::image::{self, Image, WriteOptions};
 use caustica::integrate::{Algorithm, Settings, Silent};
 use clap::{CommandFactory, Parser};
+use shell::words;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -57,25 +60,6 @@ fn commands(block: &str) -> Vec<Vec<String>> {
         .map(|words| words.into_iter().skip_while(setting).collect::<Vec<_>>())
         .filter(|words| !words.is_empty())
         .collect()
-}
-
-fn words(line: &str) -> Vec<String> {
-    let mut words: Vec<String> = Vec::new();
-    let (mut word, mut quote) = (None::<String>, None);
-    for c in line.chars() {
-        match (quote, c) {
-            (None, '\'' | '"') => {
-                quote = Some(c);
-                word.get_or_insert_default();
-            }
-            (Some(q), c) if q == c => quote = None,
-            (None, '#') if word.is_none() => break,
-            (None, c) if c.is_whitespace() => words.extend(word.take()),
-            _ => word.get_or_insert_default().push(c),
-        }
-    }
-    words.extend(word);
-    words
 }
 
 /// The arguments of `caustica` in a command, if it is one.

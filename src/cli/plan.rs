@@ -6,7 +6,7 @@ use super::scene::{in_pool, load};
 use super::settings::settings;
 use super::{Exit, Failure};
 use crate::integrate::{Algorithm, Balance, Integrator};
-use crate::plan::{Decision, Facts, Plan};
+use crate::plan::{Decision, Effect, Facts, Plan};
 use crate::study::text::{amount, signed};
 use crate::study::{ExpectedWork, Work, expected_work};
 use miette::IntoDiagnostic;
@@ -49,7 +49,14 @@ pub(super) fn announce(integrator: &dyn Integrator, progress: &Progress) {
     progress.say(&line(integrator.plan()));
     integrator.balance().iter().for_each(|balance| progress.say(&balance_line(balance)));
     complaints(integrator.plan()).for_each(|line| tell(&line));
+    if integrator.plan().effects().has(Effect::Caustics) && integrator.radius_law().is_none() {
+        tell(BY_CHANCE);
+    }
 }
+
+/// Of an algorithm without photons where there are caustics.
+const BY_CHANCE: &str = "warning: light that comes by way of glass and mirrors is found by chance, of small lights rarely and of points never; \
+    what was not found is in no error that is told: hybrid and sppm find it by photons";
 
 /// How a pass divides its work, in a line.
 fn balance_line(balance: &Balance) -> String {

@@ -43,6 +43,16 @@ fn a_render_ends_when_its_error_is_low_enough() {
 }
 
 #[test]
+fn light_that_is_found_by_chance_is_in_no_error() {
+    let shop = Workshop::new();
+    render(&shop, "--integrator path --passes 1").expect(0, &["warning: light that comes by way of glass"]);
+    for fine in ["--integrator hybrid", "--integrator whitted", "--integrator path --effects -caustics"] {
+        let told = render(&shop, &format!("{fine} --passes 1"));
+        assert!(told.code == Some(0) && !told.stderr.contains("by chance"), "{fine}: {}", told.stderr);
+    }
+}
+
+#[test]
 fn what_cannot_be_reached_ends_with_a_warning() {
     let shop = Workshop::new();
     let blurred = "--integrator pm --final-gathering none --radius 1 --target-error 0.1%";

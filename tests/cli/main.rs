@@ -9,6 +9,8 @@ mod methods;
 mod outputs;
 mod repeat;
 mod scenes;
+#[path = "../shell/mod.rs"]
+mod shell;
 mod stats;
 mod study;
 

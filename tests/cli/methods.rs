@@ -1,26 +1,8 @@
 //! `caustica study` of methods.
 
+use super::shell::words;
 use super::{Ended, Workshop};
 use serde_json::Value;
-
-/// Words as a shell reads them, quoted by ' or \" or not at all.
-fn words(line: &str) -> Vec<String> {
-    let mut words: Vec<String> = Vec::new();
-    let (mut word, mut quote) = (None::<String>, None);
-    for c in line.chars() {
-        match (quote, c) {
-            (None, '\'' | '"') => {
-                quote = Some(c);
-                word.get_or_insert_default();
-            }
-            (Some(q), c) if q == c => quote = None,
-            (None, ' ') => words.extend(word.take()),
-            _ => word.get_or_insert_default().push(c),
-        }
-    }
-    words.extend(word);
-    words
-}
 
 fn run(shop: &Workshop, line: &str) -> Ended {
     let words = words(line);
