@@ -110,6 +110,42 @@ impl Hierarchy {
         best.finish(ray, &probe)
     }
 
+    /// Shows `visit` every hit with `0 < t < t_max`, in an order that depends on the tree.
+    ///
+    /// `other` is as for [`closest`](Self::closest), but gets the ray as it is.
+    pub fn each<F>(&self, ray: &Ray, mut other: F, mut visit: impl FnMut(Hit))
+    where
+        F: FnMut(u32, &Ray) -> Option<(f32, f32, f32)>,
+    {
+        if !Probe::fits(ray) {
+            return;
+        }
+        let probe = Probe::new(ray);
+        let mut show = |key: u32, crossing: Crossing| {
+            let mut only = Best { key: 0, crossing: Crossing { t: probe.t_max, weights: [0.0; 2], total: 1.0 } };
+            only.offer(key, crossing);
+            if let Some(hit) = only.finish(ray, &probe) {
+                visit(hit);
+            }
+        };
+        self.wide.walk::<false, _>(&probe, |leaf, limit| {
+            if leaf & OTHER == 0 {
+                let packet = self.wide.packet(leaf);
+                let mut lanes = packet.candidates(&probe);
+                while lanes != 0 {
+                    let lane = lanes.trailing_zeros() as usize;
+                    lanes &= lanes - 1;
+                    if let Some(crossing) = packet.hit(lane, &probe) {
+                        show(packet.index(lane), crossing);
+                    }
+                }
+            } else if let Some((t, u, v)) = other(leaf ^ OTHER, ray) {
+                show(leaf, Crossing { t: t * probe.per_unit, weights: [u, v].map(f64::from), total: 1.0 });
+            }
+            limit
+        });
+    }
+
     /// Whether anything lies at `0 < t < t_max`.
     ///
     /// `other` tells whether the other primitive of the given index meets the ray.

@@ -3,7 +3,19 @@
 //! A shading normal replaces |wi · ng| by |wi · ns| in what a camera walk integrates. A walk from a light carries flux over
 //! true areas and must make up for it.
 
+use super::BsdfSample;
 use glam::Vec3;
+
+impl BsdfSample {
+    /// What a walk from a light is multiplied by besides the weight, with `wo` to where it came from: [`shading_normal_factor`], or 1 where
+    /// the shading normal had no part in it. (That quotient is not what such light is due, and under steep normals its denominator passes
+    /// through zero, so that its mean is infinite.)
+    #[inline]
+    #[must_use]
+    pub fn adjoint(&self, wo: Vec3, ns: Vec3, ng: Vec3) -> f32 {
+        if self.flat { 1.0 } else { shading_normal_factor(wo, self.wi, ns, ng) }
+    }
+}
 
 /// The factor by which a walk from a light is multiplied at a scattering, with `wo` to where it came from.
 #[inline]

@@ -26,6 +26,12 @@ impl Conductor {
         Self { eta, k, alpha: if alpha < SMOOTH_ALPHA { 0.0 } else { alpha } }
     }
 
+    /// [`Conductor::new`], but rough however small α is.
+    #[cfg(test)]
+    pub(super) fn of_any_width(eta: Rgb, k: Rgb, alpha: f32) -> Self {
+        Self { eta, k, alpha }
+    }
+
     /// Width of the facets' slopes; 0 for a mirror.
     #[inline]
     #[must_use]
@@ -71,10 +77,10 @@ impl Conductor {
     #[inline]
     pub(super) fn sample(&self, wo: Vec3, n: Vec3, ng: Vec3, u: Vec2) -> Option<BsdfSample> {
         if self.is_smooth() {
-            let wi = dielectric::reflect_above(wo, n, ng);
+            let (wi, flat) = dielectric::reflect_above(wo, n, ng);
             let cos = wo.dot((wo + wi).normalize_or_zero());
             let weight = conductor_reflectance(cos, self.eta, self.k);
-            return Some(BsdfSample { wi, weight, pdf: 0.0, specular: true, transmitted: false });
+            return Some(BsdfSample { wi, weight, pdf: 0.0, specular: true, transmitted: false, flat });
         }
         let (ggx, o) = (Ggx::new(self.alpha), wo.as_dvec3());
         let m = ggx.sample_visible(o, n, u);
@@ -88,6 +94,6 @@ impl Conductor {
         let pdf = ggx.visible_density(&facet, cos_o) as f32;
         let leaving = ggx.leaving(ggx.same_side(cos_o, cos_i), cos_o, cos_i);
         let weight = self.reflectance(facet.cos) * leaving as f32;
-        (pdf > 0.0).then_some(BsdfSample { wi, weight, pdf, specular: false, transmitted: false })
+        (pdf > 0.0).then_some(BsdfSample { wi, weight, pdf, specular: false, transmitted: false, flat: false })
     }
 }

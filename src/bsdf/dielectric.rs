@@ -20,6 +20,8 @@ pub struct Split {
     pub transmitted: (Vec3, f32),
     /// What the transmitted radiance is divided by: (n_near/n_far)² for radiance, 1 for flux.
     pub squeeze: f32,
+    /// Whether reflection and refraction took the surface as it is: see [`BsdfSample::flat`].
+    pub flat: [bool; 2],
 }
 
 impl Dielectric {
@@ -30,40 +32,48 @@ impl Dielectric {
         let outside = wo.dot(ng) >= 0.0;
         let (near_ns, near_ng, eta) = if outside { (ns, ng, self.eta) } else { (-ns, -ng, 1.0 / self.eta) };
         // Where the shading normal would send light through the wrong side, the surface is taken as it is.
-        let n = if wo.dot(near_ns) > 0.0 { near_ns } else { near_ng };
-        let mut bent = refract(wo, n, eta);
-        if bent.reflectance < 1.0 && bent.transmitted.dot(near_ng) >= 0.0 {
+        let mut flat = wo.dot(near_ns) <= 0.0;
+        let mut bent = refract(wo, if flat { near_ng } else { near_ns }, eta);
+        if bent.transmittance > 0.0 && bent.transmitted.dot(near_ng) >= 0.0 {
             bent = refract(wo, near_ng, eta);
+            flat = true;
         }
         let squeeze = match transport {
             Transport::Radiance => eta * eta,
             Transport::Importance => 1.0,
         };
+        let (mirrored, mirrored_flat) = reflect_above(wo, near_ns, ng);
         Split {
-            reflected: (reflect_above(wo, near_ns, ng), bent.reflectance),
-            transmitted: (bent.transmitted, 1.0 - bent.reflectance),
+            reflected: (mirrored, bent.reflectance),
+            transmitted: (bent.transmitted, bent.transmittance),
             squeeze,
+            flat: [mirrored_flat, flat],
         }
     }
 
-    /// One continuation, chosen by its share.
+    /// One continuation, chosen by its share. The choice knows steps of 2⁻²⁴: a weight makes up for what that rounds off a small
+    /// transmitted share.
     #[inline]
     pub(super) fn sample(&self, wo: Vec3, ns: Vec3, ng: Vec3, lobe: f32, transport: Transport) -> BsdfSample {
         let split = self.split(wo, ns, ng, transport);
         if lobe < split.reflected.1 {
-            BsdfSample { wi: split.reflected.0, weight: Rgb::ONE, pdf: 0.0, specular: true, transmitted: false }
+            let (wi, flat) = (split.reflected.0, split.flat[0]);
+            BsdfSample { wi, weight: Rgb::ONE, pdf: 0.0, specular: true, transmitted: false, flat }
         } else {
-            let weight = Rgb::splat(1.0 / split.squeeze);
-            BsdfSample { wi: split.transmitted.0, weight, pdf: 0.0, specular: true, transmitted: true }
+            let through = 1.0 - split.reflected.1;
+            let exact = if through < 0.5 { split.transmitted.1 / through } else { 1.0 };
+            let weight = Rgb::splat(exact / split.squeeze);
+            let (wi, flat) = (split.transmitted.0, split.flat[1]);
+            BsdfSample { wi, weight, pdf: 0.0, specular: true, transmitted: true, flat }
         }
     }
 }
 
-/// The mirror image of `wo` about `ns`, or about `ng` where the former would dive below the surface.
+/// The mirror image of `wo` about `ns`, or about `ng` where the former would dive below the surface, and whether it did.
 #[inline]
-pub(super) fn reflect_above(wo: Vec3, ns: Vec3, ng: Vec3) -> Vec3 {
+pub(super) fn reflect_above(wo: Vec3, ns: Vec3, ng: Vec3) -> (Vec3, bool) {
     let mirrored = |n: Vec3| n * (2.0 * wo.dot(n)) - wo;
     let wi = mirrored(ns);
     let same_side = wi.dot(ng) * wo.dot(ng) > 0.0;
-    if same_side { wi.normalize() } else { mirrored(ng).normalize() }
+    if same_side { (wi.normalize(), false) } else { (mirrored(ng).normalize(), true) }
 }

@@ -1,7 +1,7 @@
 //! Fresnel's equations and Snell's law for unpolarised light at smooth interfaces of dielectrics and conductors.
 
 use crate::color::Rgb;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 /// Fraction of light reflected where `cos_i ≥ 0` is the cosine on the incident side and `eta` the index of the far side
 /// over that of the near side; with the cosine on the far side. Total internal reflection gives `(1, 0)`.
@@ -17,18 +17,26 @@ pub fn dielectric_reflectance(cos_i: f32, eta: f32) -> (f32, f32) {
     (reflectance as f32, cos_t as f32)
 }
 
-/// [`dielectric_reflectance`] for a cosine in \[0, 1]; in f64, so that within an ulp of the critical angle the sign of cos²θt is
-/// that of the inputs.
+/// [`dielectric_reflectance`] for a cosine in \[0, 1].
+///
+/// Of numbers that came from f32, (η − 1)(η + 1) and cos² are exact in f64, so their sum has the sign of cos²θt itself: within an ulp of
+/// the critical angle too, whatever the index.
 #[inline]
 pub(super) fn reflectance_f64(cos_i: f64, eta: f64) -> (f64, f64) {
-    let cos2_t = 1.0 - (1.0 - cos_i * cos_i) / (eta * eta);
+    let cos2_t = ((eta - 1.0) * (eta + 1.0) + cos_i * cos_i) / (eta * eta);
     if cos2_t <= 0.0 {
         return (1.0, 0.0);
     }
     let cos_t = cos2_t.sqrt();
+    (reflectance_of(cos_i, cos_t, eta), cos_t)
+}
+
+/// Fraction of light reflected between two cosines that obey Snell's law.
+#[inline]
+fn reflectance_of(cos_i: f64, cos_t: f64, eta: f64) -> f64 {
     let parallel = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
     let perpendicular = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
-    (0.5 * (parallel * parallel + perpendicular * perpendicular), cos_t)
+    0.5 * (parallel * parallel + perpendicular * perpendicular)
 }
 
 /// Fraction of light transmitted between two cosines that obey Snell's law: the complement of the reflectance, without
@@ -73,21 +81,38 @@ pub fn conductor_reflectance(cos_i: f32, eta: Rgb, k: Rgb) -> Rgb {
 pub struct Refraction {
     /// Fraction reflected.
     pub reflectance: f32,
-    /// Unit direction of the transmitted ray; meaningless where `reflectance` is 1.
+    /// Fraction transmitted, to all its digits however little it is; 0 under total reflection.
+    pub transmittance: f32,
+    /// Unit direction of the transmitted ray; meaningless where `transmittance` is 0.
     pub transmitted: Vec3,
 }
 
 /// Snell's law: `wo` points away from the interface on the side of `n`; `eta` is the far index over the near one.
+///
+/// The sine is taken from the cross product: towards an index of 10⁶ light gets out within 10⁻⁶ rad of the normal only, where a
+/// cosine in f32 is 1 up to 2·10⁻⁴ rad, and lengths that differ from 1 by a rounding count as much.
 #[inline]
 #[must_use]
 pub fn refract(wo: Vec3, n: Vec3, eta: f32) -> Refraction {
-    let cos_i = wo.dot(n);
-    let (reflectance, cos_t) = dielectric_reflectance(cos_i, eta);
     if eta == 1.0 {
-        return Refraction { reflectance, transmitted: -wo };
+        return Refraction { reflectance: 0.0, transmittance: 1.0, transmitted: -wo };
     }
-    let transmitted = (n * cos_i - wo) / eta - n * cos_t;
-    Refraction { reflectance, transmitted: transmitted.normalize_or(-n) }
+    let (o, n, eta) = (wo.as_dvec3(), n.as_dvec3(), f64::from(eta));
+    let (dot, cross2, n2) = (o.dot(n), o.cross(n).length_squared(), n.length_squared());
+    let all2 = dot * dot + cross2;
+    let (cos2, sin2) = (dot * dot / all2, cross2 / all2);
+    // Where the sine is small, its square has the digits; else those of the cosine.
+    let cos2_t = if sin2 < 0.5 { eta * eta - sin2 } else { (eta - 1.0) * (eta + 1.0) + cos2 } / (eta * eta);
+    if cos2_t.is_nan() || cos2_t <= 0.0 {
+        return Refraction { reflectance: 1.0, transmittance: 0.0, transmitted: (-n).as_vec3() };
+    }
+    let (cos_i, cos_t) = (cos2.sqrt(), cos2_t.sqrt());
+    let transmitted: DVec3 = (n * (dot / n2) - o) / eta - n * cos_t;
+    Refraction {
+        reflectance: reflectance_of(cos_i, cos_t, eta) as f32,
+        transmittance: transmittance_f64(cos_i, cos_t, eta) as f32,
+        transmitted: transmitted.normalize().as_vec3(),
+    }
 }
 
 #[cfg(test)]

@@ -60,6 +60,9 @@ pub struct BsdfSample {
     pub specular: bool,
     /// Whether the walk passed to the other side.
     pub transmitted: bool,
+    /// Whether a smooth surface was taken as it is, by its geometric normal alone, because the shading normal would have sent light to
+    /// the wrong side.
+    pub flat: bool,
 }
 
 /// A scattering function at one point: small, copied, chosen once a hit.
@@ -193,14 +196,18 @@ impl Bsdf {
             Self::Black => return None,
             Self::Diffuse(reflectance) => {
                 let local = warp::cosine_hemisphere(u);
+                // The rim of the disc lies in the horizon, where the density is 0: no weight of chance could be made of it.
+                if local.z <= 0.0 {
+                    return None;
+                }
                 let wi = Frame::around(facing).to_world(local);
                 let pdf = warp::cosine_hemisphere_pdf(local.z);
-                BsdfSample { wi, weight: *reflectance, pdf, specular: false, transmitted: false }
+                BsdfSample { wi, weight: *reflectance, pdf, specular: false, transmitted: false, flat: false }
             }
             Self::Phong(phong) => phong.sample(wo, facing, lobe, u)?,
             Self::Mirror(reflectance) => {
-                let wi = dielectric::reflect_above(wo, facing, ng);
-                BsdfSample { wi, weight: *reflectance, pdf: 0.0, specular: true, transmitted: false }
+                let (wi, flat) = dielectric::reflect_above(wo, facing, ng);
+                BsdfSample { wi, weight: *reflectance, pdf: 0.0, specular: true, transmitted: false, flat }
             }
             Self::Dielectric(dielectric) => dielectric.sample(wo, ns, ng, lobe, transport),
             Self::Conductor(conductor) => conductor.sample(wo, facing, ng, u)?,

@@ -43,10 +43,16 @@ impl Phong {
         }
     }
 
+    /// The cosine between `wi` and the mirror image of `wo`. What rounding adds to 1 would be raised to the power too, and no number
+    /// holds that at exponents beyond 10⁸.
+    #[inline]
+    fn cos_to_mirror(wo: Vec3, wi: Vec3, n: Vec3) -> f32 {
+        (n * (2.0 * wo.dot(n)) - wo).dot(wi).min(1.0)
+    }
+
     #[inline]
     pub(super) fn evaluate(&self, wo: Vec3, wi: Vec3, n: Vec3) -> Rgb {
-        let mirror = n * (2.0 * wo.dot(n)) - wo;
-        let cos = mirror.dot(wi);
+        let cos = Self::cos_to_mirror(wo, wi, n);
         // A power of 0 counts as 1 where the exponent is 0, as in the course's model.
         let lobe = if cos > 0.0 || self.shininess == 0.0 { libm::powf(cos.max(0.0), self.shininess) } else { 0.0 };
         (self.diffuse + self.specular * lobe) * FRAC_1_PI
@@ -67,14 +73,13 @@ impl Phong {
         }
         let pdf = self.pdf(wo, wi, n);
         let weight = self.evaluate(wo, wi, n) * (cos / pdf);
-        (pdf > 0.0).then_some(BsdfSample { wi, weight, pdf, specular: false, transmitted: false })
+        (pdf > 0.0).then_some(BsdfSample { wi, weight, pdf, specular: false, transmitted: false, flat: false })
     }
 
     /// Density of the mixture \[1/sr], for directions on one side of `n`.
     #[inline]
     pub(super) fn pdf(&self, wo: Vec3, wi: Vec3, n: Vec3) -> f32 {
-        let mirror = n * (2.0 * wo.dot(n)) - wo;
-        let glossy = warp::power_cosine_pdf(mirror.dot(wi), self.shininess);
+        let glossy = warp::power_cosine_pdf(Self::cos_to_mirror(wo, wi, n), self.shininess);
         self.lobe * glossy + (1.0 - self.lobe) * warp::cosine_hemisphere_pdf(wi.dot(n).abs())
     }
 }

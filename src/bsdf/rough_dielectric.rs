@@ -110,7 +110,7 @@ impl RoughDielectric {
         let pdf = (share * ggx.visible_density(&facet, cos_o)) as f32;
         let leaving = ggx.leaving(g2_by_cos, cos_o, cos_i.abs());
         let weight = Rgb::splat((leaving / squeeze(eta, transmitted, transport)) as f32);
-        (pdf > 0.0).then_some(BsdfSample { wi, weight, pdf, specular: false, transmitted })
+        (pdf > 0.0).then_some(BsdfSample { wi, weight, pdf, specular: false, transmitted, flat: false })
     }
 }
 

@@ -1,6 +1,6 @@
 //! Panes: sheets so thin that what passes is not displaced.
 
-use super::fresnel::dielectric_reflectance;
+use super::fresnel::{reflectance_f64, transmittance_f64};
 use super::{BsdfSample, dielectric};
 use crate::color::{self, Rgb};
 use glam::Vec3;
@@ -23,6 +23,8 @@ pub struct ThinSplit {
     pub reflected: (Vec3, Rgb),
     /// The direction straight on and its share.
     pub transmitted: (Vec3, Rgb),
+    /// Whether it mirrored as it is: see [`BsdfSample::flat`].
+    pub flat: bool,
 }
 
 impl Thin {
@@ -31,14 +33,18 @@ impl Thin {
     #[inline]
     #[must_use]
     pub fn shares(&self, cos: f32) -> (Rgb, Rgb) {
-        let (r, cos_t) = dielectric_reflectance(cos, self.eta);
-        if r >= 1.0 || cos_t <= 0.0 {
+        let (cos, eta) = (f64::from(cos.clamp(0.0, 1.0)), f64::from(self.eta));
+        let (r, cos_t) = reflectance_f64(cos, eta);
+        let t = if cos_t > 0.0 { transmittance_f64(cos, cos_t, eta) as f32 } else { 0.0 };
+        if t <= 0.0 {
             return (Rgb::ONE, Rgb::ZERO);
         }
-        let length = 1.0 / cos_t;
+        let (r, length) = (r as f32, (1.0 / cos_t) as f32);
         let clear = self.transmittance == Rgb::ONE;
         let kept = if clear { Rgb::ONE } else { self.transmittance.map(|t| libm::powf(t, length)) };
-        let through = kept * ((1.0 - r) * (1.0 - r)) / (Rgb::ONE - kept * kept * (r * r));
+        // 1 − R²τ² without cancelling where nearly all is reflected.
+        let rest = (Rgb::ONE - kept + kept * t) * (Rgb::ONE + kept * r);
+        let through = kept * (t * t) / rest;
         (Rgb::splat(r) + through * kept * r, through)
     }
 
@@ -46,17 +52,17 @@ impl Thin {
     #[inline]
     #[must_use]
     pub fn split(&self, wo: Vec3, ns: Vec3, ng: Vec3) -> ThinSplit {
-        let mirrored = dielectric::reflect_above(wo, ns, ng);
+        let (mirrored, flat) = dielectric::reflect_above(wo, ns, ng);
         // Of the normal that mirrored, which is not always `ns`.
         let cos = wo.dot((wo + mirrored).normalize_or_zero());
         let (reflected, transmitted) = self.shares(cos);
-        ThinSplit { reflected: (mirrored, reflected), transmitted: (-wo, transmitted) }
+        ThinSplit { reflected: (mirrored, reflected), transmitted: (-wo, transmitted), flat }
     }
 
     /// One continuation, chosen by the means of both shares.
     #[inline]
     pub(super) fn sample(&self, wo: Vec3, ns: Vec3, ng: Vec3, lobe: f32) -> Option<BsdfSample> {
-        let ThinSplit { reflected, transmitted } = self.split(wo, ns, ng);
+        let ThinSplit { reflected, transmitted, flat } = self.split(wo, ns, ng);
         let (r, t) = (color::mean(reflected.1), color::mean(transmitted.1));
         let reflects = r / (r + t);
         if r + t == 0.0 {
@@ -64,6 +70,13 @@ impl Thin {
         }
         let crosses = lobe >= reflects;
         let ((wi, share), probability) = if crosses { (transmitted, 1.0 - reflects) } else { (reflected, reflects) };
-        Some(BsdfSample { wi, weight: share / probability, pdf: 0.0, specular: true, transmitted: crosses })
+        Some(BsdfSample {
+            wi,
+            weight: share / probability,
+            pdf: 0.0,
+            specular: true,
+            transmitted: crosses,
+            flat: flat && !crosses,
+        })
     }
 }

@@ -174,6 +174,7 @@ impl Method for Gathered<'_> {
             pdf,
             specular: false,
             transmitted: false,
+            flat: false,
         })
     }
 

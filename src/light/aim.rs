@@ -74,7 +74,7 @@ impl Targets {
                     count += 1;
                 }
                 View::Nowhere => {}
-                View::Everywhere => return Some(everywhere(horizon, u)),
+                View::Everywhere => return everywhere(horizon, u),
             }
         }
         let cones = &cones[..count];
@@ -122,13 +122,14 @@ impl Targets {
     }
 }
 
-fn everywhere(horizon: Option<Vec3>, u: Vec2) -> (Vec3, f32) {
+/// `None` in the horizon itself, where the density is 0.
+fn everywhere(horizon: Option<Vec3>, u: Vec2) -> Option<(Vec3, f32)> {
     match horizon {
         Some(n) => {
             let local = warp::cosine_hemisphere(u);
-            (Frame::around(n).to_world(local), warp::cosine_hemisphere_pdf(local.z))
+            (local.z > 0.0).then(|| (Frame::around(n).to_world(local), warp::cosine_hemisphere_pdf(local.z)))
         }
-        None => (warp::sphere(u), 1.0 / (2.0 * TAU)),
+        None => Some((warp::sphere(u), 1.0 / (2.0 * TAU))),
     }
 }
 

@@ -35,6 +35,13 @@ impl Bounds {
         !(self.min.cmple(self.max).all())
     }
 
+    /// Whether two boxes share a point.
+    #[inline]
+    #[must_use]
+    pub fn meets(&self, other: &Self) -> bool {
+        self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
+    }
+
     /// Edge lengths, zero for an empty box.
     #[inline]
     #[must_use]

@@ -2,7 +2,7 @@
 
 use super::audit::book;
 use super::{Audit, Beam, Class, Photon, PhotonSource, THINNING, VolumePhoton, Wants};
-use crate::bsdf::{Transport, deposit_factor, shading_normal_factor};
+use crate::bsdf::{Transport, deposit_factor};
 use crate::color::{self, Rgb, Wavelength};
 use crate::math::Ray;
 use crate::medium::Phase;
@@ -253,7 +253,7 @@ impl PhotonPass<'_> {
                 let Some(sample) = surface.sample(lobe, u, Transport::Importance) else {
                     return book(&mut audit.absorbed, flux);
                 };
-                let adjoint = shading_normal_factor(surface.wo, sample.wi, surface.point.ns, surface.point.ng);
+                let adjoint = sample.adjoint(surface.wo, surface.point.ns, surface.point.ng);
                 let chosen = walk.leave(surface, sample.wi, sample.transmitted);
                 let scattered = flux * sample.weight * adjoint * chosen;
                 book(&mut audit.absorbed, flux - scattered);

@@ -8,26 +8,27 @@ pub struct Discrete {
     total: f64,
 }
 
+/// Part of the whole under which a thing is never drawn: the least normal number of f32.
+const LEAST: f64 = f32::MIN_POSITIVE as f64;
+
 impl Discrete {
-    /// Weights to probabilities. `None` where there is nothing to choose: no weights, or a sum of zero or not finite, or a
+    /// Weights to probabilities; those below 10⁻³⁸ of the sum count as zero. `None` where there is nothing to choose: no weights, or a sum of zero or not finite, or a
     /// negative weight.
     #[must_use]
     pub fn new(weights: impl IntoIterator<Item = f64>) -> Option<Self> {
-        let mut total = 0.0;
-        let mut negative = false;
-        let mut cumulative: Vec<f64> = weights
-            .into_iter()
-            .map(|w| {
-                negative |= w < 0.0;
-                total += w;
-                total
-            })
-            .collect();
-        if negative || !(total > 0.0 && f64::is_finite(total)) {
+        let mut cumulative: Vec<f64> = weights.into_iter().collect();
+        let total: f64 = cumulative.iter().sum();
+        if cumulative.iter().any(|w| *w < 0.0) || !(total > 0.0 && total.is_finite()) {
             return None;
         }
+        let mut sum = 0.0;
         for c in &mut cumulative {
-            *c /= total;
+            // `probability` could not tell a smaller part from zero, and what is drawn is divided by it.
+            sum += if *c / total < LEAST { 0.0 } else { *c };
+            *c = sum;
+        }
+        for c in &mut cumulative {
+            *c /= sum;
         }
         Some(Self { cumulative, total })
     }

@@ -40,19 +40,19 @@ pub enum BuildError {
 pub struct SceneBuilder {
     background: Rgb,
     environment: Option<Environment>,
-    materials: Vec<Material>,
+    pub(super) materials: Vec<Material>,
     glasses: Vec<Glass>,
     media: Vec<Medium>,
-    filling: Option<u32>,
-    shapes: Vec<(Shape, u32, Rgb)>,
-    planes: Vec<(Plane, u32)>,
-    positions: Vec<DVec3>,
+    pub(super) filling: Option<u32>,
+    pub(super) shapes: Vec<(Shape, u32, Rgb)>,
+    pub(super) planes: Vec<(Plane, u32)>,
+    pub(super) positions: Vec<DVec3>,
     normals: Vec<Vec3>,
-    triangles: Vec<Triangle>,
-    parts: Vec<(u32, u32, Rgb)>,
+    pub(super) triangles: Vec<Triangle>,
+    pub(super) parts: Vec<(u32, u32, Rgb)>,
     sources: Vec<(SourceKind, LightStrength)>,
-    moving_shapes: Vec<(Shape, Motion, u32, Rgb)>,
-    moving_planes: Vec<(Plane, Motion, u32)>,
+    pub(super) moving_shapes: Vec<(Shape, Motion, u32, Rgb)>,
+    pub(super) moving_planes: Vec<(Plane, Motion, u32)>,
     moving_sources: Vec<(SourceKind, LightStrength, Motion)>,
     moving_camera: Option<Motion>,
     emissive_plane: bool,
@@ -188,6 +188,7 @@ impl SceneBuilder {
         if self.triangles.len() > i32::MAX as usize {
             return Err(BuildError::TooManyTriangles(self.triangles.len()));
         }
+        self.leave_out_nothing();
         let middle = self.middle(&camera)?;
         let movement = self.movement(&camera, middle);
         let mut shapes: Vec<Shape> = self.shapes.iter().map(|(s, ..)| s.translated(-middle)).collect();
@@ -199,6 +200,7 @@ impl SceneBuilder {
         for (plane, motion) in &movement.planes {
             planes.push(plane_at(plane, motion, MIDDLE).ok_or(BuildError::Flattened)?);
         }
+        let ends_of_parts = self.ends_of_parts();
         let mut normals = self.normals;
         if !normals.is_empty() {
             normals.resize(self.positions.len(), Vec3::ZERO);
@@ -264,8 +266,7 @@ impl SceneBuilder {
                 Attributes { material, light, chart: wardrobe.chart_of(place) }
             })
             .collect();
-        let ends: Vec<u32> =
-            self.parts.iter().skip(1).map(|(first, ..)| *first).chain([mesh.triangles.len() as u32]).collect();
+        let ends = ends_of_parts;
         let mut parts = Vec::new();
         let mut triangle_part = Vec::with_capacity(mesh.triangles.len());
         for ((first, material, radiance), end) in self.parts.iter().zip(ends) {
@@ -324,12 +325,20 @@ impl SceneBuilder {
             middle,
             camera_inside: Inside::NOTHING,
             light_inside: Vec::new(),
+            bodies_touch: false,
         };
+        scene.first_moving = still as u32;
+        scene.bodies_touch = scene.may_touch();
         scene.settle(bounds);
         match scene.lights.iter().position(|light| !light.power(scene.domain).is_finite()) {
             Some(i) => Err(BuildError::TooBright(i)),
             None => Ok(scene),
         }
+    }
+
+    /// Of each mesh, the triangle after its last.
+    pub(super) fn ends_of_parts(&self) -> Vec<u32> {
+        self.parts.iter().skip(1).map(|(first, ..)| *first).chain([self.triangles.len() as u32]).collect()
     }
 
     pub(super) fn corner_count(&self) -> usize {

@@ -1,6 +1,6 @@
 //! The memory of walks that go through media, or choose a wavelength.
 
-use super::interior::{boundary, entering};
+use super::interior::boundary;
 use super::{Body, Detail, Filling, Inside, Interior, Meeting, Scene, Surface};
 use crate::bsdf::{Bsdf, Dielectric, Transport};
 use crate::color::{Rgb, Wavelength};
@@ -74,10 +74,10 @@ impl Interior for Immersed {
         let (Some(body), true) = (boundary(surface), self.detail.dispersion && !scene.glasses.is_empty()) else {
             return self.inside.meet(scene, surface, key);
         };
-        if body.clear {
-            return Meeting::Clear;
+        let (meeting, body, crossing) = self.inside.divided(scene, surface, body);
+        if meeting == Meeting::Clear {
+            return meeting;
         }
-        let crossing = self.inside.crossing(surface.index, &body, entering(surface), &scene.materials);
         let disperses = body.glass.is_some() || crossing.outside.is_some_and(|body| body.glass.is_some());
         if disperses && crossing.real && self.wavelength.is_none() {
             self.wavelength = Some(Wavelength::sample(key.uniform(Dimension::Wavelength)));
@@ -88,7 +88,7 @@ impl Interior for Immersed {
             _ => body.index,
         };
         surface.bsdf = Bsdf::dielectric(crossing.eta(&body, index), surface.roughness);
-        if crossing.real { Meeting::Surface } else { Meeting::Hidden }
+        meeting
     }
 
     #[inline]

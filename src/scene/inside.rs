@@ -1,6 +1,6 @@
 //! What a walk is inside of.
 
-use super::{Body, Material, Scattering};
+use super::{Body, Material, Meeting, Scattering};
 use glam::Vec3;
 
 /// Bodies that may lie around a point; of more, those entered first are forgotten.
@@ -24,6 +24,12 @@ pub(super) struct Crossing {
 }
 
 impl Crossing {
+    /// What a boundary is for light that is not the bound of a mere place.
+    #[inline]
+    pub fn meeting(&self) -> Meeting {
+        if self.real { Meeting::Surface } else { Meeting::Hidden }
+    }
+
     /// Index inside the boundary's `body` over the index outside it.
     #[inline]
     pub fn eta(&self, body: &Body, index: impl Fn(&Body) -> f32) -> f32 {

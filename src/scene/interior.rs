@@ -1,5 +1,7 @@
 //! What a walk remembers of the bodies that it is inside of, or nothing where a scene has none.
 
+use super::inside::Crossing;
+use super::touching::{Face, Sides};
 use super::{Body, Detail, Inside, Scattering, Scene, Surface};
 use crate::bsdf::Bsdf;
 use crate::color::{Rgb, Wavelength};
@@ -132,6 +134,26 @@ pub(super) fn entering(surface: &Surface<'_>) -> bool {
     surface.wo.dot(surface.point.ng) >= 0.0
 }
 
+impl Inside {
+    /// What `surface`, the boundary of `body`, is for light, the body on its inner side, and what it divides from what is outside.
+    #[inline]
+    pub(super) fn divided(&self, scene: &Scene, surface: &mut Surface<'_>, body: Body) -> (Meeting, Body, Crossing) {
+        surface.touching = scene.touching(surface);
+        let inwards = entering(surface);
+        if !surface.touching.is_none() {
+            let Sides { near, far, clear, roughness } = self.sides(scene, surface, &body, inwards);
+            surface.roughness = roughness;
+            let (inner, outer) = if inwards { (far, near) } else { (near, far) };
+            let real = inner.map(|(material, _)| material) != outer.map(|(material, _)| material);
+            let crossing = Crossing { real, outside: outer.map(|(_, body)| body) };
+            let inner = inner.map_or_else(|| Body::new(1.0), |(_, body)| body);
+            return (if clear { Meeting::Clear } else { crossing.meeting() }, inner, crossing);
+        }
+        let crossing = self.crossing(surface.index, &body, inwards, &scene.materials);
+        (if body.clear { Meeting::Clear } else { crossing.meeting() }, body, crossing)
+    }
+}
+
 impl Interior for Inside {
     const IMMERSED: bool = false;
 
@@ -161,18 +183,23 @@ impl Interior for Inside {
     #[inline]
     fn meet(&mut self, scene: &Scene, surface: &mut Surface<'_>, _: Key) -> Meeting {
         let Some(body) = boundary(surface) else { return Meeting::Surface };
-        if body.clear {
-            return Meeting::Clear;
+        let (meeting, body, crossing) = self.divided(scene, surface, body);
+        if meeting != Meeting::Clear {
+            surface.bsdf = Bsdf::dielectric(crossing.eta(&body, |body| body.index), surface.roughness);
         }
-        let crossing = self.crossing(surface.index, &body, entering(surface), &scene.materials);
-        surface.bsdf = Bsdf::dielectric(crossing.eta(&body, |body| body.index), surface.roughness);
-        if crossing.real { Meeting::Surface } else { Meeting::Hidden }
+        meeting
     }
 
     #[inline]
     fn cross(&mut self, surface: &Surface<'_>, direction: Vec3) {
-        if boundary(surface).is_some() {
+        if boundary(surface).is_none() {
+            return;
+        }
+        if surface.touching.is_none() {
             self.cross_boundary(surface.index, direction, surface.point.ng);
+        } else {
+            let entering = direction.dot(surface.point.ng) < 0.0;
+            *self = self.beyond(Face { material: surface.index, entering }, &surface.touching);
         }
     }
 }

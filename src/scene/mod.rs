@@ -8,10 +8,12 @@ mod inside;
 mod interior;
 mod material;
 mod movement;
+mod nothing;
 mod objects;
 mod settle;
 mod source;
 mod surface;
+mod touching;
 mod walk;
 mod wardrobe;
 
@@ -39,6 +41,7 @@ use crate::texture::Texture;
 use glam::{DVec3, Vec2, Vec3};
 use movement::Movement;
 use std::sync::Arc;
+use touching::Touching;
 
 /// What a surface is made of, and which light it is.
 #[derive(Clone, Copy, Debug)]
@@ -101,6 +104,8 @@ pub struct Scene {
     camera_inside: Inside,
     /// What each light is inside of.
     light_inside: Vec<Inside>,
+    /// Whether boundaries of bodies may coincide.
+    bodies_touch: bool,
 }
 
 impl std::fmt::Debug for Scene {
@@ -298,7 +303,8 @@ impl Scene {
             Scattering::Boundary(body) => (Bsdf::dielectric(body.index, body.roughness), body.roughness),
             Scattering::Mix { .. } => (Bsdf::Black, 0.0),
         };
-        let mut surface = Surface { point, wo, material, index, bsdf, roughness, light: attributes.light, emission };
+        let (light, touching) = (attributes.light, Touching::NONE);
+        let mut surface = Surface { point, wo, material, index, bsdf, roughness, touching, light, emission };
         if let Some(dress) = material.dress {
             self.put_on(dress, &mut surface, hit, cone);
         }
@@ -362,26 +368,6 @@ impl Scene {
     #[must_use]
     pub fn walk_from_light<I: Interior>(&self, light: usize, ray: Ray, detail: Detail) -> Walk<I> {
         Walk { ray, inside: I::at_light(self, light, detail), cone: Cone::point(detail) }
-    }
-
-    /// Whether a material is the boundary of a body, so that walks have to remember what they are inside of.
-    #[must_use]
-    pub fn has_bodies(&self) -> bool {
-        self.bodies().next().is_some()
-    }
-
-    /// Whether walks have to remember what they are inside of: bodies, or the medium around them.
-    #[must_use]
-    pub fn has_interiors(&self) -> bool {
-        self.filling.is_some() || self.has_bodies()
-    }
-
-    /// The bodies that materials bound.
-    pub fn bodies(&self) -> impl Iterator<Item = &Body> {
-        self.materials.iter().filter_map(|m| match &m.scattering {
-            Scattering::Boundary(body) => Some(body),
-            _ => None,
-        })
     }
 
     /// The ray with its start moved back to where nothing unbounded lies behind it: light from infinity comes from beyond all planes.

@@ -1,6 +1,6 @@
 //! What a scene holds, as planning sees it.
 
-use super::{Attributes, Coat, Dress, Material, Relief, Scattering, Scene};
+use super::{Attributes, Body, Coat, Dress, Material, Relief, Scattering, Scene};
 use crate::bsdf::{Bsdf, Conductor};
 use crate::light::Light;
 use crate::math::{Bounds, Sphere};
@@ -55,6 +55,26 @@ impl Scene {
             glows: false,
         });
         shapes.chain(meshes).chain(planes)
+    }
+
+    /// Whether a material is the boundary of a body, so that walks have to remember what they are inside of.
+    #[must_use]
+    pub fn has_bodies(&self) -> bool {
+        self.bodies().next().is_some()
+    }
+
+    /// Whether walks have to remember what they are inside of: bodies, or the medium around them.
+    #[must_use]
+    pub fn has_interiors(&self) -> bool {
+        self.filling.is_some() || self.has_bodies()
+    }
+
+    /// The bodies that materials bound.
+    pub fn bodies(&self) -> impl Iterator<Item = &Body> {
+        self.materials.iter().filter_map(|m| match &m.scattering {
+            Scattering::Boundary(body) => Some(body),
+            _ => None,
+        })
     }
 
     fn glows(&self, attributes: &Attributes) -> bool {

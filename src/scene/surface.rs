@@ -1,5 +1,6 @@
 //! A hit that has been looked at.
 
+use super::touching::Touching;
 use super::{Material, Scattering};
 use crate::bsdf::{Bsdf, BsdfSample, Transport};
 use crate::color::Rgb;
@@ -22,6 +23,8 @@ pub struct Surface<'a> {
     pub bsdf: Bsdf,
     /// Roughness α, of the boundary of a body.
     pub(super) roughness: f32,
+    /// Boundaries that coincide with it, where it is one and was met as such.
+    pub(super) touching: Touching,
     /// Index of the light that it is.
     pub light: Option<u32>,
     /// Radiance that it emits towards `wo` \[W/(m² sr)].

@@ -1,5 +1,6 @@
 //! The part that every walk through a scene shares: to the next surface that is there for light, and away from it.
 
+use super::touching::Face;
 use super::{Cone, Detail, Filling, Hit, Inside, Interior, Meeting, Scattering, Scene, Surface};
 use crate::color::Rgb;
 use crate::math::Ray;
@@ -211,16 +212,30 @@ impl Scene {
         // No axis, no diagonal: flat boundaries are seldom met edge-on.
         let mut ray = Ray::new(p, Vec3::new(0.267_261_24, 0.801_783_74, 0.534_522_5).normalize());
         let mut entered: Vec<u32> = Vec::new();
-        let mut left: Vec<u32> = Vec::new();
+        let (mut left, mut met): (Vec<u32>, Vec<u32>) = (Vec::new(), Vec::new());
         while let Some(hit) = self.intersect(&ray) {
             let surface = self.surface(&ray, &hit, &Cone::point(Detail::NONE), || 0.0);
             if let Scattering::Boundary(_) = surface.material.scattering {
-                if surface.wo.dot(surface.point.ng) >= 0.0 {
-                    entered.push(surface.index);
-                } else if let Some(at) = entered.iter().rposition(|m| *m == surface.index) {
-                    entered.swap_remove(at);
-                } else {
-                    left.push(surface.index);
+                let own = Face { material: surface.index, entering: surface.wo.dot(surface.point.ng) >= 0.0 };
+                let touching = self.touching(&surface);
+                let count = |material| entered.iter().filter(|m| **m == material).count();
+                // As in `Inside::beyond`, but what leads out of a body that was never met was around from the start.
+                let spare = usize::from(!own.entering && count(own.material) > 0);
+                let room = |face: &Face| count(face.material) <= if face.material == own.material { spare } else { 0 };
+                let mut entries: Vec<u32> =
+                    touching.faces().filter(|f| f.entering && room(f)).map(|f| f.material).collect();
+                entries.extend(own.entering.then_some(own.material));
+                let exits =
+                    touching.faces().filter(|f| !f.entering && (!met.contains(&f.material) || count(f.material) > 0));
+                let exits: Vec<u32> =
+                    exits.map(|f| f.material).chain((!own.entering).then_some(own.material)).collect();
+                met.extend(entries.iter().chain(&exits));
+                entered.extend(entries);
+                for material in exits {
+                    match entered.iter().rposition(|m| *m == material) {
+                        Some(at) => drop(entered.swap_remove(at)),
+                        None => left.push(material),
+                    }
                 }
             }
             ray = surface.leave(ray.direction);

@@ -57,6 +57,24 @@ impl Wardrobe {
         Ok(charts)
     }
 
+    /// Follows its objects where of shapes and planes only those stay that `shapes` and `planes` say.
+    pub fn keep(&mut self, shapes: &[bool], planes: &[bool]) {
+        let ranks = |stays: &[bool]| -> Vec<Option<usize>> {
+            let mut rank = 0..;
+            stays.iter().map(|stays| if *stays { rank.next() } else { None }).collect()
+        };
+        let (shapes, planes) = (ranks(shapes), ranks(planes));
+        let place = |place: Place| {
+            Some(match place {
+                Place::Shape(i) => Place::Shape(shapes[i]?),
+                Place::Plane(i) => Place::Plane(planes[i]?),
+                other => other,
+            })
+        };
+        self.chart_of = self.chart_of.drain().filter_map(|(at, chart)| Some((place(at)?, chart))).collect();
+        self.glows = self.glows.drain().filter_map(|(at, glow)| Some((place(at)?, glow))).collect();
+    }
+
     /// Index of the chart of an object; of several the last counts.
     pub fn chart_of(&self, place: Place) -> u32 {
         self.chart_of.get(&place).copied().unwrap_or(0)

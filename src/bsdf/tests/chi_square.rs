@@ -85,6 +85,8 @@ fn cases() -> Vec<Case> {
     }
     // Narrower than any that is built: the formulas hold there too.
     materials.push((Bsdf::RoughDielectric(RoughDielectric::new(1.5, 1e-4)), 1.5, 2e-4));
+    materials.push((Bsdf::RoughDielectric(RoughDielectric::new(1.0 / 1.5, 1e-4)), 1.0 / 1.5, 2e-4));
+    materials.push((Bsdf::Conductor(Conductor::of_any_width(eta, k, 1e-4)), 1.0, 2e-4));
     for (bsdf, eta, width) in materials {
         for degrees in [0.0f32, 45.0, 85.0] {
             for side in [1.0f32, -1.0] {

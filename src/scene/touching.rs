@@ -1,0 +1,238 @@
+//! Boundaries of bodies that coincide.
+//!
+//! A walk leaves a boundary from beyond the error of its place, and would pass by any other that lies there: of a liquid and its glass
+//! that share a face, one would never be crossed. So all of them are crossed at once, those that lead in before those that lead out: as if
+//! the bodies overlapped by nothing.
+
+use super::{Body, Hit, HitKind, Inside, Scattering, Scene, Surface};
+use crate::accel::Primitive;
+use crate::math::{Bounds, Ray, offset_origin};
+use crate::shape::Shape;
+use glam::Vec2;
+
+/// Boundaries that one point may lie on besides the one that was met; of more, the last found are forgotten.
+const MOST: usize = 3;
+
+/// A boundary as a walk goes through it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) struct Face {
+    /// Index of the material.
+    pub material: u32,
+    /// Whether the walk goes into its body.
+    pub entering: bool,
+}
+
+/// The boundaries that coincide with one that was met, in the order of their materials.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Touching([Option<Face>; MOST]);
+
+impl Touching {
+    pub const NONE: Self = Self([None; MOST]);
+
+    #[inline]
+    pub fn is_none(&self) -> bool {
+        self.0[0].is_none()
+    }
+
+    pub fn faces(&self) -> impl Iterator<Item = Face> + '_ {
+        self.0.iter().flatten().copied()
+    }
+
+    fn add(&mut self, face: Face) {
+        if let Some(place) = self.0.iter_mut().find(|f| f.is_none_or(|f| f == face)) {
+            *place = Some(face);
+        }
+    }
+}
+
+/// What lies on both sides of boundaries that coincide.
+pub(super) struct Sides {
+    /// The body that bends light on the side of the walk, and beyond; `None` is air.
+    pub near: Option<(u32, Body)>,
+    pub far: Option<(u32, Body)>,
+    /// Whether none of them is more than the bound of a place.
+    pub clear: bool,
+    /// The greatest roughness α of those that are more.
+    pub roughness: f32,
+}
+
+impl Inside {
+    /// What is around beyond the boundary `own` and all that touch it.
+    ///
+    /// Some of what is found at one place was crossed a moment before. That is so of what leads into a body which is already around, once
+    /// more if `own` is about to leave it, and of what leads out of one that is not around.
+    pub(super) fn beyond(&self, own: Face, touching: &Touching) -> Self {
+        let mut far = *self;
+        let count = |material: u32| self.bodies().iter().filter(|m| **m == material).count();
+        let spare = |material: u32| usize::from(own == Face { material, entering: false });
+        let mut faces = [None; MOST + 1];
+        let pending = touching.faces().filter(|f| !f.entering || count(f.material) <= spare(f.material));
+        faces.iter_mut().zip(pending.chain([own])).for_each(|(place, face)| *place = Some(face));
+        // Of bodies that are entered at once the one of the later material was entered last, whichever boundary was met.
+        faces.sort_unstable();
+        faces.iter().flatten().filter(|f| f.entering).for_each(|f| far.enter(f.material));
+        faces.iter().flatten().filter(|f| !f.entering).for_each(|f| far.leave(f.material));
+        far
+    }
+
+    /// What `surface`, the boundary of `body`, and all that touches it divide.
+    pub(super) fn sides(&self, scene: &Scene, surface: &Surface<'_>, body: &Body, entering: bool) -> Sides {
+        let far = self.beyond(Face { material: surface.index, entering }, &surface.touching);
+        let others = surface.touching.faces().filter_map(|face| scene.body(face.material));
+        let (mut clear, mut roughness) = (body.clear, if body.clear { 0.0 } else { surface.roughness });
+        for other in others.filter(|other| !other.clear) {
+            clear = false;
+            roughness = other.roughness.max(roughness);
+        }
+        Sides { near: self.densest(&scene.materials), far: far.densest(&scene.materials), clear, roughness }
+    }
+}
+
+impl Scene {
+    pub(super) fn body(&self, material: u32) -> Option<Body> {
+        match self.materials[material as usize].scattering {
+            Scattering::Boundary(body) => Some(body),
+            _ => None,
+        }
+    }
+
+    /// The boundaries between the points from which walks leave `surface`, a boundary, on either side; without what is as it is.
+    #[inline]
+    pub(super) fn touching(&self, surface: &Surface<'_>) -> Touching {
+        if self.bodies_touch { self.find_touching(surface) } else { Touching::NONE }
+    }
+
+    #[inline(never)]
+    fn find_touching(&self, surface: &Surface<'_>) -> Touching {
+        let (point, wo) = (&surface.point, surface.wo);
+        let [near, far] = [wo, -wo].map(|w| offset_origin(point.p, point.error, point.ng, w));
+        let length = (far - near).length();
+        let mut touching = Touching::NONE;
+        if length.is_nan() || length <= 0.0 {
+            return touching;
+        }
+        let across = Ray { origin: near, direction: (far - near) / length, t_max: length };
+        let own = Face { material: surface.index, entering: wo.dot(point.ng) >= 0.0 };
+        let mut see = |kind: HitKind, t: f32| {
+            let (point, attributes) = self.point(&across, &Hit { t, kind });
+            let face = Face { material: attributes.material, entering: across.direction.dot(point.ng) < 0.0 };
+            if face != own && self.body(face.material).is_some() {
+                touching.add(face);
+            }
+        };
+        self.hierarchy.each(
+            &across,
+            |i, ray| self.shapes[i as usize].intersect(ray),
+            |hit| {
+                let uv = Vec2::new(hit.u, hit.v);
+                match hit.primitive {
+                    Primitive::Triangle(i) => see(HitKind::Triangle(i, uv), hit.t),
+                    Primitive::Other(i) => see(HitKind::Shape(i, uv), hit.t),
+                }
+            },
+        );
+        for i in self.first_moving..self.shapes.len() as u32 {
+            if let Some((t, u, v)) = self.shapes[i as usize].intersect(&across) {
+                see(HitKind::Shape(i, Vec2::new(u, v)), t);
+            }
+        }
+        for (i, (plane, _)) in self.planes.iter().enumerate() {
+            if let Some((t, ..)) = plane.intersect(&across) {
+                see(HitKind::Plane(i as u32), t);
+            }
+        }
+        touching.0.sort_unstable_by_key(|face| face.map_or((true, None), |face| (false, Some(face))));
+        touching
+    }
+
+    /// Whether boundaries of different things may coincide: not so where a thing is alone, or boxes are apart. What moves is anywhere.
+    pub(super) fn may_touch(&self) -> bool {
+        let bounds = |material: u32| {
+            let mut found = false;
+            self.scatterings(material, &mut |scattering| found |= matches!(scattering, Scattering::Boundary(_)));
+            found
+        };
+        let still = self.shapes.iter().zip(&self.shape_attributes).take(self.first_moving as usize);
+        let mut boxes: Vec<Bounds> =
+            still.filter(|(_, a)| bounds(a.material)).map(|(shape, _)| Shape::bounds(shape)).collect();
+        let mut parts: Vec<Option<Bounds>> = vec![None; self.parts.len()];
+        for (i, part) in self.triangle_part.iter().enumerate() {
+            let corners = Bounds::of(self.mesh.corners(i));
+            parts[*part as usize] = Some(parts[*part as usize].map_or(corners, |b| b.union(corners)));
+        }
+        boxes.extend(parts.iter().zip(&self.parts).filter(|(_, (_, a))| bounds(a.material)).filter_map(|(b, _)| *b));
+        let moving = &self.shape_attributes[self.first_moving as usize..];
+        let anywhere = moving.iter().chain(self.planes.iter().map(|(_, a)| a)).filter(|a| bounds(a.material)).count();
+        if anywhere > 0 {
+            return anywhere + boxes.len() > 1;
+        }
+        // Places are known within some ulps of coordinates and sizes (see `SurfacePoint::error`): two of them, and to spare.
+        for b in &mut boxes {
+            let reach = b.min.abs().max(b.max.abs()).max_element() + b.extent().max_element();
+            *b = b.expanded(reach * (16.0 * f32::EPSILON));
+        }
+        boxes.sort_by(|a, b| a.min.x.total_cmp(&b.min.x));
+        boxes
+            .iter()
+            .enumerate()
+            .any(|(i, a)| boxes[i + 1..].iter().take_while(|b| b.min.x <= a.max.x).any(|b| a.meets(b)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Material;
+
+    fn face(material: u32, entering: bool) -> Face {
+        Face { material, entering }
+    }
+
+    fn touching(faces: &[Face]) -> Touching {
+        let mut touching = Touching::NONE;
+        faces.iter().for_each(|f| touching.add(*f));
+        touching
+    }
+
+    fn inside(bodies: &[u32]) -> Inside {
+        let mut inside = Inside::NOTHING;
+        bodies.iter().for_each(|b| inside.enter(*b));
+        inside
+    }
+
+    /// Glass is 0, what it holds 1: whichever of the shared faces is met, the walk is in the same place beyond it.
+    #[test]
+    fn shared_faces_are_crossed_at_once() {
+        let glass = inside(&[0]);
+        for (own, other) in [(face(0, false), face(1, true)), (face(1, true), face(0, false))] {
+            assert_eq!(glass.beyond(own, &touching(&[other])).bodies(), &[1], "{own:?}");
+        }
+        for (own, other) in [(face(1, false), face(0, true)), (face(0, true), face(1, false))] {
+            assert_eq!(inside(&[1]).beyond(own, &touching(&[other])).bodies(), &[0], "{own:?}");
+        }
+        // Both at once from the open, and out again; then two parts of one body that share a face.
+        assert_eq!(Inside::NOTHING.beyond(face(1, true), &touching(&[face(0, true)])).bodies(), &[0, 1]);
+        assert_eq!(inside(&[0, 1]).beyond(face(1, false), &touching(&[face(0, false)])), Inside::NOTHING);
+        assert_eq!(glass.beyond(face(0, false), &touching(&[face(0, true)])).bodies(), &[0]);
+        assert_eq!(glass.beyond(face(0, true), &touching(&[face(0, false)])).bodies(), &[0]);
+    }
+
+    #[test]
+    fn what_was_crossed_a_moment_before_is_not_crossed_again() {
+        // The liquid reached a little into the glass, so the walk is already in it.
+        assert_eq!(inside(&[0, 1]).beyond(face(0, false), &touching(&[face(1, true)])).bodies(), &[1]);
+        // It left the glass a little before it enters the liquid.
+        assert_eq!(Inside::NOTHING.beyond(face(1, true), &touching(&[face(0, false)])).bodies(), &[1]);
+        // A film thinner than its error is no film.
+        assert_eq!(Inside::NOTHING.beyond(face(1, true), &touching(&[face(1, false)])), Inside::NOTHING);
+        assert_eq!(inside(&[0]).beyond(face(0, false), &touching(&[face(1, true), face(1, false)])), Inside::NOTHING);
+    }
+
+    #[test]
+    fn only_so_many_are_kept_and_each_once() {
+        let many: Vec<Face> = (0..5).map(|m| face(m % 4, true)).collect();
+        assert_eq!(touching(&many).faces().count(), MOST);
+        assert_eq!(touching(&[face(1, true), face(1, true)]).faces().count(), 1);
+        assert!(Material::black().dress.is_none() && Touching::NONE.is_none());
+    }
+}
