@@ -3,7 +3,7 @@
 use super::number::{alpha, confidence, count, duration, error, length, positive_count, size, stops, threads};
 use super::{DiffArguments, MeshArguments};
 use crate::camera::FilterKind;
-use crate::image::{BitDepth, Curve};
+use crate::image::{BitDepth, Curve, FloatDepth};
 use crate::integrate::{Algorithm, FinalGathering, VolumeEstimate};
 use crate::photon::Kernel;
 use crate::plan::Wishes;
@@ -181,6 +181,10 @@ pub struct RenderArguments {
     /// Bits a channel of PNG: 8 or 16
     #[arg(long, default_value = "8", value_parser = depth, value_name = "BITS")]
     pub png_bits: BitDepth,
+
+    /// Bits a channel of OpenEXR: 16 (up to 65504) or 32
+    #[arg(long, default_value = "32", value_parser = float_depth, value_name = "BITS")]
+    pub exr_bits: FloatDepth,
 
     /// Write what was done as JSON
     #[arg(long, value_name = "FILE")]
@@ -375,5 +379,13 @@ fn depth(text: &str) -> Result<BitDepth, String> {
         "8" => Ok(BitDepth::Eight),
         "16" => Ok(BitDepth::Sixteen),
         _ => Err("PNG has 8 or 16 bits a channel here".to_owned()),
+    }
+}
+
+fn float_depth(text: &str) -> Result<FloatDepth, String> {
+    match text {
+        "16" => Ok(FloatDepth::Half),
+        "32" => Ok(FloatDepth::Single),
+        _ => Err("OpenEXR has 16 or 32 bits a channel here".to_owned()),
     }
 }

@@ -3,8 +3,8 @@
 use crate::image::{MAX_PIXELS, SizeError};
 use crate::integrate::Expected;
 
-/// Bytes a pixel: the film (24), a pass in tiles (64) and whole (12); at the end, in place of the pass, its mean and what is encoded of it.
-const PER_PIXEL: u64 = 100;
+/// Bytes a pixel: the film (48), a pass in tiles (64) and whole (12); at the end, in place of the pass, its mean and what is encoded of it.
+const PER_PIXEL: u64 = 124;
 
 /// Bytes a pixel of the gauge: what a pass tells (48), noise (12), finer discs (36), discs (24), three pictures each of passes and of
 /// finer discs (72), and what errors are relative to (8); maps of errors take less than a pass.
@@ -28,7 +28,7 @@ pub(super) enum TooMuch {
         format_args!("take{} {}", if *count == 1 { "s" } else { "" }, bytes(*needed)),
         bytes(*free)
     )]
-    #[diagnostic(help("choose a smaller --size; a render without the gauge (--no-gauge) takes a quarter"))]
+    #[diagnostic(help("choose a smaller --size; a render without the gauge (--no-gauge) takes two fifths"))]
     Picture { count: usize, width: u32, height: u32, needed: u64, free: u64 },
     /// More photons than indices.
     #[error("a pass of {paths} photon paths would store about {stored} photons, and {} can be indexed", u32::MAX)]
@@ -103,13 +103,13 @@ mod tests {
     fn pictures_are_held_against_the_format_and_the_memory() {
         assert_eq!(check_pictures(1, (16_384, 16_384), None), Ok(()));
         assert!(matches!(check_pictures(1, (16_385, 16_384), None), Err(TooMuch::Pixels(_))));
-        assert_eq!(check_pictures(1, (1000, 1000), Some(100_000_000)), Ok(()));
-        let refused = check_pictures(1, (1000, 1000), Some(99_999_999)).unwrap_err().to_string();
+        assert_eq!(check_pictures(1, (1000, 1000), Some(124_000_000)), Ok(()));
+        let refused = check_pictures(1, (1000, 1000), Some(123_999_999)).unwrap_err().to_string();
         assert!(refused.contains("a picture of 1000 × 1000") && refused.contains("0.1 GB"), "{refused}");
-        assert!(matches!(check_gauged((1000, 1000), Some(299_999_999)), Err(TooMuch::Picture { .. })));
-        assert_eq!(check_pictures(4, (500, 500), Some(100_000_000)), Ok(()));
-        let refused = check_pictures(5, (500, 500), Some(100_000_000)).unwrap_err().to_string();
-        assert!(refused.contains("5 pictures of 500 × 500 pixels take 0.1 GB"), "{refused}");
+        assert!(matches!(check_gauged((1000, 1000), Some(323_999_999)), Err(TooMuch::Picture { .. })));
+        assert_eq!(check_pictures(4, (500, 500), Some(124_000_000)), Ok(()));
+        let refused = check_pictures(5, (500, 500), Some(124_000_000)).unwrap_err().to_string();
+        assert!(refused.contains("5 pictures of 500 × 500 pixels take 0.2 GB"), "{refused}");
     }
 
     #[test]

@@ -9,13 +9,14 @@ use super::report::{ErrorReport, Report, Setting};
 use super::scene::{in_pool, load};
 use super::settings::settings;
 use super::{Exit, Failure, RenderArguments, aov};
-use crate::image::{self, Curve, Image, ToneMap, WriteOptions};
+use crate::image::{self, Curve, Image, OutputFormat, ToneMap, WriteOptions, WriteReport};
 use crate::integrate::{Algorithm, Lessons};
 use crate::render::gauge::{Confidence, FEWEST};
 use crate::render::{Ended, Rendered, Stop, Target, render};
 use crate::study::text::percent;
 use glam::Vec3;
 use miette::IntoDiagnostic;
+use std::path::Path;
 use std::time::Instant;
 
 pub(super) fn run(arguments: &RenderArguments) -> Result<Exit, Failure> {
@@ -133,14 +134,13 @@ fn conclude(
     let options = WriteOptions {
         tone: ToneMap { curve, exposure_stops: arguments.exposure },
         depth: arguments.png_bits,
+        floats: arguments.exr_bits,
         metadata: vec![("Software".to_owned(), format!("Caustica {}", env!("CARGO_PKG_VERSION")))],
     };
     for path in &arguments.output {
         let written = image::write(path, &picture, &options).into_diagnostic().map_err(output)?;
         progress.say(&format!("wrote {}", path.display()));
-        if written.non_finite > 0 {
-            tell(&format!("warning: {} pixels of {} are not finite", written.non_finite, path.display()));
-        }
+        tell_of(&written, path, arguments.exposure, progress);
     }
     if let Some(path) = &arguments.aov {
         let layers = aov::layers(rendered);
@@ -149,8 +149,12 @@ fn conclude(
             tell(&format!("warning: {passes} no error: {} has no maps of it", path.display()));
         }
         let written = image::write_layers(path, (width, height), &layers, &options.metadata);
-        written.into_diagnostic().map_err(output)?;
+        let non_finite = written.into_diagnostic().map_err(output)?;
         progress.say(&format!("wrote {}", path.display()));
+        if non_finite > 0 {
+            let values = counted(non_finite, "value", "values");
+            tell(&format!("warning: {values} of {} beyond single precision: the scene is too bright", path.display()));
+        }
     }
     if rendered.counters.rejected_samples > 0 {
         let n = rendered.counters.rejected_samples;
@@ -189,6 +193,29 @@ fn conclude(
         image::replace_file(path, &json).into_diagnostic().map_err(output)?;
     }
     Ok(if rendered.ended == Ended::Interrupted { Exit::Interrupted } else { Exit::Success })
+}
+
+/// Says what a file could not hold.
+fn tell_of(written: &WriteReport, path: &Path, exposure: f32, progress: &Progress) {
+    let pixels = |n: usize| format!("{} of {}", counted(n, "pixel", "pixels"), path.display());
+    if written.non_finite > 0 {
+        tell(&format!("warning: {}: not finite", pixels(written.non_finite)));
+    }
+    match (written.too_bright, OutputFormat::from_path(path)) {
+        (0, _) => {}
+        // Its users count on radiances as they are.
+        (n, Ok(OutputFormat::Exr)) => {
+            tell(&format!("warning: {}: beyond 65504, cut off there; --exr-bits 32 holds them", pixels(n)));
+        }
+        (n, _) => {
+            let darker = exposure - 1.0;
+            let remedy = format!("--exposure {darker} or --tone filmic shows more, an .exr file holds all");
+            progress.say(&format!("note: {}: brighter than white, cut off there; {remedy}", pixels(n)));
+        }
+    }
+    if written.negative > 0 {
+        progress.say(&format!("note: {}: below black, cut off there", pixels(written.negative)));
+    }
 }
 
 /// Of the intervals that are told.

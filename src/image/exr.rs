@@ -1,17 +1,18 @@
-//! OpenEXR in and out: 32-bit float RGB, radiance as it is, neither exposed nor clamped.
+//! OpenEXR in and out: float RGB, radiance as it is, not exposed; clamped where 16 bits cannot hold it.
 
 use std::io::Cursor;
 
 use exr::meta::attribute::Chromaticities;
 use exr::prelude::{
     Compression, Encoding, Image as ExrImage, Layer, LayerAttributes, MetaData, SpecificChannels, Text, Vec2,
-    WritableImage,
+    WritableImage, f16,
 };
 use glam::Vec3;
 
 use super::buffer::{Image, pixel_count};
 use super::error::{DecodeFailure, WriteError, check_plausible};
 use super::tone::WriteReport;
+use super::write::FloatDepth;
 
 /// Rec. 709 primaries and the white point D65.
 pub(super) const REC_709: Chromaticities = Chromaticities {
@@ -22,21 +23,46 @@ pub(super) const REC_709: Chromaticities = Chromaticities {
 };
 
 /// The OpenEXR file of `image`, whole, ZIP-compressed without loss.
-pub(super) fn encode(image: &Image, metadata: &[(String, String)]) -> Result<(Vec<u8>, WriteReport), WriteError> {
-    let width = image.width() as usize;
-    let pixels = image.pixels();
-    let channels = SpecificChannels::rgb(|Vec2(x, y): Vec2<usize>| {
-        let pixel = pixels[y * width + x];
-        (pixel.x, pixel.y, pixel.z)
-    });
+pub(super) fn encode(
+    image: &Image,
+    floats: FloatDepth,
+    metadata: &[(String, String)],
+) -> Result<(Vec<u8>, WriteReport), WriteError> {
+    let (width, pixels) = (image.width() as usize, image.pixels());
     let size = (width, image.height() as usize);
-    let mut picture = ExrImage::from_layer(Layer::new(size, attributes(metadata), Encoding::SMALL_LOSSLESS, channels));
-    picture.attributes.chromaticities = Some(REC_709);
+    // The crate tells the kind of samples by the type of what a closure gives, so that layers of both differ in type.
+    macro_rules! file {
+        ($sample:expr) => {{
+            let channels = SpecificChannels::rgb(|Vec2(x, y): Vec2<usize>| {
+                let [r, g, b] = pixels[y * width + x].to_array().map($sample);
+                (r, g, b)
+            });
+            let layer = Layer::new(size, attributes(metadata), Encoding::SMALL_LOSSLESS, channels);
+            let mut picture = ExrImage::from_layer(layer);
+            picture.attributes.chromaticities = Some(REC_709);
+            let mut file = Cursor::new(Vec::new());
+            let written = picture.write().non_parallel().to_buffered(&mut file);
+            written.map(|()| file.into_inner()).map_err(|error| WriteError::Encode(error.to_string()))
+        }};
+    }
+    let file = match floats {
+        FloatDepth::Half => file!(half)?,
+        FloatDepth::Single => file!(|x: f32| x)?,
+    };
+    let count = |is: &dyn Fn(&Vec3) -> bool| pixels.iter().filter(|pixel| is(pixel)).count();
+    let too_bright = match floats {
+        FloatDepth::Half => count(&|p| p.is_finite() && p.abs().max_element() > LARGEST_HALF),
+        FloatDepth::Single => 0,
+    };
+    Ok((file, WriteReport { non_finite: count(&|p| !p.is_finite()), too_bright, negative: 0 }))
+}
 
-    let mut file = Cursor::new(Vec::new());
-    picture.write().non_parallel().to_buffered(&mut file).map_err(|error| WriteError::Encode(error.to_string()))?;
-    let non_finite = pixels.iter().filter(|pixel| !pixel.is_finite()).count();
-    Ok((file.into_inner(), WriteReport { non_finite, ..WriteReport::default() }))
+/// The largest finite number of 16 bits.
+const LARGEST_HALF: f32 = 65_504.0;
+
+/// The nearest number of 16 bits; what is finite stays so.
+fn half(x: f32) -> f16 {
+    f16::from_f32(if x.is_finite() { x.clamp(-LARGEST_HALF, LARGEST_HALF) } else { x })
 }
 
 /// The attributes that hold `metadata`.
@@ -95,7 +121,7 @@ mod tests {
 
     #[test]
     fn every_bit_comes_back() {
-        let (file, report) = encode(&extremes(), &[]).unwrap();
+        let (file, report) = encode(&extremes(), FloatDepth::Single, &[]).unwrap();
         let image = decoded(read(&file));
         assert_eq!((image.width(), image.height()), (40, 33));
         let bits = |image: &Image| -> Vec<[u32; 3]> {
@@ -109,8 +135,8 @@ mod tests {
     #[test]
     fn metadata_is_stored_and_bytes_repeat() {
         let pairs = [("Seed".to_owned(), "42".to_owned()), ("Scene".to_owned(), format!("Ω{}", "x".repeat(900)))];
-        let (file, _) = encode(&extremes(), &pairs).unwrap();
-        assert_eq!(encode(&extremes(), &pairs).unwrap().0, file);
+        let (file, _) = encode(&extremes(), FloatDepth::Single, &pairs).unwrap();
+        assert_eq!(encode(&extremes(), FloatDepth::Single, &pairs).unwrap().0, file);
         let headers = MetaData::read_from_buffered(Cursor::new(&file), true).unwrap().headers;
         let comments = headers[0].own_attributes.comments.as_ref().unwrap();
         assert_eq!(comments.as_slice(), format!("Seed: 42\nScene: {}", pairs[1].1).as_bytes());
@@ -119,7 +145,7 @@ mod tests {
 
     #[test]
     fn a_stated_size_beyond_the_file_is_refused() {
-        let (file, _) = encode(&extremes(), &[]).unwrap();
+        let (file, _) = encode(&extremes(), FloatDepth::Single, &[]).unwrap();
         let name = b"dataWindow\0box2i\0";
         let window = file.windows(name.len()).position(|w| w == name).unwrap() + name.len() + 4;
         for (side, expected) in [(16_384_i32, "too short"), (20_000, "too large")] {
@@ -134,7 +160,7 @@ mod tests {
 
     #[test]
     fn damaged_files_are_errors_or_pictures_but_never_panics() {
-        let (file, _) = encode(&extremes(), &[("Seed".into(), "42".into())]).unwrap();
+        let (file, _) = encode(&extremes(), FloatDepth::Single, &[("Seed".into(), "42".into())]).unwrap();
         for cut in (4..file.len()).step_by(7) {
             assert!(read(&file[..cut]).is_err(), "cut at {cut}");
         }

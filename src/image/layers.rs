@@ -49,7 +49,7 @@ fn check_extension(path: &Path) -> Result<(), WriteError> {
 }
 
 /// Writes layers of `size` (width, height) as one part of an OpenEXR file, of 32-bit floats, whole or not at all (see
-/// [`replace_file`]). Viewers take the part of a channel's name before its last full stop for its layer.
+/// [`replace_file`]), and tells how many of the values are NaN or infinite. Viewers take the part of a channel's name before its last full stop for its layer.
 ///
 /// # Errors
 /// [`WriteError`]; the file that stood at the path before is then untouched. [`WriteError::Channel`] where a name is empty, too long,
@@ -59,10 +59,12 @@ pub fn write_layers(
     size: (u32, u32),
     layers: &[ExrLayer],
     metadata: &[(String, String)],
-) -> Result<(), WriteError> {
+) -> Result<usize, WriteError> {
     check_extension(path)?;
     check_metadata(metadata)?;
-    replace_file(path, &encode(size, layers, metadata)?)
+    replace_file(path, &encode(size, layers, metadata)?)?;
+    let values = layers.iter().flat_map(|layer| &layer.channels).flat_map(|(_, values)| values);
+    Ok(values.filter(|value| !value.is_finite()).count())
 }
 
 fn encode(size: (u32, u32), layers: &[ExrLayer], metadata: &[(String, String)]) -> Result<Vec<u8>, WriteError> {

@@ -22,4 +22,4 @@ pub use read::{InputFormat, read, read_bytes, read_data, read_with_format};
 pub use relative::RelativeScale;
 pub use replace::{check_place, replace_file, replace_with};
 pub use tone::{Curve, MAX_EXPOSURE_STOPS, ToneMap, UnknownCurve, WriteReport};
-pub use write::{BitDepth, OutputFormat, WriteOptions, check_writable, encode, write};
+pub use write::{BitDepth, FloatDepth, OutputFormat, WriteOptions, check_writable, encode, write};

@@ -172,7 +172,7 @@ mod tests {
     use crate::image::ToneMap;
 
     fn options(curve: Curve, depth: BitDepth) -> WriteOptions {
-        WriteOptions { tone: ToneMap { curve, exposure_stops: 0.0 }, depth, metadata: Vec::new() }
+        WriteOptions { tone: ToneMap { curve, exposure_stops: 0.0 }, depth, ..WriteOptions::default() }
     }
 
     fn ramp() -> Image {

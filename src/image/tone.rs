@@ -74,7 +74,8 @@ pub struct ToneMap {
 pub struct WriteReport {
     /// Pixels with a channel that is NaN or infinite: a defect of the renderer or the scene. In PNG a NaN channel becomes 0.
     pub non_finite: usize,
-    /// Finite pixels with a channel beyond the curve's white, clamped to it. Always 0 for OpenEXR.
+    /// Finite pixels with a channel beyond the curve's white, clamped to it; in OpenEXR of 16 bits, beyond 65504 either way. Always 0 for
+    /// OpenEXR of 32 bits.
     pub too_bright: usize,
     /// Finite pixels with a channel below zero, clamped to black. Always 0 for OpenEXR.
     pub negative: usize,

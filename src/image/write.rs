@@ -13,7 +13,7 @@ use super::{exr, png};
 pub enum OutputFormat {
     /// PNG, 8 or 16 bits a channel, after the tone map.
     Png,
-    /// OpenEXR, 32-bit float RGB, linear radiance as it is.
+    /// OpenEXR, float RGB of 16 or 32 bits, linear radiance as it is.
     Exr,
 }
 
@@ -41,6 +41,16 @@ pub enum BitDepth {
     Sixteen,
 }
 
+/// Bits a channel of an OpenEXR file.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FloatDepth {
+    /// 11 digits of two, up to 65504.
+    Half,
+    /// Single precision.
+    #[default]
+    Single,
+}
+
 /// How a picture is written.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct WriteOptions {
@@ -48,6 +58,8 @@ pub struct WriteOptions {
     pub tone: ToneMap,
     /// Bits a channel; OpenEXR ignores it.
     pub depth: BitDepth,
+    /// Bits a channel of OpenEXR; PNG ignores it.
+    pub floats: FloatDepth,
     /// Pairs of key and text: text chunks of a PNG, lines `key: text` of an OpenEXR file's `comments`. A key has 1 to 79
     /// characters of printable ASCII without spaces at its ends or in a row; a text has no NUL.
     pub metadata: Vec<(String, String)>,
@@ -65,7 +77,7 @@ pub fn encode(
     check_metadata(&options.metadata)?;
     match format {
         OutputFormat::Png => png::encode(image, options),
-        OutputFormat::Exr => exr::encode(image, &options.metadata),
+        OutputFormat::Exr => exr::encode(image, options.floats, &options.metadata),
     }
 }
 

@@ -20,7 +20,8 @@ const SERVED: f64 = 0.75;
 /// Largest radius as part of the scene's: beyond it, photons are too few to tell one place from another.
 const WIDEST: f32 = 0.1;
 
-/// Narrowest radius as part of the scene's.
+/// Narrowest radius as part of the distance of what it is for from the middle of all coordinates: within less, places are but few steps of
+/// single precision apart.
 const NARROWEST: f32 = 1e-6;
 
 /// Camera rays that the pilot of media looks along.
@@ -73,10 +74,15 @@ pub(super) fn auto_radius(scene: &Scene, pass: &PhotonPass<'_>, paths: u32, k: u
     };
     let mut radii: Vec<f32> = photons.iter().step_by(step).map(distance).collect();
     radii.sort_by(f32::total_cmp);
-    let served = radii[((radii.len() - 1) as f64 * SERVED) as usize];
+    let most = ((radii.len() - 1) as f64 * SERVED) as usize;
+    let served = radii[most];
+    let mut places: Vec<f32> = photons.iter().step_by(step).map(|p| p.position.abs().max_element()).collect();
+    places.sort_by(f32::total_cmp);
+    // What lies at the very middle lies at one place.
+    let far = Some(places[most]).filter(|far| *far > 0.0).unwrap_or(size);
     // Density grows with the number of paths, area with the square of the radius.
     let scaled = served * (PATHS as f32 / paths as f32).sqrt();
-    Some(scaled.clamp(size * NARROWEST, size * WIDEST))
+    Some(scaled.clamp(size.min(far) * NARROWEST, size * WIDEST))
 }
 
 /// Radii of blurs in media \[length].

@@ -5,7 +5,7 @@ use super::guide::Guide;
 use super::{Gauged, Monitor, Phase};
 use crate::camera::{Camera, Filter, FilterSample};
 use crate::color::Rgb;
-use crate::math::Ray;
+use crate::math::{Ray, Sum};
 use crate::medium::Fade;
 use crate::photon::{Scratch, VisiblePoint};
 use crate::sampling::{Dimension, Draw, Key};
@@ -171,7 +171,7 @@ fn pixel(
 ) -> Rgb {
     let corner = Vec2::new(x as f32, y as f32);
     let pixel = key.with(u64::from(y) << 32 | u64::from(x));
-    let mut sum = Sum::default();
+    let mut sum = Samples::default();
     let samples = sampling.rays(y as usize * sampling.camera.size().0 as usize + x as usize);
     for sample in 0..samples {
         let draw = Draw::new(pixel, sample, samples);
@@ -204,40 +204,41 @@ fn pixel(
 
 /// The sums of a pixel.
 #[derive(Default)]
-struct Sum {
+struct Samples {
     /// Of values.
-    values: DVec3,
+    values: Sum,
     /// Of weights times values.
-    weighted: DVec3,
+    weighted: Sum,
     /// Of weights, less 1 each.
     excess: f64,
     count: u32,
 }
 
-impl Sum {
+impl Samples {
     #[inline]
     fn add(&mut self, value: Rgb, weight: f32) {
         let value = value.as_dvec3();
-        self.values += value;
-        self.weighted += value * f64::from(weight);
+        self.values.add(value);
+        self.weighted.add(value * f64::from(weight));
         self.excess += f64::from(weight - 1.0);
         self.count += 1;
     }
 
     fn plain(&self) -> DVec3 {
-        self.values
+        self.values.value()
     }
 
     /// Weights that differ make noise even where all values are alike. So each sample stands for its weight, and for what its weight lacks of
     /// 1 the mean of the others stands in: that is without bias, and exact where values are alike.
     fn weighted(&self) -> DVec3 {
+        let (values, weighted) = (self.values.value(), self.weighted.value());
         let others = f64::from(self.count) - 1.0;
         if others < 1.0 {
-            return self.weighted;
+            return weighted;
         }
         // Σ (1 − wᵢ)(S − Lᵢ)/(n − 1), by the sums that are there.
-        let lacks = (self.weighted - self.values) - self.values * self.excess;
-        self.weighted + lacks / others
+        let lacks = (weighted - values) - values * self.excess;
+        weighted + lacks / others
     }
 }
 

@@ -7,6 +7,7 @@ use super::method::{AtReceiver, History, Method, Vertex};
 use super::tiles::Worker;
 use crate::bsdf::Transport;
 use crate::color::{self, Rgb};
+use crate::math::Bounds;
 use crate::photon::{Visible, VisiblePoint};
 use crate::plan::Effects;
 use crate::sampling::{Dimension, Draw, Key, Purpose};
@@ -16,7 +17,12 @@ use glam::Vec2;
 /// Camera rays of the pilot.
 const RAYS: u32 = 20_000;
 
-/// Points that the camera sees directly or over casters, spread over the picture; photons count within `radius` \[length] of one.
+/// The radius within which photons count, as part of the extent of what is seen, at most: what matters lies around that, however large
+/// the rest of the scene is.
+const WIDEST: f32 = 0.1;
+
+/// Points that the camera sees directly or over casters, spread over the picture; photons count within `radius` \[length] of one, or less
+/// where little is seen.
 pub(super) fn visible(scene: &Scene, settings: &EyeSettings, effects: Effects, radius: f32) -> Visible {
     let direct = &DirectLight::new(scene, Asking::Middles, effects);
     let walks = EyePass { scene, effects, settings, direct, method: &Seen, samples: 1, density: None, pass: 0 };
@@ -26,7 +32,10 @@ pub(super) fn visible(scene: &Scene, settings: &EyeSettings, effects: Effects, r
     let draws = (0..RAYS).map(|i| Draw::new(key, i, RAYS));
     let points: Vec<(Vec2, Draw)> = draws.map(|draw| (draw.two(Dimension::Film) * size, draw)).collect();
     let (_, workers) = walks.at(&points);
-    Visible::new(workers.into_iter().flat_map(|worker| worker.visible), radius)
+    let seen: Vec<VisiblePoint> = workers.into_iter().flat_map(|worker| worker.visible).collect();
+    let extent = Bounds::of(seen.iter().map(|point| point.position)).extent().length();
+    let radius = if extent > 0.0 { radius.min(extent * WIDEST) } else { radius };
+    Visible::new(seen, radius)
 }
 
 /// Notes the first receivers and computes nothing.

@@ -6,6 +6,7 @@ mod frame;
 mod morton;
 mod motion;
 mod ray;
+mod sum;
 mod transform;
 pub mod warp;
 
@@ -15,4 +16,5 @@ pub use frame::Frame;
 pub use morton::morton_order;
 pub use motion::{Motion, Step, turn};
 pub use ray::{Ray, offset_origin};
+pub use sum::Sum;
 pub use transform::{Singular, Transform};

@@ -1,14 +1,15 @@
 //! The sum of passes.
 
 use crate::color::Rgb;
+use crate::math::Sum;
 use glam::DVec3;
 
-/// Sums of passes in double precision, so that many passes lose nothing.
+/// Sums of passes that carry what they round, so that many passes lose nothing.
 #[derive(Clone, Debug)]
 pub struct Film {
     width: u32,
     height: u32,
-    sum: Vec<DVec3>,
+    sums: Vec<Sum>,
     passes: u32,
 }
 
@@ -16,13 +17,13 @@ impl Film {
     /// An empty film.
     #[must_use]
     pub fn new(width: u32, height: u32) -> Self {
-        Self { width, height, sum: vec![DVec3::ZERO; width as usize * height as usize], passes: 0 }
+        Self { width, height, sums: vec![Sum::default(); width as usize * height as usize], passes: 0 }
     }
 
     /// Adds one pass; `image` holds a radiance for each pixel, by rows from the top.
     pub fn add(&mut self, image: &[Rgb]) {
-        for (sum, value) in self.sum.iter_mut().zip(image) {
-            *sum += value.as_dvec3();
+        for (sum, value) in self.sums.iter_mut().zip(image) {
+            sum.add(value.as_dvec3());
         }
         self.passes += 1;
     }
@@ -39,16 +40,15 @@ impl Film {
         (self.width, self.height)
     }
 
-    /// The sums, by rows from the top.
-    #[must_use]
-    pub fn sums(&self) -> &[DVec3] {
-        &self.sum
+    /// The means of the passes, by rows from the top; black where there is none.
+    pub fn means(&self) -> impl Iterator<Item = DVec3> {
+        let n = f64::from(self.passes.max(1));
+        self.sums.iter().map(move |sum| sum.value() / n)
     }
 
-    /// The mean of the passes; black where there is none.
+    /// [`Film::means`] in single precision.
     #[must_use]
     pub fn mean(&self) -> Vec<Rgb> {
-        let n = f64::from(self.passes.max(1));
-        self.sum.iter().map(|sum| (*sum / n).as_vec3()).collect()
+        self.means().map(|mean| mean.as_vec3()).collect()
     }
 }

@@ -1,5 +1,6 @@
 //! Building a resolved scene from parts in world coordinates.
 
+use super::middle::{Extent, middle, sight};
 use super::movement::{MIDDLE, Movement, constant_strength, plane_at, shape_at, source_at};
 use super::source::{course_area_light, resolve_source};
 use super::wardrobe::{Place, Wardrobe};
@@ -365,22 +366,22 @@ impl SceneBuilder {
         }
     }
 
-    /// The middle of the box around the bounded shapes, or the eye where there are none.
+    /// Where coordinates are to count from (see [`middle`]); the eye where there is nothing.
     fn middle(&self, camera: &Camera) -> Result<DVec3, BuildError> {
-        let mut min = DVec3::INFINITY;
-        let mut max = DVec3::NEG_INFINITY;
-        let mut hold = |(lo, hi): (DVec3, DVec3)| (min, max) = (min.min(lo), max.max(hi));
-        self.shapes.iter().for_each(|(shape, ..)| hold(shape.extent()));
+        let mut boxes: Vec<Extent> = self.shapes.iter().map(|(shape, ..)| shape.extent()).collect();
+        let both = |(a, b): Extent, (c, d): Extent| (a.min(c), b.max(d));
         for (shape, motion, ..) in &self.moving_shapes {
-            for time in [0.0, MIDDLE, 1.0] {
-                hold(shape_at(shape, motion, time).ok_or(BuildError::Flattened)?.extent());
-            }
+            let at = |time| Some(shape_at(shape, motion, time)?.extent());
+            let [start, half, end] = [0.0, MIDDLE, 1.0].map(at);
+            boxes.push(start.zip(half).zip(end).map(|((a, b), c)| both(both(a, b), c)).ok_or(BuildError::Flattened)?);
         }
-        for v in self.triangles.iter().flatten() {
-            let p = self.positions[*v as usize];
-            (min, max) = (min.min(p), max.max(p));
+        let ends = self.parts.iter().skip(1).map(|(first, ..)| *first).chain([self.triangles.len() as u32]);
+        for ((first, ..), end) in self.parts.iter().zip(ends) {
+            let corners = self.triangles[*first as usize..end as usize].iter().flatten();
+            let points = corners.map(|v| self.positions[*v as usize]).map(|p| (p, p));
+            boxes.extend(points.reduce(both));
         }
-        Ok(if min.cmple(max).all() { min * 0.5 + max * 0.5 } else { camera.center() })
+        Ok(middle(&boxes, sight(camera, self.shapes.iter().map(|(shape, ..)| shape))).unwrap_or(camera.center()))
     }
 }
 

@@ -7,6 +7,7 @@ mod immersed;
 mod inside;
 mod interior;
 mod material;
+mod middle;
 mod movement;
 mod nothing;
 mod objects;

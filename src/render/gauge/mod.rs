@@ -91,9 +91,9 @@ impl Gauge {
     pub fn add(&mut self, film: &Film, pass: &Pass) {
         let n = f64::from(self.passes);
         self.deviations.resize(pass.image.len(), Vec3::ZERO);
-        for ((sum, value), before) in self.deviations.iter_mut().zip(&pass.image).zip(film.sums()) {
+        for ((sum, value), before) in self.deviations.iter_mut().zip(&pass.image).zip(film.means()) {
             if n > 0.0 {
-                let delta = value.as_dvec3() - before / n;
+                let delta = value.as_dvec3() - before;
                 *sum += (delta * delta * (n / (n + 1.0))).as_vec3();
             }
         }
