@@ -1,0 +1,257 @@
+//! A description under a similarity of space. Every field that has a unit of length is named; matches are exhaustive, so that what the
+//! scene language learns does not slip by.
+
+use caustica::format::description::{
+    Aim, AreaStrength, Attenuation, Camera, Coefficients, Density, Description, DirectionalStrength, Emission,
+    EnvironmentRadiance, Extent, Focus, Item, Lens, Light, Map, Material, MaterialKind, Medium, Object, Opening,
+    PointStrength, Projection, Relief, Span, Spanned, TextureKind,
+};
+use glam::{DAffine3, DMat4, DVec3};
+
+/// x ↦ shift + scale · turn(x).
+#[derive(Clone, Copy, Debug)]
+pub struct Similarity {
+    /// Above 0.
+    pub scale: f64,
+    /// Axis and degrees, right-handed.
+    pub turn: (DVec3, f64),
+    pub shift: DVec3,
+}
+
+impl Similarity {
+    pub const NONE: Self = Self { scale: 1.0, turn: (DVec3::Y, 0.0), shift: DVec3::ZERO };
+
+    pub fn scaled(scale: f64) -> Self {
+        Self { scale, ..Self::NONE }
+    }
+
+    /// The world of `d` as this map makes it: a picture of it shows the same radiances.
+    pub fn of(&self, mut d: Description) -> Description {
+        let Description { camera, background: _, filling: _, lights, textures, media, materials, root } = &mut d;
+        self.camera(&mut camera.value);
+        lights.iter_mut().for_each(|light| self.light(&mut light.value));
+        // They lie in the space of what wears them, which the map around the root takes along.
+        for texture in textures {
+            match &texture.kind {
+                TextureKind::Image { .. } | TextureKind::Checker { .. } | TextureKind::Solid { .. } => {}
+            }
+        }
+        media.iter_mut().for_each(|medium| self.medium(&mut medium.value));
+        materials.iter_mut().for_each(|material| self.material(&mut material.value));
+        let inner = Spanned::new(Object::Group(std::mem::take(root)), Span::default());
+        let outer = Object::Transform { maps: self.maps(), object: Box::new(inner) };
+        root.items.push(Item::Object(Spanned::new(outer, Span::default())));
+        d
+    }
+
+    fn maps(&self) -> Vec<Map> {
+        let mut maps = vec![Map::Translate(self.shift)];
+        if self.turns() {
+            maps.push(Map::Rotate { axis: self.turn.0, angle: self.turn.1 });
+        }
+        maps.push(Map::UniformScale(self.scale));
+        maps
+    }
+
+    fn turns(&self) -> bool {
+        self.turn.1 != 0.0
+    }
+
+    fn matrix(&self) -> DAffine3 {
+        Map::product(&self.maps())
+    }
+
+    /// Where a point comes to lie.
+    pub fn place(&self, p: DVec3) -> DVec3 {
+        self.matrix().transform_point3(p)
+    }
+
+    fn point(&self, p: &mut DVec3) {
+        *p = self.place(*p);
+    }
+
+    fn vector(&self, v: &mut DVec3) {
+        *v = self.matrix().transform_vector3(*v);
+    }
+
+    fn length(&self, x: &mut f64) {
+        *x *= self.scale;
+    }
+
+    fn per_length(&self, x: &mut DVec3) {
+        *x /= self.scale;
+    }
+
+    fn area(&self, x: &mut DVec3) {
+        *x *= self.scale * self.scale;
+    }
+
+    fn aim(&self, aim: &mut Aim) {
+        match aim {
+            Aim::Direction(direction) => self.vector(direction),
+            Aim::LookAt(point) => self.point(point),
+        }
+    }
+
+    /// Maps that act as if the place of what moves were the origin.
+    fn motion(&self, maps: &mut [Map]) {
+        for map in maps {
+            *map = match *map {
+                Map::Translate(mut by) => {
+                    self.vector(&mut by);
+                    Map::Translate(by)
+                }
+                Map::UniformScale(by) => Map::UniformScale(by),
+                Map::Scale(by) if !self.turns() => Map::Scale(by),
+                Map::Scale(_) => panic!("no scene turns what is stretched unevenly while it moves"),
+                Map::RotateX(angle) => self.turned(DVec3::X, angle),
+                Map::RotateY(angle) => self.turned(DVec3::Y, angle),
+                Map::RotateZ(angle) => self.turned(DVec3::Z, angle),
+                Map::Rotate { axis, angle } => self.turned(axis, angle),
+                Map::Matrix(_) => panic!("no matrix moves"),
+            };
+        }
+    }
+
+    fn turned(&self, mut axis: DVec3, angle: f64) -> Map {
+        self.vector(&mut axis);
+        Map::Rotate { axis, angle }
+    }
+
+    fn camera(&self, camera: &mut Camera) {
+        let Camera { center, aim, up, projection, width: _, height: _, motion } = camera;
+        self.aim(aim);
+        self.point(center);
+        self.vector(up);
+        match projection {
+            Projection::Perspective { angle: _, lens } => lens.iter_mut().for_each(|lens| self.lens(lens)),
+            Projection::Orthographic { size } => self.length(size),
+            Projection::Environment => {}
+        }
+        self.motion(motion);
+    }
+
+    fn lens(&self, lens: &mut Lens) {
+        let Lens { opening, focus, blades: _ } = lens;
+        match opening {
+            Opening::Radius(radius) => self.length(radius),
+            Opening::FNumber { number: _, sensor } => self.length(sensor),
+        }
+        match focus {
+            Focus::Distance(distance) => self.length(distance),
+            Focus::Point(point) => self.point(point),
+        }
+    }
+
+    fn light(&self, light: &mut Light) {
+        match light {
+            Light::Point { position, strength } => {
+                self.point(position);
+                self.intensity(strength);
+            }
+            Light::Directional { direction, strength } => {
+                self.vector(direction);
+                match strength {
+                    DirectionalStrength::Color(_) | DirectionalStrength::Irradiance(_) => {}
+                }
+            }
+            Light::Spot { position, aim, angle: _, penumbra: _, strength } => {
+                self.aim(aim);
+                self.point(position);
+                self.intensity(strength);
+            }
+            Light::Sphere { center, radius, strength } => {
+                self.point(center);
+                self.length(radius);
+                self.radiance(strength);
+            }
+            Light::Disc { center, normal, radius, strength } => {
+                self.point(center);
+                self.vector(normal);
+                self.length(radius);
+                self.radiance(strength);
+            }
+            Light::Rectangle { corner, edge0, edge1, strength } => {
+                self.point(corner);
+                self.vector(edge0);
+                self.vector(edge1);
+                self.radiance(strength);
+            }
+            Light::Moving { maps, light } => {
+                self.motion(maps);
+                self.light(&mut light.value);
+            }
+            Light::Environment(EnvironmentRadiance::Constant(_)) => {}
+            Light::Environment(EnvironmentRadiance::Picture { path: _, scale: _, rotate }) => {
+                assert!(!self.turns() || self.turn.0 == DVec3::Y, "a picture of the sky turns about y alone");
+                *rotate += self.turn.1;
+            }
+        }
+    }
+
+    /// What falls on things goes with intensity over the square of a length.
+    fn intensity(&self, strength: &mut PointStrength) {
+        match strength {
+            // What a white surface at the scene's middle shows, wherever that is.
+            PointStrength::Color(_) => {}
+            PointStrength::Intensity(watts) | PointStrength::Power(watts) => self.area(watts),
+        }
+    }
+
+    fn radiance(&self, strength: &mut AreaStrength) {
+        match strength {
+            AreaStrength::Radiance(_) => {}
+            AreaStrength::Power(watts) => self.area(watts),
+        }
+    }
+
+    fn medium(&self, medium: &mut Medium) {
+        let Medium { name: _, coefficients, emission, phase: _, density } = medium;
+        match coefficients {
+            Coefficients::Parts { absorption, scattering } => {
+                self.per_length(absorption);
+                self.per_length(scattering);
+            }
+            Coefficients::Whole { extinction, albedo: _ } => self.per_length(extinction),
+        }
+        self.per_length(emission);
+        match density {
+            Density::Even => {}
+            Density::Grid { path: _, scale: _, extent } => self.extent(extent),
+            Density::Cloud { cover: _, softness: _, octaves: _, frequency: _, seed: _, resolution: _, extent } => {
+                self.extent(extent)
+            }
+        }
+    }
+
+    /// As one matrix, since those among its maps are applied after what stands before them.
+    fn extent(&self, extent: &mut Extent) {
+        let Extent { min: _, max: _, maps } = extent;
+        *maps = vec![Map::Matrix(DMat4::from(self.matrix() * Map::product(maps)))];
+    }
+
+    fn material(&self, material: &mut Material) {
+        let Material { name: _, kind, emission, relief, medium: _ } = material;
+        match kind {
+            MaterialKind::Dielectric { refraction: _, attenuation, roughness: _, priority: _ } => match attenuation {
+                Attenuation::None => {}
+                Attenuation::Absorption(sigma) => self.per_length(sigma),
+                Attenuation::Tint { color: _, distance } => self.length(distance),
+            },
+            MaterialKind::Phong { .. }
+            | MaterialKind::Diffuse { .. }
+            | MaterialKind::Mirror { .. }
+            | MaterialKind::Clear { .. }
+            | MaterialKind::Conductor { .. }
+            | MaterialKind::Thin { .. }
+            | MaterialKind::Mix { .. } => {}
+        }
+        match emission {
+            None | Some(Emission::Radiance(_) | Emission::Texture { .. }) => {}
+        }
+        match relief {
+            Some(Relief::Bump { texture: _, height }) => self.length(height),
+            None | Some(Relief::NormalMap(_)) => {}
+        }
+    }
+}
