@@ -4,7 +4,7 @@ use super::grow::{Branch, Fragment, MAX_DEPTH, Slab, grow};
 use super::packet::{LANES, Packet};
 use super::probe::Probe;
 use crate::math::{Bounds, gamma};
-use glam::{Vec3, Vec3A};
+use glam::{DVec3, Vec3, Vec3A};
 use wide::f32x8;
 
 /// Children of a node.
@@ -50,7 +50,8 @@ pub(super) struct Wide {
 
 impl Wide {
     pub fn build(triangles: &[[Vec3; 3]], others: &[Bounds]) -> Self {
-        let boxes = triangles.iter().map(|t| Bounds::of(*t)).zip(0..);
+        // Rounding gives triangles without area one as rays see them, but no normal.
+        let boxes = triangles.iter().map(|t| if has_area(t) { Bounds::of(*t) } else { Bounds::EMPTY }).zip(0..);
         let mut fragments: Vec<Fragment> =
             boxes.chain(others.iter().copied().zip(OTHER..)).filter(|(b, _)| !b.is_empty()).map(padded).collect();
         let mut tree = vec![Branch::VACANT; (2 * fragments.len()).saturating_sub(1)];
@@ -245,6 +246,12 @@ impl Source<'_> {
         self.choose(at + 1, start, share, take);
         self.choose(at + 2 * left, start + left, slots - share, take);
     }
+}
+
+/// Whether the corners span a plane; differences of f32 and their products are exact in f64, or far from cancelling.
+fn has_area(corners: &[Vec3; 3]) -> bool {
+    let [a, b, c] = corners.map(|v| v.as_dvec3());
+    (b - a).cross(c - a) != DVec3::ZERO
 }
 
 /// The box with room for the errors of triangle and box tests.

@@ -1,6 +1,7 @@
 //! Geometry's arithmetic: rays, boxes, frames, transforms, warps, and the error bounds that keep rays apart from surfaces.
 
 mod bounds;
+mod double;
 mod float;
 mod frame;
 mod morton;
@@ -11,6 +12,7 @@ mod transform;
 pub mod warp;
 
 pub use bounds::{Bounds, Sphere};
+pub use double::{exact_cross, exact_dot};
 pub use float::{direction, gamma, quadratic, sin_cos_turns};
 pub use frame::Frame;
 pub use morton::morton_order;

@@ -1,5 +1,7 @@
 //! Affine maps in double precision, with their inverses.
 
+use super::double::Double3;
+use super::exact_dot;
 use glam::{DAffine3, DMat3, DVec3};
 
 /// The linear part of a transform cannot be inverted, so the shape under it has no volume or no place.
@@ -12,31 +14,43 @@ pub struct Singular;
 pub struct Transform {
     forward: DAffine3,
     inverse: DAffine3,
+    /// Of the linear part.
+    determinant: f64,
 }
+
+/// Largest entry of the inverse, in units of the columns, that leaves digits to trust: what one rounding of an entry becomes is then below a
+/// fiftieth.
+const LARGEST: f64 = 1e14;
 
 impl Transform {
     /// The map that changes nothing.
-    pub const IDENTITY: Self = Self { forward: DAffine3::IDENTITY, inverse: DAffine3::IDENTITY };
+    pub const IDENTITY: Self = Self { forward: DAffine3::IDENTITY, inverse: DAffine3::IDENTITY, determinant: 1.0 };
 
     /// Wraps `forward` with its inverse.
     ///
     /// # Errors
-    /// [`Singular`] where an entry is not finite, or the columns, made unit vectors, span a volume below 10⁻¹⁴: then the
-    /// inverse has no digits left to trust. The scale itself may be anything whose inverse is finite.
+    /// [`Singular`] where an entry is not finite, or the columns, made about unit vectors, have an inverse with entries above 10¹⁴: then
+    /// it has no digits left to trust. The scale itself may be anything whose inverse is finite.
+    ///
+    /// Cofactors of columns that almost lie in a plane cancel, and an error of their determinant would scale the whole inverse: both are
+    /// computed with twice the digits, so that each entry is right to its last two bits whatever the condition number.
     pub fn new(forward: DAffine3) -> Result<Self, Singular> {
         let m = forward.matrix3;
-        let lengths = [m.x_axis, m.y_axis, m.z_axis].map(length);
-        let [x, y, z] = lengths;
-        let unit = DMat3::from_cols(m.x_axis / x, m.y_axis / y, m.z_axis / z);
-        let volume = unit.determinant().abs();
-        if !(forward.is_finite() && volume > 1e-14) {
+        let [x, y, z] = [m.x_axis, m.y_axis, m.z_axis].map(|v| power_of_two(length(v)));
+        // Powers of two change no digit.
+        let [a, b, c] = [m.x_axis / x, m.y_axis / y, m.z_axis / z];
+        let cofactors = [Double3::cross(b, c), Double3::cross(c, a), Double3::cross(a, b)];
+        let volume = cofactors[0].dot(a);
+        let rows = cofactors.map(|row| row.rounded() / volume);
+        let largest = rows.iter().map(|row| row.abs().max_element()).fold(0.0, f64::max);
+        if !(forward.is_finite() && volume != 0.0 && rows.iter().all(|row| row.is_finite()) && largest <= LARGEST) {
             return Err(Singular);
         }
         // M = U·D has the inverse D⁻¹·U⁻¹, which neither overflows nor vanishes before its entries do.
-        let rows = unit.inverse().transpose();
-        let inverse = DMat3::from_cols(rows.x_axis / x, rows.y_axis / y, rows.z_axis / z).transpose();
-        let inverse = DAffine3::from_mat3_translation(inverse, -(inverse * forward.translation));
-        if inverse.is_finite() { Ok(Self { forward, inverse }) } else { Err(Singular) }
+        let inverse = DMat3::from_cols(rows[0] / x, rows[1] / y, rows[2] / z).transpose();
+        let inverse = DAffine3::from_mat3_translation(inverse, shift_back(inverse, forward.translation));
+        let determinant = volume * x * y * z;
+        if inverse.is_finite() { Ok(Self { forward, inverse, determinant }) } else { Err(Singular) }
     }
 
     /// Object to world.
@@ -77,8 +91,25 @@ impl Transform {
     pub fn translated(&self, by: DVec3) -> Self {
         let (mut forward, mut inverse) = (self.forward, self.inverse);
         forward.translation += by;
-        inverse.translation -= inverse.matrix3 * by;
-        Self { forward, inverse }
+        inverse.translation = shift_back(inverse.matrix3, forward.translation);
+        Self { forward, inverse, ..*self }
+    }
+
+    /// How much farther off a surface with object normal `n` may be than the rounding of its world's coordinates says, as a ray sees
+    /// it that is taken into object space: |M⁻¹| rounding moves the ray there, and |M⁻ᵀn| says how steep the surface is. About 1 or less for
+    /// maps that stretch all directions alike.
+    #[inline]
+    #[must_use]
+    pub fn blur(&self, n: DVec3) -> f64 {
+        let m = &self.inverse.matrix3;
+        let largest = m.x_axis.length_squared() + m.y_axis.length_squared() + m.z_axis.length_squared();
+        (largest / 3.0 * n.length_squared()).sqrt() / self.normal(n).length()
+    }
+
+    /// Determinant of the linear part.
+    #[must_use]
+    pub fn determinant(&self) -> f64 {
+        self.determinant
     }
 
     /// The common scale, where the map only turns, mirrors, moves and scales alike in all directions.
@@ -94,8 +125,19 @@ impl Transform {
     /// Whether the map mirrors: right hands become left ones.
     #[must_use]
     pub fn mirrors(&self) -> bool {
-        self.forward.matrix3.determinant() < 0.0
+        self.determinant < 0.0
     }
+}
+
+/// The translation of the inverse: −M⁻¹t, which may be far smaller than its terms.
+fn shift_back(inverse: DMat3, t: DVec3) -> DVec3 {
+    let rows = inverse.transpose();
+    -DVec3::new(exact_dot(rows.x_axis, t), exact_dot(rows.y_axis, t), exact_dot(rows.z_axis, t))
+}
+
+/// The largest power of two that is not above `x`; 0 of numbers that are not normal.
+fn power_of_two(x: f64) -> f64 {
+    f64::from_bits(x.to_bits() & 0x7ff0_0000_0000_0000)
 }
 
 /// |v| without overflow or underflow of the squares.
@@ -116,6 +158,8 @@ mod tests {
         assert_eq!(Transform::new(DAffine3::from_scale(DVec3::splat(f64::NAN))), Err(Singular));
         let dependent = DMat3::from_cols(DVec3::X, DVec3::Y, DVec3::X + DVec3::Y);
         assert_eq!(Transform::new(DAffine3::from_mat3(dependent)), Err(Singular));
+        let close = DMat3::from_cols(DVec3::X, DVec3::new(1.0, 1e-15, 0.0), DVec3::Z);
+        assert_eq!(Transform::new(DAffine3::from_mat3(close)), Err(Singular));
         // Small is not singular.
         for scale in [DVec3::splat(1e-150), DVec3::new(1e300, 1.0, 1e-300)] {
             let t = Transform::new(DAffine3::from_scale(scale)).unwrap();

@@ -1,8 +1,8 @@
 //! Discs, and the ellipses that affine maps make of them.
 
-use super::{Crossing, ShapeSample, SurfacePoint, widen, within};
-use crate::math::{Ray, Transform, warp};
-use glam::{DVec3, Vec2};
+use super::{Crossing, INSET, ShapeSample, SurfacePoint, widen, within};
+use crate::math::{Ray, Transform, exact_cross, warp};
+use glam::{DVec2, DVec3, Vec2};
 
 /// The points `center + x·a + y·b` with x² + y² ≤ 1; its outer side is that of `a × b`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,9 +19,9 @@ impl Disc {
     /// A disc spanned by the half axes `a` and `b`, which must not be parallel.
     #[must_use]
     pub fn new(center: DVec3, a: DVec3, b: DVec3) -> Self {
-        let cross = a.cross(b);
+        let cross = exact_cross(a, b);
         let n2 = cross.length_squared();
-        Self { center, a, b, normal: cross / n2.sqrt(), dual: [b.cross(cross) / n2, cross.cross(a) / n2] }
+        Self { center, a, b, normal: cross / n2.sqrt(), dual: [exact_cross(b, cross) / n2, exact_cross(cross, a) / n2] }
     }
 
     /// A round disc across `normal`, of any length above zero.
@@ -53,7 +53,18 @@ impl Disc {
     pub(super) fn surface(&self, ray: &Ray, t: f32) -> SurfacePoint {
         let (o, d) = widen(ray);
         let p = o + d * f64::from(t);
-        self.at(p - self.normal * self.normal.dot(p - self.center))
+        self.at(self.inset(p - self.normal * self.normal.dot(p - self.center)))
+    }
+
+    /// The point, kept off the rim: see [`INSET`].
+    #[inline]
+    fn inset(&self, p: DVec3) -> DVec3 {
+        let offset = p - self.center;
+        let at = DVec2::new(self.dual[0].dot(offset), self.dual[1].dot(offset));
+        let steepest = (self.dual[0].length_squared() + self.dual[1].length_squared()).sqrt();
+        let most = 1.0 - (INSET * f64::from(f32::EPSILON) * p.abs().max_element() * steepest).min(0.25);
+        let from_middle = at.length();
+        if from_middle <= most { p } else { self.center + offset * (most / from_middle) }
     }
 
     #[inline]

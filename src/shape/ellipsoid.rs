@@ -1,6 +1,6 @@
 //! Ellipsoids: the unit sphere under an affine map.
 
-use super::{Crossing, ShapeSample, Sphere, SurfacePoint, widen, within};
+use super::{Crossing, ShapeSample, Sphere, SurfacePoint, crossing, widen};
 use crate::math::{Ray, Transform, quadratic, warp};
 use glam::{DAffine3, DMat3, DVec3, Vec2};
 
@@ -35,23 +35,29 @@ impl Ellipsoid {
         Some(Self::new(Transform::new(*map.forward() * *self.to_world.forward()).ok()?))
     }
 
+    /// The ray in object space.
     #[inline]
-    pub(super) fn intersect(&self, ray: &Ray) -> Option<Crossing> {
+    fn to_object(&self, ray: &Ray) -> (DVec3, DVec3) {
         let (o, d) = widen(ray);
         let inverse = self.to_world.inverse();
-        let (l, d) = (inverse.transform_point3(o), inverse.transform_vector3(d));
+        (inverse.transform_point3(o), inverse.transform_vector3(d))
+    }
+
+    #[inline]
+    pub(super) fn intersect(&self, ray: &Ray) -> Option<Crossing> {
+        let (l, d) = self.to_object(ray);
         let (a, b) = (d.length_squared(), l.dot(d));
         let nearest = l - d * (b / a);
         let distance = l.length();
         let c = (distance - 1.0) * (distance + 1.0);
         let (near, far) = quadratic(a, b, c, a * (1.0 - nearest.length_squared()))?;
-        within(ray, near).or_else(|| if near > 0.0 { None } else { within(ray, far) }).map(|t| (t, 0.0, 0.0))
+        crossing(ray, near).or_else(|| if near > 0.0 { None } else { crossing(ray, far) })
     }
 
     #[inline]
-    pub(super) fn surface(&self, ray: &Ray, t: f32) -> SurfacePoint {
-        let (o, d) = widen(ray);
-        self.at(self.to_world.inverse().transform_point3(o + d * f64::from(t)).normalize())
+    pub(super) fn surface(&self, ray: &Ray, t: f64) -> SurfacePoint {
+        let (l, d) = self.to_object(ray);
+        self.at((l + d * t).normalize())
     }
 
     #[inline]
@@ -61,7 +67,8 @@ impl Ellipsoid {
         let m = self.to_world.forward().matrix3;
         let scale = m.x_axis.length() + m.y_axis.length() + m.z_axis.length();
         let center = self.to_world.forward().translation.abs().max_element();
-        SurfacePoint::exact(p, self.to_world.normal(object).normalize(), scale + center)
+        let blur = self.to_world.blur(object).max(1.0);
+        SurfacePoint::exact(p, self.to_world.normal(object).normalize(), (scale + center) * blur)
     }
 
     pub(super) fn extent(&self) -> (DVec3, DVec3) {
@@ -83,7 +90,7 @@ impl Ellipsoid {
     /// How many times larger the surface at object point `n` is in world space: |det M| · |M⁻ᵀ n|.
     #[inline]
     fn stretch(&self, n: DVec3) -> f64 {
-        self.to_world.forward().matrix3.determinant().abs() * self.to_world.normal(n).length()
+        self.to_world.determinant().abs() * self.to_world.normal(n).length()
     }
 
     /// Uniform on the unit sphere, so by area of the sphere's preimage.
@@ -102,7 +109,7 @@ impl Ellipsoid {
     #[inline]
     pub(super) fn pdf(&self, ng: DVec3) -> f32 {
         let m = self.to_world.forward().matrix3;
-        ((m.transpose() * ng).length() / (4.0 * std::f64::consts::PI * m.determinant().abs())) as f32
+        ((m.transpose() * ng).length() / (4.0 * std::f64::consts::PI * self.to_world.determinant().abs())) as f32
     }
 
     /// The mean stretch over the sphere by midpoints in (z, φ).

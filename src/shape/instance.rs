@@ -1,6 +1,6 @@
 //! Meshes that are placed more than once, or that move: one set of triangles under several maps.
 
-use super::{Crossing, Mapped, Mesh, ShapeSample, SurfacePoint, widen};
+use super::{Crossing, Mapped, Mesh, ShapeSample, SurfacePoint, rounding_error, widen, within};
 use crate::accel::{Hierarchy, Primitive};
 use crate::math::{Ray, Transform, warp};
 use crate::sampling::Discrete;
@@ -52,7 +52,7 @@ impl Instance {
     /// `mesh` under `to_world`.
     #[must_use]
     pub fn new(mesh: Arc<IndexedMesh>, to_world: Transform) -> Self {
-        let edge = libm::cbrt(to_world.forward().matrix3.determinant().abs());
+        let edge = libm::cbrt(to_world.determinant().abs());
         Self { mesh, to_world, area_scale: edge * edge }
     }
 
@@ -76,22 +76,33 @@ impl Instance {
         (inverse.transform_point3(o), inverse.transform_vector3(d))
     }
 
+    /// The ray in the mesh's space from where it comes within twice its radius, and `t` there: what rounding to f32 moves is then of the mesh's size, however
+    /// far away the map puts the start.
+    #[inline]
+    fn near(&self, ray: &Ray) -> (Ray, f64) {
+        let (o, d) = self.to_object(ray);
+        let around = self.mesh.hierarchy.bounds().bounding_sphere();
+        let length = d.length();
+        let to = around.center.as_dvec3() - o;
+        let start = ((to.dot(d) / length - 2.0 * f64::from(around.radius)) / length).max(0.0);
+        let origin = (o + d * start).as_vec3();
+        (Ray { origin, direction: d.as_vec3(), t_max: (f64::from(ray.t_max) - start) as f32 }, start)
+    }
+
     #[inline]
     pub(super) fn intersect(&self, ray: &Ray) -> Option<Crossing> {
-        let (o, d) = self.to_object(ray);
-        let ray = Ray { origin: o.as_vec3(), direction: d.as_vec3(), t_max: ray.t_max };
-        let hit = self.mesh.hierarchy.closest(&ray, |_, _| None)?;
+        let (near, start) = self.near(ray);
+        let hit = self.mesh.hierarchy.closest(&near, |_, _| None)?;
+        let t = within(ray, start + f64::from(hit.t))?;
         match hit.primitive {
-            Primitive::Triangle(i) => Some((hit.t, f32::from_bits(i), 0.0)),
+            Primitive::Triangle(i) => Some((t, f32::from_bits(i), 0.0)),
             Primitive::Other(_) => None,
         }
     }
 
     #[inline]
     pub(super) fn occludes(&self, ray: &Ray) -> bool {
-        let (o, d) = self.to_object(ray);
-        let ray = Ray { origin: o.as_vec3(), direction: d.as_vec3(), t_max: ray.t_max };
-        self.mesh.hierarchy.occluded(&ray, |_, _| false)
+        self.mesh.hierarchy.occluded(&self.near(ray).0, |_, _| false)
     }
 
     #[inline]
@@ -126,11 +137,12 @@ impl Instance {
         let p = self.to_world.point(own.p.as_dvec3()).as_vec3();
         let normal = |n: Vec3| self.to_world.normal(n.as_dvec3()).normalize_or_zero().as_vec3();
         let (ng, ns) = (normal(own.ng), normal(own.ns));
-        // The place is rounded in both spaces, and the next ray once more on its way into the mesh's.
-        let m = self.to_world.forward().matrix3;
-        let rounded = (own.error + own.p.abs() * f32::EPSILON).as_dvec3();
-        let carried = m.x_axis.abs() * rounded.x + m.y_axis.abs() * rounded.y + m.z_axis.abs() * rounded.z;
-        let error = p.abs() * f32::EPSILON + carried.as_vec3();
+        // The place is rounded in both spaces, and the next ray once more on its way into the mesh's; what moves it along the plane is no error.
+        let n = own.ng.as_dvec3();
+        let rounded =
+            n.abs().dot((own.error + own.p.abs() * f32::EPSILON).as_dvec3()) / self.to_world.normal(n).length();
+        let reach = f64::from(p.abs().max_element()) + self.to_world.forward().translation.abs().max_element();
+        let error = rounding_error(p, reach * self.to_world.blur(n).max(1.0)) + Vec3::splat(rounded as f32);
         SurfacePoint { p, error, ng: if ng.dot(ns) < 0.0 { -ng } else { ng }, ns, uv: b }
     }
 

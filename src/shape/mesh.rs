@@ -1,6 +1,6 @@
 //! Triangle meshes.
 
-use super::{Mapped, SurfacePoint};
+use super::{INSET, Mapped, SurfacePoint};
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
 /// Corner indices of one triangle.
@@ -41,15 +41,26 @@ impl Mesh {
         let [p0, p1, p2] = self.corners(i).map(|v| v.as_dvec3());
         let (e1, e2) = (p1 - p0, p2 - p0);
         let b = b.as_dvec2();
-        let p = (p0 + e1 * b.x + e2 * b.y).as_vec3();
-        let mut ng = e1.cross(e2).normalize_or_zero().as_vec3();
+        let cross = e1.cross(e2);
+        let mut p = p0 + e1 * b.x + e2 * b.y;
+        // The f32 triangle test rounds corners relative to the ray's origin: its error is in ulps of the triangle's size.
+        let size = e1.abs().max(e2.abs()).max_element();
+        let room = INSET * f64::from(f32::EPSILON) * (p.abs().max_element() + 4.0 * size);
+        // The height over an edge is a weight times the cross product over the edge, none of which is longer than √12 sizes.
+        let least = b.x.min(b.y).min(1.0 - b.x - b.y).max(0.0);
+        let bound = room * size;
+        if least * least * cross.length_squared() < 12.0 * bound * bound {
+            let kept = kept_inside(b, room / cross.length(), [e1, e2]);
+            p = p0 + e1 * kept.x + e2 * kept.y;
+        }
+        let p = p.as_vec3();
+        let mut ng = cross.normalize_or_zero().as_vec3();
         let ns = self.shading_normal(i, b.x, b.y).unwrap_or(ng);
         // Authors' normals say which side is out; winding may disagree.
         if ng.dot(ns) < 0.0 {
             ng = -ng;
         }
-        // The f32 triangle test rounds corners relative to the ray's origin: its error is in ulps of the triangle's size.
-        let size = e1.abs().max(e2.abs()).max_element() as f32;
+        let size = size as f32;
         SurfacePoint {
             p,
             error: p.abs() * f32::EPSILON + Vec3::splat(size * (4.0 * f32::EPSILON)),
@@ -88,6 +99,21 @@ impl Mesh {
         let [n0, n1, n2]: [DVec3; 3] = self.triangles[i].map(|v| self.normals[v as usize].as_dvec3());
         (n0 * (1.0 - b1 - b2) + n1 * b1 + n2 * b2).try_normalize().map(|n| n.as_vec3())
     }
+}
+
+/// Weights `b` of the corners at the ends of `edges`, kept so that the point stays `room`, in parts of the length of the cross product, off
+/// each edge, or a quarter of the height over it: see [`INSET`].
+#[cold]
+fn kept_inside(b: DVec2, room: f64, [e1, e2]: [DVec3; 2]) -> DVec2 {
+    let least = [e2 - e1, e2, e1].map(|edge| (room * edge.length()).min(0.25));
+    let mut weights = [1.0 - b.x - b.y, b.x, b.y];
+    let largest = if weights[0] >= b.x.max(b.y) { 0 } else { 1 + usize::from(b.y > b.x) };
+    for (w, least) in weights.iter_mut().zip(least) {
+        *w = w.max(least);
+    }
+    // The largest pays for it, and has at least a quarter left.
+    weights[largest] = 1.0 - (0..3).filter(|i| *i != largest).map(|i| weights[i]).sum::<f64>();
+    DVec2::new(weights[1], weights[2])
 }
 
 #[cfg(test)]

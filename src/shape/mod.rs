@@ -125,11 +125,11 @@ impl Shape {
     #[must_use]
     pub fn surface(&self, ray: &Ray, t: f32, uv: Vec2) -> SurfacePoint {
         match self {
-            Self::Sphere(s) => s.surface(ray, t),
-            Self::Ellipsoid(s) => s.surface(ray, t),
+            Self::Sphere(s) => s.surface(ray, unrounded(t, uv)),
+            Self::Ellipsoid(s) => s.surface(ray, unrounded(t, uv)),
             Self::Disc(s) => s.surface(ray, t),
             Self::Rectangle(s) => s.surface(ray, t),
-            Self::Revolution(s) => s.surface(ray, t, uv),
+            Self::Revolution(s) => s.surface(ray, uv),
             Self::Patch(s) => s.surface(ray, uv),
             Self::Instance(s) => s.surface(ray, uv.x),
         }
@@ -221,11 +221,31 @@ fn widen(ray: &Ray) -> (DVec3, DVec3) {
     (ray.origin.as_dvec3(), ray.direction.as_dvec3())
 }
 
+/// How far from the edges of a face its points are kept, in their largest error along an axis.
+///
+/// A ray leaves a point that is up to √3 errors off from as far again along the normal. Where another face meets this one at angle θ, both may
+/// put its start beyond that face: then it escapes through the edge, or meets a wall twice. At distance s from the edge it is within while
+/// s·sin θ > √3·(1 + cos θ) errors, which 16 errors allow for down to θ = 12.4°.
+const INSET: f64 = 16.0;
+
 /// `t` as f32 if it lies inside the ray.
 #[inline]
 fn within(ray: &Ray, t: f64) -> Option<f32> {
     let t = t as f32;
     (t > 0.0 && t < ray.t_max).then_some(t)
+}
+
+/// `t` inside the ray as a crossing that keeps, as its first coordinate, what the rounding to f32 lost, in parts of `t`: far away it may be
+/// a good part of the shape, and in a thin one take the near side for the far one.
+#[inline]
+fn crossing(ray: &Ray, t: f64) -> Option<Crossing> {
+    within(ray, t).map(|rounded| (rounded, (t / f64::from(rounded) - 1.0) as f32, 0.0))
+}
+
+/// The parameter that a [`crossing`] was made of.
+#[inline]
+fn unrounded(t: f32, uv: Vec2) -> f64 {
+    f64::from(t) * (1.0 + f64::from(uv.x))
 }
 
 /// The box around points in double precision, grown by the rounding to f32.

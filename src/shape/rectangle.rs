@@ -1,8 +1,8 @@
 //! Rectangles, and the parallelograms that affine maps make of them.
 
-use super::{Crossing, ShapeSample, SurfacePoint, widen, within};
-use crate::math::{Ray, Transform};
-use glam::{DVec3, Vec2, Vec3};
+use super::{Crossing, INSET, ShapeSample, SurfacePoint, widen, within};
+use crate::math::{Ray, Transform, exact_cross};
+use glam::{DVec2, DVec3, Vec2, Vec3};
 use libm::{atan2, cos, hypot, sin};
 
 /// How far from perpendicular two edges may be, as the cosine between them: some ulps of a chain of transforms.
@@ -41,10 +41,10 @@ impl Rectangle {
     /// A parallelogram spanned by two edges, which must not be parallel.
     #[must_use]
     pub fn new(corner: DVec3, e0: DVec3, e1: DVec3) -> Self {
-        let cross = e0.cross(e1);
+        let cross = exact_cross(e0, e1);
         let n2 = cross.length_squared();
         let right = e0.dot(e1).abs() <= PERPENDICULAR * e0.length() * e1.length();
-        let dual = [e1.cross(cross) / n2, cross.cross(e0) / n2];
+        let dual = [exact_cross(e1, cross) / n2, exact_cross(cross, e0) / n2];
         Self { corner, edges: [e0, e1], normal: cross / n2.sqrt(), dual, right }
     }
 
@@ -73,7 +73,18 @@ impl Rectangle {
     pub(super) fn surface(&self, ray: &Ray, t: f32) -> SurfacePoint {
         let (o, d) = widen(ray);
         let p = o + d * f64::from(t);
-        self.at(p - self.normal * self.normal.dot(p - self.corner))
+        self.at(self.inset(p - self.normal * self.normal.dot(p - self.corner)))
+    }
+
+    /// The point, kept off the edges: see [`INSET`].
+    #[inline]
+    fn inset(&self, p: DVec3) -> DVec3 {
+        let offset = p - self.corner;
+        let at = DVec2::new(self.dual[0].dot(offset), self.dual[1].dot(offset));
+        let widths = DVec2::new(self.dual[0].length(), self.dual[1].length());
+        let margin = (widths * (INSET * f64::from(f32::EPSILON) * p.abs().max_element())).min(DVec2::splat(0.25));
+        let moved = at.clamp(margin, 1.0 - margin);
+        if moved == at { p } else { self.corner + self.edges[0] * moved.x + self.edges[1] * moved.y }
     }
 
     #[inline]

@@ -1,6 +1,6 @@
 //! Spheres.
 
-use super::{Crossing, ShapeSample, SurfacePoint, widen, within};
+use super::{Crossing, ShapeSample, SurfacePoint, crossing, widen};
 use crate::math::{Frame, Ray, quadratic, warp};
 use glam::{DVec3, Vec2, Vec3};
 
@@ -37,13 +37,13 @@ impl Sphere {
     #[inline]
     pub(super) fn intersect(&self, ray: &Ray) -> Option<Crossing> {
         let (near, far) = self.roots(ray)?;
-        within(ray, near).or_else(|| if near > 0.0 { None } else { within(ray, far) }).map(|t| (t, 0.0, 0.0))
+        crossing(ray, near).or_else(|| if near > 0.0 { None } else { crossing(ray, far) })
     }
 
     #[inline]
-    pub(super) fn surface(&self, ray: &Ray, t: f32) -> SurfacePoint {
+    pub(super) fn surface(&self, ray: &Ray, t: f64) -> SurfacePoint {
         let (o, d) = widen(ray);
-        self.at((o + d * f64::from(t) - self.center).normalize())
+        self.at((o + d * t - self.center).normalize())
     }
 
     /// The surface in unit direction `n` from the centre.

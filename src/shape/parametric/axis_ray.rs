@@ -1,6 +1,6 @@
 //! Rays as a surface of revolution sees them: height and distance from the axis.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 /// Squared sine of the angle to the axis from which on a distance from the axis bounds the ray's parameter well.
 const SLANT: f64 = 1e-2;
@@ -102,4 +102,11 @@ impl AxisRay {
         let gap = (core / slant2).sqrt() - margin;
         [Interval { lo, hi: hi.min(self.nearest - gap) }, Interval { lo: lo.max(self.nearest + gap), hi }]
     }
+}
+
+/// Distance from the axis and the unit direction away from it.
+#[inline]
+pub fn polar(p: DVec3) -> (f64, DVec2) {
+    let across = DVec2::new(p.x, p.z);
+    (across.length(), across.try_normalize().unwrap_or(DVec2::X))
 }

@@ -14,6 +14,7 @@ mod patch_piece;
 mod polynomial;
 mod profile;
 mod revolution;
+mod revolution_build;
 mod ring_tree;
 mod spline;
 

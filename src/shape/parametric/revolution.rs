@@ -1,8 +1,9 @@
 //! Surfaces of revolution, intersected by their profiles.
 
-use super::axis_ray::{AxisRay, Interval};
-use super::polynomial::{Vector, evaluate, split, to_powers};
+use super::axis_ray::{AxisRay, Interval, polar};
+use super::polynomial::{Vector, evaluate};
 use super::profile::Piece;
+use super::revolution_build::{Builder, DEPTH};
 use super::ring_tree::{Ring, RingTree};
 use super::spline::{Basis, SplineError};
 use super::{GAUSS, Nearest, SLACK};
@@ -14,11 +15,8 @@ use libm::{atan2, hypot, sincos};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// Bends of a leaf, in parts of its length, below which rays that are not near grazing need no further cut.
-const FLAT: f64 = 1.0 / 16.0;
-
-/// Halvings of a Bézier piece at most, where it never gets flat: at cusps and where control points coincide.
-const DEPTH: u32 = 9;
+/// Longest step along a ray, in parts of the surface's size, that makes up for rounding of coordinates: beyond, it runs along the surface.
+const ALONG: f64 = 1e-4;
 
 /// Points around the axis at which area is summed under maps that stretch; the sum converges as fast as for a Fourier series.
 const AROUND: u32 = 64;
@@ -49,13 +47,13 @@ struct Profile {
 }
 
 #[derive(Clone, Copy, Debug)]
-struct Leaf {
-    first: u32,
+pub(super) struct Leaf {
+    pub first: u32,
     /// The profile's x over the distance from the axis: 1 or −1.
-    side: f64,
+    pub side: f64,
     /// Middle and half width of its stretch of the profile.
-    place: [f64; 2],
-    ring: Ring,
+    pub place: [f64; 2],
+    pub ring: Ring,
 }
 
 impl Revolution {
@@ -141,34 +139,39 @@ impl Revolution {
         if turn < 0.0 { turn + 1.0 } else { turn }
     }
 
-    pub(in crate::shape) fn surface(&self, ray: &Ray, t: f32, uv: Vec2) -> SurfacePoint {
+    pub(in crate::shape) fn surface(&self, ray: &Ray, uv: Vec2) -> SurfacePoint {
         let (o, d) = widen(ray);
         let inverse = self.to_world.inverse();
         let (o, d) = (inverse.transform_point3(o), inverse.transform_vector3(d));
-        let p = o + d * f64::from(t);
-        let (leaf, x) = self.profile.find(f64::from(uv.x));
-        let powers = self.profile.powers(leaf);
-        // One step of Newton's method makes up for the rounding of the coordinate.
-        let around = DVec2::new(p.x, p.z);
-        let radial = around.try_normalize().unwrap_or(DVec2::X);
-        let ([px, py], [dx, dh]) = evaluate(powers, x);
-        let slope = radial.dot(DVec2::new(d.x, d.z));
-        let step = (slope * (p.y - py) - d.y * (around.length() - px)) / (slope * dh - dx * d.y);
-        let most = 4.0 * f64::from(f32::EPSILON) / self.profile.leaves[leaf].place[1];
-        let x = if step.abs() <= most { (x + step).clamp(-1.0, 1.0) } else { x };
-        self.at(leaf, x, radial, uv)
+        let (leaf, mut x) = self.profile.find(f64::from(uv.x));
+        // Newton's method makes up for the rounding of the coordinates. It starts beside them: a distance may be rounded by more than that.
+        let mut p =
+            o + d * ((self.profile.point(leaf, x, self.profile.radial(leaf, uv.y)) - o).dot(d) / d.length_squared());
+        let most =
+            DVec2::new(4.0 * f64::from(f32::EPSILON) / self.profile.leaves[leaf].place[1], ALONG * self.profile.size);
+        for _ in 0..2 {
+            let (radius, radial) = polar(p);
+            let ([px, py], [dx, dh]) = evaluate(self.profile.powers(leaf), x);
+            let slope = radial.dot(DVec2::new(d.x, d.z));
+            let (beside, above) = (radius - px, p.y - py);
+            let steps = DVec2::new(slope * above - d.y * beside, dx * above - dh * beside) / (slope * dh - dx * d.y);
+            if (steps.abs() * DVec2::new(1.0, d.length())).cmple(most).all() {
+                (x, p) = ((x + steps.x).clamp(-1.0, 1.0), p + d * steps.y);
+            }
+        }
+        self.at(leaf, x, polar(p).1, uv)
     }
 
     /// The surface of a leaf at x, in unit direction `radial` from the axis.
     fn at(&self, leaf: usize, x: f64, radial: DVec2, uv: Vec2) -> SurfacePoint {
         let profile = &self.profile;
-        let ([radius, height], _) = evaluate(profile.powers(leaf), x);
-        let p = self.to_world.point(DVec3::new(radius * radial.x, height, radius * radial.y));
+        let p = self.to_world.point(profile.point(leaf, x, radial));
         let m = self.to_world.forward().matrix3;
         let widest = m.x_axis.length() + m.y_axis.length() + m.z_axis.length();
         let scale = widest * profile.size + self.to_world.forward().translation.abs().max_element();
-        let normal = self.to_world.normal(profile.normal(leaf, x, radial)).normalize();
-        SurfacePoint { uv, ..SurfacePoint::exact(p, normal, scale * SLACK) }
+        let own = profile.normal(leaf, x, radial);
+        let normal = self.to_world.normal(own).normalize();
+        SurfacePoint { uv, ..SurfacePoint::exact(p, normal, scale * SLACK * self.to_world.blur(own).max(1.0)) }
     }
 
     pub(in crate::shape) fn extent(&self) -> (DVec3, DVec3) {
@@ -198,18 +201,15 @@ impl Revolution {
     pub(in crate::shape) fn sample(&self, u: Vec2) -> ShapeSample {
         let (leaf, _) = self.profile.choice.sample(u.x);
         let x = f64::from(self.profile.choice.remainder(u.x, leaf)) * 2.0 - 1.0;
-        let (sin, cos) = sincos(f64::from(u.y) * TAU);
-        let side = self.profile.leaves[leaf].side;
         let uv = Vec2::new(self.profile.place(leaf, x) as f32, u.y);
-        let point = self.at(leaf, x, DVec2::new(cos, sin) * side, uv);
+        let point = self.at(leaf, x, self.profile.radial(leaf, u.y), uv);
         ShapeSample { pdf: self.pdf(&point), point, uv }
     }
 
     /// Coordinates of point `p` of the surface and how they grow in the world.
     pub(in crate::shape) fn mapped(&self, p: Vec3, uv: Vec2) -> Mapped {
         let (leaf, x) = self.profile.find(f64::from(uv.x));
-        let own = self.to_world.inverse().transform_point3(p.as_dvec3());
-        let radial = DVec2::new(own.x, own.z).try_normalize().unwrap_or(DVec2::X);
+        let (_, radial) = polar(self.to_world.inverse().transform_point3(p.as_dvec3()));
         let ([radius, _], [dx, dh]) = evaluate(self.profile.powers(leaf), x);
         let half = self.profile.leaves[leaf].place[1];
         let along = DVec3::new(dx * radial.x, dh, dx * radial.y) / half;
@@ -221,7 +221,7 @@ impl Revolution {
     pub(in crate::shape) fn pdf(&self, point: &SurfacePoint) -> f32 {
         let (leaf, x) = self.profile.find(f64::from(point.uv.x));
         let m = self.to_world.forward().matrix3;
-        let stretch = m.determinant().abs() / (m.transpose() * point.ng.as_dvec3()).length();
+        let stretch = self.to_world.determinant().abs() / (m.transpose() * point.ng.as_dvec3()).length();
         let element = self.profile.element(leaf, x) * stretch;
         (f64::from(self.profile.choice.probability(leaf)) / (2.0 * TAU * element)) as f32
     }
@@ -232,10 +232,7 @@ impl Revolution {
     /// The point of coordinates.
     pub(super) fn point_of(&self, uv: Vec2) -> DVec3 {
         let (leaf, x) = self.profile.find(f64::from(uv.x));
-        let ([radius, height], _) = evaluate(self.profile.powers(leaf), x);
-        let (sin, cos) = sincos(f64::from(uv.y) * TAU);
-        let side = radius * self.profile.leaves[leaf].side;
-        self.to_world.point(DVec3::new(side * cos, height, side * sin))
+        self.to_world.point(self.profile.point(leaf, x, self.profile.radial(leaf, uv.y)))
     }
 }
 
@@ -243,6 +240,18 @@ impl Profile {
     fn powers(&self, leaf: usize) -> &[Vector<2>] {
         let end = self.leaves.get(leaf + 1).map_or(self.powers.len(), |l| l.first as usize);
         &self.powers[self.leaves[leaf].first as usize..end]
+    }
+
+    /// The point at x of a leaf, in unit direction `radial` from the axis.
+    fn point(&self, leaf: usize, x: f64, radial: DVec2) -> DVec3 {
+        let ([radius, height], _) = evaluate(self.powers(leaf), x);
+        DVec3::new(radius * radial.x, height, radius * radial.y)
+    }
+
+    /// The unit direction from the axis of a turn by θ/2π.
+    fn radial(&self, leaf: usize, turns: f32) -> DVec2 {
+        let (sin, cos) = sincos(f64::from(turns) * TAU);
+        DVec2::new(cos, sin) * self.leaves[leaf].side
     }
 
     /// Where x of a leaf is on the whole profile.
@@ -283,7 +292,7 @@ impl Profile {
     }
 
     fn leaf_area(&self, leaf: usize, to_world: &Transform) -> f64 {
-        let determinant = to_world.forward().matrix3.determinant().abs();
+        let determinant = to_world.determinant().abs();
         let mut sum = 0.0;
         for (x, weight) in GAUSS {
             let ring = self.element(leaf, x) * weight * TAU / f64::from(AROUND);
@@ -295,65 +304,6 @@ impl Profile {
         }
         sum
     }
-}
-
-struct Builder {
-    leaves: Vec<Leaf>,
-    powers: Vec<Vector<2>>,
-}
-
-impl Builder {
-    /// Cuts a Bézier curve until it is flat and on one side of the axis.
-    fn cut(&mut self, controls: &[Vector<2>], [start, end]: [f64; 2], depth: u32) {
-        let (left, right) =
-            controls.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, r), c| (l.min(c[0]), r.max(c[0])));
-        let (low, high) =
-            controls.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, r), c| (l.min(c[1]), r.max(c[1])));
-        if left == 0.0 && right == 0.0 || left == right && low == high {
-            return;
-        }
-        let side = if -left > right { -1.0 } else { 1.0 };
-        let degree = controls.len() - 1;
-        let mut powers: Vec<Vector<2>> = controls.iter().map(|c| [side * c[0], c[1]]).collect();
-        to_powers(&mut powers, 0, 1, degree);
-        let crosses = left < 0.0 && right > 0.0;
-        let bends = powers.iter().enumerate().skip(2).fold(0.0, |s, (k, c)| s + k as f64 * hypot(c[0], c[1]));
-        if depth > 0 && (crosses || bends > FLAT * hypot(powers[1][0], powers[1][1])) {
-            let at = axis_crossing(controls).filter(|_| crosses).unwrap_or(0.5);
-            let (mut first, mut last) = split(controls, at);
-            if crosses && at != 0.5 {
-                // The root is known to rounding; on the axis is on the axis.
-                (first[degree][0], last[0][0]) = (0.0, 0.0);
-            }
-            let middle = start + at * (end - start);
-            self.cut(&first, [start, middle], depth - 1);
-            self.cut(&last, [middle, end], depth - 1);
-            return;
-        }
-        let place = [0.5 * (start + end), 0.5 * (end - start)];
-        let ring = Ring { radius: [0.0, 0.0], height: [low, high] };
-        let radius = if side < 0.0 { [-right, -left] } else { [left, right] };
-        self.leaves.push(Leaf { first: self.powers.len() as u32, side, place, ring: Ring { radius, ..ring } });
-        self.powers.extend(powers);
-    }
-}
-
-/// Where a curve whose controls change sides once, so that it does so once, crosses the axis.
-fn axis_crossing(controls: &[Vector<2>]) -> Option<f64> {
-    let sides: Vec<bool> = controls.iter().map(|c| c[0]).filter(|x| *x != 0.0).map(|x| x > 0.0).collect();
-    let [first, .., _] = sides[..] else { return None };
-    if sides.windows(2).filter(|w| w[0] != w[1]).count() != 1 || controls[0][0] == 0.0 {
-        return None;
-    }
-    let (mut low, mut high) = (0.0, 1.0);
-    while let middle = 0.5 * (low + high)
-        && low < middle
-        && middle < high
-    {
-        let x = split(controls, middle).1[0][0];
-        *(if (x > 0.0) == first { &mut low } else { &mut high }) = middle;
-    }
-    (0.0 < low && low < 1.0).then_some(low)
 }
 
 #[cfg(test)]

@@ -1,0 +1,94 @@
+//! Numbers of twice as many digits as f64, for what is made once and cancels: cofactors and determinants.
+
+use glam::DVec3;
+
+/// The unevaluated sum of a number and what its rounding lost (Dekker 1971).
+#[derive(Clone, Copy)]
+struct Double(f64, f64);
+
+impl Double {
+    fn product(a: f64, b: f64) -> Self {
+        // Halves of 26 bits, whose products are exact.
+        let halves = |x: f64| {
+            let c = 134_217_729.0 * x;
+            let high = c - (c - x);
+            (high, x - high)
+        };
+        let ((ah, al), (bh, bl)) = (halves(a), halves(b));
+        let p = a * b;
+        Self(p, al * bl - (((p - ah * bh) - al * bh) - ah * bl))
+    }
+
+    fn plus(self, b: Self) -> Self {
+        let s = self.0 + b.0;
+        let v = s - self.0;
+        let lost = (self.0 - (s - v)) + (b.0 - v);
+        let low = lost + self.1 + b.1;
+        let high = s + low;
+        Self(high, low - (high - s))
+    }
+
+    fn times(self, b: f64) -> Self {
+        let p = Self::product(self.0, b);
+        p.plus(Self(self.1 * b, 0.0))
+    }
+
+    fn minus(self, b: Self) -> Self {
+        self.plus(Self(-b.0, -b.1))
+    }
+}
+
+/// Three of them.
+#[derive(Clone, Copy)]
+pub(super) struct Double3([Double; 3]);
+
+impl Double3 {
+    /// a × b.
+    pub fn cross(a: DVec3, b: DVec3) -> Self {
+        let of = |x: f64, y: f64, u: f64, v: f64| Double::product(x, y).minus(Double::product(u, v));
+        Self([of(a.y, b.z, a.z, b.y), of(a.z, b.x, a.x, b.z), of(a.x, b.y, a.y, b.x)])
+    }
+
+    /// The dot product.
+    pub fn dot(self, b: DVec3) -> f64 {
+        let [x, y, z] = self.0;
+        x.times(b.x).plus(y.times(b.y)).plus(z.times(b.z)).0
+    }
+
+    pub fn rounded(self) -> DVec3 {
+        DVec3::from_array(self.0.map(|x| x.0))
+    }
+}
+
+/// a × b where products of components cancel: each component is right to its last digit.
+#[must_use]
+pub fn exact_cross(a: DVec3, b: DVec3) -> DVec3 {
+    Double3::cross(a, b).rounded()
+}
+
+/// a · b where products of components cancel: right to its last digit unless it is below 10⁻³⁰ of them.
+#[must_use]
+pub fn exact_dot(a: DVec3, b: DVec3) -> f64 {
+    let [x, y, z] = [Double::product(a.x, b.x), Double::product(a.y, b.y), Double::product(a.z, b.z)];
+    x.plus(y).plus(z).0
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_cancels_keeps_its_digits() {
+        // (2²⁷ + 1)² − 2²⁷(2²⁷ + 2) = 1, of squares that no f64 holds.
+        let n = 134_217_728.0;
+        let c = exact_cross(DVec3::new(n + 1.0, n, 0.0), DVec3::new(n + 2.0, n + 1.0, 0.0));
+        assert_eq!(c, DVec3::Z);
+        assert_eq!(exact_dot(DVec3::new(n + 1.0, -n, 0.0), DVec3::new(n + 1.0, n + 2.0, 7.0)), 1.0);
+        // Planes of numbers that differ in their last digits only.
+        let (a, b) = (DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.1, 0.2, 0.3f64.next_up()));
+        let step = 0.3f64.next_up() - 0.3;
+        let truth = DVec3::new(0.2 * step, -(0.1 * step), 0.0);
+        assert!((exact_cross(a, b) - truth).length() <= f64::EPSILON * truth.length());
+        assert_eq!(Double3::cross(a, b).dot(DVec3::Z), 0.0);
+    }
+}

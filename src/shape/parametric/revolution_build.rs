@@ -1,0 +1,71 @@
+//! Cutting profiles until each piece is flat and on one side of the axis.
+
+use super::polynomial::{Vector, split, to_powers};
+use super::revolution::Leaf;
+use super::ring_tree::Ring;
+use libm::hypot;
+
+/// Bends of a leaf, in parts of its length, below which rays that are not near grazing need no further cut.
+const FLAT: f64 = 1.0 / 16.0;
+
+/// Halvings of a Bézier piece at most, where it never gets flat: at cusps and where control points coincide.
+pub(super) const DEPTH: u32 = 9;
+
+pub(super) struct Builder {
+    pub leaves: Vec<Leaf>,
+    pub powers: Vec<Vector<2>>,
+}
+
+impl Builder {
+    /// Cuts a Bézier curve until it is flat and on one side of the axis.
+    pub fn cut(&mut self, controls: &[Vector<2>], [start, end]: [f64; 2], depth: u32) {
+        let (left, right) =
+            controls.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, r), c| (l.min(c[0]), r.max(c[0])));
+        let (low, high) =
+            controls.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, r), c| (l.min(c[1]), r.max(c[1])));
+        if left == 0.0 && right == 0.0 || left == right && low == high {
+            return;
+        }
+        let side = if -left > right { -1.0 } else { 1.0 };
+        let degree = controls.len() - 1;
+        let mut powers: Vec<Vector<2>> = controls.iter().map(|c| [side * c[0], c[1]]).collect();
+        to_powers(&mut powers, 0, 1, degree);
+        let crosses = left < 0.0 && right > 0.0;
+        let bends = powers.iter().enumerate().skip(2).fold(0.0, |s, (k, c)| s + k as f64 * hypot(c[0], c[1]));
+        if depth > 0 && (crosses || bends > FLAT * hypot(powers[1][0], powers[1][1])) {
+            let at = axis_crossing(controls).filter(|_| crosses).unwrap_or(0.5);
+            let (mut first, mut last) = split(controls, at);
+            if crosses && at != 0.5 {
+                // The root is known to rounding; on the axis is on the axis.
+                (first[degree][0], last[0][0]) = (0.0, 0.0);
+            }
+            let middle = start + at * (end - start);
+            self.cut(&first, [start, middle], depth - 1);
+            self.cut(&last, [middle, end], depth - 1);
+            return;
+        }
+        let place = [0.5 * (start + end), 0.5 * (end - start)];
+        let ring = Ring { radius: [0.0, 0.0], height: [low, high] };
+        let radius = if side < 0.0 { [-right, -left] } else { [left, right] };
+        self.leaves.push(Leaf { first: self.powers.len() as u32, side, place, ring: Ring { radius, ..ring } });
+        self.powers.extend(powers);
+    }
+}
+
+/// Where a curve whose controls change sides once, so that it does so once, crosses the axis.
+fn axis_crossing(controls: &[Vector<2>]) -> Option<f64> {
+    let sides: Vec<bool> = controls.iter().map(|c| c[0]).filter(|x| *x != 0.0).map(|x| x > 0.0).collect();
+    let [first, .., _] = sides[..] else { return None };
+    if sides.windows(2).filter(|w| w[0] != w[1]).count() != 1 || controls[0][0] == 0.0 {
+        return None;
+    }
+    let (mut low, mut high) = (0.0, 1.0);
+    while let middle = 0.5 * (low + high)
+        && low < middle
+        && middle < high
+    {
+        let x = split(controls, middle).1[0][0];
+        *(if (x > 0.0) == first { &mut low } else { &mut high }) = middle;
+    }
+    (0.0 < low && low < 1.0).then_some(low)
+}
