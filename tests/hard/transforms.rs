@@ -1,1 +1,7 @@
 //! Transforms that mirror, shear, squeeze and nest: distances and normals stay right, singular ones are refused.
+
+pub mod dd;
+mod instances;
+mod maps;
+mod nested;
+mod shapes;
