@@ -6,9 +6,9 @@ use crate::integrate::Expected;
 /// Bytes a pixel: the film (48), a pass in tiles (64) and whole (12); at the end, in place of the pass, its mean and what is encoded of it.
 const PER_PIXEL: u64 = 124;
 
-/// Bytes a pixel of the gauge: what a pass tells (48), noise (12), finer discs (36), discs (24), three pictures each of passes and of
+/// Bytes a pixel of the gauge: what a pass tells (48), noise (24), finer discs (48), discs (24), three pictures each of passes and of
 /// finer discs (72), and what errors are relative to (8); maps of errors take less than a pass.
-const PER_GAUGED_PIXEL: u64 = 200;
+const PER_GAUGED_PIXEL: u64 = 224;
 
 /// Bytes a stored photon while its tree is built: itself (32), its sorted copy (32) and the copy's key (16), then the tree (33)
 /// instead of the key; the rest is the slack of growing lists.
@@ -28,7 +28,7 @@ pub(super) enum TooMuch {
         format_args!("take{} {}", if *count == 1 { "s" } else { "" }, bytes(*needed)),
         bytes(*free)
     )]
-    #[diagnostic(help("choose a smaller --size; a render without the gauge (--no-gauge) takes two fifths"))]
+    #[diagnostic(help("choose a smaller --size; a render without the gauge (--no-gauge) takes a third"))]
     Picture { count: usize, width: u32, height: u32, needed: u64, free: u64 },
     /// More photons than indices.
     #[error("a pass of {paths} photon paths would store about {stored} photons, and {} can be indexed", u32::MAX)]

@@ -2,6 +2,7 @@
 
 mod aov;
 mod args;
+mod dark;
 mod diff;
 mod error;
 mod interrupt;

@@ -1,5 +1,6 @@
 //! `caustica render`.
 
+use super::dark::{self, without_photons};
 use super::error;
 use super::interrupt::{INTERRUPTED, listen};
 use super::memory::{self, check_gauged, check_photons};
@@ -64,10 +65,13 @@ fn run_in_pool(arguments: &RenderArguments, progress: &Progress) -> Result<Exit,
         counted(setting.shapes, "shape", "shapes"),
         counted(setting.lights, "light", "lights")
     ));
+    let powerless = dark::is_powerless(&scene);
     if setting.triangles + setting.shapes == 0 {
         progress.say("note: the scene has no objects: only its background is seen");
     } else if setting.lights == 0 {
         progress.say("note: the scene has no lights: all but its background is black");
+    } else if powerless {
+        progress.say("note: no light of the scene has any power: all but its background is black");
     }
     // Ray casting makes one pass, from which no error can be told.
     let gauged = !arguments.no_gauge && algorithm != Algorithm::Raycast;
@@ -114,7 +118,7 @@ fn run_in_pool(arguments: &RenderArguments, progress: &Progress) -> Result<Exit,
         error.into_iter().for_each(|note| progress.note(note));
     });
     progress.finish();
-    conclude(arguments, progress, setting, &rendered)
+    conclude(arguments, progress, setting, powerless, &rendered)
 }
 
 /// Writes the pictures and the report, and says what was done.
@@ -122,6 +126,7 @@ fn conclude(
     arguments: &RenderArguments,
     progress: &Progress,
     setting: Setting,
+    powerless: bool,
     rendered: &Rendered,
 ) -> Result<Exit, Failure> {
     let output = |e: miette::Report| Failure::new(Exit::Output, e);
@@ -161,8 +166,9 @@ fn conclude(
         tell(&format!("warning: {n} samples were not finite and were left out"));
     }
     if picture.pixels().iter().all(|p| *p == Vec3::ZERO) {
-        progress.say("note: every pixel is black");
+        progress.say(dark::black(setting.lights, powerless));
     }
+    without_photons(rendered).iter().for_each(|line| progress.say(line));
     let report = Report::new(setting, rendered, confidence(arguments));
     let why = match rendered.ended {
         Ended::Passes => String::new(),

@@ -173,7 +173,7 @@ impl<'a> DirectLight<'a> {
         }
         worker.counters.shadow_rays += 1;
         let ray = match sample.reach {
-            Reach::Point(target) => surface.segment_to(target, sample.wi),
+            Reach::Point(target) => surface.segment_to(self.end(&sample, target, surface.point.p), sample.wi),
             Reach::Infinity => surface.leave(sample.wi),
         };
         if self.scene.occluded(&ray) {
@@ -182,11 +182,22 @@ impl<'a> DirectLight<'a> {
         reflected * self.left(vertex, &sample)
     }
 
+    /// Where a shadow ray from `p` to a sample ends: short of a light without a surface, which may stand in that of something else.
+    #[inline]
+    fn end(&self, sample: &DirectSample, target: Vec3, p: Vec3) -> Vec3 {
+        if sample.pdf.is_some() {
+            return target;
+        }
+        target - sample.wi * self.scene.touching().min(0.5 * (target - p).length())
+    }
+
     /// The same where something is in the way, which may be clear.
     fn clearance<I: Interior>(&self, vertex: &Vertex<'_, I>, sample: &DirectSample) -> Rgb {
         let walk = vertex.leaving(sample.wi);
         let ray = match sample.reach {
-            Reach::Point(target) => vertex.surface.segment_to(target, sample.wi),
+            Reach::Point(target) => {
+                vertex.surface.segment_to(self.end(sample, target, vertex.surface.point.p), sample.wi)
+            }
             Reach::Infinity => walk.ray,
         };
         self.scene.clearance(&ray, walk.inside, vertex.shadow_draw.key())

@@ -1,7 +1,7 @@
 //! Making the photon maps of any pass.
 
 use super::maps::{Gathering, Maps, Needs, Schedule};
-use super::pilot::{Blurs, auto_radius, volume_blurs};
+use super::pilot::{Blurs, auto_radius, narrowest, volume_blurs};
 use super::progressive::shrink_in;
 use super::visible::visible;
 use super::volume::{VolumeEstimate, VolumeMap};
@@ -87,6 +87,8 @@ pub(super) struct MapMaker<'a> {
     pub radii: Option<Radii>,
     /// Radii of blurs in media, of caustics and of the rest.
     blurs: [Blurs; 2],
+    /// The narrowest disc of the first pass \[length].
+    least: f32,
     pub lessons: Lessons,
 }
 
@@ -108,7 +110,11 @@ impl<'a> MapMaker<'a> {
         let (photons, caustic_photons) = (settings.photons, settings.caustic_photons);
         let counts = Counts { photons, caustic_photons };
         let blurs = [Blurs::default(); 2];
-        let mut maker = Self { scene, settings, effects, needs, global, caustic, counts, radii: None, blurs, lessons };
+        let (radii, least) = (None, 0.0);
+        let mut maker = Self { scene, settings, effects, needs, global, caustic, counts, radii, blurs, least, lessons };
+        if maker.has_photons() {
+            maker.least = narrowest(scene);
+        }
         maker.learn();
         maker.radii = maker.has_photons().then(|| maker.find_radii());
         if maker.lights_media() {
@@ -178,7 +184,7 @@ impl<'a> MapMaker<'a> {
             let found = || {
                 let source = source.as_ref()?;
                 let pass = PhotonPass { scene: self.scene, source, wants, max_bounces: settings.eye.max_bounces };
-                auto_radius(self.scene, &pass, paths, k, settings.eye.seed)
+                auto_radius(&pass, paths, k, settings.eye.seed, self.least)
             };
             // A pilot may find none where others will, as of things that move.
             settings.radius.or_else(found).unwrap_or(self.scene.domain().radius * UNSEEN)
@@ -330,6 +336,7 @@ impl<'a> MapMaker<'a> {
         let most = if draft.limited { most } else { 0 };
         let k = (f64::from(most) * area).round().max(FEWEST) as u32;
         let bandwidth = Bandwidth { radius: radius * area.sqrt() as f32, k: k.min(most) };
+        let map = map.with_least(self.least * area.sqrt() as f32);
         Gathering { scene: self.scene, map, bandwidth, kernel, volume }
     }
 

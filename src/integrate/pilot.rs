@@ -24,6 +24,12 @@ const WIDEST: f32 = 0.1;
 /// single precision apart.
 const NARROWEST: f32 = 1e-6;
 
+/// The same as part of a pixel's width on what is seen: a narrower spot of light is met by no ray.
+const OF_PIXEL: f32 = 0.125;
+
+/// Rays that tell how near that is, along each edge of the picture.
+const SIGHTS: u32 = 8;
+
 /// Camera rays that the pilot of media looks along.
 const RAYS: u32 = 512;
 
@@ -57,8 +63,9 @@ pub struct Lessons {
 /// The radius within which three of four photons of a pass of `paths` paths have `k` neighbours, found from a smaller pilot; `None`
 /// where the pilot stores nothing.
 ///
-/// It depends on the scene, the seed and the counts alone.
-pub(super) fn auto_radius(scene: &Scene, pass: &PhotonPass<'_>, paths: u32, k: u32, seed: u64) -> Option<f32> {
+/// It is `least` at least, and else depends on the scene, the seed and the counts alone.
+pub(super) fn auto_radius(pass: &PhotonPass<'_>, paths: u32, k: u32, seed: u64, least: f32) -> Option<f32> {
+    let scene = pass.scene;
     let key = Key::new(seed).purpose(Purpose::Pilot);
     let traced = pass.trace(key, PATHS, &|_| {});
     let photons = &traced.photons;
@@ -82,7 +89,19 @@ pub(super) fn auto_radius(scene: &Scene, pass: &PhotonPass<'_>, paths: u32, k: u
     let far = Some(places[most]).filter(|far| *far > 0.0).unwrap_or(size);
     // Density grows with the number of paths, area with the square of the radius.
     let scaled = served * (PATHS as f32 / paths as f32).sqrt();
-    Some(scaled.clamp(size.min(far) * NARROWEST, size * WIDEST))
+    Some(scaled.max(least).clamp(size.min(far) * NARROWEST, size * WIDEST))
+}
+
+/// Narrowest disc of the first pass \[length]: part of a pixel's width on what is nearest of all that is seen, by some rays.
+pub(super) fn narrowest(scene: &Scene) -> f32 {
+    let (width, spread) = scene.camera().pixel();
+    let (columns, rows) = scene.camera().size();
+    let part = |i: u32, of: u32| (i as f32 + 0.5) / SIGHTS as f32 * of as f32;
+    let rays = (0..SIGHTS * SIGHTS).map(|i| Vec2::new(part(i % SIGHTS, columns), part(i / SIGHTS, rows)));
+    let hits = rays.filter_map(|p| scene.intersect(&scene.camera().ray(p, None)));
+    // Where nothing is seen, nothing matters.
+    let away = hits.map(|hit| hit.t).min_by(f32::total_cmp).unwrap_or(0.0);
+    ((width + spread * away) * OF_PIXEL).min(scene.domain().radius * WIDEST)
 }
 
 /// Radii of blurs in media \[length].

@@ -19,11 +19,17 @@ fn exp(depth: DVec3) -> DVec3 {
 #[inline]
 #[must_use]
 pub fn transmittance(sigma: Rgb, distance: f32) -> Rgb {
+    dimming(sigma, distance).as_vec3()
+}
+
+/// The same in double precision.
+#[inline]
+pub(super) fn dimming(sigma: Rgb, distance: f32) -> DVec3 {
     if sigma.x == sigma.y && sigma.y == sigma.z {
         let depth = if sigma.x > 0.0 { f64::from(sigma.x) * f64::from(distance.max(0.0)) } else { 0.0 };
-        return Rgb::splat(libm::exp(-depth) as f32);
+        return DVec3::splat(libm::exp(-depth));
     }
-    exp(depth(sigma, f64::from(distance.max(0.0)))).as_vec3()
+    exp(depth(sigma, f64::from(distance.max(0.0))))
 }
 
 /// One channel, chosen by its share of throughput, says how far; the weight is that of the mixture of all (the balance heuristic),

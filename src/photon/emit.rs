@@ -3,6 +3,7 @@
 use super::learn::EmissionDensity;
 use crate::color::{self, Rgb};
 use crate::light::{Light, Targets};
+use crate::math::Ray;
 use crate::sampling::{Dimension, Discrete, Key, Purpose, sobol_2d};
 use crate::scene::{Detail, Interior, Memory, Scene, Walk};
 use glam::Vec2;
@@ -155,7 +156,13 @@ impl<'a> PhotonSource<'a> {
             Some(targets) => light.emit_at(targets, domain, draw.position, draw.direction),
             None => light.emit(domain, draw.position, draw.direction),
         }?;
-        let ray = if light.is_infinite() { self.scene.starting_beyond_planes(emission.ray) } else { emission.ray };
+        let ray = match light {
+            Light::Directional { .. } | Light::Environment(_) => self.scene.starting_beyond_planes(emission.ray),
+            Light::Point { .. } | Light::Spot(_) => {
+                Ray { origin: emission.ray.at(self.scene.touching()), ..emission.ray }
+            }
+            Light::Area(_) => emission.ray,
+        };
         Some((self.scene.walk_from_light(draw.light, ray, self.detail), emission.flux))
     }
 }

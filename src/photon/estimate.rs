@@ -3,7 +3,7 @@
 use super::record::TangentPlane;
 use super::{Flux, Kernel, PhotonMap};
 use crate::color::Rgb;
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 /// Which photons a density estimate takes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -58,8 +58,15 @@ impl Scratch {
     }
 }
 
-/// A disc no smaller than this part of the largest radius: photons gathered at one point give a finite radiance.
-const LEAST: f32 = 1.0 / 1024.0;
+/// A disc is no smaller than this part of the distance of its middle from the origin: places are rounded to a hundredth of that, in the
+/// map and out of it.
+const RESOLVED: f32 = 1e-5;
+
+/// Nor smaller than this part of the largest radius: photons gathered at one point give a finite radiance.
+const LEAST: f32 = 1.0 / 1_048_576.0;
+
+/// Photons that are added in single precision before their sum goes into one of double.
+const BLOCK: u32 = 64;
 
 /// Least cosine between the normals of a photon's surface and of the estimate's.
 pub(super) const SAME_SIDE: f32 = 0.5;
@@ -114,14 +121,18 @@ impl PhotonMap {
             return (Estimate { radius: bandwidth.radius, ..Estimate::default() }, [Rgb::ZERO; N]);
         }
         let plane = TangentPlane::new(p, normal);
+        let resolved = p.length() * RESOLVED;
+        let bandwidth = Bandwidth { radius: bandwidth.radius.max(resolved), ..bandwidth };
+        let mut radius = bandwidth.radius;
         // What a narrower search would leave out as too high over the plane, its disc does not see.
         let height =
             |flux: &Flux| if N > 1 { flux.relation(&plane).1.abs() / (bandwidth.radius * FLATNESS) } else { 0.0 };
         if bandwidth.k > 0 {
+            let least = resolved.max(radius * LEAST).max(self.least).min(radius);
             let r2 = match self.nearest(p, normal, bandwidth, scratch) {
-                Nearest::Kth(r2) => Some(r2),
-                Nearest::Fewer => Some(bandwidth.radius * bandwidth.radius),
-                Nearest::Crowd(_) => None,
+                Some(r2) if r2 >= least * least => Some(r2),
+                Some(_) => None,
+                None => Some(radius * radius),
             };
             if let Some(r2) = r2 {
                 let mut sums = Sums::<N>::new(kernel, r2);
@@ -136,22 +147,25 @@ impl PhotonMap {
                 let radius = if count < bandwidth.k { bandwidth.radius } else { r2.sqrt() };
                 return sums.estimate(radius, count);
             }
+            // They crowd into less than a disc may be.
+            radius = least;
         }
-        let mut sums = Sums::<N>::new(kernel, bandwidth.radius * bandwidth.radius);
+        let mut sums = Sums::<N>::new(kernel, radius * radius);
         let mut count = 0;
-        self.visit(p, bandwidth.radius, |flux, d2| {
+        self.visit(p, radius, |flux, d2| {
             if counts(flux, &plane, bandwidth.radius) {
                 count += 1;
                 sums.add(d2, height(flux), brdf(flux) * flux.power());
             }
         });
-        sums.estimate(bandwidth.radius, count)
+        sums.estimate(radius, count)
     }
 
-    /// Leaves the k nearest photons in `scratch`, or all where the largest radius holds fewer.
+    /// Leaves the k nearest photons in `scratch` and returns the squared distance of the k-th; `None`, and all, where the largest radius
+    /// holds fewer.
     ///
     /// kiddo cannot shrink a radius during a visit, so the search widens from a first guess: a wrong guess costs time, not truth.
-    fn nearest(&self, p: Vec3, normal: Vec3, bandwidth: Bandwidth, scratch: &mut Scratch) -> Nearest {
+    fn nearest(&self, p: Vec3, normal: Vec3, bandwidth: Bandwidth, scratch: &mut Scratch) -> Option<f32> {
         let k = bandwidth.k as usize;
         let guess = if scratch.last > 0.0 { scratch.last * 1.25 } else { bandwidth.radius * 0.25 };
         let mut radius = guess.min(bandwidth.radius);
@@ -172,12 +186,11 @@ impl PhotonMap {
             if found.len() >= k {
                 let r2 = keep_nearest(found, k);
                 scratch.last = r2.sqrt();
-                let least = bandwidth.radius * LEAST;
-                return if r2 >= least * least { Nearest::Kth(r2) } else { Nearest::Crowd(r2) };
+                return Some(r2);
             }
             if radius >= bandwidth.radius {
                 scratch.last = radius;
-                return Nearest::Fewer;
+                return None;
             }
             let missing = (1.5 * k as f32 / found.len().max(1) as f32).sqrt();
             radius = (radius * missing.clamp(1.2, 3.0)).min(bandwidth.radius);
@@ -191,10 +204,7 @@ impl PhotonMap {
     #[must_use]
     pub fn kth_distance(&self, p: Vec3, normal: Vec3, k: u32, most: f32) -> Option<f32> {
         let mut scratch = Scratch { last: most * 1e-3, ..Scratch::default() };
-        match self.nearest(p, normal, Bandwidth { radius: most, k }, &mut scratch) {
-            Nearest::Kth(r2) | Nearest::Crowd(r2) => Some(r2.sqrt()),
-            Nearest::Fewer => None,
-        }
+        self.nearest(p, normal, Bandwidth { radius: most, k }, &mut scratch).map(f32::sqrt)
     }
 }
 
@@ -204,11 +214,15 @@ struct Sums<const N: usize> {
     r2: f32,
     inverse: f32,
     sums: [Rgb; N],
+    /// Photons in them.
+    pending: u32,
+    /// Those before.
+    whole: [DVec3; N],
 }
 
 impl<const N: usize> Sums<N> {
     fn new(kernel: Kernel, r2: f32) -> Self {
-        Self { kernel, r2, inverse: 1.0 / r2, sums: [Rgb::ZERO; N] }
+        Self { kernel, r2, inverse: 1.0 / r2, sums: [Rgb::ZERO; N], pending: 0, whole: [DVec3::ZERO; N] }
     }
 
     /// `height` over the tangent plane is in parts of what counts.
@@ -222,27 +236,27 @@ impl<const N: usize> Sums<N> {
                 *sum += reflected * self.kernel.shape_within(x);
             }
         }
+        self.pending += 1;
+        if self.pending == BLOCK {
+            self.flush();
+        }
     }
 
-    fn estimate(self, radius: f32, count: u32) -> (Estimate, [Rgb; N]) {
+    fn flush(&mut self) {
+        self.whole.iter_mut().zip(&mut self.sums).for_each(|(whole, sum)| *whole += std::mem::take(sum).as_dvec3());
+        self.pending = 0;
+    }
+
+    fn estimate(mut self, radius: f32, count: u32) -> (Estimate, [Rgb; N]) {
+        self.flush();
         let mut r2 = self.r2;
-        let radiance = self.sums.map(|sum| {
-            let scaled = sum * self.kernel.scale(r2);
+        let radiance = self.whole.map(|sum| {
+            let scaled = sum.as_vec3() * self.kernel.scale(r2);
             r2 *= 0.5;
             scaled
         });
         (Estimate { radiance: radiance[0], radius, count }, radiance)
     }
-}
-
-/// What a search for the k nearest photons found.
-enum Nearest {
-    /// The squared distance of the k-th.
-    Kth(f32),
-    /// Fewer than k within the largest radius.
-    Fewer,
-    /// The same, where they crowd into a point.
-    Crowd(f32),
 }
 
 /// Whether a photon lies on the surface that is looked at.

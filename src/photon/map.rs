@@ -18,6 +18,8 @@ type Tree = KdTree<f32, Flux, Eytzinger, VecOfArenas<f32, Flux, 3, BUCKET>, 3, B
 pub struct PhotonMap {
     tree: Option<Tree>,
     len: usize,
+    /// Least radius of an estimate over its nearest photons \[length].
+    pub(super) least: f32,
 }
 
 impl std::fmt::Debug for PhotonMap {
@@ -50,7 +52,14 @@ impl PhotonMap {
         // Construction fails only for mutable trees and for generated indices; neither is used here.
         let tree =
             if photons.is_empty() { None } else { Tree::new_from_source_parallel(&photons, at, |_, p| p.flux).ok() };
-        Self { tree, len }
+        Self { tree, len, least: 0.0 }
+    }
+
+    /// The same map, where estimates over the nearest photons take all within `least` \[length] instead where they are nearer than that:
+    /// the nearest of light that meets in a point tell only how near the point is.
+    #[must_use]
+    pub fn with_least(self, least: f32) -> Self {
+        Self { least, ..self }
     }
 
     /// How many photons are stored.

@@ -26,9 +26,9 @@ impl Power {
 
     #[inline]
     pub fn flux(self) -> Rgb {
-        let unit = self.sum * (1.0 / 65_535.0);
         let (red, green) = (f32::from(self.red), f32::from(self.green));
-        Rgb::new(red, green, (65_535.0 - red - green).max(0.0)) * unit
+        // A part of a step of so faint a sum would lie below the normal numbers.
+        Rgb::new(red, green, (65_535.0 - red - green).max(0.0)) * (1.0 / 65_535.0) * self.sum
     }
 }
 

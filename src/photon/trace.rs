@@ -8,7 +8,7 @@ use crate::math::Ray;
 use crate::medium::Phase;
 use crate::sampling::{Dimension, Key};
 use crate::scene::{Arrival, Immersed, Inside, Interior, Memory, Open, Scene, Step, Stretch, Surface, Walk};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use rand::rngs::SmallRng;
 use rayon::prelude::*;
 
@@ -199,12 +199,14 @@ impl PhotonPass<'_> {
             let sent = flux;
             let mut phase = Phase::Isotropic;
             let step = if I::IMMERSED {
-                let mut rng = key.rng();
-                walk.advance(self.scene, key, |stretch| {
+                let (mut rng, mut passed) = (key.rng(), DVec3::ONE);
+                let step = walk.advance(self.scene, key, |stretch| {
                     let class = if stretch.crossed { class.beyond_casters() } else { class };
                     phase = stretch.medium.phase;
-                    self.through(stretch, class, &mut flux, &mut rng, &mut deposit)
-                })
+                    self.through(stretch, class, flux, &mut passed, &mut rng, &mut deposit)
+                });
+                flux *= passed.as_vec3();
+                step
             } else {
                 walk.advance(self.scene, key, |_| None)
             };
@@ -277,30 +279,41 @@ impl PhotonPass<'_> {
         }
     }
 
-    /// Takes `flux` through a stretch of a medium, and tells where it is scattered, if it is.
+    /// Takes `flux` through a stretch of a medium, and tells where it is scattered, if it is. `passed` is what it is multiplied by for the
+    /// stretches before.
     #[inline]
     fn through<I: Interior>(
         &self,
         stretch: &Stretch<'_, I>,
         class: Class,
-        flux: &mut Rgb,
+        flux: Rgb,
+        passed: &mut DVec3,
         rng: &mut SmallRng,
         deposit: &mut impl FnMut(Class, Deposit<'_>, Rgb, Option<Wavelength>),
     ) -> Option<f32> {
         let Stretch { ray, medium, index, .. } = stretch;
         let wavelength = stretch.inside.wavelength();
-        let stored = self.wants.has_in_media(class) && medium.scatters();
+        if !medium.scatters() {
+            *passed *= medium.dimming(ray, ray.t_max, rng);
+            return None;
+        }
+        let stored = self.wants.has_in_media(class);
         let as_beam = self.wants.beams && medium.is_homogeneous();
         if stored && as_beam {
-            deposit(class, Deposit::Beam(ray, *index), *flux * stretch.left, wavelength);
+            deposit(class, Deposit::Beam(ray, *index), flux * passed.as_vec3() * stretch.left, wavelength);
         }
-        let flight = medium.flight(ray, ray.t_max, *flux, rng);
-        *flux *= flight.weight;
+        let flight = medium.flight(ray, ray.t_max, flux * passed.as_vec3(), rng);
+        *passed *= flight.weight.as_dvec3();
         if let Some(t) = flight.scattered
             && stored
             && !as_beam
         {
-            deposit(class, Deposit::Point(ray.at(t), ray.direction, *index), *flux * stretch.left, wavelength);
+            deposit(
+                class,
+                Deposit::Point(ray.at(t), ray.direction, *index),
+                flux * passed.as_vec3() * stretch.left,
+                wavelength,
+            );
         }
         flight.scattered
     }

@@ -192,6 +192,10 @@ impl SceneBuilder {
         self.leave_out_nothing();
         let middle = self.middle(&camera)?;
         let movement = self.movement(&camera, middle);
+        // Of surfaces in one plane the first is met. That is the one that shines, as those who ask it take for granted.
+        let mut order: Vec<usize> = (0..self.shapes.len()).collect();
+        order.sort_by_key(|i| self.shapes[*i].2 == Rgb::ZERO);
+        self.shapes = order.iter().map(|i| self.shapes[*i].clone()).collect();
         let mut shapes: Vec<Shape> = self.shapes.iter().map(|(s, ..)| s.translated(-middle)).collect();
         let still = shapes.len();
         for (shape, motion) in &movement.shapes {
@@ -262,7 +266,7 @@ impl SceneBuilder {
             .zip(still_looks.chain(moving_looks))
             .enumerate()
             .map(|(i, (shape, (material, radiance)))| {
-                let place = if i < still { Place::Shape(i) } else { Place::MovingShape(i - still) };
+                let place = if i < still { Place::Shape(order[i]) } else { Place::MovingShape(i - still) };
                 let light = area_light(Emitter::Shape(shape.clone()), radiance, place);
                 Attributes { material, light, chart: wardrobe.chart_of(place) }
             })

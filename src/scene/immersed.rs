@@ -60,8 +60,8 @@ impl Interior for Immersed {
     }
 
     #[inline]
-    fn transmittance(&self, scene: &Scene, distance: f32) -> Rgb {
-        self.inside.transmittance(scene, distance)
+    fn depth(&self, scene: &Scene, distance: f32) -> Rgb {
+        self.inside.depth(scene, distance)
     }
 
     #[inline]

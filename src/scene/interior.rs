@@ -64,8 +64,14 @@ pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
         None
     }
 
+    /// Optical depth of `distance` in here, of what bodies absorb.
+    fn depth(&self, scene: &Scene, distance: f32) -> Rgb;
+
     /// Part of the light that is left after `distance` in here.
-    fn transmittance(&self, scene: &Scene, distance: f32) -> Rgb;
+    #[inline]
+    fn transmittance(&self, scene: &Scene, distance: f32) -> Rgb {
+        left_after(self.depth(scene, distance))
+    }
 
     /// Learns of the boundary that `surface` may be, before the way to it is reckoned.
     fn approach(&mut self, surface: &Surface<'_>);
@@ -89,6 +95,12 @@ pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
     }
 }
 
+/// exp(−depth).
+#[inline]
+pub(super) fn left_after(depth: Rgb) -> Rgb {
+    if depth == Rgb::ZERO { Rgb::ONE } else { (-depth).map(libm::expf) }
+}
+
 /// Nothing is remembered: bodies absorb nothing and lie in air.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Open;
@@ -105,8 +117,8 @@ impl Interior for Open {
     }
 
     #[inline]
-    fn transmittance(&self, _: &Scene, _: f32) -> Rgb {
-        Rgb::ONE
+    fn depth(&self, _: &Scene, _: f32) -> Rgb {
+        Rgb::ZERO
     }
 
     #[inline]
@@ -166,10 +178,10 @@ impl Interior for Inside {
     }
 
     #[inline]
-    fn transmittance(&self, scene: &Scene, distance: f32) -> Rgb {
+    fn depth(&self, scene: &Scene, distance: f32) -> Rgb {
         match self.top(&scene.materials) {
-            Some((_, body)) if body.absorption != Rgb::ZERO => (-body.absorption * distance).map(libm::expf),
-            _ => Rgb::ONE,
+            Some((_, body)) if body.absorption != Rgb::ZERO => body.absorption * distance,
+            _ => Rgb::ZERO,
         }
     }
 

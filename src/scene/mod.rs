@@ -35,7 +35,7 @@ use crate::bsdf::Bsdf;
 use crate::camera::Camera;
 use crate::color::{Glass, Rgb};
 use crate::light::Light;
-use crate::math::{Bounds, Ray, Sphere};
+use crate::math::{Bounds, Ray, Sphere, gamma};
 use crate::medium::Medium;
 use crate::shape::{Chart, Mesh, Plane, Shape, SurfacePoint};
 use crate::texture::Texture;
@@ -211,6 +211,15 @@ impl Scene {
     #[must_use]
     pub fn domain(&self) -> Sphere {
         self.domain
+    }
+
+    /// How near to a surface a light without one is taken to stand in it \[length]: it shines on both sides.
+    ///
+    /// Places are rounded to 2⁻²⁴ of their coordinates, so which side such a light is on nobody knows. What leaves it passes that
+    /// surface unless it goes along it, at an angle whose cosine to the normal is below a fortieth.
+    #[must_use]
+    pub fn touching(&self) -> f32 {
+        gamma(64) * (self.domain.radius + self.domain.center.abs().max_element())
     }
 
     /// What was subtracted from all coordinates of the description.

@@ -1,12 +1,13 @@
 //! The part that every walk through a scene shares: to the next surface that is there for light, and away from it.
 
+use super::interior::left_after;
 use super::touching::Face;
 use super::{Cone, Detail, Filling, Hit, Inside, Interior, Meeting, Scattering, Scene, Surface};
 use crate::color::Rgb;
 use crate::math::Ray;
 use crate::medium::Medium;
 use crate::sampling::{Dimension, Key};
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 use rand::RngExt;
 
 /// A walk between two surfaces.
@@ -79,6 +80,8 @@ impl<I: Interior> Walk<I> {
         key: Key,
         mut through: impl FnMut(&Stretch<'a, I>) -> Option<f32>,
     ) -> Step<'a> {
+        // Depths add up over many boundaries as products of what is hardly below 1 do not.
+        let mut depth = DVec3::ZERO;
         let mut transmittance = Rgb::ONE;
         let mut distance = 0.0;
         let mut crossed = false;
@@ -106,7 +109,11 @@ impl<I: Interior> Walk<I> {
             }
             let Some((surface, t)) = &mut surface else { return Step::Escaped { crossed } };
             distance += *t;
-            transmittance *= self.inside.transmittance(scene, *t);
+            let more = self.inside.depth(scene, *t);
+            if more != Rgb::ZERO {
+                depth += more.as_dvec3();
+                transmittance = left_after(depth.as_vec3());
+            }
             match self.inside.meet(scene, surface, key) {
                 Meeting::Surface => {
                     transmittance *= self.inside.arrive(surface);
@@ -146,7 +153,7 @@ impl Scene {
     pub fn clearance<I: Interior>(&self, ray: &Ray, mut inside: I, key: Key) -> Rgb {
         let target = ray.at(ray.t_max);
         let ends = ray.t_max.is_finite();
-        let mut left = Rgb::ONE;
+        let (mut depth, mut left) = (DVec3::ZERO, DVec3::ONE);
         let mut ray = *ray;
         let mut rng = key.rng();
         loop {
@@ -158,12 +165,13 @@ impl Scene {
                 inside.approach(surface);
             }
             let distance = hit.map_or(ray.t_max * length, |hit| hit.t);
-            left *= inside.transmittance(self, bounded(distance));
+            depth += inside.depth(self, bounded(distance)).as_dvec3();
             if let Some((index, part, _)) = self.immersed_part(&unit, distance, &inside) {
-                left *= self.media[index as usize].transmittance(&part, part.t_max, &mut rng);
+                left *= self.media[index as usize].dimming(&part, part.t_max, &mut rng);
             }
-            let Some(mut surface) = surface else { return left };
-            if left == Rgb::ZERO || inside.meet(self, &mut surface, key) != Meeting::Clear {
+            let remaining = left_after(depth.as_vec3()) * left.as_vec3();
+            let Some(mut surface) = surface else { return remaining };
+            if remaining == Rgb::ZERO || inside.meet(self, &mut surface, key) != Meeting::Clear {
                 return Rgb::ZERO;
             }
             ray = if ends { surface.segment_to(target, unit.direction) } else { surface.leave(unit.direction) };

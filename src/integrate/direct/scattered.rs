@@ -97,7 +97,9 @@ impl DirectLight<'_> {
             found *= asked / (asked + phase);
         }
         let (ray, t_max) = match sample.reach {
-            Reach::Point(target) => (Ray::between(place.p, target), (target - place.p).length()),
+            Reach::Point(target) => {
+                (Ray::between(place.p, self.end(&sample, target, place.p)), (target - place.p).length())
+            }
             Reach::Infinity => (Ray::new(place.p, sample.wi), f32::INFINITY),
         };
         if self.effects.has(Effect::Shadows) {

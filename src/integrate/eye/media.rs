@@ -8,6 +8,7 @@ use crate::integrate::tiles::Worker;
 use crate::medium::Phase;
 use crate::sampling::Dimension;
 use crate::scene::{Interior, Step, Stretch};
+use glam::DVec3;
 use rand::rngs::SmallRng;
 
 /// Tells the numbers of ways from those of shadow rays.
@@ -24,30 +25,34 @@ impl<M: Method> EyePass<'_, M> {
         let mut rng = branch.draw.key().with(WAY | u64::from(self.pass)).rng();
         let mut walk = branch.walk;
         let mut phase = Phase::Isotropic;
+        let mut passed = DVec3::ONE;
         let step = walk.advance(self.scene, branch.draw.key(), |stretch| {
             phase = stretch.medium.phase;
-            self.through(branch, stretch, &mut rng, worker, radiance)
+            self.through(branch, stretch, &mut passed, &mut rng, worker, radiance)
         });
         branch.walk = walk;
+        branch.throughput *= passed.as_vec3();
         (step, phase)
     }
 
-    /// Adds what a stretch of a medium sends back, and takes the walk through it or to where it is scattered.
+    /// Adds what a stretch of a medium sends back, and takes the walk through it or to where it is scattered. `passed` is what the walk's
+    /// throughput is multiplied by for the stretches before.
     fn through<I: Interior>(
         &self,
-        branch: &mut Branch<I>,
+        branch: &Branch<I>,
         stretch: &Stretch<'_, I>,
+        passed: &mut DVec3,
         rng: &mut SmallRng,
         worker: &mut Worker,
         radiance: &mut Rgb,
     ) -> Option<f32> {
         let Stretch { medium, ray, .. } = stretch;
-        let here = branch.throughput * stretch.left;
+        let here = branch.throughput * passed.as_vec3() * stretch.left;
         if medium.emits() {
             *radiance += here * medium.emitted(ray, ray.t_max, rng);
         }
         if !medium.scatters() {
-            branch.throughput *= medium.transmittance(ray, ray.t_max, rng);
+            *passed *= medium.dimming(ray, ray.t_max, rng);
             return None;
         }
         let history = History { casters: branch.history.casters + u32::from(stretch.crossed), ..branch.history };
@@ -64,10 +69,10 @@ impl<M: Method> EyePass<'_, M> {
         found += self.method.volume(&Passage { stretch, history, throughput: here, draw: branch.draw }, rng, worker);
         *radiance += here * found;
         if to_do.onward {
-            branch.throughput *= flight.weight;
+            *passed *= flight.weight.as_dvec3();
             return flight.scattered;
         }
-        branch.throughput *= medium.transmittance(ray, ray.t_max, rng);
+        *passed *= medium.dimming(ray, ray.t_max, rng);
         None
     }
 

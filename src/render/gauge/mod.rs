@@ -23,8 +23,8 @@ use spread::Spread;
 pub struct Gauge {
     law: Option<RadiusLaw>,
     passes: u32,
-    /// Σ (x − mean)² by channel.
-    deviations: Vec<Vec3>,
+    /// Σ (x − mean)² by channel. Squares of what single precision holds are double.
+    deviations: Vec<DVec3>,
     estimates: Option<Estimates>,
     frozen: Frozen,
     spread: Spread,
@@ -37,7 +37,7 @@ struct Estimates {
     /// Of D₀ and D₁.
     steps: [Vec<Vec3>; 2],
     /// Of D₀², D₀·D₁ and D₁², over channels.
-    products: Vec<[f32; 3]>,
+    products: Vec<[f64; 3]>,
     discs: Vec<[DiscMean; 2]>,
     spread: Spread,
 }
@@ -90,11 +90,11 @@ impl Gauge {
     /// Adds a pass; `film` holds those before it.
     pub fn add(&mut self, film: &Film, pass: &Pass) {
         let n = f64::from(self.passes);
-        self.deviations.resize(pass.image.len(), Vec3::ZERO);
+        self.deviations.resize(pass.image.len(), DVec3::ZERO);
         for ((sum, value), before) in self.deviations.iter_mut().zip(&pass.image).zip(film.means()) {
             if n > 0.0 {
                 let delta = value.as_dvec3() - before;
-                *sum += (delta * delta * (n / (n + 1.0))).as_vec3();
+                *sum += delta * delta * (n / (n + 1.0));
             }
         }
         // What errors are relative to is known better as passes are added; a few times is enough.
@@ -116,11 +116,11 @@ impl Gauge {
     /// What is known of each pixel.
     #[must_use]
     pub fn maps(&self, film: &Film) -> ErrorMaps {
-        let n = self.passes.max(1) as f32;
+        let n = f64::from(self.passes.max(1));
         let over = (n * (n - 1.0)).max(1.0);
-        let noise = self.deviations.iter().map(|m2| (*m2 / over).map(f32::sqrt)).collect();
+        let noise = self.deviations.iter().map(|m2| (*m2 / over).map(f64::sqrt).as_vec3()).collect();
         let Some(estimates) = &self.estimates else { return ErrorMaps { noise, ..ErrorMaps::default() } };
-        let factor = self.read(film).extrapolation as f32 / n;
+        let factor = (self.read(film).extrapolation / n) as f32;
         let [zero, one] = &estimates.steps;
         let bias = zero.iter().zip(one).map(|(a, b)| (*a + *b) * factor).collect();
         let discs = |map: usize| estimates.discs.iter().map(|d| d[map].mean()).collect();
@@ -144,6 +144,7 @@ impl Estimates {
             let [a, b] = pixel.steps;
             zero[i] += a;
             one[i] += b;
+            let (a, b) = (a.as_dvec3(), b.as_dvec3());
             for (sum, product) in self.products[i].iter_mut().zip([a.dot(a), a.dot(b), b.dot(b)]) {
                 *sum += product;
             }

@@ -141,7 +141,7 @@ impl Gauge {
         let mut specks = Specks::default();
         let part = 1.0 / scale.weights().len() as f64;
         let noise2 = self.deviations.iter().zip(scale.weights()).map(|(deviation, weight)| {
-            let square = weight * deviation.as_dvec3().element_sum() / (n * (n - 1.0));
+            let square = weight * deviation.element_sum() / (n * (n - 1.0));
             if square > 1.0 {
                 specks.add(square, part);
             }
@@ -184,7 +184,7 @@ impl Estimates {
         let (mut square, mut variance) = ([0.0; 3], 0.0);
         for i in 0..pixels {
             let (a, b) = (zero[i].as_dvec3(), one[i].as_dvec3());
-            let products = self.products[i].map(f64::from);
+            let products = self.products[i];
             for ((sum, whole), same) in square.iter_mut().zip([a.dot(a), a.dot(b), b.dot(b)]).zip(products) {
                 *sum += scale.counts(i, (whole - same) / (n * (n - 1.0)));
             }

@@ -53,12 +53,12 @@ impl Spread {
         for (((value, before), old), weight) in picture.zip(&mut self.before).zip(old).zip(weights) {
             let mut difference = (value - *before) * std::f32::consts::FRAC_1_SQRT_2;
             *before = value;
-            let counts = weight * f64::from(difference.length_squared());
+            let counts = weight * difference.as_dvec3().length_squared();
             if counts > most {
                 difference *= (most / counts).sqrt() as f32;
             }
             square += counts.min(most);
-            product += weight * f64::from(difference.dot(*old));
+            product += weight * difference.as_dvec3().dot(old.as_dvec3());
             *old = difference;
         }
         self.variances.add(square / n);
