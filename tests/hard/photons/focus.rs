@@ -1,0 +1,87 @@
+//! All photons at one point: the focus of a parabola.
+
+use super::{HUE, WITH_PHOTONS, finite, flat_camera, mean_and_error, rendered, settings};
+use caustica::color::Rgb;
+use caustica::integrate::{Algorithm, Settings, Silent};
+use caustica::photon::{PhotonPass, PhotonSource, Wants};
+use caustica::sampling::{Key, Purpose};
+use caustica::scene::{LightStrength, Material, Scene, SceneBuilder, SourceKind};
+use caustica::shape::parametric::Basis;
+use caustica::shape::{Disc, Revolution, Shape};
+use glam::{DVec2, DVec3};
+use std::f64::consts::PI;
+use std::time::{Duration, Instant};
+
+const IRRADIANCE: f64 = 2.0;
+const REFLECTANCE: f64 = 0.8;
+const TARGET: f64 = 0.01;
+
+/// Width of what is seen around the focus.
+const SEEN: f64 = 0.016;
+
+/// A mirror y = (x² + z²)/4 up to x² + z² = 1 under parallel light that falls, and a matt disc around its focus at y = 1 that faces it.
+fn parabola() -> Scene {
+    let mut b = SceneBuilder::new();
+    let mirror = b.material(Material::mirror(Rgb::splat(REFLECTANCE as f32)));
+    let white = b.material(Material::diffuse(Rgb::splat(0.5)));
+    let controls = [DVec2::ZERO, DVec2::new(0.5, 0.0), DVec2::new(1.0, 0.25)];
+    let bowl = Revolution::new(&Basis::bezier(3).unwrap(), &controls).unwrap();
+    b.shape(Shape::Revolution(bowl), mirror, Rgb::ZERO);
+    b.shape(Shape::Disc(Disc::around(DVec3::Y, -DVec3::Y, TARGET)), white, Rgb::ZERO);
+    b.source(SourceKind::Directional { direction: -DVec3::Y }, LightStrength::Physical(Rgb::splat(IRRADIANCE as f32)));
+    b.build(flat_camera(DVec3::Y * 0.9, DVec3::Y, SEEN, 16)).unwrap()
+}
+
+/// What arrives: the light of the mirror's area, less the shadow of the target.
+fn flux() -> f64 {
+    IRRADIANCE * REFLECTANCE * PI * (1.0 - TARGET * TARGET)
+}
+
+/// Of a million photons each lies within 10⁻⁵ of the focus: rounding of directions and of places near 1, over ways of 2, times a
+/// few. Their flux is area × irradiance × reflectance.
+#[test]
+fn photons_meet_at_the_focus() {
+    let scene = parabola();
+    let source = PhotonSource::aimed(&scene).unwrap();
+    let pass = PhotonPass { scene: &scene, source: &source, wants: Wants::CAUSTIC, max_bounces: 10 };
+    let key = |i| Key::new(3).purpose(Purpose::Test).with(i);
+    let begun = Instant::now();
+    let samples: Vec<f64> = (0..8)
+        .map(|i| {
+            let traced = pass.trace(key(i), 1 << 17, &|_| {});
+            let focus = (DVec3::Y - scene.middle()).as_vec3();
+            let off = traced.photons.iter().map(|p| (p.position - focus).length()).fold(0.0, f32::max);
+            assert!(off < 1e-5, "{off}");
+            traced.photons.iter().map(|p| f64::from(p.flux.power().y)).sum()
+        })
+        .collect();
+    let (mean, error) = mean_and_error(&samples);
+    // Eight passes: Student's t of 7 degrees is beyond 9 once in 20,000 times.
+    assert!((mean - flux()).abs() < 9.0 * error + HUE * flux(), "{mean} ± {error}, {}", flux());
+    assert!(error < 3e-3 * mean, "{error}");
+    assert!(begun.elapsed() < Duration::from_secs(60));
+}
+
+/// By default settings pictures of the focus are finite, whatever looks at the photons, and show the light: ρ/π Φ over the area that is
+/// seen, as the disc of the estimate, a part of a pixel, lies within it. Sixteen passes: t of 15 degrees is beyond 6.5 once in 100,000 times.
+#[test]
+fn a_picture_of_the_focus_shows_all_its_light() {
+    let scene = parabola();
+    for algorithm in WITH_PHOTONS {
+        finite(algorithm.name(), &rendered(&scene, algorithm, settings(20_000, 4), 4));
+    }
+    let expected = 0.5 / PI * flux() / (SEEN * SEEN);
+    let wide = Settings { radius: Some(2e-3), gather_k: Some(0), ..settings(20_000, 64) };
+    for (name, settings, sharp) in [("by pilot", settings(20_000, 256), 0.2), ("wide", wide, 0.05)] {
+        let method = Algorithm::Sppm.prepare(&scene, settings);
+        let seen = |i| {
+            let pass = method.pass(i, &Silent);
+            assert_eq!(pass.counters.rejected_samples, 0);
+            pass.image.iter().map(|v| f64::from(v.y)).sum::<f64>() / 256.0
+        };
+        let samples: Vec<f64> = (0..16).map(seen).collect();
+        let (mean, error) = mean_and_error(&samples);
+        assert!((mean - expected).abs() < 6.5 * error + HUE * expected, "{name}: {mean} ± {error}, {expected}");
+        assert!(error < sharp * expected, "{name}: {error}");
+    }
+}
