@@ -180,9 +180,10 @@ impl Camera {
         match (self.projection, lens) {
             (Projection::Perspective(Some(thin)), Some(u)) => {
                 let on_lens = thin.sample(u) / self.pixel;
-                let origin = self.center + self.right * on_lens.x + self.up * on_lens.y;
-                let in_focus = self.center + (self.right * x + self.up * y + self.forward) * thin.focus;
-                Ray::new(origin.as_vec3(), (in_focus - origin).normalize().as_vec3())
+                let offset = self.right * on_lens.x + self.up * on_lens.y;
+                // Seen from the middle: a near focus and a small opening would drown in where the camera stands.
+                let in_focus = (self.right * x + self.up * y + self.forward) * thin.focus;
+                Ray::new((self.center + offset).as_vec3(), (in_focus - offset).normalize().as_vec3())
             }
             (Projection::Perspective(_), _) => {
                 let direction = (self.right * x + self.up * y + self.forward).normalize();

@@ -1,6 +1,6 @@
 //! What can be typed.
 
-use super::number::{alpha, confidence, count, duration, error, length, positive_count, size, stops, threads};
+use super::number::{alpha, bytes, confidence, count, duration, error, length, positive_count, size, stops, threads};
 use super::{DiffArguments, MeshArguments};
 use crate::camera::FilterKind;
 use crate::image::{BitDepth, Curve, FloatDepth};
@@ -8,6 +8,7 @@ use crate::integrate::{Algorithm, FinalGathering, VolumeEstimate};
 use crate::photon::Kernel;
 use crate::plan::Wishes;
 use crate::render::gauge::Confidence;
+use crate::stats::Memory;
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -125,6 +126,17 @@ pub struct SceneArguments {
     /// Threads  [default: one a core]
     #[arg(long, value_parser = threads, value_name = "N")]
     pub threads: Option<u32>,
+
+    /// Most memory to take, such as 4G or 512M: what would take more is refused before it begins  [default: what is free]
+    #[arg(long, value_parser = bytes, value_name = "SIZE")]
+    pub memory: Option<u64>,
+}
+
+impl SceneArguments {
+    /// What memory may be taken.
+    pub(super) fn memory(&self) -> Memory {
+        self.memory.map_or(Memory::System, Memory::Limit)
+    }
 }
 
 /// Arguments of `render`.

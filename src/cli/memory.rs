@@ -2,6 +2,7 @@
 
 use crate::image::{MAX_PIXELS, SizeError};
 use crate::integrate::Expected;
+use crate::stats::bytes;
 
 /// Bytes a pixel: the film (48), a pass in tiles (64) and whole (12); at the end, in place of the pass, its mean and what is encoded of it.
 const PER_PIXEL: u64 = 124;
@@ -28,7 +29,9 @@ pub(super) enum TooMuch {
         format_args!("take{} {}", if *count == 1 { "s" } else { "" }, bytes(*needed)),
         bytes(*free)
     )]
-    #[diagnostic(help("choose a smaller --size; a render without the gauge (--no-gauge) takes a third"))]
+    #[diagnostic(help(
+        "choose a smaller --size, or let it have more memory (--memory); a render without the gauge (--no-gauge) takes a third"
+    ))]
     Picture { count: usize, width: u32, height: u32, needed: u64, free: u64 },
     /// More photons than indices.
     #[error("a pass of {paths} photon paths would store about {stored} photons, and {} can be indexed", u32::MAX)]
@@ -44,20 +47,20 @@ pub(super) enum TooMuch {
     Photons { paths: u64, stored: u64, needed: u64, free: u64 },
 }
 
-const REMEDY: &str =
-    "take fewer --photons or --caustic-photons and more --passes: photons of a pass are kept in memory, passes add up";
+const REMEDY: &str = "take fewer --photons or --caustic-photons and more --passes: photons of a pass are kept in memory, passes add up; or let it have \
+     more memory (--memory)";
 
-/// Checks that so many pictures of a size fit into `free` bytes, where that number is known.
-pub(super) fn check_pictures(count: usize, size: (u32, u32), free: Option<u64>) -> Result<(), TooMuch> {
+/// Checks that so many pictures of a size fit into `free` bytes, where that number is known, and tells the bytes that they take.
+pub(super) fn check_pictures(count: usize, size: (u32, u32), free: Option<u64>) -> Result<u64, TooMuch> {
     check(count, size, PER_PIXEL, free)
 }
 
-/// Checks that a picture with the gauge of its error fits.
-pub(super) fn check_gauged(size: (u32, u32), free: Option<u64>) -> Result<(), TooMuch> {
+/// As [`check_pictures`], for one with the gauge of its error.
+pub(super) fn check_gauged(size: (u32, u32), free: Option<u64>) -> Result<u64, TooMuch> {
     check(1, size, PER_PIXEL + PER_GAUGED_PIXEL, free)
 }
 
-fn check(count: usize, (width, height): (u32, u32), bytes_a_pixel: u64, free: Option<u64>) -> Result<(), TooMuch> {
+fn check(count: usize, (width, height): (u32, u32), bytes_a_pixel: u64, free: Option<u64>) -> Result<u64, TooMuch> {
     let pixels = u64::from(width) * u64::from(height);
     if pixels > MAX_PIXELS {
         return Err(SizeError::TooLarge { width, height }.into());
@@ -65,12 +68,14 @@ fn check(count: usize, (width, height): (u32, u32), bytes_a_pixel: u64, free: Op
     let needed = pixels * bytes_a_pixel * count as u64;
     match free {
         Some(free) if needed > free => Err(TooMuch::Picture { count, width, height, needed, free }),
-        _ => Ok(()),
+        _ => Ok(needed),
     }
 }
 
-/// Checks that the photons of a pass can be indexed and fit into `free` bytes, where that number is known.
-pub(super) fn check_photons(expected: Expected, free: Option<u64>) -> Result<(), TooMuch> {
+/// Checks that the photons of a pass can be indexed and fit into `free` bytes, where that number is known, beside `pictures` bytes that
+/// are yet to be taken.
+pub(super) fn check_photons(expected: Expected, pictures: u64, free: Option<u64>) -> Result<(), TooMuch> {
+    let free = free.map(|free| free.saturating_sub(pictures));
     let Expected { paths, photons: stored, most } = expected;
     if most > u64::from(u32::MAX) {
         return Err(TooMuch::Indices { paths, stored: most });
@@ -82,53 +87,35 @@ pub(super) fn check_photons(expected: Expected, free: Option<u64>) -> Result<(),
     }
 }
 
-/// Memory that can be had without swapping, where the system tells (Linux).
-pub(super) fn free() -> Option<u64> {
-    let info = std::fs::read_to_string("/proc/meminfo").ok()?;
-    let line = info.lines().find_map(|l| l.strip_prefix("MemAvailable:"))?;
-    let kib: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
-    Some(kib * 1024)
-}
-
-/// Bytes in words.
-pub(super) fn bytes(n: u64) -> String {
-    format!("{:.1} GB", n as f64 * 1e-9)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn pictures_are_held_against_the_format_and_the_memory() {
-        assert_eq!(check_pictures(1, (16_384, 16_384), None), Ok(()));
+        assert_eq!(check_pictures(1, (16_384, 16_384), None), Ok(124 << 28));
         assert!(matches!(check_pictures(1, (16_385, 16_384), None), Err(TooMuch::Pixels(_))));
-        assert_eq!(check_pictures(1, (1000, 1000), Some(124_000_000)), Ok(()));
+        assert_eq!(check_pictures(1, (1000, 1000), Some(124_000_000)), Ok(124_000_000));
         let refused = check_pictures(1, (1000, 1000), Some(123_999_999)).unwrap_err().to_string();
-        assert!(refused.contains("a picture of 1000 × 1000") && refused.contains("0.1 GB"), "{refused}");
-        assert!(matches!(check_gauged((1000, 1000), Some(323_999_999)), Err(TooMuch::Picture { .. })));
-        assert_eq!(check_pictures(4, (500, 500), Some(124_000_000)), Ok(()));
+        assert!(refused.contains("a picture of 1000 × 1000") && refused.contains("124.0 MB"), "{refused}");
+        assert!(matches!(check_gauged((1000, 1000), Some(347_999_999)), Err(TooMuch::Picture { .. })));
+        assert_eq!(check_pictures(4, (500, 500), Some(124_000_000)), Ok(124_000_000));
         let refused = check_pictures(5, (500, 500), Some(124_000_000)).unwrap_err().to_string();
-        assert!(refused.contains("5 pictures of 500 × 500 pixels take 0.2 GB"), "{refused}");
+        assert!(refused.contains("5 pictures of 500 × 500 pixels take 155.0 MB"), "{refused}");
     }
 
     #[test]
     fn photons_are_held_against_the_indices_and_the_memory() {
         let index = u64::from(u32::MAX);
         let expected = |photons, most| Expected { paths: 1, photons, most };
-        assert_eq!(check_photons(expected(2 * index, index), None), Ok(()));
-        assert!(matches!(check_photons(expected(2 * index, index + 1), None), Err(TooMuch::Indices { .. })));
-        assert_eq!(check_photons(expected(1000, 600), Some(100_000)), Ok(()));
+        assert_eq!(check_photons(expected(2 * index, index), 0, None), Ok(()));
+        assert!(matches!(check_photons(expected(2 * index, index + 1), 0, None), Err(TooMuch::Indices { .. })));
+        assert_eq!(check_photons(expected(1000, 600), 0, Some(100_000)), Ok(()));
+        assert_eq!(check_photons(expected(1000, 600), 7, Some(100_007)), Ok(()));
+        assert!(check_photons(expected(1000, 600), 8, Some(100_007)).is_err());
         assert!(matches!(
-            check_photons(expected(1001, 600), Some(100_000)),
+            check_photons(expected(1001, 600), 0, Some(100_000)),
             Err(TooMuch::Photons { stored: 1001, .. })
         ));
-    }
-
-    #[cfg(target_os = "linux")]
-    #[test]
-    fn this_machine_tells_its_memory() {
-        // More than this process holds, less than 2^60.
-        assert!((1 << 20..1 << 60).contains(&free().unwrap()));
     }
 }

@@ -22,6 +22,21 @@ pub(super) fn count(text: &str) -> Result<u32, String> {
     }
 }
 
+/// Bytes, with an optional suffix k, M, G or T: a thousand, a million and so on; a fraction is allowed before a suffix: `1.5G`.
+pub(super) fn bytes(text: &str) -> Result<u64, String> {
+    let (digits, scale) = match text.char_indices().last() {
+        Some((i, 'k' | 'K')) => (&text[..i], 1e3),
+        Some((i, 'M')) => (&text[..i], 1e6),
+        Some((i, 'G')) => (&text[..i], 1e9),
+        Some((i, 'T')) => (&text[..i], 1e12),
+        _ => (text, 1.0),
+    };
+    let plain = !digits.is_empty() && digits.chars().all(|c| c.is_ascii_digit() || c == '.');
+    // Beyond 10¹⁵ bytes no machine goes, and below it doubles hold whole numbers.
+    let value = digits.parse::<f64>().ok().map(|x| x * scale).filter(|x| plain && (1.0..=1e15).contains(x));
+    value.map(|x| x as u64).ok_or_else(|| format!("`{text}` is no amount of memory: write it as 4G or 512M"))
+}
+
 /// A count of at least one.
 pub(super) fn positive_count(text: &str) -> Result<u32, String> {
     match count(text)? {
@@ -156,6 +171,17 @@ mod tests {
             assert!(count(bad).is_err(), "{bad}");
         }
         assert!(positive_count("0").is_err());
+    }
+
+    #[test]
+    fn memory_takes_suffixes() {
+        assert_eq!(
+            ["4G", "512M", "1.5k", "1T", "77"].map(bytes),
+            [4e9, 512e6, 1500.0, 1e12, 77.0].map(|x| Ok(x as u64))
+        );
+        for bad in ["", "G", "0", "0G", "-1G", "4GB", "4g", "1e9", "NaN", "inf", "9999T", "much", "é"] {
+            assert!(bytes(bad).is_err(), "{bad}");
+        }
     }
 
     #[test]

@@ -2,16 +2,16 @@
 
 use super::error::{NoError, seconds};
 use super::interrupt::{INTERRUPTED, listen};
-use super::memory::{self, check_gauged, check_photons};
+use super::memory::{check_gauged, check_photons};
 use super::plan::announce;
 use super::progress::Progress;
-use super::report::peak_memory;
 use super::scene::{in_pool, load};
 use super::settings::{flags, settings};
 use super::{Exit, Failure, PriceArguments, error};
 use crate::integrate::{Algorithm, Integrator};
 use crate::render::gauge::{Forecast, Needed, Reading};
 use crate::render::{Rendered, Stop, render};
+use crate::stats::peak_memory;
 use crate::study::text::{amount, percent};
 use miette::IntoDiagnostic;
 use serde::Serialize;
@@ -42,9 +42,10 @@ pub(super) fn run(arguments: &PriceArguments) -> Result<Exit, Failure> {
         let algorithm = arguments.method.integrator;
         let mut settings = settings(&arguments.method, arguments.effects.effects);
         settings.eye.gauge = true;
-        check_gauged(scene.camera().size(), memory::free()).map_err(|e| Failure::new(Exit::Usage, e))?;
+        let memory = arguments.scene.memory();
+        let pictures = check_gauged(scene.camera().size(), memory.free()).map_err(|e| Failure::new(Exit::Usage, e))?;
         let integrator = algorithm.prepare(&scene, settings);
-        check_photons(integrator.expected(), memory::free()).map_err(|e| Failure::new(Exit::Usage, e))?;
+        check_photons(integrator.expected(), pictures, memory.free()).map_err(|e| Failure::new(Exit::Usage, e))?;
         announce(integrator.as_ref(), &progress);
         let setup = start.elapsed().as_secs_f64();
         let (rendered, a_pass) = pilot(arguments, integrator.as_ref(), scene.camera().size(), &progress);

@@ -3,7 +3,7 @@
 use super::dark::{self, without_photons};
 use super::error;
 use super::interrupt::{INTERRUPTED, listen};
-use super::memory::{self, check_gauged, check_photons};
+use super::memory::{check_gauged, check_photons, check_pictures};
 use super::plan::{self, counted};
 use super::progress::{Progress, tell};
 use super::report::{ErrorReport, Report, Setting};
@@ -77,11 +77,11 @@ fn run_in_pool(arguments: &RenderArguments, progress: &Progress) -> Result<Exit,
     let gauged = !arguments.no_gauge && algorithm != Algorithm::Raycast;
     let mut settings = settings(&arguments.method, arguments.effects.effects);
     settings.eye.gauge = gauged;
-    if gauged {
-        check_gauged(scene.camera().size(), memory::free()).map_err(|e| Failure::new(Exit::Usage, e))?;
-    }
+    let (memory, size) = (arguments.scene.memory(), scene.camera().size());
+    let pictures = if gauged { check_gauged(size, memory.free()) } else { check_pictures(1, size, memory.free()) };
+    let pictures = pictures.map_err(|e| Failure::new(Exit::Usage, e))?;
     let integrator = algorithm.prepare(&scene, settings);
-    check_photons(integrator.expected(), memory::free()).map_err(|e| Failure::new(Exit::Usage, e))?;
+    check_photons(integrator.expected(), pictures, memory.free()).map_err(|e| Failure::new(Exit::Usage, e))?;
     plan::announce(integrator.as_ref(), progress);
     setting.radii = integrator.radii();
     setting.emission = integrator.lessons();

@@ -4,7 +4,7 @@ use super::plan::EffectReport;
 use crate::integrate::{Balance, Lessons, PhotonReport, Radii, Seconds};
 use crate::render::gauge::{Confidence, Needed, Reading};
 use crate::render::{Ended, Rendered};
-use crate::stats::{Counters, cpu_seconds};
+use crate::stats::{Counters, cpu_seconds, peak_memory};
 use serde::Serialize;
 
 /// Version of the schema: it grows when a field changes its meaning or goes.
@@ -146,12 +146,4 @@ impl Report {
             cpu_seconds: cpu_seconds(),
         }
     }
-}
-
-/// Largest resident memory so far, where the system tells (Linux).
-pub(super) fn peak_memory() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;
-    let kib: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
-    Some(kib * 1024)
 }

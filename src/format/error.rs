@@ -89,6 +89,7 @@ struct Parts {
     help: String,
     line: usize,
     column: usize,
+    exhausts: bool,
 }
 
 impl SceneError {
@@ -122,7 +123,29 @@ impl SceneError {
         let (line, column) = source.place(start);
         let span = Span { start, len: end - start };
         let source = source.clone();
-        Self(Box::new(Parts { source, span, message, label, help, line: line + 1, column: column + 1 }))
+        Self(Box::new(Parts {
+            source,
+            span,
+            message,
+            label,
+            help,
+            line: line + 1,
+            column: column + 1,
+            exhausts: false,
+        }))
+    }
+
+    /// The same, of a scene that is sound but takes more memory than it may.
+    #[must_use]
+    pub fn exhausting(mut self) -> Self {
+        self.0.exhausts = true;
+        self
+    }
+
+    /// Whether the scene is sound but takes more memory than it may.
+    #[must_use]
+    pub fn exhausts_memory(&self) -> bool {
+        self.0.exhausts
     }
 
     /// What is wrong, without its place.

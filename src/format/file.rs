@@ -4,6 +4,7 @@ use super::description::Description;
 use super::mesh::ReadMonitor;
 use super::{SceneError, Source, parse_bytes, resolve, resolve_watched};
 use crate::scene::Scene;
+use crate::stats::{Memory, bytes};
 use std::path::{Path, PathBuf};
 
 /// A scene file that was read and parsed, not yet resolved: its description may still be changed.
@@ -15,6 +16,9 @@ pub struct SceneFile {
     pub source: Source,
     folder: PathBuf,
 }
+
+/// Bytes that a byte of a scene takes, read, described and resolved: a sphere of 40 letters is a kilobyte of shape, boxes and tree.
+const PER_BYTE: u64 = 32;
 
 /// Why a scene file could not be read.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
@@ -28,6 +32,17 @@ pub enum ReadError {
         /// What the system says.
         source: std::io::Error,
     },
+    /// It takes more memory than it may.
+    #[error("the scene `{}` takes about {} of memory, and {} are free", path.display(), bytes(*needed), bytes(*free))]
+    #[diagnostic(help("put what is large into meshes, or let it have more (--memory)"))]
+    Memory {
+        /// The file.
+        path: PathBuf,
+        /// Bytes that it takes.
+        needed: u64,
+        /// Bytes that it may take.
+        free: u64,
+    },
     /// It is not in the scene language.
     #[error(transparent)]
     #[diagnostic(transparent)]
@@ -40,7 +55,22 @@ impl SceneFile {
     /// # Errors
     /// [`ReadError`].
     pub fn read(path: &Path) -> Result<Self, ReadError> {
-        let bytes = std::fs::read(path).map_err(|source| ReadError::Unreadable { path: path.to_owned(), source })?;
+        Self::read_within(path, Memory::Unbounded)
+    }
+
+    /// As [`SceneFile::read`]; a file that takes more than `memory` is refused before it is read.
+    ///
+    /// # Errors
+    /// [`ReadError`].
+    pub fn read_within(path: &Path, memory: Memory) -> Result<Self, ReadError> {
+        let unreadable = |source| ReadError::Unreadable { path: path.to_owned(), source };
+        if let Some(free) = memory.free() {
+            let needed = PER_BYTE * std::fs::metadata(path).map_err(unreadable)?.len();
+            if needed > free {
+                return Err(ReadError::Memory { path: path.to_owned(), needed, free });
+            }
+        }
+        let bytes = std::fs::read(path).map_err(unreadable)?;
         let name = path.display().to_string();
         let description = parse_bytes(&name, &bytes)?;
         let source = Source::new(&name, &String::from_utf8_lossy(&bytes));
@@ -55,11 +85,11 @@ impl SceneFile {
         resolve(&self.description, &self.source, &self.folder)
     }
 
-    /// As [`SceneFile::resolve`]; `monitor` hears how far meshes are read.
+    /// As [`SceneFile::resolve`], within `memory`; `monitor` hears how far meshes are read.
     ///
     /// # Errors
     /// [`SceneError`].
-    pub fn resolve_watched(&self, monitor: &dyn ReadMonitor) -> Result<Scene, SceneError> {
-        resolve_watched(&self.description, &self.source, &self.folder, monitor)
+    pub fn resolve_watched(&self, monitor: &dyn ReadMonitor, memory: Memory) -> Result<Scene, SceneError> {
+        resolve_watched(&self.description, &self.source, &self.folder, monitor, memory)
     }
 }

@@ -114,12 +114,26 @@ pub enum ReadError {
         /// What is wrong with the size.
         source: SizeError,
     },
+    /// The picture takes more memory than there is.
+    #[error(
+        "`{}` takes {:.1} MB of memory, and {:.1} MB are free: make the picture smaller, or let it have more (--memory)",
+        path.display(), *needed as f64 * 1e-6, *free as f64 * 1e-6
+    )]
+    Memory {
+        /// The file.
+        path: PathBuf,
+        /// Bytes that it takes, with what reading it takes.
+        needed: u64,
+        /// Bytes that it may take.
+        free: u64,
+    },
 }
 
 /// A decoder's failure, before the path is known.
 pub(super) enum DecodeFailure {
     Reason(String),
     Size(SizeError),
+    Memory { needed: u64, free: u64 },
 }
 
 impl From<SizeError> for DecodeFailure {
@@ -133,6 +147,7 @@ impl DecodeFailure {
         match self {
             Self::Reason(reason) => ReadError::Decode { path, reason },
             Self::Size(source) => ReadError::Size { path, source },
+            Self::Memory { needed, free } => ReadError::Memory { path, needed, free },
         }
     }
 }
@@ -144,4 +159,18 @@ pub(super) fn check_plausible(raw: u64, file: usize) -> Result<(), DecodeFailure
         return Err(DecodeFailure::Reason("the file is too short for the size that it states".into()));
     }
     Ok(())
+}
+
+/// Bytes a pixel while a picture is read and made a texture or an environment. At most: an OpenEXR's four channels twice in single
+/// precision (32), their colours (12), and what is kept of them (4 more of slack); later the picture with its pyramid (12 + 16), or with
+/// the tables that its light is drawn from (12 + 24).
+const PER_PIXEL: u64 = 48;
+
+/// Checks that a picture may take the memory that it will, before it takes any.
+pub(super) fn check_room(pixels: usize, free: Option<u64>) -> Result<(), DecodeFailure> {
+    let needed = PER_PIXEL * pixels as u64;
+    match free {
+        Some(free) if needed > free => Err(DecodeFailure::Memory { needed, free }),
+        _ => Ok(()),
+    }
 }

@@ -10,7 +10,7 @@ use exr::prelude::{
 use glam::Vec3;
 
 use super::buffer::{Image, pixel_count};
-use super::error::{DecodeFailure, WriteError, check_plausible};
+use super::error::{DecodeFailure, WriteError, check_plausible, check_room};
 use super::tone::WriteReport;
 use super::write::FloatDepth;
 
@@ -83,7 +83,7 @@ impl From<exr::error::Error> for DecodeFailure {
 }
 
 /// The first layer that has the channels R, G and B, of any sample type; other layers and channels are left aside.
-pub(super) fn read(file: &[u8]) -> Result<Image, DecodeFailure> {
+pub(super) fn read(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailure> {
     for header in &MetaData::read_from_buffered(Cursor::new(file), false)?.headers {
         let Vec2(width, height) = header.layer_size;
         let side = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
@@ -95,6 +95,7 @@ pub(super) fn read(file: &[u8]) -> Result<Image, DecodeFailure> {
             _ => 64,
         };
         check_plausible(pixels * 2 / block, file.len())?;
+        check_room(pixels as usize, free)?;
     }
 
     let picture = ::image::load_from_memory_with_format(file, ::image::ImageFormat::OpenExr)
@@ -122,7 +123,7 @@ mod tests {
     #[test]
     fn every_bit_comes_back() {
         let (file, report) = encode(&extremes(), FloatDepth::Single, &[]).unwrap();
-        let image = decoded(read(&file));
+        let image = decoded(read(&file, None));
         assert_eq!((image.width(), image.height()), (40, 33));
         let bits = |image: &Image| -> Vec<[u32; 3]> {
             image.pixels().iter().map(|p| p.to_array().map(f32::to_bits)).collect()
@@ -153,7 +154,7 @@ mod tests {
             // The window holds the last column and row, after the first of each.
             huge[window + 8..window + 12].copy_from_slice(&(side - 1).to_le_bytes());
             huge[window + 12..window + 16].copy_from_slice(&(side - 1).to_le_bytes());
-            let message = read(&huge).err().unwrap().at("memory".into()).to_string();
+            let message = read(&huge, None).err().unwrap().at("memory".into()).to_string();
             assert!(message.contains(expected), "{message}");
         }
     }
@@ -162,14 +163,14 @@ mod tests {
     fn damaged_files_are_errors_or_pictures_but_never_panics() {
         let (file, _) = encode(&extremes(), FloatDepth::Single, &[("Seed".into(), "42".into())]).unwrap();
         for cut in (4..file.len()).step_by(7) {
-            assert!(read(&file[..cut]).is_err(), "cut at {cut}");
+            assert!(read(&file[..cut], None).is_err(), "cut at {cut}");
         }
         for at in 0..file.len().min(700) {
             for flip in [0x01, 0x80, 0xff] {
                 let mut broken = file.clone();
                 broken[at] ^= flip;
                 // Many bytes (of the comment, of a pixel) may change without making the file bad.
-                drop(read(&broken));
+                drop(read(&broken, None));
             }
         }
     }

@@ -18,7 +18,7 @@ pub use buffer::{Image, MAX_PIXELS, Raster, RgbBytes, SizeError};
 pub use error::{ReadError, WriteError};
 pub use layers::{ExrLayer, check_layers_path, write_layers};
 pub use ramp::{diverging, sequential};
-pub use read::{InputFormat, read, read_bytes, read_data, read_with_format};
+pub use read::{InputFormat, Meaning, decode, read, read_bytes, read_data, read_with_format, read_within};
 pub use relative::RelativeScale;
 pub use replace::{check_place, replace_file, replace_with};
 pub use tone::{Curve, MAX_EXPOSURE_STOPS, ToneMap, UnknownCurve, WriteReport};

@@ -7,7 +7,7 @@ use png::{BitDepth as Depth, ColorType, Decoder, DecodingError, Encoder, Encodin
 use rayon::prelude::*;
 
 use super::buffer::{Image, RgbBytes, pixel_count};
-use super::error::{DecodeFailure, WriteError, check_plausible};
+use super::error::{DecodeFailure, WriteError, check_plausible, check_room};
 use super::tone::{Curve, Quantizer, WriteReport, srgb_decode};
 use super::write::{BitDepth, WriteOptions};
 
@@ -83,7 +83,7 @@ struct Decoded {
     gamma: Option<f64>,
 }
 
-fn decode(file: &[u8]) -> Result<Decoded, DecodeFailure> {
+fn decode(file: &[u8], free: Option<u64>) -> Result<Decoded, DecodeFailure> {
     let mut decoder = Decoder::new(Cursor::new(file));
     decoder.set_transformations(png::Transformations::EXPAND);
     let mut reader = decoder.read_info()?;
@@ -99,6 +99,7 @@ fn decode(file: &[u8]) -> Result<Decoded, DecodeFailure> {
     let pixels = pixel_count(width, height)?;
     let stored = u64::from(height) * info.raw_row_length() as u64;
     check_plausible(stored, file.len())?;
+    check_room(pixels, free)?;
 
     let (color, depth) = reader.output_color_type();
     let (channels, sixteen) = (color.samples(), depth == Depth::Sixteen);
@@ -128,8 +129,8 @@ fn decode(file: &[u8]) -> Result<Decoded, DecodeFailure> {
 }
 
 /// Linear radiance: by the gAMA chunk where it stands alone, else by sRGB, which PNG files without a label mean by custom.
-pub(super) fn read(file: &[u8]) -> Result<Image, DecodeFailure> {
-    let decoded = decode(file)?;
+pub(super) fn read(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailure> {
+    let decoded = decode(file, free)?;
     match decoded.gamma {
         Some(gamma) => read_by(decoded, |signal| libm::pow(signal, 1.0 / gamma) as f32),
         None => read_by(decoded, |signal| srgb_decode(signal) as f32),
@@ -137,8 +138,8 @@ pub(super) fn read(file: &[u8]) -> Result<Image, DecodeFailure> {
 }
 
 /// The samples as they stand, from 0 to 1.
-pub(super) fn read_data(file: &[u8]) -> Result<Image, DecodeFailure> {
-    read_by(decode(file)?, |signal| signal as f32)
+pub(super) fn read_data(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailure> {
+    read_by(decode(file, free)?, |signal| signal as f32)
 }
 
 fn read_by(decoded: Decoded, linear: impl Fn(f64) -> f32) -> Result<Image, DecodeFailure> {
@@ -159,7 +160,7 @@ fn read_by(decoded: Decoded, linear: impl Fn(f64) -> f32) -> Result<Image, Decod
 
 /// The bytes of an 8-bit file as they stand.
 pub(super) fn read_bytes(file: &[u8]) -> Result<RgbBytes, DecodeFailure> {
-    let decoded = decode(file)?;
+    let decoded = decode(file, None)?;
     if decoded.sixteen {
         return Err(DecodeFailure::Reason("it has 16 bits a channel where 8 are compared".into()));
     }
@@ -204,7 +205,7 @@ mod tests {
     fn reading_undoes_the_srgb_curve_to_half_a_level() {
         for (depth, levels) in [(BitDepth::Eight, 255.0), (BitDepth::Sixteen, 65_535.0)] {
             let (file, _) = encode(&ramp(), &options(Curve::Srgb, depth)).unwrap();
-            let image = decoded(read(&file));
+            let image = decoded(read(&file, None));
             // The decoding curve's slope is at most 2.4 / 1.055 = 2.275; f32 rounding adds 2⁻²⁴.
             let bound = (0.5 / levels * 2.275 + f64::from(f32::EPSILON)) as f32;
             for (a, b) in image.pixels().iter().zip(ramp().pixels()) {
@@ -252,11 +253,11 @@ mod tests {
         let opaque = foreign(ColorType::Rgba, Depth::Eight, None, &[1, 2, 3, 255, 4, 5, 6, 255]);
         assert_eq!(decoded(read_bytes(&opaque)).pixels(), [[1, 2, 3], [4, 5, 6]]);
         let clear = foreign(ColorType::Rgba, Depth::Eight, None, &[1, 2, 3, 255, 4, 5, 6, 254]);
-        assert!(failure(read(&clear)).contains("flatten"));
+        assert!(failure(read(&clear, None)).contains("flatten"));
         let deep = foreign(ColorType::Rgb, Depth::Sixteen, Some(1.0), &[128, 0, 0, 0, 0, 0, 0, 0, 0, 0, 255, 255]);
         assert!(failure(read_bytes(&deep)).contains("16 bits"));
         // A gamma of 1 is linear: level 32768 of 65535.
-        let image = decoded(read(&deep));
+        let image = decoded(read(&deep, None));
         assert!((image.pixels()[0].x - 32_768.0 / 65_535.0).abs() < 1e-7);
         assert_eq!(image.pixels()[1].z, 1.0);
     }
@@ -271,14 +272,14 @@ mod tests {
     fn damaged_files_are_errors() {
         let (file, _) = encode(&ramp(), &options(Curve::Srgb, BitDepth::Eight)).unwrap();
         for cut in 8..file.len() - 13 {
-            assert!(read(&file[..cut]).is_err(), "cut at {cut}");
+            assert!(read(&file[..cut], None).is_err(), "cut at {cut}");
         }
         // The same file with a header that promises 16384 × 16384 pixels, its checksum made right.
         let mut huge = file;
         huge[16..24].copy_from_slice(&[0, 0, 64, 0, 0, 0, 64, 0]);
         let checksum = crc32(&huge[12..29]);
         huge[29..33].copy_from_slice(&checksum.to_be_bytes());
-        assert!(failure(read(&huge)).contains("too short"), "{}", failure(read(&huge)));
+        assert!(failure(read(&huge, None)).contains("too short"), "{}", failure(read(&huge, None)));
     }
 
     #[test]

@@ -9,7 +9,7 @@ use ::image::codecs::hdr::HdrDecoder;
 use glam::Vec3;
 
 use super::buffer::{Image, RgbBytes, pixel_count};
-use super::error::{DecodeFailure, ReadError, check_plausible};
+use super::error::{DecodeFailure, ReadError, check_plausible, check_room};
 use super::{exr, png};
 
 const PNG_SIGNATURE: [u8; 4] = *b"\x89PNG";
@@ -57,7 +57,8 @@ pub fn read(path: &Path) -> Result<Image, ReadError> {
 /// # Errors
 /// [`ReadError`] as for [`read`].
 pub fn read_with_format(path: &Path) -> Result<(Image, InputFormat), ReadError> {
-    read_by(path, png::read)
+    let file = load(path, None)?;
+    decode(path, &file, Meaning::Light, None)
 }
 
 /// As [`read`], but the numbers of a PNG are taken as they stand, from 0 to 1: data that is no light.
@@ -65,18 +66,43 @@ pub fn read_with_format(path: &Path) -> Result<(Image, InputFormat), ReadError> 
 /// # Errors
 /// [`ReadError`] as for [`read`].
 pub fn read_data(path: &Path) -> Result<Image, ReadError> {
-    Ok(read_by(path, png::read_data)?.0)
+    read_within(path, Meaning::Numbers, None)
 }
 
-type Decoder = fn(&[u8]) -> Result<Image, DecodeFailure>;
+/// What the numbers of a picture are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Meaning {
+    /// Radiance: a PNG's curve is undone.
+    Light,
+    /// Data that is no light: a PNG's numbers are taken as they stand, from 0 to 1.
+    Numbers,
+}
 
-fn read_by(path: &Path, read_png: Decoder) -> Result<(Image, InputFormat), ReadError> {
-    let file = load(path)?;
-    let format = InputFormat::of(&file).ok_or_else(|| ReadError::UnknownFormat { path: path.to_owned() })?;
-    let image = match format {
-        InputFormat::Png => read_png(&file),
-        InputFormat::Exr => exr::read(&file),
-        InputFormat::Hdr => read_hdr(&file),
+/// As [`read`], within `free` bytes of memory, where that number is known: a picture that takes more is refused before it takes any.
+///
+/// # Errors
+/// [`ReadError`] as for [`read`], and where the memory does not suffice.
+pub fn read_within(path: &Path, meaning: Meaning, free: Option<u64>) -> Result<Image, ReadError> {
+    let file = load(path, free)?;
+    Ok(decode(path, &file, meaning, free.map(|free| free.saturating_sub(file.len() as u64)))?.0)
+}
+
+/// As [`read_within`], of the bytes of a file that errors call `path`, and what the file is.
+///
+/// # Errors
+/// [`ReadError`] as for [`read_within`].
+pub fn decode(
+    path: &Path,
+    file: &[u8],
+    meaning: Meaning,
+    free: Option<u64>,
+) -> Result<(Image, InputFormat), ReadError> {
+    let format = InputFormat::of(file).ok_or_else(|| ReadError::UnknownFormat { path: path.to_owned() })?;
+    let image = match (format, meaning) {
+        (InputFormat::Png, Meaning::Light) => png::read(file, free),
+        (InputFormat::Png, Meaning::Numbers) => png::read_data(file, free),
+        (InputFormat::Exr, _) => exr::read(file, free),
+        (InputFormat::Hdr, _) => read_hdr(file, free),
     };
     Ok((image.map_err(|failure| failure.at(path.to_owned()))?, format))
 }
@@ -86,7 +112,7 @@ fn read_by(path: &Path, read_png: Decoder) -> Result<(Image, InputFormat), ReadE
 /// # Errors
 /// [`ReadError`] as for [`read`], and where the file is no PNG or has 16 bits a channel.
 pub fn read_bytes(path: &Path) -> Result<RgbBytes, ReadError> {
-    let file = load(path)?;
+    let file = load(path, None)?;
     let bytes = match InputFormat::of(&file) {
         Some(InputFormat::Png) => png::read_bytes(&file),
         Some(_) => Err(DecodeFailure::Reason(
@@ -98,13 +124,15 @@ pub fn read_bytes(path: &Path) -> Result<RgbBytes, ReadError> {
 }
 
 /// A Radiance HDR picture of RGB (Ward 1991, "Real Pixels"); files state by how much their radiance was multiplied.
-fn read_hdr(file: &[u8]) -> Result<Image, DecodeFailure> {
+fn read_hdr(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailure> {
     let reason = |error: ::image::ImageError| DecodeFailure::Reason(error.to_string());
     // Strict decoding knows one of the two signatures only.
     let decoder = HdrDecoder::new_nonstrict(Cursor::new(file)).map_err(reason)?;
     let header = decoder.metadata();
     // Runs of at most 127 equal bytes take two, so far less than DEFLATE's bound holds; old runs of runs are refused by it.
-    check_plausible(4 * pixel_count(header.width, header.height)? as u64, file.len())?;
+    let pixels = pixel_count(header.width, header.height)?;
+    check_plausible(4 * pixels as u64, file.len())?;
+    check_room(pixels, free)?;
     let exposure = header.exposure.unwrap_or(1.0);
     if !(exposure > 0.0 && exposure.is_finite()) {
         return Err(DecodeFailure::Reason(format!("the exposure is {exposure}, which is not above zero")));
@@ -114,13 +142,22 @@ fn read_hdr(file: &[u8]) -> Result<Image, DecodeFailure> {
     Ok(Image::from_pixels(header.width, header.height, pixels)?)
 }
 
-fn load(path: &Path) -> Result<Vec<u8>, ReadError> {
-    fs::read(path).map_err(|source| ReadError::Io { path: path.to_owned(), source })
+/// The bytes of a file, where they may take that much memory.
+fn load(path: &Path, free: Option<u64>) -> Result<Vec<u8>, ReadError> {
+    let refused = |source| ReadError::Io { path: path.to_owned(), source };
+    if let Some(free) = free {
+        let needed = fs::metadata(path).map_err(refused)?.len();
+        if needed > free {
+            return Err(ReadError::Memory { path: path.to_owned(), needed, free });
+        }
+    }
+    fs::read(path).map_err(refused)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::image::FloatDepth;
 
     #[test]
     fn formats_are_told_by_content_and_others_refused() {
@@ -133,7 +170,7 @@ mod tests {
 
         let image = Image::new(2, 3).unwrap();
         let misnamed = folder.path().join("misnamed.png");
-        fs::write(&misnamed, exr::encode(&image, &[]).unwrap().0).unwrap();
+        fs::write(&misnamed, exr::encode(&image, FloatDepth::Single, &[]).unwrap().0).unwrap();
         assert_eq!(read(&misnamed).unwrap(), image);
         assert!(read_bytes(&misnamed).unwrap_err().to_string().contains("8-bit PNG"));
     }
@@ -146,7 +183,8 @@ mod tests {
 
     #[test]
     fn radiance_hdr_is_read_with_its_exposures_undone() {
-        let read = |header| read_hdr(&hdr(header)).unwrap_or_else(|failure| panic!("{}", failure.at("memory".into())));
+        let read =
+            |header| read_hdr(&hdr(header), None).unwrap_or_else(|failure| panic!("{}", failure.at("memory".into())));
         let plain = read("#?RADIANCE\nFORMAT=32-bit_rle_rgbe");
         assert_eq!(plain.pixels(), [Vec3::new(1.0, 0.5, 0.25), Vec3::new(800.0, 400.0, 200.0)]);
         let exposed = read("#?RGBE\nEXPOSURE=2\nEXPOSURE=4");
@@ -162,14 +200,14 @@ mod tests {
     fn damaged_radiance_hdr_is_refused() {
         let good = hdr("#?RADIANCE");
         for cut in 0..good.len() {
-            assert!(read_hdr(&good[..cut]).is_err(), "cut at {cut}");
+            assert!(read_hdr(&good[..cut], None).is_err(), "cut at {cut}");
         }
         let huge = |size: &str| [b"#?RADIANCE\n\n".as_slice(), size.as_bytes(), b"\n\x01\x01\x01\x80"].concat();
         for size in ["-Y 16000 +X 16000", "-Y 99999999 +X 99999999", "-Y 0 +X 5", "-Y -1 +X 5"] {
-            assert!(read_hdr(&huge(size)).is_err(), "{size}");
+            assert!(read_hdr(&huge(size), None).is_err(), "{size}");
         }
         for header in ["#?RADIANCE\nEXPOSURE=0", "#?RADIANCE\nEXPOSURE=inf", "#?RADIANCE\nFORMAT=32-bit_rle_xyze"] {
-            assert!(read_hdr(&hdr(header)).is_err(), "{header}");
+            assert!(read_hdr(&hdr(header), None).is_err(), "{header}");
         }
     }
 }

@@ -150,7 +150,7 @@ impl Inside {
     /// What `surface`, the boundary of `body`, is for light, the body on its inner side, and what it divides from what is outside.
     #[inline]
     pub(super) fn divided(&self, scene: &Scene, surface: &mut Surface<'_>, body: Body) -> (Meeting, Body, Crossing) {
-        surface.touching = scene.touching(surface);
+        surface.touching = scene.faces_at(surface);
         let inwards = entering(surface);
         if !surface.touching.is_none() {
             let Sides { near, far, clear, roughness } = self.sides(scene, surface, &body, inwards);

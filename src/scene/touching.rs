@@ -98,7 +98,7 @@ impl Scene {
 
     /// The boundaries between the points from which walks leave `surface`, a boundary, on either side; without what is as it is.
     #[inline]
-    pub(super) fn touching(&self, surface: &Surface<'_>) -> Touching {
+    pub(super) fn faces_at(&self, surface: &Surface<'_>) -> Touching {
         if self.bodies_touch { self.find_touching(surface) } else { Touching::NONE }
     }
 

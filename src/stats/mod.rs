@@ -1,4 +1,9 @@
-//! What a render did: counters kept by each worker and added once, so that counting costs nothing between threads.
+//! What a render did, by counters kept by each worker and added once, so that counting costs nothing between threads; and what memory
+//! it may take.
+
+mod memory;
+
+pub use memory::{Memory, bytes, peak_memory};
 
 use serde::Serialize;
 use std::ops::AddAssign;

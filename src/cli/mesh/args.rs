@@ -1,6 +1,6 @@
 //! What can be typed after `caustica mesh`.
 
-use crate::cli::number::{above_zero, degrees, distance, point};
+use crate::cli::number::{above_zero, bytes, degrees, distance, point};
 use clap::Args;
 use glam::DVec3;
 use std::path::PathBuf;
@@ -58,6 +58,10 @@ pub struct MeshArguments {
     /// Move, after --scale
     #[arg(long, value_parser = point, allow_hyphen_values = true, value_name = "X,Y,Z")]
     pub translate: Option<DVec3>,
+
+    /// Most memory to take, such as 4G or 512M: a mesh that would take more is refused before it is read  [default: what is free]
+    #[arg(long, value_parser = bytes, value_name = "SIZE")]
+    pub memory: Option<u64>,
 
     /// Print JSON
     #[arg(long)]

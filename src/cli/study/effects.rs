@@ -2,7 +2,7 @@
 
 use super::output::{Outputs, Writer};
 use crate::cli::interrupt::{INTERRUPTED, listen};
-use crate::cli::memory::{self, check_photons, check_pictures};
+use crate::cli::memory::{check_photons, check_pictures};
 use crate::cli::plan::{self, EffectReport};
 use crate::cli::progress::{Progress, tell};
 use crate::cli::scene::{in_pool, load};
@@ -48,9 +48,10 @@ fn run_in_pool(
     let scene = load(&arguments.scene, progress)?;
     let algorithm = arguments.method.integrator;
     // No more than one picture without each effect, besides the whole one.
-    check_pictures(Effect::ALL.len() + 1, scene.camera().size(), memory::free()).map_err(usage)?;
+    let memory = arguments.scene.memory();
+    let pictures = check_pictures(Effect::ALL.len() + 1, scene.camera().size(), memory.free()).map_err(usage)?;
     let study = EffectStudy::prepare(&scene, algorithm, &settings(&arguments.method, arguments.wish));
-    check_photons(study.expected(), memory::free()).map_err(usage)?;
+    check_photons(study.expected(), pictures, memory.free()).map_err(usage)?;
     progress.say(&plan::line(study.plan()));
     plan::complaints(study.plan()).for_each(|line| tell(&line));
     let (pictures, passes) = (study.pictures(), arguments.passes.unwrap_or(PASSES));

@@ -6,7 +6,7 @@ use super::table::{root, table};
 use super::variants::Named;
 use crate::cli::args::TruthFiles;
 use crate::cli::interrupt::{INTERRUPTED, listen};
-use crate::cli::memory::{self, check_photons};
+use crate::cli::memory::check_photons;
 use crate::cli::plan::{self, counted};
 use crate::cli::progress::{Progress, tell};
 use crate::cli::scene::{in_pool, load};
@@ -15,6 +15,7 @@ use crate::cli::{Exit, Failure, StudyArguments};
 use crate::image::{WriteOptions, write};
 use crate::plan::Plan;
 use crate::scene::Scene;
+use crate::stats::bytes;
 use crate::study::methods::{
     Limits, MethodStudy, MethodsFound, References, Step, Subject, Variant, in_shell, methods_for,
 };
@@ -48,9 +49,9 @@ struct NotRendered {
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error(
     "{seeds} seeds of {variants} methods with {} × {} pixels take {} of memory, and {} are free",
-    size.0, size.1, memory::bytes(*needed), memory::bytes(*free)
+    size.0, size.1, bytes(*needed), bytes(*free)
 )]
-#[diagnostic(help("choose a smaller --size, fewer --seeds or fewer methods"))]
+#[diagnostic(help("choose a smaller --size, fewer --seeds or fewer methods, or let it have more memory (--memory)"))]
 struct TooMany {
     seeds: u32,
     variants: usize,
@@ -93,7 +94,8 @@ fn run_in_pool(
     let (kind, size) = (&arguments.kind, scene.camera().size());
     let variants = variants(arguments, named, &scene);
     let (needed, seeds) = (MethodStudy::bytes(size, variants.len(), kind.seeds), kind.seeds);
-    if let Some(free) = memory::free().filter(|free| needed > *free) {
+    let memory = arguments.scene.memory();
+    if let Some(free) = memory.free().filter(|free| needed > *free) {
         return Err(usage(TooMany { seeds, variants: variants.len(), size, needed, free }));
     }
     let given = match &kind.truth {
@@ -109,7 +111,7 @@ fn run_in_pool(
     }
     let runs = counted(variants.len(), "method", "methods");
     let study = MethodStudy::prepare(&scene, variants, kind.seeds).into_diagnostic().map_err(usage)?;
-    check_photons(study.expected(), memory::free()).map_err(usage)?;
+    check_photons(study.expected(), needed, memory.free()).map_err(usage)?;
     let Some(references) = given.map_or_else(|| render_truth(arguments, &scene, progress), |given| Ok(Some(given)))?
     else {
         tell("interrupted before anything was measured");

@@ -1,5 +1,6 @@
 //! Why a grid could not be read.
 
+use crate::stats::bytes;
 use std::path::{Path, PathBuf};
 
 /// Why a file of densities could not be read.
@@ -55,12 +56,19 @@ pub enum GridError {
         value: f32,
     },
     /// More cells than there is memory for.
-    #[error("{}: {cells} cells do not fit into memory: make the grid coarser", path.display())]
+    #[error(
+        "{}: {cells} cells take {} of memory, and {} are free: make the grid coarser, or let it have more (--memory)",
+        path.display(), bytes(*needed), free.map_or("less".to_owned(), bytes)
+    )]
     NoMemory {
         /// The file.
         path: PathBuf,
         /// How many.
         cells: usize,
+        /// Bytes that they take, with what reading them takes.
+        needed: u64,
+        /// Bytes that may be taken, where that number is known.
+        free: Option<u64>,
     },
 }
 

@@ -24,6 +24,9 @@ use std::path::Path;
 /// Most cells of a grid.
 pub const MAX_CELLS: u64 = 1 << 30;
 
+/// Bytes that a cell takes in memory: its density, and as much again for where densities are bounded and the slack of lists.
+pub(super) const PER_CELL: u64 = 8;
+
 /// Most bytes before the numbers.
 const LONGEST_HEADER: u64 = 4096;
 
@@ -65,16 +68,33 @@ struct Header {
 /// # Errors
 /// [`GridError`].
 pub fn read(path: &Path) -> Result<Grid, GridError> {
+    read_within(path, None)
+}
+
+/// As [`read`], within `free` bytes of memory, where that number is known: a grid that takes more is refused before it takes any.
+///
+/// # Errors
+/// [`GridError`].
+pub fn read_within(path: &Path, free: Option<u64>) -> Result<Grid, GridError> {
     let unreadable = |source| GridError::Unreadable { path: path.into(), source };
-    let mut file = File::open(path).map_err(unreadable)?;
+    let file = File::open(path).map_err(unreadable)?;
     let length = file.metadata().map_err(unreadable)?.len();
+    decode(path, length, file, free)
+}
+
+/// As [`read_within`], of the `length` bytes of a file that errors call `path`.
+///
+/// # Errors
+/// [`GridError`].
+pub fn decode(path: &Path, length: u64, mut file: impl Read, free: Option<u64>) -> Result<Grid, GridError> {
+    let unreadable = |source| GridError::Unreadable { path: path.into(), source };
     let mut start = Vec::new();
     Read::take(&mut file, LONGEST_HEADER).read_to_end(&mut start).map_err(unreadable)?;
     let header = header(&start).map_err(|(line, wrong)| GridError::line(path, line, wrong))?;
     let rest = start[header.bytes as usize..].chain(file);
     let values = match header.encoding {
-        Encoding::F32 => singles(path, &header, length, BufReader::with_capacity(CHUNK, rest))?,
-        Encoding::Text => words(path, &header, length, rest)?,
+        Encoding::F32 => singles(path, &header, length, BufReader::with_capacity(CHUNK, rest), free)?,
+        Encoding::Text => words(path, &header, length, rest, free)?,
     };
     if let Some(i) = values.iter().position(|v| !(v.is_finite() && *v >= 0.0)) {
         return Err(GridError::Cell { path: path.into(), cell: cell(header.size, i), value: values[i] });
@@ -165,20 +185,28 @@ fn cell(size: [u32; 3], i: usize) -> [u32; 3] {
     [i % row, i % layer / row, i / layer].map(|i| i as u32)
 }
 
-fn reserve(path: &Path, header: &Header) -> Result<Vec<f32>, GridError> {
+/// Room for the numbers, where they and `more` bytes may be taken.
+fn reserve(path: &Path, header: &Header, more: u64, free: Option<u64>) -> Result<Vec<f32>, GridError> {
+    let needed = PER_CELL * header.cells as u64 + more;
     let mut values = Vec::new();
-    match values.try_reserve_exact(header.cells) {
-        Ok(()) => Ok(values),
-        Err(_) => Err(GridError::NoMemory { path: path.into(), cells: header.cells }),
+    if free.is_some_and(|free| needed > free) || values.try_reserve_exact(header.cells).is_err() {
+        return Err(GridError::NoMemory { path: path.into(), cells: header.cells, needed, free });
     }
+    Ok(values)
 }
 
-fn singles(path: &Path, header: &Header, length: u64, mut from: impl Read) -> Result<Vec<f32>, GridError> {
+fn singles(
+    path: &Path,
+    header: &Header,
+    length: u64,
+    mut from: impl Read,
+    free: Option<u64>,
+) -> Result<Vec<f32>, GridError> {
     let (expected, found) = (4 * header.cells as u64, length.saturating_sub(header.bytes));
     if expected != found {
         return Err(GridError::Length { path: path.into(), size: header.size, expected, found });
     }
-    let mut values = reserve(path, header)?;
+    let mut values = reserve(path, header, 0, free)?;
     let mut chunk = [0; CHUNK];
     while values.len() < header.cells {
         let chunk = &mut chunk[..CHUNK.min(4 * (header.cells - values.len()))];
@@ -188,7 +216,13 @@ fn singles(path: &Path, header: &Header, length: u64, mut from: impl Read) -> Re
     Ok(values)
 }
 
-fn words(path: &Path, header: &Header, length: u64, mut from: impl Read) -> Result<Vec<f32>, GridError> {
+fn words(
+    path: &Path,
+    header: &Header,
+    length: u64,
+    mut from: impl Read,
+    free: Option<u64>,
+) -> Result<Vec<f32>, GridError> {
     let wrong = |line, message, remedy| GridError::line(path, line, (message, remedy));
     let count = |found: usize| format!("{found} numbers follow, but the size asks for {}", header.cells);
     const REMEDY: &str = "give one number for each cell, x running fastest, and nothing behind them";
@@ -197,7 +231,7 @@ fn words(path: &Path, header: &Header, length: u64, mut from: impl Read) -> Resu
     if most < header.cells as u64 {
         return Err(wrong(header.lines, format!("at most {}", count(most as usize)), REMEDY));
     }
-    let mut values = reserve(path, header)?;
+    let mut values = reserve(path, header, length, free)?;
     let mut bytes = Vec::new();
     from.read_to_end(&mut bytes).map_err(|source| GridError::Unreadable { path: path.into(), source })?;
     let mut lines = header.lines;

@@ -1,5 +1,6 @@
 //! Why a mesh could not be read.
 
+use crate::stats::bytes;
 use std::path::{Path, PathBuf};
 
 /// Why a mesh or its materials could not be read.
@@ -63,6 +64,19 @@ pub enum MeshError {
         /// The file.
         path: PathBuf,
     },
+    /// More memory than there is.
+    #[error(
+        "the mesh {} takes {} of memory, and {} are free: simplify or split it, or let it have more (--memory)",
+        path.display(), bytes(*needed), bytes(*free)
+    )]
+    Memory {
+        /// The file.
+        path: PathBuf,
+        /// Bytes that the mesh takes, with what reading it takes.
+        needed: u64,
+        /// Bytes that it may take.
+        free: u64,
+    },
     /// Faces name a material that no file of materials holds.
     #[error("the mesh {} names a material `{name}` that its material files do not hold: add it to one of them", path.display())]
     NoMaterial {
@@ -100,12 +114,24 @@ impl MeshError {
     }
 }
 
-/// The bytes of a file.
-pub(in crate::format) fn read(path: &Path) -> Result<Vec<u8>, MeshError> {
-    std::fs::read(path).map_err(|source| match source.kind() {
+/// The bytes of a file, where they may take that much memory.
+pub(in crate::format) fn read(path: &Path, free: Option<u64>) -> Result<Vec<u8>, MeshError> {
+    let refused = |source: std::io::Error| match source.kind() {
         std::io::ErrorKind::NotFound => MeshError::Missing { path: path.into() },
         _ => MeshError::Unreadable { path: path.into(), source },
-    })
+    };
+    if free.is_some() {
+        check_room(path, std::fs::metadata(path).map_err(refused)?.len(), free)?;
+    }
+    std::fs::read(path).map_err(refused)
+}
+
+/// Checks that `needed` bytes may be taken for a mesh, before they are.
+pub(in crate::format) fn check_room(path: &Path, needed: u64, free: Option<u64>) -> Result<(), MeshError> {
+    match free {
+        Some(free) if needed > free => Err(MeshError::Memory { path: path.into(), needed, free }),
+        _ => Ok(()),
+    }
 }
 
 /// A word of a file, short enough to show.

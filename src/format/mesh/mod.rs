@@ -14,7 +14,7 @@ mod weld;
 mod write;
 
 pub use error::MeshError;
-pub(in crate::format) use error::{Wrong, read, shown};
+pub(in crate::format) use error::{Wrong, check_room, read, shown};
 pub use repair::{Repair, Repaired};
 pub use report::MeshReport;
 pub(in crate::format) use share::{Numbers, bits};
@@ -93,13 +93,30 @@ impl ReadMonitor for () {
 /// # Errors
 /// See [`MeshError`]; all name the file.
 pub fn load(path: &Path, monitor: &dyn ReadMonitor) -> Result<Loaded, MeshError> {
-    let bytes = read(path)?;
+    load_within(path, monitor, None)
+}
+
+/// As [`load`], within `free` bytes of memory, where that number is known: a mesh that takes more is refused before it takes any.
+///
+/// # Errors
+/// See [`MeshError`]; all name the file.
+pub fn load_within(path: &Path, monitor: &dyn ReadMonitor, free: Option<u64>) -> Result<Loaded, MeshError> {
+    let bytes = read(path, free)?;
+    let free = free.map(|free| free.saturating_sub(bytes.len() as u64));
+    decode(path, bytes, monitor, free)
+}
+
+/// As [`load_within`], of the bytes of a file that errors call `path`.
+///
+/// # Errors
+/// See [`MeshError`].
+pub fn decode(path: &Path, bytes: Vec<u8>, monitor: &dyn ReadMonitor, free: Option<u64>) -> Result<Loaded, MeshError> {
     monitor.begin(path, bytes.len() as u64);
     let named = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("ply"));
     let loaded = if named || bytes.starts_with(b"ply\n") || bytes.starts_with(b"ply\r") {
-        ply::read(path, &bytes, monitor)?
+        ply::read(path, &bytes, monitor, free)?
     } else {
-        obj::read(path, bytes, monitor)?
+        obj::read(path, bytes, monitor, free)?
     };
     if loaded.mesh.triangles.is_empty() {
         return Err(MeshError::NoFaces { path: path.into() });

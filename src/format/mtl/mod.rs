@@ -54,11 +54,11 @@ pub fn load(mesh: &Path, libraries: &[String]) -> Result<Vec<FileMaterial>, Mesh
             false => library.split_whitespace().map(|part| folder.join(portable(part))).collect(),
         };
         for path in paths {
-            let bytes = read(&path).map_err(|e| match e {
+            let bytes = read(&path, None).map_err(|e| match e {
                 MeshError::Missing { path } => MeshError::NoLibrary { path },
                 other => other,
             })?;
-            for material in from_text(&path, &String::from_utf8_lossy(&bytes))? {
+            for material in decode(&path, &bytes)? {
                 materials.retain(|earlier| earlier.name != material.name);
                 materials.push(material);
             }
@@ -80,8 +80,13 @@ pub fn of_mesh(path: &Path, loaded: &Loaded) -> Result<Vec<FileMaterial>, MeshEr
     loaded.mesh.materials.iter().map(find).collect()
 }
 
-fn from_text(path: &Path, text: &str) -> Result<Vec<FileMaterial>, MeshError> {
-    let sound = check::sound_lines(text).map_err(|(line, wrong)| MeshError::line(path, line, wrong))?;
+/// The materials of the bytes of a file that errors call `path`.
+///
+/// # Errors
+/// See [`MeshError`].
+pub fn decode(path: &Path, bytes: &[u8]) -> Result<Vec<FileMaterial>, MeshError> {
+    let sound = check::sound_lines(&String::from_utf8_lossy(bytes))
+        .map_err(|(line, wrong)| MeshError::line(path, line, wrong))?;
     let malformed = |source| MeshError::Malformed { path: path.into(), source };
     let (materials, _) = tobj::load_mtl_buf(&mut sound.as_bytes()).map_err(malformed)?;
     let vector = |v: Option<[f64; 3]>| v.map(DVec3::from_array);

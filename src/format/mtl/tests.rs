@@ -2,7 +2,7 @@ use super::*;
 use crate::format::description::{Attenuation, Emission, MaterialKind};
 
 fn read_text(text: &str) -> Result<Vec<FileMaterial>, MeshError> {
-    from_text(Path::new("folder/a.mtl"), text)
+    decode(Path::new("folder/a.mtl"), text.as_bytes())
 }
 
 fn one(text: &str) -> FileMaterial {

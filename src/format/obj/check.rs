@@ -33,6 +33,10 @@ pub(super) struct Sound {
     pub groups: Vec<String>,
     /// Files of materials, as written.
     pub libraries: Vec<String>,
+    /// Numbers of all lines `v`, `vt` and `vn`.
+    pub numbers: usize,
+    /// Corners of all faces.
+    pub corners: usize,
     /// Vertices of the file.
     pub vertices: usize,
     /// Vertices that no face names.
@@ -59,13 +63,15 @@ pub(super) fn sound_lines(text: &str, monitor: &dyn ReadMonitor) -> Result<Sound
             checked
         })
         .collect();
-    let mut sound = Sound { vertices: total.counts[0], ..Sound::default() };
+    let [v, vt, vn] = total.counts;
+    let mut sound = Sound { vertices: v, numbers: 3 * v + 2 * vt + 3 * vn, ..Sound::default() };
     let mut material = String::new();
     for chunk in checked {
         let mut chunk: Chunk<'_> = chunk?;
         let name = |number: &usize| number.checked_sub(1).map_or(&material, |i| &chunk.names[i]).clone();
         sound.groups.extend(chunk.groups.iter().map(name));
         material = chunk.names.pop().unwrap_or(material);
+        sound.corners += chunk.corners;
         sound.libraries.append(&mut chunk.libraries);
         sound.texts.push(chunk.sound);
     }
@@ -154,6 +160,8 @@ struct Chunk<'u> {
     /// Number of the material of each group.
     groups: Vec<usize>,
     libraries: Vec<String>,
+    /// Corners of its faces.
+    corners: usize,
     used: &'u [AtomicBool],
 }
 
@@ -166,6 +174,7 @@ impl<'u> Chunk<'u> {
             names: Vec::new(),
             groups: Vec::new(),
             libraries: Vec::new(),
+            corners: 0,
             used,
         };
         for_lines(text, |i, line| chunk.line(line).map_err(|wrong| LineError { line: before.lines + i + 1, wrong }))?;
@@ -253,6 +262,7 @@ impl<'u> Chunk<'u> {
         if corners < 3 {
             return Err((format!("a face with {corners} corners"), "a face needs at least 3"));
         }
+        self.corners += corners;
         self.sound.push('\n');
         Ok(())
     }

@@ -9,7 +9,7 @@ mod check;
 mod tests;
 mod write;
 
-use super::mesh::{Loaded, MeshError, NO_MATERIAL, ReadMonitor, TriangleMesh, unit};
+use super::mesh::{Loaded, MeshError, NO_MATERIAL, ReadMonitor, TriangleMesh, check_room, unit};
 use check::Sound;
 use glam::{DVec2, DVec3};
 use std::collections::HashMap;
@@ -17,12 +17,28 @@ use std::io::{BufRead, Read};
 use std::path::Path;
 pub(super) use write::write;
 
+/// Bytes that a number of a position, normal or texture coordinate takes: in a list of `tobj`, in its mesh and in ours.
+const PER_NUMBER: u64 = 8 * 3;
+
+/// Bytes that a corner of a triangle takes: its three indices in a list of `tobj` (24), one in its mesh and one in ours.
+const PER_CORNER: u64 = 32;
+
 /// The triangles of an OBJ file. Lines, points, groups and names of objects are passed over.
-pub(super) fn read(path: &Path, bytes: Vec<u8>, monitor: &dyn ReadMonitor) -> Result<Loaded, MeshError> {
+pub(super) fn read(
+    path: &Path,
+    bytes: Vec<u8>,
+    monitor: &dyn ReadMonitor,
+    free: Option<u64>,
+) -> Result<Loaded, MeshError> {
     // Only comments and names may hold other encodings.
+    // The lines that count are copied.
+    let length = bytes.len() as u64;
+    check_room(path, length, free)?;
     let text = String::from_utf8(bytes).unwrap_or_else(|e| String::from_utf8_lossy(e.as_bytes()).into_owned());
     let sound = check::sound_lines(&text, monitor).map_err(|e| MeshError::line(path, e.line, e.wrong))?;
     drop(text);
+    // One text of the two is gone, and of that what follows is less.
+    check_room(path, PER_NUMBER * sound.numbers as u64 + PER_CORNER * sound.corners as u64, free)?;
     let malformed = |source| MeshError::Malformed { path: path.into(), source };
     let options = tobj::LoadOptions { single_index: true, triangulate: true, ..Default::default() };
     let no_materials = |_: &Path| Ok(Default::default());

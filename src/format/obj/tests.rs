@@ -10,7 +10,7 @@ fn load(path: &Path) -> Result<TriangleMesh, MeshError> {
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
 fn read(text: &str) -> Result<TriangleMesh, MeshError> {
-    super::read(Path::new("a.obj"), text.into(), &()).map(|loaded| loaded.mesh)
+    super::read(Path::new("a.obj"), text.into(), &(), None).map(|loaded| loaded.mesh)
 }
 
 fn faces(text: &str) -> TriangleMesh {
@@ -125,7 +125,7 @@ fn a_file_without_faces_is_refused() {
 fn faces_are_made_of_the_material_last_named() {
     let text = "mtllib a.mtl\nf 1 2 3\nusemtl red paint\nf 1 2 3\nusemtl b\nusemtl c#1\nf 1 2 3\nf 1 3 4\nusemtl red paint\n\
                 f -1 -2 -3\nusemtl\nf 1 2 3\nmtllib b.mtl c.mtl\n";
-    let loaded = super::read(Path::new("a.obj"), format!("{SQUARE}{text}").into(), &()).unwrap();
+    let loaded = super::read(Path::new("a.obj"), format!("{SQUARE}{text}").into(), &(), None).unwrap();
     assert_eq!(loaded.libraries, ["a.mtl", "b.mtl c.mtl"]);
     assert_eq!(loaded.mesh.materials, ["red paint", "c#1"]);
     assert_eq!(loaded.mesh.triangle_materials, [NO_MATERIAL, 0, 1, 1, 0, NO_MATERIAL]);

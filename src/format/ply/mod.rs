@@ -6,23 +6,37 @@ mod header;
 mod tests;
 mod write;
 
-use super::mesh::{Loaded, MeshError, ReadMonitor, Wrong, unit};
+use super::mesh::{Loaded, MeshError, ReadMonitor, Wrong, check_room, unit};
 use body::{Ascii, Binary, Body};
 use glam::{DVec2, DVec3};
 use header::{Element, Encoding, Header, Kind, Role};
 use std::path::Path;
 pub(super) use write::write;
 
+/// Bytes that a vertex takes while vertices are made one: where it is, its normal and texture coordinates (64), that again as it is
+/// rewritten, its flag (1), its new number (4) and its place in a table (20).
+const PER_VERTEX: u64 = 160;
+
+/// Bytes that a triangle takes, and the slack of growing lists.
+const PER_TRIANGLE: u64 = 24;
+
 /// Elements between two words to the monitor.
 const STRIDE: u64 = 1 << 16;
 
 /// The triangles of a PLY file. Elements and properties that mean nothing here are passed over.
-pub(super) fn read(path: &Path, bytes: &[u8], monitor: &dyn ReadMonitor) -> Result<Loaded, MeshError> {
+pub(super) fn read(
+    path: &Path,
+    bytes: &[u8],
+    monitor: &dyn ReadMonitor,
+    free: Option<u64>,
+) -> Result<Loaded, MeshError> {
     let header = Header::parse(bytes).map_err(|(line, wrong)| MeshError::line(path, line, wrong))?;
     let count = |kind| header.elements.iter().find(|e| e.kind == kind).map_or(0, |e| e.count);
     if count(Kind::Vertex) > i32::MAX as u64 {
         return Err(MeshError::TooLarge { path: path.into() });
     }
+    // What the header tells fits into the file, so the products do not overflow.
+    check_room(path, PER_VERTEX * count(Kind::Vertex) + PER_TRIANGLE * count(Kind::Face), free)?;
     let mut reading = Reading { loaded: Loaded::default(), used: Vec::new(), vertices: count(Kind::Vertex), monitor };
     match header.encoding {
         Encoding::Ascii => {

@@ -5,7 +5,7 @@ const VERTEX: &str = "property float x\nproperty float y\nproperty float z\n";
 const FACE: &str = "property list uchar int vertex_indices\n";
 
 fn read_bytes(bytes: &[u8]) -> Result<TriangleMesh, MeshError> {
-    read(Path::new("a.ply"), bytes, &()).map(|loaded| loaded.mesh)
+    read(Path::new("a.ply"), bytes, &(), None).map(|loaded| loaded.mesh)
 }
 
 fn header(encoding: &str, vertices: impl std::fmt::Display, faces: impl std::fmt::Display) -> String {

@@ -12,6 +12,8 @@ pub(super) fn camera(description: &Description, source: &Source) -> Result<Camer
     let direction = aim(described.aim, center);
     let camera = match described.projection {
         Projection::Perspective { angle, lens } => {
+            check_angle(angle, (width, height))
+                .map_err(|(message, help)| SceneError::at(source, described.span, message, "this camera", help))?;
             let camera = Camera::perspective(center, direction, up, angle.to_radians(), width, height);
             match lens {
                 Some(lens) => {
@@ -19,6 +21,11 @@ pub(super) fn camera(description: &Description, source: &Source) -> Result<Camer
                     if !(lens.radius < LARGEST && lens.focus < LARGEST) {
                         let help = "close it, or focus nearer";
                         let message = "the lens is larger, or focused farther, than single precision can hold";
+                        return Err(SceneError::at(source, described.span, message, "this camera", help));
+                    }
+                    if lens.focus < NEAREST {
+                        let help = "focus at a distance of at least 1e-12";
+                        let message = "the lens is focused nearer than single precision can hold";
                         return Err(SceneError::at(source, described.span, message, "this camera", help));
                     }
                     camera.map(|camera| camera.with_lens(lens))
@@ -31,6 +38,33 @@ pub(super) fn camera(description: &Description, source: &Source) -> Result<Camer
     };
     camera.map_err(|e| SceneError::at(source, described.span, e.to_string(), "this camera", "give another `up`"))
 }
+
+/// What directions in single precision may be off by, each component by half an ulp below 1: at most √3 · 2⁻²⁵ \[rad].
+const OFF: f64 = 1.0 / 16_777_216.0;
+
+/// Tangent of the angle from the middle of the picture to its corner at which being off moves the corner by 1/256 of that way.
+const WIDEST: f64 = 65_536.0;
+
+/// Whether directions in single precision tell the pixels of a perspective camera apart; else what is wrong, and what would be right.
+fn check_angle(angle: f64, (width, height): (u32, u32)) -> Result<(), (String, &'static str)> {
+    let (width, height) = (f64::from(width), f64::from(height));
+    let pixel = 2.0 * libm::tan(0.5 * angle.to_radians()) / height;
+    if pixel < OFF {
+        let message =
+            format!("the pixels are {pixel:.1e} rad wide, less than directions in single precision may be off");
+        return Err((message, "choose a larger `angle` or fewer pixels, or an OrthographicCamera"));
+    }
+    let corner = 0.5 * pixel * libm::hypot(width, height);
+    if corner > WIDEST {
+        let message =
+            format!("the corners lie {corner:.1e} times as far aside as ahead, which single precision cannot hold");
+        return Err((message, "choose a smaller `angle` or a picture less long, or an EnvironmentCamera"));
+    }
+    Ok(())
+}
+
+/// Distance below which squares of lengths in front of a lens are no longer told from zero.
+const NEAREST: f64 = 1e-12;
 
 /// Lengths whose squares and products single precision can hold.
 const LARGEST: f64 = 1e12;

@@ -6,7 +6,7 @@ use crate::format::SceneError;
 use crate::format::description::{
     AreaStrength, DirectionalStrength, EnvironmentRadiance, Light, Map, PointStrength, Span, Spanned,
 };
-use crate::image;
+use crate::image::Meaning;
 use crate::light::Environment;
 use crate::math::Motion;
 use crate::scene::{LightStrength, Material, SourceKind};
@@ -64,9 +64,7 @@ impl Resolver<'_> {
                 .map_err(|e| self.refuse(span, &e.to_string(), "give a radiance that single precision can hold")),
             EnvironmentRadiance::Picture { path, scale, rotate } => {
                 let file = self.file("picture", path)?;
-                let map = image::read(&file).map_err(|e| {
-                    self.bad_file(path, &e, "mend the picture or name another: PNG, OpenEXR or Radiance HDR")
-                })?;
+                let map = self.read_picture(path, &file, Meaning::Light)?;
                 Environment::new(map, rotate.to_radians(), Rgb::splat(*scale as f32))
                     .map_err(|e| self.bad_file(path, &e, "mend the picture, or scale it less"))
             }

@@ -8,6 +8,7 @@ use crate::format::description::{
 use crate::format::{SceneError, grid};
 use crate::medium::{Cloud, Field, FieldError, Medium, Phase};
 use crate::scene::{self, Scattering};
+use crate::stats::bytes;
 use glam::{DAffine3, DVec3};
 use std::sync::Arc;
 
@@ -49,7 +50,9 @@ impl Resolver<'_> {
             Density::Grid { path, scale, extent } => {
                 let file = self.file("grid", path)?;
                 let help = "mend the grid or name another; the scene language's page tells how such a file looks";
-                let mut grid = grid::read(&file).map_err(|e| self.bad_file(path, &e, help))?;
+                let read = grid::read_within(&file, self.memory.free());
+                let mut grid =
+                    read.map_err(|e| self.refuse_file(path, &e, matches!(e, grid::GridError::NoMemory { .. }), help))?;
                 for value in &mut grid.values {
                     let scaled = f64::from(*value) * scale;
                     if scaled > DENSEST {
@@ -68,8 +71,15 @@ impl Resolver<'_> {
                     softness: *softness,
                     seed: u64::from(*seed),
                 };
+                let size = cells(extent, *resolution);
+                let needed = grid::PER_CELL * size.iter().map(|n| u64::from(*n)).product::<u64>();
+                if let Some(free) = self.memory.free().filter(|free| needed > *free) {
+                    let message = format!("the cloud takes {} of memory, and {} are free", bytes(needed), bytes(free));
+                    let help = "choose a smaller `resolution`, or let the scene have more memory (--memory)";
+                    return Err(self.refuse(described.span, &message, help).exhausting());
+                }
                 let density = cloud.density(1.0 / f64::from(*resolution));
-                Field::from_fn(cells(extent, *resolution), placement(extent), density).map_err(refuse)?
+                Field::from_fn(size, placement(extent), density).map_err(refuse)?
             }
         };
         Ok(Some(field))

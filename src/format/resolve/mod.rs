@@ -17,6 +17,7 @@ use crate::color::Rgb;
 use crate::math::{Motion, Step, Transform};
 use crate::medium::Medium;
 use crate::scene::{Scene, SceneBuilder};
+use crate::stats::Memory;
 use glam::{DAffine3, DVec3};
 use meshes::Shine;
 use shapes::Instanced;
@@ -31,18 +32,20 @@ use textures::{Known, Worn};
 /// [`SceneError`] with the place in `source`: a mesh, picture or grid that is missing or broken, an unknown metal or glass, a singular
 /// product of transforms, what cannot emit, a medium that cannot fill what it should.
 pub fn resolve(description: &Description, source: &Source, folder: &Path) -> Result<Scene, SceneError> {
-    resolve_watched(description, source, folder, &())
+    resolve_watched(description, source, folder, &(), Memory::Unbounded)
 }
 
-/// As [`resolve`]; `monitor` hears how far meshes are read.
+/// As [`resolve`]; `monitor` hears how far meshes are read. What takes more than `memory` is refused before it takes it: pictures, grids, and
+/// meshes with the trees that are built over them.
 ///
 /// # Errors
-/// [`SceneError`], as of [`resolve`].
+/// [`SceneError`], as of [`resolve`]; of what takes too much memory it [says so](SceneError::exhausts_memory).
 pub fn resolve_watched(
     description: &Description,
     source: &Source,
     folder: &Path,
     monitor: &dyn ReadMonitor,
+    memory: Memory,
 ) -> Result<Scene, SceneError> {
     let camera = camera::camera(description, source)?;
     let mut resolver = Resolver {
@@ -52,6 +55,8 @@ pub fn resolve_watched(
         builder: SceneBuilder::new(),
         names: HashMap::new(),
         monitor,
+        memory,
+        triangles: 0,
         known: HashMap::new(),
         pictures: HashMap::new(),
         media: HashMap::new(),
@@ -80,6 +85,8 @@ pub fn resolve_watched(
     })
 }
 
+const ROOM: &str = "use a smaller file, or let the scene have more memory (--memory)";
+
 struct Resolver<'a> {
     source: &'a Source,
     folder: &'a Path,
@@ -96,6 +103,9 @@ struct Resolver<'a> {
     /// What each material needs of surfaces.
     worn: Vec<Worn>,
     monitor: &'a dyn ReadMonitor,
+    memory: Memory,
+    /// Triangles that trees will be built over.
+    triangles: u64,
     /// Meshes that were read, by their file and what was done with its normals.
     meshes: HashMap<meshes::Key, Rc<meshes::Pieces>>,
     /// Materials of the files of meshes, in the order in which the meshes name them.
@@ -172,6 +182,11 @@ impl Resolver<'_> {
             let message = format!("the {kind} `{}` does not exist", path.value);
             self.bad_file(path, &message, &format!("put the file at {}", places.join(" or ")))
         })
+    }
+
+    /// An error of a file: that it takes too much memory, or `help` to mend it.
+    fn refuse_file(&self, path: &Spanned<String>, message: &impl ToString, exhausts: bool, help: &str) -> SceneError {
+        if exhausts { self.bad_file(path, message, ROOM).exhausting() } else { self.bad_file(path, message, help) }
     }
 
     fn bad_file(&self, path: &Spanned<String>, message: &impl ToString, help: &str) -> SceneError {

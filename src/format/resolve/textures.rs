@@ -6,13 +6,13 @@ use crate::format::SceneError;
 use crate::format::description::{
     Coordinates, Encoding, Map, Material, MaterialKind, Pattern, Relief, Spanned, TextureKind, Value, Wrap,
 };
-use crate::image;
+use crate::image::{self, Image, Meaning};
 use crate::math::Transform;
 use crate::scene::{self, Dress, Tint};
 use crate::texture::{self, Checker, Picture, Solid, SolidKind, Texture};
 use glam::DVec3;
 use std::ops::RangeInclusive;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// A texture that was read.
 #[derive(Clone, Copy, Debug)]
@@ -88,12 +88,14 @@ impl<'a> Resolver<'a> {
         coordinates: Coordinates,
     ) -> Result<Known, SceneError> {
         let file = self.file("picture", path)?;
-        let read = match encoding {
-            Encoding::Srgb => image::read(&file),
-            Encoding::Linear => image::read_data(&file),
-        };
-        let help = "mend the picture or name another: PNG, OpenEXR or Radiance HDR";
-        let image = read.map_err(|e| self.bad_file(path, &e, help))?;
+        let image = self.read_picture(
+            path,
+            &file,
+            match encoding {
+                Encoding::Srgb => Meaning::Light,
+                Encoding::Linear => Meaning::Numbers,
+            },
+        )?;
         let wrap = match wrap {
             Wrap::Repeat => texture::Wrap::Repeat,
             Wrap::Clamp => texture::Wrap::Clamp,
@@ -102,6 +104,17 @@ impl<'a> Resolver<'a> {
         let picture = Picture::new(&image, wrap)
             .map_err(|e| self.bad_file(path, &e, "a texture's values must be finite and not negative"))?;
         Ok(self.add(Texture::Picture(picture, laid(&coordinates)), encoding == Encoding::Srgb))
+    }
+
+    pub(super) fn read_picture(
+        &self,
+        path: &Spanned<String>,
+        file: &Path,
+        meaning: Meaning,
+    ) -> Result<Image, SceneError> {
+        let help = "mend the picture or name another: PNG, OpenEXR or Radiance HDR";
+        let read = image::read_within(file, meaning, self.memory.free());
+        read.map_err(|e| self.refuse_file(path, &e, matches!(e, image::ReadError::Memory { .. }), help))
     }
 
     /// The texture of a name, whose values lie in `range`.
