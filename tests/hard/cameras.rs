@@ -1,1 +1,24 @@
 //! Pictures of one pixel and of one row, angles near zero and a half turn, cameras that cannot be.
+
+mod angles;
+mod lenses;
+mod sizes;
+
+use caustica::format::{SceneError, Source, parse, resolve};
+use caustica::scene::Scene;
+use std::path::Path;
+
+/// The scene that `text` tells.
+fn told(text: &str) -> Result<Scene, SceneError> {
+    let description = parse("hard.txt", text)?;
+    resolve(&description, &Source::new("hard.txt", text), Path::new(""))
+}
+
+/// Checks that `text` is refused at the words `place`, with these words in the message or the remedy.
+#[track_caller]
+fn refused(text: &str, place: &str, words: &[&str]) {
+    let error = told(text).err().unwrap_or_else(|| panic!("accepted: {text}"));
+    assert!(error.text().contains(place), "{error}: the place is `{}`", error.text());
+    let all = format!("{error} {}", error.remedy());
+    words.iter().for_each(|word| assert!(all.contains(word), "`{word}` is not in `{all}`"));
+}
