@@ -95,17 +95,6 @@ impl Transform {
         Self { forward, inverse, ..*self }
     }
 
-    /// How much farther off a surface with object normal `n` may be than the rounding of its world's coordinates says, as a ray sees
-    /// it that is taken into object space: |M⁻¹| rounding moves the ray there, and |M⁻ᵀn| says how steep the surface is. About 1 or less for
-    /// maps that stretch all directions alike.
-    #[inline]
-    #[must_use]
-    pub fn blur(&self, n: DVec3) -> f64 {
-        let m = &self.inverse.matrix3;
-        let largest = m.x_axis.length_squared() + m.y_axis.length_squared() + m.z_axis.length_squared();
-        (largest / 3.0 * n.length_squared()).sqrt() / self.normal(n).length()
-    }
-
     /// Determinant of the linear part.
     #[must_use]
     pub fn determinant(&self) -> f64 {

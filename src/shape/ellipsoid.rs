@@ -67,8 +67,7 @@ impl Ellipsoid {
         let m = self.to_world.forward().matrix3;
         let scale = m.x_axis.length() + m.y_axis.length() + m.z_axis.length();
         let center = self.to_world.forward().translation.abs().max_element();
-        let blur = self.to_world.blur(object).max(1.0);
-        SurfacePoint::exact(p, self.to_world.normal(object).normalize(), (scale + center) * blur)
+        SurfacePoint::exact(p, self.to_world.normal(object).normalize(), scale + center)
     }
 
     pub(super) fn extent(&self) -> (DVec3, DVec3) {

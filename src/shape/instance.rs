@@ -76,8 +76,8 @@ impl Instance {
         (inverse.transform_point3(o), inverse.transform_vector3(d))
     }
 
-    /// The ray in the mesh's space from where it comes within twice its radius, and `t` there: what rounding to f32 moves is then of the mesh's size, however
-    /// far away the map puts the start.
+    /// The ray in the mesh's space from where it comes within twice its radius, and `t` there: what rounding to f32 moves is then of the mesh's
+    /// size, however far away the map puts the start.
     #[inline]
     fn near(&self, ray: &Ray) -> (Ray, f64) {
         let (o, d) = self.to_object(ray);
@@ -142,7 +142,7 @@ impl Instance {
         let rounded =
             n.abs().dot((own.error + own.p.abs() * f32::EPSILON).as_dvec3()) / self.to_world.normal(n).length();
         let reach = f64::from(p.abs().max_element()) + self.to_world.forward().translation.abs().max_element();
-        let error = rounding_error(p, reach * self.to_world.blur(n).max(1.0)) + Vec3::splat(rounded as f32);
+        let error = rounding_error(p, reach) + Vec3::splat(rounded as f32);
         SurfacePoint { p, error, ng: if ng.dot(ns) < 0.0 { -ng } else { ng }, ns, uv: b }
     }
 

@@ -194,15 +194,11 @@ impl Patch {
         let net = &*self.net;
         let [p, ..] = net.piece(leaf).point(at);
         // By the inverse transpose, a mirror image keeps its outer side.
-        let own = net.normal(leaf, at);
-        let normal = self.to_world.normal(own).normalize();
+        let normal = self.to_world.normal(net.normal(leaf, at)).normalize();
         let m = self.to_world.forward().matrix3;
         let widest = m.x_axis.length() + m.y_axis.length() + m.z_axis.length();
         let scale = widest * net.size + self.to_world.forward().translation.abs().max_element();
-        SurfacePoint {
-            uv,
-            ..SurfacePoint::exact(self.to_world.point(p), normal, scale * SLACK * self.to_world.blur(own).max(1.0))
-        }
+        SurfacePoint { uv, ..SurfacePoint::exact(self.to_world.point(p), normal, scale * SLACK) }
     }
 
     pub(in crate::shape) fn extent(&self) -> (DVec3, DVec3) {

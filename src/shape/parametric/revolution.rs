@@ -169,9 +169,8 @@ impl Revolution {
         let m = self.to_world.forward().matrix3;
         let widest = m.x_axis.length() + m.y_axis.length() + m.z_axis.length();
         let scale = widest * profile.size + self.to_world.forward().translation.abs().max_element();
-        let own = profile.normal(leaf, x, radial);
-        let normal = self.to_world.normal(own).normalize();
-        SurfacePoint { uv, ..SurfacePoint::exact(p, normal, scale * SLACK * self.to_world.blur(own).max(1.0)) }
+        let normal = self.to_world.normal(profile.normal(leaf, x, radial)).normalize();
+        SurfacePoint { uv, ..SurfacePoint::exact(p, normal, scale * SLACK) }
     }
 
     pub(in crate::shape) fn extent(&self) -> (DVec3, DVec3) {
