@@ -40,7 +40,7 @@ fn directions_are_those_of_the_tangent_at_every_angle() {
                     let expected = (forward + x * right + y * up).normalize();
                     let found = camera.ray(p.as_vec2(), None).direction.as_dvec3();
                     let off = (found - expected).abs().max_element();
-                    assert!(off <= 2f64.powi(-25) + 1e-14, "{angle}° {width}×{height} {p}: {off:e}");
+                    assert!(off <= libm::exp2(-25.0) + 1e-14, "{angle}° {width}×{height} {p}: {off:e}");
                 }
             }
         }
@@ -59,7 +59,7 @@ fn narrow_pictures_keep_their_angle_along_an_axis() {
         let found = f64::from(ends[0].y) - f64::from(ends[1].y);
         // Below the range of single precision nothing is left but zero.
         if angle > 1e-35 {
-            assert!((found / radians - 1.0).abs() < 2f64.powi(-23), "{angle}: {found:e}");
+            assert!((found / radians - 1.0).abs() < libm::exp2(-23.0), "{angle}: {found:e}");
         } else {
             assert_eq!(found, 0.0);
         }
@@ -105,8 +105,8 @@ fn a_lamp_in_view_has_its_mean_from_nearly_zero_to_nearly_180_degrees() {
             assert!(image.iter().all(|p| p.is_finite()), "{angle}°");
             let mean = image.iter().map(|p| f64::from(color::mean(*p))).sum::<f64>() / image.len() as f64 / 2.0;
             let rays = f64::from(side * side * 256);
-            let chance = ((2.0f64 / 1e-6).ln() / (2.0 * rays)).sqrt();
-            let moved = 4.0 * (tangent + 1.0 / tangent) * 2f64.powi(-24);
+            let chance = (libm::log(2.0 / 1e-6) / (2.0 * rays)).sqrt();
+            let moved = 4.0 * (tangent + 1.0 / tangent) * libm::exp2(-24.0);
             assert!((mean - 0.36).abs() < chance + moved, "{angle}° along {forward}: {mean} ± {chance} ± {moved}");
             tried += 1;
         }
@@ -201,9 +201,9 @@ fn orthographic_pictures_of_any_size_keep_their_pixels() {
                     let expected = pixel * ((p.x - middle.x) * right + (middle.y - p.y) * up);
                     let ray = camera.ray(p.as_vec2(), None);
                     let off = (ray.origin.as_dvec3() - expected).abs().max_element();
-                    let bound = expected.abs().max_element() * 2f64.powi(-24) + 1e-15 * pixel * middle.length();
+                    let bound = expected.abs().max_element() * libm::exp2(-24.0) + 1e-15 * pixel * middle.length();
                     assert!(off <= bound, "{size} {width}×{height} {p}: {off:e}");
-                    assert!((ray.direction.as_dvec3() - forward).abs().max_element() <= 2f64.powi(-25));
+                    assert!((ray.direction.as_dvec3() - forward).abs().max_element() <= libm::exp2(-25.0));
                 }
             }
         }
@@ -225,7 +225,7 @@ fn panoramas_of_any_size_look_all_around() {
                 let expected = level * libm::cos(latitude) + up * libm::sin(latitude);
                 let found = camera.ray(p.as_vec2(), None).direction.as_dvec3();
                 let off = (found - expected).abs().max_element();
-                assert!(off <= 2f64.powi(-25) + 1e-14, "{width}×{height} {p}: {off:e}");
+                assert!(off <= libm::exp2(-25.0) + 1e-14, "{width}×{height} {p}: {off:e}");
             }
         }
     }

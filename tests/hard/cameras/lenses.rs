@@ -92,7 +92,7 @@ fn rays_through_a_lens_meet_in_focus_from_a_hair_to_the_horizon() {
                         let off = (found.direction.as_dvec3() - to.normalize()).abs().max_element();
                         // The place on the lens is known to an f32's 2⁻²⁴, which turns the direction by as much at most.
                         assert!(
-                            off <= 2f64.powi(-25) + 2f64.powi(-24) * 2f64.sqrt(),
+                            off <= libm::exp2(-25.0) + libm::exp2(-24.0) * 2f64.sqrt(),
                             "{center} {focus:e} {radius:e} {u} {p}: {off:e}"
                         );
                         assert!(found.origin.is_finite());

@@ -3,8 +3,11 @@
 use super::{project, readers};
 use std::fs;
 
+/// What is done with bytes.
+type Replay = fn(&[u8]);
+
 /// Folders of `tests/hard/corpus`, each with the function of its fuzz target.
-const KINDS: [(&str, fn(&[u8])); 7] = [
+const KINDS: [(&str, Replay); 7] = [
     ("scene", readers::scene),
     ("render", readers::render),
     ("obj", readers::obj),
