@@ -59,7 +59,7 @@ fn rendered(scene: &Scene, algorithm: Algorithm, settings: Settings, passes: u32
     let integrator = algorithm.prepare(scene, settings);
     let interrupted = AtomicBool::new(false);
     let stop = Stop { at_least: 1, passes: Some(passes), time: None, target: None, interrupted: &interrupted };
-    render(integrator.as_ref(), scene.camera().size(), &stop, true, &Silent, |_| {})
+    render(integrator.as_ref(), scene.camera().size(), &stop, &Silent, |_| {})
 }
 
 /// Fails unless every number of a render is finite: its pixels, the maps of their errors, and what its gauge reads; and unless no sample

@@ -52,7 +52,7 @@ fn pictures_of_one_pixel_one_row_and_one_column_are_finite_by_every_algorithm() 
                 let interrupted = AtomicBool::new(false);
                 let stop =
                     Stop { at_least: 1, passes: Some(passes), time: None, target: None, interrupted: &interrupted };
-                let rendered = render(integrator.as_ref(), size, &stop, gauged, &Silent, |_| {});
+                let rendered = render(integrator.as_ref(), size, &stop, &Silent, |_| {});
                 let told = format!("{algorithm:?} {camera}");
                 let mean = rendered.film.mean();
                 assert_eq!(mean.len() as u64, u64::from(size.0) * u64::from(size.1), "{told}");
@@ -116,7 +116,7 @@ fn files_and_metrics_of_one_pixel_one_row_and_one_column() {
             (OutputFormat::Png, BitDepth::Eight),
             (OutputFormat::Png, BitDepth::Sixteen),
         ] {
-            let options = WriteOptions { tone, depth, metadata: Vec::new() };
+            let options = WriteOptions { tone, depth, ..WriteOptions::default() };
             let (file, report) = encode(format, &image, &options).unwrap();
             assert_eq!(report.non_finite, 0);
             let (back, _) = decode(Path::new("memory"), &file, Meaning::Light, None).unwrap();

@@ -98,7 +98,7 @@ fn pictures_are_refused_wherever_they_are_cut() {
     let mut hdr = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 2\n".to_vec();
     hdr.extend([128, 64, 32, 129].repeat(4));
     let written =
-        |format, depth| encode(format, &image, &WriteOptions { tone, depth, metadata: Vec::new() }).unwrap().0;
+        |format, depth| encode(format, &image, &WriteOptions { tone, depth, ..WriteOptions::default() }).unwrap().0;
     // PNG ends with a chunk of twelve bytes that says so, and the last data with a checksum of four.
     for (file, beyond) in [
         (written(OutputFormat::Png, BitDepth::Eight), 16),
