@@ -139,6 +139,11 @@ fn perform(page: &str, line: &[String], folder: &Path) {
             let there = examples.join(format!("{name}.rs")).is_file() || examples.join(name).join("main.rs").is_file();
             assert!(there, "{told}\nthere is no such example");
         }
+        ("cargo", "+nightly") => {
+            let [target, corpus] = [6, 7].map(|i| word(i).to_owned());
+            let there = root().join(format!("fuzz/fuzz_targets/{target}.rs")).is_file() && root().join(corpus).is_dir();
+            assert!(line[2..4] == ["fuzz", "run"] && there, "{told}\nthere is no such target or corpus");
+        }
         ("cargo", "build" | "test" | "bench" | "install" | "doc" | "clippy" | "fmt") | ("git" | "cd", _) => {}
         _ => panic!("{told}\nthis test does not know how to try this command: teach it"),
     }

@@ -24,7 +24,7 @@ pub fn objection(sketch: &Sketch, scene: &Scene, plan: &Plan) -> Option<String> 
 }
 
 fn is_true(sketch: &Sketch, scene: &Scene, plan: &Plan, reason: Reason) -> bool {
-    let all = &sketch.objects;
+    let all: Vec<&Object> = sketch.objects.iter().filter(|o| !is_nothing(sketch, o)).collect();
     let any = |is: &dyn Fn(&Material) -> bool| all.iter().any(|o| sketch.is_of(o, is));
     let shines = |light: &Light| light.strength != DVec3::ZERO;
     let panel = |object: &Object| match sketch.materials[object.material] {
@@ -75,6 +75,13 @@ fn is_true(sketch: &Sketch, scene: &Scene, plan: &Plan, reason: Reason) -> bool 
         | Reason::Filled
         | Reason::NotOfAlgorithm => false,
     }
+}
+
+/// Whether light cannot tell an object from air. Where it displaces something it stays in the scene, but then that is what the plan
+/// speaks of.
+fn is_nothing(sketch: &Sketch, object: &Object) -> bool {
+    let air = matches!(sketch.materials[object.material], Material::Dielectric(index, absorbed, ..) if index == 1.0 && absorbed == DVec3::ZERO);
+    air && object.emission == DVec3::ZERO && sketch.filling.is_none()
 }
 
 fn is_off(plan: &Plan, effect: Effect) -> bool {
@@ -129,7 +136,7 @@ fn casters_are_dark(sketch: &Sketch, scene: &Scene) -> bool {
             return false;
         }
     }
-    let casters = sketch.objects.iter().filter(|o| sketch.is_of(o, &casts));
+    let casters = sketch.objects.iter().filter(|o| sketch.is_of(o, &casts) && !is_nothing(sketch, o));
     let points = casters.flat_map(|o| o.shape.points()).map(|p| (p - scene.middle()).as_vec3());
     let key = Key::new(2).purpose(Purpose::Test);
     let reaches = |light: &Resolved, p| {

@@ -139,7 +139,8 @@ fn pictures_lie_on_a_mesh_with_its_own_materials() {
     let path = folder.0.path().join("pictures/tile.exr");
     image::write(&path, &picture, &WriteOptions::default()).unwrap();
     let body = "TriangleMesh { file a.obj materials file }";
-    // At the middles of the two texels, with and without materials of the scene, still and moving.
+    // At the middles of the two texels and off the edge between the triangles, with and without materials of the scene, still and moving.
+    let colour = |scene: &Scene, x: f64| reflectance(scene, dvec3(x, 0.3, 9.0), Vec3::NEG_Z);
     for text in [body.to_owned(), format!("Moving {{ Translate 0 0 -.001 {body} }}")] {
         for materials in ["", MATERIALS] {
             let scene = resolve_in(folder.0.path(), &format!("{materials}Group {{ {text} }}")).unwrap();
