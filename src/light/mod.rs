@@ -25,6 +25,7 @@ use std::sync::Arc;
 
 /// A source of light.
 #[derive(Clone, Debug)]
+#[expect(clippy::large_enum_variant, reason = "lights lie in one array, and are asked where they lie")]
 pub enum Light {
     /// Radiant intensity \[W/sr], alike in all directions.
     Point {

@@ -37,7 +37,7 @@ impl Ellipsoid {
 
     /// The ray in object space.
     #[inline]
-    fn to_object(&self, ray: &Ray) -> (DVec3, DVec3) {
+    fn object_ray(&self, ray: &Ray) -> (DVec3, DVec3) {
         let (o, d) = widen(ray);
         let inverse = self.to_world.inverse();
         (inverse.transform_point3(o), inverse.transform_vector3(d))
@@ -45,7 +45,7 @@ impl Ellipsoid {
 
     #[inline]
     pub(super) fn intersect(&self, ray: &Ray) -> Option<Crossing> {
-        let (l, d) = self.to_object(ray);
+        let (l, d) = self.object_ray(ray);
         let (a, b) = (d.length_squared(), l.dot(d));
         let nearest = l - d * (b / a);
         let distance = l.length();
@@ -56,7 +56,7 @@ impl Ellipsoid {
 
     #[inline]
     pub(super) fn surface(&self, ray: &Ray, t: f64) -> SurfacePoint {
-        let (l, d) = self.to_object(ray);
+        let (l, d) = self.object_ray(ray);
         self.at((l + d * t).normalize())
     }
 

@@ -148,7 +148,7 @@ fn roots(f: &dyn Fn(f64) -> f64, lo: f64, hi: f64) -> (Vec<f64>, f64) {
 fn ray(known: &Known, rng: &mut SmallRng, i: u32) -> Ray {
     let random = |rng: &mut SmallRng| Vec3::new(rng.random(), rng.random(), rng.random()) * 2.2 - 1.1;
     // A ray exactly through a pole of a patch is doubted by every leaf there, and takes as long as a million others: one is enough.
-    let special = i % 8 == 0 && (i < 20 || !known.name.starts_with("eighth"));
+    let special = i.is_multiple_of(8) && (i < 20 || !known.name.starts_with("eighth"));
     let target = if special { known.tip.unwrap_or(DVec3::ZERO).as_vec3() } else { random(rng) };
     let from = match i % 5 {
         0 => random(rng),

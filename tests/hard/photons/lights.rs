@@ -206,11 +206,9 @@ fn black_scenes_end_and_say_so() {
             "no light comes from what the camera sees",
         ),
         (
-            format!(
-                "Lights {{ PointLight {{ position 0 0 0 power 9 9 9 }} }} Materials {{ Diffuse soot {{ reflectance 0 0 0 }} \
-                 Dielectric glass {{ indexOfRefraction 1.5 }} }} Group {{ MaterialName soot Sphere {{ center 0 0 0 radius .5 }} \
-                 MaterialName glass Sphere {{ center 1 0 0 radius .3 }} }}"
-            ),
+            "Lights { PointLight { position 0 0 0 power 9 9 9 } } Materials { Diffuse soot { reflectance 0 0 0 } \
+                 Dielectric glass { indexOfRefraction 1.5 } } Group { MaterialName soot Sphere { center 0 0 0 radius .5 } \
+                 MaterialName glass Sphere { center 1 0 0 radius .3 } }".to_owned(),
             "no light comes from what the camera sees",
         ),
     ];

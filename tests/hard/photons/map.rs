@@ -78,11 +78,14 @@ fn a_million_photons_at_neighbouring_numbers() {
     assert!(begun.elapsed() < Duration::from_secs(60), "{:?}", begun.elapsed());
 }
 
+/// Where a point of the unit cube is put.
+type Layout = fn(Vec3) -> Vec3;
+
 /// On an axis plane, on a line and on a curve in a plane, photons are found as a plain scan finds them. The scan's radius is 10⁻⁶ of the
 /// coordinates narrower and wider.
 #[test]
 fn planes_and_lines() {
-    let layouts: [(&str, fn(Vec3) -> Vec3); 5] = [
+    let layouts: [(&str, Layout); 5] = [
         ("x = 0", |u| Vec3::new(0.0, u.x, u.y)),
         ("y = −7", |u| Vec3::new(u.x, -7.0, u.y)),
         ("z = 10⁴", |u| Vec3::new(u.x, u.y, 1e4)),

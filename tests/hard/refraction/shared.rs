@@ -216,7 +216,7 @@ fn a_camera_in_a_liquid_knows_where_it_is() {
 #[test]
 fn a_round_vessel_holds_its_liquid() {
     let curve = |r: f64, backwards: bool| {
-        let mut points = vec![(0.0, -r), (r, -r), (r, 0.0), (r, r), (0.0, r)];
+        let mut points = [(0.0, -r), (r, -r), (r, 0.0), (r, r), (0.0, r)];
         if backwards {
             points.reverse();
         }
