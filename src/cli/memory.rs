@@ -4,12 +4,14 @@ use crate::image::{MAX_PIXELS, SizeError};
 use crate::integrate::Expected;
 use crate::stats::bytes;
 
-/// Bytes a pixel: the film (48), a pass in tiles (64) and whole (12); at the end, in place of the pass, its mean and what is encoded of it.
-const PER_PIXEL: u64 = 124;
+/// Bytes a pixel: the film (48), a pass (12) and the places of its rows (1), how rays are shared out by `--adaptive` (20); at the end, in
+/// place of the pass, its mean and what is encoded of it. Measured: 85.
+const PER_PIXEL: u64 = 86;
 
 /// Bytes a pixel of the gauge: what a pass tells (48), noise (24), finer discs (48), discs (24), three pictures each of passes and of
-/// finer discs (72), and what errors are relative to, while it is made (24); maps of errors take less than a pass. Measured with the rest: 362.
-const PER_GAUGED_PIXEL: u64 = 240;
+/// finer discs (72), and what errors are relative to, while it is made (24); the rest is what reading it and maps of errors take.
+/// Measured with the rest: 339, and 358 where maps are written.
+const PER_GAUGED_PIXEL: u64 = 274;
 
 /// Bytes a stored photon while its tree is built: itself (32), its sorted copy (32) and the copy's key (16), then the tree (33)
 /// instead of the key; the rest is the slack of growing lists.
@@ -30,7 +32,7 @@ pub(super) enum TooMuch {
         bytes(*free)
     )]
     #[diagnostic(help(
-        "choose a smaller --size, or let it have more memory (--memory); a render without the gauge (--no-gauge) takes a third"
+        "choose a smaller --size, or let it have more memory (--memory); a render without the gauge (--no-gauge) takes a quarter"
     ))]
     Picture { count: usize, width: u32, height: u32, needed: u64, free: u64 },
     /// More photons than indices.
@@ -93,15 +95,15 @@ mod tests {
 
     #[test]
     fn pictures_are_held_against_the_format_and_the_memory() {
-        assert_eq!(check_pictures(1, (16_384, 16_384), None), Ok(124 << 28));
+        assert_eq!(check_pictures(1, (16_384, 16_384), None), Ok(86 << 28));
         assert!(matches!(check_pictures(1, (16_385, 16_384), None), Err(TooMuch::Pixels(_))));
-        assert_eq!(check_pictures(1, (1000, 1000), Some(124_000_000)), Ok(124_000_000));
-        let refused = check_pictures(1, (1000, 1000), Some(123_999_999)).unwrap_err().to_string();
-        assert!(refused.contains("a picture of 1000 × 1000") && refused.contains("124.0 MB"), "{refused}");
-        assert!(matches!(check_gauged((1000, 1000), Some(363_999_999)), Err(TooMuch::Picture { .. })));
-        assert_eq!(check_pictures(4, (500, 500), Some(124_000_000)), Ok(124_000_000));
-        let refused = check_pictures(5, (500, 500), Some(124_000_000)).unwrap_err().to_string();
-        assert!(refused.contains("5 pictures of 500 × 500 pixels take 155.0 MB"), "{refused}");
+        assert_eq!(check_pictures(1, (1000, 1000), Some(86_000_000)), Ok(86_000_000));
+        let refused = check_pictures(1, (1000, 1000), Some(85_999_999)).unwrap_err().to_string();
+        assert!(refused.contains("a picture of 1000 × 1000") && refused.contains("86.0 MB"), "{refused}");
+        assert!(matches!(check_gauged((1000, 1000), Some(359_999_999)), Err(TooMuch::Picture { .. })));
+        assert_eq!(check_pictures(4, (500, 500), Some(86_000_000)), Ok(86_000_000));
+        let refused = check_pictures(5, (500, 500), Some(86_000_000)).unwrap_err().to_string();
+        assert!(refused.contains("5 pictures of 500 × 500 pixels take 107.5 MB"), "{refused}");
     }
 
     #[test]

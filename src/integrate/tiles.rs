@@ -52,8 +52,7 @@ pub(super) struct Sampling<'a> {
     pub every: u32,
 }
 
-/// A picture or a tile of it, by rows from the top, and what it took.
-#[derive(Default)]
+/// A picture by rows from the top, and what it took.
 pub(super) struct Rendered {
     pub image: Vec<Rgb>,
     /// What estimates tell of their error; empty where they are not asked.
@@ -63,16 +62,32 @@ pub(super) struct Rendered {
     pub counters: Counters,
 }
 
-impl Rendered {
-    /// With room for so many pixels of what `sampling` asks for.
-    fn with_capacity(pixels: usize, sampling: &Sampling<'_>) -> Self {
-        let room = |wanted: bool| if wanted { pixels } else { 0 };
-        Self {
-            image: Vec::with_capacity(pixels),
-            gauged: Vec::with_capacity(room(sampling.gauge)),
-            places: Vec::with_capacity(room(sampling.every > 1)),
-            counters: Counters::default(),
+/// A tile of a picture that is being rendered.
+struct Tile<'a> {
+    /// Of all tiles, by rows from the top.
+    index: u32,
+    /// Its rows, where they lie in the picture.
+    image: Vec<&'a mut [Rgb]>,
+    /// Those of what estimates tell; none where they are not asked.
+    gauged: Vec<&'a mut [Gauged]>,
+}
+
+impl<'a> Tile<'a> {
+    /// Cuts a picture of so many columns of pixels, at least one.
+    fn cut(image: &'a mut [Rgb], gauged: &'a mut [Gauged], width: u32) -> Vec<Self> {
+        let (width, edge) = (width as usize, EDGE as usize);
+        let (columns, rows) = (width.div_ceil(edge), (image.len() / width).div_ceil(edge));
+        let empty = |index| Tile { index, image: Vec::new(), gauged: Vec::new() };
+        let mut tiles: Vec<Self> = (0..(columns * rows) as u32).map(empty).collect();
+        for (y, row) in image.chunks_mut(width).enumerate() {
+            let across = &mut tiles[y / edge * columns..];
+            across.iter_mut().zip(row.chunks_mut(edge)).for_each(|(tile, piece)| tile.image.push(piece));
         }
+        for (y, row) in gauged.chunks_mut(width).enumerate() {
+            let across = &mut tiles[y / edge * columns..];
+            across.iter_mut().zip(row.chunks_mut(edge)).for_each(|(tile, piece)| tile.gauged.push(piece));
+        }
+        tiles
     }
 }
 
@@ -93,51 +108,36 @@ pub(super) fn render<T: Default>(
     radiance: impl Fn(&Ray, Draw, &mut Worker, &mut T) -> Rgb + Sync,
 ) -> Rendered {
     let (width, height) = sampling.camera.size();
-    let columns = width.div_ceil(EDGE);
-    let every = sampling.every;
-    monitor.begin(Phase::Eye, u64::from(width) * u64::from(height) / u64::from(every));
-    let wanted: Vec<u32> =
-        (0..columns * height.div_ceil(EDGE)).filter(|tile| is_wanted(*tile, columns, every)).collect();
-    let tiles: Vec<Rendered> = wanted
-        .par_iter()
-        .map(|tile| {
-            let mut worker = Worker { gauge: sampling.gauge, ..Worker::default() };
-            let mut more = T::default();
-            let mut out = Rendered::with_capacity((EDGE * EDGE) as usize, sampling);
-            for (x, y) in pixels_of(*tile, columns, width, height) {
-                let at = y * width + x;
-                out.image.push(pixel(sampling, x, y, key, &mut worker, |ray, draw, worker| {
-                    radiance(ray, draw, worker, &mut more)
-                }));
-                if sampling.gauge {
-                    out.gauged.push(worker.tally.end_pixel(sampling.rays(at as usize)));
-                }
-                if every > 1 {
-                    out.places.push(at);
-                }
-            }
-            monitor.advance(out.image.len() as u64);
-            Rendered { counters: worker.counters, ..out }
-        })
-        .collect();
-
+    let (columns, every) = (width.div_ceil(EDGE), sampling.every);
     let pixels = width as usize * height as usize;
-    let mut out = Rendered { image: vec![Rgb::ZERO; pixels], ..Rendered::default() };
-    if sampling.gauge {
-        out.gauged = vec![Gauged::default(); pixels];
-    }
-    for (tile, rendered) in wanted.iter().zip(tiles) {
-        for (i, (x, y)) in pixels_of(*tile, columns, width, height).enumerate() {
-            let at = y as usize * width as usize + x as usize;
-            out.image[at] = rendered.image[i];
+    monitor.begin(Phase::Eye, pixels as u64 / u64::from(every));
+    let mut image = vec![Rgb::ZERO; pixels];
+    let mut gauged = vec![Gauged::default(); if sampling.gauge { pixels } else { 0 }];
+    let mut tiles = Tile::cut(&mut image, &mut gauged, width);
+    tiles.retain(|tile| is_wanted(tile.index, columns, every));
+    let places = |tile: &Tile<'_>| pixels_of(tile.index, columns, width, height).map(|(x, y)| y * width + x);
+    let places = if every > 1 { tiles.iter().flat_map(places).collect() } else { Vec::new() };
+    let work = tiles.into_par_iter().map(|mut tile| {
+        let mut worker = Worker { gauge: sampling.gauge, ..Worker::default() };
+        let mut more = T::default();
+        let mut rendered = 0;
+        for (x, y) in pixels_of(tile.index, columns, width, height) {
+            let (i, j) = ((x % EDGE) as usize, (y % EDGE) as usize);
+            tile.image[j][i] =
+                pixel(sampling, x, y, key, &mut worker, |ray, draw, worker| radiance(ray, draw, worker, &mut more));
             if sampling.gauge {
-                out.gauged[at] = rendered.gauged[i];
+                tile.gauged[j][i] = worker.tally.end_pixel(sampling.rays((y * width + x) as usize));
             }
+            rendered += 1;
         }
-        out.places.extend(rendered.places);
-        out.counters += rendered.counters;
-    }
-    out
+        monitor.advance(rendered);
+        worker.counters
+    });
+    let counters = work.reduce(Counters::default, |mut a, b| {
+        a += b;
+        a
+    });
+    Rendered { image, gauged, places, counters }
 }
 
 /// One tile of so many leaves about `wanted` of a picture, but no more than half.
@@ -316,13 +316,14 @@ mod tests {
     fn tiles_cover_every_pixel_once() {
         for (width, height) in [(1u32, 1u32), (16, 16), (17, 33), (100, 1)] {
             let columns = width.div_ceil(EDGE);
-            let mut seen = vec![0; (width * height) as usize];
-            for tile in 0..columns * height.div_ceil(EDGE) {
-                for (x, y) in pixels_of(tile, columns, width, height) {
-                    seen[(y * width + x) as usize] += 1;
+            let mut seen = vec![Rgb::ZERO; (width * height) as usize];
+            for mut tile in Tile::cut(&mut seen, &mut [], width) {
+                for (x, y) in pixels_of(tile.index, columns, width, height) {
+                    tile.image[(y % EDGE) as usize][(x % EDGE) as usize] += Rgb::new(1.0, x as f32, y as f32);
                 }
             }
-            assert!(seen.iter().all(|n| *n == 1));
+            let expected = |i| Rgb::new(1.0, (i % width) as f32, (i / width) as f32);
+            assert!((0..width * height).all(|i| seen[i as usize] == expected(i)));
         }
     }
 }

@@ -12,15 +12,19 @@ pub enum Memory {
     Limit(u64),
 }
 
+/// Bytes that a process comes to hold besides what it is asked for: code that runs for the first time, stacks, what the allocator keeps.
+/// Measured: 2 MB with 2 threads, 3 MB with 64.
+const BESIDES: u64 = 4_000_000;
+
 impl Memory {
-    /// Bytes that may be taken now, where that is known: of a limit what this process does not hold yet, else what can be had without
-    /// swapping. Where the system tells neither (all but Linux), a limit holds for each thing alone.
+    /// Bytes that may be taken now, where that is known: of a limit what this process does not hold yet and will not need besides, else
+    /// what can be had without swapping. Where the system tells neither (all but Linux), a limit holds for each thing alone.
     #[must_use]
     pub fn free(self) -> Option<u64> {
         match self {
             Self::Unbounded => None,
             Self::System => kib("/proc/meminfo", "MemAvailable:"),
-            Self::Limit(bytes) => Some(bytes.saturating_sub(kib("/proc/self/status", "VmRSS:").unwrap_or(0))),
+            Self::Limit(bytes) => Some(bytes.saturating_sub(BESIDES + kib("/proc/self/status", "VmRSS:").unwrap_or(0))),
         }
     }
 }
@@ -61,6 +65,6 @@ mod tests {
         assert!((1 << 20..1 << 60).contains(&Memory::System.free().unwrap()));
         assert_eq!((Memory::Unbounded.free(), Memory::Limit(1).free()), (None, Some(0)));
         let (held, left) = (peak_memory().unwrap(), Memory::Limit(1 << 50).free().unwrap());
-        assert!(left < 1 << 50 && left >= (1 << 50) - held);
+        assert!(left < 1 << 50 && left >= (1 << 50) - BESIDES - held);
     }
 }
