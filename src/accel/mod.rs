@@ -87,15 +87,7 @@ impl Hierarchy {
         let mut best = Best { key: 0, crossing: Crossing { t: probe.t_max, weights: [0.0; 2], total: 1.0 } };
         self.wide.walk::<true, _>(&probe, |leaf, _| {
             if leaf & OTHER == 0 {
-                let packet = self.wide.packet(leaf);
-                let mut lanes = packet.candidates(&probe);
-                while lanes != 0 {
-                    let lane = lanes.trailing_zeros() as usize;
-                    lanes &= lanes - 1;
-                    if let Some(crossing) = packet.hit(lane, &probe) {
-                        best.offer(packet.index(lane), crossing);
-                    }
-                }
+                self.wide.packet(leaf).hits(&probe, |triangle, crossing| best.offer(triangle, crossing));
             } else {
                 // The bound of a ray is exclusive: an equal `t` must pass where this primitive would win the tie.
                 let t_max = if leaf < best.key { best.crossing.t.next_up() } else { best.crossing.t };
@@ -130,15 +122,7 @@ impl Hierarchy {
         };
         self.wide.walk::<false, _>(&probe, |leaf, limit| {
             if leaf & OTHER == 0 {
-                let packet = self.wide.packet(leaf);
-                let mut lanes = packet.candidates(&probe);
-                while lanes != 0 {
-                    let lane = lanes.trailing_zeros() as usize;
-                    lanes &= lanes - 1;
-                    if let Some(crossing) = packet.hit(lane, &probe) {
-                        show(packet.index(lane), crossing);
-                    }
-                }
+                self.wide.packet(leaf).hits(&probe, &mut show);
             } else if let Some((t, u, v)) = other(leaf ^ OTHER, ray) {
                 show(leaf, Crossing { t: t * probe.per_unit, weights: [u, v].map(f64::from), total: 1.0 });
             }

@@ -48,9 +48,17 @@ impl Packet {
         Self { corners: std::array::from_fn(|a| std::array::from_fn(|c| coordinate(a, c))), indices }
     }
 
+    /// Shows `found` the index of each triangle that a ray meets, and where.
     #[inline]
-    pub fn index(&self, lane: usize) -> u32 {
-        self.indices[lane]
+    pub fn hits(&self, probe: &Probe, mut found: impl FnMut(u32, Crossing)) {
+        let mut lanes = self.candidates(probe);
+        while lanes != 0 {
+            let lane = lanes.trailing_zeros() as usize;
+            lanes &= lanes - 1;
+            if let Some(crossing) = self.hit(lane, probe) {
+                found(self.indices[lane], crossing);
+            }
+        }
     }
 
     /// A mask of the lanes whose edge functions do not differ in sign: all that the ray's line meets, and those that it misses

@@ -49,7 +49,8 @@ fn check_extension(path: &Path) -> Result<(), WriteError> {
 }
 
 /// Writes layers of `size` (width, height) as one part of an OpenEXR file, of 32-bit floats, whole or not at all (see
-/// [`replace_file`]), and tells how many of the values are NaN or infinite. Viewers take the part of a channel's name before its last full stop for its layer.
+/// [`replace_file`]), and tells how many of the values are NaN or infinite. Viewers take the part of a channel's name before its last full
+/// stop for its layer.
 ///
 /// # Errors
 /// [`WriteError`]; the file that stood at the path before is then untouched. [`WriteError::Channel`] where a name is empty, too long,

@@ -188,7 +188,7 @@ impl<'a> DirectLight<'a> {
         if sample.pdf.is_some() {
             return target;
         }
-        target - sample.wi * self.scene.touching().min(0.5 * (target - p).length())
+        target - sample.wi * self.scene.light_contact().min(0.5 * (target - p).length())
     }
 
     /// The same where something is in the way, which may be clear.

@@ -97,7 +97,8 @@ const LOOK_EVERY: f64 = 1.05;
 const SURE: u32 = 16;
 const CLEARLY: f64 = 0.8;
 
-/// Renders passes 0, 1, 2 … of an image of `size` pixels until `stop`; the error is looked at too where passes are gauged. `after` hears how things stand after each pass.
+/// Renders passes 0, 1, 2 … of an image of `size` pixels until `stop`; the error is looked at too where passes are gauged. `after`
+/// hears how things stand after each pass.
 pub fn render(
     integrator: &dyn Integrator,
     size: (u32, u32),

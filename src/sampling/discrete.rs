@@ -12,8 +12,8 @@ pub struct Discrete {
 const LEAST: f64 = f32::MIN_POSITIVE as f64;
 
 impl Discrete {
-    /// Weights to probabilities; those below 10⁻³⁸ of the sum count as zero. `None` where there is nothing to choose: no weights, or a sum of zero or not finite, or a
-    /// negative weight.
+    /// Weights to probabilities; those below 10⁻³⁸ of the sum count as zero. `None` where there is nothing to choose: no weights, or a sum of
+    /// zero or not finite, or a negative weight.
     #[must_use]
     pub fn new(weights: impl IntoIterator<Item = f64>) -> Option<Self> {
         let mut cumulative: Vec<f64> = weights.into_iter().collect();

@@ -205,7 +205,7 @@ impl SceneBuilder {
         for (plane, motion) in &movement.planes {
             planes.push(plane_at(plane, motion, MIDDLE).ok_or(BuildError::Flattened)?);
         }
-        let ends_of_parts = self.ends_of_parts();
+        let part_ends = self.ends_of_parts();
         let mut normals = self.normals;
         if !normals.is_empty() {
             normals.resize(self.positions.len(), Vec3::ZERO);
@@ -271,10 +271,9 @@ impl SceneBuilder {
                 Attributes { material, light, chart: wardrobe.chart_of(place) }
             })
             .collect();
-        let ends = ends_of_parts;
         let mut parts = Vec::new();
         let mut triangle_part = Vec::with_capacity(mesh.triangles.len());
-        for ((first, material, radiance), end) in self.parts.iter().zip(ends) {
+        for ((first, material, radiance), end) in self.parts.iter().zip(part_ends) {
             let areas = (*first..end).map(|i| mesh.area(i as usize));
             let choice = if *radiance == Rgb::ZERO { None } else { Discrete::new(areas) };
             let light = choice.and_then(|choice| {
@@ -311,7 +310,7 @@ impl SceneBuilder {
             filled: Sphere { center: Vec3::ZERO, radius: 0.0 },
             hierarchy: Arc::new(Hierarchy::build(&corners, &boxes[..still])),
             moving: None,
-            first_moving: 0,
+            first_moving: still as u32,
             movement: (!movement.is_none()).then(|| Arc::new(movement)),
             still: bounds,
             planes,
@@ -332,7 +331,6 @@ impl SceneBuilder {
             light_inside: Vec::new(),
             bodies_touch: false,
         };
-        scene.first_moving = still as u32;
         scene.bodies_touch = scene.may_touch();
         scene.settle(bounds);
         match scene.lights.iter().position(|light| !light.power(scene.domain).is_finite()) {
@@ -344,6 +342,13 @@ impl SceneBuilder {
     /// Of each mesh, the triangle after its last.
     pub(super) fn ends_of_parts(&self) -> Vec<u32> {
         self.parts.iter().skip(1).map(|(first, ..)| *first).chain([self.triangles.len() as u32]).collect()
+    }
+
+    /// The box around triangles; `None` where there are none.
+    pub(super) fn extent_of(&self, triangles: std::ops::Range<u32>) -> Option<Extent> {
+        let corners = self.triangles[triangles.start as usize..triangles.end as usize].iter().flatten();
+        let points = corners.map(|v| self.positions[*v as usize]).map(|p| (p, p));
+        points.reduce(|(a, b), (c, d)| (a.min(c), b.max(d)))
     }
 
     pub(super) fn corner_count(&self) -> usize {
@@ -379,12 +384,8 @@ impl SceneBuilder {
             let [start, half, end] = [0.0, MIDDLE, 1.0].map(at);
             boxes.push(start.zip(half).zip(end).map(|((a, b), c)| both(both(a, b), c)).ok_or(BuildError::Flattened)?);
         }
-        let ends = self.parts.iter().skip(1).map(|(first, ..)| *first).chain([self.triangles.len() as u32]);
-        for ((first, ..), end) in self.parts.iter().zip(ends) {
-            let corners = self.triangles[*first as usize..end as usize].iter().flatten();
-            let points = corners.map(|v| self.positions[*v as usize]).map(|p| (p, p));
-            boxes.extend(points.reduce(both));
-        }
+        let parts = self.parts.iter().zip(self.ends_of_parts());
+        boxes.extend(parts.filter_map(|((first, ..), end)| self.extent_of(*first..end)));
         Ok(middle(&boxes, sight(camera, self.shapes.iter().map(|(shape, ..)| shape))).unwrap_or(camera.center()))
     }
 }

@@ -218,7 +218,7 @@ impl Scene {
     /// Places are rounded to 2⁻²⁴ of their coordinates, so which side such a light is on nobody knows. What leaves it passes that
     /// surface unless it goes along it, at an angle whose cosine to the normal is below a fortieth.
     #[must_use]
-    pub fn touching(&self) -> f32 {
+    pub fn light_contact(&self) -> f32 {
         gamma(64) * (self.domain.radius + self.domain.center.abs().max_element())
     }
 

@@ -1,12 +1,12 @@
 //! Bodies that are nothing.
 
 use super::builder::SceneBuilder;
+use super::middle::Extent;
 use super::{Body, Scattering};
 use crate::color::Rgb;
-use glam::DVec3;
 
 /// The box around an object; `None` where it has no end, or moves.
-type Extent = Option<(DVec3, DVec3)>;
+type Reach = Option<Extent>;
 
 impl SceneBuilder {
     /// Leaves out what light cannot tell from air: bodies of index 1 that absorb nothing and hold nothing. They are something where they
@@ -17,11 +17,11 @@ impl SceneBuilder {
         {
             return;
         }
-        let apart: Vec<Extent> =
+        let apart: Vec<Reach> =
             self.objects().filter(|(material, _)| self.is_substance(*material)).map(|o| o.1).collect();
-        let goes = |material: u32, emission: Rgb, extent: Extent| {
+        let goes = |material: u32, emission: Rgb, reach: Reach| {
             let air = matches!(self.materials[material as usize].scattering, Scattering::Boundary(b) if is_air(&b));
-            let meets = |other: &Extent| match (extent, other) {
+            let meets = |other: &Reach| match (reach, other) {
                 (Some((min, max)), Some((lo, hi))) => min.cmple(*hi).all() && lo.cmple(max).all(),
                 _ => true,
             };
@@ -67,7 +67,7 @@ impl SceneBuilder {
     }
 
     /// Materials and boxes of all objects.
-    fn objects(&self) -> impl Iterator<Item = (u32, Extent)> {
+    fn objects(&self) -> impl Iterator<Item = (u32, Reach)> {
         let shapes = self.shapes.iter().map(|(shape, material, _)| (*material, Some(shape.extent())));
         let parts = self.parts.iter().zip(self.ends_of_parts());
         let parts = parts.map(|((first, material, _), end)| (*material, self.extent_of(*first..end)));
@@ -75,13 +75,6 @@ impl SceneBuilder {
         let moving = self.moving_shapes.iter().map(|(.., material, _)| (*material, None));
         let moving_planes = self.moving_planes.iter().map(|(.., material)| (*material, None));
         shapes.chain(parts).chain(planes).chain(moving).chain(moving_planes)
-    }
-
-    fn extent_of(&self, triangles: std::ops::Range<u32>) -> Extent {
-        let corners = self.triangles[triangles.start as usize..triangles.end as usize].iter().flatten();
-        let at = corners.map(|v| self.positions[*v as usize]);
-        let (min, max) = at.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(lo, hi), p| (lo.min(p), hi.max(p)));
-        Some((min, max))
     }
 }
 

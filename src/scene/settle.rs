@@ -18,10 +18,8 @@ const FILLED: f32 = 2.0;
 impl Scene {
     /// Makes all that follows from where things are; `still` is the box around what does not move.
     pub(super) fn settle(&mut self, still: Bounds) {
-        let moving = self.movement.as_ref().map_or(0, |m| m.shapes.len());
-        self.first_moving = (self.shapes.len() - moving) as u32;
         let boxes: Vec<Bounds> = self.shapes[self.first_moving as usize..].iter().map(Shape::bounds).collect();
-        self.moving = (moving > 0).then(|| Arc::new(Hierarchy::build(&[], &boxes)));
+        self.moving = (!boxes.is_empty()).then(|| Arc::new(Hierarchy::build(&[], &boxes)));
         let planes = self.planes.iter().map(|(plane, _)| plane.place().0.length());
         self.domain = domain(boxes.into_iter().fold(still, Bounds::union), planes);
         let places = self.lights.iter().filter_map(Light::start).chain([self.camera.center().as_vec3()]);

@@ -83,11 +83,3 @@ fn finite(what: &str, rendered: &Rendered) {
         assert!(parts.as_flattened().iter().all(|x| x.is_finite()), "{what}: {audit:?}");
     }
 }
-
-/// Mean and standard error of independent samples.
-fn mean_and_error(samples: &[f64]) -> (f64, f64) {
-    let n = samples.len() as f64;
-    let mean = samples.iter().sum::<f64>() / n;
-    let squares: f64 = samples.iter().map(|x| (x - mean) * (x - mean)).sum();
-    (mean, (squares / (n - 1.0) / n).sqrt())
-}

@@ -1,5 +1,8 @@
 //! Scenes, passes, statistics and quadrature that the tests share.
 
+#[path = "../statistics/mod.rs"]
+mod statistics;
+
 use caustica::camera::{Camera, Filter, FilterKind};
 use caustica::color::Rgb;
 use caustica::format::SceneFile;
@@ -10,11 +13,9 @@ use caustica::sampling::{Key, Purpose};
 use caustica::scene::{Scene, SceneBuilder};
 use caustica::shape::{Rectangle, Shape};
 use glam::{DVec2, DVec3, Vec3};
+pub use statistics::*;
 use std::f64::consts::{PI, TAU};
 use std::path::{Path, PathBuf};
-
-/// False-alarm rate of one comparison, two-sided.
-pub const ALPHA: f64 = 1e-6;
 
 /// Passes where a test has no reason for another number.
 pub const PASSES: u32 = 16;
@@ -153,34 +154,6 @@ pub fn red(values: &[DVec3]) -> Vec<f64> {
     values.iter().map(|v| v.x).collect()
 }
 
-/// Mean and its standard error from independent samples.
-pub fn mean_and_error(samples: &[f64]) -> (f64, f64) {
-    let n = samples.len() as f64;
-    let mean = samples.iter().sum::<f64>() / n;
-    let squares: f64 = samples.iter().map(|x| (x - mean) * (x - mean)).sum();
-    (mean, (squares / (n - 1.0) / n).sqrt())
-}
-
-/// P(|T| ≥ t) for Student's T with `dof` degrees of freedom: with T = √ν tanφ its density is that of cosᵛ⁻¹φ.
-pub fn student(t: f64, dof: f64) -> f64 {
-    let norm = libm::exp(libm::lgamma(0.5 * (dof + 1.0)) - libm::lgamma(0.5 * dof)) / PI.sqrt();
-    let density = |phi: f64| libm::pow(libm::cos(phi).max(0.0), dof - 1.0);
-    2.0 * norm * midpoint(libm::atan(t.abs() / dof.sqrt()), 0.5 * PI, 4000, density)
-}
-
-/// Fails where independent `samples` contradict a mean of `expected`, known within `slack`, at rate [`ALPHA`]; or where their
-/// standard error is above the part `sharp` of what is expected, so that the test would see too little.
-#[track_caller]
-pub fn agree(what: &str, samples: &[f64], expected: f64, slack: f64, sharp: f64) {
-    let (mean, error) = mean_and_error(samples);
-    let excess = ((mean - expected).abs() - slack).max(0.0);
-    let p = if excess == 0.0 { 1.0 } else { student(excess / error, samples.len() as f64 - 1.0) };
-    let line = format!("{what}: {mean:.6e} ± {error:.1e}, expected {expected:.6e} (p = {p:.1e})");
-    eprintln!("{line}");
-    assert!(p >= ALPHA, "{line}");
-    assert!(error <= sharp * expected.abs(), "{line}: too blunt, {:.1e}", error / expected.abs());
-}
-
 /// [`agree`] for each channel. Red and green are stored within half a step of the sum, blue is the rest.
 #[track_caller]
 pub fn agree_rgb(what: &str, samples: &[DVec3], expected: DVec3, sharp: f64) {
@@ -201,7 +174,7 @@ pub struct Probe<'a> {
 }
 
 /// [`agree`] for irradiance estimated in the maps of independent passes; `quadrature` is the part by which `expected` may be
-/// off. The estimate adds n photons in single precision, whose error is at most n·2⁻²⁴ of the sum (Higham 2002, section 4.2),
+/// off. The estimate adds blocks of 64 photons in single precision, whose error is at most 64·2⁻²⁴ of the sum (Higham 2002, section 4.2),
 /// and for photons of equal power is a systematic one.
 #[track_caller]
 pub fn agree_estimates(what: &str, probe: &Probe<'_>, maps: &[PhotonMap], expected: f64, quadrature: f64, sharp: f64) {
@@ -210,16 +183,10 @@ pub fn agree_estimates(what: &str, probe: &Probe<'_>, maps: &[PhotonMap], expect
         |map: &PhotonMap| map.estimate(p, n, fixed(probe.radius), probe.kernel, &mut Scratch::new(), |_| Vec3::ONE);
     let estimates: Vec<_> = maps.iter().map(one).collect();
     let most = estimates.iter().map(|e| e.count).max().unwrap_or(0);
-    let slack = expected * (quadrature + 2.0 * HUE + f64::from(most) / 16_777_216.0);
+    let slack = expected * (quadrature + 2.0 * HUE + f64::from(most.min(64)) / 16_777_216.0);
     let samples: Vec<f64> = estimates.iter().map(|e| f64::from(e.radiance.x)).collect();
     let what = format!("{what}, {:?} of {} at {:.3}", probe.kernel, probe.radius, probe.at);
     agree(&what, &samples, expected, slack, sharp);
-}
-
-/// ∫ f by `n` midpoints: the error is (b−a)³/(24n²)·max|f″| for smooth f, (b−a)/n·|jump| at a jump.
-pub fn midpoint(a: f64, b: f64, n: u32, f: impl Fn(f64) -> f64) -> f64 {
-    let h = (b - a) / f64::from(n);
-    (0..n).map(|i| f(a + (f64::from(i) + 0.5) * h)).sum::<f64>() * h
 }
 
 /// A kernel of integral 1 over the disc of radius `r` at distance `d`, written from its definition.

@@ -92,9 +92,10 @@ pub fn decode(path: &Path, length: u64, mut file: impl Read, free: Option<u64>) 
     Read::take(&mut file, LONGEST_HEADER).read_to_end(&mut start).map_err(unreadable)?;
     let header = header(&start).map_err(|(line, wrong)| GridError::line(path, line, wrong))?;
     let rest = start[header.bytes as usize..].chain(file);
+    let body = Body { path, header: &header, length, free };
     let values = match header.encoding {
-        Encoding::F32 => singles(path, &header, length, BufReader::with_capacity(CHUNK, rest), free)?,
-        Encoding::Text => words(path, &header, length, rest, free)?,
+        Encoding::F32 => body.singles(BufReader::with_capacity(CHUNK, rest))?,
+        Encoding::Text => body.words(rest)?,
     };
     if let Some(i) = values.iter().position(|v| !(v.is_finite() && *v >= 0.0)) {
         return Err(GridError::Cell { path: path.into(), cell: cell(header.size, i), value: values[i] });
@@ -185,71 +186,74 @@ fn cell(size: [u32; 3], i: usize) -> [u32; 3] {
     [i % row, i % layer / row, i / layer].map(|i| i as u32)
 }
 
-/// Room for the numbers, where they and `more` bytes may be taken.
-fn reserve(path: &Path, header: &Header, more: u64, free: Option<u64>) -> Result<Vec<f32>, GridError> {
-    let needed = PER_CELL * header.cells as u64 + more;
-    let mut values = Vec::new();
-    if free.is_some_and(|free| needed > free) || values.try_reserve_exact(header.cells).is_err() {
-        return Err(GridError::NoMemory { path: path.into(), cells: header.cells, needed, free });
-    }
-    Ok(values)
+/// The numbers of a file, behind its header.
+struct Body<'a> {
+    path: &'a Path,
+    header: &'a Header,
+    /// Bytes of the whole file.
+    length: u64,
+    /// Bytes of memory that may be taken, where that number is known.
+    free: Option<u64>,
 }
 
-fn singles(
-    path: &Path,
-    header: &Header,
-    length: u64,
-    mut from: impl Read,
-    free: Option<u64>,
-) -> Result<Vec<f32>, GridError> {
-    let (expected, found) = (4 * header.cells as u64, length.saturating_sub(header.bytes));
-    if expected != found {
-        return Err(GridError::Length { path: path.into(), size: header.size, expected, found });
-    }
-    let mut values = reserve(path, header, 0, free)?;
-    let mut chunk = [0; CHUNK];
-    while values.len() < header.cells {
-        let chunk = &mut chunk[..CHUNK.min(4 * (header.cells - values.len()))];
-        from.read_exact(chunk).map_err(|source| GridError::Unreadable { path: path.into(), source })?;
-        values.extend(chunk.as_chunks().0.iter().map(|bytes| f32::from_le_bytes(*bytes)));
-    }
-    Ok(values)
-}
-
-fn words(
-    path: &Path,
-    header: &Header,
-    length: u64,
-    mut from: impl Read,
-    free: Option<u64>,
-) -> Result<Vec<f32>, GridError> {
-    let wrong = |line, message, remedy| GridError::line(path, line, (message, remedy));
-    let count = |found: usize| format!("{found} numbers follow, but the size asks for {}", header.cells);
-    const REMEDY: &str = "give one number for each cell, x running fastest, and nothing behind them";
-    // Each takes a byte and one to part it from the next.
-    let most = length.saturating_sub(header.bytes).div_ceil(2);
-    if most < header.cells as u64 {
-        return Err(wrong(header.lines, format!("at most {}", count(most as usize)), REMEDY));
-    }
-    let mut values = reserve(path, header, length, free)?;
-    let mut bytes = Vec::new();
-    from.read_to_end(&mut bytes).map_err(|source| GridError::Unreadable { path: path.into(), source })?;
-    let mut lines = header.lines;
-    for line in bytes.split(|byte| *byte == b'\n') {
-        lines += 1;
-        for word in line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty()) {
-            if values.len() == header.cells {
-                return Err(wrong(lines, format!("more than {}", count(header.cells)), REMEDY));
-            }
-            let text = String::from_utf8_lossy(word);
-            let number = text.parse().map_err(|_| {
-                wrong(lines, format!("`{}` is no number", shown(&text)), "write numbers, parted by spaces or lines")
-            })?;
-            values.push(number);
+impl Body<'_> {
+    /// Room for the numbers, where they and `more` bytes may be taken.
+    fn reserve(&self, more: u64) -> Result<Vec<f32>, GridError> {
+        let Self { path, header, free, .. } = *self;
+        let needed = PER_CELL * header.cells as u64 + more;
+        let mut values = Vec::new();
+        if free.is_some_and(|free| needed > free) || values.try_reserve_exact(header.cells).is_err() {
+            return Err(GridError::NoMemory { path: path.into(), cells: header.cells, needed, free });
         }
+        Ok(values)
     }
-    if values.len() < header.cells {
-        return Err(wrong(lines, count(values.len()), REMEDY));
+
+    fn singles(&self, mut from: impl Read) -> Result<Vec<f32>, GridError> {
+        let Self { path, header, length, .. } = *self;
+        let (expected, found) = (4 * header.cells as u64, length.saturating_sub(header.bytes));
+        if expected != found {
+            return Err(GridError::Length { path: path.into(), size: header.size, expected, found });
+        }
+        let mut values = self.reserve(0)?;
+        let mut chunk = [0; CHUNK];
+        while values.len() < header.cells {
+            let chunk = &mut chunk[..CHUNK.min(4 * (header.cells - values.len()))];
+            from.read_exact(chunk).map_err(|source| GridError::Unreadable { path: path.into(), source })?;
+            values.extend(chunk.as_chunks().0.iter().map(|bytes| f32::from_le_bytes(*bytes)));
+        }
+        Ok(values)
     }
-    Ok(values)
+
+    fn words(&self, mut from: impl Read) -> Result<Vec<f32>, GridError> {
+        let Self { path, header, length, .. } = *self;
+        let wrong = |line, message, remedy| GridError::line(path, line, (message, remedy));
+        let count = |found: usize| format!("{found} numbers follow, but the size asks for {}", header.cells);
+        const REMEDY: &str = "give one number for each cell, x running fastest, and nothing behind them";
+        // Each takes a byte and one to part it from the next.
+        let most = length.saturating_sub(header.bytes).div_ceil(2);
+        if most < header.cells as u64 {
+            return Err(wrong(header.lines, format!("at most {}", count(most as usize)), REMEDY));
+        }
+        let mut values = self.reserve(length)?;
+        let mut bytes = Vec::new();
+        from.read_to_end(&mut bytes).map_err(|source| GridError::Unreadable { path: path.into(), source })?;
+        let mut lines = header.lines;
+        for line in bytes.split(|byte| *byte == b'\n') {
+            lines += 1;
+            for word in line.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty()) {
+                if values.len() == header.cells {
+                    return Err(wrong(lines, format!("more than {}", count(header.cells)), REMEDY));
+                }
+                let text = String::from_utf8_lossy(word);
+                let number = text.parse().map_err(|_| {
+                    wrong(lines, format!("`{}` is no number", shown(&text)), "write numbers, parted by spaces or lines")
+                })?;
+                values.push(number);
+            }
+        }
+        if values.len() < header.cells {
+            return Err(wrong(lines, count(values.len()), REMEDY));
+        }
+        Ok(values)
+    }
 }

@@ -1,6 +1,7 @@
 //! All photons at one point: the focus of a parabola.
 
-use super::{HUE, WITH_PHOTONS, finite, flat_camera, mean_and_error, rendered, settings};
+use super::{HUE, WITH_PHOTONS, finite, flat_camera, rendered, settings};
+use crate::common::mean_and_error;
 use caustica::color::Rgb;
 use caustica::integrate::{Algorithm, Settings, Silent};
 use caustica::photon::{PhotonPass, PhotonSource, Wants};

@@ -1,6 +1,7 @@
 //! Lights without power, in walls, and in the dark.
 
-use super::{WITH_PHOTONS, finite, flat_camera, mean_and_error, rendered, settings, sheet};
+use super::{WITH_PHOTONS, finite, flat_camera, rendered, settings, sheet};
+use crate::common::mean_and_error;
 use caustica::camera::Camera;
 use caustica::color::Rgb;
 use caustica::integrate::{Algorithm, Silent};

@@ -1,6 +1,7 @@
 //! Powers at the ends of single precision.
 
-use super::{HUE, WITH_PHOTONS, finite, flat_camera, mean_and_error, rendered, settings, sheet};
+use super::{HUE, WITH_PHOTONS, finite, flat_camera, rendered, settings, sheet};
+use crate::common::mean_and_error;
 use caustica::camera::Camera;
 use caustica::color::Rgb;
 use caustica::integrate::{Algorithm, Settings, Silent};

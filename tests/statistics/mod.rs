@@ -1,0 +1,40 @@
+//! What samples say of their mean.
+
+use std::f64::consts::PI;
+
+/// False-alarm rate of one comparison, two-sided.
+pub const ALPHA: f64 = 1e-6;
+
+/// Mean and its standard error from independent samples.
+pub fn mean_and_error(samples: &[f64]) -> (f64, f64) {
+    let n = samples.len() as f64;
+    let mean = samples.iter().sum::<f64>() / n;
+    let squares: f64 = samples.iter().map(|x| (x - mean) * (x - mean)).sum();
+    (mean, (squares / (n - 1.0) / n).sqrt())
+}
+
+/// ∫ f by `n` midpoints: the error is (b−a)³/(24n²)·max|f″| for smooth f, (b−a)/n·|jump| at a jump.
+pub fn midpoint(a: f64, b: f64, n: u32, f: impl Fn(f64) -> f64) -> f64 {
+    let h = (b - a) / f64::from(n);
+    (0..n).map(|i| f(a + (f64::from(i) + 0.5) * h)).sum::<f64>() * h
+}
+
+/// P(|T| ≥ t) for Student's T with `dof` degrees of freedom: with T = √ν tanφ its density is that of cosᵛ⁻¹φ.
+pub fn student(t: f64, dof: f64) -> f64 {
+    let norm = libm::exp(libm::lgamma(0.5 * (dof + 1.0)) - libm::lgamma(0.5 * dof)) / PI.sqrt();
+    let density = |phi: f64| libm::pow(libm::cos(phi).max(0.0), dof - 1.0);
+    2.0 * norm * midpoint(libm::atan(t.abs() / dof.sqrt()), 0.5 * PI, 4000, density)
+}
+
+/// Fails where independent `samples` contradict a mean of `expected`, known within `slack`, at rate [`ALPHA`]; or where their
+/// standard error is above the part `sharp` of what is expected, so that the test would see too little.
+#[track_caller]
+pub fn agree(what: &str, samples: &[f64], expected: f64, slack: f64, sharp: f64) {
+    let (mean, error) = mean_and_error(samples);
+    let excess = ((mean - expected).abs() - slack).max(0.0);
+    let p = if excess == 0.0 { 1.0 } else { student(excess / error, samples.len() as f64 - 1.0) };
+    let line = format!("{what}: {mean:.6e} ± {error:.1e}, expected {expected:.6e} (p = {p:.1e})");
+    eprintln!("{line}");
+    assert!(p >= ALPHA, "{line}");
+    assert!(error <= sharp * expected.abs(), "{line}: too blunt, {:.1e}", error / expected.abs());
+}
