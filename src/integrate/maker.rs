@@ -1,7 +1,7 @@
 //! Making the photon maps of any pass.
 
 use super::maps::{Gathering, Maps, Needs, Schedule};
-use super::pilot::{Blurs, auto_radius, narrowest, volume_blurs};
+use super::pilot::{Blurs, auto_radius, narrowest, pilot_paths, volume_blurs};
 use super::progressive::shrink_in;
 use super::visible::visible;
 use super::volume::{VolumeEstimate, VolumeMap};
@@ -160,19 +160,20 @@ impl<'a> MapMaker<'a> {
         }
         let (scene, settings) = (self.scene, &self.settings);
         let seen = visible(scene, &settings.eye, self.effects, scene.domain().radius * SEEN_WITHIN);
-        let learn = |source: &mut Option<PhotonSource<'a>>, wants: Wants| {
+        let learn = |source: &mut Option<PhotonSource<'a>>, wants: Wants, paths: u32| {
             let unlearned = source.take()?;
             let EyeSettings { max_bounces, seed, .. } = settings.eye;
-            let pilot = Pilot { wants, max_bounces, visible: &seen, paths: Pilot::PATHS, seed };
+            let paths = pilot_paths(paths, Pilot::PATHS);
+            let pilot = Pilot { wants, max_bounces, visible: &seen, paths, seed };
             let (learned, lesson) = unlearned.clone().learned(&pilot);
             // Paths that are seen take longer: little gain is none.
             *source = Some(if lesson.gain > LEAST_GAIN { learned } else { unlearned });
             Some(lesson)
         };
-        self.lessons.caustic = learn(&mut self.caustic, self.needs.by_casters());
+        self.lessons.caustic = learn(&mut self.caustic, self.needs.by_casters(), settings.caustic_photons);
         // Gather rays look at the global map from everywhere.
         if !self.needs.global.direct {
-            self.lessons.global = learn(&mut self.global, self.needs.global);
+            self.lessons.global = learn(&mut self.global, self.needs.global, settings.photons);
         }
     }
 

@@ -8,8 +8,12 @@ use crate::sampling::{Dimension, Draw, Key, Purpose};
 use crate::scene::{Arrival, Detail, Immersed, Scene, Step};
 use glam::Vec2;
 
-/// Paths of the pilot: its radii are scaled to the photon count of a pass.
+/// Most paths of the pilot: its radii are scaled to the photon count of a pass.
 const PATHS: u32 = 1 << 16;
+
+/// Passes that a pilot may cost, and paths below which none tells enough.
+const PASSES: u32 = 4;
+const FEWEST: u32 = 1 << 14;
 
 /// Stored photons at which the pilot looks for their k-th neighbour.
 const PROBES: usize = 512;
@@ -60,6 +64,11 @@ pub struct Lessons {
     pub caustic: Option<Lesson>,
 }
 
+/// Paths of a pilot for passes of `paths` paths: `most`, but for small passes that it would outweigh.
+pub(super) fn pilot_paths(paths: u32, most: u32) -> u32 {
+    paths.saturating_mul(PASSES).max(FEWEST).min(most)
+}
+
 /// The radius within which three of four photons of a pass of `paths` paths have `k` neighbours, found from a smaller pilot; `None`
 /// where the pilot stores nothing.
 ///
@@ -67,7 +76,8 @@ pub struct Lessons {
 pub(super) fn auto_radius(pass: &PhotonPass<'_>, paths: u32, k: u32, seed: u64, least: f32) -> Option<f32> {
     let scene = pass.scene;
     let key = Key::new(seed).purpose(Purpose::Pilot);
-    let traced = pass.trace(key, PATHS, &|_| {});
+    let tried = pilot_paths(paths, PATHS);
+    let traced = pass.trace(key, tried, &|_| {});
     let photons = &traced.photons;
     if photons.is_empty() {
         return None;
@@ -88,7 +98,7 @@ pub(super) fn auto_radius(pass: &PhotonPass<'_>, paths: u32, k: u32, seed: u64, 
     // What lies at the very middle lies at one place.
     let far = Some(places[most]).filter(|far| *far > 0.0).unwrap_or(size);
     // Density grows with the number of paths, area with the square of the radius.
-    let scaled = served * (PATHS as f32 / paths as f32).sqrt();
+    let scaled = served * (tried as f32 / paths as f32).sqrt();
     Some(scaled.max(least).clamp(size.min(far) * NARROWEST, size * WIDEST))
 }
 
@@ -122,7 +132,8 @@ impl Default for Blurs {
 pub(super) fn volume_blurs(pass: &PhotonPass<'_>, detail: Detail, paths: u32, settings: &Settings) -> Option<Blurs> {
     let scene = pass.scene;
     let key = Key::new(settings.eye.seed).purpose(Purpose::Pilot);
-    let traced = pass.trace(key, PATHS, &|_| {});
+    let tried = pilot_paths(paths, PATHS);
+    let traced = pass.trace(key, tried, &|_| {});
     let mut volume = traced.volume;
     volume.beams.extend(traced.after_volume.beams);
     volume.points.extend(traced.after_volume.points);
@@ -132,7 +143,7 @@ pub(super) fn volume_blurs(pass: &PhotonPass<'_>, detail: Detail, paths: u32, se
     let size = scene.domain().radius.max(f32::MIN_POSITIVE);
     let trial = size * TRIAL;
     let ways = ways(scene, detail, key);
-    let more = f64::from(paths) / f64::from(PATHS);
+    let more = f64::from(paths) / f64::from(tried);
     let radius = |counts: Vec<f64>, dimensions: u32| {
         let mut counts: Vec<f64> = counts.into_iter().filter(|n| *n > 0.0).collect();
         counts.sort_by(f64::total_cmp);

@@ -14,8 +14,8 @@ use crate::sampling::{Dimension, Draw, Key, Purpose};
 use crate::scene::{Interior, Scene};
 use glam::Vec2;
 
-/// Camera rays of the pilot.
-const RAYS: u32 = 20_000;
+/// Camera rays of the pilot, four a pixel within these.
+const RAYS: (u32, u32) = (2000, 20_000);
 
 /// The radius within which photons count, as part of the extent of what is seen, at most: what matters lies around that, however large
 /// the rest of the scene is.
@@ -29,7 +29,8 @@ pub(super) fn visible(scene: &Scene, settings: &EyeSettings, effects: Effects, r
     let key = Key::new(settings.seed).purpose(Purpose::Visible);
     let (width, height) = scene.camera().size();
     let size = Vec2::new(width as f32, height as f32);
-    let draws = (0..RAYS).map(|i| Draw::new(key, i, RAYS));
+    let rays = width.saturating_mul(height).saturating_mul(4).clamp(RAYS.0, RAYS.1);
+    let draws = (0..rays).map(|i| Draw::new(key, i, rays));
     let points: Vec<(Vec2, Draw)> = draws.map(|draw| (draw.two(Dimension::Film) * size, draw)).collect();
     let (_, workers) = walks.at(&points);
     let seen: Vec<VisiblePoint> = workers.into_iter().flat_map(|worker| worker.visible).collect();
