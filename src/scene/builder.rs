@@ -1,5 +1,6 @@
 //! Building a resolved scene from parts in world coordinates.
 
+use super::contacts::Contacts;
 use super::middle::{Extent, middle, sight};
 use super::movement::{MIDDLE, Movement, constant_strength, plane_at, shape_at, source_at};
 use super::source::{course_area_light, resolve_source};
@@ -329,9 +330,9 @@ impl SceneBuilder {
             middle,
             camera_inside: Inside::NOTHING,
             light_inside: Vec::new(),
-            bodies_touch: false,
+            contacts: Contacts::default(),
         };
-        scene.bodies_touch = scene.may_touch();
+        scene.contacts = scene.find_contacts();
         scene.settle(bounds);
         match scene.lights.iter().position(|light| !light.power(scene.domain).is_finite()) {
             Some(i) => Err(BuildError::TooBright(i)),

@@ -211,7 +211,7 @@ impl Interior for Inside {
             self.cross_boundary(surface.index, direction, surface.point.ng);
         } else {
             let entering = direction.dot(surface.point.ng) < 0.0;
-            *self = self.beyond(Face { material: surface.index, entering }, &surface.touching);
+            *self = self.beyond(Face::of(surface, entering), &surface.touching);
         }
     }
 }

@@ -2,6 +2,7 @@
 
 mod builder;
 mod cone;
+mod contacts;
 mod dress;
 mod immersed;
 mod inside;
@@ -39,6 +40,7 @@ use crate::math::{Bounds, Ray, Sphere, gamma};
 use crate::medium::Medium;
 use crate::shape::{Chart, Mesh, Plane, Shape, SurfacePoint};
 use crate::texture::Texture;
+use contacts::Contacts;
 use glam::{DVec3, Vec2, Vec3};
 use movement::Movement;
 use std::sync::Arc;
@@ -105,8 +107,8 @@ pub struct Scene {
     camera_inside: Inside,
     /// What each light is inside of.
     light_inside: Vec<Inside>,
-    /// Whether boundaries of bodies may coincide.
-    bodies_touch: bool,
+    /// Which boundaries of bodies may coincide.
+    contacts: Contacts,
 }
 
 impl std::fmt::Debug for Scene {
@@ -314,7 +316,8 @@ impl Scene {
             Scattering::Mix { .. } => (Bsdf::Black, 0.0),
         };
         let (light, touching) = (attributes.light, Touching::NONE);
-        let mut surface = Surface { point, wo, material, index, bsdf, roughness, touching, light, emission };
+        let crowded = self.contacts.may(hit.kind).then(|| self.thing_of(hit.kind));
+        let mut surface = Surface { point, wo, material, index, bsdf, roughness, crowded, touching, light, emission };
         if let Some(dress) = material.dress {
             self.put_on(dress, &mut surface, hit, cone);
         }

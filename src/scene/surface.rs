@@ -23,6 +23,8 @@ pub struct Surface<'a> {
     pub bsdf: Bsdf,
     /// Roughness α, of the boundary of a body.
     pub(super) roughness: f32,
+    /// The thing that it is a part of, where another's boundary may coincide with it.
+    pub(super) crowded: Option<u32>,
     /// Boundaries that coincide with it, where it is one and was met as such.
     pub(super) touching: Touching,
     /// Index of the light that it is.

@@ -5,8 +5,8 @@
 //! the bodies overlapped by nothing.
 
 use super::{Body, Hit, HitKind, Inside, Scattering, Scene, Surface};
-use crate::accel::Primitive;
-use crate::math::{Bounds, Ray, offset_origin};
+use crate::accel::{Hierarchy, Primitive};
+use crate::math::{Ray, offset_origin};
 use crate::shape::Shape;
 use glam::Vec2;
 
@@ -20,6 +20,16 @@ pub(super) struct Face {
     pub material: u32,
     /// Whether the walk goes into its body.
     pub entering: bool,
+    /// The shape, mesh or plane that it is part of; of one alone, any.
+    pub thing: u32,
+}
+
+impl Face {
+    /// That of `surface`, a boundary.
+    #[inline]
+    pub fn of(surface: &Surface<'_>, entering: bool) -> Self {
+        Self { material: surface.index, entering, thing: surface.crowded.unwrap_or(0) }
+    }
 }
 
 /// The boundaries that coincide with one that was met, in the order of their materials.
@@ -64,7 +74,7 @@ impl Inside {
     pub(super) fn beyond(&self, own: Face, touching: &Touching) -> Self {
         let mut far = *self;
         let count = |material: u32| self.bodies().iter().filter(|m| **m == material).count();
-        let spare = |material: u32| usize::from(own == Face { material, entering: false });
+        let spare = |material: u32| usize::from(!own.entering && own.material == material);
         let mut faces = [None; MOST + 1];
         let pending = touching.faces().filter(|f| !f.entering || count(f.material) <= spare(f.material));
         faces.iter_mut().zip(pending.chain([own])).for_each(|(place, face)| *place = Some(face));
@@ -77,7 +87,7 @@ impl Inside {
 
     /// What `surface`, the boundary of `body`, and all that touches it divide.
     pub(super) fn sides(&self, scene: &Scene, surface: &Surface<'_>, body: &Body, entering: bool) -> Sides {
-        let far = self.beyond(Face { material: surface.index, entering }, &surface.touching);
+        let far = self.beyond(Face::of(surface, entering), &surface.touching);
         let others = surface.touching.faces().filter_map(|face| scene.body(face.material));
         let (mut clear, mut roughness) = (body.clear, if body.clear { 0.0 } else { surface.roughness });
         for other in others.filter(|other| !other.clear) {
@@ -96,10 +106,23 @@ impl Scene {
         }
     }
 
+    /// A number of the shape, mesh or plane that was hit. Patches and surfaces of revolution of one body share theirs: neighbours are both
+    /// met at a seam, which the other shapes keep their points off.
+    pub(super) fn thing_of(&self, kind: HitKind) -> u32 {
+        match kind {
+            HitKind::Shape(i, _) => match self.shapes[i as usize] {
+                Shape::Patch(_) | Shape::Revolution(_) => u32::MAX,
+                _ => i,
+            },
+            HitKind::Triangle(i, _) => self.shapes.len() as u32 + self.triangle_part[i as usize],
+            HitKind::Plane(i) => (self.shapes.len() + self.parts.len()) as u32 + i,
+        }
+    }
+
     /// The boundaries between the points from which walks leave `surface`, a boundary, on either side; without what is as it is.
     #[inline]
     pub(super) fn faces_at(&self, surface: &Surface<'_>) -> Touching {
-        if self.bodies_touch { self.find_touching(surface) } else { Touching::NONE }
+        if surface.crowded.is_some() { self.find_touching(surface) } else { Touching::NONE }
     }
 
     #[inline(never)]
@@ -112,29 +135,31 @@ impl Scene {
             return touching;
         }
         let across = Ray { origin: near, direction: (far - near) / length, t_max: length };
-        let own = Face { material: surface.index, entering: wo.dot(point.ng) >= 0.0 };
+        let own = Face::of(surface, wo.dot(point.ng) >= 0.0);
         let mut see = |kind: HitKind, t: f32| {
             let (point, attributes) = self.point(&across, &Hit { t, kind });
-            let face = Face { material: attributes.material, entering: across.direction.dot(point.ng) < 0.0 };
+            let entering = across.direction.dot(point.ng) < 0.0;
+            let face = Face { material: attributes.material, entering, thing: self.thing_of(kind) };
             if face != own && self.body(face.material).is_some() {
                 touching.add(face);
             }
         };
-        self.hierarchy.each(
-            &across,
-            |i, ray| self.shapes[i as usize].intersect(ray),
-            |hit| {
-                let uv = Vec2::new(hit.u, hit.v);
-                match hit.primitive {
-                    Primitive::Triangle(i) => see(HitKind::Triangle(i, uv), hit.t),
-                    Primitive::Other(i) => see(HitKind::Shape(i, uv), hit.t),
-                }
-            },
-        );
-        for i in self.first_moving..self.shapes.len() as u32 {
-            if let Some((t, u, v)) = self.shapes[i as usize].intersect(&across) {
-                see(HitKind::Shape(i, Vec2::new(u, v)), t);
-            }
+        let mut look = |hierarchy: &Hierarchy, first: u32| {
+            hierarchy.each(
+                &across,
+                |i, ray| self.shapes[(first + i) as usize].intersect(ray),
+                |hit| {
+                    let uv = Vec2::new(hit.u, hit.v);
+                    match hit.primitive {
+                        Primitive::Triangle(i) => see(HitKind::Triangle(i, uv), hit.t),
+                        Primitive::Other(i) => see(HitKind::Shape(first + i, uv), hit.t),
+                    }
+                },
+            );
+        };
+        look(&self.hierarchy, 0);
+        if let Some(moving) = &self.moving {
+            look(moving, self.first_moving);
         }
         for (i, (plane, _)) in self.planes.iter().enumerate() {
             if let Some((t, ..)) = plane.intersect(&across) {
@@ -144,39 +169,6 @@ impl Scene {
         touching.0.sort_unstable_by_key(|face| face.map_or((true, None), |face| (false, Some(face))));
         touching
     }
-
-    /// Whether boundaries of different things may coincide: not so where a thing is alone, or boxes are apart. What moves is anywhere.
-    pub(super) fn may_touch(&self) -> bool {
-        let bounds = |material: u32| {
-            let mut found = false;
-            self.scatterings(material, &mut |scattering| found |= matches!(scattering, Scattering::Boundary(_)));
-            found
-        };
-        let still = self.shapes.iter().zip(&self.shape_attributes).take(self.first_moving as usize);
-        let mut boxes: Vec<Bounds> =
-            still.filter(|(_, a)| bounds(a.material)).map(|(shape, _)| Shape::bounds(shape)).collect();
-        let mut parts: Vec<Option<Bounds>> = vec![None; self.parts.len()];
-        for (i, part) in self.triangle_part.iter().enumerate() {
-            let corners = Bounds::of(self.mesh.corners(i));
-            parts[*part as usize] = Some(parts[*part as usize].map_or(corners, |b| b.union(corners)));
-        }
-        boxes.extend(parts.iter().zip(&self.parts).filter(|(_, (_, a))| bounds(a.material)).filter_map(|(b, _)| *b));
-        let moving = &self.shape_attributes[self.first_moving as usize..];
-        let anywhere = moving.iter().chain(self.planes.iter().map(|(_, a)| a)).filter(|a| bounds(a.material)).count();
-        if anywhere > 0 {
-            return anywhere + boxes.len() > 1;
-        }
-        // Places are known within some ulps of coordinates and sizes (see `SurfacePoint::error`): two of them, and to spare.
-        for b in &mut boxes {
-            let reach = b.min.abs().max(b.max.abs()).max_element() + b.extent().max_element();
-            *b = b.expanded(reach * (16.0 * f32::EPSILON));
-        }
-        boxes.sort_by(|a, b| a.min.x.total_cmp(&b.min.x));
-        boxes
-            .iter()
-            .enumerate()
-            .any(|(i, a)| boxes[i + 1..].iter().take_while(|b| b.min.x <= a.max.x).any(|b| a.meets(b)))
-    }
 }
 
 #[cfg(test)]
@@ -185,7 +177,7 @@ mod tests {
     use crate::scene::Material;
 
     fn face(material: u32, entering: bool) -> Face {
-        Face { material, entering }
+        Face { material, entering, thing: material }
     }
 
     fn touching(faces: &[Face]) -> Touching {
@@ -215,6 +207,16 @@ mod tests {
         assert_eq!(inside(&[0, 1]).beyond(face(1, false), &touching(&[face(0, false)])).bodies(), &[0u32; 0]);
         assert_eq!(glass.beyond(face(0, false), &touching(&[face(0, true)])).bodies(), &[0]);
         assert_eq!(glass.beyond(face(0, true), &touching(&[face(0, false)])).bodies(), &[0]);
+    }
+
+    #[test]
+    fn things_of_one_material_count_each() {
+        let part = |thing: u32, entering: bool| Face { material: 0, entering, thing };
+        let beyond =
+            |around: &[u32], own: Face, other: Face| inside(around).beyond(own, &touching(&[other])).bodies().len();
+        assert_eq!(beyond(&[], part(0, true), part(1, true)), 2);
+        assert_eq!(beyond(&[0, 0], part(1, false), part(0, false)), 0);
+        assert_eq!(beyond(&[0], part(0, false), part(1, true)), 1);
     }
 
     #[test]

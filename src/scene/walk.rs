@@ -224,7 +224,7 @@ impl Scene {
         while let Some(hit) = self.intersect(&ray) {
             let surface = self.surface(&ray, &hit, &Cone::point(Detail::NONE), || 0.0);
             if let Scattering::Boundary(_) = surface.material.scattering {
-                let own = Face { material: surface.index, entering: surface.wo.dot(surface.point.ng) >= 0.0 };
+                let own = Face::of(&surface, surface.wo.dot(surface.point.ng) >= 0.0);
                 let touching = self.faces_at(&surface);
                 let count = |material| entered.iter().filter(|m| **m == material).count();
                 // As in `Inside::beyond`, but what leads out of a body that was never met was around from the start.

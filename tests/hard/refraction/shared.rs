@@ -165,14 +165,17 @@ fn a_liquid_touches_its_glass() {
     });
 }
 
-/// Two blocks of one glass that share a face are one block.
+/// Two blocks of one glass are one block, whether they share a face between them, or overlap and end together on one side.
 #[test]
 fn blocks_of_one_glass_merge() {
-    for faces in [Faces::Planes, Faces::Rectangles, Faces::Triangles] {
+    let blocks = [[(1.0, 0.0), (0.0, -1.0)], [(1.0, -1.0), (1.0, 0.0)], [(1.0, -1.0), (0.0, -1.0)]];
+    let all = [Faces::Planes, Faces::Rectangles, Faces::Triangles].into_iter().flat_map(|f| blocks.map(|b| (f, b)));
+    for (faces, blocks) in all {
         let mut b = SceneBuilder::new();
         let glass = b.material(Material::dielectric(GLASS as f32, Vec3::ZERO));
-        for (y, up) in [(1.0, true), (0.0, false), (0.0, true), (-1.0, false)] {
-            face(&mut b, faces, y, up, glass);
+        for (top, bottom) in blocks {
+            face(&mut b, faces, top, true, glass);
+            face(&mut b, faces, bottom, false, glass);
         }
         let black = b.material(Material::black());
         let floor = b.material(Material::diffuse(Vec3::ZERO));
@@ -182,7 +185,7 @@ fn blocks_of_one_glass_merge() {
         let source = SourceKind::Spot { position: DVec3::Y * 1.5 - DVec3::X * 3.0, axis, inner: CONE, outer: CONE };
         b.source(source, LightStrength::Power(Vec3::ONE));
         let expected = mean_through(&[1.0, GLASS, 1.0], 1.4);
-        agree(&format!("two blocks, {faces:?}"), &passed(&b.build(camera()).unwrap()), expected, 1e-5, 0.02);
+        agree(&format!("{blocks:?}, {faces:?}"), &passed(&b.build(camera()).unwrap()), expected, 1e-5, 0.02);
     }
 }
 
