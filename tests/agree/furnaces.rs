@@ -40,7 +40,7 @@ fn constant(value: DVec3) -> Estimate {
     Estimate { mean: vec![value], variance: vec![DVec3::ZERO], bias: vec![DVec3::ZERO], dof: f64::INFINITY }
 }
 
-const EFFORT: Effort = Effort { passes: 16, samples: 4, photons: 10_000, caustic: 10_000, radius: 0.12 };
+const EFFORT: Effort = Effort { passes: 12, samples: 4, photons: 10_000, caustic: 10_000, radius: 0.12 };
 
 /// Which light reaches a wall by the ball, which straight: each part has a gradient though the sum has none, so methods with
 /// photons are biased as [`Renders`] allows for.

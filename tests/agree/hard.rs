@@ -10,7 +10,7 @@ const SIZE: (u32, u32) = (64, 48);
 fn check(name: &str) {
     let scene = file(&format!("tests/scenes/{name}.txt"), SIZE);
     let grid = Grid::new(SIZE, 8);
-    let effort = Effort { passes: 16, samples: 4, photons: 20_000, caustic: 60_000, radius: 0.03 };
+    let effort = Effort { passes: 10, samples: 4, photons: 20_000, caustic: 60_000, radius: 0.03 };
     let path = Renders::new(Method::Path, &scene, Effort { samples: 36, ..effort });
     for method in [Method::Hybrid, Method::Sppm, Method::Seen, Method::Gathered] {
         let renders = Renders::new(method, &scene, effort);

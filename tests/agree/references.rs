@@ -138,7 +138,8 @@ fn the_foggy_room_is_the_reference() {
         (Method::Sppm, BIASED),
         (Method::Seen, BIASED),
         (Method::Gathered, BIASED),
-    ];
+    ]
+    .map(|(method, effort)| (method, Effort { passes: 12, ..effort }));
     let windows = [("ball", [50, 72, 32, 56]), ("air", [40, 60, 8, 20]), ("back", [35, 50, 25, 40])];
     compare_all("fog", &methods, &windows, [0.15, 0.05, 0.01]);
     let wide = Effort { radius: 0.1, ..BIASED };
