@@ -58,8 +58,8 @@ fn what_single_precision_cannot_hold_is_refused() {
         ("Materials { Phong { diffuseColor", "1 1e39 1"),
         ("Materials { Phong { specularColor", "1 1 1e300"),
         ("Materials { Phong { shininess", "1e39"),
-        ("Materials { Diffuse { emission", "1e39 0 0"),
-        ("Materials { Diffuse { bump a bumpHeight", "-1e39"),
+        ("Materials { Phong { emission", "1e39 0 0"),
+        ("Materials { Phong { bump a bumpHeight", "-1e39"),
         ("Group { Sphere { center 0 0 0 radius", "1e39"),
         ("Group { Sphere { center 0 0 0 radius 1 emission", "0 0 1e39"),
         ("Lights { PointLight { position 0 0 0 power", "1e39 0 0"),
@@ -189,7 +189,7 @@ fn colours_must_be_possible() {
     refused("Materials { Phong { shininess ‹-1› } }", "`shininess` of `Phong` cannot be `-1`", "not be negative");
     refused("Materials { Diffuse { reflectance ‹1 1.1 1› } }", "cannot be `1 1.1 1`", "between 0 and 1");
     refused("Materials { Dielectric { tint ‹1 0 1› } }", "`tint` of `Dielectric`", "above 0 and at most at 1");
-    refused("Materials { Dielectric { absorption ‹-1 0 1› } }", "`absorption`", "not be negative");
+    refused("Materials { Dielectric { absorption ‹-1 0 1› } }", "`absorption`", "between 0 and 1e12");
     refused("Materials { Dielectric { tint 1 1 1 tintDistance ‹0› } }", "`tintDistance`", "above 0");
     refused("Materials { Dielectric { tintDistance ‹1› } }", "`tintDistance`", "nothing without `tint`");
 }
