@@ -27,7 +27,7 @@ const PER_BYTE: u64 = 32;
 pub enum ReadError {
     /// It could not be opened or read.
     #[error("cannot read the scene `{}`", path.display())]
-    #[diagnostic(help("check that the path is that of a file, and its permissions"))]
+    #[diagnostic(help("check the path and its permissions"))]
     Unreadable {
         /// The file.
         path: PathBuf,

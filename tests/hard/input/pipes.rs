@@ -28,8 +28,8 @@ fn what_never_ends_is_refused_at_once() {
     for (arguments, words) in [
         (&render("pipe.txt")[..], ["pipe", "check that it is a file"]),
         (&render("zero.txt"), ["/dev/zero", "check that it is a file"]),
-        (&render("pipe"), ["a pipe or a device", "check that the path"]),
-        (&render("/dev/zero"), ["a pipe or a device", "check that the path"]),
+        (&render("pipe"), ["a pipe or a device", "check the path"]),
+        (&render("/dev/zero"), ["a pipe or a device", "check the path"]),
         (&render("mesh.txt"), ["pipe", "put the file"]),
         (&["mesh", "pipe"], ["pipe", "check that it is a file"]),
         (&["diff", "pipe", "/dev/zero"], ["pipe", "name a file"]),
