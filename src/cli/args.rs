@@ -1,6 +1,8 @@
 //! What can be typed.
 
-use super::number::{alpha, bytes, confidence, count, duration, error, length, positive_count, size, stops, threads};
+use super::number::{
+    alpha, bytes, confidence, count, duration, error, gather_count, length, positive_count, size, stops, threads,
+};
 use super::{DiffArguments, MeshArguments};
 use crate::camera::FilterKind;
 use crate::image::{BitDepth, Curve, FloatDepth};
@@ -63,8 +65,8 @@ pub struct MethodArguments {
     #[arg(long, value_parser = positive_count, value_name = "N")]
     pub spp: Option<u32>,
 
-    /// Most photons in a density estimate; 0 for no limit but the radius  [default: 50 in caustics, else no limit]
-    #[arg(long, value_parser = count, value_name = "K")]
+    /// Most photons in a density estimate, at least 2; 0 for no limit but the radius  [default: 50 in caustics, else no limit]
+    #[arg(long, value_parser = gather_count, value_name = "K")]
     pub gather_k: Option<u32>,
 
     /// Largest gather radius of the first pass, in units of the scene  [default: found by a pilot pass]

@@ -45,6 +45,16 @@ pub(super) fn positive_count(text: &str) -> Result<u32, String> {
     }
 }
 
+/// A count of photons of density estimates. The k-th photon only tells how large the disc is, so one alone would leave all dark.
+pub(super) fn gather_count(text: &str) -> Result<u32, String> {
+    match count(text)? {
+        1 => Err("the last photon only bounds the disc, so 1 would leave no light: write at least 2, or 0 for all \
+                  within the radius"
+            .to_owned()),
+        n => Ok(n),
+    }
+}
+
 /// Most threads: beyond this, starting them takes longer than they could save.
 const MOST_THREADS: u32 = 1024;
 
@@ -171,6 +181,8 @@ mod tests {
             assert!(count(bad).is_err(), "{bad}");
         }
         assert!(positive_count("0").is_err());
+        assert_eq!(["0", "2", "4000M"].map(gather_count), [0, 2, 4_000_000_000].map(Ok));
+        assert!(gather_count("1").unwrap_err().contains("at least 2, or 0"));
     }
 
     #[test]

@@ -3,8 +3,10 @@
 use super::description::Description;
 use super::mesh::ReadMonitor;
 use super::{SceneError, Source, parse_bytes, resolve, resolve_watched};
+use crate::image::open_file;
 use crate::scene::Scene;
 use crate::stats::{Memory, bytes};
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// A scene file that was read and parsed, not yet resolved: its description may still be changed.
@@ -64,13 +66,13 @@ impl SceneFile {
     /// [`ReadError`].
     pub fn read_within(path: &Path, memory: Memory) -> Result<Self, ReadError> {
         let unreadable = |source| ReadError::Unreadable { path: path.to_owned(), source };
-        if let Some(free) = memory.free() {
-            let needed = PER_BYTE * std::fs::metadata(path).map_err(unreadable)?.len();
-            if needed > free {
-                return Err(ReadError::Memory { path: path.to_owned(), needed, free });
-            }
+        let (mut file, length) = open_file(path).map_err(unreadable)?;
+        let needed = PER_BYTE * length;
+        if let Some(free) = memory.free().filter(|free| needed > *free) {
+            return Err(ReadError::Memory { path: path.to_owned(), needed, free });
         }
-        let bytes = std::fs::read(path).map_err(unreadable)?;
+        let mut bytes = Vec::new();
+        file.read_to_end(&mut bytes).map_err(unreadable)?;
         let name = path.display().to_string();
         let description = parse_bytes(&name, &bytes)?;
         let source = Source::new(&name, &String::from_utf8_lossy(&bytes));

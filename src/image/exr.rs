@@ -76,6 +76,9 @@ pub(super) fn attributes(metadata: &[(String, String)]) -> LayerAttributes {
     attributes
 }
 
+/// Pixels of a display window that any file may have, however little of it is filled: 3840 × 2160 and some.
+const FRAME: u64 = 1 << 23;
+
 impl From<exr::error::Error> for DecodeFailure {
     fn from(error: exr::error::Error) -> Self {
         Self::Reason(error.to_string())
@@ -95,12 +98,19 @@ pub(super) fn read(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailur
             _ => 64,
         };
         check_plausible(pixels * 2 / block, file.len())?;
-        check_room(pixels as usize, free)?;
+        // What is read is as large as the display window, of which the data may fill a part, and the rest is black.
+        let Vec2(width, height) = header.shared_attributes.display_window.size;
+        let shown = pixel_count(side(width), side(height))? as u64;
+        if shown > FRAME {
+            check_plausible(shown * 2 / block, file.len())?;
+        }
+        check_room(pixels.max(shown) as usize, free)?;
     }
 
-    let picture = ::image::load_from_memory_with_format(file, ::image::ImageFormat::OpenExr)
-        .map_err(|error| DecodeFailure::Reason(error.to_string()))?
-        .into_rgb32f();
+    let mut reader = ::image::ImageReader::with_format(Cursor::new(file), ::image::ImageFormat::OpenExr);
+    // Half a gigabyte is the crate's own limit, which is less than a picture of ours may take. What it takes has been checked.
+    reader.no_limits();
+    let picture = reader.decode().map_err(|error| DecodeFailure::Reason(error.to_string()))?.into_rgb32f();
     let (width, height) = picture.dimensions();
     let pixels = picture.pixels().map(|p| Vec3::from(p.0)).collect();
     Ok(Image::from_pixels(width, height, pixels)?)
@@ -144,19 +154,45 @@ mod tests {
         assert_eq!(headers[0].shared_attributes.chromaticities, Some(REC_709));
     }
 
+    /// `file` with a window that ends so many pixels behind its beginning at the origin.
+    fn with_window(file: &[u8], name: &[u8], (width, height): (i32, i32)) -> Vec<u8> {
+        let window = file.windows(name.len()).position(|w| w == name).unwrap() + name.len() + 4;
+        let mut file = file.to_vec();
+        // The window holds the last column and row, after the first of each.
+        file[window + 8..window + 12].copy_from_slice(&(width - 1).to_le_bytes());
+        file[window + 12..window + 16].copy_from_slice(&(height - 1).to_le_bytes());
+        file
+    }
+
+    const DATA: &[u8] = b"dataWindow\0box2i\0";
+    const DISPLAY: &[u8] = b"displayWindow\0box2i\0";
+
     #[test]
     fn a_stated_size_beyond_the_file_is_refused() {
         let (file, _) = encode(&extremes(), FloatDepth::Single, &[]).unwrap();
-        let name = b"dataWindow\0box2i\0";
-        let window = file.windows(name.len()).position(|w| w == name).unwrap() + name.len() + 4;
-        for (side, expected) in [(16_384_i32, "too short"), (20_000, "too large")] {
-            let mut huge = file.clone();
-            // The window holds the last column and row, after the first of each.
-            huge[window + 8..window + 12].copy_from_slice(&(side - 1).to_le_bytes());
-            huge[window + 12..window + 16].copy_from_slice(&(side - 1).to_le_bytes());
-            let message = read(&huge, None).err().unwrap().at("memory".into()).to_string();
-            assert!(message.contains(expected), "{message}");
+        for window in [DATA, DISPLAY] {
+            for (side, expected) in [(16_384, "too short"), (20_000, "too large")] {
+                let huge = with_window(&file, window, (side, side));
+                let message = read(&huge, None).err().unwrap().at("memory".into()).to_string();
+                assert!(message.contains(expected), "{message}");
+            }
         }
+        // Four megapixels take 192 MB, of which the data are next to nothing.
+        let framed = with_window(&file, DISPLAY, (2000, 2000));
+        assert!(matches!(read(&framed, Some(191_000_000)), Err(DecodeFailure::Memory { needed: 192_000_000, .. })));
+        let image = decoded(read(&framed, Some(192_000_000)));
+        assert_eq!((image.width(), image.pixels()[2003].x), (2000, extremes().pixels()[43].x));
+        assert_eq!(image.pixels()[40], Vec3::ZERO);
+    }
+
+    /// More than half a gigabyte in single precision.
+    #[test]
+    fn a_picture_may_be_larger_than_the_decoder_s_own_limit() {
+        let noise = |i: u32| Vec3::splat((i.wrapping_mul(2_654_435_761) >> 8) as f32);
+        let image = Image::from_pixels(256, 256, (0..256 * 256).map(noise).collect()).unwrap();
+        let (file, _) = encode(&image, FloatDepth::Single, &[]).unwrap();
+        let read = decoded(read(&with_window(&file, DISPLAY, (6720, 6720)), None));
+        assert_eq!((read.width(), read.height(), read.pixels()[255]), (6720, 6720, image.pixels()[255]));
     }
 
     #[test]

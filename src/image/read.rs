@@ -1,7 +1,6 @@
 //! Pictures from files.
 
-use std::fs;
-use std::io::Cursor;
+use std::io::{Cursor, Read};
 use std::path::Path;
 
 use ::image::DynamicImage;
@@ -10,6 +9,7 @@ use glam::Vec3;
 
 use super::buffer::{Image, RgbBytes, pixel_count};
 use super::error::{DecodeFailure, ReadError, check_plausible, check_room};
+use super::open::open_file;
 use super::{exr, png};
 
 const PNG_SIGNATURE: [u8; 4] = *b"\x89PNG";
@@ -145,19 +145,20 @@ fn read_hdr(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailure> {
 /// The bytes of a file, where they may take that much memory.
 fn load(path: &Path, free: Option<u64>) -> Result<Vec<u8>, ReadError> {
     let refused = |source| ReadError::Io { path: path.to_owned(), source };
-    if let Some(free) = free {
-        let needed = fs::metadata(path).map_err(refused)?.len();
-        if needed > free {
-            return Err(ReadError::Memory { path: path.to_owned(), needed, free });
-        }
+    let (mut file, needed) = open_file(path).map_err(refused)?;
+    if let Some(free) = free.filter(|free| needed > *free) {
+        return Err(ReadError::Memory { path: path.to_owned(), needed, free });
     }
-    fs::read(path).map_err(refused)
+    let mut bytes = Vec::new();
+    file.read_to_end(&mut bytes).map_err(refused)?;
+    Ok(bytes)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::image::FloatDepth;
+    use std::fs;
 
     #[test]
     fn formats_are_told_by_content_and_others_refused() {

@@ -42,6 +42,9 @@ const FEWEST: f64 = 8.0;
 /// A beam with the boxes of its pieces takes as much memory as so many photons.
 const BEAM: usize = 4;
 
+/// Fewest photons that tell a density: the k-th only bounds the disc, and (k − 1)/(πr²) of one is nothing.
+const LEAST_K: u32 = 2;
+
 /// Paths that tell how many photons a path stores.
 const PROBE: u32 = 4096;
 
@@ -59,6 +62,11 @@ impl Counts {
     pub fn divided(self, part: u32) -> Self {
         Self { photons: self.photons.div_ceil(part), caustic_photons: self.caustic_photons.div_ceil(part) }
     }
+}
+
+/// Most photons of an estimate where one of `part` paths is traced; 0 stays no limit.
+fn most_of(k: u32, part: u32) -> u32 {
+    if k == 0 { 0 } else { k.div_ceil(part).max(LEAST_K) }
 }
 
 /// What maps are made from.
@@ -311,8 +319,9 @@ impl<'a> MapMaker<'a> {
         let radii = self.radii.unwrap_or(Radii { global: 1.0, caustic: 1.0 });
         // Discs keep their size when counts are balanced, so they hold more photons or fewer.
         let ratio = f64::from(self.counts.caustic_photons) / f64::from(self.settings.caustic_photons.max(1));
-        let k = self.settings.gather_k.unwrap_or((f64::from(CAUSTIC_K) * ratio).round().max(1.0) as u32).div_ceil(part);
-        let smooth_k = self.settings.gather_k.unwrap_or(0).div_ceil(part);
+        let usual = (f64::from(CAUSTIC_K) * ratio).round().max(1.0) as u32;
+        let k = most_of(self.settings.gather_k.unwrap_or(usual), part);
+        let smooth_k = most_of(self.settings.gather_k.unwrap_or(0), part);
         Maps {
             guides,
             caustic: self.gathering(caustic, (radii.caustic, self.blurs[0]), k, draft),
@@ -379,4 +388,15 @@ fn index(photons: Vec<Photon>, monitor: &dyn Monitor, out: &mut Pass) -> PhotonM
     monitor.advance(count);
     out.seconds.trees += start.elapsed().as_secs_f64();
     map
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_part_of_few_photons_still_tells_a_density() {
+        assert_eq!([0, 1, 2, 5, 50].map(|k| most_of(k, 4)), [0, 2, 2, 2, 13]);
+        assert_eq!([0, 2, 50].map(|k| most_of(k, 1)), [0, 2, 50]);
+    }
 }

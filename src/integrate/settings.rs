@@ -51,7 +51,7 @@ pub struct Settings {
     /// sets stay only without.
     pub balance: bool,
     /// Most photons an estimate takes, 0 for no limit; `None`: [`CAUSTIC_K`](super::CAUSTIC_K) in the caustic map, no limit in the
-    /// global one, whose light is smooth.
+    /// global one, whose light is smooth. The last only bounds the disc, so 1 counts as 2.
     pub gather_k: Option<u32>,
     /// Largest radius of the first pass \[length]; `None` lets a pilot find one for each map.
     pub radius: Option<f32>,

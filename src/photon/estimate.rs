@@ -171,7 +171,9 @@ impl PhotonMap {
         let mut radius = guess.min(bandwidth.radius);
         let plane = TangentPlane::new(p, normal);
         let found = &mut scratch.found;
-        found.reserve(2 * k);
+        found.clear();
+        // As many as are asked for, but no more than there are.
+        found.reserve((2 * k).min(self.len()));
         loop {
             found.clear();
             let mut cutoff = f32::INFINITY;
@@ -289,5 +291,7 @@ mod tests {
             assert!((found - 4.0).abs() < 1e-5, "{found} of {most}");
         }
         assert_eq!(map.kth_distance(Vec3::ZERO, Vec3::Z, 10, 1e3), None);
+        // No room is taken for what is not there.
+        assert_eq!(map.kth_distance(Vec3::ZERO, Vec3::Z, 4_000_000_000, 1e3), None);
     }
 }

@@ -6,6 +6,8 @@ mod counts;
 mod cuts;
 #[cfg(target_os = "linux")]
 mod memory;
+#[cfg(target_os = "linux")]
+mod pipes;
 mod readers;
 
 use std::fs;

@@ -85,7 +85,7 @@ pub(super) fn run(arguments: &MeshArguments) -> Result<Exit, Failure> {
         text::table(&report.mesh, &report.before, report.repaired.as_ref(), report.after.as_ref())
     };
     if let (Some(path), Some(form)) = (&arguments.output, form) {
-        write(arguments, &loaded, changed.as_ref().unwrap_or(&loaded.mesh), path, form)?;
+        write(arguments, &loaded, changed.as_ref().unwrap_or(&loaded.mesh), (path, form), memory)?;
         progress.say(&format!("wrote {}", path.display()));
     }
     std::io::stdout().write_all(told.as_bytes()).into_diagnostic().map_err(output)?;
@@ -152,15 +152,15 @@ fn write(
     arguments: &MeshArguments,
     loaded: &Loaded,
     mesh: &TriangleMesh,
-    path: &Path,
-    form: MeshFormat,
+    (path, form): (&Path, MeshFormat),
+    memory: Memory,
 ) -> Result<(), Failure> {
     let output = |e| Failure::new(Exit::Output, e);
     let mut libraries = loaded.libraries.clone();
     if !mesh.materials.is_empty() && form != MeshFormat::Obj {
         tell("note: PLY holds no materials: they are left out");
     } else if !libraries.is_empty() && form == MeshFormat::Obj && folder(path) != folder(&arguments.mesh) {
-        libraries = match mtl::load(&arguments.mesh, &loaded.libraries) {
+        libraries = match mtl::load(&arguments.mesh, &loaded.libraries, memory.free()) {
             Ok(materials) => {
                 let beside = path.with_extension("mtl");
                 mtl::write(&beside, &materials).into_diagnostic().map_err(output)?;

@@ -138,3 +138,15 @@ pub enum Attenuation {
         distance: f64,
     },
 }
+
+impl Attenuation {
+    /// Absorption coefficient in 1/length, by Beer's law.
+    #[must_use]
+    pub fn coefficient(self) -> DVec3 {
+        match self {
+            Self::None => DVec3::ZERO,
+            Self::Absorption(sigma) => sigma,
+            Self::Tint { color, distance } => -color.map(libm::log) / distance,
+        }
+    }
+}

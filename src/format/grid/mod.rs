@@ -17,6 +17,7 @@ mod tests;
 pub use error::GridError;
 use error::{Wrong, shown};
 
+use crate::image::open_file;
 use std::fs::File;
 use std::io::{BufReader, BufWriter, Read, Write};
 use std::path::Path;
@@ -77,8 +78,7 @@ pub fn read(path: &Path) -> Result<Grid, GridError> {
 /// [`GridError`].
 pub fn read_within(path: &Path, free: Option<u64>) -> Result<Grid, GridError> {
     let unreadable = |source| GridError::Unreadable { path: path.into(), source };
-    let file = File::open(path).map_err(unreadable)?;
-    let length = file.metadata().map_err(unreadable)?.len();
+    let (file, length) = open_file(path).map_err(unreadable)?;
     decode(path, length, file, free)
 }
 

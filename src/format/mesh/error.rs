@@ -1,6 +1,8 @@
 //! Why a mesh could not be read.
 
+use crate::image::open_file;
 use crate::stats::bytes;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 
 /// Why a mesh or its materials could not be read.
@@ -120,10 +122,11 @@ pub(in crate::format) fn read(path: &Path, free: Option<u64>) -> Result<Vec<u8>,
         std::io::ErrorKind::NotFound => MeshError::Missing { path: path.into() },
         _ => MeshError::Unreadable { path: path.into(), source },
     };
-    if free.is_some() {
-        check_room(path, std::fs::metadata(path).map_err(refused)?.len(), free)?;
-    }
-    std::fs::read(path).map_err(refused)
+    let (mut file, length) = open_file(path).map_err(refused)?;
+    check_room(path, length, free)?;
+    let mut bytes = Vec::new();
+    file.read_to_end(&mut bytes).map_err(refused)?;
+    Ok(bytes)
 }
 
 /// Checks that `needed` bytes may be taken for a mesh, before they are.

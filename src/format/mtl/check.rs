@@ -37,7 +37,7 @@ fn check(line: &str, named: &mut bool, sound: &mut String) -> Result<(), Wrong> 
         }
         // Some exporters write negative exponents where they mean none.
         "Ns" => {
-            let _ = writeln!(sound, "Ns {}", number(keyword, rest)?.max(0.0));
+            let _ = writeln!(sound, "Ns {}", fitting(keyword, rest)?.max(0.0));
         }
         "Ni" => {
             let _ = writeln!(sound, "Ni {}", number(keyword, rest)?);
@@ -76,13 +76,21 @@ fn number(keyword: &str, rest: &str) -> Result<f64, Wrong> {
     }
 }
 
+/// A number that single precision holds.
+fn fitting(keyword: &str, rest: &str) -> Result<f64, Wrong> {
+    match number(keyword, rest)? {
+        number if number.abs() <= f64::from(f32::MAX) => Ok(number),
+        number => Err((format!("`{keyword}` holds {number:e}"), "single precision holds numbers below 3.4e38")),
+    }
+}
+
 /// Three numbers, or one that stands for all.
 fn colour(keyword: &str, rest: &str) -> Result<[f64; 3], Wrong> {
     let words: Vec<&str> = rest.split_ascii_whitespace().take_while(|word| !word.starts_with('#')).collect();
     let numbers = match words[..] {
-        [one] => [number(keyword, one)?; 3],
+        [one] => [fitting(keyword, one)?; 3],
         [r, g, b, ..] if r != "xyz" && r != "spectral" => {
-            [number(keyword, r)?, number(keyword, g)?, number(keyword, b)?]
+            [fitting(keyword, r)?, fitting(keyword, g)?, fitting(keyword, b)?]
         }
         _ => return Err((format!("`{keyword}` holds no RGB colour"), "write it as red, green and blue")),
     };

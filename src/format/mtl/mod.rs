@@ -8,10 +8,14 @@ mod meaning;
 mod tests;
 mod write;
 
-use super::mesh::{Loaded, MeshError, read};
+use super::mesh::{Loaded, MeshError, check_room, read};
 use glam::DVec3;
+use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 pub use write::write;
+
+/// Bytes that a byte of a file takes: a line `newmtl a` is a material of the reader's and one of ours. Measured: 76 of such lines.
+const PER_BYTE: u64 = 100;
 
 /// A material as an MTL file has it. What it does not tell is `None`.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -42,9 +46,11 @@ pub struct FileMaterial {
 ///
 /// A line `mtllib` may hold one path with spaces or several paths; it is one if there is such a file.
 ///
+/// Files that take more than `free` bytes of memory, where that number is known, are refused before they take any.
+///
 /// # Errors
 /// See [`MeshError`]; all name the file.
-pub fn load(mesh: &Path, libraries: &[String]) -> Result<Vec<FileMaterial>, MeshError> {
+pub fn load(mesh: &Path, libraries: &[String], free: Option<u64>) -> Result<Vec<FileMaterial>, MeshError> {
     let folder = mesh.parent().unwrap_or(Path::new(""));
     let mut materials: Vec<FileMaterial> = Vec::new();
     for library in libraries {
@@ -54,16 +60,17 @@ pub fn load(mesh: &Path, libraries: &[String]) -> Result<Vec<FileMaterial>, Mesh
             false => library.split_whitespace().map(|part| folder.join(portable(part))).collect(),
         };
         for path in paths {
-            let bytes = read(&path, None).map_err(|e| match e {
+            let bytes = read(&path, free).map_err(|e| match e {
                 MeshError::Missing { path } => MeshError::NoLibrary { path },
                 other => other,
             })?;
-            for material in decode(&path, &bytes)? {
-                materials.retain(|earlier| earlier.name != material.name);
-                materials.push(material);
-            }
+            check_room(&path, PER_BYTE * bytes.len() as u64, free)?;
+            materials.extend(decode(&path, &bytes)?);
         }
     }
+    let mut names = HashSet::new();
+    let mut last: Vec<bool> = materials.iter().rev().map(|material| names.insert(material.name.clone())).collect();
+    materials.retain(|_| last.pop().unwrap_or_default());
     Ok(materials)
 }
 
@@ -71,11 +78,12 @@ pub fn load(mesh: &Path, libraries: &[String]) -> Result<Vec<FileMaterial>, Mesh
 ///
 /// # Errors
 /// See [`MeshError`]: a file of materials is missing or wrong, or none holds one of the names.
-pub fn of_mesh(path: &Path, loaded: &Loaded) -> Result<Vec<FileMaterial>, MeshError> {
-    let library = load(path, &loaded.libraries)?;
+pub fn of_mesh(path: &Path, loaded: &Loaded, free: Option<u64>) -> Result<Vec<FileMaterial>, MeshError> {
+    let library = load(path, &loaded.libraries, free)?;
+    let by_name: HashMap<&str, &FileMaterial> = library.iter().map(|m| (m.name.as_str(), m)).collect();
     let find = |name: &String| {
         let none = || MeshError::NoMaterial { path: path.into(), name: name.clone() };
-        library.iter().find(|material| material.name == *name).cloned().ok_or_else(none)
+        by_name.get(name.as_str()).map(|material| (*material).clone()).ok_or_else(none)
     };
     loaded.mesh.materials.iter().map(find).collect()
 }

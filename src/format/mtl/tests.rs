@@ -51,6 +51,9 @@ fn unsound_lines_are_named() {
         ("Ke 1 nan 1", "`nan` of `Ke` is not a finite number"),
         ("Kd 1 -1 1", "`Kd` holds -1"),
         ("Tf 1 1e999 1", "is not a finite number"),
+        ("Kd 1 1e39 1", "`Kd` holds 1e39"),
+        ("Ke 1e300", "`Ke` holds 1e300"),
+        ("Ns 1e39", "`Ns` holds 1e39"),
         ("Ns x", "`x` of `Ns`"),
         ("Ni", "`` of `Ni`"),
         ("d 1.5", "`d` is 1.5"),
@@ -124,7 +127,7 @@ fn materials_write_and_read_back() {
         FileMaterial { name: "n".to_owned(), texture: Some(PathBuf::from("/else/c.png")), ..Default::default() };
     write(&path, &[full.clone(), elsewhere.clone()]).unwrap();
     assert!(std::fs::read_to_string(&path).unwrap().contains("map_Kd pictures/a b.png\n"));
-    assert_eq!(load(&folder.path().join("x.obj"), &["out.mtl".to_owned()]).unwrap(), [full, elsewhere]);
+    assert_eq!(load(&folder.path().join("x.obj"), &["out.mtl".to_owned()], None).unwrap(), [full, elsewhere]);
 }
 
 #[test]
@@ -133,7 +136,7 @@ fn libraries_are_found_beside_the_mesh() {
     let mesh = folder.path().join("x.obj");
     let put = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
     put("a b.mtl", "newmtl m\nKd .1\nnewmtl n\n");
-    let libraries = |names: &[&str]| load(&mesh, &names.iter().map(|n| (*n).to_owned()).collect::<Vec<_>>());
+    let libraries = |names: &[&str]| load(&mesh, &names.iter().map(|n| (*n).to_owned()).collect::<Vec<_>>(), None);
     assert_eq!(libraries(&["a b.mtl"]).unwrap().len(), 2);
     let error = libraries(&["b.mtl"]).unwrap_err().to_string();
     assert!(error.contains("b.mtl") && error.contains("put it beside the mesh"), "{error}");

@@ -7,6 +7,14 @@ use super::super::error::SceneError;
 use super::super::lexer::{Lexer, Token};
 use super::{Parser, clip, has_direction, suggest};
 
+/// What single precision holds.
+const LARGEST: f64 = f32::MAX as f64;
+
+const TOO_LARGE: &str = "must be below 3.4e38, which single precision holds: choose other units";
+
+/// What single precision holds, also times densities and lengths.
+pub(super) const DENSEST: f64 = 1e12;
+
 /// What follows a field's name.
 #[derive(Clone, Copy)]
 pub(super) enum Kind {
@@ -264,7 +272,7 @@ impl<'a> Fields<'a> {
             (_, Some(scale)) if name.is_none() => {
                 scale.ensure(false, "says nothing without a texture as `emission`")?;
             }
-            (_, Some(scale)) => scale.ensure(scale.number() >= 0.0, "must not be negative")?,
+            (_, Some(scale)) => drop(scale.amount()?),
             _ => {}
         }
         let plain = |emission: Found<'_, 'a>| emission.colour().map(Emission::Radiance);
@@ -354,12 +362,32 @@ impl<'a> Found<'_, 'a> {
 
     pub fn positive(&self) -> Result<f64, SceneError> {
         self.ensure(self.number() > 0.0, "must be above 0")?;
+        self.fits()
+    }
+
+    /// A number of 0 or more.
+    pub fn amount(&self) -> Result<f64, SceneError> {
+        self.ensure(self.number() >= 0.0, "must not be negative")?;
+        self.fits()
+    }
+
+    /// A number that single precision holds.
+    pub fn fits(&self) -> Result<f64, SceneError> {
+        self.ensure(self.number().abs() <= LARGEST, TOO_LARGE)?;
         Ok(self.number())
     }
 
     /// A colour, radiance, or other spectrum.
     pub fn colour(&self) -> Result<DVec3, SceneError> {
         self.ensure(self.vector().min_element() >= 0.0, "must not be negative")?;
+        self.ensure(self.vector().max_element() <= LARGEST, TOO_LARGE)?;
+        Ok(self.vector())
+    }
+
+    /// Something per length.
+    pub fn coefficient(&self) -> Result<DVec3, SceneError> {
+        let ok = self.vector().min_element() >= 0.0 && self.vector().max_element() <= DENSEST;
+        self.ensure(ok, "must lie between 0 and 1e12 in each component")?;
         Ok(self.vector())
     }
 

@@ -136,12 +136,9 @@ impl Fields<'_> {
             }
             return Ok(EnvironmentRadiance::Constant(radiance.colour()?));
         }
-        if let Some(scale) = scale {
-            scale.ensure(scale.number() >= 0.0, "must not be negative")?;
-        }
         Ok(EnvironmentRadiance::Picture {
             path: radiance.text(),
-            scale: scale.map_or(1.0, |s| s.number()),
+            scale: scale.map_or(Ok(1.0), |s| s.amount())?,
             rotate: rotate.map_or(0.0, |r| r.number()),
         })
     }

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::super::description::{Attenuation, Material, MaterialKind, Metal, Relief, Spanned, Value};
 use super::super::error::SceneError;
 use super::super::lexer::Token;
-use super::fields::{Fields, Found, Kind};
+use super::fields::{DENSEST, Fields, Found, Kind};
 use super::{Parser, clip, suggest};
 
 const MATERIALS: [&str; 11] = [
@@ -239,14 +239,10 @@ impl<'a> Parser<'a> {
 
 impl Fields<'_> {
     fn phong(&self) -> Result<MaterialKind, SceneError> {
-        let shininess = self.get("shininess");
-        if let Some(s) = shininess {
-            s.ensure(s.number() >= 0.0, "must not be negative")?;
-        }
         Ok(MaterialKind::Phong {
             diffuse: self.get("diffuseColor").map_or(Ok(DVec3::ONE.into()), |c| c.or_texture(Found::colour))?,
             specular: self.get("specularColor").map_or(Ok(DVec3::ZERO.into()), |c| c.or_texture(Found::colour))?,
-            shininess: shininess.map_or(0.0, |s| s.number()),
+            shininess: self.get("shininess").map_or(Ok(0.0), |s| s.amount())?,
             texture: self.get("texture").map(|t| t.text()),
         })
     }
@@ -273,13 +269,17 @@ impl Fields<'_> {
         }
         let distance = self.get("tintDistance");
         if let Some(tint) = self.get("tint") {
-            let distance = distance.map_or(Ok(1.0), |d| d.positive())?;
-            return Ok(Attenuation::Tint { color: tint.transmittance()?, distance });
+            let color = tint.transmittance()?;
+            let Some(field) = distance else { return Ok(Attenuation::Tint { color, distance: 1.0 }) };
+            let attenuation = Attenuation::Tint { color, distance: field.positive()? };
+            let ok = attenuation.coefficient().max_element() <= DENSEST;
+            field.ensure(ok, "must be longer: over it, `tint` is an absorption above 1e12")?;
+            return Ok(attenuation);
         }
         if let Some(distance) = distance {
             distance.ensure(false, "says nothing without `tint`")?;
         }
-        self.get("absorption").map_or(Ok(Attenuation::None), |a| a.colour().map(Attenuation::Absorption))
+        self.get("absorption").map_or(Ok(Attenuation::None), |a| a.coefficient().map(Attenuation::Absorption))
     }
 
     fn conductor(&self) -> Result<MaterialKind, SceneError> {
@@ -323,7 +323,7 @@ impl Fields<'_> {
             return Ok(self.get("normalMap").map(|map| Relief::NormalMap(map.text())));
         }
         let bump = self.one_of(&["bump", "normalMap"])?;
-        Ok(Some(Relief::Bump { texture: bump.text(), height: self.need("bumpHeight")?.number() }))
+        Ok(Some(Relief::Bump { texture: bump.text(), height: self.need("bumpHeight")?.fits()? }))
     }
 }
 

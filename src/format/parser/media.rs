@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::super::description::{Coefficients, Density, Extent, MaterialKind, Medium, Phase, Spanned};
 use super::super::error::SceneError;
 use super::super::lexer::Token;
-use super::fields::{Fields, Found, Kind};
+use super::fields::{Fields, Kind};
 use super::{Parser, clip, suggest};
 
 const MEDIA: [&str; 3] = ["numMedia", "Medium", "Cloud"];
@@ -31,9 +31,6 @@ const CLOUD: [(&str, Kind); 6] = [
 ];
 
 const PHASES: [&str; 3] = ["isotropic", "rayleigh", "henyey-greenstein"];
-
-/// What single precision holds, also times densities and lengths.
-const MOST: f64 = 1e12;
 
 impl<'a> Parser<'a> {
     pub fn media(&mut self, block: Token<'a>) -> Result<(), SceneError> {
@@ -194,14 +191,5 @@ impl Fields<'_> {
             field.ensure(false, "wants a surface, and this has none: leave it out")?;
         }
         Ok(MaterialKind::Clear { priority: self.priority()? })
-    }
-}
-
-impl Found<'_, '_> {
-    /// Something per length.
-    fn coefficient(&self) -> Result<DVec3, SceneError> {
-        let ok = self.vector().min_element() >= 0.0 && self.vector().max_element() <= MOST;
-        self.ensure(ok, "must lie between 0 and 1e12 in each component")?;
-        Ok(self.vector())
     }
 }

@@ -100,15 +100,12 @@ impl Fields<'_> {
         if let Some(octaves) = octaves {
             octaves.ensure(OCTAVES.contains(&octaves.number()), "must be a whole number from 1 to 16")?;
         }
-        if let Some(amplitude) = amplitude {
-            amplitude.ensure(amplitude.number() >= 0.0, "must not be negative")?;
-        }
         Ok(TextureKind::Solid {
             pattern,
             colors: self.colors()?,
             octaves: octaves.map_or(4, |o| o.number() as u32),
             frequency: frequency.map_or(Ok(1.0), |f| f.positive())?,
-            amplitude: amplitude.map_or(1.0, |a| a.number()),
+            amplitude: amplitude.map_or(Ok(1.0), |a| a.amount())?,
             maps: self.get("Transform").map_or(Vec::new(), |t| t.maps()),
         })
     }

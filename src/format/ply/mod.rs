@@ -20,6 +20,9 @@ const PER_VERTEX: u64 = 160;
 /// Bytes that a triangle takes, and the slack of growing lists.
 const PER_TRIANGLE: u64 = 24;
 
+/// Bytes that a corner of the face takes that is being read, with the same slack.
+const PER_CORNER: u64 = 8;
+
 /// Elements between two words to the monitor.
 const STRIDE: u64 = 1 << 16;
 
@@ -37,11 +40,12 @@ pub(super) fn read(
     }
     // What the header tells fits into the file, so the products do not overflow.
     check_room(path, PER_VERTEX * count(Kind::Vertex) + PER_TRIANGLE * count(Kind::Face), free)?;
-    let mut reading = Reading { loaded: Loaded::default(), used: Vec::new(), vertices: count(Kind::Vertex), monitor };
+    let mut reading =
+        Reading { loaded: Loaded::default(), used: Vec::new(), vertices: count(Kind::Vertex), monitor, free };
     match header.encoding {
         Encoding::Ascii => {
             let body = Ascii { bytes, at: header.bytes, line: header.lines + 1 };
-            reading.elements(&header, body).map_err(|fault| MeshError::line(path, fault.place, fault.wrong))?;
+            reading.elements(&header, body).map_err(|fault| fault.at_line(path))?;
         }
         Encoding::Little => {
             let body = Binary::<false> { bytes, at: header.bytes };
@@ -63,13 +67,40 @@ pub(super) fn read(
 struct Fault {
     place: usize,
     element: String,
-    wrong: Wrong,
+    stop: Stop,
+}
+
+/// Why an element is not read.
+enum Stop {
+    Wrong(Wrong),
+    /// With it, the mesh takes so many bytes of those that are free.
+    Memory {
+        needed: u64,
+        free: u64,
+    },
+}
+
+impl From<Wrong> for Stop {
+    fn from(wrong: Wrong) -> Self {
+        Self::Wrong(wrong)
+    }
 }
 
 impl Fault {
+    fn at_line(self, path: &Path) -> MeshError {
+        match self.stop {
+            Stop::Wrong(wrong) => MeshError::line(path, self.place, wrong),
+            Stop::Memory { needed, free } => MeshError::Memory { path: path.into(), needed, free },
+        }
+    }
+
     fn at_byte(self, path: &Path) -> MeshError {
-        let (message, remedy) = self.wrong;
-        MeshError::Byte { path: path.into(), byte: self.place, element: self.element, message, remedy }
+        match self.stop {
+            Stop::Wrong((message, remedy)) => {
+                MeshError::Byte { path: path.into(), byte: self.place, element: self.element, message, remedy }
+            }
+            Stop::Memory { needed, free } => MeshError::Memory { path: path.into(), needed, free },
+        }
     }
 }
 
@@ -80,6 +111,8 @@ struct Reading<'m> {
     /// How many the header tells of.
     vertices: u64,
     monitor: &'m dyn ReadMonitor,
+    /// Bytes of memory that it may take.
+    free: Option<u64>,
 }
 
 impl Reading<'_> {
@@ -93,15 +126,15 @@ impl Reading<'_> {
             for i in 0..element.count {
                 let place = body.place();
                 let read = match element.kind {
-                    Kind::Vertex => self.vertex(element, &mut body),
+                    Kind::Vertex => self.vertex(element, &mut body).map_err(Stop::from),
                     Kind::Face => self.face(element, &mut body, &mut corners),
-                    Kind::Other => skip(element, &mut body),
+                    Kind::Other => skip(element, &mut body).map_err(Stop::from),
                 };
-                read.map_err(|wrong| Fault {
+                read.map_err(|stop| Fault {
                     // A line is known at its last word, a byte is that of the element's beginning.
                     place: if header.encoding == Encoding::Ascii { body.place() } else { place },
                     element: format!("{} {i}", element.name),
-                    wrong,
+                    stop,
                 })?;
                 if i % STRIDE == STRIDE - 1 {
                     self.monitor.advance((body.bytes() - told) as u64);
@@ -155,16 +188,28 @@ impl Reading<'_> {
         Ok(())
     }
 
+    /// Checks that there is room for a face of so many corners, each of which but two is a triangle.
     #[inline]
-    fn face<B: Body>(&mut self, element: &Element, body: &mut B, corners: &mut Vec<u32>) -> Result<(), Wrong> {
+    fn check_corners(&self, n: u64) -> Result<(), Stop> {
+        let triangles = self.loaded.mesh.triangles.len() as u64 + n - 2;
+        let needed = PER_VERTEX * self.vertices + PER_TRIANGLE * triangles + PER_CORNER * n;
+        match self.free {
+            Some(free) if needed > free => Err(Stop::Memory { needed, free }),
+            _ => Ok(()),
+        }
+    }
+
+    #[inline]
+    fn face<B: Body>(&mut self, element: &Element, body: &mut B, corners: &mut Vec<u32>) -> Result<(), Stop> {
         for property in &element.properties {
             match (property.role, property.list) {
                 (Role::Corners, Some(length)) => {
                     corners.clear();
                     let n = body.whole(length)?;
                     if n < 3 {
-                        return Err((format!("a face with {n} corners"), "a face needs at least 3"));
+                        return Err((format!("a face with {n} corners"), "a face needs at least 3").into());
                     }
+                    self.check_corners(n as u64)?;
                     for _ in 0..n {
                         let index = body.whole(property.item)?;
                         if u64::try_from(index).is_ok_and(|index| index < self.vertices) {
@@ -172,7 +217,7 @@ impl Reading<'_> {
                             self.used[index as usize] = true;
                         } else {
                             let message = format!("there is no vertex {index}: the file has {}", self.vertices);
-                            return Err((message, "indices count from 0"));
+                            return Err((message, "indices count from 0").into());
                         }
                     }
                     let fan = corners[1..].windows(2).map(|pair| [corners[0], pair[0], pair[1]]);

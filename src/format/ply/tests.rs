@@ -242,3 +242,24 @@ proptest::proptest! {
         }
     }
 }
+
+/// A byte of the file for each corner, which takes 32 in memory.
+#[test]
+fn corners_of_one_face_are_counted_before_they_take_room() {
+    let head = format!("ply\nformat binary_little_endian 1.0\nelement vertex 4\n{VERTEX}element face 1\n");
+    let mut file = format!("{head}property list uint uchar vertex_indices\nend_header\n").into_bytes();
+    file.extend([0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0].iter().flat_map(|x| x.to_le_bytes()));
+    file.extend(1_000_000_u32.to_le_bytes());
+    file.extend((0..1_000_000_u32).map(|i| (i % 4) as u8));
+    let reading = |free| read(Path::new("a.ply"), &file, &(), Some(free));
+    assert_eq!(reading(33_000_000).unwrap().mesh.triangles.len(), 999_998);
+    match reading(31_000_000) {
+        Err(MeshError::Memory { needed, free: 31_000_000, .. }) => assert!(needed > 31_999_000, "{needed}"),
+        other => panic!("{other:?}"),
+    }
+    // As words, and of faces that grow one by one.
+    let body = "3 0 1 2\n4 0 1 2 3\n".repeat(1000);
+    let file = format!("{}{SQUARE}{body}", header("ascii", 4, 2000)).into_bytes();
+    let reading = |free| read(Path::new("a.ply"), &file, &(), Some(free));
+    assert!(reading(73_000).is_ok() && matches!(reading(71_000), Err(MeshError::Memory { .. })));
+}

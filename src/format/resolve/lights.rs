@@ -41,14 +41,26 @@ impl Resolver<'_> {
                 self.source(SourceKind::Directional { direction: *direction }, strength, motion);
             }
             Light::Sphere { center, radius, strength } => {
-                self.area_light(Shape::Sphere(Sphere::new(*center, *radius)), *center, *strength, motion);
+                self.area_light(Shape::Sphere(Sphere::new(*center, *radius)), *center, *strength, motion, light.span)?;
             }
             Light::Disc { center, normal, radius, strength } => {
-                self.area_light(Shape::Disc(Disc::around(*center, *normal, *radius)), *center, *strength, motion);
+                self.area_light(
+                    Shape::Disc(Disc::around(*center, *normal, *radius)),
+                    *center,
+                    *strength,
+                    motion,
+                    light.span,
+                )?;
             }
             Light::Rectangle { corner, edge0, edge1, strength } => {
                 let middle = *corner + 0.5 * (*edge0 + *edge1);
-                self.area_light(Shape::Rectangle(Rectangle::new(*corner, *edge0, *edge1)), middle, *strength, motion);
+                self.area_light(
+                    Shape::Rectangle(Rectangle::new(*corner, *edge0, *edge1)),
+                    middle,
+                    *strength,
+                    motion,
+                    light.span,
+                )?;
             }
             Light::Environment(radiance) => {
                 let environment = self.environment(radiance, light.span)?;
@@ -80,17 +92,26 @@ impl Resolver<'_> {
     }
 
     /// A black surface that radiates, and moves as if `place` were the origin.
-    fn area_light(&mut self, shape: Shape, place: DVec3, strength: AreaStrength, motion: &Motion) {
+    fn area_light(
+        &mut self,
+        shape: Shape,
+        place: DVec3,
+        strength: AreaStrength,
+        motion: &Motion,
+        span: Span,
+    ) -> Result<(), SceneError> {
         let radiance = match strength {
             AreaStrength::Radiance(l) => l,
             AreaStrength::Power(w) => w / (std::f64::consts::PI * shape.area()),
         };
+        self.check_radiance(rgb(radiance), span)?;
         let black = self.builder.material(Material::black());
         if motion.is_still() {
             self.builder.shape(shape, black, rgb(radiance));
         } else {
             self.builder.moving_shape(shape, motion.about(place), black, rgb(radiance));
         }
+        Ok(())
     }
 }
 

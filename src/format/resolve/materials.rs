@@ -5,10 +5,9 @@ use super::{Resolver, rgb};
 use crate::bsdf::{METALS, metal};
 use crate::color::{GLASSES, Glass, Rgb, glass};
 use crate::format::SceneError;
-use crate::format::description::{Attenuation, Emission, MaterialKind, Metal, Refraction, Spanned};
+use crate::format::description::{Emission, MaterialKind, Metal, Refraction, Spanned};
 use crate::format::parser::nearest;
 use crate::scene::{Body, Coat, Look, Material};
-use glam::DVec3;
 
 impl Resolver<'_> {
     /// All materials, each by the index that it has in the file; white where there is none.
@@ -72,7 +71,7 @@ impl Resolver<'_> {
             MaterialKind::Dielectric { refraction, attenuation, roughness, priority } => {
                 let (texture, roughness) = self.degree(roughness, worn)?;
                 let (index, glass) = self.refraction(refraction)?;
-                let absorption = absorption(*attenuation);
+                let absorption = rgb(attenuation.coefficient());
                 let body = Body { absorption, priority: *priority, roughness, glass, ..Body::new(index) };
                 (Material::body(body), texture.map_or(Coat::Plain, Coat::Boundary))
             }
@@ -133,15 +132,6 @@ impl Resolver<'_> {
             }),
         }
     }
-}
-
-/// Per length, by Beer's law.
-fn absorption(attenuation: Attenuation) -> Rgb {
-    rgb(match attenuation {
-        Attenuation::None => DVec3::ZERO,
-        Attenuation::Absorption(sigma) => sigma,
-        Attenuation::Tint { color, distance } => -color.map(libm::log) / distance,
-    })
 }
 
 /// The course's shading knows no chance: it sees the mean.

@@ -178,7 +178,8 @@ impl Resolver<'_> {
         if let Some(own) = self.own_materials.get(file) {
             return Ok(own.clone());
         }
-        let library = mtl::of_mesh(file, loaded).map_err(|e| self.bad_file(path, &e, MEND))?;
+        let library = mtl::of_mesh(file, loaded, self.memory.free());
+        let library = library.map_err(|e| self.refuse_file(path, &e, matches!(e, MeshError::Memory { .. }), MEND))?;
         let mut own = Vec::with_capacity(library.len());
         for found in library {
             let bad = |(message, remedy)| MeshError::BadMaterial { path: file.into(), message, remedy };

@@ -159,11 +159,21 @@ impl Resolver<'_> {
                     }
                     (None, None) => (Rgb::ZERO, None),
                 };
+                self.check_radiance(radiance, object.span)?;
                 self.check_clear(radiance, object.span)?;
                 let shine = Shine { radiance, told: emission.is_some(), glow };
                 self.shape(shape, object.span, to_world, &shine)
             }
         }
+    }
+
+    /// Refuses what single precision cannot hold.
+    fn check_radiance(&self, radiance: Rgb, span: Span) -> Result<(), SceneError> {
+        if radiance.is_finite() {
+            return Ok(());
+        }
+        let help = "let it shine less, or choose other units";
+        Err(self.refuse(span, "its radiance is above 3.4e38, which single precision holds", help))
     }
 
     fn transform(&self, to_world: DAffine3, span: Span) -> Result<Transform, SceneError> {

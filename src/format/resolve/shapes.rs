@@ -98,7 +98,7 @@ impl Resolver<'_> {
                 self.mesh(&Placing { to_world, map: &map, span, shine }, path, *options)?;
             }
             Described::Revolution { profile } => {
-                let surface = revolution(profile).map_err(|e| self.refuse_spline(span, &e))?;
+                let surface = revolution(profile, self.memory.free()).map_err(|e| self.refuse_spline(span, &e))?;
                 self.place(Shape::Revolution(surface), to_world, &map, span, emission)?;
                 self.lay(Form::Own, to_world);
             }
@@ -106,8 +106,11 @@ impl Resolver<'_> {
                 let [u, v] = degree.map(|d| Basis::bezier(d as usize + 1));
                 let bases =
                     [&u.map_err(|e| self.refuse_spline(span, &e))?, &v.map_err(|e| self.refuse_spline(span, &e))?];
+                // Asked for once: that takes longer than many a patch.
+                let mut free = self.memory.free();
                 for net in controls.chunks(bases[0].controls() * bases[1].controls()) {
-                    let patch = Patch::new(bases, net).map_err(|e| self.refuse_spline(span, &e))?;
+                    let patch = Patch::within(bases, net, free).map_err(|e| self.refuse_spline(span, &e))?;
+                    free = free.map(|free| free.saturating_sub(patch.bytes()));
                     self.place(Shape::Patch(patch), to_world, &map, span, emission)?;
                     self.lay(Form::Own, to_world);
                     self.glow(shine);
@@ -118,7 +121,7 @@ impl Resolver<'_> {
                     (degree, count) if knots[i].is_empty() => Basis::uniform(degree, count),
                     (degree, count) => Basis::new(degree, count, knots[i].clone()),
                 };
-                let surface = || Patch::new([&basis(0)?, &basis(1)?], controls);
+                let surface = || Patch::within([&basis(0)?, &basis(1)?], controls, self.memory.free());
                 let surface = surface().map_err(|e| self.refuse_spline(span, &e))?;
                 self.place(Shape::Patch(surface), to_world, &map, span, emission)?;
                 self.lay(Form::Own, to_world);
@@ -183,9 +186,14 @@ impl Resolver<'_> {
     }
 
     fn refuse_spline(&self, span: Span, error: &SplineError) -> SceneError {
+        if matches!(error, SplineError::Memory { .. }) {
+            let help = "bend surfaces less, or let the scene have more memory (--memory)";
+            return self.refuse(span, &error.to_string(), help).exhausting();
+        }
         let help = match error {
             SplineError::Degree(_) => "join curves of lower degree, or use a B-spline",
             SplineError::TooLarge => "choose units in which coordinates are below 1e100",
+            SplineError::Narrow(_) => "give that knot and the next the same value, or part them further",
             SplineError::NoArea => "move control points off the axis and away from each other, or leave it out",
             _ => "give control points and knots that fit",
         };
@@ -231,11 +239,11 @@ impl Resolver<'_> {
     }
 }
 
-fn revolution(profile: &Curve) -> Result<Revolution, SplineError> {
+fn revolution(profile: &Curve, free: Option<u64>) -> Result<Revolution, SplineError> {
     let basis = match profile.basis {
         CurveBasis::Bezier => Basis::bezier(profile.controls.len()),
         CurveBasis::Bspline => Basis::uniform(3, profile.controls.len()),
     }?;
     let controls: Vec<DVec2> = profile.controls.iter().map(|c| c.truncate()).collect();
-    Revolution::new(&basis, &controls)
+    Revolution::within(&basis, &controls, free)
 }

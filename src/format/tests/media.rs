@@ -1,18 +1,11 @@
 //! Media for proptest.
 
-use glam::DVec3;
 use proptest::collection::vec;
 use proptest::prelude::*;
 
 use super::super::description::{Coefficients, Density, Extent, Material, MaterialKind, Medium, Phase, Spanned};
 use super::strategies::{map, spanned};
-use super::values::{name, point, share};
-
-/// Up to what single precision holds with room to spare.
-fn coefficient() -> impl Strategy<Value = DVec3> {
-    let one = || prop_oneof![Just(0.0), 0.0..=1e12, 0.0..1.0];
-    [one(), one(), one()].prop_map(DVec3::from_array)
-}
+use super::values::{coefficient, name, point, share};
 
 fn coefficients() -> impl Strategy<Value = Coefficients> {
     prop_oneof![

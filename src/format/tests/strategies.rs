@@ -198,7 +198,7 @@ fn emission() -> impl Strategy<Value = Emission> {
 
 fn relief() -> impl Strategy<Value = Relief> {
     prop_oneof![
-        (name(), finite()).prop_map(|(texture, height)| Relief::Bump { texture: spanned(texture), height }),
+        (name(), -1e30..1e30).prop_map(|(texture, height)| Relief::Bump { texture: spanned(texture), height }),
         name().prop_map(|texture| Relief::NormalMap(spanned(texture))),
     ]
 }
@@ -220,8 +220,8 @@ type Look = (MaterialKind, Option<Emission>, Option<Relief>);
 fn material() -> impl Strategy<Value = Look> {
     let attenuation = prop_oneof![
         Just(Attenuation::None),
-        colour().prop_map(Attenuation::Absorption),
-        (share(), positive()).prop_map(|(color, distance)| Attenuation::Tint { color, distance }),
+        coefficient().prop_map(Attenuation::Absorption),
+        (share(), 1e-9..1e30).prop_map(|(color, distance)| Attenuation::Tint { color, distance }),
     ];
     let index = || 1e-3..=1e3;
     let indices = || [index(), index(), index()].prop_map(DVec3::from_array);

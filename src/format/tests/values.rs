@@ -8,8 +8,16 @@ pub fn finite() -> impl Strategy<Value = f64> {
     POSITIVE | NEGATIVE | NORMAL | SUBNORMAL | ZERO
 }
 
+/// Above 0, as large as single precision holds.
 pub fn positive() -> impl Strategy<Value = f64> {
-    proptest::num::f64::POSITIVE | proptest::num::f64::NORMAL
+    let any = proptest::num::f64::POSITIVE | proptest::num::f64::NORMAL;
+    any.prop_map(|x| if x > f64::from(f32::MAX) { 1.0 / x } else { x })
+}
+
+/// Something per length.
+pub fn coefficient() -> impl Strategy<Value = DVec3> {
+    let one = || prop_oneof![Just(0.0), 0.0..=1e12, 0.0..1.0];
+    [one(), one(), one()].prop_map(DVec3::from_array)
 }
 
 pub fn point() -> impl Strategy<Value = DVec3> {

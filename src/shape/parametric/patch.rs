@@ -44,6 +44,7 @@ struct Net {
     half: DVec3,
     size: f64,
     noise: f64,
+    bytes: u64,
 }
 
 /// A piece that is flat enough.
@@ -79,6 +80,14 @@ impl Patch {
     /// # Errors
     /// [`SplineError`] where numbers do not fit, weights are not above 0, values are too large, or the surface has no area.
     pub fn new(bases: [&Basis; 2], controls: &[DVec4]) -> Result<Self, SplineError> {
+        Self::within(bases, controls, None)
+    }
+
+    /// As [`Patch::new`], within `free` bytes of memory, where that number is known.
+    ///
+    /// # Errors
+    /// [`SplineError`], as of [`Patch::new`], and where the memory does not suffice.
+    pub fn within(bases: [&Basis; 2], controls: &[DVec4], free: Option<u64>) -> Result<Self, SplineError> {
         let [rows, columns] = bases.map(Basis::controls);
         if controls.len() != rows * columns {
             return Err(SplineError::Net { controls: controls.len(), rows, columns });
@@ -98,7 +107,7 @@ impl Patch {
         let weigh = |(p, c): (&DVec3, &DVec4)| ((*p - place) * (c.w / heaviest)).extend(c.w / heaviest).to_array();
         let weighed: Vec<Vector<4>> = points.iter().zip(controls).map(weigh).collect();
 
-        let mut builder = Builder::new(bases.map(Basis::degree));
+        let mut builder = Builder::new(bases.map(Basis::degree), free);
         for u in bases[0].spans() {
             // Along u for each column of the net, then along v.
             let columns: Vec<Vec<Vector<4>>> =
@@ -109,7 +118,7 @@ impl Patch {
                     let row: Vec<Vector<4>> = columns.iter().map(|c| c[i]).collect();
                     piece.extend(bases[1].piece(v, &row, (0, 1)));
                 }
-                builder.piece(&piece, [u.range, v.range]);
+                builder.piece(&piece, [u.range, v.range])?;
             }
         }
         let half = 0.5 * (max - min);
@@ -119,6 +128,7 @@ impl Patch {
         }
         let [p, q] = bases.map(Basis::degree);
         let noise = size * f64::EPSILON * (64 + 4 * (p * p + q * q)) as f64;
+        let bytes = builder.bytes();
         let Builder { leaves, powers, roots, cuts, boxes, .. } = builder;
         let nothing = Discrete::new([1.0]).ok_or(SplineError::NoArea)?;
         let mut net = Net {
@@ -133,11 +143,17 @@ impl Patch {
             half,
             size,
             noise,
+            bytes,
         };
         let areas = (0..net.leaves.len()).map(|i| leaf_area(&net.piece(i), &Transform::IDENTITY));
         net.choice = Discrete::new(areas).ok_or(SplineError::NoArea)?;
         let area = net.choice.total();
         Ok(Self { net: Arc::new(net), to_world: Transform::IDENTITY.translated(place), area })
+    }
+
+    /// Bytes of memory that it takes at most.
+    pub(crate) fn bytes(&self) -> u64 {
+        self.net.bytes
     }
 
     /// The image under another map; `None` where the product is singular.
@@ -331,6 +347,7 @@ fn leaf_area(piece: &PatchPiece<'_>, to_world: &Transform) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::spline::NARROWEST;
     use super::*;
     use glam::Vec3;
 
@@ -345,6 +362,41 @@ mod tests {
         }
         let basis = Basis::bezier(3).unwrap();
         Patch::new([&basis, &basis], &controls).unwrap()
+    }
+
+    /// A crumpled patch, of more leaves than the memory has room for.
+    #[test]
+    fn leaves_are_counted_before_they_take_room() {
+        let basis = Basis::bezier(6).unwrap();
+        let at = |i: usize| f64::from((i as u32).wrapping_mul(2_654_435_761) >> 16) / 65_536.0;
+        let controls: Vec<DVec4> = (0..36).map(|i| DVec4::new(at(3 * i), at(3 * i + 1), at(3 * i + 2), 1.0)).collect();
+        let bytes = Patch::new([&basis, &basis], &controls).unwrap().bytes();
+        assert!(bytes > 500_000, "{bytes}");
+        assert!(Patch::within([&basis, &basis], &controls, Some(bytes)).is_ok());
+        match Patch::within([&basis, &basis], &controls, Some(bytes / 2)) {
+            // It is given up at the first leaf beyond.
+            Err(SplineError::Memory { needed, free }) => assert!(free == bytes / 2 && needed < free + 10_000),
+            other => panic!("{other:?}"),
+        }
+    }
+
+    /// The narrowest stretch that is let through, with a bend as sharp as a leaf's least size: rays find what they meet.
+    #[test]
+    fn leaves_are_no_narrower_than_coordinates_tell() {
+        let basis = Basis::new(2, 5, vec![0.0, 0.0, 0.0, 0.5, 0.5 + NARROWEST, 1.0, 1.0, 1.0]).unwrap();
+        let line = Basis::bezier(2).unwrap();
+        let profile = [[0.0, 0.0], [1.0, 0.0], [1.0, 3.0], [3.0, 3.0], [4.0, 0.0]];
+        let controls: Vec<DVec4> =
+            profile.iter().flat_map(|[x, y]| [0.0, 1.0].map(|z| DVec4::new(*x, *y, z, 1.0))).collect();
+        let patch = Patch::new([&basis, &line], &controls).unwrap();
+        assert!(patch.net.leaves.iter().all(|leaf| 2.0 * leaf.half.x >= NARROWEST));
+        for i in 0..4000 {
+            let x = (i as f32 + 0.5) * 0.001;
+            let ray = Ray::new(Vec3::new(x, 5.0, 0.5), Vec3::NEG_Y);
+            let (t, u, v) = patch.intersect(&ray).unwrap();
+            let found = patch.surface(&ray, Vec2::new(u, v)).p;
+            assert!((found - Vec3::new(x, 5.0 - t, 0.5)).length() < 1e-5, "{x} {found}");
+        }
     }
 
     #[test]

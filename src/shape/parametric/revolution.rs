@@ -62,6 +62,14 @@ impl Revolution {
     /// # Errors
     /// [`SplineError`] where numbers do not fit, are too large, or the surface has no area.
     pub fn new(basis: &Basis, controls: &[DVec2]) -> Result<Self, SplineError> {
+        Self::within(basis, controls, None)
+    }
+
+    /// As [`Revolution::new`], within `free` bytes of memory, where that number is known.
+    ///
+    /// # Errors
+    /// [`SplineError`], as of [`Revolution::new`], and where the memory does not suffice.
+    pub fn within(basis: &Basis, controls: &[DVec2], free: Option<u64>) -> Result<Self, SplineError> {
         if controls.len() != basis.controls() {
             return Err(SplineError::Controls { controls: controls.len(), degree: basis.degree() });
         }
@@ -72,11 +80,11 @@ impl Revolution {
             controls.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), c| (l.min(c.y), h.max(c.y)));
         let middle = 0.5 * low + 0.5 * high;
         let points: Vec<Vector<2>> = controls.iter().map(|c| [c.x, c.y - middle]).collect();
-        let mut builder = Builder { leaves: Vec::new(), powers: Vec::new() };
+        let mut builder = Builder { leaves: Vec::new(), powers: Vec::new(), free };
         for span in basis.spans() {
-            builder.cut(&basis.piece(span, &points, (0, 1)), span.range, DEPTH);
+            builder.cut(&basis.piece(span, &points, (0, 1)), span.range, DEPTH)?;
         }
-        let Builder { leaves, powers } = builder;
+        let Builder { leaves, powers, .. } = builder;
         let rings: Vec<Ring> = leaves.iter().map(|l| l.ring).collect();
         let reach = |r: &Ring| hypot(r.radius[1], r.height[0].abs().max(r.height[1].abs()));
         let size = rings.iter().map(reach).fold(0.0, f64::max);

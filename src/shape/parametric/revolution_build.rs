@@ -3,6 +3,7 @@
 use super::polynomial::{Vector, split, to_powers};
 use super::revolution::Leaf;
 use super::ring_tree::Ring;
+use super::spline::{NARROWEST, SplineError};
 use libm::hypot;
 
 /// Bends of a leaf, in parts of its length, below which rays that are not near grazing need no further cut.
@@ -11,20 +12,28 @@ const FLAT: f64 = 1.0 / 16.0;
 /// Halvings of a Bézier piece at most, where it never gets flat: at cusps and where control points coincide.
 pub(super) const DEPTH: u32 = 9;
 
+/// Bytes that a leaf takes besides its powers: itself, its ring and area, its part of the tree.
+const PER_LEAF: u64 = 256;
+
 pub(super) struct Builder {
     pub leaves: Vec<Leaf>,
     pub powers: Vec<Vector<2>>,
+    /// Bytes of memory that it may take.
+    pub free: Option<u64>,
 }
 
 impl Builder {
     /// Cuts a Bézier curve until it is flat and on one side of the axis.
-    pub fn cut(&mut self, controls: &[Vector<2>], [start, end]: [f64; 2], depth: u32) {
+    ///
+    /// # Errors
+    /// [`SplineError::Memory`].
+    pub fn cut(&mut self, controls: &[Vector<2>], [start, end]: [f64; 2], depth: u32) -> Result<(), SplineError> {
         let (left, right) =
             controls.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, r), c| (l.min(c[0]), r.max(c[0])));
         let (low, high) =
             controls.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, r), c| (l.min(c[1]), r.max(c[1])));
         if left == 0.0 && right == 0.0 || left == right && low == high {
-            return;
+            return Ok(());
         }
         let side = if -left > right { -1.0 } else { 1.0 };
         let degree = controls.len() - 1;
@@ -32,7 +41,8 @@ impl Builder {
         to_powers(&mut powers, 0, 1, degree);
         let crosses = left < 0.0 && right > 0.0;
         let bends = powers.iter().enumerate().skip(2).fold(0.0, |s, (k, c)| s + k as f64 * hypot(c[0], c[1]));
-        if depth > 0 && (crosses || bends > FLAT * hypot(powers[1][0], powers[1][1])) {
+        let wide = end - start >= 2.0 * NARROWEST;
+        if depth > 0 && wide && (crosses || bends > FLAT * hypot(powers[1][0], powers[1][1])) {
             let at = axis_crossing(controls).filter(|_| crosses).unwrap_or(0.5);
             let (mut first, mut last) = split(controls, at);
             if crosses && at != 0.5 {
@@ -40,15 +50,20 @@ impl Builder {
                 (first[degree][0], last[0][0]) = (0.0, 0.0);
             }
             let middle = start + at * (end - start);
-            self.cut(&first, [start, middle], depth - 1);
-            self.cut(&last, [middle, end], depth - 1);
-            return;
+            self.cut(&first, [start, middle], depth - 1)?;
+            return self.cut(&last, [middle, end], depth - 1);
         }
         let place = [0.5 * (start + end), 0.5 * (end - start)];
         let ring = Ring { radius: [0.0, 0.0], height: [low, high] };
         let radius = if side < 0.0 { [-right, -left] } else { [left, right] };
         self.leaves.push(Leaf { first: self.powers.len() as u32, side, place, ring: Ring { radius, ..ring } });
         self.powers.extend(powers);
+        // As many again for the slack of growing lists.
+        let needed = 2 * (PER_LEAF * self.leaves.len() as u64 + (size_of::<Vector<2>>() * self.powers.len()) as u64);
+        match self.free {
+            Some(free) if needed > free => Err(SplineError::Memory { needed, free }),
+            _ => Ok(()),
+        }
     }
 }
 

@@ -1,6 +1,7 @@
 //! Bézier and B-spline curves and nets of control points, cut into Bézier pieces.
 
 use super::polynomial::{MAX_DEGREE, Vector};
+use crate::stats::bytes;
 
 /// Why control points and knots make no curve or surface.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -37,6 +38,9 @@ pub enum SplineError {
         /// Index of its last knot.
         last: usize,
     },
+    /// A stretch too short for coordinates in single precision; its first knot, counted from 0.
+    #[error("the stretch that begins at knot {0} (counted from 0) is shorter than 1/4194304 of the curve's range")]
+    Narrow(usize),
     /// A number of control points that does not make a net.
     #[error("{controls} control points do not make a net of {rows} × {columns}")]
     Net {
@@ -53,10 +57,21 @@ pub enum SplineError {
     /// A coordinate, weight or knot that is not finite, or so large that its square is not.
     #[error("a control point or knot is too large")]
     TooLarge,
+    /// More memory than there is.
+    #[error("the surface takes {} of memory or more, and {} are free", bytes(*needed), bytes(*free))]
+    Memory {
+        /// Bytes that it took when it was given up.
+        needed: u64,
+        /// Bytes that it may take.
+        free: u64,
+    },
     /// All of it lies in one line or point.
     #[error("the surface has no area")]
     NoArea,
 }
+
+/// Shortest stretch in parts of the range: coordinates below 1 are 2⁻²⁴ apart in single precision, and each stretch is to hold some.
+pub(super) const NARROWEST: f64 = 1.0 / 4_194_304.0;
 
 /// The knots of one direction, checked.
 #[derive(Clone, Debug, PartialEq)]
@@ -119,7 +134,10 @@ impl Basis {
         if !range.is_normal() {
             return Err(SplineError::NoRange { first: degree, last: controls });
         }
-        Ok(Self { degree, controls, knots })
+        let basis = Self { degree, controls, knots };
+        let narrow = basis.spans().find(|span| span.range[1] - span.range[0] < NARROWEST);
+        narrow.map_or(Ok(()), |span| Err(SplineError::Narrow(span.knot)))?;
+        Ok(basis)
     }
 
     /// The degree.
@@ -238,5 +256,8 @@ mod tests {
         assert_eq!(Basis::new(1, 2, knots(&[0.0, 1.0, 0.5, 2.0])), Err(SplineError::Decreasing(2)));
         assert_eq!(Basis::new(1, 2, knots(&[0.0, 1.0, 1.0, 2.0])), Err(SplineError::NoRange { first: 1, last: 2 }));
         assert_eq!(Basis::new(1, 2, knots(&[0.0, 1.0, 2.0, f64::NAN])), Err(SplineError::TooLarge));
+        assert_eq!(Basis::new(1, 3, knots(&[0.0, 0.0, 1e-7, 1.0, 1.0])), Err(SplineError::Narrow(1)));
+        assert_eq!(Basis::new(1, 3, knots(&[0.0, 3.0, 4e7 - 3.0, 4e7, 5e7])), Err(SplineError::Narrow(2)));
+        assert!(Basis::new(1, 3, knots(&[0.0, 0.0, NARROWEST, 1.0, 1.0])).is_ok());
     }
 }

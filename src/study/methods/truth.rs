@@ -3,13 +3,12 @@
 use super::Truth;
 use super::clock::{system, timed};
 use crate::image::metrics::{MetricError, rmse};
-use crate::image::{Image, RelativeScale, SizeError};
+use crate::image::{Image, RelativeScale, SizeError, open_file};
 use crate::integrate::{Algorithm, EyeSettings, Monitor, Settings};
 use crate::plan::{Effect, Plan, Wishes};
 use crate::render::Film;
 use crate::scene::Scene;
 use glam::DVec3;
-use std::fs::File;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -180,7 +179,7 @@ impl References {
 
 fn read(path: &Path, wanted: (u32, u32)) -> Result<Image, TruthError> {
     let mut start = [0; PNG.len()];
-    if File::open(path).and_then(|mut file| file.read_exact(&mut start)).is_ok() && start == PNG {
+    if open_file(path).and_then(|(mut file, _)| file.read_exact(&mut start)).is_ok() && start == PNG {
         return Err(TruthError::NotLinear { path: path.to_owned() });
     }
     let image = crate::image::read(path)?;

@@ -169,3 +169,20 @@ fn what_is_larger_than_the_limit_is_refused_before_it_is_read() {
         shop.refused(&arguments.iter().map(String::as_str).collect::<Vec<_>>(), 2, &words);
     }
 }
+
+/// Room for the photons of an estimate is taken for those that are there, and one alone, which bounds its own disc, is no estimate.
+#[test]
+fn photons_of_an_estimate_are_no_more_than_there_are() {
+    let shop = Shop::new();
+    let planes = "Plane { normal 0 1 0 offset -1 } Plane { normal 0 -1 0 offset -4 }";
+    shop.put(
+        "a.txt",
+        scene(&format!("Materials {{ Diffuse {{ reflectance .5 .5 .5 }} }} Group {{ MaterialIndex 0 {planes} }}")),
+    );
+    let line = |k| {
+        ["render", "a.txt", "-o", "a.png", "--integrator", "sppm", "--photons", "2k", "--passes", "4", "--gather-k", k]
+    };
+    let ended = shop.run(&line("4000M"));
+    assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stderr));
+    shop.refused(&line("1"), 2, &["--gather-k", "write at least 2, or 0"]);
+}

@@ -52,6 +52,37 @@ fn numbers_stop_where_they_can_no_longer_go_on() {
 }
 
 #[test]
+fn what_single_precision_cannot_hold_is_refused() {
+    let largest = "below 3.4e38";
+    for (before, value) in [
+        ("Materials { Phong { diffuseColor", "1 1e39 1"),
+        ("Materials { Phong { specularColor", "1 1 1e300"),
+        ("Materials { Phong { shininess", "1e39"),
+        ("Materials { Phong { emission", "1e39 0 0"),
+        ("Materials { Phong { bump a bumpHeight", "-1e39"),
+        ("Group { Sphere { center 0 0 0 radius", "1e39"),
+        ("Group { Sphere { center 0 0 0 radius 1 emission", "0 0 1e39"),
+        ("Lights { PointLight { position 0 0 0 power", "1e39 0 0"),
+        ("Lights { EnvironmentLight { file a scale", "1e39"),
+        ("Background { color", "1e39 0 0"),
+    ] {
+        let textures = if before.contains("bump") { "Textures { Checker a { } } " } else { "" };
+        let name = before.rsplit(' ').next().unwrap();
+        refused(&format!("{textures}{before} ‹{value}› }} }}"), &format!("`{name}` of"), largest);
+    }
+    refused("Materials { Dielectric { absorption ‹0 2e12 0› } }", "`absorption` of", "between 0 and 1e12");
+    // ln 2 / 1e-13 is 7e12.
+    refused(
+        "Materials { Dielectric { tint 1 .5 1 tintDistance ‹1e-13› } }",
+        "`tintDistance` of",
+        "an absorption above 1e12",
+    );
+    assert!(
+        scene("Materials { Dielectric { tint 1 .5 1 tintDistance 1e-12 } Phong { shininess 3e38 } } Group { }").is_ok()
+    );
+}
+
+#[test]
 fn what_is_left_out_takes_its_default() {
     let text = "\u{feff}\r\n# c\r\nGroup{Sphere{radius 2 center 0 0 0}} // d\nMaterials{Phong{}Mirror m{}}
         PerspectiveCamera{angle 9 lookAt 0 0 0 center 0 0 1}";
@@ -158,7 +189,7 @@ fn colours_must_be_possible() {
     refused("Materials { Phong { shininess ‹-1› } }", "`shininess` of `Phong` cannot be `-1`", "not be negative");
     refused("Materials { Diffuse { reflectance ‹1 1.1 1› } }", "cannot be `1 1.1 1`", "between 0 and 1");
     refused("Materials { Dielectric { tint ‹1 0 1› } }", "`tint` of `Dielectric`", "above 0 and at most at 1");
-    refused("Materials { Dielectric { absorption ‹-1 0 1› } }", "`absorption`", "not be negative");
+    refused("Materials { Dielectric { absorption ‹-1 0 1› } }", "`absorption`", "between 0 and 1e12");
     refused("Materials { Dielectric { tint 1 1 1 tintDistance ‹0› } }", "`tintDistance`", "above 0");
     refused("Materials { Dielectric { tintDistance ‹1› } }", "`tintDistance`", "nothing without `tint`");
 }

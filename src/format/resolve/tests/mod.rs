@@ -180,7 +180,7 @@ fn what_cannot_be_rendered_is_refused_with_its_place() {
         assert_eq!((error.line(), error.column(), error.text()), (3, 1, offending), "{error}");
         assert!(error.message().contains(message) && !error.remedy().is_empty(), "{error}");
     }
-    let error = refusal("Group { Sphere { center 0 0 0 radius 1e300 } }");
+    let error = refusal("Group { Sphere { center 0 0 0 radius 1e30 } }");
     assert!(error.message().contains("single precision") && !error.remedy().is_empty(), "{error}");
 }
 
@@ -338,4 +338,18 @@ fn the_camera_looks_where_it_is_told() {
     description.camera.value.up = DVec3::Z;
     let error = resolve(&description, &Source::new("a.txt", &text), Path::new("")).unwrap_err();
     assert_eq!((error.line(), error.text()), (1, "PerspectiveCamera"));
+}
+
+#[test]
+fn radiance_that_single_precision_cannot_hold_is_refused() {
+    let checker = "Textures { Checker a { color1 9 9 9 } } Materials { Phong { emission a emissionScale 1e38 } }";
+    for (text, place) in [
+        ("Lights { SphereLight { center 0 0 0 radius 1e-10 power 1e30 1 1 } } Group { }", "SphereLight"),
+        ("Lights { DiscLight { center 0 0 0 normal 0 1 0 radius 1e-200 power 0 1 0 } } Group { }", "DiscLight"),
+        (&format!("{checker} Group {{ MaterialIndex 0 Sphere {{ center 0 0 0 radius 1 }} }}"), "Sphere"),
+    ] {
+        let error = refusal(text);
+        assert!(error.text() == place && error.message().contains("3.4e38"), "{error}");
+        assert!(error.remedy().contains("shine less"), "{error}");
+    }
 }
