@@ -3,6 +3,7 @@
 mod builder;
 mod cone;
 mod dress;
+mod error;
 mod immersed;
 mod inside;
 mod interior;
@@ -18,9 +19,10 @@ mod touching;
 mod walk;
 mod wardrobe;
 
-pub use builder::{BuildError, SceneBuilder};
+pub use builder::SceneBuilder;
 pub use cone::{Cone, Detail};
 pub use dress::{Coat, Dress, Relief, Tint};
+pub use error::BuildError;
 pub use immersed::Immersed;
 pub use inside::Inside;
 pub use interior::{Filling, Interior, Meeting, Memory, Open};
