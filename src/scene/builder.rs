@@ -319,6 +319,7 @@ impl SceneBuilder {
             middle,
             camera_inside: Inside::NOTHING,
             light_inside: Vec::new(),
+            light_contact: Vec::new(),
             bodies_touch: false,
         };
         scene.bodies_touch = scene.may_touch();

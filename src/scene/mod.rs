@@ -2,6 +2,7 @@
 
 mod builder;
 mod cone;
+mod contact;
 mod dress;
 mod error;
 mod immersed;
@@ -37,7 +38,7 @@ use crate::bsdf::Bsdf;
 use crate::camera::Camera;
 use crate::color::{Glass, Rgb};
 use crate::light::Light;
-use crate::math::{Bounds, Ray, Sphere, gamma};
+use crate::math::{Bounds, Ray, Sphere};
 use crate::medium::Medium;
 use crate::shape::{Chart, Mesh, Plane, Shape, SurfacePoint};
 use crate::texture::Texture;
@@ -107,6 +108,8 @@ pub struct Scene {
     camera_inside: Inside,
     /// What each light is inside of.
     light_inside: Vec<Inside>,
+    /// How near to a surface each light is taken to stand in it.
+    light_contact: Vec<f32>,
     /// Whether boundaries of bodies may coincide.
     bodies_touch: bool,
 }
@@ -213,15 +216,6 @@ impl Scene {
     #[must_use]
     pub fn domain(&self) -> Sphere {
         self.domain
-    }
-
-    /// How near to a surface a light without one is taken to stand in it \[length]: it shines on both sides.
-    ///
-    /// Places are rounded to 2⁻²⁴ of their coordinates, so which side such a light is on nobody knows. What leaves it passes that
-    /// surface unless it goes along it, at an angle whose cosine to the normal is below a fortieth.
-    #[must_use]
-    pub fn light_contact(&self) -> f32 {
-        gamma(64) * (self.domain.radius + self.domain.center.abs().max_element())
     }
 
     /// What was subtracted from all coordinates of the description.
