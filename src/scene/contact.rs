@@ -2,7 +2,7 @@
 
 use super::Scene;
 use crate::light::Light;
-use crate::math::{Ray, gamma, offset_origin};
+use crate::math::{Ray, gamma};
 use glam::Vec3;
 
 /// How far from a light in a surface its light begins, in distances that rounding may have put it to one side.
@@ -37,15 +37,17 @@ impl Scene {
         let reach = gamma(64) * (self.domain.radius + self.domain.center.abs().max_element() + place.length()) + own;
         let mut doubt = own;
         for axis in Vec3::AXES {
-            let mut ray = Ray { origin: place - axis * reach, direction: axis, t_max: 2.0 * reach };
-            while let Some(hit) = self.intersect(&ray) {
+            let mut from = -reach;
+            loop {
+                let ray = Ray { origin: place + axis * from, direction: axis, t_max: reach - from };
+                let Some(hit) = self.intersect(&ray) else { break };
                 let point = self.point(&ray, &hit).0;
-                let of_both = own + point.error.length();
-                if (point.p - place).dot(point.ng).abs() <= of_both {
-                    doubt = doubt.max(of_both);
+                let error = point.error.length();
+                if (point.p - place).dot(point.ng).abs() <= own + error {
+                    doubt = doubt.max(own + error);
                 }
-                let origin = offset_origin(point.p, point.error, point.ng, axis);
-                ray = Ray { origin, t_max: reach - (origin - place).dot(axis), ..ray };
+                // An error is no less than a step of the coordinates there, so the start moves on.
+                from = (from + hit.t + error).max(from.next_up());
             }
         }
         (CLEAR * doubt).min(reach)
