@@ -52,10 +52,10 @@ impl Map {
             Self::Scale(s) => Step::Stretch(s),
             Self::UniformScale(s) => Step::Stretch(DVec3::splat(s)),
             Self::Translate(t) => Step::Shift(t),
-            Self::RotateX(angle) => Step::Turn(DVec3::X, angle.to_radians()),
-            Self::RotateY(angle) => Step::Turn(DVec3::Y, angle.to_radians()),
-            Self::RotateZ(angle) => Step::Turn(DVec3::Z, angle.to_radians()),
-            Self::Rotate { axis, angle } => Step::Turn(axis.normalize_or_zero(), angle.to_radians()),
+            Self::RotateX(angle) => Step::Turn(DVec3::X, angle),
+            Self::RotateY(angle) => Step::Turn(DVec3::Y, angle),
+            Self::RotateZ(angle) => Step::Turn(DVec3::Z, angle),
+            Self::Rotate { axis, angle } => Step::Turn(axis.normalize_or_zero(), angle),
             Self::Matrix(_) => Step::Fixed(self.matrix()),
         }
     }
@@ -73,7 +73,7 @@ impl Map {
 
 /// A turn about a unit `axis` by `angle` in degrees.
 fn turn(axis: DVec3, angle: f64) -> DAffine3 {
-    DAffine3::from_mat3(math::turn(axis, angle.to_radians()))
+    DAffine3::from_mat3(math::turn_degrees(axis, angle))
 }
 
 #[cfg(test)]

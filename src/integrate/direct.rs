@@ -106,7 +106,7 @@ impl<'a> DirectLight<'a> {
             for ray in 0..rays {
                 // A net spreads the rays over the light.
                 let u = if self.middles { MIDDLE } else { draw.of(ray, rays).two(Dimension::LightPosition) };
-                sum += self.from(light, vertex, u, rays as f32, other, worker);
+                sum += self.from(i, vertex, u, rays as f32, other, worker);
             }
         }
         sum
@@ -129,7 +129,7 @@ impl<'a> DirectLight<'a> {
             let Some((light, probability, _)) = choice.choose(point.p, vertex.horizon(), u) else { continue };
             let draw = vertex.shadow_draw.with(u64::from(i));
             let u = if self.middles { MIDDLE } else { draw.two(Dimension::LightPosition) };
-            sum += self.from(&self.lights[light], vertex, u, probability * rays as f32, other, worker);
+            sum += self.from(light, vertex, u, probability * rays as f32, other, worker);
         }
         sum
     }
@@ -145,11 +145,11 @@ impl<'a> DirectLight<'a> {
         rays * self.lights[light].density(last.p, wi, seen)
     }
 
-    /// One shadow ray of `rays`.
+    /// One shadow ray of `rays` to light `light`.
     #[inline]
     fn from<I: Interior>(
         &self,
-        light: &Light,
+        light: usize,
         vertex: &Vertex<'_, I>,
         u: Vec2,
         rays: f32,
@@ -157,7 +157,7 @@ impl<'a> DirectLight<'a> {
         worker: &mut Worker,
     ) -> Rgb {
         let surface = vertex.surface;
-        let Some(sample) = light.sample_direct(surface.point.p, u) else {
+        let Some(sample) = self.lights[light].sample_direct(surface.point.p, u) else {
             return Rgb::ZERO;
         };
         let mut reflected = surface.scatter(sample.wi) * sample.irradiance / rays;
@@ -173,30 +173,30 @@ impl<'a> DirectLight<'a> {
         }
         worker.counters.shadow_rays += 1;
         let ray = match sample.reach {
-            Reach::Point(target) => surface.segment_to(self.end(&sample, target, surface.point.p), sample.wi),
+            Reach::Point(target) => surface.segment_to(self.end(light, &sample, target, surface.point.p), sample.wi),
             Reach::Infinity => surface.leave(sample.wi),
         };
         if self.scene.occluded(&ray) {
-            return if self.clear { reflected * self.clearance(vertex, &sample) } else { Rgb::ZERO };
+            return if self.clear { reflected * self.clearance(light, vertex, &sample) } else { Rgb::ZERO };
         }
         reflected * self.left(vertex, &sample)
     }
 
     /// Where a shadow ray from `p` to a sample ends: short of a light without a surface, which may stand in that of something else.
     #[inline]
-    fn end(&self, sample: &DirectSample, target: Vec3, p: Vec3) -> Vec3 {
+    fn end(&self, light: usize, sample: &DirectSample, target: Vec3, p: Vec3) -> Vec3 {
         if sample.pdf.is_some() {
             return target;
         }
-        target - sample.wi * self.scene.light_contact().min(0.5 * (target - p).length())
+        target - sample.wi * self.scene.light_contact(light).min(0.5 * (target - p).length())
     }
 
     /// The same where something is in the way, which may be clear.
-    fn clearance<I: Interior>(&self, vertex: &Vertex<'_, I>, sample: &DirectSample) -> Rgb {
+    fn clearance<I: Interior>(&self, light: usize, vertex: &Vertex<'_, I>, sample: &DirectSample) -> Rgb {
         let walk = vertex.leaving(sample.wi);
         let ray = match sample.reach {
             Reach::Point(target) => {
-                vertex.surface.segment_to(self.end(sample, target, vertex.surface.point.p), sample.wi)
+                vertex.surface.segment_to(self.end(light, sample, target, vertex.surface.point.p), sample.wi)
             }
             Reach::Infinity => walk.ray,
         };

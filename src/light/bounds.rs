@@ -64,7 +64,8 @@ impl LightBounds {
                 (Bounds::of([*position]), Cone::ALL, FRAC_PI_2, *intensity * (4.0 * std::f32::consts::PI))
             }
             Light::Spot(spot) => {
-                let [inner, outer] = [spot.cos_inner, spot.cos_outer].map(|c| libm::acos(f64::from(c)));
+                let [inner, outer] =
+                    [spot.inner, spot.outer].map(|drop| 2.0 * libm::asin((0.5 * f64::from(drop)).sqrt().min(1.0)));
                 let spread = (outer - inner).min(FRAC_PI_2);
                 let normals = Cone { axis: spot.axis.as_dvec3(), angle: outer - spread + NORMAL_ERROR };
                 (Bounds::of([spot.position]), normals, spread, spot.power())

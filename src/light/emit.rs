@@ -26,9 +26,10 @@ impl Light {
                 Some(Emission { ray: Ray::new(*p, warp::sphere(direction)), flux: *intensity * (4.0 * PI) })
             }
             Self::Spot(spot) => {
-                let one_minus_cos = 1.0 - spot.cos_outer;
-                let w = Frame::around(spot.axis).to_world(warp::cone(direction, one_minus_cos));
-                Some(Emission { ray: Ray::new(spot.position, w), flux: spot.intensity(w) * (TAU * one_minus_cos) })
+                let w = Frame::around(spot.axis).to_world(warp::cone(direction, spot.outer));
+                // As drawn: in a narrow beam the rounding of a direction is a part of its width.
+                let intensity = spot.intensity_at(direction.x * spot.outer);
+                Some(Emission { ray: Ray::new(spot.position, w), flux: intensity * (TAU * spot.outer) })
             }
             Self::Directional { direction: w, irradiance } => {
                 let (ray, area) = across(domain, *w, position)?;

@@ -20,13 +20,14 @@ impl Light {
             Self::Point { .. } | Self::Directional { .. } | Self::Environment(_) => true,
             Self::Spot(spot) => {
                 let to = grown.center - spot.position;
-                let (distance, along) = (to.length(), to.dot(spot.axis));
+                let distance = to.length();
                 // The ball is seen within asin(r/d) of its centre; beyond a right angle the beam is no cone to reckon with.
-                if distance <= grown.radius || spot.cos_outer < 0.0 {
+                if distance <= grown.radius || spot.outer > 1.0 {
                     return true;
                 }
-                let angle = libm::acosf((along / distance).clamp(-1.0, 1.0));
-                angle <= libm::acosf(spot.cos_outer) + libm::asinf(grown.radius / distance) + MARGIN
+                // 2 asin of half the chord keeps its digits in narrow beams.
+                let angle = 2.0 * libm::asinf((0.5 * (to / distance - spot.axis).length()).min(1.0));
+                angle <= 2.0 * libm::asinf((0.5 * spot.outer).sqrt()) + libm::asinf(grown.radius / distance) + MARGIN
             }
             Self::Area(area) => match area.emitter {
                 Emitter::Shape(Shape::Disc(_) | Shape::Rectangle(_)) => {

@@ -16,7 +16,7 @@ pub use double::{exact_cross, exact_dot};
 pub use float::{direction, gamma, quadratic, sin_cos_turns};
 pub use frame::Frame;
 pub use morton::morton_order;
-pub use motion::{Motion, Step, turn};
+pub use motion::{Motion, Step, turn, turn_degrees};
 pub use ray::{Ray, offset_origin};
 pub use sum::Sum;
 pub use transform::{Singular, Transform};

@@ -9,7 +9,7 @@ pub enum Step {
     Fixed(DAffine3),
     /// A shift, whole at time 1.
     Shift(DVec3),
-    /// A right-handed turn about a unit axis through the origin \[radians], whole at time 1.
+    /// A right-handed turn about a unit axis through the origin \[degrees], whole at time 1.
     Turn(DVec3, f64),
     /// A stretch of each axis by a factor above 0, whole at time 1 and in between linear.
     Stretch(DVec3),
@@ -22,7 +22,7 @@ impl Step {
         match *self {
             Self::Fixed(map) => map,
             Self::Shift(by) => DAffine3::from_translation(by * time),
-            Self::Turn(axis, angle) => DAffine3::from_mat3(turn(axis, angle * time)),
+            Self::Turn(axis, angle) => DAffine3::from_mat3(turn_degrees(axis, angle * time)),
             Self::Stretch(by) => DAffine3::from_scale(DVec3::ONE + (by - 1.0) * time),
         }
     }
@@ -85,7 +85,21 @@ impl Motion {
 /// Rodrigues' rotation about a unit `axis`: cos·I + (1 − cos)·aaᵀ + sin·\[a\]×.
 #[must_use]
 pub fn turn(axis: DVec3, radians: f64) -> DMat3 {
-    let (sin, cos) = libm::sincos(radians);
+    turn_by(axis, libm::sincos(radians))
+}
+
+/// The same by an angle in degrees; multiples of 90° take axes to axes exactly, which radians cannot.
+#[must_use]
+pub fn turn_degrees(axis: DVec3, degrees: f64) -> DMat3 {
+    let sin_cos = if degrees % 90.0 == 0.0 {
+        [(0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0)][(degrees.rem_euclid(360.0) / 90.0) as usize]
+    } else {
+        libm::sincos(degrees.to_radians())
+    };
+    turn_by(axis, sin_cos)
+}
+
+fn turn_by(axis: DVec3, (sin, cos): (f64, f64)) -> DMat3 {
     let column = |e: DVec3| e * cos + axis * ((1.0 - cos) * axis.dot(e)) + axis.cross(e) * sin;
     DMat3::from_cols(column(DVec3::X), column(DVec3::Y), column(DVec3::Z))
 }
@@ -98,7 +112,7 @@ mod tests {
     #[test]
     fn turning_points_go_along_circles_and_the_first_step_is_applied_last() {
         let motion = Motion::still(DAffine3::from_translation(DVec3::Y)).then_inside([
-            Step::Turn(DVec3::Y, PI),
+            Step::Turn(DVec3::Y, 180.0),
             Step::Shift(DVec3::X),
             Step::Stretch(DVec3::splat(3.0)),
         ]);

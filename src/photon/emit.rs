@@ -159,7 +159,7 @@ impl<'a> PhotonSource<'a> {
         let ray = match light {
             Light::Directional { .. } | Light::Environment(_) => self.scene.starting_beyond_planes(emission.ray),
             Light::Point { .. } | Light::Spot(_) => {
-                Ray { origin: emission.ray.at(self.scene.light_contact()), ..emission.ray }
+                Ray { origin: emission.ray.at(self.scene.light_contact(draw.light)), ..emission.ray }
             }
             Light::Area(_) => emission.ray,
         };

@@ -1,11 +1,11 @@
 //! Building a resolved scene from parts in world coordinates.
 
-use super::contacts::Contacts;
 use super::middle::{Extent, middle, sight};
 use super::movement::{MIDDLE, Movement, constant_strength, plane_at, shape_at, source_at};
+use super::neighbours::Neighbours;
 use super::source::{course_area_light, resolve_source};
 use super::wardrobe::{Place, Wardrobe};
-use super::{Attributes, Inside, LightStrength, Material, Scene, SourceKind};
+use super::{Attributes, BuildError, Inside, LightStrength, Material, Scene, SourceKind};
 use crate::accel::Hierarchy;
 use crate::camera::Camera;
 use crate::color::{Glass, Rgb};
@@ -17,25 +17,11 @@ use crate::shape::{Mesh, Plane, Shape, Triangle};
 use glam::{DAffine3, DVec3, Vec2, Vec3};
 use std::sync::Arc;
 
-/// Why parts do not make a scene.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum BuildError {
-    /// An unbounded plane cannot emit: its power would be infinite.
-    #[error("an infinite plane cannot emit light: use a rectangle or a disc")]
-    EmissivePlane,
-    /// After re-centring, a coordinate does not fit single precision.
-    #[error("the scene spans more than single precision can hold: the farthest coordinate is {0:e} from its middle")]
-    TooLarge(f64),
-    /// Light counted from 0 whose power does not fit single precision.
-    #[error("light {0} (counted from 0) is stronger than single precision can hold")]
-    TooBright(usize),
-    /// A motion that squeezes what it moves until it has no extent.
-    #[error("a motion flattens what it moves: choose scales that are not so small")]
-    Flattened,
-    /// More triangles than indices.
-    #[error("{0} triangles are more than the 2³¹ that can be indexed")]
-    TooManyTriangles(usize),
-}
+/// Squares and products of three coordinates must stay finite.
+const FARTHEST: f32 = 1e12;
+
+/// 2⁻³⁹: what single precision tells apart there, 2⁻²⁴ of it, has a square of 2⁻¹²⁶, the least normal number.
+const LEAST: f32 = 1.0 / 549_755_813_888.0;
 
 /// Gathers the parts of a scene.
 #[derive(Debug, Default)]
@@ -229,12 +215,16 @@ impl SceneBuilder {
         let farthest = corners
             .iter()
             .flatten()
-            .map(|p| p.abs().max_element())
-            .chain(boxes.iter().chain(&ends).map(|b| b.min.abs().max(b.max.abs()).max_element()))
-            .fold(0.0, f32::max);
-        // Squares and products of three coordinates must stay finite.
-        if farthest.is_nan() || farthest > 1e12 {
-            return Err(BuildError::TooLarge(f64::from(farthest)));
+            .copied()
+            .chain(boxes.iter().chain(&ends).flat_map(|b| [b.min, b.max]))
+            .flat_map(|p| p.abs().to_array())
+            // What is no number is the farthest of all.
+            .max_by(f32::total_cmp);
+        match farthest {
+            Some(far) if !far.is_finite() => return Err(BuildError::TooLarge(f64::INFINITY)),
+            Some(far) if far > FARTHEST => return Err(BuildError::TooLarge(f64::from(far))),
+            Some(far) if far < LEAST => return Err(BuildError::TooSmall(f64::from(far))),
+            _ => {}
         }
         let bounds = boxes[..still].iter().copied().fold(Bounds::of(corners.iter().flatten().copied()), Bounds::union);
 
@@ -330,9 +320,10 @@ impl SceneBuilder {
             middle,
             camera_inside: Inside::NOTHING,
             light_inside: Vec::new(),
-            contacts: Contacts::default(),
+            neighbours: Neighbours::default(),
+            light_contact: Vec::new(),
         };
-        scene.contacts = scene.find_contacts();
+        scene.neighbours = scene.find_neighbours();
         scene.settle(bounds);
         match scene.lights.iter().position(|light| !light.power(scene.domain).is_finite()) {
             Some(i) => Err(BuildError::TooBright(i)),

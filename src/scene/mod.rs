@@ -2,14 +2,16 @@
 
 mod builder;
 mod cone;
-mod contacts;
 mod dress;
+mod error;
 mod immersed;
 mod inside;
 mod interior;
+mod light_contact;
 mod material;
 mod middle;
 mod movement;
+mod neighbours;
 mod nothing;
 mod objects;
 mod settle;
@@ -19,9 +21,10 @@ mod touching;
 mod walk;
 mod wardrobe;
 
-pub use builder::{BuildError, SceneBuilder};
+pub use builder::SceneBuilder;
 pub use cone::{Cone, Detail};
 pub use dress::{Coat, Dress, Relief, Tint};
+pub use error::BuildError;
 pub use immersed::Immersed;
 pub use inside::Inside;
 pub use interior::{Filling, Interior, Meeting, Memory, Open};
@@ -36,13 +39,13 @@ use crate::bsdf::Bsdf;
 use crate::camera::Camera;
 use crate::color::{Glass, Rgb};
 use crate::light::Light;
-use crate::math::{Bounds, Ray, Sphere, gamma};
+use crate::math::{Bounds, Ray, Sphere};
 use crate::medium::Medium;
 use crate::shape::{Chart, Mesh, Plane, Shape, SurfacePoint};
 use crate::texture::Texture;
-use contacts::Contacts;
 use glam::{DVec3, Vec2, Vec3};
 use movement::Movement;
+use neighbours::Neighbours;
 use std::sync::Arc;
 use touching::Touching;
 
@@ -107,8 +110,10 @@ pub struct Scene {
     camera_inside: Inside,
     /// What each light is inside of.
     light_inside: Vec<Inside>,
+    /// How near to a surface each light is taken to stand in it.
+    light_contact: Vec<f32>,
     /// Which boundaries of bodies may coincide.
-    contacts: Contacts,
+    neighbours: Neighbours,
 }
 
 impl std::fmt::Debug for Scene {
@@ -215,15 +220,6 @@ impl Scene {
         self.domain
     }
 
-    /// How near to a surface a light without one is taken to stand in it \[length]: it shines on both sides.
-    ///
-    /// Places are rounded to 2⁻²⁴ of their coordinates, so which side such a light is on nobody knows. What leaves it passes that
-    /// surface unless it goes along it, at an angle whose cosine to the normal is below a fortieth.
-    #[must_use]
-    pub fn light_contact(&self) -> f32 {
-        gamma(64) * (self.domain.radius + self.domain.center.abs().max_element())
-    }
-
     /// What was subtracted from all coordinates of the description.
     #[must_use]
     pub fn middle(&self) -> DVec3 {
@@ -316,7 +312,7 @@ impl Scene {
             Scattering::Mix { .. } => (Bsdf::Black, 0.0),
         };
         let (light, touching) = (attributes.light, Touching::NONE);
-        let crowded = self.contacts.may(hit.kind).then(|| self.thing_of(hit.kind));
+        let crowded = self.neighbours.may(hit.kind).then(|| self.thing_of(hit.kind));
         let mut surface = Surface { point, wo, material, index, bsdf, roughness, crowded, touching, light, emission };
         if let Some(dress) = material.dress {
             self.put_on(dress, &mut surface, hit, cone);

@@ -1,5 +1,5 @@
 //! What follows from where things are: the hierarchy of what moves, the ball in which light from infinity counts, and what camera and lights
-//! are inside of.
+//! are inside of or touch.
 
 use super::{Inside, Scene};
 use crate::accel::Hierarchy;
@@ -27,6 +27,7 @@ impl Scene {
         self.filled = Sphere { center: self.domain.center, radius: farthest * FILLED };
         self.camera_inside = Inside::NOTHING;
         self.light_inside = vec![Inside::NOTHING; self.lights.len()];
+        self.light_contact = self.lights.iter().map(|light| self.contact_of(light)).collect();
         if self.has_bodies() {
             self.camera_inside = self.inside_at(self.camera.center().as_vec3());
             let start = |light: &Light| light.start().map_or(Inside::NOTHING, |p| self.inside_at(p));

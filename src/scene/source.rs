@@ -67,6 +67,12 @@ impl SourceKind {
     }
 }
 
+/// 1 − cos x with all its digits.
+fn one_minus_cos(x: f64) -> f64 {
+    let sin = libm::sin(0.5 * x);
+    2.0 * sin * sin
+}
+
 /// The light and its course colour. A course colour c means irradiance π·c on a facing surface at the middle, so that a white
 /// matt surface there reflects radiance c.
 pub(super) fn resolve_source(kind: &SourceKind, strength: LightStrength, middle: DVec3) -> (Light, CourseLight) {
@@ -91,8 +97,8 @@ pub(super) fn resolve_source(kind: &SourceKind, strength: LightStrength, middle:
             let mut spot = Spot {
                 position: place,
                 axis: axis.normalize().as_vec3(),
-                cos_inner: libm::cos(*inner) as f32,
-                cos_outer: libm::cos(*outer) as f32,
+                inner: one_minus_cos(*inner) as f32,
+                outer: one_minus_cos(*outer) as f32,
                 peak: Rgb::ONE,
             };
             let (peak, color) = to_intensity(position, 1.0 / spot.power().x);

@@ -1,8 +1,8 @@
 //! What a builder gathers of textures, and what wears them.
 
-use super::builder::{BuildError, SceneBuilder};
+use super::builder::SceneBuilder;
 use super::movement::MIDDLE;
-use super::{Dress, Material};
+use super::{BuildError, Dress, Material};
 use crate::color::Rgb;
 use crate::light::{Area, Glow, Light};
 use crate::math::{Motion, Transform};

@@ -4,6 +4,10 @@ use super::{Crossing, SurfacePoint, widen, within};
 use crate::math::{Ray, Transform};
 use glam::{DVec3, Vec3};
 
+/// Cosine to the normal up to which rounding alone makes a ray meet a plane that it goes along. In roundings of 2⁻⁵³: an angle up to a full
+/// turn is off by 2π, and so is a second one around it; the product of normal and direction by three.
+const PARALLEL: f64 = 8.0 * f64::EPSILON;
+
 /// The points with `normal · x = offset`; its outer side is that of the unit normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane {
@@ -42,7 +46,11 @@ impl Plane {
     #[must_use]
     pub fn intersect(&self, ray: &Ray) -> Option<Crossing> {
         let (o, d) = widen(ray);
-        within(ray, (self.offset - self.normal.dot(o)) / self.normal.dot(d)).map(|t| (t, 0.0, 0.0))
+        let across = self.normal.dot(d);
+        if across * across <= PARALLEL * PARALLEL * d.length_squared() {
+            return None;
+        }
+        within(ray, (self.offset - self.normal.dot(o)) / across).map(|t| (t, 0.0, 0.0))
     }
 
     /// The surface at `t`.

@@ -6,6 +6,7 @@ mod lights;
 mod map;
 mod power;
 mod radius;
+mod spots;
 mod walls;
 
 use caustica::camera::{Camera, Filter, FilterKind};

@@ -1,5 +1,6 @@
 //! Scale and place: scenes that are huge, tiny, far away or turned show the same picture.
 
+mod ends;
 mod floor;
 mod paired;
 mod similar;

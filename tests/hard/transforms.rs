@@ -4,4 +4,5 @@ pub mod dd;
 mod instances;
 mod maps;
 mod nested;
+mod quarters;
 mod shapes;

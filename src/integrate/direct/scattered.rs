@@ -4,7 +4,7 @@ use super::{DirectLight, MIDDLE, Scheme};
 use crate::color::Rgb;
 use crate::integrate::method::History;
 use crate::integrate::tiles::Worker;
-use crate::light::{Light, Reach};
+use crate::light::Reach;
 use crate::math::Ray;
 use crate::medium::Flight;
 use crate::plan::Effect;
@@ -53,7 +53,7 @@ impl DirectLight<'_> {
                         let pivot = light.start().filter(|_| scattering.stretch.medium.is_homogeneous());
                         let place = pivot.map_or_else(flown, |pivot| scattering.near(pivot, draw));
                         if let Some(place) = place {
-                            sum += self.scattered_at(&place, light, scattering, draw, rays as f32, worker);
+                            sum += self.scattered_at(&place, i, scattering, draw, rays as f32, worker);
                         }
                     }
                 }
@@ -66,7 +66,7 @@ impl DirectLight<'_> {
                     let Some((light, probability, _)) = choice.choose(place.p, None, u) else { continue };
                     let draw = scattering.shadow_draw.with(u64::from(i));
                     let rays = probability * rays as f32;
-                    sum += self.scattered_at(&place, &self.lights[light], scattering, draw, rays, worker);
+                    sum += self.scattered_at(&place, light, scattering, draw, rays, worker);
                 }
             }
             (Scheme::Chosen(_), None) => {}
@@ -77,7 +77,7 @@ impl DirectLight<'_> {
     fn scattered_at<I: Interior>(
         &self,
         place: &Place,
-        light: &Light,
+        light: usize,
         scattering: &Scattering<'_, I>,
         draw: Draw,
         rays: f32,
@@ -85,7 +85,7 @@ impl DirectLight<'_> {
     ) -> Rgb {
         let stretch = scattering.stretch;
         let u = if self.middles { MIDDLE } else { draw.two(Dimension::LightPosition) };
-        let Some(sample) = light.sample_direct(place.p, u) else { return Rgb::ZERO };
+        let Some(sample) = self.lights[light].sample_direct(place.p, u) else { return Rgb::ZERO };
         // Light travels against `wi`, and then against the walk.
         let phase = stretch.medium.phase.evaluate(stretch.ray.direction.dot(sample.wi));
         let mut found = place.weight * sample.irradiance * (phase / rays);
@@ -98,7 +98,7 @@ impl DirectLight<'_> {
         }
         let (ray, t_max) = match sample.reach {
             Reach::Point(target) => {
-                (Ray::between(place.p, self.end(&sample, target, place.p)), (target - place.p).length())
+                (Ray::between(place.p, self.end(light, &sample, target, place.p)), (target - place.p).length())
             }
             Reach::Infinity => (Ray::new(place.p, sample.wi), f32::INFINITY),
         };

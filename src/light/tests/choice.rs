@@ -24,8 +24,8 @@ fn strewn(n: u64) -> Vec<Light> {
             0 => Light::Point { position: place, intensity: Rgb::splat(strength) },
             1 => {
                 // Half of them have no rim.
-                let cos_outer = if i % 12 == 1 { 0.6 } else { 0.9 };
-                Light::Spot(Spot { position: place, axis, cos_inner: 0.9, cos_outer, peak: Rgb::splat(strength) })
+                let outer = if i % 12 == 1 { 0.4 } else { 0.1 };
+                Light::Spot(Spot { position: place, axis, inner: 0.1, outer, peak: Rgb::splat(strength) })
             }
             2 => area(Shape::Sphere(SphereShape::new(center, 0.1)), 30.0 * strength),
             3 => area(Shape::Rectangle(Rectangle::new(center, s * 0.3, t * 0.2)), 15.0 * strength),

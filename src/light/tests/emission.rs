@@ -11,8 +11,8 @@ fn lights() -> Vec<Light> {
         Light::Spot(Spot {
             position: Vec3::new(0.3, 3.0, 0.1),
             axis: Vec3::NEG_Y,
-            cos_inner: 0.95,
-            cos_outer: 0.8,
+            inner: 0.05,
+            outer: 0.2,
             peak: Rgb::splat(2.0),
         }),
         Light::Directional { direction: Vec3::new(0.1, -1.0, 0.2).normalize(), irradiance: Rgb::splat(2.0) },
@@ -105,7 +105,7 @@ fn density(light: &Light, w: Vec3) -> f64 {
     match light {
         Light::Point { .. } => uniform,
         Light::Spot(spot) => {
-            f64::from(u8::from(w.dot(spot.axis) > spot.cos_outer)) * 2.0 * uniform / f64::from(1.0 - spot.cos_outer)
+            f64::from(u8::from(1.0 - w.dot(spot.axis) < spot.outer)) * 2.0 * uniform / f64::from(spot.outer)
         }
         Light::Directional { .. } => 0.0,
         Light::Area(Area { emitter: Emitter::Shape(Shape::Disc(_)), .. }) => f64::from((-w.y).max(0.0)) * 4.0 * uniform,

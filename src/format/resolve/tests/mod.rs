@@ -308,13 +308,13 @@ fn a_spot_s_angle_is_the_whole_cone_and_its_rim_is_inside() {
         }
     };
     let sharp = spot("lookAt 0 0 0 angle 60");
-    assert_eq!((sharp.axis, sharp.cos_inner, sharp.cos_outer), (Vec3::NEG_Y, sharp.cos_outer, sharp.cos_outer));
-    assert!((sharp.cos_outer - 0.75f32.sqrt()).abs() < 1e-6);
+    assert_eq!((sharp.axis, sharp.inner), (Vec3::NEG_Y, sharp.outer));
+    assert!((1.0 - sharp.outer - 0.75f32.sqrt()).abs() < 1e-6);
     let soft = spot("direction 0 0 7 angle 180 penumbra 30");
     assert_eq!(soft.axis, Vec3::Z);
-    assert!((soft.cos_inner - 0.5).abs() < 1e-6 && soft.cos_outer.abs() < 1e-6);
+    assert!((soft.inner - 0.5).abs() < 1e-6 && (soft.outer - 1.0).abs() < 1e-6);
     let all_rim = spot("direction 0 0 1 angle 60 penumbra 30");
-    assert_eq!(all_rim.cos_inner, 1.0);
+    assert_eq!(all_rim.inner, 0.0);
 }
 
 #[test]

@@ -19,14 +19,14 @@ const REACH: f32 = 16.0 * f32::EPSILON;
 
 /// For triangles and shapes, whether a boundary of another thing may lie on some part of them; empty where that is so of none.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Contacts {
+pub(super) struct Neighbours {
     triangles: Arc<[bool]>,
     shapes: Arc<[bool]>,
     /// Whether it may be so of anything: what moves, and what has no end, is anywhere.
     anywhere: bool,
 }
 
-impl Contacts {
+impl Neighbours {
     #[inline]
     pub fn may(&self, kind: HitKind) -> bool {
         let of = |flags: &[bool], i: u32| flags.get(i as usize).copied().unwrap_or(false);
@@ -62,7 +62,7 @@ impl Thing {
 }
 
 impl Scene {
-    pub(super) fn find_contacts(&self) -> Contacts {
+    pub(super) fn find_neighbours(&self) -> Neighbours {
         let bounds: Vec<bool> = (0..self.materials.len() as u32).map(|material| self.may_bound(material)).collect();
         let is_boundary = |material: u32| bounds[material as usize];
         let still = self.shapes.iter().zip(&self.shape_attributes).zip(0..self.first_moving);
@@ -81,7 +81,7 @@ impl Scene {
         let anywhere = moving.chain(endless).filter(|attributes| is_boundary(attributes.material)).count();
         if anywhere > 0 {
             let others = shapes.len() + parts.iter().flatten().count();
-            return Contacts { anywhere: anywhere + others > 1, ..Contacts::default() };
+            return Neighbours { anywhere: anywhere + others > 1, ..Neighbours::default() };
         }
         let mut things: Vec<Thing> = shapes.iter().map(|(_, b)| Thing::new(*b)).collect();
         let mut numbers = vec![None; parts.len()];
@@ -93,7 +93,7 @@ impl Scene {
         }
         let meeting = meeting(&things);
         if !meeting.contains(&true) {
-            return Contacts::default();
+            return Neighbours::default();
         }
         let mut faces: Vec<Face> = Vec::new();
         for (thing, (i, _)) in shapes.iter().enumerate().filter(|(thing, _)| meeting[*thing]) {
@@ -124,7 +124,7 @@ impl Scene {
                 Primitive::Other(i) => shapes[i as usize] = found,
             }
         }
-        Contacts { triangles: triangles.into(), shapes: shapes.into(), anywhere: false }
+        Neighbours { triangles: triangles.into(), shapes: shapes.into(), anywhere: false }
     }
 
     /// Whether a material, or what it is mixed from, bounds a body.
@@ -287,7 +287,7 @@ mod tests {
         }
         let camera = Camera::perspective(DVec3::splat(9.0), DVec3::NEG_ONE, DVec3::Y, 1.0, 4, 4).unwrap();
         let scene = builder.build(camera).unwrap();
-        let may = |i: &u32| scene.contacts.may(HitKind::Triangle(*i, Vec2::ZERO));
+        let may = |i: &u32| scene.neighbours.may(HitKind::Triangle(*i, Vec2::ZERO));
         [(0..12).filter(may).count(), (12..24).filter(may).count()]
     }
 
@@ -347,7 +347,7 @@ mod tests {
                 builder.plane(Plane::new(DVec3::ZERO, DVec3::Y), glass, Rgb::ZERO);
             }
             let camera = Camera::perspective(DVec3::splat(9.0), DVec3::NEG_ONE, DVec3::Y, 1.0, 4, 4).unwrap();
-            builder.build(camera).unwrap().contacts.may(HitKind::Shape(0, Vec2::ZERO))
+            builder.build(camera).unwrap().neighbours.may(HitKind::Shape(0, Vec2::ZERO))
         };
         assert_eq!([scene(0, 2), scene(1, 1), scene(1, 0)], [false, true, false]);
     }
