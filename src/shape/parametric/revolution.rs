@@ -315,6 +315,7 @@ impl Profile {
 
 #[cfg(test)]
 mod tests {
+    use super::super::spline::NARROWEST;
     use super::*;
     use glam::Vec3;
 
@@ -329,6 +330,19 @@ mod tests {
 
     fn hit(s: &Revolution, o: Vec3, d: Vec3) -> Option<f32> {
         s.intersect(&Ray::new(o, d)).map(|c| c.0)
+    }
+
+    #[test]
+    fn profiles_are_cut_within_memory_and_coordinates() {
+        let wave: Vec<DVec2> = (0..200).map(|i| DVec2::new(f64::from(1 + i % 2), f64::from(i / 3))).collect();
+        let basis = Basis::uniform(3, wave.len()).unwrap();
+        let found = Revolution::within(&basis, &wave, Some(10_000)).unwrap_err();
+        // It is given up at the first leaf beyond.
+        assert!(matches!(found, SplineError::Memory { needed: 10_001..11_000, free: 10_000 }), "{found}");
+        assert!(Revolution::within(&basis, &wave, Some(10_000_000)).is_ok());
+        let basis = Basis::new(2, 5, vec![0.0, 0.0, 0.0, 0.5, 0.5 + NARROWEST, 1.0, 1.0, 1.0]).unwrap();
+        let bent = surface(&basis, &[[1.0, 0.0], [2.0, 0.0], [2.0, 3.0], [1.0, 3.0], [1.0, 0.0]]);
+        assert!(bent.profile.leaves.iter().all(|leaf| 2.0 * leaf.place[1] >= NARROWEST));
     }
 
     #[test]
