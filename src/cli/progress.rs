@@ -2,6 +2,7 @@
 
 use crate::format::mesh::{ReadMonitor, TriangleMesh};
 use crate::integrate::{Monitor, Phase};
+use crate::stats::Counters;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{IsTerminal, Write};
 use std::path::Path;
@@ -10,6 +11,15 @@ use std::sync::Mutex;
 /// Writes a line to the standard error. A reader that has gone away must not end a render, so failure is of no account.
 pub(super) fn tell(line: &str) {
     let _ = writeln!(std::io::stderr(), "{line}");
+}
+
+/// Warns of what a render left out, which should be nothing.
+pub(super) fn tell_of_rejected(counters: &Counters) {
+    for (n, what) in [(counters.rejected_samples, "samples"), (counters.rejected_photons, "photons")] {
+        if n > 0 {
+            tell(&format!("warning: {n} {what} were not finite and were left out"));
+        }
+    }
 }
 
 /// Shows how far a render is.

@@ -5,7 +5,7 @@ use super::error;
 use super::interrupt::{INTERRUPTED, listen};
 use super::memory::{check_gauged, check_photons, check_pictures};
 use super::plan::{self, counted};
-use super::progress::{Progress, tell};
+use super::progress::{Progress, tell, tell_of_rejected};
 use super::report::{ErrorReport, Report, Setting};
 use super::scene::{in_pool, load};
 use super::settings::settings;
@@ -161,10 +161,7 @@ fn conclude(
             tell(&format!("warning: {values} of {} beyond single precision: the scene is too bright", path.display()));
         }
     }
-    if rendered.counters.rejected_samples > 0 {
-        let n = rendered.counters.rejected_samples;
-        tell(&format!("warning: {n} samples were not finite and were left out"));
-    }
+    tell_of_rejected(&rendered.counters);
     if picture.pixels().iter().all(|p| *p == Vec3::ZERO) {
         progress.say(dark::black(setting.lights, powerless));
     }

@@ -365,6 +365,7 @@ impl<'a> MapMaker<'a> {
         let pass = PhotonPass { scene: self.scene, source, wants, max_bounces };
         let traced = pass.trace(key, paths, &|n| monitor.advance(n));
         out.counters.photon_rays += traced.rays;
+        out.counters.rejected_photons += traced.rejected;
         out.seconds.photons += start.elapsed().as_secs_f64();
         traced
     }

@@ -125,6 +125,7 @@ impl Prepared<'_> {
             gathers: scaled(gathers, estimates),
             gathered_photons: scaled(gathered_photons, estimates * photons),
             rejected_samples: 0,
+            rejected_photons: 0,
         }
     }
 }

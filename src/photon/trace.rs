@@ -32,6 +32,8 @@ pub struct Traced {
     pub rays: u64,
     /// Paths emitted.
     pub paths: u64,
+    /// Wanted photons that carried something but could not be stored: their flux or their place is not finite, or a channel is negative.
+    pub rejected: u64,
 }
 
 /// What was stored in media.
@@ -114,7 +116,7 @@ impl PhotonPass<'_> {
             .map(|chunk| {
                 let range = chunk * CHUNK..paths.min((chunk + 1).saturating_mul(CHUNK));
                 let mut traced = Traced { paths: u64::from(range.end - range.start), ..Traced::default() };
-                let Traced { photons, after_caustic, volume, after_volume, audit, rays, .. } = &mut traced;
+                let Traced { photons, after_caustic, volume, after_volume, audit, rays, rejected, .. } = &mut traced;
                 for index in range {
                     if let Some((walk, flux)) = self.source.emit::<I>(pass, index, paths) {
                         let store = |class, deposit: Deposit<'_>, flux, wavelength: Option<Wavelength>| {
@@ -125,27 +127,25 @@ impl PhotonPass<'_> {
                                 (&mut *photons, &mut *volume)
                             };
                             let code = wavelength.map_or(0, Wavelength::code);
-                            match deposit {
+                            let stored = match deposit {
                                 Deposit::Surface(surface) => {
                                     let photon =
                                         Photon::new(surface.point.p, flux, surface.wo, surface.facing_normal());
-                                    on.extend(photon.map(|photon| photon.with_wavelength(code)));
+                                    photon.map(|photon| on.push(photon.with_wavelength(code)))
                                 }
                                 Deposit::Beam(ray, medium) => {
                                     let length = self.end_of_beam(ray, medium);
-                                    within.beams.extend(Beam::new(
-                                        ray.origin,
-                                        ray.direction,
-                                        length,
-                                        flux,
-                                        medium,
-                                        code,
-                                    ));
+                                    let (start, along) = (ray.origin, ray.direction);
+                                    let beam = Beam::new(start, along, length, flux, medium, code);
+                                    // What ends where it begins has no length, and carries nothing.
+                                    beam.map(|beam| within.beams.push(beam)).or((length == 0.0).then_some(()))
                                 }
                                 Deposit::Point(p, direction, medium) => {
-                                    within.points.extend(VolumePhoton::new(p, flux, direction, medium, code));
+                                    let photon = VolumePhoton::new(p, flux, direction, medium, code);
+                                    photon.map(|photon| within.points.push(photon))
                                 }
-                            }
+                            };
+                            *rejected += u64::from(stored.is_none() && flux != Rgb::ZERO);
                         };
                         self.follow(walk, flux, pass.with(u64::from(index)), (audit, rays), store);
                     }
@@ -165,6 +165,7 @@ impl PhotonPass<'_> {
             total.audit += chunk.audit;
             total.rays += chunk.rays;
             total.paths += chunk.paths;
+            total.rejected += chunk.rejected;
         }
         total
     }

@@ -8,7 +8,7 @@ use super::wardrobe::{Place, Wardrobe};
 use super::{Attributes, BuildError, Inside, LightStrength, Material, Scene, SourceKind};
 use crate::accel::Hierarchy;
 use crate::camera::Camera;
-use crate::color::{Glass, Rgb};
+use crate::color::{self, Glass, Rgb};
 use crate::light::{Area, Emitter, Environment, Light};
 use crate::math::{Bounds, Motion, Sphere, Transform};
 use crate::medium::Medium;
@@ -325,7 +325,8 @@ impl SceneBuilder {
         };
         scene.neighbours = scene.find_neighbours();
         scene.settle(bounds);
-        match scene.lights.iter().position(|light| !light.power(scene.domain).is_finite()) {
+        // Lights are chosen by the mean of their channels, whose sum must be a number too.
+        match scene.lights.iter().position(|light| !color::mean(light.power(scene.domain)).is_finite()) {
             Some(i) => Err(BuildError::TooBright(i)),
             None => Ok(scene),
         }

@@ -25,6 +25,8 @@ pub struct Counters {
     pub gathered_photons: u64,
     /// Samples that were not finite and were left out.
     pub rejected_samples: u64,
+    /// Photons that were not finite and were left out.
+    pub rejected_photons: u64,
 }
 
 impl AddAssign for Counters {
@@ -36,6 +38,7 @@ impl AddAssign for Counters {
         self.gathers += o.gathers;
         self.gathered_photons += o.gathered_photons;
         self.rejected_samples += o.rejected_samples;
+        self.rejected_photons += o.rejected_photons;
     }
 }
 

@@ -2,9 +2,10 @@
 
 mod outputs;
 
+use crate::common::image;
 use caustica::color::Rgb;
 use caustica::format::SceneFile;
-use caustica::integrate::{Algorithm, EyeSettings, Settings, Silent};
+use caustica::integrate::{Algorithm, EyeSettings, Settings};
 use caustica::math::Sum;
 use caustica::render::Film;
 use caustica::sampling::{Dimension, Key, Purpose};
@@ -93,7 +94,7 @@ fn passes_rendered_backwards_make_the_same_picture() {
     let integrator = Algorithm::Path.prepare(&scene, Settings { eye, ..Settings::default() });
     let film = |passes: &mut dyn Iterator<Item = u32>| {
         let mut film = Film::new(24, 18);
-        passes.for_each(|pass| film.add(&integrator.pass(pass, &Silent).image));
+        passes.for_each(|pass| film.add(&image(&*integrator, pass)));
         film
     };
     let (forwards, backwards) = (film(&mut (0..40)), film(&mut (0..40).rev()));

@@ -5,7 +5,7 @@ mod statistics;
 
 use caustica::color::Rgb;
 use caustica::format::{Source, parse, resolve};
-use caustica::integrate::{Algorithm, Settings, Silent};
+use caustica::integrate::{Algorithm, Integrator, Settings, Silent};
 use caustica::sampling::{Key, Purpose};
 use caustica::scene::Scene;
 pub use statistics::*;
@@ -23,7 +23,17 @@ pub fn scene(text: &str) -> Scene {
 /// The pixels of passes 0 .. `passes`, one picture after the other.
 pub fn pixels(scene: &Scene, algorithm: Algorithm, settings: Settings, passes: u32) -> Vec<Rgb> {
     let prepared = algorithm.prepare(scene, settings);
-    (0..passes).flat_map(|i| prepared.pass(i, &Silent).image).collect()
+    (0..passes).flat_map(|i| image(&*prepared, i)).collect()
+}
+
+/// The picture of a pass. Samples and photons that are not finite are left out and counted, so a picture is finite, or black, whatever went
+/// wrong: there must have been none.
+#[track_caller]
+pub fn image(integrator: &dyn Integrator, pass: u32) -> Vec<Rgb> {
+    let pass = integrator.pass(pass, &Silent);
+    let out = (pass.counters.rejected_samples, pass.counters.rejected_photons);
+    assert_eq!(out, (0, 0), "samples and photons that were left out");
+    pass.image
 }
 
 /// A key of test `name`.

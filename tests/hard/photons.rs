@@ -64,12 +64,13 @@ fn rendered(scene: &Scene, algorithm: Algorithm, settings: Settings, passes: u32
 }
 
 /// Fails unless every number of a render is finite: its pixels, the maps of their errors, and what its gauge reads; and unless no sample
-/// was left out.
+/// and no photon was left out.
 #[track_caller]
 fn finite(what: &str, rendered: &Rendered) {
     let mean = rendered.film.mean();
     assert!(mean.iter().all(|v| v.is_finite()), "{what}: a pixel is not finite");
     assert_eq!(rendered.counters.rejected_samples, 0, "{what}: samples were left out");
+    assert_eq!(rendered.counters.rejected_photons, 0, "{what}: photons were left out");
     let gauge = rendered.gauge.as_ref().unwrap();
     let maps = gauge.maps(&rendered.film);
     assert!(maps.noise.iter().chain(&maps.bias).all(|v| v.is_finite()), "{what}: a map of errors is not finite");

@@ -4,7 +4,7 @@ use super::output::{Outputs, Writer};
 use crate::cli::interrupt::{INTERRUPTED, listen};
 use crate::cli::memory::{check_photons, check_pictures};
 use crate::cli::plan::{self, EffectReport};
-use crate::cli::progress::{Progress, tell};
+use crate::cli::progress::{Progress, tell, tell_of_rejected};
 use crate::cli::scene::{in_pool, load};
 use crate::cli::settings::settings;
 use crate::cli::{Exit, Failure, StudyArguments};
@@ -65,10 +65,7 @@ fn run_in_pool(
     });
     progress.finish();
     let found = found.into_diagnostic().map_err(|e| Failure::new(Exit::Input, e))?;
-    let rejected: u64 = found.whole.counters.rejected_samples;
-    if rejected > 0 {
-        tell(&format!("warning: {rejected} samples were not finite and were left out"));
-    }
+    tell_of_rejected(&found.whole.counters);
     conclude(arguments, outputs, progress, &found).map_err(|e| Failure::new(Exit::Output, e))?;
     Ok(if found.interrupted { Exit::Interrupted } else { Exit::Success })
 }

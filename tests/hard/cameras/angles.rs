@@ -1,9 +1,10 @@
 //! Angles of view from a millionth of a degree to nearly 180°, and which way is up.
 
 use super::{refused, told};
+use crate::common::image;
 use caustica::camera::{Camera, Filter, FilterKind};
 use caustica::color;
-use caustica::integrate::{Algorithm, EyeSettings, Settings, Silent};
+use caustica::integrate::{Algorithm, EyeSettings, Settings};
 use glam::{DVec2, DVec3, Vec2};
 
 /// Directions of view with an upright beside each.
@@ -101,7 +102,7 @@ fn a_lamp_in_view_has_its_mean_from_nearly_zero_to_nearly_180_degrees() {
                 ..EyeSettings::default()
             };
             let settings = Settings { eye, balance: false, ..Settings::default() };
-            let image = Algorithm::Path.prepare(&scene, settings).pass(0, &Silent).image;
+            let image = image(&*Algorithm::Path.prepare(&scene, settings), 0);
             assert!(image.iter().all(|p| p.is_finite()), "{angle}°");
             let mean = image.iter().map(|p| f64::from(color::mean(*p))).sum::<f64>() / image.len() as f64 / 2.0;
             let rays = f64::from(side * side * 256);

@@ -1,6 +1,7 @@
 //! Pictures of one pixel, one column and one row.
 
 use super::told;
+use crate::common::image;
 use caustica::camera::{Filter, FilterKind};
 use caustica::color::Rgb;
 use caustica::image::flip::{FlipOptions, flip};
@@ -57,7 +58,8 @@ fn pictures_of_one_pixel_one_row_and_one_column_are_finite_by_every_algorithm() 
                 let mean = rendered.film.mean();
                 assert_eq!(mean.len() as u64, u64::from(size.0) * u64::from(size.1), "{told}");
                 assert!(mean.iter().all(|p| p.is_finite()), "{told}");
-                assert_eq!(rendered.counters.rejected_samples, 0, "{told}");
+                let counters = rendered.counters;
+                assert_eq!((counters.rejected_samples, counters.rejected_photons), (0, 0), "{told}");
                 let Some(gauge) = rendered.gauge else { continue };
                 let reading = gauge.read(&rendered.film);
                 let numbers = [reading.error, reading.noise, reading.bias, reading.blur, reading.frozen, reading.low];
@@ -91,7 +93,7 @@ fn rows_and_columns_of_20000_pixels_show_each_what_is_there() {
         .unwrap();
         let eye = EyeSettings { samples: Some(4), filter: Filter::new(FilterKind::Box), ..EyeSettings::default() };
         let settings = Settings { eye, balance: false, ..Settings::default() };
-        let image = Algorithm::Path.prepare(&scene, settings).pass(0, &Silent).image;
+        let image = image(&*Algorithm::Path.prepare(&scene, settings), 0);
         for (i, pixel) in image.iter().enumerate() {
             match i as u32 {
                 i if i < edge => assert_eq!(*pixel, Rgb::ZERO, "{width}×{height}: pixel {i}"),

@@ -1,8 +1,9 @@
 //! Ways across a million boundaries of bodies in bodies.
 
+use crate::common::image;
 use caustica::camera::Camera;
 use caustica::color::Rgb;
-use caustica::integrate::{Algorithm, EyeSettings, Settings, Silent};
+use caustica::integrate::{Algorithm, EyeSettings, Settings};
 use caustica::medium::{Medium, Phase};
 use caustica::photon::{PhotonPass, PhotonSource, Wants};
 use caustica::sampling::{Key, Purpose};
@@ -96,10 +97,10 @@ fn a_camera_ray_obeys_beers_law_over_a_million_boundaries() {
         nest(&mut b, filled, TURNS);
         let scene = b.build(along_x()).unwrap();
         let begun = Instant::now();
-        let pass = Algorithm::Path.prepare(&scene, settings(TURNS - 1)).pass(0, &Silent);
+        let image = image(&*Algorithm::Path.prepare(&scene, settings(TURNS - 1)), 0);
         // Half a second here.
         assert!(begun.elapsed() < Duration::from_secs(60));
-        (f64::from(pass.image[0].y) / expected - 1.0).abs()
+        (f64::from(image[0].y) / expected - 1.0).abs()
     });
     assert!(off.iter().all(|off| *off < slack), "media, bodies: {off:?}, may be {slack}");
 }
@@ -142,7 +143,7 @@ fn shadow_rays_cross_more_bodies_than_walks_remember() {
         let camera = Camera::orthographic(-0.95 * DVec3::X, -DVec3::X, DVec3::Z, 1e-3, 1, 1).unwrap();
         let scene = b.build(camera).unwrap();
         for algorithm in [Algorithm::Path, Algorithm::Hybrid, Algorithm::Distributed] {
-            let found = f64::from(algorithm.prepare(&scene, settings(10)).pass(0, &Silent).image[0].y);
+            let found = f64::from(image(&*algorithm.prepare(&scene, settings(10)), 0)[0].y);
             // As above, of one crossing, with a few operations of shading.
             let slack = (DEPTH + 100.0 * 8.0 * DEPTH + 16.0) / 16_777_216.0;
             assert!((found / libm::exp(-DEPTH) - 1.0).abs() < slack, "{filled:?}, {}: {found}", algorithm.name());

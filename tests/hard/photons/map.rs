@@ -16,6 +16,31 @@ fn estimate(map: &PhotonMap, p: Vec3, radius: f32, k: u32, kernel: Kernel) -> f6
     f64::from(nested.whole.radiance.y)
 }
 
+/// Photons that landed on a wall, asked for from the plane of their places: all of them from their side and nothing from the other, of any
+/// number and by the nearest; nor where the wall that is asked for is square to theirs.
+#[test]
+fn photons_count_on_their_side_alone() {
+    let map = PhotonMap::build((0..10_000).map(|i| photon(random(i) * Vec3::new(1.0, 1.0, 0.0), 1.0)).collect());
+    for kernel in KERNELS {
+        for k in [0, 50] {
+            let found = |normal| {
+                let (at, bandwidth) = (Vec3::new(0.5, 0.5, 0.0), Bandwidth { radius: 0.2, k });
+                map.estimate_nested(at, normal, bandwidth, kernel, &mut Scratch::new(), |_| Rgb::ONE)
+            };
+            // 1250 photons in the disc, or 50: half of them for any kernel.
+            assert!(found(Vec3::Z).whole.radiance.y > 5_000.0, "{kernel:?}, k = {k}");
+            for other in [Vec3::NEG_Z, Vec3::X, Vec3::new(0.6, 0.0, -0.8)] {
+                let other = found(other);
+                assert_eq!(
+                    (other.whole.radiance, other.radiance.map(|l| l.y)),
+                    (Rgb::ZERO, [0.0; 3]),
+                    "{kernel:?}, k = {k}"
+                );
+            }
+        }
+    }
+}
+
 /// A kernel at distance `d` by its definition.
 fn kernel_at(kernel: Kernel, d: f64, r: f64) -> f64 {
     let t = d / r;

@@ -1,6 +1,6 @@
 //! Walls lit on one side.
 
-use super::{flat_camera, rendered, settings, sheet};
+use super::{finite, flat_camera, rendered, settings, sheet};
 use caustica::color::Rgb;
 use caustica::integrate::{ALPHA, Algorithm, Settings, shrink};
 use caustica::scene::{LightStrength, Material, Scene, SceneBuilder, SourceKind};
@@ -36,14 +36,15 @@ fn gathering(k: u32) -> Settings {
     Settings { radius: Some(RADIUS as f32), gather_k: Some(k), ..settings(40_000, 4) }
 }
 
-/// However thin a wall is, nothing of what lights its upper side is seen on its lower side, to the bit, middle, edges and corners: photons
-/// count only on the side on which they landed. The edges of the picture look past the wall.
+/// However thin a wall is, nothing of what lights its upper side is seen on its lower side, to the bit, middle, edges and corners: a map
+/// counts photons only on the side on which they landed (`photons_count_on_their_side_alone`), and a BSDF refuses what comes from behind. The
+/// edges of the picture look past the wall.
 #[test]
 fn nothing_leaks_through_a_wall_however_thin() {
-    let thicknesses = [0.0, 1e-9, 1e-6, 1e-4, 1e-2, RADIUS / 8.0, RADIUS / 4.0, RADIUS, 1.0];
-    thicknesses.par_iter().for_each(|thickness| {
-        for (algorithm, k) in [(Algorithm::Sppm, 0), (Algorithm::Hybrid, 50), (Algorithm::Pm, 50)] {
+    [0.0, 1e-6, RADIUS / 4.0].par_iter().for_each(|thickness| {
+        for (algorithm, k) in [(Algorithm::Sppm, 0), (Algorithm::Pm, 50)] {
             let out = rendered(&wall(*thickness, false), algorithm, gathering(k), 2);
+            finite(algorithm.name(), &out);
             assert!(out.caustic.stored > 5_000, "{}", out.caustic.stored);
             let lit = out.film.means().filter(|v| *v != DVec3::ZERO).count();
             assert_eq!(lit, 0, "{}, thickness {thickness}", algorithm.name());
@@ -63,6 +64,7 @@ fn a_shelf_takes_light_only_within_the_bound() {
     let gaps = [last / 4.0 * 0.98, last / 4.0 * 1.02, 0.2 * RADIUS, 0.249 * RADIUS, 0.251 * RADIUS, RADIUS];
     gaps.par_iter().for_each(|gap| {
         let out = rendered(&wall(*gap, true), Algorithm::Sppm, gathering(0), passes);
+        finite("shelf", &out);
         let near = (0..passes).filter(|pass| 4.0 * gap < radius(*pass)).count() as f64 / f64::from(passes);
         let bound = IRRADIANCE * REFLECTANCE / PI * near;
         let middle = |i: usize| (8..16).contains(&(i % 24)) && (8..16).contains(&(i / 24));

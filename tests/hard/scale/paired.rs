@@ -26,14 +26,18 @@ pub fn summary(image: &[Rgb], (width, height): (u32, u32)) -> Vec<f64> {
 }
 
 /// What is wrong with the claim that `ours` and `theirs`, numbers of passes, have the same means but for the part `slack`, or that their first
-/// three differ by noise of less than the part `sharp`; `None` where nothing is.
+/// three differ by so much noise that a difference of the part `told` of the brightest would pass; `None` where nothing is.
 ///
 /// A pass of one goes with the pass of the other that has its random numbers. Differences of such pairs are independent, and Student's t
 /// tells whether their mean is 0.
-pub fn objection(ours: &[Vec<f64>], theirs: &[Vec<f64>], slack: f64, sharp: f64) -> Option<String> {
+pub fn objection(ours: &[Vec<f64>], theirs: &[Vec<f64>], slack: f64, told: f64) -> Option<String> {
     let dof = ours.len() as f64 - 1.0;
     let column = |of: &[Vec<f64>], i: usize| of.iter().map(|pass| pass[i]).collect::<Vec<f64>>();
+    let sharp = told / quantile(RATE, dof);
     let brightest = (0..3).map(|i| mean_and_error(&column(theirs, i)).0).fold(0.0, f64::max);
+    if brightest <= 0.0 {
+        return Some("all is black".to_owned());
+    }
     (0..ours[0].len()).find_map(|i| {
         let (a, b) = (column(ours, i), column(theirs, i));
         let level = mean_and_error(&b).0;
@@ -45,4 +49,14 @@ pub fn objection(ours: &[Vec<f64>], theirs: &[Vec<f64>], slack: f64, sharp: f64)
         let why = if blunt { "the error bar is too wide" } else { "the means differ" };
         (p < RATE || blunt).then(|| format!("number {i}: {why}: {mean:.3e} ± {error:.1e} of {level:.6e}, p = {p:.1e}"))
     })
+}
+
+/// The t beyond which a part `rate` of Student's distribution lies, by halving.
+fn quantile(rate: f64, dof: f64) -> f64 {
+    let (mut low, mut high) = (0.0, 1e4);
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if student(middle, dof) > rate { low = middle } else { high = middle }
+    }
+    high
 }

@@ -74,25 +74,110 @@ fn rays_at_an_edge_meet_the_triangle_on_their_side() {
     assert!(through > 50_000 && beside > 50_000 && doubtful < 20_000, "{through} {beside} {doubtful}");
 }
 
-/// Corners on a line, or in one point, as f32 has them: shearing rounds them off the line, but there is nothing to meet and no normal.
+/// Powers of two, by which nothing is rounded.
+const SCALES: [f32; 3] = [1.0 / 1_048_576.0, 1.0, 1_048_576.0];
+
+/// Corners on a line, two in one point, or all three, as f32 has them: shearing rounds them off the line, but there is nothing to meet and
+/// no normal. They are 64ths of at most 3, so sums are exact.
 #[test]
 fn triangles_without_area_are_never_met() {
     let mut rng = SmallRng::seed_from_u64(2);
-    for i in 0..200_000 {
-        let scale = [1e-6, 1.0, 1e6][i % 3];
-        let whole = |rng: &mut SmallRng, n: i64| grid(rng, n).as_vec3() / 64.0 * scale;
-        let (a, d) = (whole(&mut rng, 64), whole(&mut rng, 64));
-        let (b, c) = (a + d, if i % 5 == 0 { a } else { a + d + d });
-        // Sums of such numbers are exact where the scale is a power of two; elsewhere cross products tell.
-        let [p, q, r] = [a, b, c].map(Vec3::as_dvec3);
-        if (q - p).cross(r - p) != DVec3::ZERO {
+    for scale in SCALES {
+        let mut aimed = [0; 3];
+        for i in 0..60_000 {
+            let whole = |rng: &mut SmallRng| grid(rng, 64).as_vec3() / 64.0 * scale;
+            let (kind, a, d) = (i % 3, whole(&mut rng), whole(&mut rng));
+            let (b, c) = [(a + d, a + d + d), (a + d, a), (a, a)][kind];
+            let [p, q, r] = [a, b, c].map(Vec3::as_dvec3);
+            assert_eq!((q - p).cross(r - p), DVec3::ZERO);
+            let tree = Hierarchy::build(&[[a, b, c]], &[]);
+            let o = point(&mut rng) * (2.0 * scale);
+            let ray = Ray::new(o, a + (b - a) * rng.random::<f32>() - o);
+            assert!(tree.closest(&ray, none).is_none() && !tree.occluded(&ray, |_, _| false), "{a} {b} {c} {ray:?}");
+            aimed[kind] += usize::from(d != Vec3::ZERO);
+        }
+        assert!(aimed.iter().all(|n| *n > 19_900), "{scale:e}: {aimed:?}");
+    }
+}
+
+/// How far `p` is from a triangle.
+fn distance(p: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
+    let along = |a: DVec3, b: DVec3| {
+        let part = ((p - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
+        p.distance(a.lerp(b, part))
+    };
+    let n = (b - a).cross(c - a).normalize();
+    let inside = [(a, b), (b, c), (c, a)].iter().all(|(a, b)| (b - a).cross(p - a).dot(n) >= 0.0);
+    if inside { (p - a).dot(n).abs() } else { along(a, b).min(along(b, c)).min(along(c, a)) }
+}
+
+/// Rays along an axis, or square to one, from places of which many lie in the plane of the triangle: through its inside, beside it, at its edges
+/// and in its plane, by whole numbers up to 8.
+///
+/// Edge functions are volumes over the square of the largest component of the direction, at least 1/64; shearing moves corners by γ(9)
+/// of 28, so that these functions are off by less than 28²·γ(9)·4 < .002: what is not exactly at an edge is told rightly. A place at t is
+/// off by that over the slope. In the plane of a triangle there may be a hit or none, but only where the triangle is.
+#[test]
+fn rays_along_axes_and_in_planes_meet_only_what_is_there() {
+    let mut rng = SmallRng::seed_from_u64(4);
+    let mut counts = [0; 5];
+    for i in 0..400_000usize {
+        let [a, b, c, o] = std::array::from_fn(|_| grid(&mut rng, 8));
+        // Every other triangle is one of nine cells, and starts lie at their corners: inside, at its edges, and beside it in its plane.
+        let (e, f) = (grid(&mut rng, 2), grid(&mut rng, 2));
+        let (b, c, o) = match i % 2 {
+            0 => (b, c, o),
+            _ => (a + e * 3, a + f * 3, a + e * rng.random_range(0..4) + f * rng.random_range(0..4)),
+        };
+        let mut d = grid(&mut rng, 8);
+        for axis in 0..3 {
+            if axis == i % 3 || (axis == (i + 1) % 3 && i % 4 < 2) {
+                d[axis] = 0;
+            }
+        }
+        let n = (b - a).cross(c - a);
+        if d == I64Vec3::ZERO || n == I64Vec3::ZERO {
             continue;
         }
-        let tree = Hierarchy::build(&[[a, b, c]], &[]);
-        let o = point(&mut rng) * (2.0 * scale);
-        let ray = Ray::new(o, a + d * rng.random::<f32>() - o);
-        assert!(tree.closest(&ray, none).is_none() && !tree.occluded(&ray, |_, _| false), "{a} {b} {c} {ray:?}");
+        let scale = SCALES[i % SCALES.len()];
+        let to = |p: I64Vec3| p.as_vec3() * scale;
+        let tree = Hierarchy::build(&[[to(a), to(b), to(c)]], &[]);
+        let ray = Ray::new(to(o), to(d));
+        let hit = tree.closest(&ray, none);
+        assert_eq!(tree.occluded(&ray, |_, _| false), hit.is_some(), "{a} {b} {c} {o} {d}");
+        let sides = [(a, b), (b, c), (c, a)].map(|(p, q)| (p - o).cross(q - o).dot(d));
+        let (up, way) = (n.dot(d), n.dot(a - o));
+        let inside = sides.iter().all(|s| s.signum() == up.signum());
+        let beside = sides.iter().any(|s| s.signum() == -up.signum());
+        let reach = [a, b, c].map(|p| (p - o).as_dvec3().length()).into_iter().fold(0.0, f64::max);
+        let blur = 4.0 * f64::from(gamma(9)) * reach * n.as_dvec3().length() / up.abs() as f64;
+        if let Some(hit) = hit {
+            assert!(hit.t.is_finite() && hit.t > 0.0, "{a} {b} {c} {o} {d}: {hit:?}");
+            let p = o.as_dvec3() + d.as_dvec3() * f64::from(hit.t);
+            let off = distance(p, [a, b, c].map(|p| p.as_dvec3()));
+            let most = if up == 0 { 4.0 * f64::from(gamma(9)) * reach } else { blur };
+            assert!(off <= most + 1e-6 * reach, "{a} {b} {c} {o} {d}: {hit:?} is off by {off}");
+        }
+        let kind = match () {
+            () if up == 0 => 0,
+            () if inside && way == 0 => 1,
+            () if inside => {
+                let t = way as f64 / up as f64;
+                let off = |hit: caustica::accel::Hit| (f64::from(hit.t) - t).abs() * d.as_dvec3().length();
+                let ahead = t > 0.0;
+                assert_eq!(hit.is_some(), ahead, "{a} {b} {c} {o} {d}: {hit:?} {t}");
+                assert!(hit.is_none_or(|h| off(h) <= blur + 1e-6 * reach), "{a} {b} {c} {o} {d}: {hit:?} {t}");
+                2
+            }
+            () if beside => {
+                assert!(hit.is_none(), "{a} {b} {c} {o} {d}: {hit:?}");
+                3
+            }
+            () => 4,
+        };
+        counts[kind] += 1;
     }
+    assert!(counts.iter().all(|n| *n > 1_000), "{counts:?}");
 }
 
 /// A fan of triangles around one edge, one of them twice: from any sector, a ray at the edge must not pass it. Half of the rays run in a
