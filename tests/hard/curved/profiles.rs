@@ -253,7 +253,7 @@ fn poles_inside_of_a_sphere_are_met() {
     let mut rng = SmallRng::seed_from_u64(8);
     // From where the pole is seen at 60° to the axis.
     let mut oblique = |pole: Vec3| {
-        let (sin, cos) = libm::sincosf(rng.random_range(0.0..6.28));
+        let (sin, cos) = libm::sincosf(rng.random_range(0.0..std::f32::consts::TAU));
         (pole * 1.5 + Vec3::new(cos, 0.0, sin) * 0.866, pole)
     };
     let (up, down) = (Vec3::Y, Vec3::NEG_Y);
