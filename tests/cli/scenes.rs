@@ -82,7 +82,11 @@ fn one_pixel_and_one_photon() {
 #[test]
 fn light_beyond_single_precision_is_refused() {
     let shop = Workshop::new();
-    let light = "Lights { PointLight { position 0 5 5 power 1e300 1 1 } }";
-    shop.put("a.txt", format!("{CAMERA}{light}{BALL}"));
-    shop.render("a.txt", "-o a.png --quiet").expect(1, &["light 0", "stronger than single precision"]);
+    let refused = |power: &str, texts: &[&str]| {
+        let light = format!("Lights {{ PointLight {{ position 0 5 5 power {power} }} }}");
+        shop.put("a.txt", format!("{CAMERA}{light}{BALL}"));
+        shop.render("a.txt", "-o a.png --quiet").expect(1, texts);
+    };
+    refused("1e300 1 1", &["a.txt:2:44", "below 3.4e38"]);
+    refused("3e38 3e38 1", &["light 0", "stronger than single precision"]);
 }
