@@ -10,7 +10,7 @@ const PER_PIXEL: u64 = 86;
 
 /// Bytes a pixel of the gauge: what a pass tells (48), noise (24), finer discs (48), discs (24), three pictures each of passes and of
 /// finer discs (72), and what errors are relative to, while it is made (24); the rest is what reading it and maps of errors take.
-/// Measured with the rest: 339, and 358 where maps are written.
+/// Measured with the rest: 341, and 358 where maps are written.
 const PER_GAUGED_PIXEL: u64 = 274;
 
 /// Bytes a stored photon while its tree is built: itself (32), its sorted copy (32) and the copy's key (16), then the tree (33)

@@ -75,20 +75,21 @@ struct Tile<'a> {
 impl<'a> Tile<'a> {
     /// Cuts a picture of so many columns of pixels, at least one.
     fn cut(image: &'a mut [Rgb], gauged: &'a mut [Gauged], width: u32) -> Vec<Self> {
-        let (width, edge) = (width as usize, EDGE as usize);
-        let (columns, rows) = (width.div_ceil(edge), (image.len() / width).div_ceil(edge));
+        let height = image.len() as u32 / width;
         let empty = |index| Tile { index, image: Vec::new(), gauged: Vec::new() };
-        let mut tiles: Vec<Self> = (0..(columns * rows) as u32).map(empty).collect();
-        for (y, row) in image.chunks_mut(width).enumerate() {
-            let across = &mut tiles[y / edge * columns..];
-            across.iter_mut().zip(row.chunks_mut(edge)).for_each(|(tile, piece)| tile.image.push(piece));
-        }
-        for (y, row) in gauged.chunks_mut(width).enumerate() {
-            let across = &mut tiles[y / edge * columns..];
-            across.iter_mut().zip(row.chunks_mut(edge)).for_each(|(tile, piece)| tile.gauged.push(piece));
-        }
+        let mut tiles: Vec<Self> = (0..width.div_ceil(EDGE) * height.div_ceil(EDGE)).map(empty).collect();
+        pieces(image, width).for_each(|(tile, row)| tiles[tile].image.push(row));
+        pieces(gauged, width).for_each(|(tile, row)| tiles[tile].gauged.push(row));
         tiles
     }
+}
+
+/// The rows of tiles, each with the index of its tile, from the top.
+fn pieces<T>(picture: &mut [T], width: u32) -> impl Iterator<Item = (usize, &mut [T])> {
+    let (width, edge) = (width as usize, EDGE as usize);
+    let tile = move |x: usize, y: usize| y / edge * width.div_ceil(edge) + x;
+    let rows = picture.chunks_mut(width).enumerate();
+    rows.flat_map(move |(y, row)| row.chunks_mut(edge).enumerate().map(move |(x, piece)| (tile(x, y), piece)))
 }
 
 impl Sampling<'_> {

@@ -196,14 +196,7 @@ impl<'a> Join<'a> {
         let index = self.nodes.len();
         self.nodes.push(Node { bounds, members: members.clone(), children: None, thing });
         if members.len() > LEAF {
-            let extent = bounds.extent();
-            let axis = if extent.x >= extent.y.max(extent.z) {
-                0
-            } else if extent.y >= extent.z {
-                1
-            } else {
-                2
-            };
+            let axis = bounds.extent().max_position();
             let faces = self.faces;
             let middle = |i: &u32| faces[*i as usize].bounds.min[axis] + faces[*i as usize].bounds.max[axis];
             let half = members.len() / 2;

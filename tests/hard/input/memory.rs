@@ -23,7 +23,7 @@ fn peak(shop: &Shop, more: &[&str]) -> Option<u64> {
     stats["peak_memory_bytes"].as_u64()
 }
 
-/// Checks that of growing things, of which each kind has one that is known to fit and one that is not, some fit and stay within the limit, and the last are refused.
+/// Checks that of growing things, one of each kind known to fit and one not, some fit and stay within the limit, and the last are refused.
 #[track_caller]
 fn within(peaks: &[Option<u64>]) {
     let fit = peaks.iter().take_while(|peak| peak.is_some()).count();
