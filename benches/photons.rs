@@ -2,7 +2,7 @@
 
 mod boxed;
 
-use caustica::photon::{Bandwidth, Flux, Kernel, Photon, PhotonMap, PhotonPass, PhotonSource, Scratch, Wants};
+use caustica::photon::{Bandwidth, Flux, Kernel, Photon, PhotonMap, PhotonPass, PhotonSource, Scratch, StoreMask};
 use caustica::sampling::{Dimension, Key, Purpose, sobol_2d};
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
@@ -21,7 +21,7 @@ const PATHS: u32 = 100_000;
 fn trace_global(bencher: Bencher, threads: usize) {
     let scene = boxed::scene();
     let source = PhotonSource::everywhere(&scene).unwrap();
-    trace(bencher, threads, &PhotonPass { scene: &scene, source: &source, wants: Wants::GLOBAL, max_bounces: 100 });
+    trace(bencher, threads, &PhotonPass { scene: &scene, source: &source, wants: StoreMask::GLOBAL, max_bounces: 100 });
 }
 
 /// Paths of the caustic map, aimed at the balls.
@@ -29,7 +29,11 @@ fn trace_global(bencher: Bencher, threads: usize) {
 fn trace_caustic(bencher: Bencher, threads: usize) {
     let scene = boxed::scene();
     let source = PhotonSource::aimed(&scene).unwrap();
-    trace(bencher, threads, &PhotonPass { scene: &scene, source: &source, wants: Wants::CAUSTIC, max_bounces: 100 });
+    trace(
+        bencher,
+        threads,
+        &PhotonPass { scene: &scene, source: &source, wants: StoreMask::CAUSTIC, max_bounces: 100 },
+    );
 }
 
 fn trace(bencher: Bencher, threads: usize, pass: &PhotonPass<'_>) {

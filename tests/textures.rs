@@ -9,8 +9,8 @@ use caustica::format::{Source, parse, resolve};
 use caustica::image::{self, ToneMap, WriteOptions};
 use caustica::integrate::{Algorithm, EyeSettings, Settings, Silent};
 use caustica::math::Ray;
-use caustica::plan::{Effect, Wishes};
-use caustica::scene::{Cone, Detail, Hit, Scene, Surface};
+use caustica::plan::{Effect, EffectOverrides};
+use caustica::scene::{Cone, Detail, Hit, Scene, SurfaceInteraction};
 use glam::{DVec2, DVec3, Vec3};
 use std::path::Path;
 
@@ -18,7 +18,7 @@ fn scene(text: &str) -> Scene {
     resolve(&parse("a.txt", text).unwrap(), &Source::new("a.txt", text), Path::new(env!("CARGO_MANIFEST_DIR"))).unwrap()
 }
 
-fn picture(scene: &Scene, algorithm: Algorithm, samples: u32, passes: u32, effects: Wishes) -> Vec<Vec<Rgb>> {
+fn picture(scene: &Scene, algorithm: Algorithm, samples: u32, passes: u32, effects: EffectOverrides) -> Vec<Vec<Rgb>> {
     let filter = Filter::new(FilterKind::Box);
     let eye = EyeSettings { samples: Some(samples), filter, effects, ..EyeSettings::default() };
     let settings = Settings { eye, balance: false, photons: 20_000, caustic_photons: 20_000, ..Settings::default() };
@@ -32,7 +32,7 @@ fn hit(scene: &Scene, from: DVec3, direction: DVec3) -> (Hit, Ray) {
     (scene.intersect(&ray).expect("the ray meets something"), ray)
 }
 
-fn surface(scene: &Scene, from: DVec3, direction: DVec3) -> Surface<'_> {
+fn surface(scene: &Scene, from: DVec3, direction: DVec3) -> SurfaceInteraction<'_> {
     let (hit, ray) = hit(scene, from, direction);
     scene.surface(&ray, &hit, &Cone::point(Detail::ALL), || 0.5)
 }
@@ -83,7 +83,7 @@ fn a_far_floor_has_the_mean_of_its_tiles_and_does_not_sparkle() {
              Materials {{ Diffuse {{ reflectance t }} }} Group {{ MaterialIndex 0  Plane {{ normal 0 1 0  offset 0 }} }}"
         ))
     };
-    let passes = picture(&tiles(".1 .1 .1", ".8 .8 .8"), Algorithm::Whitted, 1, 16, Wishes::PLANNED);
+    let passes = picture(&tiles(".1 .1 .1", ".8 .8 .8"), Algorithm::Whitted, 1, 16, EffectOverrides::PLANNED);
     // The horizon is at row 14.8 and a pixel .0168 high at distance 1: rows 16 and 17 lie between 50 and 19 lengths away. A surface of reflectance r
     // under irradiance π is as bright as r.
     let strip =
@@ -170,7 +170,7 @@ fn bumps_make_no_light() {
                  Group {{ MaterialIndex 0  Sphere {{ center 0 0 0  radius 1 }} }}"
             ));
             for algorithm in [Algorithm::Path, Algorithm::Hybrid] {
-                let passes: Vec<f64> = picture(&scene, algorithm, 4, 8, Wishes::PLANNED)
+                let passes: Vec<f64> = picture(&scene, algorithm, 4, 8, EffectOverrides::PLANNED)
                     .iter()
                     .map(|image| image.iter().map(|c| f64::from(color::mean(*c))).sum::<f64>() / image.len() as f64)
                     .collect();
@@ -197,13 +197,13 @@ fn what_is_wished_away_is_a_mean() {
     };
     let dressed = with("tiles", "bump lumps bumpHeight .1", "emission tiles  emissionScale 2");
     let plain = with(".4 .4 .3", "", "emission .8 .8 .6");
-    let off = Wishes::PLANNED.without(Effect::Textures).without(Effect::Bump);
+    let off = EffectOverrides::PLANNED.without(Effect::Textures).without(Effect::Bump);
     for algorithm in [Algorithm::Whitted, Algorithm::Path, Algorithm::Raycast] {
         let [a, b] = [&dressed, &plain].map(|scene| picture(scene, algorithm, 2, 1, off));
         for (x, y) in a[0].iter().zip(&b[0]) {
             assert!((*x - *y).abs().max_element() <= 1e-5 * y.max_element(), "{}: {x} {y}", algorithm.name());
         }
-        assert_ne!(picture(&dressed, algorithm, 2, 1, Wishes::PLANNED), a, "{}", algorithm.name());
+        assert_ne!(picture(&dressed, algorithm, 2, 1, EffectOverrides::PLANNED), a, "{}", algorithm.name());
     }
 }
 

@@ -14,8 +14,8 @@ mod forecasts;
 use caustica::format::SceneFile;
 use caustica::image::RelativeScale;
 use caustica::integrate::{Algorithm, FinalGathering, Settings, Silent};
-use caustica::plan::{Effect, Plan, Wishes};
-use caustica::render::gauge::{Confidence, Gauge};
+use caustica::plan::{Effect, EffectOverrides, Plan};
+use caustica::render::gauge::{Confidence, ErrorEstimator};
 use caustica::render::{Film, Stop, Target, render};
 use caustica::scene::Scene;
 use glam::Vec3;
@@ -155,7 +155,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         let apart = 0.5 * scale.mean(|i| (a[i] - b[i]).as_dvec3() * (a[i] - b[i]).as_dvec3()).sqrt();
         eprintln!("{name}: references known to {:.2} % but for their bias", 100.0 * apart);
         for algorithm in methods.iter().copied() {
-            let wanted = Plan::new(&scene, algorithm.simulates(), Wishes::PLANNED).effects();
+            let wanted = Plan::new(&scene, algorithm.simulates(), EffectOverrides::PLANNED).effects();
             if algorithm == Algorithm::Path && wanted.has(Effect::Caustics) {
                 continue;
             }
@@ -171,7 +171,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 let mut settings = settings(seed);
                 settings.eye.gauge = true;
                 let integrator = algorithm.prepare(&scene, settings);
-                let (mut film, mut gauge) = (Film::new(SIZE.0, SIZE.1), Gauge::new(integrator.radius_law()));
+                let (mut film, mut gauge) = (Film::new(SIZE.0, SIZE.1), ErrorEstimator::new(integrator.radius_law()));
                 for pass in 0..*asked.passes.iter().max().ok_or("no passes")? {
                     let made = integrator.pass(pass, &Silent);
                     gauge.add(&film, &made);

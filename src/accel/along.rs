@@ -1,7 +1,7 @@
 //! Every box along a ray.
 
-use super::probe::Probe;
-use super::wide::{ARITY, Octet, Slabs};
+use super::bvh8::{ARITY, Node8, Slabs};
+use super::ray_precalc::RayPrecalc;
 use crate::math::{Bounds, Ray, morton_order};
 use rayon::prelude::*;
 
@@ -16,7 +16,7 @@ pub struct Boxes {
     /// Indices of the boxes in the order of the curve.
     order: Vec<u32>,
     /// Nodes from the boxes up to the root: child i of node n is node 8n + i of the level below.
-    levels: Vec<Vec<Octet>>,
+    levels: Vec<Vec<Node8>>,
 }
 
 /// 8¹⁰ boxes: a node's level and number share 32 bits.
@@ -53,10 +53,10 @@ impl Boxes {
     /// the boxes. Allocates nothing.
     #[inline]
     pub fn along(&self, ray: &Ray, visit: &mut impl FnMut(u32)) {
-        if !(Probe::fits(ray) && ray.t_max >= 0.0) || self.levels.is_empty() {
+        if !(RayPrecalc::fits(ray) && ray.t_max >= 0.0) || self.levels.is_empty() {
             return;
         }
-        let probe = Probe::new(ray);
+        let probe = RayPrecalc::new(ray);
         let slabs = Slabs::new(&probe);
         let mut stack = [0u32; STACK];
         stack[0] = ((self.levels.len() - 1) as u32) << NUMBER_BITS;
@@ -79,8 +79,8 @@ impl Boxes {
     }
 }
 
-fn octet(run: &[Bounds]) -> Octet {
-    let mut octet = Octet::VACANT;
+fn octet(run: &[Bounds]) -> Node8 {
+    let mut octet = Node8::VACANT;
     run.iter().enumerate().for_each(|(slot, b)| octet.set(slot, b.min, b.max));
     octet
 }

@@ -5,20 +5,20 @@
 //! boxes never lose one, so no answer depends on the shape of the tree.
 
 mod along;
-mod grow;
+mod build;
+mod bvh8;
 mod packet;
-mod probe;
+mod ray_precalc;
 #[cfg(test)]
 mod tests;
-mod wide;
 
 pub use along::Boxes;
 
 use crate::math::{Bounds, Ray};
+use bvh8::{Bvh8, OTHER};
 use glam::Vec3;
 use packet::Crossing;
-use probe::Probe;
-use wide::{OTHER, Wide};
+use ray_precalc::RayPrecalc;
 
 /// A primitive, by its index in the slice given to [`Hierarchy::build`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -49,7 +49,7 @@ pub struct Hit {
 /// below 10¹⁸ in magnitude. Memory is about 72 bytes a
 /// triangle of a mesh, and 180 more while building.
 pub struct Hierarchy {
-    wide: Wide,
+    wide: Bvh8,
     bounds: Bounds,
 }
 
@@ -62,7 +62,7 @@ impl Hierarchy {
     pub fn build(triangles: &[[Vec3; 3]], others: &[Bounds]) -> Self {
         let bounds = Bounds::of(triangles.iter().flatten().copied());
         let bounds = others.iter().filter(|b| !b.is_empty()).fold(bounds, |all, b| all.union(*b));
-        Self { wide: Wide::build(triangles, others), bounds }
+        Self { wide: Bvh8::build(triangles, others), bounds }
     }
 
     /// The box around all primitives, empty where there are none.
@@ -80,10 +80,10 @@ impl Hierarchy {
     where
         F: FnMut(u32, &Ray) -> Option<(f32, f32, f32)>,
     {
-        if !Probe::fits(ray) {
+        if !RayPrecalc::fits(ray) {
             return None;
         }
-        let probe = Probe::new(ray);
+        let probe = RayPrecalc::new(ray);
         let mut best = Best { key: 0, crossing: Crossing { t: probe.t_max, weights: [0.0; 2], total: 1.0 } };
         self.wide.walk::<true, _>(&probe, |leaf, _| {
             if leaf & OTHER == 0 {
@@ -109,10 +109,10 @@ impl Hierarchy {
     where
         F: FnMut(u32, &Ray) -> Option<(f32, f32, f32)>,
     {
-        if !Probe::fits(ray) {
+        if !RayPrecalc::fits(ray) {
             return;
         }
-        let probe = Probe::new(ray);
+        let probe = RayPrecalc::new(ray);
         let mut show = |key: u32, crossing: Crossing| {
             let mut only = Best { key: 0, crossing: Crossing { t: probe.t_max, weights: [0.0; 2], total: 1.0 } };
             only.offer(key, crossing);
@@ -138,10 +138,10 @@ impl Hierarchy {
     where
         F: FnMut(u32, &Ray) -> bool,
     {
-        if !Probe::fits(ray) {
+        if !RayPrecalc::fits(ray) {
             return false;
         }
-        let probe = Probe::new(ray);
+        let probe = RayPrecalc::new(ray);
         let mut found = false;
         self.wide.walk::<false, _>(&probe, |leaf, limit| {
             found = if leaf & OTHER == 0 { self.wide.packet(leaf).any(&probe) } else { other(leaf ^ OTHER, ray) };
@@ -168,7 +168,7 @@ impl Best {
     }
 
     #[inline]
-    fn finish(&self, ray: &Ray, probe: &Probe) -> Option<Hit> {
+    fn finish(&self, ray: &Ray, probe: &RayPrecalc) -> Option<Hit> {
         let t = self.crossing.t * probe.unit;
         // A distance that the caller's unit cannot express is no hit.
         if !(self.crossing.t < probe.t_max && 0.0 < t && t < ray.t_max) {

@@ -1,6 +1,6 @@
 //! Packets of triangles and their watertight intersection.
 
-use super::probe::Probe;
+use super::ray_precalc::RayPrecalc;
 use glam::{DVec3, Vec3};
 use wide::f32x8;
 
@@ -50,7 +50,7 @@ impl Packet {
 
     /// Shows `found` the index of each triangle that a ray meets, and where.
     #[inline]
-    pub fn hits(&self, probe: &Probe, mut found: impl FnMut(u32, Crossing)) {
+    pub fn hits(&self, probe: &RayPrecalc, mut found: impl FnMut(u32, Crossing)) {
         let mut lanes = self.candidates(probe);
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize;
@@ -66,7 +66,7 @@ impl Packet {
     ///
     /// Rounding is monotone, so without fused operations a sign is never wrong, at worst lost.
     #[inline]
-    pub fn candidates(&self, probe: &Probe) -> u32 {
+    pub fn candidates(&self, probe: &RayPrecalc) -> u32 {
         let [ax, ay, az] = probe.axes;
         let [px, py, pz] = [&self.corners[ax], &self.corners[ay], &self.corners[az]];
         let ox = Lane::splat(probe.origin[ax]);
@@ -91,7 +91,7 @@ impl Packet {
     /// difference of exact numbers keeps its sign and all but its last digit, so neighbours agree on their common edge and
     /// the hit lies on the triangle however thin it looks.
     #[inline]
-    pub fn hit(&self, lane: usize, probe: &Probe) -> Option<Crossing> {
+    pub fn hit(&self, lane: usize, probe: &RayPrecalc) -> Option<Crossing> {
         let [ax, ay, az] = probe.axes;
         let [px, py, pz] = [&self.corners[ax], &self.corners[ay], &self.corners[az]];
         let [ox, oy, oz] = [probe.origin[ax], probe.origin[ay], probe.origin[az]];
@@ -116,7 +116,7 @@ impl Packet {
 
     /// Whether any triangle meets the ray at `0 < t < t_max`.
     #[inline]
-    pub fn any(&self, probe: &Probe) -> bool {
+    pub fn any(&self, probe: &RayPrecalc) -> bool {
         let mut lanes = self.candidates(probe);
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize;

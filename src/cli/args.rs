@@ -8,7 +8,7 @@ use crate::camera::FilterKind;
 use crate::image::{BitDepth, Curve, FloatDepth};
 use crate::integrate::{Algorithm, FinalGathering, VolumeEstimate};
 use crate::photon::Kernel;
-use crate::plan::Wishes;
+use crate::plan::EffectOverrides;
 use crate::render::gauge::Confidence;
 use crate::stats::Memory;
 use clap::{Args, Parser, Subcommand};
@@ -112,7 +112,7 @@ pub struct EffectsArguments {
     /// What to simulate whatever the scene calls for: auto, all or none, then +effect or -effect, divided by commas; `caustica plan`
     /// lists them
     #[arg(long, allow_hyphen_values = true, value_name = "WISHES", default_value = "auto")]
-    pub effects: Wishes,
+    pub effects: EffectOverrides,
 }
 
 /// What is rendered and with what: common to all commands that render.
@@ -369,7 +369,7 @@ pub struct StudyArguments {
 
     /// What the whole picture simulates, as --effects of `caustica render`
     #[arg(long, allow_hyphen_values = true, value_name = "WISHES", default_value = "auto")]
-    pub wish: Wishes,
+    pub wish: EffectOverrides,
 
     /// Passes of each picture, or the most of each method  [default: 4 with --effects, else as many as --budget allows]
     #[arg(long, value_parser = positive_count, value_name = "N")]

@@ -1,6 +1,6 @@
 //! Errors of pictures in words.
 
-use crate::render::gauge::{Forecast, Needed, Reading};
+use crate::render::gauge::{ErrorEstimate, Forecast, Needed};
 use crate::study::text::percent;
 
 /// What helps where an error cannot become as low as is asked for.
@@ -15,12 +15,12 @@ pub(super) struct NoError {
 }
 
 /// An error and what it is made of: `2.1 % (noise 1.9 %, bias 0.8 %)`.
-pub(super) fn parts(reading: &Reading) -> String {
+pub(super) fn parts(reading: &ErrorEstimate) -> String {
     format!("{} (noise {}, bias {})", percent(reading.error), percent(reading.noise), percent(reading.bias))
 }
 
 /// When the error will be down to `aim`, which is called `named`, at so many seconds a pass; nothing where there is no error.
-pub(super) fn outlook(reading: &Reading, forecast: &Forecast, (named, aim): (f64, f64), a_pass: f64) -> String {
+pub(super) fn outlook(reading: &ErrorEstimate, forecast: &Forecast, (named, aim): (f64, f64), a_pass: f64) -> String {
     if reading.error == 0.0 {
         return String::new();
     }

@@ -6,7 +6,7 @@ use super::scene::{in_pool, load};
 use super::settings::settings;
 use super::{Exit, Failure};
 use crate::integrate::{Algorithm, Balance, Integrator};
-use crate::plan::{Decision, Effect, Facts, Plan};
+use crate::plan::{Decision, Effect, Plan, SceneFeatures};
 use crate::study::text::{amount, signed};
 use crate::study::{ExpectedWork, Work, expected_work};
 use miette::IntoDiagnostic;
@@ -117,7 +117,7 @@ struct Report {
     version: &'static str,
     scene: String,
     integrator: &'static str,
-    facts: Facts,
+    facts: SceneFeatures,
     /// Of the first pass.
     rays: i64,
     gathered_photons: i64,

@@ -9,7 +9,7 @@ use super::scene::{in_pool, load};
 use super::settings::{flags, settings};
 use super::{Exit, Failure, PriceArguments, error};
 use crate::integrate::{Algorithm, Integrator};
-use crate::render::gauge::{Forecast, Needed, Reading};
+use crate::render::gauge::{ErrorEstimate, Forecast, Needed};
 use crate::render::{Rendered, Stop, render};
 use crate::stats::peak_memory;
 use crate::study::text::{amount, percent};
@@ -104,7 +104,7 @@ struct List {
     height: u32,
     threads: usize,
     /// Of the pilot's picture.
-    pilot: Reading,
+    pilot: ErrorEstimate,
     setup_seconds: f64,
     pass_seconds: f64,
     pass_photons: f64,
@@ -213,7 +213,12 @@ impl List {
 }
 
 impl Price {
-    fn new(error: f64, reading: &Reading, forecast: &Forecast, (setup, a_pass, pass_photons): (f64, f64, f64)) -> Self {
+    fn new(
+        error: f64,
+        reading: &ErrorEstimate,
+        forecast: &Forecast,
+        (setup, a_pass, pass_photons): (f64, f64, f64),
+    ) -> Self {
         let needed = |aim: f64| match forecast.passes_to(aim) {
             Needed::Passes(n) => Ok(n),
             Needed::Never { floor } => Err(Some(floor)),

@@ -1,7 +1,7 @@
 //! Progress: bars on a terminal, plain lines elsewhere.
 
 use crate::format::mesh::{ReadMonitor, TriangleMesh};
-use crate::integrate::{Monitor, Phase};
+use crate::integrate::{Monitor, Stage};
 use crate::stats::Counters;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{IsTerminal, Write};
@@ -78,12 +78,12 @@ impl Progress {
 }
 
 impl Monitor for Progress {
-    fn begin(&self, phase: Phase, total: u64) {
+    fn begin(&self, phase: Stage, total: u64) {
         let Self::Bars { phase: bar, prefix } = self else { return };
         let (name, unit) = match phase {
-            Phase::Photons => ("photons", "paths"),
-            Phase::Trees => ("trees", "photons"),
-            Phase::Eye => ("image", "pixels"),
+            Stage::Photons => ("photons", "paths"),
+            Stage::Trees => ("trees", "photons"),
+            Stage::Eye => ("image", "pixels"),
         };
         let template =
             format!("{{prefix}} {name:<8} {{bar:28}} {{percent:>3}} %  {{per_sec}} {unit}  {{eta}} left  {{msg}}");

@@ -11,7 +11,7 @@ use super::scene::{in_pool, load};
 use super::settings::settings;
 use super::{Exit, Failure, RenderArguments, aov};
 use crate::image::{self, Curve, Image, OutputFormat, ToneMap, WriteOptions, WriteReport};
-use crate::integrate::{Algorithm, Lessons};
+use crate::integrate::{Algorithm, GuidingReports};
 use crate::render::gauge::{Confidence, FEWEST};
 use crate::render::{Ended, Rendered, Stop, Target, render};
 use crate::study::text::percent;
@@ -53,7 +53,7 @@ fn run_in_pool(arguments: &RenderArguments, progress: &Progress) -> Result<Exit,
         shapes: scene.shape_count(),
         lights: scene.lights().len(),
         radii: None,
-        emission: Lessons::default(),
+        emission: GuidingReports::default(),
         effects: Vec::new(),
         balance: None,
         setup: 0.0,

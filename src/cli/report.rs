@@ -1,8 +1,8 @@
 //! The report of a render as JSON; docs/cli.md describes each field.
 
 use super::plan::EffectReport;
-use crate::integrate::{Balance, Lessons, PhotonReport, Radii, Seconds};
-use crate::render::gauge::{Confidence, Needed, Reading};
+use crate::integrate::{Balance, GuidingReports, PhotonReport, Radii, Seconds};
+use crate::render::gauge::{Confidence, ErrorEstimate, Needed};
 use crate::render::{Ended, Rendered};
 use crate::stats::{Counters, cpu_seconds, peak_memory};
 use serde::Serialize;
@@ -27,7 +27,7 @@ pub(super) struct Report {
     pub shapes: usize,
     pub lights: usize,
     pub radii: Option<RadiiReport>,
-    pub emission: Lessons,
+    pub emission: GuidingReports,
     pub effects: Vec<EffectReport>,
     pub balance: Option<Balance>,
     pub photons: Photons,
@@ -44,7 +44,7 @@ pub(super) struct Report {
 #[derive(Debug, Serialize)]
 pub(super) struct ErrorReport {
     #[serde(flatten)]
-    pub reading: Reading,
+    pub reading: ErrorEstimate,
     /// Of the interval from `low` to `high`.
     confidence: Confidence,
     /// Passes that make the error half as large, in all; `None` where none do.
@@ -104,7 +104,7 @@ pub(super) struct Setting {
     pub shapes: usize,
     pub lights: usize,
     pub radii: Option<Radii>,
-    pub emission: Lessons,
+    pub emission: GuidingReports,
     pub effects: Vec<EffectReport>,
     pub balance: Option<Balance>,
     pub setup: f64,

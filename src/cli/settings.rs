@@ -4,7 +4,7 @@ use super::args::MethodArguments;
 use crate::camera::{Filter, FilterKind};
 use crate::integrate::{ALPHA, Algorithm, EyeSettings, FinalGathering, Settings, VolumeEstimate};
 use crate::photon::Kernel;
-use crate::plan::{Effect, Wishes};
+use crate::plan::{Effect, EffectOverrides};
 use clap::ValueEnum;
 use clap::builder::PossibleValue;
 
@@ -57,7 +57,7 @@ impl ValueEnum for VolumeEstimate {
     }
 }
 
-pub(super) fn settings(arguments: &MethodArguments, effects: Wishes) -> Settings {
+pub(super) fn settings(arguments: &MethodArguments, effects: EffectOverrides) -> Settings {
     let photons = arguments.photons.unwrap_or(Settings::default().photons);
     Settings {
         eye: EyeSettings {
@@ -83,7 +83,7 @@ pub(super) fn settings(arguments: &MethodArguments, effects: Wishes) -> Settings
 
 /// The words from which these arguments are read, but for the seed: those that are not the defaults. `effects` is the flag that tells
 /// wishes.
-pub(super) fn flags(arguments: &MethodArguments, effects: &str, wishes: Wishes) -> Vec<String> {
+pub(super) fn flags(arguments: &MethodArguments, effects: &str, wishes: EffectOverrides) -> Vec<String> {
     let MethodArguments { kernel, final_gathering, volume, max_bounces, filter, .. } = *arguments;
     let number = |n: Option<u32>| n.map(|n| n.to_string());
     let unless_default = |is: bool, value: String| (!is).then_some(value);
@@ -133,7 +133,7 @@ fn filter_name(filter: FilterKind) -> &'static str {
 }
 
 /// Wishes as they are read; `None` where there is none.
-fn in_words(wishes: Wishes) -> Option<String> {
+fn in_words(wishes: EffectOverrides) -> Option<String> {
     let signed = |e: Effect| wishes.of(e).map(|on| format!("{}{}", if on { '+' } else { '-' }, e.name()));
     let words: Vec<String> = Effect::ALL.into_iter().filter_map(signed).collect();
     (!words.is_empty()).then(|| words.join(","))
@@ -145,7 +145,7 @@ mod tests {
     use crate::cli::{Arguments, Command};
     use clap::Parser;
 
-    fn read(line: &str) -> (MethodArguments, Wishes) {
+    fn read(line: &str) -> (MethodArguments, EffectOverrides) {
         let words = ["caustica", "render", "a.txt", "-o", "a.png"].into_iter().chain(line.split_whitespace());
         match Arguments::try_parse_from(words).unwrap().command {
             Command::Render(render) => (render.method, render.effects.effects),
@@ -165,7 +165,7 @@ mod tests {
         for flag in all.split_whitespace().filter(|word| word.starts_with("--")) {
             assert!(written.split(' ').any(|word| word == flag), "{flag} is not in {written}");
         }
-        assert_eq!(flags(&read("").0, "--effects", Wishes::PLANNED), ["--integrator", "hybrid"]);
+        assert_eq!(flags(&read("").0, "--effects", EffectOverrides::PLANNED), ["--integrator", "hybrid"]);
         for kind in ["box", "cone", "epanechnikov"] {
             assert_eq!(kernel_name(kind.parse().unwrap()), kind);
         }

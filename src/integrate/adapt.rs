@@ -4,7 +4,7 @@
 //! in proportion to σ over the light. A few looks before the first pass tell both. What they find holds for all passes, so passes stay
 //! independent, and as no ray of the looks is used again the mean is without bias.
 
-use super::maker::Draft;
+use super::maker::PilotBudget;
 use super::prepared::{Job, Prepared};
 use super::{Pass, Silent};
 use crate::color;
@@ -25,8 +25,11 @@ impl Prepared<'_> {
     /// Camera rays of each pixel, by rows from the top, in parts of the mean; `None` where rays make no noise.
     pub fn find_density(&self) -> Option<Arc<[f32]>> {
         let key = Key::new(self.eye.seed).purpose(Purpose::Balance);
-        let maps =
-            self.maker.make_from(&Draft { key, pass: 0, part: PART, limited: true }, &Silent, &mut Pass::default());
+        let maps = self.maker.make_from(
+            &PilotBudget { key, pass: 0, part: PART, limited: true },
+            &Silent,
+            &mut Pass::default(),
+        );
         // All at one time, as the rays of a pass are.
         let looking = self.at(self.scene).looking();
         let looks: Vec<Vec<f64>> = (0..LOOKS)

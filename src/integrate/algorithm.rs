@@ -69,11 +69,11 @@ impl Algorithm {
     #[must_use]
     pub fn simulates(self) -> Effects {
         use Effect::{
-            Bump, Casters, CausticBounces, Caustics, Dispersion, Environment, Gathering, Interiors, Interreflection,
-            Lens, Media, Motion, Shadows, SoftShadows, Textures,
+            Bump, CausticBounces, Caustics, Dispersion, Environment, Gathering, Interiors, Interreflection, Lens,
+            Media, Motion, Shadows, SoftShadows, Specular, Textures,
         };
         const RAYCAST: Effects = Effects::of(&[Textures, Bump]);
-        const WHITTED: Effects = RAYCAST.with(Casters).with(Shadows).with(Environment).with(Interiors);
+        const WHITTED: Effects = RAYCAST.with(Specular).with(Shadows).with(Environment).with(Interiors);
         const DISTRIBUTED: Effects = WHITTED.with(SoftShadows).with(Lens).with(Motion).with(Media).with(Dispersion);
         const PATH: Effects = DISTRIBUTED.with(Interreflection).with(Caustics);
         const PHOTONS: Effects = PATH.with(CausticBounces);

@@ -8,7 +8,7 @@ use super::eye::Last;
 use super::method::{History, Vertex};
 use super::tiles::Worker;
 use crate::color::Rgb;
-use crate::light::{DirectSample, Light, LightChoice, Reach};
+use crate::light::{DirectSample, Light, LightBvhSampler, ShadowTarget};
 use crate::plan::{Effect, Effects};
 use crate::sampling::Dimension;
 use crate::scene::{Interior, Scene};
@@ -52,7 +52,7 @@ pub(super) struct DirectLight<'a> {
     /// Whether lights are asked at their middles.
     middles: bool,
     /// Where lights are chosen.
-    choice: Option<LightChoice>,
+    choice: Option<LightBvhSampler>,
     /// Before the first receiver, and after it.
     schemes: [Scheme; 2],
 }
@@ -64,7 +64,7 @@ impl<'a> DirectLight<'a> {
     pub fn new(scene: &'a Scene, asking: Asking, effects: Effects) -> Self {
         // What stands for a whole light is its mean.
         let middles = asking == Asking::Middles || !effects.has(Effect::SoftShadows);
-        let all = if middles || !effects.has(Effect::Textures) { scene.even_lights() } else { scene.lights() };
+        let all = if middles || !effects.has(Effect::Textures) { scene.mean_lights() } else { scene.lights() };
         let sky = scene.environment().filter(|_| !effects.has(Effect::Environment));
         // The environment is the last of the lights.
         let lights = &all[..sky.unwrap_or(all.len())];
@@ -79,7 +79,7 @@ impl<'a> DirectLight<'a> {
             Asking::Walk => [sampled(1); 2],
         };
         let choice = if schemes.iter().any(|s| matches!(s, Scheme::Chosen(_))) {
-            LightChoice::new(lights, scene.domain())
+            LightBvhSampler::new(lights, scene.domain())
         } else {
             None
         };
@@ -105,7 +105,7 @@ impl<'a> DirectLight<'a> {
             let draw = vertex.shadow_draw.with(i as u64);
             for ray in 0..rays {
                 // A net spreads the rays over the light.
-                let u = if self.middles { MIDDLE } else { draw.of(ray, rays).two(Dimension::LightPosition) };
+                let u = if self.middles { MIDDLE } else { draw.of(ray, rays).get_2d(Dimension::LightPosition) };
                 sum += self.from(i, vertex, u, rays as f32, other, worker);
             }
         }
@@ -114,7 +114,7 @@ impl<'a> DirectLight<'a> {
 
     fn chosen<I: Interior>(
         &self,
-        choice: &LightChoice,
+        choice: &LightBvhSampler,
         rays: u32,
         vertex: &Vertex<'_, I>,
         other: Option<&Pdf<'_>>,
@@ -123,12 +123,12 @@ impl<'a> DirectLight<'a> {
         let point = &vertex.surface.point;
         let mut sum = Rgb::ZERO;
         // One uniform number over equal strata: no light is asked more often than it deserves, rounded up.
-        let start = vertex.shadow_draw.one(Dimension::Light);
+        let start = vertex.shadow_draw.get_1d(Dimension::Light);
         for i in 0..rays {
             let u = ((i as f32 + start) / rays as f32).min(1.0 - f32::EPSILON / 2.0);
             let Some((light, probability, _)) = choice.choose(point.p, vertex.horizon(), u) else { continue };
             let draw = vertex.shadow_draw.with(u64::from(i));
-            let u = if self.middles { MIDDLE } else { draw.two(Dimension::LightPosition) };
+            let u = if self.middles { MIDDLE } else { draw.get_2d(Dimension::LightPosition) };
             sum += self.from(light, vertex, u, probability * rays as f32, other, worker);
         }
         sum
@@ -173,11 +173,13 @@ impl<'a> DirectLight<'a> {
         }
         worker.counters.shadow_rays += 1;
         let ray = match sample.reach {
-            Reach::Point(target) => surface.segment_to(self.end(light, &sample, target, surface.point.p), sample.wi),
-            Reach::Infinity => surface.leave(sample.wi),
+            ShadowTarget::Point(target) => {
+                surface.segment_to(self.end(light, &sample, target, surface.point.p), sample.wi)
+            }
+            ShadowTarget::Infinity => surface.leave(sample.wi),
         };
         if self.scene.occluded(&ray) {
-            return if self.clear { reflected * self.clearance(light, vertex, &sample) } else { Rgb::ZERO };
+            return if self.clear { reflected * self.shadow_transmittance(light, vertex, &sample) } else { Rgb::ZERO };
         }
         reflected * self.left(vertex, &sample)
     }
@@ -192,26 +194,26 @@ impl<'a> DirectLight<'a> {
     }
 
     /// The same where something is in the way, which may be clear.
-    fn clearance<I: Interior>(&self, light: usize, vertex: &Vertex<'_, I>, sample: &DirectSample) -> Rgb {
+    fn shadow_transmittance<I: Interior>(&self, light: usize, vertex: &Vertex<'_, I>, sample: &DirectSample) -> Rgb {
         let walk = vertex.leaving(sample.wi);
         let ray = match sample.reach {
-            Reach::Point(target) => {
+            ShadowTarget::Point(target) => {
                 vertex.surface.segment_to(self.end(light, sample, target, vertex.surface.point.p), sample.wi)
             }
-            Reach::Infinity => walk.ray,
+            ShadowTarget::Infinity => walk.ray,
         };
-        self.scene.clearance(&ray, walk.inside, vertex.shadow_draw.key())
+        self.scene.shadow_transmittance(&ray, walk.inside, vertex.shadow_draw.key())
     }
 
     /// Part of the light that is left after its way from a light.
     #[inline]
     fn left<I: Interior>(&self, vertex: &Vertex<'_, I>, sample: &DirectSample) -> Rgb {
         match sample.reach {
-            Reach::Point(target) => {
+            ShadowTarget::Point(target) => {
                 vertex.transmittance(self.scene, sample.wi, (target - vertex.surface.point.p).length())
             }
-            Reach::Infinity if I::IMMERSED => vertex.transmittance(self.scene, sample.wi, f32::INFINITY),
-            Reach::Infinity => Rgb::ONE,
+            ShadowTarget::Infinity if I::IMMERSED => vertex.transmittance(self.scene, sample.wi, f32::INFINITY),
+            ShadowTarget::Infinity => Rgb::ONE,
         }
     }
 }

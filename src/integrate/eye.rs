@@ -15,8 +15,10 @@ use crate::color::{self, Rgb};
 use crate::math::Ray;
 use crate::medium::Phase;
 use crate::plan::{Effect, Effects};
-use crate::sampling::{Dimension, Draw, Key, Purpose};
-use crate::scene::{Arrival, Immersed, Inside, Interior, Memory, Open, Scene, Step, Surface, Walk};
+use crate::sampling::{Dimension, Key, Purpose, Sampler};
+use crate::scene::{
+    Arrival, Interior, InteriorKind, InteriorStack, NoInterior, Scene, SpectralInterior, Step, SurfaceInteraction, Walk,
+};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 use std::time::Instant;
@@ -63,7 +65,7 @@ pub(super) struct Branch<I> {
     history: History,
     /// Where a connection could have been made instead, and the density of the direction that was taken from there.
     last: Option<Last>,
-    draw: Draw,
+    draw: Sampler,
 }
 
 /// The last vertex, where it was not a delta.
@@ -88,9 +90,9 @@ impl<M: Method> EyePass<'_, M> {
     /// Renders all pixels into `out`.
     pub fn run(&self, monitor: &dyn Monitor, out: &mut Pass) {
         match self.effects.memory() {
-            Memory::Media => self.run_in::<Immersed>(monitor, out),
-            Memory::Bodies => self.run_in::<Inside>(monitor, out),
-            Memory::Nothing => self.run_in::<Open>(monitor, out),
+            InteriorKind::Spectral => self.run_in::<SpectralInterior>(monitor, out),
+            InteriorKind::Bodies => self.run_in::<InteriorStack>(monitor, out),
+            InteriorKind::Nothing => self.run_in::<NoInterior>(monitor, out),
         }
     }
 
@@ -120,20 +122,20 @@ impl<M: Method> EyePass<'_, M> {
     }
 
     /// Radiance along camera rays through points of the film, each with its random numbers; in parallel where there are many.
-    pub fn at(&self, points: &[(Vec2, Draw)]) -> (Vec<Rgb>, Vec<Worker>) {
+    pub fn at(&self, points: &[(Vec2, Sampler)]) -> (Vec<Rgb>, Vec<Worker>) {
         match self.effects.memory() {
-            Memory::Media => self.at_in::<Immersed>(points),
-            Memory::Bodies => self.at_in::<Inside>(points),
-            Memory::Nothing => self.at_in::<Open>(points),
+            InteriorKind::Spectral => self.at_in::<SpectralInterior>(points),
+            InteriorKind::Bodies => self.at_in::<InteriorStack>(points),
+            InteriorKind::Nothing => self.at_in::<NoInterior>(points),
         }
     }
 
-    fn at_in<I: Interior>(&self, points: &[(Vec2, Draw)]) -> (Vec<Rgb>, Vec<Worker>) {
+    fn at_in<I: Interior>(&self, points: &[(Vec2, Sampler)]) -> (Vec<Rgb>, Vec<Worker>) {
         let chunks = points.par_chunks(CHUNK).map(|chunk| {
             let (mut worker, mut waiting) = (Worker::default(), Vec::<Branch<I>>::new());
             let radiance = chunk.iter().map(|(at, draw)| {
                 worker.counters.camera_rays += 1;
-                let lens = self.effects.has(Effect::Lens).then(|| draw.two(Dimension::Lens));
+                let lens = self.effects.has(Effect::Lens).then(|| draw.get_2d(Dimension::Lens));
                 self.radiance(&self.scene.camera().ray(*at, lens), *draw, &mut worker, &mut waiting)
             });
             (radiance.collect::<Vec<Rgb>>(), worker)
@@ -146,7 +148,7 @@ impl<M: Method> EyePass<'_, M> {
     pub fn radiance<I: Interior>(
         &self,
         ray: &Ray,
-        draw: Draw,
+        draw: Sampler,
         worker: &mut Worker,
         waiting: &mut Vec<Branch<I>>,
     ) -> Rgb {
@@ -211,7 +213,7 @@ impl<M: Method> EyePass<'_, M> {
         let inside = branch.walk.inside;
         if surface.bsdf.stores_photons() {
             self.receive(branch, &mut surface, &inside, distance, worker, radiance)
-        } else if surface.bsdf == Bsdf::Black || !self.effects.has(Effect::Casters) {
+        } else if surface.bsdf == Bsdf::Black || !self.effects.has(Effect::Specular) {
             None
         } else {
             self.cast(branch, &surface, &inside, distance, room, worker, radiance)
@@ -223,7 +225,7 @@ impl<M: Method> EyePass<'_, M> {
     fn receive<I: Interior>(
         &self,
         branch: &mut Branch<I>,
-        surface: &mut Surface<'_>,
+        surface: &mut SurfaceInteraction<'_>,
         inside: &I,
         distance: f32,
         worker: &mut Worker,
@@ -232,12 +234,12 @@ impl<M: Method> EyePass<'_, M> {
         // Shading costs as much as dozens of rays.
         let worth = color::mean(branch.throughput) / CERTAIN;
         if worth < 1.0 && self.method.cut() == 0.0 {
-            if branch.draw.one(Dimension::Worth) >= worth {
+            if branch.draw.get_1d(Dimension::Worth) >= worth {
                 return None;
             }
             branch.throughput /= worth;
         }
-        surface.bsdf = self.method.part(surface.bsdf, branch.draw.one(Dimension::Part));
+        surface.bsdf = self.method.part(surface.bsdf, branch.draw.get_1d(Dimension::Part));
         let vertex = self.vertex(branch, surface, inside, distance);
         let mut to_do = self.method.at_receiver(&vertex);
         to_do.onward &= branch.bounce < self.settings.max_bounces;
@@ -256,7 +258,7 @@ impl<M: Method> EyePass<'_, M> {
     fn cast<I: Interior>(
         &self,
         branch: &mut Branch<I>,
-        surface: &Surface<'_>,
+        surface: &SurfaceInteraction<'_>,
         inside: &I,
         distance: f32,
         room: bool,
@@ -290,7 +292,7 @@ impl<M: Method> EyePass<'_, M> {
     fn vertex<'v, I: Interior>(
         &self,
         branch: &Branch<I>,
-        surface: &'v Surface<'v>,
+        surface: &'v SurfaceInteraction<'v>,
         inside: &'v I,
         distance: f32,
     ) -> Vertex<'v, I> {
@@ -308,7 +310,7 @@ impl<M: Method> EyePass<'_, M> {
         worker: &mut Worker,
     ) -> Option<Next<I>> {
         let sample = self.method.sample(vertex, worker)?;
-        let roulette = branch.draw.one(Dimension::Roulette);
+        let roulette = branch.draw.get_1d(Dimension::Roulette);
         let mut next = branch.leaving(vertex.surface, sample.wi, sample.weight, sample.transmitted);
         let point = &vertex.surface.point;
         next.last = (!sample.specular).then_some(Last {
@@ -345,7 +347,7 @@ impl<M: Method> EyePass<'_, M> {
     /// Weight of light that was met by chance, where it could also have been asked for (the balance heuristic, Veach 1997,
     /// section 9.2.2).
     #[inline]
-    fn weight_of_chance(&self, last: &Last, seen: &Surface<'_>) -> f32 {
+    fn weight_of_chance(&self, last: &Last, seen: &SurfaceInteraction<'_>) -> f32 {
         let Some(light) = seen.light else { return 1.0 };
         last.pdf / (last.pdf + self.direct.density(last, light as usize, -seen.wo, Some(&seen.point)))
     }
@@ -371,7 +373,7 @@ impl<M: Method> EyePass<'_, M> {
 impl<I: Interior> Branch<I> {
     /// The walk after `surface`.
     #[inline]
-    fn leaving(&self, surface: &Surface<'_>, direction: Vec3, weight: Rgb, transmitted: bool) -> Self {
+    fn leaving(&self, surface: &SurfaceInteraction<'_>, direction: Vec3, weight: Rgb, transmitted: bool) -> Self {
         let mut walk = self.walk;
         let weight = weight * walk.leave(surface, direction, transmitted);
         let draw = self.draw.with(u64::from(self.bounce) << 1 | u64::from(transmitted));

@@ -1,12 +1,16 @@
 //! Making the photon maps of any pass.
 
-use super::maps::{Gathering, Maps, Needs, Schedule};
+use super::maps::{Maps, Needs, PhotonEstimator, Schedule};
 use super::pilot::{Blurs, auto_radius, narrowest, pilot_paths, volume_blurs};
 use super::progressive::shrink_in;
 use super::visible::visible;
 use super::volume::{VolumeEstimate, VolumeMap};
-use super::{Expected, EyeSettings, Lessons, Monitor, Pass, Phase, PhotonReport, Radii, RadiusLaw, Settings, shrink};
-use crate::photon::{Bandwidth, Photon, PhotonMap, PhotonPass, PhotonSource, Pilot, THINNING, Traced, Volume, Wants};
+use super::{
+    Expected, EyeSettings, GuidingReports, Monitor, Pass, PhotonReport, Radii, RadiusLaw, Settings, Stage, shrink,
+};
+use crate::photon::{
+    Bandwidth, Photon, PhotonMap, PhotonPass, PhotonSource, Pilot, StoreMask, THINNING, Traced, Volume,
+};
 use crate::plan::{Effect, Effects};
 use crate::sampling::{Key, Purpose};
 use crate::scene::Scene;
@@ -71,7 +75,7 @@ fn most_of(k: u32, part: u32) -> u32 {
 
 /// What maps are made from.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Draft {
+pub(super) struct PilotBudget {
     /// Of all passes.
     pub key: Key,
     pub pass: u32,
@@ -83,7 +87,7 @@ pub(super) struct Draft {
 
 /// Makes the maps of any pass.
 #[derive(Debug)]
-pub(super) struct MapMaker<'a> {
+pub(super) struct PhotonMapBuilder<'a> {
     scene: &'a Scene,
     settings: Settings,
     effects: Effects,
@@ -97,15 +101,15 @@ pub(super) struct MapMaker<'a> {
     blurs: [Blurs; 2],
     /// The narrowest disc of the first pass \[length].
     least: f32,
-    pub lessons: Lessons,
+    pub lessons: GuidingReports,
 }
 
-impl<'a> MapMaker<'a> {
+impl<'a> PhotonMapBuilder<'a> {
     /// Weighs the lights and finds radii where none is set.
     pub fn new(scene: &'a Scene, settings: Settings, effects: Effects, needs: Needs) -> Self {
         let needs = needs.within(effects);
-        let source = |wanted: Wants, paths: u32, made: &dyn Fn() -> Option<PhotonSource<'a>>| {
-            if paths == 0 || wanted == Wants::NONE {
+        let source = |wanted: StoreMask, paths: u32, made: &dyn Fn() -> Option<PhotonSource<'a>>| {
+            if paths == 0 || wanted == StoreMask::NONE {
                 return None;
             }
             restricted(made()?, effects)
@@ -114,7 +118,7 @@ impl<'a> MapMaker<'a> {
         let aimed = || PhotonSource::aimed(scene).or_else(|| PhotonSource::everywhere(scene));
         let caustic = source(needs.by_casters(), settings.caustic_photons, &aimed);
         let global = source(needs.global, settings.photons, &|| PhotonSource::everywhere(scene));
-        let lessons = Lessons::default();
+        let lessons = GuidingReports::default();
         let (photons, caustic_photons) = (settings.photons, settings.caustic_photons);
         let counts = Counts { photons, caustic_photons };
         let blurs = [Blurs::default(); 2];
@@ -134,8 +138,8 @@ impl<'a> MapMaker<'a> {
     /// The same for fewer effects, with what pilots found for all.
     pub fn within(&self, effects: Effects, needs: Needs) -> Self {
         let needs = needs.within(effects);
-        let keep = |source: &Option<PhotonSource<'a>>, wanted: Wants| {
-            let source = source.clone().filter(|_| wanted != Wants::NONE)?;
+        let keep = |source: &Option<PhotonSource<'a>>, wanted: StoreMask| {
+            let source = source.clone().filter(|_| wanted != StoreMask::NONE)?;
             restricted(source, effects)
         };
         Self {
@@ -149,9 +153,9 @@ impl<'a> MapMaker<'a> {
     }
 
     /// The same for `scene`, which is the maker's own at another time.
-    pub fn at<'b>(&self, scene: &'b Scene) -> MapMaker<'b> {
+    pub fn at<'b>(&self, scene: &'b Scene) -> PhotonMapBuilder<'b> {
         let placed = |source: &Option<PhotonSource<'a>>| source.as_ref().map(|source| source.at(scene));
-        MapMaker {
+        PhotonMapBuilder {
             scene,
             settings: self.settings.clone(),
             global: placed(&self.global),
@@ -168,7 +172,7 @@ impl<'a> MapMaker<'a> {
         }
         let (scene, settings) = (self.scene, &self.settings);
         let seen = visible(scene, &settings.eye, self.effects, scene.domain().radius * SEEN_WITHIN);
-        let learn = |source: &mut Option<PhotonSource<'a>>, wants: Wants, paths: u32| {
+        let learn = |source: &mut Option<PhotonSource<'a>>, wants: StoreMask, paths: u32| {
             let unlearned = source.take()?;
             let EyeSettings { max_bounces, seed, .. } = settings.eye;
             let paths = pilot_paths(paths, Pilot::PATHS);
@@ -188,7 +192,7 @@ impl<'a> MapMaker<'a> {
     /// Radii that hold enough photons in most places.
     fn find_radii(&self) -> Radii {
         let settings = &self.settings;
-        let radius = |source: &Option<PhotonSource<'a>>, wants: Wants, paths: u32, fallback: u32| {
+        let radius = |source: &Option<PhotonSource<'a>>, wants: StoreMask, paths: u32, fallback: u32| {
             let k = settings.gather_k.filter(|k| *k > 0).unwrap_or(fallback);
             let found = || {
                 let source = source.as_ref()?;
@@ -199,12 +203,12 @@ impl<'a> MapMaker<'a> {
             settings.radius.or_else(found).unwrap_or(self.scene.domain().radius * UNSEEN)
         };
         let smooth = if self.needs.after_caustic {
-            let after = Wants { after_caustic: true, ..Wants::NONE };
+            let after = StoreMask { after_caustic: true, ..StoreMask::NONE };
             radius(&self.caustic, after, settings.caustic_photons / THINNING, AFTER_COUNT)
         } else {
             radius(&self.global, self.needs.global, settings.photons, GLOBAL_COUNT)
         };
-        let caustic = radius(&self.caustic, Wants::CAUSTIC, settings.caustic_photons, CAUSTIC_K);
+        let caustic = radius(&self.caustic, StoreMask::CAUSTIC, settings.caustic_photons, CAUSTIC_K);
         Radii { global: smooth, caustic }
     }
 
@@ -217,7 +221,7 @@ impl<'a> MapMaker<'a> {
     /// Radii that hold enough of what is stored in media along most rays.
     fn find_blurs(&self) -> [Blurs; 2] {
         let settings = &self.settings;
-        let found = |source: &Option<PhotonSource<'a>>, wants: Wants, paths: u32| {
+        let found = |source: &Option<PhotonSource<'a>>, wants: StoreMask, paths: u32| {
             let source = source.as_ref()?;
             let pass = PhotonPass { scene: self.scene, source, wants, max_bounces: settings.eye.max_bounces };
             volume_blurs(&pass, self.effects.detail(), paths, settings)
@@ -229,18 +233,18 @@ impl<'a> MapMaker<'a> {
             let unseen = self.scene.domain().radius * UNSEEN;
             found(source, self.stored(wants), paths).unwrap_or(Blurs { beams: unseen, points: unseen })
         };
-        let caustic = of(&self.caustic, Wants::CAUSTIC, settings.caustic_photons);
+        let caustic = of(&self.caustic, StoreMask::CAUSTIC, settings.caustic_photons);
         let rest = if self.needs.after_caustic {
-            of(&self.caustic, Wants { after_caustic: true, ..Wants::NONE }, settings.caustic_photons / THINNING)
+            of(&self.caustic, StoreMask { after_caustic: true, ..StoreMask::NONE }, settings.caustic_photons / THINNING)
         } else {
-            of(&self.global, Wants { direct: false, ..self.needs.global }, settings.photons)
+            of(&self.global, StoreMask { direct: false, ..self.needs.global }, settings.photons)
         };
         [caustic, rest]
     }
 
     /// What is wanted, in the form that estimates in media take.
-    fn stored(&self, wants: Wants) -> Wants {
-        Wants { beams: self.settings.volume == VolumeEstimate::Beams, ..wants }
+    fn stored(&self, wants: StoreMask) -> StoreMask {
+        StoreMask { beams: self.settings.volume == VolumeEstimate::Beams, ..wants }
     }
 
     /// How radii go from pass to pass.
@@ -261,7 +265,7 @@ impl<'a> MapMaker<'a> {
     pub fn expected(&self) -> Expected {
         let settings = &self.settings;
         let key = Key::new(settings.eye.seed).purpose(Purpose::Pilot);
-        let of = |source: &Option<PhotonSource<'a>>, wants: Wants, paths: u32| {
+        let of = |source: &Option<PhotonSource<'a>>, wants: StoreMask, paths: u32| {
             let Some(source) = source.as_ref().filter(|_| paths > 0) else { return Expected::default() };
             let probe = paths.min(PROBE);
             let pass = PhotonPass { scene: self.scene, source, wants, max_bounces: settings.eye.max_bounces };
@@ -276,7 +280,7 @@ impl<'a> MapMaker<'a> {
         let maps = [
             of(&self.caustic, self.needs.by_casters(), self.counts.caustic_photons),
             of(&self.global, self.needs.global, self.counts.photons),
-            of(&self.global, Wants::GLOBAL, guides),
+            of(&self.global, StoreMask::GLOBAL, guides),
         ];
         maps.into_iter().fold(Expected::default(), |all, map| Expected {
             paths: all.paths + map.paths,
@@ -288,12 +292,12 @@ impl<'a> MapMaker<'a> {
     /// Traces and indexes the photons of pass `pass`, and books the work in `out`.
     pub fn make(&self, pass: u32, monitor: &dyn Monitor, out: &mut Pass) -> Maps<'a> {
         let key = Key::new(self.settings.eye.seed);
-        self.make_from(&Draft { key, pass, part: 1, limited: true }, monitor, out)
+        self.make_from(&PilotBudget { key, pass, part: 1, limited: true }, monitor, out)
     }
 
     /// The same of a draft.
-    pub fn make_from(&self, draft: &Draft, monitor: &dyn Monitor, out: &mut Pass) -> Maps<'a> {
-        let Draft { pass, part, .. } = *draft;
+    pub fn make_from(&self, draft: &PilotBudget, monitor: &dyn Monitor, out: &mut Pass) -> Maps<'a> {
+        let PilotBudget { pass, part, .. } = *draft;
         let counts = self.counts.divided(part);
         let key = |purpose| draft.key.purpose(purpose).with(u64::from(pass));
         let job = (self.needs.by_casters(), counts.caustic_photons);
@@ -309,7 +313,7 @@ impl<'a> MapMaker<'a> {
             (index(traced.photons, monitor, out), traced.volume)
         };
         let guides = if self.needs.guides {
-            let job = (Wants::GLOBAL, counts.photons / GUIDING);
+            let job = (StoreMask::GLOBAL, counts.photons / GUIDING);
             let traced = self.trace(self.global.as_ref(), job, key(Purpose::Guides), monitor, out);
             index(traced.photons, monitor, out)
         } else {
@@ -334,8 +338,8 @@ impl<'a> MapMaker<'a> {
         (map, volume): (PhotonMap, Volume),
         (radius, blurs): (f32, Blurs),
         most: u32,
-        draft: &Draft,
-    ) -> Gathering<'a> {
+        draft: &PilotBudget,
+    ) -> PhotonEstimator<'a> {
         let (pass, RadiusLaw { alpha, kernel }) = (draft.pass, self.law());
         let area = shrink(alpha, pass);
         let estimate = self.settings.volume;
@@ -347,20 +351,20 @@ impl<'a> MapMaker<'a> {
         let k = (f64::from(most) * area).round().max(FEWEST) as u32;
         let bandwidth = Bandwidth { radius: radius * area.sqrt() as f32, k: k.min(most) };
         let map = map.with_least(self.least * area.sqrt() as f32);
-        Gathering { scene: self.scene, map, bandwidth, kernel, volume }
+        PhotonEstimator { scene: self.scene, map, bandwidth, kernel, volume }
     }
 
     fn trace(
         &self,
         source: Option<&PhotonSource<'_>>,
-        (wants, paths): (Wants, u32),
+        (wants, paths): (StoreMask, u32),
         key: Key,
         monitor: &dyn Monitor,
         out: &mut Pass,
     ) -> Traced {
         let Some(source) = source else { return Traced::default() };
         let start = Instant::now();
-        monitor.begin(Phase::Photons, u64::from(paths));
+        monitor.begin(Stage::Photons, u64::from(paths));
         let (wants, max_bounces) = (self.stored(wants), self.settings.eye.max_bounces);
         let pass = PhotonPass { scene: self.scene, source, wants, max_bounces };
         let traced = pass.trace(key, paths, &|n| monitor.advance(n));
@@ -384,7 +388,7 @@ fn report(traced: &Traced) -> PhotonReport {
 fn index(photons: Vec<Photon>, monitor: &dyn Monitor, out: &mut Pass) -> PhotonMap {
     let start = Instant::now();
     let count = photons.len() as u64;
-    monitor.begin(Phase::Trees, count);
+    monitor.begin(Stage::Trees, count);
     let map = PhotonMap::build(photons);
     monitor.advance(count);
     out.seconds.trees += start.elapsed().as_secs_f64();

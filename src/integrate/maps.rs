@@ -6,7 +6,7 @@ use super::tiles::Worker;
 use super::volume::{VolumeMap, shared};
 use crate::bsdf::Transport;
 use crate::color::Rgb;
-use crate::photon::{Bandwidth, Flux, Kernel, Nested, PhotonMap, Scratch, Wants, coverage, nested_coverage};
+use crate::photon::{Bandwidth, Flux, Kernel, Nested, PhotonMap, Scratch, StoreMask, coverage, nested_coverage};
 use crate::plan::{Effect, Effects};
 use crate::scene::{Interior, Scene};
 use rand::Rng;
@@ -28,7 +28,7 @@ pub(super) struct Needs {
     /// A map of what caustics become, from the paths of the caustic map.
     pub after_caustic: bool,
     /// The classes of the global map.
-    pub global: Wants,
+    pub global: StoreMask,
     /// Photons whose directions guide gather rays.
     pub guides: bool,
     /// The radii of all.
@@ -40,7 +40,7 @@ impl Needs {
     pub const NOTHING: Self = Self {
         caustic: false,
         after_caustic: false,
-        global: Wants::NONE,
+        global: StoreMask::NONE,
         guides: false,
         schedule: Schedule::Shrinking,
     };
@@ -49,7 +49,7 @@ impl Needs {
     pub fn within(self, effects: Effects) -> Self {
         let bounces = effects.has(Effect::CausticBounces);
         let interreflection = effects.has(Effect::Interreflection);
-        let global = Wants {
+        let global = StoreMask {
             direct: self.global.direct && interreflection,
             after_caustic: self.global.after_caustic && bounces,
             global: self.global.global && interreflection,
@@ -65,13 +65,18 @@ impl Needs {
     }
 
     /// What is wanted of the paths of the caustic map.
-    pub fn by_casters(self) -> Wants {
-        Wants { caustic: self.caustic, after_caustic: self.after_caustic, apart: self.after_caustic, ..Wants::NONE }
+    pub fn by_casters(self) -> StoreMask {
+        StoreMask {
+            caustic: self.caustic,
+            after_caustic: self.after_caustic,
+            apart: self.after_caustic,
+            ..StoreMask::NONE
+        }
     }
 }
 
 /// A map with the width of its estimates.
-pub(super) struct Gathering<'a> {
+pub(super) struct PhotonEstimator<'a> {
     pub scene: &'a Scene,
     pub map: PhotonMap,
     pub bandwidth: Bandwidth,
@@ -82,9 +87,9 @@ pub(super) struct Gathering<'a> {
 
 /// The maps of one pass.
 pub(super) struct Maps<'a> {
-    pub caustic: Gathering<'a>,
+    pub caustic: PhotonEstimator<'a>,
     /// The global map, or that of what caustics become.
-    pub smooth: Gathering<'a>,
+    pub smooth: PhotonEstimator<'a>,
     /// Scattered light by few photons, whose directions guide gather rays.
     pub guides: PhotonMap,
 }
@@ -118,7 +123,7 @@ impl Maps<'_> {
     }
 }
 
-impl Gathering<'_> {
+impl PhotonEstimator<'_> {
     /// Largest radius of an estimate \[length].
     pub fn radius(&self) -> f32 {
         self.bandwidth.radius

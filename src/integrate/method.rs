@@ -4,8 +4,8 @@ use super::tiles::Worker;
 use crate::bsdf::{Bsdf, BsdfSample, Transport};
 use crate::color::Rgb;
 use crate::math::Ray;
-use crate::sampling::{Dimension, Draw};
-use crate::scene::{Cone, Detail, Interior, Scene, Stretch, Surface, Walk};
+use crate::sampling::{Dimension, Sampler};
+use crate::scene::{Cone, Detail, Interior, MediumSegment, Scene, SurfaceInteraction, Walk};
 use glam::Vec3;
 use rand::rngs::SmallRng;
 
@@ -29,7 +29,7 @@ impl History {
 /// A vertex whose surface scatters more than deltas.
 pub(super) struct Vertex<'a, I> {
     /// The surface.
-    pub surface: &'a Surface<'a>,
+    pub surface: &'a SurfaceInteraction<'a>,
     /// What the surface is inside of, on the side of the viewer.
     pub inside: &'a I,
     /// What came before.
@@ -39,9 +39,9 @@ pub(super) struct Vertex<'a, I> {
     /// Length of the way from the last vertex \[length].
     pub distance: f32,
     /// Random numbers of the vertex.
-    pub draw: Draw,
+    pub draw: Sampler,
     /// Random numbers of its shadow rays.
-    pub shadow_draw: Draw,
+    pub shadow_draw: Sampler,
 }
 
 impl<I: Interior> Vertex<'_, I> {
@@ -75,18 +75,18 @@ impl<I: Interior> Vertex<'_, I> {
 
 /// A stretch of a medium that a walk goes through.
 pub(super) struct Passage<'a, I> {
-    pub stretch: &'a Stretch<'a, I>,
+    pub stretch: &'a MediumSegment<'a, I>,
     /// What came before.
     pub history: History,
     /// Part of what it sends back that reaches the pixel.
     pub throughput: Rgb,
     /// Random numbers of the step.
-    pub draw: Draw,
+    pub draw: Sampler,
 }
 
 /// The side of a surface on which light counts; `None` where both do.
 #[inline]
-fn horizon(surface: &Surface<'_>) -> Option<Vec3> {
+fn horizon(surface: &SurfaceInteraction<'_>) -> Option<Vec3> {
     (!surface.bsdf.transmits()).then(|| surface.facing_normal())
 }
 
@@ -139,7 +139,7 @@ pub(super) trait Method: Sync {
     /// Draws where the walk goes on from a surface.
     #[inline]
     fn sample<I: Interior>(&self, vertex: &Vertex<'_, I>, _: &mut Worker) -> Option<BsdfSample> {
-        let (lobe, u) = (vertex.draw.one(Dimension::BsdfLobe), vertex.draw.two(Dimension::BsdfDirection));
+        let (lobe, u) = (vertex.draw.get_1d(Dimension::BsdfLobe), vertex.draw.get_2d(Dimension::BsdfDirection));
         vertex.surface.sample(lobe, u, Transport::Radiance)
     }
 

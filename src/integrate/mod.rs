@@ -32,8 +32,8 @@ pub use algorithm::Algorithm;
 pub use balance::Balance;
 pub use gauged::{Discs, Gauged};
 pub use maker::CAUSTIC_K;
-pub use pass::{Expected, Monitor, Pass, Phase, PhotonReport, Seconds, Silent};
-pub use pilot::{Lessons, Radii};
+pub use pass::{Expected, Monitor, Pass, PhotonReport, Seconds, Silent, Stage};
+pub use pilot::{GuidingReports, Radii};
 pub use progressive::{ALPHA, RadiusLaw, shrink};
 pub use settings::{EyeSettings, FinalGathering, Settings};
 pub use volume::VolumeEstimate;
@@ -81,7 +81,7 @@ pub trait Integrator: Sync {
     fn plan(&self) -> &Plan;
 
     /// What emission learned from a pilot.
-    fn lessons(&self) -> Lessons {
-        Lessons::default()
+    fn lessons(&self) -> GuidingReports {
+        GuidingReports::default()
     }
 }

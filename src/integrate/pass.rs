@@ -9,7 +9,7 @@ use std::ops::AddAssign;
 
 /// Stages of a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Phase {
+pub enum Stage {
     /// Tracing photons from the lights; counted in paths.
     Photons,
     /// Building the trees.
@@ -21,7 +21,7 @@ pub enum Phase {
 /// Hears of progress, from any thread.
 pub trait Monitor: Sync {
     /// A stage begins that has `total` units.
-    fn begin(&self, phase: Phase, total: u64);
+    fn begin(&self, phase: Stage, total: u64);
     /// So many more units are done.
     fn advance(&self, units: u64);
 }
@@ -31,7 +31,7 @@ pub trait Monitor: Sync {
 pub struct Silent;
 
 impl Monitor for Silent {
-    fn begin(&self, _: Phase, _: u64) {}
+    fn begin(&self, _: Stage, _: u64) {}
     fn advance(&self, _: u64) {}
 }
 

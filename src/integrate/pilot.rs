@@ -3,9 +3,9 @@
 use super::{Settings, VolumeEstimate};
 use crate::bsdf::Transport;
 use crate::math::Ray;
-use crate::photon::{BeamMap, Lesson, Photon, PhotonMap, PhotonPass, PointMap};
-use crate::sampling::{Dimension, Draw, Key, Purpose};
-use crate::scene::{Arrival, Detail, Immersed, Scene, Step};
+use crate::photon::{BeamMap, GuidingReport, Photon, PhotonMap, PhotonPass, PointMap};
+use crate::sampling::{Dimension, Key, Purpose, Sampler};
+use crate::scene::{Arrival, Detail, Scene, SpectralInterior, Step};
 use glam::Vec2;
 
 /// Most paths of the pilot: its radii are scaled to the photon count of a pass.
@@ -57,11 +57,11 @@ pub struct Radii {
 
 /// What emission learned for each map; `None` where nothing was to be learned.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
-pub struct Lessons {
+pub struct GuidingReports {
     /// For the global map.
-    pub global: Option<Lesson>,
+    pub global: Option<GuidingReport>,
     /// For the caustic map.
-    pub caustic: Option<Lesson>,
+    pub caustic: Option<GuidingReport>,
 }
 
 /// Paths of a pilot for passes of `paths` paths: `most`, but for small passes that it would outweigh.
@@ -178,9 +178,9 @@ fn ways(scene: &Scene, detail: Detail, key: Key) -> Vec<Vec<Ray>> {
     let (width, height) = scene.camera().size();
     let size = Vec2::new(width as f32, height as f32);
     let along = |i| {
-        let draw = Draw::new(key, i, RAYS);
-        let ray = scene.camera().ray(draw.two(Dimension::Film) * size, None);
-        let mut walk = scene.walk_from_camera::<Immersed>(ray, detail);
+        let draw = Sampler::new(key, i, RAYS);
+        let ray = scene.camera().ray(draw.get_2d(Dimension::Film) * size, None);
+        let mut walk = scene.walk_from_camera::<SpectralInterior>(ray, detail);
         let mut found = Vec::new();
         for bounce in 0..MOST_CASTERS {
             let draw = draw.with(bounce.into());
@@ -194,7 +194,7 @@ fn ways(scene: &Scene, detail: Detail, key: Key) -> Vec<Vec<Ray>> {
             if surface.bsdf.stores_photons() {
                 break;
             }
-            let (lobe, u) = (draw.one(Dimension::BsdfLobe), draw.two(Dimension::BsdfDirection));
+            let (lobe, u) = (draw.get_1d(Dimension::BsdfLobe), draw.get_2d(Dimension::BsdfDirection));
             let Some(sample) = surface.sample(lobe, u, Transport::Radiance) else { break };
             let _ = walk.leave(&surface, sample.wi, sample.transmitted);
         }

@@ -13,7 +13,7 @@ use super::prepared::{Strategy, Walks};
 use super::tiles::Worker;
 use crate::bsdf::{BsdfSample, Transport};
 use crate::color::Rgb;
-use crate::photon::{Bandwidth, Kernel, Wants};
+use crate::photon::{Bandwidth, Kernel, StoreMask};
 use crate::plan::{Effect, Effects};
 use crate::sampling::Dimension;
 use crate::scene::Interior;
@@ -52,10 +52,10 @@ impl Strategy for PhotonMapping {
 
     fn needs(&self, effects: Effects) -> Needs {
         let global = match self.gathering {
-            _ if !effects.has(Effect::Gathering) => Wants::GLOBAL,
-            FinalGathering::None => Wants::GLOBAL,
+            _ if !effects.has(Effect::Gathering) => StoreMask::GLOBAL,
+            FinalGathering::None => StoreMask::GLOBAL,
             // A gather ray sees direct light too.
-            FinalGathering::Bsdf | FinalGathering::Importance => Wants { caustic: false, ..Wants::ALL },
+            FinalGathering::Bsdf | FinalGathering::Importance => StoreMask { caustic: false, ..StoreMask::ALL },
         };
         let guides = self.gathering == FinalGathering::Importance && effects.has(Effect::Gathering);
         Needs { caustic: true, global, guides, schedule: Schedule::Fixed, ..Needs::NOTHING }
@@ -151,7 +151,7 @@ impl Method for Gathered<'_> {
 
     fn sample<I: Interior>(&self, vertex: &Vertex<'_, I>, worker: &mut Worker) -> Option<BsdfSample> {
         let surface = vertex.surface;
-        let (lobe, u) = (vertex.draw.one(Dimension::BsdfLobe), vertex.draw.two(Dimension::BsdfDirection));
+        let (lobe, u) = (vertex.draw.get_1d(Dimension::BsdfLobe), vertex.draw.get_2d(Dimension::BsdfDirection));
         // Casters are not guided, and have no say in what guided the last receiver.
         if !self.guided || !surface.bsdf.stores_photons() {
             return surface.sample(lobe, u, Transport::Radiance);

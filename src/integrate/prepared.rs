@@ -3,13 +3,13 @@
 use super::balance::Balance;
 use super::direct::{Asking, DirectLight};
 use super::eye::EyePass;
-use super::maker::MapMaker;
+use super::maker::PhotonMapBuilder;
 use super::maps::{Maps, Needs};
 use super::method::Method;
-use super::{Expected, EyeSettings, Integrator, Lessons, Monitor, Pass, Radii, RadiusLaw, Settings};
+use super::{Expected, EyeSettings, GuidingReports, Integrator, Monitor, Pass, Radii, RadiusLaw, Settings};
 use crate::color::Rgb;
 use crate::plan::{Effect, Effects, Plan};
-use crate::sampling::{Dimension, Draw, Key, Purpose};
+use crate::sampling::{Dimension, Key, Purpose, Sampler};
 use crate::scene::Scene;
 use crate::stats::Counters;
 use glam::Vec2;
@@ -59,7 +59,7 @@ pub(super) enum Job<'w> {
     /// Those of all pixels.
     Picture(&'w dyn Monitor, &'w mut Pass),
     /// One through each of some points of the film, for a pilot.
-    Points(&'w [(Vec2, Draw)], &'w mut Found),
+    Points(&'w [(Vec2, Sampler)], &'w mut Found),
 }
 
 /// What a pilot's walks found.
@@ -93,7 +93,7 @@ pub(super) struct Prepared<'a> {
     effects: Effects,
     pub eye: EyeSettings,
     direct: DirectLight<'a>,
-    pub maker: MapMaker<'a>,
+    pub maker: PhotonMapBuilder<'a>,
     pub strategy: Arc<dyn Strategy>,
     pub samples: u32,
     balance: Option<Balance>,
@@ -109,7 +109,7 @@ impl<'a> Prepared<'a> {
             effects,
             eye: settings.eye.clone(),
             direct: DirectLight::new(scene, strategy.asking(), effects),
-            maker: MapMaker::new(scene, settings.clone(), effects, strategy.needs(effects)),
+            maker: PhotonMapBuilder::new(scene, settings.clone(), effects, strategy.needs(effects)),
             samples: settings.eye.samples.unwrap_or(strategy.samples()),
             strategy: Arc::clone(&strategy),
             balance: None,
@@ -225,7 +225,7 @@ impl Integrator for Prepared<'_> {
         self.eye.gauge
     }
 
-    fn lessons(&self) -> Lessons {
+    fn lessons(&self) -> GuidingReports {
         self.maker.lessons
     }
 }

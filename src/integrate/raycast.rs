@@ -6,7 +6,7 @@ use crate::color::Rgb;
 use crate::math::Ray;
 use crate::plan::{Effects, Plan};
 use crate::sampling::{Key, Purpose};
-use crate::scene::{CourseLight, Look, Scene, Surface};
+use crate::scene::{LegacyLight, PhongAppearance, Scene, SurfaceInteraction};
 use crate::stats::Counters;
 use std::time::Instant;
 
@@ -68,16 +68,16 @@ impl<'a> RayCast<'a> {
             ray = surface.leave(ray.direction);
         };
         let look = self.scene.look(&surface, &hit, &cone);
-        surface.emission + self.scene.course_lights().iter().map(|light| phong(&surface, &look, light)).sum::<Rgb>()
+        surface.emission + self.scene.legacy_lights().iter().map(|light| phong(&surface, &look, light)).sum::<Rgb>()
     }
 }
 
 /// c·(kd·max(0, N·L) + ks·max(0, V·R)ˢ) with R = 2(N·L)N − L. The highlight is not gated by N·L, normals are not turned, and
 /// 0⁰ is 1.
-fn phong(surface: &Surface<'_>, look: &Look, light: &CourseLight) -> Rgb {
+fn phong(surface: &SurfaceInteraction<'_>, look: &PhongAppearance, light: &LegacyLight) -> Rgb {
     let (to_light, color) = match light {
-        CourseLight::Point(position, color) => ((*position - surface.point.p).normalize_or_zero(), *color),
-        CourseLight::Directional(direction, color) => (-*direction, *color),
+        LegacyLight::Point(position, color) => ((*position - surface.point.p).normalize_or_zero(), *color),
+        LegacyLight::Directional(direction, color) => (-*direction, *color),
     };
     let n = surface.point.ns;
     let cos = n.dot(to_light);

@@ -3,7 +3,7 @@
 use super::{ALPHA, VolumeEstimate};
 use crate::camera::{Filter, FilterKind};
 use crate::photon::Kernel;
-use crate::plan::Wishes;
+use crate::plan::EffectOverrides;
 
 /// Settings of the camera walk.
 #[derive(Clone, Debug)]
@@ -21,7 +21,7 @@ pub struct EyeSettings {
     /// Whether passes tell of the error of their estimates. The picture is the same.
     pub gauge: bool,
     /// Effects that are simulated or left out whatever the scene calls for.
-    pub effects: Wishes,
+    pub effects: EffectOverrides,
 }
 
 impl Default for EyeSettings {
@@ -33,7 +33,7 @@ impl Default for EyeSettings {
             filter: Filter::new(FilterKind::default()),
             adaptive: false,
             gauge: false,
-            effects: Wishes::PLANNED,
+            effects: EffectOverrides::PLANNED,
         }
     }
 }

@@ -1,12 +1,12 @@
 //! What a pass is like, found from few points of the film and few photons.
 
 use super::balance::{self, Balance, Part};
-use super::maker::Draft;
+use super::maker::PilotBudget;
 use super::maps::Maps;
 use super::prepared::{Found, Job, Prepared};
 use super::{Pass, PhotonReport, Silent};
 use crate::color;
-use crate::sampling::{Dimension, Draw, Key, Purpose};
+use crate::sampling::{Dimension, Key, Purpose, Sampler};
 use crate::stats::Counters;
 use glam::Vec2;
 
@@ -28,11 +28,11 @@ impl Prepared<'_> {
         let whole = self.maker.counts;
         let draft = |i| {
             let mut out = Pass::default();
-            let draft = Draft { key: key.with(i), pass: 0, part: PILOT_PART, limited: false };
+            let draft = PilotBudget { key: key.with(i), pass: 0, part: PILOT_PART, limited: false };
             (self.maker.make_from(&draft, &Silent, &mut out), out)
         };
         let ((mut one, made), (mut other, _)) = (draft(0), draft(1));
-        let look = |maps: &Maps<'_>, points: &[(Vec2, Draw)]| {
+        let look = |maps: &Maps<'_>, points: &[(Vec2, Sampler)]| {
             let mut found = Found::default();
             self.walk(maps, 0, Job::Points(points, &mut found));
             found
@@ -93,14 +93,14 @@ impl Prepared<'_> {
     }
 
     /// Points of the film with their random numbers; of two sets with the same key, points of one place are in one pixel.
-    fn points(&self, key: Key, set: u64) -> Vec<(Vec2, Draw)> {
+    fn points(&self, key: Key, set: u64) -> Vec<(Vec2, Sampler)> {
         let (width, height) = self.scene.camera().size();
         let size = Vec2::new(width as f32, height as f32);
         let key = key.purpose(Purpose::Camera);
         let point = |i| {
-            let pixel = (Draw::new(key, i, POINTS).two(Dimension::Film) * size).floor();
-            let draw = Draw::new(key.with(set << 32 | u64::from(i)), 0, 1);
-            (pixel + draw.two(Dimension::Film), draw)
+            let pixel = (Sampler::new(key, i, POINTS).get_2d(Dimension::Film) * size).floor();
+            let draw = Sampler::new(key.with(set << 32 | u64::from(i)), 0, 1);
+            (pixel + draw.get_2d(Dimension::Film), draw)
         };
         (0..POINTS).map(point).collect()
     }
@@ -109,7 +109,8 @@ impl Prepared<'_> {
     pub fn sketch(&self) -> Counters {
         let key = Key::new(self.eye.seed).purpose(Purpose::Balance);
         let mut out = Pass::default();
-        let maps = self.maker.make_from(&Draft { key, pass: 0, part: PILOT_PART, limited: true }, &Silent, &mut out);
+        let maps =
+            self.maker.make_from(&PilotBudget { key, pass: 0, part: PILOT_PART, limited: true }, &Silent, &mut out);
         let mut found = Found::default();
         self.walk(&maps, 0, Job::Points(&self.points(key, 0), &mut found));
         let scaled = |n: u64, by: f64| (n as f64 * by).round() as u64;

@@ -5,7 +5,7 @@ use super::direct::Asking;
 use super::maps::{Maps, Needs};
 use super::pm::Seen;
 use super::prepared::{Strategy, Walks};
-use crate::photon::Wants;
+use crate::photon::StoreMask;
 use crate::plan::Effects;
 
 /// Stochastic progressive photon mapping.
@@ -22,7 +22,7 @@ impl Strategy for Sppm {
     }
 
     fn needs(&self, _: Effects) -> Needs {
-        Needs { caustic: true, global: Wants::GLOBAL, ..Needs::NOTHING }
+        Needs { caustic: true, global: StoreMask::GLOBAL, ..Needs::NOTHING }
     }
 
     fn walk(&self, walks: Walks<'_>, maps: &Maps<'_>) {

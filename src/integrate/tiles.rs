@@ -2,13 +2,13 @@
 
 use super::gauged::Tally;
 use super::guide::Guide;
-use super::{Gauged, Monitor, Phase};
+use super::{Gauged, Monitor, Stage};
 use crate::camera::{Camera, Filter, FilterSample};
 use crate::color::Rgb;
 use crate::math::{Ray, Sum};
 use crate::medium::Fade;
 use crate::photon::{Scratch, VisiblePoint};
-use crate::sampling::{Dimension, Draw, Key};
+use crate::sampling::{Dimension, Key, Sampler};
 use crate::stats::Counters;
 use glam::{DVec3, Vec2};
 use rayon::prelude::*;
@@ -106,12 +106,12 @@ pub(super) fn render<T: Default>(
     sampling: &Sampling<'_>,
     key: Key,
     monitor: &dyn Monitor,
-    radiance: impl Fn(&Ray, Draw, &mut Worker, &mut T) -> Rgb + Sync,
+    radiance: impl Fn(&Ray, Sampler, &mut Worker, &mut T) -> Rgb + Sync,
 ) -> Rendered {
     let (width, height) = sampling.camera.size();
     let (columns, every) = (width.div_ceil(EDGE), sampling.every);
     let pixels = width as usize * height as usize;
-    monitor.begin(Phase::Eye, pixels as u64 / u64::from(every));
+    monitor.begin(Stage::Eye, pixels as u64 / u64::from(every));
     let mut image = vec![Rgb::ZERO; pixels];
     let mut gauged = vec![Gauged::default(); if sampling.gauge { pixels } else { 0 }];
     let mut tiles = Tile::cut(&mut image, &mut gauged, width);
@@ -168,26 +168,29 @@ fn pixel(
     y: u32,
     key: Key,
     worker: &mut Worker,
-    mut radiance: impl FnMut(&Ray, Draw, &mut Worker) -> Rgb,
+    mut radiance: impl FnMut(&Ray, Sampler, &mut Worker) -> Rgb,
 ) -> Rgb {
     let corner = Vec2::new(x as f32, y as f32);
     let pixel = key.with(u64::from(y) << 32 | u64::from(x));
     let mut sum = Samples::default();
     let samples = sampling.rays(y as usize * sampling.camera.size().0 as usize + x as usize);
     for sample in 0..samples {
-        let draw = Draw::new(pixel, sample, samples);
+        let draw = Sampler::new(pixel, sample, samples);
         let (at, weight) = match sampling.filter {
             Some(filter) => {
                 // What makes up for signs is without bias where samples are independent.
-                let film =
-                    if filter.is_signed() { draw.key().uniform_2d(Dimension::Film) } else { draw.two(Dimension::Film) };
+                let film = if filter.is_signed() {
+                    draw.key().uniform_2d(Dimension::Film)
+                } else {
+                    draw.get_2d(Dimension::Film)
+                };
                 let FilterSample { offset, weight } = filter.sample(film);
                 (corner + 0.5 + offset, weight)
             }
             None => (corner + Vec2::Y, 1.0),
         };
         worker.counters.camera_rays += 1;
-        let lens = sampling.lens.then(|| draw.two(Dimension::Lens));
+        let lens = sampling.lens.then(|| draw.get_2d(Dimension::Lens));
         let value = radiance(&sampling.camera.ray(at, lens), draw, worker);
         let finite = value.is_finite();
         if finite {

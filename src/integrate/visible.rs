@@ -10,7 +10,7 @@ use crate::color::{self, Rgb};
 use crate::math::Bounds;
 use crate::photon::{Visible, VisiblePoint};
 use crate::plan::Effects;
-use crate::sampling::{Dimension, Draw, Key, Purpose};
+use crate::sampling::{Dimension, Key, Purpose, Sampler};
 use crate::scene::{Interior, Scene};
 use glam::Vec2;
 
@@ -30,8 +30,8 @@ pub(super) fn visible(scene: &Scene, settings: &EyeSettings, effects: Effects, r
     let (width, height) = scene.camera().size();
     let size = Vec2::new(width as f32, height as f32);
     let rays = width.saturating_mul(height).saturating_mul(4).clamp(RAYS.0, RAYS.1);
-    let draws = (0..rays).map(|i| Draw::new(key, i, rays));
-    let points: Vec<(Vec2, Draw)> = draws.map(|draw| (draw.two(Dimension::Film) * size, draw)).collect();
+    let draws = (0..rays).map(|i| Sampler::new(key, i, rays));
+    let points: Vec<(Vec2, Sampler)> = draws.map(|draw| (draw.get_2d(Dimension::Film) * size, draw)).collect();
     let (_, workers) = walks.at(&points);
     let seen: Vec<VisiblePoint> = workers.into_iter().flat_map(|worker| worker.visible).collect();
     let extent = Bounds::of(seen.iter().map(|point| point.position)).extent().length();

@@ -5,7 +5,7 @@ use super::tiles::Worker;
 use crate::color::{Rgb, Wavelength};
 use crate::medium::{Fade, Medium, transmittance};
 use crate::photon::{BeamMap, LEVELS, PointMap, Volume};
-use crate::scene::{Interior, Stretch};
+use crate::scene::{Interior, MediumSegment};
 use glam::Vec3;
 use rand::Rng;
 
@@ -104,7 +104,7 @@ impl VolumeMap {
         worker.counters.gathers += 1;
         let gauge = worker.gauge;
         let (found, fade) = (&mut worker.counters.gathered_photons, &mut worker.fade);
-        let Stretch { ray, medium, .. } = passage.stretch;
+        let MediumSegment { ray, medium, .. } = passage.stretch;
         let mut levels = [Rgb::ZERO; LEVELS];
         let mut add = |sums: [Rgb; LEVELS]| levels.iter_mut().zip(sums).for_each(|(level, sum)| *level += sum);
         if medium.is_homogeneous() {
@@ -126,7 +126,7 @@ impl VolumeMap {
     }
 
     fn by_beams<I: Interior>(&self, passage: &Passage<'_, I>, found: &mut u64, gauge: bool) -> [Rgb; LEVELS] {
-        let Stretch { ray, medium, index, inside, .. } = passage.stretch;
+        let MediumSegment { ray, medium, index, inside, .. } = passage.stretch;
         let (own, extinction) = (inside.wavelength(), medium.extinction());
         let mut sums = Sums::new(1, 1, gauge);
         self.beams.visit(ray, |beam, crossing| {
@@ -143,7 +143,7 @@ impl VolumeMap {
     }
 
     fn along<I: Interior>(&self, passage: &Passage<'_, I>, fade: &Fade, found: &mut u64, gauge: bool) -> [Rgb; LEVELS] {
-        let Stretch { ray, medium, index, inside, .. } = passage.stretch;
+        let MediumSegment { ray, medium, index, inside, .. } = passage.stretch;
         let own = inside.wavelength();
         let mut sums = Sums::new(2, 2, gauge);
         self.points.visit(ray, |photon, t, cos, weight, x2| {
@@ -165,10 +165,10 @@ impl VolumeMap {
         found: &mut u64,
         gauge: bool,
     ) -> [Rgb; LEVELS] {
-        let Stretch { ray, medium, index, inside, .. } = passage.stretch;
+        let MediumSegment { ray, medium, index, inside, .. } = passage.stretch;
         let own = inside.wavelength();
-        let flight = medium.flight(ray, ray.t_max, passage.throughput, rng);
-        let Some(t) = flight.scattered else { return [Rgb::ZERO; LEVELS] };
+        let distance_sample = medium.distance_sample(ray, ray.t_max, passage.throughput, rng);
+        let Some(t) = distance_sample.scattered else { return [Rgb::ZERO; LEVELS] };
         let p = ray.at(t);
         let mut sums = Sums::new(3, 1, gauge);
         self.points.around(p, |photon, weight, x2| {
@@ -180,7 +180,7 @@ impl VolumeMap {
             sums.add(photon.flux() * shared(own, photon.wavelength, self.band), phase * weight, x2);
         });
         // What was drawn counts σs·T over the density; the photons are scattered light already.
-        sums.times(over(flight.weight, medium, p))
+        sums.times(over(distance_sample.weight, medium, p))
     }
 }
 

@@ -1,11 +1,11 @@
 //! Surfaces that radiate.
 
-use super::{DirectSample, Reach};
+use super::{DirectSample, ShadowTarget};
 use crate::color::Rgb;
 use crate::math::offset_origin;
 use crate::sampling::Discrete;
-use crate::shape::{Chart, Mapped, Mesh, Shape, ShapeSample, SurfacePoint};
-use crate::texture::{Place, Texture};
+use crate::shape::{Mesh, Shape, ShapeSample, SurfacePoint, TexCoord, TextureMapping};
+use crate::texture::{Texture, TextureEvalContext};
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 use std::sync::Arc;
@@ -37,16 +37,16 @@ pub struct Area {
     /// Radiance \[W/(m² sr)]; where it varies, its mean.
     pub radiance: Rgb,
     /// How radiance varies over the surface; `None` where it is the same everywhere.
-    pub glow: Option<Arc<Glow>>,
+    pub glow: Option<Arc<EmissionTexture>>,
 }
 
 /// Radiance that follows a texture.
 #[derive(Clone, Debug)]
-pub struct Glow {
+pub struct EmissionTexture {
     /// The texture.
     pub texture: Arc<Texture>,
     /// How it lies on the surface.
-    pub chart: Chart,
+    pub chart: TextureMapping,
     /// What it is multiplied by \[W/(m² sr)].
     pub scale: Rgb,
 }
@@ -106,19 +106,19 @@ impl Emitter {
     }
 
     /// Texture coordinates of a point, as the surface itself has them.
-    fn mapped(&self, p: Vec3, spot: Spot) -> Mapped {
+    fn mapped(&self, p: Vec3, spot: Spot) -> TexCoord {
         match (self, spot) {
             (Self::Shape(shape), Spot::Shape(uv)) => shape.mapped(p, uv),
             (Self::Triangles { mesh, .. }, Spot::Triangle(i, b)) => mesh.mapped(i as usize, b),
-            _ => Mapped::default(),
+            _ => TexCoord::default(),
         }
     }
 }
 
-impl Glow {
+impl EmissionTexture {
     /// Radiance at a place of the surface \[W/(m² sr)].
     #[must_use]
-    pub fn radiance(&self, place: &Place) -> Rgb {
+    pub fn radiance(&self, place: &TextureEvalContext) -> Rgb {
         self.texture.color(place) * self.scale
     }
 }
@@ -143,7 +143,7 @@ impl Area {
             None => self.radiance,
             Some(glow) => {
                 let p = glow.chart.in_object(point.p);
-                glow.radiance(&Place::sharp(glow.chart.at(p, || self.emitter.mapped(point.p, spot)).uv, p))
+                glow.radiance(&TextureEvalContext::sharp(glow.chart.at(p, || self.emitter.mapped(point.p, spot)).uv, p))
             }
         }
     }
@@ -176,7 +176,7 @@ impl Area {
             Emitter::Shape(_) => f32::EPSILON,
         };
         let error = point.error + (point.p - p).abs() * blur;
-        let reach = Reach::Point(offset_origin(point.p, error, point.ng, -wi));
+        let reach = ShadowTarget::Point(offset_origin(point.p, error, point.ng, -wi));
         Some(DirectSample { wi, reach, irradiance: self.radiance_at(&point, spot) / pdf, pdf: Some(pdf) })
     }
 

@@ -9,7 +9,7 @@ use std::f32::consts::{PI, TAU};
 
 /// A ray that leaves a light with flux.
 #[derive(Clone, Copy, Debug)]
-pub struct Emission {
+pub struct EmissionSample {
     /// The ray, of unit direction.
     pub ray: Ray,
     /// Flux over the density of the ray \[W]: its mean over `u` is the light's power, or the part of it that is aimed.
@@ -20,20 +20,20 @@ impl Light {
     /// Emits for `position` and `direction` in \[0, 1)²: cosine-weighted from surfaces, uniform from points, across the disc of
     /// `domain` for light from infinity.
     #[must_use]
-    pub fn emit(&self, domain: Sphere, position: Vec2, direction: Vec2) -> Option<Emission> {
+    pub fn emit(&self, domain: Sphere, position: Vec2, direction: Vec2) -> Option<EmissionSample> {
         match self {
             Self::Point { position: p, intensity } => {
-                Some(Emission { ray: Ray::new(*p, warp::sphere(direction)), flux: *intensity * (4.0 * PI) })
+                Some(EmissionSample { ray: Ray::new(*p, warp::sphere(direction)), flux: *intensity * (4.0 * PI) })
             }
             Self::Spot(spot) => {
                 let w = Frame::around(spot.axis).to_world(warp::cone(direction, spot.outer));
                 // As drawn: in a narrow beam the rounding of a direction is a part of its width.
                 let intensity = spot.intensity_at(direction.x * spot.outer);
-                Some(Emission { ray: Ray::new(spot.position, w), flux: intensity * (TAU * spot.outer) })
+                Some(EmissionSample { ray: Ray::new(spot.position, w), flux: intensity * (TAU * spot.outer) })
             }
             Self::Directional { direction: w, irradiance } => {
                 let (ray, area) = across(domain, *w, position)?;
-                Some(Emission { ray, flux: *irradiance * area })
+                Some(EmissionSample { ray, flux: *irradiance * area })
             }
             Self::Area(area) => {
                 let (ShapeSample { point, pdf, .. }, radiance) = area.sample(position);
@@ -43,33 +43,40 @@ impl Light {
                     return None;
                 }
                 let ray = Ray::new(offset_origin(point.p, point.error, point.ng, w), w);
-                Some(Emission { ray, flux: radiance * (PI / pdf) })
+                Some(EmissionSample { ray, flux: radiance * (PI / pdf) })
             }
             Self::Environment(environment) => {
                 let (from, pdf) = environment.sample(direction)?;
                 let (ray, area) = across(domain, -from, position)?;
-                Some(Emission { ray, flux: environment.radiance(from) * (area / pdf) })
+                Some(EmissionSample { ray, flux: environment.radiance(from) * (area / pdf) })
             }
         }
     }
 
     /// Emits towards `targets` only; rays that miss all of them are never drawn.
     #[must_use]
-    pub fn emit_at(&self, targets: &Targets, domain: Sphere, position: Vec2, direction: Vec2) -> Option<Emission> {
+    pub fn emit_at(
+        &self,
+        targets: &Targets,
+        domain: Sphere,
+        position: Vec2,
+        direction: Vec2,
+    ) -> Option<EmissionSample> {
         match self {
             Self::Point { position: p, intensity } => {
                 let (w, pdf) = targets.sample_direction(*p, None, direction)?;
-                Some(Emission { ray: Ray::new(*p, w), flux: *intensity / pdf })
+                Some(EmissionSample { ray: Ray::new(*p, w), flux: *intensity / pdf })
             }
             Self::Spot(spot) => {
                 let (w, pdf) = targets.sample_direction(spot.position, None, direction)?;
                 let intensity = spot.intensity(w);
-                (intensity != Rgb::ZERO).then(|| Emission { ray: Ray::new(spot.position, w), flux: intensity / pdf })
+                (intensity != Rgb::ZERO)
+                    .then(|| EmissionSample { ray: Ray::new(spot.position, w), flux: intensity / pdf })
             }
             Self::Directional { direction: w, irradiance } => {
                 let upstream = domain.radius - w.dot(domain.center);
                 let (start, pdf) = targets.sample_parallel(*w, upstream, position)?;
-                Some(Emission { ray: Ray::new(start, *w), flux: *irradiance / pdf })
+                Some(EmissionSample { ray: Ray::new(start, *w), flux: *irradiance / pdf })
             }
             Self::Area(area) => {
                 let (ShapeSample { point, pdf, .. }, radiance) = area.sample(position);
@@ -79,13 +86,16 @@ impl Light {
                     return None;
                 }
                 let ray = Ray::new(offset_origin(point.p, point.error, point.ng, w), w);
-                Some(Emission { ray, flux: radiance * (cos / (pdf * pdf_w)) })
+                Some(EmissionSample { ray, flux: radiance * (cos / (pdf * pdf_w)) })
             }
             Self::Environment(environment) => {
                 let (from, pdf) = environment.sample(direction)?;
                 let upstream = domain.radius + from.dot(domain.center);
                 let (start, pdf_start) = targets.sample_parallel(-from, upstream, position)?;
-                Some(Emission { ray: Ray::new(start, -from), flux: environment.radiance(from) / (pdf * pdf_start) })
+                Some(EmissionSample {
+                    ray: Ray::new(start, -from),
+                    flux: environment.radiance(from) / (pdf * pdf_start),
+                })
             }
         }
     }

@@ -1,6 +1,6 @@
 //! Light from all around.
 
-use super::{DirectSample, Reach};
+use super::{DirectSample, ShadowTarget};
 use crate::color::{self, Rgb};
 use crate::image::{Image, SizeError};
 use crate::math::Sphere;
@@ -150,7 +150,7 @@ impl Environment {
     #[inline]
     pub(super) fn sample_direct(&self, u: Vec2) -> Option<DirectSample> {
         let (wi, pdf) = self.sample(u)?;
-        Some(DirectSample { wi, reach: Reach::Infinity, irradiance: self.radiance(wi) / pdf, pdf: Some(pdf) })
+        Some(DirectSample { wi, reach: ShadowTarget::Infinity, irradiance: self.radiance(wi) / pdf, pdf: Some(pdf) })
     }
 
     /// Flux \[W] through the disc that `domain` shows to each direction: π r² ∫ L dω.

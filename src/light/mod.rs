@@ -3,17 +3,17 @@
 mod aim;
 mod area;
 mod bounds;
-mod choice;
 mod emit;
 mod environment;
+mod light_bvh;
 mod reach;
 mod spot;
 
 pub use aim::Targets;
-pub use area::{Area, Emitter, Glow};
-pub use choice::LightChoice;
-pub use emit::Emission;
+pub use area::{Area, EmissionTexture, Emitter};
+pub use emit::EmissionSample;
 pub use environment::{Environment, EnvironmentError};
+pub use light_bvh::LightBvhSampler;
 pub use spot::Spot;
 
 use crate::color::Rgb;
@@ -51,7 +51,7 @@ pub enum Light {
 
 /// Where a shadow ray ends.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Reach {
+pub enum ShadowTarget {
     /// At this point, already moved off the light's own surface.
     Point(Vec3),
     /// Nowhere.
@@ -64,7 +64,7 @@ pub struct DirectSample {
     /// Unit direction towards the light.
     pub wi: Vec3,
     /// Where the shadow ray ends.
-    pub reach: Reach,
+    pub reach: ShadowTarget,
     /// Radiance over density per steradian; for points and parallel light, irradiance on a surface that faces it.
     pub irradiance: Rgb,
     /// Density of `wi` \[1/sr], which [`Light::density`] gives for any direction; `None` for points and parallel light, which no
@@ -80,9 +80,12 @@ impl Light {
         match self {
             Self::Point { position, intensity } => from_point(p, *position, |_| *intensity),
             Self::Spot(spot) => from_point(p, spot.position, |w| spot.intensity(w)),
-            Self::Directional { direction, irradiance } => {
-                Some(DirectSample { wi: -*direction, reach: Reach::Infinity, irradiance: *irradiance, pdf: None })
-            }
+            Self::Directional { direction, irradiance } => Some(DirectSample {
+                wi: -*direction,
+                reach: ShadowTarget::Infinity,
+                irradiance: *irradiance,
+                pdf: None,
+            }),
             Self::Area(area) => area.sample_direct(p, u),
             Self::Environment(environment) => environment.sample_direct(u),
         }
@@ -130,7 +133,12 @@ impl Light {
 fn from_point(p: Vec3, position: Vec3, intensity: impl Fn(Vec3) -> Rgb) -> Option<DirectSample> {
     let (d2, wi, _) = crate::math::direction(p, position)?;
     let irradiance = intensity(-wi) / d2;
-    (irradiance != Rgb::ZERO).then_some(DirectSample { wi, reach: Reach::Point(position), irradiance, pdf: None })
+    (irradiance != Rgb::ZERO).then_some(DirectSample {
+        wi,
+        reach: ShadowTarget::Point(position),
+        irradiance,
+        pdf: None,
+    })
 }
 
 #[cfg(test)]

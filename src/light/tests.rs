@@ -1,9 +1,9 @@
 mod chi_square;
-mod choice;
 mod direct;
 mod emission;
 mod environment;
 mod glow;
+mod light_bvh;
 
 use super::*;
 use crate::math::warp;

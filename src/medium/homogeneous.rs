@@ -35,7 +35,7 @@ pub(super) fn dimming(sigma: Rgb, distance: f32) -> DVec3 {
 /// One channel, chosen by its share of throughput, says how far; the weight is that of the mixture of all (the balance heuristic),
 /// so that no channel's weight exceeds the inverse of its share. A channel without extinction always gets through: without its
 /// share, blue light would be carried by the luck of red.
-pub(super) fn flight(medium: &Medium, distance: f32, throughput: Rgb, rng: &mut impl Rng) -> Flight {
+pub(super) fn distance_sample(medium: &Medium, distance: f32, throughput: Rgb, rng: &mut impl Rng) -> Flight {
     let sigma = medium.extinction();
     let share = shares(throughput);
     let mut choice = rng.random::<f64>();

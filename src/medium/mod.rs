@@ -1,14 +1,14 @@
 //! Participating media: what absorbs, scatters and emits light between surfaces.
 
-mod blocks;
 mod cloud;
-mod field;
+mod grid_density;
 mod homogeneous;
+mod majorant_grid;
 mod phase;
 mod tracking;
 
 pub use cloud::Cloud;
-pub use field::{Field, FieldError};
+pub use grid_density::{GridDensity, GridDensityError};
 pub use homogeneous::transmittance;
 pub use phase::Phase;
 
@@ -32,7 +32,7 @@ pub struct Medium {
     /// Which way light goes on.
     pub phase: Phase,
     /// `None` is density 1 everywhere.
-    density: Option<Arc<Field>>,
+    density: Option<Arc<GridDensity>>,
 }
 
 /// How light came through a medium.
@@ -87,7 +87,7 @@ impl Medium {
 
     /// A medium as dense as `density` says.
     #[must_use]
-    pub fn varied(absorption: Rgb, scattering: Rgb, emission: Rgb, phase: Phase, density: Arc<Field>) -> Self {
+    pub fn varied(absorption: Rgb, scattering: Rgb, emission: Rgb, phase: Phase, density: Arc<GridDensity>) -> Self {
         Self { absorption, scattering, emission, phase, density: Some(density) }
     }
 
@@ -156,17 +156,17 @@ impl Medium {
     /// σs/σt where it scatters and 1 where it gets through. A medium that does not scatter is always got through, with its
     /// [`transmittance`](Self::transmittance) as weight. The distance may be infinite.
     #[must_use]
-    pub fn flight(&self, ray: &Ray, distance: f32, throughput: Rgb, rng: &mut impl Rng) -> Flight {
+    pub fn distance_sample(&self, ray: &Ray, distance: f32, throughput: Rgb, rng: &mut impl Rng) -> Flight {
         if !self.scatters() {
             return Flight { scattered: None, weight: self.transmittance(ray, distance, rng) };
         }
         match &self.density {
-            None => homogeneous::flight(self, distance, throughput, rng),
-            Some(field) => tracking::flight(self, field, ray, distance, throughput, rng),
+            None => homogeneous::distance_sample(self, distance, throughput, rng),
+            Some(field) => tracking::distance_sample(self, field, ray, distance, throughput, rng),
         }
     }
 
-    /// The density \[1/length] with which [`flight`](Self::flight) scatters at `t`, in a homogeneous medium.
+    /// The density \[1/length] with which [`distance_sample`](Self::distance_sample) scatters at `t`, in a homogeneous medium.
     #[must_use]
     pub fn flight_pdf(&self, t: f32, throughput: Rgb) -> Option<f32> {
         if !self.scatters() {

@@ -3,7 +3,7 @@
 //! Collisions are drawn at the rate of a local majorant; at each, what is missing to the majorant is taken for a null collision
 //! (Woodcock 1965). Absorption is weighed, never drawn.
 
-use super::field::{Field, Line};
+use super::grid_density::{GridDensity, Line};
 use super::{Fade, Flight, Medium, shares, weight};
 use crate::color::Rgb;
 use crate::math::Ray;
@@ -71,7 +71,7 @@ fn roulette(left: f64, steps: u32, rng: &mut impl Rng) -> Option<f64> {
 }
 
 /// Ratio tracking: the product over all collisions of the probability that they are null.
-pub(super) fn transmittance(medium: &Medium, field: &Field, ray: &Ray, distance: f32, rng: &mut impl Rng) -> Rgb {
+pub(super) fn transmittance(medium: &Medium, field: &GridDensity, ray: &Ray, distance: f32, rng: &mut impl Rng) -> Rgb {
     let sigma = medium.extinction().as_dvec3();
     let rate = sigma.max_element();
     if rate <= 0.0 {
@@ -86,7 +86,14 @@ pub(super) fn transmittance(medium: &Medium, field: &Field, ray: &Ray, distance:
 }
 
 /// Ratio tracking that keeps what is left after each collision, in order, for all distances up to `distance` at once.
-pub(super) fn fade(medium: &Medium, field: &Field, ray: &Ray, distance: f32, rng: &mut impl Rng, fade: &mut Fade) {
+pub(super) fn fade(
+    medium: &Medium,
+    field: &GridDensity,
+    ray: &Ray,
+    distance: f32,
+    rng: &mut impl Rng,
+    fade: &mut Fade,
+) {
     let sigma = medium.extinction().as_dvec3();
     let line = field.along(ray, distance);
     let depth: f64 = line.blocks().map(|(start, stop, majorant)| (stop - start) * majorant).sum();
@@ -122,9 +129,9 @@ fn decay(left: &mut DVec3, steps: &mut u32, rng: &mut impl Rng) -> Step {
 
 /// Spectral tracking (Kutz, Habel, Li, Novák 2017, section 4.3): a collision scatters or is null in proportion to what the walk
 /// would carry on in each case, over all channels; so the mean over channels never grows.
-pub(super) fn flight(
+pub(super) fn distance_sample(
     medium: &Medium,
-    field: &Field,
+    field: &GridDensity,
     ray: &Ray,
     distance: f32,
     throughput: Rgb,
@@ -165,7 +172,7 @@ pub(super) fn flight(
 }
 
 /// What every tentative collision finds emitted, through what the ones before it left.
-pub(super) fn emitted(medium: &Medium, field: &Field, ray: &Ray, distance: f32, rng: &mut impl Rng) -> Rgb {
+pub(super) fn emitted(medium: &Medium, field: &GridDensity, ray: &Ray, distance: f32, rng: &mut impl Rng) -> Rgb {
     let (sigma, emission) = (medium.extinction().as_dvec3(), medium.emission.as_dvec3());
     let line = field.along(ray, distance);
     let depth: f64 = line.blocks().map(|(start, stop, majorant)| (stop - start) * majorant).sum();

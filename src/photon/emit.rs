@@ -5,7 +5,7 @@ use crate::color::{self, Rgb};
 use crate::light::{Light, Targets};
 use crate::math::Ray;
 use crate::sampling::{Dimension, Discrete, Key, Purpose, sobol_2d};
-use crate::scene::{Detail, Interior, Memory, Scene, Walk};
+use crate::scene::{Detail, Interior, InteriorKind, Scene, Walk};
 use glam::Vec2;
 
 /// Draws a light finds its aimed power with.
@@ -30,7 +30,7 @@ pub struct PhotonSource<'a> {
 
 /// A point in the space of all that can be emitted.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Draw {
+pub(super) struct EmissionDraw {
     /// The light.
     pub light: usize,
     /// With what probability it was chosen.
@@ -113,13 +113,13 @@ impl<'a> PhotonSource<'a> {
     }
 
     /// What its photons remember.
-    pub(super) fn memory(&self) -> Memory {
+    pub(super) fn memory(&self) -> InteriorKind {
         self.detail.memory(self.interiors)
     }
 
     /// The lights, as photons leave them.
     pub(super) fn lights(&self) -> &'a [Light] {
-        if self.detail.textures { self.scene.lights() } else { self.scene.even_lights() }
+        if self.detail.textures { self.scene.lights() } else { self.scene.mean_lights() }
     }
 
     /// The start of path `index` of `paths`, with its share of the flux \[W].
@@ -135,7 +135,7 @@ impl<'a> PhotonSource<'a> {
 
     /// What path `index` of `paths` starts from.
     #[inline]
-    pub(super) fn draw(&self, pass: Key, index: u32, paths: u32) -> Draw {
+    pub(super) fn draw(&self, pass: Key, index: u32, paths: u32) -> EmissionDraw {
         let u = (f64::from(index) + f64::from(pass.uniform(Dimension::Light))) / f64::from(paths);
         let (light, probability) = self.choice.sample((u as f32).min(1.0 - f32::EPSILON / 2.0));
         let position = sobol_2d(index, pass, Dimension::LightPosition);
@@ -144,12 +144,12 @@ impl<'a> PhotonSource<'a> {
             Some(Some(density)) => density.sample(position, direction),
             _ => (position, direction, 1.0),
         };
-        Draw { light, probability, position, direction, density }
+        EmissionDraw { light, probability, position, direction, density }
     }
 
     /// The start of a path, with its flux \[W] as if the light were alone and unlearned.
     #[inline]
-    pub(super) fn start<I: Interior>(&self, draw: &Draw) -> Option<(Walk<I>, Rgb)> {
+    pub(super) fn start<I: Interior>(&self, draw: &EmissionDraw) -> Option<(Walk<I>, Rgb)> {
         let light = &self.lights()[draw.light];
         let domain = self.scene.domain();
         let emission = match &self.targets {
@@ -186,7 +186,7 @@ fn aimed_power(scene: &Scene, targets: &Targets, light: usize) -> f64 {
 mod tests {
     use super::*;
     use crate::camera::Camera;
-    use crate::photon::{PhotonPass, Wants};
+    use crate::photon::{PhotonPass, StoreMask};
     use crate::scene::{LightStrength, Material, SceneBuilder, SourceKind};
     use crate::shape::{Plane, Shape, Sphere};
     use glam::DVec3;
@@ -216,7 +216,7 @@ mod tests {
         // As far as the farther plane, with room.
         assert!(scene.domain().radius >= 3.0);
         let source = PhotonSource::everywhere(&scene).unwrap();
-        let pass = PhotonPass { scene: &scene, source: &source, wants: Wants::ALL, max_bounces: 0 };
+        let pass = PhotonPass { scene: &scene, source: &source, wants: StoreMask::ALL, max_bounces: 0 };
         let photons = pass.trace(Key::new(1), 4096, &|_| {}).photons;
         let on = |axis: usize, at: f32| photons.iter().any(|p| (p.position[axis] - at).abs() < 1e-3);
         assert!(on(1, -1.0) && on(2, -3.0));
@@ -227,7 +227,7 @@ mod tests {
         for (height, shaded) in [(1.0, true), (100.0, true), (1e6, true), (-1.0, false)] {
             let scene = sun_over_ball(height);
             let source = PhotonSource::everywhere(&scene).unwrap();
-            let pass = PhotonPass { scene: &scene, source: &source, wants: Wants::ALL, max_bounces: 0 };
+            let pass = PhotonPass { scene: &scene, source: &source, wants: StoreMask::ALL, max_bounces: 0 };
             let photons = pass.trace(Key::new(1), 4096, &|_| {}).photons;
             let on_ball = photons.iter().filter(|p| p.position.length() < 0.6).count();
             assert_eq!(on_ball == 0, shaded, "{on_ball} of {} under a plane at {height}", photons.len());

@@ -2,7 +2,6 @@
 
 mod audit;
 mod beam;
-mod class;
 mod coverage;
 mod emit;
 mod estimate;
@@ -12,19 +11,20 @@ mod map;
 mod packet;
 mod points;
 mod record;
+mod store_mask;
 mod trace;
 mod visible;
 
 pub use audit::Audit;
 pub use beam::{Beam, BeamMap, Crossing};
-pub use class::{Class, THINNING, Wants};
 pub use coverage::{coverage, nested_coverage};
 pub use emit::PhotonSource;
 pub use estimate::{Bandwidth, Estimate, LEVELS, Nested, Scratch};
 pub use kernel::{Kernel, UnknownKernel};
-pub use learn::{Lesson, Pilot};
+pub use learn::{GuidingReport, Pilot};
 pub use map::PhotonMap;
 pub use points::{PointMap, VolumePhoton};
 pub use record::{Flux, Photon};
+pub use store_mask::{PhotonKind, StoreMask, THINNING};
 pub use trace::{PhotonPass, Traced, Volume};
 pub use visible::{Visible, VisiblePoint};

@@ -1,13 +1,16 @@
 //! The walk of a photon.
 
 use super::audit::book;
-use super::{Audit, Beam, Class, Photon, PhotonSource, THINNING, VolumePhoton, Wants};
+use super::{Audit, Beam, Photon, PhotonKind, PhotonSource, StoreMask, THINNING, VolumePhoton};
 use crate::bsdf::{Transport, deposit_factor};
 use crate::color::{self, Rgb, Wavelength};
 use crate::math::Ray;
 use crate::medium::Phase;
 use crate::sampling::{Dimension, Key};
-use crate::scene::{Arrival, Immersed, Inside, Interior, Memory, Open, Scene, Step, Stretch, Surface, Walk};
+use crate::scene::{
+    Arrival, Interior, InteriorKind, InteriorStack, MediumSegment, NoInterior, Scene, SpectralInterior, Step,
+    SurfaceInteraction, Walk,
+};
 use glam::{DVec3, Vec3};
 use rand::rngs::SmallRng;
 use rayon::prelude::*;
@@ -20,7 +23,7 @@ const FAINTEST: f32 = 20.0;
 pub struct Traced {
     /// Stored photons of the wanted classes, in the order of their paths.
     pub photons: Vec<Photon>,
-    /// What caustic photons became, where [`Wants::apart`] says so.
+    /// What caustic photons became, where [`StoreMask::apart`] says so.
     pub after_caustic: Vec<Photon>,
     /// What was stored in media, of the classes of `photons`.
     pub volume: Volume,
@@ -75,7 +78,7 @@ impl Traced {
 /// Light that a density estimate can use.
 pub(super) enum Deposit<'a> {
     /// It landed on a surface.
-    Surface(&'a Surface<'a>),
+    SurfaceInteraction(&'a SurfaceInteraction<'a>),
     /// It begins a way through a homogeneous medium, of this index.
     Beam(&'a Ray, u32),
     /// It was scattered in a medium of this index, at a place, and had travelled in a direction.
@@ -90,7 +93,7 @@ pub struct PhotonPass<'a> {
     /// Where photons come from.
     pub source: &'a PhotonSource<'a>,
     /// Which photons are stored.
-    pub wants: Wants,
+    pub wants: StoreMask,
     /// Bounces after which a path is cut.
     pub max_bounces: u32,
 }
@@ -104,9 +107,9 @@ impl PhotonPass<'_> {
     /// The result is the same for any number of threads: chunks are fixed and joined in order.
     pub fn trace(&self, pass: Key, paths: u32, done: &(dyn Fn(u64) + Sync)) -> Traced {
         match self.source.memory() {
-            Memory::Media => self.trace_in::<Immersed>(pass, paths, done),
-            Memory::Bodies => self.trace_in::<Inside>(pass, paths, done),
-            Memory::Nothing => self.trace_in::<Open>(pass, paths, done),
+            InteriorKind::Spectral => self.trace_in::<SpectralInterior>(pass, paths, done),
+            InteriorKind::Bodies => self.trace_in::<InteriorStack>(pass, paths, done),
+            InteriorKind::Nothing => self.trace_in::<NoInterior>(pass, paths, done),
         }
     }
 
@@ -120,7 +123,7 @@ impl PhotonPass<'_> {
                 for index in range {
                     if let Some((walk, flux)) = self.source.emit::<I>(pass, index, paths) {
                         let store = |class, deposit: Deposit<'_>, flux, wavelength: Option<Wavelength>| {
-                            let apart = self.wants.apart && class == Class::AfterCaustic;
+                            let apart = self.wants.apart && class == PhotonKind::AfterCaustic;
                             let (on, within) = if apart {
                                 (&mut *after_caustic, &mut *after_volume)
                             } else {
@@ -128,7 +131,7 @@ impl PhotonPass<'_> {
                             };
                             let code = wavelength.map_or(0, Wavelength::code);
                             let stored = match deposit {
-                                Deposit::Surface(surface) => {
+                                Deposit::SurfaceInteraction(surface) => {
                                     let photon =
                                         Photon::new(surface.point.p, flux, surface.wo, surface.facing_normal());
                                     photon.map(|photon| on.push(photon.with_wavelength(code)))
@@ -190,9 +193,9 @@ impl PhotonPass<'_> {
         mut flux: Rgb,
         path: Key,
         (audit, rays): (&mut Audit, &mut u64),
-        mut deposit: impl FnMut(Class, Deposit<'_>, Rgb, Option<Wavelength>),
+        mut deposit: impl FnMut(PhotonKind, Deposit<'_>, Rgb, Option<Wavelength>),
     ) {
-        let mut class = Class::Direct;
+        let mut class = PhotonKind::Direct;
         book(&mut audit.emitted, flux);
         for bounce in 0.. {
             *rays += 1;
@@ -234,13 +237,13 @@ impl PhotonPass<'_> {
                 && self.wants.has(class)
             {
                 let landed = flux * deposit_factor(surface.wo, surface.point.ns, surface.point.ng);
-                deposit(class, Deposit::Surface(surface), landed, walk.inside.wavelength());
+                deposit(class, Deposit::SurfaceInteraction(surface), landed, walk.inside.wavelength());
             }
             let next = class.after(stores);
             if bounce == self.max_bounces || !self.wants.may_follow(next) {
                 return book(&mut audit.stopped, flux);
             }
-            if self.wants.apart && class == Class::Caustic && stores {
+            if self.wants.apart && class == PhotonKind::Caustic && stores {
                 book(&mut audit.roulette, flux);
                 if key.uniform(Dimension::Worth) * THINNING as f32 >= 1.0 {
                     return;
@@ -285,14 +288,14 @@ impl PhotonPass<'_> {
     #[inline]
     fn through<I: Interior>(
         &self,
-        stretch: &Stretch<'_, I>,
-        class: Class,
+        stretch: &MediumSegment<'_, I>,
+        class: PhotonKind,
         flux: Rgb,
         passed: &mut DVec3,
         rng: &mut SmallRng,
-        deposit: &mut impl FnMut(Class, Deposit<'_>, Rgb, Option<Wavelength>),
+        deposit: &mut impl FnMut(PhotonKind, Deposit<'_>, Rgb, Option<Wavelength>),
     ) -> Option<f32> {
-        let Stretch { ray, medium, index, .. } = stretch;
+        let MediumSegment { ray, medium, index, .. } = stretch;
         let wavelength = stretch.inside.wavelength();
         if !medium.scatters() {
             *passed *= medium.dimming(ray, ray.t_max, rng);
@@ -303,9 +306,9 @@ impl PhotonPass<'_> {
         if stored && as_beam {
             deposit(class, Deposit::Beam(ray, *index), flux * passed.as_vec3() * stretch.left, wavelength);
         }
-        let flight = medium.flight(ray, ray.t_max, flux * passed.as_vec3(), rng);
-        *passed *= flight.weight.as_dvec3();
-        if let Some(t) = flight.scattered
+        let distance_sample = medium.distance_sample(ray, ray.t_max, flux * passed.as_vec3(), rng);
+        *passed *= distance_sample.weight.as_dvec3();
+        if let Some(t) = distance_sample.scattered
             && stored
             && !as_beam
         {
@@ -316,6 +319,6 @@ impl PhotonPass<'_> {
                 wavelength,
             );
         }
-        flight.scattered
+        distance_sample.scattered
     }
 }

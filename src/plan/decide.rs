@@ -1,6 +1,6 @@
 //! Decisions.
 
-use super::{Effect, Effects, Facts, Wishes};
+use super::{Effect, EffectOverrides, Effects, SceneFeatures};
 use crate::scene::Scene;
 use std::fmt;
 
@@ -120,7 +120,7 @@ impl Decision {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Plan {
     /// What the scene holds.
-    pub facts: Facts,
+    pub facts: SceneFeatures,
     /// One decision for each effect, in the order of [`Effect::ALL`].
     pub decisions: Vec<Decision>,
 }
@@ -128,8 +128,8 @@ pub struct Plan {
 impl Plan {
     /// A plan for an algorithm that can simulate `simulated`.
     #[must_use]
-    pub fn new(scene: &Scene, simulated: Effects, wishes: Wishes) -> Self {
-        let facts = Facts::of(scene);
+    pub fn new(scene: &Scene, simulated: Effects, wishes: EffectOverrides) -> Self {
+        let facts = SceneFeatures::of(scene);
         let mut called_for = Effects::NONE;
         let decide = |effect| {
             let reason = match judge(&facts, effect, called_for) {
@@ -162,14 +162,14 @@ impl Plan {
 }
 
 /// Why `effect` is called for, or else why it adds nothing; `before` holds what is called for of the effects listed earlier.
-fn judge(facts: &Facts, effect: Effect, before: Effects) -> Result<Reason, Reason> {
+fn judge(facts: &SceneFeatures, effect: Effect, before: Effects) -> Result<Reason, Reason> {
     let need = |there: bool, why: Reason| if there { Ok(()) } else { Err(why) };
     let any = |n: usize, why: Reason| need(n > 0, why);
     // Media that scatter light are lit, and light others.
     let receivers = facts.receivers + facts.scattering_media;
     let scattering = facts.scattering_receivers + facts.scattering_media;
     match effect {
-        Effect::Casters => {
+        Effect::Specular => {
             any(facts.casters, Reason::NoCaster)?;
             Ok(Reason::Objects(facts.casters, "of mirror, glass or smooth metal"))
         }

@@ -1,13 +1,13 @@
 //! What can be simulated or left out.
 
-use crate::scene::{Detail, Memory};
+use crate::scene::{Detail, InteriorKind};
 
 /// A part of light transport that a picture may need.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u16)]
 pub enum Effect {
     /// Walking on from mirrors, glass and smooth metal that the camera sees.
-    Casters,
+    Specular,
     /// Light by way of casters to a receiver.
     Caustics,
     /// What caustics become on their way from receiver to receiver.
@@ -41,7 +41,7 @@ pub enum Effect {
 impl Effect {
     /// All of them, in the order of a table.
     pub const ALL: [Self; 15] = [
-        Self::Casters,
+        Self::Specular,
         Self::Caustics,
         Self::CausticBounces,
         Self::Interreflection,
@@ -62,7 +62,7 @@ impl Effect {
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
-            Self::Casters => "casters",
+            Self::Specular => "casters",
             Self::Caustics => "caustics",
             Self::CausticBounces => "caustic-bounces",
             Self::Interreflection => "interreflection",
@@ -84,7 +84,7 @@ impl Effect {
     #[must_use]
     pub const fn lack(self) -> &'static str {
         match self {
-            Self::Casters => "mirrors, glass and smooth metal are black",
+            Self::Specular => "mirrors, glass and smooth metal are black",
             Self::Caustics => "light by way of glass and mirrors is missing: their shadows are too dark",
             Self::CausticBounces => "what caustics light is lit, but lights nothing in turn",
             Self::Interreflection => "matt surfaces do not light each other: what no light sees is black",
@@ -190,7 +190,7 @@ impl Effects {
 
     /// What walks have to remember.
     #[must_use]
-    pub const fn memory(self) -> Memory {
+    pub const fn memory(self) -> InteriorKind {
         self.detail().memory(self.has(Effect::Interiors))
     }
 

@@ -5,10 +5,10 @@
 
 mod decide;
 mod effect;
-mod facts;
-mod wishes;
+mod effect_overrides;
+mod scene_features;
 
 pub use decide::{Decision, Plan, Reason};
 pub use effect::{Effect, Effects};
-pub use facts::Facts;
-pub use wishes::{UnknownWish, Wishes};
+pub use effect_overrides::{EffectOverrides, UnknownOverride};
+pub use scene_features::SceneFeatures;

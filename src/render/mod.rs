@@ -7,7 +7,7 @@ pub use film::Film;
 
 use crate::integrate::{Integrator, Monitor, PhotonReport, Seconds};
 use crate::stats::Counters;
-use gauge::{Confidence, Forecast, Gauge, Needed, Reading};
+use gauge::{Confidence, ErrorEstimate, ErrorEstimator, Forecast, Needed};
 use serde::Serialize;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -30,7 +30,7 @@ pub struct Stop<'a> {
 /// An error that is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Target {
-    /// Relative error (see [`Reading`]).
+    /// Relative error (see [`ErrorEstimate`]).
     pub error: f64,
     /// How sure it must be that the true error is no larger.
     pub confidence: Confidence,
@@ -66,7 +66,7 @@ pub struct Rendered {
     /// The sum of all passes.
     pub film: Film,
     /// What is known of its error; `None` where passes were not gauged.
-    pub gauge: Option<Gauge>,
+    pub gauge: Option<ErrorEstimator>,
     /// Why it ended.
     pub ended: Ended,
     /// Work of all passes.
@@ -87,7 +87,7 @@ pub struct Standing {
     /// Passes made.
     pub passes: u32,
     /// The error so far and how it goes on, where that was looked at after this pass.
-    pub error: Option<(Reading, Forecast)>,
+    pub error: Option<(ErrorEstimate, Forecast)>,
 }
 
 /// The error is looked at when so many times as many passes are made as when it was looked at last: each look costs a part of a pass.
@@ -109,7 +109,7 @@ pub fn render(
     let start = Instant::now();
     let mut rendered = Rendered {
         film: Film::new(size.0, size.1),
-        gauge: integrator.gauged().then(|| Gauge::new(integrator.radius_law())),
+        gauge: integrator.gauged().then(|| ErrorEstimator::new(integrator.radius_law())),
         ended: Ended::Passes,
         counters: Counters::default(),
         seconds: Seconds::default(),
@@ -157,7 +157,7 @@ pub fn render(
 
 impl Stop<'_> {
     /// Whether an error ends a render.
-    fn by_error(&self, reading: &Reading, forecast: &Forecast) -> Option<Ended> {
+    fn by_error(&self, reading: &ErrorEstimate, forecast: &Forecast) -> Option<Ended> {
         let target = self.target?;
         if reading.high <= target.error {
             return Some(Ended::Target);

@@ -5,7 +5,7 @@ use super::movement::{MIDDLE, Movement, constant_strength, plane_at, shape_at, s
 use super::neighbours::Neighbours;
 use super::source::{course_area_light, resolve_source};
 use super::wardrobe::{Place, Wardrobe};
-use super::{Attributes, BuildError, Inside, LightStrength, Material, Scene, SourceKind};
+use super::{Attributes, BuildError, InteriorStack, LightStrength, Material, Scene, SourceKind};
 use crate::accel::Hierarchy;
 use crate::camera::Camera;
 use crate::color::{self, Glass, Rgb};
@@ -229,23 +229,23 @@ impl SceneBuilder {
         let bounds = boxes[..still].iter().copied().fold(Bounds::of(corners.iter().flatten().copied()), Bounds::union);
 
         let mut lights = Vec::new();
-        let mut course_lights = Vec::new();
+        let mut legacy_lights = Vec::new();
         for (kind, strength) in &self.sources {
             let (light, course) = resolve_source(kind, *strength, middle);
             lights.push(light);
-            course_lights.push(course);
+            legacy_lights.push(course);
         }
         for (_, kind, strength, motion) in &movement.sources {
             let kind = source_at(kind, motion, MIDDLE).ok_or(BuildError::Flattened)?;
             let (light, course) = resolve_source(&kind, *strength, DVec3::ZERO);
             lights.push(light);
-            course_lights.push(course);
+            legacy_lights.push(course);
         }
         let mut area_light = |emitter: Emitter, radiance: Rgb, place: Place| {
             (radiance != Rgb::ZERO).then(|| {
                 let glow = wardrobe.glow_of(place, &charts);
                 let light = Light::Area(Area { emitter, radiance, glow });
-                course_lights.push(course_area_light(&light));
+                legacy_lights.push(course_area_light(&light));
                 lights.push(light);
                 lights.len() as u32 - 1
             })
@@ -284,7 +284,7 @@ impl SceneBuilder {
             Attributes { material, light: None, chart: wardrobe.chart_of(place) }
         });
         let planes = planes.into_iter().zip(plane_attributes).collect();
-        let even_lights = wardrobe.even(&lights);
+        let mean_lights = wardrobe.even(&lights);
         let camera = match &movement.camera {
             Some((camera, motion)) => {
                 camera.moved(&Transform::new(motion.at(MIDDLE)).map_err(|_| BuildError::Flattened)?)
@@ -309,8 +309,8 @@ impl SceneBuilder {
             textures: wardrobe.textures,
             charts,
             lights,
-            even_lights,
-            course_lights,
+            mean_lights,
+            legacy_lights,
             shapes,
             shape_attributes,
             mesh,
@@ -318,7 +318,7 @@ impl SceneBuilder {
             triangle_part: triangle_part.into(),
             domain: Sphere { center: Vec3::ZERO, radius: 0.0 },
             middle,
-            camera_inside: Inside::NOTHING,
+            camera_inside: InteriorStack::NOTHING,
             light_inside: Vec::new(),
             neighbours: Neighbours::default(),
             light_contact: Vec::new(),
@@ -425,7 +425,7 @@ mod tests {
         let (without, with) = (scene(&[]), scene(&[2.0, 3.0]));
         assert_eq!((without.environment(), without.escaping(Vec3::X)), (None, Rgb::splat(0.5)));
         assert_eq!((with.environment(), with.escaping(Vec3::X)), (Some(1), Rgb::splat(3.0)));
-        assert_eq!((with.lights().len(), with.course_lights().len()), (2, 1));
+        assert_eq!((with.lights().len(), with.legacy_lights().len()), (2, 1));
     }
 
     #[test]

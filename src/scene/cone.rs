@@ -1,6 +1,6 @@
 //! How much of a surface a ray sees at once.
 
-use super::Memory;
+use super::InteriorKind;
 use crate::bsdf::{Bsdf, DIFFUSE_BLUR};
 
 /// Part of a pixel that textures are blurred over: the pixel's own filter blurs them too.
@@ -22,11 +22,11 @@ pub struct Detail {
 impl Detail {
     /// What walks have to remember that see this; `interiors` says whether they remember bodies at all.
     #[must_use]
-    pub const fn memory(self, interiors: bool) -> Memory {
+    pub const fn memory(self, interiors: bool) -> InteriorKind {
         match interiors {
-            false => Memory::Nothing,
-            true if self.media || self.dispersion => Memory::Media,
-            true => Memory::Bodies,
+            false => InteriorKind::Nothing,
+            true if self.media || self.dispersion => InteriorKind::Spectral,
+            true => InteriorKind::Bodies,
         }
     }
 

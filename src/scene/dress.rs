@@ -1,13 +1,13 @@
 //! What textures make of materials.
 
 use super::material::phong;
-use super::{Body, Cone, Hit, HitKind, Look, Material, Scattering, Scene, Surface};
+use super::{Body, Cone, Hit, HitKind, Material, PhongAppearance, Scattering, Scene, SurfaceInteraction};
 use crate::bsdf::{Bsdf, Conductor, STORED_ALPHA, Thin};
 use crate::color::Rgb;
-use crate::light::Glow;
+use crate::light::EmissionTexture;
 use crate::math::Frame;
-use crate::shape::{Chart, Mapped, SurfacePoint};
-use crate::texture::{Place, Texture};
+use crate::shape::{SurfacePoint, TexCoord, TextureMapping};
+use crate::texture::{Texture, TextureEvalContext};
 use glam::{DVec2, DVec3, Vec3};
 
 /// Least cosine between a shading normal and the geometric one.
@@ -92,16 +92,16 @@ pub struct Dress {
 
 /// A place as textures see it, with what tells neighbouring places.
 struct Patch<'a> {
-    place: Place,
-    mapped: Mapped,
-    chart: &'a Chart,
+    place: TextureEvalContext,
+    mapped: TexCoord,
+    chart: &'a TextureMapping,
 }
 
 impl Patch<'_> {
     /// The place a step along the surface away.
-    fn moved(&self, step: DVec3) -> Place {
+    fn moved(&self, step: DVec3) -> TextureEvalContext {
         let uv = self.place.uv + DVec2::new(self.mapped.du.dot(step), self.mapped.dv.dot(step));
-        Place { uv, p: self.place.p + self.chart.step_in_object(step), ..self.place }
+        TextureEvalContext { uv, p: self.place.p + self.chart.step_in_object(step), ..self.place }
     }
 
     /// How long a step along unit `direction` is that changes what `texture` goes by by its grain, and not less than half the patch.
@@ -123,7 +123,7 @@ impl Tint {
         Self { factor, texture: None }
     }
 
-    fn at(&self, scene: &Scene, place: &Place) -> Rgb {
+    fn at(&self, scene: &Scene, place: &TextureEvalContext) -> Rgb {
         self.texture.map_or(self.factor, |texture| self.factor * scene.textures[texture as usize].color(place))
     }
 }
@@ -132,7 +132,7 @@ impl Scene {
     /// The place of a hit as textures see it, over the cone's footprint: as wide as the cone across the ray, and longer along it by
     /// the cosine to the normal.
     fn patch<'a>(&'a self, hit: &Hit, point: &SurfacePoint, wo: Vec3, cone: &Cone) -> Patch<'a> {
-        let (chart, own): (u32, &dyn Fn() -> Mapped) = match hit.kind {
+        let (chart, own): (u32, &dyn Fn() -> TexCoord) = match hit.kind {
             HitKind::Triangle(i, b) => {
                 let part = self.triangle_part[i as usize] as usize;
                 (self.parts[part].1.chart, &move || self.mesh.mapped(i as usize, b))
@@ -140,12 +140,12 @@ impl Scene {
             HitKind::Shape(i, uv) => {
                 (self.shape_attributes[i as usize].chart, &move || self.shapes[i as usize].mapped(point.p, uv))
             }
-            HitKind::Plane(i) => (self.planes[i as usize].1.chart, &Mapped::default),
+            HitKind::Plane(i) => (self.planes[i as usize].1.chart, &TexCoord::default),
         };
         let chart = &self.charts[chart as usize];
         let p = chart.in_object(point.p);
         let mapped = chart.at(p, own);
-        let mut place = Place::sharp(mapped.uv, p);
+        let mut place = TextureEvalContext::sharp(mapped.uv, p);
         let width = f64::from(cone.width());
         if width > 0.0 {
             let (wo, n) = (wo.as_dvec3(), point.ng.as_dvec3());
@@ -163,13 +163,13 @@ impl Scene {
 
     /// Radiance of an area light that was hit.
     #[inline(never)]
-    pub(super) fn glow(&self, glow: &Glow, hit: &Hit, point: &SurfacePoint, wo: Vec3, cone: &Cone) -> Rgb {
+    pub(super) fn glow(&self, glow: &EmissionTexture, hit: &Hit, point: &SurfacePoint, wo: Vec3, cone: &Cone) -> Rgb {
         glow.radiance(&self.patch(hit, point, wo, &cone.of_lights()).place)
     }
 
     /// What a mix whose share may follow a texture stands for this time.
     #[inline(never)]
-    pub(super) fn chosen_by_texture(&self, index: u32, chance: f32, place: &dyn Fn() -> Place) -> u32 {
+    pub(super) fn chosen_by_texture(&self, index: u32, chance: f32, place: &dyn Fn() -> TextureEvalContext) -> u32 {
         let coat = |material: &Material| material.dress.map(|dress| self.dresses[dress as usize].coat);
         self.chosen(index, chance, |material, amount| match coat(material) {
             Some(Coat::Mix(texture)) => self.textures[texture as usize].number(&place()),
@@ -179,13 +179,13 @@ impl Scene {
 
     /// The place of a hit as textures see it, by a cone that has come to it.
     #[must_use]
-    pub fn place(&self, hit: &Hit, point: &SurfacePoint, wo: Vec3, cone: &Cone) -> Place {
+    pub fn place(&self, hit: &Hit, point: &SurfacePoint, wo: Vec3, cone: &Cone) -> TextureEvalContext {
         self.patch(hit, point, wo, cone).place
     }
 
     /// Gives `surface` what its dress makes of it.
     #[inline(never)]
-    pub(super) fn put_on(&self, dress: u32, surface: &mut Surface<'_>, hit: &Hit, cone: &Cone) {
+    pub(super) fn put_on(&self, dress: u32, surface: &mut SurfaceInteraction<'_>, hit: &Hit, cone: &Cone) {
         let Dress { coat, relief } = self.dresses[dress as usize];
         let patch = self.patch(hit, &surface.point, surface.wo, cone);
         if cone.detail.textures {
@@ -197,7 +197,7 @@ impl Scene {
         }
     }
 
-    fn put_on_coat(&self, coat: Coat, surface: &mut Surface<'_>, place: &Place) {
+    fn put_on_coat(&self, coat: Coat, surface: &mut SurfaceInteraction<'_>, place: &TextureEvalContext) {
         let number = |texture: u32| self.textures[texture as usize].number(place);
         match coat {
             Coat::Plain | Coat::Mix(_) => {}
@@ -208,7 +208,7 @@ impl Scene {
             }
             Coat::Mirror(reflectance) => surface.bsdf = Bsdf::Mirror(reflectance.at(self, place)),
             Coat::Conductor { eta, k, roughness } => {
-                let sharp = Place::sharp(place.uv, place.p);
+                let sharp = TextureEvalContext::sharp(place.uv, place.p);
                 let exact = self.textures[roughness as usize].number(&sharp);
                 surface.bsdf = Bsdf::Conductor(Conductor::new(eta, k, of_the_kind_of(exact, number(roughness))));
             }
@@ -260,13 +260,17 @@ impl Scene {
 
     /// How the course's shading sees a surface that was hit.
     #[must_use]
-    pub fn look(&self, surface: &Surface<'_>, hit: &Hit, cone: &Cone) -> Look {
+    pub fn look(&self, surface: &SurfaceInteraction<'_>, hit: &Hit, cone: &Cone) -> PhongAppearance {
         let plain = surface.material.look;
         let Some(dress) = surface.material.dress.filter(|_| cone.detail.textures) else { return plain };
         let at = |tint: &Tint| tint.at(self, &self.place(hit, &surface.point, surface.wo, cone));
         match &self.dresses[dress as usize].coat {
-            Coat::Diffuse(tint) | Coat::Mirror(tint) | Coat::Thin { transmittance: tint, .. } => Look::matt(at(tint)),
-            Coat::Phong { diffuse, specular, .. } => Look { diffuse: at(diffuse), specular: at(specular), ..plain },
+            Coat::Diffuse(tint) | Coat::Mirror(tint) | Coat::Thin { transmittance: tint, .. } => {
+                PhongAppearance::matt(at(tint))
+            }
+            Coat::Phong { diffuse, specular, .. } => {
+                PhongAppearance { diffuse: at(diffuse), specular: at(specular), ..plain }
+            }
             Coat::Plain | Coat::Conductor { .. } | Coat::Boundary(_) | Coat::Mix(_) => plain,
         }
     }
@@ -280,7 +284,7 @@ fn of_the_kind_of(exact: f32, alpha: f32) -> f32 {
 
 /// Unit directions along the surface across `n` of growing u, and across it on the side of growing v; `None` where coordinates tell no
 /// direction.
-fn tangents(mapped: &Mapped, n: DVec3) -> Option<[DVec3; 2]> {
+fn tangents(mapped: &TexCoord, n: DVec3) -> Option<[DVec3; 2]> {
     // v stays as it is across its gradient.
     let across = mapped.dv.cross(n).try_normalize()?;
     let u = if across.dot(mapped.du) < 0.0 { -across } else { across };

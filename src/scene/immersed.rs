@@ -1,7 +1,7 @@
 //! The memory of walks that go through media, or choose a wavelength.
 
 use super::interior::boundary;
-use super::{Body, Detail, Filling, Inside, Interior, Meeting, Scene, Surface};
+use super::{Body, BoundaryEvent, Detail, Filling, Interior, InteriorStack, Scene, SurfaceInteraction};
 use crate::bsdf::{Bsdf, Dielectric, Transport};
 use crate::color::{Rgb, Wavelength};
 use crate::math::Ray;
@@ -12,34 +12,34 @@ use glam::Vec3;
 /// total reflection they are not, nor where both sides have nearly the same index.
 const FAINT: std::ops::Range<f32> = 0.004..0.2;
 
-/// [`Inside`], and a wavelength where the walk has one.
+/// [`InteriorStack`], and a wavelength where the walk has one.
 ///
 /// A walk chooses its wavelength at the first surface that bends wavelengths differently, and keeps it. What such a surface reflects
 /// faintly stays white.
 #[derive(Clone, Copy, Debug)]
-pub struct Immersed {
-    inside: Inside,
+pub struct SpectralInterior {
+    inside: InteriorStack,
     wavelength: Option<Wavelength>,
     /// The surface that was met as it were for the d line, where the wavelength was chosen there.
     chosen_at: Option<Dielectric>,
     detail: Detail,
 }
 
-impl Immersed {
-    fn new(inside: Inside, detail: Detail) -> Self {
+impl SpectralInterior {
+    fn new(inside: InteriorStack, detail: Detail) -> Self {
         Self { inside, wavelength: None, chosen_at: None, detail }
     }
 }
 
-impl Interior for Immersed {
+impl Interior for SpectralInterior {
     const IMMERSED: bool = true;
 
     fn at_camera(scene: &Scene, ray: &Ray, detail: Detail) -> Self {
-        Self::new(Inside::at_camera(scene, ray, detail), detail)
+        Self::new(InteriorStack::at_camera(scene, ray, detail), detail)
     }
 
     fn at_light(scene: &Scene, light: usize, detail: Detail) -> Self {
-        Self::new(Inside::at_light(scene, light, detail), detail)
+        Self::new(InteriorStack::at_light(scene, light, detail), detail)
     }
 
     #[inline]
@@ -65,17 +65,17 @@ impl Interior for Immersed {
     }
 
     #[inline]
-    fn approach(&mut self, surface: &Surface<'_>) {
+    fn approach(&mut self, surface: &SurfaceInteraction<'_>) {
         self.inside.approach(surface);
     }
 
     #[inline]
-    fn meet(&mut self, scene: &Scene, surface: &mut Surface<'_>, key: Key) -> Meeting {
+    fn meet(&mut self, scene: &Scene, surface: &mut SurfaceInteraction<'_>, key: Key) -> BoundaryEvent {
         let (Some(body), true) = (boundary(surface), self.detail.dispersion && !scene.glasses.is_empty()) else {
             return self.inside.meet(scene, surface, key);
         };
         let (meeting, body, crossing) = self.inside.divided(scene, surface, body);
-        if meeting == Meeting::Clear {
+        if meeting == BoundaryEvent::Clear {
             return meeting;
         }
         let disperses = body.glass.is_some() || crossing.outside.is_some_and(|body| body.glass.is_some());
@@ -92,12 +92,12 @@ impl Interior for Immersed {
     }
 
     #[inline]
-    fn cross(&mut self, surface: &Surface<'_>, direction: Vec3) {
+    fn cross(&mut self, surface: &SurfaceInteraction<'_>, direction: Vec3) {
         self.inside.cross(surface, direction);
     }
 
     #[inline]
-    fn arrive(&mut self, surface: &Surface<'_>) -> Rgb {
+    fn arrive(&mut self, surface: &SurfaceInteraction<'_>) -> Rgb {
         // Connections are made here too.
         if surface.bsdf.is_specular() || self.chosen_at.take().is_none() {
             return Rgb::ONE;
@@ -106,7 +106,7 @@ impl Interior for Immersed {
     }
 
     #[inline]
-    fn leave(&mut self, surface: &Surface<'_>, transmitted: bool) -> Rgb {
+    fn leave(&mut self, surface: &SurfaceInteraction<'_>, transmitted: bool) -> Rgb {
         let (Some(plain), Some(wavelength)) = (self.chosen_at.take(), self.wavelength) else { return Rgb::ONE };
         let weight = wavelength.weight();
         if !transmitted && let Bsdf::Dielectric(own) = surface.bsdf {

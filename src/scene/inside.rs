@@ -1,6 +1,6 @@
 //! What a walk is inside of.
 
-use super::{Body, Material, Meeting, Scattering};
+use super::{Body, BoundaryEvent, Material, Scattering};
 use glam::Vec3;
 
 /// Bodies that may lie around a point; of more, those entered first are forgotten.
@@ -8,7 +8,7 @@ const MOST: usize = 12;
 
 /// The bodies around a point, in the order in which they were entered.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Inside {
+pub struct InteriorStack {
     /// Indices of materials.
     bodies: [u32; MOST],
     count: u8,
@@ -26,8 +26,8 @@ pub(super) struct Crossing {
 impl Crossing {
     /// What a boundary is for light that is not the bound of a mere place.
     #[inline]
-    pub fn meeting(&self) -> Meeting {
-        if self.real { Meeting::Surface } else { Meeting::Hidden }
+    pub fn meeting(&self) -> BoundaryEvent {
+        if self.real { BoundaryEvent::SurfaceInteraction } else { BoundaryEvent::Hidden }
     }
 
     /// Index inside the boundary's `body` over the index outside it.
@@ -37,7 +37,7 @@ impl Crossing {
     }
 }
 
-impl Inside {
+impl InteriorStack {
     /// In the open.
     pub const NOTHING: Self = Self { bodies: [0; MOST], count: 0 };
 
@@ -148,8 +148,8 @@ mod tests {
         }
     }
 
-    fn inside(bodies: &[u32]) -> Inside {
-        let mut inside = Inside::NOTHING;
+    fn inside(bodies: &[u32]) -> InteriorStack {
+        let mut inside = InteriorStack::NOTHING;
         bodies.iter().for_each(|b| inside.enter(*b));
         inside
     }

@@ -2,7 +2,7 @@
 
 use super::inside::Crossing;
 use super::touching::{Face, Sides};
-use super::{Body, Detail, Inside, Scattering, Scene, Surface};
+use super::{Body, Detail, InteriorStack, Scattering, Scene, SurfaceInteraction};
 use crate::bsdf::Bsdf;
 use crate::color::{Rgb, Wavelength};
 use crate::math::Ray;
@@ -11,20 +11,20 @@ use glam::Vec3;
 
 /// What walks have to remember.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Memory {
-    /// Nothing: [`Open`].
+pub enum InteriorKind {
+    /// Nothing: [`NoInterior`].
     Nothing,
-    /// The bodies that they are inside of: [`Inside`].
+    /// The bodies that they are inside of: [`InteriorStack`].
     Bodies,
-    /// And what these are filled with, and a wavelength: [`Immersed`](super::Immersed).
-    Media,
+    /// And what these are filled with, and a wavelength: [`SpectralInterior`](super::SpectralInterior).
+    Spectral,
 }
 
 /// What a boundary is for a walk.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Meeting {
+pub enum BoundaryEvent {
     /// A surface.
-    Surface,
+    SurfaceInteraction,
     /// Not there for light, but it ends a shadow ray: bodies overlap.
     Hidden,
     /// Not there at all.
@@ -40,7 +40,7 @@ pub struct Filling {
     pub everywhere: bool,
 }
 
-/// The memory of a walk: [`Immersed`](super::Immersed), [`Inside`], or [`Open`] where there is nothing to remember. Walks are compiled for
+/// The memory of a walk: [`SpectralInterior`](super::SpectralInterior), [`InteriorStack`], or [`NoInterior`] where there is nothing to remember. Walks are compiled for
 /// each, so that scenes without bodies pay for none, and scenes without media for no media.
 pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
     /// Whether walks may go through media, or have a wavelength.
@@ -74,23 +74,23 @@ pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
     }
 
     /// Learns of the boundary that `surface` may be, before the way to it is reckoned.
-    fn approach(&mut self, surface: &Surface<'_>);
+    fn approach(&mut self, surface: &SurfaceInteraction<'_>);
 
     /// What `surface` is for light; gives it the BSDF of what it divides. `key` is that of the vertex.
-    fn meet(&mut self, scene: &Scene, surface: &mut Surface<'_>, key: Key) -> Meeting;
+    fn meet(&mut self, scene: &Scene, surface: &mut SurfaceInteraction<'_>, key: Key) -> BoundaryEvent;
 
     /// Goes through the boundary that `surface` may be in unit `direction`.
-    fn cross(&mut self, surface: &Surface<'_>, direction: Vec3);
+    fn cross(&mut self, surface: &SurfaceInteraction<'_>, direction: Vec3);
 
     /// What throughput is multiplied by at `surface` before anything is done there, for a wavelength that was chosen there.
     #[inline]
-    fn arrive(&mut self, _: &Surface<'_>) -> Rgb {
+    fn arrive(&mut self, _: &SurfaceInteraction<'_>) -> Rgb {
         Rgb::ONE
     }
 
     /// What throughput is multiplied by on leaving `surface`, for a wavelength that was chosen there.
     #[inline]
-    fn leave(&mut self, _: &Surface<'_>, _: bool) -> Rgb {
+    fn leave(&mut self, _: &SurfaceInteraction<'_>, _: bool) -> Rgb {
         Rgb::ONE
     }
 }
@@ -103,9 +103,9 @@ pub(super) fn left_after(depth: Rgb) -> Rgb {
 
 /// Nothing is remembered: bodies absorb nothing and lie in air.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Open;
+pub struct NoInterior;
 
-impl Interior for Open {
+impl Interior for NoInterior {
     const IMMERSED: bool = false;
 
     fn at_camera(_: &Scene, _: &Ray, _: Detail) -> Self {
@@ -122,19 +122,19 @@ impl Interior for Open {
     }
 
     #[inline]
-    fn approach(&mut self, _: &Surface<'_>) {}
+    fn approach(&mut self, _: &SurfaceInteraction<'_>) {}
 
     #[inline]
-    fn meet(&mut self, _: &Scene, _: &mut Surface<'_>, _: Key) -> Meeting {
-        Meeting::Surface
+    fn meet(&mut self, _: &Scene, _: &mut SurfaceInteraction<'_>, _: Key) -> BoundaryEvent {
+        BoundaryEvent::SurfaceInteraction
     }
 
     #[inline]
-    fn cross(&mut self, _: &Surface<'_>, _: Vec3) {}
+    fn cross(&mut self, _: &SurfaceInteraction<'_>, _: Vec3) {}
 }
 
 #[inline]
-pub(super) fn boundary(surface: &Surface<'_>) -> Option<Body> {
+pub(super) fn boundary(surface: &SurfaceInteraction<'_>) -> Option<Body> {
     match surface.material.scattering {
         Scattering::Boundary(body) => Some(body),
         _ => None,
@@ -142,14 +142,19 @@ pub(super) fn boundary(surface: &Surface<'_>) -> Option<Body> {
 }
 
 #[inline]
-pub(super) fn entering(surface: &Surface<'_>) -> bool {
+pub(super) fn entering(surface: &SurfaceInteraction<'_>) -> bool {
     surface.wo.dot(surface.point.ng) >= 0.0
 }
 
-impl Inside {
+impl InteriorStack {
     /// What `surface`, the boundary of `body`, is for light, the body on its inner side, and what it divides from what is outside.
     #[inline]
-    pub(super) fn divided(&self, scene: &Scene, surface: &mut Surface<'_>, body: Body) -> (Meeting, Body, Crossing) {
+    pub(super) fn divided(
+        &self,
+        scene: &Scene,
+        surface: &mut SurfaceInteraction<'_>,
+        body: Body,
+    ) -> (BoundaryEvent, Body, Crossing) {
         surface.touching = scene.faces_at(surface);
         let inwards = entering(surface);
         if !surface.touching.is_none() {
@@ -159,14 +164,14 @@ impl Inside {
             let real = inner.map(|(material, _)| material) != outer.map(|(material, _)| material);
             let crossing = Crossing { real, outside: outer.map(|(_, body)| body) };
             let inner = inner.map_or_else(|| Body::new(1.0), |(_, body)| body);
-            return (if clear { Meeting::Clear } else { crossing.meeting() }, inner, crossing);
+            return (if clear { BoundaryEvent::Clear } else { crossing.meeting() }, inner, crossing);
         }
         let crossing = self.crossing(surface.index, &body, inwards, &scene.materials);
-        (if body.clear { Meeting::Clear } else { crossing.meeting() }, body, crossing)
+        (if body.clear { BoundaryEvent::Clear } else { crossing.meeting() }, body, crossing)
     }
 }
 
-impl Interior for Inside {
+impl Interior for InteriorStack {
     const IMMERSED: bool = false;
 
     fn at_camera(scene: &Scene, ray: &Ray, _: Detail) -> Self {
@@ -186,24 +191,24 @@ impl Interior for Inside {
     }
 
     #[inline]
-    fn approach(&mut self, surface: &Surface<'_>) {
+    fn approach(&mut self, surface: &SurfaceInteraction<'_>) {
         if boundary(surface).is_some() && !entering(surface) && !self.holds(surface.index) {
             self.found_inside(surface.index);
         }
     }
 
     #[inline]
-    fn meet(&mut self, scene: &Scene, surface: &mut Surface<'_>, _: Key) -> Meeting {
-        let Some(body) = boundary(surface) else { return Meeting::Surface };
+    fn meet(&mut self, scene: &Scene, surface: &mut SurfaceInteraction<'_>, _: Key) -> BoundaryEvent {
+        let Some(body) = boundary(surface) else { return BoundaryEvent::SurfaceInteraction };
         let (meeting, body, crossing) = self.divided(scene, surface, body);
-        if meeting != Meeting::Clear {
+        if meeting != BoundaryEvent::Clear {
             surface.bsdf = Bsdf::dielectric(crossing.eta(&body, |body| body.index), surface.roughness);
         }
         meeting
     }
 
     #[inline]
-    fn cross(&mut self, surface: &Surface<'_>, direction: Vec3) {
+    fn cross(&mut self, surface: &SurfaceInteraction<'_>, direction: Vec3) {
         if boundary(surface).is_none() {
             return;
         }

@@ -9,7 +9,7 @@ pub struct Material {
     /// How it scatters.
     pub scattering: Scattering,
     /// How the course's shading sees it.
-    pub look: Look,
+    pub look: PhongAppearance,
     /// Index of what it wears; without textures both of the above are means.
     pub dress: Option<u32>,
 }
@@ -86,7 +86,7 @@ impl Body {
 
 /// Coefficients of Phong's model as the course has it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Look {
+pub struct PhongAppearance {
     /// kd.
     pub diffuse: Rgb,
     /// ks.
@@ -95,7 +95,7 @@ pub struct Look {
     pub shininess: f32,
 }
 
-impl Look {
+impl PhongAppearance {
     /// A matt look.
     #[must_use]
     pub fn matt(diffuse: Rgb) -> Self {
@@ -104,26 +104,26 @@ impl Look {
 }
 
 impl Material {
-    fn fixed(bsdf: Bsdf, look: Look) -> Self {
+    fn fixed(bsdf: Bsdf, look: PhongAppearance) -> Self {
         Self { scattering: Scattering::Fixed(bsdf), look, dress: None }
     }
 
     /// Lambertian reflection.
     #[must_use]
     pub fn diffuse(reflectance: Rgb) -> Self {
-        Self::fixed(Bsdf::Diffuse(reflectance), Look::matt(reflectance))
+        Self::fixed(Bsdf::Diffuse(reflectance), PhongAppearance::matt(reflectance))
     }
 
     /// Phong's model; energy is kept by scaling (see [`crate::bsdf::Phong`]), the look is not scaled.
     #[must_use]
     pub fn phong(diffuse: Rgb, specular: Rgb, shininess: f32) -> Self {
-        Self::fixed(phong(diffuse, specular, shininess), Look { diffuse, specular, shininess })
+        Self::fixed(phong(diffuse, specular, shininess), PhongAppearance { diffuse, specular, shininess })
     }
 
     /// A perfect mirror.
     #[must_use]
     pub fn mirror(reflectance: Rgb) -> Self {
-        Self::fixed(Bsdf::Mirror(reflectance), Look::matt(reflectance))
+        Self::fixed(Bsdf::Mirror(reflectance), PhongAppearance::matt(reflectance))
     }
 
     /// A smooth body of absolute `index` that absorbs with `absorption` \[1/length].
@@ -135,14 +135,14 @@ impl Material {
     /// The boundary of a body.
     #[must_use]
     pub fn body(body: Body) -> Self {
-        let look = Look::matt((-body.absorption).map(libm::expf));
+        let look = PhongAppearance::matt((-body.absorption).map(libm::expf));
         Self { scattering: Scattering::Boundary(body), look, dress: None }
     }
 
     /// Material `second` with probability `amount`, else material `first`; both are indices of materials that were added before.
     /// It looks as `look`.
     #[must_use]
-    pub fn mix(first: u32, second: u32, amount: f32, look: Look) -> Self {
+    pub fn mix(first: u32, second: u32, amount: f32, look: PhongAppearance) -> Self {
         Self { scattering: Scattering::Mix { first, second, amount }, look, dress: None }
     }
 
@@ -150,19 +150,19 @@ impl Material {
     #[must_use]
     pub fn conductor(eta: Rgb, k: Rgb, alpha: f32) -> Self {
         let facing = conductor_reflectance(1.0, eta, k);
-        Self::fixed(Bsdf::Conductor(Conductor::new(eta, k, alpha)), Look::matt(facing))
+        Self::fixed(Bsdf::Conductor(Conductor::new(eta, k, alpha)), PhongAppearance::matt(facing))
     }
 
     /// A sheet without thickness, of index `eta`, that keeps `transmittance` in (0, 1] of what crosses it perpendicularly.
     #[must_use]
     pub fn thin(eta: f32, transmittance: Rgb) -> Self {
-        Self::fixed(Bsdf::Thin(Thin { eta, transmittance }), Look::matt(transmittance))
+        Self::fixed(Bsdf::Thin(Thin { eta, transmittance }), PhongAppearance::matt(transmittance))
     }
 
     /// Absorbs everything.
     #[must_use]
     pub fn black() -> Self {
-        Self::fixed(Bsdf::Black, Look::matt(Rgb::ZERO))
+        Self::fixed(Bsdf::Black, PhongAppearance::matt(Rgb::ZERO))
     }
 }
 

@@ -25,14 +25,14 @@ pub use builder::SceneBuilder;
 pub use cone::{Cone, Detail};
 pub use dress::{Coat, Dress, Relief, Tint};
 pub use error::BuildError;
-pub use immersed::Immersed;
-pub use inside::Inside;
-pub use interior::{Filling, Interior, Meeting, Memory, Open};
-pub use material::{Body, Look, Material, Scattering};
+pub use immersed::SpectralInterior;
+pub use inside::InteriorStack;
+pub use interior::{BoundaryEvent, Filling, Interior, InteriorKind, NoInterior};
+pub use material::{Body, Material, PhongAppearance, Scattering};
 pub use objects::Object;
 pub use source::{LightStrength, SourceKind};
-pub use surface::Surface;
-pub use walk::{Arrival, Step, Stretch, Walk};
+pub use surface::SurfaceInteraction;
+pub use walk::{Arrival, MediumSegment, Step, Walk};
 
 use crate::accel::{Hierarchy, Primitive};
 use crate::bsdf::Bsdf;
@@ -41,7 +41,7 @@ use crate::color::{Glass, Rgb};
 use crate::light::Light;
 use crate::math::{Bounds, Ray, Sphere};
 use crate::medium::Medium;
-use crate::shape::{Chart, Mesh, Plane, Shape, SurfacePoint};
+use crate::shape::{Mesh, Plane, Shape, SurfacePoint, TextureMapping};
 use crate::texture::Texture;
 use glam::{DVec3, Vec2, Vec3};
 use movement::Movement;
@@ -60,7 +60,7 @@ struct Attributes {
 
 /// A light as the course's shading sees it: a direction or a place, and a colour that does not fall off.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum CourseLight {
+pub enum LegacyLight {
     /// From a place.
     Point(Vec3, Rgb),
     /// Along a unit direction of travel.
@@ -83,11 +83,11 @@ pub struct Scene {
     dresses: Vec<Dress>,
     textures: Vec<Arc<Texture>>,
     /// The first is that of what has none of its own.
-    charts: Vec<Chart>,
+    charts: Vec<TextureMapping>,
     lights: Vec<Light>,
     /// The lights with their mean radiance; none where no light follows a texture.
-    even_lights: Vec<Light>,
-    course_lights: Vec<CourseLight>,
+    mean_lights: Vec<Light>,
+    legacy_lights: Vec<LegacyLight>,
     /// Over triangles, and the shapes that do not move.
     hierarchy: Arc<Hierarchy>,
     /// Over the shapes that move: those from `first_moving` on.
@@ -107,9 +107,9 @@ pub struct Scene {
     domain: Sphere,
     middle: DVec3,
     /// What the camera is inside of.
-    camera_inside: Inside,
+    camera_inside: InteriorStack,
     /// What each light is inside of.
-    light_inside: Vec<Inside>,
+    light_inside: Vec<InteriorStack>,
     /// How near to a surface each light is taken to stand in it.
     light_contact: Vec<f32>,
     /// Which boundaries of bodies may coincide.
@@ -179,14 +179,14 @@ impl Scene {
 
     /// The lights, each with the same radiance everywhere.
     #[must_use]
-    pub fn even_lights(&self) -> &[Light] {
-        if self.even_lights.is_empty() { &self.lights } else { &self.even_lights }
+    pub fn mean_lights(&self) -> &[Light] {
+        if self.mean_lights.is_empty() { &self.lights } else { &self.mean_lights }
     }
 
     /// The lights as the course's shading sees them, in the same order. An environment is none of them.
     #[must_use]
-    pub fn course_lights(&self) -> &[CourseLight] {
-        &self.course_lights
+    pub fn legacy_lights(&self) -> &[LegacyLight] {
+        &self.legacy_lights
     }
 
     /// The materials.
@@ -286,7 +286,7 @@ impl Scene {
     /// \[0, 1) chooses where materials are mixed. A boundary of a body scatters as if nothing else were around.
     #[inline]
     #[must_use]
-    pub fn surface(&self, ray: &Ray, hit: &Hit, cone: &Cone, chance: impl FnOnce() -> f32) -> Surface<'_> {
+    pub fn surface(&self, ray: &Ray, hit: &Hit, cone: &Cone, chance: impl FnOnce() -> f32) -> SurfaceInteraction<'_> {
         let (point, attributes) = self.point(ray, hit);
         let wo = -ray.direction;
         let emission = match attributes.light.map(|l| &self.lights[l as usize]) {
@@ -313,7 +313,8 @@ impl Scene {
         };
         let (light, touching) = (attributes.light, Touching::NONE);
         let crowded = self.neighbours.may(hit.kind).then(|| self.thing_of(hit.kind));
-        let mut surface = Surface { point, wo, material, index, bsdf, roughness, crowded, touching, light, emission };
+        let mut surface =
+            SurfaceInteraction { point, wo, material, index, bsdf, roughness, crowded, touching, light, emission };
         if let Some(dress) = material.dress {
             self.put_on(dress, &mut surface, hit, cone);
         }

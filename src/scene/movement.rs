@@ -8,7 +8,7 @@ use super::source::{course_area_light, resolve_source};
 use super::wardrobe::{chart_at, evened};
 use super::{LightStrength, Scene, SourceKind};
 use crate::camera::Camera;
-use crate::light::{Emitter, Glow, Light};
+use crate::light::{EmissionTexture, Emitter, Light};
 use crate::math::{Motion, Transform};
 use crate::shape::{Form, Plane, Shape};
 use glam::DVec3;
@@ -96,7 +96,7 @@ impl Scene {
         }
         for (i, kind, strength, motion) in &movement.sources {
             if let Some(placed) = source_at(kind, motion, time) {
-                (scene.lights[*i], scene.course_lights[*i]) = resolve_source(&placed, *strength, DVec3::ZERO);
+                (scene.lights[*i], scene.legacy_lights[*i]) = resolve_source(&placed, *strength, DVec3::ZERO);
             }
         }
         if let Some((camera, motion)) = &movement.camera
@@ -104,8 +104,8 @@ impl Scene {
         {
             scene.camera = camera.moved(&map);
         }
-        if !scene.even_lights.is_empty() {
-            scene.even_lights = scene.lights.iter().map(evened).collect();
+        if !scene.mean_lights.is_empty() {
+            scene.mean_lights = scene.lights.iter().map(evened).collect();
         }
         scene.settle(self.still);
         scene
@@ -118,9 +118,10 @@ impl Scene {
             if let Light::Area(area) = &mut self.lights[light] {
                 area.emitter = Emitter::Shape(shape.clone());
                 let chart = self.charts[self.shape_attributes[i].chart as usize];
-                area.glow = area.glow.as_ref().map(|glow| Arc::new(Glow { chart, ..Glow::clone(glow) }));
+                area.glow =
+                    area.glow.as_ref().map(|glow| Arc::new(EmissionTexture { chart, ..EmissionTexture::clone(glow) }));
             }
-            self.course_lights[light] = course_area_light(&self.lights[light]);
+            self.legacy_lights[light] = course_area_light(&self.lights[light]);
         }
         self.shapes[i] = shape;
     }

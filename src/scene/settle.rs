@@ -1,7 +1,7 @@
 //! What follows from where things are: the hierarchy of what moves, the ball in which light from infinity counts, and what camera and lights
 //! are inside of or touch.
 
-use super::{Inside, Scene};
+use super::{InteriorStack, Scene};
 use crate::accel::Hierarchy;
 use crate::light::Light;
 use crate::math::{Bounds, Sphere};
@@ -25,12 +25,12 @@ impl Scene {
         let places = self.lights.iter().filter_map(Light::start).chain([self.camera.center().as_vec3()]);
         let farthest = places.map(|p| p.distance(self.domain.center)).fold(self.domain.radius, f32::max);
         self.filled = Sphere { center: self.domain.center, radius: farthest * FILLED };
-        self.camera_inside = Inside::NOTHING;
-        self.light_inside = vec![Inside::NOTHING; self.lights.len()];
+        self.camera_inside = InteriorStack::NOTHING;
+        self.light_inside = vec![InteriorStack::NOTHING; self.lights.len()];
         self.light_contact = self.lights.iter().map(|light| self.contact_of(light)).collect();
         if self.has_bodies() {
             self.camera_inside = self.inside_at(self.camera.center().as_vec3());
-            let start = |light: &Light| light.start().map_or(Inside::NOTHING, |p| self.inside_at(p));
+            let start = |light: &Light| light.start().map_or(InteriorStack::NOTHING, |p| self.inside_at(p));
             self.light_inside = self.lights.iter().map(start).collect();
         }
     }

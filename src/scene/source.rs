@@ -1,6 +1,6 @@
 //! Lights without a surface, and lights as the course's shading sees them.
 
-use super::CourseLight;
+use super::LegacyLight;
 use crate::color::Rgb;
 use crate::light::{Light, Spot};
 use crate::math::{Sphere, Transform};
@@ -75,7 +75,7 @@ fn one_minus_cos(x: f64) -> f64 {
 
 /// The light and its course colour. A course colour c means irradiance π·c on a facing surface at the middle, so that a white
 /// matt surface there reflects radiance c.
-pub(super) fn resolve_source(kind: &SourceKind, strength: LightStrength, middle: DVec3) -> (Light, CourseLight) {
+pub(super) fn resolve_source(kind: &SourceKind, strength: LightStrength, middle: DVec3) -> (Light, LegacyLight) {
     // A light at the very middle is taken to be one unit away.
     let distance2 = |p: &DVec3| {
         let d2 = (*p - middle).length_squared() as f32;
@@ -90,7 +90,7 @@ pub(super) fn resolve_source(kind: &SourceKind, strength: LightStrength, middle:
         SourceKind::Point { position } => {
             let (intensity, color) = to_intensity(position, 1.0 / (4.0 * PI));
             let place = (*position - middle).as_vec3();
-            (Light::Point { position: place, intensity }, CourseLight::Point(place, color))
+            (Light::Point { position: place, intensity }, LegacyLight::Point(place, color))
         }
         SourceKind::Spot { position, axis, inner, outer } => {
             let place = (*position - middle).as_vec3();
@@ -103,7 +103,7 @@ pub(super) fn resolve_source(kind: &SourceKind, strength: LightStrength, middle:
             };
             let (peak, color) = to_intensity(position, 1.0 / spot.power().x);
             spot.peak = peak;
-            (Light::Spot(spot), CourseLight::Point(place, color))
+            (Light::Spot(spot), LegacyLight::Point(place, color))
         }
         SourceKind::Directional { direction } => {
             let (irradiance, color) = match strength {
@@ -111,16 +111,16 @@ pub(super) fn resolve_source(kind: &SourceKind, strength: LightStrength, middle:
                 LightStrength::Physical(e) | LightStrength::Power(e) => (e, e / PI),
             };
             let direction = direction.normalize().as_vec3();
-            (Light::Directional { direction, irradiance }, CourseLight::Directional(direction, color))
+            (Light::Directional { direction, irradiance }, LegacyLight::Directional(direction, color))
         }
     }
 }
 
 /// An area light as a point at its middle, as strong at the scene's middle as if it faced it.
-pub(super) fn course_area_light(light: &Light) -> CourseLight {
+pub(super) fn course_area_light(light: &Light) -> LegacyLight {
     let center = light.center().unwrap_or(Vec3::ZERO);
     let nowhere = Sphere { center: Vec3::ZERO, radius: 0.0 };
     let d2 = center.length_squared();
     let color = light.power(nowhere) / (PI * PI * if d2 > 0.0 { d2 } else { 1.0 });
-    CourseLight::Point(center, color)
+    LegacyLight::Point(center, color)
 }

@@ -10,7 +10,7 @@ use glam::{Vec2, Vec3};
 
 /// A surface as a ray met it.
 #[derive(Clone, Copy, Debug)]
-pub struct Surface<'a> {
+pub struct SurfaceInteraction<'a> {
     /// Place and normals.
     pub point: SurfacePoint,
     /// Unit direction to where the ray came from.
@@ -33,7 +33,7 @@ pub struct Surface<'a> {
     pub emission: Rgb,
 }
 
-impl Surface<'_> {
+impl SurfaceInteraction<'_> {
     /// The geometric normal on the side of `wo`.
     #[inline]
     #[must_use]
@@ -70,7 +70,7 @@ impl Surface<'_> {
         self.bsdf.evaluate(self.wo, wi, ns, ng, Transport::Radiance) * wi.dot(ns).abs()
     }
 
-    /// Density with which [`Surface::sample`] draws `wi` \[1/sr].
+    /// Density with which [`SurfaceInteraction::sample`] draws `wi` \[1/sr].
     #[inline]
     #[must_use]
     pub fn pdf(&self, wi: Vec3) -> f32 {

@@ -4,7 +4,7 @@
 //! that share a face, one would never be crossed. So all of them are crossed at once, those that lead in before those that lead out: as if
 //! the bodies overlapped by nothing.
 
-use super::{Body, Hit, HitKind, Inside, Scattering, Scene, Surface};
+use super::{Body, Hit, HitKind, InteriorStack, Scattering, Scene, SurfaceInteraction};
 use crate::accel::{Hierarchy, Primitive};
 use crate::math::{Ray, offset_origin};
 use crate::shape::Shape;
@@ -27,7 +27,7 @@ pub(super) struct Face {
 impl Face {
     /// That of `surface`, a boundary.
     #[inline]
-    pub fn of(surface: &Surface<'_>, entering: bool) -> Self {
+    pub fn of(surface: &SurfaceInteraction<'_>, entering: bool) -> Self {
         Self { material: surface.index, entering, thing: surface.crowded.unwrap_or(0) }
     }
 }
@@ -66,7 +66,7 @@ pub(super) struct Sides {
     pub roughness: f32,
 }
 
-impl Inside {
+impl InteriorStack {
     /// What is around beyond the boundary `own` and all that touch it.
     ///
     /// Some of what is found at one place was crossed a moment before. That is so of what leads into a body which is already around, once
@@ -86,7 +86,7 @@ impl Inside {
     }
 
     /// What `surface`, the boundary of `body`, and all that touches it divide.
-    pub(super) fn sides(&self, scene: &Scene, surface: &Surface<'_>, body: &Body, entering: bool) -> Sides {
+    pub(super) fn sides(&self, scene: &Scene, surface: &SurfaceInteraction<'_>, body: &Body, entering: bool) -> Sides {
         let far = self.beyond(Face::of(surface, entering), &surface.touching);
         let others = surface.touching.faces().filter_map(|face| scene.body(face.material));
         let (mut clear, mut roughness) = (body.clear, if body.clear { 0.0 } else { surface.roughness });
@@ -121,12 +121,12 @@ impl Scene {
 
     /// The boundaries between the points from which walks leave `surface`, a boundary, on either side; without what is as it is.
     #[inline]
-    pub(super) fn faces_at(&self, surface: &Surface<'_>) -> Touching {
+    pub(super) fn faces_at(&self, surface: &SurfaceInteraction<'_>) -> Touching {
         if surface.crowded.is_some() { self.find_touching(surface) } else { Touching::NONE }
     }
 
     #[inline(never)]
-    fn find_touching(&self, surface: &Surface<'_>) -> Touching {
+    fn find_touching(&self, surface: &SurfaceInteraction<'_>) -> Touching {
         let (point, wo) = (&surface.point, surface.wo);
         let [near, far] = [wo, -wo].map(|w| offset_origin(point.p, point.error, point.ng, w));
         let length = (far - near).length();
@@ -186,8 +186,8 @@ mod tests {
         touching
     }
 
-    fn inside(bodies: &[u32]) -> Inside {
-        let mut inside = Inside::NOTHING;
+    fn inside(bodies: &[u32]) -> InteriorStack {
+        let mut inside = InteriorStack::NOTHING;
         bodies.iter().for_each(|b| inside.enter(*b));
         inside
     }
@@ -203,7 +203,7 @@ mod tests {
             assert_eq!(inside(&[1]).beyond(own, &touching(&[other])).bodies(), &[0], "{own:?}");
         }
         // Both at once from the open, and out again; then two parts of one body that share a face.
-        assert_eq!(Inside::NOTHING.beyond(face(1, true), &touching(&[face(0, true)])).bodies(), &[0, 1]);
+        assert_eq!(InteriorStack::NOTHING.beyond(face(1, true), &touching(&[face(0, true)])).bodies(), &[0, 1]);
         assert_eq!(inside(&[0, 1]).beyond(face(1, false), &touching(&[face(0, false)])).bodies(), &[0u32; 0]);
         assert_eq!(glass.beyond(face(0, false), &touching(&[face(0, true)])).bodies(), &[0]);
         assert_eq!(glass.beyond(face(0, true), &touching(&[face(0, false)])).bodies(), &[0]);
@@ -224,9 +224,9 @@ mod tests {
         // The liquid reached a little into the glass, so the walk is already in it.
         assert_eq!(inside(&[0, 1]).beyond(face(0, false), &touching(&[face(1, true)])).bodies(), &[1]);
         // It left the glass a little before it enters the liquid.
-        assert_eq!(Inside::NOTHING.beyond(face(1, true), &touching(&[face(0, false)])).bodies(), &[1]);
+        assert_eq!(InteriorStack::NOTHING.beyond(face(1, true), &touching(&[face(0, false)])).bodies(), &[1]);
         // A film thinner than its error is no film.
-        assert_eq!(Inside::NOTHING.beyond(face(1, true), &touching(&[face(1, false)])).bodies(), &[0u32; 0]);
+        assert_eq!(InteriorStack::NOTHING.beyond(face(1, true), &touching(&[face(1, false)])).bodies(), &[0u32; 0]);
         assert_eq!(
             inside(&[0]).beyond(face(0, false), &touching(&[face(1, true), face(1, false)])).bodies(),
             &[0u32; 0]

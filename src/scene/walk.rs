@@ -2,7 +2,9 @@
 
 use super::interior::left_after;
 use super::touching::Face;
-use super::{Cone, Detail, Filling, Hit, Inside, Interior, Meeting, Scattering, Scene, Surface};
+use super::{
+    BoundaryEvent, Cone, Detail, Filling, Hit, Interior, InteriorStack, Scattering, Scene, SurfaceInteraction,
+};
 use crate::color::Rgb;
 use crate::math::Ray;
 use crate::medium::Medium;
@@ -23,7 +25,7 @@ pub struct Walk<I> {
 
 /// A part of a way that lies in a medium.
 #[derive(Clone, Copy, Debug)]
-pub struct Stretch<'a, I> {
+pub struct MediumSegment<'a, I> {
     /// The way, of unit direction, up to its end at `t_max`, which may be at infinity.
     pub ray: Ray,
     /// Index of the medium.
@@ -61,7 +63,7 @@ pub enum Step<'a> {
 #[derive(Clone, Copy, Debug)]
 pub struct Arrival<'a> {
     /// The surface.
-    pub surface: Surface<'a>,
+    pub surface: SurfaceInteraction<'a>,
     /// Part of the light that is left after what lies in between.
     pub transmittance: Rgb,
     /// Length of the way \[length].
@@ -78,7 +80,7 @@ impl<I: Interior> Walk<I> {
         &mut self,
         scene: &'a Scene,
         key: Key,
-        mut through: impl FnMut(&Stretch<'a, I>) -> Option<f32>,
+        mut through: impl FnMut(&MediumSegment<'a, I>) -> Option<f32>,
     ) -> Step<'a> {
         // Depths add up over many boundaries as products of what is hardly below 1 do not.
         let mut depth = DVec3::ZERO;
@@ -99,7 +101,7 @@ impl<I: Interior> Walk<I> {
                     scene.immersed_part(&self.ray, hit.map_or(f32::INFINITY, |hit| hit.t), &self.inside)
             {
                 let (medium, inside) = (&scene.media[index as usize], self.inside);
-                let stretch = Stretch { ray, index, medium, inside, left: transmittance, crossed };
+                let stretch = MediumSegment { ray, index, medium, inside, left: transmittance, crossed };
                 if let Some(t) = through(&stretch) {
                     self.ray = Ray::new(ray.at(t), ray.direction);
                     self.cone = cone;
@@ -115,12 +117,12 @@ impl<I: Interior> Walk<I> {
                 transmittance = left_after(depth.as_vec3());
             }
             match self.inside.meet(scene, surface, key) {
-                Meeting::Surface => {
+                BoundaryEvent::SurfaceInteraction => {
                     transmittance *= self.inside.arrive(surface);
                     return Step::Arrived(Arrival { surface: *surface, transmittance, distance, crossed });
                 }
-                Meeting::Hidden => crossed = true,
-                Meeting::Clear => {}
+                BoundaryEvent::Hidden => crossed = true,
+                BoundaryEvent::Clear => {}
             }
             self.ray = surface.leave(self.ray.direction);
             self.inside.cross(surface, self.ray.direction);
@@ -129,7 +131,7 @@ impl<I: Interior> Walk<I> {
 
     /// Goes on from `surface` in unit `direction`, and returns what throughput is multiplied by for that.
     #[inline]
-    pub fn leave(&mut self, surface: &Surface<'_>, direction: Vec3, transmitted: bool) -> Rgb {
+    pub fn leave(&mut self, surface: &SurfaceInteraction<'_>, direction: Vec3, transmitted: bool) -> Rgb {
         self.ray = surface.leave(direction);
         self.cone.leave(&surface.bsdf);
         if transmitted {
@@ -150,7 +152,7 @@ impl Scene {
     /// Part of the light that is left of what comes from the end of `ray` to its start, which is inside of `inside`; unbiased. Surfaces let
     /// nothing through. The direction of a ray that ends must reach from its start to its end, that of others be a unit vector.
     #[must_use]
-    pub fn clearance<I: Interior>(&self, ray: &Ray, mut inside: I, key: Key) -> Rgb {
+    pub fn shadow_transmittance<I: Interior>(&self, ray: &Ray, mut inside: I, key: Key) -> Rgb {
         let target = ray.at(ray.t_max);
         let ends = ray.t_max.is_finite();
         let (mut depth, mut left) = (DVec3::ZERO, DVec3::ONE);
@@ -171,7 +173,7 @@ impl Scene {
             }
             let remaining = left_after(depth.as_vec3()) * left.as_vec3();
             let Some(mut surface) = surface else { return remaining };
-            if remaining == Rgb::ZERO || inside.meet(self, &mut surface, key) != Meeting::Clear {
+            if remaining == Rgb::ZERO || inside.meet(self, &mut surface, key) != BoundaryEvent::Clear {
                 return Rgb::ZERO;
             }
             ray = if ends { surface.segment_to(target, unit.direction) } else { surface.leave(unit.direction) };
@@ -216,7 +218,7 @@ impl Scene {
 
     /// What lies around a point: every body that a ray from it leaves before it enters it.
     #[must_use]
-    pub(super) fn inside_at(&self, p: Vec3) -> Inside {
+    pub(super) fn inside_at(&self, p: Vec3) -> InteriorStack {
         // No axis, no diagonal: flat boundaries are seldom met edge-on.
         let mut ray = Ray::new(p, Vec3::new(0.267_261_24, 0.801_783_74, 0.534_522_5).normalize());
         let mut entered: Vec<u32> = Vec::new();
@@ -227,7 +229,7 @@ impl Scene {
                 let own = Face::of(&surface, surface.wo.dot(surface.point.ng) >= 0.0);
                 let touching = self.faces_at(&surface);
                 let count = |material| entered.iter().filter(|m| **m == material).count();
-                // As in `Inside::beyond`, but what leads out of a body that was never met was around from the start.
+                // As in `InteriorStack::beyond`, but what leads out of a body that was never met was around from the start.
                 let spare = usize::from(!own.entering && count(own.material) > 0);
                 let room = |face: &Face| count(face.material) <= if face.material == own.material { spare } else { 0 };
                 let mut entries: Vec<u32> =
@@ -248,7 +250,7 @@ impl Scene {
             }
             ray = surface.leave(ray.direction);
         }
-        let mut inside = Inside::NOTHING;
+        let mut inside = InteriorStack::NOTHING;
         // What is left first was entered last.
         left.iter().rev().for_each(|material| inside.enter(*material));
         inside

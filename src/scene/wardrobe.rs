@@ -4,9 +4,9 @@ use super::builder::SceneBuilder;
 use super::movement::MIDDLE;
 use super::{BuildError, Dress, Material};
 use crate::color::Rgb;
-use crate::light::{Area, Glow, Light};
+use crate::light::{Area, EmissionTexture, Light};
 use crate::math::{Motion, Transform};
-use crate::shape::{Chart, Form};
+use crate::shape::{Form, TextureMapping};
 use crate::texture::Texture;
 use glam::{DAffine3, DVec2, DVec3, Vec2};
 use std::collections::HashMap;
@@ -48,9 +48,9 @@ impl Wardrobe {
     }
 
     /// All charts around `middle`; the first is that of what has none of its own.
-    pub fn charts(&self, middle: DVec3) -> Result<Vec<Chart>, BuildError> {
+    pub fn charts(&self, middle: DVec3) -> Result<Vec<TextureMapping>, BuildError> {
         let back = DAffine3::from_translation(-middle);
-        let mut charts = vec![Chart::default().translated(-middle)];
+        let mut charts = vec![TextureMapping::default().translated(-middle)];
         for (form, motion) in &self.charts {
             charts.push(chart_at(*form, &motion.followed_by(back), MIDDLE).ok_or(BuildError::Flattened)?);
         }
@@ -81,10 +81,10 @@ impl Wardrobe {
     }
 
     /// How the light that an object is follows a texture, if it does.
-    pub fn glow_of(&self, place: Place, charts: &[Chart]) -> Option<Arc<Glow>> {
+    pub fn glow_of(&self, place: Place, charts: &[TextureMapping]) -> Option<Arc<EmissionTexture>> {
         let (texture, scale) = self.glows.get(&place)?;
         let (texture, chart) = (self.textures[*texture as usize].clone(), charts[self.chart_of(place) as usize]);
-        Some(Arc::new(Glow { texture, chart, scale: *scale }))
+        Some(Arc::new(EmissionTexture { texture, chart, scale: *scale }))
     }
 
     /// The lights with their mean radiance; none where no light follows a texture.
@@ -94,8 +94,8 @@ impl Wardrobe {
 }
 
 /// A chart at a time of the motion of its object; `None` where no numbers can hold it.
-pub(super) fn chart_at(form: Form, motion: &Motion, time: f64) -> Option<Chart> {
-    Some(Chart::new(form, Transform::new(motion.at(time)).ok()?))
+pub(super) fn chart_at(form: Form, motion: &Motion, time: f64) -> Option<TextureMapping> {
+    Some(TextureMapping::new(form, Transform::new(motion.at(time)).ok()?))
 }
 
 /// The light with the same radiance everywhere.

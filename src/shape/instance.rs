@@ -1,6 +1,6 @@
 //! Meshes that are placed more than once, or that move: one set of triangles under several maps.
 
-use super::{Crossing, Mapped, Mesh, ShapeSample, SurfacePoint, rounding_error, widen, within};
+use super::{Crossing, Mesh, ShapeSample, SurfacePoint, TexCoord, rounding_error, widen, within};
 use crate::accel::{Hierarchy, Primitive};
 use crate::math::{Ray, Transform, warp};
 use crate::sampling::Discrete;
@@ -120,7 +120,7 @@ impl Instance {
     }
 
     /// Texture coordinates at world point `p` of the triangle that `index` tells.
-    pub(super) fn mapped(&self, p: Vec3, index: f32) -> Mapped {
+    pub(super) fn mapped(&self, p: Vec3, index: f32) -> TexCoord {
         let i = index.to_bits() as usize;
         let p = self.to_world.inverse().transform_point3(p.as_dvec3());
         let [a, b, c] = self.mesh.mesh.corners(i).map(|v| v.as_dvec3());
@@ -128,7 +128,7 @@ impl Instance {
         let cross = e1.cross(e2);
         let weights = glam::DVec2::new(e2.cross(cross).dot(p - a), cross.cross(e1).dot(p - a)) / cross.length_squared();
         let own = self.mesh.mesh.mapped(i, inside_triangle(weights));
-        Mapped { du: self.to_world.normal(own.du), dv: self.to_world.normal(own.dv), ..own }
+        TexCoord { du: self.to_world.normal(own.du), dv: self.to_world.normal(own.dv), ..own }
     }
 
     /// The surface of triangle `i` at barycentric weights `b` of its second and third corner.

@@ -1,6 +1,6 @@
 //! Triangle meshes.
 
-use super::{INSET, Mapped, SurfacePoint};
+use super::{INSET, SurfacePoint, TexCoord};
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
 /// Corner indices of one triangle.
@@ -72,9 +72,9 @@ impl Mesh {
 
     /// Texture coordinates of triangle `i` at barycentric weights `b`; where the mesh has none, or the triangle no area, nothing grows.
     #[must_use]
-    pub fn mapped(&self, i: usize, b: Vec2) -> Mapped {
+    pub fn mapped(&self, i: usize, b: Vec2) -> TexCoord {
         if self.texcoords.is_empty() {
-            return Mapped::default();
+            return TexCoord::default();
         }
         let [t0, t1, t2]: [DVec2; 3] = self.triangles[i].map(|v| self.texcoords[v as usize].as_dvec2());
         let (t1, t2, b) = (t1 - t0, t2 - t0, b.as_dvec2());
@@ -84,11 +84,11 @@ impl Mesh {
         let cross = e1.cross(e2);
         let n2 = cross.length_squared();
         if n2 == 0.0 {
-            return Mapped { uv, ..Mapped::default() };
+            return TexCoord { uv, ..TexCoord::default() };
         }
         // What the weights of the second and third corner grow by along a step.
         let (w1, w2) = (e2.cross(cross) / n2, cross.cross(e1) / n2);
-        Mapped { uv, du: w1 * t1.x + w2 * t2.x, dv: w1 * t1.y + w2 * t2.y }
+        TexCoord { uv, du: w1 * t1.x + w2 * t2.x, dv: w1 * t1.y + w2 * t2.y }
     }
 
     #[inline]

@@ -1,6 +1,5 @@
 //! Shapes in the resolved scene: world space, re-centred. Curved ones solve in double precision.
 
-mod chart;
 mod disc;
 mod ellipsoid;
 mod instance;
@@ -9,8 +8,8 @@ pub mod parametric;
 mod plane;
 mod rectangle;
 mod sphere;
+mod texture_mapping;
 
-pub use chart::{Chart, Form, Mapped, upright};
 pub use disc::Disc;
 pub use ellipsoid::Ellipsoid;
 pub use instance::{IndexedMesh, Instance};
@@ -18,6 +17,7 @@ pub use mesh::{Mesh, Triangle};
 pub use plane::Plane;
 pub use rectangle::Rectangle;
 pub use sphere::Sphere;
+pub use texture_mapping::{Form, TexCoord, TextureMapping, upright};
 
 pub use parametric::{Patch, Revolution};
 
@@ -137,12 +137,12 @@ impl Shape {
 
     /// Texture coordinates at `p` by what the shape itself says, with `uv` of the [`Crossing`]; of those that say nothing, `uv` as it is.
     #[must_use]
-    pub fn mapped(&self, p: Vec3, uv: Vec2) -> Mapped {
+    pub fn mapped(&self, p: Vec3, uv: Vec2) -> TexCoord {
         match self {
             Self::Instance(s) => s.mapped(p, uv.x),
             Self::Revolution(s) => s.mapped(p, uv),
             Self::Patch(s) => s.mapped(uv),
-            _ => Mapped { uv: uv.as_dvec2(), ..Mapped::default() },
+            _ => TexCoord { uv: uv.as_dvec2(), ..TexCoord::default() },
         }
     }
 

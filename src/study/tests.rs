@@ -3,7 +3,7 @@
 use super::{About, EffectStudy, Findings, expected_work, page};
 use crate::camera::Camera;
 use crate::integrate::{Algorithm, Settings, Silent};
-use crate::plan::{Effect, Wishes};
+use crate::plan::{Effect, EffectOverrides};
 use crate::scene::{LightStrength, Material, Scene, SceneBuilder, SourceKind};
 use crate::shape::{Rectangle, Shape, Sphere};
 use glam::{DVec3, Vec3};
@@ -31,7 +31,7 @@ pub(super) fn glass_on_floor(width: u32, height: u32) -> Scene {
     ball(Material::dielectric(1.5, Vec3::ZERO), width, height)
 }
 
-fn few(effects: Wishes) -> Settings {
+fn few(effects: EffectOverrides) -> Settings {
     let mut settings = Settings { photons: 0, caustic_photons: 4000, balance: false, ..Settings::default() };
     settings.eye.effects = effects;
     settings
@@ -45,7 +45,7 @@ fn study(scene: &Scene, algorithm: Algorithm, settings: &Settings, passes: u32) 
 /// What the scene does not call for costs rays and changes no bit.
 #[test]
 fn caustics_without_casters_are_work_for_nothing() {
-    let wishes = Wishes::PLANNED.with(Effect::Caustics);
+    let wishes = EffectOverrides::PLANNED.with(Effect::Caustics);
     let found = study(&matt(24, 18), Algorithm::Hybrid, &few(wishes), 2);
     let caustics = found.effects.iter().find(|f| f.decision.effect == Effect::Caustics).unwrap();
     assert_eq!((caustics.gain.rmse, caustics.gain.adds, caustics.gain.takes), (0.0, 0.0, 0.0));
@@ -59,7 +59,7 @@ fn caustics_without_casters_are_work_for_nothing() {
 /// Ray tracing to a point light has no noise: no pixel is brighter for shadows.
 #[test]
 fn shadows_take_light_away_and_add_none() {
-    let found = study(&matt(24, 18), Algorithm::Whitted, &few(Wishes::PLANNED), 1);
+    let found = study(&matt(24, 18), Algorithm::Whitted, &few(EffectOverrides::PLANNED), 1);
     let shadows = found.effects.iter().find(|f| f.decision.effect == Effect::Shadows).unwrap();
     assert_eq!(shadows.gain.adds, 0.0);
     assert!(shadows.gain.takes > 0.0 && shadows.gain.rmse > shadows.gain.takes);
@@ -72,11 +72,11 @@ fn shadows_take_light_away_and_add_none() {
 #[test]
 fn what_an_effect_adds_and_takes_is_what_tells_the_means_apart() {
     let scene = glass_on_floor(24, 18);
-    let found = study(&scene, Algorithm::Hybrid, &few(Wishes::PLANNED), 3);
+    let found = study(&scene, Algorithm::Hybrid, &few(EffectOverrides::PLANNED), 3);
     let names: Vec<Effect> = found.effects.iter().map(|f| f.decision.effect).collect();
     assert_eq!(names, found.plan.effects().iter().collect::<Vec<_>>());
     let caustics = found.effects.iter().find(|f| f.decision.effect == Effect::Caustics).unwrap();
-    let settings = few(Wishes::PLANNED.without(Effect::Caustics));
+    let settings = few(EffectOverrides::PLANNED.without(Effect::Caustics));
     let integrator = Algorithm::Hybrid.prepare(&scene, settings);
     let images = (0..3).map(|i| integrator.pass(i, &Silent).image);
     let sum: f64 = images.flatten().map(|p| p.as_dvec3().element_sum()).sum();
@@ -85,7 +85,7 @@ fn what_an_effect_adds_and_takes_is_what_tells_the_means_apart() {
     let told = found.mean - caustics.gain.adds + caustics.gain.takes;
     assert!((told / mean_without - 1.0).abs() < 1e-6, "{told} {mean_without}");
     assert!(caustics.gain.adds > caustics.gain.takes && caustics.cost.gathered_photons > 0.0);
-    let again = study(&scene, Algorithm::Hybrid, &few(Wishes::PLANNED), 3);
+    let again = study(&scene, Algorithm::Hybrid, &few(EffectOverrides::PLANNED), 3);
     assert_eq!(
         again.effects.iter().map(|f| f.gain).collect::<Vec<_>>(),
         found.effects.iter().map(|f| f.gain).collect::<Vec<_>>()
@@ -95,7 +95,7 @@ fn what_an_effect_adds_and_takes_is_what_tells_the_means_apart() {
 #[test]
 fn an_interrupt_ends_after_a_pass_of_every_picture() {
     let scene = matt(8, 6);
-    let study = EffectStudy::prepare(&scene, Algorithm::Whitted, &few(Wishes::PLANNED));
+    let study = EffectStudy::prepare(&scene, Algorithm::Whitted, &few(EffectOverrides::PLANNED));
     let pictures = study.pictures();
     let found = study.run(9, &AtomicBool::new(true), &Silent, |_| {}).unwrap();
     assert!(found.interrupted && found.effects.len() + 1 == pictures);
@@ -105,7 +105,7 @@ fn an_interrupt_ends_after_a_pass_of_every_picture() {
 #[test]
 fn a_page_tells_of_every_effect_and_of_what_is_off() {
     let about = About { scene: "<a> & b".into(), integrator: "whitted", seed: 3, exposure: -1.0 };
-    let wishes = Wishes::PLANNED.with(Effect::Environment).without(Effect::Shadows);
+    let wishes = EffectOverrides::PLANNED.with(Effect::Environment).without(Effect::Shadows);
     let page = page(&about, &study(&matt(8, 6), Algorithm::Whitted, &few(wishes), 1)).unwrap();
     assert!(
         Effect::ALL.iter().all(|e| page.contains(&format!("<dt>{e}</dt>")) || page.contains(&format!("id=\"{e}\"")))

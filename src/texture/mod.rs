@@ -1,14 +1,14 @@
 //! Textures: colours and numbers that vary over a surface, or through space. All are filtered by the patch that one look covers.
 
 mod checker;
+mod eval_context;
 pub(crate) mod noise;
 mod picture;
-mod place;
 mod solid;
 
 pub use checker::Checker;
+pub use eval_context::{Coordinates, TextureEvalContext};
 pub use picture::{Picture, PictureError, Wrap};
-pub use place::{Coordinates, Place};
 pub use solid::{Solid, SolidKind};
 
 use crate::color::{self, Rgb};
@@ -27,7 +27,7 @@ pub enum Texture {
 impl Texture {
     /// Its mean over the patch of `place`, to the texture's filter.
     #[must_use]
-    pub fn color(&self, place: &Place) -> Rgb {
+    pub fn color(&self, place: &TextureEvalContext) -> Rgb {
         match self {
             Self::Picture(picture, coordinates) => coordinates.spread(place, |uv, size| picture.at(uv, size)),
             Self::Checker(checker, coordinates) => coordinates.spread(place, |uv, size| checker.at(uv, size)),
@@ -37,7 +37,7 @@ impl Texture {
 
     /// The same as a number: the mean of the channels.
     #[must_use]
-    pub fn number(&self, place: &Place) -> f32 {
+    pub fn number(&self, place: &TextureEvalContext) -> f32 {
         color::mean(self.color(place))
     }
 

@@ -7,7 +7,7 @@
 use crate::common::{flux_where, trace};
 use crate::compare::{Estimate, Grid, Renders, compare, compare_renders};
 use crate::methods::{Effort, Method, scene};
-use caustica::photon::Wants;
+use caustica::photon::StoreMask;
 use caustica::scene::Scene;
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -43,7 +43,7 @@ fn room(light: &str, materials: &str, objects: &str) -> Scene {
 }
 
 /// Mean irradiance of the window times ρ/π, by photons.
-fn by_photons(scene: &Scene, wants: Wants, passes: u32) -> Estimate {
+fn by_photons(scene: &Scene, wants: StoreMask, passes: u32) -> Estimate {
     let traced = trace(scene, wants, 1000, passes, 1 << 17);
     let window = |p: DVec3| p.y.abs() < 1e-3 && p.x.abs() < HALF && p.z.abs() < HALF;
     let per_area = ALBEDO / PI / (4.0 * HALF * HALF);
@@ -60,8 +60,8 @@ fn check(what: &str, scene: &Scene, least: f64) {
 }
 
 fn check_with(passes: u32, what: &str, scene: &Scene, least: f64) {
-    let photons = by_photons(scene, Wants::ALL, passes);
-    let direct = by_photons(scene, Wants::DIRECT, 2);
+    let photons = by_photons(scene, StoreMask::ALL, passes);
+    let direct = by_photons(scene, StoreMask::DIRECT, 2);
     let part = 1.0 - direct.mean[0].x / photons.mean[0].x;
     assert!(part >= least, "{what}: only {part} comes by the object");
     let effort = Effort { passes, samples: 384, photons: 0, caustic: 0, radius: 1.0 };

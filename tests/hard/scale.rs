@@ -10,7 +10,7 @@ use caustica::color::Rgb;
 use caustica::format::SceneFile;
 use caustica::format::description::{Group, Item, Object, Shape};
 use caustica::integrate::{Algorithm, EyeSettings, FinalGathering, Settings, VolumeEstimate};
-use caustica::photon::{PhotonPass, PhotonSource, Wants};
+use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
 use caustica::sampling::{Key, Purpose};
 use caustica::scene::Scene;
 use glam::DVec3;
@@ -199,8 +199,12 @@ fn turned_scenes_receive_and_show_the_same_flux() {
 /// scenes with such a plane that counts which comes straight from lights and lies `near` the `middle`.
 fn fluxes(scene: &Scene, middle: DVec3, near: f64) -> Vec<Vec<f64>> {
     let source = PhotonSource::everywhere(scene).unwrap();
-    let pass =
-        PhotonPass { scene, source: &source, wants: Wants::ALL, max_bounces: if near.is_finite() { 0 } else { 50 } };
+    let pass = PhotonPass {
+        scene,
+        source: &source,
+        wants: StoreMask::ALL,
+        max_bounces: if near.is_finite() { 0 } else { 50 },
+    };
     let one = |index: u32| {
         let key = Key::new(7).purpose(Purpose::Test).with(index.into());
         let traced = pass.trace(key, 4096, &|_| {});

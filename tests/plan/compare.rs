@@ -3,7 +3,7 @@
 use caustica::color::Rgb;
 use caustica::format::{Source, parse, resolve};
 use caustica::integrate::{Algorithm, EyeSettings, FinalGathering, Settings, Silent};
-use caustica::plan::{Decision, Wishes};
+use caustica::plan::{Decision, EffectOverrides};
 use caustica::scene::Scene;
 use caustica::stats::Counters;
 use std::path::{Path, PathBuf};
@@ -49,7 +49,7 @@ pub struct Picture {
 }
 
 impl Picture {
-    pub fn new(scene: &Scene, how: &How, effects: Wishes) -> Self {
+    pub fn new(scene: &Scene, how: &How, effects: EffectOverrides) -> Self {
         let eye = EyeSettings {
             samples: how.samples,
             max_bounces: how.max_bounces,
@@ -90,8 +90,8 @@ impl Picture {
 }
 
 /// What differs between a picture as planned and one with `forced` effects besides, if a bit does.
-pub fn difference(scene: &Scene, how: &How, forced: Wishes) -> Option<String> {
-    let planned = Picture::new(scene, how, Wishes::PLANNED);
+pub fn difference(scene: &Scene, how: &How, forced: EffectOverrides) -> Option<String> {
+    let planned = Picture::new(scene, how, EffectOverrides::PLANNED);
     let found = planned.difference(&Picture::new(scene, how, forced))?;
     let decisions: Vec<String> = planned
         .decisions

@@ -3,7 +3,7 @@
 use crate::sketch::{Light, LightKind, Material, Object, Sketch, Stuff};
 use caustica::color::Rgb;
 use caustica::light::Light as Resolved;
-use caustica::photon::{PhotonPass, PhotonSource, Wants};
+use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
 use caustica::plan::{Effect, Plan, Reason};
 use caustica::sampling::{Dimension, Key, Purpose, sobol_2d};
 use caustica::scene::Scene;
@@ -131,7 +131,7 @@ fn casts(material: &Material) -> bool {
 /// Whether no photon finds a way over a caster, and no light sends anything to a point of one, whatever stands between.
 fn casters_are_dark(sketch: &Sketch, scene: &Scene) -> bool {
     if let Some(source) = PhotonSource::everywhere(scene) {
-        let pass = PhotonPass { scene, source: &source, wants: Wants::CAUSTIC, max_bounces: 10 };
+        let pass = PhotonPass { scene, source: &source, wants: StoreMask::CAUSTIC, max_bounces: 10 };
         if !pass.trace(Key::new(1), PHOTONS, &|_| {}).photons.is_empty() {
             return false;
         }

@@ -5,7 +5,7 @@ use crate::generate::{Random, more, sketch};
 use crate::judge;
 use crate::sketch::{Light, LightKind, Material, Object, Shape, Sketch};
 use caustica::integrate::{Algorithm, FinalGathering};
-use caustica::plan::{Effect, Effects, Plan, Reason, Wishes};
+use caustica::plan::{Effect, EffectOverrides, Effects, Plan, Reason};
 use glam::DVec3;
 use std::mem::{Discriminant, discriminant};
 
@@ -45,7 +45,7 @@ fn what_plans_say_is_true() {
         let sketch = sketch(seed);
         let text = sketch.text();
         let scene = scene(&text);
-        let plan = Plan::new(&scene, Effects::ALL, Wishes::PLANNED);
+        let plan = Plan::new(&scene, Effects::ALL, EffectOverrides::PLANNED);
         wrong.extend(judge::objection(&sketch, &scene, &plan).map(|o| format!("seed {seed}: {o}\n{text}")));
         for decision in &plan.decisions {
             if decision.on {
@@ -67,7 +67,8 @@ fn more_things_call_for_no_less() {
     let mut wrong = Vec::new();
     for seed in seeds(1000) {
         let (less, more) = (sketch(seed), more(&sketch(seed), seed + 7));
-        let [before, after] = [&less, &more].map(|s| Plan::new(&scene(&s.text()), Effects::ALL, Wishes::PLANNED));
+        let [before, after] =
+            [&less, &more].map(|s| Plan::new(&scene(&s.text()), Effects::ALL, EffectOverrides::PLANNED));
         // Where nothing is, shadows are on though nothing throws any: no promise is broken, but nothing is known of more either.
         if before.facts.objects == 0 {
             continue;
@@ -98,9 +99,9 @@ const CHEAP: [Algorithm; 4] = [Algorithm::Path, Algorithm::Distributed, Algorith
 const PHOTONS: [Algorithm; 4] = [Algorithm::Hybrid, Algorithm::Pm, Algorithm::Sppm, Algorithm::Ppm];
 
 /// All effects, or one that the scene does not call for.
-fn forced(r: &mut Random, plan: &Plan) -> Wishes {
+fn forced(r: &mut Random, plan: &Plan) -> EffectOverrides {
     let off: Vec<Effect> = plan.decisions.iter().filter(|d| !d.on).map(|d| d.effect).collect();
-    if off.is_empty() || r.chance(0.6) { Wishes::ALL } else { Wishes::PLANNED.with(r.pick(&off)) }
+    if off.is_empty() || r.chance(0.6) { EffectOverrides::ALL } else { EffectOverrides::PLANNED.with(r.pick(&off)) }
 }
 
 fn check(seed: u64, algorithm: Algorithm, change: impl FnOnce(&mut How)) -> Option<String> {
@@ -109,7 +110,7 @@ fn check(seed: u64, algorithm: Algorithm, change: impl FnOnce(&mut How)) -> Opti
     let r = &mut Random::new(!seed ^ algorithm as u64);
     let mut how = how(r, algorithm);
     change(&mut how);
-    let plan = Plan::new(&scene, algorithm.simulates(), Wishes::PLANNED);
+    let plan = Plan::new(&scene, algorithm.simulates(), EffectOverrides::PLANNED);
     let found = difference(&scene, &how, forced(r, &plan)).map(|d| format!("seed {seed}: {d}\n{text}"));
     // At once, as a hunt through many seeds takes long.
     found.inspect(|found| eprintln!("{found}"))
@@ -154,7 +155,7 @@ fn pictures_by_many_lights_are_the_same() {
             motion: None,
         };
         let how = How { radius: Some(0.2), caustic_photons: 0, photons: 20_000, ..How::new(Algorithm::Sppm) };
-        difference(&scene(&sketch.text()), &how, Wishes::ALL).map(|d| format!("seed {seed}: {d}"))
+        difference(&scene(&sketch.text()), &how, EffectOverrides::ALL).map(|d| format!("seed {seed}: {d}"))
     };
     report(&(25..30).filter_map(picture).collect::<Vec<_>>());
 }

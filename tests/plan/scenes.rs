@@ -3,7 +3,7 @@
 use crate::compare::{How, difference, project};
 use caustica::format::SceneFile;
 use caustica::integrate::Algorithm;
-use caustica::plan::{Effect, Plan, Wishes};
+use caustica::plan::{Effect, EffectOverrides, Plan};
 use caustica::scene::Scene;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -30,7 +30,7 @@ fn read(path: &Path) -> Result<Scene, String> {
 fn differences(path: &Path, scene: &Scene, algorithms: &[Algorithm]) -> Vec<String> {
     let bounces = |algorithm| if algorithm == Algorithm::Sppm { 1 } else { 100 };
     let how = |algorithm| How { max_bounces: bounces(algorithm), ..How::new(algorithm) };
-    let found = algorithms.iter().filter_map(|a| difference(scene, &how(*a), Wishes::ALL));
+    let found = algorithms.iter().filter_map(|a| difference(scene, &how(*a), EffectOverrides::ALL));
     found.map(|d| format!("{}: {d}", path.display())).collect()
 }
 
@@ -72,7 +72,7 @@ fn course_scenes_are_the_same_with_everything_forced_on() {
 
 /// Effects that need one of these words in the text of a scene.
 const NEEDS: [(Effect, &[&str]); 12] = [
-    (Effect::Casters, &["Mirror", "Dielectric", "Thin", "Conductor"]),
+    (Effect::Specular, &["Mirror", "Dielectric", "Thin", "Conductor"]),
     (Effect::Caustics, &["Mirror", "Dielectric", "Thin", "Conductor"]),
     (Effect::CausticBounces, &["Mirror", "Dielectric", "Thin", "Conductor"]),
     (Effect::Interiors, &["Dielectric"]),
@@ -91,7 +91,7 @@ fn course_scenes_call_for_nothing_that_their_text_lacks() {
     for (path, scene) in course() {
         let text = fs::read_to_string(&path).unwrap();
         for algorithm in Algorithm::ALL {
-            let plan = Plan::new(&scene, algorithm.simulates(), Wishes::PLANNED);
+            let plan = Plan::new(&scene, algorithm.simulates(), EffectOverrides::PLANNED);
             for decision in plan.decisions {
                 let needs = NEEDS.iter().find(|(effect, _)| *effect == decision.effect).map(|(_, words)| *words);
                 // What the text holds need not add anything, but here all of it does, where there is anything to see.

@@ -2,7 +2,7 @@
 
 use crate::compare::{How, Picture, scene};
 use caustica::integrate::{Algorithm, EyeSettings, Settings};
-use caustica::plan::{Effect, Effects, Wishes};
+use caustica::plan::{Effect, EffectOverrides, Effects};
 use caustica::scene::Scene;
 use caustica::stats::Counters;
 
@@ -62,7 +62,7 @@ fn disc() -> Scene {
 }
 
 /// Enough photons that gather rays meet some that were caustics once.
-fn picture(scene: &Scene, algorithm: Algorithm, effects: Wishes) -> Picture {
+fn picture(scene: &Scene, algorithm: Algorithm, effects: EffectOverrides) -> Picture {
     Picture::new(scene, &How { radius: Some(0.3), samples: Some(4), photons: 20_000, ..How::new(algorithm) }, effects)
 }
 
@@ -75,10 +75,10 @@ fn called_for(picture: &Picture) -> Effects {
 fn forcing_off_what_is_called_for_changes_the_picture() {
     let scene = everything();
     for algorithm in ALGORITHMS {
-        let planned = picture(&scene, algorithm, Wishes::PLANNED);
+        let planned = picture(&scene, algorithm, EffectOverrides::PLANNED);
         assert_eq!(called_for(&planned), algorithm.simulates(), "{}", algorithm.name());
         for effect in algorithm.simulates().iter() {
-            let without = picture(&scene, algorithm, Wishes::PLANNED.without(effect));
+            let without = picture(&scene, algorithm, EffectOverrides::PLANNED.without(effect));
             let decision = without.decisions.iter().find(|d| d.effect == effect).unwrap();
             assert!(decision.is_forced() && !decision.on);
             assert!(planned.difference(&without).is_some(), "{} without {effect}", algorithm.name());
@@ -90,10 +90,10 @@ fn forcing_off_what_is_called_for_changes_the_picture() {
 fn forcing_off_what_is_not_called_for_changes_nothing() {
     for scene in [matt(), dark(), disc()] {
         for algorithm in ALGORITHMS {
-            let planned = picture(&scene, algorithm, Wishes::PLANNED);
+            let planned = picture(&scene, algorithm, EffectOverrides::PLANNED);
             let off = planned.decisions.iter().filter(|d| !d.called_for);
             assert!(algorithm == Algorithm::Raycast || off.clone().any(|d| algorithm.simulates().has(d.effect)));
-            let wishes = off.fold(Wishes::PLANNED, |wishes, d| wishes.without(d.effect));
+            let wishes = off.fold(EffectOverrides::PLANNED, |wishes, d| wishes.without(d.effect));
             let without = picture(&scene, algorithm, wishes);
             assert_eq!(planned.difference(&without), None, "{}", algorithm.name());
             assert_eq!(planned.counters, without.counters, "{}", algorithm.name());
@@ -103,12 +103,12 @@ fn forcing_off_what_is_not_called_for_changes_nothing() {
 
 /// The work of a picture that goes without `effects`.
 fn work(scene: &Scene, algorithm: Algorithm, off: &[Effect]) -> Counters {
-    picture(scene, algorithm, off.iter().fold(Wishes::PLANNED, |w, e| w.without(*e))).counters
+    picture(scene, algorithm, off.iter().fold(EffectOverrides::PLANNED, |w, e| w.without(*e))).counters
 }
 
 #[test]
 fn what_is_off_costs_nothing() {
-    use Effect::{Casters, CausticBounces, Caustics, Environment, Interreflection, Shadows};
+    use Effect::{CausticBounces, Caustics, Environment, Interreflection, Shadows, Specular};
     let scene = everything();
     for algorithm in ALGORITHMS {
         let name = algorithm.name();
@@ -123,7 +123,7 @@ fn what_is_off_costs_nothing() {
             "{name}"
         );
         assert_eq!(work(&[Shadows]).shadow_rays, 0, "{name}");
-        let flat = work(&[Casters, Interreflection]);
+        let flat = work(&[Specular, Interreflection]);
         assert_eq!(flat.onward_rays, 0, "{name}");
         let direct = work(&[Caustics, CausticBounces, Interreflection]);
         assert_eq!((direct.photon_rays, direct.gathers, direct.gathered_photons), (0, 0, 0), "{name}");
@@ -174,7 +174,7 @@ fn media_that_are_nowhere_change_nothing() {
         let eye = EyeSettings { effects, ..EyeSettings::default() };
         Algorithm::Hybrid.prepare(&scene, Settings { eye, balance: false, ..Settings::default() }).lessons()
     };
-    let planned = lessons(Wishes::PLANNED);
+    let planned = lessons(EffectOverrides::PLANNED);
     assert!(planned.caustic.is_some());
-    assert_eq!(planned, lessons(Wishes::ALL));
+    assert_eq!(planned, lessons(EffectOverrides::ALL));
 }

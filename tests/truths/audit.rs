@@ -1,7 +1,7 @@
 //! Truths 4 and 32: no flux is lost or made, and roulette changes no mean.
 
 use crate::common::*;
-use caustica::photon::{Traced, Wants};
+use caustica::photon::{StoreMask, Traced};
 use caustica::scene::{LightStrength, Material, Scene, SceneBuilder, SourceKind};
 use caustica::shape::{Shape, Sphere};
 use glam::{DVec3, Vec3};
@@ -33,7 +33,9 @@ fn everything() -> Scene {
 #[test]
 fn flux_is_conserved_to_rounding() {
     let scene = everything();
-    for (wants, bounces) in [(Wants::ALL, 1000), (Wants::GLOBAL, 3), (Wants::CAUSTIC, 1000), (Wants::ALL, 0)] {
+    for (wants, bounces) in
+        [(StoreMask::ALL, 1000), (StoreMask::GLOBAL, 3), (StoreMask::CAUSTIC, 1000), (StoreMask::ALL, 0)]
+    {
         for Traced { audit, rays, paths, .. } in trace(&scene, wants, bounces, 4, 1 << 14) {
             let mean = audit.emitted.iter().sum::<f64>() / 3.0;
             let bound = 12.0 * mean * rays as f64 / paths as f64 / 16_777_216.0;
@@ -49,7 +51,7 @@ fn flux_is_conserved_to_rounding() {
 /// must be below 10⁻³ for the test to see anything.
 #[test]
 fn roulette_adds_nothing_in_the_mean() {
-    let passes = trace(&everything(), Wants::ALL, 1000, 64, 1 << 13);
+    let passes = trace(&everything(), StoreMask::ALL, 1000, 64, 1 << 13);
     for c in 0..3 {
         let share: Vec<f64> = passes.iter().map(|t| 1.0 + t.audit.roulette[c] / t.audit.emitted[c]).collect();
         agree(&format!("roulette's share, channel {c}"), &share, 1.0, 0.0, 2e-3);
@@ -70,7 +72,7 @@ fn paths_in_a_grey_room_are_geometric() {
             b.shape(face, wall, Vec3::ZERO);
         }
         b.source(SourceKind::Point { position: DVec3::splat(0.2) }, LightStrength::Power(grey(N)));
-        let passes = trace(&unseen(b), Wants::ALL, 10_000, 20_000, N as u32);
+        let passes = trace(&unseen(b), StoreMask::ALL, 10_000, 20_000, N as u32);
         let landed: Vec<f64> = passes.iter().map(|t| t.photons.len() as f64).collect();
         agree(&format!("photons a path, ρ = {albedo}"), &landed, N / (1.0 - albedo), 0.0, 2e-3);
         let variance = N * albedo / ((1.0 - albedo) * (1.0 - albedo));

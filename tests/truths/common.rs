@@ -8,7 +8,7 @@ use caustica::color::Rgb;
 use caustica::format::SceneFile;
 use caustica::image::{self, Image};
 use caustica::integrate::{Algorithm, EyeSettings, Settings, Silent};
-use caustica::photon::{Bandwidth, Kernel, Photon, PhotonMap, PhotonPass, PhotonSource, Scratch, Traced, Wants};
+use caustica::photon::{Bandwidth, Kernel, Photon, PhotonMap, PhotonPass, PhotonSource, Scratch, StoreMask, Traced};
 use caustica::sampling::{Key, Purpose};
 use caustica::scene::{Scene, SceneBuilder};
 use caustica::shape::{Rectangle, Shape};
@@ -83,7 +83,7 @@ pub fn keys(passes: u32) -> impl Iterator<Item = Key> {
 }
 
 /// Independent passes of `paths` paths emitted everywhere.
-pub fn trace(scene: &Scene, wants: Wants, max_bounces: u32, passes: u32, paths: u32) -> Vec<Traced> {
+pub fn trace(scene: &Scene, wants: StoreMask, max_bounces: u32, passes: u32, paths: u32) -> Vec<Traced> {
     let source = PhotonSource::everywhere(scene).unwrap();
     trace_from(scene, &source, wants, max_bounces, passes, paths)
 }
@@ -92,7 +92,7 @@ pub fn trace(scene: &Scene, wants: Wants, max_bounces: u32, passes: u32, paths: 
 pub fn trace_from(
     scene: &Scene,
     source: &PhotonSource<'_>,
-    wants: Wants,
+    wants: StoreMask,
     max_bounces: u32,
     passes: u32,
     paths: u32,

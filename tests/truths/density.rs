@@ -4,7 +4,7 @@
 //! exactly. So with N photons of flux w, λ = Nw/(4πR²), all laws are exact: no approximation by a Poisson process.
 
 use crate::common::*;
-use caustica::photon::{Bandwidth, Kernel, PhotonMap, Wants};
+use caustica::photon::{Bandwidth, Kernel, PhotonMap, StoreMask};
 use caustica::scene::{LightStrength, Material, SceneBuilder, SourceKind};
 use caustica::shape::{Shape, Sphere};
 use glam::DVec3;
@@ -28,7 +28,7 @@ fn moments(bandwidth: Bandwidth, kernel: Kernel, variance: impl Fn(f64) -> f64) 
     b.source(SourceKind::Point { position: vec3(0.4, 0.1, -0.3) }, LightStrength::Power(grey(1.0)));
     let scene = unseen(b);
     let mut moments = Moments { mean: vec![], variance: vec![], expected: vec![] };
-    for traced in trace(&scene, Wants::GLOBAL, 1000, 48, 1 << 15) {
+    for traced in trace(&scene, StoreMask::GLOBAL, 1000, 48, 1 << 15) {
         let n = traced.photons.len() as f64;
         let density = flux_where(&scene, &traced.photons, |_| true).x / (4.0 * PI);
         let map = PhotonMap::build(traced.photons);

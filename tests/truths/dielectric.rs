@@ -1,7 +1,7 @@
 //! Truths 12, 13, 15 and 24: what passes a slab, with and without absorption, and what leaves a cube.
 
 use crate::common::*;
-use caustica::photon::Wants;
+use caustica::photon::StoreMask;
 use caustica::scene::{LightStrength, Material, SceneBuilder, SourceKind};
 use caustica::shape::{Plane, Rectangle, Shape, Sphere};
 use glam::{DVec3, Vec3};
@@ -60,7 +60,7 @@ fn photons_pass_a_slab() {
         }
         b.source(SourceKind::Directional { direction: beam(angle) }, LightStrength::Physical(Vec3::ONE));
         let scene = unseen(b);
-        let passes = trace(&scene, Wants::CAUSTIC, 1000, PASSES, 1 << 15);
+        let passes = trace(&scene, StoreMask::CAUSTIC, 1000, PASSES, 1 << 15);
         let (through, back) = per_channel(angle);
         let share = |part: fn(&caustica::photon::Audit) -> [f64; 3]| {
             let of = |t: &caustica::photon::Traced| DVec3::from(part(&t.audit)) / DVec3::from(t.audit.emitted);
@@ -110,7 +110,7 @@ fn total_reflection_keeps_light_in_a_cube() {
     b.source(SourceKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::ONE));
     let scene = unseen(b);
     let escaped = |bounces, paths| {
-        let passes = trace(&scene, Wants::CAUSTIC, bounces, PASSES, paths);
+        let passes = trace(&scene, StoreMask::CAUSTIC, bounces, PASSES, paths);
         passes.iter().map(|t| t.audit.escaped[0] / t.audit.emitted[0]).collect::<Vec<f64>>()
     };
     let critical = (1.0 - 1.0 / (N * N)).sqrt();

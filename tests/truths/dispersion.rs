@@ -4,8 +4,8 @@ use crate::common::{PASSES, agree, agree_rgb, fresnel, place, project, trace_fro
 use caustica::color::Wavelength;
 use caustica::format::{Source, parse, resolve};
 use caustica::integrate::{Algorithm, Settings, Silent};
-use caustica::photon::{Photon, PhotonSource, Wants};
-use caustica::plan::{Effect, Wishes};
+use caustica::photon::{Photon, PhotonSource, StoreMask};
+use caustica::plan::{Effect, EffectOverrides};
 use caustica::scene::{Detail, Scene};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_3, PI};
@@ -77,7 +77,7 @@ fn a_prism_parts_colours_by_their_indices() {
         high = 2.0 * root / 3.0
     ));
     let source = PhotonSource::aimed(&scene).unwrap();
-    let passes = trace_from(&scene, &source, Wants::CAUSTIC, 100, PASSES, 1 << 16);
+    let passes = trace_from(&scene, &source, StoreMask::CAUSTIC, 100, PASSES, 1 << 16);
     let down = |photon: &Photon| {
         let p = place(&scene, photon);
         (-libm::atan2(p.y, p.x)).to_degrees() + 0.5 * least.to_degrees()
@@ -141,7 +141,7 @@ fn a_parted_beam_is_white_in_sum() {
         ));
         for dispersion in [true, false] {
             let source = PhotonSource::everywhere(&scene).unwrap().with_detail(Detail { dispersion, ..Detail::ALL });
-            let passes = trace_from(&scene, &source, Wants::CAUSTIC, 10_000, PASSES, 1 << 15);
+            let passes = trace_from(&scene, &source, StoreMask::CAUSTIC, 10_000, PASSES, 1 << 15);
             let with_wavelength = passes[0].photons.iter().filter(|p| p.flux.wavelength() != 0).count();
             assert_eq!(with_wavelength > passes[0].photons.len() / 2, dispersion, "{glass}: {with_wavelength}");
             let sums: Vec<DVec3> =
@@ -162,7 +162,7 @@ fn kept(index: impl Fn(f64) -> f64, part: impl Fn(f64) -> f64) -> DVec3 {
     (0..N).map(one).sum::<DVec3>() / f64::from(N)
 }
 
-fn pictures(scene: &Scene, effects: Wishes) -> Vec<DVec3> {
+fn pictures(scene: &Scene, effects: EffectOverrides) -> Vec<DVec3> {
     let mut settings = Settings::default();
     settings.eye.samples = Some(64);
     settings.eye.effects = effects;
@@ -209,7 +209,8 @@ fn white_through_a_slab_is_white() {
                 if behind { (1.0 - r) / (1.0 + r) } else { 2.0 * r / (1.0 + r) }
             };
             let (parted, plain) = (kept(cauchy, part), DVec3::splat(part(cauchy(587.56))));
-            for (effects, expected) in [(Wishes::PLANNED, parted), (Wishes::PLANNED.without(Effect::Dispersion), plain)]
+            for (effects, expected) in
+                [(EffectOverrides::PLANNED, parted), (EffectOverrides::PLANNED.without(Effect::Dispersion), plain)]
             {
                 let what = format!("slab at {degrees}°, behind {behind}, {:?}", effects.of(Effect::Dispersion));
                 let samples = pictures(&scene, effects);
@@ -308,7 +309,7 @@ fn the_rainbow_stands_at_42_degrees() {
     assert!((edge - 42.08).abs() < 0.005, "{edge}");
     let scene = drop("indexOfRefraction 1.333", FAR);
     let source = PhotonSource::aimed(&scene).unwrap();
-    let passes = trace_from(&scene, &source, Wants::CAUSTIC, 100, PASSES, 1 << 18);
+    let passes = trace_from(&scene, &source, StoreMask::CAUSTIC, 100, PASSES, 1 << 18);
     // An offset of the ball's radius is .06°; within it the edge is a matter of where a ray leaves, which the rays of the plane tell.
     let edges = [20.0, 35.0, 40.0, 41.0, 41.5, 41.9, edge + 0.06, 43.0, 46.0, 49.5, 51.5, 55.0];
     for (i, (flux, _)) in rings(n, FAR, &edges).into_iter().enumerate() {
@@ -330,7 +331,7 @@ fn a_rainbow_is_red_outside() {
     let index = |nm: f64| 1.324 + 0.00308e6 / (nm * nm);
     let scene = drop("cauchy 1.324 .00308", FAR);
     let source = PhotonSource::aimed(&scene).unwrap();
-    let passes = trace_from(&scene, &source, Wants::CAUSTIC, 100, PASSES, 1 << 18);
+    let passes = trace_from(&scene, &source, StoreMask::CAUSTIC, 100, PASSES, 1 << 18);
     let mut means = Vec::new();
     for (from, to) in [(440.0, 460.0), (540.0, 560.0), (620.0, 640.0)] {
         let of_band = |p: &Photon| middle(p).is_some_and(|nm| nm >= from && nm < to);

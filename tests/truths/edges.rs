@@ -1,7 +1,7 @@
 //! Truth 29: near the edge of what is lit, a disc estimates the part of it that lies inside.
 
 use crate::common::*;
-use caustica::photon::{Kernel, PhotonMap, Wants};
+use caustica::photon::{Kernel, PhotonMap, StoreMask};
 use caustica::scene::{LightStrength, Material, SceneBuilder, SourceKind};
 use caustica::shape::{Rectangle, Shape};
 use glam::{DVec2, DVec3};
@@ -22,7 +22,7 @@ fn maps(shade: bool) -> (caustica::scene::Scene, Vec<PhotonMap>) {
     }
     b.source(SourceKind::Directional { direction: -DVec3::Y }, LightStrength::Physical(grey(IRRADIANCE)));
     let scene = unseen(b);
-    let passes = trace(&scene, Wants::ALL, 0, PASSES, 1 << 16);
+    let passes = trace(&scene, StoreMask::ALL, 0, PASSES, 1 << 16);
     let maps = passes.into_iter().map(|t| PhotonMap::build(t.photons)).collect();
     (scene, maps)
 }
@@ -80,7 +80,7 @@ fn light_does_not_leak_to_other_surfaces() {
     b.shape(Shape::Rectangle(wall), white, grey(0.0));
     b.source(SourceKind::Directional { direction: -DVec3::Y }, LightStrength::Physical(grey(IRRADIANCE)));
     let scene = unseen(b);
-    let photons = trace(&scene, Wants::ALL, 0, 1, 1 << 14).remove(0).photons;
+    let photons = trace(&scene, StoreMask::ALL, 0, 1, 1 << 14).remove(0).photons;
     let map = PhotonMap::build(photons);
     let at = |p, n| irradiance(&scene, &map, p, n, fixed(RADIUS), Kernel::Box).x;
     let middle = vec3(0.5, 0.0, 0.5);

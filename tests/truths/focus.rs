@@ -1,7 +1,7 @@
 //! Truth 18: a ball lens under parallel light. A ray at height h crosses the axis h/sin 2(θi − θt) behind the middle.
 
 use crate::common::*;
-use caustica::photon::{PhotonMap, PhotonSource, Traced, Wants};
+use caustica::photon::{PhotonMap, PhotonSource, StoreMask, Traced};
 use caustica::scene::{LightStrength, Material, Scene, SceneBuilder, SourceKind};
 use caustica::shape::{Rectangle, Shape, Sphere};
 use glam::DVec3;
@@ -41,7 +41,7 @@ fn over_beam(z: f64, weight: impl Fn(f64) -> f64) -> f64 {
 /// With two bounces photons pass straight through; those that glance off outside land beyond .7.
 fn passes(scene: &Scene, aimed: bool) -> Vec<Traced> {
     let source = if aimed { PhotonSource::aimed(scene) } else { PhotonSource::everywhere(scene) };
-    trace_from(scene, &source.unwrap(), Wants::CAUSTIC, 2, PASSES, 1 << 16)
+    trace_from(scene, &source.unwrap(), StoreMask::CAUSTIC, 2, PASSES, 1 << 16)
 }
 
 /// Flux within r of the axis before, at and behind the paraxial focus at nR/(2(n − 1)) = 1.5. A jump of the integrand costs

@@ -1,7 +1,7 @@
 //! Truth 1, the furnace: inside a closed room whose walls all emit Le and reflect ρ, every radiance is Le/(1 − ρ).
 
 use crate::common::*;
-use caustica::photon::Wants;
+use caustica::photon::StoreMask;
 use caustica::scene::{Material, Scene, SceneBuilder};
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -56,11 +56,11 @@ fn a_furnace_seen_by_nearest_neighbours_is_as_bright() {
 #[test]
 fn coloured_flux_lands_as_the_geometric_series_though_roulette_is_grey() {
     let scene = furnace();
-    let passes = trace(&scene, Wants::ALL, 1000, 64, 1 << 13);
+    let passes = trace(&scene, StoreMask::ALL, 1000, 64, 1 << 13);
     let landed: Vec<DVec3> = passes.iter().map(|t| flux_where(&scene, &t.photons, |_| true)).collect();
     let emitted = EMITTED * (PI * 24.0);
     agree_rgb("landed flux", &landed, emitted / (DVec3::ONE - ALBEDO), 4e-3);
-    let direct: Vec<DVec3> = trace(&scene, Wants::DIRECT, 0, 4, 1 << 13)
+    let direct: Vec<DVec3> = trace(&scene, StoreMask::DIRECT, 0, 4, 1 << 13)
         .iter()
         .map(|t| t.photons.iter().map(|p| p.flux.power().as_dvec3()).sum())
         .collect();

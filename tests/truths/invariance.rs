@@ -2,7 +2,7 @@
 
 use crate::common::*;
 use caustica::integrate::{Algorithm, Settings, Silent};
-use caustica::photon::{PhotonSource, Wants};
+use caustica::photon::{PhotonSource, StoreMask};
 use caustica::scene::{LightStrength, Material, Scene, SceneBuilder, SourceKind};
 use caustica::shape::{Disc, Rectangle, Shape, Sphere};
 use glam::{DQuat, DVec2, DVec3, Vec3};
@@ -100,7 +100,7 @@ fn scaling_by_a_power_of_two_changes_no_bit() {
 }
 
 /// Light that arrives through the ball, in a patch of the floor of the room's own coordinates, per unit of its scale squared.
-fn arrived(at: Place, aimed: bool, wants: Wants, passes: u32, paths: u32) -> Vec<DVec3> {
+fn arrived(at: Place, aimed: bool, wants: StoreMask, passes: u32, paths: u32) -> Vec<DVec3> {
     let scene = room(at);
     let source = if aimed { PhotonSource::aimed(&scene) } else { PhotonSource::everywhere(&scene) };
     let inside = |p: DVec3| {
@@ -116,8 +116,8 @@ fn arrived(at: Place, aimed: bool, wants: Wants, passes: u32, paths: u32) -> Vec
 
 #[test]
 fn turned_scaled_and_moved_rooms_receive_the_same_flux() {
-    let here = arrived(HERE, true, Wants::CAUSTIC, PASSES, 1 << 15);
-    let all = arrived(HERE, false, Wants::ALL, PASSES, 1 << 15);
+    let here = arrived(HERE, true, StoreMask::CAUSTIC, PASSES, 1 << 15);
+    let all = arrived(HERE, false, StoreMask::ALL, PASSES, 1 << 15);
     let turn = DQuat::from_axis_angle(vec3(1.0, 2.0, -1.0).normalize(), 1.0);
     for (name, place) in [
         ("turned", Place { turn, ..HERE }),
@@ -126,8 +126,8 @@ fn turned_scaled_and_moved_rooms_receive_the_same_flux() {
         ("moved", Place { origin: vec3(2e5, -1e5, 3e5), ..HERE }),
         ("all at once", Place { turn, scale: 37.0, origin: vec3(2e7, 3e6, -1e7) }),
     ] {
-        same(&format!("{name}, caustics"), &arrived(place, true, Wants::CAUSTIC, PASSES, 1 << 15), &here, 5e-3);
-        same(&format!("{name}, all"), &arrived(place, false, Wants::ALL, PASSES, 1 << 15), &all, 0.02);
+        same(&format!("{name}, caustics"), &arrived(place, true, StoreMask::CAUSTIC, PASSES, 1 << 15), &here, 5e-3);
+        same(&format!("{name}, all"), &arrived(place, false, StoreMask::ALL, PASSES, 1 << 15), &all, 0.02);
     }
 }
 
@@ -150,12 +150,12 @@ fn scaled_and_moved_rooms_look_the_same() {
 /// caustic photons as those that want caustics only, which here are counted.
 #[test]
 fn aimed_photons_carry_the_same_caustics() {
-    let aimed = arrived(HERE, true, Wants::CAUSTIC, 32, 1 << 15);
-    let everywhere = arrived(HERE, false, Wants::CAUSTIC, 32, 1 << 17);
+    let aimed = arrived(HERE, true, StoreMask::CAUSTIC, 32, 1 << 15);
+    let everywhere = arrived(HERE, false, StoreMask::CAUSTIC, 32, 1 << 17);
     same("aimed against everywhere", &aimed, &everywhere, 5e-3);
     let scene = room(HERE);
     let count = |wants| trace(&scene, wants, 50, 1, 1 << 14)[0].photons.len();
-    let apart = [Wants::DIRECT, Wants::CAUSTIC, Wants::GLOBAL];
-    assert_eq!(apart.map(count).iter().sum::<usize>(), count(Wants::ALL), "classes are disjoint and complete");
-    assert_eq!(count(apart[1]), count(Wants::CAUSTIC));
+    let apart = [StoreMask::DIRECT, StoreMask::CAUSTIC, StoreMask::GLOBAL];
+    assert_eq!(apart.map(count).iter().sum::<usize>(), count(StoreMask::ALL), "classes are disjoint and complete");
+    assert_eq!(count(apart[1]), count(StoreMask::CAUSTIC));
 }

@@ -2,13 +2,13 @@
 //! shadow rays.
 
 use crate::common::*;
-use caustica::photon::{Flux, Kernel, PhotonMap, Scratch, Wants};
+use caustica::photon::{Flux, Kernel, PhotonMap, Scratch, StoreMask};
 use caustica::scene::{LightStrength, Material, Scene, SceneBuilder, SourceKind};
 use caustica::shape::{Disc, Plane, Rectangle, Shape, Sphere};
 use glam::{DVec2, DVec3, Vec3};
 use std::f64::consts::{PI, TAU};
 
-const DIRECT: Wants = Wants::DIRECT;
+const DIRECT: StoreMask = StoreMask::DIRECT;
 const ALBEDO: f64 = 0.8;
 
 /// A light above the plane y = 0.

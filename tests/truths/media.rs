@@ -3,7 +3,7 @@
 use crate::common::{PASSES, agree, fresnel, mean_and_error, midpoint, project, settings};
 use caustica::format::{Source, parse, resolve};
 use caustica::integrate::{Algorithm, Settings, Silent, VolumeEstimate};
-use caustica::plan::{Effect, Wishes};
+use caustica::plan::{Effect, EffectOverrides};
 use caustica::scene::Scene;
 use glam::DVec3;
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
@@ -59,11 +59,11 @@ fn each(v: [f64; 3], f: impl Fn(f64) -> f64) -> DVec3 {
 }
 
 /// Without light between receivers, and what caustics become.
-fn single() -> Wishes {
-    Wishes::PLANNED.without(Effect::Interreflection).without(Effect::CausticBounces)
+fn single() -> EffectOverrides {
+    EffectOverrides::PLANNED.without(Effect::Interreflection).without(Effect::CausticBounces)
 }
 
-fn with(samples: u32, effects: Wishes) -> Settings {
+fn with(samples: u32, effects: EffectOverrides) -> Settings {
     let mut settings = settings(20_000, 20_000, 0.1);
     settings.eye.samples = Some(samples);
     settings.eye.effects = effects;
@@ -111,7 +111,7 @@ fn an_absorbing_slab_lets_through_what_beer_and_fresnel_say() {
                 algorithms.push(Algorithm::Whitted);
             }
             for algorithm in algorithms {
-                let samples = seen(&scene, algorithm, with(16, Wishes::PLANNED), PASSES);
+                let samples = seen(&scene, algorithm, with(16, EffectOverrides::PLANNED), PASSES);
                 // Whitted's branches end below 1/256: what comes after the third reflection inside is below R⁴.
                 let slack = if algorithm == Algorithm::Whitted { r * r / 256.0 } else { 0.0 };
                 agree_each(&what(algorithm), &samples, expected, DVec3::splat(slack), 1e-3);
@@ -192,14 +192,14 @@ fn a_lamp_in_a_milky_ball_sends_out_all_its_light() {
     );
     let expected = each(TAU, |tau| 10.0 * (1.0 - libm::exp(-tau)) / (4.0 * PI) / (2.2 * 2.2));
     for algorithm in [Algorithm::Path, Algorithm::Hybrid] {
-        let samples = seen(&scene, algorithm, with(32, Wishes::PLANNED), PASSES);
+        let samples = seen(&scene, algorithm, with(32, EffectOverrides::PLANNED), PASSES);
         // Near misses of the lamp are rare and bright.
         agree_each(&format!("milky ball, {}", algorithm.name()), &samples, expected, DVec3::ZERO, 0.04);
     }
     for algorithm in [Algorithm::Sppm, Algorithm::Pm] {
         for volume in ESTIMATES {
             let look = |radius: f64| {
-                let base = with(4, Wishes::PLANNED);
+                let base = with(4, EffectOverrides::PLANNED);
                 seen(&scene, algorithm, Settings { radius: Some(radius as f32), volume, ..base }, PASSES)
             };
             let wide = if volume == VolumeEstimate::Points { 0.2 } else { 0.08 };
@@ -322,7 +322,7 @@ fn milk_in_a_furnace_is_invisible() {
     ] {
         let scene = furnace(media, ball, eye);
         for algorithm in [Algorithm::Path, Algorithm::Hybrid] {
-            let mut settings = with(24, Wishes::PLANNED);
+            let mut settings = with(24, EffectOverrides::PLANNED);
             settings.eye.max_bounces = 10_000;
             let samples = seen(&scene, algorithm, settings, PASSES);
             agree_each(&format!("{what}, {}", algorithm.name()), &samples, DVec3::ONE, DVec3::ZERO, 0.01);
@@ -341,7 +341,7 @@ fn milk_in_a_furnace_is_invisible() {
             let estimates = if algorithm == Algorithm::Path { &ESTIMATES[..1] } else { &ESTIMATES };
             for volume in estimates {
                 let look = |radius: f64| {
-                    let base = with(8, Wishes::PLANNED);
+                    let base = with(8, EffectOverrides::PLANNED);
                     seen(&scene, algorithm, Settings { radius: Some(radius as f32), volume: *volume, ..base }, PASSES)
                 };
                 let what = format!("{what}, {} by {volume:?}", algorithm.name());
@@ -374,7 +374,7 @@ fn fog_between_walls_of_a_furnace_is_invisible() {
              Group {{ MaterialName wall  {walls} }}"
         ));
         for algorithm in [Algorithm::Path, Algorithm::Hybrid] {
-            let samples = seen(&scene, algorithm, with(32, Wishes::PLANNED), PASSES);
+            let samples = seen(&scene, algorithm, with(32, EffectOverrides::PLANNED), PASSES);
             agree_each(&format!("{fog}, {}", algorithm.name()), &samples, DVec3::ONE, DVec3::ZERO, 3e-3);
         }
     }
@@ -415,7 +415,7 @@ fn thick_fog_is_chandrasekhar_s_half_space() {
     let expected = each([0.9, 0.5, 0.98], chandrasekhar);
     // The middle of H's 400 parts errs by 1/400² of its second derivative, which ends at a logarithm.
     for algorithm in [Algorithm::Path, Algorithm::Hybrid] {
-        let mut settings = with(128, Wishes::PLANNED);
+        let mut settings = with(128, EffectOverrides::PLANNED);
         settings.eye.max_bounces = 10_000;
         let samples = seen(&above, algorithm, settings, PASSES);
         agree_each(&format!("thick, {}", algorithm.name()), &samples, expected, 2e-3 * expected, 0.01);
@@ -423,7 +423,7 @@ fn thick_fog_is_chandrasekhar_s_half_space() {
     let within = scene(&text("OrthographicCamera { center 0 0 0  direction 0 0 -1  size .001  width 4  height 4 }"));
     for algorithm in [Algorithm::Path, Algorithm::Hybrid, Algorithm::Sppm, Algorithm::Pm, Algorithm::Distributed] {
         for volume in ESTIMATES {
-            let samples = seen(&within, algorithm, Settings { volume, ..with(4, Wishes::PLANNED) }, 1);
+            let samples = seen(&within, algorithm, Settings { volume, ..with(4, EffectOverrides::PLANNED) }, 1);
             assert_eq!(samples[0], DVec3::ZERO, "{algorithm:?} by {volume:?}: no light comes so far");
         }
     }
@@ -432,7 +432,7 @@ fn thick_fog_is_chandrasekhar_s_half_space() {
 /// A medium that is none leaves every bit of a picture as it is: by chance where the plan does not see that, and though all effects are on.
 #[test]
 fn nothing_in_a_medium_changes_no_bit() {
-    let picture = |filled: &str, medium: &str, wishes: Wishes| {
+    let picture = |filled: &str, medium: &str, wishes: EffectOverrides| {
         let scene = scene(&format!(
             "PerspectiveCamera {{ center 0 1 5  lookAt 0 .5 0  angle 40  width 24  height 24 }}
              Background {{ color .1 .2 .3  {filled} }}
@@ -453,12 +453,12 @@ fn nothing_in_a_medium_changes_no_bit() {
         settings.eye.max_bounces = 8;
         Algorithm::Path.prepare(&scene, settings).pass(0, &Silent).image
     };
-    for wishes in [Wishes::PLANNED, Wishes::ALL] {
+    for wishes in [EffectOverrides::PLANNED, EffectOverrides::ALL] {
         let plain = picture("", "", wishes);
         assert!(plain.iter().any(|v| v.x > 0.1));
         assert!(plain == picture("medium nothing", "medium nothing", wishes), "{wishes:?}");
     }
-    assert!(picture("", "", Wishes::PLANNED) == picture("", "", Wishes::ALL));
+    assert!(picture("", "", EffectOverrides::PLANNED) == picture("", "", EffectOverrides::ALL));
 }
 
 /// A medium that is the same everywhere, and one on a grid of equal numbers around the same ball, are one: in mean by walks, and by points, whose
@@ -486,7 +486,7 @@ fn a_grid_of_equal_numbers_is_a_homogeneous_medium() {
     let even = ball("", 1.0);
     let varied = ball(&format!("grid \"{}\"  min -1.1 -1.1 -1.1  max 1.1 1.1 1.1", grid.display()), 0.5);
     for algorithm in [Algorithm::Path, Algorithm::Sppm] {
-        let settings = Settings { volume: VolumeEstimate::Points, ..with(64, Wishes::PLANNED) };
+        let settings = Settings { volume: VolumeEstimate::Points, ..with(64, EffectOverrides::PLANNED) };
         let (a, b) = (seen(&even, algorithm, settings.clone(), PASSES), seen(&varied, algorithm, settings, PASSES));
         let mean = a.iter().sum::<DVec3>() / a.len() as f64;
         // Against the mean of the other, so that what is compared is above 0.

@@ -1,7 +1,7 @@
 //! Truth 19: parallel light in a mirror's hollow half cylinder of radius 1 folds along a nephroid.
 
 use crate::common::*;
-use caustica::photon::{Kernel, Photon, PhotonMap, Traced, Wants};
+use caustica::photon::{Kernel, Photon, PhotonMap, StoreMask, Traced};
 use caustica::scene::{LightStrength, Material, Scene, SceneBuilder, SourceKind};
 use caustica::shape::{Rectangle, Shape};
 use glam::{DVec2, DVec3, Vec3};
@@ -38,7 +38,7 @@ fn cup(screen: Rectangle, direction: DVec3) -> Scene {
 
 /// One bounce: photons that met the mirror once.
 fn once_reflected(scene: &Scene) -> Vec<Traced> {
-    trace(scene, Wants::CAUSTIC, 1, PASSES, 1 << 17)
+    trace(scene, StoreMask::CAUSTIC, 1, PASSES, 1 << 17)
 }
 
 /// Light along the axis meets a screen in the plane of the axis, edge on: only reflected light lands. A ray with angle θ of

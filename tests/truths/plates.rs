@@ -1,7 +1,7 @@
 //! Truths 10, 11 and 39: form factors, plates between mirrors, and image sources.
 
 use crate::common::*;
-use caustica::photon::{Class, Kernel, PhotonMap, Traced, Wants};
+use caustica::photon::{Kernel, PhotonKind, PhotonMap, StoreMask, Traced};
 use caustica::scene::{LightStrength, Material, Scene, SceneBuilder, SourceKind};
 use caustica::shape::Plane;
 use glam::{DVec3, Vec3};
@@ -16,7 +16,7 @@ fn faces_of_a_cube_see_each_other_by_their_form_factors() {
         b.shape(face, white, grey(if i == 1 { 1.0 } else { 0.0 }));
     }
     let scene = unseen(b);
-    let passes = trace(&scene, Wants::DIRECT, 0, PASSES, 1 << 16);
+    let passes = trace(&scene, StoreMask::DIRECT, 0, PASSES, 1 << 16);
     // The nearest face tells the photons apart.
     let on = |face: usize| {
         move |p: DVec3| {
@@ -59,7 +59,7 @@ fn plates() -> Scene {
 #[test]
 fn photons_between_endless_plates() {
     let scene = plates();
-    let passes = trace(&scene, Wants::ALL, 10_000, PASSES, 1 << 15);
+    let passes = trace(&scene, StoreMask::ALL, 10_000, PASSES, 1 << 15);
     let floor = LIGHT * PI / (DVec3::ONE - FLOOR * CEILING);
     for (name, low, expected) in [("floor", true, floor), ("ceiling", false, floor * FLOOR)] {
         let on = |t: &Traced| flux_where(&scene, &t.photons, |p| (p.y < 0.35) == low) / 4.0;
@@ -101,14 +101,15 @@ fn parallel_mirrors_make_a_row_of_lights() {
         libm::pow(RHO, f64::from(k.abs())) * H / (d2 * d2.sqrt())
     };
     let bent = |p: DVec3| (1..60).map(|k| irradiance_of(k, p) + irradiance_of(-k, p)).sum::<f64>();
-    for class in [Class::Direct, Class::Caustic] {
-        let wants = Wants { direct: class == Class::Direct, caustic: class == Class::Caustic, ..Wants::NONE };
+    for class in [PhotonKind::Direct, PhotonKind::Caustic] {
+        let wants =
+            StoreMask { direct: class == PhotonKind::Direct, caustic: class == PhotonKind::Caustic, ..StoreMask::NONE };
         let passes = trace(&scene, wants, 1000, PASSES, 1 << 16);
         let maps: Vec<PhotonMap> = passes.into_iter().map(|t| PhotonMap::build(t.photons)).collect();
         for kernel in [Kernel::Box, Kernel::Epanechnikov] {
             let expected = blurred(kernel, R, |d| {
                 let p = at + vec3(d.x, 0.0, d.y);
-                if class == Class::Direct { irradiance_of(0, p) } else { bent(p) }
+                if class == PhotonKind::Direct { irradiance_of(0, p) } else { bent(p) }
             });
             let probe = Probe { scene: &scene, at, normal: DVec3::Y, radius: R, kernel };
             agree_estimates(&format!("{class:?} light of a row"), &probe, &maps, expected, 1e-5, 0.01);

@@ -1,7 +1,7 @@
 //! Truths 2 and 3: inside a diffuse sphere each bounce lights the whole wall alike, wherever the light is.
 
 use crate::common::*;
-use caustica::photon::{PhotonMap, Wants};
+use caustica::photon::{PhotonMap, StoreMask};
 use caustica::scene::{LightStrength, Material, SceneBuilder, SourceKind};
 use caustica::shape::{Disc, Shape, Sphere};
 use glam::DVec3;
@@ -40,7 +40,7 @@ fn reflected_photons_cover_a_sphere_uniformly() {
     let scene = unseen(sphere(2.0, 0.6, vec3(0.3, -0.2, 1.6)));
     for bounces in [1, 1000] {
         let mut counts = vec![0; 32 * 32];
-        for t in trace(&scene, Wants::GLOBAL, bounces, 4, 1 << 16) {
+        for t in trace(&scene, StoreMask::GLOBAL, bounces, 4, 1 << 16) {
             t.photons.iter().for_each(|p| counts[cell(place(&scene, p), 2.0)] += 1);
         }
         let z = chi_square(&counts);
@@ -54,7 +54,7 @@ fn reflected_photons_cover_a_sphere_uniformly() {
 fn the_flux_of_each_bounce_is_a_power_of_the_albedo() {
     let scene = unseen(sphere(2.0, 0.6, vec3(0.3, -0.2, 1.6)));
     let landed = |n| {
-        let passes = trace(&scene, Wants::GLOBAL, n, PASSES, 1 << 14);
+        let passes = trace(&scene, StoreMask::GLOBAL, n, PASSES, 1 << 14);
         passes.iter().map(|t| flux_where(&scene, &t.photons, |_| true).x).collect::<Vec<f64>>()
     };
     let mut before = landed(0);
@@ -76,8 +76,10 @@ fn estimates_on_a_sphere_are_its_uniform_irradiance() {
     let (radius, albedo) = (2.0, 0.6);
     let scene = unseen(sphere(radius, albedo, vec3(0.3, -0.2, 1.6)));
     let expected = albedo * FLUX / (4.0 * PI * radius * radius * (1.0 - albedo));
-    let maps: Vec<PhotonMap> =
-        trace(&scene, Wants::GLOBAL, 1000, PASSES, 1 << 15).into_iter().map(|t| PhotonMap::build(t.photons)).collect();
+    let maps: Vec<PhotonMap> = trace(&scene, StoreMask::GLOBAL, 1000, PASSES, 1 << 15)
+        .into_iter()
+        .map(|t| PhotonMap::build(t.photons))
+        .collect();
     // Each estimate adds 800 photons in single precision, within 800 · 2⁻²⁴ = 5·10⁻⁵; hues are within 2·10⁻⁵.
     for kernel in KERNELS {
         let mean = |map: &PhotonMap| {
@@ -118,7 +120,7 @@ fn a_cavity_returns_its_effective_albedo() {
         let f = 0.5 * (1.0 - height);
         let flux = PI * PI * (1.0 - height * height);
         let series = 1.0 / (1.0 - albedo * (1.0 - f));
-        let passes = trace(&scene, Wants::ALL, 1000, PASSES, 1 << 15);
+        let passes = trace(&scene, StoreMask::ALL, 1000, PASSES, 1 << 15);
         let landed: Vec<f64> = passes.iter().map(|t| flux_where(&scene, &t.photons, |_| true).x).collect();
         agree(&format!("landed in a cavity, f = {f}"), &landed, flux * series, flux * series * HUE, 3e-3);
         let returned: Vec<f64> =

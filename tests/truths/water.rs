@@ -1,7 +1,7 @@
 //! Truth 16: radiance is squeezed by n² under water, flux is not; and the two meet in what a camera sees.
 
 use crate::common::*;
-use caustica::photon::Wants;
+use caustica::photon::StoreMask;
 use caustica::scene::{Material, Scene, SceneBuilder};
 use caustica::shape::{Rectangle, Shape};
 use glam::{DVec3, Vec3};
@@ -46,8 +46,8 @@ fn flux_under_water_is_not_squeezed() {
     let scene = pool(albedo, DVec3::ZERO, DVec3::Z);
     // Two rectangles that meet at the water's edge may let one ray in a million slip between them.
     for (name, wants, expected) in [
-        ("first", Wants::CAUSTIC, PI * SKY * (1.0 - hemispherical(N))),
-        ("all", Wants::ALL, irradiance_of_floor(albedo)),
+        ("first", StoreMask::CAUSTIC, PI * SKY * (1.0 - hemispherical(N))),
+        ("all", StoreMask::ALL, irradiance_of_floor(albedo)),
     ] {
         let passes = trace(&scene, wants, 10_000, PASSES, 1 << 15);
         let samples: Vec<f64> = passes.iter().map(|t| flux_where(&scene, &t.photons, |_| true).x / 4.0).collect();

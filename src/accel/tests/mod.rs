@@ -4,7 +4,7 @@ mod leaks;
 mod meshes;
 
 use super::packet::Packet;
-use super::probe::Probe;
+use super::ray_precalc::RayPrecalc;
 use super::*;
 use crate::math::warp;
 use glam::{DVec3, Vec2};
@@ -27,7 +27,7 @@ fn ball(center: Vec3, radius: f32, ray: &Ray) -> Option<(f32, f32, f32)> {
 
 /// The nearest hit without a tree.
 fn brute(triangles: &Mesh, balls: &[(Vec3, f32)], ray: &Ray) -> Option<Hit> {
-    let probe = Probe::new(ray);
+    let probe = RayPrecalc::new(ray);
     let solid = |i: u32| {
         let packet = Packet::new(triangles, &[i]);
         let hit = packet.hit(0, &probe).map(|c| (c.t * probe.unit, c.barycentric().0, c.barycentric().1));

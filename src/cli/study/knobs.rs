@@ -5,7 +5,7 @@ use crate::cli::args::MethodArguments;
 use crate::cli::settings::{kernel_name, settings};
 use crate::integrate::{Algorithm, FinalGathering, Settings};
 use crate::photon::Kernel;
-use crate::plan::Wishes;
+use crate::plan::EffectOverrides;
 use crate::scene::Scene;
 use clap::ValueEnum;
 
@@ -52,7 +52,12 @@ impl Pilot {
 /// that one setting alone differs.
 ///
 /// The radius that is halved and doubled is that of the caustic map for `hybrid`, of the global map for others; `--radius` sets both.
-pub(super) fn around(algorithm: Algorithm, shared: &MethodArguments, wishes: Wishes, scene: &Scene) -> Vec<Named> {
+pub(super) fn around(
+    algorithm: Algorithm,
+    shared: &MethodArguments,
+    wishes: EffectOverrides,
+    scene: &Scene,
+) -> Vec<Named> {
     let plain = Named::plain(algorithm, shared);
     let pilot = Pilot::new(scene, algorithm, &settings(&plain.method, wishes));
     vary(plain, &pilot)

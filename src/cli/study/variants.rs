@@ -3,7 +3,7 @@
 use crate::cli::args::MethodArguments;
 use crate::cli::settings::{flags, settings};
 use crate::integrate::Algorithm;
-use crate::plan::Wishes;
+use crate::plan::EffectOverrides;
 use crate::study::methods::Variant;
 use clap::{Parser, ValueEnum};
 
@@ -58,7 +58,8 @@ impl Named {
             };
             return Err(bad(format!("{flag} is the same for all methods"), remedy));
         }
-        let mut line = flags(&MethodArguments { integrator: algorithm, ..shared.clone() }, "", Wishes::PLANNED);
+        let mut line =
+            flags(&MethodArguments { integrator: algorithm, ..shared.clone() }, "", EffectOverrides::PLANNED);
         line.extend(rest.iter().map(|&word| word.to_owned()));
         let read = Flags::try_parse_from(line).map_err(|error| {
             let error = error.render().to_string();
@@ -72,7 +73,7 @@ impl Named {
         })
     }
 
-    pub fn variant(self, wishes: Wishes) -> Variant {
+    pub fn variant(self, wishes: EffectOverrides) -> Variant {
         Variant {
             label: self.label,
             algorithm: self.method.integrator,
@@ -105,11 +106,14 @@ mod tests {
         let MethodArguments { integrator, photons, gather_k, radius, filter, seed, adaptive, .. } = read.method;
         assert_eq!((integrator, photons, gather_k, radius), (Algorithm::Sppm, Some(4000), Some(20), Some(0.5)));
         assert_eq!((filter, seed, adaptive), (FilterKind::Tent, 9, true));
-        let variant = read.variant(Wishes::PLANNED);
+        let variant = read.variant(EffectOverrides::PLANNED);
         assert_eq!((variant.settings.caustic_photons, variant.settings.eye.seed), (2000, 9));
         let told = "--integrator sppm --photons 4000 --gather-k 20 --radius 0.5 --filter tent --adaptive";
         assert_eq!(variant.flags.join(" "), told);
-        assert_eq!(Named::plain(Algorithm::Ppm, &all).variant(Wishes::PLANNED).flags[..2], ["--integrator", "ppm"]);
+        assert_eq!(
+            Named::plain(Algorithm::Ppm, &all).variant(EffectOverrides::PLANNED).flags[..2],
+            ["--integrator", "ppm"]
+        );
     }
 
     #[test]

@@ -7,7 +7,7 @@ use crate::color::{GLASSES, Glass, Rgb, glass};
 use crate::format::SceneError;
 use crate::format::description::{Emission, MaterialKind, Metal, Refraction, Spanned};
 use crate::format::parser::nearest;
-use crate::scene::{Body, Coat, Look, Material};
+use crate::scene::{Body, Coat, Material, PhongAppearance};
 
 impl Resolver<'_> {
     /// All materials, each by the index that it has in the file; white where there is none.
@@ -50,7 +50,7 @@ impl Resolver<'_> {
     pub(super) fn material(
         &mut self,
         kind: &MaterialKind,
-        looks: &[Look],
+        looks: &[PhongAppearance],
         worn: &mut Worn,
     ) -> Result<(Material, Coat), SceneError> {
         Ok(match kind {
@@ -135,8 +135,8 @@ impl Resolver<'_> {
 }
 
 /// The course's shading knows no chance: it sees the mean.
-fn blend(first: Look, second: Look, amount: f32) -> Look {
-    Look {
+fn blend(first: PhongAppearance, second: PhongAppearance, amount: f32) -> PhongAppearance {
+    PhongAppearance {
         diffuse: first.diffuse.lerp(second.diffuse, amount),
         specular: first.specular.lerp(second.specular, amount),
         shininess: (1.0 - amount) * first.shininess + amount * second.shininess,

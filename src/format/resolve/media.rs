@@ -6,7 +6,7 @@ use crate::format::description::{
     self, Coefficients, Density, Extent, Light, Map, Material, MaterialKind, Medium as Described, Span, Spanned,
 };
 use crate::format::{SceneError, grid};
-use crate::medium::{Cloud, Field, FieldError, Medium, Phase};
+use crate::medium::{Cloud, GridDensity, GridDensityError, Medium, Phase};
 use crate::scene::{self, Scattering};
 use crate::stats::bytes;
 use glam::{DAffine3, DVec3};
@@ -42,9 +42,9 @@ impl Resolver<'_> {
         })
     }
 
-    fn field(&self, described: &Spanned<Described>) -> Result<Option<Field>, SceneError> {
+    fn field(&self, described: &Spanned<Described>) -> Result<Option<GridDensity>, SceneError> {
         let help = "give a box with an extent, and fewer cells if memory does not suffice";
-        let refuse = |e: FieldError| self.refuse(described.span, &e.to_string(), help);
+        let refuse = |e: GridDensityError| self.refuse(described.span, &e.to_string(), help);
         let field = match &described.density {
             Density::Even => return Ok(None),
             Density::Grid { path, scale, extent } => {
@@ -61,7 +61,7 @@ impl Resolver<'_> {
                     }
                     *value = scaled as f32;
                 }
-                Field::new(grid.size, grid.values, placement(extent)).map_err(refuse)?
+                GridDensity::new(grid.size, grid.values, placement(extent)).map_err(refuse)?
             }
             Density::Cloud { cover, softness, octaves, frequency, seed, resolution, extent } => {
                 let cloud = Cloud {
@@ -79,7 +79,7 @@ impl Resolver<'_> {
                     return Err(self.refuse(described.span, &message, help).exhausting());
                 }
                 let density = cloud.density(1.0 / f64::from(*resolution));
-                Field::from_fn(size, placement(extent), density).map_err(refuse)?
+                GridDensity::from_fn(size, placement(extent), density).map_err(refuse)?
             }
         };
         Ok(Some(field))

@@ -27,7 +27,7 @@ const PER_TRIANGLE: u64 = 500;
 pub(super) type Key = (PathBuf, bool, bool, Option<u64>);
 
 /// What an object sends out.
-pub(super) struct Shine {
+pub(super) struct EmissionOverride {
     /// Its radiance, or the mean of it.
     pub radiance: Rgb,
     /// Whether that is the object's own rather than its material's.
@@ -42,7 +42,7 @@ pub(super) struct Placing<'p> {
     /// When the shutter opens.
     pub map: &'p Transform,
     pub span: Span,
-    pub shine: &'p Shine,
+    pub shine: &'p EmissionOverride,
 }
 
 /// The parts of a mesh by their materials.

@@ -19,7 +19,7 @@ use crate::medium::Medium;
 use crate::scene::{Scene, SceneBuilder};
 use crate::stats::Memory;
 use glam::{DAffine3, DVec3};
-use meshes::Shine;
+use meshes::EmissionOverride;
 use shapes::Instanced;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -161,7 +161,7 @@ impl Resolver<'_> {
                 };
                 self.check_radiance(radiance, object.span)?;
                 self.check_clear(radiance, object.span)?;
-                let shine = Shine { radiance, told: emission.is_some(), glow };
+                let shine = EmissionOverride { radiance, told: emission.is_some(), glow };
                 self.shape(shape, object.span, to_world, &shine)
             }
         }

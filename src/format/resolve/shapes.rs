@@ -1,7 +1,7 @@
 //! Shapes of the description, in world space.
 
 use super::Resolver;
-use super::meshes::{Placing, Shine};
+use super::meshes::{EmissionOverride, Placing};
 use crate::color::Rgb;
 use crate::format::SceneError;
 use crate::format::description::{Curve, CurveBasis, Shape as Described, Span};
@@ -50,7 +50,7 @@ impl Resolver<'_> {
         shape: &Described,
         span: Span,
         to_world: &Motion,
-        shine: &Shine,
+        shine: &EmissionOverride,
     ) -> Result<(), SceneError> {
         let emission = shine.radiance;
         let map = self.transform(to_world.at(0.0), span)?;
@@ -137,7 +137,7 @@ impl Resolver<'_> {
     }
 
     /// Lets the object that was added last emit by a texture, if it does.
-    fn glow(&mut self, shine: &Shine) {
+    fn glow(&mut self, shine: &EmissionOverride) {
         if let Some((texture, scale)) = shine.glow {
             self.builder.glow(texture, scale);
         }

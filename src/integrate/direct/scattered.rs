@@ -4,25 +4,25 @@ use super::{DirectLight, MIDDLE, Scheme};
 use crate::color::Rgb;
 use crate::integrate::method::History;
 use crate::integrate::tiles::Worker;
-use crate::light::Reach;
+use crate::light::ShadowTarget;
 use crate::math::Ray;
 use crate::medium::Flight;
 use crate::plan::Effect;
-use crate::sampling::{Dimension, Draw};
-use crate::scene::{Interior, Stretch};
+use crate::sampling::{Dimension, Sampler};
+use crate::scene::{Interior, MediumSegment};
 use glam::{Vec2, Vec3};
 
 /// A stretch along which light is scattered to its start.
 pub(in crate::integrate) struct Scattering<'a, I> {
-    pub stretch: &'a Stretch<'a, I>,
+    pub stretch: &'a MediumSegment<'a, I>,
     /// Of the walk where the stretch begins.
     pub throughput: Rgb,
     /// Where the walk would be scattered.
-    pub flight: &'a Flight,
+    pub distance_sample: &'a Flight,
     pub history: History,
     /// Whether the walk goes on from where it is scattered, and may meet a light by chance.
     pub onward: bool,
-    pub shadow_draw: Draw,
+    pub shadow_draw: Sampler,
 }
 
 /// A point of a stretch.
@@ -39,8 +39,8 @@ impl DirectLight<'_> {
     /// directions.
     pub fn scattered<I: Interior>(&self, scattering: &Scattering<'_, I>, worker: &mut Worker) -> Rgb {
         let flown = || {
-            let t = scattering.flight.scattered?;
-            Some(Place { p: scattering.stretch.ray.at(t), weight: scattering.flight.weight })
+            let t = scattering.distance_sample.scattered?;
+            Some(Place { p: scattering.stretch.ray.at(t), weight: scattering.distance_sample.weight })
         };
         let mut sum = Rgb::ZERO;
         match (self.scheme(scattering.history), &self.choice) {
@@ -60,7 +60,7 @@ impl DirectLight<'_> {
             }
             (Scheme::Chosen(rays), Some(choice)) => {
                 let Some(place) = flown() else { return Rgb::ZERO };
-                let start = scattering.shadow_draw.one(Dimension::Light);
+                let start = scattering.shadow_draw.get_1d(Dimension::Light);
                 for i in 0..rays {
                     let u = ((i as f32 + start) / rays as f32).min(1.0 - f32::EPSILON / 2.0);
                     let Some((light, probability, _)) = choice.choose(place.p, None, u) else { continue };
@@ -79,12 +79,12 @@ impl DirectLight<'_> {
         place: &Place,
         light: usize,
         scattering: &Scattering<'_, I>,
-        draw: Draw,
+        draw: Sampler,
         rays: f32,
         worker: &mut Worker,
     ) -> Rgb {
         let stretch = scattering.stretch;
-        let u = if self.middles { MIDDLE } else { draw.two(Dimension::LightPosition) };
+        let u = if self.middles { MIDDLE } else { draw.get_2d(Dimension::LightPosition) };
         let Some(sample) = self.lights[light].sample_direct(place.p, u) else { return Rgb::ZERO };
         // Light travels against `wi`, and then against the walk.
         let phase = stretch.medium.phase.evaluate(stretch.ray.direction.dot(sample.wi));
@@ -97,16 +97,16 @@ impl DirectLight<'_> {
             found *= asked / (asked + phase);
         }
         let (ray, t_max) = match sample.reach {
-            Reach::Point(target) => {
+            ShadowTarget::Point(target) => {
                 (Ray::between(place.p, self.end(light, &sample, target, place.p)), (target - place.p).length())
             }
-            Reach::Infinity => (Ray::new(place.p, sample.wi), f32::INFINITY),
+            ShadowTarget::Infinity => (Ray::new(place.p, sample.wi), f32::INFINITY),
         };
         if self.effects.has(Effect::Shadows) {
             worker.counters.shadow_rays += 1;
             if self.scene.occluded(&ray) {
                 return if self.clear {
-                    found * self.scene.clearance(&ray, stretch.inside, draw.key())
+                    found * self.scene.shadow_transmittance(&ray, stretch.inside, draw.key())
                 } else {
                     Rgb::ZERO
                 };
@@ -120,14 +120,14 @@ impl DirectLight<'_> {
 impl<I: Interior> Scattering<'_, I> {
     /// A place in a homogeneous medium, drawn in equal parts as the walk would be scattered and by the angle under which `pivot` sees the
     /// stretch (Kulla and Fajardo 2012, "Importance sampling techniques for path tracing in participating media").
-    fn near(&self, pivot: Vec3, draw: Draw) -> Option<Place> {
-        let Stretch { ray, medium, .. } = self.stretch;
+    fn near(&self, pivot: Vec3, draw: Sampler) -> Option<Place> {
+        let MediumSegment { ray, medium, .. } = self.stretch;
         // Shadow rays from the place have the numbers of the key itself.
         let mut rng = draw.key().with(1).rng();
         let angles = Angles::new(ray, pivot);
-        let Vec2 { x: which, y: u } = draw.two(Dimension::Medium);
+        let Vec2 { x: which, y: u } = draw.get_2d(Dimension::Medium);
         let t = if which < 0.5 {
-            medium.flight(ray, ray.t_max, self.throughput, &mut rng).scattered?
+            medium.distance_sample(ray, ray.t_max, self.throughput, &mut rng).scattered?
         } else {
             angles.sample(u)
         };

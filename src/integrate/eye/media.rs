@@ -7,7 +7,7 @@ use crate::integrate::method::{History, Method, Passage};
 use crate::integrate::tiles::Worker;
 use crate::medium::Phase;
 use crate::sampling::Dimension;
-use crate::scene::{Interior, Step, Stretch};
+use crate::scene::{Interior, MediumSegment, Step};
 use glam::DVec3;
 use rand::rngs::SmallRng;
 
@@ -40,13 +40,13 @@ impl<M: Method> EyePass<'_, M> {
     fn through<I: Interior>(
         &self,
         branch: &Branch<I>,
-        stretch: &Stretch<'_, I>,
+        stretch: &MediumSegment<'_, I>,
         passed: &mut DVec3,
         rng: &mut SmallRng,
         worker: &mut Worker,
         radiance: &mut Rgb,
     ) -> Option<f32> {
-        let Stretch { medium, ray, .. } = stretch;
+        let MediumSegment { medium, ray, .. } = stretch;
         let here = branch.throughput * passed.as_vec3() * stretch.left;
         if medium.emits() {
             *radiance += here * medium.emitted(ray, ray.t_max, rng);
@@ -58,19 +58,26 @@ impl<M: Method> EyePass<'_, M> {
         let history = History { casters: branch.history.casters + u32::from(stretch.crossed), ..branch.history };
         let mut to_do = self.method.in_medium(history);
         to_do.onward &= branch.bounce < self.settings.max_bounces;
-        let flight = medium.flight(ray, ray.t_max, here, rng);
+        let distance_sample = medium.distance_sample(ray, ray.t_max, here, rng);
         let mut found = Rgb::ZERO;
         if to_do.direct {
             let shadow_draw = branch.draw.with(u64::from(self.pass) << 32);
             let onward = to_do.onward;
-            let scattering = Scattering { stretch, throughput: here, flight: &flight, history, onward, shadow_draw };
+            let scattering = Scattering {
+                stretch,
+                throughput: here,
+                distance_sample: &distance_sample,
+                history,
+                onward,
+                shadow_draw,
+            };
             found += self.direct.scattered(&scattering, worker);
         }
         found += self.method.volume(&Passage { stretch, history, throughput: here, draw: branch.draw }, rng, worker);
         *radiance += here * found;
         if to_do.onward {
-            *passed *= flight.weight.as_dvec3();
-            return flight.scattered;
+            *passed *= distance_sample.weight.as_dvec3();
+            return distance_sample.scattered;
         }
         *passed *= medium.dimming(ray, ray.t_max, rng);
         None
@@ -79,7 +86,7 @@ impl<M: Method> EyePass<'_, M> {
     /// Goes on from where a walk was scattered in a medium.
     pub(super) fn scatter<I: Interior>(&self, branch: &mut Branch<I>, phase: Phase) -> Option<Next<I>> {
         let mut next = *branch;
-        let (direction, pdf) = phase.sample(next.walk.ray.direction, branch.draw.two(Dimension::Phase));
+        let (direction, pdf) = phase.sample(next.walk.ray.direction, branch.draw.get_2d(Dimension::Phase));
         next.walk.turn(direction);
         next.last = Some(Last { p: next.walk.ray.origin, horizon: None, history: branch.history, pdf });
         next.history = History { receivers: branch.history.receivers + 1, casters: 0 };
@@ -87,7 +94,7 @@ impl<M: Method> EyePass<'_, M> {
         next.draw = branch.draw.with(u64::from(branch.bounce) << 1);
         let strength = color::mean(next.throughput);
         let survival = (strength / super::CERTAIN).min(1.0);
-        if survival.is_nan() || branch.draw.one(Dimension::Roulette) >= survival {
+        if survival.is_nan() || branch.draw.get_1d(Dimension::Roulette) >= survival {
             return None;
         }
         next.throughput /= survival;

@@ -86,7 +86,7 @@ fn direct_samples_follow_their_density() {
         let light = Light::Area(Area::even(emitter.clone(), Rgb::ONE));
         let drawn = |u: glam::Vec2| {
             let sample = light.sample_direct(p, u)?;
-            let Reach::Point(end) = sample.reach else { panic!("a surface is not at infinity") };
+            let ShadowTarget::Point(end) = sample.reach else { panic!("a surface is not at infinity") };
             // What the light itself hides is no draw.
             let point = seen(&emitter, p, sample.wi)
                 .filter(|point| (point.p - end).length() < 1e-4 && sample.wi.dot(point.ng) < 0.0)?;

@@ -24,7 +24,7 @@ fn lights() -> Vec<Light> {
 
 const DOMAIN: Sphere = Sphere { center: Vec3::new(0.1, 0.2, 0.0), radius: 4.0 };
 
-fn hits(ball: &Sphere, e: &Emission) -> bool {
+fn hits(ball: &Sphere, e: &EmissionSample) -> bool {
     let to = ball.center - e.ray.origin;
     to.dot(e.ray.direction) > 0.0 && to.cross(e.ray.direction).length() < ball.radius
 }
@@ -51,7 +51,7 @@ fn aiming_changes_no_mean() {
     let targets = Targets::new(balls);
     for light in lights() {
         for ball in &balls {
-            let moments = |emit: &dyn Fn(Vec2, Vec2) -> Option<Emission>| {
+            let moments = |emit: &dyn Fn(Vec2, Vec2) -> Option<EmissionSample>| {
                 estimate(300_000, |k| {
                     let (a, b) = (k.uniform_2d(Dimension::LightPosition), k.uniform_2d(Dimension::LightDirection));
                     emit(a, b).filter(|e| hits(ball, e)).map_or(0.0, |e| f64::from(e.flux.x))
@@ -87,7 +87,7 @@ fn many_targets_are_merged_without_loss() {
         .collect();
     let targets = Targets::new(balls.iter().copied());
     let light = Light::Point { position: Vec3::new(0.0, 10.0, 0.0), intensity: Rgb::ONE };
-    let count = |emit: &dyn Fn(Vec2) -> Option<Emission>| {
+    let count = |emit: &dyn Fn(Vec2) -> Option<EmissionSample>| {
         estimate(100_000, |k| {
             let e = emit(k.uniform_2d(Dimension::LightDirection));
             e.map_or(0.0, |e| f64::from(e.flux.x) * balls.iter().filter(|b| hits(b, &e)).count() as f64)

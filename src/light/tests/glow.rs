@@ -3,7 +3,7 @@
 use super::direct::emitter_of;
 use super::*;
 use crate::math::Transform;
-use crate::shape::{Chart, Form, Mesh};
+use crate::shape::{Form, Mesh, TextureMapping};
 use crate::texture::{Checker, Coordinates, Texture};
 use glam::DVec2;
 use std::sync::Arc;
@@ -20,7 +20,11 @@ fn glowing(emitter: Emitter, form: Form) -> Light {
     let texture = half();
     let scale = Rgb::splat(BRIGHT);
     let radiance = texture.mean() * scale;
-    let glow = Arc::new(super::super::Glow { texture, chart: Chart::new(form, Transform::IDENTITY), scale });
+    let glow = Arc::new(super::super::EmissionTexture {
+        texture,
+        chart: TextureMapping::new(form, Transform::IDENTITY),
+        scale,
+    });
     Light::Area(Area { emitter, radiance, glow: Some(glow) })
 }
 

@@ -5,12 +5,12 @@ use glam::DAffine3;
 
 const X: Vec3 = Vec3::X;
 
-fn grid(values: Vec<f32>, size: [u32; 3]) -> Option<Arc<Field>> {
+fn grid(values: Vec<f32>, size: [u32; 3]) -> Option<Arc<GridDensity>> {
     let place = DAffine3::from_translation(DVec3::new(0.0, -0.5, -0.5));
-    Some(Arc::new(Field::new(size, values, place).unwrap()))
+    Some(Arc::new(GridDensity::new(size, values, place).unwrap()))
 }
 
-fn medium(a: Vec3, s: Vec3, e: Vec3, density: Option<Arc<Field>>) -> Medium {
+fn medium(a: Vec3, s: Vec3, e: Vec3, density: Option<Arc<GridDensity>>) -> Medium {
     Medium { absorption: a, scattering: s, emission: e, phase: Phase::Isotropic, density }
 }
 
@@ -26,8 +26,8 @@ fn what_is_not_there_changes_nothing() {
             let random = &mut rng(6);
             assert_eq!(medium.transmittance(&ray, distance, random), Vec3::ONE);
             assert_eq!(medium.emitted(&ray, distance, random), Vec3::ZERO);
-            let flight = medium.flight(&ray, distance, Vec3::ONE, random);
-            assert_eq!(flight, Flight { scattered: None, weight: Vec3::ONE });
+            let distance_sample = medium.distance_sample(&ray, distance, Vec3::ONE, random);
+            assert_eq!(distance_sample, Flight { scattered: None, weight: Vec3::ONE });
         }
     }
 }
@@ -45,19 +45,22 @@ fn depths_of_ten_thousand_are_finite() {
         for distance in [1.0, f32::INFINITY] {
             for _ in 0..10_000 {
                 for (medium, albedo) in [(&grey, 0.75), (&white, 1.0)] {
-                    let flight = medium.flight(&ray, distance, Vec3::ONE, random);
-                    assert!(flight.scattered.is_some_and(|t| t < 0.01), "{flight:?}");
-                    assert!((flight.weight - albedo).abs().max_element() < 1e-6, "{flight:?}");
+                    let distance_sample = medium.distance_sample(&ray, distance, Vec3::ONE, random);
+                    assert!(distance_sample.scattered.is_some_and(|t| t < 0.01), "{distance_sample:?}");
+                    assert!((distance_sample.weight - albedo).abs().max_element() < 1e-6, "{distance_sample:?}");
                 }
                 for throughput in [Vec3::ONE, Vec3::X, Vec3::Z, Vec3::ZERO, Vec3::new(1e-30, 1.0, 1e30), Vec3::INFINITY]
                 {
-                    let flight = mixed.flight(&ray, distance, throughput, random);
-                    assert!(flight.weight.is_finite() && flight.weight.min_element() >= 0.0, "{flight:?}");
+                    let distance_sample = mixed.distance_sample(&ray, distance, throughput, random);
+                    assert!(
+                        distance_sample.weight.is_finite() && distance_sample.weight.min_element() >= 0.0,
+                        "{distance_sample:?}"
+                    );
                     let whole = throughput.element_sum();
-                    let after = (throughput * flight.weight).element_sum();
-                    assert!(!whole.is_finite() || after <= whole * (1.0 + 1e-6), "{throughput} {flight:?}");
+                    let after = (throughput * distance_sample.weight).element_sum();
+                    assert!(!whole.is_finite() || after <= whole * (1.0 + 1e-6), "{throughput} {distance_sample:?}");
                     if throughput == Vec3::Z {
-                        assert_eq!(flight, Flight { scattered: None, weight: Vec3::Z });
+                        assert_eq!(distance_sample, Flight { scattered: None, weight: Vec3::Z });
                     }
                 }
             }
@@ -82,7 +85,7 @@ fn impatience_is_unbiased() {
     let (mut left, mut flown) = (0.0, 0.0);
     for _ in 0..n {
         left += medium.transmittance(&ray, 1.0, random).x;
-        flown += medium.flight(&ray, 1.0, Vec3::ONE, random).weight.x;
+        flown += medium.distance_sample(&ray, 1.0, Vec3::ONE, random).weight.x;
     }
     for mean in [left, flown].map(|sum| sum / n as f32) {
         assert!((mean - 1.0).abs() < 20.0 / (n as f32).sqrt(), "{mean}");
@@ -97,9 +100,9 @@ fn the_greatest_densities_end() {
     let medium = medium(Vec3::splat(f32::MAX), Vec3::ONE, Vec3::ONE, grid(values, [8; 3]));
     let random = &mut rng(9);
     for _ in 0..100 {
-        let flight = medium.flight(&ray, f32::INFINITY, Vec3::ONE, random);
+        let distance_sample = medium.distance_sample(&ray, f32::INFINITY, Vec3::ONE, random);
         let light = medium.transmittance(&ray, f32::INFINITY, random) + medium.emitted(&ray, f32::INFINITY, random);
-        assert!(flight.weight.is_finite() && light.is_finite(), "{flight:?} {light}");
+        assert!(distance_sample.weight.is_finite() && light.is_finite(), "{distance_sample:?} {light}");
     }
 }
 

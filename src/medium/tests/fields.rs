@@ -9,28 +9,28 @@ const HERE: DAffine3 = DAffine3::IDENTITY;
 
 #[test]
 fn bad_grids_are_refused() {
-    let refused = |size, values, place| Field::new(size, values, place).unwrap_err();
-    assert_eq!(refused([2, 0, 1], vec![], HERE), FieldError::Empty(2, 0, 1));
-    assert_eq!(refused([2, 2, 2], vec![1.0; 7], HERE), FieldError::Count { expected: 8, found: 7 });
+    let refused = |size, values, place| GridDensity::new(size, values, place).unwrap_err();
+    assert_eq!(refused([2, 0, 1], vec![], HERE), GridDensityError::Empty(2, 0, 1));
+    assert_eq!(refused([2, 2, 2], vec![1.0; 7], HERE), GridDensityError::Count { expected: 8, found: 7 });
     let most = [u32::MAX; 3];
-    assert_eq!(refused(most, vec![], HERE), FieldError::TooLarge(u32::MAX, u32::MAX, u32::MAX));
+    assert_eq!(refused(most, vec![], HERE), GridDensityError::TooLarge(u32::MAX, u32::MAX, u32::MAX));
     let large = [1 << 20, 1 << 20, 1 << 20];
-    assert!(matches!(Field::from_fn(large, HERE, |_| 1.0), Err(FieldError::TooLarge(..))));
+    assert!(matches!(GridDensity::from_fn(large, HERE, |_| 1.0), Err(GridDensityError::TooLarge(..))));
     let flat = DAffine3::from_scale(DVec3::new(1.0, 0.0, 1.0));
-    assert_eq!(refused([1; 3], vec![1.0], flat), FieldError::Placement(Singular));
+    assert_eq!(refused([1; 3], vec![1.0], flat), GridDensityError::Placement(Singular));
     for bad in [-1.0, f32::INFINITY, f32::NEG_INFINITY, f32::NAN] {
         let mut values = vec![1.0; 24];
         // (1, 2, 3) of 2 × 3 × 4.
         values[1 + 2 * (2 + 3 * 3)] = bad;
         let error = refused([2, 3, 4], values, HERE);
-        assert!(matches!(error, FieldError::Cell { x: 1, y: 2, z: 3, .. }), "{error}");
+        assert!(matches!(error, GridDensityError::Cell { x: 1, y: 2, z: 3, .. }), "{error}");
     }
 }
 
 #[test]
 fn values_stand_at_the_middles_of_cells() {
     let size = [3, 4, 5];
-    let field = Field::from_fn(size, HERE, |p| (p.x * 3.0 + p.y * 400.0 + p.z * 50_000.0) as f32).unwrap();
+    let field = GridDensity::from_fn(size, HERE, |p| (p.x * 3.0 + p.y * 400.0 + p.z * 50_000.0) as f32).unwrap();
     let middle = |x: f32, y: f32, z: f32| Vec3::new((x + 0.5) / 3.0, (y + 0.5) / 4.0, (z + 0.5) / 5.0);
     let value = |x: f32, y: f32, z: f32| x + 0.5 + 100.0 * (y + 0.5) + 10_000.0 * (z + 0.5);
     // Points are f32: an ulp of them moves the steepest ramp by .003.
@@ -57,7 +57,7 @@ fn majorants_bound_the_density_along_rays() {
         DQuat::from_rotation_y(0.4),
         DVec3::new(5.0, -1.0, 2.0),
     );
-    let field = Field::new(size, values, place).unwrap();
+    let field = GridDensity::new(size, values, place).unwrap();
     let mut crossed = 0;
     for i in 0..20_000 {
         let mut unit = || DVec3::new(random.random(), random.random(), random.random());
@@ -94,7 +94,7 @@ fn majorants_bound_the_density_along_rays() {
 }
 
 /// Where a line is in the image of the unit cube, after 0.
-fn slab(field: &Field, ray: &Ray) -> (f64, f64) {
+fn slab(field: &GridDensity, ray: &Ray) -> (f64, f64) {
     let inverse = field.placement().inverse();
     let (o, d) = (inverse.transform_point3(ray.origin.as_dvec3()), inverse.transform_vector3(ray.direction.as_dvec3()));
     let (a, b) = (-o / d, (1.0 - o) / d);
@@ -103,7 +103,7 @@ fn slab(field: &Field, ray: &Ray) -> (f64, f64) {
 
 #[test]
 fn fields_move_without_a_copy() {
-    let field = Field::from_fn([4; 3], HERE, |p| p.x as f32).unwrap();
+    let field = GridDensity::from_fn([4; 3], HERE, |p| p.x as f32).unwrap();
     let by = DVec3::new(1e6, -2e6, 3e6);
     let back = field.translated(by).translated(-by);
     let p = Vec3::new(0.3, 0.9, 0.2);

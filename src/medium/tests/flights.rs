@@ -7,17 +7,17 @@ use super::*;
 use glam::DAffine3;
 
 /// Coefficients of a medium in which every channel has a case of its own: mixed, absorbing only, and without extinction.
-fn colourful(density: Option<Field>) -> Medium {
+fn colourful(density: Option<GridDensity>) -> Medium {
     let [a, s, e] = [Vec3::new(0.1, 0.5, 0.0), Vec3::new(1.3, 0.0, 0.0), Vec3::new(0.2, 3.0, 1.0)];
     make(a, s, e, density)
 }
 
 /// All channels scatter, blue most.
-fn bluish(density: Option<Field>) -> Medium {
+fn bluish(density: Option<GridDensity>) -> Medium {
     make(Vec3::new(0.0, 0.3, 0.1), Vec3::new(0.05, 0.4, 2.0), Vec3::new(0.0, 0.0, 0.5), density)
 }
 
-fn make(a: Vec3, s: Vec3, e: Vec3, density: Option<Field>) -> Medium {
+fn make(a: Vec3, s: Vec3, e: Vec3, density: Option<GridDensity>) -> Medium {
     match density {
         None => Medium::homogeneous(a, s, e, Phase::Isotropic),
         Some(field) => Medium::varied(a, s, e, Phase::Isotropic, Arc::new(field)),
@@ -49,12 +49,15 @@ fn check(medium: &Medium, ray: &Ray, distance: f32, depth: impl Fn(f64) -> f64, 
         let mut means = [Mean::default(), Mean::default(), Mean::default()];
         let whole = throughput.element_sum();
         for _ in 0..n {
-            let flight = medium.flight(ray, distance, throughput, &mut random);
-            let w = flight.weight.as_dvec3();
+            let distance_sample = medium.distance_sample(ray, distance, throughput, &mut random);
+            let w = distance_sample.weight.as_dvec3();
             // Russian roulette may raise a faint walk, but never above where it began.
-            assert!((throughput * flight.weight).element_sum() <= whole * (1.0 + 1e-6), "{name}: {flight:?}");
-            let t = flight.scattered.map_or(0.0, f64::from);
-            let through = f64::from(u8::from(flight.scattered.is_none()));
+            assert!(
+                (throughput * distance_sample.weight).element_sum() <= whole * (1.0 + 1e-6),
+                "{name}: {distance_sample:?}"
+            );
+            let t = distance_sample.scattered.map_or(0.0, f64::from);
+            let through = f64::from(u8::from(distance_sample.scattered.is_none()));
             assert!((0.0..=f64::from(distance)).contains(&t));
             means[0].add(w * through);
             means[1].add(w * (1.0 - through));
@@ -92,14 +95,14 @@ fn weights_and_densities_of_flights_belong_together() {
     let (medium, throughput) = (bluish(None), Vec3::new(0.01, 0.3, 2.0));
     let mut random = rng(4);
     for _ in 0..1000 {
-        let flight = medium.flight(&ray, f32::INFINITY, throughput, &mut random);
-        let t = flight.scattered.expect("every channel has extinction");
+        let distance_sample = medium.distance_sample(&ray, f32::INFINITY, throughput, &mut random);
+        let t = distance_sample.scattered.expect("every channel has extinction");
         let left = medium.transmittance(&ray, t, &mut random);
         let expected = medium.scattering * left / medium.flight_pdf(t, throughput).unwrap();
         // exp turns an ulp of t into σt·t ulps: 2.1 · 30 at the most.
         assert!(
-            (flight.weight - expected).abs().max_element() <= 1e-5 * expected.max_element(),
-            "{flight:?} {expected}"
+            (distance_sample.weight - expected).abs().max_element() <= 1e-5 * expected.max_element(),
+            "{distance_sample:?} {expected}"
         );
     }
     // The midpoint rule over 40 lengths of the longest flight: what is left is below 10⁻⁶.
@@ -111,11 +114,11 @@ fn weights_and_densities_of_flights_belong_together() {
 }
 
 /// A turned and sheared box of one density.
-fn constant(density: f32) -> Field {
+fn constant(density: f32) -> GridDensity {
     let turn = DAffine3::from_axis_angle(DVec3::new(1.0, 2.0, -0.5).normalize(), 0.8);
     let place =
         turn * DAffine3::from_scale(DVec3::new(4.0, 30.0, 20.0)) * DAffine3::from_translation(DVec3::splat(-0.5));
-    Field::new([21, 3, 9], vec![density; 21 * 3 * 9], place).unwrap()
+    GridDensity::new([21, 3, 9], vec![density; 21 * 3 * 9], place).unwrap()
 }
 
 #[test]
@@ -139,7 +142,7 @@ fn a_linear_density_has_its_optical_depth() {
         glam::DQuat::IDENTITY,
         DVec3::new(0.0, -50.0, -50.0),
     );
-    let field = Field::from_fn([20, 9, 1], place, |p| (2.0 * p.x) as f32).unwrap();
+    let field = GridDensity::from_fn([20, 9, 1], place, |p| (2.0 * p.x) as f32).unwrap();
     let (low, high) = (0.1, 3.9);
     let across = |x: f64| {
         let x = x.clamp(0.0, 4.0);
@@ -163,7 +166,7 @@ fn a_linear_density_has_its_optical_depth() {
 fn clouds_have_their_optical_depth() {
     let cloud = Cloud { octaves: 4, scale: 3.0, cover: 0.8, softness: 0.3, seed: 5 };
     let place = DAffine3::from_scale(DVec3::splat(6.0));
-    let field = Field::from_fn([40, 33, 27], place, |p| 3.0 * cloud.density(0.0)(p)).unwrap();
+    let field = GridDensity::from_fn([40, 33, 27], place, |p| 3.0 * cloud.density(0.0)(p)).unwrap();
     let ray = Ray::new(Vec3::new(-1.0, 1.5, 2.0), Vec3::new(6.0, 2.1, 1.3).normalize());
     let (n, distance) = (40_000usize, 8.0f32);
     let step = f64::from(distance) / n as f64;

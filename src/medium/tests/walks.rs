@@ -8,11 +8,11 @@ use rand::RngExt;
 fn walk(medium: &Medium, random: &mut SmallRng) -> (f64, DVec3) {
     let (mut p, mut direction, mut collisions) = (Vec3::ZERO, Vec3::X, 0.0);
     loop {
-        let flight = medium.flight(&Ray::new(p, direction), f32::INFINITY, Vec3::ONE, random);
-        let t = flight.scattered.expect("the medium has no end");
+        let distance_sample = medium.distance_sample(&Ray::new(p, direction), f32::INFINITY, Vec3::ONE, random);
+        let t = distance_sample.scattered.expect("the medium has no end");
         p += direction * t;
         collisions += 1.0;
-        if random.random::<f32>() >= flight.weight.x {
+        if random.random::<f32>() >= distance_sample.weight.x {
             return (collisions, p.as_dvec3());
         }
         direction = medium.phase.sample(direction, Vec2::new(random.random(), random.random())).0;
@@ -46,7 +46,7 @@ fn walks_end_where_diffusion_says() {
 #[test]
 fn walks_in_a_grid_end_where_diffusion_says() {
     let place = DAffine3::from_scale(DVec3::splat(400.0)) * DAffine3::from_translation(DVec3::splat(-0.5));
-    let field = Arc::new(Field::new([33, 20, 9], vec![2.5; 33 * 20 * 9], place).unwrap());
+    let field = Arc::new(GridDensity::new([33, 20, 9], vec![2.5; 33 * 20 * 9], place).unwrap());
     let medium = Medium::varied(Vec3::splat(0.2), Vec3::splat(0.8), Vec3::ZERO, Phase::HenyeyGreenstein(0.7), field);
     check(&medium, 2.5, 0.8);
 }

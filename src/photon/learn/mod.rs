@@ -7,10 +7,10 @@ mod tests;
 pub(super) use density::EmissionDensity;
 
 use super::trace::Deposit;
-use super::{Audit, PhotonPass, PhotonSource, Scratch, Visible, Wants};
+use super::{Audit, PhotonPass, PhotonSource, Scratch, StoreMask, Visible};
 use crate::color;
 use crate::sampling::{Discrete, Key, Purpose};
-use crate::scene::{Immersed, Inside, Interior, Memory, Open};
+use crate::scene::{Interior, InteriorKind, InteriorStack, NoInterior, SpectralInterior};
 use density::{Fit, Sample};
 use rayon::prelude::*;
 
@@ -27,7 +27,7 @@ const SAFE_SHARE: f64 = 0.2;
 #[derive(Clone, Copy, Debug)]
 pub struct Pilot<'a> {
     /// Which photons count.
-    pub wants: Wants,
+    pub wants: StoreMask,
     /// Bounces after which a path is cut.
     pub max_bounces: u32,
     /// Where they count.
@@ -45,7 +45,7 @@ impl Pilot<'_> {
 
 /// What a pilot found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
-pub struct Lesson {
+pub struct GuidingReport {
     /// Paths traced.
     pub paths: u64,
     /// Rays traced.
@@ -67,9 +67,9 @@ impl PhotonSource<'_> {
     /// the pilot lights nothing visible the source stays as it was. The result depends on the scene, this source and the
     /// pilot's fields alone.
     #[must_use]
-    pub fn learned(mut self, pilot: &Pilot<'_>) -> (Self, Lesson) {
+    pub fn learned(mut self, pilot: &Pilot<'_>) -> (Self, GuidingReport) {
         let unlearned = self.choice.clone();
-        let mut lesson = Lesson { gain: 1.0, ..Lesson::default() };
+        let mut lesson = GuidingReport { gain: 1.0, ..GuidingReport::default() };
         let mut samples = Vec::new();
         let mut first = 0.0;
         for round in 0..ROUNDS {
@@ -98,9 +98,9 @@ impl PhotonSource<'_> {
             .map(|chunk| {
                 let range = chunk * CHUNK..paths.min((chunk + 1).saturating_mul(CHUNK));
                 match self.memory() {
-                    Memory::Media => self.explore_chunk::<Immersed>(pilot, key, range, paths),
-                    Memory::Bodies => self.explore_chunk::<Inside>(pilot, key, range, paths),
-                    Memory::Nothing => self.explore_chunk::<Open>(pilot, key, range, paths),
+                    InteriorKind::Spectral => self.explore_chunk::<SpectralInterior>(pilot, key, range, paths),
+                    InteriorKind::Bodies => self.explore_chunk::<InteriorStack>(pilot, key, range, paths),
+                    InteriorKind::Nothing => self.explore_chunk::<NoInterior>(pilot, key, range, paths),
                 }
             })
             .collect();
@@ -134,7 +134,7 @@ impl PhotonSource<'_> {
                     key.with(index.into()),
                     (&mut audit, &mut found.rays),
                     |_, deposit, flux, _| {
-                        let Deposit::Surface(surface) = deposit else { return };
+                        let Deposit::SurfaceInteraction(surface) = deposit else { return };
                         let flux = f64::from(color::mean(flux));
                         let importance =
                             pilot.visible.importance(surface.point.p, surface.facing_normal(), &mut scratch);

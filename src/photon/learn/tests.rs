@@ -2,7 +2,7 @@ use super::*;
 use crate::camera::Camera;
 use crate::color::Rgb;
 use crate::photon::{Bandwidth, Kernel, Photon, PhotonMap, VisiblePoint};
-use crate::scene::{Inside, LightStrength, Material, Scene, SceneBuilder, SourceKind};
+use crate::scene::{InteriorStack, LightStrength, Material, Scene, SceneBuilder, SourceKind};
 use crate::shape::{Rectangle, Shape, Sphere};
 use glam::{DVec3, Vec2, Vec3};
 
@@ -67,10 +67,10 @@ fn visible(scene: &Scene) -> Visible {
     Visible::new(corner(scene).map(|position| VisiblePoint { position, normal: Vec3::Y, weight: 1.0 }), 0.1)
 }
 
-const WANTS: Wants = Wants::ALL;
+const WANTS: StoreMask = StoreMask::ALL;
 const BOUNCES: u32 = 2;
 
-fn learned<'a>(scene: &'a Scene, visible: &Visible) -> (PhotonSource<'a>, Lesson) {
+fn learned<'a>(scene: &'a Scene, visible: &Visible) -> (PhotonSource<'a>, GuidingReport) {
     let pilot = Pilot { wants: WANTS, max_bounces: BOUNCES, visible, paths: 1 << 16, seed: 11 };
     PhotonSource::everywhere(scene).unwrap().learned(&pilot)
 }
@@ -161,11 +161,11 @@ fn aiming_and_learning_compose() {
         b.source(SourceKind::Point { position: LAMP }, LightStrength::Physical(Rgb::ONE));
     });
     let visible = visible(&scene);
-    let pilot = Pilot { wants: Wants::CAUSTIC, max_bounces: 20, visible: &visible, paths: 1 << 15, seed: 1 };
+    let pilot = Pilot { wants: StoreMask::CAUSTIC, max_bounces: 20, visible: &visible, paths: 1 << 15, seed: 1 };
     let plain = PhotonSource::aimed(&scene).unwrap();
     let (learned, lesson) = PhotonSource::aimed(&scene).unwrap().learned(&pilot);
     let flux = |source: &PhotonSource<'_>| {
-        let pass = PhotonPass { scene: &scene, source, wants: Wants::CAUSTIC, max_bounces: 20 };
+        let pass = PhotonPass { scene: &scene, source, wants: StoreMask::CAUSTIC, max_bounces: 20 };
         let corner = placed(&scene, DVec3::new(6.0, 0.5, 6.0));
         let (mut seen, mut emitted) = (Mean::default(), Mean::default());
         for i in 0..32 {
@@ -245,7 +245,7 @@ fn a_pilot_that_saw_nothing_changes_nothing() {
             assert_eq!((lesson.useful, lesson.gain), (0.0, 1.0), "{name}");
             let plain = PhotonSource::everywhere(&scene).unwrap();
             for i in 0..1000 {
-                let bits = |s: &PhotonSource<'_>| s.emit::<Inside>(key(1), i, 1000).map(|(w, f)| (w.ray, f));
+                let bits = |s: &PhotonSource<'_>| s.emit::<InteriorStack>(key(1), i, 1000).map(|(w, f)| (w.ray, f));
                 assert_eq!(bits(&learned), bits(&plain), "{name}");
             }
         }
@@ -261,7 +261,7 @@ fn the_lesson_is_a_function_of_scene_and_seed() {
         pool.install(|| {
             let pilot = Pilot { wants: WANTS, max_bounces: BOUNCES, visible: &visible, paths: 1 << 15, seed };
             let (source, lesson) = PhotonSource::everywhere(&scene).unwrap().learned(&pilot);
-            let emit = |i| source.emit::<Inside>(key(0), i, 1000).map(|(w, f)| (w.ray, f));
+            let emit = |i| source.emit::<InteriorStack>(key(0), i, 1000).map(|(w, f)| (w.ray, f));
             (lesson, (0..1000).map(emit).collect::<Vec<_>>())
         })
     };

@@ -1,7 +1,7 @@
 //! How many passes an error takes.
 
 use super::specks::Specks;
-use super::{Gauge, Reading};
+use super::{ErrorEstimate, ErrorEstimator};
 use crate::integrate::shrink;
 
 /// Nobody waits for more passes.
@@ -47,17 +47,17 @@ pub struct Forecast {
     seen: f64,
 }
 
-impl Gauge {
+impl ErrorEstimator {
     /// How the error goes on after what was read; `None` while too few passes tell.
     #[must_use]
-    pub fn forecast(&self, reading: &Reading) -> Option<Forecast> {
+    pub fn forecast(&self, reading: &ErrorEstimate) -> Option<Forecast> {
         let law = self.law.map(|law| (law.alpha, law.kernel.step_noise()));
         reading.error.is_finite().then(|| Forecast::new(reading, law))
     }
 }
 
 impl Forecast {
-    fn new(reading: &Reading, law: Option<(f64, f32)>) -> Self {
+    fn new(reading: &ErrorEstimate, law: Option<(f64, f32)>) -> Self {
         let n = f64::from(reading.passes);
         let specks = reading.specks;
         let variance = (reading.variance - n * specks.now()).max(0.0);
@@ -161,8 +161,8 @@ impl Sums {
 mod tests {
     use super::*;
 
-    fn reading(passes: u32, variance: f64, step_variance: f64, blur: f64, ratio: f64) -> Reading {
-        Reading { passes, variance, step_variance, blur, ratio, ..Reading::default() }
+    fn reading(passes: u32, variance: f64, step_variance: f64, blur: f64, ratio: f64) -> ErrorEstimate {
+        ErrorEstimate { passes, variance, step_variance, blur, ratio, ..ErrorEstimate::default() }
     }
 
     /// A tenth of the pixels hold a speck of sixteen times what counts: as passes are added, more find one, and the first to find one
@@ -171,7 +171,7 @@ mod tests {
     fn specks_spread_before_they_fade() {
         let mut specks = Specks::default();
         (0..10).for_each(|_| specks.add(16.0, 0.01));
-        let forecast = Forecast::new(&Reading { specks, ..reading(8, 8.0 * 0.1, 0.0, 0.0, 0.5) }, None);
+        let forecast = Forecast::new(&ErrorEstimate { specks, ..reading(8, 8.0 * 0.1, 0.0, 0.0, 0.5) }, None);
         let noise2 = |n: u32| libm::pow(forecast.after(n).0, 2.0);
         for (n, expected) in [(8, 0.1), (16, 0.2), (32, 0.4), (64, 0.2), (8 * 160, 0.01)] {
             // Sizes are kept to the half of an octave.

@@ -10,7 +10,7 @@ mod specks;
 mod spread;
 
 pub use forecast::{Forecast, Needed};
-pub use reading::{Confidence, FEWEST, Reading};
+pub use reading::{Confidence, ErrorEstimate, FEWEST};
 
 use super::Film;
 use crate::image::RelativeScale;
@@ -20,7 +20,7 @@ use spread::Spread;
 
 /// Learns the error of a picture from its passes.
 #[derive(Clone, Debug)]
-pub struct Gauge {
+pub struct ErrorEstimator {
     law: Option<RadiusLaw>,
     passes: u32,
     /// Σ (x − mean)² by channel. Squares of what single precision holds are double.
@@ -72,7 +72,7 @@ pub struct ErrorMaps {
     pub global: Vec<Discs>,
 }
 
-impl Gauge {
+impl ErrorEstimator {
     /// A gauge for pictures whose radii follow `law`; `None` where there are no estimates.
     #[must_use]
     pub fn new(law: Option<RadiusLaw>) -> Self {

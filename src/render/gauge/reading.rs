@@ -1,7 +1,7 @@
 //! What a gauge tells of the picture so far.
 
 use super::specks::Specks;
-use super::{Estimates, Frozen, Gauge};
+use super::{ErrorEstimator, Estimates, Frozen};
 use crate::image::RelativeScale;
 use crate::render::Film;
 use serde::Serialize;
@@ -50,7 +50,7 @@ impl Default for Confidence {
 /// The error of a picture as far as its own passes show it. All errors are relative, on the scale of
 /// [`RelativeScale`](crate::image::RelativeScale).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Reading {
+pub struct ErrorEstimate {
     /// Passes made.
     pub passes: u32,
     /// Root of noise² + bias².
@@ -119,22 +119,22 @@ struct Steps {
     doubt: f64,
 }
 
-impl Gauge {
+impl ErrorEstimator {
     /// The error of the mean of the passes so far, with an interval of the usual confidence. With fewer than four passes nothing is
     /// known: every number is infinite.
     #[must_use]
-    pub fn read(&self, film: &Film) -> Reading {
+    pub fn read(&self, film: &Film) -> ErrorEstimate {
         self.read_with(film, Confidence::default())
     }
 
     /// The same with an interval of the given confidence.
     #[must_use]
-    pub fn read_with(&self, film: &Film, confidence: Confidence) -> Reading {
+    pub fn read_with(&self, film: &Film, confidence: Confidence) -> ErrorEstimate {
         let passes = self.passes;
         if passes < FEWEST {
             let unknown = f64::INFINITY;
             let (error, low, high, noise, bias) = (unknown, 0.0, unknown, unknown, unknown);
-            return Reading { passes, error, low, high, noise, bias, ..Reading::default() };
+            return ErrorEstimate { passes, error, low, high, noise, bias, ..ErrorEstimate::default() };
         }
         let n = f64::from(passes);
         let scale = RelativeScale::of_pixels(film.size(), &film.mean());
@@ -159,7 +159,7 @@ impl Gauge {
         let deviation = (realised + estimated + blur.doubt + frozen_doubt).sqrt();
         let reach = confidence.deviations() * deviation;
         let error = square.sqrt();
-        Reading {
+        ErrorEstimate {
             passes,
             error,
             low: (square - reach).max(0.0).sqrt(),

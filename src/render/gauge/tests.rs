@@ -16,8 +16,8 @@ fn noise(pass: u32, seed: u64, pixel: usize, which: u64) -> f32 {
 }
 
 /// Passes of a picture of light 1 (weights ½) with noise of `sigma` and smooth bias b, whose steps b/2 and b/4 have noise too.
-fn gauged(passes: u32, seed: u64, sigma: f32, bias: f32) -> (Gauge, Film) {
-    let (mut gauge, mut film) = (Gauge::new(Some(LAW)), Film::new(WIDTH, WIDTH));
+fn gauged(passes: u32, seed: u64, sigma: f32, bias: f32) -> (ErrorEstimator, Film) {
+    let (mut gauge, mut film) = (ErrorEstimator::new(Some(LAW)), Film::new(WIDTH, WIDTH));
     for i in 0..passes {
         let part = |pixel: usize, which: u64| Rgb::splat(sigma * noise(i, seed, pixel, which));
         let pixel = |p: usize| Gauged {
@@ -80,7 +80,7 @@ fn intervals_hold_the_true_error() {
 /// Walks that stay are wrong by .2 at each of 16 pixels that are looked at, and fresh ones by noise.
 #[test]
 fn shared_walks_are_bias() {
-    let (mut gauge, mut film) = (Gauge::new(None), Film::new(WIDTH, WIDTH));
+    let (mut gauge, mut film) = (ErrorEstimator::new(None), Film::new(WIDTH, WIDTH));
     for i in 0..32 {
         let image = vec![Rgb::splat(1.2); PIXELS];
         let fresh = (0..16).map(|p| (p as u32 * 100, Rgb::splat(1.0 + 0.1 * noise(i, 3, p, 0)))).collect();
@@ -114,7 +114,7 @@ fn edges_are_not_taken_for_smooth_light() {
             [at(1.0), at(0.5f64.sqrt()), at(0.5), if x > 0.0 { 1.0 } else { 0.0 }]
         })
         .collect();
-    let (mut gauge, mut film) = (Gauge::new(Some(LAW)), Film::new(WIDTH, WIDTH));
+    let (mut gauge, mut film) = (ErrorEstimator::new(Some(LAW)), Film::new(WIDTH, WIDTH));
     for _ in 0..8 {
         let splat = |v: f64| Rgb::splat(v as f32);
         let pixel = |v: &[f64; 4]| Gauged { steps: [splat(v[0] - v[1]), splat(v[1] - v[2])], ..Gauged::default() };

@@ -8,7 +8,7 @@ use super::spline::{Basis, SplineError};
 use super::{GAUSS, Nearest, SLACK};
 use crate::math::{Ray, Transform};
 use crate::sampling::Discrete;
-use crate::shape::{Crossing, Mapped, ShapeSample, SurfacePoint, within};
+use crate::shape::{Crossing, ShapeSample, SurfacePoint, TexCoord, within};
 use glam::{DVec2, DVec3, DVec4, Vec2};
 use std::sync::Arc;
 
@@ -255,11 +255,11 @@ impl Patch {
     }
 
     /// Coordinates and how they grow in the world.
-    pub(in crate::shape) fn mapped(&self, uv: Vec2) -> Mapped {
+    pub(in crate::shape) fn mapped(&self, uv: Vec2) -> TexCoord {
         let (leaf, at) = self.net.find(uv);
         let [_, along_x, along_y] = self.net.piece(leaf).point(at);
         let half = self.net.leaves[leaf].half;
-        Mapped::of(uv, self.to_world.vector(along_x / half.x), self.to_world.vector(along_y / half.y))
+        TexCoord::of(uv, self.to_world.vector(along_x / half.x), self.to_world.vector(along_y / half.y))
     }
 }
 

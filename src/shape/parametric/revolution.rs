@@ -9,7 +9,7 @@ use super::spline::{Basis, SplineError};
 use super::{GAUSS, Nearest, SLACK};
 use crate::math::{Ray, Transform};
 use crate::sampling::Discrete;
-use crate::shape::{Crossing, Mapped, ShapeSample, SurfacePoint, widen, within};
+use crate::shape::{Crossing, ShapeSample, SurfacePoint, TexCoord, widen, within};
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use libm::{atan2, hypot, sincos};
 use std::f64::consts::TAU;
@@ -214,14 +214,14 @@ impl Revolution {
     }
 
     /// Coordinates of point `p` of the surface and how they grow in the world.
-    pub(in crate::shape) fn mapped(&self, p: Vec3, uv: Vec2) -> Mapped {
+    pub(in crate::shape) fn mapped(&self, p: Vec3, uv: Vec2) -> TexCoord {
         let (leaf, x) = self.profile.find(f64::from(uv.x));
         let (_, radial) = polar(self.to_world.inverse().transform_point3(p.as_dvec3()));
         let ([radius, _], [dx, dh]) = evaluate(self.profile.powers(leaf), x);
         let half = self.profile.leaves[leaf].place[1];
         let along = DVec3::new(dx * radial.x, dh, dx * radial.y) / half;
         let around = DVec3::new(-radial.y, 0.0, radial.x) * (TAU * radius);
-        Mapped::of(uv, self.to_world.vector(along), self.to_world.vector(around))
+        TexCoord::of(uv, self.to_world.vector(along), self.to_world.vector(around))
     }
 
     /// Density per area of [`Revolution::sample`].

@@ -10,7 +10,7 @@ use crate::image::flip::{FlipOptions, flip};
 use crate::image::metrics::rmse;
 use crate::integrate::{Expected, Integrator, Monitor, Radii};
 use crate::render::Film;
-use crate::render::gauge::Gauge;
+use crate::render::gauge::ErrorEstimator;
 use crate::scene::Scene;
 use crate::stats::cpu_seconds;
 use crate::study::StudyError;
@@ -78,7 +78,7 @@ struct Seed<'a> {
     integrator: Option<Box<dyn Integrator + 'a>>,
     film: Film,
     /// Made with the first pass.
-    gauge: Option<Gauge>,
+    gauge: Option<ErrorEstimator>,
 }
 
 struct Last {
@@ -231,7 +231,7 @@ impl Run<'_> {
         let first = self.variant.settings.eye.seed;
         let integrator = integrator.get_or_insert_with(|| (self.make)(first.wrapping_add(seed as u64)));
         let (pass, time) = timed(clock, || integrator.pass(pass, monitor));
-        gauge.get_or_insert_with(|| Gauge::new(integrator.radius_law())).add(film, &pass);
+        gauge.get_or_insert_with(|| ErrorEstimator::new(integrator.radius_law())).add(film, &pass);
         film.add(&pass.image);
         self.time += time;
         self.rays += pass.counters.rays();

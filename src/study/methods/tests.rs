@@ -7,7 +7,7 @@ use super::{Limits, MethodStudy, MethodsFound, Moment, References, Step, Subject
 use crate::color::Rgb;
 use crate::image::{self, Image, WriteOptions};
 use crate::integrate::{Algorithm, EyeSettings, Integrator, Monitor, Pass, Settings, Silent};
-use crate::plan::{Effect, Effects, Plan, Wishes};
+use crate::plan::{Effect, EffectOverrides, Effects, Plan};
 use crate::stats::{Counters, cpu_seconds};
 use crate::study::tests::{glass_on_floor, matt};
 use std::sync::Mutex;
@@ -248,9 +248,9 @@ fn references_know_their_noise() {
 #[test]
 fn references_are_rendered_by_what_misses_nothing() {
     let (matt, glass) = (matt(8, 6), glass_on_floor(8, 6));
-    assert_eq!(truthful(&matt, Wishes::PLANNED).0, Algorithm::Path);
-    assert_eq!(truthful(&glass, Wishes::PLANNED).0, Algorithm::Hybrid);
-    assert_eq!(truthful(&glass, Wishes::PLANNED.without(Effect::Caustics)).0, Algorithm::Path);
+    assert_eq!(truthful(&matt, EffectOverrides::PLANNED).0, Algorithm::Path);
+    assert_eq!(truthful(&glass, EffectOverrides::PLANNED).0, Algorithm::Hybrid);
+    assert_eq!(truthful(&glass, EffectOverrides::PLANNED.without(Effect::Caustics)).0, Algorithm::Path);
     let render = |seed, interrupted| {
         let like = EyeSettings { seed, ..EyeSettings::default() };
         References::render(&matt, &like, 0.0, &AtomicBool::new(interrupted), &Silent, |_, _| {}).unwrap()

@@ -5,7 +5,7 @@ use super::clock::{system, timed};
 use crate::image::metrics::{MetricError, rmse};
 use crate::image::{Image, RelativeScale, SizeError, open_file};
 use crate::integrate::{Algorithm, EyeSettings, Monitor, Settings};
-use crate::plan::{Effect, Plan, Wishes};
+use crate::plan::{Effect, EffectOverrides, Plan};
 use crate::render::Film;
 use crate::scene::Scene;
 use glam::DVec3;
@@ -193,7 +193,7 @@ fn read(path: &Path, wanted: (u32, u32)) -> Result<Image, TruthError> {
 /// The algorithm that references are made by, and why: `path` is unbiased, and complete where there are no caustics to be missed; with
 /// them, `hybrid` blurs nothing but these, by radii that shrink.
 #[must_use]
-pub fn truthful(scene: &Scene, wishes: Wishes) -> (Algorithm, &'static str) {
+pub fn truthful(scene: &Scene, wishes: EffectOverrides) -> (Algorithm, &'static str) {
     let plan = Plan::new(scene, Algorithm::Hybrid.simulates(), wishes);
     if plan.effects().has(Effect::Caustics) {
         (Algorithm::Hybrid, "unbiased but for caustics, blurred by radii that shrink")

@@ -1,7 +1,7 @@
 //! What is compared.
 
 use crate::integrate::{Algorithm, Settings};
-use crate::plan::{Effect, Plan, Wishes};
+use crate::plan::{Effect, EffectOverrides, Plan};
 use crate::scene::Scene;
 
 /// An algorithm with its settings.
@@ -45,7 +45,7 @@ pub(super) fn check(variants: &[Variant], seeds: u32) -> Result<(), VariantError
 /// The methods of global illumination that differ in a scene: photons are for light that reaches what stores them, and `hybrid` is
 /// `path` where there are no caustics.
 #[must_use]
-pub fn methods_for(scene: &Scene, wishes: Wishes) -> Vec<Algorithm> {
+pub fn methods_for(scene: &Scene, wishes: EffectOverrides) -> Vec<Algorithm> {
     let plan = Plan::new(scene, Algorithm::Hybrid.simulates(), wishes);
     let facts = &plan.facts;
     let photons = facts.lights > 0 && facts.receivers + facts.scattering_media > 0;
@@ -78,9 +78,9 @@ mod tests {
     #[test]
     fn methods_apply_where_they_differ() {
         use Algorithm::{Hybrid, Path, Pm, Ppm, Sppm};
-        assert_eq!(methods_for(&glass_on_floor(4, 3), Wishes::PLANNED), [Path, Pm, Ppm, Sppm, Hybrid]);
-        assert_eq!(methods_for(&matt(4, 3), Wishes::PLANNED), [Path, Pm, Ppm, Sppm]);
-        let without = Wishes::PLANNED.without(Effect::Caustics);
+        assert_eq!(methods_for(&glass_on_floor(4, 3), EffectOverrides::PLANNED), [Path, Pm, Ppm, Sppm, Hybrid]);
+        assert_eq!(methods_for(&matt(4, 3), EffectOverrides::PLANNED), [Path, Pm, Ppm, Sppm]);
+        let without = EffectOverrides::PLANNED.without(Effect::Caustics);
         assert_eq!(methods_for(&glass_on_floor(4, 3), without), [Path, Pm, Ppm, Sppm]);
     }
 }

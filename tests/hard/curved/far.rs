@@ -5,7 +5,7 @@ use crate::transforms::dd::{Dd, Dd3};
 use caustica::camera::Camera;
 use caustica::color::Rgb;
 use caustica::integrate::{Algorithm, EyeSettings, Settings};
-use caustica::light::{Area, Emitter, Light, Reach};
+use caustica::light::{Area, Emitter, Light, ShadowTarget};
 use caustica::math::{Ray, Transform, warp};
 use caustica::sampling::Discrete;
 use caustica::scene::{Material, SceneBuilder};
@@ -106,7 +106,7 @@ fn far_lights_do_not_shade_themselves() {
             for _ in 0..50_000 {
                 let p = warp::sphere(pair(&mut rng)) * distance;
                 let Some(sample) = light.sample_direct(p, pair(&mut rng)) else { continue };
-                let Reach::Point(target) = sample.reach else { panic!("{sample:?}") };
+                let ShadowTarget::Point(target) = sample.reach else { panic!("{sample:?}") };
                 let ray = Ray::between(p, target);
                 let blocked = match &emitter {
                     Emitter::Shape(shape) => shape.intersect(&ray).is_some(),

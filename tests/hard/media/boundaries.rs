@@ -5,7 +5,7 @@ use caustica::camera::Camera;
 use caustica::color::Rgb;
 use caustica::integrate::{Algorithm, EyeSettings, Settings};
 use caustica::medium::{Medium, Phase};
-use caustica::photon::{PhotonPass, PhotonSource, Wants};
+use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
 use caustica::sampling::{Key, Purpose};
 use caustica::scene::{Body, LightStrength, Material, SceneBuilder, SourceKind};
 use caustica::shape::{Rectangle, Shape};
@@ -119,7 +119,7 @@ fn photons_obey_beers_law_over_a_million_boundaries() {
         b.source(spot, LightStrength::Power(Rgb::ONE));
         let scene = b.build(along_x()).unwrap();
         let source = PhotonSource::everywhere(&scene).unwrap();
-        let pass = PhotonPass { scene: &scene, source: &source, wants: Wants::ALL, max_bounces: TURNS - 1 };
+        let pass = PhotonPass { scene: &scene, source: &source, wants: StoreMask::ALL, max_bounces: TURNS - 1 };
         let audit = pass.trace(Key::new(3).purpose(Purpose::Test), 2, &|_| {}).audit;
         let left = audit.stopped[1] / audit.emitted[1];
         let booked = (audit.absorbed[1] + audit.stopped[1] + audit.roulette[1]) / audit.emitted[1];

@@ -1,7 +1,7 @@
 //! Grids whose cells are no densities.
 
 use caustica::format::SceneFile;
-use caustica::medium::{Field, FieldError};
+use caustica::medium::{GridDensity, GridDensityError};
 use glam::DAffine3;
 use std::fs;
 
@@ -32,8 +32,8 @@ fn cells_that_are_no_densities_are_refused_with_their_place() {
             let mut values = vec![0.5f32; 24];
             values[cell] = bad;
             let (column, row, layer) = (cell % 2, cell / 2 % 3, cell / 6);
-            let refused = Field::new([2, 3, 4], values.clone(), DAffine3::IDENTITY).unwrap_err();
-            let FieldError::Cell { x, y, z, value } = refused else { panic!("{refused}") };
+            let refused = GridDensity::new([2, 3, 4], values.clone(), DAffine3::IDENTITY).unwrap_err();
+            let GridDensityError::Cell { x, y, z, value } = refused else { panic!("{refused}") };
             assert_eq!((x as usize, y as usize, z as usize, value.to_bits()), (column, row, layer, bad.to_bits()));
             let error = put(&values).unwrap_err();
             let place = format!("cell ({column}, {row}, {layer})");

@@ -3,7 +3,7 @@
 use crate::common::{key, pixels, scene};
 use caustica::integrate::{Algorithm, EyeSettings, Settings};
 use caustica::math::{Ray, warp};
-use caustica::photon::{Photon, PhotonPass, PhotonSource, Wants};
+use caustica::photon::{Photon, PhotonPass, PhotonSource, StoreMask};
 use caustica::sampling::Dimension;
 use caustica::scene::{Cone, Detail, Scene};
 
@@ -60,7 +60,7 @@ fn a_coarse_ball_is_dark_inside() {
             let lit = pixels(&ball("0 0 3"), Algorithm::Path, settings(), 1);
             assert!(lit.iter().all(|p| p.max_element() > 0.0), "{kind} is lit from outside");
             let source = PhotonSource::everywhere(&inside).unwrap();
-            let pass = PhotonPass { scene: &inside, source: &source, wants: Wants::ALL, max_bounces: 20 };
+            let pass = PhotonPass { scene: &inside, source: &source, wants: StoreMask::ALL, max_bounces: 20 };
             let traced = pass.trace(key(70), 1 << 14, &|_| {});
             // A photon knows on which side it landed: outwards is away from the middle of the ball.
             let outwards = |p: &Photon| p.flux.normal().dot(p.position + inside.middle().as_vec3()) > 0.0;

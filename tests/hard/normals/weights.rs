@@ -5,7 +5,7 @@
 use crate::common::{key, midpoint, scene};
 use caustica::bsdf::{Bsdf, Conductor, Dielectric, Phong, Thin, Transport, deposit_factor};
 use caustica::math::{Frame, warp};
-use caustica::photon::{PhotonPass, PhotonSource, Wants};
+use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
 use caustica::sampling::{Dimension, Key};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -165,7 +165,7 @@ fn the_flux_on_a_coarse_ball_is_that_of_its_faces() {
         Group {{ MaterialName white TriangleMesh {{ obj_file coarse-ball.obj }} }}"
     ));
     let source = PhotonSource::everywhere(&scene).unwrap();
-    let pass = PhotonPass { scene: &scene, source: &source, wants: Wants::DIRECT, max_bounces: 0 };
+    let pass = PhotonPass { scene: &scene, source: &source, wants: StoreMask::DIRECT, max_bounces: 0 };
     // The area of an icosahedron of circumradius 1: 20·(√3/4)·a² with a = 1/sin(72°).
     let edge = 1.0 / libm::sin(0.4 * std::f64::consts::PI);
     let expected = std::f64::consts::PI * L * 5.0 * 3f64.sqrt() * edge * edge;

@@ -4,7 +4,7 @@ use super::{HUE, WITH_PHOTONS, finite, flat_camera, rendered, settings};
 use crate::common::{image, mean_and_error};
 use caustica::color::Rgb;
 use caustica::integrate::{Algorithm, EyeSettings, Settings};
-use caustica::photon::{PhotonPass, PhotonSource, Wants};
+use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
 use caustica::sampling::{Key, Purpose};
 use caustica::scene::{LightStrength, Material, Scene, SceneBuilder, SourceKind};
 use caustica::shape::parametric::Basis;
@@ -49,7 +49,7 @@ fn flux() -> f64 {
 fn photons_meet_at_the_focus() {
     let scene = parabola(PIXELS);
     let source = PhotonSource::aimed(&scene).unwrap();
-    let pass = PhotonPass { scene: &scene, source: &source, wants: Wants::CAUSTIC, max_bounces: 10 };
+    let pass = PhotonPass { scene: &scene, source: &source, wants: StoreMask::CAUSTIC, max_bounces: 10 };
     let key = |i| Key::new(3).purpose(Purpose::Test).with(i);
     let begun = Instant::now();
     let samples: Vec<f64> = (0..8)

@@ -5,7 +5,7 @@ use crate::common::{image, mean_and_error, pixels};
 use caustica::camera::Camera;
 use caustica::color::Rgb;
 use caustica::integrate::{Algorithm, Settings};
-use caustica::photon::{PhotonPass, PhotonSource, Wants};
+use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
 use caustica::sampling::{Key, Purpose};
 use caustica::scene::{LightStrength, Material, Scene, SceneBuilder, SourceKind};
 use caustica::shape::{Shape, Sphere};
@@ -86,7 +86,7 @@ fn a_point_in_a_floor_lights_the_ceiling() {
     all.par_iter().for_each(|(at, turn)| {
         let scene = point_in_the_floor(*turn, *at);
         let source = PhotonSource::everywhere(&scene).unwrap();
-        let pass = PhotonPass { scene: &scene, source: &source, wants: Wants::DIRECT, max_bounces: 0 };
+        let pass = PhotonPass { scene: &scene, source: &source, wants: StoreMask::DIRECT, max_bounces: 0 };
         let traced = pass.trace(Key::new(3).purpose(Purpose::Test), 1 << 16, &|_| {});
         let flux: f64 = traced.photons.iter().map(|p| f64::from(p.flux.power().y)).sum();
         assert!((6.0 * flux - 1.0).abs() < 0.044, "{at} {turn}: {flux}");

@@ -6,9 +6,9 @@ use caustica::camera::Camera;
 use caustica::color::Rgb;
 use caustica::integrate::{Algorithm, Settings, Silent};
 use caustica::medium::{Medium, Phase};
-use caustica::photon::{PhotonPass, PhotonSource, Wants};
+use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
 use caustica::render::Rendered;
-use caustica::render::gauge::{ErrorMaps, Reading};
+use caustica::render::gauge::{ErrorEstimate, ErrorMaps};
 use caustica::scene::{Body, BuildError, LightStrength, Material, Scene, SceneBuilder, SourceKind};
 use caustica::shape::{Shape, Sphere};
 use glam::DVec3;
@@ -45,7 +45,7 @@ fn room(scale: f32, fog: bool) -> Scene {
 }
 
 /// All that a gauge tells.
-fn told(rendered: &Rendered) -> (Reading, ErrorMaps) {
+fn told(rendered: &Rendered) -> (ErrorEstimate, ErrorMaps) {
     let gauge = rendered.gauge.as_ref().unwrap();
     (gauge.read(&rendered.film), gauge.maps(&rendered.film))
 }
@@ -139,7 +139,7 @@ fn photons_beyond_single_precision_are_counted_and_told() {
     assert_eq!(scene(&[1e38, 2e38]).err(), Some(BuildError::TooBright(1)));
     let scene = scene(&[1e38, 1e38]).unwrap();
     let source = PhotonSource::everywhere(&scene).unwrap();
-    let pass = PhotonPass { scene: &scene, source: &source, wants: Wants::DIRECT, max_bounces: 0 };
+    let pass = PhotonPass { scene: &scene, source: &source, wants: StoreMask::DIRECT, max_bounces: 0 };
     let told = |paths| {
         let traced = pass.trace(key(9), paths, &|_| {});
         (traced.stored(), traced.rejected)

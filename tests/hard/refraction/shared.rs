@@ -4,7 +4,7 @@ use crate::common::{agree, key, pixels, scene};
 use caustica::camera::Camera;
 use caustica::integrate::{Algorithm, EyeSettings, Settings};
 use caustica::light::Environment;
-use caustica::photon::{PhotonPass, PhotonSource, Wants};
+use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
 use caustica::scene::{Body, LightStrength, Material, Scene, SceneBuilder, SourceKind};
 use caustica::shape::{Plane, Rectangle, Shape};
 use glam::{DVec3, Vec3};
@@ -127,7 +127,7 @@ fn lit(faces: Faces, meet: Meet, liquid_first: bool, angle: f64) -> Scene {
 /// Part of the flux that reaches the floor, in independent passes.
 fn passed(scene: &Scene) -> Vec<f64> {
     let source = PhotonSource::everywhere(scene).unwrap();
-    let pass = PhotonPass { scene, source: &source, wants: Wants::CAUSTIC, max_bounces: 1000 };
+    let pass = PhotonPass { scene, source: &source, wants: StoreMask::CAUSTIC, max_bounces: 1000 };
     let part = |i| {
         let traced = pass.trace(key(40).with(i), 1 << 11, &|_| {});
         traced.audit.stopped[0] / traced.audit.emitted[0]

@@ -5,9 +5,9 @@ use caustica::bsdf::Transport;
 use caustica::camera::Camera;
 use caustica::integrate::{Algorithm, EyeSettings, Settings};
 use caustica::math::{Ray, warp};
-use caustica::photon::{PhotonPass, PhotonSource, Wants};
+use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
 use caustica::sampling::Dimension;
-use caustica::scene::{Detail, Inside, LightStrength, Material, Scene, SceneBuilder, SourceKind, Step};
+use caustica::scene::{Detail, InteriorStack, LightStrength, Material, Scene, SceneBuilder, SourceKind, Step};
 use caustica::shape::{Plane, Rectangle, Shape, Sphere};
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
@@ -44,7 +44,7 @@ fn cube(triangles: bool) -> SceneBuilder {
 
 /// Walks from the origin in a direction and shows `see` the place and direction after each reflection; all must be total.
 fn follow(scene: &Scene, direction: Vec3, mut see: impl FnMut(Vec3, Vec3)) {
-    let mut walk = scene.walk_from_light::<Inside>(0, Ray::new(Vec3::ZERO, direction), Detail::NONE);
+    let mut walk = scene.walk_from_light::<InteriorStack>(0, Ray::new(Vec3::ZERO, direction), Detail::NONE);
     for bounce in 0..BOUNCES {
         let Step::Arrived(arrival) = walk.advance(scene, key(1), |_| None) else { panic!("out after {bounce}") };
         let surface = arrival.surface;
@@ -118,7 +118,7 @@ fn rays_stay_in_a_ball() {
         let start = Vec3::Y * 0.9;
         let expected = start.cross(direction).length();
         assert!(expected > 0.7, "beyond the critical angle");
-        let mut walk = scene.walk_from_light::<Inside>(0, Ray::new(start, direction), Detail::NONE);
+        let mut walk = scene.walk_from_light::<InteriorStack>(0, Ray::new(start, direction), Detail::NONE);
         for bounce in 0..BOUNCES {
             let Step::Arrived(arrival) = walk.advance(&scene, key(1), |_| None) else { panic!("out after {bounce}") };
             let s = arrival.surface.sample(1.0 - f32::EPSILON / 2.0, Vec2::ZERO, Transport::Importance).unwrap();
@@ -144,7 +144,7 @@ fn photons_keep_their_flux_and_end() {
         b.source(source, LightStrength::Power(Vec3::new(1.0, 2.0, 3.0)));
         let scene = built(b);
         let source = PhotonSource::everywhere(&scene).unwrap();
-        let pass = PhotonPass { scene: &scene, source: &source, wants: Wants::CAUSTIC, max_bounces: BOUNCES };
+        let pass = PhotonPass { scene: &scene, source: &source, wants: StoreMask::CAUSTIC, max_bounces: BOUNCES };
         let traced = pass.trace(key(3), 1024, &|_| {});
         assert_eq!(traced.audit.stopped, traced.audit.emitted);
         assert_eq!(

@@ -3,7 +3,7 @@
 use super::{ENDS, corners};
 use crate::common::key;
 use caustica::image::Image;
-use caustica::light::{Environment, Light, LightChoice};
+use caustica::light::{Environment, Light, LightBvhSampler};
 use caustica::math::Sphere;
 use caustica::sampling::{Dimension, Discrete, Piecewise2d};
 use glam::Vec3;
@@ -87,7 +87,7 @@ fn one_of_many_lights_has_a_probability() {
         })
         .collect();
     lights.push(Light::Environment(Arc::new(Environment::constant(Vec3::ONE).unwrap())));
-    let choice = LightChoice::new(&lights, Sphere { center: Vec3::ZERO, radius: 20.0 }).unwrap();
+    let choice = LightBvhSampler::new(&lights, Sphere { center: Vec3::ZERO, radius: 20.0 }).unwrap();
     for p in [Vec3::ZERO, Vec3::new(5.0, 5.0, 5.0), Vec3::splat(1e6), Vec3::splat(1e12)] {
         for n in [None, Some(Vec3::Z), Some(-Vec3::X)] {
             for u in ENDS {

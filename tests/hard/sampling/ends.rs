@@ -148,7 +148,7 @@ fn lights_hold_at_the_ends() {
         for balls in all_sides {
             let targets = Targets::new(balls);
             for (position, direction) in corners().flat_map(|p| corners().map(move |d| (p, d))) {
-                let emissions: [Option<caustica::light::Emission>; 2] = [
+                let emissions: [Option<caustica::light::EmissionSample>; 2] = [
                     light.emit(scene.domain(), position, direction),
                     light.emit_at(&targets, scene.domain(), position, direction),
                 ];

@@ -2,7 +2,7 @@
 
 use crate::common::{agree, key, pixels, scene};
 use caustica::integrate::{Algorithm, EyeSettings, Settings};
-use caustica::photon::{PhotonPass, PhotonSource, Traced, Wants};
+use caustica::photon::{PhotonPass, PhotonSource, StoreMask, Traced};
 use caustica::scene::Scene;
 use rayon::prelude::*;
 
@@ -27,7 +27,7 @@ const BOUNCES: u32 = 60;
 
 fn trace(scene: &Scene, index: u64) -> Traced {
     let source = PhotonSource::everywhere(scene).unwrap();
-    let pass = PhotonPass { scene, source: &source, wants: Wants::ALL, max_bounces: BOUNCES };
+    let pass = PhotonPass { scene, source: &source, wants: StoreMask::ALL, max_bounces: BOUNCES };
     pass.trace(key(90).with(index), PATHS, &|_| {})
 }
 

@@ -5,7 +5,7 @@ use super::{PASSES, SIZE, few, pictures};
 use caustica::color::Rgb;
 use caustica::format::{Source, parse, resolve};
 use caustica::integrate::{Algorithm, Settings};
-use caustica::photon::{PhotonPass, PhotonSource, Wants};
+use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
 use caustica::sampling::{Key, Purpose};
 use caustica::scene::Scene;
 use std::path::Path;
@@ -85,7 +85,7 @@ fn a_huge_floor_does_not_widen_the_discs_of_a_caustic() {
 }
 
 /// Flux \[W] of photons of a kind on what `counts`, of 2¹⁷ paths from everywhere.
-fn flux(scene: &Scene, wants: Wants, counts: impl Fn(glam::DVec3) -> bool) -> f64 {
+fn flux(scene: &Scene, wants: StoreMask, counts: impl Fn(glam::DVec3) -> bool) -> f64 {
     let source = PhotonSource::everywhere(scene).unwrap();
     let pass = PhotonPass { scene, source: &source, wants, max_bounces: 20 };
     let photons = pass.trace(Key::new(3).purpose(Purpose::Test), 1 << 17, &|_| {}).photons;
@@ -125,7 +125,9 @@ fn what_hangs_near_a_lamp_shades_a_huge_floor() {
     // The glass is seen under 2π(1 − √(1 − .2²/.4825)) sr, .0212 of all: 2777 paths, the stone as well. Both floors get what passes the glass
     // within five sigma of their difference, 5·√2/√2777.
     let near = |p: glam::DVec3| p.length() < 3.0;
-    for (wants, place) in [(Wants::CAUSTIC, &near as &dyn Fn(_) -> _), (Wants::DIRECT, &|p| near(p) && p.y > 1.0)] {
+    for (wants, place) in
+        [(StoreMask::CAUSTIC, &near as &dyn Fn(_) -> _), (StoreMask::DIRECT, &|p| near(p) && p.y > 1.0)]
+    {
         let (flat, round) = (flux(&flat, wants, place), flux(&round, wants, place));
         assert!(flat > 9.0 * 0.01 && (round / flat - 1.0).abs() < 0.134, "{round} W on a sphere, {flat} W on a disc");
     }
@@ -143,7 +145,7 @@ fn a_lamp_on_a_huge_floor_lights_what_is_above() {
             Lights {{ PointLight {{ position {x} {y:e} 0  power 1 1 1 }} }}
             Group {{ {ROUND} Disc {{ center {x} .5 0  normal 0 -1 0  radius 1 }} }}"
         ));
-        let seen = flux(&scene, Wants::DIRECT, |p| p.y > 0.25);
+        let seen = flux(&scene, StoreMask::DIRECT, |p| p.y > 0.25);
         let expected = 0.5 * (1.0 - 0.5 / 1.25f64.sqrt());
         assert!((seen - expected).abs() < 5.0 * 0.0013, "{x}: {seen} of {expected}");
     }

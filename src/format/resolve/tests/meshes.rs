@@ -31,7 +31,7 @@ impl Folder {
 }
 
 /// What is seen from the front, a quarter above the bottom edge.
-fn at(scene: &Scene, x: f64, y: f64) -> (Surface<'_>, DVec3) {
+fn at(scene: &Scene, x: f64, y: f64) -> (SurfaceInteraction<'_>, DVec3) {
     look(scene, dvec3(x, y, 9.0), Vec3::NEG_Z).unwrap()
 }
 

@@ -95,7 +95,7 @@ pub fn markdown(about: &About, findings: &Findings) -> String {
 mod tests {
     use super::*;
     use crate::integrate::{Algorithm, Settings, Silent};
-    use crate::plan::{Effect, Wishes};
+    use crate::plan::{Effect, EffectOverrides};
     use crate::study::EffectStudy;
     use crate::study::tests::matt;
     use std::sync::atomic::AtomicBool;
@@ -104,7 +104,7 @@ mod tests {
     fn every_effect_has_a_row() {
         let scene = matt(8, 6);
         let mut settings = Settings::default();
-        settings.eye.effects = Wishes::PLANNED.with(Effect::Environment);
+        settings.eye.effects = EffectOverrides::PLANNED.with(Effect::Environment);
         let study = EffectStudy::prepare(&scene, Algorithm::Whitted, &settings);
         let findings = study.run(2, &AtomicBool::new(false), &Silent, |_| {}).unwrap();
         let table = csv(&findings);

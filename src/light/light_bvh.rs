@@ -10,7 +10,7 @@ use glam::Vec3;
 /// importance of its branches (Conty Estevez and Kulla 2018; Pharr, Jakob, Humphreys 2023, section 12.6.3). Lights at infinity,
 /// which a tree cannot hold, share a fixed part of the choice.
 #[derive(Clone, Debug)]
-pub struct LightChoice {
+pub struct LightBvhSampler {
     /// Depth first: the first child of a branch follows it.
     nodes: Vec<Node>,
     infinite: Vec<u32>,
@@ -54,7 +54,7 @@ const BUCKETS: usize = 12;
 /// The largest number below 1 of f32, which is what is asked with next.
 const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
 
-impl LightChoice {
+impl LightBvhSampler {
     /// A choice among `lights`; `domain` is the ball around the scene's bounded shapes. `None` where no light has power.
     #[must_use]
     pub fn new(lights: &[Light], domain: Sphere) -> Option<Self> {
@@ -137,7 +137,7 @@ impl LightChoice {
         (probability > 0.0).then_some((light as usize, probability, (u as f32).min(BELOW_ONE)))
     }
 
-    /// The probability with which [`LightChoice::choose`] chooses a light, the same number to the bit.
+    /// The probability with which [`LightBvhSampler::choose`] chooses a light, the same number to the bit.
     #[inline]
     #[must_use]
     pub fn probability(&self, p: Vec3, n: Option<Vec3>, light: usize) -> f32 {

@@ -57,7 +57,7 @@ fn places(n: u64) -> impl Iterator<Item = (Vec3, Option<Vec3>)> {
 #[test]
 fn probabilities_are_what_is_chosen_and_sum_to_one() {
     let lights = with_infinite(strewn(60));
-    let choice = LightChoice::new(&lights, ROOM).unwrap();
+    let choice = LightBvhSampler::new(&lights, ROOM).unwrap();
     let n = 20;
     for (p, normal) in places(n) {
         let mut expected: Vec<f64> = (0..lights.len()).map(|i| f64::from(choice.probability(p, normal, i))).collect();
@@ -91,19 +91,19 @@ fn probabilities_are_what_is_chosen_and_sum_to_one() {
 #[test]
 fn lights_at_infinity_have_their_share() {
     let lights = with_infinite(strewn(10));
-    let choice = LightChoice::new(&lights, ROOM).unwrap();
+    let choice = LightBvhSampler::new(&lights, ROOM).unwrap();
     let p = Vec3::new(1.0, 2.0, 3.0);
     assert_eq!([3, 11].map(|i| choice.probability(p, None, i)), [1.0 / 3.0; 2]);
     assert_eq!(choice.probability(p, None, 12), 0.0, "no power, no choice");
-    let two = LightChoice::new(&[lights[3].clone(), lights[11].clone()], ROOM).unwrap();
+    let two = LightBvhSampler::new(&[lights[3].clone(), lights[11].clone()], ROOM).unwrap();
     assert_eq!(two.choose(p, None, 0.75), Some((1, 0.5, 0.5)));
-    assert!(LightChoice::new(&lights[12..], ROOM).is_none() && LightChoice::new(&[], ROOM).is_none());
+    assert!(LightBvhSampler::new(&lights[12..], ROOM).is_none() && LightBvhSampler::new(&[], ROOM).is_none());
 }
 
 #[test]
 fn no_light_that_contributes_is_left_out() {
     let lights = strewn(100);
-    let choice = LightChoice::new(&lights, ROOM).unwrap();
+    let choice = LightBvhSampler::new(&lights, ROOM).unwrap();
     let mut shut_out = 0;
     for (p, normal) in places(2000) {
         for (i, light) in lights.iter().enumerate() {
@@ -132,7 +132,7 @@ fn trees_of_any_shape_hold_all_lights() {
         (0..50).map(|i| at(libm::exp2f(i as f32 * 2.0 - 60.0))).collect(),
     ];
     for lights in sets {
-        let choice = LightChoice::new(&lights, ROOM).unwrap();
+        let choice = LightBvhSampler::new(&lights, ROOM).unwrap();
         let p = Vec3::new(0.5, 1.0, 0.0);
         let total: f32 = (0..lights.len()).map(|i| choice.probability(p, None, i)).sum();
         assert!((total - 1.0).abs() < 1e-4, "{total}");
@@ -165,7 +165,7 @@ fn the_tree_has_far_less_variance_than_power() {
     let down = |i| Rectangle::new(lamp(i), DVec3::X * 0.3, DVec3::Z * 0.3);
     let ceiling: Vec<Light> = (0..1000).map(|i| area(Shape::Rectangle(down(i)), 1.0)).collect();
     for (lights, up, least) in [(strewn(1000), false, 5.0), (ceiling, true, 20.0)] {
-        let choice = LightChoice::new(&lights, ROOM).unwrap();
+        let choice = LightBvhSampler::new(&lights, ROOM).unwrap();
         let powers = Discrete::new(lights.iter().map(|l| f64::from(color::mean(l.power(ROOM))))).unwrap();
         let mut gains: Vec<f64> = places(60)
             .filter_map(|(p, normal)| {

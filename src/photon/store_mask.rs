@@ -2,7 +2,7 @@
 
 /// History of a stored photon.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Class {
+pub enum PhotonKind {
     /// Straight from a light.
     Direct,
     /// By bounces off casters only: see [`Bsdf::casts_caustics`](crate::bsdf::Bsdf::casts_caustics).
@@ -15,7 +15,7 @@ pub enum Class {
 
 /// Which classes are stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Wants {
+pub struct StoreMask {
     /// Store direct photons.
     pub direct: bool,
     /// Store caustic photons.
@@ -31,7 +31,7 @@ pub struct Wants {
     pub beams: bool,
 }
 
-impl Wants {
+impl StoreMask {
     /// Direct photons only.
     pub const DIRECT: Self = Self { direct: true, ..Self::NONE };
     /// Caustic photons only: a path ends at the first surface that stores photons.
@@ -44,27 +44,27 @@ impl Wants {
     /// All classes.
     pub const ALL: Self = Self { direct: true, caustic: true, after_caustic: true, global: true, ..Self::NONE };
 
-    pub(super) fn has(self, class: Class) -> bool {
+    pub(super) fn has(self, class: PhotonKind) -> bool {
         match class {
-            Class::Direct => self.direct,
-            Class::Caustic => self.caustic,
-            Class::AfterCaustic => self.after_caustic,
-            Class::Global => self.global,
+            PhotonKind::Direct => self.direct,
+            PhotonKind::Caustic => self.caustic,
+            PhotonKind::AfterCaustic => self.after_caustic,
+            PhotonKind::Global => self.global,
         }
     }
 
     /// Whether light of `class` is stored where a medium scatters it. What comes straight from a light is for connections to find.
-    pub(super) fn has_in_media(self, class: Class) -> bool {
-        class != Class::Direct && self.has(class)
+    pub(super) fn has_in_media(self, class: PhotonKind) -> bool {
+        class != PhotonKind::Direct && self.has(class)
     }
 
     /// Whether anything wanted can follow on a photon of `class` that goes on.
-    pub(super) fn may_follow(self, class: Class) -> bool {
+    pub(super) fn may_follow(self, class: PhotonKind) -> bool {
         match class {
-            Class::Direct => true,
-            Class::Caustic => self.caustic || self.after_caustic,
-            Class::AfterCaustic => self.after_caustic,
-            Class::Global => self.global,
+            PhotonKind::Direct => true,
+            PhotonKind::Caustic => self.caustic || self.after_caustic,
+            PhotonKind::AfterCaustic => self.after_caustic,
+            PhotonKind::Global => self.global,
         }
     }
 }
@@ -72,7 +72,7 @@ impl Wants {
 /// Of photons that go on after a caustic, so many are followed as one where they are kept apart.
 pub const THINNING: u32 = 8;
 
-impl Class {
+impl PhotonKind {
     /// The class of light that has met a caster since.
     pub(super) fn beyond_casters(self) -> Self {
         if self == Self::Direct { Self::Caustic } else { self }

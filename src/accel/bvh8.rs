@@ -1,8 +1,8 @@
 //! Nodes of eight boxes, and the walk of a ray through them.
 
-use super::grow::{Branch, Fragment, MAX_DEPTH, Slab, grow};
+use super::build::{Branch, Fragment, MAX_DEPTH, Slab, grow};
 use super::packet::{LANES, Packet};
-use super::probe::Probe;
+use super::ray_precalc::RayPrecalc;
 use crate::math::{Bounds, gamma};
 use glam::{DVec3, Vec3, Vec3A};
 use wide::f32x8;
@@ -32,23 +32,23 @@ const STRETCH: f32 = 1.0 + 2.0 * gamma(16);
 /// Eight boxes, by axis, then lower and upper planes; vacant ones are inside out and never entered.
 #[derive(Clone, Copy)]
 #[repr(C, align(64))]
-pub(super) struct Octet([[f32x8; 2]; 3]);
+pub(super) struct Node8([[f32x8; 2]; 3]);
 
 #[repr(C, align(64))]
 struct Node {
-    boxes: Octet,
+    boxes: Node8,
     children: [u32; ARITY],
 }
 
 /// The collapsed tree.
-pub(super) struct Wide {
+pub(super) struct Bvh8 {
     nodes: Vec<Node>,
     packets: Vec<Packet>,
     /// The most that a walk can leave on its stack.
     stack: usize,
 }
 
-impl Wide {
+impl Bvh8 {
     pub fn build(triangles: &[[Vec3; 3]], others: &[Bounds]) -> Self {
         // Rounding gives triangles without area one as rays see them, but no normal.
         let boxes = triangles.iter().map(|t| if has_area(t) { Bounds::of(*t) } else { Bounds::EMPTY }).zip(0..);
@@ -74,7 +74,7 @@ impl Wide {
             chosen[count] = child;
             count += 1;
         });
-        let mut node = Node { boxes: Octet::VACANT, children: [0; ARITY] };
+        let mut node = Node { boxes: Node8::VACANT, children: [0; ARITY] };
         let index = self.nodes.len();
         self.nodes.push(Node { ..node });
         let mut deepest = 0;
@@ -108,7 +108,7 @@ impl Wide {
     /// Shows `leaf` every packet and other primitive whose box the probe enters no further than the limit that it last
     /// returned, `t_max` at first; a negative limit ends the walk. `SORTED` goes from near to far.
     #[inline]
-    pub fn walk<const SORTED: bool, F: FnMut(u32, f32) -> f32>(&self, probe: &Probe, leaf: F) {
+    pub fn walk<const SORTED: bool, F: FnMut(u32, f32) -> f32>(&self, probe: &RayPrecalc, leaf: F) {
         if self.stack <= SMALL_STACK {
             self.walk_with::<SORTED, SMALL_STACK, F>(probe, leaf);
         } else if self.stack <= USUAL_STACK {
@@ -119,7 +119,11 @@ impl Wide {
     }
 
     #[inline]
-    fn walk_with<const SORTED: bool, const STACK: usize, F: FnMut(u32, f32) -> f32>(&self, probe: &Probe, mut leaf: F) {
+    fn walk_with<const SORTED: bool, const STACK: usize, F: FnMut(u32, f32) -> f32>(
+        &self,
+        probe: &RayPrecalc,
+        mut leaf: F,
+    ) {
         if self.nodes.is_empty() {
             return;
         }
@@ -194,7 +198,7 @@ pub(super) struct Slabs {
 
 impl Slabs {
     #[inline]
-    pub fn new(probe: &Probe) -> Self {
+    pub fn new(probe: &RayPrecalc) -> Self {
         let ([ox, oy, oz], [rx, ry, rz]) = (probe.origin, probe.reciprocal);
         Self {
             origin: [f32x8::splat(ox), f32x8::splat(oy), f32x8::splat(oz)],
@@ -204,7 +208,7 @@ impl Slabs {
     }
 }
 
-impl Octet {
+impl Node8 {
     pub const VACANT: Self = Self([[f32x8::splat(f32::INFINITY), f32x8::splat(f32::NEG_INFINITY)]; 3]);
 
     pub fn set(&mut self, slot: usize, min: Vec3, max: Vec3) {

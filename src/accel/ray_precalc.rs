@@ -7,7 +7,7 @@ use glam::{Vec3, Vec3A};
 ///
 /// Its direction is scaled by a power of two until the largest component lies in \[1, 2), so that neither reciprocals nor
 /// products leave the range of f32, whatever length the caller chose. No digit changes.
-pub(super) struct Probe {
+pub(super) struct RayPrecalc {
     pub origin: [f32; 3],
     /// Of the direction along each axis.
     pub reciprocal: [f32; 3],
@@ -25,7 +25,7 @@ pub(super) struct Probe {
     pub per_unit: f32,
 }
 
-impl Probe {
+impl RayPrecalc {
     /// Whether the ray can hit anything: origin and direction are finite, the latter not zero.
     #[inline]
     pub fn fits(ray: &Ray) -> bool {
@@ -68,7 +68,7 @@ mod tests {
     #[test]
     fn reciprocals_are_finite_and_lengths_normalised() {
         for length in [1e-45, 1e-30, 1.0, 3e38] {
-            let p = Probe::new(&Ray::new(Vec3::ZERO, Vec3::new(0.0, -0.0, -length)));
+            let p = RayPrecalc::new(&Ray::new(Vec3::ZERO, Vec3::new(0.0, -0.0, -length)));
             assert_eq!(p.reciprocal[..2], [f32::MAX, f32::MIN]);
             assert!(p.reciprocal[2] < 0.0 && p.reciprocal[2].is_finite());
             assert_eq!((p.near, p.axes[2]), ([0, 1, 1], 2));

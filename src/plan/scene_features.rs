@@ -9,7 +9,7 @@ use glam::Vec3;
 
 /// What decisions rest on. Where something is not certain, the fact is what keeps an effect on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
-pub struct Facts {
+pub struct SceneFeatures {
     /// Things that are made of something: shapes, meshes, planes.
     pub objects: usize,
     /// Of them, those that store photons.
@@ -52,7 +52,7 @@ pub struct Facts {
     pub one_flat_object: bool,
 }
 
-impl Facts {
+impl SceneFeatures {
     /// Reads a scene.
     #[must_use]
     pub fn of(scene: &Scene) -> Self {

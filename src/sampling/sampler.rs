@@ -6,13 +6,13 @@ use glam::Vec2;
 /// The numbers of sample `index` of several that share a key: together they are spread evenly in each dimension, each alone is
 /// uniform.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Draw {
+pub struct Sampler {
     key: Key,
     index: u32,
     count: u32,
 }
 
-impl Draw {
+impl Sampler {
     /// Sample `index` of `count`.
     #[must_use]
     pub fn new(key: Key, index: u32, count: u32) -> Self {
@@ -54,14 +54,14 @@ impl Draw {
     /// A number in \[0, 1).
     #[inline]
     #[must_use]
-    pub fn one(self, dimension: Dimension) -> f32 {
-        if self.count > 1 { self.two(dimension).x } else { self.key.uniform(dimension) }
+    pub fn get_1d(self, dimension: Dimension) -> f32 {
+        if self.count > 1 { self.get_2d(dimension).x } else { self.key.uniform(dimension) }
     }
 
     /// A point in \[0, 1)².
     #[inline]
     #[must_use]
-    pub fn two(self, dimension: Dimension) -> Vec2 {
+    pub fn get_2d(self, dimension: Dimension) -> Vec2 {
         if self.count > 1 { sobol_2d(self.index, self.key, dimension) } else { self.key.uniform_2d(dimension) }
     }
 }
@@ -77,13 +77,13 @@ mod tests {
         let mut seen = [false; 64];
         for sample in 0..16 {
             for ray in 0..4 {
-                let x = Draw::new(key, sample, 16).of(ray, 4).one(Dimension::Light);
+                let x = Sampler::new(key, sample, 16).of(ray, 4).get_1d(Dimension::Light);
                 let cell = &mut seen[(x * 64.0) as usize];
                 assert!(!std::mem::replace(cell, true), "two of 64 numbers in one 64th");
             }
         }
-        let alone = Draw::new(key, 0, 1);
-        assert_eq!(alone.two(Dimension::Film), key.uniform_2d(Dimension::Film));
-        assert_ne!(Draw::new(key, 0, 2).key(), Draw::new(key, 1, 2).key());
+        let alone = Sampler::new(key, 0, 1);
+        assert_eq!(alone.get_2d(Dimension::Film), key.uniform_2d(Dimension::Film));
+        assert_ne!(Sampler::new(key, 0, 2).key(), Sampler::new(key, 1, 2).key());
     }
 }

@@ -1,7 +1,7 @@
 //! The binary tree: surface area heuristic over binned centroids, and how best to cut it into wide nodes.
 
+use super::bvh8::{ARITY, OTHER};
 use super::packet::LANES;
-use super::wide::{ARITY, OTHER};
 use glam::Vec3A;
 
 /// Depth at which the heuristic gives way to the median, so that no input grows a tree deeper than [`MAX_DEPTH`].

@@ -1,6 +1,6 @@
 //! Densities on a grid.
 
-use super::blocks::Blocks;
+use super::majorant_grid::MajorantGrid;
 use crate::math::{Ray, Singular, Transform};
 use glam::{DAffine3, DVec3, Vec3};
 use rayon::prelude::*;
@@ -11,7 +11,7 @@ pub(super) const BLOCK: u32 = 8;
 
 /// What is wrong with a grid.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-pub enum FieldError {
+pub enum GridDensityError {
     /// A side has no cells.
     #[error("a grid of {0} × {1} × {2} cells is empty: every side needs at least one")]
     Empty(u32, u32, u32),
@@ -48,7 +48,7 @@ pub enum FieldError {
 /// Values stand at the middles of cells, x running fastest; between them the density is trilinear, and in the outer half of
 /// the outer cells it stays what it is at their middles. Copies share the values.
 #[derive(Clone, Debug)]
-pub struct Field {
+pub struct GridDensity {
     grid: Arc<Grid>,
     /// Unit cube to world.
     placement: Transform,
@@ -66,21 +66,21 @@ struct Grid {
     maximum: f32,
 }
 
-impl Field {
+impl GridDensity {
     /// A grid of `size` cells, x fastest, in the image of the unit cube under `placement`.
     ///
     /// # Errors
-    /// [`FieldError`] where the grid is empty, the number of values is not its number of cells, a value is negative or not
+    /// [`GridDensityError`] where the grid is empty, the number of values is not its number of cells, a value is negative or not
     /// finite, or the placement flattens space.
-    pub fn new(size: [u32; 3], values: Vec<f32>, placement: DAffine3) -> Result<Self, FieldError> {
+    pub fn new(size: [u32; 3], values: Vec<f32>, placement: DAffine3) -> Result<Self, GridDensityError> {
         let expected = count(size)?;
         if values.len() != expected {
-            return Err(FieldError::Count { expected, found: values.len() });
+            return Err(GridDensityError::Count { expected, found: values.len() });
         }
         if let Some(i) = values.iter().position(|v| !(*v >= 0.0 && v.is_finite())) {
             let (row, layer) = (size[0] as usize, size[0] as usize * size[1] as usize);
             let [x, y, z] = [i % row, i % layer / row, i / layer].map(|i| i as u32);
-            return Err(FieldError::Cell { x, y, z, value: values[i] });
+            return Err(GridDensityError::Cell { x, y, z, value: values[i] });
         }
         let placement = Transform::new(placement)?;
         let blocks = size.map(|n| n.div_ceil(BLOCK));
@@ -92,16 +92,16 @@ impl Field {
     /// The same with the values of `density` at the middles of the cells, which it is given in the unit cube.
     ///
     /// # Errors
-    /// As [`Field::new`], and [`FieldError::TooLarge`] where memory does not suffice.
+    /// As [`GridDensity::new`], and [`GridDensityError::TooLarge`] where memory does not suffice.
     pub fn from_fn(
         size: [u32; 3],
         placement: DAffine3,
         density: impl Fn(DVec3) -> f32 + Sync,
-    ) -> Result<Self, FieldError> {
+    ) -> Result<Self, GridDensityError> {
         let [nx, ny, nz] = size;
         let cells = count(size)?;
         let mut values = Vec::new();
-        values.try_reserve_exact(cells).map_err(|_| FieldError::TooLarge(nx, ny, nz))?;
+        values.try_reserve_exact(cells).map_err(|_| GridDensityError::TooLarge(nx, ny, nz))?;
         values.resize(cells, 0.0);
         let scale = DVec3::new(f64::from(nx), f64::from(ny), f64::from(nz)).recip();
         values.par_chunks_mut(nx as usize).enumerate().for_each(|(row, values)| {
@@ -176,10 +176,12 @@ impl Line<'_> {
         let Grid { blocks, majorants, .. } = self.grid;
         let side = f64::from(BLOCK);
         let far = self.grid.cells() / side;
-        Blocks::new(self.origin / side, self.step / side, far, *blocks, self.distance).filter_map(|(t0, t1, index)| {
-            let majorant = f64::from(majorants[index]);
-            (majorant > 0.0).then_some((t0, t1, majorant))
-        })
+        MajorantGrid::new(self.origin / side, self.step / side, far, *blocks, self.distance).filter_map(
+            |(t0, t1, index)| {
+                let majorant = f64::from(majorants[index]);
+                (majorant > 0.0).then_some((t0, t1, majorant))
+            },
+        )
     }
 
     /// The density at `t` in the box.
@@ -219,13 +221,13 @@ fn lerp(t: f32, a: f32, b: f32) -> f32 {
 }
 
 /// The number of cells.
-fn count(size: [u32; 3]) -> Result<usize, FieldError> {
+fn count(size: [u32; 3]) -> Result<usize, GridDensityError> {
     let [x, y, z] = size;
     if x.min(y).min(z) == 0 {
-        return Err(FieldError::Empty(x, y, z));
+        return Err(GridDensityError::Empty(x, y, z));
     }
     let cells = (x as usize).checked_mul(y as usize).and_then(|n| n.checked_mul(z as usize));
-    cells.filter(|n| n.checked_mul(size_of::<f32>()).is_some()).ok_or(FieldError::TooLarge(x, y, z))
+    cells.filter(|n| n.checked_mul(size_of::<f32>()).is_some()).ok_or(GridDensityError::TooLarge(x, y, z))
 }
 
 /// The greatest value that a point of each block is interpolated from: of its cells and of their neighbours.

@@ -5,12 +5,12 @@ use std::str::FromStr;
 
 /// Effects to force on or off; all others follow the scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Wishes {
+pub struct EffectOverrides {
     on: Effects,
     off: Effects,
 }
 
-impl Wishes {
+impl EffectOverrides {
     /// As the scene calls for.
     pub const PLANNED: Self = Self { on: Effects::NONE, off: Effects::NONE };
     /// Everything, needed or not.
@@ -49,7 +49,7 @@ impl Wishes {
     "`{word}` is no wish: write auto, all, none, or effects with a sign such as +caustics or -shadows, divided by commas; effects are {}",
     names()
 )]
-pub struct UnknownWish {
+pub struct UnknownOverride {
     /// The word.
     pub word: String,
 }
@@ -58,14 +58,14 @@ fn names() -> String {
     Effect::ALL.map(Effect::name).join(", ")
 }
 
-impl FromStr for Wishes {
-    type Err = UnknownWish;
+impl FromStr for EffectOverrides {
+    type Err = UnknownOverride;
 
     /// Reads `auto`, `all`, `none`, `+effect` and `-effect`, divided by commas; later words win.
-    fn from_str(text: &str) -> Result<Self, UnknownWish> {
+    fn from_str(text: &str) -> Result<Self, UnknownOverride> {
         let mut wishes = Self::PLANNED;
         for word in text.split(',').map(str::trim) {
-            let unknown = || UnknownWish { word: word.to_owned() };
+            let unknown = || UnknownOverride { word: word.to_owned() };
             let named = |name: &str| Effect::ALL.into_iter().find(|e| e.name() == name).ok_or_else(unknown);
             wishes = match (word, word.strip_prefix('+'), word.strip_prefix('-')) {
                 ("auto", ..) => Self::PLANNED,
@@ -86,8 +86,8 @@ mod tests {
 
     #[test]
     fn later_words_win() {
-        let read = |text: &str| text.parse::<Wishes>().unwrap();
-        assert_eq!(read("all"), Wishes::ALL);
+        let read = |text: &str| text.parse::<EffectOverrides>().unwrap();
+        assert_eq!(read("all"), EffectOverrides::ALL);
         let wishes = read("none, +caustics,-shadows ,+shadows");
         assert_eq!(wishes.of(Effect::Caustics), Some(true));
         assert_eq!(wishes.of(Effect::Shadows), Some(true));
@@ -98,7 +98,7 @@ mod tests {
     #[test]
     fn what_names_no_effect_is_refused() {
         for bad in ["", "caustics", "+dof", "all,", "-"] {
-            let error = bad.parse::<Wishes>().unwrap_err().to_string();
+            let error = bad.parse::<EffectOverrides>().unwrap_err().to_string();
             assert!(error.contains("+caustics") && error.contains("caustic-bounces"), "{error}");
         }
     }

@@ -6,7 +6,7 @@ use std::f64::consts::{FRAC_1_PI, TAU};
 
 /// Coordinates at a point of a surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Mapped {
+pub struct TexCoord {
     /// The coordinates.
     pub uv: DVec2,
     /// What u grows by along a step in world space \[1/length]; what it holds across the surface means nothing.
@@ -15,7 +15,7 @@ pub struct Mapped {
     pub dv: DVec3,
 }
 
-impl Mapped {
+impl TexCoord {
     /// Coordinates with the derivatives of a point of the surface by them.
     #[must_use]
     pub(super) fn of(uv: Vec2, along_u: DVec3, along_v: DVec3) -> Self {
@@ -47,7 +47,7 @@ pub enum Form {
 
 /// How texture coordinates lie on an object, and where it stands in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Chart {
+pub struct TextureMapping {
     form: Form,
     to_world: Transform,
 }
@@ -86,13 +86,13 @@ impl Form {
     }
 }
 
-impl Default for Chart {
+impl Default for TextureMapping {
     fn default() -> Self {
         Self::new(Form::Own, Transform::IDENTITY)
     }
 }
 
-impl Chart {
+impl TextureMapping {
     /// Coordinates after `form` on an object that `to_world` places.
     #[must_use]
     pub fn new(form: Form, to_world: Transform) -> Self {
@@ -119,7 +119,7 @@ impl Chart {
 
     /// Coordinates at `p` of the object's space; `own` is what the surface itself says.
     #[must_use]
-    pub fn at(&self, p: DVec3, own: impl FnOnce() -> Mapped) -> Mapped {
+    pub fn at(&self, p: DVec3, own: impl FnOnce() -> TexCoord) -> TexCoord {
         let world = |row: DVec3| self.to_world.normal(row);
         match self.form {
             Form::Globe { center } => {
@@ -132,11 +132,11 @@ impl Chart {
                 let du = DVec3::new(d.z, 0.0, -d.x) / (around2 * TAU);
                 let outward = -d.y / (around * r2);
                 let dv = DVec3::new(d.x * outward, around / r2, d.z * outward) * FRAC_1_PI;
-                Mapped { uv: DVec2::new(u, v), du: world(du), dv: world(dv) }
+                TexCoord { uv: DVec2::new(u, v), du: world(du), dv: world(dv) }
             }
             Form::Flat { origin, rows: [u, v] } => {
                 let d = p - origin;
-                Mapped { uv: DVec2::new(u.dot(d), v.dot(d)), du: world(u), dv: world(v) }
+                TexCoord { uv: DVec2::new(u.dot(d), v.dot(d)), du: world(u), dv: world(v) }
             }
             Form::Own => own(),
         }
@@ -164,8 +164,8 @@ mod tests {
             Form::rectangle(DVec3::ONE, DVec3::new(2.0, 0.1, 0.0), DVec3::new(0.3, 1.0, 0.5)),
         ];
         for form in forms {
-            let chart = Chart::new(form, squash);
-            let at = |p: DVec3| chart.at(squash.inverse().transform_point3(p), Mapped::default);
+            let chart = TextureMapping::new(form, squash);
+            let at = |p: DVec3| chart.at(squash.inverse().transform_point3(p), TexCoord::default);
             let p = squash.point(DVec3::new(0.8, 0.9, -0.4));
             for step in [DVec3::X, DVec3::Y, DVec3::Z] {
                 let change = (at(p + step * 1e-6).uv - at(p).uv) * 1e6;
@@ -178,7 +178,7 @@ mod tests {
 
     #[test]
     fn coordinates_at_known_points() {
-        let at = |form, p| Chart::new(form, Transform::IDENTITY).at(p, Mapped::default).uv;
+        let at = |form, p| TextureMapping::new(form, Transform::IDENTITY).at(p, TexCoord::default).uv;
         let close = |form, p: [f64; 3], uv: [f64; 2]| {
             let found = at(form, DVec3::from(p));
             assert!((found - DVec2::from(uv)).length() < 1e-12, "{form:?} {p:?}: {found}");

@@ -11,7 +11,7 @@ const LONGEST: f64 = 1e6;
 
 /// A point of a surface with the patch around it that one look covers; a patch of no size sees the point alone.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Place {
+pub struct TextureEvalContext {
     /// Texture coordinates.
     pub uv: DVec2,
     /// What `uv` changes by along both axes of the patch, from side to side.
@@ -22,7 +22,7 @@ pub struct Place {
     pub width: f64,
 }
 
-impl Place {
+impl TextureEvalContext {
     /// A point alone.
     #[must_use]
     pub fn sharp(uv: DVec2, p: DVec3) -> Self {
@@ -59,7 +59,7 @@ impl Coordinates {
 
     /// The mean of `look` over the patch: looks at a point with the sides of a box around it, one beside the other along the
     /// patch's longer axis (Heckbert 1989, section 3.5; Greene and Heckbert 1986 for a line of looks).
-    pub(super) fn spread(&self, place: &Place, look: impl Fn(DVec2, DVec2) -> Rgb) -> Rgb {
+    pub(super) fn spread(&self, place: &TextureEvalContext, look: impl Fn(DVec2, DVec2) -> Rgb) -> Rgb {
         let uv = self.matrix * place.uv + self.offset;
         // Where coordinates run together, as at a pole, their axes know no bounds.
         let [a, b] = place.axes.map(|axis| {
@@ -88,7 +88,7 @@ mod tests {
 
     fn looks(coordinates: &Coordinates, axes: [DVec2; 2]) -> Vec<(DVec2, DVec2)> {
         let seen = RefCell::new(Vec::new());
-        let place = Place { uv: DVec2::new(0.25, 0.5), axes, ..Place::default() };
+        let place = TextureEvalContext { uv: DVec2::new(0.25, 0.5), axes, ..TextureEvalContext::default() };
         coordinates.spread(&place, |uv, size| {
             seen.borrow_mut().push((uv, size));
             Rgb::ZERO
