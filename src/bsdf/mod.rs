@@ -98,6 +98,16 @@ impl Bsdf {
         }
     }
 
+    /// Phong's model; Lambertian reflection where `specular` is zero. Scaled to conserve energy.
+    #[must_use]
+    pub fn phong(diffuse: Rgb, specular: Rgb, shininess: f32) -> Self {
+        if specular == Rgb::ZERO {
+            Self::Diffuse(diffuse / diffuse.max_element().max(1.0))
+        } else {
+            Self::Phong(Phong::new(diffuse, specular, shininess))
+        }
+    }
+
     /// Whether all lobes are deltas, so that neither light nor photons can be joined to a given direction.
     #[inline]
     #[must_use]

@@ -7,7 +7,7 @@ use crate::format::description::{
 };
 use crate::format::{SceneError, grid};
 use crate::medium::{Cloud, GridDensity, GridDensityError, Medium, Phase};
-use crate::scene::{self, Scattering};
+use crate::scene;
 use crate::stats::bytes;
 use glam::{DAffine3, DVec3};
 use std::sync::Arc;
@@ -111,17 +111,20 @@ impl Resolver<'_> {
             let help = "leave the light out, or put the medium into a shape of a material `Clear { medium … }`";
             return Err(self.refuse(light, &message, help));
         }
-        self.builder.filled_with(index);
+        self.builder.ambient_medium(index);
         Ok(())
     }
 
-    /// Fills the body that `material` bounds, if it bounds one.
+    /// `material` with the described medium in the body that it bounds, if it bounds one.
     ///
-    /// What a homogeneous medium absorbs beside what the body absorbs makes a medium of its own.
-    pub(super) fn fill(&mut self, material: &mut scene::Material, described: &Material) -> Result<(), SceneError> {
-        let (Some(name), Scattering::Boundary(body)) = (&described.medium, &mut material.scattering) else {
-            return Ok(());
-        };
+    /// If body and homogeneous medium both absorb, their sum becomes a medium of its own.
+    pub(super) fn fill(
+        &mut self,
+        material: scene::Material,
+        described: &Material,
+    ) -> Result<scene::Material, SceneError> {
+        let (Some(name), Some(body)) = (&described.medium, material.boundary()) else { return Ok(material) };
+        let mut body = *body;
         let (mut index, mut medium) = self.known_medium(name)?;
         if body.absorption != Rgb::ZERO {
             if !medium.is_homogeneous() {
@@ -133,7 +136,7 @@ impl Resolver<'_> {
             index = self.builder.medium(medium);
         }
         body.medium = Some(index);
-        Ok(())
+        Ok(material.with_body(body))
     }
 
     /// Refuses light from an object of a material that has no surface.

@@ -1,7 +1,7 @@
 //! Meshes from files: read once, smoothed where asked, and parted by what they are made of.
 
 use super::shapes::Instanced;
-use super::textures::Worn;
+use super::textures::TextureNeeds;
 use super::{Resolver, rgb};
 use crate::color::Rgb;
 use crate::format::SceneError;
@@ -85,7 +85,7 @@ impl Resolver<'_> {
             self.check_coordinates(mesh.texcoords.is_some(), path, name)?;
             self.piece(path, placing, mesh, again, emission)?;
             if let (Some((texture, scale)), None) = (placing.shine.glow, own) {
-                self.builder.glow(texture, scale);
+                self.builder.emission_texture(texture, scale);
             }
         }
         self.material = in_force;
@@ -196,15 +196,12 @@ impl Resolver<'_> {
         if let MaterialKind::Phong { texture: Some(picture), .. } = &mut meaning.kind {
             picture.span = path.span;
         }
-        let mut worn = Worn::default();
-        let (material, coat) = self.material(&meaning.kind, &[], &mut worn)?;
-        let relief = self.relief(&meaning, &mut worn)?;
-        let index = match Self::dress(coat, relief) {
-            Some(dress) => self.builder.dressed(material, dress),
-            None => self.builder.material(material),
-        };
-        self.worn.resize(index as usize + 1, Worn::default());
-        self.worn[index as usize] = worn;
+        let mut needs = TextureNeeds::default();
+        let material = self.material(&meaning.kind, &mut needs)?;
+        let normals = self.normals(&meaning, &mut needs)?;
+        let index = self.builder.material(material.with_normals(normals));
+        self.texture_needs.resize(index as usize + 1, TextureNeeds::default());
+        self.texture_needs[index as usize] = needs;
         let emission = match meaning.emission {
             Some(Emission::Radiance(radiance)) => rgb(radiance),
             _ => Rgb::ZERO,

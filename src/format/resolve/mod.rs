@@ -24,7 +24,7 @@ use shapes::Instanced;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
-use textures::{Known, Worn};
+use textures::{Known, TextureNeeds};
 
 /// Makes a scene of a description. Meshes, pictures and grids are looked for in `folder`, then in the folder above it.
 ///
@@ -60,7 +60,7 @@ pub fn resolve_watched(
         known: HashMap::new(),
         pictures: HashMap::new(),
         media: HashMap::new(),
-        worn: Vec::new(),
+        texture_needs: Vec::new(),
         meshes: HashMap::new(),
         own_materials: HashMap::new(),
         uses: uses(&description.root),
@@ -101,7 +101,7 @@ struct Resolver<'a> {
     /// The media by name, with their indices.
     media: HashMap<&'a str, (u32, Medium)>,
     /// What each material needs of surfaces.
-    worn: Vec<Worn>,
+    texture_needs: Vec<TextureNeeds>,
     monitor: &'a dyn ReadMonitor,
     memory: Memory,
     /// Triangles that trees will be built over.

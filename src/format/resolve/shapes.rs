@@ -139,7 +139,7 @@ impl Resolver<'_> {
     /// Lets the object that was added last emit by a texture, if it does.
     fn glow(&mut self, shine: &EmissionOverride) {
         if let Some((texture, scale)) = shine.glow {
-            self.builder.glow(texture, scale);
+            self.builder.emission_texture(texture, scale);
         }
     }
 
@@ -164,13 +164,13 @@ impl Resolver<'_> {
 
     /// Whether the material in force follows a texture.
     fn is_textured(&self) -> bool {
-        self.worn.get(self.material as usize).is_some_and(|worn| worn.textured)
+        self.texture_needs.get(self.material as usize).is_some_and(|worn| worn.textured)
     }
 
     /// Lays texture coordinates on the object that was added last, if it wears textures.
     pub(super) fn lay(&mut self, form: Form, to_world: &Motion) {
         if self.is_textured() {
-            self.builder.chart(form, to_world);
+            self.builder.mapping(form, to_world);
         }
     }
 

@@ -28,7 +28,7 @@ fn contents(scene: &Scene) -> &Medium {
 }
 
 fn density(scene: &Scene, p: DVec3) -> f32 {
-    contents(scene).density_at((p - scene.middle()).as_vec3())
+    contents(scene).density_at((p - scene.origin()).as_vec3())
 }
 
 #[test]
@@ -59,11 +59,11 @@ fn bodies_and_places_are_filled() {
         "Dielectric { medium b priority 3 roughness .5 } Clear { medium a priority 7 } Clear { }",
     ));
     assert_eq!(body(&found, 0), Body { medium: Some(1), priority: 3, roughness: 0.5, ..Body::new(1.5) });
-    assert_eq!(body(&found, 1), Body { priority: 7, ..Body::clear(0) });
-    assert_eq!(body(&found, 2), Body { medium: None, ..Body::clear(0) });
-    assert_eq!(found.filling(), None);
+    assert_eq!(body(&found, 1), Body { priority: 7, ..Body::region(0) });
+    assert_eq!(body(&found, 2), Body { medium: None, ..Body::region(0) });
+    assert_eq!(found.ambient_medium(), None);
     let found = scene("Background { medium fog } Media { Medium no { } Medium fog { scattering 1 1 1 } } Group { }");
-    assert_eq!(found.filling(), Some(1));
+    assert_eq!(found.ambient_medium(), Some(1));
 }
 
 #[test]

@@ -31,9 +31,9 @@ fn refusal(text: &str) -> SceneError {
 
 /// The first surface from `origin` along `direction`, and its place in the coordinates of the file.
 fn look(scene: &Scene, origin: DVec3, direction: Vec3) -> Option<(SurfaceInteraction<'_>, DVec3)> {
-    let ray = Ray::new((origin - scene.middle()).as_vec3(), direction);
-    let surface = scene.surface(&ray, &scene.intersect(&ray)?, &RayCone::point(Effects::ALL), || 0.0);
-    Some((surface, surface.point.p.as_dvec3() + scene.middle()))
+    let ray = Ray::new((origin - scene.origin()).as_vec3(), direction);
+    let surface = scene.interaction(&ray, &scene.intersect(&ray)?, &RayCone::point(Effects::ALL), || 0.0);
+    Some((surface, surface.point.p.as_dvec3() + scene.origin()))
 }
 
 fn reflectance(scene: &Scene, origin: DVec3, direction: Vec3) -> Vec3 {
@@ -326,7 +326,7 @@ fn the_camera_looks_where_it_is_told() {
         let scene = resolve(&parse("a.txt", &text).unwrap(), &Source::new("a.txt", &text), Path::new("")).unwrap();
         let camera = scene.camera();
         assert_eq!((camera.size(), scene.background()), ((30, 20), vec3(1.0, 2.0, 3.0)));
-        assert!((camera.center() + scene.middle() - dvec3(2.0, 2.0, 3.0)).length() < 1e-12);
+        assert!((camera.center() + scene.origin() - dvec3(2.0, 2.0, 3.0)).length() < 1e-12);
         let middle = camera.ray(glam::vec2(15.0, 10.0), None).direction;
         assert!(close(middle, vec3(-1.0, -2.0, -3.0).normalize()), "{middle}");
         // `up` appears upward.

@@ -1,16 +1,24 @@
-//! Lights without a surface, and lights as the course's shading sees them.
+//! Delta lights of a scene description, and the lights of the course's shading model.
 
-use super::LegacyLight;
 use crate::color::Rgb;
 use crate::light::{Light, Spot};
 use crate::math::{Sphere, Transform};
 use glam::{DVec3, Vec3};
 use std::f32::consts::PI;
 
-/// How strong a point, spot or directional light is.
+/// Light of the course's shading model: a position or direction, and a colour without falloff.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LegacyLight {
+    /// At a position.
+    Point(Vec3, Rgb),
+    /// Along a unit direction of travel.
+    Directional(Vec3, Rgb),
+}
+
+/// Strength of a point, spot or directional light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LightStrength {
-    /// The course's colour: what a white, matt surface that faces the light reflects, at the middle of the scene.
+    /// The course's colour: radiance that a white diffuse surface at the origin reflects when it faces the light.
     Course(Rgb),
     /// Intensity \[W/sr], or irradiance \[W/m²] for parallel light.
     Physical(Rgb),
@@ -18,26 +26,26 @@ pub enum LightStrength {
     Power(Rgb),
 }
 
-/// A light without a surface.
+/// A point, spot or directional light in the coordinates of the description.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum SourceKind {
-    /// Everywhere alike from a place.
+    /// Isotropic, from one position.
     Point {
-        /// Place.
+        /// Position.
         position: DVec3,
     },
-    /// Into a cone.
+    /// Into a cone, from one position.
     Spot {
-        /// Place.
+        /// Position.
         position: DVec3,
-        /// Middle of the beam, of any length above zero.
+        /// Axis of the cone, of any length above zero.
         axis: DVec3,
-        /// Half angle of full strength \[radians].
+        /// Half angle of full intensity \[radians].
         inner: f64,
-        /// Half angle where it ends \[radians].
+        /// Half angle of zero intensity \[radians].
         outer: f64,
     },
-    /// Parallel.
+    /// Parallel light from infinity.
     Directional {
         /// Direction of travel, of any length above zero.
         direction: DVec3,
@@ -45,9 +53,9 @@ pub enum SourceKind {
 }
 
 impl SourceKind {
-    /// Where it is, if it is not infinitely far.
+    /// The position, if it is finite.
     #[must_use]
-    pub fn place(&self) -> Option<DVec3> {
+    pub fn position(&self) -> Option<DVec3> {
         match *self {
             Self::Point { position } | Self::Spot { position, .. } => Some(position),
             Self::Directional { .. } => None,
@@ -67,18 +75,20 @@ impl SourceKind {
     }
 }
 
-/// 1 − cos x with all its digits.
+/// 1 − cos x without cancellation.
 fn one_minus_cos(x: f64) -> f64 {
     let sin = libm::sin(0.5 * x);
     2.0 * sin * sin
 }
 
-/// The light and its course colour. A course colour c means irradiance π·c on a facing surface at the middle, so that a white
-/// matt surface there reflects radiance c.
-pub(super) fn resolve_source(kind: &SourceKind, strength: LightStrength, middle: DVec3) -> (Light, LegacyLight) {
-    // A light at the very middle is taken to be one unit away.
+/// A light relative to `origin`, and its counterpart in the course's shading model.
+///
+/// A course colour c means irradiance π·c on a facing surface at the origin, where white diffuse surfaces reflect
+/// radiance c.
+pub(super) fn resolve_light(kind: &SourceKind, strength: LightStrength, origin: DVec3) -> (Light, LegacyLight) {
+    // A light at the origin counts as one unit away.
     let distance2 = |p: &DVec3| {
-        let d2 = (*p - middle).length_squared() as f32;
+        let d2 = (*p - origin).length_squared() as f32;
         if d2 > 0.0 { d2 } else { 1.0 }
     };
     let to_intensity = |position: &DVec3, watts_to_intensity: f32| match strength {
@@ -89,13 +99,13 @@ pub(super) fn resolve_source(kind: &SourceKind, strength: LightStrength, middle:
     match kind {
         SourceKind::Point { position } => {
             let (intensity, color) = to_intensity(position, 1.0 / (4.0 * PI));
-            let place = (*position - middle).as_vec3();
-            (Light::Point { position: place, intensity }, LegacyLight::Point(place, color))
+            let center = (*position - origin).as_vec3();
+            (Light::Point { position: center, intensity }, LegacyLight::Point(center, color))
         }
         SourceKind::Spot { position, axis, inner, outer } => {
-            let place = (*position - middle).as_vec3();
+            let center = (*position - origin).as_vec3();
             let mut spot = Spot {
-                position: place,
+                position: center,
                 axis: axis.normalize().as_vec3(),
                 inner: one_minus_cos(*inner) as f32,
                 outer: one_minus_cos(*outer) as f32,
@@ -103,7 +113,7 @@ pub(super) fn resolve_source(kind: &SourceKind, strength: LightStrength, middle:
             };
             let (peak, color) = to_intensity(position, 1.0 / spot.power().x);
             spot.peak = peak;
-            (Light::Spot(spot), LegacyLight::Point(place, color))
+            (Light::Spot(spot), LegacyLight::Point(center, color))
         }
         SourceKind::Directional { direction } => {
             let (irradiance, color) = match strength {
@@ -116,8 +126,8 @@ pub(super) fn resolve_source(kind: &SourceKind, strength: LightStrength, middle:
     }
 }
 
-/// An area light as a point at its middle, as strong at the scene's middle as if it faced it.
-pub(super) fn course_area_light(light: &Light) -> LegacyLight {
+/// An area light in the course's shading model: a point at its center. Its irradiance at the origin is as if it faced it.
+pub(super) fn legacy_area_light(light: &Light) -> LegacyLight {
     let center = light.center().unwrap_or(Vec3::ZERO);
     let nowhere = Sphere { center: Vec3::ZERO, radius: 0.0 };
     let d2 = center.length_squared();

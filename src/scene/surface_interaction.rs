@@ -1,35 +1,35 @@
-//! A hit that has been looked at.
+//! The surface at a hit, ready for scattering.
 
-use super::touching::Touching;
-use super::{Material, Scattering};
+use super::Material;
+use super::interiors::CoincidentFaces;
 use crate::bsdf::{Bsdf, BsdfSample, Transport};
 use crate::color::Rgb;
 use crate::math::{Ray, offset_origin};
 use crate::shape::SurfacePoint;
 use glam::{Vec2, Vec3};
 
-/// A surface as a ray met it.
+/// The surface at a hit, with its BSDF and emission.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfaceInteraction<'a> {
-    /// Place and normals.
+    /// Position and normals.
     pub point: SurfacePoint,
-    /// Unit direction to where the ray came from.
+    /// Unit direction to the origin of the ray.
     pub wo: Vec3,
-    /// What it is made of; of a mix, what was chosen.
+    /// The material. For a mix, the leaf that it resolved to.
     pub material: &'a Material,
     /// Index of the material.
-    pub(super) index: u32,
-    /// How it scatters.
+    pub(super) material_index: u32,
+    /// The scattering function.
     pub bsdf: Bsdf,
-    /// Roughness α, of the boundary of a body.
+    /// Roughness α of a body's boundary; 0 for other materials.
     pub(super) roughness: f32,
-    /// The thing that it is a part of, where another's boundary may coincide with it.
-    pub(super) crowded: Option<u32>,
-    /// Boundaries that coincide with it, where it is one and was met as such.
-    pub(super) touching: Touching,
-    /// Index of the light that it is.
+    /// The object hit, if another object's boundary may coincide with it there.
+    pub(super) coincident_object: Option<u32>,
+    /// Boundaries that coincide with this one. Found when a path resolves the boundary.
+    pub(super) coincident: CoincidentFaces,
+    /// Index of the area light that the object is.
     pub light: Option<u32>,
-    /// Radiance that it emits towards `wo` \[W/(m² sr)].
+    /// Radiance emitted towards `wo` \[W/(m² sr)].
     pub emission: Rgb,
 }
 
@@ -41,14 +41,20 @@ impl SurfaceInteraction<'_> {
         if self.wo.dot(self.point.ng) < 0.0 { -self.point.ng } else { self.point.ng }
     }
 
-    /// Whether it is but the bound of a place, which light does not notice.
+    /// True if the surface is a null interface, which light does not notice.
     #[inline]
     #[must_use]
-    pub fn is_clear(&self) -> bool {
-        matches!(self.material.scattering, Scattering::Boundary(body) if body.clear)
+    pub fn is_null_interface(&self) -> bool {
+        self.material.boundary().is_some_and(|body| body.null_interface)
     }
 
-    /// A ray that leaves in unit `direction`.
+    /// True if the ray arrives from outside the object.
+    #[inline]
+    pub(super) fn is_entering(&self) -> bool {
+        self.wo.dot(self.point.ng) >= 0.0
+    }
+
+    /// The ray that leaves in unit `direction`.
     #[inline]
     #[must_use]
     pub fn leave(&self, direction: Vec3) -> Ray {
@@ -62,7 +68,7 @@ impl SurfaceInteraction<'_> {
         Ray::between(offset_origin(self.point.p, self.point.error, self.point.ng, direction), target)
     }
 
-    /// f(wo, wi)·|wi · ns|: what a camera walk multiplies arriving radiance by.
+    /// f(wo, wi)·|wi · ns| \[1/sr]: the factor of incident radiance on a camera path.
     #[inline]
     #[must_use]
     pub fn scatter(&self, wi: Vec3) -> Rgb {
@@ -70,14 +76,14 @@ impl SurfaceInteraction<'_> {
         self.bsdf.evaluate(self.wo, wi, ns, ng, Transport::Radiance) * wi.dot(ns).abs()
     }
 
-    /// Density with which [`SurfaceInteraction::sample`] draws `wi` \[1/sr].
+    /// Solid-angle pdf with which [`SurfaceInteraction::sample`] samples `wi` \[1/sr].
     #[inline]
     #[must_use]
     pub fn pdf(&self, wi: Vec3) -> f32 {
         self.bsdf.pdf(self.wo, wi, self.point.ns, self.point.ng)
     }
 
-    /// Draws where the walk goes on.
+    /// Samples the direction in which the path continues; `None` if it is absorbed.
     #[inline]
     #[must_use]
     pub fn sample(&self, lobe: f32, u: Vec2, transport: Transport) -> Option<BsdfSample> {
