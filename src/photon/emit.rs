@@ -2,7 +2,7 @@
 
 use super::learn::EmissionDensity;
 use crate::color::{self, Rgb};
-use crate::light::{Light, Targets};
+use crate::light::{Light, PhotonAim};
 use crate::math::Ray;
 use crate::sampling::{Dimension, Discrete, Key, Purpose, sobol_2d};
 use crate::scene::{Detail, Interior, InteriorKind, Scene, Walk};
@@ -19,7 +19,7 @@ const SAFE_SHARE: f64 = 0.1;
 pub struct PhotonSource<'a> {
     pub(super) scene: &'a Scene,
     pub(super) choice: Discrete,
-    targets: Option<Targets>,
+    aim: Option<PhotonAim>,
     /// Of each light, where it was learned.
     pub(super) densities: Vec<Option<EmissionDensity>>,
     /// Whether photons remember what they are inside of.
@@ -49,7 +49,7 @@ impl<'a> PhotonSource<'a> {
     pub fn everywhere(scene: &'a Scene) -> Option<Self> {
         let choice = Discrete::new(powers(scene))?;
         let (interiors, detail) = (scene.has_interiors(), Detail::ALL);
-        Some(Self { scene, choice, targets: None, densities: Vec::new(), interiors, detail })
+        Some(Self { scene, choice, aim: None, densities: Vec::new(), interiors, detail })
     }
 
     /// Emission towards casters, from each light in proportion to the power that goes there; `None` where there is no caster, or
@@ -67,8 +67,8 @@ impl<'a> PhotonSource<'a> {
             if reaches { power } else { 0.0 }
         };
         let powers: Vec<f64> = scene.lights().iter().zip(powers(scene)).map(reaching).collect();
-        let targets = Targets::new(balls.iter().copied());
-        let aimed = |(i, power): (usize, &f64)| if *power > 0.0 { aimed_power(scene, &targets, i) } else { 0.0 };
+        let aim = PhotonAim::new(balls.iter().copied());
+        let aimed = |(i, power): (usize, &f64)| if *power > 0.0 { aimed_power(scene, &aim, i) } else { 0.0 };
         let aimed: Vec<f64> = powers.iter().enumerate().map(aimed).collect();
         let (total, total_aimed) = (powers.iter().sum::<f64>(), aimed.iter().sum::<f64>());
         let weight = |(power, aimed): (&f64, &f64)| {
@@ -78,7 +78,7 @@ impl<'a> PhotonSource<'a> {
         };
         let choice = if total > 0.0 { Discrete::new(powers.iter().zip(&aimed).map(weight)) } else { None };
         let (interiors, detail) = (scene.has_interiors(), Detail::ALL);
-        choice.map(|choice| Self { scene, choice, targets: Some(targets), densities: Vec::new(), interiors, detail })
+        choice.map(|choice| Self { scene, choice, aim: Some(aim), densities: Vec::new(), interiors, detail })
     }
 
     /// This source without the light from all around, the same to the bit where there is none; `None` where nothing else shines.
@@ -94,10 +94,10 @@ impl<'a> PhotonSource<'a> {
     /// This source in `scene`, which is its own at another time: it is aimed at where casters are then.
     #[must_use]
     pub fn at<'b>(&self, scene: &'b Scene) -> PhotonSource<'b> {
-        let balls = if self.targets.is_some() { scene.caster_balls() } else { None };
-        let targets = balls.map(Targets::new);
+        let balls = if self.aim.is_some() { scene.caster_balls() } else { None };
+        let aim = balls.map(PhotonAim::new);
         let (choice, densities) = (self.choice.clone(), self.densities.clone());
-        PhotonSource { scene, choice, targets, densities, ..*self }
+        PhotonSource { scene, choice, aim, densities, ..*self }
     }
 
     /// This source, whose photons remember what they are inside of, or do not.
@@ -152,16 +152,16 @@ impl<'a> PhotonSource<'a> {
     pub(super) fn start<I: Interior>(&self, draw: &EmissionDraw) -> Option<(Walk<I>, Rgb)> {
         let light = &self.lights()[draw.light];
         let domain = self.scene.domain();
-        let emission = match &self.targets {
-            Some(targets) => light.emit_at(targets, domain, draw.position, draw.direction),
-            None => light.emit(domain, draw.position, draw.direction),
+        let emission = match &self.aim {
+            Some(aim) => light.sample_le_towards(aim, domain, draw.position, draw.direction),
+            None => light.sample_le(domain, draw.position, draw.direction),
         }?;
-        let ray = match light {
-            Light::Directional { .. } | Light::Environment(_) => self.scene.starting_beyond_planes(emission.ray),
-            Light::Point { .. } | Light::Spot(_) => {
-                Ray { origin: emission.ray.at(self.scene.light_contact(draw.light)), ..emission.ray }
-            }
-            Light::Area(_) => emission.ray,
+        let ray = if light.is_infinite() {
+            self.scene.starting_beyond_planes(emission.ray)
+        } else if light.is_delta() {
+            Ray { origin: emission.ray.at(self.scene.light_contact(draw.light)), ..emission.ray }
+        } else {
+            emission.ray
         };
         Some((self.scene.walk_from_light(draw.light, ray, self.detail), emission.flux))
     }
@@ -171,12 +171,12 @@ fn powers(scene: &Scene) -> impl Iterator<Item = f64> {
     scene.lights().iter().map(|light| f64::from(color::mean(light.power(scene.domain()))))
 }
 
-fn aimed_power(scene: &Scene, targets: &Targets, light: usize) -> f64 {
+fn aimed_power(scene: &Scene, aim: &PhotonAim, light: usize) -> f64 {
     let key = Key::new(0).purpose(Purpose::LightWeights).with(light as u64);
     let flux = |i| {
         let (position, direction) =
             (sobol_2d(i, key, Dimension::LightPosition), sobol_2d(i, key, Dimension::LightDirection));
-        let emission = scene.lights()[light].emit_at(targets, scene.domain(), position, direction);
+        let emission = scene.lights()[light].sample_le_towards(aim, scene.domain(), position, direction);
         emission.map_or(0.0, |e| f64::from(color::mean(e.flux)))
     };
     (0..WEIGHT_DRAWS).map(flux).sum::<f64>() / f64::from(WEIGHT_DRAWS)

@@ -1,6 +1,6 @@
 //! Densities of emission, fitted to what a pilot found.
 
-use crate::light::Light;
+use crate::light::{EmissionDimensions, Light};
 use crate::sampling::Histogram;
 use glam::Vec2;
 
@@ -102,11 +102,8 @@ impl Fit {
     /// the better one is gone, and of the levels on this way the best is kept. How good a level is each half of the
     /// samples says of the densities that the other half would give, so that luck is not taken for structure.
     pub fn new(light: &Light, samples: &[&Sample], share: f64) -> Self {
-        let most = match light {
-            Light::Area(_) | Light::Environment(_) => (MOST_BITS, MOST_BITS),
-            Light::Directional { .. } => (MOST_BITS, 0),
-            Light::Point { .. } | Light::Spot(_) => (0, MOST_BITS),
-        };
+        let EmissionDimensions { position, direction } = light.emission_dimensions();
+        let most = (if position { MOST_BITS } else { 0 }, if direction { MOST_BITS } else { 0 });
         let half = |i: usize| samples.iter().copied().skip(i).step_by(2);
         let judged = |halves: &[Cells; 2]| halves[0].judged(share, half(1)) + halves[1].judged(share, half(0));
         let mut cells = Cells::new((0, 0), samples.iter().copied(), None);
