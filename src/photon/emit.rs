@@ -1,6 +1,6 @@
 //! Which light a photon leaves, and where to.
 
-use super::learn::EmissionDensity;
+use super::guiding::GuidingDistribution;
 use crate::color::{self, Rgb};
 use crate::light::{Light, PhotonAim};
 use crate::math::Ray;
@@ -21,7 +21,7 @@ pub struct PhotonSource<'a> {
     pub(super) choice: Discrete,
     aim: Option<PhotonAim>,
     /// Of each light, where it was learned.
-    pub(super) densities: Vec<Option<EmissionDensity>>,
+    pub(super) densities: Vec<Option<GuidingDistribution>>,
     /// The effects that photons simulate.
     effects: Effects,
 }
@@ -213,7 +213,7 @@ mod tests {
         // As far as the farther plane, with room.
         assert!(scene.domain().radius >= 3.0);
         let source = PhotonSource::everywhere(&scene).unwrap();
-        let pass = PhotonPass { scene: &scene, source: &source, wants: StoreMask::ALL, max_bounces: 0 };
+        let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::ALL, max_bounces: 0 };
         let photons = pass.trace(Key::new(1), 4096, &|_| {}).photons;
         let on = |axis: usize, at: f32| photons.iter().any(|p| (p.position[axis] - at).abs() < 1e-3);
         assert!(on(1, -1.0) && on(2, -3.0));
@@ -224,7 +224,7 @@ mod tests {
         for (height, shaded) in [(1.0, true), (100.0, true), (1e6, true), (-1.0, false)] {
             let scene = sun_over_ball(height);
             let source = PhotonSource::everywhere(&scene).unwrap();
-            let pass = PhotonPass { scene: &scene, source: &source, wants: StoreMask::ALL, max_bounces: 0 };
+            let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::ALL, max_bounces: 0 };
             let photons = pass.trace(Key::new(1), 4096, &|_| {}).photons;
             let on_ball = photons.iter().filter(|p| p.position.length() < 0.6).count();
             assert_eq!(on_ball == 0, shaded, "{on_ball} of {} under a plane at {height}", photons.len());

@@ -6,7 +6,7 @@ use crate::integrate::method::History;
 use crate::integrate::tiles::Worker;
 use crate::light::ShadowTarget;
 use crate::math::Ray;
-use crate::medium::Flight;
+use crate::medium::DistanceSample;
 use crate::plan::Effect;
 use crate::sampling::{Dimension, Sampler};
 use crate::scene::{Interior, MediumSegment};
@@ -18,7 +18,7 @@ pub(in crate::integrate) struct Scattering<'a, I> {
     /// Of the walk where the stretch begins.
     pub throughput: Rgb,
     /// Where the walk would be scattered.
-    pub distance_sample: &'a Flight,
+    pub distance_sample: &'a DistanceSample,
     pub history: History,
     /// Whether the walk goes on from where it is scattered, and may meet a light by chance.
     pub onward: bool,
@@ -131,7 +131,7 @@ impl<I: Interior> Scattering<'_, I> {
         } else {
             angles.sample(u)
         };
-        let pdf = 0.5 * (medium.flight_pdf(t, self.throughput)? + angles.pdf(t));
+        let pdf = 0.5 * (medium.distance_pdf(t, self.throughput)? + angles.pdf(t));
         if !(t >= 0.0 && t <= ray.t_max && pdf > 0.0) {
             return None;
         }

@@ -1,8 +1,8 @@
 mod chi_square;
 mod direct;
 mod emission;
+mod emission_texture;
 mod environment;
-mod glow;
 mod light_bvh;
 
 use super::*;

@@ -127,7 +127,7 @@ fn lit(faces: Faces, meet: Meet, liquid_first: bool, angle: f64) -> Scene {
 /// Part of the flux that reaches the floor, in independent passes.
 fn passed(scene: &Scene) -> Vec<f64> {
     let source = PhotonSource::everywhere(scene).unwrap();
-    let pass = PhotonPass { scene, source: &source, wants: StoreMask::CAUSTIC, max_bounces: 1000 };
+    let pass = PhotonPass { scene, source: &source, mask: StoreMask::CAUSTIC, max_bounces: 1000 };
     let part = |i| {
         let traced = pass.trace(key(40).with(i), 1 << 11, &|_| {});
         traced.audit.stopped[0] / traced.audit.emitted[0]

@@ -6,7 +6,7 @@ use caustica::camera::{Camera, Filter, FilterKind, Lens};
 use caustica::color::Wavelength;
 use caustica::light::{Light, PhotonAim};
 use caustica::math::{Sphere, warp};
-use caustica::medium::Phase;
+use caustica::medium::PhaseFunction;
 use caustica::scene::Scene;
 use glam::{DVec3, Vec2, Vec3};
 
@@ -42,11 +42,11 @@ fn warps_hold_at_the_ends() {
 fn phases_wavelengths_filters_and_lenses_hold_at_the_ends() {
     let near = 1.0 - f32::EPSILON / 2.0;
     for phase in [
-        Phase::Isotropic,
-        Phase::Rayleigh,
-        Phase::HenyeyGreenstein(0.0),
-        Phase::HenyeyGreenstein(near),
-        Phase::HenyeyGreenstein(-near),
+        PhaseFunction::Isotropic,
+        PhaseFunction::Rayleigh,
+        PhaseFunction::HenyeyGreenstein(0.0),
+        PhaseFunction::HenyeyGreenstein(near),
+        PhaseFunction::HenyeyGreenstein(-near),
     ] {
         for u in corners() {
             for along in [Vec3::Z, -Vec3::Z, Vec3::new(0.6, 0.0, -0.8)] {

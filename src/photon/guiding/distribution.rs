@@ -135,7 +135,7 @@ impl Fit {
     }
 
     /// The density of emission, a `share` of it uniform; `None` where there is nothing to prefer.
-    pub fn density(&self, share: f64) -> Option<EmissionDensity> {
+    pub fn density(&self, share: f64) -> Option<GuidingDistribution> {
         let (p, d) = self.cells.bits;
         if (p, d) == (0, 0) {
             return None;
@@ -143,7 +143,7 @@ impl Fit {
         let densities = self.cells.densities(share);
         let directions = densities.chunks_exact(1 << (2 * d));
         let positions: Vec<f64> = directions.clone().map(|d| d.iter().sum()).collect();
-        Some(EmissionDensity {
+        Some(GuidingDistribution {
             side: 1 << p,
             positions: Histogram::new(1 << p, &positions)?,
             directions: directions.map(|weights| Histogram::new(1 << d, weights)).collect::<Option<_>>()?,
@@ -153,13 +153,13 @@ impl Fit {
 
 /// Density of emission on a light's squares: of positions, and of directions in each cell of the positions.
 #[derive(Clone, Debug)]
-pub(in crate::photon) struct EmissionDensity {
+pub(in crate::photon) struct GuidingDistribution {
     side: usize,
     positions: Histogram,
     directions: Vec<Histogram>,
 }
 
-impl EmissionDensity {
+impl GuidingDistribution {
     /// Maps two uniform points of \[0, 1)² to a position and a direction, with their density.
     #[inline]
     pub fn sample(&self, position: Vec2, direction: Vec2) -> (Vec2, Vec2, f32) {
