@@ -7,7 +7,7 @@ use caustica::image;
 use caustica::integrate::{Algorithm, EyeSettings, Settings, Silent};
 use caustica::math::Ray;
 use caustica::plan::{Effect, EffectOverrides};
-use caustica::scene::{Cone, Detail, Hit, Scene, SurfaceInteraction};
+use caustica::scene::{Effects, Hit, RayCone, Scene, SurfaceInteraction};
 use glam::{DVec2, DVec3, Vec3};
 
 fn scene(text: &str) -> Scene {
@@ -30,12 +30,12 @@ fn hit(scene: &Scene, from: DVec3, direction: DVec3) -> (Hit, Ray) {
 
 fn surface(scene: &Scene, from: DVec3, direction: DVec3) -> SurfaceInteraction<'_> {
     let (hit, ray) = hit(scene, from, direction);
-    scene.surface(&ray, &hit, &Cone::point(Detail::ALL), || 0.5)
+    scene.surface(&ray, &hit, &RayCone::point(Effects::ALL), || 0.5)
 }
 
 fn uv(scene: &Scene, from: [f64; 3], direction: [f64; 3]) -> DVec2 {
     let (hit, ray) = hit(scene, DVec3::from(from), DVec3::from(direction));
-    let cone = Cone::point(Detail::ALL);
+    let cone = RayCone::point(Effects::ALL);
     let surface = scene.surface(&ray, &hit, &cone, || 0.5);
     scene.place(&hit, &surface.point, surface.wo, &cone).uv
 }

@@ -5,7 +5,7 @@ use caustica::color::Wavelength;
 use caustica::integrate::{Algorithm, Settings, Silent};
 use caustica::photon::{Photon, PhotonSource, StoreMask};
 use caustica::plan::{Effect, EffectOverrides};
-use caustica::scene::{Detail, Scene};
+use caustica::scene::{Effects, Scene};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{FRAC_PI_3, PI};
 
@@ -137,7 +137,8 @@ fn a_parted_beam_is_white_in_sum() {
             high = 2.0 * root / 3.0
         ));
         for dispersion in [true, false] {
-            let source = PhotonSource::everywhere(&scene).unwrap().with_detail(Detail { dispersion, ..Detail::ALL });
+            let effects = if dispersion { Effects::ALL } else { Effects::ALL.without(Effect::Dispersion) };
+            let source = PhotonSource::everywhere(&scene).unwrap().with_effects(effects);
             let passes = trace_from(&scene, &source, StoreMask::CAUSTIC, 10_000, PASSES, 1 << 15);
             let with_wavelength = passes[0].photons.iter().filter(|p| p.flux.wavelength() != 0).count();
             assert_eq!(with_wavelength > passes[0].photons.len() / 2, dispersion, "{glass}: {with_wavelength}");

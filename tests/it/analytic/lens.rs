@@ -4,7 +4,7 @@ use crate::support::{agree, camera_rays, mean_and_error, scene_in};
 use caustica::integrate::{Algorithm, Silent};
 use caustica::math::Ray;
 use caustica::sampling::{Dimension, Key, Purpose};
-use caustica::scene::{Cone, Detail, Scene};
+use caustica::scene::{Effects, RayCone, Scene};
 use glam::{DVec2, Vec3};
 
 fn scene(text: &str) -> Scene {
@@ -215,7 +215,7 @@ fn what_moves_is_at_each_time_where_its_maps_say() {
                 let look = |scene: &Scene| {
                     let ray = Ray::new(from - scene.middle().as_vec3(), (to - from).normalize());
                     let hit = scene.intersect(&ray)?;
-                    let surface = scene.surface(&ray, &hit, &Cone::point(Detail::ALL), || 0.5);
+                    let surface = scene.surface(&ray, &hit, &RayCone::point(Effects::ALL), || 0.5);
                     let shadowed = scene.occluded(&Ray { t_max: hit.t * 1.01, ..ray });
                     assert!(shadowed, "{object} at {time}: a hit that casts no shadow");
                     Some((surface.point.p + scene.middle().as_vec3(), surface.point.ng))

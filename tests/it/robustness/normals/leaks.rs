@@ -5,7 +5,7 @@ use caustica::integrate::{Algorithm, EyeSettings, Settings};
 use caustica::math::{Ray, warp};
 use caustica::photon::{Photon, PhotonPass, PhotonSource, StoreMask};
 use caustica::sampling::Dimension;
-use caustica::scene::{Cone, Detail, Scene};
+use caustica::scene::{Effects, RayCone, Scene};
 
 /// All opaque kinds; `{relief}` is what tilts their normals.
 fn materials(relief: &str) -> String {
@@ -89,7 +89,7 @@ fn relief_below_the_horizon_lets_nothing_through() {
                 let direction = warp::sphere(key(71).with(i).uniform_2d(Dimension::LightDirection));
                 let ray = Ray::new(-direction * 2.0, direction);
                 let Some(hit) = walls.intersect(&ray) else { continue };
-                let point = walls.surface(&ray, &hit, &Cone::point(Detail::ALL), || 0.5).point;
+                let point = walls.surface(&ray, &hit, &RayCone::point(Effects::ALL), || 0.5).point;
                 assert!((point.ns.length() - 1.0).abs() < 1e-6);
                 least = least.min(point.ns.dot(point.ng));
             }

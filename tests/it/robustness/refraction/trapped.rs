@@ -7,7 +7,7 @@ use caustica::integrate::{Algorithm, EyeSettings, Settings};
 use caustica::math::{Ray, warp};
 use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
 use caustica::sampling::Dimension;
-use caustica::scene::{Detail, InteriorStack, LightStrength, Material, Scene, SceneBuilder, SourceKind, Step};
+use caustica::scene::{Effects, InteriorStack, LightStrength, Material, PathEvent, Scene, SceneBuilder, SourceKind};
 use caustica::shape::{Plane, Rectangle, Shape, Sphere};
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
@@ -44,9 +44,11 @@ fn cube(triangles: bool) -> SceneBuilder {
 
 /// Walks from the origin in a direction and shows `see` the place and direction after each reflection; all must be total.
 fn follow(scene: &Scene, direction: Vec3, mut see: impl FnMut(Vec3, Vec3)) {
-    let mut walk = scene.walk_from_light::<InteriorStack>(0, Ray::new(Vec3::ZERO, direction), Detail::NONE);
+    let mut walk = scene.start_light_path::<InteriorStack>(0, Ray::new(Vec3::ZERO, direction), Effects::NONE);
     for bounce in 0..BOUNCES {
-        let Step::Arrived(arrival) = walk.advance(scene, key(1), |_| None) else { panic!("out after {bounce}") };
+        let PathEvent::Surface(arrival) = walk.next_vertex(scene, key(1), |_| None) else {
+            panic!("out after {bounce}")
+        };
         let surface = arrival.surface;
         assert!(surface.wo.dot(surface.point.ng) < 0.0, "from outside after {bounce}");
         // The largest number below 1 finds whatever passes.
@@ -118,9 +120,11 @@ fn rays_stay_in_a_ball() {
         let start = Vec3::Y * 0.9;
         let expected = start.cross(direction).length();
         assert!(expected > 0.7, "beyond the critical angle");
-        let mut walk = scene.walk_from_light::<InteriorStack>(0, Ray::new(start, direction), Detail::NONE);
+        let mut walk = scene.start_light_path::<InteriorStack>(0, Ray::new(start, direction), Effects::NONE);
         for bounce in 0..BOUNCES {
-            let Step::Arrived(arrival) = walk.advance(&scene, key(1), |_| None) else { panic!("out after {bounce}") };
+            let PathEvent::Surface(arrival) = walk.next_vertex(&scene, key(1), |_| None) else {
+                panic!("out after {bounce}")
+            };
             let s = arrival.surface.sample(1.0 - f32::EPSILON / 2.0, Vec2::ZERO, Transport::Importance).unwrap();
             let p = arrival.surface.point.p;
             assert!(!s.transmitted && (p.length() - 1.0).abs() < 2.0 * f32::EPSILON);

@@ -4,7 +4,7 @@ use super::dd::{Affine, Dd3};
 use super::shapes::{Own, truth};
 use caustica::format::{SceneError, Source, parse, resolve};
 use caustica::math::{Ray, Transform, turn};
-use caustica::scene::{Cone, Detail, Scene};
+use caustica::scene::{Effects, RayCone, Scene};
 use glam::{DAffine3, DMat3, DVec3, Vec2};
 use rand::rngs::SmallRng;
 use rand::{RngExt, SeedableRng};
@@ -100,7 +100,7 @@ fn shapes_64_transforms_deep_are_where_they_belong() {
             known.blur += PRODUCTS / direction.as_dvec3().dot(known.normal).abs();
             known.turn += PRODUCTS * shrink;
             assert!(off <= known.blur, "{own:?} {ray:?}: {} {exactly}, off by {off:e} of {:e}", hit.t, known.blur);
-            let s = scene.surface(&ray, &hit, &Cone::point(Detail::NONE), || 0.0).point;
+            let s = scene.surface(&ray, &hit, &RayCone::point(Effects::NONE), || 0.0).point;
             let turned = s.ng.as_dvec3().cross(known.normal).length();
             assert!(turned <= known.turn, "{own:?} {ray:?}: turned by {turned:e} of {:e}", known.turn);
         }

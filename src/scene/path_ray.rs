@@ -3,7 +3,7 @@
 use super::interior::left_after;
 use super::touching::Face;
 use super::{
-    BoundaryEvent, Cone, Detail, Filling, Hit, Interior, InteriorStack, Scattering, Scene, SurfaceInteraction,
+    BoundaryEvent, Effects, Filling, Hit, Interior, InteriorStack, RayCone, Scattering, Scene, SurfaceInteraction,
 };
 use crate::color::Rgb;
 use crate::math::Ray;
@@ -14,13 +14,13 @@ use rand::RngExt;
 
 /// A walk between two surfaces.
 #[derive(Clone, Copy, Debug)]
-pub struct Walk<I> {
+pub struct PathRay<I> {
     /// Where it goes; of unit direction.
     pub ray: Ray,
     /// What it is inside of.
     pub inside: I,
     /// How much of a surface it sees at once.
-    pub cone: Cone,
+    pub cone: RayCone,
 }
 
 /// A part of a way that lies in a medium.
@@ -42,9 +42,9 @@ pub struct MediumSegment<'a, I> {
 
 /// What ends a step of a walk.
 #[derive(Clone, Copy, Debug)]
-pub enum Step<'a> {
+pub enum PathEvent<'a> {
     /// A surface.
-    Arrived(Arrival<'a>),
+    Surface(SurfaceVertex<'a>),
     /// Light is scattered in a medium.
     Scattered {
         /// Part of the light that is left after what bodies absorbed on the way.
@@ -61,7 +61,7 @@ pub enum Step<'a> {
 
 /// Where a walk arrives.
 #[derive(Clone, Copy, Debug)]
-pub struct Arrival<'a> {
+pub struct SurfaceVertex<'a> {
     /// The surface.
     pub surface: SurfaceInteraction<'a>,
     /// Part of the light that is left after what lies in between.
@@ -72,16 +72,16 @@ pub struct Arrival<'a> {
     pub crossed: bool,
 }
 
-impl<I: Interior> Walk<I> {
+impl<I: Interior> PathRay<I> {
     /// Goes to the next surface. `key` is that of the vertex. `through` is shown every stretch in a medium, in order, and tells where light is
     /// scattered there, if it is.
     #[inline]
-    pub fn advance<'a>(
+    pub fn next_vertex<'a>(
         &mut self,
         scene: &'a Scene,
         key: Key,
         mut through: impl FnMut(&MediumSegment<'a, I>) -> Option<f32>,
-    ) -> Step<'a> {
+    ) -> PathEvent<'a> {
         // Depths add up over many boundaries as products of what is hardly below 1 do not.
         let mut depth = DVec3::ZERO;
         let mut transmittance = Rgb::ONE;
@@ -106,10 +106,10 @@ impl<I: Interior> Walk<I> {
                     self.ray = Ray::new(ray.at(t), ray.direction);
                     self.cone = cone;
                     self.cone.travel(from + t);
-                    return Step::Scattered { transmittance, crossed };
+                    return PathEvent::Scattered { transmittance, crossed };
                 }
             }
-            let Some((surface, t)) = &mut surface else { return Step::Escaped { crossed } };
+            let Some((surface, t)) = &mut surface else { return PathEvent::Escaped { crossed } };
             distance += *t;
             let more = self.inside.depth(scene, *t);
             if more != Rgb::ZERO {
@@ -117,9 +117,9 @@ impl<I: Interior> Walk<I> {
                 transmittance = left_after(depth.as_vec3());
             }
             match self.inside.meet(scene, surface, key) {
-                BoundaryEvent::SurfaceInteraction => {
+                BoundaryEvent::Surface => {
                     transmittance *= self.inside.arrive(surface);
-                    return Step::Arrived(Arrival { surface: *surface, transmittance, distance, crossed });
+                    return PathEvent::Surface(SurfaceVertex { surface: *surface, transmittance, distance, crossed });
                 }
                 BoundaryEvent::Hidden => crossed = true,
                 BoundaryEvent::Clear => {}
@@ -162,7 +162,7 @@ impl Scene {
             let length = ray.direction.length();
             let unit = Ray::new(ray.origin, ray.direction / length);
             let hit = self.intersect(&ray).map(|hit| Hit { t: hit.t * length, ..hit });
-            let surface = hit.map(|hit| self.surface(&unit, &hit, &Cone::point(Detail::NONE), || rng.random()));
+            let surface = hit.map(|hit| self.surface(&unit, &hit, &RayCone::point(Effects::NONE), || rng.random()));
             if let Some(surface) = &surface {
                 inside.approach(surface);
             }
@@ -224,7 +224,7 @@ impl Scene {
         let mut entered: Vec<u32> = Vec::new();
         let (mut left, mut met): (Vec<u32>, Vec<u32>) = (Vec::new(), Vec::new());
         while let Some(hit) = self.intersect(&ray) {
-            let surface = self.surface(&ray, &hit, &Cone::point(Detail::NONE), || 0.0);
+            let surface = self.surface(&ray, &hit, &RayCone::point(Effects::NONE), || 0.0);
             if let Scattering::Boundary(_) = surface.material.scattering {
                 let own = Face::of(&surface, surface.wo.dot(surface.point.ng) >= 0.0);
                 let touching = self.faces_at(&surface);

@@ -1,48 +1,18 @@
 //! How much of a surface a ray sees at once.
 
-use super::InteriorKind;
+use super::Effects;
 use crate::bsdf::{Bsdf, DIFFUSE_BLUR};
 
 /// Part of a pixel that textures are blurred over: the pixel's own filter blurs them too.
 const PIXEL: f32 = 0.5;
 
-/// What walks see of a scene.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Detail {
-    /// Textures; else their means.
-    pub textures: bool,
-    /// Bumps; else surfaces are smooth.
-    pub bumps: bool,
-    /// Media; else bodies are filled with nothing that scatters.
-    pub media: bool,
-    /// Wavelengths; else glass has the index of the d line.
-    pub dispersion: bool,
-}
-
-impl Detail {
-    /// What walks have to remember that see this; `interiors` says whether they remember bodies at all.
-    #[must_use]
-    pub const fn memory(self, interiors: bool) -> InteriorKind {
-        match interiors {
-            false => InteriorKind::Nothing,
-            true if self.media || self.dispersion => InteriorKind::Spectral,
-            true => InteriorKind::Bodies,
-        }
-    }
-
-    /// Everything.
-    pub const ALL: Self = Self { textures: true, bumps: true, media: true, dispersion: true };
-    /// Nothing.
-    pub const NONE: Self = Self { textures: false, bumps: false, media: false, dispersion: false };
-}
-
 /// The cone around a ray that textures are blurred over (Amanatides 1984, "Ray tracing with cones"; Akenine-Möller et al. 2021,
-/// "Improved shader and texture level of detail using ray cones").
+/// "Improved shader and texture level of effects using ray cones").
 ///
 /// A walk from the camera begins as wide as a pixel. It grows with distance, and faster after surfaces that scatter. What a photon
 /// sees is a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cone {
+pub struct RayCone {
     /// Diameter where the ray is \[length].
     width: f32,
     /// What the diameter grows by along the ray.
@@ -51,23 +21,23 @@ pub struct Cone {
     blurs: bool,
     /// Whether the walk has met a surface that is no mirror and no smooth glass.
     scattered: bool,
-    /// What is looked at.
-    pub detail: Detail,
+    /// The effects that are simulated.
+    pub effects: Effects,
 }
 
-impl Cone {
+impl RayCone {
     /// Of a walk from the camera, whose pixels have this width \[length] and grow by so much along the ray.
     #[inline]
     #[must_use]
-    pub fn of_pixel((width, spread): (f32, f32), detail: Detail) -> Self {
-        Self { width: width * PIXEL, spread: spread * PIXEL, blurs: true, ..Self::point(detail) }
+    pub fn of_pixel((width, spread): (f32, f32), effects: Effects) -> Self {
+        Self { width: width * PIXEL, spread: spread * PIXEL, blurs: true, ..Self::point(effects) }
     }
 
     /// A line.
     #[inline]
     #[must_use]
-    pub const fn point(detail: Detail) -> Self {
-        Self { width: 0.0, spread: 0.0, blurs: false, scattered: false, detail }
+    pub const fn point(effects: Effects) -> Self {
+        Self { width: 0.0, spread: 0.0, blurs: false, scattered: false, effects }
     }
 
     /// Goes on by `distance` \[length].
@@ -104,6 +74,6 @@ impl Cone {
     /// The cone as it sees lights: those that could have been asked for are seen as they would have been, as points.
     #[inline]
     pub(super) fn of_lights(&self) -> Self {
-        if self.scattered { Self::point(self.detail) } else { *self }
+        if self.scattered { Self::point(self.effects) } else { *self }
     }
 }

@@ -1,6 +1,6 @@
 //! What can be simulated or left out.
 
-use crate::scene::{Detail, InteriorKind};
+use super::InteriorKind;
 
 /// A part of light transport that a picture may need.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -177,21 +177,14 @@ impl Effects {
         Self(self.0 & !Self::bit(effect))
     }
 
-    /// What walks see of a scene's dress.
+    /// The record of interiors that paths need to simulate these effects.
     #[must_use]
-    pub const fn detail(self) -> Detail {
-        Detail {
-            textures: self.has(Effect::Textures),
-            bumps: self.has(Effect::Bump),
-            media: self.has(Effect::Media),
-            dispersion: self.has(Effect::Dispersion),
+    pub const fn interior_kind(self) -> InteriorKind {
+        match self.has(Effect::Interiors) {
+            false => InteriorKind::Nothing,
+            true if self.has(Effect::Media) || self.has(Effect::Dispersion) => InteriorKind::Spectral,
+            true => InteriorKind::Bodies,
         }
-    }
-
-    /// What walks have to remember.
-    #[must_use]
-    pub const fn memory(self) -> InteriorKind {
-        self.detail().memory(self.has(Effect::Interiors))
     }
 
     /// They, in the order of a table.
