@@ -6,7 +6,7 @@
 //! such a key and the decision's name. [`PhotonSource::emit`](photon::PhotonSource::emit) chooses a light in proportion to its
 //! power, to the part of it that can reach casters, or to what a pilot found useful, and a ray from it; the ray carries its flux over its density
 //! and the number of paths. [`PhotonPass::trace`](photon::PhotonPass::trace) then repeats: nearest hit
-//! ([`Walk::advance`](scene::Walk::advance)), absorption on the way, in a [`Medium`](medium::Medium) a beam and a place where it is scattered, a stored [`Photon`](photon::Photon) where the surface
+//! ([`PathRay::next_vertex`](scene::PathRay::next_vertex)), absorption on the way, in a [`Medium`](medium::Medium) a beam and a place where it is scattered, a stored [`Photon`](photon::Photon) where the surface
 //! stores them and the class is wanted, a direction from the [`Bsdf`](bsdf::Bsdf), roulette on the ratio of throughputs.
 //! The photons become a [`PhotonMap`](photon::PhotonMap).
 //!

@@ -1,6 +1,10 @@
 //! What the pages say is true: their commands run, their scenes render, their tables agree with the program.
 
-mod shell;
+mod it {
+    pub mod support {
+        pub mod shell;
+    }
+}
 
 use caustica::cli::{Arguments, Command, Exit};
 use caustica::format::grid::{self, Encoding, Grid};
@@ -9,7 +13,7 @@ use caustica::format::{Source, parse, resolve};
 use caustica::image::{self, Image, WriteOptions};
 use caustica::integrate::{Algorithm, Settings, Silent};
 use clap::{CommandFactory, Parser};
-use shell::words;
+use it::support::shell::words;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::Duration;

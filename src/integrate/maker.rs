@@ -224,7 +224,7 @@ impl<'a> PhotonMapBuilder<'a> {
         let found = |source: &Option<PhotonSource<'a>>, wants: StoreMask, paths: u32| {
             let source = source.as_ref()?;
             let pass = PhotonPass { scene: self.scene, source, wants, max_bounces: settings.eye.max_bounces };
-            volume_blurs(&pass, self.effects.detail(), paths, settings)
+            volume_blurs(&pass, self.effects, paths, settings)
         };
         let of = |source, wants, paths| {
             if let Some(radius) = settings.radius {
@@ -377,7 +377,7 @@ impl<'a> PhotonMapBuilder<'a> {
 
 /// A source as effects allow it.
 fn restricted<'a>(source: PhotonSource<'a>, effects: Effects) -> Option<PhotonSource<'a>> {
-    let source = source.with_interiors(effects.has(Effect::Interiors)).with_detail(effects.detail());
+    let source = source.with_effects(effects);
     if effects.has(Effect::Environment) { Some(source) } else { source.without_environment() }
 }
 

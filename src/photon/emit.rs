@@ -5,7 +5,7 @@ use crate::color::{self, Rgb};
 use crate::light::{Light, Targets};
 use crate::math::Ray;
 use crate::sampling::{Dimension, Discrete, Key, Purpose, sobol_2d};
-use crate::scene::{Detail, Interior, InteriorKind, Scene, Walk};
+use crate::scene::{Effect, Effects, Interior, InteriorKind, PathRay, Scene};
 use glam::Vec2;
 
 /// Draws a light finds its aimed power with.
@@ -22,10 +22,8 @@ pub struct PhotonSource<'a> {
     targets: Option<Targets>,
     /// Of each light, where it was learned.
     pub(super) densities: Vec<Option<EmissionDensity>>,
-    /// Whether photons remember what they are inside of.
-    pub(super) interiors: bool,
-    /// What photons see of textures and bumps.
-    detail: Detail,
+    /// The effects that photons simulate.
+    effects: Effects,
 }
 
 /// A point in the space of all that can be emitted.
@@ -48,8 +46,8 @@ impl<'a> PhotonSource<'a> {
     #[must_use]
     pub fn everywhere(scene: &'a Scene) -> Option<Self> {
         let choice = Discrete::new(powers(scene))?;
-        let (interiors, detail) = (scene.has_interiors(), Detail::ALL);
-        Some(Self { scene, choice, targets: None, densities: Vec::new(), interiors, detail })
+        let effects = all_effects(scene);
+        Some(Self { scene, choice, targets: None, densities: Vec::new(), effects })
     }
 
     /// Emission towards casters, from each light in proportion to the power that goes there; `None` where there is no caster, or
@@ -77,8 +75,8 @@ impl<'a> PhotonSource<'a> {
             if total_aimed > 0.0 { SAFE_SHARE * plain + (1.0 - SAFE_SHARE) * aimed / total_aimed } else { plain }
         };
         let choice = if total > 0.0 { Discrete::new(powers.iter().zip(&aimed).map(weight)) } else { None };
-        let (interiors, detail) = (scene.has_interiors(), Detail::ALL);
-        choice.map(|choice| Self { scene, choice, targets: Some(targets), densities: Vec::new(), interiors, detail })
+        let effects = all_effects(scene);
+        choice.map(|choice| Self { scene, choice, targets: Some(targets), densities: Vec::new(), effects })
     }
 
     /// This source without the light from all around, the same to the bit where there is none; `None` where nothing else shines.
@@ -100,26 +98,20 @@ impl<'a> PhotonSource<'a> {
         PhotonSource { scene, choice, targets, densities, ..*self }
     }
 
-    /// This source, whose photons remember what they are inside of, or do not.
+    /// This source, whose photons simulate `effects`.
     #[must_use]
-    pub fn with_interiors(self, interiors: bool) -> Self {
-        Self { interiors, ..self }
-    }
-
-    /// This source, whose photons see `detail`.
-    #[must_use]
-    pub fn with_detail(self, detail: Detail) -> Self {
-        Self { detail, ..self }
+    pub fn with_effects(self, effects: Effects) -> Self {
+        Self { effects, ..self }
     }
 
     /// What its photons remember.
     pub(super) fn memory(&self) -> InteriorKind {
-        self.detail.memory(self.interiors)
+        self.effects.interior_kind()
     }
 
     /// The lights, as photons leave them.
     pub(super) fn lights(&self) -> &'a [Light] {
-        if self.detail.textures { self.scene.lights() } else { self.scene.mean_lights() }
+        if self.effects.has(Effect::Textures) { self.scene.lights() } else { self.scene.mean_lights() }
     }
 
     /// The start of path `index` of `paths`, with its share of the flux \[W].
@@ -127,7 +119,7 @@ impl<'a> PhotonSource<'a> {
     /// Lights are dealt to consecutive paths by systematic sampling, and positions and directions come from scrambled nets
     /// keyed by the pass: each path alone is as if independent, together they are spread more evenly.
     #[must_use]
-    pub fn emit<I: Interior>(&self, pass: Key, index: u32, paths: u32) -> Option<(Walk<I>, Rgb)> {
+    pub fn emit<I: Interior>(&self, pass: Key, index: u32, paths: u32) -> Option<(PathRay<I>, Rgb)> {
         let draw = self.draw(pass, index, paths);
         let (walk, flux) = self.start(&draw)?;
         Some((walk, flux / (draw.probability * paths as f32 * draw.density)))
@@ -149,7 +141,7 @@ impl<'a> PhotonSource<'a> {
 
     /// The start of a path, with its flux \[W] as if the light were alone and unlearned.
     #[inline]
-    pub(super) fn start<I: Interior>(&self, draw: &EmissionDraw) -> Option<(Walk<I>, Rgb)> {
+    pub(super) fn start<I: Interior>(&self, draw: &EmissionDraw) -> Option<(PathRay<I>, Rgb)> {
         let light = &self.lights()[draw.light];
         let domain = self.scene.domain();
         let emission = match &self.targets {
@@ -163,8 +155,13 @@ impl<'a> PhotonSource<'a> {
             }
             Light::Area(_) => emission.ray,
         };
-        Some((self.scene.walk_from_light(draw.light, ray, self.detail), emission.flux))
+        Some((self.scene.start_light_path(draw.light, ray, self.effects), emission.flux))
     }
+}
+
+/// All effects, without interiors where `scene` has none.
+fn all_effects(scene: &Scene) -> Effects {
+    if scene.has_interiors() { Effects::ALL } else { Effects::ALL.without(Effect::Interiors) }
 }
 
 fn powers(scene: &Scene) -> impl Iterator<Item = f64> {

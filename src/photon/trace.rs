@@ -8,8 +8,8 @@ use crate::math::Ray;
 use crate::medium::Phase;
 use crate::sampling::{Dimension, Key};
 use crate::scene::{
-    Arrival, Interior, InteriorKind, InteriorStack, MediumSegment, NoInterior, Scene, SpectralInterior, Step,
-    SurfaceInteraction, Walk,
+    Interior, InteriorKind, InteriorStack, MediumSegment, NoInterior, PathEvent, PathRay, Scene, SpectralInterior,
+    SurfaceInteraction, SurfaceVertex,
 };
 use glam::{DVec3, Vec3};
 use rand::rngs::SmallRng;
@@ -189,7 +189,7 @@ impl PhotonPass<'_> {
     #[inline]
     pub(super) fn follow<I: Interior>(
         &self,
-        mut walk: Walk<I>,
+        mut walk: PathRay<I>,
         mut flux: Rgb,
         path: Key,
         (audit, rays): (&mut Audit, &mut u64),
@@ -204,7 +204,7 @@ impl PhotonPass<'_> {
             let mut phase = Phase::Isotropic;
             let step = if I::IMMERSED {
                 let (mut rng, mut passed) = (key.rng(), DVec3::ONE);
-                let step = walk.advance(self.scene, key, |stretch| {
+                let step = walk.next_vertex(self.scene, key, |stretch| {
                     let class = if stretch.crossed { class.beyond_casters() } else { class };
                     phase = stretch.medium.phase;
                     self.through(stretch, class, flux, &mut passed, &mut rng, &mut deposit)
@@ -212,17 +212,17 @@ impl PhotonPass<'_> {
                 flux *= passed.as_vec3();
                 step
             } else {
-                walk.advance(self.scene, key, |_| None)
+                walk.next_vertex(self.scene, key, |_| None)
             };
             if flux != sent {
                 book(&mut audit.absorbed, sent - flux);
             }
             let (surface, transmittance, crossed) = match step {
-                Step::Escaped { .. } => return book(&mut audit.escaped, flux),
-                Step::Arrived(Arrival { surface, transmittance, crossed, .. }) => {
+                PathEvent::Escaped { .. } => return book(&mut audit.escaped, flux),
+                PathEvent::Surface(SurfaceVertex { surface, transmittance, crossed, .. }) => {
                     (Some(surface), transmittance, crossed)
                 }
-                Step::Scattered { transmittance, crossed } => (None, transmittance, crossed),
+                PathEvent::Scattered { transmittance, crossed } => (None, transmittance, crossed),
             };
             let left = flux * transmittance;
             book(&mut audit.absorbed, flux - left);

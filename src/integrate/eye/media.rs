@@ -7,7 +7,7 @@ use crate::integrate::method::{History, Method, Passage};
 use crate::integrate::tiles::Worker;
 use crate::medium::Phase;
 use crate::sampling::Dimension;
-use crate::scene::{Interior, MediumSegment, Step};
+use crate::scene::{Interior, MediumSegment, PathEvent};
 use glam::DVec3;
 use rand::rngs::SmallRng;
 
@@ -21,12 +21,12 @@ impl<M: Method> EyePass<'_, M> {
         branch: &mut Branch<I>,
         worker: &mut Worker,
         radiance: &mut Rgb,
-    ) -> (Step<'_>, Phase) {
+    ) -> (PathEvent<'_>, Phase) {
         let mut rng = branch.draw.key().with(WAY | u64::from(self.pass)).rng();
         let mut walk = branch.walk;
         let mut phase = Phase::Isotropic;
         let mut passed = DVec3::ONE;
-        let step = walk.advance(self.scene, branch.draw.key(), |stretch| {
+        let step = walk.next_vertex(self.scene, branch.draw.key(), |stretch| {
             phase = stretch.medium.phase;
             self.through(branch, stretch, &mut passed, &mut rng, worker, radiance)
         });
