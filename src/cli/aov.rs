@@ -3,13 +3,15 @@
 use crate::image::ExrLayer;
 use crate::integrate::Discs;
 use crate::render::Rendered;
-use crate::render::gauge::{ErrorMaps, FEWEST};
+use crate::render::error_estimate::{ErrorMaps, MIN_PASSES};
 use glam::Vec3;
 
 /// The picture and the maps of its error, where passes are enough to tell it; those of estimates where there are estimates.
 pub(super) fn layers(rendered: &Rendered) -> Vec<ExrLayer> {
     let mut layers = vec![rgb("", &rendered.film.mean())];
-    let Some(gauge) = rendered.gauge.as_ref().filter(|_| rendered.film.passes() >= FEWEST) else { return layers };
+    let Some(gauge) = rendered.estimator.as_ref().filter(|_| rendered.film.passes() >= MIN_PASSES) else {
+        return layers;
+    };
     let ErrorMaps { noise, bias, caustic, global } = gauge.maps(&rendered.film);
     layers.push(rgb("noise", &noise));
     if !bias.is_empty() {

@@ -9,7 +9,7 @@ use crate::image::{BitDepth, Curve, FloatDepth};
 use crate::integrate::{Algorithm, FinalGathering, VolumeEstimate};
 use crate::photon::Kernel;
 use crate::plan::EffectOverrides;
-use crate::render::gauge::Confidence;
+use crate::render::error_estimate::Confidence;
 use crate::stats::Memory;
 use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
@@ -168,7 +168,7 @@ pub struct RenderArguments {
     #[arg(long, value_parser = duration, value_name = "TIME")]
     pub time: Option<Duration>,
 
-    /// End after the pass by which the relative error is no larger, such as 2%; the error is told of noise and bias (see docs/accuracy.md)
+    /// End after the pass by which the relative error is no larger, such as 2%; the error is told of noise and bias (see docs/theory/accuracy.md)
     #[arg(long, value_parser = error, value_name = "ERROR", conflicts_with = "no_gauge")]
     pub target_error: Option<f64>,
 

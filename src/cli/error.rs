@@ -1,6 +1,6 @@
 //! Errors of pictures in words.
 
-use crate::render::gauge::{ErrorEstimate, Forecast, Needed};
+use crate::render::error_estimate::{ErrorEstimate, Forecast, PassesNeeded};
 use crate::study::text::percent;
 
 /// What helps where an error cannot become as low as is asked for.
@@ -26,12 +26,12 @@ pub(super) fn outlook(reading: &ErrorEstimate, forecast: &Forecast, (named, aim)
     }
     let aimed = format!("; {}", percent(named));
     match forecast.passes_to(aim) {
-        Needed::Passes(n) => {
+        PassesNeeded::Passes(n) => {
             let more = n.saturating_sub(reading.passes);
             format!("{aimed} in about {}", seconds(f64::from(more) * a_pass))
         }
-        Needed::Never { floor } => format!("{aimed} never: {} is bias that stays", percent(floor)),
-        Needed::TooMany => format!("{aimed} in more than {}", seconds(1e7 * a_pass)),
+        PassesNeeded::Never { floor } => format!("{aimed} never: {} is bias that stays", percent(floor)),
+        PassesNeeded::TooMany => format!("{aimed} in more than {}", seconds(1e7 * a_pass)),
     }
 }
 

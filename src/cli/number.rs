@@ -2,7 +2,7 @@
 
 use crate::image::MAX_EXPOSURE_STOPS;
 use crate::image::flip::PIXELS_PER_DEGREE_RANGE;
-use crate::render::gauge::Confidence;
+use crate::render::error_estimate::Confidence;
 use glam::DVec3;
 use std::time::Duration;
 
@@ -215,7 +215,7 @@ mod tests {
     #[test]
     fn errors_and_how_sure_to_be() {
         assert!(error("2%") == Ok(0.02) && error("0").is_err() && error("-1%").is_err() && error("inf").is_err());
-        assert_eq!(confidence("90%").map(Confidence::part), Ok(0.9));
+        assert_eq!(confidence("90%").map(Confidence::probability), Ok(0.9));
         assert!(["49%", "100%", "NaN", "sure"].iter().all(|text| confidence(text).is_err()));
     }
 

@@ -9,8 +9,8 @@ use super::scene::{in_pool, load};
 use super::settings::{flags, settings};
 use super::{Exit, Failure, PriceArguments, error};
 use crate::integrate::{Algorithm, Integrator};
-use crate::render::gauge::{ErrorEstimate, Forecast, Needed};
-use crate::render::{Rendered, Stop, render};
+use crate::render::error_estimate::{ErrorEstimate, Forecast, PassesNeeded};
+use crate::render::{Rendered, StopCriteria, render};
 use crate::stats::peak_memory;
 use crate::study::text::{amount, percent};
 use miette::IntoDiagnostic;
@@ -71,8 +71,8 @@ fn pilot(
     size: (u32, u32),
     progress: &Progress,
 ) -> (Rendered, f64) {
-    let stop = Stop {
-        at_least: LEAST_PASSES,
+    let stop = StopCriteria {
+        min_passes: LEAST_PASSES,
         time: Some(arguments.pilot),
         passes: None,
         target: None,
@@ -138,8 +138,8 @@ impl List {
         a_pass: f64,
     ) -> Result<Self, TooShort> {
         let passes = rendered.film.passes();
-        let reading = rendered.gauge.as_ref().map(|gauge| gauge.read(&rendered.film)).unwrap_or_default();
-        let forecast = rendered.gauge.as_ref().and_then(|gauge| gauge.forecast(&reading));
+        let reading = rendered.estimator.as_ref().map(|gauge| gauge.estimate(&rendered.film)).unwrap_or_default();
+        let forecast = rendered.estimator.as_ref().and_then(|gauge| gauge.forecast(&reading));
         let forecast = forecast.ok_or(TooShort { passes })?;
         let pass_photons = (rendered.global.emitted + rendered.caustic.emitted) as f64 / f64::from(passes);
         let mut words = flags(&arguments.method, "--effects", arguments.effects.effects);
@@ -220,9 +220,9 @@ impl Price {
         (setup, a_pass, pass_photons): (f64, f64, f64),
     ) -> Self {
         let needed = |aim: f64| match forecast.passes_to(aim) {
-            Needed::Passes(n) => Ok(n),
-            Needed::Never { floor } => Err(Some(floor)),
-            Needed::TooMany => Err(None),
+            PassesNeeded::Passes(n) => Ok(n),
+            PassesNeeded::Never { floor } => Err(Some(floor)),
+            PassesNeeded::TooMany => Err(None),
         };
         let time = |n: u32| setup + a_pass * f64::from(n);
         // Were the pilot's error larger than it seems, less of it would be asked for. What has no error has it for nothing.

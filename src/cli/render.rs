@@ -12,8 +12,8 @@ use super::settings::settings;
 use super::{Exit, Failure, RenderArguments, aov};
 use crate::image::{self, Curve, Image, OutputFormat, ToneMap, WriteOptions, WriteReport};
 use crate::integrate::{Algorithm, GuidingReports};
-use crate::render::gauge::{Confidence, FEWEST};
-use crate::render::{Ended, Rendered, Stop, Target, render};
+use crate::render::error_estimate::{Confidence, MIN_PASSES};
+use crate::render::{EndReason, ErrorTarget, Rendered, StopCriteria, render};
 use crate::study::text::percent;
 use glam::Vec3;
 use miette::IntoDiagnostic;
@@ -95,8 +95,8 @@ fn run_in_pool(arguments: &RenderArguments, progress: &Progress) -> Result<Exit,
         _ if algorithm == Algorithm::Raycast => Some(algorithm.passes()),
         _ => None,
     });
-    let target = arguments.target_error.map(|error| Target { error, confidence: arguments.confidence });
-    let stop = Stop { at_least: 1, passes, time: arguments.time, target, interrupted: &INTERRUPTED };
+    let target = arguments.target_error.map(|error| ErrorTarget { error, confidence: arguments.confidence });
+    let stop = StopCriteria { min_passes: 1, passes, time: arguments.time, target, interrupted: &INTERRUPTED };
     progress.pass(1, passes);
     let began = Instant::now();
     let rendered = render(integrator.as_ref(), scene.camera().size(), &stop, progress, |standing| {
@@ -149,7 +149,7 @@ fn conclude(
     }
     if let Some(path) = &arguments.aov {
         let layers = aov::layers(rendered);
-        if rendered.film.passes() < FEWEST {
+        if rendered.film.passes() < MIN_PASSES {
             let passes = counted(rendered.film.passes() as usize, "pass tells", "passes tell");
             tell(&format!("warning: {passes} no error: {} has no maps of it", path.display()));
         }
@@ -168,13 +168,15 @@ fn conclude(
     without_photons(rendered).iter().for_each(|line| progress.say(line));
     let report = Report::new(setting, rendered, confidence(arguments));
     let why = match rendered.ended {
-        Ended::Passes => String::new(),
-        Ended::Time => format!("; time was up: --passes {} repeats this picture bit for bit", rendered.film.passes()),
-        Ended::Target => {
+        EndReason::Passes => String::new(),
+        EndReason::Time => {
+            format!("; time was up: --passes {} repeats this picture bit for bit", rendered.film.passes())
+        }
+        EndReason::Target => {
             format!("; the error is low enough: --passes {} repeats this picture", rendered.film.passes())
         }
-        Ended::Floor => "; the error cannot become as low".to_owned(),
-        Ended::Interrupted => format!("; interrupted: --passes {} repeats this picture", rendered.film.passes()),
+        EndReason::Floor => "; the error cannot become as low".to_owned(),
+        EndReason::Interrupted => format!("; interrupted: --passes {} repeats this picture", rendered.film.passes()),
     };
     progress.say(&format!(
         "{} in {:.1} s, {:.2} M rays/s, {:.2} M photon paths/s{why}",
@@ -185,17 +187,17 @@ fn conclude(
     ));
     if let Some(ErrorReport { reading, .. }) = &report.error {
         let interval = format!("{} to {}", percent(reading.low), percent(reading.high));
-        let sure = percent(confidence(arguments).part());
+        let sure = percent(confidence(arguments).probability());
         progress.say(&format!("error {}; {interval} with {sure} confidence", error::parts(reading)));
     }
-    if rendered.ended == Ended::Floor {
+    if rendered.ended == EndReason::Floor {
         tell(&format!("warning: {}", error::REMEDY));
     }
     if let Some(path) = &arguments.stats {
         let json = serde_json::to_vec_pretty(&report).into_diagnostic().map_err(output)?;
         image::replace_file(path, &json).into_diagnostic().map_err(output)?;
     }
-    Ok(if rendered.ended == Ended::Interrupted { Exit::Interrupted } else { Exit::Success })
+    Ok(if rendered.ended == EndReason::Interrupted { Exit::Interrupted } else { Exit::Success })
 }
 
 /// Says what a file could not hold.
@@ -223,6 +225,6 @@ fn tell_of(written: &WriteReport, path: &Path, exposure: f32, progress: &Progres
 
 /// Of the intervals that are told.
 fn confidence(arguments: &RenderArguments) -> Confidence {
-    let target = |error| Target { error, confidence: arguments.confidence };
+    let target = |error| ErrorTarget { error, confidence: arguments.confidence };
     arguments.target_error.map_or(arguments.confidence, |error| target(error).interval())
 }

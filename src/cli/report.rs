@@ -1,9 +1,9 @@
-//! The report of a render as JSON; docs/cli.md describes each field.
+//! The report of a render as JSON; docs/guide/command-line.md describes each field.
 
 use super::plan::EffectReport;
 use crate::integrate::{Balance, GuidingReports, PhotonReport, Radii, Seconds};
-use crate::render::gauge::{Confidence, ErrorEstimate, Needed};
-use crate::render::{Ended, Rendered};
+use crate::render::error_estimate::{Confidence, ErrorEstimate, PassesNeeded};
+use crate::render::{EndReason, Rendered};
 use crate::stats::{Counters, cpu_seconds, peak_memory};
 use serde::Serialize;
 
@@ -22,7 +22,7 @@ pub(super) struct Report {
     pub seed: u64,
     pub threads: usize,
     pub passes: u32,
-    pub ended: Ended,
+    pub ended: EndReason,
     pub triangles: usize,
     pub shapes: usize,
     pub lights: usize,
@@ -55,12 +55,12 @@ pub(super) struct ErrorReport {
 
 impl ErrorReport {
     fn new(rendered: &Rendered, confidence: Confidence) -> Option<Self> {
-        let gauge = rendered.gauge.as_ref()?;
-        let reading = gauge.read_with(&rendered.film, confidence);
+        let gauge = rendered.estimator.as_ref()?;
+        let reading = gauge.estimate_with(&rendered.film, confidence);
         let forecast = gauge.forecast(&reading)?;
         let halving_passes = match forecast.passes_to(0.5 * reading.error) {
-            Needed::Passes(n) => Some(n),
-            Needed::Never { .. } | Needed::TooMany => None,
+            PassesNeeded::Passes(n) => Some(n),
+            PassesNeeded::Never { .. } | PassesNeeded::TooMany => None,
         };
         let a_pass = rendered.wall.as_secs_f64() / f64::from(reading.passes);
         let halving_seconds = halving_passes.map(|n| f64::from(n.saturating_sub(reading.passes)) * a_pass);

@@ -1,4 +1,4 @@
-//! What `caustica diff` found, as a table and as JSON; docs/cli.md describes each field.
+//! What `caustica diff` found, as a table and as JSON; docs/guide/command-line.md describes each field.
 
 use super::map::Colors;
 use crate::image::metrics::Largest;

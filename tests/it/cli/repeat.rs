@@ -22,7 +22,7 @@ fn the_same_seed_gives_the_same_bytes() {
     assert!(zero == picture(&shop, "--passes 2 --time 1h --quiet --stats a.json --tone filmic"));
 }
 
-/// Each of these is in docs/cli.md's list of what determines the bits.
+/// Each of these is in docs/guide/command-line.md's list of what determines the bits.
 #[test]
 fn settings_of_light_change_the_picture() {
     let shop = Workshop::new();
