@@ -13,7 +13,7 @@ use super::{EyeSettings, Monitor, Pass, Silent};
 use crate::bsdf::{Bsdf, Transport};
 use crate::color::{self, Rgb};
 use crate::math::Ray;
-use crate::medium::Phase;
+use crate::medium::PhaseFunction;
 use crate::plan::{Effect, Effects};
 use crate::sampling::{Dimension, Key, Purpose, Sampler};
 use crate::scene::{
@@ -182,7 +182,7 @@ impl<M: Method> EyePass<'_, M> {
         let (step, phase) = if I::IMMERSED {
             self.advance_in_media(branch, worker, radiance)
         } else {
-            (branch.walk.next_vertex(self.scene, branch.draw.key(), |_| None), Phase::Isotropic)
+            (branch.walk.next_vertex(self.scene, branch.draw.key(), |_| None), PhaseFunction::Isotropic)
         };
         let SurfaceVertex { mut surface, transmittance, distance, crossed } = match step {
             PathEvent::Surface(arrival) => arrival,

@@ -62,7 +62,7 @@ fn coloured_flux_lands_as_the_geometric_series_though_roulette_is_grey() {
     agree_rgb("landed flux", &landed, emitted / (DVec3::ONE - ALBEDO), 4e-3);
     let direct: Vec<DVec3> = trace(&scene, StoreMask::DIRECT, 0, 4, 1 << 13)
         .iter()
-        .map(|t| t.photons.iter().map(|p| p.flux.power().as_dvec3()).sum())
+        .map(|t| t.photons.iter().map(|p| p.data.flux().as_dvec3()).sum())
         .collect();
     for flux in direct {
         // No chance is left in the emitted flux but the lights dealt to paths: all six are alike, so it is exact to rounding.

@@ -2,7 +2,7 @@
 //! shadow rays.
 
 use crate::support::*;
-use caustica::photon::{Flux, Kernel, PhotonMap, Scratch, StoreMask};
+use caustica::photon::{Kernel, PhotonData, PhotonMap, Scratch, StoreMask};
 use caustica::scene::{LightStrength, Material, Scene, SceneBuilder, SourceKind};
 use caustica::shape::{Disc, Plane, Rectangle, Shape, Sphere};
 use glam::{DVec2, DVec3, Vec3};
@@ -159,7 +159,7 @@ fn photons_keep_the_direction_they_came_from() {
         / (radius * radius);
     let origin = (-scene.middle()).as_vec3();
     let one = |map: &PhotonMap| {
-        let brdf = |flux: &Flux| Vec3::splat(flux.from().y);
+        let brdf = |flux: &PhotonData| Vec3::splat(flux.from().y);
         let mut scratch = Scratch::new();
         f64::from(map.estimate(origin, Vec3::Y, fixed(radius), Kernel::Box, &mut scratch, brdf).radiance.x)
     };

@@ -60,7 +60,7 @@ fn flux_along_the_axis_of_a_cup() {
         agree(&format!("axis from {from} to {to}"), &samples, expected, slack, 0.012);
     }
     // Points are kept 16 errors of 5·2⁻²³ off the edges of facets, which moves a ray sideways by 10⁻⁵ at most.
-    let sideways = |p: &Photon| (0.5 - 1e-5 - place(&scene, p).z) * f64::from(p.flux.from().x.abs());
+    let sideways = |p: &Photon| (0.5 - 1e-5 - place(&scene, p).z) * f64::from(p.data.from().x.abs());
     let most = passes.iter().flat_map(|t| &t.photons).map(sideways).fold(0.0, f64::max);
     assert!(most < 1e-5, "no ray crosses the axis before half the radius: {most}");
 }

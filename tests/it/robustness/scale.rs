@@ -199,17 +199,13 @@ fn turned_scenes_receive_and_show_the_same_flux() {
 /// scenes with such a plane that counts which comes straight from lights and lies `near` the `middle`.
 fn fluxes(scene: &Scene, middle: DVec3, near: f64) -> Vec<Vec<f64>> {
     let source = PhotonSource::everywhere(scene).unwrap();
-    let pass = PhotonPass {
-        scene,
-        source: &source,
-        wants: StoreMask::ALL,
-        max_bounces: if near.is_finite() { 0 } else { 50 },
-    };
+    let pass =
+        PhotonPass { scene, source: &source, mask: StoreMask::ALL, max_bounces: if near.is_finite() { 0 } else { 50 } };
     let one = |index: u32| {
         let key = Key::new(7).purpose(Purpose::Test).with(index.into());
         let traced = pass.trace(key, 4096, &|_| {});
         let inside = traced.photons.iter().filter(|p| (p.position.as_dvec3() + scene.middle()).distance(middle) < near);
-        inside.map(|p| p.flux.power().as_dvec3()).sum::<DVec3>().to_array().to_vec()
+        inside.map(|p| p.data.flux().as_dvec3()).sum::<DVec3>().to_array().to_vec()
     };
     (0..PASSES).into_par_iter().map(one).collect()
 }

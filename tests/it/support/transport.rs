@@ -80,7 +80,7 @@ pub fn trace_from(
     passes: u32,
     paths: u32,
 ) -> Vec<Traced> {
-    let pass = PhotonPass { scene, source, wants, max_bounces };
+    let pass = PhotonPass { scene, source, mask: wants, max_bounces };
     keys(passes).map(|key| pass.trace(key, paths, &|_| {})).collect()
 }
 
@@ -91,7 +91,7 @@ pub fn place(scene: &Scene, photon: &Photon) -> DVec3 {
 
 /// Flux of the photons that lie where `inside` says \[W].
 pub fn flux_where(scene: &Scene, photons: &[Photon], inside: impl Fn(DVec3) -> bool) -> DVec3 {
-    photons.iter().filter(|p| inside(place(scene, p))).map(|p| p.flux.power().as_dvec3()).sum()
+    photons.iter().filter(|p| inside(place(scene, p))).map(|p| p.data.flux().as_dvec3()).sum()
 }
 
 /// Estimated irradiance at a place of the description.

@@ -5,7 +5,7 @@ use crate::support::image;
 use caustica::camera::Camera;
 use caustica::color::Rgb;
 use caustica::integrate::{Algorithm, EyeSettings, Settings};
-use caustica::light::{Area, Emitter, Light, ShadowTarget};
+use caustica::light::{AreaLight, Light, LightSurface, ShadowTarget};
 use caustica::math::{Ray, Transform, warp};
 use caustica::sampling::Discrete;
 use caustica::scene::{Material, SceneBuilder};
@@ -88,29 +88,29 @@ fn far_lights_do_not_shade_themselves() {
     let patch = Shape::Patch(Patch::new([&basis, &basis], &net).unwrap());
     let placed = Shape::Instance(Instance::new(Arc::new(IndexedMesh::new(one)), squash));
     let emitters = [
-        Emitter::Shape(ball),
-        Emitter::Shape(egg),
-        Emitter::Shape(disc),
-        Emitter::Shape(rectangle),
-        Emitter::Shape(bell),
-        Emitter::Shape(patch),
-        Emitter::Shape(placed),
-        Emitter::Triangles { mesh, first: 0, choice: Discrete::new([1.0]).unwrap() },
+        LightSurface::Shape(ball),
+        LightSurface::Shape(egg),
+        LightSurface::Shape(disc),
+        LightSurface::Shape(rectangle),
+        LightSurface::Shape(bell),
+        LightSurface::Shape(patch),
+        LightSurface::Shape(placed),
+        LightSurface::Triangles { mesh, first: 0, choice: Discrete::new([1.0]).unwrap() },
     ];
     let mut rng = SmallRng::seed_from_u64(4);
     for (kind, emitter) in emitters.into_iter().enumerate() {
         let tree = caustica::accel::Hierarchy::build(&[corners], &[]);
-        let light = Light::Area(Area::even(emitter.clone(), Rgb::ONE));
+        let light = Light::Area(AreaLight::uniform(emitter.clone(), Rgb::ONE));
         for distance in [2.0, 30.0, 1e3, 1e5, 1e6] {
             let mut asked = 0;
             for _ in 0..50_000 {
                 let p = warp::sphere(pair(&mut rng)) * distance;
-                let Some(sample) = light.sample_direct(p, pair(&mut rng)) else { continue };
-                let ShadowTarget::Point(target) = sample.reach else { panic!("{sample:?}") };
+                let Some(sample) = light.sample_li(p, pair(&mut rng)) else { continue };
+                let ShadowTarget::Point(target) = sample.target else { panic!("{sample:?}") };
                 let ray = Ray::between(p, target);
                 let blocked = match &emitter {
-                    Emitter::Shape(shape) => shape.intersect(&ray).is_some(),
-                    Emitter::Triangles { .. } => tree.occluded(&ray, |_, _| false),
+                    LightSurface::Shape(shape) => shape.intersect(&ray).is_some(),
+                    LightSurface::Triangles { .. } => tree.occluded(&ray, |_, _| false),
                 };
                 // Where the ray comes along the surface, the rest of it is as near as one likes.
                 let slant = sample.wi.dot((target - p).normalize());

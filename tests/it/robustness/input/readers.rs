@@ -4,7 +4,7 @@ use caustica::format::description::{Density, Description};
 use caustica::format::{Source, grid, mesh, mtl, parse, parse_bytes, resolve};
 use caustica::image::{Meaning, decode};
 use caustica::integrate::{Algorithm, EyeSettings, Settings, Silent};
-use caustica::light::Environment;
+use caustica::light::EnvironmentLight;
 use caustica::scene::Scene;
 use caustica::texture::{Picture, Wrap};
 use glam::Vec3;
@@ -114,7 +114,7 @@ pub fn picture(bytes: &[u8]) {
                 // Large ones take long and show no more.
                 if image.pixels().len() <= 1 << 16 {
                     let _ = Picture::new(&image, Wrap::Repeat);
-                    let _ = Environment::new(image, 0.3, Vec3::ONE);
+                    let _ = EnvironmentLight::new(image, 0.3, Vec3::ONE);
                 }
             }
             Err(error) => assert!(error.to_string().contains("fuzz.picture"), "{error}"),

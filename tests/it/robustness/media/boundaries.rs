@@ -4,7 +4,7 @@ use crate::support::image;
 use caustica::camera::Camera;
 use caustica::color::Rgb;
 use caustica::integrate::{Algorithm, EyeSettings, Settings};
-use caustica::medium::{Medium, Phase};
+use caustica::medium::{Medium, PhaseFunction};
 use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
 use caustica::sampling::{Key, Purpose};
 use caustica::scene::{Body, LightStrength, Material, SceneBuilder, SourceKind};
@@ -61,7 +61,7 @@ fn nest(b: &mut SceneBuilder, filled: Filled, turns: u32) {
         let absorption = Rgb::splat(sigma(i, turns) as f32);
         let body = match filled {
             Filled::Media => {
-                Body::clear(b.medium(Medium::homogeneous(absorption, Rgb::ZERO, Rgb::ZERO, Phase::Isotropic)))
+                Body::clear(b.medium(Medium::homogeneous(absorption, Rgb::ZERO, Rgb::ZERO, PhaseFunction::Isotropic)))
             }
             Filled::Bodies => Body { absorption, clear: true, ..Body::new(1.0) },
         };
@@ -119,7 +119,7 @@ fn photons_obey_beers_law_over_a_million_boundaries() {
         b.source(spot, LightStrength::Power(Rgb::ONE));
         let scene = b.build(along_x()).unwrap();
         let source = PhotonSource::everywhere(&scene).unwrap();
-        let pass = PhotonPass { scene: &scene, source: &source, wants: StoreMask::ALL, max_bounces: TURNS - 1 };
+        let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::ALL, max_bounces: TURNS - 1 };
         let audit = pass.trace(Key::new(3).purpose(Purpose::Test), 2, &|_| {}).audit;
         let left = audit.stopped[1] / audit.emitted[1];
         let booked = (audit.absorbed[1] + audit.stopped[1] + audit.roulette[1]) / audit.emitted[1];

@@ -60,10 +60,10 @@ fn a_coarse_ball_is_dark_inside() {
             let lit = pixels(&ball("0 0 3"), Algorithm::Path, settings(), 1);
             assert!(lit.iter().all(|p| p.max_element() > 0.0), "{kind} is lit from outside");
             let source = PhotonSource::everywhere(&inside).unwrap();
-            let pass = PhotonPass { scene: &inside, source: &source, wants: StoreMask::ALL, max_bounces: 20 };
+            let pass = PhotonPass { scene: &inside, source: &source, mask: StoreMask::ALL, max_bounces: 20 };
             let traced = pass.trace(key(70), 1 << 14, &|_| {});
             // A photon knows on which side it landed: outwards is away from the middle of the ball.
-            let outwards = |p: &Photon| p.flux.normal().dot(p.position + inside.middle().as_vec3()) > 0.0;
+            let outwards = |p: &Photon| p.data.normal().dot(p.position + inside.middle().as_vec3()) > 0.0;
             assert!(traced.photons.iter().all(outwards), "{kind}: photons inside");
         }
     }

@@ -165,7 +165,7 @@ fn the_flux_on_a_coarse_ball_is_that_of_its_faces() {
         Group {{ MaterialName white TriangleMesh {{ obj_file coarse-ball.obj }} }}"
     ));
     let source = PhotonSource::everywhere(&scene).unwrap();
-    let pass = PhotonPass { scene: &scene, source: &source, wants: StoreMask::DIRECT, max_bounces: 0 };
+    let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::DIRECT, max_bounces: 0 };
     // The area of an icosahedron of circumradius 1: 20·(√3/4)·a² with a = 1/sin(72°).
     let edge = 1.0 / libm::sin(0.4 * std::f64::consts::PI);
     let expected = std::f64::consts::PI * L * 5.0 * 3f64.sqrt() * edge * edge;
@@ -175,7 +175,7 @@ fn the_flux_on_a_coarse_ball_is_that_of_its_faces() {
         .iter()
         .map(|t| {
             let each = t.audit.emitted[0] / t.paths as f64;
-            let flux = |p: &caustica::photon::Photon| f64::from(p.flux.power().x);
+            let flux = |p: &caustica::photon::Photon| f64::from(p.data.flux().x);
             t.photons.iter().map(|p| flux(p).min(MOST * each)).sum()
         })
         .collect();
@@ -186,7 +186,7 @@ fn the_flux_on_a_coarse_ball_is_that_of_its_faces() {
     let landed: usize = traced.iter().map(|t| t.photons.len()).sum();
     for x in [3.0, 10.0, 30.0] {
         let each = traced[0].audit.emitted[0] / traced[0].paths as f64;
-        let beyond = traced.iter().flat_map(|t| &t.photons).filter(|p| f64::from(p.flux.power().x) > x * each).count();
+        let beyond = traced.iter().flat_map(|t| &t.photons).filter(|p| f64::from(p.data.flux().x) > x * each).count();
         let expected = landed as f64 * s2 / (s2 + (x - 1.0) * (x - 1.0));
         assert!((beyond as f64) < expected + Z * expected.sqrt() + 10.0, "{beyond} beyond {x}, {expected}");
     }

@@ -49,7 +49,7 @@ fn flux() -> f64 {
 fn photons_meet_at_the_focus() {
     let scene = parabola(PIXELS);
     let source = PhotonSource::aimed(&scene).unwrap();
-    let pass = PhotonPass { scene: &scene, source: &source, wants: StoreMask::CAUSTIC, max_bounces: 10 };
+    let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::CAUSTIC, max_bounces: 10 };
     let key = |i| Key::new(3).purpose(Purpose::Test).with(i);
     let begun = Instant::now();
     let samples: Vec<f64> = (0..8)
@@ -58,7 +58,7 @@ fn photons_meet_at_the_focus() {
             let focus = (DVec3::Y - scene.middle()).as_vec3();
             let off = traced.photons.iter().map(|p| (p.position - focus).length()).fold(0.0, f32::max);
             assert!(off < 1e-5, "{off}");
-            traced.photons.iter().map(|p| f64::from(p.flux.power().y)).sum()
+            traced.photons.iter().map(|p| f64::from(p.data.flux().y)).sum()
         })
         .collect();
     let (mean, error) = mean_and_error(&samples);

@@ -124,7 +124,7 @@ fn planes_and_lines() {
             let (p, r) = (photons[i * 9973].position, [0.01f32, 0.1, 0.3][i % 3]);
             let margin = 3e-7 * (p.abs().max_element() + 1.0);
             let mut power = 0.0;
-            map.visit(p, r, |flux, _| power += f64::from(flux.power().y));
+            map.visit(p, r, |data, _| power += f64::from(data.flux().y));
             let scan = |r: f32| photons.iter().filter(|q| (q.position - p).length() <= r).count() as f64;
             let (low, high) = (scan(r - margin), scan(r + margin));
             assert!(power >= low * (1.0 - HUE) && power <= high * (1.0 + HUE), "{name}: {low} {power} {high}");

@@ -5,7 +5,7 @@ use crate::support::{image, key, mean_and_error};
 use caustica::camera::Camera;
 use caustica::color::Rgb;
 use caustica::integrate::{Algorithm, Settings, Silent};
-use caustica::medium::{Medium, Phase};
+use caustica::medium::{Medium, PhaseFunction};
 use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
 use caustica::render::Rendered;
 use caustica::render::gauge::{ErrorEstimate, ErrorMaps};
@@ -35,7 +35,7 @@ fn room(scale: f32, fog: bool) -> Scene {
     let spot = SourceKind::Spot { position: DVec3::new(0.5, 0.8, 0.5), axis: -DVec3::Y, inner: 0.3, outer: 0.5 };
     b.source(spot, power);
     if fog {
-        let milk = Medium::homogeneous(Rgb::splat(0.2), Rgb::splat(0.8), Rgb::ZERO, Phase::Isotropic);
+        let milk = Medium::homogeneous(Rgb::splat(0.2), Rgb::splat(0.8), Rgb::ZERO, PhaseFunction::Isotropic);
         let milk = b.medium(milk);
         let clear = b.material(Material::body(Body::clear(milk)));
         b.shape(Shape::Sphere(Sphere::new(DVec3::new(0.0, 0.1, -0.2), 0.4)), clear, Rgb::ZERO);
@@ -139,7 +139,7 @@ fn photons_beyond_single_precision_are_counted_and_told() {
     assert_eq!(scene(&[1e38, 2e38]).err(), Some(BuildError::TooBright(1)));
     let scene = scene(&[1e38, 1e38]).unwrap();
     let source = PhotonSource::everywhere(&scene).unwrap();
-    let pass = PhotonPass { scene: &scene, source: &source, wants: StoreMask::DIRECT, max_bounces: 0 };
+    let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::DIRECT, max_bounces: 0 };
     let told = |paths| {
         let traced = pass.trace(key(9), paths, &|_| {});
         (traced.stored(), traced.rejected)

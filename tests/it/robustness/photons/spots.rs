@@ -38,14 +38,14 @@ fn spots_of_any_width_carry_their_power() {
             let told = f64::from(light.power(NOWHERE).x);
             assert!((told / expected - 1.0).abs() < 1e-6, "{outer} told: {}", told / expected);
             let strong = spot(inner, outer, LightStrength::Power(Rgb::ONE));
-            let sample = strong.sample_direct(Vec3::Z * 2.0, Vec2::ZERO).unwrap();
-            let seen = f64::from(sample.irradiance.x) * 4.0 * expected;
+            let sample = strong.sample_li(Vec3::Z * 2.0, Vec2::ZERO).unwrap();
+            let seen = f64::from(sample.weight.x) * 4.0 * expected;
             assert!((seen - 1.0).abs() < 1e-6, "{outer} on the axis: {seen}");
 
             // The midpoint rule in 4096 equal parts of the cone, of a cubic whose bend is below 6: off by 6/24·4096⁻².
             let n = 4096;
             let place = |i: i32| Vec2::new((i as f32 + 0.5) / n as f32, (0.618_034 * i as f32).fract());
-            let emitted = (0..n).filter_map(|i| light.emit(NOWHERE, Vec2::ZERO, place(i)));
+            let emitted = (0..n).filter_map(|i| light.sample_le(NOWHERE, Vec2::ZERO, place(i)));
             let emitted = emitted.map(|e| f64::from(e.flux.x)).sum::<f64>() / f64::from(n);
             assert!((emitted / expected - 1.0).abs() < 2e-6, "{outer} emitted: {}", emitted / expected);
 
@@ -56,8 +56,8 @@ fn spots_of_any_width_carry_their_power() {
                 let (near, far) = [i, i + 1].map(|i| reach * f64::from(i) / f64::from(rings)).into();
                 let (sin, cos) = libm::sincos(0.5 * (near + far));
                 let p = DVec3::new(sin, 0.0, cos).as_vec3();
-                let sample = light.sample_direct(p, Vec2::ZERO);
-                sample.map_or(0.0, |s| f64::from(s.irradiance.x)) * TAU * (drop(far) - drop(near))
+                let sample = light.sample_li(p, Vec2::ZERO);
+                sample.map_or(0.0, |s| f64::from(s.weight.x)) * TAU * (drop(far) - drop(near))
             };
             let arriving: f64 = (0..rings).map(arriving).sum();
             let ring = 2.4 / f64::from(rings);

@@ -3,7 +3,7 @@
 use crate::support::{agree, pixels};
 use caustica::camera::Camera;
 use caustica::integrate::{Algorithm, EyeSettings, Settings};
-use caustica::light::Environment;
+use caustica::light::EnvironmentLight;
 use caustica::scene::{Body, Material, Scene, SceneBuilder};
 use caustica::shape::{Plane, Shape, Sphere};
 use glam::{DVec3, Vec3};
@@ -38,7 +38,7 @@ fn the_sky_is_seen_through_snells_window() {
             let black = b.material(Material::black());
             b.plane(Plane::new(DVec3::ZERO, DVec3::Y), body, Vec3::ZERO);
             b.plane(Plane::new(DVec3::NEG_Y * 2.0, DVec3::Y), black, Vec3::ZERO);
-            b.environment(Environment::constant(Vec3::ONE).unwrap());
+            b.environment(EnvironmentLight::constant(Vec3::ONE).unwrap());
             let direction = DVec3::new(libm::sin(angle), libm::cos(angle), 0.0);
             let scene = b.build(narrow(DVec3::NEG_Y, direction, 1e-6)).unwrap();
             let (sin_t, cos) = (n * libm::sin(angle), libm::cos(angle));
@@ -66,7 +66,7 @@ fn a_ball_of_glass_is_bright_by_the_square_of_its_index() {
         let mut b = SceneBuilder::new();
         let glass = b.material(Material::dielectric(n as f32, Vec3::ZERO));
         b.shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)), glass, Vec3::ZERO);
-        b.environment(Environment::constant(Vec3::ONE).unwrap());
+        b.environment(EnvironmentLight::constant(Vec3::ONE).unwrap());
         let camera = Camera::panorama(DVec3::X * off, DVec3::NEG_Z, DVec3::Y, 16, 8).unwrap();
         let samples = seen(&b.build(camera).unwrap(), 16);
         // Each of some ten interfaces rounds share and square by 2⁻²³; a thousandth of a millionth is left after a thousand.
@@ -88,7 +88,7 @@ fn overlapping_bodies_count_by_priority() {
             let material = b.material(Material::body(Body { priority, ..Body::new(n) }));
             b.shape(Shape::Sphere(Sphere::new(DVec3::X * x, 0.6)), material, Vec3::ZERO);
         }
-        b.environment(Environment::constant(Vec3::ONE).unwrap());
+        b.environment(EnvironmentLight::constant(Vec3::ONE).unwrap());
         // Across the row of balls, where light gets out.
         b.build(narrow(DVec3::new(at, 0.0, 0.0), DVec3::Y, 0.3)).unwrap()
     };

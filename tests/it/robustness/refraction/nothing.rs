@@ -64,7 +64,7 @@ fn pictures_are_the_same_to_the_bit() {
 fn photons_are_the_same_to_the_bit() {
     let trace = |scene: &Scene| {
         let source = PhotonSource::everywhere(scene).unwrap();
-        let pass = PhotonPass { scene, source: &source, wants: StoreMask::ALL, max_bounces: 30 };
+        let pass = PhotonPass { scene, source: &source, mask: StoreMask::ALL, max_bounces: 30 };
         let traced = pass.trace(key(1), 1 << 13, &|_| {});
         (traced.photons, traced.audit, traced.rays)
     };

@@ -3,7 +3,7 @@
 use crate::support::{agree, key, pixels, scene};
 use caustica::camera::Camera;
 use caustica::integrate::{Algorithm, EyeSettings, Settings};
-use caustica::light::Environment;
+use caustica::light::EnvironmentLight;
 use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
 use caustica::scene::{Body, LightStrength, Material, Scene, SceneBuilder, SourceKind};
 use caustica::shape::{Plane, Rectangle, Shape};
@@ -127,7 +127,7 @@ fn lit(faces: Faces, meet: Meet, liquid_first: bool, angle: f64) -> Scene {
 /// Part of the flux that reaches the floor, in independent passes.
 fn passed(scene: &Scene) -> Vec<f64> {
     let source = PhotonSource::everywhere(scene).unwrap();
-    let pass = PhotonPass { scene, source: &source, wants: StoreMask::CAUSTIC, max_bounces: 1000 };
+    let pass = PhotonPass { scene, source: &source, mask: StoreMask::CAUSTIC, max_bounces: 1000 };
     let part = |i| {
         let traced = pass.trace(key(40).with(i), 1 << 11, &|_| {});
         traced.audit.stopped[0] / traced.audit.emitted[0]
@@ -196,7 +196,7 @@ fn a_camera_in_a_liquid_knows_where_it_is() {
         for (meet, first) in [(Meet::Apart(0.0), false), (Meet::Apart(0.0), true), (Meet::Priority, false)] {
             let mut b = SceneBuilder::new();
             layers(&mut b, faces, meet, first);
-            b.environment(Environment::constant(Vec3::ONE).unwrap());
+            b.environment(EnvironmentLight::constant(Vec3::ONE).unwrap());
             // 40° across is within the window, so that all light gets out in the end.
             let up = Camera::perspective(DVec3::ZERO, DVec3::Y, DVec3::Z, 0.7, 8, 8).unwrap();
             let scene = b.build(up).unwrap();

@@ -148,7 +148,7 @@ fn photons_keep_their_flux_and_end() {
         b.source(source, LightStrength::Power(Vec3::new(1.0, 2.0, 3.0)));
         let scene = built(b);
         let source = PhotonSource::everywhere(&scene).unwrap();
-        let pass = PhotonPass { scene: &scene, source: &source, wants: StoreMask::CAUSTIC, max_bounces: BOUNCES };
+        let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::CAUSTIC, max_bounces: BOUNCES };
         let traced = pass.trace(key(3), 1024, &|_| {});
         assert_eq!(traced.audit.stopped, traced.audit.emitted);
         assert_eq!(

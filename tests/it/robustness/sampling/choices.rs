@@ -3,7 +3,7 @@
 use super::{ENDS, corners};
 use crate::support::key;
 use caustica::image::Image;
-use caustica::light::{Environment, Light, LightBvhSampler};
+use caustica::light::{EnvironmentLight, Light, LightBvhSampler, PointLight};
 use caustica::math::Sphere;
 use caustica::sampling::{Dimension, Discrete, Piecewise2d};
 use glam::Vec3;
@@ -60,19 +60,19 @@ fn skies_are_drawn_where_they_are_bright() {
         for value in [1e-30f32, 1.0, 1e30] {
             let mut pixels = vec![Vec3::ZERO; 32];
             pixels[8 * y + x] = Vec3::splat(value);
-            let sky = Environment::new(Image::from_pixels(8, 4, pixels).unwrap(), 0.3, Vec3::ONE).unwrap();
+            let sky = EnvironmentLight::new(Image::from_pixels(8, 4, pixels).unwrap(), 0.3, Vec3::ONE).unwrap();
             for u in corners() {
                 let Some((direction, pdf)) = sky.sample(u) else { continue };
                 assert!(
                     (direction.length() - 1.0).abs() < 1e-5 && pdf > 0.0 && pdf.is_finite(),
                     "{u}: {direction} {pdf}"
                 );
-                assert_eq!(pdf, sky.density(direction));
+                assert_eq!(pdf, sky.pdf(direction));
                 assert!((sky.radiance(direction) / pdf).is_finite());
             }
         }
     }
-    assert!(Environment::constant(Vec3::ZERO).unwrap().sample(glam::Vec2::ZERO).is_none());
+    assert!(EnvironmentLight::constant(Vec3::ZERO).unwrap().sample(glam::Vec2::ZERO).is_none());
 }
 
 /// Lights whose powers differ by sixty orders, near and far, and a sky: whoever is chosen has a probability, the same as by name.
@@ -83,15 +83,15 @@ fn one_of_many_lights_has_a_probability() {
             let u = key(81).with(i);
             let exponent = 60.0 * u.uniform(Dimension::Light) - 30.0;
             let place = u.uniform_2d(Dimension::LightPosition).extend(0.5) * 10.0;
-            Light::Point { position: place, intensity: Vec3::splat(libm::powf(10.0, exponent)) }
+            Light::Point(PointLight { position: place, intensity: Vec3::splat(libm::powf(10.0, exponent)) })
         })
         .collect();
-    lights.push(Light::Environment(Arc::new(Environment::constant(Vec3::ONE).unwrap())));
+    lights.push(Light::Environment(Arc::new(EnvironmentLight::constant(Vec3::ONE).unwrap())));
     let choice = LightBvhSampler::new(&lights, Sphere { center: Vec3::ZERO, radius: 20.0 }).unwrap();
     for p in [Vec3::ZERO, Vec3::new(5.0, 5.0, 5.0), Vec3::splat(1e6), Vec3::splat(1e12)] {
         for n in [None, Some(Vec3::Z), Some(-Vec3::X)] {
             for u in ENDS {
-                let Some((light, probability, rest)) = choice.choose(p, n, u) else { continue };
+                let Some((light, probability, rest)) = choice.sample(p, n, u) else { continue };
                 assert!(
                     probability > 0.0 && probability <= 1.0 && (0.0..1.0).contains(&rest),
                     "{p} {u}: {probability}"

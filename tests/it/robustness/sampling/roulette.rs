@@ -27,7 +27,7 @@ const BOUNCES: u32 = 60;
 
 fn trace(scene: &Scene, index: u64) -> Traced {
     let source = PhotonSource::everywhere(scene).unwrap();
-    let pass = PhotonPass { scene, source: &source, wants: StoreMask::ALL, max_bounces: BOUNCES };
+    let pass = PhotonPass { scene, source: &source, mask: StoreMask::ALL, max_bounces: BOUNCES };
     pass.trace(key(90).with(index), PATHS, &|_| {})
 }
 
@@ -61,9 +61,9 @@ fn a_channel_of_zero_stays_zero() {
         .map(|i| {
             let Traced { photons, audit, .. } = trace(&scene, i);
             assert_eq!(audit.stopped[..2], [0.0; 2]);
-            let on = photons[..].iter().filter(|p| p.flux.power().x == 0.0);
+            let on = photons[..].iter().filter(|p| p.data.flux().x == 0.0);
             let twice = 2.0 * 3.0 / f64::from(PATHS);
-            let mut strengths = on.map(|p| f64::from(p.flux.power().z) / twice - 1.0);
+            let mut strengths = on.map(|p| f64::from(p.data.flux().z) / twice - 1.0);
             assert!(strengths.all(|off| off.abs() < 1e-5), "{audit:?}");
             // Those that go on land once more for each bounce that they are allowed.
             let walks = (photons.len() - PATHS as usize) / BOUNCES as usize;

@@ -87,10 +87,10 @@ fn a_huge_floor_does_not_widen_the_discs_of_a_caustic() {
 /// Flux \[W] of photons of a kind on what `counts`, of 2¹⁷ paths from everywhere.
 fn flux(scene: &Scene, wants: StoreMask, counts: impl Fn(glam::DVec3) -> bool) -> f64 {
     let source = PhotonSource::everywhere(scene).unwrap();
-    let pass = PhotonPass { scene, source: &source, wants, max_bounces: 20 };
+    let pass = PhotonPass { scene, source: &source, mask: wants, max_bounces: 20 };
     let photons = pass.trace(Key::new(3).purpose(Purpose::Test), 1 << 17, &|_| {}).photons;
     let landed = photons.iter().filter(|p| counts(p.position.as_dvec3() + scene.middle()));
-    landed.map(|p| f64::from(p.flux.power().y)).sum()
+    landed.map(|p| f64::from(p.data.flux().y)).sum()
 }
 
 /// A lamp that touches nothing, and glass and stone half a unit below it: they are in the way of its light however large the floor is.

@@ -1,8 +1,8 @@
 mod chi_square;
 mod direct;
 mod emission;
+mod emission_texture;
 mod environment;
-mod glow;
 mod light_bvh;
 
 use super::*;
@@ -16,7 +16,7 @@ fn key(i: u64) -> Key {
 }
 
 fn area(shape: Shape, radiance: f32) -> Light {
-    Light::Area(Area::even(Emitter::Shape(shape), Rgb::splat(radiance)))
+    Light::Area(AreaLight::uniform(LightSurface::Shape(shape), Rgb::splat(radiance)))
 }
 
 /// Mean and variance of the mean of `f` over `n` keys.
@@ -33,8 +33,8 @@ fn estimate(n: u64, f: impl Fn(Key) -> f64) -> (f64, f64) {
 
 fn irradiance(light: &Light, p: Vec3, n: Vec3) -> (f64, f64) {
     estimate(100_000, |k| {
-        let sample = light.sample_direct(p, k.uniform_2d(Dimension::LightPosition));
-        sample.map_or(0.0, |s| f64::from(s.irradiance.x * s.wi.dot(n).max(0.0)))
+        let sample = light.sample_li(p, k.uniform_2d(Dimension::LightPosition));
+        sample.map_or(0.0, |s| f64::from(s.weight.x * s.wi.dot(n).max(0.0)))
     })
 }
 
@@ -50,7 +50,7 @@ fn y(v: f64) -> DVec3 {
 /// analytic-truths 5.
 #[test]
 fn point_light_above_a_plane() {
-    let light = Light::Point { position: Vec3::new(0.0, 2.0, 0.0), intensity: Rgb::splat(3.0) };
+    let light = Light::Point(PointLight { position: Vec3::new(0.0, 2.0, 0.0), intensity: Rgb::splat(3.0) });
     let (h, x) = (2.0f64, 1.5);
     agrees(irradiance(&light, Vec3::new(x as f32, 0.0, 0.0), Vec3::Y), 3.0 * h / libm::pow(h * h + x * x, 1.5));
 }
@@ -68,7 +68,7 @@ fn lambertian_disc() {
     for a in [0.0, 0.5, 2.0] {
         agrees(irradiance(&light, Vec3::new(a as f32, 0.0, 0.0), Vec3::Y), truth(a));
     }
-    assert!(light.sample_direct(Vec3::new(0.0, 5.0, 0.0), glam::Vec2::splat(0.5)).is_none(), "its back is black");
+    assert!(light.sample_li(Vec3::new(0.0, 5.0, 0.0), glam::Vec2::splat(0.5)).is_none(), "its back is black");
 }
 
 /// analytic-truths 8.

@@ -1,4 +1,4 @@
-//! Phase functions: which way light goes on after it scattered.
+//! PhaseFunction functions: which way light goes on after it scattered.
 
 use crate::math::{Frame, sin_cos_turns};
 use glam::{Vec2, Vec3};
@@ -6,7 +6,7 @@ use std::f32::consts::PI;
 
 /// The distribution of directions after scattering.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Phase {
+pub enum PhaseFunction {
     /// All directions alike.
     Isotropic,
     /// Henyey and Greenstein (1941) with its mean cosine in (−1, 1): above 0 it scatters forwards.
@@ -15,7 +15,7 @@ pub enum Phase {
     Rayleigh,
 }
 
-impl Phase {
+impl PhaseFunction {
     /// Density \[1/sr] at `cos`, the cosine between the directions of travel before and after: 1 is straight on.
     #[inline]
     #[must_use]

@@ -1,6 +1,6 @@
 //! Densities of emission, fitted to what a pilot found.
 
-use crate::light::Light;
+use crate::light::{EmissionDimensions, Light};
 use crate::sampling::Histogram;
 use glam::Vec2;
 
@@ -102,11 +102,8 @@ impl Fit {
     /// the better one is gone, and of the levels on this way the best is kept. How good a level is each half of the
     /// samples says of the densities that the other half would give, so that luck is not taken for structure.
     pub fn new(light: &Light, samples: &[&Sample], share: f64) -> Self {
-        let most = match light {
-            Light::Area(_) | Light::Environment(_) => (MOST_BITS, MOST_BITS),
-            Light::Directional { .. } => (MOST_BITS, 0),
-            Light::Point { .. } | Light::Spot(_) => (0, MOST_BITS),
-        };
+        let EmissionDimensions { position, direction } = light.emission_dimensions();
+        let most = (if position { MOST_BITS } else { 0 }, if direction { MOST_BITS } else { 0 });
         let half = |i: usize| samples.iter().copied().skip(i).step_by(2);
         let judged = |halves: &[Cells; 2]| halves[0].judged(share, half(1)) + halves[1].judged(share, half(0));
         let mut cells = Cells::new((0, 0), samples.iter().copied(), None);
@@ -138,7 +135,7 @@ impl Fit {
     }
 
     /// The density of emission, a `share` of it uniform; `None` where there is nothing to prefer.
-    pub fn density(&self, share: f64) -> Option<EmissionDensity> {
+    pub fn density(&self, share: f64) -> Option<GuidingDistribution> {
         let (p, d) = self.cells.bits;
         if (p, d) == (0, 0) {
             return None;
@@ -146,7 +143,7 @@ impl Fit {
         let densities = self.cells.densities(share);
         let directions = densities.chunks_exact(1 << (2 * d));
         let positions: Vec<f64> = directions.clone().map(|d| d.iter().sum()).collect();
-        Some(EmissionDensity {
+        Some(GuidingDistribution {
             side: 1 << p,
             positions: Histogram::new(1 << p, &positions)?,
             directions: directions.map(|weights| Histogram::new(1 << d, weights)).collect::<Option<_>>()?,
@@ -156,13 +153,13 @@ impl Fit {
 
 /// Density of emission on a light's squares: of positions, and of directions in each cell of the positions.
 #[derive(Clone, Debug)]
-pub(in crate::photon) struct EmissionDensity {
+pub(in crate::photon) struct GuidingDistribution {
     side: usize,
     positions: Histogram,
     directions: Vec<Histogram>,
 }
 
-impl EmissionDensity {
+impl GuidingDistribution {
     /// Maps two uniform points of \[0, 1)² to a position and a direction, with their density.
     #[inline]
     pub fn sample(&self, position: Vec2, direction: Vec2) -> (Vec2, Vec2, f32) {

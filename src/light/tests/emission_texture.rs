@@ -16,22 +16,22 @@ fn half() -> Arc<Texture> {
     Arc::new(Texture::Checker(Checker { colors }, Coordinates::new(DVec2::new(2.0, 1.0), 0.0, DVec2::ZERO)))
 }
 
-fn glowing(emitter: Emitter, form: Form) -> Light {
+fn glowing(emitter: LightSurface, form: Form) -> Light {
     let texture = half();
     let scale = Rgb::splat(BRIGHT);
     let radiance = texture.mean() * scale;
     let glow = Arc::new(super::super::EmissionTexture {
         texture,
-        chart: TextureMapping::new(form, Transform::IDENTITY),
+        mapping: TextureMapping::new(form, Transform::IDENTITY),
         scale,
     });
-    Light::Area(Area { emitter, radiance, glow: Some(glow) })
+    Light::Area(AreaLight { surface: emitter, radiance, texture: Some(glow) })
 }
 
 /// Above the origin, shining down; u runs along x.
 fn lights() -> Vec<(Light, Light)> {
     let (corner, e0, e1) = (DVec3::new(-1.0, 2.0, -0.5), DVec3::X * 2.0, DVec3::Z);
-    let rectangle = |e0| Emitter::Shape(Shape::Rectangle(Rectangle::new(corner, e0, e1)));
+    let rectangle = |e0| LightSurface::Shape(Shape::Rectangle(Rectangle::new(corner, e0, e1)));
     let mesh = |width: f32| {
         let at = |u: f32, v: f32| Vec3::new(-1.0 + width * u, 2.0, -0.5 + v);
         Arc::new(Mesh {
@@ -41,7 +41,7 @@ fn lights() -> Vec<(Light, Light)> {
             ..Mesh::default()
         })
     };
-    let even = |emitter| Light::Area(Area::even(emitter, Rgb::splat(BRIGHT)));
+    let even = |emitter| Light::Area(AreaLight::uniform(emitter, Rgb::splat(BRIGHT)));
     vec![
         (glowing(rectangle(e0), Form::rectangle(corner, e0, e1)), even(rectangle(e0 * 0.5))),
         (glowing(emitter_of(mesh(2.0)), Form::Own), even(emitter_of(mesh(1.0)))),
@@ -67,7 +67,7 @@ fn half_a_light_lights_as_one_of_half_the_size() {
 fn half_a_light_emits_as_one_of_half_the_size() {
     let domain = Sphere { center: Vec3::ZERO, radius: 4.0 };
     let ball = Sphere { center: Vec3::new(0.3, 0.0, 0.1), radius: 0.7 };
-    let targets = Targets::new([ball]);
+    let aim = PhotonAim::new([ball]);
     for (whole, half) in lights() {
         // Equal powers by the mean, and what photons carry.
         assert!((whole.power(domain) - half.power(domain)).abs().max_element() < 1e-5);
@@ -77,9 +77,9 @@ fn half_a_light_emits_as_one_of_half_the_size() {
                 estimate(100_000, |k| {
                     let (position, direction) = draw(k);
                     let emission = if aimed {
-                        light.emit_at(&targets, domain, position, direction)
+                        light.sample_le_towards(&aim, domain, position, direction)
                     } else {
-                        light.emit(domain, position, direction)
+                        light.sample_le(domain, position, direction)
                     };
                     emission.map_or(0.0, |e| f64::from(e.flux.x))
                 })

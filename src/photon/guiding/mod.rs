@@ -1,17 +1,17 @@
 //! Emission that has learned which photons are seen.
 
-mod density;
+mod distribution;
 #[cfg(test)]
 mod tests;
 
-pub(super) use density::EmissionDensity;
+pub(super) use distribution::GuidingDistribution;
 
 use super::trace::Deposit;
-use super::{Audit, PhotonPass, PhotonSource, Scratch, StoreMask, Visible};
+use super::{Audit, PhotonPass, PhotonSource, Scratch, StoreMask, VisiblePointMap};
 use crate::color;
 use crate::sampling::{Discrete, Key, Purpose};
 use crate::scene::{Interior, InteriorKind, InteriorStack, NoInterior, SpectralInterior};
-use density::{Fit, Sample};
+use distribution::{Fit, Sample};
 use rayon::prelude::*;
 
 /// Rounds of a pilot: each goes where those before it found something.
@@ -25,20 +25,20 @@ const SAFE_SHARE: f64 = 0.2;
 
 /// What to learn, and from how much.
 #[derive(Clone, Copy, Debug)]
-pub struct Pilot<'a> {
+pub struct GuidingPilot<'a> {
     /// Which photons count.
-    pub wants: StoreMask,
+    pub mask: StoreMask,
     /// Bounces after which a path is cut.
     pub max_bounces: u32,
     /// Where they count.
-    pub visible: &'a Visible,
-    /// Paths of the pilot; [`Pilot::PATHS`] is enough for most.
+    pub visible: &'a VisiblePointMap,
+    /// Paths of the pilot; [`GuidingPilot::PATHS`] is enough for most.
     pub paths: u32,
     /// Seed of the render.
     pub seed: u64,
 }
 
-impl Pilot<'_> {
+impl GuidingPilot<'_> {
     /// Paths of a pilot that tells a thousand cells apart where one path in a hundred is seen.
     pub const PATHS: u32 = 1 << 17;
 }
@@ -67,7 +67,7 @@ impl PhotonSource<'_> {
     /// the pilot lights nothing visible the source stays as it was. The result depends on the scene, this source and the
     /// pilot's fields alone.
     #[must_use]
-    pub fn learned(mut self, pilot: &Pilot<'_>) -> (Self, GuidingReport) {
+    pub fn guided(mut self, pilot: &GuidingPilot<'_>) -> (Self, GuidingReport) {
         let unlearned = self.choice.clone();
         let mut lesson = GuidingReport { gain: 1.0, ..GuidingReport::default() };
         let mut samples = Vec::new();
@@ -90,7 +90,7 @@ impl PhotonSource<'_> {
     }
 
     /// One round of the pilot.
-    fn explore(&self, pilot: &Pilot<'_>, round: u32) -> Found {
+    fn explore(&self, pilot: &GuidingPilot<'_>, round: u32) -> Found {
         let key = Key::new(pilot.seed).purpose(Purpose::Learning).with(round.into());
         let paths = pilot.paths / ROUNDS;
         let chunks: Vec<Found> = (0..paths.div_ceil(CHUNK))
@@ -115,12 +115,12 @@ impl PhotonSource<'_> {
 
     fn explore_chunk<I: Interior>(
         &self,
-        pilot: &Pilot<'_>,
+        pilot: &GuidingPilot<'_>,
         key: Key,
         range: std::ops::Range<u32>,
         paths: u32,
     ) -> Found {
-        let pass = PhotonPass { scene: self.scene, source: self, wants: pilot.wants, max_bounces: pilot.max_bounces };
+        let pass = PhotonPass { scene: self.scene, source: self, mask: pilot.mask, max_bounces: pilot.max_bounces };
         let mut scratch = Scratch::new();
         let mut audit = Audit::default();
         let mut found = Found::default();

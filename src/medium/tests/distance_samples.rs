@@ -19,8 +19,8 @@ fn bluish(density: Option<GridDensity>) -> Medium {
 
 fn make(a: Vec3, s: Vec3, e: Vec3, density: Option<GridDensity>) -> Medium {
     match density {
-        None => Medium::homogeneous(a, s, e, Phase::Isotropic),
-        Some(field) => Medium::varied(a, s, e, Phase::Isotropic, Arc::new(field)),
+        None => Medium::homogeneous(a, s, e, PhaseFunction::Isotropic),
+        Some(field) => Medium::varied(a, s, e, PhaseFunction::Isotropic, Arc::new(field)),
     }
 }
 
@@ -98,7 +98,7 @@ fn weights_and_densities_of_flights_belong_together() {
         let distance_sample = medium.distance_sample(&ray, f32::INFINITY, throughput, &mut random);
         let t = distance_sample.scattered.expect("every channel has extinction");
         let left = medium.transmittance(&ray, t, &mut random);
-        let expected = medium.scattering * left / medium.flight_pdf(t, throughput).unwrap();
+        let expected = medium.scattering * left / medium.distance_pdf(t, throughput).unwrap();
         // exp turns an ulp of t into σt·t ulps: 2.1 · 30 at the most.
         assert!(
             (distance_sample.weight - expected).abs().max_element() <= 1e-5 * expected.max_element(),
@@ -108,9 +108,9 @@ fn weights_and_densities_of_flights_belong_together() {
     // The midpoint rule over 40 lengths of the longest flight: what is left is below 10⁻⁶.
     let (n, end) = (400_000, 400.0);
     let sum: f64 =
-        (0..n).map(|i| f64::from(medium.flight_pdf((i as f32 + 0.5) * (end / n as f32), throughput).unwrap())).sum();
+        (0..n).map(|i| f64::from(medium.distance_pdf((i as f32 + 0.5) * (end / n as f32), throughput).unwrap())).sum();
     assert!((sum * f64::from(end) / f64::from(n) - 1.0).abs() < 1e-5, "{sum}");
-    assert!(bluish(Some(constant(1.0))).flight_pdf(1.0, throughput).is_none());
+    assert!(bluish(Some(constant(1.0))).distance_pdf(1.0, throughput).is_none());
 }
 
 /// A turned and sheared box of one density.

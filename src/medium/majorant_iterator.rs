@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 /// The walk of a ray over unit blocks, from face to face (Amanatides and Woo 1987). Every step enters another block, so it ends.
-pub(super) struct MajorantGrid {
+pub(super) struct MajorantIterator {
     origin: DVec3,
     step: DVec3,
     count: [u32; 3],
@@ -14,7 +14,7 @@ pub(super) struct MajorantGrid {
     end: f64,
 }
 
-impl MajorantGrid {
+impl MajorantIterator {
     /// The blocks that `origin + t·step` passes, 0 < t < `distance`, inside the box from 0 to `far`, of which `count` blocks
     /// cover each side.
     pub(super) fn new(origin: DVec3, step: DVec3, far: DVec3, count: [u32; 3], distance: f64) -> Self {
@@ -51,7 +51,7 @@ impl MajorantGrid {
     }
 }
 
-impl Iterator for MajorantGrid {
+impl Iterator for MajorantIterator {
     /// Where the ray enters a block, where it leaves it, and the block's number, x running fastest.
     type Item = (f64, f64, usize);
 

@@ -35,8 +35,8 @@ fn check(medium: &Medium, sigma: f64, albedo: f64) {
 
 #[test]
 fn walks_end_where_diffusion_says() {
-    let phases = [Phase::Isotropic, Phase::Rayleigh].into_iter();
-    for phase in phases.chain([-0.5, 0.7, 0.99, -0.99].map(Phase::HenyeyGreenstein)) {
+    let phases = [PhaseFunction::Isotropic, PhaseFunction::Rayleigh].into_iter();
+    for phase in phases.chain([-0.5, 0.7, 0.99, -0.99].map(PhaseFunction::HenyeyGreenstein)) {
         let medium = Medium::homogeneous(Vec3::splat(0.5), Vec3::splat(2.0), Vec3::ZERO, phase);
         check(&medium, 2.5, 0.8);
     }
@@ -47,6 +47,7 @@ fn walks_end_where_diffusion_says() {
 fn walks_in_a_grid_end_where_diffusion_says() {
     let place = DAffine3::from_scale(DVec3::splat(400.0)) * DAffine3::from_translation(DVec3::splat(-0.5));
     let field = Arc::new(GridDensity::new([33, 20, 9], vec![2.5; 33 * 20 * 9], place).unwrap());
-    let medium = Medium::varied(Vec3::splat(0.2), Vec3::splat(0.8), Vec3::ZERO, Phase::HenyeyGreenstein(0.7), field);
+    let medium =
+        Medium::varied(Vec3::splat(0.2), Vec3::splat(0.8), Vec3::ZERO, PhaseFunction::HenyeyGreenstein(0.7), field);
     check(&medium, 2.5, 0.8);
 }

@@ -63,20 +63,20 @@ fn corner(scene: &Scene) -> impl Iterator<Item = Vec3> {
     points.into_iter()
 }
 
-fn visible(scene: &Scene) -> Visible {
-    Visible::new(corner(scene).map(|position| VisiblePoint { position, normal: Vec3::Y, weight: 1.0 }), 0.1)
+fn visible(scene: &Scene) -> VisiblePointMap {
+    VisiblePointMap::new(corner(scene).map(|position| VisiblePoint { position, normal: Vec3::Y, weight: 1.0 }), 0.1)
 }
 
 const WANTS: StoreMask = StoreMask::ALL;
 const BOUNCES: u32 = 2;
 
-fn learned<'a>(scene: &'a Scene, visible: &Visible) -> (PhotonSource<'a>, GuidingReport) {
-    let pilot = Pilot { wants: WANTS, max_bounces: BOUNCES, visible, paths: 1 << 16, seed: 11 };
-    PhotonSource::everywhere(scene).unwrap().learned(&pilot)
+fn learned<'a>(scene: &'a Scene, visible: &VisiblePointMap) -> (PhotonSource<'a>, GuidingReport) {
+    let pilot = GuidingPilot { mask: WANTS, max_bounces: BOUNCES, visible, paths: 1 << 16, seed: 11 };
+    PhotonSource::everywhere(scene).unwrap().guided(&pilot)
 }
 
 fn pass<'a>(scene: &'a Scene, source: &'a PhotonSource<'a>) -> PhotonPass<'a> {
-    PhotonPass { scene, source, wants: WANTS, max_bounces: BOUNCES }
+    PhotonPass { scene, source, mask: WANTS, max_bounces: BOUNCES }
 }
 
 fn key(pass: u64) -> Key {
@@ -121,9 +121,9 @@ fn fluxes(scene: &Scene, source: &PhotonSource<'_>) -> [Mean; 4] {
     for i in 0..32 {
         let traced = pass(scene, source).trace(key(i), 8192, &|_| {});
         let mut flux = [0.0; 3];
-        for Photon { position: p, flux: f } in &traced.photons {
+        for Photon { position: p, data: f } in &traced.photons {
             let region = if (p.y - floor).abs() > 1e-3 { 2 } else { usize::from(p.x < edge.x || p.z < edge.z) };
-            flux[region] += f64::from(color::mean(f.power()));
+            flux[region] += f64::from(color::mean(f.flux()));
         }
         let emitted = traced.audit.emitted.iter().sum::<f64>() / 3.0;
         means.iter_mut().zip(flux.into_iter().chain([emitted])).for_each(|(mean, x)| mean.add(x));
@@ -161,17 +161,17 @@ fn aiming_and_learning_compose() {
         b.source(SourceKind::Point { position: LAMP }, LightStrength::Physical(Rgb::ONE));
     });
     let visible = visible(&scene);
-    let pilot = Pilot { wants: StoreMask::CAUSTIC, max_bounces: 20, visible: &visible, paths: 1 << 15, seed: 1 };
+    let pilot = GuidingPilot { mask: StoreMask::CAUSTIC, max_bounces: 20, visible: &visible, paths: 1 << 15, seed: 1 };
     let plain = PhotonSource::aimed(&scene).unwrap();
-    let (learned, lesson) = PhotonSource::aimed(&scene).unwrap().learned(&pilot);
+    let (learned, lesson) = PhotonSource::aimed(&scene).unwrap().guided(&pilot);
     let flux = |source: &PhotonSource<'_>| {
-        let pass = PhotonPass { scene: &scene, source, wants: StoreMask::CAUSTIC, max_bounces: 20 };
+        let pass = PhotonPass { scene: &scene, source, mask: StoreMask::CAUSTIC, max_bounces: 20 };
         let corner = placed(&scene, DVec3::new(6.0, 0.5, 6.0));
         let (mut seen, mut emitted) = (Mean::default(), Mean::default());
         for i in 0..32 {
             let traced = pass.trace(key(i), 4096, &|_| {});
             let there = traced.photons.iter().filter(|p| p.position.x > corner.x && p.position.z > corner.z);
-            seen.add(there.map(|p| f64::from(color::mean(p.flux.power()))).sum());
+            seen.add(there.map(|p| f64::from(color::mean(p.data.flux()))).sum());
             emitted.add(traced.audit.emitted[0]);
         }
         (seen, emitted)
@@ -240,7 +240,7 @@ fn something_is_emitted_everywhere() {
 fn a_pilot_that_saw_nothing_changes_nothing() {
     for (name, scene) in halls() {
         let below = corner(&scene).map(|position| VisiblePoint { position, normal: Vec3::NEG_Y, weight: 1.0 });
-        for visible in [Visible::new(below, 0.1), Visible::new([], 0.1)] {
+        for visible in [VisiblePointMap::new(below, 0.1), VisiblePointMap::new([], 0.1)] {
             let (learned, lesson) = learned(&scene, &visible);
             assert_eq!((lesson.useful, lesson.gain), (0.0, 1.0), "{name}");
             let plain = PhotonSource::everywhere(&scene).unwrap();
@@ -259,8 +259,8 @@ fn the_lesson_is_a_function_of_scene_and_seed() {
     let emissions = |threads: usize, seed: u64| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            let pilot = Pilot { wants: WANTS, max_bounces: BOUNCES, visible: &visible, paths: 1 << 15, seed };
-            let (source, lesson) = PhotonSource::everywhere(&scene).unwrap().learned(&pilot);
+            let pilot = GuidingPilot { mask: WANTS, max_bounces: BOUNCES, visible: &visible, paths: 1 << 15, seed };
+            let (source, lesson) = PhotonSource::everywhere(&scene).unwrap().guided(&pilot);
             let emit = |i| source.emit::<InteriorStack>(key(0), i, 1000).map(|(w, f)| (w.ray, f));
             (lesson, (0..1000).map(emit).collect::<Vec<_>>())
         })

@@ -1,4 +1,4 @@
-//! Phase functions: their integrals, and samplers against densities by Pearson's test.
+//! PhaseFunction functions: their integrals, and samplers against densities by Pearson's test.
 
 use super::*;
 use glam::Vec2;
@@ -9,9 +9,9 @@ const RINGS: usize = 40;
 const SECTORS: usize = 8;
 const POINTS: usize = 200;
 
-fn phases() -> Vec<Phase> {
-    let mut phases = vec![Phase::Isotropic, Phase::Rayleigh];
-    phases.extend([-0.99, -0.5, -1e-4, 0.0, 1e-4, 0.3, 0.9, 0.99].map(Phase::HenyeyGreenstein));
+fn phases() -> Vec<PhaseFunction> {
+    let mut phases = vec![PhaseFunction::Isotropic, PhaseFunction::Rayleigh];
+    phases.extend([-0.99, -0.5, -1e-4, 0.0, 1e-4, 0.3, 0.9, 0.99].map(PhaseFunction::HenyeyGreenstein));
     phases
 }
 
@@ -22,7 +22,7 @@ struct Rings {
 }
 
 impl Rings {
-    fn of(phase: Phase) -> Self {
+    fn of(phase: PhaseFunction) -> Self {
         let g = f64::from(phase.mean_cosine());
         Self { width: 1.0 - g.abs(), backwards: g < 0.0 }
     }
@@ -39,7 +39,7 @@ impl Rings {
     }
 
     /// The integrals of f(cos)·p(cos) over all rings.
-    fn integrate(&self, phase: Phase, f: impl Fn(f64) -> f64) -> Vec<f64> {
+    fn integrate(&self, phase: PhaseFunction, f: impl Fn(f64) -> f64) -> Vec<f64> {
         let n = RINGS * POINTS;
         let mut rings = vec![0.0; RINGS];
         for i in 0..n {
@@ -140,7 +140,7 @@ fn ends_of_the_range_are_stable() {
     let peak = (1.0 + g) / (4.0 * PI * (1.0 - g) * (1.0 - g));
     let tail = (1.0 - g) / (4.0 * PI * (1.0 + g) * (1.0 + g));
     for (phase, cos, truth) in [(0.99, 1.0, peak), (0.99, -1.0, tail), (-0.99, -1.0, peak), (-0.99, 1.0, tail)] {
-        let found = f64::from(Phase::HenyeyGreenstein(phase).evaluate(cos));
+        let found = f64::from(PhaseFunction::HenyeyGreenstein(phase).evaluate(cos));
         assert!((found / truth - 1.0).abs() < 1e-6, "{phase} {cos}: {found}, not {truth}");
     }
 }
