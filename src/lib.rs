@@ -47,9 +47,9 @@
 //! 2. [`PhotonSource::emit`](photon::PhotonSource::emit) samples a light and a ray that leaves
 //!    it. The sampling pdf follows power, the solid angle of specular objects, or the emission
 //!    that a pilot pass found useful. The ray carries flux / (pdf · number of paths).
-//! 3. [`PhotonPass::trace`](photon::PhotonPass::trace) follows the path. At each step it finds
-//!    the next surface, applies absorption, and samples a scattering event in a
-//!    [`Medium`](medium::Medium).
+//! 3. [`PhotonPass::trace`](photon::PhotonPass::trace) follows the path.
+//!    [`PathRay::next_vertex`](scene::PathRay::next_vertex) finds the next surface, applies
+//!    absorption, and samples a scattering event in a [`Medium`](medium::Medium).
 //! 4. A surface that stores photons adds a [`Photon`](photon::Photon). The [`Bsdf`](bsdf::Bsdf)
 //!    then samples a direction, and Russian roulette ends the path by its throughput.
 //! 5. The photons of a pass become a [`PhotonMap`](photon::PhotonMap).

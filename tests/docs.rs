@@ -1,6 +1,10 @@
 //! What the pages say is true: their commands run, their scenes render, their tables agree with the program.
 
-mod shell;
+mod it {
+    pub mod support {
+        pub mod shell;
+    }
+}
 
 use caustica::cli::{Arguments, Command, Exit};
 use caustica::format::grid::{self, Encoding, Grid};
@@ -9,7 +13,7 @@ use caustica::format::{Source, parse, resolve};
 use caustica::image::{self, Image, WriteOptions};
 use caustica::integrate::{Algorithm, Settings, Silent};
 use clap::{CommandFactory, Parser};
-use shell::words;
+use it::support::shell::words;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -90,12 +94,12 @@ fn perform(page: &str, line: &[String], folder: &Path) {
                 shrink(&mut arguments, render.method.caustic_photons.is_some());
                 (Some(&render.scene.scene), render.output.iter().chain(&render.stats).collect())
             }
-            Some(Command::Price(price)) => {
-                shrink(&mut arguments, price.method.caustic_photons.is_some());
+            Some(Command::Estimate(estimate)) => {
+                shrink(&mut arguments, estimate.method.caustic_photons.is_some());
                 let passes = arguments.iter().position(|word| word == "--passes").unwrap();
                 arguments.drain(passes..passes + 2);
                 put(&mut arguments, "--pilot", "0.1s");
-                (Some(&price.scene.scene), Vec::new())
+                (Some(&estimate.scene.scene), Vec::new())
             }
             Some(Command::Plan(plan)) => (Some(&plan.scene.scene), Vec::new()),
             Some(Command::Study(study)) => {
@@ -107,7 +111,7 @@ fn perform(page: &str, line: &[String], folder: &Path) {
             }
             Some(Command::Diff(diff)) => (None, diff.output.iter().collect()),
             Some(Command::Mesh(mesh)) => (Some(&mesh.mesh), mesh.output.iter().collect()),
-            None => (None, Vec::new()),
+            Some(Command::Completions { .. } | Command::Man) | None => (None, Vec::new()),
         };
         if let Some(scene) = scene.and_then(Path::to_str) {
             let mapped = root().join(scene).to_str().unwrap().to_owned();

@@ -13,11 +13,12 @@ use super::{EyeSettings, Monitor, Pass, Silent};
 use crate::bsdf::{Bsdf, Transport};
 use crate::color::{self, Rgb};
 use crate::math::Ray;
-use crate::medium::Phase;
+use crate::medium::PhaseFunction;
 use crate::plan::{Effect, Effects};
 use crate::sampling::{Dimension, Key, Purpose, Sampler};
 use crate::scene::{
-    Arrival, Interior, InteriorKind, InteriorStack, NoInterior, Scene, SpectralInterior, Step, SurfaceInteraction, Walk,
+    Interior, InteriorKind, InteriorStack, NoInterior, PathEvent, PathRay, Scene, SpectralInterior, SurfaceInteraction,
+    SurfaceVertex,
 };
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
@@ -59,7 +60,7 @@ pub(super) struct EyePass<'a, M> {
 /// A camera walk that waits to be continued.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Branch<I> {
-    walk: Walk<I>,
+    walk: PathRay<I>,
     throughput: Rgb,
     bounce: u32,
     history: History,
@@ -89,7 +90,7 @@ enum Next<I> {
 impl<M: Method> EyePass<'_, M> {
     /// Renders all pixels into `out`.
     pub fn run(&self, monitor: &dyn Monitor, out: &mut Pass) {
-        match self.effects.memory() {
+        match self.effects.interior_kind() {
             InteriorKind::Spectral => self.run_in::<SpectralInterior>(monitor, out),
             InteriorKind::Bodies => self.run_in::<InteriorStack>(monitor, out),
             InteriorKind::Nothing => self.run_in::<NoInterior>(monitor, out),
@@ -123,7 +124,7 @@ impl<M: Method> EyePass<'_, M> {
 
     /// Radiance along camera rays through points of the film, each with its random numbers; in parallel where there are many.
     pub fn at(&self, points: &[(Vec2, Sampler)]) -> (Vec<Rgb>, Vec<Worker>) {
-        match self.effects.memory() {
+        match self.effects.interior_kind() {
             InteriorKind::Spectral => self.at_in::<SpectralInterior>(points),
             InteriorKind::Bodies => self.at_in::<InteriorStack>(points),
             InteriorKind::Nothing => self.at_in::<NoInterior>(points),
@@ -152,7 +153,7 @@ impl<M: Method> EyePass<'_, M> {
         worker: &mut Worker,
         waiting: &mut Vec<Branch<I>>,
     ) -> Rgb {
-        let walk = self.scene.walk_from_camera(*ray, self.effects.detail());
+        let walk = self.scene.start_camera_path(*ray, self.effects);
         let mut next =
             Some(Branch { walk, throughput: Rgb::ONE, bounce: 0, history: History::default(), last: None, draw });
         let mut radiance = Rgb::ZERO;
@@ -181,16 +182,16 @@ impl<M: Method> EyePass<'_, M> {
         let (step, phase) = if I::IMMERSED {
             self.advance_in_media(branch, worker, radiance)
         } else {
-            (branch.walk.advance(self.scene, branch.draw.key(), |_| None), Phase::Isotropic)
+            (branch.walk.next_vertex(self.scene, branch.draw.key(), |_| None), PhaseFunction::Isotropic)
         };
-        let Arrival { mut surface, transmittance, distance, crossed } = match step {
-            Step::Arrived(arrival) => arrival,
-            Step::Scattered { transmittance, crossed } => {
+        let SurfaceVertex { mut surface, transmittance, distance, crossed } = match step {
+            PathEvent::Surface(arrival) => arrival,
+            PathEvent::Scattered { transmittance, crossed } => {
                 branch.throughput *= transmittance;
                 branch.history.casters += u32::from(crossed);
                 return self.scatter(branch, phase);
             }
-            Step::Escaped { crossed } => {
+            PathEvent::Escaped { crossed } => {
                 if crossed {
                     branch.history.casters += 1;
                     branch.last = None;

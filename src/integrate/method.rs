@@ -5,7 +5,7 @@ use crate::bsdf::{Bsdf, BsdfSample, Transport};
 use crate::color::Rgb;
 use crate::math::Ray;
 use crate::sampling::{Dimension, Sampler};
-use crate::scene::{Cone, Detail, Interior, MediumSegment, Scene, SurfaceInteraction, Walk};
+use crate::scene::{Effects, Interior, MediumSegment, PathRay, RayCone, Scene, SurfaceInteraction};
 use glam::Vec3;
 use rand::rngs::SmallRng;
 
@@ -53,9 +53,9 @@ impl<I: Interior> Vertex<'_, I> {
 
     /// A walk that leaves in unit direction `wi`.
     #[inline]
-    pub fn leaving(&self, wi: Vec3) -> Walk<I> {
-        let cone = Cone::point(Detail::NONE);
-        let mut walk = Walk { ray: Ray::new(self.surface.point.p, wi), inside: *self.inside, cone };
+    pub fn leaving(&self, wi: Vec3) -> PathRay<I> {
+        let cone = RayCone::point(Effects::NONE);
+        let mut walk = PathRay { ray: Ray::new(self.surface.point.p, wi), inside: *self.inside, cone };
         let transmitted = wi.dot(self.surface.point.ng) * self.surface.wo.dot(self.surface.point.ng) < 0.0;
         walk.leave(self.surface, wi, transmitted);
         walk

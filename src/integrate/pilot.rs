@@ -5,7 +5,7 @@ use crate::bsdf::Transport;
 use crate::math::Ray;
 use crate::photon::{BeamMap, GuidingReport, Photon, PhotonMap, PhotonPass, PointMap};
 use crate::sampling::{Dimension, Key, Purpose, Sampler};
-use crate::scene::{Arrival, Detail, Scene, SpectralInterior, Step};
+use crate::scene::{Effects, PathEvent, Scene, SpectralInterior, SurfaceVertex};
 use glam::Vec2;
 
 /// Most paths of the pilot: its radii are scaled to the photon count of a pass.
@@ -86,7 +86,7 @@ pub(super) fn auto_radius(pass: &PhotonPass<'_>, paths: u32, k: u32, seed: u64, 
     let map = PhotonMap::build(photons.clone());
     let step = photons.len().div_ceil(PROBES);
     let distance = |p: &Photon| {
-        let normal = p.flux.normal().normalize();
+        let normal = p.data.normal().normalize();
         map.kth_distance(p.position, normal, k, size).unwrap_or(size)
     };
     let mut radii: Vec<f32> = photons.iter().step_by(step).map(distance).collect();
@@ -129,7 +129,7 @@ impl Default for Blurs {
 
 /// Radii within which most rays find enough of what a pass of `paths` paths stores in media, found from a smaller pilot; `None` where it
 /// stores nothing there.
-pub(super) fn volume_blurs(pass: &PhotonPass<'_>, detail: Detail, paths: u32, settings: &Settings) -> Option<Blurs> {
+pub(super) fn volume_blurs(pass: &PhotonPass<'_>, detail: Effects, paths: u32, settings: &Settings) -> Option<Blurs> {
     let scene = pass.scene;
     let key = Key::new(settings.eye.seed).purpose(Purpose::Pilot);
     let tried = pilot_paths(paths, PATHS);
@@ -174,23 +174,23 @@ pub(super) fn volume_blurs(pass: &PhotonPass<'_>, detail: Detail, paths: u32, se
 }
 
 /// The stretches of media along camera rays, over casters to the first other surface.
-fn ways(scene: &Scene, detail: Detail, key: Key) -> Vec<Vec<Ray>> {
+fn ways(scene: &Scene, detail: Effects, key: Key) -> Vec<Vec<Ray>> {
     let (width, height) = scene.camera().size();
     let size = Vec2::new(width as f32, height as f32);
     let along = |i| {
         let draw = Sampler::new(key, i, RAYS);
         let ray = scene.camera().ray(draw.get_2d(Dimension::Film) * size, None);
-        let mut walk = scene.walk_from_camera::<SpectralInterior>(ray, detail);
+        let mut walk = scene.start_camera_path::<SpectralInterior>(ray, detail);
         let mut found = Vec::new();
         for bounce in 0..MOST_CASTERS {
             let draw = draw.with(bounce.into());
-            let step = walk.advance(scene, draw.key(), |stretch| {
+            let step = walk.next_vertex(scene, draw.key(), |stretch| {
                 if stretch.medium.scatters() {
                     found.push(stretch.ray);
                 }
                 None
             });
-            let Step::Arrived(Arrival { surface, .. }) = step else { break };
+            let PathEvent::Surface(SurfaceVertex { surface, .. }) = step else { break };
             if surface.bsdf.stores_photons() {
                 break;
             }

@@ -55,7 +55,7 @@ impl<'a> RayCast<'a> {
 
     fn shade(&self, ray: &Ray) -> Rgb {
         let mut ray = *ray;
-        let mut cone = self.scene.cone(self.plan.effects().detail());
+        let mut cone = self.scene.camera_cone(self.plan.effects());
         let (hit, surface) = loop {
             let Some(hit) = self.scene.intersect(&ray) else {
                 return self.scene.background();

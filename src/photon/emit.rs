@@ -1,11 +1,11 @@
 //! Which light a photon leaves, and where to.
 
-use super::learn::EmissionDensity;
+use super::guiding::GuidingDistribution;
 use crate::color::{self, Rgb};
-use crate::light::{Light, Targets};
+use crate::light::{Light, PhotonAim};
 use crate::math::Ray;
 use crate::sampling::{Dimension, Discrete, Key, Purpose, sobol_2d};
-use crate::scene::{Detail, Interior, InteriorKind, Scene, Walk};
+use crate::scene::{Effect, Effects, Interior, InteriorKind, PathRay, Scene};
 use glam::Vec2;
 
 /// Draws a light finds its aimed power with.
@@ -19,13 +19,11 @@ const SAFE_SHARE: f64 = 0.1;
 pub struct PhotonSource<'a> {
     pub(super) scene: &'a Scene,
     pub(super) choice: Discrete,
-    targets: Option<Targets>,
+    aim: Option<PhotonAim>,
     /// Of each light, where it was learned.
-    pub(super) densities: Vec<Option<EmissionDensity>>,
-    /// Whether photons remember what they are inside of.
-    pub(super) interiors: bool,
-    /// What photons see of textures and bumps.
-    detail: Detail,
+    pub(super) densities: Vec<Option<GuidingDistribution>>,
+    /// The effects that photons simulate.
+    effects: Effects,
 }
 
 /// A point in the space of all that can be emitted.
@@ -48,8 +46,8 @@ impl<'a> PhotonSource<'a> {
     #[must_use]
     pub fn everywhere(scene: &'a Scene) -> Option<Self> {
         let choice = Discrete::new(powers(scene))?;
-        let (interiors, detail) = (scene.has_interiors(), Detail::ALL);
-        Some(Self { scene, choice, targets: None, densities: Vec::new(), interiors, detail })
+        let effects = all_effects(scene);
+        Some(Self { scene, choice, aim: None, densities: Vec::new(), effects })
     }
 
     /// Emission towards casters, from each light in proportion to the power that goes there; `None` where there is no caster, or
@@ -67,8 +65,8 @@ impl<'a> PhotonSource<'a> {
             if reaches { power } else { 0.0 }
         };
         let powers: Vec<f64> = scene.lights().iter().zip(powers(scene)).map(reaching).collect();
-        let targets = Targets::new(balls.iter().copied());
-        let aimed = |(i, power): (usize, &f64)| if *power > 0.0 { aimed_power(scene, &targets, i) } else { 0.0 };
+        let aim = PhotonAim::new(balls.iter().copied());
+        let aimed = |(i, power): (usize, &f64)| if *power > 0.0 { aimed_power(scene, &aim, i) } else { 0.0 };
         let aimed: Vec<f64> = powers.iter().enumerate().map(aimed).collect();
         let (total, total_aimed) = (powers.iter().sum::<f64>(), aimed.iter().sum::<f64>());
         let weight = |(power, aimed): (&f64, &f64)| {
@@ -77,8 +75,8 @@ impl<'a> PhotonSource<'a> {
             if total_aimed > 0.0 { SAFE_SHARE * plain + (1.0 - SAFE_SHARE) * aimed / total_aimed } else { plain }
         };
         let choice = if total > 0.0 { Discrete::new(powers.iter().zip(&aimed).map(weight)) } else { None };
-        let (interiors, detail) = (scene.has_interiors(), Detail::ALL);
-        choice.map(|choice| Self { scene, choice, targets: Some(targets), densities: Vec::new(), interiors, detail })
+        let effects = all_effects(scene);
+        choice.map(|choice| Self { scene, choice, aim: Some(aim), densities: Vec::new(), effects })
     }
 
     /// This source without the light from all around, the same to the bit where there is none; `None` where nothing else shines.
@@ -94,32 +92,26 @@ impl<'a> PhotonSource<'a> {
     /// This source in `scene`, which is its own at another time: it is aimed at where casters are then.
     #[must_use]
     pub fn at<'b>(&self, scene: &'b Scene) -> PhotonSource<'b> {
-        let balls = if self.targets.is_some() { scene.caster_balls() } else { None };
-        let targets = balls.map(Targets::new);
+        let balls = if self.aim.is_some() { scene.caster_balls() } else { None };
+        let aim = balls.map(PhotonAim::new);
         let (choice, densities) = (self.choice.clone(), self.densities.clone());
-        PhotonSource { scene, choice, targets, densities, ..*self }
+        PhotonSource { scene, choice, aim, densities, ..*self }
     }
 
-    /// This source, whose photons remember what they are inside of, or do not.
+    /// This source, whose photons simulate `effects`.
     #[must_use]
-    pub fn with_interiors(self, interiors: bool) -> Self {
-        Self { interiors, ..self }
-    }
-
-    /// This source, whose photons see `detail`.
-    #[must_use]
-    pub fn with_detail(self, detail: Detail) -> Self {
-        Self { detail, ..self }
+    pub fn with_effects(self, effects: Effects) -> Self {
+        Self { effects, ..self }
     }
 
     /// What its photons remember.
     pub(super) fn memory(&self) -> InteriorKind {
-        self.detail.memory(self.interiors)
+        self.effects.interior_kind()
     }
 
     /// The lights, as photons leave them.
     pub(super) fn lights(&self) -> &'a [Light] {
-        if self.detail.textures { self.scene.lights() } else { self.scene.mean_lights() }
+        if self.effects.has(Effect::Textures) { self.scene.lights() } else { self.scene.mean_lights() }
     }
 
     /// The start of path `index` of `paths`, with its share of the flux \[W].
@@ -127,7 +119,7 @@ impl<'a> PhotonSource<'a> {
     /// Lights are dealt to consecutive paths by systematic sampling, and positions and directions come from scrambled nets
     /// keyed by the pass: each path alone is as if independent, together they are spread more evenly.
     #[must_use]
-    pub fn emit<I: Interior>(&self, pass: Key, index: u32, paths: u32) -> Option<(Walk<I>, Rgb)> {
+    pub fn emit<I: Interior>(&self, pass: Key, index: u32, paths: u32) -> Option<(PathRay<I>, Rgb)> {
         let draw = self.draw(pass, index, paths);
         let (walk, flux) = self.start(&draw)?;
         Some((walk, flux / (draw.probability * paths as f32 * draw.density)))
@@ -149,34 +141,39 @@ impl<'a> PhotonSource<'a> {
 
     /// The start of a path, with its flux \[W] as if the light were alone and unlearned.
     #[inline]
-    pub(super) fn start<I: Interior>(&self, draw: &EmissionDraw) -> Option<(Walk<I>, Rgb)> {
+    pub(super) fn start<I: Interior>(&self, draw: &EmissionDraw) -> Option<(PathRay<I>, Rgb)> {
         let light = &self.lights()[draw.light];
         let domain = self.scene.domain();
-        let emission = match &self.targets {
-            Some(targets) => light.emit_at(targets, domain, draw.position, draw.direction),
-            None => light.emit(domain, draw.position, draw.direction),
+        let emission = match &self.aim {
+            Some(aim) => light.sample_le_towards(aim, domain, draw.position, draw.direction),
+            None => light.sample_le(domain, draw.position, draw.direction),
         }?;
-        let ray = match light {
-            Light::Directional { .. } | Light::Environment(_) => self.scene.starting_beyond_planes(emission.ray),
-            Light::Point { .. } | Light::Spot(_) => {
-                Ray { origin: emission.ray.at(self.scene.light_contact(draw.light)), ..emission.ray }
-            }
-            Light::Area(_) => emission.ray,
+        let ray = if light.is_infinite() {
+            self.scene.starting_beyond_planes(emission.ray)
+        } else if light.is_delta() {
+            Ray { origin: emission.ray.at(self.scene.light_contact(draw.light)), ..emission.ray }
+        } else {
+            emission.ray
         };
-        Some((self.scene.walk_from_light(draw.light, ray, self.detail), emission.flux))
+        Some((self.scene.start_light_path(draw.light, ray, self.effects), emission.flux))
     }
+}
+
+/// All effects, without interiors where `scene` has none.
+fn all_effects(scene: &Scene) -> Effects {
+    if scene.has_interiors() { Effects::ALL } else { Effects::ALL.without(Effect::Interiors) }
 }
 
 fn powers(scene: &Scene) -> impl Iterator<Item = f64> {
     scene.lights().iter().map(|light| f64::from(color::mean(light.power(scene.domain()))))
 }
 
-fn aimed_power(scene: &Scene, targets: &Targets, light: usize) -> f64 {
+fn aimed_power(scene: &Scene, aim: &PhotonAim, light: usize) -> f64 {
     let key = Key::new(0).purpose(Purpose::LightWeights).with(light as u64);
     let flux = |i| {
         let (position, direction) =
             (sobol_2d(i, key, Dimension::LightPosition), sobol_2d(i, key, Dimension::LightDirection));
-        let emission = scene.lights()[light].emit_at(targets, scene.domain(), position, direction);
+        let emission = scene.lights()[light].sample_le_towards(aim, scene.domain(), position, direction);
         emission.map_or(0.0, |e| f64::from(color::mean(e.flux)))
     };
     (0..WEIGHT_DRAWS).map(flux).sum::<f64>() / f64::from(WEIGHT_DRAWS)
@@ -216,7 +213,7 @@ mod tests {
         // As far as the farther plane, with room.
         assert!(scene.domain().radius >= 3.0);
         let source = PhotonSource::everywhere(&scene).unwrap();
-        let pass = PhotonPass { scene: &scene, source: &source, wants: StoreMask::ALL, max_bounces: 0 };
+        let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::ALL, max_bounces: 0 };
         let photons = pass.trace(Key::new(1), 4096, &|_| {}).photons;
         let on = |axis: usize, at: f32| photons.iter().any(|p| (p.position[axis] - at).abs() < 1e-3);
         assert!(on(1, -1.0) && on(2, -3.0));
@@ -227,7 +224,7 @@ mod tests {
         for (height, shaded) in [(1.0, true), (100.0, true), (1e6, true), (-1.0, false)] {
             let scene = sun_over_ball(height);
             let source = PhotonSource::everywhere(&scene).unwrap();
-            let pass = PhotonPass { scene: &scene, source: &source, wants: StoreMask::ALL, max_bounces: 0 };
+            let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::ALL, max_bounces: 0 };
             let photons = pass.trace(Key::new(1), 4096, &|_| {}).photons;
             let on_ball = photons.iter().filter(|p| p.position.length() < 0.6).count();
             assert_eq!(on_ball == 0, shaded, "{on_ball} of {} under a plane at {height}", photons.len());

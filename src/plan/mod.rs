@@ -4,11 +4,10 @@
 //! everything simulated: when in doubt, on. Where decisions lie is told in docs/plan.md.
 
 mod decide;
-mod effect;
 mod effect_overrides;
 mod scene_features;
 
+pub use crate::scene::{Effect, Effects};
 pub use decide::{Decision, Plan, Reason};
-pub use effect::{Effect, Effects};
 pub use effect_overrides::{EffectOverrides, UnknownOverride};
 pub use scene_features::SceneFeatures;

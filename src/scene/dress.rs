@@ -1,7 +1,8 @@
 //! What textures make of materials.
 
+use super::Effect;
 use super::material::phong;
-use super::{Body, Cone, Hit, HitKind, Material, PhongAppearance, Scattering, Scene, SurfaceInteraction};
+use super::{Body, Hit, HitKind, Material, PhongAppearance, RayCone, Scattering, Scene, SurfaceInteraction};
 use crate::bsdf::{Bsdf, Conductor, STORED_ALPHA, Thin};
 use crate::color::Rgb;
 use crate::light::EmissionTexture;
@@ -131,7 +132,7 @@ impl Tint {
 impl Scene {
     /// The place of a hit as textures see it, over the cone's footprint: as wide as the cone across the ray, and longer along it by
     /// the cosine to the normal.
-    fn patch<'a>(&'a self, hit: &Hit, point: &SurfacePoint, wo: Vec3, cone: &Cone) -> Patch<'a> {
+    fn patch<'a>(&'a self, hit: &Hit, point: &SurfacePoint, wo: Vec3, cone: &RayCone) -> Patch<'a> {
         let (chart, own): (u32, &dyn Fn() -> TexCoord) = match hit.kind {
             HitKind::Triangle(i, b) => {
                 let part = self.triangle_part[i as usize] as usize;
@@ -163,7 +164,14 @@ impl Scene {
 
     /// Radiance of an area light that was hit.
     #[inline(never)]
-    pub(super) fn glow(&self, glow: &EmissionTexture, hit: &Hit, point: &SurfacePoint, wo: Vec3, cone: &Cone) -> Rgb {
+    pub(super) fn glow(
+        &self,
+        glow: &EmissionTexture,
+        hit: &Hit,
+        point: &SurfacePoint,
+        wo: Vec3,
+        cone: &RayCone,
+    ) -> Rgb {
         glow.radiance(&self.patch(hit, point, wo, &cone.of_lights()).place)
     }
 
@@ -179,19 +187,19 @@ impl Scene {
 
     /// The place of a hit as textures see it, by a cone that has come to it.
     #[must_use]
-    pub fn place(&self, hit: &Hit, point: &SurfacePoint, wo: Vec3, cone: &Cone) -> TextureEvalContext {
+    pub fn place(&self, hit: &Hit, point: &SurfacePoint, wo: Vec3, cone: &RayCone) -> TextureEvalContext {
         self.patch(hit, point, wo, cone).place
     }
 
     /// Gives `surface` what its dress makes of it.
     #[inline(never)]
-    pub(super) fn put_on(&self, dress: u32, surface: &mut SurfaceInteraction<'_>, hit: &Hit, cone: &Cone) {
+    pub(super) fn put_on(&self, dress: u32, surface: &mut SurfaceInteraction<'_>, hit: &Hit, cone: &RayCone) {
         let Dress { coat, relief } = self.dresses[dress as usize];
         let patch = self.patch(hit, &surface.point, surface.wo, cone);
-        if cone.detail.textures {
+        if cone.effects.has(Effect::Textures) {
             self.put_on_coat(coat, surface, &patch.place);
         }
-        if cone.detail.bumps && relief != Relief::Smooth {
+        if cone.effects.has(Effect::Bump) && relief != Relief::Smooth {
             let ns = self.tilted(relief, &surface.point, &patch, f64::from(cone.width()));
             surface.point.ns = ns;
         }
@@ -260,9 +268,9 @@ impl Scene {
 
     /// How the course's shading sees a surface that was hit.
     #[must_use]
-    pub fn look(&self, surface: &SurfaceInteraction<'_>, hit: &Hit, cone: &Cone) -> PhongAppearance {
+    pub fn look(&self, surface: &SurfaceInteraction<'_>, hit: &Hit, cone: &RayCone) -> PhongAppearance {
         let plain = surface.material.look;
-        let Some(dress) = surface.material.dress.filter(|_| cone.detail.textures) else { return plain };
+        let Some(dress) = surface.material.dress.filter(|_| cone.effects.has(Effect::Textures)) else { return plain };
         let at = |tint: &Tint| tint.at(self, &self.place(hit, &surface.point, surface.wo, cone));
         match &self.dresses[dress as usize].coat {
             Coat::Diffuse(tint) | Coat::Mirror(tint) | Coat::Thin { transmittance: tint, .. } => {

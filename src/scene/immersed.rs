@@ -1,7 +1,7 @@
 //! The memory of walks that go through media, or choose a wavelength.
 
 use super::interior::boundary;
-use super::{Body, BoundaryEvent, Detail, Filling, Interior, InteriorStack, Scene, SurfaceInteraction};
+use super::{Body, BoundaryEvent, Effect, Effects, Filling, Interior, InteriorStack, Scene, SurfaceInteraction};
 use crate::bsdf::{Bsdf, Dielectric, Transport};
 use crate::color::{Rgb, Wavelength};
 use crate::math::Ray;
@@ -22,29 +22,29 @@ pub struct SpectralInterior {
     wavelength: Option<Wavelength>,
     /// The surface that was met as it were for the d line, where the wavelength was chosen there.
     chosen_at: Option<Dielectric>,
-    detail: Detail,
+    effects: Effects,
 }
 
 impl SpectralInterior {
-    fn new(inside: InteriorStack, detail: Detail) -> Self {
-        Self { inside, wavelength: None, chosen_at: None, detail }
+    fn new(inside: InteriorStack, effects: Effects) -> Self {
+        Self { inside, wavelength: None, chosen_at: None, effects }
     }
 }
 
 impl Interior for SpectralInterior {
     const IMMERSED: bool = true;
 
-    fn at_camera(scene: &Scene, ray: &Ray, detail: Detail) -> Self {
-        Self::new(InteriorStack::at_camera(scene, ray, detail), detail)
+    fn at_camera(scene: &Scene, ray: &Ray, effects: Effects) -> Self {
+        Self::new(InteriorStack::at_camera(scene, ray, effects), effects)
     }
 
-    fn at_light(scene: &Scene, light: usize, detail: Detail) -> Self {
-        Self::new(InteriorStack::at_light(scene, light, detail), detail)
+    fn at_light(scene: &Scene, light: usize, effects: Effects) -> Self {
+        Self::new(InteriorStack::at_light(scene, light, effects), effects)
     }
 
     #[inline]
     fn medium(&self, scene: &Scene) -> Option<Filling> {
-        if !self.detail.media {
+        if !self.effects.has(Effect::Media) {
             return None;
         }
         let (medium, everywhere) = match self.inside.top(&scene.materials) {
@@ -71,7 +71,8 @@ impl Interior for SpectralInterior {
 
     #[inline]
     fn meet(&mut self, scene: &Scene, surface: &mut SurfaceInteraction<'_>, key: Key) -> BoundaryEvent {
-        let (Some(body), true) = (boundary(surface), self.detail.dispersion && !scene.glasses.is_empty()) else {
+        let (Some(body), true) = (boundary(surface), self.effects.has(Effect::Dispersion) && !scene.glasses.is_empty())
+        else {
             return self.inside.meet(scene, surface, key);
         };
         let (meeting, body, crossing) = self.inside.divided(scene, surface, body);

@@ -27,7 +27,7 @@ impl Crossing {
     /// What a boundary is for light that is not the bound of a mere place.
     #[inline]
     pub fn meeting(&self) -> BoundaryEvent {
-        if self.real { BoundaryEvent::SurfaceInteraction } else { BoundaryEvent::Hidden }
+        if self.real { BoundaryEvent::Surface } else { BoundaryEvent::Hidden }
     }
 
     /// Index inside the boundary's `body` over the index outside it.

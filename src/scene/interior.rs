@@ -2,7 +2,7 @@
 
 use super::inside::Crossing;
 use super::touching::{Face, Sides};
-use super::{Body, Detail, InteriorStack, Scattering, Scene, SurfaceInteraction};
+use super::{Body, Effects, InteriorStack, Scattering, Scene, SurfaceInteraction};
 use crate::bsdf::Bsdf;
 use crate::color::{Rgb, Wavelength};
 use crate::math::Ray;
@@ -24,7 +24,7 @@ pub enum InteriorKind {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum BoundaryEvent {
     /// A surface.
-    SurfaceInteraction,
+    Surface,
     /// Not there for light, but it ends a shadow ray: bodies overlap.
     Hidden,
     /// Not there at all.
@@ -46,11 +46,11 @@ pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
     /// Whether walks may go through media, or have a wavelength.
     const IMMERSED: bool;
 
-    /// At the start of a camera ray that sees `detail`.
-    fn at_camera(scene: &Scene, ray: &Ray, detail: Detail) -> Self;
+    /// At the start of a camera ray that sees `effects`.
+    fn at_camera(scene: &Scene, ray: &Ray, effects: Effects) -> Self;
 
-    /// At light `light`, of a photon that sees `detail`.
-    fn at_light(scene: &Scene, light: usize, detail: Detail) -> Self;
+    /// At light `light`, of a photon that sees `effects`.
+    fn at_light(scene: &Scene, light: usize, effects: Effects) -> Self;
 
     /// The medium around.
     #[inline]
@@ -108,11 +108,11 @@ pub struct NoInterior;
 impl Interior for NoInterior {
     const IMMERSED: bool = false;
 
-    fn at_camera(_: &Scene, _: &Ray, _: Detail) -> Self {
+    fn at_camera(_: &Scene, _: &Ray, _: Effects) -> Self {
         Self
     }
 
-    fn at_light(_: &Scene, _: usize, _: Detail) -> Self {
+    fn at_light(_: &Scene, _: usize, _: Effects) -> Self {
         Self
     }
 
@@ -126,7 +126,7 @@ impl Interior for NoInterior {
 
     #[inline]
     fn meet(&mut self, _: &Scene, _: &mut SurfaceInteraction<'_>, _: Key) -> BoundaryEvent {
-        BoundaryEvent::SurfaceInteraction
+        BoundaryEvent::Surface
     }
 
     #[inline]
@@ -174,11 +174,11 @@ impl InteriorStack {
 impl Interior for InteriorStack {
     const IMMERSED: bool = false;
 
-    fn at_camera(scene: &Scene, ray: &Ray, _: Detail) -> Self {
+    fn at_camera(scene: &Scene, ray: &Ray, _: Effects) -> Self {
         if scene.camera.has_eye() { scene.camera_inside } else { scene.inside_at(ray.origin) }
     }
 
-    fn at_light(scene: &Scene, light: usize, _: Detail) -> Self {
+    fn at_light(scene: &Scene, light: usize, _: Effects) -> Self {
         scene.light_inside[light]
     }
 
@@ -199,7 +199,7 @@ impl Interior for InteriorStack {
 
     #[inline]
     fn meet(&mut self, scene: &Scene, surface: &mut SurfaceInteraction<'_>, _: Key) -> BoundaryEvent {
-        let Some(body) = boundary(surface) else { return BoundaryEvent::SurfaceInteraction };
+        let Some(body) = boundary(surface) else { return BoundaryEvent::Surface };
         let (meeting, body, crossing) = self.divided(scene, surface, body);
         if meeting != BoundaryEvent::Clear {
             surface.bsdf = Bsdf::dielectric(crossing.eta(&body, |body| body.index), surface.roughness);

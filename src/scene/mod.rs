@@ -1,8 +1,8 @@
 //! The resolved scene: everything looked up, checked, converted, re-centred, in typed arrays. Renderers see only this.
 
 mod builder;
-mod cone;
 mod dress;
+mod effects;
 mod error;
 mod immersed;
 mod inside;
@@ -14,25 +14,27 @@ mod movement;
 mod neighbours;
 mod nothing;
 mod objects;
+mod path_ray;
+mod ray_cone;
 mod settle;
 mod source;
 mod surface;
 mod touching;
-mod walk;
 mod wardrobe;
 
 pub use builder::SceneBuilder;
-pub use cone::{Cone, Detail};
 pub use dress::{Coat, Dress, Relief, Tint};
+pub use effects::{Effect, Effects};
 pub use error::BuildError;
 pub use immersed::SpectralInterior;
 pub use inside::InteriorStack;
 pub use interior::{BoundaryEvent, Filling, Interior, InteriorKind, NoInterior};
 pub use material::{Body, Material, PhongAppearance, Scattering};
 pub use objects::Object;
+pub use path_ray::{MediumSegment, PathEvent, PathRay, SurfaceVertex};
+pub use ray_cone::RayCone;
 pub use source::{LightStrength, SourceKind};
 pub use surface::SurfaceInteraction;
-pub use walk::{Arrival, MediumSegment, Step, Walk};
 
 use crate::accel::{Hierarchy, Primitive};
 use crate::bsdf::Bsdf;
@@ -286,12 +288,18 @@ impl Scene {
     /// \[0, 1) chooses where materials are mixed. A boundary of a body scatters as if nothing else were around.
     #[inline]
     #[must_use]
-    pub fn surface(&self, ray: &Ray, hit: &Hit, cone: &Cone, chance: impl FnOnce() -> f32) -> SurfaceInteraction<'_> {
+    pub fn surface(
+        &self,
+        ray: &Ray,
+        hit: &Hit,
+        cone: &RayCone,
+        chance: impl FnOnce() -> f32,
+    ) -> SurfaceInteraction<'_> {
         let (point, attributes) = self.point(ray, hit);
         let wo = -ray.direction;
         let emission = match attributes.light.map(|l| &self.lights[l as usize]) {
-            Some(Light::Area(area)) if wo.dot(point.ng) > 0.0 => match &area.glow {
-                Some(glow) if cone.detail.textures => self.glow(glow, hit, &point, wo, cone),
+            Some(Light::Area(area)) if wo.dot(point.ng) > 0.0 => match &area.texture {
+                Some(glow) if cone.effects.has(Effect::Textures) => self.glow(glow, hit, &point, wo, cone),
                 _ => area.radiance,
             },
             _ => Rgb::ZERO,
@@ -299,7 +307,7 @@ impl Scene {
         let mut index = attributes.material;
         let mut material = &self.materials[index as usize];
         if let Scattering::Mix { .. } = material.scattering {
-            index = if cone.detail.textures && !self.dresses.is_empty() {
+            index = if cone.effects.has(Effect::Textures) && !self.dresses.is_empty() {
                 self.chosen_by_texture(index, chance(), &|| self.place(hit, &point, wo, cone))
             } else {
                 self.chosen(index, chance(), |_, amount| amount)
@@ -359,25 +367,25 @@ impl Scene {
         index
     }
 
-    /// A walk from the camera along `ray`, which sees `detail`.
+    /// A camera subpath that starts along `ray` and simulates `effects`.
     #[inline]
     #[must_use]
-    pub fn walk_from_camera<I: Interior>(&self, ray: Ray, detail: Detail) -> Walk<I> {
-        Walk { ray, inside: I::at_camera(self, &ray, detail), cone: self.cone(detail) }
+    pub fn start_camera_path<I: Interior>(&self, ray: Ray, effects: Effects) -> PathRay<I> {
+        PathRay { ray, inside: I::at_camera(self, &ray, effects), cone: self.camera_cone(effects) }
     }
 
     /// The cone of a ray from the camera.
     #[inline]
     #[must_use]
-    pub fn cone(&self, detail: Detail) -> Cone {
-        Cone::of_pixel(self.camera.pixel(), detail)
+    pub fn camera_cone(&self, effects: Effects) -> RayCone {
+        RayCone::of_pixel(self.camera.pixel(), effects)
     }
 
-    /// A walk from a light along `ray`, which sees `detail`.
+    /// A light subpath that starts at `light` along `ray` and simulates `effects`.
     #[inline]
     #[must_use]
-    pub fn walk_from_light<I: Interior>(&self, light: usize, ray: Ray, detail: Detail) -> Walk<I> {
-        Walk { ray, inside: I::at_light(self, light, detail), cone: Cone::point(detail) }
+    pub fn start_light_path<I: Interior>(&self, light: usize, ray: Ray, effects: Effects) -> PathRay<I> {
+        PathRay { ray, inside: I::at_light(self, light, effects), cone: RayCone::point(effects) }
     }
 
     /// The ray with its start moved back to where nothing unbounded lies behind it: light from infinity comes from beyond all planes.

@@ -36,6 +36,12 @@ fn polygons_become_fans() {
 }
 
 #[test]
+fn a_byte_order_mark_is_skipped() {
+    let text = format!("{SQUARE}f 1 2 3 4");
+    assert_eq!(read(&format!("\u{feff}{text}")).unwrap(), read(&text).unwrap());
+}
+
+#[test]
 fn what_is_not_a_face_is_passed_over() {
     let odd = "mtllib none.mtl\n# C:\\\no \u{fffd}\ng a b\ns off\nl 1 2\np 1\ncurv 0 1 2\nvp 1\n";
     assert_eq!(faces(&format!("{odd}f 1 2 3\n{odd}f 1 3 4")), faces("f 1 2 3\nf 1 3 4"));

@@ -8,9 +8,9 @@ mod textures;
 use super::super::parse;
 use super::*;
 use crate::bsdf::Bsdf;
-use crate::light::Light;
+use crate::light::{DirectionalLight, Light, PointLight};
 use crate::math::Ray;
-use crate::scene::{Cone, Detail, Scattering, SurfaceInteraction};
+use crate::scene::{Effects, RayCone, Scattering, SurfaceInteraction};
 use glam::{Vec3, dvec3, vec3};
 use std::f32::consts::PI;
 
@@ -32,7 +32,7 @@ fn refusal(text: &str) -> SceneError {
 /// The first surface from `origin` along `direction`, and its place in the coordinates of the file.
 fn look(scene: &Scene, origin: DVec3, direction: Vec3) -> Option<(SurfaceInteraction<'_>, DVec3)> {
     let ray = Ray::new((origin - scene.middle()).as_vec3(), direction);
-    let surface = scene.surface(&ray, &scene.intersect(&ray)?, &Cone::point(Detail::ALL), || 0.0);
+    let surface = scene.surface(&ray, &scene.intersect(&ray)?, &RayCone::point(Effects::ALL), || 0.0);
     Some((surface, surface.point.p.as_dvec3() + scene.middle()))
 }
 
@@ -282,11 +282,11 @@ fn point_lights_have_the_intensity_that_was_meant() {
         .lights()
         .iter()
         .map(|light| match light {
-            Light::Point { position, intensity } => {
+            Light::Point(PointLight { position, intensity }) => {
                 assert!(close(*position, vec3(3.0, 0.0, 0.0)));
                 *intensity
             }
-            Light::Directional { direction, irradiance } => {
+            Light::Directional(DirectionalLight { direction, irradiance }) => {
                 assert_eq!(*direction, Vec3::NEG_Y);
                 *irradiance
             }
