@@ -94,12 +94,12 @@ fn perform(page: &str, line: &[String], folder: &Path) {
                 shrink(&mut arguments, render.method.caustic_photons.is_some());
                 (Some(&render.scene.scene), render.output.iter().chain(&render.stats).collect())
             }
-            Some(Command::Price(price)) => {
-                shrink(&mut arguments, price.method.caustic_photons.is_some());
+            Some(Command::Estimate(estimate)) => {
+                shrink(&mut arguments, estimate.method.caustic_photons.is_some());
                 let passes = arguments.iter().position(|word| word == "--passes").unwrap();
                 arguments.drain(passes..passes + 2);
                 put(&mut arguments, "--pilot", "0.1s");
-                (Some(&price.scene.scene), Vec::new())
+                (Some(&estimate.scene.scene), Vec::new())
             }
             Some(Command::Plan(plan)) => (Some(&plan.scene.scene), Vec::new()),
             Some(Command::Study(study)) => {
@@ -111,7 +111,7 @@ fn perform(page: &str, line: &[String], folder: &Path) {
             }
             Some(Command::Diff(diff)) => (None, diff.output.iter().collect()),
             Some(Command::Mesh(mesh)) => (Some(&mesh.mesh), mesh.output.iter().collect()),
-            None => (None, Vec::new()),
+            Some(Command::Completions { .. } | Command::Man) | None => (None, Vec::new()),
         };
         if let Some(scene) = scene.and_then(Path::to_str) {
             let mapped = root().join(scene).to_str().unwrap().to_owned();

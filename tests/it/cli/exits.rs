@@ -68,27 +68,29 @@ fn bad_arguments_exit_2() {
     shop.run(&["render", "box.txt"]).expect(2, &["--output"]);
     for (more, parts) in [
         ("--photon 1k", ["--photon", "--photons"].as_slice()),
-        ("--photons many", &["`many` is no count", "250k"]),
+        ("--photons many", &["`many` is not a count", "250k"]),
         ("--photons -1", &["-1"]),
-        ("--photons 1.5", &["`1.5` is no count"]),
+        ("--photons 1.5", &["`1.5` is not a count"]),
         ("--photons 5000M", &["`5000M` is more than 4294967295 can count"]),
         ("--passes 0", &["at least 1"]),
         ("--spp 0", &["at least 1"]),
         ("--threads 0", &["at least 1"]),
         ("--threads 1M", &["at most 1024"]),
-        ("--time soon", &["`soon` is no time", "1.5m"]),
+        ("--time soon", &["`soon` is not a time", "1.5m"]),
         ("--size 0x10", &["1 to 65536"]),
-        ("--size 10", &["`10` is no size", "1280x720"]),
+        ("--size 10", &["`10` is not a size", "1280x720"]),
         ("--radius 0", &["above 0"]),
         ("--kernel sphere", &["`sphere`", "box", "cone", "epanechnikov"]),
         ("--filter bok", &["`bok`", "gaussian"]),
         ("--tone gamma", &["`gamma`", "srgb", "filmic", "course"]),
         ("--integrator bdpt", &["bdpt", "pm", "raycast"]),
-        ("--exposure nan", &["`nan` is no exposure", "-64 to 64"]),
-        ("--exposure inf", &["`inf` is no exposure"]),
-        ("--exposure 65", &["`65` is no exposure"]),
+        ("--exposure nan", &["`nan` is not an exposure", "-64 to 64"]),
+        ("--exposure inf", &["`inf` is not an exposure"]),
+        ("--exposure 65", &["`65` is not an exposure"]),
         ("--png-bits 12", &["8 or 16"]),
         ("--seed -1", &["-1"]),
+        ("--seed 18446744073709551616", &["from 0 to 18446744073709551615"]),
+        ("--target-error 2", &["do you mean 2 %"]),
         ("--size 8x8 --size 9x9", &["--size"]),
     ] {
         shop.render("box.txt", &format!("-o a.png {more}")).expect(2, parts);
@@ -102,7 +104,7 @@ fn excessive_memory_exits_2_at_once() {
     let shop = Workshop::new();
     let start = Instant::now();
     let photons = shop.render("box.txt", "-o a.png --integrator sppm --photons 4000M --caustic-photons 0");
-    photons.expect(2, &["4000000000 photon paths", "help: take fewer --photons"]);
+    photons.expect(2, &["4000000000 photon paths", "help: choose fewer --photons"]);
     let picture = shop.render("box.txt", "-o a.png --size 16385x16384");
     picture.expect(2, &["16385", "268435456 pixels", "help: choose a smaller --size"]);
     shop.render("box.txt", "-o a.png --size 65536x65536").expect(2, &["65536"]);

@@ -115,7 +115,7 @@ fn obj_output_brings_its_materials() {
     shop.put("far/out.mtl", bare);
     shop.put("glassy.txt", super::BOX.replace("Group {", "Group { TriangleMesh { file far/out.obj materials file }"));
     shop.render("glassy.txt", "-o a.png").expect(0, &["wrote a.png"]);
-    run(&shop, "mesh worn.obj -o far/out.ply").expect(0, &["note: PLY holds no materials"]);
+    run(&shop, "mesh worn.obj -o far/out.ply").expect(0, &["note: PLY cannot hold materials"]);
     std::fs::remove_file(shop.path("worn.mtl")).unwrap();
     run(&shop, "mesh worn.obj -o far/out.obj").expect(0, &["warning: materials are named but not written"]);
     assert!(!text("far/out.obj").contains("mtllib") && text("far/out.obj").contains("usemtl glass"));
@@ -130,9 +130,10 @@ fn impossible_mesh_requests_are_refused() {
     shop.put("bad.ply", "ply\nformat ascii 1.0\nelement vertex 4294967295\nproperty float x\nproperty float y\nproperty float z\nend_header\n");
     run(&shop, "mesh bad.ply").expect(1, &["bad.ply:3: 4294967295 times `vertex` need"]);
     shop.put("thin.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
-    run(&shop, "mesh thin.obj --remove-degenerate -o a.ply").expect(1, &["no triangle of `thin.obj` is left"]);
+    run(&shop, "mesh thin.obj --remove-degenerate -o a.ply")
+        .expect(1, &["the repair leaves no triangle of `thin.obj`"]);
     run(&shop, "mesh worn.obj --scale 1e308 --translate 1e308,0,0").expect(2, &["are too large"]);
-    run(&shop, "mesh worn.obj -o a.stl").expect(3, &["`a.stl` names no known form", ".obj or .ply"]);
+    run(&shop, "mesh worn.obj -o a.stl").expect(3, &["`a.stl` has no extension of a mesh format", ".obj or .ply"]);
     run(&shop, "mesh worn.obj -o none/a.ply").expect(3, &["there is no folder"]);
     for wrong in ["--smooth 181", "--weld -1", "--scale 0", "--translate 1,2", "--flat --smooth 3", "--spp 3"] {
         assert_eq!(run(&shop, &format!("mesh worn.obj {wrong}")).code, Some(2), "{wrong}");

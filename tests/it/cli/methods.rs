@@ -82,7 +82,7 @@ fn study_prints_table_and_writes_data() {
     }
     let table = made.stdout.lines().filter(|l| !l.contains("caustica render"));
     assert!(table.clone().all(|l| l.chars().count() <= 110), "{}", made.stdout);
-    assert!(made.stdout.contains("truth: a.exr, b.exr\ntruth: its own noise is "));
+    assert!(made.stdout.contains("truth: a.exr, b.exr\ntruth: noise of the reference "));
     assert_eq!((&report["interrupted"], &report["seeds"], &report["width"]), (&false.into(), &2.into(), &40.into()));
 }
 
@@ -133,7 +133,11 @@ fn impossible_studies_are_refused_before_work() {
     };
     refused(2, "--methods bdpt", &["'bdpt'", "sppm"]);
     refused(2, "--methods path,path --truth a.exr", &["`path` is named twice"]);
-    refused(2, "--methods path --variant 'sppm --gather-k many'", &["--variant \"sppm --gather-k many\"", "no count"]);
+    refused(
+        2,
+        "--methods path --variant 'sppm --gather-k many'",
+        &["--variant \"sppm --gather-k many\"", "not a count"],
+    );
     refused(2, "--variant 'bdpt'", &["no method `bdpt`", "help: begin with one of"]);
     refused(2, "--integrator path", &["--integrator", "--budget"]);
     run(&shop, "study box.txt --integrator path").expect(2, &["--effects"]);

@@ -22,7 +22,7 @@ const BALL: &str = "Group { Sphere { center 0 0 0 radius 1 } }\n";
 #[test]
 fn scene_without_lights_renders_with_warning() {
     let (pixels, words) = pixels(&format!("Background {{ color .5 .25 1 }} {BALL}"));
-    assert!(words.contains("note: the scene has no lights: all but its background is black"), "{words}");
+    assert!(words.contains("note: the scene has no lights: all objects are black"), "{words}");
     assert!(pixels.iter().all(|p| p.cmple(Vec3::new(0.5, 0.25, 1.0)).all()));
     // The corners see the background, the middle sees the ball.
     assert_eq!((pixels[0], pixels[5 * 12 + 6]), (Vec3::new(0.5, 0.25, 1.0), Vec3::ZERO));
@@ -31,7 +31,7 @@ fn scene_without_lights_renders_with_warning() {
 #[test]
 fn scene_without_objects_renders_background() {
     let (pixels, words) = pixels(&format!("Background {{ color .5 .25 1 }} {LIGHT} Group {{ }}"));
-    assert!(words.contains("note: the scene has no objects: only its background is seen"), "{words}");
+    assert!(words.contains("note: the scene has no objects: the picture shows only the background"), "{words}");
     assert!(pixels.iter().all(|p| *p == Vec3::new(0.5, 0.25, 1.0)));
 }
 

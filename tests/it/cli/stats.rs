@@ -45,11 +45,14 @@ fn docs_describe_exactly_every_stats_field() {
     let arguments = "render box.txt -o a.png --integrator sppm --size 8x8 --passes 4 --stats a.json";
     balanced.run(&arguments.split(' ').collect::<Vec<_>>()).expect(0, &[]);
     paths(&serde_json::from_slice(&balanced.bytes("a.json")).unwrap(), "", &mut found);
-    // `photons` and `emission` hold the same report for both maps, which the page describes once.
+    // `photons` and `emission_guiding` hold the same report for both maps, which the page describes once.
     let found: BTreeSet<String> = found
         .iter()
         .map(|f| f.replace("photons.global.", "photons.*.").replace("photons.caustic.", "photons.*."))
-        .map(|f| f.replace("emission.global.", "emission.*.").replace("emission.caustic.", "emission.*."))
+        .map(|f| {
+            f.replace("emission_guiding.global.", "emission_guiding.*.")
+                .replace("emission_guiding.caustic.", "emission_guiding.*.")
+        })
         .collect();
     assert_eq!(found, documented());
 }
@@ -58,7 +61,7 @@ fn docs_describe_exactly_every_stats_field() {
 fn stats_report_given_settings() {
     let stats = stats("--seed 5 --threads 2 --passes 3 --photons 2k --caustic-photons 700 --spp 2 --radius .25");
     for (field, value) in [
-        ("schema", 1),
+        ("schema", 2),
         ("seed", 5),
         ("threads", 2),
         ("passes", 3),

@@ -32,7 +32,7 @@ fn plan_lists_work_of_each_effect() {
     assert!(off["on"] == false && off["rays"].is_null() && off["gathered_photons"].is_null());
     let table = run(&shop, line);
     table.expect(0, &[]);
-    assert!(table.stdout.contains(" rays, ") && table.stdout.contains("in all about "), "{}", table.stdout);
+    assert!(table.stdout.contains(" rays, ") && table.stdout.contains("total about "), "{}", table.stdout);
     assert!(table.stdout.lines().all(|l| l.chars().count() <= 110), "{}", table.stdout);
     // Counts, never seconds.
     assert_eq!(table.stdout, run(&shop, &format!("{line} --threads 1")).stdout);

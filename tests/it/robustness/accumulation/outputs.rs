@@ -89,8 +89,8 @@ fn program_reports_clipped_values() {
     let say = |more: &str| said(scene, folder.path(), &format!("{small} {more}"));
     let (code, text) = say("-o a.png --png-bits 16 -o half.exr --exr-bits 16");
     assert_eq!(code, Some(0), "{text}");
-    assert!(text.contains("note: 32 pixels of a.png: brighter than white, cut off there"), "{text}");
-    assert!(text.contains("warning: 32 pixels of half.exr: beyond 65504, cut off there; --exr-bits 32"), "{text}");
+    assert!(text.contains("note: 32 pixels of a.png: clipped to white"), "{text}");
+    assert!(text.contains("warning: 32 pixels of half.exr: clipped to 65504; --exr-bits 32"), "{text}");
     let half = image::read(&folder.path().join("half.exr")).unwrap();
     assert_eq!((half.pixels()[0], half.pixels()[63]), (Vec3::splat(65_504.0), Vec3::splat(0.5)));
     // The warning is of what users count on; notes are left out.

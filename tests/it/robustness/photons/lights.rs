@@ -194,19 +194,19 @@ fn said(lights_and_things: &str, more: &[&str]) -> String {
 fn black_scenes_terminate_with_report() {
     let ball = "Group { Sphere { center 0 0 0 radius 1 } }\n";
     let cases = [
-        (ball.to_owned(), "nothing shines"),
+        (ball.to_owned(), "the scene has no light"),
         (format!("Lights {{ PointLight {{ position 0 5 5 power 0 0 0 }} }} {ball}"), "no light has any power"),
         (
             format!(
                 "Lights {{ PointLight {{ position 0 5 5 power 9 9 9 }} }} Materials {{ Diffuse {{ reflectance 0 0 0 }} }} {ball}"
             ),
-            "no light comes from what the camera sees",
+            "no light reaches what the camera sees",
         ),
         (
             "Lights { PointLight { position 0 0 0 power 9 9 9 } } Materials { Diffuse soot { reflectance 0 0 0 } \
                  Dielectric glass { indexOfRefraction 1.5 } } Group { MaterialName soot Sphere { center 0 0 0 radius .5 } \
                  MaterialName glass Sphere { center 1 0 0 radius .3 } }".to_owned(),
-            "no light comes from what the camera sees",
+            "no light reaches what the camera sees",
         ),
     ];
     cases.par_iter().enumerate().for_each(|(i, (text, reason))| {
