@@ -181,7 +181,7 @@ fn put(arguments: &mut Vec<String>, flag: &str, value: &str) {
 }
 
 #[test]
-fn the_commands_of_the_pages_run() {
+fn documented_commands_run() {
     let mut tried = 0;
     for (name, page) in pages() {
         let folder = tempfile::tempdir().unwrap();
@@ -194,7 +194,7 @@ fn the_commands_of_the_pages_run() {
 }
 
 #[test]
-fn commands_are_read_as_a_shell_reads_them() {
+fn commands_parse_like_a_shell() {
     let block = "# a comment\n$ A_B=1 caustica render 'my scene.txt' \\\n  -o \"a b.png\"  # why\n\ncargo run --release -- render x\n";
     let read = commands(block);
     assert_eq!(read.len(), 2);
@@ -218,7 +218,7 @@ fn table(section: &str) -> Vec<Vec<String>> {
 }
 
 #[test]
-fn the_page_lists_every_flag_with_its_default() {
+fn docs_list_every_flag_with_default() {
     flags_are_listed("render", "Flags");
     flags_are_listed("diff", "Diff");
     flags_are_listed("mesh", "Mesh");
@@ -261,7 +261,7 @@ fn flags_are_listed(command: &str, section: &str) {
 }
 
 #[test]
-fn the_page_lists_every_exit_code() {
+fn docs_list_every_exit_code() {
     let codes: Vec<String> = table("Exit codes").iter().map(|row| row[0].replace('`', "")).collect();
     let known = [Exit::Success, Exit::Input, Exit::Usage, Exit::Output, Exit::Differ, Exit::Interrupted];
     assert_eq!(codes, known.map(|exit| (exit as u8).to_string()));
@@ -313,7 +313,7 @@ fn paths_in_backticks_exist() {
 }
 
 #[test]
-fn the_scenes_of_the_language_page_render() {
+fn scenes_of_language_page_render() {
     let page = std::fs::read_to_string(root().join("docs/scene-language.md")).unwrap();
     let scenes = blocks(&page, "caustica");
     assert!(scenes.len() >= 2);

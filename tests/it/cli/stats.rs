@@ -39,7 +39,7 @@ fn stats(more: &str) -> Value {
 }
 
 #[test]
-fn the_page_describes_every_field_and_no_other() {
+fn docs_describe_exactly_every_stats_field() {
     let mut found = BTreeSet::new();
     // Without numbers of its own, so that all fields have a value.
     let balanced = Workshop::new();
@@ -59,7 +59,7 @@ fn the_page_describes_every_field_and_no_other() {
 }
 
 #[test]
-fn what_was_asked_is_what_is_told() {
+fn stats_report_given_settings() {
     let stats = stats("--seed 5 --threads 2 --passes 3 --photons 2k --caustic-photons 700 --spp 2 --radius .25");
     for (field, value) in [
         ("schema", 2),
@@ -121,7 +121,7 @@ fn the_energy_audit_adds_up() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn linux_tells_memory_and_processor_time() {
+fn linux_reports_memory_and_cpu_time() {
     let stats = stats("--photons 20k --passes 2");
     // A small render takes more than a mebibyte and less than two gibibytes.
     assert!((1 << 20..1 << 31).contains(&stats["peak_memory_bytes"].as_u64().unwrap()));
