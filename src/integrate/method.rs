@@ -65,9 +65,9 @@ impl<I: Interior> Vertex<'_, I> {
     #[inline]
     pub fn transmittance(&self, scene: &Scene, wi: Vec3, distance: f32) -> Rgb {
         let walk = self.leaving(wi);
-        if I::IMMERSED {
+        if I::SPECTRAL {
             let ray = Ray { t_max: distance, ..walk.ray };
-            return scene.dimming(&ray, &walk.inside, self.shadow_draw.key());
+            return scene.interior_transmittance(&ray, &walk.inside, self.shadow_draw.key());
         }
         walk.inside.transmittance(scene, distance)
     }

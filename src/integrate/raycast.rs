@@ -1,12 +1,16 @@
 //! Ray casting with Phong's model, as the course has it: no shadows, no falloff, no ambient term.
 
 use super::{EyeSettings, Integrator, Monitor, Pass, Seconds, tiles};
+use crate::bsdf::conductor_reflectance;
 use crate::camera::Filter;
 use crate::color::Rgb;
 use crate::math::Ray;
 use crate::plan::{Effects, Plan};
 use crate::sampling::{Key, Purpose};
-use crate::scene::{LegacyLight, PhongAppearance, Scene, SurfaceInteraction};
+use crate::scene::{
+    Effect, Hit, LegacyLight, MaterialKind, MeanParameters, ParameterEvaluator, RayCone, Scene, SurfaceInteraction,
+    TextureLookups,
+};
 use crate::stats::Counters;
 use std::time::Instant;
 
@@ -61,15 +65,60 @@ impl<'a> RayCast<'a> {
                 return self.scene.background();
             };
             cone.travel(hit.t);
-            let surface = self.scene.surface(&ray, &hit, &cone, || 0.0);
-            if !surface.is_clear() {
+            let surface = self.scene.interaction(&ray, &hit, &cone, || 0.0);
+            if !surface.is_null_interface() {
                 break (hit, surface);
             }
             ray = surface.leave(ray.direction);
         };
-        let look = self.scene.look(&surface, &hit, &cone);
+        let look = appearance(self.scene, &surface, &hit, &cone);
         surface.emission + self.scene.legacy_lights().iter().map(|light| phong(&surface, &look, light)).sum::<Rgb>()
     }
+}
+
+/// Coefficients of the course's shading model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct PhongAppearance {
+    /// Diffuse coefficient kd.
+    diffuse: Rgb,
+    /// Specular coefficient ks.
+    specular: Rgb,
+    /// Exponent of the highlight.
+    shininess: f32,
+}
+
+impl PhongAppearance {
+    /// Coefficients without a highlight.
+    fn matte(diffuse: Rgb) -> Self {
+        Self { diffuse, specular: Rgb::ZERO, shininess: 0.0 }
+    }
+
+    /// The appearance of a material in the course's shading model, with parameters from `parameters`.
+    fn of(material: &MaterialKind, parameters: &impl ParameterEvaluator) -> Self {
+        match material {
+            MaterialKind::Diffuse { reflectance } | MaterialKind::Mirror { reflectance } => {
+                Self::matte(parameters.color(reflectance))
+            }
+            MaterialKind::Thin { transmittance, .. } => Self::matte(parameters.color(transmittance)),
+            MaterialKind::Phong { diffuse, specular, shininess } => {
+                Self { diffuse: parameters.color(diffuse), specular: parameters.color(specular), shininess: *shininess }
+            }
+            MaterialKind::Conductor { eta, k, .. } => Self::matte(conductor_reflectance(1.0, *eta, *k)),
+            MaterialKind::Dielectric { body, .. } => Self::matte((-body.absorption).map(libm::expf)),
+            // An interaction has resolved each mix to a leaf.
+            MaterialKind::Black | MaterialKind::Mix { .. } => Self::matte(Rgb::ZERO),
+        }
+    }
+}
+
+/// The appearance of the surface at `hit`.
+fn appearance(scene: &Scene, surface: &SurfaceInteraction<'_>, hit: &Hit, cone: &RayCone) -> PhongAppearance {
+    let material = surface.material;
+    if !(material.is_textured() && cone.effects.has(Effect::Textures)) {
+        return PhongAppearance::of(material.kind(), &MeanParameters);
+    }
+    let at = scene.texture_context(hit, &surface.point, surface.wo, cone);
+    PhongAppearance::of(material.kind(), &TextureLookups { textures: scene.textures(), at })
 }
 
 /// c·(kd·max(0, N·L) + ks·max(0, V·R)ˢ) with R = 2(N·L)N − L. The highlight is not gated by N·L, normals are not turned, and

@@ -42,7 +42,7 @@ pub fn coverage(scene: &Scene, p: Vec3, normal: Vec3, radius: f32, kernel: Kerne
     if whole > 0.0 { (covered / whole).max(LEAST) } else { 1.0 }
 }
 
-/// The same of the disc and of the finer ones within it (see [`Nested`](super::Nested)). Each is probed by as many rays, as the mean of
+/// The same of the disc and of the finer ones within it (see [`NestedEstimate`](super::NestedEstimate)). Each is probed by as many rays, as the mean of
 /// one over what few of them tell is too large.
 #[must_use]
 pub fn nested_coverage(scene: &Scene, p: Vec3, normal: Vec3, radius: f32, kernel: Kernel, key: Key) -> [f32; LEVELS] {
@@ -86,7 +86,7 @@ mod tests {
 
     /// Mean over keys, and its standard error, at `p` of the description.
     fn mean(scene: &Scene, p: DVec3, normal: Vec3, radius: f32, kernel: Kernel) -> (f64, f64) {
-        let (n, p) = (2000u64, (p - scene.middle()).as_vec3());
+        let (n, p) = (2000u64, (p - scene.origin()).as_vec3());
         let one = |i| f64::from(coverage(scene, p, normal, radius, kernel, Key::new(3).purpose(Purpose::Test).with(i)));
         let values: Vec<f64> = (0..n).map(one).collect();
         let mean = values.iter().sum::<f64>() / n as f64;

@@ -4,7 +4,7 @@ use crate::bsdf::Bsdf;
 use crate::color::Rgb;
 use crate::light::Light;
 use crate::math::Sphere;
-use crate::scene::{Object, Scattering, Scene};
+use crate::scene::{ObjectSummary, Scene};
 use glam::Vec3;
 
 /// What decisions rest on. Where something is not certain, the fact is what keeps an effect on.
@@ -56,7 +56,7 @@ impl SceneFeatures {
     /// Reads a scene.
     #[must_use]
     pub fn of(scene: &Scene) -> Self {
-        let objects: Vec<Object> = scene.objects().collect();
+        let objects: Vec<ObjectSummary> = scene.objects().collect();
         let mut facts = Self {
             objects: objects.len(),
             receivers: 0,
@@ -68,7 +68,7 @@ impl SceneFeatures {
             media: 0,
             scattering_media: 0,
             glowing_media: 0,
-            filled: scene.filling().is_some(),
+            filled: scene.ambient_medium().is_some(),
             background: scene.background() != Rgb::ZERO,
             textured: 0,
             bumpy: 0,
@@ -88,33 +88,29 @@ impl SceneFeatures {
         facts.scattering_media = media.iter().filter(|medium| medium.scatters()).count();
         facts.glowing_media = media.iter().filter(|medium| medium.emits()).count();
         // What moves is elsewhere at another time.
-        if let [Object { plane: Some((p, n)), .. }] = objects[..]
+        if let [ObjectSummary { plane: Some((p, n)), .. }] = objects[..]
             && !facts.moving
             && facts.media == 0
         {
-            facts.one_flat_object = lights.iter().all(|light| light.is_clear_of(p, n));
+            facts.one_flat_object = lights.iter().all(|light| light.avoids_plane(p, n));
         }
-        facts.soft_lights = lights.iter().filter(|l| l.has_surface()).count();
+        facts.soft_lights = lights.iter().filter(|l| !l.is_delta()).count();
         for object in &objects {
             let (mut receives, mut scatters, mut casts, mut bounds, mut parts) = (false, false, false, false, false);
-            scene.scatterings(object.material, &mut |scattering| {
-                casts |= scattering.casts_caustics();
-                match scattering {
-                    Scattering::Fixed(bsdf) if bsdf.stores_photons() => {
-                        receives = true;
-                        scatters |= *bsdf != Bsdf::Diffuse(Rgb::ZERO);
-                    }
-                    Scattering::Boundary(body) => {
-                        bounds = true;
-                        parts |= body.glass.is_some();
-                    }
-                    Scattering::Fixed(_) | Scattering::Mix { .. } => {}
+            scene.for_each_leaf(object.material, &mut |leaf| {
+                casts |= leaf.casts_caustics();
+                if let Some(body) = leaf.boundary {
+                    bounds = true;
+                    parts |= body.glass.is_some();
+                } else if leaf.bsdf.stores_photons() {
+                    receives = true;
+                    scatters |= leaf.bsdf != Bsdf::Diffuse(Rgb::ZERO);
                 }
             });
             let ball = object.ball.filter(|_| !facts.moving);
             let reached = || lights.iter().any(|light| light.may_reach(ball, scene.domain()));
-            let (textured, bumpy) = scene.wears(object.material);
-            facts.textured += usize::from(textured || object.glows);
+            let (textured, bumpy) = scene.uses_textures(object.material);
+            facts.textured += usize::from(textured || object.has_emission_texture);
             facts.bumpy += usize::from(bumpy);
             facts.receivers += usize::from(receives);
             facts.scattering_receivers += usize::from(scatters);

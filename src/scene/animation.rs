@@ -7,7 +7,7 @@ use super::build::{derive, mean_lights};
 use super::delta_light::{legacy_area_light, resolve_light};
 use super::{LightStrength, Scene, SourceKind};
 use crate::camera::Camera;
-use crate::light::{EmissionTexture, Emitter, Light};
+use crate::light::{EmissionTexture, Light, LightSurface};
 use crate::math::{Motion, Transform};
 use crate::shape::{Form, Plane, Shape, TextureMapping};
 use glam::DVec3;
@@ -74,12 +74,7 @@ pub(super) fn constant_strength(kind: &SourceKind, strength: LightStrength, moti
     let (LightStrength::Course(_), Some(placed)) = (strength, source_at(kind, motion, MID_SHUTTER)) else {
         return strength;
     };
-    match resolve_light(&placed, strength, DVec3::ZERO).0 {
-        Light::Point { intensity, .. } => LightStrength::Physical(intensity),
-        Light::Spot(spot) => LightStrength::Physical(spot.peak),
-        Light::Directional { irradiance, .. } => LightStrength::Physical(irradiance),
-        Light::Area(_) | Light::Environment(_) => strength,
-    }
+    resolve_light(&placed, strength, DVec3::ZERO).0.peak().map_or(strength, LightStrength::Physical)
 }
 
 /// `scene` at `time`: see [`Scene::at`]. What a singular motion flattens stays at its mid-shutter position.
@@ -124,10 +119,12 @@ fn replace_shape(scene: &mut Scene, i: usize, shape: Shape) {
     if let Some(light) = object.light {
         let light = light as usize;
         if let Light::Area(area) = &mut scene.lights[light] {
-            area.emitter = Emitter::Shape(shape.clone());
-            let chart = scene.mappings[object.mapping as usize];
-            area.glow =
-                area.glow.as_ref().map(|glow| Arc::new(EmissionTexture { chart, ..EmissionTexture::clone(glow) }));
+            area.surface = LightSurface::Shape(shape.clone());
+            let mapping = scene.mappings[object.mapping as usize];
+            let remapped = |texture: &Arc<EmissionTexture>| {
+                Arc::new(EmissionTexture { mapping, ..EmissionTexture::clone(texture) })
+            };
+            area.texture = area.texture.as_ref().map(remapped);
         }
         scene.legacy_lights[light] = legacy_area_light(&scene.lights[light]);
     }

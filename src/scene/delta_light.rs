@@ -1,7 +1,7 @@
 //! Delta lights of a scene description, and the lights of the course's shading model.
 
 use crate::color::Rgb;
-use crate::light::{Light, Spot};
+use crate::light::{DirectionalLight, Light, PointLight, SpotLight};
 use crate::math::{Sphere, Transform};
 use glam::{DVec3, Vec3};
 use std::f32::consts::PI;
@@ -100,18 +100,18 @@ pub(super) fn resolve_light(kind: &SourceKind, strength: LightStrength, origin: 
         SourceKind::Point { position } => {
             let (intensity, color) = to_intensity(position, 1.0 / (4.0 * PI));
             let center = (*position - origin).as_vec3();
-            (Light::Point { position: center, intensity }, LegacyLight::Point(center, color))
+            (Light::Point(PointLight { position: center, intensity }), LegacyLight::Point(center, color))
         }
         SourceKind::Spot { position, axis, inner, outer } => {
             let center = (*position - origin).as_vec3();
-            let mut spot = Spot {
+            let mut spot = SpotLight {
                 position: center,
                 axis: axis.normalize().as_vec3(),
                 inner: one_minus_cos(*inner) as f32,
                 outer: one_minus_cos(*outer) as f32,
                 peak: Rgb::ONE,
             };
-            let (peak, color) = to_intensity(position, 1.0 / spot.power().x);
+            let (peak, color) = to_intensity(position, 1.0 / spot.flux().x);
             spot.peak = peak;
             (Light::Spot(spot), LegacyLight::Point(center, color))
         }
@@ -121,7 +121,7 @@ pub(super) fn resolve_light(kind: &SourceKind, strength: LightStrength, origin: 
                 LightStrength::Physical(e) | LightStrength::Power(e) => (e, e / PI),
             };
             let direction = direction.normalize().as_vec3();
-            (Light::Directional { direction, irradiance }, LegacyLight::Directional(direction, color))
+            (Light::Directional(DirectionalLight { direction, irradiance }), LegacyLight::Directional(direction, color))
         }
     }
 }

@@ -72,8 +72,7 @@ impl Geometry {
     ) -> Self {
         let corners: Vec<_> = (0..mesh.triangles.len()).map(|i| mesh.corners(i)).collect();
         let boxes: Vec<Bounds> = shapes[..first_moving as usize].iter().map(Shape::bounds).collect();
-        let static_bounds =
-            boxes.iter().copied().fold(Bounds::of(corners.iter().flatten().copied()), Bounds::union);
+        let static_bounds = boxes.iter().copied().fold(Bounds::of(corners.iter().flatten().copied()), Bounds::union);
         let hierarchy = Arc::new(Hierarchy::build(&corners, &boxes));
         let mut triangle_object = Vec::with_capacity(corners.len());
         for (range, object) in mesh_ranges.iter().zip(shapes.len() as u32..) {

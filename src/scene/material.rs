@@ -213,9 +213,7 @@ impl Material {
     #[must_use]
     pub fn with_body(self, body: Body) -> Self {
         match self.kind {
-            MaterialKind::Dielectric { roughness, .. } => {
-                Self::rough_body(body, roughness).with_normals(self.normals)
-            }
+            MaterialKind::Dielectric { roughness, .. } => Self::rough_body(body, roughness).with_normals(self.normals),
             MaterialKind::Black
             | MaterialKind::Diffuse { .. }
             | MaterialKind::Phong { .. }

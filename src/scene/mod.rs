@@ -27,9 +27,8 @@ pub use path_ray::{MediumSegment, PathEvent, PathRay, SurfaceVertex};
 pub use queries::{LeafMaterial, ObjectSummary};
 pub use ray_cone::RayCone;
 pub use surface_interaction::SurfaceInteraction;
-pub use textured::{MeanParameters, NormalPerturbation, ParameterEvaluator, Textured, TextureLookups};
+pub use textured::{MeanParameters, NormalPerturbation, ParameterEvaluator, TextureLookups, Textured};
 
-use crate::bsdf::Bsdf;
 use crate::camera::Camera;
 use crate::color::{Glass, Rgb};
 use crate::light::Light;
@@ -222,7 +221,7 @@ impl Scene {
         let object = self.geometry.object(hit.kind);
         let wo = -ray.direction;
         let emission = match object.light.map(|l| &self.lights[l as usize]) {
-            Some(Light::Area(area)) if wo.dot(point.ng) > 0.0 => match &area.glow {
+            Some(Light::Area(area)) if wo.dot(point.ng) > 0.0 => match &area.texture {
                 Some(texture) if cone.effects.has(Effect::Textures) => {
                     texture.radiance(&self.texture_context(hit, &point, wo, &cone.for_lights()))
                 }
@@ -233,9 +232,8 @@ impl Scene {
         let mut material_index = object.material;
         let mut material = &self.materials[material_index as usize];
         if let MaterialKind::Mix { .. } = material.kind() {
-            material_index = self.resolve_mix(material_index, u_mix(), cone.effects, &|| {
-                self.texture_context(hit, &point, wo, cone)
-            });
+            material_index = self
+                .resolve_mix(material_index, u_mix(), cone.effects, &|| self.texture_context(hit, &point, wo, cone));
             material = &self.materials[material_index as usize];
         }
         let near_boundary = self.coincident.may_coincide(hit.kind);
@@ -289,8 +287,7 @@ impl Scene {
         }
         if cone.effects.has(Effect::Bump) {
             let width = f64::from(cone.width());
-            surface.point.ns =
-                perturbed_normal(material.normals(), &self.textures, &surface.point, &footprint, width);
+            surface.point.ns = perturbed_normal(material.normals(), &self.textures, &surface.point, &footprint, width);
         }
     }
 

@@ -166,7 +166,7 @@ pub(super) fn shadow_transmittance<I: Interior>(scene: &Scene, ray: &Ray, mut in
         let distance = hit.map_or(ray.t_max * length, |hit| hit.t);
         depth += inside.optical_depth(scene, finite_or_zero(distance)).as_dvec3();
         if let Some((index, part, _)) = medium_segment(scene, &unit, distance, &inside) {
-            left *= scene.media[index as usize].dimming(&part, part.t_max, &mut rng);
+            left *= scene.media[index as usize].transmittance_f64(&part, part.t_max, &mut rng);
         }
         let transmittance = exp_neg(depth.as_vec3()) * left.as_vec3();
         let Some(mut surface) = surface else { return transmittance };
@@ -185,9 +185,7 @@ pub(super) fn shadow_transmittance<I: Interior>(scene: &Scene, ray: &Ray, mut in
 pub(super) fn interior_transmittance<I: Interior>(scene: &Scene, ray: &Ray, inside: &I, key: Key) -> Rgb {
     let bodies = inside.transmittance(scene, finite_or_zero(ray.t_max));
     match medium_segment(scene, ray, ray.t_max, inside) {
-        Some((index, part, _)) => {
-            bodies * scene.media[index as usize].transmittance(&part, part.t_max, &mut key.rng())
-        }
+        Some((index, part, _)) => bodies * scene.media[index as usize].transmittance(&part, part.t_max, &mut key.rng()),
         None => bodies,
     }
 }

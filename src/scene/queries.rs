@@ -2,8 +2,8 @@
 
 use super::animation::scene_at;
 use super::geometry::ObjectAttributes;
-use super::{Body, Effects, Interior, Material, MaterialKind, NormalPerturbation, PathRay, RayCone, Scene, Textured};
 use super::path_ray;
+use super::{Body, Effects, Interior, Material, MaterialKind, NormalPerturbation, PathRay, RayCone, Scene, Textured};
 use crate::bsdf::{Bsdf, Conductor};
 use crate::color::Rgb;
 use crate::light::Light;
@@ -97,7 +97,7 @@ impl Scene {
 
     fn has_emission_texture(&self, attributes: &ObjectAttributes) -> bool {
         let light = attributes.light.map(|light| &self.lights[light as usize]);
-        matches!(light, Some(Light::Area(area)) if area.glow.is_some())
+        matches!(light, Some(Light::Area(area)) if area.texture.is_some())
     }
 
     /// The bodies that materials bound.

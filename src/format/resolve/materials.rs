@@ -42,11 +42,7 @@ impl Resolver<'_> {
     }
 
     /// A material without medium and with unperturbed normals. Adds the textures that it uses to `needs`.
-    pub(super) fn material(
-        &mut self,
-        kind: &MaterialKind,
-        needs: &mut TextureNeeds,
-    ) -> Result<Material, SceneError> {
+    pub(super) fn material(&mut self, kind: &MaterialKind, needs: &mut TextureNeeds) -> Result<Material, SceneError> {
         Ok(match kind {
             MaterialKind::Phong { diffuse, specular, shininess, texture } => {
                 let diffuse = self.phong_diffuse(diffuse, texture.as_ref(), needs)?;

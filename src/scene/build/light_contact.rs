@@ -18,11 +18,7 @@ const ROUNDINGS: f64 = 24.0;
 /// It covers the rounding of the light's position, and the position errors of the surfaces that it touches. Those of a
 /// huge triangle are large all over it. Surfaces elsewhere do not matter.
 pub(super) fn light_contact(scene: &Scene, domain: Sphere, light: &Light) -> f32 {
-    let position = match light {
-        Light::Point { position, .. } => *position,
-        Light::Spot(spot) => spot.position,
-        Light::Directional { .. } | Light::Area(_) | Light::Environment(_) => return 0.0,
-    };
+    let Some(position) = light.position() else { return 0.0 };
     let own = position.length() * gamma(1) + (scene.origin.length() * ROUNDINGS * 0.5 * f64::EPSILON) as f32;
     // No error exceeds that of a triangle across the domain, √3·18 roundings. An axis hits a surface as near within √3
     // of that.

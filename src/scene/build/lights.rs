@@ -3,7 +3,7 @@
 use super::object::{Geometry, Object};
 use super::place::{Mappings, PlacedGeometry};
 use crate::color::Rgb;
-use crate::light::{Area, EmissionTexture, Emitter, Environment, Light};
+use crate::light::{AreaLight, EmissionTexture, EnvironmentLight, Light, LightSurface};
 use crate::math::Motion;
 use crate::sampling::Discrete;
 use crate::scene::animation::{MID_SHUTTER, constant_strength, source_at};
@@ -39,7 +39,7 @@ pub(super) fn collect_lights(
     geometry: &PlacedGeometry,
     mappings: &Mappings,
     textures: &[Arc<Texture>],
-    environment: Option<Environment>,
+    environment: Option<EnvironmentLight>,
     origin: DVec3,
 ) -> Result<Lights, BuildError> {
     let mut found = Lights { lights: Vec::new(), legacy_lights: Vec::new(), moving: Vec::new(), of_object: Vec::new() };
@@ -56,21 +56,21 @@ pub(super) fn collect_lights(
     }
     let mut shapes = geometry.shapes.iter();
     for (object, mapping) in objects.iter().zip(&mappings.of_object) {
-        let emitter = match &object.geometry {
-            Geometry::Shape(_) => shapes.next().cloned().map(Emitter::Shape),
+        let surface = match &object.geometry {
+            Geometry::Shape(_) => shapes.next().cloned().map(LightSurface::Shape),
             Geometry::Mesh(range) if object.emission != Rgb::ZERO => {
                 let areas = range.clone().map(|i| geometry.mesh.area(i as usize));
                 let mesh = geometry.mesh.clone();
-                Discrete::new(areas).map(|choice| Emitter::Triangles { mesh, first: range.start, choice })
+                Discrete::new(areas).map(|choice| LightSurface::Triangles { mesh, first: range.start, choice })
             }
             Geometry::Mesh(_) | Geometry::Plane(_) => None,
         };
-        let light = emitter.filter(|_| object.emission != Rgb::ZERO).map(|emitter| {
-            let chart = mappings.list[*mapping as usize];
-            let glow = object.emission_texture.map(|(texture, scale)| {
-                Arc::new(EmissionTexture { texture: textures[texture as usize].clone(), chart, scale })
+        let light = surface.filter(|_| object.emission != Rgb::ZERO).map(|surface| {
+            let mapping = mappings.list[*mapping as usize];
+            let texture = object.emission_texture.map(|(texture, scale)| {
+                Arc::new(EmissionTexture { texture: textures[texture as usize].clone(), mapping, scale })
             });
-            let light = Light::Area(Area { emitter, radiance: object.emission, glow });
+            let light = Light::Area(AreaLight { surface, radiance: object.emission, texture });
             let legacy = legacy_area_light(&light);
             found.add((light, legacy))
         });
@@ -92,13 +92,9 @@ impl Lights {
 
 /// The lights with their mean radiance in place of emission textures; empty if there are none.
 pub(in crate::scene) fn mean_lights(lights: &[Light]) -> Vec<Light> {
-    let textured = |light: &Light| matches!(light, Light::Area(area) if area.glow.is_some());
+    let textured = |light: &Light| matches!(light, Light::Area(area) if area.texture.is_some());
     if !lights.iter().any(textured) {
         return Vec::new();
     }
-    let mean = |light: &Light| match light {
-        Light::Area(area) => Light::Area(Area { glow: None, ..area.clone() }),
-        other => other.clone(),
-    };
-    lights.iter().map(mean).collect()
+    lights.iter().map(Light::with_mean_emission).collect()
 }

@@ -16,7 +16,7 @@ use super::interiors::{CoincidentFlags, find_flags};
 use super::{BuildError, LightStrength, Material, Scene, SourceKind};
 use crate::camera::Camera;
 use crate::color::{Glass, Rgb};
-use crate::light::Environment;
+use crate::light::EnvironmentLight;
 use crate::math::Motion;
 use crate::medium::Medium;
 use crate::shape::{Form, Plane, Shape, Triangle};
@@ -34,7 +34,7 @@ use validate::{validate_extent, validate_objects, validate_power};
 #[derive(Debug, Default)]
 pub struct SceneBuilder {
     background: Rgb,
-    environment: Option<Environment>,
+    environment: Option<EnvironmentLight>,
     materials: Vec<Material>,
     glasses: Vec<Glass>,
     media: Vec<Medium>,
@@ -61,7 +61,7 @@ impl SceneBuilder {
     }
 
     /// Sets the environment light. It replaces an earlier one, and hides the background.
-    pub fn environment(&mut self, environment: Environment) -> &mut Self {
+    pub fn environment(&mut self, environment: EnvironmentLight) -> &mut Self {
         self.environment = Some(environment);
         self
     }
@@ -192,15 +192,8 @@ impl SceneBuilder {
         let origin = choose_origin(&objects, &mesh, &camera)?;
         let Placed { objects, geometry, mappings, mut animation } = place_objects(objects, mesh, origin)?;
         validate_extent(&geometry, &animation)?;
-        let Lights { lights, legacy_lights, moving, of_object } = collect_lights(
-            &self.sources,
-            &objects,
-            &geometry,
-            &mappings,
-            &self.textures,
-            self.environment,
-            origin,
-        )?;
+        let Lights { lights, legacy_lights, moving, of_object } =
+            collect_lights(&self.sources, &objects, &geometry, &mappings, &self.textures, self.environment, origin)?;
         animation.lights = moving;
         let camera = place_camera(&camera, self.camera_motion, origin, &mut animation)?;
         let geometry = geometry.index(&objects, &mappings, &of_object);

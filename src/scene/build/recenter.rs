@@ -62,8 +62,7 @@ fn origin(boxes: &[Extent], view: Option<View>) -> Option<DVec3> {
     // The camera may be outside of the box, but the origin must not.
     let view = view.map(|(center, size)| Target { center: center.clamp(min, max), size });
     let targets: Vec<Target> = boxes.iter().map(target).chain(view).filter(|t| t.size > 0.0).collect();
-    let distance =
-        |m: DVec3| targets.iter().map(|t| (t.center - m).abs().max_element() / t.size).fold(0.0, f64::max);
+    let distance = |m: DVec3| targets.iter().map(|t| (t.center - m).abs().max_element() / t.size).fold(0.0, f64::max);
     let most = distance(center);
     if most.is_nan() || most <= MAX_SIZES {
         return Some(center);
@@ -89,9 +88,8 @@ fn view(camera: &Camera, shapes: &[&Shape]) -> Option<View> {
 /// bound of that distance.
 fn minimax(targets: &[Target], axis: usize, most: f64) -> f64 {
     let within = |t: f64| {
-        let ends = targets.iter().map(|target| {
-            (target.center[axis] - t * target.size, target.center[axis] + t * target.size)
-        });
+        let ends =
+            targets.iter().map(|target| (target.center[axis] - t * target.size, target.center[axis] + t * target.size));
         ends.fold((f64::NEG_INFINITY, f64::INFINITY), |(low, high), (a, b)| (low.max(a), high.min(b)))
     };
     let (mut too_near, mut enough) = (0.0, most);

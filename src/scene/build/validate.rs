@@ -26,9 +26,8 @@ pub(super) fn validate_objects(objects: &[Object], mesh: &MeshData) -> Result<()
 
 /// Checks that all coordinates fit single precision, at mid-shutter and at both ends of the shutter interval.
 pub(super) fn validate_extent(geometry: &PlacedGeometry, animation: &Animation) -> Result<(), BuildError> {
-    let at = |time| {
-        animation.shapes.iter().filter_map(move |(shape, motion)| Some(shape_at(shape, motion, time)?.bounds()))
-    };
+    let at =
+        |time| animation.shapes.iter().filter_map(move |(shape, motion)| Some(shape_at(shape, motion, time)?.bounds()));
     let boxes = geometry.shapes.iter().map(Shape::bounds).chain(at(0.0)).chain(at(1.0));
     let corners = (0..geometry.mesh.triangles.len()).flat_map(|i| geometry.mesh.corners(i));
     let farthest = corners

@@ -19,9 +19,8 @@ pub(in crate::scene) fn interior_at(scene: &Scene, p: Vec3) -> InteriorStack {
             let count = |material| entered.iter().filter(|m| **m == material).count();
             // As in `InteriorStack::beyond`, but a body left without being entered was around from the start.
             let spare = usize::from(!own.entering && count(own.material) > 0);
-            let pending_entry = |face: &CoincidentFace| {
-                count(face.material) <= if face.material == own.material { spare } else { 0 }
-            };
+            let pending_entry =
+                |face: &CoincidentFace| count(face.material) <= if face.material == own.material { spare } else { 0 };
             let mut entries: Vec<u32> =
                 coincident.iter().filter(|f| f.entering && pending_entry(f)).map(|f| f.material).collect();
             entries.extend(own.entering.then_some(own.material));

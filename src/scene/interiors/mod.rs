@@ -10,8 +10,8 @@ pub use body::Body;
 pub(super) use coincident::{CoincidentFace, CoincidentFaces, CoincidentFlags, faces_at, find_flags};
 pub(super) use locate::interior_at;
 pub use spectral::SpectralInterior;
-pub use stack::InteriorStack;
 pub(super) use stack::Interface;
+pub use stack::InteriorStack;
 
 use super::{Effects, Scene, SurfaceInteraction};
 use crate::bsdf::Bsdf;
@@ -90,12 +90,7 @@ pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
     fn infer_start(&mut self, surface: &SurfaceInteraction<'_>);
 
     /// The event at `surface`. Sets its BSDF by the refractive indices on both sides. `key` is that of the vertex.
-    fn resolve_boundary(
-        &mut self,
-        scene: &Scene,
-        surface: &mut SurfaceInteraction<'_>,
-        key: Key,
-    ) -> BoundaryEvent;
+    fn resolve_boundary(&mut self, scene: &Scene, surface: &mut SurfaceInteraction<'_>, key: Key) -> BoundaryEvent;
 
     /// Crosses the boundary that `surface` may be, in unit `direction`.
     fn cross(&mut self, surface: &SurfaceInteraction<'_>, direction: Vec3);

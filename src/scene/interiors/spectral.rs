@@ -73,7 +73,8 @@ impl Interior for SpectralInterior {
 
     #[inline]
     fn resolve_boundary(&mut self, scene: &Scene, surface: &mut SurfaceInteraction<'_>, key: Key) -> BoundaryEvent {
-        let (Some(body), true) = (surface.material.boundary(), self.effects.has(Effect::Dispersion) && !scene.glasses.is_empty())
+        let (Some(body), true) =
+            (surface.material.boundary(), self.effects.has(Effect::Dispersion) && !scene.glasses.is_empty())
         else {
             return self.stack.resolve_boundary(scene, surface, key);
         };

@@ -8,9 +8,9 @@ mod textures;
 use super::super::parse;
 use super::*;
 use crate::bsdf::Bsdf;
-use crate::light::Light;
+use crate::light::{DirectionalLight, Light, PointLight};
 use crate::math::Ray;
-use crate::scene::{Effects, RayCone, Scattering, SurfaceInteraction};
+use crate::scene::{Effects, Material, RayCone, SurfaceInteraction};
 use glam::{Vec3, dvec3, vec3};
 use std::f32::consts::PI;
 
@@ -259,7 +259,7 @@ fn area_lights_have_their_radiance_or_their_power() {
     assert_eq!(emission(30.5), vec3(1.0, 2.0, 3.0));
     // Rectangle and disc are dark from behind, and all of them are black.
     assert_eq!(look(&scene, dvec3(1.0, 0.5, -9.0), Vec3::Z).unwrap().0.emission, Vec3::ZERO);
-    assert!(scene.materials().iter().skip(1).all(|m| m.scattering == Scattering::Fixed(Bsdf::Black)));
+    assert!(scene.materials().iter().skip(1).all(|m| *m == Material::black()));
     let power = |i: usize| scene.lights()[i].power(scene.domain());
     assert!(close(power(0), vec3(6.0, 0.0, 0.0)) && close(power(1), vec3(0.0, 4.0, 0.0)));
     assert!(close(power(2), vec3(0.0, 0.0, 9.0)) && close(power(3), vec3(1.0, 2.0, 3.0) * PI));
@@ -282,11 +282,11 @@ fn point_lights_have_the_intensity_that_was_meant() {
         .lights()
         .iter()
         .map(|light| match light {
-            Light::Point { position, intensity } => {
+            Light::Point(PointLight { position, intensity }) => {
                 assert!(close(*position, vec3(3.0, 0.0, 0.0)));
                 *intensity
             }
-            Light::Directional { direction, irradiance } => {
+            Light::Directional(DirectionalLight { direction, irradiance }) => {
                 assert_eq!(*direction, Vec3::NEG_Y);
                 *irradiance
             }

@@ -38,8 +38,9 @@ fn shared_faces_are_crossed_together() {
 #[test]
 fn objects_of_one_material_count_separately() {
     let part = |object: u32, entering: bool| CoincidentFace { material: 0, entering, object };
-    let beyond =
-        |around: &[u32], own: CoincidentFace, other: CoincidentFace| inside(around).beyond(own, &coincident(&[other])).bodies().len();
+    let beyond = |around: &[u32], own: CoincidentFace, other: CoincidentFace| {
+        inside(around).beyond(own, &coincident(&[other])).bodies().len()
+    };
     assert_eq!(beyond(&[], part(0, true), part(1, true)), 2);
     assert_eq!(beyond(&[0, 0], part(1, false), part(0, false)), 0);
     assert_eq!(beyond(&[0], part(0, false), part(1, true)), 1);
@@ -53,10 +54,7 @@ fn a_boundary_just_crossed_is_not_crossed_again() {
     assert_eq!(InteriorStack::EMPTY.beyond(face(1, true), &coincident(&[face(0, false)])).bodies(), &[1]);
     // A film thinner than its error is no film.
     assert_eq!(InteriorStack::EMPTY.beyond(face(1, true), &coincident(&[face(1, false)])).bodies(), &[0u32; 0]);
-    assert_eq!(
-        inside(&[0]).beyond(face(0, false), &coincident(&[face(1, true), face(1, false)])).bodies(),
-        &[0u32; 0]
-    );
+    assert_eq!(inside(&[0]).beyond(face(0, false), &coincident(&[face(1, true), face(1, false)])).bodies(), &[0u32; 0]);
 }
 
 #[test]

@@ -83,4 +83,3 @@ fn a_full_stack_drops_the_outermost_body() {
     deep.leave(7);
     assert_eq!(deep.bodies(), &[0; MAX_BODIES - 1]);
 }
-

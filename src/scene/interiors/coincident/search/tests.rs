@@ -81,7 +81,7 @@ fn unbounded_boundaries_may_coincide_anywhere() {
             builder.plane(Plane::new(DVec3::ZERO, DVec3::Y), glass, Rgb::ZERO);
         }
         let camera = Camera::perspective(DVec3::splat(9.0), DVec3::NEG_ONE, DVec3::Y, 1.0, 4, 4).unwrap();
-        builder.build(camera).unwrap().neighbours.may(HitKind::Shape(0, Vec2::ZERO))
+        builder.build(camera).unwrap().coincident.may_coincide(HitKind::Shape(0, Vec2::ZERO))
     };
     assert_eq!([scene(0, 2), scene(1, 1), scene(1, 0)], [false, true, false]);
 }
