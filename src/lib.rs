@@ -9,7 +9,7 @@
 //! | read a scene file | [`SceneFile`] |
 //! | build a scene in code | [`SceneBuilder`], [`Material`], [`Shape`], [`Camera`] |
 //! | choose an algorithm | [`Algorithm`], [`Settings`] |
-//! | render with progress | [`render()`], [`Stop`], [`Monitor`] |
+//! | render with progress | [`render()`], [`StopCriteria`], [`Monitor`] |
 //! | read the estimated error | [`Rendered`], [`ErrorEstimator`], [`ErrorEstimate`] |
 //! | write a picture | [`Image`], [`write_image`], [`WriteOptions`] |
 //!
@@ -185,7 +185,7 @@ pub use integrate::Settings;
 
 /// # Example: render two passes and read the estimated error
 /// ```
-/// use caustica::{Algorithm, Camera, Image, Material, SceneBuilder, Settings, Shape, Stop};
+/// use caustica::{Algorithm, Camera, Image, Material, SceneBuilder, Settings, Shape, StopCriteria};
 /// use caustica::integrate::Silent;
 /// use glam::{DVec3, Vec3};
 /// use std::sync::atomic::AtomicBool;
@@ -198,7 +198,8 @@ pub use integrate::Settings;
 ///
 /// let interrupted = AtomicBool::new(false);
 /// let interrupted = &interrupted;
-/// let stop = Stop { at_least: 1, passes: Some(2), time: None, target: None, interrupted };
+/// let stop =
+///     StopCriteria { min_passes: 1, passes: Some(2), time: None, target: None, interrupted };
 /// let integrator = Algorithm::Path.prepare(&scene, Settings::default());
 /// let rendered = caustica::render(integrator.as_ref(), (16, 12), &stop, &Silent, |standing| {
 ///     println!("{} passes", standing.passes);
@@ -207,8 +208,8 @@ pub use integrate::Settings;
 /// assert_eq!(rendered.film.passes(), 2);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub use render::{Rendered, Stop, render};
+pub use render::{Rendered, StopCriteria, render};
 
-pub use render::gauge::{ErrorEstimate, ErrorEstimator};
+pub use render::error_estimate::{ErrorEstimate, ErrorEstimator};
 pub use scene::{Material, Scene, SceneBuilder};
 pub use shape::Shape;

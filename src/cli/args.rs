@@ -10,7 +10,7 @@ use crate::image::{BitDepth, Curve, FloatDepth};
 use crate::integrate::{Algorithm, FinalGathering, VolumeEstimate};
 use crate::photon::Kernel;
 use crate::plan::EffectOverrides;
-use crate::render::gauge::Confidence;
+use crate::render::error_estimate::Confidence;
 use crate::stats::Memory;
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
@@ -180,8 +180,7 @@ pub struct RenderArguments {
     pub effects: EffectsArguments,
 
     /// Number of passes, whose mean is the picture  [default: depends on the integrator; no limit
-    /// with
-    /// --time or --target-error]
+    /// with --time or --target-error]
     #[arg(long, value_parser = positive_count, value_name = "N")]
     pub passes: Option<u32>,
 

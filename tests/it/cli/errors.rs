@@ -20,7 +20,7 @@ fn number(value: &Value, field: &str) -> f64 {
 }
 
 #[test]
-fn a_render_ends_when_its_error_is_low_enough() {
+fn render_ends_at_target_error() {
     for integrator in ["path", "hybrid", "sppm", "pm"] {
         let shop = Workshop::new();
         let ended = render(&shop, &format!("--integrator {integrator} --target-error 30% --confidence 80%"));
@@ -43,7 +43,7 @@ fn a_render_ends_when_its_error_is_low_enough() {
 }
 
 #[test]
-fn light_that_is_found_by_chance_is_in_no_error() {
+fn chance_caustics_are_absent_from_error_estimate() {
     let shop = Workshop::new();
     render(&shop, "--integrator path --passes 1").expect(0, &["warning: this method finds caustics only by chance"]);
     for fine in ["--integrator hybrid", "--integrator whitted", "--integrator path --effects -caustics"] {
@@ -53,7 +53,7 @@ fn light_that_is_found_by_chance_is_in_no_error() {
 }
 
 #[test]
-fn what_cannot_be_reached_ends_with_a_warning() {
+fn unreachable_target_ends_with_warning() {
     let shop = Workshop::new();
     let blurred = "--integrator pm --final-gathering none --radius 1 --target-error 0.1%";
     render(&shop, blurred).expect(0, &["more passes cannot reach the error", "choose a smaller --radius"]);
@@ -63,7 +63,7 @@ fn what_cannot_be_reached_ends_with_a_warning() {
 }
 
 #[test]
-fn maps_of_errors_are_layers_of_one_file() {
+fn error_maps_are_layers_of_one_file() {
     let shop = Workshop::new();
     render(&shop, "--integrator sppm --passes 6 --aov maps.exr").expect(0, &["wrote maps.exr"]);
     assert_eq!(read(&shop.path("maps.exr")), read(&shop.path("a.exr")), "the picture is one of them");
@@ -104,7 +104,7 @@ fn maps_of_errors_are_layers_of_one_file() {
 }
 
 #[test]
-fn a_price_list_foretells_passes_that_do_it() {
+fn estimate_forecasts_passes_that_suffice() {
     let shop = Workshop::new();
     let line = format!("price box.txt {FEW} --integrator path --pilot 0s --errors 40%,20%");
     let table = shop.run(&line.split_whitespace().collect::<Vec<_>>());
@@ -137,7 +137,7 @@ fn a_price_list_foretells_passes_that_do_it() {
 }
 
 #[test]
-fn errors_are_asked_only_of_what_tells_them() {
+fn error_flags_need_an_estimating_integrator() {
     let shop = Workshop::new();
     for (more, words) in [
         ("--integrator raycast --target-error 2%", "--target-error needs an error estimate"),

@@ -14,7 +14,7 @@ fn help_and_version_succeed() {
 }
 
 #[test]
-fn a_scene_that_cannot_be_read_is_1() {
+fn unreadable_scene_exits_1() {
     let shop = Workshop::new();
     shop.render("none.txt", "-o a.png").expect(1, &["none.txt", "help: check the path"]);
     shop.render(".", "-o a.png").expect(1, &["cannot read the scene `.`"]);
@@ -29,7 +29,7 @@ fn a_scene_that_cannot_be_read_is_1() {
 }
 
 #[test]
-fn a_syntax_error_is_1_and_shows_place_text_and_help() {
+fn syntax_error_exits_1_with_snippet_and_help() {
     let shop = Workshop::new();
     shop.put("typo.txt", BOX.replace("  Sphere { center -.4", "  Spere { center -.4"));
     let parts =
@@ -38,7 +38,7 @@ fn a_syntax_error_is_1_and_shows_place_text_and_help() {
 }
 
 #[test]
-fn what_only_resolving_finds_is_1() {
+fn resolve_errors_exit_1() {
     let shop = Workshop::new();
     let scene = |body: &str| {
         shop.put(
@@ -61,7 +61,7 @@ fn what_only_resolving_finds_is_1() {
 }
 
 #[test]
-fn a_wrong_command_line_is_2() {
+fn bad_arguments_exit_2() {
     let shop = Workshop::new();
     shop.run(&[]).expect(2, &["Usage"]);
     shop.run(&["rendr"]).expect(2, &["rendr"]);
@@ -100,7 +100,7 @@ fn a_wrong_command_line_is_2() {
 
 /// 4000 million paths in a closed box would store some ten thousand million photons: more than can be indexed on any machine.
 #[test]
-fn more_than_memory_holds_is_2_and_at_once() {
+fn excessive_memory_exits_2_at_once() {
     let shop = Workshop::new();
     let start = Instant::now();
     let photons = shop.render("box.txt", "-o a.png --integrator sppm --photons 4000M --caustic-photons 0");
@@ -114,7 +114,7 @@ fn more_than_memory_holds_is_2_and_at_once() {
 
 /// The render would take minutes: a refusal within the time limit of a run comes before it.
 #[test]
-fn an_output_that_cannot_be_written_is_3_before_rendering() {
+fn unwritable_output_exits_3_before_rendering() {
     let shop = Workshop::new();
     std::fs::create_dir(shop.path("folder.png")).unwrap();
     let long = "--spp 100k --passes 1k";
@@ -130,7 +130,7 @@ fn an_output_that_cannot_be_written_is_3_before_rendering() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_folder_that_takes_no_files_is_3_before_rendering() {
+fn read_only_folder_exits_3_before_rendering() {
     let shop = Workshop::new();
     let long = "--spp 100k --passes 1k";
     shop.render("box.txt", &format!("-o /proc/a.png {long}")).expect(3, &["cannot create a file in `/proc`"]);
@@ -138,7 +138,7 @@ fn a_folder_that_takes_no_files_is_3_before_rendering() {
 }
 
 #[test]
-fn a_failure_leaves_the_old_files() {
+fn failed_render_keeps_old_files() {
     let shop = Workshop::new();
     shop.put("a.png", "old picture");
     shop.put("a.json", "old report");

@@ -25,7 +25,7 @@ fn report(shop: &Workshop, line: &str) -> Value {
 }
 
 #[test]
-fn a_report_tells_what_is_wrong() {
+fn mesh_report_lists_defects() {
     let shop = shop();
     let report = report(&shop, "worn.obj");
     assert!(report["after"].is_null() && report["repaired"].is_null() && report["schema"] == 1);
@@ -56,7 +56,7 @@ fn a_report_tells_what_is_wrong() {
 }
 
 #[test]
-fn repairs_make_it_whole_and_every_form_holds_the_same() {
+fn repaired_mesh_is_equal_in_every_format() {
     let shop = shop();
     let mut reports = Vec::new();
     for output in ["a.obj", "b.ply", "c.ply --ascii"] {
@@ -84,7 +84,7 @@ fn repairs_make_it_whole_and_every_form_holds_the_same() {
 }
 
 #[test]
-fn meshes_are_scaled_moved_turned_and_made_flat() {
+fn meshes_are_transformed_and_flattened() {
     let shop = shop();
     let fine = report(&shop, "worn.obj --repair --scale 2 --translate -1,0,.5 -o a.ply")["after"].clone();
     assert_eq!(
@@ -100,7 +100,7 @@ fn meshes_are_scaled_moved_turned_and_made_flat() {
 }
 
 #[test]
-fn materials_go_along_with_an_obj_file() {
+fn obj_output_brings_its_materials() {
     let shop = shop();
     run(&shop, "mesh worn.obj -o beside.obj").expect(0, &["wrote beside.obj"]);
     let text = |name: &str| String::from_utf8(shop.bytes(name)).unwrap();
@@ -122,7 +122,7 @@ fn materials_go_along_with_an_obj_file() {
 }
 
 #[test]
-fn what_cannot_be_done_is_told() {
+fn impossible_mesh_requests_are_refused() {
     let shop = shop();
     run(&shop, "mesh none.obj").expect(1, &["there is no mesh file none.obj"]);
     shop.put("bad.obj", "v 0 0 0\nf 1 2 3\n");
