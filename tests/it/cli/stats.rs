@@ -1,4 +1,4 @@
-//! The report of `--stats`, against its description in docs/cli.md.
+//! The report of `--stats`, against its description in docs/guide/command-line.md.
 
 use super::Workshop;
 use serde_json::Value;
@@ -20,7 +20,8 @@ fn paths(value: &Value, path: &str, found: &mut BTreeSet<String>) {
 
 /// Fields in the first column of the table under `## Statistics`.
 fn documented() -> BTreeSet<String> {
-    let page = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/cli.md")).unwrap();
+    let page =
+        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/guide/command-line.md")).unwrap();
     let section = page.split("\n## ").find(|s| s.starts_with("Statistics")).expect("a section `## Statistics`");
     let mut fields = BTreeSet::new();
     for cell in section.lines().filter_map(|line| line.strip_prefix("| `")?.split_once(" |")).map(|(cell, _)| cell) {
@@ -88,7 +89,7 @@ fn stats_report_given_settings() {
     let times = &stats["seconds"];
     let second = |name: &str| times[name].as_f64().unwrap();
     assert!(second("photons") + second("trees") + second("eye") <= second("render"));
-    let rays: u64 = ["camera_rays", "onward_rays", "shadow_rays", "photon_rays"].map(count).iter().sum();
+    let rays: u64 = ["camera_rays", "continuation_rays", "shadow_rays", "photon_rays"].map(count).iter().sum();
     let rate = |name: &str| stats["rates"][name].as_f64().unwrap();
     assert!((rate("rays_per_second") * second("render") / rays as f64 - 1.0).abs() < 1e-9);
     assert!((rate("photons_per_second") * second("photons") / 8100.0 - 1.0).abs() < 1e-9);
