@@ -1,4 +1,4 @@
-//! Ground glass: rough dielectric interfaces.
+//! Rough dielectric interfaces.
 
 use super::fresnel::{reflectance_f64, transmittance_f64};
 use super::microfacet::{Facet, Ggx};
@@ -6,23 +6,23 @@ use super::{BsdfSample, Transport};
 use crate::color::Rgb;
 use glam::{DVec3, Vec2, Vec3};
 
-/// GGX facets each of which is a smooth interface (Walter et al. 2007); the normal points to the outside. Made by
-/// [`super::Bsdf::dielectric`], which tells it from a smooth one.
+/// GGX facets that are smooth interfaces (Walter et al. 2007); the normal points outside.
 ///
-/// Light meets one facet only: what would meet a second one is lost. At index 1.5, along the normal, that is 0.1 % from outside
-/// and 1.2 % from inside at α = 0.1, 3.2 and 25 % at 0.5, 11 and 58 % at 1; at 85° from it 8 and 14 %, 29 and 32 %, 59 and 53 %.
+/// Only single scattering is modelled. At index 1.5 and normal incidence the loss is 0.1 % from
+/// outside and 1.2 % from inside at α = 0.1, 3.2 and 25 % at 0.5, 11 and 58 % at 1. At 85° it is 8
+/// and 14 %, 29 and 32 %, 59 and 53 %. [`super::Bsdf::dielectric`] makes it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RoughDielectric {
     eta: f32,
     alpha: f32,
 }
 
-/// What lies at a facet between two directions.
+/// The scattering event at a facet between two directions.
 struct Meeting {
     facet: Facet,
-    /// Fresnel's part of the light that takes this way.
+    /// Fresnel reflectance or transmittance.
     share: f64,
-    /// Masking and shadowing over both cosines.
+    /// Masking-shadowing over both cosines.
     g2_by_cos: f64,
 }
 
@@ -55,13 +55,14 @@ impl RoughDielectric {
             Meeting { facet, share, g2_by_cos: ggx.same_side(cos_o, cos_i) }
         } else {
             let (facet, cos_t) = ggx.refracting(o, i, n, eta)?;
-            // From both cosines, so that both ways through agree even where one of them grazes.
+            // Computed from both cosines, so that both directions agree even if one grazes.
             let share = transmittance_f64(facet.cos, cos_t, eta);
             Meeting { facet, share, g2_by_cos: ggx.opposite_sides(cos_o, -cos_i) }
         })
     }
 
-    /// `n` is the shading normal on the side of `wo`; both normals agree on the sides of `wi`.
+    /// f(wo, wi) \[1/sr]. `n` is the shading normal on the side of `wo`. Both normals agree on the
+    /// side of `wi`.
     #[inline]
     pub(super) fn evaluate(&self, wo: Vec3, wi: Vec3, n: Vec3, ng: Vec3, transport: Transport) -> Rgb {
         let (eta, i, n) = (self.far_over_near(wo, ng), wi.as_dvec3(), n.as_dvec3());
@@ -72,7 +73,7 @@ impl RoughDielectric {
         Rgb::splat((share * facet.density * facet.cos * facet.jacobian * g2_by_cos / squeeze) as f32)
     }
 
-    /// Density of the sampled direction \[1/sr]; directions as in [`Self::evaluate`].
+    /// Solid-angle pdf of `wi` \[1/sr]; arguments as in [`Self::evaluate`].
     #[inline]
     pub(super) fn pdf(&self, wo: Vec3, wi: Vec3, n: Vec3, ng: Vec3) -> f32 {
         let (o, n) = (wo.as_dvec3(), n.as_dvec3());
@@ -80,8 +81,10 @@ impl RoughDielectric {
             .map_or(0.0, |m| (m.share * Ggx::new(self.alpha).visible_density(&m.facet, o.dot(n))) as f32)
     }
 
-    /// Draws a facet that `wo` sees, then reflection or refraction by its Fresnel share; `n` is on the side of `wo`. `None`
-    /// where the facet sends light to the wrong side.
+    /// Samples a visible facet, then reflection or refraction by Fresnel; `n` is on the side of
+    /// `wo`.
+    ///
+    /// `None` if the facet scatters to the wrong side.
     #[inline]
     pub(super) fn sample(
         &self,
@@ -100,7 +103,7 @@ impl RoughDielectric {
         let wi = if transmitted { m * (cos / eta - cos_t) - o / eta } else { m * (2.0 * cos) - o };
         let wi = wi.normalize().as_vec3();
 
-        // All else is found from the rounded direction, as `evaluate` and `pdf` find it.
+        // Use the rounded direction, as `evaluate` and `pdf` do.
         let (i, n) = (wi.as_dvec3(), n.as_dvec3());
         let (cos_o, cos_i) = (o.dot(n), i.dot(n));
         if (cos_i < 0.0) != transmitted {
@@ -114,7 +117,7 @@ impl RoughDielectric {
     }
 }
 
-/// What is divided by on crossing: (n_far/n_near)² for radiance, 1 for flux.
+/// Divisor on transmission: (n_far/n_near)² for radiance, 1 for flux.
 #[inline]
 fn squeeze(eta: f64, crosses: bool, transport: Transport) -> f64 {
     if crosses && transport == Transport::Radiance { eta * eta } else { 1.0 }

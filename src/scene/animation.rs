@@ -1,7 +1,8 @@
 //! Animation: what moves while the shutter is open.
 //!
-//! Each pass renders one time of the shutter. Photons and camera rays agree on object positions, so no estimate blurs
-//! over time, and rays carry no time. Moving shapes have a small hierarchy of their own, rebuilt for each pass.
+//! Each pass renders one time of the shutter. Photons and camera rays agree on object positions, so
+//! no estimate blurs over time, and rays carry no time. Moving shapes have a small hierarchy of
+//! their own, rebuilt for each pass.
 
 use super::build::{derive, mean_lights};
 use super::delta_light::{legacy_area_light, resolve_light};
@@ -69,7 +70,8 @@ pub(super) fn mapping_at(form: Form, motion: &Motion, time: f64) -> Option<Textu
 
 /// The physical strength of a moving light.
 ///
-/// The course's colour depends on the distance to the origin. It holds at mid-shutter, and the light keeps its strength.
+/// The course's colour depends on the distance to the origin. It holds at mid-shutter, and the
+/// light keeps its strength.
 pub(super) fn constant_strength(kind: &SourceKind, strength: LightStrength, motion: &Motion) -> LightStrength {
     let (LightStrength::Course(_), Some(placed)) = (strength, source_at(kind, motion, MID_SHUTTER)) else {
         return strength;
@@ -77,7 +79,8 @@ pub(super) fn constant_strength(kind: &SourceKind, strength: LightStrength, moti
     resolve_light(&placed, strength, DVec3::ZERO).0.peak().map_or(strength, LightStrength::Physical)
 }
 
-/// `scene` at `time`: see [`Scene::at`]. What a singular motion flattens stays at its mid-shutter position.
+/// `scene` at `time`: see [`Scene::at`]. What a singular motion flattens stays at its mid-shutter
+/// position.
 pub(super) fn scene_at(scene: &Scene, time: f64) -> Scene {
     let mut moved = scene.clone();
     let Some(animation) = &scene.animation else { return moved };

@@ -18,7 +18,8 @@ pub enum LegacyLight {
 /// Strength of a point, spot or directional light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum LightStrength {
-    /// The course's colour: radiance that a white diffuse surface at the origin reflects when it faces the light.
+    /// The course's colour: radiance that a white diffuse surface at the origin reflects when it
+    /// faces the light.
     Course(Rgb),
     /// Intensity \[W/sr], or irradiance \[W/m²] for parallel light.
     Physical(Rgb),
@@ -83,8 +84,8 @@ fn one_minus_cos(x: f64) -> f64 {
 
 /// A light relative to `origin`, and its counterpart in the course's shading model.
 ///
-/// A course colour c means irradiance π·c on a facing surface at the origin, where white diffuse surfaces reflect
-/// radiance c.
+/// A course colour c means irradiance π·c on a facing surface at the origin, where white diffuse
+/// surfaces reflect radiance c.
 pub(super) fn resolve_light(kind: &SourceKind, strength: LightStrength, origin: DVec3) -> (Light, LegacyLight) {
     // A light at the origin counts as one unit away.
     let distance2 = |p: &DVec3| {
@@ -126,7 +127,8 @@ pub(super) fn resolve_light(kind: &SourceKind, strength: LightStrength, origin: 
     }
 }
 
-/// An area light in the course's shading model: a point at its center. Its irradiance at the origin is as if it faced it.
+/// An area light in the course's shading model: a point at its center. Its irradiance at the origin
+/// is as if it faced it.
 pub(super) fn legacy_area_light(light: &Light) -> LegacyLight {
     let center = light.center().unwrap_or(Vec3::ZERO);
     let nowhere = Sphere { center: Vec3::ZERO, radius: 0.0 };

@@ -1,4 +1,4 @@
-//! What can be simulated or left out.
+//! Effects: parts of light transport that can be simulated or left out.
 
 use super::InteriorKind;
 
@@ -6,40 +6,40 @@ use super::InteriorKind;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u16)]
 pub enum Effect {
-    /// Walking on from mirrors, glass and smooth metal that the camera sees.
+    /// Camera paths that continue at mirrors, glass and smooth metal.
     Specular,
-    /// Light by way of casters to a receiver.
+    /// Light that reaches a receiver by way of specular or glossy surfaces.
     Caustics,
-    /// What caustics become on their way from receiver to receiver.
+    /// Caustic light that receivers reflect to other receivers.
     CausticBounces,
-    /// Light that receivers send to each other.
+    /// Light that receivers reflect to each other.
     Interreflection,
-    /// Looking at the global map through gather rays.
+    /// Final gathering: evaluating the global photon map through gather rays.
     Gathering,
-    /// Shadow rays that find something in their way.
+    /// Occlusion of shadow rays.
     Shadows,
-    /// Lights with an extent: soft shadows, and light met by chance.
+    /// Area lights: soft shadows, and lights hit by scattered rays.
     SoftShadows,
-    /// Light from all around.
+    /// Light from an environment.
     Environment,
     /// Bodies that absorb or overlap.
     Interiors,
-    /// Rays from all of the lens: depth of field.
+    /// Depth of field: rays from the whole lens.
     Lens,
-    /// Things that move while the shutter is open.
+    /// Motion blur: objects that move while the shutter is open.
     Motion,
     /// Textures.
     Textures,
-    /// Bumps: shading normals that textures tilt.
+    /// Bump maps and normal maps.
     Bump,
-    /// What fills bodies, or the open: light that is scattered, absorbed and emitted between surfaces.
+    /// Participating media: scattering, absorption and emission between surfaces.
     Media,
-    /// Wavelengths that glass parts.
+    /// Dispersion: refractive indices that depend on the wavelength.
     Dispersion,
 }
 
 impl Effect {
-    /// All of them, in the order of a table.
+    /// All effects, in the order of tables.
     pub const ALL: [Self; 15] = [
         Self::Specular,
         Self::Caustics,
@@ -58,7 +58,7 @@ impl Effect {
         Self::Dispersion,
     ];
 
-    /// As typed.
+    /// The name on the command line.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -80,7 +80,7 @@ impl Effect {
         }
     }
 
-    /// What is wrong with a picture that calls for the effect and goes without.
+    /// The fault of a picture that needs the effect but omits it.
     #[must_use]
     pub const fn lack(self) -> &'static str {
         match self {
@@ -105,8 +105,9 @@ impl Effect {
     }
 }
 
-/// The effects that are compiled in: all but that which `CAUSTICA_WITHOUT` named when the program was built, to measure what the
-/// others pay for its presence (`.ci/cost-of-effects`).
+/// The effects compiled in: all but the one that `CAUSTICA_WITHOUT` names at build time.
+///
+/// `.ci/cost-of-effects` measures by it what the presence of an effect costs the others.
 const BUILT: Effects = match option_env!("CAUSTICA_WITHOUT") {
     None => Effects::ALL,
     Some(name) => {
@@ -146,7 +147,7 @@ impl Effects {
     /// All effects.
     pub const ALL: Self = Self::of(&Effect::ALL);
 
-    /// These effects.
+    /// The set of `effects`.
     #[must_use]
     pub const fn of(effects: &[Effect]) -> Self {
         let mut set = Self(0);
@@ -158,20 +159,20 @@ impl Effects {
         set
     }
 
-    /// Whether `effect` is among them.
+    /// True if the set contains `effect`.
     #[inline]
     #[must_use]
     pub const fn has(self, effect: Effect) -> bool {
         self.0 & BUILT.0 & Self::bit(effect) != 0
     }
 
-    /// With `effect`.
+    /// This set with `effect`.
     #[must_use]
     pub const fn with(self, effect: Effect) -> Self {
         Self(self.0 | Self::bit(effect))
     }
 
-    /// Without `effect`.
+    /// This set without `effect`.
     #[must_use]
     pub const fn without(self, effect: Effect) -> Self {
         Self(self.0 & !Self::bit(effect))
@@ -187,7 +188,7 @@ impl Effects {
         }
     }
 
-    /// They, in the order of a table.
+    /// The effects of the set, in the order of tables.
     pub fn iter(self) -> impl Iterator<Item = Effect> {
         Effect::ALL.into_iter().filter(move |e| self.has(*e))
     }

@@ -157,7 +157,8 @@ impl Material {
         Self::new(MaterialKind::Dielectric { body, roughness: roughness.into() })
     }
 
-    /// Material `second` with probability `amount`, else material `first`. Both indices must exist already.
+    /// Material `second` with probability `amount`, else material `first`. Both indices must exist
+    /// already.
     #[must_use]
     pub fn mix(first: u32, second: u32, amount: impl Into<Textured<f32>>) -> Self {
         Self::new(MaterialKind::Mix { first, second, amount: amount.into() })

@@ -1,4 +1,5 @@
-//! The resolved scene that renderers see: checked, converted, recentered, and indexed for ray queries.
+//! The resolved scene that renderers see: checked, converted, recentered, and indexed for ray
+//! queries.
 
 mod animation;
 mod build;
@@ -44,7 +45,8 @@ use interiors::{CoincidentFaces, CoincidentFlags};
 use std::sync::Arc;
 use textured::{Footprint, perturbed_normal};
 
-/// A scene ready to be rendered, at one time of the shutter. Coordinates are relative to [`Scene::origin`].
+/// A scene ready to be rendered, at one time of the shutter. Coordinates are relative to
+/// [`Scene::origin`].
 #[derive(Clone)]
 pub struct Scene {
     camera: Camera,
@@ -85,13 +87,15 @@ impl Scene {
         &self.camera
     }
 
-    /// Radiance of rays that escape, if there is no environment. It is seen, but does not illuminate.
+    /// Radiance of rays that escape, if there is no environment. It is seen, but does not
+    /// illuminate.
     #[must_use]
     pub fn background(&self) -> Rgb {
         self.background
     }
 
-    /// Radiance along unit `direction` of a ray that escapes: from the environment, else the background.
+    /// Radiance along unit `direction` of a ray that escapes: from the environment, else the
+    /// background.
     #[inline]
     #[must_use]
     pub fn escaped_radiance(&self, direction: Vec3) -> Rgb {
@@ -119,17 +123,18 @@ impl Scene {
         if self.mean_lights.is_empty() { &self.lights } else { &self.mean_lights }
     }
 
-    /// The lights of the course's shading model, in the order of [`Scene::lights`], without an environment.
+    /// The lights of the course's shading model, in the order of [`Scene::lights`], without an
+    /// environment.
     #[must_use]
     pub fn legacy_lights(&self) -> &[LegacyLight] {
         &self.legacy_lights
     }
 
-    /// Distance \[length] within which light `light` counts as lying in a surface, so that it illuminates both sides. 0
-    /// for area lights and lights at infinity.
+    /// Distance \[length] within which light `light` counts as lying in a surface, so that it
+    /// illuminates both sides. 0 for area lights and lights at infinity.
     ///
-    /// Positions are rounded to 2⁻²⁴ of their coordinates, so the side on which such a light lies is unknown. Its light
-    /// passes the surface, unless the cosine to the normal is below 1/40.
+    /// Positions are rounded to 2⁻²⁴ of their coordinates, so the side on which such a light lies
+    /// is unknown. Its light passes the surface, unless the cosine to the normal is below 1/40.
     #[inline]
     #[must_use]
     pub fn light_contact(&self, light: usize) -> f32 {
@@ -206,8 +211,8 @@ impl Scene {
 
     /// The surface at a hit of `ray`, whose direction must be of unit length.
     ///
-    /// Textures are filtered over `cone`. `u_mix` in \[0, 1) resolves mixes. The boundary of a body gets the BSDF that
-    /// it has in air.
+    /// Textures are filtered over `cone`. `u_mix` in \[0, 1) resolves mixes. The boundary of a body
+    /// gets the BSDF that it has in air.
     #[inline]
     #[must_use]
     pub fn interaction(
@@ -291,7 +296,8 @@ impl Scene {
         }
     }
 
-    /// Resolves a mix to a leaf material, with `u` in \[0, 1). `context` is evaluated only if an amount is textured.
+    /// Resolves a mix to a leaf material, with `u` in \[0, 1). `context` is evaluated only if an
+    /// amount is textured.
     fn resolve_mix(
         &self,
         mut index: u32,

@@ -72,8 +72,8 @@ pub struct SurfaceVertex<'a> {
 impl<I: Interior> PathRay<I> {
     /// Traces the ray to the next vertex. `key` is that of the vertex.
     ///
-    /// `through` is called with every medium segment, in order. It returns the distance at which light scatters there,
-    /// or `None`.
+    /// `through` is called with every medium segment, in order. It returns the distance at which
+    /// light scatters there, or `None`.
     #[inline]
     pub fn next_vertex<'a>(
         &mut self,
@@ -128,7 +128,8 @@ impl<I: Interior> PathRay<I> {
         }
     }
 
-    /// Continues from `surface` in unit `direction`. Returns a factor of the throughput, 1 unless a wavelength was sampled there.
+    /// Continues from `surface` in unit `direction`. Returns a factor of the throughput, 1 unless a
+    /// wavelength was sampled there.
     #[inline]
     pub fn leave(&mut self, surface: &SurfaceInteraction<'_>, direction: Vec3, transmitted: bool) -> Rgb {
         self.ray = surface.leave(direction);
@@ -190,7 +191,8 @@ pub(super) fn interior_transmittance<I: Interior>(scene: &Scene, ray: &Ray, insi
     }
 }
 
-/// The current medium, the part of `ray` up to `end` that lies in it, and the distance at which that part begins.
+/// The current medium, the part of `ray` up to `end` that lies in it, and the distance at which
+/// that part begins.
 ///
 /// `ray` is of unit direction.
 #[inline]

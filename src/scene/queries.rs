@@ -18,8 +18,8 @@ use glam::{Vec2, Vec3};
 pub struct ObjectSummary {
     /// Bounding sphere, tight for spheres; `None` for unbounded planes.
     pub ball: Option<Sphere>,
-    /// A point and the unit normal of the plane in which the object lies, if it is known to be flat. No two points of a
-    /// flat object see each other.
+    /// A point and the unit normal of the plane in which the object lies, if it is known to be
+    /// flat. No two points of a flat object see each other.
     pub plane: Option<(Vec3, Vec3)>,
     /// Index of the material.
     pub material: u32,
@@ -113,7 +113,8 @@ impl Scene {
 
     /// Calls `visit` with every leaf that `material` may resolve to.
     ///
-    /// A conductor with a roughness texture is visited at the texture's extremes too, as they may differ in kind.
+    /// A conductor with a roughness texture is visited at the texture's extremes too, as they may
+    /// differ in kind.
     pub fn for_each_leaf(&self, material: u32, visit: &mut impl FnMut(LeafMaterial<'_>)) {
         let material = &self.materials[material as usize];
         match material.kind() {
@@ -156,7 +157,8 @@ impl Scene {
         indices.into_iter().map(|index| &self.media[index as usize]).collect()
     }
 
-    /// Two flags of a material or any part of a mix: a parameter is textured, and normals are perturbed.
+    /// Two flags of a material or any part of a mix: a parameter is textured, and normals are
+    /// perturbed.
     #[must_use]
     pub fn uses_textures(&self, material: u32) -> (bool, bool) {
         let material = &self.materials[material as usize];
@@ -166,7 +168,8 @@ impl Scene {
         parts.iter().fold(own, |all, part| (all.0 || part.0, all.1 || part.1))
     }
 
-    /// Bounding spheres of all objects that cast caustics, as targets of photons; `None` if one is unbounded.
+    /// Bounding spheres of all objects that cast caustics, as targets of photons; `None` if one is
+    /// unbounded.
     #[must_use]
     pub fn caster_balls(&self) -> Option<Vec<Sphere>> {
         let casts_caustics = |material: u32| {
@@ -211,15 +214,18 @@ impl Scene {
         Ray { origin: back.at(farthest * 1.001 + self.domain().radius), ..ray }
     }
 
-    /// Unbiased transmittance from the end of `ray` to its origin, which lies in `inside`; 0 if a surface blocks it.
+    /// Unbiased transmittance from the end of `ray` to its origin, which lies in `inside`; 0 if a
+    /// surface blocks it.
     ///
-    /// The direction of a finite ray reaches from its origin to its end. That of an infinite ray is a unit vector.
+    /// The direction of a finite ray reaches from its origin to its end. That of an infinite ray is
+    /// a unit vector.
     #[must_use]
     pub fn shadow_transmittance<I: Interior>(&self, ray: &Ray, inside: I, key: Key) -> Rgb {
         path_ray::shadow_transmittance(self, ray, inside, key)
     }
 
-    /// Unbiased transmittance of the interior around the origin of `ray`, of unit direction; surfaces are ignored.
+    /// Unbiased transmittance of the interior around the origin of `ray`, of unit direction;
+    /// surfaces are ignored.
     #[inline]
     #[must_use]
     pub fn interior_transmittance<I: Interior>(&self, ray: &Ray, inside: &I, key: Key) -> Rgb {

@@ -6,11 +6,12 @@ use crate::bsdf::{Bsdf, DIFFUSE_BLUR};
 /// Width of a camera cone in pixels. It is below 1, as the reconstruction filter widens too.
 const PIXELS: f32 = 0.5;
 
-/// The cone around a ray over which textures are filtered (Amanatides 1984, "Ray tracing with cones"; Akenine-Möller et
-/// al. 2021, "Improved shader and texture level of detail using ray cones").
+/// The cone around a ray over which textures are filtered (Amanatides 1984, "Ray tracing with
+/// cones"; Akenine-Möller et al. 2021, "Improved shader and texture level of detail using ray
+/// cones").
 ///
-/// A camera path starts with the width of a pixel. The cone grows with distance, and faster after scattering. Light
-/// paths have no width.
+/// A camera path starts with the width of a pixel. The cone grows with distance, and faster after
+/// scattering. Light paths have no width.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayCone {
     /// Diameter at the current end of the ray \[length].
@@ -73,7 +74,8 @@ impl RayCone {
 
     /// The cone for emission textures.
     ///
-    /// After a non-specular event, next-event estimation samples lights at points. Lights that are hit must agree.
+    /// After a non-specular event, next-event estimation samples lights at points. Lights that are
+    /// hit must agree.
     #[inline]
     pub(super) fn for_lights(&self) -> Self {
         if self.scattered { Self::point(self.effects) } else { *self }

@@ -41,7 +41,8 @@ impl Resolver<'_> {
         })
     }
 
-    /// A material without medium and with unperturbed normals. Adds the textures that it uses to `needs`.
+    /// A material without medium and with unperturbed normals. Adds the textures that it uses to
+    /// `needs`.
     pub(super) fn material(&mut self, kind: &MaterialKind, needs: &mut TextureNeeds) -> Result<Material, SceneError> {
         Ok(match kind {
             MaterialKind::Phong { diffuse, specular, shininess, texture } => {
@@ -74,7 +75,8 @@ impl Resolver<'_> {
         })
     }
 
-    /// The refractive index at the d line, and the index of the glass if it depends on the wavelength.
+    /// The refractive index at the d line, and the index of the glass if it depends on the
+    /// wavelength.
     fn refraction(&mut self, described: &Refraction) -> Result<(f32, Option<u32>), SceneError> {
         let glass = match described {
             Refraction::Index(index) => return Ok((*index as f32, None)),

@@ -234,7 +234,8 @@ impl<'a> Resolver<'a> {
 
     /// Refuses a mesh without texture coordinates if the current material needs them.
     ///
-    /// `there` is true if the mesh has them. `own` is the name of the mesh's own material, if it has one.
+    /// `there` is true if the mesh has them. `own` is the name of the mesh's own material, if it
+    /// has one.
     pub(super) fn check_coordinates(
         &self,
         there: bool,

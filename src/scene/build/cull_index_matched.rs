@@ -6,8 +6,8 @@ use crate::scene::{Material, MaterialKind};
 
 /// Drops bodies of index 1 that neither absorb nor hold a medium.
 ///
-/// Such a body matters where it displaces another body or the ambient medium. So all stay if there is an ambient
-/// medium, and each stays if its box overlaps that of a body of another sort.
+/// Such a body matters where it displaces another body or the ambient medium. So all stay if there
+/// is an ambient medium, and each stays if its box overlaps that of a body of another sort.
 pub(super) fn cull_index_matched(
     mut objects: Vec<Object>,
     mut mesh: MeshData,

@@ -10,8 +10,8 @@ use glam::Vec3;
 /// Radius of the domain if unbounded planes receive light, in radii of the bounded shapes.
 const OPEN_DOMAIN: f32 = 4.0;
 
-/// Radius of the ambient medium, in distances of the farthest light or camera. Without a bound, most photons would
-/// scatter far away.
+/// Radius of the ambient medium, in distances of the farthest light or camera. Without a bound,
+/// most photons would scatter far away.
 const AMBIENT_EXTENT: f32 = 2.0;
 
 /// Quantities that follow from the placement of objects, lights and camera at one time.
@@ -65,8 +65,8 @@ pub(in crate::scene) fn derive(scene: &Scene) -> Derived {
     }
 }
 
-/// The domain around the bounded shapes, or around the camera at the origin if there are none. `planes` are the
-/// distances of unbounded planes \[length].
+/// The domain around the bounded shapes, or around the camera at the origin if there are none.
+/// `planes` are the distances of unbounded planes \[length].
 fn domain(bounds: Bounds, planes: impl Iterator<Item = f32>) -> Sphere {
     let ball = bounds.bounding_sphere();
     let Some(farthest) = planes.reduce(f32::max) else { return ball };

@@ -10,18 +10,20 @@ const CLEARANCE: f32 = 40.0;
 
 /// Roundings of double precision in the difference of two described positions.
 ///
-/// A map has four, its product with another one, and the difference one, for each position; and as many for room.
+/// A map has four, its product with another one, and the difference one, for each position; and as
+/// many for room.
 const ROUNDINGS: f64 = 24.0;
 
-/// Distance within which a light counts as lying in a surface \[length]: see [`Scene::light_contact`].
+/// Distance within which a light counts as lying in a surface \[length]: see
+/// [`Scene::light_contact`].
 ///
-/// It covers the rounding of the light's position, and the position errors of the surfaces that it touches. Those of a
-/// huge triangle are large all over it. Surfaces elsewhere do not matter.
+/// It covers the rounding of the light's position, and the position errors of the surfaces that it
+/// touches. Those of a huge triangle are large all over it. Surfaces elsewhere do not matter.
 pub(super) fn light_contact(scene: &Scene, domain: Sphere, light: &Light) -> f32 {
     let Some(position) = light.position() else { return 0.0 };
     let own = position.length() * gamma(1) + (scene.origin.length() * ROUNDINGS * 0.5 * f64::EPSILON) as f32;
-    // No error exceeds that of a triangle across the domain, √3·18 roundings. An axis hits a surface as near within √3
-    // of that.
+    // No error exceeds that of a triangle across the domain, √3·18 roundings. An axis hits a
+    // surface as near within √3 of that.
     let reach = gamma(64) * (domain.radius + domain.center.abs().max_element() + position.length()) + own;
     let mut error = own;
     for axis in Vec3::AXES {

@@ -22,7 +22,8 @@ pub(super) struct Source {
     pub motion: Option<Motion>,
 }
 
-/// The lights in scene coordinates: delta lights at rest, moving ones, area lights, and the environment.
+/// The lights in scene coordinates: delta lights at rest, moving ones, area lights, and the
+/// environment.
 pub(super) struct Lights {
     pub lights: Vec<Light>,
     pub legacy_lights: Vec<LegacyLight>,

@@ -106,7 +106,8 @@ impl SceneBuilder {
         self.object(Geometry::Plane(plane), None, material, emission)
     }
 
-    /// Adds a mesh: positions, unit normals (one a vertex, or none), and triangles that index its vertices.
+    /// Adds a mesh: positions, unit normals (one a vertex, or none), and triangles that index its
+    /// vertices.
     ///
     /// Triangles without area are dropped, as no ray hits them.
     pub fn mesh(
@@ -138,8 +139,8 @@ impl SceneBuilder {
 
     /// Maps texture coordinates by `form` onto the object added last, which `to_world` places.
     ///
-    /// Solid textures are evaluated in the space of the form. Without a mapping, texture coordinates are the object's
-    /// own parameters, and the space of solid textures is the world.
+    /// Solid textures are evaluated in the space of the form. Without a mapping, texture
+    /// coordinates are the object's own parameters, and the space of solid textures is the world.
     pub fn mapping(&mut self, form: Form, to_world: &Motion) -> &mut Self {
         if let Some(object) = self.objects.last_mut() {
             object.mapping = Some((form, to_world.clone()));
@@ -147,8 +148,8 @@ impl SceneBuilder {
         self
     }
 
-    /// Makes the emission of the object added last follow `texture` times `scale` \[W/(m² sr)]. Its mean must equal the
-    /// emission that the object was added with.
+    /// Makes the emission of the object added last follow `texture` times `scale` \[W/(m² sr)]. Its
+    /// mean must equal the emission that the object was added with.
     pub fn emission_texture(&mut self, texture: u32, scale: Rgb) -> &mut Self {
         if let Some(object) = self.objects.last_mut() {
             object.emission_texture = Some((texture, scale));
@@ -168,7 +169,8 @@ impl SceneBuilder {
         self
     }
 
-    /// Adds a light that moves while the shutter is open. The motion acts about the light's own position.
+    /// Adds a light that moves while the shutter is open. The motion acts about the light's own
+    /// position.
     pub fn moving_source(&mut self, kind: SourceKind, strength: LightStrength, motion: &Motion) -> &mut Self {
         let motion = kind.position().map_or_else(|| motion.clone(), |position| motion.about(position));
         self.sources.push(Source { kind, strength, motion: Some(motion) });

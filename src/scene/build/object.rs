@@ -35,7 +35,8 @@ pub(super) enum Geometry {
 }
 
 impl Object {
-    /// Bounding box of an object at rest; `None` for planes, moving objects, and meshes without triangles.
+    /// Bounding box of an object at rest; `None` for planes, moving objects, and meshes without
+    /// triangles.
     pub fn extent(&self, mesh: &MeshData) -> Option<Extent> {
         match &self.geometry {
             Geometry::Shape(shape) if self.motion.is_none() => Some(shape.extent()),
@@ -46,7 +47,8 @@ impl Object {
 
     /// Rank in the order in which a scene numbers its objects.
     ///
-    /// Coplanar hits resolve to the lowest index. Emitters come first, so light sampling agrees with intersection.
+    /// Coplanar hits resolve to the lowest index. Emitters come first, so light sampling agrees
+    /// with intersection.
     pub fn rank(&self) -> u8 {
         match (&self.geometry, &self.motion) {
             (Geometry::Shape(_), None) if self.emission != Rgb::ZERO => 0,
@@ -63,7 +65,8 @@ impl Object {
 #[derive(Debug, Default)]
 pub(super) struct MeshData {
     positions: Vec<DVec3>,
-    /// By vertex; zero where a mesh has none. Shorter than `positions` if the last meshes have none.
+    /// By vertex; zero where a mesh has none. Shorter than `positions` if the last meshes have
+    /// none.
     normals: Vec<Vec3>,
     /// By vertex, as with `normals`.
     texcoords: Vec<Vec2>,

@@ -13,7 +13,8 @@ use std::sync::Arc;
 
 /// Objects in scene coordinates.
 pub(super) struct Placed {
-    /// The objects in the order in which the scene numbers them: shapes, meshes, planes; moving ones last of each.
+    /// The objects in the order in which the scene numbers them: shapes, meshes, planes; moving
+    /// ones last of each.
     pub objects: Vec<Object>,
     pub geometry: PlacedGeometry,
     pub mappings: Mappings,
@@ -87,7 +88,8 @@ fn place_mappings(objects: &[Object], origin: DVec3, animation: &mut Animation) 
     Ok(mappings)
 }
 
-/// The camera relative to `origin` at mid-shutter. Its motion, if it has one, is added to `animation`.
+/// The camera relative to `origin` at mid-shutter. Its motion, if it has one, is added to
+/// `animation`.
 pub(super) fn place_camera(
     camera: &Camera,
     motion: Option<Motion>,

@@ -7,8 +7,8 @@ use crate::scene::animation::{MID_SHUTTER, shape_at};
 use crate::shape::Shape;
 use glam::{DVec3, Vec2};
 
-/// Greatest distance from the origin in sizes of an object. Single precision then rounds its coordinates by at most
-/// 2⁻²⁴·2¹² = 2⁻¹² of its size.
+/// Greatest distance from the origin in sizes of an object. Single precision then rounds its
+/// coordinates by at most 2⁻²⁴·2¹² = 2⁻¹² of its size.
 const MAX_SIZES: f64 = 4096.0;
 
 /// Bisections that find the least distance: as many as double precision has digits.
@@ -24,7 +24,8 @@ struct Target {
     size: f64,
 }
 
-/// The origin of scene coordinates in the world: see [`origin`]. Without bounded objects, the camera.
+/// The origin of scene coordinates in the world: see [`origin`]. Without bounded objects, the
+/// camera.
 pub(super) fn choose_origin(objects: &[Object], mesh: &MeshData, camera: &Camera) -> Result<DVec3, BuildError> {
     let (mut resting, mut moving, mut meshes) = (Vec::new(), Vec::new(), Vec::new());
     let mut shapes = Vec::new();
@@ -50,11 +51,12 @@ fn union((a, b): Extent, (c, d): Extent) -> Extent {
     (a.min(c), b.max(d))
 }
 
-/// The center of the box around `boxes`, unless a box is too many of its own sizes away from it. Then the point from
-/// which the greatest distance, in own sizes, is least. `None` without boxes.
+/// The center of the box around `boxes`, unless a box is too many of its own sizes away from it.
+/// Then the point from which the greatest distance, in own sizes, is least. `None` without boxes.
 ///
-/// An example of the second: objects on a huge sphere that is their floor. The second point is at most twice as far
-/// from any object as the first, so no coordinate loses more than one binary digit by it.
+/// An example of the second: objects on a huge sphere that is their floor. The second point is at
+/// most twice as far from any object as the first, so no coordinate loses more than one binary
+/// digit by it.
 fn origin(boxes: &[Extent], view: Option<View>) -> Option<DVec3> {
     let (min, max) = boxes.iter().copied().reduce(union)?;
     let center = min * 0.5 + max * 0.5;
@@ -71,7 +73,8 @@ fn origin(boxes: &[Extent], view: Option<View>) -> Option<DVec3> {
     Some(nearest.clamp(min, max))
 }
 
-/// The camera position, and the distance of the nearest shape in the center or the corners of its image.
+/// The camera position, and the distance of the nearest shape in the center or the corners of its
+/// image.
 fn view(camera: &Camera, shapes: &[&Shape]) -> Option<View> {
     let (position, (width, height)) = (camera.center(), camera.size());
     let local = camera.translated(-position);
@@ -84,8 +87,8 @@ fn view(camera: &Camera, shapes: &[&Shape]) -> Option<View> {
     Some((position, f64::from(distances.reduce(f32::min)?)))
 }
 
-/// The coordinate along `axis` at which the greatest distance of `targets`, in own sizes, is least. `most` is an upper
-/// bound of that distance.
+/// The coordinate along `axis` at which the greatest distance of `targets`, in own sizes, is least.
+/// `most` is an upper bound of that distance.
 fn minimax(targets: &[Target], axis: usize, most: f64) -> f64 {
     let within = |t: f64| {
         let ends =

@@ -11,7 +11,8 @@ use crate::shape::Shape;
 /// Greatest coordinate. Squares and products of three coordinates stay finite in single precision.
 const MAX_COORDINATE: f32 = 1e12;
 
-/// Least extent, 2⁻³⁹. Its rounding error, 2⁻²⁴ of it, has a square of 2⁻¹²⁶, the least normal number.
+/// Least extent, 2⁻³⁹. Its rounding error, 2⁻²⁴ of it, has a square of 2⁻¹²⁶, the least normal
+/// number.
 const MIN_EXTENT: f32 = 1.0 / 549_755_813_888.0;
 
 /// Checks what cannot be rendered at any place or size.
@@ -24,7 +25,8 @@ pub(super) fn validate_objects(objects: &[Object], mesh: &MeshData) -> Result<()
     if triangles > i32::MAX as usize { Err(BuildError::TooManyTriangles(triangles)) } else { Ok(()) }
 }
 
-/// Checks that all coordinates fit single precision, at mid-shutter and at both ends of the shutter interval.
+/// Checks that all coordinates fit single precision, at mid-shutter and at both ends of the shutter
+/// interval.
 pub(super) fn validate_extent(geometry: &PlacedGeometry, animation: &Animation) -> Result<(), BuildError> {
     let at =
         |time| animation.shapes.iter().filter_map(move |(shape, motion)| Some(shape_at(shape, motion, time)?.bounds()));

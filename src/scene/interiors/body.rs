@@ -9,15 +9,15 @@ pub struct Body {
     pub index: f32,
     /// Absorption coefficient \[1/length].
     pub absorption: Rgb,
-    /// Priority where bodies overlap: the highest wins, and among equals the one entered last (Schmidt and Budge
-    /// 2002, "Simple Nested Dielectrics in Ray Traced Images").
+    /// Priority where bodies overlap: the highest wins, and among equals the one entered last
+    /// (Schmidt and Budge 2002, "Simple Nested Dielectrics in Ray Traced Images").
     pub priority: u8,
     /// Index of the glass, if the refractive index depends on the wavelength.
     pub glass: Option<u32>,
     /// Index of the medium inside.
     pub medium: Option<u32>,
-    /// True if the boundary is a null interface: it bounds a medium, but neither reflects nor refracts. Other bodies of
-    /// equal priority displace it.
+    /// True if the boundary is a null interface: it bounds a medium, but neither reflects nor
+    /// refracts. Other bodies of equal priority displace it.
     pub null_interface: bool,
 }
 

@@ -17,7 +17,8 @@ pub(in crate::scene) fn interior_at(scene: &Scene, p: Vec3) -> InteriorStack {
             let own = CoincidentFace::of(&surface, surface.is_entering());
             let coincident = faces_at(scene, &surface);
             let count = |material| entered.iter().filter(|m| **m == material).count();
-            // As in `InteriorStack::beyond`, but a body left without being entered was around from the start.
+            // As in `InteriorStack::beyond`, but a body left without being entered was around from
+            // the start.
             let spare = usize::from(!own.entering && count(own.material) > 0);
             let pending_entry =
                 |face: &CoincidentFace| count(face.material) <= if face.material == own.material { spare } else { 0 };

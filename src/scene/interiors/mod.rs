@@ -89,7 +89,8 @@ pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
     /// Adds the body that `surface` bounds, if the path can only have started inside it.
     fn infer_start(&mut self, surface: &SurfaceInteraction<'_>);
 
-    /// The event at `surface`. Sets its BSDF by the refractive indices on both sides. `key` is that of the vertex.
+    /// The event at `surface`. Sets its BSDF by the refractive indices on both sides. `key` is that
+    /// of the vertex.
     fn resolve_boundary(&mut self, scene: &Scene, surface: &mut SurfaceInteraction<'_>, key: Key) -> BoundaryEvent;
 
     /// Crosses the boundary that `surface` may be, in unit `direction`.

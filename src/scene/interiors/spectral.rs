@@ -10,14 +10,14 @@ use glam::Vec3;
 
 /// Reflectances at which reflected light keeps all wavelengths.
 ///
-/// The reflectances of all wavelengths then differ by less than a third. They differ more towards total reflection, and
-/// where both indices are nearly equal.
+/// The reflectances of all wavelengths then differ by less than a third. They differ more towards
+/// total reflection, and where both indices are nearly equal.
 const FAINT: std::ops::Range<f32> = 0.004..0.2;
 
 /// An [`InteriorStack`], and the wavelength of the path once one is sampled.
 ///
-/// A path samples its wavelength at the first dispersive surface, and keeps it. Faint reflections from such a surface
-/// keep all wavelengths.
+/// A path samples its wavelength at the first dispersive surface, and keeps it. Faint reflections
+/// from such a surface keep all wavelengths.
 #[derive(Clone, Copy, Debug)]
 pub struct SpectralInterior {
     stack: InteriorStack,
@@ -120,7 +120,8 @@ impl Interior for SpectralInterior {
             };
             let (plain, own) = (reflected(plain), reflected(own));
             if FAINT.contains(&plain) && own > 0.0 {
-                // The mean over wavelengths of R(λ)·w(λ), with R of the d line as a control variate for the white part.
+                // The mean over wavelengths of R(λ)·w(λ), with R of the d line as a control variate
+                // for the white part.
                 self.wavelength = None;
                 return (weight * (own - plain) + plain) / own;
             }

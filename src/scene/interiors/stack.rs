@@ -18,7 +18,8 @@ pub struct InteriorStack {
 /// What a boundary separates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::scene) struct Interface {
-    /// True if light interacts with the boundary. False if a body of higher priority fills both sides.
+    /// True if light interacts with the boundary. False if a body of higher priority fills both
+    /// sides.
     pub real: bool,
     /// The body outside; `None` is air.
     pub outside: Option<Body>,
@@ -110,7 +111,8 @@ impl InteriorStack {
         top
     }
 
-    /// What the boundary of `body`, of material `material`, separates for a path that enters or leaves it.
+    /// What the boundary of `body`, of material `material`, separates for a path that enters or
+    /// leaves it.
     #[inline]
     pub(in crate::scene) fn interface(
         &self,

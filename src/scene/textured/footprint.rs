@@ -18,8 +18,8 @@ pub(in crate::scene) struct Footprint<'a> {
 }
 
 impl<'a> Footprint<'a> {
-    /// The footprint of `cone` at a hit. Across the ray it is as wide as the cone. Along the surface it is longer by the
-    /// inverse cosine to the normal.
+    /// The footprint of `cone` at a hit. Across the ray it is as wide as the cone. Along the
+    /// surface it is longer by the inverse cosine to the normal.
     pub fn new(
         geometry: &Geometry,
         mappings: &'a [TextureMapping],
@@ -55,14 +55,15 @@ impl<'a> Footprint<'a> {
 
     /// Length of the finite-difference step for a bump map along unit `direction` \[length].
     ///
-    /// It spans the finest detail of `texture`, and at least half of `width`, the diameter of the footprint.
+    /// It spans the finest detail of `texture`, and at least half of `width`, the diameter of the
+    /// footprint.
     pub fn bump_step(&self, texture: &Texture, direction: DVec3, width: f64) -> f64 {
         let change = if texture.is_solid() {
             self.mapping.step_in_object(direction).length()
         } else {
             libm::hypot(self.coords.du.dot(direction), self.coords.dv.dot(direction))
         };
-        let detail = if change > 0.0 { texture.grain() / change } else { 0.0 };
+        let detail = if change > 0.0 { texture.bump_step() / change } else { 0.0 };
         detail.max(0.5 * width)
     }
 }

@@ -24,11 +24,13 @@ pub enum NormalPerturbation {
     },
     /// A normal map in tangent space, by the index of its texture.
     ///
-    /// Red points along growing u, green along growing v, blue outwards. Channels map \[0, 1] to \[−1, 1].
+    /// Red points along growing u, green along growing v, blue outwards. Channels map \[0, 1] to
+    /// \[−1, 1].
     NormalMap(u32),
 }
 
-/// The shading normal at `point`, perturbed by `normals`; it lies in the half space of the geometric normal.
+/// The shading normal at `point`, perturbed by `normals`; it lies in the half space of the
+/// geometric normal.
 ///
 /// `width` is the diameter of the footprint \[length].
 pub(in crate::scene) fn perturbed_normal(
@@ -73,7 +75,8 @@ pub(in crate::scene) fn perturbed_normal(
     (along * (1.0 - MIN_COS * MIN_COS).sqrt() + ng * MIN_COS).normalize()
 }
 
-/// Orthonormal tangents: along growing u, and towards growing v. `None` where texture coordinates are constant.
+/// Orthonormal tangents: along growing u, and towards growing v. `None` where texture coordinates
+/// are constant.
 fn tangents(coords: &TexCoord, n: DVec3) -> Option<[DVec3; 2]> {
     // v is constant across its gradient.
     let across = coords.dv.cross(n).try_normalize()?;

@@ -1,8 +1,8 @@
 //! Coincident boundaries of bodies.
 //!
-//! A path leaves a boundary from beyond the position error, so it would miss any other boundary there. If a liquid and
-//! its glass share a face, one of the two would never be crossed. So all of them are crossed at once, entries before
-//! exits, as if the bodies overlapped by nothing.
+//! A path leaves a boundary from beyond the position error, so it would miss any other boundary
+//! there. If a liquid and its glass share a face, one of the two would never be crossed. So all of
+//! them are crossed at once, entries before exits, as if the bodies overlapped by nothing.
 
 mod search;
 
@@ -73,8 +73,9 @@ pub(super) struct Sides<'a> {
 impl InteriorStack {
     /// The stack beyond the boundary `own` and all `coincident` ones.
     ///
-    /// The path may have crossed some of them just before. An entry into a body that is on the stack is therefore
-    /// skipped, unless `own` is about to leave that body. So is an exit from a body that is not on the stack.
+    /// The path may have crossed some of them just before. An entry into a body that is on the
+    /// stack is therefore skipped, unless `own` is about to leave that body. So is an exit from a
+    /// body that is not on the stack.
     pub(super) fn beyond(&self, own: CoincidentFace, coincident: &CoincidentFaces) -> Self {
         let mut far = *self;
         let count = |material: u32| self.bodies().iter().filter(|m| **m == material).count();

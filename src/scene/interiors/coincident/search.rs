@@ -14,8 +14,8 @@ const LEAF_FACES: usize = 8;
 /// Pairs tested per face. Beyond this budget, all faces are flagged.
 const PAIRS_PER_FACE: usize = 1000;
 
-/// Margin of a face, relative to coordinates and sizes: the position error of two points (see `SurfacePoint::error`),
-/// and room.
+/// Margin of a face, relative to coordinates and sizes: the position error of two points (see
+/// `SurfacePoint::error`), and room.
 const MARGIN: f32 = 16.0 * f32::EPSILON;
 
 /// Flags of primitives on which a boundary of another object may lie. Empty lists mean none.
@@ -63,7 +63,8 @@ impl Extent {
     }
 }
 
-/// Flags the primitives of `geometry` on which another boundary may lie. `is_boundary` says it of a material index.
+/// Flags the primitives of `geometry` on which another boundary may lie. `is_boundary` says it of a
+/// material index.
 pub(in crate::scene) fn find_flags(geometry: &Geometry, is_boundary: impl Fn(u32) -> bool) -> CoincidentFlags {
     let bounds_body = |object: usize| is_boundary(geometry.objects[object].material);
     let at_rest = geometry.first_moving as usize;

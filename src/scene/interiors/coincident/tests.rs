@@ -18,7 +18,8 @@ fn inside(bodies: &[u32]) -> InteriorStack {
     inside
 }
 
-/// Glass is 0, its content 1. The interior beyond the shared face does not depend on which face is hit.
+/// Glass is 0, its content 1. The interior beyond the shared face does not depend on which face is
+/// hit.
 #[test]
 fn shared_faces_are_crossed_together() {
     let glass = inside(&[0]);
