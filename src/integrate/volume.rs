@@ -4,7 +4,7 @@ use super::method::Passage;
 use super::tiles::Worker;
 use crate::color::{Rgb, Wavelength};
 use crate::medium::{Medium, TransmittanceCurve, transmittance};
-use crate::photon::{BeamMap, LEVELS, PointMap, Volume};
+use crate::photon::{BeamMap, LEVELS, PointMap, VolumePhotons};
 use crate::scene::{Interior, MediumSegment};
 use glam::Vec3;
 use rand::Rng;
@@ -85,8 +85,8 @@ impl Sums {
 
 impl VolumeMap {
     /// Indexes what was stored for blurs of these radii: of beams, and of points.
-    pub fn build(volume: Volume, (beams, points): (f32, f32), estimate: VolumeEstimate, band: f32) -> Self {
-        let Volume { beams: ways, points: places } = volume;
+    pub fn build(volume: VolumePhotons, (beams, points): (f32, f32), estimate: VolumeEstimate, band: f32) -> Self {
+        let VolumePhotons { beams: ways, points: places } = volume;
         Self { beams: BeamMap::build(ways, beams), points: PointMap::build(places, points), estimate, band }
     }
 

@@ -121,7 +121,7 @@ fn fluxes(scene: &Scene, source: &PhotonSource<'_>) -> [Mean; 4] {
     for i in 0..32 {
         let traced = pass(scene, source).trace(key(i), 8192, &|_| {});
         let mut flux = [0.0; 3];
-        for Photon { position: p, data: f } in &traced.photons {
+        for Photon { position: p, data: f } in &traced.deposits.photons {
             let region = if (p.y - floor).abs() > 1e-3 { 2 } else { usize::from(p.x < edge.x || p.z < edge.z) };
             flux[region] += f64::from(color::mean(f.flux()));
         }
@@ -170,7 +170,7 @@ fn aiming_and_learning_compose() {
         let (mut seen, mut emitted) = (Mean::default(), Mean::default());
         for i in 0..32 {
             let traced = pass.trace(key(i), 4096, &|_| {});
-            let there = traced.photons.iter().filter(|p| p.position.x > corner.x && p.position.z > corner.z);
+            let there = traced.deposits.photons.iter().filter(|p| p.position.x > corner.x && p.position.z > corner.z);
             seen.add(there.map(|p| f64::from(color::mean(p.data.flux()))).sum());
             emitted.add(traced.audit.emitted[0]);
         }
@@ -194,7 +194,7 @@ fn variance_falls_where_the_camera_looks() {
     let variance = |source: &PhotonSource<'_>| {
         let mut means = vec![Mean::default(); 1600];
         for i in 0..24 {
-            let map = PhotonMap::build(pass(&scene, source).trace(key(i), 16384, &|_| {}).photons);
+            let map = PhotonMap::build(pass(&scene, source).trace(key(i), 16384, &|_| {}).deposits.photons);
             let mut scratch = Scratch::new();
             for (p, mean) in corner(&scene).zip(&mut means) {
                 let wide = Bandwidth { radius: 0.1, k: 0 };
@@ -218,7 +218,7 @@ fn paths_go_to_the_lamp_that_matters() {
     });
     let (learned, _) = learned(&scene, &visible(&scene));
     let share = learned.choice.probability(1);
-    assert!((share - (1.0 - 0.5 * SAFE_SHARE as f32)).abs() < 1e-6, "{share}");
+    assert!((share - (1.0 - 0.5 * DEFENSIVE_FRACTION as f32)).abs() < 1e-6, "{share}");
 }
 
 /// Over the whole of both squares the density is at least the safe share of what it was.
@@ -226,13 +226,13 @@ fn paths_go_to_the_lamp_that_matters() {
 fn something_is_emitted_everywhere() {
     for (name, scene) in halls() {
         let (learned, _) = learned(&scene, &visible(&scene));
-        let density = learned.densities[0].as_ref().unwrap();
+        let density = learned.guiding[0].as_ref().unwrap();
         let mut least = f32::INFINITY;
         for i in 0..1u32 << 16 {
             let at = |shift: u32| (f32::from((i >> shift & 15) as u8) + 0.5) / 16.0;
-            least = least.min(density.density(Vec2::new(at(0), at(4)), Vec2::new(at(8), at(12))));
+            least = least.min(density.pdf(Vec2::new(at(0), at(4)), Vec2::new(at(8), at(12))));
         }
-        assert!(least > 0.99 * SAFE_SHARE as f32, "{name}: {least}");
+        assert!(least > 0.99 * DEFENSIVE_FRACTION as f32, "{name}: {least}");
     }
 }
 

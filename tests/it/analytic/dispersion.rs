@@ -90,6 +90,7 @@ fn a_prism_parts_colours_by_their_indices() {
             .iter()
             .map(|t| {
                 let turned: Vec<f64> = t
+                    .deposits
                     .photons
                     .iter()
                     .filter(|p| codes.contains(&p.data.wavelength()) && place(&scene, p).x > 0.0)
@@ -140,10 +141,14 @@ fn a_parted_beam_is_white_in_sum() {
             let effects = if dispersion { Effects::ALL } else { Effects::ALL.without(Effect::Dispersion) };
             let source = PhotonSource::everywhere(&scene).unwrap().with_effects(effects);
             let passes = trace_from(&scene, &source, StoreMask::CAUSTIC, 10_000, PASSES, 1 << 15);
-            let with_wavelength = passes[0].photons.iter().filter(|p| p.data.wavelength() != 0).count();
-            assert_eq!(with_wavelength > passes[0].photons.len() / 2, dispersion, "{glass}: {with_wavelength}");
+            let with_wavelength = passes[0].deposits.photons.iter().filter(|p| p.data.wavelength() != 0).count();
+            assert_eq!(
+                with_wavelength > passes[0].deposits.photons.len() / 2,
+                dispersion,
+                "{glass}: {with_wavelength}"
+            );
             let sums: Vec<DVec3> =
-                passes.iter().map(|t| t.photons.iter().map(|p| p.data.flux().as_dvec3()).sum()).collect();
+                passes.iter().map(|t| t.deposits.photons.iter().map(|p| p.data.flux().as_dvec3()).sum()).collect();
             // Photons of one wavelength have hues that are rounded each its own way; edges of the prism let one ray in 10⁵ slip.
             agree_rgb(&format!("{glass}, dispersion {dispersion}"), &sums, DVec3::splat(7.0), 5e-3);
         }
@@ -314,7 +319,7 @@ fn the_rainbow_stands_at_42_degrees() {
         let within = |p: &Photon| bow(&scene, p).is_some_and(|a| a >= edges[i] && a < edges[i + 1]);
         let samples: Vec<f64> = passes
             .iter()
-            .map(|t| t.photons.iter().filter(|p| within(p)).map(|p| p.data.flux().as_dvec3().x).sum())
+            .map(|t| t.deposits.photons.iter().filter(|p| within(p)).map(|p| p.data.flux().as_dvec3().x).sum())
             .collect();
         // A ring's ends are met within rounding: 10⁻⁴ degrees, and a midpoint of rays is within 10⁻⁵ of a ball's radius.
         let what = format!("bow from {:.2}° to {:.2}°", edges[i], edges[i + 1]);
@@ -351,7 +356,7 @@ fn a_rainbow_is_red_outside() {
             .iter()
             .map(|t| {
                 let (mut sum, mut weight) = (0.0, 0.0);
-                for p in t.photons.iter().filter(|p| of_band(p)) {
+                for p in t.deposits.photons.iter().filter(|p| of_band(p)) {
                     if let Some(angle) = bow(&scene, p).filter(|a| *a >= edges[0] && *a < edges[1]) {
                         let power = p.data.flux().as_dvec3().element_sum();
                         sum += power * angle;

@@ -57,12 +57,12 @@ fn a_furnace_seen_by_nearest_neighbours_is_as_bright() {
 fn coloured_flux_lands_as_the_geometric_series_though_roulette_is_grey() {
     let scene = furnace();
     let passes = trace(&scene, StoreMask::ALL, 1000, 64, 1 << 13);
-    let landed: Vec<DVec3> = passes.iter().map(|t| flux_where(&scene, &t.photons, |_| true)).collect();
+    let landed: Vec<DVec3> = passes.iter().map(|t| flux_where(&scene, &t.deposits.photons, |_| true)).collect();
     let emitted = EMITTED * (PI * 24.0);
     agree_rgb("landed flux", &landed, emitted / (DVec3::ONE - ALBEDO), 4e-3);
     let direct: Vec<DVec3> = trace(&scene, StoreMask::DIRECT, 0, 4, 1 << 13)
         .iter()
-        .map(|t| t.photons.iter().map(|p| p.data.flux().as_dvec3()).sum())
+        .map(|t| t.deposits.photons.iter().map(|p| p.data.flux().as_dvec3()).sum())
         .collect();
     for flux in direct {
         // No chance is left in the emitted flux but the lights dealt to paths: all six are alike, so it is exact to rounding.

@@ -119,7 +119,7 @@ fn under(lamp: &Lamp) -> SceneBuilder {
 }
 
 fn maps(scene: &Scene) -> Vec<PhotonMap> {
-    trace(scene, DIRECT, 0, PASSES, 1 << 17).into_iter().map(|t| PhotonMap::build(t.photons)).collect()
+    trace(scene, DIRECT, 0, PASSES, 1 << 17).into_iter().map(|t| PhotonMap::build(t.deposits.photons)).collect()
 }
 
 /// The expectation of an estimate is irradiance averaged by its kernel, at any radius and place.
@@ -191,7 +191,7 @@ fn flux_in_discs_below_a_point() {
     let passes = trace(&scene, DIRECT, 0, PASSES, 1 << 16);
     for radius in [0.3, 1.0, 5.0] {
         let inside = |p: DVec3| p.x * p.x + p.z * p.z < radius * radius;
-        let samples: Vec<f64> = passes.iter().map(|t| flux_where(&scene, &t.photons, inside).x).collect();
+        let samples: Vec<f64> = passes.iter().map(|t| flux_where(&scene, &t.deposits.photons, inside).x).collect();
         let expected = TAU * INTENSITY * (1.0 - HEIGHT / libm::hypot(HEIGHT, radius));
         agree(&format!("flux within {radius}"), &samples, expected, expected * 2.0 * HUE, 3e-3);
     }

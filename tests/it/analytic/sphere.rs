@@ -41,7 +41,7 @@ fn reflected_photons_cover_a_sphere_uniformly() {
     for bounces in [1, 1000] {
         let mut counts = vec![0; 32 * 32];
         for t in trace(&scene, StoreMask::GLOBAL, bounces, 4, 1 << 16) {
-            t.photons.iter().for_each(|p| counts[cell(place(&scene, p), 2.0)] += 1);
+            t.deposits.photons.iter().for_each(|p| counts[cell(place(&scene, p), 2.0)] += 1);
         }
         let z = chi_square(&counts);
         eprintln!("chi-square of {bounces} bounces: z = {z:.2}");
@@ -55,7 +55,7 @@ fn the_flux_of_each_bounce_is_a_power_of_the_albedo() {
     let scene = unseen(sphere(2.0, 0.6, vec3(0.3, -0.2, 1.6)));
     let landed = |n| {
         let passes = trace(&scene, StoreMask::GLOBAL, n, PASSES, 1 << 14);
-        passes.iter().map(|t| flux_where(&scene, &t.photons, |_| true).x).collect::<Vec<f64>>()
+        passes.iter().map(|t| flux_where(&scene, &t.deposits.photons, |_| true).x).collect::<Vec<f64>>()
     };
     let mut before = landed(0);
     assert!(before.iter().all(|f| *f == 0.0), "the first surface holds direct photons only");
@@ -78,7 +78,7 @@ fn estimates_on_a_sphere_are_its_uniform_irradiance() {
     let expected = albedo * FLUX / (4.0 * PI * radius * radius * (1.0 - albedo));
     let maps: Vec<PhotonMap> = trace(&scene, StoreMask::GLOBAL, 1000, PASSES, 1 << 15)
         .into_iter()
-        .map(|t| PhotonMap::build(t.photons))
+        .map(|t| PhotonMap::build(t.deposits.photons))
         .collect();
     // Each estimate adds 800 photons in single precision, within 800 · 2⁻²⁴ = 5·10⁻⁵; hues are within 2·10⁻⁵.
     for kernel in KERNELS {
@@ -121,7 +121,7 @@ fn a_cavity_returns_its_effective_albedo() {
         let flux = PI * PI * (1.0 - height * height);
         let series = 1.0 / (1.0 - albedo * (1.0 - f));
         let passes = trace(&scene, StoreMask::ALL, 1000, PASSES, 1 << 15);
-        let landed: Vec<f64> = passes.iter().map(|t| flux_where(&scene, &t.photons, |_| true).x).collect();
+        let landed: Vec<f64> = passes.iter().map(|t| flux_where(&scene, &t.deposits.photons, |_| true).x).collect();
         agree(&format!("landed in a cavity, f = {f}"), &landed, flux * series, flux * series * HUE, 3e-3);
         let returned: Vec<f64> =
             passes.iter().zip(&landed).map(|(t, l)| t.audit.absorbed[0] - (1.0 - albedo) * l).collect();

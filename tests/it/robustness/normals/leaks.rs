@@ -64,7 +64,7 @@ fn a_coarse_ball_is_dark_inside() {
             let traced = pass.trace(key(70), 1 << 14, &|_| {});
             // A photon knows on which side it landed: outwards is away from the middle of the ball.
             let outwards = |p: &Photon| p.data.normal().dot(p.position + inside.middle().as_vec3()) > 0.0;
-            assert!(traced.photons.iter().all(outwards), "{kind}: photons inside");
+            assert!(traced.deposits.photons.iter().all(outwards), "{kind}: photons inside");
         }
     }
 }

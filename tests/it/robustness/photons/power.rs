@@ -142,7 +142,7 @@ fn photons_beyond_single_precision_are_counted_and_told() {
     let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::DIRECT, max_bounces: 0 };
     let told = |paths| {
         let traced = pass.trace(key(9), paths, &|_| {});
-        (traced.stored(), traced.rejected)
+        (traced.deposits.len(), traced.deposits.rejected)
     };
     assert_eq!((told(1), told(16)), ((0, 1), (16, 0)));
     // Photon maps that are looked at through gather rays store what comes straight from lights.
