@@ -2,6 +2,7 @@
 
 use super::chi_square::{Cells, INTEGRAL_ERROR, sidak};
 use super::environment::sky;
+use super::intensity_maps::{goniometric, projector};
 use super::*;
 use glam::Vec2;
 
@@ -15,6 +16,8 @@ fn lights() -> Vec<Light> {
             outer: 0.2,
             peak: Rgb::splat(2.0),
         }),
+        Light::Projector(projector()),
+        Light::Goniometric(goniometric()),
         Light::Directional(DirectionalLight {
             direction: Vec3::new(0.1, -1.0, 0.2).normalize(),
             irradiance: Rgb::splat(2.0),
@@ -112,6 +115,8 @@ fn density(light: &Light, w: Vec3) -> f64 {
         Light::Spot(spot) => {
             f64::from(u8::from(1.0 - w.dot(spot.axis) < spot.outer)) * 2.0 * uniform / f64::from(spot.outer)
         }
+        Light::Projector(projector) => f64::from(projector.pdf(w)),
+        Light::Goniometric(light) => f64::from(light.pdf(w)),
         Light::Directional(_) => 0.0,
         Light::Area(AreaLight { surface: LightSurface::Shape(Shape::Disc(_)), .. }) => {
             f64::from((-w.y).max(0.0)) * 4.0 * uniform

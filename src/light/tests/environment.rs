@@ -6,15 +6,19 @@ use crate::image::Image;
 use glam::Vec2;
 use std::f64::consts::PI;
 
-/// A map with black parts, a bright sun and colours that vary, turned by an angle.
-pub fn sky(angle: f64) -> EnvironmentLight {
+/// A map with black parts, a bright sun and varying colours.
+pub fn sky_map() -> Image {
     let pixel = |i: u32| {
         let (x, y) = (i % 12, i / 12);
         let grey = key(u64::from(i)).uniform(Dimension::Film) * if y > 4 { 0.0 } else { 1.0 };
         if (x, y) == (7, 2) { Vec3::new(40.0, 30.0, 20.0) } else { Vec3::new(grey, 0.5 * grey, 0.25) * grey }
     };
-    let map = Image::from_pixels(12, 8, (0..96).map(pixel).collect()).unwrap();
-    EnvironmentLight::new(map, angle, Rgb::splat(1.5)).unwrap()
+    Image::from_pixels(12, 8, (0..96).map(pixel).collect()).unwrap()
+}
+
+/// The environment of [`sky_map`], rotated by an angle \[radians].
+pub fn sky(angle: f64) -> EnvironmentLight {
+    EnvironmentLight::new(sky_map(), angle, Rgb::splat(1.5)).unwrap()
 }
 
 fn constant() -> EnvironmentLight {
@@ -153,7 +157,7 @@ fn pictures_that_cannot_light_are_refused() {
     {
         let pixels = vec![Rgb::ZERO, Rgb::ZERO, Rgb::ZERO, Rgb::ZERO, Rgb::new(0.0, bad, 0.0), Rgb::ZERO];
         let refused = EnvironmentLight::new(Image::from_pixels(3, 2, pixels).unwrap(), 0.0, Rgb::splat(scale));
-        assert!(matches!(refused, Err(EnvironmentError::Radiance { .. })), "{bad} {scale}");
+        assert!(matches!(refused, Err(PictureError::Value { .. })), "{bad} {scale}");
         if scale == 1.0 {
             assert!(refused.unwrap_err().to_string().contains("column 1, row 1"));
         }

@@ -3,6 +3,7 @@ mod direct;
 mod emission;
 mod emission_texture;
 mod environment;
+mod intensity_maps;
 mod light_bvh;
 
 use super::*;
