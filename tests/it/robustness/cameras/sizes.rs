@@ -29,7 +29,7 @@ fn cameras((width, height): (u32, u32)) -> [String; 3] {
 
 /// Every algorithm renders them, gauge and all, and everything that is told of them is finite.
 #[test]
-fn pictures_of_one_pixel_one_row_and_one_column_are_finite_by_every_algorithm() {
+fn tiny_images_are_finite_with_every_integrator() {
     for size in SIZES {
         for (i, camera) in cameras(size).into_iter().enumerate() {
             let scene = told(&format!("{camera} {ROOM}")).unwrap();
@@ -74,7 +74,7 @@ fn pictures_of_one_pixel_one_row_and_one_column_are_finite_by_every_algorithm() 
 /// A lamp fills the view from one row (or column) on: what lies before it is black, what lies behind it shines, pixel by pixel. With the
 /// box filter a pixel sees nothing beyond itself.
 #[test]
-fn rows_and_columns_of_20000_pixels_show_each_what_is_there() {
+fn images_20000_pixels_long_are_correct() {
     let edge = 12_345u32;
     for (width, height) in [(1u32, 20_000u32), (20_000, 1)] {
         let column = height > width;
@@ -107,7 +107,7 @@ fn rows_and_columns_of_20000_pixels_show_each_what_is_there() {
 
 /// They are written, read, compared and told apart like others.
 #[test]
-fn files_and_metrics_of_one_pixel_one_row_and_one_column() {
+fn tiny_images_have_files_and_metrics() {
     for (width, height) in SIZES {
         let count = width * height;
         let value = |i: u32| Rgb::new(i as f32 / count as f32, 0.5, 1.0 - i as f32 / count as f32);
