@@ -350,7 +350,7 @@ impl<'a> PhotonMapBuilder<'a> {
         let most = if draft.limited { most } else { 0 };
         let k = (f64::from(most) * area).round().max(FEWEST) as u32;
         let bandwidth = Bandwidth { radius: radius * area.sqrt() as f32, k: k.min(most) };
-        let map = map.with_least(self.least * area.sqrt() as f32);
+        let map = map.with_min_radius(self.least * area.sqrt() as f32);
         PhotonEstimator { scene: self.scene, map, bandwidth, kernel, volume }
     }
 

@@ -1,4 +1,4 @@
-//! How much of an estimate's disc is surface.
+//! Boundary bias of density estimates: the fraction of the disc that is surface.
 
 use super::Kernel;
 use super::estimate::{FLATNESS, LEVELS, SAME_SIDE};
@@ -7,17 +7,18 @@ use crate::sampling::{Dimension, Key, sobol_2d};
 use crate::scene::Scene;
 use glam::Vec3;
 
-/// Probes of a disc.
+/// Number of probe rays per disc.
 const PROBES: u32 = 16;
 
-/// No estimate is raised by more than one over this.
-const LEAST: f32 = 0.05;
+/// Lower bound of the coverage; it limits the correction of an estimate.
+const MIN_COVERAGE: f32 = 0.05;
 
-/// The kernel's integral over the surface on which photons count for an estimate at `p`, over its integral over the whole disc.
+/// Integral of the kernel over the surface around `p`, relative to the integral over the flat disc.
 ///
-/// A density estimate divides by the area of a disc; where the surface ends, bends or is hidden within it, photons come from less
-/// (Jensen 2001, section 7.2.3: the boundary bias), and on a slope from more. Rays across the disc measure how much, and the
-/// estimate over this is the kernel's mean of the light on the surface that is there. On a flat surface it is exactly 1.
+/// A density estimate divides by the area of a disc. Where the surface ends, bends or is occluded,
+/// fewer photons contribute (Jensen 2001, section 7.2.3: boundary bias); on a slope, more do. Probe
+/// rays across the disc measure the ratio. The estimate over this ratio is the mean over the
+/// surface. On a flat surface the result is exactly 1.
 #[must_use]
 pub fn coverage(scene: &Scene, p: Vec3, normal: Vec3, radius: f32, kernel: Kernel, key: Key) -> f32 {
     let frame = Frame::around(normal);
@@ -33,17 +34,19 @@ pub fn coverage(scene: &Scene, p: Vec3, normal: Vec3, radius: f32, kernel: Kerne
         let cos = scene.normal_at(&ray, &hit).dot(normal).abs();
         if cos > SAME_SIDE {
             let rise = (height - hit.t) / radius;
-            // The plane itself is met within rounding: it must count as flat.
+            // The plane itself is hit within rounding, and must count as flat.
             let shape = if rise.abs() < 1e-3 { shape } else { kernel.shape_within(d.length_squared() + rise * rise) };
             let cos = if cos > 0.999_999 { 1.0 } else { cos };
             covered += shape / cos;
         }
     }
-    if whole > 0.0 { (covered / whole).max(LEAST) } else { 1.0 }
+    if whole > 0.0 { (covered / whole).max(MIN_COVERAGE) } else { 1.0 }
 }
 
-/// The same of the disc and of the finer ones within it (see [`NestedEstimate`](super::NestedEstimate)). Each is probed by as many rays, as the mean of
-/// one over what few of them tell is too large.
+/// Coverage of the disc and of the finer discs in it, see
+/// [`NestedEstimate`](super::NestedEstimate).
+///
+/// Each disc has its own probe rays: the mean of the inverse is biased for few rays.
 #[must_use]
 pub fn nested_coverage(scene: &Scene, p: Vec3, normal: Vec3, radius: f32, kernel: Kernel, key: Key) -> [f32; LEVELS] {
     let mut radius = radius;
@@ -174,7 +177,7 @@ mod tests {
     #[test]
     fn where_nothing_is_an_estimate_is_raised_by_no_more_than_the_limit() {
         let key = Key::new(0).purpose(Purpose::Test);
-        assert_eq!(coverage(&square(), Vec3::new(0.0, 2.0, 0.0), Vec3::Y, 0.5, Kernel::Box, key), LEAST);
+        assert_eq!(coverage(&square(), Vec3::new(0.0, 2.0, 0.0), Vec3::Y, 0.5, Kernel::Box, key), MIN_COVERAGE);
     }
 
     /// The part of a sphere within chord r of a point has the area πr² exactly, so what is a disc to the eye covers a disc, on a

@@ -17,7 +17,7 @@ mod trace;
 mod visible;
 
 pub use audit::Audit;
-pub use beam::{Beam, BeamMap, Crossing};
+pub use beam::{Beam, BeamIntersection, BeamMap};
 pub use coverage::{coverage, nested_coverage};
 pub use deposits::{Deposits, VolumePhotons};
 pub use emit::PhotonSource;

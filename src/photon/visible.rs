@@ -1,44 +1,46 @@
-//! Which places matter to the picture.
+//! Importance of points for the picture.
 
 use super::{Bandwidth, Kernel, Photon, PhotonMap, Scratch};
 use crate::color::Rgb;
 use crate::math::Bounds;
 use glam::Vec3;
 
-/// Where a camera walk ends.
+/// A point that a camera path sees.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VisiblePoint {
-    /// Place.
+    /// Position.
     pub position: Vec3,
-    /// Unit geometric normal on the seen side.
+    /// Unit geometric normal on the visible side.
     pub normal: Vec3,
-    /// How much the picture changes with the irradiance there: the walk's throughput times the BRDF, up to a factor common to
-    /// all points.
+    /// Derivative of the picture with respect to irradiance: throughput times BRDF, up to a common
+    /// factor.
     pub weight: f32,
 }
 
-/// VisiblePointMap points indexed by place.
+/// Visible points in a kd-tree; their density is the importance of photons.
 ///
-/// They are the importons of Peter and Pietrek (1998, "Importance driven construction of photon maps"), for surfaces seen
-/// directly.
+/// They are the importons of Peter and Pietrek 1998, "Importance driven construction of photon
+/// maps", for directly visible surfaces.
 #[derive(Debug)]
 pub struct VisiblePointMap {
     points: PhotonMap,
     bandwidth: Bandwidth,
-    /// Where searches begin: few places are denser.
+    /// First radius of searches: most points have a larger spacing \[length].
     dense: f32,
 }
 
-/// Points whose density is the importance.
+/// Number of nearest points per estimate.
 const NEIGHBOURS: u32 = 16;
 
-/// Points at which their distances are measured.
+/// Number of points where the spacing is measured.
 const PROBES: usize = 256;
 
 impl VisiblePointMap {
-    /// Indexes points. Whatever lies within `radius` \[length] of one, on its side of the surface, matters: that should be the radius
-    /// within which photons are gathered. It is widened where points are too sparse to cover what they stand for. Points that
-    /// are not finite, or without weight, are left out.
+    /// Builds the map. Photons count within `radius` \[length] of a point, on its side of the
+    /// surface.
+    ///
+    /// `radius` is that of the photon estimates. It grows if the points are too sparse to cover the
+    /// visible surfaces. Points that are not finite or have no weight are left out.
     #[must_use]
     pub fn new(points: impl IntoIterator<Item = VisiblePoint>, radius: f32) -> Self {
         let point = |p: VisiblePoint| Photon::new(p.position, Rgb::splat(p.weight * p.weight), p.normal, p.normal);
@@ -54,15 +56,16 @@ impl VisiblePointMap {
         Self { points, bandwidth: Bandwidth { radius: radius.max(typical), k: NEIGHBOURS }, dense }
     }
 
-    /// The sum of squared weights per area around a point of a surface with unit geometric `normal` on the lit side.
+    /// Sum of squared weights per area at `p`, on the side of the unit geometric `normal`.
     ///
-    /// A photon of flux Φ changes the irradiance at the n points around it by ΦK each, so it adds Φ² times this, and a factor
-    /// that depends on the kernel alone, to the sum of the squared changes of the picture.
+    /// A photon of flux Φ changes the irradiance of the n points around it by ΦK each. It adds Φ²
+    /// times this importance, times a factor of the kernel, to the sum of squared changes of the
+    /// picture.
     #[inline]
     #[must_use]
     pub fn importance(&self, p: Vec3, normal: Vec3, scratch: &mut Scratch) -> f32 {
-        // Photons land here and there, so the last search tells nothing of the next.
-        scratch.begin_with(self.dense);
+        // Consecutive photons are far apart: the last search radius is no good guess.
+        scratch.set_first_radius(self.dense);
         self.points.estimate(p, normal, self.bandwidth, Kernel::Box, scratch, |_| Rgb::ONE).radiance.x
     }
 }
@@ -92,11 +95,11 @@ mod tests {
         assert_eq!(at(0.5, 0.0, Vec3::NEG_Y), 0.0);
         assert_eq!(at(0.5, 0.1, Vec3::Y), 0.0);
         assert_eq!(at(1.1, 0.0, Vec3::Y), 0.0);
-        assert!(at(1.01, 0.0, Vec3::Y) > 0.0, "what is gathered beyond the last point matters");
+        assert!(at(1.01, 0.0, Vec3::Y) > 0.0, "photons count beyond the last point");
     }
 
     #[test]
-    fn points_cover_what_they_stand_for_however_small_the_radius() {
+    fn radius_grows_to_cover_sparse_points() {
         let visible = floor(1e-6);
         for i in 0..64 {
             let p = Vec3::new(0.2 + 0.01 * i as f32, 0.0, 0.5);
@@ -105,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_visible_nothing_matters() {
+    fn invalid_points_have_no_importance() {
         let lost = VisiblePoint { position: Vec3::NAN, normal: Vec3::Y, weight: 1.0 };
         let dark = VisiblePoint { position: Vec3::ZERO, normal: Vec3::Y, weight: 0.0 };
         let visible = VisiblePointMap::new([lost, dark], 1.0);

@@ -58,7 +58,8 @@ fn what_a_scan_finds_is_found() {
             for ray in rays(60, size, middle) {
                 let mut all = found(&map, &ray);
                 all.sort_unstable();
-                let scan = |b: &Beam| Crossing::of(&ray, b, radius.into()).map(|c| (b.medium, c.weight.to_bits()));
+                let scan =
+                    |b: &Beam| BeamIntersection::new(&ray, b, radius.into()).map(|c| (b.medium, c.weight.to_bits()));
                 let expected: Vec<(u32, u32)> = beams.iter().filter_map(scan).collect();
                 assert_eq!(all, expected, "{size} {radius}");
                 count += all.len();
@@ -75,12 +76,12 @@ fn beams_are_met_once_where_they_are_cut() {
     let beams = random(900, 1.0, Vec3::splat(30.0));
     let map = BeamMap::build(beams.clone(), radius);
     let mut count = 0;
-    for (i, piece) in (0..).zip(cut(&beams, piece_length(&beams, radius))) {
+    for (i, piece) in (0..).zip(cut_into_pieces(&beams, piece_length(&beams, radius))) {
         let beam = &beams[piece.beam as usize];
         let direction = sphere(2_000_000 + i);
         let target = beam.at(piece.to.into()).as_vec3();
         let ray = Ray::new(target - direction * [0.1, 10.0, 300.0][i as usize % 3], direction);
-        let expected = usize::from(Crossing::of(&ray, beam, radius.into()).is_some());
+        let expected = usize::from(BeamIntersection::new(&ray, beam, radius.into()).is_some());
         assert_eq!(found(&map, &ray).iter().filter(|f| f.0 == beam.medium).count(), expected);
         count += expected;
     }
@@ -101,7 +102,7 @@ fn a_crossing_is_the_closest_approach() {
         let distance = (w + b * s - d * t).length();
         let x = distance / 0.2;
         let inside = t > 0.0 && t < f64::from(ray.t_max) && s > 0.0 && s < 1.0 && x < 1.0;
-        let crossing = Crossing::of(&ray, &beam, 0.2);
+        let crossing = BeamIntersection::new(&ray, &beam, 0.2);
         assert_eq!(crossing.is_some(), inside, "{t} {s} {x}");
         if let Some(c) = crossing {
             count += 1;
@@ -126,7 +127,7 @@ fn the_kernel_has_unit_integral() {
     for i in 0..n {
         let height = radius * ((2 * i + 1) as f32 / n as f32 - 1.0);
         let beam = beam(Vec3::new(1.0, -1.0, height), Vec3::new(0.8, sine, 0.0), 9.0);
-        let crossing = Crossing::of(&ray, &beam, radius.into()).unwrap();
+        let crossing = BeamIntersection::new(&ray, &beam, radius.into()).unwrap();
         sum += crossing.weight * sine * 2.0 * radius / n as f32;
         assert!((crossing.cos - 0.8).abs() < 1e-6 && (crossing.s * sine - 1.0).abs() < 1e-6);
     }
@@ -153,7 +154,9 @@ fn beams_and_rays_end() {
 #[test]
 fn nearly_parallel_lines() {
     let ray = Ray { origin: Vec3::ZERO, direction: Vec3::X, t_max: 10.0 };
-    let at = |sine: f32| Crossing::of(&ray, &beam(Vec3::new(0.0, -sine, 0.01), Vec3::new(1.0, sine, 0.0), 10.0), 0.1);
+    let at = |sine: f32| {
+        BeamIntersection::new(&ray, &beam(Vec3::new(0.0, -sine, 0.01), Vec3::new(1.0, sine, 0.0), 10.0), 0.1)
+    };
     assert!(at(0.0).is_none() && at(3e-7).is_none());
     for sine in [1e-6, 1e-3] {
         let c = at(sine).unwrap();
@@ -188,8 +191,8 @@ fn useless_beams_are_refused() {
 fn pieces_are_few_and_the_map_is_one_for_any_number_of_threads() {
     for radius in [1e-9, 0.01, 10.0] {
         let beams = random(5000, 1.0, Vec3::ZERO);
-        let pieces = cut(&beams, piece_length(&beams, radius)).len();
-        assert!(pieces as f64 <= MOST_PIECES * 5000.0 && pieces >= 5000, "{pieces}");
+        let pieces = cut_into_pieces(&beams, piece_length(&beams, radius)).len();
+        assert!(pieces as f64 <= MAX_PIECES * 5000.0 && pieces >= 5000, "{pieces}");
     }
     let with = |n| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
