@@ -157,7 +157,7 @@ impl VolumeMap {
                 return;
             }
             *found += 1;
-            let left = fade.left(t);
+            let left = fade.at(t);
             let phase = medium.phase.evaluate(-cos);
             sums.add(photon.flux() * left * shared(own, photon.wavelength, self.band), phase * weight, x2);
         });
@@ -206,7 +206,7 @@ pub(super) fn shared(own: Option<Wavelength>, other: u8, band: f32) -> Rgb {
     if apart > band {
         return Rgb::ZERO;
     }
-    let response = other.weight() * other.density();
+    let response = other.weight() * other.pdf();
     let nm = own.nanometres();
     let width = (nm + band).min(Wavelength::LONGEST) - (nm - band).max(Wavelength::SHORTEST);
     Rgb::select(response.cmpgt(Rgb::ZERO), 1.0 / (response * width), Rgb::ZERO)

@@ -20,7 +20,7 @@ fn bluish(density: Option<GridDensity>) -> Medium {
 fn make(a: Vec3, s: Vec3, e: Vec3, density: Option<GridDensity>) -> Medium {
     match density {
         None => Medium::homogeneous(a, s, e, PhaseFunction::Isotropic),
-        Some(field) => Medium::varied(a, s, e, PhaseFunction::Isotropic, Arc::new(field)),
+        Some(field) => Medium::heterogeneous(a, s, e, PhaseFunction::Isotropic, Arc::new(field)),
     }
 }
 

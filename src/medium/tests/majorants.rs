@@ -47,7 +47,12 @@ fn walks_end_where_diffusion_says() {
 fn walks_in_a_grid_end_where_diffusion_says() {
     let place = DAffine3::from_scale(DVec3::splat(400.0)) * DAffine3::from_translation(DVec3::splat(-0.5));
     let field = Arc::new(GridDensity::new([33, 20, 9], vec![2.5; 33 * 20 * 9], place).unwrap());
-    let medium =
-        Medium::varied(Vec3::splat(0.2), Vec3::splat(0.8), Vec3::ZERO, PhaseFunction::HenyeyGreenstein(0.7), field);
+    let medium = Medium::heterogeneous(
+        Vec3::splat(0.2),
+        Vec3::splat(0.8),
+        Vec3::ZERO,
+        PhaseFunction::HenyeyGreenstein(0.7),
+        field,
+    );
     check(&medium, 2.5, 0.8);
 }

@@ -348,7 +348,7 @@ fn rainbow_is_red_outside() {
             let near = near.min_by(|a, b| {
                 (f64::from(a.nanometres()) - nm).abs().total_cmp(&(f64::from(b.nanometres()) - nm).abs())
             });
-            let density = f64::from(near.unwrap().density());
+            let density = f64::from(near.unwrap().pdf());
             flux += f * density;
             angles += a * density;
         }
