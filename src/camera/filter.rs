@@ -1,27 +1,31 @@
-//! Reconstruction filters, sampled in proportion to their size, so that every sample weighs the same or its negative.
+//! Pixel reconstruction filters.
+//!
+//! Offsets are sampled in proportion to the absolute weight, so all samples have the same weight or
+//! its negative.
 
 use glam::Vec2;
 use std::str::FromStr;
 
-/// The filters on offer.
+/// Kinds of reconstruction filters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum FilterKind {
     /// Constant over one pixel.
     Box,
-    /// A tent of radius one pixel.
+    /// Tent of radius one pixel.
     Tent,
-    /// A Gaussian of standard deviation ½ pixel, cut at 1½.
+    /// Gaussian with a standard deviation of ½ pixel, cut off at 1½ pixels.
     Gaussian,
-    /// The four-term Blackman–Harris window of radius 1½ pixels (Harris 1978).
+    /// Four-term Blackman–Harris window with a radius of 1½ pixels (Harris 1978).
     #[default]
     BlackmanHarris,
-    /// The cubic of Mitchell and Netravali (1988) with B = C = ⅓, of radius two pixels: sharper, and below zero at its rim.
+    /// Cubic of Mitchell and Netravali 1988 with B = C = ⅓ and a radius of two pixels. It is
+    /// sharper, and negative at its rim.
     Mitchell,
 }
 
-/// A name that is no filter's.
+/// The name is not that of a filter.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("there is no filter `{0}`; known are box, tent, gaussian, blackman-harris, mitchell")]
+#[error("unknown filter `{0}`: use box, tent, gaussian, blackman-harris or mitchell")]
 pub struct UnknownFilter(String);
 
 impl FromStr for FilterKind {
@@ -40,7 +44,7 @@ impl FromStr for FilterKind {
 }
 
 impl FilterKind {
-    /// Half width in pixels.
+    /// Radius \[pixels].
     fn radius(self) -> f64 {
         match self {
             Self::Box => 0.5,
@@ -50,7 +54,7 @@ impl FilterKind {
         }
     }
 
-    /// Weight at distance `x` pixels, up to a factor.
+    /// Unnormalised weight at a distance of `x` pixels.
     #[must_use]
     pub fn weight(self, x: f64) -> f64 {
         match self {
@@ -74,30 +78,31 @@ impl FilterKind {
     }
 }
 
+/// Intervals of the quantile table.
 const CELLS: usize = 1024;
 
-/// A separable filter, ready to be sampled.
+/// A separable filter, tabulated for sampling.
 #[derive(Clone, Debug)]
 pub struct Filter {
-    /// Offsets at equal steps of the cumulative weight.
+    /// Offsets at equal steps of the cumulative absolute weight.
     quantiles: [f32; CELLS + 1],
-    /// Where the weight is below zero, in pixels from the middle; infinite where it is nowhere.
+    /// Offset beyond which the weight is negative \[pixels]; infinite for a non-negative filter.
     negative_from: f32,
-    /// The integral of the weight's size over that of the weight, in one dimension.
+    /// Integral of the absolute weight over the integral of the weight, in one dimension.
     excess: f32,
 }
 
-/// Where a pixel is looked at.
+/// A sampled film offset.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FilterSample {
-    /// Offset from the pixel's centre, in pixels.
+    /// Offset from the pixel center \[pixels].
     pub offset: Vec2,
-    /// What the sample counts; 1 for filters without negative parts, else 1 in the mean.
+    /// Weight of the sample; 1 for non-negative filters, else 1 in the mean.
     pub weight: f32,
 }
 
 impl Filter {
-    /// Tabulates the inverse of the cumulative weight.
+    /// Tabulates the inverse of the cumulative absolute weight.
     #[must_use]
     pub fn new(kind: FilterKind) -> Self {
         const STEPS: usize = 4096;
@@ -106,12 +111,12 @@ impl Filter {
         let mut cumulative = vec![0.0; STEPS + 1];
         let (mut signed, mut negative_from) = (0.0, f64::INFINITY);
         for i in 0..STEPS {
-            let middle = 0.5 * (at(i) + at(i + 1));
-            let weight = kind.weight(middle);
+            let center = 0.5 * (at(i) + at(i + 1));
+            let weight = kind.weight(center);
             signed += weight;
             cumulative[i + 1] = cumulative[i] + weight.abs();
-            // Filters are positive in the middle and change their sign at most once on each side.
-            if weight < 0.0 && middle > 0.0 {
+            // All filters are positive in the middle, and change sign at most once on each side.
+            if weight < 0.0 && center > 0.0 {
                 negative_from = negative_from.min(at(i));
             }
         }
@@ -127,13 +132,13 @@ impl Filter {
         Self { quantiles, negative_from: negative_from as f32, excess }
     }
 
-    /// Whether parts of it are negative.
+    /// True if parts of the filter are negative.
     #[must_use]
     pub fn is_signed(&self) -> bool {
         self.negative_from.is_finite()
     }
 
-    /// Where to look for `u` in \[0, 1)².
+    /// Samples an offset for `u` in \[0, 1)².
     #[inline]
     #[must_use]
     pub fn sample(&self, u: Vec2) -> FilterSample {
@@ -159,7 +164,7 @@ mod tests {
     /// Second moments: box 1/12, tent 1/6, the others by quadrature. The table is coarsest in the two cells at the ends, which
     /// hold 1/1024 each and reach from 1 to 1.5 px at most: they misplace x² by at most (1.5² − 1)/2 each, together 1.2·10⁻³.
     #[test]
-    fn moments_are_the_filters() {
+    fn second_moments_match_quadrature() {
         let n = 100_000;
         let second = |kind: FilterKind| {
             let f = Filter::new(kind);
@@ -183,7 +188,7 @@ mod tests {
     /// Weights are 1 in the mean, and weighted moments are the filter's: one over a net of 2¹⁸ points, whose error for functions with few
     /// jumps is far below the chance bound of as many independent points.
     #[test]
-    fn weights_make_up_for_what_is_negative() {
+    fn signed_weights_average_one() {
         use crate::sampling::{Dimension, Key, Purpose, sobol_2d};
         let n = 1 << 18;
         let key = Key::new(3).purpose(Purpose::Test);
@@ -205,7 +210,7 @@ mod tests {
     }
 
     #[test]
-    fn offsets_stay_within_the_radius() {
+    fn offsets_are_within_the_radius() {
         for kind in
             [FilterKind::Box, FilterKind::Tent, FilterKind::Gaussian, FilterKind::BlackmanHarris, FilterKind::Mitchell]
         {
