@@ -106,7 +106,7 @@ mod tests {
 
     /// Level or oblique, from its front and from behind, whatever its plane's rounding.
     #[test]
-    fn a_flat_surface_covers_all_of_a_disc_within_it() {
+    fn flat_surface_has_full_coverage() {
         let oblique = |i| (DVec3::new(5.0, 2.0, 0.3 * f64::from(i) - 1.0), DVec3::new(1.0, -4.0, 3.0));
         for (edge0, edge1) in (0..20).map(oblique).chain([(DVec3::X * 4.0, DVec3::Z * -4.0)]) {
             let flat = scene(&[rectangle([0.0; 3], edge0, edge1)]);
@@ -124,7 +124,7 @@ mod tests {
 
     /// analytic-truths 29: half at an edge, a quarter in a corner, by symmetry for every kernel.
     #[test]
-    fn half_of_a_disc_at_an_edge_and_a_quarter_in_a_corner() {
+    fn coverage_is_half_at_edges_quarter_at_corners() {
         for kernel in KERNELS {
             covers(&square(), DVec3::X, kernel, 0.5);
             covers(&square(), DVec3::new(1.0, 0.0, 1.0), kernel, 0.25);
@@ -134,7 +134,7 @@ mod tests {
     /// Half a radius from an edge, what lies beyond it is ∫ 2 acos(1/(2t)) K(t) t dt from ½ to 1: .196 of the box, .109 of the cone
     /// and .127 of Epanechnikov's. 2000 midpoints leave less than 10⁻⁴.
     #[test]
-    fn an_edge_takes_away_what_the_kernel_has_beyond_it() {
+    fn edge_coverage_matches_kernel_integral() {
         for kernel in KERNELS {
             let beyond = (0..2000).map(|i| {
                 let t = 0.5 + (f64::from(i) + 0.5) / 4000.0;
@@ -146,7 +146,7 @@ mod tests {
 
     /// A slope of 75° faces another way, and a step of .4 radii is beyond what an estimate calls flat.
     #[test]
-    fn what_faces_another_way_or_lies_off_the_tangent_plane_does_not_count() {
+    fn other_orientations_and_heights_are_not_covered() {
         let floor = rectangle([0.0, 0.0, 1.0], DVec3::X, DVec3::Z * -2.0);
         let down = DVec3::new(-0.258_819, -0.965_926, 0.0);
         let slope = rectangle([0.0, 0.0, 1.0], DVec3::Z * -2.0, down);
@@ -161,7 +161,7 @@ mod tests {
 
     /// The edge is .3 away: within the discs of .5 and .354, beyond that of .25.
     #[test]
-    fn finer_discs_are_probed_by_themselves() {
+    fn nested_discs_are_probed_independently() {
         let p = DVec3::X * 0.7;
         let levels = |i| {
             let key = Key::new(5).purpose(Purpose::Test).with(i);
@@ -175,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn where_nothing_is_an_estimate_is_raised_by_no_more_than_the_limit() {
+    fn coverage_has_a_lower_bound() {
         let key = Key::new(0).purpose(Purpose::Test);
         assert_eq!(coverage(&square(), Vec3::new(0.0, 2.0, 0.0), Vec3::Y, 0.5, Kernel::Box, key), MIN_COVERAGE);
     }
@@ -184,7 +184,7 @@ mod tests {
     /// ball and in a bowl: the slope makes up for what the chord leaves out. Probes beyond the chord are drawn in vain, which the
     /// ratio knows.
     #[test]
-    fn a_sphere_covers_as_much_as_a_plane_by_the_box() {
+    fn sphere_has_full_box_coverage() {
         let ball = scene(&[Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0))]);
         for p in [DVec3::Y, DVec3::NEG_Y] {
             let (mean, sigma) = mean(&ball, p, Vec3::Y, 0.45, Kernel::Box);

@@ -209,7 +209,7 @@ mod tests {
     }
 
     #[test]
-    fn suns_light_scenes_of_planes_alone() {
+    fn directional_light_reaches_unbounded_planes() {
         let mut builder = SceneBuilder::new();
         let white = builder.material(Material::diffuse(Rgb::ONE));
         builder.plane(Plane::new(DVec3::NEG_Y, DVec3::Y), white, Rgb::ZERO);
@@ -228,7 +228,7 @@ mod tests {
     }
 
     #[test]
-    fn planes_shade_parallel_light_however_far_upstream() {
+    fn distant_planes_shadow_parallel_light() {
         for (height, shaded) in [(1.0, true), (100.0, true), (1e6, true), (-1.0, false)] {
             let scene = sun_over_ball(height);
             let source = PhotonSource::everywhere(&scene).unwrap();

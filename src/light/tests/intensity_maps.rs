@@ -74,7 +74,7 @@ fn profile_power_matches_closed_forms() {
 }
 
 #[test]
-fn profiles_shine_about_their_axis() {
+fn profiles_are_symmetric_about_their_axis() {
     let map = Arc::new(profile_map(&[(0.0, 4.0), (60.0, 1.0), (90.0, 0.0)]).unwrap());
     let light = GoniometricLight::new(Vec3::ZERO, DVec3::X, DVec3::NEG_Y, map, Rgb::ONE);
     for (degrees, expected) in [(0.0f32, 4.0), (30.0, 2.5), (60.0, 1.0), (75.0, 0.5), (120.0, 0.0)] {
@@ -87,7 +87,7 @@ fn profiles_shine_about_their_axis() {
 }
 
 #[test]
-fn bad_pictures_and_profiles_are_refused() {
+fn invalid_pictures_and_profiles_are_errors() {
     let bad = Image::from_pixels(1, 1, vec![Rgb::NAN]).unwrap();
     assert!(matches!(Slide::new(bad, 1.0), Err(PictureError::Value { .. })));
     assert!(Slide::new(Image::from_pixels(1, 1, vec![Rgb::ZERO]).unwrap(), 1.0).unwrap().is_none());

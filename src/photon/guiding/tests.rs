@@ -51,7 +51,7 @@ fn halls() -> [(&'static str, Scene); 5] {
     ]
 }
 
-/// A place of the description in the resolved scene.
+/// A position of the description in the resolved scene.
 fn placed(scene: &Scene, p: DVec3) -> Vec3 {
     (p - scene.middle()).as_vec3()
 }
@@ -100,7 +100,7 @@ impl Mean {
         self.sum / self.n
     }
 
-    /// Of one pass.
+    /// Result of one pass.
     fn variance(&self) -> f64 {
         ((self.squares / self.n - self.mean() * self.mean()) * self.n / (self.n - 1.0)).max(0.0)
     }
@@ -113,7 +113,7 @@ impl Mean {
     }
 }
 
-/// Flux that lands in the seen corner, on the rest of the floor, on the wall, and that is emitted.
+/// Flux on the visible corner, on the rest of the floor, on the wall, and the emitted flux.
 fn fluxes(scene: &Scene, source: &PhotonSource<'_>) -> [Mean; 4] {
     let floor = placed(scene, DVec3::ZERO).y;
     let edge = placed(scene, DVec3::new(6.0, 0.0, 6.0));
@@ -131,9 +131,9 @@ fn fluxes(scene: &Scene, source: &PhotonSource<'_>) -> [Mean; 4] {
     means
 }
 
-/// 32 passes each, five sigma: 40 comparisons give a false alarm of 2·10⁻⁵.
+/// 32 passes each, five sigma: 40 comparisons give a false alarm rate of 2·10⁻⁵.
 #[test]
-fn means_stay_what_they_were() {
+fn guiding_is_unbiased() {
     for (name, scene) in halls() {
         let plain = PhotonSource::everywhere(&scene).unwrap();
         let (learned, lesson) = learned(&scene, &visible(&scene));
@@ -151,9 +151,9 @@ fn means_stay_what_they_were() {
     }
 }
 
-/// Aimed at a glass ball above the seen corner and one far from it: the flux that lands in the corner.
+/// Flux on the visible corner, with aim at a glass ball above it and at one far away.
 #[test]
-fn aiming_and_learning_compose() {
+fn aiming_and_guiding_together_are_unbiased() {
     let scene = hall(|b| {
         let glass = b.material(Material::dielectric(1.5, Rgb::ZERO));
         b.shape(Shape::Sphere(Sphere::new(DVec3::new(6.5, 1.2, 6.5), 0.8)), glass, Rgb::ZERO);
@@ -182,12 +182,12 @@ fn aiming_and_learning_compose() {
     assert!(lesson.gain > 1.2, "{lesson:?}");
 }
 
-/// The corner gets 0.6 % of the spot's photons; of the learned ones four in five go to cells that hold some of it. Where these are
-/// filled to a quarter, 20 % of the photons land in it, and the variance falls to a thirtieth. Refinement stops where the
-/// pilot's other half sees no gain, which may be a level earlier, at an eighth and a fifteenth (pilots of eight seeds gave 13 to
-/// 54); half of that is asked.
+/// Expected gain: 0.6 % of the plain photons land in the corner; of the guided ones, at least 20 %.
+///
+/// Refinement may stop one level early, so the measured gains of eight seeds were 13 to 54. The
+/// test asks for half of 15.
 #[test]
-fn variance_falls_where_the_camera_looks() {
+fn guiding_reduces_visible_variance() {
     let scene = spot();
     let (learned, _) = learned(&scene, &visible(&scene));
     let plain = PhotonSource::everywhere(&scene).unwrap();
@@ -208,9 +208,9 @@ fn variance_falls_where_the_camera_looks() {
     assert!(ratio > 7.5, "{ratio}");
 }
 
-/// Two lamps, one behind the wall: paths leave it for the one that is seen.
+/// Two lamps, one behind the wall: paths move to the visible one.
 #[test]
-fn paths_go_to_the_lamp_that_matters() {
+fn guiding_prefers_the_visible_lamp() {
     let scene = hall(|b| {
         let strength = LightStrength::Power(Rgb::ONE);
         b.source(SourceKind::Point { position: DVec3::new(0.0, 3.0, -12.0) }, strength);
@@ -221,9 +221,9 @@ fn paths_go_to_the_lamp_that_matters() {
     assert!((share - (1.0 - 0.5 * DEFENSIVE_FRACTION as f32)).abs() < 1e-6, "{share}");
 }
 
-/// Over the whole of both squares the density is at least the safe share of what it was.
+/// The pdf is nowhere below the defensive fraction of the unguided pdf.
 #[test]
-fn something_is_emitted_everywhere() {
+fn guided_pdf_has_a_lower_bound() {
     for (name, scene) in halls() {
         let (learned, _) = learned(&scene, &visible(&scene));
         let density = learned.guiding[0].as_ref().unwrap();
@@ -237,7 +237,7 @@ fn something_is_emitted_everywhere() {
 }
 
 #[test]
-fn a_pilot_that_saw_nothing_changes_nothing() {
+fn blind_pilot_leaves_source_unguided() {
     for (name, scene) in halls() {
         let below = corner(&scene).map(|position| VisiblePoint { position, normal: Vec3::NEG_Y, weight: 1.0 });
         for visible in [VisiblePointMap::new(below, 0.1), VisiblePointMap::new([], 0.1)] {
@@ -253,7 +253,7 @@ fn a_pilot_that_saw_nothing_changes_nothing() {
 }
 
 #[test]
-fn the_lesson_is_a_function_of_scene_and_seed() {
+fn guiding_is_deterministic() {
     let scene = square_lamp();
     let visible = visible(&scene);
     let emissions = |threads: usize, seed: u64| {
