@@ -70,7 +70,7 @@ fn visible(scene: &Scene) -> VisiblePointMap {
 const WANTS: StoreMask = StoreMask::ALL;
 const BOUNCES: u32 = 2;
 
-fn learned<'a>(scene: &'a Scene, visible: &VisiblePointMap) -> (PhotonSource<'a>, GuidingReport) {
+fn guided<'a>(scene: &'a Scene, visible: &VisiblePointMap) -> (PhotonSource<'a>, GuidingReport) {
     let pilot = GuidingPilot { mask: WANTS, max_bounces: BOUNCES, visible, paths: 1 << 16, seed: 11 };
     PhotonSource::everywhere(scene).unwrap().guided(&pilot)
 }
@@ -136,9 +136,9 @@ fn fluxes(scene: &Scene, source: &PhotonSource<'_>) -> [Mean; 4] {
 fn guiding_is_unbiased() {
     for (name, scene) in halls() {
         let plain = PhotonSource::everywhere(&scene).unwrap();
-        let (learned, lesson) = learned(&scene, &visible(&scene));
-        assert!(lesson.useful > 0.0 && lesson.gain > 1.0, "{name} has something to learn: {lesson:?}");
-        let (before, after) = (fluxes(&scene, &plain), fluxes(&scene, &learned));
+        let (guided, report) = guided(&scene, &visible(&scene));
+        assert!(report.useful > 0.0 && report.gain > 1.0, "{name} has something to learn: {report:?}");
+        let (before, after) = (fluxes(&scene, &plain), fluxes(&scene, &guided));
         for (region, (a, b)) in before.iter().zip(&after).enumerate() {
             assert!(a.mean() > 0.0);
             assert!(a.agrees(b), "{name}, region {region}: {} became {}", a.mean(), b.mean());
@@ -163,7 +163,7 @@ fn aiming_and_guiding_together_are_unbiased() {
     let visible = visible(&scene);
     let pilot = GuidingPilot { mask: StoreMask::CAUSTIC, max_bounces: 20, visible: &visible, paths: 1 << 15, seed: 1 };
     let plain = PhotonSource::aimed(&scene).unwrap();
-    let (learned, lesson) = PhotonSource::aimed(&scene).unwrap().guided(&pilot);
+    let (guided, report) = PhotonSource::aimed(&scene).unwrap().guided(&pilot);
     let flux = |source: &PhotonSource<'_>| {
         let pass = PhotonPass { scene: &scene, source, mask: StoreMask::CAUSTIC, max_bounces: 20 };
         let corner = placed(&scene, DVec3::new(6.0, 0.5, 6.0));
@@ -176,10 +176,10 @@ fn aiming_and_guiding_together_are_unbiased() {
         }
         (seen, emitted)
     };
-    let (before, after) = (flux(&plain), flux(&learned));
+    let (before, after) = (flux(&plain), flux(&guided));
     assert!(before.0.mean() > 0.0 && before.0.agrees(&after.0), "{} became {}", before.0.mean(), after.0.mean());
     assert!(before.1.agrees(&after.1), "emitted {} became {}", before.1.mean(), after.1.mean());
-    assert!(lesson.gain > 1.2, "{lesson:?}");
+    assert!(report.gain > 1.2, "{report:?}");
 }
 
 /// Expected gain: 0.6 % of the plain photons land in the corner; of the guided ones, at least 20 %.
@@ -189,7 +189,7 @@ fn aiming_and_guiding_together_are_unbiased() {
 #[test]
 fn guiding_reduces_visible_variance() {
     let scene = spot();
-    let (learned, _) = learned(&scene, &visible(&scene));
+    let (guided, _) = guided(&scene, &visible(&scene));
     let plain = PhotonSource::everywhere(&scene).unwrap();
     let variance = |source: &PhotonSource<'_>| {
         let mut means = vec![Mean::default(); 1600];
@@ -204,7 +204,7 @@ fn guiding_reduces_visible_variance() {
         }
         means.iter().map(Mean::variance).sum::<f64>()
     };
-    let ratio = variance(&plain) / variance(&learned);
+    let ratio = variance(&plain) / variance(&guided);
     assert!(ratio > 7.5, "{ratio}");
 }
 
@@ -216,8 +216,8 @@ fn guiding_prefers_the_visible_lamp() {
         b.source(SourceKind::Point { position: DVec3::new(0.0, 3.0, -12.0) }, strength);
         b.source(SourceKind::Point { position: LAMP }, strength);
     });
-    let (learned, _) = learned(&scene, &visible(&scene));
-    let share = learned.choice.probability(1);
+    let (guided, _) = guided(&scene, &visible(&scene));
+    let share = guided.choice.probability(1);
     assert!((share - (1.0 - 0.5 * DEFENSIVE_FRACTION as f32)).abs() < 1e-6, "{share}");
 }
 
@@ -225,8 +225,8 @@ fn guiding_prefers_the_visible_lamp() {
 #[test]
 fn guided_pdf_has_a_lower_bound() {
     for (name, scene) in halls() {
-        let (learned, _) = learned(&scene, &visible(&scene));
-        let density = learned.guiding[0].as_ref().unwrap();
+        let (guided, _) = guided(&scene, &visible(&scene));
+        let density = guided.guiding[0].as_ref().unwrap();
         let mut least = f32::INFINITY;
         for i in 0..1u32 << 16 {
             let at = |shift: u32| (f32::from((i >> shift & 15) as u8) + 0.5) / 16.0;
@@ -241,12 +241,12 @@ fn blind_pilot_leaves_source_unguided() {
     for (name, scene) in halls() {
         let below = corner(&scene).map(|position| VisiblePoint { position, normal: Vec3::NEG_Y, weight: 1.0 });
         for visible in [VisiblePointMap::new(below, 0.1), VisiblePointMap::new([], 0.1)] {
-            let (learned, lesson) = learned(&scene, &visible);
-            assert_eq!((lesson.useful, lesson.gain), (0.0, 1.0), "{name}");
+            let (guided, report) = guided(&scene, &visible);
+            assert_eq!((report.useful, report.gain), (0.0, 1.0), "{name}");
             let plain = PhotonSource::everywhere(&scene).unwrap();
             for i in 0..1000 {
                 let bits = |s: &PhotonSource<'_>| s.emit::<InteriorStack>(key(1), i, 1000).map(|(w, f)| (w.ray, f));
-                assert_eq!(bits(&learned), bits(&plain), "{name}");
+                assert_eq!(bits(&guided), bits(&plain), "{name}");
             }
         }
     }
@@ -260,9 +260,9 @@ fn guiding_is_deterministic() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
             let pilot = GuidingPilot { mask: WANTS, max_bounces: BOUNCES, visible: &visible, paths: 1 << 15, seed };
-            let (source, lesson) = PhotonSource::everywhere(&scene).unwrap().guided(&pilot);
+            let (source, report) = PhotonSource::everywhere(&scene).unwrap().guided(&pilot);
             let emit = |i| source.emit::<InteriorStack>(key(0), i, 1000).map(|(w, f)| (w.ray, f));
-            (lesson, (0..1000).map(emit).collect::<Vec<_>>())
+            (report, (0..1000).map(emit).collect::<Vec<_>>())
         })
     };
     let one = emissions(1, 3);
