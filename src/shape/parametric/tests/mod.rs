@@ -223,7 +223,7 @@ fn every_root_is_found() {
 
 /// `cargo test --release --lib every_root_is_found_at_length -- --ignored --nocapture`
 #[test]
-#[ignore = "takes minutes"]
+#[ignore = "long: takes minutes"]
 fn every_root_is_found_at_length() {
     agree_over(10_000_000);
 }
