@@ -20,7 +20,7 @@ pub struct Balance {
 /// Nothing becomes more than so many times what it was, or less than one over this: a pilot is no oracle.
 const FARTHEST: f64 = 4.0;
 
-// A tenth of a microsecond is a ray of a photon, by the tables of docs/performance.md; the others follow from them.
+// A tenth of a microsecond is a ray of a photon, by the tables of docs/measurements/; the others follow from them.
 
 /// Work of a ray of a camera walk with its shading, in rays of photons.
 const CAMERA_RAY: f64 = 2.0;
@@ -76,7 +76,7 @@ pub(super) fn divide(parts: &[Part; 3]) -> [f64; 3] {
 
 /// Work of camera walks in rays of photons.
 pub(super) fn walking(counters: &Counters) -> f64 {
-    CAMERA_RAY * (counters.camera_rays + counters.onward_rays + counters.shadow_rays) as f64
+    CAMERA_RAY * (counters.camera_rays + counters.continuation_rays + counters.shadow_rays) as f64
 }
 
 /// Work of estimates in rays of photons.

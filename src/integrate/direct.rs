@@ -69,7 +69,7 @@ impl<'a> DirectLight<'a> {
         // The environment is the last of the lights.
         let lights = &all[..sky.unwrap_or(all.len())];
         let sampled = |n: u32| {
-            let surfaces = if middles { 1 } else { lights.iter().filter(|l| l.has_surface()).count() as u32 };
+            let surfaces = if middles { 1 } else { lights.iter().filter(|l| !l.is_delta()).count() as u32 };
             if lights.len() > n as usize { Scheme::Chosen(n) } else { Scheme::All((n / surfaces.max(1)).max(1)) }
         };
         let schemes = match asking {
@@ -101,7 +101,7 @@ impl<'a> DirectLight<'a> {
         };
         let mut sum = Rgb::ZERO;
         for (i, light) in self.lights.iter().enumerate() {
-            let rays = if light.has_surface() && !self.middles { each } else { 1 };
+            let rays = if !light.is_delta() && !self.middles { each } else { 1 };
             let draw = vertex.shadow_draw.with(i as u64);
             for ray in 0..rays {
                 // A net spreads the rays over the light.
@@ -126,7 +126,7 @@ impl<'a> DirectLight<'a> {
         let start = vertex.shadow_draw.get_1d(Dimension::Light);
         for i in 0..rays {
             let u = ((i as f32 + start) / rays as f32).min(1.0 - f32::EPSILON / 2.0);
-            let Some((light, probability, _)) = choice.choose(point.p, vertex.horizon(), u) else { continue };
+            let Some((light, probability, _)) = choice.sample(point.p, vertex.horizon(), u) else { continue };
             let draw = vertex.shadow_draw.with(u64::from(i));
             let u = if self.middles { MIDDLE } else { draw.get_2d(Dimension::LightPosition) };
             sum += self.from(light, vertex, u, probability * rays as f32, other, worker);
@@ -142,7 +142,7 @@ impl<'a> DirectLight<'a> {
             (Scheme::Chosen(rays), Some(choice)) => choice.probability(last.p, last.horizon, light) * rays as f32,
             (Scheme::Chosen(_), None) => 0.0,
         };
-        rays * self.lights[light].density(last.p, wi, seen)
+        rays * self.lights[light].pdf_li(last.p, wi, seen)
     }
 
     /// One shadow ray of `rays` to light `light`.
@@ -157,10 +157,10 @@ impl<'a> DirectLight<'a> {
         worker: &mut Worker,
     ) -> Rgb {
         let surface = vertex.surface;
-        let Some(sample) = self.lights[light].sample_direct(surface.point.p, u) else {
+        let Some(sample) = self.lights[light].sample_li(surface.point.p, u) else {
             return Rgb::ZERO;
         };
-        let mut reflected = surface.scatter(sample.wi) * sample.irradiance / rays;
+        let mut reflected = surface.scatter(sample.wi) * sample.weight / rays;
         if reflected == Rgb::ZERO {
             return Rgb::ZERO;
         }
@@ -172,7 +172,7 @@ impl<'a> DirectLight<'a> {
             return reflected * self.left(vertex, &sample);
         }
         worker.counters.shadow_rays += 1;
-        let ray = match sample.reach {
+        let ray = match sample.target {
             ShadowTarget::Point(target) => {
                 surface.segment_to(self.end(light, &sample, target, surface.point.p), sample.wi)
             }
@@ -196,7 +196,7 @@ impl<'a> DirectLight<'a> {
     /// The same where something is in the way, which may be clear.
     fn shadow_transmittance<I: Interior>(&self, light: usize, vertex: &Vertex<'_, I>, sample: &DirectSample) -> Rgb {
         let walk = vertex.leaving(sample.wi);
-        let ray = match sample.reach {
+        let ray = match sample.target {
             ShadowTarget::Point(target) => {
                 vertex.surface.segment_to(self.end(light, sample, target, vertex.surface.point.p), sample.wi)
             }
@@ -208,7 +208,7 @@ impl<'a> DirectLight<'a> {
     /// Part of the light that is left after its way from a light.
     #[inline]
     fn left<I: Interior>(&self, vertex: &Vertex<'_, I>, sample: &DirectSample) -> Rgb {
-        match sample.reach {
+        match sample.target {
             ShadowTarget::Point(target) => {
                 vertex.transmittance(self.scene, sample.wi, (target - vertex.surface.point.p).length())
             }

@@ -13,7 +13,7 @@ use super::{EyeSettings, Monitor, Pass, Silent};
 use crate::bsdf::{Bsdf, Transport};
 use crate::color::{self, Rgb};
 use crate::math::Ray;
-use crate::medium::Phase;
+use crate::medium::PhaseFunction;
 use crate::plan::{Effect, Effects};
 use crate::sampling::{Dimension, Key, Purpose, Sampler};
 use crate::scene::{
@@ -28,7 +28,7 @@ use std::time::Instant;
 const WORTH_SPLITTING: f32 = 0.001;
 
 /// A walk that counts for less than this part of the pixel goes on by chance only. Roulette that begins earlier costs more noise
-/// than it saves time: see docs/decisions.md.
+/// than it saves time: see docs/decisions/.
 const CERTAIN: f32 = 0.125;
 
 /// Points of the film a chunk, where they are few.
@@ -178,11 +178,11 @@ impl<M: Method> EyePass<'_, M> {
         worker: &mut Worker,
         radiance: &mut Rgb,
     ) -> Option<Next<I>> {
-        worker.counters.onward_rays += u64::from(branch.bounce > 0);
+        worker.counters.continuation_rays += u64::from(branch.bounce > 0);
         let (step, phase) = if I::IMMERSED {
             self.advance_in_media(branch, worker, radiance)
         } else {
-            (branch.walk.next_vertex(self.scene, branch.draw.key(), |_| None), Phase::Isotropic)
+            (branch.walk.next_vertex(self.scene, branch.draw.key(), |_| None), PhaseFunction::Isotropic)
         };
         let SurfaceVertex { mut surface, transmittance, distance, crossed } = match step {
             PathEvent::Surface(arrival) => arrival,

@@ -9,7 +9,7 @@ use super::{
     Expected, EyeSettings, GuidingReports, Monitor, Pass, PhotonReport, Radii, RadiusLaw, Settings, Stage, shrink,
 };
 use crate::photon::{
-    Bandwidth, Photon, PhotonMap, PhotonPass, PhotonSource, Pilot, StoreMask, THINNING, Traced, Volume,
+    Bandwidth, GuidingPilot, Photon, PhotonMap, PhotonPass, PhotonSource, StoreMask, THINNING, Traced, Volume,
 };
 use crate::plan::{Effect, Effects};
 use crate::sampling::{Key, Purpose};
@@ -175,9 +175,9 @@ impl<'a> PhotonMapBuilder<'a> {
         let learn = |source: &mut Option<PhotonSource<'a>>, wants: StoreMask, paths: u32| {
             let unlearned = source.take()?;
             let EyeSettings { max_bounces, seed, .. } = settings.eye;
-            let paths = pilot_paths(paths, Pilot::PATHS);
-            let pilot = Pilot { wants, max_bounces, visible: &seen, paths, seed };
-            let (learned, lesson) = unlearned.clone().learned(&pilot);
+            let paths = pilot_paths(paths, GuidingPilot::PATHS);
+            let pilot = GuidingPilot { mask: wants, max_bounces, visible: &seen, paths, seed };
+            let (learned, lesson) = unlearned.clone().guided(&pilot);
             // Paths that are seen take longer: little gain is none.
             *source = Some(if lesson.gain > LEAST_GAIN { learned } else { unlearned });
             Some(lesson)
@@ -196,7 +196,7 @@ impl<'a> PhotonMapBuilder<'a> {
             let k = settings.gather_k.filter(|k| *k > 0).unwrap_or(fallback);
             let found = || {
                 let source = source.as_ref()?;
-                let pass = PhotonPass { scene: self.scene, source, wants, max_bounces: settings.eye.max_bounces };
+                let pass = PhotonPass { scene: self.scene, source, mask: wants, max_bounces: settings.eye.max_bounces };
                 auto_radius(&pass, paths, k, settings.eye.seed, self.least)
             };
             // A pilot may find none where others will, as of things that move.
@@ -223,7 +223,7 @@ impl<'a> PhotonMapBuilder<'a> {
         let settings = &self.settings;
         let found = |source: &Option<PhotonSource<'a>>, wants: StoreMask, paths: u32| {
             let source = source.as_ref()?;
-            let pass = PhotonPass { scene: self.scene, source, wants, max_bounces: settings.eye.max_bounces };
+            let pass = PhotonPass { scene: self.scene, source, mask: wants, max_bounces: settings.eye.max_bounces };
             volume_blurs(&pass, self.effects, paths, settings)
         };
         let of = |source, wants, paths| {
@@ -268,7 +268,7 @@ impl<'a> PhotonMapBuilder<'a> {
         let of = |source: &Option<PhotonSource<'a>>, wants: StoreMask, paths: u32| {
             let Some(source) = source.as_ref().filter(|_| paths > 0) else { return Expected::default() };
             let probe = paths.min(PROBE);
-            let pass = PhotonPass { scene: self.scene, source, wants, max_bounces: settings.eye.max_bounces };
+            let pass = PhotonPass { scene: self.scene, source, mask: wants, max_bounces: settings.eye.max_bounces };
             let traced = pass.trace(key, probe, &|_| {});
             let scale = |n: usize| (n as f64 * f64::from(paths) / f64::from(probe)) as u64;
             let in_media = |volume: &Volume| volume.points.len() + BEAM * volume.beams.len();
@@ -366,7 +366,7 @@ impl<'a> PhotonMapBuilder<'a> {
         let start = Instant::now();
         monitor.begin(Stage::Photons, u64::from(paths));
         let (wants, max_bounces) = (self.stored(wants), self.settings.eye.max_bounces);
-        let pass = PhotonPass { scene: self.scene, source, wants, max_bounces };
+        let pass = PhotonPass { scene: self.scene, source, mask: wants, max_bounces };
         let traced = pass.trace(key, paths, &|n| monitor.advance(n));
         out.counters.photon_rays += traced.rays;
         out.counters.rejected_photons += traced.rejected;

@@ -6,7 +6,9 @@ use super::tiles::Worker;
 use super::volume::{VolumeMap, shared};
 use crate::bsdf::Transport;
 use crate::color::Rgb;
-use crate::photon::{Bandwidth, Flux, Kernel, Nested, PhotonMap, Scratch, StoreMask, coverage, nested_coverage};
+use crate::photon::{
+    Bandwidth, Kernel, NestedEstimate, PhotonData, PhotonMap, Scratch, StoreMask, coverage, nested_coverage,
+};
 use crate::plan::{Effect, Effects};
 use crate::scene::{Interior, Scene};
 use rand::Rng;
@@ -145,7 +147,7 @@ impl PhotonEstimator<'_> {
         let surface = vertex.surface;
         let ns = if surface.wo.dot(surface.point.ng) < 0.0 { -surface.point.ns } else { surface.point.ns };
         let wavelength = vertex.inside.wavelength();
-        let brdf = |flux: &Flux| {
+        let brdf = |flux: &PhotonData| {
             let brdf = surface.bsdf.evaluate(surface.wo, flux.from(), ns, ns, Transport::Radiance);
             if I::IMMERSED { brdf * shared(wavelength, flux.wavelength(), self.volume.band) } else { brdf }
         };
@@ -161,7 +163,8 @@ impl PhotonEstimator<'_> {
             }
             return found.radiance / coverage(self.scene, p, normal, found.radius, kernel, key);
         }
-        let Nested { whole, mut radiance } = self.map.estimate_nested(p, normal, bandwidth, kernel, scratch, brdf);
+        let NestedEstimate { whole, mut radiance } =
+            self.map.estimate_nested(p, normal, bandwidth, kernel, scratch, brdf);
         discs.add(whole.radius, whole.count);
         worker.counters.gathered_photons += u64::from(whole.count);
         if whole.count == 0 {

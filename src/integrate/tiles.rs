@@ -6,7 +6,7 @@ use super::{Gauged, Monitor, Stage};
 use crate::camera::{Camera, Filter, FilterSample};
 use crate::color::Rgb;
 use crate::math::{Ray, Sum};
-use crate::medium::Fade;
+use crate::medium::TransmittanceCurve;
 use crate::photon::{Scratch, VisiblePoint};
 use crate::sampling::{Dimension, Key, Sampler};
 use crate::stats::Counters;
@@ -30,7 +30,7 @@ pub(super) struct Worker {
     /// What they tell.
     pub tally: Tally,
     /// What is left of light along a stretch of a medium.
-    pub fade: Fade,
+    pub fade: TransmittanceCurve,
     /// Where walks ended, for a pilot.
     pub visible: Vec<VisiblePoint>,
 }

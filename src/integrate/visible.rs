@@ -8,7 +8,7 @@ use super::tiles::Worker;
 use crate::bsdf::Transport;
 use crate::color::{self, Rgb};
 use crate::math::Bounds;
-use crate::photon::{Visible, VisiblePoint};
+use crate::photon::{VisiblePoint, VisiblePointMap};
 use crate::plan::Effects;
 use crate::sampling::{Dimension, Key, Purpose, Sampler};
 use crate::scene::{Interior, Scene};
@@ -23,7 +23,7 @@ const WIDEST: f32 = 0.1;
 
 /// Points that the camera sees directly or over casters, spread over the picture; photons count within `radius` \[length] of one, or less
 /// where little is seen.
-pub(super) fn visible(scene: &Scene, settings: &EyeSettings, effects: Effects, radius: f32) -> Visible {
+pub(super) fn visible(scene: &Scene, settings: &EyeSettings, effects: Effects, radius: f32) -> VisiblePointMap {
     let direct = &DirectLight::new(scene, Asking::Middles, effects);
     let walks = EyePass { scene, effects, settings, direct, method: &Seen, samples: 1, density: None, pass: 0 };
     let key = Key::new(settings.seed).purpose(Purpose::Visible);
@@ -36,7 +36,7 @@ pub(super) fn visible(scene: &Scene, settings: &EyeSettings, effects: Effects, r
     let seen: Vec<VisiblePoint> = workers.into_iter().flat_map(|worker| worker.visible).collect();
     let extent = Bounds::of(seen.iter().map(|point| point.position)).extent().length();
     let radius = if extent > 0.0 { radius.min(extent * WIDEST) } else { radius };
-    Visible::new(seen, radius)
+    VisiblePointMap::new(seen, radius)
 }
 
 /// Notes the first receivers and computes nothing.

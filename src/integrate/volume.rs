@@ -3,7 +3,7 @@
 use super::method::Passage;
 use super::tiles::Worker;
 use crate::color::{Rgb, Wavelength};
-use crate::medium::{Fade, Medium, transmittance};
+use crate::medium::{Medium, TransmittanceCurve, transmittance};
 use crate::photon::{BeamMap, LEVELS, PointMap, Volume};
 use crate::scene::{Interior, MediumSegment};
 use glam::Vec3;
@@ -114,7 +114,7 @@ impl VolumeMap {
             add(match self.estimate {
                 VolumeEstimate::Points => self.at_a_point(passage, rng, found, gauge),
                 VolumeEstimate::Beams | VolumeEstimate::BeamRadiance => {
-                    fade.learn(medium, ray, ray.t_max, rng);
+                    fade.sample(medium, ray, ray.t_max, rng);
                     self.along(passage, fade, found, gauge)
                 }
             });
@@ -142,7 +142,13 @@ impl VolumeMap {
         sums.times(medium.scattering)
     }
 
-    fn along<I: Interior>(&self, passage: &Passage<'_, I>, fade: &Fade, found: &mut u64, gauge: bool) -> [Rgb; LEVELS] {
+    fn along<I: Interior>(
+        &self,
+        passage: &Passage<'_, I>,
+        fade: &TransmittanceCurve,
+        found: &mut u64,
+        gauge: bool,
+    ) -> [Rgb; LEVELS] {
         let MediumSegment { ray, medium, index, inside, .. } = passage.stretch;
         let own = inside.wavelength();
         let mut sums = Sums::new(2, 2, gauge);

@@ -6,7 +6,7 @@ use crate::integrate::method::History;
 use crate::integrate::tiles::Worker;
 use crate::light::ShadowTarget;
 use crate::math::Ray;
-use crate::medium::Flight;
+use crate::medium::DistanceSample;
 use crate::plan::Effect;
 use crate::sampling::{Dimension, Sampler};
 use crate::scene::{Interior, MediumSegment};
@@ -18,7 +18,7 @@ pub(in crate::integrate) struct Scattering<'a, I> {
     /// Of the walk where the stretch begins.
     pub throughput: Rgb,
     /// Where the walk would be scattered.
-    pub distance_sample: &'a Flight,
+    pub distance_sample: &'a DistanceSample,
     pub history: History,
     /// Whether the walk goes on from where it is scattered, and may meet a light by chance.
     pub onward: bool,
@@ -46,11 +46,11 @@ impl DirectLight<'_> {
         match (self.scheme(scattering.history), &self.choice) {
             (Scheme::All(rays), _) => {
                 for (i, light) in self.lights.iter().enumerate() {
-                    let rays = if light.has_surface() && !self.middles { rays } else { 1 };
+                    let rays = if !light.is_delta() && !self.middles { rays } else { 1 };
                     let draw = scattering.shadow_draw.with(i as u64);
                     for ray in 0..rays {
                         let draw = draw.of(ray, rays);
-                        let pivot = light.start().filter(|_| scattering.stretch.medium.is_homogeneous());
+                        let pivot = light.emission_point().filter(|_| scattering.stretch.medium.is_homogeneous());
                         let place = pivot.map_or_else(flown, |pivot| scattering.near(pivot, draw));
                         if let Some(place) = place {
                             sum += self.scattered_at(&place, i, scattering, draw, rays as f32, worker);
@@ -63,7 +63,7 @@ impl DirectLight<'_> {
                 let start = scattering.shadow_draw.get_1d(Dimension::Light);
                 for i in 0..rays {
                     let u = ((i as f32 + start) / rays as f32).min(1.0 - f32::EPSILON / 2.0);
-                    let Some((light, probability, _)) = choice.choose(place.p, None, u) else { continue };
+                    let Some((light, probability, _)) = choice.sample(place.p, None, u) else { continue };
                     let draw = scattering.shadow_draw.with(u64::from(i));
                     let rays = probability * rays as f32;
                     sum += self.scattered_at(&place, light, scattering, draw, rays, worker);
@@ -85,10 +85,10 @@ impl DirectLight<'_> {
     ) -> Rgb {
         let stretch = scattering.stretch;
         let u = if self.middles { MIDDLE } else { draw.get_2d(Dimension::LightPosition) };
-        let Some(sample) = self.lights[light].sample_direct(place.p, u) else { return Rgb::ZERO };
+        let Some(sample) = self.lights[light].sample_li(place.p, u) else { return Rgb::ZERO };
         // Light travels against `wi`, and then against the walk.
         let phase = stretch.medium.phase.evaluate(stretch.ray.direction.dot(sample.wi));
-        let mut found = place.weight * sample.irradiance * (phase / rays);
+        let mut found = place.weight * sample.weight * (phase / rays);
         if found == Rgb::ZERO {
             return Rgb::ZERO;
         }
@@ -96,7 +96,7 @@ impl DirectLight<'_> {
             let asked = rays * pdf;
             found *= asked / (asked + phase);
         }
-        let (ray, t_max) = match sample.reach {
+        let (ray, t_max) = match sample.target {
             ShadowTarget::Point(target) => {
                 (Ray::between(place.p, self.end(light, &sample, target, place.p)), (target - place.p).length())
             }
@@ -131,7 +131,7 @@ impl<I: Interior> Scattering<'_, I> {
         } else {
             angles.sample(u)
         };
-        let pdf = 0.5 * (medium.flight_pdf(t, self.throughput)? + angles.pdf(t));
+        let pdf = 0.5 * (medium.distance_pdf(t, self.throughput)? + angles.pdf(t));
         if !(t >= 0.0 && t <= ray.t_max && pdf > 0.0) {
             return None;
         }

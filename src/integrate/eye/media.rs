@@ -5,7 +5,7 @@ use crate::color::{self, Rgb};
 use crate::integrate::direct::Scattering;
 use crate::integrate::method::{History, Method, Passage};
 use crate::integrate::tiles::Worker;
-use crate::medium::Phase;
+use crate::medium::PhaseFunction;
 use crate::sampling::Dimension;
 use crate::scene::{Interior, MediumSegment, PathEvent};
 use glam::DVec3;
@@ -21,10 +21,10 @@ impl<M: Method> EyePass<'_, M> {
         branch: &mut Branch<I>,
         worker: &mut Worker,
         radiance: &mut Rgb,
-    ) -> (PathEvent<'_>, Phase) {
+    ) -> (PathEvent<'_>, PhaseFunction) {
         let mut rng = branch.draw.key().with(WAY | u64::from(self.pass)).rng();
         let mut walk = branch.walk;
-        let mut phase = Phase::Isotropic;
+        let mut phase = PhaseFunction::Isotropic;
         let mut passed = DVec3::ONE;
         let step = walk.next_vertex(self.scene, branch.draw.key(), |stretch| {
             phase = stretch.medium.phase;
@@ -52,7 +52,7 @@ impl<M: Method> EyePass<'_, M> {
             *radiance += here * medium.emitted(ray, ray.t_max, rng);
         }
         if !medium.scatters() {
-            *passed *= medium.dimming(ray, ray.t_max, rng);
+            *passed *= medium.transmittance_f64(ray, ray.t_max, rng);
             return None;
         }
         let history = History { casters: branch.history.casters + u32::from(stretch.crossed), ..branch.history };
@@ -79,12 +79,12 @@ impl<M: Method> EyePass<'_, M> {
             *passed *= distance_sample.weight.as_dvec3();
             return distance_sample.scattered;
         }
-        *passed *= medium.dimming(ray, ray.t_max, rng);
+        *passed *= medium.transmittance_f64(ray, ray.t_max, rng);
         None
     }
 
     /// Goes on from where a walk was scattered in a medium.
-    pub(super) fn scatter<I: Interior>(&self, branch: &mut Branch<I>, phase: Phase) -> Option<Next<I>> {
+    pub(super) fn scatter<I: Interior>(&self, branch: &mut Branch<I>, phase: PhaseFunction) -> Option<Next<I>> {
         let mut next = *branch;
         let (direction, pdf) = phase.sample(next.walk.ray.direction, branch.draw.get_2d(Dimension::Phase));
         next.walk.turn(direction);

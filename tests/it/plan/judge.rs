@@ -131,7 +131,7 @@ fn casts(material: &Material) -> bool {
 /// Whether no photon finds a way over a caster, and no light sends anything to a point of one, whatever stands between.
 fn casters_are_dark(sketch: &Sketch, scene: &Scene) -> bool {
     if let Some(source) = PhotonSource::everywhere(scene) {
-        let pass = PhotonPass { scene, source: &source, wants: StoreMask::CAUSTIC, max_bounces: 10 };
+        let pass = PhotonPass { scene, source: &source, mask: StoreMask::CAUSTIC, max_bounces: 10 };
         if !pass.trace(Key::new(1), PHOTONS, &|_| {}).photons.is_empty() {
             return false;
         }
@@ -141,7 +141,7 @@ fn casters_are_dark(sketch: &Sketch, scene: &Scene) -> bool {
     let key = Key::new(2).purpose(Purpose::Test);
     let reaches = |light: &Resolved, p| {
         let looks = (0..LOOKS).map(|i| sobol_2d(i, key, Dimension::LightPosition));
-        looks.filter_map(|u| light.sample_direct(p, u)).any(|s| s.irradiance != Rgb::ZERO)
+        looks.filter_map(|u| light.sample_li(p, u)).any(|s| s.weight != Rgb::ZERO)
     };
     points.into_iter().all(|p| !scene.lights().iter().any(|light| reaches(light, p)))
 }

@@ -72,7 +72,7 @@ fn called_for(picture: &Picture) -> Effects {
 }
 
 #[test]
-fn forcing_off_what_is_called_for_changes_the_picture() {
+fn disabling_needed_effect_changes_image() {
     let scene = everything();
     for algorithm in ALGORITHMS {
         let planned = picture(&scene, algorithm, EffectOverrides::PLANNED);
@@ -87,7 +87,7 @@ fn forcing_off_what_is_called_for_changes_the_picture() {
 }
 
 #[test]
-fn forcing_off_what_is_not_called_for_changes_nothing() {
+fn disabling_unneeded_effect_changes_nothing() {
     for scene in [matt(), dark(), disc()] {
         for algorithm in ALGORITHMS {
             let planned = picture(&scene, algorithm, EffectOverrides::PLANNED);
@@ -107,7 +107,7 @@ fn work(scene: &Scene, algorithm: Algorithm, off: &[Effect]) -> Counters {
 }
 
 #[test]
-fn what_is_off_costs_nothing() {
+fn disabled_effects_cost_nothing() {
     use Effect::{CausticBounces, Caustics, Environment, Interreflection, Shadows, Specular};
     let scene = everything();
     for algorithm in ALGORITHMS {
@@ -116,7 +116,7 @@ fn what_is_off_costs_nothing() {
         let all = work(&[]);
         assert!(all.camera_rays > 0);
         assert_eq!(all.shadow_rays > 0, algorithm != Algorithm::Raycast, "{name}");
-        assert_eq!(all.onward_rays > 0, algorithm != Algorithm::Raycast, "{name}");
+        assert_eq!(all.continuation_rays > 0, algorithm != Algorithm::Raycast, "{name}");
         assert_eq!(
             (all.photon_rays > 0, all.gathers > 0),
             (algorithm.has_photons(), algorithm.has_photons()),
@@ -124,7 +124,7 @@ fn what_is_off_costs_nothing() {
         );
         assert_eq!(work(&[Shadows]).shadow_rays, 0, "{name}");
         let flat = work(&[Specular, Interreflection]);
-        assert_eq!(flat.onward_rays, 0, "{name}");
+        assert_eq!(flat.continuation_rays, 0, "{name}");
         let direct = work(&[Caustics, CausticBounces, Interreflection]);
         assert_eq!((direct.photon_rays, direct.gathers, direct.gathered_photons), (0, 0, 0), "{name}");
         let nothing = work(&Effect::ALL);
@@ -141,27 +141,30 @@ fn what_is_off_costs_nothing() {
 }
 
 #[test]
-fn what_a_scene_does_not_call_for_costs_nothing() {
+fn unneeded_effects_cost_nothing() {
     for algorithm in ALGORITHMS {
         let name = algorithm.name();
         let [matt, dark, disc] = [matt(), dark(), disc()].map(|s| work(&s, algorithm, &[]));
         if matches!(algorithm, Algorithm::Hybrid | Algorithm::Path) {
             assert_eq!((matt.photon_rays, matt.gathers), (0, 0), "{name}: no caster");
-            assert!(matt.onward_rays > 0, "{name}");
+            assert!(matt.continuation_rays > 0, "{name}");
         }
         if algorithm == Algorithm::Path {
-            assert!(dark.onward_rays <= dark.camera_rays, "{name}: velvet sends nothing on, and a ball sees no ball");
+            assert!(
+                dark.continuation_rays <= dark.camera_rays,
+                "{name}: velvet sends nothing on, and a ball sees no ball"
+            );
         }
         if matches!(algorithm, Algorithm::Whitted | Algorithm::Distributed) {
-            assert_eq!(matt.onward_rays, 0, "{name}: no caster and no gather ray");
+            assert_eq!(matt.continuation_rays, 0, "{name}: no caster and no gather ray");
         }
-        assert_eq!((disc.shadow_rays, disc.onward_rays, disc.photon_rays, disc.gathers), (0, 0, 0, 0), "{name}");
+        assert_eq!((disc.shadow_rays, disc.continuation_rays, disc.photon_rays, disc.gathers), (0, 0, 0, 0), "{name}");
     }
 }
 
 /// What is described and is nowhere must not change what pilots do, whatever is forced on.
 #[test]
-fn media_that_are_nowhere_change_nothing() {
+fn unused_media_change_nothing() {
     let scene = scene(&format!(
         "{CAMERA}
         Lights {{ PointLight {{ position 1 4 2  power 200 200 200 }} }}

@@ -1,7 +1,8 @@
-//! Counts that no file holds, and files that are larger than memory: refused at once, and without taking what they tell of.
+//! Counts larger than their file and files larger than memory are refused at once, without
+//! allocating for them.
 //!
-//! The program has two gigabytes of addresses here and dies if it asks for more; a read of even a tenth of these files would take longer
-//! than the ten seconds that each refusal may take.
+//! The program has 2 GB of address space here and dies if it needs more. Reading even a tenth of
+//! these files would take longer than the ten seconds that a refusal may take.
 
 use super::{Shop, scene};
 use caustica::format::{grid, mesh, parse};
@@ -9,16 +10,17 @@ use caustica::image::{Meaning, decode};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// What a refusal may take: starting the program and looking at a header are milliseconds, on a busy machine some hundred.
+/// Time limit of a refusal. Starting the program and reading a header take milliseconds, or some
+/// hundred on a busy machine.
 const AT_ONCE: Duration = Duration::from_secs(10);
 
 fn mesh_scene(file: &str) -> String {
     scene(&format!("Group {{ TriangleMesh {{ obj_file \"{file}\" }} }}"))
 }
 
-/// Counts in the text of a scene are held against what follows, never reserved.
+/// Counts in a scene's text are checked against the text that follows, never reserved.
 #[test]
-fn absurd_counts_of_a_scene_are_held_against_what_is_there() {
+fn absurd_scene_counts_are_refused() {
     let start = Instant::now();
     let list = |block: &str, count: &str| match block {
         "Group" => scene(&format!("Group {{ {count} 4294967295 Sphere {{ center 0 0 0 radius 1 }} }}")),
@@ -50,9 +52,9 @@ fn absurd_counts_of_a_scene_are_held_against_what_is_there() {
     assert!(start.elapsed() < AT_ONCE);
 }
 
-/// Headers of meshes, grids and pictures are held against the length of their files.
+/// Headers of meshes, grids and images are checked against the length of their files.
 #[test]
-fn absurd_counts_of_headers_are_held_against_the_file() {
+fn absurd_header_counts_are_refused() {
     let start = Instant::now();
     for encoding in ["ascii", "binary_little_endian"] {
         for (vertices, faces) in
@@ -77,7 +79,8 @@ fn absurd_counts_of_headers_are_held_against_the_file() {
     assert!(start.elapsed() < AT_ONCE);
 }
 
-/// A sound PNG of 16384 × 16384 pixels of one bit, all alike: some 33 kilobytes, and 13 gigabytes as a texture.
+/// Returns a valid PNG of 16384 × 16384 equal pixels of one bit: some 33 kB, and 13 GB as a
+/// texture.
 fn bomb() -> Vec<u8> {
     let mut file = Vec::new();
     let mut encoder = png::Encoder::new(&mut file, 16_384, 16_384);
@@ -89,9 +92,9 @@ fn bomb() -> Vec<u8> {
     file
 }
 
-/// Files that are as long as they say, or say more than fits: refused with the limit and what to do, code 2.
+/// Files above the limit are refused with exit code 2, the limit, and a remedy.
 #[test]
-fn what_is_larger_than_the_limit_is_refused_before_it_is_read() {
+fn files_above_memory_limit_are_refused_unread() {
     let shop = Shop::new();
     let file = bomb();
     assert!(file.len() < 1 << 18, "{}", file.len());
@@ -100,7 +103,7 @@ fn what_is_larger_than_the_limit_is_refused_before_it_is_read() {
     shop.put_long("long.obj", "v 0 0 0\n", 9_000_000_000);
     let header = "ply\nformat binary_little_endian 1.0\nelement vertex 9000000\nproperty float x\nproperty float y\nproperty float z\n\
                   element face 1\nproperty list uchar int vertex_indices\nend_header\n";
-    // This one would be read in a moment, and take more than a gigabyte then.
+    // This file would be read in a moment, and then take more than a gigabyte.
     shop.put_long("wide.ply", header, 108_000_000 + 13 + header.len() as u64);
     shop.put_long("long.ply", header, 9_000_000_000);
     let header = "caustica-grid 1\nsize 1024 1024 1024\ntype f32\n\n";
@@ -141,14 +144,15 @@ fn what_is_larger_than_the_limit_is_refused_before_it_is_read() {
         assert!(start.elapsed() < AT_ONCE, "{name}");
         assert!(!shop.path("a.png").exists());
     }
-    // The other commands have the same limit.
+    // Other commands have the same limit.
     shop.refused(&["plan", "bomb.txt", "--memory", "1G"], 2, &["bomb.png", "--memory"]);
     shop.refused(&["price", "bomb.txt", "--memory", "1G"], 2, &["bomb.png", "--memory"]);
     shop.refused(&["study", "bomb.txt", "--effects", "--memory", "1G"], 2, &["bomb.png", "--memory"]);
     shop.refused(&["mesh", "long.obj", "--memory", "1G"], 2, &["long.obj", "--memory"]);
     shop.refused(&["mesh", "wide.ply", "--memory", "1G"], 2, &["wide.ply", "--memory"]);
-    // Pictures and photons, and what is no amount.
-    // Between two planes light goes to and fro: a path leaves about one photon that was scattered before.
+    // Images and photons, and invalid amounts.
+    // Light goes back and forth between two planes: a path leaves about one photon that was
+    // scattered before.
     let planes = "Plane { normal 0 1 0 offset -1 } Plane { normal 0 -1 0 offset -4 }";
     let plain_scene =
         format!("Materials {{ Diffuse {{ reflectance .5 .5 .5 }} }} Group {{ MaterialIndex 0 {planes} }}");
@@ -170,9 +174,10 @@ fn what_is_larger_than_the_limit_is_refused_before_it_is_read() {
     }
 }
 
-/// Room for the photons of an estimate is taken for those that are there, and one alone, which bounds its own disc, is no estimate.
+/// Memory for an estimate's photons is allocated by the photons that exist. A single photon, which
+/// bounds its own disc, makes no estimate.
 #[test]
-fn photons_of_an_estimate_are_no_more_than_there_are() {
+fn gather_count_is_capped_by_photon_count() {
     let shop = Shop::new();
     let planes = "Plane { normal 0 1 0 offset -1 } Plane { normal 0 -1 0 offset -4 }";
     shop.put(

@@ -1,4 +1,4 @@
-//! Files of every kind, cut everywhere.
+//! Files of every kind, truncated at every position.
 
 use super::{project, readers};
 use caustica::format::{grid, mesh, mtl, parse_bytes};
@@ -9,7 +9,7 @@ use std::path::Path;
 
 const PLY: [&str; 3] = ["ascii", "binary_little_endian", "binary_big_endian"];
 
-/// A tetrahedron as PLY.
+/// Returns a tetrahedron as PLY.
 fn ply(encoding: &str) -> Vec<u8> {
     let corners: [[f32; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3u32]];
@@ -34,9 +34,9 @@ fn ply(encoding: &str) -> Vec<u8> {
     file
 }
 
-/// What has a length is refused at every cut.
+/// Files that state their length are refused at every cut.
 #[test]
-fn files_that_tell_their_length_are_refused_wherever_they_are_cut() {
+fn truncated_sized_files_are_refused() {
     for encoding in PLY {
         let whole = ply(encoding);
         assert_eq!(mesh::decode(Path::new("a.ply"), whole.clone(), &(), None).unwrap().mesh.triangles.len(), 4);
@@ -52,9 +52,9 @@ fn files_that_tell_their_length_are_refused_wherever_they_are_cut() {
     (0..whole.len()).for_each(|cut| assert!(read(&whole[..cut]).is_err(), "cut at {cut}"));
 }
 
-/// Scenes end with the brace that closes their group: before it nothing is whole.
+/// Scenes end with the brace that closes their group. Every shorter text is incomplete.
 #[test]
-fn scenes_are_refused_wherever_they_are_cut() {
+fn truncated_scenes_are_refused() {
     for name in ["scenes/glass-ball.txt", "scenes/smoke.txt", "scenes/textures.txt", "tests/scenes/lens.txt"] {
         let whole = fs::read(project(name)).unwrap();
         let whole = whole.trim_ascii_end();
@@ -66,9 +66,9 @@ fn scenes_are_refused_wherever_they_are_cut() {
     }
 }
 
-/// Lists of lines have no length: what is left of them is read, or refused with its line.
+/// Lists of lines have no stated length. The rest is read, or refused with its line.
 #[test]
-fn lists_of_lines_are_read_as_far_as_they_go() {
+fn truncated_line_lists_are_read_to_their_end() {
     let obj = fs::read(project("tests/scenes/coarse-ball.obj")).unwrap();
     let start = obj.len().saturating_sub(1500);
     let whole = mesh::decode(Path::new("a.obj"), obj.clone(), &(), None).unwrap().mesh.triangles.len();
@@ -89,9 +89,9 @@ fn lists_of_lines_are_read_as_far_as_they_go() {
     }
 }
 
-/// Pictures: what lies behind the last pixel may be missing, and nothing else.
+/// Images may lack what follows the last pixel, and nothing else.
 #[test]
-fn pictures_are_refused_wherever_they_are_cut() {
+fn truncated_images_are_refused() {
     let pixels: Vec<Vec3> = (0..63).map(|i| Vec3::new(i as f32 / 63.0, 0.5, (i * i % 7) as f32 / 7.0)).collect();
     let image = Image::from_pixels(9, 7, pixels).unwrap();
     let tone = ToneMap { curve: Curve::Srgb, exposure_stops: 0.0 };
@@ -99,7 +99,7 @@ fn pictures_are_refused_wherever_they_are_cut() {
     hdr.extend([128, 64, 32, 129].repeat(4));
     let written =
         |format, depth| encode(format, &image, &WriteOptions { tone, depth, ..WriteOptions::default() }).unwrap().0;
-    // PNG ends with a chunk of twelve bytes that says so, and the last data with a checksum of four.
+    // PNG ends with a chunk of twelve bytes, and the last data with a checksum of four.
     for (file, beyond) in [
         (written(OutputFormat::Png, BitDepth::Eight), 16),
         (written(OutputFormat::Png, BitDepth::Sixteen), 16),

@@ -1,17 +1,18 @@
-//! Choice by weights that differ by hundreds of orders.
+//! Discrete choice by weights that differ by hundreds of orders of magnitude.
 
 use super::{ENDS, corners};
 use crate::support::key;
 use caustica::image::Image;
-use caustica::light::{Environment, Light, LightBvhSampler};
+use caustica::light::{EnvironmentLight, Light, LightBvhSampler, PointLight};
 use caustica::math::Sphere;
 use caustica::sampling::{Dimension, Discrete, Piecewise2d};
 use glam::Vec3;
 use std::sync::Arc;
 
-/// What is chosen is divided by its probability, which is never zero, and never so small that f32 would not hold its inverse.
+/// A choice is divided by its probability. It is never zero, and never so small that its inverse
+/// overflows f32.
 #[test]
-fn what_is_chosen_has_a_probability() {
+fn chosen_elements_have_positive_probability() {
     for weights in [
         vec![1e-60, 1.0],
         vec![1e-300, 1e-200, 1e300],
@@ -43,7 +44,7 @@ fn what_is_chosen_has_a_probability() {
 }
 
 #[test]
-fn cells_of_any_weight_are_drawn_with_their_density() {
+fn cells_of_any_weight_match_their_pdf() {
     let weights = [1e-300, 1e300, 0.0, 1e-10, 1.0, 1e299, 0.0, 0.0, 0.0];
     let grid = Piecewise2d::new(3, 3, |x, y| weights[3 * y + x]).unwrap();
     for u in corners() {
@@ -53,45 +54,46 @@ fn cells_of_any_weight_are_drawn_with_their_density() {
     }
 }
 
-/// One bright pixel in a black sky: directions at the ends are in it, with the density that it has there.
+/// With one bright pixel in a black sky, extreme samples lie in that pixel, with its pdf.
 #[test]
-fn skies_are_drawn_where_they_are_bright() {
+fn environments_are_sampled_by_radiance() {
     for (x, y) in [(0, 0), (3, 1), (7, 3), (0, 3)] {
         for value in [1e-30f32, 1.0, 1e30] {
             let mut pixels = vec![Vec3::ZERO; 32];
             pixels[8 * y + x] = Vec3::splat(value);
-            let sky = Environment::new(Image::from_pixels(8, 4, pixels).unwrap(), 0.3, Vec3::ONE).unwrap();
+            let sky = EnvironmentLight::new(Image::from_pixels(8, 4, pixels).unwrap(), 0.3, Vec3::ONE).unwrap();
             for u in corners() {
                 let Some((direction, pdf)) = sky.sample(u) else { continue };
                 assert!(
                     (direction.length() - 1.0).abs() < 1e-5 && pdf > 0.0 && pdf.is_finite(),
                     "{u}: {direction} {pdf}"
                 );
-                assert_eq!(pdf, sky.density(direction));
+                assert_eq!(pdf, sky.pdf(direction));
                 assert!((sky.radiance(direction) / pdf).is_finite());
             }
         }
     }
-    assert!(Environment::constant(Vec3::ZERO).unwrap().sample(glam::Vec2::ZERO).is_none());
+    assert!(EnvironmentLight::constant(Vec3::ZERO).unwrap().sample(glam::Vec2::ZERO).is_none());
 }
 
-/// Lights whose powers differ by sixty orders, near and far, and a sky: whoever is chosen has a probability, the same as by name.
+/// Lights whose powers differ by sixty orders, near and far, and a sky: the chosen light has the
+/// probability that a query by its name returns.
 #[test]
-fn one_of_many_lights_has_a_probability() {
+fn chosen_light_has_positive_probability() {
     let mut lights: Vec<Light> = (0..40u64)
         .map(|i| {
             let u = key(81).with(i);
             let exponent = 60.0 * u.uniform(Dimension::Light) - 30.0;
             let place = u.uniform_2d(Dimension::LightPosition).extend(0.5) * 10.0;
-            Light::Point { position: place, intensity: Vec3::splat(libm::powf(10.0, exponent)) }
+            Light::Point(PointLight { position: place, intensity: Vec3::splat(libm::powf(10.0, exponent)) })
         })
         .collect();
-    lights.push(Light::Environment(Arc::new(Environment::constant(Vec3::ONE).unwrap())));
+    lights.push(Light::Environment(Arc::new(EnvironmentLight::constant(Vec3::ONE).unwrap())));
     let choice = LightBvhSampler::new(&lights, Sphere { center: Vec3::ZERO, radius: 20.0 }).unwrap();
     for p in [Vec3::ZERO, Vec3::new(5.0, 5.0, 5.0), Vec3::splat(1e6), Vec3::splat(1e12)] {
         for n in [None, Some(Vec3::Z), Some(-Vec3::X)] {
             for u in ENDS {
-                let Some((light, probability, rest)) = choice.choose(p, n, u) else { continue };
+                let Some((light, probability, rest)) = choice.sample(p, n, u) else { continue };
                 assert!(
                     probability > 0.0 && probability <= 1.0 && (0.0..1.0).contains(&rest),
                     "{p} {u}: {probability}"

@@ -1,12 +1,13 @@
-//! 0 and the largest number below 1 through all that turns random numbers into places and directions.
+//! Samples 0 and the largest number below 1, through every function that maps samples to positions
+//! and directions.
 
 use super::{ENDS, corners};
 use crate::support::scene;
 use caustica::camera::{Camera, Filter, FilterKind, Lens};
 use caustica::color::Wavelength;
-use caustica::light::{Light, Targets};
+use caustica::light::{Light, PhotonAim};
 use caustica::math::{Sphere, warp};
-use caustica::medium::Phase;
+use caustica::medium::PhaseFunction;
 use caustica::scene::Scene;
 use glam::{DVec3, Vec2, Vec3};
 
@@ -15,9 +16,10 @@ fn unit(v: Vec3, what: &dyn Fn() -> String) {
     assert!(v.is_finite() && (v.length() - 1.0).abs() < 3e-6, "{}: {v}", what());
 }
 
-/// Every warp, at parameters at their own ends; no density is 0 where one draws, unless that lies in the horizon.
+/// Every warp, at extreme parameters. No pdf is 0 at a sample, unless the sample lies in the
+/// horizon.
 #[test]
-fn warps_hold_at_the_ends() {
+fn warps_are_valid_at_extreme_samples() {
     for u in corners() {
         let what = || format!("{u}");
         assert!(warp::disc(u).length() <= 1.0 + f32::EPSILON, "{u}");
@@ -39,14 +41,14 @@ fn warps_hold_at_the_ends() {
 }
 
 #[test]
-fn phases_wavelengths_filters_and_lenses_hold_at_the_ends() {
+fn other_samplers_are_valid_at_extreme_samples() {
     let near = 1.0 - f32::EPSILON / 2.0;
     for phase in [
-        Phase::Isotropic,
-        Phase::Rayleigh,
-        Phase::HenyeyGreenstein(0.0),
-        Phase::HenyeyGreenstein(near),
-        Phase::HenyeyGreenstein(-near),
+        PhaseFunction::Isotropic,
+        PhaseFunction::Rayleigh,
+        PhaseFunction::HenyeyGreenstein(0.0),
+        PhaseFunction::HenyeyGreenstein(near),
+        PhaseFunction::HenyeyGreenstein(-near),
     ] {
         for u in corners() {
             for along in [Vec3::Z, -Vec3::Z, Vec3::new(0.6, 0.0, -0.8)] {
@@ -88,7 +90,7 @@ fn phases_wavelengths_filters_and_lenses_hold_at_the_ends() {
     }
 }
 
-/// One light of each kind.
+/// Builds a scene with one light of each kind.
 fn lights() -> Scene {
     scene(
         "PerspectiveCamera { center 0 0 9  direction 0 0 -1  up 0 1 0  angle 40  width 1  height 1 }
@@ -111,16 +113,16 @@ fn lights() -> Scene {
     )
 }
 
-/// Every light, asked from near, far, inside and on it, and emitting everywhere and at targets, one of which it is inside of: flux,
-/// radiance and densities are numbers, and no density is 0.
+/// Every light, sampled from near, far, inside and on it, and emitting everywhere and at targets,
+/// one of which contains it. Flux, radiance and pdfs are finite, and no pdf is 0.
 #[test]
-fn lights_hold_at_the_ends() {
+fn lights_are_valid_at_extreme_samples() {
     let scene = lights();
     assert_eq!(scene.lights().len(), 11);
     let ball = |center: Vec3, radius: f32| Sphere { center, radius };
     for light in scene.lights() {
         let place = light.center().unwrap_or(Vec3::ZERO);
-        let start = light.start().unwrap_or(place);
+        let start = light.emission_point().unwrap_or(place);
         let points = [
             Vec3::ZERO,
             place,
@@ -131,9 +133,9 @@ fn lights_hold_at_the_ends() {
             Vec3::new(0.3, -5.0, 7.0),
         ];
         for (p, u) in points.into_iter().flat_map(|p| corners().map(move |u| (p, u))) {
-            let Some(s) = light.sample_direct(p, u) else { continue };
+            let Some(s) = light.sample_li(p, u) else { continue };
             unit(s.wi, &|| format!("{light:?} from {p}, {u}"));
-            assert!(s.irradiance.is_finite() && s.irradiance.min_element() >= 0.0, "{light:?} from {p}, {u}: {s:?}");
+            assert!(s.weight.is_finite() && s.weight.min_element() >= 0.0, "{light:?} from {p}, {u}: {s:?}");
             assert!(s.pdf.is_none_or(|pdf| pdf > 0.0 && !pdf.is_nan()), "{light:?} from {p}, {u}: {s:?}");
         }
         let all_sides = [
@@ -146,11 +148,11 @@ fn lights_hold_at_the_ends() {
             ],
         ];
         for balls in all_sides {
-            let targets = Targets::new(balls);
+            let aim = PhotonAim::new(balls);
             for (position, direction) in corners().flat_map(|p| corners().map(move |d| (p, d))) {
                 let emissions: [Option<caustica::light::EmissionSample>; 2] = [
-                    light.emit(scene.domain(), position, direction),
-                    light.emit_at(&targets, scene.domain(), position, direction),
+                    light.sample_le(scene.domain(), position, direction),
+                    light.sample_le_towards(&aim, scene.domain(), position, direction),
                 ];
                 for e in emissions.into_iter().flatten() {
                     let what = || format!("{light:?} at {position}, {direction}: {e:?}");
@@ -166,13 +168,14 @@ fn lights_hold_at_the_ends() {
     }
 }
 
-/// Towards a ball that one is inside of, directions are drawn by their cosine to the horizon, but none in it.
+/// Towards an enclosing ball, directions are sampled by their cosine to the horizon, but none in
+/// it.
 #[test]
-fn aim_has_a_density_in_the_horizon_too() {
-    let targets = Targets::new([Sphere { center: Vec3::ZERO, radius: 1.0 }]);
+fn aimed_emission_has_pdf_at_horizon() {
+    let aim = PhotonAim::new([Sphere { center: Vec3::ZERO, radius: 1.0 }]);
     for u in corners() {
         for n in [Vec3::Z, Vec3::new(0.6, 0.0, 0.8)] {
-            if let Some((w, pdf)) = targets.sample_direction(Vec3::X * 0.1, Some(n), u) {
+            if let Some((w, pdf)) = aim.sample_direction(Vec3::X * 0.1, Some(n), u) {
                 unit(w, &|| format!("{u}"));
                 assert!(pdf > 0.0 && (1.0 / pdf).is_finite(), "{u}: {pdf}");
             }
