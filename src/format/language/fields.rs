@@ -52,9 +52,9 @@ pub(super) fn fields<'a>(
     let mut fields = Fields { lexer: parser.lexer, block, keyword, list: Vec::new() };
     let mut failed = None;
     parser.open(keyword)?;
-    let level = parser.level();
     let words: Vec<&str> = block.words().collect();
     loop {
+        let mark = parser.mark();
         let read = match parser.word() {
             Ok(None) => break,
             Ok(Some(word)) => read_field(parser, &mut fields, word, &words).map_err(|error| (Some(word), error)),
@@ -73,7 +73,7 @@ pub(super) fn fields<'a>(
             return Err(error);
         }
         failed = Some(error);
-        parser.skip(level, &words);
+        parser.skip(mark, &words);
     }
     failed.map_or(Ok(fields), Err)
 }

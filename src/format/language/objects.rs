@@ -7,7 +7,7 @@ use super::super::error::SceneError;
 use super::lexer::Token;
 use super::maps::{moving, transform, write_maps};
 use super::materials::{material_by_index, material_by_name};
-use super::reader::Parser;
+use super::reader::{Mark, Parser};
 use super::schema::keywords;
 use super::shapes::{SHAPES, shape, write_shape};
 use super::writer::Writer;
@@ -30,7 +30,7 @@ pub(super) fn group<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Result<G
     let mut objects = 0;
     let mut count = None;
     while let Some(word) = parser.word()? {
-        let (level, depth) = (parser.level(), parser.depth());
+        let mark = parser.mark();
         let error = match word.text {
             "numObjects" => parser.count(word, &mut count).err(),
             "MaterialIndex" => push(material_by_index(parser, word).map(Item::MaterialIndex), &mut items),
@@ -42,7 +42,7 @@ pub(super) fn group<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Result<G
             _ => Some(unexpected(parser, word)),
         };
         if let Some(error) = error {
-            recover(parser, error, level, depth)?;
+            recover(parser, error, mark)?;
         }
     }
     parser.ascend();
@@ -64,12 +64,11 @@ fn push(item: Result<Item, SceneError>, items: &mut Vec<Item>) -> Option<SceneEr
     }
 }
 
-/// Records `error` and continues with the next entry of the group at `level`.
+/// Records `error` and continues with the next entry of the group that `mark` is in.
 #[inline(never)]
-fn recover(parser: &mut Parser<'_>, error: SceneError, level: usize, depth: usize) -> Result<(), SceneError> {
+fn recover(parser: &mut Parser<'_>, error: SceneError, mark: Mark) -> Result<(), SceneError> {
     parser.record(error)?;
-    parser.set_depth(depth);
-    parser.skip(level, &[&ENTRIES[..], &objects()].concat());
+    parser.skip(mark, &[&ENTRIES[..], &objects()].concat());
     Ok(())
 }
 

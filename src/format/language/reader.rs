@@ -20,8 +20,18 @@ pub(super) struct Parser<'a> {
     open: Vec<Token<'a>>,
     /// Number of groups and transforms around the current position.
     depth: usize,
+    /// Number of blocks that were read to their end.
+    closed: usize,
     /// True if the text ended inside a block.
     ended: bool,
+}
+
+/// Nesting at the start of an entry, to which the parser returns after an error in it.
+#[derive(Clone, Copy)]
+pub(super) struct Mark {
+    level: usize,
+    depth: usize,
+    closed: usize,
 }
 
 impl<'a> Parser<'a> {
@@ -33,6 +43,7 @@ impl<'a> Parser<'a> {
             errors: Vec::new(),
             open: Vec::new(),
             depth: 0,
+            closed: 0,
             ended: false,
         }
     }
@@ -53,13 +64,12 @@ impl<'a> Parser<'a> {
         allowed: &[&str],
         read: impl FnOnce(&mut Self) -> Result<T, SceneError>,
     ) -> Result<Option<T>, SceneError> {
-        let (level, depth) = (self.open.len(), self.depth);
+        let mark = self.mark();
         match read(self) {
             Ok(value) => Ok(Some(value)),
             Err(error) => {
                 self.record(error)?;
-                self.depth = depth;
-                self.skip(level, allowed);
+                self.skip(mark, allowed);
                 Ok(None)
             }
         }
@@ -75,14 +85,24 @@ impl<'a> Parser<'a> {
         Ok(())
     }
 
-    /// Skips what is left of the blocks opened since `level`.
+    /// Returns the nesting at the current position.
+    pub fn mark(&self) -> Mark {
+        Mark { level: self.open.len(), depth: self.depth, closed: self.closed }
+    }
+
+    /// Skips what is left of the blocks opened since `mark`.
     ///
-    /// If none were, skips to the next of the words `allowed`, past one block in braces, or to a `}`.
+    /// If none were, skips to the next of the words `allowed`, past one block in braces, or to a `}`. If a block was
+    /// read to its end since `mark`, skips nothing.
     #[inline(never)]
-    pub fn skip(&mut self, level: usize, allowed: &[&str]) {
-        let mut braces = self.open.len().saturating_sub(level);
+    pub fn skip(&mut self, mark: Mark, allowed: &[&str]) {
+        let mut braces = self.open.len().saturating_sub(mark.level);
         let closes = braces > 0;
-        self.open.truncate(level);
+        self.open.truncate(mark.level);
+        self.depth = mark.depth;
+        if !closes && self.closed > mark.closed {
+            return;
+        }
         loop {
             let token = self.lexer.peek();
             let stops = braces == 0 && (closes || token.text == "}" || allowed.contains(&token.text));
@@ -145,6 +165,7 @@ impl<'a> Parser<'a> {
     pub fn close(&mut self) -> Result<(), SceneError> {
         self.punctuation("}")?;
         self.open.pop();
+        self.closed += 1;
         Ok(())
     }
 
@@ -164,21 +185,6 @@ impl<'a> Parser<'a> {
         self.depth -= 1;
     }
 
-    /// Returns the number of blocks around the current position.
-    pub fn level(&self) -> usize {
-        self.open.len()
-    }
-
-    /// Returns the number of groups and transforms around the current position.
-    pub fn depth(&self) -> usize {
-        self.depth
-    }
-
-    /// Restores the depth after an error.
-    pub fn set_depth(&mut self, depth: usize) {
-        self.depth = depth;
-    }
-
     /// True if the text ended inside a block.
     pub fn has_ended(&self) -> bool {
         self.ended
@@ -187,6 +193,7 @@ impl<'a> Parser<'a> {
     /// Closes the innermost block without reading a `}`, and makes `word` unread again.
     pub fn close_before(&mut self, word: Token<'a>) {
         self.open.pop();
+        self.closed += 1;
         self.lexer.return_to(word);
     }
 
@@ -214,6 +221,7 @@ impl<'a> Parser<'a> {
         self.lexer.take(token);
         if token.text == "}" {
             self.open.pop();
+            self.closed += 1;
             return Ok(None);
         }
         Ok(Some(token))

@@ -398,3 +398,55 @@ fn meshes_tell_how_their_file_is_used() {
     refused("Group { TriangleMesh { file a smoothAngle ‹181› } }", "cannot be `181`", "between 0 and 180");
     refused("Group { TriangleMesh { file a smoothAngle ‹-1› } }", "cannot be `-1`", "between 0 and 180");
 }
+
+/// Positions and texts of all errors of a scene whose first line is `CAMERA`.
+fn all_errors(body: &str) -> Vec<(usize, String)> {
+    let error = scene(body).unwrap_err();
+    std::iter::once(&error).chain(error.others()).map(|e| (e.line(), e.text().to_owned())).collect()
+}
+
+#[test]
+fn all_errors_of_a_file_are_reported() {
+    let body = "Lights { PointLight { position 0 0 0 }
+        SpherLight { center 0 0 0 }
+        SphereLight { radius -1 center 0 0 power 1 1 1 } }
+        Materials { Diffuse red { reflectance 2 0 0 } Mirror m { } }
+        Group { MaterialName red Sphere { radius x center 0 0 0 }
+        Group { Transform { Scale 0 1 1 Sphere { center 0 0 0 radius 1 } } Disc { } }
+        MaterialName blue }
+        Camera { }";
+    let expected = [
+        (2, "PointLight"),
+        (3, "SpherLight"),
+        (4, "-1"),
+        (4, "power"),
+        (5, "2 0 0"),
+        (6, "x"),
+        (7, "0 1 1"),
+        (7, "Disc"),
+        (8, "blue"),
+        (9, "Camera"),
+    ];
+    assert_eq!(all_errors(body), expected.map(|(line, text)| (line, text.to_owned())));
+}
+
+#[test]
+fn one_missing_brace_is_one_error() {
+    let errors = all_errors("Group {\n Sphere { center 0 0 0 radius 1\n Disc { }\n Sphere { center 0 0 0 radius 1 } }");
+    assert_eq!(errors, [(4, "Disc".to_owned()), (4, "Disc".to_owned())]);
+    assert_eq!(all_errors("Group { Sphere { center 0 0 0 radius 1 ").len(), 1);
+    assert_eq!(all_errors("Group { Sphere { center 0 0 radius 1").len(), 1);
+}
+
+#[test]
+fn at_most_twenty_errors_are_reported() {
+    assert_eq!(all_errors(&format!("Group {{ {} }}", "Spere { } ".repeat(50))).len(), 20);
+}
+
+#[test]
+fn words_of_other_renderers_are_translated() {
+    refused("Lights { ‹SunLight› { } }", "unexpected `SunLight`", "write `DirectionalLight`");
+    refused("Lights { ‹DistantLight› { } }", "unexpected `DistantLight`", "write `DirectionalLight`");
+    refused("Materials { Dielectric { ‹ior› 1.5 } }", "unexpected `ior`", "write `indexOfRefraction`");
+    refused("Materials { Diffuse { ‹albedo› 1 1 1 } }", "unexpected `albedo`", "write `reflectance`");
+}
