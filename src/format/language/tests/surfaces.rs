@@ -132,8 +132,8 @@ fn light_from_all_around_is_one_colour_or_a_picture() {
     bad("file a.exr ‹radiance› 1 1 1", "both `file` and `radiance`", "keep one of `file` or `radiance`");
     bad("radiance ‹-1 0 0›", "`radiance` of `EnvironmentLight`", "not be negative");
     bad("file a.exr scale ‹-1›", "`scale` of `EnvironmentLight`", "not be negative");
-    bad("radiance 1 1 1 scale ‹2›", "`scale` of `EnvironmentLight`", "nothing without `file`");
-    bad("rotate ‹90› radiance 1 1 1", "`rotate` of `EnvironmentLight`", "nothing without `file`");
+    bad("radiance 1 1 1 scale ‹2›", "`scale` of `EnvironmentLight`", "no effect without `file`");
+    bad("rotate ‹90› radiance 1 1 1", "`rotate` of `EnvironmentLight`", "no effect without `file`");
     refused("Lights { ‹EnvironmentLight› { } }", "has no `file` or `radiance`", "add `file` or `radiance`");
     let one = "EnvironmentLight { radiance 1 1 1 }";
     refused(&format!("Lights {{ {one} ‹EnvironmentLight› {{ }} }}"), "`EnvironmentLight` is given twice", "keep one");
@@ -168,8 +168,8 @@ fn nets_of_control_points_must_fit() {
     bad(&format!("BezierPatch {{ ‹controls› {four} }}"), "`controls` of `BezierPatch`", "16 points for each patch");
     bad("BezierPatch { ‹controls› }", "`controls` of `BezierPatch`", "16 points for each patch");
     bad("‹BezierPatch› { }", "`BezierPatch` has no `controls`", "add `controls`");
-    bad("BezierPatch { degreeU ‹25› }", "`degreeU` of `BezierPatch` cannot be `25`", "between 1 and 24");
-    bad("BezierPatch { degreeV ‹0› }", "`degreeV`", "between 1 and 24");
+    bad("BezierPatch { degreeU ‹25› }", "`degreeU` of `BezierPatch` cannot be `25`", "from 1 to 24");
+    bad("BezierPatch { degreeV ‹0› }", "`degreeV`", "from 1 to 24");
     bad("BezierPatch { controls [ 0 0 0 ‹0› ] }", "the weight of a point of `controls` cannot be `0`", "above 0");
     bad("BezierPatch { controls [ 0 0 0 ‹-1› ] }", "the weight", "above 0");
     bad("NurbsSurface { countU ‹3› countV 4 }", "`countU` of `NurbsSurface` cannot be `3`", "above the degree");

@@ -117,7 +117,7 @@ fn what_is_wrong_with_media_is_said_at_its_place() {
 fn what_is_wrong_with_densities_is_said_at_its_place() {
     let extent = "min 0 0 0 max 1 1 1";
     for field in ["min ‹0 0 0›", "max ‹0 0 0›", "densityScale ‹2›"] {
-        bad(&format!("Medium a {{ {field} }}"), "of `Medium` cannot be", "says nothing without `grid`");
+        bad(&format!("Medium a {{ {field} }}"), "of `Medium` cannot be", "has no effect without `grid`");
     }
     bad("‹Medium› a { grid b }", "`Medium` has no `min`", "add `min`");
     bad("Medium a { grid b min 0 0 0 max ‹1 0 1› }", "`max` of `Medium`", "above `min` in each component");

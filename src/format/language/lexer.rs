@@ -1,7 +1,7 @@
 //! Words, numbers and strings of a scene file, each with its place.
 
-use super::description::{Span, Spanned};
-use super::error::{SceneError, Source};
+use super::super::description::{Span, Spanned};
+use super::super::error::{SceneError, Source};
 
 /// A word or one of `{ } [ ]`; empty at the end of the file.
 #[derive(Clone, Copy, Debug)]
@@ -60,6 +60,11 @@ impl<'a> Lexer<'a> {
     /// Reads what [`peek`](Self::peek) showed.
     pub fn take(&mut self, token: Token<'_>) {
         self.at = token.start + token.text.len();
+    }
+
+    /// Makes `token`, which was read, the next one again.
+    pub fn return_to(&mut self, token: Token<'_>) {
+        self.at = token.start;
     }
 
     /// The longest number that starts here, as C's `scanf` reads `%f`; empty if none does.

@@ -80,7 +80,7 @@ fn what_is_wrong_with_textures_is_said_at_its_place() {
     refused("Textures { Checker a { scale ‹1 0› } }", "`scale` of `Checker`", "must not be 0");
     refused("Textures { ‹Image› a { } }", "`Image` has no `file`", "add `file`");
     refused("Textures { Image a { file b.png wrap ‹tile› } }", "`wrap` of `Image` cannot be `tile`", "`mirror`");
-    refused("Textures { Image a { file b.png encoding ‹gamma› } }", "`encoding`", "`srgb`, `linear`");
+    refused("Textures { Image a { file b.png encoding ‹gamma› } }", "`encoding`", "`srgb` or `linear`");
     refused("Textures { Noise a { octaves ‹0› } }", "`octaves` of `Noise`", "from 1 to 16");
     refused("Textures { Wood a { frequency ‹0› } }", "`frequency` of `Wood`", "above 0");
     refused("Textures { Wood a { amplitude ‹-1› } }", "`amplitude` of `Wood`", "not be negative");

@@ -191,7 +191,7 @@ fn colours_must_be_possible() {
     refused("Materials { Dielectric { tint ‹1 0 1› } }", "`tint` of `Dielectric`", "above 0 and at most at 1");
     refused("Materials { Dielectric { absorption ‹-1 0 1› } }", "`absorption`", "between 0 and 1e12");
     refused("Materials { Dielectric { tint 1 1 1 tintDistance ‹0› } }", "`tintDistance`", "above 0");
-    refused("Materials { Dielectric { tintDistance ‹1› } }", "`tintDistance`", "nothing without `tint`");
+    refused("Materials { Dielectric { tintDistance ‹1› } }", "`tintDistance`", "no effect without `tint`");
 }
 
 #[test]
@@ -205,8 +205,8 @@ fn cameras_must_see() {
     for (fields, message, help) in [
         ("center 0 0 0 direction 0 0 1 angle ‹180›", "`angle` of `PerspectiveCamera` cannot be `180`", "0 and 180"),
         ("center 0 0 0 direction 0 0 1 angle ‹0›", "cannot be `0`", "0 and 180"),
-        ("center 0 0 0 direction 0 0 1 angle 9 width ‹0›", "cannot be `0`", "between 1 and 65536"),
-        ("center 0 0 0 direction 0 0 1 angle 9 height ‹65537›", "cannot be `65537`", "between 1 and 65536"),
+        ("center 0 0 0 direction 0 0 1 angle 9 width ‹0›", "cannot be `0`", "from 1 to 65536"),
+        ("center 0 0 0 direction 0 0 1 angle 9 height ‹65537›", "cannot be `65537`", "from 1 to 65536"),
         ("center 0 0 0 direction 0 0 1 angle 9 height ‹99999999999›", "`height` lies outside", "whole number"),
         ("center 0 0 0 direction ‹0 0 0› angle 9", "`direction` of", "length above 0"),
         ("center 0 0 0 direction 0 0 1 up ‹0 0 0› angle 9", "`up` of", "length above 0"),
@@ -240,7 +240,7 @@ fn lights_must_shine() {
         }
     );
     let spot = |fields: &str| format!("Lights {{ SpotLight {{ position 0 0 0 {fields} }} }}");
-    refused(&spot("direction 0 0 1 angle ‹0› power 1 1 1"), "cannot be `0`", "between 0 and 360");
+    refused(&spot("direction 0 0 1 angle ‹0› power 1 1 1"), "cannot be `0`", "above 0 and at most at 360 degrees");
     refused(&spot("direction 0 0 1 angle 60 penumbra ‹31› power 1 1 1"), "cannot be `31`", "half of the cone's angle");
     refused(&spot("lookAt ‹0 0 0› angle 60 power 1 1 1"), "`lookAt`", "some distance from `position`");
     refused(
@@ -277,10 +277,14 @@ fn transforms_must_not_flatten() {
     refused("Group { ‹Transform› { Scale 1 1 1 } }", "holds no object", "put one after its maps");
     refused(
         "Group { Transform { Group { } ‹Group› { } } }",
-        "unexpected `Group` after",
+        "unexpected `Group` after the object",
         "several objects into a Group",
     );
-    refused("Group { Transform { Group { } ‹Scale› 1 1 1 } }", "unexpected `Scale` after", "maps stand before");
+    refused(
+        "Group { Transform { Group { } ‹Scale› 1 1 1 } }",
+        "unexpected `Scale` after the object",
+        "maps stand before",
+    );
 }
 
 #[test]
@@ -289,7 +293,7 @@ fn unknown_words_bring_a_suggestion() {
     refused("Group { Sphere { ‹radios› 1 } }", "unexpected `radios` in `Sphere`", "did you mean `radius`?");
     refused("‹Light› { }", "unexpected `Light` in the file", "did you mean `Lights`?");
     refused("Lights { ‹pointLight› { } }", "unexpected `pointLight`", "did you mean `PointLight`?");
-    refused("Materials { ‹Glass› { } }", "unexpected `Glass`", "may hold numMaterials, Material, ");
+    refused("Materials { ‹Glass› { } }", "unexpected `Glass`", "write `Dielectric`");
     refused("Group { Sphere { center 0 0 0\n‹Plane› {", "unexpected `Plane`", "is a `}` missing before it?");
     refused("Group { } ‹}›", "unexpected `}` in the file", "closes nothing");
     refused("Group ‹Sphere›", "expected `{` in `Group`, found `Sphere`", "put `{` before it");
@@ -393,4 +397,56 @@ fn meshes_tell_how_their_file_is_used() {
     refused("Group { TriangleMesh { file a normals ‹smooth› } }", "cannot be `smooth`", "`file` or `none`");
     refused("Group { TriangleMesh { file a smoothAngle ‹181› } }", "cannot be `181`", "between 0 and 180");
     refused("Group { TriangleMesh { file a smoothAngle ‹-1› } }", "cannot be `-1`", "between 0 and 180");
+}
+
+/// Positions and texts of all errors of a scene whose first line is `CAMERA`.
+fn all_errors(body: &str) -> Vec<(usize, String)> {
+    let error = scene(body).unwrap_err();
+    std::iter::once(&error).chain(error.others()).map(|e| (e.line(), e.text().to_owned())).collect()
+}
+
+#[test]
+fn all_errors_of_a_file_are_reported() {
+    let body = "Lights { PointLight { position 0 0 0 }
+        SpherLight { center 0 0 0 }
+        SphereLight { radius -1 center 0 0 power 1 1 1 } }
+        Materials { Diffuse red { reflectance 2 0 0 } Mirror m { } }
+        Group { MaterialName red Sphere { radius x center 0 0 0 }
+        Group { Transform { Scale 0 1 1 Sphere { center 0 0 0 radius 1 } } Disc { } }
+        MaterialName blue }
+        Camera { }";
+    let expected = [
+        (2, "PointLight"),
+        (3, "SpherLight"),
+        (4, "-1"),
+        (4, "power"),
+        (5, "2 0 0"),
+        (6, "x"),
+        (7, "0 1 1"),
+        (7, "Disc"),
+        (8, "blue"),
+        (9, "Camera"),
+    ];
+    assert_eq!(all_errors(body), expected.map(|(line, text)| (line, text.to_owned())));
+}
+
+#[test]
+fn one_missing_brace_is_one_error() {
+    let errors = all_errors("Group {\n Sphere { center 0 0 0 radius 1\n Disc { }\n Sphere { center 0 0 0 radius 1 } }");
+    assert_eq!(errors, [(4, "Disc".to_owned()), (4, "Disc".to_owned())]);
+    assert_eq!(all_errors("Group { Sphere { center 0 0 0 radius 1 ").len(), 1);
+    assert_eq!(all_errors("Group { Sphere { center 0 0 radius 1").len(), 1);
+}
+
+#[test]
+fn at_most_twenty_errors_are_reported() {
+    assert_eq!(all_errors(&format!("Group {{ {} }}", "Spere { } ".repeat(50))).len(), 20);
+}
+
+#[test]
+fn words_of_other_renderers_are_translated() {
+    refused("Lights { ‹SunLight› { } }", "unexpected `SunLight`", "write `DirectionalLight`");
+    refused("Lights { ‹DistantLight› { } }", "unexpected `DistantLight`", "write `DirectionalLight`");
+    refused("Materials { Dielectric { ‹ior› 1.5 } }", "unexpected `ior`", "write `indexOfRefraction`");
+    refused("Materials { Diffuse { ‹albedo› 1 1 1 } }", "unexpected `albedo`", "write `reflectance`");
 }

@@ -35,9 +35,9 @@ fn two_ways_at_once_are_refused() {
         bad(&of(&format!("indexOfRefraction 1.5 ‹{second}")), &message, "keep one of `indexOfRefraction` or `glass`");
     }
     bad(&of("glass BK7 ‹cauchy› 1.5 0"), "both `glass` and `cauchy`", "keep one of");
-    bad(&of("abbe ‹30›"), "`abbe` of `Dielectric` cannot be `30`", "says nothing without `indexOfRefraction`");
-    bad(&of("glass BK7 abbe ‹30›"), "`abbe`", "says nothing without `indexOfRefraction`");
-    bad(&of("cauchy 1.5 0 sellmeierC ‹.01›"), "`sellmeierC`", "says nothing without `sellmeierB`");
+    bad(&of("abbe ‹30›"), "`abbe` of `Dielectric` cannot be `30`", "has no effect without `indexOfRefraction`");
+    bad(&of("glass BK7 abbe ‹30›"), "`abbe`", "has no effect without `indexOfRefraction`");
+    bad(&of("cauchy 1.5 0 sellmeierC ‹.01›"), "`sellmeierC`", "has no effect without `sellmeierB`");
     bad("‹Dielectric› { sellmeierB 1 }", "has no `sellmeierC`", "add `sellmeierC`");
     bad(&of("glass ‹}›"), "`glass` wants a name", "write a name after `glass`");
     bad("Thin { ‹glass› BK7 }", "unexpected `glass`", "");
