@@ -1,7 +1,7 @@
 //! Delta lights of a scene description, and the lights of the course's shading model.
 
 use crate::color::Rgb;
-use crate::light::{DirectionalLight, Light, PointLight, SpotLight};
+use crate::light::{DirectionalLight, Light, OrientedSource, PointLight, SpotLight};
 use crate::math::{Sphere, Transform};
 use glam::{DVec3, Vec3};
 use std::f32::consts::PI;
@@ -28,7 +28,7 @@ pub enum LightStrength {
 }
 
 /// A point, spot or directional light in the coordinates of the description.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub enum SourceKind {
     /// Isotropic, from one position.
     Point {
@@ -46,6 +46,8 @@ pub enum SourceKind {
         /// Half angle of zero intensity \[radians].
         outer: f64,
     },
+    /// A point light with an orientation: a projector or a goniometric light.
+    Oriented(OrientedSource),
     /// Parallel light from infinity.
     Directional {
         /// Direction of travel, of any length above zero.
@@ -59,6 +61,7 @@ impl SourceKind {
     pub fn position(&self) -> Option<DVec3> {
         match *self {
             Self::Point { position } | Self::Spot { position, .. } => Some(position),
+            Self::Oriented(ref source) => Some(source.position),
             Self::Directional { .. } => None,
         }
     }
@@ -71,6 +74,7 @@ impl SourceKind {
             Self::Spot { position, axis, inner, outer } => {
                 Self::Spot { position: map.point(position), axis: map.vector(axis), inner, outer }
             }
+            Self::Oriented(ref source) => Self::Oriented(source.transformed(map)),
             Self::Directional { direction } => Self::Directional { direction: map.vector(direction) },
         }
     }
@@ -115,6 +119,11 @@ pub(super) fn resolve_light(kind: &SourceKind, strength: LightStrength, origin: 
             let (peak, color) = to_intensity(position, 1.0 / spot.flux().x);
             spot.peak = peak;
             (Light::Spot(spot), LegacyLight::Point(center, color))
+        }
+        SourceKind::Oriented(source) => {
+            let center = (source.position - origin).as_vec3();
+            let (scale, color) = to_intensity(&source.position, source.scale_per_power());
+            (source.light(center, scale), LegacyLight::Point(center, color))
         }
         SourceKind::Directional { direction } => {
             let (irradiance, color) = match strength {

@@ -52,7 +52,7 @@ pub(super) fn collect_lights(
         let motion = motion.followed_by(DAffine3::from_translation(-origin));
         let strength = constant_strength(&source.kind, source.strength, &motion);
         let placed = source_at(&source.kind, &motion, MID_SHUTTER).ok_or(BuildError::Flattened)?;
-        found.moving.push((found.lights.len(), source.kind, strength, motion));
+        found.moving.push((found.lights.len(), source.kind.clone(), strength, motion));
         found.add(resolve_light(&placed, strength, DVec3::ZERO));
     }
     let mut shapes = geometry.shapes.iter();
