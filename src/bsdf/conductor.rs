@@ -60,7 +60,7 @@ impl Conductor {
             return Rgb::ZERO;
         }
         let (ggx, o, i, n) = (Ggx::new(self.alpha), wo.as_dvec3(), wi.as_dvec3(), n.as_dvec3());
-        let facet = ggx.mirroring(o, i, n);
+        let facet = ggx.reflecting_facet(o, i, n);
         let g2 = ggx.same_side(o.dot(n).abs(), i.dot(n).abs());
         self.reflectance(facet.cos) * (0.25 * facet.density * g2) as f32
     }
@@ -72,7 +72,7 @@ impl Conductor {
             return 0.0;
         }
         let (ggx, o, n) = (Ggx::new(self.alpha), wo.as_dvec3(), n.as_dvec3());
-        ggx.visible_density(&ggx.mirroring(o, wi.as_dvec3(), n), o.dot(n).abs()) as f32
+        ggx.visible_density(&ggx.reflecting_facet(o, wi.as_dvec3(), n), o.dot(n).abs()) as f32
     }
 
     /// Samples a visible facet, with `n` on the side of `wo`; `None` if it reflects into the
@@ -93,7 +93,7 @@ impl Conductor {
         if cos_i <= 0.0 {
             return None;
         }
-        let facet = ggx.mirroring(o, i, n);
+        let facet = ggx.reflecting_facet(o, i, n);
         let pdf = ggx.visible_density(&facet, cos_o) as f32;
         let leaving = ggx.leaving(ggx.same_side(cos_o, cos_i), cos_o, cos_i);
         let weight = self.reflectance(facet.cos) * leaving as f32;

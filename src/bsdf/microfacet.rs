@@ -102,7 +102,7 @@ impl Ggx {
 
     /// The facet that reflects `wi` to `wo`.
     #[inline]
-    pub(super) fn mirroring(self, wo: DVec3, wi: DVec3, n: DVec3) -> Facet {
+    pub(super) fn reflecting_facet(self, wo: DVec3, wi: DVec3, n: DVec3) -> Facet {
         let h = wo + wi;
         // wo · m is half the length of wo + wi.
         let cos = 0.5 * h.length();
@@ -115,7 +115,7 @@ impl Ggx {
     /// Also returns the cosine between `wi` and the far side of the facet; `None` if no upward
     /// facet does.
     #[inline]
-    pub(super) fn refracting(self, wo: DVec3, wi: DVec3, n: DVec3, eta: f64) -> Option<(Facet, f64)> {
+    pub(super) fn refracting_facet(self, wo: DVec3, wi: DVec3, n: DVec3, eta: f64) -> Option<(Facet, f64)> {
         let h = wo + wi * eta;
         let h = if h.dot(n) < 0.0 { -h } else { h };
         let (o, i, length2) = (wo.dot(h), wi.dot(h), h.length_squared());

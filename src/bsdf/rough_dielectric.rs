@@ -18,10 +18,10 @@ pub struct RoughDielectric {
 }
 
 /// The scattering event at a facet between two directions.
-struct Meeting {
+struct FacetEvent {
     facet: Facet,
     /// Fresnel reflectance or transmittance.
-    share: f64,
+    fresnel: f64,
     /// Masking-shadowing over both cosines.
     g2_by_cos: f64,
 }
@@ -46,18 +46,18 @@ impl RoughDielectric {
     }
 
     #[inline]
-    fn meeting(&self, o: DVec3, i: DVec3, n: DVec3, eta: f64) -> Option<Meeting> {
+    fn facet_event(&self, o: DVec3, i: DVec3, n: DVec3, eta: f64) -> Option<FacetEvent> {
         let ggx = Ggx::new(self.alpha);
         let (cos_o, cos_i) = (o.dot(n), i.dot(n));
         Some(if cos_i > 0.0 {
-            let facet = ggx.mirroring(o, i, n);
-            let share = reflectance_f64(facet.cos, eta).0;
-            Meeting { facet, share, g2_by_cos: ggx.same_side(cos_o, cos_i) }
+            let facet = ggx.reflecting_facet(o, i, n);
+            let fresnel = reflectance_f64(facet.cos, eta).0;
+            FacetEvent { facet, fresnel, g2_by_cos: ggx.same_side(cos_o, cos_i) }
         } else {
-            let (facet, cos_t) = ggx.refracting(o, i, n, eta)?;
+            let (facet, cos_t) = ggx.refracting_facet(o, i, n, eta)?;
             // Computed from both cosines, so that both directions agree even if one grazes.
-            let share = transmittance_f64(facet.cos, cos_t, eta);
-            Meeting { facet, share, g2_by_cos: ggx.opposite_sides(cos_o, -cos_i) }
+            let fresnel = transmittance_f64(facet.cos, cos_t, eta);
+            FacetEvent { facet, fresnel, g2_by_cos: ggx.opposite_sides(cos_o, -cos_i) }
         })
     }
 
@@ -66,19 +66,19 @@ impl RoughDielectric {
     #[inline]
     pub(super) fn evaluate(&self, wo: Vec3, wi: Vec3, n: Vec3, ng: Vec3, transport: Transport) -> Rgb {
         let (eta, i, n) = (self.far_over_near(wo, ng), wi.as_dvec3(), n.as_dvec3());
-        let Some(Meeting { facet, share, g2_by_cos }) = self.meeting(wo.as_dvec3(), i, n, eta) else {
+        let Some(FacetEvent { facet, fresnel, g2_by_cos }) = self.facet_event(wo.as_dvec3(), i, n, eta) else {
             return Rgb::ZERO;
         };
-        let squeeze = squeeze(eta, i.dot(n) < 0.0, transport);
-        Rgb::splat((share * facet.density * facet.cos * facet.jacobian * g2_by_cos / squeeze) as f32)
+        let radiance_divisor = radiance_divisor(eta, i.dot(n) < 0.0, transport);
+        Rgb::splat((fresnel * facet.density * facet.cos * facet.jacobian * g2_by_cos / radiance_divisor) as f32)
     }
 
     /// Solid-angle pdf of `wi` \[1/sr]; arguments as in [`Self::evaluate`].
     #[inline]
     pub(super) fn pdf(&self, wo: Vec3, wi: Vec3, n: Vec3, ng: Vec3) -> f32 {
         let (o, n) = (wo.as_dvec3(), n.as_dvec3());
-        self.meeting(o, wi.as_dvec3(), n, self.far_over_near(wo, ng))
-            .map_or(0.0, |m| (m.share * Ggx::new(self.alpha).visible_density(&m.facet, o.dot(n))) as f32)
+        self.facet_event(o, wi.as_dvec3(), n, self.far_over_near(wo, ng))
+            .map_or(0.0, |m| (m.fresnel * Ggx::new(self.alpha).visible_density(&m.facet, o.dot(n))) as f32)
     }
 
     /// Samples a visible facet, then reflection or refraction by Fresnel; `n` is on the side of
@@ -109,16 +109,16 @@ impl RoughDielectric {
         if (cos_i < 0.0) != transmitted {
             return None;
         }
-        let Meeting { facet, share, g2_by_cos } = self.meeting(o, i, n, eta)?;
-        let pdf = (share * ggx.visible_density(&facet, cos_o)) as f32;
+        let FacetEvent { facet, fresnel, g2_by_cos } = self.facet_event(o, i, n, eta)?;
+        let pdf = (fresnel * ggx.visible_density(&facet, cos_o)) as f32;
         let leaving = ggx.leaving(g2_by_cos, cos_o, cos_i.abs());
-        let weight = Rgb::splat((leaving / squeeze(eta, transmitted, transport)) as f32);
+        let weight = Rgb::splat((leaving / radiance_divisor(eta, transmitted, transport)) as f32);
         (pdf > 0.0).then_some(BsdfSample { wi, weight, pdf, specular: false, transmitted, flat: false })
     }
 }
 
 /// Divisor on transmission: (n_far/n_near)² for radiance, 1 for flux.
 #[inline]
-fn squeeze(eta: f64, crosses: bool, transport: Transport) -> f64 {
+fn radiance_divisor(eta: f64, crosses: bool, transport: Transport) -> f64 {
     if crosses && transport == Transport::Radiance { eta * eta } else { 1.0 }
 }

@@ -34,7 +34,7 @@ impl Thin {
     /// sums of geometric series.
     #[inline]
     #[must_use]
-    pub fn shares(&self, cos: f32) -> (Rgb, Rgb) {
+    pub fn reflectance_and_transmittance(&self, cos: f32) -> (Rgb, Rgb) {
         let (cos, eta) = (f64::from(cos.clamp(0.0, 1.0)), f64::from(self.eta));
         let (r, cos_t) = reflectance_f64(cos, eta);
         let t = if cos_t > 0.0 { transmittance_f64(cos, cos_t, eta) as f32 } else { 0.0 };
@@ -57,7 +57,7 @@ impl Thin {
         let (mirrored, flat) = dielectric::reflect_above(wo, ns, ng);
         // The cosine to the normal that reflected, which is not always `ns`.
         let cos = wo.dot((wo + mirrored).normalize_or_zero());
-        let (reflected, transmitted) = self.shares(cos);
+        let (reflected, transmitted) = self.reflectance_and_transmittance(cos);
         ThinSplit { reflected: (mirrored, reflected), transmitted: (-wo, transmitted), flat }
     }
 

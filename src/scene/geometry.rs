@@ -229,7 +229,7 @@ impl Geometry {
 
     /// The object of a primitive, with all patches and surfaces of revolution as one object.
     ///
-    /// They meet in seams, where a ray hits two of them. Other shapes keep their points off their
+    /// They share seams, where a ray hits two of them. Other shapes keep their points off their
     /// edges.
     pub fn seam_object(&self, kind: HitKind) -> u32 {
         match kind {

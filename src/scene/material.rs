@@ -4,6 +4,8 @@ use super::interiors::Body;
 use super::textured::{MeanParameters, NormalPerturbation, ParameterEvaluator, Textured};
 use crate::bsdf::{Bsdf, Conductor, Thin};
 use crate::color::Rgb;
+use crate::texture::Texture;
+use std::sync::Arc;
 
 /// A surface material: the parameters of a scattering model, and a perturbation of shading normals.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -92,6 +94,18 @@ impl MaterialKind {
             }
             Self::Dielectric { body, roughness } => Bsdf::dielectric(body.index, parameters.number(&roughness)),
         }
+    }
+
+    /// The body and the roughness of a dielectric boundary.
+    #[inline]
+    fn as_dielectric(&self) -> Option<(&Body, &Textured<f32>)> {
+        if let Self::Dielectric { body, roughness } = self { Some((body, roughness)) } else { None }
+    }
+
+    /// The parts of a mix, and the probability of the second.
+    #[inline]
+    pub(super) fn as_mix(&self) -> Option<([u32; 2], &Textured<f32>)> {
+        if let Self::Mix { first, second, amount } = self { Some(([*first, *second], amount)) } else { None }
     }
 
     /// True if a parameter follows a texture.
@@ -198,31 +212,22 @@ impl Material {
     #[inline]
     #[must_use]
     pub fn boundary(&self) -> Option<&Body> {
-        match &self.kind {
-            MaterialKind::Dielectric { body, .. } => Some(body),
-            MaterialKind::Black
-            | MaterialKind::Diffuse { .. }
-            | MaterialKind::Phong { .. }
-            | MaterialKind::Mirror { .. }
-            | MaterialKind::Conductor { .. }
-            | MaterialKind::Thin { .. }
-            | MaterialKind::Mix { .. } => None,
-        }
+        self.kind.as_dielectric().map(|(body, _)| body)
     }
 
     /// This material with `body` in place of the body that it bounds; unchanged if it bounds none.
     #[must_use]
     pub fn with_body(self, body: Body) -> Self {
-        match self.kind {
-            MaterialKind::Dielectric { roughness, .. } => Self::rough_body(body, roughness).with_normals(self.normals),
-            MaterialKind::Black
-            | MaterialKind::Diffuse { .. }
-            | MaterialKind::Phong { .. }
-            | MaterialKind::Mirror { .. }
-            | MaterialKind::Conductor { .. }
-            | MaterialKind::Thin { .. }
-            | MaterialKind::Mix { .. } => self,
+        match self.kind.as_dielectric() {
+            Some((_, roughness)) => Self::rough_body(body, *roughness).with_normals(self.normals),
+            None => self,
         }
+    }
+
+    /// The materials that a mix resolves to, by index; `None` for other materials.
+    #[must_use]
+    pub fn parts(&self) -> Option<[u32; 2]> {
+        self.kind.as_mix().map(|(parts, _)| parts)
     }
 
     /// The BSDF of mean parameters.
@@ -260,15 +265,18 @@ impl Material {
     /// Roughness α of a body's boundary; 0 for other materials.
     #[inline]
     pub(super) fn boundary_roughness(&self, parameters: &impl ParameterEvaluator) -> f32 {
-        match &self.kind {
-            MaterialKind::Dielectric { roughness, .. } => parameters.number(roughness),
-            MaterialKind::Black
-            | MaterialKind::Diffuse { .. }
-            | MaterialKind::Phong { .. }
-            | MaterialKind::Mirror { .. }
-            | MaterialKind::Conductor { .. }
-            | MaterialKind::Thin { .. }
-            | MaterialKind::Mix { .. } => 0.0,
+        self.kind.as_dielectric().map_or(0.0, |(_, roughness)| parameters.number(roughness))
+    }
+
+    /// Calls `visit` with BSDFs that cover all kinds that a hit may have: that of mean parameters,
+    /// and those at the extremes of a conductor's roughness texture.
+    pub(super) fn for_each_bsdf(&self, textures: &[Arc<Texture>], mut visit: impl FnMut(Bsdf)) {
+        visit(self.mean_bsdf);
+        if let MaterialKind::Conductor { eta, k, roughness: Textured::Texture { texture, .. } } = self.kind {
+            let (min, max) = textures[texture as usize].range();
+            for alpha in [min, max] {
+                visit(Bsdf::Conductor(Conductor::new(eta, k, alpha)));
+            }
         }
     }
 }

@@ -236,7 +236,7 @@ impl Scene {
         };
         let mut material_index = object.material;
         let mut material = &self.materials[material_index as usize];
-        if let MaterialKind::Mix { .. } = material.kind() {
+        if material.parts().is_some() {
             material_index = self
                 .resolve_mix(material_index, u_mix(), cone.effects, &|| self.texture_context(hit, &point, wo, cone));
             material = &self.materials[material_index as usize];
@@ -305,7 +305,7 @@ impl Scene {
         effects: Effects,
         context: &dyn Fn() -> TextureEvalContext,
     ) -> u32 {
-        while let MaterialKind::Mix { first, second, amount } = self.materials[index as usize].kind() {
+        while let Some(([first, second], amount)) = self.materials[index as usize].kind().as_mix() {
             let amount = match amount {
                 Textured::Texture { .. } if effects.has(Effect::Textures) => {
                     TextureLookups { textures: &self.textures, at: context() }.number(amount)
@@ -313,7 +313,7 @@ impl Scene {
                 amount => amount.mean(),
             };
             // Rescaled to the chosen part, the number is uniform again.
-            (index, u) = if u < amount { (*second, u / amount) } else { (*first, (u - amount) / (1.0 - amount)) };
+            (index, u) = if u < amount { (second, u / amount) } else { (first, (u - amount) / (1.0 - amount)) };
         }
         index
     }

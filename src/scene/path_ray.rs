@@ -37,7 +37,7 @@ pub struct MediumSegment<'a, I> {
     pub crossed: bool,
 }
 
-/// What ends a path segment.
+/// The event that ends a path segment.
 #[derive(Clone, Copy, Debug)]
 pub enum PathEvent<'a> {
     /// A surface vertex.

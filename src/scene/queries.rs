@@ -3,8 +3,8 @@
 use super::animation::scene_at;
 use super::geometry::ObjectAttributes;
 use super::path_ray;
-use super::{Body, Effects, Interior, Material, MaterialKind, NormalPerturbation, PathRay, RayCone, Scene, Textured};
-use crate::bsdf::{Bsdf, Conductor};
+use super::{Body, Effects, Interior, Material, NormalPerturbation, PathRay, RayCone, Scene};
+use crate::bsdf::Bsdf;
 use crate::color::Rgb;
 use crate::light::Light;
 use crate::math::{Bounds, Ray, Sphere};
@@ -117,29 +117,11 @@ impl Scene {
     /// differ in kind.
     pub fn for_each_leaf(&self, material: u32, visit: &mut impl FnMut(LeafMaterial<'_>)) {
         let material = &self.materials[material as usize];
-        match material.kind() {
-            MaterialKind::Mix { first, second, .. } => {
-                self.for_each_leaf(*first, visit);
-                self.for_each_leaf(*second, visit);
-            }
-            MaterialKind::Conductor { eta, k, roughness } => {
-                visit(LeafMaterial { boundary: None, bsdf: material.mean_bsdf() });
-                if let Textured::Texture { texture, .. } = roughness {
-                    let (min, max) = self.textures[*texture as usize].range();
-                    for alpha in [min, max] {
-                        let bsdf = Bsdf::Conductor(Conductor::new(*eta, *k, alpha));
-                        visit(LeafMaterial { boundary: None, bsdf });
-                    }
-                }
-            }
-            MaterialKind::Black
-            | MaterialKind::Diffuse { .. }
-            | MaterialKind::Phong { .. }
-            | MaterialKind::Mirror { .. }
-            | MaterialKind::Thin { .. }
-            | MaterialKind::Dielectric { .. } => {
-                visit(LeafMaterial { boundary: material.boundary(), bsdf: material.mean_bsdf() });
-            }
+        match material.parts() {
+            Some(parts) => parts.into_iter().for_each(|part| self.for_each_leaf(part, visit)),
+            None => material.for_each_bsdf(&self.textures, |bsdf| {
+                visit(LeafMaterial { boundary: material.boundary(), bsdf });
+            }),
         }
     }
 
@@ -163,8 +145,8 @@ impl Scene {
     pub fn uses_textures(&self, material: u32) -> (bool, bool) {
         let material = &self.materials[material as usize];
         let own = (material.is_textured(), material.normals() != NormalPerturbation::None);
-        let MaterialKind::Mix { first, second, .. } = material.kind() else { return own };
-        let parts = [*first, *second].map(|part| self.uses_textures(part));
+        let Some(parts) = material.parts() else { return own };
+        let parts = parts.map(|part| self.uses_textures(part));
         parts.iter().fold(own, |all, part| (all.0 || part.0, all.1 || part.1))
     }
 

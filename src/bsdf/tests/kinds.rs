@@ -62,14 +62,14 @@ fn an_index_of_one_transmits_all_light() {
 #[test]
 fn thin_sheets_match_the_slab_formula() {
     let clear = Thin { eta: 1.5, transmittance: Rgb::ONE };
-    let (r, t) = clear.shares(1.0);
+    let (r, t) = clear.reflectance_and_transmittance(1.0);
     assert!((t.x - 0.923_077).abs() < 1e-6 && (r + t - 1.0).abs().max_element() < 1e-6);
-    assert!((clear.shares(0.5).1.x - 0.836_23).abs() < 1e-5);
+    assert!((clear.reflectance_and_transmittance(0.5).1.x - 0.836_23).abs() < 1e-5);
 
     let tinted = Thin { eta: 1.5, transmittance: Rgb::new(0.9, 0.5, 0.0) };
     for cos in [1.0f32, 0.5, 0.05] {
         let (reflectance, cos_t) = dielectric_reflectance(cos, 1.5);
-        let (r, t) = tinted.shares(cos);
+        let (r, t) = tinted.reflectance_and_transmittance(cos);
         for channel in 0..3 {
             let kept = libm::powf(tinted.transmittance[channel], 1.0 / cos_t);
             let (mut back, mut through, mut inside) = (reflectance, 0.0, 1.0 - reflectance);
@@ -83,8 +83,8 @@ fn thin_sheets_match_the_slab_formula() {
         }
     }
     // A sheet less dense than its surroundings reflects all light beyond the critical angle.
-    assert_eq!(Thin { eta: 1.0 / 1.5, ..clear }.shares(0.1), (Rgb::ONE, Rgb::ZERO));
-    assert_eq!(Thin { eta: 1.0, ..tinted }.shares(0.4).0, Rgb::ZERO);
+    assert_eq!(Thin { eta: 1.0 / 1.5, ..clear }.reflectance_and_transmittance(0.1), (Rgb::ONE, Rgb::ZERO));
+    assert_eq!(Thin { eta: 1.0, ..tinted }.reflectance_and_transmittance(0.4).0, Rgb::ZERO);
 }
 
 /// Sampling a sheet returns both weights, from both sides and in both transports.
@@ -94,7 +94,7 @@ fn thin_sheets_sample_both_directions() {
     let n = 50_000u64;
     for cos in [0.8, -0.8, 0.1] {
         let wo = direction(cos);
-        let (r, t) = pane.shares(f32::abs(cos));
+        let (r, t) = pane.reflectance_and_transmittance(f32::abs(cos));
         let (mut back, mut through) = (Rgb::ZERO, Rgb::ZERO);
         for i in 0..n {
             let s = draw(&Bsdf::Thin(pane), wo, i, Transport::Radiance).unwrap();

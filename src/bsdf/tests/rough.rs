@@ -154,7 +154,7 @@ fn a_rough_dielectric_has_the_documented_loss() {
     }
 }
 
-/// As α falls, energy splits as at a smooth interface, and metal reflects as a mirror.
+/// Narrow lobes split energy like a smooth interface, and reflect like a mirror.
 #[test]
 fn narrow_lobes_approach_deltas() {
     let (eta, k) = metal("silver").unwrap();

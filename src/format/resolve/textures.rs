@@ -25,7 +25,7 @@ pub(super) struct Known {
     light: bool,
 }
 
-/// What the textures of a material need of its surfaces.
+/// Requirements of a material's textures on its surfaces.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct TextureNeeds {
     /// True if any texture is used.
@@ -53,7 +53,7 @@ impl<'a> Resolver<'a> {
                 }
                 TextureKind::Solid { pattern, colors, octaves, frequency, amplitude, maps } => {
                     let help = "no scale may be zero, and no axis of a matrix may be a mix of the others";
-                    let place = Transform::new(Map::product(maps))
+                    let to_object = Transform::new(Map::product(maps))
                         .map_err(|e| self.refuse(texture.span, &e.to_string(), help))?;
                     let solid = Solid {
                         kind: match pattern {
@@ -65,7 +65,7 @@ impl<'a> Resolver<'a> {
                         octaves: *octaves,
                         frequency: *frequency,
                         amplitude: *amplitude,
-                        to_pattern: *place.inverse(),
+                        to_pattern: *to_object.inverse(),
                     };
                     self.add(Texture::Solid(solid), false)
                 }

@@ -2,7 +2,7 @@
 
 use super::object::{Extent, Geometry, MeshData, Object};
 use crate::color::Rgb;
-use crate::scene::{Material, MaterialKind};
+use crate::scene::Material;
 
 /// Drops bodies of index 1 that neither absorb nor hold a medium.
 ///
@@ -50,21 +50,17 @@ pub(super) fn cull_index_matched(
 /// True if a material may bound a body that light can distinguish from air.
 fn may_be_substance(materials: &[Material], material: u32) -> bool {
     let material = &materials[material as usize];
-    match material.kind() {
-        MaterialKind::Mix { first, second, .. } => {
-            may_bound_body(materials, *first) || may_bound_body(materials, *second)
-        }
-        _ => material.boundary().is_some_and(|body| !body.is_air()),
+    match material.parts() {
+        Some(parts) => parts.into_iter().any(|part| may_bound_body(materials, part)),
+        None => material.boundary().is_some_and(|body| !body.is_air()),
     }
 }
 
 /// True if a material, or a part of a mix, bounds a body.
 pub(super) fn may_bound_body(materials: &[Material], material: u32) -> bool {
     let material = &materials[material as usize];
-    match material.kind() {
-        MaterialKind::Mix { first, second, .. } => {
-            may_bound_body(materials, *first) || may_bound_body(materials, *second)
-        }
-        _ => material.boundary().is_some(),
+    match material.parts() {
+        Some(parts) => parts.into_iter().any(|part| may_bound_body(materials, part)),
+        None => material.boundary().is_some(),
     }
 }

@@ -18,7 +18,7 @@ pub(super) struct Placed {
     pub objects: Vec<Object>,
     pub geometry: PlacedGeometry,
     pub mappings: Mappings,
-    /// What moves, without lights and camera.
+    /// Moving shapes, planes and mappings; lights and camera are added later.
     pub animation: Animation,
 }
 

@@ -15,7 +15,7 @@ pub struct InteriorStack {
     count: u8,
 }
 
-/// What a boundary separates.
+/// A boundary in its surroundings.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::scene) struct Interface {
     /// True if light interacts with the boundary. False if a body of higher priority fills both
@@ -111,7 +111,7 @@ impl InteriorStack {
         top
     }
 
-    /// What the boundary of `body`, of material `material`, separates for a path that enters or
+    /// The interface at the boundary of `body`, of material `material`, for a path that enters or
     /// leaves it.
     #[inline]
     pub(in crate::scene) fn interface(

@@ -58,7 +58,7 @@ impl CoincidentFaces {
     }
 }
 
-/// What coincident boundaries separate.
+/// The two sides of coincident boundaries.
 pub(super) struct Sides<'a> {
     /// The refracting body on the near side of the path, with its material; `None` is air.
     pub near: Option<(u32, &'a Body)>,
@@ -91,7 +91,7 @@ impl InteriorStack {
     }
 }
 
-/// What `surface`, the boundary of `body`, and all coincident boundaries separate.
+/// The two sides of `surface`, the boundary of `body`, and all coincident boundaries.
 pub(super) fn sides<'a>(
     stack: &InteriorStack,
     scene: &'a Scene,
