@@ -148,7 +148,7 @@ fn photons_beyond_float_range_are_reported() {
     let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::DIRECT, max_bounces: 0 };
     let told = |paths| {
         let traced = pass.trace(key(9), paths, &|_| {});
-        (traced.stored(), traced.rejected)
+        (traced.deposits.len(), traced.deposits.rejected)
     };
     assert_eq!((told(1), told(16)), ((0, 1), (16, 0)));
     // Photon maps seen by gather rays store direct light.
