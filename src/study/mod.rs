@@ -1,4 +1,4 @@
-//! Studies: what of a picture costs what, and is worth what.
+//! Studies of a scene: cost and contribution of effects, and convergence of methods.
 
 mod effects;
 pub mod methods;
@@ -15,8 +15,8 @@ pub use work::{ExpectedWork, Work, expected_work};
 use crate::integrate::{Algorithm, Settings};
 use crate::scene::Scene;
 
-/// Settings with the numbers of rays and photons that a pilot finds useful for all that is simulated, so that pictures with less
-/// are made with the same.
+/// Settings with the numbers of rays and photons that a pilot of the whole picture finds, so that
+/// pictures with fewer effects use the same numbers.
 fn settled(scene: &Scene, algorithm: Algorithm, settings: &Settings) -> Settings {
     let mut settled = Settings { balance: false, ..settings.clone() };
     if settings.balance

@@ -1,4 +1,4 @@
-//! Studies of scenes whose answers are known.
+//! Studies of scenes with known results.
 
 use super::{About, EffectStudy, Findings, expected_work, page};
 use crate::camera::Camera;
@@ -9,7 +9,7 @@ use crate::shape::{Rectangle, Shape, Sphere};
 use glam::{DVec3, Vec3};
 use std::sync::atomic::AtomicBool;
 
-/// A ball on a floor under a point light.
+/// A sphere on a floor under a point light.
 fn ball(material: Material, width: u32, height: u32) -> Scene {
     let mut builder = SceneBuilder::new();
     let white = builder.material(Material::diffuse(Vec3::splat(0.5)));
@@ -42,21 +42,21 @@ fn study(scene: &Scene, algorithm: Algorithm, settings: &Settings, passes: u32) 
     study.run(passes, &AtomicBool::new(false), &Silent, |_| {}).unwrap()
 }
 
-/// What the scene does not call for costs rays and changes no bit.
+/// An effect that the scene does not need costs rays and changes no bit.
 #[test]
 fn caustics_without_casters_are_work_for_nothing() {
     let wishes = EffectOverrides::PLANNED.with(Effect::Caustics);
     let found = study(&matt(24, 18), Algorithm::Hybrid, &few(wishes), 2);
     let caustics = found.effects.iter().find(|f| f.decision.effect == Effect::Caustics).unwrap();
     assert_eq!((caustics.gain.rmse, caustics.gain.adds, caustics.gain.takes), (0.0, 0.0, 0.0));
-    // Each of 4000 paths takes a ray at least.
+    // Each of 4,000 paths has at least one ray.
     assert!(caustics.cost.rays >= 4000.0, "{:?}", caustics.cost);
     let scene = matt(24, 18);
     let work = expected_work(Algorithm::Hybrid.prepare(&scene, few(wishes)).as_ref());
     assert!(work.of(Effect::Caustics).unwrap().rays >= 4000);
 }
 
-/// Ray tracing to a point light has no noise: no pixel is brighter for shadows.
+/// Point lights have no noise in `whitted`: shadows brighten no pixel.
 #[test]
 fn shadows_take_light_away_and_add_none() {
     let found = study(&matt(24, 18), Algorithm::Whitted, &few(EffectOverrides::PLANNED), 1);
@@ -64,7 +64,7 @@ fn shadows_take_light_away_and_add_none() {
     assert_eq!(shadows.gain.adds, 0.0);
     assert!(shadows.gain.takes > 0.0 && shadows.gain.rmse > shadows.gain.takes);
     assert!(shadows.difference.pixels().iter().all(|d| d.max_element() <= 0.0));
-    // The whole picture has a shadow ray at every matt point that faces the light, the other none.
+    // Only the whole picture has shadow rays.
     assert!(shadows.cost.rays > 0.0);
     assert_eq!((shadows.cost.seconds_error, found.whole.passes.len()), (None, 1));
 }
@@ -81,7 +81,7 @@ fn what_an_effect_adds_and_takes_is_what_tells_the_means_apart() {
     let images = (0..3).map(|i| integrator.pass(i, &Silent).image);
     let sum: f64 = images.flatten().map(|p| p.as_dvec3().element_sum()).sum();
     let mean_without = sum / (3.0 * 3.0 * 24.0 * 18.0);
-    // Means of f32 pixels, which round at 2⁻²⁴.
+    // Pixels are f32, which rounds at 2⁻²⁴.
     let told = found.mean - caustics.gain.adds + caustics.gain.takes;
     assert!((told / mean_without - 1.0).abs() < 1e-6, "{told} {mean_without}");
     assert!(caustics.gain.adds > caustics.gain.takes && caustics.cost.gathered_photons > 0.0);

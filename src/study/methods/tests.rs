@@ -3,7 +3,9 @@
 use super::clock::Clock;
 use super::run::Maker;
 use super::split::{by_pixel, split};
-use super::{Limits, MethodStudy, MethodsFound, Moment, References, Step, Subject, TruthError, Variant, truthful};
+use super::{
+    Limits, MethodStudy, MethodStudyResult, Moment, References, Step, Subject, TruthError, Variant, reference_algorithm,
+};
 use crate::color::Rgb;
 use crate::image::{self, Image, WriteOptions};
 use crate::integrate::{Algorithm, EyeSettings, Integrator, Monitor, Pass, Settings, Silent};
@@ -47,7 +49,8 @@ fn near(found: f64, expected: f64, sigma: f64) {
     assert!((found - expected).abs() < 4.0 * sigma, "{found} is not {expected} ± {sigma}");
 }
 
-/// Of light 1 an error e counts e²/2. A product of two errors of variance v has a standard deviation of about v.
+/// Of light 1 an error e counts e²/2. A product of two errors of variance v has a standard
+/// deviation of about v.
 #[test]
 fn noise_and_bias_are_told_apart_and_the_references_noise_is_in_neither() {
     let (bias, sigma, reference) = (0.1, 0.2, 0.2);
@@ -137,7 +140,7 @@ impl Integrator for Running<'_> {
     }
 }
 
-fn study<'w>(world: &'w World, fakes: &[Fake], limits: Limits) -> MethodsFound {
+fn study<'w>(world: &'w World, fakes: &[Fake], limits: Limits) -> MethodStudyResult {
     let variant = |fake: Fake| {
         let label = format!("of {} s", fake.cost);
         let settings = Settings::default();
@@ -163,11 +166,12 @@ fn study<'w>(world: &'w World, fakes: &[Fake], limits: Limits) -> MethodsFound {
     found
 }
 
-fn passes(found: &MethodsFound, method: usize) -> Vec<u32> {
+fn passes(found: &MethodStudyResult, method: usize) -> Vec<u32> {
     found.methods[method].checkpoints.iter().map(|c| c.passes).collect()
 }
 
-/// Two seeds whose passes take 1 and 1.5 of the cost take 1.25 in the mean: 1 s the slow ones, .25 s the fast ones.
+/// Two seeds whose passes take 1 and 1.5 of the cost take 1.25 in the mean: 1 s the slow ones, .25
+/// s the fast ones.
 #[test]
 fn each_method_runs_until_its_budget_is_spent() {
     let world = World::default();
@@ -218,7 +222,8 @@ fn errors_fall_as_passes_say() {
     for (method, Fake { bias, sigma, .. }) in found.methods.iter().zip([SLOW, FAST]) {
         for checkpoint in &method.checkpoints {
             let noise2 = sigma * sigma / f64::from(checkpoint.passes);
-            // Known to √(2/n), with one degree of freedom a channel; means are rounded at 6e-8 of 1.
+            // Known to √(2/n), with one degree of freedom a channel; means are rounded at 6e-8 of
+            // 1.
             near(checkpoint.noise2, 0.5 * noise2, 0.5 * noise2 * (2.0 / CHANNELS).sqrt() + 1e-9);
             let v = bias * bias + noise2;
             near(checkpoint.square(), 0.5 * v, v / CHANNELS.sqrt());
@@ -248,9 +253,9 @@ fn references_know_their_noise() {
 #[test]
 fn references_are_rendered_by_what_misses_nothing() {
     let (matt, glass) = (matt(8, 6), glass_on_floor(8, 6));
-    assert_eq!(truthful(&matt, EffectOverrides::PLANNED).0, Algorithm::Path);
-    assert_eq!(truthful(&glass, EffectOverrides::PLANNED).0, Algorithm::Hybrid);
-    assert_eq!(truthful(&glass, EffectOverrides::PLANNED.without(Effect::Caustics)).0, Algorithm::Path);
+    assert_eq!(reference_algorithm(&matt, EffectOverrides::PLANNED).0, Algorithm::Path);
+    assert_eq!(reference_algorithm(&glass, EffectOverrides::PLANNED).0, Algorithm::Hybrid);
+    assert_eq!(reference_algorithm(&glass, EffectOverrides::PLANNED.without(Effect::Caustics)).0, Algorithm::Path);
     let render = |seed, interrupted| {
         let like = EyeSettings { seed, ..EyeSettings::default() };
         References::render(&matt, &like, 0.0, &AtomicBool::new(interrupted), &Silent, |_, _| {}).unwrap()

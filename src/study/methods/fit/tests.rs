@@ -3,15 +3,16 @@
 use super::*;
 use crate::image::Image;
 use crate::integrate::{ALPHA, Algorithm, shrink};
-use crate::study::methods::{MethodsFound, Truth};
+use crate::study::methods::{MethodStudyResult, Truth};
 use glam::Vec3;
 use rand::RngExt;
 
 const SEEDS: usize = 8;
 const PIXELS: usize = 64;
 
-/// Pixels whose error after n passes is that of a mean of passes of variance 1/shrink and bias `bias` · shrink.
-fn synthetic(algorithm: Algorithm, bias: f64, alpha: f64, passes: &[u32], name: u64) -> MethodFound {
+/// Pixels whose error after n passes is that of a mean of passes of variance 1/shrink and bias
+/// `bias` · shrink.
+fn synthetic(algorithm: Algorithm, bias: f64, alpha: f64, passes: &[u32], name: u64) -> MethodResult {
     let mut rng = Key::new(77).with(name).rng();
     // Irwin–Hall: twelve uniform numbers less six have variance 1.
     let mut normal = || (0..12).map(|_| rng.random::<f64>()).sum::<f64>() - 6.0;
@@ -48,7 +49,7 @@ fn synthetic(algorithm: Algorithm, bias: f64, alpha: f64, passes: &[u32], name: 
             ..Checkpoint::default()
         }
     });
-    MethodFound {
+    MethodResult {
         label: algorithm.name().into(),
         algorithm,
         command: "caustica render".into(),
@@ -66,12 +67,13 @@ fn doubled(count: u32) -> Vec<u32> {
     (0..count).map(|i| 1 << i).collect()
 }
 
-fn judged(method: &MethodFound) -> Verdict {
+fn judged(method: &MethodResult) -> Verdict {
     verdict(method, fit(method).as_ref(), None)
 }
 
-/// An interval of 95 % misses 10 or more of 100 with a chance of 3 %; the law of the squares' logarithm differs from the logarithm of their law by
-/// 1/(SEEDS · PIXELS), which is nothing beside the interval.
+/// An interval of 95 % misses 10 or more of 100 with a chance of 3 %; the law of the squares'
+/// logarithm differs from the logarithm of their law by 1/(SEEDS · PIXELS), which is nothing beside
+/// the interval.
 #[test]
 fn intervals_cover_the_law() {
     let passes = doubled(9);
@@ -102,7 +104,8 @@ fn slopes_are_recovered() {
     let path = fit(&synthetic(Algorithm::Path, 0.0, 1.0, &passes, 1)).unwrap();
     let sppm = fit(&synthetic(Algorithm::Sppm, 4.0, ALPHA, &passes, 2)).unwrap();
     let pm = fit(&synthetic(Algorithm::Pm, 4.0, 1.0, &passes, 3)).unwrap();
-    // A root's logarithm deviates by 1/√(2 · SEEDS · PIXELS) = .031, a slope by that over √(10 log²2) = 2.19; four deviations.
+    // A root's logarithm deviates by 1/√(2 · SEEDS · PIXELS) = .031, a slope by that over √(10
+    // log²2) = 2.19; four deviations.
     let close = |slopes: Option<Slopes>, slope: f64| {
         let Slopes { by_time, by_passes } = slopes.unwrap();
         assert!(
@@ -164,7 +167,7 @@ fn what_the_truth_cannot_tell_is_no_finding() {
 }
 
 /// Noiseless: the error is .1/√n after n/4 seconds.
-fn exact() -> MethodFound {
+fn exact() -> MethodResult {
     let mut method = synthetic(Algorithm::Path, 0.0, 1.0, &doubled(9), 7);
     for c in &mut method.checkpoints {
         c.squares = vec![0.01 / f64::from(c.passes); SEEDS];
@@ -179,15 +182,17 @@ fn prices_follow_the_law() {
     let fit = fit(&method);
     let verdict = verdict(&method, fit.as_ref(), None);
     let reach = |error| reach(&method, fit.as_ref(), &verdict, error);
-    assert!(matches!(reach(0.2), Reach::Within(price) if price.passes == 1.0));
-    let Reach::Measured(price) = reach(0.05 / 3.0) else { panic!() };
+    assert!(matches!(reach(0.2), TimeToError::Within(effort) if effort.passes == 1.0));
+    let TimeToError::Measured(effort) = reach(0.05 / 3.0) else { panic!() };
     assert!(
-        (price.passes - 36.0).abs() < 1e-9 && (price.seconds - 9.0).abs() < 1e-9 && (price.photons - 36e3).abs() < 1e-6
+        (effort.passes - 36.0).abs() < 1e-9
+            && (effort.seconds - 9.0).abs() < 1e-9
+            && (effort.photons - 36e3).abs() < 1e-6
     );
-    let Reach::Predicted { price, seconds: Some([low, high]) } = reach(0.1 / 64.0) else { panic!() };
-    assert!((price.passes - 4096.0).abs() < 1e-6 && (low - 1024.0).abs() < 1e-6 && (high - 1024.0).abs() < 1e-6);
-    let Reach::Predicted { price, .. } = tenth(&method, fit.as_ref(), &verdict) else { panic!() };
-    assert!((price.seconds - 6400.0).abs() < 1e-6);
+    let TimeToError::Predicted { effort, seconds: Some([low, high]) } = reach(0.1 / 64.0) else { panic!() };
+    assert!((effort.passes - 4096.0).abs() < 1e-6 && (low - 1024.0).abs() < 1e-6 && (high - 1024.0).abs() < 1e-6);
+    let TimeToError::Predicted { effort, .. } = tenth(&method, fit.as_ref(), &verdict) else { panic!() };
+    assert!((effort.seconds - 6400.0).abs() < 1e-6);
     for (seconds, passes) in [(0.25, 1.0), (3.0, 12.0), (640.0, 2560.0)] {
         let error = error_at(&method, fit.as_ref(), seconds).unwrap();
         assert!((error - 0.1 / f64::sqrt(passes)).abs() < 1e-12, "{error}");
@@ -201,9 +206,9 @@ fn a_plateau_is_never_left() {
     let fit = fit(&method);
     let verdict = verdict(&method, fit.as_ref(), None);
     assert!(
-        matches!(reach(&method, fit.as_ref(), &verdict, 0.1), Reach::Never { floor } if (floor - 0.3).abs() < 0.01)
+        matches!(reach(&method, fit.as_ref(), &verdict, 0.1), TimeToError::Never { floor } if (floor - 0.3).abs() < 0.01)
     );
-    assert!(matches!(tenth(&method, fit.as_ref(), &verdict), Reach::Never { .. }));
+    assert!(matches!(tenth(&method, fit.as_ref(), &verdict), TimeToError::Never { .. }));
 }
 
 /// The second costs twice as much a pass, but begins with a third of the error and stays there.
@@ -212,7 +217,7 @@ fn the_least_error_at_each_time_and_at_the_budget() {
     let mut early = exact();
     early.checkpoints.iter_mut().for_each(|c| (c.seconds *= 2.0, c.squares.fill(0.001)).1);
     let picture = Image::from_pixels(1, 1, vec![Vec3::ONE]).unwrap();
-    let mut found = MethodsFound {
+    let mut found = MethodStudyResult {
         scene: "a.txt".into(),
         command: "caustica study a.txt".into(),
         program: "caustica".into(),
@@ -226,7 +231,7 @@ fn the_least_error_at_each_time_and_at_the_budget() {
     };
     let points: Vec<(usize, usize)> = pareto(&found.methods).iter().map(|m| (m.method, m.checkpoint)).collect();
     assert_eq!(points, [(0, 0), (1, 0), (0, 4), (0, 5), (0, 6), (0, 7), (0, 8)]);
-    let recommended = |found: &MethodsFound| {
+    let recommended = |found: &MethodStudyResult| {
         let fits: Vec<_> = found.methods.iter().map(fit).collect();
         recommend(found, &fits).unwrap()
     };
