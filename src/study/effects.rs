@@ -1,6 +1,6 @@
 //! Study of effects: renders the picture with and without each effect.
 
-use super::settled;
+use super::balanced::balanced;
 use crate::image::metrics::{MetricError, rmse};
 use crate::image::{Image, SizeError, WriteError};
 use crate::integrate::{Algorithm, Expected, Integrator, Monitor, Settings};
@@ -165,7 +165,7 @@ impl<'a> EffectStudy<'a> {
     pub fn prepare(scene: &'a Scene, algorithm: Algorithm, settings: &Settings) -> Self {
         let clock = Clock::best();
         let plan = Plan::new(scene, algorithm.simulates(), settings.eye.effects);
-        let settings = settled(scene, algorithm, settings);
+        let settings = balanced(scene, algorithm, settings);
         let size = scene.camera().size();
         let run = |without: Option<Decision>| {
             let mut settings = settings.clone();

@@ -44,21 +44,21 @@ fn study(scene: &Scene, algorithm: Algorithm, settings: &Settings, passes: u32) 
 
 /// An effect that the scene does not need costs rays and changes no bit.
 #[test]
-fn caustics_without_casters_are_work_for_nothing() {
-    let wishes = EffectOverrides::PLANNED.with(Effect::Caustics);
-    let found = study(&matt(24, 18), Algorithm::Hybrid, &few(wishes), 2);
+fn unneeded_caustics_cost_rays_and_change_no_bit() {
+    let overrides = EffectOverrides::PLANNED.with(Effect::Caustics);
+    let found = study(&matt(24, 18), Algorithm::Hybrid, &few(overrides), 2);
     let caustics = found.effects.iter().find(|f| f.decision.effect == Effect::Caustics).unwrap();
     assert_eq!((caustics.gain.rmse, caustics.gain.adds, caustics.gain.takes), (0.0, 0.0, 0.0));
     // Each of 4,000 paths has at least one ray.
     assert!(caustics.cost.rays >= 4000.0, "{:?}", caustics.cost);
     let scene = matt(24, 18);
-    let work = expected_work(Algorithm::Hybrid.prepare(&scene, few(wishes)).as_ref());
+    let work = expected_work(Algorithm::Hybrid.prepare(&scene, few(overrides)).as_ref());
     assert!(work.of(Effect::Caustics).unwrap().rays >= 4000);
 }
 
 /// Point lights have no noise in `whitted`: shadows brighten no pixel.
 #[test]
-fn shadows_take_light_away_and_add_none() {
+fn shadows_only_remove_light() {
     let found = study(&matt(24, 18), Algorithm::Whitted, &few(EffectOverrides::PLANNED), 1);
     let shadows = found.effects.iter().find(|f| f.decision.effect == Effect::Shadows).unwrap();
     assert_eq!(shadows.gain.adds, 0.0);
@@ -70,7 +70,7 @@ fn shadows_take_light_away_and_add_none() {
 }
 
 #[test]
-fn what_an_effect_adds_and_takes_is_what_tells_the_means_apart() {
+fn gains_are_the_difference_of_the_means() {
     let scene = glass_on_floor(24, 18);
     let found = study(&scene, Algorithm::Hybrid, &few(EffectOverrides::PLANNED), 3);
     let names: Vec<Effect> = found.effects.iter().map(|f| f.decision.effect).collect();
@@ -82,8 +82,8 @@ fn what_an_effect_adds_and_takes_is_what_tells_the_means_apart() {
     let sum: f64 = images.flatten().map(|p| p.as_dvec3().element_sum()).sum();
     let mean_without = sum / (3.0 * 3.0 * 24.0 * 18.0);
     // Pixels are f32, which rounds at 2⁻²⁴.
-    let told = found.mean - caustics.gain.adds + caustics.gain.takes;
-    assert!((told / mean_without - 1.0).abs() < 1e-6, "{told} {mean_without}");
+    let expected = found.mean - caustics.gain.adds + caustics.gain.takes;
+    assert!((expected / mean_without - 1.0).abs() < 1e-6, "{expected} {mean_without}");
     assert!(caustics.gain.adds > caustics.gain.takes && caustics.cost.gathered_photons > 0.0);
     let again = study(&scene, Algorithm::Hybrid, &few(EffectOverrides::PLANNED), 3);
     assert_eq!(
@@ -93,7 +93,7 @@ fn what_an_effect_adds_and_takes_is_what_tells_the_means_apart() {
 }
 
 #[test]
-fn an_interrupt_ends_after_a_pass_of_every_picture() {
+fn interrupts_end_after_a_pass_of_every_picture() {
     let scene = matt(8, 6);
     let study = EffectStudy::prepare(&scene, Algorithm::Whitted, &few(EffectOverrides::PLANNED));
     let pictures = study.pictures();
@@ -103,16 +103,15 @@ fn an_interrupt_ends_after_a_pass_of_every_picture() {
 }
 
 #[test]
-fn a_page_tells_of_every_effect_and_of_what_is_off() {
+fn page_lists_every_effect() {
     let about = About { scene: "<a> & b".into(), integrator: "whitted", seed: 3, exposure: -1.0 };
-    let wishes = EffectOverrides::PLANNED.with(Effect::Environment).without(Effect::Shadows);
-    let page = page(&about, &study(&matt(8, 6), Algorithm::Whitted, &few(wishes), 1)).unwrap();
+    let overrides = EffectOverrides::PLANNED.with(Effect::Environment).without(Effect::Shadows);
+    let page = page(&about, &study(&matt(8, 6), Algorithm::Whitted, &few(overrides), 1)).unwrap();
     assert!(
         Effect::ALL.iter().all(|e| page.contains(&format!("<dt>{e}</dt>")) || page.contains(&format!("id=\"{e}\"")))
     );
     assert!(page.contains("&lt;a&gt; &amp; b") && !page.contains("<a>"));
-    for part in ["exposure -1 stop.", "no light comes from all around", "off, as wished, though", "the same to the bit"]
-    {
+    for part in ["exposure -1 stop.", "no light comes from all around", "forced off, though", "equal bit for bit"] {
         assert!(page.contains(part), "{part}");
     }
     assert!(!page.contains("<script") && !page.contains("http"), "it needs nothing else");

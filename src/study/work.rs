@@ -53,7 +53,7 @@ mod tests {
 
     /// Camera rays are counted exactly: one per pixel and sample.
     #[test]
-    fn rays_of_the_camera_are_exact() {
+    fn camera_rays_are_exact() {
         let mut settings = Settings::default();
         settings.eye.samples = Some(100);
         let scene = matt(640, 480);
@@ -64,7 +64,7 @@ mod tests {
     /// Compares expected work with a whole pass. A thousand film points give a few percent of
     /// error; gathers crowd in caustics and are less exact.
     #[test]
-    fn what_is_expected_is_what_comes() {
+    fn expected_work_matches_a_pass() {
         let settings = Settings {
             photons: 100_000,
             caustic_photons: 100_000,

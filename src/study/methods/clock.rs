@@ -40,7 +40,7 @@ pub(super) fn system() -> Clock<'static> {
     })
 }
 
-/// What `work` gives, and what it took.
+/// Runs `work`; returns its result and its time.
 pub(super) fn timed<T>(clock: &dyn Fn() -> Moment, work: impl FnOnce() -> T) -> (T, Moment) {
     let before = clock();
     let done = work();

@@ -216,8 +216,8 @@ impl<'a> MethodStudy<'a> {
         let threads = rayon::current_num_threads();
         let share = |run: &Run<'_>| run.time.processor / (run.time.wall * threads as f64);
         // Without processor time the share is unknown.
-        let told = |share: &f64| share.is_finite() && cpu_seconds().is_some();
-        let shares = self.runs.iter().map(share).filter(told);
+        let is_known = |share: &f64| share.is_finite() && cpu_seconds().is_some();
+        let shares = self.runs.iter().map(share).filter(is_known);
         MethodStudyResult {
             scene: subject.scene.clone(),
             command: subject.command.clone(),
@@ -261,8 +261,9 @@ impl Run<'_> {
             rmse(&image(picture.clone())?, references.mean())?;
         }
         let measured = split(references, &pictures);
-        let told = |seed: &Seed<'_>| Some(seed.estimator.as_ref()?.estimate(&seed.film).error);
-        let estimated: Vec<f64> = self.seeds.iter().filter_map(told).filter(|e| e.is_finite()).map(|e| e * e).collect();
+        let error = |seed: &Seed<'_>| Some(seed.estimator.as_ref()?.estimate(&seed.film).error);
+        let estimated: Vec<f64> =
+            self.seeds.iter().filter_map(error).filter(|e| e.is_finite()).map(|e| e * e).collect();
         let seeds = pictures.len() as f64;
         let checkpoint = Checkpoint {
             passes,

@@ -195,8 +195,8 @@ fn read(path: &Path, wanted: (u32, u32)) -> Result<Image, TruthError> {
 /// Algorithm for references, and the reason: `path` if there are no caustics, which it could miss;
 /// else `hybrid`, whose only bias is blur that shrinks.
 #[must_use]
-pub fn reference_algorithm(scene: &Scene, wishes: EffectOverrides) -> (Algorithm, &'static str) {
-    let plan = Plan::new(scene, Algorithm::Hybrid.simulates(), wishes);
+pub fn reference_algorithm(scene: &Scene, overrides: EffectOverrides) -> (Algorithm, &'static str) {
+    let plan = Plan::new(scene, Algorithm::Hybrid.simulates(), overrides);
     if plan.effects().has(Effect::Caustics) {
         (Algorithm::Hybrid, "unbiased except caustics, whose blur shrinks")
     } else {

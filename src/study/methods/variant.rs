@@ -46,8 +46,8 @@ pub(super) fn check(variants: &[Variant], seeds: u32) -> Result<(), VariantError
 /// Global-illumination methods that differ for a scene. Photon methods need a light and a receiver;
 /// `hybrid` equals `path` without caustics.
 #[must_use]
-pub fn methods_for(scene: &Scene, wishes: EffectOverrides) -> Vec<Algorithm> {
-    let plan = Plan::new(scene, Algorithm::Hybrid.simulates(), wishes);
+pub fn methods_for(scene: &Scene, overrides: EffectOverrides) -> Vec<Algorithm> {
+    let plan = Plan::new(scene, Algorithm::Hybrid.simulates(), overrides);
     let facts = &plan.facts;
     let photons = facts.lights > 0 && facts.receivers + facts.scattering_media > 0;
     let applies = |algorithm: &Algorithm| match algorithm {

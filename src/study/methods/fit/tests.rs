@@ -1,9 +1,11 @@
 //! Methods whose laws are known, with the scatter of seeds.
 
+use super::slopes::student;
 use super::*;
 use crate::image::Image;
 use crate::integrate::{ALPHA, Algorithm, shrink};
-use crate::study::methods::{MethodStudyResult, Truth};
+use crate::sampling::Key;
+use crate::study::methods::{Checkpoint, MethodResult, MethodStudyResult, Truth};
 use glam::Vec3;
 use rand::RngExt;
 
@@ -124,7 +126,7 @@ fn slopes_are_recovered() {
 }
 
 #[test]
-fn verdicts_tell_what_it_is() {
+fn verdicts_name_the_cause() {
     let passes = doubled(9);
     let is = |algorithm, bias, alpha, passes: &[u32]| judged(&synthetic(algorithm, bias, alpha, passes, 5));
     assert!(matches!(is(Algorithm::Path, 0.0, 1.0, &passes), Verdict::Expected { ahead: None, .. }));
@@ -152,15 +154,15 @@ fn verdicts_tell_what_it_is() {
 }
 
 #[test]
-fn what_the_truth_cannot_tell_is_no_finding() {
+fn errors_below_the_truth_are_not_judged() {
     let method = synthetic(Algorithm::Path, 0.0, 1.0, &doubled(9), 6);
     let fit = fit(&method);
     // The last error is .1/16.
-    assert!(matches!(verdict(&method, fit.as_ref(), Some(0.01)), Verdict::Untold { truth: Some(_) }));
+    assert!(matches!(verdict(&method, fit.as_ref(), Some(0.01)), Verdict::TooSmall { truth: Some(_) }));
     assert!(matches!(verdict(&method, fit.as_ref(), Some(0.005)), Verdict::Expected { .. }));
     let mut below = method.clone();
     below.checkpoints.last_mut().unwrap().squares = vec![-1e-9; SEEDS];
-    assert!(matches!(judged(&below), Verdict::Untold { truth: None }));
+    assert!(matches!(judged(&below), Verdict::TooSmall { truth: None }));
     let mut alone = method;
     alone.checkpoints.iter_mut().for_each(|c| (c.squares.truncate(1), c.noises.clear()).1);
     assert!(matches!(judged(&alone), Verdict::Wide { .. }));
@@ -177,7 +179,7 @@ fn exact() -> MethodResult {
 }
 
 #[test]
-fn prices_follow_the_law() {
+fn efforts_follow_the_law() {
     let method = exact();
     let fit = fit(&method);
     let verdict = verdict(&method, fit.as_ref(), None);
@@ -201,7 +203,7 @@ fn prices_follow_the_law() {
 }
 
 #[test]
-fn a_plateau_is_never_left() {
+fn plateaus_are_never_left() {
     let method = synthetic(Algorithm::Pm, 3.0, 1.0, &doubled(9), 8);
     let fit = fit(&method);
     let verdict = verdict(&method, fit.as_ref(), None);
@@ -213,7 +215,7 @@ fn a_plateau_is_never_left() {
 
 /// The second costs twice as much a pass, but begins with a third of the error and stays there.
 #[test]
-fn the_least_error_at_each_time_and_at_the_budget() {
+fn pareto_front_and_recommendation_have_least_error() {
     let mut early = exact();
     early.checkpoints.iter_mut().for_each(|c| (c.seconds *= 2.0, c.squares.fill(0.001)).1);
     let picture = Image::from_pixels(1, 1, vec![Vec3::ONE]).unwrap();
@@ -242,7 +244,7 @@ fn the_least_error_at_each_time_and_at_the_budget() {
 }
 
 #[test]
-fn students_t_is_that_of_tables() {
+fn students_t_matches_tables() {
     for (degrees, t) in [(1, 12.7062), (7, 2.3646), (11, 2.2010), (30, 2.0423), (1000, 1.9623)] {
         assert!((student(degrees) - t).abs() < 1e-3, "{degrees}");
     }

@@ -1,6 +1,6 @@
 //! Convergence rates from theory.
 
-use super::line;
+use super::slopes::line;
 use crate::integrate::Algorithm;
 
 /// Quantity that converges.

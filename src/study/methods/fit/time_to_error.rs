@@ -1,6 +1,7 @@
 //! Time to reach an error.
 
-use super::{Fit, Slope, Verdict};
+use super::slopes::{Fit, Slope};
+use super::verdict::Verdict;
 use crate::study::methods::{Checkpoint, MethodResult, MethodStudyResult};
 
 /// Effort to reach an error.

@@ -1,6 +1,7 @@
 //! Verdicts: what a slope means.
 
-use super::{Fit, Law, Quantity, Slope, bias_spread, spread, theory};
+use super::slopes::{Fit, Slope, bias_spread, spread};
+use super::theory::{Law, Quantity, theory};
 use crate::integrate::Algorithm;
 use crate::study::methods::MethodResult;
 use crate::study::report::text::{error, figure, slope as digits};
@@ -16,7 +17,7 @@ pub enum Verdict {
     /// Too few checkpoints for a fit.
     TooFew,
     /// The error is below what the references or seeds can resolve.
-    Untold {
+    TooSmall {
         /// Relative error of the truth; `None` if unknown.
         truth: Option<f64>,
     },
@@ -82,7 +83,7 @@ pub fn verdict(method: &MethodResult, fit: Option<&Fit>, truth: Option<f64>) -> 
     let (Some(fit), Some(last)) = (fit, method.checkpoints.last()) else { return Verdict::TooFew };
     let least = truth.unwrap_or(0.0);
     let nothing = spread(&last.squares).is_some_and(|[low, _]| low <= 0.0) || last.square() <= least * least;
-    let (Some(slopes), false) = (fit.error, nothing) else { return Verdict::Untold { truth } };
+    let (Some(slopes), false) = (fit.error, nothing) else { return Verdict::TooSmall { truth } };
     let Slope { value: slope, interval } = slopes.by_passes;
     let Some([low, high]) = interval else { return Verdict::Wide { slope } };
     let law = |quantity| theory(method.algorithm, quantity, &fit.passes, method.alpha);
@@ -124,10 +125,10 @@ impl fmt::Display for Verdict {
         let as_theory = "falls as theory says";
         match self {
             Self::TooFew => write!(f, "too few checkpoints: give it more time"),
-            Self::Untold { truth: Some(truth) } => {
+            Self::TooSmall { truth: Some(truth) } => {
                 write!(f, "below the error of the references, {}", error(*truth))
             }
-            Self::Untold { truth: None } => write!(f, "too small to measure with these seeds"),
+            Self::TooSmall { truth: None } => write!(f, "too small to measure with these seeds"),
             Self::Wide { slope } => write!(f, "slope {}; too few seeds for an interval", digits(*slope)),
             Self::Plateau { floor, cause } => write!(f, "plateau: bias of {} stays{cause}", error(*floor)),
             Self::Hidden { slope, most } => {

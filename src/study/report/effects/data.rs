@@ -86,8 +86,8 @@ pub fn markdown(about: &About, findings: &Findings) -> String {
         ["effect", "ms per pass", "time ratio", "rays per pass", "gathered photons", "changes", "adds", "takes"];
     text += &markdown_table(&heads, &rows);
     for decision in findings.plan.decisions.iter().filter(|d| !d.on) {
-        let wished = if decision.is_forced() { "forced off, though " } else { "off: " };
-        text += &format!("\n- {}: {wished}{}", decision.effect, markdown_text(&decision.reason.to_string()));
+        let state = if decision.is_forced() { "forced off, though " } else { "off: " };
+        text += &format!("\n- {}: {state}{}", decision.effect, markdown_text(&decision.reason.to_string()));
     }
     text + "\n"
 }

@@ -2,7 +2,7 @@
 
 use super::analysis::{Analysis, ERRORS, law_text, reach_text, slope};
 use super::tables::root;
-use super::warnings;
+use super::warnings::warnings;
 use crate::study::methods::fit::{Fit, Law, Milestone, Quantity, Recommendation, TimeToError, spread};
 use crate::study::methods::{Checkpoint, MethodResult, MethodStudyResult};
 use crate::study::report::plain::{csv_row, markdown_block, markdown_table, markdown_text};

@@ -125,10 +125,10 @@ pub(super) fn flip(found: &MethodStudyResult) -> Result<String, StudyError> {
     add("truth", &found.truth.picture, &format!("The truth: {}", found.truth.source), &found.command)?;
     for method in &found.methods {
         let last = method.checkpoints.last();
-        let told = last.map_or(String::new(), |c| {
+        let summary = last.map_or(String::new(), |c| {
             format!(", {} passes, {}: error {}", c.passes, duration(c.seconds), root(c.square()))
         });
-        add(&method.label, &method.picture, &format!("{}{told}", method.label), &method.command)?;
+        add(&method.label, &method.picture, &format!("{}{summary}", method.label), &method.command)?;
     }
     Ok(
         flip + "</div>\n<p>Arrow keys turn to the next; <code>#show=</code> and a label after the page&#39;s address open it at one.</p>\n</div>\n"
