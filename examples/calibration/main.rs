@@ -1,13 +1,16 @@
-//! How well the gauge knows the error: what it says over what is true, for scenes, methods, numbers of passes and seeds.
+//! Calibration of the error estimator: estimated over true error, by scene, method, passes and seed.
 //!
 //! ```sh
-//! cargo run --release --example calibration -- [SCENE …] [--methods M,…] [--passes N,…] [--seeds N] [--truth PASSES]
-//!     [--targets ERROR,…] [--forecasts ERROR,…]
+//! cargo run --release --example calibration -- [SCENE …] [--methods M,…] [--passes N,…]
+//!     [--seeds N] [--truth PASSES] [--targets ERROR,…] [--forecasts ERROR,…]
 //! ```
 //!
-//! The truth is that of two long renders by `hybrid` with a tenth of the radius: E[(I − A)(I − B)] is the squared error of I, though A and
-//! B are noisy. `path` is left out where the scene calls for caustics, which it finds rarely or never, and its passes cannot tell. With `--targets`, renders that
-//! end by `--target-error` at the usual confidence are held against the truth instead, with `--forecasts` forecasts against what happens.
+//! The truth comes from two long renders A and B by `hybrid` with a tenth of the radius.
+//! E[(I − A)(I − B)] is the squared error of an image I, although A and B are noisy. `path` is left
+//! out of scenes with caustics: it finds them rarely, and its passes cannot know what they miss.
+//!
+//! `--targets` compares the true error of renders that end by `--target-error`, at the default
+//! confidence. `--forecasts` compares forecasts with the passes that follow.
 
 mod forecasts;
 
@@ -88,7 +91,7 @@ fn settings(seed: u64) -> Settings {
     settings
 }
 
-/// The mean of many passes with small discs that stay.
+/// Returns the mean of many passes with a small, constant radius.
 fn reference(scene: &Scene, seed: u64, passes: u32) -> Vec<Vec3> {
     let mut settings = settings(seed);
     let radii = Algorithm::Hybrid.prepare(scene, settings.clone()).radii();
@@ -106,7 +109,7 @@ fn reference(scene: &Scene, seed: u64, passes: u32) -> Vec<Vec3> {
     render(integrator.as_ref(), SIZE, &stop, &Silent, |_| {}).film.mean()
 }
 
-/// Renders until the error is told to be low enough, and how large it is then.
+/// Renders until the estimated error reaches the target, and returns the true error.
 fn stopped(name: &str, scene: &Scene, algorithm: Algorithm, error: f64, seeds: u64, square: &dyn Fn(&[Vec3]) -> f64) {
     let target = Some(ErrorTarget { error, confidence: Confidence::default() });
     let stop = StopCriteria { min_passes: 1, passes: None, time: None, target, interrupted: &AtomicBool::new(false) };

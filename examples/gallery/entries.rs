@@ -1,16 +1,16 @@
-//! What the gallery shows.
+//! Images of the gallery.
 
-/// A picture.
+/// One image of the gallery.
 pub struct Entry {
-    /// Of its file.
+    /// File name without extension.
     pub name: &'static str,
-    /// The part of the page that it stands in.
+    /// Section of the page.
     pub part: &'static str,
     pub title: &'static str,
     pub scene: &'static str,
-    /// Of `caustica render`, besides scene and outputs.
+    /// Arguments of `caustica render`, except scene and outputs.
     pub arguments: &'static str,
-    /// What there is to see.
+    /// Caption.
     pub text: &'static str,
 }
 
@@ -24,7 +24,7 @@ const CAMERA: &str = "Camera and time";
 const ALGORITHMS: &str = "Algorithms";
 const COMPOSITIONS: &str = "Compositions";
 
-/// All pictures, in the order of the page.
+/// All images, in the order of the page.
 pub const ENTRIES: &[Entry] = &[
     Entry {
         name: "ring",
