@@ -91,13 +91,13 @@ fn caustica(words: &[String]) -> Option<Vec<String>> {
 
 /// Runs a documented command in a folder that stands for the repository's root, with small renders.
 fn perform(page: &str, line: &[String], folder: &Path) {
-    let told = format!("{page}: {}", line.join(" "));
+    let command_line = format!("{page}: {}", line.join(" "));
     if let Some(arguments) = caustica(line) {
         let parsed =
             match Arguments::try_parse_from(std::iter::once("caustica").chain(arguments.iter().map(String::as_str))) {
                 Ok(parsed) => Some(parsed.command),
                 Err(e) if e.exit_code() == 0 => None,
-                Err(e) => panic!("{told}\n{e}"),
+                Err(e) => panic!("{command_line}\n{e}"),
             };
         let mut arguments = arguments;
         let (scene, outputs): (Option<&Path>, Vec<&PathBuf>) = match &parsed {
@@ -129,7 +129,7 @@ fn perform(page: &str, line: &[String], folder: &Path) {
             arguments.iter_mut().filter(|a| *a == scene).for_each(|a| *a = mapped.clone());
         }
         for name in &outputs {
-            assert!(name.is_relative(), "{told}\nwrites outside of the project");
+            assert!(name.is_relative(), "{command_line}\nwrites outside of the project");
             let parent = name.parent().unwrap();
             if root().join(parent).is_dir() {
                 std::fs::create_dir_all(folder.join(parent)).unwrap();
@@ -137,9 +137,9 @@ fn perform(page: &str, line: &[String], folder: &Path) {
         }
         let mut command = assert_cmd::Command::new(env!("CARGO_BIN_EXE_caustica"));
         let output = command.current_dir(folder).args(&arguments).timeout(Duration::from_secs(60)).output().unwrap();
-        assert!(output.status.success(), "{told}\n{}", String::from_utf8_lossy(&output.stderr));
+        assert!(output.status.success(), "{command_line}\n{}", String::from_utf8_lossy(&output.stderr));
         for name in outputs {
-            assert!(folder.join(name).is_file(), "{told}\nwrote no {}", name.display());
+            assert!(folder.join(name).is_file(), "{command_line}\nwrote no {}", name.display());
         }
         return;
     }
@@ -149,18 +149,18 @@ fn perform(page: &str, line: &[String], folder: &Path) {
             std::fs::create_dir_all(folder.join(w)).unwrap();
         }),
         ("cargo", "run") => {
-            let name = line.iter().skip_while(|w| *w != "--example").nth(1).unwrap_or_else(|| panic!("{told}"));
+            let name = line.iter().skip_while(|w| *w != "--example").nth(1).unwrap_or_else(|| panic!("{command_line}"));
             let examples = root().join("examples");
             let there = examples.join(format!("{name}.rs")).is_file() || examples.join(name).join("main.rs").is_file();
-            assert!(there, "{told}\nthere is no such example");
+            assert!(there, "{command_line}\nthere is no such example");
         }
         ("cargo", "+nightly") => {
             let [target, corpus] = [6, 7].map(|i| word(i).to_owned());
             let there = root().join(format!("fuzz/fuzz_targets/{target}.rs")).is_file() && root().join(corpus).is_dir();
-            assert!(line[2..4] == ["fuzz", "run"] && there, "{told}\nthere is no such target or corpus");
+            assert!(line[2..4] == ["fuzz", "run"] && there, "{command_line}\nthere is no such target or corpus");
         }
         ("cargo", "build" | "test" | "bench" | "install" | "doc" | "clippy" | "fmt") | ("git" | "cd", _) => {}
-        _ => panic!("{told}\nthis test does not know how to try this command: teach it"),
+        _ => panic!("{command_line}\nthis test does not know how to try this command: teach it"),
     }
 }
 

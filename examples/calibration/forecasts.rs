@@ -40,8 +40,8 @@ pub fn print(scenes: &[String], methods: &[Algorithm], errors: &[f64], seeds: u6
                 interrupted: &interrupted,
             };
             let (made, seconds) = rendered(&scene, method, seed, &pilot);
-            let gauge = made.estimator.as_ref().ok_or("no gauge")?;
-            let forecast = gauge.forecast(&gauge.estimate(&made.film)).ok_or("no forecast")?;
+            let estimator = made.estimator.as_ref().ok_or("no error estimator")?;
+            let forecast = estimator.forecast(&estimator.estimate(&made.film)).ok_or("no forecast")?;
             for error in errors {
                 let row = format!("| {name} | {} | {seed} | {:.1} %", method.name(), 100.0 * error);
                 let PassesNeeded::Passes(passes) = forecast.passes_to(*error) else {

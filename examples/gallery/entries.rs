@@ -176,7 +176,7 @@ pub const ENTRIES: &[Entry] = &[
         title: "Bézier patches",
         scene: "scenes/teapot.txt",
         arguments: "--size 480x360 --passes 6",
-        text: "A pot of bicubic patches, which rays meet as they are: no triangles, no edges in its outline.",
+        text: "A pot of bicubic patches, intersected directly: no triangles, no edges in its outline.",
     },
     Entry {
         name: "goblet",
