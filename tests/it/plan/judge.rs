@@ -134,7 +134,7 @@ fn casts(material: &Material) -> bool {
 fn casters_are_dark(sketch: &Sketch, scene: &Scene) -> bool {
     if let Some(source) = PhotonSource::everywhere(scene) {
         let pass = PhotonPass { scene, source: &source, mask: StoreMask::CAUSTIC, max_bounces: 10 };
-        if !pass.trace(Key::new(1), PHOTONS, &|_| {}).photons.is_empty() {
+        if !pass.trace(Key::new(1), PHOTONS, &|_| {}).deposits.photons.is_empty() {
             return false;
         }
     }

@@ -218,7 +218,8 @@ fn fluxes(scene: &Scene, middle: DVec3, near: f64) -> Vec<Vec<f64>> {
     let one = |index: u32| {
         let key = Key::new(7).purpose(Purpose::Test).with(index.into());
         let traced = pass.trace(key, 4096, &|_| {});
-        let inside = traced.photons.iter().filter(|p| (p.position.as_dvec3() + scene.middle()).distance(middle) < near);
+        let inside =
+            traced.deposits.photons.iter().filter(|p| (p.position.as_dvec3() + scene.middle()).distance(middle) < near);
         inside.map(|p| p.data.flux().as_dvec3()).sum::<DVec3>().to_array().to_vec()
     };
     (0..PASSES).into_par_iter().map(one).collect()

@@ -148,7 +148,7 @@ fn photons_beyond_float_range_are_reported() {
     let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::DIRECT, max_bounces: 0 };
     let rejected = |paths| {
         let traced = pass.trace(key(9), paths, &|_| {});
-        (traced.stored(), traced.rejected)
+        (traced.deposits.len(), traced.deposits.rejected)
     };
     assert_eq!((rejected(1), rejected(16)), ((0, 1), (16, 0)));
     // Photon maps seen by gather rays store direct light.
