@@ -1,6 +1,6 @@
 //! Dispersion: prisms separate wavelengths, and white light stays white in sum.
 
-use crate::support::{PASSES, agree, agree_rgb, fresnel, place, scene_in, trace_from};
+use crate::support::{PASSES, agree, agree_rgb, fresnel, photon_position, scene_in, trace_from};
 use caustica::color::Wavelength;
 use caustica::integrate::{Algorithm, Settings, Silent};
 use caustica::photon::{Photon, PhotonSource, StoreMask};
@@ -78,7 +78,7 @@ fn prism_deviates_wavelengths_by_their_indices() {
     let source = PhotonSource::aimed(&scene).unwrap();
     let passes = trace_from(&scene, &source, StoreMask::CAUSTIC, 100, PASSES, 1 << 16);
     let down = |photon: &Photon| {
-        let p = place(&scene, photon);
+        let p = photon_position(&scene, photon);
         (-libm::atan2(p.y, p.x)).to_degrees() + 0.5 * least.to_degrees()
     };
     let mut found = Vec::new();
@@ -95,7 +95,7 @@ fn prism_deviates_wavelengths_by_their_indices() {
                     .deposits
                     .photons
                     .iter()
-                    .filter(|p| codes.contains(&p.data.wavelength()) && place(&scene, p).x > 0.0)
+                    .filter(|p| codes.contains(&p.data.wavelength()) && photon_position(&scene, p).x > 0.0)
                     .map(|p| {
                         let own = deviation(angle, bk7(middle(p).unwrap())) - deviation(angle, bk7(nm));
                         down(p) - own.to_degrees()
@@ -116,7 +116,7 @@ fn prism_deviates_wavelengths_by_their_indices() {
     assert!((found[0] - found[2] - 0.70973).abs() < 5e-4);
 }
 
-/// A spotlight shines into a prism inside a sphere. All of its light lands, in each channel alike,
+/// A spotlight illuminates a prism inside a sphere. All of its light lands, in each channel alike,
 /// with and without sampled wavelengths. A first reflection stays white while it is weak, and is
 /// weighted for that.
 #[test]
@@ -308,7 +308,7 @@ fn drop(glass: &str, far: f64) -> Scene {
 const FAR: f64 = 1000.0;
 
 fn bow(scene: &Scene, photon: &Photon) -> Option<f64> {
-    let p = place(scene, photon);
+    let p = photon_position(scene, photon);
     (p.x < 0.0).then(|| libm::atan2(libm::hypot(p.y, p.z), FAR).to_degrees())
 }
 

@@ -63,7 +63,7 @@ fn flux_along_cup_axis_matches_closed_form() {
     }
     // Points are kept 16 errors of 5·2⁻²³ off the edges of facets. That moves a ray sideways by
     // 10⁻⁵ at most.
-    let sideways = |p: &Photon| (0.5 - 1e-5 - place(&scene, p).z) * f64::from(p.data.from().x.abs());
+    let sideways = |p: &Photon| (0.5 - 1e-5 - photon_position(&scene, p).z) * f64::from(p.data.from().x.abs());
     let most = passes.iter().flat_map(|t| &t.deposits.photons).map(sideways).fold(0.0, f64::max);
     assert!(most < 1e-5, "no ray crosses the axis before half the radius: {most}");
 }
@@ -136,7 +136,7 @@ fn flux_peaks_at_the_nephroid() {
         let outward = if tangent.perp().dot(fold(t)) > 0.0 { tangent.perp() } else { -tangent.perp() };
         let mut cells = [0f64; 12];
         for p in passes.iter().flat_map(|t| &t.deposits.photons) {
-            let p = place(&scene, p);
+            let p = photon_position(&scene, p);
             let d = DVec2::new(p.x, p.z) - fold(t);
             let cell = (d.dot(outward) * 100.0 + 6.0).floor();
             if d.dot(tangent).abs() < 0.03 && (0.0..12.0).contains(&cell) {

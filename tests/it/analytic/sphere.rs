@@ -45,7 +45,7 @@ fn reflected_photons_cover_sphere_uniformly() {
     for bounces in [1, 1000] {
         let mut counts = vec![0; 32 * 32];
         for t in trace(&scene, StoreMask::GLOBAL, bounces, 4, 1 << 16) {
-            t.deposits.photons.iter().for_each(|p| counts[cell(place(&scene, p), 2.0)] += 1);
+            t.deposits.photons.iter().for_each(|p| counts[cell(photon_position(&scene, p), 2.0)] += 1);
         }
         let z = chi_square(&counts);
         eprintln!("chi-square of {bounces} bounces: z = {z:.2}");

@@ -146,12 +146,12 @@ fn scaled_and_moved_scenes_give_same_image() {
 #[test]
 fn no_integrator_depends_on_length_unit() {
     let (eye, base) = (few().eye, few());
-    let gauged = EyeSettings { gauge: true, adaptive: true, samples: Some(2), ..eye };
+    let estimated = EyeSettings { gauge: true, adaptive: true, samples: Some(2), ..eye };
     let importance = Settings { final_gathering: FinalGathering::Importance, ..base.clone() };
     let volume = |volume| Settings { volume, ..base.clone() };
     let cases = [
         ("cabinet", Algorithm::Sppm, base.clone()),
-        ("garden-pool", Algorithm::Ppm, Settings { eye: gauged.clone(), ..base.clone() }),
+        ("garden-pool", Algorithm::Ppm, Settings { eye: estimated.clone(), ..base.clone() }),
         ("still-life", Algorithm::Pm, importance),
         ("lens-in-fog", Algorithm::Pm, volume(VolumeEstimate::Points)),
         ("lens-in-fog", Algorithm::Sppm, volume(VolumeEstimate::Beams)),
@@ -159,7 +159,11 @@ fn no_integrator_depends_on_length_unit() {
         ("marbles", Algorithm::Distributed, base.clone()),
         ("textures", Algorithm::Whitted, base.clone()),
         ("matte", Algorithm::Raycast, base.clone()),
-        ("goblet", Algorithm::Hybrid, Settings { balance: true, eye: EyeSettings { samples: None, ..gauged }, ..base }),
+        (
+            "goblet",
+            Algorithm::Hybrid,
+            Settings { balance: true, eye: EyeSettings { samples: None, ..estimated }, ..base },
+        ),
     ];
     cases.into_par_iter().for_each(|(name, algorithm, settings)| {
         let file = named(name);

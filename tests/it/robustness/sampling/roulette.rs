@@ -70,9 +70,9 @@ fn zero_channel_stays_zero() {
             let mut strengths = on.map(|p| f64::from(p.data.flux().z) / twice - 1.0);
             assert!(strengths.all(|off| off.abs() < 1e-5), "{audit:?}");
             // A survivor lands once more for each allowed bounce.
-            let walks = (photons.len() - PATHS as usize) / BOUNCES as usize;
-            assert_eq!(photons.len(), PATHS as usize + walks * BOUNCES as usize);
-            assert!((audit.stopped[2] / (walks as f64 * twice) - 1.0).abs() < 1e-5, "{audit:?}");
+            let survivors = (photons.len() - PATHS as usize) / BOUNCES as usize;
+            assert_eq!(photons.len(), PATHS as usize + survivors * BOUNCES as usize);
+            assert!((audit.stopped[2] / (survivors as f64 * twice) - 1.0).abs() < 1e-5, "{audit:?}");
             audit.stopped[2] / audit.emitted[2]
         })
         .collect();
