@@ -1,7 +1,6 @@
 //! Culling of bodies that light cannot distinguish from air.
 
 use super::object::{Extent, Geometry, MeshData, Object};
-use crate::color::Rgb;
 use crate::scene::Material;
 
 /// Drops bodies of index 1 that neither absorb nor hold a medium.
@@ -27,10 +26,7 @@ pub(super) fn cull_index_matched(
             // Planes and moving objects may be anywhere.
             _ => true,
         };
-        object.motion.is_none()
-            && is_air(object.material)
-            && object.emission == Rgb::ZERO
-            && !substances.iter().any(overlaps)
+        object.motion.is_none() && is_air(object.material) && !object.emits() && !substances.iter().any(overlaps)
     };
     let culled: Vec<bool> = objects.iter().map(is_culled).collect();
     let mut triangles = Vec::new();

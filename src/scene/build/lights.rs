@@ -2,7 +2,6 @@
 
 use super::object::{Geometry, Object};
 use super::place::{Mappings, PlacedGeometry};
-use crate::color::Rgb;
 use crate::light::{AreaLight, EmissionTexture, EnvironmentLight, Light, LightSurface};
 use crate::math::Motion;
 use crate::sampling::Discrete;
@@ -58,15 +57,18 @@ pub(super) fn collect_lights(
     let mut shapes = geometry.shapes.iter();
     for (object, mapping) in objects.iter().zip(&mappings.of_object) {
         let surface = match &object.geometry {
-            Geometry::Shape(_) => shapes.next().cloned().map(LightSurface::Shape),
-            Geometry::Mesh(range) if object.emission != Rgb::ZERO => {
+            Geometry::Shape(_) => {
+                let placed = shapes.next();
+                placed.filter(|_| object.emits()).cloned().map(LightSurface::Shape)
+            }
+            Geometry::Mesh(range) if object.emits() => {
                 let areas = range.clone().map(|i| geometry.mesh.area(i as usize));
                 let mesh = geometry.mesh.clone();
                 Discrete::new(areas).map(|choice| LightSurface::Triangles { mesh, first: range.start, choice })
             }
             Geometry::Mesh(_) | Geometry::Plane(_) => None,
         };
-        let light = surface.filter(|_| object.emission != Rgb::ZERO).map(|surface| {
+        let light = surface.map(|surface| {
             let mapping = mappings.list[*mapping as usize];
             let texture = object.emission_texture.map(|(texture, scale)| {
                 Arc::new(EmissionTexture { texture: textures[texture as usize].clone(), mapping, scale })

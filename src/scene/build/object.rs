@@ -45,13 +45,18 @@ impl Object {
         }
     }
 
+    /// True if the object emits light.
+    pub fn emits(&self) -> bool {
+        self.emission != Rgb::ZERO
+    }
+
     /// Rank in the order in which a scene numbers its objects.
     ///
     /// Coplanar hits resolve to the lowest index. Emitters come first, so light sampling agrees
     /// with intersection.
     pub fn rank(&self) -> u8 {
         match (&self.geometry, &self.motion) {
-            (Geometry::Shape(_), None) if self.emission != Rgb::ZERO => 0,
+            (Geometry::Shape(_), None) if self.emits() => 0,
             (Geometry::Shape(_), None) => 1,
             (Geometry::Shape(_), Some(_)) => 2,
             (Geometry::Mesh(_), _) => 3,

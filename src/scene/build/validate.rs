@@ -2,7 +2,7 @@
 
 use super::object::{Geometry, MeshData, Object};
 use super::place::PlacedGeometry;
-use crate::color::{self, Rgb};
+use crate::color;
 use crate::math::Bounds;
 use crate::scene::animation::{Animation, shape_at};
 use crate::scene::{BuildError, Scene};
@@ -17,7 +17,7 @@ const MIN_EXTENT: f32 = 1.0 / 549_755_813_888.0;
 
 /// Checks what cannot be rendered at any place or size.
 pub(super) fn validate_objects(objects: &[Object], mesh: &MeshData) -> Result<(), BuildError> {
-    let emits = |object: &Object| matches!(object.geometry, Geometry::Plane(_)) && object.emission != Rgb::ZERO;
+    let emits = |object: &Object| matches!(object.geometry, Geometry::Plane(_)) && object.emits();
     if objects.iter().any(emits) {
         return Err(BuildError::EmissivePlane);
     }
