@@ -69,7 +69,7 @@ pub(in crate::scene) fn find_flags(geometry: &Geometry, is_boundary: impl Fn(u32
     let bounds_body = |object: usize| is_boundary(geometry.objects[object].material);
     let at_rest = geometry.first_moving as usize;
     let boundary_shapes: Vec<usize> = (0..at_rest).filter(|i| bounds_body(*i)).collect();
-    let mesh_bounds = boundary_mesh_bounds(geometry, &bounds_body);
+    let mesh_bounds = boundary_mesh_bounds(geometry, bounds_body);
     let moving = at_rest..geometry.shapes.len();
     let endless = geometry.shapes.len() + geometry.mesh_ranges.len()..geometry.objects.len();
     let anywhere = moving.chain(endless).filter(|object| bounds_body(*object)).count();
