@@ -123,6 +123,8 @@ fn perform(page: &str, line: &[String], folder: &Path) {
             }
             Some(Command::Diff(diff)) => (None, diff.output.iter().collect()),
             Some(Command::Mesh(mesh)) => (Some(&mesh.mesh), mesh.output.iter().collect()),
+            Some(Command::Check(check)) => (Some(&check.scene), Vec::new()),
+            Some(Command::Convert(convert)) => (Some(&convert.scene), vec![&convert.output]),
             Some(Command::Completions { .. } | Command::Man) | None => (None, Vec::new()),
         };
         if let Some(scene) = scene.and_then(Path::to_str) {
