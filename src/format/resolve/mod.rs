@@ -145,11 +145,11 @@ impl Resolver<'_> {
         let description = self.description;
         self.builder.background(rgb(description.background));
         self.textures()?;
-        self.media()?;
-        self.filling()?;
+        media::add_media(self)?;
+        media::fill_background(self)?;
         self.materials()?;
         for light in &description.lights {
-            let result = self.light(light, &Motion::default());
+            let result = lights::add_light(self, light, &Motion::default());
             self.record(result)?;
         }
         if !description.camera.motion.is_empty() {
@@ -214,9 +214,9 @@ impl Resolver<'_> {
                     (None, None) => (Rgb::ZERO, None),
                 };
                 self.check_radiance(radiance, object.span)?;
-                self.check_clear(radiance, object.span)?;
+                media::check_clear(self, radiance, object.span)?;
                 let shine = EmissionOverride { radiance, told: emission.is_some(), glow };
-                self.shape(shape, object.span, to_world, &shine)
+                shapes::add_shape(self, shape, object.span, to_world, &shine)
             }
         }
     }
@@ -227,7 +227,7 @@ impl Resolver<'_> {
             return Ok(());
         }
         let help = "let it shine less, or choose other units";
-        Err(self.refuse(span, "its radiance is above 3.4e38, which single precision holds", help))
+        Err(shapes::refuse(self, span, "its radiance is above 3.4e38, which single precision holds", help))
     }
 
     fn transform(&self, to_world: DAffine3, span: Span) -> Result<Transform, SceneError> {
