@@ -1,4 +1,4 @@
-//! Lights of the description.
+//! Adds the lights of a description to the scene.
 
 use super::{Resolver, aim, rgb};
 use crate::color::Rgb;
@@ -97,7 +97,7 @@ fn add_source(r: &mut Resolver<'_>, kind: SourceKind, strength: LightStrength, m
     }
 }
 
-/// A black surface that radiates, and moves as if `place` were the origin.
+/// Adds a black emitting surface that moves about `place`.
 fn add_area_light(
     r: &mut Resolver<'_>,
     shape: Shape,

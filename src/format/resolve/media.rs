@@ -1,4 +1,4 @@
-//! Media of the description, and what they fill.
+//! Adds the media of a description to the scene, and the bodies that they fill.
 
 use super::{Resolver, rgb};
 use crate::color::Rgb;
@@ -12,7 +12,7 @@ use crate::stats::bytes;
 use glam::{DAffine3, DVec3};
 use std::sync::Arc;
 
-/// What single precision holds, also times coefficients and lengths.
+/// Greatest density: its products with coefficients and lengths still fit single precision.
 const DENSEST: f64 = 1e12;
 
 pub(super) fn add_media(r: &mut Resolver<'_>) -> Result<(), SceneError> {
@@ -48,7 +48,7 @@ fn make_density(r: &Resolver<'_>, described: &Spanned<Described>) -> Result<Opti
         Density::Even => return Ok(None),
         Density::Grid { path, scale, extent } => {
             let file = r.file("grid", path)?;
-            let help = "mend the grid or name another; the scene language's page tells how such a file looks";
+            let help = "mend the grid or name another; the grid format is described in docs/scene-language.md";
             let read = grid::read_within(&file, r.memory.free());
             let mut grid =
                 read.map_err(|e| r.refuse_file(path, &e, matches!(e, grid::GridError::NoMemory { .. }), help))?;
@@ -84,7 +84,7 @@ fn make_density(r: &Resolver<'_>, described: &Spanned<Described>) -> Result<Opti
     Ok(Some(field))
 }
 
-/// Fills what no body fills.
+/// Adds the medium that fills the space outside all bodies.
 pub(super) fn fill_background(r: &mut Resolver<'_>) -> Result<(), SceneError> {
     let Some(name) = &r.description.filling else { return Ok(()) };
     let (index, medium) = known_medium(r, name)?;
@@ -98,7 +98,7 @@ pub(super) fn fill_background(r: &mut Resolver<'_>) -> Result<(), SceneError> {
     let extinction = medium.extinction();
     if (medium.emission.cmpgt(Rgb::ZERO) & extinction.cmpeq(Rgb::ZERO)).any() {
         let help = "let it absorb in each channel in which it emits, or put it into a shape of a material `Clear`";
-        return refuse("it emits, takes nothing away, and so is infinitely bright", help);
+        return refuse("it emits without absorbing, so it is infinitely bright", help);
     }
     if extinction != Rgb::ZERO
         && let Some(light) = r.description.lights.iter().find_map(from_infinity)
@@ -114,9 +114,9 @@ pub(super) fn fill_background(r: &mut Resolver<'_>) -> Result<(), SceneError> {
     Ok(())
 }
 
-/// Fills the body that `material` bounds, if it bounds one.
+/// Fills the body of `material` with its medium, if it has one.
 ///
-/// What a homogeneous medium absorbs beside what the body absorbs makes a medium of its own.
+/// A body with an absorption of its own gets a copy of the medium with both absorptions.
 pub(super) fn fill_body(
     r: &mut Resolver<'_>,
     material: &mut scene::Material,
@@ -139,7 +139,7 @@ pub(super) fn fill_body(
     Ok(())
 }
 
-/// Refuses light from an object of a material that has no surface.
+/// Refuses emission of an object with a `Clear` material.
 pub(super) fn check_clear(r: &Resolver<'_>, radiance: Rgb, span: Span) -> Result<(), SceneError> {
     let material = r.description.materials.get(r.material as usize);
     if radiance == Rgb::ZERO || !material.is_some_and(|m| matches!(m.kind, MaterialKind::Clear { .. })) {
@@ -156,24 +156,28 @@ fn known_medium(r: &Resolver<'_>, name: &Spanned<String>) -> Result<(u32, Medium
     })
 }
 
-/// Unit cube to world.
+/// Returns the map from the unit cube to the world.
 fn placement(extent: &Extent) -> DAffine3 {
     let fit = DAffine3::from_scale(extent.max - extent.min);
     Map::product(&extent.maps) * DAffine3 { translation: extent.min, ..fit }
 }
 
-/// Cells that are nearly cubes, `resolution` along the longest side.
+/// Returns the grid size of nearly cubic cells, with `resolution` cells along the longest side.
 fn cells(extent: &Extent, resolution: u32) -> [u32; 3] {
     let sides = extent.max - extent.min;
     let count = |side: f64| (f64::from(resolution) * (side / sides.max_element())).ceil().max(2.0) as u32;
     DVec3::to_array(&sides).map(count)
 }
 
-/// Where a light stands in the file that comes from infinitely far.
+/// Returns the span of a light if it comes from infinity.
 fn from_infinity(light: &Spanned<Light>) -> Option<Span> {
     match &light.value {
         Light::Directional { .. } | Light::Environment(_) => Some(light.span),
         Light::Moving { light, .. } => from_infinity(light),
-        _ => None,
+        Light::Point { .. }
+        | Light::Spot { .. }
+        | Light::Sphere { .. }
+        | Light::Disc { .. }
+        | Light::Rectangle { .. } => None,
     }
 }

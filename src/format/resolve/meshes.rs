@@ -1,4 +1,4 @@
-//! Meshes from files: read once, smoothed where asked, and parted by what they are made of.
+//! Adds meshes from files: each file is read once, smoothed on request, and split by material.
 
 use super::shapes::Instanced;
 use super::textures::Worn;
@@ -14,49 +14,50 @@ use crate::stats::bytes;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
-/// Copies of a mesh share its triangles where that saves so many.
+/// Copies of a mesh share its triangles if that saves at least this many.
 const WORTH_SHARING: usize = 50_000;
 
 const MEND: &str = "mend the mesh or name another";
 
-/// Bytes that a placed triangle takes at most while the tree over it is built, with its corners, which two triangles share on average,
-/// their normals and texture coordinates: 436 to 482 as measured on grids of a million.
+/// Bytes per placed triangle while its hierarchy is built, including its share of vertices.
+///
+/// Measured: 436 to 482, on grids of a million triangles with normals and texture coordinates.
 const PER_TRIANGLE: u64 = 500;
 
-/// A file, whether its own materials are used, whether its normals are left out, and the bits of the angle that it is smoothed to.
+/// A file with the options of its use; the smoothing angle as its bits.
 pub(super) type Key = (PathBuf, bool, bool, Option<u64>);
 
-/// What an object sends out.
+/// Emission of an object.
 pub(super) struct EmissionOverride {
-    /// Its radiance, or the mean of it.
+    /// Radiance in W/(m² sr); the mean of a texture.
     pub radiance: Rgb,
-    /// Whether that is the object's own rather than its material's.
+    /// True if the object states the radiance, rather than its material.
     pub told: bool,
-    /// The texture that it follows, and what that is multiplied by.
+    /// Texture of the radiance, and the factor of its values.
     pub glow: Option<(u32, Rgb)>,
 }
 
-/// Where a mesh is placed.
+/// Placement of a mesh.
 pub(super) struct Placing<'p> {
     pub to_world: &'p Motion,
-    /// When the shutter opens.
+    /// Map to the world when the shutter opens.
     pub map: &'p Transform,
     pub span: Span,
     pub shine: &'p EmissionOverride,
 }
 
-/// The parts of a mesh by their materials.
+/// Parts of a mesh, one for each material.
 pub(super) struct Pieces {
     list: Vec<Piece>,
 }
 
 struct Piece {
     mesh: Rc<TriangleMesh>,
-    /// Its own material; `None` where it has the scene's.
+    /// The file's own material; `None` for the scene's.
     own: Option<Own>,
 }
 
-/// A material of a mesh's own.
+/// A material of a mesh file.
 #[derive(Clone, Debug)]
 pub(super) struct Own {
     name: Rc<str>,
@@ -91,7 +92,7 @@ pub(super) fn add_mesh(
     Ok(())
 }
 
-/// Adds triangles of the material in force, of which there are copies `again` so many times.
+/// Adds triangles of the material in force; the scene has `again` more copies of them.
 fn add_piece(
     r: &mut Resolver<'_>,
     path: &Spanned<String>,
@@ -122,7 +123,7 @@ fn add_piece(
     Ok(())
 }
 
-/// Counts triangles that a tree will be built over, where memory suffices for all so far.
+/// Counts triangles towards the memory limit; refuses the mesh if they exceed it.
 fn check_trees(r: &mut Resolver<'_>, path: &Spanned<String>, triangles: usize) -> Result<(), SceneError> {
     r.triangles += triangles as u64;
     let needed = PER_TRIANGLE * r.triangles;
@@ -136,7 +137,7 @@ fn check_trees(r: &mut Resolver<'_>, path: &Spanned<String>, triangles: usize) -
     Err(r.bad_file(path, &message, help).exhausting())
 }
 
-/// The parts of the mesh of a path, read once.
+/// Returns the parts of the mesh of a path, read once.
 fn mesh_pieces(r: &mut Resolver<'_>, path: &Spanned<String>, options: MeshOptions) -> Result<Rc<Pieces>, SceneError> {
     let file = r.file("mesh", path)?;
     let MeshOptions { own_materials, no_normals, smooth_angle } = options;
@@ -170,7 +171,7 @@ fn mesh_pieces(r: &mut Resolver<'_>, path: &Spanned<String>, options: MeshOption
     Ok(pieces)
 }
 
-/// The materials that the mesh of a file names.
+/// Returns the materials that the mesh of a file names.
 fn mesh_materials(
     r: &mut Resolver<'_>,
     path: &Spanned<String>,
@@ -193,7 +194,7 @@ fn mesh_materials(
     Ok(own)
 }
 
-/// Adds a material of a mesh's own; errors show where the mesh is named.
+/// Adds a material of a mesh file; errors have the position of the mesh's path.
 fn own_material(r: &mut Resolver<'_>, path: &Spanned<String>, mut meaning: Material) -> Result<Own, SceneError> {
     if let MaterialKind::Phong { texture: Some(picture), .. } = &mut meaning.kind {
         picture.span = path.span;

@@ -1,4 +1,4 @@
-//! Shapes of the description, in world space.
+//! Adds the shapes of a description to the scene, in world space.
 
 use super::Resolver;
 use super::meshes::{EmissionOverride, Placing};
@@ -11,10 +11,10 @@ use crate::shape::{Disc, Form, IndexedMesh, Instance, Mesh, Patch, Plane, Rectan
 use glam::{DAffine3, DMat3, DVec2, DVec3, Vec3};
 use std::sync::Arc;
 
-/// A mesh around its own middle, in its own size.
+/// A mesh scaled and moved to a box around the origin.
 pub(super) struct Instanced {
     mesh: Arc<IndexedMesh>,
-    /// To where the mesh was.
+    /// Map back to the original position and size.
     place: DAffine3,
 }
 
@@ -29,7 +29,7 @@ impl Instanced {
         let (min, max) = (fold(DVec3::min), fold(DVec3::max));
         let middle = 0.5 * min + 0.5 * max;
         let extent = (max - min).max_element();
-        // A power of two changes no digit.
+        // Scaling by a power of two is exact.
         let size = if extent > 0.0 { libm::exp2(libm::log2(extent).floor()) } else { 1.0 };
         let place = DAffine3 { matrix3: DMat3::from_diagonal(DVec3::splat(size)), translation: middle };
         let mesh = Mesh {
@@ -42,7 +42,7 @@ impl Instanced {
     }
 }
 
-// Kept out of the functions that call each other for what nests: their stack is to stay small.
+// Not inlined: its callers recurse, and their stack frames must stay small.
 #[inline(never)]
 pub(super) fn add_shape(
     r: &mut Resolver<'_>,
@@ -104,7 +104,7 @@ pub(super) fn add_shape(
         Described::Patches { degree, controls } => {
             let [u, v] = degree.map(|d| Basis::bezier(d as usize + 1));
             let bases = [&u.map_err(|e| refuse_spline(r, span, &e))?, &v.map_err(|e| refuse_spline(r, span, &e))?];
-            // Asked for once: that takes longer than many a patch.
+            // Queried once: it takes longer than many a patch.
             let mut free = r.memory.free();
             for net in controls.chunks(bases[0].controls() * bases[1].controls()) {
                 let patch = Patch::within(bases, net, free).map_err(|e| refuse_spline(r, span, &e))?;
@@ -124,24 +124,24 @@ pub(super) fn add_shape(
             place(r, Shape::Patch(surface), to_world, &map, span, emission)?;
             set_mapping(r, Form::Own, to_world);
         }
-        // It has no surface, so nothing of it is seen.
+        // A curve has no surface.
         Described::Curve(_) => {}
     }
-    // Of several parts each has been told.
+    // Shapes of several parts have set it for each part.
     if !matches!(shape, Described::Mesh { .. } | Described::Patches { .. } | Described::Curve(_)) {
         set_emission_texture(r, shine);
     }
     Ok(())
 }
 
-/// Lets the object that was added last emit by a texture, if it does.
+/// Sets the emission texture of the object that was added last, if it has one.
 fn set_emission_texture(r: &mut Resolver<'_>, shine: &EmissionOverride) {
     if let Some((texture, scale)) = shine.glow {
         r.builder.glow(texture, scale);
     }
 }
 
-/// Adds a shape under `to_world`, which is `map` when the shutter opens.
+/// Adds a shape under the motion `to_world`, which equals `map` when the shutter opens.
 fn place(
     r: &mut Resolver<'_>,
     shape: Shape,
@@ -160,19 +160,19 @@ fn place(
     Ok(())
 }
 
-/// Whether the material in force follows a texture.
+/// True if the material in force has a texture.
 fn is_textured(r: &Resolver<'_>) -> bool {
     r.worn.get(r.material as usize).is_some_and(|worn| worn.textured)
 }
 
-/// Lays texture coordinates on the object that was added last, if it wears textures.
+/// Sets the texture mapping of the object that was added last, if its material has textures.
 pub(super) fn set_mapping(r: &mut Resolver<'_>, form: Form, to_world: &Motion) {
     if is_textured(r) {
         r.builder.chart(form, to_world);
     }
 }
 
-/// Gives the corners of the mesh that was added last their texture coordinates, if it wears textures.
+/// Sets the texture coordinates of the mesh that was added last, if its material has textures.
 pub(super) fn set_texcoords(r: &mut Resolver<'_>, texcoords: Option<&[DVec2]>) {
     if let Some(texcoords) = texcoords.filter(|_| is_textured(r)) {
         r.builder.texcoords(texcoords);
@@ -198,7 +198,7 @@ fn refuse_spline(r: &Resolver<'_>, span: Span, error: &SplineError) -> SceneErro
     refuse(r, span, &error.to_string(), help)
 }
 
-/// Adds a mesh that is shared, or that moves.
+/// Adds a mesh that is shared or moves.
 pub(super) fn place_instance(
     r: &mut Resolver<'_>,
     instanced: &Instanced,
@@ -210,7 +210,7 @@ pub(super) fn place_instance(
     if emission != Rgb::ZERO {
         let even = |time| Transform::new(to_world.at(time)).is_ok_and(|map| map.similarity().is_some());
         if ![0.0, 0.3, 0.7, 1.0].into_iter().all(even) {
-            let help = "stretch it alike in all directions, or let a shape of another kind shine";
+            let help = "stretch it alike in all directions, or let a shape of another kind emit";
             return Err(refuse(r, span, "a moving mesh that is stretched unevenly cannot emit light", help));
         }
     }
@@ -230,7 +230,7 @@ pub(super) fn place_mesh(
     let positions: Vec<DVec3> = positions.iter().map(|p| map.point(*p)).collect();
     let unit = |n: &DVec3| map.normal(*n).normalize_or_zero().as_vec3();
     let normals: Vec<Vec3> = normals.unwrap_or_default().iter().map(unit).collect();
-    // A mirror image turns the winding around; the outer side must stay outside.
+    // A mirroring map reverses the winding; the outer side must stay outside.
     let turned = |[a, b, c]: [u32; 3]| if map.mirrors() { [a, c, b] } else { [a, b, c] };
     let triangles: Vec<[u32; 3]> = triangles.iter().copied().map(turned).collect();
     r.builder.mesh(&positions, &normals, &triangles, r.material, emission);
