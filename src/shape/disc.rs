@@ -1,6 +1,8 @@
 //! Discs, and the ellipses that affine maps make of them.
 
-use super::{Crossing, INSET, ShapeSample, SurfacePoint, widen, within};
+use super::analytic::AnalyticShape;
+use super::hit::{ShapeHit, widen, within};
+use super::surface_point::{INSET, ShapeSample, SurfacePoint};
 use crate::math::{Ray, Transform, exact_cross, warp};
 use glam::{DVec2, DVec3, Vec2};
 
@@ -32,30 +34,6 @@ impl Disc {
         Self::new(center, a * radius, b * radius)
     }
 
-    /// The image under an affine map, with the same outer side.
-    #[must_use]
-    pub fn transformed(&self, map: &Transform) -> Self {
-        let (a, b) = (map.vector(self.a), map.vector(self.b));
-        let (a, b) = if map.mirrors() { (b, a) } else { (a, b) };
-        Self::new(map.point(self.center), a, b)
-    }
-
-    #[inline]
-    pub(super) fn intersect(&self, ray: &Ray) -> Option<Crossing> {
-        let (o, d) = widen(ray);
-        let t = self.normal.dot(self.center - o) / self.normal.dot(d);
-        let offset = o + d * t - self.center;
-        let (x, y) = (self.dual[0].dot(offset), self.dual[1].dot(offset));
-        if x * x + y * y <= 1.0 { within(ray, t).map(|t| (t, x as f32, y as f32)) } else { None }
-    }
-
-    #[inline]
-    pub(super) fn surface(&self, ray: &Ray, t: f32) -> SurfacePoint {
-        let (o, d) = widen(ray);
-        let p = o + d * f64::from(t);
-        self.at(self.inset(p - self.normal * self.normal.dot(p - self.center)))
-    }
-
     /// The point, kept off the rim: see [`INSET`].
     #[inline]
     fn inset(&self, p: DVec3) -> DVec3 {
@@ -72,8 +50,32 @@ impl Disc {
         let scale = self.center.abs().max_element() + self.a.abs().max_element() + self.b.abs().max_element();
         SurfacePoint::exact(p, self.normal, scale)
     }
+}
 
-    pub(super) fn extent(&self) -> (DVec3, DVec3) {
+impl AnalyticShape for Disc {
+    fn transformed(&self, map: &Transform) -> Option<Self> {
+        let (a, b) = (map.vector(self.a), map.vector(self.b));
+        let (a, b) = if map.mirrors() { (b, a) } else { (a, b) };
+        Some(Self::new(map.point(self.center), a, b))
+    }
+
+    #[inline]
+    fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
+        let (o, d) = widen(ray);
+        let t = self.normal.dot(self.center - o) / self.normal.dot(d);
+        let offset = o + d * t - self.center;
+        let (x, y) = (self.dual[0].dot(offset), self.dual[1].dot(offset));
+        if x * x + y * y <= 1.0 { within(ray, t).map(|t| (t, x as f32, y as f32)) } else { None }
+    }
+
+    #[inline]
+    fn surface(&self, ray: &Ray, t: f32, _uv: Vec2) -> SurfacePoint {
+        let (o, d) = widen(ray);
+        let p = o + d * f64::from(t);
+        self.at(self.inset(p - self.normal * self.normal.dot(p - self.center)))
+    }
+
+    fn extent(&self) -> (DVec3, DVec3) {
         let half = DVec3::new(
             libm::hypot(self.a.x, self.b.x),
             libm::hypot(self.a.y, self.b.y),
@@ -82,20 +84,24 @@ impl Disc {
         (self.center - half, self.center + half)
     }
 
-    pub(super) fn translated(self, by: DVec3) -> Self {
-        Self { center: self.center + by, ..self }
+    fn translated(&self, by: DVec3) -> Self {
+        Self { center: self.center + by, ..*self }
     }
 
-    pub(super) fn area(&self) -> f64 {
+    fn area(&self) -> f64 {
         std::f64::consts::PI * self.a.cross(self.b).length()
     }
 
-    pub(super) fn sample(&self, u: Vec2) -> ShapeSample {
+    fn sample(&self, u: Vec2) -> ShapeSample {
         let d = warp::disc(u).as_dvec2();
         ShapeSample {
             point: self.at(self.center + self.a * d.x + self.b * d.y),
             pdf: (1.0 / self.area()) as f32,
             uv: Vec2::ZERO,
         }
+    }
+
+    fn planar_point(&self) -> Option<SurfacePoint> {
+        Some(self.sample(Vec2::splat(0.5)).point)
     }
 }

@@ -1,6 +1,10 @@
 //! Ellipsoids: the unit sphere under an affine map.
 
-use super::{Crossing, ShapeSample, Sphere, SurfacePoint, crossing, widen};
+use super::analytic::AnalyticShape;
+use super::hit::{ShapeHit, exact_t, nearer_hit};
+use super::object_ray::{object_ray, world_scale};
+use super::sphere::Sphere;
+use super::surface_point::{ShapeSample, SurfacePoint};
 use crate::math::{Ray, Transform, quadratic, warp};
 use glam::{DAffine3, DMat3, DVec3, Vec2};
 
@@ -29,86 +33,16 @@ impl Ellipsoid {
         Some(Self::new(Transform::new(*map.forward() * place).ok()?))
     }
 
-    /// The image under another affine map; `None` where the product is singular.
-    #[must_use]
-    pub fn transformed(&self, map: &Transform) -> Option<Self> {
-        Some(Self::new(Transform::new(*map.forward() * *self.to_world.forward()).ok()?))
-    }
-
-    /// The ray in object space.
-    #[inline]
-    fn object_ray(&self, ray: &Ray) -> (DVec3, DVec3) {
-        let (o, d) = widen(ray);
-        let inverse = self.to_world.inverse();
-        (inverse.transform_point3(o), inverse.transform_vector3(d))
-    }
-
-    #[inline]
-    pub(super) fn intersect(&self, ray: &Ray) -> Option<Crossing> {
-        let (l, d) = self.object_ray(ray);
-        let (a, b) = (d.length_squared(), l.dot(d));
-        let nearest = l - d * (b / a);
-        let distance = l.length();
-        let c = (distance - 1.0) * (distance + 1.0);
-        let (near, far) = quadratic(a, b, c, a * (1.0 - nearest.length_squared()))?;
-        crossing(ray, near).or_else(|| if near > 0.0 { None } else { crossing(ray, far) })
-    }
-
-    #[inline]
-    pub(super) fn surface(&self, ray: &Ray, t: f64) -> SurfacePoint {
-        let (l, d) = self.object_ray(ray);
-        self.at((l + d * t).normalize())
-    }
-
     #[inline]
     fn at(&self, object: DVec3) -> SurfacePoint {
         let p = self.to_world.point(object);
-        // One ulp in object space is as long in world space as the longest column.
-        let m = self.to_world.forward().matrix3;
-        let scale = m.x_axis.length() + m.y_axis.length() + m.z_axis.length();
-        let center = self.to_world.forward().translation.abs().max_element();
-        SurfacePoint::exact(p, self.to_world.normal(object).normalize(), scale + center)
-    }
-
-    pub(super) fn extent(&self) -> (DVec3, DVec3) {
-        // The support of the unit ball along an axis is the length of that row.
-        let rows = self.to_world.forward().matrix3.transpose();
-        let half = DVec3::new(rows.x_axis.length(), rows.y_axis.length(), rows.z_axis.length());
-        let center = self.to_world.forward().translation;
-        (center - half, center + half)
-    }
-
-    pub(super) fn translated(self, by: DVec3) -> Self {
-        Self { to_world: self.to_world.translated(by), ..self }
-    }
-
-    pub(super) fn area(&self) -> f64 {
-        self.area
+        SurfacePoint::exact(p, self.to_world.normal(object).normalize(), world_scale(&self.to_world))
     }
 
     /// How many times larger the surface at object point `n` is in world space: |det M| · |M⁻ᵀ n|.
     #[inline]
     fn stretch(&self, n: DVec3) -> f64 {
         self.to_world.determinant().abs() * self.to_world.normal(n).length()
-    }
-
-    /// Uniform on the unit sphere, so by area of the sphere's preimage.
-    pub(super) fn sample(&self, u: Vec2) -> ShapeSample {
-        let n = warp::sphere(u).as_dvec3().normalize();
-        ShapeSample {
-            point: self.at(n),
-            pdf: (1.0 / (4.0 * std::f64::consts::PI * self.stretch(n))) as f32,
-            uv: Vec2::ZERO,
-        }
-    }
-
-    /// Density per area of [`Ellipsoid::sample`] where the unit normal is `ng`.
-    ///
-    /// |M⁻ᵀ n| at object point n is 1/|Mᵀ ng|, as Mᵀ takes the normal back to a multiple of n.
-    #[inline]
-    pub(super) fn pdf(&self, ng: DVec3) -> f32 {
-        let m = self.to_world.forward().matrix3;
-        ((m.transpose() * ng).length() / (4.0 * std::f64::consts::PI * self.to_world.determinant().abs())) as f32
     }
 
     /// The mean stretch over the sphere by midpoints in (z, φ).
@@ -124,6 +58,63 @@ impl Ellipsoid {
             }
         }
         4.0 * std::f64::consts::PI * sum / f64::from(N * N)
+    }
+}
+
+impl AnalyticShape for Ellipsoid {
+    fn transformed(&self, map: &Transform) -> Option<Self> {
+        Some(Self::new(Transform::new(*map.forward() * *self.to_world.forward()).ok()?))
+    }
+
+    #[inline]
+    fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
+        let (l, d) = object_ray(ray, &self.to_world);
+        let (a, b) = (d.length_squared(), l.dot(d));
+        let nearest = l - d * (b / a);
+        let distance = l.length();
+        let c = (distance - 1.0) * (distance + 1.0);
+        let (near, far) = quadratic(a, b, c, a * (1.0 - nearest.length_squared()))?;
+        nearer_hit(ray, (near, 0.0), (far, 0.0))
+    }
+
+    #[inline]
+    fn surface(&self, ray: &Ray, t: f32, uv: Vec2) -> SurfacePoint {
+        let (l, d) = object_ray(ray, &self.to_world);
+        self.at((l + d * exact_t(t, uv)).normalize())
+    }
+
+    fn extent(&self) -> (DVec3, DVec3) {
+        // The support of the unit ball along an axis is the length of that row.
+        let rows = self.to_world.forward().matrix3.transpose();
+        let half = DVec3::new(rows.x_axis.length(), rows.y_axis.length(), rows.z_axis.length());
+        let center = self.to_world.forward().translation;
+        (center - half, center + half)
+    }
+
+    fn translated(&self, by: DVec3) -> Self {
+        Self { to_world: self.to_world.translated(by), ..*self }
+    }
+
+    fn area(&self) -> f64 {
+        self.area
+    }
+
+    /// Uniform on the unit sphere, so by area of the sphere's preimage.
+    fn sample(&self, u: Vec2) -> ShapeSample {
+        let n = warp::sphere(u).as_dvec3().normalize();
+        ShapeSample {
+            point: self.at(n),
+            pdf: (1.0 / (4.0 * std::f64::consts::PI * self.stretch(n))) as f32,
+            uv: Vec2::ZERO,
+        }
+    }
+
+    #[inline]
+    fn pdf(&self, point: &SurfacePoint) -> f32 {
+        // |M⁻ᵀ n| at object point n is 1/|Mᵀ ng|, as Mᵀ takes the normal back to a multiple of n.
+        let m = self.to_world.forward().matrix3;
+        ((m.transpose() * point.ng.as_dvec3()).length()
+            / (4.0 * std::f64::consts::PI * self.to_world.determinant().abs())) as f32
     }
 }
 

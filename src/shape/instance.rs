@@ -1,6 +1,11 @@
 //! Meshes that are placed more than once, or that move: one set of triangles under several maps.
 
-use super::{Crossing, Mesh, ShapeSample, SurfacePoint, TexCoord, rounding_error, widen, within};
+use super::analytic::AnalyticShape;
+use super::hit::{ShapeHit, within};
+use super::mesh::Mesh;
+use super::object_ray::object_ray;
+use super::surface_point::{ShapeSample, SurfacePoint, rounding_error};
+use super::texture_mapping::TexCoord;
 use crate::accel::{Hierarchy, Primitive};
 use crate::math::{Ray, Transform, warp};
 use crate::sampling::Discrete;
@@ -56,79 +61,23 @@ impl Instance {
         Self { mesh, to_world, area_scale: edge * edge }
     }
 
-    /// The image under another map; `None` where the product is singular.
-    #[must_use]
-    pub(super) fn transformed(&self, map: &Transform) -> Option<Self> {
-        let to_world = Transform::new(*map.forward() * *self.to_world.forward()).ok()?;
-        Some(Self::new(Arc::clone(&self.mesh), to_world))
-    }
-
     /// How many triangles there are.
     #[must_use]
     pub fn triangles(&self) -> usize {
         self.mesh.mesh.triangles.len()
     }
 
-    #[inline]
-    fn to_object(&self, ray: &Ray) -> (DVec3, DVec3) {
-        let (o, d) = widen(ray);
-        let inverse = self.to_world.inverse();
-        (inverse.transform_point3(o), inverse.transform_vector3(d))
-    }
-
     /// The ray in the mesh's space from where it comes within twice its radius, and `t` there: what rounding to f32 moves is then of the mesh's
     /// size, however far away the map puts the start.
     #[inline]
     fn near(&self, ray: &Ray) -> (Ray, f64) {
-        let (o, d) = self.to_object(ray);
+        let (o, d) = object_ray(ray, &self.to_world);
         let around = self.mesh.hierarchy.bounds().bounding_sphere();
         let length = d.length();
         let to = around.center.as_dvec3() - o;
         let start = ((to.dot(d) / length - 2.0 * f64::from(around.radius)) / length).max(0.0);
         let origin = (o + d * start).as_vec3();
         (Ray { origin, direction: d.as_vec3(), t_max: (f64::from(ray.t_max) - start) as f32 }, start)
-    }
-
-    #[inline]
-    pub(super) fn intersect(&self, ray: &Ray) -> Option<Crossing> {
-        let (near, start) = self.near(ray);
-        let hit = self.mesh.hierarchy.closest(&near, |_, _| None)?;
-        let t = within(ray, start + f64::from(hit.t))?;
-        match hit.primitive {
-            Primitive::Triangle(i) => Some((t, f32::from_bits(i), 0.0)),
-            Primitive::Other(_) => None,
-        }
-    }
-
-    #[inline]
-    pub(super) fn occludes(&self, ray: &Ray) -> bool {
-        self.mesh.hierarchy.occluded(&self.near(ray).0, |_, _| false)
-    }
-
-    #[inline]
-    pub(super) fn surface(&self, ray: &Ray, index: f32) -> SurfacePoint {
-        let (o, d) = self.to_object(ray);
-        let i = index.to_bits() as usize;
-        let [a, b, c] = self.mesh.mesh.corners(i).map(|v| v.as_dvec3());
-        // The test of the hierarchy told which triangle; where on it, its plane tells in double precision.
-        let (e1, e2) = (b - a, c - a);
-        let p = d.cross(e2);
-        let q = (o - a).cross(e1);
-        let determinant = e1.dot(p);
-        let weights = glam::DVec2::new((o - a).dot(p), d.dot(q)) / determinant;
-        self.place(i, inside_triangle(weights))
-    }
-
-    /// Texture coordinates at world point `p` of the triangle that `index` tells.
-    pub(super) fn mapped(&self, p: Vec3, index: f32) -> TexCoord {
-        let i = index.to_bits() as usize;
-        let p = self.to_world.inverse().transform_point3(p.as_dvec3());
-        let [a, b, c] = self.mesh.mesh.corners(i).map(|v| v.as_dvec3());
-        let (e1, e2) = (b - a, c - a);
-        let cross = e1.cross(e2);
-        let weights = glam::DVec2::new(e2.cross(cross).dot(p - a), cross.cross(e1).dot(p - a)) / cross.length_squared();
-        let own = self.mesh.mesh.mapped(i, inside_triangle(weights));
-        TexCoord { du: self.to_world.normal(own.du), dv: self.to_world.normal(own.dv), ..own }
     }
 
     /// The surface of triangle `i` at barycentric weights `b` of its second and third corner.
@@ -145,22 +94,70 @@ impl Instance {
         let error = rounding_error(p, reach) + Vec3::splat(rounded as f32);
         SurfacePoint { p, error, ng: if ng.dot(ns) < 0.0 { -ng } else { ng }, ns, uv: b }
     }
+}
 
-    pub(super) fn extent(&self) -> (DVec3, DVec3) {
+impl AnalyticShape for Instance {
+    fn transformed(&self, map: &Transform) -> Option<Self> {
+        let to_world = Transform::new(*map.forward() * *self.to_world.forward()).ok()?;
+        Some(Self::new(Arc::clone(&self.mesh), to_world))
+    }
+
+    #[inline]
+    fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
+        let (near, start) = self.near(ray);
+        let hit = self.mesh.hierarchy.closest(&near, |_, _| None)?;
+        let t = within(ray, start + f64::from(hit.t))?;
+        match hit.primitive {
+            Primitive::Triangle(i) => Some((t, f32::from_bits(i), 0.0)),
+            Primitive::Other(_) => None,
+        }
+    }
+
+    #[inline]
+    fn occludes(&self, ray: &Ray) -> bool {
+        self.mesh.hierarchy.occluded(&self.near(ray).0, |_, _| false)
+    }
+
+    #[inline]
+    fn surface(&self, ray: &Ray, _t: f32, uv: Vec2) -> SurfacePoint {
+        let (o, d) = object_ray(ray, &self.to_world);
+        let i = uv.x.to_bits() as usize;
+        let [a, b, c] = self.mesh.mesh.corners(i).map(|v| v.as_dvec3());
+        // The hierarchy's f32 test chose the triangle; its plane gives the point in double precision.
+        let (e1, e2) = (b - a, c - a);
+        let p = d.cross(e2);
+        let q = (o - a).cross(e1);
+        let determinant = e1.dot(p);
+        let weights = glam::DVec2::new((o - a).dot(p), d.dot(q)) / determinant;
+        self.place(i, inside_triangle(weights))
+    }
+
+    fn tex_coord(&self, p: Vec3, uv: Vec2) -> TexCoord {
+        let i = uv.x.to_bits() as usize;
+        let p = self.to_world.inverse().transform_point3(p.as_dvec3());
+        let [a, b, c] = self.mesh.mesh.corners(i).map(|v| v.as_dvec3());
+        let (e1, e2) = (b - a, c - a);
+        let cross = e1.cross(e2);
+        let weights = glam::DVec2::new(e2.cross(cross).dot(p - a), cross.cross(e1).dot(p - a)) / cross.length_squared();
+        let own = self.mesh.mesh.mapped(i, inside_triangle(weights));
+        TexCoord { du: self.to_world.normal(own.du), dv: self.to_world.normal(own.dv), ..own }
+    }
+
+    fn extent(&self) -> (DVec3, DVec3) {
         let corners = self.mesh.hierarchy.bounds().corners().map(|c| self.to_world.point(c.as_dvec3()));
         let fold = |f: fn(DVec3, DVec3) -> DVec3| corners.iter().copied().reduce(f).unwrap_or(DVec3::ZERO);
         (fold(DVec3::min), fold(DVec3::max))
     }
 
-    pub(super) fn translated(&self, by: DVec3) -> Self {
+    fn translated(&self, by: DVec3) -> Self {
         Self { to_world: self.to_world.translated(by), ..self.clone() }
     }
 
-    pub(super) fn area(&self) -> f64 {
+    fn area(&self) -> f64 {
         self.mesh.choice().map_or(0.0, |choice| choice.total() * self.area_scale)
     }
 
-    pub(super) fn sample(&self, u: Vec2) -> ShapeSample {
+    fn sample(&self, u: Vec2) -> ShapeSample {
         let (i, b) = match self.mesh.choice() {
             Some(choice) => {
                 let (i, _) = choice.sample(u.x);

@@ -1,6 +1,7 @@
 //! Triangle meshes.
 
-use super::{INSET, SurfacePoint, TexCoord};
+use super::surface_point::{INSET, SurfacePoint};
+use super::texture_mapping::TexCoord;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
 /// Corner indices of one triangle.

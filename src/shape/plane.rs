@@ -1,6 +1,7 @@
 //! Infinite planes, which no box can hold.
 
-use super::{Crossing, SurfacePoint, widen, within};
+use super::hit::{ShapeHit, widen, within};
+use super::surface_point::SurfacePoint;
 use crate::math::{Ray, Transform};
 use glam::{DVec3, Vec3};
 
@@ -44,7 +45,7 @@ impl Plane {
     /// Where the ray crosses.
     #[inline]
     #[must_use]
-    pub fn intersect(&self, ray: &Ray) -> Option<Crossing> {
+    pub fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
         let (o, d) = widen(ray);
         let across = self.normal.dot(d);
         if across * across <= PARALLEL * PARALLEL * d.length_squared() {

@@ -1,6 +1,8 @@
 //! Rectangles, and the parallelograms that affine maps make of them.
 
-use super::{Crossing, INSET, ShapeSample, SurfacePoint, widen, within};
+use super::analytic::AnalyticShape;
+use super::hit::{ShapeHit, widen, within};
+use super::surface_point::{INSET, ShapeSample, SurfacePoint};
 use crate::math::{Ray, Transform, exact_cross};
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use libm::{atan2, cos, hypot, sin};
@@ -48,34 +50,6 @@ impl Rectangle {
         Self { corner, edges: [e0, e1], normal: cross / n2.sqrt(), dual, right }
     }
 
-    /// The image under an affine map, with the same outer side.
-    #[must_use]
-    pub fn transformed(&self, map: &Transform) -> Self {
-        let [e0, e1] = self.edges.map(|e| map.vector(e));
-        let (e0, e1) = if map.mirrors() { (e1, e0) } else { (e0, e1) };
-        Self::new(map.point(self.corner), e0, e1)
-    }
-
-    #[inline]
-    pub(super) fn intersect(&self, ray: &Ray) -> Option<Crossing> {
-        let (o, d) = widen(ray);
-        let t = self.normal.dot(self.corner - o) / self.normal.dot(d);
-        let offset = o + d * t - self.corner;
-        let (x, y) = (self.dual[0].dot(offset), self.dual[1].dot(offset));
-        if (0.0..=1.0).contains(&x) && (0.0..=1.0).contains(&y) {
-            within(ray, t).map(|t| (t, x as f32, y as f32))
-        } else {
-            None
-        }
-    }
-
-    #[inline]
-    pub(super) fn surface(&self, ray: &Ray, t: f32) -> SurfacePoint {
-        let (o, d) = widen(ray);
-        let p = o + d * f64::from(t);
-        self.at(self.inset(p - self.normal * self.normal.dot(p - self.corner)))
-    }
-
     /// The point, kept off the edges: see [`INSET`].
     #[inline]
     fn inset(&self, p: DVec3) -> DVec3 {
@@ -91,25 +65,6 @@ impl Rectangle {
     fn at(&self, p: DVec3) -> SurfacePoint {
         let reach = self.edges[0].abs().max_element() + self.edges[1].abs().max_element();
         SurfacePoint::exact(p, self.normal, self.corner.abs().max_element() + reach)
-    }
-
-    pub(super) fn extent(&self) -> (DVec3, DVec3) {
-        let [a, b] = self.edges;
-        let zero = DVec3::ZERO;
-        (self.corner + a.min(zero) + b.min(zero), self.corner + a.max(zero) + b.max(zero))
-    }
-
-    pub(super) fn translated(self, by: DVec3) -> Self {
-        Self { corner: self.corner + by, ..self }
-    }
-
-    pub(super) fn area(&self) -> f64 {
-        self.edges[0].cross(self.edges[1]).length()
-    }
-
-    pub(super) fn sample(&self, u: Vec2) -> ShapeSample {
-        let p = self.corner + self.edges[0] * f64::from(u.x) + self.edges[1] * f64::from(u.y);
-        ShapeSample { point: self.at(p), pdf: (1.0 / self.area()) as f32, uv: Vec2::ZERO }
     }
 
     /// How `from` sees the outer side by solid angle; `None` from behind, and where points are to be drawn by area.
@@ -151,6 +106,57 @@ impl Rectangle {
     #[must_use]
     pub fn visible_density(&self, from: Vec3) -> Option<f32> {
         self.view(from).map(|view| (1.0 / view.solid_angle) as f32)
+    }
+}
+
+impl AnalyticShape for Rectangle {
+    fn transformed(&self, map: &Transform) -> Option<Self> {
+        let [e0, e1] = self.edges.map(|e| map.vector(e));
+        let (e0, e1) = if map.mirrors() { (e1, e0) } else { (e0, e1) };
+        Some(Self::new(map.point(self.corner), e0, e1))
+    }
+
+    #[inline]
+    fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
+        let (o, d) = widen(ray);
+        let t = self.normal.dot(self.corner - o) / self.normal.dot(d);
+        let offset = o + d * t - self.corner;
+        let (x, y) = (self.dual[0].dot(offset), self.dual[1].dot(offset));
+        if (0.0..=1.0).contains(&x) && (0.0..=1.0).contains(&y) {
+            within(ray, t).map(|t| (t, x as f32, y as f32))
+        } else {
+            None
+        }
+    }
+
+    #[inline]
+    fn surface(&self, ray: &Ray, t: f32, _uv: Vec2) -> SurfacePoint {
+        let (o, d) = widen(ray);
+        let p = o + d * f64::from(t);
+        self.at(self.inset(p - self.normal * self.normal.dot(p - self.corner)))
+    }
+
+    fn extent(&self) -> (DVec3, DVec3) {
+        let [a, b] = self.edges;
+        let zero = DVec3::ZERO;
+        (self.corner + a.min(zero) + b.min(zero), self.corner + a.max(zero) + b.max(zero))
+    }
+
+    fn translated(&self, by: DVec3) -> Self {
+        Self { corner: self.corner + by, ..*self }
+    }
+
+    fn area(&self) -> f64 {
+        self.edges[0].cross(self.edges[1]).length()
+    }
+
+    fn sample(&self, u: Vec2) -> ShapeSample {
+        let p = self.corner + self.edges[0] * f64::from(u.x) + self.edges[1] * f64::from(u.y);
+        ShapeSample { point: self.at(p), pdf: (1.0 / self.area()) as f32, uv: Vec2::ZERO }
+    }
+
+    fn planar_point(&self) -> Option<SurfacePoint> {
+        Some(self.sample(Vec2::splat(0.5)).point)
     }
 }
 

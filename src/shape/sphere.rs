@@ -1,7 +1,9 @@
 //! Spheres.
 
-use super::{Crossing, ShapeSample, SurfacePoint, crossing, widen};
-use crate::math::{Frame, Ray, quadratic, warp};
+use super::analytic::AnalyticShape;
+use super::hit::{ShapeHit, exact_t, nearer_hit, widen};
+use super::surface_point::{ShapeSample, SurfacePoint};
+use crate::math::{Frame, Ray, Sphere as BoundingSphere, Transform, quadratic, warp};
 use glam::{DVec3, Vec2, Vec3};
 
 /// A sphere, solved in double precision.
@@ -34,42 +36,10 @@ impl Sphere {
         quadratic(a, b, (distance - self.radius) * (distance + self.radius), discriminant)
     }
 
-    #[inline]
-    pub(super) fn intersect(&self, ray: &Ray) -> Option<Crossing> {
-        let (near, far) = self.roots(ray)?;
-        crossing(ray, near).or_else(|| if near > 0.0 { None } else { crossing(ray, far) })
-    }
-
-    #[inline]
-    pub(super) fn surface(&self, ray: &Ray, t: f64) -> SurfacePoint {
-        let (o, d) = widen(ray);
-        self.at((o + d * t - self.center).normalize())
-    }
-
     /// The surface in unit direction `n` from the centre.
     #[inline]
     fn at(&self, n: DVec3) -> SurfacePoint {
         SurfacePoint::exact(self.center + n * self.radius, n, self.center.abs().max_element() + self.radius)
-    }
-
-    pub(super) fn extent(&self) -> (DVec3, DVec3) {
-        (self.center - self.radius, self.center + self.radius)
-    }
-
-    pub(super) fn translated(self, by: DVec3) -> Self {
-        Self { center: self.center + by, ..self }
-    }
-
-    pub(super) fn area(&self) -> f64 {
-        4.0 * std::f64::consts::PI * self.radius * self.radius
-    }
-
-    pub(super) fn sample(&self, u: Vec2) -> ShapeSample {
-        ShapeSample {
-            point: self.at(warp::sphere(u).as_dvec3().normalize()),
-            pdf: (1.0 / self.area()) as f32,
-            uv: Vec2::ZERO,
-        }
     }
 
     /// A point of the part that `from` sees, drawn uniformly by solid angle, with its density per steradian.
@@ -105,6 +75,49 @@ impl Sphere {
             return 0.0;
         }
         warp::cone_pdf((sin2 / (1.0 + (1.0 - sin2).sqrt())) as f32)
+    }
+}
+
+impl AnalyticShape for Sphere {
+    #[inline]
+    fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
+        let (near, far) = self.roots(ray)?;
+        nearer_hit(ray, (near, 0.0), (far, 0.0))
+    }
+
+    #[inline]
+    fn surface(&self, ray: &Ray, t: f32, uv: Vec2) -> SurfacePoint {
+        let (o, d) = widen(ray);
+        self.at((o + d * exact_t(t, uv) - self.center).normalize())
+    }
+
+    fn extent(&self) -> (DVec3, DVec3) {
+        (self.center - self.radius, self.center + self.radius)
+    }
+
+    fn translated(&self, by: DVec3) -> Self {
+        Self { center: self.center + by, ..*self }
+    }
+
+    /// `None` unless the map is a similarity: see [`Ellipsoid`](super::Ellipsoid).
+    fn transformed(&self, map: &Transform) -> Option<Self> {
+        map.similarity().map(|scale| Self::new(map.point(self.center), self.radius * scale))
+    }
+
+    fn area(&self) -> f64 {
+        4.0 * std::f64::consts::PI * self.radius * self.radius
+    }
+
+    fn sample(&self, u: Vec2) -> ShapeSample {
+        ShapeSample {
+            point: self.at(warp::sphere(u).as_dvec3().normalize()),
+            pdf: (1.0 / self.area()) as f32,
+            uv: Vec2::ZERO,
+        }
+    }
+
+    fn bounding_sphere(&self) -> Option<BoundingSphere> {
+        Some(BoundingSphere { center: self.center.as_vec3(), radius: self.radius as f32 })
     }
 }
 

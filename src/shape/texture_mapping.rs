@@ -16,9 +16,9 @@ pub struct TexCoord {
 }
 
 impl TexCoord {
-    /// Coordinates with the derivatives of a point of the surface by them.
+    /// Texture coordinates from the derivatives ∂p/∂u and ∂p/∂v of the surface.
     #[must_use]
-    pub(super) fn of(uv: Vec2, along_u: DVec3, along_v: DVec3) -> Self {
+    pub(super) fn from_derivatives(uv: Vec2, along_u: DVec3, along_v: DVec3) -> Self {
         let cross = along_u.cross(along_v);
         // Where an edge has collapsed, coordinates turn without bounds.
         let n2 = cross.length_squared().max(f64::MIN_POSITIVE);
@@ -28,27 +28,27 @@ impl TexCoord {
 
 /// What coordinates follow, in the space of an object.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Form {
+pub enum MappingKind {
     /// A globe: u goes once around the y axis, eastward, and is ½ at +z; v goes from 0 at −y to 1 at +y.
-    Globe {
+    Spherical {
         /// Its middle.
         center: DVec3,
     },
     /// A flat sheet: (p − origin) · rows.
-    Flat {
+    Planar {
         /// Where both are 0.
         origin: DVec3,
         /// What u and v grow by along a step \[1/length].
         rows: [DVec3; 2],
     },
     /// What the surface itself says: the corners of a mesh, the parameters of a patch.
-    Own,
+    Uv,
 }
 
 /// How texture coordinates lie on an object, and where it stands in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TextureMapping {
-    form: Form,
+    form: MappingKind,
     to_world: Transform,
 }
 
@@ -63,18 +63,18 @@ pub fn upright(normal: DVec3) -> [DVec3; 2] {
     [u, n.cross(u)]
 }
 
-impl Form {
+impl MappingKind {
     /// A plane through `on`: coordinates are lengths from the origin of the object's space.
     #[must_use]
     pub fn plane(normal: DVec3) -> Self {
-        Self::Flat { origin: DVec3::ZERO, rows: upright(normal) }
+        Self::Planar { origin: DVec3::ZERO, rows: upright(normal) }
     }
 
     /// A disc, which touches the unit square from inside.
     #[must_use]
     pub fn disc(center: DVec3, normal: DVec3, radius: f64) -> Self {
         let [u, v] = upright(normal);
-        Self::Flat { origin: center - (u + v) * radius, rows: [u / (2.0 * radius), v / (2.0 * radius)] }
+        Self::Planar { origin: center - (u + v) * radius, rows: [u / (2.0 * radius), v / (2.0 * radius)] }
     }
 
     /// A parallelogram, which fills the unit square: u along `e0`, v along `e1`, which are not parallel.
@@ -82,20 +82,20 @@ impl Form {
     pub fn rectangle(corner: DVec3, e0: DVec3, e1: DVec3) -> Self {
         let cross = e0.cross(e1);
         let n2 = cross.length_squared();
-        Self::Flat { origin: corner, rows: [e1.cross(cross) / n2, cross.cross(e0) / n2] }
+        Self::Planar { origin: corner, rows: [e1.cross(cross) / n2, cross.cross(e0) / n2] }
     }
 }
 
 impl Default for TextureMapping {
     fn default() -> Self {
-        Self::new(Form::Own, Transform::IDENTITY)
+        Self::new(MappingKind::Uv, Transform::IDENTITY)
     }
 }
 
 impl TextureMapping {
     /// Coordinates after `form` on an object that `to_world` places.
     #[must_use]
-    pub fn new(form: Form, to_world: Transform) -> Self {
+    pub fn new(form: MappingKind, to_world: Transform) -> Self {
         Self { form, to_world }
     }
 
@@ -122,7 +122,7 @@ impl TextureMapping {
     pub fn at(&self, p: DVec3, own: impl FnOnce() -> TexCoord) -> TexCoord {
         let world = |row: DVec3| self.to_world.normal(row);
         match self.form {
-            Form::Globe { center } => {
+            MappingKind::Spherical { center } => {
                 let d = p - center;
                 // At the poles u is any, and turns without bounds.
                 let around2 = (d.x * d.x + d.z * d.z).max(1e-30 * d.y * d.y).max(f64::MIN_POSITIVE);
@@ -134,11 +134,11 @@ impl TextureMapping {
                 let dv = DVec3::new(d.x * outward, around / r2, d.z * outward) * FRAC_1_PI;
                 TexCoord { uv: DVec2::new(u, v), du: world(du), dv: world(dv) }
             }
-            Form::Flat { origin, rows: [u, v] } => {
+            MappingKind::Planar { origin, rows: [u, v] } => {
                 let d = p - origin;
                 TexCoord { uv: DVec2::new(u.dot(d), v.dot(d)), du: world(u), dv: world(v) }
             }
-            Form::Own => own(),
+            MappingKind::Uv => own(),
         }
     }
 }
@@ -158,10 +158,10 @@ mod tests {
         ))
         .unwrap();
         let forms = [
-            Form::Globe { center: DVec3::new(0.1, 0.2, 0.3) },
-            Form::plane(DVec3::new(1.0, 2.0, 0.5)),
-            Form::disc(DVec3::X, DVec3::Y, 2.0),
-            Form::rectangle(DVec3::ONE, DVec3::new(2.0, 0.1, 0.0), DVec3::new(0.3, 1.0, 0.5)),
+            MappingKind::Spherical { center: DVec3::new(0.1, 0.2, 0.3) },
+            MappingKind::plane(DVec3::new(1.0, 2.0, 0.5)),
+            MappingKind::disc(DVec3::X, DVec3::Y, 2.0),
+            MappingKind::rectangle(DVec3::ONE, DVec3::new(2.0, 0.1, 0.0), DVec3::new(0.3, 1.0, 0.5)),
         ];
         for form in forms {
             let chart = TextureMapping::new(form, squash);
@@ -183,7 +183,7 @@ mod tests {
             let found = at(form, DVec3::from(p));
             assert!((found - DVec2::from(uv)).length() < 1e-12, "{form:?} {p:?}: {found}");
         };
-        let globe = Form::Globe { center: DVec3::new(1.0, 0.0, 0.0) };
+        let globe = MappingKind::Spherical { center: DVec3::new(1.0, 0.0, 0.0) };
         close(globe, [1.0, 0.0, 2.0], [0.5, 0.5]);
         close(globe, [3.0, 0.0, 0.0], [0.75, 0.5]);
         close(globe, [-1.0, 0.0, 0.0], [0.25, 0.5]);
@@ -191,16 +191,16 @@ mod tests {
         let pole = |y: f64| at(globe, DVec3::new(1.0, y, 0.0)).y;
         assert!((pole(2.0) - 1.0).abs() < 1e-12 && pole(-2.0).abs() < 1e-12);
         // As a map of the floor with north, −z, up; walls from outside, upright.
-        close(Form::plane(DVec3::Y), [2.0, 0.0, -3.0], [2.0, 3.0]);
-        close(Form::plane(DVec3::Z * 5.0), [2.0, 3.0, 0.0], [2.0, 3.0]);
-        close(Form::plane(DVec3::X), [0.0, 3.0, -2.0], [2.0, 3.0]);
-        close(Form::plane(DVec3::NEG_Z), [2.0, 3.0, 0.0], [-2.0, 3.0]);
-        let disc = Form::disc(DVec3::new(0.0, 0.0, 4.0), DVec3::Z, 2.0);
+        close(MappingKind::plane(DVec3::Y), [2.0, 0.0, -3.0], [2.0, 3.0]);
+        close(MappingKind::plane(DVec3::Z * 5.0), [2.0, 3.0, 0.0], [2.0, 3.0]);
+        close(MappingKind::plane(DVec3::X), [0.0, 3.0, -2.0], [2.0, 3.0]);
+        close(MappingKind::plane(DVec3::NEG_Z), [2.0, 3.0, 0.0], [-2.0, 3.0]);
+        let disc = MappingKind::disc(DVec3::new(0.0, 0.0, 4.0), DVec3::Z, 2.0);
         close(disc, [0.0, 0.0, 4.0], [0.5, 0.5]);
         close(disc, [2.0, 0.0, 4.0], [1.0, 0.5]);
         close(disc, [0.0, -2.0, 4.0], [0.5, 0.0]);
         // The ground of the reference scene `lens`: u = (x + 5)/10, v = (5 − z)/10.
-        let ground = Form::rectangle(DVec3::new(-5.0, 0.0, 5.0), DVec3::X * 10.0, DVec3::Z * -10.0);
+        let ground = MappingKind::rectangle(DVec3::new(-5.0, 0.0, 5.0), DVec3::X * 10.0, DVec3::Z * -10.0);
         close(ground, [-5.0, 0.0, 5.0], [0.0, 0.0]);
         close(ground, [1.0, 0.0, -4.0], [0.6, 0.9]);
     }

@@ -119,7 +119,7 @@ impl Resolver<'_> {
             self.place_mesh(placing.map, &mesh.positions, normals, &mesh.triangles, emission);
             self.lay_corners(texcoords);
         }
-        self.lay(Form::Own, placing.to_world);
+        self.lay(Form::Uv, placing.to_world);
         Ok(())
     }
 

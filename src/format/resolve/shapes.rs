@@ -58,7 +58,7 @@ impl Resolver<'_> {
         match shape {
             Described::Sphere { center, radius } => {
                 self.place(Shape::Sphere(Sphere::new(*center, *radius)), to_world, &map, span, emission)?;
-                self.lay(Form::Globe { center: *center }, to_world);
+                self.lay(Form::Spherical { center: *center }, to_world);
             }
             Described::Plane { normal, offset } => {
                 if emission != Rgb::ZERO {
@@ -92,7 +92,7 @@ impl Resolver<'_> {
                     let instance = Instanced::new(vertices, normals, Some(&uv), &[[0, 1, 2]]);
                     self.place_instance(&instance, to_world, &map, span, emission)?;
                 }
-                self.lay(Form::Own, to_world);
+                self.lay(Form::Uv, to_world);
             }
             Described::Mesh { path, options } => {
                 self.mesh(&Placing { to_world, map: &map, span, shine }, path, *options)?;
@@ -100,7 +100,7 @@ impl Resolver<'_> {
             Described::Revolution { profile } => {
                 let surface = revolution(profile, self.memory.free()).map_err(|e| self.refuse_spline(span, &e))?;
                 self.place(Shape::Revolution(surface), to_world, &map, span, emission)?;
-                self.lay(Form::Own, to_world);
+                self.lay(Form::Uv, to_world);
             }
             Described::Patches { degree, controls } => {
                 let [u, v] = degree.map(|d| Basis::bezier(d as usize + 1));
@@ -112,7 +112,7 @@ impl Resolver<'_> {
                     let patch = Patch::within(bases, net, free).map_err(|e| self.refuse_spline(span, &e))?;
                     free = free.map(|free| free.saturating_sub(patch.bytes()));
                     self.place(Shape::Patch(patch), to_world, &map, span, emission)?;
-                    self.lay(Form::Own, to_world);
+                    self.lay(Form::Uv, to_world);
                     self.glow(shine);
                 }
             }
@@ -124,7 +124,7 @@ impl Resolver<'_> {
                 let surface = || Patch::within([&basis(0)?, &basis(1)?], controls, self.memory.free());
                 let surface = surface().map_err(|e| self.refuse_spline(span, &e))?;
                 self.place(Shape::Patch(surface), to_world, &map, span, emission)?;
-                self.lay(Form::Own, to_world);
+                self.lay(Form::Uv, to_world);
             }
             // It has no surface, so nothing of it is seen.
             Described::Curve(_) => {}

@@ -1,15 +1,19 @@
 //! Tensor-product surfaces: Bézier patches, B-splines and NURBS.
 
 use super::box_tree::{BoxTree, Line};
+use super::numeric::{GAUSS, SLACK};
 use super::patch_build::Builder;
 use super::patch_piece::{Beyond, PatchPiece};
 use super::polynomial::Vector;
 use super::spline::{Basis, SplineError};
-use super::{GAUSS, Nearest, SLACK};
 use crate::math::{Ray, Transform};
 use crate::sampling::Discrete;
-use crate::shape::{Crossing, ShapeSample, SurfacePoint, TexCoord, within};
-use glam::{DVec2, DVec3, DVec4, Vec2};
+use crate::shape::analytic::AnalyticShape;
+use crate::shape::hit::{ShapeHit, within};
+use crate::shape::object_ray::ObjectRay;
+use crate::shape::surface_point::{ShapeSample, SurfacePoint};
+use crate::shape::texture_mapping::TexCoord;
+use glam::{DVec2, DVec3, DVec4, Vec2, Vec3};
 use std::sync::Arc;
 
 /// Sines of the angle between the derivatives, in parts of the leaf's size, below which a point is a pole or an edge without length.
@@ -156,8 +160,27 @@ impl Patch {
         self.net.bytes
     }
 
-    /// The image under another map; `None` where the product is singular.
-    pub(in crate::shape) fn transformed(&self, map: &Transform) -> Option<Self> {
+    /// The ray in the net's space, τ at its origin as a negative number, and τ for each unit of t; `None` where it passes by.
+    fn line(&self, ray: &Ray) -> Option<(Line, f64, f64)> {
+        let ObjectRay { base, direction, start, length } = ObjectRay::new(ray, &self.to_world);
+        let size = self.net.size * (1.0 + 1e-9);
+        (base.length_squared() <= size * size).then(|| (Line::new(base, direction), start, length))
+    }
+
+    fn at(&self, leaf: usize, at: DVec2, uv: Vec2) -> SurfacePoint {
+        let net = &*self.net;
+        let [p, ..] = net.piece(leaf).point(at);
+        // By the inverse transpose, a mirror image keeps its outer side.
+        let normal = self.to_world.normal(net.normal(leaf, at)).normalize();
+        let m = self.to_world.forward().matrix3;
+        let widest = m.x_axis.length() + m.y_axis.length() + m.z_axis.length();
+        let scale = widest * net.size + self.to_world.forward().translation.abs().max_element();
+        SurfacePoint { uv, ..SurfacePoint::exact(self.to_world.point(p), normal, scale * SLACK) }
+    }
+}
+
+impl AnalyticShape for Patch {
+    fn transformed(&self, map: &Transform) -> Option<Self> {
         let to_world = Transform::new(*map.forward() * *self.to_world.forward()).ok()?;
         let net = &self.net;
         let area = match to_world.similarity() {
@@ -167,14 +190,7 @@ impl Patch {
         Some(Self { net: Arc::clone(net), to_world, area })
     }
 
-    /// The ray in the net's space, τ at its origin as a negative number, and τ for each unit of t; `None` where it passes by.
-    fn line(&self, ray: &Ray) -> Option<(Line, f64, f64)> {
-        let Nearest { base, direction, start, length } = Nearest::new(ray, &self.to_world);
-        let size = self.net.size * (1.0 + 1e-9);
-        (base.length_squared() <= size * size).then(|| (Line::new(base, direction), start, length))
-    }
-
-    pub(in crate::shape) fn intersect(&self, ray: &Ray) -> Option<Crossing> {
+    fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
         let (line, start, length) = self.line(ray)?;
         let net = &*self.net;
         let end = f64::from(ray.t_max) * length - start;
@@ -191,7 +207,7 @@ impl Patch {
         Some((t, uv.x, uv.y))
     }
 
-    pub(in crate::shape) fn surface(&self, ray: &Ray, uv: Vec2) -> SurfacePoint {
+    fn surface(&self, ray: &Ray, _t: f32, uv: Vec2) -> SurfacePoint {
         let (leaf, mut at) = self.net.find(uv);
         if let Some((line, ..)) = self.line(ray) {
             // Newton's method makes up for the rounding of the coordinates.
@@ -206,18 +222,7 @@ impl Patch {
         self.at(leaf, at, uv)
     }
 
-    fn at(&self, leaf: usize, at: DVec2, uv: Vec2) -> SurfacePoint {
-        let net = &*self.net;
-        let [p, ..] = net.piece(leaf).point(at);
-        // By the inverse transpose, a mirror image keeps its outer side.
-        let normal = self.to_world.normal(net.normal(leaf, at)).normalize();
-        let m = self.to_world.forward().matrix3;
-        let widest = m.x_axis.length() + m.y_axis.length() + m.z_axis.length();
-        let scale = widest * net.size + self.to_world.forward().translation.abs().max_element();
-        SurfacePoint { uv, ..SurfacePoint::exact(self.to_world.point(p), normal, scale * SLACK) }
-    }
-
-    pub(in crate::shape) fn extent(&self) -> (DVec3, DVec3) {
+    fn extent(&self) -> (DVec3, DVec3) {
         let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for i in 0..8 {
             let side = |bit: u32| if i >> bit & 1 == 0 { -1.0 } else { 1.0 };
@@ -227,16 +232,16 @@ impl Patch {
         (min, max)
     }
 
-    pub(in crate::shape) fn translated(&self, by: DVec3) -> Self {
+    fn translated(&self, by: DVec3) -> Self {
         Self { to_world: self.to_world.translated(by), ..self.clone() }
     }
 
-    pub(in crate::shape) fn area(&self) -> f64 {
+    fn area(&self) -> f64 {
         self.area
     }
 
     /// A leaf by its area, then uniform in its coordinates.
-    pub(in crate::shape) fn sample(&self, u: Vec2) -> ShapeSample {
+    fn sample(&self, u: Vec2) -> ShapeSample {
         let net = &*self.net;
         let (leaf, _) = net.choice.sample(u.x);
         let at = DVec2::new(f64::from(net.choice.remainder(u.x, leaf)), f64::from(u.y)) * 2.0 - 1.0;
@@ -245,8 +250,7 @@ impl Patch {
         ShapeSample { pdf: self.pdf(&point), point, uv }
     }
 
-    /// Density per area of [`Patch::sample`].
-    pub(in crate::shape) fn pdf(&self, seen: &SurfacePoint) -> f32 {
+    fn pdf(&self, seen: &SurfacePoint) -> f32 {
         let net = &*self.net;
         let (leaf, at) = net.find(seen.uv);
         let [_, along_x, along_y] = net.piece(leaf).point(at);
@@ -254,12 +258,11 @@ impl Patch {
         (f64::from(net.choice.probability(leaf)) / (4.0 * element)) as f32
     }
 
-    /// Coordinates and how they grow in the world.
-    pub(in crate::shape) fn mapped(&self, uv: Vec2) -> TexCoord {
+    fn tex_coord(&self, _p: Vec3, uv: Vec2) -> TexCoord {
         let (leaf, at) = self.net.find(uv);
         let [_, along_x, along_y] = self.net.piece(leaf).point(at);
         let half = self.net.leaves[leaf].half;
-        TexCoord::of(uv, self.to_world.vector(along_x / half.x), self.to_world.vector(along_y / half.y))
+        TexCoord::from_derivatives(uv, self.to_world.vector(along_x / half.x), self.to_world.vector(along_y / half.y))
     }
 }
 
@@ -349,7 +352,6 @@ fn leaf_area(piece: &PatchPiece<'_>, to_world: &Transform) -> f64 {
 mod tests {
     use super::super::spline::NARROWEST;
     use super::*;
-    use glam::Vec3;
 
     /// An eighth of the unit sphere: a quarter circle (rational, degree 2) turned by another, with a pole at the top.
     pub(in crate::shape::parametric) fn octant() -> Patch {
@@ -394,7 +396,7 @@ mod tests {
             let x = (i as f32 + 0.5) * 0.001;
             let ray = Ray::new(Vec3::new(x, 5.0, 0.5), Vec3::NEG_Y);
             let (t, u, v) = patch.intersect(&ray).unwrap();
-            let found = patch.surface(&ray, Vec2::new(u, v)).p;
+            let found = patch.surface(&ray, t, Vec2::new(u, v)).p;
             assert!((found - Vec3::new(x, 5.0 - t, 0.5)).length() < 1e-5, "{x} {found}");
         }
     }
@@ -409,7 +411,7 @@ mod tests {
             let ray = Ray::new(d * 3.0, -d);
             let (t, u, v) = patch.intersect(&ray).unwrap();
             assert!((t - 2.0).abs() < 1e-6, "{d} {t}");
-            let p = patch.surface(&ray, Vec2::new(u, v));
+            let p = patch.surface(&ray, t, Vec2::new(u, v));
             assert!((p.p - d).length() < 1e-6 && p.ng.dot(d).abs() > 1.0 - 1e-6, "{d} {p:?}");
         }
     }

@@ -1,15 +1,19 @@
 //! Surfaces of revolution, intersected by their profiles.
 
 use super::axis_ray::{AxisRay, Interval, polar};
+use super::numeric::{GAUSS, SLACK};
 use super::polynomial::{Vector, evaluate};
 use super::profile::Piece;
 use super::revolution_build::{Builder, DEPTH};
 use super::ring_tree::{Ring, RingTree};
 use super::spline::{Basis, SplineError};
-use super::{GAUSS, Nearest, SLACK};
 use crate::math::{Ray, Transform};
 use crate::sampling::Discrete;
-use crate::shape::{Crossing, ShapeSample, SurfacePoint, TexCoord, widen, within};
+use crate::shape::analytic::AnalyticShape;
+use crate::shape::hit::{ShapeHit, within};
+use crate::shape::object_ray::{ObjectRay, object_ray};
+use crate::shape::surface_point::{ShapeSample, SurfacePoint};
+use crate::shape::texture_mapping::TexCoord;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use libm::{atan2, hypot, sincos};
 use std::f64::consts::TAU;
@@ -103,8 +107,35 @@ impl Revolution {
         Ok(Self { profile: Arc::new(profile), to_world, area })
     }
 
-    /// The image under another map; `None` where the product is singular.
-    pub(in crate::shape) fn transformed(&self, map: &Transform) -> Option<Self> {
+    /// The ray in the profile's space, the τ at which it is nearest to the middle less that at its origin, and τ for each unit of t.
+    /// `None` where it passes the surface by.
+    fn line(&self, ray: &Ray) -> Option<(AxisRay, f64, f64)> {
+        let ObjectRay { base, direction, start, length } = ObjectRay::new(ray, &self.to_world);
+        let size = self.profile.size * (1.0 + 1e-9);
+        (base.length_squared() <= size * size).then(|| (AxisRay::new(base, direction), start, length))
+    }
+
+    /// θ/2π in \[0, 1) of a point of a leaf.
+    fn turn(&self, p: DVec3, leaf: usize) -> f64 {
+        let side = self.profile.leaves[leaf].side;
+        let turn = atan2(side * p.z, side * p.x) / TAU;
+        if turn < 0.0 { turn + 1.0 } else { turn }
+    }
+
+    /// The surface of a leaf at x, in unit direction `radial` from the axis.
+    fn at(&self, leaf: usize, x: f64, radial: DVec2, uv: Vec2) -> SurfacePoint {
+        let profile = &self.profile;
+        let p = self.to_world.point(profile.point(leaf, x, radial));
+        let m = self.to_world.forward().matrix3;
+        let widest = m.x_axis.length() + m.y_axis.length() + m.z_axis.length();
+        let scale = widest * profile.size + self.to_world.forward().translation.abs().max_element();
+        let normal = self.to_world.normal(profile.normal(leaf, x, radial)).normalize();
+        SurfacePoint { uv, ..SurfacePoint::exact(p, normal, scale * SLACK) }
+    }
+}
+
+impl AnalyticShape for Revolution {
+    fn transformed(&self, map: &Transform) -> Option<Self> {
         let to_world = Transform::new(*map.forward() * *self.to_world.forward()).ok()?;
         let profile = &self.profile;
         let area = match to_world.similarity() {
@@ -114,7 +145,7 @@ impl Revolution {
         Some(Self { profile: Arc::clone(profile), to_world, area })
     }
 
-    pub(in crate::shape) fn intersect(&self, ray: &Ray) -> Option<Crossing> {
+    fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
         let (line, start, length) = self.line(ray)?;
         let size = self.profile.size;
         let end = f64::from(ray.t_max) * length - start;
@@ -132,25 +163,8 @@ impl Revolution {
         Some((t, self.profile.place(leaf, x) as f32, self.turn(p, leaf) as f32))
     }
 
-    /// The ray in the profile's space, the τ at which it is nearest to the middle less that at its origin, and τ for each unit of t.
-    /// `None` where it passes the surface by.
-    fn line(&self, ray: &Ray) -> Option<(AxisRay, f64, f64)> {
-        let Nearest { base, direction, start, length } = Nearest::new(ray, &self.to_world);
-        let size = self.profile.size * (1.0 + 1e-9);
-        (base.length_squared() <= size * size).then(|| (AxisRay::new(base, direction), start, length))
-    }
-
-    /// θ/2π in \[0, 1) of a point of a leaf.
-    fn turn(&self, p: DVec3, leaf: usize) -> f64 {
-        let side = self.profile.leaves[leaf].side;
-        let turn = atan2(side * p.z, side * p.x) / TAU;
-        if turn < 0.0 { turn + 1.0 } else { turn }
-    }
-
-    pub(in crate::shape) fn surface(&self, ray: &Ray, uv: Vec2) -> SurfacePoint {
-        let (o, d) = widen(ray);
-        let inverse = self.to_world.inverse();
-        let (o, d) = (inverse.transform_point3(o), inverse.transform_vector3(d));
+    fn surface(&self, ray: &Ray, _t: f32, uv: Vec2) -> SurfacePoint {
+        let (o, d) = object_ray(ray, &self.to_world);
         let (leaf, mut x) = self.profile.find(f64::from(uv.x));
         // Newton's method makes up for the rounding of the coordinates. It starts beside them: a distance may be rounded by more than that.
         let mut p =
@@ -170,18 +184,7 @@ impl Revolution {
         self.at(leaf, x, polar(p).1, uv)
     }
 
-    /// The surface of a leaf at x, in unit direction `radial` from the axis.
-    fn at(&self, leaf: usize, x: f64, radial: DVec2, uv: Vec2) -> SurfacePoint {
-        let profile = &self.profile;
-        let p = self.to_world.point(profile.point(leaf, x, radial));
-        let m = self.to_world.forward().matrix3;
-        let widest = m.x_axis.length() + m.y_axis.length() + m.z_axis.length();
-        let scale = widest * profile.size + self.to_world.forward().translation.abs().max_element();
-        let normal = self.to_world.normal(profile.normal(leaf, x, radial)).normalize();
-        SurfacePoint { uv, ..SurfacePoint::exact(p, normal, scale * SLACK) }
-    }
-
-    pub(in crate::shape) fn extent(&self) -> (DVec3, DVec3) {
+    fn extent(&self) -> (DVec3, DVec3) {
         let rows = self.to_world.forward().matrix3.transpose();
         let place = self.to_world.forward().translation;
         let rows = [rows.x_axis, rows.y_axis, rows.z_axis];
@@ -196,16 +199,16 @@ impl Revolution {
         (min, max)
     }
 
-    pub(in crate::shape) fn translated(&self, by: DVec3) -> Self {
+    fn translated(&self, by: DVec3) -> Self {
         Self { to_world: self.to_world.translated(by), ..self.clone() }
     }
 
-    pub(in crate::shape) fn area(&self) -> f64 {
+    fn area(&self) -> f64 {
         self.area
     }
 
     /// A leaf by its area, then uniform in its coordinates.
-    pub(in crate::shape) fn sample(&self, u: Vec2) -> ShapeSample {
+    fn sample(&self, u: Vec2) -> ShapeSample {
         let (leaf, _) = self.profile.choice.sample(u.x);
         let x = f64::from(self.profile.choice.remainder(u.x, leaf)) * 2.0 - 1.0;
         let uv = Vec2::new(self.profile.place(leaf, x) as f32, u.y);
@@ -213,19 +216,17 @@ impl Revolution {
         ShapeSample { pdf: self.pdf(&point), point, uv }
     }
 
-    /// Coordinates of point `p` of the surface and how they grow in the world.
-    pub(in crate::shape) fn mapped(&self, p: Vec3, uv: Vec2) -> TexCoord {
+    fn tex_coord(&self, p: Vec3, uv: Vec2) -> TexCoord {
         let (leaf, x) = self.profile.find(f64::from(uv.x));
         let (_, radial) = polar(self.to_world.inverse().transform_point3(p.as_dvec3()));
         let ([radius, _], [dx, dh]) = evaluate(self.profile.powers(leaf), x);
         let half = self.profile.leaves[leaf].place[1];
         let along = DVec3::new(dx * radial.x, dh, dx * radial.y) / half;
         let around = DVec3::new(-radial.y, 0.0, radial.x) * (TAU * radius);
-        TexCoord::of(uv, self.to_world.vector(along), self.to_world.vector(around))
+        TexCoord::from_derivatives(uv, self.to_world.vector(along), self.to_world.vector(around))
     }
 
-    /// Density per area of [`Revolution::sample`].
-    pub(in crate::shape) fn pdf(&self, point: &SurfacePoint) -> f32 {
+    fn pdf(&self, point: &SurfacePoint) -> f32 {
         let (leaf, x) = self.profile.find(f64::from(point.uv.x));
         let m = self.to_world.forward().matrix3;
         let stretch = self.to_world.determinant().abs() / (m.transpose() * point.ng.as_dvec3()).length();
