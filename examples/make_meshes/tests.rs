@@ -72,7 +72,7 @@ fn names() -> impl Iterator<Item = &'static str> {
 }
 
 #[test]
-fn the_folder_holds_what_the_program_makes() {
+fn stored_meshes_match_their_generators() {
     let mut total = 0;
     for (name, make) in meshes::ALL {
         let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("mesh").join(name);
@@ -85,7 +85,7 @@ fn the_folder_holds_what_the_program_makes() {
 }
 
 #[test]
-fn every_mesh_is_closed_with_one_winding() {
+fn meshes_are_closed_with_consistent_winding() {
     for name in names() {
         let mesh = load(name);
         let mut edges = HashSet::new();
@@ -146,7 +146,7 @@ fn normals_follow_the_surface() {
 }
 
 #[test]
-fn every_mesh_fills_its_stated_box() {
+fn meshes_fill_their_stated_bounds() {
     let table = f64::from(3) / 100.0 + 0.47 * libm::tan(34.5_f64.to_radians());
     let culet = -0.03 - libm::tan(40.75_f64.to_radians());
     let cap = 0.02 + 2.5 - f64::sqrt(2.5 * 2.5 - 1.0);
@@ -175,7 +175,7 @@ fn every_mesh_fills_its_stated_box() {
 }
 
 #[test]
-fn volumes_are_those_of_the_solids() {
+fn mesh_volumes_match_closed_form() {
     // Band: Pappus for a rectangle with each rounded edge a polygon of two chords.
     let (e, chord) = (0.02, FRAC_PI_4);
     let area = 0.08 * 0.8 - (4.0 - PI) * e * e - 4.0 * e * e * (chord - libm::sin(chord));
@@ -206,7 +206,7 @@ fn knot_centres() -> Vec<DVec3> {
 }
 
 #[test]
-fn the_strands_of_the_knot_keep_apart() {
+fn knot_strands_do_not_touch() {
     let centres = knot_centres();
     for i in 0..320_usize {
         for j in 0..i {
@@ -219,7 +219,7 @@ fn the_strands_of_the_knot_keep_apart() {
 }
 
 #[test]
-fn the_gem_is_convex_with_a_girdle_and_57_facets() {
+fn gem_is_convex_with_57_facets() {
     let mesh = load("gem.obj");
     let mut planes: Vec<(DVec3, f64)> = Vec::new();
     for &triangle in &mesh.triangles {
@@ -245,7 +245,7 @@ fn outline(name: &str) -> Vec<DVec2> {
 }
 
 #[test]
-fn wine_fills_the_glass_without_touching_it() {
+fn wine_fills_glass_without_touching() {
     let (glass, wine) = (outline("goblet.obj"), outline("wine.obj"));
     // A polygon of 112 sides in the wall's circle comes nearer by .53 (1 - cos(π/112)) = .0002; that of the wine is inside of its own.
     let distance = |p: DVec2, a: DVec2, b: DVec2| {

@@ -20,7 +20,7 @@ pub struct Balance {
 /// Nothing becomes more than so many times what it was, or less than one over this: a pilot is no oracle.
 const FARTHEST: f64 = 4.0;
 
-// A tenth of a microsecond is a ray of a photon, by the tables of docs/performance.md; the others follow from them.
+// A tenth of a microsecond is a ray of a photon, by the tables of docs/measurements/; the others follow from them.
 
 /// Work of a ray of a camera walk with its shading, in rays of photons.
 const CAMERA_RAY: f64 = 2.0;

@@ -28,7 +28,7 @@ use std::time::Instant;
 const WORTH_SPLITTING: f32 = 0.001;
 
 /// A walk that counts for less than this part of the pixel goes on by chance only. Roulette that begins earlier costs more noise
-/// than it saves time: see docs/decisions.md.
+/// than it saves time: see docs/decisions/.
 const CERTAIN: f32 = 0.125;
 
 /// Points of the film a chunk, where they are few.

@@ -1,9 +1,13 @@
-//! The course's scenes against the course's pictures. Both stay where they are; without them these tests say so and pass.
+//! The course's scenes, meshes and images: how they are read, and what ray casting makes of them.
+//!
+//! The data may not be distributed, so it lies outside the repository: see [`crate::support::course`].
 
+use crate::support::course;
 use caustica::camera::Camera;
 use caustica::color::Rgb;
-use caustica::format::SceneFile;
 use caustica::format::description::{Curve as Profile, CurveBasis, Group, Item, Object, Shape as Described};
+use caustica::format::mesh::{self, Repair};
+use caustica::format::{SceneFile, parse};
 use caustica::image::{self, Curve, Image, RgbBytes, ToneMap, WriteOptions};
 use caustica::integrate::{Algorithm, Settings, Silent};
 use caustica::math::Ray;
@@ -11,16 +15,8 @@ use caustica::scene::{Material, Scene, SceneBuilder};
 use caustica::shape::parametric::Basis;
 use caustica::shape::{Revolution, Shape};
 use glam::{DVec2, DVec3, Vec3};
-use std::path::{Path, PathBuf};
-
-fn course() -> Option<PathBuf> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/course");
-    if folder.is_dir() {
-        return Some(folder);
-    }
-    eprintln!("SKIPPED: {} is absent", folder.display());
-    None
-}
+use std::fs;
+use std::path::Path;
 
 fn ray_cast(scene: &Path) -> RgbBytes {
     show(&SceneFile::read(scene).unwrap().resolve().unwrap())
@@ -46,8 +42,8 @@ fn strays(ours: &RgbBytes, theirs: &RgbBytes) -> usize {
 
 /// An exact implementation differs by at most one level, except at four edge pixels of scene01.
 #[test]
-fn scenes_01_to_07_match_the_expected_pictures() {
-    let Some(course) = course() else { return };
+fn scenes_01_to_07_match_expected_images() {
+    let Some(course) = course("") else { return };
     let scenes = [
         ("scene01_basic", 4),
         ("scene02_cube", 0),
@@ -68,7 +64,7 @@ fn scenes_01_to_07_match_the_expected_pictures() {
 /// Curves have no surface; what is turned has one, and faces the camera.
 #[test]
 fn scenes_08_to_10_show_surfaces_of_revolution() {
-    let Some(course) = course() else { return };
+    let Some(course) = course("") else { return };
     let background = |name: &str| {
         let picture = ray_cast(&course.join(format!("testcases/{name}.txt")));
         let corner = picture.pixels()[0];
@@ -138,8 +134,8 @@ fn scene_of(fill: impl FnOnce(&mut SceneBuilder, u32)) -> Scene {
 /// A surface of revolution and a mesh of 1,200 by 1,024 quads of it show the same: from outside, from within, from the axis, and
 /// edge-on. Only next to an outline of the mesh may pixels differ.
 #[test]
-fn scenes_09_and_10_look_as_fine_meshes_do() {
-    let Some(course) = course() else { return };
+fn scenes_09_and_10_match_fine_meshes() {
+    let Some(course) = course("") else { return };
     for name in ["scene09_norm", "scene10_wineglass"] {
         let file = SceneFile::read(&course.join(format!("testcases/{name}.txt"))).unwrap();
         let curve = profile(&file.description.root).unwrap();
@@ -211,4 +207,71 @@ fn scenes_09_and_10_look_as_fine_meshes_do() {
             assert!(hits > 20, "{name}, view {v}: {hits}");
         }
     }
+}
+
+#[test]
+fn course_scenes_parse_and_print_back() {
+    let Some(folder) = course("testcases") else { return };
+    let mut scenes = 0;
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let text = fs::read_to_string(&path).unwrap();
+        let name = path.display().to_string();
+        for text in [text.clone(), text.replace('\n', "\r\n"), text.replace(char::is_whitespace, "\t")] {
+            let d = parse(&name, &text).unwrap();
+            assert_eq!(parse("again", &d.to_string()).unwrap(), d, "{name}");
+            assert!(!d.lights.is_empty() && !d.root.items.is_empty());
+        }
+        scenes += 1;
+    }
+    assert_eq!(scenes, 10);
+}
+
+#[test]
+fn course_meshes_load() {
+    let Some(folder) = course("mesh") else { return };
+    // Counts of distinct vertices and of faces by `grep -c`.
+    for (name, vertices, triangles, normals) in [
+        ("cube.obj", 8, 12, false),
+        ("bunny_200.obj", 102, 200, false),
+        ("bunny_1k.obj", 502, 1000, false),
+        ("bunny_1k_vn.obj", 502, 1000, true),
+    ] {
+        let mesh = mesh::load(&folder.join(name), &()).unwrap().mesh;
+        assert_eq!((mesh.positions.len(), mesh.triangles.len()), (vertices, triangles), "{name}");
+        assert_eq!(mesh.normals.is_some(), normals, "{name}");
+    }
+}
+
+#[test]
+fn course_meshes_are_repaired_without_loss() {
+    let Some(folder) = course("mesh") else { return };
+    // Closed surfaces: Euler's formula gives the vertices from the triangles.
+    for (name, triangles) in
+        [("cube.obj", 12), ("bunny_200.obj", 200), ("bunny_1k.obj", 1000), ("bunny_1k_vn.obj", 1000)]
+    {
+        let mut mesh = mesh::load(&folder.join(name), &()).unwrap().mesh;
+        let before = mesh.report();
+        assert!(before.closed && before.manifold && before.orientable, "{name}");
+        assert_eq!((before.triangles, before.components, before.genus), (triangles, 1, Some(0)), "{name}");
+        assert_eq!(before.vertices, triangles / 2 + 2, "{name}");
+        assert!(before.volume.unwrap() > 0.0, "{name}");
+        let weld = Some(Repair::WELD * mesh.diagonal());
+        let repaired = mesh.repair(&Repair { weld, duplicates: true, degenerate: true, orient: true });
+        assert_eq!((repaired, mesh.report()), (Default::default(), before), "{name}");
+    }
+}
+
+#[test]
+fn course_images_decode() {
+    let Some(folder) = course("expected") else { return };
+    let mut images = 0;
+    for entry in fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let bytes = image::read_bytes(&path).unwrap();
+        assert_eq!((bytes.width(), bytes.height()), (200, 200), "{}", path.display());
+        assert!(bytes.pixels().iter().any(|&p| p != [0; 3]), "{} is black", path.display());
+        images += 1;
+    }
+    assert_eq!(images, 7);
 }

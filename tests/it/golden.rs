@@ -10,7 +10,7 @@ use crate::support::project;
 use caustica::format::SceneFile;
 use caustica::image::{self, Image, RgbBytes, WriteOptions, metrics};
 use caustica::integrate::{Algorithm, EyeSettings, Settings, Silent};
-use caustica::render::{Stop, render};
+use caustica::render::{StopCriteria, render};
 use std::fs;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -38,7 +38,8 @@ fn picture(scene: &Path) -> Image {
         ..Settings::default()
     };
     let integrator = Algorithm::Hybrid.prepare(&scene, settings);
-    let stop = Stop { at_least: 1, passes: Some(2), time: None, target: None, interrupted: &AtomicBool::new(false) };
+    let stop =
+        StopCriteria { min_passes: 1, passes: Some(2), time: None, target: None, interrupted: &AtomicBool::new(false) };
     let rendered = render(integrator.as_ref(), SIZE, &stop, &Silent, |_| {});
     Image::from_pixels(SIZE.0, SIZE.1, rendered.film.mean()).unwrap()
 }
@@ -55,7 +56,7 @@ fn difference(ours: &RgbBytes, golden: &RgbBytes) -> Option<String> {
 }
 
 #[test]
-fn scenes_look_as_they_did() {
+fn scenes_match_golden_images() {
     let (scenes, golden, new) = (project("scenes"), project("tests/golden"), project("target/golden"));
     let bless = std::env::var_os("CAUSTICA_BLESS").is_some();
     fs::create_dir_all(&new).unwrap();
@@ -81,7 +82,7 @@ fn scenes_look_as_they_did() {
 }
 
 #[test]
-fn every_picture_has_its_scene() {
+fn every_golden_image_has_a_scene() {
     let scenes = stems(&project("scenes"), "txt");
     for name in stems(&project("tests/golden"), "png") {
         assert!(scenes.contains(&name), "tests/golden/{name}.png belongs to no scene: delete it");
@@ -89,7 +90,7 @@ fn every_picture_has_its_scene() {
 }
 
 #[test]
-fn only_single_levels_at_few_bytes_are_let_pass() {
+fn only_few_single_level_differences_pass() {
     let base = |width, height| RgbBytes::from_pixels(width, height, vec![[7; 3]; 200]).unwrap();
     let compare = |change: &dyn Fn(&mut [u8])| {
         let mut changed = base(20, 10);

@@ -151,13 +151,13 @@ fn unbalanced(page: &str) -> Option<String> {
 }
 
 #[test]
-fn tags_are_counted() {
+fn tag_counter_finds_unclosed_tags() {
     assert_eq!(unbalanced("<!DOCTYPE html>\n<a b=\"c\"><d/></a>"), None);
     assert!(unbalanced("<a><b></a></b>").is_some() && unbalanced("<a>").is_some() && unbalanced("</a>").is_some());
 }
 
 #[test]
-fn a_page_is_well_formed_and_needs_nothing_else() {
+fn report_page_is_well_formed_and_self_contained() {
     let page = words(&html(&found()).unwrap());
     assert_eq!(unbalanced(&page), None);
     for fetched in ["http", "url(//", "@import", "<link", "<iframe", " src=\"/"] {
@@ -187,7 +187,7 @@ fn a_page_is_well_formed_and_needs_nothing_else() {
 }
 
 #[test]
-fn hardly_anything_makes_a_page_too() {
+fn minimal_study_makes_a_page() {
     let mut found = found();
     found.methods.truncate(2);
     found.methods[0].checkpoints.clear();
@@ -203,7 +203,7 @@ fn hardly_anything_makes_a_page_too() {
 }
 
 #[test]
-fn data_hold_every_checkpoint() {
+fn data_files_hold_every_checkpoint() {
     let found = found();
     let table = csv(&found);
     let rows: Vec<&str> = table.split("\r\n").collect();
@@ -221,7 +221,7 @@ fn data_hold_every_checkpoint() {
 }
 
 #[test]
-fn a_browser_shows_the_page() {
+fn browser_shows_the_page() {
     let Some(browser) = Browser::find() else {
         eprintln!("skipped: no chromium, chromium-browser or google-chrome in PATH");
         return;

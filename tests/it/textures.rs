@@ -43,7 +43,7 @@ fn uv(scene: &Scene, from: [f64; 3], direction: [f64; 3]) -> DVec2 {
 const CAMERA: &str = "PerspectiveCamera { center 0 1 0  lookAt 0 .9 -5  angle 30  width 64  height 32 }";
 
 #[test]
-fn coordinates_of_every_shape() {
+fn shapes_have_documented_uv_coordinates() {
     let of = |shape: &str| {
         scene(&format!(
             "{CAMERA} Textures {{ Checker t {{ }} }} Materials {{ Diffuse {{ reflectance t }} }} Group {{ MaterialIndex 0 {shape} }}"
@@ -71,7 +71,7 @@ fn coordinates_of_every_shape() {
 
 /// Tiles from here to the horizon: a wide strip of them holds half of each colour, and so does its picture.
 #[test]
-fn a_far_floor_has_the_mean_of_its_tiles_and_does_not_sparkle() {
+fn far_checkerboard_is_filtered_to_its_mean() {
     let tiles = |color0: &str, color1: &str| {
         scene(&format!(
             "{CAMERA} Background {{ color 0 0 0 }} Lights {{ DirectionalLight {{ direction 0 -1 0  irradiance 3.1415926 3.1415926 3.1415926 }} }}
@@ -106,7 +106,7 @@ fn a_far_floor_has_the_mean_of_its_tiles_and_does_not_sparkle() {
 
 /// A surface whose height is h(u, v) = s·u, u running along x with 1/w a length, has the normal (−s/w, 1)/|…|.
 #[test]
-fn a_ramp_of_heights_is_a_tilted_plane() {
+fn linear_bump_map_tilts_the_plane() {
     let folder = tempfile::tempdir().unwrap();
     // Heights go up by 1/64 a pixel.
     let pixels = (0..64 * 4).map(|i| Vec3::splat((i % 64) as f32 / 64.0)).collect();
@@ -129,7 +129,7 @@ fn a_ramp_of_heights_is_a_tilted_plane() {
 }
 
 #[test]
-fn normals_of_a_map_go_by_the_coordinates_and_stay_outside() {
+fn mapped_normals_follow_uv_and_stay_outside() {
     let with = |color: &str, edges: &str| {
         let text = format!(
             "{CAMERA} Textures {{ Checker t {{ color0 {color}  color1 {color} }} }}
@@ -151,7 +151,7 @@ fn normals_of_a_map_go_by_the_coordinates_and_stay_outside() {
 
 /// In a furnace of radiance 1 nothing is brighter than 1, however its normals stand: 5 standard errors of the mean of the passes.
 #[test]
-fn bumps_make_no_light() {
+fn bump_maps_create_no_energy() {
     for relief in ["bump lumps  bumpHeight .3", "normalMap wild"] {
         for material in [
             "Diffuse { reflectance 1 1 1",
@@ -181,7 +181,7 @@ fn bumps_make_no_light() {
 
 /// Without textures each is its mean; without bumps surfaces are smooth: the pictures of scenes that say so.
 #[test]
-fn what_is_wished_away_is_a_mean() {
+fn disabled_textures_become_their_mean() {
     let with = |reflectance: &str, relief: &str, emission: &str| {
         scene(&format!(
             "{CAMERA} Lights {{ PointLight {{ position 0 4 -4  power 300 300 300 }} }}
@@ -205,7 +205,7 @@ fn what_is_wished_away_is_a_mean() {
 
 /// A mask is a mix of two materials by place: where it is 0 or 1 nothing is left to chance.
 #[test]
-fn masks_choose_by_place() {
+fn masks_select_material_by_position() {
     let scene = scene(&format!(
         "{CAMERA} Textures {{ Checker t {{ }} }}
          Materials {{ Diffuse a {{ reflectance .1 .1 .1 }}  Mirror b {{ }}  Mix {{ first a  second b  amount t }} }}
@@ -219,7 +219,7 @@ fn masks_choose_by_place() {
 
 /// Where something moves, its texture moves with it: at each time coordinates are those of the same maps at rest.
 #[test]
-fn textures_move_with_what_wears_them() {
+fn textures_move_with_their_object() {
     let of = |maps: &str, object: &str| {
         scene(&format!(
             "{CAMERA} Textures {{ Checker t {{ }}  Checker glow {{ scale 8 8 }} }}

@@ -69,7 +69,7 @@ fn run(threads: usize, passes: impl IntoIterator<Item = u32> + Send) -> ([u32; 2
 }
 
 #[test]
-fn any_number_of_threads_gives_the_same_bits() {
+fn any_thread_count_gives_same_bits() {
     let one = run(1, 0..3);
     let (_, passes) = &one;
     for (image, counters, global, caustic) in passes {
@@ -86,7 +86,7 @@ fn any_number_of_threads_gives_the_same_bits() {
 }
 
 #[test]
-fn a_pass_by_itself_is_that_pass_of_a_run() {
+fn single_pass_equals_pass_of_full_run() {
     let (radii, passes) = run(2, 0..4);
     let (radii_alone, alone) = run(2, [3]);
     assert_eq!(radii, radii_alone);

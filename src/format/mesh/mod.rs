@@ -77,6 +77,8 @@ impl Loaded {
 
 /// Hears how far the reading of meshes is. `()` hears nothing.
 pub trait ReadMonitor: Sync {
+    /// Receives the path of each file that the scene names, before it is read.
+    fn names(&self, _path: &Path) {}
     /// A file of `bytes` bytes is begun.
     fn begin(&self, path: &Path, bytes: u64);
     /// `bytes` more of its bytes are done.

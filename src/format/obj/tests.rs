@@ -1,5 +1,3 @@
-use std::path::PathBuf;
-
 use super::super::mesh;
 use super::*;
 
@@ -166,26 +164,6 @@ fn files_are_named_when_they_cannot_be_read() {
     let latin = folder.path().join("latin.obj");
     std::fs::write(&latin, [b"# caf\xe9\n", SQUARE.as_bytes(), b"f 1 2 3"].concat()).unwrap();
     assert_eq!(load(&latin).unwrap().triangles.len(), 1);
-}
-
-#[test]
-fn the_course_meshes_load() {
-    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/course/mesh");
-    if !folder.exists() {
-        eprintln!("skipped: {} is absent", folder.display());
-        return;
-    }
-    // Counts of distinct vertices and of faces by `grep -c`.
-    for (name, vertices, triangles, normals) in [
-        ("cube.obj", 8, 12, false),
-        ("bunny_200.obj", 102, 200, false),
-        ("bunny_1k.obj", 502, 1000, false),
-        ("bunny_1k_vn.obj", 502, 1000, true),
-    ] {
-        let mesh = load(&folder.join(name)).unwrap();
-        assert_eq!((mesh.positions.len(), mesh.triangles.len()), (vertices, triangles), "{name}");
-        assert_eq!(mesh.normals.is_some(), normals, "{name}");
-    }
 }
 
 proptest::proptest! {

@@ -70,7 +70,7 @@ fn check_with(passes: u32, what: &str, scene: &Scene, least: f64) {
 }
 
 #[test]
-fn every_reflection_is_alike_from_both_ends() {
+fn reflections_agree_from_camera_and_light() {
     for (name, material) in [
         ("diffuse", "Diffuse m { reflectance .9 .7 .5 }"),
         ("gloss", "Phong m { diffuseColor .2 .2 .2  specularColor 6 5 4  shininess 25 }"),
@@ -89,7 +89,7 @@ fn every_reflection_is_alike_from_both_ends() {
 }
 
 #[test]
-fn every_refraction_is_alike_from_both_ends() {
+fn refractions_agree_from_camera_and_light() {
     for (name, material, object) in [
         ("glass", "Dielectric m { indexOfRefraction 1.5  absorption .2 .6 1 }", BALL),
         ("frosted glass", "Dielectric m { indexOfRefraction 1.5  roughness .15 }", BALL),
@@ -102,7 +102,7 @@ fn every_refraction_is_alike_from_both_ends() {
 
 /// Interpolated normals: what walks from the lamp carry is corrected for them (Veach 1997, section 5.3).
 #[test]
-fn smoothly_shaded_meshes_are_alike_from_both_ends() {
+fn shading_normals_agree_from_camera_and_light() {
     for (name, light, material, least) in [
         ("diffuse", UP, "Diffuse m { reflectance .9 .7 .5 }", 0.95),
         ("gloss", UP, "Phong m { diffuseColor .2 .2 .2  specularColor 6 5 4  shininess 25 }", 0.95),
@@ -122,7 +122,7 @@ fn smoothly_shaded_meshes_are_alike_from_both_ends() {
 
 /// Bodies in bodies, by priority: ice that lies in water and in its glass, and oil that overlaps the glass from outside.
 #[test]
-fn bodies_in_bodies_are_alike_from_both_ends() {
+fn nested_dielectrics_agree_from_camera_and_light() {
     let materials = "Dielectric glass { indexOfRefraction 1.5  absorption .3 .3 .1 }
         Dielectric water { indexOfRefraction 1.33  absorption .2 .5 1  priority 1 }
         Dielectric ice { indexOfRefraction 1.2  priority 2 }
@@ -136,7 +136,7 @@ fn bodies_in_bodies_are_alike_from_both_ends() {
 
 /// A lamp within bodies shines out of them.
 #[test]
-fn a_lamp_inside_bodies_is_alike_from_both_ends() {
+fn enclosed_light_agrees_from_camera_and_light() {
     let lamp = "SphereLight { center .05 1.1 0  radius .2  radiance 6 5 4 }";
     let bulb = "Dielectric glass { indexOfRefraction 1.5  absorption .3 1 2 }
         Dielectric air { indexOfRefraction 1  priority 1 }";
@@ -158,7 +158,7 @@ fn a_lamp_inside_bodies_is_alike_from_both_ends() {
 /// Photons that land by the geometric normal and are seen by the shading normal: the coarse ball fills the picture, lit over a
 /// mirror, so that all its light is theirs.
 #[test]
-fn receivers_with_shading_normals_are_alike_from_both_ends() {
+fn diffuse_shading_normals_agree_from_camera_and_light() {
     let scene = scene(&format!(
         "PerspectiveCamera {{ center 0 .1 0  direction 0 1 0  up 0 0 1  angle 45  width 32  height 32 }}
         Background {{ color 0 0 0 }}

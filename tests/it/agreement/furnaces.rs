@@ -45,7 +45,7 @@ const EFFORT: Effort = Effort { passes: 12, samples: 4, photons: 10_000, caustic
 /// Which light reaches a wall by the ball, which straight: each part has a gradient though the sum has none, so methods with
 /// photons are biased as [`Renders`] allows for.
 #[test]
-fn what_loses_nothing_is_invisible_in_a_furnace() {
+fn lossless_materials_vanish_in_furnace() {
     let balls = lossless().into_iter().map(|(name, m)| (name, Some(m))).chain([("nothing", None)]);
     for (name, ball) in balls {
         let scene = furnace(ALBEDO, ball, DVec3::ZERO);
@@ -62,7 +62,7 @@ fn what_loses_nothing_is_invisible_in_a_furnace() {
 /// up: a metal at α = 0.1 loses 1.2 % along the normal and 11 % at 85°; glass loses 0.1 and 1.2 % on its way through two
 /// interfaces, and up to 14 % of the tenth that goes round inside.
 #[test]
-fn rough_balls_in_a_furnace_lose_what_they_state_and_never_gain() {
+fn rough_materials_lose_only_stated_energy() {
     let frosted = Material::body(Body { roughness: 0.1, ..Body::new(1.5) });
     let rough = Material::conductor(Vec3::ZERO, Vec3::splat(2.0), 0.1);
     let stored = Material::conductor(Vec3::ZERO, Vec3::splat(2.0), 0.5);
@@ -94,7 +94,7 @@ fn phong_albedo(kd: f64, ks: f64, s: f64, theta: f64) -> f64 {
 
 /// A square of Phong's material, seen slantwise at one point of it: a narrow view of a plane under uniform light.
 #[test]
-fn a_gloss_in_a_furnace_shows_its_albedo() {
+fn glossy_material_shows_its_furnace_albedo() {
     let (kd, ks, s) = (0.4, 3.0, 12.0);
     for theta in [0.2f64, 1.1] {
         let mut b = SceneBuilder::new();
@@ -122,7 +122,7 @@ fn a_gloss_in_a_furnace_shows_its_albedo() {
 /// Walls of Phong's material in a closed box: methods agree, and nothing exceeds the radiance of walls as dark as their lobes'
 /// upper bound kd + 2ks/(s + 2) = 0.75, of which they would lose nothing: 1.
 #[test]
-fn glossy_walls_are_alike_in_all_methods() {
+fn integrators_agree_on_glossy_walls() {
     let mut b = SceneBuilder::new();
     let wall = b.material(Material::phong(grey(0.25), grey(1.5), 4.0));
     for face in faces(-DVec3::ONE, DVec3::ONE, true) {

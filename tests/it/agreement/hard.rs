@@ -19,12 +19,12 @@ fn check(name: &str) {
 }
 
 #[test]
-fn a_lamp_in_a_bulb_lights_the_room() {
+fn light_in_bulb_reaches_the_room() {
     check("bulb");
 }
 
 #[test]
-fn caustics_are_seen_through_water_and_in_mirrors() {
+fn caustics_appear_through_water_and_mirrors() {
     check("caustic-seen");
 }
 

@@ -3,43 +3,32 @@
 use super::compare::{Estimate, Grid, Renders, compare};
 use super::methods::{Effort, Method};
 use crate::support::{file, reference};
-use caustica::image::Image;
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
-/// A picture of half the width and height: with a box filter a pixel is the mean of four.
+/// A reference image with its standard error by pixel.
 struct Reference {
     size: (u32, u32),
     mean: Vec<DVec3>,
+    /// Variance of the mean.
     variance: Vec<DVec3>,
+    /// False for fireflies of the reference: pixels whose standard error is above half their value.
     kept: Vec<bool>,
 }
 
 impl Reference {
-    fn read(name: &str) -> Option<Self> {
-        let (mean, error) = (reference(&format!("{name}.exr"))?, reference(&format!("{name}-stderr.exr"))?);
-        let size = (mean.width() / 2, mean.height() / 2);
-        let four = |image: &Image, i: u32, f: &dyn Fn(DVec3) -> DVec3| {
-            let (x, y) = (i % size.0 * 2, i / size.0 * 2);
-            let at = |(dx, dy)| f(image.get(x + dx, y + dy).unwrap().as_dvec3());
-            [(0, 0), (1, 0), (0, 1), (1, 1)].map(at)
-        };
-        let pixels = 0..size.0 * size.1;
-        // Fireflies: pixels whose own error is above half their value.
-        let calm = |i: u32| {
-            let (values, errors) = (four(&mean, i, &|v| v), four(&error, i, &|v| v));
-            values.iter().zip(&errors).all(|(v, e)| e.element_sum() <= 0.5 * v.element_sum())
-        };
-        let kept: Vec<bool> = pixels.clone().map(calm).collect();
-        let left_out = kept.iter().filter(|k| !**k).count();
-        eprintln!("{name}: {left_out} of {} pixels left out as fireflies of the reference", kept.len());
-        assert!(left_out * 100 < kept.len());
-        let sum = |v: [DVec3; 4]| v.into_iter().sum::<DVec3>();
-        Some(Self {
-            size,
-            mean: pixels.clone().map(|i| sum(four(&mean, i, &|v| v)) / 4.0).collect(),
-            variance: pixels.map(|i| sum(four(&error, i, &|e| e * e)) / 16.0).collect(),
+    fn read(name: &str) -> Self {
+        let (mean, error) = (reference(&format!("{name}.exr")), reference(&format!("{name}-stderr.exr")));
+        let calm = |(v, e): (&Vec3, &Vec3)| e.element_sum() <= 0.5 * v.element_sum();
+        let kept: Vec<bool> = mean.pixels().iter().zip(error.pixels()).map(calm).collect();
+        let fireflies = kept.iter().filter(|k| !**k).count();
+        eprintln!("{name}: {fireflies} of {} pixels are fireflies of the reference", kept.len());
+        assert!(fireflies * 100 < kept.len());
+        Self {
+            size: (mean.width(), mean.height()),
+            mean: mean.pixels().iter().map(|v| v.as_dvec3()).collect(),
+            variance: error.pixels().iter().map(|e| e.as_dvec3() * e.as_dvec3()).collect(),
             kept,
-        })
+        }
     }
 
     fn over(&self, grid: &Grid) -> Estimate {
@@ -49,9 +38,9 @@ impl Reference {
     }
 }
 
-/// Compares by tiles of 8 × 8 pixels of the reference (32 × 32 where finds are rare), over windows, and over the whole picture.
+/// Compares by tiles of 4 × 4 pixels (16 × 16 where caustic paths are rare), over windows, and over the whole image.
 fn compare_all(name: &str, methods: &[(Method, Effort)], windows: &[(&str, [usize; 4])], sharp: [f64; 3]) {
-    let Some(reference) = Reference::read(name) else { return };
+    let reference = Reference::read(name);
     let scene = file(&format!("tests/scenes/{name}.txt"), reference.size);
     for (method, effort) in methods {
         let rare = name == "cbox-caustic" && *method == Method::Path;
@@ -78,9 +67,9 @@ const CHANCE: Effort = Effort { passes: 24, samples: 8, ..BIASED };
 /// Most of what this method shows is found by its walks.
 const WALKS: Effort = Effort { samples: 3, ..BIASED };
 
-/// `Sppm` in this room is compared by tests/it/analytic/reference.rs, at full size.
+/// `Sppm` in this room is compared by `analytic::reference`, by finer tiles.
 #[test]
-fn the_caustic_room_is_the_reference() {
+fn integrators_match_caustic_reference() {
     let methods = [
         (Method::Path, CHANCE),
         (Method::Hybrid, WALKS),
@@ -92,7 +81,7 @@ fn the_caustic_room_is_the_reference() {
 }
 
 #[test]
-fn the_rough_room_is_the_reference() {
+fn integrators_match_rough_reference() {
     let methods = [
         (Method::Path, CHANCE),
         (Method::Hybrid, WALKS),
@@ -112,7 +101,7 @@ fn the_rough_room_is_the_reference() {
 /// Camera rays alone see depth of field, so `Ppm`, whose rays are the same in all passes, shows one that does not settle: it is left out. The
 /// windows are the ball before the plane of focus, the mirror in it, and the ball behind it.
 #[test]
-fn the_lens_sees_as_the_reference() {
+fn integrators_match_lens_reference() {
     let methods = [
         (Method::Path, WALKS),
         (Method::Hybrid, WALKS),
@@ -131,7 +120,7 @@ fn the_lens_sees_as_the_reference() {
 /// Light in a fog that fills the room. The windows are the ball, the air below the lamp, and the wall behind. Looked at along rays or around points,
 /// photons in the fog are few: the three estimates are compared by wider discs, and less sharply.
 #[test]
-fn the_foggy_room_is_the_reference() {
+fn integrators_match_fog_reference() {
     let methods = [
         (Method::Path, CHANCE),
         (Method::Hybrid, WALKS),

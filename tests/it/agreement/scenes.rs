@@ -25,46 +25,46 @@ fn check(name: &str, radius: f64, methods: &[Method]) {
 const PHOTONS: [Method; 3] = [Method::Sppm, Method::Seen, Method::Gathered];
 
 #[test]
-fn a_glass_ball() {
+fn integrators_agree_on_glass_ball() {
     check("glass-ball", 0.04, &[Method::Path, Method::Sppm, Method::Ppm, Method::Seen, Method::Gathered]);
 }
 
 #[test]
-fn matt_things() {
+fn integrators_agree_on_matte() {
     check("matte", 0.06, &[Method::Path, Method::Sppm, Method::Ppm, Method::Seen, Method::Gathered]);
 }
 
 #[test]
-fn many_lights() {
+fn integrators_agree_on_many_lights() {
     check("many-lights", 0.05, &PHOTONS);
 }
 
 #[test]
-fn a_goblet() {
+fn integrators_agree_on_goblet() {
     check("goblet", 0.06, &PHOTONS);
 }
 
 #[test]
-fn a_projector() {
+fn integrators_agree_on_projector() {
     check("projector", 0.06, &PHOTONS);
 }
 
 #[test]
-fn a_ball_lens() {
+fn integrators_agree_on_ball_lens() {
     check("ball-lens", 0.06, &PHOTONS);
 }
 
 #[test]
-fn gems() {
+fn integrators_agree_on_gem() {
     check("gem", 0.08, &PHOTONS);
 }
 
 #[test]
-fn a_ring() {
+fn integrators_agree_on_ring() {
     check("ring", 0.06, &PHOTONS);
 }
 
 #[test]
-fn a_pool() {
+fn integrators_agree_on_pool() {
     check("pool", 0.04, &PHOTONS);
 }

@@ -31,7 +31,7 @@ fn everything() -> Scene {
 /// surface, roulette, the rest). Roulette keeps the mean of the channels and nothing raises it, so no channel exceeds three
 /// times the mean of what was emitted: the balance holds within 4u · 3 · mean · (rays per path). Sums are in f64.
 #[test]
-fn flux_is_conserved_to_rounding() {
+fn flux_is_conserved_up_to_rounding() {
     let scene = everything();
     for (wants, bounces) in
         [(StoreMask::ALL, 1000), (StoreMask::GLOBAL, 3), (StoreMask::CAUSTIC, 1000), (StoreMask::ALL, 0)]
@@ -50,7 +50,7 @@ fn flux_is_conserved_to_rounding() {
 /// Whatever is in the scene, roulette takes and gives alike. The standard error is measured; as a part of the emitted flux it
 /// must be below 10⁻³ for the test to see anything.
 #[test]
-fn roulette_adds_nothing_in_the_mean() {
+fn roulette_is_unbiased() {
     let passes = trace(&everything(), StoreMask::ALL, 1000, 64, 1 << 13);
     for c in 0..3 {
         let share: Vec<f64> = passes.iter().map(|t| 1.0 + t.audit.roulette[c] / t.audit.emitted[c]).collect();
@@ -63,7 +63,7 @@ fn roulette_adds_nothing_in_the_mean() {
 /// is f·(N − (1 − ρ)·surfaces) with f the flux of a path: variance f²Nρ, which is Σ X²(1/p − 1) over the N/(1 − ρ) surfaces for
 /// X = ρf and p = ρ.
 #[test]
-fn paths_in_a_grey_room_are_geometric() {
+fn path_lengths_in_grey_room_are_geometric() {
     const N: f64 = 16.0;
     for albedo in [0.3, 0.75] {
         let mut b = SceneBuilder::new();

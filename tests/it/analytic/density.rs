@@ -52,7 +52,7 @@ fn check(what: &str, m: &Moments) {
 /// A fixed disc holds a binomial number of photons: relative variance c/n − 1/N with n expected in the disc and the kernel's
 /// noise factor c.
 #[test]
-fn a_fixed_disc_has_the_noise_of_its_kernel() {
+fn fixed_radius_noise_matches_kernel() {
     for kernel in KERNELS {
         let radius = 0.1;
         let m = moments(fixed(radius), kernel, |n| {
@@ -68,7 +68,7 @@ fn a_fixed_disc_has_the_noise_of_its_kernel() {
 /// (N − 1)(k + c − 2)/(N(k − 2)) − 1, which for the box and large N is 1/(k − 2). Moments of the estimate below the k-th exist: with
 /// k ≥ 15 the squares have a variance, and their means over 120 probes a t-test.
 #[test]
-fn nearest_neighbours_are_unbiased_with_their_variance() {
+fn nearest_neighbour_mean_and_variance_match_theory() {
     for kernel in KERNELS {
         for k in [15, 50] {
             let kf = f64::from(k);

@@ -28,7 +28,7 @@ fn per_channel(angle: f64) -> (DVec3, DVec3) {
 
 /// Known values of the formulas used here: .923077 straight on, .83623 at 60° without absorption.
 #[test]
-fn the_slab_formula_is_the_known_one() {
+fn slab_formula_matches_literature() {
     assert!((slab(0.0, 0.0).0 - 12.0 / 13.0).abs() < 1e-12);
     assert!((slab(PI / 3.0, 0.0).0 - 0.83623).abs() < 5e-6);
     assert!((hemispherical(N) - 0.091_778_0).abs() < 1e-7);
@@ -46,7 +46,7 @@ fn beam(angle: f64) -> DVec3 {
 
 /// Parallel light through a slab onto a wall behind it: what reaches the wall, what turns back, and what the glass takes.
 #[test]
-fn photons_pass_a_slab() {
+fn photons_pass_slab_by_its_transmittance() {
     for degrees in [0f64, 30.0, 60.0, 80.0] {
         let angle = degrees.to_radians();
         let mut b = SceneBuilder::new();
@@ -76,7 +76,7 @@ fn photons_pass_a_slab() {
 
 /// The same slab before a shining wall, under a sky: L = T·Le + R·sky for a camera; n² squeezes in and out again.
 #[test]
-fn a_camera_looks_through_a_slab() {
+fn camera_sees_slab_transmittance() {
     let (emitted, sky) = (DVec3::new(2.0, 1.0, 3.0), DVec3::new(0.5, 1.0, 0.25));
     for degrees in [0f64, 30.0, 60.0, 80.0] {
         let angle = degrees.to_radians();
@@ -101,7 +101,7 @@ fn a_camera_looks_through_a_slab() {
 /// Truth 15. An isotropic light at the middle of a glass cube: a ray keeps its direction cosines up to sign, so the part
 /// 6·(1 − √(1 − 1/n²))/2 of all light gets out sooner or later, and the rest never.
 #[test]
-fn total_reflection_keeps_light_in_a_cube() {
+fn total_reflection_traps_light_in_cube() {
     let mut b = SceneBuilder::new();
     let glass = b.material(Material::dielectric(N as f32, Vec3::ZERO));
     for face in faces(-DVec3::ONE, DVec3::ONE, false) {

@@ -34,7 +34,7 @@ fn middle(photon: &Photon) -> Option<f64> {
 /// unit of beam at a distance of 10⁵ is 3·10⁻⁴ degrees; places are rounded to 10⁻⁷ of that distance, 10⁻⁵ degrees, and an edge of the prism's
 /// faces by 10⁻⁷ of a radian. A band of 4/3 nm has its mean within a hundredth of itself, 6·10⁻⁵ degrees.
 #[test]
-fn a_prism_parts_colours_by_their_indices() {
+fn prism_deviates_wavelengths_by_their_indices() {
     let angle = libm::asin(0.5 * bk7(587.5618));
     let least = deviation(angle, bk7(587.5618));
     assert!((least.to_degrees() - 38.6467).abs() < 1e-4);
@@ -115,7 +115,7 @@ fn a_prism_parts_colours_by_their_indices() {
 /// A lamp's cone into a prism, all in a ball: whatever the colours do, all of the light lands, in each channel alike, with and without
 /// wavelengths. Each reflection at first sight stays white where it is faint, and is weighed for it.
 #[test]
-fn a_parted_beam_is_white_in_sum() {
+fn dispersed_beam_sums_to_white() {
     let root = 3f64.sqrt();
     for glass in ["BK7", "SF11", "diamond"] {
         let scene = scene(&format!(
@@ -176,7 +176,7 @@ fn pictures(scene: &Scene, effects: EffectOverrides) -> Vec<DVec3> {
 /// White seen through a pane with flat faces, slantwise, and its reflection in it: each wavelength goes its own way and comes out alongside, in
 /// (1 − R)/(1 + R) and 2R/(1 + R) of its strength. Through strong flint that is neutral to 1 %.
 #[test]
-fn white_through_a_slab_is_white() {
+fn white_light_through_slab_stays_white() {
     let cauchy = |nm: f64| 1.7 + 0.02e6 / (nm * nm);
     for degrees in [0.0f64, 50.0] {
         let (sin, cos) = (libm::sin(degrees.to_radians()), libm::cos(degrees.to_radians()));
@@ -299,7 +299,7 @@ fn bow(scene: &Scene, photon: &Photon) -> Option<f64> {
 /// Truth 22: no ray that was mirrored inside once comes back further than 42.08° off. The edge, where light piles up, and the dark band beyond it, to
 /// the second bow at 50.9°, are filled as rays of the plane say, up to eleven inner ways.
 #[test]
-fn the_rainbow_stands_at_42_degrees() {
+fn rainbow_stands_at_42_degrees() {
     let n: f64 = 1.333;
     let cos = ((n * n - 1.0) / 3.0).sqrt();
     let outer = libm::acos(cos);
@@ -325,7 +325,7 @@ fn the_rainbow_stands_at_42_degrees() {
 
 /// Red stands outside of blue, each at the angle of its index: the mean angle of photons around a wavelength, within the ring of the bow.
 #[test]
-fn a_rainbow_is_red_outside() {
+fn rainbow_is_red_outside() {
     let index = |nm: f64| 1.324 + 0.00308e6 / (nm * nm);
     let scene = drop("cauchy 1.324 .00308", FAR);
     let source = PhotonSource::aimed(&scene).unwrap();

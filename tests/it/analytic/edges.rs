@@ -39,7 +39,7 @@ fn straight(t: f64) -> f64 {
 }
 
 #[test]
-fn a_disc_over_a_straight_edge() {
+fn disc_over_edge_has_closed_form_bias() {
     for t in [0.0, 0.3, 0.7, 1.0] {
         compare("edge", false, t * RADIUS, 0.5, Kernel::Box, straight(t));
     }
@@ -49,7 +49,7 @@ fn a_disc_over_a_straight_edge() {
 
 /// By symmetry, for every kernel: all in the middle, half at an edge, a quarter in a corner.
 #[test]
-fn halves_and_quarters_for_every_kernel() {
+fn edges_and_corners_halve_and_quarter_estimates() {
     for kernel in KERNELS {
         compare("middle", false, 0.5, 0.5, kernel, 1.0);
         compare("edge", false, 0.5, 1.0, kernel, 0.5);
@@ -60,7 +60,7 @@ fn halves_and_quarters_for_every_kernel() {
 /// Other kernels near an edge by quadrature over the disc; the jump costs at most a cell, 1/400 of the radius of one in 96 of
 /// the turns, far below the noise.
 #[test]
-fn kernels_over_a_straight_edge() {
+fn kernels_over_edge_have_closed_form_bias() {
     for kernel in [Kernel::Cone, Kernel::Epanechnikov] {
         let part = blurred(kernel, RADIUS, |d: DVec2| f64::from(u8::from(d.x > -0.4 * RADIUS)));
         compare("edge", false, 0.4 * RADIUS, 0.5, kernel, part);
@@ -70,7 +70,7 @@ fn kernels_over_a_straight_edge() {
 /// Photons count on their own side of their own surface: nothing leaks through a sheet, down a step of more than a quarter of
 /// the radius, or around a corner, though all photons lie within the disc's ball.
 #[test]
-fn light_does_not_leak_to_other_surfaces() {
+fn estimates_do_not_leak_between_surfaces() {
     let mut b = SceneBuilder::new();
     let white = b.material(Material::diffuse(grey(0.8)));
     let sheet = |y: f64| Shape::Rectangle(Rectangle::new(vec3(0.0, y, 0.0), DVec3::Z, DVec3::X));

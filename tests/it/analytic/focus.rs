@@ -47,7 +47,7 @@ fn passes(scene: &Scene, aimed: bool) -> Vec<Traced> {
 /// Flux within r of the axis before, at and behind the paraxial focus at nR/(2(n − 1)) = 1.5. A jump of the integrand costs
 /// at most a step, 2.5·10⁻⁶ of the beam.
 #[test]
-fn a_ball_lens_focuses_flux_where_snell_and_fresnel_say() {
+fn ball_lens_focus_flux_obeys_snell_and_fresnel() {
     for z in [1.1, 1.3, 1.5, 2.5] {
         let scene = lens(z);
         for aimed in [true, false] {
@@ -65,7 +65,7 @@ fn a_ball_lens_focuses_flux_where_snell_and_fresnel_say() {
 
 /// The estimate on the axis, where the caustic is, with its exact bias: ∫ K over the beam.
 #[test]
-fn the_estimate_at_the_focus_is_the_beam_seen_by_the_kernel() {
+fn focus_estimate_is_beam_convolved_with_kernel() {
     for z in [1.3, 1.5] {
         let scene = lens(z);
         let maps: Vec<PhotonMap> = passes(&scene, true).into_iter().map(|t| PhotonMap::build(t.photons)).collect();

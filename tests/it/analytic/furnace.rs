@@ -26,7 +26,7 @@ fn power(x: f64, n: u32) -> f64 {
 /// `max_bounces` = n cuts a path at its surface n + 1. The viewed wall adds one more reflection, and emission and direct light
 /// are seen without photons: Le·(1 + ρ + … + ρⁿ⁺¹). Irradiance is uniform, so the estimate has no bias.
 #[test]
-fn every_radiance_in_a_furnace_is_the_series_of_its_bounces() {
+fn furnace_radiance_is_geometric_series() {
     let scene = furnace();
     for (n, photons) in [(0, 1024), (1, 1 << 16), (3, 1 << 16), (1000, 1 << 16)] {
         let settings = caustica::integrate::Settings { eye: camera_rays(16, n).eye, ..settings(photons, 0, 0.3) };
@@ -42,7 +42,7 @@ fn every_radiance_in_a_furnace_is_the_series_of_its_bounces() {
 /// With k nearest photons the radius depends on the photons; in a uniform field the estimate is unbiased all the same, up to
 /// O(1/N) for N photons of unequal power: a hue that goes with the distance has no mean.
 #[test]
-fn a_furnace_seen_by_nearest_neighbours_is_as_bright() {
+fn furnace_radiance_holds_for_nearest_neighbours() {
     let scene = furnace();
     for kernel in KERNELS {
         let settings = caustica::integrate::Settings { gather_k: Some(40), kernel, ..settings(1 << 16, 0, 0.3) };
@@ -54,7 +54,7 @@ fn a_furnace_seen_by_nearest_neighbours_is_as_bright() {
 /// Truths 4 and 32: flux that lands, over all bounces, is Φ/(1 − ρ) in each channel. The roulette follows the mean of the
 /// channels, so hues of survivors change: their mean must not.
 #[test]
-fn coloured_flux_lands_as_the_geometric_series_though_roulette_is_grey() {
+fn coloured_flux_survives_grey_roulette() {
     let scene = furnace();
     let passes = trace(&scene, StoreMask::ALL, 1000, 64, 1 << 13);
     let landed: Vec<DVec3> = passes.iter().map(|t| flux_where(&scene, &t.photons, |_| true)).collect();

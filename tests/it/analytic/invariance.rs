@@ -75,7 +75,7 @@ fn same(what: &str, a: &[DVec3], b: &[DVec3], sharp: f64) {
 }
 
 #[test]
-fn threads_change_no_bit() {
+fn thread_count_changes_no_bit() {
     let scene = room(HERE);
     let on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
@@ -115,7 +115,7 @@ fn arrived(at: Place, aimed: bool, wants: StoreMask, passes: u32, paths: u32) ->
 }
 
 #[test]
-fn turned_scaled_and_moved_rooms_receive_the_same_flux() {
+fn similarity_transforms_preserve_flux() {
     let here = arrived(HERE, true, StoreMask::CAUSTIC, PASSES, 1 << 15);
     let all = arrived(HERE, false, StoreMask::ALL, PASSES, 1 << 15);
     let turn = DQuat::from_axis_angle(vec3(1.0, 2.0, -1.0).normalize(), 1.0);
@@ -134,7 +134,7 @@ fn turned_scaled_and_moved_rooms_receive_the_same_flux() {
 /// The seed's numbers are the same, so pictures of scaled and moved rooms differ by rounding, and here and there a photon that
 /// took another way.
 #[test]
-fn scaled_and_moved_rooms_look_the_same() {
+fn similarity_transforms_preserve_radiance() {
     let mean = |at: Place| seen(&room(at), by_neighbours(), 8);
     let here = mean(HERE);
     for (name, place) in [
@@ -149,7 +149,7 @@ fn scaled_and_moved_rooms_look_the_same() {
 /// Aiming changes which photons are drawn, not what they carry. Unaimed passes that want all stored classes hold the same
 /// caustic photons as those that want caustics only, which here are counted.
 #[test]
-fn aimed_photons_carry_the_same_caustics() {
+fn aimed_emission_preserves_caustics() {
     let aimed = arrived(HERE, true, StoreMask::CAUSTIC, 32, 1 << 15);
     let everywhere = arrived(HERE, false, StoreMask::CAUSTIC, 32, 1 << 17);
     same("aimed against everywhere", &aimed, &everywhere, 5e-3);

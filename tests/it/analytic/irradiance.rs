@@ -124,7 +124,7 @@ fn maps(scene: &Scene) -> Vec<PhotonMap> {
 
 /// The expectation of an estimate is irradiance averaged by its kernel, at any radius and place.
 #[test]
-fn estimates_below_lights_have_exactly_the_bias_of_their_kernel() {
+fn estimates_have_exact_kernel_bias() {
     for lamp in &LAMPS {
         let scene = unseen(under(lamp));
         let maps = maps(&scene);
@@ -140,7 +140,7 @@ fn estimates_below_lights_have_exactly_the_bias_of_their_kernel() {
 
 /// Truth 6 at the nadir of a point, where the box has a closed form: 2I/r²·(1 − h/√(h² + r²)), far from the irradiance itself.
 #[test]
-fn the_bias_of_a_wide_box_below_a_point() {
+fn wide_box_kernel_has_closed_form_bias() {
     let scene = unseen(under(&LAMPS[0]));
     let maps = maps(&scene);
     for radius in [0.1, 0.4, 1.6] {
@@ -152,7 +152,7 @@ fn the_bias_of_a_wide_box_below_a_point() {
 
 /// Photons remember where they came from: weighed by cosθ, the flux in a disc below a point is πIh²(1/h² − 1/(h² + r²)).
 #[test]
-fn photons_keep_the_direction_they_came_from() {
+fn photons_store_their_incident_direction() {
     let scene = unseen(under(&LAMPS[0]));
     let radius = 0.8;
     let expected = INTENSITY * HEIGHT * HEIGHT * (1.0 / (HEIGHT * HEIGHT) - 1.0 / (HEIGHT * HEIGHT + radius * radius))
@@ -171,7 +171,7 @@ fn photons_keep_the_direction_they_came_from() {
 /// Shadow rays: L = ρE/π. The view covers 0.02 of a unit, over which irradiance is linear to its second difference: less than
 /// (0.02/h)² of itself.
 #[test]
-fn direct_light_is_the_irradiance_of_each_light() {
+fn direct_light_matches_irradiance_of_each_light() {
     for lamp in &LAMPS {
         for at in [DVec2::ZERO, DVec2::new(0.5, 0.3)] {
             let target = vec3(at.x, 0.0, at.y);
@@ -186,7 +186,7 @@ fn direct_light_is_the_irradiance_of_each_light() {
 
 /// Truth 5's flux in a disc, 2πI(1 − h/√(h² + r²)), and all of a lamp's flux, by counting.
 #[test]
-fn flux_in_discs_below_a_point() {
+fn disc_flux_below_point_light_matches_solid_angle() {
     let scene = unseen(under(&LAMPS[0]));
     let passes = trace(&scene, DIRECT, 0, PASSES, 1 << 16);
     for radius in [0.3, 1.0, 5.0] {

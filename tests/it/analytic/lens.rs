@@ -22,7 +22,7 @@ fn pictures(scene: &Scene, algorithm: Algorithm, samples: u32, passes: u32) -> V
 /// pixel at distance 1: a disc has a quarter of the square of its radius as second moment about each axis, to which the lamp's own size
 /// and the pixel's, 1/12, add.
 #[test]
-fn the_circle_of_confusion_has_the_size_of_the_thin_lens() {
+fn circle_of_confusion_matches_thin_lens() {
     const PIXELS: f64 = 64.0;
     let (aperture, angle) = (0.5, 20f64.to_radians());
     let pixel = 2.0 * libm::tan(0.5 * angle) / PIXELS;
@@ -65,7 +65,7 @@ fn the_circle_of_confusion_has_the_size_of_the_thin_lens() {
 /// their mean of a function that only falls from 1 to 0 is off by less than a step. While the edge is in a pixel, for 4 passes, each of its 16 · 4
 /// rays has a variance of at most ¼; the mean of all passes has 4 · (¼/64)/64² of it.
 #[test]
-fn a_moving_edge_leaves_a_ramp() {
+fn moving_edge_blurs_to_a_ramp() {
     const PASSES: u32 = 64;
     // One pixel is one unit wide; the edge goes from x = −8 to 8 pixels.
     let scene = scene(
@@ -91,7 +91,7 @@ fn a_moving_edge_leaves_a_ramp() {
 /// I [x/(h √(h² + x²))] over the length of its way. The mean over 64 times in equal steps is off by less than a 64th of the total variation, of a
 /// rise and a fall by at most the peak I/h² each. No estimate of density has a part in it.
 #[test]
-fn a_moving_light_lights_by_the_mean_over_time() {
+fn moving_light_gives_mean_irradiance_over_time() {
     const PASSES: u32 = 64;
     let scene = scene(
         "OrthographicCamera { center 0 1 0  direction 0 -1 0  up 0 0 1  size .001  width 1  height 1 }
@@ -112,7 +112,7 @@ fn a_moving_light_lights_by_the_mean_over_time() {
 /// A blurred lamp on black: rays that go where its disc is make the same picture with less noise. All noise is there, on less than a tenth of the
 /// picture, which gets up to eight times the rays: even half of that would halve the variance.
 #[test]
-fn rays_that_follow_noise_change_noise_alone() {
+fn adaptive_rays_change_only_noise() {
     const PASSES: u32 = 24;
     let scene = scene(
         "PerspectiveCamera { center 0 0 0  direction 0 0 -1  angle 20  width 64  height 64  aperture .25  focusDistance 4 }
@@ -141,7 +141,7 @@ fn rays_that_follow_noise_change_noise_alone() {
 /// A course's colour is what a white floor sends back at the scene's middle; of a lamp that moves, half way. It stays as strong: its irradiance
 /// falls with the square of the distance.
 #[test]
-fn a_course_s_lamp_keeps_its_strength_while_it_moves() {
+fn legacy_light_keeps_its_strength_in_motion() {
     let scene = scene(
         "OrthographicCamera { center 0 1 0  direction 0 -1 0  up 0 0 1  size .001  width 1  height 1 }
          Lights { Moving { Translate 0 4 0  PointLight { position 0 2 0  color .5 .5 .5 } } }
@@ -159,7 +159,7 @@ fn a_course_s_lamp_keeps_its_strength_while_it_moves() {
 
 /// Parallel rays that start beside a body of dark glass around the camera's place are not in it.
 #[test]
-fn parallel_rays_know_each_where_they_start() {
+fn orthographic_rays_start_in_correct_medium() {
     let scene = scene(
         "OrthographicCamera { center 0 0 0  direction 0 0 -1  size 4  width 101  height 101 }
          Background { color 1 1 1 }
@@ -174,7 +174,7 @@ fn parallel_rays_know_each_where_they_start() {
 
 /// What stands at a time is what the same maps put there at rest: distances of hits differ by rounding alone.
 #[test]
-fn what_moves_is_at_each_time_where_its_maps_say() {
+fn moving_objects_follow_their_transforms() {
     let body = |what: &str| {
         format!(
             "PerspectiveCamera {{ center 0 1 9  direction 0 0 -1  angle 40  width 4  height 4 }}

@@ -69,7 +69,7 @@ fn with(samples: u32, effects: EffectOverrides) -> Settings {
 
 /// Truth 13: (1 − R)²τ/(1 − R²τ²) of the light behind a slab, at right angles and at 60°, whichever way it is told what it absorbs.
 #[test]
-fn an_absorbing_slab_lets_through_what_beer_and_fresnel_say() {
+fn absorbing_slab_obeys_beer_and_fresnel() {
     const SIGMA: [f64; 3] = [0.5, 2.0, 5.0];
     const THICK: f64 = 0.4;
     for degrees in [0.0f64, 60.0] {
@@ -144,7 +144,7 @@ fn sun(d: f64, gamma: f64, sigma: f64) -> f64 {
 
 /// Truths 25 and 26: the glow around a lamp in fog, before a black wall far away.
 #[test]
-fn airlight_is_that_of_the_integral() {
+fn airlight_matches_quadrature() {
     const SCATTERING: [f64; 3] = [0.1, 0.25, 0.5];
     const ABSORPTION: [f64; 3] = [0.2, 0.05, 0.1];
     let lamp = DVec3::new(0.7, 0.0, -2.0);
@@ -177,7 +177,7 @@ fn airlight_is_that_of_the_integral() {
 /// Truth 26 with all that is scattered more than once: what leaves a ball without absorption, all alike in all directions by symmetry, is what
 /// its lamp in the middle sends out, of which exp(−τ) comes straight and is not seen. A camera in parallel sees Φ(1 − exp(−τ))/(4π) over the disc.
 #[test]
-fn a_lamp_in_a_milky_ball_sends_out_all_its_light() {
+fn scattering_ball_loses_no_light() {
     const TAU: [f64; 3] = [0.25, 0.5, 1.0];
     let scene = scene(
         "OrthographicCamera { center 0 0 5  direction 0 0 -1  size 2.2  width 16  height 16 }
@@ -226,7 +226,7 @@ fn around(sigma: f64, wide: f64, r: f64) -> f64 {
 /// Truth 27: parallel light goes down into a box, and a ray looks through it across: p(90°)E σs exp(−σt z)(1 − exp(−σt s))/σt. Behind a pane,
 /// which lets (1 − R)/(1 + R) through, photons carry it.
 #[test]
-fn a_beam_crossed_by_a_ray_is_that_of_the_formula() {
+fn photon_beam_estimate_matches_formula() {
     const G: f64 = 0.4;
     const SCATTERING: [f64; 3] = [0.5, 1.0, 1.5];
     const EXTINCTION: [f64; 3] = [1.0, 1.5, 1.5];
@@ -309,7 +309,7 @@ fn furnace(media: &str, ball: &str, eye: &str) -> Scene {
 
 /// Truth 1: where nothing is lost, all is as bright as the light around, however often it is scattered; also within, and whichever way.
 #[test]
-fn milk_in_a_furnace_is_invisible() {
+fn white_medium_vanishes_in_furnace() {
     let clear = "Clear milky { medium milk }";
     for (what, media, ball, eye) in [
         ("clear", "Medium milk { scattering 1 2 4 }", clear, "0 0 5"),
@@ -355,7 +355,7 @@ fn milk_in_a_furnace_is_invisible() {
 
 /// The same between walls that shine and reflect: Le/(1 − ρ) = 1, of which surfaces and scattering find shares by connections and by chance.
 #[test]
-fn fog_between_walls_of_a_furnace_is_invisible() {
+fn white_fog_vanishes_between_furnace_walls() {
     let walls = "Rectangle { corner -1 -1 -1  edge0 0 0 2  edge1 2 0 0 }
                  Rectangle { corner -1 1 -1  edge0 2 0 0  edge1 0 0 2 }
                  Rectangle { corner -1 -1 -1  edge0 2 0 0  edge1 0 2 0 }
@@ -397,7 +397,7 @@ fn chandrasekhar(a: f64) -> f64 {
 /// At an optical depth of 10⁴ a ball is a half space where it is seen straight on: over a pixel's breadth and a walk's, hundreds of times less
 /// than its radius, it is flat. Steps of 10⁻⁴ are rounded at 1 by 6·10⁻⁸, and a step's error of 10⁻³ leaves H as it is to 10⁻³.
 #[test]
-fn thick_fog_is_chandrasekhar_s_half_space() {
+fn thick_fog_matches_chandrasekhar_half_space() {
     let text = |camera: &str| {
         format!(
             "{camera}
@@ -428,7 +428,7 @@ fn thick_fog_is_chandrasekhar_s_half_space() {
 
 /// A medium that is none leaves every bit of a picture as it is: by chance where the plan does not see that, and though all effects are on.
 #[test]
-fn nothing_in_a_medium_changes_no_bit() {
+fn empty_medium_changes_no_bit() {
     let picture = |filled: &str, medium: &str, wishes: EffectOverrides| {
         let scene = scene(&format!(
             "PerspectiveCamera {{ center 0 1 5  lookAt 0 .5 0  angle 40  width 24  height 24 }}
@@ -461,7 +461,7 @@ fn nothing_in_a_medium_changes_no_bit() {
 /// A medium that is the same everywhere, and one on a grid of equal numbers around the same ball, are one: in mean by walks, and by points, whose
 /// blur is the same.
 #[test]
-fn a_grid_of_equal_numbers_is_a_homogeneous_medium() {
+fn constant_grid_equals_homogeneous_medium() {
     let grid = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("even.grid");
     std::fs::write(&grid, format!("caustica-grid 1\nsize 3 4 5\ntype text\n\n{}", "2 ".repeat(60))).unwrap();
     let ball = |more: &str, scale: f64| {

@@ -45,7 +45,7 @@ fn once_reflected(scene: &Scene) -> Vec<Traced> {
 /// incidence crosses the axis at 1/(2cosθ) and stands at sinθ in the beam, so between 1/2 and z lands the part
 /// sin(acos(1/2z)) of the beam, from both sides.
 #[test]
-fn flux_along_the_axis_of_a_cup() {
+fn flux_along_cup_axis_matches_closed_form() {
     let screen = Rectangle::new(vec3(0.0, 0.0, 0.4), DVec3::Z * 0.59, DVec3::Y);
     let scene = cup(screen, DVec3::Z);
     let passes = once_reflected(&scene);
@@ -104,7 +104,7 @@ fn fold(t: f64) -> DVec2 {
 }
 
 #[test]
-fn the_floor_of_a_cup_is_lit_as_its_rays_say() {
+fn cup_floor_flux_matches_ray_tracing() {
     let scene = floor();
     let maps: Vec<PhotonMap> = once_reflected(&scene).into_iter().map(|t| PhotonMap::build(t.photons)).collect();
     // At the cusp, on both sides of it, on the fold, and away from it.
@@ -121,7 +121,7 @@ fn the_floor_of_a_cup_is_lit_as_its_rays_say() {
 /// fold there is the brightest by (1 − 0)/(√2 − 1) = 2.4 over the next one, less what passes evenly. Within ±.03 along the
 /// fold, its curve departs from its tangent by less than .03²/2 = 5·10⁻⁴.
 #[test]
-fn light_piles_up_at_the_nephroid() {
+fn flux_peaks_at_the_nephroid() {
     let scene = floor();
     let passes = once_reflected(&scene);
     for t in [0.4, 0.6, -0.8] {

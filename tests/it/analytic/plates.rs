@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 
 /// Unit squares: opposed .199825, adjacent .200044, known to half of the last digit.
 #[test]
-fn faces_of_a_cube_see_each_other_by_their_form_factors() {
+fn cube_faces_exchange_flux_by_form_factors() {
     let mut b = SceneBuilder::new();
     let white = b.material(Material::diffuse(grey(0.5)));
     for (i, face) in faces(DVec3::ZERO, DVec3::ONE, true).into_iter().enumerate() {
@@ -57,7 +57,7 @@ fn plates() -> Scene {
 
 /// Irradiance of the floor is the ceiling's radiosity, (E + ρ₂·0)/(1 − ρ₁ρ₂) with E = πL, and the ceiling's is ρ₁ times that.
 #[test]
-fn photons_between_endless_plates() {
+fn infinite_plates_have_geometric_series_of_flux() {
     let scene = plates();
     let passes = trace(&scene, StoreMask::ALL, 10_000, PASSES, 1 << 15);
     let floor = LIGHT * PI / (DVec3::ONE - FLOOR * CEILING);
@@ -70,7 +70,7 @@ fn photons_between_endless_plates() {
 /// Seen: the light through the air by shadow rays, the light by mirrors from the caustic map, the rest from the global map.
 /// Their sum is what endless plates have; each alone depends on the walls.
 #[test]
-fn direct_caustic_and_global_light_make_the_whole() {
+fn direct_caustic_and_global_light_sum_to_total() {
     let scene = plates();
     let expected = LIGHT / (DVec3::ONE - FLOOR * CEILING) * FLOOR;
     let settings = settings(1 << 16, 1 << 16, 0.2);
@@ -80,7 +80,7 @@ fn direct_caustic_and_global_light_make_the_whole() {
 /// Truth 39: a point between two endless mirrors over a floor is a row of images at 2ka + (−1)ᵏx, each dimmed by ρ^|k|. By their
 /// classes, the image k = 0 is direct light and all others are caustics.
 #[test]
-fn parallel_mirrors_make_a_row_of_lights() {
+fn parallel_mirrors_show_row_of_lights() {
     const A: f64 = 1.0;
     const RHO: f64 = 0.8;
     const H: f64 = 0.7;

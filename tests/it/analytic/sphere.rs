@@ -36,7 +36,7 @@ fn cell(p: DVec3, radius: f64) -> usize {
 /// From any point of the wall a cosine lobe covers the sphere uniformly, so all photons that were reflected are independent and
 /// uniform, scrambled emission or not: the multinomial law is exact. 4.9 sigma: false alarm 10⁻⁶.
 #[test]
-fn reflected_photons_cover_a_sphere_uniformly() {
+fn reflected_photons_cover_sphere_uniformly() {
     let scene = unseen(sphere(2.0, 0.6, vec3(0.3, -0.2, 1.6)));
     for bounces in [1, 1000] {
         let mut counts = vec![0; 32 * 32];
@@ -51,7 +51,7 @@ fn reflected_photons_cover_a_sphere_uniformly() {
 
 /// Bounce k carries ρᵏΦ. Paths are keyed, so cutting them one bounce later adds photons and changes none.
 #[test]
-fn the_flux_of_each_bounce_is_a_power_of_the_albedo() {
+fn flux_by_bounce_is_power_of_albedo() {
     let scene = unseen(sphere(2.0, 0.6, vec3(0.3, -0.2, 1.6)));
     let landed = |n| {
         let passes = trace(&scene, StoreMask::GLOBAL, n, PASSES, 1 << 14);
@@ -72,7 +72,7 @@ fn the_flux_of_each_bounce_is_a_power_of_the_albedo() {
 /// A cap of chord r has area πr² exactly, so on a sphere every kernel over chords is unbiased: irradiance after reflection is
 /// ρΦ/(4πR²(1 − ρ)).
 #[test]
-fn estimates_on_a_sphere_are_its_uniform_irradiance() {
+fn sphere_estimates_match_uniform_irradiance() {
     let (radius, albedo) = (2.0, 0.6);
     let scene = unseen(sphere(radius, albedo, vec3(0.3, -0.2, 1.6)));
     let expected = albedo * FLUX / (4.0 * PI * radius * radius * (1.0 - albedo));
@@ -93,7 +93,7 @@ fn estimates_on_a_sphere_are_its_uniform_irradiance() {
 
 /// With the light at the middle the wall is uniform in all: L = ρΦ/(4π²R²(1 − ρ)), of which 1 − ρ is seen by shadow rays.
 #[test]
-fn a_lit_sphere_seen_from_inside() {
+fn sphere_interior_has_uniform_radiance() {
     let (radius, albedo) = (2.0, 0.6);
     let b = sphere(radius, albedo, DVec3::ZERO);
     let scene = b.build(camera(vec3(0.5, 0.3, 0.1), vec3(-1.0, 0.2, 0.4), 60.0, 12)).unwrap();
@@ -108,7 +108,7 @@ fn a_lit_sphere_seen_from_inside() {
 /// Truth 3. A plate cuts off a cap of the part f of the sphere and sends Lambertian light in: the wall sees it as uniform as the
 /// cap, receives Φ/(1 − ρ(1 − f)) over all bounces, and returns Φρf/(1 − ρ(1 − f)) to the plate.
 #[test]
-fn a_cavity_returns_its_effective_albedo() {
+fn cavity_returns_effective_albedo() {
     for (albedo, height) in [(0.9, 0.6), (0.5, -0.5)] {
         let mut b = SceneBuilder::new();
         let wall = b.material(Material::diffuse(grey(albedo)));

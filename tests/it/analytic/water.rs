@@ -41,7 +41,7 @@ fn irradiance_of_floor(albedo: f64) -> f64 {
 }
 
 #[test]
-fn flux_under_water_is_not_squeezed() {
+fn flux_is_conserved_under_water() {
     let albedo = 0.7;
     let scene = pool(albedo, DVec3::ZERO, DVec3::Z);
     // Two rectangles that meet at the water's edge may let one ray in a million slip between them.
@@ -58,7 +58,7 @@ fn flux_under_water_is_not_squeezed() {
 /// Looking down: R·L of the sky, and (1 − R)/n² of the floor's ρE/π. Averaged over the view by quadrature of the pixels' angles.
 /// Looking up from the floor, straight: n²(1 − R)·L.
 #[test]
-fn a_camera_sees_radiance_squeezed() {
+fn radiance_scales_by_squared_index_under_water() {
     let albedo = 0.7;
     let down = pool(albedo, vec3(0.0, 0.4, 0.0), -DVec3::Y);
     let mean_reflectance = over_view(|cos| fresnel(cos, N));

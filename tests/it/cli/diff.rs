@@ -33,7 +33,7 @@ fn report(ended: &Ended) -> Value {
 }
 
 #[test]
-fn a_table_tells_every_figure() {
+fn diff_table_lists_every_metric() {
     let shop = shop();
     let ended = run(&shop, "a.exr b.exr --flip ldr --exposure -1.5");
     ended.expect(0, &[]);
@@ -62,7 +62,7 @@ fn json_has_every_documented_field() {
     let ended = run(&shop, "a.exr b.exr --json");
     ended.expect(0, &[]);
     let found = report(&ended);
-    let page = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/cli.md")).unwrap();
+    let page = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/guide/command-line.md")).unwrap();
     let section = page.split("\n## Diff report\n").nth(1).unwrap().split("\n## ").next().unwrap();
     let cells =
         section.lines().filter_map(|line| line.strip_prefix("| `")).map(|line| line.split(" |").next().unwrap());
@@ -91,7 +91,7 @@ fn json_has_every_documented_field() {
 }
 
 #[test]
-fn flip_looks_as_it_is_told() {
+fn flip_uses_given_viewing_conditions() {
     let shop = shop();
     let flip = |line: &str| {
         let ended = run(&shop, &format!("{line} --json"));
@@ -117,7 +117,7 @@ fn flip_looks_as_it_is_told() {
 }
 
 #[test]
-fn a_threshold_is_exceeded_just_above_it_only() {
+fn threshold_fails_only_above_its_value() {
     let shop = shop();
     let found = report(&run(&shop, "a.exr b.exr --json"));
     let figures = [
@@ -141,7 +141,7 @@ fn a_threshold_is_exceeded_just_above_it_only() {
 }
 
 #[test]
-fn what_is_the_same_is_identical() {
+fn identical_images_have_zero_difference() {
     let shop = shop();
     for line in ["a.exr a.exr", "a.png a.png"] {
         let strict = "--identical --max-rmse 0 --max-relative 0 --max-flip 0 --max-difference 0 --json";
@@ -157,7 +157,7 @@ fn what_is_the_same_is_identical() {
 }
 
 #[test]
-fn maps_are_written_in_colours_or_as_numbers() {
+fn difference_maps_are_coloured_or_numeric() {
     let shop = shop();
     let written = run(&shop, "a.exr b.exr --map absolute -o map.png --json");
     // The largest mean over channels is (¼ + ⅛)/3; with eight pixels, 99 of 100 are the seven smallest, up to ⅛/3.
@@ -186,7 +186,7 @@ fn maps_are_written_in_colours_or_as_numbers() {
 }
 
 #[test]
-fn pictures_that_cannot_be_read_or_compared_are_1() {
+fn unreadable_or_incomparable_images_exit_1() {
     let shop = shop();
     run(&shop, "none.png a.png").expect(1, &["cannot read `none.png`"]);
     run(&shop, "a.png box.txt").expect(1, &["`box.txt` is not a PNG, OpenEXR or Radiance HDR picture"]);
@@ -203,7 +203,7 @@ fn pictures_that_cannot_be_read_or_compared_are_1() {
 }
 
 #[test]
-fn wrong_command_lines_are_2_and_outputs_that_cannot_be_written_3() {
+fn bad_arguments_exit_2_and_bad_outputs_3() {
     let shop = shop();
     for (line, parts) in [
         ("a.png", ["<B>", ""]),

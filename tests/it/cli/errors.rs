@@ -20,7 +20,7 @@ fn number(value: &Value, field: &str) -> f64 {
 }
 
 #[test]
-fn a_render_ends_when_its_error_is_low_enough() {
+fn render_ends_at_target_error() {
     for integrator in ["path", "hybrid", "sppm", "pm"] {
         let shop = Workshop::new();
         let ended = render(&shop, &format!("--integrator {integrator} --target-error 30% --confidence 80%"));
@@ -37,15 +37,15 @@ fn a_render_ends_when_its_error_is_low_enough() {
             render(&shop, &fewer).expect(0, &[]);
             assert!(number(&stats(&shop)["error"], "high") > 0.3);
         }
-        render(&shop, &format!("--integrator {integrator} --passes {passes} --no-gauge")).expect(0, &[]);
+        render(&shop, &format!("--integrator {integrator} --passes {passes} --no-error-estimate")).expect(0, &[]);
         assert!(stats(&shop)["error"].is_null() && shop.bytes("a.exr") == picture, "the gauge changes no bit");
     }
 }
 
 #[test]
-fn light_that_is_found_by_chance_is_in_no_error() {
+fn chance_caustics_are_absent_from_error_estimate() {
     let shop = Workshop::new();
-    render(&shop, "--integrator path --passes 1").expect(0, &["warning: light that comes by way of glass"]);
+    render(&shop, "--integrator path --passes 1").expect(0, &["warning: this method finds caustics only by chance"]);
     for fine in ["--integrator hybrid", "--integrator whitted", "--integrator path --effects -caustics"] {
         let told = render(&shop, &format!("{fine} --passes 1"));
         assert!(told.code == Some(0) && !told.stderr.contains("by chance"), "{fine}: {}", told.stderr);
@@ -53,17 +53,17 @@ fn light_that_is_found_by_chance_is_in_no_error() {
 }
 
 #[test]
-fn what_cannot_be_reached_ends_with_a_warning() {
+fn unreachable_target_ends_with_warning() {
     let shop = Workshop::new();
     let blurred = "--integrator pm --final-gathering none --radius 1 --target-error 0.1%";
-    render(&shop, blurred).expect(0, &["the error cannot become as low", "choose a smaller --radius"]);
+    render(&shop, blurred).expect(0, &["more passes cannot reach the error", "choose a smaller --radius"]);
     assert_eq!(stats(&shop)["ended"], "floor");
     render(&shop, &format!("{blurred} --passes 18")).expect(0, &["18 passes in"]);
     assert_eq!(stats(&shop)["ended"], "passes");
 }
 
 #[test]
-fn maps_of_errors_are_layers_of_one_file() {
+fn error_maps_are_layers_of_one_file() {
     let shop = Workshop::new();
     render(&shop, "--integrator sppm --passes 6 --aov maps.exr").expect(0, &["wrote maps.exr"]);
     assert_eq!(read(&shop.path("maps.exr")), read(&shop.path("a.exr")), "the picture is one of them");
@@ -104,7 +104,7 @@ fn maps_of_errors_are_layers_of_one_file() {
 }
 
 #[test]
-fn a_price_list_foretells_passes_that_do_it() {
+fn estimate_forecasts_passes_that_suffice() {
     let shop = Workshop::new();
     let line = format!("price box.txt {FEW} --integrator path --pilot 0s --errors 40%,20%");
     let table = shop.run(&line.split_whitespace().collect::<Vec<_>>());
@@ -116,7 +116,7 @@ fn a_price_list_foretells_passes_that_do_it() {
     );
     let listed = shop.run(&format!("{line} --json --quiet").split_whitespace().collect::<Vec<_>>());
     let list: Value = serde_json::from_str(&listed.stdout).unwrap();
-    for (price, error) in list["prices"].as_array().unwrap().iter().zip([0.4, 0.2]) {
+    for (price, error) in list["estimates"].as_array().unwrap().iter().zip([0.4, 0.2]) {
         assert_eq!(number(price, "error"), error);
         assert!(number(price, "seconds") >= number(price, "seconds_low"));
         assert!(number(price, "seconds") <= number(price, "seconds_high"));
@@ -137,15 +137,15 @@ fn a_price_list_foretells_passes_that_do_it() {
 }
 
 #[test]
-fn errors_are_asked_only_of_what_tells_them() {
+fn error_flags_need_an_estimating_integrator() {
     let shop = Workshop::new();
     for (more, words) in [
-        ("--integrator raycast --target-error 2%", "--target-error asks for an error"),
-        ("--integrator raycast --aov a.exr", "--aov asks for an error"),
+        ("--integrator raycast --target-error 2%", "--target-error needs an error estimate"),
+        ("--integrator raycast --aov a.exr", "--aov needs an error estimate"),
         ("--target-error 2% --no-gauge", "cannot be used with"),
-        ("--target-error 0", "no error"),
-        ("--confidence 100%", "no confidence"),
-        ("--alpha 0", "no such exponent"),
+        ("--target-error 0", "not an error"),
+        ("--confidence 100%", "not a confidence"),
+        ("--alpha 0", "not an exponent"),
     ] {
         render(&shop, more).expect(2, &[words]);
     }

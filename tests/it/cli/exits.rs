@@ -14,7 +14,7 @@ fn help_and_version_succeed() {
 }
 
 #[test]
-fn a_scene_that_cannot_be_read_is_1() {
+fn unreadable_scene_exits_1() {
     let shop = Workshop::new();
     shop.render("none.txt", "-o a.png").expect(1, &["none.txt", "help: check the path"]);
     shop.render(".", "-o a.png").expect(1, &["cannot read the scene `.`"]);
@@ -29,7 +29,7 @@ fn a_scene_that_cannot_be_read_is_1() {
 }
 
 #[test]
-fn a_syntax_error_is_1_and_shows_place_text_and_help() {
+fn syntax_error_exits_1_with_snippet_and_help() {
     let shop = Workshop::new();
     shop.put("typo.txt", BOX.replace("  Sphere { center -.4", "  Spere { center -.4"));
     let parts =
@@ -38,7 +38,7 @@ fn a_syntax_error_is_1_and_shows_place_text_and_help() {
 }
 
 #[test]
-fn what_only_resolving_finds_is_1() {
+fn resolve_errors_exit_1() {
     let shop = Workshop::new();
     let scene = |body: &str| {
         shop.put(
@@ -61,34 +61,36 @@ fn what_only_resolving_finds_is_1() {
 }
 
 #[test]
-fn a_wrong_command_line_is_2() {
+fn bad_arguments_exit_2() {
     let shop = Workshop::new();
     shop.run(&[]).expect(2, &["Usage"]);
     shop.run(&["rendr"]).expect(2, &["rendr"]);
     shop.run(&["render", "box.txt"]).expect(2, &["--output"]);
     for (more, parts) in [
         ("--photon 1k", ["--photon", "--photons"].as_slice()),
-        ("--photons many", &["`many` is no count", "250k"]),
+        ("--photons many", &["`many` is not a count", "250k"]),
         ("--photons -1", &["-1"]),
-        ("--photons 1.5", &["`1.5` is no count"]),
+        ("--photons 1.5", &["`1.5` is not a count"]),
         ("--photons 5000M", &["`5000M` is more than 4294967295 can count"]),
         ("--passes 0", &["at least 1"]),
         ("--spp 0", &["at least 1"]),
         ("--threads 0", &["at least 1"]),
         ("--threads 1M", &["at most 1024"]),
-        ("--time soon", &["`soon` is no time", "1.5m"]),
+        ("--time soon", &["`soon` is not a time", "1.5m"]),
         ("--size 0x10", &["1 to 65536"]),
-        ("--size 10", &["`10` is no size", "1280x720"]),
+        ("--size 10", &["`10` is not a size", "1280x720"]),
         ("--radius 0", &["above 0"]),
         ("--kernel sphere", &["`sphere`", "box", "cone", "epanechnikov"]),
         ("--filter bok", &["`bok`", "gaussian"]),
         ("--tone gamma", &["`gamma`", "srgb", "filmic", "course"]),
         ("--integrator bdpt", &["bdpt", "pm", "raycast"]),
-        ("--exposure nan", &["`nan` is no exposure", "-64 to 64"]),
-        ("--exposure inf", &["`inf` is no exposure"]),
-        ("--exposure 65", &["`65` is no exposure"]),
+        ("--exposure nan", &["`nan` is not an exposure", "-64 to 64"]),
+        ("--exposure inf", &["`inf` is not an exposure"]),
+        ("--exposure 65", &["`65` is not an exposure"]),
         ("--png-bits 12", &["8 or 16"]),
         ("--seed -1", &["-1"]),
+        ("--seed 18446744073709551616", &["from 0 to 18446744073709551615"]),
+        ("--target-error 2", &["do you mean 2 %"]),
         ("--size 8x8 --size 9x9", &["--size"]),
     ] {
         shop.render("box.txt", &format!("-o a.png {more}")).expect(2, parts);
@@ -98,11 +100,11 @@ fn a_wrong_command_line_is_2() {
 
 /// 4000 million paths in a closed box would store some ten thousand million photons: more than can be indexed on any machine.
 #[test]
-fn more_than_memory_holds_is_2_and_at_once() {
+fn excessive_memory_exits_2_at_once() {
     let shop = Workshop::new();
     let start = Instant::now();
     let photons = shop.render("box.txt", "-o a.png --integrator sppm --photons 4000M --caustic-photons 0");
-    photons.expect(2, &["4000000000 photon paths", "help: take fewer --photons"]);
+    photons.expect(2, &["4000000000 photon paths", "help: choose fewer --photons"]);
     let picture = shop.render("box.txt", "-o a.png --size 16385x16384");
     picture.expect(2, &["16385", "268435456 pixels", "help: choose a smaller --size"]);
     shop.render("box.txt", "-o a.png --size 65536x65536").expect(2, &["65536"]);
@@ -112,7 +114,7 @@ fn more_than_memory_holds_is_2_and_at_once() {
 
 /// The render would take minutes: a refusal within the time limit of a run comes before it.
 #[test]
-fn an_output_that_cannot_be_written_is_3_before_rendering() {
+fn unwritable_output_exits_3_before_rendering() {
     let shop = Workshop::new();
     std::fs::create_dir(shop.path("folder.png")).unwrap();
     let long = "--spp 100k --passes 1k";
@@ -128,7 +130,7 @@ fn an_output_that_cannot_be_written_is_3_before_rendering() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_folder_that_takes_no_files_is_3_before_rendering() {
+fn read_only_folder_exits_3_before_rendering() {
     let shop = Workshop::new();
     let long = "--spp 100k --passes 1k";
     shop.render("box.txt", &format!("-o /proc/a.png {long}")).expect(3, &["cannot create a file in `/proc`"]);
@@ -136,7 +138,7 @@ fn a_folder_that_takes_no_files_is_3_before_rendering() {
 }
 
 #[test]
-fn a_failure_leaves_the_old_files() {
+fn failed_render_keeps_old_files() {
     let shop = Workshop::new();
     shop.put("a.png", "old picture");
     shop.put("a.json", "old report");

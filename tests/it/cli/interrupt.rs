@@ -59,7 +59,7 @@ fn passes(words: &str) -> &str {
 }
 
 #[test]
-fn once_ends_after_the_pass_and_writes_the_picture() {
+fn first_interrupt_ends_pass_and_writes_image() {
     let shop = Workshop::new();
     let mut render = Render::start(&shop, "render box.txt -o a.exr --stats a.json --photons 1k --passes 1M");
     render.wait_for("pass 2/1000000");
@@ -77,7 +77,7 @@ fn once_ends_after_the_pass_and_writes_the_picture() {
 }
 
 #[test]
-fn twice_stops_at_once_and_writes_nothing() {
+fn second_interrupt_stops_at_once_without_image() {
     let shop = Workshop::new();
     shop.put("a.png", "old");
     // One pass of an hour.
@@ -92,7 +92,7 @@ fn twice_stops_at_once_and_writes_nothing() {
 }
 
 #[test]
-fn a_study_tells_what_it_has_after_the_round() {
+fn interrupted_study_reports_finished_rounds() {
     let shop = Workshop::new();
     shop.render("box.txt", "-o a.exr").expect(0, &[]);
     let line = "study box.txt --methods path,sppm --truth a.exr --photons 1k --spp 1 --seeds 2 --budget 1h -o a.json";
@@ -108,7 +108,7 @@ fn a_study_tells_what_it_has_after_the_round() {
 }
 
 #[test]
-fn references_that_are_cut_short_are_no_truth() {
+fn interrupted_references_are_discarded() {
     let shop = Workshop::new();
     let mut study = Render::start(&shop, "study box.txt --budget 1h --save-truth a.exr,b.exr");
     study.wait_for("references: 1 pass of each");

@@ -25,7 +25,7 @@ fn report(shop: &Workshop, line: &str) -> Value {
 }
 
 #[test]
-fn a_report_tells_what_is_wrong() {
+fn mesh_report_lists_defects() {
     let shop = shop();
     let report = report(&shop, "worn.obj");
     assert!(report["after"].is_null() && report["repaired"].is_null() && report["schema"] == 1);
@@ -56,7 +56,7 @@ fn a_report_tells_what_is_wrong() {
 }
 
 #[test]
-fn repairs_make_it_whole_and_every_form_holds_the_same() {
+fn repaired_mesh_is_equal_in_every_format() {
     let shop = shop();
     let mut reports = Vec::new();
     for output in ["a.obj", "b.ply", "c.ply --ascii"] {
@@ -84,7 +84,7 @@ fn repairs_make_it_whole_and_every_form_holds_the_same() {
 }
 
 #[test]
-fn meshes_are_scaled_moved_turned_and_made_flat() {
+fn meshes_are_transformed_and_flattened() {
     let shop = shop();
     let fine = report(&shop, "worn.obj --repair --scale 2 --translate -1,0,.5 -o a.ply")["after"].clone();
     assert_eq!(
@@ -100,7 +100,7 @@ fn meshes_are_scaled_moved_turned_and_made_flat() {
 }
 
 #[test]
-fn materials_go_along_with_an_obj_file() {
+fn obj_output_brings_its_materials() {
     let shop = shop();
     run(&shop, "mesh worn.obj -o beside.obj").expect(0, &["wrote beside.obj"]);
     let text = |name: &str| String::from_utf8(shop.bytes(name)).unwrap();
@@ -115,14 +115,14 @@ fn materials_go_along_with_an_obj_file() {
     shop.put("far/out.mtl", bare);
     shop.put("glassy.txt", super::BOX.replace("Group {", "Group { TriangleMesh { file far/out.obj materials file }"));
     shop.render("glassy.txt", "-o a.png").expect(0, &["wrote a.png"]);
-    run(&shop, "mesh worn.obj -o far/out.ply").expect(0, &["note: PLY holds no materials"]);
+    run(&shop, "mesh worn.obj -o far/out.ply").expect(0, &["note: PLY cannot hold materials"]);
     std::fs::remove_file(shop.path("worn.mtl")).unwrap();
     run(&shop, "mesh worn.obj -o far/out.obj").expect(0, &["warning: materials are named but not written"]);
     assert!(!text("far/out.obj").contains("mtllib") && text("far/out.obj").contains("usemtl glass"));
 }
 
 #[test]
-fn what_cannot_be_done_is_told() {
+fn impossible_mesh_requests_are_refused() {
     let shop = shop();
     run(&shop, "mesh none.obj").expect(1, &["there is no mesh file none.obj"]);
     shop.put("bad.obj", "v 0 0 0\nf 1 2 3\n");
@@ -130,9 +130,10 @@ fn what_cannot_be_done_is_told() {
     shop.put("bad.ply", "ply\nformat ascii 1.0\nelement vertex 4294967295\nproperty float x\nproperty float y\nproperty float z\nend_header\n");
     run(&shop, "mesh bad.ply").expect(1, &["bad.ply:3: 4294967295 times `vertex` need"]);
     shop.put("thin.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n");
-    run(&shop, "mesh thin.obj --remove-degenerate -o a.ply").expect(1, &["no triangle of `thin.obj` is left"]);
+    run(&shop, "mesh thin.obj --remove-degenerate -o a.ply")
+        .expect(1, &["the repair leaves no triangle of `thin.obj`"]);
     run(&shop, "mesh worn.obj --scale 1e308 --translate 1e308,0,0").expect(2, &["are too large"]);
-    run(&shop, "mesh worn.obj -o a.stl").expect(3, &["`a.stl` names no known form", ".obj or .ply"]);
+    run(&shop, "mesh worn.obj -o a.stl").expect(3, &["`a.stl` has no extension of a mesh format", ".obj or .ply"]);
     run(&shop, "mesh worn.obj -o none/a.ply").expect(3, &["there is no folder"]);
     for wrong in ["--smooth 181", "--weld -1", "--scale 0", "--translate 1,2", "--flat --smooth 3", "--spp 3"] {
         assert_eq!(run(&shop, &format!("mesh worn.obj {wrong}")).code, Some(2), "{wrong}");

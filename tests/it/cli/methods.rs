@@ -31,7 +31,7 @@ fn methods(report: &Value) -> Vec<&str> {
 }
 
 #[test]
-fn the_commands_that_a_study_tells_repeat_it_bit_for_bit() {
+fn study_commands_repeat_it_bit_for_bit() {
     let shop = with_references();
     shop.put("my box.txt", shop.bytes("box.txt"));
     let line = "study 'my box.txt' --methods path,pm --variant 'sppm --gather-k 9 --radius .05' --max-bounces 9 --seed 5 \
@@ -60,7 +60,7 @@ fn the_commands_that_a_study_tells_repeat_it_bit_for_bit() {
 }
 
 #[test]
-fn a_study_prints_a_table_and_writes_its_figures() {
+fn study_prints_table_and_writes_data() {
     let shop = with_references();
     let made = run(&shop, &format!("study box.txt --truth a.exr,b.exr -o a.json {LEAST}"));
     made.expect(0, &["path: 1 pass after", "hybrid: 3 passes after", "wrote a.json"]);
@@ -82,12 +82,12 @@ fn a_study_prints_a_table_and_writes_its_figures() {
     }
     let table = made.stdout.lines().filter(|l| !l.contains("caustica render"));
     assert!(table.clone().all(|l| l.chars().count() <= 110), "{}", made.stdout);
-    assert!(made.stdout.contains("truth: a.exr, b.exr\ntruth: its own noise is "));
+    assert!(made.stdout.contains("truth: a.exr, b.exr\ntruth: noise of the reference "));
     assert_eq!((&report["interrupted"], &report["seeds"], &report["width"]), (&false.into(), &2.into(), &40.into()));
 }
 
 #[test]
-fn references_are_made_and_kept() {
+fn study_references_are_cached() {
     let shop = Workshop::new();
     let least = "--photons 1k --spp 1 --seeds 2 --budget 0s --json";
     let made = run(&shop, &format!("study box.txt --methods path --save-truth a.exr,b.exr {least}"));
@@ -102,7 +102,7 @@ fn references_are_made_and_kept() {
 }
 
 #[test]
-fn knobs_are_turned_one_at_a_time() {
+fn knobs_vary_one_at_a_time() {
     let shop = with_references();
     let line = "study box.txt --knobs hybrid --truth a.exr,b.exr --seeds 2 --passes 1 --photons 1k --json";
     let report = json(&run(&shop, line));
@@ -124,7 +124,7 @@ fn knobs_are_turned_one_at_a_time() {
 }
 
 #[test]
-fn what_cannot_be_studied_is_refused_before_any_work() {
+fn impossible_studies_are_refused_before_work() {
     let shop = with_references();
     shop.render("box.txt", "-o a.png").expect(0, &[]);
     let names = shop.names();
@@ -133,7 +133,11 @@ fn what_cannot_be_studied_is_refused_before_any_work() {
     };
     refused(2, "--methods bdpt", &["'bdpt'", "sppm"]);
     refused(2, "--methods path,path --truth a.exr", &["`path` is named twice"]);
-    refused(2, "--methods path --variant 'sppm --gather-k many'", &["--variant \"sppm --gather-k many\"", "no count"]);
+    refused(
+        2,
+        "--methods path --variant 'sppm --gather-k many'",
+        &["--variant \"sppm --gather-k many\"", "not a count"],
+    );
     refused(2, "--variant 'bdpt'", &["no method `bdpt`", "help: begin with one of"]);
     refused(2, "--integrator path", &["--integrator", "--budget"]);
     run(&shop, "study box.txt --integrator path").expect(2, &["--effects"]);

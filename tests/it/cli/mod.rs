@@ -3,12 +3,14 @@
 mod diff;
 mod errors;
 mod exits;
+mod files;
 mod interrupt;
 mod mesh;
 mod methods;
 mod outputs;
 mod repeat;
 mod scenes;
+mod signals;
 mod stats;
 mod study;
 

@@ -4,7 +4,7 @@ use super::{Workshop, read};
 use glam::Vec3;
 
 #[test]
-fn one_render_writes_all_its_pictures() {
+fn one_render_writes_all_its_outputs() {
     let shop = Workshop::new();
     shop.render("box.txt", "-o a.png -o b.EXR --output c.exr")
         .expect(0, &["wrote a.png", "wrote b.EXR", "wrote c.exr"]);
@@ -23,7 +23,7 @@ fn one_render_writes_all_its_pictures() {
 }
 
 #[test]
-fn size_and_suffixes() {
+fn size_flags_accept_suffixes() {
     let shop = Workshop::new();
     shop.render(
         "box.txt",
@@ -39,7 +39,7 @@ fn size_and_suffixes() {
 }
 
 #[test]
-fn tone_exposure_and_bits_change_png_alone() {
+fn tone_exposure_and_bits_affect_only_png() {
     let shop = Workshop::new();
     let make = |name: &str, more: &str| {
         shop.render("box.txt", &format!("-o {name}.png -o {name}.exr {more}")).expect(0, &[]);
@@ -64,7 +64,7 @@ fn tone_exposure_and_bits_change_png_alone() {
 }
 
 #[test]
-fn quiet_says_nothing_and_speech_goes_to_stderr() {
+fn quiet_prints_nothing_and_messages_use_stderr() {
     let shop = Workshop::new();
     for quiet in ["-q", "--quiet"] {
         let ended = shop.render("box.txt", &format!("-o a.png --stats a.json {quiet}"));
@@ -78,7 +78,7 @@ fn quiet_says_nothing_and_speech_goes_to_stderr() {
 }
 
 #[test]
-fn raycast_makes_one_pass_of_one_ray_a_pixel_in_the_course_s_tones() {
+fn raycast_defaults_to_course_sampling_and_tone() {
     let shop = Workshop::new();
     let made = shop.run(&["render", "box.txt", "-o", "a.png", "--integrator", "raycast", "--stats", "a.json"]);
     made.expect(0, &["1 pass in"]);
@@ -93,7 +93,7 @@ fn raycast_makes_one_pass_of_one_ray_a_pixel_in_the_course_s_tones() {
 /// Whoever reads the messages may leave; the picture is made all the same.
 #[cfg(unix)]
 #[test]
-fn a_closed_pipe_loses_no_picture() {
+fn closed_pipe_loses_no_image() {
     let shop = Workshop::new();
     let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_caustica"))
         .current_dir(shop.path("."))

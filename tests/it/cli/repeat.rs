@@ -9,7 +9,7 @@ fn picture(shop: &Workshop, more: &str) -> Vec<u8> {
 }
 
 #[test]
-fn the_same_seed_gives_the_same_bytes() {
+fn same_seed_gives_same_bytes() {
     let shop = Workshop::new();
     let zero = picture(&shop, "--passes 2");
     assert!(zero == picture(&shop, "--passes 2 --seed 0"));
@@ -22,9 +22,9 @@ fn the_same_seed_gives_the_same_bytes() {
     assert!(zero == picture(&shop, "--passes 2 --time 1h --quiet --stats a.json --tone filmic"));
 }
 
-/// Each of these is in docs/cli.md's list of what determines the bits.
+/// Each of these is in docs/guide/command-line.md's list of what determines the bits.
 #[test]
-fn settings_of_light_change_the_picture() {
+fn light_settings_change_the_image() {
     let shop = Workshop::new();
     let sppm = "--integrator sppm --passes 2";
     let plain = picture(&shop, sppm);
@@ -61,7 +61,7 @@ fn settings_of_light_change_the_picture() {
 }
 
 #[test]
-fn a_render_against_time_can_be_repeated() {
+fn timed_render_can_be_repeated() {
     let shop = Workshop::new();
     let ended = shop.run(&["render", "box.txt", "-o", "a.exr", "--photons", "1k", "--time", "1s", "--stats", "a.json"]);
     ended.expect(0, &["time was up: --passes", "repeats this picture bit for bit"]);
@@ -76,7 +76,7 @@ fn a_render_against_time_can_be_repeated() {
 }
 
 #[test]
-fn passes_end_a_render_before_its_time() {
+fn pass_limit_ends_timed_render_early() {
     let shop = Workshop::new();
     shop.render("box.txt", "-o a.exr --time 1h --passes 2 --stats a.json").expect(0, &["2 passes in"]);
     let stats: serde_json::Value = serde_json::from_slice(&shop.bytes("a.json")).unwrap();

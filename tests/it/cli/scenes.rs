@@ -20,23 +20,23 @@ const LIGHT: &str = "Lights { PointLight { position 0 5 5 power 90 90 90 } }\n";
 const BALL: &str = "Group { Sphere { center 0 0 0 radius 1 } }\n";
 
 #[test]
-fn no_lights() {
+fn scene_without_lights_renders_with_warning() {
     let (pixels, words) = pixels(&format!("Background {{ color .5 .25 1 }} {BALL}"));
-    assert!(words.contains("note: the scene has no lights: all but its background is black"), "{words}");
+    assert!(words.contains("note: the scene has no lights: all objects are black"), "{words}");
     assert!(pixels.iter().all(|p| p.cmple(Vec3::new(0.5, 0.25, 1.0)).all()));
     // The corners see the background, the middle sees the ball.
     assert_eq!((pixels[0], pixels[5 * 12 + 6]), (Vec3::new(0.5, 0.25, 1.0), Vec3::ZERO));
 }
 
 #[test]
-fn no_objects() {
+fn scene_without_objects_renders_background() {
     let (pixels, words) = pixels(&format!("Background {{ color .5 .25 1 }} {LIGHT} Group {{ }}"));
-    assert!(words.contains("note: the scene has no objects: only its background is seen"), "{words}");
+    assert!(words.contains("note: the scene has no objects: the picture shows only the background"), "{words}");
     assert!(pixels.iter().all(|p| *p == Vec3::new(0.5, 0.25, 1.0)));
 }
 
 #[test]
-fn black_things() {
+fn black_objects_render_black() {
     for text in [
         format!("Background {{ color 0 0 0 }} {BALL}"),
         "Background { color 0 0 0 } Group { }".to_owned(),
@@ -52,14 +52,14 @@ fn black_things() {
 }
 
 #[test]
-fn something_lit_is_not_called_black() {
+fn lit_image_gives_no_black_warning() {
     let (pixels, words) = pixels(&format!("Background {{ color 0 0 0 }} {LIGHT} {BALL}"));
     assert!(!words.contains("note:"), "{words}");
     assert!(pixels.iter().any(|p| p.min_element() > 0.0));
 }
 
 #[test]
-fn no_photons_at_all_leave_direct_light() {
+fn zero_photons_leave_direct_light() {
     let shop = Workshop::new();
     shop.render("box.txt", "-o a.exr --photons 0 --caustic-photons 0 --stats a.json").expect(0, &[]);
     let stats: serde_json::Value = serde_json::from_slice(&shop.bytes("a.json")).unwrap();
@@ -74,13 +74,13 @@ fn no_photons_at_all_leave_direct_light() {
 }
 
 #[test]
-fn one_pixel_and_one_photon() {
+fn one_pixel_with_one_photon_renders() {
     let shop = Workshop::new();
     shop.render("box.txt", "-o a.png --size 1x1 --photons 1 --caustic-photons 1").expect(0, &["wrote a.png"]);
 }
 
 #[test]
-fn light_beyond_single_precision_is_refused() {
+fn light_beyond_float_range_is_refused() {
     let shop = Workshop::new();
     let refused = |power: &str, texts: &[&str]| {
         let light = format!("Lights {{ PointLight {{ position 0 5 5 power {power} }} }}");

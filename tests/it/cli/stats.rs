@@ -1,4 +1,4 @@
-//! The report of `--stats`, against its description in docs/cli.md.
+//! The report of `--stats`, against its description in docs/guide/command-line.md.
 
 use super::Workshop;
 use serde_json::Value;
@@ -20,7 +20,8 @@ fn paths(value: &Value, path: &str, found: &mut BTreeSet<String>) {
 
 /// Fields in the first column of the table under `## Statistics`.
 fn documented() -> BTreeSet<String> {
-    let page = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/cli.md")).unwrap();
+    let page =
+        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/guide/command-line.md")).unwrap();
     let section = page.split("\n## ").find(|s| s.starts_with("Statistics")).expect("a section `## Statistics`");
     let mut fields = BTreeSet::new();
     for cell in section.lines().filter_map(|line| line.strip_prefix("| `")?.split_once(" |")).map(|(cell, _)| cell) {
@@ -38,27 +39,30 @@ fn stats(more: &str) -> Value {
 }
 
 #[test]
-fn the_page_describes_every_field_and_no_other() {
+fn docs_describe_exactly_every_stats_field() {
     let mut found = BTreeSet::new();
     // Without numbers of its own, so that all fields have a value.
     let balanced = Workshop::new();
     let arguments = "render box.txt -o a.png --integrator sppm --size 8x8 --passes 4 --stats a.json";
     balanced.run(&arguments.split(' ').collect::<Vec<_>>()).expect(0, &[]);
     paths(&serde_json::from_slice(&balanced.bytes("a.json")).unwrap(), "", &mut found);
-    // `photons` and `emission` hold the same report for both maps, which the page describes once.
+    // `photons` and `emission_guiding` hold the same report for both maps, which the page describes once.
     let found: BTreeSet<String> = found
         .iter()
         .map(|f| f.replace("photons.global.", "photons.*.").replace("photons.caustic.", "photons.*."))
-        .map(|f| f.replace("emission.global.", "emission.*.").replace("emission.caustic.", "emission.*."))
+        .map(|f| {
+            f.replace("emission_guiding.global.", "emission_guiding.*.")
+                .replace("emission_guiding.caustic.", "emission_guiding.*.")
+        })
         .collect();
     assert_eq!(found, documented());
 }
 
 #[test]
-fn what_was_asked_is_what_is_told() {
+fn stats_report_given_settings() {
     let stats = stats("--seed 5 --threads 2 --passes 3 --photons 2k --caustic-photons 700 --spp 2 --radius .25");
     for (field, value) in [
-        ("schema", 1),
+        ("schema", 2),
         ("seed", 5),
         ("threads", 2),
         ("passes", 3),
@@ -117,7 +121,7 @@ fn the_energy_audit_adds_up() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn linux_tells_memory_and_processor_time() {
+fn linux_reports_memory_and_cpu_time() {
     let stats = stats("--photons 20k --passes 2");
     // A small render takes more than a mebibyte and less than two gibibytes.
     assert!((1 << 20..1 << 31).contains(&stats["peak_memory_bytes"].as_u64().unwrap()));

@@ -21,7 +21,7 @@ fn effect<'v>(report: &'v Value, name: &str) -> &'v Value {
 }
 
 #[test]
-fn a_plan_tells_the_work_of_each_effect() {
+fn plan_lists_work_of_each_effect() {
     let shop = Workshop::new();
     let line = "plan box.txt --photons 20k --spp 2";
     let report = json(&run(&shop, &format!("{line} --json")));
@@ -32,14 +32,14 @@ fn a_plan_tells_the_work_of_each_effect() {
     assert!(off["on"] == false && off["rays"].is_null() && off["gathered_photons"].is_null());
     let table = run(&shop, line);
     table.expect(0, &[]);
-    assert!(table.stdout.contains(" rays, ") && table.stdout.contains("in all about "), "{}", table.stdout);
+    assert!(table.stdout.contains(" rays, ") && table.stdout.contains("total about "), "{}", table.stdout);
     assert!(table.stdout.lines().all(|l| l.chars().count() <= 110), "{}", table.stdout);
     // Counts, never seconds.
     assert_eq!(table.stdout, run(&shop, &format!("{line} --threads 1")).stdout);
 }
 
 #[test]
-fn wishes_reach_every_command() {
+fn effect_overrides_reach_every_command() {
     let shop = Workshop::new();
     shop.render("box.txt", "-o a.png --effects +caustics,-shadows").expect(0, &["without shadows"]);
     let plan = run(&shop, "plan box.txt --effects -shadows --json --photons 1k --spp 1");
@@ -49,7 +49,7 @@ fn wishes_reach_every_command() {
 }
 
 #[test]
-fn a_study_prints_a_table_or_json() {
+fn effect_study_prints_table_or_json() {
     let shop = Workshop::new();
     let table = study(&shop, "");
     table.expect(0, &["plan: ", "pass 2/2 of each"]);
@@ -92,7 +92,7 @@ fn check_well_formed(page: &str) {
 }
 
 #[test]
-fn a_page_holds_all_its_pictures() {
+fn effect_page_embeds_all_images() {
     let shop = Workshop::new();
     study(&shop, "-o a.html -o a.json").expect(0, &["wrote a.html", "wrote a.json"]);
     assert_eq!(shop.names(), ["a.html", "a.json", "box.txt"]);
@@ -111,7 +111,7 @@ fn a_page_holds_all_its_pictures() {
 }
 
 #[test]
-fn failures_have_their_codes_and_leave_the_old_page() {
+fn failed_study_has_exit_code_and_keeps_page() {
     let shop = Workshop::new();
     shop.put("a.html", "old page");
     run(&shop, "study --effects").expect(2, &["SCENE"]);

@@ -37,7 +37,7 @@ fn report(wrong: &[String]) {
 }
 
 #[test]
-fn what_plans_say_is_true() {
+fn random_plans_match_scene_contents() {
     let mut wrong = Vec::new();
     let mut reasons: Vec<Discriminant<Reason>> = Vec::new();
     let mut on = Effects::NONE;
@@ -63,7 +63,7 @@ fn what_plans_say_is_true() {
 }
 
 #[test]
-fn more_things_call_for_no_less() {
+fn adding_objects_removes_no_effect() {
     let mut wrong = Vec::new();
     for seed in seeds(1000) {
         let (less, more) = (sketch(seed), more(&sketch(seed), seed + 7));
@@ -117,26 +117,26 @@ fn check(seed: u64, algorithm: Algorithm, change: impl FnOnce(&mut How)) -> Opti
 }
 
 #[test]
-fn pictures_without_photons_are_the_same() {
+fn path_images_match_with_all_effects_on() {
     let each = |seed| CHEAP.into_iter().filter_map(move |algorithm| check(seed, algorithm, |_| {}));
     report(&seeds(1000).flat_map(each).collect::<Vec<_>>());
 }
 
 /// Given radii and no aims, so that pilots cost nothing where there are no caustics.
 #[test]
-fn pictures_of_photons_are_the_same_for_given_radii() {
+fn fixed_radius_images_match_with_all_effects_on() {
     let each = |seed| check(seed, PHOTONS[seed as usize % 4], |how| (how.radius, how.caustic_photons) = (Some(0.2), 0));
     report(&seeds(60).filter_map(each).collect::<Vec<_>>());
 }
 
 #[test]
-fn pictures_of_photons_are_the_same() {
+fn photon_images_match_with_all_effects_on() {
     report(&seeds(60).filter_map(|seed| check(seed, PHOTONS[seed as usize % 4], |_| {})).collect::<Vec<_>>());
 }
 
 /// A floor, a ball, and many points: what is off must not touch the odds at which lights are chosen, not by rounding either.
 #[test]
-fn pictures_by_many_lights_are_the_same() {
+fn many_light_images_match_with_all_effects_on() {
     let picture = |seed| {
         let r = &mut Random::new(seed);
         let count = 3 + r.below(60);

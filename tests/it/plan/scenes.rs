@@ -1,7 +1,7 @@
 //! The project's own scenes, and the course's, keep the promise.
 
 use super::compare::{How, difference};
-use crate::support::project;
+use crate::support::{self, project};
 use caustica::format::SceneFile;
 use caustica::integrate::Algorithm;
 use caustica::plan::{Effect, EffectOverrides, Plan};
@@ -37,7 +37,7 @@ fn differences(path: &Path, scene: &Scene, algorithms: &[Algorithm]) -> Vec<Stri
 
 /// Pilots of large meshes take most of the time, so each scene is seen by the default and one more.
 #[test]
-fn our_scenes_are_the_same_with_everything_forced_on() {
+fn shipped_scenes_match_with_all_effects_on() {
     let mut wrong = Vec::new();
     let paths = ["scenes", "tests/scenes"].into_iter().flat_map(|folder| files(&project(folder)));
     for (i, path) in paths.enumerate() {
@@ -50,11 +50,7 @@ fn our_scenes_are_the_same_with_everything_forced_on() {
 
 /// The course's scenes that can be rendered; none where they are absent.
 fn course() -> Vec<(PathBuf, Scene)> {
-    let folder = project("../shared/course/testcases");
-    if !folder.is_dir() {
-        eprintln!("SKIPPED: {} is absent", folder.display());
-        return Vec::new();
-    }
+    let Some(folder) = support::course("testcases") else { return Vec::new() };
     let scene = |path: PathBuf| match read(&path) {
         Ok(scene) => (path, scene),
         Err(error) => panic!("{}: {error}", path.display()),
@@ -65,7 +61,7 @@ fn course() -> Vec<(PathBuf, Scene)> {
 }
 
 #[test]
-fn course_scenes_are_the_same_with_everything_forced_on() {
+fn course_scenes_match_with_all_effects_on() {
     let wrong: Vec<String> =
         course().iter().flat_map(|(path, scene)| differences(path, scene, &Algorithm::ALL)).collect();
     assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
@@ -88,7 +84,7 @@ const NEEDS: [(Effect, &[&str]); 12] = [
 ];
 
 #[test]
-fn course_scenes_call_for_nothing_that_their_text_lacks() {
+fn course_plans_match_scene_text() {
     for (path, scene) in course() {
         let text = fs::read_to_string(&path).unwrap();
         for algorithm in Algorithm::ALL {

@@ -72,7 +72,7 @@ fn called_for(picture: &Picture) -> Effects {
 }
 
 #[test]
-fn forcing_off_what_is_called_for_changes_the_picture() {
+fn disabling_needed_effect_changes_image() {
     let scene = everything();
     for algorithm in ALGORITHMS {
         let planned = picture(&scene, algorithm, EffectOverrides::PLANNED);
@@ -87,7 +87,7 @@ fn forcing_off_what_is_called_for_changes_the_picture() {
 }
 
 #[test]
-fn forcing_off_what_is_not_called_for_changes_nothing() {
+fn disabling_unneeded_effect_changes_nothing() {
     for scene in [matt(), dark(), disc()] {
         for algorithm in ALGORITHMS {
             let planned = picture(&scene, algorithm, EffectOverrides::PLANNED);
@@ -107,7 +107,7 @@ fn work(scene: &Scene, algorithm: Algorithm, off: &[Effect]) -> Counters {
 }
 
 #[test]
-fn what_is_off_costs_nothing() {
+fn disabled_effects_cost_nothing() {
     use Effect::{CausticBounces, Caustics, Environment, Interreflection, Shadows, Specular};
     let scene = everything();
     for algorithm in ALGORITHMS {
@@ -141,7 +141,7 @@ fn what_is_off_costs_nothing() {
 }
 
 #[test]
-fn what_a_scene_does_not_call_for_costs_nothing() {
+fn unneeded_effects_cost_nothing() {
     for algorithm in ALGORITHMS {
         let name = algorithm.name();
         let [matt, dark, disc] = [matt(), dark(), disc()].map(|s| work(&s, algorithm, &[]));
@@ -161,7 +161,7 @@ fn what_a_scene_does_not_call_for_costs_nothing() {
 
 /// What is described and is nowhere must not change what pilots do, whatever is forced on.
 #[test]
-fn media_that_are_nowhere_change_nothing() {
+fn unused_media_change_nothing() {
     let scene = scene(&format!(
         "{CAMERA}
         Lights {{ PointLight {{ position 1 4 2  power 200 200 200 }} }}

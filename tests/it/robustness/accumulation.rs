@@ -21,7 +21,7 @@ const CONSTANT: Rgb = Rgb::new(0.1, 0.7, 3e-5);
 
 /// 10⁹ passes of a film of one pixel, each added for itself.
 #[test]
-fn a_thousand_million_samples_of_a_constant_keep_their_mean() {
+fn mean_of_constant_survives_billion_samples() {
     let mut film = Film::new(1, 1);
     for _ in 0..1_000_000_000u32 {
         film.add(black_box(&[CONSTANT]));
@@ -60,7 +60,7 @@ fn orders(values: &[Rgb]) -> [Vec<Rgb>; 5] {
 
 /// Against a sum in whole numbers of 2⁻⁶⁴: the least digit of what is drawn is 2⁻²⁰⁻²³, and 2²⁰ values below 2²¹ need 105 bits.
 #[test]
-fn the_order_of_passes_matters_by_no_more_than_a_rounding() {
+fn pass_order_matters_only_by_rounding() {
     for signed in [false, true] {
         let values = values(100_000, signed);
         let n = values.len() as f64;
@@ -85,7 +85,7 @@ fn the_order_of_passes_matters_by_no_more_than_a_rounding() {
 
 /// The passes of a render, which each stand for themselves, taken backwards.
 #[test]
-fn passes_rendered_backwards_make_the_same_picture() {
+fn passes_rendered_backwards_give_same_image() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/matte.txt");
     let mut file = SceneFile::read(&path).unwrap();
     (file.description.camera.value.width, file.description.camera.value.height) = (24, 18);
@@ -109,7 +109,7 @@ fn passes_rendered_backwards_make_the_same_picture() {
 }
 
 #[test]
-fn means_of_the_largest_numbers_stay_finite() {
+fn means_of_largest_floats_stay_finite() {
     let mut film = Film::new(1, 1);
     let largest = Rgb::new(f32::MAX, -f32::MAX, f32::MIN_POSITIVE);
     (0..100_000).for_each(|_| film.add(&[largest]));

@@ -111,7 +111,7 @@ fn far_away(file: &SceneFile, scene: &Scene) -> (Scene, f64) {
 /// SMALL and LARGE are a power of two apart, which changes exponents and no digit: these two are equal to the bit. From the scene as it
 /// is they differ by rounding, and by paths that rounding sends another way.
 #[test]
-fn scaled_and_moved_scenes_show_the_same_picture() {
+fn scaled_and_moved_scenes_give_same_image() {
     each(|number, file| {
         let scene = placed(file, &Similarity::NONE);
         // Pilots of radii take as long as all else: nine of ten scenes go without.
@@ -139,7 +139,7 @@ fn scaled_and_moved_scenes_show_the_same_picture() {
 
 /// Other algorithms and settings, each on a scene that asks much of it.
 #[test]
-fn all_algorithms_know_no_unit_of_length() {
+fn no_integrator_depends_on_length_unit() {
     let (eye, base) = (few().eye, few());
     let gauged = EyeSettings { gauge: true, adaptive: true, samples: Some(2), ..eye };
     let importance = Settings { final_gathering: FinalGathering::Importance, ..base.clone() };
@@ -168,7 +168,7 @@ fn all_algorithms_know_no_unit_of_length() {
 
 /// Frames of directions, boxes and trees lie otherwise in a turned scene, so other paths are drawn: the same flux in the mean.
 #[test]
-fn turned_scenes_receive_and_show_the_same_flux() {
+fn rotated_scenes_have_same_flux_and_radiance() {
     let dark = AtomicU32::new(0);
     each(|_, file| {
         let here = placed(file, &Similarity::NONE);

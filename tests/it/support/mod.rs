@@ -1,12 +1,14 @@
 //! Test rigs: scenes, passes, statistics, the command line and a headless browser.
 
 pub mod browser;
+mod data;
 pub mod shell;
 mod statistics;
 mod transport;
 
 use caustica::color::Rgb;
 use caustica::format::{SceneFile, Source, parse, resolve};
+use caustica::image::{self, Image};
 use caustica::integrate::{Algorithm, Integrator, Settings, Silent};
 use caustica::sampling::{Key, Purpose};
 use caustica::scene::Scene;
@@ -17,6 +19,33 @@ pub use transport::*;
 /// Returns the path of a file or folder, given relative to the repository's root.
 pub fn project(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join(name)
+}
+
+/// Returns a subfolder of the course's data, which may not be distributed with the program.
+///
+/// `CAUSTICA_COURSE` names the data's folder; it is `../shared/course` by default. If the data is
+/// absent, the test fails, unless `CAUSTICA_SKIP_MISSING` is set: then it prints a line and
+/// returns `None`.
+pub fn course(subfolder: &str) -> Option<PathBuf> {
+    let root = std::env::var_os("CAUSTICA_COURSE").map_or_else(|| project("../shared/course"), PathBuf::from);
+    let folder = root.join(subfolder);
+    if folder.is_dir() {
+        return Some(folder);
+    }
+    let skip = std::env::var_os("CAUSTICA_SKIP_MISSING").is_some();
+    assert!(
+        skip,
+        "{} is absent: name the course's data by CAUSTICA_COURSE, or set CAUSTICA_SKIP_MISSING=1 to skip its tests",
+        folder.display()
+    );
+    eprintln!("SKIPPED: {} is absent", folder.display());
+    None
+}
+
+/// Returns a reference image of `tests/data`.
+pub fn reference(name: &str) -> Image {
+    let path = project("tests/data").join(name);
+    image::read(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
 }
 
 /// Builds the scene of `text`. File names in it are relative to `tests/scenes`.

@@ -1,9 +1,8 @@
 //! Scenes, passes, statistics and quadrature that the tests share.
 
-use super::{agree, midpoint, project};
+use super::{agree, midpoint};
 use caustica::camera::{Camera, Filter, FilterKind};
 use caustica::color::Rgb;
-use caustica::image::{self, Image};
 use caustica::integrate::{Algorithm, EyeSettings, Settings, Silent};
 use caustica::photon::{Bandwidth, Kernel, Photon, PhotonMap, PhotonPass, PhotonSource, Scratch, StoreMask, Traced};
 use caustica::sampling::{Key, Purpose};
@@ -48,16 +47,6 @@ pub fn faces(lo: DVec3, hi: DVec3, inwards: bool) -> [Shape; 6] {
         Shape::Rectangle(Rectangle::new(corner, e0, e1))
     };
     [face(lo, z, x), face(lo + y, x, z), face(lo, y, z), face(lo + x, z, y), face(lo, x, y), face(lo + z, y, x)]
-}
-
-/// A picture of another renderer; `None`, and a word of it, where it is absent.
-pub fn reference(name: &str) -> Option<Image> {
-    let path = project("../shared/reference").join(name);
-    if path.is_file() {
-        return Some(image::read(&path).unwrap());
-    }
-    eprintln!("SKIPPED: {} is absent", path.display());
-    None
 }
 
 /// Keys of independent passes.

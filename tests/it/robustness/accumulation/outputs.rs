@@ -18,7 +18,7 @@ fn written(value: f32, options: &WriteOptions, name: &str) -> (Vec3, WriteReport
 }
 
 #[test]
-fn halves_hold_up_to_65504_and_tell_what_is_beyond() {
+fn half_floats_saturate_at_65504_with_report() {
     let options = WriteOptions { floats: FloatDepth::Half, ..WriteOptions::default() };
     for value in EDGES.into_iter().flat_map(|x| [x, -x]) {
         let (found, report) = written(value, &options, "a.exr");
@@ -42,7 +42,7 @@ fn halves_hold_up_to_65504_and_tell_what_is_beyond() {
 }
 
 #[test]
-fn sixteen_bits_hold_up_to_white_and_tell_what_is_beyond() {
+fn sixteen_bit_png_saturates_at_white_with_report() {
     for curve in [Curve::Srgb, Curve::Course] {
         let tone = ToneMap { curve, exposure_stops: 0.0 };
         let options = WriteOptions { tone, depth: BitDepth::Sixteen, ..WriteOptions::default() };
@@ -61,7 +61,7 @@ fn sixteen_bits_hold_up_to_white_and_tell_what_is_beyond() {
 }
 
 #[test]
-fn layers_tell_what_is_not_finite() {
+fn layers_report_non_finite_values() {
     let folder = tempfile::tempdir().unwrap();
     let values = vec![1.0, f32::INFINITY, f32::NAN, f32::MAX];
     let layer = ExrLayer { name: "noise".to_owned(), channels: vec![("R".to_owned(), values)] };
@@ -78,7 +78,7 @@ fn said(scene: &str, folder: &Path, arguments: &str) -> (Option<i32>, String) {
 
 /// A lamp that fills the upper half of the picture with 10⁵, as bright as a flame.
 #[test]
-fn the_program_says_what_was_cut_off() {
+fn program_reports_clipped_values() {
     let scene = "PerspectiveCamera { center 0 0 5  direction 0 0 -1  up 0 1 0  angle 30  width 8 height 8 }
         Background { color .5 .5 .5 }
         Lights { RectangleLight { corner -9 0 0  edge0 18 0 0  edge1 0 9 0  radiance 1e5 1e5 1e5 } }
@@ -89,8 +89,8 @@ fn the_program_says_what_was_cut_off() {
     let say = |more: &str| said(scene, folder.path(), &format!("{small} {more}"));
     let (code, text) = say("-o a.png --png-bits 16 -o half.exr --exr-bits 16");
     assert_eq!(code, Some(0), "{text}");
-    assert!(text.contains("note: 32 pixels of a.png: brighter than white, cut off there"), "{text}");
-    assert!(text.contains("warning: 32 pixels of half.exr: beyond 65504, cut off there; --exr-bits 32"), "{text}");
+    assert!(text.contains("note: 32 pixels of a.png: clipped to white"), "{text}");
+    assert!(text.contains("warning: 32 pixels of half.exr: clipped to 65504; --exr-bits 32"), "{text}");
     let half = image::read(&folder.path().join("half.exr")).unwrap();
     assert_eq!((half.pixels()[0], half.pixels()[63]), (Vec3::splat(65_504.0), Vec3::splat(0.5)));
     // The warning is of what users count on; notes are left out.

@@ -26,7 +26,7 @@ fn points(width: u32, height: u32) -> impl Iterator<Item = DVec2> {
 /// Each component of a unit direction is rounded to single precision once: off by 2⁻²⁵ at most, half an ulp below 1. What is computed
 /// in double precision errs by some 10⁻¹⁵.
 #[test]
-fn directions_are_those_of_the_tangent_at_every_angle() {
+fn perspective_directions_match_tangent_at_every_angle() {
     for angle in [1e-6, 1e-3, 0.1, 1.0, 60.0, 120.0, 179.0, 179.9, 179.999] {
         for (width, height) in [(1, 1), (4, 3), (960, 720), (1, 20_000)] {
             for (forward, up) in views() {
@@ -51,7 +51,7 @@ fn directions_are_those_of_the_tangent_at_every_angle() {
 /// Along an axis the small components of directions keep all their digits: the angle from top to bottom is right to 2⁻²³, two roundings,
 /// however small it is.
 #[test]
-fn narrow_pictures_keep_their_angle_along_an_axis() {
+fn narrow_images_keep_their_field_of_view() {
     for angle in [1e-300, 1e-30, 1e-6, 1e-3] {
         let radians = f64::to_radians(angle);
         let camera = Camera::perspective(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, radians, 3, 3).unwrap();
@@ -73,7 +73,7 @@ fn narrow_pictures_keep_their_angle_along_an_axis() {
 /// independent, is √(ln(2/10⁻⁶)/2n). Being off by 2⁻²⁵ √3 moves an edge by that over half the picture, (T + 1/T) 2⁻²⁴ of its half width,
 /// two edges an axis.
 #[test]
-fn a_lamp_in_view_has_its_mean_from_nearly_zero_to_nearly_180_degrees() {
+fn visible_light_has_correct_mean_at_extreme_angles() {
     let side = 16u32;
     let mut tried = 0;
     for angle in [0.001, 0.1, 30.0, 120.0, 179.0, 179.9, 179.99] {
@@ -117,7 +117,7 @@ fn a_lamp_in_view_has_its_mean_from_nearly_zero_to_nearly_180_degrees() {
 
 /// What cannot be told apart is refused rather than shown in blocks, and what is no angle at its place.
 #[test]
-fn angles_that_cannot_be_are_refused_with_a_remedy() {
+fn impossible_angles_are_refused_with_remedy() {
     let camera = |angle: &str, size: &str| {
         format!("PerspectiveCamera {{ center 0 0 5 direction 0 0 -1 up 0 1 0 angle {angle} {size} }} Group {{ }}")
     };
@@ -143,7 +143,7 @@ fn angles_that_cannot_be_are_refused_with_a_remedy() {
 const KINDS: [&str; 3] = ["PerspectiveCamera { angle 40", "OrthographicCamera { size 2", "EnvironmentCamera {"];
 
 #[test]
-fn an_up_along_the_view_is_refused_with_a_remedy() {
+fn up_along_view_is_refused_with_remedy() {
     for kind in KINDS {
         for (aim, up) in [
             ("direction 0 0 -1", "0 0 -2"),
@@ -171,7 +171,7 @@ fn an_up_along_the_view_is_refused_with_a_remedy() {
 /// What makes it upright is a product whose terms cancel down to s, so it errs by some 2⁻⁵³/s times a few: 4 · 1.1·10⁻¹⁶ / 10⁻⁸ =
 /// 4.4·10⁻⁸; directions are rounded by 2⁻²⁵ = 3·10⁻⁸.
 #[test]
-fn an_up_nearly_along_the_view_still_tells_up() {
+fn up_nearly_along_view_is_kept() {
     for sine in [1e-2, 1e-5, 1e-8] {
         for (forward, across) in [
             (DVec3::NEG_Z, DVec3::X),
@@ -189,7 +189,7 @@ fn an_up_nearly_along_the_view_still_tells_up() {
 
 /// Parallel rays start where rows and columns say: one rounding of each coordinate of the start.
 #[test]
-fn orthographic_pictures_of_any_size_keep_their_pixels() {
+fn orthographic_images_of_any_size_are_correct() {
     for size in [1e-30, 1e-6, 1.0, 1e12] {
         for (width, height) in [(1, 1), (1, 20_000), (20_000, 1)] {
             for (forward, up) in views() {
@@ -213,7 +213,7 @@ fn orthographic_pictures_of_any_size_keep_their_pixels() {
 
 /// All directions in one pixel, a row and a column: longitude and latitude are those of the pixel, whatever the other side.
 #[test]
-fn panoramas_of_any_size_look_all_around() {
+fn panoramas_of_any_size_cover_the_sphere() {
     for (width, height) in [(1, 1), (2, 1), (1, 20_000), (20_000, 1)] {
         for (forward, up) in views() {
             let camera = Camera::panorama(DVec3::ZERO, forward, up, width, height).unwrap();

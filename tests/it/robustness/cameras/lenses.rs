@@ -20,7 +20,7 @@ fn scene(lens: &str) -> String {
 
 /// A lens of no width is the pinhole, in every bit of the picture of every algorithm; one that is open is not.
 #[test]
-fn an_aperture_of_zero_is_a_pinhole_bit_for_bit() {
+fn zero_aperture_equals_pinhole_bit_for_bit() {
     let picture = |algorithm: Algorithm, lens: &str| {
         let eye = EyeSettings { samples: Some(2), gauge: true, ..EyeSettings::default() };
         let settings = Settings { eye, photons: 2000, caustic_photons: 2000, balance: false, ..Settings::default() };
@@ -43,7 +43,7 @@ fn an_aperture_of_zero_is_a_pinhole_bit_for_bit() {
 }
 
 #[test]
-fn a_focus_at_nothing_is_refused_with_place_and_remedy() {
+fn zero_focus_distance_is_refused_with_remedy() {
     for (lens, place) in [
         ("aperture .1 focusDistance 0", "0"),
         ("aperture .1 focusDistance -2", "-2"),
@@ -72,7 +72,7 @@ fn a_focus_at_nothing_is_refused_with_place_and_remedy() {
 /// A ray starts at an f32 place, off by 2⁻²⁴ of the camera's coordinates at most an axis, and its direction is off by 2⁻²⁵ an axis. So
 /// its direction is that from the point on the lens to the point in focus, both seen from the middle, to 2⁻²⁵ and what f64 rounds.
 #[test]
-fn rays_through_a_lens_meet_in_focus_from_a_hair_to_the_horizon() {
+fn lens_rays_converge_at_any_focus_distance() {
     let (forward, up) = (DVec3::new(1.0, 2.0, -2.0) / 3.0, DVec3::Y);
     let right = forward.cross(up).normalize();
     let upright = right.cross(forward);
@@ -106,7 +106,7 @@ fn rays_through_a_lens_meet_in_focus_from_a_hair_to_the_horizon() {
 
 /// Pictures through such lenses have no pixel that is not finite, and none of their samples was left out for it.
 #[test]
-fn pictures_through_extreme_lenses_are_finite() {
+fn extreme_lenses_give_finite_images() {
     for lens in [
         "aperture 1e-12 focusDistance 1e-12",
         "aperture 1e-40 focusDistance 1e-11",

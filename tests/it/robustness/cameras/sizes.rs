@@ -7,7 +7,7 @@ use caustica::color::Rgb;
 use caustica::image::flip::{FlipOptions, flip};
 use caustica::image::{BitDepth, Curve, Image, Meaning, OutputFormat, ToneMap, WriteOptions, decode, encode, metrics};
 use caustica::integrate::{Algorithm, EyeSettings, FinalGathering, Settings, Silent};
-use caustica::render::{Stop, render};
+use caustica::render::{StopCriteria, render};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
@@ -29,7 +29,7 @@ fn cameras((width, height): (u32, u32)) -> [String; 3] {
 
 /// Every algorithm renders them, gauge and all, and everything that is told of them is finite.
 #[test]
-fn pictures_of_one_pixel_one_row_and_one_column_are_finite_by_every_algorithm() {
+fn tiny_images_are_finite_with_every_integrator() {
     for size in SIZES {
         for (i, camera) in cameras(size).into_iter().enumerate() {
             let scene = told(&format!("{camera} {ROOM}")).unwrap();
@@ -51,8 +51,13 @@ fn pictures_of_one_pixel_one_row_and_one_column_are_finite_by_every_algorithm() 
                 let integrator = algorithm.prepare(&scene, settings);
                 let passes = if gauged { 4 } else { 1 };
                 let interrupted = AtomicBool::new(false);
-                let stop =
-                    Stop { at_least: 1, passes: Some(passes), time: None, target: None, interrupted: &interrupted };
+                let stop = StopCriteria {
+                    min_passes: 1,
+                    passes: Some(passes),
+                    time: None,
+                    target: None,
+                    interrupted: &interrupted,
+                };
                 let rendered = render(integrator.as_ref(), size, &stop, &Silent, |_| {});
                 let told = format!("{algorithm:?} {camera}");
                 let mean = rendered.film.mean();
@@ -60,9 +65,10 @@ fn pictures_of_one_pixel_one_row_and_one_column_are_finite_by_every_algorithm() 
                 assert!(mean.iter().all(|p| p.is_finite()), "{told}");
                 let counters = rendered.counters;
                 assert_eq!((counters.rejected_samples, counters.rejected_photons), (0, 0), "{told}");
-                let Some(gauge) = rendered.gauge else { continue };
-                let reading = gauge.read(&rendered.film);
-                let numbers = [reading.error, reading.noise, reading.bias, reading.blur, reading.frozen, reading.low];
+                let Some(gauge) = rendered.estimator else { continue };
+                let reading = gauge.estimate(&rendered.film);
+                let numbers =
+                    [reading.error, reading.noise, reading.bias, reading.blur, reading.shared_paths, reading.low];
                 assert!(numbers.iter().all(|x| x.is_finite() && *x >= 0.0), "{told}: {reading:?}");
                 let maps = gauge.maps(&rendered.film);
                 assert!(maps.noise.iter().chain(&maps.bias).all(|x| x.is_finite()), "{told}");
@@ -74,7 +80,7 @@ fn pictures_of_one_pixel_one_row_and_one_column_are_finite_by_every_algorithm() 
 /// A lamp fills the view from one row (or column) on: what lies before it is black, what lies behind it shines, pixel by pixel. With the
 /// box filter a pixel sees nothing beyond itself.
 #[test]
-fn rows_and_columns_of_20000_pixels_show_each_what_is_there() {
+fn images_20000_pixels_long_are_correct() {
     let edge = 12_345u32;
     for (width, height) in [(1u32, 20_000u32), (20_000, 1)] {
         let column = height > width;
@@ -107,7 +113,7 @@ fn rows_and_columns_of_20000_pixels_show_each_what_is_there() {
 
 /// They are written, read, compared and told apart like others.
 #[test]
-fn files_and_metrics_of_one_pixel_one_row_and_one_column() {
+fn tiny_images_have_files_and_metrics() {
     for (width, height) in SIZES {
         let count = width * height;
         let value = |i: u32| Rgb::new(i as f32 / count as f32, 0.5, 1.0 - i as f32 / count as f32);

@@ -25,7 +25,7 @@ fn pair(rng: &mut SmallRng) -> Vec2 {
 /// The solver's discriminant is r² less the squared distance of the line, which rounds by some ulps of (distance · r): rays nearer to tangent than
 /// 16 of these may be told either way. The place is right to its rounding, and the normal to what that turns it and its own.
 #[test]
-fn far_spheres_are_met_where_they_are() {
+fn far_spheres_are_hit_correctly() {
     let mut rng = SmallRng::seed_from_u64(3);
     let center = DVec3::new(0.3, -0.7, 0.2);
     let ball = Shape::Sphere(Sphere::new(center, 1.0));
@@ -67,7 +67,7 @@ fn far_spheres_are_met_where_they_are() {
 /// Drawn points of an ellipsoid by area may lie on its far side, which tells of itself; a ray along a surface may go either way, so points seen
 /// at a slant below 10⁻³ do not count.
 #[test]
-fn far_lights_do_not_shade_themselves() {
+fn far_lights_cast_no_shadow_on_themselves() {
     let squash = Transform::new(DAffine3::from_scale(DVec3::new(1.0, 0.6, 0.8))).unwrap();
     let ball = Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0));
     let egg = ball.transformed(&squash).unwrap();
@@ -126,7 +126,7 @@ fn far_lights_do_not_shade_themselves() {
 ///
 /// The picture sees a floor of a few units: distance and angle differ over it by 2/d at most.
 #[test]
-fn the_light_of_a_far_sphere_is_whole() {
+fn far_sphere_light_loses_no_flux() {
     for distance in [1e3, 1e5, 1e6, 1e7] {
         let mut builder = SceneBuilder::new();
         let grey = builder.material(Material::diffuse(Rgb::splat(0.5)));

@@ -172,7 +172,7 @@ fn ray(known: &Known, rng: &mut SmallRng, i: u32) -> Ray {
 /// within 10⁻⁹ of a touch, or of a border, may be told either way. Beyond, the slope at a root is above √(2·10⁻⁹) times the bend, of order
 /// 1, so that 10⁻¹² is less than 10⁻⁷ of `t`, whose rounding is 6·10⁻⁸ of it.
 #[test]
-fn surfaces_of_degree_20_are_met_where_they_are() {
+fn degree_20_surfaces_are_hit_correctly() {
     surfaces().par_iter().for_each(|known| {
         let mut rng = SmallRng::seed_from_u64(7);
         let (mut hits, mut tips, mut doubtful) = (0, 0, 0);
@@ -240,7 +240,7 @@ fn surfaces_of_degree_20_are_met_where_they_are() {
 /// but a side without length of both patches, meet one of them. Every leaf around a pole doubts such a ray, the more the steeper, so at
 /// degree 20 there is one.
 #[test]
-fn poles_inside_of_a_sphere_are_met() {
+fn sphere_poles_are_hit_from_inside() {
     // Half a circle as a cubic: (1 − t², 2t)/(1 + t²) for t from −1 to 1.
     let arc =
         [(0.0, -2.0, 2.0), (4.0 / 3.0, -2.0 / 3.0, 2.0 / 3.0), (4.0 / 3.0, 2.0 / 3.0, 2.0 / 3.0), (0.0, 2.0, 2.0)];

@@ -20,7 +20,7 @@ fn turn(rng: &mut SmallRng) -> ([I64Vec3; 3], i64) {
 /// Rays that touch spheres exactly, and those that miss that by one unit in up to 10⁷, in any direction: where the discriminant is not
 /// 0, its sign must be right, as it is far above the rounding of f64; where it is, both are right, but the place is the root's.
 #[test]
-fn silhouettes_are_where_they_are() {
+fn silhouettes_match_closed_form() {
     let mut rng = SmallRng::seed_from_u64(6);
     // Powers of two, under which the same numbers stand for an ellipsoid.
     let stretch = DVec3::new(2.0, 0.25, 1.0);

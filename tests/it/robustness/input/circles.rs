@@ -18,7 +18,7 @@ fn scenes_cannot_include_scenes() {
 }
 
 #[test]
-fn files_that_name_themselves_are_read_once() {
+fn self_referencing_files_are_read_once() {
     let shop = Shop::new();
     let resolved = |more: &str| {
         shop.put("self.txt", scene(more));

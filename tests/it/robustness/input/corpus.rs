@@ -18,7 +18,7 @@ const KINDS: [(&str, Replay); 7] = [
 ];
 
 #[test]
-fn the_fuzz_corpus_ends_in_results_or_typed_errors() {
+fn fuzz_corpus_gives_results_or_typed_errors() {
     for (kind, replay) in KINDS {
         let folder = project("tests/corpus").join(kind);
         let entries = fs::read_dir(&folder).unwrap_or_else(|e| panic!("{}: {e}", folder.display()));

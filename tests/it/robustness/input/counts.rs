@@ -18,7 +18,7 @@ fn mesh_scene(file: &str) -> String {
 
 /// Counts in the text of a scene are held against what follows, never reserved.
 #[test]
-fn absurd_counts_of_a_scene_are_held_against_what_is_there() {
+fn absurd_scene_counts_are_refused() {
     let start = Instant::now();
     let list = |block: &str, count: &str| match block {
         "Group" => scene(&format!("Group {{ {count} 4294967295 Sphere {{ center 0 0 0 radius 1 }} }}")),
@@ -52,7 +52,7 @@ fn absurd_counts_of_a_scene_are_held_against_what_is_there() {
 
 /// Headers of meshes, grids and pictures are held against the length of their files.
 #[test]
-fn absurd_counts_of_headers_are_held_against_the_file() {
+fn absurd_header_counts_are_refused() {
     let start = Instant::now();
     for encoding in ["ascii", "binary_little_endian"] {
         for (vertices, faces) in
@@ -91,7 +91,7 @@ fn bomb() -> Vec<u8> {
 
 /// Files that are as long as they say, or say more than fits: refused with the limit and what to do, code 2.
 #[test]
-fn what_is_larger_than_the_limit_is_refused_before_it_is_read() {
+fn files_above_memory_limit_are_refused_unread() {
     let shop = Shop::new();
     let file = bomb();
     assert!(file.len() < 1 << 18, "{}", file.len());
@@ -172,7 +172,7 @@ fn what_is_larger_than_the_limit_is_refused_before_it_is_read() {
 
 /// Room for the photons of an estimate is taken for those that are there, and one alone, which bounds its own disc, is no estimate.
 #[test]
-fn photons_of_an_estimate_are_no_more_than_there_are() {
+fn gather_count_is_capped_by_photon_count() {
     let shop = Shop::new();
     let planes = "Plane { normal 0 1 0 offset -1 } Plane { normal 0 -1 0 offset -4 }";
     shop.put(

@@ -36,7 +36,7 @@ fn ply(encoding: &str) -> Vec<u8> {
 
 /// What has a length is refused at every cut.
 #[test]
-fn files_that_tell_their_length_are_refused_wherever_they_are_cut() {
+fn truncated_sized_files_are_refused() {
     for encoding in PLY {
         let whole = ply(encoding);
         assert_eq!(mesh::decode(Path::new("a.ply"), whole.clone(), &(), None).unwrap().mesh.triangles.len(), 4);
@@ -54,7 +54,7 @@ fn files_that_tell_their_length_are_refused_wherever_they_are_cut() {
 
 /// Scenes end with the brace that closes their group: before it nothing is whole.
 #[test]
-fn scenes_are_refused_wherever_they_are_cut() {
+fn truncated_scenes_are_refused() {
     for name in ["scenes/glass-ball.txt", "scenes/smoke.txt", "scenes/textures.txt", "tests/scenes/lens.txt"] {
         let whole = fs::read(project(name)).unwrap();
         let whole = whole.trim_ascii_end();
@@ -68,7 +68,7 @@ fn scenes_are_refused_wherever_they_are_cut() {
 
 /// Lists of lines have no length: what is left of them is read, or refused with its line.
 #[test]
-fn lists_of_lines_are_read_as_far_as_they_go() {
+fn truncated_line_lists_are_read_to_their_end() {
     let obj = fs::read(project("tests/scenes/coarse-ball.obj")).unwrap();
     let start = obj.len().saturating_sub(1500);
     let whole = mesh::decode(Path::new("a.obj"), obj.clone(), &(), None).unwrap().mesh.triangles.len();
@@ -91,7 +91,7 @@ fn lists_of_lines_are_read_as_far_as_they_go() {
 
 /// Pictures: what lies behind the last pixel may be missing, and nothing else.
 #[test]
-fn pictures_are_refused_wherever_they_are_cut() {
+fn truncated_images_are_refused() {
     let pixels: Vec<Vec3> = (0..63).map(|i| Vec3::new(i as f32 / 63.0, 0.5, (i * i % 7) as f32 / 7.0)).collect();
     let image = Image::from_pixels(9, 7, pixels).unwrap();
     let tone = ToneMap { curve: Curve::Srgb, exposure_stops: 0.0 };

@@ -34,7 +34,7 @@ fn within(peaks: &[Option<u64>]) {
 }
 
 #[test]
-fn pictures_that_fit_stay_within_the_limit() {
+fn accepted_images_stay_within_memory_limit() {
     let shop = Shop::new();
     shop.put(
         "a.txt",
@@ -94,7 +94,7 @@ fn waves(n: u32, ply: bool) -> Vec<u8> {
 }
 
 #[test]
-fn meshes_that_fit_stay_within_the_limit() {
+fn accepted_meshes_stay_within_memory_limit() {
     let shop = Shop::new();
     shop.put(
         "a.txt",
@@ -111,7 +111,7 @@ fn meshes_that_fit_stay_within_the_limit() {
 
 /// Patches so crumpled that they are cut as finely as any: few numbers in the file, and much memory.
 #[test]
-fn patches_that_fit_stay_within_the_limit() {
+fn accepted_patches_stay_within_memory_limit() {
     let shop = Shop::new();
     let peaks = [2, 3].map(|n| {
         let number = |i: u32| f64::from(i.wrapping_mul(2_654_435_761) >> 16) / 65_536.0;
@@ -125,7 +125,7 @@ fn patches_that_fit_stay_within_the_limit() {
 }
 
 #[test]
-fn textures_and_skies_that_fit_stay_within_the_limit() {
+fn accepted_textures_and_environments_stay_within_memory_limit() {
     let shop = Shop::new();
     let noise = |i: u32| glam::Vec3::splat((i.wrapping_mul(2_654_435_761) >> 8) as f32 / 16_777_216.0);
     // The file itself is in memory too while it is read, and noise does not shrink; what is refused is so for its size alone.

@@ -12,7 +12,7 @@ fn run(shop: &Shop, arguments: &[&str]) -> Output {
 }
 
 #[test]
-fn what_never_ends_is_refused_at_once() {
+fn endless_files_are_refused_at_once() {
     let shop = Shop::new();
     assert!(Command::new("mkfifo").arg(shop.path("pipe")).status().unwrap().success());
     shop.put("plain.txt", scene("Group { Sphere { center 0 0 0 radius 1 } }"));

@@ -84,7 +84,7 @@ fn settings(max_bounces: u32) -> Settings {
 /// Back and forth between two mirrors, the farther of which shines with radiance 1: Σ exp(−(2k + 1)τ) over its 2,500 encounters, where τ is the
 /// depth of a crossing. The sum adds as many roundings of 2⁻²⁴ of itself as it has terms.
 #[test]
-fn a_camera_ray_obeys_beers_law_over_a_million_boundaries() {
+fn camera_ray_obeys_beer_over_million_boundaries() {
     let tau = DEPTH / f64::from(TURNS);
     let expected: f64 = (0..TURNS / 2).map(|k| libm::exp(-f64::from(2 * k + 1) * tau)).sum();
     let slack = ROUNDING + f64::from(TURNS / 2) / 16_777_216.0;
@@ -107,7 +107,7 @@ fn a_camera_ray_obeys_beers_law_over_a_million_boundaries() {
 
 /// The same way for photons of a spot of half angle 10⁻³, which lengthens it by less than 10⁻⁶: what is left when their bounces are over.
 #[test]
-fn photons_obey_beers_law_over_a_million_boundaries() {
+fn photons_obey_beer_over_million_boundaries() {
     let off = [Filled::Media, Filled::Bodies].map(|filled| {
         let mut b = SceneBuilder::new();
         let silver = b.material(Material::mirror(Rgb::ONE));
@@ -132,7 +132,7 @@ fn photons_obey_beers_law_over_a_million_boundaries() {
 
 /// A shadow ray through 200 boundaries from a floor to parallel light: e^{−depth}, though walks have room for twelve bodies.
 #[test]
-fn shadow_rays_cross_more_bodies_than_walks_remember() {
+fn shadow_rays_cross_more_bodies_than_stack_holds() {
     for filled in [Filled::Media, Filled::Bodies] {
         let mut b = SceneBuilder::new();
         let white = b.material(Material::diffuse(Rgb::ONE));

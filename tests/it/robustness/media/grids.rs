@@ -15,7 +15,7 @@ Group { MaterialName air Sphere { center 0 0 0 radius 1 } }
 /// A cell below 0 or not finite is refused with its place, wherever in the grid it stands: by fields made in code, and by a scene that names
 /// the file, which points at the name and says what to do.
 #[test]
-fn cells_that_are_no_densities_are_refused_with_their_place() {
+fn invalid_density_cells_are_refused_with_index() {
     let folder = tempfile::tempdir().unwrap();
     let scene = folder.path().join("a.txt");
     fs::write(&scene, SCENE).unwrap();

@@ -35,7 +35,7 @@ const GRAZING: &str = "center -3 .2 0  direction 1 -.06 0  angle 5";
 /// In no algorithm is the mean of a picture above 1. At most is an albedo of 1 in a sky of 1, so the mean of all passes may be above only by
 /// chance: Student's test over passes, one false alarm in 10⁶ each.
 #[test]
-fn nothing_shaded_is_brighter_than_its_furnace() {
+fn shading_normals_never_exceed_furnace() {
     let mut cases = Vec::new();
     for material in ["Diffuse", "Phong", "Mirror", "Conductor", "Dielectric", "Thin"] {
         for (object, view) in [(BALL, AROUND), (FLOOR, GRAZING)] {

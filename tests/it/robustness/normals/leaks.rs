@@ -39,7 +39,7 @@ fn dark(inside: &Scene, what: &str) {
 
 /// From inside of a closed ball of flat faces that is shaded as round, under a sky and a lamp: night.
 #[test]
-fn a_coarse_ball_is_dark_inside() {
+fn coarse_ball_is_dark_inside() {
     for kind in KINDS {
         for relief in ["", "bump lumps  bumpHeight .5"] {
             let ball = |center: &str| {
@@ -71,7 +71,7 @@ fn a_coarse_ball_is_dark_inside() {
 
 /// Behind a wall whose relief would tilt normals below the horizon: night too. Normals never do that, and lean where they are told.
 #[test]
-fn relief_below_the_horizon_lets_nothing_through() {
+fn bumps_below_horizon_leak_no_light() {
     for relief in ["bump lumps  bumpHeight 1000", "bump lumps  bumpHeight -1e9", "normalMap down", "normalMap aside"] {
         for kind in KINDS {
             let walls = scene(&format!(

@@ -44,7 +44,7 @@ fn mean(values: impl ParallelIterator<Item = f64>) -> (f64, f64) {
 /// Of a direction the slope along one axis is beyond a with P = ½(1 − a/√(1 + a²)), and the factor is |c + s·slope|: so many are beyond x
 /// by P((x − c)/s) + P((x + c)/s). As P(a) < 1/4a², that is below s²/(x − c)², and so is its integral from x on below s²/(x − c).
 #[test]
-fn deposits_keep_flux_and_their_tail_is_that_of_a_slope() {
+fn photon_weights_conserve_flux_with_bounded_tail() {
     for degrees in [5.0, 37.0, 70.0, 87.0] {
         let ns = tilted(degrees);
         let (c, s) = (f64::from(ns.z), f64::from((1.0 - ns.z * ns.z).sqrt()));
@@ -69,7 +69,7 @@ fn deposits_keep_flux_and_their_tail_is_that_of_a_slope() {
 /// mean E[a G(MOST/a)], where G(z), the integral of P(b > x) up to z, is ½(z + 1 − √(s² + (z − c)²)); with slope = tanφ it is an
 /// integral of ½ cosφ dφ. Factors are rounded some ten times in single precision.
 #[test]
-fn a_matt_surface_scatters_what_its_normals_agree_on() {
+fn diffuse_scatters_where_both_normals_agree() {
     for degrees in [5.0, 37.0, 70.0] {
         let ns = tilted(degrees);
         let (c, s) = (f64::from(ns.z), f64::from((1.0 - ns.z * ns.z).sqrt()));
@@ -133,7 +133,7 @@ fn out_of_glass(c: f64) -> f64 {
 ///
 /// Factors of mirrors are |wi·ng|/|wo·ng|, beyond x with P ≤ P(cosine < 1/x) = 1/x²; the mean beyond 100 is below 1/50.
 #[test]
-fn no_surface_returns_more_than_it_gets() {
+fn no_surface_reflects_more_than_it_receives() {
     for (bsdf, keeps) in lossless() {
         for degrees in [5.0, 37.0, 70.0, 87.0] {
             let ns = tilted(degrees);
@@ -156,7 +156,7 @@ fn no_surface_returns_more_than_it_gets() {
 /// Photons of a sky on a ball of twenty flat faces that is shaded as round: their factor has the mean 1, since flux is kept whatever the
 /// normals; so the flux that is stored is what arrives, πL times the area. No normal is more than 37.4° off its face.
 #[test]
-fn the_flux_on_a_coarse_ball_is_that_of_its_faces() {
+fn coarse_ball_flux_matches_its_faces() {
     const L: f64 = 2.0;
     let scene = scene(&format!(
         "PerspectiveCamera {{ center 0 0 4  direction 0 0 -1  up 0 1 0  angle 40  width 1  height 1 }}

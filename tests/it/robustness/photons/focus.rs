@@ -46,7 +46,7 @@ fn flux() -> f64 {
 /// Of a million photons each lies within 10⁻⁵ of the focus: rounding of directions and of places near 1, over ways of 2, times a
 /// few. Their flux is area × irradiance × reflectance.
 #[test]
-fn photons_meet_at_the_focus() {
+fn photons_converge_at_focus() {
     let scene = parabola(PIXELS);
     let source = PhotonSource::aimed(&scene).unwrap();
     let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::CAUSTIC, max_bounces: 10 };
@@ -75,7 +75,7 @@ fn photons_meet_at_the_focus() {
 /// a few pixels of the same size and few photons do, in renders of few passes, as discs shrink from pass to pass, with the radius that
 /// one pilot found. Sixteen renders: t of 15 degrees is beyond 6.5 once in 100,000 times, which is a fifth of the light at most.
 #[test]
-fn a_picture_of_the_focus_shows_all_its_light() {
+fn image_of_focus_shows_all_flux() {
     let scene = parabola(PIXELS);
     for algorithm in WITH_PHOTONS {
         finite(algorithm.name(), &rendered(&scene, algorithm, settings(5_000, 4), 4));

@@ -36,7 +36,7 @@ fn lit_by(powers: &[Option<f32>]) -> Scene {
 
 /// Lights without power among others, first, last and between, change no bit of a picture without them; by themselves they leave it black.
 #[test]
-fn lights_of_no_power_change_nothing() {
+fn zero_power_lights_change_nothing() {
     let (dark, lit) = (Some(0.0), Some(50.0));
     ALL.par_iter().for_each(|algorithm| {
         let settings = || Settings { radius: Some(0.1), ..settings(10_000, 4) };
@@ -80,7 +80,7 @@ fn point_in_the_floor(turn: DQuat, at: DVec3) -> Scene {
 /// of 2¹⁶ paths: .044) and by shadow rays (4096 of them, one in each part of a picture that varies by a tenth over a pixel: five times
 /// .1/64).
 #[test]
-fn a_point_in_a_floor_lights_the_ceiling() {
+fn point_light_in_floor_lights_ceiling() {
     let places = [DVec3::ZERO, DVec3::new(0.1, 0.2, 0.3), DVec3::new(100.1, 0.7, -33.3)];
     let all: Vec<(DVec3, DQuat)> = places.iter().flat_map(|at| turns().map(move |turn| (*at, turn))).collect();
     all.par_iter().for_each(|(at, turn)| {
@@ -117,7 +117,7 @@ fn lamp_in_the_ceiling(turn: DQuat, first: bool) -> Scene {
 /// Whichever of the two was described first, all find the light: those who ask the lamp, and those who meet it by chance, share it. The
 /// midpoint rule with 40 steps is off by 40⁻²/24 of the integrand's bend, below 10⁻⁴; t of 15 degrees is beyond 7 once in 10⁵ times.
 #[test]
-fn a_lamp_in_the_plane_of_a_ceiling_loses_no_light() {
+fn area_light_in_ceiling_plane_loses_no_light() {
     // Mean over the patch of 0.5 × 0.5 of ρ/π L ∫ dA/(d²)² with h = 1.
     let n = 40;
     let at = |i: i32| (f64::from(i) + 0.5) / f64::from(n) * 0.5;
@@ -149,7 +149,7 @@ fn a_lamp_in_the_plane_of_a_ceiling_loses_no_light() {
 /// A point in a black ball, and a lamp a hair's breadth before a black wall: all that is sent out is absorbed, at once; nothing is stored;
 /// what is around is black.
 #[test]
-fn lights_that_no_photon_can_leave() {
+fn blocked_lights_emit_no_photons() {
     let mut b = SceneBuilder::new();
     let white = b.material(Material::diffuse(Rgb::splat(0.5)));
     let black = b.material(Material::black());
@@ -191,22 +191,22 @@ fn said(lights_and_things: &str, more: &[&str]) -> String {
 
 /// A scene that is black, for each of the reasons there are: the program ends, writes the picture and says that it is black and why.
 #[test]
-fn black_scenes_end_and_say_so() {
+fn black_scenes_terminate_with_report() {
     let ball = "Group { Sphere { center 0 0 0 radius 1 } }\n";
     let cases = [
-        (ball.to_owned(), "nothing shines"),
+        (ball.to_owned(), "the scene has no light"),
         (format!("Lights {{ PointLight {{ position 0 5 5 power 0 0 0 }} }} {ball}"), "no light has any power"),
         (
             format!(
                 "Lights {{ PointLight {{ position 0 5 5 power 9 9 9 }} }} Materials {{ Diffuse {{ reflectance 0 0 0 }} }} {ball}"
             ),
-            "no light comes from what the camera sees",
+            "no light reaches what the camera sees",
         ),
         (
             "Lights { PointLight { position 0 0 0 power 9 9 9 } } Materials { Diffuse soot { reflectance 0 0 0 } \
                  Dielectric glass { indexOfRefraction 1.5 } } Group { MaterialName soot Sphere { center 0 0 0 radius .5 } \
                  MaterialName glass Sphere { center 1 0 0 radius .3 } }".to_owned(),
-            "no light comes from what the camera sees",
+            "no light reaches what the camera sees",
         ),
     ];
     cases.par_iter().enumerate().for_each(|(i, (text, reason))| {

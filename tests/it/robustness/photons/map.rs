@@ -19,7 +19,7 @@ fn estimate(map: &PhotonMap, p: Vec3, radius: f32, k: u32, kernel: Kernel) -> f6
 /// Photons that landed on a wall, asked for from the plane of their places: all of them from their side and nothing from the other, of any
 /// number and by the nearest; nor where the wall that is asked for is square to theirs.
 #[test]
-fn photons_count_on_their_side_alone() {
+fn photons_count_on_their_side_only() {
     let map = PhotonMap::build((0..10_000).map(|i| photon(random(i) * Vec3::new(1.0, 1.0, 0.0), 1.0)).collect());
     for kernel in KERNELS {
         for k in [0, 50] {
@@ -55,7 +55,7 @@ fn kernel_at(kernel: Kernel, d: f64, r: f64) -> f64 {
 /// Nothing gives nothing; fewer photons than k give Σ Φ K over the largest disc, to the rounding of the hue, of distances (10⁻⁶ of
 /// coordinates of .4, in a disc of .5) and of a few operations.
 #[test]
-fn none_one_and_fewer_than_k() {
+fn estimates_hold_with_fewer_than_k_photons() {
     let (radius, p) = (0.5f32, Vec3::new(0.1, 0.2, 0.3));
     for kernel in KERNELS {
         for k in [0, 1, 2, 50, u32::MAX / 4] {
@@ -79,9 +79,9 @@ fn none_one_and_fewer_than_k() {
 /// What a focus does: a million photons at a hundred places that are neighbours among single-precision numbers, in turns, and a few
 /// strays which make the extent of the map large. All is found: Φ K(0) of the whole disc, or, where the nearest k are asked for, of
 /// the least disc, of 10⁻⁵ of the distance from the origin. Distances are off by 6.2·10⁻⁷ of that, .062 of the disc
-/// (see `no_disc_is_narrower_than_places_are_known`), which the cone takes off.
+/// (see `disc_radius_never_falls_below_position_rounding`), which the cone takes off.
 #[test]
-fn a_million_photons_at_neighbouring_numbers() {
+fn million_photons_at_adjacent_floats_are_found() {
     let n = 1_000_000u64;
     let begun = Instant::now();
     let place = |i: u64| {
@@ -109,7 +109,7 @@ type Layout = fn(Vec3) -> Vec3;
 /// On an axis plane, on a line and on a curve in a plane, photons are found as a plain scan finds them. The scan's radius is 10⁻⁶ of the
 /// coordinates narrower and wider.
 #[test]
-fn planes_and_lines() {
+fn coplanar_and_collinear_photons_are_found() {
     let layouts: [(&str, Layout); 5] = [
         ("x = 0", |u| Vec3::new(0.0, u.x, u.y)),
         ("y = −7", |u| Vec3::new(u.x, -7.0, u.y)),
@@ -134,7 +134,7 @@ fn planes_and_lines() {
 
 /// Ten million photons in a ball of a cloud and on a wall: the number that is found in a sample of places is that of a plain scan.
 #[test]
-fn ten_million_photons() {
+fn ten_million_photons_are_estimated_correctly() {
     let n = 10_000_000u64;
     let place = |i: u64| if i.is_multiple_of(2) { random(i) } else { random(i) * Vec3::new(1.0, 1.0, 0.0) };
     let photons: Vec<Photon> = (0..n).into_par_iter().map(|i| photon(place(i), 1.0)).collect();
@@ -157,7 +157,7 @@ fn ten_million_photons() {
 /// relative variance (k + c − 2)/(k − 2) − 1 (truth 28; Epanechnikov: c = 4/3, .0278), of the mean of 36 places that share photons in the
 /// sparse square, where discs of radius √(50/(10³π)) = .126 overlap: as of 4 places. Five sigma.
 #[test]
-fn densities_nine_orders_apart() {
+fn densities_nine_orders_apart_are_estimated() {
     let sparse = (0..1000).map(|i| photon(Vec3::new(1.0, 0.0, 0.0) + random(i) * Vec3::new(1.0, 1.0, 0.0), 1.0));
     let dense = |i| photon((random(i) - 0.5) * Vec3::new(1e-3, 1e-3, 0.0), 1.0);
     let map = PhotonMap::build(sparse.chain((1000..1_001_000).map(dense)).collect());

@@ -8,7 +8,7 @@ use caustica::integrate::{Algorithm, Settings, Silent};
 use caustica::medium::{Medium, PhaseFunction};
 use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
 use caustica::render::Rendered;
-use caustica::render::gauge::{ErrorEstimate, ErrorMaps};
+use caustica::render::error_estimate::{ErrorEstimate, ErrorMaps};
 use caustica::scene::{Body, BuildError, LightStrength, Material, Scene, SceneBuilder, SourceKind};
 use caustica::shape::{Shape, Sphere};
 use glam::DVec3;
@@ -46,8 +46,8 @@ fn room(scale: f32, fog: bool) -> Scene {
 
 /// All that a gauge tells.
 fn told(rendered: &Rendered) -> (ErrorEstimate, ErrorMaps) {
-    let gauge = rendered.gauge.as_ref().unwrap();
-    (gauge.read(&rendered.film), gauge.maps(&rendered.film))
+    let gauge = rendered.estimator.as_ref().unwrap();
+    (gauge.estimate(&rendered.film), gauge.maps(&rendered.film))
 }
 
 /// The sums of passes, back from their means: passes are a power of two, so nothing is rounded.
@@ -63,7 +63,7 @@ fn sums(rendered: &Rendered) -> Vec<DVec3> {
 /// 2⁻¹²², and as part of light of 2⁻¹⁰⁰ a radiance of 2⁻²². A reading of pictures whose pixels, of some 2⁻⁵, are off by 2⁻¹⁷ of
 /// themselves, and whose noise is a tenth of them, is off by 2·10·2⁻¹⁷.
 #[test]
-fn powers_at_the_ends_of_single_precision() {
+fn powers_at_float_limits_render_finitely() {
     let algorithms = WITH_PHOTONS.into_iter().chain([Algorithm::Path]);
     let jobs: Vec<(Algorithm, bool)> = algorithms.flat_map(|a| [(a, false), (a, true)]).collect();
     jobs.par_iter().for_each(|(algorithm, fog)| {
@@ -102,7 +102,7 @@ fn powers_at_the_ends_of_single_precision() {
 /// mean of I/(1 + x²)^{3/2} over a square .2 wide, 1 − 3/2·.2²/6 but for 10⁻⁴, blurred by (r²/12)·6 at r = .05. Sixteen passes: t of
 /// 15 degrees is beyond 7 once in 10⁵ times.
 #[test]
-fn light_of_a_point_by_closed_form() {
+fn point_light_flux_matches_closed_form() {
     for power in [1e-30, 1.0, 1e30] {
         let mut b = SceneBuilder::new();
         let white = b.material(Material::diffuse(Rgb::splat(0.5)));
@@ -126,7 +126,7 @@ fn light_of_a_point_by_closed_form() {
 /// A photon of two lights of 10³⁸ W in each channel, whose sum single precision does not hold, cannot be stored: it is counted, a pass says so,
 /// and so does the program. Photons of a sixteenth each are stored. A light that by itself has more is refused.
 #[test]
-fn photons_beyond_single_precision_are_counted_and_told() {
+fn photons_beyond_float_range_are_reported() {
     let scene = |powers: &[f32]| {
         let mut b = SceneBuilder::new();
         let white = b.material(Material::diffuse(Rgb::splat(0.5)));

@@ -12,7 +12,7 @@ const MILLION: u32 = 1_000_000;
 /// Γ(z + α)/(Γ(1 + α) Γ(z + 1)) at z = 10⁶ + 1 by the series of Tricomi and Erdélyi, whose next term is below z⁻². The product of 10⁶
 /// factors is rounded three times each: 3·10⁶·2⁻⁵³.
 #[test]
-fn a_million_passes_shrink_by_the_ratio_of_gammas() {
+fn radius_after_million_passes_matches_gamma_ratio() {
     let z = f64::from(MILLION) + 1.0;
     let series = 1.0 + (ALPHA - 1.0) * ALPHA / (2.0 * z);
     let closed = libm::pow(z, ALPHA - 1.0) * series / libm::tgamma(1.0 + ALPHA);
@@ -38,7 +38,7 @@ fn behind_a_pane() -> Scene {
 /// Once the radius has become less than places are known to, discs no longer follow it: they are as wide as that, and of so few photons
 /// that a picture tells nothing of their mean.
 #[test]
-fn discs_of_the_pass_after_a_million() {
+fn discs_after_million_passes_hold_photons() {
     let scene = behind_a_pane();
     for (radius, paths, law) in [(0.1f32, 250_000, true), (1e-9, 20_000, false)] {
         let settings = Settings { radius: Some(radius), gather_k: Some(0), ..settings(paths, 1000) };
@@ -72,7 +72,7 @@ fn discs_of_the_pass_after_a_million() {
 /// distances are off by γ(3)R of each place, turned, in each of three coordinates: 2·3·2⁻²⁴·√3 R = 6.2·10⁻⁷ R, of a disc .062, and
 /// of Epanechnikov's kernel at most the square of that.
 #[test]
-fn no_disc_is_narrower_than_places_are_known() {
+fn disc_radius_never_falls_below_position_rounding() {
     let normal = Vec3::new(0.5, 0.7, -0.4).normalize();
     for size in [1e-3f32, 1.0, 1e6] {
         let center = Vec3::new(0.7, -0.3, 0.9) * size;
@@ -102,7 +102,7 @@ fn no_disc_is_narrower_than_places_are_known() {
 
 /// A whole render of the narrowest radius a user can ask for.
 #[test]
-fn renders_with_no_radius_to_speak_of_are_finite() {
+fn renders_with_tiny_radius_are_finite() {
     for radius in [1e-30f32, 1e-12, 1e-6] {
         let settings = Settings { radius: Some(radius), ..settings(20_000, 4) };
         finite("narrow", &rendered(&behind_a_pane(), Algorithm::Sppm, settings, 4));

@@ -30,7 +30,7 @@ fn drop(x: f64) -> f64 {
 /// The flux of a sharp cone is 2π(1 − cos) of its intensity, and of one whose rim falls from its middle on half of that: told, emitted,
 /// and arriving on what is around. 1 − cos is rounded to 2⁻²⁴, and so are a few products.
 #[test]
-fn spots_of_any_width_carry_their_power() {
+fn spotlights_of_any_width_emit_their_power() {
     for outer in ANGLES.map(|angle| 0.5 * angle.to_radians()) {
         for (inner, part) in [(outer, 1.0), (0.0, 0.5)] {
             let expected = part * TAU * drop(outer);

@@ -37,10 +37,10 @@ fn gathering(k: u32) -> Settings {
 }
 
 /// However thin a wall is, nothing of what lights its upper side is seen on its lower side, to the bit, middle, edges and corners: a map
-/// counts photons only on the side on which they landed (`photons_count_on_their_side_alone`), and a BSDF refuses what comes from behind. The
+/// counts photons only on the side on which they landed (`photons_count_on_their_side_only`), and a BSDF refuses what comes from behind. The
 /// edges of the picture look past the wall.
 #[test]
-fn nothing_leaks_through_a_wall_however_thin() {
+fn thin_walls_leak_no_photons() {
     [0.0, 1e-6, RADIUS / 4.0].par_iter().for_each(|thickness| {
         for (algorithm, k) in [(Algorithm::Sppm, 0), (Algorithm::Pm, 50)] {
             let out = rendered(&wall(*thickness, false), algorithm, gathering(k), 2);
@@ -57,7 +57,7 @@ fn nothing_leaks_through_a_wall_however_thin() {
 /// gap; the radii are known. It is that in the middle of the shelf, to 10 % by noise: 10⁴ photons a pass lie within .1 of
 /// a place as 80, so √(4/3/80/m) a place, over 36 independent places, five sigma.
 #[test]
-fn a_shelf_takes_light_only_within_the_bound() {
+fn shelf_leak_stays_within_bound() {
     let passes = 6;
     let radius = |pass| RADIUS * shrink(ALPHA, pass).sqrt();
     let last = radius(passes - 1);

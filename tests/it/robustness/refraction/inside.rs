@@ -25,7 +25,7 @@ fn narrow(center: DVec3, direction: DVec3, angle: f64) -> Camera {
 /// Snell's window: from below a surface of index n, under a sky of radiance 1, one sees n²(1 − R), and beyond the critical angle only
 /// what is below, which is black.
 #[test]
-fn the_sky_is_seen_through_snells_window() {
+fn sky_is_seen_through_snells_window() {
     for n in [0.6f64, 1.33, 1.5, 3.0] {
         let critical = if n > 1.0 { libm::asin(1.0 / n) } else { 1.6 };
         for part in [0.0, 0.3, 0.7, 0.95, 0.999, 1.001, 1.2] {
@@ -61,7 +61,7 @@ fn the_sky_is_seen_through_snells_window() {
 
 /// In a closed ball, off its middle by less than 1/n of its radius, all light gets in: the sky is n² as bright, in every direction.
 #[test]
-fn a_ball_of_glass_is_bright_by_the_square_of_its_index() {
+fn radiance_in_glass_scales_by_squared_index() {
     for (n, off) in [(1.5f64, 0.6), (1.1, 0.85), (0.7, 0.99), (2.4, 0.4)] {
         let mut b = SceneBuilder::new();
         let glass = b.material(Material::dielectric(n as f32, Vec3::ZERO));
@@ -77,7 +77,7 @@ fn a_ball_of_glass_is_bright_by_the_square_of_its_index() {
 /// Of a ball of priority 1 in one of priority 0, which overlap, and a camera in each part: by n² of what counts there. Whatever is
 /// between, radiance over n² is kept.
 #[test]
-fn overlapping_bodies_count_by_priority() {
+fn overlapping_bodies_resolve_by_priority() {
     let scene = |priorities: [u8; 2], at: f64, order: bool| {
         let mut b = SceneBuilder::new();
         let mut balls = [(1.5f32, -0.3, priorities[0]), (1.2, 0.3, priorities[1])];

@@ -26,7 +26,7 @@ fn indices() -> impl Iterator<Item = f32> {
 /// By Snell's law the far cosine is real where η² + cos² > 1. Squares of f32 are exact in integers, so there is a truth for each of
 /// the cosines within three ulps of the critical one, and none may be on the wrong side.
 #[test]
-fn total_reflection_begins_at_the_very_ulp() {
+fn total_reflection_begins_at_exact_ulp() {
     let one = 1i128 << 72;
     let (mut total, mut not) = (0, 0);
     for eta in indices().filter(|eta| *eta < 1.0) {
@@ -50,7 +50,7 @@ fn total_reflection_begins_at_the_very_ulp() {
 /// From directions too: on both sides of the critical angle rays stay unit vectors on their own side of the interface, shares sum to 1,
 /// and what passes grows from nothing as the root of what the sine is short of.
 #[test]
-fn nothing_breaks_around_the_critical_angle() {
+fn fresnel_is_finite_around_critical_angle() {
     for i in 0..3000u64 {
         let key = key(4).with(i);
         let n = warp::sphere(key.uniform_2d(Dimension::LightDirection));
@@ -82,7 +82,7 @@ fn nothing_breaks_around_the_critical_angle() {
 
 /// Along the normal T = 4n/(n+1)² from both sides, whose product with R's complement no f32 difference could give at 10⁶.
 #[test]
-fn shares_keep_their_digits_at_any_index() {
+fn fresnel_keeps_precision_at_any_index() {
     for n in [1e-6f64, 1e-3, 0.5, 0.999, 1.000_1, 1.5, 2.4, 1e3, 1e6] {
         for eta in [n as f32, (1.0 / n) as f32] {
             let exact = f64::from(eta);
@@ -103,7 +103,7 @@ fn shares_keep_their_digits_at_any_index() {
 
 /// Out of index 10⁶ light gets within 10⁻⁶ rad of the normal. All these directions have a cosine of 1 in f32.
 #[test]
-fn the_densest_body_lets_out_only_what_it_must() {
+fn densest_body_transmits_exact_fraction() {
     let eta = 1e-6f32;
     for (sin, sin_t) in
         [(0.0f32, Some(0.0f64)), (5e-7, Some(0.5)), (9.9e-7, Some(0.99)), (1.01e-6, None), (1e-5, None), (2e-4, None)]
@@ -161,7 +161,7 @@ fn refraction_keeps_the_sine_at_any_index() {
 /// The mean over all 2²⁴ numbers that may choose between both lobes is each lobe's share: to all digits where little passes,
 /// else within the one number that a threshold may cut.
 #[test]
-fn chosen_lobes_have_their_shares_over_all_numbers() {
+fn lobe_choice_matches_probability_over_all_numbers() {
     const STEPS: u32 = 1 << 24;
     for (eta, cos) in [
         (1e6f32, 1.0f32),

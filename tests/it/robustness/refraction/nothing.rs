@@ -40,7 +40,7 @@ const BODIES: [&str; 4] = [
 ];
 
 #[test]
-fn pictures_are_the_same_to_the_bit() {
+fn index_matched_bodies_change_no_bit() {
     let settings = || Settings {
         photons: 2000,
         caustic_photons: 2000,
@@ -61,7 +61,7 @@ fn pictures_are_the_same_to_the_bit() {
 }
 
 #[test]
-fn photons_are_the_same_to_the_bit() {
+fn index_matched_bodies_change_no_photon() {
     let trace = |scene: &Scene| {
         let source = PhotonSource::everywhere(scene).unwrap();
         let pass = PhotonPass { scene, source: &source, mask: StoreMask::ALL, max_bounces: 30 };
@@ -77,7 +77,7 @@ fn photons_are_the_same_to_the_bit() {
 
 /// Where such a body is something, it stays: a bubble in glass, and what holds fog back.
 #[test]
-fn a_bubble_is_not_nothing() {
+fn bubble_is_not_culled_as_index_matched() {
     let pixels = |more: &str| -> Vec<f64> {
         let scene = scene(&format!(
             "PerspectiveCamera {{ center 0 0 3  direction 0 0 -1  up 0 1 0  angle .1  width 1  height 1 }}

@@ -138,7 +138,7 @@ fn passed(scene: &Scene) -> Vec<f64> {
 /// Faces that coincide, or are an ulp apart on either side, are one interface between glass and liquid, whichever is met first; so is
 /// an overlap, and a liquid of higher priority. A gap of a hundredth is a film of air.
 #[test]
-fn a_liquid_touches_its_glass() {
+fn liquid_touches_its_glass() {
     let wet = [1.0, GLASS, LIQUID, GLASS, 1.0];
     let film = [1.0, GLASS, 1.0, LIQUID, 1.0, GLASS, 1.0];
     let ulp = f64::from(f32::EPSILON) * 0.5;
@@ -167,7 +167,7 @@ fn a_liquid_touches_its_glass() {
 
 /// Two blocks of one glass are one block, whether they share a face between them, or overlap and end together on one side.
 #[test]
-fn blocks_of_one_glass_merge() {
+fn touching_blocks_of_one_glass_merge() {
     let blocks = [[(1.0, 0.0), (0.0, -1.0)], [(1.0, -1.0), (1.0, 0.0)], [(1.0, -1.0), (0.0, -1.0)]];
     let all = [Faces::Planes, Faces::Rectangles, Faces::Triangles].into_iter().flat_map(|f| blocks.map(|b| (f, b)));
     for (faces, blocks) in all {
@@ -191,7 +191,7 @@ fn blocks_of_one_glass_merge() {
 
 /// A camera in the liquid, under a sky of radiance 1: by n² of where it is, whatever it looks through, if it knows where it is.
 #[test]
-fn a_camera_in_a_liquid_knows_where_it_is() {
+fn camera_in_liquid_starts_in_liquid() {
     for faces in [Faces::Planes, Faces::Rectangles, Faces::Triangles] {
         for (meet, first) in [(Meet::Apart(0.0), false), (Meet::Apart(0.0), true), (Meet::Priority, false)] {
             let mut b = SceneBuilder::new();
@@ -217,7 +217,7 @@ fn a_camera_in_a_liquid_knows_where_it_is() {
 /// Curved faces that coincide: a vessel turned about the y axis, whose inside is the liquid's outside listed backwards, against the
 /// same with a liquid that reaches into the wall. Both let the same light through.
 #[test]
-fn a_round_vessel_holds_its_liquid() {
+fn round_vessel_holds_its_liquid() {
     let curve = |r: f64, backwards: bool| {
         let mut points = [(0.0, -r), (r, -r), (r, 0.0), (r, r), (0.0, r)];
         if backwards {

@@ -68,7 +68,7 @@ fn trapped_directions(n: u64) -> Vec<Vec3> {
 /// Each reflection changes the sign of one direction cosine and rounds all by normalising, by at most 3 · 2⁻²⁴; a place on a face is
 /// rounded by 2⁻²⁴, and rests on the face.
 #[test]
-fn rays_stay_in_a_cube() {
+fn trapped_rays_stay_in_cube() {
     for triangles in [false, true] {
         let mut b = cube(triangles);
         b.source(SourceKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::ONE));
@@ -85,7 +85,7 @@ fn rays_stay_in_a_cube() {
 
 /// Between two planes the way leads a thousand thicknesses far; the cosine to them is kept.
 #[test]
-fn rays_stay_in_a_slab() {
+fn trapped_rays_stay_in_slab() {
     let mut b = SceneBuilder::new();
     let glass = b.material(Material::dielectric(1.5, Vec3::ZERO));
     b.plane(Plane::new(DVec3::Y, DVec3::Y), glass, Vec3::ZERO);
@@ -106,7 +106,7 @@ fn rays_stay_in_a_slab() {
 /// In a ball the distance of the ray from the middle is kept: each reflection rounds the place by half an ulp of each coordinate and
 /// the direction by as much from the normal, the mirroring and its length: seven times √3 · 2⁻²⁴.
 #[test]
-fn rays_stay_in_a_ball() {
+fn trapped_rays_stay_in_ball() {
     let mut b = SceneBuilder::new();
     let glass = b.material(Material::dielectric(1.5, Vec3::ZERO));
     b.shape(Shape::Sphere(Sphere::new(DVec3::new(0.0, -0.9, 0.0), 1.0)), glass, Vec3::ZERO);
@@ -140,7 +140,7 @@ fn rays_stay_in_a_ball() {
 
 /// Photons: every one of them is stopped at the limit with the flux that it was sent with, to the bit.
 #[test]
-fn photons_keep_their_flux_and_end() {
+fn trapped_photons_keep_flux_and_terminate() {
     for triangles in [false, true] {
         let mut b = cube(triangles);
         // All within 5° of the diagonal meet faces beyond 49°.
@@ -161,7 +161,7 @@ fn photons_keep_their_flux_and_end() {
 
 /// Cameras: who looks along the diagonal from inside sees nothing of the sky, and that ends.
 #[test]
-fn camera_walks_end_too() {
+fn trapped_camera_paths_terminate() {
     for algorithm in [Algorithm::Path, Algorithm::Hybrid, Algorithm::Sppm, Algorithm::Distributed, Algorithm::Whitted] {
         let mut b = cube(true);
         b.background(Vec3::ONE);

@@ -38,7 +38,7 @@ fn directions() -> Vec<Vec3> {
 /// What is drawn is a unit vector on the side that it says, with a weight that is a number, and unless it is a delta with a density above
 /// zero: light that it meets by chance is weighed by that, and 0/0 would be no weight.
 #[test]
-fn whatever_is_drawn_has_a_weight_and_a_density() {
+fn bsdf_samples_have_finite_weight_and_pdf() {
     let tilted = Vec3::new(0.3, -0.5, 0.6).normalize();
     let mut drawn = 0u64;
     for (bsdf, most) in kinds() {
@@ -79,7 +79,7 @@ fn whatever_is_drawn_has_a_weight_and_a_density() {
 
 /// The rim of the disc from which cosines are drawn lies in the horizon: nothing is drawn there, as its density is 0.
 #[test]
-fn nothing_is_drawn_in_the_horizon() {
+fn bsdfs_never_sample_the_horizon() {
     let white = Bsdf::Diffuse(Vec3::ONE);
     let rim = [Vec2::new(0.0, 0.5), Vec2::new(0.5, 0.0)];
     for u in rim {
@@ -89,7 +89,7 @@ fn nothing_is_drawn_in_the_horizon() {
 
 /// Below the least roughness there is no lobe that the chi-square test of src/bsdf would be needed for: all are deltas.
 #[test]
-fn narrower_lobes_are_deltas() {
+fn narrowest_lobes_become_delta() {
     let alpha = SMOOTH_ALPHA.next_down();
     for bsdf in [
         Bsdf::Conductor(Conductor::new(Vec3::ONE, Vec3::ONE, alpha)),

@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 /// What is chosen is divided by its probability, which is never zero, and never so small that f32 would not hold its inverse.
 #[test]
-fn what_is_chosen_has_a_probability() {
+fn chosen_elements_have_positive_probability() {
     for weights in [
         vec![1e-60, 1.0],
         vec![1e-300, 1e-200, 1e300],
@@ -43,7 +43,7 @@ fn what_is_chosen_has_a_probability() {
 }
 
 #[test]
-fn cells_of_any_weight_are_drawn_with_their_density() {
+fn cells_of_any_weight_match_their_pdf() {
     let weights = [1e-300, 1e300, 0.0, 1e-10, 1.0, 1e299, 0.0, 0.0, 0.0];
     let grid = Piecewise2d::new(3, 3, |x, y| weights[3 * y + x]).unwrap();
     for u in corners() {
@@ -55,7 +55,7 @@ fn cells_of_any_weight_are_drawn_with_their_density() {
 
 /// One bright pixel in a black sky: directions at the ends are in it, with the density that it has there.
 #[test]
-fn skies_are_drawn_where_they_are_bright() {
+fn environments_are_sampled_by_radiance() {
     for (x, y) in [(0, 0), (3, 1), (7, 3), (0, 3)] {
         for value in [1e-30f32, 1.0, 1e30] {
             let mut pixels = vec![Vec3::ZERO; 32];
@@ -77,7 +77,7 @@ fn skies_are_drawn_where_they_are_bright() {
 
 /// Lights whose powers differ by sixty orders, near and far, and a sky: whoever is chosen has a probability, the same as by name.
 #[test]
-fn one_of_many_lights_has_a_probability() {
+fn chosen_light_has_positive_probability() {
     let mut lights: Vec<Light> = (0..40u64)
         .map(|i| {
             let u = key(81).with(i);

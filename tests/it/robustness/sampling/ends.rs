@@ -17,7 +17,7 @@ fn unit(v: Vec3, what: &dyn Fn() -> String) {
 
 /// Every warp, at parameters at their own ends; no density is 0 where one draws, unless that lies in the horizon.
 #[test]
-fn warps_hold_at_the_ends() {
+fn warps_are_valid_at_extreme_samples() {
     for u in corners() {
         let what = || format!("{u}");
         assert!(warp::disc(u).length() <= 1.0 + f32::EPSILON, "{u}");
@@ -39,7 +39,7 @@ fn warps_hold_at_the_ends() {
 }
 
 #[test]
-fn phases_wavelengths_filters_and_lenses_hold_at_the_ends() {
+fn other_samplers_are_valid_at_extreme_samples() {
     let near = 1.0 - f32::EPSILON / 2.0;
     for phase in [
         PhaseFunction::Isotropic,
@@ -114,7 +114,7 @@ fn lights() -> Scene {
 /// Every light, asked from near, far, inside and on it, and emitting everywhere and at targets, one of which it is inside of: flux,
 /// radiance and densities are numbers, and no density is 0.
 #[test]
-fn lights_hold_at_the_ends() {
+fn lights_are_valid_at_extreme_samples() {
     let scene = lights();
     assert_eq!(scene.lights().len(), 11);
     let ball = |center: Vec3, radius: f32| Sphere { center, radius };
@@ -168,7 +168,7 @@ fn lights_hold_at_the_ends() {
 
 /// Towards a ball that one is inside of, directions are drawn by their cosine to the horizon, but none in it.
 #[test]
-fn aim_has_a_density_in_the_horizon_too() {
+fn aimed_emission_has_pdf_at_horizon() {
     let aim = PhotonAim::new([Sphere { center: Vec3::ZERO, radius: 1.0 }]);
     for u in corners() {
         for n in [Vec3::Z, Vec3::new(0.6, 0.0, 0.8)] {

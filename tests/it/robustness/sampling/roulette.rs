@@ -33,7 +33,7 @@ fn trace(scene: &Scene, index: u64) -> Traced {
 
 /// Walls that reflect all: no photon ends before the limit, none gains or loses a bit of flux.
 #[test]
-fn all_photons_go_on_where_all_is_reflected() {
+fn white_surfaces_terminate_no_photon() {
     let Traced { photons, audit, rays, .. } = trace(&room("1 1 1", 0.0), 0);
     assert_eq!((audit.stopped, audit.roulette, audit.absorbed), (audit.emitted, [0.0; 3], [0.0; 3]));
     assert_eq!(photons.len() as u64, u64::from(PATHS) * u64::from(BOUNCES + 1));
@@ -42,7 +42,7 @@ fn all_photons_go_on_where_all_is_reflected() {
 
 /// Walls that reflect nothing: each photon lands once. Then walls that reflect the least number there is, of which no more can come.
 #[test]
-fn no_photon_goes_on_where_nothing_is_reflected() {
+fn black_surfaces_terminate_every_photon() {
     for albedo in ["0 0 0", "1e-45 1e-45 1e-45", "0 0 1e-40"] {
         let Traced { photons, audit, rays, .. } = trace(&room(albedo, 0.0), 0);
         assert_eq!((photons.len() as u32, rays), (PATHS, u64::from(PATHS)), "{albedo}");
@@ -55,7 +55,7 @@ fn no_photon_goes_on_where_nothing_is_reflected() {
 /// then on all of it goes on. So flux is kept in the mean, by n paths to √(1/n) of itself: over 16 passes of 2¹² a 256th. A photon's
 /// flux is rounded a few times, and its hue to 2⁻¹⁷.
 #[test]
-fn a_channel_of_zero_stays_zero() {
+fn zero_channel_stays_zero() {
     let scene = room("0 0 1", 0.0);
     let kept: Vec<f64> = (0..16)
         .map(|i| {
@@ -85,7 +85,7 @@ fn settings(samples: u32, max_bounces: u32, seed: u64) -> Settings {
 /// Camera walks between walls that emit and reflect nothing see just that, whatever roulette's number; those between walls that reflect
 /// all add one bounce for each that they are allowed, and the one that connections find.
 #[test]
-fn camera_walks_end_and_go_on_likewise() {
+fn camera_paths_follow_same_roulette() {
     let dark = room("0 0 0", 0.25);
     for algorithm in [Algorithm::Path, Algorithm::Hybrid, Algorithm::Sppm, Algorithm::Distributed] {
         let quick =

@@ -21,7 +21,7 @@ fn balls(places: &[(DVec3, f64)], plane: bool) -> Result<Scene, BuildError> {
 
 /// What is too small is refused, with a remedy; what is refused is no larger than 2⁻³⁹, at which 2⁻²⁴ of it has a normal square.
 #[test]
-fn what_is_too_small_is_refused() {
+fn too_small_shapes_are_refused() {
     let least = libm::exp2(-39.0);
     for (radius, refused) in
         [(1e-300, true), (1e-46, true), (1e-20, true), (0.99 * least, true), (1.01 * least, false), (1.0, false)]
@@ -38,7 +38,7 @@ fn what_is_too_small_is_refused() {
 
 /// Sums of squares of such numbers are infinite, and what is counted from there is no number.
 #[test]
-fn places_near_the_end_of_double_precision_are_refused() {
+fn positions_near_double_limit_are_refused() {
     // Boxes without an end, whose middle is no number.
     let boundless = [(DVec3::splat(1e308), 1e308), (DVec3::splat(-1e308), 1e308)];
     assert_eq!(balls(&boundless, false).err(), Some(BuildError::TooLarge(f64::INFINITY)));

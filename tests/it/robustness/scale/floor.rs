@@ -54,7 +54,7 @@ const ROUND: &str = "Sphere { center 0 -100000 0  radius 100000 }";
 /// Where things stand the sphere is flat but for 2²/(2·10⁵) = 2·10⁻⁵: pixels show the same but where an edge of a thing or its shadow passes
 /// between, within some 10⁻⁵ of a pixel that is 10⁻¹ wide, seen in glass and mirrors ten times as wide: one in a thousand, five times over.
 #[test]
-fn a_sphere_of_radius_100000_is_a_flat_floor() {
+fn sphere_of_radius_100000_acts_as_flat_floor() {
     let (flat, round) = (on(FLAT), on(ROUND));
     // It asks all lights and draws none.
     let render = |scene| pictures(scene, Algorithm::Whitted, few(), PASSES);
@@ -77,7 +77,7 @@ fn a_sphere_of_radius_100000_is_a_flat_floor() {
 /// The discs that pilots find are those of the things that photons lie on, not parts of the floor. Both pilots look at 512 photons and take the
 /// third quartile of what they find, which scatters by 2 % of their number, so by less than a tenth where discs vary twofold.
 #[test]
-fn a_huge_floor_does_not_widen_the_discs_of_a_caustic() {
+fn huge_floor_does_not_blur_caustics() {
     let settings = || Settings { caustic_photons: 250_000, ..few() };
     let radius = |floor| Algorithm::Hybrid.prepare(&on(floor), settings()).radii().unwrap().caustic;
     let (flat, round) = (radius(FLAT), radius(ROUND));
@@ -95,7 +95,7 @@ fn flux(scene: &Scene, wants: StoreMask, counts: impl Fn(glam::DVec3) -> bool) -
 
 /// A lamp that touches nothing, and glass and stone half a unit below it: they are in the way of its light however large the floor is.
 #[test]
-fn what_hangs_near_a_lamp_shades_a_huge_floor() {
+fn occluder_near_light_shades_huge_floor() {
     let under_a_lamp = |floor: &str| {
         resolved(&format!(
             "PerspectiveCamera {{ center 0 3.4 3  lookAt 0 .2 .1  angle 34  width {}  height {} }}
@@ -136,7 +136,7 @@ fn what_hangs_near_a_lamp_shades_a_huge_floor() {
 /// A lamp that lies on the sphere, within the rounding of where that is, lights a ceiling half a unit above: a disc of radius r takes
 /// (1 − h/√(h² + r²))/2 of the light of a point at h below it, here .276, which 2¹⁷ paths know to .0012.
 #[test]
-fn a_lamp_on_a_huge_floor_lights_what_is_above() {
+fn light_on_huge_floor_reaches_objects_above() {
     for x in [0.0f64, 0.3, -0.7, 1.1, 2.3] {
         let y = -x * x / (1e5 + (1e10 - x * x).sqrt());
         let scene = resolved(&format!(

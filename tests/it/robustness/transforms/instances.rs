@@ -39,7 +39,7 @@ fn octahedron(o: Dd3, d: Dd3) -> ([Dd; 2], [DVec3; 2], [f64; 2]) {
 /// Rays are rounded to f32 where they come near the mesh, within 4 of its sizes, and the triangle's test rounds as much again: 16·2⁻²³ times
 /// 4 in object space. That is what `t` may be off over |d·n|, beside the rounding of `t` itself and of f64 on the way there.
 #[test]
-fn instances_are_met_where_maps_put_them() {
+fn instance_hits_match_double_double_transforms() {
     let ball = globe(0);
     let mesh = Mesh { positions: ball.vertices, triangles: ball.faces, ..Mesh::default() };
     let mesh = Arc::new(IndexedMesh::new(mesh));
@@ -129,7 +129,7 @@ const FACES: [DVec3; 8] = [
 
 /// Rays from inside a mesh that is placed hit it, at edges and corners too.
 #[test]
-fn instances_do_not_leak() {
+fn instances_leak_no_rays() {
     let closed = globe(3);
     let positions = closed.vertices.clone();
     let mesh = Mesh { positions, triangles: closed.faces.clone(), ..Mesh::default() };

@@ -50,7 +50,7 @@ fn step(rng: &mut SmallRng, level: u32) -> (String, DAffine3) {
 /// Each product rounds by some 4 ulps of ‖outer‖·‖inner‖, and the maps inside multiply that by their norms: 1 of a turn, 2 of a scale, 1.14 of a
 /// shear, while 10⁶ and 10⁻⁶ undo each other. That is 64 · 4 · 2⁻⁵² · 4.6⁸ = 1.2·10⁻⁸ of places, which are within 10 of the origin.
 #[test]
-fn shapes_64_transforms_deep_are_where_they_belong() {
+fn shapes_64_transforms_deep_are_placed_correctly() {
     let shapes = [
         (Own::Ball, "Sphere { center 0 0 0 radius 1 }"),
         (Own::Disc, "Disc { center 0 0 0 normal 0 1 0 radius 1 }"),
@@ -110,7 +110,7 @@ fn shapes_64_transforms_deep_are_where_they_belong() {
 
 /// A map of condition number 10⁸ is a map, even if its columns almost lie on a line; one that leaves no digits is refused with its place.
 #[test]
-fn only_maps_without_digits_are_refused() {
+fn only_ill_conditioned_transforms_are_refused() {
     let ball = "Sphere { center 0 0 0 radius 1 }";
     let needle = "Rotate { 1 2 3 40 } Scale 1e8 1 1 Rotate { 3 -1 2 70 }";
     assert!(scene(&format!("Group {{ Transform {{ {needle} {ball} }} }}")).is_ok());

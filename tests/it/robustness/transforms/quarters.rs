@@ -11,7 +11,7 @@ use std::path::Path;
 
 /// A quarter of a turn takes axes to axes, to the bit; and so in the middle of a motion through twice as much.
 #[test]
-fn quarters_of_a_turn_are_exact() {
+fn quarter_turns_are_exact() {
     for quarters in -9i32..=9 {
         let angle = 90.0 * f64::from(quarters);
         let (x, z) = match quarters.rem_euclid(4) {
@@ -30,7 +30,7 @@ fn quarters_of_a_turn_are_exact() {
 
 /// A normal that rounding has turned off its axis is still across what goes along the plane; a ray that leans by more meets it.
 #[test]
-fn rounding_does_not_let_a_ray_meet_a_plane_it_goes_along() {
+fn rays_along_a_plane_miss_it() {
     for lean in [-2.5e-16, -1.8e-16, 6e-17, 1.8e-16, 2.5e-16] {
         let plane = Plane::new(DVec3::X * 5.0, DVec3::new(1.0, lean, 0.0));
         for along in [Vec3::Y, Vec3::NEG_Y, Vec3::Y * 1e-6, Vec3::Y * 1e6] {
@@ -45,7 +45,7 @@ fn rounding_does_not_let_a_ray_meet_a_plane_it_goes_along() {
 
 /// An overhead sun between walls made of floors: all its light arrives, by shadow rays and by photons.
 #[test]
-fn an_overhead_sun_shines_between_turned_walls() {
+fn overhead_sun_lights_between_rotated_walls() {
     let walls = "Plane { normal 0 1 0 offset -3 }";
     for turn in ["ZRotate 90", "ZRotate 270", "ZRotate -90", "XRotate 90", "XRotate 270", "ZRotate 45 ZRotate 45"] {
         let text = format!(

@@ -198,7 +198,7 @@ fn strays(own: Own, exact: &Affine, s: &SurfacePoint, hit: DVec3) -> Option<f64>
 /// Distances and normals of shapes under maps of condition number 10⁸; the point lies within what it says of its error, and a ray that
 /// leaves it outwards does not meet the shape again.
 #[test]
-fn shapes_are_met_where_maps_put_them() {
+fn shape_hits_match_double_double_transforms() {
     let shapes = [Own::Ball, Own::Disc, Own::Square, Own::Tube, Own::Bowl];
     let cases: Vec<(Own, &str, DAffine3)> =
         shapes.into_iter().flat_map(|own| maps().into_iter().map(move |(name, map)| (own, name, map))).collect();

@@ -26,7 +26,7 @@ fn volume(o: I64Vec3, a: I64Vec3, b: I64Vec3, c: I64Vec3) -> i64 {
 /// start, so a volume this much below the largest that such corners span is in doubt; all others must be told rightly. A ray through the
 /// edge itself meets one of the two at t = 1, off by as much over the cosine, in parts of the way.
 #[test]
-fn rays_at_an_edge_meet_the_triangle_on_their_side() {
+fn edge_rays_hit_triangle_on_their_side() {
     let mut rng = SmallRng::seed_from_u64(1);
     let (mut through, mut beside, mut doubtful) = (0, 0, 0);
     for i in 0..400_000 {
@@ -80,7 +80,7 @@ const SCALES: [f32; 3] = [1.0 / 1_048_576.0, 1.0, 1_048_576.0];
 /// Corners on a line, two in one point, or all three, as f32 has them: shearing rounds them off the line, but there is nothing to meet and
 /// no normal. They are 64ths of at most 3, so sums are exact.
 #[test]
-fn triangles_without_area_are_never_met() {
+fn zero_area_triangles_are_never_hit() {
     let mut rng = SmallRng::seed_from_u64(2);
     for scale in SCALES {
         let mut aimed = [0; 3];
@@ -118,7 +118,7 @@ fn distance(p: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
 /// of 28, so that these functions are off by less than 28²·γ(9)·4 < .002: what is not exactly at an edge is told rightly. A place at t is
 /// off by that over the slope. In the plane of a triangle there may be a hit or none, but only where the triangle is.
 #[test]
-fn rays_along_axes_and_in_planes_meet_only_what_is_there() {
+fn axis_aligned_and_coplanar_rays_hit_correctly() {
     let mut rng = SmallRng::seed_from_u64(4);
     let mut counts = [0; 5];
     for i in 0..400_000usize {
@@ -183,7 +183,7 @@ fn rays_along_axes_and_in_planes_meet_only_what_is_there() {
 /// A fan of triangles around one edge, one of them twice: from any sector, a ray at the edge must not pass it. Half of the rays run in a
 /// plane through the edge in which all products of its edge function are 0, so that only what counts as inside decides.
 #[test]
-fn edges_of_many_triangles_hold() {
+fn edges_of_many_triangles_are_watertight() {
     let mut rng = SmallRng::seed_from_u64(3);
     for i in 0..20_000 {
         let blades = rng.random_range(3..8);

@@ -54,7 +54,7 @@ fn walled() -> [Closed; 4] {
 /// A ray that leaves a triangle never meets it again, and one that leaves into a closed mesh meets the mesh, though it starts within rounding
 /// of an edge where the walls are at right angles, or of a corner.
 #[test]
-fn rays_that_leave_an_edge_inwards_do_not_escape() {
+fn rays_leaving_edge_inwards_do_not_escape() {
     let run = |(closed, map): (Closed, fn(Vec3) -> Vec3)| {
         let walls = Walls::new(&closed, map);
         let mut rng = SmallRng::seed_from_u64(3);
@@ -83,7 +83,7 @@ fn rays_that_leave_an_edge_inwards_do_not_escape() {
 ///
 /// Bodies are convex: at an edge of a silhouette a face is entered and its neighbour left at one `t`, and the lower index wins.
 #[test]
-fn bodies_are_left_as_often_as_they_are_entered() {
+fn entries_and_exits_of_bodies_balance() {
     let run = |(closed, map): (Closed, fn(Vec3) -> Vec3)| {
         let walls = Walls::new(&closed, map);
         let mut rng = SmallRng::seed_from_u64(4);
@@ -109,7 +109,7 @@ fn bodies_are_left_as_often_as_they_are_entered() {
 
 /// The same from the edges of a room of rectangles, square to the axes and turned.
 #[test]
-fn rooms_of_rectangles_hold_what_leaves_their_edges() {
+fn rectangle_rooms_trap_rays_from_their_edges() {
     for turned in [0.0, 0.7] {
         let turn = turn(DVec3::new(1.0, 2.0, 0.5).normalize(), turned);
         let map = Transform::new(DAffine3::from_mat3_translation(turn, DVec3::new(0.3, 0.1, 0.7))).unwrap();

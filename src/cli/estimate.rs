@@ -1,40 +1,39 @@
-//! `caustica price`.
+//! `caustica estimate`: the passes, time and photons that an error takes, from a pilot render.
 
-use super::error::{NoError, seconds};
 use super::interrupt::{INTERRUPTED, listen};
-use super::memory::{check_gauged, check_photons};
+use super::memory::{check_photons, check_pictures_with_error};
+use super::outlook::{self, NoErrorEstimate, duration};
 use super::plan::announce;
 use super::progress::Progress;
 use super::scene::{in_pool, load};
 use super::settings::{flags, settings};
-use super::{Exit, Failure, PriceArguments, error};
+use super::{EstimateArguments, Exit, Failure};
 use crate::integrate::{Algorithm, Integrator};
-use crate::render::gauge::{ErrorEstimate, Forecast, Needed};
-use crate::render::{Rendered, Stop, render};
+use crate::render::error_estimate::{ErrorEstimate, Forecast, PassesNeeded};
+use crate::render::{Rendered, StopCriteria, render};
 use crate::stats::peak_memory;
 use crate::study::text::{amount, percent};
-use miette::IntoDiagnostic;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::io::Write as _;
 use std::time::Instant;
 
-/// Passes that a pilot makes whatever they take: fewer know little of what is rare.
+/// Least number of passes of the pilot. Fewer sample rare paths too seldom.
 const LEAST_PASSES: u32 = 8;
 
-/// A pilot that was ended before it knew anything.
+/// A pilot that was interrupted before its error could be estimated.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
-#[error("the pilot ended after {passes} passes, from which no error can be told")]
-#[diagnostic(help("let it make four passes at least"))]
+#[error("the pilot ended after {passes} passes, too few to estimate an error")]
+#[diagnostic(help("let it make at least four passes"))]
 struct TooShort {
     passes: u32,
 }
 
-pub(super) fn run(arguments: &PriceArguments) -> Result<Exit, Failure> {
+pub(super) fn run(arguments: &EstimateArguments) -> Result<Exit, Failure> {
     if arguments.method.integrator == Algorithm::Raycast {
-        return Err(Failure::new(Exit::Usage, NoError { flag: "price" }));
+        return Err(Failure::usage(NoErrorEstimate { flag: "estimate" }));
     }
-    listen("what the pilot found");
+    listen("the result of the pilot");
     let progress = Progress::new(arguments.quiet);
     in_pool(&arguments.scene, || {
         let start = Instant::now();
@@ -43,36 +42,37 @@ pub(super) fn run(arguments: &PriceArguments) -> Result<Exit, Failure> {
         let mut settings = settings(&arguments.method, arguments.effects.effects);
         settings.eye.gauge = true;
         let memory = arguments.scene.memory();
-        let pictures = check_gauged(scene.camera().size(), memory.free()).map_err(|e| Failure::new(Exit::Usage, e))?;
+        let pictures = check_pictures_with_error(1, scene.camera().size(), memory.free()).map_err(Failure::usage)?;
         let integrator = algorithm.prepare(&scene, settings);
-        check_photons(integrator.expected(), pictures, memory.free()).map_err(|e| Failure::new(Exit::Usage, e))?;
+        check_photons(integrator.expected(), pictures, memory.free()).map_err(Failure::usage)?;
         announce(integrator.as_ref(), &progress);
+        progress.finish();
         let setup = start.elapsed().as_secs_f64();
-        let (rendered, a_pass) = pilot(arguments, integrator.as_ref(), scene.camera().size(), &progress);
-        let list = List::new(arguments, algorithm, &rendered, setup, a_pass);
+        let (rendered, pass_seconds) = pilot(arguments, integrator.as_ref(), scene.camera().size(), &progress);
+        let list = List::new(arguments, algorithm, &rendered, setup, pass_seconds);
         let list = list.map_err(|e| Failure::new(Exit::Interrupted, e))?;
         let text = if arguments.json {
             let json = serde_json::to_string_pretty(&list);
-            json.into_diagnostic().map_err(|e| Failure::new(Exit::Output, e))? + "\n"
+            json.map_err(Failure::output)? + "\n"
         } else {
             list.table()
         };
         let written = std::io::stdout().write_all(text.as_bytes());
-        written.into_diagnostic().map_err(|e| Failure::new(Exit::Output, e))?;
+        written.map_err(Failure::output)?;
         let interrupted = INTERRUPTED.load(std::sync::atomic::Ordering::Relaxed);
         Ok(if interrupted { Exit::Interrupted } else { Exit::Success })
     })
 }
 
-/// Renders for as long as the pilot may, and tells the seconds that a pass takes from then on.
+/// Renders the pilot. Returns it with the expected time of a later pass \[s].
 fn pilot(
-    arguments: &PriceArguments,
+    arguments: &EstimateArguments,
     integrator: &dyn Integrator,
     size: (u32, u32),
     progress: &Progress,
 ) -> (Rendered, f64) {
-    let stop = Stop {
-        at_least: LEAST_PASSES,
+    let stop = StopCriteria {
+        min_passes: LEAST_PASSES,
         time: Some(arguments.pilot),
         passes: None,
         target: None,
@@ -80,6 +80,7 @@ fn pilot(
     };
     let (began, mut first) = (Instant::now(), 0.0);
     progress.pass(1, None);
+    progress.time_left(Some(arguments.pilot));
     let rendered = render(integrator, size, &stop, progress, |standing| {
         if standing.passes == 1 {
             first = began.elapsed().as_secs_f64();
@@ -87,13 +88,13 @@ fn pilot(
         progress.pass(standing.passes + 1, None);
     });
     progress.finish();
-    // The first pass warms caches up.
+    // The first pass takes longer, because caches are cold.
     let (passes, wall) = (rendered.film.passes(), rendered.wall.as_secs_f64());
-    let a_pass = if passes > 2 { (wall - first) / f64::from(passes - 1) } else { wall / f64::from(passes) };
-    (rendered, a_pass)
+    let pass_seconds = if passes > 2 { (wall - first) / f64::from(passes - 1) } else { wall / f64::from(passes) };
+    (rendered, pass_seconds)
 }
 
-/// What errors cost, after a pilot.
+/// Estimated costs of all requested errors.
 #[derive(Debug, Serialize)]
 struct List {
     schema: u32,
@@ -103,43 +104,46 @@ struct List {
     width: u32,
     height: u32,
     threads: usize,
-    /// Of the pilot's picture.
+    /// Estimated error of the pilot's picture.
     pilot: ErrorEstimate,
     setup_seconds: f64,
     pass_seconds: f64,
     pass_photons: f64,
     peak_memory_bytes: Option<u64>,
-    prices: Vec<Price>,
+    estimates: Vec<Estimate>,
 }
 
-/// What an error costs.
+/// Estimated cost of one error.
 #[derive(Debug, Serialize)]
-struct Price {
+struct Estimate {
     error: f64,
-    /// `None` where no number of passes gives it.
+    /// Passes that the error takes; `None` if no number of passes is enough.
     passes: Option<u32>,
-    /// Setting up and passes \[s].
+    /// Time of the preparation and the passes \[s].
     seconds: Option<f64>,
-    /// From the ends of the interval in which the pilot's error lies \[s].
+    /// Time if the pilot's error is at the lower end of its interval \[s].
     seconds_low: Option<f64>,
+    /// Time if the pilot's error is at the upper end of its interval \[s].
     seconds_high: Option<f64>,
     photons: Option<f64>,
-    /// What is left where the error cannot be had.
+    /// Bias that stays, if the error cannot be reached.
     floor: Option<f64>,
+    /// Flags of `caustica render` that give this error.
     flags: Option<String>,
 }
 
 impl List {
     fn new(
-        arguments: &PriceArguments,
+        arguments: &EstimateArguments,
         algorithm: Algorithm,
         rendered: &Rendered,
         setup: f64,
-        a_pass: f64,
+        pass_seconds: f64,
     ) -> Result<Self, TooShort> {
         let passes = rendered.film.passes();
-        let reading = rendered.gauge.as_ref().map(|gauge| gauge.read(&rendered.film)).unwrap_or_default();
-        let forecast = rendered.gauge.as_ref().and_then(|gauge| gauge.forecast(&reading));
+        let estimator = rendered.estimator.as_ref();
+        let pilot = estimator.map(|estimator| estimator.estimate(&rendered.film)).unwrap_or_default();
+        let forecast = estimator.and_then(|estimator| estimator.forecast(&pilot));
         let forecast = forecast.ok_or(TooShort { passes })?;
         let pass_photons = (rendered.global.emitted + rendered.caustic.emitted) as f64 / f64::from(passes);
         let mut words = flags(&arguments.method, "--effects", arguments.effects.effects);
@@ -150,25 +154,25 @@ impl List {
             words.extend(["--size".to_owned(), format!("{width}x{height}")]);
         }
         let words = words.join(" ");
-        let price = |error: &f64| {
-            let price = Price::new(*error, &reading, &forecast, (setup, a_pass, pass_photons));
-            Price { flags: price.passes.map(|n| format!("{words} --passes {n}")), ..price }
+        let estimate = |error: &f64| {
+            let estimate = Estimate::new(*error, &pilot, &forecast, (setup, pass_seconds, pass_photons));
+            Estimate { flags: estimate.passes.map(|n| format!("{words} --passes {n}")), ..estimate }
         };
         let (width, height) = rendered.film.size();
         Ok(Self {
-            schema: 1,
+            schema: 2,
             version: env!("CARGO_PKG_VERSION"),
             scene: arguments.scene.scene.display().to_string(),
             integrator: algorithm.name(),
             width,
             height,
             threads: rayon::current_num_threads(),
-            pilot: reading,
+            pilot,
             setup_seconds: setup,
-            pass_seconds: a_pass,
+            pass_seconds,
             pass_photons,
             peak_memory_bytes: peak_memory(),
-            prices: arguments.errors.iter().map(price).collect(),
+            estimates: arguments.errors.iter().map(estimate).collect(),
         })
     }
 
@@ -181,52 +185,52 @@ impl List {
             self.width,
             self.height,
             pilot.passes,
-            error::parts(pilot)
+            outlook::parts(pilot)
         );
         let _ = writeln!(
             text,
-            "  {:>7} {:>9} {:>14} {:>24} {:>9} {:>8}  to be had by",
-            "error", "passes", "time", "likely", "photons", "memory"
+            "  {:>7} {:>9} {:>14} {:>24} {:>9} {:>8}  flags",
+            "error", "passes", "time", "likely range", "photons", "memory"
         );
-        for price in &self.prices {
-            let error = percent(price.error);
-            let (Some(passes), Some(time)) = (price.passes, price.seconds) else {
-                let why = match price.floor {
-                    Some(floor) => format!("never: {} is bias that stays; {}", percent(floor), error::REMEDY),
+        for estimate in &self.estimates {
+            let error = percent(estimate.error);
+            let (Some(passes), Some(time)) = (estimate.passes, estimate.seconds) else {
+                let why = match estimate.floor {
+                    Some(floor) => format!("never: {} is bias that stays; {}", percent(floor), outlook::REMEDY),
                     None => "more than ten million passes".to_owned(),
                 };
                 let _ = writeln!(text, "  {error:>7} {why}");
                 continue;
             };
-            let ends = [price.seconds_low, price.seconds_high].map(|t| t.map_or("?".to_owned(), seconds));
+            let ends = [estimate.seconds_low, estimate.seconds_high].map(|t| t.map_or("?".to_owned(), duration));
             let _ = writeln!(
                 text,
                 "  {error:>7} {passes:>9} {:>14} {:>24} {:>9} {memory:>8}  {}",
-                seconds(time),
+                duration(time),
                 ends.join(" to "),
-                price.photons.map_or(String::new(), amount),
-                price.flags.as_deref().unwrap_or_default(),
+                estimate.photons.map_or(String::new(), amount),
+                estimate.flags.as_deref().unwrap_or_default(),
             );
         }
         text
     }
 }
 
-impl Price {
+impl Estimate {
     fn new(
         error: f64,
-        reading: &ErrorEstimate,
+        pilot: &ErrorEstimate,
         forecast: &Forecast,
-        (setup, a_pass, pass_photons): (f64, f64, f64),
+        (setup, pass_seconds, pass_photons): (f64, f64, f64),
     ) -> Self {
         let needed = |aim: f64| match forecast.passes_to(aim) {
-            Needed::Passes(n) => Ok(n),
-            Needed::Never { floor } => Err(Some(floor)),
-            Needed::TooMany => Err(None),
+            PassesNeeded::Passes(n) => Ok(n),
+            PassesNeeded::Never { floor } => Err(Some(floor)),
+            PassesNeeded::TooMany => Err(None),
         };
-        let time = |n: u32| setup + a_pass * f64::from(n);
-        // Were the pilot's error larger than it seems, less of it would be asked for. What has no error has it for nothing.
-        let at = |end: f64| if end > 0.0 { needed(error * reading.error / end).ok().map(time) } else { Some(time(1)) };
+        let time = |n: u32| setup + pass_seconds * f64::from(n);
+        // A pilot whose true error is `end` must lower it by the factor error / end. An error of 0 takes one pass.
+        let at = |end: f64| if end > 0.0 { needed(error * pilot.error / end).ok().map(time) } else { Some(time(1)) };
         let (passes, floor) = match needed(error) {
             Ok(n) => (Some(n), None),
             Err(floor) => (None, floor),
@@ -235,8 +239,8 @@ impl Price {
             error,
             passes,
             seconds: passes.map(time),
-            seconds_low: passes.and_then(|_| at(reading.low)),
-            seconds_high: passes.and_then(|_| at(reading.high)),
+            seconds_low: passes.and_then(|_| at(pilot.low)),
+            seconds_high: passes.and_then(|_| at(pilot.high)),
             photons: passes.map(|n| f64::from(n) * pass_photons),
             floor,
             flags: None,
