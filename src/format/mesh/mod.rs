@@ -2,8 +2,10 @@
 
 mod error;
 mod normals;
+mod obj;
 mod orient;
 mod parts;
+mod ply;
 mod repair;
 mod report;
 mod share;
@@ -24,7 +26,6 @@ pub use write::MeshFormat;
 pub(in crate::format) use write::Shortest;
 
 use super::problem::without_bom;
-use super::{obj, ply};
 use glam::{DVec2, DVec3};
 use std::path::Path;
 

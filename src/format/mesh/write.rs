@@ -1,7 +1,6 @@
 //! Meshes into files.
 
-use super::TriangleMesh;
-use crate::format::{obj, ply};
+use super::{TriangleMesh, obj, ply};
 use crate::image::{WriteError, replace_with};
 use std::fmt::{Display, Formatter, Result as Written};
 use std::io::{BufWriter, Write};

@@ -1,11 +1,10 @@
 //! Cutting Bézier pieces of surfaces until they are flat.
 
 use super::box_tree::Corners;
-use super::patch::{Branch, Cut, Leaf};
 use super::patch_piece::Beyond;
 use super::polynomial::{Vector, split, to_powers};
 use super::spline::{NARROWEST, SplineError};
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, Vec2};
 
 /// Change of the derivatives, in parts of themselves, below which rays that are not near grazing need no further cut.
 const FLAT: f64 = 1.0 / 16.0;
@@ -18,6 +17,52 @@ const SMALL: f64 = 1.0 / 256.0;
 
 /// Bytes that a leaf takes besides its powers: itself, its box and area, its part of the tree and of the cuts.
 const PER_LEAF: u64 = 512;
+
+/// A piece that is flat enough.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Leaf {
+    /// Middle and half width along u and v.
+    pub middle: DVec2,
+    pub half: DVec2,
+    /// The point in the middle.
+    pub point: DVec3,
+    pub bounds: Beyond,
+}
+
+/// Where what was cut goes on.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Branch {
+    Leaf(u32),
+    Cut(u32),
+}
+
+/// A piece cut in two.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cut {
+    /// 0 for u, 1 for v.
+    pub axis: usize,
+    pub at: f64,
+    pub parts: [Branch; 2],
+}
+
+impl Leaf {
+    /// Coordinates on the whole surface, rounded so that they fall on this leaf again.
+    pub fn coordinates(&self, at: DVec2) -> Vec2 {
+        let (low, high) = (self.middle - self.half, self.middle + self.half);
+        let round = |x: f64, low: f64, high: f64| {
+            let x = x as f32;
+            if f64::from(x) < low {
+                x.next_up()
+            } else if f64::from(x) >= high && high < 1.0 {
+                x.next_down()
+            } else {
+                x
+            }
+        };
+        let p = self.middle + self.half * at;
+        Vec2::new(round(p.x, low.x, high.x), round(p.y, low.y, high.y))
+    }
+}
 
 pub(super) struct Builder {
     degree: [usize; 2],

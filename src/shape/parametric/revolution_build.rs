@@ -1,7 +1,6 @@
 //! Cutting profiles until each piece is flat and on one side of the axis.
 
 use super::polynomial::{Vector, split, to_powers};
-use super::revolution::Leaf;
 use super::ring_tree::Ring;
 use super::spline::{NARROWEST, SplineError};
 use libm::hypot;
@@ -14,6 +13,16 @@ pub(super) const DEPTH: u32 = 9;
 
 /// Bytes that a leaf takes besides its powers: itself, its ring and area, its part of the tree.
 const PER_LEAF: u64 = 256;
+
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Leaf {
+    pub first: u32,
+    /// The profile's x over the distance from the axis: 1 or −1.
+    pub side: f64,
+    /// Middle and half width of its stretch of the profile.
+    pub place: [f64; 2],
+    pub ring: Ring,
+}
 
 pub(super) struct Builder {
     pub leaves: Vec<Leaf>,

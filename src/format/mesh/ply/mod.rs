@@ -8,8 +8,8 @@ mod numbers;
 mod tests;
 mod write;
 
-use super::mesh::{Loaded, MeshError, ReadMonitor, check_memory, unit_normal};
-use super::problem::{Problem, without_bom};
+use super::{Loaded, MeshError, ReadMonitor, check_memory, unit_normal};
+use crate::format::problem::{Problem, without_bom};
 use glam::{DVec2, DVec3};
 use header::{Element, ElementKind, Encoding, Header, NumberType, PropertyRole};
 use numbers::{BinaryReader, NumberReader, TextReader};

@@ -1,6 +1,6 @@
 //! The header of a PLY file: which elements follow, and what each consists of.
 
-use super::super::problem::{Problem, excerpt};
+use crate::format::problem::{Problem, excerpt};
 
 /// How the body is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

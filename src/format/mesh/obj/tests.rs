@@ -1,5 +1,5 @@
-use super::super::mesh;
 use super::*;
+use crate::format::mesh;
 
 fn load(path: &Path) -> Result<TriangleMesh, MeshError> {
     mesh::load(path, &()).map(|loaded| loaded.mesh)

@@ -1,6 +1,6 @@
 //! Meshes as OBJ text.
 
-use super::super::mesh::{NO_MATERIAL, Numbers, Shortest, TriangleMesh, bits};
+use crate::format::mesh::{NO_MATERIAL, Numbers, Shortest, TriangleMesh, bits};
 use glam::DVec3;
 use std::io::{Result, Write};
 

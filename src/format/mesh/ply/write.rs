@@ -1,6 +1,6 @@
 //! Meshes as PLY.
 
-use super::super::mesh::{Shortest, TriangleMesh};
+use crate::format::mesh::{Shortest, TriangleMesh};
 use std::io::{Result, Write};
 
 /// Some numbers of each vertex: as `float` where every one of them fits into that exactly, else as `double`.

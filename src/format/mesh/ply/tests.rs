@@ -1,5 +1,5 @@
-use super::super::mesh::TriangleMesh;
 use super::*;
+use crate::format::mesh::TriangleMesh;
 
 const VERTEX: &str = "property float x\nproperty float y\nproperty float z\n";
 const FACE: &str = "property list uchar int vertex_indices\n";
@@ -229,7 +229,7 @@ fn byte_order_marks_are_skipped() {
         let body: &[u8] = if encoding == "ascii" { b"0 0 0 1 0 0 0 1 0 3 0 1 2" } else { &[3; 49] };
         let plain = [header(encoding, 3, 1).as_bytes(), body].concat();
         let marked = [b"\xef\xbb\xbf".as_slice(), &plain].concat();
-        let decoded = |bytes: &[u8]| super::super::mesh::decode(Path::new("a"), bytes.to_vec(), &(), None);
+        let decoded = |bytes: &[u8]| crate::format::mesh::decode(Path::new("a"), bytes.to_vec(), &(), None);
         if encoding == "ascii" {
             assert_eq!(decoded(&marked).unwrap(), decoded(&plain).unwrap());
         } else {

@@ -9,7 +9,7 @@ mod check;
 mod tests;
 mod write;
 
-use super::mesh::{Loaded, MeshError, NO_MATERIAL, ReadMonitor, TriangleMesh, check_memory, unit_normal};
+use super::{Loaded, MeshError, NO_MATERIAL, ReadMonitor, TriangleMesh, check_memory, unit_normal};
 use check::Sound;
 use glam::{DVec2, DVec3};
 use std::collections::HashMap;

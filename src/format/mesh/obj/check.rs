@@ -1,7 +1,7 @@
 //! The lines of an OBJ file that make up its faces, proved sound one by one.
 
-use super::super::mesh::ReadMonitor;
-use super::super::problem::{Problem, excerpt};
+use crate::format::mesh::ReadMonitor;
+use crate::format::problem::{Problem, excerpt};
 use rayon::prelude::*;
 use std::borrow::Cow;
 use std::fmt::Write;
