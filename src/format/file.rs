@@ -19,7 +19,8 @@ pub struct SceneFile {
     folder: PathBuf,
 }
 
-/// Bytes that a byte of a scene takes, read, described and resolved: a sphere of 40 letters is a kilobyte of shape, boxes and tree.
+/// Bytes that a byte of a scene takes, read, described and resolved: a sphere of 40 letters is a
+/// kilobyte of shape, boxes and tree.
 const PER_BYTE: u64 = 32;
 
 /// Why a scene file could not be read.

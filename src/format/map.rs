@@ -45,7 +45,8 @@ impl Map {
         }
     }
 
-    /// The map as it grows from nothing, at time 0, to the whole of it, at time 1; a matrix cannot grow and stands still.
+    /// The map as it grows from nothing, at time 0, to the whole of it, at time 1; a matrix cannot
+    /// grow and stands still.
     #[must_use]
     pub fn growing(&self) -> Step {
         match *self {
@@ -60,8 +61,8 @@ impl Map {
         }
     }
 
-    /// All `maps` as one. Each is applied before those listed ahead of it (M ← M T), but a matrix after them (M ← T M),
-    /// as the course has it.
+    /// All `maps` as one. Each is applied before those listed ahead of it (M ← M T), but a matrix
+    /// after them (M ← T M), as the course has it.
     #[must_use]
     pub fn product(maps: &[Self]) -> DAffine3 {
         maps.iter().fold(DAffine3::IDENTITY, |m, map| match map {

@@ -20,7 +20,8 @@ pub(super) trait AnalyticShape: Sized {
     /// Point that `ray` hits at `t`; `uv` holds the coordinates of the [`ShapeHit`].
     fn surface(&self, ray: &Ray, t: f32, uv: Vec2) -> SurfacePoint;
 
-    /// Intrinsic texture coordinates at the surface point `p`; `uv` holds the coordinates of the [`ShapeHit`].
+    /// Intrinsic texture coordinates at the surface point `p`; `uv` holds the coordinates of the
+    /// [`ShapeHit`].
     fn tex_coord(&self, _p: Vec3, uv: Vec2) -> TexCoord {
         TexCoord { uv: uv.as_dvec2(), ..TexCoord::default() }
     }

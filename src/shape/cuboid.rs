@@ -10,7 +10,8 @@ use glam::{DAffine3, DMat3, DVec2, DVec3, Vec2, Vec3};
 
 /// Surface of the cube \[−1, 1]³ under an affine map.
 ///
-/// Faces are numbered 2·axis, plus 1 on the positive side. The second coordinate of a hit is the face.
+/// Faces are numbered 2·axis, plus 1 on the positive side. The second coordinate of a hit is the
+/// face.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cuboid {
     to_world: Transform,
@@ -21,7 +22,8 @@ pub struct Cuboid {
 }
 
 impl Cuboid {
-    /// The axis-aligned box between the corners `min` and `max`; `None` if it has no extent that numbers can hold.
+    /// The axis-aligned box between the corners `min` and `max`; `None` if it has no extent that
+    /// numbers can hold.
     #[must_use]
     pub fn new(min: DVec3, max: DVec3) -> Option<Self> {
         let (center, half) = (0.5 * min + 0.5 * max, 0.5 * max - 0.5 * min);
@@ -39,7 +41,8 @@ impl Cuboid {
         Self { to_world, face_areas, inverse_widths }
     }
 
-    /// The point of the face nearest to the object-space point `p`, kept off the edges: see [`INSET`].
+    /// The point of the face nearest to the object-space point `p`, kept off the edges: see
+    /// [`INSET`].
     #[inline]
     fn inset(&self, p: DVec3, face: usize) -> DVec3 {
         let largest = self.to_world.point(p).abs().max_element();

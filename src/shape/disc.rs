@@ -1,4 +1,4 @@
-//! Discs, and the ellipses that affine maps make of them.
+//! Discs, and their images under affine maps, which are ellipses.
 
 use super::analytic::AnalyticShape;
 use super::hit::{ShapeHit, widen, within};
@@ -6,14 +6,14 @@ use super::surface_point::{INSET, ShapeSample, SurfacePoint};
 use crate::math::{Ray, Transform, exact_cross, warp};
 use glam::{DVec2, DVec3, Vec2};
 
-/// The points `center + x·a + y·b` with x² + y² ≤ 1; its outer side is that of `a × b`.
+/// The points `center + x·a + y·b` with x² + y² ≤ 1; the outer side is that of `a × b`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disc {
     center: DVec3,
     a: DVec3,
     b: DVec3,
     normal: DVec3,
-    /// Rows that take an offset in the plane to (x, y).
+    /// Rows that map an offset in the plane to (x, y).
     dual: [DVec3; 2],
 }
 
@@ -26,15 +26,15 @@ impl Disc {
         Self { center, a, b, normal: cross / n2.sqrt(), dual: [exact_cross(b, cross) / n2, exact_cross(cross, a) / n2] }
     }
 
-    /// A round disc across `normal`, of any length above zero.
+    /// A round disc perpendicular to `normal`, which may have any length above zero.
     #[must_use]
     pub fn around(center: DVec3, normal: DVec3, radius: f64) -> Self {
         let (a, b) = normal.normalize().any_orthonormal_pair();
-        // any_orthonormal_pair is right-handed with its vector last.
+        // any_orthonormal_pair is right-handed with the given vector as third axis.
         Self::new(center, a * radius, b * radius)
     }
 
-    /// The point, kept off the rim: see [`INSET`].
+    /// The point `p`, kept off the rim: see [`INSET`].
     #[inline]
     fn inset(&self, p: DVec3) -> DVec3 {
         let offset = p - self.center;

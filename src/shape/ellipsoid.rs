@@ -8,9 +8,9 @@ use super::surface_point::{ShapeSample, SurfacePoint};
 use crate::math::{Ray, Transform, quadratic, warp};
 use glam::{DAffine3, DMat3, DVec3, Vec2};
 
-/// The unit sphere under an affine map.
+/// Unit sphere under an affine map.
 ///
-/// Rays are taken into object space without normalising them, so that `t` means the same in both spaces.
+/// Rays are transformed to object space without normalisation, so `t` is the same in both spaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ellipsoid {
     to_world: Transform,
@@ -18,7 +18,7 @@ pub struct Ellipsoid {
 }
 
 impl Ellipsoid {
-    /// The image of the unit sphere at the origin.
+    /// Image of the unit sphere at the origin.
     #[must_use]
     pub fn new(to_world: Transform) -> Self {
         let mut ellipsoid = Self { to_world, area: 0.0 };
@@ -26,7 +26,7 @@ impl Ellipsoid {
         ellipsoid
     }
 
-    /// The image of a sphere under an affine map; `None` where the product is singular.
+    /// Image of a sphere under an affine map; `None` if the product is singular.
     #[must_use]
     pub fn around(sphere: &Sphere, map: &Transform) -> Option<Self> {
         let place = DAffine3 { matrix3: DMat3::from_diagonal(DVec3::splat(sphere.radius)), translation: sphere.center };
@@ -39,13 +39,13 @@ impl Ellipsoid {
         SurfacePoint::exact(p, self.to_world.normal(object).normalize(), world_scale(&self.to_world))
     }
 
-    /// How many times larger the surface at object point `n` is in world space: |det M| · |M⁻ᵀ n|.
+    /// World area per object area at the object-space point `n`: |det M| · |M⁻ᵀ n|.
     #[inline]
     fn stretch(&self, n: DVec3) -> f64 {
         self.to_world.determinant().abs() * self.to_world.normal(n).length()
     }
 
-    /// The mean stretch over the sphere by midpoints in (z, φ).
+    /// World area: the mean stretch over the sphere, by midpoints in (z, φ).
     fn integrate_area(&self) -> f64 {
         const N: u32 = 256;
         let mut sum = 0.0;
@@ -84,7 +84,7 @@ impl AnalyticShape for Ellipsoid {
     }
 
     fn extent(&self) -> (DVec3, DVec3) {
-        // The support of the unit ball along an axis is the length of that row.
+        // The unit ball extends along an axis by the length of that row.
         let rows = self.to_world.forward().matrix3.transpose();
         let half = DVec3::new(rows.x_axis.length(), rows.y_axis.length(), rows.z_axis.length());
         let center = self.to_world.forward().translation;
@@ -99,7 +99,7 @@ impl AnalyticShape for Ellipsoid {
         self.area
     }
 
-    /// Uniform on the unit sphere, so by area of the sphere's preimage.
+    /// Samples the unit sphere uniformly, so the pdf varies over the ellipsoid.
     fn sample(&self, u: Vec2) -> ShapeSample {
         let n = warp::sphere(u).as_dvec3().normalize();
         ShapeSample {
@@ -111,7 +111,8 @@ impl AnalyticShape for Ellipsoid {
 
     #[inline]
     fn pdf(&self, point: &SurfacePoint) -> f32 {
-        // |M⁻ᵀ n| at object point n is 1/|Mᵀ ng|, as Mᵀ takes the normal back to a multiple of n.
+        // |M⁻ᵀ n| at the object-space point n is 1/|Mᵀ ng|, as Mᵀ maps the world normal to a
+        // multiple of n.
         let m = self.to_world.forward().matrix3;
         ((m.transpose() * point.ng.as_dvec3()).length()
             / (4.0 * std::f64::consts::PI * self.to_world.determinant().abs())) as f32
@@ -123,7 +124,8 @@ mod tests {
     use super::*;
     use glam::DAffine3;
 
-    /// Oblate spheroid: 2πa²(1 + (1 − e²)/e · artanh e). The midpoint rule's error is below 10⁻⁴ here.
+    /// Oblate spheroid: 2πa²(1 + (1 − e²)/e · artanh e). The midpoint rule's error is below 10⁻⁴
+    /// here.
     #[test]
     fn area_matches_the_spheroid_formula() {
         let (a, c) = (1.5f64, 0.6);

@@ -13,9 +13,11 @@ use std::f64::consts::{PI, TAU};
 /// Midpoints around the axis at which the area of the side is summed.
 const AREA_STEPS: u32 = 512;
 
-/// Surface of x² + z² ≤ ρ(y)², 0 ≤ y ≤ 1, under an affine map; ρ is linear, with 1 as its larger end.
+/// Surface of x² + z² ≤ ρ(y)², 0 ≤ y ≤ 1, under an affine map; ρ is linear, with 1 as its larger
+/// end.
 ///
-/// The second coordinate of a hit is the [`Part`]. The outer side of an open frustum faces away from the axis.
+/// The second coordinate of a hit is the [`Part`]. The outer side of an open frustum faces away
+/// from the axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frustum {
     to_world: Transform,
@@ -50,13 +52,15 @@ impl Part {
 }
 
 impl Frustum {
-    /// A cylinder between the centres of its ends; `None` if it has no extent that numbers can hold.
+    /// A cylinder between the centres of its ends; `None` if it has no extent that numbers can
+    /// hold.
     #[must_use]
     pub fn cylinder(bottom: DVec3, top: DVec3, radius: f64, capped: bool) -> Option<Self> {
         Self::new(bottom, top, [radius; 2], capped)
     }
 
-    /// A cone from the centre of its base to its apex; `None` if it has no extent that numbers can hold.
+    /// A cone from the centre of its base to its apex; `None` if it has no extent that numbers can
+    /// hold.
     #[must_use]
     pub fn cone(base: DVec3, apex: DVec3, radius: f64, capped: bool) -> Option<Self> {
         Self::new(base, apex, [radius, 0.0], capped)
@@ -112,8 +116,9 @@ impl Frustum {
 
     /// Range of τ in which the infinite cone contains the line; `None` if it misses.
     ///
-    /// The cone's mirror image beyond its apex may be included. With ρ as a third coordinate of negative signature,
-    /// the discriminant is a sum of squared cross products, which keeps its digits for grazing rays.
+    /// The cone's mirror image beyond its apex may be included. With ρ as a third coordinate of
+    /// negative signature, the discriminant is a sum of squared cross products, which keeps its
+    /// digits for grazing rays.
     #[inline]
     fn inside_cone(&self, ray: &ObjectRay) -> Option<[f64; 2]> {
         const ALL: [f64; 2] = [f64::NEG_INFINITY, f64::INFINITY];
@@ -141,7 +146,8 @@ impl Frustum {
         Some(if slope > 0.0 { [after, f64::INFINITY] } else { [f64::NEG_INFINITY, before] })
     }
 
-    /// Largest displacements by rounding of a hit near the object-space point `p`, along y and across it.
+    /// Largest displacements by rounding of a hit near the object-space point `p`, along y and
+    /// across it.
     #[inline]
     fn margins(&self, p: DVec3) -> (f64, f64) {
         let largest = self.to_world.point(p).abs().max_element();
@@ -183,7 +189,8 @@ impl Frustum {
 }
 
 impl AnalyticShape for Frustum {
-    /// Intersects the intervals inside the cone and between the planes of the ends, so no ray escapes at a rim.
+    /// Intersects the intervals inside the cone and between the planes of the ends, so no ray
+    /// escapes at a rim.
     #[inline]
     fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
         let local = ObjectRay::new(ray, &self.to_world);
@@ -233,7 +240,8 @@ impl AnalyticShape for Frustum {
         }
     }
 
-    /// On the side, u goes once around the axis and v from bottom to top. Each cap touches the unit square from inside.
+    /// On the side, u goes once around the axis and v from bottom to top. Each cap touches the unit
+    /// square from inside.
     fn tex_coord(&self, p: Vec3, uv: Vec2) -> TexCoord {
         let p = self.to_world.inverse().transform_point3(p.as_dvec3());
         let world = |row: DVec3| self.to_world.normal(row);

@@ -21,7 +21,8 @@ pub(super) fn within(ray: &Ray, t: f64) -> Option<f32> {
 
 /// Hit at `t` whose first coordinate is the relative residual of rounding `t` to f32.
 ///
-/// At a distance, the residual can be a large part of the shape. In a thin shape it can swap the near and the far side.
+/// At a distance, the residual can be a large part of the shape. In a thin shape it can swap the
+/// near and the far side.
 #[inline]
 pub(super) fn hit_with_residual(ray: &Ray, t: f64, second: f32) -> Option<ShapeHit> {
     within(ray, t).map(|rounded| (rounded, (t / f64::from(rounded) - 1.0) as f32, second))

@@ -1,4 +1,4 @@
-//! Meshes that are placed more than once, or that move: one set of triangles under several maps.
+//! Instances: one set of triangles under several maps, or under a map that moves.
 
 use super::analytic::AnalyticShape;
 use super::hit::{ShapeHit, within};
@@ -12,11 +12,11 @@ use crate::sampling::Discrete;
 use glam::{DVec3, Vec2, Vec3};
 use std::sync::{Arc, OnceLock};
 
-/// A mesh with a hierarchy of its own, in coordinates of its own.
+/// Mesh with its own hierarchy, in object space.
 pub struct IndexedMesh {
     mesh: Mesh,
     hierarchy: Hierarchy,
-    /// Triangles by area, for lights.
+    /// Distribution of triangles by area, made when a light needs it.
     choice: OnceLock<Option<Discrete>>,
 }
 
@@ -27,48 +27,52 @@ impl std::fmt::Debug for IndexedMesh {
 }
 
 impl IndexedMesh {
-    /// Indexes a mesh. It is most exact where its own middle is near its origin.
+    /// Builds the hierarchy of a mesh.
+    ///
+    /// Hits are most accurate if the mesh is centred near the origin.
     #[must_use]
     pub fn new(mesh: Mesh) -> Self {
         let corners: Vec<[Vec3; 3]> = (0..mesh.triangles.len()).map(|i| mesh.corners(i)).collect();
         Self { hierarchy: Hierarchy::build(&corners, &[]), mesh, choice: OnceLock::new() }
     }
 
-    /// Triangles in proportion to their area; `None` where there is none.
+    /// Distribution of triangles by area; `None` if there is no area.
     fn choice(&self) -> Option<&Discrete> {
         let make = || Discrete::new((0..self.mesh.triangles.len()).map(|i| self.mesh.area(i)));
         self.choice.get_or_init(make).as_ref()
     }
 }
 
-/// A mesh under an affine map.
+/// Mesh under an affine map.
 ///
-/// Rays are taken into the mesh's space without normalising them, so that `t` means the same in both. The first coordinate of a crossing
-/// holds the bits of the triangle's index.
+/// Rays are transformed to object space without normalisation, so `t` is the same in both spaces.
+/// The first coordinate of a hit holds the bits of the triangle's index.
 #[derive(Clone, Debug)]
 pub struct Instance {
     mesh: Arc<IndexedMesh>,
     to_world: Transform,
-    /// How much larger areas are than in the mesh's space; true where the map stretches all directions alike.
+    /// World area per object area, exact for similarities.
     area_scale: f64,
 }
 
 impl Instance {
-    /// `mesh` under `to_world`.
+    /// Places `mesh` by `to_world`.
     #[must_use]
     pub fn new(mesh: Arc<IndexedMesh>, to_world: Transform) -> Self {
         let edge = libm::cbrt(to_world.determinant().abs());
         Self { mesh, to_world, area_scale: edge * edge }
     }
 
-    /// How many triangles there are.
+    /// Number of triangles.
     #[must_use]
     pub fn triangles(&self) -> usize {
         self.mesh.mesh.triangles.len()
     }
 
-    /// The ray in the mesh's space from where it comes within twice its radius, and `t` there: what rounding to f32 moves is then of the mesh's
-    /// size, however far away the map puts the start.
+    /// The object-space ray from where it comes within twice the mesh's radius, and `t` there.
+    ///
+    /// The error of rounding to f32 is then proportional to the mesh's size, however distant the
+    /// ray's origin is.
     #[inline]
     fn near(&self, ray: &Ray) -> (Ray, f64) {
         let (o, d) = object_ray(ray, &self.to_world);
@@ -81,12 +85,13 @@ impl Instance {
     }
 
     /// The surface of triangle `i` at barycentric weights `b` of its second and third corner.
-    fn place(&self, i: usize, b: Vec2) -> SurfacePoint {
+    fn surface_at(&self, i: usize, b: Vec2) -> SurfacePoint {
         let own = self.mesh.mesh.surface(i, b);
         let p = self.to_world.point(own.p.as_dvec3()).as_vec3();
         let normal = |n: Vec3| self.to_world.normal(n.as_dvec3()).normalize_or_zero().as_vec3();
         let (ng, ns) = (normal(own.ng), normal(own.ns));
-        // The place is rounded in both spaces, and the next ray once more on its way into the mesh's; what moves it along the plane is no error.
+        // The position is rounded in both spaces, and the next ray once more on its way to object
+        // space. Displacement within the plane is no error.
         let n = own.ng.as_dvec3();
         let rounded =
             n.abs().dot((own.error + own.p.abs() * f32::EPSILON).as_dvec3()) / self.to_world.normal(n).length();
@@ -123,13 +128,14 @@ impl AnalyticShape for Instance {
         let (o, d) = object_ray(ray, &self.to_world);
         let i = uv.x.to_bits() as usize;
         let [a, b, c] = self.mesh.mesh.corners(i).map(|v| v.as_dvec3());
-        // The hierarchy's f32 test chose the triangle; its plane gives the point in double precision.
+        // The hierarchy's f32 test chose the triangle; its plane gives the point in double
+        // precision.
         let (e1, e2) = (b - a, c - a);
         let p = d.cross(e2);
         let q = (o - a).cross(e1);
         let determinant = e1.dot(p);
         let weights = glam::DVec2::new((o - a).dot(p), d.dot(q)) / determinant;
-        self.place(i, inside_triangle(weights))
+        self.surface_at(i, inside_triangle(weights))
     }
 
     fn tex_coord(&self, p: Vec3, uv: Vec2) -> TexCoord {
@@ -161,17 +167,19 @@ impl AnalyticShape for Instance {
         let (i, b) = match self.mesh.choice() {
             Some(choice) => {
                 let (i, _) = choice.sample(u.x);
-                // What is left of u.x inside the chosen interval is uniform again.
+                // The remainder of u.x within the chosen interval is uniform again.
                 (i, warp::triangle(Vec2::new(choice.remainder(u.x, i), u.y)))
             }
             None => (0, Vec2::ZERO),
         };
         let uv = Vec2::new(f32::from_bits(i as u32), 0.0);
-        ShapeSample { point: self.place(i, b), pdf: (1.0 / self.area()) as f32, uv }
+        ShapeSample { point: self.surface_at(i, b), pdf: (1.0 / self.area()) as f32, uv }
     }
 }
 
-/// The nearest weights of a point of the triangle, for some that rounding may have put beside it; the first corner where there are none.
+/// Nearest weights inside the triangle, for a point that rounding may have moved outside.
+///
+/// Not-finite weights become those of the first corner.
 fn inside_triangle(weights: glam::DVec2) -> Vec2 {
     let w = if weights.is_finite() { weights.max(glam::DVec2::ZERO) } else { glam::DVec2::ZERO };
     let sum = w.x + w.y;

@@ -1,6 +1,8 @@
-//! Shapes of the resolved scene, in world space around the scene's centre; curved ones are solved in double precision.
+//! Shapes of the resolved scene, in world space around the scene's centre; curved ones are solved
+//! in double precision.
 //!
-//! A new kind of shape is a file that implements [`AnalyticShape`], a variant of [`Shape`] and a line of `dispatch!`.
+//! A new kind of shape is a file that implements [`AnalyticShape`], a variant of [`Shape`] and a
+//! line of `dispatch!`.
 
 mod analytic;
 mod cuboid;
@@ -131,7 +133,8 @@ impl Shape {
         dispatch!(self, s, _w => s.surface(ray, t, uv))
     }
 
-    /// Intrinsic texture coordinates at the surface point `p`; `uv` holds the coordinates of the [`ShapeHit`].
+    /// Intrinsic texture coordinates at the surface point `p`; `uv` holds the coordinates of the
+    /// [`ShapeHit`].
     ///
     /// Shapes without intrinsic texture coordinates return `uv`.
     #[must_use]
@@ -171,7 +174,8 @@ impl Shape {
         dispatch!(self, s, wrap => wrap(s.translated(by)))
     }
 
-    /// Image under an affine map, with the same outer side; `None` if it has no extent that numbers can hold.
+    /// Image under an affine map, with the same outer side; `None` if it has no extent that numbers
+    /// can hold.
     #[must_use]
     pub fn transformed(&self, map: &Transform) -> Option<Self> {
         if let (Self::Sphere(s), None) = (self, map.similarity()) {

@@ -6,7 +6,7 @@ use super::surface_point::{ShapeSample, SurfacePoint};
 use crate::math::{Frame, Ray, Sphere as BoundingSphere, Transform, quadratic, warp};
 use glam::{DVec3, Vec2, Vec3};
 
-/// A sphere, solved in double precision.
+/// Sphere, intersected in double precision.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere {
     /// Centre.
@@ -16,14 +16,16 @@ pub struct Sphere {
 }
 
 impl Sphere {
-    /// A sphere of `radius > 0`.
+    /// A sphere; `radius` must be above zero.
     #[must_use]
     pub fn new(center: DVec3, radius: f64) -> Self {
         Self { center, radius }
     }
 
-    /// The roots of |o + t d − c| = r, ascending. The discriminant is r² minus the squared distance of the line from the
-    /// centre, which cancels nothing for far spheres (Haines et al. 2019, Ray Tracing Gems, chapter 7).
+    /// Roots t of |o + t d − c| = r, ascending.
+    ///
+    /// The discriminant is r² minus the squared distance of the line from the centre, which does
+    /// not cancel for distant spheres (Haines et al. 2019, Ray Tracing Gems, chapter 7).
     #[inline]
     fn roots(&self, ray: &Ray) -> Option<(f64, f64)> {
         let (o, d) = widen(ray);
@@ -36,15 +38,17 @@ impl Sphere {
         quadratic(a, b, (distance - self.radius) * (distance + self.radius), discriminant)
     }
 
-    /// The surface in unit direction `n` from the centre.
+    /// The surface in the unit direction `n` from the centre.
     #[inline]
     fn at(&self, n: DVec3) -> SurfacePoint {
         SurfacePoint::exact(self.center + n * self.radius, n, self.center.abs().max_element() + self.radius)
     }
 
-    /// A point of the part that `from` sees, drawn uniformly by solid angle, with its density per steradian.
+    /// Samples the visible cap uniformly by solid angle; returns the point and the pdf per
+    /// steradian.
     ///
-    /// `None` where `from` is on the sphere or inside it. (Pharr, Jakob, Humphreys 2023, section 6.2.4.)
+    /// `None` if `from` is on or inside the sphere. Source: Pharr, Jakob, Humphreys 2023, section
+    /// 6.2.4.
     #[must_use]
     pub fn sample_visible(&self, from: Vec3, u: Vec2) -> Option<(SurfacePoint, f32)> {
         let to_center = self.center - from.as_dvec3();
@@ -58,7 +62,7 @@ impl Sphere {
         let axis = to_center / d2.sqrt();
         let cone = warp::cone(u, one_minus_cos as f32);
         let sin2_theta = f64::from(cone.x * cone.x + cone.y * cone.y);
-        // The first crossing of the chosen direction, as an angle at the sphere's centre.
+        // The first hit in the sampled direction, as an angle at the sphere's centre.
         let cos_alpha = sin2_theta / sin2.sqrt() + f64::from(cone.z) * (1.0 - sin2_theta / sin2).max(0.0).sqrt();
         let sin_alpha = (1.0 - cos_alpha * cos_alpha).max(0.0).sqrt();
         let frame = Frame::around(axis.as_vec3());
@@ -67,7 +71,8 @@ impl Sphere {
         Some((self.at(n.normalize()), warp::cone_pdf(one_minus_cos as f32)))
     }
 
-    /// Density per steradian of [`Sphere::sample_visible`]: one over the solid angle of the sphere seen from `from`; 0 from inside.
+    /// Pdf per steradian of [`Sphere::sample_visible`]: one over the solid angle seen from `from`;
+    /// 0 from inside.
     #[must_use]
     pub fn visible_density(&self, from: Vec3) -> f32 {
         let sin2 = self.radius * self.radius / (self.center - from.as_dvec3()).length_squared();

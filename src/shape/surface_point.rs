@@ -8,7 +8,8 @@ use glam::{DVec3, Vec2, Vec3};
 pub struct SurfacePoint {
     /// Position.
     pub p: Vec3,
-    /// Bound on the position error along each axis; it includes the error of the next ray's intersection test.
+    /// Bound on the position error along each axis; it includes the error of the next ray's
+    /// intersection test.
     pub error: Vec3,
     /// Geometric unit normal, on the outer side of the shape.
     pub ng: Vec3,
@@ -19,7 +20,8 @@ pub struct SurfacePoint {
 }
 
 impl SurfacePoint {
-    /// Flat-shaded point from an f64 solution on a shape whose coordinates have magnitudes up to `scale`.
+    /// Flat-shaded point from an f64 solution on a shape whose coordinates have magnitudes up to
+    /// `scale`.
     #[inline]
     pub(super) fn exact(p: DVec3, normal: DVec3, scale: f64) -> Self {
         let ng = normal.as_vec3();
@@ -39,18 +41,21 @@ pub struct ShapeSample {
     pub uv: Vec2,
 }
 
-/// Bound on the error of `p`: half an ulp of f32 per coordinate, and 32 ulps of f64 at `scale` for the next test.
+/// Bound on the error of `p`: half an ulp of f32 per coordinate, and 32 ulps of f64 at `scale` for
+/// the next test.
 #[inline]
 pub(super) fn rounding_error(p: Vec3, scale: f64) -> Vec3 {
     p.abs() * f32::EPSILON + Vec3::splat((scale * (32.0 * f64::EPSILON)) as f32)
 }
 
-/// Least distance of hit points from the edges of a face, in units of their largest error along an axis.
+/// Least distance of hit points from the edges of a face, in units of their largest error along an
+/// axis.
 ///
-/// A ray leaves a point that is off by up to √3 errors, from a start as far away along the normal. At an edge where two
-/// faces meet at angle θ, both displacements can move the start beyond the other face. The ray then escapes through the
-/// edge or hits a wall twice. At distance s from the edge, the start stays inside while s·sin θ > √3·(1 + cos θ) errors.
-/// 16 errors are enough for θ ≥ 12.4°.
+/// A ray leaves a point that is off by up to √3 errors, from a start as far away along the normal.
+/// At an edge where two faces meet at angle θ, both displacements can move the start beyond the
+/// other face. The ray then escapes through the edge or hits a wall twice. At distance s from the
+/// edge, the start stays inside while s·sin θ > √3·(1 + cos θ) errors. 16 errors are enough for θ ≥
+/// 12.4°.
 pub(super) const INSET: f64 = 16.0;
 
 /// f32 bounding box that contains the f64 box from `min` to `max`.

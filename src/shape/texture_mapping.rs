@@ -1,17 +1,17 @@
-//! How texture coordinates lie on surfaces.
+//! Texture coordinates of surfaces, and their gradients.
 
 use crate::math::Transform;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use std::f64::consts::{FRAC_1_PI, TAU};
 
-/// Coordinates at a point of a surface.
+/// Texture coordinates at a point of a surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TexCoord {
-    /// The coordinates.
+    /// Coordinates u and v.
     pub uv: DVec2,
-    /// What u grows by along a step in world space \[1/length]; what it holds across the surface means nothing.
+    /// Gradient of u in world space \[1/length]; only its part in the tangent plane is meaningful.
     pub du: DVec3,
-    /// The same of v.
+    /// Gradient of v, like `du`.
     pub dv: DVec3,
 }
 
@@ -20,64 +20,68 @@ impl TexCoord {
     #[must_use]
     pub(super) fn from_derivatives(uv: Vec2, along_u: DVec3, along_v: DVec3) -> Self {
         let cross = along_u.cross(along_v);
-        // Where an edge has collapsed, coordinates turn without bounds.
+        // At a collapsed edge the gradients are unbounded.
         let n2 = cross.length_squared().max(f64::MIN_POSITIVE);
         Self { uv: uv.as_dvec2(), du: along_v.cross(cross) / n2, dv: cross.cross(along_u) / n2 }
     }
 }
 
-/// What coordinates follow, in the space of an object.
+/// Rule that assigns texture coordinates, in object space.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MappingKind {
-    /// A globe: u goes once around the y axis, eastward, and is ½ at +z; v goes from 0 at −y to 1 at +y.
+    /// Longitude and latitude: u runs once around the y axis, eastward, with ½ at +z; v runs from 0
+    /// at −y to 1 at +y.
     Spherical {
-        /// Its middle.
+        /// Centre of the sphere.
         center: DVec3,
     },
-    /// A flat sheet: (p − origin) · rows.
+    /// Orthogonal projection to a plane: (p − origin) · rows.
     Planar {
-        /// Where both are 0.
+        /// Point with u = v = 0.
         origin: DVec3,
-        /// What u and v grow by along a step \[1/length].
+        /// Gradients of u and v \[1/length].
         rows: [DVec3; 2],
     },
-    /// What the surface itself says: the corners of a mesh, the parameters of a patch.
+    /// Intrinsic coordinates of the surface: vertices of a mesh, parameters of a patch, faces of a
+    /// box.
     Uv,
 }
 
-/// How texture coordinates lie on an object, and where it stands in the world.
+/// Texture mapping of an object: a rule in object space, and the object's placement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TextureMapping {
     form: MappingKind,
     to_world: Transform,
 }
 
-/// The directions of growing u and v on a sheet across `normal`, as of a picture that hangs upright on a wall: u to the right of who
-/// faces its outer side, v upwards by y; on a level sheet u is x.
+/// Unit directions of increasing u and v on a plane perpendicular to `normal`.
+///
+/// They match a picture that hangs upright on a wall: u points right for a viewer of the outer
+/// side, v points up along y. On a horizontal plane, u is x.
 #[must_use]
 pub fn upright(normal: DVec3) -> [DVec3; 2] {
     let n = normal.normalize_or(DVec3::Y);
-    // No more than rounding away from level.
+    // Rounding aside, the plane is horizontal.
     let right = DVec3::Y.cross(n);
     let u = if right.length() > 1e-9 { right.normalize() } else { DVec3::X };
     [u, n.cross(u)]
 }
 
 impl MappingKind {
-    /// A plane through `on`: coordinates are lengths from the origin of the object's space.
+    /// Planar mapping whose coordinates are lengths from the object-space origin.
     #[must_use]
     pub fn plane(normal: DVec3) -> Self {
         Self::Planar { origin: DVec3::ZERO, rows: upright(normal) }
     }
 
-    /// A disc, which touches the unit square from inside.
+    /// Planar mapping in which the disc touches the unit square from inside.
     #[must_use]
     pub fn disc(center: DVec3, normal: DVec3, radius: f64) -> Self {
         let [u, v] = upright(normal);
         Self::Planar { origin: center - (u + v) * radius, rows: [u / (2.0 * radius), v / (2.0 * radius)] }
     }
 
-    /// A parallelogram, which fills the unit square: u along `e0`, v along `e1`, which are not parallel.
+    /// Planar mapping in which the parallelogram fills the unit square: u along `e0`, v along `e1`.
     #[must_use]
     pub fn rectangle(corner: DVec3, e0: DVec3, e1: DVec3) -> Self {
         let cross = e0.cross(e1);
@@ -93,38 +97,38 @@ impl Default for TextureMapping {
 }
 
 impl TextureMapping {
-    /// Coordinates after `form` on an object that `to_world` places.
+    /// Mapping by `form` for an object under `to_world`.
     #[must_use]
     pub fn new(form: MappingKind, to_world: Transform) -> Self {
         Self { form, to_world }
     }
 
-    /// The chart of the object moved by a vector in world space.
+    /// The mapping of the object after a translation in world space.
     #[must_use]
     pub fn translated(&self, by: DVec3) -> Self {
         Self { to_world: self.to_world.translated(by), ..*self }
     }
 
-    /// World point `p` in the object's space.
+    /// The world-space point `p` in object space.
     #[must_use]
     pub fn in_object(&self, p: Vec3) -> DVec3 {
         self.to_world.inverse().transform_point3(p.as_dvec3())
     }
 
-    /// A step of world space in the object's space.
+    /// The world-space vector `step` in object space.
     #[must_use]
     pub fn step_in_object(&self, step: DVec3) -> DVec3 {
         self.to_world.inverse().transform_vector3(step)
     }
 
-    /// Coordinates at `p` of the object's space; `own` is what the surface itself says.
+    /// Texture coordinates at the object-space point `p`; `own` gives the intrinsic coordinates.
     #[must_use]
     pub fn at(&self, p: DVec3, own: impl FnOnce() -> TexCoord) -> TexCoord {
         let world = |row: DVec3| self.to_world.normal(row);
         match self.form {
             MappingKind::Spherical { center } => {
                 let d = p - center;
-                // At the poles u is any, and turns without bounds.
+                // At the poles u is arbitrary and its gradient unbounded.
                 let around2 = (d.x * d.x + d.z * d.z).max(1e-30 * d.y * d.y).max(f64::MIN_POSITIVE);
                 let (around, r2) = (around2.sqrt(), d.length_squared().max(f64::MIN_POSITIVE));
                 let u = 0.5 + libm::atan2(d.x, d.z) / TAU;

@@ -25,7 +25,8 @@ use std::path::Path;
 /// Most cells of a grid.
 pub const MAX_CELLS: u64 = 1 << 30;
 
-/// Bytes that a cell takes in memory: its density, and as much again for where densities are bounded and the slack of lists.
+/// Bytes that a cell takes in memory: its density, and as much again for where densities are
+/// bounded and the slack of lists.
 pub(super) const PER_CELL: u64 = 8;
 
 /// Most bytes before the numbers.
@@ -124,7 +125,8 @@ pub fn write(path: &Path, grid: &Grid, encoding: Encoding) -> std::io::Result<()
     out.flush()
 }
 
-/// What stands before the numbers in the first bytes of a file; else the line from 1, and what is wrong with it.
+/// What stands before the numbers in the first bytes of a file; else the line from 1, and what is
+/// wrong with it.
 fn header(start: &[u8]) -> Result<Header, (usize, Problem)> {
     if start.starts_with(b" BDV") {
         return Err((1, ("this is an OpenVDB file".to_owned(), "sample it on a grid, and write that as `type f32`")));

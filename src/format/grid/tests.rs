@@ -136,7 +136,8 @@ proptest! {
         prop_assert_eq!(of(&bytes_of(&grid, encoding)).unwrap(), grid);
     }
 
-    /// A text that lacks but its last digits still has all its numbers; any other file that is cut or goes on is refused.
+    /// A text that lacks but its last digits still has all its numbers; any other file that is cut
+    /// or goes on is refused.
     #[test]
     fn files_that_are_cut_or_go_on_are_refused(grid in grid(), encoding in encoding(), at in any::<prop::sample::Index>()) {
         let bytes = bytes_of(&grid, encoding);

@@ -1,4 +1,5 @@
-//! Triangle meshes: reading by the kind of the file, and what is done with them apart from rendering.
+//! Triangle meshes: reading by the kind of the file, and what is done with them apart from
+//! rendering.
 
 mod error;
 mod normals;
@@ -37,22 +38,26 @@ pub const NO_MATERIAL: u32 = u32::MAX;
 pub struct TriangleMesh {
     /// Places of the vertices. As read, each is used by a triangle.
     pub positions: Vec<DVec3>,
-    /// Counterclockwise seen from outside; indices into `positions`. Triangles without area are kept.
+    /// Counterclockwise seen from outside; indices into `positions`. Triangles without area are
+    /// kept.
     pub triangles: Vec<[u32; 3]>,
-    /// Shading normals by vertex, of unit length. Zero where the file has none: then at all corners of a triangle.
+    /// Shading normals by vertex, of unit length. Zero where the file has none: then at all corners
+    /// of a triangle.
     pub normals: Option<Vec<DVec3>>,
     /// Texture coordinates by vertex; zero where the file has none.
     pub texcoords: Option<Vec<DVec2>>,
     /// Names of materials, each used by a triangle.
     pub materials: Vec<String>,
-    /// Material of each triangle, an index into `materials` or [`NO_MATERIAL`]; empty where `materials` is.
+    /// Material of each triangle, an index into `materials` or [`NO_MATERIAL`]; empty where
+    /// `materials` is.
     pub triangle_materials: Vec<u32>,
 }
 
 /// A mesh as a file holds it.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Loaded {
-    /// The mesh. Vertices are shared where position, normal and texture coordinates agree in every bit.
+    /// The mesh. Vertices are shared where position, normal and texture coordinates agree in every
+    /// bit.
     pub mesh: TriangleMesh,
     /// Files of materials that the file names, as written.
     pub libraries: Vec<String>,
@@ -60,7 +65,8 @@ pub struct Loaded {
     pub vertices: usize,
     /// Vertices in the file that no face uses; they are left out of `mesh`.
     pub isolated: usize,
-    /// Whether the file indexes positions, normals and texture coordinates apart, so that its vertices are positions.
+    /// Whether the file indexes positions, normals and texture coordinates apart, so that its
+    /// vertices are positions.
     pub positions_only: bool,
 }
 
@@ -134,10 +140,12 @@ pub fn decode(path: &Path, bytes: Vec<u8>, monitor: &dyn ReadMonitor, free: Opti
 
 /// `v` at unit length, or zero where it is too short or long to tell.
 ///
-/// What is of unit length but for rounding stays as it is, so that a normal that was written reads back bit for bit.
+/// What is of unit length but for rounding stays as it is, so that a normal that was written reads
+/// back bit for bit.
 pub(in crate::format) fn unit_normal(v: DVec3) -> DVec3 {
     let squared = v.length_squared();
-    // Normalising errs by 2.5 ulps a component, so by some 5 in the square, and summing it by 3 more.
+    // Normalising errs by 2.5 ulps a component, so by some 5 in the square, and summing it by 3
+    // more.
     if (squared - 1.0).abs() <= 8.0 * f64::EPSILON {
         v
     } else if squared.is_normal() {

@@ -6,11 +6,13 @@ use super::topology::{Topology, Union};
 use glam::DVec3;
 
 impl TriangleMesh {
-    /// Gives normals to triangles that have none: the mean of the normals of the faces around a vertex, weighted by their angles
-    /// there (Thürmer and Wüthrich 1998, "Computing vertex normals from polygonal facets").
+    /// Gives normals to triangles that have none: the mean of the normals of the faces around a
+    /// vertex, weighted by their angles there (Thürmer and Wüthrich 1998, "Computing vertex normals
+    /// from polygonal facets").
     ///
-    /// Faces count together that hang together over edges at which their normals differ by at most `angle` degrees; at other
-    /// edges, at borders, at edges of more than two faces and where windings disagree, vertices are split.
+    /// Faces count together that hang together over edges at which their normals differ by at most
+    /// `angle` degrees; at other edges, at borders, at edges of more than two faces and where
+    /// windings disagree, vertices are split.
     pub fn smooth(&mut self, angle: f64) {
         let missing: Vec<bool> = match &self.normals {
             Some(normals) => {
@@ -50,7 +52,8 @@ impl TriangleMesh {
 
     /// The group of each corner, numbered by first use: corners of a group share their normal.
     fn groups(&self, faces: &[DVec3], angle: f64) -> Vec<u32> {
-        // Products of unit vectors err by some ulps; faces that differ by the very angle count together.
+        // Products of unit vectors err by some ulps; faces that differ by the very angle count
+        // together.
         let least = if angle >= 180.0 { f64::NEG_INFINITY } else { libm::cos(angle.to_radians()) - 8.0 * f64::EPSILON };
         let topology = Topology::new(self);
         let mut union = Union::new(3 * self.triangles.len());

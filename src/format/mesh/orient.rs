@@ -24,9 +24,10 @@ struct Patch {
 }
 
 impl TriangleMesh {
-    /// Makes windings agree on each surface. Closed ones face outward by their volume, and inward where they lie within an odd
-    /// number of others of the same material, as the wall of a hollow does; others keep the winding of most of their faces.
-    /// Surfaces with one side only are left as they are. Returns how many triangles were turned.
+    /// Makes windings agree on each surface. Closed ones face outward by their volume, and inward
+    /// where they lie within an odd number of others of the same material, as the wall of a hollow
+    /// does; others keep the winding of most of their faces. Surfaces with one side only are left
+    /// as they are. Returns how many triangles were turned.
     pub fn orient(&mut self) -> usize {
         let topology = Topology::new(self);
         let mut windings = Union::new(self.triangles.len());
@@ -103,7 +104,8 @@ impl TriangleMesh {
         patch.faces.iter().map(six).sum()
     }
 
-    /// Within how many other closed patches of its material each closed patch lies; triangles in `turn` make each agree.
+    /// Within how many other closed patches of its material each closed patch lies; triangles in
+    /// `turn` make each agree.
     fn depths(&self, patches: &[Patch], turn: &[bool]) -> Vec<usize> {
         let closed = |patch: &Patch| patch.closed && patch.orientable;
         let mut depths = vec![0; patches.len()];
@@ -123,8 +125,9 @@ impl TriangleMesh {
         depths
     }
 
-    /// Whether a closed patch winds around `p`, by the solid angles of its faces once the triangles in `turn` are turned (van
-    /// Oosterom and Strackee 1983, "The solid angle of a plane triangle").
+    /// Whether a closed patch winds around `p`, by the solid angles of its faces once the triangles
+    /// in `turn` are turned (van Oosterom and Strackee 1983, "The solid angle of a plane
+    /// triangle").
     fn encloses(&self, patch: &Patch, turn: &[bool], p: DVec3) -> bool {
         let angle = |t: &u32| {
             let [a, b, c] = self.corners(*t).map(|q| q - p);
@@ -137,7 +140,8 @@ impl TriangleMesh {
         patch.faces.iter().map(angle).sum::<f64>().abs() > TAU
     }
 
-    /// Turns triangles around, and those of their corners' normals that would point to the other side.
+    /// Turns triangles around, and those of their corners' normals that would point to the other
+    /// side.
     fn turn(&mut self, turn: &[bool]) {
         let Some(normals) = &self.normals else {
             for (triangle, _) in self.triangles.iter_mut().zip(turn).filter(|(_, turn)| **turn) {

@@ -5,8 +5,9 @@ use super::TriangleMesh;
 const UNKNOWN: u32 = u32::MAX;
 
 impl TriangleMesh {
-    /// The parts by material, each with the vertices that it uses, in the order in which materials are first used; with
-    /// [`NO_MATERIAL`](super::NO_MATERIAL) that of triangles without one. Parts know no materials themselves.
+    /// The parts by material, each with the vertices that it uses, in the order in which materials
+    /// are first used; with [`NO_MATERIAL`](super::NO_MATERIAL) that of triangles without one.
+    /// Parts know no materials themselves.
     #[must_use]
     pub fn parts(&self) -> Vec<(u32, Self)> {
         let number = |t: usize| self.triangle_materials.get(t).copied().unwrap_or(super::NO_MATERIAL);

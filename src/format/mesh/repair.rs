@@ -18,8 +18,8 @@ pub struct Repair {
 }
 
 impl Repair {
-    /// How far apart vertices are that are taken for one, if nothing else is told, as a part of the diagonal of the mesh: below
-    /// what single precision can tell.
+    /// How far apart vertices are that are taken for one, if nothing else is told, as a part of the
+    /// diagonal of the mesh: below what single precision can tell.
     pub const WELD: f64 = 1e-9;
 }
 
@@ -58,8 +58,8 @@ impl TriangleMesh {
         done
     }
 
-    /// The triangles without area, but not those that close a surface: where a corner of one triangle lies on another's edge,
-    /// such a needle fills the slit between them.
+    /// The triangles without area, but not those that close a surface: where a corner of one
+    /// triangle lies on another's edge, such a needle fills the slit between them.
     fn degenerate(&self) -> Vec<bool> {
         let topology = Topology::new(self);
         let mut closing = vec![0_u8; self.triangles.len()];

@@ -5,7 +5,8 @@ use super::topology::{Topology, Union};
 use glam::DVec3;
 use serde::Serialize;
 
-/// Figures of a mesh. Edges and surfaces go by the places of vertices, so that seams of normals and texture coordinates are none.
+/// Figures of a mesh. Edges and surfaces go by the places of vertices, so that seams of normals and
+/// texture coordinates are none.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MeshReport {
     /// Vertices.
@@ -28,11 +29,13 @@ pub struct MeshReport {
     pub max: [f64; 3],
     /// Sum of the triangles' areas \[length²].
     pub area: f64,
-    /// Volume inside, by the divergence theorem \[length³]; `None` unless it is closed and all windings agree.
+    /// Volume inside, by the divergence theorem \[length³]; `None` unless it is closed and all
+    /// windings agree.
     pub volume: Option<f64>,
     /// Whether no edge is open.
     pub closed: bool,
-    /// Whether each edge has at most two faces, and the faces around each vertex hang together over edges.
+    /// Whether each edge has at most two faces, and the faces around each vertex hang together over
+    /// edges.
     pub manifold: bool,
     /// Whether windings could agree everywhere.
     pub orientable: bool,

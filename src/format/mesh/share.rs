@@ -21,7 +21,8 @@ impl<T> Numbers<T> {
         Self { hasher, table: HashTable::with_capacity(n), list: Vec::with_capacity(n) }
     }
 
-    /// The number of the first thing that had the key of `thing`, which is the next one where there is none.
+    /// The number of the first thing that had the key of `thing`, which is the next one where there
+    /// is none.
     #[inline]
     pub fn number<K: Hash + Eq>(&mut self, thing: T, key: impl Fn(&T) -> K) -> u32 {
         let Self { hasher, table, list } = self;
@@ -57,8 +58,8 @@ fn place(p: DVec3) -> [u64; 3] {
 const UNKNOWN: u32 = u32::MAX;
 
 impl TriangleMesh {
-    /// Makes vertices one that agree in every bit, drops those that no triangle uses, and numbers the others by first use.
-    /// Where one corner of a triangle has no normal, none keeps its own.
+    /// Makes vertices one that agree in every bit, drops those that no triangle uses, and numbers
+    /// the others by first use. Where one corner of a triangle has no normal, none keeps its own.
     pub fn share(&mut self) {
         let normals = self.normals.as_deref();
         let mut known: Vec<u32> = vec![UNKNOWN; self.positions.len()];
@@ -93,14 +94,16 @@ impl TriangleMesh {
         self.take(vertices.iter().map(|(v, _)| *v));
     }
 
-    /// Makes the vertices copies of those listed, but for their normals, which have been made already.
+    /// Makes the vertices copies of those listed, but for their normals, which have been made
+    /// already.
     pub(super) fn take(&mut self, list: impl Iterator<Item = u32> + Clone) {
         self.positions = list.clone().map(|v| self.positions[v as usize]).collect();
         let texcoord = |texcoords: Vec<DVec2>| list.map(|v| texcoords[v as usize]).collect();
         self.texcoords = self.texcoords.take().map(texcoord);
     }
 
-    /// The number of each vertex's place: vertices at the same place have the same number. And how many places there are.
+    /// The number of each vertex's place: vertices at the same place have the same number. And how
+    /// many places there are.
     #[must_use]
     pub fn places(&self) -> (Vec<u32>, usize) {
         let mut numbers = Numbers::with_capacity(self.positions.len());

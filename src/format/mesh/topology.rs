@@ -1,4 +1,5 @@
-//! How triangles hang together: by the places of their corners, whatever normals and texture coordinates these have.
+//! How triangles hang together: by the places of their corners, whatever normals and texture
+//! coordinates these have.
 
 use super::TriangleMesh;
 use rayon::prelude::*;
@@ -65,7 +66,8 @@ impl Topology {
     }
 }
 
-/// Which of many things belong together, and which of these are turned against each other (Tarjan 1975, with a parity).
+/// Which of many things belong together, and which of these are turned against each other (Tarjan
+/// 1975, with a parity).
 #[derive(Debug)]
 pub(super) struct Union {
     parent: Vec<u32>,
@@ -96,7 +98,8 @@ impl Union {
         (root, turned)
     }
 
-    /// Joins two, turned against each other or not; false where they are joined the other way round already.
+    /// Joins two, turned against each other or not; false where they are joined the other way round
+    /// already.
     pub fn join(&mut self, a: usize, b: usize, turned: bool) -> bool {
         let ((a, a_turned), (b, b_turned)) = (self.find(a), self.find(b));
         let turned = turned ^ a_turned ^ b_turned;

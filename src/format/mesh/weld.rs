@@ -11,8 +11,9 @@ const NONE: u32 = u32::MAX;
 const FARTHEST: f64 = 1e150;
 
 impl TriangleMesh {
-    /// Moves each vertex to the first one that is at most `tolerance` away, in the order of vertices, and makes those one that
-    /// then agree in every bit. Returns how many places there are less.
+    /// Moves each vertex to the first one that is at most `tolerance` away, in the order of
+    /// vertices, and makes those one that then agree in every bit. Returns how many places there
+    /// are less.
     pub fn weld(&mut self, tolerance: f64) -> usize {
         let (_, before) = self.places();
         let mut kept = Kept::new(tolerance.clamp(0.0, FARTHEST), &self.positions);
@@ -50,7 +51,8 @@ impl Kept {
         }
     }
 
-    /// The first point that was kept within the tolerance of `p`; `p` itself, kept from now on, where there is none.
+    /// The first point that was kept within the tolerance of `p`; `p` itself, kept from now on,
+    /// where there is none.
     fn nearby(&mut self, p: DVec3) -> DVec3 {
         let at = (p - self.low) / self.cell;
         let corner = at.floor();

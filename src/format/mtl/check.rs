@@ -5,7 +5,8 @@ use std::fmt::Write;
 
 const REPAIR: &str = "repair it or export the materials anew";
 
-/// The lines of `text` that count, each in the one form that the reader knows; or the first that is wrong, from 1.
+/// The lines of `text` that count, each in the one form that the reader knows; or the first that is
+/// wrong, from 1.
 pub(super) fn sound_lines(text: &str) -> Result<String, (usize, Problem)> {
     let mut sound = String::new();
     let mut named = false;

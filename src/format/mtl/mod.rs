@@ -15,7 +15,8 @@ use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 pub use write::write;
 
-/// Bytes that a byte of a file takes: a line `newmtl a` is a material of the reader's and one of ours. Measured: 76 of such lines.
+/// Bytes that a byte of a file takes: a line `newmtl a` is a material of the reader's and one of
+/// ours. Measured: 76 of such lines.
 const PER_BYTE: u64 = 100;
 
 /// A material as an MTL file has it. What it does not tell is `None`.
@@ -39,7 +40,8 @@ pub struct FileMaterial {
     pub index: Option<f64>,
     /// illum: the number of the illumination model.
     pub illumination: Option<u8>,
-    /// map_Kd: the picture that Kd is multiplied by; its path counts from the same folder as the MTL file's own.
+    /// map_Kd: the picture that Kd is multiplied by; its path counts from the same folder as the
+    /// MTL file's own.
     pub texture: Option<PathBuf>,
 }
 

@@ -1,10 +1,10 @@
-//! Parametric surfaces, intersected as they are: no triangles stand in for them.
+//! Parametric surfaces, intersected directly, without triangles.
 //!
-//! A surface is cut once into short pieces, each a polynomial around its middle with bounds on what lies beyond the linear terms.
-//! A ray walks a tree of boxes around them. In each piece that it may meet, the bounds tell for certain that there is no root, or
-//! that there is at most one, which Newton's method then finds or finds missing; else the piece is halved. What remains in doubt at the
-//! size of rounding is a ray that touches the surface within rounding: it counts as a hit where the surface is curved, and as a
-//! miss where the ray runs inside a flat part.
+//! A surface is divided once into short pieces. Each piece is a polynomial around its centre, with
+//! bounds on the terms beyond the linear ones. A ray traverses a hierarchy of the pieces' boxes. In
+//! each piece, the bounds prove that there is no root, or at most one, which Newton's method then
+//! finds or excludes. Otherwise the piece is halved. A ray that is tangent within rounding is a hit
+//! where the surface is curved, and a miss where it runs inside a flat part.
 
 mod axis_ray;
 mod box_tree;

@@ -2,7 +2,7 @@
 
 use super::box_tree::{BoxTree, Line};
 use super::numeric::{GAUSS, SLACK};
-use super::patch_build::{Branch, Builder, Cut, Leaf};
+use super::patch_build::{Cut, PatchBuilder, PatchLeaf, SubdivisionNode};
 use super::patch_piece::PatchPiece;
 use super::polynomial::Vector;
 use super::spline::{Basis, SplineError};
@@ -16,35 +16,37 @@ use crate::shape::texture_mapping::TexCoord;
 use glam::{DVec2, DVec3, DVec4, Vec2, Vec3};
 use std::sync::Arc;
 
-/// Sines of the angle between the derivatives, in parts of the leaf's size, below which a point is a pole or an edge without length.
+/// Sine of the angle between the derivatives, relative to the leaf's size, below which a point is a
+/// pole or lies on a collapsed edge.
 const COLLAPSED: f64 = 1e-7;
 
-/// The points Σ Bᵢ(u) Bⱼ(v) wᵢⱼ pᵢⱼ / Σ Bᵢ(u) Bⱼ(v) wᵢⱼ of a net of control points, with u and v in \[0, 1] by the knots' ranges.
+/// The points Σ Bᵢ(u) Bⱼ(v) wᵢⱼ pᵢⱼ / Σ Bᵢ(u) Bⱼ(v) wᵢⱼ of a net of control points, with u and v in
+/// \[0, 1].
 ///
-/// The outer side is that of ∂u × ∂v, under maps that mirror too.
+/// The outer side is that of ∂u × ∂v, also under maps that mirror.
 #[derive(Clone, Debug)]
 pub struct Patch {
     net: Arc<Net>,
-    /// From the net's space, which has the middle of the control points as origin.
+    /// Map from the net's space, whose origin is the centre of the control points.
     to_world: Transform,
-    /// In the world.
+    /// World area \[length²].
     area: f64,
 }
 
 #[derive(Debug)]
 struct Net {
     degree: [usize; 2],
-    leaves: Vec<Leaf>,
+    leaves: Vec<PatchLeaf>,
     powers: Vec<Vector<4>>,
-    /// Knots of both directions that part stretches.
+    /// Knots between spans, in both directions.
     breaks: [Vec<f64>; 2],
-    /// For each pair of stretches, then below.
-    roots: Vec<Branch>,
+    /// Subdivision of each pair of spans, row by row.
+    roots: Vec<SubdivisionNode>,
     cuts: Vec<Cut>,
     tree: BoxTree,
-    /// Area of each leaf.
+    /// Distribution of leaves by area.
     choice: Discrete,
-    /// Half the size of a box around it all, which is centred on the origin.
+    /// Half the size of a bounding box that is centred on the origin.
     half: DVec3,
     size: f64,
     noise: f64,
@@ -52,18 +54,21 @@ struct Net {
 }
 
 impl Patch {
-    /// A surface of control points (x, y, z, weight), those along v one after the other.
+    /// A surface of control points (x, y, z, weight), those along v consecutive.
     ///
     /// # Errors
-    /// [`SplineError`] where numbers do not fit, weights are not above 0, values are too large, or the surface has no area.
+    ///
+    /// [`SplineError`] if the numbers of knots and points do not fit, a weight is not above 0, a
+    /// value is too large, or the surface has no area.
     pub fn new(bases: [&Basis; 2], controls: &[DVec4]) -> Result<Self, SplineError> {
         Self::within(bases, controls, None)
     }
 
-    /// As [`Patch::new`], within `free` bytes of memory, where that number is known.
+    /// Like [`Patch::new`], limited to `free` bytes of memory if that number is known.
     ///
     /// # Errors
-    /// [`SplineError`], as of [`Patch::new`], and where the memory does not suffice.
+    ///
+    /// [`SplineError`], also if the memory does not suffice.
     pub fn within(bases: [&Basis; 2], controls: &[DVec4], free: Option<u64>) -> Result<Self, SplineError> {
         let [rows, columns] = bases.map(Basis::controls);
         if controls.len() != rows * columns {
@@ -84,7 +89,7 @@ impl Patch {
         let weigh = |(p, c): (&DVec3, &DVec4)| ((*p - place) * (c.w / heaviest)).extend(c.w / heaviest).to_array();
         let weighed: Vec<Vector<4>> = points.iter().zip(controls).map(weigh).collect();
 
-        let mut builder = Builder::new(bases.map(Basis::degree), free);
+        let mut builder = PatchBuilder::new(bases.map(Basis::degree), free);
         for u in bases[0].spans() {
             // Along u for each column of the net, then along v.
             let columns: Vec<Vec<Vector<4>>> =
@@ -106,7 +111,7 @@ impl Patch {
         let [p, q] = bases.map(Basis::degree);
         let noise = size * f64::EPSILON * (64 + 4 * (p * p + q * q)) as f64;
         let bytes = builder.bytes();
-        let Builder { leaves, powers, roots, cuts, boxes, .. } = builder;
+        let PatchBuilder { leaves, powers, roots, cuts, boxes, .. } = builder;
         let nothing = Discrete::new([1.0]).ok_or(SplineError::NoArea)?;
         let mut net = Net {
             degree: [p, q],
@@ -128,12 +133,15 @@ impl Patch {
         Ok(Self { net: Arc::new(net), to_world: Transform::IDENTITY.translated(place), area })
     }
 
-    /// Bytes of memory that it takes at most.
+    /// Upper bound of the memory in bytes.
     pub(crate) fn bytes(&self) -> u64 {
         self.net.bytes
     }
 
-    /// The ray in the net's space, τ at its origin as a negative number, and τ for each unit of t; `None` where it passes by.
+    /// The ray in the net's space, the length from its origin to τ = 0, and the length per unit of
+    /// t.
+    ///
+    /// `None` if the ray passes the bounding sphere by.
     fn line(&self, ray: &Ray) -> Option<(Line, f64, f64)> {
         let ObjectRay { base, direction, start, length } = ObjectRay::new(ray, &self.to_world);
         let size = self.net.size * (1.0 + 1e-9);
@@ -143,7 +151,7 @@ impl Patch {
     fn at(&self, leaf: usize, at: DVec2, uv: Vec2) -> SurfacePoint {
         let net = &*self.net;
         let [p, ..] = net.piece(leaf).point(at);
-        // By the inverse transpose, a mirror image keeps its outer side.
+        // The inverse transpose keeps the outer side of a mirror image.
         let normal = self.to_world.normal(net.normal(leaf, at)).normalize();
         let m = self.to_world.forward().matrix3;
         let widest = m.x_axis.length() + m.y_axis.length() + m.z_axis.length();
@@ -169,7 +177,7 @@ impl AnalyticShape for Patch {
         let end = f64::from(ray.t_max) * length - start;
         let size = net.size * (1.0 + 1e-9);
         let mut found: Option<(usize, DVec2, f64)> = None;
-        net.tree.walk(&line, [(-start).max(-size), end.min(size)], |leaf, range| {
+        net.tree.visit_hits(&line, [(-start).max(-size), end.min(size)], |leaf, range| {
             if let Some(at) = net.piece(leaf).nearest(&line, range, net.size) {
                 found = Some((leaf, at, range[1]));
             }
@@ -183,7 +191,7 @@ impl AnalyticShape for Patch {
     fn surface(&self, ray: &Ray, _t: f32, uv: Vec2) -> SurfacePoint {
         let (leaf, mut at) = self.net.find(uv);
         if let Some((line, ..)) = self.line(ray) {
-            // Newton's method makes up for the rounding of the coordinates.
+            // Newton's method corrects the rounding of the coordinates.
             let most = 2.0 * f64::from(f32::EPSILON) / self.net.leaves[leaf].half;
             for _ in 0..2 {
                 let step = self.net.piece(leaf).step(&line, at);
@@ -213,7 +221,7 @@ impl AnalyticShape for Patch {
         self.area
     }
 
-    /// A leaf by its area, then uniform in its coordinates.
+    /// Chooses a leaf by its area, then samples its parameters uniformly.
     fn sample(&self, u: Vec2) -> ShapeSample {
         let net = &*self.net;
         let (leaf, _) = net.choice.sample(u.x);
@@ -241,7 +249,7 @@ impl AnalyticShape for Patch {
 
 #[cfg(test)]
 impl Patch {
-    /// The point of coordinates.
+    /// The world-space point at the parameters `uv`.
     pub(super) fn point_of(&self, uv: Vec2) -> DVec3 {
         let (leaf, at) = self.net.find(uv);
         self.to_world.point(self.net.piece(leaf).point(at)[0])
@@ -253,22 +261,22 @@ impl Net {
         let [p, q] = self.degree;
         let room = (p + 1) * (q + 1);
         let powers = &self.powers[leaf * room..(leaf + 1) * room];
-        let Leaf { point, bounds, .. } = self.leaves[leaf];
+        let PatchLeaf { point, bounds, .. } = self.leaves[leaf];
         PatchPiece { powers, middle: point, columns: q + 1, bounds, noise: self.noise }
     }
 
-    /// The leaf of a place on the whole surface, and the place on it.
+    /// The leaf that contains the parameters `uv`, and the position in the leaf, in \[−1, 1]².
     fn find(&self, uv: Vec2) -> (usize, DVec2) {
         let uv = uv.as_dvec2();
         let stretch = |axis: usize| self.breaks[axis].partition_point(|b| *b <= uv[axis]).saturating_sub(1);
         let mut branch = self.roots[stretch(0) * self.breaks[1].len() + stretch(1)];
         loop {
             match branch {
-                Branch::Cut(cut) => {
+                SubdivisionNode::Cut(cut) => {
                     let cut = &self.cuts[cut as usize];
                     branch = cut.parts[usize::from(uv[cut.axis] >= cut.at)];
                 }
-                Branch::Leaf(leaf) => {
+                SubdivisionNode::Leaf(leaf) => {
                     let l = &self.leaves[leaf as usize];
                     return (leaf as usize, ((uv - l.middle) / l.half).clamp(DVec2::NEG_ONE, DVec2::ONE));
                 }
@@ -276,7 +284,7 @@ impl Net {
         }
     }
 
-    /// ∂u × ∂v at any length, or its limit from inside the leaf where that is nothing.
+    /// ∂u × ∂v at any length, or its limit from inside the leaf if it vanishes.
     fn normal(&self, leaf: usize, at: DVec2) -> DVec3 {
         let piece = self.piece(leaf);
         let [_, middle_x, middle_y] = piece.point(DVec2::ZERO);
@@ -293,7 +301,7 @@ impl Net {
     }
 }
 
-/// By Gauss's rule.
+/// World area of a leaf by Gauss quadrature.
 fn leaf_area(piece: &PatchPiece<'_>, to_world: &Transform) -> f64 {
     let element = |x: f64, y: f64| {
         let [_, along_x, along_y] = piece.point(DVec2::new(x, y));

@@ -1,12 +1,13 @@
-//! Polynomials on \[−1, 1] in powers of the distance from the middle.
+//! Polynomials on \[−1, 1] in powers of the distance from the centre.
 //!
-//! On a short piece of a curve or surface the powers fall off quickly, so that they are as stable as Bernstein's form, cheaper to
-//! evaluate, and bound themselves: what lies beyond the linear terms is at most the sum of its coefficients.
+//! On a short piece of a curve or surface, coefficients decrease quickly with the power. This form
+//! is then as stable as the Bernstein form and faster to evaluate. The sum of the coefficients
+//! beyond the linear terms bounds these terms.
 
-/// The largest degree of a curve or surface: what evaluation keeps on the stack grows with its square.
+/// Largest degree of a curve or surface; the stack used by evaluation grows with its square.
 pub const MAX_DEGREE: usize = 24;
 
-/// Coefficients, each of `N` components.
+/// Coefficients with `N` components.
 pub type Vector<const N: usize> = [f64; N];
 
 #[inline]
@@ -14,23 +15,24 @@ fn combine<const N: usize>(a: Vector<N>, b: Vector<N>, s: f64) -> Vector<N> {
     std::array::from_fn(|i| a[i] + s * b[i])
 }
 
-/// Both halves of a Bézier curve cut at `s` in \[0, 1] (de Casteljau).
+/// Halves of a Bézier curve divided at `s` in \[0, 1], by de Casteljau's algorithm.
 pub fn split<const N: usize>(controls: &[Vector<N>], s: f64) -> (Vec<Vector<N>>, Vec<Vector<N>>) {
     let mut points = controls.to_vec();
     let (mut first, mut last) = (Vec::new(), Vec::new());
     while let (Some(a), Some(b)) = (points.first(), points.last()) {
         first.push(*a);
         last.push(*b);
-        // Each from its nearer end: a cut at 0 or 1 then moves nothing.
+        // Each half starts from its nearer end, so a division at 0 or 1 moves nothing.
         points = points.windows(2).map(|w| std::array::from_fn(|i| (1.0 - s) * w[0][i] + s * w[1][i])).collect();
     }
     last.reverse();
     (first, last)
 }
 
-/// From Bernstein's form to powers around the middle, for the controls at `first`, `first + stride`, … of `c`.
+/// Converts Bernstein coefficients to powers around the centre, in place.
 ///
-/// The k-th coefficient is 2⁻ⁿ C(n, k) Σᵢ C(n − k, i) Δᵏbᵢ.
+/// The coefficients are at `first`, `first + stride`, … of `c`. The k-th result is 2⁻ⁿ C(n, k) Σᵢ
+/// C(n − k, i) Δᵏbᵢ.
 pub fn to_powers<const N: usize>(c: &mut [Vector<N>], first: usize, stride: usize, degree: usize) {
     let mut differences = [[0.0; N]; MAX_DEGREE + 1];
     for (i, d) in differences[..=degree].iter_mut().enumerate() {
@@ -54,7 +56,7 @@ fn binomial(n: usize, k: usize) -> f64 {
     (0..k).fold(1u64, |b, i| b * (n - i) as u64 / (i as u64 + 1)) as f64
 }
 
-/// Turns a(x) into a(`middle` + `half`·x) (Shaw and Traub's shift).
+/// Replaces a(x) by a(`middle` + `half`·x), by the shift of Shaw and Traub.
 #[inline]
 pub fn recentre<const N: usize>(a: &mut [Vector<N>], middle: f64, half: f64) {
     let mut scale = 1.0;
@@ -69,7 +71,7 @@ pub fn recentre<const N: usize>(a: &mut [Vector<N>], middle: f64, half: f64) {
     }
 }
 
-/// The same in x of a(x, y), whose rows are polynomials in y.
+/// Replaces a(x, y) by a(`middle` + `half`·x, y); the rows are polynomials in y.
 #[inline]
 pub fn recentre_rows<const N: usize>(a: &mut [Vector<N>], columns: usize, middle: f64, half: f64) {
     let rows = a.len() / columns;

@@ -20,7 +20,8 @@ fn segments_end_before_the_sphere() {
     assert!(s.intersect(&ray).is_none(), "the far root must not stand in for a near one beyond the end");
 }
 
-/// The sampled point is the first crossing seen, and its mean direction cosine is that of the uniform cone.
+/// The sampled point is the first hit in its direction, and its mean direction cosine is that of
+/// the uniform cone.
 #[test]
 fn visible_points_are_first_crossings() {
     let s = Sphere::new(DVec3::new(0.5, 1.0, -2.0), 0.6);

@@ -33,7 +33,7 @@ fn shapes() -> Vec<Shape> {
     ]
 }
 
-/// The mean of 1/pdf over samples is the area; the bound is five standard errors measured from the samples.
+/// The mean of 1/pdf over samples is the area, within five standard errors.
 #[test]
 fn sampled_points_lie_on_the_shape_with_the_stated_density() {
     for shape in shapes() {
@@ -60,7 +60,7 @@ fn sampled_points_lie_on_the_shape_with_the_stated_density() {
     }
 }
 
-/// Rays that leave an offset point away from the shape never meet it again; rays into it never meet its skin twice.
+/// A ray that leaves an offset point outward misses the shape; an inward ray hits the far side.
 #[test]
 fn offset_rays_leave_cleanly() {
     for scale in [1e-3, 1.0, 1e4] {

@@ -128,7 +128,8 @@ fn edge_point(solid: Solid, i: u64) -> DVec3 {
     }
 }
 
-/// The nearest hit agrees with bisection, for rays from outside and inside, through faces, edges and apexes.
+/// The nearest hit agrees with bisection, for rays from outside and inside, through faces, edges
+/// and apexes.
 #[test]
 fn hits_agree_with_bisection() {
     for solid in SOLIDS {
@@ -261,7 +262,8 @@ fn grazing_and_axial_rays() {
     assert_eq!(hit(&pointed, Vec3::new(0.0, 1.5, 3.0), -Vec3::Z), None);
 }
 
-/// Closed forms of the areas; the side of an elliptical cylinder has Ramanujan's perimeter (relative error below 10⁻⁹ here).
+/// Closed forms of the areas; the side of an elliptical cylinder has Ramanujan's perimeter
+/// (relative error below 10⁻⁹ here).
 #[test]
 fn areas_match_formulas() {
     let near = |shape: Shape, area: f64| assert!((shape.area() / area - 1.0).abs() < 1e-8, "{shape:?} {area}");
@@ -281,7 +283,8 @@ fn areas_match_formulas() {
     near(cone(DVec3::ZERO, DVec3::Y, [1.0, 1.0], false).transformed(&stretch).unwrap(), 2.0 * perimeter);
 }
 
-/// Samples fill equal areas of the surface alike: chi-square over bins, at a probability of failure of 10⁻⁶.
+/// Samples fill equal areas of the surface alike: chi-square over bins, at a probability of failure
+/// of 10⁻⁶.
 #[test]
 fn samples_are_uniform_by_area() {
     let turn = DQuat::from_xyzw(0.1, -0.5, 0.7, 0.5).normalize();
@@ -289,7 +292,8 @@ fn samples_are_uniform_by_area() {
     let map = Transform::new(map).unwrap();
     for solid in SOLIDS {
         let shape = solid.shape(&map);
-        // Bins by part, angle or first coordinate, and height or second coordinate, with their share of the area.
+        // Bins by part, angle or first coordinate, and height or second coordinate, with their
+        // share of the area.
         let mut expected: Vec<f64> = Vec::new();
         match solid {
             Solid::Cube => expected.resize(6 * 16, 1.0),
@@ -347,7 +351,8 @@ fn samples_are_uniform_by_area() {
     }
 }
 
-/// The solid angle seen from a point, by area samples and by random directions, under a map that stretches.
+/// The solid angle seen from a point, by area samples and by random directions, under a map that
+/// stretches.
 #[test]
 fn area_samples_measure_the_visible_solid_angle() {
     let map = &maps()[1];

@@ -1,7 +1,8 @@
 use super::*;
 use glam::{DAffine3, DQuat};
 
-/// Gradients agree with differences over 1e-6 in every direction: the second derivatives here are below 10.
+/// Gradients agree with differences over 1e-6 in every direction: the second derivatives here are
+/// below 10.
 #[test]
 fn gradients_are_those_of_the_coordinates() {
     let squash = Transform::new(DAffine3::from_scale_rotation_translation(
@@ -43,7 +44,7 @@ fn coordinates_at_known_points() {
     close(globe, [1.0, 1.0, 1.0], [0.5, 0.75]);
     let pole = |y: f64| at(globe, DVec3::new(1.0, y, 0.0)).y;
     assert!((pole(2.0) - 1.0).abs() < 1e-12 && pole(-2.0).abs() < 1e-12);
-    // As a map of the floor with north, −z, up; walls from outside, upright.
+    // A map of the floor with north, −z, up; walls seen from outside, upright.
     close(MappingKind::plane(DVec3::Y), [2.0, 0.0, -3.0], [2.0, 3.0]);
     close(MappingKind::plane(DVec3::Z * 5.0), [2.0, 3.0, 0.0], [2.0, 3.0]);
     close(MappingKind::plane(DVec3::X), [0.0, 3.0, -2.0], [2.0, 3.0]);

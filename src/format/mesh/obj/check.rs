@@ -27,8 +27,9 @@ const LISTS: [&str; 3] = ["vertex", "texture coordinate", "normal"];
 /// What is left of a file.
 #[derive(Default)]
 pub(super) struct Sound {
-    /// Lines `v`, `vt`, `vn` and `f` in the order of the file, cut to what counts: finite numbers, and indices of what stands
-    /// before. Within a group (parted by `g`), all corners name the same lists, and all faces have one material.
+    /// Lines `v`, `vt`, `vn` and `f` in the order of the file, cut to what counts: finite numbers,
+    /// and indices of what stands before. Within a group (parted by `g`), all corners name the same
+    /// lists, and all faces have one material.
     pub texts: Vec<String>,
     /// The material of each group, empty where it has none.
     pub groups: Vec<String>,
@@ -130,7 +131,8 @@ impl Tally {
     }
 }
 
-/// Calls `visit` with the number from 0 and the text of each line that may count; a backslash at its end continues a line.
+/// Calls `visit` with the number from 0 and the text of each line that may count; a backslash at
+/// its end continues a line.
 fn for_lines<E>(text: &str, mut visit: impl FnMut(usize, &str) -> Result<(), E>) -> Result<(), E> {
     let mut lines = text.lines().enumerate();
     while let Some((i, first)) = lines.next() {
@@ -205,7 +207,8 @@ impl<'u> Chunk<'u> {
         }
     }
 
-    /// Passes on `most` numbers, of which `fewest` must be there and others are 0; what follows them is dropped.
+    /// Passes on `most` numbers, of which `fewest` must be there and others are 0; what follows
+    /// them is dropped.
     fn numbers<'w>(
         &mut self,
         list: usize,

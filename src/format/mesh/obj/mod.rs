@@ -1,8 +1,9 @@
 //! Triangle meshes from and to Wavefront OBJ files.
 //!
-//! Crate `tobj` reads the numbers and fans the polygons. Handed a file as it is, it names no lines, stops at comments
-//! that are not UTF-8, lets normals slip to other vertices where only some faces have them, and overflows on wild
-//! indices. So each line is checked here first, and only sound ones are passed on.
+//! Crate `tobj` reads the numbers and fans the polygons. Handed a file as it is, it names no lines,
+//! stops at comments that are not UTF-8, lets normals slip to other vertices where only some faces
+//! have them, and overflows on wild indices. So each line is checked here first, and only sound
+//! ones are passed on.
 
 mod check;
 #[cfg(test)]
@@ -17,10 +18,12 @@ use std::io::{BufRead, Read};
 use std::path::Path;
 pub(super) use write::write;
 
-/// Bytes that a number of a position, normal or texture coordinate takes: in a list of `tobj`, in its mesh and in ours.
+/// Bytes that a number of a position, normal or texture coordinate takes: in a list of `tobj`, in
+/// its mesh and in ours.
 const PER_NUMBER: u64 = 8 * 3;
 
-/// Bytes that a corner of a triangle takes: its three indices in a list of `tobj` (24), one in its mesh and one in ours.
+/// Bytes that a corner of a triangle takes: its three indices in a list of `tobj` (24), one in its
+/// mesh and one in ours.
 const PER_CORNER: u64 = 32;
 
 /// The triangles of an OBJ file. Lines, points, groups and names of objects are passed over.

@@ -4,7 +4,8 @@ use crate::format::mesh::{NO_MATERIAL, Numbers, Shortest, TriangleMesh, bits};
 use glam::DVec3;
 use std::io::{Result, Write};
 
-/// Writes the mesh. Positions, normals and texture coordinates that agree in every bit are written once.
+/// Writes the mesh. Positions, normals and texture coordinates that agree in every bit are written
+/// once.
 pub(in crate::format) fn write(mesh: &TriangleMesh, libraries: &[String], out: &mut impl Write) -> Result<()> {
     writeln!(out, "# Caustica {}", env!("CARGO_PKG_VERSION"))?;
     for library in libraries {

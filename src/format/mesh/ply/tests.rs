@@ -59,7 +59,8 @@ fn numbers_of_every_type_are_read_from_either_end() {
         for (encoding, big) in [("binary_big_endian", true), ("binary_little_endian", false)] {
             let bytes: Vec<u8> = if big { three.to_vec() } else { three.iter().rev().copied().collect() };
             let zero = vec![0; bytes.len()];
-            // A vertex at (3, 0, 0), one at (0, 3, 0), one at 0; a list of numbers, and a face of lists of this type.
+            // A vertex at (3, 0, 0), one at (0, 3, 0), one at 0; a list of numbers, and a face of
+            // lists of this type.
             let whole = !name.starts_with(['f', 'd']);
             let index = if whole { name } else { "uchar" };
             let mut text = format!("ply\nformat {encoding} 1.0\nelement vertex 4\n").into_bytes();

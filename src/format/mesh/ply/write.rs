@@ -3,7 +3,8 @@
 use crate::format::mesh::{Shortest, TriangleMesh};
 use std::io::{Result, Write};
 
-/// Some numbers of each vertex: as `float` where every one of them fits into that exactly, else as `double`.
+/// Some numbers of each vertex: as `float` where every one of them fits into that exactly, else as
+/// `double`.
 struct Columns<'m> {
     names: &'static [&'static str],
     single: bool,

@@ -101,7 +101,8 @@ fn single_precision_stays_single_in_ply() {
         written(mesh, folder.path(), (MeshFormat::Ply, name));
         std::fs::metadata(folder.path().join(name)).unwrap().len()
     };
-    // Four bytes less for each coordinate, and two letters less in three words of the header: "float" for "double".
+    // Four bytes less for each coordinate, and two letters less in three words of the header:
+    // "float" for "double".
     assert_eq!(size(&long, "long.ply") - size(&short, "short.ply"), 600 * 3 * 4 + 3);
 }
 

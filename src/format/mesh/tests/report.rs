@@ -23,10 +23,12 @@ fn closed_solids_have_their_area_volume_and_genus() {
     assert_eq!((report.vertices, report.triangles, report.genus), (4, 4, Some(0)));
     let (n, m) = (40, 30);
     let report = torus(n, m).report();
-    // The ring of a regular polygon turned about the axis: of the circle's 2π² R r², the polygons' parts of their circles.
+    // The ring of a regular polygon turned about the axis: of the circle's 2π² R r², the polygons'
+    // parts of their circles.
     let inscribed = |n: u32| f64::from(n) / TAU * libm::sin(TAU / f64::from(n));
     let ring = 2.0 * libm::pow(std::f64::consts::PI, 2.0) * 2.0 * inscribed(n) * inscribed(m);
-    // The radius of each quad's middle is the same, but its triangles are not flat together: second order in 1/(n m).
+    // The radius of each quad's middle is the same, but its triangles are not flat together: second
+    // order in 1/(n m).
     assert!((report.volume.unwrap() - ring).abs() < 1e-3 * ring, "{:?} {ring}", report.volume);
     assert_eq!((report.euler_characteristic, report.genus), (0, Some(1)));
 }
@@ -50,7 +52,8 @@ fn what_is_wrong_is_counted() {
     odd.triangles[0].swap(1, 2);
     let report = odd.report();
     assert_eq!((report.inconsistent_edges, report.orientable, report.volume), (3, true, None));
-    // Two cubes that share an edge: four faces there, and the ends of the edge are pinched no more than that.
+    // Two cubes that share an edge: four faces there, and the ends of the edge are pinched no more
+    // than that.
     let two = with(cube(), &moved(cube(), 1.0, DVec3::new(2.0, 2.0, 0.0)));
     let report = two.report();
     assert_eq!((report.non_manifold_edges, report.manifold, report.components, report.genus), (1, false, 1, None));

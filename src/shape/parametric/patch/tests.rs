@@ -1,7 +1,8 @@
 use super::super::spline::NARROWEST;
 use super::*;
 
-/// An eighth of the unit sphere: a quarter circle (rational, degree 2) turned by another, with a pole at the top.
+/// An eighth of the unit sphere: a rational quarter circle, revolved by another, with a pole at the
+/// top.
 pub(in crate::shape::parametric) fn octant() -> Patch {
     let arc = [(1.0, 0.0, 1.0), (1.0, 1.0, std::f64::consts::FRAC_1_SQRT_2), (0.0, 1.0, 1.0)];
     let mut controls = Vec::new();
@@ -14,7 +15,7 @@ pub(in crate::shape::parametric) fn octant() -> Patch {
     Patch::new([&basis, &basis], &controls).unwrap()
 }
 
-/// A crumpled patch, of more leaves than the memory has room for.
+/// A crumpled patch with more leaves than the memory has room for.
 #[test]
 fn leaves_are_counted_before_they_take_room() {
     let basis = Basis::bezier(6).unwrap();
@@ -24,13 +25,13 @@ fn leaves_are_counted_before_they_take_room() {
     assert!(bytes > 500_000, "{bytes}");
     assert!(Patch::within([&basis, &basis], &controls, Some(bytes)).is_ok());
     match Patch::within([&basis, &basis], &controls, Some(bytes / 2)) {
-        // It is given up at the first leaf beyond.
+        // It stops at the first leaf beyond the limit.
         Err(SplineError::Memory { needed, free }) => assert!(free == bytes / 2 && needed < free + 10_000),
         other => panic!("{other:?}"),
     }
 }
 
-/// The narrowest stretch that is let through, with a bend as sharp as a leaf's least size: rays find what they meet.
+/// The narrowest accepted span, with a bend as sharp as the least size of a leaf.
 #[test]
 fn leaves_are_no_narrower_than_coordinates_tell() {
     let basis = Basis::new(2, 5, vec![0.0, 0.0, 0.0, 0.5, 0.5 + NARROWEST, 1.0, 1.0, 1.0]).unwrap();

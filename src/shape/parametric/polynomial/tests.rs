@@ -9,12 +9,12 @@ fn bezier(degree: usize) -> Vec<Vector<2>> {
     (0..=degree as u64).map(|i| [random(2 * i), random(2 * i + 1)]).collect()
 }
 
-/// By repeated halving of the interval, which rounds once a step.
+/// Evaluation by repeated halving of the interval, which rounds once per step.
 fn reference(controls: &[Vector<2>], s: f64) -> Vector<2> {
     split(controls, s).1[0]
 }
 
-/// Whole curves of degree 24 are far from short: coefficients grow to C(24, 12) there, and lose as many ulps.
+/// Long curves of degree 24 have coefficients up to C(24, 12), and lose as many ulps.
 #[test]
 fn powers_agree_with_de_casteljau() {
     for degree in 1..=MAX_DEGREE {

@@ -20,7 +20,7 @@ fn profiles_are_cut_within_memory_and_coordinates() {
     let wave: Vec<DVec2> = (0..200).map(|i| DVec2::new(f64::from(1 + i % 2), f64::from(i / 3))).collect();
     let basis = Basis::uniform(3, wave.len()).unwrap();
     let found = Revolution::within(&basis, &wave, Some(10_000)).unwrap_err();
-    // It is given up at the first leaf beyond.
+    // It stops at the first leaf beyond the limit.
     assert!(matches!(found, SplineError::Memory { needed: 10_001..11_000, free: 10_000 }), "{found}");
     assert!(Revolution::within(&basis, &wave, Some(10_000_000)).is_ok());
     let basis = Basis::new(2, 5, vec![0.0, 0.0, 0.0, 0.5, 0.5 + NARROWEST, 1.0, 1.0, 1.0]).unwrap();

@@ -1,7 +1,7 @@
 use super::super::polynomial::split;
 use super::*;
 
-/// Cox and de Boor's recurrence, as a definition that the pieces must meet.
+/// The recurrence of Cox and de Boor, an independent definition of the basis functions.
 fn basis_function(knots: &[f64], i: usize, p: usize, t: f64) -> f64 {
     if p == 0 {
         return f64::from(knots[i] <= t && t < knots[i + 1]);
