@@ -1,4 +1,4 @@
-//! Scene files.
+//! Scene files: reading and resolving.
 
 use super::description::Description;
 use super::mesh::ReadMonitor;
@@ -9,44 +9,45 @@ use crate::stats::{Memory, bytes};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-/// A scene file that was read and parsed, not yet resolved: its description may still be changed.
+/// Scene file that was read and parsed but not resolved; its description may still be changed.
 #[derive(Clone, Debug)]
 pub struct SceneFile {
-    /// What it says.
+    /// Parsed description.
     pub description: Description,
-    /// Its text, for errors.
+    /// Text of the file, for error messages.
     pub source: Source,
     folder: PathBuf,
 }
 
-/// Bytes that a byte of a scene takes, read, described and resolved: a sphere of 40 letters is a
-/// kilobyte of shape, boxes and tree.
+/// Bytes of memory per byte of the file.
+///
+/// A sphere of 40 letters takes a kilobyte for its shape, boxes and tree.
 const PER_BYTE: u64 = 32;
 
-/// Why a scene file could not be read.
+/// Reason why a scene file could not be read.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 pub enum ReadError {
-    /// It could not be opened or read.
+    /// The file could not be opened or read.
     #[error("cannot read the scene `{}`", path.display())]
     #[diagnostic(help("check the path and its permissions"))]
     Unreadable {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the system says.
+        /// Cause reported by the system.
         source: std::io::Error,
     },
-    /// It takes more memory than it may.
+    /// The scene takes more memory than is free.
     #[error("the scene `{}` takes about {} of memory, and {} are free", path.display(), bytes(*needed), bytes(*free))]
     #[diagnostic(help("put what is large into meshes, or let it have more (--memory)"))]
     Memory {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Bytes that it takes.
+        /// Bytes that the scene takes.
         needed: u64,
-        /// Bytes that it may take.
+        /// Bytes of memory that are free.
         free: u64,
     },
-    /// It is not in the scene language.
+    /// The text is not valid in the scene language.
     #[error(transparent)]
     #[diagnostic(transparent)]
     Language(#[from] SceneError),
@@ -61,9 +62,10 @@ impl SceneFile {
         Self::read_within(path, Memory::Unbounded)
     }
 
-    /// As [`SceneFile::read`]; a file that takes more than `memory` is refused before it is read.
+    /// Like [`SceneFile::read`]; a file that takes more than `memory` is refused before it is read.
     ///
     /// # Errors
+    ///
     /// [`ReadError`].
     pub fn read_within(path: &Path, memory: Memory) -> Result<Self, ReadError> {
         let unreadable = |source| ReadError::Unreadable { path: path.to_owned(), source };
@@ -80,17 +82,20 @@ impl SceneFile {
         Ok(Self { description, source, folder: path.parent().unwrap_or(Path::new("")).to_owned() })
     }
 
-    /// Resolves the description; meshes are looked for beside the file and in the folder above.
+    /// Resolves the description; meshes are found beside the scene file and in the folder above.
     ///
     /// # Errors
+    ///
     /// [`SceneError`].
     pub fn resolve(&self) -> Result<Scene, SceneError> {
         resolve(&self.description, &self.source, &self.folder)
     }
 
-    /// As [`SceneFile::resolve`], within `memory`; `monitor` hears how far meshes are read.
+    /// Like [`SceneFile::resolve`], limited to `memory`; `monitor` receives the progress of reading
+    /// meshes.
     ///
     /// # Errors
+    ///
     /// [`SceneError`].
     pub fn resolve_watched(&self, monitor: &dyn ReadMonitor, memory: Memory) -> Result<Scene, SceneError> {
         resolve_watched(&self.description, &self.source, &self.folder, monitor, memory)
