@@ -229,7 +229,8 @@ impl Estimate {
             PassesNeeded::TooMany => Err(None),
         };
         let time = |n: u32| setup + pass_seconds * f64::from(n);
-        // A pilot whose true error is `end` must lower it by the factor error / end. An error of 0 takes one pass.
+        // A pilot whose true error is `end` must lower it by the factor error / end. An error of 0
+        // takes one pass.
         let at = |end: f64| if end > 0.0 { needed(error * pilot.error / end).ok().map(time) } else { Some(time(1)) };
         let (passes, floor) = match needed(error) {
             Ok(n) => (Some(n), None),

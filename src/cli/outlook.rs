@@ -43,7 +43,8 @@ pub(super) fn outlook(
     }
 }
 
-/// A duration in seconds as text with about two digits: `0.8 s`, `42 s`, `3 min 20 s`, `5 h 10 min`, `12 d`.
+/// A duration in seconds as text with about two digits: `0.8 s`, `42 s`, `3 min 20 s`, `5 h 10
+/// min`, `12 d`.
 pub(super) fn duration(seconds: f64) -> String {
     if seconds < 9.95 {
         return format!("{seconds:.1} s");

@@ -53,7 +53,7 @@ pub(super) enum Progress {
     Bar(ProgressBar, Mutex<State>),
 }
 
-/// What the current pass and file are.
+/// State that the labels of the bar show.
 #[derive(Debug, Default)]
 pub(super) struct State {
     /// Label of the pass, such as `pass 3/20`.
@@ -164,7 +164,7 @@ impl Monitor for Progress {
             Stage::Eye => ("image", "pixels"),
         };
         let Some((pass, end)) = self.state().map(|state| (state.pass.clone(), state.end)) else { return };
-        let template = format!("{{prefix}} {name:<8} {{bar:28}} {{percent:>3}} %  {{rate}}  {{left}}  {{msg}}");
+        let template = format!("{{prefix}} {name:<8} {{bar:16}} {{percent:>3}} %  {{rate}}  {{left}}  {{wide_msg}}");
         let style = ProgressStyle::with_template(&template);
         let style = style.map(|style| style.with_key("rate", rate(unit)).with_key("left", time_left(end)));
         self.start(style, pass, total);
@@ -182,8 +182,13 @@ const LARGE_MESH: usize = 1_000_000;
 
 impl ReadMonitor for Progress {
     fn begin(&self, path: &Path, bytes: u64) {
-        let template = "reading {prefix} {bar:28} {percent:>3} %  {decimal_bytes_per_sec}";
-        self.start(ProgressStyle::with_template(template), path.display().to_string(), bytes);
+        let style = ProgressStyle::with_template("reading {prefix} {bar:16} {percent:>3} %  {rate}");
+        let style = style.map(|style| {
+            style.with_key("rate", |state: &ProgressState, out: &mut dyn fmt::Write| {
+                let _ = write!(out, "{:.0} MB/s", 1e-6 * state.per_sec());
+            })
+        });
+        self.start(style, path.display().to_string(), bytes);
     }
 
     fn advance(&self, bytes: u64) {

@@ -1,25 +1,29 @@
-//! The scene language: from text to description and back, and from description to the resolved scene.
+//! Scene files: from text to description and back, and from description to the resolved scene.
 
+mod convert;
 pub mod description;
 mod error;
 mod file;
 pub mod grid;
-mod lexer;
+mod import;
+mod language;
 mod map;
 pub mod mesh;
 pub mod mtl;
-mod parser;
-mod print;
 mod problem;
 mod resolve;
 #[cfg(test)]
 mod tests;
+mod text;
+mod warnings;
 
+pub use convert::Conversion;
 pub use error::{SceneError, Source};
-pub use file::{ReadError, SceneFile};
-pub use parser::{parse, parse_bytes};
+pub use file::{IMPORTERS, SceneFile};
+pub use import::{Assets, Imported, ReadError, SceneImporter};
+pub use language::{parse, parse_bytes, with_reference};
 pub use problem::LineError;
 pub use resolve::{resolve, resolve_watched};
 
-/// How deep groups and transforms may nest.
+/// Greatest depth of nested groups and transforms.
 pub const MAX_DEPTH: usize = 512;

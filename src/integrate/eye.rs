@@ -178,7 +178,7 @@ impl<M: Method> EyePass<'_, M> {
         worker: &mut Worker,
         radiance: &mut Rgb,
     ) -> Option<Next<I>> {
-        worker.counters.onward_rays += u64::from(branch.bounce > 0);
+        worker.counters.continuation_rays += u64::from(branch.bounce > 0);
         let (step, phase) = if I::IMMERSED {
             self.advance_in_media(branch, worker, radiance)
         } else {

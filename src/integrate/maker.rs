@@ -9,7 +9,7 @@ use super::{
     Expected, EyeSettings, GuidingReports, Monitor, Pass, PhotonReport, Radii, RadiusLaw, Settings, Stage, shrink,
 };
 use crate::photon::{
-    Bandwidth, GuidingPilot, Photon, PhotonMap, PhotonPass, PhotonSource, StoreMask, THINNING, Traced, Volume,
+    Bandwidth, GuidingPilot, Photon, PhotonMap, PhotonPass, PhotonSource, StoreMask, THINNING, Traced, VolumePhotons,
 };
 use crate::plan::{Effect, Effects};
 use crate::sampling::{Key, Purpose};
@@ -271,9 +271,9 @@ impl<'a> PhotonMapBuilder<'a> {
             let pass = PhotonPass { scene: self.scene, source, mask: wants, max_bounces: settings.eye.max_bounces };
             let traced = pass.trace(key, probe, &|_| {});
             let scale = |n: usize| (n as f64 * f64::from(paths) / f64::from(probe)) as u64;
-            let in_media = |volume: &Volume| volume.points.len() + BEAM * volume.beams.len();
-            let one = scale(traced.photons.len() + in_media(&traced.volume));
-            let other = scale(traced.after_caustic.len() + in_media(&traced.after_volume));
+            let in_media = |volume: &VolumePhotons| volume.points.len() + BEAM * volume.beams.len();
+            let one = scale(traced.deposits.photons.len() + in_media(&traced.deposits.volume));
+            let other = scale(traced.deposits.after_caustic.len() + in_media(&traced.deposits.after_volume));
             Expected { paths: paths.into(), photons: one + other, most: one.max(other) }
         };
         let guides = if self.needs.guides { self.counts.photons / GUIDING } else { 0 };
@@ -303,19 +303,19 @@ impl<'a> PhotonMapBuilder<'a> {
         let job = (self.needs.by_casters(), counts.caustic_photons);
         let traced = self.trace(self.caustic.as_ref(), job, key(Purpose::CausticPhotons), monitor, out);
         out.caustic = report(&traced);
-        let caustic = (index(traced.photons, monitor, out), traced.volume);
+        let caustic = (index(traced.deposits.photons, monitor, out), traced.deposits.volume);
         let smooth = if self.needs.after_caustic {
-            (index(traced.after_caustic, monitor, out), traced.after_volume)
+            (index(traced.deposits.after_caustic, monitor, out), traced.deposits.after_volume)
         } else {
             let job = (self.needs.global, counts.photons);
             let traced = self.trace(self.global.as_ref(), job, key(Purpose::GlobalPhotons), monitor, out);
             out.global = report(&traced);
-            (index(traced.photons, monitor, out), traced.volume)
+            (index(traced.deposits.photons, monitor, out), traced.deposits.volume)
         };
         let guides = if self.needs.guides {
             let job = (StoreMask::GLOBAL, counts.photons / GUIDING);
             let traced = self.trace(self.global.as_ref(), job, key(Purpose::Guides), monitor, out);
-            index(traced.photons, monitor, out)
+            index(traced.deposits.photons, monitor, out)
         } else {
             PhotonMap::build(Vec::new())
         };
@@ -335,7 +335,7 @@ impl<'a> PhotonMapBuilder<'a> {
 
     fn gathering(
         &self,
-        (map, volume): (PhotonMap, Volume),
+        (map, volume): (PhotonMap, VolumePhotons),
         (radius, blurs): (f32, Blurs),
         most: u32,
         draft: &PilotBudget,
@@ -350,7 +350,7 @@ impl<'a> PhotonMapBuilder<'a> {
         let most = if draft.limited { most } else { 0 };
         let k = (f64::from(most) * area).round().max(FEWEST) as u32;
         let bandwidth = Bandwidth { radius: radius * area.sqrt() as f32, k: k.min(most) };
-        let map = map.with_least(self.least * area.sqrt() as f32);
+        let map = map.with_min_radius(self.least * area.sqrt() as f32);
         PhotonEstimator { scene: self.scene, map, bandwidth, kernel, volume }
     }
 
@@ -369,7 +369,7 @@ impl<'a> PhotonMapBuilder<'a> {
         let pass = PhotonPass { scene: self.scene, source, mask: wants, max_bounces };
         let traced = pass.trace(key, paths, &|n| monitor.advance(n));
         out.counters.photon_rays += traced.rays;
-        out.counters.rejected_photons += traced.rejected;
+        out.counters.rejected_photons += traced.deposits.rejected;
         out.seconds.photons += start.elapsed().as_secs_f64();
         traced
     }
@@ -382,7 +382,7 @@ fn restricted<'a>(source: PhotonSource<'a>, effects: Effects) -> Option<PhotonSo
 }
 
 fn report(traced: &Traced) -> PhotonReport {
-    PhotonReport { emitted: traced.paths, stored: traced.stored() as u64, audit: traced.audit }
+    PhotonReport { emitted: traced.paths, stored: traced.deposits.len() as u64, audit: traced.audit }
 }
 
 fn index(photons: Vec<Photon>, monitor: &dyn Monitor, out: &mut Pass) -> PhotonMap {

@@ -78,7 +78,7 @@ pub(super) fn auto_radius(pass: &PhotonPass<'_>, paths: u32, k: u32, seed: u64, 
     let key = Key::new(seed).purpose(Purpose::Pilot);
     let tried = pilot_paths(paths, PATHS);
     let traced = pass.trace(key, tried, &|_| {});
-    let photons = &traced.photons;
+    let photons = &traced.deposits.photons;
     if photons.is_empty() {
         return None;
     }
@@ -134,9 +134,9 @@ pub(super) fn volume_blurs(pass: &PhotonPass<'_>, detail: Effects, paths: u32, s
     let key = Key::new(settings.eye.seed).purpose(Purpose::Pilot);
     let tried = pilot_paths(paths, PATHS);
     let traced = pass.trace(key, tried, &|_| {});
-    let mut volume = traced.volume;
-    volume.beams.extend(traced.after_volume.beams);
-    volume.points.extend(traced.after_volume.points);
+    let mut volume = traced.deposits.volume;
+    volume.beams.extend(traced.deposits.after_volume.beams);
+    volume.points.extend(traced.deposits.after_volume.points);
     if volume.is_empty() {
         return None;
     }

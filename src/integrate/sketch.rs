@@ -114,13 +114,13 @@ impl Prepared<'_> {
         let mut found = Found::default();
         self.walk(&maps, 0, Job::Points(&self.points(key, 0), &mut found));
         let scaled = |n: u64, by: f64| (n as f64 * by).round() as u64;
-        let Counters { onward_rays, shadow_rays, gathers, gathered_photons, .. } = found.counters;
+        let Counters { continuation_rays, shadow_rays, gathers, gathered_photons, .. } = found.counters;
         let samples = f64::from(self.samples) * self.pixels() / f64::from(POINTS);
         let estimates = if self.strategy.estimates_each_sample() { samples } else { self.pixels() / f64::from(POINTS) };
         let photons = f64::from(PILOT_PART);
         Counters {
             camera_rays: u64::from(self.samples) * self.pixels() as u64,
-            onward_rays: scaled(onward_rays, samples),
+            continuation_rays: scaled(continuation_rays, samples),
             shadow_rays: scaled(shadow_rays, samples),
             photon_rays: scaled(out.counters.photon_rays, photons),
             gathers: scaled(gathers, estimates),

@@ -4,7 +4,7 @@ use super::method::Passage;
 use super::tiles::Worker;
 use crate::color::{Rgb, Wavelength};
 use crate::medium::{Medium, TransmittanceCurve, transmittance};
-use crate::photon::{BeamMap, LEVELS, PointMap, Volume};
+use crate::photon::{BeamMap, LEVELS, PointMap, VolumePhotons};
 use crate::scene::{Interior, MediumSegment};
 use glam::Vec3;
 use rand::Rng;
@@ -85,8 +85,8 @@ impl Sums {
 
 impl VolumeMap {
     /// Indexes what was stored for blurs of these radii: of beams, and of points.
-    pub fn build(volume: Volume, (beams, points): (f32, f32), estimate: VolumeEstimate, band: f32) -> Self {
-        let Volume { beams: ways, points: places } = volume;
+    pub fn build(volume: VolumePhotons, (beams, points): (f32, f32), estimate: VolumeEstimate, band: f32) -> Self {
+        let VolumePhotons { beams: ways, points: places } = volume;
         Self { beams: BeamMap::build(ways, beams), points: PointMap::build(places, points), estimate, band }
     }
 
@@ -157,7 +157,7 @@ impl VolumeMap {
                 return;
             }
             *found += 1;
-            let left = fade.left(t);
+            let left = fade.at(t);
             let phase = medium.phase.evaluate(-cos);
             sums.add(photon.flux() * left * shared(own, photon.wavelength, self.band), phase * weight, x2);
         });
@@ -206,7 +206,7 @@ pub(super) fn shared(own: Option<Wavelength>, other: u8, band: f32) -> Rgb {
     if apart > band {
         return Rgb::ZERO;
     }
-    let response = other.weight() * other.density();
+    let response = other.weight() * other.pdf();
     let nm = own.nanometres();
     let width = (nm + band).min(Wavelength::LONGEST) - (nm - band).max(Wavelength::SHORTEST);
     Rgb::select(response.cmpgt(Rgb::ZERO), 1.0 / (response * width), Rgb::ZERO)

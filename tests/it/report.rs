@@ -1,10 +1,10 @@
-//! Reports of studies: the text is well-formed and needs nothing else, and a browser shows what it should.
+//! Study reports: pages are well-formed and self-contained, and a browser shows their content.
 
 use crate::support::browser::Browser;
 use caustica::image::Image;
 use caustica::integrate::{ALPHA, Algorithm, shrink};
 use caustica::sampling::{Dimension, Key};
-use caustica::study::methods::{Checkpoint, MethodFound, MethodsFound, Truth};
+use caustica::study::methods::{Checkpoint, MethodResult, MethodStudyResult, Truth};
 use caustica::study::report::methods::{csv, html, json, markdown};
 use glam::Vec3;
 use std::collections::BTreeSet;
@@ -17,7 +17,7 @@ fn random(key: Key) -> f64 {
     f64::from(key.uniform(Dimension::Light))
 }
 
-/// A floor with a bright spot, a ball before a wall.
+/// Returns the radiance of a synthetic image: a floor with a bright spot, and a ball before a wall.
 fn radiance(x: f64, y: f64) -> Vec3 {
     let spot = libm::exp(-((x - 0.7) * (x - 0.7) * 60.0 + (y - 0.8) * (y - 0.8) * 300.0));
     let (bx, by) = ((x - 0.4) / 0.2, (y - 0.55) / 0.26);
@@ -35,8 +35,9 @@ fn picture(of: impl Fn(f64, f64, u32) -> Vec3) -> Image {
     Image::from_pixels(WIDTH, HEIGHT, (0..WIDTH * HEIGHT).map(at).collect()).unwrap()
 }
 
-/// A method whose variance and bias of a pass are these in the first, and whose passes take so many seconds.
-fn method(label: &str, algorithm: Algorithm, noise: f64, bias: f64, pass: f64, count: u32) -> MethodFound {
+/// Returns synthetic results of a method with this variance and bias in its first pass, and this
+/// time per pass \[s].
+fn method(label: &str, algorithm: Algorithm, noise: f64, bias: f64, pass: f64, count: u32) -> MethodResult {
     let key = Key::new(5).with(label.bytes().map(u64::from).sum());
     let alpha = if algorithm == Algorithm::Pm { 1.0 } else { ALPHA };
     let shrinks = |i| if matches!(algorithm, Algorithm::Sppm | Algorithm::Hybrid) { shrink(ALPHA, i) } else { 1.0 };
@@ -56,7 +57,7 @@ fn method(label: &str, algorithm: Algorithm, noise: f64, bias: f64, pass: f64, c
             photons: if algorithm.has_photons() { 5e5 * f64::from(n) } else { 0.0 },
             noise2: noises.iter().sum::<f64>() / SEEDS as f64,
             bias2: drift * drift,
-            gauged: squares.iter().map(|s| 1.1 * s).collect(),
+            estimated: squares.iter().map(|s| 1.1 * s).collect(),
             rmse: 0.3 * squares[0].sqrt(),
             flip: squares[0].sqrt().min(1.0) * 0.5,
             noises,
@@ -75,7 +76,7 @@ fn method(label: &str, algorithm: Algorithm, noise: f64, bias: f64, pass: f64, c
     let shown = picture(|x, y, i| soft(x, y) + Vec3::splat(grains(i, 0.4 * grain)));
     let truth = picture(|x, y, _| radiance(x, y));
     let pairs = || shown.pixels().iter().zip(truth.pixels());
-    MethodFound {
+    MethodResult {
         label: label.into(),
         algorithm,
         command: format!(
@@ -93,8 +94,8 @@ fn method(label: &str, algorithm: Algorithm, noise: f64, bias: f64, pass: f64, c
     }
 }
 
-fn found() -> MethodsFound {
-    MethodsFound {
+fn found() -> MethodStudyResult {
+    MethodStudyResult {
         scene: "room & <ball>.txt".into(),
         command: "caustica study \"room & <ball>.txt\" --methods path,hybrid,sppm,pm --budget 60s --seeds 6 --output report.html".into(),
         program: "Caustica 0.1.0".into(),
@@ -118,7 +119,7 @@ fn found() -> MethodsFound {
     }
 }
 
-/// The page without what is in its pictures, which may spell any word.
+/// Returns the page without its embedded images, whose encoding may spell any word.
 fn words(page: &str) -> String {
     let mut parts = page.split("base64,");
     let mut text = parts.next().unwrap().to_owned();
@@ -126,7 +127,7 @@ fn words(page: &str) -> String {
     text
 }
 
-/// What is wrong with the nesting of tags, if anything.
+/// Returns a message if tags are not nested properly.
 fn unbalanced(page: &str) -> Option<String> {
     let mut open = Vec::new();
     let mut rest = page;
@@ -181,7 +182,7 @@ fn report_page_is_well_formed_and_self_contained() {
     ] {
         assert!(page.contains(part), "{part}");
     }
-    // A figure without its command cannot be made again.
+    // Without its command a figure could not be reproduced.
     assert_eq!(page.matches("<figure").count(), page.matches("<code class=\"command\">").count());
     assert_eq!(html(&found()).unwrap(), html(&found()).unwrap());
 }
@@ -234,13 +235,13 @@ fn browser_shows_the_page() {
     assert_eq!(dom.matches("class=\"picture shown\"").count(), 1);
     assert_eq!(dom.matches("<polyline").count(), page.matches("<polyline").count());
 
-    // So high that nothing is to be scrolled: what is scrolled to is not painted in a screenshot.
+    // High enough to show all without scrolling: a screenshot does not paint scrolled parts.
     let high = (1000, 12_000);
     let pm = browser.open("report.html", &page, "#show=pm", high);
     let long = browser.open("report.html", &page, "#show=sppm%20--gather-k%2020%20--photons%202M", high);
     assert!(words(&long.dom).contains("aria-pressed=\"true\">sppm --gather-k 20"));
     let differing = pm.pixels.iter().zip(&long.pixels).filter(|(a, b)| a != b).count();
-    // A tenth of the picture's pixels at least.
+    // At least a tenth of the image's pixels.
     assert!(differing > (WIDTH * HEIGHT / 10) as usize, "{differing}");
 
     let press = "<script>document.body.dispatchEvent(new KeyboardEvent('keydown', { key: 'ArrowLeft', bubbles: true }))</script></body>";

@@ -3,7 +3,7 @@
 use crate::cli::outputs::{NamedFile, OutputFailures, check_distinct};
 use crate::cli::progress::Progress;
 use crate::cli::{Exit, Failure, StudyArguments};
-use crate::image::{OutputFormat, check_place, check_writable, replace_file};
+use crate::image::{OutputFormat, check_replaceable, check_writable, replace_file};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -23,7 +23,8 @@ struct NoReport {
 pub(super) struct Outputs<'a, F>(Vec<(&'a Path, Writer<F>)>);
 
 impl<'a, F> Outputs<'a, F> {
-    /// Checks that all files of a study can be written. `known` lists the extensions and their writers.
+    /// Checks that all files of a study can be written. `known` lists the extensions and their
+    /// writers.
     pub fn check(arguments: &'a StudyArguments, known: &[(&str, Writer<F>)]) -> Result<Self, Failure> {
         let writer = |path: &'a PathBuf| {
             let matches = |(extension, _): &&(&str, Writer<F>)| {
@@ -33,7 +34,7 @@ impl<'a, F> Outputs<'a, F> {
                 let known = known.iter().map(|(extension, _)| format!(".{extension}")).collect::<Vec<_>>().join(" or ");
                 Failure::new(Exit::Output, NoReport { path: path.clone(), known })
             })?;
-            check_place(path).map_err(Failure::output)?;
+            check_replaceable(path).map_err(Failure::output)?;
             Ok((path.as_path(), *writer))
         };
         let outputs = arguments.output.iter().map(writer).collect::<Result<_, _>>().map(Self)?;

@@ -158,9 +158,9 @@ fn hits_agree_with_bisection() {
                 let candidates = interval.into_iter().flatten();
                 // Starts within rounding of the surface, and rims of open solids, are doubtful.
                 let doubtful = |t: f64| {
-                    let near_rim = on_side(t) != (solid.side_gauge(at(t)) > -1e-6)
-                        || (at(t).y.abs().min((at(t).y - 1.0).abs()) < 1e-6);
-                    t.abs() < 1e-6 || !solid.is_closed() && near_rim
+                    let (p, y) = (at(t), at(t).y);
+                    let at_rim = solid.side_gauge(p).abs() < 1e-6 && y.abs().min((y - 1.0).abs()) < 1e-6;
+                    t.abs() < 1e-6 || !solid.is_closed() && at_rim
                 };
                 if candidates.clone().any(doubtful) {
                     continue;

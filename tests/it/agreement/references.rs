@@ -1,4 +1,4 @@
-//! Pictures of another renderer, by tiles, with the error bars of both.
+//! Integrators against Mitsuba 3 references, by tiles, with the standard errors of both.
 
 use super::compare::{Estimate, Grid, Renders, compare};
 use super::methods::{Effort, Method};
@@ -38,7 +38,8 @@ impl Reference {
     }
 }
 
-/// Compares by tiles of 4 × 4 pixels (16 × 16 where caustic paths are rare), over windows, and over the whole image.
+/// Compares by tiles of 4 × 4 pixels (16 × 16 where caustic paths are rare), over windows, and over
+/// the whole image.
 fn compare_all(name: &str, methods: &[(Method, Effort)], windows: &[(&str, [usize; 4])], sharp: [f64; 3]) {
     let reference = Reference::read(name);
     let scene = file(&format!("tests/scenes/{name}.txt"), reference.size);
@@ -59,36 +60,39 @@ fn compare_all(name: &str, methods: &[(Method, Effort)], windows: &[(&str, [usiz
 
 const BIASED: Effort = Effort { passes: 24, samples: 1, photons: 12_000, caustic: 30_000, radius: 0.025 };
 
-/// Path tracing finds caustics of smooth glass where it meets the lamp behind it by chance. Where caustics light other walls, one
-/// sample in thousands finds one, and a tile of 8 × 8 with two finds knows neither its mean nor its error: with such glass, tiles
-/// are 16 times as large, for dozens of finds each. See [`super::compare`] for the rest.
+/// Path tracing finds caustics of smooth glass only if a path hits the light by chance. Where
+/// caustics light other walls, one sample in thousands does. A tile of 4 × 4 pixels with two such
+/// hits knows neither its mean nor its error. So tiles are 16 times as large there, for dozens of
+/// hits each. See [`super::compare`].
 const CHANCE: Effort = Effort { passes: 24, samples: 8, ..BIASED };
 
-/// Most of what this method shows is found by its walks.
+/// Camera subpaths find most of the light with these integrators.
 const WALKS: Effort = Effort { samples: 3, ..BIASED };
 
 /// `Sppm` in this room is compared by `analytic::reference`, by finer tiles.
 #[test]
+#[ignore = "long: five integrators against Mitsuba 3"]
 fn integrators_match_caustic_reference() {
     let methods = [
         (Method::Path, CHANCE),
         (Method::Hybrid, WALKS),
         (Method::Ppm, BIASED),
-        (Method::Seen, BIASED),
-        (Method::Gathered, BIASED),
+        (Method::PmDirect, BIASED),
+        (Method::PmGathering, BIASED),
     ];
     compare_all("cbox-caustic", &methods, &[("caustic", [88, 95, 105, 110])], [0.15, 0.05, 0.01]);
 }
 
 #[test]
+#[ignore = "long: six integrators against Mitsuba 3"]
 fn integrators_match_rough_reference() {
     let methods = [
         (Method::Path, CHANCE),
         (Method::Hybrid, WALKS),
         (Method::Sppm, BIASED),
         (Method::Ppm, BIASED),
-        (Method::Seen, BIASED),
-        (Method::Gathered, BIASED),
+        (Method::PmDirect, BIASED),
+        (Method::PmGathering, BIASED),
     ];
     compare_all(
         "rough",
@@ -98,16 +102,18 @@ fn integrators_match_rough_reference() {
     );
 }
 
-/// Camera rays alone see depth of field, so `Ppm`, whose rays are the same in all passes, shows one that does not settle: it is left out. The
-/// windows are the ball before the plane of focus, the mirror in it, and the ball behind it.
+/// Only camera rays see depth of field. `Ppm` repeats its camera rays in all passes, so its image
+/// does not converge: it is left out. The windows show the ball before the plane of focus, the
+/// mirror in it, and the ball behind it.
 #[test]
+#[ignore = "long: five integrators against Mitsuba 3"]
 fn integrators_match_lens_reference() {
     let methods = [
         (Method::Path, WALKS),
         (Method::Hybrid, WALKS),
         (Method::Sppm, WALKS),
-        (Method::Seen, WALKS),
-        (Method::Gathered, WALKS),
+        (Method::PmDirect, WALKS),
+        (Method::PmGathering, WALKS),
     ];
     compare_all(
         "lens",
@@ -117,20 +123,22 @@ fn integrators_match_lens_reference() {
     );
 }
 
-/// Light in a fog that fills the room. The windows are the ball, the air below the lamp, and the wall behind. Looked at along rays or around points,
-/// photons in the fog are few: the three estimates are compared by wider discs, and less sharply.
+/// A fog fills the room. The windows show the ball, the air below the light, and the back wall. The
+/// beam radiance and point estimates find few photons in the fog: they use wider discs and a
+/// blunter limit.
 #[test]
+#[ignore = "long: seven integrators against Mitsuba 3"]
 fn integrators_match_fog_reference() {
     let methods = [
         (Method::Path, CHANCE),
         (Method::Hybrid, WALKS),
         (Method::Sppm, BIASED),
-        (Method::Seen, BIASED),
-        (Method::Gathered, BIASED),
+        (Method::PmDirect, BIASED),
+        (Method::PmGathering, BIASED),
     ]
     .map(|(method, effort)| (method, Effort { passes: 12, ..effort }));
     let windows = [("ball", [50, 72, 32, 56]), ("air", [40, 60, 8, 20]), ("back", [35, 50, 25, 40])];
     compare_all("fog", &methods, &windows, [0.15, 0.05, 0.01]);
     let wide = Effort { radius: 0.1, ..BIASED };
-    compare_all("fog", &[(Method::Along, wide), (Method::Around, wide)], &[], [0.6, 0.1, 0.05]);
+    compare_all("fog", &[(Method::SppmBeamRadiance, wide), (Method::SppmPoints, wide)], &[], [0.6, 0.1, 0.05]);
 }

@@ -1,17 +1,18 @@
-//! The gallery, rendered by all methods that can.
+//! Gallery scenes, rendered by every integrator that can.
 
 use super::compare::{Grid, Renders, compare_renders};
 use super::methods::{Effort, Method};
 use crate::support::file;
 
-/// `radius` is that of the first pass, in the units of the scene. Path tracing is asked where lamps are large, and the rest is
-/// compared with `Sppm`.
+/// Compares integrators with `Sppm`. `radius` is that of the first pass, in the scene's units.
+///
+/// `Path` is compared only where lights are large.
 fn check(name: &str, radius: f64, methods: &[Method]) {
-    // Specks of light through a goblet take more pixels to be as sharp.
+    // Fireflies of light through a goblet need more pixels for the same sharpness.
     let size = if name == "goblet" { (80, 60) } else { (64, 48) };
     let scene = file(&format!("scenes/{name}.txt"), size);
     let grid = Grid::new(size, size.0 as usize / 8);
-    // Flames narrower than a pixel outshine all else.
+    // Bright streaks narrower than a pixel dominate the noise.
     let samples = if name == "projector" { 10 } else { 2 };
     let effort = Effort { passes: 12, samples, photons: 20_000, caustic: 20_000, radius };
     let hybrid = Renders::new(Method::Hybrid, &scene, effort);
@@ -22,29 +23,34 @@ fn check(name: &str, radius: f64, methods: &[Method]) {
     }
 }
 
-const PHOTONS: [Method; 3] = [Method::Sppm, Method::Seen, Method::Gathered];
+const PHOTONS: [Method; 3] = [Method::Sppm, Method::PmDirect, Method::PmGathering];
 
 #[test]
+#[ignore = "long: t-tests between integrators"]
 fn integrators_agree_on_glass_ball() {
-    check("glass-ball", 0.04, &[Method::Path, Method::Sppm, Method::Ppm, Method::Seen, Method::Gathered]);
+    check("glass-ball", 0.04, &[Method::Path, Method::Sppm, Method::Ppm, Method::PmDirect, Method::PmGathering]);
 }
 
 #[test]
+#[ignore = "long: t-tests between integrators"]
 fn integrators_agree_on_matte() {
-    check("matte", 0.06, &[Method::Path, Method::Sppm, Method::Ppm, Method::Seen, Method::Gathered]);
+    check("matte", 0.06, &[Method::Path, Method::Sppm, Method::Ppm, Method::PmDirect, Method::PmGathering]);
 }
 
 #[test]
+#[ignore = "long: t-tests between integrators"]
 fn integrators_agree_on_many_lights() {
     check("many-lights", 0.05, &PHOTONS);
 }
 
 #[test]
+#[ignore = "long: t-tests between integrators"]
 fn integrators_agree_on_goblet() {
     check("goblet", 0.06, &PHOTONS);
 }
 
 #[test]
+#[ignore = "long: t-tests between integrators"]
 fn integrators_agree_on_projector() {
     check("projector", 0.06, &PHOTONS);
 }
@@ -55,6 +61,7 @@ fn integrators_agree_on_ball_lens() {
 }
 
 #[test]
+#[ignore = "long: t-tests between integrators"]
 fn integrators_agree_on_gem() {
     check("gem", 0.08, &PHOTONS);
 }
@@ -65,6 +72,7 @@ fn integrators_agree_on_ring() {
 }
 
 #[test]
+#[ignore = "long: t-tests between integrators"]
 fn integrators_agree_on_pool() {
     check("pool", 0.04, &PHOTONS);
 }

@@ -1,5 +1,5 @@
-//! Photon maps that hold nothing, one photon or ten million, at a point, in a plane, or nine orders of density; lights of no power and
-//! of 10^±30 W, in walls and behind them.
+//! Photon maps with no photon, one photon or ten million, at a point, in a plane, or over nine
+//! orders of density. Lights of zero power and of 10^±30 W, inside walls and behind them.
 
 mod focus;
 mod lights;
@@ -20,42 +20,44 @@ use caustica::shape::{Rectangle, Shape};
 use glam::{DVec3, Vec3};
 use std::sync::atomic::AtomicBool;
 
-/// Rounding of a stored photon's hue: a step of 1/65535 of the sum of its channels and a half, as part of a channel of a grey one.
+/// Relative rounding of a channel of a stored grey photon: one and a half steps of 1/65535 of the
+/// channel sum.
 const HUE: f64 = 1.5 / 65_535.0;
 
-/// Everything with photons.
+/// Every integrator with photons.
 const WITH_PHOTONS: [Algorithm; 4] = [Algorithm::Hybrid, Algorithm::Sppm, Algorithm::Ppm, Algorithm::Pm];
 
-/// Three numbers in [0, 1) that go by `i`.
+/// Returns three numbers in [0, 1) that depend on `i`.
 fn random(i: u64) -> Vec3 {
     let key = Key::new(8).purpose(Purpose::Test).with(i);
     key.uniform_2d(Dimension::LightPosition).extend(key.uniform(Dimension::Light))
 }
 
-/// A photon on a surface that faces +z, whose light came along the normal.
+/// Returns a photon on a surface that faces +z, with incident light along the normal.
 fn photon(position: Vec3, flux: f32) -> Photon {
     Photon::new(position, Rgb::splat(flux), Vec3::Z, Vec3::Z).unwrap()
 }
 
-/// A rectangle around `center` with these edges.
+/// Returns a rectangle around `center` with these edges.
 fn sheet(center: DVec3, edge0: DVec3, edge1: DVec3) -> Shape {
     Shape::Rectangle(Rectangle::new(center - 0.5 * (edge0 + edge1), edge0, edge1))
 }
 
-/// A camera with a square picture of `size` pixels over a square of edge `width`, seen in parallel rays.
+/// Returns an orthographic camera with `size` × `size` pixels over a square of edge `width`.
 fn flat_camera(center: DVec3, direction: DVec3, width: f64, size: u32) -> Camera {
     let up = if direction.normalize().y.abs() > 0.9 { DVec3::Z } else { DVec3::Y };
     Camera::orthographic(center, direction, up, width, size, size).unwrap()
 }
 
-/// So many paths a map and so many camera rays a pixel, unbalanced, gauged, with the box filter of closed forms.
+/// Returns settings with these numbers of paths per map and camera rays per pixel, fixed work
+/// division, and a box filter.
 fn settings(paths: u32, samples: u32) -> Settings {
     let filter = Filter::new(FilterKind::Box);
     let eye = EyeSettings { samples: Some(samples), seed: 5, filter, gauge: true, ..EyeSettings::default() };
     Settings { eye, photons: paths, caustic_photons: paths, balance: false, ..Settings::default() }
 }
 
-/// A gauged render of so many passes.
+/// Renders this many passes with error estimation.
 fn rendered(scene: &Scene, algorithm: Algorithm, settings: Settings, passes: u32) -> Rendered {
     let integrator = algorithm.prepare(scene, settings);
     let interrupted = AtomicBool::new(false);
@@ -64,24 +66,31 @@ fn rendered(scene: &Scene, algorithm: Algorithm, settings: Settings, passes: u32
     render(integrator.as_ref(), scene.camera().size(), &stop, &Silent, |_| {})
 }
 
-/// Fails unless every number of a render is finite: its pixels, the maps of their errors, and what its gauge reads; and unless no sample
-/// and no photon was left out.
+/// Fails if a number of a render is not finite: a pixel, an error map, an error estimate. Also
+/// fails if a sample or a photon was rejected.
 #[track_caller]
 fn finite(what: &str, rendered: &Rendered) {
     let mean = rendered.film.mean();
     assert!(mean.iter().all(|v| v.is_finite()), "{what}: a pixel is not finite");
     assert_eq!(rendered.counters.rejected_samples, 0, "{what}: samples were left out");
     assert_eq!(rendered.counters.rejected_photons, 0, "{what}: photons were left out");
-    let gauge = rendered.estimator.as_ref().unwrap();
-    let maps = gauge.maps(&rendered.film);
+    let estimator = rendered.estimator.as_ref().unwrap();
+    let maps = estimator.maps(&rendered.film);
     assert!(maps.noise.iter().chain(&maps.bias).all(|v| v.is_finite()), "{what}: a map of errors is not finite");
     let discs = || maps.caustic.iter().chain(&maps.global);
     assert!(discs().all(|d| d.radius.is_finite() && d.photons.is_finite()), "{what}: a disc is not finite");
-    let reading = gauge.estimate(&rendered.film);
-    let all =
-        [reading.error, reading.low, reading.high, reading.noise, reading.bias, reading.blur, reading.shared_paths];
+    let estimate = estimator.estimate(&rendered.film);
+    let all = [
+        estimate.error,
+        estimate.low,
+        estimate.high,
+        estimate.noise,
+        estimate.bias,
+        estimate.blur,
+        estimate.shared_paths,
+    ];
     let unknown = rendered.film.passes() < caustica::render::error_estimate::MIN_PASSES;
-    assert!(unknown || all.iter().all(|x| x.is_finite() && *x >= 0.0), "{what}: {reading:?}");
+    assert!(unknown || all.iter().all(|x| x.is_finite() && *x >= 0.0), "{what}: {estimate:?}");
     for audit in [rendered.global.audit, rendered.caustic.audit] {
         let parts = [audit.emitted, audit.absorbed, audit.escaped, audit.stopped, audit.roulette];
         assert!(parts.as_flattened().iter().all(|x| x.is_finite()), "{what}: {audit:?}");

@@ -21,13 +21,13 @@ impl Walls {
         Self { mesh, tree: Hierarchy::build(&closed.corners(map), &[]) }
     }
 
-    fn meet(&self, ray: &Ray) -> Option<(u32, SurfacePoint)> {
+    fn closest(&self, ray: &Ray) -> Option<(u32, SurfacePoint)> {
         let hit = self.tree.closest(ray, |_, _| None)?;
         let Primitive::Triangle(i) = hit.primitive else { return None };
         Some((i, self.mesh.surface(i as usize, Vec2::new(hit.u, hit.v))))
     }
 
-    /// A place on an edge, or at a corner.
+    /// Returns a point on an edge or at a corner.
     fn target(&self, rng: &mut SmallRng) -> Vec3 {
         let [a, b, _] = self.mesh.corners(rng.random_range(0..self.mesh.triangles.len()));
         match rng.random_range(0..4) {
@@ -51,8 +51,8 @@ fn walled() -> [Closed; 4] {
     [cube(), turned_cube(), globe(3), torus(40, 20)]
 }
 
-/// A ray that leaves a triangle never meets it again, and one that leaves into a closed mesh meets the mesh, though it starts within rounding
-/// of an edge where the walls are at right angles, or of a corner.
+/// A ray that leaves a triangle never hits it again. One that leaves into a closed mesh hits the
+/// mesh, though it starts within rounding of a right-angled edge or of a corner.
 #[test]
 fn rays_leaving_edge_inwards_do_not_escape() {
     let run = |(closed, map): (Closed, fn(Vec3) -> Vec3)| {
@@ -63,25 +63,27 @@ fn rays_leaving_edge_inwards_do_not_escape() {
             let from = map((closed.inside)(&mut rng));
             let to = walls.target(&mut rng) - from;
             let to = if rng.random() { to } else { to.normalize() };
-            let Some((i, s)) = walls.meet(&Ray::new(from, to)) else { continue };
+            let Some((i, s)) = walls.closest(&Ray::new(from, to)) else { continue };
             let d = map(point(&mut rng)) - map(Vec3::ZERO);
             let d = if d.dot(s.ng) > 0.0 { -d } else { d };
             left += 1;
-            match walls.meet(&leave(&s, d)) {
+            match walls.closest(&leave(&s, d)) {
                 None => lost += 1,
                 Some((j, _)) => again += u32::from(i == j),
             }
-            again += u32::from(walls.meet(&leave(&s, -d)).is_some_and(|(j, _)| i == j));
+            again += u32::from(walls.closest(&leave(&s, -d)).is_some_and(|(j, _)| i == j));
         }
         assert!(left > 99_000, "{} {left}", closed.name);
-        assert_eq!((lost, again), (0, 0), "{}: lost, met again, of {left}", closed.name);
+        assert_eq!((lost, again), (0, 0), "{}: lost, hit again, of {left}", closed.name);
     };
     places().into_par_iter().for_each(|map| walled().into_iter().for_each(|closed| run((closed, map))));
 }
 
-/// Straight through a body, by the edges: it is entered and left in turn, and left in the end.
+/// Straight through a body along its edges: entries and exits alternate, and the last one is an
+/// exit.
 ///
-/// Bodies are convex: at an edge of a silhouette a face is entered and its neighbour left at one `t`, and the lower index wins.
+/// Bodies are convex. At a silhouette edge a face is entered and its neighbour left at the same
+/// `t`, and the lower index wins.
 #[test]
 fn entries_and_exits_of_bodies_balance() {
     let run = |(closed, map): (Closed, fn(Vec3) -> Vec3)| {
@@ -94,7 +96,7 @@ fn entries_and_exits_of_bodies_balance() {
             let d = -back.normalize();
             let mut ray = Ray::new(inside + back * 20.0, d);
             let mut depth = 0;
-            while let Some((_, s)) = walls.meet(&ray) {
+            while let Some((_, s)) = walls.closest(&ray) {
                 depth += if d.dot(s.ng) < 0.0 { 1 } else { -1 };
                 assert!(depth == 0 || depth == 1, "{}: inside {depth} times at {}", closed.name, s.p);
                 ray = leave(&s, d);
@@ -107,7 +109,7 @@ fn entries_and_exits_of_bodies_balance() {
     places().into_par_iter().for_each(|map| walled().into_iter().take(3).for_each(|closed| run((closed, map))));
 }
 
-/// The same from the edges of a room of rectangles, square to the axes and turned.
+/// Rays from the edges of a room of rectangles, axis-aligned and rotated, hit the room.
 #[test]
 fn rectangle_rooms_trap_rays_from_their_edges() {
     for turned in [0.0, 0.7] {
@@ -136,7 +138,8 @@ fn rectangle_rooms_trap_rays_from_their_edges() {
             let (a, b) = (corner(i), corner(i ^ 1 << rng.random_range(0..3)));
             let target = map.point(a + (b - a) * rng.random::<f64>()).as_vec3();
             let from = map.point((low + high) * 0.5 + point(&mut rng).as_dvec3() * 0.5).as_vec3();
-            // A ray at an edge may pass two rectangles that only meet in numbers: none is closed over it.
+            // A ray at an edge may pass between two rectangles that touch only by rounding: their
+            // edges are not shared.
             let Some(s) = near(&Ray::new(from, (target - from).normalize())) else { continue };
             let d = point(&mut rng);
             let d = if d.dot(s.ng) < 0.0 { -d } else { d };

@@ -1,0 +1,177 @@
+//! Time to reach an error.
+
+use super::slopes::{Fit, Slope};
+use super::verdict::Verdict;
+use crate::study::methods::{Checkpoint, MethodResult, MethodStudyResult};
+
+/// Effort to reach an error.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct Effort {
+    /// Processor time without setup \[s].
+    pub seconds: f64,
+    /// Passes.
+    pub passes: f64,
+    /// Photon paths.
+    pub photons: f64,
+}
+
+impl Effort {
+    fn of(checkpoint: &Checkpoint) -> Self {
+        Self { seconds: checkpoint.seconds, passes: f64::from(checkpoint.passes), photons: checkpoint.photons }
+    }
+
+    fn times(self, factor: f64) -> Self {
+        Self { seconds: self.seconds * factor, passes: self.passes * factor, photons: self.photons * factor }
+    }
+
+    /// Interpolates two efforts, in logarithms if both are positive.
+    fn between(a: Self, b: Self, t: f64) -> Self {
+        let mix = |a: f64, b: f64| if a > 0.0 && b > 0.0 { a * libm::pow(b / a, t) } else { a + (b - a) * t };
+        Self { seconds: mix(a.seconds, b.seconds), passes: mix(a.passes, b.passes), photons: mix(a.photons, b.photons) }
+    }
+}
+
+/// Time to reach a given error.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+#[serde(tag = "how", rename_all = "lowercase")]
+pub enum TimeToError {
+    /// At most the effort of the first checkpoint.
+    Within(Effort),
+    /// Interpolated between checkpoints.
+    Measured(Effort),
+    /// Extrapolated by the fitted slope.
+    Predicted {
+        /// Effort by the slope itself.
+        effort: Effort,
+        /// Seconds at both ends of the slope's interval; the later may be infinite.
+        seconds: Option<[f64; 2]>,
+    },
+    /// Never, because bias stays above it.
+    Never {
+        /// Relative error that remains.
+        floor: f64,
+    },
+    /// Unknown.
+    Unknown,
+}
+
+/// Effort until the relative error of `method` is `error` and stays below.
+#[must_use]
+pub fn reach(method: &MethodResult, fit: Option<&Fit>, verdict: &Verdict, error: f64) -> TimeToError {
+    let checkpoints = &method.checkpoints;
+    let above = |c: &Checkpoint| c.square() > error * error;
+    let Some(last_above) = checkpoints.iter().rposition(above) else {
+        return checkpoints.first().map_or(TimeToError::Unknown, |first| TimeToError::Within(Effort::of(first)));
+    };
+    let before = &checkpoints[last_above];
+    let Some(after) = checkpoints.get(last_above + 1) else { return beyond(before, fit, verdict, error) };
+    let [log_before, log_after] = [before, after].map(|c| 0.5 * libm::log(c.square()));
+    // A value of zero or less has no logarithm; the checkpoint itself is below `error`.
+    let t = if log_after.is_finite() { (log_before - libm::log(error)) / (log_before - log_after) } else { 1.0 };
+    TimeToError::Measured(Effort::between(Effort::of(before), Effort::of(after), t))
+}
+
+fn beyond(last: &Checkpoint, fit: Option<&Fit>, verdict: &Verdict, error: f64) -> TimeToError {
+    let floor = match verdict {
+        Verdict::Plateau { floor, .. } => Some(*floor),
+        Verdict::Expected { ahead, .. } => *ahead,
+        _ => None,
+    };
+    if let Some(floor) = floor.filter(|floor| *floor >= error) {
+        return TimeToError::Never { floor };
+    }
+    let Some(Slope { value, interval }) = fit.and_then(|fit| fit.error).map(|slopes| slopes.by_time) else {
+        return TimeToError::Unknown;
+    };
+    let ratio = last.square().sqrt() / error;
+    let factor = |slope: f64| if slope < 0.0 { libm::pow(ratio, -1.0 / slope) } else { f64::INFINITY };
+    if value >= 0.0 {
+        return TimeToError::Unknown;
+    }
+    let seconds = interval.map(|ends| ends.map(|slope| last.seconds * factor(slope)));
+    TimeToError::Predicted { effort: Effort::of(last).times(factor(value)), seconds }
+}
+
+/// Effort to reach a tenth of the last error.
+#[must_use]
+pub fn tenth(method: &MethodResult, fit: Option<&Fit>, verdict: &Verdict) -> TimeToError {
+    match method.checkpoints.last() {
+        Some(last) if last.square() > 0.0 => beyond(last, fit, verdict, 0.1 * last.square().sqrt()),
+        _ => TimeToError::Unknown,
+    }
+}
+
+/// Relative error after `seconds`, interpolated or extrapolated; `None` before the first
+/// checkpoint, or if unknown.
+#[must_use]
+pub fn error_at(method: &MethodResult, fit: Option<&Fit>, seconds: f64) -> Option<f64> {
+    let error = |c: &Checkpoint| Some(c.square()).filter(|s| *s > 0.0).map(f64::sqrt);
+    let after = method.checkpoints.iter().position(|c| c.seconds >= seconds);
+    let last = method.checkpoints.last()?;
+    match after {
+        Some(i) if method.checkpoints[i].seconds == seconds => error(&method.checkpoints[i]),
+        Some(0) => None,
+        Some(i) => {
+            let [a, b] = [&method.checkpoints[i - 1], &method.checkpoints[i]];
+            let (ea, eb) = (error(a)?, error(b)?);
+            Some(ea * libm::pow(eb / ea, libm::log(seconds / a.seconds) / libm::log(b.seconds / a.seconds)))
+        }
+        None => {
+            let slope = fit?.error?.by_time.value.min(0.0);
+            Some(error(last)? * libm::pow(seconds / last.seconds, slope))
+        }
+    }
+}
+
+/// A checkpoint on the Pareto front: none is both earlier and better.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+pub struct Milestone {
+    /// Index of the method.
+    pub method: usize,
+    /// Index of its checkpoint.
+    pub checkpoint: usize,
+}
+
+/// Pareto front of error over time, early to late. Errors that noise hides are left out.
+#[must_use]
+pub fn pareto(methods: &[MethodResult]) -> Vec<Milestone> {
+    let mut all: Vec<(f64, f64, Milestone)> = Vec::new();
+    for (method, found) in methods.iter().enumerate() {
+        let points = found.checkpoints.iter().enumerate().filter(|(_, c)| c.square() > 0.0);
+        all.extend(points.map(|(checkpoint, c)| (c.seconds, c.square(), Milestone { method, checkpoint })));
+    }
+    all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    let mut least = f64::INFINITY;
+    all.retain(|(_, square, _)| {
+        let better = *square < least;
+        least = least.min(*square);
+        better
+    });
+    all.into_iter().map(|(_, _, milestone)| milestone).collect()
+}
+
+/// Recommended method.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Recommendation {
+    /// Index of the method.
+    pub method: usize,
+    /// Expected relative error after the budget.
+    pub error: f64,
+    /// Other methods within 10 % of that error.
+    pub alike: Vec<usize>,
+}
+
+/// Method with the least error after the budget; `None` if no error is known.
+#[must_use]
+pub fn recommend(found: &MethodStudyResult, fits: &[Option<Fit>]) -> Option<Recommendation> {
+    let errors: Vec<(usize, f64)> = found
+        .methods
+        .iter()
+        .zip(fits)
+        .enumerate()
+        .filter_map(|(i, (method, fit))| Some((i, error_at(method, fit.as_ref(), found.budget)?)))
+        .collect();
+    let (method, error) = errors.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let alike = errors.iter().filter(|(i, e)| *i != method && *e <= 1.1 * error).map(|(i, _)| *i).collect();
+    Some(Recommendation { method, error, alike })
+}
