@@ -7,7 +7,9 @@ use crate::format::SceneError;
 use crate::format::description::{Curve, CurveBasis, Shape as Described, Span};
 use crate::math::{Motion, Transform};
 use crate::shape::parametric::{Basis, SplineError};
-use crate::shape::{Disc, Form, IndexedMesh, Instance, Mesh, Patch, Plane, Rectangle, Revolution, Shape, Sphere};
+use crate::shape::{
+    Cuboid, Disc, Form, Frustum, IndexedMesh, Instance, Mesh, Patch, Plane, Rectangle, Revolution, Shape, Sphere,
+};
 use glam::{DAffine3, DMat3, DVec2, DVec3, Vec3};
 use std::sync::Arc;
 
@@ -82,6 +84,17 @@ impl Resolver<'_> {
                 self.place(Shape::Rectangle(Rectangle::new(*corner, *edge0, *edge1)), to_world, &map, span, emission)?;
                 self.lay(Form::rectangle(*corner, *edge0, *edge1), to_world);
             }
+            Described::Box { min, max } => {
+                self.place_solid(Cuboid::new(*min, *max).map(Shape::Cuboid), to_world, &map, span, emission)?;
+            }
+            Described::Cylinder { ends: [bottom, top], radius, capped } => {
+                let solid = Frustum::cylinder(*bottom, *top, *radius, *capped).map(Shape::Frustum);
+                self.place_solid(solid, to_world, &map, span, emission)?;
+            }
+            Described::Cone { ends: [bottom, top], radii, capped } => {
+                let solid = Frustum::new(*bottom, *top, *radii, *capped).map(Shape::Frustum);
+                self.place_solid(solid, to_world, &map, span, emission)?;
+            }
             Described::Triangle { vertices, normals, uv } => {
                 let normals = normals.as_ref().map(|n| n.as_slice());
                 let uv = uv.as_deref().copied().unwrap_or([DVec2::ZERO, DVec2::X, DVec2::Y]);
@@ -141,6 +154,21 @@ impl Resolver<'_> {
         if let Some((texture, scale)) = shine.glow {
             self.builder.glow(texture, scale);
         }
+    }
+
+    /// Adds a box, cylinder or cone, whose faces have texture coordinates of their own.
+    fn place_solid(
+        &mut self,
+        solid: Option<Shape>,
+        to_world: &Motion,
+        map: &Transform,
+        span: Span,
+        emission: Rgb,
+    ) -> Result<(), SceneError> {
+        let solid = solid.ok_or_else(|| self.refuse(span, "this shape has no extent", "make it larger"))?;
+        self.place(solid, to_world, map, span, emission)?;
+        self.lay(Form::Uv, to_world);
+        Ok(())
     }
 
     /// Adds a shape under `to_world`, which is `map` when the shutter opens.
