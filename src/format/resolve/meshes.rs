@@ -119,7 +119,7 @@ fn add_piece(
         super::shapes::place_mesh(r, placing.map, &mesh.positions, normals, &mesh.triangles, emission);
         super::shapes::set_texcoords(r, texcoords);
     }
-    super::shapes::set_mapping(r, Form::Own, placing.to_world);
+    super::shapes::set_mapping(r, Form::Uv, placing.to_world);
     Ok(())
 }
 

@@ -7,7 +7,9 @@ use crate::format::SceneError;
 use crate::format::description::{Curve, CurveBasis, Shape as Described, Span};
 use crate::math::{Motion, Transform};
 use crate::shape::parametric::{Basis, SplineError};
-use crate::shape::{Disc, Form, IndexedMesh, Instance, Mesh, Patch, Plane, Rectangle, Revolution, Shape, Sphere};
+use crate::shape::{
+    Cuboid, Disc, Form, Frustum, IndexedMesh, Instance, Mesh, Patch, Plane, Rectangle, Revolution, Shape, Sphere,
+};
 use glam::{DAffine3, DMat3, DVec2, DVec3, Vec3};
 use std::sync::Arc;
 
@@ -57,7 +59,7 @@ pub(super) fn add_shape(
     match shape {
         Described::Sphere { center, radius } => {
             place(r, Shape::Sphere(Sphere::new(*center, *radius)), to_world, &map, span, emission)?;
-            set_mapping(r, Form::Globe { center: *center }, to_world);
+            set_mapping(r, Form::Spherical { center: *center }, to_world);
         }
         Described::Plane { normal, offset } => {
             if emission != Rgb::ZERO {
@@ -81,6 +83,17 @@ pub(super) fn add_shape(
             place(r, Shape::Rectangle(Rectangle::new(*corner, *edge0, *edge1)), to_world, &map, span, emission)?;
             set_mapping(r, Form::rectangle(*corner, *edge0, *edge1), to_world);
         }
+        Described::Box { min, max } => {
+            place_solid(r, Cuboid::new(*min, *max).map(Shape::Cuboid), to_world, &map, span, emission)?;
+        }
+        Described::Cylinder { ends: [bottom, top], radius, capped } => {
+            let solid = Frustum::cylinder(*bottom, *top, *radius, *capped).map(Shape::Frustum);
+            place_solid(r, solid, to_world, &map, span, emission)?;
+        }
+        Described::Cone { ends: [bottom, top], radii, capped } => {
+            let solid = Frustum::new(*bottom, *top, *radii, *capped).map(Shape::Frustum);
+            place_solid(r, solid, to_world, &map, span, emission)?;
+        }
         Described::Triangle { vertices, normals, uv } => {
             let normals = normals.as_ref().map(|n| n.as_slice());
             let uv = uv.as_deref().copied().unwrap_or([DVec2::ZERO, DVec2::X, DVec2::Y]);
@@ -91,7 +104,7 @@ pub(super) fn add_shape(
                 let instance = Instanced::new(vertices, normals, Some(&uv), &[[0, 1, 2]]);
                 place_instance(r, &instance, to_world, &map, span, emission)?;
             }
-            set_mapping(r, Form::Own, to_world);
+            set_mapping(r, Form::Uv, to_world);
         }
         Described::Mesh { path, options } => {
             super::meshes::add_mesh(r, &Placing { to_world, map: &map, span, shine }, path, *options)?;
@@ -99,7 +112,7 @@ pub(super) fn add_shape(
         Described::Revolution { profile } => {
             let surface = revolution(profile, r.memory.free()).map_err(|e| refuse_spline(r, span, &e))?;
             place(r, Shape::Revolution(surface), to_world, &map, span, emission)?;
-            set_mapping(r, Form::Own, to_world);
+            set_mapping(r, Form::Uv, to_world);
         }
         Described::Patches { degree, controls } => {
             let [u, v] = degree.map(|d| Basis::bezier(d as usize + 1));
@@ -110,7 +123,7 @@ pub(super) fn add_shape(
                 let patch = Patch::within(bases, net, free).map_err(|e| refuse_spline(r, span, &e))?;
                 free = free.map(|free| free.saturating_sub(patch.bytes()));
                 place(r, Shape::Patch(patch), to_world, &map, span, emission)?;
-                set_mapping(r, Form::Own, to_world);
+                set_mapping(r, Form::Uv, to_world);
                 set_emission_texture(r, shine);
             }
         }
@@ -122,7 +135,7 @@ pub(super) fn add_shape(
             let surface = || Patch::within([&basis(0)?, &basis(1)?], controls, r.memory.free());
             let surface = surface().map_err(|e| refuse_spline(r, span, &e))?;
             place(r, Shape::Patch(surface), to_world, &map, span, emission)?;
-            set_mapping(r, Form::Own, to_world);
+            set_mapping(r, Form::Uv, to_world);
         }
         // A curve has no surface.
         Described::Curve(_) => {}
@@ -139,6 +152,21 @@ fn set_emission_texture(r: &mut Resolver<'_>, shine: &EmissionOverride) {
     if let Some((texture, scale)) = shine.glow {
         r.builder.glow(texture, scale);
     }
+}
+
+/// Adds a box, cylinder or cone, whose faces have texture coordinates of their own.
+fn place_solid(
+    r: &mut Resolver<'_>,
+    solid: Option<Shape>,
+    to_world: &Motion,
+    map: &Transform,
+    span: Span,
+    emission: Rgb,
+) -> Result<(), SceneError> {
+    let solid = solid.ok_or_else(|| refuse(r, span, "this shape has no extent", "make it larger"))?;
+    place(r, solid, to_world, map, span, emission)?;
+    set_mapping(r, Form::Uv, to_world);
+    Ok(())
 }
 
 /// Adds a shape under the motion `to_world`, which equals `map` when the shutter opens.
