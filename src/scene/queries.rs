@@ -10,8 +10,7 @@ use crate::light::Light;
 use crate::math::{Bounds, Ray, Sphere};
 use crate::medium::Medium;
 use crate::sampling::Key;
-use crate::shape::Shape;
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
 /// A shape, mesh or plane in the terms of planning.
 #[derive(Clone, Copy, Debug)]
@@ -72,18 +71,8 @@ impl Scene {
             has_emission_texture: self.has_emission_texture(attributes),
         };
         let shapes = geometry.shapes.iter().zip(&geometry.objects).map(move |(shape, attributes)| {
-            let plane = match shape {
-                Shape::Disc(_) | Shape::Rectangle(_) => {
-                    let center = shape.sample(Vec2::splat(0.5)).point;
-                    Some((center.p, center.ng))
-                }
-                Shape::Sphere(_)
-                | Shape::Ellipsoid(_)
-                | Shape::Instance(_)
-                | Shape::Revolution(_)
-                | Shape::Patch(_) => None,
-            };
-            summary(attributes, Some(bounding_sphere(shape)), plane)
+            let plane = shape.planar_point().map(|point| (point.p, point.ng));
+            summary(attributes, Some(shape.bounding_sphere()), plane)
         });
         let meshes = geometry.mesh_ranges.iter().zip(geometry.mesh_objects()).filter(|(range, _)| !range.is_empty());
         let meshes = meshes.map(move |(range, attributes)| {
@@ -212,13 +201,5 @@ impl Scene {
     #[must_use]
     pub fn interior_transmittance<I: Interior>(&self, ray: &Ray, inside: &I, key: Key) -> Rgb {
         path_ray::interior_transmittance(self, ray, inside, key)
-    }
-}
-
-/// Bounding sphere of a shape, tight for spheres.
-fn bounding_sphere(shape: &Shape) -> Sphere {
-    match shape {
-        Shape::Sphere(s) => Sphere { center: s.center.as_vec3(), radius: s.radius as f32 },
-        other => other.bounds().bounding_sphere(),
     }
 }

@@ -1,5 +1,6 @@
 //! Resolves the materials of a description.
 
+use super::media::fill_body;
 use super::textures::TextureNeeds;
 use super::{Resolver, rgb};
 use crate::bsdf::{METALS, metal};
@@ -15,7 +16,7 @@ impl Resolver<'_> {
         for (index, described) in self.description.materials.iter().enumerate() {
             let mut needs = TextureNeeds::default();
             let material = self.material(&described.kind, &mut needs)?;
-            let material = self.fill(material, described)?;
+            let material = fill_body(self, material, described)?;
             let normals = self.normals(described, &mut needs)?;
             if let Some(Emission::Texture { name, .. }) = &described.emission {
                 needs.add(&self.known(name, &(0.0..=f32::MAX))?);
