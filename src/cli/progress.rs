@@ -82,8 +82,8 @@ impl Monitor for Progress {
         let Self::Bars { phase: bar, prefix } = self else { return };
         let (name, unit) = match phase {
             Stage::Photons => ("photons", "paths"),
-            Stage::Trees => ("trees", "photons"),
-            Stage::Eye => ("image", "pixels"),
+            Stage::Indexing => ("trees", "photons"),
+            Stage::Camera => ("image", "pixels"),
         };
         let template =
             format!("{{prefix}} {name:<8} {{bar:28}} {{percent:>3}} %  {{per_sec}} {unit}  {{eta}} left  {{msg}}");

@@ -84,7 +84,7 @@ fn run_in_pool(arguments: &RenderArguments, progress: &Progress) -> Result<Exit,
     check_photons(integrator.expected(), pictures, memory.free()).map_err(|e| Failure::new(Exit::Usage, e))?;
     plan::announce(integrator.as_ref(), progress);
     setting.radii = integrator.radii();
-    setting.emission = integrator.lessons();
+    setting.emission = integrator.guiding_reports();
     setting.effects = plan::effects(integrator.plan());
     setting.balance = integrator.balance();
     setting.setup = start.elapsed().as_secs_f64();

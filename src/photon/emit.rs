@@ -169,7 +169,7 @@ fn powers(scene: &Scene) -> impl Iterator<Item = f64> {
 }
 
 fn aimed_power(scene: &Scene, targets: &Targets, light: usize) -> f64 {
-    let key = Key::new(0).purpose(Purpose::LightWeights).with(light as u64);
+    let key = Key::new(0).purpose(Purpose::LightWeights).light(light);
     let flux = |i| {
         let (position, direction) =
             (sobol_2d(i, key, Dimension::LightPosition), sobol_2d(i, key, Dimension::LightDirection));

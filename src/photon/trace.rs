@@ -150,7 +150,7 @@ impl PhotonPass<'_> {
                             };
                             *rejected += u64::from(stored.is_none() && flux != Rgb::ZERO);
                         };
-                        self.follow(walk, flux, pass.with(u64::from(index)), (audit, rays), store);
+                        self.follow(walk, flux, pass.path(index), (audit, rays), store);
                     }
                 }
                 done(traced.paths);
@@ -199,7 +199,7 @@ impl PhotonPass<'_> {
         book(&mut audit.emitted, flux);
         for bounce in 0.. {
             *rays += 1;
-            let key = path.with(bounce.into());
+            let key = path.bounce(bounce);
             let sent = flux;
             let mut phase = Phase::Isotropic;
             let step = if I::IMMERSED {

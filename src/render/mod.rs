@@ -109,7 +109,7 @@ pub fn render(
     let start = Instant::now();
     let mut rendered = Rendered {
         film: Film::new(size.0, size.1),
-        gauge: integrator.gauged().then(|| ErrorEstimator::new(integrator.radius_law())),
+        gauge: integrator.nests_estimates().then(|| ErrorEstimator::new(integrator.radius_law())),
         ended: Ended::Passes,
         counters: Counters::default(),
         seconds: Seconds::default(),

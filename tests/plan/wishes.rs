@@ -172,7 +172,7 @@ fn media_that_are_nowhere_change_nothing() {
     ));
     let lessons = |effects| {
         let eye = EyeSettings { effects, ..EyeSettings::default() };
-        Algorithm::Hybrid.prepare(&scene, Settings { eye, balance: false, ..Settings::default() }).lessons()
+        Algorithm::Hybrid.prepare(&scene, Settings { eye, balance: false, ..Settings::default() }).guiding_reports()
     };
     let planned = lessons(EffectOverrides::PLANNED);
     assert!(planned.caustic.is_some());

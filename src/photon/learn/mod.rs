@@ -91,7 +91,7 @@ impl PhotonSource<'_> {
 
     /// One round of the pilot.
     fn explore(&self, pilot: &Pilot<'_>, round: u32) -> Found {
-        let key = Key::new(pilot.seed).purpose(Purpose::Learning).with(round.into());
+        let key = Key::new(pilot.seed).purpose(Purpose::Learning).round(round);
         let paths = pilot.paths / ROUNDS;
         let chunks: Vec<Found> = (0..paths.div_ceil(CHUNK))
             .into_par_iter()
@@ -128,19 +128,12 @@ impl PhotonSource<'_> {
             let draw = self.draw(key, index, paths);
             let mut square = 0.0;
             if let Some((walk, flux)) = self.start::<I>(&draw) {
-                pass.follow(
-                    walk,
-                    flux,
-                    key.with(index.into()),
-                    (&mut audit, &mut found.rays),
-                    |_, deposit, flux, _| {
-                        let Deposit::SurfaceInteraction(surface) = deposit else { return };
-                        let flux = f64::from(color::mean(flux));
-                        let importance =
-                            pilot.visible.importance(surface.point.p, surface.facing_normal(), &mut scratch);
-                        square += flux * flux * f64::from(importance);
-                    },
-                );
+                pass.follow(walk, flux, key.path(index), (&mut audit, &mut found.rays), |_, deposit, flux, _| {
+                    let Deposit::SurfaceInteraction(surface) = deposit else { return };
+                    let flux = f64::from(color::mean(flux));
+                    let importance = pilot.visible.importance(surface.point.p, surface.facing_normal(), &mut scratch);
+                    square += flux * flux * f64::from(importance);
+                });
             }
             // One path of no finite worth must not decide alone.
             let square = if square.is_finite() { square } else { 0.0 };

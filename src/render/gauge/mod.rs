@@ -14,7 +14,7 @@ pub use reading::{Confidence, ErrorEstimate, FEWEST};
 
 use super::Film;
 use crate::image::RelativeScale;
-use crate::integrate::{Discs, Gauged, Pass, RadiusLaw};
+use crate::integrate::{Discs, NestedEstimates, Pass, RadiusLaw};
 use glam::{DVec3, Vec3};
 use spread::Spread;
 
@@ -104,10 +104,10 @@ impl ErrorEstimator {
         let weights = self.scale.as_ref().map_or(&[][..], RelativeScale::weights);
         // A pixel of the mean counts for 1 at most.
         self.spread.add(pass.image.iter().copied(), weights, n + 1.0);
-        if !pass.gauged.is_empty() {
-            let estimates = self.estimates.get_or_insert_with(|| Estimates::new(pass.gauged.len()));
-            estimates.add(&pass.gauged);
-            estimates.spread.add(pass.gauged.iter().map(|g| g.steps[0]), weights, n + 1.0);
+        if !pass.nested.is_empty() {
+            let estimates = self.estimates.get_or_insert_with(|| Estimates::new(pass.nested.len()));
+            estimates.add(&pass.nested);
+            estimates.spread.add(pass.nested.iter().map(|g| g.steps[0]), weights, n + 1.0);
         }
         self.frozen.add(pass);
         self.passes += 1;
@@ -138,9 +138,9 @@ impl Estimates {
         }
     }
 
-    fn add(&mut self, gauged: &[Gauged]) {
+    fn add(&mut self, nested: &[NestedEstimates]) {
         let [zero, one] = &mut self.steps;
-        for (i, pixel) in gauged.iter().enumerate() {
+        for (i, pixel) in nested.iter().enumerate() {
             let [a, b] = pixel.steps;
             zero[i] += a;
             one[i] += b;

@@ -1,47 +1,49 @@
-//! Where light comes from, as the photons around a point know it.
+//! Distribution of gather-ray directions, from the directions of nearby photons.
 
 use crate::math::{Frame, warp};
 use glam::{Vec2, Vec3};
 
-/// Photons that guide a gather ray.
+/// Number of photons that guide a gather ray.
 pub(super) const GUIDES: u32 = 32;
 
-/// 1 − cosine of the half angle of the cone around each photon's direction, .2 rad: 32 of them leave few gaps in a hemisphere
-/// that is lit from everywhere, and are a tenth of one that is lit from a place.
+/// 1 − cosine of the half angle (0.2 rad) of the cone around each photon's direction.
+///
+/// 32 such cones cover most of a hemisphere with uniform light. If all light comes from one direction, they cover a tenth.
 const ONE_MINUS_COS: f32 = 0.02;
 
-/// A mixture of equal cones around directions (Hey and Purgathofer 2002, "Importance sampling with hemispherical particle
-/// footprints").
+/// Mixture of equal cones around directions.
+///
+/// Hey and Purgathofer 2002, "Importance Sampling with Hemispherical Particle Footprints".
 #[derive(Debug, Default)]
 pub(super) struct Guide {
     directions: Vec<Vec3>,
 }
 
 impl Guide {
-    /// Forgets all directions.
+    /// Removes all directions.
     pub fn clear(&mut self) {
         self.directions.clear();
     }
 
-    /// Adds the unit direction that a photon came from.
+    /// Adds the unit direction from which a photon arrived.
     pub fn push(&mut self, direction: Vec3) {
         self.directions.push(direction);
     }
 
-    /// A direction by `choice` in \[0, 1) and `u` in \[0, 1)²; `None` where no photon is known.
+    /// Samples a unit direction by `choice` in \[0, 1) and `u` in \[0, 1)²; `None` without photons.
     #[inline]
     pub fn sample(&self, choice: f32, u: Vec2) -> Option<Vec3> {
         let chosen = ((choice * self.directions.len() as f32) as usize).min(self.directions.len().checked_sub(1)?);
         Some(Frame::around(self.directions[chosen]).to_world(warp::cone(u, ONE_MINUS_COS)).normalize())
     }
 
-    /// Density of unit `w` \[1/sr]; `None` where no photon is known.
+    /// Pdf of unit direction `w` \[1/sr]; `None` without photons.
     #[inline]
     pub fn pdf(&self, w: Vec3) -> Option<f32> {
         if self.directions.is_empty() {
             return None;
         }
-        // |w − d|² = 2(1 − cos) keeps its digits.
+        // |w − d|² = 2(1 − cos) is exact for small angles, unlike the cosine.
         let around = self.directions.iter().filter(|d| (w - **d).length_squared() <= 2.0 * ONE_MINUS_COS).count();
         Some(around as f32 * warp::cone_pdf(ONE_MINUS_COS) / self.directions.len() as f32)
     }
@@ -52,10 +54,11 @@ mod tests {
     use super::*;
     use crate::sampling::{Dimension, Key, Purpose};
 
-    /// The mean of 1/pdf over drawn directions is the solid angle that the cones cover: of two apart, twice that of one; of two
-    /// alike, that of one. Drawn on the rim, rounding may leave the cone: one part in a thousand is allowed for it.
+    /// The mean of 1/pdf over samples is the solid angle of the union of all cones.
+    ///
+    /// Rounding may move a sample on the rim out of its cone, hence the tolerance of 2 in 1000.
     #[test]
-    fn directions_are_drawn_with_their_density() {
+    fn samples_follow_the_pdf() {
         let one = 1.0 / f64::from(warp::cone_pdf(ONE_MINUS_COS));
         for (directions, cones) in [(vec![Vec3::Z], 1.0), (vec![Vec3::Z, Vec3::X], 2.0), (vec![Vec3::Y, Vec3::Y], 1.0)]
         {
@@ -77,9 +80,9 @@ mod tests {
         (key.uniform(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection))
     }
 
-    /// Over n directions of the whole sphere, of which the cones cover a part c, the mean of 4π·pdf scatters by less than √(1/(nc)).
+    /// Cones cover a part c of the sphere, so the mean of 4π·pdf over n directions has a standard error below √(1/(nc)).
     #[test]
-    fn the_density_integrates_to_one() {
+    fn the_pdf_integrates_to_one() {
         let guide = Guide { directions: vec![Vec3::Z, Vec3::X, Vec3::X] };
         let n = 200_000;
         let density = |i| f64::from(guide.pdf(warp::sphere(uniform(i).1)).unwrap_or(0.0));
@@ -88,15 +91,15 @@ mod tests {
         assert!((whole - 1.0).abs() < 5.0 / (n as f64 * covered).sqrt(), "{whole}");
     }
 
-    /// Each of three directions gets a third of the draws, give or take five sigma, and the cosine to it is uniform over the cone.
+    /// Each of three directions gets a third of the samples within five sigma. Cosines are uniform over the cone.
     #[test]
-    fn every_direction_gets_its_share_and_fills_its_cone() {
+    fn each_cone_is_sampled_evenly() {
         let directions = vec![Vec3::X, Vec3::Y, Vec3::Z];
         let mut guide = Guide { directions: directions.clone() };
         let n = 30_000;
-        let drawn: Vec<Vec3> = (0..n).filter_map(|i| guide.sample(uniform(i).0, uniform(i).1)).collect();
+        let samples: Vec<Vec3> = (0..n).filter_map(|i| guide.sample(uniform(i).0, uniform(i).1)).collect();
         for direction in directions {
-            let near: Vec<f64> = drawn.iter().map(|w| f64::from(w.dot(direction))).filter(|cos| *cos > 0.9).collect();
+            let near: Vec<f64> = samples.iter().map(|w| f64::from(w.dot(direction))).filter(|cos| *cos > 0.9).collect();
             let third = n as f64 / 3.0;
             assert!((near.len() as f64 - third).abs() < 5.0 * (third * 2.0 / 3.0).sqrt(), "{}", near.len());
             let off = 1.0 - near.iter().sum::<f64>() / near.len() as f64;
