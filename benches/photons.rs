@@ -2,7 +2,9 @@
 
 mod boxed;
 
-use caustica::photon::{Bandwidth, Flux, Kernel, Photon, PhotonMap, PhotonPass, PhotonSource, Scratch, StoreMask};
+use caustica::photon::{
+    Bandwidth, Kernel, Photon, PhotonData, PhotonMap, PhotonPass, PhotonSource, Scratch, StoreMask,
+};
 use caustica::sampling::{Dimension, Key, Purpose, sobol_2d};
 use divan::counter::ItemsCount;
 use divan::{Bencher, black_box};
@@ -21,7 +23,7 @@ const PATHS: u32 = 100_000;
 fn trace_global(bencher: Bencher, threads: usize) {
     let scene = boxed::scene();
     let source = PhotonSource::everywhere(&scene).unwrap();
-    trace(bencher, threads, &PhotonPass { scene: &scene, source: &source, wants: StoreMask::GLOBAL, max_bounces: 100 });
+    trace(bencher, threads, &PhotonPass { scene: &scene, source: &source, mask: StoreMask::GLOBAL, max_bounces: 100 });
 }
 
 /// Paths of the caustic map, aimed at the balls.
@@ -29,11 +31,7 @@ fn trace_global(bencher: Bencher, threads: usize) {
 fn trace_caustic(bencher: Bencher, threads: usize) {
     let scene = boxed::scene();
     let source = PhotonSource::aimed(&scene).unwrap();
-    trace(
-        bencher,
-        threads,
-        &PhotonPass { scene: &scene, source: &source, wants: StoreMask::CAUSTIC, max_bounces: 100 },
-    );
+    trace(bencher, threads, &PhotonPass { scene: &scene, source: &source, mask: StoreMask::CAUSTIC, max_bounces: 100 });
 }
 
 fn trace(bencher: Bencher, threads: usize, pass: &PhotonPass<'_>) {
@@ -113,15 +111,15 @@ fn gather(bencher: Bencher, bandwidth: Bandwidth) {
 /// [`gather_radius`].
 #[divan::bench(args = [20, 50, 200], sample_count = 10)]
 fn bare_visitor(bencher: Bencher, count: u32) {
-    type Tree = KdTree<f32, Flux, Eytzinger, VecOfArenas<f32, Flux, 3, 32>, 3, 32>;
+    type Tree = KdTree<f32, PhotonData, Eytzinger, VecOfArenas<f32, PhotonData, 3, 32>, 3, 32>;
     let photons = photons(STORED);
-    let tree = Tree::new_from_source(&photons, |p, axis| p.position[axis], |_, p| p.flux).unwrap();
+    let tree = Tree::new_from_source(&photons, |p, axis| p.position[axis], |_, p| p.data).unwrap();
     let r2 = radius(count as f32) * radius(count as f32);
     bencher.counter(ItemsCount::new(GATHERS)).bench_local(|| {
         let mut sum = Vec3::ZERO;
         for p in floor_points() {
             tree.query(&p.to_array()).within::<SquaredEuclidean<f32>>(r2).unsorted().visit(|found| {
-                sum += found.item.power() * (1.0 - found.distance / r2);
+                sum += found.item.flux() * (1.0 - found.distance / r2);
             });
         }
         black_box(sum)

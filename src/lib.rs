@@ -1,22 +1,20 @@
-//! Caustica: a photon-mapping renderer that tells what accuracy costs.
+//! Caustica is a photon-mapping renderer that estimates the error of its pictures.
 //!
-//! # The walk of one photon
+//! This page lists the types that a user of the library starts from. All other modules are hidden
+//! from this documentation. They are public for the tests and benches of this package, and their
+//! interfaces may change in any version.
 //!
-//! A pass has a [`Key`](sampling::Key); path `i` of it has the key `pass.with(i)`, and every random decision is a function of
-//! such a key and the decision's name. [`PhotonSource::emit`](photon::PhotonSource::emit) chooses a light in proportion to its
-//! power, to the part of it that can reach casters, or to what a pilot found useful, and a ray from it; the ray carries its flux over its density
-//! and the number of paths. [`PhotonPass::trace`](photon::PhotonPass::trace) then repeats: nearest hit
-//! ([`PathRay::next_vertex`](scene::PathRay::next_vertex)), absorption on the way, in a [`Medium`](medium::Medium) a beam and a place where it is scattered, a stored [`Photon`](photon::Photon) where the surface
-//! stores them and the class is wanted, a direction from the [`Bsdf`](bsdf::Bsdf), roulette on the ratio of throughputs.
-//! The photons become a [`PhotonMap`](photon::PhotonMap).
+//! | task | start from |
+//! | --- | --- |
+//! | read a scene file | [`SceneFile`] |
+//! | build a scene in code | [`SceneBuilder`], [`Material`], [`Shape`], [`Camera`] |
+//! | choose an algorithm | [`Algorithm`], [`Settings`] |
+//! | render with progress | [`render()`], [`Stop`], [`Monitor`] |
+//! | read the estimated error | [`Rendered`], [`ErrorEstimator`], [`ErrorEstimate`] |
+//! | write a picture | [`Image`], [`write_image`], [`WriteOptions`] |
 //!
-//! # The walk of one camera ray
-//!
-//! [`Algorithm::Hybrid`](integrate::Algorithm::Hybrid), and every other algorithm in its own way, sends a ray through a point
-//! of the pixel that its filter chose ([`Camera::ray`](camera::Camera::ray)) and walks through mirrors and glass, both ways where
-//! both matter. At the first other surface it adds emission, direct light by shadow rays, and what photons that met casters first
-//! brought there ([`PhotonMap::estimate`](photon::PhotonMap::estimate)), then walks on. [`render`](render::render) takes the mean
-//! over passes whose radii shrink.
+//! Feature `cli` (on by default) builds the `caustica` program. A library user can turn it off
+//! with `default-features = false` to build no argument parser and no progress bars.
 //!
 //! # A scene in code
 //!
@@ -41,26 +39,169 @@
 //! assert_eq!(pass.image.len(), 32 * 24);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
-#![forbid(unsafe_code)]
-#![warn(missing_docs)]
+//!
+//! # The path of one photon
+//!
+//! 1. A pass has a random-number [`Key`](sampling::Key). Photon path `i` has the key
+//!    `pass.with(i)`. Every random decision is a function of a key and the decision's name.
+//! 2. [`PhotonSource::emit`](photon::PhotonSource::emit) samples a light and a ray that leaves
+//!    it. The sampling pdf follows power, the solid angle of specular objects, or the emission
+//!    that a pilot pass found useful. The ray carries flux / (pdf · number of paths).
+//! 3. [`PhotonPass::trace`](photon::PhotonPass::trace) follows the path.
+//!    [`PathRay::next_vertex`](scene::PathRay::next_vertex) finds the next surface, applies
+//!    absorption, and samples a scattering event in a [`Medium`](medium::Medium).
+//! 4. A surface that stores photons adds a [`Photon`](photon::Photon). The [`Bsdf`](bsdf::Bsdf)
+//!    then samples a direction, and Russian roulette ends the path by its throughput.
+//! 5. The photons of a pass become a [`PhotonMap`](photon::PhotonMap).
+//!
+//! # The path of one camera ray
+//!
+//! 1. The reconstruction filter samples a point of a pixel, and the
+//!    [`Camera`] makes a ray through it.
+//! 2. The path follows specular surfaces. Glass splits the path while both parts matter.
+//! 3. [`Algorithm::Hybrid`] adds at a diffuse surface: emission, direct light by next-event
+//!    estimation, and the caustic photon estimate
+//!    ([`PhotonMap::estimate`](photon::PhotonMap::estimate)). The path then continues.
+//! 4. [`render()`] returns the mean of passes whose photon gather radii shrink.
 
+#[doc(hidden)]
 pub mod accel;
+#[doc(hidden)]
 pub mod bsdf;
+#[doc(hidden)]
 pub mod camera;
+#[cfg(feature = "cli")]
+#[doc(hidden)]
 pub mod cli;
+#[doc(hidden)]
 pub mod color;
+#[doc(hidden)]
 pub mod format;
+#[doc(hidden)]
 pub mod image;
+#[doc(hidden)]
 pub mod integrate;
+#[doc(hidden)]
 pub mod light;
+#[doc(hidden)]
 pub mod math;
+#[doc(hidden)]
 pub mod medium;
+#[doc(hidden)]
 pub mod photon;
+#[doc(hidden)]
 pub mod plan;
+#[doc(hidden)]
 pub mod render;
+#[doc(hidden)]
 pub mod sampling;
+#[doc(hidden)]
 pub mod scene;
+#[doc(hidden)]
 pub mod shape;
+#[doc(hidden)]
 pub mod stats;
+#[doc(hidden)]
 pub mod study;
+#[doc(hidden)]
 pub mod texture;
+
+/// # Example: a position, a view direction and a field of view
+/// ```
+/// use glam::DVec3;
+/// // Vertical field of view of 0.7 radians, 320 × 240 pixels.
+/// let camera = caustica::Camera::perspective(DVec3::ZERO, -DVec3::Z, DVec3::Y, 0.7, 320, 240)?;
+/// assert_eq!(camera.size(), (320, 240));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub use camera::Camera;
+
+/// # Example: load a file
+/// ```no_run
+/// let file = caustica::SceneFile::read("scenes/gem.txt".as_ref())?;
+/// let scene: caustica::Scene = file.resolve()?;
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub use format::SceneFile;
+
+/// # Example: the error of a scene names its position in the file
+/// ```
+/// let error = caustica::format::parse("scene.txt", "Grop { }").unwrap_err();
+/// println!("{error}");
+/// ```
+pub use format::SceneError;
+
+/// # Example: a grey picture
+/// ```
+/// let grey = caustica::Image::from_pixels(2, 1, vec![glam::Vec3::splat(0.5); 2])?;
+/// assert_eq!(grey.get(1, 0), Some(glam::Vec3::splat(0.5)));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub use image::Image;
+
+/// # Example: write a PNG with a filmic tone curve
+/// ```
+/// use caustica::image::{Curve, ToneMap};
+/// let folder = tempfile::tempdir()?;
+/// let tone = ToneMap { curve: Curve::Filmic, exposure_stops: 1.0 };
+/// let options = caustica::WriteOptions { tone, ..Default::default() };
+/// let report = caustica::write_image(&folder.path().join("a.png"), &caustica::Image::new(2, 2)?, &options)?;
+/// assert_eq!(report.too_bright, 0);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub use image::{WriteOptions, write as write_image};
+
+/// # Example: every algorithm by its name on the command line
+/// ```
+/// let names = caustica::Algorithm::ALL.map(|algorithm| algorithm.name());
+/// assert_eq!(names[0], "hybrid");
+/// ```
+pub use integrate::Algorithm;
+
+/// # Example: print the start of each stage
+/// ```
+/// use caustica::integrate::Stage;
+/// struct Print;
+/// impl caustica::Monitor for Print {
+///     fn begin(&self, stage: Stage, total: u64) {
+///         println!("{stage:?}: {total} units");
+///     }
+///     fn advance(&self, _: u64) {}
+/// }
+/// ```
+pub use integrate::Monitor;
+
+/// # Example: fewer photons than by default
+/// ```
+/// let settings = caustica::Settings { photons: 10_000, caustic_photons: 5_000, ..Default::default() };
+/// ```
+pub use integrate::Settings;
+
+/// # Example: render two passes and read the estimated error
+/// ```
+/// use caustica::{Algorithm, Camera, Image, Material, SceneBuilder, Settings, Shape, Stop};
+/// use caustica::integrate::Silent;
+/// use glam::{DVec3, Vec3};
+/// use std::sync::atomic::AtomicBool;
+///
+/// let mut builder = SceneBuilder::new();
+/// let lamp = builder.material(Material::diffuse(Vec3::ZERO));
+/// let ball = caustica::shape::Sphere::new(DVec3::new(0.0, 0.0, -3.0), 1.0);
+/// builder.shape(Shape::Sphere(ball), lamp, Vec3::ONE);
+/// let scene = builder.build(Camera::perspective(DVec3::ZERO, -DVec3::Z, DVec3::Y, 0.7, 16, 12)?)?;
+///
+/// let interrupted = AtomicBool::new(false);
+/// let stop = Stop { at_least: 1, passes: Some(2), time: None, target: None, interrupted: &interrupted };
+/// let integrator = Algorithm::Path.prepare(&scene, Settings::default());
+/// let rendered = caustica::render(integrator.as_ref(), (16, 12), &stop, &Silent, |standing| {
+///     println!("{} passes", standing.passes);
+/// });
+/// let picture = Image::from_pixels(16, 12, rendered.film.mean())?;
+/// assert_eq!(rendered.film.passes(), 2);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+pub use render::{Rendered, Stop, render};
+
+pub use render::gauge::{ErrorEstimate, ErrorEstimator};
+pub use scene::{Material, Scene, SceneBuilder};
+pub use shape::Shape;

@@ -1,16 +1,25 @@
 //! The `caustica` program.
 
+use cap::Cap;
 use caustica::cli;
+use caustica::stats::{AllocationCounter, count_allocations};
 use clap::Parser;
-use std::io::Write;
+use std::alloc::System;
 use std::process::ExitCode;
 
+/// The system allocator with a count of the bytes in use. It sets no limit of its own.
+#[global_allocator]
+static ALLOCATOR: Cap<System> = Cap::new(System, usize::MAX);
+
 fn main() -> ExitCode {
+    count_allocations(AllocationCounter {
+        in_use: || ALLOCATOR.allocated() as u64,
+        peak: || ALLOCATOR.max_allocated() as u64,
+    });
     match cli::run(cli::Arguments::parse()) {
         Ok(exit) => exit.into(),
         Err(failure) => {
-            // A closed stderr must not turn an error into a panic.
-            let _ = writeln!(std::io::stderr(), "{:?}", failure.report);
+            failure.show();
             failure.exit.into()
         }
     }

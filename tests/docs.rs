@@ -1,6 +1,10 @@
 //! What the pages say is true: their commands run, their scenes render, their tables agree with the program.
 
-mod shell;
+mod it {
+    pub mod support {
+        pub mod shell;
+    }
+}
 
 use caustica::cli::{Arguments, Command, Exit};
 use caustica::format::grid::{self, Encoding, Grid};
@@ -9,7 +13,7 @@ use caustica::format::{Source, parse, resolve};
 use caustica::image::{self, Image, WriteOptions};
 use caustica::integrate::{Algorithm, Settings, Silent};
 use clap::{CommandFactory, Parser};
-use shell::words;
+use it::support::shell::words;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -90,12 +94,12 @@ fn perform(page: &str, line: &[String], folder: &Path) {
                 shrink(&mut arguments, render.method.caustic_photons.is_some());
                 (Some(&render.scene.scene), render.output.iter().chain(&render.stats).collect())
             }
-            Some(Command::Price(price)) => {
-                shrink(&mut arguments, price.method.caustic_photons.is_some());
+            Some(Command::Estimate(estimate)) => {
+                shrink(&mut arguments, estimate.method.caustic_photons.is_some());
                 let passes = arguments.iter().position(|word| word == "--passes").unwrap();
                 arguments.drain(passes..passes + 2);
                 put(&mut arguments, "--pilot", "0.1s");
-                (Some(&price.scene.scene), Vec::new())
+                (Some(&estimate.scene.scene), Vec::new())
             }
             Some(Command::Plan(plan)) => (Some(&plan.scene.scene), Vec::new()),
             Some(Command::Study(study)) => {
@@ -107,7 +111,7 @@ fn perform(page: &str, line: &[String], folder: &Path) {
             }
             Some(Command::Diff(diff)) => (None, diff.output.iter().collect()),
             Some(Command::Mesh(mesh)) => (Some(&mesh.mesh), mesh.output.iter().collect()),
-            None => (None, Vec::new()),
+            Some(Command::Completions { .. } | Command::Man) | None => (None, Vec::new()),
         };
         if let Some(scene) = scene.and_then(Path::to_str) {
             let mapped = root().join(scene).to_str().unwrap().to_owned();
@@ -168,7 +172,7 @@ fn put(arguments: &mut Vec<String>, flag: &str, value: &str) {
 }
 
 #[test]
-fn the_commands_of_the_pages_run() {
+fn documented_commands_run() {
     let mut tried = 0;
     for (name, page) in pages() {
         let folder = tempfile::tempdir().unwrap();
@@ -181,7 +185,7 @@ fn the_commands_of_the_pages_run() {
 }
 
 #[test]
-fn commands_are_read_as_a_shell_reads_them() {
+fn commands_parse_like_a_shell() {
     let block = "# a comment\n$ A_B=1 caustica render 'my scene.txt' \\\n  -o \"a b.png\"  # why\n\ncargo run --release -- render x\n";
     let read = commands(block);
     assert_eq!(read.len(), 2);
@@ -205,7 +209,7 @@ fn table(section: &str) -> Vec<Vec<String>> {
 }
 
 #[test]
-fn the_page_lists_every_flag_with_its_default() {
+fn docs_list_every_flag_with_default() {
     flags_are_listed("render", "Flags");
     flags_are_listed("diff", "Diff");
     flags_are_listed("mesh", "Mesh");
@@ -248,14 +252,14 @@ fn flags_are_listed(command: &str, section: &str) {
 }
 
 #[test]
-fn the_page_lists_every_exit_code() {
+fn docs_list_every_exit_code() {
     let codes: Vec<String> = table("Exit codes").iter().map(|row| row[0].replace('`', "")).collect();
     let known = [Exit::Success, Exit::Input, Exit::Usage, Exit::Output, Exit::Differ, Exit::Interrupted];
     assert_eq!(codes, known.map(|exit| (exit as u8).to_string()));
 }
 
 #[test]
-fn links_between_pages_lead_somewhere() {
+fn links_between_pages_resolve() {
     for (name, page) in pages() {
         let folder = if name == "README.md" { root().to_owned() } else { root().join("docs") };
         for (at, _) in page.match_indices("](") {
@@ -274,7 +278,7 @@ fn links_between_pages_lead_somewhere() {
 }
 
 #[test]
-fn the_scenes_of_the_language_page_render() {
+fn scenes_of_language_page_render() {
     let page = std::fs::read_to_string(root().join("docs/scene-language.md")).unwrap();
     let scenes = blocks(&page, "caustica");
     assert!(scenes.len() >= 2);

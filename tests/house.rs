@@ -1,9 +1,12 @@
-//! The plan of the house holds: rooms use only rooms below them, files stay short, and nothing is left for later.
+//! Checks of the source tree's structure and language, read from the text of `src/`.
+//!
+//! Each check lists every offence with its file and line.
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Rooms by storey; a room uses only rooms of lower storeys.
+/// Rooms (folders of `src/`) by storey. A room uses only rooms of lower storeys.
 const STOREYS: [&[&str]; 10] = [
     &["math", "sampling", "color", "image", "stats"],
     &["accel", "texture", "bsdf"],
@@ -17,17 +20,79 @@ const STOREYS: [&[&str]; 10] = [
     &["cli"],
 ];
 
-fn storey(room: &str) -> Option<usize> {
-    STOREYS.iter().position(|rooms| rooms.contains(&room))
+/// Names of the former private vocabulary. None may be a whole identifier in `src/`.
+const RETIRED: [&str; 26] = [
+    "Arrival",
+    "Asking",
+    "Coat",
+    "Dimming",
+    "Draft",
+    "Dress",
+    "Fade",
+    "Gathering",
+    "Gauge",
+    "Glow",
+    "Immersed",
+    "Lesson",
+    "Look",
+    "MapMaker",
+    "Meeting",
+    "Octet",
+    "Reading",
+    "Relief",
+    "Shine",
+    "Specks",
+    "Stretch",
+    "Walk",
+    "Walks",
+    "Wants",
+    "Wardrobe",
+    "Wishes",
+];
+
+/// Words that may not begin a doc comment: the sentence would lack its subject.
+const HEADLESS: [&str; 5] = ["The same", "As ", "Of ", "What ", "Whether"];
+
+/// Most characters of a comment line, indentation included.
+const COMMENT_WIDTH: usize = 100;
+
+/// Most lines of a test module inside a source file.
+const INLINE_TESTS: usize = 45;
+
+/// One source file.
+struct SourceFile {
+    /// Path below `src/`, with slashes.
+    name: String,
+    text: String,
 }
 
-/// Every source file with its text, by its path below `src/` with slashes.
-fn sources() -> Vec<(String, String)> {
-    fn walk(folder: &Path, found: &mut Vec<PathBuf>) {
+impl SourceFile {
+    /// Returns true if the file holds only tests.
+    fn is_test(&self) -> bool {
+        self.name.ends_with("/tests.rs") || self.name.contains("/tests/")
+    }
+
+    /// Returns the text with comments blanked out, line by line.
+    ///
+    /// A `//` inside a string also cuts the line. No check depends on what follows it.
+    fn code(&self) -> String {
+        code(&self.text)
+    }
+
+    /// Returns the module path below the crate, such as `["scene", "build", "lights"]`.
+    fn module(&self) -> Vec<String> {
+        let stem = self.name.trim_end_matches(".rs").trim_end_matches("/mod");
+        stem.split('/').map(str::to_owned).collect()
+    }
+}
+
+/// Returns every Rust file below `src/`, sorted by name.
+fn sources() -> Vec<SourceFile> {
+    fn collect(folder: &Path, found: &mut Vec<PathBuf>) {
         for entry in fs::read_dir(folder).unwrap() {
             let path = entry.unwrap().path();
             if path.is_dir() {
-                walk(&path, found);
+                collect(&path, found);
             } else if path.extension().is_some_and(|e| e == "rs") {
                 found.push(path);
             }
@@ -35,78 +100,357 @@ fn sources() -> Vec<(String, String)> {
     }
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
     let mut found = Vec::new();
-    walk(&root, &mut found);
+    collect(&root, &mut found);
     found.sort();
     let name = |path: &Path| path.strip_prefix(&root).unwrap().to_string_lossy().replace('\\', "/");
-    found.iter().map(|path| (name(path), fs::read_to_string(path).unwrap())).collect()
+    found.iter().map(|path| SourceFile { name: name(path), text: fs::read_to_string(path).unwrap() }).collect()
 }
 
-/// The text without comments. A `//` in a string cuts the line too, which hides no path that matters.
 fn code(text: &str) -> String {
     text.lines().map(|line| line.split("//").next().unwrap_or("")).collect::<Vec<_>>().join("\n")
 }
 
-/// The rooms that code names: x of `crate::x` and of `crate::{x, …}`.
-fn uses(code: &str) -> Vec<String> {
-    let word = |text: &str| text.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>();
-    let mut rooms = Vec::new();
-    for (at, _) in code.match_indices("crate::") {
-        let path = &code[at + "crate::".len()..];
-        let Some(list) = path.strip_prefix('{') else {
-            rooms.push(word(path));
-            continue;
-        };
-        let mut depth = 0;
-        let mut entry = true;
-        for (i, c) in list.char_indices() {
-            match c {
-                '{' => depth += 1,
-                '}' if depth == 0 => break,
-                '}' => depth -= 1,
-                ',' if depth == 0 => entry = true,
-                c if entry && !c.is_whitespace() => {
-                    rooms.push(word(&list[i..]));
-                    entry = false;
-                }
-                _ => {}
+/// Splits the inside of a brace list at its top-level commas. `text` begins after the opening brace.
+fn list(text: &str) -> Vec<&str> {
+    let (mut depth, mut start, mut items) = (0, 0, Vec::new());
+    for (i, c) in text.char_indices() {
+        match c {
+            '{' => depth += 1,
+            '}' if depth == 0 => {
+                items.push(text[start..i].trim());
+                break;
             }
+            '}' => depth -= 1,
+            ',' if depth == 0 => {
+                items.push(text[start..i].trim());
+                start = i + 1;
+            }
+            _ => {}
         }
     }
-    rooms
+    items.retain(|item| !item.is_empty());
+    items
 }
 
-/// What is wrong with a room that uses another, if anything.
+/// Expands a `use` tree, such as `a::{b, c::{d, self}}`, to full paths.
+fn expand(tree: &str) -> Vec<Vec<String>> {
+    let tree = tree.trim();
+    let Some(brace) = tree.find('{') else {
+        let path = tree.split(" as ").next().unwrap_or(tree);
+        return vec![path.split("::").map(|part| part.trim().to_owned()).filter(|part| !part.is_empty()).collect()];
+    };
+    let head: Vec<String> =
+        tree[..brace].split("::").map(|part| part.trim().to_owned()).filter(|part| !part.is_empty()).collect();
+    let tails = list(&tree[brace + 1..]).into_iter().flat_map(expand);
+    tails.map(|tail| head.iter().cloned().chain(tail).filter(|part| part != "self").collect()).collect()
+}
+
+/// Returns the length of the path or `use` tree at the head of `text`.
+fn tree_end(text: &str) -> usize {
+    let mut depth = 0;
+    for (i, c) in text.char_indices() {
+        match c {
+            '{' if depth > 0 || text[..i].ends_with("::") => depth += 1,
+            '}' if depth > 0 => depth -= 1,
+            c if depth == 0 && !c.is_alphanumeric() && c != '_' && c != ':' => return i,
+            _ => {}
+        }
+    }
+    text.len()
+}
+
+/// Returns the paths that begin with `prefix::` anywhere in the code, brace lists expanded.
+fn paths(code: &str, prefix: &str) -> Vec<Vec<String>> {
+    let mark = format!("{prefix}::");
+    let mut found = Vec::new();
+    for (at, _) in code.match_indices(&mark) {
+        if code[..at].ends_with(|c: char| c.is_alphanumeric() || c == '_' || c == ':' || c == '$') {
+            continue;
+        }
+        let rest = &code[at..];
+        let end = tree_end(rest);
+        found.extend(expand(rest[..end].trim_end_matches(':')));
+    }
+    found
+}
+
+/// Returns the storey of a room, counted from 0 at the bottom.
+fn storey(room: &str) -> Option<usize> {
+    STOREYS.iter().position(|rooms| rooms.contains(&room))
+}
+
+/// Returns why room `from` may not use room `to`, or `None` if it may.
 fn objection(from: &str, to: &str) -> Option<String> {
     match (storey(from), storey(to)) {
         (Some(_), Some(_)) if from == to => None,
         (Some(a), Some(b)) if b < a => None,
-        (Some(a), Some(b)) => Some(format!("{from} ({a}) uses {to} ({b})")),
-        (None, _) => Some(format!("{from} is no room of the plan")),
-        (_, None) => Some(format!("{from} uses {to}, which is no room of the plan")),
+        (Some(a), Some(b)) => Some(format!("{from} (storey {a}) uses {to} (storey {b})")),
+        (None, _) => Some(format!("{from} is not in the list of rooms")),
+        (_, None) => Some(format!("{from} uses {to}, which is not in the list of rooms")),
     }
 }
 
+/// Fails with the number of offences and the list of them, if there are any.
+#[track_caller]
+fn none(rule: &str, offences: &[String]) {
+    assert!(offences.is_empty(), "{} offences against: {rule}\n{}", offences.len(), offences.join("\n"));
+}
+
 #[test]
-fn rooms_use_only_rooms_below_them() {
-    let mut seen = 0;
-    let mut wrong = Vec::new();
-    for (name, text) in sources() {
-        let Some((room, _)) = name.split_once('/') else { continue };
-        wrong.extend(objection(room, room).map(|o| format!("src/{name}: {o}")));
-        for used in uses(&code(&text)) {
-            seen += 1;
-            wrong.extend(objection(room, &used).map(|o| format!("src/{name}: {o}")));
+fn rooms_use_only_lower_rooms() {
+    let mut uses = 0;
+    let mut offences = Vec::new();
+    for file in sources() {
+        let Some((room, _)) = file.name.split_once('/') else { continue };
+        offences.extend(objection(room, room).map(|o| format!("src/{}: {o}", file.name)));
+        for path in paths(&file.code(), "crate") {
+            let Some(used) = path.get(1) else { continue };
+            uses += 1;
+            offences.extend(objection(room, used).map(|o| format!("src/{}: {o}", file.name)));
         }
     }
-    // The reader of `use` lines would pass everything if it found nothing.
-    assert!(seen > 100, "{seen} uses");
-    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    // A parser that finds no `use` would pass every tree.
+    assert!(uses > 100, "only {uses} uses found");
+    none("a room uses only rooms of lower storeys", &offences);
+}
+
+/// Returns the file that holds the module `path`, or the deepest ancestor that is a file.
+fn owner<'a>(modules: &'a BTreeMap<Vec<String>, String>, path: &[String]) -> Option<&'a String> {
+    (1..=path.len()).rev().find_map(|n| modules.get(&path[..n]))
+}
+
+/// Returns the `use` edges between files of one room, as pairs of file names.
+///
+/// A module file and its own submodules belong together, so edges between ancestor and descendant are left out.
+fn edges(files: &[SourceFile]) -> BTreeMap<String, BTreeSet<String>> {
+    let modules: BTreeMap<Vec<String>, String> = files.iter().map(|f| (f.module(), f.name.clone())).collect();
+    let mut edges: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
+    for file in files.iter().filter(|file| !file.is_test()) {
+        let module = file.module();
+        let text = file.code();
+        // Inline tests may use anything.
+        let text = text.split("#[cfg(test)]\nmod tests").next().unwrap_or("");
+        let mut targets: Vec<Vec<String>> = paths(text, "crate").into_iter().map(|p| p[1..].to_vec()).collect();
+        for path in paths(text, "super") {
+            let ups = path.iter().take_while(|part| *part == "super").count();
+            if ups <= module.len() {
+                targets.push(module[..module.len() - ups].iter().chain(&path[ups..]).cloned().collect());
+            }
+        }
+        for path in paths(text, "self") {
+            targets.push(module.iter().chain(&path[1..]).cloned().collect());
+        }
+        for target in targets.iter().filter(|target| target.first() == module.first()) {
+            let Some(other) = owner(&modules, target) else { continue };
+            let path: Vec<String> = modules.iter().find(|(_, name)| *name == other).unwrap().0.clone();
+            if !path.starts_with(&module) && !module.starts_with(&path) {
+                edges.entry(file.name.clone()).or_default().insert(other.clone());
+            }
+        }
+    }
+    edges
+}
+
+/// Returns the strongly connected components of more than one node, each sorted.
+fn circles(edges: &BTreeMap<String, BTreeSet<String>>) -> Vec<Vec<String>> {
+    let reach = |from: &String| {
+        let (mut seen, mut stack) = (BTreeSet::new(), vec![from.clone()]);
+        while let Some(node) = stack.pop() {
+            for next in edges.get(&node).into_iter().flatten() {
+                if seen.insert(next.clone()) {
+                    stack.push(next.clone());
+                }
+            }
+        }
+        seen
+    };
+    let reached: BTreeMap<&String, BTreeSet<String>> = edges.keys().map(|node| (node, reach(node))).collect();
+    let mut found: BTreeSet<Vec<String>> = BTreeSet::new();
+    for (node, there) in &reached {
+        if there.contains(*node) {
+            found.insert(there.iter().filter(|n| reached.get(n).is_some_and(|r| r.contains(*node))).cloned().collect());
+        }
+    }
+    found.into_iter().collect()
 }
 
 #[test]
-fn uses_are_read_in_every_form() {
-    let text = "use crate::math::Ray;\nuse crate::{cli, scene::{Scene, Hit}, image};\nlet x = crate::color::mean(y); // crate::study";
-    assert_eq!(uses(&code(text)), ["math", "cli", "scene", "image", "color"]);
+#[ignore = "structure: not yet reached"]
+fn files_of_a_room_form_no_circle() {
+    let edges = edges(&sources());
+    assert!(edges.values().map(BTreeSet::len).sum::<usize>() > 100, "too few edges found");
+    let offences: Vec<String> = circles(&edges)
+        .into_iter()
+        .map(|circle| {
+            let inside = |name: &String| edges[name].iter().filter(|n| circle.contains(n)).cloned().collect::<Vec<_>>();
+            let lines: Vec<String> =
+                circle.iter().map(|name| format!("    {name} uses {}", inside(name).join(", "))).collect();
+            format!("circle of {} files:\n{}", circle.len(), lines.join("\n"))
+        })
+        .collect();
+    none("files of a room do not use each other in a circle", &offences);
+}
+
+/// Returns the name of the type that an `impl` line is inherent to; `None` for trait implementations and other lines.
+fn inherent(line: &str) -> Option<String> {
+    let rest = line.strip_prefix("impl")?;
+    let rest = match rest.strip_prefix('<') {
+        Some(generics) => {
+            let mut depth = 1;
+            let end = generics.char_indices().find(|(i, c)| {
+                let arrow = *c == '>' && generics[..*i].ends_with('-');
+                depth += i32::from(*c == '<') - i32::from(*c == '>' && !arrow);
+                depth == 0
+            })?;
+            &generics[end.0 + 1..]
+        }
+        None => rest,
+    };
+    let head = rest.strip_prefix(' ')?.split('{').next()?.split(" where ").next()?;
+    if head.contains(" for ") {
+        return None;
+    }
+    let path = head.split('<').next()?.trim();
+    Some(path.rsplit("::").next()?.to_owned())
+}
+
+/// Returns the name of the type that a line defines.
+fn defined(line: &str) -> Option<&str> {
+    let line = line.strip_prefix("pub").map_or(line, |rest| rest.split_once(' ').map_or("", |(_, rest)| rest));
+    let rest = ["struct ", "enum ", "union "].iter().find_map(|keyword| line.strip_prefix(keyword))?;
+    rest.split(|c: char| !c.is_alphanumeric() && c != '_').next()
+}
+
+#[test]
+#[ignore = "structure: not yet reached"]
+fn a_type_has_impls_in_two_files_at_most() {
+    let files: Vec<SourceFile> = sources().into_iter().filter(|file| !file.is_test()).collect();
+    let room = |file: &SourceFile| file.name.split('/').next().unwrap().to_owned();
+    // Private types of one name may exist in several files of a room.
+    let mut definitions: BTreeSet<(String, String)> = BTreeSet::new();
+    for file in &files {
+        definitions.extend(file.code().lines().filter_map(defined).map(|name| (name.to_owned(), file.name.clone())));
+    }
+    let mut homes: BTreeMap<(String, String, String), BTreeSet<String>> = BTreeMap::new();
+    for file in &files {
+        for name in file.code().lines().filter_map(inherent) {
+            let own = definitions.contains(&(name.clone(), file.name.clone()));
+            let elsewhere = definitions.iter().find(|(n, home)| *n == name && home.starts_with(&room(file)));
+            let home = if own { file.name.clone() } else { elsewhere.map_or(String::new(), |(_, home)| home.clone()) };
+            homes.entry((room(file), name, home)).or_default().insert(file.name.clone());
+        }
+    }
+    assert!(homes.len() > 100, "only {} types found", homes.len());
+    let offences: Vec<String> = homes
+        .iter()
+        .filter(|(_, files)| files.len() > 2)
+        .map(|((_, name, _), files)| {
+            format!("{name}: {} files: {}", files.len(), files.iter().cloned().collect::<Vec<_>>().join(", "))
+        })
+        .collect();
+    none("the impl blocks of a type stand in at most two files", &offences);
+}
+
+#[test]
+#[ignore = "structure: not yet reached"]
+fn inline_test_modules_are_short() {
+    let mut offences = Vec::new();
+    for file in sources() {
+        let Some((_, module)) = file.text.split_once("#[cfg(test)]\nmod tests {\n") else { continue };
+        let lines = module.lines().take_while(|line| *line != "}").count();
+        if lines > INLINE_TESTS {
+            offences.push(format!("src/{}: {lines} lines", file.name));
+        }
+    }
+    none("a longer test module stands in its own file", &offences);
+}
+
+#[test]
+#[ignore = "language: not yet reached"]
+fn identifiers_avoid_retired_words() {
+    let mut offences = Vec::new();
+    for file in sources() {
+        for (i, line) in file.code().lines().enumerate() {
+            for word in line.split(|c: char| !c.is_alphanumeric() && c != '_') {
+                if RETIRED.contains(&word) {
+                    offences.push(format!("src/{}:{}: {word}", file.name, i + 1));
+                }
+            }
+        }
+    }
+    none("identifiers avoid the retired words", &offences);
+}
+
+/// Returns the text of a doc comment line.
+fn doc(line: &str) -> Option<&str> {
+    let line = line.trim_start();
+    line.strip_prefix("///").or_else(|| line.strip_prefix("//!"))
+}
+
+#[test]
+#[ignore = "language: not yet reached"]
+fn doc_comments_begin_with_their_subject() {
+    let mut offences = Vec::new();
+    for file in sources() {
+        let mut inside = false;
+        for (i, line) in file.text.lines().enumerate() {
+            let text = doc(line);
+            if let Some(text) = text.filter(|_| !inside)
+                && HEADLESS.iter().any(|head| text.trim_start().starts_with(head))
+            {
+                offences.push(format!("src/{}:{}: {}", file.name, i + 1, line.trim()));
+            }
+            inside = text.is_some();
+        }
+    }
+    none("a doc comment begins with its subject", &offences);
+}
+
+#[test]
+#[ignore = "language: not yet reached"]
+fn comment_lines_fit_in_100_columns() {
+    let mut offences = Vec::new();
+    for file in sources() {
+        for (i, line) in file.text.lines().enumerate() {
+            let width = line.chars().count();
+            if line.trim_start().starts_with("//") && width > COMMENT_WIDTH {
+                offences.push(format!("src/{}:{}: {width} characters", file.name, i + 1));
+            }
+        }
+    }
+    none("comment lines have at most 100 characters", &offences);
+}
+
+#[test]
+fn the_program_entry_is_short() {
+    let main = sources().into_iter().find(|file| file.name == "main.rs").unwrap();
+    let lines = main.text.lines().count();
+    assert!(lines <= 59, "src/main.rs has {lines} lines: move logic to a room");
+}
+
+#[test]
+fn source_has_no_todo() {
+    let mut offences = Vec::new();
+    for file in sources() {
+        for (i, line) in file.text.lines().enumerate() {
+            for word in ["todo!", "unimplemented!", "TODO", "FIXME"] {
+                if line.contains(word) {
+                    offences.push(format!("src/{}:{}: {word}", file.name, i + 1));
+                }
+            }
+        }
+    }
+    none("nothing is left for later", &offences);
+}
+
+#[test]
+fn use_paths_are_read_in_every_form() {
+    let text = "use crate::math::Ray;\nuse crate::{cli, scene::{Scene, Hit as H}, image};\n\
+                let x = crate::color::mean(y); // crate::study\n macro { $crate::plan::Plan }";
+    let rooms: Vec<String> = paths(&code(text), "crate").into_iter().map(|path| path[1].clone()).collect();
+    assert_eq!(rooms, ["math", "cli", "scene", "scene", "image", "color"]);
+    let found = paths("use super::super::a::{self, b::C};\npub(super) fn f() {}", "super");
+    assert_eq!(found, [vec!["super", "super", "a"], vec!["super", "super", "a", "b", "C"]]);
     assert!(objection("photon", "scene").is_none() && objection("photon", "photon").is_none());
     for (from, to) in [("scene", "photon"), ("photon", "plan"), ("math", "color"), ("attic", "attic"), ("cli", "attic")]
     {
@@ -115,21 +459,25 @@ fn uses_are_read_in_every_form() {
 }
 
 #[test]
-fn files_are_short() {
-    for (name, text) in sources() {
-        let most = if name == "main.rs" { 59 } else { 449 };
-        let lines = text.lines().count();
-        assert!(lines <= most, "src/{name} has {lines} lines: split it");
+fn inherent_impls_are_told_from_trait_impls() {
+    let named = |line: &str| inherent(line);
+    assert_eq!(named("impl Scene {").as_deref(), Some("Scene"));
+    assert_eq!(named("impl<'a, F: Fn(u32) -> Option<u8>> Walk<'a, F> {").as_deref(), Some("Walk"));
+    assert_eq!(named("impl super::Parser<'_> {").as_deref(), Some("Parser"));
+    for other in ["impl Shape for Sphere {", "impl<T: Copy> From<T> for Rgb {", "    impl Inner {", "implicit"] {
+        assert_eq!(named(other), None, "{other}");
     }
 }
 
 #[test]
-fn nothing_is_left_for_later() {
-    for (name, text) in sources() {
-        for (i, line) in text.lines().enumerate() {
-            for word in ["todo!", "unimplemented!", "TODO", "FIXME"] {
-                assert!(!line.contains(word), "src/{name}:{}: {word}", i + 1);
-            }
-        }
-    }
+fn circles_are_found() {
+    let file = |name: &str, text: &str| SourceFile { name: name.to_owned(), text: text.to_owned() };
+    let files = [
+        file("a/mod.rs", "mod b; mod c; mod d; mod e;"),
+        file("a/b.rs", "use super::c::C;"),
+        file("a/c.rs", "use crate::a::d::D;"),
+        file("a/d.rs", "use super::{e::E, b::B};"),
+        file("a/e.rs", "use super::Top; // use super::d::D\n#[cfg(test)]\nmod tests { use super::super::d::D; }"),
+    ];
+    assert_eq!(circles(&edges(&files)), [["a/b.rs", "a/c.rs", "a/d.rs"]]);
 }

@@ -55,7 +55,7 @@ fn render(entry: &Entry) -> Result<(), Box<dyn Error>> {
     let command = format!("{} --stats {}", entry.command(), entry.statistics().display());
     eprintln!("\n{command}");
     let arguments = Arguments::try_parse_from(command.split_whitespace())?;
-    cli::run(arguments).map(drop).map_err(|failure| format!("{:?}", failure.report).into())
+    cli::run(arguments).map(drop).map_err(|failure| format!("{:?}", failure.reports).into())
 }
 
 /// The page, of the pictures and statistics that are there.

@@ -3,6 +3,8 @@
 //! The files are the same byte for byte on every machine; tests/meshes.rs checks that mesh/ holds them and that they are sound.
 
 mod meshes;
+#[cfg(test)]
+mod tests;
 
 use std::path::Path;
 use std::{fs, io};

@@ -1,8 +1,10 @@
 //! Makes the pictures of scenes/textures.txt: `cargo run --release --example make_textures` writes them into scenes/textures/.
 //!
-//! They are the same byte for byte on every machine; tests/textures.rs checks that the folder holds them.
+//! They are the same byte for byte on every machine; `cargo test --example make_textures` checks that the folder holds them.
 
 mod pictures;
+#[cfg(test)]
+mod tests;
 
 use caustica::image::{self, Curve, ToneMap, WriteOptions};
 use std::error::Error;

@@ -1,19 +1,55 @@
-//! Interrupts: the first asks for an end after the pass, the second ends at once.
+//! Signals that interrupt a command.
+//!
+//! The first SIGINT, SIGTERM or SIGHUP ends the work after the current pass and writes the
+//! outputs. The second one ends the process at once. Both give the exit code
+//! [`Exit::Interrupted`].
 
 use super::Exit;
-use super::progress::tell;
+use super::progress::{clear_bar, tell};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Whether the user asked for an end.
+/// True after the first interrupting signal.
 pub(super) static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
-/// Listens from now on; `kept` names what an interrupt once does not lose.
+/// Starts to handle signals. `kept` names what the first one still writes, such as "the picture".
 pub(super) fn listen(kept: &'static str) {
-    // Without a handler an interrupt ends the program at once, which loses a picture but nothing else.
-    let _ = ctrlc::set_handler(move || {
+    on_signal(move || {
         if INTERRUPTED.swap(true, Ordering::Relaxed) {
+            clear_bar();
             std::process::exit(i32::from(Exit::Interrupted as u8));
         }
         tell(&format!("interrupted: {kept} so far is written after this pass; interrupt again to stop at once"));
     });
+}
+
+/// Calls `handle` on a thread of its own for each interrupting signal.
+///
+/// SIGTERM and SIGHUP stay ignored in a process that was started with them ignored (`nohup`).
+/// Where the system does not report which signals are ignored (all but Linux), SIGHUP keeps its
+/// default action. Without a handler a signal ends the process at once.
+#[cfg(unix)]
+fn on_signal(handle: impl Fn() + Send + 'static) {
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    let ignored = ignored_signals();
+    let is_ignored = |signal: i32, unknown: bool| ignored.map_or(unknown, |mask| mask >> (signal - 1) & 1 == 1);
+    let mut handled = vec![SIGINT];
+    handled
+        .extend([(SIGTERM, false), (SIGHUP, true)].into_iter().filter(|(s, or)| !is_ignored(*s, *or)).map(|(s, _)| s));
+    if let Ok(mut signals) = signal_hook::iterator::Signals::new(handled) {
+        std::thread::spawn(move || signals.forever().for_each(|_| handle()));
+    }
+}
+
+/// Set of ignored signals: bit `n - 1` stands for signal `n`. `None` if the system does not report it.
+#[cfg(unix)]
+fn ignored_signals() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let mask = status.lines().find_map(|line| line.strip_prefix("SigIgn:"))?;
+    u64::from_str_radix(mask.trim(), 16).ok()
+}
+
+/// Calls `handle` on a thread of its own for each Ctrl-C.
+#[cfg(not(unix))]
+fn on_signal(handle: impl Fn() + Send + 'static) {
+    let _ = ctrlc::set_handler(handle);
 }

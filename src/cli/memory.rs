@@ -1,30 +1,36 @@
-//! Whether a render fits into memory, asked before it begins.
+//! Checks before a render that its pictures and photons fit into memory.
 
 use crate::image::{MAX_PIXELS, SizeError};
 use crate::integrate::Expected;
 use crate::stats::bytes;
 
-/// Bytes a pixel: the film (48), a pass (12) and the places of its rows (1), how rays are shared out by `--adaptive` (20); at the end, in
-/// place of the pass, its mean and what is encoded of it. Measured: 85.
+/// Bytes per pixel of a render without an error estimate. Measured: 85.
+///
+/// The film takes 48, a pass 12, its row positions 1, and the ray distribution of `--adaptive` 20.
+/// After the last pass, the mean and the encoded file take the memory of the pass.
 const PER_PIXEL: u64 = 86;
 
-/// Bytes a pixel of the gauge: what a pass tells (48), noise (24), finer discs (48), discs (24), three pictures each of passes and of
-/// finer discs (72), and what errors are relative to, while it is made (24); the rest is what reading it and maps of errors take.
-/// Measured with the rest: 341, and 358 where maps are written.
-const PER_GAUGED_PIXEL: u64 = 274;
+/// Additional bytes per pixel of an error estimate. Measured with [`PER_PIXEL`]: 341, and 358 with
+/// error maps.
+///
+/// The nested estimates of a pass take 48, noise 24, finer discs 48, discs 24, three pictures each of
+/// passes and of finer discs 72, and the relative scale 24. The rest is for evaluation and maps.
+const PER_ESTIMATE_PIXEL: u64 = 274;
 
-/// Bytes a stored photon while its tree is built: itself (32), its sorted copy (32) and the copy's key (16), then the tree (33)
-/// instead of the key; the rest is the slack of growing lists.
+/// Bytes per stored photon while the photon map is built.
+///
+/// The photon takes 32, its sorted copy 32, and the copy's key 16; later the tree takes 33 in place
+/// of the key. The rest is the slack of growing lists.
 const PER_PHOTON: u64 = 100;
 
-/// Why a render is refused.
+/// Why a render does not fit into memory.
 #[derive(Debug, PartialEq, thiserror::Error, miette::Diagnostic)]
-pub(super) enum TooMuch {
-    /// More pixels than a picture may have.
+pub(super) enum TooLarge {
+    /// A picture with more pixels than any may have.
     #[error(transparent)]
     #[diagnostic(help("choose a smaller --size"))]
     Pixels(#[from] SizeError),
-    /// More pixels than memory holds.
+    /// Pictures that do not fit into memory.
     #[error(
         "{} of {width} × {height} pixels {} of memory, and {} are free",
         if *count == 1 { "a picture".to_owned() } else { format!("{count} pictures") },
@@ -32,14 +38,14 @@ pub(super) enum TooMuch {
         bytes(*free)
     )]
     #[diagnostic(help(
-        "choose a smaller --size, or let it have more memory (--memory); a render without the gauge (--no-gauge) takes a quarter"
+        "choose a smaller --size, or allow more --memory; --no-error-estimate reduces the memory to a quarter"
     ))]
     Picture { count: usize, width: u32, height: u32, needed: u64, free: u64 },
-    /// More photons than indices.
+    /// More photons than 32-bit indices.
     #[error("a pass of {paths} photon paths would store about {stored} photons, and {} can be indexed", u32::MAX)]
     #[diagnostic(help("{REMEDY}"))]
     Indices { paths: u64, stored: u64 },
-    /// More photons than memory holds.
+    /// Photons that do not fit into memory.
     #[error(
         "a pass of {paths} photon paths would store about {stored} photons, which take {} of memory, and {} are free",
         bytes(*needed),
@@ -49,42 +55,52 @@ pub(super) enum TooMuch {
     Photons { paths: u64, stored: u64, needed: u64, free: u64 },
 }
 
-const REMEDY: &str = "take fewer --photons or --caustic-photons and more --passes: photons of a pass are kept in memory, passes add up; or let it have \
-     more memory (--memory)";
+const REMEDY: &str = "choose fewer --photons or --caustic-photons and more --passes: only one pass of photons is in memory at a time; \
+     or allow more --memory";
 
-/// Checks that so many pictures of a size fit into `free` bytes, where that number is known, and tells the bytes that they take.
-pub(super) fn check_pictures(count: usize, size: (u32, u32), free: Option<u64>) -> Result<u64, TooMuch> {
+/// Returns the bytes that `count` pictures take.
+///
+/// # Errors
+/// [`TooLarge`] if the pictures need more than `free` bytes, or one has too many pixels.
+pub(super) fn check_pictures(count: usize, size: (u32, u32), free: Option<u64>) -> Result<u64, TooLarge> {
     check(count, size, PER_PIXEL, free)
 }
 
-/// As [`check_pictures`], for one with the gauge of its error.
-pub(super) fn check_gauged(size: (u32, u32), free: Option<u64>) -> Result<u64, TooMuch> {
-    check(1, size, PER_PIXEL + PER_GAUGED_PIXEL, free)
+/// Returns the bytes that `count` pictures with error estimates take, like [`check_pictures`].
+///
+/// # Errors
+/// [`TooLarge`], like [`check_pictures`].
+pub(super) fn check_pictures_with_error(count: usize, size: (u32, u32), free: Option<u64>) -> Result<u64, TooLarge> {
+    check(count, size, PER_PIXEL + PER_ESTIMATE_PIXEL, free)
 }
 
-fn check(count: usize, (width, height): (u32, u32), bytes_a_pixel: u64, free: Option<u64>) -> Result<u64, TooMuch> {
+fn check(count: usize, (width, height): (u32, u32), bytes_per_pixel: u64, free: Option<u64>) -> Result<u64, TooLarge> {
     let pixels = u64::from(width) * u64::from(height);
     if pixels > MAX_PIXELS {
         return Err(SizeError::TooLarge { width, height }.into());
     }
-    let needed = pixels * bytes_a_pixel * count as u64;
+    let needed = pixels * bytes_per_pixel * count as u64;
     match free {
-        Some(free) if needed > free => Err(TooMuch::Picture { count, width, height, needed, free }),
+        Some(free) if needed > free => Err(TooLarge::Picture { count, width, height, needed, free }),
         _ => Ok(needed),
     }
 }
 
-/// Checks that the photons of a pass can be indexed and fit into `free` bytes, where that number is known, beside `pictures` bytes that
-/// are yet to be taken.
-pub(super) fn check_photons(expected: Expected, pictures: u64, free: Option<u64>) -> Result<(), TooMuch> {
+/// Checks that the photons of a pass can be indexed and fit into memory.
+///
+/// `free` is the free memory \[bytes], if known. `pictures` bytes of it are reserved for pictures.
+///
+/// # Errors
+/// [`TooLarge`] if they cannot, or do not fit.
+pub(super) fn check_photons(expected: Expected, pictures: u64, free: Option<u64>) -> Result<(), TooLarge> {
     let free = free.map(|free| free.saturating_sub(pictures));
     let Expected { paths, photons: stored, most } = expected;
     if most > u64::from(u32::MAX) {
-        return Err(TooMuch::Indices { paths, stored: most });
+        return Err(TooLarge::Indices { paths, stored: most });
     }
     let needed = stored * PER_PHOTON;
     match free {
-        Some(free) if needed > free => Err(TooMuch::Photons { paths, stored, needed, free }),
+        Some(free) if needed > free => Err(TooLarge::Photons { paths, stored, needed, free }),
         _ => Ok(()),
     }
 }
@@ -94,30 +110,30 @@ mod tests {
     use super::*;
 
     #[test]
-    fn pictures_are_held_against_the_format_and_the_memory() {
+    fn too_large_pictures_are_refused() {
         assert_eq!(check_pictures(1, (16_384, 16_384), None), Ok(86 << 28));
-        assert!(matches!(check_pictures(1, (16_385, 16_384), None), Err(TooMuch::Pixels(_))));
+        assert!(matches!(check_pictures(1, (16_385, 16_384), None), Err(TooLarge::Pixels(_))));
         assert_eq!(check_pictures(1, (1000, 1000), Some(86_000_000)), Ok(86_000_000));
         let refused = check_pictures(1, (1000, 1000), Some(85_999_999)).unwrap_err().to_string();
         assert!(refused.contains("a picture of 1000 × 1000") && refused.contains("86.0 MB"), "{refused}");
-        assert!(matches!(check_gauged((1000, 1000), Some(359_999_999)), Err(TooMuch::Picture { .. })));
+        assert!(matches!(check_pictures_with_error(1, (1000, 1000), Some(359_999_999)), Err(TooLarge::Picture { .. })));
         assert_eq!(check_pictures(4, (500, 500), Some(86_000_000)), Ok(86_000_000));
         let refused = check_pictures(5, (500, 500), Some(86_000_000)).unwrap_err().to_string();
         assert!(refused.contains("5 pictures of 500 × 500 pixels take 107.5 MB"), "{refused}");
     }
 
     #[test]
-    fn photons_are_held_against_the_indices_and_the_memory() {
+    fn too_many_photons_are_refused() {
         let index = u64::from(u32::MAX);
         let expected = |photons, most| Expected { paths: 1, photons, most };
         assert_eq!(check_photons(expected(2 * index, index), 0, None), Ok(()));
-        assert!(matches!(check_photons(expected(2 * index, index + 1), 0, None), Err(TooMuch::Indices { .. })));
+        assert!(matches!(check_photons(expected(2 * index, index + 1), 0, None), Err(TooLarge::Indices { .. })));
         assert_eq!(check_photons(expected(1000, 600), 0, Some(100_000)), Ok(()));
         assert_eq!(check_photons(expected(1000, 600), 7, Some(100_007)), Ok(()));
         assert!(check_photons(expected(1000, 600), 8, Some(100_007)).is_err());
         assert!(matches!(
             check_photons(expected(1001, 600), 0, Some(100_000)),
-            Err(TooMuch::Photons { stored: 1001, .. })
+            Err(TooLarge::Photons { stored: 1001, .. })
         ));
     }
 }

@@ -1,4 +1,4 @@
-//! Numbers as people write them.
+//! Parsers of the numbers on the command line.
 
 use crate::image::MAX_EXPOSURE_STOPS;
 use crate::image::flip::PIXELS_PER_DEGREE_RANGE;
@@ -6,7 +6,7 @@ use crate::render::gauge::Confidence;
 use glam::DVec3;
 use std::time::Duration;
 
-/// A count with an optional suffix k (thousand) or M (million); a fraction is allowed before a suffix: `2.5M`.
+/// Parses a count with an optional suffix k (thousand) or M (million), such as `2.5M`.
 pub(super) fn count(text: &str) -> Result<u32, String> {
     let (digits, scale) = match text.char_indices().last() {
         Some((i, 'k' | 'K')) => (&text[..i], 1e3),
@@ -17,12 +17,12 @@ pub(super) fn count(text: &str) -> Result<u32, String> {
     let value = digits.parse::<f64>().ok().filter(|_| plain).map(|x| x * scale);
     match value {
         Some(x) if x.fract() == 0.0 && x <= f64::from(u32::MAX) => Ok(x as u32),
-        Some(x) if x > f64::from(u32::MAX) => Err(format!("`{text}` is more than {} can count", u32::MAX)),
-        _ => Err(format!("`{text}` is no count: write a whole number such as 250000, 250k or 2.5M")),
+        Some(x) if x > f64::from(u32::MAX) => Err(format!("`{text}` is too large: the largest count is {}", u32::MAX)),
+        _ => Err(format!("`{text}` is not a count: write a whole number such as 250000, 250k or 2.5M")),
     }
 }
 
-/// Bytes, with an optional suffix k, M, G or T: a thousand, a million and so on; a fraction is allowed before a suffix: `1.5G`.
+/// Parses a number of bytes with an optional decimal suffix k, M, G or T, such as `1.5G`.
 pub(super) fn bytes(text: &str) -> Result<u64, String> {
     let (digits, scale) = match text.char_indices().last() {
         Some((i, 'k' | 'K')) => (&text[..i], 1e3),
@@ -32,12 +32,12 @@ pub(super) fn bytes(text: &str) -> Result<u64, String> {
         _ => (text, 1.0),
     };
     let plain = !digits.is_empty() && digits.chars().all(|c| c.is_ascii_digit() || c == '.');
-    // Beyond 10¹⁵ bytes no machine goes, and below it doubles hold whole numbers.
+    // No machine has 10¹⁵ bytes, and f64 holds all whole numbers below it.
     let value = digits.parse::<f64>().ok().map(|x| x * scale).filter(|x| plain && (1.0..=1e15).contains(x));
-    value.map(|x| x as u64).ok_or_else(|| format!("`{text}` is no amount of memory: write it as 4G or 512M"))
+    value.map(|x| x as u64).ok_or_else(|| format!("`{text}` is not an amount of memory: write it as 4G or 512M"))
 }
 
-/// A count of at least one.
+/// Parses a count of at least one.
 pub(super) fn positive_count(text: &str) -> Result<u32, String> {
     match count(text)? {
         0 => Err("it must be at least 1".to_owned()),
@@ -45,36 +45,57 @@ pub(super) fn positive_count(text: &str) -> Result<u32, String> {
     }
 }
 
-/// A count of photons of density estimates. The k-th photon only tells how large the disc is, so one alone would leave all dark.
+/// Parses the largest number of photons in a density estimate.
+///
+/// The last photon only bounds the disc, so an estimate with one photon would be 0.
 pub(super) fn gather_count(text: &str) -> Result<u32, String> {
     match count(text)? {
-        1 => Err("the last photon only bounds the disc, so 1 would leave no light: write at least 2, or 0 for all \
-                  within the radius"
-            .to_owned()),
+        1 => Err(
+            "the last photon only bounds the disc, so 1 gives no light: write at least 2, or 0 for all photons within \
+                  the radius"
+                .to_owned(),
+        ),
         n => Ok(n),
     }
 }
 
-/// Most threads: beyond this, starting them takes longer than they could save.
-const MOST_THREADS: u32 = 1024;
+/// Largest number of threads. Starting more takes longer than they save.
+const MAX_THREADS: u32 = 1024;
 
-/// A number of threads.
-pub(super) fn threads(text: &str) -> Result<u32, String> {
-    match positive_count(text)? {
-        n @ ..=MOST_THREADS => Ok(n),
-        _ => Err(format!("it must be at most {MOST_THREADS}")),
+/// Parses a seed of random numbers.
+pub(super) fn seed(text: &str) -> Result<u64, String> {
+    text.parse().map_err(|_| format!("`{text}` is not a seed: write a whole number from 0 to {}", u64::MAX))
+}
+
+/// Largest number of seeds of a study. More cost more than longer runs with fewer seeds.
+const MAX_SEEDS: u32 = 1000;
+
+/// Parses the number of seeds of a study.
+pub(super) fn seeds(text: &str) -> Result<u32, String> {
+    match count(text)? {
+        0 | 1 => Err("it must be at least 2: one picture cannot separate noise from bias".to_owned()),
+        n @ ..=MAX_SEEDS => Ok(n),
+        _ => Err(format!("it must be at most {MAX_SEEDS}")),
     }
 }
 
-/// An exposure in stops.
+/// Parses a number of threads.
+pub(super) fn threads(text: &str) -> Result<u32, String> {
+    match positive_count(text)? {
+        n @ ..=MAX_THREADS => Ok(n),
+        _ => Err(format!("it must be at most {MAX_THREADS}")),
+    }
+}
+
+/// Parses an exposure in stops.
 pub(super) fn stops(text: &str) -> Result<f32, String> {
     let value = text.parse::<f32>().ok().filter(|x| x.abs() <= MAX_EXPOSURE_STOPS);
     value.ok_or_else(|| {
-        format!("`{text}` is no exposure: write a number from -{MAX_EXPOSURE_STOPS} to {MAX_EXPOSURE_STOPS}")
+        format!("`{text}` is not an exposure: write a number from -{MAX_EXPOSURE_STOPS} to {MAX_EXPOSURE_STOPS}")
     })
 }
 
-/// A time in seconds, minutes or hours: `90`, `90s`, `1.5m`, `2h`.
+/// Parses a time in seconds, minutes or hours, such as `90`, `90s`, `1.5m` or `2h`.
 pub(super) fn duration(text: &str) -> Result<Duration, String> {
     let (digits, scale) = match text.char_indices().last() {
         Some((i, 's')) => (&text[..i], 1.0),
@@ -83,86 +104,97 @@ pub(super) fn duration(text: &str) -> Result<Duration, String> {
         _ => (text, 1.0),
     };
     let seconds = digits.parse::<f64>().ok().map(|x| x * scale).filter(|x| (0.0..=1e9).contains(x));
-    seconds.map(Duration::from_secs_f64).ok_or_else(|| format!("`{text}` is no time: write 60s, 1.5m or 2h"))
+    seconds.map(Duration::from_secs_f64).ok_or_else(|| format!("`{text}` is not a time: write 60s, 1.5m or 2h"))
 }
 
-/// A width and height: `1280x720`.
+/// Parses a width and height in pixels, such as `1280x720`.
 pub(super) fn size(text: &str) -> Result<(u32, u32), String> {
     let parsed = text.split_once(['x', 'X']).and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
     match parsed {
         Some((w @ 1..=65_536, h @ 1..=65_536)) => Ok((w, h)),
         Some(_) => Err("each side must be from 1 to 65536 pixels".to_owned()),
-        None => Err(format!("`{text}` is no size: write it as 1280x720")),
+        None => Err(format!("`{text}` is not a size: write it as 1280x720")),
     }
 }
 
-/// A length above zero.
+/// Parses a length above zero, in scene units.
 pub(super) fn length(text: &str) -> Result<f32, String> {
     let value = text.parse::<f32>().ok().filter(|x| *x > 0.0 && x.is_finite());
-    value.ok_or_else(|| format!("`{text}` is no length: write a number above 0, in units of the scene"))
+    value.ok_or_else(|| format!("`{text}` is not a length: write a number above 0, in scene units"))
 }
 
-/// A length of zero or more, in double precision.
+/// Parses a length of at least zero, in units of the mesh.
 pub(super) fn distance(text: &str) -> Result<f64, String> {
-    within(text, |x| x >= 0.0).ok_or_else(|| format!("`{text}` is no length: write a number of at least 0"))
+    within(text, |x| x >= 0.0).ok_or_else(|| format!("`{text}` is not a length: write a number of at least 0"))
 }
 
-/// A factor above zero.
+/// Parses a factor above zero.
 pub(super) fn above_zero(text: &str) -> Result<f64, String> {
-    within(text, |x| x > 0.0).ok_or_else(|| format!("`{text}` is no factor: write a number above 0"))
+    within(text, |x| x > 0.0).ok_or_else(|| format!("`{text}` is not a factor: write a number above 0"))
 }
 
-/// An exponent above 0 and at most 1.
+/// Parses an exponent above 0 and at most 1.
 pub(super) fn alpha(text: &str) -> Result<f64, String> {
     within(text, |x| x > 0.0 && x <= 1.0)
-        .ok_or_else(|| format!("`{text}` is no such exponent: write a number above 0 and at most 1"))
+        .ok_or_else(|| format!("`{text}` is not an exponent of the radii: write a number above 0 and at most 1"))
 }
 
-/// A part of a whole, zero or more: `2%` or `0.02`.
+/// Parses a fraction of at least zero, such as `2%` or `0.02`.
 pub(super) fn fraction(text: &str) -> Result<f64, String> {
     let (digits, scale) = text.strip_suffix('%').map_or((text, 1.0), |digits| (digits.trim_end(), 100.0));
     let value = within(digits, |x| x >= 0.0).map(|x| x / scale);
-    value.ok_or_else(|| format!("`{text}` is no part of a whole: write it as 2% or 0.02"))
+    value.ok_or_else(|| format!("`{text}` is not a fraction: write it as 2% or 0.02"))
 }
 
-/// An error above zero.
+/// Parses a relative error above zero, such as `2%` or `0.02`.
+///
+/// A number of at least 1 without a percent sign is refused: `2` is more likely 2 % than 200 %.
 pub(super) fn error(text: &str) -> Result<f64, String> {
-    fraction(text).ok().filter(|x| *x > 0.0).ok_or_else(|| format!("`{text}` is no error: write it as 2% or 0.02"))
+    match fraction(text) {
+        Ok(x) if x >= 1.0 && !text.ends_with('%') => {
+            let percent = 100.0 * x;
+            Err(format!("`{text}` is {percent} %: do you mean {text} %? Write {text}%, or {percent}% if you mean that"))
+        }
+        Ok(x) if x > 0.0 => Ok(x),
+        Ok(_) | Err(_) => Err(format!("`{text}` is not an error: write it as 2% or 0.02")),
+    }
 }
 
-/// How sure to be: from one half to less than all.
+/// Parses a confidence from one half to less than one.
 pub(super) fn confidence(text: &str) -> Result<Confidence, String> {
     let part = fraction(text).ok().filter(|x| (0.5..1.0).contains(x)).and_then(Confidence::new);
-    part.ok_or_else(|| format!("`{text}` is no confidence: write a part from 50% to less than 100%"))
+    part.ok_or_else(|| format!("`{text}` is not a confidence: write a fraction from 50% to less than 100%"))
 }
 
-/// An angle from 0 to 180 degrees.
+/// Parses an angle from 0 to 180 degrees.
 pub(super) fn degrees(text: &str) -> Result<f64, String> {
     within(text, |x| (0.0..=180.0).contains(&x))
-        .ok_or_else(|| format!("`{text}` is no such angle: write degrees from 0 to 180"))
+        .ok_or_else(|| format!("`{text}` is not an angle between faces: write degrees from 0 to 180"))
 }
 
-/// The most that is allowed: zero or more.
+/// Parses an upper bound of at least zero.
 pub(super) fn bound(text: &str) -> Result<f64, String> {
-    within(text, |x| x >= 0.0).ok_or_else(|| format!("`{text}` is no bound: write a number of at least 0"))
+    within(text, |x| x >= 0.0).ok_or_else(|| format!("`{text}` is not a bound: write a number of at least 0"))
 }
 
-/// Pixels in a degree of the viewer's field.
+/// Parses pixels per degree of the viewer's field of view.
 pub(super) fn pixels_per_degree(text: &str) -> Result<f64, String> {
     let (least, most) = (PIXELS_PER_DEGREE_RANGE.start(), PIXELS_PER_DEGREE_RANGE.end());
-    within(text, |x| PIXELS_PER_DEGREE_RANGE.contains(&x))
-        .ok_or_else(|| format!("`{text}` are not so many pixels: write a number from {least} to {most}"))
+    within(text, |x| PIXELS_PER_DEGREE_RANGE.contains(&x)).ok_or_else(|| {
+        format!("`{text}` is not a resolution: write a number of pixels per degree from {least} to {most}")
+    })
 }
 
-/// Three numbers with commas between them.
+/// Parses three numbers separated by commas.
 pub(super) fn point(text: &str) -> Result<DVec3, String> {
     let numbers: Option<Vec<f64>> = text.split(',').map(|part| within(part.trim(), |_| true)).collect();
     match numbers.as_deref() {
         Some(&[x, y, z]) => Ok(DVec3::new(x, y, z)),
-        _ => Err(format!("`{text}` is no point: write three numbers such as 0,1.5,-2")),
+        _ => Err(format!("`{text}` is not a point: write three numbers such as 0,1.5,-2")),
     }
 }
 
+/// Parses a finite number that fulfils `rule`.
 fn within(text: &str, rule: impl Fn(f64) -> bool) -> Option<f64> {
     text.parse::<f64>().ok().filter(|x| x.is_finite() && rule(*x))
 }
@@ -197,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn times_sizes_and_other_measures() {
+    fn times_sizes_and_exposures_have_ranges() {
         assert_eq!(duration("1.5m"), Ok(Duration::from_secs(90)));
         assert_eq!(duration("60s"), duration("60"));
         assert!(duration("-1s").is_err() && duration("soon").is_err() && duration("").is_err());
@@ -213,14 +245,34 @@ mod tests {
     }
 
     #[test]
-    fn errors_and_how_sure_to_be() {
-        assert!(error("2%") == Ok(0.02) && error("0").is_err() && error("-1%").is_err() && error("inf").is_err());
+    fn errors_and_confidences_are_fractions() {
+        assert!(
+            error("2%") == Ok(0.02)
+                && error("150%") == Ok(1.5)
+                && error("0").is_err()
+                && error("-1%").is_err()
+                && error("inf").is_err()
+        );
         assert_eq!(confidence("90%").map(Confidence::part), Ok(0.9));
         assert!(["49%", "100%", "NaN", "sure"].iter().all(|text| confidence(text).is_err()));
     }
 
     #[test]
-    fn parts_and_bounds() {
+    fn an_error_of_two_asks_for_two_percent() {
+        assert!(error("2").unwrap_err().contains("do you mean 2 %? Write 2%, or 200%"));
+        assert!(error("0.5") == Ok(0.5) && error("1").is_err());
+    }
+
+    #[test]
+    fn seeds_are_whole_numbers_of_64_bits() {
+        assert_eq!(seed("18446744073709551615"), Ok(u64::MAX));
+        for bad in ["18446744073709551616", "-1", "1.5", "many", ""] {
+            assert!(seed(bad).unwrap_err().contains("from 0 to 18446744073709551615"), "{bad}");
+        }
+    }
+
+    #[test]
+    fn fractions_and_bounds_have_ranges() {
         assert_eq!([fraction("2%"), fraction("0.02"), fraction("2 %")], [Ok(0.02), Ok(0.02), Ok(0.02)]);
         assert_eq!([fraction("0"), fraction("150%"), fraction("1e-3%")], [Ok(0.0), Ok(1.5), Ok(1e-5)]);
         for bad in ["", "%", "2%%", "-1%", "-0.1", "nan", "inf%", "two", "2% of it"] {
@@ -231,7 +283,7 @@ mod tests {
     }
 
     #[test]
-    fn measures_of_meshes() {
+    fn points_lengths_and_angles_have_ranges() {
         assert_eq!(point("1,-2.5, 3e2"), Ok(DVec3::new(1.0, -2.5, 300.0)));
         assert!(["1,2", "1,2,3,4", "1,2,x", "1,2,inf", ""].iter().all(|text| point(text).is_err()));
         assert!(distance("0") == Ok(0.0) && distance("-1").is_err() && distance("nan").is_err());

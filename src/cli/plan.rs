@@ -1,4 +1,4 @@
-//! `caustica plan`.
+//! `caustica plan`, and the lines about a plan that other commands print.
 
 use super::args::PlanArguments;
 use super::progress::{Progress, tell};
@@ -9,7 +9,6 @@ use crate::integrate::{Algorithm, Balance, Integrator};
 use crate::plan::{Decision, Effect, Plan, SceneFeatures};
 use crate::study::text::{amount, signed};
 use crate::study::{ExpectedWork, Work, expected_work};
-use miette::IntoDiagnostic;
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -25,44 +24,45 @@ pub(super) fn run(arguments: &PlanArguments) -> Result<Exit, Failure> {
         let text = if arguments.json {
             let report = Report::new(arguments.scene.scene.display().to_string(), algorithm, plan, balance, &work);
             let json = serde_json::to_string_pretty(&report);
-            json.into_diagnostic().map_err(|e| Failure::new(Exit::Output, e))? + "\n"
+            json.map_err(Failure::output)? + "\n"
         } else {
             table(algorithm, plan, balance, &work)
         };
         let written = std::io::stdout().write_all(text.as_bytes());
-        written.into_diagnostic().map_err(|e| Failure::new(Exit::Output, e))?;
+        written.map_err(Failure::output)?;
         Ok(Exit::Success)
     })
 }
 
-/// The plan in a line.
+/// The simulated and the omitted effects in a line.
 pub(super) fn line(plan: &Plan) -> String {
-    let names = |wanted: fn(&Decision) -> bool| {
-        let names: Vec<&str> = plan.decisions.iter().filter(|d| wanted(d)).map(|d| d.effect.name()).collect();
+    let names = |keep: fn(&Decision) -> bool| {
+        let names: Vec<&str> = plan.decisions.iter().filter(|d| keep(d)).map(|d| d.effect.name()).collect();
         if names.is_empty() { "nothing".to_owned() } else { names.join(", ") }
     };
     format!("plan: {}; without {}", names(|d| d.on), names(|d| !d.on))
 }
 
-/// Says what will be simulated and how a pass divides its work, and warns of wishes that do harm.
+/// Prints the plan and the work of a pass, and warns of omitted effects that the scene needs.
 pub(super) fn announce(integrator: &dyn Integrator, progress: &Progress) {
     progress.say(&line(integrator.plan()));
     integrator.balance().iter().for_each(|balance| progress.say(&balance_line(balance)));
-    complaints(integrator.plan()).for_each(|line| tell(&line));
+    warnings(integrator.plan()).for_each(|line| tell(&line));
     if integrator.plan().effects().has(Effect::Caustics) && integrator.radius_law().is_none() {
-        tell(BY_CHANCE);
+        tell(UNSAMPLED_CAUSTICS);
     }
 }
 
-/// Of an algorithm without photons where there are caustics.
-const BY_CHANCE: &str = "warning: light that comes by way of glass and mirrors is found by chance, of small lights rarely and of points never; \
-    what was not found is in no error that is told: hybrid and sppm find it by photons";
+/// Warning of an algorithm without photons in a scene with caustics.
+const UNSAMPLED_CAUSTICS: &str = "warning: this method finds caustics only by chance: of small lights rarely, of point lights never. \
+    The estimated error does not include what it misses. hybrid and sppm find caustics by photons";
 
-/// How a pass divides its work, in a line.
+/// The numbers of camera rays and photon paths of a pass, in a line.
 fn balance_line(balance: &Balance) -> String {
     let Balance { samples, photons, caustic_photons } = balance;
-    let mut line = format!("a pass: {}", counted(*samples as usize, "camera ray a pixel", "camera rays a pixel"));
-    for (n, which) in [(photons, "photon paths"), (caustic_photons, "photon paths aimed at casters")] {
+    let mut line =
+        format!("each pass: {}", counted(*samples as usize, "camera ray per pixel", "camera rays per pixel"));
+    for (n, which) in [(photons, "photon paths"), (caustic_photons, "photon paths aimed at specular objects")] {
         if let Some(n) = n {
             let _ = write!(line, ", {n} {which}");
         }
@@ -70,13 +70,13 @@ fn balance_line(balance: &Balance) -> String {
     line
 }
 
-/// A number with its unit.
+/// A count with its noun in the singular or plural.
 pub(super) fn counted(n: usize, one: &str, many: &str) -> String {
     format!("{n} {}", if n == 1 { one } else { many })
 }
 
-/// What wishes do to a picture, a line each.
-pub(super) fn complaints(plan: &Plan) -> impl Iterator<Item = String> {
+/// A warning for each effect that the scene needs and the plan omits.
+pub(super) fn warnings(plan: &Plan) -> impl Iterator<Item = String> {
     let lacking = plan.decisions.iter().filter(|d| d.called_for && !d.on);
     lacking.map(|d| format!("warning: without {}: {}", d.effect, d.effect.lack()))
 }
@@ -86,22 +86,22 @@ fn table(algorithm: Algorithm, plan: &Plan, balance: Option<Balance>, work: &Exp
     for decision in &plan.decisions {
         let state = match (decision.on, decision.is_forced()) {
             (true, false) => "on",
-            (true, true) => "on, as wished",
+            (true, true) => "on, forced",
             (false, false) => "off",
-            (false, true) => "off, as wished",
+            (false, true) => "off, forced",
         };
-        let costs = work.of(decision.effect).map_or(String::new(), |w| in_words(w, signed));
+        let costs = work.of(decision.effect).map_or(String::new(), |w| work_text(w, signed));
         let line = format!("  {:<16} {state:<14} {costs:<29} {}", decision.effect, decision.reason);
         let _ = writeln!(text, "{line}");
     }
     balance.iter().for_each(|balance| text += &format!("{}\n", balance_line(balance)));
-    let _ = writeln!(text, "in all about {} a pass", in_words(work.whole, amount));
-    complaints(plan).for_each(|line| text += &format!("{line}\n"));
+    let _ = writeln!(text, "total about {} per pass", work_text(work.whole, amount));
+    warnings(plan).for_each(|line| text += &format!("{line}\n"));
     text
 }
 
-/// Work in words: `+1.9 M rays, +3.0 M gathered`.
-fn in_words(work: Work, number: fn(f64) -> String) -> String {
+/// Work as text: `+1.9 M rays, +3.0 M gathered`.
+fn work_text(work: Work, number: fn(f64) -> String) -> String {
     let Work { rays, gathered_photons } = work;
     match (rays, gathered_photons) {
         (0, 0) => "nothing".to_owned(),
@@ -117,9 +117,10 @@ struct Report {
     version: &'static str,
     scene: String,
     integrator: &'static str,
-    facts: SceneFeatures,
-    /// Of the first pass.
+    features: SceneFeatures,
+    /// Expected rays of the first pass.
     rays: i64,
+    /// Expected photons in density estimates of the first pass.
     gathered_photons: i64,
     balance: Option<Balance>,
     effects: Vec<CostedEffect>,
@@ -129,8 +130,9 @@ struct Report {
 struct CostedEffect {
     #[serde(flatten)]
     effect: EffectReport,
-    /// What it adds to the first pass; `None` where it is not simulated.
+    /// Expected rays that the effect adds to the first pass; `None` if it is not simulated.
     rays: Option<i64>,
+    /// Expected photons in density estimates that it adds; `None` if it is not simulated.
     gathered_photons: Option<i64>,
 }
 
@@ -138,20 +140,21 @@ struct CostedEffect {
 pub(super) struct EffectReport {
     effect: &'static str,
     on: bool,
-    called_for: bool,
+    /// True if the scene needs the effect.
+    needed: bool,
     reason: String,
-    /// What is wrong with the picture without it; `None` where nothing is.
-    lack: Option<&'static str>,
+    /// Flaw of the picture without the effect; `None` if there is none.
+    flaw: Option<&'static str>,
 }
 
-/// The decisions as JSON holds them.
+/// The decisions of a plan as they stand in JSON.
 pub(super) fn effects(plan: &Plan) -> Vec<EffectReport> {
     let report = |d: &Decision| EffectReport {
         effect: d.effect.name(),
         on: d.on,
-        called_for: d.called_for,
+        needed: d.called_for,
         reason: d.reason.to_string(),
-        lack: (d.called_for && !d.on).then(|| d.effect.lack()),
+        flaw: (d.called_for && !d.on).then(|| d.effect.lack()),
     };
     plan.decisions.iter().map(report).collect()
 }
@@ -167,11 +170,11 @@ impl Report {
             }
         };
         Self {
-            schema: 1,
+            schema: 2,
             version: env!("CARGO_PKG_VERSION"),
             scene,
             integrator: algorithm.name(),
-            facts: plan.facts,
+            features: plan.facts,
             balance,
             rays: work.whole.rays,
             gathered_photons: work.whole.gathered_photons,

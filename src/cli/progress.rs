@@ -1,20 +1,41 @@
-//! Progress: bars on a terminal, plain lines elsewhere.
+//! Progress: a bar on a terminal, plain lines elsewhere.
 
+use super::outlook::duration;
 use crate::format::mesh::{ReadMonitor, TriangleMesh};
 use crate::integrate::{Monitor, Stage};
 use crate::stats::Counters;
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{HumanCount, ProgressBar, ProgressState, ProgressStyle};
+use std::fmt;
 use std::io::{IsTerminal, Write};
-use std::path::Path;
-use std::sync::Mutex;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
+use std::time::{Duration, Instant};
 
-/// Writes a line to the standard error. A reader that has gone away must not end a render, so failure is of no account.
+/// The bar of this process, which messages must not overwrite.
+static BAR: OnceLock<ProgressBar> = OnceLock::new();
+
+/// Writes a line to the standard error, above the progress bar if there is one.
+///
+/// A failed write is ignored: a reader that has gone away must not end a render.
 pub(super) fn tell(line: &str) {
-    let _ = writeln!(std::io::stderr(), "{line}");
+    let write = || {
+        let _ = writeln!(std::io::stderr(), "{line}");
+    };
+    match BAR.get() {
+        Some(bar) => bar.suspend(write),
+        None => write(),
+    }
 }
 
-/// Warns of what a render left out, which should be nothing.
-pub(super) fn tell_of_rejected(counters: &Counters) {
+/// Removes the progress bar from the terminal.
+pub(super) fn clear_bar() {
+    if let Some(bar) = BAR.get() {
+        bar.finish_and_clear();
+    }
+}
+
+/// Warns of samples and photons that were not finite. A correct render rejects none.
+pub(super) fn warn_of_rejected(counters: &Counters) {
     for (n, what) in [(counters.rejected_samples, "samples"), (counters.rejected_photons, "photons")] {
         if n > 0 {
             tell(&format!("warning: {n} {what} were not finite and were left out"));
@@ -22,11 +43,25 @@ pub(super) fn tell_of_rejected(counters: &Counters) {
     }
 }
 
-/// Shows how far a render is.
+/// Shows how far a command is.
 pub(super) enum Progress {
+    /// Shows nothing.
     Quiet,
-    Lines,
-    Bars { phase: ProgressBar, prefix: Mutex<String> },
+    /// Prints lines.
+    Lines(Mutex<State>),
+    /// Draws a bar.
+    Bar(ProgressBar, Mutex<State>),
+}
+
+/// What the current pass and file are.
+#[derive(Debug, Default)]
+pub(super) struct State {
+    /// Label of the pass, such as `pass 3/20`.
+    pass: String,
+    /// Estimated end of the whole render.
+    end: Option<Instant>,
+    /// Triangles of all meshes read so far.
+    triangles: usize,
 }
 
 impl Progress {
@@ -34,104 +69,180 @@ impl Progress {
         if quiet {
             Self::Quiet
         } else if std::io::stderr().is_terminal() {
-            Self::Bars { phase: ProgressBar::new(0), prefix: Mutex::new(String::new()) }
+            Self::Bar(BAR.get_or_init(|| ProgressBar::new(0)).clone(), Mutex::default())
         } else {
-            Self::Lines
+            Self::Lines(Mutex::default())
         }
     }
 
-    /// A line that stays.
+    /// True if the progress is shown as plain lines.
+    pub fn has_lines(&self) -> bool {
+        matches!(self, Self::Lines(_))
+    }
+
+    /// Prints a line that stays.
     pub fn say(&self, line: &str) {
         match self {
             Self::Quiet => {}
-            Self::Lines => tell(line),
-            Self::Bars { phase, .. } => phase.suspend(|| tell(line)),
+            Self::Lines(_) | Self::Bar(..) => tell(line),
         }
     }
 
-    /// A pass begins; `of` is how many there will be, where that is known.
+    /// Labels the stages from now on with pass `pass`, counted from 1, of `of` passes if known.
     pub fn pass(&self, pass: u32, of: Option<u32>) {
         let label = match of {
             Some(of) => format!("pass {pass}/{of}"),
             None => format!("pass {pass}"),
         };
-        if let Self::Bars { prefix, .. } = self
-            && let Ok(mut prefix) = prefix.lock()
-        {
-            *prefix = label;
-        }
+        self.state().into_iter().for_each(|mut state| state.pass.clone_from(&label));
     }
 
-    /// What there is to say of the passes so far, beside the bar.
+    /// Sets the time that the whole render still needs; `None` if it is not known.
+    pub fn time_left(&self, left: Option<Duration>) {
+        let end = left.and_then(|left| Instant::now().checked_add(left));
+        self.state().into_iter().for_each(|mut state| state.end = end);
+    }
+
+    /// Shows a note beside the bar.
     pub fn note(&self, note: String) {
-        if let Self::Bars { phase, .. } = self {
-            phase.set_message(note);
+        if let Self::Bar(bar, _) = self {
+            bar.set_message(note);
         }
     }
 
-    /// Clears the bars.
+    /// Removes the bar.
     pub fn finish(&self) {
-        if let Self::Bars { phase, .. } = self {
-            phase.finish_and_clear();
+        if let Self::Bar(bar, _) = self {
+            bar.finish_and_clear();
         }
+    }
+
+    fn state(&self) -> Option<MutexGuard<'_, State>> {
+        match self {
+            Self::Quiet => None,
+            Self::Lines(state) | Self::Bar(_, state) => Some(state.lock().unwrap_or_else(PoisonError::into_inner)),
+        }
+    }
+
+    /// Starts the bar anew.
+    fn start(&self, style: Result<ProgressStyle, indicatif::style::TemplateError>, prefix: String, total: u64) {
+        let Self::Bar(bar, _) = self else { return };
+        bar.disable_steady_tick();
+        if let Ok(style) = style {
+            bar.set_style(style);
+        }
+        bar.set_prefix(prefix);
+        bar.set_length(total);
+        bar.reset();
+    }
+}
+
+/// The rate of a stage: `12,345 paths/s`.
+fn rate(unit: &'static str) -> impl Fn(&ProgressState, &mut dyn fmt::Write) + Clone {
+    move |state, out| {
+        let _ = write!(out, "{} {unit}/s", HumanCount(state.per_sec().round() as u64));
+    }
+}
+
+/// The time left: of the whole render if its end is known, else of the stage.
+fn time_left(end: Option<Instant>) -> impl Fn(&ProgressState, &mut dyn fmt::Write) + Clone {
+    move |state, out| {
+        let _ = match end {
+            Some(end) => {
+                write!(out, "{} left", duration(end.saturating_duration_since(Instant::now()).as_secs_f64()))
+            }
+            None => write!(out, "{} left of this stage", duration(state.eta().as_secs_f64())),
+        };
     }
 }
 
 impl Monitor for Progress {
-    fn begin(&self, phase: Stage, total: u64) {
-        let Self::Bars { phase: bar, prefix } = self else { return };
-        let (name, unit) = match phase {
+    fn begin(&self, stage: Stage, total: u64) {
+        let (name, unit) = match stage {
             Stage::Photons => ("photons", "paths"),
-            Stage::Indexing => ("trees", "photons"),
+            Stage::Indexing => ("indexing", "photons"),
             Stage::Camera => ("image", "pixels"),
         };
-        let template =
-            format!("{{prefix}} {name:<8} {{bar:28}} {{percent:>3}} %  {{per_sec}} {unit}  {{eta}} left  {{msg}}");
-        if let Ok(style) = ProgressStyle::with_template(&template) {
-            bar.set_style(style);
-        }
-        if let Ok(prefix) = prefix.lock() {
-            bar.set_prefix(prefix.clone());
-        }
-        bar.set_length(total);
-        bar.reset();
+        let Some((pass, end)) = self.state().map(|state| (state.pass.clone(), state.end)) else { return };
+        let template = format!("{{prefix}} {name:<8} {{bar:28}} {{percent:>3}} %  {{rate}}  {{left}}  {{msg}}");
+        let style = ProgressStyle::with_template(&template);
+        let style = style.map(|style| style.with_key("rate", rate(unit)).with_key("left", time_left(end)));
+        self.start(style, pass, total);
     }
 
     fn advance(&self, units: u64) {
-        if let Self::Bars { phase, .. } = self {
-            phase.inc(units);
+        if let Self::Bar(bar, _) = self {
+            bar.inc(units);
         }
     }
 }
 
-/// Triangles of a mesh whose reading takes long enough to be told of.
-const MANY: usize = 1_000_000;
+/// Least number of triangles of a mesh that gets a line of its own.
+const LARGE_MESH: usize = 1_000_000;
 
 impl ReadMonitor for Progress {
     fn begin(&self, path: &Path, bytes: u64) {
-        let Self::Bars { phase: bar, .. } = self else { return };
-        let template = "reading {prefix} {bar:28} {percent:>3} %  {binary_bytes_per_sec}";
-        if let Ok(style) = ProgressStyle::with_template(template) {
-            bar.set_style(style);
-        }
-        bar.set_prefix(path.display().to_string());
-        bar.set_length(bytes);
-        bar.reset();
+        let template = "reading {prefix} {bar:28} {percent:>3} %  {decimal_bytes_per_sec}";
+        self.start(ProgressStyle::with_template(template), path.display().to_string(), bytes);
     }
 
     fn advance(&self, bytes: u64) {
-        if let Self::Bars { phase, .. } = self {
-            phase.inc(bytes);
+        if let Self::Bar(bar, _) = self {
+            bar.inc(bytes);
         }
     }
 
+    /// Reports a large mesh, and shows that its triangles are indexed until another stage begins.
     fn end(&self, path: &Path, mesh: &TriangleMesh) {
-        if let Self::Bars { phase, .. } = self {
-            phase.set_length(0);
-            phase.reset();
+        let n = mesh.triangles.len();
+        if n >= LARGE_MESH {
+            self.say(&format!("read {}: {n} triangles", path.display()));
         }
-        if mesh.triangles.len() >= MANY {
-            self.say(&format!("read {}: {} triangles", path.display(), mesh.triangles.len()));
+        let Some(triangles) = self.state().map(|mut state| {
+            state.triangles += n;
+            state.triangles
+        }) else {
+            return;
+        };
+        let template = "indexing {prefix} triangles {spinner}  {elapsed}";
+        self.start(ProgressStyle::with_template(template), HumanCount(triangles as u64).to_string(), 0);
+        if let Self::Bar(bar, _) = self {
+            bar.enable_steady_tick(Duration::from_millis(100));
         }
+    }
+}
+
+/// A [`ReadMonitor`] that shows progress and collects the files that a scene names.
+pub(super) struct InputFiles<'a> {
+    progress: &'a dyn ReadMonitor,
+    files: Mutex<Vec<PathBuf>>,
+}
+
+impl<'a> InputFiles<'a> {
+    pub fn new(progress: &'a dyn ReadMonitor) -> Self {
+        Self { progress, files: Mutex::default() }
+    }
+
+    /// The files that were named, in the order of reading.
+    pub fn into_files(self) -> Vec<PathBuf> {
+        self.files.into_inner().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl ReadMonitor for InputFiles<'_> {
+    fn names(&self, path: &Path) {
+        self.files.lock().unwrap_or_else(PoisonError::into_inner).push(path.to_owned());
+    }
+
+    fn begin(&self, path: &Path, bytes: u64) {
+        self.progress.begin(path, bytes);
+    }
+
+    fn advance(&self, bytes: u64) {
+        self.progress.advance(bytes);
+    }
+
+    fn end(&self, path: &Path, mesh: &TriangleMesh) {
+        self.progress.end(path, mesh);
     }
 }

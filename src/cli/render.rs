@@ -1,50 +1,64 @@
 //! `caustica render`.
 
-use super::dark::{self, without_photons};
-use super::error;
+use super::diagnostics::{black_picture, has_no_power, no_photon_stored};
 use super::interrupt::{INTERRUPTED, listen};
-use super::memory::{check_gauged, check_photons, check_pictures};
+use super::memory::{check_photons, check_pictures, check_pictures_with_error};
+use super::outputs::{NamedFile, OutputFailures, check_distinct};
 use super::plan::{self, counted};
-use super::progress::{Progress, tell, tell_of_rejected};
-use super::report::{ErrorReport, Report, Setting};
+use super::progress::{InputFiles, Progress, tell, warn_of_rejected};
+use super::report::{ErrorReport, Report, Setup};
 use super::scene::{in_pool, load};
 use super::settings::settings;
-use super::{Exit, Failure, RenderArguments, aov};
+use super::{Exit, Failure, RenderArguments, aov, outlook};
 use crate::image::{self, Curve, Image, OutputFormat, ToneMap, WriteOptions, WriteReport};
-use crate::integrate::{Algorithm, GuidingReports};
-use crate::render::gauge::{Confidence, FEWEST};
-use crate::render::{Ended, Rendered, Stop, Target, render};
+use crate::integrate::{Algorithm, GuidingReports, Integrator};
+use crate::render::gauge::{Confidence, FEWEST, Needed};
+use crate::render::{Ended, Rendered, Standing, Stop, Target, render};
+use crate::scene::Scene;
 use crate::study::text::percent;
 use glam::Vec3;
-use miette::IntoDiagnostic;
 use std::path::Path;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 pub(super) fn run(arguments: &RenderArguments) -> Result<Exit, Failure> {
-    let asked = [("--target-error", arguments.target_error.is_some()), ("--aov", arguments.aov.is_some())];
-    if let (Algorithm::Raycast, Some((flag, _))) = (arguments.method.integrator, asked.iter().find(|(_, is)| *is)) {
-        return Err(Failure::new(Exit::Usage, error::NoError { flag }));
+    let needs_error = [("--target-error", arguments.target_error.is_some()), ("--aov", arguments.aov.is_some())];
+    let needs_error = needs_error.into_iter().find(|(_, given)| *given);
+    if let (Algorithm::Raycast, Some((flag, _))) = (arguments.method.integrator, needs_error) {
+        return Err(Failure::usage(outlook::NoErrorEstimate { flag }));
     }
-    // Whatever can fail without rendering fails before it.
+    // Everything that can fail without rendering is checked before rendering.
     for path in &arguments.output {
-        image::check_writable(path).into_diagnostic().map_err(|e| Failure::new(Exit::Output, e))?;
+        image::check_writable(path).map_err(Failure::output)?;
     }
     if let Some(path) = &arguments.aov {
-        image::check_layers_path(path).into_diagnostic().map_err(|e| Failure::new(Exit::Output, e))?;
+        image::check_layers_path(path).map_err(Failure::output)?;
     }
     if let Some(path) = &arguments.stats {
-        image::check_place(path).into_diagnostic().map_err(|e| Failure::new(Exit::Output, e))?;
+        image::check_place(path).map_err(Failure::output)?;
     }
+    check_distinct(&outputs(arguments), &[NamedFile::new("the scene file", &arguments.scene.scene)])?;
     listen("the picture");
     let progress = Progress::new(arguments.quiet);
     in_pool(&arguments.scene, || run_in_pool(arguments, &progress))
 }
 
+/// The files that the command line names to be written.
+fn outputs(arguments: &RenderArguments) -> Vec<NamedFile> {
+    let pictures = arguments.output.iter().map(|path| NamedFile::new("-o", path));
+    let layers = arguments.aov.iter().map(|path| NamedFile::new("--aov", path));
+    let report = arguments.stats.iter().map(|path| NamedFile::new("--stats", path));
+    pictures.chain(layers).chain(report).collect()
+}
+
 fn run_in_pool(arguments: &RenderArguments, progress: &Progress) -> Result<Exit, Failure> {
     let start = Instant::now();
-    let scene = load(&arguments.scene, progress)?;
+    let inputs = InputFiles::new(progress);
+    let scene = load(&arguments.scene, &inputs)?;
+    progress.finish();
+    let inputs: Vec<NamedFile> = inputs.into_files().iter().map(|path| NamedFile::new("the input", path)).collect();
+    check_distinct(&outputs(arguments), &inputs)?;
     let algorithm = arguments.method.integrator;
-    let mut setting = Setting {
+    let mut setup = Setup {
         scene: arguments.scene.scene.display().to_string(),
         integrator: algorithm.name(),
         seed: arguments.method.seed,
@@ -53,85 +67,151 @@ fn run_in_pool(arguments: &RenderArguments, progress: &Progress) -> Result<Exit,
         shapes: scene.shape_count(),
         lights: scene.lights().len(),
         radii: None,
-        emission: GuidingReports::default(),
+        emission_guiding: GuidingReports::default(),
         effects: Vec::new(),
         balance: None,
-        setup: 0.0,
+        seconds: 0.0,
     };
+    announce_scene(&setup, &scene, progress);
+    // Ray casting makes one pass, from which no error can be estimated.
+    let estimates_error = !arguments.no_error_estimate && algorithm != Algorithm::Raycast;
+    let mut settings = settings(&arguments.method, arguments.effects.effects);
+    settings.eye.gauge = estimates_error;
+    let (memory, size) = (arguments.scene.memory(), scene.camera().size());
+    let check = if estimates_error { check_pictures_with_error } else { check_pictures };
+    let pictures = check(1, size, memory.free()).map_err(Failure::usage)?;
+    let integrator = algorithm.prepare(&scene, settings);
+    check_photons(integrator.expected(), pictures, memory.free()).map_err(Failure::usage)?;
+    plan::announce(integrator.as_ref(), progress);
+    setup.radii = integrator.radii();
+    setup.emission_guiding = integrator.guiding_reports();
+    setup.effects = plan::effects(integrator.plan());
+    setup.balance = integrator.balance();
+    setup.seconds = start.elapsed().as_secs_f64();
+    let rendered = render_passes(arguments, integrator.as_ref(), size, start, progress);
+    progress.finish();
+    conclude(arguments, progress, setup, has_no_power(&scene), &rendered)
+}
+
+/// Prints what the scene contains, and notes on what it lacks.
+fn announce_scene(setup: &Setup, scene: &Scene, progress: &Progress) {
     progress.say(&format!(
         "{}: {}, {}, {}",
-        setting.scene,
-        counted(setting.triangles, "triangle", "triangles"),
-        counted(setting.shapes, "shape", "shapes"),
-        counted(setting.lights, "light", "lights")
+        setup.scene,
+        counted(setup.triangles, "triangle", "triangles"),
+        counted(setup.shapes, "shape", "shapes"),
+        counted(setup.lights, "light", "lights")
     ));
-    let powerless = dark::is_powerless(&scene);
-    if setting.triangles + setting.shapes == 0 {
-        progress.say("note: the scene has no objects: only its background is seen");
-    } else if setting.lights == 0 {
-        progress.say("note: the scene has no lights: all but its background is black");
-    } else if powerless {
-        progress.say("note: no light of the scene has any power: all but its background is black");
+    if setup.triangles + setup.shapes == 0 {
+        progress.say("note: the scene has no objects: the picture shows only the background");
+    } else if setup.lights == 0 {
+        progress.say("note: the scene has no lights: all objects are black");
+    } else if has_no_power(scene) {
+        progress.say("note: no light of the scene has any power: all objects are black");
     }
-    // Ray casting makes one pass, from which no error can be told.
-    let gauged = !arguments.no_gauge && algorithm != Algorithm::Raycast;
-    let mut settings = settings(&arguments.method, arguments.effects.effects);
-    settings.eye.gauge = gauged;
-    let (memory, size) = (arguments.scene.memory(), scene.camera().size());
-    let pictures = if gauged { check_gauged(size, memory.free()) } else { check_pictures(1, size, memory.free()) };
-    let pictures = pictures.map_err(|e| Failure::new(Exit::Usage, e))?;
-    let integrator = algorithm.prepare(&scene, settings);
-    check_photons(integrator.expected(), pictures, memory.free()).map_err(|e| Failure::new(Exit::Usage, e))?;
-    plan::announce(integrator.as_ref(), progress);
-    setting.radii = integrator.radii();
-    setting.emission = integrator.guiding_reports();
-    setting.effects = plan::effects(integrator.plan());
-    setting.balance = integrator.balance();
-    setting.setup = start.elapsed().as_secs_f64();
+}
 
+/// Renders until the arguments say to stop, and shows the progress after each pass.
+fn render_passes(
+    arguments: &RenderArguments,
+    integrator: &dyn Integrator,
+    size: (u32, u32),
+    start: Instant,
+    progress: &Progress,
+) -> Rendered {
+    let algorithm = arguments.method.integrator;
     let passes = arguments.passes.or(match (arguments.time, arguments.target_error) {
         (None, None) => Some(algorithm.passes()),
-        // One pass of ray casting is all there is to it.
+        // A second pass of ray casting would repeat the first.
         _ if algorithm == Algorithm::Raycast => Some(algorithm.passes()),
         _ => None,
     });
     let target = arguments.target_error.map(|error| Target { error, confidence: arguments.confidence });
     let stop = Stop { at_least: 1, passes, time: arguments.time, target, interrupted: &INTERRUPTED };
     progress.pass(1, passes);
+    progress.time_left(arguments.time);
     let began = Instant::now();
-    let rendered = render(integrator.as_ref(), scene.camera().size(), &stop, progress, |standing| {
-        let made = standing.passes;
-        let a_pass = began.elapsed().as_secs_f64() / f64::from(made);
-        let error = standing.error.as_ref().filter(|_| !arguments.quiet).map(|(reading, forecast)| {
-            // A target is reached when the upper end of the interval is.
-            let aim = target.map(|target| (target.error, target.error * reading.error / reading.high));
-            let (named, aim) = aim.unwrap_or((0.5 * reading.error, 0.5 * reading.error));
-            let outlook = error::outlook(reading, forecast, (named, aim), a_pass);
-            format!("error {}{outlook}", error::parts(reading))
+    render(integrator, size, &stop, progress, |standing| {
+        let pass_seconds = began.elapsed().as_secs_f64() / f64::from(standing.passes);
+        let error = standing.error.as_ref().filter(|_| !arguments.quiet).map(|(estimate, forecast)| {
+            let shown = target.map_or(0.5 * estimate.error, |target| target.error);
+            let aim = target.map_or(shown, |target| point_estimate_at(target, standing).unwrap_or(shown));
+            format!(
+                "error {}{}",
+                outlook::parts(estimate),
+                outlook::outlook(estimate, forecast, (shown, aim), pass_seconds)
+            )
         });
-        if matches!(progress, Progress::Lines) {
+        if progress.has_lines() {
             let of = passes.map_or(String::new(), |n| format!("/{n}"));
             let error = error.as_ref().map_or(String::new(), |error| format!(": {error}"));
-            progress.say(&format!("pass {made}{of} after {:.1} s{error}", start.elapsed().as_secs_f64()));
+            let elapsed = start.elapsed().as_secs_f64();
+            progress.say(&format!("pass {}{of} after {elapsed:.1} s{error}", standing.passes));
         }
-        progress.pass(made + 1, passes);
+        progress.pass(standing.passes + 1, passes);
+        // The error is not estimated after every pass; in between the estimated end stays.
+        if let Some(left) = time_left(&stop, standing, began.elapsed(), pass_seconds) {
+            progress.time_left(Some(left));
+        }
         error.into_iter().for_each(|note| progress.note(note));
-    });
-    progress.finish();
-    conclude(arguments, progress, setting, powerless, &rendered)
+    })
 }
 
-/// Writes the pictures and the report, and says what was done.
+/// The estimated error at which the upper end of its interval reaches a target.
+fn point_estimate_at(target: Target, standing: &Standing) -> Option<f64> {
+    let (estimate, _) = standing.error.as_ref()?;
+    Some(target.error * estimate.error / estimate.high)
+}
+
+/// The time until the first stop condition is expected to hold; `None` if no forecast is known.
+fn time_left(stop: &Stop<'_>, standing: &Standing, elapsed: Duration, pass_seconds: f64) -> Option<Duration> {
+    let of_passes = |n: u32| f64::from(n.saturating_sub(standing.passes)) * pass_seconds;
+    let by_target = stop.target.zip(standing.error.as_ref()).and_then(|(target, (_, forecast))| {
+        match forecast.passes_to(point_estimate_at(target, standing)?) {
+            Needed::Passes(n) => Some(of_passes(n)),
+            Needed::Never { .. } | Needed::TooMany => None,
+        }
+    });
+    let by_time = stop.time.map(|time| time.saturating_sub(elapsed).as_secs_f64());
+    let all = [stop.passes.map(of_passes), by_time, by_target];
+    let least = all.into_iter().flatten().min_by(f64::total_cmp)?;
+    Duration::try_from_secs_f64(least).ok()
+}
+
+/// Writes the pictures and the report, and prints a summary. Every output is tried.
 fn conclude(
     arguments: &RenderArguments,
     progress: &Progress,
-    setting: Setting,
+    setup: Setup,
     powerless: bool,
     rendered: &Rendered,
 ) -> Result<Exit, Failure> {
-    let output = |e: miette::Report| Failure::new(Exit::Output, e);
     let (width, height) = rendered.film.size();
-    let picture = Image::from_pixels(width, height, rendered.film.mean()).into_diagnostic().map_err(output)?;
+    let picture = Image::from_pixels(width, height, rendered.film.mean()).map_err(Failure::output)?;
+    let mut failures = OutputFailures::default();
+    write_pictures(arguments, progress, &picture, rendered, &mut failures);
+    warn_of_rejected(&rendered.counters);
+    if picture.pixels().iter().all(|p| *p == Vec3::ZERO) {
+        progress.say(black_picture(setup.lights, powerless));
+    }
+    no_photon_stored(rendered).iter().for_each(|line| progress.say(line));
+    let report = Report::new(setup, rendered, confidence(arguments));
+    summarize(arguments, progress, &report, rendered);
+    if let Some(path) = &arguments.stats {
+        let json = serde_json::to_vec_pretty(&report).map_err(Failure::output)?;
+        failures.keep(image::replace_file(path, &json));
+    }
+    failures.finish(if rendered.ended == Ended::Interrupted { Exit::Interrupted } else { Exit::Success })
+}
+
+/// Writes the files of `-o` and `--aov`.
+fn write_pictures(
+    arguments: &RenderArguments,
+    progress: &Progress,
+    picture: &Image,
+    rendered: &Rendered,
+    failures: &mut OutputFailures,
+) {
     let curve = arguments.tone.unwrap_or(match arguments.method.integrator {
         Algorithm::Raycast => Curve::Course,
         _ => Curve::Srgb,
@@ -143,38 +223,37 @@ fn conclude(
         metadata: vec![("Software".to_owned(), format!("Caustica {}", env!("CARGO_PKG_VERSION")))],
     };
     for path in &arguments.output {
-        let written = image::write(path, &picture, &options).into_diagnostic().map_err(output)?;
-        progress.say(&format!("wrote {}", path.display()));
-        tell_of(&written, path, arguments.exposure, progress);
-    }
-    if let Some(path) = &arguments.aov {
-        let layers = aov::layers(rendered);
-        if rendered.film.passes() < FEWEST {
-            let passes = counted(rendered.film.passes() as usize, "pass tells", "passes tell");
-            tell(&format!("warning: {passes} no error: {} has no maps of it", path.display()));
+        if let Some(written) = failures.keep(image::write(path, picture, &options)) {
+            progress.say(&format!("wrote {}", path.display()));
+            report_clipping(&written, path, arguments.exposure, progress);
         }
-        let written = image::write_layers(path, (width, height), &layers, &options.metadata);
-        let non_finite = written.into_diagnostic().map_err(output)?;
+    }
+    let Some(path) = &arguments.aov else { return };
+    let passes = rendered.film.passes();
+    if passes < FEWEST {
+        let passes = counted(passes as usize, "pass gives", "passes give");
+        tell(&format!("warning: {passes} no error estimate: {} has no maps of it", path.display()));
+    }
+    let written = image::write_layers(path, rendered.film.size(), &aov::layers(rendered), &options.metadata);
+    if let Some(non_finite) = failures.keep(written) {
         progress.say(&format!("wrote {}", path.display()));
         if non_finite > 0 {
             let values = counted(non_finite, "value", "values");
-            tell(&format!("warning: {values} of {} beyond single precision: the scene is too bright", path.display()));
+            let path = path.display();
+            tell(&format!("warning: {values} of {path} exceed single precision: the scene is too bright"));
         }
     }
-    tell_of_rejected(&rendered.counters);
-    if picture.pixels().iter().all(|p| *p == Vec3::ZERO) {
-        progress.say(dark::black(setting.lights, powerless));
-    }
-    without_photons(rendered).iter().for_each(|line| progress.say(line));
-    let report = Report::new(setting, rendered, confidence(arguments));
+}
+
+/// Prints passes, rates, the reason for the end, and the estimated error.
+fn summarize(arguments: &RenderArguments, progress: &Progress, report: &Report, rendered: &Rendered) {
+    let n = rendered.film.passes();
     let why = match rendered.ended {
         Ended::Passes => String::new(),
-        Ended::Time => format!("; time was up: --passes {} repeats this picture bit for bit", rendered.film.passes()),
-        Ended::Target => {
-            format!("; the error is low enough: --passes {} repeats this picture", rendered.film.passes())
-        }
-        Ended::Floor => "; the error cannot become as low".to_owned(),
-        Ended::Interrupted => format!("; interrupted: --passes {} repeats this picture", rendered.film.passes()),
+        Ended::Time => format!("; time was up: --passes {n} repeats this picture bit for bit"),
+        Ended::Target => format!("; the error is low enough: --passes {n} repeats this picture"),
+        Ended::Floor => "; more passes cannot reach the error".to_owned(),
+        Ended::Interrupted => format!("; interrupted: --passes {n} repeats this picture"),
     };
     progress.say(&format!(
         "{} in {:.1} s, {:.2} M rays/s, {:.2} M photon paths/s{why}",
@@ -183,45 +262,40 @@ fn conclude(
         report.rates.rays_per_second * 1e-6,
         report.rates.photons_per_second * 1e-6,
     ));
-    if let Some(ErrorReport { reading, .. }) = &report.error {
-        let interval = format!("{} to {}", percent(reading.low), percent(reading.high));
-        let sure = percent(confidence(arguments).part());
-        progress.say(&format!("error {}; {interval} with {sure} confidence", error::parts(reading)));
+    if let Some(ErrorReport { estimate, .. }) = &report.error {
+        let interval = format!("{} to {}", percent(estimate.low), percent(estimate.high));
+        let confidence = percent(confidence(arguments).part());
+        progress.say(&format!("error {}; {interval} with {confidence} confidence", outlook::parts(estimate)));
     }
     if rendered.ended == Ended::Floor {
-        tell(&format!("warning: {}", error::REMEDY));
+        tell(&format!("warning: {}", outlook::REMEDY));
     }
-    if let Some(path) = &arguments.stats {
-        let json = serde_json::to_vec_pretty(&report).into_diagnostic().map_err(output)?;
-        image::replace_file(path, &json).into_diagnostic().map_err(output)?;
-    }
-    Ok(if rendered.ended == Ended::Interrupted { Exit::Interrupted } else { Exit::Success })
 }
 
-/// Says what a file could not hold.
-fn tell_of(written: &WriteReport, path: &Path, exposure: f32, progress: &Progress) {
+/// Reports pixels whose values the file could not hold.
+fn report_clipping(written: &WriteReport, path: &Path, exposure: f32, progress: &Progress) {
     let pixels = |n: usize| format!("{} of {}", counted(n, "pixel", "pixels"), path.display());
     if written.non_finite > 0 {
         tell(&format!("warning: {}: not finite", pixels(written.non_finite)));
     }
     match (written.too_bright, OutputFormat::from_path(path)) {
         (0, _) => {}
-        // Its users count on radiances as they are.
+        // A clipped OpenEXR is a warning, because its readers expect unclipped radiance.
         (n, Ok(OutputFormat::Exr)) => {
-            tell(&format!("warning: {}: beyond 65504, cut off there; --exr-bits 32 holds them", pixels(n)));
+            tell(&format!("warning: {}: clipped to 65504; --exr-bits 32 holds larger values", pixels(n)));
         }
-        (n, _) => {
+        (n, Ok(OutputFormat::Png) | Err(_)) => {
             let darker = exposure - 1.0;
             let remedy = format!("--exposure {darker} or --tone filmic shows more, an .exr file holds all");
-            progress.say(&format!("note: {}: brighter than white, cut off there; {remedy}", pixels(n)));
+            progress.say(&format!("note: {}: clipped to white; {remedy}", pixels(n)));
         }
     }
     if written.negative > 0 {
-        progress.say(&format!("note: {}: below black, cut off there", pixels(written.negative)));
+        progress.say(&format!("note: {}: negative, clipped to black", pixels(written.negative)));
     }
 }
 
-/// Of the intervals that are told.
+/// Confidence of the interval of the estimated error that is reported.
 fn confidence(arguments: &RenderArguments) -> Confidence {
     let target = |error| Target { error, confidence: arguments.confidence };
     arguments.target_error.map_or(arguments.confidence, |error| target(error).interval())

@@ -1,4 +1,4 @@
-//! The report of a render as JSON; docs/cli.md describes each field.
+//! Report of a render as JSON, for `--stats`. The page on the command line describes each field.
 
 use super::plan::EffectReport;
 use crate::integrate::{Balance, GuidingReports, PhotonReport, Radii, Seconds};
@@ -7,10 +7,10 @@ use crate::render::{Ended, Rendered};
 use crate::stats::{Counters, cpu_seconds, peak_memory};
 use serde::Serialize;
 
-/// Version of the schema: it grows when a field changes its meaning or goes.
-const SCHEMA: u32 = 1;
+/// Version of the schema. It rises when a field is renamed or removed, or changes its meaning.
+const SCHEMA: u32 = 2;
 
-/// What `--stats` writes.
+/// Report that `--stats` writes.
 #[derive(Debug, Serialize)]
 pub(super) struct Report {
     pub schema: u32,
@@ -27,11 +27,11 @@ pub(super) struct Report {
     pub shapes: usize,
     pub lights: usize,
     pub radii: Option<RadiiReport>,
-    pub emission: GuidingReports,
+    pub emission_guiding: GuidingReports,
     pub effects: Vec<EffectReport>,
     pub balance: Option<Balance>,
     pub photons: Photons,
-    /// `None` with too few passes, or without the gauge.
+    /// `None` with too few passes, or without an error estimate.
     pub error: Option<ErrorReport>,
     pub counters: Counters,
     pub seconds: Times,
@@ -40,31 +40,31 @@ pub(super) struct Report {
     pub cpu_seconds: Option<f64>,
 }
 
-/// The error of the picture, relative (see `RelativeScale`).
+/// Estimated relative error of the picture (see `RelativeScale`).
 #[derive(Debug, Serialize)]
 pub(super) struct ErrorReport {
     #[serde(flatten)]
-    pub reading: ErrorEstimate,
-    /// Of the interval from `low` to `high`.
+    pub estimate: ErrorEstimate,
+    /// Confidence of the interval from `low` to `high`.
     confidence: Confidence,
-    /// Passes that make the error half as large, in all; `None` where none do.
+    /// Total passes at which the error is half as large; `None` if no number of passes is enough.
     halving_passes: Option<u32>,
-    /// The time that they take from now on \[s].
+    /// Time that the remaining ones of these passes take \[s].
     halving_seconds: Option<f64>,
 }
 
 impl ErrorReport {
     fn new(rendered: &Rendered, confidence: Confidence) -> Option<Self> {
-        let gauge = rendered.gauge.as_ref()?;
-        let reading = gauge.read_with(&rendered.film, confidence);
-        let forecast = gauge.forecast(&reading)?;
-        let halving_passes = match forecast.passes_to(0.5 * reading.error) {
+        let estimator = rendered.gauge.as_ref()?;
+        let estimate = estimator.read_with(&rendered.film, confidence);
+        let forecast = estimator.forecast(&estimate)?;
+        let halving_passes = match forecast.passes_to(0.5 * estimate.error) {
             Needed::Passes(n) => Some(n),
             Needed::Never { .. } | Needed::TooMany => None,
         };
-        let a_pass = rendered.wall.as_secs_f64() / f64::from(reading.passes);
-        let halving_seconds = halving_passes.map(|n| f64::from(n.saturating_sub(reading.passes)) * a_pass);
-        Some(Self { reading, confidence, halving_passes, halving_seconds })
+        let pass_seconds = rendered.wall.as_secs_f64() / f64::from(estimate.passes);
+        let halving_seconds = halving_passes.map(|n| f64::from(n.saturating_sub(estimate.passes)) * pass_seconds);
+        Some(Self { estimate, confidence, halving_passes, halving_seconds })
     }
 }
 
@@ -94,8 +94,8 @@ pub(super) struct Rates {
     pub rays_per_second: f64,
 }
 
-/// What of the report is known before the render.
-pub(super) struct Setting {
+/// Facts of a render that are known before its first pass.
+pub(super) struct Setup {
     pub scene: String,
     pub integrator: &'static str,
     pub seed: u64,
@@ -104,14 +104,15 @@ pub(super) struct Setting {
     pub shapes: usize,
     pub lights: usize,
     pub radii: Option<Radii>,
-    pub emission: GuidingReports,
+    pub emission_guiding: GuidingReports,
     pub effects: Vec<EffectReport>,
     pub balance: Option<Balance>,
-    pub setup: f64,
+    /// Time that the preparation took \[s].
+    pub seconds: f64,
 }
 
 impl Report {
-    pub fn new(setting: Setting, rendered: &Rendered, confidence: Confidence) -> Self {
+    pub fn new(setup: Setup, rendered: &Rendered, confidence: Confidence) -> Self {
         let (width, height) = rendered.film.size();
         let wall = rendered.wall.as_secs_f64();
         let rate = |n: u64, seconds: f64| if seconds > 0.0 { n as f64 / seconds } else { 0.0 };
@@ -119,25 +120,25 @@ impl Report {
         Self {
             schema: SCHEMA,
             version: env!("CARGO_PKG_VERSION"),
-            scene: setting.scene,
-            integrator: setting.integrator,
+            scene: setup.scene,
+            integrator: setup.integrator,
             width,
             height,
-            seed: setting.seed,
-            threads: setting.threads,
+            seed: setup.seed,
+            threads: setup.threads,
             passes: rendered.film.passes(),
             ended: rendered.ended,
-            triangles: setting.triangles,
-            shapes: setting.shapes,
-            lights: setting.lights,
-            radii: setting.radii.map(|r| RadiiReport { global: r.global, caustic: r.caustic }),
-            emission: setting.emission,
-            effects: setting.effects,
-            balance: setting.balance,
+            triangles: setup.triangles,
+            shapes: setup.shapes,
+            lights: setup.lights,
+            radii: setup.radii.map(|r| RadiiReport { global: r.global, caustic: r.caustic }),
+            emission_guiding: setup.emission_guiding,
+            effects: setup.effects,
+            balance: setup.balance,
             photons: Photons { global: rendered.global, caustic: rendered.caustic },
             error: ErrorReport::new(rendered, confidence),
             counters: rendered.counters,
-            seconds: Times { setup: setting.setup, passes: rendered.seconds, render: wall },
+            seconds: Times { setup: setup.seconds, passes: rendered.seconds, render: wall },
             rates: Rates {
                 photons_per_second: rate(emitted, rendered.seconds.photons),
                 rays_per_second: rate(rendered.counters.rays(), wall),

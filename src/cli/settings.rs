@@ -1,4 +1,4 @@
-//! The algorithm and the settings that the command line names, and the words that name them.
+//! Conversion between arguments and [`Settings`], in both directions.
 
 use super::args::MethodArguments;
 use crate::camera::{Filter, FilterKind};
@@ -15,16 +15,16 @@ impl ValueEnum for Algorithm {
 
     fn to_possible_value(&self) -> Option<PossibleValue> {
         Some(PossibleValue::new(self.name()).help(match self {
-            Self::Hybrid => "Path tracing for what connections find, photons for the rest",
+            Self::Hybrid => "Path tracing with next-event estimation, and photons for caustics",
             Self::Path => "Path tracing",
             Self::Sppm => "Stochastic progressive photon mapping",
-            Self::Ppm => "Progressive photon mapping: hit points that stay",
+            Self::Ppm => "Progressive photon mapping with fixed hit points",
             Self::Pm => "Photon mapping with a global and a caustic map and final gathering",
             Self::Distributed => {
-                "Distributed ray tracing: soft shadows and glossy reflections, without light between matt surfaces"
+                "Distributed ray tracing: soft shadows and glossy reflections, no diffuse interreflection"
             }
-            Self::Whitted => "Ray tracing: mirrors, glass, hard shadows",
-            Self::Raycast => "Ray casting with Phong's model: no shadows, no bounces",
+            Self::Whitted => "Whitted ray tracing: mirrors, glass, hard shadows",
+            Self::Raycast => "Ray casting with the Phong model: no shadows, no bounces",
         }))
     }
 }
@@ -36,9 +36,9 @@ impl ValueEnum for FinalGathering {
 
     fn to_possible_value(&self) -> Option<PossibleValue> {
         Some(match self {
-            Self::None => PossibleValue::new("none").help("Directly"),
-            Self::Bsdf => PossibleValue::new("bsdf").help("By gather rays drawn from the BSDF"),
-            Self::Importance => PossibleValue::new("importance").help("By gather rays guided by photons"),
+            Self::None => PossibleValue::new("none").help("Density estimate of the global map at the visible surface"),
+            Self::Bsdf => PossibleValue::new("bsdf").help("Gather rays sampled from the BSDF"),
+            Self::Importance => PossibleValue::new("importance").help("Gather rays guided by photons"),
         })
     }
 }
@@ -57,6 +57,7 @@ impl ValueEnum for VolumeEstimate {
     }
 }
 
+/// The settings that the arguments describe.
 pub(super) fn settings(arguments: &MethodArguments, effects: EffectOverrides) -> Settings {
     let photons = arguments.photons.unwrap_or(Settings::default().photons);
     Settings {
@@ -81,9 +82,10 @@ pub(super) fn settings(arguments: &MethodArguments, effects: EffectOverrides) ->
     }
 }
 
-/// The words from which these arguments are read, but for the seed: those that are not the defaults. `effects` is the flag that tells
-/// wishes.
-pub(super) fn flags(arguments: &MethodArguments, effects: &str, wishes: EffectOverrides) -> Vec<String> {
+/// The flags that reproduce these arguments, except the seed and flags with default values.
+///
+/// `effects_flag` names the flag of the effect overrides.
+pub(super) fn flags(arguments: &MethodArguments, effects_flag: &str, overrides: EffectOverrides) -> Vec<String> {
     let MethodArguments { kernel, final_gathering, volume, max_bounces, filter, .. } = *arguments;
     let number = |n: Option<u32>| n.map(|n| n.to_string());
     let unless_default = |is: bool, value: String| (!is).then_some(value);
@@ -96,11 +98,11 @@ pub(super) fn flags(arguments: &MethodArguments, effects: &str, wishes: EffectOv
         ("--radius", arguments.radius.map(|r| r.to_string())),
         ("--alpha", arguments.alpha.map(|alpha| alpha.to_string())),
         ("--kernel", unless_default(kernel == Kernel::default(), kernel_name(kernel).to_owned())),
-        ("--final-gathering", unless_default(final_gathering == FinalGathering::default(), word(final_gathering))),
-        ("--volume", unless_default(volume == VolumeEstimate::default(), word(volume))),
+        ("--final-gathering", unless_default(final_gathering == FinalGathering::default(), name(final_gathering))),
+        ("--volume", unless_default(volume == VolumeEstimate::default(), name(volume))),
         ("--max-bounces", unless_default(max_bounces == EyeSettings::default().max_bounces, max_bounces.to_string())),
         ("--filter", unless_default(filter == FilterKind::default(), filter_name(filter).to_owned())),
-        (effects, in_words(wishes)),
+        (effects_flag, effects_value(overrides)),
     ];
     let mut words: Vec<String> =
         named.into_iter().filter_map(|(flag, value)| Some([flag.to_owned(), value?])).flatten().collect();
@@ -110,10 +112,12 @@ pub(super) fn flags(arguments: &MethodArguments, effects: &str, wishes: EffectOv
     words
 }
 
-fn word(value: impl ValueEnum) -> String {
+/// Name of a value on the command line.
+fn name(value: impl ValueEnum) -> String {
     value.to_possible_value().map_or(String::new(), |v| v.get_name().to_owned())
 }
 
+/// Name of a kernel on the command line.
 pub(super) fn kernel_name(kernel: Kernel) -> &'static str {
     match kernel {
         Kernel::Box => "box",
@@ -122,6 +126,7 @@ pub(super) fn kernel_name(kernel: Kernel) -> &'static str {
     }
 }
 
+/// Name of a reconstruction filter on the command line.
 fn filter_name(filter: FilterKind) -> &'static str {
     match filter {
         FilterKind::Box => "box",
@@ -132,9 +137,9 @@ fn filter_name(filter: FilterKind) -> &'static str {
     }
 }
 
-/// Wishes as they are read; `None` where there is none.
-fn in_words(wishes: EffectOverrides) -> Option<String> {
-    let signed = |e: Effect| wishes.of(e).map(|on| format!("{}{}", if on { '+' } else { '-' }, e.name()));
+/// Value of the flag that sets these effect overrides; `None` if there are none.
+fn effects_value(overrides: EffectOverrides) -> Option<String> {
+    let signed = |e: Effect| overrides.of(e).map(|on| format!("{}{}", if on { '+' } else { '-' }, e.name()));
     let words: Vec<String> = Effect::ALL.into_iter().filter_map(signed).collect();
     (!words.is_empty()).then(|| words.join(","))
 }
@@ -154,14 +159,14 @@ mod tests {
     }
 
     #[test]
-    fn flags_are_read_back() {
+    fn printed_flags_parse_to_the_same_arguments() {
         let all = "--integrator pm --photons 2000 --caustic-photons 30 --spp 3 --gather-k 20 --radius 0.012345679 --alpha 0.7 --kernel cone \
                    --final-gathering importance --volume beam-radiance --max-bounces 7 --filter mitchell --effects \
                    -caustics,+lens --adaptive";
-        let (method, wishes) = read(all);
-        let written = flags(&method, "--effects", wishes).join(" ");
+        let (method, overrides) = read(all);
+        let written = flags(&method, "--effects", overrides).join(" ");
         let (again, same) = read(&written);
-        assert_eq!((format!("{again:?}"), same), (format!("{method:?}"), wishes), "{written}");
+        assert_eq!((format!("{again:?}"), same), (format!("{method:?}"), overrides), "{written}");
         for flag in all.split_whitespace().filter(|word| word.starts_with("--")) {
             assert!(written.split(' ').any(|word| word == flag), "{flag} is not in {written}");
         }

@@ -12,6 +12,7 @@ mod obj;
 mod parser;
 mod ply;
 mod print;
+mod problem;
 mod resolve;
 #[cfg(test)]
 mod tests;
@@ -19,6 +20,7 @@ mod tests;
 pub use error::{SceneError, Source};
 pub use file::{ReadError, SceneFile};
 pub use parser::{parse, parse_bytes};
+pub use problem::LineError;
 pub use resolve::{resolve, resolve_watched};
 
 /// How deep groups and transforms may nest.

@@ -1,4 +1,6 @@
-//! Pictures: the buffer of linear radiance, tone curves, PNG and OpenEXR in and out, Radiance HDR in, and image metrics.
+//! Pictures: pixel buffers, tone curves, image files, and image metrics.
+//!
+//! PNG and OpenEXR are read and written; Radiance HDR is read.
 
 mod buffer;
 mod error;
@@ -22,6 +24,6 @@ pub(crate) use open::open_file;
 pub use ramp::{diverging, sequential};
 pub use read::{InputFormat, Meaning, decode, read, read_bytes, read_data, read_with_format, read_within};
 pub use relative::RelativeScale;
-pub use replace::{check_place, replace_file, replace_with};
+pub use replace::{check_place, final_path, replace_file, replace_with};
 pub use tone::{Curve, MAX_EXPOSURE_STOPS, ToneMap, UnknownCurve, WriteReport};
 pub use write::{BitDepth, FloatDepth, OutputFormat, WriteOptions, check_writable, encode, write};

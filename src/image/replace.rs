@@ -1,62 +1,102 @@
-//! Files that appear whole or not at all.
+//! Atomic replacement of files: a reader sees the old file or the complete new one.
 
 use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::time::{Duration, SystemTime};
 
 use tempfile::NamedTempFile;
 
 use super::error::WriteError;
 
-/// Puts `bytes` at `path` whole or not at all: a reader sees the old file or the new one, and a failure leaves the old one.
+/// Replaces the file at `path` by `bytes`. A failure leaves the old file.
 ///
-/// The bytes go to a temporary file in the same folder, to the disk, and are then renamed over the path. A symbolic link
-/// is followed; a replaced file's permissions are kept, a new one's are those of any created file.
+/// The bytes are written to a temporary file in the same folder, flushed to the disk, and renamed to
+/// the path. A symbolic link is followed. A replaced file keeps its permissions. A new file has the
+/// default ones.
 ///
 /// # Errors
-/// [`WriteError`] where the folder is missing, a folder, device or read-only file stands at the path, or the system refuses.
+/// [`WriteError`] if the folder is missing, if the path is a folder, device or read-only file, or if
+/// the system refuses.
 pub fn replace_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     replace_with(path, |file| file.write_all(bytes))
 }
 
-/// As [`replace_file`], with what `fill` writes.
+/// Replaces the file at `path` by the output of `fill`. See [`replace_file`].
 ///
 /// # Errors
-/// [`WriteError`], as of [`replace_file`], or where `fill` fails.
+/// [`WriteError`] like [`replace_file`], or if `fill` fails.
 pub fn replace_with(path: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> Result<(), WriteError> {
-    let place = Place::find(path)?;
+    let target = Target::find(path)?;
     // Dropping the temporary file on an early return removes it.
-    let mut temporary = place.temporary()?;
+    let mut temporary = target.temporary()?;
     let wrote = fill(temporary.as_file_mut()).and_then(|()| temporary.as_file().sync_all());
     wrote.map_err(|source| WriteError::Io { action: "write", path: path.to_owned(), source })?;
-    match temporary.persist(&place.file) {
+    match temporary.persist(&target.file) {
         Ok(_) => Ok(()),
         Err(error) => Err(WriteError::Io { action: "replace", path: path.to_owned(), source: error.error }),
     }
 }
 
-/// Checks before a long work that [`replace_file`] would find its folder and be let in, and leaves no trace.
+/// Checks before long work that [`replace_file`] can write to `path`. Leaves no trace.
 ///
 /// # Errors
-/// [`WriteError`], as [`replace_file`] would give.
+/// [`WriteError`] that [`replace_file`] would return.
 pub fn check_place(path: &Path) -> Result<(), WriteError> {
-    Place::find(path)?.temporary().map(drop)
+    Target::find(path)?.temporary().map(drop)
 }
 
-/// Where a file will go: links followed, and what is there looked at.
-struct Place {
+/// The absolute path that [`replace_file`] would replace, with all links resolved.
+///
+/// Two paths name the same file if and only if they have the same final path. A path whose folder
+/// does not exist is returned unchanged.
+#[must_use]
+pub fn final_path(path: &Path) -> PathBuf {
+    let in_folder = || Some(fs::canonicalize(folder(path)).ok()?.join(path.file_name()?));
+    fs::canonicalize(path).ok().or_else(in_folder).unwrap_or_else(|| path.to_owned())
+}
+
+/// The folder of a file.
+fn folder(file: &Path) -> &Path {
+    file.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// Start and end of the names of temporary files.
+const TEMPORARY: (&str, &str) = (".caustica-", ".tmp");
+
+/// Age after which a temporary file belongs to a run that was killed.
+const ABANDONED: Duration = Duration::from_secs(3600);
+
+/// Removes temporary files that killed runs left in a folder. Failures are ignored.
+fn remove_abandoned(folder: &Path) {
+    let Ok(entries) = fs::read_dir(folder) else { return };
+    for entry in entries.flatten() {
+        let name = entry.file_name();
+        let ours = name.to_str().is_some_and(|name| name.starts_with(TEMPORARY.0) && name.ends_with(TEMPORARY.1));
+        let abandoned = || {
+            let metadata = entry.metadata().ok().filter(fs::Metadata::is_file)?;
+            let age = SystemTime::now().duration_since(metadata.modified().ok()?).ok()?;
+            (age > ABANDONED).then_some(())
+        };
+        if ours && abandoned().is_some() {
+            let _ = fs::remove_file(entry.path());
+        }
+    }
+}
+
+/// The file to replace.
+struct Target {
+    /// Path with links resolved.
     file: PathBuf,
     folder: PathBuf,
+    /// Permissions of the existing file, if there is one.
     existing: Option<fs::Permissions>,
 }
 
-impl Place {
+impl Target {
     fn find(path: &Path) -> Result<Self, WriteError> {
         let file = fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-        let folder = match file.parent() {
-            Some(parent) if !parent.as_os_str().is_empty() => parent.to_owned(),
-            _ => PathBuf::from("."),
-        };
+        let folder = folder(&file).to_owned();
         if !folder.is_dir() {
             return Err(WriteError::NoFolder { path: path.to_owned(), folder });
         }
@@ -67,19 +107,21 @@ impl Place {
             }
             Ok(metadata) => Some(metadata.permissions()),
             Err(error) if error.kind() == io::ErrorKind::NotFound => None,
-            Err(source) => return Err(WriteError::Io { action: "look at", path: path.to_owned(), source }),
+            Err(source) => return Err(WriteError::Io { action: "inspect", path: path.to_owned(), source }),
         };
         Ok(Self { file, folder, existing })
     }
 
+    /// Creates a temporary file in the folder, with the permissions that the target is to have.
     fn temporary(&self) -> Result<NamedTempFile, WriteError> {
         let refused = |source| WriteError::Io { action: "create a file in", path: self.folder.clone(), source };
+        remove_abandoned(&self.folder);
         let mut builder = tempfile::Builder::new();
-        builder.prefix(".caustica-").suffix(".tmp");
+        builder.prefix(TEMPORARY.0).suffix(TEMPORARY.1);
         #[cfg(unix)]
         {
             use std::os::unix::fs::PermissionsExt;
-            // tempfile's default is 0600; the system takes the umask off this as off any new file.
+            // The default of tempfile is 0600. The system removes the bits of the umask.
             builder.permissions(fs::Permissions::from_mode(0o666));
         }
         let temporary = builder.tempfile_in(&self.folder).map_err(refused)?;
@@ -102,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn a_failure_half_way_leaves_the_old_file_and_no_litter() {
+    fn a_failed_write_leaves_only_the_old_file() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.png");
         replace_file(&path, b"old").unwrap();
@@ -118,7 +160,7 @@ mod tests {
     }
 
     #[test]
-    fn places_that_cannot_hold_a_file_are_named_before_any_work() {
+    fn unwritable_paths_are_refused_before_work() {
         let folder = tempfile::tempdir().unwrap();
         let nowhere = folder.path().join("none/a.png");
         assert!(matches!(check_place(&nowhere), Err(WriteError::NoFolder { .. })));
@@ -133,15 +175,29 @@ mod tests {
         assert_eq!(names(folder.path()), ["locked.png"]);
     }
 
+    #[test]
+    fn only_old_temporary_files_are_removed() {
+        let folder = tempfile::tempdir().unwrap();
+        let put = |name: &str, hours: u64| {
+            let file = File::create(folder.path().join(name)).unwrap();
+            file.set_modified(SystemTime::now() - Duration::from_secs(3600 * hours)).unwrap();
+        };
+        put(".caustica-old.tmp", 2);
+        put(".caustica-new.tmp", 0);
+        put(".other-old.tmp", 2);
+        replace_file(&folder.path().join("a.png"), b"x").unwrap();
+        assert_eq!(names(folder.path()), [".caustica-new.tmp", ".other-old.tmp", "a.png"]);
+    }
+
     #[cfg(target_os = "linux")]
     #[test]
-    fn a_folder_that_refuses_new_files_is_an_error() {
+    fn a_folder_without_write_permission_is_refused() {
         assert!(matches!(check_place(Path::new("/proc/a.png")), Err(WriteError::Io { .. })));
     }
 
     #[cfg(unix)]
     #[test]
-    fn permissions_are_those_of_an_ordinary_file_and_links_are_followed() {
+    fn permissions_are_kept_and_links_followed() {
         use std::os::unix::fs::PermissionsExt;
         let folder = tempfile::tempdir().unwrap();
         let mode = |path: &Path| fs::metadata(path).unwrap().permissions().mode();

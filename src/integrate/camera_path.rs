@@ -16,7 +16,7 @@ use super::vertex::{PathHistory, PathVertex, PrevVertex};
 use crate::bsdf::{Bsdf, Transport};
 use crate::color::{self, Rgb};
 use crate::math::Ray;
-use crate::medium::Phase;
+use crate::medium::PhaseFunction;
 use crate::photon::VisiblePoint;
 use crate::plan::Effect;
 use crate::sampling::{Dimension, Sampler};
@@ -87,7 +87,7 @@ pub(super) fn radiance<I: Interior>(
             let (event, phase) = if I::IMMERSED {
                 media::next_vertex(paths, &mut path, worker, &mut radiance)
             } else {
-                (path.path_ray.next_vertex(scene, path.sampler.key(), |_| None), Phase::Isotropic)
+                (path.path_ray.next_vertex(scene, path.sampler.key(), |_| None), PhaseFunction::Isotropic)
             };
             let mut hit = match event {
                 PathEvent::Surface(hit) => hit,

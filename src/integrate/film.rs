@@ -6,7 +6,7 @@ use super::pass::{Monitor, Stage};
 use crate::camera::{Camera, Filter, FilterSample};
 use crate::color::Rgb;
 use crate::math::{Ray, Sum};
-use crate::medium::Fade;
+use crate::medium::TransmittanceCurve;
 use crate::photon::{Scratch, VisiblePoint};
 use crate::sampling::{Dimension, Key, Sampler};
 use crate::stats::Counters;
@@ -33,7 +33,7 @@ pub(super) struct Worker {
     /// Nested estimates of the current pixel.
     pub nested: NestedSum,
     /// Transmittance along the current segment of a medium.
-    pub fade: Fade,
+    pub transmittance: TransmittanceCurve,
     /// Visible points, recorded for a pilot.
     pub visible: Vec<VisiblePoint>,
 }

@@ -11,7 +11,7 @@ use super::settings::{EyeSettings, Settings};
 use super::visible_pilot::visible_points;
 use super::volume_estimate::{VolumeEstimate, VolumeMap};
 use crate::photon::{
-    Bandwidth, Photon, PhotonMap, PhotonPass, PhotonSource, Pilot, StoreMask, THINNING, Traced, Volume,
+    Bandwidth, GuidingPilot, Photon, PhotonMap, PhotonPass, PhotonSource, StoreMask, THINNING, Traced, Volume,
 };
 use crate::plan::{Effect, Effects};
 use crate::sampling::{Key, Purpose};
@@ -189,9 +189,9 @@ impl<'a> PhotonMapBuilder<'a> {
         let guide = |source: &mut Option<PhotonSource<'a>>, wants: StoreMask, paths: u32| {
             let unguided = source.take()?;
             let EyeSettings { max_bounces, seed, .. } = settings.eye;
-            let paths = pilot_paths(paths, Pilot::PATHS);
-            let pilot = Pilot { wants, max_bounces, visible: &visible, paths, seed };
-            let (guided, report) = unguided.clone().learned(&pilot);
+            let paths = pilot_paths(paths, GuidingPilot::PATHS);
+            let pilot = GuidingPilot { mask: wants, max_bounces, visible: &visible, paths, seed };
+            let (guided, report) = unguided.clone().guided(&pilot);
             *source = Some(if report.gain > MIN_GUIDING_GAIN { guided } else { unguided });
             Some(report)
         };
@@ -209,7 +209,7 @@ impl<'a> PhotonMapBuilder<'a> {
             let k = settings.gather_k.filter(|k| *k > 0).unwrap_or(default_k);
             let found = || {
                 let source = source.as_ref()?;
-                let pass = PhotonPass { scene: self.scene, source, wants, max_bounces: settings.eye.max_bounces };
+                let pass = PhotonPass { scene: self.scene, source, mask: wants, max_bounces: settings.eye.max_bounces };
                 find_radius(&pass, paths, k, settings.eye.seed, self.min_radius)
             };
             // A pilot may find no photon although passes will, for example if objects move.
@@ -244,7 +244,7 @@ impl<'a> PhotonMapBuilder<'a> {
         let settings = &self.settings;
         let found = |source: &Option<PhotonSource<'a>>, wants: StoreMask, paths: u32| {
             let source = source.as_ref()?;
-            let pass = PhotonPass { scene: self.scene, source, wants, max_bounces: settings.eye.max_bounces };
+            let pass = PhotonPass { scene: self.scene, source, mask: wants, max_bounces: settings.eye.max_bounces };
             find_volume_radii(&pass, self.policy.effects, paths, settings)
         };
         let radii = |source, stored, paths| {
@@ -282,7 +282,7 @@ impl<'a> PhotonMapBuilder<'a> {
         let expected = |source: &Option<PhotonSource<'a>>, wants: StoreMask, paths: u32| {
             let Some(source) = source.as_ref().filter(|_| paths > 0) else { return Expected::default() };
             let probe = paths.min(PROBE_PATHS);
-            let pass = PhotonPass { scene: self.scene, source, wants, max_bounces: settings.eye.max_bounces };
+            let pass = PhotonPass { scene: self.scene, source, mask: wants, max_bounces: settings.eye.max_bounces };
             let traced = pass.trace(key, probe, &|_| {});
             let scale = |n: usize| (n as f64 * f64::from(paths) / f64::from(probe)) as u64;
             let in_media = |volume: &Volume| volume.points.len() + BEAM_SIZE * volume.beams.len();
@@ -396,7 +396,7 @@ impl<'a> PhotonMapBuilder<'a> {
         let start = Instant::now();
         monitor.begin(Stage::Photons, u64::from(paths));
         let (wants, max_bounces) = (self.in_media(stored), self.settings.eye.max_bounces);
-        let pass = PhotonPass { scene: self.scene, source, wants, max_bounces };
+        let pass = PhotonPass { scene: self.scene, source, mask: wants, max_bounces };
         let traced = pass.trace(key, paths, &|n| monitor.advance(n));
         out.counters.photon_rays += traced.rays;
         out.counters.rejected_photons += traced.rejected;

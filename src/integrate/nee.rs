@@ -57,7 +57,7 @@ impl<'a> NextEventEstimator<'a> {
         // The environment is the last of the lights.
         let lights = &all[..skipped.unwrap_or(all.len())];
         let sampled = |n: u32| {
-            let surfaces = if centers { 1 } else { lights.iter().filter(|l| l.has_surface()).count() as u32 };
+            let surfaces = if centers { 1 } else { lights.iter().filter(|l| !l.is_delta()).count() as u32 };
             if lights.len() > n as usize { RayScheme::Chosen(n) } else { RayScheme::All((n / surfaces.max(1)).max(1)) }
         };
         let schemes = match light_sampling {
@@ -92,7 +92,7 @@ impl<'a> NextEventEstimator<'a> {
         };
         let mut sum = Rgb::ZERO;
         for (i, light) in self.lights.iter().enumerate() {
-            let rays = if light.has_surface() && !self.centers { rays } else { 1 };
+            let rays = if !light.is_delta() && !self.centers { rays } else { 1 };
             let sampler = vertex.shadow_sampler.light(i);
             for ray in 0..rays {
                 // Splitting the sample stratifies the rays over the light.
@@ -117,7 +117,7 @@ impl<'a> NextEventEstimator<'a> {
         let start = vertex.shadow_sampler.get_1d(Dimension::Light);
         for i in 0..rays {
             let u = stratum(i, start, rays);
-            let Some((light, probability, _)) = light_sampler.choose(point.p, vertex.hemisphere(), u) else { continue };
+            let Some((light, probability, _)) = light_sampler.sample(point.p, vertex.hemisphere(), u) else { continue };
             let sampler = vertex.shadow_sampler.light(i as usize);
             let u = if self.centers { CENTER } else { sampler.get_2d(Dimension::LightPosition) };
             sum += self.shadow_ray(light, vertex, u, probability * rays as f32, continues, worker);
@@ -135,7 +135,7 @@ impl<'a> NextEventEstimator<'a> {
             }
             (RayScheme::Chosen(_), None) => 0.0,
         };
-        rays * self.lights[light].density(prev.p, wi, hit)
+        rays * self.lights[light].pdf_li(prev.p, wi, hit)
     }
 
     /// Contribution of one shadow ray to light `light`, which gets `rays` of them in expectation.
@@ -150,10 +150,10 @@ impl<'a> NextEventEstimator<'a> {
         worker: &mut Worker,
     ) -> Rgb {
         let surface = vertex.surface;
-        let Some(sample) = self.lights[light].sample_direct(surface.point.p, u) else {
+        let Some(sample) = self.lights[light].sample_li(surface.point.p, u) else {
             return Rgb::ZERO;
         };
-        let mut reflected = surface.scatter(sample.wi) * sample.irradiance / rays;
+        let mut reflected = surface.scatter(sample.wi) * sample.weight / rays;
         if reflected == Rgb::ZERO {
             return Rgb::ZERO;
         }
@@ -165,7 +165,7 @@ impl<'a> NextEventEstimator<'a> {
             return reflected * self.transmittance(vertex, &sample);
         }
         worker.counters.shadow_rays += 1;
-        let ray = match sample.reach {
+        let ray = match sample.target {
             ShadowTarget::Point(target) => {
                 surface.segment_to(self.ray_end(light, &sample, target, surface.point.p), sample.wi)
             }
@@ -200,7 +200,7 @@ impl<'a> NextEventEstimator<'a> {
         sample: &DirectSample,
     ) -> Rgb {
         let path_ray = vertex.leaving(sample.wi);
-        let ray = match sample.reach {
+        let ray = match sample.target {
             ShadowTarget::Point(target) => {
                 vertex.surface.segment_to(self.ray_end(light, sample, target, vertex.surface.point.p), sample.wi)
             }
@@ -212,7 +212,7 @@ impl<'a> NextEventEstimator<'a> {
     /// Transmittance between `vertex` and a light that no surface hides.
     #[inline]
     fn transmittance<I: Interior>(&self, vertex: &PathVertex<'_, I>, sample: &DirectSample) -> Rgb {
-        match sample.reach {
+        match sample.target {
             ShadowTarget::Point(target) => {
                 vertex.transmittance(self.scene, sample.wi, (target - vertex.surface.point.p).length())
             }

@@ -6,7 +6,7 @@ use super::vertex::{MediumVertex, PathVertex};
 use super::volume_estimate::{VolumeMap, wavelength_overlap};
 use crate::bsdf::Transport;
 use crate::color::Rgb;
-use crate::photon::{Bandwidth, Flux, Kernel, Nested, PhotonMap, Scratch, coverage, nested_coverage};
+use crate::photon::{Bandwidth, Kernel, NestedEstimate, PhotonData, PhotonMap, Scratch, coverage, nested_coverage};
 use crate::scene::{Interior, Scene};
 use rand::Rng;
 
@@ -87,9 +87,13 @@ impl PhotonEstimator<'_> {
         let surface = vertex.surface;
         let ns = if surface.wo.dot(surface.point.ng) < 0.0 { -surface.point.ns } else { surface.point.ns };
         let wavelength = vertex.interior.wavelength();
-        let brdf = |flux: &Flux| {
-            let brdf = surface.bsdf.evaluate(surface.wo, flux.from(), ns, ns, Transport::Radiance);
-            if I::IMMERSED { brdf * wavelength_overlap(wavelength, flux.wavelength(), self.volume.band) } else { brdf }
+        let brdf = |photon: &PhotonData| {
+            let brdf = surface.bsdf.evaluate(surface.wo, photon.from(), ns, ns, Transport::Radiance);
+            if I::IMMERSED {
+                brdf * wavelength_overlap(wavelength, photon.wavelength(), self.volume.band)
+            } else {
+                brdf
+            }
         };
         let (p, normal) = (surface.point.p, surface.facing_normal());
         let (bandwidth, kernel, key) = (self.bandwidth, self.kernel, vertex.sampler.key());
@@ -103,7 +107,8 @@ impl PhotonEstimator<'_> {
             }
             return estimate.radiance / coverage(self.scene, p, normal, estimate.radius, kernel, key);
         }
-        let Nested { whole, mut radiance } = self.map.estimate_nested(p, normal, bandwidth, kernel, scratch, brdf);
+        let NestedEstimate { whole, mut radiance } =
+            self.map.estimate_nested(p, normal, bandwidth, kernel, scratch, brdf);
         discs.add(whole.radius, whole.count);
         worker.counters.gathered_photons += u64::from(whole.count);
         if whole.count == 0 {

@@ -89,7 +89,7 @@ pub(super) fn find_radius(pass: &PhotonPass<'_>, paths: u32, k: u32, seed: u64, 
     let map = PhotonMap::build(photons.clone());
     let step = photons.len().div_ceil(PROBES);
     let distance = |p: &Photon| {
-        let normal = p.flux.normal().normalize();
+        let normal = p.data.normal().normalize();
         map.kth_distance(p.position, normal, k, size).unwrap_or(size)
     };
     let mut radii: Vec<f32> = photons.iter().step_by(step).map(distance).collect();

@@ -6,7 +6,7 @@ use super::nee::NextEventEstimator;
 use super::policy::{Continuation, DirectionSampling, LightSampling, PathPolicy, PhotonLookups};
 use super::settings::EyeSettings;
 use crate::math::Bounds;
-use crate::photon::{Visible, VisiblePoint};
+use crate::photon::{VisiblePoint, VisiblePointMap};
 use crate::plan::Effects;
 use crate::sampling::{Dimension, Key, Purpose, Sampler};
 use crate::scene::Scene;
@@ -21,7 +21,7 @@ const MAX_RADIUS: f32 = 0.1;
 /// Points that the camera sees directly or over casters, spread over the picture.
 ///
 /// A photon counts as visible within `radius` \[length] of a point, or less if the visible part of the scene is small.
-pub(super) fn visible_points(scene: &Scene, settings: &EyeSettings, effects: Effects, radius: f32) -> Visible {
+pub(super) fn visible_points(scene: &Scene, settings: &EyeSettings, effects: Effects, radius: f32) -> VisiblePointMap {
     let policy = policy(effects);
     let nee = NextEventEstimator::new(scene, &policy);
     let paths = PathContext::new(scene, &policy, &nee, None, 0, settings.max_bounces);
@@ -35,7 +35,7 @@ pub(super) fn visible_points(scene: &Scene, settings: &EyeSettings, effects: Eff
     let visible: Vec<VisiblePoint> = workers.into_iter().flat_map(|worker| worker.visible).collect();
     let extent = Bounds::of(visible.iter().map(|point| point.position)).extent().length();
     let radius = if extent > 0.0 { radius.min(extent * MAX_RADIUS) } else { radius };
-    Visible::new(visible, radius)
+    VisiblePointMap::new(visible, radius)
 }
 
 /// Policy of paths that record their first receivers and compute no light.

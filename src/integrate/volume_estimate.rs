@@ -3,7 +3,7 @@
 use super::film::Worker;
 use super::vertex::MediumVertex;
 use crate::color::{Rgb, Wavelength};
-use crate::medium::{self, Fade, Medium};
+use crate::medium::{self, Medium, TransmittanceCurve};
 use crate::photon::{BeamMap, LEVELS, PointMap, Volume};
 use crate::scene::{Interior, MediumSegment};
 use glam::Vec3;
@@ -111,7 +111,7 @@ impl VolumeMap {
         }
         worker.counters.gathers += 1;
         let nested = worker.nests_estimates;
-        let (count, fade) = (&mut worker.counters.gathered_photons, &mut worker.fade);
+        let (count, curve) = (&mut worker.counters.gathered_photons, &mut worker.transmittance);
         let MediumSegment { ray, medium, .. } = vertex.segment;
         let mut levels = [Rgb::ZERO; LEVELS];
         let mut add = |sums: [Rgb; LEVELS]| levels.iter_mut().zip(sums).for_each(|(level, sum)| *level += sum);
@@ -122,8 +122,8 @@ impl VolumeMap {
             add(match self.estimate {
                 VolumeEstimate::Points => self.from_points_at_sample(vertex, rng, count, nested),
                 VolumeEstimate::Beams | VolumeEstimate::BeamRadiance => {
-                    fade.learn(medium, ray, ray.t_max, rng);
-                    self.from_points_along_ray(vertex, fade, count, nested)
+                    curve.sample(medium, ray, ray.t_max, rng);
+                    self.from_points_along_ray(vertex, curve, count, nested)
                 }
             });
         }
@@ -155,7 +155,7 @@ impl VolumeMap {
     fn from_points_along_ray<I: Interior>(
         &self,
         vertex: &MediumVertex<'_, I>,
-        fade: &Fade,
+        curve: &TransmittanceCurve,
         count: &mut u64,
         nested: bool,
     ) -> [Rgb; LEVELS] {
@@ -167,7 +167,7 @@ impl VolumeMap {
                 return;
             }
             *count += 1;
-            let transmittance = fade.left(t);
+            let transmittance = curve.left(t);
             let phase = medium.phase.evaluate(-cos);
             sums.add(
                 photon.flux() * transmittance * wavelength_overlap(own, photon.wavelength, self.band),

@@ -1,64 +1,69 @@
-//! Surfaces that radiate.
+//! Area lights: surfaces that emit.
 
-use super::{DirectSample, ShadowTarget};
+use super::light_bounds::{DirectionCone, LightBounds, NORMAL_ERROR, angle_between};
+use super::source::{DirectSample, EmissionDimensions, EmissionSample, LightSource, ShadowTarget};
+use super::{Light, PhotonAim};
 use crate::color::Rgb;
-use crate::math::offset_origin;
+use crate::math::{Bounds, Frame, Ray, Sphere, offset_origin, warp};
 use crate::sampling::Discrete;
 use crate::shape::{Mesh, Shape, ShapeSample, SurfacePoint, TexCoord, TextureMapping};
 use crate::texture::{Texture, TextureEvalContext};
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use std::f32::consts::PI;
+use std::f64::consts::{FRAC_PI_2, PI as PI_F64};
 use std::sync::Arc;
 
-/// How far from a distant triangle, in parts of the way, a ray may meet it: shearing rounds a few times what f64 does not.
-const TRIANGLE_BLUR: f32 = 4.0 * f32::EPSILON;
+/// Relative error of a ray's hit on a distant triangle. The shear of the triangle test rounds a few times in f32.
+const TRIANGLE_ERROR: f32 = 4.0 * f32::EPSILON;
 
-/// The surface of an area light.
+/// Surface of an area light.
 #[derive(Clone, Debug)]
-pub enum Emitter {
+pub enum LightSurface {
     /// An analytic shape.
     Shape(Shape),
-    /// Triangles `first ..` of a mesh, chosen by area.
+    /// Consecutive triangles of a mesh.
     Triangles {
         /// The mesh.
         mesh: Arc<Mesh>,
-        /// The first triangle.
+        /// Index of the first triangle.
         first: u32,
-        /// Weight of each triangle from the first on.
+        /// Distribution over the triangles from `first` on, by area.
         choice: Discrete,
     },
 }
 
-/// Radiance from the outer side of a surface.
+/// A surface that emits from its outer side.
 #[derive(Clone, Debug)]
-pub struct Area {
+pub struct AreaLight {
     /// The surface.
-    pub emitter: Emitter,
-    /// Radiance \[W/(m² sr)]; where it varies, its mean.
+    pub surface: LightSurface,
+    /// Radiance \[W/(m² sr)]; its mean over the surface if a texture varies it.
     pub radiance: Rgb,
-    /// How radiance varies over the surface; `None` where it is the same everywhere.
-    pub glow: Option<Arc<EmissionTexture>>,
+    /// Texture of the radiance; `None` for uniform radiance.
+    pub texture: Option<Arc<EmissionTexture>>,
 }
 
-/// Radiance that follows a texture.
+/// A texture that varies the radiance of a surface.
 #[derive(Clone, Debug)]
 pub struct EmissionTexture {
     /// The texture.
     pub texture: Arc<Texture>,
-    /// How it lies on the surface.
-    pub chart: TextureMapping,
-    /// What it is multiplied by \[W/(m² sr)].
+    /// Mapping of the texture onto the surface.
+    pub mapping: TextureMapping,
+    /// Factor from texture value to radiance \[W/(m² sr)].
     pub scale: Rgb,
 }
 
-/// Where a point of an emitter was drawn, as its own coordinates go by.
+/// Parametric coordinates of a sampled surface point.
 #[derive(Clone, Copy, Debug)]
-enum Spot {
+enum SurfaceCoord {
+    /// Coordinates of an analytic shape.
     Shape(Vec2),
+    /// Index of a triangle, and barycentric coordinates.
     Triangle(u32, Vec2),
 }
 
-impl Emitter {
+impl LightSurface {
     /// Area of the surface \[length²].
     #[must_use]
     pub fn area(&self) -> f64 {
@@ -68,7 +73,7 @@ impl Emitter {
         }
     }
 
-    /// Density per area \[1/length²] with which [`Emitter::sample`] draws a point of the surface.
+    /// Pdf per area \[1/length²] with which [`LightSurface::sample`] samples a point.
     #[inline]
     #[must_use]
     pub fn pdf(&self, point: &SurfacePoint) -> f32 {
@@ -78,128 +83,235 @@ impl Emitter {
         }
     }
 
-    /// A point, with its density per area.
+    /// Samples a point of the surface by `u` in \[0, 1)², with its pdf per area.
     #[inline]
     #[must_use]
     pub fn sample(&self, u: Vec2) -> ShapeSample {
-        self.draw(u).0
+        self.sample_with_coord(u).0
     }
 
     #[inline]
-    fn draw(&self, u: Vec2) -> (ShapeSample, Spot) {
+    fn sample_with_coord(&self, u: Vec2) -> (ShapeSample, SurfaceCoord) {
         match self {
             Self::Shape(shape) => {
                 let sample = shape.sample(u);
-                (sample, Spot::Shape(sample.uv))
+                (sample, SurfaceCoord::Shape(sample.uv))
             }
             Self::Triangles { mesh, first, choice } => {
                 let (i, probability) = choice.sample(u.x);
-                // What is left of u.x inside the chosen interval is uniform again.
+                // The remainder of u.x within the chosen interval is uniform again.
                 let x = choice.remainder(u.x, i);
-                let b = crate::math::warp::triangle(Vec2::new(x, u.y));
+                let b = warp::triangle(Vec2::new(x, u.y));
                 let i = *first + i as u32;
                 let point = mesh.surface(i as usize, b);
                 let area = choice.total() * f64::from(probability);
-                (ShapeSample { point, pdf: probability / area as f32, uv: b }, Spot::Triangle(i, b))
+                (ShapeSample { point, pdf: probability / area as f32, uv: b }, SurfaceCoord::Triangle(i, b))
             }
         }
     }
 
-    /// Texture coordinates of a point, as the surface itself has them.
-    fn mapped(&self, p: Vec3, spot: Spot) -> TexCoord {
-        match (self, spot) {
-            (Self::Shape(shape), Spot::Shape(uv)) => shape.mapped(p, uv),
-            (Self::Triangles { mesh, .. }, Spot::Triangle(i, b)) => mesh.mapped(i as usize, b),
-            _ => TexCoord::default(),
+    /// Intrinsic texture coordinates of the surface at the point `p`.
+    fn tex_coord(&self, p: Vec3, coord: SurfaceCoord) -> TexCoord {
+        match (self, coord) {
+            (Self::Shape(shape), SurfaceCoord::Shape(uv)) => shape.mapped(p, uv),
+            (Self::Triangles { mesh, .. }, SurfaceCoord::Triangle(i, b)) => mesh.mapped(i as usize, b),
+            (Self::Shape(_), SurfaceCoord::Triangle(..)) | (Self::Triangles { .. }, SurfaceCoord::Shape(_)) => {
+                TexCoord::default()
+            }
+        }
+    }
+
+    /// A point of a planar analytic shape; `None` for curved shapes and meshes.
+    fn planar_point(&self) -> Option<SurfacePoint> {
+        match self {
+            Self::Shape(shape @ (Shape::Disc(_) | Shape::Rectangle(_))) => Some(shape.sample(Vec2::splat(0.5)).point),
+            Self::Shape(_) | Self::Triangles { .. } => None,
+        }
+    }
+
+    /// Bounding box, and cone of the surface normals.
+    fn bounds(&self) -> (Bounds, DirectionCone) {
+        match self {
+            Self::Shape(shape) => {
+                let cone = |point: SurfacePoint| DirectionCone { axis: point.ng.as_dvec3(), angle: NORMAL_ERROR };
+                (shape.bounds(), self.planar_point().map_or(DirectionCone::ALL, cone))
+            }
+            Self::Triangles { mesh, first, choice } => {
+                let triangles = || *first as usize..*first as usize + choice.len();
+                // Shading normals choose the side; without agreement at all corners, either side may emit.
+                let normal = |i| {
+                    let [a, b, c] = [Vec2::ZERO, Vec2::X, Vec2::Y].map(|b| mesh.surface(i, b).ng);
+                    (a == b && b == c).then(|| a.as_dvec3())
+                };
+                let sum: Option<DVec3> = triangles().map(|i| normal(i).map(|n| n * mesh.area(i))).sum();
+                let around = |axis: DVec3| {
+                    let widest = triangles().filter_map(normal).map(|n| angle_between(n, axis)).fold(0.0, f64::max);
+                    DirectionCone { axis, angle: (widest + NORMAL_ERROR).min(PI_F64) }
+                };
+                let normals = sum.and_then(DVec3::try_normalize).map_or(DirectionCone::ALL, around);
+                (Bounds::of(triangles().flat_map(|i| mesh.corners(i))), normals)
+            }
         }
     }
 }
 
 impl EmissionTexture {
-    /// Radiance at a place of the surface \[W/(m² sr)].
+    /// Radiance at a point of the surface \[W/(m² sr)].
     #[must_use]
-    pub fn radiance(&self, place: &TextureEvalContext) -> Rgb {
-        self.texture.color(place) * self.scale
+    pub fn radiance(&self, context: &TextureEvalContext) -> Rgb {
+        self.texture.color(context) * self.scale
     }
 }
 
-impl Area {
-    /// The same radiance everywhere.
+impl AreaLight {
+    /// A light with uniform radiance \[W/(m² sr)].
     #[must_use]
-    pub fn even(emitter: Emitter, radiance: Rgb) -> Self {
-        Self { emitter, radiance, glow: None }
+    pub fn uniform(surface: LightSurface, radiance: Rgb) -> Self {
+        Self { surface, radiance, texture: None }
     }
 
-    /// A point of the surface, drawn by area, with its radiance.
+    /// Samples a point of the surface by area, with the radiance there.
     #[inline]
-    pub(super) fn sample(&self, u: Vec2) -> (ShapeSample, Rgb) {
-        let (sample, spot) = self.emitter.draw(u);
-        (sample, self.radiance_at(&sample.point, spot))
+    fn sample(&self, u: Vec2) -> (ShapeSample, Rgb) {
+        let (sample, coord) = self.surface.sample_with_coord(u);
+        (sample, self.radiance_at(&sample.point, coord))
     }
 
     #[inline]
-    fn radiance_at(&self, point: &SurfacePoint, spot: Spot) -> Rgb {
-        match &self.glow {
+    fn radiance_at(&self, point: &SurfacePoint, coord: SurfaceCoord) -> Rgb {
+        match &self.texture {
             None => self.radiance,
-            Some(glow) => {
-                let p = glow.chart.in_object(point.p);
-                glow.radiance(&TextureEvalContext::sharp(glow.chart.at(p, || self.emitter.mapped(point.p, spot)).uv, p))
+            Some(emission) => {
+                let p = emission.mapping.in_object(point.p);
+                let at = emission.mapping.at(p, || self.surface.tex_coord(point.p, coord));
+                emission.radiance(&TextureEvalContext::sharp(at.uv, p))
             }
         }
     }
 
-    /// Flux \[W]: πL times the area.
-    #[must_use]
-    pub fn power(&self) -> Rgb {
-        self.radiance * (PI * self.emitter.area() as f32)
-    }
-
+    /// Samples a point by area, the unit direction to it from `p`, and its pdf \[1/sr].
     #[inline]
-    pub(super) fn sample_direct(&self, p: Vec3, u: Vec2) -> Option<DirectSample> {
-        const ANY: Spot = Spot::Shape(Vec2::ZERO);
-        let ((point, wi, pdf), spot) = match &self.emitter {
-            // Outside a sphere only the visible cap counts; inside it, its outer side cannot be seen.
-            Emitter::Shape(Shape::Sphere(sphere)) => {
-                let (point, pdf) = sphere.sample_visible(p, u)?;
-                let (_, wi, _) = crate::math::direction(p, point.p)?;
-                ((point, wi, pdf), ANY)
-            }
-            Emitter::Shape(Shape::Rectangle(rectangle)) => match rectangle.sample_visible(p, u) {
-                Some(seen) => (seen, ANY),
-                None => self.sample_by_area(p, u)?,
-            },
-            _ => self.sample_by_area(p, u)?,
-        };
-        // A shadow ray's direction is rounded: its end may miss the place it was meant for by so much of its length.
-        let blur = match &self.emitter {
-            Emitter::Triangles { .. } | Emitter::Shape(Shape::Instance(_)) => TRIANGLE_BLUR,
-            Emitter::Shape(_) => f32::EPSILON,
-        };
-        let error = point.error + (point.p - p).abs() * blur;
-        let reach = ShadowTarget::Point(offset_origin(point.p, error, point.ng, -wi));
-        Some(DirectSample { wi, reach, irradiance: self.radiance_at(&point, spot) / pdf, pdf: Some(pdf) })
-    }
-
-    /// A point, the unit direction to it from `p`, and its density per steradian.
-    #[inline]
-    fn sample_by_area(&self, p: Vec3, u: Vec2) -> Option<((SurfacePoint, Vec3, f32), Spot)> {
-        let (ShapeSample { point, pdf, .. }, spot) = self.emitter.draw(u);
+    fn sample_by_area(&self, p: Vec3, u: Vec2) -> Option<((SurfacePoint, Vec3, f32), SurfaceCoord)> {
+        let (ShapeSample { point, pdf, .. }, coord) = self.surface.sample_with_coord(u);
         let (d2, wi, _) = crate::math::direction(p, point.p)?;
         let cos = -wi.dot(point.ng);
-        (cos > 0.0).then(|| ((point, wi, d2 * pdf / cos), spot))
+        (cos > 0.0).then(|| ((point, wi, d2 * pdf / cos), coord))
+    }
+}
+
+impl LightSource for AreaLight {
+    #[inline]
+    fn sample_li(&self, p: Vec3, u: Vec2) -> Option<DirectSample> {
+        // Solid-angle samples have no coordinates; the mapping of these shapes does not need them.
+        const NO_COORD: SurfaceCoord = SurfaceCoord::Shape(Vec2::ZERO);
+        let ((point, wi, pdf), coord) = match &self.surface {
+            // Only the visible cap counts; from inside, the outer side of a sphere is invisible.
+            LightSurface::Shape(Shape::Sphere(sphere)) => {
+                let (point, pdf) = sphere.sample_visible(p, u)?;
+                let (_, wi, _) = crate::math::direction(p, point.p)?;
+                ((point, wi, pdf), NO_COORD)
+            }
+            LightSurface::Shape(Shape::Rectangle(rectangle)) => match rectangle.sample_visible(p, u) {
+                Some(sample) => (sample, NO_COORD),
+                None => self.sample_by_area(p, u)?,
+            },
+            LightSurface::Shape(_) | LightSurface::Triangles { .. } => self.sample_by_area(p, u)?,
+        };
+        // The rounded direction of a shadow ray moves its end in proportion to its length.
+        let relative_error = match &self.surface {
+            LightSurface::Triangles { .. } | LightSurface::Shape(Shape::Instance(_)) => TRIANGLE_ERROR,
+            LightSurface::Shape(_) => f32::EPSILON,
+        };
+        let error = point.error + (point.p - p).abs() * relative_error;
+        let target = ShadowTarget::Point(offset_origin(point.p, error, point.ng, -wi));
+        Some(DirectSample { wi, target, weight: self.radiance_at(&point, coord) / pdf, pdf: Some(pdf) })
     }
 
     #[inline]
-    pub(super) fn density(&self, p: Vec3, wi: Vec3, seen: &SurfacePoint) -> f32 {
-        let cos = -wi.dot(seen.ng);
+    fn pdf_li(&self, p: Vec3, wi: Vec3, hit: Option<&SurfacePoint>) -> f32 {
+        let Some(hit) = hit else { return 0.0 };
+        let cos = -wi.dot(hit.ng);
         if cos <= 0.0 {
             return 0.0;
         }
-        let by_area = || (seen.p - p).length_squared() * self.emitter.pdf(seen) / cos;
-        match &self.emitter {
-            Emitter::Shape(Shape::Sphere(sphere)) => sphere.visible_density(p),
-            Emitter::Shape(Shape::Rectangle(rectangle)) => rectangle.visible_density(p).unwrap_or_else(by_area),
-            _ => by_area(),
+        let by_area = || (hit.p - p).length_squared() * self.surface.pdf(hit) / cos;
+        match &self.surface {
+            LightSurface::Shape(Shape::Sphere(sphere)) => sphere.visible_density(p),
+            LightSurface::Shape(Shape::Rectangle(rectangle)) => rectangle.visible_density(p).unwrap_or_else(by_area),
+            LightSurface::Shape(_) | LightSurface::Triangles { .. } => by_area(),
         }
+    }
+
+    fn sample_le(&self, _domain: Sphere, position: Vec2, direction: Vec2) -> Option<EmissionSample> {
+        let (ShapeSample { point, pdf, .. }, radiance) = self.sample(position);
+        let local = warp::cosine_hemisphere(direction);
+        let w = Frame::around(point.ng).to_world(local);
+        if w.dot(point.ng) <= 0.0 || radiance == Rgb::ZERO {
+            return None;
+        }
+        let ray = Ray::new(offset_origin(point.p, point.error, point.ng, w), w);
+        Some(EmissionSample { ray, flux: radiance * (PI / pdf) })
+    }
+
+    fn sample_le_towards(
+        &self,
+        aim: &PhotonAim,
+        _domain: Sphere,
+        position: Vec2,
+        direction: Vec2,
+    ) -> Option<EmissionSample> {
+        let (ShapeSample { point, pdf, .. }, radiance) = self.sample(position);
+        let (w, pdf_direction) = aim.sample_direction(point.p, Some(point.ng), direction)?;
+        let cos = w.dot(point.ng);
+        if cos <= 0.0 || radiance == Rgb::ZERO {
+            return None;
+        }
+        let ray = Ray::new(offset_origin(point.p, point.error, point.ng, w), w);
+        Some(EmissionSample { ray, flux: radiance * (cos / (pdf * pdf_direction)) })
+    }
+
+    fn emission_dimensions(&self) -> EmissionDimensions {
+        EmissionDimensions { position: true, direction: true }
+    }
+
+    /// Flux \[W]: π times radiance times area.
+    fn power(&self, _domain: Sphere) -> Rgb {
+        self.radiance * (PI * self.surface.area() as f32)
+    }
+
+    fn bounds(&self) -> Option<LightBounds> {
+        let (space, normals) = self.surface.bounds();
+        let flux = self.radiance * (PI * self.surface.area() as f32);
+        Some(LightBounds::new(space, normals, FRAC_PI_2, flux))
+    }
+
+    #[inline]
+    fn is_delta(&self) -> bool {
+        false
+    }
+
+    fn emission_point(&self) -> Option<Vec3> {
+        let point = self.surface.sample(Vec2::splat(0.5)).point;
+        Some(offset_origin(point.p, point.error, point.ng, point.ng))
+    }
+
+    fn center(&self) -> Option<Vec3> {
+        Some(match &self.surface {
+            LightSurface::Shape(shape) => shape.bounds().center(),
+            surface @ LightSurface::Triangles { .. } => surface.sample(Vec2::splat(0.5)).point.p,
+        })
+    }
+
+    fn peak(&self) -> Option<Rgb> {
+        None
+    }
+
+    fn may_reach(&self, sphere: Sphere) -> bool {
+        self.surface.planar_point().is_none_or(|point| (sphere.center - point.p).dot(point.ng) >= -sphere.radius)
+    }
+
+    fn untextured(&self) -> Option<Light> {
+        let plain = || Light::Area(Self { texture: None, ..self.clone() });
+        self.texture.as_ref().map(|_| plain())
     }
 }

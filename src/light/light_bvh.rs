@@ -1,134 +1,140 @@
-//! Choosing one of many lights by what it may mean to a point.
+//! Light sampling with a bounding volume hierarchy over the lights.
 
 use super::Light;
-use super::bounds::{Importance, LightBounds};
+use super::light_bounds::{Importance, LightBounds};
 use crate::color;
 use crate::math::{Bounds, Sphere};
 use glam::Vec3;
 
-/// Chooses a light by power, distance and orientation: a binary tree over the lights that have a place, descended by the
-/// importance of its branches (Conty Estevez and Kulla 2018; Pharr, Jakob, Humphreys 2023, section 12.6.3). Lights at infinity,
-/// which a tree cannot hold, share a fixed part of the choice.
+/// Samples one of many lights by power, distance and orientation.
+///
+/// A binary tree over the lights at finite positions is descended at random by the importance of its children (Conty Estevez
+/// and Kulla 2018; Pharr, Jakob, Humphreys 2023, section 12.6.3). Infinite lights have no bounds; they share a fixed
+/// probability.
 #[derive(Clone, Debug)]
 pub struct LightBvhSampler {
-    /// Depth first: the first child of a branch follows it.
+    /// Nodes in depth-first order: the first child follows its parent.
     nodes: Vec<Node>,
+    /// Indices of the infinite lights.
     infinite: Vec<u32>,
-    places: Vec<Place>,
-    /// Part of the choice that goes to the lights at infinity.
-    infinite_share: f64,
+    /// Where each light is stored.
+    slots: Vec<Slot>,
+    /// Probability to choose an infinite light.
+    infinite_probability: f64,
 }
 
 #[derive(Clone, Debug)]
 struct Node {
     importance: Importance,
-    kind: Kind,
+    kind: NodeKind,
 }
 
 #[derive(Clone, Copy, Debug)]
-enum Kind {
-    /// The index of the second child.
-    Branch(u32),
+enum NodeKind {
+    /// An inner node, with the index of its second child.
+    Inner(u32),
+    /// A leaf, with the index of its light.
     Leaf(u32),
 }
 
-/// A light with its bounds.
-type Placed = (u32, LightBounds);
+/// Index of a light and its bounds.
+type BoundedLight = (u32, LightBounds);
 
-/// Where a light is in the choice.
+/// Where the sampler stores a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Place {
-    /// It has no power.
-    Nowhere,
-    Infinity,
-    /// The turns from the root, the lowest bit first: 1 is the second child.
+enum Slot {
+    /// Nowhere: the light has no power.
+    Absent,
+    /// Among the infinite lights.
+    Infinite,
+    /// In the tree. The bits of the trail, lowest first, choose the children from the root on: 1 is the second child.
     Tree(u64),
 }
 
-/// Depth from which branches are halved, so that with 2³² lights no path is longer than the bits of its turns.
+/// Depth from which inner nodes are split in halves, so that trails of 2³² lights fit in 64 bits.
 const HALVED_FROM: u32 = 31;
 
-/// Planes tried along each axis, plus one.
+/// Number of buckets along each axis for the search of a split plane.
 const BUCKETS: usize = 12;
 
-/// The largest number below 1 of f32, which is what is asked with next.
+/// Largest f32 below 1.
 const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
 
 impl LightBvhSampler {
-    /// A choice among `lights`; `domain` is the ball around the scene's bounded shapes. `None` where no light has power.
+    /// A sampler of `lights`; `domain` is the bounding sphere of the bounded shapes. `None` if no light has power.
     #[must_use]
     pub fn new(lights: &[Light], domain: Sphere) -> Option<Self> {
-        let mut places = vec![Place::Nowhere; lights.len()];
-        let (mut infinite, mut placed) = (Vec::new(), Vec::new());
-        // Points and lights are rounded to f32; what looks level with a surface may be just above it.
+        let mut slots = vec![Slot::Absent; lights.len()];
+        let (mut infinite, mut bounded) = (Vec::new(), Vec::new());
+        // Positions are rounded to f32: a light that seems to lie in the plane of a surface may be above it.
         let margin = 1e-6 * (domain.center.abs().max_element() + domain.radius);
         for (i, light) in lights.iter().enumerate().filter(|(_, l)| color::mean(l.power(domain)) > 0.0) {
-            match LightBounds::of(light, margin) {
-                Some(bounds) => placed.push((i as u32, bounds)),
+            match light.bounds(margin) {
+                Some(bounds) => bounded.push((i as u32, bounds)),
                 None => {
-                    places[i] = Place::Infinity;
+                    slots[i] = Slot::Infinite;
                     infinite.push(i as u32);
                 }
             }
         }
-        let others = usize::from(!placed.is_empty());
+        let others = usize::from(!bounded.is_empty());
         if infinite.len() + others == 0 {
             return None;
         }
-        let infinite_share = infinite.len() as f64 / (infinite.len() + others) as f64;
-        let mut choice = Self { nodes: Vec::with_capacity(2 * placed.len()), infinite, places, infinite_share };
-        if !placed.is_empty() {
-            choice.grow(&mut placed, 0, 0);
+        let infinite_probability = infinite.len() as f64 / (infinite.len() + others) as f64;
+        let mut sampler = Self { nodes: Vec::with_capacity(2 * bounded.len()), infinite, slots, infinite_probability };
+        if !bounded.is_empty() {
+            sampler.build(&mut bounded, 0, 0);
         }
-        Some(choice)
+        Some(sampler)
     }
 
-    /// Adds the tree of one light or more, whose root is reached from the whole tree's by `turns`.
-    fn grow(&mut self, lights: &mut [Placed], depth: u32, turns: u64) {
+    /// Adds the subtree of at least one light; `trail` leads from the root of the tree to the root of the subtree.
+    fn build(&mut self, lights: &mut [BoundedLight], depth: u32, trail: u64) {
         let whole = lights[1..].iter().fold(lights[0].1, |all, l| all.union(l.1));
         let index = self.nodes.len();
         let [(light, _)] = *lights else {
             let (first, second) = split(lights, depth);
-            self.nodes.push(Node { importance: whole.into(), kind: Kind::Branch(0) });
-            self.grow(first, depth + 1, turns);
-            self.nodes[index].kind = Kind::Branch(self.nodes.len() as u32);
-            self.grow(second, depth + 1, turns | 1 << depth);
+            self.nodes.push(Node { importance: whole.into(), kind: NodeKind::Inner(0) });
+            self.build(first, depth + 1, trail);
+            self.nodes[index].kind = NodeKind::Inner(self.nodes.len() as u32);
+            self.build(second, depth + 1, trail | 1 << depth);
             return;
         };
-        self.places[light as usize] = Place::Tree(turns);
-        self.nodes.push(Node { importance: whole.into(), kind: Kind::Leaf(light) });
+        self.slots[light as usize] = Slot::Tree(trail);
+        self.nodes.push(Node { importance: whole.into(), kind: NodeKind::Leaf(light) });
     }
 
-    /// A light for `u` in \[0, 1), its probability above zero, and a number in \[0, 1) that is uniform given the light.
+    /// Samples the index of a light by `u` in \[0, 1), its probability, and a remapped `u` that is uniform again.
     ///
-    /// `n` is a unit normal where only what arrives on its side counts. `None` where no light can reach `p`, or where `u` ends in
-    /// a group of which none can.
+    /// With a unit normal `n`, only light that arrives on its side counts. `None` if no light of the reached group can
+    /// light `p`.
     #[inline]
     #[must_use]
-    pub fn choose(&self, p: Vec3, n: Option<Vec3>, u: f32) -> Option<(usize, f32, f32)> {
+    pub fn sample(&self, p: Vec3, n: Option<Vec3>, u: f32) -> Option<(usize, f32, f32)> {
         let mut u = f64::from(u);
-        let (light, probability) = if u < self.infinite_share {
-            let at = u / self.infinite_share * self.infinite.len() as f64;
+        let (light, probability) = if u < self.infinite_probability {
+            let at = u / self.infinite_probability * self.infinite.len() as f64;
             let i = (at as usize).min(self.infinite.len() - 1);
             u = at - i as f64;
-            (self.infinite[i], self.infinite_share / self.infinite.len() as f64)
+            (self.infinite[i], self.infinite_probability / self.infinite.len() as f64)
         } else {
-            u = (u - self.infinite_share) / (1.0 - self.infinite_share);
-            let mut probability = 1.0 - self.infinite_share;
+            u = (u - self.infinite_probability) / (1.0 - self.infinite_probability);
+            let mut probability = 1.0 - self.infinite_probability;
             let mut index = 0;
             loop {
                 let second = match self.nodes[index].kind {
-                    Kind::Leaf(light) => break (light, probability),
-                    Kind::Branch(second) => second as usize,
+                    NodeKind::Leaf(light) => break (light, probability),
+                    NodeKind::Inner(second) => second as usize,
                 };
-                let shares = self.shares(index, second, p, n)?;
-                if u < shares[0] {
-                    u /= shares[0];
-                    probability *= shares[0];
+                let children = self.child_probabilities(index, second, p, n)?;
+                if u < children[0] {
+                    u /= children[0];
+                    probability *= children[0];
                     index += 1;
                 } else {
-                    u = ((u - shares[0]) / shares[1]).min(1.0 - f64::EPSILON);
-                    probability *= shares[1];
+                    u = ((u - children[0]) / children[1]).min(1.0 - f64::EPSILON);
+                    probability *= children[1];
                     index = second;
                 }
             }
@@ -137,46 +143,46 @@ impl LightBvhSampler {
         (probability > 0.0).then_some((light as usize, probability, (u as f32).min(BELOW_ONE)))
     }
 
-    /// The probability with which [`LightBvhSampler::choose`] chooses a light, the same number to the bit.
+    /// Probability with which [`LightBvhSampler::sample`] samples a light, equal to the bit.
     #[inline]
     #[must_use]
     pub fn probability(&self, p: Vec3, n: Option<Vec3>, light: usize) -> f32 {
-        let mut turns = match self.places[light] {
-            Place::Nowhere => return 0.0,
-            Place::Infinity => return (self.infinite_share / self.infinite.len() as f64) as f32,
-            Place::Tree(turns) => turns,
+        let mut trail = match self.slots[light] {
+            Slot::Absent => return 0.0,
+            Slot::Infinite => return (self.infinite_probability / self.infinite.len() as f64) as f32,
+            Slot::Tree(trail) => trail,
         };
-        let mut probability = 1.0 - self.infinite_share;
+        let mut probability = 1.0 - self.infinite_probability;
         let mut index = 0;
-        while let Kind::Branch(second) = self.nodes[index].kind {
-            let Some(shares) = self.shares(index, second as usize, p, n) else {
+        while let NodeKind::Inner(second) = self.nodes[index].kind {
+            let Some(children) = self.child_probabilities(index, second as usize, p, n) else {
                 return 0.0;
             };
-            let turn = (turns & 1) as usize;
-            probability *= shares[turn];
-            index = if turn == 0 { index + 1 } else { second as usize };
-            turns >>= 1;
+            let child = (trail & 1) as usize;
+            probability *= children[child];
+            index = if child == 0 { index + 1 } else { second as usize };
+            trail >>= 1;
         }
         probability as f32
     }
 
-    /// How the choice at a branch falls to its children; `None` where neither can reach `p`.
+    /// Probabilities of the two children of an inner node; `None` if neither can light `p`.
     #[inline]
-    fn shares(&self, branch: usize, second: usize, p: Vec3, n: Option<Vec3>) -> Option<[f64; 2]> {
-        let [a, b] = [branch + 1, second].map(|i| self.nodes[i].importance.at(p, n));
+    fn child_probabilities(&self, parent: usize, second: usize, p: Vec3, n: Option<Vec3>) -> Option<[f64; 2]> {
+        let [a, b] = [parent + 1, second].map(|i| self.nodes[i].importance.at(p, n));
         let total = a + b;
-        // Each by its own quotient: one less the other would make nothing of what is much less.
+        // Two quotients: 1 − a/total would round a small probability to zero.
         (total > 0.0).then(|| [a / total, b / total])
     }
 }
 
-/// Two parts, neither empty, of two lights or more: between buckets along an axis where it costs least, else in halves.
-fn split(lights: &mut [Placed], depth: u32) -> (&mut [Placed], &mut [Placed]) {
-    let middle = |l: &Placed| l.1.space.center();
-    let centers = Bounds::of(lights.iter().map(middle));
+/// Splits at least two lights in two non-empty parts, at the bucket boundary of least cost; else in halves.
+fn split(lights: &mut [BoundedLight], depth: u32) -> (&mut [BoundedLight], &mut [BoundedLight]) {
+    let center = |l: &BoundedLight| l.1.space.center();
+    let centers = Bounds::of(lights.iter().map(center));
     let extent = centers.extent();
-    let bucket = |l: &Placed, axis: usize| {
-        let x = (middle(l)[axis] - centers.min[axis]) / extent[axis];
+    let bucket = |l: &BoundedLight, axis: usize| {
+        let x = (center(l)[axis] - centers.min[axis]) / extent[axis];
         ((x * BUCKETS as f32) as usize).min(BUCKETS - 1)
     };
     let mut best = (f64::INFINITY, 0, 0);
@@ -203,7 +209,7 @@ fn split(lights: &mut [Placed], depth: u32) -> (&mut [Placed], &mut [Placed]) {
         lights.partition_point(|l| bucket(l, axis) < plane)
     } else {
         let axis = (0..3).max_by(|a, b| extent[*a].total_cmp(&extent[*b])).unwrap_or(0);
-        lights.sort_by(|a, b| middle(a)[axis].total_cmp(&middle(b)[axis]));
+        lights.sort_by(|a, b| center(a)[axis].total_cmp(&center(b)[axis]));
         lights.len() / 2
     };
     lights.split_at_mut(at)

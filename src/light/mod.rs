@@ -1,145 +1,179 @@
-//! Lights: how they are seen from a point, and how they emit photons.
+//! Light sources: direct light at a point, and emission of photons.
+//!
+//! Each kind of light has a file of its own, which implements [`LightSource`]. [`Light`] is the enum over the kinds.
 
-mod aim;
 mod area;
-mod bounds;
-mod emit;
+mod directional;
 mod environment;
+mod light_bounds;
 mod light_bvh;
-mod reach;
+mod photon_aim;
+mod point;
+mod source;
 mod spot;
+#[cfg(test)]
+mod tests;
 
-pub use aim::Targets;
-pub use area::{Area, EmissionTexture, Emitter};
-pub use emit::EmissionSample;
-pub use environment::{Environment, EnvironmentError};
+pub use area::{AreaLight, EmissionTexture, LightSurface};
+pub use directional::DirectionalLight;
+pub use environment::{EnvironmentError, EnvironmentLight};
 pub use light_bvh::LightBvhSampler;
-pub use spot::Spot;
+pub use photon_aim::PhotonAim;
+pub use point::PointLight;
+pub use source::{DirectSample, EmissionDimensions, EmissionSample, ShadowTarget};
+pub use spot::SpotLight;
 
 use crate::color::Rgb;
 use crate::math::Sphere;
 use crate::shape::SurfacePoint;
 use glam::{Vec2, Vec3};
-use std::f32::consts::PI;
+use light_bounds::LightBounds;
+use source::LightSource;
 use std::sync::Arc;
 
-/// A source of light.
+/// A light source of any kind.
 #[derive(Clone, Debug)]
-#[expect(clippy::large_enum_variant, reason = "lights lie in one array, and are asked where they lie")]
+#[expect(clippy::large_enum_variant, reason = "lights lie in one array and are sampled in place")]
 pub enum Light {
-    /// Radiant intensity \[W/sr], alike in all directions.
-    Point {
-        /// Place.
-        position: Vec3,
-        /// Intensity \[W/sr].
-        intensity: Rgb,
-    },
-    /// A point whose intensity is confined to a cone.
-    Spot(Spot),
+    /// A point with equal intensity in all directions.
+    Point(PointLight),
+    /// A point with its intensity confined to a cone.
+    Spot(SpotLight),
     /// Parallel light from infinity.
-    Directional {
-        /// Unit direction of travel.
-        direction: Vec3,
-        /// Irradiance on a surface that faces it \[W/m²].
-        irradiance: Rgb,
-    },
-    /// A surface that radiates from its outer side.
-    Area(Area),
-    /// Radiance from infinity, from all around.
-    Environment(Arc<Environment>),
+    Directional(DirectionalLight),
+    /// A surface that emits from its outer side.
+    Area(AreaLight),
+    /// Radiance from infinity in all directions.
+    Environment(Arc<EnvironmentLight>),
 }
 
-/// Where a shadow ray ends.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ShadowTarget {
-    /// At this point, already moved off the light's own surface.
-    Point(Vec3),
-    /// Nowhere.
-    Infinity,
-}
-
-/// Light arriving at a point from one sampled direction, before visibility.
-#[derive(Clone, Copy, Debug)]
-pub struct DirectSample {
-    /// Unit direction towards the light.
-    pub wi: Vec3,
-    /// Where the shadow ray ends.
-    pub reach: ShadowTarget,
-    /// Radiance over density per steradian; for points and parallel light, irradiance on a surface that faces it.
-    pub irradiance: Rgb,
-    /// Density of `wi` \[1/sr], which [`Light::density`] gives for any direction; `None` for points and parallel light, which no
-    /// other technique can find.
-    pub pdf: Option<f32>,
+/// Evaluates an expression for the light of whatever kind.
+macro_rules! each {
+    ($self:expr, $light:ident => $e:expr) => {
+        match $self {
+            Light::Point($light) => $e,
+            Light::Spot($light) => $e,
+            Light::Directional($light) => $e,
+            Light::Area($light) => $e,
+            Light::Environment($light) => $e,
+        }
+    };
 }
 
 impl Light {
-    /// What reaches `p` for `u` in \[0, 1)²; `None` where that is nothing for certain.
+    /// Samples direct light at `p` by `u` in \[0, 1)², before visibility; `None` if none can arrive.
     #[inline]
     #[must_use]
-    pub fn sample_direct(&self, p: Vec3, u: Vec2) -> Option<DirectSample> {
-        match self {
-            Self::Point { position, intensity } => from_point(p, *position, |_| *intensity),
-            Self::Spot(spot) => from_point(p, spot.position, |w| spot.intensity(w)),
-            Self::Directional { direction, irradiance } => Some(DirectSample {
-                wi: -*direction,
-                reach: ShadowTarget::Infinity,
-                irradiance: *irradiance,
-                pdf: None,
-            }),
-            Self::Area(area) => area.sample_direct(p, u),
-            Self::Environment(environment) => environment.sample_direct(u),
-        }
+    pub fn sample_li(&self, p: Vec3, u: Vec2) -> Option<DirectSample> {
+        each!(self, light => light.sample_li(p, u))
     }
 
-    /// Density \[1/sr] with which [`Light::sample_direct`] at `p` draws unit `wi`; 0 where it never does. A light with a surface is met
-    /// at `seen`, which is `None` for what escapes to infinity.
+    /// Pdf \[1/sr] with which [`Light::sample_li`] at `p` samples unit `wi`; 0 for delta lights.
+    ///
+    /// `hit` is the point of the light's surface in that direction; `None` for a ray that escapes.
     #[inline]
     #[must_use]
-    pub fn density(&self, p: Vec3, wi: Vec3, seen: Option<&SurfacePoint>) -> f32 {
-        match self {
-            Self::Point { .. } | Self::Spot(_) | Self::Directional { .. } => 0.0,
-            Self::Area(area) => seen.map_or(0.0, |seen| area.density(p, wi, seen)),
-            Self::Environment(environment) => environment.density(wi),
-        }
+    pub fn pdf_li(&self, p: Vec3, wi: Vec3, hit: Option<&SurfacePoint>) -> f32 {
+        each!(self, light => light.pdf_li(p, wi, hit))
     }
 
-    /// Whether it is seen under a solid angle, so that shadows have soft edges.
+    /// Samples an emitted ray by `position` and `direction` in \[0, 1)²; `None` if it carries nothing.
+    ///
+    /// Light from infinity starts on a disc across the bounding sphere `domain` of the scene.
     #[must_use]
-    pub fn has_surface(&self) -> bool {
-        matches!(self, Self::Area(_) | Self::Environment(_))
+    pub fn sample_le(&self, domain: Sphere, position: Vec2, direction: Vec2) -> Option<EmissionSample> {
+        each!(self, light => light.sample_le(domain, position, direction))
     }
 
-    /// Whether it comes from infinity, so that nothing is behind it.
+    /// Samples an emitted ray towards the spheres of `aim`; no sampled ray misses all of them.
     #[must_use]
-    pub fn is_infinite(&self) -> bool {
-        matches!(self, Self::Directional { .. } | Self::Environment(_))
+    pub fn sample_le_towards(
+        &self,
+        aim: &PhotonAim,
+        domain: Sphere,
+        position: Vec2,
+        direction: Vec2,
+    ) -> Option<EmissionSample> {
+        each!(self, light => light.sample_le_towards(aim, domain, position, direction))
     }
 
-    /// Emitted flux \[W]; for light from infinity, what crosses the disc that `domain` shows it.
+    /// Which of the two sample points of [`Light::sample_le`] the emitted ray depends on.
+    #[must_use]
+    pub fn emission_dimensions(&self) -> EmissionDimensions {
+        each!(self, light => light.emission_dimensions())
+    }
+
+    /// Emitted flux \[W]; for light from infinity, the flux through a disc with the radius of `domain`.
     #[must_use]
     pub fn power(&self, domain: Sphere) -> Rgb {
-        match self {
-            Self::Point { intensity, .. } => *intensity * (4.0 * PI),
-            Self::Spot(spot) => spot.power(),
-            Self::Directional { irradiance, .. } => *irradiance * (PI * domain.radius * domain.radius),
-            Self::Area(area) => area.power(),
-            Self::Environment(environment) => environment.power(domain),
-        }
+        each!(self, light => light.power(domain))
+    }
+
+    /// True if the light is sampled by a delta distribution: it has no extent, and shadows have hard edges.
+    #[inline]
+    #[must_use]
+    pub fn is_delta(&self) -> bool {
+        each!(self, light => light.is_delta())
+    }
+
+    /// True if the light comes from infinity.
+    #[inline]
+    #[must_use]
+    pub fn is_infinite(&self) -> bool {
+        each!(self, light => light.is_infinite())
+    }
+
+    /// Position of a light without extent; `None` for all other lights.
+    #[must_use]
+    pub fn position(&self) -> Option<Vec3> {
+        each!(self, light => light.position())
+    }
+
+    /// A point from which light leaves, offset from the light's own surface; `None` for light from infinity.
+    #[must_use]
+    pub fn emission_point(&self) -> Option<Vec3> {
+        each!(self, light => light.emission_point())
+    }
+
+    /// Center of the light's bounds, for the shading of ray casting; `None` for light from infinity.
+    #[must_use]
+    pub fn center(&self) -> Option<Vec3> {
+        each!(self, light => light.center())
+    }
+
+    /// Peak intensity \[W/sr] or irradiance \[W/m²] of a delta light; `None` for all other lights.
+    #[must_use]
+    pub fn peak(&self) -> Option<Rgb> {
+        each!(self, light => light.peak())
+    }
+
+    /// False only if no unoccluded ray from the light can enter `sphere`; `None` stands for all space.
+    #[must_use]
+    pub fn may_reach(&self, sphere: Option<Sphere>, domain: Sphere) -> bool {
+        let Some(sphere) = sphere else { return true };
+        let margin = MARGIN * (sphere.center.abs().max_element() + domain.radius + domain.center.abs().max_element());
+        each!(self, light => light.may_reach(Sphere { radius: sphere.radius + margin, ..sphere }))
+    }
+
+    /// True only if no light travels within the plane through `p` with unit normal `n`.
+    ///
+    /// Rounding decides whether objects in such a plane occlude such light.
+    #[must_use]
+    pub fn avoids_plane(&self, p: Vec3, n: Vec3) -> bool {
+        each!(self, light => light.avoids_plane(p, n))
+    }
+
+    /// The light with its mean radiance instead of a texture.
+    #[must_use]
+    pub fn with_mean_emission(&self) -> Self {
+        each!(self, light => light.untextured()).unwrap_or_else(|| self.clone())
+    }
+
+    /// Bounds of positions and directions, the box grown by `margin`; `None` for light from infinity.
+    fn bounds(&self, margin: f32) -> Option<LightBounds> {
+        each!(self, light => light.bounds()).map(|bounds| bounds.expanded(margin))
     }
 }
 
-/// The sample of a point source; `intensity` gets the unit direction from the source.
-#[inline]
-fn from_point(p: Vec3, position: Vec3, intensity: impl Fn(Vec3) -> Rgb) -> Option<DirectSample> {
-    let (d2, wi, _) = crate::math::direction(p, position)?;
-    let irradiance = intensity(-wi) / d2;
-    (irradiance != Rgb::ZERO).then_some(DirectSample {
-        wi,
-        reach: ShadowTarget::Point(position),
-        irradiance,
-        pdf: None,
-    })
-}
-
-#[cfg(test)]
-mod tests;
+/// Relative error of f32 positions, with respect to their distance from the origin and from each other.
+const MARGIN: f32 = 1e-5;

@@ -1,26 +1,32 @@
 //! Spotlights.
 
+use super::light_bounds::{DirectionCone, LightBounds, NORMAL_ERROR};
+use super::point::{sample_le_of_point, sample_li_of_point};
+use super::source::{DirectSample, EmissionSample, LightSource};
+use super::{MARGIN, PhotonAim};
 use crate::color::Rgb;
-use glam::Vec3;
+use crate::math::{Bounds, Frame, Ray, Sphere, warp};
+use glam::{Vec2, Vec3};
 use std::f32::consts::TAU;
+use std::f64::consts::FRAC_PI_2;
 
-/// A point source with full intensity inside an inner cone, falling smoothly to nothing at an outer one.
+/// A point with full intensity inside an inner cone and a smooth falloff to zero at an outer cone.
 #[derive(Clone, Copy, Debug)]
-pub struct Spot {
-    /// Place.
+pub struct SpotLight {
+    /// Position in world space.
     pub position: Vec3,
-    /// Unit direction of the middle of the beam.
+    /// Unit axis of the beam.
     pub axis: Vec3,
-    /// 1 − cosine of the half angle at which the intensity begins to fall: a cosine has no digits left for narrow beams.
+    /// 1 − cosine of the half angle at which the falloff begins. A cosine alone loses its digits in narrow beams.
     pub inner: f32,
-    /// 1 − cosine of the half angle at which it is zero.
+    /// 1 − cosine of the half angle beyond which the intensity is zero.
     pub outer: f32,
     /// Intensity inside the inner cone \[W/sr].
     pub peak: Rgb,
 }
 
-impl Spot {
-    /// Intensity in unit direction `w`.
+impl SpotLight {
+    /// Intensity in unit direction `w` \[W/sr].
     #[inline]
     #[must_use]
     pub fn intensity(&self, w: Vec3) -> Rgb {
@@ -28,8 +34,9 @@ impl Spot {
         self.intensity_at(0.5 * (w - self.axis).length_squared())
     }
 
-    /// Intensity where 1 − cosine of the angle to the axis is `one_minus_cos`: a cubic step in the cosine (Pharr, Jakob, Humphreys 2023,
-    /// section 12.2.1).
+    /// Intensity \[W/sr] where 1 − cosine of the angle to the axis is `one_minus_cos`.
+    ///
+    /// The falloff is a smooth step in the cosine (Pharr, Jakob, Humphreys 2023, section 12.2.1).
     #[inline]
     #[must_use]
     pub fn intensity_at(&self, one_minus_cos: f32) -> Rgb {
@@ -40,9 +47,65 @@ impl Spot {
         if x > 0.0 { self.peak * (x * x * (3.0 - 2.0 * x)) } else { Rgb::ZERO }
     }
 
-    /// Flux \[W]: the step's mean over the rim is one half.
+    /// Flux \[W]. The mean of the smooth step over the rim is one half.
     #[must_use]
-    pub fn power(&self) -> Rgb {
+    pub fn flux(&self) -> Rgb {
         self.peak * (TAU * (self.inner + 0.5 * (self.outer - self.inner)))
+    }
+}
+
+impl LightSource for SpotLight {
+    #[inline]
+    fn sample_li(&self, p: Vec3, _u: Vec2) -> Option<DirectSample> {
+        sample_li_of_point(p, self.position, |w| self.intensity(w))
+    }
+
+    fn sample_le(&self, _domain: Sphere, _position: Vec2, direction: Vec2) -> Option<EmissionSample> {
+        let w = Frame::around(self.axis).to_world(warp::cone(direction, self.outer));
+        // The sampled cosine is exact; in a narrow beam, the rounding of `w` is a large part of its width.
+        let intensity = self.intensity_at(direction.x * self.outer);
+        Some(EmissionSample { ray: Ray::new(self.position, w), flux: intensity * (TAU * self.outer) })
+    }
+
+    fn sample_le_towards(
+        &self,
+        aim: &PhotonAim,
+        _domain: Sphere,
+        _position: Vec2,
+        direction: Vec2,
+    ) -> Option<EmissionSample> {
+        sample_le_of_point(aim, self.position, direction, |w| self.intensity(w))
+    }
+
+    fn power(&self, _domain: Sphere) -> Rgb {
+        self.flux()
+    }
+
+    fn bounds(&self) -> Option<LightBounds> {
+        let [inner, outer] =
+            [self.inner, self.outer].map(|drop| 2.0 * libm::asin((0.5 * f64::from(drop)).sqrt().min(1.0)));
+        let spread = (outer - inner).min(FRAC_PI_2);
+        let normals = DirectionCone { axis: self.axis.as_dvec3(), angle: outer - spread + NORMAL_ERROR };
+        Some(LightBounds::new(Bounds::of([self.position]), normals, spread, self.flux()))
+    }
+
+    fn position(&self) -> Option<Vec3> {
+        Some(self.position)
+    }
+
+    fn peak(&self) -> Option<Rgb> {
+        Some(self.peak)
+    }
+
+    fn may_reach(&self, sphere: Sphere) -> bool {
+        let to = sphere.center - self.position;
+        let distance = to.length();
+        // A beam wider than a right angle is not convex: the test below does not hold for it.
+        if distance <= sphere.radius || self.outer > 1.0 {
+            return true;
+        }
+        // 2 asin of half the chord keeps its digits in narrow beams. The sphere subtends asin(r/d).
+        let angle = 2.0 * libm::asinf((0.5 * (to / distance - self.axis).length()).min(1.0));
+        angle <= 2.0 * libm::asinf((0.5 * self.outer).sqrt()) + libm::asinf(sphere.radius / distance) + MARGIN
     }
 }

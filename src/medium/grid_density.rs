@@ -1,6 +1,6 @@
 //! Densities on a grid.
 
-use super::majorant_grid::MajorantGrid;
+use super::majorant_iterator::MajorantIterator;
 use crate::math::{Ray, Singular, Transform};
 use glam::{DAffine3, DVec3, Vec3};
 use rayon::prelude::*;
@@ -176,7 +176,7 @@ impl Line<'_> {
         let Grid { blocks, majorants, .. } = self.grid;
         let side = f64::from(BLOCK);
         let far = self.grid.cells() / side;
-        MajorantGrid::new(self.origin / side, self.step / side, far, *blocks, self.distance).filter_map(
+        MajorantIterator::new(self.origin / side, self.step / side, far, *blocks, self.distance).filter_map(
             |(t0, t1, index)| {
                 let majorant = f64::from(majorants[index]);
                 (majorant > 0.0).then_some((t0, t1, majorant))

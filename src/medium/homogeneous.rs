@@ -1,6 +1,6 @@
 //! Media of density 1 everywhere, in closed form.
 
-use super::{Flight, Medium, shares, weight};
+use super::{DistanceSample, Medium, shares, weight};
 use crate::color::Rgb;
 use glam::DVec3;
 use rand::{Rng, RngExt};
@@ -19,12 +19,12 @@ fn exp(depth: DVec3) -> DVec3 {
 #[inline]
 #[must_use]
 pub fn transmittance(sigma: Rgb, distance: f32) -> Rgb {
-    dimming(sigma, distance).as_vec3()
+    transmittance_f64(sigma, distance).as_vec3()
 }
 
 /// The same in double precision.
 #[inline]
-pub(super) fn dimming(sigma: Rgb, distance: f32) -> DVec3 {
+pub(super) fn transmittance_f64(sigma: Rgb, distance: f32) -> DVec3 {
     if sigma.x == sigma.y && sigma.y == sigma.z {
         let depth = if sigma.x > 0.0 { f64::from(sigma.x) * f64::from(distance.max(0.0)) } else { 0.0 };
         return DVec3::splat(libm::exp(-depth));
@@ -35,7 +35,7 @@ pub(super) fn dimming(sigma: Rgb, distance: f32) -> DVec3 {
 /// One channel, chosen by its share of throughput, says how far; the weight is that of the mixture of all (the balance heuristic),
 /// so that no channel's weight exceeds the inverse of its share. A channel without extinction always gets through: without its
 /// share, blue light would be carried by the luck of red.
-pub(super) fn distance_sample(medium: &Medium, distance: f32, throughput: Rgb, rng: &mut impl Rng) -> Flight {
+pub(super) fn distance_sample(medium: &Medium, distance: f32, throughput: Rgb, rng: &mut impl Rng) -> DistanceSample {
     let sigma = medium.extinction();
     let share = shares(throughput);
     let mut choice = rng.random::<f64>();
@@ -56,15 +56,18 @@ pub(super) fn distance_sample(medium: &Medium, distance: f32, throughput: Rgb, r
     if t < distance {
         let left = exp(depth(sigma, t));
         let density = share.dot(sigma.as_dvec3() * left);
-        Flight { scattered: Some(t as f32), weight: weight(medium.scattering.as_dvec3() * left / density, share) }
+        DistanceSample {
+            scattered: Some(t as f32),
+            weight: weight(medium.scattering.as_dvec3() * left / density, share),
+        }
     } else {
         let left = exp(depth(sigma, distance));
-        Flight { scattered: None, weight: weight(left / share.dot(left), share) }
+        DistanceSample { scattered: None, weight: weight(left / share.dot(left), share) }
     }
 }
 
 /// The density of scattering at `t`, over all choices of a channel.
-pub(super) fn flight_pdf(sigma: Rgb, t: f32, throughput: Rgb) -> f32 {
+pub(super) fn distance_pdf(sigma: Rgb, t: f32, throughput: Rgb) -> f32 {
     if t < 0.0 {
         return 0.0;
     }

@@ -3,14 +3,14 @@
 mod cloud;
 mod grid_density;
 mod homogeneous;
-mod majorant_grid;
-mod phase;
+mod majorant_iterator;
+mod phase_function;
 mod tracking;
 
 pub use cloud::Cloud;
 pub use grid_density::{GridDensity, GridDensityError};
 pub use homogeneous::transmittance;
-pub use phase::Phase;
+pub use phase_function::PhaseFunction;
 
 use crate::color::Rgb;
 use crate::math::Ray;
@@ -30,14 +30,14 @@ pub struct Medium {
     /// Radiance gained along a way \[W/(m² sr) per length at density 1].
     pub emission: Rgb,
     /// Which way light goes on.
-    pub phase: Phase,
+    pub phase: PhaseFunction,
     /// `None` is density 1 everywhere.
     density: Option<Arc<GridDensity>>,
 }
 
 /// How light came through a medium.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Flight {
+pub struct DistanceSample {
     /// Distance at which it scattered; `None` where it got through.
     pub scattered: Option<f32>,
     /// What its throughput is multiplied by: σs·T over the density of scattering there, or T over the probability of getting
@@ -47,15 +47,15 @@ pub struct Flight {
 
 /// What is left of light all along a way: an unbiased estimate at every distance, alike for all.
 #[derive(Clone, Debug, Default)]
-pub struct Fade {
+pub struct TransmittanceCurve {
     extinction: Rgb,
     /// Distances at which it drops, with what is left from there on.
     steps: Vec<(f32, Rgb)>,
 }
 
-impl Fade {
+impl TransmittanceCurve {
     /// Learns of the first `distance` of `ray`, whose direction is a unit vector. Memory is kept.
-    pub fn learn(&mut self, medium: &Medium, ray: &Ray, distance: f32, rng: &mut impl Rng) {
+    pub fn sample(&mut self, medium: &Medium, ray: &Ray, distance: f32, rng: &mut impl Rng) {
         self.steps.clear();
         self.extinction = Rgb::ZERO;
         match &medium.density {
@@ -81,13 +81,19 @@ impl Fade {
 impl Medium {
     /// A medium of density 1 everywhere.
     #[must_use]
-    pub fn homogeneous(absorption: Rgb, scattering: Rgb, emission: Rgb, phase: Phase) -> Self {
+    pub fn homogeneous(absorption: Rgb, scattering: Rgb, emission: Rgb, phase: PhaseFunction) -> Self {
         Self { absorption, scattering, emission, phase, density: None }
     }
 
     /// A medium as dense as `density` says.
     #[must_use]
-    pub fn varied(absorption: Rgb, scattering: Rgb, emission: Rgb, phase: Phase, density: Arc<GridDensity>) -> Self {
+    pub fn varied(
+        absorption: Rgb,
+        scattering: Rgb,
+        emission: Rgb,
+        phase: PhaseFunction,
+        density: Arc<GridDensity>,
+    ) -> Self {
         Self { absorption, scattering, emission, phase, density: Some(density) }
     }
 
@@ -143,9 +149,9 @@ impl Medium {
 
     /// The same in double precision, for products over many ways: of a way that takes next to nothing, single precision knows little.
     #[must_use]
-    pub fn dimming(&self, ray: &Ray, distance: f32, rng: &mut impl Rng) -> DVec3 {
+    pub fn transmittance_f64(&self, ray: &Ray, distance: f32, rng: &mut impl Rng) -> DVec3 {
         match &self.density {
-            None => homogeneous::dimming(self.extinction(), distance),
+            None => homogeneous::transmittance_f64(self.extinction(), distance),
             Some(_) => self.transmittance(ray, distance, rng).as_dvec3(),
         }
     }
@@ -156,9 +162,9 @@ impl Medium {
     /// σs/σt where it scatters and 1 where it gets through. A medium that does not scatter is always got through, with its
     /// [`transmittance`](Self::transmittance) as weight. The distance may be infinite.
     #[must_use]
-    pub fn distance_sample(&self, ray: &Ray, distance: f32, throughput: Rgb, rng: &mut impl Rng) -> Flight {
+    pub fn distance_sample(&self, ray: &Ray, distance: f32, throughput: Rgb, rng: &mut impl Rng) -> DistanceSample {
         if !self.scatters() {
-            return Flight { scattered: None, weight: self.transmittance(ray, distance, rng) };
+            return DistanceSample { scattered: None, weight: self.transmittance(ray, distance, rng) };
         }
         match &self.density {
             None => homogeneous::distance_sample(self, distance, throughput, rng),
@@ -168,11 +174,11 @@ impl Medium {
 
     /// The density \[1/length] with which [`distance_sample`](Self::distance_sample) scatters at `t`, in a homogeneous medium.
     #[must_use]
-    pub fn flight_pdf(&self, t: f32, throughput: Rgb) -> Option<f32> {
+    pub fn distance_pdf(&self, t: f32, throughput: Rgb) -> Option<f32> {
         if !self.scatters() {
             return Some(0.0);
         }
-        self.is_homogeneous().then(|| homogeneous::flight_pdf(self.extinction(), t, throughput))
+        self.is_homogeneous().then(|| homogeneous::distance_pdf(self.extinction(), t, throughput))
     }
 
     /// The radiance that the medium itself sends to the ray's origin from up to `distance` along its unit direction.

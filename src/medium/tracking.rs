@@ -4,7 +4,7 @@
 //! (Woodcock 1965). Absorption is weighed, never drawn.
 
 use super::grid_density::{GridDensity, Line};
-use super::{Fade, Flight, Medium, shares, weight};
+use super::{DistanceSample, Medium, TransmittanceCurve, shares, weight};
 use crate::color::Rgb;
 use crate::math::Ray;
 use glam::DVec3;
@@ -92,7 +92,7 @@ pub(super) fn fade(
     ray: &Ray,
     distance: f32,
     rng: &mut impl Rng,
-    fade: &mut Fade,
+    fade: &mut TransmittanceCurve,
 ) {
     let sigma = medium.extinction().as_dvec3();
     let line = field.along(ray, distance);
@@ -136,7 +136,7 @@ pub(super) fn distance_sample(
     distance: f32,
     throughput: Rgb,
     rng: &mut impl Rng,
-) -> Flight {
+) -> DistanceSample {
     let share = shares(throughput);
     let alive = share.cmpgt(DVec3::ZERO);
     let sigma = DVec3::select(alive, medium.extinction().as_dvec3(), DVec3::ZERO);
@@ -168,7 +168,7 @@ pub(super) fn distance_sample(
             }
         });
     let lost = !through && scattered.is_none();
-    Flight { scattered, weight: if lost { Rgb::ZERO } else { weight(left, share) } }
+    DistanceSample { scattered, weight: if lost { Rgb::ZERO } else { weight(left, share) } }
 }
 
 /// What every tentative collision finds emitted, through what the ones before it left.

@@ -42,7 +42,7 @@ pub fn coverage(scene: &Scene, p: Vec3, normal: Vec3, radius: f32, kernel: Kerne
     if whole > 0.0 { (covered / whole).max(LEAST) } else { 1.0 }
 }
 
-/// The same of the disc and of the finer ones within it (see [`Nested`](super::Nested)). Each is probed by as many rays, as the mean of
+/// The same of the disc and of the finer ones within it (see [`NestedEstimate`](super::NestedEstimate)). Each is probed by as many rays, as the mean of
 /// one over what few of them tell is too large.
 #[must_use]
 pub fn nested_coverage(scene: &Scene, p: Vec3, normal: Vec3, radius: f32, kernel: Kernel, key: Key) -> [f32; LEVELS] {

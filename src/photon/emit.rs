@@ -1,8 +1,8 @@
 //! Which light a photon leaves, and where to.
 
-use super::learn::EmissionDensity;
+use super::guiding::GuidingDistribution;
 use crate::color::{self, Rgb};
-use crate::light::{Light, Targets};
+use crate::light::{Light, PhotonAim};
 use crate::math::Ray;
 use crate::sampling::{Dimension, Discrete, Key, Purpose, sobol_2d};
 use crate::scene::{Effect, Effects, Interior, InteriorKind, PathRay, Scene};
@@ -19,9 +19,9 @@ const SAFE_SHARE: f64 = 0.1;
 pub struct PhotonSource<'a> {
     pub(super) scene: &'a Scene,
     pub(super) choice: Discrete,
-    targets: Option<Targets>,
+    aim: Option<PhotonAim>,
     /// Of each light, where it was learned.
-    pub(super) densities: Vec<Option<EmissionDensity>>,
+    pub(super) densities: Vec<Option<GuidingDistribution>>,
     /// The effects that photons simulate.
     effects: Effects,
 }
@@ -47,7 +47,7 @@ impl<'a> PhotonSource<'a> {
     pub fn everywhere(scene: &'a Scene) -> Option<Self> {
         let choice = Discrete::new(powers(scene))?;
         let effects = all_effects(scene);
-        Some(Self { scene, choice, targets: None, densities: Vec::new(), effects })
+        Some(Self { scene, choice, aim: None, densities: Vec::new(), effects })
     }
 
     /// Emission towards casters, from each light in proportion to the power that goes there; `None` where there is no caster, or
@@ -65,8 +65,8 @@ impl<'a> PhotonSource<'a> {
             if reaches { power } else { 0.0 }
         };
         let powers: Vec<f64> = scene.lights().iter().zip(powers(scene)).map(reaching).collect();
-        let targets = Targets::new(balls.iter().copied());
-        let aimed = |(i, power): (usize, &f64)| if *power > 0.0 { aimed_power(scene, &targets, i) } else { 0.0 };
+        let aim = PhotonAim::new(balls.iter().copied());
+        let aimed = |(i, power): (usize, &f64)| if *power > 0.0 { aimed_power(scene, &aim, i) } else { 0.0 };
         let aimed: Vec<f64> = powers.iter().enumerate().map(aimed).collect();
         let (total, total_aimed) = (powers.iter().sum::<f64>(), aimed.iter().sum::<f64>());
         let weight = |(power, aimed): (&f64, &f64)| {
@@ -76,7 +76,7 @@ impl<'a> PhotonSource<'a> {
         };
         let choice = if total > 0.0 { Discrete::new(powers.iter().zip(&aimed).map(weight)) } else { None };
         let effects = all_effects(scene);
-        choice.map(|choice| Self { scene, choice, targets: Some(targets), densities: Vec::new(), effects })
+        choice.map(|choice| Self { scene, choice, aim: Some(aim), densities: Vec::new(), effects })
     }
 
     /// This source without the light from all around, the same to the bit where there is none; `None` where nothing else shines.
@@ -92,10 +92,10 @@ impl<'a> PhotonSource<'a> {
     /// This source in `scene`, which is its own at another time: it is aimed at where casters are then.
     #[must_use]
     pub fn at<'b>(&self, scene: &'b Scene) -> PhotonSource<'b> {
-        let balls = if self.targets.is_some() { scene.caster_balls() } else { None };
-        let targets = balls.map(Targets::new);
+        let balls = if self.aim.is_some() { scene.caster_balls() } else { None };
+        let aim = balls.map(PhotonAim::new);
         let (choice, densities) = (self.choice.clone(), self.densities.clone());
-        PhotonSource { scene, choice, targets, densities, ..*self }
+        PhotonSource { scene, choice, aim, densities, ..*self }
     }
 
     /// This source, whose photons simulate `effects`.
@@ -144,16 +144,16 @@ impl<'a> PhotonSource<'a> {
     pub(super) fn start<I: Interior>(&self, draw: &EmissionDraw) -> Option<(PathRay<I>, Rgb)> {
         let light = &self.lights()[draw.light];
         let domain = self.scene.domain();
-        let emission = match &self.targets {
-            Some(targets) => light.emit_at(targets, domain, draw.position, draw.direction),
-            None => light.emit(domain, draw.position, draw.direction),
+        let emission = match &self.aim {
+            Some(aim) => light.sample_le_towards(aim, domain, draw.position, draw.direction),
+            None => light.sample_le(domain, draw.position, draw.direction),
         }?;
-        let ray = match light {
-            Light::Directional { .. } | Light::Environment(_) => self.scene.starting_beyond_planes(emission.ray),
-            Light::Point { .. } | Light::Spot(_) => {
-                Ray { origin: emission.ray.at(self.scene.light_contact(draw.light)), ..emission.ray }
-            }
-            Light::Area(_) => emission.ray,
+        let ray = if light.is_infinite() {
+            self.scene.starting_beyond_planes(emission.ray)
+        } else if light.is_delta() {
+            Ray { origin: emission.ray.at(self.scene.light_contact(draw.light)), ..emission.ray }
+        } else {
+            emission.ray
         };
         Some((self.scene.start_light_path(draw.light, ray, self.effects), emission.flux))
     }
@@ -168,12 +168,12 @@ fn powers(scene: &Scene) -> impl Iterator<Item = f64> {
     scene.lights().iter().map(|light| f64::from(color::mean(light.power(scene.domain()))))
 }
 
-fn aimed_power(scene: &Scene, targets: &Targets, light: usize) -> f64 {
+fn aimed_power(scene: &Scene, aim: &PhotonAim, light: usize) -> f64 {
     let key = Key::new(0).purpose(Purpose::LightWeights).light(light);
     let flux = |i| {
         let (position, direction) =
             (sobol_2d(i, key, Dimension::LightPosition), sobol_2d(i, key, Dimension::LightDirection));
-        let emission = scene.lights()[light].emit_at(targets, scene.domain(), position, direction);
+        let emission = scene.lights()[light].sample_le_towards(aim, scene.domain(), position, direction);
         emission.map_or(0.0, |e| f64::from(color::mean(e.flux)))
     };
     (0..WEIGHT_DRAWS).map(flux).sum::<f64>() / f64::from(WEIGHT_DRAWS)
@@ -213,7 +213,7 @@ mod tests {
         // As far as the farther plane, with room.
         assert!(scene.domain().radius >= 3.0);
         let source = PhotonSource::everywhere(&scene).unwrap();
-        let pass = PhotonPass { scene: &scene, source: &source, wants: StoreMask::ALL, max_bounces: 0 };
+        let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::ALL, max_bounces: 0 };
         let photons = pass.trace(Key::new(1), 4096, &|_| {}).photons;
         let on = |axis: usize, at: f32| photons.iter().any(|p| (p.position[axis] - at).abs() < 1e-3);
         assert!(on(1, -1.0) && on(2, -3.0));
@@ -224,7 +224,7 @@ mod tests {
         for (height, shaded) in [(1.0, true), (100.0, true), (1e6, true), (-1.0, false)] {
             let scene = sun_over_ball(height);
             let source = PhotonSource::everywhere(&scene).unwrap();
-            let pass = PhotonPass { scene: &scene, source: &source, wants: StoreMask::ALL, max_bounces: 0 };
+            let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::ALL, max_bounces: 0 };
             let photons = pass.trace(Key::new(1), 4096, &|_| {}).photons;
             let on_ball = photons.iter().filter(|p| p.position.length() < 0.6).count();
             assert_eq!(on_ball == 0, shaded, "{on_ball} of {} under a plane at {height}", photons.len());

@@ -1,7 +1,7 @@
 //! Radiance from photon density.
 
 use super::record::TangentPlane;
-use super::{Flux, Kernel, PhotonMap};
+use super::{Kernel, PhotonData, PhotonMap};
 use crate::color::Rgb;
 use glam::{DVec3, Vec3};
 
@@ -30,7 +30,7 @@ pub const LEVELS: usize = 3;
 
 /// An estimate, and what the same photons tell at finer radii.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Nested {
+pub struct NestedEstimate {
     /// The estimate itself.
     pub whole: Estimate,
     /// Radiance at the radius, at 1/√2 and at ½ of it \[W/(m² sr)].
@@ -40,7 +40,7 @@ pub struct Nested {
 /// Buffers of nearest-neighbour searches, made once per tile.
 #[derive(Debug, Default)]
 pub struct Scratch {
-    found: Vec<(f32, Flux)>,
+    found: Vec<(f32, PhotonData)>,
     /// Radius that held k photons last time: where the next search begins.
     last: f32,
 }
@@ -86,7 +86,7 @@ impl PhotonMap {
         bandwidth: Bandwidth,
         kernel: Kernel,
         scratch: &mut Scratch,
-        brdf: impl Fn(&Flux) -> Rgb,
+        brdf: impl Fn(&PhotonData) -> Rgb,
     ) -> Estimate {
         self.gather::<1>(p, normal, bandwidth, kernel, scratch, brdf).0
     }
@@ -102,10 +102,10 @@ impl PhotonMap {
         bandwidth: Bandwidth,
         kernel: Kernel,
         scratch: &mut Scratch,
-        brdf: impl Fn(&Flux) -> Rgb,
-    ) -> Nested {
+        brdf: impl Fn(&PhotonData) -> Rgb,
+    ) -> NestedEstimate {
         let (whole, radiance) = self.gather(p, normal, bandwidth, kernel, scratch, brdf);
-        Nested { whole, radiance }
+        NestedEstimate { whole, radiance }
     }
 
     fn gather<const N: usize>(
@@ -115,7 +115,7 @@ impl PhotonMap {
         bandwidth: Bandwidth,
         kernel: Kernel,
         scratch: &mut Scratch,
-        brdf: impl Fn(&Flux) -> Rgb,
+        brdf: impl Fn(&PhotonData) -> Rgb,
     ) -> (Estimate, [Rgb; N]) {
         if self.is_empty() {
             return (Estimate { radius: bandwidth.radius, ..Estimate::default() }, [Rgb::ZERO; N]);
@@ -126,7 +126,7 @@ impl PhotonMap {
         let mut radius = bandwidth.radius;
         // What a narrower search would leave out as too high over the plane, its disc does not see.
         let height =
-            |flux: &Flux| if N > 1 { flux.relation(&plane).1.abs() / (bandwidth.radius * FLATNESS) } else { 0.0 };
+            |data: &PhotonData| if N > 1 { data.relation(&plane).1.abs() / (bandwidth.radius * FLATNESS) } else { 0.0 };
         if bandwidth.k > 0 {
             let least = resolved.max(radius * LEAST).max(self.least).min(radius);
             let r2 = match self.nearest(p, normal, bandwidth, scratch) {
@@ -136,10 +136,10 @@ impl PhotonMap {
             };
             if let Some(r2) = r2 {
                 let mut sums = Sums::<N>::new(kernel, r2);
-                for (d2, flux) in &scratch.found {
+                for (d2, data) in &scratch.found {
                     // A kernel that does not vanish at the k-th photon must leave it out: (k − 1)/(πr²) is unbiased.
                     if kernel.vanishes_at_edge() || *d2 < r2 || scratch.found.len() < bandwidth.k as usize {
-                        sums.add(*d2, height(flux), brdf(flux) * flux.power());
+                        sums.add(*d2, height(data), brdf(data) * data.flux());
                     }
                 }
                 let count = scratch.found.len() as u32;
@@ -152,10 +152,10 @@ impl PhotonMap {
         }
         let mut sums = Sums::<N>::new(kernel, radius * radius);
         let mut count = 0;
-        self.visit(p, radius, |flux, d2| {
-            if counts(flux, &plane, bandwidth.radius) {
+        self.visit(p, radius, |data, d2| {
+            if counts(data, &plane, bandwidth.radius) {
                 count += 1;
-                sums.add(d2, height(flux), brdf(flux) * flux.power());
+                sums.add(d2, height(data), brdf(data) * data.flux());
             }
         });
         sums.estimate(radius, count)
@@ -177,9 +177,9 @@ impl PhotonMap {
         loop {
             found.clear();
             let mut cutoff = f32::INFINITY;
-            self.visit(p, radius, |flux, d2| {
-                if d2 < cutoff && counts(flux, &plane, bandwidth.radius) {
-                    found.push((d2, *flux));
+            self.visit(p, radius, |data, d2| {
+                if d2 < cutoff && counts(data, &plane, bandwidth.radius) {
+                    found.push((d2, *data));
                     if found.len() == 2 * k {
                         cutoff = keep_nearest(found, k);
                     }
@@ -263,13 +263,13 @@ impl<const N: usize> Sums<N> {
 
 /// Whether a photon lies on the surface that is looked at.
 #[inline]
-pub(super) fn counts(flux: &Flux, plane: &TangentPlane, radius: f32) -> bool {
-    let (cosine, height) = flux.relation(plane);
+pub(super) fn counts(data: &PhotonData, plane: &TangentPlane, radius: f32) -> bool {
+    let (cosine, height) = data.relation(plane);
     cosine > SAME_SIDE && height.abs() <= radius * FLATNESS
 }
 
 /// Moves the k nearest to the front, drops the rest, and returns the k-th squared distance.
-fn keep_nearest(found: &mut Vec<(f32, Flux)>, k: usize) -> f32 {
+fn keep_nearest(found: &mut Vec<(f32, PhotonData)>, k: usize) -> f32 {
     let (_, kth, _) = found.select_nth_unstable_by(k - 1, |a, b| a.0.total_cmp(&b.0));
     let r2 = kth.0;
     found.truncate(k);

@@ -1,6 +1,6 @@
 //! The photon map: a kd-tree of crate kiddo.
 
-use super::{Flux, Photon};
+use super::{Photon, PhotonData};
 use crate::math::morton_order;
 use glam::{Mat3, Vec3};
 use kiddo::leaf_strategy::VecOfArenas;
@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 const BUCKET: usize = 32;
 
-type Tree = KdTree<f32, Flux, Eytzinger, VecOfArenas<f32, Flux, 3, BUCKET>, 3, BUCKET>;
+type Tree = KdTree<f32, PhotonData, Eytzinger, VecOfArenas<f32, PhotonData, 3, BUCKET>, 3, BUCKET>;
 
 /// Photons indexed by place.
 ///
@@ -51,7 +51,7 @@ impl PhotonMap {
         let at = |p: &Photon, axis: usize| p.position[axis];
         // Construction fails only for mutable trees and for generated indices; neither is used here.
         let tree =
-            if photons.is_empty() { None } else { Tree::new_from_source_parallel(&photons, at, |_, p| p.flux).ok() };
+            if photons.is_empty() { None } else { Tree::new_from_source_parallel(&photons, at, |_, p| p.data).ok() };
         Self { tree, len, least: 0.0 }
     }
 
@@ -76,7 +76,7 @@ impl PhotonMap {
 
     /// Visits every photon within `radius` of `p` with its flux and squared distance. Allocates nothing.
     #[inline]
-    pub fn visit(&self, p: Vec3, radius: f32, mut visitor: impl FnMut(&Flux, f32)) {
+    pub fn visit(&self, p: Vec3, radius: f32, mut visitor: impl FnMut(&PhotonData, f32)) {
         let Some(tree) = &self.tree else { return };
         if !p.is_finite() {
             return;
@@ -102,15 +102,15 @@ fn merge_alike(photons: &mut Vec<Photon>) {
             continue;
         }
         let mut run = run.to_vec();
-        run.sort_by_key(|p| p.flux.side());
-        for side in run.chunk_by(|a, b| a.flux.side() == b.flux.side()) {
-            let flux: glam::DVec3 = side.iter().map(|p| p.flux.power().as_dvec3()).sum();
-            let from: Vec3 = side.iter().map(|p| p.flux.from() * p.flux.power().element_sum()).sum();
-            let normal = side[0].flux.normal().normalize();
+        run.sort_by_key(|p| p.data.side());
+        for side in run.chunk_by(|a, b| a.data.side() == b.data.side()) {
+            let flux: glam::DVec3 = side.iter().map(|p| p.data.flux().as_dvec3()).sum();
+            let from: Vec3 = side.iter().map(|p| p.data.from() * p.data.flux().element_sum()).sum();
+            let normal = side[0].data.normal().normalize();
             let position = side[0].position;
             // The place is already turned; the plane's offset is that of the crowd.
             let photon = Photon::new(position, flux.as_vec3(), from.normalize_or(normal), normal);
-            merged.extend(photon.map(|p| Photon { position, flux: p.flux.at_offset_of(&side[0].flux) }));
+            merged.extend(photon.map(|p| Photon { position, data: p.data.at_offset_of(&side[0].data) }));
         }
     }
     *photons = merged;
@@ -169,7 +169,7 @@ mod tests {
             for (i, r) in [(3usize, 0.05f32), (777, 0.2), (9999, 0.011)] {
                 let p = photons[i].position;
                 let mut power = 0.0;
-                map.visit(p, r, |flux, _| power += flux.power().x);
+                map.visit(p, r, |data, _| power += data.flux().x);
                 let scan = |r: f32| photons.iter().filter(|q| (q.position - p).length() <= r).count() as f32;
                 assert!(power >= scan(r - 1e-5) * 0.9999 && power <= scan(r + 1e-5) * 1.0001, "{power} {}", scan(r));
             }
@@ -192,9 +192,9 @@ mod tests {
         let map = PhotonMap::build(photons);
         assert_eq!(map.len(), 1001);
         let mut power = 0.0;
-        map.visit(Vec3::splat(0.3), 1e-4, |flux, d2| {
+        map.visit(Vec3::splat(0.3), 1e-4, |data, d2| {
             assert_eq!(d2, 0.0);
-            power += flux.power().x;
+            power += data.flux().x;
         });
         assert!((power / 200_000.0 - 1.0).abs() < 1e-5);
     }

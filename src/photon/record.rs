@@ -34,7 +34,7 @@ impl Power {
 
 /// Direction, tangent plane and flux of a stored photon: 20 bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
-pub struct Flux {
+pub struct PhotonData {
     power: Power,
     from: [u16; 2],
     normal: [i8; 3],
@@ -50,7 +50,7 @@ pub struct Photon {
     /// Place.
     pub position: Vec3,
     /// Everything else.
-    pub flux: Flux,
+    pub data: PhotonData,
 }
 
 impl Photon {
@@ -62,15 +62,15 @@ impl Photon {
     #[must_use]
     pub fn new(position: Vec3, flux: Rgb, from: Vec3, normal: Vec3) -> Option<Self> {
         let power = Power::new(flux).filter(|_| position.is_finite())?;
-        let mut flux = Flux {
+        let mut data = PhotonData {
             power,
             from: encode(from),
             normal: [normal.x, normal.y, normal.z].map(|c| (c * NORMAL_SCALE).round() as i8),
             wavelength: 0,
             offset: 0.0,
         };
-        flux.offset = flux.normal().dot(position);
-        Some(Self { position, flux })
+        data.offset = data.normal().dot(position);
+        Some(Self { position, data })
     }
 }
 
@@ -79,7 +79,7 @@ impl Photon {
     #[inline]
     #[must_use]
     pub fn with_wavelength(self, wavelength: u8) -> Self {
-        Self { flux: Flux { wavelength, ..self.flux }, ..self }
+        Self { data: PhotonData { wavelength, ..self.data }, ..self }
     }
 }
 
@@ -102,7 +102,7 @@ impl TangentPlane {
     }
 }
 
-impl Flux {
+impl PhotonData {
     /// How much the photon's surface faces the way of `plane` (the cosine of their normals), and how far the plane's point is
     /// above the photon's own tangent plane \[length].
     #[inline]
@@ -115,7 +115,7 @@ impl Flux {
     /// Flux \[W].
     #[inline]
     #[must_use]
-    pub fn power(&self) -> Rgb {
+    pub fn flux(&self) -> Rgb {
         self.power.flux()
     }
 
@@ -180,7 +180,7 @@ mod tests {
 
     #[test]
     fn a_photon_is_small() {
-        assert_eq!((size_of::<Flux>(), size_of::<Photon>()), (20, 32));
+        assert_eq!((size_of::<PhotonData>(), size_of::<Photon>()), (20, 32));
     }
 
     #[test]
@@ -191,14 +191,14 @@ mod tests {
             let normal = warp::sphere(key.uniform_2d(Dimension::LightPosition));
             let scale = [1e-33, 1.0, 1e30][i as usize % 3];
             let flux = key.uniform_2d(Dimension::Film).extend(key.uniform(Dimension::Light)) * scale;
-            let packed = Photon::new(normal, flux, from, normal).unwrap().flux;
+            let packed = Photon::new(normal, flux, from, normal).unwrap().data;
             assert!((packed.from() - from).length() < 1e-4);
             assert!((packed.normal() - normal).length() < 0.01);
             let (cosine, height) = packed.relation(&TangentPlane::new(normal * 3.0, -normal));
             assert!((cosine + 1.0).abs() < 0.01 && (height - 2.0).abs() < 0.02);
             let sum = flux.x + flux.y + flux.z;
-            assert!(((packed.power() - flux) / sum).abs().max_element() < 2e-5);
-            assert!(((packed.power().element_sum() - sum) / sum).abs() < 1e-6);
+            assert!(((packed.flux() - flux) / sum).abs().max_element() < 2e-5);
+            assert!(((packed.flux().element_sum() - sum) / sum).abs() < 1e-6);
         }
     }
 

@@ -5,7 +5,7 @@ use super::{Audit, Beam, Photon, PhotonKind, PhotonSource, StoreMask, THINNING, 
 use crate::bsdf::{Transport, deposit_factor};
 use crate::color::{self, Rgb, Wavelength};
 use crate::math::Ray;
-use crate::medium::Phase;
+use crate::medium::PhaseFunction;
 use crate::sampling::{Dimension, Key};
 use crate::scene::{
     Interior, InteriorKind, InteriorStack, MediumSegment, NoInterior, PathEvent, PathRay, Scene, SpectralInterior,
@@ -93,7 +93,7 @@ pub struct PhotonPass<'a> {
     /// Where photons come from.
     pub source: &'a PhotonSource<'a>,
     /// Which photons are stored.
-    pub wants: StoreMask,
+    pub mask: StoreMask,
     /// Bounces after which a path is cut.
     pub max_bounces: u32,
 }
@@ -123,7 +123,7 @@ impl PhotonPass<'_> {
                 for index in range {
                     if let Some((walk, flux)) = self.source.emit::<I>(pass, index, paths) {
                         let store = |class, deposit: Deposit<'_>, flux, wavelength: Option<Wavelength>| {
-                            let apart = self.wants.apart && class == PhotonKind::AfterCaustic;
+                            let apart = self.mask.apart && class == PhotonKind::AfterCaustic;
                             let (on, within) = if apart {
                                 (&mut *after_caustic, &mut *after_volume)
                             } else {
@@ -201,7 +201,7 @@ impl PhotonPass<'_> {
             *rays += 1;
             let key = path.bounce(bounce);
             let sent = flux;
-            let mut phase = Phase::Isotropic;
+            let mut phase = PhaseFunction::Isotropic;
             let step = if I::IMMERSED {
                 let (mut rng, mut passed) = (key.rng(), DVec3::ONE);
                 let step = walk.next_vertex(self.scene, key, |stretch| {
@@ -234,16 +234,16 @@ impl PhotonPass<'_> {
             let stores = surface.as_ref().is_none_or(|surface| surface.bsdf.stores_photons());
             if let Some(surface) = &surface
                 && stores
-                && self.wants.has(class)
+                && self.mask.has(class)
             {
                 let landed = flux * deposit_factor(surface.wo, surface.point.ns, surface.point.ng);
                 deposit(class, Deposit::SurfaceInteraction(surface), landed, walk.inside.wavelength());
             }
             let next = class.after(stores);
-            if bounce == self.max_bounces || !self.wants.may_follow(next) {
+            if bounce == self.max_bounces || !self.mask.may_follow(next) {
                 return book(&mut audit.stopped, flux);
             }
-            if self.wants.apart && class == PhotonKind::Caustic && stores {
+            if self.mask.apart && class == PhotonKind::Caustic && stores {
                 book(&mut audit.roulette, flux);
                 if key.uniform(Dimension::Worth) * THINNING as f32 >= 1.0 {
                     return;
@@ -298,11 +298,11 @@ impl PhotonPass<'_> {
         let MediumSegment { ray, medium, index, .. } = stretch;
         let wavelength = stretch.inside.wavelength();
         if !medium.scatters() {
-            *passed *= medium.dimming(ray, ray.t_max, rng);
+            *passed *= medium.transmittance_f64(ray, ray.t_max, rng);
             return None;
         }
-        let stored = self.wants.has_in_media(class);
-        let as_beam = self.wants.beams && medium.is_homogeneous();
+        let stored = self.mask.has_in_media(class);
+        let as_beam = self.mask.beams && medium.is_homogeneous();
         if stored && as_beam {
             deposit(class, Deposit::Beam(ray, *index), flux * passed.as_vec3() * stretch.left, wavelength);
         }

@@ -17,12 +17,12 @@ pub struct VisiblePoint {
     pub weight: f32,
 }
 
-/// Visible points indexed by place.
+/// VisiblePointMap points indexed by place.
 ///
 /// They are the importons of Peter and Pietrek (1998, "Importance driven construction of photon maps"), for surfaces seen
 /// directly.
 #[derive(Debug)]
-pub struct Visible {
+pub struct VisiblePointMap {
     points: PhotonMap,
     bandwidth: Bandwidth,
     /// Where searches begin: few places are denser.
@@ -35,7 +35,7 @@ const NEIGHBOURS: u32 = 16;
 /// Points at which their distances are measured.
 const PROBES: usize = 256;
 
-impl Visible {
+impl VisiblePointMap {
     /// Indexes points. Whatever lies within `radius` \[length] of one, on its side of the surface, matters: that should be the radius
     /// within which photons are gathered. It is widened where points are too sparse to cover what they stand for. Points that
     /// are not finite, or without weight, are left out.
@@ -46,7 +46,7 @@ impl Visible {
         let size = Bounds::of(stored.iter().map(|p| p.position)).extent().length();
         let probes: Vec<Photon> = stored.iter().step_by(stored.len().div_ceil(PROBES).max(1)).copied().collect();
         let points = PhotonMap::build(stored);
-        let spacing = |p: &Photon| points.kth_distance(p.position, p.flux.normal().normalize(), NEIGHBOURS, size);
+        let spacing = |p: &Photon| points.kth_distance(p.position, p.data.normal().normalize(), NEIGHBOURS, size);
         let mut spacings: Vec<f32> = probes.iter().filter_map(spacing).collect();
         spacings.sort_by(f32::total_cmp);
         let typical = spacings.get(spacings.len() / 2).copied().unwrap_or(0.0);
@@ -73,13 +73,13 @@ mod tests {
     use crate::sampling::{Dimension, Key, Purpose, sobol_2d};
 
     /// 4096 points of weight 3 on the unit square of the floor, seen from above.
-    fn floor(radius: f32) -> Visible {
+    fn floor(radius: f32) -> VisiblePointMap {
         let key = Key::new(4).purpose(Purpose::Test);
         let point = |i| {
             let u = sobol_2d(i, key, Dimension::Film);
             VisiblePoint { position: Vec3::new(u.x, 0.0, u.y), normal: Vec3::Y, weight: 3.0 }
         };
-        Visible::new((0..4096).map(point), radius)
+        VisiblePointMap::new((0..4096).map(point), radius)
     }
 
     #[test]
@@ -108,7 +108,7 @@ mod tests {
     fn nothing_visible_nothing_matters() {
         let lost = VisiblePoint { position: Vec3::NAN, normal: Vec3::Y, weight: 1.0 };
         let dark = VisiblePoint { position: Vec3::ZERO, normal: Vec3::Y, weight: 0.0 };
-        let visible = Visible::new([lost, dark], 1.0);
+        let visible = VisiblePointMap::new([lost, dark], 1.0);
         assert_eq!(visible.importance(Vec3::ZERO, Vec3::Y, &mut Scratch::new()), 0.0);
     }
 }

@@ -92,9 +92,9 @@ impl SceneFeatures {
             && !facts.moving
             && facts.media == 0
         {
-            facts.one_flat_object = lights.iter().all(|light| light.is_clear_of(p, n));
+            facts.one_flat_object = lights.iter().all(|light| light.avoids_plane(p, n));
         }
-        facts.soft_lights = lights.iter().filter(|l| l.has_surface()).count();
+        facts.soft_lights = lights.iter().filter(|l| !l.is_delta()).count();
         for object in &objects {
             let (mut receives, mut scatters, mut casts, mut bounds, mut parts) = (false, false, false, false, false);
             scene.scatterings(object.material, &mut |scattering| {

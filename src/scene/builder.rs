@@ -9,7 +9,7 @@ use super::{Attributes, BuildError, InteriorStack, LightStrength, Material, Scen
 use crate::accel::Hierarchy;
 use crate::camera::Camera;
 use crate::color::{self, Glass, Rgb};
-use crate::light::{Area, Emitter, Environment, Light};
+use crate::light::{AreaLight, EnvironmentLight, Light, LightSurface};
 use crate::math::{Bounds, Motion, Sphere, Transform};
 use crate::medium::Medium;
 use crate::sampling::Discrete;
@@ -27,7 +27,7 @@ const LEAST: f32 = 1.0 / 549_755_813_888.0;
 #[derive(Debug, Default)]
 pub struct SceneBuilder {
     background: Rgb,
-    environment: Option<Environment>,
+    environment: Option<EnvironmentLight>,
     pub(super) materials: Vec<Material>,
     glasses: Vec<Glass>,
     media: Vec<Medium>,
@@ -61,7 +61,7 @@ impl SceneBuilder {
     }
 
     /// Sets the light from all around, in place of an earlier one; it is seen instead of the background.
-    pub fn environment(&mut self, environment: Environment) -> &mut Self {
+    pub fn environment(&mut self, environment: EnvironmentLight) -> &mut Self {
         self.environment = Some(environment);
         self
     }
@@ -241,10 +241,10 @@ impl SceneBuilder {
             lights.push(light);
             legacy_lights.push(course);
         }
-        let mut area_light = |emitter: Emitter, radiance: Rgb, place: Place| {
+        let mut area_light = |surface: LightSurface, radiance: Rgb, place: Place| {
             (radiance != Rgb::ZERO).then(|| {
                 let glow = wardrobe.glow_of(place, &charts);
-                let light = Light::Area(Area { emitter, radiance, glow });
+                let light = Light::Area(AreaLight { surface, radiance, texture: glow });
                 legacy_lights.push(course_area_light(&light));
                 lights.push(light);
                 lights.len() as u32 - 1
@@ -258,7 +258,7 @@ impl SceneBuilder {
             .enumerate()
             .map(|(i, (shape, (material, radiance)))| {
                 let place = if i < still { Place::Shape(order[i]) } else { Place::MovingShape(i - still) };
-                let light = area_light(Emitter::Shape(shape.clone()), radiance, place);
+                let light = area_light(LightSurface::Shape(shape.clone()), radiance, place);
                 Attributes { material, light, chart: wardrobe.chart_of(place) }
             })
             .collect();
@@ -269,7 +269,7 @@ impl SceneBuilder {
             let choice = if *radiance == Rgb::ZERO { None } else { Discrete::new(areas) };
             let light = choice.and_then(|choice| {
                 let place = Place::Part(parts.len());
-                area_light(Emitter::Triangles { mesh: mesh.clone(), first: *first, choice }, *radiance, place)
+                area_light(LightSurface::Triangles { mesh: mesh.clone(), first: *first, choice }, *radiance, place)
             });
             triangle_part.resize(end as usize, parts.len() as u32);
             let chart = wardrobe.chart_of(Place::Part(parts.len()));
@@ -417,7 +417,7 @@ mod tests {
             let mut builder = SceneBuilder::new();
             builder.background(Rgb::splat(0.5));
             for radiance in environments {
-                builder.environment(Environment::constant(Rgb::splat(*radiance)).unwrap());
+                builder.environment(EnvironmentLight::constant(Rgb::splat(*radiance)).unwrap());
             }
             ball(&mut builder, DVec3::ZERO, Rgb::ONE);
             builder.build(camera()).unwrap()

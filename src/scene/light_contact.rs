@@ -27,11 +27,7 @@ impl Scene {
     /// The same of a light, by the rounding of its place and the errors of the surfaces that it touches: those of a huge triangle are large
     /// wherever on it, and none of what stands elsewhere counts.
     pub(super) fn contact_of(&self, light: &Light) -> f32 {
-        let place = match light {
-            Light::Point { position, .. } => *position,
-            Light::Spot(spot) => spot.position,
-            Light::Directional { .. } | Light::Area(_) | Light::Environment(_) => return 0.0,
-        };
+        let Some(place) = light.position() else { return 0.0 };
         let own = place.length() * gamma(1) + (self.middle.length() * ROUNDINGS * 0.5 * f64::EPSILON) as f32;
         // No error is larger than that of a triangle across the domain, √3·18 roundings; an axis meets what is so near within √3 of it.
         let reach = gamma(64) * (self.domain.radius + self.domain.center.abs().max_element() + place.length()) + own;

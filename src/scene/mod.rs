@@ -298,7 +298,7 @@ impl Scene {
         let (point, attributes) = self.point(ray, hit);
         let wo = -ray.direction;
         let emission = match attributes.light.map(|l| &self.lights[l as usize]) {
-            Some(Light::Area(area)) if wo.dot(point.ng) > 0.0 => match &area.glow {
+            Some(Light::Area(area)) if wo.dot(point.ng) > 0.0 => match &area.texture {
                 Some(glow) if cone.effects.has(Effect::Textures) => self.glow(glow, hit, &point, wo, cone),
                 _ => area.radiance,
             },

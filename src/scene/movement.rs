@@ -5,10 +5,10 @@
 //! each pass.
 
 use super::source::{course_area_light, resolve_source};
-use super::wardrobe::{chart_at, evened};
+use super::wardrobe::chart_at;
 use super::{LightStrength, Scene, SourceKind};
 use crate::camera::Camera;
-use crate::light::{EmissionTexture, Emitter, Light};
+use crate::light::{EmissionTexture, Light, LightSurface};
 use crate::math::{Motion, Transform};
 use crate::shape::{Form, Plane, Shape};
 use glam::DVec3;
@@ -56,12 +56,7 @@ pub(super) fn source_at(kind: &SourceKind, motion: &Motion, time: f64) -> Option
 /// The strength of a light that moves: a course's colour means what it does half way, and the lamp stays as strong as it is there.
 pub(super) fn constant_strength(kind: &SourceKind, strength: LightStrength, motion: &Motion) -> LightStrength {
     let (LightStrength::Course(_), Some(placed)) = (strength, source_at(kind, motion, MIDDLE)) else { return strength };
-    match resolve_source(&placed, strength, DVec3::ZERO).0 {
-        Light::Point { intensity, .. } => LightStrength::Physical(intensity),
-        Light::Spot(spot) => LightStrength::Physical(spot.peak),
-        Light::Directional { irradiance, .. } => LightStrength::Physical(irradiance),
-        Light::Area(_) | Light::Environment(_) => strength,
-    }
+    resolve_source(&placed, strength, DVec3::ZERO).0.peak().map_or(strength, LightStrength::Physical)
 }
 
 impl Scene {
@@ -105,7 +100,7 @@ impl Scene {
             scene.camera = camera.moved(&map);
         }
         if !scene.mean_lights.is_empty() {
-            scene.mean_lights = scene.lights.iter().map(evened).collect();
+            scene.mean_lights = scene.lights.iter().map(Light::with_mean_emission).collect();
         }
         scene.settle(self.still);
         scene
@@ -116,10 +111,12 @@ impl Scene {
         if let Some(light) = self.shape_attributes[i].light {
             let light = light as usize;
             if let Light::Area(area) = &mut self.lights[light] {
-                area.emitter = Emitter::Shape(shape.clone());
+                area.surface = LightSurface::Shape(shape.clone());
                 let chart = self.charts[self.shape_attributes[i].chart as usize];
-                area.glow =
-                    area.glow.as_ref().map(|glow| Arc::new(EmissionTexture { chart, ..EmissionTexture::clone(glow) }));
+                let remapped = |emission: &Arc<EmissionTexture>| {
+                    Arc::new(EmissionTexture { mapping: chart, ..EmissionTexture::clone(emission) })
+                };
+                area.texture = area.texture.as_ref().map(remapped);
             }
             self.legacy_lights[light] = course_area_light(&self.lights[light]);
         }

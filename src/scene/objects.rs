@@ -79,7 +79,7 @@ impl Scene {
 
     fn glows(&self, attributes: &Attributes) -> bool {
         let light = attributes.light.map(|light| &self.lights[light as usize]);
-        matches!(light, Some(Light::Area(area)) if area.glow.is_some())
+        matches!(light, Some(Light::Area(area)) if area.texture.is_some())
     }
 
     /// Tells `hear` of every scattering that a material can stand for: one, but of a mix all its parts, and of a texture what divides

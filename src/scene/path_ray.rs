@@ -169,7 +169,7 @@ impl Scene {
             let distance = hit.map_or(ray.t_max * length, |hit| hit.t);
             depth += inside.depth(self, bounded(distance)).as_dvec3();
             if let Some((index, part, _)) = self.immersed_part(&unit, distance, &inside) {
-                left *= self.media[index as usize].dimming(&part, part.t_max, &mut rng);
+                left *= self.media[index as usize].transmittance_f64(&part, part.t_max, &mut rng);
             }
             let remaining = left_after(depth.as_vec3()) * left.as_vec3();
             let Some(mut surface) = surface else { return remaining };

@@ -22,7 +22,7 @@ impl Scene {
         self.moving = (!boxes.is_empty()).then(|| Arc::new(Hierarchy::build(&[], &boxes)));
         let planes = self.planes.iter().map(|(plane, _)| plane.place().0.length());
         self.domain = domain(boxes.into_iter().fold(still, Bounds::union), planes);
-        let places = self.lights.iter().filter_map(Light::start).chain([self.camera.center().as_vec3()]);
+        let places = self.lights.iter().filter_map(Light::emission_point).chain([self.camera.center().as_vec3()]);
         let farthest = places.map(|p| p.distance(self.domain.center)).fold(self.domain.radius, f32::max);
         self.filled = Sphere { center: self.domain.center, radius: farthest * FILLED };
         self.camera_inside = InteriorStack::NOTHING;
@@ -30,7 +30,7 @@ impl Scene {
         self.light_contact = self.lights.iter().map(|light| self.contact_of(light)).collect();
         if self.has_bodies() {
             self.camera_inside = self.inside_at(self.camera.center().as_vec3());
-            let start = |light: &Light| light.start().map_or(InteriorStack::NOTHING, |p| self.inside_at(p));
+            let start = |light: &Light| light.emission_point().map_or(InteriorStack::NOTHING, |p| self.inside_at(p));
             self.light_inside = self.lights.iter().map(start).collect();
         }
     }

@@ -2,7 +2,7 @@
 
 use super::LegacyLight;
 use crate::color::Rgb;
-use crate::light::{Light, Spot};
+use crate::light::{DirectionalLight, Light, PointLight, SpotLight};
 use crate::math::{Sphere, Transform};
 use glam::{DVec3, Vec3};
 use std::f32::consts::PI;
@@ -90,18 +90,18 @@ pub(super) fn resolve_source(kind: &SourceKind, strength: LightStrength, middle:
         SourceKind::Point { position } => {
             let (intensity, color) = to_intensity(position, 1.0 / (4.0 * PI));
             let place = (*position - middle).as_vec3();
-            (Light::Point { position: place, intensity }, LegacyLight::Point(place, color))
+            (Light::Point(PointLight { position: place, intensity }), LegacyLight::Point(place, color))
         }
         SourceKind::Spot { position, axis, inner, outer } => {
             let place = (*position - middle).as_vec3();
-            let mut spot = Spot {
+            let mut spot = SpotLight {
                 position: place,
                 axis: axis.normalize().as_vec3(),
                 inner: one_minus_cos(*inner) as f32,
                 outer: one_minus_cos(*outer) as f32,
                 peak: Rgb::ONE,
             };
-            let (peak, color) = to_intensity(position, 1.0 / spot.power().x);
+            let (peak, color) = to_intensity(position, 1.0 / spot.flux().x);
             spot.peak = peak;
             (Light::Spot(spot), LegacyLight::Point(place, color))
         }
@@ -111,7 +111,7 @@ pub(super) fn resolve_source(kind: &SourceKind, strength: LightStrength, middle:
                 LightStrength::Physical(e) | LightStrength::Power(e) => (e, e / PI),
             };
             let direction = direction.normalize().as_vec3();
-            (Light::Directional { direction, irradiance }, LegacyLight::Directional(direction, color))
+            (Light::Directional(DirectionalLight { direction, irradiance }), LegacyLight::Directional(direction, color))
         }
     }
 }

@@ -4,7 +4,7 @@ use super::builder::SceneBuilder;
 use super::movement::MIDDLE;
 use super::{BuildError, Dress, Material};
 use crate::color::Rgb;
-use crate::light::{Area, EmissionTexture, Light};
+use crate::light::{EmissionTexture, Light};
 use crate::math::{Motion, Transform};
 use crate::shape::{Form, TextureMapping};
 use crate::texture::Texture;
@@ -84,26 +84,18 @@ impl Wardrobe {
     pub fn glow_of(&self, place: Place, charts: &[TextureMapping]) -> Option<Arc<EmissionTexture>> {
         let (texture, scale) = self.glows.get(&place)?;
         let (texture, chart) = (self.textures[*texture as usize].clone(), charts[self.chart_of(place) as usize]);
-        Some(Arc::new(EmissionTexture { texture, chart, scale: *scale }))
+        Some(Arc::new(EmissionTexture { texture, mapping: chart, scale: *scale }))
     }
 
     /// The lights with their mean radiance; none where no light follows a texture.
     pub fn even(&self, lights: &[Light]) -> Vec<Light> {
-        if self.glows.is_empty() { Vec::new() } else { lights.iter().map(evened).collect() }
+        if self.glows.is_empty() { Vec::new() } else { lights.iter().map(Light::with_mean_emission).collect() }
     }
 }
 
 /// A chart at a time of the motion of its object; `None` where no numbers can hold it.
 pub(super) fn chart_at(form: Form, motion: &Motion, time: f64) -> Option<TextureMapping> {
     Some(TextureMapping::new(form, Transform::new(motion.at(time)).ok()?))
-}
-
-/// The light with the same radiance everywhere.
-pub(super) fn evened(light: &Light) -> Light {
-    match light {
-        Light::Area(area) => Light::Area(Area { glow: None, ..area.clone() }),
-        other => other.clone(),
-    }
 }
 
 impl SceneBuilder {

@@ -1,31 +1,32 @@
-//! What a render did, by counters kept by each worker and added once, so that counting costs nothing between threads; and what memory
-//! it may take.
+//! Counters of a render's work, memory limits, and processor time.
+//!
+//! Each worker has its own counters. They are summed once, so threads do not contend.
 
 mod memory;
 
-pub use memory::{Memory, bytes, peak_memory};
+pub use memory::{AllocationCounter, Memory, bytes, count_allocations, peak_memory};
 
 use serde::Serialize;
 use std::ops::AddAssign;
 
-/// Work, counted.
+/// Counts of rays, density estimates and rejected samples.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Counters {
-    /// Rays through pixels.
+    /// Camera rays through pixels.
     pub camera_rays: u64,
-    /// Rays that continue a camera walk.
+    /// Rays that continue a camera path after a surface or a scattering event.
     pub onward_rays: u64,
-    /// Rays towards lights.
+    /// Shadow rays.
     pub shadow_rays: u64,
-    /// Rays of photons.
+    /// Ray segments of photon paths.
     pub photon_rays: u64,
-    /// Density estimates.
+    /// Photon density estimates.
     pub gathers: u64,
-    /// Photons in them.
+    /// Photons summed by these estimates.
     pub gathered_photons: u64,
-    /// Samples that were not finite and were left out.
+    /// Radiance samples rejected because they were not finite.
     pub rejected_samples: u64,
-    /// Photons that were not finite and were left out.
+    /// Photons rejected because they were not finite.
     pub rejected_photons: u64,
 }
 
@@ -43,14 +44,14 @@ impl AddAssign for Counters {
 }
 
 impl Counters {
-    /// All rays.
+    /// Sum of all camera, continuation, shadow and photon rays.
     #[must_use]
     pub fn rays(&self) -> u64 {
         self.camera_rays + self.onward_rays + self.shadow_rays + self.photon_rays
     }
 }
 
-/// Processor time of all threads so far \[s], where the system tells (Unix).
+/// Processor time of all threads of this process so far \[s]; `None` if the system is not Unix.
 #[must_use]
 pub fn cpu_seconds() -> Option<f64> {
     #[cfg(unix)]

@@ -1,49 +1,49 @@
-//! What can be typed after `caustica diff`.
+//! Arguments of `caustica diff`.
 
 use crate::cli::number::{bound, fraction, pixels_per_degree, stops};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
-/// What a map of errors shows.
+/// Quantity that the map of errors shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum MapKind {
     /// FLIP, from 0 to 1
     Flip,
-    /// The error relative to the light around
+    /// Error relative to the mean luminance of the neighbourhood
     Relative,
-    /// A less B
+    /// A minus B
     Signed,
-    /// The absolute difference
+    /// Absolute difference
     Absolute,
 }
 
-/// How FLIP looks at the pictures.
+/// Mode of FLIP.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum FlipName {
-    /// As PNG shows them
+    /// As shown by PNG
     Ldr,
-    /// At every exposure that shows something
+    /// Maximum over all useful exposures
     Hdr,
 }
 
 /// Arguments of `diff`.
 #[derive(Debug, Args)]
 pub struct DiffArguments {
-    /// The picture that is judged: .png, .exr or .hdr
+    /// Picture to judge: .png, .exr or .hdr
     pub a: PathBuf,
 
-    /// The reference: .png, .exr or .hdr
+    /// Reference: .png, .exr or .hdr
     pub b: PathBuf,
 
     /// Write a map of errors: .png or .exr
     #[arg(short, long = "output", value_name = "FILE")]
     pub output: Option<PathBuf>,
 
-    /// What the map shows
+    /// Quantity that the map shows
     #[arg(long, value_enum, default_value = "flip", value_name = "KIND")]
     pub map: MapKind,
 
-    /// How FLIP looks at the pictures  [default: ldr for two PNGs, else hdr]
+    /// Mode of FLIP  [default: ldr for two PNGs, else hdr]
     #[arg(long, value_enum, value_name = "MODE")]
     pub flip: Option<FlipName>,
 
@@ -51,27 +51,27 @@ pub struct DiffArguments {
     #[arg(long, value_parser = stops, allow_negative_numbers = true, value_name = "STOPS")]
     pub exposure: Option<f32>,
 
-    /// Pixels in a degree of the viewer's field, for FLIP  [default: 67.02]
+    /// Pixels per degree of the viewer's field of view, for FLIP  [default: 67.02]
     #[arg(long, value_parser = pixels_per_degree, value_name = "N")]
     pub pixels_per_degree: Option<f64>,
 
-    /// End with code 4 where the RMSE is more than this
+    /// Exit with code 4 if the RMSE exceeds this
     #[arg(long, value_parser = bound, value_name = "X")]
     pub max_rmse: Option<f64>,
 
-    /// End with code 4 where the relative error is more than this, such as 2% or 0.02
+    /// Exit with code 4 if the relative error exceeds this, such as 2% or 0.02
     #[arg(long, value_parser = fraction, value_name = "X")]
     pub max_relative: Option<f64>,
 
-    /// End with code 4 where mean FLIP is more than this
+    /// Exit with code 4 if mean FLIP exceeds this
     #[arg(long, value_parser = bound, value_name = "X")]
     pub max_flip: Option<f64>,
 
-    /// End with code 4 where a channel of a pixel differs by more than this
+    /// Exit with code 4 if any channel of any pixel differs by more than this
     #[arg(long, value_parser = bound, value_name = "X")]
     pub max_difference: Option<f64>,
 
-    /// End with code 4 where a pixel differs at all
+    /// Exit with code 4 if any pixel differs
     #[arg(long)]
     pub identical: bool,
 
@@ -79,7 +79,7 @@ pub struct DiffArguments {
     #[arg(long)]
     pub json: bool,
 
-    /// Say nothing but the figures, errors and warnings
+    /// Print only the figures, errors and warnings
     #[arg(short, long)]
     pub quiet: bool,
 }

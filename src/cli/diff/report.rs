@@ -1,4 +1,4 @@
-//! What `caustica diff` found, as a table and as JSON; docs/cli.md describes each field.
+//! Result of `caustica diff` as a table and as JSON. The page on the command line describes each field.
 
 use super::map::Colors;
 use crate::image::metrics::Largest;
@@ -24,9 +24,9 @@ pub(super) struct Report {
     pub flip: FlipReport,
     pub largest: LargestReport,
     pub differing_pixels: usize,
-    /// `None` where no map was asked for.
+    /// `None` if no map was written.
     pub map: Option<MapReport>,
-    /// Flags whose bound is exceeded.
+    /// Flags whose limit is exceeded.
     pub exceeded: Vec<&'static str>,
 }
 
@@ -39,7 +39,7 @@ pub(super) struct Means {
 #[derive(Debug, Serialize)]
 pub(super) struct FlipReport {
     pub mode: &'static str,
-    /// `None` for HDR.
+    /// Exposure in stops; `None` for HDR.
     pub exposure: Option<f32>,
     pub pixels_per_degree: f64,
     pub mean: f64,
@@ -56,12 +56,12 @@ pub(super) struct LargestReport {
 pub(super) struct MapReport {
     pub file: String,
     pub kind: &'static str,
-    /// `None` for OpenEXR.
+    /// Colour scale; `None` for OpenEXR.
     pub colors: Option<Colors>,
 }
 
 impl Report {
-    /// The largest difference of any channel.
+    /// Largest difference over all channels.
     pub fn largest(&self) -> f64 {
         let LargestReport { red, green, blue } = &self.largest;
         [red, green, blue].into_iter().flatten().map(|l| l.difference).fold(0.0, f64::max)
@@ -77,26 +77,26 @@ impl Report {
         row("mean radiance", figure(self.mean.a), format!("of the reference {}", figure(self.mean.b)));
         row("RMSE", figure(self.rmse), String::new());
         row("relative MSE", figure(self.relative_mse), format!("with ε = {EPSILON}"));
-        row("relative error", percent(self.relative_error), "of the light around".to_owned());
-        let seen = match self.flip.exposure {
+        row("relative error", percent(self.relative_error), "of the mean luminance of the neighbourhood".to_owned());
+        let mode = match self.flip.exposure {
             Some(stops) => format!("LDR at {stops} stops"),
             None => "HDR".to_owned(),
         };
-        row("FLIP", figure(self.flip.mean), format!("{seen}, {:.2} pixels per degree", self.flip.pixels_per_degree));
+        row("FLIP", figure(self.flip.mean), format!("{mode}, {:.2} pixels per degree", self.flip.pixels_per_degree));
         let LargestReport { red, green, blue } = &self.largest;
         for (name, largest) in [("red", red), ("green", green), ("blue", blue)] {
-            let (value, place) = match largest {
+            let (value, position) = match largest {
                 Some(Largest { difference, x, y }) => (figure(*difference), format!("in column {x}, row {y}")),
                 None => (figure(0.0), String::new()),
             };
-            row(&format!("largest in {name}"), value, place);
+            row(&format!("largest in {name}"), value, position);
         }
-        let part = percent(self.differing_pixels as f64 / pixels as f64);
-        row("pixels that differ", self.differing_pixels.to_string(), part);
+        let share = percent(self.differing_pixels as f64 / pixels as f64);
+        row("pixels that differ", self.differing_pixels.to_string(), share);
         text
     }
 }
 
-fn percent(part: f64) -> String {
-    format!("{} %", figure(100.0 * part))
+fn percent(fraction: f64) -> String {
+    format!("{} %", figure(100.0 * fraction))
 }

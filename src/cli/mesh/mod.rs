@@ -1,10 +1,11 @@
-//! `caustica mesh`.
+//! `caustica mesh`: reports on a mesh, repairs it, and converts it.
 
 mod args;
 mod text;
 
 pub use args::MeshArguments;
 
+use super::outputs::{NamedFile, OutputFailures, check_distinct};
 use super::progress::{Progress, tell};
 use super::{Exit, Failure};
 use crate::format::mesh::{self, Loaded, MeshError, MeshFormat, MeshReport, Repair, Repaired, TriangleMesh};
@@ -12,45 +13,43 @@ use crate::format::mtl;
 use crate::image::check_place;
 use crate::stats::Memory;
 use glam::DVec3;
-use miette::IntoDiagnostic;
 use serde::Serialize;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// A path whose extension names no form of meshes.
+/// A path whose extension names no mesh format.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
-#[error("`{}` names no known form of meshes", path.display())]
+#[error("`{}` has no extension of a mesh format that can be written", path.display())]
 #[diagnostic(help("give it the extension .obj or .ply"))]
-struct NoForm {
+struct NoFormat {
     path: PathBuf,
 }
 
-/// What is left of a mesh is not one.
+/// A change that leaves no valid mesh.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 enum Lost {
-    #[error("no triangle of `{}` is left", .0.display())]
-    #[diagnostic(help("weld less, or keep triangles without area"))]
+    #[error("the repair leaves no triangle of `{}`", .0.display())]
+    #[diagnostic(help("choose a smaller --weld, or keep triangles without area"))]
     Triangles(PathBuf),
     #[error("the coordinates of `{}` are too large after the change", .0.display())]
-    #[diagnostic(help("scale less, or move it less far"))]
+    #[diagnostic(help("choose a smaller --scale or --translate"))]
     Coordinates(PathBuf),
 }
 
-/// What `--json` prints.
+/// Report that `--json` prints.
 #[derive(Debug, Serialize)]
 struct Report {
     schema: u32,
     version: &'static str,
     mesh: String,
     before: MeshReport,
-    /// `None` where nothing was to be changed.
+    /// `None` if the arguments change nothing.
     repaired: Option<Repaired>,
     after: Option<MeshReport>,
 }
 
 pub(super) fn run(arguments: &MeshArguments) -> Result<Exit, Failure> {
-    let output = |e| Failure::new(Exit::Output, e);
-    let form = arguments.output.as_deref().map(|path| form(path, arguments.ascii)).transpose()?;
+    let format = arguments.output.as_deref().map(|path| format_of(path, arguments)).transpose()?;
     let progress = Progress::new(arguments.quiet);
     let memory = arguments.memory.map_or(Memory::System, Memory::Limit);
     let loaded = mesh::load_within(&arguments.mesh, &progress, memory.free()).map_err(|e| {
@@ -79,23 +78,27 @@ pub(super) fn run(arguments: &MeshArguments) -> Result<Exit, Failure> {
         repaired,
         after,
     };
-    let told = if arguments.json {
-        serde_json::to_string_pretty(&report).into_diagnostic().map_err(output)? + "\n"
+    let text = if arguments.json {
+        serde_json::to_string_pretty(&report).map_err(Failure::output)? + "\n"
     } else {
         text::table(&report.mesh, &report.before, report.repaired.as_ref(), report.after.as_ref())
     };
-    if let (Some(path), Some(form)) = (&arguments.output, form) {
-        write(arguments, &loaded, changed.as_ref().unwrap_or(&loaded.mesh), (path, form), memory)?;
-        progress.say(&format!("wrote {}", path.display()));
+    let mut failures = OutputFailures::default();
+    if let (Some(path), Some(format)) = (&arguments.output, format) {
+        let mesh = changed.as_ref().unwrap_or(&loaded.mesh);
+        if write(arguments, &loaded, mesh, (path, format), memory, &mut failures).is_some() {
+            progress.say(&format!("wrote {}", path.display()));
+        }
     }
-    std::io::stdout().write_all(told.as_bytes()).into_diagnostic().map_err(output)?;
-    Ok(Exit::Success)
+    failures.keep(std::io::stdout().write_all(text.as_bytes()));
+    failures.finish(Exit::Success)
 }
 
-/// Bytes that a triangle takes while its mesh is looked at or repaired: 165 as measured on a grid of a million, with the mesh itself.
+/// Bytes per triangle for a report or a repair, with the mesh itself. Measured: 165, on a grid of a
+/// million triangles.
 const PER_TRIANGLE: u64 = 200;
 
-/// Refuses what could be read, but neither looked at nor repaired.
+/// Refuses a mesh that fits into memory, but not with what a report or a repair needs.
 fn check_room(path: &Path, mesh: &TriangleMesh, memory: Memory) -> Result<(), Failure> {
     let needed = PER_TRIANGLE * mesh.triangles.len() as u64;
     match memory.free() {
@@ -107,14 +110,16 @@ fn check_room(path: &Path, mesh: &TriangleMesh, memory: Memory) -> Result<(), Fa
     }
 }
 
-fn form(path: &Path, text: bool) -> Result<MeshFormat, Failure> {
-    let form = MeshFormat::of(path, text);
-    let form = form.ok_or_else(|| Failure::new(Exit::Output, NoForm { path: path.to_owned() }))?;
-    check_place(path).into_diagnostic().map_err(|e| Failure::new(Exit::Output, e))?;
-    Ok(form)
+/// The format of the output, checked to be writable and not to be the input.
+fn format_of(path: &Path, arguments: &MeshArguments) -> Result<MeshFormat, Failure> {
+    let format = MeshFormat::of(path, arguments.ascii);
+    let format = format.ok_or_else(|| Failure::new(Exit::Output, NoFormat { path: path.to_owned() }))?;
+    check_place(path).map_err(Failure::output)?;
+    check_distinct(&[NamedFile::new("-o", path)], &[NamedFile::new("the mesh", &arguments.mesh)])?;
+    Ok(format)
 }
 
-/// Changes the mesh as the command line asks.
+/// Changes the mesh by the arguments.
 fn change(mesh: &mut TriangleMesh, arguments: &MeshArguments) -> Result<Repaired, Failure> {
     let (scale, offset) = (arguments.scale.unwrap_or(1.0), arguments.translate.unwrap_or(DVec3::ZERO));
     if arguments.scale.is_some() || arguments.translate.is_some() {
@@ -147,23 +152,25 @@ fn change(mesh: &mut TriangleMesh, arguments: &MeshArguments) -> Result<Repaired
     Ok(repaired)
 }
 
-/// Writes the mesh, and its materials beside it where it goes to another folder than it came from.
+/// Writes the mesh. An OBJ in another folder than its source gets its materials beside it.
+///
+/// `None` if an output could not be written.
 fn write(
     arguments: &MeshArguments,
     loaded: &Loaded,
     mesh: &TriangleMesh,
-    (path, form): (&Path, MeshFormat),
+    (path, format): (&Path, MeshFormat),
     memory: Memory,
-) -> Result<(), Failure> {
-    let output = |e| Failure::new(Exit::Output, e);
+    failures: &mut OutputFailures,
+) -> Option<()> {
     let mut libraries = loaded.libraries.clone();
-    if !mesh.materials.is_empty() && form != MeshFormat::Obj {
-        tell("note: PLY holds no materials: they are left out");
-    } else if !libraries.is_empty() && form == MeshFormat::Obj && folder(path) != folder(&arguments.mesh) {
+    if !mesh.materials.is_empty() && format != MeshFormat::Obj {
+        tell("note: PLY cannot hold materials: they are left out");
+    } else if !libraries.is_empty() && format == MeshFormat::Obj && folder(path) != folder(&arguments.mesh) {
         libraries = match mtl::load(&arguments.mesh, &loaded.libraries, memory.free()) {
             Ok(materials) => {
                 let beside = path.with_extension("mtl");
-                mtl::write(&beside, &materials).into_diagnostic().map_err(output)?;
+                failures.keep(mtl::write(&beside, &materials));
                 beside.file_name().map(|name| name.to_string_lossy().into_owned()).into_iter().collect()
             }
             Err(error) => {
@@ -172,10 +179,10 @@ fn write(
             }
         };
     }
-    mesh.write(path, form, &libraries).into_diagnostic().map_err(output)
+    failures.keep(mesh.write(path, format, &libraries))
 }
 
-/// The folder that a file lies in, links followed where it can be.
+/// The folder of a file, with links resolved if it exists.
 fn folder(path: &Path) -> PathBuf {
     let parent = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     std::fs::canonicalize(parent).unwrap_or_else(|_| parent.to_owned())

@@ -3,7 +3,7 @@
 use crate::format::mesh::{MeshReport, Repaired};
 use std::fmt::Write;
 
-/// The figures in one column, or in two where the mesh was changed.
+/// The figures in one column, or in two (before and after) if the mesh was changed.
 pub(super) fn table(
     name: &str,
     before: &MeshReport,
@@ -29,15 +29,16 @@ pub(super) fn table(
             (done.welded, "vertices welded"),
             (done.duplicates, "duplicate triangles removed"),
             (done.degenerate, "degenerate triangles removed"),
-            (done.turned, "triangles turned"),
+            (done.turned, "triangles reversed"),
         ];
-        let told: Vec<String> = parts.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}")).collect();
-        let told = if told.is_empty() { "nothing to repair".to_owned() } else { told.join(", ") };
-        let _ = writeln!(text, "  {told}");
+        let done: Vec<String> = parts.iter().filter(|(n, _)| *n > 0).map(|(n, what)| format!("{n} {what}")).collect();
+        let done = if done.is_empty() { "nothing to repair".to_owned() } else { done.join(", ") };
+        let _ = writeln!(text, "  {done}");
     }
     text
 }
 
+/// The labels and values of a report.
 fn rows(report: &MeshReport) -> Vec<(&'static str, String)> {
     let yes = |yes: bool| if yes { "yes" } else { "no" }.to_owned();
     let point = |p: [f64; 3]| p.map(|x| format!("{x:.4}")).join(" ");

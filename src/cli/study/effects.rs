@@ -1,14 +1,16 @@
-//! `caustica study --effects`.
+//! `caustica study --effects`: the cost and the contribution of each effect.
 
-use super::output::{Outputs, Writer};
+use super::output::{Outputs, Writer, outputs_of};
 use crate::cli::interrupt::{INTERRUPTED, listen};
 use crate::cli::memory::{check_photons, check_pictures};
+use crate::cli::outputs::{NamedFile, check_distinct};
 use crate::cli::plan::{self, EffectReport};
-use crate::cli::progress::{Progress, tell, tell_of_rejected};
+use crate::cli::progress::{InputFiles, Progress, tell, warn_of_rejected};
 use crate::cli::scene::{in_pool, load};
 use crate::cli::settings::settings;
 use crate::cli::{Exit, Failure, StudyArguments};
 use crate::plan::{Decision, Effect};
+use crate::scene::Scene;
 use crate::stats::Counters;
 use crate::study::report::effects::{csv, markdown};
 use crate::study::text::{amount, figure, milliseconds, percent, signed};
@@ -16,13 +18,12 @@ use crate::study::{About, Clock, Cost, EffectStudy, Findings, Gain, Spent, page}
 use miette::IntoDiagnostic;
 use serde::Serialize;
 use std::fmt::Write as _;
-use std::io::Write as _;
 use std::time::Instant;
 
-/// Passes of each picture, where the user does not say.
+/// Default number of passes of each picture.
 const PASSES: u32 = 4;
 
-/// What reports are written as.
+/// Report formats by extension.
 const REPORTS: [(&str, Writer<Findings>); 4] = [
     ("html", |arguments, found| page(&about(arguments), found).into_diagnostic()),
     ("csv", |_, found| Ok(csv(found))),
@@ -31,8 +32,8 @@ const REPORTS: [(&str, Writer<Findings>); 4] = [
 ];
 
 pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Failure> {
-    // Whatever can fail without rendering fails before it.
-    let outputs = Outputs::check(&arguments.output, &REPORTS)?;
+    // Everything that can fail without rendering is checked before rendering.
+    let outputs = Outputs::check(arguments, &REPORTS)?;
     listen("the study");
     let progress = Progress::new(arguments.quiet);
     in_pool(&arguments.scene, || run_in_pool(arguments, &outputs, &progress))
@@ -43,59 +44,63 @@ fn run_in_pool(
     outputs: &Outputs<'_, Findings>,
     progress: &Progress,
 ) -> Result<Exit, Failure> {
-    let usage = |e| Failure::new(Exit::Usage, e);
     let start = Instant::now();
-    let scene = load(&arguments.scene, progress)?;
+    let scene = load_checked(arguments, progress)?;
     let algorithm = arguments.method.integrator;
-    // No more than one picture without each effect, besides the whole one.
+    // At most one picture without each effect, and the full picture.
     let memory = arguments.scene.memory();
-    let pictures = check_pictures(Effect::ALL.len() + 1, scene.camera().size(), memory.free()).map_err(usage)?;
-    let study = EffectStudy::prepare(&scene, algorithm, &settings(&arguments.method, arguments.wish));
-    check_photons(study.expected(), pictures, memory.free()).map_err(usage)?;
+    let pictures =
+        check_pictures(Effect::ALL.len() + 1, scene.camera().size(), memory.free()).map_err(Failure::usage)?;
+    let study = EffectStudy::prepare(&scene, algorithm, &settings(&arguments.method, arguments.simulate));
+    check_photons(study.expected(), pictures, memory.free()).map_err(Failure::usage)?;
     progress.say(&plan::line(study.plan()));
-    plan::complaints(study.plan()).for_each(|line| tell(&line));
+    plan::warnings(study.plan()).for_each(|line| tell(&line));
     let (pictures, passes) = (study.pictures(), arguments.passes.unwrap_or(PASSES));
     progress.say(&format!("{pictures} pictures of {passes} passes each"));
     progress.pass(1, Some(passes));
     let found = study.run(passes, &INTERRUPTED, progress, |made| {
-        if matches!(progress, Progress::Lines) {
+        if progress.has_lines() {
             progress.say(&format!("pass {made}/{passes} of each after {:.1} s", start.elapsed().as_secs_f64()));
         }
         progress.pass(made + 1, Some(passes));
     });
     progress.finish();
     let found = found.into_diagnostic().map_err(|e| Failure::new(Exit::Input, e))?;
-    tell_of_rejected(&found.whole.counters);
-    conclude(arguments, outputs, progress, &found).map_err(|e| Failure::new(Exit::Output, e))?;
-    Ok(if found.interrupted { Exit::Interrupted } else { Exit::Success })
+    warn_of_rejected(&found.whole.counters);
+    let text = if arguments.json {
+        json(arguments, &found).map(|json| json + "\n")
+    } else {
+        Ok(table(arguments.method.integrator.name(), &found))
+    };
+    let exit = if found.interrupted { Exit::Interrupted } else { Exit::Success };
+    outputs.write(arguments, &found, text, progress, exit)
 }
 
-/// Writes the reports and prints the figures.
-fn conclude(
-    arguments: &StudyArguments,
-    outputs: &Outputs<'_, Findings>,
-    progress: &Progress,
-    found: &Findings,
-) -> miette::Result<()> {
-    outputs.write(arguments, found, progress)?;
-    let text =
-        if arguments.json { json(arguments, found)? + "\n" } else { table(arguments.method.integrator.name(), found) };
-    std::io::stdout().write_all(text.as_bytes()).into_diagnostic()
+/// Loads the scene, and refuses outputs that are one of its inputs.
+pub(super) fn load_checked(arguments: &StudyArguments, progress: &Progress) -> Result<Scene, Failure> {
+    let inputs = InputFiles::new(progress);
+    let scene = load(&arguments.scene, &inputs)?;
+    progress.finish();
+    let inputs: Vec<NamedFile> = inputs.into_files().iter().map(|path| NamedFile::new("the input", path)).collect();
+    check_distinct(&outputs_of(arguments), &inputs)?;
+    Ok(scene)
 }
 
+/// Facts about the study for the heads of its reports.
 fn about(arguments: &StudyArguments) -> About {
     let scene = arguments.scene.scene.display().to_string();
     let (integrator, seed) = (arguments.method.integrator.name(), arguments.method.seed);
     About { scene, integrator, seed, exposure: arguments.exposure }
 }
 
-/// All figures.
+/// All figures as JSON.
 fn json(arguments: &StudyArguments, found: &Findings) -> miette::Result<String> {
     let scene = arguments.scene.scene.display().to_string();
     let report = Report::new(scene, arguments.method.integrator.name(), arguments.method.seed, found);
     serde_json::to_string_pretty(&report).into_diagnostic()
 }
 
+/// All figures as a table.
 fn table(integrator: &str, found: &Findings) -> String {
     let clock = match found.clock {
         Clock::Processor => "processor",
@@ -104,7 +109,7 @@ fn table(integrator: &str, found: &Findings) -> String {
     let whole = &found.whole;
     let passes = whole.passes.len() as f64;
     let mut text = format!(
-        "{integrator}: {:.1} ms of {clock} time, {} rays and {} gathered photons a pass; mean radiance {}\n",
+        "{integrator}: {:.1} ms of {clock} time, {} rays and {} gathered photons per pass; mean radiance {}\n",
         1e3 * whole.seconds() / passes,
         amount(whole.counters.rays() as f64 / passes),
         amount(whole.counters.gathered_photons as f64 / passes),
@@ -114,14 +119,14 @@ fn table(integrator: &str, found: &Findings) -> String {
         let _ = writeln!(
             text,
             "  {:<16} {:>18} {:>7} {:>9} {:>10} {:>9} {:>9} {:>9}",
-            "effect", "costs a pass, ms", "time", "rays", "gathered", "changes", "adds", "takes"
+            "effect", "ms per pass", "time", "rays", "gathered", "changes", "adds", "takes"
         );
     }
     for finding in &found.effects {
         let Cost { seconds, seconds_error, ratio, rays, gathered_photons, .. } = finding.cost;
         let Gain { relative_rmse, adds, takes, rmse } = finding.gain;
         let error = seconds_error.map_or(String::new(), |e| format!(" ± {:.1}", 1e3 * e));
-        let part = |x: f64| if found.mean > 0.0 { percent(x / found.mean) } else { figure(x) };
+        let share = |x: f64| if found.mean > 0.0 { percent(x / found.mean) } else { figure(x) };
         let _ = writeln!(
             text,
             "  {:<16} {:>18} {:>7} {:>9} {:>10} {:>9} {:>9} {:>9}",
@@ -131,13 +136,13 @@ fn table(integrator: &str, found: &Findings) -> String {
             signed(rays),
             signed(gathered_photons),
             relative_rmse.map_or(figure(rmse), percent),
-            part(adds),
-            part(takes),
+            share(adds),
+            share(takes),
         );
     }
     for decision in found.plan.decisions.iter().filter(|d| !d.on) {
-        let wished = if decision.is_forced() { ", as wished, though " } else { ": " };
-        let _ = writeln!(text, "  {:<16} off{wished}{}", decision.effect, decision.reason);
+        let forced = if decision.is_forced() { ", forced, although " } else { ": " };
+        let _ = writeln!(text, "  {:<16} off{forced}{}", decision.effect, decision.reason);
     }
     text
 }
@@ -170,9 +175,11 @@ struct Made<'f> {
 struct Row<'f> {
     #[serde(flatten)]
     effect: EffectReport,
-    /// These are `None` where the effect is off.
+    /// Work of the picture without the effect; `None` if the effect is off.
     without: Option<Made<'f>>,
+    /// `None` if the effect is off.
     cost: Option<Cost>,
+    /// `None` if the effect is off.
     gain: Option<Gain>,
 }
 
@@ -194,7 +201,7 @@ impl<'f> Report<'f> {
             }
         };
         Self {
-            schema: 1,
+            schema: 2,
             version: env!("CARGO_PKG_VERSION"),
             scene,
             integrator,

@@ -1,4 +1,4 @@
-//! What each setting of a method buys: the method, and with one setting changed at a time.
+//! `caustica study --knobs`: a method, and its variants with one setting changed at a time.
 
 use super::variants::Named;
 use crate::cli::args::MethodArguments;
@@ -9,21 +9,22 @@ use crate::plan::EffectOverrides;
 use crate::scene::Scene;
 use clap::ValueEnum;
 
+/// Values of `--gather-k`.
 const GATHER_K: [u32; 5] = [10, 20, 50, 100, 200];
 
-/// What radii are multiplied by.
+/// Factors of the radius that a pilot chose.
 const RADII: [f32; 3] = [0.5, 1.0, 2.0];
 
-/// What photon paths are multiplied by: fewer make more passes for the same time.
+/// Factors of the numbers of photon paths. Fewer paths allow more passes in the same time.
 const PHOTONS: [f64; 2] = [0.25, 4.0];
 
-/// How fast radii shrink, beside ⅔.
+/// Values of `--alpha` other than the default of ⅔.
 const ALPHAS: [f64; 3] = [0.5, 0.8, 1.0];
 
-/// What camera rays are multiplied by.
+/// Factors of the number of camera rays.
 const SAMPLES: [f64; 2] = [0.5, 2.0];
 
-/// What a pilot found.
+/// Settings that a pilot pass chose.
 struct Pilot {
     samples: u32,
     photons: u32,
@@ -36,11 +37,11 @@ impl Pilot {
         let integrator = algorithm.prepare(scene, settings.clone());
         let balance = integrator.balance();
         let (width, height) = scene.camera().size();
-        let looked = integrator.expected_work(integrator.plan().effects()).camera_rays;
+        let camera_rays = integrator.expected_work(integrator.plan().effects()).camera_rays;
         let radius =
             integrator.radii().map(|radii| if algorithm == Algorithm::Hybrid { radii.caustic } else { radii.global });
         Self {
-            samples: (looked / (u64::from(width) * u64::from(height))).max(1) as u32,
+            samples: (camera_rays / (u64::from(width) * u64::from(height))).max(1) as u32,
             photons: balance.and_then(|b| b.photons).unwrap_or(settings.photons),
             caustic_photons: balance.and_then(|b| b.caustic_photons).unwrap_or(settings.caustic_photons),
             radius,
@@ -48,21 +49,23 @@ impl Pilot {
     }
 }
 
-/// The variants around a method with the flags given to all. Numbers of rays and photons that a pilot would choose are chosen once, so
-/// that one setting alone differs.
+/// A method with the flags of all methods, and its variants with one setting changed.
 ///
-/// The radius that is halved and doubled is that of the caustic map for `hybrid`, of the global map for others; `--radius` sets both.
-pub(super) fn around(
+/// A pilot chooses the numbers of rays and photons once for all variants, so only one setting
+/// differs. The factors of the radius apply to the caustic map for `hybrid` and to the global map for
+/// other methods. `--radius` sets both.
+pub(super) fn variants_around(
     algorithm: Algorithm,
     shared: &MethodArguments,
-    wishes: EffectOverrides,
+    overrides: EffectOverrides,
     scene: &Scene,
 ) -> Vec<Named> {
     let plain = Named::plain(algorithm, shared);
-    let pilot = Pilot::new(scene, algorithm, &settings(&plain.method, wishes));
+    let pilot = Pilot::new(scene, algorithm, &settings(&plain.method, overrides));
     vary(plain, &pilot)
 }
 
+/// The variants of a method, given the settings that a pilot chose.
 fn vary(plain: Named, pilot: &Pilot) -> Vec<Named> {
     let Named { label: name, mut method } = plain;
     let algorithm = method.integrator;
@@ -127,7 +130,7 @@ mod tests {
         change(&mut shared);
         let pilot = Pilot { samples: 1, photons: 1000, caustic_photons: 0, radius: Some(0.25) };
         let all = vary(Named::plain(algorithm, &shared), &pilot);
-        // A label is what makes the variant of the base: read again, it gives the same.
+        // A label parses to the variant that it names.
         for named in &all {
             let again = Named::read(&named.label, &all[0].method).unwrap_or_else(|e| panic!("{e}"));
             assert_eq!(format!("{:?}", again.method), format!("{:?}", named.method));
@@ -136,10 +139,10 @@ mod tests {
     }
 
     #[test]
-    fn one_setting_changes_at_a_time() {
+    fn variants_change_one_setting_each() {
         let pm = labels(Algorithm::Pm, |_| {});
         let ends = |label: &str| pm.iter().any(|l| l.strip_prefix("pm ") == Some(label));
-        for wanted in [
+        for expected in [
             "--gather-k 10",
             "--gather-k 200",
             "--radius 0.125",
@@ -154,15 +157,16 @@ mod tests {
             "--final-gathering none",
             "--final-gathering importance",
         ] {
-            assert!(ends(wanted), "{wanted} is not in {pm:?}");
+            assert!(ends(expected), "{expected} is not in {pm:?}");
         }
-        // The base, five, three, two, two, one, one, two; half of one camera ray is one.
+        // 1 base, 5 gather-k, 3 radii, 2 kernels, 2 photon counts, 1 spp, 1 adaptive and 2 gatherings.
+        // Half of one camera ray is one, so `--spp` has one variant.
         assert_eq!((pm.len(), pm[0].as_str()), (17, "pm"));
         assert_eq!(labels(Algorithm::Path, |_| {}), ["path", "path --spp 2", "path --adaptive"]);
     }
 
     #[test]
-    fn what_is_set_for_all_is_not_varied_into_itself() {
+    fn a_given_setting_is_not_repeated() {
         let sppm = labels(Algorithm::Sppm, |method| {
             (method.gather_k, method.adaptive, method.kernel) = (Some(20), true, Kernel::Box);
         });

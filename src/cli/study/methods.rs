@@ -1,15 +1,17 @@
-//! `caustica study`: how the error of each method falls with time.
+//! `caustica study --methods`: the error of each method against processor time.
 
+use super::effects::load_checked;
 use super::knobs;
-use super::output::{Outputs, Writer, check_reference};
+use super::output::{Outputs, Writer, check_reference, outputs_of};
 use super::table::{root, table};
 use super::variants::Named;
 use crate::cli::args::TruthFiles;
 use crate::cli::interrupt::{INTERRUPTED, listen};
 use crate::cli::memory::check_photons;
+use crate::cli::outputs::{NamedFile, OutputFailures, check_distinct};
 use crate::cli::plan::{self, counted};
 use crate::cli::progress::{Progress, tell};
-use crate::cli::scene::{in_pool, load};
+use crate::cli::scene::in_pool;
 use crate::cli::settings::{flags, settings};
 use crate::cli::{Exit, Failure, StudyArguments};
 use crate::image::{WriteOptions, write};
@@ -21,15 +23,14 @@ use crate::study::methods::{
 };
 use crate::study::report::methods as report;
 use miette::IntoDiagnostic;
-use std::io::Write as _;
 
-/// Processor time of a reference in budgets, where the user does not say.
+/// Default processor time of a reference, in multiples of `--budget`.
 const TRUTH_BUDGETS: f64 = 4.0;
 
-/// Below this part of the threads' time, others disturbed.
+/// Least share of the threads' time at which measurements count as undisturbed by other programs.
 const UNDISTURBED: f64 = 0.9;
 
-/// What reports are written as.
+/// Report formats by extension.
 const REPORTS: [(&str, Writer<MethodsFound>); 4] = [
     ("html", |_, found| report::html(found).into_diagnostic()),
     ("csv", |_, found| Ok(report::csv(found))),
@@ -37,21 +38,21 @@ const REPORTS: [(&str, Writer<MethodsFound>); 4] = [
     ("md", |_, found| Ok(report::markdown(found))),
 ];
 
-/// Flags that do not go together.
+/// A flag for rendered references, given together with reference files.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
-#[error("{flag} is for references that are rendered, but --truth names files")]
-#[diagnostic(help("leave out one of the two"))]
+#[error("{flag} applies to rendered references, but --truth names files")]
+#[diagnostic(help("leave out one of the two flags"))]
 struct NotRendered {
     flag: &'static str,
 }
 
-/// More pictures than memory holds.
+/// Pictures that do not fit into memory.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error(
     "{seeds} seeds of {variants} methods with {} × {} pixels take {} of memory, and {} are free",
     size.0, size.1, bytes(*needed), bytes(*free)
 )]
-#[diagnostic(help("choose a smaller --size, fewer --seeds or fewer methods, or let it have more memory (--memory)"))]
+#[diagnostic(help("choose a smaller --size, fewer --seeds or fewer methods, or allow more --memory"))]
 struct TooMany {
     seeds: u32,
     variants: usize,
@@ -60,24 +61,26 @@ struct TooMany {
     free: u64,
 }
 
-fn usage(error: impl Into<miette::Report>) -> Failure {
-    Failure::new(Exit::Usage, error)
-}
-
 pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Failure> {
-    // Whatever can fail without rendering fails before it.
-    let outputs = Outputs::check(&arguments.output, &REPORTS)?;
+    // Everything that can fail without rendering is checked before rendering.
+    let outputs = Outputs::check(arguments, &REPORTS)?;
     let kind = &arguments.kind;
     if kind.truth != TruthFiles::Auto {
-        let idle = [("--save-truth", kind.save_truth.is_some()), ("--truth-time", kind.truth_time.is_some())];
-        if let Some((flag, _)) = idle.into_iter().find(|(_, given)| *given) {
-            return Err(usage(NotRendered { flag }));
+        let unused = [("--save-truth", kind.save_truth.is_some()), ("--truth-time", kind.truth_time.is_some())];
+        if let Some((flag, _)) = unused.into_iter().find(|(_, given)| *given) {
+            return Err(Failure::usage(NotRendered { flag }));
         }
     }
     if let Some((a, b)) = &kind.save_truth {
         [a, b].into_iter().try_for_each(|path| check_reference(path))?;
     }
-    let read = |text: &String| Named::read(text, &arguments.method).map_err(usage);
+    let truth = match &kind.truth {
+        TruthFiles::Auto => Vec::new(),
+        TruthFiles::One(a) => vec![NamedFile::new("the reference", a)],
+        TruthFiles::Two(a, b) => [a, b].map(|path| NamedFile::new("the reference", path)).to_vec(),
+    };
+    check_distinct(&outputs_of(arguments), &truth)?;
+    let read = |text: &String| Named::read(text, &arguments.method).map_err(Failure::usage);
     let named = kind.variants.iter().map(read).collect::<Result<Vec<_>, _>>()?;
     listen("the study");
     let progress = Progress::new(arguments.quiet);
@@ -90,13 +93,13 @@ fn run_in_pool(
     outputs: &Outputs<'_, MethodsFound>,
     progress: &Progress,
 ) -> Result<Exit, Failure> {
-    let scene = load(&arguments.scene, progress)?;
+    let scene = load_checked(arguments, progress)?;
     let (kind, size) = (&arguments.kind, scene.camera().size());
     let variants = variants(arguments, named, &scene);
     let (needed, seeds) = (MethodStudy::bytes(size, variants.len(), kind.seeds), kind.seeds);
     let memory = arguments.scene.memory();
     if let Some(free) = memory.free().filter(|free| needed > *free) {
-        return Err(usage(TooMany { seeds, variants: variants.len(), size, needed, free }));
+        return Err(Failure::usage(TooMany { seeds, variants: variants.len(), size, needed, free }));
     }
     let given = match &kind.truth {
         TruthFiles::Auto => None,
@@ -105,13 +108,13 @@ fn run_in_pool(
     };
     let given = given.transpose().into_diagnostic().map_err(|e| Failure::new(Exit::Input, e))?;
     let algorithms = variants.iter().map(|v| v.algorithm.simulates());
-    let wishes = algorithms.map(|simulates| Plan::new(&scene, simulates, arguments.wish));
-    for (variant, plan) in variants.iter().zip(wishes) {
-        plan::complaints(&plan).for_each(|line| tell(&format!("{line} ({})", variant.label)));
+    let plans = algorithms.map(|simulates| Plan::new(&scene, simulates, arguments.simulate));
+    for (variant, plan) in variants.iter().zip(plans) {
+        plan::warnings(&plan).for_each(|line| tell(&format!("{line} ({})", variant.label)));
     }
     let runs = counted(variants.len(), "method", "methods");
-    let study = MethodStudy::prepare(&scene, variants, kind.seeds).into_diagnostic().map_err(usage)?;
-    check_photons(study.expected(), needed, memory.free()).map_err(usage)?;
+    let study = MethodStudy::prepare(&scene, variants, kind.seeds).into_diagnostic().map_err(Failure::usage)?;
+    check_photons(study.expected(), needed, memory.free()).map_err(Failure::usage)?;
     let Some(references) = given.map_or_else(|| render_truth(arguments, &scene, progress), |given| Ok(Some(given)))?
     else {
         tell("interrupted before anything was measured");
@@ -137,34 +140,37 @@ fn run_in_pool(
     let found = found.into_diagnostic().map_err(|e| Failure::new(Exit::Input, e))?;
     if found.share < UNDISTURBED {
         tell(&format!(
-            "warning: the machine was busy, or the passes too small for its threads: they had {:.0} % of their time",
+            "warning: threads had only {:.0} % of their time: other programs ran, or the passes are too small for the threads",
             100.0 * found.share
         ));
     }
-    conclude(arguments, outputs, progress, &found).map_err(|e| Failure::new(Exit::Output, e))?;
-    Ok(if found.interrupted { Exit::Interrupted } else { Exit::Success })
+    let text =
+        if arguments.json { report::json(&found).map(|json| json + "\n").into_diagnostic() } else { Ok(table(&found)) };
+    let exit = if found.interrupted { Exit::Interrupted } else { Exit::Success };
+    outputs.write(arguments, &found, text, progress, exit)
 }
 
-/// What is compared, in the order of the command line's flags.
+/// The variants to compare, in the order of the flags.
 fn variants(arguments: &StudyArguments, named: Vec<Named>, scene: &Scene) -> Vec<Variant> {
-    let (kind, shared, wishes) = (&arguments.kind, &arguments.method, arguments.wish);
-    let unsaid = kind.methods.is_empty() && kind.variants.is_empty() && kind.knobs.is_none();
-    let methods = if unsaid { methods_for(scene, wishes) } else { kind.methods.clone() };
-    let around = kind.knobs.map(|algorithm| knobs::around(algorithm, shared, wishes, scene)).unwrap_or_default();
+    let (kind, shared, overrides) = (&arguments.kind, &arguments.method, arguments.simulate);
+    let by_default = kind.methods.is_empty() && kind.variants.is_empty() && kind.knobs.is_none();
+    let methods = if by_default { methods_for(scene, overrides) } else { kind.methods.clone() };
+    let around =
+        kind.knobs.map(|algorithm| knobs::variants_around(algorithm, shared, overrides, scene)).unwrap_or_default();
     let plain = methods.into_iter().map(|algorithm| Named::plain(algorithm, shared));
-    plain.chain(named).chain(around).map(|named| named.variant(wishes)).collect()
+    plain.chain(named).chain(around).map(|named| named.variant(overrides)).collect()
 }
 
-/// Renders the references and keeps them where the user asks for that; `None` where that was interrupted.
+/// Renders the references, and writes them to the files of `--save-truth`. `None` if interrupted.
 fn render_truth(arguments: &StudyArguments, scene: &Scene, progress: &Progress) -> Result<Option<References>, Failure> {
     let kind = &arguments.kind;
-    let unsaid = TRUTH_BUDGETS * kind.budget.as_secs_f64();
-    let seconds = kind.truth_time.map_or(unsaid, |time| time.as_secs_f64());
-    let like = settings(&arguments.method, arguments.wish).eye;
-    progress.say(&format!("two references of {seconds:.1} s of processor time each"));
+    let default = TRUTH_BUDGETS * kind.budget.as_secs_f64();
+    let seconds = kind.truth_time.map_or(default, |time| time.as_secs_f64());
+    let like = settings(&arguments.method, arguments.simulate).eye;
+    progress.say(&format!("two references with {seconds:.1} s of processor time each"));
     progress.pass(1, None);
     let rendered = References::render(scene, &like, seconds, &INTERRUPTED, progress, |made, part| {
-        if matches!(progress, Progress::Lines) && made.is_power_of_two() {
+        if progress.has_lines() && made.is_power_of_two() {
             let made = counted(made as usize, "pass", "passes");
             progress.say(&format!("references: {made} of each, {:.0} % of the time", 100.0 * part.min(1.0)));
         }
@@ -172,20 +178,21 @@ fn render_truth(arguments: &StudyArguments, scene: &Scene, progress: &Progress) 
     });
     let rendered = rendered.into_diagnostic().map_err(|e| Failure::new(Exit::Input, e))?;
     if let (Some(references), Some((a, b))) = (&rendered, &kind.save_truth) {
+        let mut failures = OutputFailures::default();
         for (path, picture) in [a, b].into_iter().zip(references.pair()) {
-            write(path, picture, &WriteOptions::default())
-                .into_diagnostic()
-                .map_err(|e| Failure::new(Exit::Output, e))?;
-            progress.say(&format!("wrote {}", path.display()));
+            if failures.keep(write(path, picture, &WriteOptions::default())).is_some() {
+                progress.say(&format!("wrote {}", path.display()));
+            }
         }
+        failures.finish(Exit::Success)?;
     }
     Ok(rendered)
 }
 
-/// What is studied, and the command that repeats it.
+/// The scene of the study, and the command that repeats the study.
 fn subject(arguments: &StudyArguments) -> Subject {
     let (kind, scene) = (&arguments.kind, arguments.scene.scene.display().to_string());
-    // What begins with a dash would be read as a flag.
+    // A name with a leading dash would be parsed as a flag.
     let named = if scene.starts_with('-') { format!("./{scene}") } else { scene.clone() };
     let mut words = ["caustica", "study", &named].map(str::to_owned).to_vec();
     let mut add = |flag: &str, value: Option<String>| {
@@ -210,19 +217,7 @@ fn subject(arguments: &StudyArguments) -> Subject {
     );
     add("--truth-time", kind.truth_time.map(|time| format!("{}s", time.as_secs_f64())));
     add("--seed", Some(arguments.method.seed.to_string()));
-    // Methods are named in place of one integrator.
-    words.extend(flags(&arguments.method, "--wish", arguments.wish).into_iter().skip(2));
+    // The first flag is `--integrator`, which a study of methods does not take.
+    words.extend(flags(&arguments.method, "--simulate", arguments.simulate).into_iter().skip(2));
     Subject { command: in_shell(&words), scene, size: arguments.scene.size }
-}
-
-/// Writes the reports and prints the figures.
-fn conclude(
-    arguments: &StudyArguments,
-    outputs: &Outputs<'_, MethodsFound>,
-    progress: &Progress,
-    found: &MethodsFound,
-) -> miette::Result<()> {
-    outputs.write(arguments, found, progress)?;
-    let text = if arguments.json { report::json(found).into_diagnostic()? + "\n" } else { table(found) };
-    std::io::stdout().write_all(text.as_bytes()).into_diagnostic()
 }

@@ -1,4 +1,4 @@
-//! `caustica study`.
+//! `caustica study`: measurements of effects and of methods.
 
 mod effects;
 mod knobs;

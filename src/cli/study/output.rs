@@ -1,66 +1,88 @@
 //! The files that a study writes.
 
+use crate::cli::outputs::{NamedFile, OutputFailures, check_distinct};
 use crate::cli::progress::Progress;
 use crate::cli::{Exit, Failure, StudyArguments};
 use crate::image::{OutputFormat, check_place, check_writable, replace_file};
-use miette::IntoDiagnostic;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
-/// Makes a report of what was found.
+/// Makes the text of a report from the results of a study.
 pub(super) type Writer<F> = fn(&StudyArguments, &F) -> miette::Result<String>;
 
-/// A report whose name says something else.
+/// A report with an unknown extension.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
-#[error("`{}` does not name a report", path.display())]
+#[error("`{}` has no extension of a report", path.display())]
 #[diagnostic(help("give it the extension {known}"))]
 struct NoReport {
     path: PathBuf,
     known: String,
 }
 
-/// Files with what makes them, checked before any work.
+/// Report files with their writers, checked before any work.
 pub(super) struct Outputs<'a, F>(Vec<(&'a Path, Writer<F>)>);
 
 impl<'a, F> Outputs<'a, F> {
-    /// Looks whether all can be written. `known` holds the extensions, and what makes such a file.
-    pub fn check(paths: &'a [PathBuf], known: &[(&str, Writer<F>)]) -> Result<Self, Failure> {
+    /// Checks that all files of a study can be written. `known` lists the extensions and their writers.
+    pub fn check(arguments: &'a StudyArguments, known: &[(&str, Writer<F>)]) -> Result<Self, Failure> {
         let writer = |path: &'a PathBuf| {
-            let named = |(extension, _): &&(&str, Writer<F>)| {
+            let matches = |(extension, _): &&(&str, Writer<F>)| {
                 path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
             };
-            let found = known.iter().find(named).ok_or_else(|| {
+            let (_, writer) = known.iter().find(matches).ok_or_else(|| {
                 let known = known.iter().map(|(extension, _)| format!(".{extension}")).collect::<Vec<_>>().join(" or ");
                 Failure::new(Exit::Output, NoReport { path: path.clone(), known })
-            });
-            let (_, writer) = found?;
-            check_place(path).into_diagnostic().map_err(|e| Failure::new(Exit::Output, e))?;
+            })?;
+            check_place(path).map_err(Failure::output)?;
             Ok((path.as_path(), *writer))
         };
-        paths.iter().map(writer).collect::<Result<_, _>>().map(Self)
+        let outputs = arguments.output.iter().map(writer).collect::<Result<_, _>>().map(Self)?;
+        check_distinct(&outputs_of(arguments), &[NamedFile::new("the scene file", &arguments.scene.scene)])?;
+        Ok(outputs)
     }
 
-    /// Writes them all.
-    pub fn write(&self, arguments: &StudyArguments, found: &F, progress: &Progress) -> miette::Result<()> {
+    /// Writes all reports, and prints `text` to the standard output. Every output is tried.
+    pub fn write(
+        &self,
+        arguments: &StudyArguments,
+        found: &F,
+        text: miette::Result<String>,
+        progress: &Progress,
+        exit: Exit,
+    ) -> Result<Exit, Failure> {
+        let mut failures = OutputFailures::default();
         for (path, writer) in &self.0 {
-            replace_file(path, writer(arguments, found)?.as_bytes()).into_diagnostic()?;
-            progress.say(&format!("wrote {}", path.display()));
+            let Some(report) = failures.keep_report(writer(arguments, found)) else { continue };
+            if failures.keep(replace_file(path, report.as_bytes())).is_some() {
+                progress.say(&format!("wrote {}", path.display()));
+            }
         }
-        Ok(())
+        if let Some(text) = failures.keep_report(text) {
+            failures.keep(std::io::stdout().write_all(text.as_bytes()));
+        }
+        failures.finish(exit)
     }
 }
 
-/// A picture that is to hold light, but is named as one that cannot.
+/// All files that a study writes.
+pub(super) fn outputs_of(arguments: &StudyArguments) -> Vec<NamedFile> {
+    let reports = arguments.output.iter().map(|path| NamedFile::new("-o", path));
+    let references = arguments.kind.save_truth.iter().flat_map(|(a, b)| [a, b]);
+    reports.chain(references.map(|path| NamedFile::new("--save-truth", path))).collect()
+}
+
+/// A reference whose file format would clip radiance.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
-#[error("`{}` cannot hold a reference, whose light must not be clipped", path.display())]
+#[error("`{}` cannot hold a reference: its format clips radiance", path.display())]
 #[diagnostic(help("give it the extension .exr"))]
 struct NotExr {
     path: PathBuf,
 }
 
-/// Looks whether a reference can be written.
+/// Checks that a reference can be written.
 pub(super) fn check_reference(path: &Path) -> Result<(), Failure> {
     if !matches!(OutputFormat::from_path(path), Ok(OutputFormat::Exr)) {
         return Err(Failure::new(Exit::Output, NotExr { path: path.to_owned() }));
     }
-    check_writable(path).into_diagnostic().map_err(|e| Failure::new(Exit::Output, e))
+    check_writable(path).map_err(Failure::output)
 }

@@ -5,19 +5,19 @@ use crate::study::methods::{Checkpoint, MethodsFound};
 use crate::study::text::percent;
 use std::fmt::Write as _;
 
-/// A table for each method: a row a checkpoint.
+/// A table for each method, with one row per checkpoint.
 pub(super) fn table(found: &MethodsFound) -> String {
     let mut text = format!("truth: {}", found.truth.source);
     if let Some(error) = found.truth.error {
-        let _ = write!(text, "\ntruth: its own noise is {}", percent(error));
+        let _ = write!(text, "\ntruth: noise of the reference {}", percent(error));
     }
-    let _ = writeln!(text, "\n{} seeds each; seconds are of processor time, a seed; - is hidden by noise", found.seeds);
+    let _ = writeln!(text, "\n{} seeds each; seconds of processor time per seed; - means hidden by noise", found.seeds);
     for method in &found.methods {
         let _ = writeln!(text, "\n{}: prepared in {:.2} s", method.label, method.setup);
         let _ = writeln!(
             text,
             "  {:>8} {:>10} {:>9} {:>9} {:>9} {:>7} {:>9}",
-            "passes", "seconds", "error", "noise", "bias", "rate", "gauged"
+            "passes", "seconds", "error", "noise", "bias", "rate", "estimated"
         );
         for (i, checkpoint) in method.checkpoints.iter().enumerate() {
             let before = i.checked_sub(1).map(|before| &method.checkpoints[before]);
@@ -31,7 +31,7 @@ pub(super) fn table(found: &MethodsFound) -> String {
                 root(checkpoint.noise2),
                 root(checkpoint.bias2),
                 rate.map_or(String::new(), |rate| format!("{rate:.2}")),
-                gauged(checkpoint),
+                estimated(checkpoint),
             );
         }
         let _ = writeln!(text, "  {}", verdict(method, fit(method).as_ref(), found.truth.error));
@@ -40,18 +40,18 @@ pub(super) fn table(found: &MethodsFound) -> String {
     text
 }
 
-/// The root of a squared error, unless noise hides it.
+/// The root of a squared error; `-` if noise hides it.
 pub(super) fn root(square: f64) -> String {
     if square > 0.0 { percent(square.sqrt()) } else { "-".to_owned() }
 }
 
-/// The error that the gauges of the seeds tell.
-fn gauged(checkpoint: &Checkpoint) -> String {
+/// Root mean square of the errors that the seeds estimated.
+fn estimated(checkpoint: &Checkpoint) -> String {
     let Checkpoint { gauged, .. } = checkpoint;
     if gauged.is_empty() { String::new() } else { root(gauged.iter().sum::<f64>() / gauged.len() as f64) }
 }
 
-/// The power of time by which the error went from one checkpoint to the next.
+/// Exponent of time by which the error fell between two checkpoints: error ∝ time^rate.
 fn rate(before: &Checkpoint, after: &Checkpoint) -> Option<f64> {
     let error = 0.5 * libm::log(after.square() / before.square());
     let rate = error / libm::log(after.seconds / before.seconds);
@@ -63,9 +63,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rates_are_powers_of_time() {
+    fn rates_are_exponents_of_time() {
         let at = |seconds, square| Checkpoint { seconds, squares: vec![square; 2], ..Checkpoint::default() };
-        // Half the error for four times the time.
+        // A quarter of the squared error after four times the time: half the error.
         assert!((rate(&at(1.0, 0.04), &at(4.0, 0.01)).unwrap() + 0.5).abs() < 1e-12);
         assert_eq!((rate(&at(1.0, 0.04), &at(1.0, 0.01)), rate(&at(1.0, 0.04), &at(4.0, -0.01))), (None, None));
         assert_eq!((root(0.0009), root(-0.1)), ("3.0 %".to_owned(), "-".to_owned()));

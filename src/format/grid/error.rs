@@ -1,5 +1,6 @@
 //! Why a grid could not be read.
 
+use crate::format::problem::{LineError, Problem};
 use crate::stats::bytes;
 use std::path::{Path, PathBuf};
 
@@ -14,18 +15,9 @@ pub enum GridError {
         /// What the system says.
         source: std::io::Error,
     },
-    /// A line that says nothing sound.
-    #[error("{}:{line}: {message}: {remedy}", path.display())]
-    Line {
-        /// The file.
-        path: PathBuf,
-        /// From 1.
-        line: usize,
-        /// What is wrong.
-        message: String,
-        /// What would be right.
-        remedy: &'static str,
-    },
+    /// A line cannot be understood.
+    #[error(transparent)]
+    Line(#[from] LineError),
     /// The numbers are more or fewer than the size tells.
     #[error(
         "{}: {found} bytes follow the empty line, but {} × {} × {} cells of type f32 take {expected}: write the file anew, or \
@@ -72,16 +64,8 @@ pub enum GridError {
     },
 }
 
-/// What is wrong, and what would be right.
-pub(super) type Wrong = (String, &'static str);
-
 impl GridError {
-    pub(super) fn line(path: &Path, line: usize, (message, remedy): Wrong) -> Self {
-        Self::Line { path: path.into(), line, message, remedy }
+    pub(super) fn line(path: &Path, line: usize, problem: Problem) -> Self {
+        Self::Line(LineError::new(path, line, problem))
     }
-}
-
-/// A word of a file, short enough to show.
-pub(super) fn shown(word: &str) -> String {
-    word.escape_debug().take(40).collect()
 }

@@ -15,8 +15,8 @@ mod error;
 mod tests;
 
 pub use error::GridError;
-use error::{Wrong, shown};
 
+use super::problem::{Problem, excerpt};
 use crate::image::open_file;
 use std::fs::File;
 use std::io::{BufReader, BufWriter, Read, Write};
@@ -125,7 +125,7 @@ pub fn write(path: &Path, grid: &Grid, encoding: Encoding) -> std::io::Result<()
 }
 
 /// What stands before the numbers in the first bytes of a file; else the line from 1, and what is wrong with it.
-fn header(start: &[u8]) -> Result<Header, (usize, Wrong)> {
+fn header(start: &[u8]) -> Result<Header, (usize, Problem)> {
     if start.starts_with(b" BDV") {
         return Err((1, ("this is an OpenVDB file".to_owned(), "sample it on a grid, and write that as `type f32`")));
     }
@@ -166,12 +166,12 @@ fn header(start: &[u8]) -> Result<Header, (usize, Wrong)> {
 }
 
 /// The words of a size, and their product.
-fn cells(words: [&str; 3]) -> Result<([u32; 3], usize), Wrong> {
+fn cells(words: [&str; 3]) -> Result<([u32; 3], usize), Problem> {
     let mut size = [0_u32; 3];
     for (side, word) in size.iter_mut().zip(words) {
         let number = word.parse().ok().filter(|n| *n > 0);
         *side = number
-            .ok_or_else(|| (format!("`{}` is no number of cells", shown(word)), "write whole numbers from 1 on"))?;
+            .ok_or_else(|| (format!("`{}` is no number of cells", excerpt(word)), "write whole numbers from 1 on"))?;
     }
     let product = size.iter().try_fold(1_u64, |product, side| product.checked_mul(u64::from(*side)));
     match product.filter(|cells| *cells <= MAX_CELLS) {
@@ -246,7 +246,11 @@ impl Body<'_> {
                 }
                 let text = String::from_utf8_lossy(word);
                 let number = text.parse().map_err(|_| {
-                    wrong(lines, format!("`{}` is no number", shown(&text)), "write numbers, parted by spaces or lines")
+                    wrong(
+                        lines,
+                        format!("`{}` is no number", excerpt(&text)),
+                        "write numbers, parted by spaces or lines",
+                    )
                 })?;
                 values.push(number);
             }

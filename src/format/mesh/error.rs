@@ -1,5 +1,6 @@
 //! Why a mesh could not be read.
 
+use crate::format::problem::{LineError, Problem};
 use crate::image::open_file;
 use crate::stats::bytes;
 use std::io::Read;
@@ -28,18 +29,9 @@ pub enum MeshError {
         /// What the system says.
         source: std::io::Error,
     },
-    /// A line that says nothing sound.
-    #[error("{}:{line}: {message}: {remedy}", path.display())]
-    Line {
-        /// The file.
-        path: PathBuf,
-        /// From 1.
-        line: usize,
-        /// What is wrong.
-        message: String,
-        /// What would be right.
-        remedy: &'static str,
-    },
+    /// A line cannot be understood.
+    #[error(transparent)]
+    Line(#[from] LineError),
     /// A place in a binary file that says nothing sound.
     #[error("{}: byte {byte}, {element}: {message}: {remedy}", path.display())]
     Byte {
@@ -107,12 +99,9 @@ pub enum MeshError {
     },
 }
 
-/// What is wrong, and what would be right.
-pub(in crate::format) type Wrong = (String, &'static str);
-
 impl MeshError {
-    pub(in crate::format) fn line(path: &Path, line: usize, (message, remedy): Wrong) -> Self {
-        Self::Line { path: path.into(), line, message, remedy }
+    pub(in crate::format) fn line(path: &Path, line: usize, problem: Problem) -> Self {
+        Self::Line(LineError::new(path, line, problem))
     }
 }
 
@@ -123,21 +112,16 @@ pub(in crate::format) fn read(path: &Path, free: Option<u64>) -> Result<Vec<u8>,
         _ => MeshError::Unreadable { path: path.into(), source },
     };
     let (mut file, length) = open_file(path).map_err(refused)?;
-    check_room(path, length, free)?;
+    check_memory(path, length, free)?;
     let mut bytes = Vec::new();
     file.read_to_end(&mut bytes).map_err(refused)?;
     Ok(bytes)
 }
 
 /// Checks that `needed` bytes may be taken for a mesh, before they are.
-pub(in crate::format) fn check_room(path: &Path, needed: u64, free: Option<u64>) -> Result<(), MeshError> {
+pub(in crate::format) fn check_memory(path: &Path, needed: u64, free: Option<u64>) -> Result<(), MeshError> {
     match free {
         Some(free) if needed > free => Err(MeshError::Memory { path: path.into(), needed, free }),
         _ => Ok(()),
     }
-}
-
-/// A word of a file, short enough to show.
-pub(in crate::format) fn shown(word: &str) -> String {
-    word.escape_debug().take(40).collect()
 }

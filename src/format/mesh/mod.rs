@@ -7,6 +7,7 @@ mod parts;
 mod repair;
 mod report;
 mod share;
+mod solid;
 #[cfg(test)]
 mod tests;
 mod topology;
@@ -14,13 +15,15 @@ mod weld;
 mod write;
 
 pub use error::MeshError;
-pub(in crate::format) use error::{Wrong, check_room, read, shown};
+pub(in crate::format) use error::{check_memory, read};
 pub use repair::{Repair, Repaired};
 pub use report::MeshReport;
 pub(in crate::format) use share::{Numbers, bits};
+pub use solid::{SOLID_CHECK_BYTES, SolidDefect};
 pub use write::MeshFormat;
 pub(in crate::format) use write::Shortest;
 
+use super::problem::without_bom;
 use super::{obj, ply};
 use glam::{DVec2, DVec3};
 use std::path::Path;
@@ -74,6 +77,8 @@ impl Loaded {
 
 /// Hears how far the reading of meshes is. `()` hears nothing.
 pub trait ReadMonitor: Sync {
+    /// Receives the path of each file that the scene names, before it is read.
+    fn names(&self, _path: &Path) {}
     /// A file of `bytes` bytes is begun.
     fn begin(&self, path: &Path, bytes: u64);
     /// `bytes` more of its bytes are done.
@@ -113,7 +118,8 @@ pub fn load_within(path: &Path, monitor: &dyn ReadMonitor, free: Option<u64>) ->
 pub fn decode(path: &Path, bytes: Vec<u8>, monitor: &dyn ReadMonitor, free: Option<u64>) -> Result<Loaded, MeshError> {
     monitor.begin(path, bytes.len() as u64);
     let named = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("ply"));
-    let loaded = if named || bytes.starts_with(b"ply\n") || bytes.starts_with(b"ply\r") {
+    let text = without_bom(&bytes);
+    let loaded = if named || text.starts_with(b"ply\n") || text.starts_with(b"ply\r") {
         ply::read(path, &bytes, monitor, free)?
     } else {
         obj::read(path, bytes, monitor, free)?
@@ -128,7 +134,7 @@ pub fn decode(path: &Path, bytes: Vec<u8>, monitor: &dyn ReadMonitor, free: Opti
 /// `v` at unit length, or zero where it is too short or long to tell.
 ///
 /// What is of unit length but for rounding stays as it is, so that a normal that was written reads back bit for bit.
-pub(in crate::format) fn unit(v: DVec3) -> DVec3 {
+pub(in crate::format) fn unit_normal(v: DVec3) -> DVec3 {
     let squared = v.length_squared();
     // Normalising errs by 2.5 ulps a component, so by some 5 in the square, and summing it by 3 more.
     if (squared - 1.0).abs() <= 8.0 * f64::EPSILON {

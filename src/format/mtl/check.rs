@@ -1,12 +1,12 @@
 //! The lines of an MTL file that count, proved sound one by one.
 
-use super::super::mesh::{Wrong, shown};
+use super::super::problem::{Problem, excerpt};
 use std::fmt::Write;
 
 const REPAIR: &str = "repair it or export the materials anew";
 
 /// The lines of `text` that count, each in the one form that the reader knows; or the first that is wrong, from 1.
-pub(super) fn sound_lines(text: &str) -> Result<String, (usize, Wrong)> {
+pub(super) fn sound_lines(text: &str) -> Result<String, (usize, Problem)> {
     let mut sound = String::new();
     let mut named = false;
     for (i, line) in text.lines().enumerate() {
@@ -15,7 +15,7 @@ pub(super) fn sound_lines(text: &str) -> Result<String, (usize, Wrong)> {
     Ok(sound)
 }
 
-fn check(line: &str, named: &mut bool, sound: &mut String) -> Result<(), Wrong> {
+fn check(line: &str, named: &mut bool, sound: &mut String) -> Result<(), Problem> {
     let (keyword, rest) = line.split_once(|c: char| c.is_ascii_whitespace()).unwrap_or((line, ""));
     let rest = rest.trim();
     // Writing to a string cannot fail.
@@ -52,7 +52,7 @@ fn check(line: &str, named: &mut bool, sound: &mut String) -> Result<(), Wrong> 
         "illum" => {
             let model = rest.split_ascii_whitespace().next().unwrap_or_default();
             if !model.parse::<u8>().is_ok_and(|model| model <= 10) {
-                return Err((format!("`{}` is no illumination model", shown(model)), "it must be one of 0 to 10"));
+                return Err((format!("`{}` is no illumination model", excerpt(model)), "it must be one of 0 to 10"));
             }
             let _ = writeln!(sound, "illum {model}");
         }
@@ -68,16 +68,16 @@ fn check(line: &str, named: &mut bool, sound: &mut String) -> Result<(), Wrong> 
     Ok(())
 }
 
-fn number(keyword: &str, rest: &str) -> Result<f64, Wrong> {
+fn number(keyword: &str, rest: &str) -> Result<f64, Problem> {
     let word = rest.split_ascii_whitespace().next().unwrap_or_default();
     match word.parse::<f64>() {
         Ok(number) if number.is_finite() => Ok(number),
-        _ => Err((format!("`{}` of `{keyword}` is not a finite number", shown(word)), REPAIR)),
+        _ => Err((format!("`{}` of `{keyword}` is not a finite number", excerpt(word)), REPAIR)),
     }
 }
 
 /// A number that single precision holds.
-fn fitting(keyword: &str, rest: &str) -> Result<f64, Wrong> {
+fn fitting(keyword: &str, rest: &str) -> Result<f64, Problem> {
     match number(keyword, rest)? {
         number if number.abs() <= f64::from(f32::MAX) => Ok(number),
         number => Err((format!("`{keyword}` holds {number:e}"), "single precision holds numbers below 3.4e38")),
@@ -85,7 +85,7 @@ fn fitting(keyword: &str, rest: &str) -> Result<f64, Wrong> {
 }
 
 /// Three numbers, or one that stands for all.
-fn colour(keyword: &str, rest: &str) -> Result<[f64; 3], Wrong> {
+fn colour(keyword: &str, rest: &str) -> Result<[f64; 3], Problem> {
     let words: Vec<&str> = rest.split_ascii_whitespace().take_while(|word| !word.starts_with('#')).collect();
     let numbers = match words[..] {
         [one] => [fitting(keyword, one)?; 3],

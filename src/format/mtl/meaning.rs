@@ -2,7 +2,7 @@
 
 use super::FileMaterial;
 use crate::format::description::{Attenuation, Emission, Material, MaterialKind, Span, Spanned};
-use crate::format::mesh::Wrong;
+use crate::format::problem::Problem;
 use glam::DVec3;
 use std::path::{PathBuf, absolute};
 
@@ -18,7 +18,7 @@ impl FileMaterial {
     ///
     /// # Errors
     /// A message and a remedy where the index of a transparent material is out of range.
-    pub fn meaning(&self) -> Result<Material, Wrong> {
+    pub fn meaning(&self) -> Result<Material, Problem> {
         let model = self.illumination;
         let diffuse = self.diffuse.unwrap_or(DVec3::ONE);
         let specular = self.specular.unwrap_or(DVec3::ZERO);

@@ -8,7 +8,8 @@ mod meaning;
 mod tests;
 mod write;
 
-use super::mesh::{Loaded, MeshError, check_room, read};
+use super::mesh::{Loaded, MeshError, check_memory, read};
+use super::problem::without_bom;
 use glam::DVec3;
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -64,7 +65,7 @@ pub fn load(mesh: &Path, libraries: &[String], free: Option<u64>) -> Result<Vec<
                 MeshError::Missing { path } => MeshError::NoLibrary { path },
                 other => other,
             })?;
-            check_room(&path, PER_BYTE * bytes.len() as u64, free)?;
+            check_memory(&path, PER_BYTE * bytes.len() as u64, free)?;
             materials.extend(decode(&path, &bytes)?);
         }
     }
@@ -93,7 +94,7 @@ pub fn of_mesh(path: &Path, loaded: &Loaded, free: Option<u64>) -> Result<Vec<Fi
 /// # Errors
 /// See [`MeshError`].
 pub fn decode(path: &Path, bytes: &[u8]) -> Result<Vec<FileMaterial>, MeshError> {
-    let sound = check::sound_lines(&String::from_utf8_lossy(bytes))
+    let sound = check::sound_lines(&String::from_utf8_lossy(without_bom(bytes)))
         .map_err(|(line, wrong)| MeshError::line(path, line, wrong))?;
     let malformed = |source| MeshError::Malformed { path: path.into(), source };
     let (materials, _) = tobj::load_mtl_buf(&mut sound.as_bytes()).map_err(malformed)?;

@@ -16,6 +16,11 @@ fn kind(text: &str) -> MaterialKind {
 }
 
 #[test]
+fn a_byte_order_mark_is_skipped() {
+    assert_eq!(read_text("\u{feff}newmtl a\nKd 1 0 0\n").unwrap(), read_text("newmtl a\nKd 1 0 0\n").unwrap());
+}
+
+#[test]
 fn every_known_line_is_read() {
     let text = "Ka 1 1 1\n Kd .1 .2 .3 # red\nKs 0.5\nKe 1 2 3\r\nTf .9 .8 .7\nNs 20\nNi 1.5\nTr .25\nillum 2\n\
                 map_Kd -s 2 2 -o .5 -clamp on pictures\\a b.png\nmap_bump x\nunknown 1\n";

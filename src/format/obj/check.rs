@@ -1,6 +1,7 @@
 //! The lines of an OBJ file that make up its faces, proved sound one by one.
 
-use super::super::mesh::{ReadMonitor, Wrong, shown};
+use super::super::mesh::ReadMonitor;
+use super::super::problem::{Problem, excerpt};
 use rayon::prelude::*;
 use std::borrow::Cow;
 use std::fmt::Write;
@@ -14,7 +15,7 @@ const CHUNK: usize = 1 << 22;
 pub(super) struct LineError {
     /// From 1.
     pub line: usize,
-    pub wrong: Wrong,
+    pub wrong: Problem,
 }
 
 /// The corner of a face: which of position, texture coordinate and normal it names.
@@ -181,7 +182,7 @@ impl<'u> Chunk<'u> {
         Ok(chunk)
     }
 
-    fn line(&mut self, line: &str) -> Result<(), Wrong> {
+    fn line(&mut self, line: &str) -> Result<(), Problem> {
         let line = line.trim_ascii_start();
         let end = line.find(|c: char| c.is_ascii_whitespace()).unwrap_or(line.len());
         let (keyword, rest) = line.split_at(end);
@@ -212,7 +213,7 @@ impl<'u> Chunk<'u> {
         fewest: usize,
         most: usize,
         mut words: impl Iterator<Item = &'w str>,
-    ) -> Result<(), Wrong> {
+    ) -> Result<(), Problem> {
         self.sound.push_str(keyword);
         for k in 0..most {
             let word = match words.next() {
@@ -223,7 +224,10 @@ impl<'u> Chunk<'u> {
                 None => "0",
             };
             if !is_finite(word) {
-                return Err((format!("`{}` is not a finite number", shown(word)), "repair it or export the mesh anew"));
+                return Err((
+                    format!("`{}` is not a finite number", excerpt(word)),
+                    "repair it or export the mesh anew",
+                ));
             }
             self.sound.push(' ');
             self.sound.push_str(word);
@@ -233,7 +237,7 @@ impl<'u> Chunk<'u> {
         Ok(())
     }
 
-    fn face<'w>(&mut self, words: impl Iterator<Item = &'w str>) -> Result<(), Wrong> {
+    fn face<'w>(&mut self, words: impl Iterator<Item = &'w str>) -> Result<(), Problem> {
         let mut corners = 0;
         for word in words {
             let indices = self.corner(word)?;
@@ -251,9 +255,10 @@ impl<'u> Chunk<'u> {
             self.used[indices[0] - 1].store(true, Relaxed);
             self.sound.push_str(if corners == 0 { "f " } else { " " });
             if word.contains('-') {
-                let shown = |index: usize| if index == 0 { String::new() } else { index.to_string() };
+                let index_or_empty = |index: usize| if index == 0 { String::new() } else { index.to_string() };
                 // Writing to a string cannot fail.
-                let _ = write!(self.sound, "{}/{}/{}", indices[0], shown(indices[1]), shown(indices[2]));
+                let _ =
+                    write!(self.sound, "{}/{}/{}", indices[0], index_or_empty(indices[1]), index_or_empty(indices[2]));
             } else {
                 self.sound.push_str(word);
             }
@@ -268,11 +273,11 @@ impl<'u> Chunk<'u> {
     }
 
     /// The lists' numbers from 1 that a corner such as `3/1/2`, `3//2` or `-1` names; 0 for none.
-    fn corner(&self, word: &str) -> Result<[usize; 3], Wrong> {
+    fn corner(&self, word: &str) -> Result<[usize; 3], Problem> {
         let mut indices = [0; 3];
         for (k, part) in word.split('/').enumerate() {
             if k > 2 || (part.is_empty() && k == 0) {
-                let message = format!("`{}` is not a corner of a face", shown(word));
+                let message = format!("`{}` is not a corner of a face", excerpt(word));
                 return Err((message, "write v, v/vt, v//vn or v/vt/vn"));
             }
             if part.is_empty() {
@@ -287,7 +292,7 @@ impl<'u> Chunk<'u> {
             match index {
                 Some(i) if (1..=known).contains(&i) => indices[k] = i,
                 _ => {
-                    let message = format!("`{}` names no {} ({known} stand before it)", shown(word), LISTS[k]);
+                    let message = format!("`{}` names no {} ({known} stand before it)", excerpt(word), LISTS[k]);
                     return Err((message, "indices count from 1, or from -1 backwards"));
                 }
             }

@@ -9,7 +9,7 @@ mod check;
 mod tests;
 mod write;
 
-use super::mesh::{Loaded, MeshError, NO_MATERIAL, ReadMonitor, TriangleMesh, check_room, unit};
+use super::mesh::{Loaded, MeshError, NO_MATERIAL, ReadMonitor, TriangleMesh, check_memory, unit_normal};
 use check::Sound;
 use glam::{DVec2, DVec3};
 use std::collections::HashMap;
@@ -33,12 +33,13 @@ pub(super) fn read(
     // Only comments and names may hold other encodings.
     // The lines that count are copied.
     let length = bytes.len() as u64;
-    check_room(path, length, free)?;
+    check_memory(path, length, free)?;
     let text = String::from_utf8(bytes).unwrap_or_else(|e| String::from_utf8_lossy(e.as_bytes()).into_owned());
-    let sound = check::sound_lines(&text, monitor).map_err(|e| MeshError::line(path, e.line, e.wrong))?;
+    let sound = check::sound_lines(text.strip_prefix('\u{feff}').unwrap_or(&text), monitor)
+        .map_err(|e| MeshError::line(path, e.line, e.wrong))?;
     drop(text);
     // One text of the two is gone, and of that what follows is less.
-    check_room(path, PER_NUMBER * sound.numbers as u64 + PER_CORNER * sound.corners as u64, free)?;
+    check_memory(path, PER_NUMBER * sound.numbers as u64 + PER_CORNER * sound.corners as u64, free)?;
     let malformed = |source| MeshError::Malformed { path: path.into(), source };
     let options = tobj::LoadOptions { single_index: true, triangulate: true, ..Default::default() };
     let no_materials = |_: &Path| Ok(Default::default());
@@ -115,7 +116,7 @@ fn join(models: &[tobj::Model], sound: &Sound) -> Option<TriangleMesh> {
             return None;
         }
         if has_normals {
-            normals.extend(part.normals.as_chunks::<3>().0.iter().map(|n| unit(DVec3::from_array(*n))));
+            normals.extend(part.normals.as_chunks::<3>().0.iter().map(|n| unit_normal(DVec3::from_array(*n))));
             normals.resize(mesh.positions.len(), DVec3::ZERO);
         }
         if has_texcoords {

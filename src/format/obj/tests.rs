@@ -1,5 +1,3 @@
-use std::path::PathBuf;
-
 use super::super::mesh;
 use super::*;
 
@@ -33,6 +31,12 @@ fn polygons_become_fans() {
     assert_eq!(faces("v 0 .5 0 # w\nf 1 2 3 4 5").triangles.len(), 3);
     assert_eq!(faces("f 1 2 \\\r\n 3 4").triangles.len(), 2);
     assert_eq!(faces("f -4 -3 -2"), faces("f 1 2 3"));
+}
+
+#[test]
+fn a_byte_order_mark_is_skipped() {
+    let text = format!("{SQUARE}f 1 2 3 4");
+    assert_eq!(read(&format!("\u{feff}{text}")).unwrap(), read(&text).unwrap());
 }
 
 #[test]
@@ -160,26 +164,6 @@ fn files_are_named_when_they_cannot_be_read() {
     let latin = folder.path().join("latin.obj");
     std::fs::write(&latin, [b"# caf\xe9\n", SQUARE.as_bytes(), b"f 1 2 3"].concat()).unwrap();
     assert_eq!(load(&latin).unwrap().triangles.len(), 1);
-}
-
-#[test]
-fn the_course_meshes_load() {
-    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/course/mesh");
-    if !folder.exists() {
-        eprintln!("skipped: {} is absent", folder.display());
-        return;
-    }
-    // Counts of distinct vertices and of faces by `grep -c`.
-    for (name, vertices, triangles, normals) in [
-        ("cube.obj", 8, 12, false),
-        ("bunny_200.obj", 102, 200, false),
-        ("bunny_1k.obj", 502, 1000, false),
-        ("bunny_1k_vn.obj", 502, 1000, true),
-    ] {
-        let mesh = load(&folder.join(name)).unwrap();
-        assert_eq!((mesh.positions.len(), mesh.triangles.len()), (vertices, triangles), "{name}");
-        assert_eq!(mesh.normals.is_some(), normals, "{name}");
-    }
 }
 
 proptest::proptest! {

@@ -1,6 +1,6 @@
 //! The header of a PLY file: which elements follow, and what each consists of.
 
-use super::super::mesh::{Wrong, shown};
+use super::super::problem::{Problem, excerpt};
 
 /// How the body is written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -12,7 +12,7 @@ pub(super) enum Encoding {
 
 /// The type of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Type {
+pub(super) enum NumberType {
     I8,
     U8,
     I16,
@@ -23,8 +23,8 @@ pub(super) enum Type {
     F64,
 }
 
-impl Type {
-    fn named(name: &str) -> Option<Self> {
+impl NumberType {
+    fn from_name(name: &str) -> Option<Self> {
         Some(match name {
             "char" | "int8" => Self::I8,
             "uchar" | "uint8" => Self::U8,
@@ -48,14 +48,14 @@ impl Type {
         }
     }
 
-    fn is_whole(self) -> bool {
+    fn is_integer(self) -> bool {
         !matches!(self, Self::F32 | Self::F64)
     }
 }
 
 /// What a property means to a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Role {
+pub(super) enum PropertyRole {
     /// A number of a vertex: x, y, z, then the normal's, then the texture coordinates.
     Slot(usize),
     /// The corners of a face.
@@ -66,14 +66,14 @@ pub(super) enum Role {
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Property {
-    pub role: Role,
-    /// Type of the length, for lists.
-    pub list: Option<Type>,
-    pub item: Type,
+    pub role: PropertyRole,
+    /// NumberType of the length, for lists.
+    pub list: Option<NumberType>,
+    pub item: NumberType,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Kind {
+pub(super) enum ElementKind {
     Vertex,
     Face,
     Other,
@@ -81,7 +81,7 @@ pub(super) enum Kind {
 
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Element {
-    pub kind: Kind,
+    pub kind: ElementKind,
     pub name: String,
     pub count: u64,
     pub properties: Vec<Property>,
@@ -100,7 +100,7 @@ pub(super) struct Header {
 }
 
 /// A line from 1 and what is wrong with it.
-pub(super) type LineError = (usize, Wrong);
+pub(super) type LineError = (usize, Problem);
 
 const NOT_PLY: &str = "export it anew as PLY";
 const NAMES: [(&str, usize); 14] = [
@@ -145,14 +145,14 @@ impl Header {
                         Some("binary_little_endian") => Encoding::Little,
                         Some("binary_big_endian") => Encoding::Big,
                         other => {
-                            let message = format!("unknown format `{}`", shown(other.unwrap_or_default()));
+                            let message = format!("unknown format `{}`", excerpt(other.unwrap_or_default()));
                             return wrong(message, "known are ascii, binary_little_endian and binary_big_endian");
                         }
                     });
                 }
                 Some("element") => {
                     let element = element(words, number).map_err(|e| (number, e))?;
-                    if element.kind != Kind::Other && header.elements.iter().any(|e| e.kind == element.kind) {
+                    if element.kind != ElementKind::Other && header.elements.iter().any(|e| e.kind == element.kind) {
                         return wrong(format!("`{}` is declared twice", element.name), NOT_PLY);
                     }
                     header.elements.push(element);
@@ -166,7 +166,7 @@ impl Header {
                 },
                 Some("end_header") => break,
                 Some("ply" | "comment" | "obj_info") | None => {}
-                Some(word) => return wrong(format!("`{}` is no line of a PLY header", shown(word)), NOT_PLY),
+                Some(word) => return wrong(format!("`{}` is no line of a PLY header", excerpt(word)), NOT_PLY),
             }
         }
         let Some(encoding) = encoding else {
@@ -205,7 +205,7 @@ impl Element {
     pub fn least_bytes(&self, encoding: Encoding) -> usize {
         let one = |p: &Property| {
             // A face has three corners at least.
-            let items = if p.role == Role::Corners { 3 } else { 0 };
+            let items = if p.role == PropertyRole::Corners { 3 } else { 0 };
             match encoding {
                 Encoding::Ascii => 2 + 2 * items,
                 _ => p.list.unwrap_or(p.item).size() + items * p.item.size(),
@@ -215,16 +215,16 @@ impl Element {
     }
 
     pub fn has(&self, slot: usize) -> bool {
-        self.properties.iter().any(|p| p.role == Role::Slot(slot))
+        self.properties.iter().any(|p| p.role == PropertyRole::Slot(slot))
     }
 
     fn check(&self) -> Result<(), LineError> {
         let wrong = |message: &str, remedy| Err((self.line, (message.to_owned(), remedy)));
         match self.kind {
-            Kind::Vertex if !(0..3).all(|slot| self.has(slot)) => {
+            ElementKind::Vertex if !(0..3).all(|slot| self.has(slot)) => {
                 wrong("`vertex` lacks one of the properties x, y and z", "export it with positions")
             }
-            Kind::Face if !self.properties.iter().any(|p| p.role == Role::Corners) => {
+            ElementKind::Face if !self.properties.iter().any(|p| p.role == PropertyRole::Corners) => {
                 wrong("`face` has no list `vertex_indices`", "export it with the corners of its faces")
             }
             _ => Ok(()),
@@ -232,24 +232,25 @@ impl Element {
     }
 }
 
-fn element<'w>(mut words: impl Iterator<Item = &'w str>, line: usize) -> Result<Element, Wrong> {
+fn element<'w>(mut words: impl Iterator<Item = &'w str>, line: usize) -> Result<Element, Problem> {
     let (name, count) = (words.next().unwrap_or_default(), words.next().unwrap_or_default());
     let Ok(count) = count.parse::<u64>() else {
-        return Err((format!("`{}` is no count of elements", shown(count)), "write `element name count`"));
+        return Err((format!("`{}` is no count of elements", excerpt(count)), "write `element name count`"));
     };
     let kind = match name {
-        "vertex" => Kind::Vertex,
-        "face" => Kind::Face,
-        _ => Kind::Other,
+        "vertex" => ElementKind::Vertex,
+        "face" => ElementKind::Face,
+        _ => ElementKind::Other,
     };
-    Ok(Element { kind, name: shown(name), count, properties: Vec::new(), line })
+    Ok(Element { kind, name: excerpt(name), count, properties: Vec::new(), line })
 }
 
-fn property<'w>(mut words: impl Iterator<Item = &'w str>, kind: Kind) -> Result<Property, Wrong> {
+fn property<'w>(mut words: impl Iterator<Item = &'w str>, kind: ElementKind) -> Result<Property, Problem> {
     let mut next = || words.next().unwrap_or_default();
     let known = |name: &str| {
-        let message = || format!("`{}` is no type of a number", shown(name));
-        Type::named(name).ok_or_else(|| (message(), "known are char to uint, int8 to uint32, float and double"))
+        let message = || format!("`{}` is no type of a number", excerpt(name));
+        NumberType::from_name(name)
+            .ok_or_else(|| (message(), "known are char to uint, int8 to uint32, float and double"))
     };
     let first = next();
     let (list, item) = match first {
@@ -257,22 +258,23 @@ fn property<'w>(mut words: impl Iterator<Item = &'w str>, kind: Kind) -> Result<
         name => (None, known(name)?),
     };
     let name = next();
-    if list.is_some_and(|count| !count.is_whole()) {
-        let message = format!("the length of the list `{}` is not a whole number", shown(name));
+    if list.is_some_and(|count| !count.is_integer()) {
+        let message = format!("the length of the list `{}` is not a whole number", excerpt(name));
         return Err((message, "give it an integer type, such as uchar"));
     }
     let role = match (kind, name, list) {
-        (Kind::Vertex, _, None) => {
-            NAMES.iter().find(|(known, _)| *known == name).map_or(Role::Other, |(_, slot)| Role::Slot(*slot))
-        }
-        (Kind::Face, "vertex_indices" | "vertex_index", Some(_)) => {
-            if !item.is_whole() {
+        (ElementKind::Vertex, _, None) => NAMES
+            .iter()
+            .find(|(known, _)| *known == name)
+            .map_or(PropertyRole::Other, |(_, slot)| PropertyRole::Slot(*slot)),
+        (ElementKind::Face, "vertex_indices" | "vertex_index", Some(_)) => {
+            if !item.is_integer() {
                 let message = format!("the indices `{name}` are not whole numbers");
                 return Err((message, "give them an integer type, such as int"));
             }
-            Role::Corners
+            PropertyRole::Corners
         }
-        _ => Role::Other,
+        _ => PropertyRole::Other,
     };
     Ok(Property { role, list, item })
 }

@@ -1,173 +1,182 @@
-//! Triangle meshes from and to PLY files (Turk 1994, "The PLY Polygon File Format"), in text and in both binary forms.
+//! Triangle meshes from and to PLY files (Turk 1994, "The PLY Polygon File Format").
+//!
+//! The text form and both binary forms are read.
 
-mod body;
 mod header;
+mod numbers;
 #[cfg(test)]
 mod tests;
 mod write;
 
-use super::mesh::{Loaded, MeshError, ReadMonitor, Wrong, check_room, unit};
-use body::{Ascii, Binary, Body};
+use super::mesh::{Loaded, MeshError, ReadMonitor, check_memory, unit_normal};
+use super::problem::{Problem, without_bom};
 use glam::{DVec2, DVec3};
-use header::{Element, Encoding, Header, Kind, Role};
+use header::{Element, ElementKind, Encoding, Header, NumberType, PropertyRole};
+use numbers::{BinaryReader, NumberReader, TextReader};
 use std::path::Path;
 pub(super) use write::write;
 
-/// Bytes that a vertex takes while vertices are made one: where it is, its normal and texture coordinates (64), that again as it is
-/// rewritten, its flag (1), its new number (4) and its place in a table (20).
+/// Bytes that a vertex takes while equal vertices are merged: position, normal and texture
+/// coordinates (64), a rewritten copy of these, its flag (1), its new index (4), a hash entry (20).
 const PER_VERTEX: u64 = 160;
 
-/// Bytes that a triangle takes, and the slack of growing lists.
+/// Bytes that a triangle takes, with the slack of growing lists.
 const PER_TRIANGLE: u64 = 24;
 
-/// Bytes that a corner of the face takes that is being read, with the same slack.
+/// Bytes that a corner of the current face takes, with the slack of growing lists.
 const PER_CORNER: u64 = 8;
 
-/// Elements between two words to the monitor.
+/// Elements between two reports to the monitor.
 const STRIDE: u64 = 1 << 16;
 
-/// The triangles of a PLY file. Elements and properties that mean nothing here are passed over.
+/// Reads the triangles of a PLY file; elements and properties without a meaning for meshes are skipped.
 pub(super) fn read(
     path: &Path,
     bytes: &[u8],
     monitor: &dyn ReadMonitor,
     free: Option<u64>,
 ) -> Result<Loaded, MeshError> {
-    let header = Header::parse(bytes).map_err(|(line, wrong)| MeshError::line(path, line, wrong))?;
+    let bytes = without_bom(bytes);
+    let header = Header::parse(bytes).map_err(|(line, problem)| MeshError::line(path, line, problem))?;
     let count = |kind| header.elements.iter().find(|e| e.kind == kind).map_or(0, |e| e.count);
-    if count(Kind::Vertex) > i32::MAX as u64 {
+    if count(ElementKind::Vertex) > i32::MAX as u64 {
         return Err(MeshError::TooLarge { path: path.into() });
     }
-    // What the header tells fits into the file, so the products do not overflow.
-    check_room(path, PER_VERTEX * count(Kind::Vertex) + PER_TRIANGLE * count(Kind::Face), free)?;
-    let mut reading =
-        Reading { loaded: Loaded::default(), used: Vec::new(), vertices: count(Kind::Vertex), monitor, free };
+    // The file can hold the header's counts, so the products do not overflow.
+    let needed = PER_VERTEX * count(ElementKind::Vertex) + PER_TRIANGLE * count(ElementKind::Face);
+    check_memory(path, needed, free)?;
+    let mut reader =
+        MeshReader { loaded: Loaded::default(), used: Vec::new(), vertices: count(ElementKind::Vertex), monitor, free };
+    let offset = header.bytes;
     match header.encoding {
         Encoding::Ascii => {
-            let body = Ascii { bytes, at: header.bytes, line: header.lines + 1 };
-            reading.elements(&header, body).map_err(|fault| fault.at_line(path))?;
+            let numbers = TextReader { bytes, offset, line: header.lines + 1 };
+            reader.elements(&header, numbers).map_err(|e| e.at_line(path))?;
         }
         Encoding::Little => {
-            let body = Binary::<false> { bytes, at: header.bytes };
-            reading.elements(&header, body).map_err(|fault| fault.at_byte(path))?;
+            let numbers = BinaryReader::<false> { bytes, offset };
+            reader.elements(&header, numbers).map_err(|e| e.at_byte(path))?;
         }
         Encoding::Big => {
-            let body = Binary::<true> { bytes, at: header.bytes };
-            reading.elements(&header, body).map_err(|fault| fault.at_byte(path))?;
+            let numbers = BinaryReader::<true> { bytes, offset };
+            reader.elements(&header, numbers).map_err(|e| e.at_byte(path))?;
         }
     }
-    let Reading { mut loaded, used, .. } = reading;
+    let MeshReader { mut loaded, used, .. } = reader;
     loaded.vertices = used.len();
     loaded.isolated = used.iter().filter(|used| !**used).count();
     loaded.mesh.share();
     Ok(loaded)
 }
 
-/// What is wrong with an element.
-struct Fault {
-    place: usize,
+/// Failure to read one element, with its position in the file.
+struct ElementError {
+    /// Line in text, byte offset in binary files.
+    position: usize,
+    /// Name and index of the element, such as `face 12`.
     element: String,
-    stop: Stop,
+    cause: Cause,
 }
 
-/// Why an element is not read.
-enum Stop {
-    Wrong(Wrong),
-    /// With it, the mesh takes so many bytes of those that are free.
+/// Cause of an [`ElementError`].
+enum Cause {
+    Malformed(Problem),
+    /// The mesh would need `needed` bytes, and `free` are available.
     Memory {
         needed: u64,
         free: u64,
     },
 }
 
-impl From<Wrong> for Stop {
-    fn from(wrong: Wrong) -> Self {
-        Self::Wrong(wrong)
+impl From<Problem> for Cause {
+    fn from(problem: Problem) -> Self {
+        Self::Malformed(problem)
     }
 }
 
-impl Fault {
+impl ElementError {
     fn at_line(self, path: &Path) -> MeshError {
-        match self.stop {
-            Stop::Wrong(wrong) => MeshError::line(path, self.place, wrong),
-            Stop::Memory { needed, free } => MeshError::Memory { path: path.into(), needed, free },
+        match self.cause {
+            Cause::Malformed(problem) => MeshError::line(path, self.position, problem),
+            Cause::Memory { needed, free } => MeshError::Memory { path: path.into(), needed, free },
         }
     }
 
     fn at_byte(self, path: &Path) -> MeshError {
-        match self.stop {
-            Stop::Wrong((message, remedy)) => {
-                MeshError::Byte { path: path.into(), byte: self.place, element: self.element, message, remedy }
+        match self.cause {
+            Cause::Malformed((message, remedy)) => {
+                MeshError::Byte { path: path.into(), byte: self.position, element: self.element, message, remedy }
             }
-            Stop::Memory { needed, free } => MeshError::Memory { path: path.into(), needed, free },
+            Cause::Memory { needed, free } => MeshError::Memory { path: path.into(), needed, free },
         }
     }
 }
 
-struct Reading<'m> {
+/// A mesh while its file is read.
+struct MeshReader<'m> {
     loaded: Loaded,
-    /// Whether a face uses the vertex.
+    /// True for vertices that a face uses.
     used: Vec<bool>,
-    /// How many the header tells of.
+    /// Number of vertices that the header declares.
     vertices: u64,
     monitor: &'m dyn ReadMonitor,
-    /// Bytes of memory that it may take.
+    /// Bytes of memory that the mesh may take.
     free: Option<u64>,
 }
 
-impl Reading<'_> {
-    fn elements<B: Body>(&mut self, header: &Header, mut body: B) -> Result<(), Fault> {
-        // A vertex takes a byte of the file at least: the header has been checked for that.
+impl MeshReader<'_> {
+    fn elements<R: NumberReader>(&mut self, header: &Header, mut numbers: R) -> Result<(), ElementError> {
+        // The header check has found at least one byte of the file per vertex.
         self.used = vec![false; self.vertices as usize];
-        let mut told = 0;
+        let mut reported = 0;
         for element in header.elements.iter().filter(|e| !e.properties.is_empty()) {
             let mut corners = Vec::new();
             self.reserve(element);
             for i in 0..element.count {
-                let place = body.place();
+                let start = numbers.position();
                 let read = match element.kind {
-                    Kind::Vertex => self.vertex(element, &mut body).map_err(Stop::from),
-                    Kind::Face => self.face(element, &mut body, &mut corners),
-                    Kind::Other => skip(element, &mut body).map_err(Stop::from),
+                    ElementKind::Vertex => self.vertex(element, &mut numbers).map_err(Cause::from),
+                    ElementKind::Face => self.face(element, &mut numbers, &mut corners),
+                    ElementKind::Other => skip_element(element, &mut numbers).map_err(Cause::from),
                 };
-                read.map_err(|stop| Fault {
-                    // A line is known at its last word, a byte is that of the element's beginning.
-                    place: if header.encoding == Encoding::Ascii { body.place() } else { place },
+                read.map_err(|cause| ElementError {
+                    // Text errors name the line of the last word, binary errors the element's first byte.
+                    position: if header.encoding == Encoding::Ascii { numbers.position() } else { start },
                     element: format!("{} {i}", element.name),
-                    stop,
+                    cause,
                 })?;
                 if i % STRIDE == STRIDE - 1 {
-                    self.monitor.advance((body.bytes() - told) as u64);
-                    told = body.bytes();
+                    self.monitor.advance((numbers.bytes_read() - reported) as u64);
+                    reported = numbers.bytes_read();
                 }
             }
         }
         Ok(())
     }
 
-    /// Takes memory for as many as the file has been found to have room for.
+    /// Reserves memory for the element's count, which the header check has found plausible.
     fn reserve(&mut self, element: &Element) {
         let mesh = &mut self.loaded.mesh;
         let n = element.count as usize;
         match element.kind {
-            Kind::Vertex => {
+            ElementKind::Vertex => {
                 mesh.positions.reserve_exact(n);
                 mesh.normals = (3..6).all(|slot| element.has(slot)).then(|| Vec::with_capacity(n));
                 mesh.texcoords = (6..8).all(|slot| element.has(slot)).then(|| Vec::with_capacity(n));
             }
-            Kind::Face => mesh.triangles.reserve(n),
-            Kind::Other => {}
+            ElementKind::Face => mesh.triangles.reserve(n),
+            ElementKind::Other => {}
         }
     }
 
     #[inline]
-    fn vertex<B: Body>(&mut self, element: &Element, body: &mut B) -> Result<(), Wrong> {
+    fn vertex<R: NumberReader>(&mut self, element: &Element, numbers: &mut R) -> Result<(), Problem> {
         let mut slots = [0.0; 8];
         for property in &element.properties {
             match (property.role, property.list) {
-                (_, Some(length)) => skip_list(body, length, property.item)?,
-                (Role::Slot(slot), None) => {
-                    let number = body.number(property.item)?;
+                (_, Some(length)) => skip_list(numbers, length, property.item)?,
+                (PropertyRole::Slot(slot), None) => {
+                    let number = numbers.number(property.item)?;
                     if !number.is_finite() {
                         let names = ["x", "y", "z", "nx", "ny", "nz", "s", "t"];
                         let message = format!("`{}` is {number}", names[slot]);
@@ -175,43 +184,49 @@ impl Reading<'_> {
                     }
                     slots[slot] = number;
                 }
-                _ => {
-                    body.number(property.item)?;
+                (PropertyRole::Corners | PropertyRole::Other, None) => {
+                    numbers.number(property.item)?;
                 }
             }
         }
         let [x, y, z, nx, ny, nz, s, t] = slots;
         let mesh = &mut self.loaded.mesh;
         mesh.positions.push(DVec3::new(x, y, z));
-        mesh.normals.iter_mut().for_each(|list| list.push(unit(DVec3::new(nx, ny, nz))));
+        mesh.normals.iter_mut().for_each(|list| list.push(unit_normal(DVec3::new(nx, ny, nz))));
         mesh.texcoords.iter_mut().for_each(|list| list.push(DVec2::new(s, t)));
         Ok(())
     }
 
-    /// Checks that there is room for a face of so many corners, each of which but two is a triangle.
+    /// Checks the memory for a face of `n` corners, which becomes `n − 2` triangles.
     #[inline]
-    fn check_corners(&self, n: u64) -> Result<(), Stop> {
+    fn check_corners(&self, n: u64) -> Result<(), Cause> {
         let triangles = self.loaded.mesh.triangles.len() as u64 + n - 2;
         let needed = PER_VERTEX * self.vertices + PER_TRIANGLE * triangles + PER_CORNER * n;
         match self.free {
-            Some(free) if needed > free => Err(Stop::Memory { needed, free }),
+            Some(free) if needed > free => Err(Cause::Memory { needed, free }),
             _ => Ok(()),
         }
     }
 
     #[inline]
-    fn face<B: Body>(&mut self, element: &Element, body: &mut B, corners: &mut Vec<u32>) -> Result<(), Stop> {
+    fn face<R: NumberReader>(
+        &mut self,
+        element: &Element,
+        numbers: &mut R,
+        corners: &mut Vec<u32>,
+    ) -> Result<(), Cause> {
         for property in &element.properties {
             match (property.role, property.list) {
-                (Role::Corners, Some(length)) => {
+                (PropertyRole::Corners, Some(length)) => {
                     corners.clear();
-                    let n = body.whole(length)?;
+                    let n = numbers.integer(length)?;
                     if n < 3 {
                         return Err((format!("a face with {n} corners"), "a face needs at least 3").into());
                     }
+                    check_list(numbers, n as u64, property.item)?;
                     self.check_corners(n as u64)?;
                     for _ in 0..n {
-                        let index = body.whole(property.item)?;
+                        let index = numbers.integer(property.item)?;
                         if u64::try_from(index).is_ok_and(|index| index < self.vertices) {
                             corners.push(index as u32);
                             self.used[index as usize] = true;
@@ -223,9 +238,11 @@ impl Reading<'_> {
                     let fan = corners[1..].windows(2).map(|pair| [corners[0], pair[0], pair[1]]);
                     self.loaded.mesh.triangles.extend(fan);
                 }
-                (_, Some(length)) => skip_list(body, length, property.item)?,
+                (PropertyRole::Slot(_) | PropertyRole::Other, Some(length)) => {
+                    skip_list(numbers, length, property.item)?;
+                }
                 (_, None) => {
-                    body.number(property.item)?;
+                    numbers.number(property.item)?;
                 }
             }
         }
@@ -233,25 +250,37 @@ impl Reading<'_> {
     }
 }
 
-fn skip<B: Body>(element: &Element, body: &mut B) -> Result<(), Wrong> {
+fn skip_element<R: NumberReader>(element: &Element, numbers: &mut R) -> Result<(), Problem> {
     for property in &element.properties {
         match property.list {
-            Some(length) => skip_list(body, length, property.item)?,
+            Some(length) => skip_list(numbers, length, property.item)?,
             None => {
-                body.number(property.item)?;
+                numbers.number(property.item)?;
             }
         }
     }
     Ok(())
 }
 
-fn skip_list<B: Body>(body: &mut B, length: header::Type, item: header::Type) -> Result<(), Wrong> {
-    let n = body.whole(length)?;
+fn skip_list<R: NumberReader>(numbers: &mut R, length: NumberType, item: NumberType) -> Result<(), Problem> {
+    let n = numbers.integer(length)?;
     if n < 0 {
         return Err((format!("a list of {n} entries"), "the length of a list is at least 0"));
     }
+    check_list(numbers, n as u64, item)?;
     for _ in 0..n {
-        body.number(item)?;
+        numbers.number(item)?;
+    }
+    Ok(())
+}
+
+/// Refuses a list of `n` entries that the rest of the file cannot hold, before it takes any memory.
+#[inline]
+fn check_list<R: NumberReader>(numbers: &R, n: u64, item: NumberType) -> Result<(), Problem> {
+    let most = numbers.capacity(item);
+    if n > most {
+        let message = format!("a list of {n} entries, but the rest of the file holds at most {most}");
+        return Err((message, "the file is cut short, or the length is wrong"));
     }
     Ok(())
 }

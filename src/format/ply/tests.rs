@@ -176,7 +176,7 @@ fn counts_are_not_believed() {
         let header = format!("{start}property list {count} int vertex_indices\nend_header\n");
         [header.as_bytes(), &[0; 12], &[n; 4], &[0; 40]].concat()
     };
-    refused(&listed("uint", 0xff), "the file ends here: the file is cut short");
+    refused(&listed("uint", 0xff), "face 0: a list of 4294967295 entries, but the rest of the file holds at most 10");
     refused(&listed("int", 0xff), "face 0: a face with -1 corners");
     refused(&listed("char", 0xff), "a face with -1 corners");
     refused(&listed("uchar", 2), "a face with 2 corners");
@@ -210,6 +210,32 @@ fn bodies_that_cannot_be_are_named_by_place() {
     refused(&binary(f32::NAN, 0), &format!("a.ply: byte {start}, vertex 0: `x` is NaN"));
     refused(&binary(1.0, 1), &format!("a.ply: byte {}, face 0: there is no vertex 1", start + 12));
     refused(&binary(1.0, -1), "there is no vertex -1");
+}
+
+#[test]
+fn lists_longer_than_the_file_are_malformed() {
+    // Malformed, not short of memory, whatever the memory.
+    let text = format!("{}{SQUARE}4000000000 0 1 2\n", header("ascii", 4, 1).replace("uchar int", "uint int"));
+    let error = read(Path::new("a.ply"), text.as_bytes(), &(), Some(100_000)).unwrap_err().to_string();
+    assert!(error.contains("a list of 4000000000 entries") && error.contains("cut short"), "{error}");
+    let skipped = "property list uint float weights\n";
+    let text = format!("ply\nformat ascii 1.0\nelement vertex 1\n{VERTEX}{skipped}end_header\n0 0 0 9 1 1\n");
+    refused(text.as_bytes(), "a list of 9 entries");
+}
+
+#[test]
+fn byte_order_marks_are_skipped() {
+    for encoding in ["ascii", "binary_little_endian"] {
+        let body: &[u8] = if encoding == "ascii" { b"0 0 0 1 0 0 0 1 0 3 0 1 2" } else { &[3; 49] };
+        let plain = [header(encoding, 3, 1).as_bytes(), body].concat();
+        let marked = [b"\xef\xbb\xbf".as_slice(), &plain].concat();
+        let decoded = |bytes: &[u8]| super::super::mesh::decode(Path::new("a"), bytes.to_vec(), &(), None);
+        if encoding == "ascii" {
+            assert_eq!(decoded(&marked).unwrap(), decoded(&plain).unwrap());
+        } else {
+            assert_eq!(decoded(&marked).unwrap_err().to_string(), decoded(&plain).unwrap_err().to_string());
+        }
+    }
 }
 
 #[test]

@@ -7,7 +7,7 @@ use crate::format::description::{
     AreaStrength, DirectionalStrength, EnvironmentRadiance, Light, Map, PointStrength, Span, Spanned,
 };
 use crate::image::Meaning;
-use crate::light::Environment;
+use crate::light::EnvironmentLight;
 use crate::math::Motion;
 use crate::scene::{LightStrength, Material, SourceKind};
 use crate::shape::{Disc, Rectangle, Shape, Sphere};
@@ -70,14 +70,14 @@ impl Resolver<'_> {
         Ok(())
     }
 
-    fn environment(&self, described: &EnvironmentRadiance, span: Span) -> Result<Environment, SceneError> {
+    fn environment(&self, described: &EnvironmentRadiance, span: Span) -> Result<EnvironmentLight, SceneError> {
         match described {
-            EnvironmentRadiance::Constant(radiance) => Environment::constant(rgb(*radiance))
+            EnvironmentRadiance::Constant(radiance) => EnvironmentLight::constant(rgb(*radiance))
                 .map_err(|e| self.refuse(span, &e.to_string(), "give a radiance that single precision can hold")),
             EnvironmentRadiance::Picture { path, scale, rotate } => {
                 let file = self.file("picture", path)?;
                 let map = self.read_picture(path, &file, Meaning::Light)?;
-                Environment::new(map, rotate.to_radians(), Rgb::splat(*scale as f32))
+                EnvironmentLight::new(map, rotate.to_radians(), Rgb::splat(*scale as f32))
                     .map_err(|e| self.bad_file(path, &e, "mend the picture, or scale it less"))
             }
         }

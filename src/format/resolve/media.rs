@@ -6,7 +6,7 @@ use crate::format::description::{
     self, Coefficients, Density, Extent, Light, Map, Material, MaterialKind, Medium as Described, Span, Spanned,
 };
 use crate::format::{SceneError, grid};
-use crate::medium::{Cloud, GridDensity, GridDensityError, Medium, Phase};
+use crate::medium::{Cloud, GridDensity, GridDensityError, Medium, PhaseFunction};
 use crate::scene::{self, Scattering};
 use crate::stats::bytes;
 use glam::{DAffine3, DVec3};
@@ -31,9 +31,9 @@ impl Resolver<'_> {
             Coefficients::Whole { extinction, albedo } => (extinction * (1.0 - albedo), extinction * albedo),
         };
         let phase = match described.phase {
-            description::Phase::Isotropic => Phase::Isotropic,
-            description::Phase::Rayleigh => Phase::Rayleigh,
-            description::Phase::HenyeyGreenstein(g) => Phase::HenyeyGreenstein(g as f32),
+            description::Phase::Isotropic => PhaseFunction::Isotropic,
+            description::Phase::Rayleigh => PhaseFunction::Rayleigh,
+            description::Phase::HenyeyGreenstein(g) => PhaseFunction::HenyeyGreenstein(g as f32),
         };
         let (absorption, scattering, emission) = (rgb(absorption), rgb(scattering), rgb(described.emission));
         Ok(match self.field(described)? {

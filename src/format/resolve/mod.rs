@@ -187,7 +187,8 @@ impl Resolver<'_> {
     /// Where the file of a path is; `kind` says what it is taken for.
     fn file(&self, kind: &str, path: &Spanned<String>) -> Result<PathBuf, SceneError> {
         let written = Path::new(&path.value);
-        places(self.folder, written).find(|p| p.is_file()).ok_or_else(|| {
+        let found = places(self.folder, written).find(|p| p.is_file()).inspect(|file| self.monitor.names(file));
+        found.ok_or_else(|| {
             let places: Vec<String> = places(self.folder, written).map(|p| format!("`{}`", p.display())).collect();
             let message = format!("the {kind} `{}` does not exist", path.value);
             self.bad_file(path, &message, &format!("put the file at {}", places.join(" or ")))

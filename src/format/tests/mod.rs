@@ -5,35 +5,11 @@ mod refraction;
 mod strategies;
 mod values;
 
-use std::path::PathBuf;
-
 use proptest::collection::vec;
 use proptest::prelude::*;
 
 use super::parse;
 use strategies::description;
-
-#[test]
-fn course_scenes_parse_and_print_back() {
-    let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/course/testcases");
-    let Ok(entries) = std::fs::read_dir(&folder) else {
-        eprintln!("skipped: {} is absent", folder.display());
-        return;
-    };
-    let mut scenes = 0;
-    for entry in entries {
-        let path = entry.unwrap().path();
-        let text = std::fs::read_to_string(&path).unwrap();
-        let name = path.display().to_string();
-        for text in [text.clone(), text.replace('\n', "\r\n"), text.replace(char::is_whitespace, "\t")] {
-            let d = parse(&name, &text).unwrap();
-            assert_eq!(parse("again", &d.to_string()).unwrap(), d, "{name}");
-            assert!(!d.lights.is_empty() && !d.root.items.is_empty());
-        }
-        scenes += 1;
-    }
-    assert_eq!(scenes, 10);
-}
 
 #[test]
 fn the_reference_holds_whole_scenes() {

@@ -5,7 +5,7 @@ use crate::color::Rgb;
 use crate::integrate::film::Worker;
 use crate::integrate::policy::{Continuation, PhotonLookups};
 use crate::integrate::vertex::{MediumVertex, PathHistory, PrevVertex};
-use crate::medium::Phase;
+use crate::medium::PhaseFunction;
 use crate::sampling::Dimension;
 use crate::scene::{Interior, MediumSegment, PathEvent};
 use glam::DVec3;
@@ -19,10 +19,10 @@ pub(super) fn next_vertex<'a, I: Interior>(
     path: &mut PathState<I>,
     worker: &mut Worker,
     radiance: &mut Rgb,
-) -> (PathEvent<'a>, Phase) {
+) -> (PathEvent<'a>, PhaseFunction) {
     let mut rng = path.sampler.key().medium_tracking(paths.pass).rng();
     let mut path_ray = path.path_ray;
-    let mut phase = Phase::Isotropic;
+    let mut phase = PhaseFunction::Isotropic;
     let mut weight = DVec3::ONE;
     let event = path_ray.next_vertex(paths.scene, path.sampler.key(), |segment| {
         phase = segment.medium.phase;
@@ -54,7 +54,7 @@ fn cross_medium<I: Interior>(
         *radiance += throughput * medium.emitted(ray, ray.t_max, rng);
     }
     if !medium.scatters() {
-        *weight *= medium.dimming(ray, ray.t_max, rng);
+        *weight *= medium.transmittance_f64(ray, ray.t_max, rng);
         return None;
     }
 
@@ -76,7 +76,7 @@ fn cross_medium<I: Interior>(
         *weight *= distance_sample.weight.as_dvec3();
         return distance_sample.scattered;
     }
-    *weight *= medium.dimming(ray, ray.t_max, rng);
+    *weight *= medium.transmittance_f64(ray, ray.t_max, rng);
     None
 }
 
@@ -99,7 +99,7 @@ fn photon_radiance<I: Interior>(
 }
 
 /// Continues `path` from a scattering event in a sampled direction; false if Russian roulette ends it.
-pub(super) fn scatter<I: Interior>(path: &mut PathState<I>, phase: Phase) -> bool {
+pub(super) fn scatter<I: Interior>(path: &mut PathState<I>, phase: PhaseFunction) -> bool {
     let mut next = *path;
     let (direction, pdf) = phase.sample(next.path_ray.ray.direction, path.sampler.get_2d(Dimension::Phase));
     next.path_ray.turn(direction);

@@ -6,7 +6,7 @@ use crate::integrate::film::Worker;
 use crate::integrate::vertex::MediumVertex;
 use crate::light::ShadowTarget;
 use crate::math::Ray;
-use crate::medium::Flight;
+use crate::medium::DistanceSample;
 use crate::plan::Effect;
 use crate::sampling::{Dimension, Sampler};
 use crate::scene::{Interior, MediumSegment};
@@ -27,7 +27,7 @@ impl NextEventEstimator<'_> {
     pub fn estimate_in_medium<I: Interior>(
         &self,
         vertex: &MediumVertex<'_, I>,
-        distance_sample: &Flight,
+        distance_sample: &DistanceSample,
         continues: bool,
         worker: &mut Worker,
     ) -> Rgb {
@@ -40,11 +40,11 @@ impl NextEventEstimator<'_> {
         match (self.scheme(vertex.history), &self.light_sampler) {
             (RayScheme::All(rays), _) => {
                 for (i, light) in self.lights.iter().enumerate() {
-                    let rays = if light.has_surface() && !self.centers { rays } else { 1 };
+                    let rays = if !light.is_delta() && !self.centers { rays } else { 1 };
                     let sampler = vertex.shadow_sampler.light(i);
                     for ray in 0..rays {
                         let sampler = sampler.split(ray, rays);
-                        let pivot = light.start().filter(|_| segment.medium.is_homogeneous());
+                        let pivot = light.emission_point().filter(|_| segment.medium.is_homogeneous());
                         let point = pivot.map_or_else(path_point, |pivot| sample_near(vertex, pivot, sampler));
                         if let Some(point) = point {
                             sum +=
@@ -58,7 +58,7 @@ impl NextEventEstimator<'_> {
                 let start = vertex.shadow_sampler.get_1d(Dimension::Light);
                 for i in 0..rays {
                     let u = stratum(i, start, rays);
-                    let Some((light, probability, _)) = light_sampler.choose(point.p, None, u) else { continue };
+                    let Some((light, probability, _)) = light_sampler.sample(point.p, None, u) else { continue };
                     let sampler = vertex.shadow_sampler.light(i as usize);
                     let rays = probability * rays as f32;
                     sum += self.shadow_ray_in_medium(&point, light, vertex, sampler, rays, continues, worker);
@@ -83,10 +83,10 @@ impl NextEventEstimator<'_> {
     ) -> Rgb {
         let segment = vertex.segment;
         let u = if self.centers { CENTER } else { sampler.get_2d(Dimension::LightPosition) };
-        let Some(sample) = self.lights[light].sample_direct(point.p, u) else { return Rgb::ZERO };
+        let Some(sample) = self.lights[light].sample_li(point.p, u) else { return Rgb::ZERO };
         // Light travels against `wi`, and then against the path.
         let phase = segment.medium.phase.evaluate(segment.ray.direction.dot(sample.wi));
-        let mut scattered = point.weight * sample.irradiance * (phase / rays);
+        let mut scattered = point.weight * sample.weight * (phase / rays);
         if scattered == Rgb::ZERO {
             return Rgb::ZERO;
         }
@@ -94,7 +94,7 @@ impl NextEventEstimator<'_> {
             let light_pdf = rays * pdf;
             scattered *= light_pdf / (light_pdf + phase);
         }
-        let (ray, t_max) = match sample.reach {
+        let (ray, t_max) = match sample.target {
             ShadowTarget::Point(target) => {
                 (Ray::between(point.p, self.ray_end(light, &sample, target, point.p)), (target - point.p).length())
             }
@@ -128,7 +128,7 @@ fn sample_near<I: Interior>(vertex: &MediumVertex<'_, I>, pivot: Vec3, sampler: 
     } else {
         angles.sample(u)
     };
-    let pdf = 0.5 * (medium.flight_pdf(t, vertex.throughput)? + angles.pdf(t));
+    let pdf = 0.5 * (medium.distance_pdf(t, vertex.throughput)? + angles.pdf(t));
     if !(t >= 0.0 && t <= ray.t_max && pdf > 0.0) {
         return None;
     }

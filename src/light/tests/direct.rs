@@ -15,17 +15,17 @@ pub fn mesh(origin: Vec3) -> Arc<Mesh> {
     Arc::new(Mesh { positions: positions.to_vec(), triangles, ..Mesh::default() })
 }
 
-pub fn emitter_of(mesh: Arc<Mesh>) -> Emitter {
+pub fn emitter_of(mesh: Arc<Mesh>) -> LightSurface {
     let choice = Discrete::new((0..mesh.triangles.len()).map(|i| mesh.area(i))).unwrap();
-    Emitter::Triangles { mesh, first: 0, choice }
+    LightSurface::Triangles { mesh, first: 0, choice }
 }
 
 /// The first crossing of the line from `p` with an emitter, from either side.
-fn seen(emitter: &Emitter, p: Vec3, wi: Vec3) -> Option<SurfacePoint> {
+fn seen(emitter: &LightSurface, p: Vec3, wi: Vec3) -> Option<SurfacePoint> {
     let ray = crate::math::Ray::new(p, wi);
     match emitter {
-        Emitter::Shape(shape) => shape.intersect(&ray).map(|(t, u, v)| shape.surface(&ray, t, Vec2::new(u, v))),
-        Emitter::Triangles { mesh, .. } => {
+        LightSurface::Shape(shape) => shape.intersect(&ray).map(|(t, u, v)| shape.surface(&ray, t, Vec2::new(u, v))),
+        LightSurface::Triangles { mesh, .. } => {
             let cross = |i: usize| {
                 let [a, b, c] = mesh.corners(i).map(|v| v.as_dvec3() - p.as_dvec3());
                 let m = glam::DMat3::from_cols(b - a, c - a, -wi.as_dvec3());
@@ -39,7 +39,7 @@ fn seen(emitter: &Emitter, p: Vec3, wi: Vec3) -> Option<SurfacePoint> {
 }
 
 /// Emitters with a place that sees them, and a cone around what is seen; whether all draws can be seen from there.
-fn views() -> Vec<(Emitter, Vec3, bool)> {
+fn views() -> Vec<(LightSurface, Vec3, bool)> {
     let squash = Transform::new(DAffine3::from_scale_rotation_translation(
         DVec3::new(1.0, 0.2, 0.5),
         glam::DQuat::from_xyzw(0.5, 0.5, 0.5, 0.5),
@@ -63,14 +63,14 @@ fn views() -> Vec<(Emitter, Vec3, bool)> {
         // Far away: by area.
         (Shape::Rectangle(rectangle), Vec3::new(90.0, -90.0, 3.0), true),
     ];
-    let shapes = shapes.into_iter().map(|(shape, p, all)| (Emitter::Shape(shape), p, all));
+    let shapes = shapes.into_iter().map(|(shape, p, all)| (LightSurface::Shape(shape), p, all));
     let corners = [(Vec3::new(0.9, 1.1, 1.0), true), (Vec3::new(1.5, -0.5, 0.4), false)];
     shapes.chain(corners.into_iter().map(|(p, all)| (emitter_of(mesh(Vec3::ZERO)), p, all))).collect()
 }
 
 /// A cone around all that is drawn.
 fn cone(light: &Light, p: Vec3) -> Cells {
-    let draws = || (0..2000).filter_map(|i| light.sample_direct(p, key(i).uniform_2d(Dimension::LightTarget)));
+    let draws = || (0..2000).filter_map(|i| light.sample_li(p, key(i).uniform_2d(Dimension::LightTarget)));
     let axis = draws().map(|s| s.wi).sum::<Vec3>().normalize();
     let widest = draws().map(|s| libm::acos(f64::from(s.wi.dot(axis)).min(1.0))).fold(0.0, f64::max);
     Cells::new(axis, (widest * 1.5).min(std::f64::consts::PI))
@@ -82,25 +82,25 @@ fn direct_samples_follow_their_density() {
     let threshold = sidak(views.len());
     for (emitter, p, all) in views {
         // By area, the density of an ellipsoid grows without bound towards its outline, where midpoints fail.
-        let least_cos = if matches!(emitter, Emitter::Shape(Shape::Ellipsoid(_))) { 0.2 } else { 0.0 };
-        let light = Light::Area(Area::even(emitter.clone(), Rgb::ONE));
+        let least_cos = if matches!(emitter, LightSurface::Shape(Shape::Ellipsoid(_))) { 0.2 } else { 0.0 };
+        let light = Light::Area(AreaLight::uniform(emitter.clone(), Rgb::ONE));
         let drawn = |u: glam::Vec2| {
-            let sample = light.sample_direct(p, u)?;
-            let ShadowTarget::Point(end) = sample.reach else { panic!("a surface is not at infinity") };
+            let sample = light.sample_li(p, u)?;
+            let ShadowTarget::Point(end) = sample.target else { panic!("a surface is not at infinity") };
             // What the light itself hides is no draw.
             let point = seen(&emitter, p, sample.wi)
                 .filter(|point| (point.p - end).length() < 1e-4 && sample.wi.dot(point.ng) < 0.0)?;
-            let (density, pdf) = (light.density(p, sample.wi, Some(&point)), sample.pdf?);
+            let (density, pdf) = (light.pdf_li(p, sample.wi, Some(&point)), sample.pdf?);
             // Rounding of the direction by 2⁻²³ moves the crossing by d/cos of that, and turns the normal by the curvature, at most
             // 25 here, times that: the cosine changes by 2⁻²³ · 25 d/cos² of itself.
             let cos = -sample.wi.dot(point.ng);
             assert!((density / pdf - 1.0).abs() < 1e-5 / (cos * cos), "{light:?} {p}: {density} {pdf}");
-            assert!((sample.irradiance.x * pdf - 1.0).abs() < 1e-5);
+            assert!((sample.weight.x * pdf - 1.0).abs() < 1e-5);
             (cos > least_cos).then_some(sample.wi)
         };
         let density = |wi: Vec3| {
             let point = seen(&emitter, p, wi).filter(|point| -wi.dot(point.ng) > least_cos);
-            point.map_or(0.0, |point| f64::from(light.density(p, wi, Some(&point))))
+            point.map_or(0.0, |point| f64::from(light.pdf_li(p, wi, Some(&point))))
         };
         let (chance, total) = cone(&light, p).compare(&drawn, &density);
         assert!(chance > threshold, "{light:?} {p}: p = {chance}");
@@ -124,7 +124,7 @@ fn rectangles_are_seen_from_near_their_plane() {
     }
     let light = area(Shape::Rectangle(Rectangle::new(y(0.0), DVec3::X * a, DVec3::Z * b)), 5.0);
     for p in [Vec3::new(0.5, 0.0, 0.5), Vec3::new(-1.0, 0.0, 0.5), Vec3::new(0.5, 1.0, 0.5)] {
-        assert!(light.sample_direct(p, glam::Vec2::splat(0.3)).is_none(), "its plane and its back are black");
+        assert!(light.sample_li(p, glam::Vec2::splat(0.3)).is_none(), "its plane and its back are black");
     }
 }
 
@@ -133,7 +133,7 @@ fn rectangles_are_seen_from_near_their_plane() {
 fn solid_angle_sampling_has_less_variance_near_the_light() {
     let rectangle = Rectangle::new(y(0.0), DVec3::X, DVec3::Z);
     let light = area(Shape::Rectangle(rectangle), 1.0);
-    let emitter = Emitter::Shape(Shape::Rectangle(rectangle));
+    let emitter = LightSurface::Shape(Shape::Rectangle(rectangle));
     for (h, least) in [(0.05f32, 100.0), (0.3, 4.0), (1.0, 1.0)] {
         let p = Vec3::new(0.4, -h, 0.6);
         let (mean, variance) = irradiance(&light, p, Vec3::Y);

@@ -7,15 +7,18 @@ use glam::Vec2;
 
 fn lights() -> Vec<Light> {
     vec![
-        Light::Point { position: Vec3::new(0.3, 3.0, 0.1), intensity: Rgb::splat(2.0) },
-        Light::Spot(Spot {
+        Light::Point(PointLight { position: Vec3::new(0.3, 3.0, 0.1), intensity: Rgb::splat(2.0) }),
+        Light::Spot(SpotLight {
             position: Vec3::new(0.3, 3.0, 0.1),
             axis: Vec3::NEG_Y,
             inner: 0.05,
             outer: 0.2,
             peak: Rgb::splat(2.0),
         }),
-        Light::Directional { direction: Vec3::new(0.1, -1.0, 0.2).normalize(), irradiance: Rgb::splat(2.0) },
+        Light::Directional(DirectionalLight {
+            direction: Vec3::new(0.1, -1.0, 0.2).normalize(),
+            irradiance: Rgb::splat(2.0),
+        }),
         area(Shape::Disc(Disc::new(y(2.0), DVec3::X, DVec3::Z)), 2.0),
         area(Shape::Sphere(SphereShape::new(y(2.0), 0.5)), 2.0),
         Light::Environment(sky(0.7).into()),
@@ -34,7 +37,7 @@ fn emitted_flux_is_the_power() {
     for light in lights() {
         let emitted = estimate(200_000, |k| {
             let (a, b) = (k.uniform_2d(Dimension::LightPosition), k.uniform_2d(Dimension::LightDirection));
-            light.emit(DOMAIN, a, b).map_or(0.0, |e| f64::from(e.flux.x))
+            light.sample_le(DOMAIN, a, b).map_or(0.0, |e| f64::from(e.flux.x))
         });
         agrees(emitted, f64::from(light.power(DOMAIN).x));
     }
@@ -48,7 +51,7 @@ fn aiming_changes_no_mean() {
         Sphere { center: Vec3::new(0.8, 0.2, 0.0), radius: 0.3 },
         Sphere { center: Vec3::new(-1.5, 0.0, 0.5), radius: 0.2 },
     ];
-    let targets = Targets::new(balls);
+    let aim = PhotonAim::new(balls);
     for light in lights() {
         for ball in &balls {
             let moments = |emit: &dyn Fn(Vec2, Vec2) -> Option<EmissionSample>| {
@@ -57,8 +60,10 @@ fn aiming_changes_no_mean() {
                     emit(a, b).filter(|e| hits(ball, e)).map_or(0.0, |e| f64::from(e.flux.x))
                 })
             };
-            let (plain, aimed) =
-                (moments(&|a, b| light.emit(DOMAIN, a, b)), moments(&|a, b| light.emit_at(&targets, DOMAIN, a, b)));
+            let (plain, aimed) = (
+                moments(&|a, b| light.sample_le(DOMAIN, a, b)),
+                moments(&|a, b| light.sample_le_towards(&aim, DOMAIN, a, b)),
+            );
             let sigma = (plain.1 + aimed.1).sqrt();
             assert!((plain.0 - aimed.0).abs() < 5.0 * sigma, "{light:?} {ball:?}: {plain:?} {aimed:?}");
             assert!(aimed.1 < plain.1, "aiming must pay: {light:?}");
@@ -68,11 +73,11 @@ fn aiming_changes_no_mean() {
 
 #[test]
 fn a_light_inside_a_target_emits_everywhere() {
-    let targets = Targets::new([Sphere { center: Vec3::ZERO, radius: 1.0 }]);
-    let light = Light::Point { position: Vec3::new(0.2, 0.0, 0.0), intensity: Rgb::ONE };
+    let aim = PhotonAim::new([Sphere { center: Vec3::ZERO, radius: 1.0 }]);
+    let light = Light::Point(PointLight { position: Vec3::new(0.2, 0.0, 0.0), intensity: Rgb::ONE });
     let flux = estimate(1000, |k| {
         let u = k.uniform_2d(Dimension::LightDirection);
-        light.emit_at(&targets, DOMAIN, u, u).map_or(0.0, |e| f64::from(e.flux.x))
+        light.sample_le_towards(&aim, DOMAIN, u, u).map_or(0.0, |e| f64::from(e.flux.x))
     });
     agrees(flux, 4.0 * std::f64::consts::PI);
 }
@@ -85,8 +90,8 @@ fn many_targets_are_merged_without_loss() {
             Sphere { center, radius: 0.05 }
         })
         .collect();
-    let targets = Targets::new(balls.iter().copied());
-    let light = Light::Point { position: Vec3::new(0.0, 10.0, 0.0), intensity: Rgb::ONE };
+    let aim = PhotonAim::new(balls.iter().copied());
+    let light = Light::Point(PointLight { position: Vec3::new(0.0, 10.0, 0.0), intensity: Rgb::ONE });
     let count = |emit: &dyn Fn(Vec2) -> Option<EmissionSample>| {
         estimate(100_000, |k| {
             let e = emit(k.uniform_2d(Dimension::LightDirection));
@@ -95,7 +100,7 @@ fn many_targets_are_merged_without_loss() {
     };
     let zero = Vec2::ZERO;
     let (plain, aimed) =
-        (count(&|u| light.emit(DOMAIN, zero, u)), count(&|u| light.emit_at(&targets, DOMAIN, zero, u)));
+        (count(&|u| light.sample_le(DOMAIN, zero, u)), count(&|u| light.sample_le_towards(&aim, DOMAIN, zero, u)));
     assert!((plain.0 - aimed.0).abs() < 5.0 * (plain.1 + aimed.1).sqrt());
 }
 
@@ -103,24 +108,26 @@ fn many_targets_are_merged_without_loss() {
 fn density(light: &Light, w: Vec3) -> f64 {
     let uniform = 0.25 / std::f64::consts::PI;
     match light {
-        Light::Point { .. } => uniform,
+        Light::Point(_) => uniform,
         Light::Spot(spot) => {
             f64::from(u8::from(1.0 - w.dot(spot.axis) < spot.outer)) * 2.0 * uniform / f64::from(spot.outer)
         }
-        Light::Directional { .. } => 0.0,
-        Light::Area(Area { emitter: Emitter::Shape(Shape::Disc(_)), .. }) => f64::from((-w.y).max(0.0)) * 4.0 * uniform,
+        Light::Directional(_) => 0.0,
+        Light::Area(AreaLight { surface: LightSurface::Shape(Shape::Disc(_)), .. }) => {
+            f64::from((-w.y).max(0.0)) * 4.0 * uniform
+        }
         Light::Area(_) => uniform,
-        Light::Environment(environment) => f64::from(environment.density(-w)),
+        Light::Environment(environment) => f64::from(environment.pdf(-w)),
     }
 }
 
 #[test]
 fn emitted_directions_follow_their_densities() {
-    let lights: Vec<Light> = lights().into_iter().filter(|light| !matches!(light, Light::Directional { .. })).collect();
+    let lights: Vec<Light> = lights().into_iter().filter(|light| !matches!(light, Light::Directional(_))).collect();
     for light in &lights {
         // On a sphere the direction depends on the position too, which is drawn by a hash of u.
         let position = |u: Vec2| key(u64::from(u.x.to_bits()) << 32 | u64::from(u.y.to_bits()));
-        let draw = |u: Vec2| light.emit(DOMAIN, position(u).uniform_2d(Dimension::LightTarget), u);
+        let draw = |u: Vec2| light.sample_le(DOMAIN, position(u).uniform_2d(Dimension::LightTarget), u);
         let cells = Cells::new(Vec3::NEG_Y, std::f64::consts::PI);
         let (chance, total) = cells.compare(&|u| draw(u).map(|e| e.ray.direction), &|w| density(light, w));
         assert!(chance > sidak(lights.len()), "{light:?}: {chance}");

@@ -7,18 +7,18 @@ use glam::Vec2;
 use std::f64::consts::PI;
 
 /// A map with black parts, a bright sun and colours that vary, turned by an angle.
-pub fn sky(angle: f64) -> Environment {
+pub fn sky(angle: f64) -> EnvironmentLight {
     let pixel = |i: u32| {
         let (x, y) = (i % 12, i / 12);
         let grey = key(u64::from(i)).uniform(Dimension::Film) * if y > 4 { 0.0 } else { 1.0 };
         if (x, y) == (7, 2) { Vec3::new(40.0, 30.0, 20.0) } else { Vec3::new(grey, 0.5 * grey, 0.25) * grey }
     };
     let map = Image::from_pixels(12, 8, (0..96).map(pixel).collect()).unwrap();
-    Environment::new(map, angle, Rgb::splat(1.5)).unwrap()
+    EnvironmentLight::new(map, angle, Rgb::splat(1.5)).unwrap()
 }
 
-fn constant() -> Environment {
-    Environment::constant(Rgb::splat(2.0)).unwrap()
+fn constant() -> EnvironmentLight {
+    EnvironmentLight::constant(Rgb::splat(2.0)).unwrap()
 }
 
 #[test]
@@ -29,11 +29,11 @@ fn draws_follow_the_density() {
             let cells = Cells::new(axis, PI);
             let draw = |u| {
                 environment.sample(u).map(|(w, pdf)| {
-                    assert_eq!(pdf.to_bits(), environment.density(w).to_bits());
+                    assert_eq!(pdf.to_bits(), environment.pdf(w).to_bits());
                     w
                 })
             };
-            let (chance, total) = cells.compare(&draw, &|w| f64::from(environment.density(w)));
+            let (chance, total) = cells.compare(&draw, &|w| f64::from(environment.pdf(w)));
             assert!(chance > sidak(2 * skies.len()), "{i} {axis}: {chance}");
             assert!((total - 1.0).abs() < INTEGRAL_ERROR, "{i} {axis}: {total}");
         }
@@ -48,7 +48,7 @@ fn all_that_shines_can_be_drawn() {
     for w in directions.chain([Vec3::Y, Vec3::NEG_Y, Vec3::X, Vec3::Z, Vec3::NEG_Z]) {
         let black = environment.radiance(w) == Rgb::ZERO;
         dark += u32::from(black);
-        assert!(black || environment.density(w) > 0.0, "{w}");
+        assert!(black || environment.pdf(w) > 0.0, "{w}");
     }
     assert!(dark > 10_000, "the lower part is black");
 }
@@ -74,7 +74,7 @@ fn power_is_the_integral_of_radiance() {
 fn rows_weigh_what_they_light() {
     for h in [1u32, 2, 3, 8] {
         let pixels = (0..h).map(|row| Rgb::splat(((row * 5 + 1) % 7) as f32)).collect();
-        let environment = Environment::new(Image::from_pixels(1, h, pixels).unwrap(), 0.0, Rgb::ONE).unwrap();
+        let environment = EnvironmentLight::new(Image::from_pixels(1, h, pixels).unwrap(), 0.0, Rgb::ONE).unwrap();
         let n = 100_000;
         let ring = |i: u32| {
             let (sin, cos) = libm::sincos((f64::from(i) + 0.5) * PI / f64::from(n));
@@ -97,17 +97,17 @@ fn a_constant_environment_lights_a_plane_by_pi_l() {
     let (a, ball) = (0.7f64, Vec3::new(-0.3, 0.2, 0.5));
     let flux = estimate(200_000, |k| {
         let (u, v) = (k.uniform_2d(Dimension::LightPosition), k.uniform_2d(Dimension::LightDirection));
-        let e = light.emit(domain, u, v).unwrap();
+        let e = light.sample_le(domain, u, v).unwrap();
         assert!((e.ray.origin - domain.center).dot(e.ray.direction) < -0.99 * domain.radius, "it starts outside");
         if (ball - e.ray.origin).cross(e.ray.direction).length() < a as f32 { f64::from(e.flux.x) } else { 0.0 }
     });
     let truth = PI * a * a * 4.0 * PI * 2.0;
     agrees(flux, truth);
     // Aimed at the ball alone, every photon carries all of that; targets are larger than their balls by some 10⁻⁵.
-    let targets = Targets::new([Sphere { center: ball, radius: a as f32 }]);
+    let aim = PhotonAim::new([Sphere { center: ball, radius: a as f32 }]);
     for i in 0..100 {
         let (u, v) = (key(i).uniform_2d(Dimension::LightPosition), key(i).uniform_2d(Dimension::LightDirection));
-        let aimed = f64::from(light.emit_at(&targets, domain, u, v).unwrap().flux.x);
+        let aimed = f64::from(light.sample_le_towards(&aim, domain, u, v).unwrap().flux.x);
         assert!((aimed / truth - 1.0).abs() < 1e-4, "{aimed} {truth}");
     }
 }
@@ -133,7 +133,7 @@ fn maps_lie_as_documented() {
     let pixels: Vec<Rgb> = (0..8).map(|i| Rgb::splat(i as f32)).collect();
     let at = |angle: f64, w: Vec3| {
         let map = Image::from_pixels(4, 2, pixels.clone()).unwrap();
-        Environment::new(map, angle, Rgb::splat(10.0)).unwrap().radiance(w.normalize()).x
+        EnvironmentLight::new(map, angle, Rgb::splat(10.0)).unwrap().radiance(w.normalize()).x
     };
     let close = |a: f32, b: f32| assert!((a - b).abs() < 1e-4, "{a} {b}");
     // Towards −z, between the second and the third column, and just right of it; the seam behind; level between the rows.
@@ -152,12 +152,12 @@ fn pictures_that_cannot_light_are_refused() {
     for (bad, scale) in [(-0.1, 1.0), (f32::NAN, 1.0), (f32::INFINITY, 1.0), (1.0, f32::NAN), (1e30, 1e30), (1.0, -1.0)]
     {
         let pixels = vec![Rgb::ZERO, Rgb::ZERO, Rgb::ZERO, Rgb::ZERO, Rgb::new(0.0, bad, 0.0), Rgb::ZERO];
-        let refused = Environment::new(Image::from_pixels(3, 2, pixels).unwrap(), 0.0, Rgb::splat(scale));
+        let refused = EnvironmentLight::new(Image::from_pixels(3, 2, pixels).unwrap(), 0.0, Rgb::splat(scale));
         assert!(matches!(refused, Err(EnvironmentError::Radiance { .. })), "{bad} {scale}");
         if scale == 1.0 {
             assert!(refused.unwrap_err().to_string().contains("column 1, row 1"));
         }
     }
-    let black = Light::Environment(Environment::constant(Rgb::ZERO).unwrap().into());
-    assert!(black.sample_direct(Vec3::ZERO, Vec2::ZERO).is_none() && black.density(Vec3::ZERO, Vec3::X, None) == 0.0);
+    let black = Light::Environment(EnvironmentLight::constant(Rgb::ZERO).unwrap().into());
+    assert!(black.sample_li(Vec3::ZERO, Vec2::ZERO).is_none() && black.pdf_li(Vec3::ZERO, Vec3::X, None) == 0.0);
 }

@@ -21,15 +21,15 @@ fn strewn(n: u64) -> Vec<Light> {
         let center = place.as_dvec3();
         let (s, t) = axis.as_dvec3().any_orthonormal_pair();
         match i % 6 {
-            0 => Light::Point { position: place, intensity: Rgb::splat(strength) },
+            0 => Light::Point(PointLight { position: place, intensity: Rgb::splat(strength) }),
             1 => {
                 // Half of them have no rim.
                 let outer = if i % 12 == 1 { 0.4 } else { 0.1 };
-                Light::Spot(Spot { position: place, axis, inner: 0.1, outer, peak: Rgb::splat(strength) })
+                Light::Spot(SpotLight { position: place, axis, inner: 0.1, outer, peak: Rgb::splat(strength) })
             }
             2 => area(Shape::Sphere(SphereShape::new(center, 0.1)), 30.0 * strength),
             3 => area(Shape::Rectangle(Rectangle::new(center, s * 0.3, t * 0.2)), 15.0 * strength),
-            4 => Light::Area(Area::even(emitter_of(mesh(place)), Rgb::splat(strength))),
+            4 => Light::Area(AreaLight::uniform(emitter_of(mesh(place)), Rgb::splat(strength))),
             _ => area(Shape::Disc(Disc::around(center, axis.as_dvec3(), 0.2)), 8.0 * strength),
         }
     };
@@ -37,10 +37,10 @@ fn strewn(n: u64) -> Vec<Light> {
 }
 
 fn with_infinite(mut lights: Vec<Light>) -> Vec<Light> {
-    let directional = |direction| Light::Directional { direction, irradiance: Rgb::ONE };
+    let directional = |direction| Light::Directional(DirectionalLight { direction, irradiance: Rgb::ONE });
     lights.insert(3, directional(Vec3::NEG_Y));
     lights.push(directional(Vec3::X));
-    lights.push(Light::Point { position: Vec3::ZERO, intensity: Rgb::ZERO });
+    lights.push(Light::Point(PointLight { position: Vec3::ZERO, intensity: Rgb::ZERO }));
     lights
 }
 
@@ -69,7 +69,7 @@ fn probabilities_are_what_is_chosen_and_sum_to_one() {
         let mut counts = vec![0.0; expected.len()];
         let mut remainders = vec![0.0; 16];
         for i in 0..draws {
-            match choice.choose(p, normal, key(i).uniform(Dimension::Light)) {
+            match choice.sample(p, normal, key(i).uniform(Dimension::Light)) {
                 Some((light, probability, remainder)) => {
                     assert_eq!(probability.to_bits(), choice.probability(p, normal, light).to_bits());
                     counts[light] += 1.0;
@@ -96,7 +96,7 @@ fn lights_at_infinity_have_their_share() {
     assert_eq!([3, 11].map(|i| choice.probability(p, None, i)), [1.0 / 3.0; 2]);
     assert_eq!(choice.probability(p, None, 12), 0.0, "no power, no choice");
     let two = LightBvhSampler::new(&[lights[3].clone(), lights[11].clone()], ROOM).unwrap();
-    assert_eq!(two.choose(p, None, 0.75), Some((1, 0.5, 0.5)));
+    assert_eq!(two.sample(p, None, 0.75), Some((1, 0.5, 0.5)));
     assert!(LightBvhSampler::new(&lights[12..], ROOM).is_none() && LightBvhSampler::new(&[], ROOM).is_none());
 }
 
@@ -112,7 +112,7 @@ fn no_light_that_contributes_is_left_out() {
             }
             shut_out += 1;
             for j in 0..16 {
-                let sample = light.sample_direct(p, key(j).uniform_2d(Dimension::LightPosition));
+                let sample = light.sample_li(p, key(j).uniform_2d(Dimension::LightPosition));
                 let cos = |wi: Vec3| normal.map_or(1.0, |n| n.dot(wi));
                 assert!(sample.is_none_or(|s| cos(s.wi) <= 0.0), "{light:?} from {p} {normal:?}");
             }
@@ -125,7 +125,7 @@ fn no_light_that_contributes_is_left_out() {
 /// Lights at one place, in a row, and farther apart by powers of two, whose tree is no more than a chain.
 #[test]
 fn trees_of_any_shape_hold_all_lights() {
-    let at = |x: f32| Light::Point { position: Vec3::new(x, 0.0, 0.0), intensity: Rgb::ONE };
+    let at = |x: f32| Light::Point(PointLight { position: Vec3::new(x, 0.0, 0.0), intensity: Rgb::ONE });
     let sets: [Vec<Light>; 3] = [
         (0..1000).map(|_| at(1.0)).collect(),
         (0..1000).map(|i| at(i as f32)).collect(),
@@ -145,8 +145,8 @@ fn variances<const N: usize>(lights: &[Light], p: Vec3, n: Vec3, choices: [&dyn 
     let draws = 16;
     for (i, light) in lights.iter().enumerate() {
         for j in 0..draws {
-            let sample = light.sample_direct(p, key(j).uniform_2d(Dimension::LightPosition));
-            let f = sample.map_or(0.0, |s| f64::from(s.irradiance.x * s.wi.dot(n).max(0.0)));
+            let sample = light.sample_li(p, key(j).uniform_2d(Dimension::LightPosition));
+            let f = sample.map_or(0.0, |s| f64::from(s.weight.x * s.wi.dot(n).max(0.0)));
             if f > 0.0 {
                 mean += f / draws as f64;
                 for (square, choice) in squares.iter_mut().zip(choices) {

@@ -11,7 +11,7 @@ fn grid(values: Vec<f32>, size: [u32; 3]) -> Option<Arc<GridDensity>> {
 }
 
 fn medium(a: Vec3, s: Vec3, e: Vec3, density: Option<Arc<GridDensity>>) -> Medium {
-    Medium { absorption: a, scattering: s, emission: e, phase: Phase::Isotropic, density }
+    Medium { absorption: a, scattering: s, emission: e, phase: PhaseFunction::Isotropic, density }
 }
 
 #[test]
@@ -27,7 +27,7 @@ fn what_is_not_there_changes_nothing() {
             assert_eq!(medium.transmittance(&ray, distance, random), Vec3::ONE);
             assert_eq!(medium.emitted(&ray, distance, random), Vec3::ZERO);
             let distance_sample = medium.distance_sample(&ray, distance, Vec3::ONE, random);
-            assert_eq!(distance_sample, Flight { scattered: None, weight: Vec3::ONE });
+            assert_eq!(distance_sample, DistanceSample { scattered: None, weight: Vec3::ONE });
         }
     }
 }
@@ -60,7 +60,7 @@ fn depths_of_ten_thousand_are_finite() {
                     let after = (throughput * distance_sample.weight).element_sum();
                     assert!(!whole.is_finite() || after <= whole * (1.0 + 1e-6), "{throughput} {distance_sample:?}");
                     if throughput == Vec3::Z {
-                        assert_eq!(distance_sample, Flight { scattered: None, weight: Vec3::Z });
+                        assert_eq!(distance_sample, DistanceSample { scattered: None, weight: Vec3::Z });
                     }
                 }
             }

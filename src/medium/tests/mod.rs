@@ -1,11 +1,11 @@
 //! Media against closed forms. Randomness is keyed, so a test that passes once passes always; bounds are five standard errors of
 //! the mean, which 6·10⁻⁷ of all keys exceed.
 
+mod distance_samples;
 mod extremes;
-mod fields;
-mod flights;
-mod phases;
-mod walks;
+mod grids;
+mod majorants;
+mod phase_functions;
 
 use super::*;
 use crate::sampling::{Key, Purpose};

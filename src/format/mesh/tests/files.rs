@@ -1,6 +1,6 @@
 //! Meshes through files.
 
-use super::super::{Loaded, MeshFormat, NO_MATERIAL, load, unit};
+use super::super::{Loaded, MeshFormat, NO_MATERIAL, load, unit_normal};
 use super::*;
 use glam::DVec2;
 use proptest::collection::vec;
@@ -36,7 +36,9 @@ fn any_mesh() -> impl Strategy<Value = TriangleMesh> {
     shape.prop_map(|(positions, normals, texcoords, triangles, materials, made)| {
         let mut mesh = TriangleMesh { positions, triangles, ..TriangleMesh::default() };
         mesh.normals = normals.map(|list| {
-            list.into_iter().map(|n| if n[0] < -0.8 { DVec3::ZERO } else { unit(DVec3::from_array(n)) }).collect()
+            list.into_iter()
+                .map(|n| if n[0] < -0.8 { DVec3::ZERO } else { unit_normal(DVec3::from_array(n)) })
+                .collect()
         });
         mesh.texcoords = texcoords.map(|list| list.into_iter().map(DVec2::from_array).collect());
         if made {

@@ -1,6 +1,5 @@
 //! Meshes of known figures.
 
-mod course;
 mod files;
 mod normals;
 mod repair;

@@ -1,5 +1,6 @@
 //! Reports of meshes in closed form.
 
+use super::super::SolidDefect;
 use super::*;
 
 #[track_caller]
@@ -79,4 +80,33 @@ fn seams_are_no_borders() {
     zeros.positions.push(-DVec3::ZERO);
     zeros.triangles[0][0] = 4;
     assert!(zeros.report().closed);
+}
+
+#[test]
+fn solid_meshes_have_no_defect() {
+    assert_eq!(cube().solid_defect(), None);
+    assert_eq!(tetrahedron().solid_defect(), None);
+    assert_eq!(torus(8, 6).solid_defect(), None);
+    assert_eq!(moved(cube(), 1e-3, DVec3::splat(1e4)).solid_defect(), None);
+    // A hollow: the inner wall faces inward.
+    let mut inner = moved(cube(), 0.5, DVec3::ZERO);
+    inner.flip();
+    assert_eq!(with(cube(), &inner).solid_defect(), None);
+}
+
+#[test]
+fn open_and_reversed_meshes_have_defects() {
+    let mut open = cube();
+    open.triangles.truncate(10);
+    assert_eq!(open.solid_defect(), Some(SolidDefect::Open { boundary_edges: 4 }));
+    let mut odd = cube();
+    odd.triangles[0].swap(1, 2);
+    assert_eq!(odd.solid_defect(), Some(SolidDefect::InconsistentWinding { edges: 3 }));
+    let mut reversed = cube();
+    reversed.flip();
+    assert_eq!(reversed.solid_defect(), Some(SolidDefect::InsideOut));
+    // Shading normals decide the outer side, as in the renderer.
+    reversed.smooth(0.0);
+    reversed.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+    assert_eq!(reversed.solid_defect(), Some(SolidDefect::InsideOut));
 }

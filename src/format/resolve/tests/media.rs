@@ -3,7 +3,7 @@
 use super::{CAMERA, refusal, resolve_in, scene};
 use crate::format::grid::{self, Encoding, Grid};
 use crate::format::{Source, parse, resolve};
-use crate::medium::{Medium, Phase};
+use crate::medium::{Medium, PhaseFunction};
 use crate::scene::{Body, Scattering, Scene};
 use glam::{DVec3, Vec3, dvec3, vec3};
 use std::path::Path;
@@ -37,13 +37,13 @@ fn coefficients_and_phases_become_what_they_say() {
     let found = of("absorption 1 2 3 scattering 4 5 6 emission 7 8 9");
     let medium = contents(&found);
     assert_eq!((medium.absorption, medium.scattering), (vec3(1.0, 2.0, 3.0), vec3(4.0, 5.0, 6.0)));
-    assert_eq!((medium.emission, medium.phase), (vec3(7.0, 8.0, 9.0), Phase::Isotropic));
+    assert_eq!((medium.emission, medium.phase), (vec3(7.0, 8.0, 9.0), PhaseFunction::Isotropic));
     assert!(medium.is_homogeneous());
     let found = of("extinction 8 8 8 albedo 1 .75 0 anisotropy -.25");
     let medium = contents(&found);
     assert_eq!((medium.absorption, medium.scattering), (vec3(0.0, 2.0, 8.0), vec3(8.0, 6.0, 0.0)));
-    assert_eq!(medium.phase, Phase::HenyeyGreenstein(-0.25));
-    assert_eq!(contents(&of("phase rayleigh")).phase, Phase::Rayleigh);
+    assert_eq!(medium.phase, PhaseFunction::HenyeyGreenstein(-0.25));
+    assert_eq!(contents(&of("phase rayleigh")).phase, PhaseFunction::Rayleigh);
     // What is nearest to 1 stays below it in single precision.
     for g in [".9999999", "-.9999999"] {
         assert!(contents(&of(&format!("anisotropy {g}"))).phase.mean_cosine().abs() < 1.0);
@@ -75,7 +75,7 @@ fn a_body_s_absorption_joins_that_of_an_even_medium() {
     ));
     let medium = contents(&found);
     assert_eq!((medium.absorption, medium.scattering), (vec3(1.5, 2.0, 4.0), Vec3::splat(9.0)));
-    assert_eq!((medium.phase, body(&found, 0).absorption), (Phase::HenyeyGreenstein(0.5), Vec3::ZERO));
+    assert_eq!((medium.phase, body(&found, 0).absorption), (PhaseFunction::HenyeyGreenstein(0.5), Vec3::ZERO));
     let plain = &found.media()[body(&found, 1).medium.unwrap() as usize];
     assert_eq!(plain.absorption, vec3(1.0, 2.0, 3.0), "the medium itself stays as it is");
 

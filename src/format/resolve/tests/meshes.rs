@@ -166,5 +166,5 @@ fn an_emission_that_follows_a_texture_is_seen_where_the_material_is() {
     let scene = resolve_in(folder.0.path(), &text).unwrap();
     // Of the parts, only that without a material of its own shines.
     let [Light::Area(lamp)] = scene.lights() else { panic!("{:?}", scene.lights()) };
-    assert!(lamp.glow.is_some());
+    assert!(lamp.texture.is_some());
 }

@@ -8,7 +8,7 @@ mod textures;
 use super::super::parse;
 use super::*;
 use crate::bsdf::Bsdf;
-use crate::light::Light;
+use crate::light::{DirectionalLight, Light, PointLight};
 use crate::math::Ray;
 use crate::scene::{Effects, RayCone, Scattering, SurfaceInteraction};
 use glam::{Vec3, dvec3, vec3};
@@ -282,11 +282,11 @@ fn point_lights_have_the_intensity_that_was_meant() {
         .lights()
         .iter()
         .map(|light| match light {
-            Light::Point { position, intensity } => {
+            Light::Point(PointLight { position, intensity }) => {
                 assert!(close(*position, vec3(3.0, 0.0, 0.0)));
                 *intensity
             }
-            Light::Directional { direction, irradiance } => {
+            Light::Directional(DirectionalLight { direction, irradiance }) => {
                 assert_eq!(*direction, Vec3::NEG_Y);
                 *irradiance
             }

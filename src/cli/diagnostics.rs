@@ -1,0 +1,50 @@
+//! Messages that explain a black picture, or photons of which none was stored.
+
+use super::plan::counted;
+use crate::color::Rgb;
+use crate::photon::Audit;
+use crate::render::Rendered;
+use crate::scene::Scene;
+use crate::study::text::percent;
+use glam::DVec3;
+
+/// True if the scene has lights, but none of them has any power.
+pub(super) fn has_no_power(scene: &Scene) -> bool {
+    !scene.lights().is_empty() && scene.lights().iter().all(|light| light.power(scene.domain()) == Rgb::ZERO)
+}
+
+/// A note if photons were emitted, but none was stored in any pass.
+pub(super) fn no_photon_stored(rendered: &Rendered) -> Option<String> {
+    let (global, caustic) = (&rendered.global, &rendered.caustic);
+    let emitted = global.emitted + caustic.emitted;
+    if emitted == 0 || global.stored + caustic.stored > 0 {
+        return None;
+    }
+    let mut audit = global.audit;
+    audit += caustic.audit;
+    let paths = counted(emitted as usize, "photon path", "photon paths");
+    Some(format!("note: {paths}, no photon stored: {}", destination(&audit)))
+}
+
+/// Shares of the photons' flux by where it ended.
+fn destination(audit: &Audit) -> String {
+    let sum = |flux: [f64; 3]| DVec3::from(flux).element_sum();
+    let emitted = sum(audit.emitted);
+    if emitted <= 0.0 {
+        return "the lights emitted no flux".to_owned();
+    }
+    let [absorbed, escaped, stopped] =
+        [audit.absorbed, audit.escaped, audit.stopped].map(|flux| percent(sum(flux) / emitted));
+    format!(
+        "of their flux {absorbed} was absorbed, {escaped} left the scene, {stopped} reached surfaces that store none"
+    )
+}
+
+/// A note for a picture whose pixels are all black.
+pub(super) fn black_picture(lights: usize, powerless: bool) -> &'static str {
+    match (lights, powerless) {
+        (0, _) => "note: every pixel is black: the scene has no light",
+        (_, true) => "note: every pixel is black: no light has any power",
+        (_, false) => "note: every pixel is black: no light reaches what the camera sees",
+    }
+}

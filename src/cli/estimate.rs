@@ -1,0 +1,249 @@
+//! `caustica estimate`: the passes, time and photons that an error takes, from a pilot render.
+
+use super::interrupt::{INTERRUPTED, listen};
+use super::memory::{check_photons, check_pictures_with_error};
+use super::outlook::{self, NoErrorEstimate, duration};
+use super::plan::announce;
+use super::progress::Progress;
+use super::scene::{in_pool, load};
+use super::settings::{flags, settings};
+use super::{EstimateArguments, Exit, Failure};
+use crate::integrate::{Algorithm, Integrator};
+use crate::render::gauge::{ErrorEstimate, Forecast, Needed};
+use crate::render::{Rendered, Stop, render};
+use crate::stats::peak_memory;
+use crate::study::text::{amount, percent};
+use serde::Serialize;
+use std::fmt::Write as _;
+use std::io::Write as _;
+use std::time::Instant;
+
+/// Least number of passes of the pilot. Fewer sample rare paths too seldom.
+const LEAST_PASSES: u32 = 8;
+
+/// A pilot that was interrupted before its error could be estimated.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+#[error("the pilot ended after {passes} passes, too few to estimate an error")]
+#[diagnostic(help("let it make at least four passes"))]
+struct TooShort {
+    passes: u32,
+}
+
+pub(super) fn run(arguments: &EstimateArguments) -> Result<Exit, Failure> {
+    if arguments.method.integrator == Algorithm::Raycast {
+        return Err(Failure::usage(NoErrorEstimate { flag: "estimate" }));
+    }
+    listen("the result of the pilot");
+    let progress = Progress::new(arguments.quiet);
+    in_pool(&arguments.scene, || {
+        let start = Instant::now();
+        let scene = load(&arguments.scene, &progress)?;
+        let algorithm = arguments.method.integrator;
+        let mut settings = settings(&arguments.method, arguments.effects.effects);
+        settings.eye.gauge = true;
+        let memory = arguments.scene.memory();
+        let pictures = check_pictures_with_error(1, scene.camera().size(), memory.free()).map_err(Failure::usage)?;
+        let integrator = algorithm.prepare(&scene, settings);
+        check_photons(integrator.expected(), pictures, memory.free()).map_err(Failure::usage)?;
+        announce(integrator.as_ref(), &progress);
+        progress.finish();
+        let setup = start.elapsed().as_secs_f64();
+        let (rendered, pass_seconds) = pilot(arguments, integrator.as_ref(), scene.camera().size(), &progress);
+        let list = List::new(arguments, algorithm, &rendered, setup, pass_seconds);
+        let list = list.map_err(|e| Failure::new(Exit::Interrupted, e))?;
+        let text = if arguments.json {
+            let json = serde_json::to_string_pretty(&list);
+            json.map_err(Failure::output)? + "\n"
+        } else {
+            list.table()
+        };
+        let written = std::io::stdout().write_all(text.as_bytes());
+        written.map_err(Failure::output)?;
+        let interrupted = INTERRUPTED.load(std::sync::atomic::Ordering::Relaxed);
+        Ok(if interrupted { Exit::Interrupted } else { Exit::Success })
+    })
+}
+
+/// Renders the pilot. Returns it with the expected time of a later pass \[s].
+fn pilot(
+    arguments: &EstimateArguments,
+    integrator: &dyn Integrator,
+    size: (u32, u32),
+    progress: &Progress,
+) -> (Rendered, f64) {
+    let stop = Stop {
+        at_least: LEAST_PASSES,
+        time: Some(arguments.pilot),
+        passes: None,
+        target: None,
+        interrupted: &INTERRUPTED,
+    };
+    let (began, mut first) = (Instant::now(), 0.0);
+    progress.pass(1, None);
+    progress.time_left(Some(arguments.pilot));
+    let rendered = render(integrator, size, &stop, progress, |standing| {
+        if standing.passes == 1 {
+            first = began.elapsed().as_secs_f64();
+        }
+        progress.pass(standing.passes + 1, None);
+    });
+    progress.finish();
+    // The first pass takes longer, because caches are cold.
+    let (passes, wall) = (rendered.film.passes(), rendered.wall.as_secs_f64());
+    let pass_seconds = if passes > 2 { (wall - first) / f64::from(passes - 1) } else { wall / f64::from(passes) };
+    (rendered, pass_seconds)
+}
+
+/// Estimated costs of all requested errors.
+#[derive(Debug, Serialize)]
+struct List {
+    schema: u32,
+    version: &'static str,
+    scene: String,
+    integrator: &'static str,
+    width: u32,
+    height: u32,
+    threads: usize,
+    /// Estimated error of the pilot's picture.
+    pilot: ErrorEstimate,
+    setup_seconds: f64,
+    pass_seconds: f64,
+    pass_photons: f64,
+    peak_memory_bytes: Option<u64>,
+    estimates: Vec<Estimate>,
+}
+
+/// Estimated cost of one error.
+#[derive(Debug, Serialize)]
+struct Estimate {
+    error: f64,
+    /// Passes that the error takes; `None` if no number of passes is enough.
+    passes: Option<u32>,
+    /// Time of the preparation and the passes \[s].
+    seconds: Option<f64>,
+    /// Time if the pilot's error is at the lower end of its interval \[s].
+    seconds_low: Option<f64>,
+    /// Time if the pilot's error is at the upper end of its interval \[s].
+    seconds_high: Option<f64>,
+    photons: Option<f64>,
+    /// Bias that stays, if the error cannot be reached.
+    floor: Option<f64>,
+    /// Flags of `caustica render` that give this error.
+    flags: Option<String>,
+}
+
+impl List {
+    fn new(
+        arguments: &EstimateArguments,
+        algorithm: Algorithm,
+        rendered: &Rendered,
+        setup: f64,
+        pass_seconds: f64,
+    ) -> Result<Self, TooShort> {
+        let passes = rendered.film.passes();
+        let estimator = rendered.gauge.as_ref();
+        let pilot = estimator.map(|estimator| estimator.read(&rendered.film)).unwrap_or_default();
+        let forecast = estimator.and_then(|estimator| estimator.forecast(&pilot));
+        let forecast = forecast.ok_or(TooShort { passes })?;
+        let pass_photons = (rendered.global.emitted + rendered.caustic.emitted) as f64 / f64::from(passes);
+        let mut words = flags(&arguments.method, "--effects", arguments.effects.effects);
+        if arguments.method.seed != 0 {
+            words.extend(["--seed".to_owned(), arguments.method.seed.to_string()]);
+        }
+        if let Some((width, height)) = arguments.scene.size {
+            words.extend(["--size".to_owned(), format!("{width}x{height}")]);
+        }
+        let words = words.join(" ");
+        let estimate = |error: &f64| {
+            let estimate = Estimate::new(*error, &pilot, &forecast, (setup, pass_seconds, pass_photons));
+            Estimate { flags: estimate.passes.map(|n| format!("{words} --passes {n}")), ..estimate }
+        };
+        let (width, height) = rendered.film.size();
+        Ok(Self {
+            schema: 2,
+            version: env!("CARGO_PKG_VERSION"),
+            scene: arguments.scene.scene.display().to_string(),
+            integrator: algorithm.name(),
+            width,
+            height,
+            threads: rayon::current_num_threads(),
+            pilot,
+            setup_seconds: setup,
+            pass_seconds,
+            pass_photons,
+            peak_memory_bytes: peak_memory(),
+            estimates: arguments.errors.iter().map(estimate).collect(),
+        })
+    }
+
+    fn table(&self) -> String {
+        let Self { pilot, peak_memory_bytes, .. } = self;
+        let memory = peak_memory_bytes.map_or("?".to_owned(), |bytes| format!("{}B", amount(bytes as f64)));
+        let mut text = format!(
+            "{} at {} × {}: after {} passes the error is {}\n",
+            self.integrator,
+            self.width,
+            self.height,
+            pilot.passes,
+            outlook::parts(pilot)
+        );
+        let _ = writeln!(
+            text,
+            "  {:>7} {:>9} {:>14} {:>24} {:>9} {:>8}  flags",
+            "error", "passes", "time", "likely range", "photons", "memory"
+        );
+        for estimate in &self.estimates {
+            let error = percent(estimate.error);
+            let (Some(passes), Some(time)) = (estimate.passes, estimate.seconds) else {
+                let why = match estimate.floor {
+                    Some(floor) => format!("never: {} is bias that stays; {}", percent(floor), outlook::REMEDY),
+                    None => "more than ten million passes".to_owned(),
+                };
+                let _ = writeln!(text, "  {error:>7} {why}");
+                continue;
+            };
+            let ends = [estimate.seconds_low, estimate.seconds_high].map(|t| t.map_or("?".to_owned(), duration));
+            let _ = writeln!(
+                text,
+                "  {error:>7} {passes:>9} {:>14} {:>24} {:>9} {memory:>8}  {}",
+                duration(time),
+                ends.join(" to "),
+                estimate.photons.map_or(String::new(), amount),
+                estimate.flags.as_deref().unwrap_or_default(),
+            );
+        }
+        text
+    }
+}
+
+impl Estimate {
+    fn new(
+        error: f64,
+        pilot: &ErrorEstimate,
+        forecast: &Forecast,
+        (setup, pass_seconds, pass_photons): (f64, f64, f64),
+    ) -> Self {
+        let needed = |aim: f64| match forecast.passes_to(aim) {
+            Needed::Passes(n) => Ok(n),
+            Needed::Never { floor } => Err(Some(floor)),
+            Needed::TooMany => Err(None),
+        };
+        let time = |n: u32| setup + pass_seconds * f64::from(n);
+        // A pilot whose true error is `end` must lower it by the factor error / end. An error of 0 takes one pass.
+        let at = |end: f64| if end > 0.0 { needed(error * pilot.error / end).ok().map(time) } else { Some(time(1)) };
+        let (passes, floor) = match needed(error) {
+            Ok(n) => (Some(n), None),
+            Err(floor) => (None, floor),
+        };
+        Self {
+            error,
+            passes,
+            seconds: passes.map(time),
+            seconds_low: passes.and_then(|_| at(pilot.low)),
+            seconds_high: passes.and_then(|_| at(pilot.high)),
+            photons: passes.map(|n| f64::from(n) * pass_photons),
+            floor,
+            flags: None,
+        }
+    }
+}

@@ -1,0 +1,106 @@
+//! Exit codes, and the reports of a command that failed.
+
+use miette::{Diagnostic, MietteHandlerOpts, Report};
+use std::io::Write;
+use std::process::ExitCode;
+
+/// Exit code of the program.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Exit {
+    /// The command did all its work.
+    Success = 0,
+    /// A scene, mesh, picture or other input is missing or wrong.
+    Input = 1,
+    /// The command line is wrong, or asks for more memory than there is.
+    Usage = 2,
+    /// At least one output cannot be written.
+    Output = 3,
+    /// Pictures differ by more than `caustica diff` allows.
+    Differ = 4,
+    /// Interrupted. After one signal the outputs so far were written; after two, none were.
+    Interrupted = 130,
+}
+
+impl From<Exit> for ExitCode {
+    fn from(exit: Exit) -> Self {
+        Self::from(exit as u8)
+    }
+}
+
+/// Why a command failed.
+#[derive(Debug)]
+pub struct Failure {
+    /// The reports to show, at least one.
+    pub reports: Vec<Report>,
+    /// The exit code.
+    pub exit: Exit,
+}
+
+impl Failure {
+    pub(super) fn new(exit: Exit, report: impl Into<Report>) -> Self {
+        Self { reports: vec![report.into()], exit }
+    }
+
+    /// A command line that cannot be followed.
+    pub(super) fn usage(report: impl Into<Report>) -> Self {
+        Self::new(Exit::Usage, report)
+    }
+
+    /// An output that cannot be written.
+    pub(super) fn output(error: impl std::error::Error + Send + Sync + 'static) -> Self {
+        Self::new(Exit::Output, Report::from_err(error))
+    }
+
+    /// Writes the reports to the standard error.
+    pub fn show(&self) {
+        for report in &self.reports {
+            // A closed stderr must not turn an error into a panic.
+            let _ = writeln!(std::io::stderr(), "{report:?}");
+        }
+    }
+}
+
+/// Makes reports print each cause once. Must be called before the first report is made.
+pub(super) fn install_report_style() {
+    // A second call changes nothing, which is what a second command in one process needs.
+    let _ = miette::set_hook(Box::new(|diagnostic| {
+        let options = MietteHandlerOpts::new();
+        let options = if states_causes(diagnostic) { options.without_cause_chain() } else { options };
+        Box::new(options.build())
+    }));
+}
+
+/// True if the message of a diagnostic contains the messages of all its causes.
+fn states_causes(diagnostic: &dyn Diagnostic) -> bool {
+    let message = diagnostic.to_string();
+    let mut cause = diagnostic.source();
+    while let Some(error) = cause {
+        if !message.contains(&error.to_string()) {
+            return false;
+        }
+        cause = error.source();
+    }
+    true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io;
+
+    #[derive(Debug, thiserror::Error, Diagnostic)]
+    enum Sample {
+        #[error("cannot write: {source}")]
+        Inline { source: io::Error },
+        #[error("cannot read")]
+        Apart { source: io::Error },
+    }
+
+    #[test]
+    fn a_stated_cause_is_not_printed_again() {
+        let source = || io::Error::other("disk full");
+        assert!(states_causes(&Sample::Inline { source: source() }));
+        assert!(!states_causes(&Sample::Apart { source: source() }));
+    }
+}

@@ -1,0 +1,70 @@
+//! Texts about the estimated error of a picture and the time that a lower error takes.
+
+use crate::render::gauge::{ErrorEstimate, Forecast, Needed};
+use crate::study::text::percent;
+
+/// Remedy for an error that more passes cannot lower.
+pub(super) const REMEDY: &str =
+    "the rest is bias of this method: choose a smaller --radius, or --integrator sppm or hybrid, whose radii shrink";
+
+/// An error estimate was requested of ray casting.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+#[error("{flag} needs an error estimate, and raycast makes one pass, which has none")]
+#[diagnostic(help("leave it out, or choose another --integrator"))]
+pub(super) struct NoErrorEstimate {
+    pub flag: &'static str,
+}
+
+/// An estimated error and its parts: `2.1 % (noise 1.9 %, bias 0.8 %)`.
+pub(super) fn parts(estimate: &ErrorEstimate) -> String {
+    format!("{} (noise {}, bias {})", percent(estimate.error), percent(estimate.noise), percent(estimate.bias))
+}
+
+/// The time until the estimated error is `aim`, shown as `shown`, at `pass_seconds` a pass.
+///
+/// Empty if the estimated error is 0.
+pub(super) fn outlook(
+    estimate: &ErrorEstimate,
+    forecast: &Forecast,
+    (shown, aim): (f64, f64),
+    pass_seconds: f64,
+) -> String {
+    if estimate.error == 0.0 {
+        return String::new();
+    }
+    let shown = percent(shown);
+    match forecast.passes_to(aim) {
+        Needed::Passes(n) => {
+            let more = n.saturating_sub(estimate.passes);
+            format!("; {shown} in about {}", duration(f64::from(more) * pass_seconds))
+        }
+        Needed::Never { floor } => format!("; {shown} never: {} is bias that stays", percent(floor)),
+        Needed::TooMany => format!("; {shown} in more than {}", duration(1e7 * pass_seconds)),
+    }
+}
+
+/// A duration in seconds as text with about two digits: `0.8 s`, `42 s`, `3 min 20 s`, `5 h 10 min`, `12 d`.
+pub(super) fn duration(seconds: f64) -> String {
+    if seconds < 9.95 {
+        return format!("{seconds:.1} s");
+    }
+    let whole = seconds.round().min(1e15) as u64;
+    match whole {
+        0..60 => format!("{whole} s"),
+        60..3600 => format!("{} min {} s", whole / 60, whole % 60),
+        3600..172_800 => format!("{} h {} min", whole / 3600, whole % 3600 / 60),
+        172_800.. => format!("{} d", whole / 86_400),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn durations_use_the_unit_that_fits() {
+        let texts = [0.0, 9.94, 9.96, 59.6, 200.0, 18_600.0, 1e6, f64::INFINITY].map(duration);
+        assert_eq!(texts[..7], ["0.0 s", "9.9 s", "10 s", "1 min 0 s", "3 min 20 s", "5 h 10 min", "11 d"]);
+        assert!(texts[7].ends_with(" d"), "{}", texts[7]);
+    }
+}

@@ -1,0 +1,95 @@
+//! The files that a command reads and writes, checked against each other before any work.
+
+use super::{Exit, Failure};
+use crate::image::final_path;
+use miette::Report;
+use std::path::{Path, PathBuf};
+
+/// A file of a command and the flag or role that names it.
+#[derive(Clone, Debug)]
+pub(super) struct NamedFile {
+    /// Flag such as `--stats`, or role such as "the scene file".
+    role: &'static str,
+    /// Path as typed or found.
+    path: PathBuf,
+    /// Path after all links are resolved.
+    resolved: PathBuf,
+}
+
+impl NamedFile {
+    pub fn new(role: &'static str, path: &Path) -> Self {
+        Self { role, path: path.to_owned(), resolved: final_path(path) }
+    }
+}
+
+/// Two roles of one file.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+#[error("{} `{}` and {} `{}` are the same file", output.role, output.path.display(), other.role, other.path.display())]
+#[diagnostic(help("choose another path for {}", output.role))]
+struct SameFile {
+    output: NamedFile,
+    other: NamedFile,
+}
+
+/// Refuses outputs that are the same file as another output or as an input.
+pub(super) fn check_distinct(outputs: &[NamedFile], inputs: &[NamedFile]) -> Result<(), Failure> {
+    for (i, output) in outputs.iter().enumerate() {
+        let mut others = inputs.iter().chain(&outputs[..i]);
+        if let Some(other) = others.find(|other| other.resolved == output.resolved) {
+            return Err(Failure::usage(SameFile { output: output.clone(), other: other.clone() }));
+        }
+    }
+    Ok(())
+}
+
+/// Collects the failures of several outputs, so that one does not prevent the others.
+#[derive(Debug, Default)]
+pub(super) struct OutputFailures(Vec<Report>);
+
+impl OutputFailures {
+    /// Keeps the error of a result; `None` if it is one.
+    pub fn keep<T>(&mut self, result: Result<T, impl std::error::Error + Send + Sync + 'static>) -> Option<T> {
+        result.map_err(|error| self.0.push(Report::from_err(error))).ok()
+    }
+
+    /// Keeps the report of a result; `None` if it is one.
+    pub fn keep_report<T>(&mut self, result: miette::Result<T>) -> Option<T> {
+        result.map_err(|report| self.0.push(report)).ok()
+    }
+
+    /// `exit` if every output was written.
+    pub fn finish(self, exit: Exit) -> Result<Exit, Failure> {
+        if self.0.is_empty() { Ok(exit) } else { Err(Failure { reports: self.0, exit: Exit::Output }) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn message(outputs: &[NamedFile], inputs: &[NamedFile]) -> Option<String> {
+        check_distinct(outputs, inputs).err().map(|failure| failure.reports[0].to_string())
+    }
+
+    #[test]
+    fn two_outputs_of_one_path_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let (plain, dotted) = (folder.path().join("a.exr"), folder.path().join("./a.exr"));
+        let outputs = [NamedFile::new("-o", &plain), NamedFile::new("--aov", &dotted)];
+        let refused = message(&outputs, &[]).unwrap();
+        assert!(refused.starts_with("--aov `") && refused.contains(" and -o `"), "{refused}");
+        assert_eq!(message(&outputs[..1], &[]), None);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_to_an_input_are_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let (scene, link) = (folder.path().join("a.txt"), folder.path().join("b.png"));
+        std::fs::write(&scene, "").unwrap();
+        std::os::unix::fs::symlink(&scene, &link).unwrap();
+        let input = NamedFile::new("the scene file", &scene);
+        let refused = message(&[NamedFile::new("-o", &link)], &[input]).unwrap();
+        assert!(refused.contains("the scene file `"), "{refused}");
+    }
+}

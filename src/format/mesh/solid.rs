@@ -1,0 +1,81 @@
+//! Checks whether a mesh bounds a solid body, as dielectrics need.
+
+use super::TriangleMesh;
+use super::topology::Topology;
+use glam::DVec3;
+use std::fmt::{Display, Formatter, Result as Written};
+
+/// Defect of a mesh that keeps it from bounding a solid body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SolidDefect {
+    /// The surface has open edges, so it has no inside.
+    Open {
+        /// Number of edges with a single triangle.
+        boundary_edges: usize,
+    },
+    /// Neighbouring triangles disagree about the outer side.
+    InconsistentWinding {
+        /// Number of edges where they disagree.
+        edges: usize,
+    },
+    /// The outer side faces the enclosed volume.
+    InsideOut,
+}
+
+impl Display for SolidDefect {
+    fn fmt(&self, f: &mut Formatter<'_>) -> Written {
+        match self {
+            Self::Open { boundary_edges: 1 } => f.write_str("it is open at 1 edge"),
+            Self::Open { boundary_edges } => write!(f, "it is open at {boundary_edges} edges"),
+            Self::InconsistentWinding { edges: 1 } => {
+                f.write_str("its triangles disagree about the outer side at 1 edge")
+            }
+            Self::InconsistentWinding { edges } => {
+                write!(f, "its triangles disagree about the outer side at {edges} edges")
+            }
+            Self::InsideOut => f.write_str("it is inside out"),
+        }
+    }
+}
+
+/// Bytes of memory per triangle that [`TriangleMesh::solid_defect`] takes.
+pub const SOLID_CHECK_BYTES: u64 = 120;
+
+impl TriangleMesh {
+    /// First defect that keeps the mesh from bounding a solid body; `None` if it is closed and faces outward.
+    ///
+    /// The outer side follows the rule of the renderer: shading normals decide it where a triangle has them,
+    /// else the winding does. Triangles without area are ignored.
+    #[must_use]
+    pub fn solid_defect(&self) -> Option<SolidDefect> {
+        let topology = Topology::new(self);
+        let flipped: Vec<bool> = self.triangles.iter().map(|t| self.normals_oppose_winding(*t)).collect();
+        let (mut open, mut inconsistent) = (0, 0);
+        for sides in topology.edges() {
+            let forward = sides.iter().filter(|side| side.forward != flipped[side.triangle as usize]).count();
+            open += usize::from(sides.len() == 1);
+            inconsistent += usize::from(sides.len() > 1 && 2 * forward != sides.len());
+        }
+        if open > 0 {
+            return Some(SolidDefect::Open { boundary_edges: open });
+        }
+        if inconsistent > 0 {
+            return Some(SolidDefect::InconsistentWinding { edges: inconsistent });
+        }
+        // The origin near the mesh keeps the digits of the volume.
+        let origin = self.triangles.first().map_or(DVec3::ZERO, |t| self.positions[t[0] as usize]);
+        let six_volumes = self.triangles.iter().zip(&flipped).map(|(t, flipped)| {
+            let [a, b, c] = t.map(|v| self.positions[v as usize] - origin);
+            let six = a.dot(b.cross(c));
+            if *flipped { -six } else { six }
+        });
+        (six_volumes.sum::<f64>() < 0.0).then_some(SolidDefect::InsideOut)
+    }
+
+    /// True if the sum of the corners' shading normals points to the back of the winding.
+    fn normals_oppose_winding(&self, triangle: [u32; 3]) -> bool {
+        let Some(normals) = &self.normals else { return false };
+        let sum: DVec3 = triangle.iter().map(|v| normals[*v as usize]).sum();
+        sum.dot(self.face_normal(triangle)) < 0.0
+    }
+}

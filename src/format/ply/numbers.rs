@@ -1,0 +1,155 @@
+//! Sequential readers of the numbers in a PLY body, one for binary files and one for text.
+
+use super::super::problem::{Problem, excerpt};
+use super::header::NumberType;
+
+const CUT: &str = "the file is cut short, or its counts are wrong";
+
+/// Reads the numbers of a PLY body in the order of the file.
+pub(super) trait NumberReader {
+    /// The next number.
+    fn number(&mut self, kind: NumberType) -> Result<f64, Problem>;
+    /// The next number, of an integer type.
+    fn integer(&mut self, kind: NumberType) -> Result<i64, Problem>;
+    /// Position for error messages: the byte offset in binary files, the line in text.
+    fn position(&self) -> usize;
+    /// Bytes read so far, counted from the start of the file.
+    fn bytes_read(&self) -> usize;
+    /// Largest number of values of type `kind` that the rest of the file can hold.
+    fn capacity(&self, kind: NumberType) -> u64;
+}
+
+/// Binary body, big-endian if `BIG`.
+pub(super) struct BinaryReader<'b, const BIG: bool> {
+    pub bytes: &'b [u8],
+    /// Offset of the next byte.
+    pub offset: usize,
+}
+
+impl<const BIG: bool> BinaryReader<'_, BIG> {
+    #[inline]
+    fn take<const N: usize>(&mut self) -> Result<[u8; N], Problem> {
+        let next = self.bytes.get(self.offset..).and_then(|rest| rest.first_chunk::<N>());
+        let mut bytes = *next.ok_or_else(|| ("the file ends here".to_owned(), CUT))?;
+        self.offset += N;
+        if BIG {
+            bytes.reverse();
+        }
+        Ok(bytes)
+    }
+}
+
+impl<const BIG: bool> NumberReader for BinaryReader<'_, BIG> {
+    #[inline]
+    fn number(&mut self, kind: NumberType) -> Result<f64, Problem> {
+        match kind {
+            NumberType::F32 => Ok(f64::from(f32::from_le_bytes(self.take()?))),
+            NumberType::F64 => Ok(f64::from_le_bytes(self.take()?)),
+            NumberType::I8 | NumberType::U8 | NumberType::I16 | NumberType::U16 | NumberType::I32 | NumberType::U32 => {
+                self.integer(kind).map(|n| n as f64)
+            }
+        }
+    }
+
+    #[inline]
+    fn integer(&mut self, kind: NumberType) -> Result<i64, Problem> {
+        Ok(match kind {
+            NumberType::I8 => i8::from_le_bytes(self.take()?).into(),
+            NumberType::U8 => u8::from_le_bytes(self.take()?).into(),
+            NumberType::I16 => i16::from_le_bytes(self.take()?).into(),
+            NumberType::U16 => u16::from_le_bytes(self.take()?).into(),
+            NumberType::I32 => i32::from_le_bytes(self.take()?).into(),
+            NumberType::U32 => u32::from_le_bytes(self.take()?).into(),
+            // The header check admits integer types only.
+            NumberType::F32 | NumberType::F64 => return Err(not_a_number("")),
+        })
+    }
+
+    fn position(&self) -> usize {
+        self.offset
+    }
+
+    fn bytes_read(&self) -> usize {
+        self.offset
+    }
+
+    #[inline]
+    fn capacity(&self, kind: NumberType) -> u64 {
+        ((self.bytes.len() - self.offset) / kind.size()) as u64
+    }
+}
+
+/// Text body: numbers between white space.
+pub(super) struct TextReader<'b> {
+    pub bytes: &'b [u8],
+    /// Offset of the next byte.
+    pub offset: usize,
+    /// Line of the last word, from 1.
+    pub line: usize,
+}
+
+impl TextReader<'_> {
+    #[inline]
+    fn word(&mut self) -> Result<&str, Problem> {
+        let mut end = self.offset;
+        while let Some(byte) = self.bytes.get(end)
+            && byte.is_ascii_whitespace()
+        {
+            self.line += usize::from(*byte == b'\n');
+            end += 1;
+        }
+        let start = end;
+        while self.bytes.get(end).is_some_and(|byte| !byte.is_ascii_whitespace()) {
+            end += 1;
+        }
+        self.offset = end;
+        if start == end {
+            return Err(("the file ends here".to_owned(), CUT));
+        }
+        let not_text = |_| ("there are bytes here that are no text".to_owned(), "export it anew as PLY");
+        std::str::from_utf8(&self.bytes[start..end]).map_err(not_text)
+    }
+}
+
+fn not_a_number(word: &str) -> Problem {
+    let message = format!("`{}` is not a number of its property's type", excerpt(word));
+    (message, "repair it or export the mesh anew")
+}
+
+impl NumberReader for TextReader<'_> {
+    #[inline]
+    fn number(&mut self, kind: NumberType) -> Result<f64, Problem> {
+        let word = self.word()?;
+        let number = match kind {
+            NumberType::F32 => word.parse::<f32>().map(f64::from),
+            NumberType::I8
+            | NumberType::U8
+            | NumberType::I16
+            | NumberType::U16
+            | NumberType::I32
+            | NumberType::U32
+            | NumberType::F64 => word.parse::<f64>(),
+        };
+        number.map_err(|_| not_a_number(word))
+    }
+
+    #[inline]
+    fn integer(&mut self, _: NumberType) -> Result<i64, Problem> {
+        let word = self.word()?;
+        word.parse::<i64>().map_err(|_| not_a_number(word))
+    }
+
+    fn position(&self) -> usize {
+        self.line
+    }
+
+    fn bytes_read(&self) -> usize {
+        self.offset
+    }
+
+    #[inline]
+    fn capacity(&self, _: NumberType) -> u64 {
+        // A separator and a digit each.
+        ((self.bytes.len() - self.offset) / 2) as u64
+    }
+}

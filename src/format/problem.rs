@@ -1,0 +1,53 @@
+//! Helpers that the file readers share: messages about bad input, and the byte order mark.
+
+use std::path::{Path, PathBuf};
+
+/// Message that says what is wrong in a file, and a remedy.
+pub(in crate::format) type Problem = (String, &'static str);
+
+/// Line of an input file that cannot be understood.
+#[derive(Debug, thiserror::Error)]
+#[error("{}:{line}: {message}: {remedy}", path.display())]
+pub struct LineError {
+    /// Path of the file.
+    pub path: PathBuf,
+    /// Line number, from 1.
+    pub line: usize,
+    /// What is wrong.
+    pub message: String,
+    /// What would be right.
+    pub remedy: &'static str,
+}
+
+impl LineError {
+    pub(in crate::format) fn new(path: &Path, line: usize, (message, remedy): Problem) -> Self {
+        Self { path: path.into(), line, message, remedy }
+    }
+}
+
+/// `word` with control characters escaped, cut to 40 characters for an error message.
+pub(in crate::format) fn excerpt(word: &str) -> String {
+    word.escape_debug().take(40).collect()
+}
+
+/// `bytes` without the UTF-8 byte order mark that some editors write at the start of a text file.
+pub(in crate::format) fn without_bom(bytes: &[u8]) -> &[u8] {
+    bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn excerpts_are_short_and_escaped() {
+        assert_eq!(excerpt("a\u{7}b"), "a\\u{7}b");
+        assert_eq!(excerpt(&"x".repeat(100)).len(), 40);
+    }
+
+    #[test]
+    fn only_a_leading_mark_is_removed() {
+        assert_eq!(without_bom(b"\xef\xbb\xbfply"), b"ply");
+        assert_eq!(without_bom(b"p\xef\xbb\xbf"), b"p\xef\xbb\xbf");
+    }
+}

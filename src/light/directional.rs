@@ -1,0 +1,80 @@
+//! Directional lights.
+
+use super::light_bounds::LightBounds;
+use super::source::{DirectSample, EmissionDimensions, EmissionSample, LightSource, ShadowTarget};
+use super::{MARGIN, PhotonAim};
+use crate::color::Rgb;
+use crate::math::{Frame, Ray, Sphere, warp};
+use glam::{Vec2, Vec3};
+use std::f32::consts::PI;
+
+/// Parallel light from infinity.
+#[derive(Clone, Copy, Debug)]
+pub struct DirectionalLight {
+    /// Unit direction of travel.
+    pub direction: Vec3,
+    /// Irradiance at normal incidence \[W/m²].
+    pub irradiance: Rgb,
+}
+
+impl LightSource for DirectionalLight {
+    #[inline]
+    fn sample_li(&self, _p: Vec3, _u: Vec2) -> Option<DirectSample> {
+        let (wi, target) = (-self.direction, ShadowTarget::Infinity);
+        Some(DirectSample { wi, target, weight: self.irradiance, pdf: None })
+    }
+
+    fn sample_le(&self, domain: Sphere, position: Vec2, _direction: Vec2) -> Option<EmissionSample> {
+        let (ray, area) = ray_across(domain, self.direction, position)?;
+        Some(EmissionSample { ray, flux: self.irradiance * area })
+    }
+
+    fn sample_le_towards(
+        &self,
+        aim: &PhotonAim,
+        domain: Sphere,
+        position: Vec2,
+        _direction: Vec2,
+    ) -> Option<EmissionSample> {
+        let upstream = domain.radius - self.direction.dot(domain.center);
+        let (start, pdf) = aim.sample_parallel(self.direction, upstream, position)?;
+        Some(EmissionSample { ray: Ray::new(start, self.direction), flux: self.irradiance / pdf })
+    }
+
+    fn emission_dimensions(&self) -> EmissionDimensions {
+        EmissionDimensions { position: true, direction: false }
+    }
+
+    fn power(&self, domain: Sphere) -> Rgb {
+        self.irradiance * (PI * domain.radius * domain.radius)
+    }
+
+    fn bounds(&self) -> Option<LightBounds> {
+        None
+    }
+
+    #[inline]
+    fn is_infinite(&self) -> bool {
+        true
+    }
+
+    fn peak(&self) -> Option<Rgb> {
+        Some(self.irradiance)
+    }
+
+    fn avoids_plane(&self, _p: Vec3, n: Vec3) -> bool {
+        self.direction.dot(n).abs() > MARGIN
+    }
+}
+
+/// A ray along unit `direction` from a uniform point of a disc across `domain`, with the disc's area.
+///
+/// `None` if the area is zero.
+pub(super) fn ray_across(domain: Sphere, direction: Vec3, u: Vec2) -> Option<(Ray, f32)> {
+    let frame = Frame::around(direction);
+    let d = warp::disc(u) * domain.radius;
+    let p = domain.center + frame.s * d.x + frame.t * d.y;
+    let start = p - direction * (domain.radius + direction.dot(p - domain.center));
+    let area = PI * domain.radius * domain.radius;
+    (area > 0.0).then(|| (Ray::new(start, direction), area))
+}

@@ -1,0 +1,177 @@
+//! Bounds of lights in space and direction, and the importance of a group of lights at a point.
+//!
+//! Sources: Conty Estevez and Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree Splitting"; Pharr, Jakob,
+//! Humphreys 2023, section 12.6.3.
+
+use crate::color::{self, Rgb};
+use crate::math::Bounds;
+use glam::{DQuat, DVec3, Vec3};
+use std::f64::consts::{FRAC_PI_2, PI};
+
+/// Bounds of a group of lights in space and direction.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LightBounds {
+    /// Bounding box.
+    pub space: Bounds,
+    /// Cone of the surface normals, or of the beam.
+    normals: DirectionCone,
+    /// Largest angle between normal and emitted direction, at most π/2 \[radians].
+    spread: f64,
+    /// Emitted flux, mean over the channels \[W].
+    flux: f64,
+}
+
+/// All directions within an angle of an axis.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct DirectionCone {
+    /// Unit axis.
+    pub axis: DVec3,
+    /// Half angle \[radians].
+    pub angle: f64,
+}
+
+/// Error of unit normals in f32 \[radians].
+pub(super) const NORMAL_ERROR: f64 = 1e-6;
+
+impl DirectionCone {
+    /// All directions.
+    pub const ALL: Self = Self { axis: DVec3::Z, angle: PI };
+
+    fn union(self, other: Self) -> Self {
+        let between = angle_between(self.axis, other.axis);
+        if (between + other.angle).min(PI) <= self.angle {
+            return self;
+        }
+        if (between + self.angle).min(PI) <= other.angle {
+            return other;
+        }
+        let half = 0.5 * (self.angle + between + other.angle);
+        let around = self.axis.cross(other.axis).try_normalize();
+        match around {
+            Some(around) if half < PI => {
+                Self { axis: DQuat::from_axis_angle(around, half - self.angle) * self.axis, angle: half }
+            }
+            Some(_) | None => Self::ALL,
+        }
+    }
+}
+
+/// Angle between two unit vectors \[radians].
+pub(super) fn angle_between(a: DVec3, b: DVec3) -> f64 {
+    libm::atan2(a.cross(b).length(), a.dot(b))
+}
+
+impl LightBounds {
+    /// Bounds of one light with the given flux \[W]; `spread` is in radians.
+    pub fn new(space: Bounds, normals: DirectionCone, spread: f64, flux: Rgb) -> Self {
+        Self { space, normals, spread, flux: f64::from(color::mean(flux)) }
+    }
+
+    /// The bounds with their box grown by `margin` and by the rounding of its coordinates.
+    pub fn expanded(self, margin: f32) -> Self {
+        let far = self.space.min.abs().max(self.space.max.abs()).max_element();
+        Self { space: self.space.expanded(margin + far * 1e-6), ..self }
+    }
+
+    /// Bounds of two groups together.
+    pub fn union(self, other: Self) -> Self {
+        Self {
+            space: self.space.union(other.space),
+            normals: self.normals.union(other.normals),
+            spread: self.spread.max(other.spread),
+            flux: self.flux + other.flux,
+        }
+    }
+
+    /// Solid angle of the emitted directions \[sr]; directions beyond the normals are weighted by the cosine.
+    fn solid_angle(&self) -> f64 {
+        let o = self.normals.angle;
+        let w = (o + self.spread).min(PI);
+        let (sin, cos) = libm::sincos(o);
+        let falloff = 2.0 * w * sin - libm::cos(o - 2.0 * w) - 2.0 * o * sin + cos;
+        2.0 * PI * (1.0 - cos) + FRAC_PI_2 * falloff
+    }
+
+    /// Cost of the group in a light tree: flux times solid angle times squared extent.
+    pub fn cost(&self) -> f64 {
+        self.flux * self.solid_angle() * f64::from(self.space.extent().length_squared())
+    }
+}
+
+/// Lower bound of squared distances, relative to a group's squared radius.
+///
+/// The mean of 1/d² over a ball around a point is 3/R². A box has the volume of a ball with 0.7 of its half diagonal.
+const MIN_DISTANCE2: f64 = 1.0 / 6.0;
+
+/// Light bounds in the form for fast queries: a bounding sphere instead of the box, cosines instead of angles.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Importance {
+    center: Vec3,
+    radius2: f64,
+    axis: Vec3,
+    normals: Angle,
+    cos_spread: f64,
+    /// Approximate radiant intensity along the normals \[W/sr].
+    intensity: f64,
+}
+
+/// Cosine and sine of an angle between 0 and π.
+#[derive(Clone, Copy, Debug)]
+struct Angle(f64, f64);
+
+impl Angle {
+    fn of_cos(cos: f64) -> Self {
+        Self(cos, (1.0 - cos * cos).max(0.0).sqrt())
+    }
+
+    /// Difference of two angles, at least zero.
+    #[inline]
+    fn minus(self, other: Self) -> Self {
+        if self.0 >= other.0 {
+            return Self(1.0, 0.0);
+        }
+        Self(self.0 * other.0 + self.1 * other.1, self.1 * other.0 - self.0 * other.1)
+    }
+}
+
+impl From<LightBounds> for Importance {
+    fn from(bounds: LightBounds) -> Self {
+        let sphere = bounds.space.bounding_sphere();
+        // The radius covers the rounding of the sphere. It is above zero because it bounds a divisor.
+        let radius = (f64::from(sphere.radius) * (1.0 + 1e-6)).max(f64::from(f32::MIN_POSITIVE));
+        let (sin, cos) = libm::sincos(bounds.normals.angle);
+        Self {
+            center: sphere.center,
+            radius2: radius * radius,
+            axis: bounds.normals.axis.as_vec3(),
+            normals: Angle(cos, sin),
+            cos_spread: libm::cos(bounds.spread),
+            intensity: bounds.flux / bounds.solid_angle(),
+        }
+    }
+}
+
+impl Importance {
+    /// Approximate irradiance at `p`, on the side of the unit normal `n` if given; 0 only if no light can arrive.
+    #[inline]
+    pub fn at(&self, p: Vec3, n: Option<Vec3>) -> f64 {
+        let to = p.as_dvec3() - self.center.as_dvec3();
+        let d2 = to.length_squared();
+        let (w, subtended) = if d2 <= self.radius2 {
+            (to, Angle(-1.0, 0.0))
+        } else {
+            (to / d2.sqrt(), Angle((1.0 - self.radius2 / d2).sqrt(), (self.radius2 / d2).sqrt()))
+        };
+        let angle = |cos: f64| Angle::of_cos(cos.clamp(-1.0, 1.0));
+        let emitted = angle(w.dot(self.axis.as_dvec3())).minus(self.normals).minus(subtended).0;
+        // Equality counts: with zero spread, light stays within the cone itself.
+        if emitted < self.cos_spread {
+            return 0.0;
+        }
+        let received = n.map_or(1.0, |n| angle(-w.dot(n.as_dvec3())).minus(subtended).0);
+        if received <= 0.0 {
+            return 0.0;
+        }
+        self.intensity * emitted * received / d2.max(self.radius2 * MIN_DISTANCE2)
+    }
+}

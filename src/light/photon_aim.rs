@@ -1,0 +1,158 @@
+//! Photon emission aimed at chosen spheres.
+
+use crate::math::{Bounds, Frame, Sphere, warp};
+use glam::{Vec2, Vec3};
+use std::f32::consts::{PI, TAU};
+
+/// Bounding spheres at which photon emission aims; an analytic form of Jensen's projection maps.
+///
+/// From a point, each sphere subtends a cone. Directions are sampled from the mixture of these cones, each weighted by its
+/// solid angle. The pdf of the mixture is the number of cones that contain the direction, over the sum of the solid
+/// angles. Overlaps therefore cause no bias.
+#[derive(Clone, Debug, Default)]
+pub struct PhotonAim {
+    spheres: Vec<Sphere>,
+}
+
+/// Maximum number of spheres; each costs a few operations per emitted photon.
+const MAX_SPHERES: usize = 32;
+
+/// The cone that a sphere subtends.
+#[derive(Clone, Copy)]
+struct SphereCone {
+    axis: Vec3,
+    one_minus_cos: f32,
+}
+
+/// Directions from a point to a sphere.
+enum Subtended {
+    /// The directions of a cone.
+    Cone(SphereCone),
+    /// All directions: the point is inside the sphere.
+    All,
+    /// No direction: the sphere is below the horizon.
+    None,
+}
+
+/// Directions from `p` to `sphere`, above the plane with normal `horizon`.
+fn subtended(sphere: &Sphere, p: Vec3, horizon: Option<Vec3>) -> Subtended {
+    let to = sphere.center - p;
+    let d2 = to.length_squared();
+    let sin2 = sphere.radius * sphere.radius / d2;
+    if sin2.is_nan() || sin2 >= 1.0 {
+        return Subtended::All;
+    }
+    let axis = to / d2.sqrt();
+    if horizon.is_some_and(|n| axis.dot(n) <= -sin2.sqrt()) {
+        return Subtended::None;
+    }
+    Subtended::Cone(SphereCone { axis, one_minus_cos: sin2 / (1.0 + (1.0 - sin2).sqrt()) })
+}
+
+impl PhotonAim {
+    /// Aims at `spheres`; neighbours are merged if there are many.
+    ///
+    /// The spheres grow by a few ulps, so that rounding leaves nothing outside.
+    #[must_use]
+    pub fn new(spheres: impl IntoIterator<Item = Sphere>) -> Self {
+        let mut spheres: Vec<Sphere> = spheres.into_iter().collect();
+        merge(&mut spheres, MAX_SPHERES);
+        for sphere in &mut spheres {
+            sphere.radius = sphere.radius * (1.0 + 1e-5) + sphere.center.abs().max_element() * 1e-6;
+        }
+        Self { spheres }
+    }
+
+    /// Samples a unit direction from `p` towards a sphere, with its pdf \[1/sr]; `None` if no sphere is in view.
+    ///
+    /// `horizon` is the normal of a plane through `p`; spheres below the plane are left out.
+    #[must_use]
+    pub fn sample_direction(&self, p: Vec3, horizon: Option<Vec3>, u: Vec2) -> Option<(Vec3, f32)> {
+        let mut cones = [SphereCone { axis: Vec3::Z, one_minus_cos: 0.0 }; MAX_SPHERES];
+        let mut count = 0;
+        let mut total = 0.0;
+        for sphere in &self.spheres {
+            match subtended(sphere, p, horizon) {
+                Subtended::Cone(cone) => {
+                    total += cone.one_minus_cos;
+                    cones[count] = cone;
+                    count += 1;
+                }
+                Subtended::None => {}
+                Subtended::All => return sample_all_directions(horizon, u),
+            }
+        }
+        let cones = &cones[..count];
+        let (within, chosen) = choose(cones.iter().map(|cone| cone.one_minus_cos), u.x * total)?;
+        let cone = &cones[chosen];
+        let direction = Frame::around(cone.axis).to_world(warp::cone(Vec2::new(within, u.y), cone.one_minus_cos));
+        // |w − a|² = 2(1 − cos) keeps its digits in narrow cones.
+        let around = cones.iter().filter(|c| (direction - c.axis).length_squared() <= 2.0 * c.one_minus_cos);
+        // The chosen cone contains its own direction, whatever rounding says at its rim.
+        let count = around.count().max(1);
+        Some((direction, count as f32 / (TAU * total)))
+    }
+
+    /// Samples the start of a ray along unit `direction` that enters a sphere, with its pdf per area.
+    ///
+    /// All starts lie in the plane across `direction` at `upstream` before the origin.
+    #[must_use]
+    pub fn sample_parallel(&self, direction: Vec3, upstream: f32, u: Vec2) -> Option<(Vec3, f32)> {
+        let areas = || self.spheres.iter().map(|s| PI * s.radius * s.radius);
+        let total: f32 = areas().sum();
+        let (within, chosen) = choose(areas(), u.x * total)?;
+        let sphere = &self.spheres[chosen];
+        let frame = Frame::around(direction);
+        let d = warp::disc(Vec2::new(within, u.y)) * sphere.radius;
+        let p = sphere.center + frame.s * d.x + frame.t * d.y;
+        let around = self.spheres.iter().filter(|s| (p - s.center).cross(direction).length() <= s.radius);
+        let count = around.count().max(1);
+        Some((p - direction * (upstream + direction.dot(p)), count as f32 / total))
+    }
+}
+
+/// Chooses the interval that contains `at` in consecutive intervals of the given widths.
+///
+/// Returns the position in the interval, in \[0, 1), and its index. `None` if there is no interval.
+#[inline]
+fn choose(widths: impl Iterator<Item = f32>, mut at: f32) -> Option<(f32, usize)> {
+    let mut chosen = None;
+    for (i, width) in widths.enumerate() {
+        chosen = Some(((at / width).min(1.0 - f32::EPSILON), i));
+        at -= width;
+        if at < 0.0 {
+            break;
+        }
+    }
+    chosen
+}
+
+/// Samples all directions above `horizon`; `None` in the horizon itself, where the pdf is 0.
+fn sample_all_directions(horizon: Option<Vec3>, u: Vec2) -> Option<(Vec3, f32)> {
+    match horizon {
+        Some(n) => {
+            let local = warp::cosine_hemisphere(u);
+            (local.z > 0.0).then(|| (Frame::around(n).to_world(local), warp::cosine_hemisphere_pdf(local.z)))
+        }
+        None => Some((warp::sphere(u), 1.0 / (2.0 * TAU))),
+    }
+}
+
+/// Halves the spheres at the median of their widest axis until `most` groups are left, then bounds each group.
+fn merge(spheres: &mut Vec<Sphere>, most: usize) {
+    if spheres.len() <= most {
+        return;
+    }
+    let extent = Bounds::of(spheres.iter().map(|b| b.center)).extent();
+    let axis = (0..3).max_by(|a, b| extent[*a].total_cmp(&extent[*b])).unwrap_or(0);
+    spheres.sort_by(|a, b| a.center[axis].total_cmp(&b.center[axis]));
+    let mut upper = spheres.split_off(spheres.len() / 2);
+    if most > 1 {
+        merge(spheres, most / 2);
+        merge(&mut upper, most - most / 2);
+        spheres.append(&mut upper);
+    } else {
+        spheres.append(&mut upper);
+        *spheres = spheres.drain(..).reduce(Sphere::union).into_iter().collect();
+    }
+}

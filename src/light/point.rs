@@ -1,0 +1,77 @@
+//! Point lights.
+
+use super::PhotonAim;
+use super::light_bounds::{DirectionCone, LightBounds};
+use super::source::{DirectSample, EmissionSample, LightSource, ShadowTarget};
+use crate::color::Rgb;
+use crate::math::{Bounds, Ray, Sphere, warp};
+use glam::{Vec2, Vec3};
+use std::f32::consts::PI;
+use std::f64::consts::FRAC_PI_2;
+
+/// A point that emits with equal intensity in all directions.
+#[derive(Clone, Copy, Debug)]
+pub struct PointLight {
+    /// Position in world space.
+    pub position: Vec3,
+    /// Radiant intensity \[W/sr].
+    pub intensity: Rgb,
+}
+
+impl LightSource for PointLight {
+    #[inline]
+    fn sample_li(&self, p: Vec3, _u: Vec2) -> Option<DirectSample> {
+        sample_li_of_point(p, self.position, |_| self.intensity)
+    }
+
+    fn sample_le(&self, domain: Sphere, _position: Vec2, direction: Vec2) -> Option<EmissionSample> {
+        Some(EmissionSample { ray: Ray::new(self.position, warp::sphere(direction)), flux: self.power(domain) })
+    }
+
+    fn sample_le_towards(
+        &self,
+        aim: &PhotonAim,
+        _domain: Sphere,
+        _position: Vec2,
+        direction: Vec2,
+    ) -> Option<EmissionSample> {
+        sample_le_of_point(aim, self.position, direction, |_| self.intensity)
+    }
+
+    fn power(&self, _domain: Sphere) -> Rgb {
+        self.intensity * (4.0 * PI)
+    }
+
+    fn bounds(&self) -> Option<LightBounds> {
+        let space = Bounds::of([self.position]);
+        Some(LightBounds::new(space, DirectionCone::ALL, FRAC_PI_2, self.intensity * (4.0 * PI)))
+    }
+
+    fn position(&self) -> Option<Vec3> {
+        Some(self.position)
+    }
+
+    fn peak(&self) -> Option<Rgb> {
+        Some(self.intensity)
+    }
+}
+
+/// Samples direct light from a point; `intensity` takes the unit direction from the point.
+#[inline]
+pub(super) fn sample_li_of_point(p: Vec3, position: Vec3, intensity: impl Fn(Vec3) -> Rgb) -> Option<DirectSample> {
+    let (d2, wi, _) = crate::math::direction(p, position)?;
+    let weight = intensity(-wi) / d2;
+    (weight != Rgb::ZERO).then_some(DirectSample { wi, target: ShadowTarget::Point(position), weight, pdf: None })
+}
+
+/// Samples emission from a point towards the spheres of `aim`; `intensity` takes the unit direction from the point.
+pub(super) fn sample_le_of_point(
+    aim: &PhotonAim,
+    position: Vec3,
+    u: Vec2,
+    intensity: impl Fn(Vec3) -> Rgb,
+) -> Option<EmissionSample> {
+    let (w, pdf) = aim.sample_direction(position, None, u)?;
+    let intensity = intensity(w);
+    (intensity != Rgb::ZERO).then(|| EmissionSample { ray: Ray::new(position, w), flux: intensity / pdf })
+}

@@ -1,0 +1,90 @@
+//! Area lights that follow a texture: half of one that is black is no light, and the rest is a light of half the size.
+
+use super::direct::emitter_of;
+use super::*;
+use crate::math::Transform;
+use crate::shape::{Form, Mesh, TextureMapping};
+use crate::texture::{Checker, Coordinates, Texture};
+use glam::DVec2;
+use std::sync::Arc;
+
+const BRIGHT: f32 = 3.0;
+
+/// White where u < ½ and v < 1, else black.
+fn half() -> Arc<Texture> {
+    let colors = [Rgb::ONE, Rgb::ZERO];
+    Arc::new(Texture::Checker(Checker { colors }, Coordinates::new(DVec2::new(2.0, 1.0), 0.0, DVec2::ZERO)))
+}
+
+fn glowing(emitter: LightSurface, form: Form) -> Light {
+    let texture = half();
+    let scale = Rgb::splat(BRIGHT);
+    let radiance = texture.mean() * scale;
+    let glow = Arc::new(super::super::EmissionTexture {
+        texture,
+        mapping: TextureMapping::new(form, Transform::IDENTITY),
+        scale,
+    });
+    Light::Area(AreaLight { surface: emitter, radiance, texture: Some(glow) })
+}
+
+/// Above the origin, shining down; u runs along x.
+fn lights() -> Vec<(Light, Light)> {
+    let (corner, e0, e1) = (DVec3::new(-1.0, 2.0, -0.5), DVec3::X * 2.0, DVec3::Z);
+    let rectangle = |e0| LightSurface::Shape(Shape::Rectangle(Rectangle::new(corner, e0, e1)));
+    let mesh = |width: f32| {
+        let at = |u: f32, v: f32| Vec3::new(-1.0 + width * u, 2.0, -0.5 + v);
+        Arc::new(Mesh {
+            positions: vec![at(0.0, 0.0), at(1.0, 0.0), at(1.0, 1.0), at(0.0, 1.0)],
+            texcoords: vec![Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y],
+            triangles: vec![[0, 1, 2], [0, 2, 3]],
+            ..Mesh::default()
+        })
+    };
+    let even = |emitter| Light::Area(AreaLight::uniform(emitter, Rgb::splat(BRIGHT)));
+    vec![
+        (glowing(rectangle(e0), Form::rectangle(corner, e0, e1)), even(rectangle(e0 * 0.5))),
+        (glowing(emitter_of(mesh(2.0)), Form::Own), even(emitter_of(mesh(1.0)))),
+    ]
+}
+
+fn differ(a: (f64, f64), b: (f64, f64)) -> bool {
+    (a.0 - b.0).abs() > 5.0 * (a.1 + b.1).sqrt() + 1e-6 * a.0
+}
+
+#[test]
+fn half_a_light_lights_as_one_of_half_the_size() {
+    for (whole, half) in lights() {
+        // Near, where rectangles are drawn by solid angle, and far, where they are drawn by area.
+        for p in [Vec3::ZERO, Vec3::new(1.0, 1.5, 0.2), Vec3::new(-3.0, -9.0, 1.0)] {
+            let [a, b] = [&whole, &half].map(|light| irradiance(light, p, Vec3::Y));
+            assert!(!differ(a, b) && b.0 > 0.0, "{p}: {a:?} {b:?}");
+        }
+    }
+}
+
+#[test]
+fn half_a_light_emits_as_one_of_half_the_size() {
+    let domain = Sphere { center: Vec3::ZERO, radius: 4.0 };
+    let ball = Sphere { center: Vec3::new(0.3, 0.0, 0.1), radius: 0.7 };
+    let aim = PhotonAim::new([ball]);
+    for (whole, half) in lights() {
+        // Equal powers by the mean, and what photons carry.
+        assert!((whole.power(domain) - half.power(domain)).abs().max_element() < 1e-5);
+        let draw = |k: Key| (k.uniform_2d(Dimension::LightPosition), k.uniform_2d(Dimension::LightDirection));
+        for aimed in [false, true] {
+            let [a, b] = [&whole, &half].map(|light| {
+                estimate(100_000, |k| {
+                    let (position, direction) = draw(k);
+                    let emission = if aimed {
+                        light.sample_le_towards(&aim, domain, position, direction)
+                    } else {
+                        light.sample_le(domain, position, direction)
+                    };
+                    emission.map_or(0.0, |e| f64::from(e.flux.x))
+                })
+            });
+            assert!(!differ(a, b) && b.0 > 0.0, "aimed: {aimed}: {a:?} {b:?}");
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! PhaseFunction functions: which way light goes on after it scattered.
+
+use crate::math::{Frame, sin_cos_turns};
+use glam::{Vec2, Vec3};
+use std::f32::consts::PI;
+
+/// The distribution of directions after scattering.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PhaseFunction {
+    /// All directions alike.
+    Isotropic,
+    /// Henyey and Greenstein (1941) with its mean cosine in (−1, 1): above 0 it scatters forwards.
+    HenyeyGreenstein(f32),
+    /// Scattering by particles much smaller than the wavelength.
+    Rayleigh,
+}
+
+impl PhaseFunction {
+    /// Density \[1/sr] at `cos`, the cosine between the directions of travel before and after: 1 is straight on.
+    #[inline]
+    #[must_use]
+    pub fn evaluate(&self, cos: f32) -> f32 {
+        match *self {
+            Self::Isotropic => 1.0 / (4.0 * PI),
+            Self::HenyeyGreenstein(g) => {
+                // 1 + g² − 2g·cos as a sum of two terms that are not negative, so that the peak keeps its digits.
+                let a = g.abs();
+                let drop = (1.0 - cos.copysign(cos * g)).max(0.0);
+                let square = (1.0 - a) * (1.0 - a) + 2.0 * a * drop;
+                (1.0 - a) * (1.0 + a) / (4.0 * PI * square * square.sqrt())
+            }
+            Self::Rayleigh => 3.0 / (16.0 * PI) * (1.0 + cos * cos),
+        }
+    }
+
+    /// The unit direction after light that travels in unit `direction` scattered, with its density \[1/sr].
+    ///
+    /// The density is [`evaluate`](Self::evaluate), so a sample's weight is 1.
+    #[inline]
+    #[must_use]
+    pub fn sample(&self, direction: Vec3, u: Vec2) -> (Vec3, f32) {
+        let (cos, sin) = match *self {
+            Self::Isotropic => (1.0 - 2.0 * u.x, 2.0 * (u.x * (1.0 - u.x)).sqrt()),
+            Self::HenyeyGreenstein(g) => henyey_greenstein(g, u.x),
+            Self::Rayleigh => rayleigh(u.x),
+        };
+        let (s, c) = sin_cos_turns(u.y);
+        let next = Frame::around(direction).to_world(Vec3::new(sin * c, sin * s, cos));
+        // Walks of thousands of steps must not drift off the sphere.
+        (next.normalize(), self.evaluate(cos))
+    }
+
+    /// The mean of the cosine.
+    #[must_use]
+    pub fn mean_cosine(&self) -> f32 {
+        match *self {
+            Self::HenyeyGreenstein(g) => g,
+            Self::Isotropic | Self::Rayleigh => 0.0,
+        }
+    }
+}
+
+/// Cosine and sine by inversion.
+///
+/// With D = 1 − g + 2gu the inverse (Witt 1977) gives 1 − cos = 2(1−g)²(1−u)(1+gu)/D² and
+/// 1 + cos = 2(1+g)²u(1−g(1−u))/D²: neither cancels, at any g from 0 to 1.
+fn henyey_greenstein(g: f32, u: f32) -> (f32, f32) {
+    let a = g.abs();
+    let rest = 1.0 - a;
+    let d = rest + 2.0 * a * u;
+    let drop = 2.0 * (rest / d) * (rest / d) * (1.0 - u) * (1.0 + a * u);
+    let rise = 2.0 * ((1.0 + a) / d) * ((1.0 + a) / d) * u * (rest + a * u);
+    let cos = if drop < rise { 1.0 - drop } else { rise - 1.0 };
+    let cos = if g < 0.0 { -cos } else { cos };
+    (cos, (drop * rise).max(0.0).sqrt())
+}
+
+/// Cosine and sine by inversion: the real root of cos³ + 3cos = 8u − 4 (Cardano).
+fn rayleigh(u: f32) -> (f32, f32) {
+    let q = 4.0 * f64::from(u) - 2.0;
+    let root = libm::cbrt(q.abs() + (q * q + 1.0).sqrt());
+    let cos = (root - 1.0 / root).min(1.0).copysign(q);
+    (cos as f32, ((1.0 - cos) * (1.0 + cos)).sqrt() as f32)
+}

@@ -1,0 +1,53 @@
+//! Random walks without end.
+
+use super::*;
+use glam::{DAffine3, Vec2};
+use rand::RngExt;
+
+/// A walk from the origin that is absorbed by roulette on its weight: the number of its collisions and where it ended.
+fn walk(medium: &Medium, random: &mut SmallRng) -> (f64, DVec3) {
+    let (mut p, mut direction, mut collisions) = (Vec3::ZERO, Vec3::X, 0.0);
+    loop {
+        let distance_sample = medium.distance_sample(&Ray::new(p, direction), f32::INFINITY, Vec3::ONE, random);
+        let t = distance_sample.scattered.expect("the medium has no end");
+        p += direction * t;
+        collisions += 1.0;
+        if random.random::<f32>() >= distance_sample.weight.x {
+            return (collisions, p.as_dvec3());
+        }
+        direction = medium.phase.sample(direction, Vec2::new(random.random(), random.random())).0;
+    }
+}
+
+/// 1/(1−a) collisions, and ⟨r²⟩ = 2/(σt²(1−a)(1−ag)) where it is absorbed.
+fn check(medium: &Medium, sigma: f64, albedo: f64) {
+    let mut random = rng(5);
+    let (mut collisions, mut square) = (Mean::default(), Mean::default());
+    for _ in 0..100_000 {
+        let (n, p) = walk(medium, &mut random);
+        collisions.add(DVec3::splat(n));
+        square.add(DVec3::splat(p.length_squared()));
+    }
+    let g = f64::from(medium.phase.mean_cosine());
+    collisions.agrees(DVec3::splat(1.0 / (1.0 - albedo)), "collisions");
+    square.agrees(DVec3::splat(2.0 / (sigma * sigma * (1.0 - albedo) * (1.0 - albedo * g))), "r²");
+}
+
+#[test]
+fn walks_end_where_diffusion_says() {
+    let phases = [PhaseFunction::Isotropic, PhaseFunction::Rayleigh].into_iter();
+    for phase in phases.chain([-0.5, 0.7, 0.99, -0.99].map(PhaseFunction::HenyeyGreenstein)) {
+        let medium = Medium::homogeneous(Vec3::splat(0.5), Vec3::splat(2.0), Vec3::ZERO, phase);
+        check(&medium, 2.5, 0.8);
+    }
+}
+
+/// The same in a box so large that no walk leaves it: e⁻⁵⁰⁰ of all flights are as long.
+#[test]
+fn walks_in_a_grid_end_where_diffusion_says() {
+    let place = DAffine3::from_scale(DVec3::splat(400.0)) * DAffine3::from_translation(DVec3::splat(-0.5));
+    let field = Arc::new(GridDensity::new([33, 20, 9], vec![2.5; 33 * 20 * 9], place).unwrap());
+    let medium =
+        Medium::varied(Vec3::splat(0.2), Vec3::splat(0.8), Vec3::ZERO, PhaseFunction::HenyeyGreenstein(0.7), field);
+    check(&medium, 2.5, 0.8);
+}

@@ -1,0 +1,272 @@
+use super::*;
+use crate::camera::Camera;
+use crate::color::Rgb;
+use crate::photon::{Bandwidth, Kernel, Photon, PhotonMap, VisiblePoint};
+use crate::scene::{InteriorStack, LightStrength, Material, Scene, SceneBuilder, SourceKind};
+use crate::shape::{Rectangle, Shape, Sphere};
+use glam::{DVec3, Vec2, Vec3};
+
+/// A floor of 16 × 16 with a wall behind it, and lamps six above its middle.
+fn hall(lamps: impl FnOnce(&mut SceneBuilder)) -> Scene {
+    let mut builder = SceneBuilder::new();
+    let grey = builder.material(Material::diffuse(Rgb::splat(0.5)));
+    let (x, y, z) = (DVec3::X * 16.0, DVec3::Y * 7.0, DVec3::Z * 16.0);
+    builder.shape(Shape::Rectangle(Rectangle::new(DVec3::new(-8.0, 0.0, -8.0), z, x)), grey, Rgb::ZERO);
+    builder.shape(Shape::Rectangle(Rectangle::new(DVec3::new(-8.0, 0.0, -8.0), x, y)), grey, Rgb::ZERO);
+    lamps(&mut builder);
+    builder.build(Camera::perspective(DVec3::Y, DVec3::NEG_Z, DVec3::Y, 1.0, 4, 3).unwrap()).unwrap()
+}
+
+const LAMP: DVec3 = DVec3::new(0.0, 6.0, 0.0);
+
+fn source(kind: SourceKind) -> Scene {
+    hall(|b| {
+        b.source(kind, LightStrength::Physical(Rgb::new(1.0, 2.0, 3.0)));
+    })
+}
+
+fn spot() -> Scene {
+    source(SourceKind::Spot { position: LAMP, axis: DVec3::NEG_Y, inner: 1.1, outer: 1.15 })
+}
+
+fn lit_by(shape: Shape) -> Scene {
+    hall(|b| {
+        let black = b.material(Material::diffuse(Rgb::ZERO));
+        b.shape(shape, black, Rgb::new(1.0, 2.0, 3.0));
+    })
+}
+
+fn square_lamp() -> Scene {
+    lit_by(Shape::Rectangle(Rectangle::new(LAMP, DVec3::X, DVec3::Z)))
+}
+
+/// A hall of each kind of lamp.
+fn halls() -> [(&'static str, Scene); 5] {
+    [
+        ("point", source(SourceKind::Point { position: LAMP })),
+        ("spot", spot()),
+        ("directional", source(SourceKind::Directional { direction: DVec3::new(0.3, -1.0, 0.1) })),
+        ("square", square_lamp()),
+        ("ball", lit_by(Shape::Sphere(Sphere::new(LAMP, 0.4)))),
+    ]
+}
+
+/// A place of the description in the resolved scene.
+fn placed(scene: &Scene, p: DVec3) -> Vec3 {
+    (p - scene.middle()).as_vec3()
+}
+
+/// A lattice of points over the corner \[6, 8]² of the floor.
+fn corner(scene: &Scene) -> impl Iterator<Item = Vec3> {
+    let at = |i: u32| 6.025 + 0.05 * f64::from(i);
+    let points: Vec<Vec3> = (0..40 * 40).map(|i| placed(scene, DVec3::new(at(i % 40), 0.0, at(i / 40)))).collect();
+    points.into_iter()
+}
+
+fn visible(scene: &Scene) -> VisiblePointMap {
+    VisiblePointMap::new(corner(scene).map(|position| VisiblePoint { position, normal: Vec3::Y, weight: 1.0 }), 0.1)
+}
+
+const WANTS: StoreMask = StoreMask::ALL;
+const BOUNCES: u32 = 2;
+
+fn learned<'a>(scene: &'a Scene, visible: &VisiblePointMap) -> (PhotonSource<'a>, GuidingReport) {
+    let pilot = GuidingPilot { mask: WANTS, max_bounces: BOUNCES, visible, paths: 1 << 16, seed: 11 };
+    PhotonSource::everywhere(scene).unwrap().guided(&pilot)
+}
+
+fn pass<'a>(scene: &'a Scene, source: &'a PhotonSource<'a>) -> PhotonPass<'a> {
+    PhotonPass { scene, source, mask: WANTS, max_bounces: BOUNCES }
+}
+
+fn key(pass: u64) -> Key {
+    Key::new(5).purpose(Purpose::Test).with(pass)
+}
+
+/// Mean of passes and its variance.
+#[derive(Clone, Copy, Default)]
+struct Mean {
+    n: f64,
+    sum: f64,
+    squares: f64,
+}
+
+impl Mean {
+    fn add(&mut self, x: f64) {
+        (self.n, self.sum, self.squares) = (self.n + 1.0, self.sum + x, self.squares + x * x);
+    }
+
+    fn mean(&self) -> f64 {
+        self.sum / self.n
+    }
+
+    /// Of one pass.
+    fn variance(&self) -> f64 {
+        ((self.squares / self.n - self.mean() * self.mean()) * self.n / (self.n - 1.0)).max(0.0)
+    }
+
+    fn agrees(&self, other: &Self) -> bool {
+        // Rounding of the sums alone where both have no variance.
+        let rounding = 1e-5 * self.mean().abs();
+        (self.mean() - other.mean()).abs()
+            <= 5.0 * (self.variance() / self.n + other.variance() / other.n).sqrt() + rounding
+    }
+}
+
+/// Flux that lands in the seen corner, on the rest of the floor, on the wall, and that is emitted.
+fn fluxes(scene: &Scene, source: &PhotonSource<'_>) -> [Mean; 4] {
+    let floor = placed(scene, DVec3::ZERO).y;
+    let edge = placed(scene, DVec3::new(6.0, 0.0, 6.0));
+    let mut means = [Mean::default(); 4];
+    for i in 0..32 {
+        let traced = pass(scene, source).trace(key(i), 8192, &|_| {});
+        let mut flux = [0.0; 3];
+        for Photon { position: p, data: f } in &traced.photons {
+            let region = if (p.y - floor).abs() > 1e-3 { 2 } else { usize::from(p.x < edge.x || p.z < edge.z) };
+            flux[region] += f64::from(color::mean(f.flux()));
+        }
+        let emitted = traced.audit.emitted.iter().sum::<f64>() / 3.0;
+        means.iter_mut().zip(flux.into_iter().chain([emitted])).for_each(|(mean, x)| mean.add(x));
+    }
+    means
+}
+
+/// 32 passes each, five sigma: 40 comparisons give a false alarm of 2·10⁻⁵.
+#[test]
+fn means_stay_what_they_were() {
+    for (name, scene) in halls() {
+        let plain = PhotonSource::everywhere(&scene).unwrap();
+        let (learned, lesson) = learned(&scene, &visible(&scene));
+        assert!(lesson.useful > 0.0 && lesson.gain > 1.0, "{name} has something to learn: {lesson:?}");
+        let (before, after) = (fluxes(&scene, &plain), fluxes(&scene, &learned));
+        for (region, (a, b)) in before.iter().zip(&after).enumerate() {
+            assert!(a.mean() > 0.0);
+            assert!(a.agrees(b), "{name}, region {region}: {} became {}", a.mean(), b.mean());
+        }
+        let power = f64::from(color::mean(scene.lights()[0].power(scene.domain())));
+        let mut given = Mean::default();
+        [power; 2].iter().for_each(|p| given.add(*p));
+        assert!(after[3].agrees(&given), "{name} emits {} of {power}", after[3].mean());
+        assert!(after[0].variance() < 0.5 * before[0].variance(), "{name} gained nothing where it is seen");
+    }
+}
+
+/// Aimed at a glass ball above the seen corner and one far from it: the flux that lands in the corner.
+#[test]
+fn aiming_and_learning_compose() {
+    let scene = hall(|b| {
+        let glass = b.material(Material::dielectric(1.5, Rgb::ZERO));
+        b.shape(Shape::Sphere(Sphere::new(DVec3::new(6.5, 1.2, 6.5), 0.8)), glass, Rgb::ZERO);
+        b.shape(Shape::Sphere(Sphere::new(DVec3::new(-6.5, 1.2, -5.5), 1.2)), glass, Rgb::ZERO);
+        b.source(SourceKind::Point { position: LAMP }, LightStrength::Physical(Rgb::ONE));
+    });
+    let visible = visible(&scene);
+    let pilot = GuidingPilot { mask: StoreMask::CAUSTIC, max_bounces: 20, visible: &visible, paths: 1 << 15, seed: 1 };
+    let plain = PhotonSource::aimed(&scene).unwrap();
+    let (learned, lesson) = PhotonSource::aimed(&scene).unwrap().guided(&pilot);
+    let flux = |source: &PhotonSource<'_>| {
+        let pass = PhotonPass { scene: &scene, source, mask: StoreMask::CAUSTIC, max_bounces: 20 };
+        let corner = placed(&scene, DVec3::new(6.0, 0.5, 6.0));
+        let (mut seen, mut emitted) = (Mean::default(), Mean::default());
+        for i in 0..32 {
+            let traced = pass.trace(key(i), 4096, &|_| {});
+            let there = traced.photons.iter().filter(|p| p.position.x > corner.x && p.position.z > corner.z);
+            seen.add(there.map(|p| f64::from(color::mean(p.data.flux()))).sum());
+            emitted.add(traced.audit.emitted[0]);
+        }
+        (seen, emitted)
+    };
+    let (before, after) = (flux(&plain), flux(&learned));
+    assert!(before.0.mean() > 0.0 && before.0.agrees(&after.0), "{} became {}", before.0.mean(), after.0.mean());
+    assert!(before.1.agrees(&after.1), "emitted {} became {}", before.1.mean(), after.1.mean());
+    assert!(lesson.gain > 1.2, "{lesson:?}");
+}
+
+/// The corner gets 0.6 % of the spot's photons; of the learned ones four in five go to cells that hold some of it. Where these are
+/// filled to a quarter, 20 % of the photons land in it, and the variance falls to a thirtieth. Refinement stops where the
+/// pilot's other half sees no gain, which may be a level earlier, at an eighth and a fifteenth (pilots of eight seeds gave 13 to
+/// 54); half of that is asked.
+#[test]
+fn variance_falls_where_the_camera_looks() {
+    let scene = spot();
+    let (learned, _) = learned(&scene, &visible(&scene));
+    let plain = PhotonSource::everywhere(&scene).unwrap();
+    let variance = |source: &PhotonSource<'_>| {
+        let mut means = vec![Mean::default(); 1600];
+        for i in 0..24 {
+            let map = PhotonMap::build(pass(&scene, source).trace(key(i), 16384, &|_| {}).photons);
+            let mut scratch = Scratch::new();
+            for (p, mean) in corner(&scene).zip(&mut means) {
+                let wide = Bandwidth { radius: 0.1, k: 0 };
+                let estimate = map.estimate(p, Vec3::Y, wide, Kernel::Box, &mut scratch, |_| Rgb::ONE);
+                mean.add(f64::from(color::mean(estimate.radiance)));
+            }
+        }
+        means.iter().map(Mean::variance).sum::<f64>()
+    };
+    let ratio = variance(&plain) / variance(&learned);
+    assert!(ratio > 7.5, "{ratio}");
+}
+
+/// Two lamps, one behind the wall: paths leave it for the one that is seen.
+#[test]
+fn paths_go_to_the_lamp_that_matters() {
+    let scene = hall(|b| {
+        let strength = LightStrength::Power(Rgb::ONE);
+        b.source(SourceKind::Point { position: DVec3::new(0.0, 3.0, -12.0) }, strength);
+        b.source(SourceKind::Point { position: LAMP }, strength);
+    });
+    let (learned, _) = learned(&scene, &visible(&scene));
+    let share = learned.choice.probability(1);
+    assert!((share - (1.0 - 0.5 * SAFE_SHARE as f32)).abs() < 1e-6, "{share}");
+}
+
+/// Over the whole of both squares the density is at least the safe share of what it was.
+#[test]
+fn something_is_emitted_everywhere() {
+    for (name, scene) in halls() {
+        let (learned, _) = learned(&scene, &visible(&scene));
+        let density = learned.densities[0].as_ref().unwrap();
+        let mut least = f32::INFINITY;
+        for i in 0..1u32 << 16 {
+            let at = |shift: u32| (f32::from((i >> shift & 15) as u8) + 0.5) / 16.0;
+            least = least.min(density.density(Vec2::new(at(0), at(4)), Vec2::new(at(8), at(12))));
+        }
+        assert!(least > 0.99 * SAFE_SHARE as f32, "{name}: {least}");
+    }
+}
+
+#[test]
+fn a_pilot_that_saw_nothing_changes_nothing() {
+    for (name, scene) in halls() {
+        let below = corner(&scene).map(|position| VisiblePoint { position, normal: Vec3::NEG_Y, weight: 1.0 });
+        for visible in [VisiblePointMap::new(below, 0.1), VisiblePointMap::new([], 0.1)] {
+            let (learned, lesson) = learned(&scene, &visible);
+            assert_eq!((lesson.useful, lesson.gain), (0.0, 1.0), "{name}");
+            let plain = PhotonSource::everywhere(&scene).unwrap();
+            for i in 0..1000 {
+                let bits = |s: &PhotonSource<'_>| s.emit::<InteriorStack>(key(1), i, 1000).map(|(w, f)| (w.ray, f));
+                assert_eq!(bits(&learned), bits(&plain), "{name}");
+            }
+        }
+    }
+}
+
+#[test]
+fn the_lesson_is_a_function_of_scene_and_seed() {
+    let scene = square_lamp();
+    let visible = visible(&scene);
+    let emissions = |threads: usize, seed: u64| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| {
+            let pilot = GuidingPilot { mask: WANTS, max_bounces: BOUNCES, visible: &visible, paths: 1 << 15, seed };
+            let (source, lesson) = PhotonSource::everywhere(&scene).unwrap().guided(&pilot);
+            let emit = |i| source.emit::<InteriorStack>(key(0), i, 1000).map(|(w, f)| (w.ray, f));
+            (lesson, (0..1000).map(emit).collect::<Vec<_>>())
+        })
+    };
+    let one = emissions(1, 3);
+    assert_eq!(one, emissions(2, 3));
+    assert_eq!(one, emissions(7, 3));
+    assert_ne!(one, emissions(1, 4));
+}

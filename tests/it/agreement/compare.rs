@@ -1,0 +1,179 @@
+//! Pictures by tiles, with error bars.
+
+use super::methods::{Effort, Method, passes};
+use crate::support::{HUE, student};
+use caustica::color::Rgb;
+use caustica::scene::Scene;
+use glam::DVec3;
+
+/// False-alarm rate of one [`compare`], over all its tiles and channels.
+pub const RATE: f64 = 1e-5;
+
+/// A picture cut into tiles.
+pub struct Grid {
+    pub width: usize,
+    pub height: usize,
+    /// Edge of a tile in pixels; those at the right and lower edges may be smaller.
+    pub edge: usize,
+    /// Pixels that count; all where empty.
+    pub kept: Vec<bool>,
+}
+
+impl Grid {
+    pub fn new((width, height): (u32, u32), edge: usize) -> Self {
+        Self { width: width as usize, height: height as usize, edge, kept: Vec::new() }
+    }
+
+    /// The whole picture as one tile.
+    pub fn whole(&self) -> Self {
+        Self { edge: self.width.max(self.height), kept: self.kept.clone(), ..*self }
+    }
+
+    /// Only the pixels of these columns and rows, as one tile.
+    pub fn window(&self, columns: std::ops::Range<usize>, rows: std::ops::Range<usize>) -> Self {
+        let at = |i: usize| (i % self.width, i / self.width);
+        let kept = (0..self.width * self.height).map(|i| columns.contains(&at(i).0) && rows.contains(&at(i).1));
+        Self { kept: kept.collect(), ..self.whole() }
+    }
+
+    fn columns(&self) -> usize {
+        self.width.div_ceil(self.edge)
+    }
+
+    /// Sum and number of the kept pixels of each tile.
+    pub fn sums(&self, pixels: impl Iterator<Item = DVec3>) -> Vec<(DVec3, f64)> {
+        let mut sums = vec![(DVec3::ZERO, 0.0); self.columns() * self.height.div_ceil(self.edge)];
+        for (i, value) in pixels.enumerate().filter(|(i, _)| self.kept.is_empty() || self.kept[*i]) {
+            let sum = &mut sums[i / self.width / self.edge * self.columns() + i % self.width / self.edge];
+            *sum = (sum.0 + value, sum.1 + 1.0);
+        }
+        sums
+    }
+
+    fn means(&self, image: &[Rgb]) -> Vec<DVec3> {
+        self.sums(image.iter().map(|v| v.as_dvec3())).iter().map(|(sum, n)| sum / n.max(1.0)).collect()
+    }
+
+    /// The mean over the tiles around each tile, and itself.
+    fn around(&self, tiles: &[DVec3]) -> Vec<DVec3> {
+        let (columns, rows) = (self.columns(), self.height.div_ceil(self.edge));
+        let one = |i: usize| {
+            let (x, y) = (i % columns, i / columns);
+            let near =
+                (y.max(1) - 1..rows.min(y + 2)).flat_map(|v| (x.max(1) - 1..columns.min(x + 2)).map(move |u| (u, v)));
+            let (sum, n) = near.fold((DVec3::ZERO, 0.0), |(s, n), (u, v)| (s + tiles[v * columns + u], n + 1.0));
+            sum / n
+        };
+        (0..tiles.len()).map(one).collect()
+    }
+}
+
+/// Tiles with their noise.
+pub struct Estimate {
+    pub mean: Vec<DVec3>,
+    /// Variance of the mean.
+    pub variance: Vec<DVec3>,
+    /// Systematic error that is allowed for.
+    pub bias: Vec<DVec3>,
+    /// Degrees of freedom of the variance.
+    pub dof: f64,
+}
+
+/// The passes of a method.
+pub struct Renders {
+    pub name: String,
+    narrow: Vec<Vec<Rgb>>,
+    /// At twice the radius; empty for a method without bias.
+    wide: Vec<Vec<Rgb>>,
+}
+
+impl Renders {
+    /// A method with photons is biased by its kernel: with the square of the radius inside smooth light, with the radius itself
+    /// at edges. Half as many passes at twice the radius show it: the bias is between a third of the difference and all of
+    /// it, and all of it is allowed for.
+    pub fn new(method: Method, scene: &Scene, effort: Effort) -> Self {
+        let twice = Effort { passes: effort.passes.div_ceil(2), radius: 2.0 * effort.radius, ..effort };
+        let wide = if method == Method::Path { Vec::new() } else { passes(method, scene, twice) };
+        Self { name: format!("{method:?}"), narrow: passes(method, scene, effort), wide }
+    }
+
+    pub fn over(&self, grid: &Grid) -> Estimate {
+        let narrow = tiles(grid, &self.narrow);
+        let (mean, mut variance) = statistics(grid, &narrow);
+        let mut bias = vec![DVec3::ZERO; mean.len()];
+        if !self.wide.is_empty() {
+            // Passes at both radii share their random numbers, so that what differs is the radius.
+            let wider = |(w, n): (Vec<DVec3>, &Vec<DVec3>)| w.iter().zip(n).map(|(w, n)| w - n).collect();
+            let differences: Vec<Vec<DVec3>> = tiles(grid, &self.wide).into_iter().zip(&narrow).map(wider).collect();
+            let (difference, noise) = statistics(grid, &differences);
+            bias = difference.iter().map(|d| d.abs()).collect();
+            variance.iter_mut().zip(noise).for_each(|(v, n)| *v += n);
+        }
+        Estimate { mean, variance, bias, dof: self.narrow.len() as f64 - 1.0 }
+    }
+}
+
+fn tiles(grid: &Grid, images: &[Vec<Rgb>]) -> Vec<Vec<DVec3>> {
+    images.iter().map(|image| grid.means(image)).collect()
+}
+
+/// Means of tiles and their variances, measured between passes. Where light is found by rare chance, a tile that found none
+/// thinks itself exact: noise goes smoothly over a picture, so a tile's is taken to be at least that of the tiles around it,
+/// whose noise is not its own.
+fn statistics(grid: &Grid, tiles: &[Vec<DVec3>]) -> (Vec<DVec3>, Vec<DVec3>) {
+    let n = tiles.len() as f64;
+    let count = tiles[0].len();
+    let mean: Vec<DVec3> = (0..count).map(|i| tiles.iter().map(|t| t[i]).sum::<DVec3>() / n).collect();
+    let square = |v: DVec3| v * v;
+    let spread = |i: usize| tiles.iter().map(|t| square(t[i] - mean[i])).sum::<DVec3>() / (n * (n - 1.0));
+    let own: Vec<DVec3> = (0..count).map(spread).collect();
+    let around = grid.around(&own);
+    let variance = own.iter().zip(around).map(|(own, around)| own.max(around)).collect();
+    (mean, variance)
+}
+
+/// Fails where two estimates of one picture differ by more than their biases and noise, at rate [`RATE`] over all tiles and
+/// channels; or where the noise and bias of the mean tile are above the part `sharp` of its mean.
+#[track_caller]
+pub fn compare(what: &str, ours: &Estimate, theirs: &Estimate, sharp: f64) {
+    let dof = ours.dof.min(theirs.dof);
+    let (mut worst, mut place, mut beyond) = (0.0f64, String::new(), 0);
+    let (mut blunt, mut level) = (0.0, 0.0);
+    for i in 0..ours.mean.len() {
+        for c in 0..3 {
+            let (a, b) = (ours.mean[i][c], theirs.mean[i][c]);
+            let sigma = (ours.variance[i][c] + theirs.variance[i][c]).sqrt();
+            // Stored hues are rounded.
+            let allowed = ours.bias[i][c] + theirs.bias[i][c] + HUE * theirs.mean[i].element_sum() + 1e-12;
+            let excess = ((a - b).abs() - allowed).max(0.0);
+            let t = if excess == 0.0 { 0.0 } else { excess / sigma };
+            beyond += u32::from((a - b).abs() > 2.0 * sigma);
+            (blunt, level) = (blunt + sigma + allowed, level + b.abs());
+            if t > worst {
+                (worst, place) =
+                    (t, format!("tile {i}, channel {c}: {a:.5e} against {b:.5e} ± {sigma:.1e} and {allowed:.1e}"));
+            }
+        }
+    }
+    let tests = 3.0 * ours.mean.len() as f64;
+    let p = (student(worst, dof) * tests).min(1.0);
+    let whole = |e: &Estimate| e.mean.iter().map(|m| m.element_sum()).sum::<f64>();
+    let line = format!(
+        "{what}: {tests} numbers, ratio of sums {:.4}, {:.1} % beyond 2σ, error bar {:.2} %, worst t {worst:.1}, p of all {p:.1e}: {place}",
+        whole(ours) / whole(theirs),
+        100.0 * f64::from(beyond) / tests,
+        100.0 * blunt / level
+    );
+    eprintln!("{line}");
+    assert!(p >= RATE, "{line}");
+    assert!(blunt <= sharp * level, "too blunt: {line}");
+}
+
+/// [`compare`] by tiles, and over the whole picture, which sees smaller differences.
+#[track_caller]
+pub fn compare_renders(what: &str, ours: &Renders, theirs: &Renders, grid: &Grid, (tiles, whole): (f64, f64)) {
+    let what = format!("{what}, {} against {}", ours.name, theirs.name);
+    compare(&what, &ours.over(grid), &theirs.over(grid), tiles);
+    let all = grid.whole();
+    compare(&format!("{what}, whole"), &ours.over(&all), &theirs.over(&all), whole);
+}

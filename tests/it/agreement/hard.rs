@@ -1,0 +1,34 @@
+//! What photons are for, with lamps so large that path tracing finds the same light by chance: a scene lit only through glass,
+//! a caustic seen through water and in a mirror, and caustics of rough surfaces.
+
+use super::compare::{Grid, Renders, compare_renders};
+use super::methods::{Effort, Method};
+use crate::support::file;
+
+const SIZE: (u32, u32) = (64, 48);
+
+fn check(name: &str) {
+    let scene = file(&format!("tests/scenes/{name}.txt"), SIZE);
+    let grid = Grid::new(SIZE, 8);
+    let effort = Effort { passes: 10, samples: 4, photons: 20_000, caustic: 60_000, radius: 0.03 };
+    let path = Renders::new(Method::Path, &scene, Effort { samples: 36, ..effort });
+    for method in [Method::Hybrid, Method::Sppm, Method::Seen, Method::Gathered] {
+        let renders = Renders::new(method, &scene, effort);
+        compare_renders(name, &renders, &path, &grid, (0.1, 0.015));
+    }
+}
+
+#[test]
+fn light_in_bulb_reaches_the_room() {
+    check("bulb");
+}
+
+#[test]
+fn caustics_appear_through_water_and_mirrors() {
+    check("caustic-seen");
+}
+
+#[test]
+fn rough_surfaces_cast_caustics() {
+    check("frosted");
+}

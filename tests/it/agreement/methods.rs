@@ -1,0 +1,98 @@
+//! All methods behind one name, and scenes from text.
+
+use caustica::camera::{Filter, FilterKind};
+use caustica::color::Rgb;
+use caustica::integrate::{
+    ALPHA, Algorithm, EyeSettings, FinalGathering, Integrator, Settings, Silent, VolumeEstimate,
+};
+use caustica::photon::Kernel;
+use caustica::scene::Scene;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Method {
+    Path,
+    Hybrid,
+    Sppm,
+    /// `Sppm` that looks at photons in media along rays.
+    Along,
+    /// `Sppm` that looks at photons in media around points.
+    Around,
+    Ppm,
+    /// Photon mapping whose global map is seen itself.
+    Seen,
+    /// Photon mapping with final gathering.
+    Gathered,
+    /// Photon mapping with final gathering guided by photons.
+    Guided,
+}
+
+pub const ALL: [Method; 7] =
+    [Method::Path, Method::Hybrid, Method::Sppm, Method::Ppm, Method::Seen, Method::Gathered, Method::Guided];
+
+/// What a pass costs.
+#[derive(Clone, Copy, Debug)]
+pub struct Effort {
+    /// Passes.
+    pub passes: u32,
+    /// Camera rays a pixel.
+    pub samples: u32,
+    /// Paths of the global map.
+    pub photons: u32,
+    /// Paths of the caustic map.
+    pub caustic: u32,
+    /// Radius of both maps in the first pass \[length].
+    pub radius: f64,
+}
+
+/// Independent passes. Those of `ppm` share their camera walks, so each has its own seed.
+pub fn passes(method: Method, scene: &Scene, effort: Effort) -> Vec<Vec<Rgb>> {
+    if method == Method::Ppm {
+        return (0..effort.passes).map(|i| image(method, prepare(method, scene, effort, i).as_ref(), i)).collect();
+    }
+    let prepared = prepare(method, scene, effort, 0);
+    (0..effort.passes).map(|i| image(method, prepared.as_ref(), i)).collect()
+}
+
+fn image(method: Method, prepared: &dyn Integrator, i: u32) -> Vec<Rgb> {
+    let pass = prepared.pass(i, &Silent);
+    assert_eq!(pass.counters.rejected_samples, 0, "{method:?}");
+    pass.image
+}
+
+fn prepare<'a>(method: Method, scene: &'a Scene, effort: Effort, i: u32) -> Box<dyn Integrator + 'a> {
+    let eye = EyeSettings {
+        samples: Some(effort.samples),
+        max_bounces: 1000,
+        seed: 1000 + u64::from(i),
+        filter: Filter::new(FilterKind::Box),
+        ..EyeSettings::default()
+    };
+    let settings = Settings {
+        eye,
+        balance: false,
+        photons: effort.photons,
+        caustic_photons: effort.caustic,
+        gather_k: Some(0),
+        radius: Some(effort.radius as f32),
+        alpha: ALPHA,
+        kernel: Kernel::Epanechnikov,
+        volume: match method {
+            Method::Along => VolumeEstimate::BeamRadiance,
+            Method::Around => VolumeEstimate::Points,
+            _ => VolumeEstimate::Beams,
+        },
+        final_gathering: match method {
+            Method::Gathered => FinalGathering::Bsdf,
+            Method::Guided => FinalGathering::Importance,
+            _ => FinalGathering::None,
+        },
+    };
+    let algorithm = match method {
+        Method::Path => Algorithm::Path,
+        Method::Hybrid => Algorithm::Hybrid,
+        Method::Sppm | Method::Along | Method::Around => Algorithm::Sppm,
+        Method::Ppm => Algorithm::Ppm,
+        Method::Seen | Method::Gathered | Method::Guided => Algorithm::Pm,
+    };
+    algorithm.prepare(scene, settings)
+}

@@ -1,0 +1,136 @@
+//! Pictures of another renderer, by tiles, with the error bars of both.
+
+use super::compare::{Estimate, Grid, Renders, compare};
+use super::methods::{Effort, Method};
+use crate::support::{file, reference};
+use glam::{DVec3, Vec3};
+
+/// A reference image with its standard error by pixel.
+struct Reference {
+    size: (u32, u32),
+    mean: Vec<DVec3>,
+    /// Variance of the mean.
+    variance: Vec<DVec3>,
+    /// False for fireflies of the reference: pixels whose standard error is above half their value.
+    kept: Vec<bool>,
+}
+
+impl Reference {
+    fn read(name: &str) -> Self {
+        let (mean, error) = (reference(&format!("{name}.exr")), reference(&format!("{name}-stderr.exr")));
+        let calm = |(v, e): (&Vec3, &Vec3)| e.element_sum() <= 0.5 * v.element_sum();
+        let kept: Vec<bool> = mean.pixels().iter().zip(error.pixels()).map(calm).collect();
+        let fireflies = kept.iter().filter(|k| !**k).count();
+        eprintln!("{name}: {fireflies} of {} pixels are fireflies of the reference", kept.len());
+        assert!(fireflies * 100 < kept.len());
+        Self {
+            size: (mean.width(), mean.height()),
+            mean: mean.pixels().iter().map(|v| v.as_dvec3()).collect(),
+            variance: error.pixels().iter().map(|e| e.as_dvec3() * e.as_dvec3()).collect(),
+            kept,
+        }
+    }
+
+    fn over(&self, grid: &Grid) -> Estimate {
+        let mean = grid.sums(self.mean.iter().copied()).iter().map(|(s, n)| s / n.max(1.0)).collect::<Vec<_>>();
+        let variance = grid.sums(self.variance.iter().copied()).iter().map(|(s, n)| s / (n * n).max(1.0)).collect();
+        Estimate { bias: vec![DVec3::ZERO; mean.len()], mean, variance, dof: f64::INFINITY }
+    }
+}
+
+/// Compares by tiles of 4 × 4 pixels (16 × 16 where caustic paths are rare), over windows, and over the whole image.
+fn compare_all(name: &str, methods: &[(Method, Effort)], windows: &[(&str, [usize; 4])], sharp: [f64; 3]) {
+    let reference = Reference::read(name);
+    let scene = file(&format!("tests/scenes/{name}.txt"), reference.size);
+    for (method, effort) in methods {
+        let rare = name == "cbox-caustic" && *method == Method::Path;
+        let grid = Grid { kept: reference.kept.clone(), ..Grid::new(reference.size, if rare { 16 } else { 4 }) };
+        let renders = Renders::new(*method, &scene, *effort);
+        let against = |what: &str, grid: &Grid, sharp: f64| {
+            compare(&format!("{name}, {what}, {method:?}"), &renders.over(grid), &reference.over(grid), sharp);
+        };
+        against("tiles", &grid, sharp[0]);
+        for (what, [left, right, top, bottom]) in windows {
+            against(what, &grid.window(*left..*right, *top..*bottom), sharp[1]);
+        }
+        against("whole", &grid.whole(), sharp[2]);
+    }
+}
+
+const BIASED: Effort = Effort { passes: 24, samples: 1, photons: 12_000, caustic: 30_000, radius: 0.025 };
+
+/// Path tracing finds caustics of smooth glass where it meets the lamp behind it by chance. Where caustics light other walls, one
+/// sample in thousands finds one, and a tile of 8 × 8 with two finds knows neither its mean nor its error: with such glass, tiles
+/// are 16 times as large, for dozens of finds each. See [`super::compare`] for the rest.
+const CHANCE: Effort = Effort { passes: 24, samples: 8, ..BIASED };
+
+/// Most of what this method shows is found by its walks.
+const WALKS: Effort = Effort { samples: 3, ..BIASED };
+
+/// `Sppm` in this room is compared by `analytic::reference`, by finer tiles.
+#[test]
+fn integrators_match_caustic_reference() {
+    let methods = [
+        (Method::Path, CHANCE),
+        (Method::Hybrid, WALKS),
+        (Method::Ppm, BIASED),
+        (Method::Seen, BIASED),
+        (Method::Gathered, BIASED),
+    ];
+    compare_all("cbox-caustic", &methods, &[("caustic", [88, 95, 105, 110])], [0.15, 0.05, 0.01]);
+}
+
+#[test]
+fn integrators_match_rough_reference() {
+    let methods = [
+        (Method::Path, CHANCE),
+        (Method::Hybrid, WALKS),
+        (Method::Sppm, BIASED),
+        (Method::Ppm, BIASED),
+        (Method::Seen, BIASED),
+        (Method::Gathered, BIASED),
+    ];
+    compare_all(
+        "rough",
+        &methods,
+        &[("frosted ball", [55, 70, 42, 58]), ("metal ball", [32, 46, 42, 55])],
+        [0.15, 0.05, 0.01],
+    );
+}
+
+/// Camera rays alone see depth of field, so `Ppm`, whose rays are the same in all passes, shows one that does not settle: it is left out. The
+/// windows are the ball before the plane of focus, the mirror in it, and the ball behind it.
+#[test]
+fn integrators_match_lens_reference() {
+    let methods = [
+        (Method::Path, WALKS),
+        (Method::Hybrid, WALKS),
+        (Method::Sppm, WALKS),
+        (Method::Seen, WALKS),
+        (Method::Gathered, WALKS),
+    ];
+    compare_all(
+        "lens",
+        &methods,
+        &[("near ball", [20, 40, 40, 62]), ("mirror", [40, 60, 28, 50]), ("far ball", [62, 76, 26, 40])],
+        [0.15, 0.05, 0.01],
+    );
+}
+
+/// Light in a fog that fills the room. The windows are the ball, the air below the lamp, and the wall behind. Looked at along rays or around points,
+/// photons in the fog are few: the three estimates are compared by wider discs, and less sharply.
+#[test]
+fn integrators_match_fog_reference() {
+    let methods = [
+        (Method::Path, CHANCE),
+        (Method::Hybrid, WALKS),
+        (Method::Sppm, BIASED),
+        (Method::Seen, BIASED),
+        (Method::Gathered, BIASED),
+    ]
+    .map(|(method, effort)| (method, Effort { passes: 12, ..effort }));
+    let windows = [("ball", [50, 72, 32, 56]), ("air", [40, 60, 8, 20]), ("back", [35, 50, 25, 40])];
+    compare_all("fog", &methods, &windows, [0.15, 0.05, 0.01]);
+    let wide = Effort { radius: 0.1, ..BIASED };
+    compare_all("fog", &[(Method::Along, wide), (Method::Around, wide)], &[], [0.6, 0.1, 0.05]);
+}

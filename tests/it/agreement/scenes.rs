@@ -1,0 +1,70 @@
+//! The gallery, rendered by all methods that can.
+
+use super::compare::{Grid, Renders, compare_renders};
+use super::methods::{Effort, Method};
+use crate::support::file;
+
+/// `radius` is that of the first pass, in the units of the scene. Path tracing is asked where lamps are large, and the rest is
+/// compared with `Sppm`.
+fn check(name: &str, radius: f64, methods: &[Method]) {
+    // Specks of light through a goblet take more pixels to be as sharp.
+    let size = if name == "goblet" { (80, 60) } else { (64, 48) };
+    let scene = file(&format!("scenes/{name}.txt"), size);
+    let grid = Grid::new(size, size.0 as usize / 8);
+    // Flames narrower than a pixel outshine all else.
+    let samples = if name == "projector" { 10 } else { 2 };
+    let effort = Effort { passes: 12, samples, photons: 20_000, caustic: 20_000, radius };
+    let hybrid = Renders::new(Method::Hybrid, &scene, effort);
+    for method in methods {
+        let samples = if *method == Method::Path { 8 * samples } else { samples };
+        let renders = Renders::new(*method, &scene, Effort { samples, ..effort });
+        compare_renders(name, &renders, &hybrid, &grid, (0.2, 0.04));
+    }
+}
+
+const PHOTONS: [Method; 3] = [Method::Sppm, Method::Seen, Method::Gathered];
+
+#[test]
+fn integrators_agree_on_glass_ball() {
+    check("glass-ball", 0.04, &[Method::Path, Method::Sppm, Method::Ppm, Method::Seen, Method::Gathered]);
+}
+
+#[test]
+fn integrators_agree_on_matte() {
+    check("matte", 0.06, &[Method::Path, Method::Sppm, Method::Ppm, Method::Seen, Method::Gathered]);
+}
+
+#[test]
+fn integrators_agree_on_many_lights() {
+    check("many-lights", 0.05, &PHOTONS);
+}
+
+#[test]
+fn integrators_agree_on_goblet() {
+    check("goblet", 0.06, &PHOTONS);
+}
+
+#[test]
+fn integrators_agree_on_projector() {
+    check("projector", 0.06, &PHOTONS);
+}
+
+#[test]
+fn integrators_agree_on_ball_lens() {
+    check("ball-lens", 0.06, &PHOTONS);
+}
+
+#[test]
+fn integrators_agree_on_gem() {
+    check("gem", 0.08, &PHOTONS);
+}
+
+#[test]
+fn integrators_agree_on_ring() {
+    check("ring", 0.06, &PHOTONS);
+}
+
+#[test]
+fn integrators_agree_on_pool() {
+    check("pool", 0.04, &PHOTONS);
+}

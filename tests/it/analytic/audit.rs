@@ -1,0 +1,85 @@
+//! Truths 4 and 32: no flux is lost or made, and roulette changes no mean.
+
+use crate::support::*;
+use caustica::photon::{StoreMask, Traced};
+use caustica::scene::{LightStrength, Material, Scene, SceneBuilder, SourceKind};
+use caustica::shape::{Shape, Sphere};
+use glam::{DVec3, Vec3};
+
+/// A room with coloured walls and no front, and in it all materials: a lamp, an absorbing ball, a mirror, a glossy ball.
+fn everything() -> Scene {
+    let mut b = SceneBuilder::new();
+    let walls = b.material(Material::diffuse(Vec3::new(0.9, 0.4, 0.1)));
+    let gloss = b.material(Material::phong(Vec3::new(0.2, 0.3, 0.4), Vec3::splat(2.0), 20.0));
+    let glass = b.material(Material::dielectric(1.5, Vec3::new(0.1, 1.0, 3.0)));
+    let mirror = b.material(Material::mirror(Vec3::new(0.95, 0.8, 0.6)));
+    for face in faces(-DVec3::ONE, DVec3::ONE, true).into_iter().take(5) {
+        b.shape(face, walls, Vec3::ZERO);
+    }
+    let mut ball = |p, m, e| {
+        b.shape(Shape::Sphere(Sphere::new(p, 0.3)), m, e);
+    };
+    ball(vec3(-0.5, -0.5, 0.0), gloss, Vec3::ZERO);
+    ball(vec3(0.5, -0.5, 0.0), glass, Vec3::ZERO);
+    ball(vec3(0.0, 0.5, -0.5), mirror, Vec3::ZERO);
+    ball(vec3(-0.6, 0.6, 0.6), walls, Vec3::new(3.0, 2.0, 1.0));
+    b.source(SourceKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::new(5.0, 6.0, 7.0)));
+    unseen(b)
+}
+
+/// Each vertex books at most four differences that each round by u = 2⁻²⁴ of themselves (taken up in a body, taken up by the
+/// surface, roulette, the rest). Roulette keeps the mean of the channels and nothing raises it, so no channel exceeds three
+/// times the mean of what was emitted: the balance holds within 4u · 3 · mean · (rays per path). Sums are in f64.
+#[test]
+fn flux_is_conserved_up_to_rounding() {
+    let scene = everything();
+    for (wants, bounces) in
+        [(StoreMask::ALL, 1000), (StoreMask::GLOBAL, 3), (StoreMask::CAUSTIC, 1000), (StoreMask::ALL, 0)]
+    {
+        for Traced { audit, rays, paths, .. } in trace(&scene, wants, bounces, 4, 1 << 14) {
+            let mean = audit.emitted.iter().sum::<f64>() / 3.0;
+            let bound = 12.0 * mean * rays as f64 / paths as f64 / 16_777_216.0;
+            for c in 0..3 {
+                let gone = audit.absorbed[c] + audit.escaped[c] + audit.stopped[c] + audit.roulette[c];
+                assert!((audit.emitted[c] - gone).abs() <= bound, "{wants:?} {c}: {audit:?}");
+            }
+        }
+    }
+}
+
+/// Whatever is in the scene, roulette takes and gives alike. The standard error is measured; as a part of the emitted flux it
+/// must be below 10⁻³ for the test to see anything.
+#[test]
+fn roulette_is_unbiased() {
+    let passes = trace(&everything(), StoreMask::ALL, 1000, 64, 1 << 13);
+    for c in 0..3 {
+        let share: Vec<f64> = passes.iter().map(|t| 1.0 + t.audit.roulette[c] / t.audit.emitted[c]).collect();
+        agree(&format!("roulette's share, channel {c}"), &share, 1.0, 0.0, 2e-3);
+    }
+}
+
+/// In a closed grey room a path survives each surface with probability ρ, so its surfaces are geometric: N paths meet
+/// N/(1 − ρ) of them with variance Nρ/(1 − ρ)², independent of geometry and of the scrambled emission. The account of roulette
+/// is f·(N − (1 − ρ)·surfaces) with f the flux of a path: variance f²Nρ, which is Σ X²(1/p − 1) over the N/(1 − ρ) surfaces for
+/// X = ρf and p = ρ.
+#[test]
+fn path_lengths_in_grey_room_are_geometric() {
+    const N: f64 = 16.0;
+    for albedo in [0.3, 0.75] {
+        let mut b = SceneBuilder::new();
+        let wall = b.material(Material::diffuse(grey(albedo)));
+        for face in faces(-DVec3::ONE, DVec3::ONE, true) {
+            b.shape(face, wall, Vec3::ZERO);
+        }
+        b.source(SourceKind::Point { position: DVec3::splat(0.2) }, LightStrength::Power(grey(N)));
+        let passes = trace(&unseen(b), StoreMask::ALL, 10_000, 20_000, N as u32);
+        let landed: Vec<f64> = passes.iter().map(|t| t.photons.len() as f64).collect();
+        agree(&format!("photons a path, ρ = {albedo}"), &landed, N / (1.0 - albedo), 0.0, 2e-3);
+        let variance = N * albedo / ((1.0 - albedo) * (1.0 - albedo));
+        let squares: Vec<f64> = landed.iter().map(|n| n - N / (1.0 - albedo)).map(|d| d * d).collect();
+        agree(&format!("their variance, ρ = {albedo}"), &squares, variance, 0.0, 0.015);
+        let roulette: Vec<f64> = passes.iter().map(|t| t.audit.roulette[0]).map(|r| r * r).collect();
+        agree(&format!("variance of roulette, ρ = {albedo}"), &roulette, N * albedo, 1e-5, 0.015);
+        assert!(passes.iter().all(|t| t.rays == t.photons.len() as u64), "each ray lands in a closed room");
+    }
+}

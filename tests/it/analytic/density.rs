@@ -1,0 +1,81 @@
+//! Truths 28, 30 and 31: means and variances of the density estimate, in the uniform photons of an integrating sphere.
+//!
+//! Reflected photons on a sphere of radius R are independent and uniform, and a cap of chord r is the part (r/2R)² of it
+//! exactly. So with N photons of flux w, λ = Nw/(4πR²), all laws are exact: no approximation by a Poisson process.
+
+use crate::support::*;
+use caustica::photon::{Bandwidth, Kernel, PhotonMap, StoreMask};
+use caustica::scene::{LightStrength, Material, SceneBuilder, SourceKind};
+use caustica::shape::{Shape, Sphere};
+use glam::DVec3;
+use std::f64::consts::PI;
+
+/// Probes of one pass are so far apart that their discs, of a part below 0.003 of the sphere, never meet.
+const PROBES: u32 = 120;
+
+struct Moments {
+    mean: Vec<f64>,
+    variance: Vec<f64>,
+    /// Expected variance, by pass.
+    expected: Vec<f64>,
+}
+
+/// Per pass, mean and mean squared deviation from 1 of estimate/λ over the probes, where `variance` of N photons is expected.
+fn moments(bandwidth: Bandwidth, kernel: Kernel, variance: impl Fn(f64) -> f64) -> Moments {
+    let mut b = SceneBuilder::new();
+    let wall = b.material(Material::diffuse(grey(0.5)));
+    b.shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)), wall, grey(0.0));
+    b.source(SourceKind::Point { position: vec3(0.4, 0.1, -0.3) }, LightStrength::Power(grey(1.0)));
+    let scene = unseen(b);
+    let mut moments = Moments { mean: vec![], variance: vec![], expected: vec![] };
+    for traced in trace(&scene, StoreMask::GLOBAL, 1000, 48, 1 << 15) {
+        let n = traced.photons.len() as f64;
+        let density = flux_where(&scene, &traced.photons, |_| true).x / (4.0 * PI);
+        let map = PhotonMap::build(traced.photons);
+        let at = |p: &DVec3| irradiance(&scene, &map, *p, -*p, bandwidth, kernel).x / density - 1.0;
+        let deviations: Vec<f64> = spread(PROBES).iter().map(at).collect();
+        let count = f64::from(PROBES);
+        moments.mean.push(1.0 + deviations.iter().sum::<f64>() / count);
+        moments.variance.push(deviations.iter().map(|d| d * d).sum::<f64>() / count);
+        moments.expected.push(variance(n));
+    }
+    moments
+}
+
+fn check(what: &str, m: &Moments) {
+    // Distances are rounded to f32 relative to coordinates of 1: d² of 0.01 within 10⁻⁵ or so of itself.
+    agree(&format!("{what}: mean"), &m.mean, 1.0, 1e-4, 6e-3);
+    let ratios: Vec<f64> = m.variance.iter().zip(&m.expected).map(|(v, e)| v / e).collect();
+    agree(&format!("{what}: variance over the expected"), &ratios, 1.0, 1e-3, 0.04);
+}
+
+/// A fixed disc holds a binomial number of photons: relative variance c/n − 1/N with n expected in the disc and the kernel's
+/// noise factor c.
+#[test]
+fn fixed_radius_noise_matches_kernel() {
+    for kernel in KERNELS {
+        let radius = 0.1;
+        let m = moments(fixed(radius), kernel, |n| {
+            let inside = n * radius * radius / 4.0;
+            noise_factor(kernel) / inside - 1.0 / n
+        });
+        check(&format!("fixed radius, {kernel:?}"), &m);
+    }
+}
+
+/// The part of the sphere that the k-th neighbour reaches is Beta(k, N − k + 1), and the k − 1 nearer ones are uniform in it:
+/// (k − 1)/(πr²) for the box, and the plain sum for kernels that vanish at the edge, have mean λ and relative variance
+/// (N − 1)(k + c − 2)/(N(k − 2)) − 1, which for the box and large N is 1/(k − 2). Moments of the estimate below the k-th exist: with
+/// k ≥ 15 the squares have a variance, and their means over 120 probes a t-test.
+#[test]
+fn nearest_neighbour_mean_and_variance_match_theory() {
+    for kernel in KERNELS {
+        for k in [15, 50] {
+            let kf = f64::from(k);
+            let m = moments(Bandwidth { radius: 0.4, k }, kernel, |n| {
+                (n - 1.0) * (kf + noise_factor(kernel) - 2.0) / (n * (kf - 2.0)) - 1.0
+            });
+            check(&format!("{k} nearest, {kernel:?}"), &m);
+        }
+    }
+}

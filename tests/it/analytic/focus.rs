@@ -1,0 +1,80 @@
+//! Truth 18: a ball lens under parallel light. A ray at height h crosses the axis h/sin 2(θi − θt) behind the middle.
+
+use crate::support::*;
+use caustica::photon::{PhotonMap, PhotonSource, StoreMask, Traced};
+use caustica::scene::{LightStrength, Material, Scene, SceneBuilder, SourceKind};
+use caustica::shape::{Rectangle, Shape, Sphere};
+use glam::DVec3;
+use std::f64::consts::TAU;
+
+const N: f64 = 1.5;
+const IRRADIANCE: f64 = 2.0;
+
+/// A glass ball of radius 1 under light that falls, and a screen at depth `z` below its middle.
+fn lens(z: f64) -> Scene {
+    let mut b = SceneBuilder::new();
+    let glass = b.material(Material::dielectric(N as f32, grey(0.0)));
+    let white = b.material(Material::diffuse(grey(0.5)));
+    b.shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)), glass, grey(0.0));
+    let corner = vec3(-1.5, -z, -1.5);
+    b.shape(Shape::Rectangle(Rectangle::new(corner, DVec3::Z * 3.0, DVec3::X * 3.0)), white, grey(0.0));
+    b.source(SourceKind::Directional { direction: -DVec3::Y }, LightStrength::Physical(grey(IRRADIANCE)));
+    unseen(b)
+}
+
+/// Where on a screen at depth `z` the ray of height `h` lands, and which part of it passes both surfaces, whose reflectances
+/// are alike; `None` where the ray turns back upwards.
+fn landing(h: f64, z: f64) -> Option<(f64, f64)> {
+    let deviation = 2.0 * (libm::asin(h) - libm::asin(h / N));
+    let r = fresnel((1.0 - h * h).sqrt(), N);
+    let crossing = h / libm::sin(deviation);
+    let down = libm::cos(deviation) > 0.0;
+    down.then(|| ((z - crossing).abs() * libm::tan(deviation), (1.0 - r) * (1.0 - r)))
+}
+
+/// ∫ over the beam of what lands, weighed by a function of the radius on the screen.
+fn over_beam(z: f64, weight: impl Fn(f64) -> f64) -> f64 {
+    let ring = |h: f64| landing(h, z).map_or(0.0, |(rho, part)| TAU * h * IRRADIANCE * part * weight(rho));
+    midpoint(0.0, 1.0, 400_000, ring)
+}
+
+/// With two bounces photons pass straight through; those that glance off outside land beyond .7.
+fn passes(scene: &Scene, aimed: bool) -> Vec<Traced> {
+    let source = if aimed { PhotonSource::aimed(scene) } else { PhotonSource::everywhere(scene) };
+    trace_from(scene, &source.unwrap(), StoreMask::CAUSTIC, 2, PASSES, 1 << 16)
+}
+
+/// Flux within r of the axis before, at and behind the paraxial focus at nR/(2(n − 1)) = 1.5. A jump of the integrand costs
+/// at most a step, 2.5·10⁻⁶ of the beam.
+#[test]
+fn ball_lens_focus_flux_obeys_snell_and_fresnel() {
+    for z in [1.1, 1.3, 1.5, 2.5] {
+        let scene = lens(z);
+        for aimed in [true, false] {
+            let passes = passes(&scene, aimed);
+            for radius in [0.05, 0.1, 0.2, 0.4, 0.6] {
+                let expected = over_beam(z, |rho| f64::from(u8::from(rho <= radius)));
+                let inside = |p: DVec3| p.x * p.x + p.z * p.z <= radius * radius;
+                let samples: Vec<f64> = passes.iter().map(|t| flux_where(&scene, &t.photons, inside).x).collect();
+                let what = format!("z = {z}, within {radius}, aimed: {aimed}");
+                agree(&what, &samples, expected, expected * HUE + 4e-5, 0.04);
+            }
+        }
+    }
+}
+
+/// The estimate on the axis, where the caustic is, with its exact bias: ∫ K over the beam.
+#[test]
+fn focus_estimate_is_beam_convolved_with_kernel() {
+    for z in [1.3, 1.5] {
+        let scene = lens(z);
+        let maps: Vec<PhotonMap> = passes(&scene, true).into_iter().map(|t| PhotonMap::build(t.photons)).collect();
+        for kernel in KERNELS {
+            for radius in [0.03, 0.1] {
+                let expected = over_beam(z, |rho| kernel_at(kernel, rho, radius));
+                let probe = Probe { scene: &scene, at: vec3(0.0, -z, 0.0), normal: DVec3::Y, radius, kernel };
+                agree_estimates("focus", &probe, &maps, expected, 2e-4, 0.02);
+            }
+        }
+    }
+}

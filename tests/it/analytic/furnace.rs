@@ -1,0 +1,71 @@
+//! Truth 1, the furnace: inside a closed room whose walls all emit Le and reflect ρ, every radiance is Le/(1 − ρ).
+
+use crate::support::*;
+use caustica::photon::StoreMask;
+use caustica::scene::{Material, Scene, SceneBuilder};
+use glam::DVec3;
+use std::f64::consts::PI;
+
+const ALBEDO: DVec3 = DVec3::new(0.7, 0.5, 0.2);
+const EMITTED: DVec3 = DVec3::new(1.0, 0.5, 2.0);
+
+fn furnace() -> Scene {
+    let mut b = SceneBuilder::new();
+    let wall = b.material(Material::diffuse(ALBEDO.as_vec3()));
+    for face in faces(-DVec3::ONE, DVec3::ONE, true) {
+        b.shape(face, wall, EMITTED.as_vec3());
+    }
+    // The view covers |x|, |y| < 0.6 of the back wall, so that discs of radius 0.3 stay on the wall.
+    b.build(camera(vec3(0.0, 0.0, 0.9), vec3(0.0, 0.0, -1.0), 2.0 * libm::atan(0.6 / 1.9) * 180.0 / PI, 12)).unwrap()
+}
+
+fn power(x: f64, n: u32) -> f64 {
+    (0..n).fold(1.0, |p, _| p * x)
+}
+
+/// `max_bounces` = n cuts a path at its surface n + 1. The viewed wall adds one more reflection, and emission and direct light
+/// are seen without photons: Le·(1 + ρ + … + ρⁿ⁺¹). Irradiance is uniform, so the estimate has no bias.
+#[test]
+fn furnace_radiance_is_geometric_series() {
+    let scene = furnace();
+    for (n, photons) in [(0, 1024), (1, 1 << 16), (3, 1 << 16), (1000, 1 << 16)] {
+        let settings = caustica::integrate::Settings { eye: camera_rays(16, n).eye, ..settings(photons, 0, 0.3) };
+        let series = (0..3).map(|c| {
+            let rho: f64 = ALBEDO[c];
+            EMITTED[c] * (1.0 - power(rho, n + 2)) / (1.0 - rho)
+        });
+        let expected = DVec3::from_array(series.collect::<Vec<_>>().try_into().unwrap());
+        agree_rgb(&format!("furnace, {n} bounces"), &seen(&scene, settings, PASSES), expected, 0.006);
+    }
+}
+
+/// With k nearest photons the radius depends on the photons; in a uniform field the estimate is unbiased all the same, up to
+/// O(1/N) for N photons of unequal power: a hue that goes with the distance has no mean.
+#[test]
+fn furnace_radiance_holds_for_nearest_neighbours() {
+    let scene = furnace();
+    for kernel in KERNELS {
+        let settings = caustica::integrate::Settings { gather_k: Some(40), kernel, ..settings(1 << 16, 0, 0.3) };
+        let expected = EMITTED / (DVec3::ONE - ALBEDO);
+        agree_rgb(&format!("furnace, k nearest, {kernel:?}"), &seen(&scene, settings, PASSES), expected, 0.006);
+    }
+}
+
+/// Truths 4 and 32: flux that lands, over all bounces, is Φ/(1 − ρ) in each channel. The roulette follows the mean of the
+/// channels, so hues of survivors change: their mean must not.
+#[test]
+fn coloured_flux_survives_grey_roulette() {
+    let scene = furnace();
+    let passes = trace(&scene, StoreMask::ALL, 1000, 64, 1 << 13);
+    let landed: Vec<DVec3> = passes.iter().map(|t| flux_where(&scene, &t.photons, |_| true)).collect();
+    let emitted = EMITTED * (PI * 24.0);
+    agree_rgb("landed flux", &landed, emitted / (DVec3::ONE - ALBEDO), 4e-3);
+    let direct: Vec<DVec3> = trace(&scene, StoreMask::DIRECT, 0, 4, 1 << 13)
+        .iter()
+        .map(|t| t.photons.iter().map(|p| p.data.flux().as_dvec3()).sum())
+        .collect();
+    for flux in direct {
+        // No chance is left in the emitted flux but the lights dealt to paths: all six are alike, so it is exact to rounding.
+        assert!(((flux - emitted) / emitted).abs().max_element() < 1e-4, "{flux} {emitted}");
+    }
+}

@@ -1,0 +1,161 @@
+//! Truths without a formula (40): what must not change, or not beyond noise.
+
+use crate::support::*;
+use caustica::integrate::{Algorithm, Settings, Silent};
+use caustica::photon::{PhotonSource, StoreMask};
+use caustica::scene::{LightStrength, Material, Scene, SceneBuilder, SourceKind};
+use caustica::shape::{Disc, Rectangle, Shape, Sphere};
+use glam::{DQuat, DVec2, DVec3, Vec3};
+
+/// A similarity of space.
+#[derive(Clone, Copy)]
+struct Place {
+    turn: DQuat,
+    scale: f64,
+    origin: DVec3,
+}
+
+const HERE: Place = Place { turn: DQuat::IDENTITY, scale: 1.0, origin: DVec3::ZERO };
+
+impl Place {
+    fn point(&self, p: DVec3) -> DVec3 {
+        self.origin + self.vector(p)
+    }
+
+    fn vector(&self, v: DVec3) -> DVec3 {
+        self.turn * v * self.scale
+    }
+}
+
+/// A room with a glass ball, a mirror ball, a bent mirror mesh, an area light and a point light, put at a place.
+fn room(at: Place) -> Scene {
+    let mut b = SceneBuilder::new();
+    let white = b.material(Material::diffuse(Vec3::new(0.7, 0.6, 0.4)));
+    let glass = b.material(Material::dielectric(1.5, Vec3::ZERO));
+    let mirror = b.material(Material::mirror(Vec3::new(0.9, 0.8, 0.7)));
+    let black = b.material(Material::black());
+    let (x, y, z) = (DVec3::X * 2.0, DVec3::Y * 2.0, DVec3::Z * 2.0);
+    for (e0, e1) in [(z, x), (y, z), (x, y)] {
+        let wall = Rectangle::new(at.point(-DVec3::ONE), at.vector(e0), at.vector(e1));
+        b.shape(Shape::Rectangle(wall), white, Vec3::ZERO);
+    }
+    let mut ball = |p, radius: f64, material| {
+        b.shape(Shape::Sphere(Sphere::new(at.point(p), radius * at.scale)), material, Vec3::ZERO);
+    };
+    ball(vec3(-0.3, -0.4, 0.3), 0.35, glass);
+    ball(vec3(0.5, -0.6, -0.3), 0.3, mirror);
+    let lamp = Disc::around(at.point(vec3(0.2, 0.9, 0.2)), at.vector(-DVec3::Y), 0.15 * at.scale);
+    b.shape(Shape::Disc(lamp), black, Vec3::new(20.0, 30.0, 40.0));
+    let sail = [vec3(-0.9, -0.9, -0.4), vec3(-0.4, -0.9, -0.9), vec3(-0.9, 0.3, -0.8)].map(|p| at.point(p));
+    b.mesh(&sail, &[], &[[0, 1, 2]], mirror, Vec3::ZERO);
+    let point = SourceKind::Point { position: at.point(vec3(0.6, 0.5, 0.8)) };
+    // Intensity goes with the area, as the power of an area light of given radiance does.
+    b.source(point, LightStrength::Physical(grey(0.4 * at.scale * at.scale)));
+    let (eye, target) = (at.point(vec3(2.5, 1.0, 2.5)), at.point(vec3(0.0, -0.4, 0.0)));
+    let up = at.turn * DVec3::Y;
+    let view = caustica::camera::Camera::perspective(eye, target - eye, up, 0.8, 48, 48).unwrap();
+    b.build(view).unwrap()
+}
+
+fn by_neighbours() -> Settings {
+    Settings { gather_k: Some(30), radius: None, eye: camera_rays(2, 1000).eye, ..settings(20_000, 20_000, 1.0) }
+}
+
+fn image(scene: &Scene, pass: u32) -> Vec<Vec3> {
+    Algorithm::Sppm.prepare(scene, by_neighbours()).pass(pass, &Silent).image
+}
+
+/// Fails where passes of two methods differ in the mean; a pass of one may go with a pass of the other.
+fn same(what: &str, a: &[DVec3], b: &[DVec3], sharp: f64) {
+    for c in 0..3 {
+        let level = b.iter().map(|v| v[c]).sum::<f64>() / b.len() as f64;
+        let samples: Vec<f64> = a.iter().zip(b).map(|(a, b)| level + a[c] - b[c]).collect();
+        agree(&format!("{what}, channel {c}"), &samples, level, level * HUE, sharp);
+    }
+}
+
+#[test]
+fn thread_count_changes_no_bit() {
+    let scene = room(HERE);
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| image(&scene, 1))
+    };
+    let one = on(1);
+    assert!(one.iter().all(|v| v.is_finite()) && one.iter().any(|v| v.x > 0.0));
+    for threads in [2, 3, 8] {
+        assert!(on(threads) == one, "{threads} threads");
+    }
+}
+
+/// A power of two changes exponents only, so nothing may round otherwise.
+#[test]
+fn scaling_by_a_power_of_two_changes_no_bit() {
+    let here = image(&room(HERE), 0);
+    for scale in [0.125, 4.0, 1024.0] {
+        let there = image(&room(Place { scale, ..HERE }), 0);
+        let differ = here.iter().zip(&there).filter(|(a, b)| a != b).count();
+        assert_eq!(differ, 0, "pixels that differ at scale {scale}");
+    }
+}
+
+/// Light that arrives through the ball, in a patch of the floor of the room's own coordinates, per unit of its scale squared.
+fn arrived(at: Place, aimed: bool, wants: StoreMask, passes: u32, paths: u32) -> Vec<DVec3> {
+    let scene = room(at);
+    let source = if aimed { PhotonSource::aimed(&scene) } else { PhotonSource::everywhere(&scene) };
+    let inside = |p: DVec3| {
+        let local = at.turn.inverse() * (p - at.origin) / at.scale;
+        let floor = DVec2::new(local.x, local.z);
+        local.y < -0.999 && (floor - DVec2::new(-0.4, 0.25)).length() < 0.3
+    };
+    trace_from(&scene, &source.unwrap(), wants, 50, passes, paths)
+        .iter()
+        .map(|t| flux_where(&scene, &t.photons, inside) / (at.scale * at.scale))
+        .collect()
+}
+
+#[test]
+fn similarity_transforms_preserve_flux() {
+    let here = arrived(HERE, true, StoreMask::CAUSTIC, PASSES, 1 << 15);
+    let all = arrived(HERE, false, StoreMask::ALL, PASSES, 1 << 15);
+    let turn = DQuat::from_axis_angle(vec3(1.0, 2.0, -1.0).normalize(), 1.0);
+    for (name, place) in [
+        ("turned", Place { turn, ..HERE }),
+        ("scaled by 1000", Place { scale: 1000.0, ..HERE }),
+        ("scaled by 1/3000", Place { scale: 1.0 / 3000.0, ..HERE }),
+        ("moved", Place { origin: vec3(2e5, -1e5, 3e5), ..HERE }),
+        ("all at once", Place { turn, scale: 37.0, origin: vec3(2e7, 3e6, -1e7) }),
+    ] {
+        same(&format!("{name}, caustics"), &arrived(place, true, StoreMask::CAUSTIC, PASSES, 1 << 15), &here, 5e-3);
+        same(&format!("{name}, all"), &arrived(place, false, StoreMask::ALL, PASSES, 1 << 15), &all, 0.02);
+    }
+}
+
+/// The seed's numbers are the same, so pictures of scaled and moved rooms differ by rounding, and here and there a photon that
+/// took another way.
+#[test]
+fn similarity_transforms_preserve_radiance() {
+    let mean = |at: Place| seen(&room(at), by_neighbours(), 8);
+    let here = mean(HERE);
+    for (name, place) in [
+        ("scaled by 1000", Place { scale: 1000.0, ..HERE }),
+        ("moved", Place { origin: vec3(2e5, -1e5, 3e5), ..HERE }),
+        ("turned", Place { turn: DQuat::from_axis_angle(vec3(1.0, 2.0, -1.0).normalize(), 1.0), ..HERE }),
+    ] {
+        same(&format!("{name}, picture"), &mean(place), &here, 0.01);
+    }
+}
+
+/// Aiming changes which photons are drawn, not what they carry. Unaimed passes that want all stored classes hold the same
+/// caustic photons as those that want caustics only, which here are counted.
+#[test]
+fn aimed_emission_preserves_caustics() {
+    let aimed = arrived(HERE, true, StoreMask::CAUSTIC, 32, 1 << 15);
+    let everywhere = arrived(HERE, false, StoreMask::CAUSTIC, 32, 1 << 17);
+    same("aimed against everywhere", &aimed, &everywhere, 5e-3);
+    let scene = room(HERE);
+    let count = |wants| trace(&scene, wants, 50, 1, 1 << 14)[0].photons.len();
+    let apart = [StoreMask::DIRECT, StoreMask::CAUSTIC, StoreMask::GLOBAL];
+    assert_eq!(apart.map(count).iter().sum::<usize>(), count(StoreMask::ALL), "classes are disjoint and complete");
+    assert_eq!(count(apart[1]), count(StoreMask::CAUSTIC));
+}

@@ -1,0 +1,198 @@
+//! Truths 5 to 9: irradiance below lights of every kind, through photons with the exact bias of their kernel, and through
+//! shadow rays.
+
+use crate::support::*;
+use caustica::photon::{Kernel, PhotonData, PhotonMap, Scratch, StoreMask};
+use caustica::scene::{LightStrength, Material, Scene, SceneBuilder, SourceKind};
+use caustica::shape::{Disc, Plane, Rectangle, Shape, Sphere};
+use glam::{DVec2, DVec3, Vec3};
+use std::f64::consts::{PI, TAU};
+
+const DIRECT: StoreMask = StoreMask::DIRECT;
+const ALBEDO: f64 = 0.8;
+
+/// A light above the plane y = 0.
+struct Lamp {
+    name: &'static str,
+    add: fn(&mut SceneBuilder),
+    /// Irradiance at (x, z).
+    irradiance: fn(DVec2) -> f64,
+}
+
+const RADIANCE: f64 = 7.0;
+const INTENSITY: f64 = 5.0;
+const HEIGHT: f64 = 1.2;
+const DISC: f64 = 0.5;
+const BALL: f64 = 0.4;
+const HALF: DVec2 = DVec2::new(0.4, 0.25);
+
+fn emit(b: &mut SceneBuilder, shape: Shape) {
+    let black = b.material(Material::black());
+    b.shape(shape, black, grey(RADIANCE));
+}
+
+/// Lambert's formula: (L/2) Σ γᵢ Γᵢ·n over the edges, with γᵢ the angle of edge i and Γᵢ the unit normal of its plane through
+/// the point.
+fn rectangle(p: DVec2) -> f64 {
+    let corner = |x: f64, z: f64| vec3(x * HALF.x - p.x, HEIGHT, z * HALF.y - p.y).normalize();
+    let corners = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
+    let edges = (0..4).map(|i| (corners[i], corners[(i + 1) % 4]));
+    let sum: f64 = edges.map(|(a, b)| libm::acos(a.dot(b)) * a.cross(b).normalize().y).sum();
+    0.5 * RADIANCE * sum.abs()
+}
+
+const LAMPS: [Lamp; 6] = [
+    Lamp {
+        name: "point",
+        add: |b| {
+            let place = SourceKind::Point { position: vec3(0.0, HEIGHT, 0.0) };
+            b.source(place, LightStrength::Physical(grey(INTENSITY)));
+        },
+        irradiance: |p| {
+            let d2 = HEIGHT * HEIGHT + p.length_squared();
+            INTENSITY * HEIGHT / (d2 * d2.sqrt())
+        },
+    },
+    Lamp {
+        name: "spot",
+        add: |b| {
+            let (position, axis) = (vec3(0.0, HEIGHT, 0.0), -DVec3::Y);
+            b.source(
+                SourceKind::Spot { position, axis, inner: 0.3, outer: 0.8 },
+                LightStrength::Physical(grey(INTENSITY)),
+            );
+        },
+        irradiance: |p| {
+            let d2 = HEIGHT * HEIGHT + p.length_squared();
+            let cos = HEIGHT / d2.sqrt();
+            let x = ((cos - libm::cos(0.8)) / (libm::cos(0.3) - libm::cos(0.8))).clamp(0.0, 1.0);
+            INTENSITY * x * x * (3.0 - 2.0 * x) * cos / d2
+        },
+    },
+    Lamp {
+        name: "disc",
+        add: |b| emit(b, Shape::Disc(Disc::around(vec3(0.0, HEIGHT, 0.0), -DVec3::Y, DISC))),
+        irradiance: |p| {
+            let (h2, a2, r2) = (HEIGHT * HEIGHT, p.length_squared(), DISC * DISC);
+            let s = h2 + a2 + r2;
+            0.5 * PI * RADIANCE * (1.0 - (s - 2.0 * r2) / (s * s - 4.0 * r2 * a2).sqrt())
+        },
+    },
+    Lamp {
+        name: "ball",
+        add: |b| emit(b, Shape::Sphere(Sphere::new(vec3(0.0, HEIGHT, 0.0), BALL))),
+        irradiance: |p| {
+            let d2 = HEIGHT * HEIGHT + p.length_squared();
+            PI * RADIANCE * BALL * BALL / d2 * HEIGHT / d2.sqrt()
+        },
+    },
+    Lamp {
+        name: "rectangle",
+        add: |b| {
+            let corner = vec3(-HALF.x, HEIGHT, -HALF.y);
+            let (x, z) = (DVec3::X * 2.0 * HALF.x, DVec3::Z * 2.0 * HALF.y);
+            emit(b, Shape::Rectangle(Rectangle::new(corner, x, z)));
+        },
+        irradiance: rectangle,
+    },
+    Lamp {
+        name: "triangles",
+        add: |b| {
+            let black = b.material(Material::black());
+            let corner = |x: f64, z: f64| vec3(x * HALF.x, HEIGHT, z * HALF.y);
+            let corners = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
+            // Unequal triangles, so that choosing them by anything but area shows.
+            let middle = corner(0.7, 0.2);
+            let all = [corners[0], corners[1], corners[2], corners[3], middle];
+            b.mesh(&all, &[], &[[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]], black, grey(RADIANCE));
+        },
+        irradiance: rectangle,
+    },
+];
+
+fn under(lamp: &Lamp) -> SceneBuilder {
+    let mut b = SceneBuilder::new();
+    let white = b.material(Material::diffuse(grey(ALBEDO)));
+    b.plane(Plane::new(DVec3::ZERO, DVec3::Y), white, grey(0.0));
+    (lamp.add)(&mut b);
+    b
+}
+
+fn maps(scene: &Scene) -> Vec<PhotonMap> {
+    trace(scene, DIRECT, 0, PASSES, 1 << 17).into_iter().map(|t| PhotonMap::build(t.photons)).collect()
+}
+
+/// The expectation of an estimate is irradiance averaged by its kernel, at any radius and place.
+#[test]
+fn estimates_have_exact_kernel_bias() {
+    for lamp in &LAMPS {
+        let scene = unseen(under(lamp));
+        let maps = maps(&scene);
+        for (at, radius) in [(DVec2::ZERO, 0.6), (DVec2::ZERO, 0.15), (DVec2::new(0.5, 0.3), 0.3)] {
+            for kernel in KERNELS {
+                let expected = blurred(kernel, radius, |d| (lamp.irradiance)(at + d));
+                let probe = Probe { scene: &scene, at: vec3(at.x, 0.0, at.y), normal: DVec3::Y, radius, kernel };
+                agree_estimates(lamp.name, &probe, &maps, expected, 1e-5, 0.018);
+            }
+        }
+    }
+}
+
+/// Truth 6 at the nadir of a point, where the box has a closed form: 2I/r²·(1 − h/√(h² + r²)), far from the irradiance itself.
+#[test]
+fn wide_box_kernel_has_closed_form_bias() {
+    let scene = unseen(under(&LAMPS[0]));
+    let maps = maps(&scene);
+    for radius in [0.1, 0.4, 1.6] {
+        let expected = 2.0 * INTENSITY / (radius * radius) * (1.0 - HEIGHT / libm::hypot(HEIGHT, radius));
+        let probe = Probe { scene: &scene, at: DVec3::ZERO, normal: DVec3::Y, radius, kernel: Kernel::Box };
+        agree_estimates("below a point", &probe, &maps, expected, 0.0, 8e-3);
+    }
+}
+
+/// Photons remember where they came from: weighed by cosθ, the flux in a disc below a point is πIh²(1/h² − 1/(h² + r²)).
+#[test]
+fn photons_store_their_incident_direction() {
+    let scene = unseen(under(&LAMPS[0]));
+    let radius = 0.8;
+    let expected = INTENSITY * HEIGHT * HEIGHT * (1.0 / (HEIGHT * HEIGHT) - 1.0 / (HEIGHT * HEIGHT + radius * radius))
+        / (radius * radius);
+    let origin = (-scene.middle()).as_vec3();
+    let one = |map: &PhotonMap| {
+        let brdf = |flux: &PhotonData| Vec3::splat(flux.from().y);
+        let mut scratch = Scratch::new();
+        f64::from(map.estimate(origin, Vec3::Y, fixed(radius), Kernel::Box, &mut scratch, brdf).radiance.x)
+    };
+    let samples: Vec<f64> = maps(&scene).iter().map(one).collect();
+    // Directions are stored within 10⁻⁴ rad; 11,000 photons are added within 11,000 · 2⁻²⁴ = 7·10⁻⁴ of the sum.
+    agree("cosine-weighted flux", &samples, expected, expected * (8e-4 + 2.0 * HUE), 4e-3);
+}
+
+/// Shadow rays: L = ρE/π. The view covers 0.02 of a unit, over which irradiance is linear to its second difference: less than
+/// (0.02/h)² of itself.
+#[test]
+fn direct_light_matches_irradiance_of_each_light() {
+    for lamp in &LAMPS {
+        for at in [DVec2::ZERO, DVec2::new(0.5, 0.3)] {
+            let target = vec3(at.x, 0.0, at.y);
+            let eye = target + vec3(2.0, 1.0, 0.3);
+            let scene = under(lamp).build(camera(eye, target, 0.2, 16)).unwrap();
+            let samples = red(&seen(&scene, settings(0, 0, 0.1), PASSES));
+            let expected = ALBEDO / PI * (lamp.irradiance)(at);
+            agree(&format!("{} seen at {at}", lamp.name), &samples, expected, expected * 3e-4, 2e-3);
+        }
+    }
+}
+
+/// Truth 5's flux in a disc, 2πI(1 − h/√(h² + r²)), and all of a lamp's flux, by counting.
+#[test]
+fn disc_flux_below_point_light_matches_solid_angle() {
+    let scene = unseen(under(&LAMPS[0]));
+    let passes = trace(&scene, DIRECT, 0, PASSES, 1 << 16);
+    for radius in [0.3, 1.0, 5.0] {
+        let inside = |p: DVec3| p.x * p.x + p.z * p.z < radius * radius;
+        let samples: Vec<f64> = passes.iter().map(|t| flux_where(&scene, &t.photons, inside).x).collect();
+        let expected = TAU * INTENSITY * (1.0 - HEIGHT / libm::hypot(HEIGHT, radius));
+        agree(&format!("flux within {radius}"), &samples, expected, expected * 2.0 * HUE, 3e-3);
+    }
+}

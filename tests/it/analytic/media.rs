@@ -1,0 +1,493 @@
+//! Truths 13 and 25 to 27, furnaces and extremes: light that media absorb, scatter and carry.
+
+use crate::support::{PASSES, agree, fresnel, mean_and_error, midpoint, scene_in, settings};
+use caustica::integrate::{Algorithm, Settings, Silent, VolumeEstimate};
+use caustica::plan::{Effect, EffectOverrides};
+use caustica::scene::Scene;
+use glam::DVec3;
+use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+
+const ESTIMATES: [VolumeEstimate; 3] = [VolumeEstimate::Beams, VolumeEstimate::BeamRadiance, VolumeEstimate::Points];
+
+/// Rounding of single precision along a path of a few vertices, as a part.
+const ROUNDING: f64 = 1e-5;
+
+fn scene(text: &str) -> Scene {
+    scene_in("scenes", text)
+}
+
+/// The mean over all pixels, pass by pass.
+fn seen(scene: &Scene, algorithm: Algorithm, settings: Settings, passes: u32) -> Vec<DVec3> {
+    let method = algorithm.prepare(scene, settings);
+    let one = |i| {
+        let pass = method.pass(i, &Silent);
+        assert_eq!(pass.counters.rejected_samples, 0, "{algorithm:?}");
+        pass.image.iter().map(|v| v.as_dvec3()).sum::<DVec3>() / pass.image.len() as f64
+    };
+    (0..passes).map(one).collect()
+}
+
+/// [`agree`] for each channel.
+#[track_caller]
+fn agree_each(what: &str, samples: &[DVec3], expected: DVec3, slack: DVec3, sharp: f64) {
+    for c in 0..3 {
+        let channel: Vec<f64> = samples.iter().map(|v| v[c]).collect();
+        agree(&format!("{what}, channel {c}"), &channel, expected[c], slack[c] + ROUNDING * expected[c], sharp);
+    }
+}
+
+/// [`agree_each`] for what a kernel blurs. A kernel's bias grows at least in proportion to its radius, so at half of `wide` it is at most what it
+/// changes from there to `wide`: that is allowed for, with four errors of it, and must be within the part `blur` of what is expected.
+#[track_caller]
+fn agree_blurred(what: &str, look: impl Fn(f64) -> Vec<DVec3>, wide: f64, expected: DVec3, (blur, sharp): (f64, f64)) {
+    let (narrow, wide) = (look(0.5 * wide), look(wide));
+    let slack = |c: usize| {
+        let differences: Vec<f64> = narrow.iter().zip(&wide).map(|(n, w)| w[c] - n[c]).collect();
+        let (mean, error) = mean_and_error(&differences);
+        let slack = mean.abs() + 4.0 * error;
+        assert!(slack < blur * expected[c], "{what}: blurred by {}", slack / expected[c]);
+        slack
+    };
+    agree_each(what, &narrow, expected, DVec3::new(slack(0), slack(1), slack(2)), sharp);
+}
+
+fn each(v: [f64; 3], f: impl Fn(f64) -> f64) -> DVec3 {
+    DVec3::from_array(v.map(f))
+}
+
+/// Without light between receivers, and what caustics become.
+fn single() -> EffectOverrides {
+    EffectOverrides::PLANNED.without(Effect::Interreflection).without(Effect::CausticBounces)
+}
+
+fn with(samples: u32, effects: EffectOverrides) -> Settings {
+    let mut settings = settings(20_000, 20_000, 0.1);
+    settings.eye.samples = Some(samples);
+    settings.eye.effects = effects;
+    settings
+}
+
+/// Truth 13: (1 − R)²τ/(1 − R²τ²) of the light behind a slab, at right angles and at 60°, whichever way it is told what it absorbs.
+#[test]
+fn absorbing_slab_obeys_beer_and_fresnel() {
+    const SIGMA: [f64; 3] = [0.5, 2.0, 5.0];
+    const THICK: f64 = 0.4;
+    for degrees in [0.0f64, 60.0] {
+        let angle = degrees.to_radians();
+        let (sin, cos) = (libm::sin(angle), libm::cos(angle));
+        let inner = (1.0 - sin * sin / 2.25).sqrt();
+        let r = fresnel(cos, 1.5);
+        let expected = each(SIGMA, |sigma| {
+            let tau = libm::exp(-sigma * THICK / inner);
+            (1.0 - r) * (1.0 - r) * tau / (1.0 - r * r * tau * tau)
+        });
+        for (way, body) in [
+            ("absorption", "Dielectric slab { indexOfRefraction 1.5  absorption .5 2 5 }"),
+            ("medium", "Dielectric slab { indexOfRefraction 1.5  medium ink }"),
+        ] {
+            let scene = scene(&format!(
+                "OrthographicCamera {{ center {} 0 {}  direction {} 0 {}  size .001  width 4  height 4 }}
+                 Background {{ color 0 0 0 }}
+                 Media {{ Medium ink {{ absorption .5 2 5 }} }}
+                 Materials {{ Diffuse lamp {{ reflectance 0 0 0  emission 1 1 1 }}  {body} }}
+                 Group {{
+                     MaterialName lamp
+                     Rectangle {{ corner -90 -90 -5  edge0 180 0 0  edge1 0 180 0 }}
+                     MaterialName slab
+                     Rectangle {{ corner -90 -90 0  edge0 180 0 0  edge1 0 180 0 }}
+                     Rectangle {{ corner -90 -90 -{THICK}  edge0 0 180 0  edge1 180 0 0 }}
+                 }}",
+                3.0 * sin,
+                3.0 * cos,
+                -sin,
+                -cos
+            ));
+            let what = |algorithm: Algorithm| format!("{way} at {degrees}°, {}", algorithm.name());
+            let mut algorithms = vec![Algorithm::Path, Algorithm::Distributed];
+            if way == "absorption" {
+                algorithms.push(Algorithm::Whitted);
+            }
+            for algorithm in algorithms {
+                let samples = seen(&scene, algorithm, with(16, EffectOverrides::PLANNED), PASSES);
+                // Whitted's branches end below 1/256: what comes after the third reflection inside is below R⁴.
+                let slack = if algorithm == Algorithm::Whitted { r * r / 256.0 } else { 0.0 };
+                agree_each(&what(algorithm), &samples, expected, DVec3::splat(slack), 1e-3);
+            }
+        }
+    }
+}
+
+/// Henyey and Greenstein's phase function.
+fn phase(g: f64, cos: f64) -> f64 {
+    let square = 1.0 + g * g - 2.0 * g * cos;
+    (1.0 - g * g) / (4.0 * PI * square * square.sqrt())
+}
+
+/// Light of intensity 1 at `lamp` that is scattered once to the origin, from as far as `end` along −z: in σt = `sigma`, per σs.
+fn airlight(lamp: DVec3, end: f64, sigma: f64, g: f64) -> f64 {
+    midpoint(0.0, end, 100_000, |t| {
+        let way = -DVec3::Z * t - lamp;
+        let d = way.length();
+        phase(g, way.z / d) * libm::exp(-sigma * (t + d)) / (d * d)
+    })
+}
+
+/// The same of isotropic scattering, from infinitely far (Sun, Ramamoorthi, Narasimhan and Nayar 2005), for a lamp at distance `d` and angle
+/// `gamma` off the ray: A₀[F(A₁, π/2) − F(A₁, γ/2)].
+fn sun(d: f64, gamma: f64, sigma: f64) -> f64 {
+    let tau = sigma * d;
+    let (a0, a1) = (libm::exp(-tau * libm::cos(gamma)) / (2.0 * PI * d * libm::sin(gamma)), tau * libm::sin(gamma));
+    let end = FRAC_PI_4 + 0.5 * libm::atan(f64::INFINITY);
+    assert_eq!(end, FRAC_PI_2);
+    a0 * midpoint(0.5 * gamma, end, 100_000, |v| libm::exp(-a1 * libm::tan(v)))
+}
+
+/// Truths 25 and 26: the glow around a lamp in fog, before a black wall far away.
+#[test]
+fn airlight_matches_quadrature() {
+    const SCATTERING: [f64; 3] = [0.1, 0.25, 0.5];
+    const ABSORPTION: [f64; 3] = [0.2, 0.05, 0.1];
+    let lamp = DVec3::new(0.7, 0.0, -2.0);
+    let far = 60.0;
+    for (sigma, d, gamma) in [(0.3, lamp.length(), lamp.angle_between(-DVec3::Z)), (1.2, 1.5, 1.0)] {
+        let at = DVec3::new(libm::sin(gamma), 0.0, -libm::cos(gamma)) * d;
+        let (ours, theirs) = (airlight(at, far, sigma, 0.0), sun(d, gamma, sigma));
+        assert!((ours / theirs - 1.0).abs() < 1e-5, "{ours}, not {theirs}");
+    }
+    for g in [0.0, 0.5, -0.7] {
+        let scene = scene(&format!(
+            "OrthographicCamera {{ center 0 0 0  direction 0 0 -1  size .0001  width 4  height 4 }}
+             Background {{ color 0 0 0  medium fog }}
+             Lights {{ PointLight {{ position .7 0 -2  intensity 3 3 3 }} }}
+             Media {{ Medium fog {{ absorption .2 .05 .1  scattering .1 .25 .5  phase henyey-greenstein  anisotropy {g} }} }}
+             Materials {{ Diffuse black {{ reflectance 0 0 0 }} }}
+             Group {{ MaterialName black  Rectangle {{ corner -9 -9 -{far}  edge0 18 0 0  edge1 0 18 0 }} }}"
+        ));
+        let one = |c: usize| 3.0 * SCATTERING[c] * airlight(lamp, far, SCATTERING[c] + ABSORPTION[c], g);
+        let expected = DVec3::new(one(0), one(1), one(2));
+        for algorithm in [Algorithm::Distributed, Algorithm::Path] {
+            let samples = seen(&scene, algorithm, with(256, single()), PASSES);
+            let what = format!("airlight, g {g}, {}", algorithm.name());
+            // 10⁵ midpoints are within 10⁻⁶.
+            agree_each(&what, &samples, expected, 1e-6 * expected, 0.01);
+        }
+    }
+}
+
+/// Truth 26 with all that is scattered more than once: what leaves a ball without absorption, all alike in all directions by symmetry, is what
+/// its lamp in the middle sends out, of which exp(−τ) comes straight and is not seen. A camera in parallel sees Φ(1 − exp(−τ))/(4π) over the disc.
+#[test]
+fn scattering_ball_loses_no_light() {
+    const TAU: [f64; 3] = [0.25, 0.5, 1.0];
+    let scene = scene(
+        "OrthographicCamera { center 0 0 5  direction 0 0 -1  size 2.2  width 16  height 16 }
+         Background { color 0 0 0 }
+         Lights { PointLight { position 0 0 0  power 10 10 10 } }
+         Media { Medium milk { scattering .25 .5 1  anisotropy .5 } }
+         Materials { Clear milky { medium milk } }
+         Group { MaterialName milky  Sphere { center 0 0 0  radius 1 } }",
+    );
+    let expected = each(TAU, |tau| 10.0 * (1.0 - libm::exp(-tau)) / (4.0 * PI) / (2.2 * 2.2));
+    for algorithm in [Algorithm::Path, Algorithm::Hybrid] {
+        let samples = seen(&scene, algorithm, with(32, EffectOverrides::PLANNED), PASSES);
+        // Near misses of the lamp are rare and bright.
+        agree_each(&format!("milky ball, {}", algorithm.name()), &samples, expected, DVec3::ZERO, 0.04);
+    }
+    for algorithm in [Algorithm::Sppm, Algorithm::Pm] {
+        for volume in ESTIMATES {
+            let look = |radius: f64| {
+                let base = with(4, EffectOverrides::PLANNED);
+                seen(&scene, algorithm, Settings { radius: Some(radius as f32), volume, ..base }, PASSES)
+            };
+            let wide = if volume == VolumeEstimate::Points { 0.2 } else { 0.08 };
+            let what = format!("milky ball, {} by {volume:?}", algorithm.name());
+            agree_blurred(&what, look, wide, expected, (0.15, 0.04));
+        }
+    }
+}
+
+/// The mean of `f` over the marginal along one axis of a disc weighed by 3/π(1 − x²)²: 16/(5π)(1 − x²)^(5/2).
+fn over_disc(f: impl Fn(f64) -> f64) -> f64 {
+    midpoint(-1.0, 1.0, 2000, |x| 16.0 / (5.0 * PI) * libm::pow(1.0 - x * x, 2.5) * f(x))
+}
+
+/// What points find along a ray of length `wide` that looks across light which grows upwards by exp(σy): balls of radius `r`, weighed by
+/// 15/(8π)(1 − x²), whose part beyond both ends is lost, and whose slice at x and y has 5/(2π)(1 − x² − y²)^(3/2) of the weight.
+fn around(sigma: f64, wide: f64, r: f64) -> f64 {
+    midpoint(-1.0, 1.0, 400, |x| {
+        let (from, to) = ((-r * x).max(0.0), (wide - r * x).min(wide));
+        let along = (libm::exp(-sigma * from) - libm::exp(-sigma * to)) / sigma;
+        let half = (1.0 - x * x).sqrt();
+        let slice = |y: f64| 2.5 / PI * libm::pow((half * half - y * y).max(0.0), 1.5) * libm::exp(sigma * r * y);
+        along * midpoint(-half, half, 400, slice)
+    })
+}
+
+/// Truth 27: parallel light goes down into a box, and a ray looks through it across: p(90°)E σs exp(−σt z)(1 − exp(−σt s))/σt. Behind a pane,
+/// which lets (1 − R)/(1 + R) through, photons carry it.
+#[test]
+fn photon_beam_estimate_matches_formula() {
+    const G: f64 = 0.4;
+    const SCATTERING: [f64; 3] = [0.5, 1.0, 1.5];
+    const EXTINCTION: [f64; 3] = [1.0, 1.5, 1.5];
+    let (depth, wide, irradiance) = (0.8, 2.0, 5.0);
+    let scene = |pane: &str| {
+        scene(&format!(
+            "OrthographicCamera {{ center 5 0 0  direction -1 0 0  size .0001  width 4  height 4 }}
+             Background {{ color 0 0 0 }}
+             Lights {{ DirectionalLight {{ direction 0 -1 0  irradiance {irradiance} {irradiance} {irradiance} }} }}
+             Media {{ Medium fog {{ scattering .5 1 1.5  absorption .5 .5 0  anisotropy {G} }} }}
+             Materials {{ Clear hazy {{ medium fog }}  Thin pane {{ indexOfRefraction 1.5 }} }}
+             Group {{
+                 MaterialName hazy
+                 Rectangle {{ corner -1 -1 -1  edge0 2 0 0  edge1 0 0 2 }}
+                 Rectangle {{ corner -1 {depth} -1  edge0 0 0 2  edge1 2 0 0 }}
+                 Rectangle {{ corner -1 -1 -1  edge0 0 0 2  edge1 0 1.8 0 }}
+                 Rectangle {{ corner 1 -1 -1  edge0 0 1.8 0  edge1 0 0 2 }}
+                 Rectangle {{ corner -1 -1 -1  edge0 0 1.8 0  edge1 2 0 0 }}
+                 Rectangle {{ corner -1 -1 1  edge0 2 0 0  edge1 0 1.8 0 }}
+                 {pane}
+             }}"
+        ))
+    };
+    // Light that arrives at `z` below the top along the whole ray, blurred over heights and ends.
+    let sight = |c: usize, blur: &dyn Fn(f64) -> f64| {
+        let sigma = EXTINCTION[c];
+        SCATTERING[c] * phase(G, 0.0) * irradiance * libm::exp(-sigma * depth) * blur(sigma)
+    };
+    let whole = |sigma: f64| (1.0 - libm::exp(-sigma * wide)) / sigma;
+    let expected = |blur: &dyn Fn(f64) -> f64| DVec3::new(sight(0, blur), sight(1, blur), sight(2, blur));
+    let straight = scene("");
+    for algorithm in [Algorithm::Distributed, Algorithm::Path, Algorithm::Hybrid, Algorithm::Sppm] {
+        let samples = seen(&straight, algorithm, with(64, single()), PASSES);
+        agree_each(&format!("beam, {}", algorithm.name()), &samples, expected(&whole), DVec3::ZERO, 0.01);
+    }
+    let behind = scene("MaterialName pane  Rectangle { corner -1.2 1 -1.2  edge0 0 0 2.4  edge1 2.4 0 0 }");
+    let r = fresnel(1.0, 1.5);
+    let through = (1.0 - r) / (1.0 + r);
+    let path = seen(&behind, Algorithm::Path, with(64, single()), 2);
+    assert!(path.iter().all(|v| *v == DVec3::ZERO), "no walk finds it: {path:?}");
+    let radius = 0.3;
+    for volume in ESTIMATES {
+        // Beams lie alike beside the ray. Discs around it reach up and down, balls beyond both ends of the box besides.
+        let blur = |sigma: f64| match volume {
+            VolumeEstimate::Beams => whole(sigma),
+            VolumeEstimate::BeamRadiance => whole(sigma) * over_disc(|y| libm::exp(sigma * radius * y)),
+            VolumeEstimate::Points => around(sigma, wide, radius),
+        };
+        // `Pm` looks at the same photons as the first pass of `Sppm`.
+        for algorithm in [Algorithm::Hybrid, Algorithm::Sppm] {
+            let base = with(64, single());
+            let settings = Settings { radius: Some(radius as f32), volume, caustic_photons: 60_000, ..base };
+            // Radii of `Sppm` shrink from pass to pass, so each pass is the first, of another seed.
+            let samples: Vec<DVec3> = (0..PASSES)
+                .flat_map(|seed| {
+                    let mut settings = settings.clone();
+                    settings.eye.seed = u64::from(seed);
+                    seen(&behind, algorithm, settings, 1)
+                })
+                .collect();
+            let what = format!("beam behind a pane, {} by {volume:?}", algorithm.name());
+            // Midpoints of kernels with a root at their ends are within 10⁻⁴.
+            let expected = through * expected(&blur);
+            agree_each(&what, &samples, expected, 1e-4 * expected, 0.04);
+        }
+    }
+}
+
+/// A ball in uniform light, seen within its outline.
+fn furnace(media: &str, ball: &str, eye: &str) -> Scene {
+    scene(&format!(
+        "PerspectiveCamera {{ center {eye}  direction 0 0 -1  angle 16  width 8  height 8 }}
+         Background {{ color 0 0 0 }}
+         Lights {{ EnvironmentLight {{ radiance 1 1 1 }} }}
+         Media {{ {media} }}
+         Materials {{ {ball} }}
+         Group {{ Sphere {{ center 0 0 0  radius 1 }} }}"
+    ))
+}
+
+/// Truth 1: where nothing is lost, all is as bright as the light around, however often it is scattered; also within, and whichever way.
+#[test]
+fn white_medium_vanishes_in_furnace() {
+    let clear = "Clear milky { medium milk }";
+    for (what, media, ball, eye) in [
+        ("clear", "Medium milk { scattering 1 2 4 }", clear, "0 0 5"),
+        ("within", "Medium milk { scattering 1 2 4  phase rayleigh }", clear, "0 .3 .2"),
+        ("forwards", "Medium milk { scattering 3 6 3  anisotropy .99 }", clear, "0 0 5"),
+        ("backwards", "Medium milk { scattering 3 6 3  anisotropy -.99 }", clear, "0 0 5"),
+    ] {
+        let scene = furnace(media, ball, eye);
+        for algorithm in [Algorithm::Path, Algorithm::Hybrid] {
+            let mut settings = with(24, EffectOverrides::PLANNED);
+            settings.eye.max_bounces = 10_000;
+            let samples = seen(&scene, algorithm, settings, PASSES);
+            agree_each(&format!("{what}, {}", algorithm.name()), &samples, DVec3::ONE, DVec3::ZERO, 0.01);
+        }
+    }
+    for (what, ball, algorithms) in [
+        ("clear", clear, vec![Algorithm::Pm]),
+        (
+            "bottled",
+            "Dielectric bottle { indexOfRefraction 1.3  medium milk }",
+            vec![Algorithm::Path, Algorithm::Hybrid, Algorithm::Sppm],
+        ),
+    ] {
+        let scene = furnace("Medium milk { scattering 1 2 4 }", ball, "0 0 5");
+        for algorithm in algorithms {
+            let estimates = if algorithm == Algorithm::Path { &ESTIMATES[..1] } else { &ESTIMATES };
+            for volume in estimates {
+                let look = |radius: f64| {
+                    let base = with(8, EffectOverrides::PLANNED);
+                    seen(&scene, algorithm, Settings { radius: Some(radius as f32), volume: *volume, ..base }, PASSES)
+                };
+                let what = format!("{what}, {} by {volume:?}", algorithm.name());
+                if algorithm == Algorithm::Path {
+                    agree_each(&what, &look(1.0), DVec3::ONE, DVec3::ZERO, 0.03);
+                } else {
+                    let wide = if *volume == VolumeEstimate::Points { 0.4 } else { 0.16 };
+                    agree_blurred(&what, look, wide, DVec3::ONE, (0.25, 0.04));
+                }
+            }
+        }
+    }
+}
+
+/// The same between walls that shine and reflect: Le/(1 − ρ) = 1, of which surfaces and scattering find shares by connections and by chance.
+#[test]
+fn white_fog_vanishes_between_furnace_walls() {
+    let walls = "Rectangle { corner -1 -1 -1  edge0 0 0 2  edge1 2 0 0 }
+                 Rectangle { corner -1 1 -1  edge0 2 0 0  edge1 0 0 2 }
+                 Rectangle { corner -1 -1 -1  edge0 2 0 0  edge1 0 2 0 }
+                 Rectangle { corner -1 -1 1  edge0 0 2 0  edge1 2 0 0 }
+                 Rectangle { corner -1 -1 -1  edge0 0 2 0  edge1 0 0 2 }
+                 Rectangle { corner 1 -1 -1  edge0 0 0 2  edge1 0 2 0 }";
+    for fog in ["scattering .35 .35 .35  anisotropy .4", "scattering 2 1 .5  anisotropy -.6"] {
+        let scene = scene(&format!(
+            "PerspectiveCamera {{ center 0 0 .9  direction 0 0 -1  angle 60  width 16  height 16 }}
+             Background {{ color 0 0 0  medium fog }}
+             Media {{ Medium fog {{ {fog} }} }}
+             Materials {{ Diffuse wall {{ reflectance .7 .5 .2  emission .3 .5 .8 }} }}
+             Group {{ MaterialName wall  {walls} }}"
+        ));
+        for algorithm in [Algorithm::Path, Algorithm::Hybrid] {
+            let samples = seen(&scene, algorithm, with(32, EffectOverrides::PLANNED), PASSES);
+            agree_each(&format!("{fog}, {}", algorithm.name()), &samples, DVec3::ONE, DVec3::ZERO, 3e-3);
+        }
+    }
+}
+
+/// What a half space of isotropic scattering of albedo `a` sends straight up under uniform light of 1: 1 − H(1)√(1 − a) (Chandrasekhar 1960,
+/// chapter V), where H = 1/(√(1 − a) + (a/2)∫ µ'H(µ')/(µ + µ') dµ').
+fn chandrasekhar(a: f64) -> f64 {
+    const N: usize = 400;
+    let root = (1.0 - a).sqrt();
+    let mu = |i: usize| (i as f64 + 0.5) / N as f64;
+    let at = |h: &[f64], m: f64| {
+        let sum: f64 = h.iter().enumerate().map(|(i, h)| mu(i) * h / (m + mu(i))).sum();
+        1.0 / (root + 0.5 * a * sum / N as f64)
+    };
+    let mut h = vec![1.0; N];
+    for _ in 0..200 {
+        h = (0..N).map(|i| at(&h, mu(i))).collect();
+    }
+    1.0 - root * at(&h, 1.0)
+}
+
+/// At an optical depth of 10⁴ a ball is a half space where it is seen straight on: over a pixel's breadth and a walk's, hundreds of times less
+/// than its radius, it is flat. Steps of 10⁻⁴ are rounded at 1 by 6·10⁻⁸, and a step's error of 10⁻³ leaves H as it is to 10⁻³.
+#[test]
+fn thick_fog_matches_chandrasekhar_half_space() {
+    let text = |camera: &str| {
+        format!(
+            "{camera}
+             Background {{ color 0 0 0 }}
+             Lights {{ EnvironmentLight {{ radiance 1 1 1 }} }}
+             Media {{ Medium milk {{ extinction 1e4 1e4 1e4  albedo .9 .5 .98 }} }}
+             Materials {{ Clear milky {{ medium milk }} }}
+             Group {{ Sphere {{ center 0 0 0  radius 1 }} }}"
+        )
+    };
+    let above = scene(&text("OrthographicCamera { center 0 0 5  direction 0 0 -1  size .001  width 4  height 4 }"));
+    let expected = each([0.9, 0.5, 0.98], chandrasekhar);
+    // The middle of H's 400 parts errs by 1/400² of its second derivative, which ends at a logarithm.
+    for algorithm in [Algorithm::Path, Algorithm::Hybrid] {
+        let mut settings = with(128, EffectOverrides::PLANNED);
+        settings.eye.max_bounces = 10_000;
+        let samples = seen(&above, algorithm, settings, PASSES);
+        agree_each(&format!("thick, {}", algorithm.name()), &samples, expected, 2e-3 * expected, 0.01);
+    }
+    let within = scene(&text("OrthographicCamera { center 0 0 0  direction 0 0 -1  size .001  width 4  height 4 }"));
+    for algorithm in [Algorithm::Path, Algorithm::Hybrid, Algorithm::Sppm, Algorithm::Pm, Algorithm::Distributed] {
+        for volume in ESTIMATES {
+            let samples = seen(&within, algorithm, Settings { volume, ..with(4, EffectOverrides::PLANNED) }, 1);
+            assert_eq!(samples[0], DVec3::ZERO, "{algorithm:?} by {volume:?}: no light comes so far");
+        }
+    }
+}
+
+/// A medium that is none leaves every bit of a picture as it is: by chance where the plan does not see that, and though all effects are on.
+#[test]
+fn empty_medium_changes_no_bit() {
+    let picture = |filled: &str, medium: &str, wishes: EffectOverrides| {
+        let scene = scene(&format!(
+            "PerspectiveCamera {{ center 0 1 5  lookAt 0 .5 0  angle 40  width 24  height 24 }}
+             Background {{ color .1 .2 .3  {filled} }}
+             Lights {{ SphereLight {{ center 1 3 1  radius .3  power 60 60 60 }} }}
+             Media {{ Medium nothing {{ }} }}
+             Materials {{ Diffuse floor {{ reflectance .6 .5 .4 }}  Clear air {{ {medium} }}
+                          Dielectric glass {{ indexOfRefraction 1.5  {medium} }} }}
+             Group {{
+                 MaterialName floor
+                 Plane {{ normal 0 1 0  offset 0 }}
+                 MaterialName air
+                 Sphere {{ center -.8 .6 0  radius .5 }}
+                 MaterialName glass
+                 Sphere {{ center .8 .6 0  radius .5 }}
+             }}"
+        ));
+        let mut settings = with(4, wishes);
+        settings.eye.max_bounces = 8;
+        Algorithm::Path.prepare(&scene, settings).pass(0, &Silent).image
+    };
+    for wishes in [EffectOverrides::PLANNED, EffectOverrides::ALL] {
+        let plain = picture("", "", wishes);
+        assert!(plain.iter().any(|v| v.x > 0.1));
+        assert!(plain == picture("medium nothing", "medium nothing", wishes), "{wishes:?}");
+    }
+    assert!(picture("", "", EffectOverrides::PLANNED) == picture("", "", EffectOverrides::ALL));
+}
+
+/// A medium that is the same everywhere, and one on a grid of equal numbers around the same ball, are one: in mean by walks, and by points, whose
+/// blur is the same.
+#[test]
+fn constant_grid_equals_homogeneous_medium() {
+    let grid = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("even.grid");
+    std::fs::write(&grid, format!("caustica-grid 1\nsize 3 4 5\ntype text\n\n{}", "2 ".repeat(60))).unwrap();
+    let ball = |more: &str, scale: f64| {
+        scene(&format!(
+            "OrthographicCamera {{ center 0 0 5  direction 0 0 -1  size 2  width 8  height 8 }}
+             Background {{ color 0 0 0 }}
+             Lights {{ SphereLight {{ center 0 2 1  radius .5  power 50 50 50 }} }}
+             Media {{ Medium milk {{ scattering {} {} {}  absorption {} {} {}  anisotropy .3 {more} }} }}
+             Materials {{ Clear milky {{ medium milk }} }}
+             Group {{ MaterialName milky  Sphere {{ center 0 0 0  radius 1 }} }}",
+            1.5 * scale,
+            2.0 * scale,
+            3.0 * scale,
+            0.5 * scale,
+            0.1 * scale,
+            0.0
+        ))
+    };
+    let even = ball("", 1.0);
+    let varied = ball(&format!("grid \"{}\"  min -1.1 -1.1 -1.1  max 1.1 1.1 1.1", grid.display()), 0.5);
+    for algorithm in [Algorithm::Path, Algorithm::Sppm] {
+        let settings = Settings { volume: VolumeEstimate::Points, ..with(64, EffectOverrides::PLANNED) };
+        let (a, b) = (seen(&even, algorithm, settings.clone(), PASSES), seen(&varied, algorithm, settings, PASSES));
+        let mean = a.iter().sum::<DVec3>() / a.len() as f64;
+        // Against the mean of the other, so that what is compared is above 0.
+        let samples: Vec<DVec3> = a.iter().zip(&b).map(|(a, b)| mean + *b - *a).collect();
+        agree_each(&format!("grid, {}", algorithm.name()), &samples, mean, DVec3::ZERO, 0.03);
+    }
+}

@@ -1,0 +1,118 @@
+//! Truths 10, 11 and 39: form factors, plates between mirrors, and image sources.
+
+use crate::support::*;
+use caustica::photon::{Kernel, PhotonKind, PhotonMap, StoreMask, Traced};
+use caustica::scene::{LightStrength, Material, Scene, SceneBuilder, SourceKind};
+use caustica::shape::Plane;
+use glam::{DVec3, Vec3};
+use std::f64::consts::PI;
+
+/// Unit squares: opposed .199825, adjacent .200044, known to half of the last digit.
+#[test]
+fn cube_faces_exchange_flux_by_form_factors() {
+    let mut b = SceneBuilder::new();
+    let white = b.material(Material::diffuse(grey(0.5)));
+    for (i, face) in faces(DVec3::ZERO, DVec3::ONE, true).into_iter().enumerate() {
+        b.shape(face, white, grey(if i == 1 { 1.0 } else { 0.0 }));
+    }
+    let scene = unseen(b);
+    let passes = trace(&scene, StoreMask::DIRECT, 0, PASSES, 1 << 16);
+    // The nearest face tells the photons apart.
+    let on = |face: usize| {
+        move |p: DVec3| {
+            let distances = [p.y, 1.0 - p.y, p.x, 1.0 - p.x, p.z, 1.0 - p.z];
+            distances.iter().all(|d| distances[face] <= *d)
+        }
+    };
+    for (face, name, factor) in [(0, "floor", 0.199_825), (2, "left", 0.200_044), (5, "front", 0.200_044)] {
+        let samples: Vec<f64> = passes.iter().map(|t| flux_where(&scene, &t.photons, on(face)).x / PI).collect();
+        agree(&format!("form factor of the {name}"), &samples, factor, 5e-7 + factor * HUE, 2e-3);
+    }
+    let total: f64 = passes.iter().map(|t| flux_where(&scene, &t.photons, |_| true).x / PI).sum();
+    // Closure: all that leaves the ceiling lands, within the hue.
+    assert!((total / f64::from(PASSES) - 1.0).abs() < 2.0 * HUE, "{total}");
+}
+
+const FLOOR: DVec3 = DVec3::new(0.8, 0.5, 0.3);
+const CEILING: DVec3 = DVec3::new(0.4, 0.9, 0.6);
+const LIGHT: DVec3 = DVec3::new(1.0, 2.0, 0.5);
+
+/// A diffuse floor and a diffuse ceiling that shines, between four perfect mirrors: the middle of two endless plates.
+fn plates() -> Scene {
+    let mut b = SceneBuilder::new();
+    let floor = b.material(Material::diffuse(FLOOR.as_vec3()));
+    let ceiling = b.material(Material::diffuse(CEILING.as_vec3()));
+    let mirror = b.material(Material::mirror(Vec3::ONE));
+    for (i, face) in faces(vec3(-1.0, 0.0, -1.0), vec3(1.0, 0.7, 1.0), true).into_iter().enumerate() {
+        let (material, light) = match i {
+            0 => (floor, Vec3::ZERO),
+            1 => (ceiling, LIGHT.as_vec3()),
+            _ => (mirror, Vec3::ZERO),
+        };
+        b.shape(face, material, light);
+    }
+    // The view covers |x|, |z| < 0.5 of the floor.
+    b.build(camera(vec3(0.0, 0.6, 0.0), DVec3::ZERO, 2.0 * libm::atan(0.5 / 0.6) * 180.0 / PI, 12)).unwrap()
+}
+
+/// Irradiance of the floor is the ceiling's radiosity, (E + ρ₂·0)/(1 − ρ₁ρ₂) with E = πL, and the ceiling's is ρ₁ times that.
+#[test]
+fn infinite_plates_have_geometric_series_of_flux() {
+    let scene = plates();
+    let passes = trace(&scene, StoreMask::ALL, 10_000, PASSES, 1 << 15);
+    let floor = LIGHT * PI / (DVec3::ONE - FLOOR * CEILING);
+    for (name, low, expected) in [("floor", true, floor), ("ceiling", false, floor * FLOOR)] {
+        let on = |t: &Traced| flux_where(&scene, &t.photons, |p| (p.y < 0.35) == low) / 4.0;
+        agree_rgb(&format!("irradiance of the {name}"), &passes.iter().map(on).collect::<Vec<_>>(), expected, 6e-3);
+    }
+}
+
+/// Seen: the light through the air by shadow rays, the light by mirrors from the caustic map, the rest from the global map.
+/// Their sum is what endless plates have; each alone depends on the walls.
+#[test]
+fn direct_caustic_and_global_light_sum_to_total() {
+    let scene = plates();
+    let expected = LIGHT / (DVec3::ONE - FLOOR * CEILING) * FLOOR;
+    let settings = settings(1 << 16, 1 << 16, 0.2);
+    agree_rgb("radiance of the floor", &seen(&scene, settings, PASSES), expected, 6e-3);
+}
+
+/// Truth 39: a point between two endless mirrors over a floor is a row of images at 2ka + (−1)ᵏx, each dimmed by ρ^|k|. By their
+/// classes, the image k = 0 is direct light and all others are caustics.
+#[test]
+fn parallel_mirrors_show_row_of_lights() {
+    const A: f64 = 1.0;
+    const RHO: f64 = 0.8;
+    const H: f64 = 0.7;
+    const X: f64 = 0.3;
+    const R: f64 = 0.4;
+    let mut b = SceneBuilder::new();
+    let floor = b.material(Material::diffuse(grey(0.5)));
+    let mirror = b.material(Material::mirror(grey(RHO)));
+    b.plane(Plane::new(DVec3::ZERO, DVec3::Y), floor, grey(0.0));
+    b.plane(Plane::new(DVec3::X * A, -DVec3::X), mirror, grey(0.0));
+    b.plane(Plane::new(-DVec3::X * A, DVec3::X), mirror, grey(0.0));
+    b.source(SourceKind::Point { position: vec3(X, H, 0.0) }, LightStrength::Physical(grey(1.0)));
+    let scene = unseen(b);
+    let at = vec3(-0.2, 0.0, 0.1);
+    let irradiance_of = |k: i32, p: DVec3| {
+        let image = 2.0 * f64::from(k) * A + if k % 2 == 0 { X } else { -X };
+        let d2 = H * H + (p.x - image) * (p.x - image) + p.z * p.z;
+        libm::pow(RHO, f64::from(k.abs())) * H / (d2 * d2.sqrt())
+    };
+    let bent = |p: DVec3| (1..60).map(|k| irradiance_of(k, p) + irradiance_of(-k, p)).sum::<f64>();
+    for class in [PhotonKind::Direct, PhotonKind::Caustic] {
+        let wants =
+            StoreMask { direct: class == PhotonKind::Direct, caustic: class == PhotonKind::Caustic, ..StoreMask::NONE };
+        let passes = trace(&scene, wants, 1000, PASSES, 1 << 16);
+        let maps: Vec<PhotonMap> = passes.into_iter().map(|t| PhotonMap::build(t.photons)).collect();
+        for kernel in [Kernel::Box, Kernel::Epanechnikov] {
+            let expected = blurred(kernel, R, |d| {
+                let p = at + vec3(d.x, 0.0, d.y);
+                if class == PhotonKind::Direct { irradiance_of(0, p) } else { bent(p) }
+            });
+            let probe = Probe { scene: &scene, at, normal: DVec3::Y, radius: R, kernel };
+            agree_estimates(&format!("{class:?} light of a row"), &probe, &maps, expected, 1e-5, 0.01);
+        }
+    }
+}

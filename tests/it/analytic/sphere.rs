@@ -1,0 +1,130 @@
+//! Truths 2 and 3: inside a diffuse sphere each bounce lights the whole wall alike, wherever the light is.
+
+use crate::support::*;
+use caustica::photon::{PhotonMap, StoreMask};
+use caustica::scene::{LightStrength, Material, SceneBuilder, SourceKind};
+use caustica::shape::{Disc, Shape, Sphere};
+use glam::DVec3;
+use std::f64::consts::{PI, TAU};
+
+const FLUX: f64 = 8.0;
+
+fn sphere(radius: f64, albedo: f64, light: DVec3) -> SceneBuilder {
+    let mut b = SceneBuilder::new();
+    let wall = b.material(Material::diffuse(grey(albedo)));
+    b.shape(Shape::Sphere(Sphere::new(DVec3::ZERO, radius)), wall, grey(0.0));
+    b.source(SourceKind::Point { position: light }, LightStrength::Power(grey(FLUX)));
+    b
+}
+
+/// Deviate of a chi-square by Wilson and Hilferty: (χ²/ν)^⅓ is normal with mean 1 − 2/(9ν) and variance 2/(9ν).
+fn chi_square(counts: &[u32]) -> f64 {
+    let mean = counts.iter().map(|c| f64::from(*c)).sum::<f64>() / counts.len() as f64;
+    let chi2: f64 = counts.iter().map(|c| (f64::from(*c) - mean) * (f64::from(*c) - mean) / mean).sum();
+    let nu = counts.len() as f64 - 1.0;
+    (libm::cbrt(chi2 / nu) - 1.0 + 2.0 / (9.0 * nu)) / (2.0 / (9.0 * nu)).sqrt()
+}
+
+/// Cells of equal area: zones of equal height, cut by azimuth.
+fn cell(p: DVec3, radius: f64) -> usize {
+    const N: f64 = 32.0;
+    let z = ((p.z / radius * 0.5 + 0.5) * N).clamp(0.0, N - 1.0) as usize;
+    let turn = ((libm::atan2(p.y, p.x) / TAU + 0.5) * N).clamp(0.0, N - 1.0) as usize;
+    z * N as usize + turn
+}
+
+/// From any point of the wall a cosine lobe covers the sphere uniformly, so all photons that were reflected are independent and
+/// uniform, scrambled emission or not: the multinomial law is exact. 4.9 sigma: false alarm 10⁻⁶.
+#[test]
+fn reflected_photons_cover_sphere_uniformly() {
+    let scene = unseen(sphere(2.0, 0.6, vec3(0.3, -0.2, 1.6)));
+    for bounces in [1, 1000] {
+        let mut counts = vec![0; 32 * 32];
+        for t in trace(&scene, StoreMask::GLOBAL, bounces, 4, 1 << 16) {
+            t.photons.iter().for_each(|p| counts[cell(place(&scene, p), 2.0)] += 1);
+        }
+        let z = chi_square(&counts);
+        eprintln!("chi-square of {bounces} bounces: z = {z:.2}");
+        assert!(z.abs() < 4.9, "{bounces} bounces: z = {z}");
+    }
+}
+
+/// Bounce k carries ρᵏΦ. Paths are keyed, so cutting them one bounce later adds photons and changes none.
+#[test]
+fn flux_by_bounce_is_power_of_albedo() {
+    let scene = unseen(sphere(2.0, 0.6, vec3(0.3, -0.2, 1.6)));
+    let landed = |n| {
+        let passes = trace(&scene, StoreMask::GLOBAL, n, PASSES, 1 << 14);
+        passes.iter().map(|t| flux_where(&scene, &t.photons, |_| true).x).collect::<Vec<f64>>()
+    };
+    let mut before = landed(0);
+    assert!(before.iter().all(|f| *f == 0.0), "the first surface holds direct photons only");
+    let mut expected = FLUX;
+    for k in 1..=5 {
+        expected *= 0.6;
+        let now = landed(k);
+        let bounce: Vec<f64> = now.iter().zip(&before).map(|(a, b)| a - b).collect();
+        agree(&format!("flux of bounce {k}"), &bounce, expected, expected * HUE, 0.012);
+        before = now;
+    }
+}
+
+/// A cap of chord r has area πr² exactly, so on a sphere every kernel over chords is unbiased: irradiance after reflection is
+/// ρΦ/(4πR²(1 − ρ)).
+#[test]
+fn sphere_estimates_match_uniform_irradiance() {
+    let (radius, albedo) = (2.0, 0.6);
+    let scene = unseen(sphere(radius, albedo, vec3(0.3, -0.2, 1.6)));
+    let expected = albedo * FLUX / (4.0 * PI * radius * radius * (1.0 - albedo));
+    let maps: Vec<PhotonMap> = trace(&scene, StoreMask::GLOBAL, 1000, PASSES, 1 << 15)
+        .into_iter()
+        .map(|t| PhotonMap::build(t.photons))
+        .collect();
+    // Each estimate adds 800 photons in single precision, within 800 · 2⁻²⁴ = 5·10⁻⁵; hues are within 2·10⁻⁵.
+    for kernel in KERNELS {
+        let mean = |map: &PhotonMap| {
+            let at = |p: &DVec3| irradiance(&scene, map, *p * radius, -*p, fixed(0.5), kernel).x;
+            spread(200).iter().map(at).sum::<f64>() / 200.0
+        };
+        let samples: Vec<f64> = maps.iter().map(mean).collect();
+        agree(&format!("irradiance of a sphere, {kernel:?}"), &samples, expected, expected * 2e-4, 3e-3);
+    }
+}
+
+/// With the light at the middle the wall is uniform in all: L = ρΦ/(4π²R²(1 − ρ)), of which 1 − ρ is seen by shadow rays.
+#[test]
+fn sphere_interior_has_uniform_radiance() {
+    let (radius, albedo) = (2.0, 0.6);
+    let b = sphere(radius, albedo, DVec3::ZERO);
+    let scene = b.build(camera(vec3(0.5, 0.3, 0.1), vec3(-1.0, 0.2, 0.4), 60.0, 12)).unwrap();
+    let expected = albedo * FLUX / (4.0 * PI * PI * radius * radius * (1.0 - albedo));
+    let samples = red(&seen(&scene, settings(1 << 16, 0, 0.4), PASSES));
+    agree("radiance of a sphere", &samples, expected, expected * 2.0 * HUE, 4e-3);
+    let direct = red(&seen(&scene, settings(0, 0, 0.4), 4));
+    // Unit vectors, intensity and 1/d² round to a few ulps of f32 each.
+    assert!(direct.iter().all(|l| (l / (expected * (1.0 - albedo)) - 1.0).abs() < 1e-5), "{direct:?}");
+}
+
+/// Truth 3. A plate cuts off a cap of the part f of the sphere and sends Lambertian light in: the wall sees it as uniform as the
+/// cap, receives Φ/(1 − ρ(1 − f)) over all bounces, and returns Φρf/(1 − ρ(1 − f)) to the plate.
+#[test]
+fn cavity_returns_effective_albedo() {
+    for (albedo, height) in [(0.9, 0.6), (0.5, -0.5)] {
+        let mut b = SceneBuilder::new();
+        let wall = b.material(Material::diffuse(grey(albedo)));
+        let black = b.material(Material::black());
+        b.shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)), wall, grey(0.0));
+        let plate = Disc::around(DVec3::Z * height, -DVec3::Z, (1.0 - height * height).sqrt());
+        b.shape(Shape::Disc(plate), black, grey(1.0));
+        let scene = unseen(b);
+        let f = 0.5 * (1.0 - height);
+        let flux = PI * PI * (1.0 - height * height);
+        let series = 1.0 / (1.0 - albedo * (1.0 - f));
+        let passes = trace(&scene, StoreMask::ALL, 1000, PASSES, 1 << 15);
+        let landed: Vec<f64> = passes.iter().map(|t| flux_where(&scene, &t.photons, |_| true).x).collect();
+        agree(&format!("landed in a cavity, f = {f}"), &landed, flux * series, flux * series * HUE, 3e-3);
+        let returned: Vec<f64> =
+            passes.iter().zip(&landed).map(|(t, l)| t.audit.absorbed[0] - (1.0 - albedo) * l).collect();
+        agree(&format!("returned by a cavity, f = {f}"), &returned, flux * albedo * f * series, flux * HUE, 0.012);
+    }
+}

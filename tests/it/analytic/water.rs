@@ -1,0 +1,82 @@
+//! Truth 16: radiance is squeezed by n² under water, flux is not; and the two meet in what a camera sees.
+
+use crate::support::*;
+use caustica::photon::StoreMask;
+use caustica::scene::{Material, Scene, SceneBuilder};
+use caustica::shape::{Rectangle, Shape};
+use glam::{DVec3, Vec3};
+use std::f64::consts::PI;
+
+const N: f64 = 1.333;
+const SKY: f64 = 3.0;
+
+/// A pool of depth 1 under a black ceiling that shines, between perfect mirrors: an endless pool under an endless sky.
+fn pool(albedo: f64, eye: DVec3, at: DVec3) -> Scene {
+    let mut b = SceneBuilder::new();
+    let floor = b.material(Material::diffuse(grey(albedo)));
+    let black = b.material(Material::black());
+    let mirror = b.material(Material::mirror(Vec3::ONE));
+    let water = b.material(Material::dielectric(N as f32, Vec3::ZERO));
+    for (i, face) in faces(vec3(-1.0, -1.0, -1.0), vec3(1.0, 0.5, 1.0), true).into_iter().enumerate() {
+        let (material, light) = match i {
+            0 => (floor, 0.0),
+            1 => (black, SKY),
+            _ => (mirror, 0.0),
+        };
+        b.shape(face, material, grey(light));
+    }
+    let surface = Rectangle::new(vec3(-1.0, 0.0, -1.0), DVec3::Z * 2.0, DVec3::X * 2.0);
+    b.shape(Shape::Rectangle(surface), water, Vec3::ZERO);
+    b.build(camera(eye, at, 30.0, 10)).unwrap()
+}
+
+/// What first reaches the floor is πL(1 − Fe); the floor and the surface from below, with Fi = 1 − (1 − Fe)/n², then send it to
+/// and fro: πL(1 − Fe)/(1 − ρFi).
+fn irradiance_of_floor(albedo: f64) -> f64 {
+    let outer = hemispherical(N);
+    let inner = 1.0 - (1.0 - outer) / (N * N);
+    // The identity of the two, by quadrature: the square root at the critical angle leaves O(n⁻¹·⁵).
+    assert!((inner - hemispherical(1.0 / N)).abs() < 1e-6);
+    PI * SKY * (1.0 - outer) / (1.0 - albedo * inner)
+}
+
+#[test]
+fn flux_is_conserved_under_water() {
+    let albedo = 0.7;
+    let scene = pool(albedo, DVec3::ZERO, DVec3::Z);
+    // Two rectangles that meet at the water's edge may let one ray in a million slip between them.
+    for (name, wants, expected) in [
+        ("first", StoreMask::CAUSTIC, PI * SKY * (1.0 - hemispherical(N))),
+        ("all", StoreMask::ALL, irradiance_of_floor(albedo)),
+    ] {
+        let passes = trace(&scene, wants, 10_000, PASSES, 1 << 15);
+        let samples: Vec<f64> = passes.iter().map(|t| flux_where(&scene, &t.photons, |_| true).x / 4.0).collect();
+        agree(&format!("{name} flux under water"), &samples, expected, expected * (1e-5 + HUE), 4e-3);
+    }
+}
+
+/// Looking down: R·L of the sky, and (1 − R)/n² of the floor's ρE/π. Averaged over the view by quadrature of the pixels' angles.
+/// Looking up from the floor, straight: n²(1 − R)·L.
+#[test]
+fn radiance_scales_by_squared_index_under_water() {
+    let albedo = 0.7;
+    let down = pool(albedo, vec3(0.0, 0.4, 0.0), -DVec3::Y);
+    let mean_reflectance = over_view(|cos| fresnel(cos, N));
+    let floor = albedo / PI * irradiance_of_floor(albedo) / (N * N);
+    let expected = mean_reflectance * SKY + (1.0 - mean_reflectance) * floor;
+    let settings = caustica::integrate::Settings { eye: camera_rays(2, 1000).eye, ..settings(1 << 16, 1 << 16, 0.3) };
+    agree("looking into a pool", &red(&seen(&down, settings.clone(), PASSES)), expected, expected * 1e-4, 5e-3);
+
+    let up = pool(albedo, vec3(0.0, -0.9, 0.0), DVec3::Y);
+    // Within 21°, the corner of the view, total reflection is far; what is reflected shows the floor.
+    let through = over_view(|cos| 1.0 - fresnel(cos, 1.0 / N));
+    let expected = through * N * N * SKY + (1.0 - through) * floor * N * N;
+    agree("looking out of a pool", &red(&seen(&up, settings, PASSES)), expected, expected * 1e-4, 2e-3);
+}
+
+/// The mean over a square view of 30° of a function of the cosine with its axis.
+fn over_view(f: impl Fn(f64) -> f64) -> f64 {
+    let half = libm::tan(15f64.to_radians());
+    let row = |y: f64| midpoint(-half, half, 200, |x| f(1.0 / (1.0 + x * x + y * y).sqrt()));
+    midpoint(-half, half, 200, row) / (4.0 * half * half)
+}

@@ -1,0 +1,154 @@
+//! The error that a render tells: when it ends by it, its maps, and its price.
+
+use super::{Ended, Workshop, read};
+use exr::prelude::read_first_flat_layer_from_file;
+use serde_json::Value;
+
+const FEW: &str = "--photons 2k --caustic-photons 1k --spp 1";
+
+fn render(shop: &Workshop, more: &str) -> Ended {
+    let words = format!("render box.txt -o a.exr --stats a.json {FEW} {more}");
+    shop.run(&words.split_whitespace().collect::<Vec<_>>())
+}
+
+fn stats(shop: &Workshop) -> Value {
+    serde_json::from_slice(&shop.bytes("a.json")).unwrap()
+}
+
+fn number(value: &Value, field: &str) -> f64 {
+    value[field].as_f64().unwrap_or_else(|| panic!("{field} of {value}"))
+}
+
+#[test]
+fn render_ends_at_target_error() {
+    for integrator in ["path", "hybrid", "sppm", "pm"] {
+        let shop = Workshop::new();
+        let ended = render(&shop, &format!("--integrator {integrator} --target-error 30% --confidence 80%"));
+        ended.expect(0, &["the error is low enough: --passes", "30 % in about", "with 60 % confidence"]);
+        let first = stats(&shop);
+        assert_eq!(first["ended"], "target");
+        assert!(number(&first["error"], "high") <= 0.3 && number(&first["error"], "low") > 0.0, "{first}");
+        // One pass fewer is not enough.
+        let passes = first["passes"].as_u64().unwrap();
+        let picture = shop.bytes("a.exr");
+        if passes > 4 {
+            let fewer =
+                format!("--integrator {integrator} --target-error 30% --confidence 80% --passes {}", passes - 1);
+            render(&shop, &fewer).expect(0, &[]);
+            assert!(number(&stats(&shop)["error"], "high") > 0.3);
+        }
+        render(&shop, &format!("--integrator {integrator} --passes {passes} --no-error-estimate")).expect(0, &[]);
+        assert!(stats(&shop)["error"].is_null() && shop.bytes("a.exr") == picture, "the gauge changes no bit");
+    }
+}
+
+#[test]
+fn chance_caustics_are_absent_from_error_estimate() {
+    let shop = Workshop::new();
+    render(&shop, "--integrator path --passes 1").expect(0, &["warning: this method finds caustics only by chance"]);
+    for fine in ["--integrator hybrid", "--integrator whitted", "--integrator path --effects -caustics"] {
+        let told = render(&shop, &format!("{fine} --passes 1"));
+        assert!(told.code == Some(0) && !told.stderr.contains("by chance"), "{fine}: {}", told.stderr);
+    }
+}
+
+#[test]
+fn unreachable_target_ends_with_warning() {
+    let shop = Workshop::new();
+    let blurred = "--integrator pm --final-gathering none --radius 1 --target-error 0.1%";
+    render(&shop, blurred).expect(0, &["more passes cannot reach the error", "choose a smaller --radius"]);
+    assert_eq!(stats(&shop)["ended"], "floor");
+    render(&shop, &format!("{blurred} --passes 18")).expect(0, &["18 passes in"]);
+    assert_eq!(stats(&shop)["ended"], "passes");
+}
+
+#[test]
+fn error_maps_are_layers_of_one_file() {
+    let shop = Workshop::new();
+    render(&shop, "--integrator sppm --passes 6 --aov maps.exr").expect(0, &["wrote maps.exr"]);
+    assert_eq!(read(&shop.path("maps.exr")), read(&shop.path("a.exr")), "the picture is one of them");
+    let layer = read_first_flat_layer_from_file(shop.path("maps.exr")).unwrap().layer_data;
+    let mut names: Vec<String> = layer.channel_data.list.iter().map(|c| c.name.to_string()).collect();
+    names.sort();
+    let expected = [
+        "B",
+        "G",
+        "R",
+        "bias.B",
+        "bias.G",
+        "bias.R",
+        "noise.B",
+        "noise.G",
+        "noise.R",
+        "photons.caustic",
+        "photons.global",
+        "radius.caustic",
+        "radius.global",
+    ];
+    assert_eq!(names, expected);
+    let values = |name: &str| -> Vec<f32> {
+        let channel = layer.channel_data.list.iter().find(|c| c.name.to_string() == name).unwrap();
+        channel.sample_data.values_as_f32().collect()
+    };
+    // What shows the lamp and nothing else has neither noise nor estimates; that is a small part.
+    let lit = |name: &str| values(name).iter().filter(|v| **v > 0.0).count();
+    assert!(values("noise.G").iter().all(|v| *v >= 0.0 && v.is_finite()) && lit("noise.G") > 1100);
+    assert!(lit("radius.global") > 1100 && lit("radius.caustic") > 0 && lit("photons.caustic") > 0);
+    assert!(values("photons.global").iter().any(|v| *v > 1.0));
+    let bias = values("bias.G");
+    assert!(bias.iter().any(|v| *v > 0.0) && bias.iter().any(|v| *v < 0.0));
+
+    render(&shop, "--integrator path --passes 6 --aov maps.exr").expect(0, &[]);
+    let layer = read_first_flat_layer_from_file(shop.path("maps.exr")).unwrap().layer_data;
+    assert_eq!(layer.channel_data.list.len(), 6, "without estimates there is no blur");
+}
+
+#[test]
+fn estimate_forecasts_passes_that_suffice() {
+    let shop = Workshop::new();
+    let line = format!("price box.txt {FEW} --integrator path --pilot 0s --errors 40%,20%");
+    let table = shop.run(&line.split_whitespace().collect::<Vec<_>>());
+    table.expect(0, &["plan: "]);
+    assert!(
+        table.stdout.contains("after 8 passes the error is") && table.stdout.lines().count() == 4,
+        "{}",
+        table.stdout
+    );
+    let listed = shop.run(&format!("{line} --json --quiet").split_whitespace().collect::<Vec<_>>());
+    let list: Value = serde_json::from_str(&listed.stdout).unwrap();
+    for (price, error) in list["estimates"].as_array().unwrap().iter().zip([0.4, 0.2]) {
+        assert_eq!(number(price, "error"), error);
+        assert!(number(price, "seconds") >= number(price, "seconds_low"));
+        assert!(number(price, "seconds") <= number(price, "seconds_high"));
+        let flags = price["flags"].as_str().unwrap();
+        let words = format!("render box.txt -o a.exr --stats a.json {flags}");
+        shop.run(&words.split_whitespace().collect::<Vec<_>>()).expect(0, &[]);
+        // Told by 8 passes of 1200 pixels: a variance known to some percent, so the error to half of that, and one pass more or less.
+        let passes = number(price, "passes");
+        if passes >= 4.0 {
+            let reached = number(&stats(&shop)["error"], "error");
+            assert!((reached / error - 1.0).abs() < 0.1 + 1.0 / passes, "{reached} {error} {passes}");
+        }
+    }
+    let words =
+        format!("price box.txt {FEW} --integrator pm --radius 1 --final-gathering none --errors 0.1% --pilot 0s");
+    let never = shop.run(&words.split_whitespace().collect::<Vec<_>>());
+    assert!(never.stdout.contains("never: ") && never.stdout.contains("bias that stays"), "{}", never.stdout);
+}
+
+#[test]
+fn error_flags_need_an_estimating_integrator() {
+    let shop = Workshop::new();
+    for (more, words) in [
+        ("--integrator raycast --target-error 2%", "--target-error needs an error estimate"),
+        ("--integrator raycast --aov a.exr", "--aov needs an error estimate"),
+        ("--target-error 2% --no-gauge", "cannot be used with"),
+        ("--target-error 0", "not an error"),
+        ("--confidence 100%", "not a confidence"),
+        ("--alpha 0", "not an exponent"),
+    ] {
+        render(&shop, more).expect(2, &[words]);
+    }
+    render(&shop, "--aov a.png").expect(3, &[".exr"]);
+    assert_eq!(shop.names(), ["box.txt"]);
+}

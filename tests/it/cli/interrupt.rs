@@ -1,0 +1,119 @@
+//! Ctrl-C: once, the picture so far; twice, nothing.
+#![cfg(unix)]
+
+use super::{Workshop, flowing};
+use std::io::{BufRead, BufReader, Read};
+use std::process::{Child, ChildStderr, Command, Stdio};
+
+/// A render under way. Killed when dropped, so that a test that fails leaves nothing behind.
+struct Render {
+    child: Child,
+    words: BufReader<ChildStderr>,
+}
+
+impl Render {
+    fn start(shop: &Workshop, arguments: &str) -> Self {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_caustica"))
+            .current_dir(shop.path("."))
+            .args(arguments.split_whitespace())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let words = BufReader::new(child.stderr.take().unwrap());
+        Self { child, words }
+    }
+
+    /// Reads lines until one holds `part`.
+    fn wait_for(&mut self, part: &str) {
+        let mut said = String::new();
+        while !said.contains(part) {
+            let read = self.words.read_line(&mut said).unwrap();
+            assert!(read > 0, "it ended before it said `{part}`:\n{said}");
+        }
+    }
+
+    fn interrupt(&self) {
+        let pid = self.child.id().to_string();
+        assert!(Command::new("kill").args(["-INT", &pid]).status().unwrap().success());
+    }
+
+    /// The exit code, and the rest of what it said.
+    fn end(mut self) -> (Option<i32>, String) {
+        let mut rest = String::new();
+        self.words.read_to_string(&mut rest).unwrap();
+        (self.child.wait().unwrap().code(), flowing(&rest))
+    }
+}
+
+impl Drop for Render {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// The number of passes in `--passes N repeats`.
+fn passes(words: &str) -> &str {
+    let (_, after) = words.split_once("--passes ").unwrap_or_else(|| panic!("no number of passes in: {words}"));
+    after.split(' ').next().unwrap()
+}
+
+#[test]
+fn first_interrupt_ends_pass_and_writes_image() {
+    let shop = Workshop::new();
+    let mut render = Render::start(&shop, "render box.txt -o a.exr --stats a.json --photons 1k --passes 1M");
+    render.wait_for("pass 2/1000000");
+    render.interrupt();
+    let (code, words) = render.end();
+    assert_eq!(code, Some(130), "{words}");
+    assert!(
+        words.contains("interrupted: the picture so far is written after this pass") && words.contains("wrote a.exr")
+    );
+    let made = passes(&words);
+    shop.render("box.txt", &format!("-o b.exr --photons 1k --passes {made}")).expect(0, &[]);
+    assert!(shop.bytes("a.exr") == shop.bytes("b.exr"), "--passes {made} repeats the picture");
+    let stats: serde_json::Value = serde_json::from_slice(&shop.bytes("a.json")).unwrap();
+    assert_eq!((stats["ended"].as_str(), stats["passes"].to_string().as_str()), (Some("interrupted"), made));
+}
+
+#[test]
+fn second_interrupt_stops_at_once_without_image() {
+    let shop = Workshop::new();
+    shop.put("a.png", "old");
+    // One pass of an hour.
+    let mut render = Render::start(&shop, "render box.txt -o a.png -o b.exr --stats a.json --photons 1k --spp 1M");
+    render.wait_for("box.txt:");
+    render.interrupt();
+    render.wait_for("interrupt again to stop at once");
+    render.interrupt();
+    let (code, words) = render.end();
+    assert_eq!((code, words.as_str()), (Some(130), ""));
+    assert_eq!((shop.bytes("a.png"), shop.names()), (b"old".to_vec(), vec!["a.png".to_owned(), "box.txt".to_owned()]));
+}
+
+#[test]
+fn interrupted_study_reports_finished_rounds() {
+    let shop = Workshop::new();
+    shop.render("box.txt", "-o a.exr").expect(0, &[]);
+    let line = "study box.txt --methods path,sppm --truth a.exr --photons 1k --spp 1 --seeds 2 --budget 1h -o a.json";
+    let mut study = Render::start(&shop, line);
+    study.wait_for("sppm: 2 passes");
+    study.interrupt();
+    let (code, words) = study.end();
+    assert_eq!(code, Some(130), "{words}");
+    assert!(words.contains("interrupted: the study so far is written") && words.contains("wrote a.json"), "{words}");
+    let report: serde_json::Value = serde_json::from_slice(&shop.bytes("a.json")).unwrap();
+    let last = |i: usize| &report["methods"][i]["checkpoints"].as_array().unwrap().last().unwrap()["passes"];
+    assert!(report["interrupted"] == true && last(0) == last(1), "{report}");
+}
+
+#[test]
+fn interrupted_references_are_discarded() {
+    let shop = Workshop::new();
+    let mut study = Render::start(&shop, "study box.txt --budget 1h --save-truth a.exr,b.exr");
+    study.wait_for("references: 1 pass of each");
+    study.interrupt();
+    let (code, words) = study.end();
+    assert!(code == Some(130) && words.contains("interrupted before anything was measured"), "{code:?} {words}");
+    assert_eq!(shop.names(), ["box.txt"]);
+}

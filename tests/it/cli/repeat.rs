@@ -1,0 +1,88 @@
+//! What determines the bits of a picture, and what does not.
+
+use super::Workshop;
+
+/// The EXR of a render with these flags.
+fn picture(shop: &Workshop, more: &str) -> Vec<u8> {
+    shop.render("box.txt", &format!("-o a.exr {more}")).expect(0, &[]);
+    shop.bytes("a.exr")
+}
+
+#[test]
+fn same_seed_gives_same_bytes() {
+    let shop = Workshop::new();
+    let zero = picture(&shop, "--passes 2");
+    assert!(zero == picture(&shop, "--passes 2 --seed 0"));
+    assert!(zero != picture(&shop, "--passes 2 --seed 1"));
+    let largest = format!("--passes 2 --seed {}", u64::MAX);
+    assert!(picture(&shop, &largest) == picture(&shop, &largest));
+    for threads in 1..4 {
+        assert!(zero == picture(&shop, &format!("--passes 2 --threads {threads}")), "{threads} threads");
+    }
+    assert!(zero == picture(&shop, "--passes 2 --time 1h --quiet --stats a.json --tone filmic"));
+}
+
+/// Each of these is in docs/cli.md's list of what determines the bits.
+#[test]
+fn light_settings_change_the_image() {
+    let shop = Workshop::new();
+    let sppm = "--integrator sppm --passes 2";
+    let plain = picture(&shop, sppm);
+    for more in [
+        "--photons 1001",
+        "--caustic-photons 700",
+        "--spp 2",
+        "--gather-k 20",
+        "--radius .1",
+        "--kernel cone",
+        "--max-bounces 1",
+        "--filter box",
+    ] {
+        assert!(plain != picture(&shop, &format!("{sppm} {more}")), "{more}");
+    }
+    let names = [
+        "hybrid",
+        "path",
+        "ppm",
+        "pm",
+        "pm --final-gathering none",
+        "pm --final-gathering importance",
+        "distributed",
+        "whitted",
+        "raycast",
+    ];
+    let pictures = names.map(|name| picture(&shop, &format!("--passes 2 --integrator {name}")));
+    for (i, one) in pictures.iter().enumerate() {
+        assert!(*one != plain, "{}", names[i]);
+        for (j, other) in pictures[..i].iter().enumerate() {
+            assert!(one != other, "{} {}", names[i], names[j]);
+        }
+    }
+}
+
+#[test]
+fn timed_render_can_be_repeated() {
+    let shop = Workshop::new();
+    let ended = shop.run(&["render", "box.txt", "-o", "a.exr", "--photons", "1k", "--time", "1s", "--stats", "a.json"]);
+    ended.expect(0, &["time was up: --passes", "repeats this picture bit for bit"]);
+    let stats: serde_json::Value = serde_json::from_slice(&shop.bytes("a.json")).unwrap();
+    let passes = stats["passes"].as_u64().unwrap();
+    assert!(ended.stderr.contains(&format!("--passes {passes} ")), "{}", ended.stderr);
+    assert_eq!(stats["ended"], "time");
+    assert!(stats["seconds"]["render"].as_f64().unwrap() >= 1.0);
+    let timed = shop.bytes("a.exr");
+    assert!(timed == picture(&shop, &format!("--photons 1k --passes {passes}")));
+    assert!(timed != picture(&shop, &format!("--photons 1k --passes {}", passes + 1)));
+}
+
+#[test]
+fn pass_limit_ends_timed_render_early() {
+    let shop = Workshop::new();
+    shop.render("box.txt", "-o a.exr --time 1h --passes 2 --stats a.json").expect(0, &["2 passes in"]);
+    let stats: serde_json::Value = serde_json::from_slice(&shop.bytes("a.json")).unwrap();
+    assert_eq!((&stats["ended"], &stats["passes"]), (&"passes".into(), &2.into()));
+    // At least one pass is made, however little time there is.
+    shop.run(&["render", "box.txt", "-o", "b.exr", "--photons", "1k", "--time", "0"])
+        .expect(0, &["--passes 1 repeats"]);
+    assert_eq!(shop.bytes("b.exr"), picture(&shop, ""));
+}

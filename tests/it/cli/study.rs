@@ -1,0 +1,132 @@
+//! `caustica plan` and `caustica study`.
+
+use super::{Ended, Workshop};
+use serde_json::Value;
+
+fn run(shop: &Workshop, line: &str) -> Ended {
+    shop.run(&line.split_whitespace().collect::<Vec<_>>())
+}
+
+fn study(shop: &Workshop, more: &str) -> Ended {
+    run(shop, &format!("study --effects box.txt --photons 2k --spp 1 --passes 2 {more}"))
+}
+
+fn json(ended: &Ended) -> Value {
+    ended.expect(0, &[]);
+    serde_json::from_str(&ended.stdout).unwrap()
+}
+
+fn effect<'v>(report: &'v Value, name: &str) -> &'v Value {
+    report["effects"].as_array().unwrap().iter().find(|e| e["effect"] == name).unwrap()
+}
+
+#[test]
+fn plan_lists_work_of_each_effect() {
+    let shop = Workshop::new();
+    let line = "plan box.txt --photons 20k --spp 2";
+    let report = json(&run(&shop, &format!("{line} --json")));
+    assert!(report["rays"].as_i64() > Some(40 * 30 * 2) && report["gathered_photons"].as_i64() > Some(0));
+    assert!(effect(&report, "shadows")["rays"].as_i64() > Some(0));
+    assert!(effect(&report, "caustics")["gathered_photons"].as_i64() > Some(0));
+    let off = effect(&report, "environment");
+    assert!(off["on"] == false && off["rays"].is_null() && off["gathered_photons"].is_null());
+    let table = run(&shop, line);
+    table.expect(0, &[]);
+    assert!(table.stdout.contains(" rays, ") && table.stdout.contains("total about "), "{}", table.stdout);
+    assert!(table.stdout.lines().all(|l| l.chars().count() <= 110), "{}", table.stdout);
+    // Counts, never seconds.
+    assert_eq!(table.stdout, run(&shop, &format!("{line} --threads 1")).stdout);
+}
+
+#[test]
+fn effect_overrides_reach_every_command() {
+    let shop = Workshop::new();
+    shop.render("box.txt", "-o a.png --effects +caustics,-shadows").expect(0, &["without shadows"]);
+    let plan = run(&shop, "plan box.txt --effects -shadows --json --photons 1k --spp 1");
+    assert_eq!(effect(&json(&plan), "shadows")["on"], false);
+    let studied = json(&study(&shop, "--wish -shadows --json"));
+    assert!(effect(&studied, "shadows")["on"] == false && effect(&studied, "shadows")["cost"].is_null());
+}
+
+#[test]
+fn effect_study_prints_table_or_json() {
+    let shop = Workshop::new();
+    let table = study(&shop, "");
+    table.expect(0, &["plan: ", "pass 2/2 of each"]);
+    let report = json(&study(&shop, "--json --quiet"));
+    for row in report["effects"].as_array().unwrap() {
+        let name = row["effect"].as_str().unwrap();
+        assert!(table.stdout.contains(&format!("  {name} ")), "{name} is not in\n{}", table.stdout);
+        assert_eq!(row["on"] == true, row["gain"]["rmse"].is_f64(), "{name}");
+    }
+    assert!(table.stdout.lines().all(|l| l.chars().count() <= 110), "{}", table.stdout);
+    assert_eq!((&report["passes"], &report["interrupted"]), (&2.into(), &false.into()));
+    assert!(effect(&report, "shadows")["gain"]["takes"].as_f64() > Some(0.0));
+    let camera_rays = &report["whole"]["counters"]["camera_rays"];
+    assert_eq!(*camera_rays, 40 * 30 * 2);
+    assert_eq!(shop.names(), ["box.txt"], "nothing is written unasked");
+    let fields = ["clock", "mean", "whole"].map(|f| &report[f]);
+    assert!(fields.iter().all(|f| !f.is_null()));
+}
+
+/// Every tag is closed in its order, and every `&` and `<` is markup.
+fn check_well_formed(page: &str) {
+    let mut open: Vec<&str> = Vec::new();
+    let mut rest = page.strip_prefix("<!DOCTYPE html>").unwrap();
+    while let Some((text, after)) = rest.split_once('<') {
+        assert!(!text.contains('>'), "{text}");
+        for (at, _) in text.match_indices('&') {
+            assert!(["&amp;", "&lt;", "&gt;", "&quot;"].iter().any(|e| text[at..].starts_with(e)), "{text}");
+        }
+        let (tag, after) = after.split_once('>').unwrap();
+        let name = tag.split_whitespace().next().unwrap();
+        assert_eq!(tag.matches('"').count() % 2, 0, "{tag}");
+        if let Some(name) = name.strip_prefix('/') {
+            assert_eq!(open.pop(), Some(name), "{tag}");
+        } else if !tag.ends_with('/') {
+            open.push(name);
+        }
+        rest = after;
+    }
+    assert!(open.is_empty() && rest.trim().is_empty(), "{open:?} {rest}");
+}
+
+#[test]
+fn effect_page_embeds_all_images() {
+    let shop = Workshop::new();
+    study(&shop, "-o a.html -o a.json").expect(0, &["wrote a.html", "wrote a.json"]);
+    assert_eq!(shop.names(), ["a.html", "a.json", "box.txt"]);
+    let page = String::from_utf8(shop.bytes("a.html")).unwrap();
+    check_well_formed(&page);
+    let report: Value = serde_json::from_slice(&shop.bytes("a.json")).unwrap();
+    let rows = report["effects"].as_array().unwrap();
+    for row in rows {
+        let name = row["effect"].as_str().unwrap();
+        assert!(page.contains(&format!("id=\"{name}\"")) == (row["on"] == true) && page.contains(name), "{name}");
+        assert!(page.contains(row["reason"].as_str().unwrap()), "{name}");
+    }
+    let on = rows.iter().filter(|r| r["on"] == true && r["gain"]["rmse"].as_f64() > Some(0.0)).count();
+    assert!(page.matches("src=\"data:image/png;base64,iVBORw0KGgo").count() > on, "the whole, and one an effect");
+    assert!(page.contains("Light taken away by shadows: exposure "));
+}
+
+#[test]
+fn failed_study_has_exit_code_and_keeps_page() {
+    let shop = Workshop::new();
+    shop.put("a.html", "old page");
+    run(&shop, "study --effects").expect(2, &["SCENE"]);
+    run(&shop, "study --effects box.txt --passes 0 -o a.html").expect(2, &["at least 1"]);
+    study(&shop, "--wish shadows -o a.html").expect(2, &["`shadows` is no wish"]);
+    study(&shop, "--size 16384x16385 -o a.html").expect(2, &["--size"]);
+    run(&shop, "study --effects none.txt -o a.html").expect(1, &["none.txt", "help: check the path"]);
+    let long = "--spp 100k --passes 1k";
+    let refused = |line: &str, parts: &[&str]| {
+        run(&shop, &format!("study --effects box.txt {long} {line}")).expect(3, parts);
+    };
+    refused(
+        "-o a.png",
+        &["`a.png` does not name a report", "help: give it the extension .html or .csv or .json or .md"],
+    );
+    refused("-o no/a.html", &["no folder `no`"]);
+    assert_eq!((shop.bytes("a.html"), shop.names()), (b"old page".to_vec(), vec!["a.html".into(), "box.txt".into()]));
+}

@@ -1,0 +1,104 @@
+//! Every scene of scenes/ against the picture of it that was once looked at.
+//!
+//! `CAUSTICA_BLESS=1 cargo test --test it golden` makes the pictures anew: look at each before committing it.
+//!
+//! Results are designed to be the same bits on any machine. One thing is out of reach: the width of kiddo's vector instructions
+//! may change the order of a sum over photons, hence its last bits. Such a difference moves a byte by one level, and only where
+//! the value stood at the edge between two: at most 1 level at at most 1 byte in 200 is let pass.
+
+use crate::support::project;
+use caustica::format::SceneFile;
+use caustica::image::{self, Image, RgbBytes, WriteOptions, metrics};
+use caustica::integrate::{Algorithm, EyeSettings, Settings, Silent};
+use caustica::render::{Stop, render};
+use std::fs;
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+const SIZE: (u32, u32) = (96, 72);
+
+/// Names without extension of the files of a folder that have one, sorted.
+fn stems(folder: &Path, extension: &str) -> Vec<String> {
+    let entries = fs::read_dir(folder).into_iter().flatten();
+    let paths = entries.map(|e| e.unwrap().path()).filter(|p| p.extension().is_some_and(|e| e == extension));
+    let mut names: Vec<String> = paths.map(|p| p.file_stem().unwrap().to_str().unwrap().to_owned()).collect();
+    names.sort();
+    names
+}
+
+fn picture(scene: &Path) -> Image {
+    let mut file = SceneFile::read(scene).unwrap();
+    (file.description.camera.value.width, file.description.camera.value.height) = SIZE;
+    let scene = file.resolve().unwrap();
+    let settings = Settings {
+        balance: false,
+        photons: 20_000,
+        caustic_photons: 20_000,
+        eye: EyeSettings { samples: Some(2), ..EyeSettings::default() },
+        ..Settings::default()
+    };
+    let integrator = Algorithm::Hybrid.prepare(&scene, settings);
+    let stop = Stop { at_least: 1, passes: Some(2), time: None, target: None, interrupted: &AtomicBool::new(false) };
+    let rendered = render(integrator.as_ref(), SIZE, &stop, &Silent, |_| {});
+    Image::from_pixels(SIZE.0, SIZE.1, rendered.film.mean()).unwrap()
+}
+
+/// What is wrong between two pictures, if anything.
+fn difference(ours: &RgbBytes, golden: &RgbBytes) -> Option<String> {
+    let differ = match metrics::differing_bytes(ours, golden) {
+        Ok(differ) => differ,
+        Err(error) => return Some(error.to_string()),
+    };
+    let pixels = ours.pixels().iter().zip(golden.pixels()).filter(|(a, b)| a != b).count();
+    let harmless = differ.largest <= 1 && differ.count * 200 <= 3 * ours.pixels().len();
+    (!harmless).then(|| format!("{pixels} pixels differ in {} bytes, by up to {} levels", differ.count, differ.largest))
+}
+
+#[test]
+fn scenes_match_golden_images() {
+    let (scenes, golden, new) = (project("scenes"), project("tests/golden"), project("target/golden"));
+    let bless = std::env::var_os("CAUSTICA_BLESS").is_some();
+    fs::create_dir_all(&new).unwrap();
+    assert!(!stems(&scenes, "txt").is_empty(), "{} holds no scenes", scenes.display());
+    let mut wrong = Vec::new();
+    for name in stems(&scenes, "txt") {
+        let (kept, made) = (golden.join(format!("{name}.png")), new.join(format!("{name}.png")));
+        image::write(&made, &picture(&scenes.join(format!("{name}.txt"))), &WriteOptions::default()).unwrap();
+        if bless {
+            fs::create_dir_all(&golden).unwrap();
+            fs::copy(&made, &kept).unwrap();
+        }
+        if !kept.exists() {
+            wrong.push(format!("{name}: {} is missing: make it with CAUSTICA_BLESS=1", kept.display()));
+            continue;
+        }
+        match difference(&image::read_bytes(&made).unwrap(), &image::read_bytes(&kept).unwrap()) {
+            Some(difference) => wrong.push(format!("{name}: {difference}; compare {} with it", made.display())),
+            None => fs::remove_file(&made).unwrap(),
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn every_golden_image_has_a_scene() {
+    let scenes = stems(&project("scenes"), "txt");
+    for name in stems(&project("tests/golden"), "png") {
+        assert!(scenes.contains(&name), "tests/golden/{name}.png belongs to no scene: delete it");
+    }
+}
+
+#[test]
+fn only_few_single_level_differences_pass() {
+    let base = |width, height| RgbBytes::from_pixels(width, height, vec![[7; 3]; 200]).unwrap();
+    let compare = |change: &dyn Fn(&mut [u8])| {
+        let mut changed = base(20, 10);
+        change(changed.pixels_mut().as_flattened_mut());
+        difference(&changed, &base(20, 10))
+    };
+    assert_eq!(compare(&|_| {}), None);
+    assert_eq!(compare(&|b| (0..3).for_each(|i| b[i] += 1)), None);
+    assert_eq!(compare(&|b| (0..4).for_each(|i| b[i] -= 1)).unwrap(), "2 pixels differ in 4 bytes, by up to 1 levels");
+    assert_eq!(compare(&|b| b[5] += 2).unwrap(), "1 pixels differ in 1 bytes, by up to 2 levels");
+    assert!(difference(&base(20, 10), &base(10, 20)).unwrap().contains("20 × 10"));
+}

@@ -1,0 +1,15 @@
+//! Integration tests, in one binary so that the renderer's generic loops compile once.
+//!
+//! `cargo test --test it NAME` runs the tests whose path contains NAME, such as `analytic` or `cli::diff`.
+
+mod agreement;
+mod analytic;
+mod cli;
+mod course;
+mod golden;
+mod plan;
+mod report;
+mod robustness;
+mod support;
+mod textures;
+mod threads;

@@ -1,0 +1,107 @@
+//! Pictures of one scene with different effects.
+
+use crate::support::scene_in;
+use caustica::color::Rgb;
+use caustica::integrate::{Algorithm, EyeSettings, FinalGathering, Settings, Silent};
+use caustica::plan::{Decision, EffectOverrides};
+use caustica::scene::Scene;
+use caustica::stats::Counters;
+
+/// How a picture is made, but for its effects.
+#[derive(Clone, Debug)]
+pub struct How {
+    pub algorithm: Algorithm,
+    pub passes: u32,
+    pub samples: Option<u32>,
+    pub max_bounces: u32,
+    pub seed: u64,
+    pub photons: u32,
+    pub caustic_photons: u32,
+    pub gather_k: Option<u32>,
+    pub radius: Option<f32>,
+    pub gathering: FinalGathering,
+}
+
+impl How {
+    /// Few photons, as radii and aims that pilots find differ where anything does.
+    pub fn new(algorithm: Algorithm) -> Self {
+        Self {
+            algorithm,
+            passes: 1,
+            samples: Some(1),
+            max_bounces: 100,
+            seed: 0,
+            photons: 3000,
+            caustic_photons: 2000,
+            gather_k: None,
+            radius: None,
+            gathering: FinalGathering::Bsdf,
+        }
+    }
+}
+
+/// All passes of a picture.
+pub struct Picture {
+    pub pixels: Vec<Rgb>,
+    pub counters: Counters,
+    pub decisions: Vec<Decision>,
+}
+
+impl Picture {
+    pub fn new(scene: &Scene, how: &How, effects: EffectOverrides) -> Self {
+        let eye = EyeSettings {
+            samples: how.samples,
+            max_bounces: how.max_bounces,
+            seed: how.seed,
+            effects,
+            ..EyeSettings::default()
+        };
+        let settings = Settings {
+            eye,
+            photons: how.photons,
+            caustic_photons: how.caustic_photons,
+            gather_k: how.gather_k,
+            radius: how.radius,
+            final_gathering: how.gathering,
+            ..Settings::default()
+        };
+        let integrator = how.algorithm.prepare(scene, settings);
+        let decisions = integrator.plan().decisions.clone();
+        let mut picture = Self { pixels: Vec::new(), counters: Counters::default(), decisions };
+        for i in 0..how.passes {
+            let pass = integrator.pass(i, &Silent);
+            picture.pixels.extend(pass.image);
+            picture.counters += pass.counters;
+        }
+        picture
+    }
+
+    /// What differs from another, if a bit does.
+    pub fn difference(&self, other: &Self) -> Option<String> {
+        assert_eq!(self.pixels.len(), other.pixels.len());
+        let bits = |p: &Rgb| p.to_array().map(f32::to_bits);
+        let pairs = || self.pixels.iter().zip(&other.pixels).enumerate();
+        let differ = |(_, (a, b)): &(usize, (&Rgb, &Rgb))| bits(a) != bits(b);
+        let (at, (a, b)) = pairs().find(differ)?;
+        let count = pairs().filter(differ).count();
+        Some(format!("{count} of {} pixels differ, first {at}: {a:?} and {b:?}", self.pixels.len()))
+    }
+}
+
+/// What differs between a picture as planned and one with `forced` effects besides, if a bit does.
+pub fn difference(scene: &Scene, how: &How, forced: EffectOverrides) -> Option<String> {
+    let planned = Picture::new(scene, how, EffectOverrides::PLANNED);
+    let found = planned.difference(&Picture::new(scene, how, forced))?;
+    let decisions: Vec<String> = planned
+        .decisions
+        .iter()
+        .map(|d| format!("  {:16} {} {}", d.effect, if d.on { "on " } else { "off" }, d.reason))
+        .collect();
+    Some(format!("{found}\n{how:?}\nforced: {forced:?}\n{}", decisions.join("\n")))
+}
+
+/// Builds the scene of `text`. File names in it are relative to the root of the repository.
+#[track_caller]
+pub fn scene(text: &str) -> Scene {
+    scene_in("", text)
+}

@@ -1,0 +1,147 @@
+//! Whether what a plan says of a scene is true, judged from the parts that the scene was written from and by brute force.
+
+use super::sketch::{Light, LightKind, Material, Object, Sketch, Stuff};
+use caustica::color::Rgb;
+use caustica::light::Light as Resolved;
+use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
+use caustica::plan::{Effect, Plan, Reason};
+use caustica::sampling::{Dimension, Key, Purpose, sobol_2d};
+use caustica::scene::Scene;
+use glam::DVec3;
+
+/// Photons that try to find a caster.
+const PHOTONS: u32 = 4096;
+
+/// Points of a light that look for a caster.
+const LOOKS: u32 = 16;
+
+/// What the plan says off wrongly, if anything.
+pub fn objection(sketch: &Sketch, scene: &Scene, plan: &Plan) -> Option<String> {
+    let off = plan.decisions.iter().filter(|d| !d.on);
+    let wrong = off.filter(|d| !is_true(sketch, scene, plan, d.reason));
+    let wrong: Vec<String> = wrong.map(|d| format!("{} is off because {}", d.effect, d.reason)).collect();
+    (!wrong.is_empty()).then(|| wrong.join("; "))
+}
+
+fn is_true(sketch: &Sketch, scene: &Scene, plan: &Plan, reason: Reason) -> bool {
+    let all: Vec<&Object> = sketch.objects.iter().filter(|o| !is_nothing(sketch, o)).collect();
+    let any = |is: &dyn Fn(&Material) -> bool| all.iter().any(|o| sketch.is_of(o, is));
+    let shines = |light: &Light| light.strength != DVec3::ZERO;
+    let panel = |object: &Object| match sketch.materials[object.material] {
+        Material::Panel(a, b) => a + b != DVec3::ZERO,
+        _ => false,
+    };
+    let glows = all.iter().any(|object| object.emission != DVec3::ZERO || panel(object));
+    let media = sketch.media();
+    let murky = media.iter().any(|stuff| stuff.scatters());
+    match reason {
+        Reason::NoLight => !glows && !sketch.lights.iter().any(shines),
+        Reason::NoCaster => !any(&casts),
+        Reason::NoLitCaster => casters_are_dark(sketch, scene),
+        Reason::NoReceiver => !any(&receives) && !murky,
+        Reason::BlackReceivers => !any(&scatters) && !murky,
+        Reason::OneFlatObject if media.iter().any(|stuff| *stuff != Stuff::Nothing) => false,
+        Reason::OneFlatObject => {
+            let lamps = sketch.lights.iter().filter(|l| l.is_object()).count();
+            all.len() + lamps == 1 && all.iter().all(|o| o.shape.is_flat())
+                || all.is_empty()
+                    && lamps == 1
+                    && !sketch.lights.iter().any(|l| matches!(l.kind, LightKind::Sphere(..)))
+        }
+        Reason::NoSoftLight => {
+            let soft = |l: &Light| l.is_object() || matches!(l.kind, LightKind::Environment);
+            !glows && !sketch.lights.iter().any(|l| shines(l) && soft(l))
+        }
+        Reason::NoSky => !sketch.lights.iter().any(|l| matches!(l.kind, LightKind::Environment)),
+        Reason::NoBody => sketch.filling.is_none() && !any(&is_body),
+        Reason::NoMedium => media.iter().all(|stuff| *stuff == Stuff::Nothing),
+        Reason::NoDispersion => !any(&|m| matches!(m, Material::Prism(_))),
+        Reason::NoLens => !sketch.camera.contains("aperture"),
+        Reason::NothingMoves => !sketch.moves(),
+        Reason::NoTexture => {
+            let textured = |m: &Material| matches!(m, Material::Patterned(..) | Material::RoughMap(..));
+            let masks = all.iter().any(|o| sketch.has_mask(o.material));
+            !any(&textured) && !masks && !all.iter().any(|o| o.emission == DVec3::ZERO && panel(o))
+        }
+        Reason::NoBump => !any(&|m| matches!(m, Material::Bumpy(..))),
+        Reason::Without(other) => is_off(plan, other),
+        Reason::Objects(..)
+        | Reason::Lights(..)
+        | Reason::Sky
+        | Reason::Crowded
+        | Reason::Lens
+        | Reason::Moving
+        | Reason::Media(_)
+        | Reason::Filled
+        | Reason::NotOfAlgorithm => false,
+    }
+}
+
+/// Whether light cannot tell an object from air. Where it displaces something it stays in the scene, but then that is what the plan
+/// speaks of.
+fn is_nothing(sketch: &Sketch, object: &Object) -> bool {
+    let air = matches!(sketch.materials[object.material], Material::Dielectric(index, absorbed, ..) if index == 1.0 && absorbed == DVec3::ZERO);
+    air && object.emission == DVec3::ZERO && sketch.filling.is_none()
+}
+
+fn is_off(plan: &Plan, effect: Effect) -> bool {
+    plan.decisions.iter().any(|d| d.effect == effect && !d.on)
+}
+
+impl Light {
+    /// Whether it is a surface, which also stands in the way.
+    pub fn is_object(&self) -> bool {
+        matches!(self.kind, LightKind::Sphere(..) | LightKind::Disc(..) | LightKind::Rectangle(..))
+    }
+}
+
+fn is_body(material: &Material) -> bool {
+    matches!(material, Material::Dielectric(..) | Material::Clear(_) | Material::Filled(..) | Material::Prism(_))
+}
+
+fn receives(material: &Material) -> bool {
+    match material {
+        Material::Diffuse(_) | Material::Phong(..) => true,
+        Material::Patterned(..) | Material::Bumpy(..) | Material::Panel(..) => true,
+        Material::Conductor(roughness) => *roughness > 0.3,
+        Material::RoughMap(a, b) => a.max(*b) > 0.3,
+        Material::Mirror(_) | Material::Dielectric(..) | Material::Thin(_) => false,
+        Material::Clear(_) | Material::Filled(..) | Material::Prism(_) => false,
+        Material::Mix(..) | Material::Mask(..) => false,
+    }
+}
+
+fn scatters(material: &Material) -> bool {
+    match material {
+        Material::Diffuse(reflectance) => *reflectance != DVec3::ZERO,
+        Material::Patterned(a, b) => *a + *b != DVec3::ZERO,
+        Material::Phong(diffuse, specular, _) => *diffuse != DVec3::ZERO || *specular != DVec3::ZERO,
+        other => receives(other),
+    }
+}
+
+fn casts(material: &Material) -> bool {
+    match material {
+        Material::RoughMap(a, b) => a.min(*b) <= 0.3,
+        Material::Clear(_) => false,
+        other => !receives(other),
+    }
+}
+
+/// Whether no photon finds a way over a caster, and no light sends anything to a point of one, whatever stands between.
+fn casters_are_dark(sketch: &Sketch, scene: &Scene) -> bool {
+    if let Some(source) = PhotonSource::everywhere(scene) {
+        let pass = PhotonPass { scene, source: &source, mask: StoreMask::CAUSTIC, max_bounces: 10 };
+        if !pass.trace(Key::new(1), PHOTONS, &|_| {}).photons.is_empty() {
+            return false;
+        }
+    }
+    let casters = sketch.objects.iter().filter(|o| sketch.is_of(o, &casts) && !is_nothing(sketch, o));
+    let points = casters.flat_map(|o| o.shape.points()).map(|p| (p - scene.middle()).as_vec3());
+    let key = Key::new(2).purpose(Purpose::Test);
+    let reaches = |light: &Resolved, p| {
+        let looks = (0..LOOKS).map(|i| sobol_2d(i, key, Dimension::LightPosition));
+        looks.filter_map(|u| light.sample_li(p, u)).any(|s| s.weight != Rgb::ZERO)
+    };
+    points.into_iter().all(|p| !scene.lights().iter().any(|light| reaches(light, p)))
+}

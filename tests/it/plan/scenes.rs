@@ -1,0 +1,105 @@
+//! The project's own scenes, and the course's, keep the promise.
+
+use super::compare::{How, difference};
+use crate::support::{self, project};
+use caustica::format::SceneFile;
+use caustica::integrate::Algorithm;
+use caustica::plan::{Effect, EffectOverrides, Plan};
+use caustica::scene::Scene;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+const SIZE: (u32, u32) = (16, 12);
+
+/// Those files of a folder that hold scenes, sorted.
+fn files(folder: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
+    let paths = entries.map(|e| e.unwrap().path());
+    let mut files: Vec<PathBuf> = paths.filter(|p| p.extension().is_some_and(|e| e == "txt")).collect();
+    files.sort();
+    assert!(!files.is_empty(), "{} holds no scenes", folder.display());
+    files
+}
+
+fn read(path: &Path) -> Result<Scene, String> {
+    let mut file = SceneFile::read(path).map_err(|e| e.to_string())?;
+    (file.description.camera.value.width, file.description.camera.value.height) = SIZE;
+    file.resolve().map_err(|e| e.to_string())
+}
+
+/// What differs of a scene.
+fn differences(path: &Path, scene: &Scene, algorithms: &[Algorithm]) -> Vec<String> {
+    let bounces = |algorithm| if algorithm == Algorithm::Sppm { 1 } else { 100 };
+    let how = |algorithm| How { max_bounces: bounces(algorithm), ..How::new(algorithm) };
+    let found = algorithms.iter().filter_map(|a| difference(scene, &how(*a), EffectOverrides::ALL));
+    found.map(|d| format!("{}: {d}", path.display())).collect()
+}
+
+/// Pilots of large meshes take most of the time, so each scene is seen by the default and one more.
+#[test]
+fn shipped_scenes_match_with_all_effects_on() {
+    let mut wrong = Vec::new();
+    let paths = ["scenes", "tests/scenes"].into_iter().flat_map(|folder| files(&project(folder)));
+    for (i, path) in paths.enumerate() {
+        let scene = read(&path).unwrap();
+        let others = &Algorithm::ALL[1..];
+        wrong.extend(differences(&path, &scene, &[Algorithm::Hybrid, others[i % others.len()]]));
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
+}
+
+/// The course's scenes that can be rendered; none where they are absent.
+fn course() -> Vec<(PathBuf, Scene)> {
+    let Some(folder) = support::course("testcases") else { return Vec::new() };
+    let scene = |path: PathBuf| match read(&path) {
+        Ok(scene) => (path, scene),
+        Err(error) => panic!("{}: {error}", path.display()),
+    };
+    let scenes: Vec<(PathBuf, Scene)> = files(&folder).into_iter().map(scene).collect();
+    assert_eq!(scenes.len(), 10, "the course has ten scenes");
+    scenes
+}
+
+#[test]
+fn course_scenes_match_with_all_effects_on() {
+    let wrong: Vec<String> =
+        course().iter().flat_map(|(path, scene)| differences(path, scene, &Algorithm::ALL)).collect();
+    assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
+}
+
+/// Effects that need one of these words in the text of a scene.
+const NEEDS: [(Effect, &[&str]); 12] = [
+    (Effect::Specular, &["Mirror", "Dielectric", "Thin", "Conductor"]),
+    (Effect::Caustics, &["Mirror", "Dielectric", "Thin", "Conductor"]),
+    (Effect::CausticBounces, &["Mirror", "Dielectric", "Thin", "Conductor"]),
+    (Effect::Interiors, &["Dielectric"]),
+    (Effect::SoftShadows, &["SphereLight", "DiscLight", "RectangleLight", "EnvironmentLight", "emission"]),
+    (Effect::Environment, &["EnvironmentLight"]),
+    (Effect::Lens, &["aperture", "fNumber"]),
+    (Effect::Motion, &["Moving"]),
+    (Effect::Textures, &["Textures", "texture"]),
+    (Effect::Bump, &["bump", "normalMap"]),
+    (Effect::Media, &["medium"]),
+    (Effect::Dispersion, &["glass", "abbe", "cauchy", "sellmeier"]),
+];
+
+#[test]
+fn course_plans_match_scene_text() {
+    for (path, scene) in course() {
+        let text = fs::read_to_string(&path).unwrap();
+        for algorithm in Algorithm::ALL {
+            let plan = Plan::new(&scene, algorithm.simulates(), EffectOverrides::PLANNED);
+            for decision in plan.decisions {
+                let needs = NEEDS.iter().find(|(effect, _)| *effect == decision.effect).map(|(_, words)| *words);
+                // What the text holds need not add anything, but here all of it does, where there is anything to see.
+                if needs.is_none() && scene.objects().next().is_none() {
+                    continue;
+                }
+                let there = needs.is_none_or(|words| words.iter().any(|w| text.contains(w)));
+                let expected = there && algorithm.simulates().has(decision.effect);
+                let name = path.file_name().unwrap().to_string_lossy();
+                assert_eq!(decision.on, expected, "{name}, {}: {}", algorithm.name(), decision.effect);
+            }
+        }
+    }
+}

@@ -1,0 +1,368 @@
+//! A scene in parts, which can be written as text and of which tests know what they hold.
+
+use crate::support::project;
+use glam::{DMat3, DVec3};
+use std::fmt::{self, Display, Write};
+use std::fs;
+
+/// A scene.
+#[derive(Clone, Debug)]
+pub struct Sketch {
+    pub camera: String,
+    pub background: DVec3,
+    pub lights: Vec<Light>,
+    pub materials: Vec<Material>,
+    pub objects: Vec<Object>,
+    /// What is wherever no body is.
+    pub filling: Option<Stuff>,
+    /// What moves, and by which maps.
+    pub motion: Option<(Moving, String)>,
+}
+
+/// A thing that moves, counted from 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Moving {
+    Camera,
+    Light(usize),
+    Object(usize),
+}
+
+#[derive(Clone, Debug)]
+pub struct Light {
+    pub kind: LightKind,
+    /// Radiance, intensity, irradiance or power.
+    pub strength: DVec3,
+}
+
+#[derive(Clone, Debug)]
+pub enum LightKind {
+    Point(DVec3),
+    Directional(DVec3),
+    /// Place, direction, full angle, rim.
+    Spot(DVec3, DVec3, f64, f64),
+    Sphere(DVec3, f64),
+    /// Middle, normal, radius.
+    Disc(DVec3, DVec3, f64),
+    /// Corner and edges.
+    Rectangle(DVec3, DVec3, DVec3),
+    Environment,
+}
+
+/// What bodies are filled with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Stuff {
+    /// It scatters.
+    Fog,
+    /// It absorbs.
+    Soot,
+    /// It glows.
+    Flame,
+    /// It does nothing.
+    Nothing,
+    /// It scatters in places.
+    Puff,
+}
+
+impl Stuff {
+    pub const ALL: [Self; 5] = [Self::Fog, Self::Soot, Self::Flame, Self::Nothing, Self::Puff];
+
+    fn name(self) -> &'static str {
+        match self {
+            Self::Fog => "fog",
+            Self::Soot => "soot",
+            Self::Flame => "flame",
+            Self::Nothing => "nothing",
+            Self::Puff => "puff",
+        }
+    }
+
+    pub fn scatters(self) -> bool {
+        matches!(self, Self::Fog | Self::Puff)
+    }
+}
+
+const MEDIA: &str = "Media {
+    Medium fog { scattering .2 .3 .4  absorption .1 0 .05  anisotropy .5 }
+    Medium soot { absorption .1 .2 .3 }
+    Medium flame { absorption .2 .2 .2  emission 1 .5 .1 }
+    Medium nothing { }
+    Cloud puff { scattering 2 2 2  min -1 -1 -1  max 1 1 1  resolution 8 }
+}
+";
+
+#[derive(Clone, Debug)]
+pub enum Material {
+    Diffuse(DVec3),
+    /// kd, ks, exponent.
+    Phong(DVec3, DVec3, f64),
+    Mirror(DVec3),
+    /// Index, absorption, roughness, priority.
+    Dielectric(f64, DVec3, f64, u8),
+    /// Roughness.
+    Conductor(f64),
+    Thin(f64),
+    /// Two materials before it, and the share of the second.
+    Mix(usize, usize, f64),
+    /// Two materials before it, the second where noise is high.
+    Mask(usize, usize),
+    /// Two colours of a matt pattern.
+    Patterned(DVec3, DVec3),
+    /// A matt colour with bumps of this height.
+    Bumpy(DVec3, f64),
+    /// Metal whose roughness goes between these.
+    RoughMap(f64, f64),
+    /// Two radiances of a matt pattern.
+    Panel(DVec3, DVec3),
+    /// A place without a surface.
+    Clear(Stuff),
+    /// Index of a body, and what fills it.
+    Filled(f64, Stuff),
+    /// Glass that parts colours.
+    Prism(&'static str),
+}
+
+#[derive(Clone, Debug)]
+pub struct Object {
+    pub material: usize,
+    pub emission: DVec3,
+    pub shape: Shape,
+}
+
+#[derive(Clone, Debug)]
+pub enum Shape {
+    Sphere(DVec3, f64),
+    /// Middle, turn about y in degrees, half axes.
+    Ellipsoid(DVec3, f64, DVec3),
+    /// Middle, normal, radius.
+    Disc(DVec3, DVec3, f64),
+    /// Corner and edges.
+    Rectangle(DVec3, DVec3, DVec3),
+    /// A point and the normal.
+    Plane(DVec3, DVec3),
+    Triangle([DVec3; 3]),
+    /// Path, middle, turn about y in degrees, scale.
+    Mesh(&'static str, DVec3, f64, f64),
+}
+
+/// Three numbers of the language.
+struct V(DVec3);
+
+impl Display for V {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {} {}", self.0.x, self.0.y, self.0.z)
+    }
+}
+
+impl Sketch {
+    /// The scene in the scene language.
+    pub fn text(&self) -> String {
+        let wrapped = |what: Moving, text: String| match &self.motion {
+            Some((moving, maps)) if *moving == what => format!("Moving {{ {maps}  {text} }}"),
+            _ => text,
+        };
+        let camera = wrapped(Moving::Camera, format!("PerspectiveCamera {{ {} }}", self.camera));
+        let filling = self.filling.map_or(String::new(), |stuff| format!("  medium {}", stuff.name()));
+        let mut text = format!("{camera}\nBackground {{ color {}{filling} }}\n", V(self.background));
+        let mut write = |line: String| text.write_str(&line).unwrap();
+        write("Lights {\n".into());
+        let lights = self.lights.iter().enumerate();
+        lights.for_each(|(i, light)| write(format!("    {}\n", wrapped(Moving::Light(i), light.to_string()))));
+        write("}\nTextures {\n".into());
+        self.materials.iter().enumerate().for_each(|(i, m)| write(m.texture(i)));
+        write("}\n".into());
+        let filled = |m: &Material| matches!(m, Material::Clear(_) | Material::Filled(..));
+        if self.filling.is_some() || self.materials.iter().any(filled) {
+            write(MEDIA.into());
+        }
+        write("Materials {\n".into());
+        self.materials.iter().enumerate().for_each(|(i, m)| write(format!("    {}\n", m.named(i))));
+        write("}\nGroup {\n".into());
+        let objects = self.objects.iter().enumerate();
+        objects.for_each(|(i, object)| {
+            let placed = wrapped(Moving::Object(i), object.to_string());
+            write(format!("    MaterialName m{}  {placed}\n", object.material));
+        });
+        write("}\n".into());
+        text
+    }
+
+    /// Whether anything moves.
+    pub fn moves(&self) -> bool {
+        self.motion.is_some()
+    }
+
+    /// What is somewhere.
+    pub fn media(&self) -> Vec<Stuff> {
+        let mut media: Vec<Stuff> = self.filling.into_iter().collect();
+        for stuff in Stuff::ALL {
+            let holds = |m: &Material| matches!(m, Material::Clear(s) | Material::Filled(_, s) if *s == stuff);
+            if self.objects.iter().any(|o| self.is_of(o, &holds)) {
+                media.push(stuff);
+            }
+        }
+        media
+    }
+
+    /// Whether `is` holds of a part of the material of `object`.
+    pub fn is_of(&self, object: &Object, is: &dyn Fn(&Material) -> bool) -> bool {
+        self.is_in(object.material, is)
+    }
+
+    /// Whether a material is a mask, or a part of it is.
+    pub fn has_mask(&self, material: usize) -> bool {
+        match &self.materials[material] {
+            Material::Mix(first, second, _) => self.has_mask(*first) || self.has_mask(*second),
+            Material::Mask(..) => true,
+            _ => false,
+        }
+    }
+
+    fn is_in(&self, material: usize, is: &dyn Fn(&Material) -> bool) -> bool {
+        match &self.materials[material] {
+            Material::Mix(first, second, _) | Material::Mask(first, second) => {
+                self.is_in(*first, is) || self.is_in(*second, is)
+            }
+            other => is(other),
+        }
+    }
+}
+
+impl Display for Light {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let s = V(self.strength);
+        match &self.kind {
+            LightKind::Point(p) => write!(f, "PointLight {{ position {}  intensity {s} }}", V(*p)),
+            LightKind::Directional(d) => write!(f, "DirectionalLight {{ direction {}  irradiance {s} }}", V(*d)),
+            LightKind::Spot(p, d, angle, penumbra) => {
+                let (p, d) = (V(*p), V(*d));
+                write!(
+                    f,
+                    "SpotLight {{ position {p}  direction {d}  angle {angle}  penumbra {penumbra}  intensity {s} }}"
+                )
+            }
+            LightKind::Sphere(c, r) => write!(f, "SphereLight {{ center {}  radius {r}  radiance {s} }}", V(*c)),
+            LightKind::Disc(c, n, r) => {
+                write!(f, "DiscLight {{ center {}  normal {}  radius {r}  radiance {s} }}", V(*c), V(*n))
+            }
+            LightKind::Rectangle(c, a, b) => {
+                write!(f, "RectangleLight {{ corner {}  edge0 {}  edge1 {}  radiance {s} }}", V(*c), V(*a), V(*b))
+            }
+            LightKind::Environment => write!(f, "EnvironmentLight {{ radiance {s} }}"),
+        }
+    }
+}
+
+impl Material {
+    /// The texture that it follows, if any.
+    fn texture(&self, i: usize) -> String {
+        let noise = |a, b| format!("    Noise t{i} {{ color0 {}  color1 {}  frequency 3  amplitude 2 }}\n", V(a), V(b));
+        match self {
+            Self::Mask(..) | Self::Bumpy(..) => noise(DVec3::ZERO, DVec3::ONE),
+            Self::Patterned(a, b) | Self::Panel(a, b) => noise(*a, *b),
+            Self::RoughMap(a, b) => noise(DVec3::splat(*a), DVec3::splat(*b)),
+            _ => String::new(),
+        }
+    }
+
+    fn named(&self, i: usize) -> String {
+        match self {
+            Self::Mask(a, b) => format!("Mix m{i} {{ first m{a}  second m{b}  amount t{i} }}"),
+            Self::Patterned(..) => format!("Diffuse m{i} {{ reflectance t{i} }}"),
+            Self::Bumpy(r, h) => format!("Diffuse m{i} {{ reflectance {}  bump t{i}  bumpHeight {h} }}", V(*r)),
+            Self::RoughMap(..) => format!("Conductor m{i} {{ metal gold  roughness t{i} }}"),
+            Self::Panel(..) => format!("Diffuse m{i} {{ reflectance .5 .5 .5  emission t{i}  emissionScale 3 }}"),
+            Self::Diffuse(r) => format!("Diffuse m{i} {{ reflectance {} }}", V(*r)),
+            Self::Phong(d, s, n) => {
+                format!("Phong m{i} {{ diffuseColor {}  specularColor {}  shininess {n} }}", V(*d), V(*s))
+            }
+            Self::Mirror(r) => format!("Mirror m{i} {{ reflectance {} }}", V(*r)),
+            Self::Dielectric(n, a, r, p) => {
+                let a = V(*a);
+                format!("Dielectric m{i} {{ indexOfRefraction {n}  absorption {a}  roughness {r}  priority {p} }}")
+            }
+            Self::Conductor(r) => format!("Conductor m{i} {{ metal gold  roughness {r} }}"),
+            Self::Clear(stuff) => format!("Clear m{i} {{ medium {} }}", stuff.name()),
+            Self::Filled(n, stuff) => format!("Dielectric m{i} {{ indexOfRefraction {n}  medium {} }}", stuff.name()),
+            Self::Prism(glass) => format!("Dielectric m{i} {{ glass {glass} }}"),
+            Self::Thin(n) => format!("Thin m{i} {{ indexOfRefraction {n}  transmittance .9 .8 .7 }}"),
+            Self::Mix(a, b, amount) => format!("Mix m{i} {{ first m{a}  second m{b}  amount {amount} }}"),
+        }
+    }
+}
+
+impl Display for Object {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let emission = match self.emission {
+            DVec3::ZERO => String::new(),
+            e => format!("  emission {}", V(e)),
+        };
+        match &self.shape {
+            Shape::Sphere(c, r) => write!(f, "Sphere {{ center {}  radius {r}{emission} }}", V(*c)),
+            Shape::Ellipsoid(c, turn, axes) => {
+                let maps = format!("Translate {}  YRotate {turn}  Scale {}", V(*c), V(*axes));
+                write!(f, "Transform {{ {maps}  Sphere {{ center 0 0 0  radius 1{emission} }} }}")
+            }
+            Shape::Disc(c, n, r) => {
+                write!(f, "Disc {{ center {}  normal {}  radius {r}{emission} }}", V(*c), V(*n))
+            }
+            Shape::Rectangle(c, a, b) => {
+                write!(f, "Rectangle {{ corner {}  edge0 {}  edge1 {}{emission} }}", V(*c), V(*a), V(*b))
+            }
+            Shape::Plane(p, n) => write!(f, "Plane {{ normal {}  offset {} }}", V(*n), n.dot(*p)),
+            Shape::Triangle([a, b, c]) => {
+                write!(f, "Triangle {{ vertex0 {}  vertex1 {}  vertex2 {}{emission} }}", V(*a), V(*b), V(*c))
+            }
+            Shape::Mesh(path, c, turn, scale) => {
+                let maps = format!("Translate {}  YRotate {turn}  UniformScale {scale}", V(*c));
+                write!(f, "Transform {{ {maps}  TriangleMesh {{ obj_file {path}{emission} }} }}")
+            }
+        }
+    }
+}
+
+impl Shape {
+    pub fn is_flat(&self) -> bool {
+        matches!(self, Self::Disc(..) | Self::Rectangle(..) | Self::Plane(..))
+    }
+
+    /// Some points of the surface, of a plane few of many.
+    pub fn points(&self) -> Vec<DVec3> {
+        let around: Vec<DVec3> = (0..400).map(|i| direction(i, 400)).collect();
+        let turned = |turn: f64| DMat3::from_rotation_y(turn.to_radians());
+        let lattice = || (0..=20).flat_map(|i| (0..=20).map(move |j| (f64::from(i) / 20.0, f64::from(j) / 20.0)));
+        match self {
+            Self::Sphere(c, r) => around.iter().map(|d| *c + *d * *r).collect(),
+            Self::Ellipsoid(c, turn, axes) => around.iter().map(|d| *c + turned(*turn) * (*d * *axes)).collect(),
+            Self::Disc(c, n, r) => across(*n, &around).map(|d| *c + d * *r).collect(),
+            Self::Plane(c, n) => across(*n, &around).map(|d| *c + d * 100.0).collect(),
+            Self::Rectangle(c, a, b) => lattice().map(|(s, t)| *c + *a * s + *b * t).collect(),
+            Self::Triangle([a, b, c]) => {
+                lattice().filter(|(s, t)| s + t <= 1.0).map(|(s, t)| *a + (*b - *a) * s + (*c - *a) * t).collect()
+            }
+            Self::Mesh(path, c, turn, scale) => {
+                vertices(path).into_iter().map(|p| *c + turned(*turn) * (p * *scale)).collect()
+            }
+        }
+    }
+}
+
+/// Direction `i` of `n`, spread over the sphere by the golden angle.
+fn direction(i: u32, n: u32) -> DVec3 {
+    let z = 1.0 - (2.0 * f64::from(i) + 1.0) / f64::from(n);
+    let r = (1.0 - z * z).sqrt();
+    let (sin, cos) = libm::sincos(2.399_963 * f64::from(i));
+    DVec3::new(r * cos, r * sin, z)
+}
+
+/// Directions laid flat across `n`.
+fn across(n: DVec3, directions: &[DVec3]) -> impl Iterator<Item = DVec3> {
+    let n = n.normalize();
+    directions.iter().map(move |d| *d - n * n.dot(*d))
+}
+
+fn vertices(path: &str) -> Vec<DVec3> {
+    let text = fs::read_to_string(project(path)).unwrap();
+    let lines = text.lines().filter_map(|line| line.strip_prefix("v "));
+    let numbers = |line: &str| line.split_whitespace().map(|x| x.parse().unwrap()).collect::<Vec<f64>>();
+    lines.map(|line| DVec3::from_slice(&numbers(line))).collect()
+}

@@ -1,0 +1,180 @@
+//! Wishes do something: what is forced off is missing, and costs nothing.
+
+use super::compare::{How, Picture, scene};
+use caustica::integrate::{Algorithm, EyeSettings, Settings};
+use caustica::plan::{Effect, EffectOverrides, Effects};
+use caustica::scene::Scene;
+use caustica::stats::Counters;
+
+/// Of those that look at both maps themselves, one: `Pm`, whose gather rays can be forced off.
+const ALGORITHMS: [Algorithm; 6] =
+    [Algorithm::Hybrid, Algorithm::Path, Algorithm::Pm, Algorithm::Distributed, Algorithm::Whitted, Algorithm::Raycast];
+
+const CAMERA: &str = "PerspectiveCamera { center 0 3 6  lookAt 0 .5 0  angle 40  width 16  height 12 }";
+
+/// A body of coloured glass that moves over a floor under an even sky and a lamp, before a lens: it calls for everything.
+fn everything() -> Scene {
+    scene(&format!(
+        "{}
+        Lights {{ RectangleLight {{ corner -1 4 -1  edge0 2 0 0  edge1 0 0 2  power 200 200 200 }}
+                  EnvironmentLight {{ radiance .1 .2 .3 }} }}
+        Textures {{ Checker tiles {{ color0 .7 .6 .5  color1 .2 .3 .4 }}  Noise lumps {{ frequency 3 }} }}
+        Media {{ Medium smoke {{ scattering .2 .2 .2 }} }}
+        Materials {{ Diffuse floor {{ reflectance tiles  bump lumps  bumpHeight .1 }}  Clear haze {{ medium smoke }}
+                     Dielectric glass {{ glass SF11  absorption .5 .1 .9 }} }}
+        Group {{ MaterialName floor  Plane {{ normal 0 1 0  offset 0 }}
+                 Rectangle {{ corner -2 0 -2  edge0 4 0 0  edge1 0 3 0 }}
+                 MaterialName haze  Sphere {{ center .5 1 1  radius .8 }}
+                 MaterialName glass  Moving {{ Translate .5 0 0  Sphere {{ center 0 .8 0  radius .7 }} }} }}",
+        CAMERA.replace("angle", "aperture .2  angle")
+    ))
+}
+
+/// Two matt things under a point.
+fn matt() -> Scene {
+    scene(&format!(
+        "{CAMERA}
+        Lights {{ PointLight {{ position 1 4 2  power 200 200 200 }} }}
+        Materials {{ Diffuse floor {{ reflectance .7 .6 .5 }} }}
+        Group {{ MaterialName floor  Plane {{ normal 0 1 0  offset 0 }}  Sphere {{ center 0 .8 0  radius .7 }} }}"
+    ))
+}
+
+/// A mirror above black velvet.
+fn dark() -> Scene {
+    scene(&format!(
+        "{CAMERA}
+        Lights {{ PointLight {{ position 1 4 2  power 200 200 200 }} }}
+        Materials {{ Diffuse velvet {{ reflectance 0 0 0 }}  Mirror silver {{ }} }}
+        Group {{ MaterialName velvet  Plane {{ normal 0 1 0  offset 0 }}
+                 MaterialName silver  Sphere {{ center 0 .8 0  radius .7 }} }}"
+    ))
+}
+
+/// One disc under a point.
+fn disc() -> Scene {
+    scene(&format!(
+        "{CAMERA}
+        Lights {{ PointLight {{ position 1 4 2  power 200 200 200 }} }}
+        Materials {{ Diffuse floor {{ reflectance .7 .6 .5 }} }}
+        Group {{ MaterialName floor  Disc {{ center 0 0 0  normal 0 1 0  radius 2 }} }}"
+    ))
+}
+
+/// Enough photons that gather rays meet some that were caustics once.
+fn picture(scene: &Scene, algorithm: Algorithm, effects: EffectOverrides) -> Picture {
+    Picture::new(scene, &How { radius: Some(0.3), samples: Some(4), photons: 20_000, ..How::new(algorithm) }, effects)
+}
+
+fn called_for(picture: &Picture) -> Effects {
+    let called = picture.decisions.iter().filter(|d| d.called_for);
+    called.fold(Effects::NONE, |all, d| all.with(d.effect))
+}
+
+#[test]
+fn disabling_needed_effect_changes_image() {
+    let scene = everything();
+    for algorithm in ALGORITHMS {
+        let planned = picture(&scene, algorithm, EffectOverrides::PLANNED);
+        assert_eq!(called_for(&planned), algorithm.simulates(), "{}", algorithm.name());
+        for effect in algorithm.simulates().iter() {
+            let without = picture(&scene, algorithm, EffectOverrides::PLANNED.without(effect));
+            let decision = without.decisions.iter().find(|d| d.effect == effect).unwrap();
+            assert!(decision.is_forced() && !decision.on);
+            assert!(planned.difference(&without).is_some(), "{} without {effect}", algorithm.name());
+        }
+    }
+}
+
+#[test]
+fn disabling_unneeded_effect_changes_nothing() {
+    for scene in [matt(), dark(), disc()] {
+        for algorithm in ALGORITHMS {
+            let planned = picture(&scene, algorithm, EffectOverrides::PLANNED);
+            let off = planned.decisions.iter().filter(|d| !d.called_for);
+            assert!(algorithm == Algorithm::Raycast || off.clone().any(|d| algorithm.simulates().has(d.effect)));
+            let wishes = off.fold(EffectOverrides::PLANNED, |wishes, d| wishes.without(d.effect));
+            let without = picture(&scene, algorithm, wishes);
+            assert_eq!(planned.difference(&without), None, "{}", algorithm.name());
+            assert_eq!(planned.counters, without.counters, "{}", algorithm.name());
+        }
+    }
+}
+
+/// The work of a picture that goes without `effects`.
+fn work(scene: &Scene, algorithm: Algorithm, off: &[Effect]) -> Counters {
+    picture(scene, algorithm, off.iter().fold(EffectOverrides::PLANNED, |w, e| w.without(*e))).counters
+}
+
+#[test]
+fn disabled_effects_cost_nothing() {
+    use Effect::{CausticBounces, Caustics, Environment, Interreflection, Shadows, Specular};
+    let scene = everything();
+    for algorithm in ALGORITHMS {
+        let name = algorithm.name();
+        let work = |off: &[Effect]| work(&scene, algorithm, off);
+        let all = work(&[]);
+        assert!(all.camera_rays > 0);
+        assert_eq!(all.shadow_rays > 0, algorithm != Algorithm::Raycast, "{name}");
+        assert_eq!(all.onward_rays > 0, algorithm != Algorithm::Raycast, "{name}");
+        assert_eq!(
+            (all.photon_rays > 0, all.gathers > 0),
+            (algorithm.has_photons(), algorithm.has_photons()),
+            "{name}"
+        );
+        assert_eq!(work(&[Shadows]).shadow_rays, 0, "{name}");
+        let flat = work(&[Specular, Interreflection]);
+        assert_eq!(flat.onward_rays, 0, "{name}");
+        let direct = work(&[Caustics, CausticBounces, Interreflection]);
+        assert_eq!((direct.photon_rays, direct.gathers, direct.gathered_photons), (0, 0, 0), "{name}");
+        let nothing = work(&Effect::ALL);
+        let camera = Counters { camera_rays: nothing.camera_rays, ..Counters::default() };
+        assert_eq!(nothing, camera, "{name}");
+        if algorithm.has_photons() {
+            let once = work(&[CausticBounces, Interreflection]);
+            assert!(0 < once.photon_rays && once.photon_rays < all.photon_rays, "{name}");
+        }
+        if matches!(algorithm, Algorithm::Hybrid | Algorithm::Path | Algorithm::Distributed) {
+            assert!(work(&[Environment]).shadow_rays < all.shadow_rays, "{name}");
+        }
+    }
+}
+
+#[test]
+fn unneeded_effects_cost_nothing() {
+    for algorithm in ALGORITHMS {
+        let name = algorithm.name();
+        let [matt, dark, disc] = [matt(), dark(), disc()].map(|s| work(&s, algorithm, &[]));
+        if matches!(algorithm, Algorithm::Hybrid | Algorithm::Path) {
+            assert_eq!((matt.photon_rays, matt.gathers), (0, 0), "{name}: no caster");
+            assert!(matt.onward_rays > 0, "{name}");
+        }
+        if algorithm == Algorithm::Path {
+            assert!(dark.onward_rays <= dark.camera_rays, "{name}: velvet sends nothing on, and a ball sees no ball");
+        }
+        if matches!(algorithm, Algorithm::Whitted | Algorithm::Distributed) {
+            assert_eq!(matt.onward_rays, 0, "{name}: no caster and no gather ray");
+        }
+        assert_eq!((disc.shadow_rays, disc.onward_rays, disc.photon_rays, disc.gathers), (0, 0, 0, 0), "{name}");
+    }
+}
+
+/// What is described and is nowhere must not change what pilots do, whatever is forced on.
+#[test]
+fn unused_media_change_nothing() {
+    let scene = scene(&format!(
+        "{CAMERA}
+        Lights {{ PointLight {{ position 1 4 2  power 200 200 200 }} }}
+        Media {{ Medium smoke {{ scattering .2 .2 .2 }} }}
+        Materials {{ Diffuse floor {{ reflectance .7 .6 .5 }}  Dielectric glass {{ }}  Clear haze {{ medium smoke }} }}
+        Group {{ MaterialName floor  Plane {{ normal 0 1 0  offset 0 }}
+                 MaterialName glass  Sphere {{ center 0 .8 0  radius .7 }} }}"
+    ));
+    let lessons = |effects| {
+        let eye = EyeSettings { effects, ..EyeSettings::default() };
+        Algorithm::Hybrid.prepare(&scene, Settings { eye, balance: false, ..Settings::default() }).guiding_reports()
+    };
+    let planned = lessons(EffectOverrides::PLANNED);
+    assert!(planned.caustic.is_some());
+    assert_eq!(planned, lessons(EffectOverrides::ALL));
+}

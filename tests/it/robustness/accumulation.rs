@@ -1,0 +1,120 @@
+//! Sums of very many samples, the order of passes, and what a file format cannot hold.
+
+mod outputs;
+
+use crate::support::image;
+use caustica::color::Rgb;
+use caustica::format::SceneFile;
+use caustica::integrate::{Algorithm, EyeSettings, Settings};
+use caustica::math::Sum;
+use caustica::render::Film;
+use caustica::sampling::{Dimension, Key, Purpose};
+use glam::{DVec3, Vec3};
+use std::hint::black_box;
+use std::path::Path;
+
+/// Half a step of numbers from 1 to 2: what one rounding changes, as part of the number.
+const UNIT: f64 = f64::EPSILON / 2.0;
+
+/// The last digit of two of each is odd: a sum that outgrows them by 2²⁹ rounds it off.
+const CONSTANT: Rgb = Rgb::new(0.1, 0.7, 3e-5);
+
+/// 10⁹ passes of a film of one pixel, each added for itself.
+#[test]
+fn mean_of_constant_survives_billion_samples() {
+    let mut film = Film::new(1, 1);
+    for _ in 0..1_000_000_000u32 {
+        film.add(black_box(&[CONSTANT]));
+    }
+    assert_eq!(film.passes(), 1_000_000_000);
+    // The sum and the quotient are rounded once each; n²·2⁻¹⁰⁶ adds 10⁻¹⁴.
+    let off = (film.means().next().unwrap() / CONSTANT.as_dvec3() - 1.0).abs().max_element();
+    assert!(off <= 2.0 * UNIT + 1e18 * UNIT * UNIT, "{off:e}");
+    assert!(off < 1e-9);
+    assert_eq!(film.mean(), [CONSTANT]);
+}
+
+/// Numbers of 24 digits over 40 powers of two, as of pictures with fireflies; `signed`: as often below 0.
+fn values(n: u64, signed: bool) -> Vec<Rgb> {
+    let one = |i: u64| {
+        let draw = |c: u64, dimension| Key::new(3).purpose(Purpose::Test).with(i).with(c).uniform(dimension);
+        Vec3::from_array([0, 1, 2].map(|c| {
+            let size = libm::exp2f((40.0 * draw(c, Dimension::Film)).floor() - 20.0);
+            let sign = if signed && draw(c, Dimension::Light) < 0.5 { -1.0 } else { 1.0 };
+            sign * size * (1.0 + draw(c, Dimension::Lens))
+        }))
+    };
+    (0..n).map(one).collect()
+}
+
+/// In the order given, backwards, from the smallest, from the largest, and shuffled.
+fn orders(values: &[Rgb]) -> [Vec<Rgb>; 5] {
+    let by = |key: &dyn Fn(&Rgb) -> f32| {
+        let mut sorted = values.to_vec();
+        sorted.sort_by(|a, b| key(a).total_cmp(&key(b)));
+        sorted
+    };
+    let hash = |v: &Rgb| Key::new(u64::from(v.x.to_bits())).purpose(Purpose::Test).uniform(Dimension::Film);
+    [values.to_vec(), values.iter().rev().copied().collect(), by(&|v| v.x.abs()), by(&|v| -v.x.abs()), by(&hash)]
+}
+
+/// Against a sum in whole numbers of 2⁻⁶⁴: the least digit of what is drawn is 2⁻²⁰⁻²³, and 2²⁰ values below 2²¹ need 105 bits.
+#[test]
+fn pass_order_matters_only_by_rounding() {
+    for signed in [false, true] {
+        let values = values(100_000, signed);
+        let n = values.len() as f64;
+        let exact = |c: usize| values.iter().map(|v| (f64::from(v[c]) * libm::exp2(64.0)) as i128).sum::<i128>();
+        let exact = DVec3::from_array([0, 1, 2].map(|c| exact(c) as f64 / libm::exp2(64.0)));
+        let magnitudes: DVec3 = values.iter().map(|v| v.as_dvec3().abs()).sum();
+        // The sum's rounding and the quotient's, that of `exact` here, and n²u² of the magnitudes.
+        let bound = exact.abs() * 3.0 * UNIT + magnitudes * (n * UNIT) * (n * UNIT);
+        for (order, values) in orders(&values).iter().enumerate() {
+            let mut film = Film::new(1, 1);
+            let mut sum = Sum::default();
+            for value in values {
+                film.add(&[*value]);
+                sum.add(value.as_dvec3());
+            }
+            let off = (film.means().next().unwrap() * n - exact).abs();
+            assert!(off.cmple(bound).all(), "order {order}, signed {signed}: {off} beyond {bound}");
+            assert!((sum.value() - exact).abs().cmple(bound).all(), "order {order}");
+        }
+    }
+}
+
+/// The passes of a render, which each stand for themselves, taken backwards.
+#[test]
+fn passes_rendered_backwards_give_same_image() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/matte.txt");
+    let mut file = SceneFile::read(&path).unwrap();
+    (file.description.camera.value.width, file.description.camera.value.height) = (24, 18);
+    let scene = file.resolve().unwrap();
+    let eye = EyeSettings { samples: Some(1), ..EyeSettings::default() };
+    let integrator = Algorithm::Path.prepare(&scene, Settings { eye, ..Settings::default() });
+    let film = |passes: &mut dyn Iterator<Item = u32>| {
+        let mut film = Film::new(24, 18);
+        passes.for_each(|pass| film.add(&image(&*integrator, pass)));
+        film
+    };
+    let (forwards, backwards) = (film(&mut (0..40)), film(&mut (0..40).rev()));
+    for (a, b) in forwards.means().zip(backwards.means()) {
+        // Two sums and two quotients; radiances are not below 0, and 40²u² is nothing beside.
+        assert!((a - b).abs().cmple(a * 4.1 * UNIT).all(), "{a:?} {b:?}");
+    }
+    for (a, b) in forwards.mean().iter().zip(backwards.mean()) {
+        let steps = |a: f32, b: f32| a.to_bits().abs_diff(b.to_bits());
+        assert!((0..3).all(|c| steps(a[c], b[c]) <= 1), "{a} {b}");
+    }
+}
+
+#[test]
+fn means_of_largest_floats_stay_finite() {
+    let mut film = Film::new(1, 1);
+    let largest = Rgb::new(f32::MAX, -f32::MAX, f32::MIN_POSITIVE);
+    (0..100_000).for_each(|_| film.add(&[largest]));
+    assert_eq!(film.mean(), [largest]);
+    film.add(&[Rgb::new(f32::INFINITY, 0.0, f32::NAN)]);
+    let mean = film.mean()[0];
+    assert!(mean.x == f32::INFINITY && mean.y.is_finite() && mean.z.is_nan(), "{mean}: what is not finite stays seen");
+}

@@ -1,0 +1,140 @@
+//! Pictures of one pixel, one column and one row.
+
+use super::told;
+use crate::support::image;
+use caustica::camera::{Filter, FilterKind};
+use caustica::color::Rgb;
+use caustica::image::flip::{FlipOptions, flip};
+use caustica::image::{BitDepth, Curve, Image, Meaning, OutputFormat, ToneMap, WriteOptions, decode, encode, metrics};
+use caustica::integrate::{Algorithm, EyeSettings, FinalGathering, Settings, Silent};
+use caustica::render::{Stop, render};
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+const SIZES: [(u32, u32); 3] = [(1, 1), (1, 20_000), (20_000, 1)];
+
+const ROOM: &str = "Background { color .1 .2 .3 } \
+    Lights { RectangleLight { corner -.4 1.99 -.4 edge0 .8 0 0 edge1 0 0 .8 radiance 9 8 7 } } \
+    Materials { Diffuse white { reflectance .7 .6 .5 } Dielectric glass { indexOfRefraction 1.5 } } \
+    Group { MaterialName white Plane { normal 0 1 0 offset 0 } MaterialName glass Sphere { center 0 .5 0 radius .5 } }";
+
+fn cameras((width, height): (u32, u32)) -> [String; 3] {
+    let common = format!("center 0 1 4 direction 0 -.1 -1 up 0 1 0 width {width} height {height}");
+    [
+        format!("PerspectiveCamera {{ {common} angle 35 aperture .05 focusDistance 4 }}"),
+        format!("OrthographicCamera {{ {common} size {} }}", if width > height { 1e-4 } else { 2.0 }),
+        format!("EnvironmentCamera {{ {common} }}"),
+    ]
+}
+
+/// Every algorithm renders them, gauge and all, and everything that is told of them is finite.
+#[test]
+fn tiny_images_are_finite_with_every_integrator() {
+    for size in SIZES {
+        for (i, camera) in cameras(size).into_iter().enumerate() {
+            let scene = told(&format!("{camera} {ROOM}")).unwrap();
+            for algorithm in Algorithm::ALL {
+                // One pixel is cheap; of the long ones each algorithm sees one camera.
+                if size != (1, 1) && i != algorithm as usize % 3 {
+                    continue;
+                }
+                let gauged = algorithm != Algorithm::Raycast;
+                let eye = EyeSettings { samples: Some(1), gauge: gauged, max_bounces: 8, ..EyeSettings::default() };
+                let settings = Settings {
+                    eye,
+                    photons: 2000,
+                    caustic_photons: 2000,
+                    balance: false,
+                    final_gathering: FinalGathering::Bsdf,
+                    ..Settings::default()
+                };
+                let integrator = algorithm.prepare(&scene, settings);
+                let passes = if gauged { 4 } else { 1 };
+                let interrupted = AtomicBool::new(false);
+                let stop =
+                    Stop { at_least: 1, passes: Some(passes), time: None, target: None, interrupted: &interrupted };
+                let rendered = render(integrator.as_ref(), size, &stop, &Silent, |_| {});
+                let told = format!("{algorithm:?} {camera}");
+                let mean = rendered.film.mean();
+                assert_eq!(mean.len() as u64, u64::from(size.0) * u64::from(size.1), "{told}");
+                assert!(mean.iter().all(|p| p.is_finite()), "{told}");
+                let counters = rendered.counters;
+                assert_eq!((counters.rejected_samples, counters.rejected_photons), (0, 0), "{told}");
+                let Some(gauge) = rendered.gauge else { continue };
+                let reading = gauge.read(&rendered.film);
+                let numbers = [reading.error, reading.noise, reading.bias, reading.blur, reading.frozen, reading.low];
+                assert!(numbers.iter().all(|x| x.is_finite() && *x >= 0.0), "{told}: {reading:?}");
+                let maps = gauge.maps(&rendered.film);
+                assert!(maps.noise.iter().chain(&maps.bias).all(|x| x.is_finite()), "{told}");
+            }
+        }
+    }
+}
+
+/// A lamp fills the view from one row (or column) on: what lies before it is black, what lies behind it shines, pixel by pixel. With the
+/// box filter a pixel sees nothing beyond itself.
+#[test]
+fn images_20000_pixels_long_are_correct() {
+    let edge = 12_345u32;
+    for (width, height) in [(1u32, 20_000u32), (20_000, 1)] {
+        let column = height > width;
+        // A picture of 2 × 10⁻⁴ or 10⁻⁴ × 2, in front of which the lamp begins in the middle of pixel `edge`.
+        let begin = 2.0 * (f64::from(edge) + 0.5) / 20_000.0 - 1.0;
+        let size = if column { 2.0 } else { 1e-4 };
+        let (corner, e0, e1) = match column {
+            true => (format!("-9 {} -1", -begin - 9.0), "18 0 0", "0 9 0"),
+            false => (format!("{begin} -9 -1"), "9 0 0", "0 18 0"),
+        };
+        let scene = told(&format!(
+            "OrthographicCamera {{ center 0 0 0 direction 0 0 -1 up 0 1 0 width {width} height {height} size {size} }} \
+             Background {{ color 0 0 0 }} \
+             Lights {{ RectangleLight {{ corner {corner} edge0 {e0} edge1 {e1} radiance 1 1 1 }} }} Group {{ }}"
+        ))
+        .unwrap();
+        let eye = EyeSettings { samples: Some(4), filter: Filter::new(FilterKind::Box), ..EyeSettings::default() };
+        let settings = Settings { eye, balance: false, ..Settings::default() };
+        let image = image(&*Algorithm::Path.prepare(&scene, settings), 0);
+        for (i, pixel) in image.iter().enumerate() {
+            match i as u32 {
+                i if i < edge => assert_eq!(*pixel, Rgb::ZERO, "{width}×{height}: pixel {i}"),
+                i if i > edge => assert_eq!(*pixel, Rgb::ONE, "{width}×{height}: pixel {i}"),
+                // Half of it: four samples in strata, of which one or none may lie on the other side of the middle.
+                _ => assert!((0.25..=0.75).contains(&pixel.x), "{width}×{height}: {pixel}"),
+            }
+        }
+    }
+}
+
+/// They are written, read, compared and told apart like others.
+#[test]
+fn tiny_images_have_files_and_metrics() {
+    for (width, height) in SIZES {
+        let count = width * height;
+        let value = |i: u32| Rgb::new(i as f32 / count as f32, 0.5, 1.0 - i as f32 / count as f32);
+        let image = Image::from_pixels(width, height, (0..count).map(value).collect()).unwrap();
+        let tone = ToneMap { curve: Curve::Srgb, exposure_stops: 0.0 };
+        for (format, depth) in [
+            (OutputFormat::Exr, BitDepth::Eight),
+            (OutputFormat::Png, BitDepth::Eight),
+            (OutputFormat::Png, BitDepth::Sixteen),
+        ] {
+            let options = WriteOptions { tone, depth, ..WriteOptions::default() };
+            let (file, report) = encode(format, &image, &options).unwrap();
+            assert_eq!(report.non_finite, 0);
+            let (back, _) = decode(Path::new("memory"), &file, Meaning::Light, None).unwrap();
+            assert_eq!((back.width(), back.height()), (width, height));
+            // Half a level times the greatest slope of the sRGB curve, 2.4/1.055 (see `reading_undoes_the_srgb_curve_to_half_a_level`).
+            let bound = match (format, depth) {
+                (OutputFormat::Exr, _) => 0.0,
+                (_, BitDepth::Eight) => 0.5 / 255.0 * 2.275,
+                (_, BitDepth::Sixteen) => 0.5 / 65_535.0 * 2.275 + f64::from(f32::EPSILON),
+            };
+            let off = metrics::max_abs_difference(&back, &image).unwrap();
+            assert!(off <= bound, "{width}×{height} {format:?}: {off:e}");
+        }
+        let other = Image::new(width, height).unwrap();
+        let looks = flip(&image, &other, &FlipOptions::default()).unwrap();
+        assert!(looks.mean.is_finite() && looks.mean > 0.0, "{width}×{height}: {}", looks.mean);
+        assert_eq!(flip(&image, &image, &FlipOptions::default()).unwrap().mean, 0.0);
+    }
+}

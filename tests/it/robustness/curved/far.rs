@@ -1,0 +1,149 @@
+//! Spheres and lights from a million radii away.
+
+use crate::robustness::transforms::dd::{Dd, Dd3};
+use crate::support::image;
+use caustica::camera::Camera;
+use caustica::color::Rgb;
+use caustica::integrate::{Algorithm, EyeSettings, Settings};
+use caustica::light::{AreaLight, Light, LightSurface, ShadowTarget};
+use caustica::math::{Ray, Transform, warp};
+use caustica::sampling::Discrete;
+use caustica::scene::{Material, SceneBuilder};
+use caustica::shape::parametric::Basis;
+use caustica::shape::{Disc, IndexedMesh, Instance, Mesh, Patch, Plane, Rectangle, Revolution, Shape, Sphere};
+use glam::{DAffine3, DVec2, DVec3, DVec4, Vec2, Vec3};
+use rand::rngs::SmallRng;
+use rand::{RngExt, SeedableRng};
+use std::sync::Arc;
+
+fn pair(rng: &mut SmallRng) -> Vec2 {
+    Vec2::new(rng.random(), rng.random())
+}
+
+/// Whether a ray meets a sphere, and where, against twice the digits.
+///
+/// The solver's discriminant is r² less the squared distance of the line, which rounds by some ulps of (distance · r): rays nearer to tangent than
+/// 16 of these may be told either way. The place is right to its rounding, and the normal to what that turns it and its own.
+#[test]
+fn far_spheres_are_hit_correctly() {
+    let mut rng = SmallRng::seed_from_u64(3);
+    let center = DVec3::new(0.3, -0.7, 0.2);
+    let ball = Shape::Sphere(Sphere::new(center, 1.0));
+    for distance in [3.0, 30.0, 1e3, 1e5, 1e6] {
+        let (mut hits, mut doubtful) = (0, 0);
+        for _ in 0..100_000 {
+            let from = center.as_vec3() + warp::sphere(pair(&mut rng)) * distance;
+            let aim = Vec3::new(rng.random(), rng.random(), rng.random()) * 2.4 - 1.2;
+            let ray = Ray::new(from, (center.as_vec3() + aim - from).normalize());
+            let l = Dd3::from(ray.origin.as_dvec3()) - Dd3::from(center);
+            let d = Dd3::from(ray.direction.as_dvec3());
+            let (a, b) = (d.dot(d), l.dot(d));
+            let discriminant = b * b - a * (l.dot(l) - Dd::ONE);
+            let found = ball.intersect(&ray);
+            if discriminant.value().abs() <= 16.0 * f64::EPSILON * f64::from(distance) {
+                doubtful += 1;
+                continue;
+            }
+            assert_eq!(found.is_some(), discriminant > Dd::ZERO, "{ray:?}");
+            let Some((t, u, v)) = found else { continue };
+            hits += 1;
+            let exact = (-b - discriminant.sqrt()) / a;
+            // Rounded once.
+            assert!((f64::from(t) / exact.value() - 1.0).abs() <= 1.0 / 16_777_216.0, "{ray:?}: {t}");
+            let s = ball.surface(&ray, t, Vec2::new(u, v));
+            let n = (l + d.scaled(exact)).value();
+            // Half an ulp of each component, of coordinates below 2, and at grazing what an ulp of the square root's argument becomes.
+            let slack =
+                3f64.sqrt() / 16_777_216.0 + 16.0 * f64::EPSILON * f64::from(distance) / discriminant.value().sqrt();
+            assert!((s.ng.as_dvec3() - n).length() < slack, "{ray:?}: {} {n}", s.ng);
+            assert!((s.p.as_dvec3() - center - n).length() < slack, "{ray:?}: {}", s.p);
+        }
+        assert!(hits > 50_000 && doubtful < 5, "{distance} {hits} {doubtful}");
+    }
+}
+
+/// The end of a shadow ray to a point that is seen lies before the light, which does not stand in its own way.
+///
+/// Drawn points of an ellipsoid by area may lie on its far side, which tells of itself; a ray along a surface may go either way, so points seen
+/// at a slant below 10⁻³ do not count.
+#[test]
+fn far_lights_cast_no_shadow_on_themselves() {
+    let squash = Transform::new(DAffine3::from_scale(DVec3::new(1.0, 0.6, 0.8))).unwrap();
+    let ball = Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0));
+    let egg = ball.transformed(&squash).unwrap();
+    let disc = Shape::Disc(Disc::around(DVec3::ZERO, DVec3::new(1.0, 2.0, 3.0), 1.0));
+    let corners = [Vec3::new(-1.0, 0.1, -0.7), Vec3::new(1.0, -0.2, -0.5), Vec3::new(0.1, 0.7, 0.6)];
+    let one = Mesh { positions: corners.to_vec(), triangles: vec![[0, 1, 2]], ..Mesh::default() };
+    let mesh = Arc::new(one.clone());
+    let edges = [DVec3::new(1.0, -0.2, 0.7), DVec3::new(0.1, 0.9, 0.6)];
+    let rectangle = Shape::Rectangle(Rectangle::new(-0.5 * (edges[0] + edges[1]), edges[0], edges[1]));
+    // A dome, and a sail over a square: convex on the side that shines.
+    let profile = [DVec2::new(0.8, -0.8), DVec2::new(1.0, 0.9), DVec2::new(0.0, 0.9)];
+    let bell = Shape::Revolution(Revolution::new(&Basis::bezier(3).unwrap(), &profile).unwrap());
+    let square = [1.0, -1.0, 1.0];
+    let control =
+        |i: usize, j: usize| DVec4::new(i as f64 - 1.0, 1.0 - 0.5 * (square[i] + square[j]), j as f64 - 1.0, 1.0);
+    let net: Vec<DVec4> = (0..9).map(|i| control(i % 3, i / 3)).collect();
+    let basis = Basis::bezier(3).unwrap();
+    let patch = Shape::Patch(Patch::new([&basis, &basis], &net).unwrap());
+    let placed = Shape::Instance(Instance::new(Arc::new(IndexedMesh::new(one)), squash));
+    let emitters = [
+        LightSurface::Shape(ball),
+        LightSurface::Shape(egg),
+        LightSurface::Shape(disc),
+        LightSurface::Shape(rectangle),
+        LightSurface::Shape(bell),
+        LightSurface::Shape(patch),
+        LightSurface::Shape(placed),
+        LightSurface::Triangles { mesh, first: 0, choice: Discrete::new([1.0]).unwrap() },
+    ];
+    let mut rng = SmallRng::seed_from_u64(4);
+    for (kind, emitter) in emitters.into_iter().enumerate() {
+        let tree = caustica::accel::Hierarchy::build(&[corners], &[]);
+        let light = Light::Area(AreaLight::uniform(emitter.clone(), Rgb::ONE));
+        for distance in [2.0, 30.0, 1e3, 1e5, 1e6] {
+            let mut asked = 0;
+            for _ in 0..50_000 {
+                let p = warp::sphere(pair(&mut rng)) * distance;
+                let Some(sample) = light.sample_li(p, pair(&mut rng)) else { continue };
+                let ShadowTarget::Point(target) = sample.target else { panic!("{sample:?}") };
+                let ray = Ray::between(p, target);
+                let blocked = match &emitter {
+                    LightSurface::Shape(shape) => shape.intersect(&ray).is_some(),
+                    LightSurface::Triangles { .. } => tree.occluded(&ray, |_, _| false),
+                };
+                // Where the ray comes along the surface, the rest of it is as near as one likes.
+                let slant = sample.wi.dot((target - p).normalize());
+                assert!(!blocked || slant < 1e-3, "{distance} {kind} {ray:?} {slant}");
+                asked += 1;
+            }
+            assert!(asked > 10_000, "{asked}");
+        }
+    }
+}
+
+/// A floor lit by a sphere so far away sends ρ·L·(r/d)²·cos θ, with no noise: every direction of the cone counts alike.
+///
+/// The picture sees a floor of a few units: distance and angle differ over it by 2/d at most.
+#[test]
+fn far_sphere_light_loses_no_flux() {
+    for distance in [1e3, 1e5, 1e6, 1e7] {
+        let mut builder = SceneBuilder::new();
+        let grey = builder.material(Material::diffuse(Rgb::splat(0.5)));
+        let place = DVec3::new(0.0, 0.0, distance);
+        builder.plane(Plane::new(place, DVec3::new(0.0, 0.3, -1.0)), grey, Rgb::ZERO);
+        let light = Shape::Sphere(Sphere::new(DVec3::new(0.3, 0.2, 0.1), 1.0));
+        builder.shape(light, grey, Rgb::splat((distance * distance) as f32));
+        let eye = place + DVec3::new(0.5, 0.25, -1.5);
+        let camera = Camera::perspective(eye, DVec3::new(0.013, -0.027, 1.0), DVec3::Y, 0.3, 8, 8).unwrap();
+        let scene = builder.build(camera).unwrap();
+        let eye = EyeSettings { samples: Some(16), max_bounces: 1, seed: 5, ..EyeSettings::default() };
+        let method = Algorithm::Path.prepare(&scene, Settings { eye, ..Settings::default() });
+        let expected = 0.5 / 1.09f64.sqrt();
+        for pixel in image(&*method, 0) {
+            let off = f64::from(pixel.x) / expected - 1.0;
+            // A few units of the distance, squared, and some hundred roundings of shading.
+            assert!(off.abs() < 4.0 / distance + 100.0 / 16_777_216.0, "{distance}: off by {off}");
+        }
+    }
+}

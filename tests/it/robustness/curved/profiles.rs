@@ -1,0 +1,272 @@
+//! Surfaces of degree 20 that are known in closed form, with poles, cusps on the axis and edges without length.
+
+use caustica::math::{Ray, warp};
+use caustica::shape::parametric::Basis;
+use caustica::shape::{Patch, Revolution, Shape};
+use glam::{DVec2, DVec3, DVec4, Vec2, Vec3};
+use libm::{cbrt, hypot};
+use rand::rngs::SmallRng;
+use rand::{RngExt, SeedableRng};
+use rayon::prelude::*;
+
+/// Control points (homogeneous) of the same curve at a degree higher by one.
+fn elevated(controls: &[DVec4]) -> Vec<DVec4> {
+    let n = controls.len() as f64;
+    let end = DVec4::ZERO;
+    (0..=controls.len())
+        .map(|i| {
+            let s = i as f64 / n;
+            let (a, b) = (if i > 0 { controls[i - 1] } else { end }, controls.get(i).copied().unwrap_or(end));
+            a * s + b * (1.0 - s)
+        })
+        .collect()
+}
+
+fn raised(mut controls: Vec<DVec4>, degree: usize) -> Vec<DVec4> {
+    while controls.len() <= degree {
+        controls = elevated(&controls);
+    }
+    controls
+}
+
+fn turned(profile: &[(f64, f64)], degree: usize) -> Shape {
+    let controls = raised(profile.iter().map(|(x, y)| DVec4::new(*x, *y, 0.0, 1.0)).collect(), degree);
+    let points: Vec<DVec2> = controls.iter().map(|c| DVec2::new(c.x, c.y)).collect();
+    Shape::Revolution(Revolution::new(&Basis::bezier(degree + 1).unwrap(), &points).unwrap())
+}
+
+/// A net of homogeneous points, `columns` of them along v.
+fn net(points: &[DVec4], columns: usize, [p, q]: [usize; 2]) -> Shape {
+    let rows: Vec<Vec<DVec4>> = points.chunks(columns).map(|row| raised(row.to_vec(), q)).collect();
+    let along: Vec<Vec<DVec4>> = (0..=q).map(|j| raised(rows.iter().map(|row| row[j]).collect(), p)).collect();
+    let point = |c: DVec4| (c.truncate() / c.w).extend(c.w);
+    let controls: Vec<DVec4> = (0..=p).flat_map(|i| along.iter().map(move |column| point(column[i]))).collect();
+    let bases = [p, q].map(|n| Basis::bezier(n + 1).unwrap());
+    Shape::Patch(Patch::new([&bases[0], &bases[1]], &controls).unwrap())
+}
+
+/// A surface where `value` is 0 and `inside` at least 0; between the heights where it has a kink, `value` is convex along lines.
+struct Known {
+    name: &'static str,
+    shape: Shape,
+    value: fn(DVec3) -> f64,
+    inside: fn(DVec3) -> f64,
+    kink: Option<f64>,
+    /// Where it has no normal, and the way from there into the middle of what is inside, or along the surface.
+    tip: Option<(DVec3, DVec3)>,
+}
+
+fn surfaces() -> Vec<Known> {
+    let w = std::f64::consts::FRAC_1_SQRT_2;
+    let arc = [(1.0, 0.0, 1.0), (1.0, 1.0, w), (0.0, 1.0, 1.0)];
+    let octant: Vec<DVec4> = arc
+        .iter()
+        .flat_map(|(r, h, w)| arc.iter().map(move |(c, s, v)| DVec4::new(r * c, *h, r * s, 1.0) * (w * v)))
+        .collect();
+    let wedge = [[-1.0, 0.0], [-1.0, 0.0], [1.0, -1.0], [1.0, 1.0]].map(|[x, z]| DVec4::new(x, 0.0, z, 1.0));
+    let cone = |degree| Known {
+        name: "cone",
+        shape: turned(&[(1.0, -1.0), (0.0, 1.0)], degree),
+        value: |p| hypot(p.x, p.z) - 0.5 * (1.0 - p.y),
+        inside: |p| 1.0 - p.y.abs(),
+        kink: None,
+        tip: Some((DVec3::Y, DVec3::NEG_Y)),
+    };
+    let bowl = |degree| Known {
+        name: "bowl",
+        shape: turned(&[(0.0, 0.0), (0.5, 0.0), (1.0, 1.0)], degree),
+        value: |p| p.x * p.x + p.z * p.z - p.y,
+        inside: |p| 1.0 - p.y,
+        kink: None,
+        tip: None,
+    };
+    // (s², s³) for s in [−1, 1]: both branches leave the axis along it.
+    let cusp = |degree| Known {
+        name: "cusp",
+        shape: turned(&[(1.0, -1.0), (-1.0 / 3.0, 1.0), (-1.0 / 3.0, -1.0), (1.0, 1.0)], degree),
+        value: |p| hypot(p.x, p.z) - cbrt(p.y * p.y),
+        inside: |p| 1.0 - p.y.abs(),
+        kink: Some(0.0),
+        tip: Some((DVec3::ZERO, DVec3::Y)),
+    };
+    let eighth = |degrees| Known {
+        name: "eighth of a sphere",
+        shape: net(&octant, 3, degrees),
+        value: |p| p.length_squared() - 1.0,
+        inside: |p| p.min_element(),
+        kink: None,
+        tip: None,
+    };
+    let wedge = |degrees| Known {
+        name: "wedge",
+        shape: net(&wedge, 2, degrees),
+        value: |p| p.y,
+        inside: |p| (0.5 * (p.x + 1.0) - p.z.abs()).min(1.0 - p.x),
+        kink: None,
+        tip: Some((DVec3::NEG_X, DVec3::X)),
+    };
+    vec![
+        cone(1),
+        cone(20),
+        bowl(2),
+        bowl(20),
+        cusp(3),
+        cusp(20),
+        eighth([2, 2]),
+        eighth([10, 8]),
+        wedge([1, 1]),
+        wedge([20, 3]),
+    ]
+}
+
+/// Where a function that is convex on `lo..hi` is 0, in order, and its least value.
+fn roots(f: &dyn Fn(f64) -> f64, lo: f64, hi: f64) -> (Vec<f64>, f64) {
+    let (mut a, mut b) = (lo, hi);
+    for _ in 0..120 {
+        let (p, q) = (a + (b - a) / 3.0, b - (b - a) / 3.0);
+        if f(p) < f(q) { b = q } else { a = p }
+    }
+    let low = 0.5 * (a + b);
+    let least = [lo, low, hi].map(f).into_iter().fold(f64::INFINITY, f64::min);
+    let mut found = Vec::new();
+    if f(low) <= 0.0 {
+        for (mut above, mut below) in [(lo, low), (hi, low)] {
+            if f(above) <= 0.0 {
+                continue;
+            }
+            for _ in 0..100 {
+                let middle = 0.5 * (above + below);
+                if f(middle) > 0.0 { above = middle } else { below = middle }
+            }
+            found.push(0.5 * (above + below));
+        }
+    }
+    (found, least)
+}
+
+/// What a ray passes this far inside of a tip it must meet: a cone is then half as wide, and single precision rounds to a 50th.
+const BESIDE: f64 = 1e-5;
+
+/// A ray from afar or from nearby at a surface, through its tip or beside it, along its axis, or square to it.
+fn ray(known: &Known, rng: &mut SmallRng, i: u32) -> Ray {
+    let random = |rng: &mut SmallRng| Vec3::new(rng.random(), rng.random(), rng.random()) * 2.2 - 1.1;
+    let target = match known.tip {
+        Some((tip, _)) if i.is_multiple_of(16) => tip.as_vec3(),
+        Some((tip, inwards)) if i.is_multiple_of(8) => (tip + inwards * BESIDE).as_vec3(),
+        // The pole of a bowl. Poles of patches have a test of their own.
+        None if i.is_multiple_of(8) && known.name == "bowl" => Vec3::ZERO,
+        _ => random(rng),
+    };
+    let from = match i % 5 {
+        0 => random(rng),
+        1 => target + Vec3::Y * 3.0,
+        2 => Vec3::new(3.0, target.y, target.z),
+        _ => target + warp::sphere(Vec2::new(rng.random(), rng.random())) * 4.0,
+    };
+    Ray::new(from, target - from)
+}
+
+/// Hits and normals against bisection of what the surfaces are, rays along the axis and through poles and cusps among them.
+///
+/// The solver counts a ray that comes within rounding of a surface, 10⁻¹² of its size, as one that touches it: rays that the reference sees
+/// within 10⁻⁹ of a touch, or of a border, may be told either way. Beyond, the slope at a root is above √(2·10⁻⁹) times the bend, of order
+/// 1, so that 10⁻¹² is less than 10⁻⁷ of `t`, whose rounding is 6·10⁻⁸ of it.
+#[test]
+fn degree_20_surfaces_are_hit_correctly() {
+    surfaces().par_iter().for_each(|known| {
+        let mut rng = SmallRng::seed_from_u64(7);
+        let (mut hits, mut tips, mut doubtful) = (0, 0, 0);
+        const RAYS: u32 = 6_000;
+        for i in 0..RAYS {
+            let ray = ray(known, &mut rng, i);
+            let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
+            if d == DVec3::ZERO {
+                continue;
+            }
+            let value = |t: f64| (known.value)(o + d * t);
+            let mut ends = vec![1e-9, 40.0];
+            ends.extend(known.kink.map(|y| (y - o.y) / d.y).filter(|t| (1e-9..40.0).contains(t)));
+            ends.sort_by(f64::total_cmp);
+            let (mut truth, mut doubt) = (None, value(0.0).abs() < 1e-6);
+            for part in ends.windows(2) {
+                let (found, least) = roots(&value, part[0], part[1]);
+                doubt |= least.abs() < 1e-9 || part.iter().any(|t| value(*t).abs() < 1e-9);
+                for t in found {
+                    let within = (known.inside)(o + d * t);
+                    doubt |= within.abs() < 1e-9;
+                    if within > 0.0 {
+                        truth = truth.or(Some(t));
+                    }
+                }
+            }
+            let found = known.shape.intersect(&ray);
+            let near = |p: DVec3, off: f64| known.tip.is_some_and(|(tip, _)| (p - tip).length() < off);
+            let beside = known.tip.is_some() && i % 16 == 8;
+            tips += u32::from(beside && truth.is_some() && !doubt);
+            match (truth, found) {
+                _ if doubt => doubtful += 1,
+                (None, None) => {}
+                (Some(t), Some((f, u, v))) => {
+                    hits += 1;
+                    assert!((f64::from(f) - t).abs() <= 6e-8 * t + 1e-7, "{} {ray:?}: {f} {t}", known.name);
+                    let s = known.shape.surface(&ray, f, Vec2::new(u, v));
+                    let p = o + d * t;
+                    assert!((s.p.as_dvec3() - p).length() < 2e-6, "{} {ray:?}: {} {p}", known.name, s.p);
+                    let h = 1e-6;
+                    let slope = |e: DVec3| (known.value)(p + e * h) - (known.value)(p - e * h);
+                    let n = DVec3::new(slope(DVec3::X), slope(DVec3::Y), slope(DVec3::Z)).normalize();
+                    assert!(
+                        near(p, 1e-3) || s.ng.as_dvec3().dot(n).abs() > 1.0 - 1e-5,
+                        "{} {p}: {} {n}",
+                        known.name,
+                        s.ng
+                    );
+                    assert!(s.ng.is_normalized(), "{} {p}", known.name);
+                }
+                // The tip is a point of the surface, which a ray beside it by its own rounding may miss.
+                (a, b) => {
+                    let there = a.or(b.map(|b| f64::from(b.0))).is_some_and(|t| near(o + d * t, 1e-9));
+                    assert!(there, "{} {ray:?}: {found:?} {truth:?}", known.name);
+                    doubtful += 1;
+                }
+            }
+        }
+        assert!(hits > RAYS / 20 && doubtful < RAYS / 4, "{} {hits} {doubtful}", known.name);
+        assert!(known.tip.is_none() || tips > RAYS / 16 / 2, "{} {tips}", known.name);
+    });
+}
+
+/// A whole sphere of two patches, each half of all longitudes from pole to pole: rays exactly through a pole, which is inside of the surface
+/// but a side without length of both patches, meet one of them. Every leaf around a pole doubts such a ray, the more the steeper, so at
+/// degree 20 there is one.
+#[test]
+fn sphere_poles_are_hit_from_inside() {
+    // Half a circle as a cubic: (1 − t², 2t)/(1 + t²) for t from −1 to 1.
+    let arc =
+        [(0.0, -2.0, 2.0), (4.0 / 3.0, -2.0 / 3.0, 2.0 / 3.0), (4.0 / 3.0, 2.0 / 3.0, 2.0 / 3.0), (0.0, 2.0, 2.0)];
+    let half = |side: f64, degrees| {
+        let along =
+            |(r, h, w): (f64, f64, f64)| arc.map(|(x, z, v)| DVec4::new(side * r * x, h * v, side * r * z, w * v));
+        let points: Vec<DVec4> = arc.iter().flat_map(|c| along(*c)).collect();
+        net(&points, 4, degrees)
+    };
+    let mut rng = SmallRng::seed_from_u64(8);
+    // From where the pole is seen at 60° to the axis.
+    let mut oblique = |pole: Vec3| {
+        let (sin, cos) = libm::sincosf(rng.random_range(0.0..std::f32::consts::TAU));
+        (pole * 1.5 + Vec3::new(cos, 0.0, sin) * 0.866, pole)
+    };
+    let (up, down) = (Vec3::Y, Vec3::NEG_Y);
+    let many = vec![oblique(up), oblique(down), oblique(up), oblique(down), (Vec3::ZERO, up)];
+    let cases = [([3, 3], many), ([20, 3], vec![oblique(up)])];
+    cases.par_iter().for_each(|(degrees, rays)| {
+        let halves = [half(1.0, *degrees), half(-1.0, *degrees)];
+        rays.par_iter().for_each(|(from, pole)| {
+            let ray = Ray::new(*from, pole - from);
+            let hits = halves.iter().filter_map(|half| half.intersect(&ray));
+            let t = hits.map(|hit| hit.0).fold(f32::INFINITY, f32::min);
+            // The direction is rounded to 2⁻²⁴ of itself, and so is t.
+            assert!((t - 1.0).abs() <= 2.0 * f32::EPSILON, "{degrees:?} {ray:?}: {t}");
+        });
+    });
+}

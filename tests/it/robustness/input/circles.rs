@@ -1,0 +1,41 @@
+//! Files that name themselves. The scene language names no other scenes, and files of materials no other meshes, so that nothing can go in
+//! circles; here is what becomes of files that try.
+
+use super::{Shop, scene};
+use caustica::format::{SceneFile, parse};
+
+#[test]
+fn scenes_cannot_include_scenes() {
+    for word in ["Include", "include", "#include", "Scene"] {
+        let text = scene(&format!("{word} \"self.txt\" Group {{ }}"));
+        match parse("self.txt", &text) {
+            // A comment to the end of the line, which is all there is.
+            Err(error) if word == "#include" => assert!(error.to_string().contains("no Group"), "{error}"),
+            Err(error) => assert!(error.text() == word && error.remedy().contains("Group"), "{error}"),
+            Ok(_) => panic!("`{word}` was read"),
+        }
+    }
+}
+
+#[test]
+fn self_referencing_files_are_read_once() {
+    let shop = Shop::new();
+    let resolved = |more: &str| {
+        shop.put("self.txt", scene(more));
+        SceneFile::read(&shop.path("self.txt")).unwrap().resolve()
+    };
+    let mesh = |file: &str, more: &str| format!("Group {{ TriangleMesh {{ obj_file \"{file}\" {more} }} }}");
+    // The scene as a mesh of its own: it has no faces.
+    let error = resolved(&mesh("self.txt", "")).err().unwrap();
+    assert!(error.to_string().contains("no faces"), "{error}");
+    // A mesh whose materials are in itself, and one that calls itself, as OBJ for curves has it.
+    shop.put("a.obj", "mtllib a.obj\ncall a.obj\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n");
+    assert!(resolved(&mesh("a.obj", "")).is_ok());
+    let error = resolved(&mesh("a.obj", "materials file")).err().unwrap();
+    assert!(error.to_string().contains("a.obj") && !error.remedy().is_empty(), "{error}");
+    // A material whose picture is the file that it stands in.
+    shop.put("b.obj", "mtllib b.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl red\nf 1/1 2/1 3/1\n");
+    shop.put("b.mtl", "newmtl red\nmap_Kd b.mtl\n");
+    let error = resolved(&mesh("b.obj", "materials file")).err().unwrap();
+    assert!(error.to_string().contains("b.mtl") && error.to_string().contains("picture"), "{error}");
+}

@@ -1,0 +1,33 @@
+//! What fuzzing found worth keeping, by the same functions again.
+
+use super::{project, readers};
+use std::fs;
+
+/// What is done with bytes.
+type Replay = fn(&[u8]);
+
+/// Folders of `tests/corpus`, each with the function of its fuzz target.
+const KINDS: [(&str, Replay); 7] = [
+    ("scene", readers::scene),
+    ("render", readers::render),
+    ("obj", readers::obj),
+    ("ply", readers::ply),
+    ("mtl", readers::mtl),
+    ("grid", readers::grid),
+    ("picture", readers::picture),
+];
+
+#[test]
+fn fuzz_corpus_gives_results_or_typed_errors() {
+    for (kind, replay) in KINDS {
+        let folder = project("tests/corpus").join(kind);
+        let entries = fs::read_dir(&folder).unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
+        let paths: Vec<_> = entries.map(|entry| entry.unwrap().path()).collect();
+        assert!(paths.len() >= 10, "{kind} holds {} files", paths.len());
+        // One after the other, so that the last path that is shown is that of a panic.
+        paths.iter().for_each(|path| {
+            println!("{}", path.display());
+            replay(&fs::read(path).unwrap());
+        });
+    }
+}

@@ -1,0 +1,150 @@
+//! What a limit lets through stays within it.
+
+use super::{Shop, scene};
+use serde_json::Value;
+
+/// The limit \[bytes]; a tenth of a gigabyte, so that what just fits is still quick.
+const LIMIT: u64 = 100_000_000;
+
+/// Renders under the limit; the largest memory of the process, or none where it was refused for the limit.
+fn peak(shop: &Shop, more: &[&str]) -> Option<u64> {
+    let limit = LIMIT.to_string();
+    let mut arguments =
+        vec!["render", "a.txt", "-o", "a.png", "--stats", "a.json", "-q", "--threads", "2", "--memory", &limit];
+    arguments.extend(more);
+    let ended = shop.run(&arguments);
+    let told = String::from_utf8_lossy(&ended.stderr);
+    if ended.status.code() == Some(2) {
+        assert!(told.contains("--memory"), "{told}");
+        return None;
+    }
+    assert!(ended.status.success(), "{told}");
+    let stats: Value = serde_json::from_slice(&std::fs::read(shop.path("a.json")).unwrap()).unwrap();
+    stats["peak_memory_bytes"].as_u64()
+}
+
+/// Checks that of growing things, one of each kind known to fit and one not, some fit and stay within the limit, and the last are refused.
+#[track_caller]
+fn within(peaks: &[Option<u64>]) {
+    let fit = peaks.iter().take_while(|peak| peak.is_some()).count();
+    assert!(fit > 0 && fit < peaks.len() && peaks[fit..].iter().all(Option::is_none), "{peaks:?}");
+    assert!(peaks.iter().flatten().all(|peak| *peak <= LIMIT), "{peaks:?}");
+    // A limit that refuses what takes a third of it would be no use.
+    assert!(peaks[fit - 1].is_some_and(|peak| peak > LIMIT / 3), "{peaks:?}");
+}
+
+#[test]
+fn accepted_images_stay_within_memory_limit() {
+    let shop = Shop::new();
+    shop.put(
+        "a.txt",
+        scene(
+            "Materials { Diffuse { reflectance .5 .5 .5 } } Group { MaterialIndex 0 Sphere { center 0 0 0 radius 1 } }",
+        ),
+    );
+    let sizes = ["480x480", "600x600"];
+    let flags = [
+        "--integrator",
+        "hybrid",
+        "--photons",
+        "2k",
+        "--caustic-photons",
+        "2k",
+        "--spp",
+        "1",
+        "--passes",
+        "5",
+        "--size",
+    ];
+    within(&sizes.map(|size| peak(&shop, &[&flags[..], &[size]].concat())));
+}
+
+/// Waves of n × n squares, cut into triangles.
+fn waves(n: u32, ply: bool) -> Vec<u8> {
+    let points = (0..=n).flat_map(|y| (0..=n).map(move |x| (x, y)));
+    let places: Vec<[f32; 3]> = points
+        .map(|(x, y)| {
+            let height = libm::sinf(x as f32 * 0.1) * 0.1;
+            [x as f32 / n as f32 - 0.5, height, y as f32 / n as f32 - 0.5]
+        })
+        .collect();
+    let faces = (0..n * n).flat_map(|i| {
+        let a = i / n * (n + 1) + i % n;
+        [[a, a + 1, a + n + 2], [a, a + n + 2, a + n + 1]]
+    });
+    if !ply {
+        let mut text = String::new();
+        places.iter().for_each(|[x, y, z]| text += &format!("v {x} {y} {z}\n"));
+        faces.for_each(|[a, b, c]| text += &format!("f {} {} {}\n", a + 1, b + 1, c + 1));
+        return text.into();
+    }
+    let mut file = format!(
+        "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\n\
+         element face {}\nproperty list uchar uint vertex_indices\nend_header\n",
+        places.len(),
+        2 * n * n
+    )
+    .into_bytes();
+    file.extend(places.iter().flatten().flat_map(|x| x.to_le_bytes()));
+    for face in faces {
+        file.push(3);
+        file.extend(face.iter().flat_map(|i| i.to_le_bytes()));
+    }
+    file
+}
+
+#[test]
+fn accepted_meshes_stay_within_memory_limit() {
+    let shop = Shop::new();
+    shop.put(
+        "a.txt",
+        scene("Materials { Diffuse { reflectance .5 .5 .5 } } Group { MaterialIndex 0 TriangleMesh { file a.mesh } }"),
+    );
+    for ply in [true, false] {
+        let peaks = [270, 320].map(|n| {
+            shop.put("a.mesh", waves(n, ply));
+            peak(&shop, &["--integrator", "raycast"])
+        });
+        within(&peaks);
+    }
+}
+
+/// Patches so crumpled that they are cut as finely as any: few numbers in the file, and much memory.
+#[test]
+fn accepted_patches_stay_within_memory_limit() {
+    let shop = Shop::new();
+    let peaks = [2, 3].map(|n| {
+        let number = |i: u32| f64::from(i.wrapping_mul(2_654_435_761) >> 16) / 65_536.0;
+        let points: String = (0..36 * n)
+            .map(|i| format!("[ {} {} {} ] ", number(3 * i), number(3 * i + 1), number(3 * i + 2)))
+            .collect();
+        shop.put("a.txt", scene(&format!("Group {{ BezierPatch {{ degreeU 5 degreeV 5 controls {points} }} }}")));
+        peak(&shop, &["--integrator", "raycast"])
+    });
+    within(&peaks);
+}
+
+#[test]
+fn accepted_textures_and_environments_stay_within_memory_limit() {
+    let shop = Shop::new();
+    let noise = |i: u32| glam::Vec3::splat((i.wrapping_mul(2_654_435_761) >> 8) as f32 / 16_777_216.0);
+    // The file itself is in memory too while it is read, and noise does not shrink; what is refused is so for its size alone.
+    for (format, fits) in [(caustica::image::OutputFormat::Png, 1250), (caustica::image::OutputFormat::Exr, 1100)] {
+        let files = [(fits, 1.0), (1400_u32, 0.0)].map(|(n, strength)| {
+            let pixels = (0..n * n).map(|i| noise(i) * strength).collect();
+            let image = caustica::image::Image::from_pixels(n, n, pixels).unwrap();
+            caustica::image::encode(format, &image, &caustica::image::WriteOptions::default()).unwrap().0
+        });
+        for more in [
+            "Textures { Image a { file a.picture } } Materials { Diffuse { reflectance a } } Group { MaterialIndex 0 Sphere { center 0 0 0 radius 1 } }",
+            "Lights { EnvironmentLight { file a.picture } } Group { }",
+        ] {
+            shop.put("a.txt", scene(more));
+            let peaks = files.each_ref().map(|file| {
+                shop.put("a.picture", file);
+                peak(&shop, &["--integrator", "raycast"])
+            });
+            within(&peaks);
+        }
+    }
+}

@@ -1,0 +1,47 @@
+//! Pipes that nobody writes to and devices that never end, where files are named: refused, not waited for.
+
+use super::{Shop, scene};
+use std::process::{Command, Output};
+use std::time::{Duration, Instant};
+
+/// As [`Shop::run`], but what waits is ended after ten seconds, with code 124.
+fn run(shop: &Shop, arguments: &[&str]) -> Output {
+    let mut shell = Command::new("sh");
+    shell.args(["-c", "ulimit -v 2000000 && exec timeout 10 \"$0\" \"$@\"", env!("CARGO_BIN_EXE_caustica")]);
+    shell.current_dir(shop.path("")).args(arguments).output().unwrap()
+}
+
+#[test]
+fn endless_files_are_refused_at_once() {
+    let shop = Shop::new();
+    assert!(Command::new("mkfifo").arg(shop.path("pipe")).status().unwrap().success());
+    shop.put("plain.txt", scene("Group { Sphere { center 0 0 0 radius 1 } }"));
+    shop.put("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n");
+    let mesh = |name: &str| format!("Group {{ TriangleMesh {{ obj_file \"{name}\" materials file }} }}");
+    for (name, library) in [("pipe", "pipe"), ("zero", "/dev/zero")] {
+        let text = format!("mtllib {library}\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n");
+        shop.put(&format!("{name}.obj"), text);
+        shop.put(&format!("{name}.txt"), scene(&mesh(&format!("{name}.obj"))));
+    }
+    shop.put("mesh.txt", scene(&mesh("pipe")));
+    let render = |name| ["render", name, "-o", "a.png"];
+    for (arguments, words) in [
+        (&render("pipe.txt")[..], ["pipe", "check that it is a file"]),
+        (&render("zero.txt"), ["/dev/zero", "check that it is a file"]),
+        (&render("pipe"), ["a pipe or a device", "check the path"]),
+        (&render("/dev/zero"), ["a pipe or a device", "check the path"]),
+        (&render("mesh.txt"), ["pipe", "put the file"]),
+        (&["mesh", "pipe"], ["pipe", "check that it is a file"]),
+        (&["diff", "pipe", "/dev/zero"], ["pipe", "name a file"]),
+        (&["study", "plain.txt", "--methods", "raycast", "--truth", "pipe"], ["pipe", "name a file"]),
+    ] {
+        let start = Instant::now();
+        let ended = run(&shop, arguments);
+        let told = String::from_utf8_lossy(&ended.stderr).replace(['│', '╭', '╰', '─', '▶'], " ");
+        let told = told.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert_eq!(ended.status.code(), Some(1), "{arguments:?}: {told}");
+        words.iter().for_each(|word| assert!(told.contains(word), "{arguments:?}: `{word}` is not in: {told}"));
+        // Milliseconds, on a busy machine some hundred.
+        assert!(start.elapsed() < Duration::from_secs(5), "{arguments:?}");
+    }
+}

@@ -1,0 +1,123 @@
+//! What the fuzz targets do with bytes, and what the replayed corpus does: each ends with a result or a typed error.
+
+use caustica::format::description::{Density, Description};
+use caustica::format::{Source, grid, mesh, mtl, parse, parse_bytes, resolve};
+use caustica::image::{Meaning, decode};
+use caustica::integrate::{Algorithm, EyeSettings, Settings, Silent};
+use caustica::light::EnvironmentLight;
+use caustica::scene::Scene;
+use caustica::texture::{Picture, Wrap};
+use glam::Vec3;
+use std::path::Path;
+
+/// Memory that pictures, meshes and grids may take \[bytes]: a small file may tell of a large one.
+const FREE: Option<u64> = Some(1 << 28);
+
+/// Cells of a cloud beyond which making it takes longer than what is sought here.
+const CLOUD: u32 = 24;
+
+/// Where no file is.
+const NOWHERE: &str = "/nowhere/at/all";
+
+fn described(bytes: &[u8]) -> Option<Description> {
+    match parse_bytes("fuzz.txt", bytes) {
+        Ok(description) => Some(description),
+        Err(error) => {
+            // A place beyond the text would fail here.
+            assert!(
+                !error.to_string().is_empty() && !error.remedy().is_empty() && error.text().len() <= bytes.len() * 3
+            );
+            None
+        }
+    }
+}
+
+fn resolved(description: &Description, bytes: &[u8]) -> Option<Scene> {
+    let cloud = |density: &Density| matches!(density, Density::Cloud { resolution, .. } if *resolution > CLOUD);
+    if description.media.iter().any(|medium| cloud(&medium.density)) {
+        return None;
+    }
+    let source = Source::new("fuzz.txt", &String::from_utf8_lossy(bytes));
+    resolve(description, &source, Path::new(NOWHERE)).inspect_err(|e| assert!(!e.remedy().is_empty())).ok()
+}
+
+/// The scene language: what is read prints, what is printed reads back as the same; then it is resolved without files.
+pub fn scene(bytes: &[u8]) {
+    let Some(description) = described(bytes) else { return };
+    let printed = description.to_string();
+    let again = parse("printed.txt", &printed).unwrap_or_else(|e| panic!("{e}\n{printed}"));
+    assert!(again == description, "{printed}");
+    resolved(&description, bytes);
+}
+
+/// A scene that is read and rendered in 2 × 2 pixels: every one is finite. Paths need no pilots, which would take a second a scene.
+pub fn render(bytes: &[u8]) {
+    let Some(mut description) = described(bytes) else { return };
+    (description.camera.value.width, description.camera.value.height) = (2, 2);
+    let Some(scene) = resolved(&description, bytes) else { return };
+    let eye = EyeSettings { samples: Some(1), max_bounces: 6, ..EyeSettings::default() };
+    let settings = Settings { eye, balance: false, ..Settings::default() };
+    let pass = Algorithm::Path.prepare(&scene, settings).pass(0, &Silent);
+    assert!(pass.image.iter().all(|pixel| pixel.is_finite()), "{:?}", pass.image);
+}
+
+/// A mesh as OBJ.
+pub fn obj(bytes: &[u8]) {
+    loaded("fuzz.obj", bytes);
+}
+
+/// A mesh as PLY.
+pub fn ply(bytes: &[u8]) {
+    loaded("fuzz.ply", bytes);
+}
+
+fn loaded(name: &str, bytes: &[u8]) {
+    match mesh::decode(Path::new(name), bytes.to_vec(), &(), FREE) {
+        Ok(mut loaded) => {
+            let vertices = loaded.mesh.positions.len();
+            assert!(loaded.mesh.triangles.iter().flatten().all(|v| (*v as usize) < vertices));
+            assert!(loaded.mesh.positions.iter().all(|p| p.is_finite()));
+            assert!(loaded.repeated() <= loaded.vertices);
+            assert_eq!(
+                loaded.mesh.parts().iter().map(|(_, part)| part.triangles.len()).sum::<usize>(),
+                loaded.mesh.triangles.len()
+            );
+            assert!(loaded.mesh.report().components <= loaded.mesh.triangles.len());
+            loaded.mesh.repair(&mesh::Repair { weld: Some(1e-9), duplicates: true, degenerate: true, orient: true });
+            loaded.mesh.smooth(30.0);
+        }
+        Err(error) => assert!(error.to_string().contains(name), "{error}"),
+    }
+}
+
+/// Materials as MTL.
+pub fn mtl(bytes: &[u8]) {
+    match mtl::decode(Path::new("fuzz.mtl"), bytes) {
+        Ok(materials) => materials.iter().for_each(|material| drop(material.meaning())),
+        Err(error) => assert!(error.to_string().contains("fuzz.mtl"), "{error}"),
+    }
+}
+
+/// Densities on a grid.
+pub fn grid(bytes: &[u8]) {
+    match grid::decode(Path::new("fuzz.grid"), bytes.len() as u64, bytes, FREE) {
+        Ok(grid) => assert!(grid.values.iter().all(|v| v.is_finite() && *v >= 0.0)),
+        Err(error) => assert!(error.to_string().contains("fuzz.grid"), "{error}"),
+    }
+}
+
+/// A picture as PNG, OpenEXR or Radiance HDR, and the texture and environment that it makes.
+pub fn picture(bytes: &[u8]) {
+    for meaning in [Meaning::Light, Meaning::Numbers] {
+        match decode(Path::new("fuzz.picture"), bytes, meaning, FREE) {
+            Ok((image, _)) => {
+                // Large ones take long and show no more.
+                if image.pixels().len() <= 1 << 16 {
+                    let _ = Picture::new(&image, Wrap::Repeat);
+                    let _ = EnvironmentLight::new(image, 0.3, Vec3::ONE);
+                }
+            }
+            Err(error) => assert!(error.to_string().contains("fuzz.picture"), "{error}"),
+        }
+    }
+}

@@ -1,0 +1,152 @@
+//! Ways across a million boundaries of bodies in bodies.
+
+use crate::support::image;
+use caustica::camera::Camera;
+use caustica::color::Rgb;
+use caustica::integrate::{Algorithm, EyeSettings, Settings};
+use caustica::medium::{Medium, PhaseFunction};
+use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
+use caustica::sampling::{Key, Purpose};
+use caustica::scene::{Body, LightStrength, Material, SceneBuilder, SourceKind};
+use caustica::shape::{Rectangle, Shape};
+use glam::DVec3;
+use std::time::{Duration, Instant};
+
+/// Bodies around each other, many times what a walk has room to remember.
+const NEST: u32 = 100;
+
+/// Crossings of the whole nest: 2 · 100 · 5,000 boundaries.
+const TURNS: u32 = 5000;
+
+/// Optical depth of all crossings.
+const DEPTH: f64 = 1.0;
+
+/// What a way of so many boundaries may be off by, as part of the light: in each body σ is rounded to 2⁻²⁴; each crossing of the nest
+/// multiplies once and rounds what it multiplies by, 2·2⁻²⁴; and at each of 200 boundaries a ray starts a few roundings of a
+/// coordinate of 1 late, 8·2⁻²⁴ at most of a way of 2.
+const ROUNDING: f64 = (DEPTH + 2.0 * 5000.0 + 100.0 * 8.0 * DEPTH) / 16_777_216.0;
+
+/// A rectangle around `center` with these edges.
+fn sheet(center: DVec3, edge0: DVec3, edge1: DVec3) -> Shape {
+    Shape::Rectangle(Rectangle::new(center - 0.5 * (edge0 + edge1), edge0, edge1))
+}
+
+/// Half the thickness of body `i`, the outermost first.
+fn half(i: u32) -> f64 {
+    0.9 * f64::from(NEST - i) / f64::from(NEST)
+}
+
+/// Absorption of what is in body `i`, and of crossing all of them `turns` times [`DEPTH`]: no two neighbours are alike, so that a walk that
+/// takes one for another is found out.
+fn sigma(i: u32, turns: u32) -> f64 {
+    let uneven = |i: u32| 1.0 + f64::from(i % 7);
+    let thickness = |i: u32| 2.0 * (half(i) - if i + 1 < NEST { half(i + 1) } else { 0.0 });
+    let total: f64 = (0..NEST).map(|i| uneven(i) * thickness(i)).sum();
+    uneven(i) / total * DEPTH / f64::from(turns)
+}
+
+/// What fills the bodies.
+#[derive(Clone, Copy, Debug)]
+enum Filled {
+    /// Media.
+    Media,
+    /// The bodies themselves absorb.
+    Bodies,
+}
+
+/// Slabs in slabs across the x axis, which light enters and leaves without noticing.
+fn nest(b: &mut SceneBuilder, filled: Filled, turns: u32) {
+    let (y, z) = (DVec3::Y * 400.0, DVec3::Z * 400.0);
+    for i in 0..NEST {
+        let absorption = Rgb::splat(sigma(i, turns) as f32);
+        let body = match filled {
+            Filled::Media => {
+                Body::clear(b.medium(Medium::homogeneous(absorption, Rgb::ZERO, Rgb::ZERO, PhaseFunction::Isotropic)))
+            }
+            Filled::Bodies => Body { absorption, clear: true, ..Body::new(1.0) },
+        };
+        let body = b.material(Material::body(body));
+        b.shape(sheet(DVec3::X * half(i), y, z), body, Rgb::ZERO);
+        b.shape(sheet(-DVec3::X * half(i), z, y), body, Rgb::ZERO);
+    }
+}
+
+/// A camera on the x axis that looks along it through one pixel.
+fn along_x() -> Camera {
+    Camera::orthographic(-0.95 * DVec3::X, DVec3::X, DVec3::Z, 1e-3, 1, 1).unwrap()
+}
+
+fn settings(max_bounces: u32) -> Settings {
+    let eye = EyeSettings { samples: Some(1), max_bounces, ..EyeSettings::default() };
+    Settings { eye, balance: false, ..Settings::default() }
+}
+
+/// Back and forth between two mirrors, the farther of which shines with radiance 1: Σ exp(−(2k + 1)τ) over its 2,500 encounters, where τ is the
+/// depth of a crossing. The sum adds as many roundings of 2⁻²⁴ of itself as it has terms.
+#[test]
+fn camera_ray_obeys_beer_over_million_boundaries() {
+    let tau = DEPTH / f64::from(TURNS);
+    let expected: f64 = (0..TURNS / 2).map(|k| libm::exp(-f64::from(2 * k + 1) * tau)).sum();
+    let slack = ROUNDING + f64::from(TURNS / 2) / 16_777_216.0;
+    let off = [Filled::Media, Filled::Bodies].map(|filled| {
+        let mut b = SceneBuilder::new();
+        let silver = b.material(Material::mirror(Rgb::ONE));
+        let (y, z) = (DVec3::Y * 2.0, DVec3::Z * 2.0);
+        b.shape(sheet(DVec3::X, z, y), silver, Rgb::ONE);
+        b.shape(sheet(-DVec3::X, y, z), silver, Rgb::ZERO);
+        nest(&mut b, filled, TURNS);
+        let scene = b.build(along_x()).unwrap();
+        let begun = Instant::now();
+        let image = image(&*Algorithm::Path.prepare(&scene, settings(TURNS - 1)), 0);
+        // Half a second here.
+        assert!(begun.elapsed() < Duration::from_secs(60));
+        (f64::from(image[0].y) / expected - 1.0).abs()
+    });
+    assert!(off.iter().all(|off| *off < slack), "media, bodies: {off:?}, may be {slack}");
+}
+
+/// The same way for photons of a spot of half angle 10⁻³, which lengthens it by less than 10⁻⁶: what is left when their bounces are over.
+#[test]
+fn photons_obey_beer_over_million_boundaries() {
+    let off = [Filled::Media, Filled::Bodies].map(|filled| {
+        let mut b = SceneBuilder::new();
+        let silver = b.material(Material::mirror(Rgb::ONE));
+        let (y, z) = (DVec3::Y * 400.0, DVec3::Z * 400.0);
+        b.shape(sheet(DVec3::X, z, y), silver, Rgb::ZERO);
+        b.shape(sheet(-DVec3::X, y, z), silver, Rgb::ZERO);
+        nest(&mut b, filled, TURNS);
+        let spot = SourceKind::Spot { position: -0.95 * DVec3::X, axis: DVec3::X, inner: 0.9e-3, outer: 1e-3 };
+        b.source(spot, LightStrength::Power(Rgb::ONE));
+        let scene = b.build(along_x()).unwrap();
+        let source = PhotonSource::everywhere(&scene).unwrap();
+        let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::ALL, max_bounces: TURNS - 1 };
+        let audit = pass.trace(Key::new(3).purpose(Purpose::Test), 2, &|_| {}).audit;
+        let left = audit.stopped[1] / audit.emitted[1];
+        let booked = (audit.absorbed[1] + audit.stopped[1] + audit.roulette[1]) / audit.emitted[1];
+        // Five thousand differences of single precision.
+        assert!((booked - 1.0).abs() < 5000.0 / 16_777_216.0 && audit.escaped == [0.0; 3], "{audit:?}");
+        (left / libm::exp(-DEPTH) - 1.0).abs()
+    });
+    assert!(off.iter().all(|off| *off < ROUNDING + 1e-6), "media, bodies: {off:?}, may be {ROUNDING}");
+}
+
+/// A shadow ray through 200 boundaries from a floor to parallel light: e^{−depth}, though walks have room for twelve bodies.
+#[test]
+fn shadow_rays_cross_more_bodies_than_stack_holds() {
+    for filled in [Filled::Media, Filled::Bodies] {
+        let mut b = SceneBuilder::new();
+        let white = b.material(Material::diffuse(Rgb::ONE));
+        nest(&mut b, filled, 1);
+        b.shape(sheet(-DVec3::X, DVec3::Y * 2.0, DVec3::Z * 2.0), white, Rgb::ZERO);
+        let sun = SourceKind::Directional { direction: -DVec3::X };
+        b.source(sun, LightStrength::Physical(Rgb::splat(std::f32::consts::PI)));
+        let camera = Camera::orthographic(-0.95 * DVec3::X, -DVec3::X, DVec3::Z, 1e-3, 1, 1).unwrap();
+        let scene = b.build(camera).unwrap();
+        for algorithm in [Algorithm::Path, Algorithm::Hybrid, Algorithm::Distributed] {
+            let found = f64::from(image(&*algorithm.prepare(&scene, settings(10)), 0)[0].y);
+            // As above, of one crossing, with a few operations of shading.
+            let slack = (DEPTH + 100.0 * 8.0 * DEPTH + 16.0) / 16_777_216.0;
+            assert!((found / libm::exp(-DEPTH) - 1.0).abs() < slack, "{filled:?}, {}: {found}", algorithm.name());
+        }
+    }
+}

@@ -1,0 +1,15 @@
+//! Cases that break naive renderers, group by group as docs/stability.md tells them. A failure is a wrong mean, a value that is not
+//! finite anywhere, a crack, a leak, a hang or a panic. Tolerances are derived beside each test; none is fitted to a result.
+
+mod accumulation;
+mod cameras;
+mod curved;
+mod input;
+mod media;
+mod normals;
+mod photons;
+mod refraction;
+mod sampling;
+mod scale;
+mod transforms;
+mod triangles;

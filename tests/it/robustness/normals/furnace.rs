@@ -1,0 +1,91 @@
+//! Energy: where all that surrounds a thing sends radiance 1, nothing that is shaded sends more.
+
+use crate::support::{mean_and_error, pixels, scene, student};
+use caustica::color::Rgb;
+use caustica::integrate::{Algorithm, EyeSettings, Settings};
+use caustica::scene::Scene;
+use rayon::prelude::*;
+
+/// A thing under an even sky, of every lossless material.
+fn furnace(object: &str, relief: &str, material: &str, view: &str) -> Scene {
+    scene(&format!(
+        "PerspectiveCamera {{ {view}  up 0 0 1  width {SIDE}  height {SIDE} }}
+        Lights {{ EnvironmentLight {{ radiance 1 1 1 }} }}
+        Textures {{ Noise lumps {{ frequency 5  octaves 3 }} Checker down {{ color0 .9 .2 0  color1 .9 .2 0 }} }}
+        Materials {{ {material} m {{ {} {relief} }} }}
+        Group {{ MaterialName m {object} }}",
+        match material {
+            "Diffuse" | "Mirror" => "reflectance 1 1 1",
+            "Phong" => "diffuseColor .5 .5 .5  specularColor 8 8 8  shininess 30",
+            "Conductor" => "eta .001 .001 .001  k 1000 1000 1000  roughness .6",
+            _ => "indexOfRefraction 1.5",
+        }
+    ))
+}
+
+const PASSES: u32 = 8;
+const SIDE: usize = 8;
+
+const BALL: &str = "TriangleMesh { obj_file coarse-ball.obj }";
+const FLOOR: &str = "Rectangle { corner -50 0 -50  edge0 0 0 100  edge1 100 0 0 }";
+const AROUND: &str = "center 0 3 0  direction 0 -1 0  angle 45";
+/// Along the floor, by 1 to 6° to it.
+const GRAZING: &str = "center -3 .2 0  direction 1 -.06 0  angle 5";
+
+/// In no algorithm is the mean of a picture above 1. At most is an albedo of 1 in a sky of 1, so the mean of all passes may be above only by
+/// chance: Student's test over passes, one false alarm in 10⁶ each.
+#[test]
+fn shading_normals_never_exceed_furnace() {
+    let mut cases = Vec::new();
+    for material in ["Diffuse", "Phong", "Mirror", "Conductor", "Dielectric", "Thin"] {
+        for (object, view) in [(BALL, AROUND), (FLOOR, GRAZING)] {
+            for relief in ["", "bump lumps  bumpHeight .3", "bump lumps  bumpHeight 30", "normalMap down"] {
+                // A plane without relief has one normal; a normal map wants coordinates, which the ball has not.
+                if (object == FLOOR) != relief.is_empty() && !(object == BALL && relief == "normalMap down")
+                    || (object == BALL && relief == "bump lumps  bumpHeight .3")
+                {
+                    cases.push((material, object, view, relief));
+                }
+            }
+        }
+    }
+    cases.par_iter().for_each(|(material, object, view, relief)| {
+        let scene = furnace(object, relief, material, view);
+        for algorithm in [Algorithm::Path, Algorithm::Hybrid, Algorithm::Sppm] {
+            let what = format!("{material}, {relief}, {algorithm:?}");
+            let eye = EyeSettings {
+                samples: Some(if matches!(*material, "Mirror" | "Thin") { 2 } else { 64 }),
+                ..EyeSettings::default()
+            };
+            let settings = Settings {
+                photons: 1000,
+                caustic_photons: 1000,
+                radius: Some(0.2),
+                balance: false,
+                eye,
+                ..Settings::default()
+            };
+            let all = pixels(&scene, algorithm, settings, PASSES);
+            assert!(all.iter().all(|p| p.is_finite() && p.min_element() >= 0.0), "{what}");
+            let of = |part: fn(usize) -> bool| {
+                let mean = |image: &[Rgb]| {
+                    let kept = image.iter().enumerate().filter(|(i, _)| part(i / SIDE)).map(|(_, p)| f64::from(p.x));
+                    let (n, sum) = kept.fold((0.0, 0.0), |(n, sum), x| (n + 1.0, sum + x));
+                    sum / n
+                };
+                let means: Vec<f64> = all.chunks(SIDE * SIDE).map(mean).collect();
+                mean_and_error(&means)
+            };
+            // The whole, and the farthest and nearest rows, of which those of the floor are the flattest and the steepest.
+            for (part, sharp) in [(of(|_| true), 0.005), (of(|row| row < 2), 0.015), (of(|row| row >= SIDE - 2), 0.015)]
+            {
+                let (mean, error) = part;
+                // Colours and sums are in single precision.
+                let excess = mean - 1.0 - 1e-5;
+                let p = if excess <= 0.0 { 1.0 } else { student(excess / error, f64::from(PASSES - 1)) };
+                assert!(p >= 2e-6, "{what}: {mean} ± {error}");
+                assert!(mean > 0.2 && error < sharp, "{what}: {mean} ± {error}");
+            }
+        }
+    });
+}

@@ -1,0 +1,100 @@
+//! No light through the back, whatever shading normals say.
+
+use crate::support::{key, pixels, scene};
+use caustica::integrate::{Algorithm, EyeSettings, Settings};
+use caustica::math::{Ray, warp};
+use caustica::photon::{Photon, PhotonPass, PhotonSource, StoreMask};
+use caustica::sampling::Dimension;
+use caustica::scene::{Effects, RayCone, Scene};
+
+/// All opaque kinds; `{relief}` is what tilts their normals.
+fn materials(relief: &str) -> String {
+    format!(
+        "Textures {{ Noise lumps {{ frequency 9  octaves 3 }}  Checker down {{ color0 1 .5 0  color1 1 .5 0 }}  Checker aside {{ color0 1 .5 .5  color1 1 .5 .5 }} }}
+        Materials {{
+            Diffuse matt {{ reflectance 1 1 1  {relief} }}
+            Phong gloss {{ diffuseColor .3 .3 .3  specularColor 9 9 9  shininess 30  {relief} }}
+            Mirror mirror {{ reflectance 1 1 1  {relief} }}
+            Conductor metal {{ metal silver  roughness .1  {relief} }}
+            Conductor rough {{ metal silver  roughness .8  {relief} }}
+        }}"
+    )
+}
+
+const KINDS: [&str; 5] = ["matt", "gloss", "mirror", "metal", "rough"];
+
+fn settings() -> Settings {
+    let eye = EyeSettings { samples: Some(2), ..EyeSettings::default() };
+    Settings { photons: 2000, caustic_photons: 2000, radius: Some(0.2), balance: false, eye, ..Settings::default() }
+}
+
+/// Every pixel is 0 in all algorithms that know shadows, and no photon gets in; but the same scene is lit for a camera outside.
+fn dark(inside: &Scene, what: &str) {
+    for algorithm in Algorithm::ALL.into_iter().filter(|a| *a != Algorithm::Raycast) {
+        let image = pixels(inside, algorithm, settings(), 2);
+        let lit: Vec<_> = image.iter().enumerate().filter(|(_, p)| p.max_element() != 0.0).collect();
+        assert!(lit.is_empty(), "{what}: {algorithm:?} lets light in at {lit:?}");
+    }
+}
+
+/// From inside of a closed ball of flat faces that is shaded as round, under a sky and a lamp: night.
+#[test]
+fn coarse_ball_is_dark_inside() {
+    for kind in KINDS {
+        for relief in ["", "bump lumps  bumpHeight .5"] {
+            let ball = |center: &str| {
+                scene(&format!(
+                    "PerspectiveCamera {{ center {center}  direction 0 0 -1  up 0 1 0  angle 90  width 12  height 12 }}
+                    Lights {{
+                        EnvironmentLight {{ radiance 1 1 1 }}
+                        PointLight {{ position 2 2 2  power 99 99 99 }}
+                        SphereLight {{ center -2 1 2  radius .5  power 99 99 99 }}
+                    }}
+                    {}
+                    Group {{ MaterialName {kind} TriangleMesh {{ obj_file coarse-ball.obj }} }}",
+                    materials(relief)
+                ))
+            };
+            let inside = ball("0 0 .5");
+            dark(&inside, &format!("{kind} {relief}"));
+            let lit = pixels(&ball("0 0 3"), Algorithm::Path, settings(), 1);
+            assert!(lit.iter().all(|p| p.max_element() > 0.0), "{kind} is lit from outside");
+            let source = PhotonSource::everywhere(&inside).unwrap();
+            let pass = PhotonPass { scene: &inside, source: &source, mask: StoreMask::ALL, max_bounces: 20 };
+            let traced = pass.trace(key(70), 1 << 14, &|_| {});
+            // A photon knows on which side it landed: outwards is away from the middle of the ball.
+            let outwards = |p: &Photon| p.data.normal().dot(p.position + inside.middle().as_vec3()) > 0.0;
+            assert!(traced.photons.iter().all(outwards), "{kind}: photons inside");
+        }
+    }
+}
+
+/// Behind a wall whose relief would tilt normals below the horizon: night too. Normals never do that, and lean where they are told.
+#[test]
+fn bumps_below_horizon_leak_no_light() {
+    for relief in ["bump lumps  bumpHeight 1000", "bump lumps  bumpHeight -1e9", "normalMap down", "normalMap aside"] {
+        for kind in KINDS {
+            let walls = scene(&format!(
+                "PerspectiveCamera {{ center 0 0 2  direction 0 0 -1  up 0 1 0  angle 60  width 12  height 12 }}
+                Background {{ color 0 0 0 }}
+                Lights {{ PointLight {{ position 0 0 -2  power 99 99 99 }}
+                    DiscLight {{ center 1 0 -2  normal -.3 0 1  radius .5  power 99 99 99 }} }}
+                {}
+                Group {{ MaterialName {kind} Rectangle {{ corner -20 -20 0  edge0 40 0 0  edge1 0 40 0 }} }}",
+                materials(relief)
+            ));
+            dark(&walls, &format!("{kind} {relief}"));
+            let mut least = 1.0f32;
+            for i in 0..2000u64 {
+                let direction = warp::sphere(key(71).with(i).uniform_2d(Dimension::LightDirection));
+                let ray = Ray::new(-direction * 2.0, direction);
+                let Some(hit) = walls.intersect(&ray) else { continue };
+                let point = walls.surface(&ray, &hit, &RayCone::point(Effects::ALL), || 0.5).point;
+                assert!((point.ns.length() - 1.0).abs() < 1e-6);
+                least = least.min(point.ns.dot(point.ng));
+            }
+            // 0.05, that is 87.1°, is where the tilt ends; the steepest of these reliefs get there.
+            assert!((0.0499..0.2).contains(&least), "{kind} {relief}: {least}");
+        }
+    }
+}

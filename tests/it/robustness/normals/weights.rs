@@ -1,0 +1,215 @@
+//! What shading normals do to the weights of photons: Veach's factor has no bound, but a mean, and a tail that is known.
+//!
+//! For light that comes alike from everywhere, photons arrive at a surface as the cosine to its geometric normal says.
+
+use crate::support::{key, midpoint, scene};
+use caustica::bsdf::{Bsdf, Conductor, Dielectric, Phong, Thin, Transport, deposit_factor};
+use caustica::math::{Frame, warp};
+use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
+use caustica::sampling::{Dimension, Key};
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
+use std::f64::consts::FRAC_PI_2;
+
+/// Weights above it are left out of sums, so that these have a variance: what that takes from a mean is bounded beside each.
+const MOST: f64 = 100.0;
+
+/// Two-sided quantile of the normal distribution for one false alarm in 10⁶.
+const Z: f64 = 4.9;
+
+const N: u64 = 1 << 18;
+
+/// Photons as they arrive: directions to where they came from.
+fn arrival(key: Key) -> Vec3 {
+    Frame::around(Vec3::Z).to_world(warp::cosine_hemisphere(key.uniform_2d(Dimension::LightDirection)))
+}
+
+fn tilted(degrees: f32) -> Vec3 {
+    let (sin, cos) = libm::sincosf(degrees.to_radians());
+    Vec3::new(0.6 * sin, 0.8 * sin, cos)
+}
+
+/// Mean of numbers up to [`MOST`], and [`Z`] standard errors.
+fn mean(values: impl ParallelIterator<Item = f64>) -> (f64, f64) {
+    let zero = || (0.0, 0.0);
+    let add = |(s, q): (f64, f64), (t, r): (f64, f64)| (s + t, q + r);
+    let (sum, squares) = values.map(|x| (x.min(MOST), x.min(MOST) * x.min(MOST))).reduce(zero, add);
+    let (mean, square) = (sum / N as f64, squares / N as f64);
+    (mean, Z * ((square - mean * mean).max(0.0) / N as f64).sqrt())
+}
+
+/// Flux that lands is kept: the mean over arrivals of |w·ns|/|w·ng| is ∫|w·ns| dω/π over the upper half space, (1 + c)/2 from where the
+/// normals agree and (1 − c)/2 from where they do not, c their cosine and s their sine.
+///
+/// Of a direction the slope along one axis is beyond a with P = ½(1 − a/√(1 + a²)), and the factor is |c + s·slope|: so many are beyond x
+/// by P((x − c)/s) + P((x + c)/s). As P(a) < 1/4a², that is below s²/(x − c)², and so is its integral from x on below s²/(x − c).
+#[test]
+fn photon_weights_conserve_flux_with_bounded_tail() {
+    for degrees in [5.0, 37.0, 70.0, 87.0] {
+        let ns = tilted(degrees);
+        let (c, s) = (f64::from(ns.z), f64::from((1.0 - ns.z * ns.z).sqrt()));
+        let factor = |i: u64| f64::from(deposit_factor(arrival(key(60).with(i)), ns, Vec3::Z));
+        let (kept, error) = mean((0..N).into_par_iter().map(factor));
+        let cut = s * s / (MOST - c);
+        assert!(kept <= 1.0 + error && kept >= 1.0 - cut - error, "{degrees}°: {kept} ± {error}");
+        for x in [1.5, 3.0, 10.0, 30.0] {
+            let beyond_slope = |a: f64| 0.5 * (1.0 - a / (1.0 + a * a).sqrt());
+            let expected = N as f64 * (beyond_slope((x - c) / s) + beyond_slope((x + c) / s));
+            let beyond = (0..N).into_par_iter().filter(|i| factor(*i) > x).count() as f64;
+            // Poisson's, whose tail at few counts is longer than the normal one.
+            let noise = Z * expected.sqrt() + 10.0;
+            assert!((beyond - expected).abs() <= noise, "{degrees}°: {beyond} beyond {x}, {expected}");
+        }
+    }
+}
+
+/// A matt surface of albedo 1: arriving and leaving each have the mean (1 + c)/2 of the directions on which normals agree.
+///
+/// Both factors are c + s·slope where that is above 0, else 0, of slopes that know nothing of each other: the numbers up to [`MOST`] have the
+/// mean E[a G(MOST/a)], where G(z), the integral of P(b > x) up to z, is ½(z + 1 − √(s² + (z − c)²)); with slope = tanφ it is an
+/// integral of ½ cosφ dφ. Factors are rounded some ten times in single precision.
+#[test]
+fn diffuse_scatters_where_both_normals_agree() {
+    for degrees in [5.0, 37.0, 70.0] {
+        let ns = tilted(degrees);
+        let (c, s) = (f64::from(ns.z), f64::from((1.0 - ns.z * ns.z).sqrt()));
+        let up_to = |z: f64| 0.5 * (1.0 + (2.0 * c * z - 1.0) / (z + (s * s + (z - c) * (z - c)).sqrt()));
+        let part = |phi: f64| {
+            let flux = 0.5 * (c * libm::cos(phi) + s * libm::sin(phi));
+            flux * up_to(MOST * libm::cos(phi) * 0.5 / flux)
+        };
+        // Bends over a radian are a few hundred at most, where what is drawn crosses the bound: an error of 10⁻⁷.
+        let expected = midpoint(-libm::atan(c / s), FRAC_PI_2, 20_000, part);
+        // What arrives from beyond the shading horizon meets the normal from behind, which then looks away: (1 − c)/2 of each.
+        let (agreeing, error) = mean((0..N).into_par_iter().map(|i| {
+            let wo = arrival(key(61).with(i));
+            if wo.dot(ns) > 0.0 { scattered(&Bsdf::Diffuse(Vec3::ONE), wo, ns, i, Transport::Importance) } else { 0.0 }
+        }));
+        assert!((agreeing - expected).abs() <= error + 1e-6, "{degrees}°: {agreeing} ± {error}, {expected}");
+        assert!(error < 0.05 * expected, "{degrees}°: {error}");
+    }
+}
+
+/// What is left of a photon that arrives from `wo`.
+fn scattered(bsdf: &Bsdf, wo: Vec3, ns: Vec3, i: u64, transport: Transport) -> f64 {
+    let key = key(62).with(i);
+    let (lobe, u) = (key.uniform(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
+    bsdf.sample(wo, ns, Vec3::Z, lobe, u, transport).map_or(0.0, |s| {
+        let adjoint = if transport == Transport::Importance { s.adjoint(wo, ns, Vec3::Z) } else { 1.0 };
+        let weight = f64::from(s.weight.x * adjoint);
+        assert!(weight.is_finite() && weight >= 0.0, "{bsdf:?} {wo} {ns}: {s:?}");
+        weight
+    })
+}
+
+fn lossless() -> Vec<(Bsdf, bool)> {
+    let metal = |alpha| Bsdf::Conductor(Conductor::new(Vec3::ZERO, Vec3::splat(2.0), alpha));
+    vec![
+        (Bsdf::Diffuse(Vec3::ONE), false),
+        (Bsdf::Phong(Phong::new(Vec3::ZERO, Vec3::splat(100.0), 30.0)), false),
+        (Bsdf::Mirror(Vec3::ONE), true),
+        (metal(0.0), true),
+        (metal(0.1), false),
+        (metal(1.0), false),
+        (Bsdf::Thin(Thin { eta: 1.5, transmittance: Vec3::ONE }), true),
+        (Bsdf::Dielectric(Dielectric { eta: 1.5 }), false),
+        (Bsdf::dielectric(1.5, 0.1), false),
+        (Bsdf::dielectric(1.5, 1.0), false),
+    ]
+}
+
+/// The most that leaves of what arrives from inside of glass of index 1.5 under normals of cosine `c`: who looks from outside sees the same
+/// share of the inside in all directions on which normals agree, (1 + c)/2 of them by flux, of which the directions inside that lead there
+/// have the part c. That is T(1 − c)/2n² more. Directions that ns would send into the surface leave by ng: they are the (1 − c)/2 on which
+/// normals do not agree outside, seen from inside, where their cosine to ns is above √(1 − n⁻²).
+fn out_of_glass(c: f64) -> f64 {
+    let n2 = 1.5 * 1.5;
+    1.0 + 0.5 * (1.0 - c) / n2 * (1.0 + 1.0 / (1.0 - 1.0 / n2).sqrt())
+}
+
+/// Nothing scatters more than arrives, in the mean over light from everywhere. A mirror, and all that sends light straight on, loses
+/// nothing either: mirroring about ns keeps solid angles, and where that would dive below the surface, it is mirrored about ng. The exception
+/// is light out of glass: see [`out_of_glass`].
+///
+/// Factors of mirrors are |wi·ng|/|wo·ng|, beyond x with P ≤ P(cosine < 1/x) = 1/x²; the mean beyond 100 is below 1/50.
+#[test]
+fn no_surface_reflects_more_than_it_receives() {
+    for (bsdf, keeps) in lossless() {
+        for degrees in [5.0, 37.0, 70.0, 87.0] {
+            let ns = tilted(degrees);
+            for ns in [ns, -ns] {
+                // The outer side is that of both normals.
+                let turn = if ns.z < 0.0 { -1.0 } else { 1.0 };
+                let from = |i: u64| arrival(key(63).with(i)) * Vec3::new(1.0, 1.0, turn);
+                let values =
+                    (0..N).into_par_iter().map(|i| scattered(&bsdf, from(i), ns * turn, i, Transport::Importance));
+                let (kept, error) = mean(values);
+                let most =
+                    if bsdf.transmits() && !keeps && turn < 0.0 { out_of_glass(f64::from(ns.z.abs())) } else { 1.0 };
+                assert!(kept <= most + error + 1e-6, "{bsdf:?} at {degrees}°: {kept} ± {error}");
+                assert!(!keeps || kept >= 1.0 - 0.02 - error, "{bsdf:?} at {degrees}°: {kept} ± {error}");
+            }
+        }
+    }
+}
+
+/// Photons of a sky on a ball of twenty flat faces that is shaded as round: their factor has the mean 1, since flux is kept whatever the
+/// normals; so the flux that is stored is what arrives, πL times the area. No normal is more than 37.4° off its face.
+#[test]
+fn coarse_ball_flux_matches_its_faces() {
+    const L: f64 = 2.0;
+    let scene = scene(&format!(
+        "PerspectiveCamera {{ center 0 0 4  direction 0 0 -1  up 0 1 0  angle 40  width 1  height 1 }}
+        Lights {{ EnvironmentLight {{ radiance {L} {L} {L} }} }}
+        Materials {{ Diffuse white {{ reflectance 1 1 1 }} }}
+        Group {{ MaterialName white TriangleMesh {{ obj_file coarse-ball.obj }} }}"
+    ));
+    let source = PhotonSource::everywhere(&scene).unwrap();
+    let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::DIRECT, max_bounces: 0 };
+    // The area of an icosahedron of circumradius 1: 20·(√3/4)·a² with a = 1/sin(72°).
+    let edge = 1.0 / libm::sin(0.4 * std::f64::consts::PI);
+    let expected = std::f64::consts::PI * L * 5.0 * 3f64.sqrt() * edge * edge;
+    let s2 = libm::pow(libm::sin(37.4f64.to_radians()), 2.0);
+    let traced: Vec<_> = (0..16u64).into_par_iter().map(|i| pass.trace(key(64).with(i), 1 << 15, &|_| {})).collect();
+    let samples: Vec<f64> = traced
+        .iter()
+        .map(|t| {
+            let each = t.audit.emitted[0] / t.paths as f64;
+            let flux = |p: &caustica::photon::Photon| f64::from(p.data.flux().x);
+            t.photons.iter().map(|p| flux(p).min(MOST * each)).sum()
+        })
+        .collect();
+    // The photons' hue is rounded by 10⁻⁵, and the cut takes s²/99 at most.
+    let slack = expected * (s2 / (MOST - 1.0) + 3e-5);
+    crate::support::agree("flux on a coarse ball", &samples, expected, slack, 0.01);
+    // Of all that landed, so many have a factor beyond x.
+    let landed: usize = traced.iter().map(|t| t.photons.len()).sum();
+    for x in [3.0, 10.0, 30.0] {
+        let each = traced[0].audit.emitted[0] / traced[0].paths as f64;
+        let beyond = traced.iter().flat_map(|t| &t.photons).filter(|p| f64::from(p.data.flux().x) > x * each).count();
+        let expected = landed as f64 * s2 / (s2 + (x - 1.0) * (x - 1.0));
+        assert!((beyond as f64) < expected + Z * expected.sqrt() + 10.0, "{beyond} beyond {x}, {expected}");
+    }
+    assert!(landed > 100_000);
+}
+
+/// At every grazing angle that numbers can hold, factors are numbers.
+#[test]
+fn grazing_factors_are_finite() {
+    let ns = tilted(60.0);
+    for exponent in 0..45 {
+        let z = libm::powf(10.0, -(exponent as f32));
+        let wo = DVec3::new(1.0, 0.0, f64::from(z)).normalize().as_vec3();
+        assert!(deposit_factor(wo, ns, Vec3::Z).is_finite() || z < 1e-37, "{z:e}");
+        for (bsdf, _) in lossless() {
+            for i in 0..64 {
+                for n in [ns, -ns + 2.0 * ns.z * Vec3::Z] {
+                    // A photon of 1 W, whose weight must not be infinite where directions are rounded to 2⁻²⁴.
+                    if z > 1e-37 {
+                        scattered(&bsdf, wo, n, i, Transport::Importance);
+                    }
+                }
+            }
+        }
+    }
+}

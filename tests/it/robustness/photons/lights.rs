@@ -1,0 +1,222 @@
+//! Lights without power, in walls, and in the dark.
+
+use super::{WITH_PHOTONS, finite, flat_camera, rendered, settings, sheet};
+use crate::support::{image, mean_and_error, pixels};
+use caustica::camera::Camera;
+use caustica::color::Rgb;
+use caustica::integrate::{Algorithm, Settings};
+use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
+use caustica::sampling::{Key, Purpose};
+use caustica::scene::{LightStrength, Material, Scene, SceneBuilder, SourceKind};
+use caustica::shape::{Shape, Sphere};
+use glam::{DQuat, DVec3};
+use rayon::prelude::*;
+use std::f64::consts::PI;
+
+/// Algorithms whose light has no bias but that of estimates.
+const ALL: [Algorithm; 5] = [Algorithm::Path, Algorithm::Hybrid, Algorithm::Sppm, Algorithm::Ppm, Algorithm::Pm];
+
+/// A ball on a floor with a glass beside it, lit by points of these powers, each at its place; `None`: there is none at that place.
+fn lit_by(powers: &[Option<f32>]) -> Scene {
+    let mut b = SceneBuilder::new();
+    let white = b.material(Material::diffuse(Rgb::splat(0.6)));
+    let glass = b.material(Material::dielectric(1.5, Rgb::ZERO));
+    b.shape(sheet(DVec3::ZERO, DVec3::Z * 4.0, DVec3::X * 4.0), white, Rgb::ZERO);
+    b.shape(Shape::Sphere(Sphere::new(DVec3::new(-0.6, 0.5, 0.0), 0.5)), white, Rgb::ZERO);
+    b.shape(Shape::Sphere(Sphere::new(DVec3::new(0.6, 0.5, 0.0), 0.5)), glass, Rgb::ZERO);
+    for (i, power) in powers.iter().enumerate() {
+        let position = DVec3::new(i as f64 * 0.3 - 0.5, 2.0, 0.7);
+        if let Some(power) = power {
+            b.source(SourceKind::Point { position }, LightStrength::Power(Rgb::splat(*power)));
+        }
+    }
+    let camera = Camera::perspective(DVec3::new(0.0, 1.0, 5.0), DVec3::new(0.0, -0.1, -1.0), DVec3::Y, 0.6, 12, 12);
+    b.build(camera.unwrap()).unwrap()
+}
+
+/// Lights without power among others, first, last and between, change no bit of a picture without them; by themselves they leave it black.
+#[test]
+fn zero_power_lights_change_nothing() {
+    let (dark, lit) = (Some(0.0), Some(50.0));
+    ALL.par_iter().for_each(|algorithm| {
+        let settings = || Settings { radius: Some(0.1), ..settings(10_000, 4) };
+        let seen = |powers: &[Option<f32>]| pixels(&lit_by(powers), *algorithm, settings(), 2);
+        let one = seen(&[None, lit]);
+        assert!(one.iter().any(|v| *v != Rgb::ZERO), "{}", algorithm.name());
+        for powers in [&[dark, lit][..], &[None, lit, dark], &[dark, lit, dark, dark, dark, dark, dark]] {
+            assert!(seen(powers) == one, "{}: {powers:?}", algorithm.name());
+        }
+        for powers in [&[dark][..], &[dark; 7], &[]] {
+            let scene = lit_by(powers);
+            let out = rendered(&scene, *algorithm, settings(), 4);
+            finite(algorithm.name(), &out);
+            assert!(out.film.means().all(|v| v == DVec3::ZERO), "{}", algorithm.name());
+            assert_eq!(out.global.emitted + out.caustic.emitted, 0);
+        }
+    });
+}
+
+/// Turns that leave what lies in a plane within rounding of it.
+fn turns() -> impl Iterator<Item = DQuat> {
+    let turn = |i: i32| DQuat::from_axis_angle(DVec3::new(1.0, f64::from(i), 0.3).normalize(), 0.7 * f64::from(i));
+    (0..12).map(turn)
+}
+
+/// A point light of 1 W in a black floor, and a ceiling 2 wide at a height of 1 whose middle is seen: it shows a sixth of the light, as the
+/// face of a cube would.
+fn point_in_the_floor(turn: DQuat, at: DVec3) -> Scene {
+    let mut b = SceneBuilder::new();
+    let white = b.material(Material::diffuse(Rgb::splat(0.5)));
+    let black = b.material(Material::black());
+    let (x, y, z) = (turn * DVec3::X, turn * DVec3::Y, turn * DVec3::Z);
+    b.shape(sheet(at, z * 2.0, x * 2.0), black, Rgb::ZERO);
+    b.shape(sheet(at + y, x * 2.0, z * 2.0), white, Rgb::ZERO);
+    b.source(SourceKind::Point { position: at }, LightStrength::Power(Rgb::ONE));
+    let camera = Camera::orthographic(at + 0.5 * y, y, z, 2.0, 16, 16).unwrap();
+    b.build(camera).unwrap()
+}
+
+/// On which side of the floor rounding leaves the light, nobody knows; the ceiling is lit all the same, by photons (a binomial's five sigma
+/// of 2¹⁶ paths: .044) and by shadow rays (4096 of them, one in each part of a picture that varies by a tenth over a pixel: five times
+/// .1/64).
+#[test]
+fn point_light_in_floor_lights_ceiling() {
+    let places = [DVec3::ZERO, DVec3::new(0.1, 0.2, 0.3), DVec3::new(100.1, 0.7, -33.3)];
+    let all: Vec<(DVec3, DQuat)> = places.iter().flat_map(|at| turns().map(move |turn| (*at, turn))).collect();
+    all.par_iter().for_each(|(at, turn)| {
+        let scene = point_in_the_floor(*turn, *at);
+        let source = PhotonSource::everywhere(&scene).unwrap();
+        let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::DIRECT, max_bounces: 0 };
+        let traced = pass.trace(Key::new(3).purpose(Purpose::Test), 1 << 16, &|_| {});
+        let flux: f64 = traced.photons.iter().map(|p| f64::from(p.data.flux().y)).sum();
+        assert!((6.0 * flux - 1.0).abs() < 0.044, "{at} {turn}: {flux}");
+        let out = rendered(&scene, Algorithm::Whitted, settings(0, 16), 1);
+        let seen = out.film.mean().iter().map(|v| f64::from(v.y)).sum::<f64>() / 256.0 * 4.0 * PI / 0.5;
+        assert!((6.0 * seen - 1.0).abs() < 5.0 * 0.1 / 64.0, "{at} {turn}: {seen}");
+    });
+}
+
+/// A lamp in the plane of a black ceiling, facing down, and a floor under it.
+fn lamp_in_the_ceiling(turn: DQuat, first: bool) -> Scene {
+    let mut b = SceneBuilder::new();
+    let white = b.material(Material::diffuse(Rgb::splat(0.5)));
+    let black = b.material(Material::black());
+    let (x, y, z) = (turn * DVec3::X, turn * DVec3::Y, turn * DVec3::Z);
+    let lamp = sheet(y, x * 0.5, z * 0.5);
+    if first {
+        b.shape(lamp.clone(), black, Rgb::ONE);
+    }
+    b.shape(sheet(y, x * 4.0, z * 4.0), black, Rgb::ZERO);
+    if !first {
+        b.shape(lamp, black, Rgb::ONE);
+    }
+    b.shape(sheet(DVec3::ZERO, z * 4.0, x * 4.0), white, Rgb::ZERO);
+    b.build(Camera::orthographic(0.5 * y, -y, z, 0.5, 4, 4).unwrap()).unwrap()
+}
+
+/// Whichever of the two was described first, all find the light: those who ask the lamp, and those who meet it by chance, share it. The
+/// midpoint rule with 40 steps is off by 40⁻²/24 of the integrand's bend, below 10⁻⁴; t of 15 degrees is beyond 7 once in 10⁵ times.
+#[test]
+fn area_light_in_ceiling_plane_loses_no_light() {
+    // Mean over the patch of 0.5 × 0.5 of ρ/π L ∫ dA/(d²)² with h = 1.
+    let n = 40;
+    let at = |i: i32| (f64::from(i) + 0.5) / f64::from(n) * 0.5;
+    let mut sum = 0.0;
+    for i in 0..n {
+        for j in 0..n {
+            for k in 0..n {
+                for l in 0..n {
+                    let d2 = 1.0 + (at(i) - at(k)) * (at(i) - at(k)) + (at(j) - at(l)) * (at(j) - at(l));
+                    sum += 1.0 / (d2 * d2);
+                }
+            }
+        }
+    }
+    let expected = 0.5 / PI * 0.25 * sum / libm::pow(f64::from(n), 4.0);
+    for algorithm in ALL {
+        for (i, turn) in turns().take(6).enumerate() {
+            let scene = lamp_in_the_ceiling(turn, i % 2 == 0);
+            let method = algorithm.prepare(&scene, settings(1000, 64));
+            let mean = |i| image(&*method, i).iter().map(|v| f64::from(v.y)).sum::<f64>() / 16.0;
+            let (mean, error) = mean_and_error(&(0..16).map(mean).collect::<Vec<f64>>());
+            let off = (mean - expected).abs();
+            assert!(off < 7.0 * error + 1e-4 * expected, "{} {i}: {}", algorithm.name(), mean / expected);
+            assert!(error < 3e-3 * expected, "{}: {error}", algorithm.name());
+        }
+    }
+}
+
+/// A point in a black ball, and a lamp a hair's breadth before a black wall: all that is sent out is absorbed, at once; nothing is stored;
+/// what is around is black.
+#[test]
+fn blocked_lights_emit_no_photons() {
+    let mut b = SceneBuilder::new();
+    let white = b.material(Material::diffuse(Rgb::splat(0.5)));
+    let black = b.material(Material::black());
+    let glass = b.material(Material::dielectric(1.5, Rgb::ZERO));
+    b.shape(sheet(DVec3::ZERO, DVec3::Z * 4.0, DVec3::X * 4.0), white, Rgb::ZERO);
+    b.shape(Shape::Sphere(Sphere::new(DVec3::new(1.0, 1.0, 0.0), 0.3)), glass, Rgb::ZERO);
+    b.shape(Shape::Sphere(Sphere::new(DVec3::Y, 0.1)), black, Rgb::ZERO);
+    b.source(SourceKind::Point { position: DVec3::Y }, LightStrength::Power(Rgb::ONE));
+    b.shape(sheet(DVec3::Y * 2.0, DVec3::X, DVec3::Z), black, Rgb::ZERO);
+    b.shape(sheet(DVec3::Y * 1.999_99, DVec3::Z * 0.1, DVec3::X * 0.1), black, Rgb::ONE);
+    let scene = b.build(flat_camera(DVec3::new(0.0, 3.0, 0.0), -DVec3::Y, 4.0, 8)).unwrap();
+    for algorithm in WITH_PHOTONS {
+        let out = rendered(&scene, algorithm, settings(20_000, 4), 4);
+        finite(algorithm.name(), &out);
+        assert!(out.film.means().all(|v| v == DVec3::ZERO), "{}", algorithm.name());
+        assert_eq!(out.global.stored + out.caustic.stored, 0);
+        for report in [out.global, out.caustic].iter().filter(|r| r.emitted > 0) {
+            let [emitted, absorbed] = [report.audit.emitted[1], report.audit.absorbed[1]];
+            assert!(emitted > 0.0 && (absorbed / emitted - 1.0).abs() < 1e-6, "{:?}", report.audit);
+        }
+    }
+}
+
+/// Runs the program on a scene; what it said, where it ended well.
+fn said(lights_and_things: &str, more: &[&str]) -> String {
+    let folder = tempfile::tempdir().unwrap();
+    let camera =
+        "PerspectiveCamera { center 0 0 5 lookAt 0 0 0 angle 30 width 8 height 8 }\nBackground { color 0 0 0 }\n";
+    std::fs::write(folder.path().join("a.txt"), format!("{camera}{lights_and_things}")).unwrap();
+    let mut command = assert_cmd::Command::new(env!("CARGO_BIN_EXE_caustica"));
+    command.current_dir(folder.path()).timeout(std::time::Duration::from_secs(60));
+    let output = command.args(["render", "a.txt", "-o", "a.exr", "--passes", "4"]).args(more).output().unwrap();
+    let words = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success(), "{words}");
+    let picture = caustica::image::read(&folder.path().join("a.exr")).unwrap();
+    assert!(picture.pixels().iter().all(|p| *p == glam::Vec3::ZERO), "{words}");
+    words
+}
+
+/// A scene that is black, for each of the reasons there are: the program ends, writes the picture and says that it is black and why.
+#[test]
+fn black_scenes_terminate_with_report() {
+    let ball = "Group { Sphere { center 0 0 0 radius 1 } }\n";
+    let cases = [
+        (ball.to_owned(), "the scene has no light"),
+        (format!("Lights {{ PointLight {{ position 0 5 5 power 0 0 0 }} }} {ball}"), "no light has any power"),
+        (
+            format!(
+                "Lights {{ PointLight {{ position 0 5 5 power 9 9 9 }} }} Materials {{ Diffuse {{ reflectance 0 0 0 }} }} {ball}"
+            ),
+            "no light reaches what the camera sees",
+        ),
+        (
+            "Lights { PointLight { position 0 0 0 power 9 9 9 } } Materials { Diffuse soot { reflectance 0 0 0 } \
+                 Dielectric glass { indexOfRefraction 1.5 } } Group { MaterialName soot Sphere { center 0 0 0 radius .5 } \
+                 MaterialName glass Sphere { center 1 0 0 radius .3 } }".to_owned(),
+            "no light reaches what the camera sees",
+        ),
+    ];
+    cases.par_iter().enumerate().for_each(|(i, (text, reason))| {
+        for method in ["hybrid", "sppm", "pm", "path"] {
+            let words = said(text, &["--photons", "1k", "--caustic-photons", "1k", "--integrator", method]);
+            assert!(words.contains(&format!("note: every pixel is black: {reason}")), "{method}: {words}");
+            // The last has glass, so photons are sent out; none escaped from what is shut in.
+            let sent = i == 3 && method != "path";
+            assert_eq!(words.contains("no photon stored"), sent, "{method}: {words}");
+            assert!(!sent || words.contains(" 0 % left the scene"), "{method}: {words}");
+        }
+    });
+}

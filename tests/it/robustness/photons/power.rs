@@ -1,0 +1,169 @@
+//! Powers at the ends of single precision.
+
+use super::{HUE, WITH_PHOTONS, finite, flat_camera, rendered, settings, sheet};
+use crate::support::{image, key, mean_and_error};
+use caustica::camera::Camera;
+use caustica::color::Rgb;
+use caustica::integrate::{Algorithm, Settings, Silent};
+use caustica::medium::{Medium, PhaseFunction};
+use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
+use caustica::render::Rendered;
+use caustica::render::gauge::{ErrorEstimate, ErrorMaps};
+use caustica::scene::{Body, BuildError, LightStrength, Material, Scene, SceneBuilder, SourceKind};
+use caustica::shape::{Shape, Sphere};
+use glam::DVec3;
+use rayon::prelude::*;
+use std::f64::consts::PI;
+
+/// A room with a lamp, a point and a spot, a glass ball, a mirror and, if wanted, fog: all that light can do, by lights of `scale` W.
+fn room(scale: f32, fog: bool) -> Scene {
+    let mut b = SceneBuilder::new();
+    let white = b.material(Material::diffuse(Rgb::new(0.7, 0.6, 0.5)));
+    let glass = b.material(Material::dielectric(1.5, Rgb::new(0.1, 0.2, 0.3)));
+    let mirror = b.material(Material::mirror(Rgb::splat(0.9)));
+    let (x, y, z) = (DVec3::X * 2.0, DVec3::Y * 2.0, DVec3::Z * 2.0);
+    for (center, e0, e1) in
+        [(-DVec3::Y, z, x), (DVec3::Y, x, z), (-DVec3::Z, x, y), (-DVec3::X, y, z), (DVec3::X, z, y)]
+    {
+        b.shape(sheet(center, e0, e1), white, Rgb::ZERO);
+    }
+    b.shape(Shape::Sphere(Sphere::new(DVec3::new(0.4, -0.6, 0.1), 0.4)), glass, Rgb::ZERO);
+    b.shape(Shape::Sphere(Sphere::new(DVec3::new(-0.5, -0.7, -0.3), 0.3)), mirror, Rgb::ZERO);
+    b.shape(sheet(DVec3::Y * 0.99, x * 0.2, z * 0.2), white, Rgb::new(0.5, 0.4, 0.3) * scale);
+    let power = LightStrength::Power(Rgb::new(0.3, 0.2, 0.1) * scale);
+    b.source(SourceKind::Point { position: DVec3::new(-0.5, 0.5, 0.3) }, power);
+    let spot = SourceKind::Spot { position: DVec3::new(0.5, 0.8, 0.5), axis: -DVec3::Y, inner: 0.3, outer: 0.5 };
+    b.source(spot, power);
+    if fog {
+        let milk = Medium::homogeneous(Rgb::splat(0.2), Rgb::splat(0.8), Rgb::ZERO, PhaseFunction::Isotropic);
+        let milk = b.medium(milk);
+        let clear = b.material(Material::body(Body::clear(milk)));
+        b.shape(Shape::Sphere(Sphere::new(DVec3::new(0.0, 0.1, -0.2), 0.4)), clear, Rgb::ZERO);
+    }
+    let camera = Camera::perspective(DVec3::Z * 3.4, -DVec3::Z, DVec3::Y, 0.8, 16, 16).unwrap();
+    b.build(camera).unwrap()
+}
+
+/// All that a gauge tells.
+fn told(rendered: &Rendered) -> (ErrorEstimate, ErrorMaps) {
+    let gauge = rendered.gauge.as_ref().unwrap();
+    (gauge.read(&rendered.film), gauge.maps(&rendered.film))
+}
+
+/// The sums of passes, back from their means: passes are a power of two, so nothing is rounded.
+fn sums(rendered: &Rendered) -> Vec<DVec3> {
+    let passes = f64::from(rendered.film.passes());
+    rendered.film.means().map(|mean| mean * passes).collect()
+}
+
+/// 2¹⁰⁰ W, more than 10³⁰: pictures are those of 1 W times that, to the bit, and so are maps of errors; the gauge reads the same.
+///
+/// 2⁻¹⁰⁰ W, less than 10⁻³⁰: what is below 2⁻¹²⁶ loses digits, the more the fainter, but no number loses more than 2⁻¹⁵⁰. An estimate
+/// sums up less than 2¹⁴ products of two such with a kernel of at most 2/(π r²), where r is at least .01: in all 2·2¹⁴·2⁻¹⁵⁰·2¹³ =
+/// 2⁻¹²², and as part of light of 2⁻¹⁰⁰ a radiance of 2⁻²². A reading of pictures whose pixels, of some 2⁻⁵, are off by 2⁻¹⁷ of
+/// themselves, and whose noise is a tenth of them, is off by 2·10·2⁻¹⁷.
+#[test]
+fn powers_at_float_limits_render_finitely() {
+    let algorithms = WITH_PHOTONS.into_iter().chain([Algorithm::Path]);
+    let jobs: Vec<(Algorithm, bool)> = algorithms.flat_map(|a| [(a, false), (a, true)]).collect();
+    jobs.par_iter().for_each(|(algorithm, fog)| {
+        let settings = Settings { balance: !fog, ..settings(4096, 2) };
+        let render = |scale: f32| rendered(&room(scale, *fog), *algorithm, settings.clone(), 4);
+        let one = render(1.0);
+        finite("1 W", &one);
+        let ((reading, maps), pixels) = (told(&one), sums(&one));
+        for exponent in [100, -100] {
+            let scale = libm::ldexp(1.0, exponent);
+            let what = format!("{}, 2^{exponent} W, fog: {fog}", algorithm.name());
+            let other = render(scale as f32);
+            finite(&what, &other);
+            let (other_reading, other_maps) = told(&other);
+            let off = |a: DVec3, b: DVec3| (a - b / scale).abs().max_element();
+            let off = |a: &[DVec3], b: &[DVec3]| a.iter().zip(b).map(|(a, b)| off(*a, *b)).fold(0.0, f64::max);
+            let wide = |v: &[Rgb]| v.iter().map(|v| v.as_dvec3()).collect::<Vec<_>>();
+            let pixels = off(&pixels, &sums(&other));
+            let noise = off(&wide(&maps.noise), &wide(&other_maps.noise));
+            let bias = off(&wide(&maps.bias), &wide(&other_maps.bias));
+            if exponent > 0 {
+                assert_eq!((pixels, noise, bias), (0.0, 0.0, 0.0), "{what}");
+                assert_eq!(reading, other_reading, "{what}");
+            } else {
+                // Sums of four passes; a standard error is off by no more than a pass.
+                let most = libm::ldexp(1.0, -22);
+                assert!(pixels < 4.0 * most && noise < most && bias < 40.0 * most, "{what}: {pixels} {noise} {bias}");
+                let ratio = other_reading.error / reading.error - 1.0;
+                assert!(ratio.abs() < 20.0 * libm::ldexp(1.0, -17), "{what}: {ratio}");
+            }
+        }
+    });
+}
+
+/// The middle of a floor that is lit by a point of 10⁻³⁰, 1 and 10³⁰ W from a height of 1, through a pane that does nothing: ρ/π times the
+/// mean of I/(1 + x²)^{3/2} over a square .2 wide, 1 − 3/2·.2²/6 but for 10⁻⁴, blurred by (r²/12)·6 at r = .05. Sixteen passes: t of
+/// 15 degrees is beyond 7 once in 10⁵ times.
+#[test]
+fn point_light_flux_matches_closed_form() {
+    for power in [1e-30, 1.0, 1e30] {
+        let mut b = SceneBuilder::new();
+        let white = b.material(Material::diffuse(Rgb::splat(0.5)));
+        let pane = b.material(Material::thin(1.0, Rgb::ONE));
+        b.shape(sheet(DVec3::ZERO, DVec3::Z * 4.0, DVec3::X * 4.0), white, Rgb::ZERO);
+        b.shape(sheet(DVec3::Y * 0.5, DVec3::Z * 40.0, DVec3::X * 40.0), pane, Rgb::ZERO);
+        let point = SourceKind::Point { position: DVec3::Y };
+        b.source(point, LightStrength::Power(Rgb::splat(power as f32)));
+        let scene = b.build(flat_camera(DVec3::Y * 0.2, -DVec3::Y, 0.2, 8)).unwrap();
+        let settings = Settings { radius: Some(0.05), gather_k: Some(0), ..settings(20_000, 4) };
+        let method = Algorithm::Sppm.prepare(&scene, settings);
+        let mean = |i| image(&*method, i).iter().map(|v| f64::from(v.y)).sum::<f64>() / 64.0 / power;
+        let (mean, error) = mean_and_error(&(0..16).map(mean).collect::<Vec<f64>>());
+        let expected = 0.5 / PI / (4.0 * PI) * (1.0 - 0.01);
+        let slack = expected * (0.05 * 0.05 / 2.0 + 1e-4 + HUE);
+        assert!((mean - expected).abs() < 7.0 * error + slack, "{power:e} W: {mean} ± {error}, {expected}");
+        assert!(error < 0.015 * expected, "{error}");
+    }
+}
+
+/// A photon of two lights of 10³⁸ W in each channel, whose sum single precision does not hold, cannot be stored: it is counted, a pass says so,
+/// and so does the program. Photons of a sixteenth each are stored. A light that by itself has more is refused.
+#[test]
+fn photons_beyond_float_range_are_reported() {
+    let scene = |powers: &[f32]| {
+        let mut b = SceneBuilder::new();
+        let white = b.material(Material::diffuse(Rgb::splat(0.5)));
+        b.shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)), white, Rgb::ZERO);
+        for power in powers {
+            b.source(SourceKind::Point { position: DVec3::ZERO }, LightStrength::Power(Rgb::splat(*power)));
+        }
+        b.build(flat_camera(DVec3::Y * -0.2, -DVec3::Y, 0.2, 4))
+    };
+    assert_eq!(scene(&[1e38, 2e38]).err(), Some(BuildError::TooBright(1)));
+    let scene = scene(&[1e38, 1e38]).unwrap();
+    let source = PhotonSource::everywhere(&scene).unwrap();
+    let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::DIRECT, max_bounces: 0 };
+    let told = |paths| {
+        let traced = pass.trace(key(9), paths, &|_| {});
+        (traced.stored(), traced.rejected)
+    };
+    assert_eq!((told(1), told(16)), ((0, 1), (16, 0)));
+    // Photon maps that are looked at through gather rays store what comes straight from lights.
+    let pass = Algorithm::Pm.prepare(&scene, Settings { radius: Some(0.05), ..settings(1, 1) }).pass(0, &Silent);
+    assert_eq!(pass.counters.rejected_photons, 1);
+
+    let folder = tempfile::tempdir().unwrap();
+    let text = "OrthographicCamera { center 0 -.2 0 direction 0 -1 0 up 0 0 1 width 4 height 4 size .2 }
+        Background { color 0 0 0 }
+        Lights { PointLight { position 0 0 0 power 1e38 1e38 1e38 } PointLight { position 0 0 0 power 1e38 1e38 1e38 } }
+        Materials { Diffuse white { reflectance .5 .5 .5 } }
+        Group { MaterialName white Sphere { center 0 0 0 radius 1 } }";
+    std::fs::write(folder.path().join("a.txt"), text).unwrap();
+    let run = |paths: &str| {
+        let mut command = assert_cmd::Command::new(env!("CARGO_BIN_EXE_caustica"));
+        command.current_dir(folder.path()).timeout(std::time::Duration::from_secs(60));
+        command.args(["render", "a.txt", "-o", "a.exr", "--integrator", "pm", "--passes", "2", "--radius", ".05"]);
+        let output = command.args(["--photons", paths, "--caustic-photons", paths]).output().unwrap();
+        String::from_utf8(output.stderr).unwrap()
+    };
+    let told = "photons were not finite and were left out";
+    let (few, many) = (run("1"), run("1k"));
+    assert!(few.contains(told) && !many.contains(told), "{few}\n{many}");
+}

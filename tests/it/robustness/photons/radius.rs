@@ -1,0 +1,110 @@
+//! Radii at the end of long renders, and narrower than places are known.
+
+use super::{HUE, finite, flat_camera, rendered, settings, sheet};
+use caustica::color::Rgb;
+use caustica::integrate::{ALPHA, Algorithm, Settings, Silent, shrink};
+use caustica::photon::{Bandwidth, Kernel, Photon, PhotonMap, Scratch};
+use caustica::scene::{LightStrength, Material, Scene, SceneBuilder, SourceKind};
+use glam::{DVec3, Vec3};
+
+const MILLION: u32 = 1_000_000;
+
+/// Γ(z + α)/(Γ(1 + α) Γ(z + 1)) at z = 10⁶ + 1 by the series of Tricomi and Erdélyi, whose next term is below z⁻². The product of 10⁶
+/// factors is rounded three times each: 3·10⁶·2⁻⁵³.
+#[test]
+fn radius_after_million_passes_matches_gamma_ratio() {
+    let z = f64::from(MILLION) + 1.0;
+    let series = 1.0 + (ALPHA - 1.0) * ALPHA / (2.0 * z);
+    let closed = libm::pow(z, ALPHA - 1.0) * series / libm::tgamma(1.0 + ALPHA);
+    let error = (shrink(ALPHA, MILLION) / closed - 1.0).abs();
+    assert!(error < 3e6 * f64::EPSILON / 2.0 + 1e-12, "{error:e}");
+}
+
+/// A floor of 1 × 1 of which all light is a caustic: it comes through a pane that does nothing. The middle quarter is seen.
+fn behind_a_pane() -> Scene {
+    let mut b = SceneBuilder::new();
+    let white = b.material(Material::diffuse(Rgb::splat(0.5)));
+    let pane = b.material(Material::thin(1.0, Rgb::ONE));
+    b.shape(sheet(DVec3::ZERO, DVec3::Z, DVec3::X), white, Rgb::ZERO);
+    b.shape(sheet(DVec3::Y * 0.5, DVec3::Z, DVec3::X), pane, Rgb::ZERO);
+    b.source(SourceKind::Directional { direction: -DVec3::Y }, LightStrength::Physical(Rgb::ONE));
+    b.build(flat_camera(DVec3::Y * 0.2, -DVec3::Y, 0.5, 4)).unwrap()
+}
+
+/// The pass after 10⁶ others: discs follow the law, and no light is lost. 4 × 4 pixels of 1,000 rays, discs of radius .0105, look at all
+/// photons of the quarter of the floor that is seen, at its rim in part: of n on the floor the relative error is below √(c/(n/4)), c =
+/// 4/3, and five sigma of 50,000 are .052.
+///
+/// Once the radius has become less than places are known to, discs no longer follow it: they are as wide as that, and of so few photons
+/// that a picture tells nothing of their mean.
+#[test]
+fn discs_after_million_passes_hold_photons() {
+    let scene = behind_a_pane();
+    for (radius, paths, law) in [(0.1f32, 250_000, true), (1e-9, 20_000, false)] {
+        let settings = Settings { radius: Some(radius), gather_k: Some(0), ..settings(paths, 1000) };
+        let method = Algorithm::Sppm.prepare(&scene, settings);
+        let pass = method.pass(MILLION, &Silent);
+        assert_eq!((pass.counters.rejected_samples, pass.counters.rejected_photons), (0, 0));
+        let expected = f64::from(radius) * shrink(ALPHA, MILLION).sqrt();
+        for pixel in &pass.nested {
+            let found = f64::from(pixel.caustic.unwrap().radius);
+            if law {
+                // The radius, its root and the mean of a thousand equal ones in single precision.
+                assert!((found / expected - 1.0).abs() < 1002.0 * f64::from(f32::EPSILON), "{found} {expected}");
+            } else {
+                // The floor is within .9 of the middle of the scene.
+                assert!(found > 100.0 * expected && found < 1e-5, "{found} {expected}");
+            }
+            assert!(pixel.steps.iter().all(|s| s.is_finite()));
+        }
+        if law {
+            let stored = pass.caustic.stored as f64;
+            let mean = pass.image.iter().map(|v| f64::from(v.y)).sum::<f64>() / 16.0;
+            assert!(stored > 50_000.0);
+            let off = (mean * std::f64::consts::PI / 0.5 - 1.0).abs();
+            assert!(off < 5.0 * (4.0 / 3.0 / (0.25 * stored)).sqrt(), "{mean}");
+        }
+    }
+}
+
+/// Photons that crowd at a place far from the origin of a slanted plane, as close as numbers are there: whatever the radius, the estimate
+/// is finite and none is lost for lying beside the plane by rounding. The disc is of 10⁻⁵ of the distance R from the origin, and
+/// distances are off by γ(3)R of each place, turned, in each of three coordinates: 2·3·2⁻²⁴·√3 R = 6.2·10⁻⁷ R, of a disc .062, and
+/// of Epanechnikov's kernel at most the square of that.
+#[test]
+fn disc_radius_never_falls_below_position_rounding() {
+    let normal = Vec3::new(0.5, 0.7, -0.4).normalize();
+    for size in [1e-3f32, 1.0, 1e6] {
+        let center = Vec3::new(0.7, -0.3, 0.9) * size;
+        let step = |i: u64, shift: u64| 1.0 + ((i >> shift) % 3) as f32 * f32::EPSILON;
+        let place = |i: u64| center * Vec3::new(step(i, 0), step(i, 2), step(i, 4));
+        let photons = (0..1000u64).map(|i| Photon::new(place(i * 37), Rgb::ONE, normal, normal).unwrap()).collect();
+        let map = PhotonMap::build(photons);
+        for radius in [1e-3f32, 1e-6, 1e-9, 1e-20].map(|r| r * size) {
+            for k in [0, 50] {
+                let found = map.estimate_nested(
+                    center,
+                    normal,
+                    Bandwidth { radius, k },
+                    Kernel::Epanechnikov,
+                    &mut Scratch::new(),
+                    |_| Rgb::ONE,
+                );
+                let r = f64::from(found.whole.radius);
+                assert!(r >= 0.99e-5 * f64::from(center.length()) && r <= 1.01e-3 * f64::from(size), "{r}");
+                let part = f64::from(found.whole.radiance.y) * std::f64::consts::PI * r * r / 2000.0;
+                assert!((part - 1.0).abs() < 0.062 * 0.062 + HUE, "{size:e}, {radius:e}, k = {k}: {part}");
+                assert!(found.radiance.iter().all(|l| l.is_finite()));
+            }
+        }
+    }
+}
+
+/// A whole render of the narrowest radius a user can ask for.
+#[test]
+fn renders_with_tiny_radius_are_finite() {
+    for radius in [1e-30f32, 1e-12, 1e-6] {
+        let settings = Settings { radius: Some(radius), ..settings(20_000, 4) };
+        finite("narrow", &rendered(&behind_a_pane(), Algorithm::Sppm, settings, 4));
+    }
+}

@@ -1,0 +1,67 @@
+//! Spotlights as narrow as a laser.
+
+use caustica::camera::Camera;
+use caustica::color::Rgb;
+use caustica::light::Light;
+use caustica::math::Sphere;
+use caustica::scene::{LightStrength, SceneBuilder, SourceKind};
+use glam::{DVec3, Vec2, Vec3};
+use std::f64::consts::{PI, TAU};
+
+const NOWHERE: Sphere = Sphere { center: Vec3::ZERO, radius: 0.0 };
+
+/// Whole angles of cones \[degrees].
+const ANGLES: [f64; 8] = [0.001, 0.01, 0.028, 0.05, 0.1, 1.0, 40.0, 200.0];
+
+/// A spot at the origin along z, of half angles `inner` and `outer`.
+fn spot(inner: f64, outer: f64, strength: LightStrength) -> Light {
+    let mut b = SceneBuilder::new();
+    b.source(SourceKind::Spot { position: DVec3::ZERO, axis: DVec3::Z, inner, outer }, strength);
+    let scene = b.build(Camera::perspective(DVec3::ZERO, DVec3::Z, DVec3::Y, 1.0, 4, 4).unwrap()).unwrap();
+    scene.lights()[0].clone()
+}
+
+/// 1 − cos x, with all its digits.
+fn drop(x: f64) -> f64 {
+    let s = libm::sin(0.5 * x);
+    2.0 * s * s
+}
+
+/// The flux of a sharp cone is 2π(1 − cos) of its intensity, and of one whose rim falls from its middle on half of that: told, emitted,
+/// and arriving on what is around. 1 − cos is rounded to 2⁻²⁴, and so are a few products.
+#[test]
+fn spotlights_of_any_width_emit_their_power() {
+    for outer in ANGLES.map(|angle| 0.5 * angle.to_radians()) {
+        for (inner, part) in [(outer, 1.0), (0.0, 0.5)] {
+            let expected = part * TAU * drop(outer);
+            let light = spot(inner, outer, LightStrength::Physical(Rgb::ONE));
+            let told = f64::from(light.power(NOWHERE).x);
+            assert!((told / expected - 1.0).abs() < 1e-6, "{outer} told: {}", told / expected);
+            let strong = spot(inner, outer, LightStrength::Power(Rgb::ONE));
+            let sample = strong.sample_li(Vec3::Z * 2.0, Vec2::ZERO).unwrap();
+            let seen = f64::from(sample.weight.x) * 4.0 * expected;
+            assert!((seen - 1.0).abs() < 1e-6, "{outer} on the axis: {seen}");
+
+            // The midpoint rule in 4096 equal parts of the cone, of a cubic whose bend is below 6: off by 6/24·4096⁻².
+            let n = 4096;
+            let place = |i: i32| Vec2::new((i as f32 + 0.5) / n as f32, (0.618_034 * i as f32).fract());
+            let emitted = (0..n).filter_map(|i| light.sample_le(NOWHERE, Vec2::ZERO, place(i)));
+            let emitted = emitted.map(|e| f64::from(e.flux.x)).sum::<f64>() / f64::from(n);
+            assert!((emitted / expected - 1.0).abs() < 2e-6, "{outer} emitted: {}", emitted / expected);
+
+            // On a sphere of radius 1 in rings around the axis, of which one lies across a sharp edge.
+            let rings = 4000;
+            let reach = (1.2 * outer).min(PI);
+            let arriving = |i: i32| {
+                let (near, far) = [i, i + 1].map(|i| reach * f64::from(i) / f64::from(rings)).into();
+                let (sin, cos) = libm::sincos(0.5 * (near + far));
+                let p = DVec3::new(sin, 0.0, cos).as_vec3();
+                let sample = light.sample_li(p, Vec2::ZERO);
+                sample.map_or(0.0, |s| f64::from(s.weight.x)) * TAU * (drop(far) - drop(near))
+            };
+            let arriving: f64 = (0..rings).map(arriving).sum();
+            let ring = 2.4 / f64::from(rings);
+            assert!((arriving / expected - 1.0).abs() < ring, "{outer} arriving: {}", arriving / expected);
+        }
+    }
+}

@@ -1,0 +1,196 @@
+//! One interface: the critical angle to the last bit, indices from 10⁻⁶ to 10⁶, and what a choice makes of a share.
+
+use crate::support::key;
+use caustica::bsdf::{Bsdf, Dielectric, Thin, Transport, dielectric_reflectance, refract};
+use caustica::math::{Frame, warp};
+use caustica::sampling::Dimension;
+use glam::{DVec3, Vec2, Vec3};
+
+/// A positive f32 in units of 2⁻³⁶, which must divide it.
+fn exact(x: f32) -> i128 {
+    let (mantissa, exponent) = (i128::from(x.to_bits() & 0x7f_ffff | 0x80_0000), (x.to_bits() >> 23) as i32 - 150);
+    mantissa << (exponent + 36)
+}
+
+/// Relative indices below 1, where total reflection is: those of usual glasses, and ever nearer to 1.
+fn indices() -> impl Iterator<Item = f32> {
+    let random = |i: u64| key(3).with(i).uniform(Dimension::Light);
+    (0..4000u64).map(move |i| match i % 3 {
+        0 => 1.0 / (1.0 + 3.0 * random(i)),
+        // From 10⁻⁷ to a tenth below 1, evenly by logarithm.
+        1 => 1.0 - libm::powf(10.0, -1.0 - 6.0 * random(i)),
+        _ => 1.0 - f32::EPSILON * 0.5 * (1 + i / 3) as f32,
+    })
+}
+
+/// By Snell's law the far cosine is real where η² + cos² > 1. Squares of f32 are exact in integers, so there is a truth for each of
+/// the cosines within three ulps of the critical one, and none may be on the wrong side.
+#[test]
+fn total_reflection_begins_at_exact_ulp() {
+    let one = 1i128 << 72;
+    let (mut total, mut not) = (0, 0);
+    for eta in indices().filter(|eta| *eta < 1.0) {
+        let critical = ((1.0 - f64::from(eta)) * (1.0 + f64::from(eta))).sqrt() as f32;
+        for ulps in -3..=3i32 {
+            let cos = f32::from_bits(critical.to_bits().wrapping_add_signed(ulps));
+            // Cosines down to 2⁻¹² have their last bit at 2⁻³⁶.
+            if !(1.0 / 4096.0..1.0).contains(&cos) {
+                continue;
+            }
+            let real = exact(eta) * exact(eta) + exact(cos) * exact(cos) > one;
+            let (reflectance, cos_t) = dielectric_reflectance(cos, eta);
+            assert_eq!(cos_t > 0.0, real, "η = {eta:e}, cos = {cos:e}");
+            assert!(if real { (0.0..=1.0).contains(&reflectance) } else { reflectance == 1.0 });
+            *if real { &mut not } else { &mut total } += 1;
+        }
+    }
+    assert!(total > 9000 && not > 9000, "{total} {not}");
+}
+
+/// From directions too: on both sides of the critical angle rays stay unit vectors on their own side of the interface, shares sum to 1,
+/// and what passes grows from nothing as the root of what the sine is short of.
+#[test]
+fn fresnel_is_finite_around_critical_angle() {
+    for i in 0..3000u64 {
+        let key = key(4).with(i);
+        let n = warp::sphere(key.uniform_2d(Dimension::LightDirection));
+        let eta = 1.0 / (1.05 + 2.0 * key.uniform(Dimension::Light));
+        let around = Frame::around(n);
+        let (sin_phi, cos_phi) = libm::sincosf(6.0 * key.uniform(Dimension::Film));
+        for step in -8..=8i32 {
+            let sin = eta * (1.0 + step as f32 * f32::EPSILON);
+            let cos = ((1.0 - sin) * (1.0 + sin)).sqrt();
+            let wo = around.to_world(Vec3::new(sin * cos_phi, sin * sin_phi, cos)).normalize();
+            let bent = refract(wo, n, eta);
+            assert!((bent.reflectance + bent.transmittance - 1.0).abs() <= f32::EPSILON);
+            // T < 4n cosθt/cosθi, and cos²θt = 1 − sin²/η² is below twice what the ulps and the roundings of wo and n leave, 24 of them.
+            let most = 4.0 / eta * (2.0 * 24.0 * f32::EPSILON).sqrt() / cos;
+            assert!(bent.transmittance <= most, "{} {most}", bent.transmittance);
+            if bent.transmittance > 0.0 {
+                // Components are rounded by 2⁻²⁴ of themselves, and what came in is a unit vector to 2⁻²³; to the normal, √3·2⁻²⁵ of a plane.
+                assert!((bent.transmitted.length() - 1.0).abs() < 2e-7 && bent.transmitted.dot(n) < 1e-7);
+            }
+            let s = Bsdf::Dielectric(Dielectric { eta: 1.0 / eta });
+            for lobe in [0.0, 0.5, 1.0 - f32::EPSILON / 2.0] {
+                // From inside: the interface's normal points away.
+                let s = s.sample(wo, -n, -n, lobe, Vec2::ZERO, Transport::Radiance);
+                assert!(s.is_some_and(|s| s.wi.is_finite() && s.weight.is_finite()), "{wo} {n} {eta}");
+            }
+        }
+    }
+}
+
+/// Along the normal T = 4n/(n+1)² from both sides, whose product with R's complement no f32 difference could give at 10⁶.
+#[test]
+fn fresnel_keeps_precision_at_any_index() {
+    for n in [1e-6f64, 1e-3, 0.5, 0.999, 1.000_1, 1.5, 2.4, 1e3, 1e6] {
+        for eta in [n as f32, (1.0 / n) as f32] {
+            let exact = f64::from(eta);
+            let t = 4.0 * exact / ((1.0 + exact) * (1.0 + exact));
+            let bent = refract(Vec3::Z, Vec3::Z, eta);
+            // Rounded once from f64.
+            assert!((f64::from(bent.transmittance) / t - 1.0).abs() < 6.1e-8, "{eta}: {} {t}", bent.transmittance);
+            assert!((f64::from(bent.reflectance) - (1.0 - t)).abs() < 6.1e-8);
+            assert_eq!(bent.transmitted, -Vec3::Z);
+            // A pane of two of them passes t/(2 − t).
+            let pane = Thin { eta, transmittance: Vec3::ONE }.shares(1.0);
+            // Some eight roundings of 2⁻²⁴.
+            assert!((f64::from(pane.1.x) / (t / (2.0 - t)) - 1.0).abs() < 8.0 / 16_777_216.0, "{eta}: {pane:?}");
+            assert!((pane.0.x + pane.1.x - 1.0).abs() < 2.0 * f32::EPSILON);
+        }
+    }
+}
+
+/// Out of index 10⁶ light gets within 10⁻⁶ rad of the normal. All these directions have a cosine of 1 in f32.
+#[test]
+fn densest_body_transmits_exact_fraction() {
+    let eta = 1e-6f32;
+    for (sin, sin_t) in
+        [(0.0f32, Some(0.0f64)), (5e-7, Some(0.5)), (9.9e-7, Some(0.99)), (1.01e-6, None), (1e-5, None), (2e-4, None)]
+    {
+        let wo = Vec3::new(sin, 0.0, 1.0).normalize();
+        assert_eq!(wo.z, 1.0);
+        let bent = refract(wo, Vec3::Z, eta);
+        match sin_t {
+            // sin and η are each rounded by 2⁻²⁴ of themselves; what tells 0.99 from 1 is enlarged by tanθ = 7.
+            Some(sin_t) => {
+                assert!((f64::from(-bent.transmitted.x) - sin_t).abs() < 5e-7 && bent.transmittance > 0.0, "{bent:?}")
+            }
+            None => assert_eq!((bent.reflectance, bent.transmittance), (1.0, 0.0)),
+        }
+    }
+    // Whatever the way in, it goes on along the normal, within 10⁻⁶ rad; the result is rounded by √3·2⁻²⁵, and n is of length 1 to 2⁻²³.
+    for i in 0..1000u64 {
+        let key = key(5).with(i);
+        let n = warp::sphere(key.uniform_2d(Dimension::LightDirection));
+        let wo =
+            Frame::around(n).to_world(warp::cosine_hemisphere(key.uniform_2d(Dimension::BsdfDirection))).normalize();
+        if wo.dot(n) > 0.0 {
+            let bent = refract(wo, n, 1e6);
+            assert!(bent.transmitted.dot(n) < 0.0 && (bent.transmitted + n).length() < 1e-6 + 5.0 / 16_777_216.0);
+            // Half of 4cosθ/η and of 4/(η cosθ), which bound what passes of both polarisations.
+            let cos = wo.dot(n);
+            assert!(bent.transmittance > 0.0 && bent.transmittance <= 2.1e-6 * (cos + 1.0 / cos), "{bent:?}");
+        }
+    }
+}
+
+/// Snell's law and the way back, from the thinnest to the densest: n·sinθ is kept.
+#[test]
+fn refraction_keeps_the_sine_at_any_index() {
+    for i in 0..20_000u64 {
+        let key = key(6).with(i);
+        let n = warp::sphere(key.uniform_2d(Dimension::LightDirection));
+        let wo = warp::sphere(key.uniform_2d(Dimension::BsdfDirection));
+        let wo = if wo.dot(n) < 0.0 { -wo } else { wo };
+        let eta = libm::powf(10.0, 6.0 * key.uniform(Dimension::Light) - 3.0);
+        let bent = refract(wo, n, eta);
+        if bent.transmittance == 0.0 {
+            continue;
+        }
+        let sin = |a: Vec3| {
+            let (a, n): (DVec3, DVec3) = (a.as_dvec3(), n.as_dvec3());
+            a.cross(n).length() / (a.length() * n.length())
+        };
+        // The result is rounded by 2⁻²⁴ in each coordinate, which counts η-fold.
+        let slack = f64::from(f32::EPSILON) * (1.0 + f64::from(eta));
+        assert!((f64::from(eta) * sin(bent.transmitted) - sin(wo)).abs() < slack, "{wo} {n} {eta}");
+    }
+}
+
+/// The mean over all 2²⁴ numbers that may choose between both lobes is each lobe's share: to all digits where little passes,
+/// else within the one number that a threshold may cut.
+#[test]
+fn lobe_choice_matches_probability_over_all_numbers() {
+    const STEPS: u32 = 1 << 24;
+    for (eta, cos) in [
+        (1e6f32, 1.0f32),
+        (1e-6, 1.0),
+        (1e3, 0.3),
+        (1.5, 1.0),
+        (1.5, 0.3),
+        (1.5, 1e-3),
+        (1.0 / 1.5, 0.7455),
+        (1.000_1, 0.9),
+    ] {
+        let wo = Vec3::new(((1.0 - cos) * (1.0 + cos)).sqrt(), 0.0, cos);
+        let draw = |step: u32| {
+            let glass = Bsdf::Dielectric(Dielectric { eta });
+            glass.sample(wo, Vec3::Z, Vec3::Z, step as f32 / STEPS as f32, Vec2::ZERO, Transport::Importance).unwrap()
+        };
+        // Reflection comes first.
+        let (mut low, mut high) = (0, STEPS);
+        while low < high {
+            let middle = low + (high - low) / 2;
+            if draw(middle).transmitted { high = middle } else { low = middle + 1 }
+        }
+        let bent = refract(wo, Vec3::Z, eta);
+        let t = f64::from(bent.transmittance);
+        let mean = f64::from(STEPS - low) / f64::from(STEPS) * f64::from(draw(STEPS - 1).weight.x);
+        // A share and its weight are rounded by 2⁻²⁴ each, and their quotient.
+        let slack = if t < 0.5 { 3.0 / 16_777_216.0 * t } else { 1.0 / f64::from(STEPS) };
+        assert!((mean - t).abs() <= slack, "η = {eta}, cos = {cos}: {mean:e} {t:e}");
+        let reflected = f64::from(low) / f64::from(STEPS);
+        assert!((reflected - f64::from(bent.reflectance)).abs() <= 1.0 / f64::from(STEPS));
+    }
+}

@@ -1,0 +1,109 @@
+//! Index 1: nothing happens, exactly.
+
+use crate::support::{agree, key, pixels, scene};
+use caustica::integrate::{Algorithm, EyeSettings, Settings};
+use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
+
+use caustica::scene::Scene;
+
+/// A room with a lamp, a matt wall, a mirror and a ball of glass; `more` is in its middle.
+fn room(more: &str) -> Scene {
+    scene(&format!(
+        "PerspectiveCamera {{ center 0 1 3.4  direction 0 0 -1  up 0 1 0  angle 50  width 16  height 12 }}
+        Background {{ color .1 .2 .3 }}
+        Lights {{ RectangleLight {{ corner -.5 1.99 -.5  edge0 1 0 0  edge1 0 0 1  radiance 6 5 4 }} }}
+        Materials {{
+            Diffuse wall {{ reflectance .7 .6 .5 }}
+            Mirror mirror {{ reflectance .9 .9 .9 }}
+            Dielectric glass {{ indexOfRefraction 1.5  absorption .1 .2 .3 }}
+            Dielectric air {{ indexOfRefraction 1 }}
+            Dielectric rough {{ indexOfRefraction 1  roughness .4  priority 3 }}
+        }}
+        Group {{
+            MaterialName wall Rectangle {{ corner -2 0 -2  edge0 0 0 4  edge1 4 0 0 }}
+            Rectangle {{ corner -2 0 -2  edge0 4 0 0  edge1 0 2 0 }}
+            MaterialName mirror Rectangle {{ corner -2 0 -2  edge0 0 2 0  edge1 0 0 4 }}
+            MaterialName glass Sphere {{ center 1 .4 -.5  radius .4 }}
+            {more}
+        }}"
+    ))
+}
+
+/// Balls, meshes and boxes of index 1, before the lamp, the wall and the mirror, around the camera, and apart from the glass.
+const BODIES: [&str; 4] = [
+    "MaterialName air Sphere { center 0 1 0  radius .5 }",
+    "MaterialName rough Transform { Translate -.9 .7 .2 UniformScale .4 TriangleMesh { obj_file coarse-ball.obj } }",
+    "MaterialName air Sphere { center 0 1 3.4  radius .3 }",
+    "MaterialName air Sphere { center 0 1 0  radius .5 }
+     MaterialName rough Sphere { center 0 1.3 .3  radius .4 }
+     MaterialName air Transform { Translate -.9 .7 .2 UniformScale .4 TriangleMesh { obj_file coarse-ball.obj } }",
+];
+
+#[test]
+fn index_matched_bodies_change_no_bit() {
+    let settings = || Settings {
+        photons: 2000,
+        caustic_photons: 2000,
+        radius: Some(0.1),
+        balance: false,
+        eye: EyeSettings { samples: Some(2), ..EyeSettings::default() },
+        ..Settings::default()
+    };
+    let without = room("");
+    for algorithm in Algorithm::ALL {
+        let expected = pixels(&without, algorithm, settings(), 2);
+        assert!(expected.iter().any(|p| p.max_element() > 0.2), "{algorithm:?} sees nothing");
+        for body in BODIES {
+            let seen = pixels(&room(body), algorithm, settings(), 2);
+            assert!(seen == expected, "{algorithm:?} sees {body}");
+        }
+    }
+}
+
+#[test]
+fn index_matched_bodies_change_no_photon() {
+    let trace = |scene: &Scene| {
+        let source = PhotonSource::everywhere(scene).unwrap();
+        let pass = PhotonPass { scene, source: &source, mask: StoreMask::ALL, max_bounces: 30 };
+        let traced = pass.trace(key(1), 1 << 13, &|_| {});
+        (traced.photons, traced.audit, traced.rays)
+    };
+    let expected = trace(&room(""));
+    assert!(expected.0.len() > 5000);
+    for body in BODIES {
+        assert!(trace(&room(body)) == expected, "{body}");
+    }
+}
+
+/// Where such a body is something, it stays: a bubble in glass, and what holds fog back.
+#[test]
+fn bubble_is_not_culled_as_index_matched() {
+    let pixels = |more: &str| -> Vec<f64> {
+        let scene = scene(&format!(
+            "PerspectiveCamera {{ center 0 0 3  direction 0 0 -1  up 0 1 0  angle .1  width 1  height 1 }}
+            Background {{ color 1 1 1 }}
+            Materials {{
+                Dielectric dark {{ indexOfRefraction 1.5  absorption 1 1 1 }}
+                Dielectric air {{ indexOfRefraction 1  priority 1 }}
+            }}
+            Group {{ MaterialName dark Sphere {{ center 0 0 0  radius 1 }} {more} }}"
+        ));
+        let settings =
+            Settings { eye: EyeSettings { samples: Some(1024), ..EyeSettings::default() }, ..Settings::default() };
+        pixels(&scene, Algorithm::Path, settings, 16).iter().map(|p| f64::from(p.x)).collect()
+    };
+    // Along the axis each interface sends R back. What leaves is seen as 1 on either side.
+    let r: f64 = 0.04;
+    // Of a wall of such a part left by a way through it: what it passes and what it sends back, of all numbers of ways.
+    let wall = |left: f64| {
+        let all = 1.0 / (1.0 - r * r * left * left);
+        ((1.0 - r) * (1.0 - r) * left * all, r + (1.0 - r) * (1.0 - r) * r * left * left * all)
+    };
+    let (through, back) = wall(libm::exp(-2.0));
+    // Between two walls: what gets in leaves through the one or the other.
+    let (wall_through, wall_back) = wall(libm::exp(-0.2));
+    let hollow = wall_back + wall_through * wall_through / (1.0 - wall_back);
+    // Rays are up to .0037 off the axis, so ways are shorter by less than that squared.
+    agree("a ball", &pixels(""), through + back, 2e-5, 0.005);
+    agree("a bubble", &pixels("MaterialName air Sphere { center 0 0 0  radius .8 }"), hollow, 2e-5, 0.005);
+}

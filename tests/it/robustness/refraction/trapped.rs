@@ -1,0 +1,174 @@
+//! A thousand internal reflections: nothing is lost, nothing drifts out, and it ends.
+
+use crate::support::{key, pixels};
+use caustica::bsdf::Transport;
+use caustica::camera::Camera;
+use caustica::integrate::{Algorithm, EyeSettings, Settings};
+use caustica::math::{Ray, warp};
+use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
+use caustica::sampling::Dimension;
+use caustica::scene::{Effects, InteriorStack, LightStrength, Material, PathEvent, Scene, SceneBuilder, SourceKind};
+use caustica::shape::{Plane, Rectangle, Shape, Sphere};
+use glam::{DVec3, Vec2, Vec3};
+use rayon::prelude::*;
+
+const BOUNCES: u32 = 1000;
+
+fn built(b: SceneBuilder) -> Scene {
+    b.build(Camera::perspective(DVec3::new(0.1, 0.2, 0.3), DVec3::ONE, DVec3::Y, 0.1, 4, 4).unwrap()).unwrap()
+}
+
+/// A cube of edge 2 with its faces outwards, of rectangles or of triangles.
+fn cube(triangles: bool) -> SceneBuilder {
+    let mut b = SceneBuilder::new();
+    let glass = b.material(Material::dielectric(1.5, Vec3::ZERO));
+    for axis in 0..3 {
+        for sign in [-1.0, 1.0] {
+            let mut e = [DVec3::ZERO; 3];
+            (e[axis][axis], e[(axis + 1) % 3][(axis + 1) % 3], e[(axis + 2) % 3][(axis + 2) % 3]) = (sign, 2.0, 2.0);
+            let (n, mut e0, mut e1) = (e[axis], e[(axis + 1) % 3], e[(axis + 2) % 3]);
+            let corner = n - 0.5 * (e0 + e1);
+            if e0.cross(e1).dot(n) < 0.0 {
+                (e0, e1) = (e1, e0);
+            }
+            if triangles {
+                let corners = [corner, corner + e0, corner + e0 + e1, corner + e1];
+                b.mesh(&corners, &[], &[[0, 1, 2], [0, 2, 3]], glass, Vec3::ZERO);
+            } else {
+                b.shape(Shape::Rectangle(Rectangle::new(corner, e0, e1)), glass, Vec3::ZERO);
+            }
+        }
+    }
+    b
+}
+
+/// Walks from the origin in a direction and shows `see` the place and direction after each reflection; all must be total.
+fn follow(scene: &Scene, direction: Vec3, mut see: impl FnMut(Vec3, Vec3)) {
+    let mut walk = scene.start_light_path::<InteriorStack>(0, Ray::new(Vec3::ZERO, direction), Effects::NONE);
+    for bounce in 0..BOUNCES {
+        let PathEvent::Surface(arrival) = walk.next_vertex(scene, key(1), |_| None) else {
+            panic!("out after {bounce}")
+        };
+        let surface = arrival.surface;
+        assert!(surface.wo.dot(surface.point.ng) < 0.0, "from outside after {bounce}");
+        // The largest number below 1 finds whatever passes.
+        let s = surface.sample(1.0 - f32::EPSILON / 2.0, Vec2::ZERO, Transport::Importance).unwrap();
+        assert!(!s.transmitted && s.weight == Vec3::ONE, "through after {bounce}");
+        see(surface.point.p, s.wi);
+        walk.leave(&surface, s.wi, false);
+    }
+}
+
+/// Directions that meet all faces of a cube of index 1.5 beyond the critical angle, whose cosine is 0.745.
+fn trapped_directions(n: u64) -> Vec<Vec3> {
+    let all = (0..).map(|i| warp::sphere(key(2).with(i).uniform_2d(Dimension::LightDirection)));
+    all.filter(|d| d.abs().max_element() < 0.74).take(n as usize).collect()
+}
+
+/// Each reflection changes the sign of one direction cosine and rounds all by normalising, by at most 3 · 2⁻²⁴; a place on a face is
+/// rounded by 2⁻²⁴, and rests on the face.
+#[test]
+fn trapped_rays_stay_in_cube() {
+    for triangles in [false, true] {
+        let mut b = cube(triangles);
+        b.source(SourceKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::ONE));
+        let scene = built(b);
+        trapped_directions(400).par_iter().for_each(|direction| {
+            let drift = BOUNCES as f32 * 3.0 * f32::EPSILON / 2.0;
+            follow(&scene, *direction, |p, d| {
+                assert!((p.abs().max_element() - 1.0).abs() <= f32::EPSILON, "{p}");
+                assert!((d.abs() - direction.abs()).abs().max_element() < drift, "{d} {direction}");
+            });
+        });
+    }
+}
+
+/// Between two planes the way leads a thousand thicknesses far; the cosine to them is kept.
+#[test]
+fn trapped_rays_stay_in_slab() {
+    let mut b = SceneBuilder::new();
+    let glass = b.material(Material::dielectric(1.5, Vec3::ZERO));
+    b.plane(Plane::new(DVec3::Y, DVec3::Y), glass, Vec3::ZERO);
+    b.plane(Plane::new(DVec3::NEG_Y, DVec3::NEG_Y), glass, Vec3::ZERO);
+    b.source(SourceKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::ONE));
+    let middle = Camera::perspective(DVec3::ZERO, DVec3::ONE, DVec3::Y, 0.1, 4, 4).unwrap();
+    let scene = b.build(middle).unwrap();
+    for i in 1..100 {
+        let (sin, cos) = libm::sincosf(0.745 * (i as f32) / 100.0);
+        let direction = Vec3::new(cos * 0.6, sin, cos * 0.8).normalize();
+        follow(&scene, direction, |p, d| {
+            assert!((p.y.abs() - 1.0).abs() <= f32::EPSILON);
+            assert!((d.y.abs() - direction.y).abs() < BOUNCES as f32 * 1.5 * f32::EPSILON);
+        });
+    }
+}
+
+/// In a ball the distance of the ray from the middle is kept: each reflection rounds the place by half an ulp of each coordinate and
+/// the direction by as much from the normal, the mirroring and its length: seven times √3 · 2⁻²⁴.
+#[test]
+fn trapped_rays_stay_in_ball() {
+    let mut b = SceneBuilder::new();
+    let glass = b.material(Material::dielectric(1.5, Vec3::ZERO));
+    b.shape(Shape::Sphere(Sphere::new(DVec3::new(0.0, -0.9, 0.0), 1.0)), glass, Vec3::ZERO);
+    b.source(SourceKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::ONE));
+    let scene = built(b);
+    // Light starts 0.9 off the middle, which the scene moves to the origin.
+    let drift = BOUNCES as f32 * 7.0 * 1.74 * f32::EPSILON / 2.0;
+    for i in 0..100 {
+        let (sin, cos) = libm::sincosf(0.4 * i as f32 / 100.0);
+        let direction = Vec3::new(cos * 0.6, sin, cos * 0.8).normalize();
+        let start = Vec3::Y * 0.9;
+        let expected = start.cross(direction).length();
+        assert!(expected > 0.7, "beyond the critical angle");
+        let mut walk = scene.start_light_path::<InteriorStack>(0, Ray::new(start, direction), Effects::NONE);
+        for bounce in 0..BOUNCES {
+            let PathEvent::Surface(arrival) = walk.next_vertex(&scene, key(1), |_| None) else {
+                panic!("out after {bounce}")
+            };
+            let s = arrival.surface.sample(1.0 - f32::EPSILON / 2.0, Vec2::ZERO, Transport::Importance).unwrap();
+            let p = arrival.surface.point.p;
+            assert!(!s.transmitted && (p.length() - 1.0).abs() < 2.0 * f32::EPSILON);
+            assert!(
+                (p.cross(s.wi).length() - expected).abs() < drift,
+                "{bounce}: {}",
+                p.cross(s.wi).length() - expected
+            );
+            walk.leave(&arrival.surface, s.wi, false);
+        }
+    }
+}
+
+/// Photons: every one of them is stopped at the limit with the flux that it was sent with, to the bit.
+#[test]
+fn trapped_photons_keep_flux_and_terminate() {
+    for triangles in [false, true] {
+        let mut b = cube(triangles);
+        // All within 5° of the diagonal meet faces beyond 49°.
+        let source = SourceKind::Spot { position: DVec3::ZERO, axis: DVec3::ONE, inner: 0.08, outer: 0.08 };
+        b.source(source, LightStrength::Power(Vec3::new(1.0, 2.0, 3.0)));
+        let scene = built(b);
+        let source = PhotonSource::everywhere(&scene).unwrap();
+        let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::CAUSTIC, max_bounces: BOUNCES };
+        let traced = pass.trace(key(3), 1024, &|_| {});
+        assert_eq!(traced.audit.stopped, traced.audit.emitted);
+        assert_eq!(
+            (traced.audit.escaped, traced.audit.absorbed, traced.audit.roulette),
+            ([0.0; 3], [0.0; 3], [0.0; 3])
+        );
+        assert_eq!(traced.rays, 1024 * u64::from(BOUNCES + 1));
+    }
+}
+
+/// Cameras: who looks along the diagonal from inside sees nothing of the sky, and that ends.
+#[test]
+fn trapped_camera_paths_terminate() {
+    for algorithm in [Algorithm::Path, Algorithm::Hybrid, Algorithm::Sppm, Algorithm::Distributed, Algorithm::Whitted] {
+        let mut b = cube(true);
+        b.background(Vec3::ONE);
+        b.source(SourceKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::ONE));
+        let eye = EyeSettings { samples: Some(4), max_bounces: BOUNCES, ..EyeSettings::default() };
+        let settings = Settings { eye, photons: 100, caustic_photons: 100, balance: false, ..Settings::default() };
+        let image = pixels(&built(b), algorithm, settings, 1);
+        assert!(image.iter().all(|p| *p == Vec3::ZERO), "{algorithm:?}: {image:?}");
+    }
+}

@@ -1,0 +1,103 @@
+//! BSDFs at the ends of the numbers that draw from them, of their roughness, and of the angles at which they are seen.
+
+use super::{ENDS, corners};
+use caustica::bsdf::{Bsdf, Conductor, Dielectric, Phong, SMOOTH_ALPHA, Thin, Transport, metal};
+use glam::{Vec2, Vec3};
+
+/// Each with the most that a weight of importance can be. A matt surface, a mirror and visible facets weigh their reflectance at most;
+/// of a Phong lobe of exponent s alone it is (s + 2)/(s + 1) of its albedo. A pane's lobes are chosen by the mean of three channels.
+fn kinds() -> Vec<(Bsdf, f32)> {
+    let (eta, k) = metal("gold").unwrap();
+    let mut kinds = vec![
+        (Bsdf::Black, 0.0),
+        (Bsdf::Diffuse(Vec3::ONE), 1.0),
+        (Bsdf::Mirror(Vec3::ONE), 1.0),
+        (Bsdf::Thin(Thin { eta: 1.5, transmittance: Vec3::new(1.0, 0.5, 0.0) }), 3.0),
+        (Bsdf::Thin(Thin { eta: 1e6, transmittance: Vec3::ONE }), 1.02),
+    ];
+    for shininess in [0.0, 1.0, 1e3, 1e6, 1e9, 1e20] {
+        kinds.push((Bsdf::Phong(Phong::new(Vec3::splat(0.5), Vec3::splat(1e9), shininess)), 2.0));
+        kinds.push((Bsdf::Phong(Phong::new(Vec3::ZERO, Vec3::ONE, shininess)), 2.0));
+    }
+    for alpha in [0.0, 1e-4, SMOOTH_ALPHA, 0.1, 1.0] {
+        kinds.push((Bsdf::Conductor(Conductor::new(eta, k, alpha)), 1.0));
+        kinds.push((Bsdf::Conductor(Conductor::new(Vec3::ZERO, Vec3::ONE, alpha)), 1.0));
+        // Where a transmitted share of some 10⁻⁶ is drawn in steps of 2⁻²⁴, its weight makes up for one of them.
+        kinds.extend([1e-6, 0.5, 1.0, 1.0 + f32::EPSILON, 1.5, 1e6].map(|eta| (Bsdf::dielectric(eta, alpha), 1.02)));
+    }
+    kinds
+}
+
+fn directions() -> Vec<Vec3> {
+    let cosines = [1.0, 1.0 - f32::EPSILON, 0.7, 0.1, 1e-3, 1e-5, 1e-7, 1e-12, 1e-38, 0.0];
+    let at =
+        |cos: f32| Vec3::new(0.6 * ((1.0 - cos) * (1.0 + cos)).sqrt(), 0.8 * ((1.0 - cos) * (1.0 + cos)).sqrt(), cos);
+    cosines.into_iter().flat_map(|c| [at(c), at(c) * Vec3::new(1.0, 1.0, -1.0)]).collect()
+}
+
+/// What is drawn is a unit vector on the side that it says, with a weight that is a number, and unless it is a delta with a density above
+/// zero: light that it meets by chance is weighed by that, and 0/0 would be no weight.
+#[test]
+fn bsdf_samples_have_finite_weight_and_pdf() {
+    let tilted = Vec3::new(0.3, -0.5, 0.6).normalize();
+    let mut drawn = 0u64;
+    for (bsdf, most) in kinds() {
+        for wo in directions() {
+            for ns in [Vec3::Z, tilted] {
+                for lobe in ENDS {
+                    for u in corners() {
+                        for transport in [Transport::Radiance, Transport::Importance] {
+                            let what = || format!("{bsdf:?} from {wo} by {ns}, {lobe} {u}, {transport:?}");
+                            let Some(s) = bsdf.sample(wo, ns, Vec3::Z, lobe, u, transport) else { continue };
+                            assert!(s.wi.is_finite() && (s.wi.length() - 1.0).abs() < 1e-5, "{}: {s:?}", what());
+                            assert!(s.weight.is_finite() && s.weight.min_element() >= 0.0, "{}: {s:?}", what());
+                            // Some hundred roundings.
+                            let bound = most * (1.0 + 50.0 * f32::EPSILON);
+                            assert!(
+                                transport == Transport::Radiance || s.weight.max_element() <= bound,
+                                "{}: {s:?}",
+                                what()
+                            );
+                            assert!(s.specular || s.pdf > 0.0 && s.pdf.is_finite(), "{}: {s:?}", what());
+                            assert_eq!(s.transmitted, (s.wi.z < 0.0) != (wo.z < 0.0), "{}: {s:?}", what());
+                            let f = bsdf.evaluate(wo, s.wi, ns, Vec3::Z, transport);
+                            let pdf = bsdf.pdf(wo, s.wi, ns, Vec3::Z);
+                            assert!(
+                                f.is_finite() && f.min_element() >= 0.0 && pdf.is_finite(),
+                                "{}: {f} {pdf}",
+                                what()
+                            );
+                            drawn += 1;
+                        }
+                    }
+                }
+            }
+        }
+    }
+    assert!(drawn > 400_000, "{drawn}");
+}
+
+/// The rim of the disc from which cosines are drawn lies in the horizon: nothing is drawn there, as its density is 0.
+#[test]
+fn bsdfs_never_sample_the_horizon() {
+    let white = Bsdf::Diffuse(Vec3::ONE);
+    let rim = [Vec2::new(0.0, 0.5), Vec2::new(0.5, 0.0)];
+    for u in rim {
+        assert!(white.sample(Vec3::Z, Vec3::Z, Vec3::Z, 0.0, u, Transport::Radiance).is_none(), "{u}");
+    }
+}
+
+/// Below the least roughness there is no lobe that the chi-square test of src/bsdf would be needed for: all are deltas.
+#[test]
+fn narrowest_lobes_become_delta() {
+    let alpha = SMOOTH_ALPHA.next_down();
+    for bsdf in [
+        Bsdf::Conductor(Conductor::new(Vec3::ONE, Vec3::ONE, alpha)),
+        Bsdf::dielectric(1.5, alpha),
+        Bsdf::dielectric(1.5, 1e-4),
+    ] {
+        assert!(bsdf.is_specular());
+    }
+    assert_eq!(Bsdf::dielectric(1.5, 1e-4), Bsdf::Dielectric(Dielectric { eta: 1.5 }));
+    assert!(!Bsdf::dielectric(1.5, SMOOTH_ALPHA).is_specular());
+}

@@ -1,0 +1,182 @@
+//! 0 and the largest number below 1 through all that turns random numbers into places and directions.
+
+use super::{ENDS, corners};
+use crate::support::scene;
+use caustica::camera::{Camera, Filter, FilterKind, Lens};
+use caustica::color::Wavelength;
+use caustica::light::{Light, PhotonAim};
+use caustica::math::{Sphere, warp};
+use caustica::medium::PhaseFunction;
+use caustica::scene::Scene;
+use glam::{DVec3, Vec2, Vec3};
+
+#[track_caller]
+fn unit(v: Vec3, what: &dyn Fn() -> String) {
+    assert!(v.is_finite() && (v.length() - 1.0).abs() < 3e-6, "{}: {v}", what());
+}
+
+/// Every warp, at parameters at their own ends; no density is 0 where one draws, unless that lies in the horizon.
+#[test]
+fn warps_are_valid_at_extreme_samples() {
+    for u in corners() {
+        let what = || format!("{u}");
+        assert!(warp::disc(u).length() <= 1.0 + f32::EPSILON, "{u}");
+        unit(warp::cosine_hemisphere(u), &what);
+        unit(warp::sphere(u), &what);
+        for narrow in [0.0, 1e-38, 1e-10, 1.0, 2.0] {
+            let v = warp::cone(u, narrow);
+            unit(v, &what);
+            assert!(1.0 - v.z <= narrow + f32::EPSILON, "{u} {narrow}");
+        }
+        for n in [0.0, 1.0, 1e4, 1e9, 1e30] {
+            let v = warp::power_cosine(u, n);
+            unit(v, &what);
+            assert!(v.z > 0.0 && !warp::power_cosine_pdf(v.z, n).is_nan(), "{u} {n}");
+        }
+        let b = warp::triangle(u);
+        assert!(b.min_element() >= 0.0 && b.x + b.y <= 1.0, "{u} {b}");
+    }
+}
+
+#[test]
+fn other_samplers_are_valid_at_extreme_samples() {
+    let near = 1.0 - f32::EPSILON / 2.0;
+    for phase in [
+        PhaseFunction::Isotropic,
+        PhaseFunction::Rayleigh,
+        PhaseFunction::HenyeyGreenstein(0.0),
+        PhaseFunction::HenyeyGreenstein(near),
+        PhaseFunction::HenyeyGreenstein(-near),
+    ] {
+        for u in corners() {
+            for along in [Vec3::Z, -Vec3::Z, Vec3::new(0.6, 0.0, -0.8)] {
+                let (next, pdf) = phase.sample(along, u);
+                unit(next, &|| format!("{phase:?} {u}"));
+                assert!(pdf > 0.0 && pdf.is_finite(), "{phase:?} {u}: {pdf}");
+            }
+        }
+    }
+    for u in ENDS {
+        let w = Wavelength::sample(u);
+        assert!((Wavelength::SHORTEST..=Wavelength::LONGEST).contains(&w.nanometres()) && w.density() > 0.0);
+        assert!(w.weight().is_finite() && Wavelength::from_code(w.code()).is_some());
+    }
+    for (kind, radius) in [
+        (FilterKind::Box, 0.5),
+        (FilterKind::Tent, 1.0),
+        (FilterKind::Gaussian, 1.5),
+        (FilterKind::BlackmanHarris, 1.5),
+        (FilterKind::Mitchell, 2.0),
+    ] {
+        for u in corners() {
+            let s = Filter::new(kind).sample(u);
+            assert!(s.offset.abs().max_element() <= radius && s.weight.is_finite(), "{kind:?} {u}: {s:?}");
+        }
+    }
+    for blades in [0, 3, 5, 64] {
+        let lens = Lens { radius: 0.5, focus: 2.0, blades };
+        let eye = Camera::perspective(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 1.0, 8, 6).unwrap().with_lens(lens);
+        for u in corners() {
+            let ray = eye.ray(Vec2::new(4.0, 3.0), Some(u));
+            unit(ray.direction, &|| format!("{blades} {u}"));
+            assert!(ray.origin.length() <= 0.5 * (1.0 + 1e-6), "{blades} {u}: {}", ray.origin);
+        }
+    }
+    let all_around = Camera::panorama(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 8, 4).unwrap();
+    for u in corners() {
+        unit(all_around.ray(u * Vec2::new(8.0, 4.0), None).direction, &|| format!("{u}"));
+    }
+}
+
+/// One light of each kind.
+fn lights() -> Scene {
+    scene(
+        "PerspectiveCamera { center 0 0 9  direction 0 0 -1  up 0 1 0  angle 40  width 1  height 1 }
+        Lights {
+            PointLight { position 1 0 0  power 1 1 1 }
+            SpotLight { position 0 2 0  direction 0 -1 0  angle 30  penumbra 5  power 1 1 1 }
+            DirectionalLight { direction 0 -1 1  irradiance 1 1 1 }
+            SphereLight { center 2 2 2  radius .5  radiance 1 1 1 }
+            DiscLight { center -1 1 0  normal 0 1 1  radius .5  radiance 1 1 1 }
+            RectangleLight { corner 0 3 0  edge0 1 0 0  edge1 0 0 1  radiance 1 1 1 }
+            EnvironmentLight { radiance 1 1 1 }
+        }
+        Materials { Diffuse lamp { reflectance 0 0 0  emission 1 2 3 } }
+        Group { MaterialName lamp
+            Transform { Translate -3 0 0 Scale 1 .2 .5 Sphere { center 0 0 0  radius 1 } }
+            Transform { Translate 3 0 0 TriangleMesh { obj_file coarse-ball.obj } }
+            RevSurface { profile BezierCurve { controls [ 0 -1 0 ] [ 1 -1 0 ] [ 1 1 0 ] [ 0 1 0 ] } }
+            BezierPatch { degreeU 1  degreeV 1  controls [ 0 -3 0 ] [ 1 -3 0 ] [ 0 -3 1 ] [ 1 -4 1 ] }
+        }",
+    )
+}
+
+/// Every light, asked from near, far, inside and on it, and emitting everywhere and at targets, one of which it is inside of: flux,
+/// radiance and densities are numbers, and no density is 0.
+#[test]
+fn lights_are_valid_at_extreme_samples() {
+    let scene = lights();
+    assert_eq!(scene.lights().len(), 11);
+    let ball = |center: Vec3, radius: f32| Sphere { center, radius };
+    for light in scene.lights() {
+        let place = light.center().unwrap_or(Vec3::ZERO);
+        let start = light.emission_point().unwrap_or(place);
+        let points = [
+            Vec3::ZERO,
+            place,
+            start,
+            place + Vec3::X * 1e-6,
+            place + Vec3::Y * 1e7,
+            Vec3::splat(1e12),
+            Vec3::new(0.3, -5.0, 7.0),
+        ];
+        for (p, u) in points.into_iter().flat_map(|p| corners().map(move |u| (p, u))) {
+            let Some(s) = light.sample_li(p, u) else { continue };
+            unit(s.wi, &|| format!("{light:?} from {p}, {u}"));
+            assert!(s.weight.is_finite() && s.weight.min_element() >= 0.0, "{light:?} from {p}, {u}: {s:?}");
+            assert!(s.pdf.is_none_or(|pdf| pdf > 0.0 && !pdf.is_nan()), "{light:?} from {p}, {u}: {s:?}");
+        }
+        let all_sides = [
+            vec![ball(place, 3.0)],
+            vec![ball(place, 3.0), ball(Vec3::splat(5.0), 1e-3)],
+            vec![
+                ball(Vec3::new(0.0, -9.0, 0.0), 1.0),
+                ball(Vec3::new(0.0, -9.0, 0.5), 1.0),
+                ball(Vec3::splat(1e9), 1e-9),
+            ],
+        ];
+        for balls in all_sides {
+            let aim = PhotonAim::new(balls);
+            for (position, direction) in corners().flat_map(|p| corners().map(move |d| (p, d))) {
+                let emissions: [Option<caustica::light::EmissionSample>; 2] = [
+                    light.sample_le(scene.domain(), position, direction),
+                    light.sample_le_towards(&aim, scene.domain(), position, direction),
+                ];
+                for e in emissions.into_iter().flatten() {
+                    let what = || format!("{light:?} at {position}, {direction}: {e:?}");
+                    unit(e.ray.direction, &what);
+                    assert!(
+                        e.flux.is_finite() && e.flux.min_element() >= 0.0 && e.ray.origin.is_finite(),
+                        "{}",
+                        what()
+                    );
+                }
+            }
+        }
+    }
+}
+
+/// Towards a ball that one is inside of, directions are drawn by their cosine to the horizon, but none in it.
+#[test]
+fn aimed_emission_has_pdf_at_horizon() {
+    let aim = PhotonAim::new([Sphere { center: Vec3::ZERO, radius: 1.0 }]);
+    for u in corners() {
+        for n in [Vec3::Z, Vec3::new(0.6, 0.0, 0.8)] {
+            if let Some((w, pdf)) = aim.sample_direction(Vec3::X * 0.1, Some(n), u) {
+                unit(w, &|| format!("{u}"));
+                assert!(pdf > 0.0 && (1.0 / pdf).is_finite(), "{u}: {pdf}");
+            }
+        }
+    }
+    assert!(matches!(lights().lights()[0], Light::Point { .. }));
+}

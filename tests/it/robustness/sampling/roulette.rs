@@ -1,0 +1,108 @@
+//! Roulette at its ends: what has probability 0 ends and is never divided by it, what has probability 1 goes on, for certain.
+
+use crate::support::{agree, key, pixels, scene};
+use caustica::integrate::{Algorithm, EyeSettings, Settings};
+use caustica::photon::{PhotonPass, PhotonSource, StoreMask, Traced};
+use caustica::scene::Scene;
+use rayon::prelude::*;
+
+/// A closed room whose walls reflect `albedo` and emit `radiance`, with a lamp.
+fn room(albedo: &str, radiance: f64) -> Scene {
+    scene(&format!(
+        "PerspectiveCamera {{ center 0 0 .9  direction 0 0 -1  up 0 1 0  angle 60  width 6  height 6 }}
+        Lights {{ PointLight {{ position .1 .2 .3  power 1 2 3 }} }}
+        Materials {{ Diffuse wall {{ reflectance {albedo}  emission {radiance} {radiance} {radiance} }} }}
+        Group {{ MaterialName wall
+            Rectangle {{ corner -1 -1 -1  edge0 0 0 2  edge1 2 0 0 }}
+            Rectangle {{ corner -1 1 -1  edge0 2 0 0  edge1 0 0 2 }}
+            Rectangle {{ corner -1 -1 -1  edge0 0 2 0  edge1 0 0 2 }}
+            Rectangle {{ corner 1 -1 -1  edge0 0 0 2  edge1 0 2 0 }}
+            Rectangle {{ corner -1 -1 -1  edge0 2 0 0  edge1 0 2 0 }}
+            Rectangle {{ corner -1 -1 1  edge0 0 2 0  edge1 2 0 0 }} }}"
+    ))
+}
+
+const PATHS: u32 = 1 << 12;
+const BOUNCES: u32 = 60;
+
+fn trace(scene: &Scene, index: u64) -> Traced {
+    let source = PhotonSource::everywhere(scene).unwrap();
+    let pass = PhotonPass { scene, source: &source, mask: StoreMask::ALL, max_bounces: BOUNCES };
+    pass.trace(key(90).with(index), PATHS, &|_| {})
+}
+
+/// Walls that reflect all: no photon ends before the limit, none gains or loses a bit of flux.
+#[test]
+fn white_surfaces_terminate_no_photon() {
+    let Traced { photons, audit, rays, .. } = trace(&room("1 1 1", 0.0), 0);
+    assert_eq!((audit.stopped, audit.roulette, audit.absorbed), (audit.emitted, [0.0; 3], [0.0; 3]));
+    assert_eq!(photons.len() as u64, u64::from(PATHS) * u64::from(BOUNCES + 1));
+    assert_eq!(rays, photons.len() as u64);
+}
+
+/// Walls that reflect nothing: each photon lands once. Then walls that reflect the least number there is, of which no more can come.
+#[test]
+fn black_surfaces_terminate_every_photon() {
+    for albedo in ["0 0 0", "1e-45 1e-45 1e-45", "0 0 1e-40"] {
+        let Traced { photons, audit, rays, .. } = trace(&room(albedo, 0.0), 0);
+        assert_eq!((photons.len() as u32, rays), (PATHS, u64::from(PATHS)), "{albedo}");
+        assert_eq!((audit.absorbed, audit.stopped), (audit.emitted, [0.0; 3]), "{albedo}");
+        assert!(audit.roulette.iter().all(|r| r.is_finite() && r.abs() < 1e-30), "{albedo}: {audit:?}");
+    }
+}
+
+/// One channel alone is kept, half of the lamp's light: what goes on by the mean of the channels is twice as strong half as often, and from
+/// then on all of it goes on. So flux is kept in the mean, by n paths to √(1/n) of itself: over 16 passes of 2¹² a 256th. A photon's
+/// flux is rounded a few times, and its hue to 2⁻¹⁷.
+#[test]
+fn zero_channel_stays_zero() {
+    let scene = room("0 0 1", 0.0);
+    let kept: Vec<f64> = (0..16)
+        .map(|i| {
+            let Traced { photons, audit, .. } = trace(&scene, i);
+            assert_eq!(audit.stopped[..2], [0.0; 2]);
+            let on = photons[..].iter().filter(|p| p.data.flux().x == 0.0);
+            let twice = 2.0 * 3.0 / f64::from(PATHS);
+            let mut strengths = on.map(|p| f64::from(p.data.flux().z) / twice - 1.0);
+            assert!(strengths.all(|off| off.abs() < 1e-5), "{audit:?}");
+            // Those that go on land once more for each bounce that they are allowed.
+            let walks = (photons.len() - PATHS as usize) / BOUNCES as usize;
+            assert_eq!(photons.len(), PATHS as usize + walks * BOUNCES as usize);
+            assert!((audit.stopped[2] / (walks as f64 * twice) - 1.0).abs() < 1e-5, "{audit:?}");
+            audit.stopped[2] / audit.emitted[2]
+        })
+        .collect();
+    agree("flux of one channel", &kept, 1.0, 1e-5, 0.006);
+}
+
+fn settings(samples: u32, max_bounces: u32, seed: u64) -> Settings {
+    Settings {
+        eye: EyeSettings { samples: Some(samples), max_bounces, seed, ..EyeSettings::default() },
+        ..Settings::default()
+    }
+}
+
+/// Camera walks between walls that emit and reflect nothing see just that, whatever roulette's number; those between walls that reflect
+/// all add one bounce for each that they are allowed, and the one that connections find.
+#[test]
+fn camera_paths_follow_same_roulette() {
+    let dark = room("0 0 0", 0.25);
+    for algorithm in [Algorithm::Path, Algorithm::Hybrid, Algorithm::Sppm, Algorithm::Distributed] {
+        let quick =
+            Settings { photons: 100, caustic_photons: 100, radius: Some(0.1), balance: false, ..settings(4, 10, 0) };
+        let image = pixels(&dark, algorithm, quick, 1);
+        assert!(image.iter().all(|p| (*p - 0.25).abs().max_element() < 1e-6), "{algorithm:?}: {image:?}");
+    }
+    let white = room("1 1 1", 0.001);
+    let lamp = room("1 1 1", 0.0);
+    for (bounces, samples) in [(0u32, 512), (3, 192), (12, 96)] {
+        let mean = |scene: &Scene, seed| {
+            let image = pixels(scene, Algorithm::Path, settings(samples, bounces, seed), 1);
+            image.iter().map(|p| f64::from(p.x)).sum::<f64>() / image.len() as f64
+        };
+        // The same walks see the lamp in both rooms.
+        let samples: Vec<f64> = (0..16).into_par_iter().map(|seed| mean(&white, seed) - mean(&lamp, seed)).collect();
+        let expected = 0.001 * f64::from(bounces + 2);
+        agree(&format!("{bounces} bounces"), &samples, expected, 1e-6 * expected, 0.005);
+    }
+}

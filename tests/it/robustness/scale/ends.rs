@@ -1,0 +1,55 @@
+//! Scenes beyond what single precision holds.
+
+use caustica::camera::Camera;
+use caustica::color::Rgb;
+use caustica::scene::{BuildError, LightStrength, Material, Scene, SceneBuilder, SourceKind};
+use caustica::shape::{Plane, Shape, Sphere};
+use glam::DVec3;
+
+fn balls(places: &[(DVec3, f64)], plane: bool) -> Result<Scene, BuildError> {
+    let mut b = SceneBuilder::new();
+    let white = b.material(Material::diffuse(Rgb::ONE));
+    for (center, radius) in places {
+        b.shape(Shape::Sphere(Sphere::new(*center, *radius)), white, Rgb::ZERO);
+    }
+    if plane {
+        b.plane(Plane::new(DVec3::ZERO, DVec3::Y), white, Rgb::ZERO);
+    }
+    b.source(SourceKind::Point { position: DVec3::ONE }, LightStrength::Physical(Rgb::ONE));
+    b.build(Camera::perspective(DVec3::Z * 5.0, DVec3::NEG_Z, DVec3::Y, 1.0, 4, 4).unwrap())
+}
+
+/// What is too small is refused, with a remedy; what is refused is no larger than 2⁻³⁹, at which 2⁻²⁴ of it has a normal square.
+#[test]
+fn too_small_shapes_are_refused() {
+    let least = libm::exp2(-39.0);
+    for (radius, refused) in
+        [(1e-300, true), (1e-46, true), (1e-20, true), (0.99 * least, true), (1.01 * least, false), (1.0, false)]
+    {
+        for plane in [false, true] {
+            let built = balls(&[(DVec3::ZERO, radius)], plane);
+            let words = built.err().map(|error| error.to_string());
+            assert_eq!(words.is_some(), refused, "{radius}: {words:?}");
+            assert!(words.is_none_or(|words| words.contains("larger unit")), "{radius}");
+        }
+    }
+    assert!(balls(&[], true).is_ok() && balls(&[], false).is_ok(), "what has no size is not small");
+}
+
+/// Sums of squares of such numbers are infinite, and what is counted from there is no number.
+#[test]
+fn positions_near_double_limit_are_refused() {
+    // Boxes without an end, whose middle is no number.
+    let boundless = [(DVec3::splat(1e308), 1e308), (DVec3::splat(-1e308), 1e308)];
+    assert_eq!(balls(&boundless, false).err(), Some(BuildError::TooLarge(f64::INFINITY)));
+    for far in [1e13, 1e155, 1e200, 1e308, f64::MAX] {
+        for center in [DVec3::X * far, DVec3::splat(far), DVec3::new(-far, far, 0.0)] {
+            for places in [&[(center, 1.0), (DVec3::ZERO, 1.0)][..], &[(center, 1.0), (-center, 1.0)]] {
+                let refused = balls(places, false).err();
+                assert!(matches!(refused, Some(BuildError::TooLarge(_))), "{places:?}: {refused:?}");
+            }
+        }
+        let refused = balls(&[(DVec3::ZERO, far)], false).err();
+        assert!(matches!(refused, Some(BuildError::TooLarge(_))), "{far}: {refused:?}");
+    }
+}

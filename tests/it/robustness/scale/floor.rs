@@ -1,0 +1,152 @@
+//! A sphere of radius 10⁵ as a floor.
+
+use super::paired::{ROUNDING, objection, summary};
+use super::{PASSES, SIZE, few, pictures};
+use caustica::color::Rgb;
+use caustica::format::{Source, parse, resolve};
+use caustica::integrate::{Algorithm, Settings};
+use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
+use caustica::sampling::{Key, Purpose};
+use caustica::scene::Scene;
+use std::path::Path;
+
+/// Things of a hand's size on a floor, by lamps that are near: what leaves for more than 300 lengths is (4/300)² of their light, of which
+/// less comes back than single precision tells.
+fn on(floor: &str) -> Scene {
+    let text = format!(
+        "PerspectiveCamera {{ center 0 3.4 3  lookAt 0 .2 .1  angle 34  width {}  height {} }}
+        Background {{ color .1 .1 .1 }}
+        Lights {{
+            SpotLight {{ position -1.5 4 1  lookAt 0 .3 0  angle 40  penumbra 8  intensity 60 55 50 }}
+            SphereLight {{ center 1.8 2.5 -1  radius .1  power 60 60 70 }}
+        }}
+        Materials {{
+            Diffuse ground {{ reflectance .6 .5 .4 }}
+            Diffuse matte {{ reflectance .3 .6 .4 }}
+            Dielectric glass {{ indexOfRefraction 1.5 }}
+            Mirror silver {{ reflectance .9 .9 .9 }}
+        }}
+        Group {{
+            MaterialName ground
+            {floor}
+            MaterialName glass
+            Sphere {{ center -.6 .401 .4  radius .4 }}
+            MaterialName matte
+            Sphere {{ center .1 .2 -.6  radius .2 }}
+            Transform {{ Translate .9 .36 .2  UniformScale .25  TriangleMesh {{ obj_file mesh/knot.obj }} }}
+            MaterialName silver
+            Transform {{ Translate .2 0 .7  Scale .2 .12 .2  TriangleMesh {{ obj_file mesh/ring.obj }} }}
+        }}",
+        SIZE.0, SIZE.1
+    );
+    resolved(&text)
+}
+
+fn resolved(text: &str) -> Scene {
+    let name = "floor.txt";
+    let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    resolve(&parse(name, text).unwrap(), &Source::new(name, text), &scenes).unwrap()
+}
+
+const FLAT: &str = "Disc { center 0 0 0  normal 0 1 0  radius 300 }";
+const ROUND: &str = "Sphere { center 0 -100000 0  radius 100000 }";
+
+/// Where things stand the sphere is flat but for 2²/(2·10⁵) = 2·10⁻⁵: pixels show the same but where an edge of a thing or its shadow passes
+/// between, within some 10⁻⁵ of a pixel that is 10⁻¹ wide, seen in glass and mirrors ten times as wide: one in a thousand, five times over.
+#[test]
+fn sphere_of_radius_100000_acts_as_flat_floor() {
+    let (flat, round) = (on(FLAT), on(ROUND));
+    // It asks all lights and draws none.
+    let render = |scene| pictures(scene, Algorithm::Whitted, few(), PASSES);
+    let (a, b) = (render(&flat), render(&round));
+    let off = |(a, b): &(&Rgb, &Rgb)| (**a - **b).abs().max_element() > 1e-3 * b.max_element();
+    let differ = a.iter().flatten().zip(b.iter().flatten()).filter(off).count();
+    let all = a.len() * a[0].len();
+    assert!(differ * 200 < all, "{differ} of {all} pixels differ");
+
+    // Photons are drawn otherwise, as they are emitted into another domain.
+    let settings = Settings { radius: Some(0.05), ..few() };
+    let seen = |scene| -> Vec<Vec<f64>> {
+        let images = pictures(scene, Algorithm::Hybrid, settings.clone(), 4 * PASSES);
+        images.iter().map(|image| summary(image, SIZE)).collect()
+    };
+    let objection = objection(&seen(&round), &seen(&flat), ROUNDING + 2e-5, 0.02);
+    assert!(objection.is_none(), "{}", objection.unwrap());
+}
+
+/// The discs that pilots find are those of the things that photons lie on, not parts of the floor. Both pilots look at 512 photons and take the
+/// third quartile of what they find, which scatters by 2 % of their number, so by less than a tenth where discs vary twofold.
+#[test]
+fn huge_floor_does_not_blur_caustics() {
+    let settings = || Settings { caustic_photons: 250_000, ..few() };
+    let radius = |floor| Algorithm::Hybrid.prepare(&on(floor), settings()).radii().unwrap().caustic;
+    let (flat, round) = (radius(FLAT), radius(ROUND));
+    assert!((round / flat - 1.0).abs() < 0.1, "{round} on a sphere, {flat} on a disc");
+}
+
+/// Flux \[W] of photons of a kind on what `counts`, of 2¹⁷ paths from everywhere.
+fn flux(scene: &Scene, wants: StoreMask, counts: impl Fn(glam::DVec3) -> bool) -> f64 {
+    let source = PhotonSource::everywhere(scene).unwrap();
+    let pass = PhotonPass { scene, source: &source, mask: wants, max_bounces: 20 };
+    let photons = pass.trace(Key::new(3).purpose(Purpose::Test), 1 << 17, &|_| {}).photons;
+    let landed = photons.iter().filter(|p| counts(p.position.as_dvec3() + scene.middle()));
+    landed.map(|p| f64::from(p.data.flux().y)).sum()
+}
+
+/// A lamp that touches nothing, and glass and stone half a unit below it: they are in the way of its light however large the floor is.
+#[test]
+fn occluder_near_light_shades_huge_floor() {
+    let under_a_lamp = |floor: &str| {
+        resolved(&format!(
+            "PerspectiveCamera {{ center 0 3.4 3  lookAt 0 .2 .1  angle 34  width {}  height {} }}
+            Background {{ color 0 0 0 }}
+            Lights {{ PointLight {{ position 0 2 0  power 9 9 9 }} }}
+            Materials {{
+                Diffuse ground {{ reflectance .6 .5 .4 }}
+                Dielectric glass {{ indexOfRefraction 1.5 }}
+            }}
+            Group {{
+                MaterialName ground
+                {floor}
+                Sphere {{ center .35 1.4 0  radius .2 }}
+                MaterialName glass
+                Sphere {{ center -.35 1.4 0  radius .2 }}
+            }}",
+            SIZE.0, SIZE.1
+        ))
+    };
+    let (flat, round) = (under_a_lamp(FLAT), under_a_lamp(ROUND));
+    let render = |scene| pictures(scene, Algorithm::Whitted, few(), PASSES);
+    let (a, b) = (render(&flat), render(&round));
+    let off = |(a, b): &(&Rgb, &Rgb)| (**a - **b).abs().max_element() > 1e-3 * b.max_element();
+    let differ = a.iter().flatten().zip(b.iter().flatten()).filter(off).count();
+    assert!(differ * 200 < a.len() * a[0].len(), "{differ} pixels differ");
+
+    // The glass is seen under 2π(1 − √(1 − .2²/.4825)) sr, .0212 of all: 2777 paths, the stone as well. Both floors get what passes the glass
+    // within five sigma of their difference, 5·√2/√2777.
+    let near = |p: glam::DVec3| p.length() < 3.0;
+    for (wants, place) in
+        [(StoreMask::CAUSTIC, &near as &dyn Fn(_) -> _), (StoreMask::DIRECT, &|p| near(p) && p.y > 1.0)]
+    {
+        let (flat, round) = (flux(&flat, wants, place), flux(&round, wants, place));
+        assert!(flat > 9.0 * 0.01 && (round / flat - 1.0).abs() < 0.134, "{round} W on a sphere, {flat} W on a disc");
+    }
+}
+
+/// A lamp that lies on the sphere, within the rounding of where that is, lights a ceiling half a unit above: a disc of radius r takes
+/// (1 − h/√(h² + r²))/2 of the light of a point at h below it, here .276, which 2¹⁷ paths know to .0012.
+#[test]
+fn light_on_huge_floor_reaches_objects_above() {
+    for x in [0.0f64, 0.3, -0.7, 1.1, 2.3] {
+        let y = -x * x / (1e5 + (1e10 - x * x).sqrt());
+        let scene = resolved(&format!(
+            "PerspectiveCamera {{ center 0 .2 3  lookAt 0 .2 .1  angle 34  width 8  height 8 }}
+            Background {{ color 0 0 0 }}
+            Lights {{ PointLight {{ position {x} {y:e} 0  power 1 1 1 }} }}
+            Group {{ {ROUND} Disc {{ center {x} .5 0  normal 0 -1 0  radius 1 }} }}"
+        ));
+        let seen = flux(&scene, StoreMask::DIRECT, |p| p.y > 0.25);
+        let expected = 0.5 * (1.0 - 0.5 / 1.25f64.sqrt());
+        assert!((seen - expected).abs() < 5.0 * 0.0013, "{x}: {seen} of {expected}");
+    }
+}

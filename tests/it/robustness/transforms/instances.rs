@@ -1,0 +1,149 @@
+//! Meshes that are placed by maps of condition number 10⁸, and from afar.
+
+use super::dd::{Affine, Dd, Dd3};
+use super::maps::maps;
+use crate::robustness::triangles::closed::globe;
+use caustica::math::{Ray, Transform, offset_origin, warp};
+use caustica::shape::{IndexedMesh, Instance, Mesh, Shape};
+use glam::{DAffine3, DVec3, Vec2, Vec3};
+use rand::rngs::SmallRng;
+use rand::{RngExt, SeedableRng};
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Where a line enters |x| + |y| + |z| ≤ 1 and leaves it, each with the face's normal and how far off, along the line, the next face is.
+fn octahedron(o: Dd3, d: Dd3) -> ([Dd; 2], [DVec3; 2], [f64; 2]) {
+    let mut ends = [Dd::from(-1e300), Dd::from(1e300)];
+    let mut normals = [DVec3::ZERO; 2];
+    let mut crossings = [Vec::new(), Vec::new()];
+    for n in FACES {
+        let slope = d.dot(n.into());
+        let t = (Dd::ONE - o.dot(n.into())) / slope;
+        crossings[usize::from(slope > Dd::ZERO)].push(t);
+        if slope < Dd::ZERO && t > ends[0] {
+            (ends[0], normals[0]) = (t, n);
+        } else if slope > Dd::ZERO && t < ends[1] {
+            (ends[1], normals[1]) = (t, n);
+        }
+    }
+    let gap = |end: usize| {
+        let mut off: Vec<f64> = crossings[end].iter().map(|t| (*t - ends[end]).value().abs()).collect();
+        off.sort_by(f64::total_cmp);
+        off.get(1).copied().unwrap_or(f64::INFINITY)
+    };
+    (ends, normals, [gap(0), gap(1)])
+}
+
+/// An octahedron of triangles under maps of condition number 10⁸, seen from within 10⁶ sizes, is met where it is.
+///
+/// Rays are rounded to f32 where they come near the mesh, within 4 of its sizes, and the triangle's test rounds as much again: 16·2⁻²³ times
+/// 4 in object space. That is what `t` may be off over |d·n|, beside the rounding of `t` itself and of f64 on the way there.
+#[test]
+fn instance_hits_match_double_double_transforms() {
+    let ball = globe(0);
+    let mesh = Mesh { positions: ball.vertices, triangles: ball.faces, ..Mesh::default() };
+    let mesh = Arc::new(IndexedMesh::new(mesh));
+    maps().into_par_iter().for_each(|(name, map)| {
+        let exact = Affine::from(map);
+        let transform = Transform::new(map).unwrap();
+        let instance = Shape::Instance(Instance::new(Arc::clone(&mesh), transform));
+        let size = map.matrix3.x_axis.length() + map.matrix3.y_axis.length() + map.matrix3.z_axis.length();
+        let shrink = exact.inverse_rows().map(|r| r.value().length_squared()).iter().sum::<f64>().sqrt();
+        let mut rng = SmallRng::seed_from_u64(5);
+        let (mut hits, mut told, mut doubtful) = (0, 0, 0);
+        const RAYS: u32 = 10_000;
+        for i in 0..RAYS {
+            let mut place = || warp::sphere(Vec2::new(rng.random(), rng.random())).as_dvec3();
+            let target = transform.point(place() * 0.6);
+            let origin = match i % 3 {
+                0 => transform.point(place() * 3.0),
+                1 => target + place() * (size * 2.0),
+                _ => target + place() * (size * 1e5),
+            };
+            let origin = origin.as_vec3();
+            let ray = Ray::new(origin, target.as_vec3() - origin);
+            if ray.direction == Vec3::ZERO {
+                continue;
+            }
+            let o = exact.point_back(origin.as_dvec3().into());
+            let d = exact.back(ray.direction.as_dvec3().into());
+            let (ends, normals, gaps) = octahedron(o, d);
+            let [enter, leave] = ends.map(Dd::value);
+            let blur = |end: usize| {
+                let along = d.value().dot(normals[end].normalize()).abs();
+                let world = origin.as_dvec3().length() + ends[end].value().abs() * f64::from(ray.direction.length());
+                let noise = 64.0 * f64::from(f32::EPSILON) + 16.0 * f64::EPSILON * shrink * (world + size + 4.0);
+                noise / along
+            };
+            let widest = blur(0).max(blur(1));
+            if (leave - enter).abs() < 4.0 * widest || enter.abs() < widest || leave.abs() < widest {
+                doubtful += 1;
+                continue;
+            }
+            let end = usize::from(enter < 0.0);
+            let expected = (enter < leave && leave > 0.0).then_some(ends[end].value());
+            let found = instance.intersect(&ray);
+            assert_eq!(found.is_some(), expected.is_some(), "{name} {ray:?}: {found:?} {expected:?}");
+            assert_eq!(instance.occludes(&ray), found.is_some(), "{name} {ray:?}");
+            let (Some((t, u, v)), Some(exactly)) = (found, expected) else { continue };
+            hits += 1;
+            let off = (f64::from(t) - exactly).abs();
+            assert!(
+                off <= blur(end) + 1.2e-7 * exactly,
+                "{name} {ray:?}: {t} {exactly}, off by {off:e} of {:e}",
+                blur(end)
+            );
+            let s = instance.surface(&ray, t, Vec2::new(u, v));
+            // Where two faces are nearer to each other than the test rounds, either may be told; elsewhere it is the one that is met.
+            let sure = gaps[end] > 4.0 * blur(end);
+            told += u32::from(sure);
+            let is_it = |n: &DVec3| {
+                let normal = exact.normal((*n).into()).value().normalize();
+                // A corner of the face tells its plane, in which the place lies but for what it says of its error along each axis.
+                let corner = exact.point((DVec3::X * n.x).into());
+                let height = normal.dot((Dd3::from(s.p.as_dvec3()) - corner).value()).abs();
+                (s.ng.as_dvec3() - normal).length() < 2e-7 && height <= normal.abs().dot(s.error.as_dvec3())
+            };
+            let right = if sure { is_it(&normals[end]) } else { FACES.iter().any(is_it) };
+            assert!(right, "{name} {ray:?}: {s:?}, of {:?}", normals[end]);
+            let out = warp::sphere(Vec2::new(rng.random(), rng.random()));
+            let out = if out.dot(s.ng) < 0.0 { -out } else { out };
+            let next = Ray::new(offset_origin(s.p, s.error, s.ng, out), out);
+            assert!(instance.intersect(&next).is_none(), "{name} {ray:?}: met again");
+        }
+        assert!(hits > RAYS / 10 && told > hits / 2 && doubtful < RAYS / 2, "{name} {hits} {told} {doubtful}");
+    });
+}
+
+/// Normals of an octahedron's faces.
+const FACES: [DVec3; 8] = [
+    DVec3::new(1.0, 1.0, 1.0),
+    DVec3::new(-1.0, 1.0, 1.0),
+    DVec3::new(1.0, -1.0, 1.0),
+    DVec3::new(-1.0, -1.0, 1.0),
+    DVec3::new(1.0, 1.0, -1.0),
+    DVec3::new(-1.0, 1.0, -1.0),
+    DVec3::new(1.0, -1.0, -1.0),
+    DVec3::new(-1.0, -1.0, -1.0),
+];
+
+/// Rays from inside a mesh that is placed hit it, at edges and corners too.
+#[test]
+fn instances_leak_no_rays() {
+    let closed = globe(3);
+    let positions = closed.vertices.clone();
+    let mesh = Mesh { positions, triangles: closed.faces.clone(), ..Mesh::default() };
+    let mesh = Arc::new(IndexedMesh::new(mesh));
+    let turn = maps()[2].1;
+    for map in [turn, DAffine3::from_scale(DVec3::splat(1e-6)) * turn, DAffine3::from_scale(DVec3::splat(1e6)) * turn] {
+        let transform = Transform::new(map).unwrap();
+        let instance = Shape::Instance(Instance::new(Arc::clone(&mesh), transform));
+        let mut rng = SmallRng::seed_from_u64(6);
+        for _ in 0..200_000 {
+            let from = transform.point((closed.inside)(&mut rng).as_dvec3()).as_vec3();
+            let [a, b, _] = closed.faces[rng.random_range(0..closed.faces.len())].map(|i| closed.vertices[i as usize]);
+            let target = transform.point((a + (b - a) * rng.random::<f32>()).as_dvec3()).as_vec3();
+            assert!(instance.occludes(&Ray::new(from, target - from)), "{from} {target}");
+        }
+    }
+}

@@ -1,0 +1,249 @@
+//! Shapes under maps of condition number 10⁸ against references of twice the precision.
+
+use super::dd::{Affine, Dd, Dd3};
+use super::maps::maps;
+use caustica::math::{Ray, Transform, offset_origin, warp};
+use caustica::shape::parametric::Basis;
+use caustica::shape::{Disc, Patch, Rectangle, Revolution, Shape, Sphere, SurfacePoint};
+use glam::{DAffine3, DVec2, DVec3, DVec4, Vec2, Vec3};
+use rand::rngs::SmallRng;
+use rand::{RngExt, SeedableRng};
+use rayon::prelude::*;
+
+/// What a shape is in its own space.
+#[derive(Clone, Copy, Debug)]
+pub enum Own {
+    /// |p| = 1.
+    Ball,
+    /// y = 0 for x² + z² ≤ 1.
+    Disc,
+    /// y = 0 for |x| and |z| ≤ 1.
+    Square,
+    /// x² + z² = 1 for |y| ≤ 1.
+    Tube,
+    /// y = x² + z² for |x| and |z| ≤ 1.
+    Bowl,
+}
+
+impl Own {
+    pub fn shape(self) -> Shape {
+        match self {
+            Self::Ball => Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)),
+            Self::Disc => Shape::Disc(Disc::around(DVec3::ZERO, DVec3::Y, 1.0)),
+            Self::Square => {
+                Shape::Rectangle(Rectangle::new(DVec3::new(-1.0, 0.0, -1.0), DVec3::Z * 2.0, DVec3::X * 2.0))
+            }
+            Self::Tube => {
+                let line = Basis::bezier(2).unwrap();
+                let controls = [DVec2::new(1.0, -1.0), DVec2::new(1.0, 1.0)];
+                Shape::Revolution(Revolution::new(&line, &controls).unwrap())
+            }
+            Self::Bowl => {
+                let basis = Basis::bezier(3).unwrap();
+                // Blossoms of x and x².
+                let (place, square) = ([-1.0, 0.0, 1.0], [1.0, -1.0, 1.0]);
+                let control = |k: usize| DVec4::new(place[k % 3], square[k / 3] + square[k % 3], place[k / 3], 1.0);
+                let controls: Vec<DVec4> = (0..9).map(control).collect();
+                Shape::Patch(Patch::new([&basis, &basis], &controls).unwrap())
+            }
+        }
+    }
+
+    /// A point on it.
+    pub fn point(self, u: Vec2) -> DVec3 {
+        let (a, b) = (f64::from(u.x) * 2.0 - 1.0, f64::from(u.y) * 2.0 - 1.0);
+        match self {
+            Self::Ball => warp::sphere(u).as_dvec3().normalize(),
+            Self::Disc => {
+                let d = warp::disc(u).as_dvec2();
+                DVec3::new(d.x, 0.0, d.y)
+            }
+            Self::Square => DVec3::new(a, 0.0, b),
+            Self::Tube => {
+                let (s, c) = libm::sincos(a * std::f64::consts::PI);
+                DVec3::new(c, b, s)
+            }
+            Self::Bowl => DVec3::new(a, a * a + b * b, b),
+        }
+    }
+
+    /// The coefficients c, b, a of F(o + t d) = c + 2 b t + a t², whose zeros are the surface without its borders.
+    fn quadratic(self, o: Dd3, d: Dd3) -> [Dd; 3] {
+        let ([ox, oy, oz], [dx, dy, dz]) = (o.0, d.0);
+        let half = Dd::from(0.5);
+        let round = [ox * ox + oz * oz, ox * dx + oz * dz, dx * dx + dz * dz];
+        match self {
+            Self::Ball => [o.dot(o) - Dd::ONE, o.dot(d), d.dot(d)],
+            Self::Disc | Self::Square => [oy, dy * half, Dd::ZERO],
+            Self::Tube => [round[0] - Dd::ONE, round[1], round[2]],
+            Self::Bowl => [round[0] - oy, round[1] - dy * half, round[2]],
+        }
+    }
+
+    fn gradient(self, p: Dd3) -> Dd3 {
+        let [x, _, z] = p.0;
+        let two = Dd::from(2.0);
+        match self {
+            Self::Ball => p,
+            Self::Disc | Self::Square => Dd3([Dd::ZERO, Dd::ONE, Dd::ZERO]),
+            Self::Tube => Dd3([x, Dd::ZERO, z]),
+            Self::Bowl => Dd3([two * x, -Dd::ONE, two * z]),
+        }
+    }
+
+    /// How far within its borders a point is.
+    fn within(self, p: Dd3) -> f64 {
+        let [x, y, z] = p.0.map(Dd::value);
+        match self {
+            Self::Ball => 1.0,
+            Self::Disc => 1.0 - libm::hypot(x, z),
+            Self::Tube => 1.0 - y.abs(),
+            Self::Square | Self::Bowl => 1.0 - x.abs().max(z.abs()),
+        }
+    }
+}
+
+/// What exact numbers say of a ray and a shape under a map.
+pub struct Truth {
+    /// Where it is met.
+    pub t: Option<f64>,
+    /// How far off `t` may be told.
+    pub blur: f64,
+    /// The place in the shape's space, the unit normal, on either side, and how far off that may be told.
+    pub hit: DVec3,
+    pub normal: DVec3,
+    pub turn: f64,
+    /// Whether it touches, or passes a border, within rounding.
+    pub doubtful: bool,
+}
+
+/// What may round in f64: coordinates on their way into object space, and in a shape of splines, of size 2, its own noise (256 · 32 ulps).
+const ROUNDINGS: f64 = 16.0 * f64::EPSILON;
+const SPLINES: f64 = 256.0 * 32.0 * f64::EPSILON * 2.0;
+
+/// The nearest crossing beyond `t = 0` of a ray from `origin`.
+///
+/// An error e of places in object space is e/|d·n| of t, for unit object normal n and the ray's direction d there; the point then moves by e and
+/// by |d| times that, and turns the object normal by at most twice as much, as no shape bends more sharply than at radius ½. World normals turn
+/// by |M⁻¹| times that, over the length |M⁻ᵀn|. Flat shapes are kept by two edges of the world: each errs by ulps of |M|, over the distance that
+/// it has from the other.
+pub fn truth(own: Own, exact: &Affine, origin: Dd3, direction: Dd3) -> Truth {
+    let (o, d) = (exact.point_back(origin), exact.back(direction));
+    let [c, b, a] = own.quadratic(o, d);
+    let discriminant = b * b - a * c;
+    let roots = if a.value() == 0.0 {
+        vec![-(c / (b + b))]
+    } else if discriminant < Dd::ZERO {
+        vec![]
+    } else {
+        let root = discriminant.sqrt();
+        vec![(-b - root) / a, (-b + root) / a]
+    };
+    let lengths = |v: [Dd3; 3]| v.map(|c| c.value().length_squared()).iter().sum::<f64>().sqrt();
+    let (stretch, shrink) = (lengths(exact.columns), lengths(exact.inverse_rows()));
+    let place = exact.shift.value().length();
+    let (from, pace) = (origin.value().length(), direction.value().length());
+    let flat = matches!(own, Own::Disc | Own::Square);
+    let splines = if matches!(own, Own::Tube | Own::Bowl) { SPLINES } else { 0.0 };
+    let [x, y, z] = exact.columns;
+    let volume = x.dot(y.cross(z)).value().abs();
+    // Where the ray is nearest to the shape, for a miss.
+    let middle = if a.value() == 0.0 { Dd::ZERO } else { -(b / a) };
+    let mut truth = Truth { t: None, blur: 0.0, hit: DVec3::ZERO, normal: DVec3::Y, turn: 0.0, doubtful: false };
+    let reach = |t: f64| from + t.abs() * pace + place + stretch;
+    let noise = |t: f64| ROUNDINGS * shrink * reach(t) + splines;
+    // Of F, whose gradient is at most 6 long where it counts.
+    let touch = discriminant.value().abs() / a.value().abs().max(d.value().length_squared() * 1e-30);
+    truth.doubtful |= !flat && touch < 40.0 * noise(middle.value());
+    for t in roots {
+        let p = o + d.scaled(t);
+        let at = t.value();
+        let gradient = own.gradient(p);
+        let n = gradient.value().normalize();
+        let along = d.value().dot(n).abs();
+        let world = exact.normal(gradient).value();
+        let turned = world.length() / gradient.value().length();
+        let (blur, turn) = if flat {
+            let cos = direction.value().dot(world.normalize()).abs();
+            (ROUNDINGS * reach(at) / cos, ROUNDINGS * stretch * stretch / (volume * turned))
+        } else {
+            let blur = noise(at) / along;
+            (blur, 2.0 * shrink * (noise(at) + d.value().length() * blur) / turned)
+        };
+        let moved =
+            if flat { noise(at) + d.value().length() * blur } else { noise(at) * (1.0 + d.value().length() / along) };
+        let within = own.within(p);
+        truth.doubtful |= at > -blur && within.abs() <= 2.0 * moved || at.abs() <= blur;
+        if at > 0.0 && within >= 0.0 && truth.t.is_none_or(|t| at < t) {
+            (truth.t, truth.blur) = (Some(at), blur + 6e-8 * at);
+            truth.hit = p.value();
+            (truth.normal, truth.turn) = (world.normalize(), turn + 2e-7);
+        }
+    }
+    truth
+}
+
+/// How far a reported point is off a shape along its normal, in parts of what it says of itself, where it should be at `hit` in the
+/// shape's space; `None` where its rounding to f32 moves it so far there that the shape bends away under it.
+fn strays(own: Own, exact: &Affine, s: &SurfacePoint, hit: DVec3) -> Option<f64> {
+    let p = exact.point_back(Dd3::from(s.p.as_dvec3()));
+    let [value, ..] = own.quadratic(p, Dd3::from(DVec3::ZERO));
+    let gradient = own.gradient(p);
+    let half = if matches!(own, Own::Ball | Own::Tube) { 0.5 } else { 1.0 };
+    let moved = (p.value() - hit).length();
+    let off = half * (value.value().abs() - 2.0 * moved * moved).max(0.0) / exact.normal(gradient).value().length();
+    (moved < 0.1).then(|| off / f64::from(s.ng.abs().dot(s.error)))
+}
+
+/// Distances and normals of shapes under maps of condition number 10⁸; the point lies within what it says of its error, and a ray that
+/// leaves it outwards does not meet the shape again.
+#[test]
+fn shape_hits_match_double_double_transforms() {
+    let shapes = [Own::Ball, Own::Disc, Own::Square, Own::Tube, Own::Bowl];
+    let cases: Vec<(Own, &str, DAffine3)> =
+        shapes.into_iter().flat_map(|own| maps().into_iter().map(move |(name, map)| (own, name, map))).collect();
+    cases.into_par_iter().for_each(|(own, name, map)| {
+        let transform = Transform::new(map).unwrap();
+        let shape = own.shape().transformed(&transform).unwrap();
+        let exact = Affine::from(map);
+        let size = map.matrix3.x_axis.length() + map.matrix3.y_axis.length() + map.matrix3.z_axis.length();
+        let mut rng = SmallRng::seed_from_u64(5);
+        let (mut hits, mut doubtful) = (0, 0);
+        const RAYS: u32 = 10_000;
+        for _ in 0..RAYS {
+            let mut place = || own.point(Vec2::new(rng.random(), rng.random()));
+            let (target, other) = (transform.point(place()), place() * 2.0);
+            let away = warp::sphere(Vec2::new(rng.random(), rng.random())).as_dvec3();
+            let near = transform.point(other + away);
+            let origin = (if rng.random() { near } else { target + away * (size * 2.0) }).as_vec3();
+            let ray = Ray::new(origin, target.as_vec3() - origin);
+            if ray.direction == Vec3::ZERO {
+                continue;
+            }
+            let known = truth(own, &exact, origin.as_dvec3().into(), ray.direction.as_dvec3().into());
+            if known.doubtful {
+                doubtful += 1;
+                continue;
+            }
+            let found = shape.intersect(&ray);
+            assert_eq!(found.is_some(), known.t.is_some(), "{own:?} {name} {ray:?}: {found:?} {:?}", known.t);
+            let (Some((t, u, v)), Some(exactly)) = (found, known.t) else { continue };
+            hits += 1;
+            let off = (f64::from(t) - exactly).abs();
+            assert!(off <= known.blur, "{own:?} {name} {ray:?}: {t} {exactly}, off by {off:e} of {:e}", known.blur);
+            let s = shape.surface(&ray, t, Vec2::new(u, v));
+            let turned = s.ng.as_dvec3().cross(known.normal).length();
+            assert!(turned <= known.turn, "{own:?} {name} {ray:?}: turned by {turned:e} of {:e}", known.turn);
+            if let Some(off) = strays(own, &exact, &s, known.hit) {
+                assert!(off <= 1.0, "{own:?} {name} {ray:?}: {off} errors off");
+            }
+            if matches!(own, Own::Ball | Own::Disc | Own::Square) {
+                let out = warp::sphere(Vec2::new(rng.random(), rng.random()));
+                let out = if out.dot(s.ng) < 0.0 { -out } else { out };
+                let next = Ray::new(offset_origin(s.p, s.error, s.ng, out), out);
+                assert!(shape.intersect(&next).is_none(), "{own:?} {name} {ray:?}: met again");
+            }
+        }
+        assert!(hits > RAYS / 5 && doubtful < RAYS / 3, "{own:?} {name} {hits} {doubtful}");
+    });
+}

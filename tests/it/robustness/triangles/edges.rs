@@ -1,0 +1,219 @@
+//! Rays at edges whose crossings are known exactly, triangles without area, and edges of many triangles.
+
+use super::closed::point;
+use caustica::accel::{Hierarchy, Primitive};
+use caustica::math::{Ray, gamma};
+use glam::{DVec3, I64Vec3, Vec3};
+use rand::rngs::SmallRng;
+use rand::{RngExt, SeedableRng};
+
+fn none(_: u32, _: &Ray) -> Option<(f32, f32, f32)> {
+    None
+}
+
+fn grid(rng: &mut SmallRng, reach: i64) -> I64Vec3 {
+    I64Vec3::from_array(std::array::from_fn(|_| rng.random_range(-reach..=reach)))
+}
+
+/// Six times the volume that four places span: exact, as products of three numbers below 2¹³ are.
+fn volume(o: I64Vec3, a: I64Vec3, b: I64Vec3, c: I64Vec3) -> i64 {
+    (a - o).dot((b - o).cross(c - o))
+}
+
+/// Two triangles on either side of an edge, and rays through it and beside it, all of whole numbers.
+///
+/// Which side of the edge a ray passes is the sign of a volume, known exactly. Shearing moves corners by γ(9) of their distance from the ray's
+/// start, so a volume this much below the largest that such corners span is in doubt; all others must be told rightly. A ray through the
+/// edge itself meets one of the two at t = 1, off by as much over the cosine, in parts of the way.
+#[test]
+fn edge_rays_hit_triangle_on_their_side() {
+    let mut rng = SmallRng::seed_from_u64(1);
+    let (mut through, mut beside, mut doubtful) = (0, 0, 0);
+    for i in 0..400_000 {
+        let [a, c, b, d, o] = std::array::from_fn(|_| grid(&mut rng, 1000));
+        // A whole number of steps along the edge.
+        let edge = (c - a) / 8;
+        let c = a + edge * 8;
+        let on = a + edge * rng.random_range(1..8);
+        let target = if i % 2 == 0 { on } else { on + grid(&mut rng, 2) };
+        let (sides, spread) = ([b, d].map(|p| volume(o, a, c, p)), (c - a).length_squared());
+        // Seen from the start, the triangles must lie on different sides of the edge.
+        if sides[0].signum() * sides[1].signum() >= 0 || spread == 0 || target == o {
+            continue;
+        }
+        let to = |p: I64Vec3| p.as_vec3();
+        let tree = Hierarchy::build(&[[to(a), to(c), to(b)], [to(a), to(c), to(d)]], &[]);
+        let hit = tree.closest(&Ray::new(to(o), to(target) - to(o)), none);
+        let side = volume(o, a, c, target);
+        let reach = [a, c, b, d].map(|p| (p - o).as_dvec3().length()).into_iter().fold(0.0, f64::max);
+        let blur = 4.0 * f64::from(gamma(9)) * reach;
+        let direction = (target - o).as_dvec3();
+        if side == 0 && i % 2 == 0 {
+            let hit = hit.unwrap_or_else(|| panic!("{a} {c} {b} {d} {o} {target}: through"));
+            let slope = |p: I64Vec3| {
+                let n = (c - a).as_dvec3().cross((p - a).as_dvec3());
+                n.dot(direction).abs() / (n.length() * direction.length())
+            };
+            let flattest = slope(b).min(slope(d));
+            let off = (f64::from(hit.t) - 1.0).abs() * direction.length();
+            assert!(off <= blur / flattest + 1e-6 * direction.length(), "{off} of {blur} over {flattest}");
+            through += 1;
+            continue;
+        }
+        // The volume over the area of its base is a height; the base of two edges from the start is twice a triangle.
+        let base = (a - o).as_dvec3().cross((c - o).as_dvec3()).length();
+        if (side.unsigned_abs() as f64) <= blur * base {
+            doubtful += 1;
+            continue;
+        }
+        beside += 1;
+        let expected = if side.signum() == sides[0].signum() { 0 } else { 1 };
+        // Beyond the other edges of its triangle a ray may miss, but it must not meet the other triangle.
+        assert!(hit.is_none_or(|h| h.primitive == Primitive::Triangle(expected)), "{a} {c} {b} {d} {o} {target}");
+    }
+    assert!(through > 50_000 && beside > 50_000 && doubtful < 20_000, "{through} {beside} {doubtful}");
+}
+
+/// Powers of two, by which nothing is rounded.
+const SCALES: [f32; 3] = [1.0 / 1_048_576.0, 1.0, 1_048_576.0];
+
+/// Corners on a line, two in one point, or all three, as f32 has them: shearing rounds them off the line, but there is nothing to meet and
+/// no normal. They are 64ths of at most 3, so sums are exact.
+#[test]
+fn zero_area_triangles_are_never_hit() {
+    let mut rng = SmallRng::seed_from_u64(2);
+    for scale in SCALES {
+        let mut aimed = [0; 3];
+        for i in 0..60_000 {
+            let whole = |rng: &mut SmallRng| grid(rng, 64).as_vec3() / 64.0 * scale;
+            let (kind, a, d) = (i % 3, whole(&mut rng), whole(&mut rng));
+            let (b, c) = [(a + d, a + d + d), (a + d, a), (a, a)][kind];
+            let [p, q, r] = [a, b, c].map(Vec3::as_dvec3);
+            assert_eq!((q - p).cross(r - p), DVec3::ZERO);
+            let tree = Hierarchy::build(&[[a, b, c]], &[]);
+            let o = point(&mut rng) * (2.0 * scale);
+            let ray = Ray::new(o, a + (b - a) * rng.random::<f32>() - o);
+            assert!(tree.closest(&ray, none).is_none() && !tree.occluded(&ray, |_, _| false), "{a} {b} {c} {ray:?}");
+            aimed[kind] += usize::from(d != Vec3::ZERO);
+        }
+        assert!(aimed.iter().all(|n| *n > 19_900), "{scale:e}: {aimed:?}");
+    }
+}
+
+/// How far `p` is from a triangle.
+fn distance(p: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
+    let along = |a: DVec3, b: DVec3| {
+        let part = ((p - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
+        p.distance(a.lerp(b, part))
+    };
+    let n = (b - a).cross(c - a).normalize();
+    let inside = [(a, b), (b, c), (c, a)].iter().all(|(a, b)| (b - a).cross(p - a).dot(n) >= 0.0);
+    if inside { (p - a).dot(n).abs() } else { along(a, b).min(along(b, c)).min(along(c, a)) }
+}
+
+/// Rays along an axis, or square to one, from places of which many lie in the plane of the triangle: through its inside, beside it, at its edges
+/// and in its plane, by whole numbers up to 8.
+///
+/// Edge functions are volumes over the square of the largest component of the direction, at least 1/64; shearing moves corners by γ(9)
+/// of 28, so that these functions are off by less than 28²·γ(9)·4 < .002: what is not exactly at an edge is told rightly. A place at t is
+/// off by that over the slope. In the plane of a triangle there may be a hit or none, but only where the triangle is.
+#[test]
+fn axis_aligned_and_coplanar_rays_hit_correctly() {
+    let mut rng = SmallRng::seed_from_u64(4);
+    let mut counts = [0; 5];
+    for i in 0..400_000usize {
+        let [a, b, c, o] = std::array::from_fn(|_| grid(&mut rng, 8));
+        // Every other triangle is one of nine cells, and starts lie at their corners: inside, at its edges, and beside it in its plane.
+        let (e, f) = (grid(&mut rng, 2), grid(&mut rng, 2));
+        let (b, c, o) = match i % 2 {
+            0 => (b, c, o),
+            _ => (a + e * 3, a + f * 3, a + e * rng.random_range(0..4) + f * rng.random_range(0..4)),
+        };
+        let mut d = grid(&mut rng, 8);
+        for axis in 0..3 {
+            if axis == i % 3 || (axis == (i + 1) % 3 && i % 4 < 2) {
+                d[axis] = 0;
+            }
+        }
+        let n = (b - a).cross(c - a);
+        if d == I64Vec3::ZERO || n == I64Vec3::ZERO {
+            continue;
+        }
+        let scale = SCALES[i % SCALES.len()];
+        let to = |p: I64Vec3| p.as_vec3() * scale;
+        let tree = Hierarchy::build(&[[to(a), to(b), to(c)]], &[]);
+        let ray = Ray::new(to(o), to(d));
+        let hit = tree.closest(&ray, none);
+        assert_eq!(tree.occluded(&ray, |_, _| false), hit.is_some(), "{a} {b} {c} {o} {d}");
+        let sides = [(a, b), (b, c), (c, a)].map(|(p, q)| (p - o).cross(q - o).dot(d));
+        let (up, way) = (n.dot(d), n.dot(a - o));
+        let inside = sides.iter().all(|s| s.signum() == up.signum());
+        let beside = sides.iter().any(|s| s.signum() == -up.signum());
+        let reach = [a, b, c].map(|p| (p - o).as_dvec3().length()).into_iter().fold(0.0, f64::max);
+        let blur = 4.0 * f64::from(gamma(9)) * reach * n.as_dvec3().length() / up.abs() as f64;
+        if let Some(hit) = hit {
+            assert!(hit.t.is_finite() && hit.t > 0.0, "{a} {b} {c} {o} {d}: {hit:?}");
+            let p = o.as_dvec3() + d.as_dvec3() * f64::from(hit.t);
+            let off = distance(p, [a, b, c].map(|p| p.as_dvec3()));
+            let most = if up == 0 { 4.0 * f64::from(gamma(9)) * reach } else { blur };
+            assert!(off <= most + 1e-6 * reach, "{a} {b} {c} {o} {d}: {hit:?} is off by {off}");
+        }
+        let kind = match () {
+            () if up == 0 => 0,
+            () if inside && way == 0 => 1,
+            () if inside => {
+                let t = way as f64 / up as f64;
+                let off = |hit: caustica::accel::Hit| (f64::from(hit.t) - t).abs() * d.as_dvec3().length();
+                let ahead = t > 0.0;
+                assert_eq!(hit.is_some(), ahead, "{a} {b} {c} {o} {d}: {hit:?} {t}");
+                assert!(hit.is_none_or(|h| off(h) <= blur + 1e-6 * reach), "{a} {b} {c} {o} {d}: {hit:?} {t}");
+                2
+            }
+            () if beside => {
+                assert!(hit.is_none(), "{a} {b} {c} {o} {d}: {hit:?}");
+                3
+            }
+            () => 4,
+        };
+        counts[kind] += 1;
+    }
+    assert!(counts.iter().all(|n| *n > 1_000), "{counts:?}");
+}
+
+/// A fan of triangles around one edge, one of them twice: from any sector, a ray at the edge must not pass it. Half of the rays run in a
+/// plane through the edge in which all products of its edge function are 0, so that only what counts as inside decides.
+#[test]
+fn edges_of_many_triangles_are_watertight() {
+    let mut rng = SmallRng::seed_from_u64(3);
+    for i in 0..20_000 {
+        let blades = rng.random_range(3..8);
+        let scale = [1e-6, 1.0, 1e6][i % 3];
+        let exactly = i % 2 == 0;
+        let (low, high) = if exactly {
+            (Vec3::NEG_Z * scale, Vec3::Z * scale)
+        } else {
+            (point(&mut rng) * scale, point(&mut rng) * scale)
+        };
+        let (s, t) = if exactly { (Vec3::X, Vec3::Y) } else { (high - low).normalize().any_orthonormal_pair() };
+        let length = (high - low).length();
+        let around = |sector: f32, r: f32| {
+            let (sin, cos) = libm::sincosf(sector / blades as f32 * std::f32::consts::TAU);
+            (s * cos + t * sin) * r
+        };
+        let blade = |k: i32| [low, high, (low + high) * 0.5 + around(k as f32 + 0.5, 3.0 * length)];
+        let mut triangles: Vec<[Vec3; 3]> = (0..blades).map(blade).collect();
+        triangles.push(triangles[0]);
+        let tree = Hierarchy::build(&triangles, &[]);
+        for _ in 0..20 {
+            let sector =
+                if exactly { 0.0 } else { rng.random_range(0..blades) as f32 + rng.random_range(-0.3f32..0.3) };
+            let from = (low + high) * 0.5 + around(sector, length);
+            let target = low + (high - low) * rng.random_range(0.1f32..0.9);
+            let hit = tree.closest(&Ray::new(from, target - from), none);
+            // It is met at the edge itself, or on a blade beside it: blades are at least .2/7 of a turn away, where sin > .17, so that the
+            // rounding of places, a few ulps of their size, is at most six times as long on them.
+            let blur = 100.0 * f32::EPSILON * (from.length() + scale) / length;
+            assert!(hit.is_some_and(|h| (h.t - 1.0).abs() <= blur), "{hit:?} {blur}");
+        }
+    }
+}

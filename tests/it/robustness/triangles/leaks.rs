@@ -1,0 +1,79 @@
+//! A hundred million rays at edges and corners of closed meshes.
+
+use super::closed::{Closed, cube, globe, horn, torus, turned_cube};
+use caustica::accel::Hierarchy;
+use caustica::math::Ray;
+use glam::Vec3;
+use rand::rngs::SmallRng;
+use rand::{RngExt, SeedableRng};
+use rayon::prelude::*;
+
+/// How many rays there are at the least.
+const RAYS: u64 = 100_000_000;
+
+/// Of so many rays, which go on each from where the mesh is a wall all around, those that meet nothing.
+///
+/// Targets are corners, middles of edges and places on edges, as f32 can express them: each lies beside the edge by its rounding, at random.
+/// From inside, every ray must hit. From outside of a mesh that is `convex`, every segment to a point inside must.
+fn leaks(mesh: &Closed, convex: bool, map: impl Fn(Vec3) -> Vec3, rays: u64, seed: u64) -> u64 {
+    let mut rng = SmallRng::seed_from_u64(seed);
+    let corners = mesh.corners(&map);
+    let tree = Hierarchy::build(&corners, &[]);
+    let mut inside = Vec3::ZERO;
+    let mut missed = 0;
+    for i in 0..rays {
+        if i % 32 == 0 {
+            inside = map((mesh.inside)(&mut rng));
+        }
+        let [a, b, _] = corners[rng.random_range(0..corners.len())];
+        let target = match i % 4 {
+            0 => a,
+            1 => (a + b) * 0.5,
+            _ => a + (b - a) * rng.random::<f32>(),
+        };
+        let out = target - inside;
+        let hit = match i % 8 {
+            // The nearest hit takes another way through the boxes than any hit.
+            0 => tree.closest(&Ray::new(inside, out), |_, _| None).is_some(),
+            5 | 6 if convex => tree.occluded(&Ray::between(target + out * 0.25, inside), |_, _| false),
+            _ => tree.occluded(&Ray::new(inside, out), |_, _| false),
+        };
+        missed += u64::from(!hit);
+    }
+    missed
+}
+
+/// Sizes of triangles from 10⁻⁶ to 10⁶, far from the origin too, in one mesh too; slivers of aspect 10⁵.
+#[test]
+fn hundred_million_rays_pass_no_edge() {
+    type Place = fn(Vec3) -> Vec3;
+    const BESIDE: Vec3 = Vec3::new(1.0, -0.7, 0.4);
+    let places: [Place; 6] = [
+        |p| p,
+        |p| p * 1e-6,
+        |p| p * 1e6,
+        |p| (p + 30.0 * BESIDE) * 1e-6,
+        |p| p + 1e3 * BESIDE,
+        |p| (p + 1e4 * BESIDE) * 1e6,
+    ];
+    let slivers: [Place; 2] = [|p| p * Vec3::new(1.0, 1.0, 1e5), |p| p * Vec3::new(1.0, 1e-5, 1.0)];
+    let (box_, turned, ball, fine, ring) = (cube(), turned_cube(), globe(2), globe(5), torus(60, 30));
+    let mut cases: Vec<(&Closed, bool, Place)> = Vec::new();
+    for place in places {
+        cases.extend([(&box_, true, place), (&turned, true, place), (&ball, true, place), (&ring, false, place)]);
+    }
+    cases.extend(slivers.iter().flat_map(|place| [(&box_, true, *place), (&ball, true, *place)]));
+    cases.push((&fine, true, places[0]));
+    let cone = horn();
+    // From afar the rounding of a direction is wider than its point, so that only rays from inside are sure to hit.
+    cases.push((&cone, false, places[0]));
+    const CHUNKS: u64 = 4;
+    let each = RAYS.div_ceil(cases.len() as u64 * CHUNKS);
+    let missed = (0..cases.len() as u64 * CHUNKS).into_par_iter().map(|i| {
+        let (mesh, convex, place) = cases[(i / CHUNKS) as usize];
+        let missed = leaks(mesh, convex, place, each, i);
+        assert_eq!(missed, 0, "{} of case {}", mesh.name, i / CHUNKS);
+        each
+    });
+    assert!(missed.sum::<u64>() >= RAYS);
+}

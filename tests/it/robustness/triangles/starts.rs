@@ -1,0 +1,149 @@
+//! Rays that start where others end: on a surface, at an edge, in a corner.
+
+use super::closed::{Closed, cube, globe, point, torus, turned_cube};
+use caustica::accel::{Hierarchy, Primitive};
+use caustica::math::{Ray, Transform, offset_origin, turn};
+use caustica::shape::{Mesh, Rectangle, Shape, SurfacePoint};
+use glam::{DAffine3, DVec3, Vec2, Vec3};
+use rand::rngs::SmallRng;
+use rand::{RngExt, SeedableRng};
+use rayon::prelude::*;
+
+struct Walls {
+    mesh: Mesh,
+    tree: Hierarchy,
+}
+
+impl Walls {
+    fn new(closed: &Closed, map: impl Fn(Vec3) -> Vec3) -> Self {
+        let positions: Vec<Vec3> = closed.vertices.iter().map(|v| map(*v)).collect();
+        let mesh = Mesh { positions, triangles: closed.faces.clone(), ..Mesh::default() };
+        Self { mesh, tree: Hierarchy::build(&closed.corners(map), &[]) }
+    }
+
+    fn meet(&self, ray: &Ray) -> Option<(u32, SurfacePoint)> {
+        let hit = self.tree.closest(ray, |_, _| None)?;
+        let Primitive::Triangle(i) = hit.primitive else { return None };
+        Some((i, self.mesh.surface(i as usize, Vec2::new(hit.u, hit.v))))
+    }
+
+    /// A place on an edge, or at a corner.
+    fn target(&self, rng: &mut SmallRng) -> Vec3 {
+        let [a, b, _] = self.mesh.corners(rng.random_range(0..self.mesh.triangles.len()));
+        match rng.random_range(0..4) {
+            0 => a,
+            1 => (a + b) * 0.5,
+            _ => a + (b - a) * rng.random::<f32>(),
+        }
+    }
+}
+
+fn leave(s: &SurfacePoint, d: Vec3) -> Ray {
+    Ray::new(offset_origin(s.p, s.error, s.ng, d), d)
+}
+
+fn places() -> Vec<fn(Vec3) -> Vec3> {
+    const BESIDE: Vec3 = Vec3::new(30.0, -70.0, 40.0);
+    vec![|p| p, |p| p * 1e-6, |p| p * 1e6, |p| (p + BESIDE) * 3.0]
+}
+
+fn walled() -> [Closed; 4] {
+    [cube(), turned_cube(), globe(3), torus(40, 20)]
+}
+
+/// A ray that leaves a triangle never meets it again, and one that leaves into a closed mesh meets the mesh, though it starts within rounding
+/// of an edge where the walls are at right angles, or of a corner.
+#[test]
+fn rays_leaving_edge_inwards_do_not_escape() {
+    let run = |(closed, map): (Closed, fn(Vec3) -> Vec3)| {
+        let walls = Walls::new(&closed, map);
+        let mut rng = SmallRng::seed_from_u64(3);
+        let (mut left, mut lost, mut again) = (0, 0, 0);
+        for _ in 0..100_000 {
+            let from = map((closed.inside)(&mut rng));
+            let to = walls.target(&mut rng) - from;
+            let to = if rng.random() { to } else { to.normalize() };
+            let Some((i, s)) = walls.meet(&Ray::new(from, to)) else { continue };
+            let d = map(point(&mut rng)) - map(Vec3::ZERO);
+            let d = if d.dot(s.ng) > 0.0 { -d } else { d };
+            left += 1;
+            match walls.meet(&leave(&s, d)) {
+                None => lost += 1,
+                Some((j, _)) => again += u32::from(i == j),
+            }
+            again += u32::from(walls.meet(&leave(&s, -d)).is_some_and(|(j, _)| i == j));
+        }
+        assert!(left > 99_000, "{} {left}", closed.name);
+        assert_eq!((lost, again), (0, 0), "{}: lost, met again, of {left}", closed.name);
+    };
+    places().into_par_iter().for_each(|map| walled().into_iter().for_each(|closed| run((closed, map))));
+}
+
+/// Straight through a body, by the edges: it is entered and left in turn, and left in the end.
+///
+/// Bodies are convex: at an edge of a silhouette a face is entered and its neighbour left at one `t`, and the lower index wins.
+#[test]
+fn entries_and_exits_of_bodies_balance() {
+    let run = |(closed, map): (Closed, fn(Vec3) -> Vec3)| {
+        let walls = Walls::new(&closed, map);
+        let mut rng = SmallRng::seed_from_u64(4);
+        let mut crossings = 0;
+        for _ in 0..100_000 {
+            let inside = map((closed.inside)(&mut rng));
+            let back = walls.target(&mut rng) - inside;
+            let d = -back.normalize();
+            let mut ray = Ray::new(inside + back * 20.0, d);
+            let mut depth = 0;
+            while let Some((_, s)) = walls.meet(&ray) {
+                depth += if d.dot(s.ng) < 0.0 { 1 } else { -1 };
+                assert!(depth == 0 || depth == 1, "{}: inside {depth} times at {}", closed.name, s.p);
+                ray = leave(&s, d);
+                crossings += 1;
+            }
+            assert_eq!(depth, 0, "{} from {}", closed.name, ray.origin);
+        }
+        assert!(crossings > 199_000, "{} {crossings}", closed.name);
+    };
+    places().into_par_iter().for_each(|map| walled().into_iter().take(3).for_each(|closed| run((closed, map))));
+}
+
+/// The same from the edges of a room of rectangles, square to the axes and turned.
+#[test]
+fn rectangle_rooms_trap_rays_from_their_edges() {
+    for turned in [0.0, 0.7] {
+        let turn = turn(DVec3::new(1.0, 2.0, 0.5).normalize(), turned);
+        let map = Transform::new(DAffine3::from_mat3_translation(turn, DVec3::new(0.3, 0.1, 0.7))).unwrap();
+        let (low, high) = (DVec3::new(-1.1, -0.9, -1.3), DVec3::new(1.2, 0.7, 0.8));
+        let (x, y, z) = (DVec3::X * (high.x - low.x), DVec3::Y * (high.y - low.y), DVec3::Z * (high.z - low.z));
+        let face = |at, e0, e1| Shape::Rectangle(Rectangle::new(at, e0, e1)).transformed(&map).unwrap();
+        let faces = [
+            face(low, z, x),
+            face(low + y, x, z),
+            face(low, y, z),
+            face(low + x, z, y),
+            face(low, x, y),
+            face(low + z, y, x),
+        ];
+        let corner = |i: u32| low + x * f64::from(i & 1) + y * f64::from(i >> 1 & 1) + z * f64::from(i >> 2);
+        let near = |ray: &Ray| {
+            let hits = faces.iter().filter_map(|f| f.intersect(ray).map(|hit| (hit, f)));
+            hits.min_by(|a, b| a.0.0.total_cmp(&b.0.0)).map(|((t, u, v), f)| f.surface(ray, t, Vec2::new(u, v)))
+        };
+        let mut rng = SmallRng::seed_from_u64(9);
+        let (mut left, mut lost) = (0, 0);
+        for _ in 0..200_000 {
+            let i = rng.random_range(0..8u32);
+            let (a, b) = (corner(i), corner(i ^ 1 << rng.random_range(0..3)));
+            let target = map.point(a + (b - a) * rng.random::<f64>()).as_vec3();
+            let from = map.point((low + high) * 0.5 + point(&mut rng).as_dvec3() * 0.5).as_vec3();
+            // A ray at an edge may pass two rectangles that only meet in numbers: none is closed over it.
+            let Some(s) = near(&Ray::new(from, (target - from).normalize())) else { continue };
+            let d = point(&mut rng);
+            let d = if d.dot(s.ng) < 0.0 { -d } else { d };
+            left += 1;
+            lost += u32::from(near(&leave(&s, d)).is_none());
+        }
+        assert!(left > 190_000, "{left}");
+        assert_eq!(lost, 0, "of {left}");
+    }
+}

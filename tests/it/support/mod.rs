@@ -1,0 +1,92 @@
+//! Test rigs: scenes, passes, statistics, the command line and a headless browser.
+
+pub mod browser;
+mod data;
+pub mod shell;
+mod statistics;
+mod transport;
+
+use caustica::color::Rgb;
+use caustica::format::{SceneFile, Source, parse, resolve};
+use caustica::image::{self, Image};
+use caustica::integrate::{Algorithm, Integrator, Settings, Silent};
+use caustica::sampling::{Key, Purpose};
+use caustica::scene::Scene;
+pub use statistics::*;
+use std::path::{Path, PathBuf};
+pub use transport::*;
+
+/// Returns the path of a file or folder, given relative to the repository's root.
+pub fn project(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join(name)
+}
+
+/// Returns a subfolder of the course's data, which may not be distributed with the program.
+///
+/// `CAUSTICA_COURSE` names the data's folder; it is `../shared/course` by default. If the data is
+/// absent, the test fails, unless `CAUSTICA_SKIP_MISSING` is set: then it prints a line and
+/// returns `None`.
+pub fn course(subfolder: &str) -> Option<PathBuf> {
+    let root = std::env::var_os("CAUSTICA_COURSE").map_or_else(|| project("../shared/course"), PathBuf::from);
+    let folder = root.join(subfolder);
+    if folder.is_dir() {
+        return Some(folder);
+    }
+    let skip = std::env::var_os("CAUSTICA_SKIP_MISSING").is_some();
+    assert!(
+        skip,
+        "{} is absent: name the course's data by CAUSTICA_COURSE, or set CAUSTICA_SKIP_MISSING=1 to skip its tests",
+        folder.display()
+    );
+    eprintln!("SKIPPED: {} is absent", folder.display());
+    None
+}
+
+/// Returns a reference image of `tests/data`.
+pub fn reference(name: &str) -> Image {
+    let path = project("tests/data").join(name);
+    image::read(&path).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
+}
+
+/// Builds the scene of `text`. File names in it are relative to `tests/scenes`.
+#[track_caller]
+pub fn scene(text: &str) -> Scene {
+    scene_in("tests/scenes", text)
+}
+
+/// Builds the scene of `text`. File names in it are relative to `folder`, a folder of the repository.
+#[track_caller]
+pub fn scene_in(folder: &str, text: &str) -> Scene {
+    let source = Source::new("test", text);
+    let resolved = parse("test", text).and_then(|d| resolve(&d, &source, &project(folder)));
+    resolved.unwrap_or_else(|e| panic!("{e:?}\n{text}"))
+}
+
+/// Builds the scene of a file of the repository, with an image of `width` × `height` pixels.
+pub fn file(name: &str, (width, height): (u32, u32)) -> Scene {
+    let mut file = SceneFile::read(&project(name)).unwrap();
+    (file.description.camera.value.width, file.description.camera.value.height) = (width, height);
+    file.resolve().unwrap()
+}
+
+/// Renders passes 0 to `passes` − 1 and returns their pixels, one image after the other.
+pub fn pixels(scene: &Scene, algorithm: Algorithm, settings: Settings, passes: u32) -> Vec<Rgb> {
+    let prepared = algorithm.prepare(scene, settings);
+    (0..passes).flat_map(|i| image(&*prepared, i)).collect()
+}
+
+/// Renders one pass and returns its pixels. Fails if the pass rejected a sample or a photon.
+///
+/// The renderer drops non-finite samples and photons, and counts them. The pixels alone would hide such an error.
+#[track_caller]
+pub fn image(integrator: &dyn Integrator, pass: u32) -> Vec<Rgb> {
+    let pass = integrator.pass(pass, &Silent);
+    let rejected = (pass.counters.rejected_samples, pass.counters.rejected_photons);
+    assert_eq!(rejected, (0, 0), "rejected samples and photons");
+    pass.image
+}
+
+/// Returns the random key of the test with this number.
+pub fn key(number: u64) -> Key {
+    Key::new(number).purpose(Purpose::Test)
+}

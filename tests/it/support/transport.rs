@@ -1,0 +1,222 @@
+//! Scenes, passes, statistics and quadrature that the tests share.
+
+use super::{agree, midpoint};
+use caustica::camera::{Camera, Filter, FilterKind};
+use caustica::color::Rgb;
+use caustica::integrate::{Algorithm, EyeSettings, Settings, Silent};
+use caustica::photon::{Bandwidth, Kernel, Photon, PhotonMap, PhotonPass, PhotonSource, Scratch, StoreMask, Traced};
+use caustica::sampling::{Key, Purpose};
+use caustica::scene::{Scene, SceneBuilder};
+use caustica::shape::{Rectangle, Shape};
+use glam::{DVec2, DVec3, Vec3};
+use std::f64::consts::{PI, TAU};
+
+/// Passes where a test has no reason for another number.
+pub const PASSES: u32 = 16;
+
+/// All kernels.
+pub const KERNELS: [Kernel; 3] = [Kernel::Box, Kernel::Cone, Kernel::Epanechnikov];
+
+/// Rounding of a stored photon's hue: half a step of 1/65535 of the sum of its channels, as part of a channel of a grey one.
+pub const HUE: f64 = 1.5 / 65_535.0;
+
+pub fn vec3(x: f64, y: f64, z: f64) -> DVec3 {
+    DVec3::new(x, y, z)
+}
+
+pub fn grey(x: f64) -> Rgb {
+    Rgb::splat(x as f32)
+}
+
+/// A camera with a square image of `size` pixels and a full `angle` in degrees.
+pub fn camera(eye: DVec3, at: DVec3, angle: f64, size: u32) -> Camera {
+    let up = if (at - eye).normalize().y.abs() > 0.9 { DVec3::Z } else { DVec3::Y };
+    Camera::perspective(eye, at - eye, up, angle.to_radians(), size, size).unwrap()
+}
+
+/// Builds a scene that only photons see.
+pub fn unseen(builder: SceneBuilder) -> Scene {
+    builder.build(camera(DVec3::ZERO, DVec3::Z, 40.0, 1)).unwrap()
+}
+
+/// The faces of a box: floor, ceiling, left, right, back, front; outer sides turned inwards or outwards.
+pub fn faces(lo: DVec3, hi: DVec3, inwards: bool) -> [Shape; 6] {
+    let (x, y, z) = (DVec3::X * (hi.x - lo.x), DVec3::Y * (hi.y - lo.y), DVec3::Z * (hi.z - lo.z));
+    let face = |corner, e0, e1| {
+        let (e0, e1) = if inwards { (e0, e1) } else { (e1, e0) };
+        Shape::Rectangle(Rectangle::new(corner, e0, e1))
+    };
+    [face(lo, z, x), face(lo + y, x, z), face(lo, y, z), face(lo + x, z, y), face(lo, x, y), face(lo + z, y, x)]
+}
+
+/// Keys of independent passes.
+pub fn keys(passes: u32) -> impl Iterator<Item = Key> {
+    (0..u64::from(passes)).map(|pass| Key::new(20_240_229).purpose(Purpose::Test).with(pass))
+}
+
+/// Independent passes of `paths` paths emitted everywhere.
+pub fn trace(scene: &Scene, wants: StoreMask, max_bounces: u32, passes: u32, paths: u32) -> Vec<Traced> {
+    let source = PhotonSource::everywhere(scene).unwrap();
+    trace_from(scene, &source, wants, max_bounces, passes, paths)
+}
+
+/// Independent passes of a source.
+pub fn trace_from(
+    scene: &Scene,
+    source: &PhotonSource<'_>,
+    wants: StoreMask,
+    max_bounces: u32,
+    passes: u32,
+    paths: u32,
+) -> Vec<Traced> {
+    let pass = PhotonPass { scene, source, mask: wants, max_bounces };
+    keys(passes).map(|key| pass.trace(key, paths, &|_| {})).collect()
+}
+
+/// Where a photon lies in the description's coordinates.
+pub fn place(scene: &Scene, photon: &Photon) -> DVec3 {
+    photon.position.as_dvec3() + scene.middle()
+}
+
+/// Flux of the photons that lie where `inside` says \[W].
+pub fn flux_where(scene: &Scene, photons: &[Photon], inside: impl Fn(DVec3) -> bool) -> DVec3 {
+    photons.iter().filter(|p| inside(place(scene, p))).map(|p| p.data.flux().as_dvec3()).sum()
+}
+
+/// Estimated irradiance at a place of the description.
+pub fn irradiance(scene: &Scene, map: &PhotonMap, p: DVec3, n: DVec3, bandwidth: Bandwidth, kernel: Kernel) -> DVec3 {
+    let p = (p - scene.middle()).as_vec3();
+    let mut scratch = Scratch::new();
+    map.estimate(p, n.as_vec3(), bandwidth, kernel, &mut scratch, |_| Vec3::ONE).radiance.as_dvec3()
+}
+
+/// A bandwidth of fixed radius.
+pub fn fixed(radius: f64) -> Bandwidth {
+    Bandwidth { radius: radius as f32, k: 0 }
+}
+
+/// Settings with fixed radius and the paths of both maps.
+pub fn settings(photons: u32, caustic_photons: u32, radius: f64) -> Settings {
+    Settings {
+        photons,
+        caustic_photons,
+        gather_k: Some(0),
+        radius: Some(radius as f32),
+        kernel: Kernel::Epanechnikov,
+        ..camera_rays(16, 1000)
+    }
+}
+
+/// Default settings but for camera rays a pixel, the bounce limit, a seed and the box filter of closed forms.
+pub fn camera_rays(samples: u32, max_bounces: u32) -> Settings {
+    let filter = Filter::new(FilterKind::Box);
+    let eye = EyeSettings { samples: Some(samples), max_bounces, seed: 5, filter, ..EyeSettings::default() };
+    Settings { eye, ..Settings::default() }
+}
+
+/// The mean over all pixels, pass by pass.
+pub fn seen(scene: &Scene, settings: Settings, passes: u32) -> Vec<DVec3> {
+    let method = Algorithm::Sppm.prepare(scene, settings);
+    let mean = |image: Vec<Rgb>| image.iter().map(|v| v.as_dvec3()).sum::<DVec3>() / image.len() as f64;
+    (0..passes).map(|i| mean(method.pass(i, &Silent).image)).collect()
+}
+
+/// Red channels.
+pub fn red(values: &[DVec3]) -> Vec<f64> {
+    values.iter().map(|v| v.x).collect()
+}
+
+/// [`agree`] for each channel. Red and green are stored within half a step of the sum, blue is the rest.
+#[track_caller]
+pub fn agree_rgb(what: &str, samples: &[DVec3], expected: DVec3, sharp: f64) {
+    let slack = expected.element_sum() * HUE * 2.0 / 3.0;
+    for (c, name) in ["red", "green", "blue"].iter().enumerate() {
+        let channel: Vec<f64> = samples.iter().map(|v| v[c]).collect();
+        agree(&format!("{what}, {name}"), &channel, expected[c], slack, sharp);
+    }
+}
+
+/// Where and how a density is estimated.
+pub struct Probe<'a> {
+    pub scene: &'a Scene,
+    pub at: DVec3,
+    pub normal: DVec3,
+    pub radius: f64,
+    pub kernel: Kernel,
+}
+
+/// [`agree`] for irradiance estimated in the maps of independent passes; `quadrature` is the part by which `expected` may be
+/// off. The estimate adds blocks of 64 photons in single precision, whose error is at most 64·2⁻²⁴ of the sum (Higham 2002, section 4.2),
+/// and for photons of equal power is a systematic one.
+#[track_caller]
+pub fn agree_estimates(what: &str, probe: &Probe<'_>, maps: &[PhotonMap], expected: f64, quadrature: f64, sharp: f64) {
+    let (p, n) = ((probe.at - probe.scene.middle()).as_vec3(), probe.normal.as_vec3());
+    let one =
+        |map: &PhotonMap| map.estimate(p, n, fixed(probe.radius), probe.kernel, &mut Scratch::new(), |_| Vec3::ONE);
+    let estimates: Vec<_> = maps.iter().map(one).collect();
+    let most = estimates.iter().map(|e| e.count).max().unwrap_or(0);
+    let slack = expected * (quadrature + 2.0 * HUE + f64::from(most.min(64)) / 16_777_216.0);
+    let samples: Vec<f64> = estimates.iter().map(|e| f64::from(e.radiance.x)).collect();
+    let what = format!("{what}, {:?} of {} at {:.3}", probe.kernel, probe.radius, probe.at);
+    agree(&what, &samples, expected, slack, sharp);
+}
+
+/// A kernel of integral 1 over the disc of radius `r` at distance `d`, written from its definition.
+pub fn kernel_at(kernel: Kernel, d: f64, r: f64) -> f64 {
+    let t = d / r;
+    if t > 1.0 {
+        return 0.0;
+    }
+    let shape = match kernel {
+        Kernel::Box => 1.0,
+        Kernel::Cone => 3.0 * (1.0 - t),
+        Kernel::Epanechnikov => 2.0 * (1.0 - t * t),
+    };
+    shape / (PI * r * r)
+}
+
+/// π∫K² of each kernel (analytic-truths 28).
+pub fn noise_factor(kernel: Kernel) -> f64 {
+    match kernel {
+        Kernel::Box => 1.0,
+        Kernel::Cone => 1.5,
+        Kernel::Epanechnikov => 4.0 / 3.0,
+    }
+}
+
+/// What an estimate of radius `r` expects, bias and all: `density` at the offsets of a disc, weighed by the kernel.
+pub fn blurred(kernel: Kernel, r: f64, density: impl Fn(DVec2) -> f64) -> f64 {
+    const TURNS: u32 = 96;
+    let ring = |d: f64| {
+        let around = |i: u32| density(DVec2::from_angle(TAU * (f64::from(i) + 0.5) / f64::from(TURNS)) * d);
+        (0..TURNS).map(around).sum::<f64>() / f64::from(TURNS)
+    };
+    midpoint(0.0, r, 400, |d| TAU * d * kernel_at(kernel, d, r) * ring(d))
+}
+
+/// Reflectance of a smooth dielectric of relative index `n` for unpolarised light: the mean over both polarisations.
+pub fn fresnel(cos_i: f64, n: f64) -> f64 {
+    let sin2_t = (1.0 - cos_i * cos_i) / (n * n);
+    if sin2_t >= 1.0 {
+        return 1.0;
+    }
+    let cos_t = (1.0 - sin2_t).sqrt();
+    let s = (cos_i - n * cos_t) / (cos_i + n * cos_t);
+    let p = (n * cos_i - cos_t) / (n * cos_i + cos_t);
+    0.5 * (s * s + p * p)
+}
+
+/// Reflectance for light of equal radiance from everywhere: ∫ R 2cosθ dcosθ.
+pub fn hemispherical(n: f64) -> f64 {
+    midpoint(0.0, 1.0, 200_000, |c| 2.0 * c * fresnel(c, n))
+}
+
+/// `n` unit vectors spread evenly (Fibonacci's lattice).
+pub fn spread(n: u32) -> Vec<DVec3> {
+    let golden = PI * (3.0 - 5f64.sqrt());
+    let at = |i: u32| {
+        let z = 1.0 - 2.0 * (f64::from(i) + 0.5) / f64::from(n);
+        (DVec2::from_angle(golden * f64::from(i)) * (1.0 - z * z).sqrt()).extend(z)
+    };
+    (0..n).map(at).collect()
+}

@@ -1,0 +1,95 @@
+//! One seed gives one picture: on any number of threads, and for any pass by itself.
+
+use crate::support::scene_in;
+use caustica::color::Rgb;
+use caustica::integrate::{Algorithm, EyeSettings, Pass, PhotonReport, Settings, Silent};
+use caustica::scene::Scene;
+use caustica::stats::Counters;
+
+/// Glass, a mirror, a mesh, Phong's model, an area light, and more lights than are asked at once.
+const TEXT: &str = "
+PerspectiveCamera { center 0 1.4 5  lookAt 0 .7 0  angle 40  width 50  height 38 }
+Background { color .1 .2 .3 }
+Lights {
+    RectangleLight { corner -1 4 -1  edge0 2 0 0  edge1 0 0 2  power 40 40 40 }
+    PointLight { position 2 3 2  intensity 3 2 1 }
+    SpotLight { position -2 3 2  lookAt 0 0 0  angle 50  penumbra 10  power 9 9 20 }
+    SphereLight { center 1.5 2.5 -1  radius .2  power 9 3 3 }
+    DirectionalLight { direction -.3 -1 -.2  irradiance .5 .5 .4 }
+    DiscLight { center 0 3 3  normal 0 -1 -1  radius .3  radiance 5 9 5 }
+}
+Materials {
+    Diffuse floor { reflectance .7 .6 .5 }
+    Dielectric glass { indexOfRefraction 1.5  tint .8 .9 1  tintDistance 1 }
+    Phong shiny { diffuseColor .4 .2 .1  specularColor .5 .5 .5  shininess 30 }
+    Mirror silver { reflectance .9 .9 .9 }
+}
+Group {
+    MaterialName floor  Rectangle { corner -4 0 4  edge0 8 0 0  edge1 0 0 -8 }
+    Rectangle { corner -4 0 -4  edge0 8 0 0  edge1 0 5 0 }  Rectangle { corner -4 0 4  edge0 0 0 -8  edge1 0 5 0 }
+    MaterialName glass  Sphere { center .8 .6 1 radius .6 }
+    MaterialName shiny  Transform { Translate -.9 .8 0 UniformScale .7 TriangleMesh { obj_file mesh/knot.obj } }
+    MaterialName silver  Sphere { center .9 .5 -1.2 radius .5 }
+}";
+
+/// Not a multiple of a chunk's paths, so that the last chunk is a short one.
+const PHOTONS: u32 = 30_001;
+
+fn scene() -> Scene {
+    scene_in("", TEXT)
+}
+
+fn settings() -> Settings {
+    Settings {
+        photons: PHOTONS,
+        caustic_photons: PHOTONS,
+        eye: EyeSettings { samples: Some(2), max_bounces: 50, seed: 7, ..EyeSettings::default() },
+        ..Settings::default()
+    }
+}
+
+/// All of a pass but its times, which are nobody's promise.
+type Result = (Vec<[u32; 3]>, Counters, PhotonReport, PhotonReport);
+
+fn result(pass: Pass) -> Result {
+    let bits = |p: &Rgb| p.to_array().map(f32::to_bits);
+    (pass.image.iter().map(bits).collect(), pass.counters, pass.global, pass.caustic)
+}
+
+/// Radii, and the passes asked for, on so many threads.
+fn run(threads: usize, passes: impl IntoIterator<Item = u32> + Send) -> ([u32; 2], Vec<Result>) {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+    pool.install(|| {
+        let scene = scene();
+        let integrator = Algorithm::Sppm.prepare(&scene, settings());
+        let radii = integrator.radii().unwrap();
+        let passes = passes.into_iter().map(|i| result(integrator.pass(i, &Silent))).collect();
+        ([radii.global.to_bits(), radii.caustic.to_bits()], passes)
+    })
+}
+
+#[test]
+fn any_thread_count_gives_same_bits() {
+    let one = run(1, 0..3);
+    let (_, passes) = &one;
+    for (image, counters, global, caustic) in passes {
+        // The scene exercises all there is; a black picture would be the same on any machine, too.
+        assert!(image.iter().flatten().filter(|bits| **bits != 0).count() > image.len());
+        assert!(counters.onward_rays > 0 && counters.shadow_rays > 0 && counters.gathered_photons > 0);
+        assert!(global.stored > 1000 && caustic.stored > 1000 && counters.rejected_samples == 0);
+        assert_eq!((global.emitted, caustic.emitted), (PHOTONS.into(), PHOTONS.into()));
+    }
+    assert!(passes[0] != passes[1] && passes[1] != passes[2], "passes are independent");
+    for threads in [2, 3, 8] {
+        assert!(run(threads, 0..3) == one, "{threads} threads");
+    }
+}
+
+#[test]
+fn single_pass_equals_pass_of_full_run() {
+    let (radii, passes) = run(2, 0..4);
+    let (radii_alone, alone) = run(2, [3]);
+    assert_eq!(radii, radii_alone);
+    assert!(passes[3..] == alone);
+    assert!(passes[2..3] != alone);
+}
