@@ -111,7 +111,8 @@ fn a_page_tells_of_every_effect_and_of_what_is_off() {
         Effect::ALL.iter().all(|e| page.contains(&format!("<dt>{e}</dt>")) || page.contains(&format!("id=\"{e}\"")))
     );
     assert!(page.contains("&lt;a&gt; &amp; b") && !page.contains("<a>"));
-    for part in ["exposure -1 stop.", "no light comes from all around", "off, as wished, though", "the same to the bit"]
+    for part in
+        ["exposure -1 stop.", "the scene has no environment light", "off, as wished, though", "the same to the bit"]
     {
         assert!(page.contains(part), "{part}");
     }

@@ -70,7 +70,7 @@ fn adding_objects_removes_no_effect() {
         let [before, after] =
             [&less, &more].map(|s| Plan::new(&scene(&s.text()), Effects::ALL, EffectOverrides::PLANNED));
         // Where nothing is, shadows are on though nothing throws any: no promise is broken, but nothing is known of more either.
-        if before.facts.objects == 0 {
+        if before.features.objects == 0 {
             continue;
         }
         for (before, after) in before.decisions.iter().zip(&after.decisions) {

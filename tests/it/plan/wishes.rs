@@ -67,7 +67,7 @@ fn picture(scene: &Scene, algorithm: Algorithm, effects: EffectOverrides) -> Pic
 }
 
 fn called_for(picture: &Picture) -> Effects {
-    let called = picture.decisions.iter().filter(|d| d.called_for);
+    let called = picture.decisions.iter().filter(|d| d.needed);
     called.fold(Effects::NONE, |all, d| all.with(d.effect))
 }
 
@@ -91,7 +91,7 @@ fn disabling_unneeded_effect_changes_nothing() {
     for scene in [matt(), dark(), disc()] {
         for algorithm in ALGORITHMS {
             let planned = picture(&scene, algorithm, EffectOverrides::PLANNED);
-            let off = planned.decisions.iter().filter(|d| !d.called_for);
+            let off = planned.decisions.iter().filter(|d| !d.needed);
             assert!(algorithm == Algorithm::Raycast || off.clone().any(|d| algorithm.simulates().has(d.effect)));
             let wishes = off.fold(EffectOverrides::PLANNED, |wishes, d| wishes.without(d.effect));
             let without = picture(&scene, algorithm, wishes);
