@@ -9,7 +9,7 @@
 //! | read a scene file | [`SceneFile`] |
 //! | build a scene in code | [`SceneBuilder`], [`Material`], [`Shape`], [`Camera`] |
 //! | choose an algorithm | [`Algorithm`], [`Settings`] |
-//! | render with progress | [`render()`], [`Stop`], [`Monitor`] |
+//! | render with progress | [`render()`], [`StopCriteria`], [`Monitor`] |
 //! | read the estimated error | [`Rendered`], [`ErrorEstimator`], [`ErrorEstimate`] |
 //! | write a picture | [`Image`], [`write_image`], [`WriteOptions`] |
 //!
@@ -31,8 +31,12 @@
 //! builder
 //!     .plane(Plane::new(DVec3::ZERO, DVec3::Y), white, Vec3::ZERO)
 //!     .shape(Shape::Sphere(Sphere::new(DVec3::new(0.0, 1.0, 0.0), 0.8)), glass, Vec3::ZERO)
-//!     .source(SourceKind::Point { position: DVec3::new(2.0, 4.0, 0.0) }, LightStrength::Power(Vec3::splat(200.0)));
-//! let camera = Camera::perspective(DVec3::new(0.0, 2.0, 6.0), DVec3::new(0.0, -0.2, -1.0), DVec3::Y, 0.7, 32, 24)?;
+//!     .source(
+//!         SourceKind::Point { position: DVec3::new(2.0, 4.0, 0.0) },
+//!         LightStrength::Power(Vec3::splat(200.0)),
+//!     );
+//! let (center, direction) = (DVec3::new(0.0, 2.0, 6.0), DVec3::new(0.0, -0.2, -1.0));
+//! let camera = Camera::perspective(center, direction, DVec3::Y, 0.7, 32, 24)?;
 //! let scene = builder.build(camera)?;
 //! let settings = Settings { caustic_photons: 2000, ..Settings::default() };
 //! let pass = Algorithm::Hybrid.prepare(&scene, settings).pass(0, &Silent);
@@ -145,7 +149,8 @@ pub use image::Image;
 /// let folder = tempfile::tempdir()?;
 /// let tone = ToneMap { curve: Curve::Filmic, exposure_stops: 1.0 };
 /// let options = caustica::WriteOptions { tone, ..Default::default() };
-/// let report = caustica::write_image(&folder.path().join("a.png"), &caustica::Image::new(2, 2)?, &options)?;
+/// let (path, image) = (folder.path().join("a.png"), caustica::Image::new(2, 2)?);
+/// let report = caustica::write_image(&path, &image, &options)?;
 /// assert_eq!(report.too_bright, 0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
@@ -173,13 +178,14 @@ pub use integrate::Monitor;
 
 /// # Example: fewer photons than by default
 /// ```
-/// let settings = caustica::Settings { photons: 10_000, caustic_photons: 5_000, ..Default::default() };
+/// use caustica::Settings;
+/// let settings = Settings { photons: 10_000, caustic_photons: 5_000, ..Default::default() };
 /// ```
 pub use integrate::Settings;
 
 /// # Example: render two passes and read the estimated error
 /// ```
-/// use caustica::{Algorithm, Camera, Image, Material, SceneBuilder, Settings, Shape, Stop};
+/// use caustica::{Algorithm, Camera, Image, Material, SceneBuilder, Settings, Shape, StopCriteria};
 /// use caustica::integrate::Silent;
 /// use glam::{DVec3, Vec3};
 /// use std::sync::atomic::AtomicBool;
@@ -191,7 +197,9 @@ pub use integrate::Settings;
 /// let scene = builder.build(Camera::perspective(DVec3::ZERO, -DVec3::Z, DVec3::Y, 0.7, 16, 12)?)?;
 ///
 /// let interrupted = AtomicBool::new(false);
-/// let stop = Stop { at_least: 1, passes: Some(2), time: None, target: None, interrupted: &interrupted };
+/// let interrupted = &interrupted;
+/// let stop =
+///     StopCriteria { min_passes: 1, passes: Some(2), time: None, target: None, interrupted };
 /// let integrator = Algorithm::Path.prepare(&scene, Settings::default());
 /// let rendered = caustica::render(integrator.as_ref(), (16, 12), &stop, &Silent, |standing| {
 ///     println!("{} passes", standing.passes);
@@ -200,8 +208,8 @@ pub use integrate::Settings;
 /// assert_eq!(rendered.film.passes(), 2);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub use render::{Rendered, Stop, render};
+pub use render::{Rendered, StopCriteria, render};
 
-pub use render::gauge::{ErrorEstimate, ErrorEstimator};
+pub use render::error_estimate::{ErrorEstimate, ErrorEstimator};
 pub use scene::{Material, Scene, SceneBuilder};
 pub use shape::Shape;

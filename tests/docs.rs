@@ -22,14 +22,23 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// README.md and the pages of docs/, with their names.
-fn pages() -> Vec<(String, String)> {
-    let docs = std::fs::read_dir(root().join("docs")).unwrap().map(|e| e.unwrap().path());
-    let mut paths: Vec<PathBuf> = docs.filter(|p| p.extension().is_some_and(|e| e == "md")).collect();
+/// README.md and all pages below docs/: path from the project's root, and text.
+fn pages() -> Vec<(PathBuf, String)> {
+    let mut paths = Vec::new();
+    let mut folders = vec![root().join("docs")];
+    while let Some(folder) = folders.pop() {
+        for path in std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path()) {
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|e| e == "md") {
+                paths.push(path);
+            }
+        }
+    }
     paths.sort();
     paths.push(root().join("README.md"));
-    let there = paths.into_iter().filter(|p| p.exists());
-    there.map(|p| (p.file_name().unwrap().to_str().unwrap().to_owned(), std::fs::read_to_string(p).unwrap())).collect()
+    let page = |path: &Path| (path.strip_prefix(root()).unwrap().to_owned(), std::fs::read_to_string(path).unwrap());
+    paths.iter().map(|path| page(path)).collect()
 }
 
 /// Contents of the fenced blocks of a language.
@@ -177,11 +186,11 @@ fn documented_commands_run() {
     for (name, page) in pages() {
         let folder = tempfile::tempdir().unwrap();
         for line in blocks(&page, "sh").iter().flat_map(|block| commands(block)) {
-            perform(&name, &line, folder.path());
+            perform(&name.to_string_lossy(), &line, folder.path());
             tried += usize::from(caustica(&line).is_some());
         }
     }
-    assert!(tried >= 4, "docs/cli.md alone has four");
+    assert!(tried >= 4, "docs/guide/command-line.md alone has four");
 }
 
 #[test]
@@ -198,9 +207,9 @@ fn commands_parse_like_a_shell() {
     assert_eq!(blocks("```sh\na\n```\n```text\nb\n```\n  ```sh\n  c\n  ```\n", "sh"), ["a\n", "  c\n"]);
 }
 
-/// Cells of the table rows of a section of docs/cli.md.
+/// Cells of the table rows of a section of docs/guide/command-line.md.
 fn table(section: &str) -> Vec<Vec<String>> {
-    let page = std::fs::read_to_string(root().join("docs/cli.md")).unwrap();
+    let page = std::fs::read_to_string(root().join("docs/guide/command-line.md")).unwrap();
     let heading = format!("\n## {section}\n");
     let (_, after) = page.split_once(&heading).unwrap_or_else(|| panic!("no section {section}"));
     let rows = after.split("\n## ").next().unwrap().lines().filter(|line| line.starts_with("| "));
@@ -258,23 +267,49 @@ fn docs_list_every_exit_code() {
     assert_eq!(codes, known.map(|exit| (exit as u8).to_string()));
 }
 
+/// The anchor of a heading as GitHub makes it.
+fn anchor(heading: &str) -> String {
+    let text = heading.trim_start_matches('#').trim().to_lowercase();
+    let kept = text.chars().filter(|c| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_'));
+    kept.map(|c| if c == ' ' { '-' } else { c }).collect()
+}
+
 #[test]
-fn links_between_pages_resolve() {
+fn links_lead_to_files_and_headings() {
     for (name, page) in pages() {
-        let folder = if name == "README.md" { root().to_owned() } else { root().join("docs") };
+        let folder = root().join(name.parent().unwrap());
         for (at, _) in page.match_indices("](") {
             let target = page[at + 2..].split(')').next().unwrap();
-            let (file, place) = target.split_once('#').unwrap_or((target, ""));
             if target.contains("://") {
                 continue;
             }
-            assert!(file.is_empty() || folder.join(file).exists(), "{name} links to {target}");
-            if file.is_empty() {
-                let slug = |line: &str| line.trim_start_matches('#').trim().to_lowercase().replace(' ', "-");
-                assert!(page.lines().any(|l| l.starts_with('#') && slug(l) == place), "{name} links to {target}");
+            let (file, heading) = target.split_once('#').unwrap_or((target, ""));
+            let path = if file.is_empty() { root().join(&name) } else { folder.join(file) };
+            assert!(path.exists(), "{} links to {target}", name.display());
+            if !heading.is_empty() {
+                let text = std::fs::read_to_string(&path).unwrap();
+                let found = text.lines().any(|l| l.starts_with('#') && anchor(l) == heading);
+                assert!(found, "{} links to {target}", name.display());
             }
         }
     }
+}
+
+/// Paths below these folders must exist if a page names them in backticks.
+const NAMED: [&str; 7] = ["src/", "tests/", "docs/", "scenes/", "examples/", "benches/", ".ci/"];
+
+#[test]
+fn paths_in_backticks_exist() {
+    let mut tried = 0;
+    for (name, page) in pages() {
+        let text = page.split("```").step_by(2).collect::<String>();
+        for path in text.split('`').skip(1).step_by(2).filter(|p| NAMED.iter().any(|n| p.starts_with(n))) {
+            let path = path.split([' ', '*', '<', '{']).next().unwrap();
+            tried += 1;
+            assert!(root().join(path).exists(), "{} names {path}", name.display());
+        }
+    }
+    assert!(tried > 20, "{tried} paths");
 }
 
 #[test]

@@ -4,8 +4,8 @@
 
 use super::{SIZE, scene, settings};
 use caustica::integrate::{Algorithm, Silent};
-use caustica::render::gauge::{Confidence, Needed};
-use caustica::render::{Rendered, Stop, Target, render};
+use caustica::render::error_estimate::{Confidence, PassesNeeded};
+use caustica::render::{ErrorTarget, Rendered, StopCriteria, render};
 use caustica::scene::Scene;
 use caustica::stats::cpu_seconds;
 use std::error::Error;
@@ -14,7 +14,7 @@ use std::sync::atomic::AtomicBool;
 const PILOT: u32 = 8;
 
 /// A render, and the processor seconds of its passes.
-fn rendered(scene: &Scene, algorithm: Algorithm, seed: u64, stop: &Stop<'_>) -> (Rendered, f64) {
+fn rendered(scene: &Scene, algorithm: Algorithm, seed: u64, stop: &StopCriteria<'_>) -> (Rendered, f64) {
     let mut settings = settings(seed);
     settings.eye.gauge = true;
     let integrator = algorithm.prepare(scene, settings);
@@ -31,18 +31,26 @@ pub fn print(scenes: &[String], methods: &[Algorithm], errors: &[f64], seeds: u6
         let scene = scene(name)?;
         for (method, seed) in methods.iter().flat_map(|method| (0..seeds).map(move |seed| (*method, seed))) {
             let interrupted = AtomicBool::new(false);
-            let pilot = Stop { at_least: 1, passes: Some(PILOT), time: None, target: None, interrupted: &interrupted };
+            let pilot = StopCriteria {
+                min_passes: 1,
+                passes: Some(PILOT),
+                time: None,
+                target: None,
+                interrupted: &interrupted,
+            };
             let (made, seconds) = rendered(&scene, method, seed, &pilot);
-            let gauge = made.gauge.as_ref().ok_or("no gauge")?;
-            let forecast = gauge.forecast(&gauge.read(&made.film)).ok_or("no forecast")?;
+            let gauge = made.estimator.as_ref().ok_or("no gauge")?;
+            let forecast = gauge.forecast(&gauge.estimate(&made.film)).ok_or("no forecast")?;
             for error in errors {
                 let row = format!("| {name} | {} | {seed} | {:.1} %", method.name(), 100.0 * error);
-                let Needed::Passes(passes) = forecast.passes_to(*error) else {
+                let PassesNeeded::Passes(passes) = forecast.passes_to(*error) else {
                     println!("{row} | {:?} | | | | |", forecast.passes_to(*error));
                     continue;
                 };
-                let target = Some(Target { error: *error, confidence: Confidence::new(0.5).ok_or("half is a part")? });
-                let (done, taken) = rendered(&scene, method, seed, &Stop { passes: Some(2000), target, ..pilot });
+                let target =
+                    Some(ErrorTarget { error: *error, confidence: Confidence::new(0.5).ok_or("half is a part")? });
+                let (done, taken) =
+                    rendered(&scene, method, seed, &StopCriteria { passes: Some(2000), target, ..pilot });
                 let foretold = seconds / f64::from(PILOT) * f64::from(passes);
                 let (took, ratio) = (done.film.passes(), foretold / taken);
                 println!("{row} | {foretold:.1} s | {passes} | {taken:.1} s | {took} | {ratio:.2} |");

@@ -15,8 +15,8 @@ use caustica::format::SceneFile;
 use caustica::image::RelativeScale;
 use caustica::integrate::{Algorithm, FinalGathering, Settings, Silent};
 use caustica::plan::{Effect, EffectOverrides, Plan};
-use caustica::render::gauge::{Confidence, ErrorEstimator};
-use caustica::render::{Film, Stop, Target, render};
+use caustica::render::error_estimate::{Confidence, ErrorEstimator};
+use caustica::render::{ErrorTarget, Film, StopCriteria, render};
 use caustica::scene::Scene;
 use glam::Vec3;
 use std::error::Error;
@@ -95,16 +95,21 @@ fn reference(scene: &Scene, seed: u64, passes: u32) -> Vec<Vec3> {
     settings.radius = radii.map(|radii| radii.caustic / 10.0);
     (settings.alpha, settings.gather_k) = (1.0, Some(0));
     (settings.photons, settings.caustic_photons) = (4 * PHOTONS, 4 * PHOTONS);
-    let stop =
-        Stop { at_least: 1, passes: Some(passes), time: None, target: None, interrupted: &AtomicBool::new(false) };
+    let stop = StopCriteria {
+        min_passes: 1,
+        passes: Some(passes),
+        time: None,
+        target: None,
+        interrupted: &AtomicBool::new(false),
+    };
     let integrator = Algorithm::Hybrid.prepare(scene, settings);
     render(integrator.as_ref(), SIZE, &stop, &Silent, |_| {}).film.mean()
 }
 
 /// Renders until the error is told to be low enough, and how large it is then.
 fn stopped(name: &str, scene: &Scene, algorithm: Algorithm, error: f64, seeds: u64, square: &dyn Fn(&[Vec3]) -> f64) {
-    let target = Some(Target { error, confidence: Confidence::default() });
-    let stop = Stop { at_least: 1, passes: None, time: None, target, interrupted: &AtomicBool::new(false) };
+    let target = Some(ErrorTarget { error, confidence: Confidence::default() });
+    let stop = StopCriteria { min_passes: 1, passes: None, time: None, target, interrupted: &AtomicBool::new(false) };
     let (mut passes, mut errors) = (0, Vec::new());
     for seed in 0..seeds {
         let mut settings = settings(seed);
@@ -177,7 +182,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                     gauge.add(&film, &made);
                     film.add(&made.image);
                     let Some(at) = asked.passes.iter().position(|n| *n == pass + 1) else { continue };
-                    rows[at].push((gauge.read(&film), square(&film.mean()).max(0.0).sqrt()));
+                    rows[at].push((gauge.estimate(&film), square(&film.mean()).max(0.0).sqrt()));
                 }
             }
             for (passes, row) in asked.passes.iter().zip(&rows) {

@@ -3,7 +3,7 @@
 use crate::image::ExrLayer;
 use crate::integrate::Discs;
 use crate::render::Rendered;
-use crate::render::gauge::{ErrorMaps, FEWEST};
+use crate::render::error_estimate::{ErrorMaps, MIN_PASSES};
 use glam::Vec3;
 
 /// The layers to write: the picture alone if there are too few passes for an error estimate.
@@ -11,7 +11,7 @@ use glam::Vec3;
 /// Layers `radius` and `photons` exist only for algorithms with density estimates.
 pub(super) fn layers(rendered: &Rendered) -> Vec<ExrLayer> {
     let mut layers = vec![rgb("", &rendered.film.mean())];
-    let estimator = rendered.gauge.as_ref().filter(|_| rendered.film.passes() >= FEWEST);
+    let estimator = rendered.estimator.as_ref().filter(|_| rendered.film.passes() >= MIN_PASSES);
     let Some(estimator) = estimator else { return layers };
     let ErrorMaps { noise, bias, caustic, global } = estimator.maps(&rendered.film);
     layers.push(rgb("noise", &noise));

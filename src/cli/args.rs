@@ -10,7 +10,7 @@ use crate::image::{BitDepth, Curve, FloatDepth};
 use crate::integrate::{Algorithm, FinalGathering, VolumeEstimate};
 use crate::photon::Kernel;
 use crate::plan::EffectOverrides;
-use crate::render::gauge::Confidence;
+use crate::render::error_estimate::Confidence;
 use crate::stats::Memory;
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
@@ -69,11 +69,13 @@ pub struct MethodArguments {
     #[arg(long, value_enum, default_value = "hybrid")]
     pub integrator: Algorithm,
 
-    /// Photon paths of the global map per pass, such as 500k or 2M; 0 for none  [default: about 500k]
+    /// Photon paths of the global map per pass, such as 500k or 2M; 0 for none  [default: about
+    /// 500k]
     #[arg(long, value_parser = count, value_name = "N")]
     pub photons: Option<u32>,
 
-    /// Photon paths of the caustic map per pass, aimed at glass and mirrors; 0 for none  [default: half as many as --photons]
+    /// Photon paths of the caustic map per pass, aimed at glass and mirrors; 0 for none  [default:
+    /// half as many as --photons]
     #[arg(long, value_parser = count, value_name = "N")]
     pub caustic_photons: Option<u32>,
 
@@ -90,8 +92,8 @@ pub struct MethodArguments {
     #[arg(long, value_parser = length, value_name = "R")]
     pub radius: Option<f32>,
 
-    /// How fast gather radii shrink, in (0, 1]: variance falls as N^-ALPHA over N passes; 1 keeps the
-    /// radii. pm ignores it  [default: 2/3]
+    /// How fast gather radii shrink, in (0, 1]: variance falls as N^-ALPHA over N passes; 1 keeps
+    /// the radii. pm ignores it  [default: 2/3]
     #[arg(long, value_parser = alpha, value_name = "ALPHA")]
     pub alpha: Option<f64>,
 
@@ -99,8 +101,8 @@ pub struct MethodArguments {
     #[arg(long, default_value = "epanechnikov", value_name = "NAME")]
     pub kernel: Kernel,
 
-    /// Final gathering of pm: none, bsdf (gather rays sampled from the BSDF) or importance (gather rays
-    /// guided by photons)
+    /// Final gathering of pm: none, bsdf (gather rays sampled from the BSDF) or importance (gather
+    /// rays guided by photons)
     #[arg(long, value_enum, default_value = "bsdf", value_name = "NAME")]
     pub final_gathering: FinalGathering,
 
@@ -128,8 +130,8 @@ pub struct MethodArguments {
 /// Effects to simulate, for commands with the flag `--effects`.
 #[derive(Debug, Args)]
 pub struct EffectsArguments {
-    /// Effects to simulate: auto (those that the scene needs), all or none, then +EFFECT or -EFFECT,
-    /// separated by commas. `caustica plan` lists the effects
+    /// Effects to simulate: auto (those that the scene needs), all or none, then +EFFECT or
+    /// -EFFECT, separated by commas. `caustica plan` lists the effects
     #[arg(long, allow_hyphen_values = true, value_name = "EFFECTS", default_value = "auto")]
     pub effects: EffectOverrides,
 }
@@ -177,8 +179,8 @@ pub struct RenderArguments {
     #[command(flatten)]
     pub effects: EffectsArguments,
 
-    /// Number of passes, whose mean is the picture  [default: depends on the integrator; no limit with
-    /// --time or --target-error]
+    /// Number of passes, whose mean is the picture  [default: depends on the integrator; no limit
+    /// with --time or --target-error]
     #[arg(long, value_parser = positive_count, value_name = "N")]
     pub passes: Option<u32>,
 
@@ -196,8 +198,8 @@ pub struct RenderArguments {
     #[arg(long, value_parser = confidence, default_value = "90%", value_name = "PART")]
     pub confidence: Confidence,
 
-    /// Write the picture and maps of its estimated error as layers of an .exr file: noise, bias, and the
-    /// radius and photon count of density estimates
+    /// Write the picture and maps of its estimated error as layers of an .exr file: noise, bias,
+    /// and the radius and photon count of density estimates
     #[arg(long, value_name = "FILE", conflicts_with = "no_error_estimate")]
     pub aov: Option<PathBuf>,
 
@@ -205,7 +207,8 @@ pub struct RenderArguments {
     #[arg(long, visible_alias = "no-gauge")]
     pub no_error_estimate: bool,
 
-    /// Tone curve of PNG: srgb, filmic or course (linear bytes)  [default: srgb; course for raycast]
+    /// Tone curve of PNG: srgb, filmic or course (linear bytes)  [default: srgb; course for
+    /// raycast]
     #[arg(long, value_name = "NAME")]
     pub tone: Option<Curve>,
 
@@ -283,7 +286,8 @@ const METHOD_STUDY: [&str; 8] =
 /// The study to make: of effects, or of methods.
 #[derive(Debug, Args)]
 pub struct StudyKind {
-    /// Render the picture with and without each effect of the plan, to measure its cost and contribution
+    /// Render the picture with and without each effect of the plan, to measure its cost and
+    /// contribution
     #[arg(long, conflicts_with_all = METHOD_STUDY)]
     pub effects: bool,
 
@@ -309,8 +313,8 @@ pub struct StudyKind {
     #[arg(long, value_parser = seeds, default_value = "8", value_name = "N")]
     pub seeds: u32,
 
-    /// Reference of the errors: auto (two references, rendered first), A.exr,B.exr (two independent ones)
-    /// or A.exr (an exact one)
+    /// Reference of the errors: auto (two references, rendered first), A.exr,B.exr (two independent
+    /// ones) or A.exr (an exact one)
     #[arg(long, default_value = "auto", value_name = "FILES")]
     pub truth: TruthFiles,
 
@@ -365,8 +369,8 @@ pub struct StudyArguments {
     #[command(flatten)]
     pub scene: SceneArguments,
 
-    /// Write a report: .html (a page with the pictures, in one file), .json (all figures), .csv or .md;
-    /// may be given several times
+    /// Write a report: .html (a page with the pictures, in one file), .json (all figures), .csv or
+    /// .md; may be given several times
     #[arg(short, long = "output", value_name = "FILE")]
     pub output: Vec<PathBuf>,
 
@@ -377,8 +381,8 @@ pub struct StudyArguments {
     #[arg(long, visible_alias = "wish", allow_hyphen_values = true, value_name = "EFFECTS", default_value = "auto")]
     pub simulate: EffectOverrides,
 
-    /// Number of passes of each picture, or largest number of each method  [default: 4 with --effects,
-    /// else limited by --budget]
+    /// Number of passes of each picture, or largest number of each method  [default: 4 with
+    /// --effects, else limited by --budget]
     #[arg(long, value_parser = positive_count, value_name = "N")]
     pub passes: Option<u32>,
 

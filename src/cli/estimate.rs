@@ -9,8 +9,8 @@ use super::scene::{in_pool, load};
 use super::settings::{flags, settings};
 use super::{EstimateArguments, Exit, Failure};
 use crate::integrate::{Algorithm, Integrator};
-use crate::render::gauge::{ErrorEstimate, Forecast, Needed};
-use crate::render::{Rendered, Stop, render};
+use crate::render::error_estimate::{ErrorEstimate, Forecast, PassesNeeded};
+use crate::render::{Rendered, StopCriteria, render};
 use crate::stats::peak_memory;
 use crate::study::text::{amount, percent};
 use serde::Serialize;
@@ -71,8 +71,8 @@ fn pilot(
     size: (u32, u32),
     progress: &Progress,
 ) -> (Rendered, f64) {
-    let stop = Stop {
-        at_least: LEAST_PASSES,
+    let stop = StopCriteria {
+        min_passes: LEAST_PASSES,
         time: Some(arguments.pilot),
         passes: None,
         target: None,
@@ -141,8 +141,8 @@ impl List {
         pass_seconds: f64,
     ) -> Result<Self, TooShort> {
         let passes = rendered.film.passes();
-        let estimator = rendered.gauge.as_ref();
-        let pilot = estimator.map(|estimator| estimator.read(&rendered.film)).unwrap_or_default();
+        let estimator = rendered.estimator.as_ref();
+        let pilot = estimator.map(|estimator| estimator.estimate(&rendered.film)).unwrap_or_default();
         let forecast = estimator.and_then(|estimator| estimator.forecast(&pilot));
         let forecast = forecast.ok_or(TooShort { passes })?;
         let pass_photons = (rendered.global.emitted + rendered.caustic.emitted) as f64 / f64::from(passes);
@@ -224,12 +224,13 @@ impl Estimate {
         (setup, pass_seconds, pass_photons): (f64, f64, f64),
     ) -> Self {
         let needed = |aim: f64| match forecast.passes_to(aim) {
-            Needed::Passes(n) => Ok(n),
-            Needed::Never { floor } => Err(Some(floor)),
-            Needed::TooMany => Err(None),
+            PassesNeeded::Passes(n) => Ok(n),
+            PassesNeeded::Never { floor } => Err(Some(floor)),
+            PassesNeeded::TooMany => Err(None),
         };
         let time = |n: u32| setup + pass_seconds * f64::from(n);
-        // A pilot whose true error is `end` must lower it by the factor error / end. An error of 0 takes one pass.
+        // A pilot whose true error is `end` must lower it by the factor error / end. An error of 0
+        // takes one pass.
         let at = |end: f64| if end > 0.0 { needed(error * pilot.error / end).ok().map(time) } else { Some(time(1)) };
         let (passes, floor) = match needed(error) {
             Ok(n) => (Some(n), None),

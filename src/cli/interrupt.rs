@@ -40,7 +40,8 @@ fn on_signal(handle: impl Fn() + Send + 'static) {
     }
 }
 
-/// Set of ignored signals: bit `n - 1` stands for signal `n`. `None` if the system does not report it.
+/// Set of ignored signals: bit `n - 1` stands for signal `n`. `None` if the system does not report
+/// it.
 #[cfg(unix)]
 fn ignored_signals() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;

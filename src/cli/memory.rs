@@ -13,8 +13,8 @@ const PER_PIXEL: u64 = 86;
 /// Additional bytes per pixel of an error estimate. Measured with [`PER_PIXEL`]: 341, and 358 with
 /// error maps.
 ///
-/// The nested estimates of a pass take 48, noise 24, finer discs 48, discs 24, three pictures each of
-/// passes and of finer discs 72, and the relative scale 24. The rest is for evaluation and maps.
+/// The nested estimates of a pass take 48, noise 24, finer discs 48, discs 24, three pictures each
+/// of passes and of finer discs 72, and the relative scale 24. The rest is for evaluation and maps.
 const PER_ESTIMATE_PIXEL: u64 = 274;
 
 /// Bytes per stored photon while the photon map is built.

@@ -2,7 +2,7 @@
 
 use crate::image::MAX_EXPOSURE_STOPS;
 use crate::image::flip::PIXELS_PER_DEGREE_RANGE;
-use crate::render::gauge::Confidence;
+use crate::render::error_estimate::Confidence;
 use glam::DVec3;
 use std::time::Duration;
 
@@ -253,7 +253,7 @@ mod tests {
                 && error("-1%").is_err()
                 && error("inf").is_err()
         );
-        assert_eq!(confidence("90%").map(Confidence::part), Ok(0.9));
+        assert_eq!(confidence("90%").map(Confidence::probability), Ok(0.9));
         assert!(["49%", "100%", "NaN", "sure"].iter().all(|text| confidence(text).is_err()));
     }
 

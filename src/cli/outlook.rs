@@ -1,6 +1,6 @@
 //! Texts about the estimated error of a picture and the time that a lower error takes.
 
-use crate::render::gauge::{ErrorEstimate, Forecast, Needed};
+use crate::render::error_estimate::{ErrorEstimate, Forecast, PassesNeeded};
 use crate::study::text::percent;
 
 /// Remedy for an error that more passes cannot lower.
@@ -34,16 +34,17 @@ pub(super) fn outlook(
     }
     let shown = percent(shown);
     match forecast.passes_to(aim) {
-        Needed::Passes(n) => {
+        PassesNeeded::Passes(n) => {
             let more = n.saturating_sub(estimate.passes);
             format!("; {shown} in about {}", duration(f64::from(more) * pass_seconds))
         }
-        Needed::Never { floor } => format!("; {shown} never: {} is bias that stays", percent(floor)),
-        Needed::TooMany => format!("; {shown} in more than {}", duration(1e7 * pass_seconds)),
+        PassesNeeded::Never { floor } => format!("; {shown} never: {} is bias that stays", percent(floor)),
+        PassesNeeded::TooMany => format!("; {shown} in more than {}", duration(1e7 * pass_seconds)),
     }
 }
 
-/// A duration in seconds as text with about two digits: `0.8 s`, `42 s`, `3 min 20 s`, `5 h 10 min`, `12 d`.
+/// A duration in seconds as text with about two digits: `0.8 s`, `42 s`, `3 min 20 s`, `5 h 10
+/// min`, `12 d`.
 pub(super) fn duration(seconds: f64) -> String {
     if seconds < 9.95 {
         return format!("{seconds:.1} s");

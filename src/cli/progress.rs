@@ -53,7 +53,7 @@ pub(super) enum Progress {
     Bar(ProgressBar, Mutex<State>),
 }
 
-/// What the current pass and file are.
+/// State that the labels of the bar show.
 #[derive(Debug, Default)]
 pub(super) struct State {
     /// Label of the pass, such as `pass 3/20`.

@@ -12,8 +12,8 @@ use super::settings::settings;
 use super::{Exit, Failure, RenderArguments, aov, outlook};
 use crate::image::{self, Curve, Image, OutputFormat, ToneMap, WriteOptions, WriteReport};
 use crate::integrate::{Algorithm, GuidingReports, Integrator};
-use crate::render::gauge::{Confidence, FEWEST, Needed};
-use crate::render::{Ended, Rendered, Standing, Stop, Target, render};
+use crate::render::error_estimate::{Confidence, MIN_PASSES, PassesNeeded};
+use crate::render::{AfterPass, EndReason, ErrorTarget, Rendered, StopCriteria, render};
 use crate::scene::Scene;
 use crate::study::text::percent;
 use glam::Vec3;
@@ -126,8 +126,8 @@ fn render_passes(
         _ if algorithm == Algorithm::Raycast => Some(algorithm.passes()),
         _ => None,
     });
-    let target = arguments.target_error.map(|error| Target { error, confidence: arguments.confidence });
-    let stop = Stop { at_least: 1, passes, time: arguments.time, target, interrupted: &INTERRUPTED };
+    let target = arguments.target_error.map(|error| ErrorTarget { error, confidence: arguments.confidence });
+    let stop = StopCriteria { min_passes: 1, passes, time: arguments.time, target, interrupted: &INTERRUPTED };
     progress.pass(1, passes);
     progress.time_left(arguments.time);
     let began = Instant::now();
@@ -158,18 +158,18 @@ fn render_passes(
 }
 
 /// The estimated error at which the upper end of its interval reaches a target.
-fn point_estimate_at(target: Target, standing: &Standing) -> Option<f64> {
+fn point_estimate_at(target: ErrorTarget, standing: &AfterPass) -> Option<f64> {
     let (estimate, _) = standing.error.as_ref()?;
     Some(target.error * estimate.error / estimate.high)
 }
 
 /// The time until the first stop condition is expected to hold; `None` if no forecast is known.
-fn time_left(stop: &Stop<'_>, standing: &Standing, elapsed: Duration, pass_seconds: f64) -> Option<Duration> {
+fn time_left(stop: &StopCriteria<'_>, standing: &AfterPass, elapsed: Duration, pass_seconds: f64) -> Option<Duration> {
     let of_passes = |n: u32| f64::from(n.saturating_sub(standing.passes)) * pass_seconds;
     let by_target = stop.target.zip(standing.error.as_ref()).and_then(|(target, (_, forecast))| {
         match forecast.passes_to(point_estimate_at(target, standing)?) {
-            Needed::Passes(n) => Some(of_passes(n)),
-            Needed::Never { .. } | Needed::TooMany => None,
+            PassesNeeded::Passes(n) => Some(of_passes(n)),
+            PassesNeeded::Never { .. } | PassesNeeded::TooMany => None,
         }
     });
     let by_time = stop.time.map(|time| time.saturating_sub(elapsed).as_secs_f64());
@@ -201,7 +201,7 @@ fn conclude(
         let json = serde_json::to_vec_pretty(&report).map_err(Failure::output)?;
         failures.keep(image::replace_file(path, &json));
     }
-    failures.finish(if rendered.ended == Ended::Interrupted { Exit::Interrupted } else { Exit::Success })
+    failures.finish(if rendered.ended == EndReason::Interrupted { Exit::Interrupted } else { Exit::Success })
 }
 
 /// Writes the files of `-o` and `--aov`.
@@ -230,7 +230,7 @@ fn write_pictures(
     }
     let Some(path) = &arguments.aov else { return };
     let passes = rendered.film.passes();
-    if passes < FEWEST {
+    if passes < MIN_PASSES {
         let passes = counted(passes as usize, "pass gives", "passes give");
         tell(&format!("warning: {passes} no error estimate: {} has no maps of it", path.display()));
     }
@@ -249,11 +249,11 @@ fn write_pictures(
 fn summarize(arguments: &RenderArguments, progress: &Progress, report: &Report, rendered: &Rendered) {
     let n = rendered.film.passes();
     let why = match rendered.ended {
-        Ended::Passes => String::new(),
-        Ended::Time => format!("; time was up: --passes {n} repeats this picture bit for bit"),
-        Ended::Target => format!("; the error is low enough: --passes {n} repeats this picture"),
-        Ended::Floor => "; more passes cannot reach the error".to_owned(),
-        Ended::Interrupted => format!("; interrupted: --passes {n} repeats this picture"),
+        EndReason::Passes => String::new(),
+        EndReason::Time => format!("; time was up: --passes {n} repeats this picture bit for bit"),
+        EndReason::Target => format!("; the error is low enough: --passes {n} repeats this picture"),
+        EndReason::Floor => "; more passes cannot reach the error".to_owned(),
+        EndReason::Interrupted => format!("; interrupted: --passes {n} repeats this picture"),
     };
     progress.say(&format!(
         "{} in {:.1} s, {:.2} M rays/s, {:.2} M photon paths/s{why}",
@@ -264,10 +264,10 @@ fn summarize(arguments: &RenderArguments, progress: &Progress, report: &Report, 
     ));
     if let Some(ErrorReport { estimate, .. }) = &report.error {
         let interval = format!("{} to {}", percent(estimate.low), percent(estimate.high));
-        let confidence = percent(confidence(arguments).part());
+        let confidence = percent(confidence(arguments).probability());
         progress.say(&format!("error {}; {interval} with {confidence} confidence", outlook::parts(estimate)));
     }
-    if rendered.ended == Ended::Floor {
+    if rendered.ended == EndReason::Floor {
         tell(&format!("warning: {}", outlook::REMEDY));
     }
 }
@@ -297,6 +297,6 @@ fn report_clipping(written: &WriteReport, path: &Path, exposure: f32, progress: 
 
 /// Confidence of the interval of the estimated error that is reported.
 fn confidence(arguments: &RenderArguments) -> Confidence {
-    let target = |error| Target { error, confidence: arguments.confidence };
+    let target = |error| ErrorTarget { error, confidence: arguments.confidence };
     arguments.target_error.map_or(arguments.confidence, |error| target(error).interval())
 }

@@ -2,8 +2,8 @@
 
 use super::plan::EffectReport;
 use crate::integrate::{Balance, GuidingReports, PhotonReport, Radii, Seconds};
-use crate::render::gauge::{Confidence, ErrorEstimate, Needed};
-use crate::render::{Ended, Rendered};
+use crate::render::error_estimate::{Confidence, ErrorEstimate, PassesNeeded};
+use crate::render::{EndReason, Rendered};
 use crate::stats::{Counters, cpu_seconds, peak_memory};
 use serde::Serialize;
 
@@ -22,7 +22,7 @@ pub(super) struct Report {
     pub seed: u64,
     pub threads: usize,
     pub passes: u32,
-    pub ended: Ended,
+    pub ended: EndReason,
     pub triangles: usize,
     pub shapes: usize,
     pub lights: usize,
@@ -55,12 +55,12 @@ pub(super) struct ErrorReport {
 
 impl ErrorReport {
     fn new(rendered: &Rendered, confidence: Confidence) -> Option<Self> {
-        let estimator = rendered.gauge.as_ref()?;
-        let estimate = estimator.read_with(&rendered.film, confidence);
+        let estimator = rendered.estimator.as_ref()?;
+        let estimate = estimator.estimate_with(&rendered.film, confidence);
         let forecast = estimator.forecast(&estimate)?;
         let halving_passes = match forecast.passes_to(0.5 * estimate.error) {
-            Needed::Passes(n) => Some(n),
-            Needed::Never { .. } | Needed::TooMany => None,
+            PassesNeeded::Passes(n) => Some(n),
+            PassesNeeded::Never { .. } | PassesNeeded::TooMany => None,
         };
         let pass_seconds = rendered.wall.as_secs_f64() / f64::from(estimate.passes);
         let halving_seconds = halving_passes.map(|n| f64::from(n.saturating_sub(estimate.passes)) * pass_seconds);

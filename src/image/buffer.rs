@@ -1,11 +1,13 @@
-//! The picture in memory.
+//! Pixel buffers.
 
 use glam::Vec3;
 
-/// The most pixels a picture may have (16384 × 16384), so that a wrong size in a file or an option asks for no absurd memory.
+/// Largest number of pixels of a picture (16384 × 16384).
+///
+/// It keeps a wrong size in a file or an option from allocating absurd memory.
 pub const MAX_PIXELS: u64 = 1 << 28;
 
-/// A picture's size that cannot be used.
+/// A size that no picture can have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum SizeError {
     /// A side of zero pixels.
@@ -17,14 +19,14 @@ pub enum SizeError {
         height: u32,
     },
     /// More than [`MAX_PIXELS`].
-    #[error("a picture of {width} × {height} pixels is too large: the most is {MAX_PIXELS} pixels")]
+    #[error("a picture of {width} × {height} pixels is too large: at most {MAX_PIXELS} pixels are allowed")]
     TooLarge {
         /// Width in pixels.
         width: u32,
         /// Height in pixels.
         height: u32,
     },
-    /// The buffer does not hold width × height pixels.
+    /// The number of pixels is not width × height.
     #[error("a picture of {width} × {height} pixels cannot be made of {found} pixels")]
     Count {
         /// Width in pixels.
@@ -36,7 +38,10 @@ pub enum SizeError {
     },
 }
 
-/// Checks the sides and returns the number of pixels.
+/// Number of pixels of a picture with these sides.
+///
+/// # Errors
+/// [`SizeError`] if a side is zero or there are more than [`MAX_PIXELS`].
 pub(super) fn pixel_count(width: u32, height: u32) -> Result<usize, SizeError> {
     if width == 0 || height == 0 {
         return Err(SizeError::Empty { width, height });
@@ -48,7 +53,7 @@ pub(super) fn pixel_count(width: u32, height: u32) -> Result<usize, SizeError> {
     Ok(count as usize)
 }
 
-/// A picture of `T` a pixel, rows from the top.
+/// A picture with one `T` per pixel, in rows from the top left.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Raster<T> {
     width: u32,
@@ -56,17 +61,17 @@ pub struct Raster<T> {
     pixels: Vec<T>,
 }
 
-/// A picture of linear radiance in RGB with Rec. 709 primaries, f32.
+/// A picture of linear radiance: RGB with Rec. 709 primaries, in f32.
 pub type Image = Raster<Vec3>;
 
-/// A picture as the bytes of a file: red, green, blue of each pixel, no transfer curve undone.
+/// A picture of 8-bit RGB as stored in a file, with its transfer function.
 pub type RgbBytes = Raster<[u8; 3]>;
 
 impl Image {
     /// A black picture.
     ///
     /// # Errors
-    /// [`SizeError`] where a side is zero or the picture exceeds [`MAX_PIXELS`].
+    /// [`SizeError`] if a side is zero or the picture exceeds [`MAX_PIXELS`].
     pub fn new(width: u32, height: u32) -> Result<Self, SizeError> {
         let count = pixel_count(width, height)?;
         Ok(Self { width, height, pixels: vec![Vec3::ZERO; count] })
@@ -74,10 +79,10 @@ impl Image {
 }
 
 impl<T: Copy> Raster<T> {
-    /// A picture of `width · height` pixels, row by row from the top left.
+    /// A picture from `width · height` pixels in rows from the top left.
     ///
     /// # Errors
-    /// [`SizeError`] where the sides are bad or do not fit the number of pixels.
+    /// [`SizeError`] if the sides are invalid or do not match the number of pixels.
     pub fn from_pixels(width: u32, height: u32, pixels: Vec<T>) -> Result<Self, SizeError> {
         if pixels.len() != pixel_count(width, height)? {
             return Err(SizeError::Count { width, height, found: pixels.len() });
@@ -97,19 +102,19 @@ impl<T: Copy> Raster<T> {
         self.height
     }
 
-    /// All pixels, row by row from the top left.
+    /// All pixels in rows from the top left.
     #[must_use]
     pub fn pixels(&self) -> &[T] {
         &self.pixels
     }
 
-    /// All pixels to write, row by row from the top left.
+    /// All pixels in rows from the top left, mutable.
     #[must_use]
     pub fn pixels_mut(&mut self) -> &mut [T] {
         &mut self.pixels
     }
 
-    /// The pixel in column `x` from the left, row `y` from the top; `None` outside the picture.
+    /// Pixel in column `x` from the left and row `y` from the top; `None` outside the picture.
     #[must_use]
     pub fn get(&self, x: u32, y: u32) -> Option<T> {
         if x < self.width && y < self.height {
@@ -125,7 +130,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sizes_are_checked() {
+    fn invalid_sizes_are_refused() {
         assert_eq!(Image::new(0, 5).unwrap_err(), SizeError::Empty { width: 0, height: 5 });
         assert_eq!(
             Image::new(u32::MAX, u32::MAX).unwrap_err(),

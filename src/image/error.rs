@@ -1,35 +1,36 @@
-//! What can go wrong between a picture and its file, with the path and the remedy.
+//! Errors of reading and writing pictures. Each names the path and a remedy.
 
 use std::io;
 use std::path::PathBuf;
 
 use super::buffer::SizeError;
 use super::tone::MAX_EXPOSURE_STOPS;
+use crate::stats::bytes;
 
-/// Why a picture was not written. The file that stood at the path before is untouched.
+/// Why a picture was not written. An existing file at the path is unchanged.
 #[derive(Debug, thiserror::Error)]
 pub enum WriteError {
-    /// The extension names no format.
+    /// The extension names no picture format.
     #[error("`{}` names no known picture format: give it the extension .png or .exr", path.display())]
     Extension {
         /// The path as given.
         path: PathBuf,
     },
-    /// The extension is not that of the one format that holds layers.
+    /// The extension is not `.exr`, the only format with layers.
     #[error("`{}` cannot hold layers: give it the extension .exr", path.display())]
     NoLayers {
         /// The path as given.
         path: PathBuf,
     },
-    /// A layer that the format cannot hold.
+    /// A channel that the format cannot hold.
     #[error("the channel `{channel}` cannot be stored: {reason}")]
     Channel {
-        /// Its whole name.
+        /// Full name of the channel.
         channel: String,
-        /// The rule it breaks.
+        /// The violated rule.
         reason: &'static str,
     },
-    /// The folder that should hold the file is missing.
+    /// The folder of the file does not exist.
     #[error("cannot write `{}`: there is no folder `{}`: create it or choose another path", path.display(), folder.display())]
     NoFolder {
         /// The path as given.
@@ -37,46 +38,46 @@ pub enum WriteError {
         /// The missing folder.
         folder: PathBuf,
     },
-    /// Something other than a file stands at the path.
+    /// The path is a folder or a device.
     #[error("cannot write `{}`: a folder or device of this name exists: choose another path", path.display())]
     NotAFile {
         /// The path as given.
         path: PathBuf,
     },
-    /// The existing file is marked read-only.
+    /// The existing file is read-only.
     #[error("cannot replace `{}`: the file is read-only: make it writable or choose another path", path.display())]
     ReadOnly {
         /// The path as given.
         path: PathBuf,
     },
-    /// The system refused.
+    /// The system reported an error.
     #[error("cannot {action} `{}`: {source}", path.display())]
     Io {
-        /// What was tried.
+        /// The operation that failed.
         action: &'static str,
-        /// Where.
+        /// Path of the file or folder.
         path: PathBuf,
-        /// The system's answer.
+        /// Error of the system.
         source: io::Error,
     },
-    /// A metadata pair that the formats cannot hold.
+    /// Metadata that the format cannot hold.
     #[error("metadata `{key}` cannot be stored: {reason}")]
     Metadata {
-        /// The pair's key.
+        /// Key of the metadata.
         key: String,
-        /// The rule it breaks.
+        /// The violated rule.
         reason: &'static str,
     },
-    /// The exposure is no number or out of range.
+    /// The exposure is NaN or out of range.
     #[error(
         "an exposure of {stops} stops is out of range: choose one from {} to {MAX_EXPOSURE_STOPS}",
         -MAX_EXPOSURE_STOPS
     )]
     Exposure {
-        /// The exposure as given, in stops.
+        /// Exposure in stops.
         stops: f32,
     },
-    /// The encoder refused the picture.
+    /// The encoder reported an error.
     #[error("cannot encode the picture: {0}")]
     Encode(String),
 }
@@ -84,52 +85,52 @@ pub enum WriteError {
 /// Why a picture was not read.
 #[derive(Debug, thiserror::Error)]
 pub enum ReadError {
-    /// The system refused.
+    /// The system reported an error.
     #[error("cannot read `{}`: {source}", path.display())]
     Io {
-        /// Where.
+        /// Path of the file or folder.
         path: PathBuf,
-        /// The system's answer.
+        /// Error of the system.
         source: io::Error,
     },
-    /// The first bytes are not those of PNG, OpenEXR or Radiance HDR.
+    /// The signature is not that of PNG, OpenEXR or Radiance HDR.
     #[error("`{}` is not a PNG, OpenEXR or Radiance HDR picture: convert it to one of these", path.display())]
     UnknownFormat {
         /// The file.
         path: PathBuf,
     },
-    /// The file is damaged, cut short, or of a kind that is not supported.
+    /// The file is damaged, truncated, or of an unsupported variant.
     #[error("cannot decode `{}`: {reason}", path.display())]
     Decode {
         /// The file.
         path: PathBuf,
-        /// What is wrong and, where known, the remedy.
+        /// Cause and, if known, remedy.
         reason: String,
     },
-    /// The file states a size that cannot be used.
+    /// The file states an invalid size.
     #[error("cannot decode `{}`: {source}", path.display())]
     Size {
         /// The file.
         path: PathBuf,
-        /// What is wrong with the size.
+        /// The invalid size.
         source: SizeError,
     },
-    /// The picture takes more memory than there is.
+    /// The picture does not fit into memory.
     #[error(
-        "`{}` takes {:.1} MB of memory, and {:.1} MB are free: make the picture smaller, or let it have more (--memory)",
-        path.display(), *needed as f64 * 1e-6, *free as f64 * 1e-6
+        "`{}` takes {} of memory, and {} are free: make the picture smaller, or allow more --memory",
+        path.display(), bytes(*needed), bytes(*free)
     )]
     Memory {
         /// The file.
         path: PathBuf,
-        /// Bytes that it takes, with what reading it takes.
+        /// Bytes that reading the picture takes.
         needed: u64,
-        /// Bytes that it may take.
+        /// Free bytes.
         free: u64,
     },
 }
 
-/// A decoder's failure, before the path is known.
+/// Failure of a decoder, which does not know the path.
 pub(super) enum DecodeFailure {
     Reason(String),
     Size(SizeError),
@@ -143,6 +144,7 @@ impl From<SizeError> for DecodeFailure {
 }
 
 impl DecodeFailure {
+    /// The error for the file at `path`.
     pub(super) fn at(self, path: PathBuf) -> ReadError {
         match self {
             Self::Reason(reason) => ReadError::Decode { path, reason },
@@ -152,8 +154,11 @@ impl DecodeFailure {
     }
 }
 
-/// DEFLATE expands a byte to at most 1032 (258 bytes for two bits, zlib technical details), so a smaller file cannot hold
-/// `raw` bytes; memory is not taken on the word of a header alone.
+/// Refuses a file of `file` bytes whose header states `raw` bytes of uncompressed data, if that is
+/// impossible.
+///
+/// DEFLATE expands one byte to at most 1032 bytes (zlib technical details: 258 bytes for two bits).
+/// The check keeps a false header from allocating memory.
 pub(super) fn check_plausible(raw: u64, file: usize) -> Result<(), DecodeFailure> {
     if raw > 1032 * file as u64 {
         return Err(DecodeFailure::Reason("the file is too short for the size that it states".into()));
@@ -161,13 +166,15 @@ pub(super) fn check_plausible(raw: u64, file: usize) -> Result<(), DecodeFailure
     Ok(())
 }
 
-/// Bytes a pixel while a picture is read and made a texture or an environment. At most: an OpenEXR's four channels twice in single
-/// precision (32), their colours (12), and what is kept of them (4 more of slack); later the picture with its pyramid (12 + 16), or with
-/// the tables that its light is drawn from (12 + 24).
+/// Peak bytes per pixel while a picture is read and made a texture or an environment light.
+///
+/// The peak is an OpenEXR file: four channels twice in single precision (32), RGB (12), and slack
+/// (4). Later stages take less: the picture with its MIP pyramid (12 + 16), or with the tables of
+/// light sampling (12 + 24).
 const PER_PIXEL: u64 = 48;
 
-/// Checks that a picture may take the memory that it will, before it takes any.
-pub(super) fn check_room(pixels: usize, free: Option<u64>) -> Result<(), DecodeFailure> {
+/// Refuses a picture that does not fit into `free` bytes, before it is allocated.
+pub(super) fn check_memory(pixels: usize, free: Option<u64>) -> Result<(), DecodeFailure> {
     let needed = PER_PIXEL * pixels as u64;
     match free {
         Some(free) if needed > free => Err(DecodeFailure::Memory { needed, free }),

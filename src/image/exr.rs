@@ -1,4 +1,6 @@
-//! OpenEXR in and out: float RGB, radiance as it is, not exposed; clamped where 16 bits cannot hold it.
+//! Reads and writes OpenEXR with float RGB.
+//!
+//! Radiance is stored without exposure or tone curve. 16-bit files clamp it to their range.
 
 use std::io::Cursor;
 
@@ -10,7 +12,7 @@ use exr::prelude::{
 use glam::Vec3;
 
 use super::buffer::{Image, pixel_count};
-use super::error::{DecodeFailure, WriteError, check_plausible, check_room};
+use super::error::{DecodeFailure, WriteError, check_memory, check_plausible};
 use super::tone::WriteReport;
 use super::write::FloatDepth;
 
@@ -22,7 +24,7 @@ pub(super) const REC_709: Chromaticities = Chromaticities {
     white: Vec2(0.3127, 0.3290),
 };
 
-/// The OpenEXR file of `image`, whole, ZIP-compressed without loss.
+/// Encodes `image` as an OpenEXR file with lossless ZIP compression.
 pub(super) fn encode(
     image: &Image,
     floats: FloatDepth,
@@ -30,7 +32,7 @@ pub(super) fn encode(
 ) -> Result<(Vec<u8>, WriteReport), WriteError> {
     let (width, pixels) = (image.width() as usize, image.pixels());
     let size = (width, image.height() as usize);
-    // The crate tells the kind of samples by the type of what a closure gives, so that layers of both differ in type.
+    // The sample type is the return type of a closure, so layers of 16 and 32 bits differ in type.
     macro_rules! file {
         ($sample:expr) => {{
             let channels = SpecificChannels::rgb(|Vec2(x, y): Vec2<usize>| {
@@ -49,7 +51,7 @@ pub(super) fn encode(
         FloatDepth::Half => file!(half)?,
         FloatDepth::Single => file!(|x: f32| x)?,
     };
-    let count = |is: &dyn Fn(&Vec3) -> bool| pixels.iter().filter(|pixel| is(pixel)).count();
+    let count = |predicate: &dyn Fn(&Vec3) -> bool| pixels.iter().filter(|pixel| predicate(pixel)).count();
     let too_bright = match floats {
         FloatDepth::Half => count(&|p| p.is_finite() && p.abs().max_element() > LARGEST_HALF),
         FloatDepth::Single => 0,
@@ -57,27 +59,28 @@ pub(super) fn encode(
     Ok((file, WriteReport { non_finite: count(&|p| !p.is_finite()), too_bright, negative: 0 }))
 }
 
-/// The largest finite number of 16 bits.
+/// Largest finite number in half precision.
 const LARGEST_HALF: f32 = 65_504.0;
 
-/// The nearest number of 16 bits; what is finite stays so.
+/// Nearest number in half precision. A finite number stays finite.
 fn half(x: f32) -> f16 {
     f16::from_f32(if x.is_finite() { x.clamp(-LARGEST_HALF, LARGEST_HALF) } else { x })
 }
 
-/// The attributes that hold `metadata`.
+/// Layer attributes that hold `metadata`.
 pub(super) fn attributes(metadata: &[(String, String)]) -> LayerAttributes {
     let mut attributes = LayerAttributes::default();
     if !metadata.is_empty() {
-        // One attribute holds all pairs: the crate keeps custom attributes in a hash map, whose order varies by run.
+        // One attribute holds all pairs: custom attributes are in a hash map, whose order varies by
+        // run.
         let lines: Vec<String> = metadata.iter().map(|(key, text)| format!("{key}: {text}")).collect();
         attributes.comments = Some(Text::from_slice_unchecked(lines.join("\n").as_bytes()));
     }
     attributes
 }
 
-/// Pixels of a display window that any file may have, however little of it is filled: 3840 × 2160 and some.
-const FRAME: u64 = 1 << 23;
+/// Pixels of a display window that is accepted with any amount of data: more than 3840 × 2160.
+const ACCEPTED_WINDOW: u64 = 1 << 23;
 
 impl From<exr::error::Error> for DecodeFailure {
     fn from(error: exr::error::Error) -> Self {
@@ -85,30 +88,30 @@ impl From<exr::error::Error> for DecodeFailure {
     }
 }
 
-/// The first layer that has the channels R, G and B, of any sample type; other layers and channels are left aside.
+/// Reads the first layer with channels R, G and B, of any sample type. Other channels are ignored.
 pub(super) fn read(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailure> {
     for header in &MetaData::read_from_buffered(Cursor::new(file), false)?.headers {
         let Vec2(width, height) = header.layer_size;
         let side = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
         let pixels = pixel_count(side(width), side(height))? as u64;
-        // DWA sends whole flat blocks of 8 × 8 as one value before it deflates; nothing else packs tighter than DEFLATE.
+        // DWA stores a flat 8 × 8 block as one value before DEFLATE. No other codec beats DEFLATE.
         let block = match header.compression {
             Compression::Uncompressed | Compression::RLE | Compression::ZIP1 | Compression::ZIP16 => 1,
             Compression::PIZ | Compression::PXR24 | Compression::B44 | Compression::B44A => 1,
             _ => 64,
         };
         check_plausible(pixels * 2 / block, file.len())?;
-        // What is read is as large as the display window, of which the data may fill a part, and the rest is black.
+        // The picture has the size of the display window. Pixels outside the data window are black.
         let Vec2(width, height) = header.shared_attributes.display_window.size;
         let shown = pixel_count(side(width), side(height))? as u64;
-        if shown > FRAME {
+        if shown > ACCEPTED_WINDOW {
             check_plausible(shown * 2 / block, file.len())?;
         }
-        check_room(pixels.max(shown) as usize, free)?;
+        check_memory(pixels.max(shown) as usize, free)?;
     }
 
     let mut reader = ::image::ImageReader::with_format(Cursor::new(file), ::image::ImageFormat::OpenExr);
-    // Half a gigabyte is the crate's own limit, which is less than a picture of ours may take. What it takes has been checked.
+    // The limit of the crate is 0.5 GB, less than a large picture needs. Memory is checked above.
     reader.no_limits();
     let picture = reader.decode().map_err(|error| DecodeFailure::Reason(error.to_string()))?.into_rgb32f();
     let (width, height) = picture.dimensions();
@@ -131,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn every_bit_comes_back() {
+    fn single_precision_is_lossless() {
         let (file, report) = encode(&extremes(), FloatDepth::Single, &[]).unwrap();
         let image = decoded(read(&file, None));
         assert_eq!((image.width(), image.height()), (40, 33));
@@ -154,11 +157,11 @@ mod tests {
         assert_eq!(headers[0].shared_attributes.chromaticities, Some(REC_709));
     }
 
-    /// `file` with a window that ends so many pixels behind its beginning at the origin.
+    /// `file` with the size of the named window replaced.
     fn with_window(file: &[u8], name: &[u8], (width, height): (i32, i32)) -> Vec<u8> {
         let window = file.windows(name.len()).position(|w| w == name).unwrap() + name.len() + 4;
         let mut file = file.to_vec();
-        // The window holds the last column and row, after the first of each.
+        // A window is stored as first column, first row, last column, last row.
         file[window + 8..window + 12].copy_from_slice(&(width - 1).to_le_bytes());
         file[window + 12..window + 16].copy_from_slice(&(height - 1).to_le_bytes());
         file
@@ -168,7 +171,7 @@ mod tests {
     const DISPLAY: &[u8] = b"displayWindow\0box2i\0";
 
     #[test]
-    fn a_stated_size_beyond_the_file_is_refused() {
+    fn an_implausible_size_is_refused() {
         let (file, _) = encode(&extremes(), FloatDepth::Single, &[]).unwrap();
         for window in [DATA, DISPLAY] {
             for (side, expected) in [(16_384, "too short"), (20_000, "too large")] {
@@ -177,7 +180,7 @@ mod tests {
                 assert!(message.contains(expected), "{message}");
             }
         }
-        // Four megapixels take 192 MB, of which the data are next to nothing.
+        // A display window of four megapixels takes 192 MB, although it has little data.
         let framed = with_window(&file, DISPLAY, (2000, 2000));
         assert!(matches!(read(&framed, Some(191_000_000)), Err(DecodeFailure::Memory { needed: 192_000_000, .. })));
         let image = decoded(read(&framed, Some(192_000_000)));
@@ -187,7 +190,7 @@ mod tests {
 
     /// More than half a gigabyte in single precision.
     #[test]
-    fn a_picture_may_be_larger_than_the_decoder_s_own_limit() {
+    fn pictures_may_exceed_the_limit_of_the_decoder() {
         let noise = |i: u32| Vec3::splat((i.wrapping_mul(2_654_435_761) >> 8) as f32);
         let image = Image::from_pixels(256, 256, (0..256 * 256).map(noise).collect()).unwrap();
         let (file, _) = encode(&image, FloatDepth::Single, &[]).unwrap();
@@ -196,7 +199,7 @@ mod tests {
     }
 
     #[test]
-    fn damaged_files_are_errors_or_pictures_but_never_panics() {
+    fn damaged_files_never_panic() {
         let (file, _) = encode(&extremes(), FloatDepth::Single, &[("Seed".into(), "42".into())]).unwrap();
         for cut in (4..file.len()).step_by(7) {
             assert!(read(&file[..cut], None).is_err(), "cut at {cut}");
@@ -205,7 +208,7 @@ mod tests {
             for flip in [0x01, 0x80, 0xff] {
                 let mut broken = file.clone();
                 broken[at] ^= flip;
-                // Many bytes (of the comment, of a pixel) may change without making the file bad.
+                // A change in a comment or a pixel leaves a valid file.
                 drop(read(&broken, None));
             }
         }

@@ -1,4 +1,4 @@
-//! Several layers in one OpenEXR file.
+//! Writes several layers into one OpenEXR file.
 
 use super::buffer::pixel_count;
 use super::error::WriteError;
@@ -12,29 +12,29 @@ use std::collections::BTreeSet;
 use std::io::Cursor;
 use std::path::Path;
 
-/// The longest name of a channel that OpenEXR holds, in bytes.
-const LONGEST_NAME: usize = 255;
+/// Longest name of a channel in OpenEXR \[bytes].
+const MAX_NAME: usize = 255;
 
-/// Channels of a picture that belong together.
+/// A named group of channels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExrLayer {
-    /// Its name; that of the picture itself is empty.
+    /// Name of the layer; empty for the picture itself.
     pub name: String,
-    /// Names and values, by rows from the top. The picture's are `R`, `G` and `B`, in radiance.
+    /// Names and values of the channels, in rows from the top. The picture has `R`, `G` and `B`.
     pub channels: Vec<(String, Vec<f32>)>,
 }
 
 impl ExrLayer {
-    /// The name that the file has for a channel: `noise.R`, or `R` in the layer without a name.
-    fn whole_name(&self, channel: &str) -> String {
+    /// Name of a channel in the file: `noise.R`, or `R` in the unnamed layer.
+    fn full_name(&self, channel: &str) -> String {
         if self.name.is_empty() { channel.to_owned() } else { format!("{}.{channel}", self.name) }
     }
 }
 
-/// Checks before a long render that [`write_layers`] will be able to use `path`. Leaves no trace.
+/// Checks before a long render that [`write_layers`] can write to `path`. Leaves no trace.
 ///
 /// # Errors
-/// [`WriteError::NoLayers`] where the extension is not `.exr`; what [`check_place`] finds.
+/// [`WriteError::NoLayers`] if the extension is not `.exr`, or the error of [`check_place`].
 pub fn check_layers_path(path: &Path) -> Result<(), WriteError> {
     check_extension(path)?;
     check_place(path)
@@ -48,13 +48,14 @@ fn check_extension(path: &Path) -> Result<(), WriteError> {
     }
 }
 
-/// Writes layers of `size` (width, height) as one part of an OpenEXR file, of 32-bit floats, whole or not at all (see
-/// [`replace_file`]), and tells how many of the values are NaN or infinite. Viewers take the part of a channel's name before its last full
-/// stop for its layer.
+/// Writes layers of `size` (width, height) as 32-bit floats into one part of an OpenEXR file.
+///
+/// Returns the number of values that are NaN or infinite. The file is replaced atomically (see
+/// [`replace_file`]). Viewers take the text before the last dot of a channel's name as its layer.
 ///
 /// # Errors
-/// [`WriteError`]; the file that stood at the path before is then untouched. [`WriteError::Channel`] where a name is empty, too long,
-/// or comes twice, or where values are not as many as pixels.
+/// [`WriteError`]; an existing file is then unchanged. [`WriteError::Channel`] if a name is empty,
+/// too long, or repeated, or if the number of values is not the number of pixels.
 pub fn write_layers(
     path: &Path,
     size: (u32, u32),
@@ -69,22 +70,22 @@ pub fn write_layers(
 }
 
 fn encode(size: (u32, u32), layers: &[ExrLayer], metadata: &[(String, String)]) -> Result<Vec<u8>, WriteError> {
-    let encoding = |error: &dyn ToString| WriteError::Encode(error.to_string());
-    let pixels = pixel_count(size.0, size.1).map_err(|e| encoding(&e))?;
+    let failed = |error: &dyn ToString| WriteError::Encode(error.to_string());
+    let pixels = pixel_count(size.0, size.1).map_err(|e| failed(&e))?;
     let mut names = BTreeSet::new();
     let mut channels = SmallVec::new();
     for (layer, (channel, values)) in layers.iter().flat_map(|layer| layer.channels.iter().map(move |c| (layer, c))) {
-        let name = layer.whole_name(channel);
-        let broken = if channel.is_empty() || name.len() > LONGEST_NAME || name.contains('\0') {
+        let name = layer.full_name(channel);
+        let violated = if channel.is_empty() || name.len() > MAX_NAME || name.contains('\0') {
             Some("its name must have 1 to 255 bytes, and no NUL")
         } else if values.len() != pixels {
-            Some("it must have one value a pixel")
+            Some("it must have one value per pixel")
         } else if !names.insert(name.clone()) {
-            Some("its name comes twice")
+            Some("its name is not unique")
         } else {
             None
         };
-        if let Some(reason) = broken {
+        if let Some(reason) = violated {
             return Err(WriteError::Channel { channel: name, reason });
         }
         let name = Text::from_slice_unchecked(name.as_bytes());
@@ -94,12 +95,12 @@ fn encode(size: (u32, u32), layers: &[ExrLayer], metadata: &[(String, String)]) 
         return Err(WriteError::Encode("there are no channels".to_owned()));
     }
     let size = (size.0 as usize, size.1 as usize);
-    // In the order of names, as the format asks.
+    // The format requires channels in the order of their names.
     let channels = AnyChannels::sort(channels);
     let mut file = ExrImage::from_layer(Layer::new(size, attributes(metadata), Encoding::SMALL_LOSSLESS, channels));
     file.attributes.chromaticities = Some(REC_709);
     let mut bytes = Cursor::new(Vec::new());
-    file.write().non_parallel().to_buffered(&mut bytes).map_err(|e| encoding(&e))?;
+    file.write().non_parallel().to_buffered(&mut bytes).map_err(|e| failed(&e))?;
     Ok(bytes.into_inner())
 }
 
@@ -126,11 +127,11 @@ mod tests {
     }
 
     #[test]
-    fn layers_come_back_and_the_picture_is_what_is_read() {
+    fn layers_are_stored_and_the_picture_is_read() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.exr");
         let (image, first) = picture();
-        // Its name sorts before that of the picture's channels.
+        // `Noise` sorts before the channels of the picture.
         let layers =
             [first, layer("Noise", &["R", "G", "B"]), layer("radius", &["caustic", "a channel of a long name"])];
         let pairs = [("Seed".to_owned(), "7".to_owned())];
@@ -142,7 +143,7 @@ mod tests {
         assert_eq!(file.attributes.comments.as_ref().unwrap().to_string(), "Seed: 7");
         let mut expected: Vec<(String, &Vec<f32>)> = Vec::new();
         for layer in &layers {
-            expected.extend(layer.channels.iter().map(|(name, values)| (layer.whole_name(name), values)));
+            expected.extend(layer.channels.iter().map(|(name, values)| (layer.full_name(name), values)));
         }
         assert_eq!((expected[3].0.as_str(), expected[6].0.as_str()), ("Noise.R", "radius.caustic"));
         expected.sort_by(|a, b| a.0.cmp(&b.0));
@@ -154,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn bytes_repeat() {
+    fn encoding_is_deterministic() {
         let layers = [picture().1, layer("noise", &["R", "G", "B"])];
         let pairs = [("Seed".to_owned(), "7".to_owned()), ("Scene".to_owned(), "a".to_owned())];
         let once = encode(SIZE, &layers, &pairs).unwrap();
@@ -162,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_stored_leaves_the_old_file() {
+    fn invalid_layers_leave_the_old_file() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.exr");
         std::fs::write(&path, "old").unwrap();
@@ -170,9 +171,12 @@ mod tests {
         short.channels[1].1.pop();
         let twice = [layer("noise", &["R"]), layer("noise", &["R"])];
         let long = [layer(&"n".repeat(254), &["R"])];
-        for (layers, word) in
-            [([short].as_slice(), "`noise.G`"), (&twice, "twice"), (&long, "255"), (&[layer("a", &[""])], "1 to 255")]
-        {
+        for (layers, word) in [
+            ([short].as_slice(), "`noise.G`"),
+            (&twice, "not unique"),
+            (&long, "255"),
+            (&[layer("a", &[""])], "1 to 255"),
+        ] {
             let message = write_layers(&path, SIZE, layers, &[]).unwrap_err().to_string();
             assert!(message.contains(word), "{message}");
         }

@@ -1,4 +1,4 @@
-//! How far two pictures are apart.
+//! Metrics of the difference between two pictures.
 
 use super::buffer::{Image, RgbBytes};
 use super::relative::RelativeScale;
@@ -10,12 +10,12 @@ pub enum MetricError {
     /// The sizes differ.
     #[error("a picture of {} × {} pixels cannot be compared with one of {} × {}", a.0, a.1, b.0, b.1)]
     Size {
-        /// Width and height of the first.
+        /// Width and height of the first picture.
         a: (u32, u32),
-        /// Width and height of the second.
+        /// Width and height of the second picture.
         b: (u32, u32),
     },
-    /// A pixel is NaN or infinite, which no mean can weigh.
+    /// A pixel is NaN or infinite.
     #[error("the {which} picture has a non-finite pixel in column {x}, row {y}: repair it before comparing")]
     NonFinite {
         /// `first` or `second`.
@@ -30,15 +30,15 @@ pub enum MetricError {
     Parameter {
         /// `epsilon`, `clip`, `exposure` or `pixels per degree`.
         name: &'static str,
-        /// As given.
+        /// The given value.
         value: f64,
     },
 }
 
-/// Root of the mean squared difference over all pixels and channels.
+/// Root mean square of the difference over all pixels and channels.
 ///
 /// # Errors
-/// [`MetricError`] where sizes differ or a pixel is not finite.
+/// [`MetricError`] if the sizes differ or a pixel is not finite.
 pub fn rmse(a: &Image, b: &Image) -> Result<f64, MetricError> {
     let mut sum = 0.0;
     for (a, b) in pairs(a, b)? {
@@ -48,13 +48,14 @@ pub fn rmse(a: &Image, b: &Image) -> Result<f64, MetricError> {
     Ok((sum / (3.0 * b.pixels().len() as f64)).sqrt())
 }
 
-/// Mean over pixels of the mean over channels of (a − b)² / (b² + ε), b being the `reference` (Rousselle et al. 2011).
+/// Mean of (a − b)² / (b² + ε) over pixels and channels; b is the `reference` (Rousselle et al.
+/// 2011).
 ///
-/// ε has the unit of b²; 0.01 is common. With a `clip`, no pixel adds more than it, so that one firefly does not
-/// drown the rest.
+/// ε has the unit of b²; 0.01 is common. `clip` limits the contribution of each pixel, so that one
+/// firefly does not dominate.
 ///
 /// # Errors
-/// [`MetricError`] where sizes differ, a pixel is not finite, or ε or the clip is not positive.
+/// [`MetricError`] if the sizes differ, a pixel is not finite, or ε or `clip` is not positive.
 pub fn relative_mse(a: &Image, reference: &Image, epsilon: f64, clip: Option<f64>) -> Result<f64, MetricError> {
     let clip = clip.unwrap_or(f64::MAX);
     for (name, value) in [("epsilon", epsilon), ("clip", clip)] {
@@ -72,15 +73,15 @@ pub fn relative_mse(a: &Image, reference: &Image, epsilon: f64, clip: Option<f64
     Ok(sum / reference.pixels().len() as f64)
 }
 
-/// Largest absolute difference of a channel.
+/// Largest absolute difference over all pixels and channels.
 ///
 /// # Errors
-/// [`MetricError`] where sizes differ or a pixel is not finite.
+/// [`MetricError`] if the sizes differ or a pixel is not finite.
 pub fn max_abs_difference(a: &Image, b: &Image) -> Result<f64, MetricError> {
     Ok(pairs(a, b)?.fold(0.0, |most, (a, b)| (a.as_dvec3() - b.as_dvec3()).abs().max_element().max(most)))
 }
 
-/// The largest difference of a channel, and where it is.
+/// Largest difference of a channel and its position.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Largest {
     /// Absolute difference.
@@ -91,19 +92,20 @@ pub struct Largest {
     pub y: u32,
 }
 
-/// Where two pictures differ.
+/// Largest differences of two pictures, and the number of pixels that differ.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Differences {
-    /// Of red, green and blue, the first where several are as large; `None` where the channel is the same throughout.
+    /// Largest difference of red, green and blue; the first of equal ones. `None` if a channel is
+    /// equal.
     pub largest: [Option<Largest>; 3],
-    /// Pixels with a channel that differs.
+    /// Number of pixels of which any channel differs.
     pub pixels: usize,
 }
 
-/// The largest difference of each channel with its place, and the number of pixels that differ. Zeros of both signs are the same.
+/// Compares two pictures. Zeros of both signs are equal.
 ///
 /// # Errors
-/// [`MetricError`] where sizes differ or a pixel is not finite.
+/// [`MetricError`] if the sizes differ or a pixel is not finite.
 pub fn differences(a: &Image, b: &Image) -> Result<Differences, MetricError> {
     let width = a.width() as usize;
     let mut found = Differences::default();
@@ -121,10 +123,10 @@ pub fn differences(a: &Image, b: &Image) -> Result<Differences, MetricError> {
     Ok(found)
 }
 
-/// Root of the mean squared error on the [`RelativeScale`] of the `reference`.
+/// Root mean square error on the [`RelativeScale`] of the `reference`.
 ///
 /// # Errors
-/// [`MetricError`] where sizes differ or a pixel is not finite.
+/// [`MetricError`] if the sizes differ or a pixel is not finite.
 pub fn relative_error(a: &Image, reference: &Image) -> Result<f64, MetricError> {
     check_pair(a, reference)?;
     let (a, b) = (a.pixels(), reference.pixels());
@@ -135,19 +137,19 @@ pub fn relative_error(a: &Image, reference: &Image) -> Result<f64, MetricError> 
     Ok(RelativeScale::of(reference).mean(square).sqrt())
 }
 
-/// How two pictures of bytes differ.
+/// Difference of two 8-bit pictures.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct ByteDifference {
-    /// Bytes (channels, not pixels) that differ.
+    /// Number of channel values that differ.
     pub count: usize,
-    /// The largest difference in levels.
+    /// Largest difference \[levels].
     pub largest: u8,
 }
 
-/// Compares two pictures byte by byte.
+/// Compares two 8-bit pictures.
 ///
 /// # Errors
-/// [`MetricError::Size`] where sizes differ.
+/// [`MetricError::Size`] if the sizes differ.
 pub fn differing_bytes(a: &RgbBytes, b: &RgbBytes) -> Result<ByteDifference, MetricError> {
     check_sizes((a.width(), a.height()), (b.width(), b.height()))?;
     let levels = a.pixels().as_flattened().iter().zip(b.pixels().as_flattened()).map(|(a, b)| a.abs_diff(*b));
@@ -160,7 +162,7 @@ fn check_sizes(a: (u32, u32), b: (u32, u32)) -> Result<(), MetricError> {
     if a == b { Ok(()) } else { Err(MetricError::Size { a, b }) }
 }
 
-/// Refuses pictures of two sizes, and pixels that are not finite.
+/// Refuses pictures of different sizes, and pixels that are not finite.
 pub(super) fn check_pair(a: &Image, b: &Image) -> Result<(), MetricError> {
     check_sizes((a.width(), a.height()), (b.width(), b.height()))?;
     for (which, image) in [("first", a), ("second", b)] {
@@ -172,7 +174,7 @@ pub(super) fn check_pair(a: &Image, b: &Image) -> Result<(), MetricError> {
     Ok(())
 }
 
-/// The pixels side by side, all finite. Differences of finite f32 stay finite in f64.
+/// Pairs of pixels, all finite. The difference of two finite f32 is finite in f64.
 fn pairs<'a>(
     a: &'a Image,
     b: &'a Image,
@@ -194,7 +196,7 @@ mod tests {
     fn metrics_follow_their_formulas() {
         let a = image(&[[1.0, 2.0, 3.0], [0.0, 0.0, 0.0]]);
         let b = image(&[[1.0, 0.0, 3.0], [0.0, 1.0, 0.0]]);
-        // Squares 4 and 1 over six channels.
+        // The squares 4 and 1 over six channel values.
         assert!((rmse(&a, &b).unwrap() - f64::sqrt(5.0 / 6.0)).abs() < 1e-15);
         // First pixel 4 / (0 + ½) / 3 = 8/3, second 1 / (1 + ½) / 3 = 2/9.
         assert!((relative_mse(&a, &b, 0.5, None).unwrap() - (8.0 / 3.0 + 2.0 / 9.0) / 2.0).abs() < 1e-15);
@@ -210,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_compared_is_an_error() {
+    fn incomparable_pictures_are_refused() {
         let (a, b) = (image(&[[0.0; 3]; 2]), image(&[[0.0; 3]; 3]));
         assert_eq!(rmse(&a, &b), Err(MetricError::Size { a: (2, 1), b: (3, 1) }));
         let nan = image(&[[0.0; 3], [0.0, f32::NAN, 0.0]]);
@@ -222,7 +224,7 @@ mod tests {
     }
 
     #[test]
-    fn the_largest_differences_have_places() {
+    fn largest_differences_have_positions() {
         let zero = Image::new(2, 2).unwrap();
         let pixels = [[0.0, 1.0, 0.0], [-0.0, -2.0, 0.5], [0.0; 3], [0.0, 2.0, 0.25]].map(Vec3::from_array);
         let image = Image::from_pixels(2, 2, pixels.to_vec()).unwrap();
@@ -233,9 +235,9 @@ mod tests {
         assert_eq!(differences(&image, &image).unwrap(), Differences::default());
     }
 
-    /// Of an even picture of light 2, an error of .1 everywhere is .1/√(4 + 4).
+    /// In a uniform picture of radiance 2, an error of 0.1 is 0.1 / √(4 + 4).
     #[test]
-    fn the_relative_error_is_a_root() {
+    fn the_relative_error_is_a_root_mean_square() {
         let (a, b) = (image(&[[2.1; 3]; 9]), image(&[[2.0; 3]; 9]));
         assert!((relative_error(&a, &b).unwrap() - 0.1 / f64::sqrt(8.0)).abs() < 1e-7);
         assert!(relative_error(&a, &image(&[[2.0; 3]; 8])).is_err());

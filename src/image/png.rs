@@ -1,4 +1,4 @@
-//! PNG in and out (ISO/IEC 15948).
+//! Reads and writes PNG (ISO/IEC 15948).
 
 use std::io::Cursor;
 
@@ -7,11 +7,11 @@ use png::{BitDepth as Depth, ColorType, Decoder, DecodingError, Encoder, Encodin
 use rayon::prelude::*;
 
 use super::buffer::{Image, RgbBytes, pixel_count};
-use super::error::{DecodeFailure, WriteError, check_plausible, check_room};
+use super::error::{DecodeFailure, WriteError, check_memory, check_plausible};
 use super::tone::{Curve, Quantizer, WriteReport, srgb_decode};
 use super::write::{BitDepth, WriteOptions};
 
-/// The PNG file of `image`, whole. All but [`Curve::Course`] carry an sRGB chunk.
+/// Encodes `image` as a PNG file. All curves except [`Curve::Course`] add an sRGB chunk.
 pub(super) fn encode(image: &Image, options: &WriteOptions) -> Result<(Vec<u8>, WriteReport), WriteError> {
     let (samples, report) = quantize(image, options)?;
     let mut file = Vec::new();
@@ -27,7 +27,7 @@ pub(super) fn encode(image: &Image, options: &WriteOptions) -> Result<(Vec<u8>, 
         encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
     }
     for (key, text) in &options.metadata {
-        // tEXt is Latin-1; older readers know it best.
+        // Older readers support only tEXt, which is Latin-1.
         if text.is_ascii() {
             encoder.add_text_chunk(key.clone(), text.clone()).map_err(refused)?;
         } else {
@@ -40,8 +40,9 @@ pub(super) fn encode(image: &Image, options: &WriteOptions) -> Result<(Vec<u8>, 
     Ok((file, report))
 }
 
-/// The samples in the order of the file, 16-bit ones with the high byte first. Rows are independent and counts are whole
-/// numbers, so the result is the same on any number of threads.
+/// The samples in file order; 16-bit samples are big-endian.
+///
+/// Rows are independent and counts are integers, so the result does not depend on the threads.
 fn quantize(image: &Image, options: &WriteOptions) -> Result<(Vec<u8>, WriteReport), WriteError> {
     let (white, size) = match options.depth {
         BitDepth::Eight => (255, 1),
@@ -72,14 +73,15 @@ impl From<DecodingError> for DecodeFailure {
     }
 }
 
-/// Samples as stored, spread to three a pixel.
+/// Stored samples, expanded to three per pixel.
 struct Decoded {
     width: u32,
     height: u32,
-    /// One to two bytes a sample, high byte first.
+    /// One or two bytes per sample, big-endian.
     samples: Vec<u8>,
+    /// True if samples have 16 bits.
     sixteen: bool,
-    /// The exponent of a gAMA chunk, where no sRGB chunk overrides it.
+    /// Exponent of the gAMA chunk, unless an sRGB chunk overrides it.
     gamma: Option<f64>,
 }
 
@@ -99,7 +101,7 @@ fn decode(file: &[u8], free: Option<u64>) -> Result<Decoded, DecodeFailure> {
     let pixels = pixel_count(width, height)?;
     let stored = u64::from(height) * info.raw_row_length() as u64;
     check_plausible(stored, file.len())?;
-    check_room(pixels, free)?;
+    check_memory(pixels, free)?;
 
     let (color, depth) = reader.output_color_type();
     let (channels, sixteen) = (color.samples(), depth == Depth::Sixteen);
@@ -128,7 +130,10 @@ fn decode(file: &[u8], free: Option<u64>) -> Result<Decoded, DecodeFailure> {
     Ok(Decoded { width, height, samples, sixteen, gamma })
 }
 
-/// Linear radiance: by the gAMA chunk where it stands alone, else by sRGB, which PNG files without a label mean by custom.
+/// Reads linear radiance.
+///
+/// The transfer function is that of the gAMA chunk if there is no sRGB chunk, else sRGB, the
+/// convention for unlabelled PNG files.
 pub(super) fn read(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailure> {
     let decoded = decode(file, free)?;
     match decoded.gamma {
@@ -137,11 +142,12 @@ pub(super) fn read(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailur
     }
 }
 
-/// The samples as they stand, from 0 to 1.
+/// Reads the samples without a transfer function, from 0 to 1.
 pub(super) fn read_data(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailure> {
     read_by(decode(file, free)?, |signal| signal as f32)
 }
 
+/// Converts samples by a transfer function from signals in [0, 1].
 fn read_by(decoded: Decoded, linear: impl Fn(f64) -> f32) -> Result<Image, DecodeFailure> {
     let Decoded { width, height, samples, sixteen, .. } = decoded;
     let table: Vec<f32> = if sixteen {
@@ -158,11 +164,13 @@ fn read_by(decoded: Decoded, linear: impl Fn(f64) -> f32) -> Result<Image, Decod
     Ok(Image::from_pixels(width, height, pixels)?)
 }
 
-/// The bytes of an 8-bit file as they stand.
+/// Reads the bytes of an 8-bit file.
 pub(super) fn read_bytes(file: &[u8]) -> Result<RgbBytes, DecodeFailure> {
     let decoded = decode(file, None)?;
     if decoded.sixteen {
-        return Err(DecodeFailure::Reason("it has 16 bits a channel where 8 are compared".into()));
+        return Err(DecodeFailure::Reason(
+            "it has 16 bits per channel, and only 8-bit pictures can be compared by bytes".into(),
+        ));
     }
     Ok(RgbBytes::from_pixels(decoded.width, decoded.height, decoded.samples.as_chunks().0.to_vec())?)
 }
@@ -190,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn eight_bits_come_back_as_the_levels_written() {
+    fn eight_bit_levels_are_read_back() {
         let (file, report) = encode(&ramp(), &options(Curve::Course, BitDepth::Eight)).unwrap();
         let bytes = decoded(read_bytes(&file));
         for (i, rgb) in bytes.pixels().iter().enumerate() {
@@ -206,7 +214,7 @@ mod tests {
         for (depth, levels) in [(BitDepth::Eight, 255.0), (BitDepth::Sixteen, 65_535.0)] {
             let (file, _) = encode(&ramp(), &options(Curve::Srgb, depth)).unwrap();
             let image = decoded(read(&file, None));
-            // The decoding curve's slope is at most 2.4 / 1.055 = 2.275; f32 rounding adds 2⁻²⁴.
+            // The slope of the decoding curve is at most 2.4 / 1.055 = 2.275. Rounding adds 2⁻²⁴.
             let bound = (0.5 / levels * 2.275 + f64::from(f32::EPSILON)) as f32;
             for (a, b) in image.pixels().iter().zip(ramp().pixels()) {
                 assert!((*a - *b).abs().max_element() <= bound, "{a} {b} {depth:?}");
@@ -215,7 +223,7 @@ mod tests {
     }
 
     #[test]
-    fn srgb_is_stated_except_by_the_course() {
+    fn only_the_course_curve_omits_srgb() {
         for (curve, stated) in [(Curve::Srgb, true), (Curve::Filmic, true), (Curve::Course, false)] {
             let (file, _) = encode(&ramp(), &options(curve, BitDepth::Eight)).unwrap();
             assert_eq!(file.windows(4).any(|w| w == b"sRGB"), stated, "{curve}");
@@ -247,7 +255,7 @@ mod tests {
     }
 
     #[test]
-    fn other_kinds_of_png_are_read_or_refused_with_a_remedy() {
+    fn other_png_variants_are_read_or_refused() {
         let gray = foreign(ColorType::Grayscale, Depth::Eight, None, &[10, 200]);
         assert_eq!(decoded(read_bytes(&gray)).pixels(), [[10; 3], [200; 3]]);
         let opaque = foreign(ColorType::Rgba, Depth::Eight, None, &[1, 2, 3, 255, 4, 5, 6, 255]);
@@ -256,13 +264,13 @@ mod tests {
         assert!(failure(read(&clear, None)).contains("flatten"));
         let deep = foreign(ColorType::Rgb, Depth::Sixteen, Some(1.0), &[128, 0, 0, 0, 0, 0, 0, 0, 0, 0, 255, 255]);
         assert!(failure(read_bytes(&deep)).contains("16 bits"));
-        // A gamma of 1 is linear: level 32768 of 65535.
+        // A gamma of 1 is linear, so level 32768 reads as 32768 / 65535.
         let image = decoded(read(&deep, None));
         assert!((image.pixels()[0].x - 32_768.0 / 65_535.0).abs() < 1e-7);
         assert_eq!(image.pixels()[1].z, 1.0);
     }
 
-    /// The checksum of a PNG chunk (ISO/IEC 15948, annex D), bit by bit.
+    /// Checksum of a PNG chunk (ISO/IEC 15948, annex D).
     fn crc32(bytes: &[u8]) -> u32 {
         let step = |c: u32| if c & 1 == 1 { 0xedb8_8320 ^ (c >> 1) } else { c >> 1 };
         !bytes.iter().fold(!0, |c, &byte| (0..8).fold(c ^ u32::from(byte), |c, _| step(c)))
@@ -274,7 +282,7 @@ mod tests {
         for cut in 8..file.len() - 13 {
             assert!(read(&file[..cut], None).is_err(), "cut at {cut}");
         }
-        // The same file with a header that promises 16384 × 16384 pixels, its checksum made right.
+        // A header of 16384 × 16384 pixels, with a valid checksum.
         let mut huge = file;
         huge[16..24].copy_from_slice(&[0, 0, 64, 0, 0, 0, 64, 0]);
         let checksum = crc32(&huge[12..29]);

@@ -1,10 +1,11 @@
-//! Colours for numbers.
+//! Colour maps.
 
 use super::tone::srgb_decode;
 use glam::{DVec3, Vec3};
 
-/// The ramp magma of Smith and van der Walt (2015, in the public domain by CC0) at nine even steps, as bytes of sRGB: even in
-/// perceived lightness, from black by purple and orange to a pale yellow.
+/// Colour map magma of Smith and van der Walt (2015, CC0) at nine equal steps, in sRGB bytes.
+///
+/// Its perceived lightness is uniform, from black through purple and orange to pale yellow.
 const MAGMA: [[u8; 3]; 9] = [
     [0x00, 0x00, 0x04],
     [0x1d, 0x11, 0x47],
@@ -17,29 +18,30 @@ const MAGMA: [[u8; 3]; 9] = [
     [0xfc, 0xfd, 0xbf],
 ];
 
-/// Brewer's RdBu of five classes (colorbrewer2.org), from blue to red, as bytes of sRGB.
+/// Brewer's five-class map RdBu (colorbrewer2.org), from blue to red, in sRGB bytes.
 const BLUE_RED: [[u8; 3]; 5] =
     [[0x05, 0x71, 0xb0], [0x92, 0xc5, 0xde], [0xf7, 0xf7, 0xf7], [0xf4, 0xa5, 0x82], [0xca, 0x00, 0x20]];
 
-/// A colour for a number in [0, 1], in linear light: the larger, the lighter. Numbers beyond are clamped.
+/// Colour of `t` in [0, 1], as linear RGB; larger is lighter. Other values are clamped.
 #[must_use]
 pub fn sequential(t: f64) -> Vec3 {
-    between(&MAGMA, t)
+    interpolate(&MAGMA, t)
 }
 
-/// A colour for a number in [−1, 1], in linear light: blue, nearly white at 0, red. Numbers beyond are clamped.
+/// Colour of `t` in [−1, 1], as linear RGB: blue, nearly white at 0, red. Other values are clamped.
 #[must_use]
 pub fn diverging(t: f64) -> Vec3 {
-    between(&BLUE_RED, 0.5 + 0.5 * t)
+    interpolate(&BLUE_RED, 0.5 + 0.5 * t)
 }
 
-/// Signals are mixed, not light: equal steps of them look more alike.
-fn between(steps: &[[u8; 3]], t: f64) -> Vec3 {
+/// Interpolates between colours in sRGB signals, whose equal steps look more equal than those of
+/// light.
+fn interpolate(steps: &[[u8; 3]], t: f64) -> Vec3 {
     let last = steps.len() - 1;
-    let place = t.clamp(0.0, 1.0) * last as f64;
-    let step = (place as usize).min(last - 1);
+    let position = t.clamp(0.0, 1.0) * last as f64;
+    let step = (position as usize).min(last - 1);
     let signal = |i: usize| DVec3::from(steps[i].map(f64::from)) / 255.0;
-    let mixed = signal(step).lerp(signal(step + 1), place - step as f64);
+    let mixed = signal(step).lerp(signal(step + 1), position - step as f64);
     DVec3::from(mixed.to_array().map(srgb_decode)).as_vec3()
 }
 
@@ -48,7 +50,7 @@ mod tests {
     use super::*;
     use crate::image::{Image, OutputFormat, WriteOptions, encode, read_bytes};
 
-    /// The colours as a PNG shows them.
+    /// The bytes that a PNG stores for the colours.
     fn shown(colors: Vec<Vec3>) -> Vec<[u8; 3]> {
         let image = Image::from_pixels(colors.len() as u32, 1, colors).unwrap();
         let folder = tempfile::tempdir().unwrap();
@@ -58,7 +60,7 @@ mod tests {
     }
 
     #[test]
-    fn steps_are_the_published_bytes_and_what_is_beyond_is_clamped() {
+    fn steps_are_the_published_bytes_and_clamp() {
         assert_eq!(shown((0..9).map(|i| sequential(f64::from(i) / 8.0)).collect()), MAGMA);
         assert_eq!(shown((0..5).map(|i| diverging(f64::from(i) / 2.0 - 1.0)).collect()), BLUE_RED);
         assert_eq!((sequential(-1.0), sequential(2.0)), (sequential(0.0), sequential(1.0)));

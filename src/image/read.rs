@@ -1,4 +1,4 @@
-//! Pictures from files.
+//! Reads pictures from files.
 
 use std::io::{Cursor, Read};
 use std::path::Path;
@@ -8,19 +8,19 @@ use ::image::codecs::hdr::HdrDecoder;
 use glam::Vec3;
 
 use super::buffer::{Image, RgbBytes, pixel_count};
-use super::error::{DecodeFailure, ReadError, check_plausible, check_room};
+use super::error::{DecodeFailure, ReadError, check_memory, check_plausible};
 use super::open::open_file;
 use super::{exr, png};
 
 const PNG_SIGNATURE: [u8; 4] = *b"\x89PNG";
 const EXR_SIGNATURE: [u8; 4] = *b"\x76\x2f\x31\x01";
-/// Of `#?RADIANCE` and `#?RGBE`.
+/// Common start of `#?RADIANCE` and `#?RGBE`.
 const HDR_SIGNATURE: [u8; 3] = *b"#?R";
 
-/// A format that pictures are read from.
+/// File format that can be read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum InputFormat {
-    /// PNG: levels of a display.
+    /// PNG: display levels.
     Png,
     /// OpenEXR: radiance.
     Exr,
@@ -29,7 +29,7 @@ pub enum InputFormat {
 }
 
 impl InputFormat {
-    /// By the first bytes of a file, whatever its name says.
+    /// Format by the signature of a file, whatever its name is.
     fn of(file: &[u8]) -> Option<Self> {
         match file {
             _ if file.starts_with(&PNG_SIGNATURE) => Some(Self::Png),
@@ -40,57 +40,60 @@ impl InputFormat {
     }
 }
 
-/// Reads a PNG, OpenEXR or Radiance HDR picture, told apart by its first bytes, as linear radiance.
+/// Reads a PNG, OpenEXR or Radiance HDR picture as linear radiance. Its signature selects the
+/// format.
 ///
-/// A PNG is decoded by its gAMA chunk where it has one and no sRGB chunk, else by the sRGB curve. Of an OpenEXR file the
-/// first layer with channels R, G and B is read. Exposure and tone curve are not undone, but for the exposures that a Radiance
-/// HDR states.
+/// A PNG is decoded by its gAMA chunk if it has one and no sRGB chunk, else by the sRGB curve. Of
+/// an OpenEXR file the first layer with channels R, G and B is read. The exposures that a Radiance
+/// HDR file states are undone. Other exposures and tone curves are not.
 ///
 /// # Errors
-/// [`ReadError`] where the file is missing, damaged, of another format, transparent, or beyond [`super::MAX_PIXELS`].
+/// [`ReadError`] if the file is missing, damaged, of another format, transparent, or larger than
+/// [`super::MAX_PIXELS`].
 pub fn read(path: &Path) -> Result<Image, ReadError> {
     Ok(read_with_format(path)?.0)
 }
 
-/// As [`read`], and what the file is.
+/// Reads a picture like [`read`], and returns its format.
 ///
 /// # Errors
-/// [`ReadError`] as for [`read`].
+/// [`ReadError`], see [`read`].
 pub fn read_with_format(path: &Path) -> Result<(Image, InputFormat), ReadError> {
     let file = load(path, None)?;
     decode(path, &file, Meaning::Light, None)
 }
 
-/// As [`read`], but the numbers of a PNG are taken as they stand, from 0 to 1: data that is no light.
+/// Reads a picture like [`read`], without a transfer function for PNG: data from 0 to 1.
 ///
 /// # Errors
-/// [`ReadError`] as for [`read`].
+/// [`ReadError`], see [`read`].
 pub fn read_data(path: &Path) -> Result<Image, ReadError> {
     read_within(path, Meaning::Numbers, None)
 }
 
-/// What the numbers of a picture are.
+/// Meaning of the samples of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Meaning {
-    /// Radiance: a PNG's curve is undone.
+    /// Radiance. The transfer function of a PNG is undone.
     Light,
-    /// Data that is no light: a PNG's numbers are taken as they stand, from 0 to 1.
+    /// Data such as roughness. Samples of a PNG are taken without a transfer function, from 0 to 1.
     Numbers,
 }
 
-/// As [`read`], within `free` bytes of memory, where that number is known: a picture that takes more is refused before it takes any.
+/// Reads a picture like [`read`]. One that needs more than `free` bytes is refused before
+/// allocation.
 ///
 /// # Errors
-/// [`ReadError`] as for [`read`], and where the memory does not suffice.
+/// [`ReadError`], see [`read`]; also if the memory does not suffice.
 pub fn read_within(path: &Path, meaning: Meaning, free: Option<u64>) -> Result<Image, ReadError> {
     let file = load(path, free)?;
     Ok(decode(path, &file, meaning, free.map(|free| free.saturating_sub(file.len() as u64)))?.0)
 }
 
-/// As [`read_within`], of the bytes of a file that errors call `path`, and what the file is.
+/// Decodes the bytes of a file like [`read_within`], and returns its format. Errors name `path`.
 ///
 /// # Errors
-/// [`ReadError`] as for [`read_within`].
+/// [`ReadError`], see [`read_within`].
 pub fn decode(
     path: &Path,
     file: &[u8],
@@ -107,10 +110,10 @@ pub fn decode(
     Ok((image.map_err(|failure| failure.at(path.to_owned()))?, format))
 }
 
-/// Reads the bytes of an 8-bit PNG as they stand, for exact comparisons.
+/// Reads the bytes of an 8-bit PNG, for exact comparisons.
 ///
 /// # Errors
-/// [`ReadError`] as for [`read`], and where the file is no PNG or has 16 bits a channel.
+/// [`ReadError`], see [`read`]; also if the file is not an 8-bit PNG.
 pub fn read_bytes(path: &Path) -> Result<RgbBytes, ReadError> {
     let file = load(path, None)?;
     let bytes = match InputFormat::of(&file) {
@@ -123,16 +126,16 @@ pub fn read_bytes(path: &Path) -> Result<RgbBytes, ReadError> {
     bytes.map_err(|failure| failure.at(path.to_owned()))
 }
 
-/// A Radiance HDR picture of RGB (Ward 1991, "Real Pixels"); files state by how much their radiance was multiplied.
+/// Reads a Radiance HDR picture (Ward 1991, "Real Pixels") and divides it by its stated exposure.
 fn read_hdr(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailure> {
     let reason = |error: ::image::ImageError| DecodeFailure::Reason(error.to_string());
-    // Strict decoding knows one of the two signatures only.
+    // Strict decoding accepts only one of the two signatures.
     let decoder = HdrDecoder::new_nonstrict(Cursor::new(file)).map_err(reason)?;
     let header = decoder.metadata();
-    // Runs of at most 127 equal bytes take two, so far less than DEFLATE's bound holds; old runs of runs are refused by it.
+    // A run of at most 127 bytes takes two, far below the bound of DEFLATE.
     let pixels = pixel_count(header.width, header.height)?;
     check_plausible(4 * pixels as u64, file.len())?;
-    check_room(pixels, free)?;
+    check_memory(pixels, free)?;
     let exposure = header.exposure.unwrap_or(1.0);
     if !(exposure > 0.0 && exposure.is_finite()) {
         return Err(DecodeFailure::Reason(format!("the exposure is {exposure}, which is not above zero")));
@@ -142,7 +145,7 @@ fn read_hdr(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailure> {
     Ok(Image::from_pixels(header.width, header.height, pixels)?)
 }
 
-/// The bytes of a file, where they may take that much memory.
+/// Reads a file of at most `free` bytes.
 fn load(path: &Path, free: Option<u64>) -> Result<Vec<u8>, ReadError> {
     let refused = |source| ReadError::Io { path: path.to_owned(), source };
     let (mut file, needed) = open_file(path).map_err(refused)?;
@@ -161,7 +164,7 @@ mod tests {
     use std::fs;
 
     #[test]
-    fn formats_are_told_by_content_and_others_refused() {
+    fn signatures_select_the_format() {
         let folder = tempfile::tempdir().unwrap();
         let text = folder.path().join("text.png");
         fs::write(&text, "P3 1 1 255 0 0 0").unwrap();
@@ -175,7 +178,8 @@ mod tests {
         assert_eq!(read(&misnamed).unwrap(), image);
         assert!(read_bytes(&misnamed).unwrap_err().to_string().contains("8-bit PNG"));
     }
-    /// Two pixels whose bytes are those of the paper: mantissas over 256, times two to the exponent less 128.
+
+    /// Two RGBE pixels: mantissa / 256 · 2^(exponent − 128).
     fn hdr(header: &str) -> Vec<u8> {
         let mut file = format!("{header}\n\n-Y 1 +X 2\n").into_bytes();
         file.extend([128, 64, 32, 129, 200, 100, 50, 138]);
@@ -183,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn radiance_hdr_is_read_with_its_exposures_undone() {
+    fn radiance_hdr_exposures_are_undone() {
         let read =
             |header| read_hdr(&hdr(header), None).unwrap_or_else(|failure| panic!("{}", failure.at("memory".into())));
         let plain = read("#?RADIANCE\nFORMAT=32-bit_rle_rgbe");

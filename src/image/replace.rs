@@ -11,13 +11,13 @@ use super::error::WriteError;
 
 /// Replaces the file at `path` by `bytes`. A failure leaves the old file.
 ///
-/// The bytes are written to a temporary file in the same folder, flushed to the disk, and renamed to
-/// the path. A symbolic link is followed. A replaced file keeps its permissions. A new file has the
-/// default ones.
+/// The bytes are written to a temporary file in the same folder, flushed to the disk, and renamed
+/// to the path. A symbolic link is followed. A replaced file keeps its permissions. A new file has
+/// the default ones.
 ///
 /// # Errors
-/// [`WriteError`] if the folder is missing, if the path is a folder, device or read-only file, or if
-/// the system refuses.
+/// [`WriteError`] if the folder is missing, if the path is a folder, device or read-only file, or
+/// if the system refuses.
 pub fn replace_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
     replace_with(path, |file| file.write_all(bytes))
 }

@@ -1,4 +1,4 @@
-//! From linear radiance to the levels of a display.
+//! Tone curves: from linear radiance to display levels.
 
 use std::fmt;
 use std::str::FromStr;
@@ -7,24 +7,26 @@ use glam::Vec3;
 
 use super::error::WriteError;
 
-/// The largest exposure in stops, either way.
+/// Largest absolute exposure \[stops].
 pub const MAX_EXPOSURE_STOPS: f32 = 64.0;
 
-/// How exposed linear radiance becomes a level in [0, 1].
+/// Curve from exposed linear radiance to a signal in [0, 1].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Curve {
-    /// Clamped, then the transfer function of sRGB (IEC 61966-2-1), rounded to the nearest level.
+    /// Clamp, then the sRGB transfer function (IEC 61966-2-1), rounded to the nearest level.
     #[default]
     Srgb,
-    /// Narkowicz's fit of the ACES film curve ("ACES Filmic Tone Mapping Curve", 2016), then as [`Curve::Srgb`]:
-    /// highlights roll off and reach white at 7.2 times the radiance that [`Curve::Srgb`] clips.
+    /// Narkowicz's fit of the ACES film curve ("ACES Filmic Tone Mapping Curve", 2016), then
+    /// [`Curve::Srgb`]. Highlights roll off and reach white at 7.2 times the radiance that
+    /// [`Curve::Srgb`] clips.
     Filmic,
-    /// The course's: trunc(255 · clamp(c)), no transfer function. Its pictures state no colour space, as the course's own.
+    /// Curve of the course: trunc(255 · clamp(c)), without a transfer function or a colour space
+    /// label.
     Course,
 }
 
 impl Curve {
-    /// Every curve, in the order that messages list them.
+    /// All curves, in the order of messages.
     pub const ALL: [Self; 3] = [Self::Srgb, Self::Filmic, Self::Course];
 
     /// The name that [`FromStr`] accepts.
@@ -44,7 +46,7 @@ impl fmt::Display for Curve {
     }
 }
 
-/// A tone curve's name that is not known.
+/// An unknown name of a tone curve.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("unknown tone curve `{0}`: choose srgb, filmic or course")]
 pub struct UnknownCurve(pub String);
@@ -60,28 +62,30 @@ impl FromStr for Curve {
     }
 }
 
-/// Exposure, then a curve.
+/// An exposure followed by a curve.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ToneMap {
     /// The curve.
     pub curve: Curve,
-    /// Radiance is multiplied by 2 to this power before the curve; within ±[`MAX_EXPOSURE_STOPS`].
+    /// Exposure: radiance is multiplied by 2 to this power. Within ±[`MAX_EXPOSURE_STOPS`].
     pub exposure_stops: f32,
 }
 
-/// What a format with limited levels could not hold, in pixels. Each pixel counts at most once in each field.
+/// Numbers of pixels that a format could not hold. A pixel counts at most once per field.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct WriteReport {
-    /// Pixels with a channel that is NaN or infinite: a defect of the renderer or the scene. In PNG a NaN channel becomes 0.
+    /// Pixels with a NaN or infinite channel, a defect of the renderer or the scene. PNG stores NaN
+    /// as 0.
     pub non_finite: usize,
-    /// Finite pixels with a channel beyond the curve's white, clamped to it; in OpenEXR of 16 bits, beyond 65504 either way. Always 0 for
-    /// OpenEXR of 32 bits.
+    /// Finite pixels with a channel clamped to white; in 16-bit OpenEXR, to ±65504. Always 0 in
+    /// 32-bit OpenEXR.
     pub too_bright: usize,
-    /// Finite pixels with a channel below zero, clamped to black. Always 0 for OpenEXR.
+    /// Finite pixels with a negative channel, clamped to black. Always 0 in OpenEXR.
     pub negative: usize,
 }
 
 impl WriteReport {
+    /// Sum of two reports.
     pub(super) fn merge(self, other: Self) -> Self {
         Self {
             non_finite: self.non_finite + other.non_finite,
@@ -91,7 +95,7 @@ impl WriteReport {
     }
 }
 
-/// A tone map made ready: the exposure checked and turned into a factor.
+/// A tone map with a checked exposure, for levels of a given depth.
 #[derive(Clone, Copy)]
 pub(super) struct Quantizer {
     curve: Curve,
@@ -100,7 +104,7 @@ pub(super) struct Quantizer {
 }
 
 impl Quantizer {
-    /// Levels run from 0 to `white`.
+    /// A quantizer for levels from 0 to `white`.
     pub(super) fn new(tone: ToneMap, white: u16) -> Result<Self, WriteError> {
         if tone.exposure_stops.abs() <= MAX_EXPOSURE_STOPS {
             Ok(Self { curve: tone.curve, scale: libm::exp2f(tone.exposure_stops), white })
@@ -109,10 +113,10 @@ impl Quantizer {
         }
     }
 
-    /// The three levels of a pixel; what they could not hold is counted.
+    /// The levels of a pixel. Values that they cannot hold are counted in `report`.
     pub(super) fn levels(&self, pixel: Vec3, report: &mut WriteReport) -> [u16; 3] {
         let exposed = pixel * self.scale;
-        // Judged before exposure, which may overflow a finite value: that is brightness, not a defect.
+        // Exposure may overflow a finite value. That is too bright, not a defect.
         if !pixel.is_finite() {
             report.non_finite += 1;
         } else {
@@ -129,31 +133,31 @@ impl Quantizer {
         }
     }
 
-    // The casts from float saturate and send NaN to 0.
+    // Casts from float to integer saturate, and NaN becomes 0.
     fn level(&self, c: f32) -> u16 {
         let nearest = |linear: f64| (f64::from(self.white) * srgb_encode(linear.clamp(0.0, 1.0)) + 0.5) as u16;
         match self.curve {
             Curve::Srgb => nearest(f64::from(c)),
             Curve::Filmic => nearest(film(f64::from(c))),
-            // In f32, as the course's own ray caster multiplies.
+            // The ray caster of the course multiplies in f32.
             Curve::Course => (f32::from(self.white) * c.clamp(0.0, 1.0)) as u16,
         }
     }
 }
 
-/// Narkowicz's rational fit, x(2.51x + .03) / (x(2.43x + .59) + .14); it exceeds 1 beyond x = 7.24.
+/// Narkowicz's fit, x(2.51x + 0.03) / (x(2.43x + 0.59) + 0.14). It exceeds 1 above x = 7.24.
 fn film(x: f64) -> f64 {
-    // Beyond 8 the curve is past white anyway, and an infinite x would give NaN; below 0 the fit has a pole.
+    // Above 8 the curve exceeds white, and infinity would give NaN. Below 0 the fit has a pole.
     let x = x.clamp(0.0, 8.0);
     x * (2.51 * x + 0.03) / (x * (2.43 * x + 0.59) + 0.14)
 }
 
-/// Linear light in [0, 1] to the sRGB signal (IEC 61966-2-1).
+/// sRGB signal of linear light in [0, 1] (IEC 61966-2-1).
 pub(super) fn srgb_encode(linear: f64) -> f64 {
     if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * libm::pow(linear, 1.0 / 2.4) - 0.055 }
 }
 
-/// The sRGB signal in [0, 1] to linear light (IEC 61966-2-1).
+/// Linear light of an sRGB signal in [0, 1] (IEC 61966-2-1).
 pub(super) fn srgb_decode(signal: f64) -> f64 {
     if signal <= 0.040_45 { signal / 12.92 } else { libm::pow((signal + 0.055) / 1.055, 2.4) }
 }
@@ -169,9 +173,9 @@ mod tests {
 
     #[test]
     fn srgb_levels_are_the_nearest() {
-        // 1.055 · .5^(1/2.4) − .055 = .735357, times 255 is 187.516: truncation would give 187.
+        // 255 · (1.055 · 0.5^(1/2.4) − 0.055) = 187.516, which truncation would make 187.
         assert_eq!(level(Curve::Srgb, 0.0, 0.5), 188);
-        // The straight part: .002 · 12.92 · 255 = 6.589.
+        // The linear part: 0.002 · 12.92 · 255 = 6.589.
         assert_eq!(level(Curve::Srgb, 0.0, 0.002), 7);
         assert_eq!([-1.0, 0.0, 1.0, 9.0].map(|c| level(Curve::Srgb, 0.0, c)), [0, 0, 255, 255]);
     }
@@ -211,12 +215,12 @@ mod tests {
     }
 
     #[test]
-    fn what_levels_cannot_hold_is_counted_once_a_pixel() {
+    fn a_pixel_counts_once_per_field() {
         let quantizer = Quantizer::new(ToneMap { curve: Curve::Srgb, exposure_stops: 60.0 }, 255).unwrap();
         let mut report = WriteReport::default();
         quantizer.levels(Vec3::new(f32::NAN, f32::INFINITY, -1.0), &mut report);
         assert_eq!(report, WriteReport { non_finite: 1, too_bright: 0, negative: 0 });
-        // 10³⁰ · 2⁶⁰ overflows f32, yet the pixel is finite: bright, not defective.
+        // 10³⁰ · 2⁶⁰ overflows f32, but the pixel itself is finite.
         quantizer.levels(Vec3::new(1e30, 1e30, -1.0), &mut report);
         assert_eq!(report, WriteReport { non_finite: 1, too_bright: 1, negative: 1 });
     }

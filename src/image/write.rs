@@ -1,4 +1,4 @@
-//! Pictures to files.
+//! Writes pictures to files.
 
 use std::path::Path;
 
@@ -8,20 +8,20 @@ use super::replace::{check_place, replace_file};
 use super::tone::{ToneMap, WriteReport};
 use super::{exr, png};
 
-/// A format that pictures are written in.
+/// File format that can be written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OutputFormat {
-    /// PNG, 8 or 16 bits a channel, after the tone map.
+    /// PNG with 8 or 16 bits per channel, after the tone map.
     Png,
-    /// OpenEXR, float RGB of 16 or 32 bits, linear radiance as it is.
+    /// OpenEXR with 16- or 32-bit float RGB: linear radiance without a tone map.
     Exr,
 }
 
 impl OutputFormat {
-    /// The format that a path's extension names, in upper or lower case.
+    /// Format of a path by its extension, in upper or lower case.
     ///
     /// # Errors
-    /// [`WriteError::Extension`] where it is neither `.png` nor `.exr`.
+    /// [`WriteError::Extension`] if the extension is neither `.png` nor `.exr`.
     pub fn from_path(path: &Path) -> Result<Self, WriteError> {
         match path.extension() {
             Some(extension) if extension.eq_ignore_ascii_case("png") => Ok(Self::Png),
@@ -31,7 +31,7 @@ impl OutputFormat {
     }
 }
 
-/// Bits a channel of a PNG.
+/// Bits per channel of a PNG.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum BitDepth {
     /// 256 levels.
@@ -41,34 +41,36 @@ pub enum BitDepth {
     Sixteen,
 }
 
-/// Bits a channel of an OpenEXR file.
+/// Bits per channel of an OpenEXR file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FloatDepth {
-    /// 11 digits of two, up to 65504.
+    /// Half precision: 11 significant bits, up to 65504.
     Half,
     /// Single precision.
     #[default]
     Single,
 }
 
-/// How a picture is written.
+/// Options of [`write`](fn@write).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct WriteOptions {
-    /// Exposure and curve; OpenEXR ignores both.
+    /// Exposure and tone curve of PNG.
     pub tone: ToneMap,
-    /// Bits a channel; OpenEXR ignores it.
+    /// Bits per channel of PNG.
     pub depth: BitDepth,
-    /// Bits a channel of OpenEXR; PNG ignores it.
+    /// Bits per channel of OpenEXR.
     pub floats: FloatDepth,
-    /// Pairs of key and text: text chunks of a PNG, lines `key: text` of an OpenEXR file's `comments`. A key has 1 to 79
-    /// characters of printable ASCII without spaces at its ends or in a row; a text has no NUL.
+    /// Pairs of key and text: text chunks of PNG, lines `key: text` of the attribute `comments` of
+    /// OpenEXR. A key has 1 to 79 printable ASCII characters, without leading, trailing or repeated
+    /// spaces. A text has no NUL.
     pub metadata: Vec<(String, String)>,
 }
 
-/// The bytes of the file that [`write`](fn@write) would make.
+/// Encodes a picture to the bytes of a file.
 ///
 /// # Errors
-/// [`WriteError::Exposure`], [`WriteError::Metadata`] where an option is out of range; [`WriteError::Encode`].
+/// [`WriteError::Exposure`] or [`WriteError::Metadata`] if an option is invalid, or
+/// [`WriteError::Encode`].
 pub fn encode(
     format: OutputFormat,
     image: &Image,
@@ -81,43 +83,45 @@ pub fn encode(
     }
 }
 
-/// Writes a picture in the format that the path's extension names, whole or not at all (see [`replace_file`]).
+/// Writes a picture in the format of the path's extension. The file is replaced atomically (see
+/// [`replace_file`]).
 ///
-/// The report tells what the format could not hold; a caller should pass it on to the user.
+/// Returns how many pixels the format could not hold, which callers should show to the user.
 ///
 /// # Errors
-/// [`WriteError`]; the file that stood at the path before is then untouched.
+/// [`WriteError`]; an existing file is then unchanged.
 pub fn write(path: &Path, image: &Image, options: &WriteOptions) -> Result<WriteReport, WriteError> {
     let (file, report) = encode(OutputFormat::from_path(path)?, image, options)?;
     replace_file(path, &file)?;
     Ok(report)
 }
 
-/// Checks before a long render that [`write`](fn@write) will be able to use `path`: its extension is known, its folder
-/// exists and takes new files, and nothing there must not be replaced. Leaves no trace.
+/// Checks before a long render that [`write`](fn@write) can write to `path`. Leaves no trace.
 ///
 /// # Errors
-/// [`WriteError`], as [`write`](fn@write) would give.
+/// [`WriteError`] that [`write`](fn@write) would return.
 pub fn check_writable(path: &Path) -> Result<(), WriteError> {
     OutputFormat::from_path(path)?;
     check_place(path)
 }
 
-/// The rules of PNG keywords (ISO/IEC 15948, 11.3.4.2), narrowed to ASCII; for OpenEXR too, so that a pair fits both or none.
+/// Checks the rules of PNG keywords (ISO/IEC 15948, 11.3.4.2), restricted to ASCII.
+///
+/// They apply to OpenEXR too, so that both formats accept the same pairs.
 pub(super) fn check_metadata(metadata: &[(String, String)]) -> Result<(), WriteError> {
     for (key, text) in metadata {
-        let broken = if !(1..=79).contains(&key.len()) {
+        let violated = if !(1..=79).contains(&key.len()) {
             Some("a key must have 1 to 79 characters")
         } else if !key.bytes().all(|byte| (32..127).contains(&byte)) {
-            Some("a key must be of printable ASCII characters")
+            Some("a key must consist of printable ASCII characters")
         } else if key.starts_with(' ') || key.ends_with(' ') || key.contains("  ") {
-            Some("a key must not have spaces at its ends or in a row")
+            Some("a key must not have leading, trailing or repeated spaces")
         } else if text.contains('\0') {
             Some("its text contains a NUL character")
         } else {
             None
         };
-        if let Some(reason) = broken {
+        if let Some(reason) = violated {
             return Err(WriteError::Metadata { key: key.clone(), reason });
         }
     }
@@ -142,7 +146,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_written_is_read() {
+    fn written_pictures_are_read_back() {
         let folder = tempfile::tempdir().unwrap();
         let image = Image::from_pixels(2, 1, vec![Vec3::new(1.0, 0.0, 4.0), Vec3::splat(f32::NAN)]).unwrap();
         let (png, exr) = (folder.path().join("a.png"), folder.path().join("a.exr"));

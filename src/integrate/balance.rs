@@ -20,7 +20,7 @@ pub struct Balance {
 /// Greatest factor by which a number may change: a pilot is uncertain.
 const MAX_CHANGE: f64 = 4.0;
 
-// Work is counted in rays of photons, of 0.1 µs each; the other costs follow from docs/performance.md.
+// Work is counted in rays of photons, of 0.1 µs each; the other costs follow from docs/measurements/.
 
 /// Work of a ray of a camera path with its shading, in rays of photons.
 const CAMERA_RAY: f64 = 2.0;

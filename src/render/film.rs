@@ -1,10 +1,10 @@
-//! The sum of passes.
+//! Accumulates passes.
 
 use crate::color::Rgb;
 use crate::math::Sum;
 use glam::DVec3;
 
-/// Sums of passes that carry what they round, so that many passes lose nothing.
+/// Sum of passes by pixel, with compensated f64 sums: rounding does not grow with the number of passes.
 #[derive(Clone, Debug)]
 pub struct Film {
     width: u32,
@@ -14,13 +14,13 @@ pub struct Film {
 }
 
 impl Film {
-    /// An empty film.
+    /// An empty film of `width` × `height` pixels.
     #[must_use]
     pub fn new(width: u32, height: u32) -> Self {
         Self { width, height, sums: vec![Sum::default(); width as usize * height as usize], passes: 0 }
     }
 
-    /// Adds one pass; `image` holds a radiance for each pixel, by rows from the top.
+    /// Adds one pass; `image` holds the radiance of each pixel, by rows from the top \[W/(m² sr)].
     pub fn add(&mut self, image: &[Rgb]) {
         for (sum, value) in self.sums.iter_mut().zip(image) {
             sum.add(value.as_dvec3());
@@ -28,19 +28,19 @@ impl Film {
         self.passes += 1;
     }
 
-    /// Passes added.
+    /// Number of passes added.
     #[must_use]
     pub fn passes(&self) -> u32 {
         self.passes
     }
 
-    /// Width and height in pixels.
+    /// Width and height \[pixels].
     #[must_use]
     pub fn size(&self) -> (u32, u32) {
         (self.width, self.height)
     }
 
-    /// The means of the passes, by rows from the top; black where there is none.
+    /// Mean of the passes by pixel, by rows from the top; black without passes.
     pub fn means(&self) -> impl Iterator<Item = DVec3> {
         let n = f64::from(self.passes.max(1));
         self.sums.iter().map(move |sum| sum.value() / n)

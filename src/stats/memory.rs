@@ -59,7 +59,8 @@ fn memory_in_use() -> u64 {
     COUNTER.get().map_or_else(|| proc_bytes("/proc/self/status", "RssAnon:").unwrap_or(0), |counter| (counter.in_use)())
 }
 
-/// Peak memory of this process so far \[bytes]: allocated if allocations are counted, else resident.
+/// Peak memory of this process so far \[bytes]: allocated if allocations are counted, else
+/// resident.
 ///
 /// `None` if allocations are not counted and the system does not report it (all but Linux).
 #[must_use]

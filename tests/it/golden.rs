@@ -10,7 +10,7 @@ use crate::support::project;
 use caustica::format::SceneFile;
 use caustica::image::{self, Image, RgbBytes, WriteOptions, metrics};
 use caustica::integrate::{Algorithm, EyeSettings, Settings, Silent};
-use caustica::render::{Stop, render};
+use caustica::render::{StopCriteria, render};
 use std::fs;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -38,7 +38,8 @@ fn picture(scene: &Path) -> Image {
         ..Settings::default()
     };
     let integrator = Algorithm::Hybrid.prepare(&scene, settings);
-    let stop = Stop { at_least: 1, passes: Some(2), time: None, target: None, interrupted: &AtomicBool::new(false) };
+    let stop =
+        StopCriteria { min_passes: 1, passes: Some(2), time: None, target: None, interrupted: &AtomicBool::new(false) };
     let rendered = render(integrator.as_ref(), SIZE, &stop, &Silent, |_| {});
     Image::from_pixels(SIZE.0, SIZE.1, rendered.film.mean()).unwrap()
 }

@@ -20,7 +20,7 @@ pub enum MapKind {
 /// Mode of FLIP.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
 pub enum FlipName {
-    /// As shown by PNG
+    /// Display values, clamped like a PNG
     Ldr,
     /// Maximum over all useful exposures
     Hdr,

@@ -1,4 +1,5 @@
-//! Result of `caustica diff` as a table and as JSON. The page on the command line describes each field.
+//! Result of `caustica diff` as a table and as JSON. The page on the command line describes each
+//! field.
 
 use super::map::Colors;
 use crate::image::metrics::Largest;

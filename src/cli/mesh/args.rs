@@ -23,8 +23,8 @@ pub struct MeshArguments {
     #[arg(long)]
     pub repair: bool,
 
-    /// Merge vertices whose distance is at most this, in units of the file  [default with --repair: 1e-9
-    /// of the diagonal]
+    /// Merge vertices whose distance is at most this, in units of the file  [default with --repair:
+    /// 1e-9 of the diagonal]
     #[arg(long, value_parser = distance, value_name = "LENGTH")]
     pub weld: Option<f64>,
 
@@ -60,8 +60,8 @@ pub struct MeshArguments {
     #[arg(long, value_parser = point, allow_hyphen_values = true, value_name = "X,Y,Z")]
     pub translate: Option<DVec3>,
 
-    /// Memory limit of the program, such as 4G or 512M. A mesh that needs more is refused before it is
-    /// read  [default: the free memory]
+    /// Memory limit of the program, such as 4G or 512M. A mesh that needs more is refused before it
+    /// is read  [default: the free memory]
     #[arg(long, value_parser = bytes, value_name = "SIZE")]
     pub memory: Option<u64>,
 

@@ -52,8 +52,8 @@ impl Pilot {
 /// A method with the flags of all methods, and its variants with one setting changed.
 ///
 /// A pilot chooses the numbers of rays and photons once for all variants, so only one setting
-/// differs. The factors of the radius apply to the caustic map for `hybrid` and to the global map for
-/// other methods. `--radius` sets both.
+/// differs. The factors of the radius apply to the caustic map for `hybrid` and to the global map
+/// for other methods. `--radius` sets both.
 pub(super) fn variants_around(
     algorithm: Algorithm,
     shared: &MethodArguments,
@@ -159,8 +159,8 @@ mod tests {
         ] {
             assert!(ends(expected), "{expected} is not in {pm:?}");
         }
-        // 1 base, 5 gather-k, 3 radii, 2 kernels, 2 photon counts, 1 spp, 1 adaptive and 2 gatherings.
-        // Half of one camera ray is one, so `--spp` has one variant.
+        // 1 base, 5 gather-k, 3 radii, 2 kernels, 2 photon counts, 1 spp, 1 adaptive and 2
+        // gatherings. Half of one camera ray is one, so `--spp` has one variant.
         assert_eq!((pm.len(), pm[0].as_str()), (17, "pm"));
         assert_eq!(labels(Algorithm::Path, |_| {}), ["path", "path --spp 2", "path --adaptive"]);
     }

@@ -23,7 +23,8 @@ struct NoReport {
 pub(super) struct Outputs<'a, F>(Vec<(&'a Path, Writer<F>)>);
 
 impl<'a, F> Outputs<'a, F> {
-    /// Checks that all files of a study can be written. `known` lists the extensions and their writers.
+    /// Checks that all files of a study can be written. `known` lists the extensions and their
+    /// writers.
     pub fn check(arguments: &'a StudyArguments, known: &[(&str, Writer<F>)]) -> Result<Self, Failure> {
         let writer = |path: &'a PathBuf| {
             let matches = |(extension, _): &&(&str, Writer<F>)| {

@@ -1,9 +1,9 @@
-//! Colours as ꟻLIP compares them (section 4.1 of Andersson et al. 2020).
+//! Colour pipeline of ꟻLIP (section 4.1 of Andersson et al. 2020).
 
 use glam::{DMat3, DVec3, Vec3};
 use std::sync::LazyLock;
 
-/// Columns: CIE XYZ of the primaries of Rec. 709 with the white point D65 at (0.3127, 0.3290), so that white has Y = 1.
+/// Matrix from linear Rec. 709 RGB to CIE XYZ. White is D65 at (0.3127, 0.3290) and has Y = 1.
 const XYZ: DMat3 = DMat3::from_cols_array(&[
     10_135_552.0 / 24_577_794.0,
     2_613_072.0 / 12_288_897.0,
@@ -16,66 +16,69 @@ const XYZ: DMat3 = DMat3::from_cols_array(&[
     70_074_185.0 / 73_733_382.0,
 ]);
 
-/// Linear RGB to XYZ over that of white, and back.
-static TO_WHITE: LazyLock<(DMat3, DMat3)> = LazyLock::new(|| {
+/// Matrix from linear RGB to XYZ relative to white, and its inverse.
+static RELATIVE_XYZ: LazyLock<(DMat3, DMat3)> = LazyLock::new(|| {
     let white = XYZ * DVec3::ONE;
     let to = DMat3::from_diagonal(white.recip()) * XYZ;
     (to, to.inverse())
 });
 
-/// Exponent of colour differences, q_c.
+/// Exponent of colour differences: q_c of the paper.
 const COLOR_EXPONENT: f64 = 0.7;
-/// Where the slope of errors changes, as part of the largest, and the error that is given there: p_c and p_t.
+/// Knee of the error mapping: fraction of the largest difference, and its error (p_c and p_t).
 const KNEE: (f64, f64) = (0.4, 0.95);
 
-/// YCxCz of linear RGB: linear as XYZ, scaled as CIELAB.
+/// YCxCz of linear RGB: a linear transform of XYZ with the scale of CIELAB.
 pub(super) fn opponent(rgb: Vec3) -> Vec3 {
-    let DVec3 { x, y, z } = TO_WHITE.0 * rgb.as_dvec3();
+    let DVec3 { x, y, z } = RELATIVE_XYZ.0 * rgb.as_dvec3();
     DVec3::new(116.0 * y - 16.0, 500.0 * (x - y), 200.0 * (y - z)).as_vec3()
 }
 
-/// Luminance over that of white, of the first channel of YCxCz.
+/// Luminance relative to white, from the channel Y of YCxCz.
 pub(super) fn luminance(y: f64) -> f64 {
     (y + 16.0) / 116.0
 }
 
-/// CIELAB of YCxCz with the chroma scaled by lightness (Hunt 1952), after what no screen shows is clamped.
+/// CIELAB of YCxCz with chroma scaled by lightness (Hunt 1952).
+///
+/// Colours outside of the RGB cube are clamped first.
 pub(super) fn hunt_lab(ycxcz: DVec3) -> DVec3 {
     let y = luminance(ycxcz.x);
     let relative = DVec3::new(y + ycxcz.y / 500.0, y, y - ycxcz.z / 200.0);
-    lab_of_rgb((TO_WHITE.1 * relative).clamp(DVec3::ZERO, DVec3::ONE))
+    lab_of_rgb((RELATIVE_XYZ.1 * relative).clamp(DVec3::ZERO, DVec3::ONE))
 }
 
+/// CIELAB of linear RGB with chroma scaled by lightness.
 fn lab_of_rgb(rgb: DVec3) -> DVec3 {
     const DELTA: f64 = 6.0 / 29.0;
     let root = |t: f64| {
         if t > DELTA * DELTA * DELTA { libm::cbrt(t) } else { t / (3.0 * DELTA * DELTA) + 4.0 / 29.0 }
     };
-    let t = TO_WHITE.0 * rgb;
+    let t = RELATIVE_XYZ.0 * rgb;
     let (x, y, z) = (root(t.x), root(t.y), root(t.z));
     let lightness = 116.0 * y - 16.0;
     DVec3::new(lightness, 5.0 * lightness * (x - y), 2.0 * lightness * (y - z))
 }
 
-/// HyAB: lightness by its difference, chroma by its distance (Abasi et al. 2020).
+/// HyAB distance: difference of lightness plus distance of chroma (Abasi et al. 2020).
 fn hyab(a: DVec3, b: DVec3) -> f64 {
     let d = a - b;
     d.x.abs() + (d.y * d.y + d.z * d.z).sqrt()
 }
 
-/// The largest error of colours: green against blue.
+/// Largest colour difference: green against blue.
 static LARGEST: LazyLock<f64> =
     LazyLock::new(|| libm::pow(hyab(lab_of_rgb(DVec3::Y), lab_of_rgb(DVec3::Z)), COLOR_EXPONENT));
 
-/// The error of two colours in [0, 1]: HyAB to a power, large differences pressed together.
+/// Error of two colours in [0, 1]: HyAB to a power, with large differences compressed.
 pub(super) fn color_error(a: DVec3, b: DVec3) -> f64 {
     let error = libm::pow(hyab(a, b), COLOR_EXPONENT);
-    let (part, given) = KNEE;
-    let knee = part * *LARGEST;
+    let (fraction, at_knee) = KNEE;
+    let knee = fraction * *LARGEST;
     if error < knee {
-        given / knee * error
+        at_knee / knee * error
     } else {
-        (given + (error - knee) / (*LARGEST - knee) * (1.0 - given)).min(1.0)
+        (at_knee + (error - knee) / (*LARGEST - knee) * (1.0 - at_knee)).min(1.0)
     }
 }
 
@@ -83,7 +86,7 @@ pub(super) fn color_error(a: DVec3, b: DVec3) -> f64 {
 mod tests {
     use super::*;
 
-    /// L* of half the light of white is 116 · ∛½ − 16; greys have no chroma.
+    /// L* of half the luminance of white is 116 · ∛½ − 16. Greys have no chroma.
     #[test]
     fn greys_have_lightness_only() {
         let lab = hunt_lab(opponent(Vec3::splat(0.5)).as_dvec3());
@@ -91,7 +94,8 @@ mod tests {
         assert!(lab.y.abs() < 1e-4 && lab.z.abs() < 1e-4, "{lab}");
     }
 
-    /// CIELAB of the red primary is (53.24, 80.09, 67.20) (Lindbloom's calculator, D65), times L*/100 for chroma.
+    /// CIELAB of the red primary is (53.24, 80.09, 67.20) by Lindbloom's calculator for D65. Chroma
+    /// is multiplied by L*/100.
     #[test]
     fn red_has_the_published_lab() {
         let lab = hunt_lab(opponent(Vec3::X).as_dvec3());
@@ -100,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn light_that_no_screen_shows_is_clamped() {
+    fn colours_outside_of_rgb_are_clamped() {
         let bright = hunt_lab(opponent(Vec3::new(4.0, 4.0, 4.0)).as_dvec3());
         assert!((bright - DVec3::new(100.0, 0.0, 0.0)).abs().max_element() < 1e-9, "{bright}");
     }

@@ -1,33 +1,33 @@
-//! What the eye resolves: blurs by contrast sensitivity, detectors of edges and points.
+//! Filters of ꟻLIP: blur by contrast sensitivity, and detectors of edges and points.
 
 use super::color::luminance;
 use glam::DVec3;
 use std::f64::consts::PI;
 
-/// Gaussians of the contrast sensitivity functions, as amplitude and b in a·√(π/b)·exp(−π²x²/b), x in degrees (table 1).
+/// Contrast sensitivity functions: a and b of a·√(π/b)·exp(−π²x²/b), x in degrees (table 1).
 const LUMINANCE: (f64, f64) = (1.0, 0.0047);
 const RED_GREEN: (f64, f64) = (1.0, 0.0053);
 const BLUE_YELLOW: [(f64, f64); 2] = [(34.1, 0.04), (13.5, 0.025)];
 
-/// Width of the eye's detector of edges, from its peak to its trough, in degrees (section 4.2).
+/// Width of the edge detector from peak to trough \[degrees] (section 4.2).
 const DETECTOR: f64 = 0.082;
 
-/// One row of a filter, from its left end; as long to both sides of its middle.
+/// Weights of a symmetric one-dimensional filter, from its left end.
 type Kernel = Vec<f32>;
 
-/// The filters for some number of pixels per degree. All are products of a row and a column.
+/// Separable filters for a number of pixels per degree.
 pub(super) struct Filters {
     luminance: Kernel,
     red_green: Kernel,
-    /// Each with its part of the whole.
+    /// Two Gaussians, each with its weight in the sum.
     blue_yellow: [(f32, Kernel); 2],
-    /// A Gaussian, its first and its second derivative.
+    /// A Gaussian and its first and second derivative.
     detector: [Kernel; 3],
 }
 
 impl Filters {
     pub fn new(pixels_per_degree: f64) -> Self {
-        // Three standard deviations of the widest, for all, as the paper.
+        // As in the paper, all filters have the radius of the widest: three standard deviations.
         let radius = (3.0 * (BLUE_YELLOW[0].1 / (2.0 * PI * PI)).sqrt() * pixels_per_degree).ceil() as i32;
         let gaussian = |b: f64| {
             sampled(radius, |x| {
@@ -53,13 +53,14 @@ impl Filters {
         }
     }
 
-    /// The most that any filter reaches to one side.
-    fn reach(&self) -> usize {
+    /// Largest radius of the filters \[pixels].
+    fn radius(&self) -> usize {
         self.luminance.len().max(self.detector[0].len()) / 2
     }
 }
 
-/// Gaussian of sum 1, and its derivatives with positive parts of sum 1 and negative ones of sum −1.
+/// A Gaussian of sum 1, and its derivatives. Their positive weights sum to 1, the negative ones to
+/// −1.
 fn detector(pixels_per_degree: f64) -> [Kernel; 3] {
     let deviation = 0.5 * DETECTOR * pixels_per_degree;
     let radius = (3.0 * deviation).ceil() as i32;
@@ -71,27 +72,30 @@ fn detector(pixels_per_degree: f64) -> [Kernel; 3] {
     [single(raw.iter().map(|w| w / sum)), balanced(&first), balanced(&second)]
 }
 
+/// Scales the positive weights to a sum of 1, and the negative ones to −1.
 fn balanced(raw: &[f64]) -> Kernel {
     let positive: f64 = raw.iter().filter(|w| **w > 0.0).sum();
     let negative: f64 = -raw.iter().filter(|w| **w < 0.0).sum::<f64>();
     single(raw.iter().map(|w| if *w < 0.0 { w / negative } else { w / positive }))
 }
 
+/// Values at the integers from −`radius` to `radius`.
 fn sampled(radius: i32, value: impl Fn(f64) -> f64) -> Vec<f64> {
     (-radius..=radius).map(|x| value(f64::from(x))).collect()
 }
 
+/// Weights in single precision.
 fn single(weights: impl Iterator<Item = f64>) -> Kernel {
     weights.map(|w| w as f32).collect()
 }
 
-/// One row of a picture as the eye sees it, and the room to find it.
+/// Filtered row of a picture, with the buffers for it.
 pub(super) struct Scratch {
-    /// The row between two columns of filters, with its ends repeated beyond both.
+    /// Row after the vertical filter, with its ends repeated on both sides.
     padded: Vec<f32>,
-    /// Y, Cx, Cz, and the second part of Cz.
+    /// Y, Cx, Cz, and the second Gaussian of Cz.
     blurred: [Vec<f32>; 4],
-    /// Edges and then points, each across and down.
+    /// Edges and then points, each horizontally and vertically.
     features: [Vec<f32>; 4],
 }
 
@@ -99,14 +103,14 @@ impl Scratch {
     pub fn new(width: usize, filters: &Filters) -> Self {
         let row = || vec![0.0; width];
         Self {
-            padded: vec![0.0; width + 2 * filters.reach()],
+            padded: vec![0.0; width + 2 * filters.radius()],
             blurred: std::array::from_fn(|_| row()),
             features: std::array::from_fn(|_| row()),
         }
     }
 
-    /// Filters a row of the planes Y, Cx, Cz.
-    pub fn see(&mut self, planes: &[Vec<f32>; 3], row: usize, filters: &Filters) {
+    /// Filters a row of the planes Y, Cx and Cz.
+    pub fn filter(&mut self, planes: &[Vec<f32>; 3], row: usize, filters: &Filters) {
         let [(share, kernel), (other_share, other)] = &filters.blue_yellow;
         let padded = &mut self.padded;
         let [y, cx, cz, rest] = &mut self.blurred;
@@ -124,31 +128,32 @@ impl Scratch {
         filter_row(&planes[0], row, second, gaussian, padded, point_down);
     }
 
-    /// YCxCz of column `x`, blurred.
+    /// Blurred YCxCz of column `x`.
     pub fn color(&self, x: usize) -> DVec3 {
         let [y, cx, cz, _] = &self.blurred;
         DVec3::new(y[x].into(), cx[x].into(), cz[x].into())
     }
 
-    /// How much of an edge column `x` is, in luminance.
+    /// Strength of the luminance edge at column `x`.
     pub fn edge(&self, x: usize) -> f64 {
         magnitude(self.features[0][x], self.features[1][x])
     }
 
-    /// How much of a point column `x` is, in luminance.
+    /// Strength of the luminance point at column `x`.
     pub fn point(&self, x: usize) -> f64 {
         magnitude(self.features[2][x], self.features[3][x])
     }
 }
 
-/// Detectors have the sum zero, so that of luminance only the scale matters.
+/// Magnitude of a feature in relative luminance. Detectors have sum 0, so an offset does not
+/// matter.
 fn magnitude(across: f32, down: f32) -> f64 {
     let scale = luminance(1.0) - luminance(0.0);
     let (a, d) = (f64::from(across), f64::from(down));
     scale * (a * a + d * d).sqrt()
 }
 
-/// One row of a plane under a column and a row of weights; pixels of the border go on beyond it.
+/// Filters one row of a plane vertically and horizontally. Border pixels are repeated outside.
 fn filter_row(plane: &[f32], row: usize, down: &[f32], across: &[f32], padded: &mut [f32], out: &mut [f32]) {
     let width = out.len();
     let height = plane.len() / width;
@@ -168,6 +173,7 @@ fn filter_row(plane: &[f32], row: usize, down: &[f32], across: &[f32], padded: &
     }
 }
 
+/// Adds weighted values.
 fn add(sum: &mut [f32], weight: f32, values: &[f32]) {
     for (s, v) in sum.iter_mut().zip(values) {
         *s += weight * v;

@@ -1,7 +1,8 @@
-//! ꟻLIP: how different two pictures look when they take turns at the same place.
+//! ꟻLIP: the visible difference of two pictures that alternate at one position.
 //!
-//! LDR-ꟻLIP is of Andersson et al. 2020 ("ꟻLIP: A Difference Evaluator for Alternating Images", HPG), HDR-ꟻLIP of Andersson et al.
-//! 2021 ("Visualizing Errors in Rendered High Dynamic Range Images", Eurographics). Equations are named by the first.
+//! LDR-ꟻLIP: Andersson et al. 2020, "ꟻLIP: A Difference Evaluator for Alternating Images", HPG.
+//! HDR-ꟻLIP: Andersson et al. 2021, "Visualizing Errors in Rendered High Dynamic Range Images",
+//! Eurographics. Equation numbers are those of the first paper.
 
 mod color;
 mod filter;
@@ -16,27 +17,30 @@ use glam::Vec3;
 use rayon::prelude::*;
 use tone::{exposures, film};
 
-/// Pixels per degree of a screen 0.7 m wide, of 3840 pixels, seen from 0.7 m: the papers' viewer.
+/// Pixels per degree of the papers' viewer: a screen 0.7 m wide with 3840 pixels, seen from 0.7 m.
 pub const PIXELS_PER_DEGREE: f64 = 3840.0 * std::f64::consts::PI / 180.0;
 
-/// The range of pixels per degree: below it, filters are narrower than a pixel; above it, wider than pictures.
+/// Range of pixels per degree. Below it filters are narrower than a pixel, above it wider than
+/// pictures.
 pub const PIXELS_PER_DEGREE_RANGE: std::ops::RangeInclusive<f64> = 1.0..=1000.0;
 
-/// What becomes of radiance before it is looked at.
+/// Tone mapping before the comparison.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum FlipMode {
-    /// As a PNG of the sRGB curve shows it: radiance is multiplied by 2 to this power and clamped to [0, 1]. At most
-    /// ±[`MAX_EXPOSURE_STOPS`].
+    /// Display values: radiance is multiplied by 2 to this power and clamped to [0, 1]. The
+    /// exposure is within ±[`MAX_EXPOSURE_STOPS`].
     Ldr(f32),
-    /// By a film curve at each of a range of exposures, about a stop apart, from where the brightest pixel of the reference is
-    /// about to burn out to where the median is; each pixel keeps its largest error. The median is over pixels that are not black.
+    /// A film curve at exposures about one stop apart; each pixel keeps its largest error.
+    ///
+    /// The first exposure maps the brightest pixel of the reference close to white, the last one
+    /// the median over pixels that are not black.
     Hdr,
 }
 
-/// How two pictures are looked at.
+/// Options of [`flip`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FlipOptions {
-    /// Pixels of the picture in a degree of the viewer's field, within [`PIXELS_PER_DEGREE_RANGE`].
+    /// Pixels per degree of the viewer's field of view, within [`PIXELS_PER_DEGREE_RANGE`].
     pub pixels_per_degree: f64,
     /// Tone mapping.
     pub mode: FlipMode,
@@ -48,20 +52,21 @@ impl Default for FlipOptions {
     }
 }
 
-/// How different two pictures look.
+/// Visible difference of two pictures.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Flip {
-    /// Of each pixel, from 0 (the same) to 1, by rows from the top.
+    /// Error of each pixel from 0 (equal) to 1, in rows from the top.
     pub map: Vec<f32>,
-    /// The mean over pixels.
+    /// Mean over pixels.
     pub mean: f64,
 }
 
-/// ꟻLIP of `test` against `reference`. `FlipMode::Ldr` treats both alike; `FlipMode::Hdr` takes its exposures from the reference.
-/// Radiance below zero is black.
+/// ꟻLIP of `test` against `reference`. Negative radiance counts as black.
+///
+/// [`FlipMode::Ldr`] is symmetric. [`FlipMode::Hdr`] derives its exposures from the reference.
 ///
 /// # Errors
-/// [`MetricError`] where sizes differ, a pixel is not finite, or an option is out of range.
+/// [`MetricError`] if the sizes differ, a pixel is not finite, or an option is out of range.
 pub fn flip(reference: &Image, test: &Image, options: &FlipOptions) -> Result<Flip, MetricError> {
     check_pair(reference, test)?;
     let value = options.pixels_per_degree;
@@ -91,15 +96,15 @@ pub fn flip(reference: &Image, test: &Image, options: &FlipOptions) -> Result<Fl
     Ok(Flip { map, mean })
 }
 
-/// A picture as the eye's channels: luminance, red against green, blue against yellow.
+/// A picture in opponent channels: luminance, red-green, blue-yellow.
 struct Opponent {
     width: usize,
-    /// Y, Cx, Cz, each by rows.
+    /// Planes Y, Cx and Cz, each in rows.
     planes: [Vec<f32>; 3],
 }
 
 impl Opponent {
-    /// `shown` turns radiance into linear light of the screen, in [0, 1].
+    /// Converts a picture. `shown` maps radiance to linear display values in [0, 1].
     fn of(image: &Image, shown: impl Fn(Vec3) -> Vec3 + Sync) -> Self {
         let triples: Vec<Vec3> = image.pixels().par_iter().map(|&p| opponent(shown(p))).collect();
         let plane = |channel: usize| triples.iter().map(|t| t[channel]).collect();
@@ -107,16 +112,18 @@ impl Opponent {
     }
 }
 
-/// Raises each pixel of `map` to the error of the pair. Rows are independent, so threads change nothing.
+/// Raises each pixel of `map` to at least the error of the pair.
+///
+/// Rows are independent, so the result does not depend on the threads.
 fn compare(reference: &Opponent, test: &Opponent, filters: &Filters, map: &mut [f32]) {
     let width = reference.width;
     let scratch = || (Scratch::new(width, filters), Scratch::new(width, filters));
     map.par_chunks_mut(width).enumerate().for_each_init(scratch, |(a, b), (row, errors)| {
-        a.see(&reference.planes, row, filters);
-        b.see(&test.planes, row, filters);
+        a.filter(&reference.planes, row, filters);
+        b.filter(&test.planes, row, filters);
         for (x, error) in errors.iter_mut().enumerate() {
             let color = color_error(hunt_lab(a.color(x)), hunt_lab(b.color(x)));
-            // Equations 13 and 14.
+            // Equations 13 and 14 of the paper.
             let feature = (a.edge(x) - b.edge(x)).abs().max((a.point(x) - b.point(x)).abs());
             let feature = (feature * std::f64::consts::FRAC_1_SQRT_2).sqrt().min(1.0);
             *error = error.max(libm::pow(color, 1.0 - feature) as f32);

@@ -30,16 +30,18 @@ fn ldr(a: &Image, b: &Image) -> Flip {
     flip(a, b, &FlipOptions::default()).unwrap()
 }
 
-/// Bit for bit, told in a line.
+/// Asserts bitwise equality.
 #[track_caller]
 fn same(a: &Flip, b: &Flip) {
     assert!(a == b, "means {} and {}", a.mean, b.mean);
 }
 
-/// A mean, and the errors of three pixels: the largest, that in column 30 of row 20, and the first.
+/// Asserts the mean, and the errors of three pixels: the largest, column 30 of row 20, and the
+/// first.
 #[track_caller]
 fn expect(found: &Flip, mean: f64, [largest, inside, first]: [f32; 3]) {
-    // The other program computes in f32 all through; roots of small features amplify that to some 1e-4 of a pixel.
+    // The authors' program computes in f32. Roots of small features amplify its rounding to about
+    // 1e-4.
     assert!((found.mean - mean).abs() < 2e-5, "{} instead of {mean}", found.mean);
     let most = found.map.iter().copied().fold(0.0, f32::max);
     for (found, expected) in [(most, largest), (found.map[20 * 64 + 30], inside), (found.map[0], first)] {
@@ -47,9 +49,9 @@ fn expect(found: &Flip, mean: f64, [largest, inside, first]: [f32; 3]) {
     }
 }
 
-/// Figures of the authors' own program, flip-evaluator 1.7, for the same pictures.
+/// Reference values of the authors' program, flip-evaluator 1.7.
 #[test]
-fn the_authors_program_finds_the_same() {
+fn results_match_the_authors_program() {
     let shifted = picture(|x, y| boxed(x - 2, y + 1));
     expect(&ldr(&picture(smooth), &picture(noisy)), 0.077_562_697, [0.430_228_1, 0.087_598_2, 0.299_372_6]);
     expect(&ldr(&picture(boxed), &shifted), 0.093_975_276, [0.729_492, 0.016_107_9, 0.0]);
@@ -64,7 +66,7 @@ fn the_authors_program_finds_the_same() {
 }
 
 #[test]
-fn ends_of_the_scale() {
+fn equal_pictures_are_0_and_opposites_1() {
     let even = |color: [f32; 3]| picture(move |_, _| color);
     let hdr = FlipOptions { mode: FlipMode::Hdr, ..FlipOptions::default() };
     for image in [picture(noisy), picture(bright), even([0.0; 3])] {
@@ -73,7 +75,8 @@ fn ends_of_the_scale() {
             assert!(found.mean == 0.0 && found.map.iter().all(|e| *e == 0.0), "{}", found.mean);
         }
     }
-    // The largest difference of all is of green and blue (section 4.1.3); of black and white the program above finds .9674.
+    // Green and blue differ most (section 4.1.3). For black and white the authors' program gives
+    // 0.9674.
     assert!((ldr(&even([0.0, 1.0, 0.0]), &even([0.0, 0.0, 1.0])).mean - 1.0).abs() < 1e-6);
     assert!((ldr(&even([0.0; 3]), &even([1.0; 3])).mean - 0.967_388_3).abs() < 1e-5);
 }
@@ -87,7 +90,7 @@ fn ldr_is_symmetric_and_exposed() {
     same(&flip(&half(&a), &half(&b), &brighter).unwrap(), &ldr(&a, &b));
 }
 
-/// The more often rows and columns are averaged with their neighbours, the more a picture differs from what it was.
+/// Each further blur increases the difference to the sharp picture.
 #[test]
 fn more_blur_is_more_difference() {
     let sharp = picture(boxed);
@@ -107,7 +110,7 @@ fn more_blur_is_more_difference() {
 }
 
 #[test]
-fn threads_change_nothing_and_a_pixel_is_a_picture() {
+fn threads_and_tiny_pictures_are_handled() {
     let (a, b) = (picture(smooth), picture(noisy));
     let one = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
     same(&one.install(|| ldr(&a, &b)), &ldr(&a, &b));
@@ -119,7 +122,7 @@ fn threads_change_nothing_and_a_pixel_is_a_picture() {
 }
 
 #[test]
-fn what_cannot_be_compared_is_an_error() {
+fn invalid_options_and_sizes_are_refused() {
     let a = picture(smooth);
     let options = |pixels_per_degree, mode| FlipOptions { pixels_per_degree, mode };
     for bad in [0.5, f64::NAN, 1001.0] {

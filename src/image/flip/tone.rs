@@ -1,15 +1,16 @@
-//! Exposures and film curve of HDR-ꟻLIP (Andersson et al. 2021, section 4).
+//! Exposures and the film curve of HDR-ꟻLIP (Andersson et al. 2021, section 4).
 
 use crate::image::Image;
 use glam::{DVec3, Vec3};
 
-/// Narkowicz's fit of the ACES film curve as k₀x² + k₁x over k₂x² + k₃x + k₄, for an x of which he takes 0.6.
+/// Narkowicz's fit of the ACES film curve, (k₀x² + k₁x) / (k₂x² + k₃x + k₄), with his factor 0.6 in
+/// x.
 const FILM: [f64; 5] = [0.36 * 2.51, 0.6 * 0.03, 0.36 * 2.43, 0.6 * 0.59, 0.14];
 
-/// The level of the curve at which light is about to burn out.
-const BRIGHT: f64 = 0.85;
+/// Signal of the film curve that counts as close to white.
+const NEAR_WHITE: f64 = 0.85;
 
-/// Linear light of the screen in [0, 1] of radiance that is multiplied by `scale`.
+/// Linear display value in [0, 1] of radiance multiplied by `scale`.
 pub(super) fn film(radiance: Vec3, scale: f64) -> Vec3 {
     let x = radiance.as_dvec3().max(DVec3::ZERO) * scale;
     let [k0, k1, k2, k3, k4] = FILM;
@@ -17,23 +18,25 @@ pub(super) fn film(radiance: Vec3, scale: f64) -> Vec3 {
     level.min(DVec3::ONE).as_vec3()
 }
 
-/// The exposures in stops, of a reference whose pixels are finite. A black one is looked at as it is.
+/// Exposures \[stops] for a reference with finite pixels; 0 for a black one.
 pub(super) fn exposures(reference: &Image) -> Vec<f64> {
     let luminance = |p: &Vec3| p.as_dvec3().dot(DVec3::new(0.2126, 0.7152, 0.0722));
     let mut lit: Vec<f64> = reference.pixels().iter().map(luminance).filter(|y| *y > 0.0).collect();
     let Some(brightest) = lit.iter().copied().reduce(f64::max) else { return vec![0.0] };
     let middle = lit.len() / 2;
     let median = *lit.select_nth_unstable_by(middle, f64::total_cmp).1;
-    let bright = burning();
+    let bright = near_white_input();
     let (first, last) = (libm::log2(bright / brightest), libm::log2(bright / median));
     let count = (last - first).ceil().max(2.0);
     (0..count as u32).map(|i| first + f64::from(i) * (last - first) / (count - 1.0)).collect()
 }
 
-/// What the curve shows at [`BRIGHT`]: the root above zero of (k₀ − k₂t)x² + (k₁ − k₃t)x − k₄t, t being that level.
-fn burning() -> f64 {
+/// Input of the film curve with the signal t = [`NEAR_WHITE`].
+///
+/// It is the positive root of (k₀ − k₂t)x² + (k₁ − k₃t)x − k₄t.
+fn near_white_input() -> f64 {
     let [k0, k1, k2, k3, k4] = FILM;
-    let (a, half, c) = (k0 - k2 * BRIGHT, 0.5 * (k1 - k3 * BRIGHT), -k4 * BRIGHT);
+    let (a, half, c) = (k0 - k2 * NEAR_WHITE, 0.5 * (k1 - k3 * NEAR_WHITE), -k4 * NEAR_WHITE);
     ((half * half - a * c).sqrt() - half) / a
 }
 
@@ -46,19 +49,19 @@ mod tests {
     }
 
     #[test]
-    fn light_that_is_about_to_burn_out_is_at_the_level_said() {
-        let level = film(Vec3::splat(burning() as f32), 1.0);
-        assert!((f64::from(level.x) - BRIGHT).abs() < 1e-6, "{level}");
+    fn the_near_white_input_inverts_the_curve() {
+        let level = film(Vec3::splat(near_white_input() as f32), 1.0);
+        assert!((f64::from(level.x) - NEAR_WHITE).abs() < 1e-6, "{level}");
         assert_eq!(film(Vec3::new(-1.0, 0.0, f32::MAX), 1e30), Vec3::new(0.0, 0.0, 1.0));
     }
 
-    /// From 16 down to the median 1 are four stops, hence four exposures; black pixels are no part of the median.
+    /// Four stops from 16 to the median 1 give four exposures. The median excludes black pixels.
     #[test]
-    fn exposures_reach_from_the_brightest_to_the_median() {
+    fn exposures_span_the_brightest_to_the_median() {
         let found = exposures(&image(&[0.0, 0.0, 0.0, 0.0, 1.0, 1.0, 1.0, 16.0]));
         assert_eq!(found.len(), 4);
         assert!(
-            (found[3] - found[0] - 4.0).abs() < 1e-9 && (found[3] - libm::log2(burning())).abs() < 1e-9,
+            (found[3] - found[0] - 4.0).abs() < 1e-9 && (found[3] - libm::log2(near_white_input())).abs() < 1e-9,
             "{found:?}"
         );
         assert_eq!(exposures(&image(&[0.0, -1.0])), [0.0]);

@@ -10,7 +10,7 @@ use crate::image::flip::{FlipOptions, flip};
 use crate::image::metrics::rmse;
 use crate::integrate::{Expected, Integrator, Monitor, Radii};
 use crate::render::Film;
-use crate::render::gauge::ErrorEstimator;
+use crate::render::error_estimate::ErrorEstimator;
 use crate::scene::Scene;
 use crate::stats::cpu_seconds;
 use crate::study::StudyError;
@@ -253,7 +253,7 @@ impl Run<'_> {
             rmse(&image(picture.clone())?, references.mean())?;
         }
         let measured = split(references, &pictures);
-        let told = |seed: &Seed<'_>| Some(seed.gauge.as_ref()?.read(&seed.film).error);
+        let told = |seed: &Seed<'_>| Some(seed.gauge.as_ref()?.estimate(&seed.film).error);
         let gauged: Vec<f64> = self.seeds.iter().filter_map(told).filter(|e| e.is_finite()).map(|e| e * e).collect();
         let seeds = pictures.len() as f64;
         let checkpoint = Checkpoint {

@@ -62,7 +62,7 @@ fn json_has_every_documented_field() {
     let ended = run(&shop, "a.exr b.exr --json");
     ended.expect(0, &[]);
     let found = report(&ended);
-    let page = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/cli.md")).unwrap();
+    let page = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/guide/command-line.md")).unwrap();
     let section = page.split("\n## Diff report\n").nth(1).unwrap().split("\n## ").next().unwrap();
     let cells =
         section.lines().filter_map(|line| line.strip_prefix("| `")).map(|line| line.split(" |").next().unwrap());

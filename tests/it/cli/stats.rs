@@ -1,4 +1,4 @@
-//! The report of `--stats`, against its description in docs/cli.md.
+//! The report of `--stats`, against its description in docs/guide/command-line.md.
 
 use super::Workshop;
 use serde_json::Value;
@@ -20,7 +20,8 @@ fn paths(value: &Value, path: &str, found: &mut BTreeSet<String>) {
 
 /// Fields in the first column of the table under `## Statistics`.
 fn documented() -> BTreeSet<String> {
-    let page = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/cli.md")).unwrap();
+    let page =
+        std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/guide/command-line.md")).unwrap();
     let section = page.split("\n## ").find(|s| s.starts_with("Statistics")).expect("a section `## Statistics`");
     let mut fields = BTreeSet::new();
     for cell in section.lines().filter_map(|line| line.strip_prefix("| `")?.split_once(" |")).map(|(cell, _)| cell) {

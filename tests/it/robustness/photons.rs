@@ -13,7 +13,7 @@ use caustica::camera::{Camera, Filter, FilterKind};
 use caustica::color::Rgb;
 use caustica::integrate::{Algorithm, EyeSettings, Settings, Silent};
 use caustica::photon::Photon;
-use caustica::render::{Rendered, Stop, render};
+use caustica::render::{Rendered, StopCriteria, render};
 use caustica::sampling::{Dimension, Key, Purpose};
 use caustica::scene::Scene;
 use caustica::shape::{Rectangle, Shape};
@@ -59,7 +59,8 @@ fn settings(paths: u32, samples: u32) -> Settings {
 fn rendered(scene: &Scene, algorithm: Algorithm, settings: Settings, passes: u32) -> Rendered {
     let integrator = algorithm.prepare(scene, settings);
     let interrupted = AtomicBool::new(false);
-    let stop = Stop { at_least: 1, passes: Some(passes), time: None, target: None, interrupted: &interrupted };
+    let stop =
+        StopCriteria { min_passes: 1, passes: Some(passes), time: None, target: None, interrupted: &interrupted };
     render(integrator.as_ref(), scene.camera().size(), &stop, &Silent, |_| {})
 }
 
@@ -71,14 +72,15 @@ fn finite(what: &str, rendered: &Rendered) {
     assert!(mean.iter().all(|v| v.is_finite()), "{what}: a pixel is not finite");
     assert_eq!(rendered.counters.rejected_samples, 0, "{what}: samples were left out");
     assert_eq!(rendered.counters.rejected_photons, 0, "{what}: photons were left out");
-    let gauge = rendered.gauge.as_ref().unwrap();
+    let gauge = rendered.estimator.as_ref().unwrap();
     let maps = gauge.maps(&rendered.film);
     assert!(maps.noise.iter().chain(&maps.bias).all(|v| v.is_finite()), "{what}: a map of errors is not finite");
     let discs = || maps.caustic.iter().chain(&maps.global);
     assert!(discs().all(|d| d.radius.is_finite() && d.photons.is_finite()), "{what}: a disc is not finite");
-    let reading = gauge.read(&rendered.film);
-    let all = [reading.error, reading.low, reading.high, reading.noise, reading.bias, reading.blur, reading.frozen];
-    let unknown = rendered.film.passes() < caustica::render::gauge::FEWEST;
+    let reading = gauge.estimate(&rendered.film);
+    let all =
+        [reading.error, reading.low, reading.high, reading.noise, reading.bias, reading.blur, reading.shared_paths];
+    let unknown = rendered.film.passes() < caustica::render::error_estimate::MIN_PASSES;
     assert!(unknown || all.iter().all(|x| x.is_finite() && *x >= 0.0), "{what}: {reading:?}");
     for audit in [rendered.global.audit, rendered.caustic.audit] {
         let parts = [audit.emitted, audit.absorbed, audit.escaped, audit.stopped, audit.roulette];

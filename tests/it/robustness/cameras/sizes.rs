@@ -7,7 +7,7 @@ use caustica::color::Rgb;
 use caustica::image::flip::{FlipOptions, flip};
 use caustica::image::{BitDepth, Curve, Image, Meaning, OutputFormat, ToneMap, WriteOptions, decode, encode, metrics};
 use caustica::integrate::{Algorithm, EyeSettings, FinalGathering, Settings, Silent};
-use caustica::render::{Stop, render};
+use caustica::render::{StopCriteria, render};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
@@ -51,8 +51,13 @@ fn tiny_images_are_finite_with_every_integrator() {
                 let integrator = algorithm.prepare(&scene, settings);
                 let passes = if gauged { 4 } else { 1 };
                 let interrupted = AtomicBool::new(false);
-                let stop =
-                    Stop { at_least: 1, passes: Some(passes), time: None, target: None, interrupted: &interrupted };
+                let stop = StopCriteria {
+                    min_passes: 1,
+                    passes: Some(passes),
+                    time: None,
+                    target: None,
+                    interrupted: &interrupted,
+                };
                 let rendered = render(integrator.as_ref(), size, &stop, &Silent, |_| {});
                 let told = format!("{algorithm:?} {camera}");
                 let mean = rendered.film.mean();
@@ -60,9 +65,10 @@ fn tiny_images_are_finite_with_every_integrator() {
                 assert!(mean.iter().all(|p| p.is_finite()), "{told}");
                 let counters = rendered.counters;
                 assert_eq!((counters.rejected_samples, counters.rejected_photons), (0, 0), "{told}");
-                let Some(gauge) = rendered.gauge else { continue };
-                let reading = gauge.read(&rendered.film);
-                let numbers = [reading.error, reading.noise, reading.bias, reading.blur, reading.frozen, reading.low];
+                let Some(gauge) = rendered.estimator else { continue };
+                let reading = gauge.estimate(&rendered.film);
+                let numbers =
+                    [reading.error, reading.noise, reading.bias, reading.blur, reading.shared_paths, reading.low];
                 assert!(numbers.iter().all(|x| x.is_finite() && *x >= 0.0), "{told}: {reading:?}");
                 let maps = gauge.maps(&rendered.film);
                 assert!(maps.noise.iter().chain(&maps.bias).all(|x| x.is_finite()), "{told}");

@@ -8,7 +8,7 @@ use caustica::integrate::{Algorithm, Settings, Silent};
 use caustica::medium::{Medium, PhaseFunction};
 use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
 use caustica::render::Rendered;
-use caustica::render::gauge::{ErrorEstimate, ErrorMaps};
+use caustica::render::error_estimate::{ErrorEstimate, ErrorMaps};
 use caustica::scene::{Body, BuildError, LightStrength, Material, Scene, SceneBuilder, SourceKind};
 use caustica::shape::{Shape, Sphere};
 use glam::DVec3;
@@ -46,8 +46,8 @@ fn room(scale: f32, fog: bool) -> Scene {
 
 /// All that a gauge tells.
 fn told(rendered: &Rendered) -> (ErrorEstimate, ErrorMaps) {
-    let gauge = rendered.gauge.as_ref().unwrap();
-    (gauge.read(&rendered.film), gauge.maps(&rendered.film))
+    let gauge = rendered.estimator.as_ref().unwrap();
+    (gauge.estimate(&rendered.film), gauge.maps(&rendered.film))
 }
 
 /// The sums of passes, back from their means: passes are a power of two, so nothing is rounded.

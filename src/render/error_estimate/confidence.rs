@@ -1,0 +1,44 @@
+//! Confidence level of an error interval.
+
+use serde::Serialize;
+
+/// Probability that an interval contains the true error; in (0, 1).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[serde(transparent)]
+pub struct Confidence(f64);
+
+impl Confidence {
+    /// Confidence whose interval has no width to f64 precision.
+    pub const LEAST: Self = Self(1e-9);
+
+    /// Returns `None` unless 0 < `probability` < 1.
+    #[must_use]
+    pub fn new(probability: f64) -> Option<Self> {
+        (probability > 0.0 && probability < 1.0).then_some(Self(probability))
+    }
+
+    /// The probability, in (0, 1).
+    #[must_use]
+    pub fn probability(self) -> f64 {
+        self.0
+    }
+
+    /// Half-width of the central interval of a Gaussian with this probability \[standard deviations].
+    #[must_use]
+    pub fn deviations(self) -> f64 {
+        // Sixty bisections reach f64 precision. Beyond 40 deviations the tail underflows.
+        let (mut low, mut high) = (0.0, 40.0);
+        for _ in 0..60 {
+            let middle = 0.5 * (low + high);
+            if libm::erf(middle * std::f64::consts::FRAC_1_SQRT_2) < self.0 { low = middle } else { high = middle }
+        }
+        high
+    }
+}
+
+impl Default for Confidence {
+    /// 90 %.
+    fn default() -> Self {
+        Self(0.9)
+    }
+}

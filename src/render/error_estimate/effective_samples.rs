@@ -1,0 +1,132 @@
+//! Effective number of independent samples in the noise of a picture.
+
+use crate::color::Rgb;
+
+/// Estimates the variance of independent pictures and their effective sample count.
+///
+/// The difference of two pictures over √2 contains only noise. The mean of its squares is the variance v.
+/// The product of two such differences without a common picture has mean zero and variance tr Σ². The
+/// effective count is v² / tr Σ² (Satterthwaite).
+#[derive(Clone, Debug, Default)]
+pub(super) struct EffectiveSamples {
+    pictures: u32,
+    previous: Vec<Rgb>,
+    /// The last two differences, alternating.
+    differences: [Vec<Rgb>; 2],
+    variances: Moments,
+    products: Moments,
+}
+
+/// Sample count assumed before there are products; it weighs as much as [`PRIOR_PRODUCTS`] products.
+const PRIOR_SAMPLES: f64 = 100.0;
+const PRIOR_PRODUCTS: f64 = 2.0;
+
+/// Running mean and variance (Welford).
+#[derive(Clone, Copy, Debug, Default)]
+struct Moments {
+    count: f64,
+    mean: f64,
+    m2: f64,
+}
+
+impl Moments {
+    fn add(&mut self, x: f64) {
+        self.count += 1.0;
+        let delta = x - self.mean;
+        self.mean += delta / self.count;
+        self.m2 += delta * (x - self.mean);
+    }
+}
+
+impl EffectiveSamples {
+    /// Adds a picture; `weights` scale squared differences by pixel, each result is clamped to `max`.
+    pub fn add(&mut self, picture: impl Iterator<Item = Rgb>, weights: &[f64], max: f64) {
+        self.pictures += 1;
+        if self.pictures == 1 {
+            self.previous.extend(picture);
+            return;
+        }
+        let n = weights.len() as f64;
+        let (mut square, mut product) = (0.0, 0.0);
+        let old = &mut self.differences[self.pictures as usize % 2];
+        old.resize(weights.len(), Rgb::ZERO);
+        for (((value, previous), old), weight) in picture.zip(&mut self.previous).zip(old).zip(weights) {
+            let mut difference = (value - *previous) * std::f32::consts::FRAC_1_SQRT_2;
+            *previous = value;
+            let weighted = weight * difference.as_dvec3().length_squared();
+            if weighted > max {
+                difference *= (max / weighted).sqrt() as f32;
+            }
+            square += weighted.min(max);
+            product += weight * difference.as_dvec3().dot(old.as_dvec3());
+            *old = difference;
+        }
+        self.variances.add(square / n);
+        // `old` held the difference before the last, the latest without a common picture.
+        if self.pictures > 3 {
+            let product = product / n;
+            self.products.add(product * product);
+        }
+    }
+
+    /// Relative variance of the squared error of one picture if its noise is Gaussian: 2 / sample count.
+    pub fn scatter(&self) -> f64 {
+        let v = self.variances.mean;
+        if v <= 0.0 {
+            return 0.0;
+        }
+        let Moments { count, mean, .. } = self.products;
+        2.0 * ((mean / (v * v) * count + PRIOR_PRODUCTS / PRIOR_SAMPLES) / (count + PRIOR_PRODUCTS)).min(1.0)
+    }
+
+    /// Relative variance of the estimated variance; fireflies make it large.
+    pub fn variance_of_variance(&self) -> f64 {
+        let Moments { count, mean, m2 } = self.variances;
+        if count < 2.0 || mean <= 0.0 {
+            return if mean > 0.0 { 2.0 } else { 0.0 };
+        }
+        // Consecutive differences share a picture: they count as two thirds of their number.
+        1.5 * m2 / (count - 1.0) / count / (mean * mean)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::sampling::{Dimension, Key, Purpose};
+
+    /// Uniform noise of variance 1/12 in one channel, in blocks of `block` equal pixels.
+    fn sample(block: usize, pixels: usize, pictures: u64) -> EffectiveSamples {
+        let mut samples = EffectiveSamples::default();
+        let weights = vec![1.0; pixels];
+        for picture in 0..pictures {
+            let key = Key::new(9).purpose(Purpose::Test).with(picture);
+            let value = |i: usize| Rgb::X * key.with((i / block) as u64).uniform(Dimension::Film);
+            samples.add((0..pixels).map(value), &weights, f64::INFINITY);
+        }
+        samples
+    }
+
+    /// 240 pixels in blocks of b make 240/b independent samples. The error of tr Σ² over K independent
+    /// products is √(2/K) with K ≥ 397/2; the tolerance is five standard deviations.
+    #[test]
+    fn equal_pixels_count_as_one_sample() {
+        for block in [1, 4, 24] {
+            let samples = sample(block, 240, 400);
+            assert!((samples.variances.mean * 12.0 - 1.0).abs() < 5.0 * (3.0 * block as f64 / 240.0 / 399.0).sqrt());
+            let independent = 2.0 / samples.scatter();
+            let expected = 240.0 / block as f64;
+            assert!((independent / expected - 1.0).abs() < 5.0 * (2.0 / 198f64).sqrt(), "{independent} {expected}");
+        }
+    }
+
+    #[test]
+    fn few_pictures_give_the_prior_and_black_gives_zero() {
+        assert_eq!((sample(1, 10, 1).scatter(), sample(1, 10, 3).scatter()), (0.0, 2.0 / PRIOR_SAMPLES));
+        assert_eq!(sample(1, 10, 2).variance_of_variance(), 2.0);
+        assert!(sample(10, 10, 12).scatter() > 10.0 * 2.0 / PRIOR_SAMPLES);
+        let mut black = EffectiveSamples::default();
+        (0..8).for_each(|_| black.add(std::iter::repeat_n(Rgb::ZERO, 4), &[1.0; 4], 1.0));
+        assert_eq!((black.scatter(), black.variance_of_variance()), (0.0, 0.0));
+    }
+}

@@ -1,0 +1,245 @@
+//! Accumulates passes and estimates the error of their mean.
+
+use super::blur::{Blur, Differences};
+use super::confidence::Confidence;
+use super::effective_samples::EffectiveSamples;
+use super::estimate::ErrorEstimate;
+use super::fireflies::Fireflies;
+use super::forecast::Forecast;
+use super::shared_paths::SharedPaths;
+use crate::image::RelativeScale;
+use crate::integrate::{Discs, NestedEstimates, Pass, RadiusLaw};
+use crate::render::film::Film;
+use glam::{DVec3, Vec3};
+
+/// Minimum number of passes for an error estimate.
+pub const MIN_PASSES: u32 = 4;
+
+/// Estimates the error of a picture from its passes.
+#[derive(Clone, Debug)]
+pub struct ErrorEstimator {
+    law: Option<RadiusLaw>,
+    passes: u32,
+    /// Σ (x − mean)² by pixel and channel; f64, since squares of f32 values overflow f32.
+    deviations: Vec<DVec3>,
+    photon_estimates: Option<PhotonEstimates>,
+    shared_paths: SharedPaths,
+    samples: EffectiveSamples,
+    scale: Option<RelativeScale>,
+}
+
+/// Sums over passes of the photon estimates at smaller discs, by pixel.
+#[derive(Clone, Debug)]
+struct PhotonEstimates {
+    /// Σ D₀ and Σ D₁.
+    differences: [Vec<Vec3>; 2],
+    /// Σ D₀², Σ D₀·D₁ and Σ D₁², summed over channels.
+    products: Vec<[f64; 3]>,
+    discs: Vec<[DiscMean; 2]>,
+    samples: EffectiveSamples,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct DiscMean {
+    radius: f32,
+    photons: f32,
+    passes: u32,
+}
+
+/// Error of each pixel, by rows from the top.
+#[derive(Clone, Debug, Default)]
+pub struct ErrorMaps {
+    /// Standard error of the mean of the passes \[W/(m² sr)].
+    pub noise: Vec<Vec3>,
+    /// Estimated blur of the mean of the passes, with its noise \[W/(m² sr)].
+    pub bias: Vec<Vec3>,
+    /// Mean discs of estimates from the caustic map.
+    pub caustic: Vec<Discs>,
+    /// Mean discs of estimates from the global map.
+    pub global: Vec<Discs>,
+}
+
+impl ErrorEstimator {
+    /// An estimator without passes; `law` is how gather radii shrink, `None` without photon estimates.
+    #[must_use]
+    pub fn new(law: Option<RadiusLaw>) -> Self {
+        Self {
+            law,
+            passes: 0,
+            deviations: Vec::new(),
+            photon_estimates: None,
+            shared_paths: SharedPaths::default(),
+            samples: EffectiveSamples::default(),
+            scale: None,
+        }
+    }
+
+    /// Adds a pass; `film` must hold exactly the passes before it.
+    pub fn add(&mut self, film: &Film, pass: &Pass) {
+        let n = f64::from(self.passes);
+        self.deviations.resize(pass.image.len(), DVec3::ZERO);
+        for ((sum, value), before) in self.deviations.iter_mut().zip(&pass.image).zip(film.means()) {
+            if n > 0.0 {
+                let delta = value.as_dvec3() - before;
+                *sum += delta * delta * (n / (n + 1.0));
+            }
+        }
+        // The scale gains little from every single pass; doubling intervals keep its cost low.
+        if self.passes.is_power_of_two() {
+            self.scale = Some(RelativeScale::of_pixels(film.size(), &film.mean()));
+        }
+        let weights = self.scale.as_ref().map_or(&[][..], RelativeScale::weights);
+        // The relative squared error of a pixel of the mean is at most 1, that of one pass at most n.
+        self.samples.add(pass.image.iter().copied(), weights, n + 1.0);
+        if !pass.nested.is_empty() {
+            let estimates = self.photon_estimates.get_or_insert_with(|| PhotonEstimates::new(pass.nested.len()));
+            estimates.add(&pass.nested);
+            estimates.samples.add(pass.nested.iter().map(|pixel| pixel.steps[0]), weights, n + 1.0);
+        }
+        self.shared_paths.add(pass);
+        self.passes += 1;
+    }
+
+    /// Error estimate of the mean of the passes, with an interval of 90 % confidence.
+    ///
+    /// All numbers are infinite before [`MIN_PASSES`] passes.
+    #[must_use]
+    pub fn estimate(&self, film: &Film) -> ErrorEstimate {
+        self.estimate_with(film, Confidence::default())
+    }
+
+    /// Like [`Self::estimate`], with an interval of the given confidence.
+    #[must_use]
+    pub fn estimate_with(&self, film: &Film, confidence: Confidence) -> ErrorEstimate {
+        let passes = self.passes;
+        if passes < MIN_PASSES {
+            let unknown = f64::INFINITY;
+            let (error, low, high, noise, bias) = (unknown, 0.0, unknown, unknown, unknown);
+            return ErrorEstimate { passes, error, low, high, noise, bias, ..ErrorEstimate::default() };
+        }
+        let n = f64::from(passes);
+        let scale = RelativeScale::of_pixels(film.size(), &film.mean());
+        let mut fireflies = Fireflies::default();
+        let fraction = 1.0 / scale.weights().len() as f64;
+        let noise2 = self.deviations.iter().zip(scale.weights()).map(|(deviation, weight)| {
+            let square = weight * deviation.element_sum() / (n * (n - 1.0));
+            if square > 1.0 {
+                fireflies.add(square, fraction);
+            }
+            square.min(1.0)
+        });
+        let noise2 = noise2.sum::<f64>() * fraction;
+        let differences = self.photon_estimates.as_ref().map(|estimates| estimates.differences(&scale, n));
+        let blur = differences.as_ref().map(Blur::extrapolate).unwrap_or_default();
+        let (shared2, shared_variance) = self.shared_paths.squared_error(&scale, film.size().0, n);
+        let square = noise2 + blur.square + shared2;
+        // Two uncertainties: this picture's error scatters about its expectation, and the expectation is
+        // itself an estimate.
+        let scatter = self.samples.scatter();
+        let realised = noise2 * noise2 * scatter + 2.0 * noise2 * (blur.square + shared2) * scatter;
+        let estimated = noise2 * noise2 * self.samples.variance_of_variance().max(scatter / (n - 1.0));
+        let deviation = (realised + estimated + blur.variance + shared_variance).sqrt();
+        let half_width = confidence.deviations() * deviation;
+        let error = square.sqrt();
+        ErrorEstimate {
+            passes,
+            error,
+            low: (square - half_width).max(0.0).sqrt(),
+            high: (square + half_width).sqrt(),
+            noise: noise2.sqrt(),
+            bias: (blur.square + shared2).sqrt(),
+            blur: blur.square.sqrt(),
+            shared_paths: shared2.sqrt(),
+            blur_ratio: blur.ratio,
+            extrapolation: blur.extrapolation,
+            variance: noise2 * n,
+            step_variance: differences.map_or(0.0, |differences| differences.variance),
+            fireflies,
+        }
+    }
+
+    /// Predicts the error of later passes from `estimate`; `None` before [`MIN_PASSES`] passes.
+    #[must_use]
+    pub fn forecast(&self, estimate: &ErrorEstimate) -> Option<Forecast> {
+        let law = self.law.map(|law| (law.alpha, law.kernel.step_noise()));
+        estimate.error.is_finite().then(|| Forecast::new(estimate, law))
+    }
+
+    /// Error of each pixel of `film`.
+    #[must_use]
+    pub fn maps(&self, film: &Film) -> ErrorMaps {
+        let n = f64::from(self.passes.max(1));
+        let over = (n * (n - 1.0)).max(1.0);
+        let noise = self.deviations.iter().map(|m2| (*m2 / over).map(f64::sqrt).as_vec3()).collect();
+        let Some(estimates) = &self.photon_estimates else { return ErrorMaps { noise, ..ErrorMaps::default() } };
+        let factor = (self.estimate(film).extrapolation / n) as f32;
+        let [d0, d1] = &estimates.differences;
+        let bias = d0.iter().zip(d1).map(|(a, b)| (*a + *b) * factor).collect();
+        let discs = |map: usize| estimates.discs.iter().map(|d| d[map].mean()).collect();
+        ErrorMaps { noise, bias, caustic: discs(0), global: discs(1) }
+    }
+}
+
+impl PhotonEstimates {
+    fn new(pixels: usize) -> Self {
+        Self {
+            differences: [vec![Vec3::ZERO; pixels], vec![Vec3::ZERO; pixels]],
+            products: vec![[0.0; 3]; pixels],
+            discs: vec![[DiscMean::default(); 2]; pixels],
+            samples: EffectiveSamples::default(),
+        }
+    }
+
+    fn add(&mut self, pixels: &[NestedEstimates]) {
+        let [d0, d1] = &mut self.differences;
+        for (i, pixel) in pixels.iter().enumerate() {
+            let [a, b] = pixel.steps;
+            d0[i] += a;
+            d1[i] += b;
+            let (a, b) = (a.as_dvec3(), b.as_dvec3());
+            for (sum, product) in self.products[i].iter_mut().zip([a.dot(a), a.dot(b), b.dot(b)]) {
+                *sum += product;
+            }
+            let [caustic, global] = &mut self.discs[i];
+            caustic.add(pixel.caustic);
+            global.add(pixel.global);
+        }
+    }
+
+    /// Mean squares and products over the picture, from pairs of different passes among `n`.
+    fn differences(&self, scale: &RelativeScale, n: f64) -> Differences {
+        let [d0, d1] = &self.differences;
+        let pixels = scale.weights().len();
+        let (mut square, mut variance) = ([0.0; 3], 0.0);
+        for i in 0..pixels {
+            let (a, b) = (d0[i].as_dvec3(), d1[i].as_dvec3());
+            let products = self.products[i];
+            for ((sum, all), same_pass) in square.iter_mut().zip([a.dot(a), a.dot(b), b.dot(b)]).zip(products) {
+                *sum += scale.counts(i, (all - same_pass) / (n * (n - 1.0)));
+            }
+            variance += scale.counts(i, (products[0] - a.dot(a) / n) / (n * (n - 1.0)));
+        }
+        let [d0, d0_d1, d1] = square.map(|sum| sum / pixels as f64);
+        let variance = n * variance / pixels as f64;
+        // Two terms: the noise of pairs of passes, and its product with the expected difference.
+        let scatter = self.samples.scatter();
+        let d0_variance = variance * variance * scatter / (n * (n - 1.0)) + 2.0 * d0.max(0.0) * variance * scatter / n;
+        Differences { d0, d0_d1, d1, variance, d0_variance }
+    }
+}
+
+impl DiscMean {
+    fn add(&mut self, discs: Option<Discs>) {
+        if let Some(Discs { radius, photons }) = discs {
+            self.radius += radius;
+            self.photons += photons;
+            self.passes += 1;
+        }
+    }
+
+    /// Mean over passes with an estimate; 0 without one.
+    fn mean(self) -> Discs {
+        let n = self.passes.max(1) as f32;
+        Discs { radius: self.radius / n, photons: self.photons / n }
+    }
+}

@@ -1,0 +1,222 @@
+//! Predicts the error after more passes.
+
+use super::estimate::ErrorEstimate;
+use super::fireflies::Fireflies;
+use crate::integrate::shrink;
+
+/// Largest number of passes that is predicted.
+const MAX_PASSES: u32 = 10_000_000;
+
+/// Passes up to here are summed one by one, later ones in leaps of 1/[`LEAP`] of the passes so far.
+const EXACT_PASSES: u32 = 1024;
+const LEAP: u32 = 128;
+
+/// Number of passes that reach a given error.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum PassesNeeded {
+    /// Total number of passes.
+    Passes(u32),
+    /// No number of passes suffices, because bias stays.
+    Never {
+        /// Relative error that remains.
+        floor: f64,
+    },
+    /// More than ten million passes.
+    TooMany,
+}
+
+/// Predicted error as a function of the number of passes.
+///
+/// Let aᵢ be the disc area in pass i over that of pass 0. Noise has two parts: one falls as 1/n, that of
+/// photon estimates as Σ(1/aᵢ)/n². The noise of D₀ tells how large the second part is. Blur follows the
+/// mean of aᵢ^p with the measured power p. Fireflies follow [`Fireflies::after`].
+#[derive(Clone, Copy, Debug)]
+pub struct Forecast {
+    alpha: f64,
+    /// Relative variance of a pass that does not depend on discs, without fireflies.
+    path_variance: f64,
+    /// Relative variance of photon estimates in the first pass.
+    photon_variance: f64,
+    /// Blur of the first pass.
+    blur: f64,
+    /// Exponent p: blur is proportional to area^p.
+    power: f64,
+    shared_paths: f64,
+    fireflies: Fireflies,
+    /// Passes of the estimate that the forecast starts from.
+    passes: f64,
+}
+
+impl Forecast {
+    /// Extrapolates `estimate`; `law` holds α and the relative noise of D₀ of the kernel.
+    pub(super) fn new(estimate: &ErrorEstimate, law: Option<(f64, f32)>) -> Self {
+        let n = f64::from(estimate.passes);
+        let (fireflies, shared_paths) = (estimate.fireflies, estimate.shared_paths);
+        let variance = (estimate.variance - n * fireflies.now()).max(0.0);
+        let Some((alpha, step_noise)) = law else {
+            return Self {
+                alpha: 1.0,
+                path_variance: variance,
+                photon_variance: 0.0,
+                blur: 0.0,
+                power: 1.0,
+                shared_paths,
+                fireflies,
+                passes: n,
+            };
+        };
+        let power = (-libm::log2(estimate.blur_ratio)).max(0.0);
+        let mut sums = PassSums::new(alpha, power);
+        (0..estimate.passes).for_each(|_| sums.step());
+        let photon_variance = (estimate.step_variance / f64::from(step_noise)).min(variance);
+        Self {
+            alpha,
+            path_variance: variance - photon_variance,
+            photon_variance: photon_variance * n / sums.inverse_area,
+            blur: estimate.blur * n / sums.blur,
+            power,
+            shared_paths,
+            fireflies,
+            passes: n,
+        }
+    }
+
+    /// Relative noise and bias after `passes` ≥ 1 passes.
+    #[cfg(test)]
+    fn after(&self, passes: u32) -> (f64, f64) {
+        let mut sums = PassSums::new(self.alpha, self.power);
+        (0..passes).for_each(|_| sums.step());
+        self.at(&sums)
+    }
+
+    /// Relative noise and bias after the passes in `sums`.
+    fn at(&self, sums: &PassSums) -> (f64, f64) {
+        let n = f64::from(sums.passes);
+        let noise2 = (self.path_variance * n + self.photon_variance * sums.inverse_area) / (n * n)
+            + self.fireflies.after(n / self.passes);
+        let blur = self.blur * sums.blur / n;
+        (noise2.sqrt(), (blur * blur + self.shared_paths * self.shared_paths).sqrt())
+    }
+
+    /// Least number of passes with an error of at most `target`; exact to 1 % above 1024 passes.
+    #[must_use]
+    pub fn passes_to(&self, target: f64) -> PassesNeeded {
+        let floor = if self.alpha < 1.0 { self.shared_paths } else { self.blur.hypot(self.shared_paths) };
+        if floor >= target {
+            return PassesNeeded::Never { floor };
+        }
+        let mut sums = PassSums::new(self.alpha, self.power);
+        while sums.passes < MAX_PASSES {
+            if sums.passes < EXACT_PASSES {
+                sums.step()
+            } else {
+                sums.leap()
+            }
+            let (noise, bias) = self.at(&sums);
+            if noise.hypot(bias) <= target {
+                return PassesNeeded::Passes(sums.passes);
+            }
+        }
+        PassesNeeded::TooMany
+    }
+}
+
+/// Sums of powers of the disc area over passes.
+struct PassSums {
+    alpha: f64,
+    power: f64,
+    passes: u32,
+    /// Disc area of the next pass over that of the first.
+    area: f64,
+    /// Σ 1/area.
+    inverse_area: f64,
+    /// Σ area^power.
+    blur: f64,
+}
+
+impl PassSums {
+    fn new(alpha: f64, power: f64) -> Self {
+        Self { alpha, power, passes: 0, area: shrink(alpha, 0), inverse_area: 0.0, blur: 0.0 }
+    }
+
+    fn step(&mut self) {
+        self.inverse_area += 1.0 / self.area;
+        self.blur += if self.power == 1.0 { self.area } else { libm::pow(self.area, self.power) };
+        self.passes += 1;
+        let i = f64::from(self.passes);
+        self.area *= (i + self.alpha) / (i + 1.0);
+    }
+
+    /// Adds 1/[`LEAP`] of the passes at once by the midpoint rule; area is about n^(α − 1) for large n.
+    fn leap(&mut self) {
+        let (n, count) = (f64::from(self.passes), self.passes / LEAP);
+        let at = |i: f64| self.area * libm::pow(i / n, self.alpha - 1.0);
+        let middle = at(n + 0.5 * f64::from(count));
+        self.area = at(n + f64::from(count));
+        self.inverse_area += f64::from(count) / middle;
+        self.blur += f64::from(count) * libm::pow(middle, self.power);
+        self.passes += count;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn estimate(passes: u32, variance: f64, step_variance: f64, blur: f64, blur_ratio: f64) -> ErrorEstimate {
+        ErrorEstimate { passes, variance, step_variance, blur, blur_ratio, ..ErrorEstimate::default() }
+    }
+
+    /// A tenth of the pixels hold fireflies of sixteen times the limit. More passes find more of them; each
+    /// fades from four times the passes on.
+    #[test]
+    fn fireflies_spread_before_they_fade() {
+        let mut fireflies = Fireflies::default();
+        (0..10).for_each(|_| fireflies.add(16.0, 0.01));
+        let forecast = Forecast::new(&ErrorEstimate { fireflies, ..estimate(8, 8.0 * 0.1, 0.0, 0.0, 0.5) }, None);
+        let noise2 = |n: u32| libm::pow(forecast.after(n).0, 2.0);
+        for (n, expected) in [(8, 0.1), (16, 0.2), (32, 0.4), (64, 0.2), (8 * 160, 0.01)] {
+            // Brightness is stored to half an octave.
+            assert!(libm::log2(noise2(n) / expected).abs() < 0.5 + 1e-9, "{n}: {} {expected}", noise2(n));
+        }
+    }
+
+    /// Four passes of variance 0.04: error 0.1 now, 0.01 after 400 passes.
+    #[test]
+    fn noise_alone_falls_as_the_root_of_passes() {
+        let forecast = Forecast::new(&estimate(4, 0.04, 0.0, 0.0, 0.5), None);
+        assert!((forecast.after(4).0 - 0.1).abs() < 1e-12);
+        assert_eq!(forecast.passes_to(0.01), PassesNeeded::Passes(400));
+        assert_eq!(forecast.passes_to(1e-9), PassesNeeded::TooMany);
+    }
+
+    #[test]
+    fn fixed_radii_leave_a_floor() {
+        let forecast = Forecast::new(&estimate(10, 0.04, 0.01, 0.02, 0.5), Some((1.0, 0.5)));
+        assert_eq!(forecast.passes_to(0.02), PassesNeeded::Never { floor: 0.02 });
+        let PassesNeeded::Passes(n) = forecast.passes_to(0.025) else { panic!("it can be reached") };
+        // .04/n = .025² − .02².
+        assert_eq!(n, 178);
+    }
+
+    /// If estimates make all noise, noise and bias fall as n^(−1/3) (Knaus and Zwicker 2011).
+    #[test]
+    fn shrinking_radii_follow_their_law() {
+        let alpha = 2.0 / 3.0;
+        let forecast = Forecast::new(&estimate(8, 0.04, 0.02, 0.02, 0.5), Some((alpha, 0.5)));
+        let mean = |n: u32, power: f64| (0..n).map(|i| libm::pow(shrink(alpha, i), power)).sum::<f64>() / f64::from(n);
+        let (noise, bias) = forecast.after(64);
+        let expected = 0.04 / 8.0 * (mean(64, -1.0) / 64.0) / (mean(8, -1.0) / 8.0);
+        assert!((noise * noise / expected - 1.0).abs() < 1e-9, "{noise}");
+        assert!((bias / (0.02 * mean(64, 1.0) / mean(8, 1.0)) - 1.0).abs() < 1e-9, "{bias}");
+        let slope = |f: fn((f64, f64)) -> f64| libm::log10(f(forecast.after(1_000_000)) / f(forecast.after(100_000)));
+        assert!((slope(|e| e.0) + 1.0 / 3.0).abs() < 1e-3 && (slope(|e| e.1) + 1.0 / 3.0).abs() < 1e-3);
+        let PassesNeeded::Passes(n) = forecast.passes_to(0.01) else { panic!("it can be reached") };
+        let error = |n| forecast.after(n).0.hypot(forecast.after(n).1);
+        let fewer = if n < EXACT_PASSES { n - 1 } else { n - n / LEAP - 1 };
+        assert!(error(n) <= 0.01 && error(fewer) > 0.01, "{n}");
+        let PassesNeeded::Passes(n) = forecast.passes_to(0.001) else { panic!("it can be reached") };
+        // Leaps agree with single steps to 0.5 %.
+        assert!(n > 100_000 && (error(n) / 0.001 - 1.0).abs() < 0.005, "{n} {}", error(n));
+    }
+}
