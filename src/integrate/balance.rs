@@ -1,7 +1,7 @@
 //! Division of the work of a pass between camera rays and photons.
 //!
-//! The noise of a pass is a sum of parts. Part i has variance σᵢ²/nᵢ and work cᵢ·nᵢ for n samples. For constant work the
-//! variance is least if nᵢ ∝ σᵢ/√cᵢ. Gather radii stay, so the bias stays.
+//! The noise of a pass is a sum of parts. Part i has variance σᵢ²/nᵢ and work cᵢ·nᵢ for n samples.
+//! For constant work the variance is least if nᵢ ∝ σᵢ/√cᵢ. Gather radii stay, so the bias stays.
 
 use crate::color::{self, Rgb};
 use crate::stats::Counters;
@@ -20,7 +20,8 @@ pub struct Balance {
 /// Greatest factor by which a number may change: a pilot is uncertain.
 const MAX_CHANGE: f64 = 4.0;
 
-// Work is counted in rays of photons, of 0.1 µs each; the other costs follow from docs/measurements/.
+// Work is counted in rays of photons, of 0.1 µs each; the other costs follow from
+// docs/measurements/.
 
 /// Work of a ray of a camera path with its shading, in rays of photons.
 const CAMERA_RAY: f64 = 2.0;
@@ -48,7 +49,8 @@ impl Part {
     }
 }
 
-/// Numbers of samples of each part that do the default work with the least noise, within [`MAX_CHANGE`].
+/// Numbers of samples of each part that do the default work with the least noise, within
+/// [`MAX_CHANGE`].
 ///
 /// A part without noise keeps its number; its work is not counted.
 pub(super) fn divide(parts: &[Part; 3]) -> [f64; 3] {
@@ -90,7 +92,8 @@ pub(super) fn storing(photons: u64) -> f64 {
     STORED * photons as f64
 }
 
-/// Variance of two independent estimates of the same points, relative to the mean radiance `light` there.
+/// Variance of two independent estimates of the same points, relative to the mean radiance `light`
+/// there.
 pub(super) fn noise(one: &[Rgb], other: &[Rgb], light: &[f64]) -> f64 {
     let mut sorted: Vec<f64> = light.iter().copied().filter(|l| *l > 0.0).collect();
     sorted.sort_by(f64::total_cmp);

@@ -1,9 +1,9 @@
 //! Camera paths: the one loop behind every algorithm but `raycast`.
 //!
-//! A surface is a *receiver* if it stores photons (diffuse or wide glossy lobes), a *caster* if it is specular or has a
-//! narrow lobe, or black. A light path that goes over casters to a receiver is a caustic: next-event estimation cannot
-//! find it, photons do. A path does not count the emission that its algorithm leaves to photons, so each light path
-//! counts once.
+//! A surface is a *receiver* if it stores photons (diffuse or wide glossy lobes), a *caster* if it
+//! is specular or has a narrow lobe, or black. A light path that goes over casters to a receiver is
+//! a caustic: next-event estimation cannot find it, photons do. A path does not count the emission
+//! that its algorithm leaves to photons, so each light path counts once.
 
 mod media;
 
@@ -23,10 +23,12 @@ use crate::sampling::{Dimension, Sampler};
 use crate::scene::{Interior, PathEvent, PathRay, Scene, SurfaceInteraction, SurfaceVertex};
 use glam::Vec3;
 
-/// Throughput below which the weaker branch at a smooth dielectric is chosen by chance instead of split off.
+/// Throughput below which the weaker branch at a smooth dielectric is chosen by chance instead of
+/// split off.
 const MIN_SPLIT_THROUGHPUT: f32 = 0.001;
 
-/// Throughput below which Russian roulette begins. An earlier start adds more noise than it saves time.
+/// Throughput below which Russian roulette begins. An earlier start adds more noise than it saves
+/// time.
 const ROULETTE_THROUGHPUT: f32 = 0.125;
 
 /// Bounces over casters alone after which Russian roulette begins.
@@ -38,7 +40,8 @@ const MAX_BRANCHES: usize = 16;
 /// Radius assumed for the global map if there is none \[length].
 const NO_MAP_RADIUS: f32 = 1.0;
 
-/// Shortest gather ray, in radii of the global map. A shorter ray ends where the map says no more than at its start.
+/// Shortest gather ray, in radii of the global map. A shorter ray ends where the map says no more
+/// than at its start.
 const MIN_GATHER_RADII: f32 = 2.0;
 
 /// Inputs that all camera paths of a pass share.
@@ -63,7 +66,8 @@ pub(super) struct PathState<I> {
     throughput: Rgb,
     bounce: u32,
     history: PathHistory,
-    /// Previous vertex if next-event estimation could have found emission from there; `None` after a delta.
+    /// Previous vertex if next-event estimation could have found emission from there; `None` after
+    /// a delta.
     prev: Option<PrevVertex>,
     /// Random numbers of the next vertex.
     sampler: Sampler,
@@ -175,7 +179,8 @@ pub(super) fn radiance<I: Interior>(
 
 /// Shades a caster and continues the path from there; false if the path ends.
 ///
-/// The function stays out of line, so that scenes without casters do not carry its code through their loop.
+/// The function stays out of line, so that scenes without casters do not carry its code through
+/// their loop.
 #[inline(never)]
 fn at_caster<I: Interior>(
     paths: &PathContext<'_>,
@@ -192,7 +197,8 @@ fn at_caster<I: Interior>(
     path.history.casters += 1;
     let vertex = path.vertex(paths, surface, interior, caster.distance);
 
-    // Add direct light at glossy casters, unless photons carry the light that goes over this caster.
+    // Add direct light at glossy casters, unless photons carry the light that goes over this
+    // caster.
     if !surface.bsdf.is_specular() && policy.direct_light && counts_light(policy, path.history) {
         *radiance += path.throughput * nee.estimate(&vertex, continues, worker);
     }
@@ -315,7 +321,8 @@ fn counts_light(policy: &PathPolicy, history: PathHistory) -> bool {
     policy.counts_caustics || !history.is_caustic()
 }
 
-/// True if emission that the path hits counts. Lights without an extent are visible, but no scattered path counts them.
+/// True if emission that the path hits counts. Lights without an extent are visible, but no
+/// scattered path counts them.
 #[inline]
 fn counts_emission<I>(policy: &PathPolicy, path: &PathState<I>) -> bool {
     (path.prev.is_none() || policy.effects.has(Effect::SoftShadows)) && counts_light(policy, path.history)
@@ -368,7 +375,8 @@ impl<I: Interior> PathState<I> {
         Self { path_ray, throughput: Rgb::ONE, bounce: 0, history, prev: None, sampler }
     }
 
-    /// Notes boundaries on the segment that light passes but shadow rays do not: they count as a caster.
+    /// Notes boundaries on the segment that light passes but shadow rays do not: they count as a
+    /// caster.
     #[inline]
     fn cross_hidden_boundaries(&mut self, crossed: bool) {
         if crossed {
@@ -390,7 +398,8 @@ impl<I: Interior> PathState<I> {
         PathVertex { surface, interior, history, throughput, distance, sampler, shadow_sampler }
     }
 
-    /// The path after it leaves `surface` in unit `direction`; `weight` is BSDF times cosine over pdf.
+    /// The path after it leaves `surface` in unit `direction`; `weight` is BSDF times cosine over
+    /// pdf.
     #[inline]
     fn leaving(&self, surface: &SurfaceInteraction<'_>, direction: Vec3, weight: Rgb, transmitted: bool) -> Self {
         let mut path_ray = self.path_ray;
@@ -400,7 +409,8 @@ impl<I: Interior> PathState<I> {
         Self { path_ray, throughput, bounce: self.bounce + 1, prev: None, sampler, ..*self }
     }
 
-    /// Plays Russian roulette by `sampler` of the vertex before; divides the throughput by the survival probability.
+    /// Plays Russian roulette by `sampler` of the vertex before; divides the throughput by the
+    /// survival probability.
     #[inline]
     fn survives_roulette(&mut self, sampler: Sampler) -> bool {
         let survival = (color::mean(self.throughput) / ROULETTE_THROUGHPUT).min(1.0);

@@ -1,8 +1,9 @@
 //! Pilot that finds how many camera rays each pixel needs.
 //!
-//! A pixel with n rays has noise σ²/n. For a given total of rays, the noise relative to the radiance is least if n is
-//! proportional to σ over the radiance. A few pictures before the first pass estimate both. All passes use the result, so
-//! they stay independent. No ray of the pilot is used again, so the mean stays unbiased.
+//! A pixel with n rays has noise σ²/n. For a given total of rays, the noise relative to the
+//! radiance is least if n is proportional to σ over the radiance. A few pictures before the first
+//! pass estimate both. All passes use the result, so they stay independent. No ray of the pilot is
+//! used again, so the mean stays unbiased.
 
 use super::for_interior::for_interior;
 use super::map_builder::PilotBudget;
@@ -23,7 +24,8 @@ const MIN_DENSITY: f64 = 0.5;
 const MAX_DENSITY: f64 = 8.0;
 
 impl PathIntegrator<'_> {
-    /// Camera rays of each pixel in parts of the mean, by rows from the top; `None` if rays make no noise.
+    /// Camera rays of each pixel in parts of the mean, by rows from the top; `None` if rays make no
+    /// noise.
     pub fn find_density(&self) -> Option<Arc<[f32]>> {
         let key = Key::new(self.settings.eye.seed).purpose(Purpose::Balance);
         let budget = PilotBudget { key, pass: 0, part: PILOT_PART, limited: true };
@@ -44,7 +46,8 @@ impl PathIntegrator<'_> {
     }
 }
 
-/// Camera rays of each pixel in parts of the mean, from independent `pictures`; see [`PathIntegrator::find_density`].
+/// Camera rays of each pixel in parts of the mean, from independent `pictures`; see
+/// [`PathIntegrator::find_density`].
 fn density(pictures: &[Vec<f64>], width: usize, height: usize, samples: u32) -> Option<Arc<[f32]>> {
     let n = pictures.len() as f64;
     let mean: Vec<f64> =
@@ -57,7 +60,8 @@ fn density(pictures: &[Vec<f64>], width: usize, height: usize, samples: u32) -> 
     let mut sorted: Vec<f64> = mean.iter().copied().filter(|l| *l > 0.0).collect();
     sorted.sort_by(f64::total_cmp);
     let median = *sorted.get(sorted.len() / 2)?;
-    // Few pictures say little about one pixel. Close neighbours add detail, wider ones add rare events.
+    // Few pictures say little about one pixel. Close neighbours add detail, wider ones add rare
+    // events.
     let box_mean = |values: &[f64], i: usize, reach: usize| {
         let (x, y) = (i % width, i / width);
         let columns = x.saturating_sub(reach)..width.min(x + reach + 1);
@@ -116,7 +120,8 @@ mod tests {
         for (i, share) in shares.iter().enumerate() {
             match i % width {
                 0..4 => assert_eq!(*share, MIN_DENSITY as f32),
-                // Half of the pixels would get 1.5 mean shares each. Pixels near the middle average both sides.
+                // Half of the pixels would get 1.5 mean shares each. Pixels near the middle average
+                // both sides.
                 12.. => assert!((1.2..1.6).contains(share), "{i}: {share}"),
                 _ => {}
             }

@@ -2,8 +2,9 @@
 //!
 //! # Algorithm
 //! - **Prepare**: nothing.
-//! - **Each pass**: trace camera paths. Lights with an extent, glossy lobes and the pixel's area are sampled by chance.
-//!   A path continues at receivers only if the lobe chosen there is not diffuse. Diffuse surfaces do not light others.
+//! - **Each pass**: trace camera paths. Lights with an extent, glossy lobes and the pixel's area
+//!   are sampled by chance. A path continues at receivers only if the lobe chosen there is not
+//!   diffuse. Diffuse surfaces do not light others.
 
 use super::policy::{Continuation, DirectionSampling, LightSampling, PathPolicy, PhotonLookups};
 use super::settings::Settings;

@@ -16,7 +16,8 @@ use rayon::prelude::*;
 /// Edge of a tile in pixels. Neighbouring pixels share photons and boxes in the caches.
 const EDGE: u32 = 16;
 
-/// Working memory of one tile. Each tile starts with a fresh one, so results do not depend on the thread.
+/// Working memory of one tile. Each tile starts with a fresh one, so results do not depend on the
+/// thread.
 #[derive(Debug, Default)]
 pub(super) struct Worker {
     pub counters: Counters,
@@ -103,7 +104,8 @@ impl FilmSampling<'_> {
         self.density.map_or(self.samples, exact)
     }
 
-    /// Film position of a sample of the pixel whose upper left corner is `corner`, and its filter weight.
+    /// Film position of a sample of the pixel whose upper left corner is `corner`, and its filter
+    /// weight.
     #[inline]
     fn film_position(&self, corner: Vec2, sampler: Sampler) -> (Vec2, f32) {
         let Some(filter) = self.filter else { return (corner + Vec2::Y, 1.0) };
@@ -120,8 +122,8 @@ impl FilmSampling<'_> {
 
 /// Renders the pixels of a picture by tiles, in parallel.
 ///
-/// `radiance` returns the radiance along a camera ray. It gets the sampler of the ray, the worker, and a value of type
-/// `T` that lasts for one tile.
+/// `radiance` returns the radiance along a camera ray. It gets the sampler of the ray, the worker,
+/// and a value of type `T` that lasts for one tile.
 pub(super) fn render_tiles<T: Default>(
     sampling: &FilmSampling<'_>,
     key: Key,
@@ -188,12 +190,14 @@ pub(super) fn render_tiles<T: Default>(
     Rendered { image, nested, pixels: rendered_pixels, counters }
 }
 
-/// Interval of tiles at which about `wanted` tiles of a picture are rendered, and at most half of them.
+/// Interval of tiles at which about `wanted` tiles of a picture are rendered, and at most half of
+/// them.
 pub(super) fn tile_interval((width, height): (u32, u32), wanted: u32) -> u32 {
     (width.div_ceil(EDGE) * height.div_ceil(EDGE) / wanted).max(2)
 }
 
-/// True if one tile out of `every` is this one. Rendered tiles lie on slanting lines, evenly in rows and columns.
+/// True if one tile out of `every` is this one. Rendered tiles lie on slanting lines, evenly in
+/// rows and columns.
 fn is_rendered(tile: u32, columns: u32, every: u32) -> bool {
     // A slant that shares a factor with the interval would leave columns out.
     let slant = (1..=every.div_ceil(2)).rev().find(|slant| gcd(*slant, every) == 1).unwrap_or(1);
@@ -239,8 +243,9 @@ impl PixelSum {
 
     /// Sum of the weighted values, without the noise of the weights.
     ///
-    /// Unequal weights make noise even if all values are equal. Where a weight falls short of 1, the mean of the other
-    /// values fills in. The sum stays unbiased, and is exact for equal values.
+    /// Unequal weights make noise even if all values are equal. Where a weight falls short of 1,
+    /// the mean of the other values fills in. The sum stays unbiased, and is exact for equal
+    /// values.
     fn weighted(&self) -> DVec3 {
         let (values, weighted) = (self.values.value(), self.weighted.value());
         let others = f64::from(self.count) - 1.0;
@@ -306,7 +311,8 @@ mod tests {
                 let expected = left / all;
                 assert!((mean - expected).abs() < 5.0 * error + 2e-3, "{samples}, {x}: {mean} ± {error}, {expected}");
             }
-            // A test that passes without negative values could not tell the filter from its positive part.
+            // A test that passes without negative values could not tell the filter from its
+            // positive part.
             assert!(samples < 16 || edge.iter().any(|(mean, error)| *mean < -5.0 * error));
         }
     }

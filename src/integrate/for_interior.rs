@@ -1,6 +1,7 @@
 //! Choice of the interior type of paths.
 
-/// Calls a generic function or method with the [`Interior`](crate::scene::Interior) type that `effects` require.
+/// Calls a generic function or method with the [`Interior`](crate::scene::Interior) type that
+/// `effects` require.
 ///
 /// Paths are compiled once per type, so that scenes without bodies or media do not pay for them.
 macro_rules! for_interior {

@@ -8,7 +8,8 @@ pub(super) const GUIDES: u32 = 32;
 
 /// 1 − cosine of the half angle (0.2 rad) of the cone around each photon's direction.
 ///
-/// 32 such cones cover most of a hemisphere with uniform light. If all light comes from one direction, they cover a tenth.
+/// 32 such cones cover most of a hemisphere with uniform light. If all light comes from one
+/// direction, they cover a tenth.
 const ONE_MINUS_COS: f32 = 0.02;
 
 /// Mixture of equal cones around directions.
@@ -80,7 +81,8 @@ mod tests {
         (key.uniform(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection))
     }
 
-    /// Cones cover a part c of the sphere, so the mean of 4π·pdf over n directions has a standard error below √(1/(nc)).
+    /// Cones cover a part c of the sphere, so the mean of 4π·pdf over n directions has a standard
+    /// error below √(1/(nc)).
     #[test]
     fn the_pdf_integrates_to_one() {
         let guide = Guide { directions: vec![Vec3::Z, Vec3::X, Vec3::X] };
@@ -91,7 +93,8 @@ mod tests {
         assert!((whole - 1.0).abs() < 5.0 / (n as f64 * covered).sqrt(), "{whole}");
     }
 
-    /// Each of three directions gets a third of the samples within five sigma. Cosines are uniform over the cone.
+    /// Each of three directions gets a third of the samples within five sigma. Cosines are uniform
+    /// over the cone.
     #[test]
     fn each_cone_is_sampled_evenly() {
         let directions = vec![Vec3::X, Vec3::Y, Vec3::Z];

@@ -1,14 +1,16 @@
-//! `hybrid`: path tracing for all light paths that next-event estimation finds, photons for exactly the rest.
+//! `hybrid`: path tracing for all light paths that next-event estimation finds, photons for exactly
+//! the rest.
 //!
 //! # Algorithm
-//! - **Prepare**: aim photon emission at caustic casters, guide it to what the camera sees, find gather radii, and
-//!   balance camera rays against photons.
-//! - **Each pass**: trace the aimed photons. Store them in the caustic map at their first receiver, and in a second map
-//!   at later ones. Then trace camera paths. All paths do next-event estimation and continue at receivers. One path of
-//!   each pixel reads both maps at its first receiver.
+//! - **Prepare**: aim photon emission at caustic casters, guide it to what the camera sees, find
+//!   gather radii, and balance camera rays against photons.
+//! - **Each pass**: trace the aimed photons. Store them in the caustic map at their first receiver,
+//!   and in a second map at later ones. Then trace camera paths. All paths do next-event estimation
+//!   and continue at receivers. One path of each pixel reads both maps at its first receiver.
 //!
-//! A light path that goes over casters to a receiver is a caustic. Only photons carry it, so a camera path does not
-//! count emission that it hits by such a path. Gather radii shrink from pass to pass, so the mean converges.
+//! A light path that goes over casters to a receiver is a caustic. Only photons carry it, so a
+//! camera path does not count emission that it hits by such a path. Gather radii shrink from pass
+//! to pass, so the mean converges.
 
 use super::policy::{Continuation, DirectionSampling, LightSampling, PathPolicy, PhotonLookups};
 use super::settings::Settings;

@@ -9,8 +9,8 @@ use crate::stats::Counters;
 
 /// An algorithm, prepared to render the passes of one scene.
 ///
-/// Pass `i` is a function of the scene, the settings and `i`: any pass can be computed alone. The picture of a render is
-/// the mean of its passes.
+/// Pass `i` is a function of the scene, the settings and `i`: any pass can be computed alone. The
+/// picture of a render is the mean of its passes.
 pub trait Integrator: Sync {
     /// Renders pass `pass`, counted from 0.
     fn pass(&self, pass: u32, monitor: &dyn Monitor) -> Pass;
@@ -18,7 +18,8 @@ pub trait Integrator: Sync {
     /// The effects that are simulated, and why.
     fn plan(&self) -> &Plan;
 
-    /// Estimated work of the first pass if only `effects` of the plan are simulated; excludes pilots.
+    /// Estimated work of the first pass if only `effects` of the plan are simulated; excludes
+    /// pilots.
     fn expected_work(&self, effects: Effects) -> Counters;
 
     /// Estimated memory of a pass, from few paths.

@@ -33,7 +33,8 @@ const VISIBLE_RADIUS: f32 = 0.01;
 /// Gather radius if the pilot stores no photon, in radii of the scene.
 const DEFAULT_RADIUS: f32 = 0.01;
 
-/// Least gain of guided emission, in paths saved; guided paths take longer, so a smaller gain is none.
+/// Least gain of guided emission, in paths saved; guided paths take longer, so a smaller gain is
+/// none.
 const MIN_GUIDING_GAIN: f64 = 1.5;
 
 /// Paths of the global map per path whose photons guide gather rays.
@@ -48,7 +49,8 @@ const MIN_K: f64 = 8.0;
 /// Memory of a photon beam with its boxes, in photons.
 const BEAM_SIZE: usize = 4;
 
-/// Least limit of a pilot: the k-th photon only bounds the disc, so one photon alone gives no density.
+/// Least limit of a pilot: the k-th photon only bounds the disc, so one photon alone gives no
+/// density.
 const MIN_PILOT_K: u32 = 2;
 
 /// Paths that measure the number of photons stored per path.
@@ -84,7 +86,8 @@ pub(super) struct PilotBudget {
     pub pass: u32,
     /// Traces one of this many paths of a pass.
     pub part: u32,
-    /// True if estimates take a limited number of photons; false takes all photons within the radius.
+    /// True if estimates take a limited number of photons; false takes all photons within the
+    /// radius.
     pub limited: bool,
 }
 
@@ -110,7 +113,8 @@ pub(super) struct PhotonMapBuilder<'a> {
 }
 
 impl<'a> PhotonMapBuilder<'a> {
-    /// Builder for the maps that `policy` reads. Pilots guide the emission and find radii that are not set.
+    /// Builder for the maps that `policy` reads. Pilots guide the emission and find radii that are
+    /// not set.
     pub fn new(scene: &'a Scene, settings: Settings, policy: PathPolicy) -> Self {
         let request = policy.photon_maps();
         let source = |stored: StoreMask, paths: u32, new_source: &dyn Fn() -> Option<PhotonSource<'a>>| {
@@ -359,7 +363,8 @@ impl<'a> PhotonMapBuilder<'a> {
         PhotonMaps { guides: PhotonMap::build(guides), caustic, smooth }
     }
 
-    /// Indexes `photons` for estimates of pass `budget.pass`, of at most `k` photons each (0: no limit).
+    /// Indexes `photons` for estimates of pass `budget.pass`, of at most `k` photons each (0: no
+    /// limit).
     fn estimator(
         &self,
         (photons, volume): (Vec<Photon>, Volume),

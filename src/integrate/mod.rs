@@ -1,8 +1,9 @@
 //! Algorithms that render a scene.
 //!
-//! [`Integrator`] is the one interface. `PathIntegrator` implements it for every algorithm that a `PathPolicy`
-//! expresses: read `hybrid.rs` for such a policy, and `camera_path.rs` for the loop that it steers. An algorithm that a
-//! policy cannot express implements [`Integrator`] itself, as `raycast.rs` does.
+//! [`Integrator`] is the one interface. `PathIntegrator` implements it for every algorithm that a
+//! `PathPolicy` expresses: read `hybrid.rs` for such a policy, and `camera_path.rs` for the loop
+//! that it steers. An algorithm that a policy cannot express implements [`Integrator`] itself, as
+//! `raycast.rs` does.
 
 mod algorithm;
 mod balance;

@@ -79,9 +79,11 @@ impl<'a> NextEventEstimator<'a> {
         self.schemes[usize::from(history.receivers > 0)]
     }
 
-    /// Unbiased estimate of the radiance that `vertex` scatters to its viewer from the lights \[W/(m² sr)].
+    /// Unbiased estimate of the radiance that `vertex` scatters to its viewer from the lights
+    /// \[W/(m² sr)].
     ///
-    /// If the path `continues`, it may hit a light itself. The estimate is then weighted by the balance heuristic.
+    /// If the path `continues`, it may hit a light itself. The estimate is then weighted by the
+    /// balance heuristic.
     pub fn estimate<I: Interior>(&self, vertex: &PathVertex<'_, I>, continues: bool, worker: &mut Worker) -> Rgb {
         let rays = match (self.scheme(vertex.history), &self.light_sampler) {
             (RayScheme::All(rays), _) => rays,
@@ -113,7 +115,8 @@ impl<'a> NextEventEstimator<'a> {
     ) -> Rgb {
         let point = &vertex.surface.point;
         let mut sum = Rgb::ZERO;
-        // One uniform number shifts equal strata: no light gets more rays than its expected count, rounded up.
+        // One uniform number shifts equal strata: no light gets more rays than its expected count,
+        // rounded up.
         let start = vertex.shadow_sampler.get_1d(Dimension::Light);
         for i in 0..rays {
             let u = stratum(i, start, rays);
@@ -125,7 +128,8 @@ impl<'a> NextEventEstimator<'a> {
         sum
     }
 
-    /// Expected number of shadow rays from `prev` to light `light` per steradian around unit direction `wi` \[1/sr].
+    /// Expected number of shadow rays from `prev` to light `light` per steradian around unit
+    /// direction `wi` \[1/sr].
     #[inline]
     pub fn pdf(&self, prev: &PrevVertex, light: usize, wi: Vec3, hit: Option<&SurfacePoint>) -> f32 {
         let rays = match (self.scheme(prev.history), &self.light_sampler) {
@@ -192,7 +196,8 @@ impl<'a> NextEventEstimator<'a> {
         target - sample.wi * self.scene.light_contact(light).min(0.5 * (target - p).length())
     }
 
-    /// Transmittance of an occluded shadow ray: 0 unless all surfaces in its way are null interfaces.
+    /// Transmittance of an occluded shadow ray: 0 unless all surfaces in its way are null
+    /// interfaces.
     fn transmittance_through_interfaces<I: Interior>(
         &self,
         light: usize,
@@ -222,7 +227,8 @@ impl<'a> NextEventEstimator<'a> {
     }
 }
 
-/// Point of stratum `i` of `count` in \[0, 1); `start` in \[0, 1) is its position within the stratum.
+/// Point of stratum `i` of `count` in \[0, 1); `start` in \[0, 1) is its position within the
+/// stratum.
 #[inline]
 fn stratum(i: u32, start: f32, count: u32) -> f32 {
     ((i as f32 + start) / count as f32).min(1.0 - f32::EPSILON / 2.0)

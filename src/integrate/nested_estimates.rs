@@ -16,11 +16,12 @@ pub struct Discs {
 
 /// Photon light of a pixel, estimated by discs of the full area and of smaller nested areas.
 ///
-/// The bias of an estimate grows with its disc. Differences between nested discs measure that bias: they share most of
-/// their noise.
+/// The bias of an estimate grows with its disc. Differences between nested discs measure that bias:
+/// they share most of their noise.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct NestedEstimates {
-    /// Estimate minus that of half the area, then that minus the one of a quarter of the area \[W/(m² sr)].
+    /// Estimate minus that of half the area, then that minus the one of a quarter of the area
+    /// \[W/(m² sr)].
     pub steps: [Rgb; LEVELS - 1],
     /// Discs in the caustic map; `None` if no estimate was made.
     pub caustic: Option<Discs>,
@@ -64,7 +65,8 @@ pub(super) struct NestedSum {
 }
 
 impl NestedSum {
-    /// Adds an estimate with weight `throughput` in the pixel; `radiance` holds its value at each level.
+    /// Adds an estimate with weight `throughput` in the pixel; `radiance` holds its value at each
+    /// level.
     #[inline]
     pub fn add(&mut self, throughput: Rgb, radiance: [Rgb; LEVELS]) {
         for (sum, pair) in self.ray.iter_mut().zip(radiance.windows(2)) {

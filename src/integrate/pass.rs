@@ -83,7 +83,8 @@ pub struct Pass {
     pub caustic: PhotonReport,
     /// Nested photon estimates of each pixel; empty unless requested.
     pub nested: Vec<NestedEstimates>,
-    /// Some pixels by fresh camera paths, each with its index in `image`; empty unless passes share their paths.
+    /// Some pixels by fresh camera paths, each with its index in `image`; empty unless passes share
+    /// their paths.
     pub fresh: Vec<(u32, Rgb)>,
 }
 

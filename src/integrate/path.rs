@@ -2,8 +2,9 @@
 //!
 //! # Algorithm
 //! - **Prepare**: nothing.
-//! - **Each pass**: trace camera paths. At each receiver a path does next-event estimation and continues in a direction
-//!   sampled by the BSDF. Light that both could find is weighted by the balance heuristic.
+//! - **Each pass**: trace camera paths. At each receiver a path does next-event estimation and
+//!   continues in a direction sampled by the BSDF. Light that both could find is weighted by the
+//!   balance heuristic.
 
 use super::policy::{Continuation, DirectionSampling, LightSampling, PathPolicy, PhotonLookups};
 use super::settings::Settings;

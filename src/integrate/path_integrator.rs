@@ -21,7 +21,8 @@ use crate::stats::Counters;
 use std::sync::Arc;
 use std::time::Instant;
 
-/// If passes share their camera paths, each traces about this many tiles by fresh paths to measure the shared error.
+/// If passes share their camera paths, each traces about this many tiles by fresh paths to measure
+/// the shared error.
 const FRESH_TILES: u32 = 48;
 
 /// Integrator whose camera paths follow a [`PathPolicy`].
@@ -94,7 +95,7 @@ impl Integrator for PathIntegrator<'_> {
     }
 
     fn nests_estimates(&self) -> bool {
-        self.settings.eye.gauge
+        self.settings.eye.estimate_error
     }
 
     fn guiding_reports(&self) -> GuidingReports {
@@ -103,7 +104,8 @@ impl Integrator for PathIntegrator<'_> {
 }
 
 impl<'a> PathIntegrator<'a> {
-    /// Prepares an algorithm for `scene`: finds radii, guides emission, and balances camera rays against photons.
+    /// Prepares an algorithm for `scene`: finds radii, guides emission, and balances camera rays
+    /// against photons.
     pub fn new(scene: &'a Scene, plan: Plan, settings: Settings, make_policy: PolicyFn) -> Self {
         let with_effects = |effects: Effects| {
             let policy = make_policy(effects, &settings);
@@ -175,7 +177,7 @@ impl<'a> PathIntegrator<'a> {
     pub fn render_pixels<I: Interior>(&self, paths: &PathContext<'_>, monitor: &dyn Monitor, out: &mut Pass) {
         let start = Instant::now();
         let (policy, camera, eye) = (paths.policy, paths.scene.camera(), &self.settings.eye);
-        let nested = eye.gauge && policy.reads_photons();
+        let nested = eye.estimate_error && policy.reads_photons();
         let mut sampling = FilmSampling {
             camera,
             filter: Some(&eye.filter),
@@ -207,7 +209,8 @@ impl<'a> PathIntegrator<'a> {
 
 /// Time of a pass in \[0, 1) of the shutter interval.
 ///
-/// The times of all passes are stratified: a power of two of them divides the interval in equal steps.
+/// The times of all passes are stratified: a power of two of them divides the interval in equal
+/// steps.
 fn shutter_time(seed: u64, pass: u32) -> f64 {
     let start = Key::new(seed).purpose(Purpose::Shutter).uniform(Dimension::Time);
     let step = f64::from(pass.reverse_bits()) / 4_294_967_296.0;

@@ -31,9 +31,11 @@ pub(super) struct PhotonMaps<'a> {
 }
 
 impl PhotonMaps<'_> {
-    /// Radiance that `vertex` reflects to its viewer from the light in both maps, times `samples` \[W/(m² sr)].
+    /// Radiance that `vertex` reflects to its viewer from the light in both maps, times `samples`
+    /// \[W/(m² sr)].
     ///
-    /// If one of a pixel's `samples` paths reads the maps for all of them, its estimate counts that many times.
+    /// If one of a pixel's `samples` paths reads the maps for all of them, its estimate counts that
+    /// many times.
     #[inline]
     pub fn radiance<I: Interior>(&self, vertex: &PathVertex<'_, I>, samples: u32, worker: &mut Worker) -> Rgb {
         let caustic = self.caustic_radiance(vertex, samples, worker);
@@ -41,7 +43,8 @@ impl PhotonMaps<'_> {
         (caustic + smooth) * samples as f32
     }
 
-    /// Radiance that `vertex` reflects to its viewer from the light in the caustic map \[W/(m² sr)].
+    /// Radiance that `vertex` reflects to its viewer from the light in the caustic map
+    /// \[W/(m² sr)].
     ///
     /// It is not multiplied by `samples`, the weight of the estimate in its pixel.
     #[inline]
@@ -49,7 +52,8 @@ impl PhotonMaps<'_> {
         self.caustic.radiance(vertex, samples, |w| (&mut w.caustic, &mut w.nested.caustic), worker)
     }
 
-    /// Radiance that a medium scatters to the start of a segment from the light in both maps, times `samples`.
+    /// Radiance that a medium scatters to the start of a segment from the light in both maps, times
+    /// `samples`.
     #[inline]
     pub fn radiance_in_medium<I: Interior>(
         &self,
@@ -71,7 +75,8 @@ impl PhotonEstimator<'_> {
 
     /// Radiance that `vertex` reflects to its viewer from the light in the map \[W/(m² sr)].
     ///
-    /// `scratch` yields the map's buffers of the worker. `samples` is the weight of the estimate in its pixel.
+    /// `scratch` yields the map's buffers of the worker. `samples` is the weight of the estimate in
+    /// its pixel.
     #[inline]
     fn radiance<I: Interior>(
         &self,
@@ -117,7 +122,8 @@ impl PhotonEstimator<'_> {
         let covered = coverage(self.scene, p, normal, whole.radius, kernel, key);
         let estimate = whole.radiance / covered;
         if covered != 1.0 {
-            // Probes of this pass's own, even if passes share their paths: the noise of shared probes is not blur.
+            // Probes of this pass's own, even if passes share their paths: the noise of shared
+            // probes is not blur.
             let key = vertex.shadow_sampler.key();
             let levels = nested_coverage(self.scene, p, normal, whole.radius, kernel, key);
             radiance.iter_mut().zip(levels).for_each(|(radiance, covered)| *radiance /= covered);

@@ -1,12 +1,14 @@
 //! `pm`: photon mapping with two maps of fixed radii (Jensen 2001, chapter 9).
 //!
 //! # Algorithm
-//! - **Prepare**: aim and guide photon emission, find gather radii, and balance camera rays against photons.
-//! - **Each pass**: trace new photons into a caustic map and a global map. Trace camera paths with next-event
-//!   estimation. At the first receiver a path reads the caustic map.
+//! - **Prepare**: aim and guide photon emission, find gather radii, and balance camera rays against
+//!   photons.
+//! - **Each pass**: trace new photons into a caustic map and a global map. Trace camera paths with
+//!   next-event estimation. At the first receiver a path reads the caustic map.
 //!   - *Direct visualization*: it also reads the global map there and ends.
-//!   - *Final gathering*: it sends a gather ray and reads both maps at the end of it, which hides the blur of the global
-//!     map and its seams at edges. A gather ray too short to help does not end the path: it continues from there.
+//!   - *Final gathering*: it sends a gather ray and reads both maps at the end of it, which hides
+//!     the blur of the global map and its seams at edges. A gather ray too short to help does not
+//!     end the path: it continues from there.
 
 use super::policy::{Continuation, DirectionSampling, LightSampling, PathPolicy, PhotonLookups};
 use super::settings::{FinalGathering, Settings};

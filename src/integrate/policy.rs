@@ -1,7 +1,8 @@
 //! The values that tell algorithms apart.
 //!
-//! A [`PathPolicy`] says what a camera path does at its vertices. Each algorithm's file makes one from the effects of
-//! the plan. Everything else follows from the policy: see [`PathPolicy::photon_maps`].
+//! A [`PathPolicy`] says what a camera path does at its vertices. Each algorithm's file makes one
+//! from the effects of the plan. Everything else follows from the policy: see
+//! [`PathPolicy::photon_maps`].
 
 use super::settings::Settings;
 use crate::photon::StoreMask;
@@ -27,7 +28,8 @@ pub(super) struct PathPolicy {
     pub continuation: Continuation,
     /// Direction sampling at receivers.
     pub directions: DirectionSampling,
-    /// True if a path also counts emission that reaches it as a caustic; false leaves caustics to photons.
+    /// True if a path also counts emission that reaches it as a caustic; false leaves caustics to
+    /// photons.
     pub counts_caustics: bool,
     /// Throughput below which a path ends; 0 uses Russian roulette instead.
     pub min_throughput: f32,
@@ -42,7 +44,8 @@ pub(super) struct PathPolicy {
 pub(super) enum LightSampling {
     /// This many shadow rays per vertex.
     Rays(u32),
-    /// One shadow ray per vertex. If the scene has few lights, one per light before the first receiver.
+    /// One shadow ray per vertex. If the scene has few lights, one per light before the first
+    /// receiver.
     OneRay,
     /// One shadow ray to the center of every light.
     Centers,
@@ -77,7 +80,8 @@ pub(super) enum DirectionSampling {
 pub(super) enum PhotonLookups {
     /// None.
     Never,
-    /// The caustic map and the map of light after caustics, at the first receiver, by one sample of each pixel.
+    /// The caustic map and the map of light after caustics, at the first receiver, by one sample of
+    /// each pixel.
     ///
     /// The other samples of the pixel would read the same photons.
     OncePerPixel,

@@ -4,7 +4,8 @@ use crate::photon::Kernel;
 
 /// Default exponent α of the radius law.
 ///
-/// Variance falls as N^−α, squared bias as N^2(α−1); ⅔ balances both (Kaplanyan and Dachsbacher 2013).
+/// Variance falls as N^−α, squared bias as N^2(α−1); ⅔ balances both (Kaplanyan and Dachsbacher
+/// 2013).
 pub const ALPHA: f64 = 2.0 / 3.0;
 
 /// Law by which gather radii change from pass to pass, with the kernel of the estimates.
@@ -26,8 +27,9 @@ pub fn shrink(alpha: f64, pass: u32) -> f64 {
 
 /// Radius of pass `pass` relative to the first pass, for a kernel in `dimensions` dimensions.
 ///
-/// The measure of the kernel follows [`shrink`], with 1 − α scaled by 3d/(4 + d). The default α becomes 4/(4 + d), which
-/// balances variance N^−α and squared bias N^4(α−1)/d. Discs (d = 2) keep their α.
+/// The measure of the kernel follows [`shrink`], with 1 − α scaled by 3d/(4 + d). The default α
+/// becomes 4/(4 + d), which balances variance N^−α and squared bias N^4(α−1)/d. Discs (d = 2) keep
+/// their α.
 #[must_use]
 pub(super) fn shrink_in(dimensions: u32, alpha: f64, pass: u32) -> f32 {
     let d = f64::from(dimensions);
@@ -51,7 +53,8 @@ mod tests {
         }
     }
 
-    /// The closed form Γ(N+α)/(Γ(1+α)Γ(N+1)) and its asymptote N^(α−1)/Γ(1+α), whose relative error is below 1/N.
+    /// The closed form Γ(N+α)/(Γ(1+α)Γ(N+1)) and its asymptote N^(α−1)/Γ(1+α), whose relative error
+    /// is below 1/N.
     #[test]
     fn the_product_is_the_ratio_of_gammas() {
         assert_eq!((shrink(ALPHA, 0), shrink(1.0, 1000), shrink_in(3, 1.0, 1000)), (1.0, 1.0, 1.0));

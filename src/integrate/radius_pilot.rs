@@ -22,16 +22,19 @@ const MIN_PATHS: u32 = 1 << 14;
 /// Stored photons for which the pilot finds the k-th neighbour.
 const PROBES: usize = 512;
 
-/// Quantile of the probes' k-th distances that becomes the radius: the rest of the photons is too sparse to serve.
+/// Quantile of the probes' k-th distances that becomes the radius: the rest of the photons is too
+/// sparse to serve.
 const QUANTILE: f64 = 0.75;
 
 /// Greatest radius as part of the scene's: beyond it, estimates blur the whole scene.
 const MAX_RADIUS: f32 = 0.1;
 
-/// Least radius as part of the distance to the origin: below it, single precision resolves too few positions.
+/// Least radius as part of the distance to the origin: below it, single precision resolves too few
+/// positions.
 const MIN_RADIUS: f32 = 1e-6;
 
-/// Least radius as part of the width of a pixel on the closest surface: no ray hits a smaller spot of light.
+/// Least radius as part of the width of a pixel on the closest surface: no ray hits a smaller spot
+/// of light.
 const PIXEL_PART: f32 = 0.125;
 
 /// Camera rays along each edge of the picture that find the closest surface.
@@ -67,15 +70,17 @@ pub struct GuidingReports {
     pub caustic: Option<GuidingReport>,
 }
 
-/// Number of paths of a pilot for passes of `paths` paths: `most`, or less if that would outweigh the passes.
+/// Number of paths of a pilot for passes of `paths` paths: `most`, or less if that would outweigh
+/// the passes.
 pub(super) fn pilot_paths(paths: u32, most: u32) -> u32 {
     paths.saturating_mul(MAX_PASSES).max(MIN_PATHS).min(most)
 }
 
-/// Radius within which three of four photons of a pass of `paths` paths have `k` neighbours \[length].
+/// Radius within which three of four photons of a pass of `paths` paths have `k` neighbours
+/// \[length].
 ///
-/// A smaller pilot finds it; `None` if the pilot stores no photon. The radius is at least `min_radius`. Otherwise it
-/// depends on the scene, the seed and the counts alone.
+/// A smaller pilot finds it; `None` if the pilot stores no photon. The radius is at least
+/// `min_radius`. Otherwise it depends on the scene, the seed and the counts alone.
 pub(super) fn find_radius(pass: &PhotonPass<'_>, paths: u32, k: u32, seed: u64, min_radius: f32) -> Option<f32> {
     let scene = pass.scene;
     let key = Key::new(seed).purpose(Purpose::Pilot);
@@ -104,7 +109,8 @@ pub(super) fn find_radius(pass: &PhotonPass<'_>, paths: u32, k: u32, seed: u64, 
     Some(scaled.max(min_radius).clamp(size.min(far) * MIN_RADIUS, size * MAX_RADIUS))
 }
 
-/// Least disc radius of the first pass \[length]: part of the width of a pixel on the closest visible surface.
+/// Least disc radius of the first pass \[length]: part of the width of a pixel on the closest
+/// visible surface.
 pub(super) fn min_disc_radius(scene: &Scene) -> f32 {
     let (width, spread) = scene.camera().pixel();
     let (columns, rows) = scene.camera().size();
@@ -130,7 +136,8 @@ impl Default for VolumeRadii {
     }
 }
 
-/// Kernel radii within which most rays find enough photons of a pass of `paths` paths in media \[length].
+/// Kernel radii within which most rays find enough photons of a pass of `paths` paths in media
+/// \[length].
 ///
 /// A smaller pilot finds them; `None` if it stores nothing in media.
 pub(super) fn find_volume_radii(

@@ -1,4 +1,5 @@
-//! `raycast`: ray casting with Phong's model, as the course defines it: no shadows, no falloff, no ambient term.
+//! `raycast`: ray casting with Phong's model, as the course defines it: no shadows, no falloff, no
+//! ambient term.
 
 use super::film::{self, FilmSampling, Rendered};
 use super::integrator::Integrator;
@@ -18,7 +19,8 @@ use std::time::Instant;
 pub(super) struct RayCast<'a> {
     scene: &'a Scene,
     plan: Plan,
-    /// Reconstruction filter; `None` sends one ray through the lower left corner of each pixel, as the course does.
+    /// Reconstruction filter; `None` sends one ray through the lower left corner of each pixel, as
+    /// the course does.
     filter: Option<Filter>,
     samples: u32,
     seed: u64,
@@ -49,7 +51,8 @@ impl Integrator for RayCast<'_> {
 }
 
 impl<'a> RayCast<'a> {
-    /// Ray casting with one ray per pixel as in the course, or with filtered rays if `settings` ask for several.
+    /// Ray casting with one ray per pixel as in the course, or with filtered rays if `settings` ask
+    /// for several.
     pub fn new(scene: &'a Scene, plan: Plan, settings: &EyeSettings) -> Self {
         let samples = settings.samples.unwrap_or(1);
         let filter = (samples > 1).then(|| settings.filter.clone());
@@ -78,8 +81,8 @@ impl<'a> RayCast<'a> {
 
 /// Phong's model for one light: c·(kd·max(0, N·L) + ks·max(0, V·R)ˢ) with R = 2(N·L)N − L.
 ///
-/// By the course's definition, surfaces that face away from the light keep their highlight. Normals are not flipped
-/// towards the viewer, and 0⁰ is 1.
+/// By the course's definition, surfaces that face away from the light keep their highlight. Normals
+/// are not flipped towards the viewer, and 0⁰ is 1.
 fn phong(surface: &SurfaceInteraction<'_>, look: &PhongAppearance, light: &LegacyLight) -> Rgb {
     let (to_light, color) = match light {
         LegacyLight::Point(position, color) => ((*position - surface.point.p).normalize_or_zero(), *color),

@@ -13,7 +13,8 @@ use crate::scene::Interior;
 use glam::Vec3;
 use std::cell::RefCell;
 
-/// Search radius of guiding photons, in lengths of the shortest gather ray that reads the global map.
+/// Search radius of guiding photons, in lengths of the shortest gather ray that reads the global
+/// map.
 const GUIDE_RADIUS: f32 = 4.0;
 
 /// Fills the worker's guide with the directions of photons near `vertex`.
@@ -65,7 +66,8 @@ pub(super) fn pdf<I: Interior>(
     worker.guide.pdf(wi).map_or(bsdf, |guide| 0.5 * (bsdf + guide))
 }
 
-/// True if directions at `vertex` are guided. Casters are not: the guide belongs to the last receiver.
+/// True if directions at `vertex` are guided. Casters are not: the guide belongs to the last
+/// receiver.
 #[inline]
 fn is_guided<I>(sampling: DirectionSampling, vertex: &PathVertex<'_, I>) -> bool {
     match sampling {

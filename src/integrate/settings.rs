@@ -19,8 +19,9 @@ pub struct EyeSettings {
     pub filter: Filter,
     /// True if a pilot distributes camera rays over the pixels by their noise.
     pub adaptive: bool,
-    /// True if passes return nested photon estimates, for error estimation. The picture stays the same.
-    pub gauge: bool,
+    /// True if passes return nested photon estimates, for error estimation. The picture stays the
+    /// same.
+    pub estimate_error: bool,
     /// Effects forced on or off against the plan.
     pub effects: EffectOverrides,
 }
@@ -33,7 +34,7 @@ impl Default for EyeSettings {
             seed: 0,
             filter: Filter::new(FilterKind::default()),
             adaptive: false,
-            gauge: false,
+            estimate_error: false,
             effects: EffectOverrides::PLANNED,
         }
     }
@@ -54,12 +55,14 @@ pub struct Settings {
     pub balance: bool,
     /// Limit on the photons of an estimate, 0 for no limit.
     ///
-    /// `None` sets [`CAUSTIC_K`](super::CAUSTIC_K) in the caustic map, and no limit in the smooth global map. The last
-    /// photon only bounds the disc, so 1 counts as 2.
+    /// `None` sets [`CAUSTIC_K`](super::CAUSTIC_K) in the caustic map, and no limit in the smooth
+    /// global map. The last photon only bounds the disc, so 1 counts as 2.
     pub gather_k: Option<u32>,
-    /// Largest gather radius of the first pass \[length]; `None` lets a pilot find one for each map.
+    /// Largest gather radius of the first pass \[length]; `None` lets a pilot find one for each
+    /// map.
     pub radius: Option<f32>,
-    /// Exponent of the radius law in (0, 1]; 1 keeps radii fixed. [`Algorithm::Pm`](super::Algorithm::Pm) ignores it.
+    /// Exponent of the radius law in (0, 1]; 1 keeps radii fixed.
+    /// [`Algorithm::Pm`](super::Algorithm::Pm) ignores it.
     pub alpha: f64,
     /// Kernel of the estimates.
     pub kernel: Kernel,
@@ -77,7 +80,8 @@ pub enum FinalGathering {
     /// Lookup at the end of a gather ray, sampled by the BSDF.
     #[default]
     Bsdf,
-    /// Lookup at the end of a gather ray, sampled in equal parts by the BSDF and by the directions of nearby photons.
+    /// Lookup at the end of a gather ray, sampled in equal parts by the BSDF and by the directions
+    /// of nearby photons.
     Importance,
 }
 

@@ -1,10 +1,12 @@
-//! `sppm`: stochastic progressive photon mapping (Hachisuka and Jensen 2009) by independent passes (Knaus and Zwicker
-//! 2011).
+//! `sppm`: stochastic progressive photon mapping (Hachisuka and Jensen 2009) by independent passes
+//! (Knaus and Zwicker 2011).
 //!
 //! # Algorithm
-//! - **Prepare**: aim and guide photon emission, find gather radii, and balance camera rays against photons.
-//! - **Each pass**: trace new photons into a caustic map and a global map. Trace new camera paths, which do next-event
-//!   estimation and read both maps at their first receiver, and end there. Gather radii shrink from pass to pass.
+//! - **Prepare**: aim and guide photon emission, find gather radii, and balance camera rays against
+//!   photons.
+//! - **Each pass**: trace new photons into a caustic map and a global map. Trace new camera paths,
+//!   which do next-event estimation and read both maps at their first receiver, and end there.
+//!   Gather radii shrink from pass to pass.
 
 use super::policy::{Continuation, DirectionSampling, LightSampling, PathPolicy, PhotonLookups};
 use super::settings::Settings;

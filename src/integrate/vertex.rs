@@ -58,7 +58,8 @@ impl<I: Interior> PathVertex<'_, I> {
         path_ray
     }
 
-    /// Unbiased transmittance of the interior over `distance` \[length] in unit direction `wi`; surfaces are ignored.
+    /// Unbiased transmittance of the interior over `distance` \[length] in unit direction `wi`;
+    /// surfaces are ignored.
     #[inline]
     pub fn transmittance(&self, scene: &Scene, wi: Vec3, distance: f32) -> Rgb {
         let path_ray = self.leaving(wi);
@@ -89,7 +90,8 @@ pub(super) struct MediumVertex<'a, I> {
 pub(super) struct PrevVertex {
     /// Position of the vertex.
     pub p: Vec3,
-    /// Normal of the hemisphere from which light scatters there; `None` if that is the whole sphere.
+    /// Normal of the hemisphere from which light scatters there; `None` if that is the whole
+    /// sphere.
     pub hemisphere: Option<Vec3>,
     /// Receivers and casters before the vertex.
     pub history: PathHistory,

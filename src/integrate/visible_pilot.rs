@@ -20,7 +20,8 @@ const MAX_RADIUS: f32 = 0.1;
 
 /// Points that the camera sees directly or over casters, spread over the picture.
 ///
-/// A photon counts as visible within `radius` \[length] of a point, or less if the visible part of the scene is small.
+/// A photon counts as visible within `radius` \[length] of a point, or less if the visible part of
+/// the scene is small.
 pub(super) fn visible_points(scene: &Scene, settings: &EyeSettings, effects: Effects, radius: f32) -> VisiblePointMap {
     let policy = policy(effects);
     let nee = NextEventEstimator::new(scene, &policy);

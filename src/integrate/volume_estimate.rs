@@ -15,7 +15,8 @@ pub enum VolumeEstimate {
     /// Photon beams near the ray (Jarosz et al. 2011). Media of varied density use `BeamRadiance`.
     #[default]
     Beams,
-    /// Scattered photons near the ray: the beam radiance estimate (Jarosz, Zwicker and Jensen 2008).
+    /// Scattered photons near the ray: the beam radiance estimate (Jarosz, Zwicker and Jensen
+    /// 2008).
     BeamRadiance,
     /// Scattered photons near a point of the ray (Jensen and Christensen 1998).
     Points,
@@ -178,7 +179,8 @@ impl VolumeMap {
         sums.times(Rgb::ONE)
     }
 
-    /// Estimate of scattered photons by a three-dimensional kernel around one sampled point of the ray.
+    /// Estimate of scattered photons by a three-dimensional kernel around one sampled point of the
+    /// ray.
     fn from_points_at_sample<I: Interior>(
         &self,
         vertex: &MediumVertex<'_, I>,
@@ -213,7 +215,8 @@ fn over_scattering(weight: Rgb, medium: &Medium, p: Vec3) -> Rgb {
 
 /// Factor on the flux of a photon with wavelength code `other`, for a path with wavelength `own`.
 ///
-/// If both have a wavelength, a box kernel of half width `band` \[nm] replaces the photon's own spectral weight.
+/// If both have a wavelength, a box kernel of half width `band` \[nm] replaces the photon's own
+/// spectral weight.
 pub(super) fn wavelength_overlap(own: Option<Wavelength>, other: u8, band: f32) -> Rgb {
     let (Some(own), Some(other)) = (own, Wavelength::from_code(other)) else { return Rgb::ONE };
     let apart = (own.nanometres() - other.nanometres()).abs();

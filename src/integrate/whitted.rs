@@ -2,8 +2,9 @@
 //!
 //! # Algorithm
 //! - **Prepare**: nothing.
-//! - **Each pass**: trace camera rays over mirrors and glass, split by the Fresnel reflectance. Shade the first receiver
-//!   by shadow rays to the center of each light. A branch ends where it is too deep or too faint.
+//! - **Each pass**: trace camera rays over mirrors and glass, split by the Fresnel reflectance.
+//!   Shade the first receiver by shadow rays to the center of each light. A branch ends where it is
+//!   too deep or too faint.
 
 use super::policy::{Continuation, DirectionSampling, LightSampling, PathPolicy, PhotonLookups};
 use super::settings::Settings;

@@ -1,4 +1,5 @@
-//! Pilot that measures the noise and the work of a pass, at few points of the film and with few photons.
+//! Pilot that measures the noise and the work of a pass, at few points of the film and with few
+//! photons.
 
 use super::balance::{self, Balance, Part};
 use super::film_points::{FilmPoint, trace_points};
@@ -24,7 +25,8 @@ struct PointEstimates {
 }
 
 impl PathIntegrator<'_> {
-    /// Numbers of camera rays and photons that give the least noise for the same work; `None` without photons.
+    /// Numbers of camera rays and photons that give the least noise for the same work; `None`
+    /// without photons.
     ///
     /// The result depends on the scene and the settings alone.
     pub fn find_balance(&self) -> Option<Balance> {
@@ -40,7 +42,8 @@ impl PathIntegrator<'_> {
         };
         let ((mut maps, made), (mut other_maps, _)) = (build(0), build(1));
 
-        // Estimate the radiance at each point four times: as is, and with one source of noise replaced each time.
+        // Estimate the radiance at each point four times: as is, and with one source of noise
+        // replaced each time.
         let (points, other_points) = (self.film_points(key, 0), self.film_points(key, 1));
         let reference = self.estimate(Some(&maps), &points);
         let other_camera = self.estimate(Some(&maps), &other_points);
@@ -133,7 +136,8 @@ impl PathIntegrator<'_> {
         f64::from(width) * f64::from(height)
     }
 
-    /// Points of the film, spread over the picture. Points with equal index in two sets lie in one pixel.
+    /// Points of the film, spread over the picture. Points with equal index in two sets lie in one
+    /// pixel.
     fn film_points(&self, key: Key, set: u32) -> Vec<FilmPoint> {
         let (width, height) = self.scene.camera().size();
         let size = Vec2::new(width as f32, height as f32);

@@ -193,7 +193,8 @@ fn judge(features: &SceneFeatures, effect: Effect, before: Effects) -> Result<Re
             need(features.lights + features.emitting_media > 0 || hazy, Reason::NoLight)?;
             any(receivers, Reason::NoReceiver)?;
             any(scattering, Reason::BlackReceivers)?;
-            // Paths that continue at a receiver also find part of the light of soft lights. Those never avoid the plane.
+            // Paths that continue at a receiver also find part of the light of soft lights. Those
+            // never avoid the plane.
             need(!features.one_flat_object, Reason::OneFlatObject)?;
             Ok(Reason::Objects(scattering, "may light other objects"))
         }

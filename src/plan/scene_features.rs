@@ -79,7 +79,8 @@ impl SceneFeatures {
             moving: scene.moves(),
             one_flat_object: false,
         };
-        // The domain of a scene of planes alone is a point. Light from infinity has no power there, but it still lights.
+        // The domain of a scene of planes alone is a point. Light from infinity has no power there,
+        // but it still lights.
         let domain = Sphere { center: Vec3::ZERO, radius: 1.0 };
         let lights: Vec<&Light> = scene.lights().iter().filter(|l| l.power(domain) != Rgb::ZERO).collect();
         features.lights = lights.len();

@@ -1,11 +1,12 @@
 //! Keyed randomness: every random number is a pure function of its name.
 //!
-//! A name is (seed, purpose, pass, path, vertex, dimension). No number depends on the thread or on the count of
-//! earlier draws. A skipped effect therefore shifts no other number, and any pass can be computed alone.
+//! A name is (seed, purpose, pass, path, vertex, dimension). No number depends on the thread or on
+//! the count of earlier draws. A skipped effect therefore shifts no other number, and any pass can
+//! be computed alone.
 //!
 //! # Map of the key space
-//! A [`Key`] is derived from its parent by one 64-bit word. The functions below make every word that the renderer
-//! uses. Words of one parent must differ; the last column says why they do.
+//! A [`Key`] is derived from its parent by one 64-bit word. The functions below make every word
+//! that the renderer uses. Words of one parent must differ; the last column says why they do.
 //!
 //! | parent | function | word | distinct because |
 //! | --- | --- | --- | --- |
@@ -270,7 +271,8 @@ mod tests {
         assert_eq!(base(1, 2, 3, 4).bits(Dimension::Light), reference);
     }
 
-    /// Chi-square test of a million points with consecutive keys over 32² cells; false-alarm rate 10⁻⁴ per tail.
+    /// Chi-square test of a million points with consecutive keys over 32² cells; false-alarm rate
+    /// 10⁻⁴ per tail.
     #[test]
     fn consecutive_keys_are_uniform() {
         const CELLS: usize = 32;
@@ -284,7 +286,8 @@ mod tests {
         }
         let expected = n as f64 / (CELLS * CELLS) as f64;
         let chi2: f64 = counts.iter().map(|c| (f64::from(*c) - expected) * (f64::from(*c) - expected) / expected).sum();
-        // Wilson–Hilferty: the cube root of χ²/ν is normal with mean 1 − 2/(9ν) and variance 2/(9ν).
+        // Wilson–Hilferty: the cube root of χ²/ν is normal with mean 1 − 2/(9ν) and variance
+        // 2/(9ν).
         let nu = (CELLS * CELLS - 1) as f64;
         let z = (libm::cbrt(chi2 / nu) - (1.0 - 2.0 / (9.0 * nu))) / (2.0 / (9.0 * nu)).sqrt();
         assert!(z.abs() < 3.9, "z = {z}");

@@ -5,7 +5,8 @@ use glam::Vec2;
 
 /// Sampler of sample `index` out of `count` that share a key.
 ///
-/// Each number alone is uniform. The numbers of all `count` samples are stratified in each dimension.
+/// Each number alone is uniform. The numbers of all `count` samples are stratified in each
+/// dimension.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sampler {
     key: Key,
@@ -20,14 +21,16 @@ impl Sampler {
         Self { key, index, count }
     }
 
-    /// This sample at the child key for word `n`. Code of the renderer uses the named functions below.
+    /// This sample at the child key for word `n`. Code of the renderer uses the named functions
+    /// below.
     #[inline]
     #[must_use]
     pub fn with(self, n: u64) -> Self {
         Self { key: self.key.with(n), ..self }
     }
 
-    /// Sampler of the vertex that follows after `bounce` bounces; `transmitted` tells the branches of a split apart.
+    /// Sampler of the vertex that follows after `bounce` bounces; `transmitted` tells the branches
+    /// of a split apart.
     #[inline]
     #[must_use]
     pub fn next_vertex(self, bounce: u32, transmitted: bool) -> Self {
@@ -41,7 +44,8 @@ impl Sampler {
         self.with(u64::from(bounce))
     }
 
-    /// Sampler of the shadow rays of this vertex in pass `pass`. It differs between passes that share camera paths.
+    /// Sampler of the shadow rays of this vertex in pass `pass`. It differs between passes that
+    /// share camera paths.
     #[inline]
     #[must_use]
     pub fn shadow_rays(self, pass: u32) -> Self {

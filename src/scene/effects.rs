@@ -111,8 +111,8 @@ impl Effect {
 
 /// Effects compiled into the program.
 ///
-/// The variable `CAUSTICA_WITHOUT` removes one effect at build time. `.ci/cost-of-effects` uses it to measure the cost
-/// that code of one effect adds to scenes without it.
+/// The variable `CAUSTICA_WITHOUT` removes one effect at build time. `.ci/cost-of-effects` uses it
+/// to measure the cost that code of one effect adds to scenes without it.
 const BUILT: Effects = match option_env!("CAUSTICA_WITHOUT") {
     None => Effects::ALL,
     Some(name) => {

@@ -11,7 +11,8 @@ use crate::scene::{Interior, MediumSegment, PathEvent};
 use glam::DVec3;
 use rand::rngs::SmallRng;
 
-/// Advances `path` to its next vertex and adds to `radiance` what the media along the segment emit and scatter.
+/// Advances `path` to its next vertex and adds to `radiance` what the media along the segment emit
+/// and scatter.
 ///
 /// Returns the event that ends the segment, and the phase function of a scattering event.
 pub(super) fn next_vertex<'a, I: Interior>(
@@ -33,7 +34,8 @@ pub(super) fn next_vertex<'a, I: Interior>(
     (event, phase)
 }
 
-/// Adds the radiance from one segment of a medium; returns the distance at which the path scatters, if it does.
+/// Adds the radiance from one segment of a medium; returns the distance at which the path scatters,
+/// if it does.
 ///
 /// `weight` is the factor on the throughput for all segments since the last vertex.
 fn cross_medium<I: Interior>(
@@ -98,7 +100,8 @@ fn photon_radiance<I: Interior>(
     }
 }
 
-/// Continues `path` from a scattering event in a sampled direction; false if Russian roulette ends it.
+/// Continues `path` from a scattering event in a sampled direction; false if Russian roulette ends
+/// it.
 pub(super) fn scatter<I: Interior>(path: &mut PathState<I>, phase: PhaseFunction) -> bool {
     let mut next = *path;
     let (direction, pdf) = phase.sample(next.path_ray.ray.direction, path.sampler.get_2d(Dimension::Phase));

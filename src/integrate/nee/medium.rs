@@ -20,10 +20,12 @@ struct ScatterPoint {
 }
 
 impl NextEventEstimator<'_> {
-    /// Unbiased estimate of the radiance that a medium scatters from the lights to the start of a segment \[W/(m² sr)].
+    /// Unbiased estimate of the radiance that a medium scatters from the lights to the start of a
+    /// segment \[W/(m² sr)].
     ///
-    /// `distance_sample` is where the path itself would scatter. If the path `continues` from there, it may hit a light.
-    /// The estimate is then weighted by the balance heuristic over directions.
+    /// `distance_sample` is where the path itself would scatter. If the path `continues` from
+    /// there, it may hit a light. The estimate is then weighted by the balance heuristic over
+    /// directions.
     pub fn estimate_in_medium<I: Interior>(
         &self,
         vertex: &MediumVertex<'_, I>,
@@ -69,7 +71,8 @@ impl NextEventEstimator<'_> {
         sum
     }
 
-    /// Contribution of one shadow ray from `point` to light `light`, which gets `rays` of them in expectation.
+    /// Contribution of one shadow ray from `point` to light `light`, which gets `rays` of them in
+    /// expectation.
     #[expect(clippy::too_many_arguments, reason = "one call's inputs, all of different kinds")]
     fn shadow_ray_in_medium<I: Interior>(
         &self,
@@ -115,9 +118,11 @@ impl NextEventEstimator<'_> {
     }
 }
 
-/// Samples a scattering point in a homogeneous medium, in equal parts by transmittance and equiangularly around `pivot`.
+/// Samples a scattering point in a homogeneous medium, in equal parts by transmittance and
+/// equiangularly around `pivot`.
 ///
-/// Equiangular sampling: Kulla and Fajardo 2012, "Importance Sampling Techniques for Path Tracing in Participating Media".
+/// Equiangular sampling: Kulla and Fajardo 2012, "Importance Sampling Techniques for Path Tracing
+/// in Participating Media".
 fn sample_near<I: Interior>(vertex: &MediumVertex<'_, I>, pivot: Vec3, sampler: Sampler) -> Option<ScatterPoint> {
     let MediumSegment { ray, medium, .. } = vertex.segment;
     let mut rng = sampler.key().distance_in_medium().rng();

@@ -39,7 +39,8 @@ fn tiny_images_are_finite_with_every_integrator() {
                     continue;
                 }
                 let gauged = algorithm != Algorithm::Raycast;
-                let eye = EyeSettings { samples: Some(1), gauge: gauged, max_bounces: 8, ..EyeSettings::default() };
+                let eye =
+                    EyeSettings { samples: Some(1), estimate_error: gauged, max_bounces: 8, ..EyeSettings::default() };
                 let settings = Settings {
                     eye,
                     photons: 2000,
