@@ -34,7 +34,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Exit, Failure> {
         image::check_layers_path(path).map_err(Failure::output)?;
     }
     if let Some(path) = &arguments.stats {
-        image::check_place(path).map_err(Failure::output)?;
+        image::check_replaceable(path).map_err(Failure::output)?;
     }
     check_distinct(&outputs(arguments), &[NamedFile::new("the scene file", &arguments.scene.scene)])?;
     listen("the picture");

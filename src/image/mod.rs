@@ -24,6 +24,6 @@ pub(crate) use open::open_file;
 pub use ramp::{diverging, sequential};
 pub use read::{InputFormat, Meaning, decode, read, read_bytes, read_data, read_with_format, read_within};
 pub use relative::RelativeScale;
-pub use replace::{check_place, final_path, replace_file, replace_with};
+pub use replace::{check_replaceable, final_path, replace_file, replace_with};
 pub use tone::{Curve, MAX_EXPOSURE_STOPS, ToneMap, UnknownCurve, WriteReport};
 pub use write::{BitDepth, FloatDepth, OutputFormat, WriteOptions, check_writable, encode, write};

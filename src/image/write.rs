@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::buffer::Image;
 use super::error::WriteError;
-use super::replace::{check_place, replace_file};
+use super::replace::{check_replaceable, replace_file};
 use super::tone::{ToneMap, WriteReport};
 use super::{exr, png};
 
@@ -102,7 +102,7 @@ pub fn write(path: &Path, image: &Image, options: &WriteOptions) -> Result<Write
 /// [`WriteError`] that [`write`](fn@write) would return.
 pub fn check_writable(path: &Path) -> Result<(), WriteError> {
     OutputFormat::from_path(path)?;
-    check_place(path)
+    check_replaceable(path)
 }
 
 /// Checks the rules of PNG keywords (ISO/IEC 15948, 11.3.4.2), restricted to ASCII.
@@ -129,58 +129,4 @@ pub(super) fn check_metadata(metadata: &[(String, String)]) -> Result<(), WriteE
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::image::{Curve, read};
-    use glam::Vec3;
-    use std::fs;
-
-    #[test]
-    fn the_extension_chooses_the_format() {
-        let format = |path: &str| OutputFormat::from_path(Path::new(path)).ok();
-        assert_eq!([format("a.png"), format("b/c.EXR")], [Some(OutputFormat::Png), Some(OutputFormat::Exr)]);
-        for path in ["a.jpg", "png", ".png", ""] {
-            let message = check_writable(Path::new(path)).unwrap_err().to_string();
-            assert!(message.contains(".png") && message.contains(".exr"), "{message}");
-        }
-    }
-
-    #[test]
-    fn written_pictures_are_read_back() {
-        let folder = tempfile::tempdir().unwrap();
-        let image = Image::from_pixels(2, 1, vec![Vec3::new(1.0, 0.0, 4.0), Vec3::splat(f32::NAN)]).unwrap();
-        let (png, exr) = (folder.path().join("a.png"), folder.path().join("a.exr"));
-        let options = WriteOptions::default();
-        let report = write(&png, &image, &options).unwrap();
-        assert_eq!(report, WriteReport { non_finite: 1, too_bright: 1, negative: 0 });
-        assert_eq!(read(&png).unwrap().pixels(), [Vec3::new(1.0, 0.0, 1.0), Vec3::ZERO]);
-        assert_eq!(write(&exr, &image, &options).unwrap().non_finite, 1);
-        assert_eq!(read(&exr).unwrap().pixels()[0], image.pixels()[0]);
-    }
-
-    #[test]
-    fn bad_options_leave_the_old_file() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.png");
-        fs::write(&path, "old").unwrap();
-        let image = Image::new(1, 1).unwrap();
-        let long = "k".repeat(80);
-        for (key, text) in [("", "x"), (long.as_str(), "x"), (" k", "x"), ("Ω", "x"), ("a  b", "x"), ("k", "a\0b")] {
-            let options = WriteOptions { metadata: vec![(key.to_owned(), text.to_owned())], ..Default::default() };
-            assert!(matches!(write(&path, &image, &options), Err(WriteError::Metadata { .. })), "{key:?} {text:?}");
-        }
-        let tone = ToneMap { curve: Curve::Srgb, exposure_stops: f32::NAN };
-        let options = WriteOptions { tone, ..Default::default() };
-        assert!(matches!(write(&path, &image, &options), Err(WriteError::Exposure { .. })));
-        assert_eq!(fs::read(&path).unwrap(), b"old");
-    }
-
-    #[test]
-    fn the_longest_key_is_stored_in_both_formats() {
-        let image = Image::new(1, 1).unwrap();
-        let options = WriteOptions { metadata: vec![("k".repeat(79), "line\nline".to_owned())], ..Default::default() };
-        for format in [OutputFormat::Png, OutputFormat::Exr] {
-            encode(format, &image, &options).unwrap();
-        }
-    }
-}
+mod tests;

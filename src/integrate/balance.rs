@@ -79,7 +79,7 @@ pub(super) fn divide(parts: &[Part; 3]) -> [f64; 3] {
 
 /// Work of camera paths, in rays of photons.
 pub(super) fn tracing(counters: &Counters) -> f64 {
-    CAMERA_RAY * (counters.camera_rays + counters.onward_rays + counters.shadow_rays) as f64
+    CAMERA_RAY * (counters.camera_rays + counters.continuation_rays + counters.shadow_rays) as f64
 }
 
 /// Work of photon estimates, in rays of photons.

@@ -87,7 +87,7 @@ pub(super) fn radiance<I: Interior>(
     while let Some(mut path) = branch {
         loop {
             // Find the next vertex; add in-scattering and emission of the media along the segment.
-            worker.counters.onward_rays += u64::from(path.bounce > 0);
+            worker.counters.continuation_rays += u64::from(path.bounce > 0);
             let (event, phase) = if I::IMMERSED {
                 media::next_vertex(paths, &mut path, worker, &mut radiance)
             } else {

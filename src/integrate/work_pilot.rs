@@ -106,7 +106,7 @@ impl PathIntegrator<'_> {
         let budget = PilotBudget { key, pass: 0, part: PILOT_PART, limited: true };
         let maps = self.map_builder.build_within(&budget, &Silent, &mut out);
         let counters = self.estimate(Some(&maps), &self.film_points(key, 0)).counters;
-        let Counters { onward_rays, shadow_rays, gathers, gathered_photons, .. } = counters;
+        let Counters { continuation_rays, shadow_rays, gathers, gathered_photons, .. } = counters;
         let scaled = |n: u64, factor: f64| (n as f64 * factor).round() as u64;
         let pixels = self.pixels() / f64::from(POINTS);
         let samples = f64::from(self.samples) * self.pixels() / f64::from(POINTS);
@@ -114,7 +114,7 @@ impl PathIntegrator<'_> {
         let photons = f64::from(PILOT_PART);
         Counters {
             camera_rays: u64::from(self.samples) * self.pixels() as u64,
-            onward_rays: scaled(onward_rays, samples),
+            continuation_rays: scaled(continuation_rays, samples),
             shadow_rays: scaled(shadow_rays, samples),
             photon_rays: scaled(out.counters.photon_rays, photons),
             gathers: scaled(gathers, estimates),

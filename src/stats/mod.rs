@@ -15,7 +15,7 @@ pub struct Counters {
     /// Camera rays through pixels.
     pub camera_rays: u64,
     /// Rays that continue a camera path after a surface or a scattering event.
-    pub onward_rays: u64,
+    pub continuation_rays: u64,
     /// Shadow rays.
     pub shadow_rays: u64,
     /// Ray segments of photon paths.
@@ -33,7 +33,7 @@ pub struct Counters {
 impl AddAssign for Counters {
     fn add_assign(&mut self, o: Self) {
         self.camera_rays += o.camera_rays;
-        self.onward_rays += o.onward_rays;
+        self.continuation_rays += o.continuation_rays;
         self.shadow_rays += o.shadow_rays;
         self.photon_rays += o.photon_rays;
         self.gathers += o.gathers;
@@ -47,7 +47,7 @@ impl Counters {
     /// Sum of all camera, continuation, shadow and photon rays.
     #[must_use]
     pub fn rays(&self) -> u64 {
-        self.camera_rays + self.onward_rays + self.shadow_rays + self.photon_rays
+        self.camera_rays + self.continuation_rays + self.shadow_rays + self.photon_rays
     }
 }
 

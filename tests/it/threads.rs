@@ -75,7 +75,7 @@ fn any_thread_count_gives_same_bits() {
     for (image, counters, global, caustic) in passes {
         // The scene exercises all there is; a black picture would be the same on any machine, too.
         assert!(image.iter().flatten().filter(|bits| **bits != 0).count() > image.len());
-        assert!(counters.onward_rays > 0 && counters.shadow_rays > 0 && counters.gathered_photons > 0);
+        assert!(counters.continuation_rays > 0 && counters.shadow_rays > 0 && counters.gathered_photons > 0);
         assert!(global.stored > 1000 && caustic.stored > 1000 && counters.rejected_samples == 0);
         assert_eq!((global.emitted, caustic.emitted), (PHOTONS.into(), PHOTONS.into()));
     }

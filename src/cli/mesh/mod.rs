@@ -10,7 +10,7 @@ use super::progress::{Progress, tell};
 use super::{Exit, Failure};
 use crate::format::mesh::{self, Loaded, MeshError, MeshFormat, MeshReport, Repair, Repaired, TriangleMesh};
 use crate::format::mtl;
-use crate::image::check_place;
+use crate::image::check_replaceable;
 use crate::stats::Memory;
 use glam::DVec3;
 use serde::Serialize;
@@ -114,7 +114,7 @@ fn check_room(path: &Path, mesh: &TriangleMesh, memory: Memory) -> Result<(), Fa
 fn format_of(path: &Path, arguments: &MeshArguments) -> Result<MeshFormat, Failure> {
     let format = MeshFormat::of(path, arguments.ascii);
     let format = format.ok_or_else(|| Failure::new(Exit::Output, NoFormat { path: path.to_owned() }))?;
-    check_place(path).map_err(Failure::output)?;
+    check_replaceable(path).map_err(Failure::output)?;
     check_distinct(&[NamedFile::new("-o", path)], &[NamedFile::new("the mesh", &arguments.mesh)])?;
     Ok(format)
 }

@@ -3,7 +3,7 @@
 use crate::cli::outputs::{NamedFile, OutputFailures, check_distinct};
 use crate::cli::progress::Progress;
 use crate::cli::{Exit, Failure, StudyArguments};
-use crate::image::{OutputFormat, check_place, check_writable, replace_file};
+use crate::image::{OutputFormat, check_replaceable, check_writable, replace_file};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
@@ -34,7 +34,7 @@ impl<'a, F> Outputs<'a, F> {
                 let known = known.iter().map(|(extension, _)| format!(".{extension}")).collect::<Vec<_>>().join(" or ");
                 Failure::new(Exit::Output, NoReport { path: path.clone(), known })
             })?;
-            check_place(path).map_err(Failure::output)?;
+            check_replaceable(path).map_err(Failure::output)?;
             Ok((path.as_path(), *writer))
         };
         let outputs = arguments.output.iter().map(writer).collect::<Result<_, _>>().map(Self)?;

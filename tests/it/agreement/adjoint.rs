@@ -1,8 +1,9 @@
-//! Light walked from the lamp and from the eye is one transport: what lands on a window of the floor, counted by photons, is
-//! what path tracing sees there.
+//! Adjoint transport: photons that land in a window of the floor carry the flux that path tracing
+//! sees there.
 //!
-//! A camera that looks straight at a plane gives each of its parts the same weight, so the mean over the picture is ρE/π for
-//! the mean irradiance E of the window. Neither side estimates a density, so neither is biased.
+//! A camera that looks straight at a plane weights each part of it equally. So the mean over the
+//! image is ρE/π for the window's mean irradiance E. Neither side estimates a density, so neither
+//! is biased.
 
 use super::compare::{Estimate, Grid, Renders, compare, compare_renders};
 use super::methods::{Effort, Method};
@@ -14,17 +15,18 @@ use std::f64::consts::PI;
 
 const ALBEDO: f64 = 0.5;
 
-/// Enough for two per cent, and where shading normals make the weights of photons uneven.
+/// Enough passes for 2 %, even where shading normals make photon weights uneven.
 const PASSES: u32 = 12;
 const UNEVEN: u32 = 24;
 
-/// The camera looks down from this height with 90°: the window is twice as wide.
+/// Half the width of the window. The camera looks down from this height with a field of view of
+/// 90°.
 const HALF: f64 = 0.4;
 
-/// A lamp that shines up beside the window, of which the floor sees only what a ceiling sends down.
+/// A light beside the window that faces up. The floor sees only what a ceiling reflects.
 const UP: &str = "RectangleLight { corner .5 .5 -.4  edge0 0 0 1  edge1 1 0 0  radiance 6 5 4 }";
 
-/// A lamp above, aside of the middle.
+/// A light above, off the center.
 const DOWN: &str = "RectangleLight { corner -.3 2.2 -.7  edge0 1 0 0  edge1 0 0 1  radiance 6 5 4 }";
 
 const CEILING: &str = "Rectangle { corner -1.5 1.3 -1.5  edge0 3 0 0  edge1 0 0 3 }";
@@ -42,7 +44,7 @@ fn room(light: &str, materials: &str, objects: &str) -> Scene {
     ))
 }
 
-/// Mean irradiance of the window times ρ/π, by photons.
+/// Returns the window's mean irradiance times ρ/π, by photons.
 fn by_photons(scene: &Scene, wants: StoreMask, passes: u32) -> Estimate {
     let traced = trace(scene, wants, 1000, passes, 1 << 17);
     let window = |p: DVec3| p.y.abs() < 1e-3 && p.x.abs() < HALF && p.z.abs() < HALF;
@@ -54,7 +56,8 @@ fn by_photons(scene: &Scene, wants: StoreMask, passes: u32) -> Estimate {
     Estimate { mean: vec![mean], variance: vec![squares / n / (n - 1.0)], bias: vec![DVec3::ZERO], dof: n - 1.0 }
 }
 
-/// `least` is the part of the flux that must come by the object, so that the comparison is one of the object.
+/// Compares both sides. `least` is the least fraction of the flux that must involve the object, so
+/// that the comparison tests it.
 fn check(what: &str, scene: &Scene, least: f64) {
     check_with(PASSES, what, scene, least);
 }
@@ -100,7 +103,7 @@ fn refractions_agree_from_camera_and_light() {
     }
 }
 
-/// Interpolated normals: what walks from the lamp carry is corrected for them (Veach 1997, section 5.3).
+/// Interpolated normals: light subpaths are corrected for them (Veach 1997, section 5.3).
 #[test]
 fn shading_normals_agree_from_camera_and_light() {
     for (name, light, material, least) in [
@@ -120,7 +123,8 @@ fn shading_normals_agree_from_camera_and_light() {
     }
 }
 
-/// Bodies in bodies, by priority: ice that lies in water and in its glass, and oil that overlaps the glass from outside.
+/// Nested dielectrics by priority: ice in water in a glass, and oil that overlaps the glass from
+/// outside.
 #[test]
 fn nested_dielectrics_agree_from_camera_and_light() {
     let materials = "Dielectric glass { indexOfRefraction 1.5  absorption .3 .3 .1 }
@@ -134,7 +138,7 @@ fn nested_dielectrics_agree_from_camera_and_light() {
     check("nested bodies", &room(DOWN, materials, objects), 0.3);
 }
 
-/// A lamp within bodies shines out of them.
+/// A light inside dielectric bodies.
 #[test]
 fn enclosed_light_agrees_from_camera_and_light() {
     let lamp = "SphereLight { center .05 1.1 0  radius .2  radiance 6 5 4 }";
@@ -155,8 +159,8 @@ fn enclosed_light_agrees_from_camera_and_light() {
     check("lamp and matt ball under water", &room(lamp, water, objects), 0.99);
 }
 
-/// Photons that land by the geometric normal and are seen by the shading normal: the coarse ball fills the picture, lit over a
-/// mirror, so that all its light is theirs.
+/// Photons land by the geometric normal; a camera sees them by the shading normal. A coarse ball
+/// fills the image, lit over a mirror, so that all its light comes by photons.
 #[test]
 fn diffuse_shading_normals_agree_from_camera_and_light() {
     let scene = scene(&format!(

@@ -1,4 +1,4 @@
-//! Pictures by tiles, with error bars.
+//! Comparison of images by tiles, with standard errors.
 
 use super::methods::{Effort, Method, passes};
 use crate::support::{HUE, student};
@@ -9,13 +9,13 @@ use glam::DVec3;
 /// False-alarm rate of one [`compare`], over all its tiles and channels.
 pub const RATE: f64 = 1e-5;
 
-/// A picture cut into tiles.
+/// Partition of an image into square tiles.
 pub struct Grid {
     pub width: usize,
     pub height: usize,
-    /// Edge of a tile in pixels; those at the right and lower edges may be smaller.
+    /// Edge of a tile in pixels. Tiles at the right and lower edges may be smaller.
     pub edge: usize,
-    /// Pixels that count; all where empty.
+    /// True for pixels that count. Empty if all do.
     pub kept: Vec<bool>,
 }
 
@@ -24,12 +24,12 @@ impl Grid {
         Self { width: width as usize, height: height as usize, edge, kept: Vec::new() }
     }
 
-    /// The whole picture as one tile.
+    /// Returns a grid with the whole image as one tile.
     pub fn whole(&self) -> Self {
         Self { edge: self.width.max(self.height), kept: self.kept.clone(), ..*self }
     }
 
-    /// Only the pixels of these columns and rows, as one tile.
+    /// Returns a grid with the given columns and rows as one tile.
     pub fn window(&self, columns: std::ops::Range<usize>, rows: std::ops::Range<usize>) -> Self {
         let at = |i: usize| (i % self.width, i / self.width);
         let kept = (0..self.width * self.height).map(|i| columns.contains(&at(i).0) && rows.contains(&at(i).1));
@@ -40,7 +40,7 @@ impl Grid {
         self.width.div_ceil(self.edge)
     }
 
-    /// Sum and number of the kept pixels of each tile.
+    /// Returns the sum and number of the kept pixels of each tile.
     pub fn sums(&self, pixels: impl Iterator<Item = DVec3>) -> Vec<(DVec3, f64)> {
         let mut sums = vec![(DVec3::ZERO, 0.0); self.columns() * self.height.div_ceil(self.edge)];
         for (i, value) in pixels.enumerate().filter(|(i, _)| self.kept.is_empty() || self.kept[*i]) {
@@ -54,7 +54,7 @@ impl Grid {
         self.sums(image.iter().map(|v| v.as_dvec3())).iter().map(|(sum, n)| sum / n.max(1.0)).collect()
     }
 
-    /// The mean over the tiles around each tile, and itself.
+    /// Returns for each tile the mean over itself and its neighbours.
     fn around(&self, tiles: &[DVec3]) -> Vec<DVec3> {
         let (columns, rows) = (self.columns(), self.height.div_ceil(self.edge));
         let one = |i: usize| {
@@ -68,29 +68,31 @@ impl Grid {
     }
 }
 
-/// Tiles with their noise.
+/// Means of tiles with their uncertainty.
 pub struct Estimate {
     pub mean: Vec<DVec3>,
     /// Variance of the mean.
     pub variance: Vec<DVec3>,
-    /// Systematic error that is allowed for.
+    /// Allowed systematic error.
     pub bias: Vec<DVec3>,
     /// Degrees of freedom of the variance.
     pub dof: f64,
 }
 
-/// The passes of a method.
+/// Images of independent passes of one integrator.
 pub struct Renders {
     pub name: String,
     narrow: Vec<Vec<Rgb>>,
-    /// At twice the radius; empty for a method without bias.
+    /// Passes at twice the radius. Empty for an unbiased integrator.
     wide: Vec<Vec<Rgb>>,
 }
 
 impl Renders {
-    /// A method with photons is biased by its kernel: with the square of the radius inside smooth light, with the radius itself
-    /// at edges. Half as many passes at twice the radius show it: the bias is between a third of the difference and all of
-    /// it, and all of it is allowed for.
+    /// Renders passes at the radius, and half as many at twice the radius.
+    ///
+    /// An integrator with photons is biased by its kernel: with r² inside smooth light, with r at
+    /// edges. The bias is between a third of the difference of the two renders and all of it. All
+    /// of it is allowed.
     pub fn new(method: Method, scene: &Scene, effort: Effort) -> Self {
         let twice = Effort { passes: effort.passes.div_ceil(2), radius: 2.0 * effort.radius, ..effort };
         let wide = if method == Method::Path { Vec::new() } else { passes(method, scene, twice) };
@@ -102,7 +104,7 @@ impl Renders {
         let (mean, mut variance) = statistics(grid, &narrow);
         let mut bias = vec![DVec3::ZERO; mean.len()];
         if !self.wide.is_empty() {
-            // Passes at both radii share their random numbers, so that what differs is the radius.
+            // Passes at both radii share their random numbers, so only the radius differs.
             let wider = |(w, n): (Vec<DVec3>, &Vec<DVec3>)| w.iter().zip(n).map(|(w, n)| w - n).collect();
             let differences: Vec<Vec<DVec3>> = tiles(grid, &self.wide).into_iter().zip(&narrow).map(wider).collect();
             let (difference, noise) = statistics(grid, &differences);
@@ -117,9 +119,10 @@ fn tiles(grid: &Grid, images: &[Vec<Rgb>]) -> Vec<Vec<DVec3>> {
     images.iter().map(|image| grid.means(image)).collect()
 }
 
-/// Means of tiles and their variances, measured between passes. Where light is found by rare chance, a tile that found none
-/// thinks itself exact: noise goes smoothly over a picture, so a tile's is taken to be at least that of the tiles around it,
-/// whose noise is not its own.
+/// Returns the means of tiles and their variances, measured between passes.
+///
+/// If light is found by rare chance, a tile without a find would report zero variance. Noise varies
+/// smoothly over an image, so a tile's variance is at least the mean around it.
 fn statistics(grid: &Grid, tiles: &[Vec<DVec3>]) -> (Vec<DVec3>, Vec<DVec3>) {
     let n = tiles.len() as f64;
     let count = tiles[0].len();
@@ -132,8 +135,10 @@ fn statistics(grid: &Grid, tiles: &[Vec<DVec3>]) -> (Vec<DVec3>, Vec<DVec3>) {
     (mean, variance)
 }
 
-/// Fails where two estimates of one picture differ by more than their biases and noise, at rate [`RATE`] over all tiles and
-/// channels; or where the noise and bias of the mean tile are above the part `sharp` of its mean.
+/// Fails if two estimates of one image differ by more than their biases and noise, at rate [`RATE`]
+/// over all tiles and channels.
+///
+/// Also fails if noise and bias of the mean tile exceed `sharp` times its mean.
 #[track_caller]
 pub fn compare(what: &str, ours: &Estimate, theirs: &Estimate, sharp: f64) {
     let dof = ours.dof.min(theirs.dof);
@@ -169,7 +174,7 @@ pub fn compare(what: &str, ours: &Estimate, theirs: &Estimate, sharp: f64) {
     assert!(blunt <= sharp * level, "too blunt: {line}");
 }
 
-/// [`compare`] by tiles, and over the whole picture, which sees smaller differences.
+/// Applies [`compare`] by tiles and to the whole image, which reveals smaller differences.
 #[track_caller]
 pub fn compare_renders(what: &str, ours: &Renders, theirs: &Renders, grid: &Grid, (tiles, whole): (f64, f64)) {
     let what = format!("{what}, {} against {}", ours.name, theirs.name);

@@ -1,4 +1,4 @@
-//! Truth 1 for all methods: where all walls send out the same radiance, everything lossless is invisible.
+//! Furnace tests: where all walls emit the same radiance, every lossless object is invisible.
 
 use super::compare::{Estimate, Grid, Renders, compare};
 use super::methods::{ALL, Effort, Method};
@@ -11,7 +11,7 @@ use std::f64::consts::PI;
 const ALBEDO: Vec3 = Vec3::new(0.7, 0.5, 0.2);
 const SIZE: (u32, u32) = (12, 12);
 
-/// A closed box of diffuse walls whose radiance is 1 everywhere, with a ball inside.
+/// Builds a closed box of diffuse walls with radiance 1 everywhere and a ball inside.
 fn furnace(albedo: Vec3, ball: Option<Material>, at: DVec3) -> Scene {
     let mut b = SceneBuilder::new();
     let wall = b.material(if albedo == Vec3::ZERO { Material::black() } else { Material::diffuse(albedo) });
@@ -22,7 +22,8 @@ fn furnace(albedo: Vec3, ball: Option<Material>, at: DVec3) -> Scene {
         let material = b.material(material);
         b.shape(Shape::Sphere(Sphere::new(vec3(0.0, 0.0, -0.3), 0.4)), material, Vec3::ZERO);
     }
-    // From (0, 0, 0.95) the view is 1.2 wide on the wall behind the ball, or lies within the ball's outline.
+    // From (0, 0, 0.95) the view is 1.2 wide on the wall behind the ball, or lies within the ball's
+    // outline.
     b.build(camera(vec3(0.0, 0.0, 0.95), at, if albedo == Vec3::ZERO { 22.0 } else { 34.0 }, SIZE.0)).unwrap()
 }
 
@@ -42,8 +43,8 @@ fn constant(value: DVec3) -> Estimate {
 
 const EFFORT: Effort = Effort { passes: 12, samples: 4, photons: 10_000, caustic: 10_000, radius: 0.12 };
 
-/// Which light reaches a wall by the ball, which straight: each part has a gradient though the sum has none, so methods with
-/// photons are biased as [`Renders`] allows for.
+/// The ball splits a wall's light into direct and reflected parts. Each part has a gradient though
+/// the sum has none, so photon density estimates are biased as [`Renders`] allows.
 #[test]
 fn lossless_materials_vanish_in_furnace() {
     let balls = lossless().into_iter().map(|(name, m)| (name, Some(m))).chain([("nothing", None)]);
@@ -57,10 +58,11 @@ fn lossless_materials_vanish_in_furnace() {
     }
 }
 
-/// Where walls are black the ball shows its directional albedo: (1 − loss) for facets that scatter once. Within the view, 22°
-/// across and so 0.6 of the ball's radius, it is seen within 45° of its normal. Losses are those that src/bsdf states, rounded
-/// up: a metal at α = 0.1 loses 1.2 % along the normal and 11 % at 85°; glass loses 0.1 and 1.2 % on its way through two
-/// interfaces, and up to 14 % of the tenth that goes round inside.
+/// Between black walls the ball shows its directional albedo: 1 − loss for facets that scatter
+/// once. The view is 22° wide, 0.6 of the ball's radius, so normals are within 45° of it. The
+/// losses are those that src/bsdf states, rounded up. A metal at α = 0.1 loses 1.2 % along the
+/// normal and 11 % at 85°. Glass loses 0.1 % and 1.2 % on its way through two interfaces, and up to
+/// 14 % of the tenth that is reflected inside.
 #[test]
 fn rough_materials_lose_only_stated_energy() {
     let frosted = Material::body(Body { roughness: 0.1, ..Body::new(1.5) });
@@ -81,7 +83,8 @@ fn rough_materials_lose_only_stated_energy() {
     }
 }
 
-/// The albedo of kd + ks cosˢα seen at angle θ: kd + (ks/π)∫ cosˢα cosθ' over the upper half space, by midpoints.
+/// Returns the albedo of kd + ks cosˢα at angle θ: kd + (ks/π)∫ cosˢα cosθ' over the upper
+/// hemisphere, by midpoints.
 fn phong_albedo(kd: f64, ks: f64, s: f64, theta: f64) -> f64 {
     let (sin, cos) = (libm::sin(theta), libm::cos(theta));
     let ring = |t: f64| {
@@ -92,7 +95,8 @@ fn phong_albedo(kd: f64, ks: f64, s: f64, theta: f64) -> f64 {
     kd + ks / PI * midpoint(0.0, 0.5 * PI, 300, ring)
 }
 
-/// A square of Phong's material, seen slantwise at one point of it: a narrow view of a plane under uniform light.
+/// A square of Phong's material is seen at grazing angles at one point: a narrow view of a plane
+/// under uniform light.
 #[test]
 fn glossy_material_shows_its_furnace_albedo() {
     let (kd, ks, s) = (0.4, 3.0, 12.0);
@@ -112,15 +116,15 @@ fn glossy_material_shows_its_furnace_albedo() {
         for method in ALL {
             let renders = Renders::new(method, &scene, Effort { samples: 64, ..EFFORT });
             let ours = renders.over(&Grid::new((8, 8), 8));
-            // Midpoints and the half degree of the view are within a thousandth.
+            // Midpoints and the half degree of the view are accurate to a thousandth.
             let truth = Estimate { bias: vec![DVec3::splat(1e-3 * expected)], ..constant(DVec3::splat(expected)) };
             compare(&format!("gloss at {theta}, {method:?}"), &ours, &truth, 0.04);
         }
     }
 }
 
-/// Walls of Phong's material in a closed box: methods agree, and nothing exceeds the radiance of walls as dark as their lobes'
-/// upper bound kd + 2ks/(s + 2) = 0.75, of which they would lose nothing: 1.
+/// Walls of Phong's material in a closed box: integrators agree. Radiance stays below 1, that of
+/// walls with the lobes' upper bound kd + 2ks/(s + 2) = 0.75 as albedo, without loss.
 #[test]
 fn integrators_agree_on_glossy_walls() {
     let mut b = SceneBuilder::new();

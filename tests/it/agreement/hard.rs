@@ -1,5 +1,7 @@
-//! What photons are for, with lamps so large that path tracing finds the same light by chance: a scene lit only through glass,
-//! a caustic seen through water and in a mirror, and caustics of rough surfaces.
+//! Scenes that need photons, with lights so large that path tracing finds the same light by chance.
+//!
+//! One is lit only through glass, one shows a caustic through water and in a mirror, one has
+//! caustics of rough surfaces.
 
 use super::compare::{Grid, Renders, compare_renders};
 use super::methods::{Effort, Method};

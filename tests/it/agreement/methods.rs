@@ -1,4 +1,4 @@
-//! All methods behind one name, and scenes from text.
+//! Integrators with their settings, behind one enum.
 
 use caustica::camera::{Filter, FilterKind};
 use caustica::color::Rgb;
@@ -13,38 +13,40 @@ pub enum Method {
     Path,
     Hybrid,
     Sppm,
-    /// `Sppm` that looks at photons in media along rays.
+    /// `Sppm` with the beam radiance estimate in media.
     Along,
-    /// `Sppm` that looks at photons in media around points.
+    /// `Sppm` with a point estimate in media.
     Around,
     Ppm,
-    /// Photon mapping whose global map is seen itself.
+    /// `Pm` that shows its global map directly.
     Seen,
-    /// Photon mapping with final gathering.
+    /// `Pm` with final gathering by the BSDF.
     Gathered,
-    /// Photon mapping with final gathering guided by photons.
+    /// `Pm` with final gathering guided by photons.
     Guided,
 }
 
 pub const ALL: [Method; 7] =
     [Method::Path, Method::Hybrid, Method::Sppm, Method::Ppm, Method::Seen, Method::Gathered, Method::Guided];
 
-/// What a pass costs.
+/// Cost of a pass.
 #[derive(Clone, Copy, Debug)]
 pub struct Effort {
-    /// Passes.
+    /// Number of passes.
     pub passes: u32,
-    /// Camera rays a pixel.
+    /// Camera rays per pixel.
     pub samples: u32,
-    /// Paths of the global map.
+    /// Photon paths of the global map.
     pub photons: u32,
-    /// Paths of the caustic map.
+    /// Photon paths of the caustic map.
     pub caustic: u32,
     /// Radius of both maps in the first pass \[length].
     pub radius: f64,
 }
 
-/// Independent passes. Those of `ppm` share their camera walks, so each has its own seed.
+/// Renders independent passes.
+///
+/// Passes of `ppm` share their camera paths, so each gets its own seed.
 pub fn passes(method: Method, scene: &Scene, effort: Effort) -> Vec<Vec<Rgb>> {
     if method == Method::Ppm {
         return (0..effort.passes).map(|i| image(method, prepare(method, scene, effort, i).as_ref(), i)).collect();

@@ -1,7 +1,7 @@
-//! Methods against pictures of another renderer, against each other, and against what no light may do.
+//! Integrators against each other, against Mitsuba 3, and against the furnace.
 //!
-//! Passes of one method have seeds of their own, so that they are independent, those of methods that repeat their camera walks
-//! too. Every comparison is a t-test at a stated false-alarm rate, and states how sharp it must be.
+//! Passes are independent: integrators that repeat their camera paths get a seed for each pass.
+//! Every comparison is a t-test at a stated false-alarm rate, and states how sharp it must be.
 
 mod adjoint;
 mod compare;

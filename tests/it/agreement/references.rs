@@ -1,4 +1,4 @@
-//! Pictures of another renderer, by tiles, with the error bars of both.
+//! Integrators against Mitsuba 3 references, by tiles, with the standard errors of both.
 
 use super::compare::{Estimate, Grid, Renders, compare};
 use super::methods::{Effort, Method};
@@ -38,7 +38,8 @@ impl Reference {
     }
 }
 
-/// Compares by tiles of 4 × 4 pixels (16 × 16 where caustic paths are rare), over windows, and over the whole image.
+/// Compares by tiles of 4 × 4 pixels (16 × 16 where caustic paths are rare), over windows, and over
+/// the whole image.
 fn compare_all(name: &str, methods: &[(Method, Effort)], windows: &[(&str, [usize; 4])], sharp: [f64; 3]) {
     let reference = Reference::read(name);
     let scene = file(&format!("tests/scenes/{name}.txt"), reference.size);
@@ -59,12 +60,13 @@ fn compare_all(name: &str, methods: &[(Method, Effort)], windows: &[(&str, [usiz
 
 const BIASED: Effort = Effort { passes: 24, samples: 1, photons: 12_000, caustic: 30_000, radius: 0.025 };
 
-/// Path tracing finds caustics of smooth glass where it meets the lamp behind it by chance. Where caustics light other walls, one
-/// sample in thousands finds one, and a tile of 8 × 8 with two finds knows neither its mean nor its error: with such glass, tiles
-/// are 16 times as large, for dozens of finds each. See [`super::compare`] for the rest.
+/// Path tracing finds caustics of smooth glass only if a path hits the light by chance. Where
+/// caustics light other walls, one sample in thousands does. A tile of 4 × 4 pixels with two such
+/// hits knows neither its mean nor its error. So tiles are 16 times as large there, for dozens of
+/// hits each. See [`super::compare`].
 const CHANCE: Effort = Effort { passes: 24, samples: 8, ..BIASED };
 
-/// Most of what this method shows is found by its walks.
+/// Camera subpaths find most of the light with these integrators.
 const WALKS: Effort = Effort { samples: 3, ..BIASED };
 
 /// `Sppm` in this room is compared by `analytic::reference`, by finer tiles.
@@ -98,8 +100,9 @@ fn integrators_match_rough_reference() {
     );
 }
 
-/// Camera rays alone see depth of field, so `Ppm`, whose rays are the same in all passes, shows one that does not settle: it is left out. The
-/// windows are the ball before the plane of focus, the mirror in it, and the ball behind it.
+/// Only camera rays see depth of field. `Ppm` repeats its camera rays in all passes, so its image
+/// does not converge: it is left out. The windows show the ball before the plane of focus, the
+/// mirror in it, and the ball behind it.
 #[test]
 fn integrators_match_lens_reference() {
     let methods = [
@@ -117,8 +120,9 @@ fn integrators_match_lens_reference() {
     );
 }
 
-/// Light in a fog that fills the room. The windows are the ball, the air below the lamp, and the wall behind. Looked at along rays or around points,
-/// photons in the fog are few: the three estimates are compared by wider discs, and less sharply.
+/// A fog fills the room. The windows show the ball, the air below the light, and the back wall. The
+/// beam radiance and point estimates find few photons in the fog: they use wider discs and a
+/// blunter limit.
 #[test]
 fn integrators_match_fog_reference() {
     let methods = [

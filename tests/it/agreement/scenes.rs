@@ -1,17 +1,18 @@
-//! The gallery, rendered by all methods that can.
+//! Gallery scenes, rendered by every integrator that can.
 
 use super::compare::{Grid, Renders, compare_renders};
 use super::methods::{Effort, Method};
 use crate::support::file;
 
-/// `radius` is that of the first pass, in the units of the scene. Path tracing is asked where lamps are large, and the rest is
-/// compared with `Sppm`.
+/// Compares integrators with `Sppm`. `radius` is that of the first pass, in the scene's units.
+///
+/// `Path` is compared only where lights are large.
 fn check(name: &str, radius: f64, methods: &[Method]) {
-    // Specks of light through a goblet take more pixels to be as sharp.
+    // Fireflies of light through a goblet need more pixels for the same sharpness.
     let size = if name == "goblet" { (80, 60) } else { (64, 48) };
     let scene = file(&format!("scenes/{name}.txt"), size);
     let grid = Grid::new(size, size.0 as usize / 8);
-    // Flames narrower than a pixel outshine all else.
+    // Bright streaks narrower than a pixel dominate the noise.
     let samples = if name == "projector" { 10 } else { 2 };
     let effort = Effort { passes: 12, samples, photons: 20_000, caustic: 20_000, radius };
     let hybrid = Renders::new(Method::Hybrid, &scene, effort);

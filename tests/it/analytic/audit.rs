@@ -1,4 +1,4 @@
-//! Truths 4 and 32: no flux is lost or made, and roulette changes no mean.
+//! Energy audit: no flux is lost or created, and Russian roulette changes no mean.
 
 use crate::support::*;
 use caustica::photon::{StoreMask, Traced};
@@ -6,7 +6,8 @@ use caustica::scene::{LightStrength, Material, Scene, SceneBuilder, SourceKind};
 use caustica::shape::{Shape, Sphere};
 use glam::{DVec3, Vec3};
 
-/// A room with coloured walls and no front, and in it all materials: a lamp, an absorbing ball, a mirror, a glossy ball.
+/// Builds a room with coloured walls and an open front that holds every material: a light, an
+/// absorbing ball, a mirror and a glossy ball.
 fn everything() -> Scene {
     let mut b = SceneBuilder::new();
     let walls = b.material(Material::diffuse(Vec3::new(0.9, 0.4, 0.1)));
@@ -27,9 +28,10 @@ fn everything() -> Scene {
     unseen(b)
 }
 
-/// Each vertex books at most four differences that each round by u = 2⁻²⁴ of themselves (taken up in a body, taken up by the
-/// surface, roulette, the rest). Roulette keeps the mean of the channels and nothing raises it, so no channel exceeds three
-/// times the mean of what was emitted: the balance holds within 4u · 3 · mean · (rays per path). Sums are in f64.
+/// Each vertex books at most four differences: absorbed in the medium, absorbed at the surface,
+/// roulette, the rest. Each rounds by u = 2⁻²⁴ of itself. Roulette keeps the mean of the channels
+/// and nothing raises it, so no channel exceeds three times the mean of the emitted flux. So the
+/// balance holds within 4u · 3 · mean · (rays per path). Sums are in double precision.
 #[test]
 fn flux_is_conserved_up_to_rounding() {
     let scene = everything();
@@ -47,8 +49,8 @@ fn flux_is_conserved_up_to_rounding() {
     }
 }
 
-/// Whatever is in the scene, roulette takes and gives alike. The standard error is measured; as a part of the emitted flux it
-/// must be below 10⁻³ for the test to see anything.
+/// Roulette removes and adds the same flux on average, whatever the scene holds. The standard error
+/// is measured; it must be below 10⁻³ of the emitted flux, or the test would be blind.
 #[test]
 fn roulette_is_unbiased() {
     let passes = trace(&everything(), StoreMask::ALL, 1000, 64, 1 << 13);
@@ -58,10 +60,11 @@ fn roulette_is_unbiased() {
     }
 }
 
-/// In a closed grey room a path survives each surface with probability ρ, so its surfaces are geometric: N paths meet
-/// N/(1 − ρ) of them with variance Nρ/(1 − ρ)², independent of geometry and of the scrambled emission. The account of roulette
-/// is f·(N − (1 − ρ)·surfaces) with f the flux of a path: variance f²Nρ, which is Σ X²(1/p − 1) over the N/(1 − ρ) surfaces for
-/// X = ρf and p = ρ.
+/// In a closed grey room a path survives each surface with probability ρ, so its number of surfaces
+/// is geometric. N paths hit N/(1 − ρ) surfaces with variance Nρ/(1 − ρ)². The law does not depend
+/// on geometry or on the scrambled emission. The roulette account is f·(N − (1 − ρ)·surfaces),
+/// where f is the flux of a path. Its variance is f²Nρ: Σ X²(1/p − 1) over the N/(1 − ρ) surfaces,
+/// with X = ρf and p = ρ.
 #[test]
 fn path_lengths_in_grey_room_are_geometric() {
     const N: f64 = 16.0;

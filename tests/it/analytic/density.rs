@@ -1,7 +1,8 @@
-//! Truths 28, 30 and 31: means and variances of the density estimate, in the uniform photons of an integrating sphere.
+//! Mean and variance of the density estimate, for uniform photons on an integrating sphere.
 //!
-//! Reflected photons on a sphere of radius R are independent and uniform, and a cap of chord r is the part (r/2R)² of it
-//! exactly. So with N photons of flux w, λ = Nw/(4πR²), all laws are exact: no approximation by a Poisson process.
+//! Reflected photons on a sphere of radius R are independent and uniform. A cap of chord r is
+//! exactly the fraction (r/2R)² of the sphere. So with N photons of flux w and λ = Nw/(4πR²) all
+//! laws are exact, without a Poisson approximation.
 
 use crate::support::*;
 use caustica::photon::{Bandwidth, Kernel, PhotonMap, StoreMask};
@@ -10,7 +11,8 @@ use caustica::shape::{Shape, Sphere};
 use glam::DVec3;
 use std::f64::consts::PI;
 
-/// Probes of one pass are so far apart that their discs, of a part below 0.003 of the sphere, never meet.
+/// Number of probes in a pass. Their discs cover less than 0.003 of the sphere each and never
+/// overlap.
 const PROBES: u32 = 120;
 
 struct Moments {
@@ -20,7 +22,8 @@ struct Moments {
     expected: Vec<f64>,
 }
 
-/// Per pass, mean and mean squared deviation from 1 of estimate/λ over the probes, where `variance` of N photons is expected.
+/// Returns per pass the mean and the mean squared deviation from 1 of estimate/λ over the probes.
+/// `variance` is the expected variance for N photons.
 fn moments(bandwidth: Bandwidth, kernel: Kernel, variance: impl Fn(f64) -> f64) -> Moments {
     let mut b = SceneBuilder::new();
     let wall = b.material(Material::diffuse(grey(0.5)));
@@ -43,14 +46,15 @@ fn moments(bandwidth: Bandwidth, kernel: Kernel, variance: impl Fn(f64) -> f64) 
 }
 
 fn check(what: &str, m: &Moments) {
-    // Distances are rounded to f32 relative to coordinates of 1: d² of 0.01 within 10⁻⁵ or so of itself.
+    // Distances round to f32 relative to coordinates of 1, so d² of 0.01 has a relative error near
+    // 10⁻⁵.
     agree(&format!("{what}: mean"), &m.mean, 1.0, 1e-4, 6e-3);
     let ratios: Vec<f64> = m.variance.iter().zip(&m.expected).map(|(v, e)| v / e).collect();
     agree(&format!("{what}: variance over the expected"), &ratios, 1.0, 1e-3, 0.04);
 }
 
-/// A fixed disc holds a binomial number of photons: relative variance c/n − 1/N with n expected in the disc and the kernel's
-/// noise factor c.
+/// A fixed disc holds a binomial number of photons. Its relative variance is c/n − 1/N, with n
+/// photons expected in the disc and the kernel's noise factor c.
 #[test]
 fn fixed_radius_noise_matches_kernel() {
     for kernel in KERNELS {
@@ -63,10 +67,11 @@ fn fixed_radius_noise_matches_kernel() {
     }
 }
 
-/// The part of the sphere that the k-th neighbour reaches is Beta(k, N − k + 1), and the k − 1 nearer ones are uniform in it:
-/// (k − 1)/(πr²) for the box, and the plain sum for kernels that vanish at the edge, have mean λ and relative variance
-/// (N − 1)(k + c − 2)/(N(k − 2)) − 1, which for the box and large N is 1/(k − 2). Moments of the estimate below the k-th exist: with
-/// k ≥ 15 the squares have a variance, and their means over 120 probes a t-test.
+/// The fraction of the sphere within the k-th neighbour is Beta(k, N − k + 1), and the k − 1 nearer
+/// photons are uniform in it. The estimate is (k − 1)/(πr²) for the box, and the plain sum for
+/// kernels that vanish at the edge. It has mean λ and relative variance (N − 1)(k + c − 2)/(N(k −
+/// 2)) − 1. For the box and large N this is 1/(k − 2). Moments of the estimate below the k-th
+/// exist. With k ≥ 15 the squares have a variance, and their means over 120 probes allow a t-test.
 #[test]
 fn nearest_neighbour_mean_and_variance_match_theory() {
     for kernel in KERNELS {

@@ -1,4 +1,4 @@
-//! Truths 12, 13, 15 and 24: what passes a slab, with and without absorption, and what leaves a cube.
+//! Transmission of a slab with and without absorption, and light that leaves a glass cube.
 
 use crate::support::*;
 use caustica::photon::StoreMask;
@@ -11,8 +11,10 @@ const N: f64 = 1.5;
 const THICKNESS: f64 = 0.4;
 const ABSORPTION: DVec3 = DVec3::new(0.0, 0.5, 3.0);
 
-/// Transmitted and reflected parts of a slab under `angle`: (1−R)²τ/(1−R²τ²), R + R(1−R)²τ²/(1−R²τ²), with the mean R of both
-/// polarisations, as an unpolarised renderer has it, and τ = exp(−a·thickness/cosθt).
+/// Returns the transmitted and reflected fractions of a slab under `angle` \[rad].
+///
+/// They are (1−R)²τ/(1−R²τ²) and R + R(1−R)²τ²/(1−R²τ²), with R the mean of both polarisations and
+/// τ = exp(−a·thickness/cosθt).
 fn slab(angle: f64, absorption: f64) -> (f64, f64) {
     let r = fresnel(libm::cos(angle), N);
     let sin_t = libm::sin(angle) / N;
@@ -26,7 +28,7 @@ fn per_channel(angle: f64) -> (DVec3, DVec3) {
     (DVec3::new(red.0, green.0, blue.0), DVec3::new(red.1, green.1, blue.1))
 }
 
-/// Known values of the formulas used here: .923077 straight on, .83623 at 60° without absorption.
+/// Known values without absorption: .923077 at normal incidence, .83623 at 60°.
 #[test]
 fn slab_formula_matches_literature() {
     assert!((slab(0.0, 0.0).0 - 12.0 / 13.0).abs() < 1e-12);
@@ -44,7 +46,8 @@ fn beam(angle: f64) -> DVec3 {
     vec3(libm::sin(angle), -libm::cos(angle), 0.0)
 }
 
-/// Parallel light through a slab onto a wall behind it: what reaches the wall, what turns back, and what the glass takes.
+/// Collimated light hits a slab before a wall. The wall's flux, the reflected flux and the absorbed
+/// flux match the formulas.
 #[test]
 fn photons_pass_slab_by_its_transmittance() {
     for degrees in [0f64, 30.0, 60.0, 80.0] {
@@ -53,8 +56,8 @@ fn photons_pass_slab_by_its_transmittance() {
         add_slab(&mut b);
         let white = b.material(Material::diffuse(grey(0.5)));
         b.plane(Plane::new(-DVec3::Y, DVec3::Y), white, Vec3::ZERO);
-        // Two grains above the slab set the width of the beam: photons start within four times their ball, and one in 10⁶ of
-        // them meets a grain.
+        // Two grains above the slab set the width of the beam. Photons start within four times the
+        // radius of their bounding sphere, and one in 10⁶ of them hits a grain.
         for x in [-0.5, 0.5] {
             b.shape(Shape::Sphere(Sphere::new(vec3(x, 5.0, 0.0), 1e-3)), white, Vec3::ZERO);
         }
@@ -74,7 +77,8 @@ fn photons_pass_slab_by_its_transmittance() {
     }
 }
 
-/// The same slab before a shining wall, under a sky: L = T·Le + R·sky for a camera; n² squeezes in and out again.
+/// A camera sees an emissive wall through the slab, under a sky: L = T·Le + R·sky. The factors n²
+/// cancel.
 #[test]
 fn camera_sees_slab_transmittance() {
     let (emitted, sky) = (DVec3::new(2.0, 1.0, 3.0), DVec3::new(0.5, 1.0, 0.25));
@@ -92,14 +96,16 @@ fn camera_sees_slab_transmittance() {
         let (through, back) = per_channel(angle);
         let settings = caustica::integrate::Settings { eye: camera_rays(1, 1000).eye, ..settings(0, 0, 0.1) };
         let samples = seen(&scene, settings, 64);
-        // Weak branches are followed by chance; strong ones are split, which leaves little noise. The angle of view changes
-        // reflectance by at most 1.7·10⁻⁴ rad times its slope, odd about the middle: second order is below 10⁻⁶.
+        // Weak branches are sampled and strong ones are split, which leaves little noise. Over the
+        // field of view reflectance changes by at most 1.7·10⁻⁴ rad times its slope. That change is
+        // odd about the middle, so only its second order counts, below 10⁻⁶.
         agree_rgb(&format!("seen through a slab at {degrees}°"), &samples, through * emitted + back * sky, 2e-3);
     }
 }
 
-/// Truth 15. An isotropic light at the middle of a glass cube: a ray keeps its direction cosines up to sign, so the part
-/// 6·(1 − √(1 − 1/n²))/2 of all light gets out sooner or later, and the rest never.
+/// An isotropic light stands at the center of a glass cube. A ray keeps its direction cosines up to
+/// sign. So the fraction 6·(1 − √(1 − 1/n²))/2 of all light leaves sooner or later, and the rest
+/// never does.
 #[test]
 fn total_reflection_traps_light_in_cube() {
     let mut b = SceneBuilder::new();
@@ -116,10 +122,10 @@ fn total_reflection_traps_light_in_cube() {
     let critical = (1.0 - 1.0 / (N * N)).sqrt();
     let cone = 0.5 * (1.0 - critical);
     assert!((cone - 0.127_322).abs() < 5e-7);
-    // At the first face: ∫ (1 − R) over the cones.
+    // At the first face: ∫ (1 − R) over the escape cones.
     let first = midpoint(critical, 1.0, 100_000, |c| 3.0 * (1.0 - fresnel(c, 1.0 / N)));
     agree("out of a cube at once", &escaped(1, 1 << 15), first, 1e-5, 2e-3);
-    // A ray meets its own pair of faces in at least a quarter of 300 bounces. Within δ of the critical cosine T is about
-    // 10√δ, so that about 2/(75·10)² of it is still on its way.
+    // A ray hits its own pair of faces in at least a quarter of 300 bounces. Within δ of the
+    // critical cosine T is about 10√δ, so about 2/(75·10)² of the light is still inside.
     agree("out of a cube at last", &escaped(300, 1 << 12), 6.0 * cone, 2e-5, 3e-3);
 }

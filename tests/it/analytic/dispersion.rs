@@ -1,4 +1,4 @@
-//! Truths 17 and 22: glass that parts colours, and keeps white white.
+//! Dispersion: prisms separate wavelengths, and white light stays white in sum.
 
 use crate::support::{PASSES, agree, agree_rgb, fresnel, place, scene_in, trace_from};
 use caustica::color::Wavelength;
@@ -13,14 +13,14 @@ fn scene(text: &str) -> Scene {
     scene_in("scenes", text)
 }
 
-/// N-BK7 by SCHOTT's catalogue, at a wavelength \[nm].
+/// Returns the refractive index of N-BK7 by SCHOTT's catalogue, at a wavelength in nm.
 fn bk7(nm: f64) -> f64 {
     let square = nm * nm * 1e-6;
     let terms = [(1.03961212, 0.00600069867), (0.231792344, 0.0200179144), (1.01046945, 103.560653)];
     (1.0 + terms.iter().map(|(b, c)| b * square / (square - c)).sum::<f64>()).sqrt()
 }
 
-/// What a prism of 60° turns a ray by that comes in at `angle` \[rad].
+/// Returns the deviation \[rad] of a ray that enters a prism of 60° under `angle` \[rad].
 fn deviation(angle: f64, n: f64) -> f64 {
     let inner = FRAC_PI_3 - libm::asin(libm::sin(angle) / n);
     angle + libm::asin(n * libm::sin(inner)) - FRAC_PI_3
@@ -30,9 +30,10 @@ fn middle(photon: &Photon) -> Option<f64> {
     Wavelength::from_code(photon.data.wavelength()).map(|w| f64::from(w.nanometres()))
 }
 
-/// Truth 17: where photons of the bands around the lines F, d and C land far behind a prism through which d goes at its least deviation. Half a
-/// unit of beam at a distance of 10⁵ is 3·10⁻⁴ degrees; places are rounded to 10⁻⁷ of that distance, 10⁻⁵ degrees, and an edge of the prism's
-/// faces by 10⁻⁷ of a radian. A band of 4/3 nm has its mean within a hundredth of itself, 6·10⁻⁵ degrees.
+/// Photons of narrow bands around the lines F, d and C land far behind a prism; the line d goes
+/// through at minimum deviation. The beam's half width of .5 at distance 10⁵ is 3·10⁻⁴ degrees.
+/// Positions round to 10⁻⁷ of that distance, 10⁻⁵ degrees. The prism's edges round to 10⁻⁷ rad. The
+/// mean of a band of 4/3 nm is accurate to a hundredth of its width, 6·10⁻⁵ degrees.
 #[test]
 fn prism_deviates_wavelengths_by_their_indices() {
     let angle = libm::asin(0.5 * bk7(587.5618));
@@ -40,7 +41,7 @@ fn prism_deviates_wavelengths_by_their_indices() {
     assert!((least.to_degrees() - 38.6467).abs() < 1e-4);
     let spread = deviation(angle, bk7(486.1327)) - deviation(angle, bk7(656.2725));
     assert!((spread.to_degrees() - 0.70973).abs() < 1e-4, "{}", spread.to_degrees());
-    // Inside, d goes along x.
+    // Inside the prism the line d is parallel to x.
     let (sin, cos) = (libm::sin(0.5 * least), libm::cos(0.5 * least));
     let far = 1e5;
     let wall = |sign: f64| {
@@ -51,7 +52,8 @@ fn prism_deviates_wavelengths_by_their_indices() {
         format!("Rectangle {{ corner {}  edge0 {}  edge1 {} }}", v(corner), v(along), v(across))
     };
     let root = 3f64.sqrt();
-    // Another wall opposite leaves the prism in the middle of the scene, where places have all their digits.
+    // A wall on the other side keeps the prism near the origin, where positions have full
+    // precision.
     let scene = scene(&format!(
         "PerspectiveCamera {{ center 0 0 9  direction 0 0 -1  angle 40  width 1  height 1 }}
          Background {{ color 0 0 0 }}
@@ -85,7 +87,7 @@ fn prism_deviates_wavelengths_by_their_indices() {
             .filter(|c| Wavelength::from_code(*c).is_some_and(|w| (f64::from(w.nanometres()) - nm).abs() <= 2.0))
             .collect();
         assert!((2..=4).contains(&codes.len()));
-        // Each photon against its own band, moved to the line.
+        // Compares each photon with its own band, shifted to the line.
         let samples: Vec<f64> = passes
             .iter()
             .map(|t| {
@@ -97,7 +99,8 @@ fn prism_deviates_wavelengths_by_their_indices() {
                         let own = deviation(angle, bk7(middle(p).unwrap())) - deviation(angle, bk7(nm));
                         down(p) - own.to_degrees()
                     })
-                    // A band is ±.005° wide. What the base threw up, grazing, leaves as d does, whatever its colour: .2° off and more.
+                    // A band is ±.005° wide. Light that the base reflects at grazing incidence
+                    // leaves in the direction of d, whatever its wavelength: off by .2° and more.
                     .filter(|turned| (turned - deviation(angle, bk7(nm)).to_degrees()).abs() < 0.01)
                     .collect();
                 assert!(turned.len() > 20, "{line}: only {} photons", turned.len());
@@ -112,8 +115,9 @@ fn prism_deviates_wavelengths_by_their_indices() {
     assert!((found[0] - found[2] - 0.70973).abs() < 5e-4);
 }
 
-/// A lamp's cone into a prism, all in a ball: whatever the colours do, all of the light lands, in each channel alike, with and without
-/// wavelengths. Each reflection at first sight stays white where it is faint, and is weighed for it.
+/// A spotlight shines into a prism inside a sphere. All of its light lands, in each channel alike,
+/// with and without sampled wavelengths. A first reflection stays white while it is weak, and is
+/// weighted for that.
 #[test]
 fn dispersed_beam_sums_to_white() {
     let root = 3f64.sqrt();
@@ -144,13 +148,15 @@ fn dispersed_beam_sums_to_white() {
             assert_eq!(with_wavelength > passes[0].photons.len() / 2, dispersion, "{glass}: {with_wavelength}");
             let sums: Vec<DVec3> =
                 passes.iter().map(|t| t.photons.iter().map(|p| p.data.flux().as_dvec3()).sum()).collect();
-            // Photons of one wavelength have hues that are rounded each its own way; edges of the prism let one ray in 10⁵ slip.
+            // Photons of one wavelength have individually rounded hues. Edges of the prism let one
+            // ray in 10⁵ slip.
             agree_rgb(&format!("{glass}, dispersion {dispersion}"), &sums, DVec3::splat(7.0), 5e-3);
         }
     }
 }
 
-/// The mean over wavelengths of what each channel keeps of white light, of which light of index n keeps a part.
+/// Returns, for each channel, the mean over wavelengths of `part(n)`, the fraction of light of
+/// index n that is kept.
 fn kept(index: impl Fn(f64) -> f64, part: impl Fn(f64) -> f64) -> DVec3 {
     const N: u32 = 20_000;
     let one = |i: u32| {
@@ -173,8 +179,9 @@ fn pictures(scene: &Scene, effects: EffectOverrides) -> Vec<DVec3> {
     (0..PASSES).map(mean).collect()
 }
 
-/// White seen through a pane with flat faces, slantwise, and its reflection in it: each wavelength goes its own way and comes out alongside, in
-/// (1 − R)/(1 + R) and 2R/(1 + R) of its strength. Through strong flint that is neutral to 1 %.
+/// White light is seen through a tilted pane with flat faces, and reflected in it. Each wavelength
+/// takes its own path and leaves parallel, with (1 − R)/(1 + R) and 2R/(1 + R) of its strength.
+/// Through strong flint glass the result is neutral to 1 %.
 #[test]
 fn white_light_through_slab_stays_white() {
     let cauchy = |nm: f64| 1.7 + 0.02e6 / (nm * nm);
@@ -214,7 +221,7 @@ fn white_light_through_slab_stays_white() {
                 let samples = pictures(&scene, effects);
                 for c in 0..3 {
                     let channel: Vec<f64> = samples.iter().map(|v| v[c]).collect();
-                    // Weights are steps of a nanometre, single precision.
+                    // Weights are tabulated by nanometre in single precision.
                     agree(&format!("{what}, channel {c}"), &channel, expected[c], 2e-5 * expected[c], 0.01);
                 }
             }
@@ -225,19 +232,23 @@ fn white_light_through_slab_stays_white() {
     }
 }
 
-/// A ray at height `b` beside the axis of a ball of radius 1 and index `n`, seen in its own plane: where it leaves after `k` inner ways, which way, and
-/// what part of it does. With k = 0 it is mirrored outside.
+/// Returns exit point, direction and transmitted fraction of a ray through a ball of radius 1 and
+/// index `n`, in the ray's plane.
+///
+/// The ray passes the axis at height `b` and is reflected inside `k` − 1 times. With k = 0 it is
+/// reflected outside.
 fn through_ball(b: f64, n: f64, k: u32) -> (DVec2, DVec2, f64) {
     let (outer, inner) = (libm::asin(b), libm::asin(b / n));
     let r = fresnel((1.0 - b * b).sqrt(), n);
     let part = if k == 0 { r } else { (1.0 - r) * (1.0 - r) * libm::pow(r, f64::from(k) - 1.0) };
-    // It meets the ball at the angle π − outer, seen from the middle, and each inner way turns that by π − 2·inner backwards.
+    // The ray hits the ball at the angle π − outer, seen from the center. Each inner segment turns
+    // that by π − 2·inner backwards.
     let at = PI - outer - f64::from(k) * (PI - 2.0 * inner);
     (DVec2::from_angle(at), DVec2::from_angle(at - outer), part)
 }
 
-/// Light that a ball throws back to a wall `far` before it, by rings whose edges are `edges` \[degrees from the sun's opposite]: flux and flux-weighted
-/// angle of each.
+/// Returns flux and flux-weighted angle of light that a ball reflects to a wall at distance `far`,
+/// for rings with the given `edges` \[degrees from the antisolar point].
 fn rings(n: f64, far: f64, edges: &[f64]) -> Vec<(f64, f64)> {
     const STEPS: u32 = 400_000;
     let mut rings = vec![(0.0, 0.0); edges.len() - 1];
@@ -261,7 +272,7 @@ fn rings(n: f64, far: f64, edges: &[f64]) -> Vec<(f64, f64)> {
     rings
 }
 
-/// A drop in parallel light that comes through a hole in the wall behind which it stands.
+/// Builds a drop in collimated light that enters by a hole in the wall.
 fn drop(glass: &str, far: f64) -> Scene {
     let (wide, long) = (2.0 * far, 4.0 * far);
     let frame = |x: f64| {
@@ -296,8 +307,9 @@ fn bow(scene: &Scene, photon: &Photon) -> Option<f64> {
     (p.x < 0.0).then(|| libm::atan2(libm::hypot(p.y, p.z), FAR).to_degrees())
 }
 
-/// Truth 22: no ray that was mirrored inside once comes back further than 42.08° off. The edge, where light piles up, and the dark band beyond it, to
-/// the second bow at 50.9°, are filled as rays of the plane say, up to eleven inner ways.
+/// No ray with one inner reflection returns further than 42.08° off. The bright edge, and
+/// Alexander's dark band up to the second bow at 50.9°, have the flux of rays traced in the plane,
+/// with up to eleven inner segments.
 #[test]
 fn rainbow_stands_at_42_degrees() {
     let n: f64 = 1.333;
@@ -308,7 +320,8 @@ fn rainbow_stands_at_42_degrees() {
     let scene = drop("indexOfRefraction 1.333", FAR);
     let source = PhotonSource::aimed(&scene).unwrap();
     let passes = trace_from(&scene, &source, StoreMask::CAUSTIC, 100, PASSES, 1 << 18);
-    // An offset of the ball's radius is .06°; within it the edge is a matter of where a ray leaves, which the rays of the plane tell.
+    // An offset by the ball's radius is .06°. Within it the edge depends on the exit point, which
+    // the plane's rays include.
     let edges = [20.0, 35.0, 40.0, 41.0, 41.5, 41.9, edge + 0.06, 43.0, 46.0, 49.5, 51.5, 55.0];
     for (i, (flux, _)) in rings(n, FAR, &edges).into_iter().enumerate() {
         let within = |p: &Photon| bow(&scene, p).is_some_and(|a| a >= edges[i] && a < edges[i + 1]);
@@ -316,14 +329,16 @@ fn rainbow_stands_at_42_degrees() {
             .iter()
             .map(|t| t.photons.iter().filter(|p| within(p)).map(|p| p.data.flux().as_dvec3().x).sum())
             .collect();
-        // A ring's ends are met within rounding: 10⁻⁴ degrees, and a midpoint of rays is within 10⁻⁵ of a ball's radius.
+        // Edges of rings are accurate to rounding, 10⁻⁴ degrees. A midpoint of rays is accurate to
+        // 10⁻⁵ of the ball's radius.
         let what = format!("bow from {:.2}° to {:.2}°", edges[i], edges[i + 1]);
         // The dark band has few photons.
         agree(&what, &samples, flux, 2e-3 * flux, if flux < 2e-3 { 0.15 } else { 0.02 });
     }
 }
 
-/// Red stands outside of blue, each at the angle of its index: the mean angle of photons around a wavelength, within the ring of the bow.
+/// Red stands outside of blue, each at the angle of its index. Compared is the mean angle of
+/// photons around a wavelength, within the bow's ring.
 #[test]
 fn rainbow_is_red_outside() {
     let index = |nm: f64| 1.324 + 0.00308e6 / (nm * nm);
@@ -334,7 +349,7 @@ fn rainbow_is_red_outside() {
     for (from, to) in [(440.0, 460.0), (540.0, 560.0), (620.0, 640.0)] {
         let of_band = |p: &Photon| middle(p).is_some_and(|nm| nm >= from && nm < to);
         let edges = [40.0, 43.0];
-        // Wavelengths of the band by their density.
+        // Wavelengths of the band, weighted by their pdf.
         let (mut flux, mut angles) = (0.0, 0.0);
         for i in 0..10 {
             let nm = from + (to - from) * (f64::from(i) + 0.5) / 10.0;
@@ -361,7 +376,7 @@ fn rainbow_is_red_outside() {
                 sum / weight
             })
             .collect();
-        // A band's ends are those of codes within ⅔ nm, .01° at most.
+        // A band's ends are quantised to ⅔ nm, .01° at most.
         agree(&format!("bow of {from} to {to} nm"), &samples, angles / flux, 0.01, 2e-3);
         means.push(samples.iter().sum::<f64>() / samples.len() as f64);
     }

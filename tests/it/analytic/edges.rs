@@ -1,4 +1,4 @@
-//! Truth 29: near the edge of what is lit, a disc estimates the part of it that lies inside.
+//! Boundary bias: near the edge of a lit region, a disc estimates the fraction that lies inside.
 
 use crate::support::*;
 use caustica::photon::{Kernel, PhotonMap, StoreMask};
@@ -10,7 +10,8 @@ use std::f64::consts::PI;
 const IRRADIANCE: f64 = 3.0;
 const RADIUS: f64 = 0.2;
 
-/// Maps of a square 0 < x, z < 1 under parallel light from above; a `shade` covers x < 0.5 from a height above.
+/// Returns photon maps of the unit square under collimated light from above. If `shade` is true, an
+/// occluder covers x < 0.5.
 fn maps(shade: bool) -> (caustica::scene::Scene, Vec<PhotonMap>) {
     let mut b = SceneBuilder::new();
     let white = b.material(Material::diffuse(grey(0.8)));
@@ -33,7 +34,7 @@ fn compare(what: &str, shade: bool, x: f64, z: f64, kernel: Kernel, part: f64) {
     agree_estimates(what, &probe, &maps, IRRADIANCE * part, 0.0, 6e-3);
 }
 
-/// The share of a disc at `t` radii from a straight edge.
+/// Returns the lit fraction of a disc whose center is `t` radii inside a straight edge.
 fn straight(t: f64) -> f64 {
     (PI - libm::acos(t) + t * (1.0 - t * t).sqrt()) / PI
 }
@@ -57,8 +58,8 @@ fn edges_and_corners_halve_and_quarter_estimates() {
     }
 }
 
-/// Other kernels near an edge by quadrature over the disc; the jump costs at most a cell, 1/400 of the radius of one in 96 of
-/// the turns, far below the noise.
+/// Other kernels near an edge, by quadrature over the disc. The jump costs at most one cell, 1/400
+/// of the radius in one of 96 directions, far below the noise.
 #[test]
 fn kernels_over_edge_have_closed_form_bias() {
     for kernel in [Kernel::Cone, Kernel::Epanechnikov] {
@@ -67,8 +68,9 @@ fn kernels_over_edge_have_closed_form_bias() {
     }
 }
 
-/// Photons count on their own side of their own surface: nothing leaks through a sheet, down a step of more than a quarter of
-/// the radius, or around a corner, though all photons lie within the disc's ball.
+/// Photons count only on their side of their surface. None leaks through a sheet, down a step of
+/// more than a quarter of the radius, or around a corner, though all photons lie within the disc's
+/// bounding ball.
 #[test]
 fn estimates_do_not_leak_between_surfaces() {
     let mut b = SceneBuilder::new();

@@ -1,4 +1,5 @@
-//! Truth 18: a ball lens under parallel light. A ray at height h crosses the axis h/sin 2(θi − θt) behind the middle.
+//! A ball lens under collimated light. A ray at height h crosses the axis h/sin 2(θi − θt) behind
+//! the center.
 
 use crate::support::*;
 use caustica::photon::{PhotonMap, PhotonSource, StoreMask, Traced};
@@ -10,7 +11,8 @@ use std::f64::consts::TAU;
 const N: f64 = 1.5;
 const IRRADIANCE: f64 = 2.0;
 
-/// A glass ball of radius 1 under light that falls, and a screen at depth `z` below its middle.
+/// Builds a glass ball of radius 1 under light from above, and a screen at depth `z` below its
+/// center.
 fn lens(z: f64) -> Scene {
     let mut b = SceneBuilder::new();
     let glass = b.material(Material::dielectric(N as f32, grey(0.0)));
@@ -22,8 +24,10 @@ fn lens(z: f64) -> Scene {
     unseen(b)
 }
 
-/// Where on a screen at depth `z` the ray of height `h` lands, and which part of it passes both surfaces, whose reflectances
-/// are alike; `None` where the ray turns back upwards.
+/// Returns where the ray of height `h` lands on a screen at depth `z`, and the fraction that passes
+/// both surfaces.
+///
+/// Both have equal reflectance. `None` if the ray turns back upwards.
 fn landing(h: f64, z: f64) -> Option<(f64, f64)> {
     let deviation = 2.0 * (libm::asin(h) - libm::asin(h / N));
     let r = fresnel((1.0 - h * h).sqrt(), N);
@@ -32,20 +36,20 @@ fn landing(h: f64, z: f64) -> Option<(f64, f64)> {
     down.then(|| ((z - crossing).abs() * libm::tan(deviation), (1.0 - r) * (1.0 - r)))
 }
 
-/// ∫ over the beam of what lands, weighed by a function of the radius on the screen.
+/// Integrates the landing flux over the beam, weighted by a function of the radius on the screen.
 fn over_beam(z: f64, weight: impl Fn(f64) -> f64) -> f64 {
     let ring = |h: f64| landing(h, z).map_or(0.0, |(rho, part)| TAU * h * IRRADIANCE * part * weight(rho));
     midpoint(0.0, 1.0, 400_000, ring)
 }
 
-/// With two bounces photons pass straight through; those that glance off outside land beyond .7.
+/// With two bounces photons pass straight through. Those reflected outside land beyond .7.
 fn passes(scene: &Scene, aimed: bool) -> Vec<Traced> {
     let source = if aimed { PhotonSource::aimed(scene) } else { PhotonSource::everywhere(scene) };
     trace_from(scene, &source.unwrap(), StoreMask::CAUSTIC, 2, PASSES, 1 << 16)
 }
 
-/// Flux within r of the axis before, at and behind the paraxial focus at nR/(2(n − 1)) = 1.5. A jump of the integrand costs
-/// at most a step, 2.5·10⁻⁶ of the beam.
+/// Flux within r of the axis before, at and behind the paraxial focus at nR/(2(n − 1)) = 1.5. A
+/// jump of the integrand costs at most one step, 2.5·10⁻⁶ of the beam.
 #[test]
 fn ball_lens_focus_flux_obeys_snell_and_fresnel() {
     for z in [1.1, 1.3, 1.5, 2.5] {
@@ -63,7 +67,7 @@ fn ball_lens_focus_flux_obeys_snell_and_fresnel() {
     }
 }
 
-/// The estimate on the axis, where the caustic is, with its exact bias: ∫ K over the beam.
+/// The estimate on the axis, inside the caustic, has its exact bias: ∫ K over the beam.
 #[test]
 fn focus_estimate_is_beam_convolved_with_kernel() {
     for z in [1.3, 1.5] {

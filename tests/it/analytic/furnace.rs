@@ -1,4 +1,4 @@
-//! Truth 1, the furnace: inside a closed room whose walls all emit Le and reflect ρ, every radiance is Le/(1 − ρ).
+//! Furnace: in a closed room whose walls all emit Le and reflect ρ, every radiance is Le/(1 − ρ).
 
 use crate::support::*;
 use caustica::photon::StoreMask;
@@ -15,7 +15,8 @@ fn furnace() -> Scene {
     for face in faces(-DVec3::ONE, DVec3::ONE, true) {
         b.shape(face, wall, EMITTED.as_vec3());
     }
-    // The view covers |x|, |y| < 0.6 of the back wall, so that discs of radius 0.3 stay on the wall.
+    // The view covers |x|, |y| < 0.6 of the back wall, so that discs of radius 0.3 stay on the
+    // wall.
     b.build(camera(vec3(0.0, 0.0, 0.9), vec3(0.0, 0.0, -1.0), 2.0 * libm::atan(0.6 / 1.9) * 180.0 / PI, 12)).unwrap()
 }
 
@@ -23,8 +24,9 @@ fn power(x: f64, n: u32) -> f64 {
     (0..n).fold(1.0, |p, _| p * x)
 }
 
-/// `max_bounces` = n cuts a path at its surface n + 1. The viewed wall adds one more reflection, and emission and direct light
-/// are seen without photons: Le·(1 + ρ + … + ρⁿ⁺¹). Irradiance is uniform, so the estimate has no bias.
+/// `max_bounces` = n ends a path at its surface n + 1. The visible wall adds one reflection;
+/// emission and direct light need no photons. So radiance is Le·(1 + ρ + … + ρⁿ⁺¹). Irradiance is
+/// uniform, so the estimate has no bias.
 #[test]
 fn furnace_radiance_is_geometric_series() {
     let scene = furnace();
@@ -39,8 +41,8 @@ fn furnace_radiance_is_geometric_series() {
     }
 }
 
-/// With k nearest photons the radius depends on the photons; in a uniform field the estimate is unbiased all the same, up to
-/// O(1/N) for N photons of unequal power: a hue that goes with the distance has no mean.
+/// With the k nearest photons the radius depends on the photons. In a uniform field the estimate is
+/// still unbiased up to O(1/N) for N photons of unequal power: no hue depends on the distance.
 #[test]
 fn furnace_radiance_holds_for_nearest_neighbours() {
     let scene = furnace();
@@ -51,8 +53,8 @@ fn furnace_radiance_holds_for_nearest_neighbours() {
     }
 }
 
-/// Truths 4 and 32: flux that lands, over all bounces, is Φ/(1 − ρ) in each channel. The roulette follows the mean of the
-/// channels, so hues of survivors change: their mean must not.
+/// Landed flux over all bounces is Φ/(1 − ρ) in each channel. Roulette follows the mean of the
+/// channels, so hues of survivors change, but not their mean.
 #[test]
 fn coloured_flux_survives_grey_roulette() {
     let scene = furnace();
@@ -65,7 +67,8 @@ fn coloured_flux_survives_grey_roulette() {
         .map(|t| t.photons.iter().map(|p| p.data.flux().as_dvec3()).sum())
         .collect();
     for flux in direct {
-        // No chance is left in the emitted flux but the lights dealt to paths: all six are alike, so it is exact to rounding.
+        // Emitted flux is random only by the choice of lights. All six are equal, so it is exact to
+        // rounding.
         assert!(((flux - emitted) / emitted).abs().max_element() < 1e-4, "{flux} {emitted}");
     }
 }

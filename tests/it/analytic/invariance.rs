@@ -1,4 +1,4 @@
-//! Truths without a formula (40): what must not change, or not beyond noise.
+//! Invariances: transforms and settings that must not change the result, or not beyond noise.
 
 use crate::support::*;
 use caustica::integrate::{Algorithm, Settings, Silent};
@@ -7,7 +7,7 @@ use caustica::scene::{LightStrength, Material, Scene, SceneBuilder, SourceKind};
 use caustica::shape::{Disc, Rectangle, Shape, Sphere};
 use glam::{DQuat, DVec2, DVec3, Vec3};
 
-/// A similarity of space.
+/// A similarity transform of space.
 #[derive(Clone, Copy)]
 struct Place {
     turn: DQuat,
@@ -27,7 +27,8 @@ impl Place {
     }
 }
 
-/// A room with a glass ball, a mirror ball, a bent mirror mesh, an area light and a point light, put at a place.
+/// Builds a room with a glass ball, a mirror ball, a curved mirror mesh, an area light and a point
+/// light, transformed by `at`.
 fn room(at: Place) -> Scene {
     let mut b = SceneBuilder::new();
     let white = b.material(Material::diffuse(Vec3::new(0.7, 0.6, 0.4)));
@@ -49,7 +50,7 @@ fn room(at: Place) -> Scene {
     let sail = [vec3(-0.9, -0.9, -0.4), vec3(-0.4, -0.9, -0.9), vec3(-0.9, 0.3, -0.8)].map(|p| at.point(p));
     b.mesh(&sail, &[], &[[0, 1, 2]], mirror, Vec3::ZERO);
     let point = SourceKind::Point { position: at.point(vec3(0.6, 0.5, 0.8)) };
-    // Intensity goes with the area, as the power of an area light of given radiance does.
+    // Intensity scales with area, like the power of an area light of given radiance.
     b.source(point, LightStrength::Physical(grey(0.4 * at.scale * at.scale)));
     let (eye, target) = (at.point(vec3(2.5, 1.0, 2.5)), at.point(vec3(0.0, -0.4, 0.0)));
     let up = at.turn * DVec3::Y;
@@ -65,7 +66,7 @@ fn image(scene: &Scene, pass: u32) -> Vec<Vec3> {
     Algorithm::Sppm.prepare(scene, by_neighbours()).pass(pass, &Silent).image
 }
 
-/// Fails where passes of two methods differ in the mean; a pass of one may go with a pass of the other.
+/// Fails if passes of two settings differ in the mean. Passes are compared in pairs.
 fn same(what: &str, a: &[DVec3], b: &[DVec3], sharp: f64) {
     for c in 0..3 {
         let level = b.iter().map(|v| v[c]).sum::<f64>() / b.len() as f64;
@@ -88,7 +89,7 @@ fn thread_count_changes_no_bit() {
     }
 }
 
-/// A power of two changes exponents only, so nothing may round otherwise.
+/// A power of two changes exponents only, so no rounding may differ.
 #[test]
 fn scaling_by_a_power_of_two_changes_no_bit() {
     let here = image(&room(HERE), 0);
@@ -99,7 +100,8 @@ fn scaling_by_a_power_of_two_changes_no_bit() {
     }
 }
 
-/// Light that arrives through the ball, in a patch of the floor of the room's own coordinates, per unit of its scale squared.
+/// Returns the flux that arrives through the ball on a patch of the floor, per squared scale. The
+/// patch is in the room's coordinates.
 fn arrived(at: Place, aimed: bool, wants: StoreMask, passes: u32, paths: u32) -> Vec<DVec3> {
     let scene = room(at);
     let source = if aimed { PhotonSource::aimed(&scene) } else { PhotonSource::everywhere(&scene) };
@@ -131,8 +133,8 @@ fn similarity_transforms_preserve_flux() {
     }
 }
 
-/// The seed's numbers are the same, so pictures of scaled and moved rooms differ by rounding, and here and there a photon that
-/// took another way.
+/// Random numbers depend on the seed alone. So images of scaled and moved rooms differ by rounding,
+/// and by a few photons that took another path.
 #[test]
 fn similarity_transforms_preserve_radiance() {
     let mean = |at: Place| seen(&room(at), by_neighbours(), 8);
@@ -146,8 +148,9 @@ fn similarity_transforms_preserve_radiance() {
     }
 }
 
-/// Aiming changes which photons are drawn, not what they carry. Unaimed passes that want all stored classes hold the same
-/// caustic photons as those that want caustics only, which here are counted.
+/// Aiming changes which photons are sampled, not the flux they carry. Unaimed passes that store
+/// every kind hold the same caustic photons as those that store only caustics; the caustic ones are
+/// counted.
 #[test]
 fn aimed_emission_preserves_caustics() {
     let aimed = arrived(HERE, true, StoreMask::CAUSTIC, 32, 1 << 15);

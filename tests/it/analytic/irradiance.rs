@@ -1,4 +1,4 @@
-//! Truths 5 to 9: irradiance below lights of every kind, through photons with the exact bias of their kernel, and through
+//! Irradiance below every kind of light: by photons, with the exact bias of their kernel, and by
 //! shadow rays.
 
 use crate::support::*;
@@ -31,8 +31,9 @@ fn emit(b: &mut SceneBuilder, shape: Shape) {
     b.shape(shape, black, grey(RADIANCE));
 }
 
-/// Lambert's formula: (L/2) Σ γᵢ Γᵢ·n over the edges, with γᵢ the angle of edge i and Γᵢ the unit normal of its plane through
-/// the point.
+/// Returns irradiance by Lambert's formula: (L/2) Σ γᵢ Γᵢ·n over the edges.
+///
+/// γᵢ is the angle of edge i, Γᵢ the unit normal of its plane through the point.
 fn rectangle(p: DVec2) -> f64 {
     let corner = |x: f64, z: f64| vec3(x * HALF.x - p.x, HEIGHT, z * HALF.y - p.y).normalize();
     let corners = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
@@ -101,7 +102,7 @@ const LAMPS: [Lamp; 6] = [
             let black = b.material(Material::black());
             let corner = |x: f64, z: f64| vec3(x * HALF.x, HEIGHT, z * HALF.y);
             let corners = [corner(-1.0, -1.0), corner(1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)];
-            // Unequal triangles, so that choosing them by anything but area shows.
+            // Triangles of unequal area reveal a choice of triangle that does not follow area.
             let middle = corner(0.7, 0.2);
             let all = [corners[0], corners[1], corners[2], corners[3], middle];
             b.mesh(&all, &[], &[[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]], black, grey(RADIANCE));
@@ -122,7 +123,7 @@ fn maps(scene: &Scene) -> Vec<PhotonMap> {
     trace(scene, DIRECT, 0, PASSES, 1 << 17).into_iter().map(|t| PhotonMap::build(t.photons)).collect()
 }
 
-/// The expectation of an estimate is irradiance averaged by its kernel, at any radius and place.
+/// The expected estimate is irradiance averaged by the kernel, at any radius and position.
 #[test]
 fn estimates_have_exact_kernel_bias() {
     for lamp in &LAMPS {
@@ -138,7 +139,8 @@ fn estimates_have_exact_kernel_bias() {
     }
 }
 
-/// Truth 6 at the nadir of a point, where the box has a closed form: 2I/r²·(1 − h/√(h² + r²)), far from the irradiance itself.
+/// Below a point light the box kernel has a closed form: 2I/r²·(1 − h/√(h² + r²)), far from the
+/// irradiance itself.
 #[test]
 fn wide_box_kernel_has_closed_form_bias() {
     let scene = unseen(under(&LAMPS[0]));
@@ -150,7 +152,8 @@ fn wide_box_kernel_has_closed_form_bias() {
     }
 }
 
-/// Photons remember where they came from: weighed by cosθ, the flux in a disc below a point is πIh²(1/h² − 1/(h² + r²)).
+/// Photons store their incident direction. Weighted by cosθ, the flux in a disc below a point is
+/// πIh²(1/h² − 1/(h² + r²)).
 #[test]
 fn photons_store_their_incident_direction() {
     let scene = unseen(under(&LAMPS[0]));
@@ -164,12 +167,13 @@ fn photons_store_their_incident_direction() {
         f64::from(map.estimate(origin, Vec3::Y, fixed(radius), Kernel::Box, &mut scratch, brdf).radiance.x)
     };
     let samples: Vec<f64> = maps(&scene).iter().map(one).collect();
-    // Directions are stored within 10⁻⁴ rad; 11,000 photons are added within 11,000 · 2⁻²⁴ = 7·10⁻⁴ of the sum.
+    // Directions are stored to 10⁻⁴ rad. Adding 11,000 photons is accurate to 11,000 · 2⁻²⁴ =
+    // 7·10⁻⁴ of the sum.
     agree("cosine-weighted flux", &samples, expected, expected * (8e-4 + 2.0 * HUE), 4e-3);
 }
 
-/// Shadow rays: L = ρE/π. The view covers 0.02 of a unit, over which irradiance is linear to its second difference: less than
-/// (0.02/h)² of itself.
+/// Shadow rays give L = ρE/π. The view covers 0.02 of a unit. Over it irradiance is linear up to
+/// its second difference, less than (0.02/h)² of itself.
 #[test]
 fn direct_light_matches_irradiance_of_each_light() {
     for lamp in &LAMPS {
@@ -184,7 +188,7 @@ fn direct_light_matches_irradiance_of_each_light() {
     }
 }
 
-/// Truth 5's flux in a disc, 2πI(1 − h/√(h² + r²)), and all of a lamp's flux, by counting.
+/// Photon counts give the flux in a disc, 2πI(1 − h/√(h² + r²)), and the whole flux of a light.
 #[test]
 fn disc_flux_below_point_light_matches_solid_angle() {
     let scene = unseen(under(&LAMPS[0]));

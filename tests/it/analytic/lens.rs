@@ -1,4 +1,4 @@
-//! Truths 36 and 37: what a thin lens and an open shutter blur.
+//! Depth of field and motion blur.
 
 use crate::support::{agree, camera_rays, mean_and_error, scene_in};
 use caustica::integrate::{Algorithm, Silent};
@@ -11,16 +11,16 @@ fn scene(text: &str) -> Scene {
     scene_in("scenes", text)
 }
 
-/// Mean radiance of the first channel by rows, pass by pass.
+/// Returns the mean radiance of the first channel by rows, pass by pass.
 fn pictures(scene: &Scene, algorithm: Algorithm, samples: u32, passes: u32) -> Vec<Vec<f64>> {
     let prepared = algorithm.prepare(scene, camera_rays(samples, 4));
     let pass = |i| prepared.pass(i, &Silent).image.iter().map(|v| f64::from(v.x)).collect();
     (0..passes).map(pass).collect()
 }
 
-/// A small lamp at distance S out of focus becomes a disc of diameter A |S − f|/(S p f) pixels, f the distance of focus and p the size of a
-/// pixel at distance 1: a disc has a quarter of the square of its radius as second moment about each axis, to which the lamp's own size
-/// and the pixel's, 1/12, add.
+/// A small light at distance S out of focus becomes a disc of diameter A |S − f|/(S p f) pixels. f
+/// is the focus distance, p the size of a pixel at distance 1. A disc has a quarter of its squared
+/// radius as second moment about each axis. The light's own size and the pixel's 1/12 add to it.
 #[test]
 fn circle_of_confusion_matches_thin_lens() {
     const PIXELS: f64 = 64.0;
@@ -30,7 +30,7 @@ fn circle_of_confusion_matches_thin_lens() {
     for (distance, focus) in [(20.0f64, 4.0f64), (3.0, 4.0), (6.0, 10.0)] {
         for opening in [
             format!("aperture {}", 0.5 * aperture),
-            // The same by its f-number: focal length over diameter.
+            // The same lens by its f-number, focal length over diameter.
             format!("fNumber {}  sensorHeight .3", 0.15 / libm::tan(0.5 * angle) / aperture),
         ] {
             let scene = scene(&format!(
@@ -61,13 +61,14 @@ fn circle_of_confusion_matches_thin_lens() {
     }
 }
 
-/// The edge of a white half plane that moves by 16 pixels leaves a linear ramp of that width. The 64 times of passes are a step of 1/64 apart:
-/// their mean of a function that only falls from 1 to 0 is off by less than a step. While the edge is in a pixel, for 4 passes, each of its 16 · 4
-/// rays has a variance of at most ¼; the mean of all passes has 4 · (¼/64)/64² of it.
+/// The edge of a white half plane that moves by 16 pixels leaves a linear ramp of that width. The
+/// 64 pass times are 1/64 apart, so their mean of a falling function from 1 to 0 is off by less
+/// than one step. The edge is within a pixel for 4 passes; then each of 16 · 4 rays has a variance
+/// of at most ¼. The mean of all passes has 4 · (¼/64)/64² of it.
 #[test]
 fn moving_edge_blurs_to_a_ramp() {
     const PASSES: u32 = 64;
-    // One pixel is one unit wide; the edge goes from x = −8 to 8 pixels.
+    // One pixel is one unit wide. The edge moves from x = −8 to 8 pixels.
     let scene = scene(
         "OrthographicCamera { center 0 0 5  direction 0 0 -1  size 4  width 32  height 4 }
          Background { color 0 0 0 }
@@ -78,7 +79,7 @@ fn moving_edge_blurs_to_a_ramp() {
         let pixels = images.iter().map(|image| (0..4).map(|y| image[y * 32 + x]).sum::<f64>() / 4.0);
         let found = pixels.sum::<f64>() / f64::from(PASSES);
         let (left, right) = (x as f64 - 16.0, x as f64 - 15.0);
-        // The edge at time t is at 16 t − 8: white is what lies left of it.
+        // At time t the edge is at 16 t − 8; left of it is white.
         let white = |p: f64| ((8.0 - p) / 16.0).clamp(0.0, 1.0);
         let expected = 0.5 * (white(left) + white(right));
         let sigma = (4.0 * 0.25 / 64.0f64).sqrt() / f64::from(PASSES);
@@ -87,9 +88,10 @@ fn moving_edge_blurs_to_a_ramp() {
     }
 }
 
-/// A point light of intensity I that goes by at height h lights the floor by the time mean of I h/(h² + x²)^(3/2), which is
-/// I [x/(h √(h² + x²))] over the length of its way. The mean over 64 times in equal steps is off by less than a 64th of the total variation, of a
-/// rise and a fall by at most the peak I/h² each. No estimate of density has a part in it.
+/// A point light of intensity I that passes at height h gives the floor the time mean of I h/(h² +
+/// x²)^(3/2). That is I [x/(h √(h² + x²))] over the length of its path. The mean over 64 equal time
+/// steps is off by less than a 64th of the total variation: a rise and a fall by at most the peak
+/// I/h² each. No density estimate is involved.
 #[test]
 fn moving_light_gives_mean_irradiance_over_time() {
     const PASSES: u32 = 64;
@@ -109,8 +111,9 @@ fn moving_light_gives_mean_irradiance_over_time() {
     }
 }
 
-/// A blurred lamp on black: rays that go where its disc is make the same picture with less noise. All noise is there, on less than a tenth of the
-/// picture, which gets up to eight times the rays: even half of that would halve the variance.
+/// A blurred light on black: adaptive rays give the same image with less noise. All noise is on
+/// less than a tenth of the image, which gets up to eight times the rays. Half of that would halve
+/// the variance.
 #[test]
 fn adaptive_rays_change_only_noise() {
     const PASSES: u32 = 24;
@@ -138,8 +141,9 @@ fn adaptive_rays_change_only_noise() {
     agree("light", &differences, 100.0, 1e-6, 0.05);
 }
 
-/// A course's colour is what a white floor sends back at the scene's middle; of a lamp that moves, half way. It stays as strong: its irradiance
-/// falls with the square of the distance.
+/// A course light's colour is the radiance of a white floor at the scene's center, taken half way
+/// for a moving light. The light keeps that strength: its irradiance falls with the squared
+/// distance.
 #[test]
 fn legacy_light_keeps_its_strength_in_motion() {
     let scene = scene(
@@ -148,7 +152,7 @@ fn legacy_light_keeps_its_strength_in_motion() {
          Materials { Diffuse white { reflectance 1 1 1 } }
          Group { MaterialName white  Rectangle { corner -1 0 1  edge0 2 0 0  edge1 0 0 -2 } }",
     );
-    // Half way it is 4 above, and the floor as bright as its colour.
+    // Half way the light is at height 4, and the floor has its colour.
     for (time, height) in [(0.0, 2.0), (0.5, 4.0), (1.0, 6.0)] {
         let placed = scene.at(time);
         let seen = pictures(&placed, Algorithm::Whitted, 1, 1)[0][0];
@@ -157,7 +161,8 @@ fn legacy_light_keeps_its_strength_in_motion() {
     }
 }
 
-/// Parallel rays that start beside a body of dark glass around the camera's place are not in it.
+/// Orthographic rays that start beside a dark glass body around the camera's center are not inside
+/// it.
 #[test]
 fn orthographic_rays_start_in_correct_medium() {
     let scene = scene(
@@ -167,12 +172,14 @@ fn orthographic_rays_start_in_correct_medium() {
          Group { MaterialName dark  Sphere { center 0 0 0  radius .7 } }",
     );
     let image = &pictures(&scene, Algorithm::Whitted, 1, 1)[0];
-    // What a filter of two pixels sees in the middle goes .69 through the glass, or more; the corners pass it by.
+    // What a filter of two pixels covers in the middle passes .69 or more of glass. The corners
+    // miss the glass.
     assert!(image[50 * 101 + 50] < libm::exp(-9.0 * 0.69), "{}", image[50 * 101 + 50]);
     assert!([0, 100, 100 * 101, 101 * 101 - 1].iter().all(|i| image[*i] == 1.0));
 }
 
-/// What stands at a time is what the same maps put there at rest: distances of hits differ by rounding alone.
+/// At each time an object is where its transforms place it at rest. Hit distances differ by
+/// rounding alone.
 #[test]
 fn moving_objects_follow_their_transforms() {
     let body = |what: &str| {
@@ -209,7 +216,7 @@ fn moving_objects_follow_their_transforms() {
             for i in 0..2000 {
                 let key = Key::new(i).purpose(Purpose::Test);
                 let (a, b) = (key.uniform_2d(Dimension::Film), key.uniform_2d(Dimension::Lens));
-                // From a frame around the object to points near it.
+                // Rays go from a frame around the object to points near it.
                 let from = Vec3::new(8.0 * a.x - 4.0, 8.0 * a.y - 4.0, 6.0);
                 let to = Vec3::new(4.0 * b.x - 1.5, 3.0 * b.y - 1.5, 0.0);
                 let look = |scene: &Scene| {
@@ -222,7 +229,8 @@ fn moving_objects_follow_their_transforms() {
                 };
                 match (look(&still), look(&placed)) {
                     (None, None) => {}
-                    // Rounding in single precision of places below 10, and of directions; edges are met by chance only.
+                    // Allows single-precision rounding of positions below 10 and of directions.
+                    // Edges are hit by chance only.
                     (Some((p, n)), Some((q, m))) if (p - q).length() < 1e-5 * p.length().max(10.0) => {
                         hits += u32::from(p.y > -2.9);
                         turned += u32::from(n.dot(m) < 0.999);
@@ -231,9 +239,10 @@ fn moving_objects_follow_their_transforms() {
                 }
             }
             assert!(hits > 50, "{object} at {time}: only {hits} rays met it");
-            // Rounding is 10⁻⁷ of places, and edges and outlines are met within it by one ray in thousands at most: of 2000 rays by less than five.
+            // Rounding is 10⁻⁷ of positions. At most one ray in thousands passes an edge or outline
+            // within that: fewer than five of 2000.
             assert!(missed < 5, "{object} at {time}: {missed} rays differ");
-            // Where a ray meets an edge between triangles, rounding may give it either.
+            // Where a ray hits an edge between triangles, rounding may choose either.
             assert!(turned < 5, "{object} at {time}: {turned} of {hits} normals differ");
         }
     }

@@ -1,4 +1,4 @@
-//! Truths 13 and 25 to 27, furnaces and extremes: light that media absorb, scatter and carry.
+//! Participating media: absorption, single and multiple scattering, furnaces and extreme depths.
 
 use crate::support::{PASSES, agree, fresnel, mean_and_error, midpoint, scene_in, settings};
 use caustica::integrate::{Algorithm, Settings, Silent, VolumeEstimate};
@@ -9,14 +9,14 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
 const ESTIMATES: [VolumeEstimate; 3] = [VolumeEstimate::Beams, VolumeEstimate::BeamRadiance, VolumeEstimate::Points];
 
-/// Rounding of single precision along a path of a few vertices, as a part.
+/// Relative rounding of single precision along a path of a few vertices.
 const ROUNDING: f64 = 1e-5;
 
 fn scene(text: &str) -> Scene {
     scene_in("scenes", text)
 }
 
-/// The mean over all pixels, pass by pass.
+/// Returns the mean over all pixels, pass by pass.
 fn seen(scene: &Scene, algorithm: Algorithm, settings: Settings, passes: u32) -> Vec<DVec3> {
     let method = algorithm.prepare(scene, settings);
     let one = |i| {
@@ -27,7 +27,7 @@ fn seen(scene: &Scene, algorithm: Algorithm, settings: Settings, passes: u32) ->
     (0..passes).map(one).collect()
 }
 
-/// [`agree`] for each channel.
+/// Applies [`agree`] to each channel.
 #[track_caller]
 fn agree_each(what: &str, samples: &[DVec3], expected: DVec3, slack: DVec3, sharp: f64) {
     for c in 0..3 {
@@ -36,8 +36,11 @@ fn agree_each(what: &str, samples: &[DVec3], expected: DVec3, slack: DVec3, shar
     }
 }
 
-/// [`agree_each`] for what a kernel blurs. A kernel's bias grows at least in proportion to its radius, so at half of `wide` it is at most what it
-/// changes from there to `wide`: that is allowed for, with four errors of it, and must be within the part `blur` of what is expected.
+/// Applies [`agree_each`] to an estimate with kernel bias.
+///
+/// The bias grows at least in proportion to the radius. So at half of `wide` it is at most the
+/// change from there to `wide`. That change, with four standard errors of it, is allowed. It must
+/// be within the fraction `blur` of the expected value.
 #[track_caller]
 fn agree_blurred(what: &str, look: impl Fn(f64) -> Vec<DVec3>, wide: f64, expected: DVec3, (blur, sharp): (f64, f64)) {
     let (narrow, wide) = (look(0.5 * wide), look(wide));
@@ -55,7 +58,7 @@ fn each(v: [f64; 3], f: impl Fn(f64) -> f64) -> DVec3 {
     DVec3::from_array(v.map(f))
 }
 
-/// Without light between receivers, and what caustics become.
+/// Switches off interreflection and what follows caustics, so that only single scattering remains.
 fn single() -> EffectOverrides {
     EffectOverrides::PLANNED.without(Effect::Interreflection).without(Effect::CausticBounces)
 }
@@ -67,7 +70,8 @@ fn with(samples: u32, effects: EffectOverrides) -> Settings {
     settings
 }
 
-/// Truth 13: (1 − R)²τ/(1 − R²τ²) of the light behind a slab, at right angles and at 60°, whichever way it is told what it absorbs.
+/// Light behind a slab is (1 − R)²τ/(1 − R²τ²) at normal incidence and at 60°, for every way to
+/// describe the absorption.
 #[test]
 fn absorbing_slab_obeys_beer_and_fresnel() {
     const SIGMA: [f64; 3] = [0.5, 2.0, 5.0];
@@ -109,7 +113,8 @@ fn absorbing_slab_obeys_beer_and_fresnel() {
             }
             for algorithm in algorithms {
                 let samples = seen(&scene, algorithm, with(16, EffectOverrides::PLANNED), PASSES);
-                // Whitted's branches end below 1/256: what comes after the third reflection inside is below R⁴.
+                // Whitted's branches end below 1/256: light after the third inner reflection is
+                // below R⁴.
                 let slack = if algorithm == Algorithm::Whitted { r * r / 256.0 } else { 0.0 };
                 agree_each(&what(algorithm), &samples, expected, DVec3::splat(slack), 1e-3);
             }
@@ -117,13 +122,16 @@ fn absorbing_slab_obeys_beer_and_fresnel() {
     }
 }
 
-/// Henyey and Greenstein's phase function.
+/// Returns Henyey and Greenstein's phase function.
 fn phase(g: f64, cos: f64) -> f64 {
     let square = 1.0 + g * g - 2.0 * g * cos;
     (1.0 - g * g) / (4.0 * PI * square * square.sqrt())
 }
 
-/// Light of intensity 1 at `lamp` that is scattered once to the origin, from as far as `end` along −z: in σt = `sigma`, per σs.
+/// Returns the single-scattered radiance at the origin from a light of intensity 1 at `lamp`, along
+/// −z up to `end`.
+///
+/// `sigma` is σt; the result is per σs.
 fn airlight(lamp: DVec3, end: f64, sigma: f64, g: f64) -> f64 {
     midpoint(0.0, end, 100_000, |t| {
         let way = -DVec3::Z * t - lamp;
@@ -132,8 +140,10 @@ fn airlight(lamp: DVec3, end: f64, sigma: f64, g: f64) -> f64 {
     })
 }
 
-/// The same of isotropic scattering, from infinitely far (Sun, Ramamoorthi, Narasimhan and Nayar 2005), for a lamp at distance `d` and angle
-/// `gamma` off the ray: A₀[F(A₁, π/2) − F(A₁, γ/2)].
+/// Returns the same for isotropic scattering from an infinite ray (Sun, Ramamoorthi, Narasimhan and
+/// Nayar 2005).
+///
+/// The light is at distance `d` and angle `gamma` off the ray: A₀[F(A₁, π/2) − F(A₁, γ/2)].
 fn sun(d: f64, gamma: f64, sigma: f64) -> f64 {
     let tau = sigma * d;
     let (a0, a1) = (libm::exp(-tau * libm::cos(gamma)) / (2.0 * PI * d * libm::sin(gamma)), tau * libm::sin(gamma));
@@ -142,7 +152,7 @@ fn sun(d: f64, gamma: f64, sigma: f64) -> f64 {
     a0 * midpoint(0.5 * gamma, end, 100_000, |v| libm::exp(-a1 * libm::tan(v)))
 }
 
-/// Truths 25 and 26: the glow around a lamp in fog, before a black wall far away.
+/// Airlight around a light in fog, before a black wall far away.
 #[test]
 fn airlight_matches_quadrature() {
     const SCATTERING: [f64; 3] = [0.1, 0.25, 0.5];
@@ -168,14 +178,15 @@ fn airlight_matches_quadrature() {
         for algorithm in [Algorithm::Distributed, Algorithm::Path] {
             let samples = seen(&scene, algorithm, with(256, single()), PASSES);
             let what = format!("airlight, g {g}, {}", algorithm.name());
-            // 10⁵ midpoints are within 10⁻⁶.
+            // 10⁵ midpoints are accurate to 10⁻⁶.
             agree_each(&what, &samples, expected, 1e-6 * expected, 0.01);
         }
     }
 }
 
-/// Truth 26 with all that is scattered more than once: what leaves a ball without absorption, all alike in all directions by symmetry, is what
-/// its lamp in the middle sends out, of which exp(−τ) comes straight and is not seen. A camera in parallel sees Φ(1 − exp(−τ))/(4π) over the disc.
+/// A ball scatters without absorption, so by symmetry it sends out its central light's flux equally
+/// in all directions. The unscattered part exp(−τ) goes straight and is not seen. An orthographic
+/// camera sees Φ(1 − exp(−τ))/(4π) over the disc.
 #[test]
 fn scattering_ball_loses_no_light() {
     const TAU: [f64; 3] = [0.25, 0.5, 1.0];
@@ -190,7 +201,7 @@ fn scattering_ball_loses_no_light() {
     let expected = each(TAU, |tau| 10.0 * (1.0 - libm::exp(-tau)) / (4.0 * PI) / (2.2 * 2.2));
     for algorithm in [Algorithm::Path, Algorithm::Hybrid] {
         let samples = seen(&scene, algorithm, with(32, EffectOverrides::PLANNED), PASSES);
-        // Near misses of the lamp are rare and bright.
+        // Paths that pass close to the light are rare and bright.
         agree_each(&format!("milky ball, {}", algorithm.name()), &samples, expected, DVec3::ZERO, 0.04);
     }
     for algorithm in [Algorithm::Sppm, Algorithm::Pm] {
@@ -206,13 +217,17 @@ fn scattering_ball_loses_no_light() {
     }
 }
 
-/// The mean of `f` over the marginal along one axis of a disc weighed by 3/π(1 − x²)²: 16/(5π)(1 − x²)^(5/2).
+/// Returns the mean of `f` over the marginal along one axis of a disc with weight 3/π(1 − x²)²:
+/// 16/(5π)(1 − x²)^(5/2).
 fn over_disc(f: impl Fn(f64) -> f64) -> f64 {
     midpoint(-1.0, 1.0, 2000, |x| 16.0 / (5.0 * PI) * libm::pow(1.0 - x * x, 2.5) * f(x))
 }
 
-/// What points find along a ray of length `wide` that looks across light which grows upwards by exp(σy): balls of radius `r`, weighed by
-/// 15/(8π)(1 − x²), whose part beyond both ends is lost, and whose slice at x and y has 5/(2π)(1 − x² − y²)^(3/2) of the weight.
+/// Returns the expected point estimate along a ray of length `wide` across light that grows upwards
+/// by exp(σy).
+///
+/// Balls of radius `r` have weight 15/(8π)(1 − x²). The part beyond both ends is lost. The slice at
+/// x and y has 5/(2π)(1 − x² − y²)^(3/2) of the weight.
 fn around(sigma: f64, wide: f64, r: f64) -> f64 {
     midpoint(-1.0, 1.0, 400, |x| {
         let (from, to) = ((-r * x).max(0.0), (wide - r * x).min(wide));
@@ -223,8 +238,8 @@ fn around(sigma: f64, wide: f64, r: f64) -> f64 {
     })
 }
 
-/// Truth 27: parallel light goes down into a box, and a ray looks through it across: p(90°)E σs exp(−σt z)(1 − exp(−σt s))/σt. Behind a pane,
-/// which lets (1 − R)/(1 + R) through, photons carry it.
+/// Collimated light goes down into a box, and a ray crosses it: p(90°)E σs exp(−σt z)(1 − exp(−σt
+/// s))/σt. Behind a pane, which transmits (1 − R)/(1 + R), photons carry the light.
 #[test]
 fn photon_beam_estimate_matches_formula() {
     const G: f64 = 0.4;
@@ -269,17 +284,19 @@ fn photon_beam_estimate_matches_formula() {
     assert!(path.iter().all(|v| *v == DVec3::ZERO), "no walk finds it: {path:?}");
     let radius = 0.3;
     for volume in ESTIMATES {
-        // Beams lie alike beside the ray. Discs around it reach up and down, balls beyond both ends of the box besides.
+        // Beams are uniform along the ray. Discs around it reach up and down; balls also reach
+        // beyond both ends of the box.
         let blur = |sigma: f64| match volume {
             VolumeEstimate::Beams => whole(sigma),
             VolumeEstimate::BeamRadiance => whole(sigma) * over_disc(|y| libm::exp(sigma * radius * y)),
             VolumeEstimate::Points => around(sigma, wide, radius),
         };
-        // `Pm` looks at the same photons as the first pass of `Sppm`.
+        // `Pm` uses the same photons as the first pass of `Sppm`.
         for algorithm in [Algorithm::Hybrid, Algorithm::Sppm] {
             let base = with(64, single());
             let settings = Settings { radius: Some(radius as f32), volume, caustic_photons: 60_000, ..base };
-            // Radii of `Sppm` shrink from pass to pass, so each pass is the first, of another seed.
+            // Radii of `Sppm` shrink from pass to pass, so each pass is the first one of another
+            // seed.
             let samples: Vec<DVec3> = (0..PASSES)
                 .flat_map(|seed| {
                     let mut settings = settings.clone();
@@ -288,14 +305,14 @@ fn photon_beam_estimate_matches_formula() {
                 })
                 .collect();
             let what = format!("beam behind a pane, {} by {volume:?}", algorithm.name());
-            // Midpoints of kernels with a root at their ends are within 10⁻⁴.
+            // Midpoints of kernels with a root at their ends are accurate to 10⁻⁴.
             let expected = through * expected(&blur);
             agree_each(&what, &samples, expected, 1e-4 * expected, 0.04);
         }
     }
 }
 
-/// A ball in uniform light, seen within its outline.
+/// Builds a ball in uniform light, with a camera that sees only the ball.
 fn furnace(media: &str, ball: &str, eye: &str) -> Scene {
     scene(&format!(
         "PerspectiveCamera {{ center {eye}  direction 0 0 -1  angle 16  width 8  height 8 }}
@@ -307,7 +324,8 @@ fn furnace(media: &str, ball: &str, eye: &str) -> Scene {
     ))
 }
 
-/// Truth 1: where nothing is lost, all is as bright as the light around, however often it is scattered; also within, and whichever way.
+/// Without loss, every medium has the radiance of its surroundings, however often it scatters. This
+/// holds from inside too, and for every integrator.
 #[test]
 fn white_medium_vanishes_in_furnace() {
     let clear = "Clear milky { medium milk }";
@@ -353,7 +371,8 @@ fn white_medium_vanishes_in_furnace() {
     }
 }
 
-/// The same between walls that shine and reflect: Le/(1 − ρ) = 1, of which surfaces and scattering find shares by connections and by chance.
+/// White fog between walls that emit and reflect: Le/(1 − ρ) = 1. Surfaces and scattering find
+/// parts of it by connections and by chance.
 #[test]
 fn white_fog_vanishes_between_furnace_walls() {
     let walls = "Rectangle { corner -1 -1 -1  edge0 0 0 2  edge1 2 0 0 }
@@ -377,8 +396,11 @@ fn white_fog_vanishes_between_furnace_walls() {
     }
 }
 
-/// What a half space of isotropic scattering of albedo `a` sends straight up under uniform light of 1: 1 − H(1)√(1 − a) (Chandrasekhar 1960,
-/// chapter V), where H = 1/(√(1 − a) + (a/2)∫ µ'H(µ')/(µ + µ') dµ').
+/// Returns the radiance that a half space of isotropic scattering with albedo `a` sends straight up
+/// under uniform light of 1.
+///
+/// It is 1 − H(1)√(1 − a) (Chandrasekhar 1960, chapter V), where H = 1/(√(1 − a) + (a/2)∫
+/// µ'H(µ')/(µ + µ') dµ').
 fn chandrasekhar(a: f64) -> f64 {
     const N: usize = 400;
     let root = (1.0 - a).sqrt();
@@ -394,8 +416,9 @@ fn chandrasekhar(a: f64) -> f64 {
     1.0 - root * at(&h, 1.0)
 }
 
-/// At an optical depth of 10⁴ a ball is a half space where it is seen straight on: over a pixel's breadth and a walk's, hundreds of times less
-/// than its radius, it is flat. Steps of 10⁻⁴ are rounded at 1 by 6·10⁻⁸, and a step's error of 10⁻³ leaves H as it is to 10⁻³.
+/// At an optical depth of 10⁴ a ball seen straight on acts as a half space: a pixel and a path are
+/// hundreds of times smaller than its radius. Steps of 10⁻⁴ round at 1 by 6·10⁻⁸. A step's error of
+/// 10⁻³ changes H by 10⁻³ at most.
 #[test]
 fn thick_fog_matches_chandrasekhar_half_space() {
     let text = |camera: &str| {
@@ -410,7 +433,8 @@ fn thick_fog_matches_chandrasekhar_half_space() {
     };
     let above = scene(&text("OrthographicCamera { center 0 0 5  direction 0 0 -1  size .001  width 4  height 4 }"));
     let expected = each([0.9, 0.5, 0.98], chandrasekhar);
-    // The middle of H's 400 parts errs by 1/400² of its second derivative, which ends at a logarithm.
+    // The middle of H's 400 intervals errs by 1/400² of its second derivative, which ends at a
+    // logarithm.
     for algorithm in [Algorithm::Path, Algorithm::Hybrid] {
         let mut settings = with(128, EffectOverrides::PLANNED);
         settings.eye.max_bounces = 10_000;
@@ -426,7 +450,7 @@ fn thick_fog_matches_chandrasekhar_half_space() {
     }
 }
 
-/// A medium that is none leaves every bit of a picture as it is: by chance where the plan does not see that, and though all effects are on.
+/// A medium with zero coefficients changes no bit of an image, even with all effects on.
 #[test]
 fn empty_medium_changes_no_bit() {
     let picture = |filled: &str, medium: &str, wishes: EffectOverrides| {
@@ -458,8 +482,8 @@ fn empty_medium_changes_no_bit() {
     assert!(picture("", "", EffectOverrides::PLANNED) == picture("", "", EffectOverrides::ALL));
 }
 
-/// A medium that is the same everywhere, and one on a grid of equal numbers around the same ball, are one: in mean by walks, and by points, whose
-/// blur is the same.
+/// A homogeneous medium equals one on a grid of equal values around the same ball: in the mean for
+/// `path`, and for point estimates with the same blur.
 #[test]
 fn constant_grid_equals_homogeneous_medium() {
     let grid = std::path::Path::new(env!("CARGO_TARGET_TMPDIR")).join("even.grid");
@@ -486,7 +510,7 @@ fn constant_grid_equals_homogeneous_medium() {
         let settings = Settings { volume: VolumeEstimate::Points, ..with(64, EffectOverrides::PLANNED) };
         let (a, b) = (seen(&even, algorithm, settings.clone(), PASSES), seen(&varied, algorithm, settings, PASSES));
         let mean = a.iter().sum::<DVec3>() / a.len() as f64;
-        // Against the mean of the other, so that what is compared is above 0.
+        // Adds the mean of the other, so that the compared value is above 0.
         let samples: Vec<DVec3> = a.iter().zip(&b).map(|(a, b)| mean + *b - *a).collect();
         agree_each(&format!("grid, {}", algorithm.name()), &samples, mean, DVec3::ZERO, 0.03);
     }

@@ -1,9 +1,10 @@
-//! What the renderer does, end to end, against closed forms.
+//! End-to-end renders against closed forms.
 //!
-//! Every comparison with noise is a t-test over independent passes: points within a pass are a scrambled net and not
-//! independent, passes are. The false-alarm rate is [`crate::support::ALPHA`] a comparison; with about 350 comparisons the suite fails
-//! by chance less than once in 2000 seeds, and the seed is fixed. Each comparison also states how sharp it must be, so that it
-//! cannot pass by being blind.
+//! Every comparison with noise is a t-test over independent passes. Points within a pass are a
+//! scrambled net, so they are not independent. The false-alarm rate of a comparison is
+//! [`crate::support::ALPHA`]. With about 350 comparisons the suite fails by chance for less than
+//! one seed in 2000, and the seed is fixed. Each comparison also states how sharp it must be, so
+//! that it cannot pass by being blind.
 
 mod audit;
 mod density;

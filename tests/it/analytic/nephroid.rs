@@ -1,4 +1,4 @@
-//! Truth 19: parallel light in a mirror's hollow half cylinder of radius 1 folds along a nephroid.
+//! Collimated light in a half-cylindrical mirror of radius 1 folds along a nephroid.
 
 use crate::support::*;
 use caustica::photon::{Kernel, Photon, PhotonMap, StoreMask, Traced};
@@ -10,10 +10,12 @@ use std::f64::consts::PI;
 const REFLECTANCE: f64 = 0.9;
 const IRRADIANCE: f64 = 2.0;
 
-/// Facets of π/2000 with the cylinder's own normals stand for the cylinder within their sagitta of 3·10⁻⁷.
+/// Number of facets. Facets of π/2000 with the cylinder's normals approximate it to their sagitta
+/// of 3·10⁻⁷.
 const FACETS: u32 = 2000;
 
-/// A mirror x² + z² = 1, z > 0, 0 < y < 1, hollow side in, with a `screen` and light along `direction`.
+/// Builds a mirror x² + z² = 1, z > 0, 0 < y < 1, with its concave side inwards, a `screen`, and
+/// light along `direction`.
 fn cup(screen: Rectangle, direction: DVec3) -> Scene {
     let mut b = SceneBuilder::new();
     let mirror = b.material(Material::mirror(grey(REFLECTANCE)));
@@ -36,14 +38,14 @@ fn cup(screen: Rectangle, direction: DVec3) -> Scene {
     unseen(b)
 }
 
-/// One bounce: photons that met the mirror once.
+/// Returns photons after one reflection.
 fn once_reflected(scene: &Scene) -> Vec<Traced> {
     trace(scene, StoreMask::CAUSTIC, 1, PASSES, 1 << 17)
 }
 
-/// Light along the axis meets a screen in the plane of the axis, edge on: only reflected light lands. A ray with angle θ of
-/// incidence crosses the axis at 1/(2cosθ) and stands at sinθ in the beam, so between 1/2 and z lands the part
-/// sin(acos(1/2z)) of the beam, from both sides.
+/// Light along the axis reaches a screen in the plane of the axis edge on, so only reflected light
+/// lands. A ray with angle of incidence θ crosses the axis at 1/(2cosθ) and stands at sinθ in the
+/// beam. So between 1/2 and z lands the fraction sin(acos(1/2z)) of the beam, from both sides.
 #[test]
 fn flux_along_cup_axis_matches_closed_form() {
     let screen = Rectangle::new(vec3(0.0, 0.0, 0.4), DVec3::Z * 0.59, DVec3::Y);
@@ -54,12 +56,13 @@ fn flux_along_cup_axis_matches_closed_form() {
         let inside = |p: DVec3| p.z > from && p.z <= to;
         let samples: Vec<f64> = passes.iter().map(|t| flux_where(&scene, &t.photons, inside).x).collect();
         let expected = 2.0 * IRRADIANCE * REFLECTANCE * (part(to) - part(from));
-        // A facet's half step of 8·10⁻⁴ in h is shared out right in the mean; its sagitta moves crossings by 10⁻⁶, which near
-        // 1/2 is at most √(4·10⁻⁶) of the beam.
+        // Half a facet, 8·10⁻⁴ in h, is divided correctly in the mean. Its sagitta moves crossings
+        // by 10⁻⁶: near 1/2 that is at most √(4·10⁻⁶) of the beam.
         let slack = if from == 0.5 { 4e-3 * 0.5 } else { 1e-4 } * expected;
         agree(&format!("axis from {from} to {to}"), &samples, expected, slack, 0.012);
     }
-    // Points are kept 16 errors of 5·2⁻²³ off the edges of facets, which moves a ray sideways by 10⁻⁵ at most.
+    // Points are kept 16 errors of 5·2⁻²³ off the edges of facets. That moves a ray sideways by
+    // 10⁻⁵ at most.
     let sideways = |p: &Photon| (0.5 - 1e-5 - place(&scene, p).z) * f64::from(p.data.from().x.abs());
     let most = passes.iter().flat_map(|t| &t.photons).map(sideways).fold(0.0, f64::max);
     assert!(most < 1e-5, "no ray crosses the axis before half the radius: {most}");
@@ -67,21 +70,23 @@ fn flux_along_cup_axis_matches_closed_form() {
 
 const SLOPE: f64 = 0.5;
 
-/// The floor of the cup under light that also falls, by `SLOPE` a unit.
+/// Builds the cup's floor under light that also falls, by `SLOPE` per unit.
 fn floor() -> Scene {
     let screen = Rectangle::new(vec3(-1.0, 0.0, 0.0), DVec3::Z, DVec3::X * 2.0);
     cup(screen, vec3(0.0, -SLOPE, 1.0))
 }
 
-/// Irradiance of the floor at (x, z) as a kernel sees it. Seen from above, the ray at angle θ runs s beyond the wall in
-/// direction (−sin2θ, −cos2θ) and, falling evenly, lights the floor evenly along s: dΦ = E sinα cosθ dθ ds, with α the slope's
-/// angle. It ends at the next wall, s = 2cosθ, or where the cup's height is spent.
+/// Returns the floor's irradiance at (x, z), averaged by a kernel.
+///
+/// Seen from above, the ray at angle θ runs s beyond the wall along (−sin2θ, −cos2θ). It falls
+/// evenly, so it lights the floor evenly along s: dΦ = E sinα cosθ dθ ds, with α the slope's angle.
+/// It ends at the next wall, s = 2cosθ, or where the cup's height is spent.
 fn on_floor(at: DVec2, kernel: Kernel, radius: f64) -> f64 {
     let falling = IRRADIANCE * REFLECTANCE * SLOPE / (1.0 + SLOPE * SLOPE).sqrt();
     let ray = |theta: f64| {
         let (sin, cos) = libm::sincos(theta);
         let (sin2, cos2) = libm::sincos(2.0 * theta);
-        // The stretch of the ray within the disc.
+        // The segment of the ray within the disc.
         let (start, along) = (DVec2::new(sin, cos), -DVec2::new(sin2, cos2));
         let nearest = (at - start).dot(along);
         let off2 = (start + along * nearest - at).length_squared();
@@ -98,7 +103,7 @@ fn on_floor(at: DVec2, kernel: Kernel, radius: f64) -> f64 {
     falling * midpoint(-0.5 * PI, 0.5 * PI, 40_000, ray)
 }
 
-/// The fold, over beam axis and breadth: (3cos t − cos 3t, 3sin t − sin 3t)/4; here as (x, z).
+/// Returns the fold (3cos t − cos 3t, 3sin t − sin 3t)/4 as (x, z).
 fn fold(t: f64) -> DVec2 {
     DVec2::new(3.0 * libm::sin(t) - libm::sin(3.0 * t), 3.0 * libm::cos(t) - libm::cos(3.0 * t)) * 0.25
 }
@@ -117,9 +122,9 @@ fn cup_floor_flux_matches_ray_tracing() {
     }
 }
 
-/// Across the fold, in cells of a hundredth: density is as 1/√distance on the side of the wall, so the cell that touches the
-/// fold there is the brightest by (1 − 0)/(√2 − 1) = 2.4 over the next one, less what passes evenly. Within ±.03 along the
-/// fold, its curve departs from its tangent by less than .03²/2 = 5·10⁻⁴.
+/// Across the fold, in cells of .01, density falls as 1/√distance on the wall's side. So the cell
+/// at the fold is brighter than the next by (1 − 0)/(√2 − 1) = 2.4, less the uniform light. Within
+/// ±.03 along the fold, the curve departs from its tangent by less than .03²/2 = 5·10⁻⁴.
 #[test]
 fn flux_peaks_at_the_nephroid() {
     let scene = floor();
@@ -140,7 +145,8 @@ fn flux_peaks_at_the_nephroid() {
         eprintln!("across the fold at t = {t}: {cells:?}");
         let brightest = (0..12).max_by(|a, b| cells[*a].total_cmp(&cells[*b])).unwrap();
         assert_eq!(brightest, 6, "t = {t}: {cells:?}");
-        // With 3000 photons in the brightest cell, 1.4 times the next is far above the noise of 1/√3000.
+        // The brightest cell holds 3000 photons. 1.4 times the next is far above the noise of
+        // 1/√3000.
         assert!(cells[6] > 1.4 * cells[7] && cells[6] > 2.0 * cells[5], "t = {t}: {cells:?}");
     }
 }

@@ -1,4 +1,4 @@
-//! Truths 10, 11 and 39: form factors, plates between mirrors, and image sources.
+//! Form factors, infinite plates between mirrors, and image sources.
 
 use crate::support::*;
 use caustica::photon::{Kernel, PhotonKind, PhotonMap, StoreMask, Traced};
@@ -7,7 +7,8 @@ use caustica::shape::Plane;
 use glam::{DVec3, Vec3};
 use std::f64::consts::PI;
 
-/// Unit squares: opposed .199825, adjacent .200044, known to half of the last digit.
+/// Form factors of unit squares: opposed .199825, adjacent .200044, known to half of the last
+/// digit.
 #[test]
 fn cube_faces_exchange_flux_by_form_factors() {
     let mut b = SceneBuilder::new();
@@ -17,7 +18,7 @@ fn cube_faces_exchange_flux_by_form_factors() {
     }
     let scene = unseen(b);
     let passes = trace(&scene, StoreMask::DIRECT, 0, PASSES, 1 << 16);
-    // The nearest face tells the photons apart.
+    // Assigns photons to the nearest face.
     let on = |face: usize| {
         move |p: DVec3| {
             let distances = [p.y, 1.0 - p.y, p.x, 1.0 - p.x, p.z, 1.0 - p.z];
@@ -29,7 +30,7 @@ fn cube_faces_exchange_flux_by_form_factors() {
         agree(&format!("form factor of the {name}"), &samples, factor, 5e-7 + factor * HUE, 2e-3);
     }
     let total: f64 = passes.iter().map(|t| flux_where(&scene, &t.photons, |_| true).x / PI).sum();
-    // Closure: all that leaves the ceiling lands, within the hue.
+    // Closure: all flux that leaves the ceiling lands, up to hue rounding.
     assert!((total / f64::from(PASSES) - 1.0).abs() < 2.0 * HUE, "{total}");
 }
 
@@ -37,7 +38,8 @@ const FLOOR: DVec3 = DVec3::new(0.8, 0.5, 0.3);
 const CEILING: DVec3 = DVec3::new(0.4, 0.9, 0.6);
 const LIGHT: DVec3 = DVec3::new(1.0, 2.0, 0.5);
 
-/// A diffuse floor and a diffuse ceiling that shines, between four perfect mirrors: the middle of two endless plates.
+/// Builds a diffuse floor and an emissive diffuse ceiling between four perfect mirrors, equivalent
+/// to two infinite plates.
 fn plates() -> Scene {
     let mut b = SceneBuilder::new();
     let floor = b.material(Material::diffuse(FLOOR.as_vec3()));
@@ -55,7 +57,8 @@ fn plates() -> Scene {
     b.build(camera(vec3(0.0, 0.6, 0.0), DVec3::ZERO, 2.0 * libm::atan(0.5 / 0.6) * 180.0 / PI, 12)).unwrap()
 }
 
-/// Irradiance of the floor is the ceiling's radiosity, (E + ρ₂·0)/(1 − ρ₁ρ₂) with E = πL, and the ceiling's is ρ₁ times that.
+/// The floor's irradiance is the ceiling's radiosity, E/(1 − ρ₁ρ₂) with E = πL. The ceiling's
+/// irradiance is ρ₁ times that.
 #[test]
 fn infinite_plates_have_geometric_series_of_flux() {
     let scene = plates();
@@ -67,8 +70,8 @@ fn infinite_plates_have_geometric_series_of_flux() {
     }
 }
 
-/// Seen: the light through the air by shadow rays, the light by mirrors from the caustic map, the rest from the global map.
-/// Their sum is what endless plates have; each alone depends on the walls.
+/// Shadow rays carry direct light, the caustic map carries light by mirrors, the global map the
+/// rest. Their sum is that of infinite plates; each alone depends on the walls.
 #[test]
 fn direct_caustic_and_global_light_sum_to_total() {
     let scene = plates();
@@ -77,8 +80,8 @@ fn direct_caustic_and_global_light_sum_to_total() {
     agree_rgb("radiance of the floor", &seen(&scene, settings, PASSES), expected, 6e-3);
 }
 
-/// Truth 39: a point between two endless mirrors over a floor is a row of images at 2ka + (−1)ᵏx, each dimmed by ρ^|k|. By their
-/// classes, the image k = 0 is direct light and all others are caustics.
+/// A point light between two infinite mirrors over a floor is a row of images at 2ka + (−1)ᵏx, each
+/// dimmed by ρ^|k|. Image k = 0 is direct light; all others are caustics.
 #[test]
 fn parallel_mirrors_show_row_of_lights() {
     const A: f64 = 1.0;

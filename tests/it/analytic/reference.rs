@@ -1,4 +1,4 @@
-//! A picture against one of another renderer, by tiles, with the error bars of both.
+//! `sppm` against a Mitsuba 3 reference, tile by tile, with the standard errors of both.
 
 use crate::support::*;
 use caustica::color;
@@ -9,7 +9,7 @@ const EDGE: usize = 128;
 const TILE: usize = 4;
 const TILES: usize = EDGE / TILE;
 
-/// Mean over the kept pixels of each tile.
+/// Returns the mean over the kept pixels of each tile.
 fn tiles(pixels: &[f64], kept: &[bool]) -> Vec<f64> {
     let mut sums = vec![(0.0, 0.0); TILES * TILES];
     for (i, value) in pixels.iter().enumerate().filter(|(i, _)| kept[*i]) {
@@ -23,10 +23,11 @@ fn means(image: &[Vec3]) -> Vec<f64> {
     image.iter().map(|v| f64::from(color::mean(*v))).collect()
 }
 
-/// Ours is biased by its kernel: with the square of the radius inside smooth light, with the radius itself at edges. The same
-/// photons and camera rays at twice the radius show it: the bias is between a third of the difference and all of it. All of it
-/// is allowed for. Noise is measured between passes (t with 15 degrees), the reference's is its own standard error.
-/// 1024 tiles at 10⁻⁷ each: false alarm 10⁻⁴.
+/// Our image is biased by its kernel: with r² inside smooth light, with r at edges. Photons and
+/// camera rays shared with a render at twice the radius show the bias: it is between a third of the
+/// difference and all of it. All of it is allowed. Noise is measured between passes (t with 15
+/// degrees of freedom); the reference has its own standard error. 1024 tiles at 10⁻⁷ each give a
+/// false-alarm rate of 10⁻⁴.
 #[test]
 fn sppm_matches_caustic_reference_by_tiles() {
     let (mean, error) = (reference("cbox-caustic.exr"), reference("cbox-caustic-stderr.exr"));
@@ -45,7 +46,7 @@ fn sppm_matches_caustic_reference_by_tiles() {
     let by_pass = |passes: &[Vec<f64>]| passes.iter().map(|p| tiles(p, &kept)).collect::<Vec<_>>();
     let (narrow_tiles, wide_tiles) = (by_pass(&narrow), by_pass(&wide));
     let expected = tiles(&reference, &kept);
-    // Channels may be correlated: the mean of their errors bounds the error of their mean.
+    // Channels may be correlated. The mean of their errors bounds the error of their mean.
     let variance = tiles(&error.iter().map(|e| e * e).collect::<Vec<_>>(), &kept);
     let (mut beyond_two, mut worst) = (0, 1.0f64);
     for tile in 0..TILES * TILES {
@@ -68,7 +69,7 @@ fn sppm_matches_caustic_reference_by_tiles() {
     }
     eprintln!("{left_out} fireflies left out; {beyond_two} of 1024 tiles beyond 2σ; smallest p {worst:.1e}");
 
-    // The caustic itself, and the whole picture: ρ is the part by which ours exceeds the reference's.
+    // Compares the caustic's window and the whole image.
     let window = |image: &[f64]| {
         let rows = (105..=108).flat_map(|y| (89..=94).map(move |x| y * EDGE + x));
         rows.map(|i| image[i]).sum::<f64>() / (4.0 * 6.0)

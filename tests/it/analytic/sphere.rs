@@ -1,4 +1,5 @@
-//! Truths 2 and 3: inside a diffuse sphere each bounce lights the whole wall alike, wherever the light is.
+//! A diffuse sphere seen from inside: each bounce lights the whole wall uniformly, wherever the
+//! light is.
 
 use crate::support::*;
 use caustica::photon::{PhotonMap, StoreMask};
@@ -17,7 +18,9 @@ fn sphere(radius: f64, albedo: f64, light: DVec3) -> SceneBuilder {
     b
 }
 
-/// Deviate of a chi-square by Wilson and Hilferty: (χ²/ν)^⅓ is normal with mean 1 − 2/(9ν) and variance 2/(9ν).
+/// Returns the normal deviate of a chi-square statistic by Wilson and Hilferty.
+///
+/// (χ²/ν)^⅓ is normal with mean 1 − 2/(9ν) and variance 2/(9ν).
 fn chi_square(counts: &[u32]) -> f64 {
     let mean = counts.iter().map(|c| f64::from(*c)).sum::<f64>() / counts.len() as f64;
     let chi2: f64 = counts.iter().map(|c| (f64::from(*c) - mean) * (f64::from(*c) - mean) / mean).sum();
@@ -25,7 +28,7 @@ fn chi_square(counts: &[u32]) -> f64 {
     (libm::cbrt(chi2 / nu) - 1.0 + 2.0 / (9.0 * nu)) / (2.0 / (9.0 * nu)).sqrt()
 }
 
-/// Cells of equal area: zones of equal height, cut by azimuth.
+/// Returns the index of an equal-area cell: zones of equal height, cut by azimuth.
 fn cell(p: DVec3, radius: f64) -> usize {
     const N: f64 = 32.0;
     let z = ((p.z / radius * 0.5 + 0.5) * N).clamp(0.0, N - 1.0) as usize;
@@ -33,8 +36,9 @@ fn cell(p: DVec3, radius: f64) -> usize {
     z * N as usize + turn
 }
 
-/// From any point of the wall a cosine lobe covers the sphere uniformly, so all photons that were reflected are independent and
-/// uniform, scrambled emission or not: the multinomial law is exact. 4.9 sigma: false alarm 10⁻⁶.
+/// From any point of the wall a cosine lobe covers the sphere uniformly. So all reflected photons
+/// are independent and uniform, even if emission is stratified, and the multinomial law is exact.
+/// The limit of 4.9 σ has a false-alarm rate of 10⁻⁶.
 #[test]
 fn reflected_photons_cover_sphere_uniformly() {
     let scene = unseen(sphere(2.0, 0.6, vec3(0.3, -0.2, 1.6)));
@@ -49,7 +53,7 @@ fn reflected_photons_cover_sphere_uniformly() {
     }
 }
 
-/// Bounce k carries ρᵏΦ. Paths are keyed, so cutting them one bounce later adds photons and changes none.
+/// Bounce k carries ρᵏΦ. Paths are keyed, so a higher bounce limit adds photons and changes none.
 #[test]
 fn flux_by_bounce_is_power_of_albedo() {
     let scene = unseen(sphere(2.0, 0.6, vec3(0.3, -0.2, 1.6)));
@@ -69,8 +73,8 @@ fn flux_by_bounce_is_power_of_albedo() {
     }
 }
 
-/// A cap of chord r has area πr² exactly, so on a sphere every kernel over chords is unbiased: irradiance after reflection is
-/// ρΦ/(4πR²(1 − ρ)).
+/// A cap of chord r has area πr² exactly, so every kernel over chords is unbiased on a sphere.
+/// Irradiance after reflection is ρΦ/(4πR²(1 − ρ)).
 #[test]
 fn sphere_estimates_match_uniform_irradiance() {
     let (radius, albedo) = (2.0, 0.6);
@@ -80,7 +84,8 @@ fn sphere_estimates_match_uniform_irradiance() {
         .into_iter()
         .map(|t| PhotonMap::build(t.photons))
         .collect();
-    // Each estimate adds 800 photons in single precision, within 800 · 2⁻²⁴ = 5·10⁻⁵; hues are within 2·10⁻⁵.
+    // Each estimate adds 800 photons in single precision, accurate to 800 · 2⁻²⁴ = 5·10⁻⁵. Hues are
+    // accurate to 2·10⁻⁵.
     for kernel in KERNELS {
         let mean = |map: &PhotonMap| {
             let at = |p: &DVec3| irradiance(&scene, map, *p * radius, -*p, fixed(0.5), kernel).x;
@@ -91,7 +96,8 @@ fn sphere_estimates_match_uniform_irradiance() {
     }
 }
 
-/// With the light at the middle the wall is uniform in all: L = ρΦ/(4π²R²(1 − ρ)), of which 1 − ρ is seen by shadow rays.
+/// A light at the center makes the wall uniform: L = ρΦ/(4π²R²(1 − ρ)). Shadow rays carry the
+/// fraction 1 − ρ of it.
 #[test]
 fn sphere_interior_has_uniform_radiance() {
     let (radius, albedo) = (2.0, 0.6);
@@ -105,8 +111,9 @@ fn sphere_interior_has_uniform_radiance() {
     assert!(direct.iter().all(|l| (l / (expected * (1.0 - albedo)) - 1.0).abs() < 1e-5), "{direct:?}");
 }
 
-/// Truth 3. A plate cuts off a cap of the part f of the sphere and sends Lambertian light in: the wall sees it as uniform as the
-/// cap, receives Φ/(1 − ρ(1 − f)) over all bounces, and returns Φρf/(1 − ρ(1 − f)) to the plate.
+/// A plate cuts off a cap of the fraction f of the sphere and emits Lambertian light. The wall
+/// receives it as uniformly as the cap would: Φ/(1 − ρ(1 − f)) over all bounces. It returns Φρf/(1
+/// − ρ(1 − f)) to the plate.
 #[test]
 fn cavity_returns_effective_albedo() {
     for (albedo, height) in [(0.9, 0.6), (0.5, -0.5)] {

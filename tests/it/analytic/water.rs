@@ -1,4 +1,4 @@
-//! Truth 16: radiance is squeezed by n² under water, flux is not; and the two meet in what a camera sees.
+//! Radiance scales by n² under water while flux is conserved; both effects show in a camera's view.
 
 use crate::support::*;
 use caustica::photon::StoreMask;
@@ -10,7 +10,8 @@ use std::f64::consts::PI;
 const N: f64 = 1.333;
 const SKY: f64 = 3.0;
 
-/// A pool of depth 1 under a black ceiling that shines, between perfect mirrors: an endless pool under an endless sky.
+/// Builds an infinite pool of depth 1 under an infinite sky, by an emissive black ceiling and
+/// perfect mirrors around.
 fn pool(albedo: f64, eye: DVec3, at: DVec3) -> Scene {
     let mut b = SceneBuilder::new();
     let floor = b.material(Material::diffuse(grey(albedo)));
@@ -30,12 +31,13 @@ fn pool(albedo: f64, eye: DVec3, at: DVec3) -> Scene {
     b.build(camera(eye, at, 30.0, 10)).unwrap()
 }
 
-/// What first reaches the floor is πL(1 − Fe); the floor and the surface from below, with Fi = 1 − (1 − Fe)/n², then send it to
-/// and fro: πL(1 − Fe)/(1 − ρFi).
+/// The floor first receives πL(1 − Fe). Floor and water surface then exchange it, with the internal
+/// reflectance Fi = 1 − (1 − Fe)/n²: the sum is πL(1 − Fe)/(1 − ρFi).
 fn irradiance_of_floor(albedo: f64) -> f64 {
     let outer = hemispherical(N);
     let inner = 1.0 - (1.0 - outer) / (N * N);
-    // The identity of the two, by quadrature: the square root at the critical angle leaves O(n⁻¹·⁵).
+    // Checks the identity of Fi and Fe by quadrature. The square root at the critical angle leaves
+    // an error of O(n⁻¹·⁵).
     assert!((inner - hemispherical(1.0 / N)).abs() < 1e-6);
     PI * SKY * (1.0 - outer) / (1.0 - albedo * inner)
 }
@@ -44,7 +46,7 @@ fn irradiance_of_floor(albedo: f64) -> f64 {
 fn flux_is_conserved_under_water() {
     let albedo = 0.7;
     let scene = pool(albedo, DVec3::ZERO, DVec3::Z);
-    // Two rectangles that meet at the water's edge may let one ray in a million slip between them.
+    // Two rectangles that touch at the water's edge may let one ray in a million slip between them.
     for (name, wants, expected) in [
         ("first", StoreMask::CAUSTIC, PI * SKY * (1.0 - hemispherical(N))),
         ("all", StoreMask::ALL, irradiance_of_floor(albedo)),
@@ -55,8 +57,9 @@ fn flux_is_conserved_under_water() {
     }
 }
 
-/// Looking down: R·L of the sky, and (1 − R)/n² of the floor's ρE/π. Averaged over the view by quadrature of the pixels' angles.
-/// Looking up from the floor, straight: n²(1 − R)·L.
+/// Looking down, the camera sees R·L of the sky, and (1 − R)/n² of the floor's ρE/π. The mean over
+/// the view comes by quadrature over the pixels' angles. Looking straight up from the floor, it
+/// sees n²(1 − R)·L.
 #[test]
 fn radiance_scales_by_squared_index_under_water() {
     let albedo = 0.7;
@@ -68,13 +71,14 @@ fn radiance_scales_by_squared_index_under_water() {
     agree("looking into a pool", &red(&seen(&down, settings.clone(), PASSES)), expected, expected * 1e-4, 5e-3);
 
     let up = pool(albedo, vec3(0.0, -0.9, 0.0), DVec3::Y);
-    // Within 21°, the corner of the view, total reflection is far; what is reflected shows the floor.
+    // Within 21°, the corner of the view, there is no total reflection. Reflected rays show the
+    // floor.
     let through = over_view(|cos| 1.0 - fresnel(cos, 1.0 / N));
     let expected = through * N * N * SKY + (1.0 - through) * floor * N * N;
     agree("looking out of a pool", &red(&seen(&up, settings, PASSES)), expected, expected * 1e-4, 2e-3);
 }
 
-/// The mean over a square view of 30° of a function of the cosine with its axis.
+/// Returns the mean over a square view of 30° of a function of the cosine with its axis.
 fn over_view(f: impl Fn(f64) -> f64) -> f64 {
     let half = libm::tan(15f64.to_radians());
     let row = |y: f64| midpoint(-half, half, 200, |x| f(1.0 / (1.0 + x * x + y * y).sqrt()));

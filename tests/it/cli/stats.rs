@@ -89,7 +89,7 @@ fn stats_report_given_settings() {
     let times = &stats["seconds"];
     let second = |name: &str| times[name].as_f64().unwrap();
     assert!(second("photons") + second("trees") + second("eye") <= second("render"));
-    let rays: u64 = ["camera_rays", "onward_rays", "shadow_rays", "photon_rays"].map(count).iter().sum();
+    let rays: u64 = ["camera_rays", "continuation_rays", "shadow_rays", "photon_rays"].map(count).iter().sum();
     let rate = |name: &str| stats["rates"][name].as_f64().unwrap();
     assert!((rate("rays_per_second") * second("render") / rays as f64 - 1.0).abs() < 1e-9);
     assert!((rate("photons_per_second") * second("photons") / 8100.0 - 1.0).abs() < 1e-9);

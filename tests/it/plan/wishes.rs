@@ -116,7 +116,7 @@ fn disabled_effects_cost_nothing() {
         let all = work(&[]);
         assert!(all.camera_rays > 0);
         assert_eq!(all.shadow_rays > 0, algorithm != Algorithm::Raycast, "{name}");
-        assert_eq!(all.onward_rays > 0, algorithm != Algorithm::Raycast, "{name}");
+        assert_eq!(all.continuation_rays > 0, algorithm != Algorithm::Raycast, "{name}");
         assert_eq!(
             (all.photon_rays > 0, all.gathers > 0),
             (algorithm.has_photons(), algorithm.has_photons()),
@@ -124,7 +124,7 @@ fn disabled_effects_cost_nothing() {
         );
         assert_eq!(work(&[Shadows]).shadow_rays, 0, "{name}");
         let flat = work(&[Specular, Interreflection]);
-        assert_eq!(flat.onward_rays, 0, "{name}");
+        assert_eq!(flat.continuation_rays, 0, "{name}");
         let direct = work(&[Caustics, CausticBounces, Interreflection]);
         assert_eq!((direct.photon_rays, direct.gathers, direct.gathered_photons), (0, 0, 0), "{name}");
         let nothing = work(&Effect::ALL);
@@ -147,15 +147,18 @@ fn unneeded_effects_cost_nothing() {
         let [matt, dark, disc] = [matt(), dark(), disc()].map(|s| work(&s, algorithm, &[]));
         if matches!(algorithm, Algorithm::Hybrid | Algorithm::Path) {
             assert_eq!((matt.photon_rays, matt.gathers), (0, 0), "{name}: no caster");
-            assert!(matt.onward_rays > 0, "{name}");
+            assert!(matt.continuation_rays > 0, "{name}");
         }
         if algorithm == Algorithm::Path {
-            assert!(dark.onward_rays <= dark.camera_rays, "{name}: velvet sends nothing on, and a ball sees no ball");
+            assert!(
+                dark.continuation_rays <= dark.camera_rays,
+                "{name}: velvet sends nothing on, and a ball sees no ball"
+            );
         }
         if matches!(algorithm, Algorithm::Whitted | Algorithm::Distributed) {
-            assert_eq!(matt.onward_rays, 0, "{name}: no caster and no gather ray");
+            assert_eq!(matt.continuation_rays, 0, "{name}: no caster and no gather ray");
         }
-        assert_eq!((disc.shadow_rays, disc.onward_rays, disc.photon_rays, disc.gathers), (0, 0, 0, 0), "{name}");
+        assert_eq!((disc.shadow_rays, disc.continuation_rays, disc.photon_rays, disc.gathers), (0, 0, 0, 0), "{name}");
     }
 }
 

@@ -1,11 +1,11 @@
-//! A browser without a window.
+//! A headless browser that opens report pages.
 
 use std::fs;
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// A page is shown in seconds; a browser that hangs fails the test.
+/// Time limit of one browser run. A page loads in seconds; a browser that hangs fails the test.
 const LIMIT: Duration = Duration::from_secs(120);
 
 pub struct Browser {
@@ -13,18 +13,18 @@ pub struct Browser {
     folder: tempfile::TempDir,
 }
 
-/// What a page became.
+/// A page after it was loaded.
 pub struct Shown {
-    /// Elements after its scripts ran.
+    /// The document's elements after its scripts ran, as HTML.
     pub dom: String,
-    /// What it wrote to the console.
+    /// Lines of the browser's console.
     pub complaints: Vec<String>,
-    /// The window, by rows.
+    /// Screenshot of the window, row by row, sRGB bytes.
     pub pixels: Vec<[u8; 3]>,
 }
 
 impl Browser {
-    /// The first one in PATH.
+    /// Returns the first known browser in PATH.
     pub fn find() -> Option<Self> {
         let path = std::env::var_os("PATH")?;
         let names = ["chromium", "chromium-browser", "google-chrome"];
@@ -34,7 +34,8 @@ impl Browser {
         Some(Self { program, folder: tempfile::tempdir().unwrap() })
     }
 
-    /// Opens a page, with what follows its address, in a window of some size.
+    /// Writes `page` to a file and opens it with the URL suffix `fragment` in a window of the given
+    /// size.
     pub fn open(&self, name: &str, page: &str, fragment: &str, (width, height): (u32, u32)) -> Shown {
         let path = self.folder.path().join(name);
         fs::write(&path, page).unwrap();
@@ -46,7 +47,7 @@ impl Browser {
         Shown { dom, complaints, pixels: pixels(&screenshot) }
     }
 
-    /// What it wrote, and what it wrote of the console.
+    /// Runs the browser and returns its standard output and its console lines.
     fn run(&self, arguments: &[&str]) -> (String, Vec<String>) {
         let [out, error] = ["out", "error"].map(|name| self.folder.path().join(name));
         let profile = format!("--user-data-dir={}", self.folder.path().join("profile").display());

@@ -1,6 +1,6 @@
-//! Command lines as a shell reads them.
+//! Splits command lines into words like a POSIX shell.
 
-/// Words, quoted by ' or " or not at all, up to a comment.
+/// Returns the words of a line, with quotes by ' or " removed, up to a comment.
 pub fn words(line: &str) -> Vec<String> {
     let mut words: Vec<String> = Vec::new();
     let (mut word, mut quote) = (None::<String>, None);

@@ -1,11 +1,11 @@
-//! What samples say of their mean.
+//! Student's t-test of sample means, and quadrature by midpoints.
 
 use std::f64::consts::PI;
 
 /// False-alarm rate of one comparison, two-sided.
 pub const ALPHA: f64 = 1e-6;
 
-/// Mean and its standard error from independent samples.
+/// Returns the mean of independent samples and its standard error.
 pub fn mean_and_error(samples: &[f64]) -> (f64, f64) {
     let n = samples.len() as f64;
     let mean = samples.iter().sum::<f64>() / n;
@@ -13,21 +13,27 @@ pub fn mean_and_error(samples: &[f64]) -> (f64, f64) {
     (mean, (squares / (n - 1.0) / n).sqrt())
 }
 
-/// ∫ f by `n` midpoints: the error is (b−a)³/(24n²)·max|f″| for smooth f, (b−a)/n·|jump| at a jump.
+/// Integrates `f` from `a` to `b` by `n` midpoints.
+///
+/// The error is (b−a)³/(24n²)·max|f″| for smooth f, and (b−a)/n·|jump| at a jump.
 pub fn midpoint(a: f64, b: f64, n: u32, f: impl Fn(f64) -> f64) -> f64 {
     let h = (b - a) / f64::from(n);
     (0..n).map(|i| f(a + (f64::from(i) + 0.5) * h)).sum::<f64>() * h
 }
 
-/// P(|T| ≥ t) for Student's T with `dof` degrees of freedom: with T = √ν tanφ its density is that of cosᵛ⁻¹φ.
+/// Returns P(|T| ≥ t) for Student's T with `dof` degrees of freedom.
+///
+/// With T = √ν tanφ the density of φ is proportional to cosᵛ⁻¹φ.
 pub fn student(t: f64, dof: f64) -> f64 {
     let norm = libm::exp(libm::lgamma(0.5 * (dof + 1.0)) - libm::lgamma(0.5 * dof)) / PI.sqrt();
     let density = |phi: f64| libm::pow(libm::cos(phi).max(0.0), dof - 1.0);
     2.0 * norm * midpoint(libm::atan(t.abs() / dof.sqrt()), 0.5 * PI, 4000, density)
 }
 
-/// Fails where independent `samples` contradict a mean of `expected`, known within `slack`, at rate [`ALPHA`]; or where their
-/// standard error is above the part `sharp` of what is expected, so that the test would see too little.
+/// Fails if `samples` contradict a mean of `expected`, known to ±`slack`, at rate [`ALPHA`].
+///
+/// Also fails if their standard error exceeds `sharp` · `expected`, because the test would be
+/// blind.
 #[track_caller]
 pub fn agree(what: &str, samples: &[f64], expected: f64, slack: f64, sharp: f64) {
     let (mean, error) = mean_and_error(samples);

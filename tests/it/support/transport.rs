@@ -1,4 +1,4 @@
-//! Scenes, passes, statistics and quadrature that the tests share.
+//! Photon passes, density estimates and closed forms for tests of light transport.
 
 use super::{agree, midpoint};
 use caustica::camera::{Camera, Filter, FilterKind};
@@ -11,13 +11,14 @@ use caustica::shape::{Rectangle, Shape};
 use glam::{DVec2, DVec3, Vec3};
 use std::f64::consts::{PI, TAU};
 
-/// Passes where a test has no reason for another number.
+/// Number of passes of a test that needs no other number.
 pub const PASSES: u32 = 16;
 
-/// All kernels.
+/// Every density kernel.
 pub const KERNELS: [Kernel; 3] = [Kernel::Box, Kernel::Cone, Kernel::Epanechnikov];
 
-/// Rounding of a stored photon's hue: half a step of 1/65535 of the sum of its channels, as part of a channel of a grey one.
+/// Relative rounding of a channel of a stored grey photon: half a step of 1/65535 of the channel
+/// sum.
 pub const HUE: f64 = 1.5 / 65_535.0;
 
 pub fn vec3(x: f64, y: f64, z: f64) -> DVec3 {
@@ -28,18 +29,21 @@ pub fn grey(x: f64) -> Rgb {
     Rgb::splat(x as f32)
 }
 
-/// A camera with a square image of `size` pixels and a full `angle` in degrees.
+/// Returns a camera with a square image of `size` pixels and a full field of view of `angle`
+/// degrees.
 pub fn camera(eye: DVec3, at: DVec3, angle: f64, size: u32) -> Camera {
     let up = if (at - eye).normalize().y.abs() > 0.9 { DVec3::Z } else { DVec3::Y };
     Camera::perspective(eye, at - eye, up, angle.to_radians(), size, size).unwrap()
 }
 
-/// Builds a scene that only photons see.
+/// Builds a scene for photons alone: its camera has one pixel and sees nothing of interest.
 pub fn unseen(builder: SceneBuilder) -> Scene {
     builder.build(camera(DVec3::ZERO, DVec3::Z, 40.0, 1)).unwrap()
 }
 
-/// The faces of a box: floor, ceiling, left, right, back, front; outer sides turned inwards or outwards.
+/// Returns the faces of a box: floor, ceiling, left, right, back, front.
+///
+/// Their outer sides face inwards or outwards.
 pub fn faces(lo: DVec3, hi: DVec3, inwards: bool) -> [Shape; 6] {
     let (x, y, z) = (DVec3::X * (hi.x - lo.x), DVec3::Y * (hi.y - lo.y), DVec3::Z * (hi.z - lo.z));
     let face = |corner, e0, e1| {
@@ -49,18 +53,18 @@ pub fn faces(lo: DVec3, hi: DVec3, inwards: bool) -> [Shape; 6] {
     [face(lo, z, x), face(lo + y, x, z), face(lo, y, z), face(lo + x, z, y), face(lo, x, y), face(lo + z, y, x)]
 }
 
-/// Keys of independent passes.
+/// Returns the keys of independent passes.
 pub fn keys(passes: u32) -> impl Iterator<Item = Key> {
     (0..u64::from(passes)).map(|pass| Key::new(20_240_229).purpose(Purpose::Test).with(pass))
 }
 
-/// Independent passes of `paths` paths emitted everywhere.
+/// Traces independent passes of `paths` photon paths each, emitted in all directions.
 pub fn trace(scene: &Scene, wants: StoreMask, max_bounces: u32, passes: u32, paths: u32) -> Vec<Traced> {
     let source = PhotonSource::everywhere(scene).unwrap();
     trace_from(scene, &source, wants, max_bounces, passes, paths)
 }
 
-/// Independent passes of a source.
+/// Traces independent passes of `paths` photon paths each, emitted by `source`.
 pub fn trace_from(
     scene: &Scene,
     source: &PhotonSource<'_>,
@@ -73,29 +77,30 @@ pub fn trace_from(
     keys(passes).map(|key| pass.trace(key, paths, &|_| {})).collect()
 }
 
-/// Where a photon lies in the description's coordinates.
+/// Returns a photon's position in the coordinates of the scene description.
 pub fn place(scene: &Scene, photon: &Photon) -> DVec3 {
     photon.position.as_dvec3() + scene.middle()
 }
 
-/// Flux of the photons that lie where `inside` says \[W].
+/// Returns the flux \[W] of the photons whose position satisfies `inside`.
 pub fn flux_where(scene: &Scene, photons: &[Photon], inside: impl Fn(DVec3) -> bool) -> DVec3 {
     photons.iter().filter(|p| inside(place(scene, p))).map(|p| p.data.flux().as_dvec3()).sum()
 }
 
-/// Estimated irradiance at a place of the description.
+/// Estimates irradiance \[W/m²] at point `p` with normal `n`, in the coordinates of the
+/// description.
 pub fn irradiance(scene: &Scene, map: &PhotonMap, p: DVec3, n: DVec3, bandwidth: Bandwidth, kernel: Kernel) -> DVec3 {
     let p = (p - scene.middle()).as_vec3();
     let mut scratch = Scratch::new();
     map.estimate(p, n.as_vec3(), bandwidth, kernel, &mut scratch, |_| Vec3::ONE).radiance.as_dvec3()
 }
 
-/// A bandwidth of fixed radius.
+/// Returns a bandwidth of fixed radius.
 pub fn fixed(radius: f64) -> Bandwidth {
     Bandwidth { radius: radius as f32, k: 0 }
 }
 
-/// Settings with fixed radius and the paths of both maps.
+/// Returns settings with a fixed radius and the given numbers of paths for both maps.
 pub fn settings(photons: u32, caustic_photons: u32, radius: f64) -> Settings {
     Settings {
         photons,
@@ -107,26 +112,29 @@ pub fn settings(photons: u32, caustic_photons: u32, radius: f64) -> Settings {
     }
 }
 
-/// Default settings but for camera rays a pixel, the bounce limit, a seed and the box filter of closed forms.
+/// Returns default settings with a box filter, a fixed seed, and the given rays per pixel and
+/// bounce limit.
 pub fn camera_rays(samples: u32, max_bounces: u32) -> Settings {
     let filter = Filter::new(FilterKind::Box);
     let eye = EyeSettings { samples: Some(samples), max_bounces, seed: 5, filter, ..EyeSettings::default() };
     Settings { eye, ..Settings::default() }
 }
 
-/// The mean over all pixels, pass by pass.
+/// Renders with `sppm` and returns the mean radiance of the image, one value per pass.
 pub fn seen(scene: &Scene, settings: Settings, passes: u32) -> Vec<DVec3> {
     let method = Algorithm::Sppm.prepare(scene, settings);
     let mean = |image: Vec<Rgb>| image.iter().map(|v| v.as_dvec3()).sum::<DVec3>() / image.len() as f64;
     (0..passes).map(|i| mean(method.pass(i, &Silent).image)).collect()
 }
 
-/// Red channels.
+/// Returns the red channels.
 pub fn red(values: &[DVec3]) -> Vec<f64> {
     values.iter().map(|v| v.x).collect()
 }
 
-/// [`agree`] for each channel. Red and green are stored within half a step of the sum, blue is the rest.
+/// Applies [`agree`] to each channel.
+///
+/// Red and green are stored to half a step of the channel sum; blue is the remainder.
 #[track_caller]
 pub fn agree_rgb(what: &str, samples: &[DVec3], expected: DVec3, sharp: f64) {
     let slack = expected.element_sum() * HUE * 2.0 / 3.0;
@@ -136,7 +144,7 @@ pub fn agree_rgb(what: &str, samples: &[DVec3], expected: DVec3, sharp: f64) {
     }
 }
 
-/// Where and how a density is estimated.
+/// Position and parameters of a density estimate.
 pub struct Probe<'a> {
     pub scene: &'a Scene,
     pub at: DVec3,
@@ -145,9 +153,11 @@ pub struct Probe<'a> {
     pub kernel: Kernel,
 }
 
-/// [`agree`] for irradiance estimated in the maps of independent passes; `quadrature` is the part by which `expected` may be
-/// off. The estimate adds blocks of 64 photons in single precision, whose error is at most 64·2⁻²⁴ of the sum (Higham 2002, section 4.2),
-/// and for photons of equal power is a systematic one.
+/// Applies [`agree`] to irradiance estimated in the maps of independent passes.
+///
+/// `quadrature` is the relative error of `expected`. The estimate adds blocks of 64 photons in
+/// single precision. Their rounding error is at most 64·2⁻²⁴ of the sum (Higham 2002, section 4.2).
+/// For photons of equal power it is systematic.
 #[track_caller]
 pub fn agree_estimates(what: &str, probe: &Probe<'_>, maps: &[PhotonMap], expected: f64, quadrature: f64, sharp: f64) {
     let (p, n) = ((probe.at - probe.scene.middle()).as_vec3(), probe.normal.as_vec3());
@@ -161,7 +171,7 @@ pub fn agree_estimates(what: &str, probe: &Probe<'_>, maps: &[PhotonMap], expect
     agree(&what, &samples, expected, slack, sharp);
 }
 
-/// A kernel of integral 1 over the disc of radius `r` at distance `d`, written from its definition.
+/// Returns a kernel's value at distance `d`; its integral over the disc of radius `r` is 1.
 pub fn kernel_at(kernel: Kernel, d: f64, r: f64) -> f64 {
     let t = d / r;
     if t > 1.0 {
@@ -175,7 +185,7 @@ pub fn kernel_at(kernel: Kernel, d: f64, r: f64) -> f64 {
     shape / (PI * r * r)
 }
 
-/// π∫K² of each kernel (analytic-truths 28).
+/// Returns π∫K² of a kernel with radius 1: its variance relative to the box kernel.
 pub fn noise_factor(kernel: Kernel) -> f64 {
     match kernel {
         Kernel::Box => 1.0,
@@ -184,7 +194,9 @@ pub fn noise_factor(kernel: Kernel) -> f64 {
     }
 }
 
-/// What an estimate of radius `r` expects, bias and all: `density` at the offsets of a disc, weighed by the kernel.
+/// Returns the expected value, bias included, of an estimate with radius `r`.
+///
+/// `density` is the photon density at an offset from the disc's center.
 pub fn blurred(kernel: Kernel, r: f64, density: impl Fn(DVec2) -> f64) -> f64 {
     const TURNS: u32 = 96;
     let ring = |d: f64| {
@@ -194,7 +206,7 @@ pub fn blurred(kernel: Kernel, r: f64, density: impl Fn(DVec2) -> f64) -> f64 {
     midpoint(0.0, r, 400, |d| TAU * d * kernel_at(kernel, d, r) * ring(d))
 }
 
-/// Reflectance of a smooth dielectric of relative index `n` for unpolarised light: the mean over both polarisations.
+/// Returns the Fresnel reflectance of a dielectric of relative index `n` for unpolarised light.
 pub fn fresnel(cos_i: f64, n: f64) -> f64 {
     let sin2_t = (1.0 - cos_i * cos_i) / (n * n);
     if sin2_t >= 1.0 {
@@ -206,12 +218,12 @@ pub fn fresnel(cos_i: f64, n: f64) -> f64 {
     0.5 * (s * s + p * p)
 }
 
-/// Reflectance for light of equal radiance from everywhere: ∫ R 2cosθ dcosθ.
+/// Returns the reflectance for uniform incident radiance: ∫ R 2cosθ dcosθ.
 pub fn hemispherical(n: f64) -> f64 {
     midpoint(0.0, 1.0, 200_000, |c| 2.0 * c * fresnel(c, n))
 }
 
-/// `n` unit vectors spread evenly (Fibonacci's lattice).
+/// Returns `n` evenly spread unit vectors (Fibonacci lattice).
 pub fn spread(n: u32) -> Vec<DVec3> {
     let golden = PI * (3.0 - 5f64.sqrt());
     let at = |i: u32| {

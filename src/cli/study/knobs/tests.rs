@@ -1,0 +1,51 @@
+use super::*;
+use crate::cli::study::variants::defaults;
+
+fn labels(algorithm: Algorithm, change: impl FnOnce(&mut MethodArguments)) -> Vec<String> {
+    let mut shared = defaults();
+    change(&mut shared);
+    let pilot = Pilot { samples: 1, photons: 1000, caustic_photons: 0, radius: Some(0.25) };
+    let all = vary(Named::plain(algorithm, &shared), &pilot);
+    // A label parses to the variant that it names.
+    for named in &all {
+        let again = Named::read(&named.label, &all[0].method).unwrap_or_else(|e| panic!("{e}"));
+        assert_eq!(format!("{:?}", again.method), format!("{:?}", named.method));
+    }
+    all.into_iter().map(|named| named.label).collect()
+}
+
+#[test]
+fn variants_change_one_setting_each() {
+    let pm = labels(Algorithm::Pm, |_| {});
+    let ends = |label: &str| pm.iter().any(|l| l.strip_prefix("pm ") == Some(label));
+    for expected in [
+        "--gather-k 10",
+        "--gather-k 200",
+        "--radius 0.125",
+        "--radius 0.25",
+        "--radius 0.5",
+        "--kernel box",
+        "--kernel cone",
+        "--photons 250 --caustic-photons 0",
+        "--photons 4000 --caustic-photons 0",
+        "--spp 2",
+        "--adaptive",
+        "--final-gathering none",
+        "--final-gathering importance",
+    ] {
+        assert!(ends(expected), "{expected} is not in {pm:?}");
+    }
+    // 1 base, 5 gather-k, 3 radii, 2 kernels, 2 photon counts, 1 spp, 1 adaptive and 2
+    // gatherings. Half of one camera ray is one, so `--spp` has one variant.
+    assert_eq!((pm.len(), pm[0].as_str()), (17, "pm"));
+    assert_eq!(labels(Algorithm::Path, |_| {}), ["path", "path --spp 2", "path --adaptive"]);
+}
+
+#[test]
+fn a_given_setting_is_not_repeated() {
+    let sppm = labels(Algorithm::Sppm, |method| {
+        (method.gather_k, method.adaptive, method.kernel) = (Some(20), true, Kernel::Box);
+    });
+    assert!(sppm.iter().all(|l| !l.contains("--adaptive") && !l.ends_with("--gather-k 20") && !l.contains("box")));
+    assert!(sppm.contains(&"sppm --kernel epanechnikov".to_owned()));
+}

@@ -1,0 +1,65 @@
+use super::*;
+use glam::Vec3;
+
+fn image(pixels: &[[f32; 3]]) -> Image {
+    Image::from_pixels(pixels.len() as u32, 1, pixels.iter().map(|p| Vec3::from_array(*p)).collect()).unwrap()
+}
+
+#[test]
+fn metrics_follow_their_formulas() {
+    let a = image(&[[1.0, 2.0, 3.0], [0.0, 0.0, 0.0]]);
+    let b = image(&[[1.0, 0.0, 3.0], [0.0, 1.0, 0.0]]);
+    // The squares 4 and 1 over six channel values.
+    assert!((rmse(&a, &b).unwrap() - f64::sqrt(5.0 / 6.0)).abs() < 1e-15);
+    // First pixel 4 / (0 + ½) / 3 = 8/3, second 1 / (1 + ½) / 3 = 2/9.
+    assert!((relative_mse(&a, &b, 0.5, None).unwrap() - (8.0 / 3.0 + 2.0 / 9.0) / 2.0).abs() < 1e-15);
+    assert!((relative_mse(&a, &b, 0.5, Some(1.0)).unwrap() - (1.0 + 2.0 / 9.0) / 2.0).abs() < 1e-15);
+    assert_eq!(max_abs_difference(&a, &b).unwrap(), 2.0);
+    assert_eq!((rmse(&a, &a).unwrap(), max_abs_difference(&a, &a).unwrap()), (0.0, 0.0));
+}
+
+#[test]
+fn extremes_do_not_overflow() {
+    let (a, b) = (image(&[[f32::MAX; 3]]), image(&[[-f32::MAX; 3]]));
+    assert!((rmse(&a, &b).unwrap() / (2.0 * f64::from(f32::MAX)) - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn incomparable_pictures_are_refused() {
+    let (a, b) = (image(&[[0.0; 3]; 2]), image(&[[0.0; 3]; 3]));
+    assert_eq!(rmse(&a, &b), Err(MetricError::Size { a: (2, 1), b: (3, 1) }));
+    let nan = image(&[[0.0; 3], [0.0, f32::NAN, 0.0]]);
+    let expected = MetricError::NonFinite { which: "second", x: 1, y: 0 };
+    assert_eq!(max_abs_difference(&a, &nan), Err(expected));
+    assert_eq!(relative_mse(&a, &nan, 0.1, Some(1.0)), Err(expected));
+    assert!(matches!(relative_mse(&a, &a, 0.0, None), Err(MetricError::Parameter { name: "epsilon", .. })));
+    assert!(matches!(relative_mse(&a, &a, 1.0, Some(-1.0)), Err(MetricError::Parameter { name: "clip", .. })));
+}
+
+#[test]
+fn largest_differences_have_positions() {
+    let zero = Image::new(2, 2).unwrap();
+    let pixels = [[0.0, 1.0, 0.0], [-0.0, -2.0, 0.5], [0.0; 3], [0.0, 2.0, 0.25]].map(Vec3::from_array);
+    let image = Image::from_pixels(2, 2, pixels.to_vec()).unwrap();
+    let found = differences(&image, &zero).unwrap();
+    let at = |difference, x, y| Some(Largest { difference, x, y });
+    assert_eq!(found, Differences { largest: [None, at(2.0, 1, 0), at(0.5, 1, 0)], pixels: 3 });
+    assert_eq!(differences(&zero, &image).unwrap(), found);
+    assert_eq!(differences(&image, &image).unwrap(), Differences::default());
+}
+
+/// In a uniform picture of radiance 2, an error of 0.1 is 0.1 / √(4 + 4).
+#[test]
+fn the_relative_error_is_a_root_mean_square() {
+    let (a, b) = (image(&[[2.1; 3]; 9]), image(&[[2.0; 3]; 9]));
+    assert!((relative_error(&a, &b).unwrap() - 0.1 / f64::sqrt(8.0)).abs() < 1e-7);
+    assert!(relative_error(&a, &image(&[[2.0; 3]; 8])).is_err());
+}
+
+#[test]
+fn bytes_are_compared_by_channel() {
+    let a = RgbBytes::from_pixels(2, 1, vec![[0, 10, 20], [30, 40, 50]]).unwrap();
+    let b = RgbBytes::from_pixels(2, 1, vec![[0, 11, 20], [30, 33, 50]]).unwrap();
+    assert_eq!(differing_bytes(&a, &b), Ok(ByteDifference { count: 2, largest: 7 }));
+    assert!(differing_bytes(&a, &RgbBytes::from_pixels(1, 2, vec![[0; 3]; 2]).unwrap()).is_err());
+}
