@@ -117,14 +117,14 @@ impl VolumeMap {
         let mut levels = [Rgb::ZERO; LEVELS];
         let mut add = |sums: [Rgb; LEVELS]| levels.iter_mut().zip(sums).for_each(|(level, sum)| *level += sum);
         if medium.is_homogeneous() {
-            add(self.from_beams(vertex, count, nested));
+            add(self.sum_beams(vertex, count, nested));
         }
         if !self.points.is_empty() {
             add(match self.estimate {
-                VolumeEstimate::Points => self.from_points_at_sample(vertex, rng, count, nested),
+                VolumeEstimate::Points => self.sum_points_at_sample(vertex, rng, count, nested),
                 VolumeEstimate::Beams | VolumeEstimate::BeamRadiance => {
                     curve.sample(medium, ray, ray.t_max, rng);
-                    self.from_points_along_ray(vertex, curve, count, nested)
+                    self.sum_points_along_ray(vertex, curve, count, nested)
                 }
             });
         }
@@ -135,7 +135,7 @@ impl VolumeMap {
     }
 
     /// Estimate of photon beams by a one-dimensional kernel around the ray.
-    fn from_beams<I: Interior>(&self, vertex: &MediumVertex<'_, I>, count: &mut u64, nested: bool) -> [Rgb; LEVELS] {
+    fn sum_beams<I: Interior>(&self, vertex: &MediumVertex<'_, I>, count: &mut u64, nested: bool) -> [Rgb; LEVELS] {
         let MediumSegment { ray, medium, index, inside, .. } = vertex.segment;
         let (own, extinction) = (inside.wavelength(), medium.extinction());
         let mut sums = NestedSums::new(1, 1, nested);
@@ -153,7 +153,7 @@ impl VolumeMap {
     }
 
     /// Estimate of scattered photons by a two-dimensional kernel around the ray.
-    fn from_points_along_ray<I: Interior>(
+    fn sum_points_along_ray<I: Interior>(
         &self,
         vertex: &MediumVertex<'_, I>,
         curve: &TransmittanceCurve,
@@ -181,7 +181,7 @@ impl VolumeMap {
 
     /// Estimate of scattered photons by a three-dimensional kernel around one sampled point of the
     /// ray.
-    fn from_points_at_sample<I: Interior>(
+    fn sum_points_at_sample<I: Interior>(
         &self,
         vertex: &MediumVertex<'_, I>,
         rng: &mut impl Rng,

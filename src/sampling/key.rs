@@ -5,30 +5,31 @@
 //! be computed alone.
 //!
 //! # Map of the key space
-//! A [`Key`] is derived from its parent by one 64-bit word. The functions below make every word
-//! that the renderer uses. Words of one parent must differ; the last column says why they do.
+//! A [`Key`] is derived from its parent by one 64-bit word, and a number from a key by its
+//! [`Dimension`]. The functions below make every word that the renderer uses. Two uses may share a
+//! word of one parent only if their dimensions differ. The last column says why no numbers coincide.
 //!
 //! | parent | function | word | distinct because |
 //! | --- | --- | --- | --- |
-//! | – | [`Key::new`] | seed | root of a render |
-//! | root, trial | [`Key::purpose`] | [`Purpose`] | one word per purpose |
-//! | purpose | [`Key::pass`] | pass | one word per pass; pilots use passes from `u32::MAX` down |
-//! | purpose `Camera` | [`Key::shared_paths`] | 0 | replaces the pass if all passes share their camera paths |
-//! | purpose `Camera` | [`Key::fresh_paths`] | pass + 1 | never the 0 of shared paths |
-//! | pass, round | [`Key::path`] | path | one word per photon path |
-//! | path | [`Key::bounce`] | bounce | one word per vertex of a photon path |
-//! | pass of `Camera` | [`Key::pixel`] | y · 2³² + x | one word per pixel |
-//! | pixel | [`Sampler::next_vertex`](super::Sampler::next_vertex) | 2 · bounce + transmitted | two branches per split |
-//! | vertex | [`Sampler::shadow_rays`](super::Sampler::shadow_rays) | pass · 2³² | even if passes share paths |
-//! | vertex, sample | [`Key::medium_tracking`] | 2⁶³ + pass | above all words of vertices |
-//! | shadow rays | [`Sampler::light`](super::Sampler::light) | light or ray | one word per light or chosen ray |
-//! | shadow ray | [`Key::distance_in_medium`] | 1 | the ray itself uses the key unchanged |
-//! | film sample of a pilot | [`Sampler::bounce`](super::Sampler::bounce) | bounce | one word per vertex |
-//! | any sampler | [`Sampler::key`](super::Sampler::key) | sample | one word per sample of the pixel |
-//! | purpose `Balance` | [`Key::trial`] | trial | independent trials of one pilot |
-//! | purpose `Camera` of a trial | [`Key::film_point`] | set · 2³² + point | one word per point of a pilot |
-//! | purpose `LightWeights` | [`Key::light`] | light | one word per light |
-//! | purpose `Learning` | [`Key::round`] | round | one word per training round |
+//! | – | `Key::new` | seed | root of a render |
+//! | root, trial | `Key::purpose` | [`Purpose`] | one per purpose |
+//! | purpose | `Key::pass` | pass | one per pass; a pilot counts down from `u32::MAX` |
+//! | purpose `Camera` | `Key::shared_paths` | 0 | replaces the pass if all passes share their camera paths |
+//! | purpose `Camera` | `Key::fresh_paths` | pass + 1 | never the 0 of shared paths |
+//! | pass, round | `Key::path` | path | one per photon path |
+//! | path | `Key::bounce` | bounce | one per vertex of a photon path |
+//! | pass of `Camera` | `Key::pixel` | y · 2³² + x | one per pixel |
+//! | pixel | `Sampler::next_vertex` | 2 · bounce + transmitted | two branches per split |
+//! | vertex | `Sampler::shadow_rays` | pass · 2³² | other dimensions than the next vertex |
+//! | vertex, sample | `Key::medium_tracking` | 2⁶³ + pass | above all words of vertices |
+//! | shadow rays | `Sampler::light` | light or ray | a vertex uses lights or chosen rays |
+//! | shadow ray | `Key::distance_in_medium` | 1 | transmittance uses the parent itself |
+//! | film sample of a pilot | `Sampler::bounce` | bounce | one per vertex |
+//! | any sampler | `Sampler::key` | sample | one per sample of the pixel |
+//! | purpose `Balance` | `Key::trial` | trial | independent trials of one pilot |
+//! | purpose `Camera` of a trial | `Key::film_point` | set · 2³² + point | one per point of a pilot |
+//! | purpose `LightWeights` | `Key::light` | light | one per light |
+//! | purpose `Learning` | `Key::round` | round | one per training round |
 
 use glam::Vec2;
 use rand::{SeedableRng, rngs::SmallRng};
@@ -249,47 +250,4 @@ fn mix(mut x: u64) -> u64 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_depend_on_every_part_of_the_key() {
-        let base = |seed: u64, pass: u64, path: u64, bounce: u64| {
-            Key::new(seed).purpose(Purpose::Test).with(pass).with(path).with(bounce)
-        };
-        let reference = base(1, 2, 3, 4).bits(Dimension::Light);
-        let others = [
-            base(2, 2, 3, 4).bits(Dimension::Light),
-            base(1, 3, 3, 4).bits(Dimension::Light),
-            base(1, 2, 4, 4).bits(Dimension::Light),
-            base(1, 2, 3, 5).bits(Dimension::Light),
-            base(1, 3, 2, 4).bits(Dimension::Light),
-            base(1, 2, 3, 4).bits(Dimension::Film),
-            Key::new(1).purpose(Purpose::Camera).with(2).with(3).with(4).bits(Dimension::Light),
-        ];
-        assert!(others.iter().all(|o| *o != reference));
-        assert_eq!(base(1, 2, 3, 4).bits(Dimension::Light), reference);
-    }
-
-    /// Chi-square test of a million points with consecutive keys over 32² cells; false-alarm rate
-    /// 10⁻⁴ per tail.
-    #[test]
-    fn consecutive_keys_are_uniform() {
-        const CELLS: usize = 32;
-        let n = 1_000_000u64;
-        let key = Key::new(7).purpose(Purpose::Test);
-        let mut counts = vec![0u32; CELLS * CELLS];
-        for path in 0..n {
-            let u = key.with(path).uniform_2d(Dimension::LightPosition);
-            assert!(u.cmpge(Vec2::ZERO).all() && u.cmplt(Vec2::ONE).all());
-            counts[(u.y * CELLS as f32) as usize * CELLS + (u.x * CELLS as f32) as usize] += 1;
-        }
-        let expected = n as f64 / (CELLS * CELLS) as f64;
-        let chi2: f64 = counts.iter().map(|c| (f64::from(*c) - expected) * (f64::from(*c) - expected) / expected).sum();
-        // Wilson–Hilferty: the cube root of χ²/ν is normal with mean 1 − 2/(9ν) and variance
-        // 2/(9ν).
-        let nu = (CELLS * CELLS - 1) as f64;
-        let z = (libm::cbrt(chi2 / nu) - (1.0 - 2.0 / (9.0 * nu))) / (2.0 / (9.0 * nu)).sqrt();
-        assert!(z.abs() < 3.9, "z = {z}");
-    }
-}
+mod tests;
