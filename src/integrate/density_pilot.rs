@@ -8,7 +8,7 @@
 use super::for_interior::for_interior;
 use super::map_builder::PilotBudget;
 use super::pass::{Pass, Silent};
-use super::path_integrator::PathIntegrator;
+use super::pass_renderer::PassRenderer;
 use crate::color;
 use crate::sampling::{Key, Purpose};
 use std::sync::Arc;
@@ -23,27 +23,25 @@ const PILOT_PART: u32 = 16;
 const MIN_DENSITY: f64 = 0.5;
 const MAX_DENSITY: f64 = 8.0;
 
-impl PathIntegrator<'_> {
-    /// Camera rays of each pixel in parts of the mean, by rows from the top; `None` if rays make no
-    /// noise.
-    pub fn find_density(&self) -> Option<Arc<[f32]>> {
-        let key = Key::new(self.settings.eye.seed).purpose(Purpose::Balance);
-        let budget = PilotBudget { key, pass: 0, part: PILOT_PART, limited: true };
-        let maps = self.map_builder.build_within(&budget, &Silent, &mut Pass::default());
-        // Moving objects rest at one time, as in a pass.
-        let pilot = self.at(self.scene).with_one_sample();
-        let pictures: Vec<Vec<f64>> = (0..PICTURES)
-            .map(|i| {
-                let mut out = Pass::default();
-                // No render reaches these passes, so no random number is used twice.
-                let paths = pilot.paths(Some(&maps), u32::MAX - i);
-                for_interior!(pilot.policy.effects, pilot.render_pixels(&paths, &Silent, &mut out));
-                out.image.iter().map(|v| f64::from(color::mean(*v))).collect()
-            })
-            .collect();
-        let (width, height) = self.scene.camera().size();
-        density(&pictures, width as usize, height as usize, self.samples)
-    }
+/// Camera rays of each pixel in parts of the mean, by rows from the top; `None` if rays make no
+/// noise.
+pub(super) fn find_density(renderer: &PassRenderer<'_>) -> Option<Arc<[f32]>> {
+    let key = Key::new(renderer.settings.eye.seed).purpose(Purpose::Balance);
+    let budget = PilotBudget { key, pass: 0, part: PILOT_PART, limited: true };
+    let maps = renderer.map_builder.build_within(&budget, &Silent, &mut Pass::default());
+    // Moving objects rest at one time, as in a pass.
+    let pilot = renderer.with_one_sample();
+    let pictures: Vec<Vec<f64>> = (0..PICTURES)
+        .map(|i| {
+            let mut out = Pass::default();
+            // No render reaches these passes, so no random number is used twice.
+            let paths = pilot.paths(Some(&maps), u32::MAX - i);
+            for_interior!(pilot.policy.effects, pilot.render_pixels(&paths, &Silent, &mut out));
+            out.image.iter().map(|v| f64::from(color::mean(*v))).collect()
+        })
+        .collect();
+    let (width, height) = renderer.scene.camera().size();
+    density(&pictures, width as usize, height as usize, renderer.samples)
 }
 
 /// Camera rays of each pixel in parts of the mean, from independent `pictures`; see

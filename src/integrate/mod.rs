@@ -20,6 +20,7 @@ mod map_builder;
 mod nee;
 mod nested_estimates;
 mod pass;
+mod pass_renderer;
 mod path;
 mod path_integrator;
 mod photon_maps;

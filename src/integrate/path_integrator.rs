@@ -1,46 +1,29 @@
-//! The integrator of all algorithms that a [`PathPolicy`] expresses.
+//! The integrator of all algorithms that a [`PathPolicy`](super::policy::PathPolicy) expresses.
 
 use super::balance::Balance;
-use super::camera_path::{PathContext, PathState, radiance};
-use super::film::{self, FilmSampling, Worker};
+use super::density_pilot::find_density;
 use super::for_interior::for_interior;
 use super::integrator::Integrator;
-use super::map_builder::PhotonMapBuilder;
-use super::nee::NextEventEstimator;
-use super::pass::{Expected, Monitor, Pass, Silent};
-use super::photon_maps::PhotonMaps;
-use super::policy::{PathPolicy, PolicyFn};
+use super::pass::{Expected, Monitor, Pass};
+use super::pass_renderer::PassRenderer;
+use super::policy::PolicyFn;
 use super::radius_law::RadiusLaw;
 use super::radius_pilot::{GuidingReports, Radii};
 use super::settings::Settings;
-use crate::math::Ray;
-use crate::plan::{Effect, Effects, Plan};
-use crate::sampling::{Dimension, Key, Purpose, Sampler};
-use crate::scene::{Interior, Scene};
+use super::work_pilot::{find_balance, measure_work};
+use crate::plan::{Effects, Plan};
+use crate::sampling::{Dimension, Key, Purpose};
+use crate::scene::Scene;
 use crate::stats::Counters;
-use std::sync::Arc;
-use std::time::Instant;
 
-/// If passes share their camera paths, each traces about this many tiles by fresh paths to measure
-/// the shared error.
-const FRESH_TILES: u32 = 48;
-
-/// Integrator whose camera paths follow a [`PathPolicy`].
+/// Integrator whose camera paths follow a [`PathPolicy`](super::policy::PathPolicy).
 #[derive(Debug)]
 pub(super) struct PathIntegrator<'a> {
-    pub scene: &'a Scene,
+    renderer: PassRenderer<'a>,
     plan: Plan,
     /// Makes the policy for other sets of effects.
     make_policy: PolicyFn,
-    pub policy: PathPolicy,
-    pub settings: Settings,
-    pub nee: NextEventEstimator<'a>,
-    pub map_builder: PhotonMapBuilder<'a>,
-    /// Mean number of camera rays per pixel and pass.
-    pub samples: u32,
     balance: Option<Balance>,
-    /// Camera rays of each pixel, in parts of `samples`.
-    density: Option<Arc<[f32]>>,
 }
 
 impl Integrator for PathIntegrator<'_> {
@@ -49,21 +32,21 @@ impl Integrator for PathIntegrator<'_> {
 
         // Move the scene to the time of the pass.
         let (moved_scene, moved);
-        let integrator = if self.has_motion() {
-            moved_scene = self.scene.at(shutter_time(self.settings.eye.seed, pass));
-            moved = self.at(&moved_scene);
+        let renderer = if self.renderer.has_motion() {
+            moved_scene = self.renderer.scene.at(shutter_time(self.renderer.settings.eye.seed, pass));
+            moved = self.renderer.at(&moved_scene);
             &moved
         } else {
-            self
+            &self.renderer
         };
 
         // Trace and index photons.
-        let map_builder = &integrator.map_builder;
+        let map_builder = &renderer.map_builder;
         let maps = map_builder.has_photons().then(|| map_builder.build(pass, monitor, &mut out));
 
         // Trace camera paths.
-        let paths = integrator.paths(maps.as_ref(), pass);
-        for_interior!(paths.policy.effects, integrator.render_pixels(&paths, monitor, &mut out));
+        let paths = renderer.paths(maps.as_ref(), pass);
+        for_interior!(paths.policy.effects, renderer.render_pixels(&paths, monitor, &mut out));
         out
     }
 
@@ -72,14 +55,12 @@ impl Integrator for PathIntegrator<'_> {
     }
 
     fn expected_work(&self, effects: Effects) -> Counters {
-        let policy = (self.make_policy)(effects, &self.settings);
-        let nee = NextEventEstimator::new(self.scene, &policy);
-        let map_builder = self.map_builder.with_policy(&policy);
-        Self { policy, nee, map_builder, ..self.at(self.scene) }.measure_work()
+        let policy = (self.make_policy)(effects, &self.renderer.settings);
+        measure_work(&self.renderer.with_policy(policy))
     }
 
     fn expected(&self) -> Expected {
-        self.map_builder.expected()
+        self.renderer.map_builder.expected()
     }
 
     fn balance(&self) -> Option<Balance> {
@@ -87,123 +68,52 @@ impl Integrator for PathIntegrator<'_> {
     }
 
     fn radii(&self) -> Option<Radii> {
-        self.map_builder.radii
+        self.renderer.map_builder.radii
     }
 
     fn radius_law(&self) -> Option<RadiusLaw> {
-        self.map_builder.has_photons().then(|| self.map_builder.law())
+        let map_builder = &self.renderer.map_builder;
+        map_builder.has_photons().then(|| map_builder.law())
     }
 
     fn nests_estimates(&self) -> bool {
-        self.settings.eye.estimate_error
+        self.renderer.settings.eye.estimate_error
     }
 
     fn guiding_reports(&self) -> GuidingReports {
-        self.map_builder.guiding_reports
+        self.renderer.map_builder.guiding_reports
     }
 }
 
 impl<'a> PathIntegrator<'a> {
-    /// Prepares an algorithm for `scene`: finds radii, guides emission, and balances camera rays
+    /// Prepares an algorithm for `scene`: guides emission, finds radii, and balances camera rays
     /// against photons.
     pub fn new(scene: &'a Scene, plan: Plan, settings: Settings, make_policy: PolicyFn) -> Self {
-        let with_effects = |effects: Effects| {
-            let policy = make_policy(effects, &settings);
-            Self {
-                scene,
-                plan: plan.clone(),
-                make_policy,
-                policy,
-                nee: NextEventEstimator::new(scene, &policy),
-                map_builder: PhotonMapBuilder::new(scene, settings.clone(), policy),
-                samples: settings.eye.samples.unwrap_or(policy.samples),
-                settings: settings.clone(),
-                balance: None,
-                density: None,
-            }
-        };
         let (effects, needed) = (plan.effects(), plan.needed());
-        let mut integrator = with_effects(effects);
-        let balances = settings.balance && settings.eye.samples.is_none() && integrator.policy.can_be_balanced();
-        // Effects that add nothing must not change the balance: the picture is the same with them.
+        let policy = make_policy(effects, &settings);
+        let mut renderer = PassRenderer::new(scene, settings.clone(), policy);
+
+        // Balance camera rays against photons. Effects that add nothing must not matter: the
+        // picture is the same with them.
+        let balances = settings.balance && settings.eye.samples.is_none() && policy.can_be_balanced();
         let balance = match (balances, needed == effects) {
             (false, _) => None,
-            (true, true) => integrator.find_balance(),
-            (true, false) => with_effects(needed).find_balance(),
+            (true, true) => find_balance(&renderer),
+            (true, false) => {
+                let policy = make_policy(needed, &settings);
+                find_balance(&PassRenderer::new(scene, settings.clone(), policy))
+            }
         };
         if let Some(Balance { samples, photons, caustic_photons }) = balance {
-            integrator.samples = samples;
-            let counts = &mut integrator.map_builder.counts;
+            renderer.samples = samples;
+            let counts = &mut renderer.map_builder.counts;
             counts.photons = photons.unwrap_or(counts.photons);
             counts.caustic_photons = caustic_photons.unwrap_or(counts.caustic_photons);
         }
-        integrator.balance = balance;
-        integrator.density = if settings.eye.adaptive { integrator.find_density() } else { None };
-        integrator
-    }
 
-    /// This integrator for `scene`, its own scene at another time; results of pilots are kept.
-    pub fn at<'b>(&self, scene: &'b Scene) -> PathIntegrator<'b> {
-        PathIntegrator {
-            scene,
-            plan: self.plan.clone(),
-            make_policy: self.make_policy,
-            policy: self.policy,
-            settings: self.settings.clone(),
-            nee: NextEventEstimator::new(scene, &self.policy),
-            map_builder: self.map_builder.at(scene),
-            samples: self.samples,
-            balance: self.balance,
-            density: self.density.clone(),
-        }
-    }
-
-    /// This integrator with one camera ray per pixel.
-    pub fn with_one_sample(self) -> Self {
-        Self { samples: 1, density: None, ..self }
-    }
-
-    /// True if passes show the scene at different times.
-    fn has_motion(&self) -> bool {
-        self.policy.effects.has(Effect::Motion) && self.scene.moves()
-    }
-
-    /// Inputs of the camera paths of pass `pass`.
-    pub fn paths<'b>(&'b self, maps: Option<&'b PhotonMaps<'b>>, pass: u32) -> PathContext<'b> {
-        PathContext::new(self.scene, &self.policy, &self.nee, maps, pass, self.settings.eye.max_bounces)
-    }
-
-    /// Renders all pixels by camera paths into `out`.
-    pub fn render_pixels<I: Interior>(&self, paths: &PathContext<'_>, monitor: &dyn Monitor, out: &mut Pass) {
-        let start = Instant::now();
-        let (policy, camera, eye) = (paths.policy, paths.scene.camera(), &self.settings.eye);
-        let nested = eye.estimate_error && policy.reads_photons();
-        let mut sampling = FilmSampling {
-            camera,
-            filter: Some(&eye.filter),
-            samples: self.samples,
-            lens: policy.effects.has(Effect::Lens),
-            density: self.density.as_deref(),
-            nested,
-            every: 1,
-        };
-        let trace = |ray: &Ray, sampler: Sampler, worker: &mut Worker, stack: &mut Vec<PathState<I>>| {
-            radiance(paths, ray, sampler, worker, stack)
-        };
-        let key = Key::new(eye.seed).purpose(Purpose::Camera);
-        let own_key = if policy.shares_paths { key.shared_paths() } else { key.pass(paths.pass) };
-        let rendered = film::render_tiles(&sampling, own_key, monitor, trace);
-        (out.image, out.nested) = (rendered.image, rendered.nested);
-        out.counters += rendered.counters;
-
-        // Trace some tiles by fresh paths if passes share theirs.
-        if nested && policy.shares_paths {
-            let every = film::tile_interval(camera.size(), FRESH_TILES);
-            sampling = FilmSampling { nested: false, every, ..sampling };
-            let fresh = film::render_tiles(&sampling, key.fresh_paths(paths.pass), &Silent, trace);
-            out.fresh = fresh.pixels.iter().map(|i| (*i, fresh.image[*i as usize])).collect();
-        }
-        out.seconds.eye += start.elapsed().as_secs_f64();
+        // Distribute camera rays over the pixels.
+        renderer.density = if settings.eye.adaptive { find_density(&renderer) } else { None };
+        Self { renderer, plan, make_policy, balance }
     }
 }
 

@@ -5,10 +5,11 @@ use super::balance::{self, Balance, Part};
 use super::film_points::{FilmPoint, trace_points};
 use super::map_builder::PilotBudget;
 use super::pass::{Pass, PhotonReport, Silent};
-use super::path_integrator::PathIntegrator;
+use super::pass_renderer::PassRenderer;
 use super::photon_maps::PhotonMaps;
 use crate::color::{self, Rgb};
 use crate::sampling::{Dimension, Key, Purpose, Sampler};
+use crate::scene::Scene;
 use crate::stats::Counters;
 use glam::Vec2;
 
@@ -24,131 +25,129 @@ struct PointEstimates {
     counters: Counters,
 }
 
-impl PathIntegrator<'_> {
-    /// Numbers of camera rays and photons that give the least noise for the same work; `None`
-    /// without photons.
-    ///
-    /// The result depends on the scene and the settings alone.
-    pub fn find_balance(&self) -> Option<Balance> {
-        if !self.map_builder.has_photons() {
-            return None;
-        }
-        let key = Key::new(self.settings.eye.seed).purpose(Purpose::Balance);
-        let counts = self.map_builder.counts;
-        let build = |trial| {
-            let mut out = Pass::default();
-            let budget = PilotBudget { key: key.trial(trial), pass: 0, part: PILOT_PART, limited: false };
-            (self.map_builder.build_within(&budget, &Silent, &mut out), out)
-        };
-        let ((mut maps, made), (mut other_maps, _)) = (build(0), build(1));
-
-        // Estimate the radiance at each point four times: as is, and with one source of noise
-        // replaced each time.
-        let (points, other_points) = (self.film_points(key, 0), self.film_points(key, 1));
-        let reference = self.estimate(Some(&maps), &points);
-        let other_camera = self.estimate(Some(&maps), &other_points);
-        std::mem::swap(&mut maps.caustic, &mut other_maps.caustic);
-        // One set of paths may fill both maps.
-        let one_source = self.map_builder.request.aimed.apart;
-        if one_source {
-            std::mem::swap(&mut maps.smooth, &mut other_maps.smooth);
-        }
-        let other_caustic = self.estimate(Some(&maps), &points);
-        let other_global = if one_source { None } else { Some(self.estimate(Some(&other_maps), &points)) };
-
-        // Measure the noise of each source, relative to the mean radiance.
-        let mean: Vec<f64> = (0..points.len())
-            .map(|i| {
-                let values = [&reference, &other_camera, &other_caustic].map(|e| f64::from(color::mean(e.radiance[i])));
-                values.iter().sum::<f64>() / 3.0
-            })
-            .collect();
-        let noise = |other: &PointEstimates| balance::noise(&reference.radiance, &other.radiance, &mean);
-
-        // Measure the work of each source.
-        let pixels = self.pixels();
-        let points = f64::from(POINTS);
-        // Estimates of a pass hold more photons than those of the pilot.
-        let gathered = balance::gathering(&reference.counters) / points * pixels * f64::from(PILOT_PART);
-        let paths = (made.global.emitted + made.caustic.emitted) as f64;
-        let rays = made.counters.photon_rays as f64;
-        let photons = |noise: f64, report: &PhotonReport, count: u32| {
-            let emitted = report.emitted as f64;
-            let cost = rays / paths
-                + balance::storing(report.stored) / emitted.max(1.0)
-                + gathered / (paths * f64::from(PILOT_PART));
-            Part { variance: noise * emitted, cost, count: f64::from(count) }
-        };
-        let tracing = balance::tracing(&reference.counters) / points * pixels;
-        let camera = Part {
-            variance: noise(&other_camera),
-            cost: if self.policy.reads_photons_each_sample() { tracing + gathered } else { tracing },
-            count: f64::from(self.samples),
-        };
-        let caustic = photons(noise(&other_caustic), &made.caustic, counts.caustic_photons);
-        let global_noise = other_global.map_or(0.0, |other| noise(&other));
-        let global = photons(global_noise, &made.global, counts.photons);
-
-        // Divide the work between the sources.
-        let [samples, photons, caustic_photons] = balance::divide(&[camera, global, caustic]);
-        let paths = |n: f64, emitted: u64| (emitted > 0).then(|| n.round().min(f64::from(u32::MAX)) as u32);
-        Some(Balance {
-            samples: samples.round().max(1.0) as u32,
-            photons: paths(photons, made.global.emitted),
-            caustic_photons: paths(caustic_photons, made.caustic.emitted),
-        })
+/// Numbers of camera rays and photons that give the least noise for the same work; `None`
+/// without photons.
+///
+/// The result depends on the scene and the settings alone.
+pub(super) fn find_balance(renderer: &PassRenderer<'_>) -> Option<Balance> {
+    if !renderer.map_builder.has_photons() {
+        return None;
     }
-
-    /// Estimated work of a pass, scaled up from few points of the film and few photons.
-    pub fn measure_work(&self) -> Counters {
-        let key = Key::new(self.settings.eye.seed).purpose(Purpose::Balance);
+    let key = Key::new(renderer.settings.eye.seed).purpose(Purpose::Balance);
+    let counts = renderer.map_builder.counts;
+    let build = |trial| {
         let mut out = Pass::default();
-        let budget = PilotBudget { key, pass: 0, part: PILOT_PART, limited: true };
-        let maps = self.map_builder.build_within(&budget, &Silent, &mut out);
-        let counters = self.estimate(Some(&maps), &self.film_points(key, 0)).counters;
-        let Counters { continuation_rays, shadow_rays, gathers, gathered_photons, .. } = counters;
-        let scaled = |n: u64, factor: f64| (n as f64 * factor).round() as u64;
-        let pixels = self.pixels() / f64::from(POINTS);
-        let samples = f64::from(self.samples) * self.pixels() / f64::from(POINTS);
-        let estimates = if self.policy.reads_photons_each_sample() { samples } else { pixels };
-        let photons = f64::from(PILOT_PART);
-        Counters {
-            camera_rays: u64::from(self.samples) * self.pixels() as u64,
-            continuation_rays: scaled(continuation_rays, samples),
-            shadow_rays: scaled(shadow_rays, samples),
-            photon_rays: scaled(out.counters.photon_rays, photons),
-            gathers: scaled(gathers, estimates),
-            gathered_photons: scaled(gathered_photons, estimates * photons),
-            rejected_samples: 0,
-            rejected_photons: 0,
-        }
-    }
+        let budget = PilotBudget { key: key.trial(trial), pass: 0, part: PILOT_PART, limited: false };
+        (renderer.map_builder.build_within(&budget, &Silent, &mut out), out)
+    };
+    let ((mut maps, made), (mut other_maps, _)) = (build(0), build(1));
 
-    fn estimate(&self, maps: Option<&PhotonMaps<'_>>, points: &[FilmPoint]) -> PointEstimates {
-        let (radiance, workers) = trace_points(&self.paths(maps, 0), points);
-        let mut counters = Counters::default();
-        workers.iter().for_each(|worker| counters += worker.counters);
-        PointEstimates { radiance, counters }
+    // Estimate the radiance at each point four times: as is, and with one source of noise
+    // replaced each time.
+    let (points, other_points) = (film_points(renderer.scene, key, 0), film_points(renderer.scene, key, 1));
+    let reference = estimate(renderer, Some(&maps), &points);
+    let other_camera = estimate(renderer, Some(&maps), &other_points);
+    std::mem::swap(&mut maps.caustic, &mut other_maps.caustic);
+    // One set of paths may fill both maps.
+    let one_source = renderer.map_builder.request.aimed.apart;
+    if one_source {
+        std::mem::swap(&mut maps.smooth, &mut other_maps.smooth);
     }
+    let other_caustic = estimate(renderer, Some(&maps), &points);
+    let other_global = if one_source { None } else { Some(estimate(renderer, Some(&other_maps), &points)) };
 
-    fn pixels(&self) -> f64 {
-        let (width, height) = self.scene.camera().size();
-        f64::from(width) * f64::from(height)
-    }
+    // Measure the noise of each source, relative to the mean radiance.
+    let mean: Vec<f64> = (0..points.len())
+        .map(|i| {
+            let values = [&reference, &other_camera, &other_caustic].map(|e| f64::from(color::mean(e.radiance[i])));
+            values.iter().sum::<f64>() / 3.0
+        })
+        .collect();
+    let noise = |other: &PointEstimates| balance::noise(&reference.radiance, &other.radiance, &mean);
 
-    /// Points of the film, spread over the picture. Points with equal index in two sets lie in one
-    /// pixel.
-    fn film_points(&self, key: Key, set: u32) -> Vec<FilmPoint> {
-        let (width, height) = self.scene.camera().size();
-        let size = Vec2::new(width as f32, height as f32);
-        let key = key.purpose(Purpose::Camera);
-        let point = |i| {
-            let pixel = (Sampler::new(key, i, POINTS).get_2d(Dimension::Film) * size).floor();
-            let sampler = Sampler::new(key.film_point(set, i), 0, 1);
-            (pixel + sampler.get_2d(Dimension::Film), sampler)
-        };
-        (0..POINTS).map(point).collect()
+    // Measure the work of each source.
+    let pixel_count = pixels(renderer.scene);
+    let points = f64::from(POINTS);
+    // Estimates of a pass hold more photons than those of the pilot.
+    let gathered = balance::gathering(&reference.counters) / points * pixel_count * f64::from(PILOT_PART);
+    let paths = (made.global.emitted + made.caustic.emitted) as f64;
+    let rays = made.counters.photon_rays as f64;
+    let photons = |noise: f64, report: &PhotonReport, count: u32| {
+        let emitted = report.emitted as f64;
+        let cost = rays / paths
+            + balance::storing(report.stored) / emitted.max(1.0)
+            + gathered / (paths * f64::from(PILOT_PART));
+        Part { variance: noise * emitted, cost, count: f64::from(count) }
+    };
+    let tracing = balance::tracing(&reference.counters) / points * pixel_count;
+    let camera = Part {
+        variance: noise(&other_camera),
+        cost: if renderer.policy.reads_photons_each_sample() { tracing + gathered } else { tracing },
+        count: f64::from(renderer.samples),
+    };
+    let caustic = photons(noise(&other_caustic), &made.caustic, counts.caustic_photons);
+    let global_noise = other_global.map_or(0.0, |other| noise(&other));
+    let global = photons(global_noise, &made.global, counts.photons);
+
+    // Divide the work between the sources.
+    let [samples, photons, caustic_photons] = balance::divide(&[camera, global, caustic]);
+    let paths = |n: f64, emitted: u64| (emitted > 0).then(|| n.round().min(f64::from(u32::MAX)) as u32);
+    Some(Balance {
+        samples: samples.round().max(1.0) as u32,
+        photons: paths(photons, made.global.emitted),
+        caustic_photons: paths(caustic_photons, made.caustic.emitted),
+    })
+}
+
+/// Estimated work of a pass, scaled up from few points of the film and few photons.
+pub(super) fn measure_work(renderer: &PassRenderer<'_>) -> Counters {
+    let key = Key::new(renderer.settings.eye.seed).purpose(Purpose::Balance);
+    let mut out = Pass::default();
+    let budget = PilotBudget { key, pass: 0, part: PILOT_PART, limited: true };
+    let maps = renderer.map_builder.build_within(&budget, &Silent, &mut out);
+    let counters = estimate(renderer, Some(&maps), &film_points(renderer.scene, key, 0)).counters;
+    let Counters { continuation_rays, shadow_rays, gathers, gathered_photons, .. } = counters;
+    let scaled = |n: u64, factor: f64| (n as f64 * factor).round() as u64;
+    let pixel_count = pixels(renderer.scene);
+    let samples = f64::from(renderer.samples) * pixel_count / f64::from(POINTS);
+    let estimates = if renderer.policy.reads_photons_each_sample() { samples } else { pixel_count / f64::from(POINTS) };
+    let photons = f64::from(PILOT_PART);
+    Counters {
+        camera_rays: u64::from(renderer.samples) * pixel_count as u64,
+        continuation_rays: scaled(continuation_rays, samples),
+        shadow_rays: scaled(shadow_rays, samples),
+        photon_rays: scaled(out.counters.photon_rays, photons),
+        gathers: scaled(gathers, estimates),
+        gathered_photons: scaled(gathered_photons, estimates * photons),
+        rejected_samples: 0,
+        rejected_photons: 0,
     }
+}
+
+fn estimate(renderer: &PassRenderer<'_>, maps: Option<&PhotonMaps<'_>>, points: &[FilmPoint]) -> PointEstimates {
+    let (radiance, workers) = trace_points(&renderer.paths(maps, 0), points);
+    let mut counters = Counters::default();
+    workers.iter().for_each(|worker| counters += worker.counters);
+    PointEstimates { radiance, counters }
+}
+
+fn pixels(scene: &Scene) -> f64 {
+    let (width, height) = scene.camera().size();
+    f64::from(width) * f64::from(height)
+}
+
+/// Points of the film, spread over the picture. Points with equal index in two sets lie in one
+/// pixel.
+fn film_points(scene: &Scene, key: Key, set: u32) -> Vec<FilmPoint> {
+    let (width, height) = scene.camera().size();
+    let size = Vec2::new(width as f32, height as f32);
+    let key = key.purpose(Purpose::Camera);
+    let point = |i| {
+        let pixel = (Sampler::new(key, i, POINTS).get_2d(Dimension::Film) * size).floor();
+        let sampler = Sampler::new(key.film_point(set, i), 0, 1);
+        (pixel + sampler.get_2d(Dimension::Film), sampler)
+    };
+    (0..POINTS).map(point).collect()
 }
 
 #[cfg(test)]
