@@ -7,8 +7,9 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 /// Rooms (folders of `src/`) by storey. A room uses only rooms of lower storeys.
-const STOREYS: [&[&str]; 10] = [
-    &["math", "sampling", "color", "image", "stats"],
+const STOREYS: [&[&str]; 11] = [
+    &["stats"],
+    &["math", "sampling", "color", "image"],
     &["accel", "texture", "bsdf"],
     &["shape", "medium"],
     &["light", "camera"],

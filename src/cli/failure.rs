@@ -1,5 +1,6 @@
 //! Exit codes, and the reports of a command that failed.
 
+use super::progress::clear_bar;
 use miette::{Diagnostic, MietteHandlerOpts, Report};
 use std::io::Write;
 use std::process::ExitCode;
@@ -52,8 +53,9 @@ impl Failure {
         Self::new(Exit::Output, Report::from_err(error))
     }
 
-    /// Writes the reports to the standard error.
+    /// Writes the reports to the standard error, in place of a progress bar.
     pub fn show(&self) {
+        clear_bar();
         for report in &self.reports {
             // A closed stderr must not turn an error into a panic.
             let _ = writeln!(std::io::stderr(), "{report:?}");

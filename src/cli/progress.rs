@@ -182,8 +182,13 @@ const LARGE_MESH: usize = 1_000_000;
 
 impl ReadMonitor for Progress {
     fn begin(&self, path: &Path, bytes: u64) {
-        let template = "reading {prefix} {bar:28} {percent:>3} %  {decimal_bytes_per_sec}";
-        self.start(ProgressStyle::with_template(template), path.display().to_string(), bytes);
+        let style = ProgressStyle::with_template("reading {prefix} {bar:28} {percent:>3} %  {rate}");
+        let style = style.map(|style| {
+            style.with_key("rate", |state: &ProgressState, out: &mut dyn fmt::Write| {
+                let _ = write!(out, "{:.0} MB/s", 1e-6 * state.per_sec());
+            })
+        });
+        self.start(style, path.display().to_string(), bytes);
     }
 
     fn advance(&self, bytes: u64) {

@@ -4,7 +4,6 @@ use std::io;
 use std::path::PathBuf;
 
 use super::buffer::SizeError;
-use super::tone::MAX_EXPOSURE_STOPS;
 use crate::stats::bytes;
 
 /// Why a picture was not written. An existing file at the path is unchanged.
@@ -69,13 +68,12 @@ pub enum WriteError {
         reason: &'static str,
     },
     /// The exposure is NaN or out of range.
-    #[error(
-        "an exposure of {stops} stops is out of range: choose one from {} to {MAX_EXPOSURE_STOPS}",
-        -MAX_EXPOSURE_STOPS
-    )]
+    #[error("an exposure of {stops} stops is out of range: choose one from -{limit} to {limit}")]
     Exposure {
         /// Exposure in stops.
         stops: f32,
+        /// Largest absolute exposure in stops.
+        limit: f32,
     },
     /// The encoder reported an error.
     #[error("cannot encode the picture: {0}")]

@@ -13,8 +13,8 @@ use glam::Vec3;
 
 use super::buffer::{Image, pixel_count};
 use super::error::{DecodeFailure, WriteError, check_memory, check_plausible};
+use super::options::FloatDepth;
 use super::tone::WriteReport;
-use super::write::FloatDepth;
 
 /// Rec. 709 primaries and the white point D65.
 pub(super) const REC_709: Chromaticities = Chromaticities {

@@ -3,8 +3,8 @@
 use super::buffer::pixel_count;
 use super::error::WriteError;
 use super::exr::{REC_709, attributes};
+use super::options::check_metadata;
 use super::replace::{check_replaceable, replace_file};
-use super::write::check_metadata;
 use exr::prelude::{
     AnyChannel, AnyChannels, Encoding, FlatSamples, Image as ExrImage, Layer, SmallVec, Text, WritableImage,
 };

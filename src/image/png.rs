@@ -8,8 +8,8 @@ use rayon::prelude::*;
 
 use super::buffer::{Image, RgbBytes, pixel_count};
 use super::error::{DecodeFailure, WriteError, check_memory, check_plausible};
+use super::options::{BitDepth, WriteOptions};
 use super::tone::{Curve, Quantizer, WriteReport, srgb_decode};
-use super::write::{BitDepth, WriteOptions};
 
 /// Encodes `image` as a PNG file. All curves except [`Curve::Course`] add an sRGB chunk.
 pub(super) fn encode(image: &Image, options: &WriteOptions) -> Result<(Vec<u8>, WriteReport), WriteError> {

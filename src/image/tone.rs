@@ -109,7 +109,7 @@ impl Quantizer {
         if tone.exposure_stops.abs() <= MAX_EXPOSURE_STOPS {
             Ok(Self { curve: tone.curve, scale: libm::exp2f(tone.exposure_stops), white })
         } else {
-            Err(WriteError::Exposure { stops: tone.exposure_stops })
+            Err(WriteError::Exposure { stops: tone.exposure_stops, limit: MAX_EXPOSURE_STOPS })
         }
     }
 

@@ -1,6 +1,7 @@
 //! The course's scenes, meshes and images: how they are read, and what ray casting makes of them.
 //!
-//! The data may not be distributed, so it lies outside the repository: see [`crate::support::course`].
+//! The data may not be distributed, so it lies outside the repository: see
+//! [`crate::support::course`].
 
 use crate::support::course;
 use caustica::camera::Camera;
@@ -33,7 +34,7 @@ fn show(scene: &Scene) -> RgbBytes {
     image::read_bytes(&path).unwrap()
 }
 
-/// Pixels that differ by more than one level.
+/// Returns the number of pixels that differ by more than one level.
 fn strays(ours: &RgbBytes, theirs: &RgbBytes) -> usize {
     assert_eq!((ours.width(), ours.height()), (theirs.width(), theirs.height()));
     let pairs = ours.pixels().iter().zip(theirs.pixels());
@@ -61,7 +62,7 @@ fn scenes_01_to_07_match_expected_images() {
     }
 }
 
-/// Curves have no surface; what is turned has one, and faces the camera.
+/// Curves have no surface. A surface of revolution has one, and it faces the camera.
 #[test]
 fn scenes_08_to_10_show_surfaces_of_revolution() {
     let Some(course) = course("") else { return };
@@ -82,7 +83,7 @@ fn scenes_08_to_10_show_surfaces_of_revolution() {
     }
 }
 
-/// The first profile of a scene.
+/// Returns the first profile of a group.
 fn profile(group: &Group) -> Option<Profile> {
     group.items.iter().find_map(|item| match item {
         Item::Object(object) => profile_of(&object.value),
@@ -99,7 +100,8 @@ fn profile_of(object: &Object) -> Option<Profile> {
     }
 }
 
-/// The point of a curve: by de Casteljau, or by the basis of uniform cubics.
+/// Returns the point of a curve at parameter `at`: by de Casteljau, or by the basis of uniform
+/// cubics.
 fn point_of(curve: &Profile, at: f64) -> DVec3 {
     let mut points = curve.controls.clone();
     match curve.basis {
@@ -131,8 +133,8 @@ fn scene_of(fill: impl FnOnce(&mut SceneBuilder, u32)) -> Scene {
     builder.build(camera).unwrap()
 }
 
-/// A surface of revolution and a mesh of 1,200 by 1,024 quads of it show the same: from outside, from within, from the axis, and
-/// edge-on. Only next to an outline of the mesh may pixels differ.
+/// A surface of revolution equals its mesh of 1,200 by 1,024 quads: from outside, from inside, from
+/// the axis, and edge-on. Pixels may differ only next to an outline of the mesh.
 #[test]
 fn scenes_09_and_10_match_fine_meshes() {
     let Some(course) = course("") else { return };
@@ -192,7 +194,8 @@ fn scenes_09_and_10_match_fine_meshes() {
             let mut hits = 0;
             for (k, (i, j)) in pixels().enumerate() {
                 hits += u32::from(smooth[k].is_some());
-                // Of smooth neighbours, a pixel lies between; at outlines and rims it may be on either side.
+                // A pixel lies between its smooth neighbours. At outlines and rims it may be on
+                // either side.
                 let near = (-1..=1).flat_map(|y| (-1..=1).map(move |x| (i + x, j + y)));
                 let outline = near
                     .filter(|(x, y)| (0..n).contains(x) && (0..n).contains(y))
@@ -230,7 +233,7 @@ fn course_scenes_parse_and_print_back() {
 #[test]
 fn course_meshes_load() {
     let Some(folder) = course("mesh") else { return };
-    // Counts of distinct vertices and of faces by `grep -c`.
+    // Numbers of distinct vertices and of faces, counted by `grep -c`.
     for (name, vertices, triangles, normals) in [
         ("cube.obj", 8, 12, false),
         ("bunny_200.obj", 102, 200, false),

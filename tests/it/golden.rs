@@ -1,10 +1,12 @@
-//! Every scene of scenes/ against the picture of it that was once looked at.
+//! Small renders of every scene in scenes/ against golden images that were inspected once.
 //!
-//! `CAUSTICA_BLESS=1 cargo test --test it golden` makes the pictures anew: look at each before committing it.
+//! `CAUSTICA_BLESS=1 cargo test --test it golden` writes new ones: look at each before you commit
+//! it.
 //!
-//! Results are designed to be the same bits on any machine. One thing is out of reach: the width of kiddo's vector instructions
-//! may change the order of a sum over photons, hence its last bits. Such a difference moves a byte by one level, and only where
-//! the value stood at the edge between two: at most 1 level at at most 1 byte in 200 is let pass.
+//! Renders are designed to have the same bits on any machine, with one exception: the width of
+//! kiddo's vector instructions may change the order of a sum over photons, hence its last bits.
+//! That moves a byte by one level, and only at the border of two levels. So a difference of 1 level
+//! is allowed in 1 of 200 bytes.
 
 use crate::support::project;
 use caustica::format::SceneFile;
@@ -17,7 +19,7 @@ use std::sync::atomic::AtomicBool;
 
 const SIZE: (u32, u32) = (96, 72);
 
-/// Names without extension of the files of a folder that have one, sorted.
+/// Returns the names without extension of a folder's files with this extension, sorted.
 fn stems(folder: &Path, extension: &str) -> Vec<String> {
     let entries = fs::read_dir(folder).into_iter().flatten();
     let paths = entries.map(|e| e.unwrap().path()).filter(|p| p.extension().is_some_and(|e| e == extension));
@@ -44,7 +46,7 @@ fn picture(scene: &Path) -> Image {
     Image::from_pixels(SIZE.0, SIZE.1, rendered.film.mean()).unwrap()
 }
 
-/// What is wrong between two pictures, if anything.
+/// Returns a message if the images differ by more than allowed.
 fn difference(ours: &RgbBytes, golden: &RgbBytes) -> Option<String> {
     let differ = match metrics::differing_bytes(ours, golden) {
         Ok(differ) => differ,

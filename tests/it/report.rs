@@ -1,4 +1,4 @@
-//! Reports of studies: the text is well-formed and needs nothing else, and a browser shows what it should.
+//! Study reports: pages are well-formed and self-contained, and a browser shows their content.
 
 use crate::support::browser::Browser;
 use caustica::image::Image;
@@ -17,7 +17,7 @@ fn random(key: Key) -> f64 {
     f64::from(key.uniform(Dimension::Light))
 }
 
-/// A floor with a bright spot, a ball before a wall.
+/// Returns the radiance of a synthetic image: a floor with a bright spot, and a ball before a wall.
 fn radiance(x: f64, y: f64) -> Vec3 {
     let spot = libm::exp(-((x - 0.7) * (x - 0.7) * 60.0 + (y - 0.8) * (y - 0.8) * 300.0));
     let (bx, by) = ((x - 0.4) / 0.2, (y - 0.55) / 0.26);
@@ -35,7 +35,8 @@ fn picture(of: impl Fn(f64, f64, u32) -> Vec3) -> Image {
     Image::from_pixels(WIDTH, HEIGHT, (0..WIDTH * HEIGHT).map(at).collect()).unwrap()
 }
 
-/// A method whose variance and bias of a pass are these in the first, and whose passes take so many seconds.
+/// Returns synthetic results of a method with this variance and bias in its first pass, and this
+/// time per pass \[s].
 fn method(label: &str, algorithm: Algorithm, noise: f64, bias: f64, pass: f64, count: u32) -> MethodFound {
     let key = Key::new(5).with(label.bytes().map(u64::from).sum());
     let alpha = if algorithm == Algorithm::Pm { 1.0 } else { ALPHA };
@@ -118,7 +119,7 @@ fn found() -> MethodsFound {
     }
 }
 
-/// The page without what is in its pictures, which may spell any word.
+/// Returns the page without its embedded images, whose encoding may spell any word.
 fn words(page: &str) -> String {
     let mut parts = page.split("base64,");
     let mut text = parts.next().unwrap().to_owned();
@@ -126,7 +127,7 @@ fn words(page: &str) -> String {
     text
 }
 
-/// What is wrong with the nesting of tags, if anything.
+/// Returns a message if tags are not nested properly.
 fn unbalanced(page: &str) -> Option<String> {
     let mut open = Vec::new();
     let mut rest = page;
@@ -181,7 +182,7 @@ fn report_page_is_well_formed_and_self_contained() {
     ] {
         assert!(page.contains(part), "{part}");
     }
-    // A figure without its command cannot be made again.
+    // Without its command a figure could not be reproduced.
     assert_eq!(page.matches("<figure").count(), page.matches("<code class=\"command\">").count());
     assert_eq!(html(&found()).unwrap(), html(&found()).unwrap());
 }
@@ -234,13 +235,13 @@ fn browser_shows_the_page() {
     assert_eq!(dom.matches("class=\"picture shown\"").count(), 1);
     assert_eq!(dom.matches("<polyline").count(), page.matches("<polyline").count());
 
-    // So high that nothing is to be scrolled: what is scrolled to is not painted in a screenshot.
+    // High enough to show all without scrolling: a screenshot does not paint scrolled parts.
     let high = (1000, 12_000);
     let pm = browser.open("report.html", &page, "#show=pm", high);
     let long = browser.open("report.html", &page, "#show=sppm%20--gather-k%2020%20--photons%202M", high);
     assert!(words(&long.dom).contains("aria-pressed=\"true\">sppm --gather-k 20"));
     let differing = pm.pixels.iter().zip(&long.pixels).filter(|(a, b)| a != b).count();
-    // A tenth of the picture's pixels at least.
+    // At least a tenth of the image's pixels.
     assert!(differing > (WIDTH * HEIGHT / 10) as usize, "{differing}");
 
     let press = "<script>document.body.dispatchEvent(new KeyboardEvent('keydown', { key: 'ArrowLeft', bubbles: true }))</script></body>";

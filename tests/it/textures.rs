@@ -1,4 +1,4 @@
-//! What textures do to pictures: closed forms for means, slopes and light, and how much footprints calm.
+//! Rendered textures: closed forms for means, slopes and energy, and noise reduction by filtering.
 
 use crate::support::scene_in;
 use caustica::camera::{Filter, FilterKind};
@@ -22,7 +22,7 @@ fn picture(scene: &Scene, algorithm: Algorithm, samples: u32, passes: u32, effec
     (0..passes).map(|pass| integrator.pass(pass, &Silent).image).collect()
 }
 
-/// The first surface that a ray in the coordinates of the file meets.
+/// Returns the first hit of a ray in the coordinates of the description.
 fn hit(scene: &Scene, from: DVec3, direction: DVec3) -> (Hit, Ray) {
     let ray = Ray::new((from - scene.middle()).as_vec3(), direction.normalize().as_vec3());
     (scene.intersect(&ray).expect("the ray meets something"), ray)
@@ -53,7 +53,7 @@ fn shapes_have_documented_uv_coordinates() {
     let close = |found: DVec2, u: f64, v: f64| assert!((found - DVec2::new(u, v)).length() < 1e-5, "{found}");
     let ground = of("Rectangle { corner -5 0 5  edge0 10 0 0  edge1 0 0 -10 }");
     close(uv(&ground, [1.0, 3.0, -2.0], down), 0.6, 0.7);
-    // Transforms carry coordinates along, mirrors too.
+    // Transforms, mirrors included, carry texture coordinates along.
     let carried =
         of("Transform { Translate 1 0 0  Scale -2 1 1  Rectangle { corner -1 0 1  edge0 2 0 0  edge1 0 0 -2 } }");
     close(uv(&carried, [2.0, 3.0, 0.5], down), 0.25, 0.25);
@@ -69,7 +69,8 @@ fn shapes_have_documented_uv_coordinates() {
     close(uv(&of(&format!("{triangle}  uv0 1 1  uv1 3 1  uv2 1 5 }}")), [0.5, 1.0, 1.0], down), 2.0, 2.0);
 }
 
-/// Tiles from here to the horizon: a wide strip of them holds half of each colour, and so does its picture.
+/// A checkerboard up to the horizon: a wide strip of it holds half of each colour, and so does its
+/// image.
 #[test]
 fn far_checkerboard_is_filtered_to_its_mean() {
     let tiles = |color0: &str, color1: &str| {
@@ -80,8 +81,8 @@ fn far_checkerboard_is_filtered_to_its_mean() {
         ))
     };
     let passes = picture(&tiles(".1 .1 .1", ".8 .8 .8"), Algorithm::Whitted, 1, 16, EffectOverrides::PLANNED);
-    // The horizon is at row 14.8 and a pixel .0168 high at distance 1: rows 16 and 17 lie between 50 and 19 lengths away. A surface of reflectance r
-    // under irradiance π is as bright as r.
+    // The horizon is at row 14.8, and a pixel is .0168 high at distance 1. Rows 16 and 17 are 50 to
+    // 19 units away. A surface of reflectance r under irradiance π has radiance r.
     let strip =
         |image: &[Rgb]| -> Vec<f64> { image[16 * 64..18 * 64].iter().map(|c| f64::from(color::mean(*c))).collect() };
     let values: Vec<Vec<f64>> = passes.iter().map(|p| strip(p)).collect();
@@ -89,8 +90,8 @@ fn far_checkerboard_is_filtered_to_its_mean() {
     let mean = all.iter().sum::<f64>() / all.len() as f64;
     let of_passes: Vec<f64> = values.iter().map(|v| v.iter().sum::<f64>() / 128.0).collect();
     let spread = of_passes.iter().map(|m| (m - mean) * (m - mean)).sum::<f64>() / 15.0 / 16.0;
-    // The nearest line of the strip is 20 lengths long, 46 tiles: half a tile too many of one colour shifts it by ½ · .7/46. Student's t of 16 passes
-    // exceeds 7.5 once in a million.
+    // The nearest line of the strip is 20 units long, 46 tiles. Half a tile too many of one colour
+    // shifts the mean by ½ · .7/46. Student's t over 16 passes exceeds 7.5 once in a million.
     assert!((mean - 0.45).abs() < 0.5 * 0.7 / 46.0 + 7.5 * spread.sqrt(), "{mean}");
     let variance = |i: usize| {
         let of: Vec<f64> = values.iter().map(|v| v[i]).collect();
@@ -98,17 +99,19 @@ fn far_checkerboard_is_filtered_to_its_mean() {
         of.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / (of.len() - 1) as f64
     };
     let sparkle = (0..128).map(variance).sum::<f64>() / 128.0;
-    // Unfiltered, each sample is .1 or .8 by chance: a variance of .35² where a pixel spans many tiles. A footprint of half a pixel spans 9.5
-    // tiles along the view in row 17, and more in row 16: the mean of an alternating pattern over them is off by at most one tile's excess.
+    // Unfiltered, each sample is .1 or .8 by chance: a variance of .35² where a pixel covers many
+    // tiles. A footprint of half a pixel covers 9.5 tiles along the view in row 17, and more in row
+    // 16. The mean of an alternating pattern over them is off by at most one tile.
     eprintln!("variance between passes {sparkle:.5}, unfiltered .1225");
     assert!(sparkle < 0.1225 / (9.5 * 9.5), "{sparkle}");
 }
 
-/// A surface whose height is h(u, v) = s·u, u running along x with 1/w a length, has the normal (−s/w, 1)/|…|.
+/// A surface of height h(u, v) = s·u, with u along x and 1/w per unit, has the normal (−s/w,
+/// 1)/|…|.
 #[test]
 fn linear_bump_map_tilts_the_plane() {
     let folder = tempfile::tempdir().unwrap();
-    // Heights go up by 1/64 a pixel.
+    // Heights rise by 1/64 per pixel.
     let pixels = (0..64 * 4).map(|i| Vec3::splat((i % 64) as f32 / 64.0)).collect();
     let ramp = image::Image::from_pixels(64, 4, pixels).unwrap();
     let path = folder.path().join("ramp.exr");
@@ -123,7 +126,7 @@ fn linear_bump_map_tilts_the_plane() {
         let found = surface(&scene, DVec3::new(0.4 * width, 3.0, -0.3 * width), DVec3::NEG_Y).point;
         let expected = DVec3::new(-height / width, 1.0, 0.0).normalize();
         assert_eq!(found.ng, Vec3::Y);
-        // Heights and differences of them are f32.
+        // Heights and their differences are f32.
         assert!((found.ns.as_dvec3() - expected).length() < 1e-4, "{} {expected}", found.ns);
     }
 }
@@ -141,15 +144,16 @@ fn mapped_normals_follow_uv_and_stay_outside() {
     let straight = "edge0 2 0 0  edge1 0 0 -2";
     let close = |a: Vec3, b: [f32; 3]| assert!((a - Vec3::from(b).normalize()).length() < 1e-5, "{a} {b:?}");
     close(with(".5 .5 1", straight), [0.0, 1.0, 0.0]);
-    // Red is along u, which is x; green along v, which is −z.
+    // Red is along u, which is x; green is along v, which is −z.
     close(with(".8 .5 .9", straight), [0.6, 0.8, 0.0]);
     close(with(".5 .8 .9", straight), [0.0, 0.8, -0.6]);
-    // What would turn the surface inside out grazes it.
+    // A normal that would turn the surface inside out is limited to grazing.
     let inside = with(".9 .5 .1", straight);
     assert!(inside.y > 0.0 && inside.y < 0.1 && inside.x > 0.9, "{inside}");
 }
 
-/// In a furnace of radiance 1 nothing is brighter than 1, however its normals stand: 5 standard errors of the mean of the passes.
+/// In a furnace of radiance 1 nothing is brighter than 1, whatever its normals: 5 standard errors
+/// of the mean over passes.
 #[test]
 fn bump_maps_create_no_energy() {
     for relief in ["bump lumps  bumpHeight .3", "normalMap wild"] {
@@ -179,7 +183,8 @@ fn bump_maps_create_no_energy() {
     }
 }
 
-/// Without textures each is its mean; without bumps surfaces are smooth: the pictures of scenes that say so.
+/// Without textures each becomes its mean; without bump maps surfaces are smooth. Scenes that say
+/// so directly give the same images.
 #[test]
 fn disabled_textures_become_their_mean() {
     let with = |reflectance: &str, relief: &str, emission: &str| {
@@ -203,7 +208,7 @@ fn disabled_textures_become_their_mean() {
     }
 }
 
-/// A mask is a mix of two materials by place: where it is 0 or 1 nothing is left to chance.
+/// A mask is a mix of two materials by position. Where it is 0 or 1, nothing is random.
 #[test]
 fn masks_select_material_by_position() {
     let scene = scene(&format!(
@@ -217,7 +222,8 @@ fn masks_select_material_by_position() {
     }
 }
 
-/// Where something moves, its texture moves with it: at each time coordinates are those of the same maps at rest.
+/// A moving object carries its texture: at each time, coordinates equal those of the same transform
+/// at rest.
 #[test]
 fn textures_move_with_their_object() {
     let of = |maps: &str, object: &str| {
@@ -242,7 +248,7 @@ fn textures_move_with_their_object() {
                 let found = surface(scene, DVec3::from(from), DVec3::NEG_Z);
                 (uv(scene, from, [0.0, 0.0, -1.0]), found.bsdf, found.emission)
             });
-            // Rounding of places below 10 to f32.
+            // Rounding of positions below 10 to f32.
             assert!((a.0 - b.0).length() < 1e-5 && (a.1, a.2) == (b.1, b.2), "{object} at {time}: {a:?} {b:?}");
         }
     }

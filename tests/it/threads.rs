@@ -1,4 +1,4 @@
-//! One seed gives one picture: on any number of threads, and for any pass by itself.
+//! One seed gives one image, on any number of threads and for any single pass.
 
 use crate::support::scene_in;
 use caustica::color::Rgb;
@@ -6,7 +6,8 @@ use caustica::integrate::{Algorithm, EyeSettings, Pass, PhotonReport, Settings, 
 use caustica::scene::Scene;
 use caustica::stats::Counters;
 
-/// Glass, a mirror, a mesh, Phong's model, an area light, and more lights than are asked at once.
+/// Glass, a mirror, a mesh, Phong's model, an area light, and more lights than light sampling uses
+/// at once.
 const TEXT: &str = "
 PerspectiveCamera { center 0 1.4 5  lookAt 0 .7 0  angle 40  width 50  height 38 }
 Background { color .1 .2 .3 }
@@ -32,7 +33,7 @@ Group {
     MaterialName silver  Sphere { center .9 .5 -1.2 radius .5 }
 }";
 
-/// Not a multiple of a chunk's paths, so that the last chunk is a short one.
+/// Not a multiple of a chunk's paths, so that the last chunk is short.
 const PHOTONS: u32 = 30_001;
 
 fn scene() -> Scene {
@@ -48,7 +49,7 @@ fn settings() -> Settings {
     }
 }
 
-/// All of a pass but its times, which are nobody's promise.
+/// All results of a pass but its times.
 type Result = (Vec<[u32; 3]>, Counters, PhotonReport, PhotonReport);
 
 fn result(pass: Pass) -> Result {
@@ -56,7 +57,7 @@ fn result(pass: Pass) -> Result {
     (pass.image.iter().map(bits).collect(), pass.counters, pass.global, pass.caustic)
 }
 
-/// Radii, and the passes asked for, on so many threads.
+/// Returns the radii and the given passes, rendered on `threads` threads.
 fn run(threads: usize, passes: impl IntoIterator<Item = u32> + Send) -> ([u32; 2], Vec<Result>) {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     pool.install(|| {
@@ -73,7 +74,7 @@ fn any_thread_count_gives_same_bits() {
     let one = run(1, 0..3);
     let (_, passes) = &one;
     for (image, counters, global, caustic) in passes {
-        // The scene exercises all there is; a black picture would be the same on any machine, too.
+        // The scene exercises every counter: a black image would agree on any machine too.
         assert!(image.iter().flatten().filter(|bits| **bits != 0).count() > image.len());
         assert!(counters.continuation_rays > 0 && counters.shadow_rays > 0 && counters.gathered_photons > 0);
         assert!(global.stored > 1000 && caustic.stored > 1000 && counters.rejected_samples == 0);

@@ -1,5 +1,5 @@
 use super::*;
-use crate::image::{Curve, read};
+use crate::image::{Curve, ToneMap, read};
 use glam::Vec3;
 use std::fs;
 

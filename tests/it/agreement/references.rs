@@ -71,6 +71,7 @@ const WALKS: Effort = Effort { samples: 3, ..BIASED };
 
 /// `Sppm` in this room is compared by `analytic::reference`, by finer tiles.
 #[test]
+#[ignore = "long: five integrators against Mitsuba 3"]
 fn integrators_match_caustic_reference() {
     let methods = [
         (Method::Path, CHANCE),
@@ -83,6 +84,7 @@ fn integrators_match_caustic_reference() {
 }
 
 #[test]
+#[ignore = "long: six integrators against Mitsuba 3"]
 fn integrators_match_rough_reference() {
     let methods = [
         (Method::Path, CHANCE),
@@ -104,6 +106,7 @@ fn integrators_match_rough_reference() {
 /// does not converge: it is left out. The windows show the ball before the plane of focus, the
 /// mirror in it, and the ball behind it.
 #[test]
+#[ignore = "long: five integrators against Mitsuba 3"]
 fn integrators_match_lens_reference() {
     let methods = [
         (Method::Path, WALKS),
@@ -124,6 +127,7 @@ fn integrators_match_lens_reference() {
 /// beam radiance and point estimates find few photons in the fog: they use wider discs and a
 /// blunter limit.
 #[test]
+#[ignore = "long: seven integrators against Mitsuba 3"]
 fn integrators_match_fog_reference() {
     let methods = [
         (Method::Path, CHANCE),

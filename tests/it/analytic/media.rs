@@ -241,6 +241,7 @@ fn around(sigma: f64, wide: f64, r: f64) -> f64 {
 /// Collimated light goes down into a box, and a ray crosses it: p(90°)E σs exp(−σt z)(1 − exp(−σt
 /// s))/σt. Behind a pane, which transmits (1 − R)/(1 + R), photons carry the light.
 #[test]
+#[ignore = "long: t-tests of three volume estimates"]
 fn photon_beam_estimate_matches_formula() {
     const G: f64 = 0.4;
     const SCATTERING: [f64; 3] = [0.5, 1.0, 1.5];
@@ -327,6 +328,7 @@ fn furnace(media: &str, ball: &str, eye: &str) -> Scene {
 /// Without loss, every medium has the radiance of its surroundings, however often it scatters. This
 /// holds from inside too, and for every integrator.
 #[test]
+#[ignore = "long: furnace of many scattering media"]
 fn white_medium_vanishes_in_furnace() {
     let clear = "Clear milky { medium milk }";
     for (what, media, ball, eye) in [
@@ -374,6 +376,7 @@ fn white_medium_vanishes_in_furnace() {
 /// White fog between walls that emit and reflect: Le/(1 − ρ) = 1. Surfaces and scattering find
 /// parts of it by connections and by chance.
 #[test]
+#[ignore = "long: furnace of a scattering medium"]
 fn white_fog_vanishes_between_furnace_walls() {
     let walls = "Rectangle { corner -1 -1 -1  edge0 0 0 2  edge1 2 0 0 }
                  Rectangle { corner -1 1 -1  edge0 2 0 0  edge1 0 0 2 }

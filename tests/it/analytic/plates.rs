@@ -73,6 +73,7 @@ fn infinite_plates_have_geometric_series_of_flux() {
 /// Shadow rays carry direct light, the caustic map carries light by mirrors, the global map the
 /// rest. Their sum is that of infinite plates; each alone depends on the walls.
 #[test]
+#[ignore = "long: t-tests over many bounces"]
 fn direct_caustic_and_global_light_sum_to_total() {
     let scene = plates();
     let expected = LIGHT / (DVec3::ONE - FLOOR * CEILING) * FLOOR;

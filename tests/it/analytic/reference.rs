@@ -29,6 +29,7 @@ fn means(image: &[Vec3]) -> Vec<f64> {
 /// degrees of freedom); the reference has its own standard error. 1024 tiles at 10⁻⁷ each give a
 /// false-alarm rate of 10⁻⁴.
 #[test]
+#[ignore = "long: t-tests of 1024 tiles"]
 fn sppm_matches_caustic_reference_by_tiles() {
     let (mean, error) = (reference("cbox-caustic.exr"), reference("cbox-caustic-stderr.exr"));
     let (reference, error) = (means(mean.pixels()), means(error.pixels()));

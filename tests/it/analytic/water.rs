@@ -61,6 +61,7 @@ fn flux_is_conserved_under_water() {
 /// the view comes by quadrature over the pixels' angles. Looking straight up from the floor, it
 /// sees n²(1 − R)·L.
 #[test]
+#[ignore = "long: t-tests over many bounces"]
 fn radiance_scales_by_squared_index_under_water() {
     let albedo = 0.7;
     let down = pool(albedo, vec3(0.0, 0.4, 0.0), -DVec3::Y);

@@ -1,11 +1,12 @@
-//! `caustica diff`.
+//! Tests of `caustica diff`.
 
 use super::{Ended, Workshop, read};
 use caustica::image::{Image, WriteOptions, sequential, write};
 use glam::Vec3;
 use serde_json::{Value, json};
 
-/// Two rows of four pixels of light ½; `b.exr` differs by (0, ¼, −⅛) in column 3, row 1, and by ⅛ of blue in column 0 of that row.
+/// Two rows of four pixels of radiance ½. `b.exr` differs by (0, ¼, −⅛) in column 3, row 1, and by
+/// ⅛ of blue in column 0 of that row.
 fn shop() -> Workshop {
     let shop = Workshop::new();
     let mut pixels = vec![Vec3::splat(0.5); 8];
@@ -160,7 +161,8 @@ fn identical_images_have_zero_difference() {
 fn difference_maps_are_coloured_or_numeric() {
     let shop = shop();
     let written = run(&shop, "a.exr b.exr --map absolute -o map.png --json");
-    // The largest mean over channels is (¼ + ⅛)/3; with eight pixels, 99 of 100 are the seven smallest, up to ⅛/3.
+    // The largest mean over channels is (¼ + ⅛)/3. Of eight pixels, the 99th percentile covers the
+    // seven smallest, up to ⅛/3.
     written.expect(0, &["wrote map.png: absolute, colours from 0 to 0.0417"]);
     let colors = json!({"from": 0.0, "to": 0.125 / 3.0});
     assert_eq!(report(&written)["map"], json!({"file": "map.png", "kind": "absolute", "colors": colors}));
@@ -180,7 +182,7 @@ fn difference_maps_are_coloured_or_numeric() {
     let mean: f64 = read(&shop.path("flip.exr")).pixels().iter().map(|p| f64::from(p.y)).sum::<f64>() / 8.0;
     assert!((mean - whole["flip"]["mean"].as_f64().unwrap()).abs() < 1e-9);
     run(&shop, "a.exr b.exr -o flip.png").expect(0, &["wrote flip.png: flip, colours from 0 to 1"]);
-    // The map is written though a threshold is exceeded: it shows where.
+    // The map is written even if a threshold is exceeded, because it shows where.
     run(&shop, "a.exr b.exr -o why.png --identical").expect(4, &["wrote why.png"]);
     assert!(shop.path("why.png").exists());
 }

@@ -1,4 +1,4 @@
-//! The error that a render tells: when it ends by it, its maps, and its price.
+//! Error estimates of a render: target error, error maps, and forecasts.
 
 use super::{Ended, Workshop, read};
 use exr::prelude::read_first_flat_layer_from_file;
@@ -90,7 +90,7 @@ fn error_maps_are_layers_of_one_file() {
         let channel = layer.channel_data.list.iter().find(|c| c.name.to_string() == name).unwrap();
         channel.sample_data.values_as_f32().collect()
     };
-    // What shows the lamp and nothing else has neither noise nor estimates; that is a small part.
+    // Pixels that show only the light have neither noise nor estimates. They are few.
     let lit = |name: &str| values(name).iter().filter(|v| **v > 0.0).count();
     assert!(values("noise.G").iter().all(|v| *v >= 0.0 && v.is_finite()) && lit("noise.G") > 1100);
     assert!(lit("radius.global") > 1100 && lit("radius.caustic") > 0 && lit("photons.caustic") > 0);
@@ -123,7 +123,8 @@ fn estimate_forecasts_passes_that_suffice() {
         let flags = price["flags"].as_str().unwrap();
         let words = format!("render box.txt -o a.exr --stats a.json {flags}");
         shop.run(&words.split_whitespace().collect::<Vec<_>>()).expect(0, &[]);
-        // Told by 8 passes of 1200 pixels: a variance known to some percent, so the error to half of that, and one pass more or less.
+        // Eight passes of 1200 pixels estimate a variance to some percent, so the error to half of
+        // that, and the passes to one more or less.
         let passes = number(price, "passes");
         if passes >= 4.0 {
             let reached = number(&stats(&shop)["error"], "error");

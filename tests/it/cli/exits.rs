@@ -1,4 +1,4 @@
-//! Every documented exit code, and the words that come with it.
+//! Every documented exit code, and its message.
 
 use super::{BOX, Workshop};
 use std::time::{Duration, Instant};
@@ -98,7 +98,8 @@ fn bad_arguments_exit_2() {
     assert_eq!(shop.names(), ["box.txt"]);
 }
 
-/// 4000 million paths in a closed box would store some ten thousand million photons: more than can be indexed on any machine.
+/// 4000 million paths in a closed box would store some ten thousand million photons, more than can
+/// be indexed on any machine.
 #[test]
 fn excessive_memory_exits_2_at_once() {
     let shop = Workshop::new();
@@ -112,7 +113,7 @@ fn excessive_memory_exits_2_at_once() {
     assert_eq!(shop.names(), ["box.txt"]);
 }
 
-/// The render would take minutes: a refusal within the time limit of a run comes before it.
+/// The render would take minutes. A refusal within the time limit of a run comes before it.
 #[test]
 fn unwritable_output_exits_3_before_rendering() {
     let shop = Workshop::new();

@@ -1,11 +1,11 @@
-//! Ctrl-C: once, the picture so far; twice, nothing.
+//! Ctrl-C: the first one writes the image so far, the second one nothing.
 #![cfg(unix)]
 
 use super::{Workshop, flowing};
 use std::io::{BufRead, BufReader, Read};
 use std::process::{Child, ChildStderr, Command, Stdio};
 
-/// A render under way. Killed when dropped, so that a test that fails leaves nothing behind.
+/// A running render. It is killed when dropped, so that a failed test leaves no process.
 struct Render {
     child: Child,
     words: BufReader<ChildStderr>,
@@ -23,7 +23,7 @@ impl Render {
         Self { child, words }
     }
 
-    /// Reads lines until one holds `part`.
+    /// Reads lines until one contains `part`.
     fn wait_for(&mut self, part: &str) {
         let mut said = String::new();
         while !said.contains(part) {
@@ -37,7 +37,7 @@ impl Render {
         assert!(Command::new("kill").args(["-INT", &pid]).status().unwrap().success());
     }
 
-    /// The exit code, and the rest of what it said.
+    /// Returns the exit code and the remaining messages.
     fn end(mut self) -> (Option<i32>, String) {
         let mut rest = String::new();
         self.words.read_to_string(&mut rest).unwrap();
@@ -52,7 +52,7 @@ impl Drop for Render {
     }
 }
 
-/// The number of passes in `--passes N repeats`.
+/// Returns the number of passes in `--passes N repeats`.
 fn passes(words: &str) -> &str {
     let (_, after) = words.split_once("--passes ").unwrap_or_else(|| panic!("no number of passes in: {words}"));
     after.split(' ').next().unwrap()
@@ -80,7 +80,7 @@ fn first_interrupt_ends_pass_and_writes_image() {
 fn second_interrupt_stops_at_once_without_image() {
     let shop = Workshop::new();
     shop.put("a.png", "old");
-    // One pass of an hour.
+    // One pass takes an hour.
     let mut render = Render::start(&shop, "render box.txt -o a.png -o b.exr --stats a.json --photons 1k --spp 1M");
     render.wait_for("box.txt:");
     render.interrupt();

@@ -1,9 +1,10 @@
-//! `caustica mesh`.
+//! Tests of `caustica mesh`.
 
 use super::{Ended, Workshop};
 use serde_json::Value;
 
-/// A cube from 0 to 2 by 2 and 1, of two materials, with one face wound wrongly, one twice, one without area, and a corner that no face uses.
+/// A cube from 0 to 2 by 2 and 1, of two materials: one face with reversed winding, one twice, one
+/// without area, and an unused vertex.
 const WORN: &str = "mtllib worn.mtl\nv 0 0 0\nv 2 0 0\nv 0 2 0\nv 2 2 0\nv 0 0 1\nv 2 0 1\nv 0 2 1\nv 2 2 1\nv 9 9 9\nv 2 2 1\n\
 usemtl red\nf 1 3 4 2\nf 5 6 8 7\nf 1 2 6 5\nusemtl glass\nf 3 4 10 7\nf 1 5 7 3\nf 2 4 8 6\nf 2 6 8 4\nf 1 1 2\n";
 
@@ -109,7 +110,7 @@ fn obj_output_brings_its_materials() {
     std::fs::create_dir(shop.path("far")).unwrap();
     run(&shop, "mesh worn.obj -o far/out.obj --quiet").expect(0, &[]);
     assert!(text("far/out.obj").contains("mtllib out.mtl\n") && text("far/out.mtl").contains("newmtl glass\nNi 1.5\n"));
-    // From there, the picture has a longer way.
+    // From that folder, the path of the image is longer.
     assert!(text("far/out.mtl").lines().any(|line| line.starts_with("map_Kd /") && line.ends_with("red.png")));
     let bare = text("far/out.mtl").lines().filter(|line| !line.contains(".png")).collect::<Vec<_>>().join("\n");
     shop.put("far/out.mtl", bare);

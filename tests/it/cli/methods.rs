@@ -1,4 +1,4 @@
-//! `caustica study` of methods.
+//! Tests of `caustica study` of integrators.
 
 use super::{Ended, Workshop};
 use crate::support::shell::words;
@@ -14,10 +14,10 @@ fn json(ended: &Ended) -> Value {
     serde_json::from_str(&ended.stdout).unwrap()
 }
 
-/// What a study takes, at the least cost.
+/// Flags of the cheapest study.
 const LEAST: &str = "--photons 1k --spp 1 --seeds 2 --budget 100s --passes 3";
 
-/// A shop with a reference of the box, and one of another seed.
+/// Returns a workshop with a reference of the box, and one of another seed.
 fn with_references() -> Workshop {
     let shop = Workshop::new();
     for (name, seed) in [("a", 100), ("b", 200)] {
@@ -42,7 +42,8 @@ fn study_commands_repeat_it_bit_for_bit() {
         let command = method["command"].as_str().unwrap();
         let rendered = run(&shop, command.strip_prefix("caustica ").unwrap());
         rendered.expect(0, &["wrote "]);
-        // Held against the picture that the command renders, the first seed's last picture has no error at all.
+        // Against the image that the command renders, the last image of the first seed has zero
+        // error.
         let picture = words(command).pop().unwrap();
         let again = json(&run(&shop, &format!("{} {LEAST}", line.replace("a.exr,b.exr", &picture))));
         let same = again["methods"].as_array().unwrap().iter().find(|m| m["label"] == method["label"]).unwrap();

@@ -1,4 +1,4 @@
-//! The program from outside: what it writes, what it says, and how it ends.
+//! The program from outside: its output, messages and exit codes.
 
 mod diff;
 mod errors;
@@ -18,7 +18,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// The program in a folder of its own, which holds `box.txt`.
+/// The program in a temporary folder that holds `box.txt`.
 struct Workshop {
     folder: tempfile::TempDir,
 }
@@ -27,11 +27,11 @@ struct Workshop {
 struct Ended {
     code: Option<i32>,
     stdout: String,
-    /// Without the frame and the line breaks of reports, so that sentences can be looked for.
+    /// Messages without the frame and line breaks of reports, so that sentences can be found.
     stderr: String,
 }
 
-/// A closed box with a lamp, glass and a mirror.
+/// A closed box with a light, glass and a mirror.
 const BOX: &str = "\
 PerspectiveCamera { center 0 1 3.9  lookAt 0 1 0  angle 40  width 40  height 30 }
 Background { color 0 0 0 }
@@ -56,7 +56,7 @@ Group {
 }
 ";
 
-/// Enough to see something, over in a moment.
+/// Flags of a render that is over in a moment.
 const SMALL: [&str; 4] = ["--passes", "1", "--photons", "1k"];
 
 impl Workshop {
@@ -85,7 +85,7 @@ impl Workshop {
         names
     }
 
-    /// Runs the program in the folder; ends it after a minute, which none should take.
+    /// Runs the program in the folder. Kills it after a minute, which no run should take.
     fn run(&self, arguments: &[&str]) -> Ended {
         let mut command = assert_cmd::Command::new(env!("CARGO_BIN_EXE_caustica"));
         command.current_dir(self.folder.path()).args(arguments).timeout(Duration::from_secs(60));
@@ -97,7 +97,7 @@ impl Workshop {
         }
     }
 
-    /// Renders a scene at the least cost; `more` is words between spaces.
+    /// Renders a scene at the least cost. `more` holds flags, separated by spaces.
     fn render(&self, scene: &str, more: &str) -> Ended {
         let mut arguments = vec!["render", scene];
         arguments.extend(more.split_whitespace());
@@ -109,7 +109,8 @@ impl Workshop {
 }
 
 impl Ended {
-    /// Fails unless the program ended with `code` and its words hold every one of `parts`. No words may tell of a panic.
+    /// Fails unless the program ended with `code`, and its messages contain all `parts` and no
+    /// panic.
     #[track_caller]
     fn expect(&self, code: i32, parts: &[&str]) -> &Self {
         assert_eq!(self.code, Some(code), "{}", self.stderr);
@@ -121,10 +122,10 @@ impl Ended {
     }
 }
 
-/// Text without the frame of a report, in one line.
+/// Returns a report's text without its frame, in one line.
 fn flowing(text: &str) -> String {
     let bare = text.replace(['│', '╭', '╰', '─', '▶', '╯', '┬', '·'], " ");
-    // A leading × is the report's mark; elsewhere it stands between width and height.
+    // A leading × is the report's mark. Elsewhere it stands between width and height.
     let lines = bare.lines().map(|line| line.trim_start().trim_start_matches("× "));
     lines.flat_map(str::split_whitespace).collect::<Vec<_>>().join(" ")
 }

@@ -1,4 +1,4 @@
-//! What is written.
+//! Output files and messages.
 
 use super::{Workshop, read};
 use glam::Vec3;
@@ -14,7 +14,8 @@ fn one_render_writes_all_its_outputs() {
     assert_eq!(shop.bytes("b.EXR"), shop.bytes("c.exr"));
     let (png, exr) = (read(&shop.path("a.png")), read(&shop.path("c.exr")));
     assert_eq!((png.width(), png.height(), exr.width(), exr.height()), (40, 30, 40, 30));
-    // Both hold the same picture: half a level of 255 is 1/510 of the signal, whose slope against light is at least 1/2.4.
+    // Both hold the same image. Half a level of 255 is 1/510 of the signal, whose slope against
+    // radiance is at least 1/2.4.
     for (a, b) in png.pixels().iter().zip(exr.pixels()) {
         let b = b.clamp(Vec3::ZERO, Vec3::ONE);
         assert!((*a - b).abs().max_element() < 2.4 / 510.0 + 1e-5, "{a} {b}");
@@ -90,7 +91,7 @@ fn raycast_defaults_to_course_sampling_and_tone() {
     assert_eq!((&stats["counters"]["photon_rays"], &stats["counters"]["shadow_rays"]), (&0.into(), &0.into()));
 }
 
-/// Whoever reads the messages may leave; the picture is made all the same.
+/// A reader that closes the message pipe does not stop the render.
 #[cfg(unix)]
 #[test]
 fn closed_pipe_loses_no_image() {

@@ -1,8 +1,8 @@
-//! What determines the bits of a picture, and what does not.
+//! Inputs that determine the bits of an image, and inputs that do not.
 
 use super::Workshop;
 
-/// The EXR of a render with these flags.
+/// Renders with these flags and returns the OpenEXR file.
 fn picture(shop: &Workshop, more: &str) -> Vec<u8> {
     shop.render("box.txt", &format!("-o a.exr {more}")).expect(0, &[]);
     shop.bytes("a.exr")
@@ -81,7 +81,7 @@ fn pass_limit_ends_timed_render_early() {
     shop.render("box.txt", "-o a.exr --time 1h --passes 2 --stats a.json").expect(0, &["2 passes in"]);
     let stats: serde_json::Value = serde_json::from_slice(&shop.bytes("a.json")).unwrap();
     assert_eq!((&stats["ended"], &stats["passes"]), (&"passes".into(), &2.into()));
-    // At least one pass is made, however little time there is.
+    // At least one pass is rendered, however short the time.
     shop.run(&["render", "box.txt", "-o", "b.exr", "--photons", "1k", "--time", "0"])
         .expect(0, &["--passes 1 repeats"]);
     assert_eq!(shop.bytes("b.exr"), picture(&shop, ""));

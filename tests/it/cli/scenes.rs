@@ -5,7 +5,7 @@ use glam::Vec3;
 
 const CAMERA: &str = "PerspectiveCamera { center 0 0 5 lookAt 0 0 0 angle 30 width 12 height 10 }\n";
 
-/// Renders with both integrators; the pixels of photon mapping, and what it said.
+/// Renders with both integrators and returns the pixels of photon mapping and its messages.
 fn pixels(text: &str) -> (Vec<Vec3>, String) {
     let shop = Workshop::new();
     shop.put("a.txt", format!("{CAMERA}{text}"));
@@ -24,7 +24,7 @@ fn scene_without_lights_renders_with_warning() {
     let (pixels, words) = pixels(&format!("Background {{ color .5 .25 1 }} {BALL}"));
     assert!(words.contains("note: the scene has no lights: all objects are black"), "{words}");
     assert!(pixels.iter().all(|p| p.cmple(Vec3::new(0.5, 0.25, 1.0)).all()));
-    // The corners see the background, the middle sees the ball.
+    // The corners show the background, the center shows the ball.
     assert_eq!((pixels[0], pixels[5 * 12 + 6]), (Vec3::new(0.5, 0.25, 1.0), Vec3::ZERO));
 }
 

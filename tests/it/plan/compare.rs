@@ -1,4 +1,4 @@
-//! Pictures of one scene with different effects.
+//! Renders one scene with different effects and compares bits.
 
 use crate::support::scene_in;
 use caustica::color::Rgb;
@@ -7,7 +7,7 @@ use caustica::plan::{Decision, EffectOverrides};
 use caustica::scene::Scene;
 use caustica::stats::Counters;
 
-/// How a picture is made, but for its effects.
+/// Settings of a render, except its effects.
 #[derive(Clone, Debug)]
 pub struct How {
     pub algorithm: Algorithm,
@@ -23,7 +23,7 @@ pub struct How {
 }
 
 impl How {
-    /// Few photons, as radii and aims that pilots find differ where anything does.
+    /// Few photons, because radii and aims of pilots reveal any difference.
     pub fn new(algorithm: Algorithm) -> Self {
         Self {
             algorithm,
@@ -40,7 +40,7 @@ impl How {
     }
 }
 
-/// All passes of a picture.
+/// All passes of a render.
 pub struct Picture {
     pub pixels: Vec<Rgb>,
     pub counters: Counters,
@@ -76,7 +76,7 @@ impl Picture {
         picture
     }
 
-    /// What differs from another, if a bit does.
+    /// Returns a message if any bit differs.
     pub fn difference(&self, other: &Self) -> Option<String> {
         assert_eq!(self.pixels.len(), other.pixels.len());
         let bits = |p: &Rgb| p.to_array().map(f32::to_bits);
@@ -88,7 +88,8 @@ impl Picture {
     }
 }
 
-/// What differs between a picture as planned and one with `forced` effects besides, if a bit does.
+/// Compares a render as planned with one with `forced` effects, and returns a message if any bit
+/// differs.
 pub fn difference(scene: &Scene, how: &How, forced: EffectOverrides) -> Option<String> {
     let planned = Picture::new(scene, how, EffectOverrides::PLANNED);
     let found = planned.difference(&Picture::new(scene, how, forced))?;

@@ -1,9 +1,13 @@
-//! Random scenes. Most hold little, so that much of a plan is off; lights like to stand where a test of reach or side is close.
+//! Random scenes.
+//!
+//! Most hold few objects, so that much of a plan is off. Lights are often near the limit of a test
+//! of reach or side.
 
 use super::sketch::{Light, LightKind, Material, Moving, Object, Shape, Sketch, Stuff};
 use glam::DVec3;
 
-/// Numbers that look random (Steele, Lea, Flood 2014, "Fast splittable pseudorandom number generators").
+/// A pseudorandom generator (Steele, Lea, Flood 2014, "Fast splittable pseudorandom number
+/// generators").
 #[derive(Clone, Debug)]
 pub struct Random(u64);
 
@@ -19,7 +23,7 @@ impl Random {
         b ^ (b >> 31)
     }
 
-    /// Below `n`.
+    /// Returns a number below `n`.
     pub fn below(&mut self, n: usize) -> usize {
         (self.next() % n as u64) as usize
     }
@@ -28,7 +32,7 @@ impl Random {
         self.between(0.0, 1.0) < p
     }
 
-    /// Rounded to thousandths, so that texts stay short.
+    /// Returns a number in the range, rounded to thousandths so that texts stay short.
     pub fn between(&mut self, low: f64, high: f64) -> f64 {
         let u = (self.next() >> 11) as f64 / (1u64 << 53) as f64;
         ((low + (high - low) * u) * 1000.0).round() / 1000.0
@@ -42,7 +46,7 @@ impl Random {
         DVec3::new(self.between(-reach, reach), self.between(-reach, reach), self.between(-reach, reach))
     }
 
-    /// Along an axis or askew.
+    /// Returns a direction, along an axis or not.
     fn direction(&mut self) -> DVec3 {
         if self.chance(0.4) {
             return self.pick(&[DVec3::X, DVec3::Y, DVec3::Z]) * self.pick(&[-1.0, 1.0]);
@@ -63,7 +67,7 @@ impl Random {
         if self.chance(black) { DVec3::ZERO } else { self.color() * self.pick(&[1.0, 30.0]) }
     }
 
-    /// Two edges that are not parallel.
+    /// Returns two edges that are not parallel.
     fn edges(&mut self) -> (DVec3, DVec3) {
         loop {
             let (a, b) = (self.direction() * self.between(0.3, 2.0), self.direction() * self.between(0.3, 2.0));
@@ -74,7 +78,7 @@ impl Random {
     }
 }
 
-/// What a scene is likely to hold.
+/// Probabilities of a scene's contents.
 #[derive(Clone, Copy, Debug)]
 struct Mood {
     materials: &'static [Kind],
@@ -122,7 +126,7 @@ enum Lamp {
     DiscAway,
     Rectangle,
     Sky,
-    /// On an object, or level with one.
+    /// On an object, or in its plane.
     Level,
 }
 
@@ -199,7 +203,7 @@ const MOODS: [Mood; 11] = [
     Mood { black_light: 0.9, emission: 0.0, most_lights: 7, ..PLAIN },
 ];
 
-/// The scene of a seed.
+/// Returns the scene of a seed.
 pub fn sketch(seed: u64) -> Sketch {
     let r = &mut Random::new(seed);
     let mood = r.pick(&MOODS);
@@ -239,7 +243,7 @@ pub fn sketch(seed: u64) -> Sketch {
     sketch
 }
 
-/// Something that moves.
+/// Returns a random moving part with its transforms.
 fn motion(r: &mut Random, sketch: &Sketch) -> Option<(Moving, String)> {
     let lights: Vec<usize> =
         (0..sketch.lights.len()).filter(|i| !matches!(sketch.lights[*i].kind, LightKind::Environment)).collect();
@@ -255,7 +259,7 @@ fn motion(r: &mut Random, sketch: &Sketch) -> Option<(Moving, String)> {
     Some((moving, r.pick(&[shift.as_str(), turn.as_str(), &format!("{shift}  {turn}")]).to_owned()))
 }
 
-/// The scene with one more object or light.
+/// Returns the scene with one more object or light.
 pub fn more(sketch: &Sketch, seed: u64) -> Sketch {
     let r = &mut Random::new(seed);
     let mut more = sketch.clone();
@@ -274,7 +278,7 @@ fn camera(r: &mut Random, sketch: &Sketch) -> String {
         Some(Shape::Sphere(c, _) | Shape::Ellipsoid(c, ..) | Shape::Mesh(_, c, ..)) if r.chance(0.2) => {
             (*c + r.place(0.05), *c + r.direction())
         }
-        // Along a flat thing.
+        // Along a flat object.
         Some(Shape::Rectangle(c, a, b)) if r.chance(0.1) => (*c - *a * 2.0, *c + *b * 0.5),
         _ => {
             let center = r.direction().normalize() * r.between(4.0, 9.0);
@@ -325,7 +329,7 @@ fn add_material(r: &mut Random, mood: &Mood, sketch: &mut Sketch) {
     sketch.materials.push(material);
 }
 
-/// A mix of materials before it; it holds at most one body.
+/// Returns a mix of earlier materials; it holds at most one body.
 fn mix(r: &mut Random, sketch: &Sketch, before: usize) -> Material {
     let (a, b, amount) = (r.below(before), r.below(before), r.pick(&[0.0, 0.25, 0.5, 1.0]));
     let body = |i| bodies(sketch, i);
@@ -339,7 +343,7 @@ fn mix(r: &mut Random, sketch: &Sketch, before: usize) -> Material {
     }
 }
 
-/// The body in a material.
+/// Returns the index of the body in a material.
 fn bodies(sketch: &Sketch, i: usize) -> Option<usize> {
     match sketch.materials[i] {
         Material::Mix(a, b, _) | Material::Mask(a, b) => bodies(sketch, a).or(bodies(sketch, b)),
@@ -350,7 +354,7 @@ fn bodies(sketch: &Sketch, i: usize) -> Option<usize> {
 
 fn add_object(r: &mut Random, mood: &Mood, sketch: &mut Sketch) {
     let center = match sketch.objects.last().map(|o| &o.shape) {
-        // One in another.
+        // One body inside another.
         Some(Shape::Sphere(c, _)) if r.chance(0.4) => *c,
         _ => r.place(2.0),
     };
@@ -380,7 +384,7 @@ fn add_object(r: &mut Random, mood: &Mood, sketch: &mut Sketch) {
     let clear = matches!(sketch.materials[material], Material::Clear(_));
     let shines = !matches!(shape, Shape::Plane(..)) && r.chance(mood.emission) && !clear;
     let emission = if shines { r.color() } else { DVec3::ZERO };
-    // Nothing without bounds may shine.
+    // Unbounded shapes may not emit.
     let shape = match (shape, &sketch.materials[material]) {
         (Shape::Plane(p, n), Material::Panel(..)) => Shape::Disc(p, n, 1.0),
         (shape, _) => shape,
@@ -389,7 +393,7 @@ fn add_object(r: &mut Random, mood: &Mood, sketch: &mut Sketch) {
 }
 
 fn add_light(r: &mut Random, mood: &Mood, sketch: &mut Sketch) {
-    // Things are within 4 of the origin or so, in what these point away from or beside.
+    // Objects are within about 4 of the origin. These lights point away from them, or past them.
     let out = r.direction().normalize();
     let place = if r.chance(0.3) { r.place(2.0) } else { out * r.between(3.0, 8.0) };
     let angle = r.pick(&[8.0, 30.0, 90.0, 179.0, 250.0]);
@@ -425,7 +429,7 @@ fn add_light(r: &mut Random, mood: &Mood, sketch: &mut Sketch) {
     sketch.lights.push(Light { kind, strength: r.strength(mood.black_light) });
 }
 
-/// A light without an extent in or along the surface of the first flat object.
+/// Returns a light without extent in or along the surface of the first flat object.
 fn level(r: &mut Random, sketch: &Sketch) -> LightKind {
     let (place, edges) = match sketch.objects.iter().map(|o| &o.shape).find(|s| s.is_flat()) {
         Some(Shape::Rectangle(c, a, b)) => (*c, [*a, *b]),

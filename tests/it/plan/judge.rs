@@ -1,4 +1,4 @@
-//! Whether what a plan says of a scene is true, judged from the parts that the scene was written from and by brute force.
+//! Checks a plan's statements about a scene, from the scene's parts and by brute force.
 
 use super::sketch::{Light, LightKind, Material, Object, Sketch, Stuff};
 use caustica::color::Rgb;
@@ -9,13 +9,13 @@ use caustica::sampling::{Dimension, Key, Purpose, sobol_2d};
 use caustica::scene::Scene;
 use glam::DVec3;
 
-/// Photons that try to find a caster.
+/// Number of photons that try to find a specular object.
 const PHOTONS: u32 = 4096;
 
-/// Points of a light that look for a caster.
+/// Number of points of a light that are tested against specular objects.
 const LOOKS: u32 = 16;
 
-/// What the plan says off wrongly, if anything.
+/// Returns a message if the plan wrongly switches an effect off.
 pub fn objection(sketch: &Sketch, scene: &Scene, plan: &Plan) -> Option<String> {
     let off = plan.decisions.iter().filter(|d| !d.on);
     let wrong = off.filter(|d| !is_true(sketch, scene, plan, d.reason));
@@ -77,8 +77,9 @@ fn is_true(sketch: &Sketch, scene: &Scene, plan: &Plan, reason: Reason) -> bool 
     }
 }
 
-/// Whether light cannot tell an object from air. Where it displaces something it stays in the scene, but then that is what the plan
-/// speaks of.
+/// Returns true if light cannot distinguish an object from air.
+///
+/// If it displaces something it stays in the scene, and then the plan must count it.
 fn is_nothing(sketch: &Sketch, object: &Object) -> bool {
     let air = matches!(sketch.materials[object.material], Material::Dielectric(index, absorbed, ..) if index == 1.0 && absorbed == DVec3::ZERO);
     air && object.emission == DVec3::ZERO && sketch.filling.is_none()
@@ -89,7 +90,7 @@ fn is_off(plan: &Plan, effect: Effect) -> bool {
 }
 
 impl Light {
-    /// Whether it is a surface, which also stands in the way.
+    /// Returns true if the material has a surface, which can also occlude.
     pub fn is_object(&self) -> bool {
         matches!(self.kind, LightKind::Sphere(..) | LightKind::Disc(..) | LightKind::Rectangle(..))
     }
@@ -128,7 +129,8 @@ fn casts(material: &Material) -> bool {
     }
 }
 
-/// Whether no photon finds a way over a caster, and no light sends anything to a point of one, whatever stands between.
+/// Returns true if no photon path leads over a specular object, and no light reaches a point of
+/// one, whatever stands between.
 fn casters_are_dark(sketch: &Sketch, scene: &Scene) -> bool {
     if let Some(source) = PhotonSource::everywhere(scene) {
         let pass = PhotonPass { scene, source: &source, mask: StoreMask::CAUSTIC, max_bounces: 10 };

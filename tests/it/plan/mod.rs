@@ -1,11 +1,13 @@
-//! The promise of the plan: a picture with the effects that the scene calls for is the same, bit for bit, as one with all of them.
+//! The plan's promise: an image with only the needed effects equals one with all effects, bit for
+//! bit.
 //!
-//! `CAUSTICA_PLAN_SEEDS=N cargo test --test it plan::` looks at N random scenes in place of the usual number.
+//! `CAUSTICA_PLAN_SEEDS=N cargo test --test it plan::` checks N random scenes instead of the usual
+//! number.
 
 mod compare;
 mod generate;
 mod judge;
+mod overrides;
 mod random;
 mod scenes;
 mod sketch;
-mod wishes;

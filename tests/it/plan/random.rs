@@ -1,4 +1,4 @@
-//! Random scenes keep the promise, and what is said of them is true.
+//! Random scenes: the plan changes no bit, and its statements are true.
 
 use super::compare::{How, difference, scene};
 use super::generate::{Random, more, sketch};
@@ -9,7 +9,7 @@ use caustica::plan::{Effect, EffectOverrides, Effects, Plan, Reason};
 use glam::DVec3;
 use std::mem::{Discriminant, discriminant};
 
-/// Every reason for which something is off, but that the algorithm knows nothing of it.
+/// Every reason for an effect to be off, except that the integrator does not simulate it.
 const OFF: [Reason; 13] = [
     Reason::NoLight,
     Reason::NoCaster,
@@ -31,7 +31,7 @@ fn seeds(usual: u64) -> std::ops::Range<u64> {
     0..asked.unwrap_or(usual)
 }
 
-/// Panics with all that was found.
+/// Panics with all findings.
 fn report(wrong: &[String]) {
     assert!(wrong.is_empty(), "{} wrong:\n{}", wrong.len(), wrong[..wrong.len().min(5)].join("\n\n"));
 }
@@ -69,7 +69,8 @@ fn adding_objects_removes_no_effect() {
         let (less, more) = (sketch(seed), more(&sketch(seed), seed + 7));
         let [before, after] =
             [&less, &more].map(|s| Plan::new(&scene(&s.text()), Effects::ALL, EffectOverrides::PLANNED));
-        // Where nothing is, shadows are on though nothing throws any: no promise is broken, but nothing is known of more either.
+        // In an empty scene shadows are on though nothing can cast one. That breaks no promise, but
+        // later comparisons need an object.
         if before.features.objects == 0 {
             continue;
         }
@@ -82,7 +83,7 @@ fn adding_objects_removes_no_effect() {
     report(&wrong);
 }
 
-/// Settings of a seed, by which nothing may depend on the plan either.
+/// Returns settings of a seed, on which the plan must not depend.
 fn how(r: &mut Random, algorithm: Algorithm) -> How {
     How {
         passes: 1 + r.below(2) as u32,
@@ -98,7 +99,7 @@ fn how(r: &mut Random, algorithm: Algorithm) -> How {
 const CHEAP: [Algorithm; 4] = [Algorithm::Path, Algorithm::Distributed, Algorithm::Whitted, Algorithm::Raycast];
 const PHOTONS: [Algorithm; 4] = [Algorithm::Hybrid, Algorithm::Pm, Algorithm::Sppm, Algorithm::Ppm];
 
-/// All effects, or one that the scene does not call for.
+/// Returns overrides that force all effects, or one that the scene does not need.
 fn forced(r: &mut Random, plan: &Plan) -> EffectOverrides {
     let off: Vec<Effect> = plan.decisions.iter().filter(|d| !d.on).map(|d| d.effect).collect();
     if off.is_empty() || r.chance(0.6) { EffectOverrides::ALL } else { EffectOverrides::PLANNED.with(r.pick(&off)) }
@@ -112,7 +113,7 @@ fn check(seed: u64, algorithm: Algorithm, change: impl FnOnce(&mut How)) -> Opti
     change(&mut how);
     let plan = Plan::new(&scene, algorithm.simulates(), EffectOverrides::PLANNED);
     let found = difference(&scene, &how, forced(r, &plan)).map(|d| format!("seed {seed}: {d}\n{text}"));
-    // At once, as a hunt through many seeds takes long.
+    // Printed at once, because a search through many seeds takes long.
     found.inspect(|found| eprintln!("{found}"))
 }
 
@@ -122,7 +123,7 @@ fn path_images_match_with_all_effects_on() {
     report(&seeds(1000).flat_map(each).collect::<Vec<_>>());
 }
 
-/// Given radii and no aims, so that pilots cost nothing where there are no caustics.
+/// Fixed radii and no aiming, so that pilots cost nothing without caustics.
 #[test]
 fn fixed_radius_images_match_with_all_effects_on() {
     let each = |seed| check(seed, PHOTONS[seed as usize % 4], |how| (how.radius, how.caustic_photons) = (Some(0.2), 0));
@@ -134,7 +135,8 @@ fn photon_images_match_with_all_effects_on() {
     report(&seeds(60).filter_map(|seed| check(seed, PHOTONS[seed as usize % 4], |_| {})).collect::<Vec<_>>());
 }
 
-/// A floor, a ball, and many points: what is off must not touch the odds at which lights are chosen, not by rounding either.
+/// A floor, a ball, and many point lights: effects that are off must not change the probabilities
+/// of lights, not even by rounding.
 #[test]
 fn many_light_images_match_with_all_effects_on() {
     let picture = |seed| {

@@ -1,4 +1,4 @@
-//! The project's own scenes, and the course's, keep the promise.
+//! The plan changes no bit of the repository's scenes or the course's.
 
 use super::compare::{How, difference};
 use crate::support::{self, project};
@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 const SIZE: (u32, u32) = (16, 12);
 
-/// Those files of a folder that hold scenes, sorted.
+/// Returns the scene files of a folder, sorted.
 fn files(folder: &Path) -> Vec<PathBuf> {
     let entries = fs::read_dir(folder).unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
     let paths = entries.map(|e| e.unwrap().path());
@@ -27,7 +27,7 @@ fn read(path: &Path) -> Result<Scene, String> {
     file.resolve().map_err(|e| e.to_string())
 }
 
-/// What differs of a scene.
+/// Renders a scene with each integrator and returns a message for each difference.
 fn differences(path: &Path, scene: &Scene, algorithms: &[Algorithm]) -> Vec<String> {
     let bounces = |algorithm| if algorithm == Algorithm::Sppm { 1 } else { 100 };
     let how = |algorithm| How { max_bounces: bounces(algorithm), ..How::new(algorithm) };
@@ -35,7 +35,8 @@ fn differences(path: &Path, scene: &Scene, algorithms: &[Algorithm]) -> Vec<Stri
     found.map(|d| format!("{}: {d}", path.display())).collect()
 }
 
-/// Pilots of large meshes take most of the time, so each scene is seen by the default and one more.
+/// Pilots of large meshes take most of the time. So each scene is rendered by the default
+/// integrator and one other.
 #[test]
 fn shipped_scenes_match_with_all_effects_on() {
     let mut wrong = Vec::new();
@@ -48,7 +49,7 @@ fn shipped_scenes_match_with_all_effects_on() {
     assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
 }
 
-/// The course's scenes that can be rendered; none where they are absent.
+/// Returns the course's scenes; none if they are absent and may be skipped.
 fn course() -> Vec<(PathBuf, Scene)> {
     let Some(folder) = support::course("testcases") else { return Vec::new() };
     let scene = |path: PathBuf| match read(&path) {
@@ -91,7 +92,8 @@ fn course_plans_match_scene_text() {
             let plan = Plan::new(&scene, algorithm.simulates(), EffectOverrides::PLANNED);
             for decision in plan.decisions {
                 let needs = NEEDS.iter().find(|(effect, _)| *effect == decision.effect).map(|(_, words)| *words);
-                // What the text holds need not add anything, but here all of it does, where there is anything to see.
+                // A word in the text need not have an effect. Here each has one, unless the scene
+                // has no object.
                 if needs.is_none() && scene.objects().next().is_none() {
                     continue;
                 }

@@ -1,4 +1,4 @@
-//! A scene in parts, which can be written as text and of which tests know what they hold.
+//! A scene in parts that can be written as text, so that tests know its contents.
 
 use crate::support::project;
 use glam::{DMat3, DVec3};
@@ -13,13 +13,13 @@ pub struct Sketch {
     pub lights: Vec<Light>,
     pub materials: Vec<Material>,
     pub objects: Vec<Object>,
-    /// What is wherever no body is.
+    /// The medium outside of all bodies.
     pub filling: Option<Stuff>,
-    /// What moves, and by which maps.
+    /// The moving part and its transforms.
     pub motion: Option<(Moving, String)>,
 }
 
-/// A thing that moves, counted from 0.
+/// A moving part, by index from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Moving {
     Camera,
@@ -38,28 +38,28 @@ pub struct Light {
 pub enum LightKind {
     Point(DVec3),
     Directional(DVec3),
-    /// Place, direction, full angle, rim.
+    /// Position, direction, full angle \[degrees], penumbra \[degrees].
     Spot(DVec3, DVec3, f64, f64),
     Sphere(DVec3, f64),
-    /// Middle, normal, radius.
+    /// Center, normal, radius.
     Disc(DVec3, DVec3, f64),
     /// Corner and edges.
     Rectangle(DVec3, DVec3, DVec3),
     Environment,
 }
 
-/// What bodies are filled with.
+/// The medium inside a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stuff {
-    /// It scatters.
+    /// Scatters.
     Fog,
-    /// It absorbs.
+    /// Absorbs.
     Soot,
-    /// It glows.
+    /// Emits.
     Flame,
-    /// It does nothing.
+    /// Has no effect.
     Nothing,
-    /// It scatters in places.
+    /// Scatters, with varying density.
     Puff,
 }
 
@@ -101,23 +101,23 @@ pub enum Material {
     /// Roughness.
     Conductor(f64),
     Thin(f64),
-    /// Two materials before it, and the share of the second.
+    /// Two earlier materials, and the fraction of the second.
     Mix(usize, usize, f64),
-    /// Two materials before it, the second where noise is high.
+    /// Two earlier materials, the second where noise is high.
     Mask(usize, usize),
-    /// Two colours of a matt pattern.
+    /// Two colours of a diffuse pattern.
     Patterned(DVec3, DVec3),
-    /// A matt colour with bumps of this height.
+    /// A diffuse colour with a bump map of this height.
     Bumpy(DVec3, f64),
-    /// Metal whose roughness goes between these.
+    /// Metal with a roughness texture between these values.
     RoughMap(f64, f64),
-    /// Two radiances of a matt pattern.
+    /// Two radiances of a pattern on a diffuse surface.
     Panel(DVec3, DVec3),
-    /// A place without a surface.
+    /// A null interface around a medium.
     Clear(Stuff),
-    /// Index of a body, and what fills it.
+    /// Index of a body, and the medium inside.
     Filled(f64, Stuff),
-    /// Glass that parts colours.
+    /// Dispersive glass, by name.
     Prism(&'static str),
 }
 
@@ -131,20 +131,20 @@ pub struct Object {
 #[derive(Clone, Debug)]
 pub enum Shape {
     Sphere(DVec3, f64),
-    /// Middle, turn about y in degrees, half axes.
+    /// Center, rotation about y \[degrees], half axes.
     Ellipsoid(DVec3, f64, DVec3),
-    /// Middle, normal, radius.
+    /// Center, normal, radius.
     Disc(DVec3, DVec3, f64),
     /// Corner and edges.
     Rectangle(DVec3, DVec3, DVec3),
     /// A point and the normal.
     Plane(DVec3, DVec3),
     Triangle([DVec3; 3]),
-    /// Path, middle, turn about y in degrees, scale.
+    /// Path, center, rotation about y \[degrees], scale.
     Mesh(&'static str, DVec3, f64, f64),
 }
 
-/// Three numbers of the language.
+/// Prints as three numbers of the scene language.
 struct V(DVec3);
 
 impl Display for V {
@@ -154,7 +154,7 @@ impl Display for V {
 }
 
 impl Sketch {
-    /// The scene in the scene language.
+    /// Returns the scene as text of the scene language.
     pub fn text(&self) -> String {
         let wrapped = |what: Moving, text: String| match &self.motion {
             Some((moving, maps)) if *moving == what => format!("Moving {{ {maps}  {text} }}"),
@@ -186,12 +186,12 @@ impl Sketch {
         text
     }
 
-    /// Whether anything moves.
+    /// Returns true if anything moves.
     pub fn moves(&self) -> bool {
         self.motion.is_some()
     }
 
-    /// What is somewhere.
+    /// Returns the media that some object or the scene contains.
     pub fn media(&self) -> Vec<Stuff> {
         let mut media: Vec<Stuff> = self.filling.into_iter().collect();
         for stuff in Stuff::ALL {
@@ -203,12 +203,12 @@ impl Sketch {
         media
     }
 
-    /// Whether `is` holds of a part of the material of `object`.
+    /// Returns true if `is` holds for a part of the material of `object`.
     pub fn is_of(&self, object: &Object, is: &dyn Fn(&Material) -> bool) -> bool {
         self.is_in(object.material, is)
     }
 
-    /// Whether a material is a mask, or a part of it is.
+    /// Returns true if a material is a mask or contains one.
     pub fn has_mask(&self, material: usize) -> bool {
         match &self.materials[material] {
             Material::Mix(first, second, _) => self.has_mask(*first) || self.has_mask(*second),
@@ -253,7 +253,7 @@ impl Display for Light {
 }
 
 impl Material {
-    /// The texture that it follows, if any.
+    /// Returns the text of the material's texture, empty if it has none.
     fn texture(&self, i: usize) -> String {
         let noise = |a, b| format!("    Noise t{i} {{ color0 {}  color1 {}  frequency 3  amplitude 2 }}\n", V(a), V(b));
         match self {
@@ -325,7 +325,7 @@ impl Shape {
         matches!(self, Self::Disc(..) | Self::Rectangle(..) | Self::Plane(..))
     }
 
-    /// Some points of the surface, of a plane few of many.
+    /// Returns some points of the surface; of a plane, points near the origin.
     pub fn points(&self) -> Vec<DVec3> {
         let around: Vec<DVec3> = (0..400).map(|i| direction(i, 400)).collect();
         let turned = |turn: f64| DMat3::from_rotation_y(turn.to_radians());
@@ -346,7 +346,7 @@ impl Shape {
     }
 }
 
-/// Direction `i` of `n`, spread over the sphere by the golden angle.
+/// Returns direction `i` of `n`, spread over the sphere by the golden angle.
 fn direction(i: u32, n: u32) -> DVec3 {
     let z = 1.0 - (2.0 * f64::from(i) + 1.0) / f64::from(n);
     let r = (1.0 - z * z).sqrt();
@@ -354,7 +354,7 @@ fn direction(i: u32, n: u32) -> DVec3 {
     DVec3::new(r * cos, r * sin, z)
 }
 
-/// Directions laid flat across `n`.
+/// Projects directions into the plane perpendicular to `n`.
 fn across(n: DVec3, directions: &[DVec3]) -> impl Iterator<Item = DVec3> {
     let n = n.normalize();
     directions.iter().map(move |d| *d - n * n.dot(*d))

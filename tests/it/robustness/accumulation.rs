@@ -1,4 +1,4 @@
-//! Sums of very many samples, the order of passes, and what a file format cannot hold.
+//! Sums of very many samples, the order of passes, and values beyond a file format's range.
 
 mod outputs;
 
@@ -13,13 +13,13 @@ use glam::{DVec3, Vec3};
 use std::hint::black_box;
 use std::path::Path;
 
-/// Half a step of numbers from 1 to 2: what one rounding changes, as part of the number.
+/// Relative rounding error of a double: half a step of numbers from 1 to 2.
 const UNIT: f64 = f64::EPSILON / 2.0;
 
-/// The last digit of two of each is odd: a sum that outgrows them by 2²⁹ rounds it off.
+/// Two channels have an odd last digit. A sum 2²⁹ times larger rounds it off.
 const CONSTANT: Rgb = Rgb::new(0.1, 0.7, 3e-5);
 
-/// 10⁹ passes of a film of one pixel, each added for itself.
+/// Adds 10⁹ passes to a film of one pixel, one by one.
 #[test]
 fn mean_of_constant_survives_billion_samples() {
     let mut film = Film::new(1, 1);
@@ -27,14 +27,15 @@ fn mean_of_constant_survives_billion_samples() {
         film.add(black_box(&[CONSTANT]));
     }
     assert_eq!(film.passes(), 1_000_000_000);
-    // The sum and the quotient are rounded once each; n²·2⁻¹⁰⁶ adds 10⁻¹⁴.
+    // The sum and the quotient round once each; n²·2⁻¹⁰⁶ adds 10⁻¹⁴.
     let off = (film.means().next().unwrap() / CONSTANT.as_dvec3() - 1.0).abs().max_element();
     assert!(off <= 2.0 * UNIT + 1e18 * UNIT * UNIT, "{off:e}");
     assert!(off < 1e-9);
     assert_eq!(film.mean(), [CONSTANT]);
 }
 
-/// Numbers of 24 digits over 40 powers of two, as of pictures with fireflies; `signed`: as often below 0.
+/// Returns `n` values of 24 digits over 40 powers of two, like an image with fireflies. If
+/// `signed`, half of them are negative.
 fn values(n: u64, signed: bool) -> Vec<Rgb> {
     let one = |i: u64| {
         let draw = |c: u64, dimension| Key::new(3).purpose(Purpose::Test).with(i).with(c).uniform(dimension);
@@ -47,7 +48,7 @@ fn values(n: u64, signed: bool) -> Vec<Rgb> {
     (0..n).map(one).collect()
 }
 
-/// In the order given, backwards, from the smallest, from the largest, and shuffled.
+/// Returns the values in the given order, backwards, ascending, descending, and shuffled.
 fn orders(values: &[Rgb]) -> [Vec<Rgb>; 5] {
     let by = |key: &dyn Fn(&Rgb) -> f32| {
         let mut sorted = values.to_vec();
@@ -58,7 +59,8 @@ fn orders(values: &[Rgb]) -> [Vec<Rgb>; 5] {
     [values.to_vec(), values.iter().rev().copied().collect(), by(&|v| v.x.abs()), by(&|v| -v.x.abs()), by(&hash)]
 }
 
-/// Against a sum in whole numbers of 2⁻⁶⁴: the least digit of what is drawn is 2⁻²⁰⁻²³, and 2²⁰ values below 2²¹ need 105 bits.
+/// The reference is a sum of integers in units of 2⁻⁶⁴. The least digit of a value is 2⁻²⁰⁻²³, and
+/// 2²⁰ values below 2²¹ need 105 bits.
 #[test]
 fn pass_order_matters_only_by_rounding() {
     for signed in [false, true] {
@@ -67,7 +69,7 @@ fn pass_order_matters_only_by_rounding() {
         let exact = |c: usize| values.iter().map(|v| (f64::from(v[c]) * libm::exp2(64.0)) as i128).sum::<i128>();
         let exact = DVec3::from_array([0, 1, 2].map(|c| exact(c) as f64 / libm::exp2(64.0)));
         let magnitudes: DVec3 = values.iter().map(|v| v.as_dvec3().abs()).sum();
-        // The sum's rounding and the quotient's, that of `exact` here, and n²u² of the magnitudes.
+        // The rounding of the sum, of the quotient and of `exact`, and n²u² of the magnitudes.
         let bound = exact.abs() * 3.0 * UNIT + magnitudes * (n * UNIT) * (n * UNIT);
         for (order, values) in orders(&values).iter().enumerate() {
             let mut film = Film::new(1, 1);
@@ -83,7 +85,7 @@ fn pass_order_matters_only_by_rounding() {
     }
 }
 
-/// The passes of a render, which each stand for themselves, taken backwards.
+/// Passes are independent, so they may be added in reverse.
 #[test]
 fn passes_rendered_backwards_give_same_image() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/matte.txt");
@@ -99,7 +101,7 @@ fn passes_rendered_backwards_give_same_image() {
     };
     let (forwards, backwards) = (film(&mut (0..40)), film(&mut (0..40).rev()));
     for (a, b) in forwards.means().zip(backwards.means()) {
-        // Two sums and two quotients; radiances are not below 0, and 40²u² is nothing beside.
+        // Two sums and two quotients. Radiance is never negative, and 40²u² is negligible.
         assert!((a - b).abs().cmple(a * 4.1 * UNIT).all(), "{a:?} {b:?}");
     }
     for (a, b) in forwards.mean().iter().zip(backwards.mean()) {

@@ -1,4 +1,4 @@
-//! Pictures of one pixel and of one row, angles near zero and a half turn, cameras that cannot be.
+//! Images of one pixel or one row, fields of view near 0° and 180°, and invalid cameras.
 
 mod angles;
 mod lenses;
@@ -8,13 +8,13 @@ use caustica::format::{SceneError, Source, parse, resolve};
 use caustica::scene::Scene;
 use std::path::Path;
 
-/// The scene that `text` tells.
+/// Parses and resolves the scene of `text`.
 fn told(text: &str) -> Result<Scene, SceneError> {
     let description = parse("hard.txt", text)?;
     resolve(&description, &Source::new("hard.txt", text), Path::new(""))
 }
 
-/// Checks that `text` is refused at the words `place`, with these words in the message or the remedy.
+/// Checks that `text` is refused at the words `place`, with `words` in the message or the remedy.
 #[track_caller]
 fn refused(text: &str, place: &str, words: &[&str]) {
     let error = told(text).err().unwrap_or_else(|| panic!("accepted: {text}"));

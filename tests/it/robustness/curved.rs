@@ -1,4 +1,5 @@
-//! Curved shapes where a root is double, a profile meets its axis or an edge of a patch has no length.
+//! Curved shapes at double roots, at profiles that touch their axis, and at patch edges without
+//! length.
 
 mod far;
 mod profiles;

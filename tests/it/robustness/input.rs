@@ -1,4 +1,5 @@
-//! Input that is cut, absurd or hostile: replayed fuzz corpora, counts beyond memory, limits that hold before allocation.
+//! Truncated, absurd or hostile input: replayed fuzz corpora, counts beyond memory, limits that
+//! hold before allocation.
 
 mod circles;
 mod corpus;
@@ -15,7 +16,7 @@ use std::fs;
 use std::path::PathBuf;
 use std::process::{Command, Output};
 
-/// A folder with files, in which the program runs.
+/// A temporary folder in which the program runs.
 struct Shop(tempfile::TempDir);
 
 impl Shop {
@@ -31,13 +32,14 @@ impl Shop {
         fs::write(self.path(name), bytes).unwrap();
     }
 
-    /// A file that begins with `bytes`, and is so long without taking room on the disk.
+    /// Writes a sparse file of `length` bytes that begins with `bytes`.
     fn put_long(&self, name: &str, bytes: impl AsRef<[u8]>, length: u64) {
         self.put(name, bytes);
         fs::File::options().write(true).open(self.path(name)).unwrap().set_len(length).unwrap();
     }
 
-    /// Runs the program with at most 2 GB of addresses: who asks for more than that dies rather than being refused.
+    /// Runs the program with 2 GB of address space. A larger allocation kills it instead of being
+    /// refused.
     fn run(&self, arguments: &[&str]) -> Output {
         let program = env!("CARGO_BIN_EXE_caustica");
         let mut command = if cfg!(target_os = "linux") {
@@ -50,7 +52,7 @@ impl Shop {
         command.current_dir(self.0.path()).args(arguments).output().unwrap()
     }
 
-    /// Checks that a run is refused with an exit code, and that its words hold all of `words`.
+    /// Checks that a run is refused with an exit code and a message that holds all of `words`.
     #[track_caller]
     fn refused(&self, arguments: &[&str], code: i32, words: &[&str]) {
         let ended = self.run(arguments);
@@ -63,7 +65,7 @@ impl Shop {
     }
 }
 
-/// A scene with a lamp and what else `more` says.
+/// Returns the text of a scene with one light, followed by `more`.
 fn scene(more: &str) -> String {
     format!(
         "PerspectiveCamera {{ center 0 1 4 direction 0 0 -1 angle 30 width 8 height 6 }} \

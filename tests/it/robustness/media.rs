@@ -1,4 +1,4 @@
-//! Media at the ends of their coefficients, and boundaries by the million.
+//! Media at the limits of their coefficients, and paths across a million boundaries.
 
 mod boundaries;
 mod grids;

@@ -1,5 +1,7 @@
-//! Cases that break naive renderers, group by group as docs/theory/stability.md tells them. A failure is a wrong mean, a value that is not
-//! finite anywhere, a crack, a leak, a hang or a panic. Tolerances are derived beside each test; none is fitted to a result.
+//! Cases that break naive renderers, in the groups of docs/stability.md.
+//!
+//! A failure is a wrong mean, a non-finite value, a crack, a leak, a hang or a panic. Tolerances
+//! are derived beside each test; none is fitted to a result.
 
 mod accumulation;
 mod cameras;

@@ -1,4 +1,5 @@
-//! Shading normals against geometric ones: no light through the back, no exploding weights, no energy gained.
+//! Shading normals against geometric normals: no light through the back, no exploding weights, no
+//! energy gain.
 
 mod furnace;
 mod leaks;

@@ -1,5 +1,5 @@
-//! Photon maps that hold nothing, one photon or ten million, at a point, in a plane, or nine orders of density; lights of no power and
-//! of 10^±30 W, in walls and behind them.
+//! Photon maps with no photon, one photon or ten million, at a point, in a plane, or over nine
+//! orders of density. Lights of zero power and of 10^±30 W, inside walls and behind them.
 
 mod focus;
 mod lights;
@@ -20,42 +20,44 @@ use caustica::shape::{Rectangle, Shape};
 use glam::{DVec3, Vec3};
 use std::sync::atomic::AtomicBool;
 
-/// Rounding of a stored photon's hue: a step of 1/65535 of the sum of its channels and a half, as part of a channel of a grey one.
+/// Relative rounding of a channel of a stored grey photon: one and a half steps of 1/65535 of the
+/// channel sum.
 const HUE: f64 = 1.5 / 65_535.0;
 
-/// Everything with photons.
+/// Every integrator with photons.
 const WITH_PHOTONS: [Algorithm; 4] = [Algorithm::Hybrid, Algorithm::Sppm, Algorithm::Ppm, Algorithm::Pm];
 
-/// Three numbers in [0, 1) that go by `i`.
+/// Returns three numbers in [0, 1) that depend on `i`.
 fn random(i: u64) -> Vec3 {
     let key = Key::new(8).purpose(Purpose::Test).with(i);
     key.uniform_2d(Dimension::LightPosition).extend(key.uniform(Dimension::Light))
 }
 
-/// A photon on a surface that faces +z, whose light came along the normal.
+/// Returns a photon on a surface that faces +z, with incident light along the normal.
 fn photon(position: Vec3, flux: f32) -> Photon {
     Photon::new(position, Rgb::splat(flux), Vec3::Z, Vec3::Z).unwrap()
 }
 
-/// A rectangle around `center` with these edges.
+/// Returns a rectangle around `center` with these edges.
 fn sheet(center: DVec3, edge0: DVec3, edge1: DVec3) -> Shape {
     Shape::Rectangle(Rectangle::new(center - 0.5 * (edge0 + edge1), edge0, edge1))
 }
 
-/// A camera with a square picture of `size` pixels over a square of edge `width`, seen in parallel rays.
+/// Returns an orthographic camera with `size` × `size` pixels over a square of edge `width`.
 fn flat_camera(center: DVec3, direction: DVec3, width: f64, size: u32) -> Camera {
     let up = if direction.normalize().y.abs() > 0.9 { DVec3::Z } else { DVec3::Y };
     Camera::orthographic(center, direction, up, width, size, size).unwrap()
 }
 
-/// So many paths a map and so many camera rays a pixel, unbalanced, gauged, with the box filter of closed forms.
+/// Returns settings with these numbers of paths per map and camera rays per pixel, fixed work
+/// division, and a box filter.
 fn settings(paths: u32, samples: u32) -> Settings {
     let filter = Filter::new(FilterKind::Box);
     let eye = EyeSettings { samples: Some(samples), seed: 5, filter, estimate_error: true, ..EyeSettings::default() };
     Settings { eye, photons: paths, caustic_photons: paths, balance: false, ..Settings::default() }
 }
 
-/// A gauged render of so many passes.
+/// Renders this many passes with error estimation.
 fn rendered(scene: &Scene, algorithm: Algorithm, settings: Settings, passes: u32) -> Rendered {
     let integrator = algorithm.prepare(scene, settings);
     let interrupted = AtomicBool::new(false);
@@ -64,8 +66,8 @@ fn rendered(scene: &Scene, algorithm: Algorithm, settings: Settings, passes: u32
     render(integrator.as_ref(), scene.camera().size(), &stop, &Silent, |_| {})
 }
 
-/// Fails unless every number of a render is finite: its pixels, the maps of their errors, and what its gauge reads; and unless no sample
-/// and no photon was left out.
+/// Fails if a number of a render is not finite: a pixel, an error map, an error estimate. Also
+/// fails if a sample or a photon was rejected.
 #[track_caller]
 fn finite(what: &str, rendered: &Rendered) {
     let mean = rendered.film.mean();

@@ -1,4 +1,5 @@
-//! Refraction at the critical angle, without a change of index, between bodies that share a face, and a thousand times over.
+//! Refraction at the critical angle, at equal indices, between bodies that share a face, and a
+//! thousand times in a row.
 
 mod inside;
 mod interface;

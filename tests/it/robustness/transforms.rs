@@ -1,4 +1,5 @@
-//! Transforms that mirror, shear, squeeze and nest: distances and normals stay right, singular ones are refused.
+//! Transforms that mirror, shear, squeeze and nest: distances and normals stay right, singular ones
+//! are refused.
 
 pub mod dd;
 mod instances;

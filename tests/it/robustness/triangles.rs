@@ -1,4 +1,5 @@
-//! Triangles at the ends of what they can be, and rays along, through and from their edges: nothing leaks, nothing is hit twice.
+//! Degenerate triangles, and rays along, through and from their edges: nothing leaks, nothing is
+//! hit twice.
 
 pub mod closed;
 mod edges;

@@ -1,4 +1,4 @@
-//! Numbers that a file of few bits cannot hold are counted, and told.
+//! Values that a file format cannot hold are counted and reported.
 
 use caustica::image::{
     self, BitDepth, Curve, ExrLayer, FloatDepth, Image, OutputFormat, ToneMap, WriteOptions, WriteReport,
@@ -7,7 +7,8 @@ use glam::Vec3;
 use std::path::Path;
 use std::process::Command;
 
-/// The largest number of 16 bits, the next of 32, where rounding would make infinity, and beyond.
+/// The largest 16-bit float, the next 32-bit float, the values where rounding would overflow, and
+/// beyond.
 const EDGES: [f32; 6] = [65_504.0, 65_504.004, 65_519.996, 65_520.0, 1e30, f32::MAX];
 
 fn written(value: f32, options: &WriteOptions, name: &str) -> (Vec3, WriteReport) {
@@ -28,7 +29,7 @@ fn half_floats_saturate_at_65504_with_report() {
         let (found, report) = written(value, &WriteOptions::default(), "a.exr");
         assert_eq!((found.y, report), (value, WriteReport::default()), "32 bits hold {value}");
     }
-    // Numbers in range are rounded to 11 digits, or below 2⁻¹⁴ to 2⁻²⁴, by half a step.
+    // Values in range round to 11 digits, or below 2⁻¹⁴ to 2⁻²⁴, by half a step.
     for value in [1.0 / 3.0, 1234.567, libm::exp2f(-14.0) * 1.3, 6e-8] {
         let (found, report) = written(value, &options, "a.exr");
         let step = libm::exp2f((libm::log2f(value).floor() - 10.0).max(-24.0));
@@ -76,7 +77,7 @@ fn said(scene: &str, folder: &Path, arguments: &str) -> (Option<i32>, String) {
     (ended.status.code(), String::from_utf8(ended.stderr).unwrap())
 }
 
-/// A lamp that fills the upper half of the picture with 10⁵, as bright as a flame.
+/// A light fills the upper half of the image with radiance 10⁵, as bright as a flame.
 #[test]
 fn program_reports_clipped_values() {
     let scene = "PerspectiveCamera { center 0 0 5  direction 0 0 -1  up 0 1 0  angle 30  width 8 height 8 }
@@ -93,7 +94,7 @@ fn program_reports_clipped_values() {
     assert!(text.contains("warning: 32 pixels of half.exr: clipped to 65504; --exr-bits 32"), "{text}");
     let half = image::read(&folder.path().join("half.exr")).unwrap();
     assert_eq!((half.pixels()[0], half.pixels()[63]), (Vec3::splat(65_504.0), Vec3::splat(0.5)));
-    // The warning is of what users count on; notes are left out.
+    // Users rely on the warning; notes are quiet.
     let (_, text) = say("-q -o a.png -o half.exr --exr-bits 16");
     assert!(text.contains("32 pixels of half.exr") && !text.contains("a.png"), "{text}");
     let (_, text) = say("-o whole.exr");

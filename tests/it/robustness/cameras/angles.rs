@@ -1,4 +1,4 @@
-//! Angles of view from a millionth of a degree to nearly 180°, and which way is up.
+//! Fields of view from a millionth of a degree to nearly 180°, and up directions.
 
 use super::{refused, told};
 use crate::support::image;
@@ -7,13 +7,13 @@ use caustica::color;
 use caustica::integrate::{Algorithm, EyeSettings, Settings};
 use glam::{DVec2, DVec3, Vec2};
 
-/// Directions of view with an upright beside each.
+/// Returns view directions with an up direction for each.
 fn views() -> [(DVec3, DVec3); 4] {
     let oblique = DVec3::new(1.0, 2.0, -2.0) / 3.0;
     [(DVec3::NEG_Z, DVec3::Y), (DVec3::X, DVec3::Z), (oblique, DVec3::Y), (-oblique, DVec3::new(0.3, 5.0, 1.0))]
 }
 
-/// Points of a picture: corners, middles of sides, and others.
+/// Returns points of an image: corners, middles of sides, and others.
 fn points(width: u32, height: u32) -> impl Iterator<Item = DVec2> {
     let (w, h) = (f64::from(width), f64::from(height));
     [(0.0, 0.0), (w, 0.0), (0.0, h), (w, h), (0.5 * w, 0.0), (0.0, 0.5 * h), (0.25 * w, 0.75 * h), (0.5 * w, 0.5 * h)]
@@ -21,10 +21,11 @@ fn points(width: u32, height: u32) -> impl Iterator<Item = DVec2> {
         .map(|(x, y)| DVec2::new(x, y))
 }
 
-/// A ray through a point of the picture has the tangents that the angle gives it: rows of the picture lie evenly in the tangent.
+/// A ray through a point of the image has the tangents that the field of view gives it: rows are
+/// evenly spaced in the tangent.
 ///
-/// Each component of a unit direction is rounded to single precision once: off by 2⁻²⁵ at most, half an ulp below 1. What is computed
-/// in double precision errs by some 10⁻¹⁵.
+/// Each component of a unit direction rounds to single precision once: off by 2⁻²⁵ at most, half an
+/// ulp below 1. Double-precision steps err by some 10⁻¹⁵.
 #[test]
 fn perspective_directions_match_tangent_at_every_angle() {
     for angle in [1e-6, 1e-3, 0.1, 1.0, 60.0, 120.0, 179.0, 179.9, 179.999] {
@@ -48,8 +49,8 @@ fn perspective_directions_match_tangent_at_every_angle() {
     }
 }
 
-/// Along an axis the small components of directions keep all their digits: the angle from top to bottom is right to 2⁻²³, two roundings,
-/// however small it is.
+/// Along an axis the small components of directions keep all their digits. So the angle from top to
+/// bottom is accurate to 2⁻²³, two roundings, however small it is.
 #[test]
 fn narrow_images_keep_their_field_of_view() {
     for angle in [1e-300, 1e-30, 1e-6, 1e-3] {
@@ -58,7 +59,7 @@ fn narrow_images_keep_their_field_of_view() {
         let ends = [0.0, 3.0].map(|y| camera.ray(Vec2::new(1.5, y), None).direction);
         assert!(ends.iter().all(|d| d.is_finite() && d.z == -1.0), "{ends:?}");
         let found = f64::from(ends[0].y) - f64::from(ends[1].y);
-        // Below the range of single precision nothing is left but zero.
+        // Below the range of single precision only zero is left.
         if angle > 1e-35 {
             assert!((found / radians - 1.0).abs() < libm::exp2(-23.0), "{angle}: {found:e}");
         } else {
@@ -67,11 +68,11 @@ fn narrow_images_keep_their_field_of_view() {
     }
 }
 
-/// A lamp covers .6 × .6 of the picture, whatever the angle: the mean over the picture is .36 of its radiance.
+/// A light covers .6 × .6 of the image at every angle, so the mean is .36 of its radiance.
 ///
-/// Rays are spread evenly over pixels, and seeing the lamp is a matter of yes or no: Hoeffding's bound for n rays, were they
-/// independent, is √(ln(2/10⁻⁶)/2n). Being off by 2⁻²⁵ √3 moves an edge by that over half the picture, (T + 1/T) 2⁻²⁴ of its half width,
-/// two edges an axis.
+/// Rays are evenly spread over pixels and see the light or not. For n independent rays Hoeffding's
+/// bound is √(ln(2/10⁻⁶)/2n). A direction error of 2⁻²⁵ √3 moves an edge over half the image by (T
+/// + 1/T) 2⁻²⁴ of its half width, for two edges an axis.
 #[test]
 fn visible_light_has_correct_mean_at_extreme_angles() {
     let side = 16u32;
@@ -115,7 +116,8 @@ fn visible_light_has_correct_mean_at_extreme_angles() {
     assert_eq!(tried, 28);
 }
 
-/// What cannot be told apart is refused rather than shown in blocks, and what is no angle at its place.
+/// Cameras whose pixels would coincide are refused, not shown in blocks. So are invalid angles, at
+/// their position in the text.
 #[test]
 fn impossible_angles_are_refused_with_remedy() {
     let camera = |angle: &str, size: &str| {
@@ -133,7 +135,8 @@ fn impossible_angles_are_refused_with_remedy() {
     {
         assert!(told(&camera(angle, size)).is_ok(), "{angle} {size}");
     }
-    // A row of 20,000 pixels at 60° reaches 11,547 times as far aside as ahead; at 179.9° it would be two thousand times that.
+    // At 60°, a row of 20,000 pixels reaches 11,547 times as far sideways as ahead. At 179.9° it
+    // would be two thousand times more.
     assert!(told(&camera("60", "width 20000 height 1")).is_ok());
     for (angle, size) in [("179.9", "width 20000 height 1"), ("179.9999", "")] {
         refused(&camera(angle, size), "PerspectiveCamera", &["aside", "smaller `angle`", "EnvironmentCamera"]);
@@ -160,16 +163,17 @@ fn up_along_view_is_refused_with_remedy() {
                 &["parallel", "`up`", "0 0 1"],
             );
         }
-        // Without `up` it is 0 1 0, and the direction is what is wrong.
+        // Without `up`, up is 0 1 0. So the direction is at fault.
         refused(&format!("{kind} center 0 0 5 direction 0 1 0 }} Group {{ }}"), "0 1 0", &["parallel", "`up`"]);
         refused(&format!("{kind} center 0 0 5 direction 0 1 0 up 0 0 0 }} Group {{ }}"), "0 0 0", &[]);
     }
 }
 
-/// `up` is the direction of view and a step of sine s across it: the picture stands upright along that step.
+/// `up` is the view direction plus a step of sine s across it. The image stands upright along that
+/// step.
 ///
-/// What makes it upright is a product whose terms cancel down to s, so it errs by some 2⁻⁵³/s times a few: 4 · 1.1·10⁻¹⁶ / 10⁻⁸ =
-/// 4.4·10⁻⁸; directions are rounded by 2⁻²⁵ = 3·10⁻⁸.
+/// Its up vector is a product whose terms cancel down to s, so it errs by a few 2⁻⁵³/s: 4 ·
+/// 1.1·10⁻¹⁶ / 10⁻⁸ = 4.4·10⁻⁸. Directions round by 2⁻²⁵ = 3·10⁻⁸.
 #[test]
 fn up_nearly_along_view_is_kept() {
     for sine in [1e-2, 1e-5, 1e-8] {
@@ -187,7 +191,7 @@ fn up_nearly_along_view_is_kept() {
     }
 }
 
-/// Parallel rays start where rows and columns say: one rounding of each coordinate of the start.
+/// Orthographic rays start where rows and columns say, up to one rounding of each coordinate.
 #[test]
 fn orthographic_images_of_any_size_are_correct() {
     for size in [1e-30, 1e-6, 1.0, 1e12] {
@@ -211,7 +215,8 @@ fn orthographic_images_of_any_size_are_correct() {
     }
 }
 
-/// All directions in one pixel, a row and a column: longitude and latitude are those of the pixel, whatever the other side.
+/// One pixel, a row and a column hold all directions. Longitude and latitude are those of the
+/// pixel, whatever the other side.
 #[test]
 fn panoramas_of_any_size_cover_the_sphere() {
     for (width, height) in [(1, 1), (2, 1), (1, 20_000), (20_000, 1)] {

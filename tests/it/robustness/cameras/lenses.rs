@@ -1,4 +1,4 @@
-//! Lenses that are shut, and lenses focused at nothing, next to nothing or next to infinity.
+//! Lenses of zero aperture, and focus distances of zero, near zero or near infinity.
 
 use super::{refused, told};
 use crate::support::image;
@@ -18,7 +18,7 @@ fn scene(lens: &str) -> String {
     )
 }
 
-/// A lens of no width is the pinhole, in every bit of the picture of every algorithm; one that is open is not.
+/// Zero aperture equals a pinhole in every bit of every integrator's image; an open lens does not.
 #[test]
 fn zero_aperture_equals_pinhole_bit_for_bit() {
     let picture = |algorithm: Algorithm, lens: &str| {
@@ -35,7 +35,7 @@ fn zero_aperture_equals_pinhole_bit_for_bit() {
         {
             assert!(picture(algorithm, shut) == pinhole, "{algorithm:?} {shut}");
         }
-        // These two look through the middle of a lens.
+        // These two trace the central ray of a lens.
         if !matches!(algorithm, Algorithm::Raycast | Algorithm::Whitted) {
             assert!(picture(algorithm, "aperture .1 focusDistance 3") != pinhole, "{algorithm:?}");
         }
@@ -52,7 +52,7 @@ fn zero_focus_distance_is_refused_with_remedy() {
     ] {
         refused(&scene(lens), place, &["focusDistance", "above 0"]);
     }
-    // The camera's own place, and a point behind it.
+    // The camera's center, and a point behind it.
     for point in ["0 1 4", "0 1 5"] {
         refused(&scene(&format!("aperture .1 focusAt {point}")), point, &["before the camera"]);
     }
@@ -67,10 +67,12 @@ fn zero_focus_distance_is_refused_with_remedy() {
     }
 }
 
-/// Rays through all of a lens meet in the point in focus, wherever the camera stands and however near or far that point is.
+/// Rays through all of a lens converge at the focus point, at any camera position and focus
+/// distance.
 ///
-/// A ray starts at an f32 place, off by 2⁻²⁴ of the camera's coordinates at most an axis, and its direction is off by 2⁻²⁵ an axis. So
-/// its direction is that from the point on the lens to the point in focus, both seen from the middle, to 2⁻²⁵ and what f64 rounds.
+/// A ray's origin is off by 2⁻²⁴ of the camera's coordinates, its direction by 2⁻²⁵ per axis. So
+/// its direction is that from the lens point to the focus point, relative to the lens center, to
+/// 2⁻²⁵ and double-precision rounding.
 #[test]
 fn lens_rays_converge_at_any_focus_distance() {
     let (forward, up) = (DVec3::new(1.0, 2.0, -2.0) / 3.0, DVec3::Y);
@@ -81,7 +83,8 @@ fn lens_rays_converge_at_any_focus_distance() {
             for radius in [1e-12, 1e-3, 1.0, 1e6] {
                 let lens = Lens { radius, focus, blades: 0 };
                 let camera = Camera::perspective(center, forward, up, 1.0, 8, 6).unwrap().with_lens(lens);
-                // The same lens in the origin, straight ahead, shows where on it u lies.
+                // The same lens at the origin, looking straight ahead, shows the lens point of
+                // sample u.
                 let flat = Camera::perspective(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 1.0, 8, 6).unwrap().with_lens(lens);
                 for u in [(0.5, 0.5), (0.0, 0.0), (0.9, 0.2), (0.51, 0.5)].map(Vec2::from) {
                     for p in [(0.0, 0.0), (4.0, 3.0), (7.5, 1.0)].map(Vec2::from) {
@@ -91,7 +94,8 @@ fn lens_rays_converge_at_any_focus_distance() {
                         let to = (forward + x * right + y * upright) * focus - (on.x * right + on.y * upright);
                         let found = camera.ray(p, Some(u));
                         let off = (found.direction.as_dvec3() - to.normalize()).abs().max_element();
-                        // The place on the lens is known to an f32's 2⁻²⁴, which turns the direction by as much at most.
+                        // The lens point is accurate to 2⁻²⁴, which rotates the direction by as
+                        // much at most.
                         assert!(
                             off <= libm::exp2(-25.0) + libm::exp2(-24.0) * 2f64.sqrt(),
                             "{center} {focus:e} {radius:e} {u} {p}: {off:e}"
@@ -104,7 +108,7 @@ fn lens_rays_converge_at_any_focus_distance() {
     }
 }
 
-/// Pictures through such lenses have no pixel that is not finite, and none of their samples was left out for it.
+/// Extreme lenses give no non-finite pixel and no rejected sample.
 #[test]
 fn extreme_lenses_give_finite_images() {
     for lens in [

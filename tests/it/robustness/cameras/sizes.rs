@@ -1,4 +1,4 @@
-//! Pictures of one pixel, one column and one row.
+//! Images of one pixel, one column and one row.
 
 use super::told;
 use crate::support::image;
@@ -27,14 +27,14 @@ fn cameras((width, height): (u32, u32)) -> [String; 3] {
     ]
 }
 
-/// Every algorithm renders them, gauge and all, and everything that is told of them is finite.
+/// Every integrator renders them with error estimation, and all results are finite.
 #[test]
 fn tiny_images_are_finite_with_every_integrator() {
     for size in SIZES {
         for (i, camera) in cameras(size).into_iter().enumerate() {
             let scene = told(&format!("{camera} {ROOM}")).unwrap();
             for algorithm in Algorithm::ALL {
-                // One pixel is cheap; of the long ones each algorithm sees one camera.
+                // One pixel is cheap. Each integrator renders the long ones with one camera.
                 if size != (1, 1) && i != algorithm as usize % 3 {
                     continue;
                 }
@@ -78,14 +78,14 @@ fn tiny_images_are_finite_with_every_integrator() {
     }
 }
 
-/// A lamp fills the view from one row (or column) on: what lies before it is black, what lies behind it shines, pixel by pixel. With the
-/// box filter a pixel sees nothing beyond itself.
+/// A light fills the view from one row or column on. Pixels before it are black, pixels after it
+/// bright. With the box filter a pixel covers nothing beyond itself.
 #[test]
 fn images_20000_pixels_long_are_correct() {
     let edge = 12_345u32;
     for (width, height) in [(1u32, 20_000u32), (20_000, 1)] {
         let column = height > width;
-        // A picture of 2 × 10⁻⁴ or 10⁻⁴ × 2, in front of which the lamp begins in the middle of pixel `edge`.
+        // The image covers 2 × 10⁻⁴ or 10⁻⁴ × 2. The light begins in the middle of pixel `edge`.
         let begin = 2.0 * (f64::from(edge) + 0.5) / 20_000.0 - 1.0;
         let size = if column { 2.0 } else { 1e-4 };
         let (corner, e0, e1) = match column {
@@ -105,14 +105,15 @@ fn images_20000_pixels_long_are_correct() {
             match i as u32 {
                 i if i < edge => assert_eq!(*pixel, Rgb::ZERO, "{width}×{height}: pixel {i}"),
                 i if i > edge => assert_eq!(*pixel, Rgb::ONE, "{width}×{height}: pixel {i}"),
-                // Half of it: four samples in strata, of which one or none may lie on the other side of the middle.
+                // Half of it: of four stratified samples at most one lies on the wrong side of the
+                // middle.
                 _ => assert!((0.25..=0.75).contains(&pixel.x), "{width}×{height}: {pixel}"),
             }
         }
     }
 }
 
-/// They are written, read, compared and told apart like others.
+/// Tiny images are written, read and compared like others.
 #[test]
 fn tiny_images_have_files_and_metrics() {
     for (width, height) in SIZES {
@@ -130,7 +131,8 @@ fn tiny_images_have_files_and_metrics() {
             assert_eq!(report.non_finite, 0);
             let (back, _) = decode(Path::new("memory"), &file, Meaning::Light, None).unwrap();
             assert_eq!((back.width(), back.height()), (width, height));
-            // Half a level times the greatest slope of the sRGB curve, 2.4/1.055 (see `reading_undoes_the_srgb_curve_to_half_a_level`).
+            // Half a level times the greatest slope of the sRGB curve, 2.4/1.055 (see
+            // `reading_undoes_the_srgb_curve_to_half_a_level`).
             let bound = match (format, depth) {
                 (OutputFormat::Exr, _) => 0.0,
                 (_, BitDepth::Eight) => 0.5 / 255.0 * 2.275,

@@ -1,4 +1,4 @@
-//! Spheres and lights from a million radii away.
+//! Spheres and lights seen from a million radii away.
 
 use crate::robustness::transforms::dd::{Dd, Dd3};
 use crate::support::image;
@@ -20,10 +20,11 @@ fn pair(rng: &mut SmallRng) -> Vec2 {
     Vec2::new(rng.random(), rng.random())
 }
 
-/// Whether a ray meets a sphere, and where, against twice the digits.
+/// Hits of a sphere against double-double arithmetic.
 ///
-/// The solver's discriminant is r² less the squared distance of the line, which rounds by some ulps of (distance · r): rays nearer to tangent than
-/// 16 of these may be told either way. The place is right to its rounding, and the normal to what that turns it and its own.
+/// The solver's discriminant is r² minus the squared distance of the line, which rounds by some
+/// ulps of (distance · r). Rays within 16 of these ulps of a tangent may hit or miss. The position
+/// is accurate to its rounding, the normal to what that rounding and its own change.
 #[test]
 fn far_spheres_are_hit_correctly() {
     let mut rng = SmallRng::seed_from_u64(3);
@@ -52,7 +53,8 @@ fn far_spheres_are_hit_correctly() {
             assert!((f64::from(t) / exact.value() - 1.0).abs() <= 1.0 / 16_777_216.0, "{ray:?}: {t}");
             let s = ball.surface(&ray, t, Vec2::new(u, v));
             let n = (l + d.scaled(exact)).value();
-            // Half an ulp of each component, of coordinates below 2, and at grazing what an ulp of the square root's argument becomes.
+            // Half an ulp of each component, for coordinates below 2; at grazing incidence, the
+            // effect of an ulp in the square root.
             let slack =
                 3f64.sqrt() / 16_777_216.0 + 16.0 * f64::EPSILON * f64::from(distance) / discriminant.value().sqrt();
             assert!((s.ng.as_dvec3() - n).length() < slack, "{ray:?}: {} {n}", s.ng);
@@ -62,10 +64,10 @@ fn far_spheres_are_hit_correctly() {
     }
 }
 
-/// The end of a shadow ray to a point that is seen lies before the light, which does not stand in its own way.
+/// A shadow ray to a visible point ends before the light, so the light does not occlude itself.
 ///
-/// Drawn points of an ellipsoid by area may lie on its far side, which tells of itself; a ray along a surface may go either way, so points seen
-/// at a slant below 10⁻³ do not count.
+/// Points of an ellipsoid sampled by area may lie on its far side, which occludes itself. A ray
+/// along a surface may be decided either way, so points with a cosine below 10⁻³ do not count.
 #[test]
 fn far_lights_cast_no_shadow_on_themselves() {
     let squash = Transform::new(DAffine3::from_scale(DVec3::new(1.0, 0.6, 0.8))).unwrap();
@@ -77,7 +79,7 @@ fn far_lights_cast_no_shadow_on_themselves() {
     let mesh = Arc::new(one.clone());
     let edges = [DVec3::new(1.0, -0.2, 0.7), DVec3::new(0.1, 0.9, 0.6)];
     let rectangle = Shape::Rectangle(Rectangle::new(-0.5 * (edges[0] + edges[1]), edges[0], edges[1]));
-    // A dome, and a sail over a square: convex on the side that shines.
+    // A dome, and a sail over a square: both are convex on the emissive side.
     let profile = [DVec2::new(0.8, -0.8), DVec2::new(1.0, 0.9), DVec2::new(0.0, 0.9)];
     let bell = Shape::Revolution(Revolution::new(&Basis::bezier(3).unwrap(), &profile).unwrap());
     let square = [1.0, -1.0, 1.0];
@@ -112,7 +114,7 @@ fn far_lights_cast_no_shadow_on_themselves() {
                     LightSurface::Shape(shape) => shape.intersect(&ray).is_some(),
                     LightSurface::Triangles { .. } => tree.occluded(&ray, |_, _| false),
                 };
-                // Where the ray comes along the surface, the rest of it is as near as one likes.
+                // Along the surface, the rest of the ray comes arbitrarily close.
                 let slant = sample.wi.dot((target - p).normalize());
                 assert!(!blocked || slant < 1e-3, "{distance} {kind} {ray:?} {slant}");
                 asked += 1;
@@ -122,9 +124,10 @@ fn far_lights_cast_no_shadow_on_themselves() {
     }
 }
 
-/// A floor lit by a sphere so far away sends ρ·L·(r/d)²·cos θ, with no noise: every direction of the cone counts alike.
+/// A floor lit by a far sphere reflects ρ·L·(r/d)²·cos θ without noise, since all directions of the
+/// cone count equally.
 ///
-/// The picture sees a floor of a few units: distance and angle differ over it by 2/d at most.
+/// The image shows a few units of the floor. Distance and angle vary over it by 2/d at most.
 #[test]
 fn far_sphere_light_loses_no_flux() {
     for distance in [1e3, 1e5, 1e6, 1e7] {
@@ -142,7 +145,7 @@ fn far_sphere_light_loses_no_flux() {
         let expected = 0.5 / 1.09f64.sqrt();
         for pixel in image(&*method, 0) {
             let off = f64::from(pixel.x) / expected - 1.0;
-            // A few units of the distance, squared, and some hundred roundings of shading.
+            // A few units of the squared distance, and some hundred roundings of shading.
             assert!(off.abs() < 4.0 / distance + 100.0 / 16_777_216.0, "{distance}: off by {off}");
         }
     }

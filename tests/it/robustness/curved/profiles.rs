@@ -1,4 +1,4 @@
-//! Surfaces of degree 20 that are known in closed form, with poles, cusps on the axis and edges without length.
+//! Surfaces of degree 20 with closed forms, with poles, cusps on the axis and edges without length.
 
 use caustica::math::{Ray, warp};
 use caustica::shape::parametric::Basis;
@@ -9,7 +9,7 @@ use rand::rngs::SmallRng;
 use rand::{RngExt, SeedableRng};
 use rayon::prelude::*;
 
-/// Control points (homogeneous) of the same curve at a degree higher by one.
+/// Returns homogeneous control points of the same curve, one degree higher.
 fn elevated(controls: &[DVec4]) -> Vec<DVec4> {
     let n = controls.len() as f64;
     let end = DVec4::ZERO;
@@ -35,7 +35,7 @@ fn turned(profile: &[(f64, f64)], degree: usize) -> Shape {
     Shape::Revolution(Revolution::new(&Basis::bezier(degree + 1).unwrap(), &points).unwrap())
 }
 
-/// A net of homogeneous points, `columns` of them along v.
+/// Builds a patch from homogeneous points, `columns` of them along v.
 fn net(points: &[DVec4], columns: usize, [p, q]: [usize; 2]) -> Shape {
     let rows: Vec<Vec<DVec4>> = points.chunks(columns).map(|row| raised(row.to_vec(), q)).collect();
     let along: Vec<Vec<DVec4>> = (0..=q).map(|j| raised(rows.iter().map(|row| row[j]).collect(), p)).collect();
@@ -45,14 +45,16 @@ fn net(points: &[DVec4], columns: usize, [p, q]: [usize; 2]) -> Shape {
     Shape::Patch(Patch::new([&bases[0], &bases[1]], &controls).unwrap())
 }
 
-/// A surface where `value` is 0 and `inside` at least 0; between the heights where it has a kink, `value` is convex along lines.
+/// A surface where `value` is 0 and `inside` is at least 0. Between the heights of its kinks
+/// `value` is convex along lines.
 struct Known {
     name: &'static str,
     shape: Shape,
     value: fn(DVec3) -> f64,
     inside: fn(DVec3) -> f64,
     kink: Option<f64>,
-    /// Where it has no normal, and the way from there into the middle of what is inside, or along the surface.
+    /// The point without a normal, and a direction from it towards the middle of the inside, or
+    /// along the surface.
     tip: Option<(DVec3, DVec3)>,
 }
 
@@ -119,7 +121,7 @@ fn surfaces() -> Vec<Known> {
     ]
 }
 
-/// Where a function that is convex on `lo..hi` is 0, in order, and its least value.
+/// Returns the zeros, ascending, of a function that is convex on `lo..hi`, and its least value.
 fn roots(f: &dyn Fn(f64) -> f64, lo: f64, hi: f64) -> (Vec<f64>, f64) {
     let (mut a, mut b) = (lo, hi);
     for _ in 0..120 {
@@ -144,16 +146,18 @@ fn roots(f: &dyn Fn(f64) -> f64, lo: f64, hi: f64) -> (Vec<f64>, f64) {
     (found, least)
 }
 
-/// What a ray passes this far inside of a tip it must meet: a cone is then half as wide, and single precision rounds to a 50th.
+/// A ray this far inside of a tip must hit. A cone is half as wide there, and single precision
+/// rounds to a 50th of it.
 const BESIDE: f64 = 1e-5;
 
-/// A ray from afar or from nearby at a surface, through its tip or beside it, along its axis, or square to it.
+/// Returns a ray from afar or nearby: through the surface's tip, beside it, along its axis, or
+/// perpendicular to it.
 fn ray(known: &Known, rng: &mut SmallRng, i: u32) -> Ray {
     let random = |rng: &mut SmallRng| Vec3::new(rng.random(), rng.random(), rng.random()) * 2.2 - 1.1;
     let target = match known.tip {
         Some((tip, _)) if i.is_multiple_of(16) => tip.as_vec3(),
         Some((tip, inwards)) if i.is_multiple_of(8) => (tip + inwards * BESIDE).as_vec3(),
-        // The pole of a bowl. Poles of patches have a test of their own.
+        // The pole of a bowl. Poles of patches have their own test.
         None if i.is_multiple_of(8) && known.name == "bowl" => Vec3::ZERO,
         _ => random(rng),
     };
@@ -166,11 +170,13 @@ fn ray(known: &Known, rng: &mut SmallRng, i: u32) -> Ray {
     Ray::new(from, target - from)
 }
 
-/// Hits and normals against bisection of what the surfaces are, rays along the axis and through poles and cusps among them.
+/// Hits and normals against bisection of the closed forms, with rays along the axis and through
+/// poles and cusps.
 ///
-/// The solver counts a ray that comes within rounding of a surface, 10⁻¹² of its size, as one that touches it: rays that the reference sees
-/// within 10⁻⁹ of a touch, or of a border, may be told either way. Beyond, the slope at a root is above √(2·10⁻⁹) times the bend, of order
-/// 1, so that 10⁻¹² is less than 10⁻⁷ of `t`, whose rounding is 6·10⁻⁸ of it.
+/// The solver counts a ray within 10⁻¹² of the surface's size as a touch. Rays that the reference
+/// puts within 10⁻⁹ of a touch or border may hit or miss. Otherwise the slope at a root is above
+/// √(2·10⁻⁹) times the curvature, of order 1. So 10⁻¹² is less than 10⁻⁷ of `t`, whose relative
+/// rounding is 6·10⁻⁸.
 #[test]
 fn degree_20_surfaces_are_hit_correctly() {
     surfaces().par_iter().for_each(|known| {
@@ -223,7 +229,7 @@ fn degree_20_surfaces_are_hit_correctly() {
                     );
                     assert!(s.ng.is_normalized(), "{} {p}", known.name);
                 }
-                // The tip is a point of the surface, which a ray beside it by its own rounding may miss.
+                // The tip is a point of the surface. A ray beside it by its own rounding may miss.
                 (a, b) => {
                     let there = a.or(b.map(|b| f64::from(b.0))).is_some_and(|t| near(o + d * t, 1e-9));
                     assert!(there, "{} {ray:?}: {found:?} {truth:?}", known.name);
@@ -236,9 +242,9 @@ fn degree_20_surfaces_are_hit_correctly() {
     });
 }
 
-/// A whole sphere of two patches, each half of all longitudes from pole to pole: rays exactly through a pole, which is inside of the surface
-/// but a side without length of both patches, meet one of them. Every leaf around a pole doubts such a ray, the more the steeper, so at
-/// degree 20 there is one.
+/// A sphere of two patches, each with half of all longitudes from pole to pole. A ray exactly
+/// through a pole, which is a side without length of both patches, hits one of them. Every leaf
+/// around a pole rejects such a ray the more, the steeper it is, so one case has degree 20.
 #[test]
 fn sphere_poles_are_hit_from_inside() {
     // Half a circle as a cubic: (1 − t², 2t)/(1 + t²) for t from −1 to 1.
@@ -251,7 +257,7 @@ fn sphere_poles_are_hit_from_inside() {
         net(&points, 4, degrees)
     };
     let mut rng = SmallRng::seed_from_u64(8);
-    // From where the pole is seen at 60° to the axis.
+    // From a point that sees the pole at 60° to the axis.
     let mut oblique = |pole: Vec3| {
         let (sin, cos) = libm::sincosf(rng.random_range(0.0..std::f32::consts::TAU));
         (pole * 1.5 + Vec3::new(cos, 0.0, sin) * 0.866, pole)
@@ -265,7 +271,7 @@ fn sphere_poles_are_hit_from_inside() {
             let ray = Ray::new(*from, pole - from);
             let hits = halves.iter().filter_map(|half| half.intersect(&ray));
             let t = hits.map(|hit| hit.0).fold(f32::INFINITY, f32::min);
-            // The direction is rounded to 2⁻²⁴ of itself, and so is t.
+            // The direction rounds to 2⁻²⁴ of itself, and so does t.
             assert!((t - 1.0).abs() <= 2.0 * f32::EPSILON, "{degrees:?} {ray:?}: {t}");
         });
     });

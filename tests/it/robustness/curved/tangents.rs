@@ -1,4 +1,4 @@
-//! Rays that touch: silhouettes and double roots, decided in whole numbers.
+//! Tangent rays: silhouettes and double roots, decided in integers.
 
 use caustica::math::{Ray, Transform};
 use caustica::shape::{Shape, Sphere};
@@ -6,7 +6,8 @@ use glam::{DAffine3, DVec3, I64Vec3};
 use rand::rngs::SmallRng;
 use rand::{RngExt, SeedableRng};
 
-/// An orthogonal matrix of whole numbers, times the square of the length of a quaternion of whole numbers; and that.
+/// Returns an integer orthogonal matrix times the squared length of an integer quaternion, and that
+/// squared length.
 fn turn(rng: &mut SmallRng) -> ([I64Vec3; 3], i64) {
     let [a, b, c, d] = std::array::from_fn(|_| rng.random_range(-6i64..=6));
     let columns = [
@@ -17,12 +18,13 @@ fn turn(rng: &mut SmallRng) -> ([I64Vec3; 3], i64) {
     (columns, a * a + b * b + c * c + d * d)
 }
 
-/// Rays that touch spheres exactly, and those that miss that by one unit in up to 10⁷, in any direction: where the discriminant is not
-/// 0, its sign must be right, as it is far above the rounding of f64; where it is, both are right, but the place is the root's.
+/// Rays that touch spheres exactly, and rays that miss a touch by one unit in up to 10⁷, in any
+/// direction. A non-zero discriminant is far above double-precision rounding, so its sign must be
+/// right. For a zero discriminant both answers are right, but the position must be the root's.
 #[test]
 fn silhouettes_match_closed_form() {
     let mut rng = SmallRng::seed_from_u64(6);
-    // Powers of two, under which the same numbers stand for an ellipsoid.
+    // Powers of two turn the same numbers into an ellipsoid exactly.
     let stretch = DVec3::new(2.0, 0.25, 1.0);
     let map = Transform::new(DAffine3::from_scale(stretch)).unwrap();
     let (mut touched, mut decided) = ([0; 2], 0);
@@ -44,15 +46,17 @@ fn silhouettes_match_closed_form() {
         let (a, b) = (dot(d, d), dot(l, d));
         let discriminant = b * b - a * (dot(l, l) - r * r);
         let sphere = Shape::Sphere(Sphere::new(center.as_dvec3(), r as f64));
-        // An ellipsoid sums its area when it is made, which takes as long as thousands of rays.
+        // An ellipsoid computes its area when it is built, which takes as long as thousands of
+        // rays.
         let egg = (i % 200 < 3).then(|| (sphere.transformed(&map).unwrap(), stretch));
         for (shape, s) in [Some((sphere, DVec3::ONE)), egg].into_iter().flatten() {
             let ray = Ray::new((from.as_dvec3() * s).as_vec3(), (d.as_dvec3() * s).as_vec3());
             let found = shape.intersect(&ray);
-            // Rounding of the squared distance: the foot of the perpendicular errs by some ulps of |l|, times 2r and a.
+            // Rounding of the squared distance: the foot of the perpendicular errs by some ulps of
+            // |l|, times 2r and a.
             let blur = 64.0 * f64::EPSILON * (r as f64) * l.as_dvec3().length() * a as f64;
             let root = (discriminant.max(0) as f64).sqrt();
-            // From inside, it is the far root.
+            // From inside, the far root counts.
             let near = (-(b as f64) - root) / a as f64;
             let exact = if near > 0.0 { near } else { (root - b as f64) / a as f64 };
             let allowed = exact * 6e-8 + blur.sqrt().min(blur / root) / a as f64;

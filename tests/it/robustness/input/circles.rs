@@ -1,5 +1,5 @@
-//! Files that name themselves. The scene language names no other scenes, and files of materials no other meshes, so that nothing can go in
-//! circles; here is what becomes of files that try.
+//! Files that name themselves. The scene language includes no scenes, and material files no meshes,
+//! so no cycle can exist.
 
 use super::{Shop, scene};
 use caustica::format::{SceneFile, parse};
@@ -9,7 +9,7 @@ fn scenes_cannot_include_scenes() {
     for word in ["Include", "include", "#include", "Scene"] {
         let text = scene(&format!("{word} \"self.txt\" Group {{ }}"));
         match parse("self.txt", &text) {
-            // A comment to the end of the line, which is all there is.
+            // A comment to the end of the line, so the file is empty.
             Err(error) if word == "#include" => assert!(error.to_string().contains("no Group"), "{error}"),
             Err(error) => assert!(error.text() == word && error.remedy().contains("Group"), "{error}"),
             Ok(_) => panic!("`{word}` was read"),
@@ -25,15 +25,15 @@ fn self_referencing_files_are_read_once() {
         SceneFile::read(&shop.path("self.txt")).unwrap().resolve()
     };
     let mesh = |file: &str, more: &str| format!("Group {{ TriangleMesh {{ obj_file \"{file}\" {more} }} }}");
-    // The scene as a mesh of its own: it has no faces.
+    // The scene file as a mesh: it has no faces.
     let error = resolved(&mesh("self.txt", "")).err().unwrap();
     assert!(error.to_string().contains("no faces"), "{error}");
-    // A mesh whose materials are in itself, and one that calls itself, as OBJ for curves has it.
+    // A mesh that is its own material file, and one that calls itself, as OBJ for curves allows.
     shop.put("a.obj", "mtllib a.obj\ncall a.obj\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n");
     assert!(resolved(&mesh("a.obj", "")).is_ok());
     let error = resolved(&mesh("a.obj", "materials file")).err().unwrap();
     assert!(error.to_string().contains("a.obj") && !error.remedy().is_empty(), "{error}");
-    // A material whose picture is the file that it stands in.
+    // A material whose image is its own file.
     shop.put("b.obj", "mtllib b.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl red\nf 1/1 2/1 3/1\n");
     shop.put("b.mtl", "newmtl red\nmap_Kd b.mtl\n");
     let error = resolved(&mesh("b.obj", "materials file")).err().unwrap();

@@ -1,9 +1,9 @@
-//! What fuzzing found worth keeping, by the same functions again.
+//! Replays the kept fuzz inputs through the functions of the fuzz targets.
 
 use super::{project, readers};
 use std::fs;
 
-/// What is done with bytes.
+/// A function that reads bytes.
 type Replay = fn(&[u8]);
 
 /// Folders of `tests/corpus`, each with the function of its fuzz target.
@@ -24,7 +24,7 @@ fn fuzz_corpus_gives_results_or_typed_errors() {
         let entries = fs::read_dir(&folder).unwrap_or_else(|e| panic!("{}: {e}", folder.display()));
         let paths: Vec<_> = entries.map(|entry| entry.unwrap().path()).collect();
         assert!(paths.len() >= 10, "{kind} holds {} files", paths.len());
-        // One after the other, so that the last path that is shown is that of a panic.
+        // One at a time, so that the last printed path is that of a panic.
         paths.iter().for_each(|path| {
             println!("{}", path.display());
             replay(&fs::read(path).unwrap());

@@ -1,7 +1,8 @@
-//! Counts that no file holds, and files that are larger than memory: refused at once, and without taking what they tell of.
+//! Counts larger than their file and files larger than memory are refused at once, without
+//! allocating for them.
 //!
-//! The program has two gigabytes of addresses here and dies if it asks for more; a read of even a tenth of these files would take longer
-//! than the ten seconds that each refusal may take.
+//! The program has 2 GB of address space here and dies if it needs more. Reading even a tenth of
+//! these files would take longer than the ten seconds that a refusal may take.
 
 use super::{Shop, scene};
 use caustica::format::{grid, mesh, parse};
@@ -9,14 +10,15 @@ use caustica::image::{Meaning, decode};
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// What a refusal may take: starting the program and looking at a header are milliseconds, on a busy machine some hundred.
+/// Time limit of a refusal. Starting the program and reading a header take milliseconds, or some
+/// hundred on a busy machine.
 const AT_ONCE: Duration = Duration::from_secs(10);
 
 fn mesh_scene(file: &str) -> String {
     scene(&format!("Group {{ TriangleMesh {{ obj_file \"{file}\" }} }}"))
 }
 
-/// Counts in the text of a scene are held against what follows, never reserved.
+/// Counts in a scene's text are checked against the text that follows, never reserved.
 #[test]
 fn absurd_scene_counts_are_refused() {
     let start = Instant::now();
@@ -50,7 +52,7 @@ fn absurd_scene_counts_are_refused() {
     assert!(start.elapsed() < AT_ONCE);
 }
 
-/// Headers of meshes, grids and pictures are held against the length of their files.
+/// Headers of meshes, grids and images are checked against the length of their files.
 #[test]
 fn absurd_header_counts_are_refused() {
     let start = Instant::now();
@@ -77,7 +79,8 @@ fn absurd_header_counts_are_refused() {
     assert!(start.elapsed() < AT_ONCE);
 }
 
-/// A sound PNG of 16384 × 16384 pixels of one bit, all alike: some 33 kilobytes, and 13 gigabytes as a texture.
+/// Returns a valid PNG of 16384 × 16384 equal pixels of one bit: some 33 kB, and 13 GB as a
+/// texture.
 fn bomb() -> Vec<u8> {
     let mut file = Vec::new();
     let mut encoder = png::Encoder::new(&mut file, 16_384, 16_384);
@@ -89,7 +92,7 @@ fn bomb() -> Vec<u8> {
     file
 }
 
-/// Files that are as long as they say, or say more than fits: refused with the limit and what to do, code 2.
+/// Files above the limit are refused with exit code 2, the limit, and a remedy.
 #[test]
 fn files_above_memory_limit_are_refused_unread() {
     let shop = Shop::new();
@@ -100,7 +103,7 @@ fn files_above_memory_limit_are_refused_unread() {
     shop.put_long("long.obj", "v 0 0 0\n", 9_000_000_000);
     let header = "ply\nformat binary_little_endian 1.0\nelement vertex 9000000\nproperty float x\nproperty float y\nproperty float z\n\
                   element face 1\nproperty list uchar int vertex_indices\nend_header\n";
-    // This one would be read in a moment, and take more than a gigabyte then.
+    // This file would be read in a moment, and then take more than a gigabyte.
     shop.put_long("wide.ply", header, 108_000_000 + 13 + header.len() as u64);
     shop.put_long("long.ply", header, 9_000_000_000);
     let header = "caustica-grid 1\nsize 1024 1024 1024\ntype f32\n\n";
@@ -141,14 +144,15 @@ fn files_above_memory_limit_are_refused_unread() {
         assert!(start.elapsed() < AT_ONCE, "{name}");
         assert!(!shop.path("a.png").exists());
     }
-    // The other commands have the same limit.
+    // Other commands have the same limit.
     shop.refused(&["plan", "bomb.txt", "--memory", "1G"], 2, &["bomb.png", "--memory"]);
     shop.refused(&["price", "bomb.txt", "--memory", "1G"], 2, &["bomb.png", "--memory"]);
     shop.refused(&["study", "bomb.txt", "--effects", "--memory", "1G"], 2, &["bomb.png", "--memory"]);
     shop.refused(&["mesh", "long.obj", "--memory", "1G"], 2, &["long.obj", "--memory"]);
     shop.refused(&["mesh", "wide.ply", "--memory", "1G"], 2, &["wide.ply", "--memory"]);
-    // Pictures and photons, and what is no amount.
-    // Between two planes light goes to and fro: a path leaves about one photon that was scattered before.
+    // Images and photons, and invalid amounts.
+    // Light goes back and forth between two planes: a path leaves about one photon that was
+    // scattered before.
     let planes = "Plane { normal 0 1 0 offset -1 } Plane { normal 0 -1 0 offset -4 }";
     let plain_scene =
         format!("Materials {{ Diffuse {{ reflectance .5 .5 .5 }} }} Group {{ MaterialIndex 0 {planes} }}");
@@ -170,7 +174,8 @@ fn files_above_memory_limit_are_refused_unread() {
     }
 }
 
-/// Room for the photons of an estimate is taken for those that are there, and one alone, which bounds its own disc, is no estimate.
+/// Memory for an estimate's photons is allocated by the photons that exist. A single photon, which
+/// bounds its own disc, makes no estimate.
 #[test]
 fn gather_count_is_capped_by_photon_count() {
     let shop = Shop::new();

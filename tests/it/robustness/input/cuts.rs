@@ -1,4 +1,4 @@
-//! Files of every kind, cut everywhere.
+//! Files of every kind, truncated at every position.
 
 use super::{project, readers};
 use caustica::format::{grid, mesh, mtl, parse_bytes};
@@ -9,7 +9,7 @@ use std::path::Path;
 
 const PLY: [&str; 3] = ["ascii", "binary_little_endian", "binary_big_endian"];
 
-/// A tetrahedron as PLY.
+/// Returns a tetrahedron as PLY.
 fn ply(encoding: &str) -> Vec<u8> {
     let corners: [[f32; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let faces = [[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3u32]];
@@ -34,7 +34,7 @@ fn ply(encoding: &str) -> Vec<u8> {
     file
 }
 
-/// What has a length is refused at every cut.
+/// Files that state their length are refused at every cut.
 #[test]
 fn truncated_sized_files_are_refused() {
     for encoding in PLY {
@@ -52,7 +52,7 @@ fn truncated_sized_files_are_refused() {
     (0..whole.len()).for_each(|cut| assert!(read(&whole[..cut]).is_err(), "cut at {cut}"));
 }
 
-/// Scenes end with the brace that closes their group: before it nothing is whole.
+/// Scenes end with the brace that closes their group. Every shorter text is incomplete.
 #[test]
 fn truncated_scenes_are_refused() {
     for name in ["scenes/glass-ball.txt", "scenes/smoke.txt", "scenes/textures.txt", "tests/scenes/lens.txt"] {
@@ -66,7 +66,7 @@ fn truncated_scenes_are_refused() {
     }
 }
 
-/// Lists of lines have no length: what is left of them is read, or refused with its line.
+/// Lists of lines have no stated length. The rest is read, or refused with its line.
 #[test]
 fn truncated_line_lists_are_read_to_their_end() {
     let obj = fs::read(project("tests/scenes/coarse-ball.obj")).unwrap();
@@ -89,7 +89,7 @@ fn truncated_line_lists_are_read_to_their_end() {
     }
 }
 
-/// Pictures: what lies behind the last pixel may be missing, and nothing else.
+/// Images may lack what follows the last pixel, and nothing else.
 #[test]
 fn truncated_images_are_refused() {
     let pixels: Vec<Vec3> = (0..63).map(|i| Vec3::new(i as f32 / 63.0, 0.5, (i * i % 7) as f32 / 7.0)).collect();
@@ -99,7 +99,7 @@ fn truncated_images_are_refused() {
     hdr.extend([128, 64, 32, 129].repeat(4));
     let written =
         |format, depth| encode(format, &image, &WriteOptions { tone, depth, ..WriteOptions::default() }).unwrap().0;
-    // PNG ends with a chunk of twelve bytes that says so, and the last data with a checksum of four.
+    // PNG ends with a chunk of twelve bytes, and the last data with a checksum of four.
     for (file, beyond) in [
         (written(OutputFormat::Png, BitDepth::Eight), 16),
         (written(OutputFormat::Png, BitDepth::Sixteen), 16),

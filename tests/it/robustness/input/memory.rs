@@ -1,12 +1,13 @@
-//! What a limit lets through stays within it.
+//! Accepted input stays within the memory limit.
 
 use super::{Shop, scene};
 use serde_json::Value;
 
-/// The limit \[bytes]; a tenth of a gigabyte, so that what just fits is still quick.
+/// Limit \[bytes]: a tenth of a gigabyte, so that an input that just fits is still quick.
 const LIMIT: u64 = 100_000_000;
 
-/// Renders under the limit; the largest memory of the process, or none where it was refused for the limit.
+/// Renders under the limit and returns the peak memory \[bytes] of the process, `None` if it was
+/// refused for the limit.
 fn peak(shop: &Shop, more: &[&str]) -> Option<u64> {
     let limit = LIMIT.to_string();
     let mut arguments =
@@ -23,13 +24,14 @@ fn peak(shop: &Shop, more: &[&str]) -> Option<u64> {
     stats["peak_memory_bytes"].as_u64()
 }
 
-/// Checks that of growing things, one of each kind known to fit and one not, some fit and stay within the limit, and the last are refused.
+/// Checks inputs of growing size: some fit and stay within the limit, and the last ones are
+/// refused.
 #[track_caller]
 fn within(peaks: &[Option<u64>]) {
     let fit = peaks.iter().take_while(|peak| peak.is_some()).count();
     assert!(fit > 0 && fit < peaks.len() && peaks[fit..].iter().all(Option::is_none), "{peaks:?}");
     assert!(peaks.iter().flatten().all(|peak| *peak <= LIMIT), "{peaks:?}");
-    // A limit that refuses what takes a third of it would be no use.
+    // A limit that refuses what takes a third of it would be useless.
     assert!(peaks[fit - 1].is_some_and(|peak| peak > LIMIT / 3), "{peaks:?}");
 }
 
@@ -59,7 +61,7 @@ fn accepted_images_stay_within_memory_limit() {
     within(&sizes.map(|size| peak(&shop, &[&flags[..], &[size]].concat())));
 }
 
-/// Waves of n × n squares, cut into triangles.
+/// Returns a mesh of n × n squares in waves, cut into triangles.
 fn waves(n: u32, ply: bool) -> Vec<u8> {
     let points = (0..=n).flat_map(|y| (0..=n).map(move |x| (x, y)));
     let places: Vec<[f32; 3]> = points
@@ -109,7 +111,8 @@ fn accepted_meshes_stay_within_memory_limit() {
     }
 }
 
-/// Patches so crumpled that they are cut as finely as any: few numbers in the file, and much memory.
+/// Patches so crumpled that they are subdivided to the finest level: few numbers in the file, and
+/// much memory.
 #[test]
 fn accepted_patches_stay_within_memory_limit() {
     let shop = Shop::new();
@@ -128,7 +131,8 @@ fn accepted_patches_stay_within_memory_limit() {
 fn accepted_textures_and_environments_stay_within_memory_limit() {
     let shop = Shop::new();
     let noise = |i: u32| glam::Vec3::splat((i.wrapping_mul(2_654_435_761) >> 8) as f32 / 16_777_216.0);
-    // The file itself is in memory too while it is read, and noise does not shrink; what is refused is so for its size alone.
+    // The file itself is in memory while it is read, and noise does not compress. The refused ones
+    // are refused for their size alone.
     for (format, fits) in [(caustica::image::OutputFormat::Png, 1250), (caustica::image::OutputFormat::Exr, 1100)] {
         let files = [(fits, 1.0), (1400_u32, 0.0)].map(|(n, strength)| {
             let pixels = (0..n * n).map(|i| noise(i) * strength).collect();

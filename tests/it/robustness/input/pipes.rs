@@ -1,10 +1,10 @@
-//! Pipes that nobody writes to and devices that never end, where files are named: refused, not waited for.
+//! Named pipes without a writer and endless devices are refused, not waited for.
 
 use super::{Shop, scene};
 use std::process::{Command, Output};
 use std::time::{Duration, Instant};
 
-/// As [`Shop::run`], but what waits is ended after ten seconds, with code 124.
+/// Runs the program like [`Shop::run`], but ends it after ten seconds with code 124.
 fn run(shop: &Shop, arguments: &[&str]) -> Output {
     let mut shell = Command::new("sh");
     shell.args(["-c", "ulimit -v 2000000 && exec timeout 10 \"$0\" \"$@\"", env!("CARGO_BIN_EXE_caustica")]);
@@ -41,7 +41,7 @@ fn endless_files_are_refused_at_once() {
         let told = told.split_whitespace().collect::<Vec<_>>().join(" ");
         assert_eq!(ended.status.code(), Some(1), "{arguments:?}: {told}");
         words.iter().for_each(|word| assert!(told.contains(word), "{arguments:?}: `{word}` is not in: {told}"));
-        // Milliseconds, on a busy machine some hundred.
+        // A run takes milliseconds, or some hundred on a busy machine.
         assert!(start.elapsed() < Duration::from_secs(5), "{arguments:?}");
     }
 }

@@ -1,4 +1,6 @@
-//! What the fuzz targets do with bytes, and what the replayed corpus does: each ends with a result or a typed error.
+//! Reads bytes with each of the program's readers; each ends with a result or a typed error.
+//!
+//! Fuzz targets and the corpus replay share these functions.
 
 use caustica::format::description::{Density, Description};
 use caustica::format::{Source, grid, mesh, mtl, parse, parse_bytes, resolve};
@@ -10,20 +12,20 @@ use caustica::texture::{Picture, Wrap};
 use glam::Vec3;
 use std::path::Path;
 
-/// Memory that pictures, meshes and grids may take \[bytes]: a small file may tell of a large one.
+/// Memory limit \[bytes] of images, meshes and grids: a small file may describe a large one.
 const FREE: Option<u64> = Some(1 << 28);
 
-/// Cells of a cloud beyond which making it takes longer than what is sought here.
+/// Largest resolution of a cloud that is built. Larger ones take too long.
 const CLOUD: u32 = 24;
 
-/// Where no file is.
+/// A folder that does not exist.
 const NOWHERE: &str = "/nowhere/at/all";
 
 fn described(bytes: &[u8]) -> Option<Description> {
     match parse_bytes("fuzz.txt", bytes) {
         Ok(description) => Some(description),
         Err(error) => {
-            // A place beyond the text would fail here.
+            // Computing the message checks that the error's position lies within the text.
             assert!(
                 !error.to_string().is_empty() && !error.remedy().is_empty() && error.text().len() <= bytes.len() * 3
             );
@@ -41,7 +43,7 @@ fn resolved(description: &Description, bytes: &[u8]) -> Option<Scene> {
     resolve(description, &source, Path::new(NOWHERE)).inspect_err(|e| assert!(!e.remedy().is_empty())).ok()
 }
 
-/// The scene language: what is read prints, what is printed reads back as the same; then it is resolved without files.
+/// Checks that a parsed scene prints and parses back equal, then resolves it without files.
 pub fn scene(bytes: &[u8]) {
     let Some(description) = described(bytes) else { return };
     let printed = description.to_string();
@@ -50,7 +52,8 @@ pub fn scene(bytes: &[u8]) {
     resolved(&description, bytes);
 }
 
-/// A scene that is read and rendered in 2 × 2 pixels: every one is finite. Paths need no pilots, which would take a second a scene.
+/// Renders a scene in 2 × 2 pixels and checks that each is finite. `path` needs no pilot, which
+/// would take a second per scene.
 pub fn render(bytes: &[u8]) {
     let Some(mut description) = described(bytes) else { return };
     (description.camera.value.width, description.camera.value.height) = (2, 2);
@@ -61,12 +64,12 @@ pub fn render(bytes: &[u8]) {
     assert!(pass.image.iter().all(|pixel| pixel.is_finite()), "{:?}", pass.image);
 }
 
-/// A mesh as OBJ.
+/// Reads a mesh as OBJ.
 pub fn obj(bytes: &[u8]) {
     loaded("fuzz.obj", bytes);
 }
 
-/// A mesh as PLY.
+/// Reads a mesh as PLY.
 pub fn ply(bytes: &[u8]) {
     loaded("fuzz.ply", bytes);
 }
@@ -90,7 +93,7 @@ fn loaded(name: &str, bytes: &[u8]) {
     }
 }
 
-/// Materials as MTL.
+/// Reads materials as MTL.
 pub fn mtl(bytes: &[u8]) {
     match mtl::decode(Path::new("fuzz.mtl"), bytes) {
         Ok(materials) => materials.iter().for_each(|material| drop(material.meaning())),
@@ -98,7 +101,7 @@ pub fn mtl(bytes: &[u8]) {
     }
 }
 
-/// Densities on a grid.
+/// Reads a density grid.
 pub fn grid(bytes: &[u8]) {
     match grid::decode(Path::new("fuzz.grid"), bytes.len() as u64, bytes, FREE) {
         Ok(grid) => assert!(grid.values.iter().all(|v| v.is_finite() && *v >= 0.0)),
@@ -106,12 +109,13 @@ pub fn grid(bytes: &[u8]) {
     }
 }
 
-/// A picture as PNG, OpenEXR or Radiance HDR, and the texture and environment that it makes.
+/// Reads an image as PNG, OpenEXR or Radiance HDR, and builds a texture and an environment light
+/// from it.
 pub fn picture(bytes: &[u8]) {
     for meaning in [Meaning::Light, Meaning::Numbers] {
         match decode(Path::new("fuzz.picture"), bytes, meaning, FREE) {
             Ok((image, _)) => {
-                // Large ones take long and show no more.
+                // Large images take long and reveal no more.
                 if image.pixels().len() <= 1 << 16 {
                     let _ = Picture::new(&image, Wrap::Repeat);
                     let _ = EnvironmentLight::new(image, 0.3, Vec3::ONE);

@@ -1,4 +1,4 @@
-//! Ways across a million boundaries of bodies in bodies.
+//! Paths across a million boundaries of nested bodies.
 
 use crate::support::image;
 use caustica::camera::Camera;
@@ -12,32 +12,34 @@ use caustica::shape::{Rectangle, Shape};
 use glam::DVec3;
 use std::time::{Duration, Instant};
 
-/// Bodies around each other, many times what a walk has room to remember.
+/// Number of nested bodies, many times the depth of an interior stack.
 const NEST: u32 = 100;
 
-/// Crossings of the whole nest: 2 · 100 · 5,000 boundaries.
+/// Number of crossings of the whole nest: 2 · 100 · 5,000 boundaries.
 const TURNS: u32 = 5000;
 
-/// Optical depth of all crossings.
+/// Optical depth of all crossings together.
 const DEPTH: f64 = 1.0;
 
-/// What a way of so many boundaries may be off by, as part of the light: in each body σ is rounded to 2⁻²⁴; each crossing of the nest
-/// multiplies once and rounds what it multiplies by, 2·2⁻²⁴; and at each of 200 boundaries a ray starts a few roundings of a
-/// coordinate of 1 late, 8·2⁻²⁴ at most of a way of 2.
+/// Relative error of a path across so many boundaries. In each body σ rounds to 2⁻²⁴. Each crossing
+/// of the nest multiplies once and rounds its factor, 2·2⁻²⁴. At each of 200 boundaries a ray
+/// starts a few roundings of a coordinate of 1 late: at most 8·2⁻²⁴ of a length of 2.
 const ROUNDING: f64 = (DEPTH + 2.0 * 5000.0 + 100.0 * 8.0 * DEPTH) / 16_777_216.0;
 
-/// A rectangle around `center` with these edges.
+/// Returns a rectangle around `center` with these edges.
 fn sheet(center: DVec3, edge0: DVec3, edge1: DVec3) -> Shape {
     Shape::Rectangle(Rectangle::new(center - 0.5 * (edge0 + edge1), edge0, edge1))
 }
 
-/// Half the thickness of body `i`, the outermost first.
+/// Returns half the thickness of body `i`, the outermost first.
 fn half(i: u32) -> f64 {
     0.9 * f64::from(NEST - i) / f64::from(NEST)
 }
 
-/// Absorption of what is in body `i`, and of crossing all of them `turns` times [`DEPTH`]: no two neighbours are alike, so that a walk that
-/// takes one for another is found out.
+/// Returns the absorption coefficient in body `i`; crossing all bodies `turns` times has depth
+/// [`DEPTH`].
+///
+/// Neighbours differ, so that confusing two bodies is detected.
 fn sigma(i: u32, turns: u32) -> f64 {
     let uneven = |i: u32| 1.0 + f64::from(i % 7);
     let thickness = |i: u32| 2.0 * (half(i) - if i + 1 < NEST { half(i + 1) } else { 0.0 });
@@ -45,16 +47,16 @@ fn sigma(i: u32, turns: u32) -> f64 {
     uneven(i) / total * DEPTH / f64::from(turns)
 }
 
-/// What fills the bodies.
+/// How the bodies absorb.
 #[derive(Clone, Copy, Debug)]
 enum Filled {
-    /// Media.
+    /// By media inside them.
     Media,
-    /// The bodies themselves absorb.
+    /// By the bodies' own absorption.
     Bodies,
 }
 
-/// Slabs in slabs across the x axis, which light enters and leaves without noticing.
+/// Adds nested slabs across the x axis with index-matched boundaries.
 fn nest(b: &mut SceneBuilder, filled: Filled, turns: u32) {
     let (y, z) = (DVec3::Y * 400.0, DVec3::Z * 400.0);
     for i in 0..NEST {
@@ -71,7 +73,7 @@ fn nest(b: &mut SceneBuilder, filled: Filled, turns: u32) {
     }
 }
 
-/// A camera on the x axis that looks along it through one pixel.
+/// Returns a camera on the x axis that looks along it through one pixel.
 fn along_x() -> Camera {
     Camera::orthographic(-0.95 * DVec3::X, DVec3::X, DVec3::Z, 1e-3, 1, 1).unwrap()
 }
@@ -81,8 +83,9 @@ fn settings(max_bounces: u32) -> Settings {
     Settings { eye, balance: false, ..Settings::default() }
 }
 
-/// Back and forth between two mirrors, the farther of which shines with radiance 1: Σ exp(−(2k + 1)τ) over its 2,500 encounters, where τ is the
-/// depth of a crossing. The sum adds as many roundings of 2⁻²⁴ of itself as it has terms.
+/// Back and forth between two mirrors, the farther of which emits radiance 1: Σ exp(−(2k + 1)τ)
+/// over 2,500 hits, with τ the depth of a crossing. The sum adds one rounding of 2⁻²⁴ of itself per
+/// term.
 #[test]
 fn camera_ray_obeys_beer_over_million_boundaries() {
     let tau = DEPTH / f64::from(TURNS);
@@ -98,14 +101,15 @@ fn camera_ray_obeys_beer_over_million_boundaries() {
         let scene = b.build(along_x()).unwrap();
         let begun = Instant::now();
         let image = image(&*Algorithm::Path.prepare(&scene, settings(TURNS - 1)), 0);
-        // Half a second here.
+        // Takes half a second on an idle machine.
         assert!(begun.elapsed() < Duration::from_secs(60));
         (f64::from(image[0].y) / expected - 1.0).abs()
     });
     assert!(off.iter().all(|off| *off < slack), "media, bodies: {off:?}, may be {slack}");
 }
 
-/// The same way for photons of a spot of half angle 10⁻³, which lengthens it by less than 10⁻⁶: what is left when their bounces are over.
+/// The same path for photons of a spotlight of half angle 10⁻³, which lengthens it by less than
+/// 10⁻⁶. Compared is the flux after the last bounce.
 #[test]
 fn photons_obey_beer_over_million_boundaries() {
     let off = [Filled::Media, Filled::Bodies].map(|filled| {
@@ -123,14 +127,15 @@ fn photons_obey_beer_over_million_boundaries() {
         let audit = pass.trace(Key::new(3).purpose(Purpose::Test), 2, &|_| {}).audit;
         let left = audit.stopped[1] / audit.emitted[1];
         let booked = (audit.absorbed[1] + audit.stopped[1] + audit.roulette[1]) / audit.emitted[1];
-        // Five thousand differences of single precision.
+        // Five thousand differences in single precision.
         assert!((booked - 1.0).abs() < 5000.0 / 16_777_216.0 && audit.escaped == [0.0; 3], "{audit:?}");
         (left / libm::exp(-DEPTH) - 1.0).abs()
     });
     assert!(off.iter().all(|off| *off < ROUNDING + 1e-6), "media, bodies: {off:?}, may be {ROUNDING}");
 }
 
-/// A shadow ray through 200 boundaries from a floor to parallel light: e^{−depth}, though walks have room for twelve bodies.
+/// A shadow ray through 200 boundaries from a floor to a directional light transmits e^{−depth},
+/// though an interior stack holds twelve bodies.
 #[test]
 fn shadow_rays_cross_more_bodies_than_stack_holds() {
     for filled in [Filled::Media, Filled::Bodies] {
@@ -144,7 +149,7 @@ fn shadow_rays_cross_more_bodies_than_stack_holds() {
         let scene = b.build(camera).unwrap();
         for algorithm in [Algorithm::Path, Algorithm::Hybrid, Algorithm::Distributed] {
             let found = f64::from(image(&*algorithm.prepare(&scene, settings(10)), 0)[0].y);
-            // As above, of one crossing, with a few operations of shading.
+            // The same bound for one crossing, with a few operations of shading.
             let slack = (DEPTH + 100.0 * 8.0 * DEPTH + 16.0) / 16_777_216.0;
             assert!((found / libm::exp(-DEPTH) - 1.0).abs() < slack, "{filled:?}, {}: {found}", algorithm.name());
         }

@@ -1,4 +1,4 @@
-//! Grids whose cells are no densities.
+//! Grids with invalid density cells.
 
 use caustica::format::SceneFile;
 use caustica::medium::{GridDensity, GridDensityError};
@@ -12,8 +12,9 @@ Materials { Clear air { medium fog } }
 Group { MaterialName air Sphere { center 0 0 0 radius 1 } }
 ";
 
-/// A cell below 0 or not finite is refused with its place, wherever in the grid it stands: by fields made in code, and by a scene that names
-/// the file, which points at the name and says what to do.
+/// A negative or non-finite cell is refused with its index, wherever it stands in the grid. A field
+/// built in code names the cell; a scene that names the file points at the file name and says what
+/// to do.
 #[test]
 fn invalid_density_cells_are_refused_with_index() {
     let folder = tempfile::tempdir().unwrap();

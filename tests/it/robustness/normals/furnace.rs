@@ -1,4 +1,4 @@
-//! Energy: where all that surrounds a thing sends radiance 1, nothing that is shaded sends more.
+//! Energy: in surroundings of radiance 1 nothing shaded is brighter than 1.
 
 use crate::support::{mean_and_error, pixels, scene, student};
 use caustica::color::Rgb;
@@ -6,7 +6,7 @@ use caustica::integrate::{Algorithm, EyeSettings, Settings};
 use caustica::scene::Scene;
 use rayon::prelude::*;
 
-/// A thing under an even sky, of every lossless material.
+/// Builds an object of a lossless material under a uniform sky.
 fn furnace(object: &str, relief: &str, material: &str, view: &str) -> Scene {
     scene(&format!(
         "PerspectiveCamera {{ {view}  up 0 0 1  width {SIDE}  height {SIDE} }}
@@ -29,18 +29,20 @@ const SIDE: usize = 8;
 const BALL: &str = "TriangleMesh { obj_file coarse-ball.obj }";
 const FLOOR: &str = "Rectangle { corner -50 0 -50  edge0 0 0 100  edge1 100 0 0 }";
 const AROUND: &str = "center 0 3 0  direction 0 -1 0  angle 45";
-/// Along the floor, by 1 to 6° to it.
+/// A view along the floor, at 1 to 6° to it.
 const GRAZING: &str = "center -3 .2 0  direction 1 -.06 0  angle 5";
 
-/// In no algorithm is the mean of a picture above 1. At most is an albedo of 1 in a sky of 1, so the mean of all passes may be above only by
-/// chance: Student's test over passes, one false alarm in 10⁶ each.
+/// No integrator's mean exceeds 1. The limit is an albedo of 1 under a sky of 1, so the mean of all
+/// passes exceeds it only by chance: Student's test over passes, with a false-alarm rate of 10⁻⁶
+/// each.
 #[test]
 fn shading_normals_never_exceed_furnace() {
     let mut cases = Vec::new();
     for material in ["Diffuse", "Phong", "Mirror", "Conductor", "Dielectric", "Thin"] {
         for (object, view) in [(BALL, AROUND), (FLOOR, GRAZING)] {
             for relief in ["", "bump lumps  bumpHeight .3", "bump lumps  bumpHeight 30", "normalMap down"] {
-                // A plane without relief has one normal; a normal map wants coordinates, which the ball has not.
+                // A plane without a bump map has one normal. A normal map needs texture
+                // coordinates, which the ball lacks.
                 if (object == FLOOR) != relief.is_empty() && !(object == BALL && relief == "normalMap down")
                     || (object == BALL && relief == "bump lumps  bumpHeight .3")
                 {
@@ -76,7 +78,8 @@ fn shading_normals_never_exceed_furnace() {
                 let means: Vec<f64> = all.chunks(SIDE * SIDE).map(mean).collect();
                 mean_and_error(&means)
             };
-            // The whole, and the farthest and nearest rows, of which those of the floor are the flattest and the steepest.
+            // The whole image, and its farthest and nearest rows, where the floor's angles are
+            // extreme.
             for (part, sharp) in [(of(|_| true), 0.005), (of(|row| row < 2), 0.015), (of(|row| row >= SIDE - 2), 0.015)]
             {
                 let (mean, error) = part;

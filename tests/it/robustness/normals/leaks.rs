@@ -1,4 +1,4 @@
-//! No light through the back, whatever shading normals say.
+//! Shading normals let no light through the back of a surface.
 
 use crate::support::{key, pixels, scene};
 use caustica::integrate::{Algorithm, EyeSettings, Settings};
@@ -7,7 +7,7 @@ use caustica::photon::{Photon, PhotonPass, PhotonSource, StoreMask};
 use caustica::sampling::Dimension;
 use caustica::scene::{Effects, RayCone, Scene};
 
-/// All opaque kinds; `{relief}` is what tilts their normals.
+/// Returns every opaque material; `{relief}` stands for what perturbs its normals.
 fn materials(relief: &str) -> String {
     format!(
         "Textures {{ Noise lumps {{ frequency 9  octaves 3 }}  Checker down {{ color0 1 .5 0  color1 1 .5 0 }}  Checker aside {{ color0 1 .5 .5  color1 1 .5 .5 }} }}
@@ -28,7 +28,8 @@ fn settings() -> Settings {
     Settings { photons: 2000, caustic_photons: 2000, radius: Some(0.2), balance: false, eye, ..Settings::default() }
 }
 
-/// Every pixel is 0 in all algorithms that know shadows, and no photon gets in; but the same scene is lit for a camera outside.
+/// Checks that every pixel is 0 in all integrators with shadows and that no photon gets in, while
+/// the scene is lit for a camera outside.
 fn dark(inside: &Scene, what: &str) {
     for algorithm in Algorithm::ALL.into_iter().filter(|a| *a != Algorithm::Raycast) {
         let image = pixels(inside, algorithm, settings(), 2);
@@ -37,7 +38,8 @@ fn dark(inside: &Scene, what: &str) {
     }
 }
 
-/// From inside of a closed ball of flat faces that is shaded as round, under a sky and a lamp: night.
+/// Inside a closed ball of flat faces with smooth shading normals, under a sky and a light,
+/// everything is black.
 #[test]
 fn coarse_ball_is_dark_inside() {
     for kind in KINDS {
@@ -62,14 +64,15 @@ fn coarse_ball_is_dark_inside() {
             let source = PhotonSource::everywhere(&inside).unwrap();
             let pass = PhotonPass { scene: &inside, source: &source, mask: StoreMask::ALL, max_bounces: 20 };
             let traced = pass.trace(key(70), 1 << 14, &|_| {});
-            // A photon knows on which side it landed: outwards is away from the middle of the ball.
+            // A photon stores the side it landed on. Outwards is away from the ball's center.
             let outwards = |p: &Photon| p.data.normal().dot(p.position + inside.middle().as_vec3()) > 0.0;
             assert!(traced.photons.iter().all(outwards), "{kind}: photons inside");
         }
     }
 }
 
-/// Behind a wall whose relief would tilt normals below the horizon: night too. Normals never do that, and lean where they are told.
+/// Behind a wall whose bump map would tilt normals below the horizon everything is black too.
+/// Normals never tilt that far.
 #[test]
 fn bumps_below_horizon_leak_no_light() {
     for relief in ["bump lumps  bumpHeight 1000", "bump lumps  bumpHeight -1e9", "normalMap down", "normalMap aside"] {
@@ -93,7 +96,8 @@ fn bumps_below_horizon_leak_no_light() {
                 assert!((point.ns.length() - 1.0).abs() < 1e-6);
                 least = least.min(point.ns.dot(point.ng));
             }
-            // 0.05, that is 87.1°, is where the tilt ends; the steepest of these reliefs get there.
+            // The tilt ends at a cosine of 0.05, that is 87.1°. The steepest of these maps reach
+            // it.
             assert!((0.0499..0.2).contains(&least), "{kind} {relief}: {least}");
         }
     }

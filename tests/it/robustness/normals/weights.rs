@@ -1,6 +1,7 @@
-//! What shading normals do to the weights of photons: Veach's factor has no bound, but a mean, and a tail that is known.
+//! Weights of photons under shading normals. Veach's correction factor is unbounded, but has a
+//! known mean and tail.
 //!
-//! For light that comes alike from everywhere, photons arrive at a surface as the cosine to its geometric normal says.
+//! For uniform incident light, photons arrive in proportion to the cosine to the geometric normal.
 
 use crate::support::{key, midpoint, scene};
 use caustica::bsdf::{Bsdf, Conductor, Dielectric, Phong, Thin, Transport, deposit_factor};
@@ -11,15 +12,16 @@ use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 use std::f64::consts::FRAC_PI_2;
 
-/// Weights above it are left out of sums, so that these have a variance: what that takes from a mean is bounded beside each.
+/// Largest weight that counts in sums, so that they have a variance. The effect on a mean is
+/// bounded beside each test.
 const MOST: f64 = 100.0;
 
-/// Two-sided quantile of the normal distribution for one false alarm in 10⁶.
+/// Two-sided quantile of the normal distribution for a false-alarm rate of 10⁻⁶.
 const Z: f64 = 4.9;
 
 const N: u64 = 1 << 18;
 
-/// Photons as they arrive: directions to where they came from.
+/// Returns the direction that a photon comes from, distributed as photons arrive.
 fn arrival(key: Key) -> Vec3 {
     Frame::around(Vec3::Z).to_world(warp::cosine_hemisphere(key.uniform_2d(Dimension::LightDirection)))
 }
@@ -29,7 +31,7 @@ fn tilted(degrees: f32) -> Vec3 {
     Vec3::new(0.6 * sin, 0.8 * sin, cos)
 }
 
-/// Mean of numbers up to [`MOST`], and [`Z`] standard errors.
+/// Returns the mean of values up to [`MOST`], and [`Z`] standard errors of it.
 fn mean(values: impl ParallelIterator<Item = f64>) -> (f64, f64) {
     let zero = || (0.0, 0.0);
     let add = |(s, q): (f64, f64), (t, r): (f64, f64)| (s + t, q + r);
@@ -38,11 +40,13 @@ fn mean(values: impl ParallelIterator<Item = f64>) -> (f64, f64) {
     (mean, Z * ((square - mean * mean).max(0.0) / N as f64).sqrt())
 }
 
-/// Flux that lands is kept: the mean over arrivals of |w·ns|/|w·ng| is ∫|w·ns| dω/π over the upper half space, (1 + c)/2 from where the
-/// normals agree and (1 − c)/2 from where they do not, c their cosine and s their sine.
+/// Landed flux is conserved. The mean over arrivals of |w·ns|/|w·ng| is ∫|w·ns| dω/π over the upper
+/// hemisphere: (1 + c)/2 from where the normals agree and (1 − c)/2 from where they do not. c is
+/// their cosine, s their sine.
 ///
-/// Of a direction the slope along one axis is beyond a with P = ½(1 − a/√(1 + a²)), and the factor is |c + s·slope|: so many are beyond x
-/// by P((x − c)/s) + P((x + c)/s). As P(a) < 1/4a², that is below s²/(x − c)², and so is its integral from x on below s²/(x − c).
+/// The slope of a direction along one axis exceeds a with P = ½(1 − a/√(1 + a²)), and the factor is
+/// |c + s·slope|. So the factor exceeds x with probability P((x − c)/s) + P((x + c)/s). As P(a) <
+/// 1/4a², that is below s²/(x − c)², and its integral from x on is below s²/(x − c).
 #[test]
 fn photon_weights_conserve_flux_with_bounded_tail() {
     for degrees in [5.0, 37.0, 70.0, 87.0] {
@@ -56,18 +60,20 @@ fn photon_weights_conserve_flux_with_bounded_tail() {
             let beyond_slope = |a: f64| 0.5 * (1.0 - a / (1.0 + a * a).sqrt());
             let expected = N as f64 * (beyond_slope((x - c) / s) + beyond_slope((x + c) / s));
             let beyond = (0..N).into_par_iter().filter(|i| factor(*i) > x).count() as f64;
-            // Poisson's, whose tail at few counts is longer than the normal one.
+            // The Poisson tail at low counts is longer than the normal one.
             let noise = Z * expected.sqrt() + 10.0;
             assert!((beyond - expected).abs() <= noise, "{degrees}°: {beyond} beyond {x}, {expected}");
         }
     }
 }
 
-/// A matt surface of albedo 1: arriving and leaving each have the mean (1 + c)/2 of the directions on which normals agree.
+/// A diffuse surface of albedo 1: arriving and leaving directions each have the mean (1 + c)/2 of
+/// the directions on which normals agree.
 ///
-/// Both factors are c + s·slope where that is above 0, else 0, of slopes that know nothing of each other: the numbers up to [`MOST`] have the
-/// mean E[a G(MOST/a)], where G(z), the integral of P(b > x) up to z, is ½(z + 1 − √(s² + (z − c)²)); with slope = tanφ it is an
-/// integral of ½ cosφ dφ. Factors are rounded some ten times in single precision.
+/// Both factors are max(c + s·slope, 0) of independent slopes. The products up to [`MOST`] have the
+/// mean E[a G(MOST/a)]. G(z), the integral of P(b > x) up to z, is ½(z + 1 − √(s² + (z − c)²)).
+/// With slope = tanφ this is an integral of ½ cosφ dφ. Factors round some ten times in single
+/// precision.
 #[test]
 fn diffuse_scatters_where_both_normals_agree() {
     for degrees in [5.0, 37.0, 70.0] {
@@ -78,9 +84,11 @@ fn diffuse_scatters_where_both_normals_agree() {
             let flux = 0.5 * (c * libm::cos(phi) + s * libm::sin(phi));
             flux * up_to(MOST * libm::cos(phi) * 0.5 / flux)
         };
-        // Bends over a radian are a few hundred at most, where what is drawn crosses the bound: an error of 10⁻⁷.
+        // Second derivatives are a few hundred at most, where samples cross the bound: an error of
+        // 10⁻⁷.
         let expected = midpoint(-libm::atan(c / s), FRAC_PI_2, 20_000, part);
-        // What arrives from beyond the shading horizon meets the normal from behind, which then looks away: (1 − c)/2 of each.
+        // Light from beyond the shading horizon hits the normal from behind, and the normal is
+        // flipped: (1 − c)/2 of each.
         let (agreeing, error) = mean((0..N).into_par_iter().map(|i| {
             let wo = arrival(key(61).with(i));
             if wo.dot(ns) > 0.0 { scattered(&Bsdf::Diffuse(Vec3::ONE), wo, ns, i, Transport::Importance) } else { 0.0 }
@@ -90,7 +98,7 @@ fn diffuse_scatters_where_both_normals_agree() {
     }
 }
 
-/// What is left of a photon that arrives from `wo`.
+/// Returns the remaining weight of a photon that arrives from `wo`.
 fn scattered(bsdf: &Bsdf, wo: Vec3, ns: Vec3, i: u64, transport: Transport) -> f64 {
     let key = key(62).with(i);
     let (lobe, u) = (key.uniform(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
@@ -118,20 +126,26 @@ fn lossless() -> Vec<(Bsdf, bool)> {
     ]
 }
 
-/// The most that leaves of what arrives from inside of glass of index 1.5 under normals of cosine `c`: who looks from outside sees the same
-/// share of the inside in all directions on which normals agree, (1 + c)/2 of them by flux, of which the directions inside that lead there
-/// have the part c. That is T(1 − c)/2n² more. Directions that ns would send into the surface leave by ng: they are the (1 − c)/2 on which
-/// normals do not agree outside, seen from inside, where their cosine to ns is above √(1 − n⁻²).
+/// Returns the largest mean weight of light that leaves glass of index 1.5 under normals of cosine
+/// `c`.
+///
+/// From outside, all directions on which normals agree, (1 + c)/2 of them by flux, see the same
+/// fraction of the inside. The inner directions that lead there are the fraction c of these. That
+/// is T(1 − c)/2n² more. Directions that ns would send into the surface leave by ng. They are the
+/// (1 − c)/2 on which normals disagree outside, seen from inside, where their cosine to ns is above
+/// √(1 − n⁻²).
 fn out_of_glass(c: f64) -> f64 {
     let n2 = 1.5 * 1.5;
     1.0 + 0.5 * (1.0 - c) / n2 * (1.0 + 1.0 / (1.0 - 1.0 / n2).sqrt())
 }
 
-/// Nothing scatters more than arrives, in the mean over light from everywhere. A mirror, and all that sends light straight on, loses
-/// nothing either: mirroring about ns keeps solid angles, and where that would dive below the surface, it is mirrored about ng. The exception
-/// is light out of glass: see [`out_of_glass`].
+/// No surface scatters more than it receives, in the mean over uniform incident light. A mirror and
+/// a straight transmitter lose nothing either: reflection about ns keeps solid angles, and a
+/// direction below the surface is reflected about ng instead. The exception is light that leaves
+/// glass: see [`out_of_glass`].
 ///
-/// Factors of mirrors are |wi·ng|/|wo·ng|, beyond x with P ≤ P(cosine < 1/x) = 1/x²; the mean beyond 100 is below 1/50.
+/// Factors of mirrors are |wi·ng|/|wo·ng|. They exceed x with P ≤ P(cosine < 1/x) = 1/x², so the
+/// mean beyond 100 is below 1/50.
 #[test]
 fn no_surface_reflects_more_than_it_receives() {
     for (bsdf, keeps) in lossless() {
@@ -153,8 +167,9 @@ fn no_surface_reflects_more_than_it_receives() {
     }
 }
 
-/// Photons of a sky on a ball of twenty flat faces that is shaded as round: their factor has the mean 1, since flux is kept whatever the
-/// normals; so the flux that is stored is what arrives, πL times the area. No normal is more than 37.4° off its face.
+/// Photons of a sky on a ball of twenty flat faces with smooth shading normals. Their factor has
+/// the mean 1, since flux is conserved whatever the normals. So the stored flux is the arriving
+/// flux, πL times the area. No normal is more than 37.4° off its face.
 #[test]
 fn coarse_ball_flux_matches_its_faces() {
     const L: f64 = 2.0;
@@ -179,10 +194,10 @@ fn coarse_ball_flux_matches_its_faces() {
             t.photons.iter().map(|p| flux(p).min(MOST * each)).sum()
         })
         .collect();
-    // The photons' hue is rounded by 10⁻⁵, and the cut takes s²/99 at most.
+    // A photon's hue rounds by 10⁻⁵, and the cut-off removes s²/99 at most.
     let slack = expected * (s2 / (MOST - 1.0) + 3e-5);
     crate::support::agree("flux on a coarse ball", &samples, expected, slack, 0.01);
-    // Of all that landed, so many have a factor beyond x.
+    // Compares the number of photons whose factor exceeds x.
     let landed: usize = traced.iter().map(|t| t.photons.len()).sum();
     for x in [3.0, 10.0, 30.0] {
         let each = traced[0].audit.emitted[0] / traced[0].paths as f64;
@@ -193,7 +208,7 @@ fn coarse_ball_flux_matches_its_faces() {
     assert!(landed > 100_000);
 }
 
-/// At every grazing angle that numbers can hold, factors are numbers.
+/// Factors are finite at every representable grazing angle.
 #[test]
 fn grazing_factors_are_finite() {
     let ns = tilted(60.0);
@@ -204,7 +219,7 @@ fn grazing_factors_are_finite() {
         for (bsdf, _) in lossless() {
             for i in 0..64 {
                 for n in [ns, -ns + 2.0 * ns.z * Vec3::Z] {
-                    // A photon of 1 W, whose weight must not be infinite where directions are rounded to 2⁻²⁴.
+                    // A photon of 1 W must have a finite weight where directions round to 2⁻²⁴.
                     if z > 1e-37 {
                         scattered(&bsdf, wo, n, i, Transport::Importance);
                     }

@@ -1,4 +1,4 @@
-//! All photons at one point: the focus of a parabola.
+//! All photons at one point: the focus of a parabolic mirror.
 
 use super::{HUE, WITH_PHOTONS, finite, flat_camera, rendered, settings};
 use crate::support::{image, mean_and_error};
@@ -18,14 +18,15 @@ const IRRADIANCE: f64 = 2.0;
 const REFLECTANCE: f64 = 0.8;
 const TARGET: f64 = 0.01;
 
-/// Width of a pixel at the focus, of which the corners of four lie there.
+/// Width of a pixel at the focus. The corners of four pixels lie there.
 const PIXEL: f64 = 0.001;
 
-/// Pixels of an edge of a picture.
+/// Pixels per edge of the image.
 const PIXELS: u32 = 16;
 
-/// A mirror y = (x² + z²)/4 up to x² + z² = 1 under parallel light that falls, and a matt disc around its focus at y = 1 that faces it, seen in
-/// so many pixels by as many.
+/// Builds a mirror y = (x² + z²)/4 up to x² + z² = 1 under collimated light from above.
+///
+/// A diffuse disc faces the mirror around its focus at y = 1, seen in `pixels` × `pixels`.
 fn parabola(pixels: u32) -> Scene {
     let mut b = SceneBuilder::new();
     let mirror = b.material(Material::mirror(Rgb::splat(REFLECTANCE as f32)));
@@ -38,13 +39,13 @@ fn parabola(pixels: u32) -> Scene {
     b.build(flat_camera(DVec3::Y * 0.9, DVec3::Y, PIXEL * f64::from(pixels), pixels)).unwrap()
 }
 
-/// What arrives: the light of the mirror's area, less the shadow of the target.
+/// Returns the arriving flux: the light on the mirror's area, less the target's shadow.
 fn flux() -> f64 {
     IRRADIANCE * REFLECTANCE * PI * (1.0 - TARGET * TARGET)
 }
 
-/// Of a million photons each lies within 10⁻⁵ of the focus: rounding of directions and of places near 1, over ways of 2, times a
-/// few. Their flux is area × irradiance × reflectance.
+/// A million photons each land within 10⁻⁵ of the focus. That is a few roundings of directions and
+/// of positions near 1, over distances of 2. Their flux is area × irradiance × reflectance.
 #[test]
 fn photons_converge_at_focus() {
     let scene = parabola(PIXELS);
@@ -62,18 +63,21 @@ fn photons_converge_at_focus() {
         })
         .collect();
     let (mean, error) = mean_and_error(&samples);
-    // Eight passes: Student's t of 7 degrees is beyond 9 once in 20,000 times.
+    // Eight passes: Student's t with 7 degrees of freedom exceeds 9 once in 20,000 times.
     assert!((mean - flux()).abs() < 9.0 * error + HUE * flux(), "{mean} ± {error}, {}", flux());
     assert!(error < 3e-3 * mean, "{error}");
     assert!(begun.elapsed() < Duration::from_secs(60));
 }
 
-/// By default settings pictures of the focus are finite, whatever looks at the photons, and show the light: ρ/π Φ over the area that is
-/// seen, as the disc of the estimate, a part of a pixel, lies within it.
+/// With default settings, images of the focus are finite for every integrator and show all the
+/// light: ρ/π Φ over the visible area, if the estimate's disc, a fraction of a pixel, lies within
+/// it.
 ///
-/// What is noisy is how many rays meet that disc, which is narrower than a pixel: photons all lie in one place and have one flux. So
-/// a few pixels of the same size and few photons do, in renders of few passes, as discs shrink from pass to pass, with the radius that
-/// one pilot found. Sixteen renders: t of 15 degrees is beyond 6.5 once in 100,000 times, which is a fifth of the light at most.
+/// All photons lie at one point and have equal flux. The noise is the number of rays that hit the
+/// disc, which is narrower than a pixel. So a few pixels of that size and few photons suffice, in
+/// renders of few passes, since discs shrink from pass to pass, with the radius of one pilot.
+/// Sixteen renders: t with 15 degrees of freedom exceeds 6.5 once in 100,000 times, which is a
+/// fifth of the light at most.
 #[test]
 fn image_of_focus_shows_all_flux() {
     let scene = parabola(PIXELS);

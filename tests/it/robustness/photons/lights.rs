@@ -1,4 +1,4 @@
-//! Lights without power, in walls, and in the dark.
+//! Lights of zero power, lights inside walls, and scenes that are black.
 
 use super::{WITH_PHOTONS, finite, flat_camera, rendered, settings, sheet};
 use crate::support::{image, mean_and_error, pixels};
@@ -13,10 +13,11 @@ use glam::{DQuat, DVec3};
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// Algorithms whose light has no bias but that of estimates.
+/// Integrators whose only bias is that of density estimates.
 const ALL: [Algorithm; 5] = [Algorithm::Path, Algorithm::Hybrid, Algorithm::Sppm, Algorithm::Ppm, Algorithm::Pm];
 
-/// A ball on a floor with a glass beside it, lit by points of these powers, each at its place; `None`: there is none at that place.
+/// Builds a ball and a glass on a floor, lit by point lights of these powers; `None` leaves a
+/// position empty.
 fn lit_by(powers: &[Option<f32>]) -> Scene {
     let mut b = SceneBuilder::new();
     let white = b.material(Material::diffuse(Rgb::splat(0.6)));
@@ -34,7 +35,8 @@ fn lit_by(powers: &[Option<f32>]) -> Scene {
     b.build(camera.unwrap()).unwrap()
 }
 
-/// Lights without power among others, first, last and between, change no bit of a picture without them; by themselves they leave it black.
+/// Lights of zero power among others, first, last and between, change no bit of the image. Alone
+/// they leave it black.
 #[test]
 fn zero_power_lights_change_nothing() {
     let (dark, lit) = (Some(0.0), Some(50.0));
@@ -56,14 +58,15 @@ fn zero_power_lights_change_nothing() {
     });
 }
 
-/// Turns that leave what lies in a plane within rounding of it.
+/// Returns rotations that keep a plane's points in the plane up to rounding.
 fn turns() -> impl Iterator<Item = DQuat> {
     let turn = |i: i32| DQuat::from_axis_angle(DVec3::new(1.0, f64::from(i), 0.3).normalize(), 0.7 * f64::from(i));
     (0..12).map(turn)
 }
 
-/// A point light of 1 W in a black floor, and a ceiling 2 wide at a height of 1 whose middle is seen: it shows a sixth of the light, as the
-/// face of a cube would.
+/// Builds a point light of 1 W in a black floor, and a ceiling 2 wide at height 1.
+///
+/// The ceiling's visible center shows a sixth of the light, like the face of a cube.
 fn point_in_the_floor(turn: DQuat, at: DVec3) -> Scene {
     let mut b = SceneBuilder::new();
     let white = b.material(Material::diffuse(Rgb::splat(0.5)));
@@ -76,9 +79,9 @@ fn point_in_the_floor(turn: DQuat, at: DVec3) -> Scene {
     b.build(camera).unwrap()
 }
 
-/// On which side of the floor rounding leaves the light, nobody knows; the ceiling is lit all the same, by photons (a binomial's five sigma
-/// of 2¹⁶ paths: .044) and by shadow rays (4096 of them, one in each part of a picture that varies by a tenth over a pixel: five times
-/// .1/64).
+/// Rounding decides on which side of the floor the light is. The ceiling is lit all the same: by
+/// photons (five sigma of a binomial of 2¹⁶ paths: .044), and by shadow rays (4096 stratified over
+/// an image that varies by a tenth per pixel: five times .1/64).
 #[test]
 fn point_light_in_floor_lights_ceiling() {
     let places = [DVec3::ZERO, DVec3::new(0.1, 0.2, 0.3), DVec3::new(100.1, 0.7, -33.3)];
@@ -96,7 +99,7 @@ fn point_light_in_floor_lights_ceiling() {
     });
 }
 
-/// A lamp in the plane of a black ceiling, facing down, and a floor under it.
+/// Builds an area light in the plane of a black ceiling, facing down, and a floor under it.
 fn lamp_in_the_ceiling(turn: DQuat, first: bool) -> Scene {
     let mut b = SceneBuilder::new();
     let white = b.material(Material::diffuse(Rgb::splat(0.5)));
@@ -114,8 +117,9 @@ fn lamp_in_the_ceiling(turn: DQuat, first: bool) -> Scene {
     b.build(Camera::orthographic(0.5 * y, -y, z, 0.5, 4, 4).unwrap()).unwrap()
 }
 
-/// Whichever of the two was described first, all find the light: those who ask the lamp, and those who meet it by chance, share it. The
-/// midpoint rule with 40 steps is off by 40⁻²/24 of the integrand's bend, below 10⁻⁴; t of 15 degrees is beyond 7 once in 10⁵ times.
+/// Whichever of the two comes first in the description, all integrators find the light: light
+/// sampling and BSDF sampling share it. The midpoint rule with 40 steps is off by 40⁻²/24 of the
+/// second derivative, below 10⁻⁴. t with 15 degrees of freedom exceeds 7 once in 10⁵ times.
 #[test]
 fn area_light_in_ceiling_plane_loses_no_light() {
     // Mean over the patch of 0.5 × 0.5 of ρ/π L ∫ dA/(d²)² with h = 1.
@@ -146,8 +150,8 @@ fn area_light_in_ceiling_plane_loses_no_light() {
     }
 }
 
-/// A point in a black ball, and a lamp a hair's breadth before a black wall: all that is sent out is absorbed, at once; nothing is stored;
-/// what is around is black.
+/// A point light in a black ball, and an area light just before a black wall: all emission is
+/// absorbed at once, nothing is stored, and the surroundings are black.
 #[test]
 fn blocked_lights_emit_no_photons() {
     let mut b = SceneBuilder::new();
@@ -173,7 +177,7 @@ fn blocked_lights_emit_no_photons() {
     }
 }
 
-/// Runs the program on a scene; what it said, where it ended well.
+/// Runs the program on a scene and returns its messages. Fails if it fails.
 fn said(lights_and_things: &str, more: &[&str]) -> String {
     let folder = tempfile::tempdir().unwrap();
     let camera =
@@ -189,7 +193,8 @@ fn said(lights_and_things: &str, more: &[&str]) -> String {
     words
 }
 
-/// A scene that is black, for each of the reasons there are: the program ends, writes the picture and says that it is black and why.
+/// For each cause of a black image the program ends, writes the image, and says that it is black
+/// and why.
 #[test]
 fn black_scenes_terminate_with_report() {
     let ball = "Group { Sphere { center 0 0 0 radius 1 } }\n";
@@ -213,7 +218,7 @@ fn black_scenes_terminate_with_report() {
         for method in ["hybrid", "sppm", "pm", "path"] {
             let words = said(text, &["--photons", "1k", "--caustic-photons", "1k", "--integrator", method]);
             assert!(words.contains(&format!("note: every pixel is black: {reason}")), "{method}: {words}");
-            // The last has glass, so photons are sent out; none escaped from what is shut in.
+            // The last scene has glass, so photons are emitted. None escapes from the enclosure.
             let sent = i == 3 && method != "path";
             assert_eq!(words.contains("no photon stored"), sent, "{method}: {words}");
             assert!(!sent || words.contains(" 0 % left the scene"), "{method}: {words}");

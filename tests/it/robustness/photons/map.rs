@@ -1,4 +1,4 @@
-//! The map by itself: how many photons, and how they lie.
+//! The photon map alone: numbers and layouts of photons.
 
 use super::{HUE, photon, random};
 use caustica::color::Rgb;
@@ -16,8 +16,8 @@ fn estimate(map: &PhotonMap, p: Vec3, radius: f32, k: u32, kernel: Kernel) -> f6
     f64::from(nested.whole.radiance.y)
 }
 
-/// Photons that landed on a wall, asked for from the plane of their places: all of them from their side and nothing from the other, of any
-/// number and by the nearest; nor where the wall that is asked for is square to theirs.
+/// Photons on a wall, estimated from a point in the wall: all count on their side and none on the
+/// other, for any number and for the nearest k. None counts for a perpendicular wall.
 #[test]
 fn photons_count_on_their_side_only() {
     let map = PhotonMap::build((0..10_000).map(|i| photon(random(i) * Vec3::new(1.0, 1.0, 0.0), 1.0)).collect());
@@ -41,7 +41,7 @@ fn photons_count_on_their_side_only() {
     }
 }
 
-/// A kernel at distance `d` by its definition.
+/// Returns a kernel's value at distance `d` by its definition.
 fn kernel_at(kernel: Kernel, d: f64, r: f64) -> f64 {
     let t = d / r;
     let shape = match kernel {
@@ -52,8 +52,8 @@ fn kernel_at(kernel: Kernel, d: f64, r: f64) -> f64 {
     shape / (std::f64::consts::PI * r * r)
 }
 
-/// Nothing gives nothing; fewer photons than k give Σ Φ K over the largest disc, to the rounding of the hue, of distances (10⁻⁶ of
-/// coordinates of .4, in a disc of .5) and of a few operations.
+/// An empty map gives 0. Fewer photons than k give Σ Φ K over the largest disc, up to rounding: of
+/// the hue, of distances (10⁻⁶ of coordinates of .4, in a disc of .5), and of a few operations.
 #[test]
 fn estimates_hold_with_fewer_than_k_photons() {
     let (radius, p) = (0.5f32, Vec3::new(0.1, 0.2, 0.3));
@@ -76,10 +76,11 @@ fn estimates_hold_with_fewer_than_k_photons() {
     }
 }
 
-/// What a focus does: a million photons at a hundred places that are neighbours among single-precision numbers, in turns, and a few
-/// strays which make the extent of the map large. All is found: Φ K(0) of the whole disc, or, where the nearest k are asked for, of
-/// the least disc, of 10⁻⁵ of the distance from the origin. Distances are off by 6.2·10⁻⁷ of that, .062 of the disc
-/// (see `disc_radius_never_falls_below_position_rounding`), which the cone takes off.
+/// A focus: a million photons at a hundred adjacent single-precision positions, in turns, and a few
+/// strays that make the map large. All are found: Φ K(0) of the whole disc. For the nearest k, it
+/// is that of the smallest disc, 10⁻⁵ of the distance from the origin. Distances are off by
+/// 6.2·10⁻⁷ of that distance, .062 of the disc (see
+/// `disc_radius_never_falls_below_position_rounding`). The cone kernel loses that much.
 #[test]
 fn million_photons_at_adjacent_floats_are_found() {
     let n = 1_000_000u64;
@@ -99,15 +100,16 @@ fn million_photons_at_adjacent_floats_are_found() {
             assert!((found / expected - 1.0).abs() < HUE + off, "{kernel:?}, k = {k}: {found:e} {expected:e}");
         }
     }
-    // A second here; leaves that are searched one for all would take n² = 10¹² steps.
+    // Takes a second on an idle machine. Searching each leaf for each photon would take n² = 10¹²
+    // steps.
     assert!(begun.elapsed() < Duration::from_secs(60), "{:?}", begun.elapsed());
 }
 
-/// Where a point of the unit cube is put.
+/// Maps a point of the unit cube to a photon's position.
 type Layout = fn(Vec3) -> Vec3;
 
-/// On an axis plane, on a line and on a curve in a plane, photons are found as a plain scan finds them. The scan's radius is 10⁻⁶ of the
-/// coordinates narrower and wider.
+/// Photons on an axis plane, on a line and on a curve in a plane match a linear scan. The scan's
+/// radius is 10⁻⁶ of the coordinates narrower and wider.
 #[test]
 fn coplanar_and_collinear_photons_are_found() {
     let layouts: [(&str, Layout); 5] = [
@@ -132,7 +134,8 @@ fn coplanar_and_collinear_photons_are_found() {
     });
 }
 
-/// Ten million photons in a ball of a cloud and on a wall: the number that is found in a sample of places is that of a plain scan.
+/// Ten million photons in a ball and on a wall: the numbers found at sample points match a linear
+/// scan.
 #[test]
 fn ten_million_photons_are_estimated_correctly() {
     let n = 10_000_000u64;
@@ -146,16 +149,17 @@ fn ten_million_photons_are_estimated_correctly() {
         let mut found = 0;
         map.visit(p, r, |_, _| found += 1);
         let scan = |r: f32| kept.par_iter().filter(|q| (**q - p).length() <= r).count();
-        // Distances of coordinates up to 1, turned: 10⁻⁶.
+        // Rounding of distances for coordinates up to 1, rotated: 10⁻⁶.
         let (low, high) = (scan(r - 1e-6), scan(r + 1e-6));
         assert!(found >= low && found <= high, "{low} {found} {high}");
         assert!(estimate(&map, p, r, 50, Kernel::Epanechnikov) > 0.0);
     });
 }
 
-/// Two squares, 1 and 10⁻³ wide, with a thousand and a million photons: densities of 10³ and 10¹². The nearest 50 tell both without bias:
-/// relative variance (k + c − 2)/(k − 2) − 1 (truth 28; Epanechnikov: c = 4/3, .0278), of the mean of 36 places that share photons in the
-/// sparse square, where discs of radius √(50/(10³π)) = .126 overlap: as of 4 places. Five sigma.
+/// Two squares, 1 and 10⁻³ wide, with a thousand and a million photons: densities of 10³ and 10¹².
+/// The nearest 50 estimate both without bias. The relative variance is (k + c − 2)/(k − 2) − 1
+/// (Epanechnikov: c = 4/3, .0278). In the sparse square, discs of radius √(50/(10³π)) = .126 around
+/// 36 points overlap, so the mean counts as one of 4 points. Five sigma.
 #[test]
 fn densities_nine_orders_apart_are_estimated() {
     let sparse = (0..1000).map(|i| photon(Vec3::new(1.0, 0.0, 0.0) + random(i) * Vec3::new(1.0, 1.0, 0.0), 1.0));

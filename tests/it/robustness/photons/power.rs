@@ -1,4 +1,4 @@
-//! Powers at the ends of single precision.
+//! Light powers at the limits of single precision.
 
 use super::{HUE, WITH_PHOTONS, finite, flat_camera, rendered, settings, sheet};
 use crate::support::{image, key, mean_and_error};
@@ -15,7 +15,8 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// A room with a lamp, a point and a spot, a glass ball, a mirror and, if wanted, fog: all that light can do, by lights of `scale` W.
+/// Builds a room with an area light, a point light and a spotlight of `scale` W, a glass ball, a
+/// mirror and, if wanted, fog.
 fn room(scale: f32, fog: bool) -> Scene {
     let mut b = SceneBuilder::new();
     let white = b.material(Material::diffuse(Rgb::new(0.7, 0.6, 0.5)));
@@ -44,24 +45,27 @@ fn room(scale: f32, fog: bool) -> Scene {
     b.build(camera).unwrap()
 }
 
-/// All that a gauge tells.
+/// Returns the error estimate and the error maps of a render.
 fn told(rendered: &Rendered) -> (ErrorEstimate, ErrorMaps) {
     let gauge = rendered.estimator.as_ref().unwrap();
     (gauge.estimate(&rendered.film), gauge.maps(&rendered.film))
 }
 
-/// The sums of passes, back from their means: passes are a power of two, so nothing is rounded.
+/// Returns the sums of passes from their means. The number of passes is a power of two, so nothing
+/// rounds.
 fn sums(rendered: &Rendered) -> Vec<DVec3> {
     let passes = f64::from(rendered.film.passes());
     rendered.film.means().map(|mean| mean * passes).collect()
 }
 
-/// 2¹⁰⁰ W, more than 10³⁰: pictures are those of 1 W times that, to the bit, and so are maps of errors; the gauge reads the same.
+/// At 2¹⁰⁰ W, more than 10³⁰, images and error maps are those of 1 W times that factor, bit for
+/// bit, and relative error estimates are equal.
 ///
-/// 2⁻¹⁰⁰ W, less than 10⁻³⁰: what is below 2⁻¹²⁶ loses digits, the more the fainter, but no number loses more than 2⁻¹⁵⁰. An estimate
-/// sums up less than 2¹⁴ products of two such with a kernel of at most 2/(π r²), where r is at least .01: in all 2·2¹⁴·2⁻¹⁵⁰·2¹³ =
-/// 2⁻¹²², and as part of light of 2⁻¹⁰⁰ a radiance of 2⁻²². A reading of pictures whose pixels, of some 2⁻⁵, are off by 2⁻¹⁷ of
-/// themselves, and whose noise is a tenth of them, is off by 2·10·2⁻¹⁷.
+/// At 2⁻¹⁰⁰ W, less than 10⁻³⁰, numbers below 2⁻¹²⁶ lose digits, but none loses more than 2⁻¹⁵⁰. An
+/// estimate adds fewer than 2¹⁴ products of two such with a kernel of at most 2/(π r²), where r is
+/// at least .01. In all that is 2·2¹⁴·2⁻¹⁵⁰·2¹³ = 2⁻¹²², relative to light of 2⁻¹⁰⁰ a radiance of
+/// 2⁻²². Pixels of some 2⁻⁵ are thus off by 2⁻¹⁷ of themselves, and their noise is a tenth of them.
+/// So an error estimate is off by 2·10·2⁻¹⁷.
 #[test]
 fn powers_at_float_limits_render_finitely() {
     let algorithms = WITH_PHOTONS.into_iter().chain([Algorithm::Path]);
@@ -88,7 +92,7 @@ fn powers_at_float_limits_render_finitely() {
                 assert_eq!((pixels, noise, bias), (0.0, 0.0, 0.0), "{what}");
                 assert_eq!(reading, other_reading, "{what}");
             } else {
-                // Sums of four passes; a standard error is off by no more than a pass.
+                // Sums of four passes. A standard error is off by no more than a pass.
                 let most = libm::ldexp(1.0, -22);
                 assert!(pixels < 4.0 * most && noise < most && bias < 40.0 * most, "{what}: {pixels} {noise} {bias}");
                 let ratio = other_reading.error / reading.error - 1.0;
@@ -98,9 +102,10 @@ fn powers_at_float_limits_render_finitely() {
     });
 }
 
-/// The middle of a floor that is lit by a point of 10⁻³⁰, 1 and 10³⁰ W from a height of 1, through a pane that does nothing: ρ/π times the
-/// mean of I/(1 + x²)^{3/2} over a square .2 wide, 1 − 3/2·.2²/6 but for 10⁻⁴, blurred by (r²/12)·6 at r = .05. Sixteen passes: t of
-/// 15 degrees is beyond 7 once in 10⁵ times.
+/// The center of a floor is lit by a point light of 10⁻³⁰, 1 and 10³⁰ W at height 1, through an
+/// index-matched pane. It shows ρ/π times the mean of I/(1 + x²)^{3/2} over a square .2 wide: 1 −
+/// 3/2·.2²/6 up to 10⁻⁴, blurred by (r²/12)·6 at r = .05. Sixteen passes: t with 15 degrees of
+/// freedom exceeds 7 once in 10⁵ times.
 #[test]
 fn point_light_flux_matches_closed_form() {
     for power in [1e-30, 1.0, 1e30] {
@@ -123,8 +128,9 @@ fn point_light_flux_matches_closed_form() {
     }
 }
 
-/// A photon of two lights of 10³⁸ W in each channel, whose sum single precision does not hold, cannot be stored: it is counted, a pass says so,
-/// and so does the program. Photons of a sixteenth each are stored. A light that by itself has more is refused.
+/// A photon of two lights of 10³⁸ W per channel, whose sum overflows single precision, is not
+/// stored but counted; the pass and the program report it. Photons of a sixteenth each are stored.
+/// A single light beyond the range is refused.
 #[test]
 fn photons_beyond_float_range_are_reported() {
     let scene = |powers: &[f32]| {
@@ -145,7 +151,7 @@ fn photons_beyond_float_range_are_reported() {
         (traced.stored(), traced.rejected)
     };
     assert_eq!((told(1), told(16)), ((0, 1), (16, 0)));
-    // Photon maps that are looked at through gather rays store what comes straight from lights.
+    // Photon maps seen by gather rays store direct light.
     let pass = Algorithm::Pm.prepare(&scene, Settings { radius: Some(0.05), ..settings(1, 1) }).pass(0, &Silent);
     assert_eq!(pass.counters.rejected_photons, 1);
 

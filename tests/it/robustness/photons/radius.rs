@@ -1,4 +1,4 @@
-//! Radii at the end of long renders, and narrower than places are known.
+//! Radii after very long renders, and radii below the rounding of positions.
 
 use super::{HUE, finite, flat_camera, rendered, settings, sheet};
 use caustica::color::Rgb;
@@ -9,8 +9,9 @@ use glam::{DVec3, Vec3};
 
 const MILLION: u32 = 1_000_000;
 
-/// Γ(z + α)/(Γ(1 + α) Γ(z + 1)) at z = 10⁶ + 1 by the series of Tricomi and Erdélyi, whose next term is below z⁻². The product of 10⁶
-/// factors is rounded three times each: 3·10⁶·2⁻⁵³.
+/// The reference is Γ(z + α)/(Γ(1 + α) Γ(z + 1)) at z = 10⁶ + 1 by the series of Tricomi and
+/// Erdélyi, whose next term is below z⁻². The product of 10⁶ factors rounds three times each:
+/// 3·10⁶·2⁻⁵³.
 #[test]
 fn radius_after_million_passes_matches_gamma_ratio() {
     let z = f64::from(MILLION) + 1.0;
@@ -20,7 +21,8 @@ fn radius_after_million_passes_matches_gamma_ratio() {
     assert!(error < 3e6 * f64::EPSILON / 2.0 + 1e-12, "{error:e}");
 }
 
-/// A floor of 1 × 1 of which all light is a caustic: it comes through a pane that does nothing. The middle quarter is seen.
+/// Builds a floor of 1 × 1 lit through an index-matched pane, so that all its light is a caustic.
+/// The middle quarter is visible.
 fn behind_a_pane() -> Scene {
     let mut b = SceneBuilder::new();
     let white = b.material(Material::diffuse(Rgb::splat(0.5)));
@@ -31,12 +33,13 @@ fn behind_a_pane() -> Scene {
     b.build(flat_camera(DVec3::Y * 0.2, -DVec3::Y, 0.5, 4)).unwrap()
 }
 
-/// The pass after 10⁶ others: discs follow the law, and no light is lost. 4 × 4 pixels of 1,000 rays, discs of radius .0105, look at all
-/// photons of the quarter of the floor that is seen, at its rim in part: of n on the floor the relative error is below √(c/(n/4)), c =
-/// 4/3, and five sigma of 50,000 are .052.
+/// After 10⁶ passes, disc radii follow the law and no light is lost. 4 × 4 pixels of 1,000 rays,
+/// with discs of radius .0105, cover all photons of the visible quarter, partly at its rim. For n
+/// photons on the floor the relative error is below √(c/(n/4)), c = 4/3; five sigma of 50,000 are
+/// .052.
 ///
-/// Once the radius has become less than places are known to, discs no longer follow it: they are as wide as that, and of so few photons
-/// that a picture tells nothing of their mean.
+/// Once the radius is below the rounding of positions, discs no longer follow it. They are as wide
+/// as that rounding and hold so few photons that an image says nothing of their mean.
 #[test]
 fn discs_after_million_passes_hold_photons() {
     let scene = behind_a_pane();
@@ -52,7 +55,7 @@ fn discs_after_million_passes_hold_photons() {
                 // The radius, its root and the mean of a thousand equal ones in single precision.
                 assert!((found / expected - 1.0).abs() < 1002.0 * f64::from(f32::EPSILON), "{found} {expected}");
             } else {
-                // The floor is within .9 of the middle of the scene.
+                // The floor is within .9 of the scene's center.
                 assert!(found > 100.0 * expected && found < 1e-5, "{found} {expected}");
             }
             assert!(pixel.steps.iter().all(|s| s.is_finite()));
@@ -67,10 +70,11 @@ fn discs_after_million_passes_hold_photons() {
     }
 }
 
-/// Photons that crowd at a place far from the origin of a slanted plane, as close as numbers are there: whatever the radius, the estimate
-/// is finite and none is lost for lying beside the plane by rounding. The disc is of 10⁻⁵ of the distance R from the origin, and
-/// distances are off by γ(3)R of each place, turned, in each of three coordinates: 2·3·2⁻²⁴·√3 R = 6.2·10⁻⁷ R, of a disc .062, and
-/// of Epanechnikov's kernel at most the square of that.
+/// Photons crowd at a position far from the origin on a tilted plane, as close as floats allow. At
+/// any radius the estimate is finite, and no photon is lost because rounding moved it off the
+/// plane. The disc has 10⁻⁵ of the distance R from the origin. Distances are off by γ(3)R per
+/// rotated position in each of three coordinates: 2·3·2⁻²⁴·√3 R = 6.2·10⁻⁷ R, .062 of a disc.
+/// Epanechnikov's kernel changes by at most the square of that.
 #[test]
 fn disc_radius_never_falls_below_position_rounding() {
     let normal = Vec3::new(0.5, 0.7, -0.4).normalize();
@@ -100,7 +104,7 @@ fn disc_radius_never_falls_below_position_rounding() {
     }
 }
 
-/// A whole render of the narrowest radius a user can ask for.
+/// A full render with the smallest radius that a user can set.
 #[test]
 fn renders_with_tiny_radius_are_finite() {
     for radius in [1e-30f32, 1e-12, 1e-6] {

@@ -10,10 +10,10 @@ use std::f64::consts::{PI, TAU};
 
 const NOWHERE: Sphere = Sphere { center: Vec3::ZERO, radius: 0.0 };
 
-/// Whole angles of cones \[degrees].
+/// Full angles of cones \[degrees].
 const ANGLES: [f64; 8] = [0.001, 0.01, 0.028, 0.05, 0.1, 1.0, 40.0, 200.0];
 
-/// A spot at the origin along z, of half angles `inner` and `outer`.
+/// Returns a spotlight at the origin along z, of half angles `inner` and `outer`.
 fn spot(inner: f64, outer: f64, strength: LightStrength) -> Light {
     let mut b = SceneBuilder::new();
     b.source(SourceKind::Spot { position: DVec3::ZERO, axis: DVec3::Z, inner, outer }, strength);
@@ -21,14 +21,15 @@ fn spot(inner: f64, outer: f64, strength: LightStrength) -> Light {
     scene.lights()[0].clone()
 }
 
-/// 1 − cos x, with all its digits.
+/// Returns 1 − cos x to full precision.
 fn drop(x: f64) -> f64 {
     let s = libm::sin(0.5 * x);
     2.0 * s * s
 }
 
-/// The flux of a sharp cone is 2π(1 − cos) of its intensity, and of one whose rim falls from its middle on half of that: told, emitted,
-/// and arriving on what is around. 1 − cos is rounded to 2⁻²⁴, and so are a few products.
+/// The flux of a sharp cone is 2π(1 − cos) of its intensity; a soft rim has half of that on its
+/// part. Stated power, emitted photons and arriving flux agree. 1 − cos rounds to 2⁻²⁴, and so do a
+/// few products.
 #[test]
 fn spotlights_of_any_width_emit_their_power() {
     for outer in ANGLES.map(|angle| 0.5 * angle.to_radians()) {
@@ -42,14 +43,15 @@ fn spotlights_of_any_width_emit_their_power() {
             let seen = f64::from(sample.weight.x) * 4.0 * expected;
             assert!((seen - 1.0).abs() < 1e-6, "{outer} on the axis: {seen}");
 
-            // The midpoint rule in 4096 equal parts of the cone, of a cubic whose bend is below 6: off by 6/24·4096⁻².
+            // The midpoint rule in 4096 equal parts of the cone, for a cubic with second derivative
+            // below 6: off by 6/24·4096⁻².
             let n = 4096;
             let place = |i: i32| Vec2::new((i as f32 + 0.5) / n as f32, (0.618_034 * i as f32).fract());
             let emitted = (0..n).filter_map(|i| light.sample_le(NOWHERE, Vec2::ZERO, place(i)));
             let emitted = emitted.map(|e| f64::from(e.flux.x)).sum::<f64>() / f64::from(n);
             assert!((emitted / expected - 1.0).abs() < 2e-6, "{outer} emitted: {}", emitted / expected);
 
-            // On a sphere of radius 1 in rings around the axis, of which one lies across a sharp edge.
+            // Rings around the axis on a sphere of radius 1. One of them lies across a sharp edge.
             let rings = 4000;
             let reach = (1.2 * outer).min(PI);
             let arriving = |i: i32| {

@@ -12,8 +12,10 @@ const RADIUS: f64 = 0.1;
 const REFLECTANCE: f64 = 0.5;
 const IRRADIANCE: f64 = 3.0;
 
-/// A wall of this thickness, two sheets of 2 × 2 whose upper one is lit from above through a pane that does nothing, so that all its light
-/// is caustic; seen from below, or, with `shelf`, a shelf so far under a wall without thickness, seen from between.
+/// Builds a wall of two sheets of 2 × 2, seen from below. Its upper sheet is lit through an
+/// index-matched pane, so all its light is a caustic.
+///
+/// With `shelf`, a shelf lies `thickness` under a wall without thickness, seen from between.
 fn wall(thickness: f64, shelf: bool) -> Scene {
     let mut b = SceneBuilder::new();
     let white = b.material(Material::diffuse(Rgb::splat(REFLECTANCE as f32)));
@@ -31,14 +33,15 @@ fn wall(thickness: f64, shelf: bool) -> Scene {
     b.build(camera).unwrap()
 }
 
-/// Estimates of fixed radius by any number of photons, or by the nearest 50.
+/// Returns settings for estimates of fixed radius (`k` = 0) or by the nearest `k` photons.
 fn gathering(k: u32) -> Settings {
     Settings { radius: Some(RADIUS as f32), gather_k: Some(k), ..settings(40_000, 4) }
 }
 
-/// However thin a wall is, nothing of what lights its upper side is seen on its lower side, to the bit, middle, edges and corners: a map
-/// counts photons only on the side on which they landed (`photons_count_on_their_side_only`), and a BSDF refuses what comes from behind. The
-/// edges of the picture look past the wall.
+/// However thin a wall is, its lower side shows nothing of the light on its upper side, bit for
+/// bit: middle, edges and corners. A map counts photons only on the side they landed on
+/// (`photons_count_on_their_side_only`), and a BSDF rejects light from behind. The edges of the
+/// image see past the wall.
 #[test]
 fn thin_walls_leak_no_photons() {
     [0.0, 1e-6, RADIUS / 4.0].par_iter().for_each(|thickness| {
@@ -52,10 +55,11 @@ fn thin_walls_leak_no_photons() {
     });
 }
 
-/// What faces the same way, a shelf under a wall without thickness, takes light from it only where it is within a quarter of the radius of
-/// the pass below it. So the mean over n passes is at most E ρ/π m/n, where m passes have a radius above four times the
-/// gap; the radii are known. It is that in the middle of the shelf, to 10 % by noise: 10⁴ photons a pass lie within .1 of
-/// a place as 80, so √(4/3/80/m) a place, over 36 independent places, five sigma.
+/// A shelf that faces the same way, under a wall without thickness, takes light from the wall only
+/// within a quarter of the pass's radius. So the mean over n passes is at most E ρ/π m/n, where m
+/// passes have a radius above four times the gap. The radii are known. The shelf's center reaches
+/// that bound to 10 % by noise: of 10⁴ photons per pass 80 lie within .1 of a point, so √(4/3/80/m)
+/// per point, over 36 independent points, five sigma.
 #[test]
 fn shelf_leak_stays_within_bound() {
     let passes = 6;

@@ -1,4 +1,4 @@
-//! Cameras inside of glass, and bodies that overlap by priority.
+//! Cameras inside glass, and bodies that overlap by priority.
 
 use crate::support::{agree, pixels};
 use caustica::camera::Camera;
@@ -8,7 +8,7 @@ use caustica::scene::{Body, Material, Scene, SceneBuilder};
 use caustica::shape::{Plane, Shape, Sphere};
 use glam::{DVec3, Vec3};
 
-/// Mean radiance in independent renders.
+/// Returns the mean radiance of independent renders.
 fn seen(scene: &Scene, renders: u64) -> Vec<f64> {
     let one = |seed| {
         let eye = EyeSettings { samples: Some(4), max_bounces: 1000, seed, ..EyeSettings::default() };
@@ -22,8 +22,8 @@ fn narrow(center: DVec3, direction: DVec3, angle: f64) -> Camera {
     Camera::perspective(center, direction, DVec3::Z, angle, 4, 4).unwrap()
 }
 
-/// Snell's window: from below a surface of index n, under a sky of radiance 1, one sees n²(1 − R), and beyond the critical angle only
-/// what is below, which is black.
+/// Snell's window: from below a surface of index n, under a sky of radiance 1, radiance is n²(1 −
+/// R). Beyond the critical angle only the black bottom is seen.
 #[test]
 fn sky_is_seen_through_snells_window() {
     for n in [0.6f64, 1.33, 1.5, 3.0] {
@@ -50,7 +50,8 @@ fn sky_is_seen_through_snells_window() {
                 n * n * (1.0 - 0.5 * (rs * rs + rp * rp))
             };
             let samples = seen(&scene, 1);
-            // Directions err by 10⁻⁶ with the camera's angle; dT/dθ is at most 4n²·tanθt there, which is below 23 at 0.999.
+            // Directions err by 10⁻⁶ with the camera's angle. dT/dθ is at most 4n²·tanθt there,
+            // below 23 at 0.999.
             assert!(
                 (samples[0] - expected).abs() < 1e-6 * 4.0 * n * n * 30.0 + 1e-6,
                 "{n} {part}: {samples:?} {expected}"
@@ -59,7 +60,8 @@ fn sky_is_seen_through_snells_window() {
     }
 }
 
-/// In a closed ball, off its middle by less than 1/n of its radius, all light gets in: the sky is n² as bright, in every direction.
+/// In a closed ball, off its center by less than 1/n of its radius, all light gets in: the sky is
+/// n² as bright in every direction.
 #[test]
 fn radiance_in_glass_scales_by_squared_index() {
     for (n, off) in [(1.5f64, 0.6), (1.1, 0.85), (0.7, 0.99), (2.4, 0.4)] {
@@ -69,13 +71,14 @@ fn radiance_in_glass_scales_by_squared_index() {
         b.environment(EnvironmentLight::constant(Vec3::ONE).unwrap());
         let camera = Camera::panorama(DVec3::X * off, DVec3::NEG_Z, DVec3::Y, 16, 8).unwrap();
         let samples = seen(&b.build(camera).unwrap(), 16);
-        // Each of some ten interfaces rounds share and square by 2⁻²³; a thousandth of a millionth is left after a thousand.
+        // Each of some ten interfaces rounds reflectance and square by 2⁻²³. After a thousand
+        // bounces 10⁻⁹ is left.
         agree(&format!("inside of {n}"), &samples, n * n, n * n * 20.0 * f64::from(f32::EPSILON), 0.01);
     }
 }
 
-/// Of a ball of priority 1 in one of priority 0, which overlap, and a camera in each part: by n² of what counts there. Whatever is
-/// between, radiance over n² is kept.
+/// Two overlapping balls of priority 1 and 0, with a camera in each part: radiance scales by n² of
+/// the body that counts there. Radiance over n² is invariant along the ray.
 #[test]
 fn overlapping_bodies_resolve_by_priority() {
     let scene = |priorities: [u8; 2], at: f64, order: bool| {
@@ -89,7 +92,7 @@ fn overlapping_bodies_resolve_by_priority() {
             b.shape(Shape::Sphere(Sphere::new(DVec3::X * x, 0.6)), material, Vec3::ZERO);
         }
         b.environment(EnvironmentLight::constant(Vec3::ONE).unwrap());
-        // Across the row of balls, where light gets out.
+        // Looks across the row of balls, where light can leave.
         b.build(narrow(DVec3::new(at, 0.0, 0.0), DVec3::Y, 0.3)).unwrap()
     };
     for (priorities, at, n) in [

@@ -1,4 +1,5 @@
-//! One interface: the critical angle to the last bit, indices from 10⁻⁶ to 10⁶, and what a choice makes of a share.
+//! A single interface: the critical angle to the last bit, indices from 10⁻⁶ to 10⁶, and the choice
+//! between lobes.
 
 use crate::support::key;
 use caustica::bsdf::{Bsdf, Dielectric, Thin, Transport, dielectric_reflectance, refract};
@@ -6,13 +7,14 @@ use caustica::math::{Frame, warp};
 use caustica::sampling::Dimension;
 use glam::{DVec3, Vec2, Vec3};
 
-/// A positive f32 in units of 2⁻³⁶, which must divide it.
+/// Returns a positive f32 in units of 2⁻³⁶, which must divide it.
 fn exact(x: f32) -> i128 {
     let (mantissa, exponent) = (i128::from(x.to_bits() & 0x7f_ffff | 0x80_0000), (x.to_bits() >> 23) as i32 - 150);
     mantissa << (exponent + 36)
 }
 
-/// Relative indices below 1, where total reflection is: those of usual glasses, and ever nearer to 1.
+/// Returns relative indices below 1, where total reflection occurs: those of common glasses, and
+/// values ever nearer to 1.
 fn indices() -> impl Iterator<Item = f32> {
     let random = |i: u64| key(3).with(i).uniform(Dimension::Light);
     (0..4000u64).map(move |i| match i % 3 {
@@ -23,8 +25,9 @@ fn indices() -> impl Iterator<Item = f32> {
     })
 }
 
-/// By Snell's law the far cosine is real where η² + cos² > 1. Squares of f32 are exact in integers, so there is a truth for each of
-/// the cosines within three ulps of the critical one, and none may be on the wrong side.
+/// By Snell's law the transmitted cosine is real where η² + cos² > 1. Squares of f32 are exact in
+/// integers, so there is a truth for each cosine within three ulps of the critical one. None may be
+/// on the wrong side.
 #[test]
 fn total_reflection_begins_at_exact_ulp() {
     let one = 1i128 << 72;
@@ -47,8 +50,9 @@ fn total_reflection_begins_at_exact_ulp() {
     assert!(total > 9000 && not > 9000, "{total} {not}");
 }
 
-/// From directions too: on both sides of the critical angle rays stay unit vectors on their own side of the interface, shares sum to 1,
-/// and what passes grows from nothing as the root of what the sine is short of.
+/// On both sides of the critical angle rays stay unit vectors on their side of the interface,
+/// reflectance and transmittance sum to 1, and transmittance grows as the root of the distance to
+/// the critical sine.
 #[test]
 fn fresnel_is_finite_around_critical_angle() {
     for i in 0..3000u64 {
@@ -63,11 +67,13 @@ fn fresnel_is_finite_around_critical_angle() {
             let wo = around.to_world(Vec3::new(sin * cos_phi, sin * sin_phi, cos)).normalize();
             let bent = refract(wo, n, eta);
             assert!((bent.reflectance + bent.transmittance - 1.0).abs() <= f32::EPSILON);
-            // T < 4n cosθt/cosθi, and cos²θt = 1 − sin²/η² is below twice what the ulps and the roundings of wo and n leave, 24 of them.
+            // T < 4n cosθt/cosθi, and cos²θt = 1 − sin²/η² is below twice the 24 ulps and roundings
+            // of wo and n.
             let most = 4.0 / eta * (2.0 * 24.0 * f32::EPSILON).sqrt() / cos;
             assert!(bent.transmittance <= most, "{} {most}", bent.transmittance);
             if bent.transmittance > 0.0 {
-                // Components are rounded by 2⁻²⁴ of themselves, and what came in is a unit vector to 2⁻²³; to the normal, √3·2⁻²⁵ of a plane.
+                // Components round by 2⁻²⁴ of themselves, and the incident direction is a unit
+                // vector to 2⁻²³. Against the normal, √3·2⁻²⁵ of a plane.
                 assert!((bent.transmitted.length() - 1.0).abs() < 2e-7 && bent.transmitted.dot(n) < 1e-7);
             }
             let s = Bsdf::Dielectric(Dielectric { eta: 1.0 / eta });
@@ -80,7 +86,7 @@ fn fresnel_is_finite_around_critical_angle() {
     }
 }
 
-/// Along the normal T = 4n/(n+1)² from both sides, whose product with R's complement no f32 difference could give at 10⁶.
+/// Along the normal T = 4n/(n+1)² from both sides. At 10⁶ no f32 difference could give T as 1 − R.
 #[test]
 fn fresnel_keeps_precision_at_any_index() {
     for n in [1e-6f64, 1e-3, 0.5, 0.999, 1.000_1, 1.5, 2.4, 1e3, 1e6] {
@@ -92,7 +98,7 @@ fn fresnel_keeps_precision_at_any_index() {
             assert!((f64::from(bent.transmittance) / t - 1.0).abs() < 6.1e-8, "{eta}: {} {t}", bent.transmittance);
             assert!((f64::from(bent.reflectance) - (1.0 - t)).abs() < 6.1e-8);
             assert_eq!(bent.transmitted, -Vec3::Z);
-            // A pane of two of them passes t/(2 − t).
+            // A pane of two interfaces transmits t/(2 − t).
             let pane = Thin { eta, transmittance: Vec3::ONE }.shares(1.0);
             // Some eight roundings of 2⁻²⁴.
             assert!((f64::from(pane.1.x) / (t / (2.0 - t)) - 1.0).abs() < 8.0 / 16_777_216.0, "{eta}: {pane:?}");
@@ -101,7 +107,8 @@ fn fresnel_keeps_precision_at_any_index() {
     }
 }
 
-/// Out of index 10⁶ light gets within 10⁻⁶ rad of the normal. All these directions have a cosine of 1 in f32.
+/// From index 10⁶ light leaves only within 10⁻⁶ rad of the normal. All these directions have a
+/// cosine of 1 in f32.
 #[test]
 fn densest_body_transmits_exact_fraction() {
     let eta = 1e-6f32;
@@ -112,14 +119,16 @@ fn densest_body_transmits_exact_fraction() {
         assert_eq!(wo.z, 1.0);
         let bent = refract(wo, Vec3::Z, eta);
         match sin_t {
-            // sin and η are each rounded by 2⁻²⁴ of themselves; what tells 0.99 from 1 is enlarged by tanθ = 7.
+            // sin and η each round by 2⁻²⁴ of themselves. tanθ = 7 amplifies the difference of 0.99
+            // from 1.
             Some(sin_t) => {
                 assert!((f64::from(-bent.transmitted.x) - sin_t).abs() < 5e-7 && bent.transmittance > 0.0, "{bent:?}")
             }
             None => assert_eq!((bent.reflectance, bent.transmittance), (1.0, 0.0)),
         }
     }
-    // Whatever the way in, it goes on along the normal, within 10⁻⁶ rad; the result is rounded by √3·2⁻²⁵, and n is of length 1 to 2⁻²³.
+    // Whatever the incident direction, light continues within 10⁻⁶ rad of the normal. The result
+    // rounds by √3·2⁻²⁵, and n has length 1 to 2⁻²³.
     for i in 0..1000u64 {
         let key = key(5).with(i);
         let n = warp::sphere(key.uniform_2d(Dimension::LightDirection));
@@ -128,14 +137,15 @@ fn densest_body_transmits_exact_fraction() {
         if wo.dot(n) > 0.0 {
             let bent = refract(wo, n, 1e6);
             assert!(bent.transmitted.dot(n) < 0.0 && (bent.transmitted + n).length() < 1e-6 + 5.0 / 16_777_216.0);
-            // Half of 4cosθ/η and of 4/(η cosθ), which bound what passes of both polarisations.
+            // Half of 4cosθ/η and of 4/(η cosθ), which bound the transmittance of both
+            // polarisations.
             let cos = wo.dot(n);
             assert!(bent.transmittance > 0.0 && bent.transmittance <= 2.1e-6 * (cos + 1.0 / cos), "{bent:?}");
         }
     }
 }
 
-/// Snell's law and the way back, from the thinnest to the densest: n·sinθ is kept.
+/// Snell's law forwards and back, from the thinnest to the densest: n·sinθ is invariant.
 #[test]
 fn refraction_keeps_the_sine_at_any_index() {
     for i in 0..20_000u64 {
@@ -152,14 +162,14 @@ fn refraction_keeps_the_sine_at_any_index() {
             let (a, n): (DVec3, DVec3) = (a.as_dvec3(), n.as_dvec3());
             a.cross(n).length() / (a.length() * n.length())
         };
-        // The result is rounded by 2⁻²⁴ in each coordinate, which counts η-fold.
+        // The result rounds by 2⁻²⁴ in each coordinate, which counts η-fold.
         let slack = f64::from(f32::EPSILON) * (1.0 + f64::from(eta));
         assert!((f64::from(eta) * sin(bent.transmitted) - sin(wo)).abs() < slack, "{wo} {n} {eta}");
     }
 }
 
-/// The mean over all 2²⁴ numbers that may choose between both lobes is each lobe's share: to all digits where little passes,
-/// else within the one number that a threshold may cut.
+/// The mean over all 2²⁴ numbers that choose between both lobes is each lobe's probability: to full
+/// precision where transmittance is small, otherwise up to the one number at the threshold.
 #[test]
 fn lobe_choice_matches_probability_over_all_numbers() {
     const STEPS: u32 = 1 << 24;
@@ -187,7 +197,7 @@ fn lobe_choice_matches_probability_over_all_numbers() {
         let bent = refract(wo, Vec3::Z, eta);
         let t = f64::from(bent.transmittance);
         let mean = f64::from(STEPS - low) / f64::from(STEPS) * f64::from(draw(STEPS - 1).weight.x);
-        // A share and its weight are rounded by 2⁻²⁴ each, and their quotient.
+        // A probability and its weight round by 2⁻²⁴ each, and so does their quotient.
         let slack = if t < 0.5 { 3.0 / 16_777_216.0 * t } else { 1.0 / f64::from(STEPS) };
         assert!((mean - t).abs() <= slack, "η = {eta}, cos = {cos}: {mean:e} {t:e}");
         let reflected = f64::from(low) / f64::from(STEPS);

@@ -1,4 +1,4 @@
-//! Index 1: nothing happens, exactly.
+//! Bodies of relative index 1 change nothing, exactly.
 
 use crate::support::{agree, key, pixels, scene};
 use caustica::integrate::{Algorithm, EyeSettings, Settings};
@@ -6,7 +6,8 @@ use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
 
 use caustica::scene::Scene;
 
-/// A room with a lamp, a matt wall, a mirror and a ball of glass; `more` is in its middle.
+/// Builds a room with a light, a diffuse wall, a mirror and a ball of glass, with `more` in its
+/// middle.
 fn room(more: &str) -> Scene {
     scene(&format!(
         "PerspectiveCamera {{ center 0 1 3.4  direction 0 0 -1  up 0 1 0  angle 50  width 16  height 12 }}
@@ -29,7 +30,8 @@ fn room(more: &str) -> Scene {
     ))
 }
 
-/// Balls, meshes and boxes of index 1, before the lamp, the wall and the mirror, around the camera, and apart from the glass.
+/// Balls, meshes and boxes of index 1: before the light, the wall and the mirror, around the
+/// camera, and apart from the glass.
 const BODIES: [&str; 4] = [
     "MaterialName air Sphere { center 0 1 0  radius .5 }",
     "MaterialName rough Transform { Translate -.9 .7 .2 UniformScale .4 TriangleMesh { obj_file coarse-ball.obj } }",
@@ -75,7 +77,7 @@ fn index_matched_bodies_change_no_photon() {
     }
 }
 
-/// Where such a body is something, it stays: a bubble in glass, and what holds fog back.
+/// A body of index 1 that has an effect stays: a bubble in glass, and a boundary of fog.
 #[test]
 fn bubble_is_not_culled_as_index_matched() {
     let pixels = |more: &str| -> Vec<f64> {
@@ -92,18 +94,19 @@ fn bubble_is_not_culled_as_index_matched() {
             Settings { eye: EyeSettings { samples: Some(1024), ..EyeSettings::default() }, ..Settings::default() };
         pixels(&scene, Algorithm::Path, settings, 16).iter().map(|p| f64::from(p.x)).collect()
     };
-    // Along the axis each interface sends R back. What leaves is seen as 1 on either side.
+    // Along the axis each interface reflects R. What leaves has radiance 1 on either side.
     let r: f64 = 0.04;
-    // Of a wall of such a part left by a way through it: what it passes and what it sends back, of all numbers of ways.
+    // Transmittance and reflectance of a wall that transmits the fraction `left` in one crossing,
+    // over all numbers of crossings.
     let wall = |left: f64| {
         let all = 1.0 / (1.0 - r * r * left * left);
         ((1.0 - r) * (1.0 - r) * left * all, r + (1.0 - r) * (1.0 - r) * r * left * left * all)
     };
     let (through, back) = wall(libm::exp(-2.0));
-    // Between two walls: what gets in leaves through the one or the other.
+    // Between two walls: light that gets in leaves through one or the other.
     let (wall_through, wall_back) = wall(libm::exp(-0.2));
     let hollow = wall_back + wall_through * wall_through / (1.0 - wall_back);
-    // Rays are up to .0037 off the axis, so ways are shorter by less than that squared.
+    // Rays are up to .0037 off the axis, so path lengths are shorter by less than its square.
     agree("a ball", &pixels(""), through + back, 2e-5, 0.005);
     agree("a bubble", &pixels("MaterialName air Sphere { center 0 0 0  radius .8 }"), hollow, 2e-5, 0.005);
 }

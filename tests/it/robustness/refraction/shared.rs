@@ -1,4 +1,5 @@
-//! Bodies that share a face: a liquid in its glass, where both end at the same place, an ulp apart, or overlap.
+//! Bodies that share a face: a liquid in its glass, with faces that coincide, are an ulp apart, or
+//! overlap.
 
 use crate::support::{agree, key, pixels, scene};
 use caustica::camera::Camera;
@@ -14,10 +15,10 @@ use std::f64::consts::TAU;
 const GLASS: f64 = 1.5;
 const LIQUID: f64 = 1.33;
 
-/// Half of the width of all that is not endless.
+/// Half the width of everything finite.
 const WIDTH: f64 = 50.0;
 
-/// Half angle of the beam \[radians].
+/// Half angle of the beam \[rad].
 const CONE: f64 = 0.01;
 
 #[derive(Clone, Copy, Debug)]
@@ -27,7 +28,7 @@ enum Faces {
     Triangles,
 }
 
-/// A horizontal face at height `y`, its outer side up or down.
+/// Adds a horizontal face at height `y`, with its outer side up or down.
 fn face(b: &mut SceneBuilder, faces: Faces, y: f64, up: bool, material: u32) {
     let (x, z, corner) = (DVec3::X * (2.0 * WIDTH), DVec3::Z * (2.0 * WIDTH), DVec3::new(-WIDTH, y, -WIDTH));
     let (e0, e1) = if up { (z, x) } else { (x, z) };
@@ -43,16 +44,16 @@ fn face(b: &mut SceneBuilder, faces: Faces, y: f64, up: bool, material: u32) {
     };
 }
 
-/// How the bodies meet.
+/// How the bodies touch.
 #[derive(Clone, Copy, Debug)]
 enum Meet {
-    /// The glass ends at ±½, the liquid this much inside of that.
+    /// The glass ends at ±½, the liquid this far inside of it.
     Apart(f64),
-    /// One block of glass, in which the liquid counts.
+    /// One block of glass, overlapped by a liquid of higher priority.
     Priority,
 }
 
-/// A wall of glass, a liquid and a wall of glass, one on the other, in the order in which their faces are added.
+/// Adds a glass wall, a liquid and a glass wall, stacked, in the order of their faces.
 fn layers(b: &mut SceneBuilder, faces: Faces, meet: Meet, liquid_first: bool) {
     let glass = b.material(Material::dielectric(GLASS as f32, Vec3::ZERO));
     let priority = u8::from(matches!(meet, Meet::Priority));
@@ -76,21 +77,24 @@ fn layers(b: &mut SceneBuilder, faces: Faces, meet: Meet, liquid_first: bool) {
     }
 }
 
-/// Reflectance between indices `a` and `b` of light that has the sine `s` in air.
+/// Returns the reflectance between indices `a` and `b` for light of sine `s` in air.
 fn reflectance(a: f64, b: f64, s: f64) -> f64 {
     let [ca, cb] = [a, b].map(|n| (1.0 - s * s / (n * n)).sqrt());
     let (rs, rp) = ((a * ca - b * cb) / (a * ca + b * cb), (b * ca - a * cb) / (b * ca + a * cb));
     0.5 * (rs * rs + rp * rp)
 }
 
-/// What passes parallel interfaces between `indices`, with all reflections in between: with R of each, 1/(1 + Σ R/(1−R)). (One more
-/// interface takes T to T(1−R)/(1 − R·R'), where R' = 1 − T: that is the sum of reciprocals less one.)
+/// Returns the transmittance of parallel interfaces between `indices`, with all inter-reflections:
+/// 1/(1 + Σ R/(1−R)).
+///
+/// One more interface turns T into T(1−R)/(1 − R·R'), where R' = 1 − T: that is the sum of
+/// reciprocals less one.
 fn through(indices: &[f64], s: f64) -> f64 {
     let r = indices.windows(2).map(|n| reflectance(n[0], n[1], s));
     1.0 / (1.0 + r.map(|r| r / (1.0 - r)).sum::<f64>())
 }
 
-/// The mean over the beam, by 32 rings of 32 points.
+/// Returns the mean over the beam, by 32 rings of 32 points.
 fn mean_through(indices: &[f64], angle: f64) -> f64 {
     let ring = |i: u32| {
         // Rings of equal solid angle.
@@ -109,13 +113,13 @@ fn camera() -> Camera {
     Camera::perspective(DVec3::Z, DVec3::NEG_Z, DVec3::Y, 0.5, 1, 1).unwrap()
 }
 
-/// The layers between a black ceiling and a floor that photons land on, lit aslant.
+/// Builds the layers between a black ceiling and a floor that stores photons, lit under `angle`.
 fn lit(faces: Faces, meet: Meet, liquid_first: bool, angle: f64) -> Scene {
     let mut b = SceneBuilder::new();
     layers(&mut b, faces, meet, liquid_first);
     let black = b.material(Material::black());
     let floor = b.material(Material::diffuse(Vec3::ZERO));
-    // As far from the middle as each other, so that it stays at 0.
+    // As far from the center as the other, so that the scene's center stays at 0.
     face(&mut b, Faces::Rectangles, 2.0, false, black);
     face(&mut b, Faces::Rectangles, -2.0, true, floor);
     let axis = DVec3::new(libm::sin(angle), -libm::cos(angle), 0.0);
@@ -124,7 +128,7 @@ fn lit(faces: Faces, meet: Meet, liquid_first: bool, angle: f64) -> Scene {
     b.build(camera()).unwrap()
 }
 
-/// Part of the flux that reaches the floor, in independent passes.
+/// Returns the fraction of the flux that reaches the floor, in independent passes.
 fn passed(scene: &Scene) -> Vec<f64> {
     let source = PhotonSource::everywhere(scene).unwrap();
     let pass = PhotonPass { scene, source: &source, mask: StoreMask::CAUSTIC, max_bounces: 1000 };
@@ -135,8 +139,9 @@ fn passed(scene: &Scene) -> Vec<f64> {
     (0..16).map(part).collect()
 }
 
-/// Faces that coincide, or are an ulp apart on either side, are one interface between glass and liquid, whichever is met first; so is
-/// an overlap, and a liquid of higher priority. A gap of a hundredth is a film of air.
+/// Faces that coincide, or are an ulp apart on either side, are one interface between glass and
+/// liquid, whichever is hit first. The same holds for an overlap and for a liquid of higher
+/// priority. A gap of a hundredth is a film of air.
 #[test]
 fn liquid_touches_its_glass() {
     let wet = [1.0, GLASS, LIQUID, GLASS, 1.0];
@@ -150,7 +155,7 @@ fn liquid_touches_its_glass() {
         (Meet::Priority, &wet),
         (Meet::Apart(0.01), &film),
     ];
-    // At 80° the film reflects half of what glass and liquid let pass between them.
+    // At 80° the film reflects half of what glass and liquid transmit.
     assert!(through(&wet, libm::sin(1.4)) > 1.4 * through(&film, libm::sin(1.4)));
     let all: Vec<_> = cases
         .into_iter()
@@ -160,12 +165,13 @@ fn liquid_touches_its_glass() {
         .collect();
     all.par_iter().for_each(|((meet, indices), faces, first, angle)| {
         let what = format!("{meet:?}, {faces:?}, liquid first: {first}, at {angle}");
-        // The quadrature and indices in f32 are within 10⁻⁵.
+        // The quadrature, and indices in f32, are accurate to 10⁻⁵.
         agree(&what, &passed(&lit(*faces, *meet, *first, *angle)), mean_through(indices, *angle), 1e-5, 0.02);
     });
 }
 
-/// Two blocks of one glass are one block, whether they share a face between them, or overlap and end together on one side.
+/// Two blocks of one glass are one block, whether they share a face, or overlap and end together on
+/// one side.
 #[test]
 fn touching_blocks_of_one_glass_merge() {
     let blocks = [[(1.0, 0.0), (0.0, -1.0)], [(1.0, -1.0), (1.0, 0.0)], [(1.0, -1.0), (0.0, -1.0)]];
@@ -189,7 +195,8 @@ fn touching_blocks_of_one_glass_merge() {
     }
 }
 
-/// A camera in the liquid, under a sky of radiance 1: by n² of where it is, whatever it looks through, if it knows where it is.
+/// A camera in the liquid, under a sky of radiance 1, sees n² of its own medium, whatever lies
+/// between, if it starts in the right medium.
 #[test]
 fn camera_in_liquid_starts_in_liquid() {
     for faces in [Faces::Planes, Faces::Rectangles, Faces::Triangles] {
@@ -197,7 +204,7 @@ fn camera_in_liquid_starts_in_liquid() {
             let mut b = SceneBuilder::new();
             layers(&mut b, faces, meet, first);
             b.environment(EnvironmentLight::constant(Vec3::ONE).unwrap());
-            // 40° across is within the window, so that all light gets out in the end.
+            // A field of 40° is within Snell's window, so all light gets out in the end.
             let up = Camera::perspective(DVec3::ZERO, DVec3::Y, DVec3::Z, 0.7, 8, 8).unwrap();
             let scene = b.build(up).unwrap();
             let eye = EyeSettings { samples: Some(4), max_bounces: 1000, ..EyeSettings::default() };
@@ -208,14 +215,15 @@ fn camera_in_liquid_starts_in_liquid() {
                     image.iter().map(|p| f64::from(p.x)).sum::<f64>() / 64.0
                 })
                 .collect();
-            // Squares of indices and shares in f32, over some ten interfaces.
+            // Squares of indices and reflectances in f32, over some ten interfaces.
             agree(&format!("{meet:?}, {faces:?}, {first}"), &samples, LIQUID * LIQUID, 20.0 * 6e-8 * 1.8, 0.01);
         }
     }
 }
 
-/// Curved faces that coincide: a vessel turned about the y axis, whose inside is the liquid's outside listed backwards, against the
-/// same with a liquid that reaches into the wall. Both let the same light through.
+/// Curved faces that coincide: a vessel revolved about the y axis, whose inner side is the liquid's
+/// outer side with reversed order. The reference is a liquid that reaches into the wall. Both
+/// transmit the same light.
 #[test]
 fn round_vessel_holds_its_liquid() {
     let curve = |r: f64, backwards: bool| {
@@ -246,7 +254,8 @@ fn round_vessel_holds_its_liquid() {
         format!("MaterialName glass {outer} {inner} MaterialName liquid {liquid}"),
         format!("MaterialName liquid {liquid} MaterialName glass {inner} {outer}"),
     ] {
-        // Both are random: five more standard errors of the other one are one false alarm in a million.
+        // Both sides are random. Five more standard errors of the other give one false alarm in a
+        // million.
         agree(&shared, &passed(0, &shared), mean, 5.0 * error, 0.03);
     }
 }

@@ -1,4 +1,4 @@
-//! A thousand internal reflections: nothing is lost, nothing drifts out, and it ends.
+//! A thousand internal reflections: nothing is lost, nothing drifts out, and every path ends.
 
 use crate::support::{key, pixels};
 use caustica::bsdf::Transport;
@@ -18,7 +18,7 @@ fn built(b: SceneBuilder) -> Scene {
     b.build(Camera::perspective(DVec3::new(0.1, 0.2, 0.3), DVec3::ONE, DVec3::Y, 0.1, 4, 4).unwrap()).unwrap()
 }
 
-/// A cube of edge 2 with its faces outwards, of rectangles or of triangles.
+/// Builds a cube of edge 2 with its faces outwards, of rectangles or of triangles.
 fn cube(triangles: bool) -> SceneBuilder {
     let mut b = SceneBuilder::new();
     let glass = b.material(Material::dielectric(1.5, Vec3::ZERO));
@@ -42,7 +42,8 @@ fn cube(triangles: bool) -> SceneBuilder {
     b
 }
 
-/// Walks from the origin in a direction and shows `see` the place and direction after each reflection; all must be total.
+/// Traces a path from the origin and reports position and direction after each reflection; all must
+/// be total.
 fn follow(scene: &Scene, direction: Vec3, mut see: impl FnMut(Vec3, Vec3)) {
     let mut walk = scene.start_light_path::<InteriorStack>(0, Ray::new(Vec3::ZERO, direction), Effects::NONE);
     for bounce in 0..BOUNCES {
@@ -51,7 +52,7 @@ fn follow(scene: &Scene, direction: Vec3, mut see: impl FnMut(Vec3, Vec3)) {
         };
         let surface = arrival.surface;
         assert!(surface.wo.dot(surface.point.ng) < 0.0, "from outside after {bounce}");
-        // The largest number below 1 finds whatever passes.
+        // The largest number below 1 selects transmission if there is any.
         let s = surface.sample(1.0 - f32::EPSILON / 2.0, Vec2::ZERO, Transport::Importance).unwrap();
         assert!(!s.transmitted && s.weight == Vec3::ONE, "through after {bounce}");
         see(surface.point.p, s.wi);
@@ -59,14 +60,15 @@ fn follow(scene: &Scene, direction: Vec3, mut see: impl FnMut(Vec3, Vec3)) {
     }
 }
 
-/// Directions that meet all faces of a cube of index 1.5 beyond the critical angle, whose cosine is 0.745.
+/// Returns directions that hit all faces of a cube of index 1.5 beyond the critical angle, whose
+/// cosine is 0.745.
 fn trapped_directions(n: u64) -> Vec<Vec3> {
     let all = (0..).map(|i| warp::sphere(key(2).with(i).uniform_2d(Dimension::LightDirection)));
     all.filter(|d| d.abs().max_element() < 0.74).take(n as usize).collect()
 }
 
-/// Each reflection changes the sign of one direction cosine and rounds all by normalising, by at most 3 · 2⁻²⁴; a place on a face is
-/// rounded by 2⁻²⁴, and rests on the face.
+/// Each reflection flips one direction cosine and normalises, which rounds all of them by at most 3
+/// · 2⁻²⁴. A position on a face rounds by 2⁻²⁴ and stays on the face.
 #[test]
 fn trapped_rays_stay_in_cube() {
     for triangles in [false, true] {
@@ -83,7 +85,7 @@ fn trapped_rays_stay_in_cube() {
     }
 }
 
-/// Between two planes the way leads a thousand thicknesses far; the cosine to them is kept.
+/// Between two planes a path travels a thousand thicknesses. Its cosine to them is invariant.
 #[test]
 fn trapped_rays_stay_in_slab() {
     let mut b = SceneBuilder::new();
@@ -103,8 +105,9 @@ fn trapped_rays_stay_in_slab() {
     }
 }
 
-/// In a ball the distance of the ray from the middle is kept: each reflection rounds the place by half an ulp of each coordinate and
-/// the direction by as much from the normal, the mirroring and its length: seven times √3 · 2⁻²⁴.
+/// In a ball the distance of the ray from the center is invariant. Each reflection rounds the
+/// position by half an ulp per coordinate, and the direction by the normal, the reflection and the
+/// normalisation: seven times √3 · 2⁻²⁴.
 #[test]
 fn trapped_rays_stay_in_ball() {
     let mut b = SceneBuilder::new();
@@ -112,7 +115,7 @@ fn trapped_rays_stay_in_ball() {
     b.shape(Shape::Sphere(Sphere::new(DVec3::new(0.0, -0.9, 0.0), 1.0)), glass, Vec3::ZERO);
     b.source(SourceKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::ONE));
     let scene = built(b);
-    // Light starts 0.9 off the middle, which the scene moves to the origin.
+    // Light starts 0.9 off the center, which the scene moves to the origin.
     let drift = BOUNCES as f32 * 7.0 * 1.74 * f32::EPSILON / 2.0;
     for i in 0..100 {
         let (sin, cos) = libm::sincosf(0.4 * i as f32 / 100.0);
@@ -138,12 +141,12 @@ fn trapped_rays_stay_in_ball() {
     }
 }
 
-/// Photons: every one of them is stopped at the limit with the flux that it was sent with, to the bit.
+/// Every photon path stops at the bounce limit with its initial flux, bit for bit.
 #[test]
 fn trapped_photons_keep_flux_and_terminate() {
     for triangles in [false, true] {
         let mut b = cube(triangles);
-        // All within 5° of the diagonal meet faces beyond 49°.
+        // Every direction within 5° of the diagonal hits faces beyond 49°.
         let source = SourceKind::Spot { position: DVec3::ZERO, axis: DVec3::ONE, inner: 0.08, outer: 0.08 };
         b.source(source, LightStrength::Power(Vec3::new(1.0, 2.0, 3.0)));
         let scene = built(b);
@@ -159,7 +162,7 @@ fn trapped_photons_keep_flux_and_terminate() {
     }
 }
 
-/// Cameras: who looks along the diagonal from inside sees nothing of the sky, and that ends.
+/// A camera inside that looks along the diagonal sees nothing of the sky, and its paths end.
 #[test]
 fn trapped_camera_paths_terminate() {
     for algorithm in [Algorithm::Path, Algorithm::Hybrid, Algorithm::Sppm, Algorithm::Distributed, Algorithm::Whitted] {

@@ -1,11 +1,14 @@
-//! BSDFs at the ends of the numbers that draw from them, of their roughness, and of the angles at which they are seen.
+//! BSDFs at extreme samples, roughnesses and angles.
 
 use super::{ENDS, corners};
 use caustica::bsdf::{Bsdf, Conductor, Dielectric, Phong, SMOOTH_ALPHA, Thin, Transport, metal};
 use glam::{Vec2, Vec3};
 
-/// Each with the most that a weight of importance can be. A matt surface, a mirror and visible facets weigh their reflectance at most;
-/// of a Phong lobe of exponent s alone it is (s + 2)/(s + 1) of its albedo. A pane's lobes are chosen by the mean of three channels.
+/// Returns each BSDF with an upper bound of its importance weight.
+///
+/// Diffuse surfaces, mirrors and visible microfacets weigh their reflectance at most. A Phong lobe
+/// of exponent s weighs (s + 2)/(s + 1) of its albedo. A pane's lobes are chosen by the mean of
+/// three channels.
 fn kinds() -> Vec<(Bsdf, f32)> {
     let (eta, k) = metal("gold").unwrap();
     let mut kinds = vec![
@@ -22,7 +25,8 @@ fn kinds() -> Vec<(Bsdf, f32)> {
     for alpha in [0.0, 1e-4, SMOOTH_ALPHA, 0.1, 1.0] {
         kinds.push((Bsdf::Conductor(Conductor::new(eta, k, alpha)), 1.0));
         kinds.push((Bsdf::Conductor(Conductor::new(Vec3::ZERO, Vec3::ONE, alpha)), 1.0));
-        // Where a transmitted share of some 10⁻⁶ is drawn in steps of 2⁻²⁴, its weight makes up for one of them.
+        // A transmittance of some 10⁻⁶ is sampled in steps of 2⁻²⁴. Its weight compensates for one
+        // of them.
         kinds.extend([1e-6, 0.5, 1.0, 1.0 + f32::EPSILON, 1.5, 1e6].map(|eta| (Bsdf::dielectric(eta, alpha), 1.02)));
     }
     kinds
@@ -35,8 +39,8 @@ fn directions() -> Vec<Vec3> {
     cosines.into_iter().flat_map(|c| [at(c), at(c) * Vec3::new(1.0, 1.0, -1.0)]).collect()
 }
 
-/// What is drawn is a unit vector on the side that it says, with a weight that is a number, and unless it is a delta with a density above
-/// zero: light that it meets by chance is weighed by that, and 0/0 would be no weight.
+/// A sample is a unit vector on its stated side with a finite weight. Unless it is a delta, its pdf
+/// is positive: MIS divides by it.
 #[test]
 fn bsdf_samples_have_finite_weight_and_pdf() {
     let tilted = Vec3::new(0.3, -0.5, 0.6).normalize();
@@ -77,7 +81,8 @@ fn bsdf_samples_have_finite_weight_and_pdf() {
     assert!(drawn > 400_000, "{drawn}");
 }
 
-/// The rim of the disc from which cosines are drawn lies in the horizon: nothing is drawn there, as its density is 0.
+/// The rim of the cosine-sampling disc lies in the horizon. Nothing is sampled there, since the pdf
+/// is 0.
 #[test]
 fn bsdfs_never_sample_the_horizon() {
     let white = Bsdf::Diffuse(Vec3::ONE);
@@ -87,7 +92,7 @@ fn bsdfs_never_sample_the_horizon() {
     }
 }
 
-/// Below the least roughness there is no lobe that the chi-square test of src/bsdf would be needed for: all are deltas.
+/// Lobes below the least roughness are deltas, so they need no chi-square test.
 #[test]
 fn narrowest_lobes_become_delta() {
     let alpha = SMOOTH_ALPHA.next_down();

@@ -1,4 +1,4 @@
-//! Choice by weights that differ by hundreds of orders.
+//! Discrete choice by weights that differ by hundreds of orders of magnitude.
 
 use super::{ENDS, corners};
 use crate::support::key;
@@ -9,7 +9,8 @@ use caustica::sampling::{Dimension, Discrete, Piecewise2d};
 use glam::Vec3;
 use std::sync::Arc;
 
-/// What is chosen is divided by its probability, which is never zero, and never so small that f32 would not hold its inverse.
+/// A choice is divided by its probability. It is never zero, and never so small that its inverse
+/// overflows f32.
 #[test]
 fn chosen_elements_have_positive_probability() {
     for weights in [
@@ -53,7 +54,7 @@ fn cells_of_any_weight_match_their_pdf() {
     }
 }
 
-/// One bright pixel in a black sky: directions at the ends are in it, with the density that it has there.
+/// With one bright pixel in a black sky, extreme samples lie in that pixel, with its pdf.
 #[test]
 fn environments_are_sampled_by_radiance() {
     for (x, y) in [(0, 0), (3, 1), (7, 3), (0, 3)] {
@@ -75,7 +76,8 @@ fn environments_are_sampled_by_radiance() {
     assert!(EnvironmentLight::constant(Vec3::ZERO).unwrap().sample(glam::Vec2::ZERO).is_none());
 }
 
-/// Lights whose powers differ by sixty orders, near and far, and a sky: whoever is chosen has a probability, the same as by name.
+/// Lights whose powers differ by sixty orders, near and far, and a sky: the chosen light has the
+/// probability that a query by its name returns.
 #[test]
 fn chosen_light_has_positive_probability() {
     let mut lights: Vec<Light> = (0..40u64)

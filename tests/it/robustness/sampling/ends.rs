@@ -1,4 +1,5 @@
-//! 0 and the largest number below 1 through all that turns random numbers into places and directions.
+//! Samples 0 and the largest number below 1, through every function that maps samples to positions
+//! and directions.
 
 use super::{ENDS, corners};
 use crate::support::scene;
@@ -15,7 +16,8 @@ fn unit(v: Vec3, what: &dyn Fn() -> String) {
     assert!(v.is_finite() && (v.length() - 1.0).abs() < 3e-6, "{}: {v}", what());
 }
 
-/// Every warp, at parameters at their own ends; no density is 0 where one draws, unless that lies in the horizon.
+/// Every warp, at extreme parameters. No pdf is 0 at a sample, unless the sample lies in the
+/// horizon.
 #[test]
 fn warps_are_valid_at_extreme_samples() {
     for u in corners() {
@@ -88,7 +90,7 @@ fn other_samplers_are_valid_at_extreme_samples() {
     }
 }
 
-/// One light of each kind.
+/// Builds a scene with one light of each kind.
 fn lights() -> Scene {
     scene(
         "PerspectiveCamera { center 0 0 9  direction 0 0 -1  up 0 1 0  angle 40  width 1  height 1 }
@@ -111,8 +113,8 @@ fn lights() -> Scene {
     )
 }
 
-/// Every light, asked from near, far, inside and on it, and emitting everywhere and at targets, one of which it is inside of: flux,
-/// radiance and densities are numbers, and no density is 0.
+/// Every light, sampled from near, far, inside and on it, and emitting everywhere and at targets,
+/// one of which contains it. Flux, radiance and pdfs are finite, and no pdf is 0.
 #[test]
 fn lights_are_valid_at_extreme_samples() {
     let scene = lights();
@@ -166,7 +168,8 @@ fn lights_are_valid_at_extreme_samples() {
     }
 }
 
-/// Towards a ball that one is inside of, directions are drawn by their cosine to the horizon, but none in it.
+/// Towards an enclosing ball, directions are sampled by their cosine to the horizon, but none in
+/// it.
 #[test]
 fn aimed_emission_has_pdf_at_horizon() {
     let aim = PhotonAim::new([Sphere { center: Vec3::ZERO, radius: 1.0 }]);

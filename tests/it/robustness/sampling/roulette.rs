@@ -1,4 +1,5 @@
-//! Roulette at its ends: what has probability 0 ends and is never divided by it, what has probability 1 goes on, for certain.
+//! Russian roulette at its ends: a path of survival probability 0 ends without a division by it,
+//! one of probability 1 always survives.
 
 use crate::support::{agree, key, pixels, scene};
 use caustica::integrate::{Algorithm, EyeSettings, Settings};
@@ -6,7 +7,7 @@ use caustica::photon::{PhotonPass, PhotonSource, StoreMask, Traced};
 use caustica::scene::Scene;
 use rayon::prelude::*;
 
-/// A closed room whose walls reflect `albedo` and emit `radiance`, with a lamp.
+/// Builds a closed room whose walls reflect `albedo` and emit `radiance`, with a light.
 fn room(albedo: &str, radiance: f64) -> Scene {
     scene(&format!(
         "PerspectiveCamera {{ center 0 0 .9  direction 0 0 -1  up 0 1 0  angle 60  width 6  height 6 }}
@@ -31,7 +32,8 @@ fn trace(scene: &Scene, index: u64) -> Traced {
     pass.trace(key(90).with(index), PATHS, &|_| {})
 }
 
-/// Walls that reflect all: no photon ends before the limit, none gains or loses a bit of flux.
+/// If walls reflect everything, no photon ends before the limit, and none gains or loses a bit of
+/// flux.
 #[test]
 fn white_surfaces_terminate_no_photon() {
     let Traced { photons, audit, rays, .. } = trace(&room("1 1 1", 0.0), 0);
@@ -40,7 +42,8 @@ fn white_surfaces_terminate_no_photon() {
     assert_eq!(rays, photons.len() as u64);
 }
 
-/// Walls that reflect nothing: each photon lands once. Then walls that reflect the least number there is, of which no more can come.
+/// If walls reflect nothing, each photon lands once. Then walls reflect the smallest positive
+/// number, with the same result.
 #[test]
 fn black_surfaces_terminate_every_photon() {
     for albedo in ["0 0 0", "1e-45 1e-45 1e-45", "0 0 1e-40"] {
@@ -51,9 +54,10 @@ fn black_surfaces_terminate_every_photon() {
     }
 }
 
-/// One channel alone is kept, half of the lamp's light: what goes on by the mean of the channels is twice as strong half as often, and from
-/// then on all of it goes on. So flux is kept in the mean, by n paths to √(1/n) of itself: over 16 passes of 2¹² a 256th. A photon's
-/// flux is rounded a few times, and its hue to 2⁻¹⁷.
+/// One channel is kept, with half of the light's flux. A path that survives by the mean of the
+/// channels is twice as strong half as often, and from then on survives for certain. So flux is
+/// conserved in the mean, by n paths to √(1/n) of itself: over 16 passes of 2¹², a 256th. A
+/// photon's flux rounds a few times, and its hue to 2⁻¹⁷.
 #[test]
 fn zero_channel_stays_zero() {
     let scene = room("0 0 1", 0.0);
@@ -65,7 +69,7 @@ fn zero_channel_stays_zero() {
             let twice = 2.0 * 3.0 / f64::from(PATHS);
             let mut strengths = on.map(|p| f64::from(p.data.flux().z) / twice - 1.0);
             assert!(strengths.all(|off| off.abs() < 1e-5), "{audit:?}");
-            // Those that go on land once more for each bounce that they are allowed.
+            // A survivor lands once more for each allowed bounce.
             let walks = (photons.len() - PATHS as usize) / BOUNCES as usize;
             assert_eq!(photons.len(), PATHS as usize + walks * BOUNCES as usize);
             assert!((audit.stopped[2] / (walks as f64 * twice) - 1.0).abs() < 1e-5, "{audit:?}");
@@ -82,8 +86,9 @@ fn settings(samples: u32, max_bounces: u32, seed: u64) -> Settings {
     }
 }
 
-/// Camera walks between walls that emit and reflect nothing see just that, whatever roulette's number; those between walls that reflect
-/// all add one bounce for each that they are allowed, and the one that connections find.
+/// Between walls that emit and reflect nothing, camera paths return exactly the emission, whatever
+/// the roulette sample. Between walls that reflect everything, each allowed bounce adds its light,
+/// plus the one that connections find.
 #[test]
 fn camera_paths_follow_same_roulette() {
     let dark = room("0 0 0", 0.25);
@@ -100,7 +105,7 @@ fn camera_paths_follow_same_roulette() {
             let image = pixels(scene, Algorithm::Path, settings(samples, bounces, seed), 1);
             image.iter().map(|p| f64::from(p.x)).sum::<f64>() / image.len() as f64
         };
-        // The same walks see the lamp in both rooms.
+        // Both rooms see the light by the same paths.
         let samples: Vec<f64> = (0..16).into_par_iter().map(|seed| mean(&white, seed) - mean(&lamp, seed)).collect();
         let expected = 0.001 * f64::from(bounces + 2);
         agree(&format!("{bounces} bounces"), &samples, expected, 1e-6 * expected, 0.005);

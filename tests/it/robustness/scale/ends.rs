@@ -1,4 +1,4 @@
-//! Scenes beyond what single precision holds.
+//! Scenes beyond the range of single precision.
 
 use caustica::camera::Camera;
 use caustica::color::Rgb;
@@ -19,7 +19,8 @@ fn balls(places: &[(DVec3, f64)], plane: bool) -> Result<Scene, BuildError> {
     b.build(Camera::perspective(DVec3::Z * 5.0, DVec3::NEG_Z, DVec3::Y, 1.0, 4, 4).unwrap())
 }
 
-/// What is too small is refused, with a remedy; what is refused is no larger than 2⁻³⁹, at which 2⁻²⁴ of it has a normal square.
+/// Too small shapes are refused with a remedy. None of them is larger than 2⁻³⁹, where 2⁻²⁴ of the
+/// size has a normal square.
 #[test]
 fn too_small_shapes_are_refused() {
     let least = libm::exp2(-39.0);
@@ -36,10 +37,10 @@ fn too_small_shapes_are_refused() {
     assert!(balls(&[], true).is_ok() && balls(&[], false).is_ok(), "what has no size is not small");
 }
 
-/// Sums of squares of such numbers are infinite, and what is counted from there is no number.
+/// Sums of squares of such numbers overflow, and differences from there are no numbers.
 #[test]
 fn positions_near_double_limit_are_refused() {
-    // Boxes without an end, whose middle is no number.
+    // Unbounded boxes, whose center is no number.
     let boundless = [(DVec3::splat(1e308), 1e308), (DVec3::splat(-1e308), 1e308)];
     assert_eq!(balls(&boundless, false).err(), Some(BuildError::TooLarge(f64::INFINITY)));
     for far in [1e13, 1e155, 1e200, 1e308, f64::MAX] {

@@ -10,8 +10,10 @@ use caustica::sampling::{Key, Purpose};
 use caustica::scene::Scene;
 use std::path::Path;
 
-/// Things of a hand's size on a floor, by lamps that are near: what leaves for more than 300 lengths is (4/300)² of their light, of which
-/// less comes back than single precision tells.
+/// Builds small objects on a floor with lights nearby.
+///
+/// Light that travels more than 300 units is (4/300)² of all light. Less of it returns than single
+/// precision resolves.
 fn on(floor: &str) -> Scene {
     let text = format!(
         "PerspectiveCamera {{ center 0 3.4 3  lookAt 0 .2 .1  angle 34  width {}  height {} }}
@@ -51,12 +53,13 @@ fn resolved(text: &str) -> Scene {
 const FLAT: &str = "Disc { center 0 0 0  normal 0 1 0  radius 300 }";
 const ROUND: &str = "Sphere { center 0 -100000 0  radius 100000 }";
 
-/// Where things stand the sphere is flat but for 2²/(2·10⁵) = 2·10⁻⁵: pixels show the same but where an edge of a thing or its shadow passes
-/// between, within some 10⁻⁵ of a pixel that is 10⁻¹ wide, seen in glass and mirrors ten times as wide: one in a thousand, five times over.
+/// Where the objects stand, the sphere deviates from a plane by 2²/(2·10⁵) = 2·10⁻⁵. Pixels differ
+/// only where an edge of an object or shadow passes, within some 10⁻⁵ of a pixel 10⁻¹ wide, and ten
+/// times as wide in glass and mirrors: one in a thousand, five times over.
 #[test]
 fn sphere_of_radius_100000_acts_as_flat_floor() {
     let (flat, round) = (on(FLAT), on(ROUND));
-    // It asks all lights and draws none.
+    // `whitted` samples all lights and chooses none.
     let render = |scene| pictures(scene, Algorithm::Whitted, few(), PASSES);
     let (a, b) = (render(&flat), render(&round));
     let off = |(a, b): &(&Rgb, &Rgb)| (**a - **b).abs().max_element() > 1e-3 * b.max_element();
@@ -64,7 +67,7 @@ fn sphere_of_radius_100000_acts_as_flat_floor() {
     let all = a.len() * a[0].len();
     assert!(differ * 200 < all, "{differ} of {all} pixels differ");
 
-    // Photons are drawn otherwise, as they are emitted into another domain.
+    // Photons differ, since they are emitted into another domain.
     let settings = Settings { radius: Some(0.05), ..few() };
     let seen = |scene| -> Vec<Vec<f64>> {
         let images = pictures(scene, Algorithm::Hybrid, settings.clone(), 4 * PASSES);
@@ -74,8 +77,9 @@ fn sphere_of_radius_100000_acts_as_flat_floor() {
     assert!(objection.is_none(), "{}", objection.unwrap());
 }
 
-/// The discs that pilots find are those of the things that photons lie on, not parts of the floor. Both pilots look at 512 photons and take the
-/// third quartile of what they find, which scatters by 2 % of their number, so by less than a tenth where discs vary twofold.
+/// Pilots find disc radii from the objects that photons lie on, not from the floor's size. Both
+/// pilots take the third quartile of 512 photons, which scatters by 2 % of their number: less than
+/// a tenth where radii vary twofold.
 #[test]
 fn huge_floor_does_not_blur_caustics() {
     let settings = || Settings { caustic_photons: 250_000, ..few() };
@@ -84,7 +88,7 @@ fn huge_floor_does_not_blur_caustics() {
     assert!((round / flat - 1.0).abs() < 0.1, "{round} on a sphere, {flat} on a disc");
 }
 
-/// Flux \[W] of photons of a kind on what `counts`, of 2¹⁷ paths from everywhere.
+/// Returns the flux \[W] of photons where `counts` is true, of 2¹⁷ paths emitted everywhere.
 fn flux(scene: &Scene, wants: StoreMask, counts: impl Fn(glam::DVec3) -> bool) -> f64 {
     let source = PhotonSource::everywhere(scene).unwrap();
     let pass = PhotonPass { scene, source: &source, mask: wants, max_bounces: 20 };
@@ -93,7 +97,8 @@ fn flux(scene: &Scene, wants: StoreMask, counts: impl Fn(glam::DVec3) -> bool) -
     landed.map(|p| f64::from(p.data.flux().y)).sum()
 }
 
-/// A lamp that touches nothing, and glass and stone half a unit below it: they are in the way of its light however large the floor is.
+/// A light that touches nothing, with glass and stone half a unit below it. They block its light
+/// however large the floor is.
 #[test]
 fn occluder_near_light_shades_huge_floor() {
     let under_a_lamp = |floor: &str| {
@@ -122,8 +127,9 @@ fn occluder_near_light_shades_huge_floor() {
     let differ = a.iter().flatten().zip(b.iter().flatten()).filter(off).count();
     assert!(differ * 200 < a.len() * a[0].len(), "{differ} pixels differ");
 
-    // The glass is seen under 2π(1 − √(1 − .2²/.4825)) sr, .0212 of all: 2777 paths, the stone as well. Both floors get what passes the glass
-    // within five sigma of their difference, 5·√2/√2777.
+    // The light sees the glass under 2π(1 − √(1 − .2²/.4825)) sr, .0212 of the sphere: 2777 paths,
+    // and the stone likewise. Both floors receive what passes the glass within five sigma of their
+    // difference, 5·√2/√2777.
     let near = |p: glam::DVec3| p.length() < 3.0;
     for (wants, place) in
         [(StoreMask::CAUSTIC, &near as &dyn Fn(_) -> _), (StoreMask::DIRECT, &|p| near(p) && p.y > 1.0)]
@@ -133,8 +139,9 @@ fn occluder_near_light_shades_huge_floor() {
     }
 }
 
-/// A lamp that lies on the sphere, within the rounding of where that is, lights a ceiling half a unit above: a disc of radius r takes
-/// (1 − h/√(h² + r²))/2 of the light of a point at h below it, here .276, which 2¹⁷ paths know to .0012.
+/// A light on the sphere, up to position rounding, lights a ceiling half a unit above. A disc of
+/// radius r receives (1 − h/√(h² + r²))/2 of the light of a point at h below it, here .276. 2¹⁷
+/// paths measure it to .0012.
 #[test]
 fn light_on_huge_floor_reaches_objects_above() {
     for x in [0.0f64, 0.3, -0.7, 1.1, 2.3] {

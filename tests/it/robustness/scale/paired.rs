@@ -1,17 +1,19 @@
-//! Passes of two renders that share their random numbers, compared.
+//! Comparison of passes of two renders that share their random numbers.
 
 use crate::support::{mean_and_error, student};
 use caustica::color::Rgb;
 use glam::DVec3;
 
-/// False-alarm rate of one number of a comparison: some thousand of them are compared in all, so that all together cry wolf once in 10⁴ runs.
+/// False-alarm rate of one number of a comparison. There are some thousand of them, so one run in
+/// 10⁴ has a false alarm.
 pub const RATE: f64 = 1e-8;
 
-/// What rounding may change of a mean, as part of it. A stored photon's hue is rounded to steps of 2⁻¹⁶ of the sum of its channels, by
-/// half a step, which is 1.5·2⁻¹⁶ of a grey channel; a walk of some hundred factors, each rounded to 2⁻²⁴, adds 100·2⁻²⁴.
+/// Relative change of a mean by rounding. A stored photon's hue rounds by half a step of 2⁻¹⁶ of
+/// the channel sum, 1.5·2⁻¹⁶ of a grey channel. A path of some hundred factors, each rounded to
+/// 2⁻²⁴, adds 100·2⁻²⁴.
 pub const ROUNDING: f64 = 1.5 / 65_536.0 + 100.0 / 16_777_216.0;
 
-/// The mean of each pass over the whole picture and over its quarters, by channels: 15 numbers a pass.
+/// Returns the mean over the image and over its quarters, by channels: 15 numbers.
 pub fn summary(image: &[Rgb], (width, height): (u32, u32)) -> Vec<f64> {
     let (width, height) = (width as usize, height as usize);
     let mut sums = [DVec3::ZERO; 4];
@@ -25,11 +27,12 @@ pub fn summary(image: &[Rgb], (width, height): (u32, u32)) -> Vec<f64> {
     [whole].into_iter().chain(quarters).flat_map(|v| v.to_array()).collect()
 }
 
-/// What is wrong with the claim that `ours` and `theirs`, numbers of passes, have the same means but for the part `slack`, or that their first
-/// three differ by so much noise that a difference of the part `told` of the brightest would pass; `None` where nothing is.
+/// Returns why `ours` and `theirs` do not have equal means up to the fraction `slack`; `None` if
+/// they do.
 ///
-/// A pass of one goes with the pass of the other that has its random numbers. Differences of such pairs are independent, and Student's t
-/// tells whether their mean is 0.
+/// It also objects if noise would hide a difference of the fraction `told` of the brightest of the
+/// first three numbers. Passes are paired by their random numbers. Differences of pairs are
+/// independent, and Student's t tests whether their mean is 0.
 pub fn objection(ours: &[Vec<f64>], theirs: &[Vec<f64>], slack: f64, told: f64) -> Option<String> {
     let dof = ours.len() as f64 - 1.0;
     let column = |of: &[Vec<f64>], i: usize| of.iter().map(|pass| pass[i]).collect::<Vec<f64>>();
@@ -51,7 +54,7 @@ pub fn objection(ours: &[Vec<f64>], theirs: &[Vec<f64>], slack: f64, told: f64) 
     })
 }
 
-/// The t beyond which a part `rate` of Student's distribution lies, by halving.
+/// Returns the two-sided quantile of Student's distribution for probability `rate`, by bisection.
 fn quantile(rate: f64, dof: f64) -> f64 {
     let (mut low, mut high) = (0.0, 1e4);
     for _ in 0..60 {

@@ -1,5 +1,7 @@
-//! A description under a similarity of space. Every field that has a unit of length is named; matches are exhaustive, so that what the
-//! scene language learns does not slip by.
+//! Applies a similarity transform to a scene description.
+//!
+//! Every field with a unit of length is named. Matches are exhaustive, so that a new field of the
+//! scene language cannot be forgotten.
 
 use caustica::format::description::{
     Aim, AreaStrength, Attenuation, Camera, Coefficients, Density, Description, DirectionalStrength, Emission,
@@ -8,12 +10,12 @@ use caustica::format::description::{
 };
 use glam::{DAffine3, DMat4, DVec3};
 
-/// x ↦ shift + scale · turn(x).
+/// The map x ↦ shift + scale · turn(x).
 #[derive(Clone, Copy, Debug)]
 pub struct Similarity {
-    /// Above 0.
+    /// Positive.
     pub scale: f64,
-    /// Axis and degrees, right-handed.
+    /// Axis and angle \[degrees], right-handed.
     pub turn: (DVec3, f64),
     pub shift: DVec3,
 }
@@ -25,12 +27,12 @@ impl Similarity {
         Self { scale, ..Self::NONE }
     }
 
-    /// The world of `d` as this map makes it: a picture of it shows the same radiances.
+    /// Returns the transformed description. Its image has the same radiance.
     pub fn of(&self, mut d: Description) -> Description {
         let Description { camera, background: _, filling: _, lights, textures, media, materials, root } = &mut d;
         self.camera(&mut camera.value);
         lights.iter_mut().for_each(|light| self.light(&mut light.value));
-        // They lie in the space of what wears them, which the map around the root takes along.
+        // Textures lie in the space of their object, which the root transform covers.
         for texture in textures {
             match &texture.kind {
                 TextureKind::Image { .. } | TextureKind::Checker { .. } | TextureKind::Solid { .. } => {}
@@ -61,7 +63,7 @@ impl Similarity {
         Map::product(&self.maps())
     }
 
-    /// Where a point comes to lie.
+    /// Returns the image of a point.
     pub fn place(&self, p: DVec3) -> DVec3 {
         self.matrix().transform_point3(p)
     }
@@ -93,7 +95,7 @@ impl Similarity {
         }
     }
 
-    /// Maps that act as if the place of what moves were the origin.
+    /// Transforms the maps of a motion, which act as if the object's position were the origin.
     fn motion(&self, maps: &mut [Map]) {
         for map in maps {
             *map = match *map {
@@ -189,10 +191,10 @@ impl Similarity {
         }
     }
 
-    /// What falls on things goes with intensity over the square of a length.
+    /// Irradiance is intensity over squared length, so intensity scales with the square.
     fn intensity(&self, strength: &mut PointStrength) {
         match strength {
-            // What a white surface at the scene's middle shows, wherever that is.
+            // The radiance of a white surface at the scene's center does not depend on scale.
             PointStrength::Color(_) => {}
             PointStrength::Intensity(watts) | PointStrength::Power(watts) => self.area(watts),
         }
@@ -224,7 +226,7 @@ impl Similarity {
         }
     }
 
-    /// As one matrix, since those among its maps are applied after what stands before them.
+    /// Converts to one matrix, because a matrix in the list applies after the maps before it.
     fn extent(&self, extent: &mut Extent) {
         let Extent { min: _, max: _, maps } = extent;
         *maps = vec![Map::Matrix(DMat4::from(self.matrix() * Map::product(maps)))];

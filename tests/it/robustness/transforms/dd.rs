@@ -1,13 +1,14 @@
-//! Numbers of twice the precision of f64, as references (Dekker 1971; Hida, Li and Bailey 2001): 104 bits, so 10⁻³¹.
+//! Double-double arithmetic as reference (Dekker 1971; Hida, Li and Bailey 2001): 104 bits, so
+//! 10⁻³¹.
 
 use glam::{DAffine3, DMat3, DVec3};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-/// The unevaluated sum of a number and what its rounding lost.
+/// The unevaluated sum of a number and its rounding error.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 pub struct Dd(pub f64, pub f64);
 
-/// Three of them.
+/// A vector of three double-doubles.
 #[derive(Clone, Copy, Debug)]
 pub struct Dd3(pub [Dd; 3]);
 
@@ -18,7 +19,7 @@ fn two_sum(a: f64, b: f64) -> Dd {
 }
 
 fn two_product(a: f64, b: f64) -> Dd {
-    // Halves of 26 bits, whose products are exact.
+    // Halves of 26 bits have exact products.
     let split = |x: f64| {
         let c = 134_217_729.0 * x;
         let high = c - (c - x);
@@ -42,7 +43,7 @@ impl Dd {
         if root == 0.0 {
             return Self::ZERO;
         }
-        // One step of Newton's method doubles the digits.
+        // One Newton step doubles the number of digits.
         let root = Self(root, 0.0);
         (root + self / root) * Self(0.5, 0.0)
     }
@@ -135,7 +136,7 @@ impl Sub for Dd3 {
     }
 }
 
-/// An affine map.
+/// An affine map in double-double precision.
 #[derive(Clone, Copy, Debug)]
 pub struct Affine {
     pub columns: [Dd3; 3],
@@ -159,29 +160,31 @@ impl Affine {
         self.vector(p) + self.shift
     }
 
-    /// This map after `inner`.
+    /// Returns the composition: `inner` first, then this map.
     pub fn after(&self, inner: &Self) -> Self {
         Self { columns: inner.columns.map(|c| self.vector(c)), shift: self.point(inner.shift) }
     }
 
-    /// Rows of the inverse of the linear part, by cofactors: their cancellation costs 16 of 31 digits at the worst that is tested.
+    /// Returns the rows of the inverse of the linear part, by cofactors.
+    ///
+    /// Cancellation costs 16 of 31 digits in the worst tested case.
     pub fn inverse_rows(&self) -> [Dd3; 3] {
         let [a, b, c] = self.columns;
         let volume = a.dot(b.cross(c));
         [b.cross(c), c.cross(a), a.cross(b)].map(|r| r.scaled(Dd::ONE / volume))
     }
 
-    /// A vector, taken back.
+    /// Transforms a vector by the inverse.
     pub fn back(&self, v: Dd3) -> Dd3 {
         Dd3(self.inverse_rows().map(|r| r.dot(v)))
     }
 
-    /// A point, taken back.
+    /// Transforms a point by the inverse.
     pub fn point_back(&self, p: Dd3) -> Dd3 {
         self.back(p - self.shift)
     }
 
-    /// A normal by the inverse transpose, of any length.
+    /// Transforms a normal by the inverse transpose; the result has any length.
     pub fn normal(&self, n: Dd3) -> Dd3 {
         let [x, y, z] = self.inverse_rows();
         x.scaled(n.0[0]) + y.scaled(n.0[1]) + z.scaled(n.0[2])

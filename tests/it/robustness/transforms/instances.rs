@@ -1,4 +1,4 @@
-//! Meshes that are placed by maps of condition number 10⁸, and from afar.
+//! Instances under transforms of condition number 10⁸, and seen from afar.
 
 use super::dd::{Affine, Dd, Dd3};
 use super::maps::maps;
@@ -11,7 +11,8 @@ use rand::{RngExt, SeedableRng};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Where a line enters |x| + |y| + |z| ≤ 1 and leaves it, each with the face's normal and how far off, along the line, the next face is.
+/// Returns where a line enters and leaves |x| + |y| + |z| ≤ 1, with the face normals, and the
+/// distance along the line to the next face.
 fn octahedron(o: Dd3, d: Dd3) -> ([Dd; 2], [DVec3; 2], [f64; 2]) {
     let mut ends = [Dd::from(-1e300), Dd::from(1e300)];
     let mut normals = [DVec3::ZERO; 2];
@@ -34,10 +35,12 @@ fn octahedron(o: Dd3, d: Dd3) -> ([Dd; 2], [DVec3; 2], [f64; 2]) {
     (ends, normals, [gap(0), gap(1)])
 }
 
-/// An octahedron of triangles under maps of condition number 10⁸, seen from within 10⁶ sizes, is met where it is.
+/// An octahedron of triangles under transforms of condition number 10⁸, seen from within 10⁶ sizes,
+/// is hit at the right distance.
 ///
-/// Rays are rounded to f32 where they come near the mesh, within 4 of its sizes, and the triangle's test rounds as much again: 16·2⁻²³ times
-/// 4 in object space. That is what `t` may be off over |d·n|, beside the rounding of `t` itself and of f64 on the way there.
+/// Rays round to f32 near the mesh, within 4 of its sizes, and the triangle test rounds as much
+/// again: 16·2⁻²³ times 4 in object space. `t` may be off by that over |d·n|, plus its own rounding
+/// and that of f64 on the way.
 #[test]
 fn instance_hits_match_double_double_transforms() {
     let ball = globe(0);
@@ -94,12 +97,14 @@ fn instance_hits_match_double_double_transforms() {
                 blur(end)
             );
             let s = instance.surface(&ray, t, Vec2::new(u, v));
-            // Where two faces are nearer to each other than the test rounds, either may be told; elsewhere it is the one that is met.
+            // If two faces are closer than the test's rounding, either may be reported. Otherwise
+            // it must be the face that is hit.
             let sure = gaps[end] > 4.0 * blur(end);
             told += u32::from(sure);
             let is_it = |n: &DVec3| {
                 let normal = exact.normal((*n).into()).value().normalize();
-                // A corner of the face tells its plane, in which the place lies but for what it says of its error along each axis.
+                // A corner of the face gives its plane. The point lies in the plane up to its
+                // stated error along each axis.
                 let corner = exact.point((DVec3::X * n.x).into());
                 let height = normal.dot((Dd3::from(s.p.as_dvec3()) - corner).value()).abs();
                 (s.ng.as_dvec3() - normal).length() < 2e-7 && height <= normal.abs().dot(s.error.as_dvec3())
@@ -127,7 +132,7 @@ const FACES: [DVec3; 8] = [
     DVec3::new(-1.0, -1.0, -1.0),
 ];
 
-/// Rays from inside a mesh that is placed hit it, at edges and corners too.
+/// Rays from inside an instance hit it, at edges and corners too.
 #[test]
 fn instances_leak_no_rays() {
     let closed = globe(3);

@@ -1,4 +1,4 @@
-//! Maps of condition number 10⁸, and milder ones.
+//! Transforms of condition number 10⁸, and milder ones.
 
 use caustica::math::turn;
 use glam::{DAffine3, DMat3, DVec3};
@@ -12,7 +12,7 @@ fn centred((name, m): (&'static str, DMat3)) -> (&'static str, DAffine3) {
     (name, DAffine3::from_mat3(m))
 }
 
-/// Names and maps.
+/// Returns names and transforms.
 pub fn maps() -> Vec<(&'static str, DAffine3)> {
     let [r, s] = [turned(0), turned(1)];
     let wide = DMat3::from_diagonal(DVec3::new(1e4, 1.0, 1e-4));
@@ -40,7 +40,7 @@ pub fn maps() -> Vec<(&'static str, DAffine3)> {
     ]
     .into_iter()
     .map(|(name, m)| (name, DAffine3::from_mat3_translation(m, place)))
-    // Where coordinates are near 0, their rounding to f32 hides nothing of what a map does.
+    // Near the origin, rounding of coordinates to f32 hides nothing of a transform's effect.
     .chain([("squeezed around the origin", wide * r), ("a pancake around the origin", pancake * s)].map(centred))
     .collect()
 }

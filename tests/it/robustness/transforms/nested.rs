@@ -1,4 +1,4 @@
-//! Transforms of the scene language, 64 deep, and those that flatten.
+//! Transforms of the scene language, 64 deep, and singular ones.
 
 use super::dd::{Affine, Dd3};
 use super::shapes::{Own, truth};
@@ -18,7 +18,8 @@ fn scene(text: &str) -> Result<Scene, SceneError> {
     resolve(&parse("a.txt", &text)?, &Source::new("a.txt", &text), Path::new(""))
 }
 
-/// One step, as it is written and as a map: turns, moves, mirrors, shears, and scales that undo each other two by two.
+/// Returns one step as text and as a matrix: rotations, translations, mirrors, shears, and scales
+/// that cancel in pairs.
 fn step(rng: &mut SmallRng, level: u32) -> (String, DAffine3) {
     let mut number = || f64::from(rng.random_range(-100..=100)) / 64.0;
     let v = DVec3::new(number(), number(), number());
@@ -45,10 +46,12 @@ fn step(rng: &mut SmallRng, level: u32) -> (String, DAffine3) {
     }
 }
 
-/// Sixty-four groups, each in the transform of the one around it: the innermost shape is where the exact product puts it.
+/// Sixty-four groups, each inside the transform of the outer one: the innermost shape is where the
+/// exact product puts it.
 ///
-/// Each product rounds by some 4 ulps of ‖outer‖·‖inner‖, and the maps inside multiply that by their norms: 1 of a turn, 2 of a scale, 1.14 of a
-/// shear, while 10⁶ and 10⁻⁶ undo each other. That is 64 · 4 · 2⁻⁵² · 4.6⁸ = 1.2·10⁻⁸ of places, which are within 10 of the origin.
+/// Each product rounds by some 4 ulps of ‖outer‖·‖inner‖. The inner transforms amplify that by
+/// their norms: 1 for a rotation, 2 for a scale, 1.14 for a shear, while 10⁶ and 10⁻⁶ cancel. That
+/// is 64 · 4 · 2⁻⁵² · 4.6⁸ = 1.2·10⁻⁸ of positions, which are within 10 of the origin.
 #[test]
 fn shapes_64_transforms_deep_are_placed_correctly() {
     let shapes = [
@@ -108,7 +111,8 @@ fn shapes_64_transforms_deep_are_placed_correctly() {
     }
 }
 
-/// A map of condition number 10⁸ is a map, even if its columns almost lie on a line; one that leaves no digits is refused with its place.
+/// A transform of condition number 10⁸ is accepted, even if its columns are almost collinear. One
+/// that leaves no significant digits is refused at its position in the text.
 #[test]
 fn only_ill_conditioned_transforms_are_refused() {
     let ball = "Sphere { center 0 0 0 radius 1 }";
@@ -125,7 +129,8 @@ fn only_ill_conditioned_transforms_are_refused() {
         let error = scene(&format!("Group {{\nTransform {{ {flat} {ball} }} }}")).unwrap_err();
         assert!(error.line() == 3 && error.message().contains("flattens") && !error.remedy().is_empty(), "{error}");
     }
-    // Sixty-four that are sound by themselves, and flat together: the place is that of the innermost.
+    // Sixty-four transforms are valid alone and singular together. The error points at the
+    // innermost.
     let squeeze = "Transform { Scale 1 1 1e-6\n".repeat(64);
     let error = scene(&format!("Group {{\n{squeeze} {ball} {} }}", "}".repeat(64))).unwrap_err();
     assert!(error.line() == 66 && !error.remedy().is_empty(), "{error}");

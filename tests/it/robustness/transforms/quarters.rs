@@ -1,4 +1,4 @@
-//! Planes turned by multiples of 90°.
+//! Planes rotated by multiples of 90°.
 
 use caustica::color::Rgb;
 use caustica::format::description::Map;
@@ -9,7 +9,7 @@ use caustica::shape::Plane;
 use glam::{DMat3, DVec3, Vec3};
 use std::path::Path;
 
-/// A quarter of a turn takes axes to axes, to the bit; and so in the middle of a motion through twice as much.
+/// A quarter turn maps axes to axes, bit for bit; so does half of a motion through twice as much.
 #[test]
 fn quarter_turns_are_exact() {
     for quarters in -9i32..=9 {
@@ -28,7 +28,8 @@ fn quarter_turns_are_exact() {
     }
 }
 
-/// A normal that rounding has turned off its axis is still across what goes along the plane; a ray that leans by more meets it.
+/// A normal that rounding tilted off its axis is still perpendicular to rays along the plane. A ray
+/// that leans by more hits it.
 #[test]
 fn rays_along_a_plane_miss_it() {
     for lean in [-2.5e-16, -1.8e-16, 6e-17, 1.8e-16, 2.5e-16] {
@@ -43,7 +44,8 @@ fn rays_along_a_plane_miss_it() {
     assert!((t / 5e14 - 1.0).abs() < 1e-6, "{t}");
 }
 
-/// An overhead sun between walls made of floors: all its light arrives, by shadow rays and by photons.
+/// An overhead sun between walls made of rotated floors: all its light arrives, by shadow rays and
+/// by photons.
 #[test]
 fn overhead_sun_lights_between_rotated_walls() {
     let walls = "Plane { normal 0 1 0 offset -3 }";
@@ -63,7 +65,7 @@ fn overhead_sun_lights_between_rotated_walls() {
         let scene = resolve(&parse(name, &text).unwrap(), &Source::new(name, &text), Path::new("")).unwrap();
         let integrator = Algorithm::Whitted.prepare(&scene, Settings::default());
         let image = integrator.pass(0, &Silent).image;
-        // White ground under irradiance π shows 1.
+        // White ground under irradiance π has radiance 1.
         let all = image.iter().all(|v| (*v - Rgb::ONE).abs().max_element() < 1e-5);
         assert!(all, "{turn}: {:?}", image[0]);
     }

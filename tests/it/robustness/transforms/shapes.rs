@@ -1,4 +1,4 @@
-//! Shapes under maps of condition number 10⁸ against references of twice the precision.
+//! Shapes under transforms of condition number 10⁸, against double-double references.
 
 use super::dd::{Affine, Dd, Dd3};
 use super::maps::maps;
@@ -10,18 +10,18 @@ use rand::rngs::SmallRng;
 use rand::{RngExt, SeedableRng};
 use rayon::prelude::*;
 
-/// What a shape is in its own space.
+/// Shapes in object space.
 #[derive(Clone, Copy, Debug)]
 pub enum Own {
-    /// |p| = 1.
+    /// The sphere |p| = 1.
     Ball,
-    /// y = 0 for x² + z² ≤ 1.
+    /// The disc y = 0 for x² + z² ≤ 1.
     Disc,
-    /// y = 0 for |x| and |z| ≤ 1.
+    /// The square y = 0 for |x| and |z| ≤ 1.
     Square,
-    /// x² + z² = 1 for |y| ≤ 1.
+    /// The cylinder x² + z² = 1 for |y| ≤ 1.
     Tube,
-    /// y = x² + z² for |x| and |z| ≤ 1.
+    /// The paraboloid y = x² + z² for |x| and |z| ≤ 1.
     Bowl,
 }
 
@@ -49,7 +49,7 @@ impl Own {
         }
     }
 
-    /// A point on it.
+    /// Returns a point of the shape.
     pub fn point(self, u: Vec2) -> DVec3 {
         let (a, b) = (f64::from(u.x) * 2.0 - 1.0, f64::from(u.y) * 2.0 - 1.0);
         match self {
@@ -67,7 +67,8 @@ impl Own {
         }
     }
 
-    /// The coefficients c, b, a of F(o + t d) = c + 2 b t + a t², whose zeros are the surface without its borders.
+    /// Returns the coefficients c, b, a of F(o + t d) = c + 2 b t + a t². Its zeros are the surface
+    /// without borders.
     fn quadratic(self, o: Dd3, d: Dd3) -> [Dd; 3] {
         let ([ox, oy, oz], [dx, dy, dz]) = (o.0, d.0);
         let half = Dd::from(0.5);
@@ -91,7 +92,7 @@ impl Own {
         }
     }
 
-    /// How far within its borders a point is.
+    /// Returns how far inside its borders a point is.
     fn within(self, p: Dd3) -> f64 {
         let [x, y, z] = p.0.map(Dd::value);
         match self {
@@ -103,30 +104,32 @@ impl Own {
     }
 }
 
-/// What exact numbers say of a ray and a shape under a map.
+/// Exact result of intersecting a ray with a transformed shape.
 pub struct Truth {
-    /// Where it is met.
+    /// Distance of the hit, `None` for a miss.
     pub t: Option<f64>,
-    /// How far off `t` may be told.
+    /// Allowed error of `t`.
     pub blur: f64,
-    /// The place in the shape's space, the unit normal, on either side, and how far off that may be told.
+    /// Position in object space, the unit normal of either sign, and its allowed error.
     pub hit: DVec3,
     pub normal: DVec3,
     pub turn: f64,
-    /// Whether it touches, or passes a border, within rounding.
+    /// True if the ray touches the shape or passes a border within rounding.
     pub doubtful: bool,
 }
 
-/// What may round in f64: coordinates on their way into object space, and in a shape of splines, of size 2, its own noise (256 · 32 ulps).
+/// Rounding in f64: coordinates on their way into object space, and for a spline shape of size 2
+/// its own noise (256 · 32 ulps).
 const ROUNDINGS: f64 = 16.0 * f64::EPSILON;
 const SPLINES: f64 = 256.0 * 32.0 * f64::EPSILON * 2.0;
 
-/// The nearest crossing beyond `t = 0` of a ray from `origin`.
+/// Returns the nearest crossing beyond `t = 0` of a ray from `origin`.
 ///
-/// An error e of places in object space is e/|d·n| of t, for unit object normal n and the ray's direction d there; the point then moves by e and
-/// by |d| times that, and turns the object normal by at most twice as much, as no shape bends more sharply than at radius ½. World normals turn
-/// by |M⁻¹| times that, over the length |M⁻ᵀn|. Flat shapes are kept by two edges of the world: each errs by ulps of |M|, over the distance that
-/// it has from the other.
+/// An error e of positions in object space is e/|d·n| of t, for the unit object normal n and the
+/// ray's direction d there. The point then moves by e and by |d| times that. It turns the object
+/// normal by at most twice as much, since no shape bends more sharply than radius ½. World normals
+/// turn by |M⁻¹| times that, over the length |M⁻ᵀn|. Flat shapes are stored by two world edges:
+/// each errs by ulps of |M|, over its distance from the other.
 pub fn truth(own: Own, exact: &Affine, origin: Dd3, direction: Dd3) -> Truth {
     let (o, d) = (exact.point_back(origin), exact.back(direction));
     let [c, b, a] = own.quadratic(o, d);
@@ -147,12 +150,12 @@ pub fn truth(own: Own, exact: &Affine, origin: Dd3, direction: Dd3) -> Truth {
     let splines = if matches!(own, Own::Tube | Own::Bowl) { SPLINES } else { 0.0 };
     let [x, y, z] = exact.columns;
     let volume = x.dot(y.cross(z)).value().abs();
-    // Where the ray is nearest to the shape, for a miss.
+    // For a miss: where the ray is nearest to the shape.
     let middle = if a.value() == 0.0 { Dd::ZERO } else { -(b / a) };
     let mut truth = Truth { t: None, blur: 0.0, hit: DVec3::ZERO, normal: DVec3::Y, turn: 0.0, doubtful: false };
     let reach = |t: f64| from + t.abs() * pace + place + stretch;
     let noise = |t: f64| ROUNDINGS * shrink * reach(t) + splines;
-    // Of F, whose gradient is at most 6 long where it counts.
+    // F's gradient is at most 6 long in the relevant region.
     let touch = discriminant.value().abs() / a.value().abs().max(d.value().length_squared() * 1e-30);
     truth.doubtful |= !flat && touch < 40.0 * noise(middle.value());
     for t in roots {
@@ -183,8 +186,10 @@ pub fn truth(own: Own, exact: &Affine, origin: Dd3, direction: Dd3) -> Truth {
     truth
 }
 
-/// How far a reported point is off a shape along its normal, in parts of what it says of itself, where it should be at `hit` in the
-/// shape's space; `None` where its rounding to f32 moves it so far there that the shape bends away under it.
+/// Returns how far a reported point is off the shape along its normal, relative to its stated
+/// error, for a hit expected at `hit` in object space.
+///
+/// `None` if rounding to f32 moves the point so far that the shape curves away under it.
 fn strays(own: Own, exact: &Affine, s: &SurfacePoint, hit: DVec3) -> Option<f64> {
     let p = exact.point_back(Dd3::from(s.p.as_dvec3()));
     let [value, ..] = own.quadratic(p, Dd3::from(DVec3::ZERO));
@@ -195,8 +200,8 @@ fn strays(own: Own, exact: &Affine, s: &SurfacePoint, hit: DVec3) -> Option<f64>
     (moved < 0.1).then(|| off / f64::from(s.ng.abs().dot(s.error)))
 }
 
-/// Distances and normals of shapes under maps of condition number 10⁸; the point lies within what it says of its error, and a ray that
-/// leaves it outwards does not meet the shape again.
+/// Distances and normals of shapes under transforms of condition number 10⁸. The point lies within
+/// its stated error, and a ray that leaves it outwards does not hit the shape again.
 #[test]
 fn shape_hits_match_double_double_transforms() {
     let shapes = [Own::Ball, Own::Disc, Own::Square, Own::Tube, Own::Bowl];

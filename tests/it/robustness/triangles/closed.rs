@@ -1,4 +1,4 @@
-//! Closed meshes, and places inside them.
+//! Closed meshes, and points inside them.
 
 use glam::{Quat, Vec3};
 use rand::RngExt;
@@ -6,24 +6,24 @@ use rand::rngs::SmallRng;
 use std::collections::HashMap;
 use std::f32::consts::TAU;
 
-/// A mesh without a boundary, its triangles counter-clockwise seen from outside.
+/// A mesh without a boundary. Its triangles are counter-clockwise seen from outside.
 pub struct Closed {
     pub name: &'static str,
     pub vertices: Vec<Vec3>,
     pub faces: Vec<[u32; 3]>,
-    /// A point well inside.
+    /// Samples a point well inside.
     pub inside: fn(&mut SmallRng) -> Vec3,
 }
 
 impl Closed {
-    /// The corners of each triangle under `map`.
+    /// Returns the corners of each triangle under `map`.
     pub fn corners(&self, map: impl Fn(Vec3) -> Vec3) -> Vec<[Vec3; 3]> {
         let placed: Vec<Vec3> = self.vertices.iter().map(|v| map(*v)).collect();
         self.faces.iter().map(|f| f.map(|i| placed[i as usize])).collect()
     }
 }
 
-/// In \[−1, 1]³.
+/// Samples a point in \[−1, 1]³.
 pub fn point(rng: &mut SmallRng) -> Vec3 {
     Vec3::new(rng.random(), rng.random(), rng.random()) * 2.0 - 1.0
 }
@@ -36,7 +36,7 @@ pub fn cube() -> Closed {
     Closed { name: "cube", vertices, faces, inside: |rng| point(rng) * 0.9 }
 }
 
-/// A cube turned so that no face is square to an axis.
+/// Returns a cube rotated so that no face is perpendicular to an axis.
 pub fn turned_cube() -> Closed {
     let turn = Quat::from_xyzw(0.1, 0.5, -0.3, 0.8).normalize();
     let Closed { vertices, faces, .. } = cube();
@@ -44,7 +44,8 @@ pub fn turned_cube() -> Closed {
     Closed { name: "turned cube", vertices, faces, inside: |rng| point(rng) * 0.5 }
 }
 
-/// An octahedron whose faces are cut in four `levels` times, pushed out to the unit sphere.
+/// Returns a sphere: an octahedron whose faces are split in four `levels` times, projected to the
+/// unit sphere.
 pub fn globe(levels: u32) -> Closed {
     let mut vertices = vec![Vec3::X, Vec3::Y, Vec3::Z, -Vec3::X, -Vec3::Y, -Vec3::Z];
     let mut faces: Vec<[u32; 3]> =
@@ -66,7 +67,7 @@ pub fn globe(levels: u32) -> Closed {
     Closed { name: "globe", vertices, faces, inside: |rng| point(rng) * 0.5 }
 }
 
-/// A grid that closes on itself around a torus of radii 1 and .4.
+/// Returns a closed grid on a torus of radii 1 and .4.
 pub fn torus(n: u32, m: u32) -> Closed {
     let turn = |i: u32, n: u32| libm::sincosf(TAU * i as f32 / n as f32);
     let place = |i: u32, j: u32| {
@@ -86,7 +87,8 @@ pub fn torus(n: u32, m: u32) -> Closed {
     Closed { name: "torus", vertices: cells().map(|(i, j)| place(i, j)).collect(), faces: faces.collect(), inside }
 }
 
-/// A cone around z whose rings grow tenfold from 10⁻⁶ to 10⁶: triangles of twelve orders of size meet at edges.
+/// Returns a cone around z whose rings grow tenfold from 10⁻⁶ to 10⁶, so that adjacent triangles
+/// span twelve orders of size.
 pub fn horn() -> Closed {
     const SIDES: u32 = 12;
     let rings = -6..=6;

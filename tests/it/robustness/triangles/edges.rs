@@ -1,4 +1,4 @@
-//! Rays at edges whose crossings are known exactly, triangles without area, and edges of many triangles.
+//! Rays at edges with exact crossings, triangles without area, and edges of many triangles.
 
 use super::closed::point;
 use caustica::accel::{Hierarchy, Primitive};
@@ -15,29 +15,32 @@ fn grid(rng: &mut SmallRng, reach: i64) -> I64Vec3 {
     I64Vec3::from_array(std::array::from_fn(|_| rng.random_range(-reach..=reach)))
 }
 
-/// Six times the volume that four places span: exact, as products of three numbers below 2¹³ are.
+/// Returns six times the signed volume of a tetrahedron, exactly: products of three numbers below
+/// 2¹³.
 fn volume(o: I64Vec3, a: I64Vec3, b: I64Vec3, c: I64Vec3) -> i64 {
     (a - o).dot((b - o).cross(c - o))
 }
 
-/// Two triangles on either side of an edge, and rays through it and beside it, all of whole numbers.
+/// Two triangles on either side of an edge, and rays through and beside the edge, all with integer
+/// coordinates.
 ///
-/// Which side of the edge a ray passes is the sign of a volume, known exactly. Shearing moves corners by γ(9) of their distance from the ray's
-/// start, so a volume this much below the largest that such corners span is in doubt; all others must be told rightly. A ray through the
-/// edge itself meets one of the two at t = 1, off by as much over the cosine, in parts of the way.
+/// The side on which a ray passes the edge is the sign of a volume, known exactly. Shearing moves
+/// corners by γ(9) of their distance from the ray's origin. So a volume this small relative to the
+/// largest one is in doubt; all others must be decided correctly. A ray through the edge hits one
+/// of the triangles at t = 1, off by as much over the cosine.
 #[test]
 fn edge_rays_hit_triangle_on_their_side() {
     let mut rng = SmallRng::seed_from_u64(1);
     let (mut through, mut beside, mut doubtful) = (0, 0, 0);
     for i in 0..400_000 {
         let [a, c, b, d, o] = std::array::from_fn(|_| grid(&mut rng, 1000));
-        // A whole number of steps along the edge.
+        // An integer number of steps along the edge.
         let edge = (c - a) / 8;
         let c = a + edge * 8;
         let on = a + edge * rng.random_range(1..8);
         let target = if i % 2 == 0 { on } else { on + grid(&mut rng, 2) };
         let (sides, spread) = ([b, d].map(|p| volume(o, a, c, p)), (c - a).length_squared());
-        // Seen from the start, the triangles must lie on different sides of the edge.
+        // Seen from the origin, the triangles must lie on different sides of the edge.
         if sides[0].signum() * sides[1].signum() >= 0 || spread == 0 || target == o {
             continue;
         }
@@ -60,7 +63,8 @@ fn edge_rays_hit_triangle_on_their_side() {
             through += 1;
             continue;
         }
-        // The volume over the area of its base is a height; the base of two edges from the start is twice a triangle.
+        // The volume over its base's area is a height. The base of two edges from the origin is
+        // twice a triangle.
         let base = (a - o).as_dvec3().cross((c - o).as_dvec3()).length();
         if (side.unsigned_abs() as f64) <= blur * base {
             doubtful += 1;
@@ -68,17 +72,19 @@ fn edge_rays_hit_triangle_on_their_side() {
         }
         beside += 1;
         let expected = if side.signum() == sides[0].signum() { 0 } else { 1 };
-        // Beyond the other edges of its triangle a ray may miss, but it must not meet the other triangle.
+        // Beyond the other edges of its triangle a ray may miss, but it must not hit the other
+        // triangle.
         assert!(hit.is_none_or(|h| h.primitive == Primitive::Triangle(expected)), "{a} {c} {b} {d} {o} {target}");
     }
     assert!(through > 50_000 && beside > 50_000 && doubtful < 20_000, "{through} {beside} {doubtful}");
 }
 
-/// Powers of two, by which nothing is rounded.
+/// Powers of two, which round nothing.
 const SCALES: [f32; 3] = [1.0 / 1_048_576.0, 1.0, 1_048_576.0];
 
-/// Corners on a line, two in one point, or all three, as f32 has them: shearing rounds them off the line, but there is nothing to meet and
-/// no normal. They are 64ths of at most 3, so sums are exact.
+/// Collinear corners, two equal corners, or three, exactly in f32. Shearing rounds them off the
+/// line, but there is no area to hit and no normal. Coordinates are multiples of 1/64 up to 3, so
+/// sums are exact.
 #[test]
 fn zero_area_triangles_are_never_hit() {
     let mut rng = SmallRng::seed_from_u64(2);
@@ -100,7 +106,7 @@ fn zero_area_triangles_are_never_hit() {
     }
 }
 
-/// How far `p` is from a triangle.
+/// Returns the distance of `p` from a triangle.
 fn distance(p: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
     let along = |a: DVec3, b: DVec3| {
         let part = ((p - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
@@ -111,19 +117,21 @@ fn distance(p: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
     if inside { (p - a).dot(n).abs() } else { along(a, b).min(along(b, c)).min(along(c, a)) }
 }
 
-/// Rays along an axis, or square to one, from places of which many lie in the plane of the triangle: through its inside, beside it, at its edges
-/// and in its plane, by whole numbers up to 8.
+/// Rays along an axis or perpendicular to one, from origins that often lie in the triangle's plane:
+/// through its inside, beside it, at its edges and in its plane, by integers up to 8.
 ///
-/// Edge functions are volumes over the square of the largest component of the direction, at least 1/64; shearing moves corners by γ(9)
-/// of 28, so that these functions are off by less than 28²·γ(9)·4 < .002: what is not exactly at an edge is told rightly. A place at t is
-/// off by that over the slope. In the plane of a triangle there may be a hit or none, but only where the triangle is.
+/// Edge functions are volumes over the squared largest component of the direction, at least 1/64.
+/// Shearing moves corners by γ(9) of 28. So these functions are off by less than 28²·γ(9)·4 < .002,
+/// and only an exact edge is in doubt. `t` is off by that over the slope. In the plane of a
+/// triangle a ray may hit or miss, but only where the triangle is.
 #[test]
 fn axis_aligned_and_coplanar_rays_hit_correctly() {
     let mut rng = SmallRng::seed_from_u64(4);
     let mut counts = [0; 5];
     for i in 0..400_000usize {
         let [a, b, c, o] = std::array::from_fn(|_| grid(&mut rng, 8));
-        // Every other triangle is one of nine cells, and starts lie at their corners: inside, at its edges, and beside it in its plane.
+        // Every other triangle is one of nine cells, and origins lie at their corners: inside, at
+        // edges, and beside it in its plane.
         let (e, f) = (grid(&mut rng, 2), grid(&mut rng, 2));
         let (b, c, o) = match i % 2 {
             0 => (b, c, o),
@@ -180,8 +188,9 @@ fn axis_aligned_and_coplanar_rays_hit_correctly() {
     assert!(counts.iter().all(|n| *n > 1_000), "{counts:?}");
 }
 
-/// A fan of triangles around one edge, one of them twice: from any sector, a ray at the edge must not pass it. Half of the rays run in a
-/// plane through the edge in which all products of its edge function are 0, so that only what counts as inside decides.
+/// A fan of triangles around one edge, one of them twice: from any sector, a ray at the edge must
+/// not pass it. Half of the rays lie in a plane through the edge where all products of its edge
+/// function are 0, so that only the inside rule decides.
 #[test]
 fn edges_of_many_triangles_are_watertight() {
     let mut rng = SmallRng::seed_from_u64(3);
@@ -210,8 +219,9 @@ fn edges_of_many_triangles_are_watertight() {
             let from = (low + high) * 0.5 + around(sector, length);
             let target = low + (high - low) * rng.random_range(0.1f32..0.9);
             let hit = tree.closest(&Ray::new(from, target - from), none);
-            // It is met at the edge itself, or on a blade beside it: blades are at least .2/7 of a turn away, where sin > .17, so that the
-            // rounding of places, a few ulps of their size, is at most six times as long on them.
+            // The hit is at the edge itself or on a blade beside it. Blades are at least .2/7 of a
+            // turn apart, where sin > .17. So the rounding of positions, a few ulps of their size,
+            // is at most six times as long on them.
             let blur = 100.0 * f32::EPSILON * (from.length() + scale) / length;
             assert!(hit.is_some_and(|h| (h.t - 1.0).abs() <= blur), "{hit:?} {blur}");
         }

@@ -27,7 +27,7 @@ impl Walls {
         Some((i, self.mesh.surface(i as usize, Vec2::new(hit.u, hit.v))))
     }
 
-    /// A place on an edge, or at a corner.
+    /// Returns a point on an edge or at a corner.
     fn target(&self, rng: &mut SmallRng) -> Vec3 {
         let [a, b, _] = self.mesh.corners(rng.random_range(0..self.mesh.triangles.len()));
         match rng.random_range(0..4) {
@@ -51,8 +51,8 @@ fn walled() -> [Closed; 4] {
     [cube(), turned_cube(), globe(3), torus(40, 20)]
 }
 
-/// A ray that leaves a triangle never meets it again, and one that leaves into a closed mesh meets the mesh, though it starts within rounding
-/// of an edge where the walls are at right angles, or of a corner.
+/// A ray that leaves a triangle never hits it again. One that leaves into a closed mesh hits the
+/// mesh, though it starts within rounding of a right-angled edge or of a corner.
 #[test]
 fn rays_leaving_edge_inwards_do_not_escape() {
     let run = |(closed, map): (Closed, fn(Vec3) -> Vec3)| {
@@ -79,9 +79,11 @@ fn rays_leaving_edge_inwards_do_not_escape() {
     places().into_par_iter().for_each(|map| walled().into_iter().for_each(|closed| run((closed, map))));
 }
 
-/// Straight through a body, by the edges: it is entered and left in turn, and left in the end.
+/// Straight through a body along its edges: entries and exits alternate, and the last one is an
+/// exit.
 ///
-/// Bodies are convex: at an edge of a silhouette a face is entered and its neighbour left at one `t`, and the lower index wins.
+/// Bodies are convex. At a silhouette edge a face is entered and its neighbour left at the same
+/// `t`, and the lower index wins.
 #[test]
 fn entries_and_exits_of_bodies_balance() {
     let run = |(closed, map): (Closed, fn(Vec3) -> Vec3)| {
@@ -107,7 +109,7 @@ fn entries_and_exits_of_bodies_balance() {
     places().into_par_iter().for_each(|map| walled().into_iter().take(3).for_each(|closed| run((closed, map))));
 }
 
-/// The same from the edges of a room of rectangles, square to the axes and turned.
+/// Rays from the edges of a room of rectangles, axis-aligned and rotated, hit the room.
 #[test]
 fn rectangle_rooms_trap_rays_from_their_edges() {
     for turned in [0.0, 0.7] {
@@ -136,7 +138,8 @@ fn rectangle_rooms_trap_rays_from_their_edges() {
             let (a, b) = (corner(i), corner(i ^ 1 << rng.random_range(0..3)));
             let target = map.point(a + (b - a) * rng.random::<f64>()).as_vec3();
             let from = map.point((low + high) * 0.5 + point(&mut rng).as_dvec3() * 0.5).as_vec3();
-            // A ray at an edge may pass two rectangles that only meet in numbers: none is closed over it.
+            // A ray at an edge may pass between two rectangles that touch only by rounding: their
+            // edges are not shared.
             let Some(s) = near(&Ray::new(from, (target - from).normalize())) else { continue };
             let d = point(&mut rng);
             let d = if d.dot(s.ng) < 0.0 { -d } else { d };

@@ -1,4 +1,4 @@
-//! Wishes do something: what is forced off is missing, and costs nothing.
+//! Effect overrides: an effect that is forced off is missing from the image and costs nothing.
 
 use super::compare::{How, Picture, scene};
 use caustica::integrate::{Algorithm, EyeSettings, Settings};
@@ -6,13 +6,15 @@ use caustica::plan::{Effect, EffectOverrides, Effects};
 use caustica::scene::Scene;
 use caustica::stats::Counters;
 
-/// Of those that look at both maps themselves, one: `Pm`, whose gather rays can be forced off.
+/// Integrators with distinct behaviour. Only `Pm` stands for those that show both maps directly:
+/// its gather rays can be forced off.
 const ALGORITHMS: [Algorithm; 6] =
     [Algorithm::Hybrid, Algorithm::Path, Algorithm::Pm, Algorithm::Distributed, Algorithm::Whitted, Algorithm::Raycast];
 
 const CAMERA: &str = "PerspectiveCamera { center 0 3 6  lookAt 0 .5 0  angle 40  width 16  height 12 }";
 
-/// A body of coloured glass that moves over a floor under an even sky and a lamp, before a lens: it calls for everything.
+/// A body of coloured glass that moves over a floor, under a uniform sky and a light, before a
+/// lens: it needs every effect.
 fn everything() -> Scene {
     scene(&format!(
         "{}
@@ -30,7 +32,7 @@ fn everything() -> Scene {
     ))
 }
 
-/// Two matt things under a point.
+/// Two diffuse objects under a point light.
 fn matt() -> Scene {
     scene(&format!(
         "{CAMERA}
@@ -51,7 +53,7 @@ fn dark() -> Scene {
     ))
 }
 
-/// One disc under a point.
+/// One disc under a point light.
 fn disc() -> Scene {
     scene(&format!(
         "{CAMERA}
@@ -61,7 +63,7 @@ fn disc() -> Scene {
     ))
 }
 
-/// Enough photons that gather rays meet some that were caustics once.
+/// Enough photons that gather rays hit some that were caustics before.
 fn picture(scene: &Scene, algorithm: Algorithm, effects: EffectOverrides) -> Picture {
     Picture::new(scene, &How { radius: Some(0.3), samples: Some(4), photons: 20_000, ..How::new(algorithm) }, effects)
 }
@@ -101,7 +103,7 @@ fn disabling_unneeded_effect_changes_nothing() {
     }
 }
 
-/// The work of a picture that goes without `effects`.
+/// Returns the counters of a render with the effects `off`.
 fn work(scene: &Scene, algorithm: Algorithm, off: &[Effect]) -> Counters {
     picture(scene, algorithm, off.iter().fold(EffectOverrides::PLANNED, |w, e| w.without(*e))).counters
 }
@@ -162,7 +164,7 @@ fn unneeded_effects_cost_nothing() {
     }
 }
 
-/// What is described and is nowhere must not change what pilots do, whatever is forced on.
+/// A medium that no object contains must not change pilots, whatever is forced on.
 #[test]
 fn unused_media_change_nothing() {
     let scene = scene(&format!(
