@@ -9,7 +9,7 @@ mod media;
 
 use super::film::Worker;
 use super::nee::NextEventEstimator;
-use super::photon_maps::PhotonMaps;
+use super::photon_maps::{MapLookup, PhotonMaps};
 use super::policy::{Continuation, DirectionSampling, PathPolicy, PhotonLookups};
 use super::scatter;
 use super::vertex::{PathHistory, PathVertex, PrevVertex};
@@ -256,22 +256,21 @@ fn photon_radiance<I: Interior>(
     ends_gather_ray: bool,
     worker: &mut Worker,
 ) -> Rgb {
-    let estimate =
-        |worker: &mut Worker, samples: u32| paths.maps.map_or(Rgb::ZERO, |maps| maps.radiance(vertex, samples, worker));
-    match paths.policy.photons {
-        PhotonLookups::Never => Rgb::ZERO,
+    let samples = match paths.policy.photons {
+        PhotonLookups::Never => return Rgb::ZERO,
         PhotonLookups::OncePerPixel => match vertex.sampler.index() {
-            (0, samples) if vertex.history.receivers == 0 => estimate(worker, samples),
-            _ => Rgb::ZERO,
+            (0, samples) if vertex.history.receivers == 0 => samples,
+            _ => return Rgb::ZERO,
         },
-        PhotonLookups::FirstReceiver => estimate(worker, 1),
-        PhotonLookups::GatherRays if ends_gather_ray => estimate(worker, 1),
-        PhotonLookups::GatherRays => paths.maps.map_or(Rgb::ZERO, |maps| maps.caustic_radiance(vertex, 1, worker)),
+        PhotonLookups::FirstReceiver | PhotonLookups::GatherRays => 1,
         PhotonLookups::RecordVisible => {
             record_visible(vertex, worker);
-            Rgb::ZERO
+            return Rgb::ZERO;
         }
-    }
+    };
+    let before_gather_ray = paths.policy.photons == PhotonLookups::GatherRays && !ends_gather_ray;
+    let lookup = if before_gather_ray { MapLookup::Caustic } else { MapLookup::Both };
+    paths.maps.map_or(Rgb::ZERO, |maps| maps.radiance(vertex, lookup, samples, worker))
 }
 
 /// Records `vertex` as visible, weighted by its effect on the pixel.

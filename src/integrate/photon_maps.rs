@@ -20,6 +20,15 @@ pub(super) struct PhotonEstimator<'a> {
     pub volume: VolumeMap,
 }
 
+/// Maps that one lookup reads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum MapLookup {
+    /// The caustic map.
+    Caustic,
+    /// The caustic map and the other map.
+    Both,
+}
+
 /// The photon maps of one pass.
 pub(super) struct PhotonMaps<'a> {
     /// Photons that went over casters to their first receiver.
@@ -31,25 +40,25 @@ pub(super) struct PhotonMaps<'a> {
 }
 
 impl PhotonMaps<'_> {
-    /// Radiance that `vertex` reflects to its viewer from the light in both maps, times `samples`
-    /// \[W/(m² sr)].
+    /// Radiance that `vertex` reflects to its viewer from the light in the maps of `lookup`, times
+    /// `samples` \[W/(m² sr)].
     ///
     /// If one of a pixel's `samples` paths reads the maps for all of them, its estimate counts that
     /// many times.
     #[inline]
-    pub fn radiance<I: Interior>(&self, vertex: &PathVertex<'_, I>, samples: u32, worker: &mut Worker) -> Rgb {
-        let caustic = self.caustic_radiance(vertex, samples, worker);
-        let smooth = self.smooth.radiance(vertex, samples, |w| (&mut w.smooth, &mut w.nested.global), worker);
+    pub fn radiance<I: Interior>(
+        &self,
+        vertex: &PathVertex<'_, I>,
+        lookup: MapLookup,
+        samples: u32,
+        worker: &mut Worker,
+    ) -> Rgb {
+        let caustic = self.caustic.radiance(vertex, samples, |w| (&mut w.caustic, &mut w.nested.caustic), worker);
+        let smooth = match lookup {
+            MapLookup::Caustic => Rgb::ZERO,
+            MapLookup::Both => self.smooth.radiance(vertex, samples, |w| (&mut w.smooth, &mut w.nested.global), worker),
+        };
         (caustic + smooth) * samples as f32
-    }
-
-    /// Radiance that `vertex` reflects to its viewer from the light in the caustic map
-    /// \[W/(m² sr)].
-    ///
-    /// It is not multiplied by `samples`, the weight of the estimate in its pixel.
-    #[inline]
-    pub fn caustic_radiance<I: Interior>(&self, vertex: &PathVertex<'_, I>, samples: u32, worker: &mut Worker) -> Rgb {
-        self.caustic.radiance(vertex, samples, |w| (&mut w.caustic, &mut w.nested.caustic), worker)
     }
 
     /// Radiance that a medium scatters to the start of a segment from the light in both maps, times
