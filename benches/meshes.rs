@@ -1,4 +1,5 @@
-//! Meshes of 2.5 million triangles: reading, writing, reports, normals: `cargo bench --bench meshes`.
+//! Benchmarks of meshes of 2.5 million triangles: reading, writing, reports, normals: `cargo bench
+//! --bench meshes`.
 
 use caustica::format::mesh::{self, MeshFormat, Repair, TriangleMesh};
 use divan::Bencher;
@@ -16,7 +17,7 @@ const N: u32 = 1250;
 const M: u32 = 1000;
 const TRIANGLES: u32 = 2 * N * M;
 
-/// A torus of quads, each cut in two.
+/// Returns a torus of quads, each cut in two triangles.
 fn torus(normals: bool) -> TriangleMesh {
     let circle = |i: u32, n: u32| libm::sincos(TAU * f64::from(i) / f64::from(n));
     let mut mesh = TriangleMesh::default();

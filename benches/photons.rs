@@ -1,4 +1,5 @@
-//! Photons traced, trees built, and gathers, on a Cornell box with a glass and a mirror ball.
+//! Benchmarks of photon tracing, map building and density estimates on a Cornell box: `cargo bench
+//! --bench photons`.
 
 mod boxed;
 
@@ -18,7 +19,7 @@ fn main() {
 
 const PATHS: u32 = 100_000;
 
-/// Paths of the global map, on one thread and on two.
+/// Traces paths of the global map, on one thread and on two.
 #[divan::bench(args = [1, 2], sample_count = 10)]
 fn trace_global(bencher: Bencher, threads: usize) {
     let scene = boxed::scene();
@@ -26,7 +27,7 @@ fn trace_global(bencher: Bencher, threads: usize) {
     trace(bencher, threads, &PhotonPass { scene: &scene, source: &source, mask: StoreMask::GLOBAL, max_bounces: 100 });
 }
 
-/// Paths of the caustic map, aimed at the balls.
+/// Traces paths of the caustic map, aimed at the balls.
 #[divan::bench(args = [1, 2], sample_count = 10)]
 fn trace_caustic(bencher: Bencher, threads: usize) {
     let scene = boxed::scene();
@@ -38,10 +39,10 @@ fn trace(bencher: Bencher, threads: usize, pass: &PhotonPass<'_>) {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
     bencher
         .counter(ItemsCount::new(PATHS))
-        .bench_local(|| pool.install(|| pass.trace(Key::new(1), PATHS, &|_| {}).photons.len()));
+        .bench_local(|| pool.install(|| pass.trace(Key::new(1), PATHS, &|_| {}).deposits.photons.len()));
 }
 
-/// Photons on the walls of a unit box.
+/// Returns photons on the walls of a unit box.
 fn photons(n: u32) -> Vec<Photon> {
     let place = |i: u32| {
         let key = Key::new(1).purpose(Purpose::Test).with(u64::from(i));
@@ -58,7 +59,7 @@ fn photons(n: u32) -> Vec<Photon> {
     (0..n).map(place).collect()
 }
 
-/// CPU time matters here: one thread.
+/// Builds a map on one thread, to measure processor time.
 #[divan::bench(args = [100_000, 1_000_000], sample_count = 10)]
 fn build(bencher: Bencher, n: u32) {
     let photons = photons(n);
@@ -72,7 +73,7 @@ fn build(bencher: Bencher, n: u32) {
 const GATHERS: u32 = 65_536;
 const STORED: u32 = 1_000_000;
 
-/// Points on the floor in coherent order, as tiles of a picture ask for them.
+/// Returns points on the floor in coherent order, like the tiles of an image.
 fn floor_points() -> impl Iterator<Item = Vec3> {
     (0..GATHERS).map(|i| {
         let (tile, inner) = (i / 256, i % 256);
@@ -82,7 +83,7 @@ fn floor_points() -> impl Iterator<Item = Vec3> {
     })
 }
 
-/// The radius that holds so many photons on average.
+/// Returns the radius that holds `count` photons on average.
 fn radius(count: f32) -> f32 {
     (count * 6.0 / STORED as f32 / std::f32::consts::PI).sqrt()
 }
@@ -107,8 +108,8 @@ fn gather(bencher: Bencher, bandwidth: Bandwidth) {
     });
 }
 
-/// kiddo's own visitor over the same points, summing the same flux with the same kernel and nothing else: the bound for
-/// [`gather_radius`].
+/// Estimates with kiddo's own visitor over the same points: the same flux and kernel, and nothing
+/// else. It is the lower bound of [`gather_radius`].
 #[divan::bench(args = [20, 50, 200], sample_count = 10)]
 fn bare_visitor(bencher: Bencher, count: u32) {
     type Tree = KdTree<f32, PhotonData, Eytzinger, VecOfArenas<f32, PhotonData, 3, 32>, 3, 32>;

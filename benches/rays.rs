@@ -1,4 +1,4 @@
-//! Rays per second through the hierarchy: `cargo bench --bench rays`.
+//! Benchmarks of rays through the bounding volume hierarchy: `cargo bench --bench rays`.
 
 use caustica::accel::Hierarchy;
 use caustica::math::{Bounds, Frame, Ray, warp};
@@ -15,7 +15,7 @@ fn main() {
 
 const SIDE: usize = 512;
 
-/// A rippled tube around a (2, 3) torus knot: `n` by `m` quads, each cut in two.
+/// Returns a rippled tube around a (2, 3) torus knot: `n` by `m` quads, each cut in two.
 fn knot(n: usize, m: usize) -> Vec<[Vec3; 3]> {
     let circle = |x: f32| libm::sincosf(std::f32::consts::TAU * x);
     let curve = |x: f32| {
@@ -92,7 +92,7 @@ fn shadow(bencher: Bencher) {
     bencher.counter(ItemsCount::new(rays.len())).bench_local(|| rays.iter().filter(count).count());
 }
 
-/// A Cornell box: ten triangles and two spheres.
+/// Traces rays through a Cornell box: ten triangles and two spheres.
 #[divan::bench]
 fn cornell(bencher: Bencher) {
     let room = Bounds { min: Vec3::NEG_ONE, max: Vec3::ONE }.corners();
@@ -116,7 +116,7 @@ fn cornell(bencher: Bencher) {
     bencher.counter(ItemsCount::new(rays.len())).bench_local(|| rays.iter().filter(count).count());
 }
 
-/// Building over a million triangles.
+/// Builds a hierarchy over a million triangles.
 #[divan::bench(sample_count = 3, sample_size = 1)]
 fn build(bencher: Bencher) {
     let triangles = knot(2500, 200);

@@ -1,20 +1,22 @@
-//! Makes scenes/teapot.txt: `cargo run --release --example make_teapot`. A teapot of 48 Bézier patches, and a glass of tea.
+//! Makes scenes/teapot.txt, a teapot of 48 Bézier patches and a glass of tea: `cargo run --release
+//! --example make_teapot`.
 //!
-//! The file is the same byte for byte on every machine.
+//! The file is equal byte for byte on every machine.
 
 use glam::{DVec2, DVec3};
 use std::fmt::Write;
 use std::path::Path;
 
-/// Distance of the inner control points of a cubic from the ends of a quarter of the unit circle.
+/// Distance of a cubic's inner control points from its ends, for a quarter of the unit circle.
 const KAPPA: f64 = 0.552_284_75;
 
-/// A quarter of a circle.
+/// Control points of a quarter circle.
 const QUARTER: [[f64; 2]; 4] = [[1.0, 0.0], [1.0, KAPPA], [KAPPA, 1.0], [0.0, 1.0]];
 
 type Patches = Vec<[DVec3; 16]>;
 
-/// Four patches around: a point of the unit circle to a place, for each of four stations.
+/// Adds four patches around an axis. `place` maps a station and a point of the unit circle to a
+/// position.
 fn around(patches: &mut Patches, place: impl Fn(usize, DVec2) -> DVec3) {
     for turn in 0..4 {
         patches.push(std::array::from_fn(|k| {
@@ -25,14 +27,15 @@ fn around(patches: &mut Patches, place: impl Fn(usize, DVec2) -> DVec3) {
     }
 }
 
-/// A profile of cubics that share their ends, turned about the y axis.
+/// Adds a surface of revolution about the y axis; the profile's cubics share their ends.
 fn turned(patches: &mut Patches, profile: &[[f64; 2]]) {
     for cubic in profile.windows(4).step_by(3) {
         around(patches, |i, circle| DVec3::new(cubic[i][0] * circle.x, cubic[i][1], -cubic[i][0] * circle.y));
     }
 }
 
-/// A tube around a path of cubics in the plane of x and y: place, radius, and direction in degrees, at each control point.
+/// Adds a tube around a path of cubics in the xy plane: position, radius, and direction \[degrees]
+/// at each control point.
 fn tube(patches: &mut Patches, path: &[[f64; 4]]) {
     for cubic in path.windows(4).step_by(3) {
         around(patches, |i, circle| {

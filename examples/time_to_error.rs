@@ -1,11 +1,12 @@
-//! Error against CPU and wall time, for every integrator, on the reference room with a glass and a mirror ball:
+//! Error against processor and wall time, for every integrator, on the reference room:
 //!
 //! ```sh
 //! cargo run --release --example time_to_error -- [BUDGET SECONDS] [INTEGRATOR …]
 //! ```
 //!
-//! The error is the mean over pixels and channels of (ours − reference)² / (reference² + .01), clipped at 10 a pixel. Integrators take
-//! turns, a pass each, so that a busy machine is unfair to none; setting up counts.
+//! The error is the mean over pixels and channels of (ours − reference)² / (reference² + .01),
+//! clipped at 10 per pixel. Integrators take turns, one pass each, so that a busy machine affects
+//! all alike. Preparation counts.
 
 use caustica::camera::{Filter, FilterKind};
 use caustica::format::SceneFile;
@@ -18,22 +19,23 @@ use std::error::Error;
 use std::path::Path;
 use std::time::Instant;
 
-/// The error that is asked for.
+/// Target error.
 const TARGET: f64 = 0.005;
 
-/// Where an integrator stands.
+/// Progress of an integrator.
 struct Run<'a> {
     name: &'a str,
     integrator: Box<dyn Integrator + 'a>,
     film: Film,
     cpu: f64,
     wall: f64,
-    /// CPU seconds at which the next line is printed.
+    /// Processor time \[s] at which the next line is printed.
     next: f64,
     reached: Option<(f64, f64)>,
 }
 
-/// The algorithm of that name; with `-even` its work is not divided by a pilot, with `-adaptive` its camera rays go where noise is.
+/// Returns the integrator of a name. The suffix `-even` switches off work division by a pilot,
+/// `-adaptive` makes camera rays follow noise.
 fn integrator<'a>(name: &str, scene: &'a Scene) -> Option<Box<dyn Integrator + 'a>> {
     // The reference has a box filter.
     let (name, adaptive) = name.strip_suffix("-adaptive").map_or((name, false), |name| (name, true));
@@ -48,7 +50,7 @@ fn integrator<'a>(name: &str, scene: &'a Scene) -> Option<Box<dyn Integrator + '
     Some(algorithm.prepare(scene, settings))
 }
 
-/// CPU and wall seconds of `work`.
+/// Runs `work` and returns its result with its processor and wall time \[s].
 fn timed<T>(work: impl FnOnce() -> T) -> (T, f64, f64) {
     let (cpu, wall) = (cpu_seconds().unwrap_or(0.0), Instant::now());
     let made = work();

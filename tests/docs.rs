@@ -1,4 +1,5 @@
-//! What the pages say is true: their commands run, their scenes render, their tables agree with the program.
+//! The documentation is true: its commands run, its scenes render, its tables agree with the
+//! program.
 
 mod it {
     pub mod support {
@@ -22,7 +23,7 @@ fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// README.md and all pages below docs/: path from the project's root, and text.
+/// Returns README.md and all pages below docs/, as path from the repository's root and text.
 fn pages() -> Vec<(PathBuf, String)> {
     let mut paths = Vec::new();
     let mut folders = vec![root().join("docs")];
@@ -41,7 +42,7 @@ fn pages() -> Vec<(PathBuf, String)> {
     paths.iter().map(|path| page(path)).collect()
 }
 
-/// Contents of the fenced blocks of a language.
+/// Returns the contents of the fenced blocks of a language.
 fn blocks(page: &str, language: &str) -> Vec<String> {
     let mut blocks = Vec::new();
     let mut open: Option<(bool, String)> = None;
@@ -62,7 +63,8 @@ fn blocks(page: &str, language: &str) -> Vec<String> {
     blocks
 }
 
-/// The commands of a shell block as words: continued lines joined, comments, prompts and settings of the environment left out.
+/// Returns a shell block's commands as words. Continued lines are joined; comments, prompts and
+/// environment settings are removed.
 fn commands(block: &str) -> Vec<Vec<String>> {
     let joined = block.replace("\\\n", " ");
     let lines = joined.lines().map(|line| words(line.trim().trim_start_matches("$ ")));
@@ -75,7 +77,7 @@ fn commands(block: &str) -> Vec<Vec<String>> {
         .collect()
 }
 
-/// The arguments of `caustica` in a command, if it is one.
+/// Returns the arguments of `caustica` in a command, `None` for other programs.
 fn caustica(words: &[String]) -> Option<Vec<String>> {
     match words[0].rsplit('/').next() {
         Some("caustica") => Some(words[1..].to_vec()),
@@ -87,15 +89,15 @@ fn caustica(words: &[String]) -> Option<Vec<String>> {
     }
 }
 
-/// Runs what a page tells the reader to type, in a folder that stands for the project's: renders as small ones.
+/// Runs a documented command in a folder that stands for the repository's root, with small renders.
 fn perform(page: &str, line: &[String], folder: &Path) {
-    let told = format!("{page}: {}", line.join(" "));
+    let command_line = format!("{page}: {}", line.join(" "));
     if let Some(arguments) = caustica(line) {
         let parsed =
             match Arguments::try_parse_from(std::iter::once("caustica").chain(arguments.iter().map(String::as_str))) {
                 Ok(parsed) => Some(parsed.command),
                 Err(e) if e.exit_code() == 0 => None,
-                Err(e) => panic!("{told}\n{e}"),
+                Err(e) => panic!("{command_line}\n{e}"),
             };
         let mut arguments = arguments;
         let (scene, outputs): (Option<&Path>, Vec<&PathBuf>) = match &parsed {
@@ -127,7 +129,7 @@ fn perform(page: &str, line: &[String], folder: &Path) {
             arguments.iter_mut().filter(|a| *a == scene).for_each(|a| *a = mapped.clone());
         }
         for name in &outputs {
-            assert!(name.is_relative(), "{told}\nwrites outside of the project");
+            assert!(name.is_relative(), "{command_line}\nwrites outside of the project");
             let parent = name.parent().unwrap();
             if root().join(parent).is_dir() {
                 std::fs::create_dir_all(folder.join(parent)).unwrap();
@@ -135,9 +137,9 @@ fn perform(page: &str, line: &[String], folder: &Path) {
         }
         let mut command = assert_cmd::Command::new(env!("CARGO_BIN_EXE_caustica"));
         let output = command.current_dir(folder).args(&arguments).timeout(Duration::from_secs(60)).output().unwrap();
-        assert!(output.status.success(), "{told}\n{}", String::from_utf8_lossy(&output.stderr));
+        assert!(output.status.success(), "{command_line}\n{}", String::from_utf8_lossy(&output.stderr));
         for name in outputs {
-            assert!(folder.join(name).is_file(), "{told}\nwrote no {}", name.display());
+            assert!(folder.join(name).is_file(), "{command_line}\nwrote no {}", name.display());
         }
         return;
     }
@@ -147,22 +149,22 @@ fn perform(page: &str, line: &[String], folder: &Path) {
             std::fs::create_dir_all(folder.join(w)).unwrap();
         }),
         ("cargo", "run") => {
-            let name = line.iter().skip_while(|w| *w != "--example").nth(1).unwrap_or_else(|| panic!("{told}"));
+            let name = line.iter().skip_while(|w| *w != "--example").nth(1).unwrap_or_else(|| panic!("{command_line}"));
             let examples = root().join("examples");
             let there = examples.join(format!("{name}.rs")).is_file() || examples.join(name).join("main.rs").is_file();
-            assert!(there, "{told}\nthere is no such example");
+            assert!(there, "{command_line}\nthere is no such example");
         }
         ("cargo", "+nightly") => {
             let [target, corpus] = [6, 7].map(|i| word(i).to_owned());
             let there = root().join(format!("fuzz/fuzz_targets/{target}.rs")).is_file() && root().join(corpus).is_dir();
-            assert!(line[2..4] == ["fuzz", "run"] && there, "{told}\nthere is no such target or corpus");
+            assert!(line[2..4] == ["fuzz", "run"] && there, "{command_line}\nthere is no such target or corpus");
         }
         ("cargo", "build" | "test" | "bench" | "install" | "doc" | "clippy" | "fmt") | ("git" | "cd", _) => {}
-        _ => panic!("{told}\nthis test does not know how to try this command: teach it"),
+        _ => panic!("{command_line}\nthis test does not know how to try this command: teach it"),
     }
 }
 
-/// Makes a render a small one, whatever it was told.
+/// Replaces size, passes and photons by those of a small render.
 fn shrink(arguments: &mut Vec<String>, caustic: bool) {
     let mut small = vec![("--size", "32x24"), ("--passes", "1"), ("--photons", "1k")];
     if caustic {
@@ -171,7 +173,7 @@ fn shrink(arguments: &mut Vec<String>, caustic: bool) {
     small.into_iter().for_each(|(flag, value)| put(arguments, flag, value));
 }
 
-/// Gives a flag a value, whatever it had.
+/// Sets a flag to a value, replacing an earlier one.
 fn put(arguments: &mut Vec<String>, flag: &str, value: &str) {
     if let Some(at) = arguments.iter().position(|a| a == flag) {
         arguments.drain(at..at + 2);
@@ -207,7 +209,7 @@ fn commands_parse_like_a_shell() {
     assert_eq!(blocks("```sh\na\n```\n```text\nb\n```\n  ```sh\n  c\n  ```\n", "sh"), ["a\n", "  c\n"]);
 }
 
-/// Cells of the table rows of a section of docs/guide/command-line.md.
+/// Returns the cells of the table rows of a section of docs/guide/command-line.md.
 fn table(section: &str) -> Vec<Vec<String>> {
     let page = std::fs::read_to_string(root().join("docs/guide/command-line.md")).unwrap();
     let heading = format!("\n## {section}\n");
@@ -267,7 +269,7 @@ fn docs_list_every_exit_code() {
     assert_eq!(codes, known.map(|exit| (exit as u8).to_string()));
 }
 
-/// The anchor of a heading as GitHub makes it.
+/// Returns the anchor that GitHub gives a heading.
 fn anchor(heading: &str) -> String {
     let text = heading.trim_start_matches('#').trim().to_lowercase();
     let kept = text.chars().filter(|c| c.is_alphanumeric() || matches!(c, ' ' | '-' | '_'));
@@ -295,7 +297,7 @@ fn links_lead_to_files_and_headings() {
     }
 }
 
-/// Paths below these folders must exist if a page names them in backticks.
+/// Folders whose files must exist if a page names them in backticks.
 const NAMED: [&str; 7] = ["src/", "tests/", "docs/", "scenes/", "examples/", "benches/", ".ci/"];
 
 #[test]

@@ -1,11 +1,11 @@
-//! A closed Cornell box with a glass and a mirror ball, lit by a square in the ceiling.
+//! A closed Cornell box with a glass ball and a mirror ball, lit by a square light in the ceiling.
 
 use caustica::camera::Camera;
 use caustica::scene::{Material, Scene, SceneBuilder};
 use caustica::shape::{Rectangle, Shape, Sphere};
 use glam::{DVec3, Vec3};
 
-/// The scene, seen at 256 × 256.
+/// Returns the scene with an image of 256 × 256 pixels.
 pub fn scene() -> Scene {
     let mut builder = SceneBuilder::new();
     let white = builder.material(Material::diffuse(Vec3::splat(0.75)));

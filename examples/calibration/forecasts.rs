@@ -1,6 +1,7 @@
-//! How well a pilot of eight passes foretells the time to an error, against the render that goes on from it.
+//! Compares forecasts of a pilot of eight passes with the render that continues it.
 //!
-//! Times are of the processor, without setting up; a render ends by its own gauge, at the first pass whose error is no more than asked for.
+//! Times are processor times without preparation. A render ends by its own error estimate, at the
+//! first pass that reaches the target.
 
 use super::{SIZE, scene, settings};
 use caustica::integrate::{Algorithm, Silent};
@@ -13,7 +14,7 @@ use std::sync::atomic::AtomicBool;
 
 const PILOT: u32 = 8;
 
-/// A render, and the processor seconds of its passes.
+/// Renders and returns the film with the processor time of its passes \[s].
 fn rendered(scene: &Scene, algorithm: Algorithm, seed: u64, stop: &StopCriteria<'_>) -> (Rendered, f64) {
     let mut settings = settings(seed);
     settings.eye.estimate_error = true;
@@ -23,7 +24,7 @@ fn rendered(scene: &Scene, algorithm: Algorithm, seed: u64, stop: &StopCriteria<
     (rendered, cpu_seconds().unwrap_or(0.0) - start)
 }
 
-/// Prints a table of what is foretold and what it took, by scene, method, seed and error.
+/// Prints forecast and actual time by scene, method, seed and error.
 pub fn print(scenes: &[String], methods: &[Algorithm], errors: &[f64], seeds: u64) -> Result<(), Box<dyn Error>> {
     println!("| scene | method | seed | error | foretold | passes | it took | passes | foretold / taken |");
     println!("|{}", " --- |".repeat(9));
@@ -39,8 +40,8 @@ pub fn print(scenes: &[String], methods: &[Algorithm], errors: &[f64], seeds: u6
                 interrupted: &interrupted,
             };
             let (made, seconds) = rendered(&scene, method, seed, &pilot);
-            let gauge = made.estimator.as_ref().ok_or("no gauge")?;
-            let forecast = gauge.forecast(&gauge.estimate(&made.film)).ok_or("no forecast")?;
+            let estimator = made.estimator.as_ref().ok_or("no error estimator")?;
+            let forecast = estimator.forecast(&estimator.estimate(&made.film)).ok_or("no forecast")?;
             for error in errors {
                 let row = format!("| {name} | {} | {seed} | {:.1} %", method.name(), 100.0 * error);
                 let PassesNeeded::Passes(passes) = forecast.passes_to(*error) else {

@@ -1,13 +1,16 @@
-//! How well the gauge knows the error: what it says over what is true, for scenes, methods, numbers of passes and seeds.
+//! Calibration of the error estimator: estimated over true error, by scene, method, passes and seed.
 //!
 //! ```sh
-//! cargo run --release --example calibration -- [SCENE …] [--methods M,…] [--passes N,…] [--seeds N] [--truth PASSES]
-//!     [--targets ERROR,…] [--forecasts ERROR,…]
+//! cargo run --release --example calibration -- [SCENE …] [--methods M,…] [--passes N,…]
+//!     [--seeds N] [--truth PASSES] [--targets ERROR,…] [--forecasts ERROR,…]
 //! ```
 //!
-//! The truth is that of two long renders by `hybrid` with a tenth of the radius: E[(I − A)(I − B)] is the squared error of I, though A and
-//! B are noisy. `path` is left out where the scene calls for caustics, which it finds rarely or never, and its passes cannot tell. With `--targets`, renders that
-//! end by `--target-error` at the usual confidence are held against the truth instead, with `--forecasts` forecasts against what happens.
+//! The truth comes from two long renders A and B by `hybrid` with a tenth of the radius.
+//! E[(I − A)(I − B)] is the squared error of an image I, although A and B are noisy. `path` is left
+//! out of scenes with caustics: it finds them rarely, and its passes cannot know what they miss.
+//!
+//! `--targets` compares the true error of renders that end by `--target-error`, at the default
+//! confidence. `--forecasts` compares forecasts with the passes that follow.
 
 mod forecasts;
 
@@ -27,7 +30,7 @@ const SCENES: [&str; 6] = ["matte", "ball-lens", "ring", "many-lights", "mirror-
 const SIZE: (u32, u32) = (80, 60);
 const PHOTONS: u32 = 20_000;
 
-struct Asked {
+struct Arguments {
     scenes: Vec<String>,
     methods: Vec<String>,
     passes: Vec<u32>,
@@ -37,9 +40,9 @@ struct Asked {
     forecasts: Vec<f64>,
 }
 
-fn asked() -> Result<Asked, Box<dyn Error>> {
+fn arguments() -> Result<Arguments, Box<dyn Error>> {
     let list = |text: &str| text.split(',').map(str::to_owned).collect::<Vec<_>>();
-    let mut asked = Asked {
+    let mut arguments = Arguments {
         scenes: Vec::new(),
         methods: list("path,hybrid,sppm,ppm,pm"),
         passes: vec![4, 8, 16],
@@ -51,21 +54,21 @@ fn asked() -> Result<Asked, Box<dyn Error>> {
     let errors = |text: &str| text.split(',').map(str::parse).collect::<Result<Vec<f64>, _>>();
     let mut words = std::env::args().skip(1);
     while let Some(word) = words.next() {
-        let mut value = || words.next().ok_or(format!("{word} wants a value"));
+        let mut value = || words.next().ok_or(format!("{word} needs a value"));
         match word.as_str() {
-            "--methods" => asked.methods = list(&value()?),
-            "--passes" => asked.passes = list(&value()?).iter().map(|n| n.parse()).collect::<Result<_, _>>()?,
-            "--seeds" => asked.seeds = value()?.parse()?,
-            "--targets" => asked.targets = errors(&value()?)?,
-            "--forecasts" => asked.forecasts = errors(&value()?)?,
-            "--truth" => asked.truth = value()?.parse()?,
-            _ => asked.scenes.push(word),
+            "--methods" => arguments.methods = list(&value()?),
+            "--passes" => arguments.passes = list(&value()?).iter().map(|n| n.parse()).collect::<Result<_, _>>()?,
+            "--seeds" => arguments.seeds = value()?.parse()?,
+            "--targets" => arguments.targets = errors(&value()?)?,
+            "--forecasts" => arguments.forecasts = errors(&value()?)?,
+            "--truth" => arguments.truth = value()?.parse()?,
+            _ => arguments.scenes.push(word),
         }
     }
-    if asked.scenes.is_empty() {
-        asked.scenes = SCENES.map(str::to_owned).to_vec();
+    if arguments.scenes.is_empty() {
+        arguments.scenes = SCENES.map(str::to_owned).to_vec();
     }
-    Ok(asked)
+    Ok(arguments)
 }
 
 fn scene(name: &str) -> Result<Scene, Box<dyn Error>> {
@@ -88,7 +91,7 @@ fn settings(seed: u64) -> Settings {
     settings
 }
 
-/// The mean of many passes with small discs that stay.
+/// Returns the mean of many passes with a small, constant radius.
 fn reference(scene: &Scene, seed: u64, passes: u32) -> Vec<Vec3> {
     let mut settings = settings(seed);
     let radii = Algorithm::Hybrid.prepare(scene, settings.clone()).radii();
@@ -106,7 +109,7 @@ fn reference(scene: &Scene, seed: u64, passes: u32) -> Vec<Vec3> {
     render(integrator.as_ref(), SIZE, &stop, &Silent, |_| {}).film.mean()
 }
 
-/// Renders until the error is told to be low enough, and how large it is then.
+/// Renders until the estimated error reaches the target, and returns the true error.
 fn stopped(name: &str, scene: &Scene, algorithm: Algorithm, error: f64, seeds: u64, square: &dyn Fn(&[Vec3]) -> f64) {
     let target = Some(ErrorTarget { error, confidence: Confidence::default() });
     let stop = StopCriteria { min_passes: 1, passes: None, time: None, target, interrupted: &AtomicBool::new(false) };
@@ -131,13 +134,13 @@ fn stopped(name: &str, scene: &Scene, algorithm: Algorithm, error: f64, seeds: u
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    let asked = asked()?;
+    let arguments = arguments()?;
     let named = |name: &String| Algorithm::ALL.into_iter().find(|a| a.name() == name).ok_or("no such method");
-    let methods = asked.methods.iter().map(named).collect::<Result<Vec<Algorithm>, _>>()?;
-    if !asked.forecasts.is_empty() {
-        return forecasts::print(&asked.scenes, &methods, &asked.forecasts, asked.seeds);
+    let methods = arguments.methods.iter().map(named).collect::<Result<Vec<Algorithm>, _>>()?;
+    if !arguments.forecasts.is_empty() {
+        return forecasts::print(&arguments.scenes, &methods, &arguments.forecasts, arguments.seeds);
     }
-    let columns: &[&str] = if asked.targets.is_empty() {
+    let columns: &[&str] = if arguments.targets.is_empty() {
         &[
             "scene",
             "method",
@@ -145,16 +148,16 @@ fn main() -> Result<(), Box<dyn Error>> {
             "true error",
             "noise",
             "bias",
-            "told / true, mean (least to most)",
+            "estimated / true, mean (least to most)",
             "intervals that hold",
         ]
     } else {
         &["scene", "method", "target", "passes, mean", "true error, mean (most)", "runs at most the target"]
     };
     println!("| {} |\n|{}", columns.join(" | "), " --- |".repeat(columns.len()));
-    for name in &asked.scenes {
+    for name in &arguments.scenes {
         let scene = scene(name)?;
-        let [a, b] = [1u64, 2].map(|i| reference(&scene, i << 40, asked.truth));
+        let [a, b] = [1u64, 2].map(|i| reference(&scene, i << 40, arguments.truth));
         let truth: Vec<Vec3> = a.iter().zip(&b).map(|(a, b)| (*a + *b) * 0.5).collect();
         let scale = RelativeScale::of_pixels(SIZE, &truth);
         let apart = 0.5 * scale.mean(|i| (a[i] - b[i]).as_dvec3() * (a[i] - b[i]).as_dvec3()).sqrt();
@@ -165,31 +168,33 @@ fn main() -> Result<(), Box<dyn Error>> {
                 continue;
             }
             let square = |mean: &[Vec3]| scale.mean(|i| (mean[i] - a[i]).as_dvec3() * (mean[i] - b[i]).as_dvec3());
-            if !asked.targets.is_empty() {
-                for error in &asked.targets {
-                    stopped(name, &scene, algorithm, *error, asked.seeds, &square);
+            if !arguments.targets.is_empty() {
+                for error in &arguments.targets {
+                    stopped(name, &scene, algorithm, *error, arguments.seeds, &square);
                 }
                 continue;
             }
-            let mut rows = vec![Vec::new(); asked.passes.len()];
-            for seed in 0..asked.seeds {
+            let mut rows = vec![Vec::new(); arguments.passes.len()];
+            for seed in 0..arguments.seeds {
                 let mut settings = settings(seed);
                 settings.eye.estimate_error = true;
                 let integrator = algorithm.prepare(&scene, settings);
-                let (mut film, mut gauge) = (Film::new(SIZE.0, SIZE.1), ErrorEstimator::new(integrator.radius_law()));
-                for pass in 0..*asked.passes.iter().max().ok_or("no passes")? {
+                let (mut film, mut estimator) =
+                    (Film::new(SIZE.0, SIZE.1), ErrorEstimator::new(integrator.radius_law()));
+                for pass in 0..*arguments.passes.iter().max().ok_or("no passes")? {
                     let made = integrator.pass(pass, &Silent);
-                    gauge.add(&film, &made);
+                    estimator.add(&film, &made);
                     film.add(&made.image);
-                    let Some(at) = asked.passes.iter().position(|n| *n == pass + 1) else { continue };
-                    rows[at].push((gauge.estimate(&film), square(&film.mean()).max(0.0).sqrt()));
+                    let Some(at) = arguments.passes.iter().position(|n| *n == pass + 1) else { continue };
+                    rows[at].push((estimator.estimate(&film), square(&film.mean()).max(0.0).sqrt()));
                 }
             }
-            for (passes, row) in asked.passes.iter().zip(&rows) {
+            for (passes, row) in arguments.passes.iter().zip(&rows) {
                 let n = row.len() as f64;
                 let mean = |of: &dyn Fn(usize) -> f64| (0..row.len()).map(of).sum::<f64>() / n;
-                let ratios: Vec<f64> = row.iter().map(|(told, error)| told.error / error).collect();
-                let held = row.iter().filter(|(told, error)| told.low <= *error && *error <= told.high).count();
+                let ratios: Vec<f64> = row.iter().map(|(estimate, error)| estimate.error / error).collect();
+                let held =
+                    row.iter().filter(|(estimate, error)| estimate.low <= *error && *error <= estimate.high).count();
                 println!(
                     "| {name} | {} | {passes} | {:.2} % | {:.2} % | {:.2} % | {:.2} ({:.2} to {:.2}) | {held}/{} |",
                     algorithm.name(),

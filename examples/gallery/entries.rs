@@ -1,16 +1,16 @@
-//! What the gallery shows.
+//! Images of the gallery.
 
-/// A picture.
+/// One image of the gallery.
 pub struct Entry {
-    /// Of its file.
+    /// File name without extension.
     pub name: &'static str,
-    /// The part of the page that it stands in.
+    /// Section of the page.
     pub part: &'static str,
     pub title: &'static str,
     pub scene: &'static str,
-    /// Of `caustica render`, besides scene and outputs.
+    /// Arguments of `caustica render`, except scene and outputs.
     pub arguments: &'static str,
-    /// What there is to see.
+    /// Caption.
     pub text: &'static str,
 }
 
@@ -24,7 +24,7 @@ const CAMERA: &str = "Camera and time";
 const ALGORITHMS: &str = "Algorithms";
 const COMPOSITIONS: &str = "Compositions";
 
-/// All pictures, in the order of the page.
+/// All images, in the order of the page.
 pub const ENTRIES: &[Entry] = &[
     Entry {
         name: "ring",
@@ -176,7 +176,7 @@ pub const ENTRIES: &[Entry] = &[
         title: "Bézier patches",
         scene: "scenes/teapot.txt",
         arguments: "--size 480x360 --passes 6",
-        text: "A pot of bicubic patches, which rays meet as they are: no triangles, no edges in its outline.",
+        text: "A pot of bicubic patches, intersected directly: no triangles, no edges in its outline.",
     },
     Entry {
         name: "goblet",

@@ -1,10 +1,10 @@
-//! Renders the pictures of docs/gallery.md and writes the page:
+//! Renders the images of docs/gallery.md and writes the page:
 //!
 //! ```sh
 //! cargo run --release --example gallery -- [NAME …]
 //! ```
 //!
-//! With names it renders those alone; what it knows of the others stays in the statistics beside their pictures.
+//! With names it renders only those. Statistics files beside the images describe the others.
 
 mod entries;
 
@@ -16,11 +16,11 @@ use std::fmt::Write;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Where pictures lie, as the page and its commands name it.
+/// Folder of the images, as the page and its commands name it.
 const FOLDER: &str = "docs/images/gallery";
 
 fn main() -> Result<(), Box<dyn Error>> {
-    // Scenes and pictures are named as from the project's folder.
+    // Paths of scenes and images are relative to the repository's root.
     std::env::set_current_dir(env!("CARGO_MANIFEST_DIR"))?;
     fs::create_dir_all(FOLDER)?;
     let names: Vec<String> = std::env::args().skip(1).collect();
@@ -44,7 +44,7 @@ impl Entry {
         Path::new(FOLDER).join(self.name).with_extension("json")
     }
 
-    /// What a reader types.
+    /// Returns the command that a reader types.
     fn command(&self) -> String {
         let gap = if self.arguments.is_empty() { "" } else { " " };
         format!("caustica render {} -o {}{gap}{}", self.scene, self.picture().display(), self.arguments)
@@ -58,7 +58,7 @@ fn render(entry: &Entry) -> Result<(), Box<dyn Error>> {
     cli::run(arguments).map(drop).map_err(|failure| format!("{:?}", failure.reports).into())
 }
 
-/// The page, of the pictures and statistics that are there.
+/// Returns the page, made of the existing images and statistics.
 fn page() -> Result<String, Box<dyn Error>> {
     let mut page = String::from(
         "# Gallery\n\nOne picture for each effect, then compositions of many. Each has its scene, the command that makes it, and what it took on two \

@@ -1,6 +1,8 @@
-//! Makes the meshes of the caustics scenes: `cargo run --release --example make_meshes` writes them into mesh/.
+//! Makes the meshes of the caustics scenes: `cargo run --release --example make_meshes` writes them
+//! into mesh/.
 //!
-//! The files are the same byte for byte on every machine; tests/meshes.rs checks that mesh/ holds them and that they are sound.
+//! The files are equal byte for byte on every machine. `cargo test --example make_meshes` checks
+//! that mesh/ holds them and that they are valid.
 
 mod meshes;
 #[cfg(test)]

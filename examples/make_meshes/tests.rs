@@ -1,5 +1,6 @@
-//! The meshes that examples/make_meshes writes are sound, and mesh/ holds them. They are judged as a foreign reader sees
-//! them: by tobj, from the text of the file.
+//! Checks that mesh/ holds what the generators write, and that the meshes are valid.
+//!
+//! An independent reader, tobj, reads the text of each file.
 
 use super::meshes;
 use std::collections::{HashMap, HashSet};
@@ -9,7 +10,7 @@ use std::path::Path;
 
 use glam::{DVec2, DVec3};
 
-/// A mesh as read: triangles of indices into the positions, and a normal at each corner or none at all.
+/// A mesh as read: positions, triangles of indices into them, and a normal at each corner or none.
 struct Read {
     positions: Vec<DVec3>,
     triangles: Vec<[usize; 3]>,
@@ -43,7 +44,7 @@ impl Read {
         triangle.map(|i| self.positions[i])
     }
 
-    /// Six times the signed volume of the tetrahedra from the origin (the divergence theorem).
+    /// Returns the volume by the divergence theorem: a sixth of the sum of triple products.
     fn volume(&self) -> f64 {
         let six: f64 = self.triangles.iter().map(|&t| self.corners(t)).map(|[a, b, c]| a.dot(b.cross(c))).sum();
         six / 6.0
@@ -55,14 +56,14 @@ fn text(name: &str) -> String {
     make().to_obj()
 }
 
-/// The vectors of all lines with a keyword in the order of the file, which tobj does not keep.
+/// Returns the vectors of all lines with a keyword, in file order, which tobj does not keep.
 fn vectors(text: &str, keyword: &str) -> Vec<DVec3> {
     let lines = text.lines().filter_map(|line| line.strip_prefix(keyword));
     let numbers = |line: &str| line.split_whitespace().map(|n| n.parse().unwrap()).collect::<Vec<f64>>();
     lines.map(|line| DVec3::from_slice(&numbers(line))).collect()
 }
 
-/// A polygon of n sides in a circle covers this part of its area.
+/// Returns the fraction of a circle's area that an inscribed polygon of n sides covers.
 fn inscribed(n: f64) -> f64 {
     n / TAU * libm::sin(TAU / n)
 }
@@ -100,7 +101,8 @@ fn meshes_are_closed_with_consistent_winding() {
         let places: HashSet<_> = mesh.positions.iter().map(|p| p.to_array().map(f64::to_bits)).collect();
         assert_eq!(places.len(), mesh.positions.len(), "{name} has positions twice");
 
-        // Euler: 2 for a ball, 0 for a torus; two bodies or a tunnel would give another number.
+        // Euler characteristic: 2 for a ball, 0 for a torus. Two bodies or a tunnel would give
+        // another number.
         let euler = mesh.positions.len() as i64 - edges.len() as i64 / 2 + mesh.triangles.len() as i64;
         let expected = if ["knot.obj", "ring.obj"].contains(&name) { 0 } else { 2 };
         assert_eq!(euler, expected, "{name}");
@@ -120,7 +122,7 @@ fn normals_are_unit_and_point_outward() {
             for n in normals {
                 // Four digits round each coordinate by at most ½·10⁻⁴.
                 assert!((n.length() - 1.0).abs() < 0.5e-4 * f64::sqrt(3.0), "{name}: {n}");
-                // No two neighbours of a smooth part turn by more than 45°.
+                // Adjacent triangles of a smooth part differ by at most 45°.
                 assert!(n.dot(face.normalize()) > libm::cos(FRAC_PI_4), "{name}: {n} on {face} at {a} {b} {c}");
             }
         }
@@ -137,7 +139,8 @@ fn normals_follow_the_surface() {
             let index = |i: &str| i.parse::<usize>().unwrap() - 1;
             let (p, n): (Vec<_>, Vec<_>) = corners.map(|(p, n)| (positions[index(p)], normals[index(n)])).unzip();
             if let [a, b, c, d] = p[..] {
-                // A quad turns by at most .35 (20°), and its middle deviates in second order, .35²/8.
+                // A quad turns by at most .35 rad (20°), and its middle deviates in second order,
+                // .35²/8.
                 let (plane, mean) = ((c - a).cross(d - b), n.iter().sum::<DVec3>());
                 assert!(plane.angle_between(mean) < 0.35 * 0.35 / 8.0, "{name}: {mean} on {plane} at {a}");
             }
@@ -168,7 +171,7 @@ fn meshes_fill_their_stated_bounds() {
         let (least, most) = (DVec3::new(x0, y0, z0), DVec3::new(x1, y1, z1));
         let slack = 1e-6;
         assert!(low.cmpge(least - slack).all() && high.cmple(most + slack).all(), "{name}: {low} {high}");
-        // Vertices miss the extremes of ripples and knots by a step of the mesh at most.
+        // Vertices miss the extremes of ripples and knots by at most one step of the mesh.
         assert!((low - least).max_element() < 0.03 && (most - high).max_element() < 0.03, "{name}: {low} {high}");
         assert!((low.y - y0).abs() < 0.005, "{name} starts at {}", low.y);
     }
@@ -182,7 +185,7 @@ fn mesh_volumes_match_closed_form() {
     let band = TAU * 1.04 * area * inscribed(512.0);
     assert!((load("ring.obj").volume() / band - 1.0).abs() < 1e-5);
 
-    // Lens: two caps and the rim; chords of the arcs lose at most their sagitta over both caps.
+    // Lens: two caps and the rim. Chords of the arcs lose at most their sagitta over both caps.
     let cap = 2.5 - f64::sqrt(2.5 * 2.5 - 1.0);
     let lens = 2.0 * PI * cap * cap * (7.5 - cap) / 3.0 + PI * 0.04;
     let step = libm::asin(0.4) / 22.0;
@@ -190,11 +193,11 @@ fn mesh_volumes_match_closed_form() {
     let volume = load("lens.obj").volume();
     assert!(volume < lens && volume > lens * inscribed(120.0) - 2.0 * TAU * 2.5 * cap * sagitta, "{volume} {lens}");
 
-    // Pool: waves move at most their amplitudes over the area of 4.
+    // Pool: waves change the volume by at most their amplitudes over the area of 4.
     assert!((load("pool.obj").volume() - 2.0).abs() < 4.0 * 0.04);
 
-    // Knot: πr² times the length of its axis. Diagonals of the twisted mesh span at most .205 rad of the tube and lose .205²/6;
-    // its axis bends by at most .06 rad a step and loses .06²/8.
+    // Knot: πr² times the length of its axis. Diagonals of the twisted mesh span at most .205 rad
+    // of the tube and lose .205²/6. The axis bends by at most .06 rad a step and loses .06²/8.
     let centres = knot_centres();
     let length: f64 = (0..320).map(|i| centres[i].distance(centres[(i + 1) % 320])).sum();
     let ratio = load("knot.obj").volume() / (PI * 0.16 * 0.16 * length);
@@ -210,7 +213,7 @@ fn knot_strands_do_not_touch() {
     let centres = knot_centres();
     for i in 0..320_usize {
         for j in 0..i {
-            // Nearer than 20 steps along the knot lies the same strand.
+            // Within 20 steps along the knot it is the same strand.
             let steps = (i - j).min(320 + j - i);
             let distance = centres[i].distance(centres[j]);
             assert!(steps <= 20 || distance > 2.0 * 0.16 + 0.05, "rings {i} and {j} are {distance} apart");
@@ -226,7 +229,7 @@ fn gem_is_convex_with_57_facets() {
         let [a, b, c] = mesh.corners(triangle);
         let n = (b - a).cross(c - a).normalize();
         for p in &mesh.positions {
-            // Nine digits, and facets not thinner than .01.
+            // Nine digits, and facets no thinner than .01.
             assert!(n.dot(*p - a) < 1e-6, "{p} lies outside of a facet at {a}");
         }
         if !planes.iter().any(|(m, _)| m.dot(n) > 1.0 - 1e-9) {
@@ -238,7 +241,7 @@ fn gem_is_convex_with_57_facets() {
     assert_eq!(planes.iter().filter(|(n, _)| n.y < -1e-6).count(), 24);
 }
 
-/// The positions in the half-plane z = 0, x ≥ 0, one of each ring.
+/// Returns the positions in the half-plane z = 0, x ≥ 0, one of each ring.
 fn outline(name: &str) -> Vec<DVec2> {
     let half_plane = vectors(&text(name), "v ").into_iter().filter(|p| p.z == 0.0 && p.x >= 0.0);
     half_plane.map(|p| DVec2::new(p.x, p.y)).collect()
@@ -247,12 +250,13 @@ fn outline(name: &str) -> Vec<DVec2> {
 #[test]
 fn wine_fills_glass_without_touching() {
     let (glass, wine) = (outline("goblet.obj"), outline("wine.obj"));
-    // A polygon of 112 sides in the wall's circle comes nearer by .53 (1 - cos(π/112)) = .0002; that of the wine is inside of its own.
+    // A polygon of 112 sides comes nearer than the wall's circle by .53 (1 - cos(π/112)) = .0002.
+    // The wine's polygon is inside its own circle.
     let distance = |p: DVec2, a: DVec2, b: DVec2| {
         let along = ((p - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
         p.distance(a.lerp(b, along))
     };
-    // The last one is the middle of the surface.
+    // The last one is the center of the surface.
     for p in &wine[..wine.len() - 1] {
         let least = glass.windows(2).map(|w| distance(*p, w[0], w[1])).fold(f64::MAX, f64::min);
         assert!(least > 0.001 && least < 0.008, "{p} is {least} from the glass");

@@ -1,6 +1,8 @@
-//! Makes the pictures of scenes/textures.txt: `cargo run --release --example make_textures` writes them into scenes/textures/.
+//! Makes the images of scenes/textures.txt: `cargo run --release --example make_textures` writes
+//! them into scenes/textures/.
 //!
-//! They are the same byte for byte on every machine; `cargo test --example make_textures` checks that the folder holds them.
+//! The files are equal byte for byte on every machine. `cargo test --example make_textures` checks
+//! that the folder holds them.
 
 mod pictures;
 #[cfg(test)]

@@ -1,4 +1,4 @@
-//! Three pictures: a globe, the normals of a tile, and scratches.
+//! Three texture images: a globe, a tile's normal map, and a roughness map of scratches.
 
 use caustica::color::Rgb;
 use caustica::image::{Curve, Image};
@@ -6,10 +6,10 @@ use caustica::texture::{Solid, SolidKind};
 use glam::{DAffine3, DVec2, DVec3, Vec3};
 use std::f64::consts::{PI, TAU};
 
-/// Name, what its numbers mean, and the picture.
+/// File name, transfer curve, and generator.
 pub type Entry = (&'static str, Curve, fn() -> Image);
 
-/// All pictures.
+/// All images.
 pub const ALL: [Entry; 3] =
     [("globe.png", Curve::Srgb, globe), ("tile.png", Curve::Course, tile), ("scratches.png", Curve::Course, scratches)];
 
@@ -26,7 +26,9 @@ fn noise(octaves: u32, frequency: f64, amplitude: f64) -> Solid {
     Solid { kind: SolidKind::Noise, colors, octaves, frequency, amplitude, to_pattern: DAffine3::IDENTITY }
 }
 
-/// A planet, as a map of longitude and latitude. Its land is noise on the sphere, so the map has no seam and no pinch.
+/// Returns a planet as a map of longitude and latitude.
+///
+/// Its land is noise on the sphere, so the map has no seam and no pinched pole.
 fn globe() -> Image {
     let (land, climate) = (noise(7, 1.3, 1.6), noise(3, 2.5, 1.0));
     picture(512, 256, |uv| {
@@ -50,7 +52,7 @@ fn globe() -> Image {
     })
 }
 
-/// Normals of a tile with slanted edges and a boss in its middle.
+/// Returns the normal map of a tile with slanted edges and a boss in its middle.
 fn tile() -> Image {
     let height = |p: DVec2| {
         let edge = 0.5 - (p - 0.5).abs().max_element();
@@ -61,17 +63,17 @@ fn tile() -> Image {
         let step = 0.5 / 128.0;
         let slope = |d: DVec2| (height(uv + d) - height(uv - d)) / (2.0 * step);
         let n = DVec3::new(-slope(DVec2::X * step), -slope(DVec2::Y * step), 1.0).normalize();
-        // Half a level more, as the writer cuts levels off.
+        // The writer truncates levels; half a level more rounds them.
         (n * 0.5 + 0.5).as_vec3() + 0.5 / 255.0
     })
 }
 
-/// Roughness: fine strokes along u on smooth ground.
+/// Returns a roughness map: fine strokes along u on a smooth ground.
 fn scratches() -> Image {
     let strokes = Solid { to_pattern: DAffine3::from_scale(DVec3::new(6.0, 90.0, 1.0)), ..noise(2, 1.0, 1.2) };
     let stains = noise(4, 4.0, 1.2);
     picture(256, 256, |uv| {
-        // Around a cylinder on which u comes back to where it began.
+        // Sampling around a cylinder makes the map periodic in u.
         let (sin, cos) = libm::sincos(TAU * uv.x);
         let p = DVec3::new(cos / TAU, uv.y, sin / TAU);
         let stroke = (strokes.at(p, 0.0).x - 0.5).max(0.0) * 1.2;
@@ -81,7 +83,7 @@ fn scratches() -> Image {
     })
 }
 
-/// From 0 to 1 without an edge at either end.
+/// Returns a smooth step from 0 to 1.
 fn smooth(t: f64) -> f64 {
     let t = t.clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)

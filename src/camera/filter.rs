@@ -1,27 +1,31 @@
-//! Reconstruction filters, sampled in proportion to their size, so that every sample weighs the same or its negative.
+//! Pixel reconstruction filters.
+//!
+//! Offsets are sampled in proportion to the absolute weight, so all samples have the same weight or
+//! its negative.
 
 use glam::Vec2;
 use std::str::FromStr;
 
-/// The filters on offer.
+/// Kinds of reconstruction filters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum FilterKind {
     /// Constant over one pixel.
     Box,
-    /// A tent of radius one pixel.
+    /// Tent of radius one pixel.
     Tent,
-    /// A Gaussian of standard deviation ½ pixel, cut at 1½.
+    /// Gaussian with a standard deviation of ½ pixel, cut off at 1½ pixels.
     Gaussian,
-    /// The four-term Blackman–Harris window of radius 1½ pixels (Harris 1978).
+    /// Four-term Blackman–Harris window with a radius of 1½ pixels (Harris 1978).
     #[default]
     BlackmanHarris,
-    /// The cubic of Mitchell and Netravali (1988) with B = C = ⅓, of radius two pixels: sharper, and below zero at its rim.
+    /// Cubic of Mitchell and Netravali 1988 with B = C = ⅓ and a radius of two pixels. It is
+    /// sharper, and negative at its rim.
     Mitchell,
 }
 
-/// A name that is no filter's.
+/// The name is not that of a filter.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("there is no filter `{0}`; known are box, tent, gaussian, blackman-harris, mitchell")]
+#[error("unknown filter `{0}`: use box, tent, gaussian, blackman-harris or mitchell")]
 pub struct UnknownFilter(String);
 
 impl FromStr for FilterKind {
@@ -40,7 +44,7 @@ impl FromStr for FilterKind {
 }
 
 impl FilterKind {
-    /// Half width in pixels.
+    /// Radius \[pixels].
     fn radius(self) -> f64 {
         match self {
             Self::Box => 0.5,
@@ -50,7 +54,7 @@ impl FilterKind {
         }
     }
 
-    /// Weight at distance `x` pixels, up to a factor.
+    /// Unnormalised weight at a distance of `x` pixels.
     #[must_use]
     pub fn weight(self, x: f64) -> f64 {
         match self {
@@ -74,30 +78,31 @@ impl FilterKind {
     }
 }
 
+/// Intervals of the quantile table.
 const CELLS: usize = 1024;
 
-/// A separable filter, ready to be sampled.
+/// A separable filter, tabulated for sampling.
 #[derive(Clone, Debug)]
 pub struct Filter {
-    /// Offsets at equal steps of the cumulative weight.
+    /// Offsets at equal steps of the cumulative absolute weight.
     quantiles: [f32; CELLS + 1],
-    /// Where the weight is below zero, in pixels from the middle; infinite where it is nowhere.
+    /// Offset beyond which the weight is negative \[pixels]; infinite for a non-negative filter.
     negative_from: f32,
-    /// The integral of the weight's size over that of the weight, in one dimension.
+    /// Integral of the absolute weight over the integral of the weight, in one dimension.
     excess: f32,
 }
 
-/// Where a pixel is looked at.
+/// A sampled film offset.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FilterSample {
-    /// Offset from the pixel's centre, in pixels.
+    /// Offset from the pixel center \[pixels].
     pub offset: Vec2,
-    /// What the sample counts; 1 for filters without negative parts, else 1 in the mean.
+    /// Weight of the sample; 1 for non-negative filters, else 1 in the mean.
     pub weight: f32,
 }
 
 impl Filter {
-    /// Tabulates the inverse of the cumulative weight.
+    /// Tabulates the inverse of the cumulative absolute weight.
     #[must_use]
     pub fn new(kind: FilterKind) -> Self {
         const STEPS: usize = 4096;
@@ -106,12 +111,12 @@ impl Filter {
         let mut cumulative = vec![0.0; STEPS + 1];
         let (mut signed, mut negative_from) = (0.0, f64::INFINITY);
         for i in 0..STEPS {
-            let middle = 0.5 * (at(i) + at(i + 1));
-            let weight = kind.weight(middle);
+            let center = 0.5 * (at(i) + at(i + 1));
+            let weight = kind.weight(center);
             signed += weight;
             cumulative[i + 1] = cumulative[i] + weight.abs();
-            // Filters are positive in the middle and change their sign at most once on each side.
-            if weight < 0.0 && middle > 0.0 {
+            // All filters are positive in the middle, and change sign at most once on each side.
+            if weight < 0.0 && center > 0.0 {
                 negative_from = negative_from.min(at(i));
             }
         }
@@ -127,13 +132,13 @@ impl Filter {
         Self { quantiles, negative_from: negative_from as f32, excess }
     }
 
-    /// Whether parts of it are negative.
+    /// True if parts of the filter are negative.
     #[must_use]
     pub fn is_signed(&self) -> bool {
         self.negative_from.is_finite()
     }
 
-    /// Where to look for `u` in \[0, 1)².
+    /// Samples an offset for `u` in \[0, 1)².
     #[inline]
     #[must_use]
     pub fn sample(&self, u: Vec2) -> FilterSample {
@@ -153,66 +158,4 @@ impl Filter {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// Second moments: box 1/12, tent 1/6, the others by quadrature. The table is coarsest in the two cells at the ends, which
-    /// hold 1/1024 each and reach from 1 to 1.5 px at most: they misplace x² by at most (1.5² − 1)/2 each, together 1.2·10⁻³.
-    #[test]
-    fn moments_are_the_filters() {
-        let n = 100_000;
-        let second = |kind: FilterKind| {
-            let f = Filter::new(kind);
-            (0..n).map(|i| f64::from(f.quantile((i as f32 + 0.5) / n as f32))).map(|x| x * x).sum::<f64>()
-                / f64::from(n)
-        };
-        let quadrature = |kind: FilterKind| {
-            let r = kind.radius();
-            let xs = (0..n).map(|i| r * (2.0 * (f64::from(i) + 0.5) / f64::from(n) - 1.0));
-            let (w, wx2) = xs.fold((0.0, 0.0), |(a, b), x| (a + kind.weight(x), b + kind.weight(x) * x * x));
-            wx2 / w
-        };
-        assert!((second(FilterKind::Box) - 1.0 / 12.0).abs() < 1.2e-3);
-        assert!((second(FilterKind::Tent) - 1.0 / 6.0).abs() < 1.2e-3);
-        for kind in [FilterKind::Gaussian, FilterKind::BlackmanHarris] {
-            let (a, b) = (second(kind), quadrature(kind));
-            assert!((a - b).abs() < 1.2e-3, "{kind:?}: {a} {b}");
-        }
-    }
-
-    /// Weights are 1 in the mean, and weighted moments are the filter's: one over a net of 2¹⁸ points, whose error for functions with few
-    /// jumps is far below the chance bound of as many independent points.
-    #[test]
-    fn weights_make_up_for_what_is_negative() {
-        use crate::sampling::{Dimension, Key, Purpose, sobol_2d};
-        let n = 1 << 18;
-        let key = Key::new(3).purpose(Purpose::Test);
-        let filter = Filter::new(FilterKind::Mitchell);
-        let xs: Vec<f64> = (0..4000).map(|i| -2.0 + (f64::from(i) + 0.5) / 1000.0).collect();
-        let total: f64 = xs.iter().map(|x| FilterKind::Mitchell.weight(*x)).sum();
-        let within = xs.iter().filter(|x| **x > 0.3).map(|x| FilterKind::Mitchell.weight(*x)).sum::<f64>() / total;
-        let (mut weight, mut right, mut negative) = (0.0, 0.0, 0);
-        for i in 0..n {
-            let sample = filter.sample(sobol_2d(i, key, Dimension::Film));
-            weight += f64::from(sample.weight);
-            right += if sample.offset.x > 0.3 { f64::from(sample.weight) } else { 0.0 };
-            negative += u32::from(sample.weight < 0.0);
-        }
-        let (weight, right) = (weight / f64::from(n), right / f64::from(n));
-        let bound = 2.0 * 5.0 / f64::from(n).sqrt();
-        assert!((weight - 1.0).abs() < bound && (right - within).abs() < bound, "{weight} {right} {within}");
-        assert!(filter.is_signed() && negative > 0 && !Filter::new(FilterKind::Gaussian).is_signed());
-    }
-
-    #[test]
-    fn offsets_stay_within_the_radius() {
-        for kind in
-            [FilterKind::Box, FilterKind::Tent, FilterKind::Gaussian, FilterKind::BlackmanHarris, FilterKind::Mitchell]
-        {
-            let f = Filter::new(kind);
-            let r = kind.radius() as f32;
-            assert!(f.quantile(0.0) >= -r && f.quantile(1.0 - f32::EPSILON / 2.0) <= r);
-        }
-        assert!("lanczos".parse::<FilterKind>().unwrap_err().to_string().contains("blackman-harris"));
-    }
-}
+mod tests;

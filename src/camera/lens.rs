@@ -4,26 +4,28 @@ use crate::math::warp;
 use glam::Vec2;
 use std::f32::consts::TAU;
 
-/// A lens without thickness: all light from a point of the plane of focus meets again in one point of the picture (Pharr, Jakob,
+/// A thin lens: rays from a point of the focal plane converge in one image point (Pharr, Jakob,
 /// Humphreys 2023, section 5.2.3).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lens {
-    /// Radius of the opening \[length].
+    /// Radius of the aperture \[length].
     pub radius: f64,
-    /// Distance of the plane of focus along the view \[length].
+    /// Distance of the focal plane along the viewing direction \[length].
     pub focus: f64,
-    /// Edges of the opening, a regular polygon whose corners lie at the radius; fewer than three: it is round.
+    /// Number of aperture blades: edges of a regular polygon with its corners at `radius`. Fewer
+    /// than three give a round aperture.
     pub blades: u32,
 }
 
 impl Lens {
-    /// A point of the opening, uniform by area, for `u` in \[0, 1)², in lengths to the right and upwards from its middle. A corner of
-    /// the polygon points up.
+    /// Samples a point of the aperture uniformly by area, for `u` in \[0, 1)². Coordinates are
+    /// right and up from the center \[length]. A corner of the polygon points up.
     #[inline]
     pub(super) fn sample(&self, u: Vec2) -> glam::DVec2 {
         self.radius * self.unit(u).as_dvec2()
     }
 
+    /// Samples a point of the aperture of radius 1.
     fn unit(&self, u: Vec2) -> Vec2 {
         if self.blades < 3 {
             return warp::disc(u);
@@ -34,7 +36,7 @@ impl Lens {
             let (sin, cos) = libm::sincosf(TAU * i / blades);
             Vec2::new(sin, cos)
         };
-        // What is left of u.x inside the chosen triangle is uniform again.
+        // The remainder of u.x inside the chosen triangle is uniform again.
         let weights = warp::triangle(Vec2::new((u.x * blades - blade).min(1.0 - f32::EPSILON / 2.0), u.y));
         corner(blade) * weights.x + corner(blade + 1.0) * weights.y
     }
@@ -50,7 +52,7 @@ mod tests {
     /// area; the disc, its limit, has ¼. A net of 2¹⁶ points integrates such a smooth function far better than the chance bound 5σ
     /// of as many independent points that is used here.
     #[test]
-    fn openings_are_filled_evenly() {
+    fn aperture_samples_are_uniform_by_area() {
         let n = 1 << 16;
         for blades in [0u32, 3, 5, 6, 8] {
             let lens = Lens { radius: 2.0, focus: 1.0, blades };

@@ -9,12 +9,13 @@ pub use lens::Lens;
 use crate::math::{Ray, Transform};
 use glam::{DVec3, Vec2};
 
-/// Where the rays of a picture start, and where they go.
+/// A camera: maps film points to rays.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Camera {
     center: DVec3,
     forward: DVec3,
-    /// One pixel to the right, and one pixel up, on the plane at distance 1; of a panorama, of unit length.
+    /// Vectors of one pixel to the right and up, in the plane at distance 1. Unit vectors for a
+    /// panorama.
     right: DVec3,
     up: DVec3,
     /// Length of `right` and of `up`.
@@ -26,25 +27,25 @@ pub struct Camera {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Projection {
-    /// Through one point, or through a lens.
+    /// Through a pinhole, or through a lens.
     Perspective(Option<Lens>),
-    /// In parallel.
+    /// Parallel rays.
     Orthographic,
-    /// All around: longitude across, latitude down.
+    /// All directions: longitude across, latitude down.
     Panorama,
 }
 
-/// `up` and the direction of view are parallel, or one of them is zero: the camera cannot tell which way is up.
+/// The up vector is parallel to the viewing direction, or one of them is zero.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("the camera's up is parallel to its direction of view")]
+#[error("the up vector is parallel to the viewing direction: choose another one")]
 pub struct NoUpright;
 
 impl Camera {
-    /// A pinhole at `center` that looks along `direction` with full vertical `angle` \[radians] and an image of `width` × `height`
-    /// pixels.
+    /// A pinhole camera at `center` with the full vertical angle of view `angle` \[radians] and an
+    /// image of `width` × `height` pixels.
     ///
     /// # Errors
-    /// [`NoUpright`] where `direction × up` vanishes.
+    /// [`NoUpright`] if `direction × up` vanishes.
     pub fn perspective(
         center: DVec3,
         direction: DVec3,
@@ -57,11 +58,11 @@ impl Camera {
         Self::new(center, direction, up, pixel, Projection::Perspective(None), (width, height))
     }
 
-    /// A camera whose rays run along `direction` from the plane through `center` across it; the image shows `size` of it from top
-    /// to bottom \[length].
+    /// An orthographic camera: rays start in the plane through `center` and run along `direction`.
+    /// The image shows `size` from top to bottom \[length].
     ///
     /// # Errors
-    /// [`NoUpright`] where `direction × up` vanishes.
+    /// [`NoUpright`] if `direction × up` vanishes.
     pub fn orthographic(
         center: DVec3,
         direction: DVec3,
@@ -73,11 +74,12 @@ impl Camera {
         Self::new(center, direction, up, size / f64::from(height), Projection::Orthographic, (width, height))
     }
 
-    /// A camera that sees all directions from `center`: longitude runs across the image, with `direction` in its middle, latitude from
-    /// `up` at its top to the opposite at its bottom, where `up` is first made perpendicular to `direction`.
+    /// A panoramic camera at `center` that covers all directions. Longitude runs across the image,
+    /// with `direction` in the center. Latitude runs from `up` at the top to its opposite; `up` is
+    /// first made perpendicular to `direction`.
     ///
     /// # Errors
-    /// [`NoUpright`] where `direction × up` vanishes.
+    /// [`NoUpright`] if `direction × up` vanishes.
     pub fn panorama(center: DVec3, direction: DVec3, up: DVec3, width: u32, height: u32) -> Result<Self, NoUpright> {
         Self::new(center, direction, up, 1.0, Projection::Panorama, (width, height))
     }
@@ -101,7 +103,7 @@ impl Camera {
         Ok(Self { center, forward, right: right * pixel, up, pixel, projection, width, height })
     }
 
-    /// The same camera with a lens, where it is a perspective one; an opening of radius 0 is a pinhole.
+    /// The camera with a lens, if it is a perspective one. An aperture of radius 0 is a pinhole.
     #[must_use]
     pub fn with_lens(self, lens: Lens) -> Self {
         match self.projection {
@@ -112,7 +114,7 @@ impl Camera {
         }
     }
 
-    /// The lens, if there is one.
+    /// The lens; `None` for a pinhole and for other projections.
     #[must_use]
     pub fn lens(&self) -> Option<Lens> {
         match self.projection {
@@ -121,25 +123,27 @@ impl Camera {
         }
     }
 
-    /// Whether all rays start at its middle, or a lens around it.
+    /// True if all rays start at the center, or at a lens around it.
     #[must_use]
     pub fn has_eye(&self) -> bool {
         self.projection != Projection::Orthographic
     }
 
-    /// Image size in pixels.
+    /// Image size (width, height) \[pixels].
     #[must_use]
     pub fn size(&self) -> (u32, u32) {
         (self.width, self.height)
     }
 
-    /// Place of the eye, the middle of the lens, or the middle of the image of an orthographic camera.
+    /// Position of the pinhole or of the lens center; for an orthographic camera, of the image
+    /// center.
     #[must_use]
     pub fn center(&self) -> DVec3 {
         self.center
     }
 
-    /// Width of a pixel where its rays start \[length], and what it grows by along them.
+    /// Width of a pixel footprint at the ray origin \[length], and its growth per length along the
+    /// ray.
     #[inline]
     #[must_use]
     pub fn pixel(&self) -> (f32, f32) {
@@ -151,13 +155,13 @@ impl Camera {
         }
     }
 
-    /// The same camera, moved.
+    /// The camera translated by `by`.
     #[must_use]
     pub fn translated(self, by: DVec3) -> Self {
         Self { center: self.center + by, ..self }
     }
 
-    /// The same camera under a map that turns and moves.
+    /// The camera under a rigid map.
     #[must_use]
     pub fn moved(self, map: &Transform) -> Self {
         let Self { center, forward, right, up, .. } = self;
@@ -170,8 +174,8 @@ impl Camera {
         }
     }
 
-    /// The ray through image point `p`, in pixels from the left and from the top; of unit direction. It leaves the lens at `lens` in
-    /// \[0, 1)², or its middle.
+    /// The ray of unit direction through image point `p`, in pixels from the top left. It starts at
+    /// the lens sample `lens` in \[0, 1)², or at the lens center.
     #[inline]
     #[must_use]
     pub fn ray(&self, p: Vec2, lens: Option<Vec2>) -> Ray {
@@ -181,7 +185,8 @@ impl Camera {
             (Projection::Perspective(Some(thin)), Some(u)) => {
                 let on_lens = thin.sample(u) / self.pixel;
                 let offset = self.right * on_lens.x + self.up * on_lens.y;
-                // Seen from the middle: a near focus and a small opening would drown in where the camera stands.
+                // Relative to the center: a small aperture with near focus would lose its digits in
+                // world coordinates.
                 let in_focus = (self.right * x + self.up * y + self.forward) * thin.focus;
                 Ray::new((self.center + offset).as_vec3(), (in_focus - offset).normalize().as_vec3())
             }
@@ -205,86 +210,4 @@ impl Camera {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use glam::{DAffine3, Vec3};
-
-    fn wide() -> Camera {
-        Camera::perspective(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 90f64.to_radians(), 400, 200).unwrap()
-    }
-
-    fn looks(camera: &Camera, p: Vec2, d: Vec3) {
-        let direction = camera.ray(p, None).direction;
-        assert!((direction - d.normalize()).length() < 1e-6, "{p}: {direction}");
-    }
-
-    #[test]
-    fn the_angle_is_vertical_and_rows_count_from_the_top() {
-        let c = wide();
-        looks(&c, Vec2::new(200.0, 100.0), Vec3::NEG_Z);
-        looks(&c, Vec2::new(200.0, 0.0), Vec3::new(0.0, 1.0, -1.0));
-        looks(&c, Vec2::new(400.0, 100.0), Vec3::new(2.0, 0.0, -1.0));
-    }
-
-    #[test]
-    fn an_up_along_the_view_is_refused() {
-        let make = |d, up| Camera::perspective(DVec3::ZERO, d, up, 1.0, 4, 4);
-        assert_eq!(make(DVec3::Y, DVec3::Y * 3.0), Err(NoUpright));
-        assert_eq!(make(DVec3::ZERO, DVec3::Y), Err(NoUpright));
-        assert!(make(DVec3::new(1e-9, 1.0, 0.0), DVec3::Y).is_ok());
-    }
-
-    #[test]
-    fn parallel_rays_start_a_pixel_apart() {
-        let c = Camera::orthographic(DVec3::Z, DVec3::NEG_Z, DVec3::Y, 2.0, 400, 200).unwrap();
-        for (p, start) in [
-            (Vec2::new(200.0, 100.0), Vec3::Z),
-            (Vec2::new(400.0, 100.0), Vec3::new(2.0, 0.0, 1.0)),
-            (Vec2::new(0.0, 0.0), Vec3::new(-2.0, 1.0, 1.0)),
-        ] {
-            looks(&c, p, Vec3::NEG_Z);
-            assert_eq!(c.ray(p, None).origin, start);
-        }
-    }
-
-    #[test]
-    fn a_panorama_sees_all_around() {
-        let c = Camera::panorama(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 400, 200).unwrap();
-        for (x, y, d) in [
-            (200.0, 100.0, Vec3::NEG_Z),
-            (300.0, 100.0, Vec3::X),
-            (100.0, 100.0, Vec3::NEG_X),
-            (0.0, 100.0, Vec3::Z),
-            (123.0, 0.0, Vec3::Y),
-            (300.0, 150.0, Vec3::new(1.0, -1.0, 0.0)),
-        ] {
-            looks(&c, Vec2::new(x, y), d);
-        }
-    }
-
-    #[test]
-    fn a_closed_lens_is_a_pinhole_and_all_of_a_lens_sees_the_point_in_focus() {
-        let lens = Lens { radius: 0.3, focus: 4.0, blades: 0 };
-        let (open, shut) = (wide().with_lens(lens), wide().with_lens(Lens { radius: 0.0, ..lens }));
-        for p in [Vec2::new(200.0, 100.0), Vec2::new(17.0, 3.0)] {
-            let through_middle = wide().ray(p, None);
-            assert_eq!(open.ray(p, None), through_middle);
-            let in_focus = through_middle.at(4.0 / -through_middle.direction.z);
-            for u in [Vec2::new(0.1, 0.9), Vec2::new(0.7, 0.3)] {
-                assert_eq!(shut.ray(p, Some(u)), through_middle);
-                let ray = open.ray(p, Some(u));
-                assert!(ray.origin.length() <= 0.3 && ray.origin != Vec3::ZERO);
-                assert!((ray.at(4.0 / -ray.direction.z) - in_focus).length() < 1e-5);
-            }
-        }
-    }
-
-    #[test]
-    fn a_moved_camera_sees_from_its_new_place() {
-        let turn = DAffine3::from_quat(glam::DQuat::from_xyzw(0.0, 0.5f64.sqrt(), 0.0, 0.5f64.sqrt()));
-        let map = Transform::new(DAffine3::from_translation(DVec3::X) * turn).unwrap();
-        let moved = wide().moved(&map);
-        looks(&moved, Vec2::new(200.0, 100.0), Vec3::NEG_X);
-        assert_eq!(moved.center(), DVec3::X);
-    }
-}
+mod tests;

@@ -164,7 +164,7 @@ impl Monitor for Progress {
             Stage::Camera => ("image", "pixels"),
         };
         let Some((pass, end)) = self.state().map(|state| (state.pass.clone(), state.end)) else { return };
-        let template = format!("{{prefix}} {name:<8} {{bar:28}} {{percent:>3}} %  {{rate}}  {{left}}  {{msg}}");
+        let template = format!("{{prefix}} {name:<8} {{bar:16}} {{percent:>3}} %  {{rate}}  {{left}}  {{wide_msg}}");
         let style = ProgressStyle::with_template(&template);
         let style = style.map(|style| style.with_key("rate", rate(unit)).with_key("left", time_left(end)));
         self.start(style, pass, total);
@@ -182,7 +182,7 @@ const LARGE_MESH: usize = 1_000_000;
 
 impl ReadMonitor for Progress {
     fn begin(&self, path: &Path, bytes: u64) {
-        let style = ProgressStyle::with_template("reading {prefix} {bar:28} {percent:>3} %  {rate}");
+        let style = ProgressStyle::with_template("reading {prefix} {bar:16} {percent:>3} %  {rate}");
         let style = style.map(|style| {
             style.with_key("rate", |state: &ProgressState, out: &mut dyn fmt::Write| {
                 let _ = write!(out, "{:.0} MB/s", 1e-6 * state.per_sec());

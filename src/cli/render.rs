@@ -214,7 +214,13 @@ fn write_pictures(
 ) {
     let curve = arguments.tone.unwrap_or(match arguments.method.integrator {
         Algorithm::Raycast => Curve::Course,
-        _ => Curve::Srgb,
+        Algorithm::Hybrid
+        | Algorithm::Path
+        | Algorithm::Sppm
+        | Algorithm::Ppm
+        | Algorithm::Pm
+        | Algorithm::Distributed
+        | Algorithm::Whitted => Curve::Srgb,
     });
     let options = WriteOptions {
         tone: ToneMap { curve, exposure_stops: arguments.exposure },
@@ -299,4 +305,25 @@ fn report_clipping(written: &WriteReport, path: &Path, exposure: f32, progress: 
 fn confidence(arguments: &RenderArguments) -> Confidence {
     let target = |error| ErrorTarget { error, confidence: arguments.confidence };
     arguments.target_error.map_or(arguments.confidence, |error| target(error).interval())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::sync::atomic::AtomicBool;
+
+    #[test]
+    fn the_first_stop_condition_sets_the_time_left() {
+        let interrupted = AtomicBool::new(false);
+        let left = |passes: Option<u32>, time: Option<u64>| {
+            let time = time.map(Duration::from_secs);
+            let stop = StopCriteria { min_passes: 1, passes, time, target: None, interrupted: &interrupted };
+            let after = AfterPass { passes: 4, error: None };
+            time_left(&stop, &after, Duration::from_secs(8), 2.0).map(|left| left.as_secs())
+        };
+        assert_eq!(left(Some(10), None), Some(12));
+        assert_eq!(left(None, Some(10)), Some(2));
+        assert_eq!(left(Some(10), Some(10)), Some(2));
+        assert_eq!((left(None, None), left(None, Some(1))), (None, Some(0)));
+    }
 }

@@ -1,4 +1,4 @@
-//! Linear colour, wavelengths and the glasses that part them.
+//! Linear colour, wavelengths, and dispersive indices of refraction.
 
 mod glass;
 mod rgb;

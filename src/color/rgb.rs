@@ -2,17 +2,19 @@
 
 use glam::Vec3;
 
-/// Linear RGB with the primaries and white of Rec. 709; radiometric quantities are per channel.
+/// Linear RGB with the primaries and white point of Rec. 709. Radiometric quantities are per
+/// channel.
 pub type Rgb = Vec3;
 
-/// Relative luminance by Rec. 709.
+/// Relative luminance of Rec. 709.
 #[inline]
 #[must_use]
 pub fn luminance(c: Rgb) -> f32 {
     c.dot(Vec3::new(0.2126, 0.7152, 0.0722))
 }
 
-/// Mean of the channels: the quantity that light choice and roulette compare, as no channel is dearer than another.
+/// Mean of the channels. Light sampling and Russian roulette compare it, since all channels count
+/// equally.
 #[inline]
 #[must_use]
 pub fn mean(c: Rgb) -> f32 {

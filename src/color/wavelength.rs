@@ -1,13 +1,15 @@
-//! What light of one wavelength gives each channel.
+//! Sampled wavelengths and their weights in linear RGB.
 //!
-//! Where an index of refraction depends on the wavelength, a walk chooses one and goes on as light of that wavelength alone. In
-//! each linear channel light counts as spread over the wavelengths by a response, a density of integral one, so a walk that
-//! chooses by the mean of the three responses is worth [`Wavelength::weight`] afterwards, and white light comes out white.
+//! At a dispersive interface a path chooses one wavelength, and continues with this wavelength
+//! alone. Each linear channel has a response over the wavelengths, a density of integral one. A
+//! path samples the mean of the three responses, and its weight is [`Wavelength::weight`]. White
+//! light stays white in the mean.
 //!
-//! Responses are the colour matching functions of CIE 1931 (2°) in the fit of Wyman, Sloan and Shirley (Simple Analytic
-//! Approximations to the CIE XYZ Color Matching Functions, JCGT 2(2), 2013), turned into linear RGB of Rec. 709. No mixture of
-//! the three primaries gives a pure spectral colour; as much white is added to each as makes its least channel zero. The fit's hues
-//! are those of the functions up to 690 nm; the thousandth of the light beyond turns to orange.
+//! Responses are the CIE 1931 (2°) colour matching functions in the fit of Wyman, Sloan and Shirley
+//! 2013 ("Simple Analytic Approximations to the CIE XYZ Color Matching Functions", JCGT 2(2)), in
+//! linear RGB of Rec. 709. Pure spectral colours are outside of this gamut; white is added to each
+//! until its least channel is zero. Up to 690 nm, the hues of the fit match the functions. The last
+//! thousandth of the light turns to orange.
 
 use super::Rgb;
 use glam::DVec3;
@@ -17,24 +19,24 @@ use std::sync::LazyLock;
 const SHORTEST: f32 = 380.0;
 /// Longest wavelength \[nm\].
 const LONGEST: f32 = 720.0;
-/// Cells in each of which responses are constant: one for each code of a byte but 0.
+/// Number of cells of constant response: one per code of a byte except 0.
 const CELLS: usize = 255;
 /// Width of a cell \[nm\].
 const STEP: f32 = (LONGEST - SHORTEST) / CELLS as f32;
-/// Some spacings of f32 at the longest wavelength, so that a point in a cell never rounds into another.
+/// Distance of samples from cell edges, in cells: several f32 spacings at the longest wavelength.
 const EDGE: f32 = 1.0 / 4096.0;
 
-/// A wavelength that a walk chose, between 380 and 720 nm.
+/// A sampled wavelength between 380 and 720 nm.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wavelength(f32);
 
 impl Wavelength {
-    /// The shortest there is \[nm].
+    /// Shortest wavelength \[nm].
     pub const SHORTEST: f32 = SHORTEST;
-    /// The longest there is \[nm].
+    /// Longest wavelength \[nm].
     pub const LONGEST: f32 = LONGEST;
 
-    /// By the mean of the channels' responses, for `u` in \[0, 1).
+    /// Samples a wavelength by the mean response of the channels, for `u` in \[0, 1).
     #[must_use]
     pub fn sample(u: f32) -> Self {
         let sums = &TABLE.sums;
@@ -44,34 +46,35 @@ impl Wavelength {
         Self(SHORTEST + (cell as f32 + (within as f32).clamp(EDGE, 1.0 - EDGE)) * STEP)
     }
 
-    /// The wavelength \[nm\].
+    /// Wavelength \[nm].
     #[inline]
     #[must_use]
     pub fn nanometres(self) -> f32 {
         self.0
     }
 
-    /// Density of [`Wavelength::sample`] \[1/nm\].
+    /// Pdf of [`Wavelength::sample`] \[1/nm].
     #[must_use]
-    pub fn density(self) -> f32 {
-        TABLE.densities[self.cell()]
+    pub fn pdf(self) -> f32 {
+        TABLE.pdfs[self.cell()]
     }
 
-    /// What white light of unit radiance is worth in each channel once it is of this wavelength only: the responses over the
-    /// density. The mean over channels is one, and so is the expectation of each channel.
+    /// Weight of a path that sampled this wavelength: the responses over the pdf.
+    ///
+    /// The mean over the channels is one, and so is the expectation of each channel.
     #[must_use]
     pub fn weight(self) -> Rgb {
         TABLE.weights[self.cell()]
     }
 
-    /// The wavelength in a byte, from 1 to 255, to within 2/3 nm.
+    /// Code of the wavelength in a byte, from 1 to 255, precise to 2/3 nm.
     #[must_use]
     pub fn code(self) -> u8 {
         1 + self.cell() as u8
     }
 
-    /// The middle of the wavelengths with this code, which has their weight and density; `None` for 0, which stands for light that
-    /// chose none.
+    /// The central wavelength of a code, with the weight and pdf of the code; `None` for 0, which
+    /// stands for all wavelengths.
     #[must_use]
     pub fn from_code(code: u8) -> Option<Self> {
         let step = code.checked_sub(1)?;
@@ -84,34 +87,35 @@ impl Wavelength {
 }
 
 struct Table {
-    /// Probability of a wavelength before each cell, and one at the end.
+    /// Cumulative probability at the lower edge of each cell, and 1 at the end.
     sums: [f64; CELLS + 1],
-    /// Density in each cell \[1/nm\].
-    densities: [f32; CELLS],
+    /// Pdf in each cell \[1/nm].
+    pdfs: [f32; CELLS],
+    /// Weight in each cell.
     weights: [Rgb; CELLS],
 }
 
 static TABLE: LazyLock<Table> = LazyLock::new(|| {
-    let middle = |cell: usize| f64::from(SHORTEST) + (cell as f64 + 0.5) * f64::from(STEP);
-    let responses: [DVec3; CELLS] = std::array::from_fn(|cell| in_gamut(matching(middle(cell))));
+    let center = |cell: usize| f64::from(SHORTEST) + (cell as f64 + 0.5) * f64::from(STEP);
+    let responses: [DVec3; CELLS] = std::array::from_fn(|cell| in_gamut(matching(center(cell))));
     let total: DVec3 = responses.iter().sum();
-    let mut table = Table { sums: [0.0; CELLS + 1], densities: [0.0; CELLS], weights: [Rgb::ZERO; CELLS] };
+    let mut table = Table { sums: [0.0; CELLS + 1], pdfs: [0.0; CELLS], weights: [Rgb::ZERO; CELLS] };
     for (cell, response) in responses.iter().enumerate() {
         let response = response / total;
         let density = response.element_sum() / 3.0;
         table.sums[cell + 1] = table.sums[cell] + density;
-        table.densities[cell] = (density / f64::from(STEP)) as f32;
+        table.pdfs[cell] = (density / f64::from(STEP)) as f32;
         table.weights[cell] = (response / density).as_vec3();
     }
     table
 });
 
-/// Linear RGB with as much white added as leaves no channel negative.
+/// Linear RGB with white added until no channel is negative.
 fn in_gamut(rgb: DVec3) -> DVec3 {
     rgb - rgb.min_element().min(0.0)
 }
 
-/// The matching functions for linear RGB of Rec. 709 at a wavelength \[nm\].
+/// Colour matching functions for linear RGB of Rec. 709 at a wavelength \[nm].
 fn matching(nm: f64) -> DVec3 {
     let lobe = |height: f64, peak: f64, below: f64, above: f64| {
         let t = (nm - peak) * if nm < peak { below } else { above };
@@ -130,113 +134,4 @@ fn matching(nm: f64) -> DVec3 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use rand::rngs::SmallRng;
-    use rand::{RngExt, SeedableRng};
-
-    fn at(nm: f32) -> Wavelength {
-        Wavelength(nm)
-    }
-
-    /// Degrees round the colour wheel from red over green to blue, from −90 to 270.
-    fn hue(c: Rgb) -> f32 {
-        let angle = libm::atan2f(3.0f32.sqrt() * (c.y - c.z), 2.0 * c.x - c.y - c.z).to_degrees();
-        if angle < -90.0 { angle + 360.0 } else { angle }
-    }
-
-    /// The midpoint rule errs by at most the variation of a weight, below 20, over twice the points.
-    #[test]
-    fn white_light_stays_white() {
-        let n = 1u32 << 22;
-        let mut sum = DVec3::ZERO;
-        for i in 0..n {
-            sum += Wavelength::sample((i as f32 + 0.5) / n as f32).weight().as_dvec3();
-        }
-        let mean = sum / f64::from(n);
-        assert!((mean - 1.0).abs().max_element() < 1e-5, "{mean}");
-    }
-
-    #[test]
-    fn weights_are_of_the_channels_and_average_one() {
-        let mut integral = 0.0;
-        for cell in 0..CELLS {
-            let w = at(SHORTEST + (cell as f32 + 0.5) * STEP);
-            assert!((w.weight().element_sum() / 3.0 - 1.0).abs() < 1e-6 && w.weight().min_element() >= 0.0);
-            assert!(w.density() > 0.0 && w == at(w.nanometres()));
-            integral += f64::from(w.density()) * f64::from(STEP);
-        }
-        // Each of 255 densities is rounded to f32.
-        assert!((integral - 1.0).abs() < 6e-8 && (TABLE.sums[CELLS] - 1.0).abs() < 1e-12, "{integral}");
-    }
-
-    #[test]
-    fn colours_come_in_their_order() {
-        let (red, yellow, green, blue) = (at(650.0), at(580.0), at(530.0), at(450.0));
-        assert!(red.weight().x > 2.4, "{}", red.weight());
-        assert!(yellow.weight().x.min(yellow.weight().y) > 2.0 * yellow.weight().z, "{}", yellow.weight());
-        assert!(green.weight().y > 1.8, "{}", green.weight());
-        assert!(blue.weight().z > 2.2, "{}", blue.weight());
-        // Outside these the spectral colours hardly change, and the fit's hue wanders by degrees.
-        let cells = at(440.0).cell()..=at(640.0).cell();
-        let hues: Vec<f32> = cells.map(|cell| hue(TABLE.weights[cell])).collect();
-        assert!(hues.windows(2).all(|pair| pair[0] > pair[1]), "{hues:?}");
-        for nm in 400..440 {
-            assert!((hue(at(nm as f32).weight()) - 250.0).abs() < 10.0, "{nm}");
-        }
-        for nm in 640..690 {
-            assert!(hue(at(nm as f32).weight()).abs() < 10.0, "{nm}");
-        }
-        let beyond = TABLE.sums[at(690.0).cell()];
-        assert!(beyond > 0.999, "{beyond}");
-    }
-
-    /// Chi-square over the cells of a million wavelengths; false alarm 10⁻⁴.
-    #[test]
-    fn wavelengths_follow_their_density() {
-        let n = 1_000_000u32;
-        let mut rng = SmallRng::seed_from_u64(11);
-        let mut counts = [0u32; CELLS];
-        for _ in 0..n {
-            counts[Wavelength::sample(rng.random()).cell()] += 1;
-        }
-        // Neighbours are put together up to twenty expected, below which a count is not normal.
-        let (mut chi2, mut nu) = (0.0, -1.0);
-        let (mut count, mut expected) = (0.0, 0.0);
-        for (cell, c) in counts.iter().enumerate() {
-            count += f64::from(*c);
-            expected += f64::from(n) * f64::from(TABLE.densities[cell]) * f64::from(STEP);
-            if expected >= 20.0 {
-                chi2 += (count - expected) * (count - expected) / expected;
-                nu += 1.0;
-                (count, expected) = (0.0, 0.0);
-            }
-        }
-        // Wilson–Hilferty, as for the keys.
-        let z = (libm::cbrt(chi2 / nu) - (1.0 - 2.0 / (9.0 * nu))) / (2.0 / (9.0 * nu)).sqrt();
-        assert!(nu > 190.0 && z.abs() < 3.9, "z = {z}, nu = {nu}");
-    }
-
-    #[test]
-    fn the_ends_of_sampling_lie_in_the_range() {
-        let last = Wavelength::sample(1.0 - f32::EPSILON / 2.0);
-        assert_eq!(Wavelength::sample(0.0).cell(), 0);
-        assert!(last.nanometres() < 720.0 && last.nanometres() > 700.0, "{last:?}");
-        assert_eq!(last.cell(), ((last.nanometres() - SHORTEST) / STEP) as usize);
-    }
-
-    #[test]
-    fn codes_keep_the_wavelength() {
-        assert_eq!(Wavelength::from_code(0), None);
-        for i in 0..=3400 {
-            let w = at(SHORTEST + i as f32 * 0.1);
-            let back = Wavelength::from_code(w.code()).unwrap();
-            // Half a cell of 340/255 nm, and f32.
-            assert!((back.nanometres() - w.nanometres()).abs() < 0.667, "{w:?} {back:?}");
-            assert_eq!((back.weight(), back.density()), (w.weight(), w.density()));
-        }
-        for code in 1..=255 {
-            assert_eq!(Wavelength::from_code(code).map(Wavelength::code), Some(code));
-        }
-    }
-}
+mod tests;

@@ -1,18 +1,21 @@
-//! Errors of a scene file, which show the place and the remedy.
+//! Errors of a scene file, with position and remedy.
 
-use std::fmt::Debug;
+use std::fmt::{Debug, Display, Formatter};
 use std::sync::Arc;
 
 use miette::{Diagnostic, LabeledSpan, MietteError, MietteSpanContents, SourceCode, SourceSpan, SpanContents};
 
 use super::description::Span;
 
-/// Most bytes shown on either side of an offending place, so that a file of one long line stays readable.
+/// Greatest number of errors that are reported at once.
+pub(super) const MAX_ERRORS: usize = 20;
+
+/// Bytes shown on either side of an error, at most: a file may be one long line.
 const WINDOW: usize = 200;
-/// Most bytes underlined.
+/// Bytes underlined, at most.
 const UNDERLINED: usize = 80;
 
-/// The text of a scene file with the name to call it by; cheap to clone.
+/// Text of a scene file with the file's name; cheap to clone.
 #[derive(Clone, Debug)]
 pub struct Source {
     name: Arc<str>,
@@ -20,26 +23,26 @@ pub struct Source {
 }
 
 impl Source {
-    /// `text` as read from the file `name`.
+    /// A source of `text`, as read from the file `name`.
     #[must_use]
     pub fn new(name: &str, text: &str) -> Self {
         Self { name: name.into(), text: text.into() }
     }
 
-    /// The file's name.
+    /// Returns the file's name.
     #[must_use]
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// The file's text.
+    /// Returns the file's text.
     #[must_use]
     pub fn text(&self) -> &str {
         &self.text
     }
 
-    /// Line and column of the byte `at`, both from 0; columns count characters.
-    fn place(&self, at: usize) -> (usize, usize) {
+    /// Returns line and column of the byte `at`, both from 0; columns count characters.
+    fn line_and_column(&self, at: usize) -> (usize, usize) {
         let before = &self.text[..self.text.floor_char_boundary(at)];
         let start = before.rfind('\n').map_or(0, |i| i + 1);
         (before.bytes().filter(|&b| b == b'\n').count(), before[start..].chars().count())
@@ -66,34 +69,53 @@ impl SourceCode for Source {
         };
         let window = text.floor_char_boundary(to.saturating_add(WINDOW));
         let end = text[to..window].match_indices('\n').nth(lines_after).map_or(window, |(i, _)| to + i);
-        let (line, column) = self.place(start);
+        let (line, column) = self.line_and_column(start);
         let shown = SourceSpan::from(start..end);
         let name = self.name.to_string();
         Ok(Box::new(MietteSpanContents::new_named(name, &text.as_bytes()[start..end], shown, line, column, 1)))
     }
 }
 
-/// What is wrong with a scene file: what, where, and what would be right.
+/// Error of a scene file: what is wrong, where, and the remedy. It may carry further errors of the same file.
 ///
-/// `Display` gives `file:line:column: message`; [`miette`] adds the offending text and the remedy.
+/// `Display` gives `file:line:column: message`, without the numbers if the error has no position; [`miette`] adds the
+/// offending text, the remedy and the further errors.
+///
+/// ```
+/// let error = caustica::format::parse("a.txt", "Group {\n  Spere { }\n}").unwrap_err();
+/// assert_eq!(error.to_string(), "a.txt:2:3: unexpected `Spere` in `Group`");
+/// assert_eq!(error.remedy(), "did you mean `Sphere`?");
+/// ```
 #[derive(Clone, Debug, thiserror::Error)]
-#[error("{}:{}:{}: {}", .0.source.name, self.line(), self.column(), .0.message)]
 pub struct SceneError(Box<Parts>);
+
+impl Display for SceneError {
+    fn fmt(&self, f: &mut Formatter<'_>) -> std::fmt::Result {
+        let Parts { source, line, column, message, .. } = &*self.0;
+        match line {
+            0 => write!(f, "{}: {message}", source.name),
+            _ => write!(f, "{}:{line}:{column}: {message}", source.name),
+        }
+    }
+}
 
 #[derive(Clone, Debug)]
 struct Parts {
     source: Source,
     span: Span,
+    /// Text and span with control characters escaped, if there are any near the span.
+    escaped: Option<(Source, Span)>,
     message: String,
     label: Option<String>,
     help: String,
     line: usize,
     column: usize,
     exhausts: bool,
+    others: Vec<SceneError>,
 }
 
 impl SceneError {
-    /// An error at a place: `message` says what is wrong, `label` stands under the text, `help` says what would be right.
+    /// An error at `span`: `message` says what is wrong, `label` stands under the text, `help` is the remedy.
     #[must_use]
     pub fn at(
         source: &Source,
@@ -105,10 +127,37 @@ impl SceneError {
         Self::new(source, span, message.into(), Some(label.into()), help.into())
     }
 
-    /// An error of the file as a whole, placed at its first character.
+    /// An error of the file as a whole, at its first character.
     #[must_use]
     pub fn of_file(source: &Source, message: impl Into<String>, help: impl Into<String>) -> Self {
         Self::new(source, Span::default(), message.into(), None, help.into())
+    }
+
+    /// An error of an imported file without a position in a text.
+    #[must_use]
+    pub fn without_position(file: &str, message: impl Into<String>, help: impl Into<String>) -> Self {
+        let mut error = Self::of_file(&Source::new(file, ""), message, help);
+        (error.0.line, error.0.column) = (0, 0);
+        error
+    }
+
+    /// Returns `errors` as one error in the order of the text, with the others as further errors; `None` if empty.
+    ///
+    /// At most 20 are kept. Errors must not carry further errors already.
+    #[must_use]
+    pub fn join(mut errors: Vec<Self>) -> Option<Self> {
+        errors.sort_by_key(|error| error.0.span.start);
+        errors.truncate(MAX_ERRORS);
+        let mut errors = errors.into_iter();
+        let mut first = errors.next()?;
+        first.0.others.extend(errors);
+        Some(first)
+    }
+
+    /// Returns the further errors of the file, in the order of the text.
+    #[must_use]
+    pub fn others(&self) -> &[Self] {
+        &self.0.others
     }
 
     fn new(source: &Source, span: Span, message: String, label: Option<String>, help: String) -> Self {
@@ -120,65 +169,57 @@ impl SceneError {
         if let Some(i) = text[start..end].find(['\n', '\r']) {
             end = start + i;
         }
-        let (line, column) = source.place(start);
+        let (line, column) = source.line_and_column(start);
         let span = Span { start, len: end - start };
-        let source = source.clone();
-        Self(Box::new(Parts {
-            source,
-            span,
-            message,
-            label,
-            help,
-            line: line + 1,
-            column: column + 1,
-            exhausts: false,
-        }))
+        let (source, escaped) = (source.clone(), escape(source, span));
+        let (line, column, exhausts, others) = (line + 1, column + 1, false, Vec::new());
+        Self(Box::new(Parts { source, span, escaped, message, label, help, line, column, exhausts, others }))
     }
 
-    /// The same, of a scene that is sound but takes more memory than it may.
+    /// The error, marked as one of a valid scene that exceeds the memory limit.
     #[must_use]
     pub fn exhausting(mut self) -> Self {
         self.0.exhausts = true;
         self
     }
 
-    /// Whether the scene is sound but takes more memory than it may.
+    /// True if the scene is valid but exceeds the memory limit.
     #[must_use]
     pub fn exhausts_memory(&self) -> bool {
         self.0.exhausts
     }
 
-    /// What is wrong, without its place.
+    /// Returns what is wrong, without the position.
     #[must_use]
     pub fn message(&self) -> &str {
         &self.0.message
     }
 
-    /// What would be right.
+    /// Returns the remedy.
     #[must_use]
     pub fn remedy(&self) -> &str {
         &self.0.help
     }
 
-    /// The file's name.
+    /// Returns the file's name.
     #[must_use]
     pub fn file(&self) -> &str {
         self.0.source.name()
     }
 
-    /// The offending text.
+    /// Returns the offending text.
     #[must_use]
     pub fn text(&self) -> &str {
         &self.0.source.text[self.0.span.start..][..self.0.span.len]
     }
 
-    /// From 1.
+    /// Returns the line, from 1; 0 if the error has no position.
     #[must_use]
     pub fn line(&self) -> usize {
         self.0.line
     }
 
-    /// From 1, in characters.
+    /// Returns the column in characters, from 1; 0 if the error has no position.
     #[must_use]
     pub fn column(&self) -> usize {
         self.0.column
@@ -191,14 +232,42 @@ impl Diagnostic for SceneError {
     }
 
     fn source_code(&self) -> Option<&dyn SourceCode> {
-        Some(&self.0.source)
+        Some(self.0.escaped.as_ref().map_or(&self.0.source, |(source, _)| source))
     }
 
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
         let label = self.0.label.clone()?;
-        let span = SourceSpan::from((self.0.span.start, self.0.span.len));
+        let span = self.0.escaped.as_ref().map_or(self.0.span, |(_, span)| *span);
+        let span = SourceSpan::from((span.start, span.len));
         Some(Box::new(std::iter::once(LabeledSpan::new_primary_with_span(Some(label), span))))
     }
+
+    fn related<'a>(&'a self) -> Option<Box<dyn Iterator<Item = &'a dyn Diagnostic> + 'a>> {
+        let others = &self.0.others;
+        (!others.is_empty()).then(|| Box::new(others.iter().map(|e| e as &dyn Diagnostic)) as Box<_>)
+    }
+}
+
+/// Returns the text with control characters escaped, and the span in it, if there are such characters near the span.
+///
+/// A terminal must not obey what a scene file holds.
+fn escape(source: &Source, span: Span) -> Option<(Source, Span)> {
+    let text = source.text();
+    let is_unsafe = |c: char| c.is_control() && !['\n', '\r', '\t'].contains(&c);
+    let from = text.floor_char_boundary(span.start.saturating_sub(WINDOW));
+    let to = text.ceil_char_boundary((span.start + span.len).saturating_add(WINDOW).min(text.len()));
+    if !text[from..to].contains(is_unsafe) {
+        return None;
+    }
+    let escape = |part: &str| -> String {
+        part.chars().map(|c| if is_unsafe(c) { c.escape_unicode().to_string() } else { c.to_string() }).collect()
+    };
+    let end = span.start + span.len;
+    let (before, inside, after) =
+        (escape(&text[from..span.start]), escape(&text[span.start..end]), escape(&text[end..to]));
+    let span = Span { start: from + before.len(), len: inside.len() };
+    let text = format!("{}{before}{inside}{after}{}", &text[..from], &text[to..]);
+    Some((Source::new(source.name(), &text), span))
 }
 
 #[cfg(test)]
@@ -217,7 +286,7 @@ mod tests {
     }
 
     #[test]
-    fn the_report_shows_place_text_and_remedy() {
+    fn reports_show_position_text_and_remedy() {
         let error = error("one\r\n  über wrong\r\nthree", 13, 5);
         assert_eq!((error.line(), error.column(), error.text()), (2, 8, "wrong"));
         assert_eq!(error.to_string(), "a.txt:2:8: no such word");
@@ -228,7 +297,7 @@ mod tests {
     }
 
     #[test]
-    fn long_lines_are_shown_in_part() {
+    fn long_lines_are_truncated() {
         let error = error(&"word ".repeat(100_000), 200_000, 100_000);
         assert_eq!(error.column(), 200_001);
         let report = render(&error);
@@ -236,7 +305,7 @@ mod tests {
     }
 
     #[test]
-    fn any_span_can_be_shown() {
+    fn any_span_can_be_reported() {
         for text in ["", "\n", "ü", "a\r\nb"] {
             for (start, len) in [(0, 0), (0, 9), (1, 1), (9, 9), (usize::MAX, usize::MAX)] {
                 assert!(render(&error(text, start, len)).contains("write `right`"));
@@ -244,5 +313,30 @@ mod tests {
         }
         let file = SceneError::of_file(&Source::new("a.txt", ""), "nothing here", "write something");
         assert!(render(&file).contains("a.txt:1:1: nothing here") && render(&file).contains("write something"));
+    }
+
+    #[test]
+    fn control_characters_are_escaped() {
+        let error = error("one \u{1b}[31m wrong\u{7}", 10, 6);
+        let report = render(&error);
+        assert!(!report.contains(['\u{1b}', '\u{7}']), "{report:?}");
+        assert!(report.contains("\\u{1b}[31m wrong\\u{7}") && report.contains("a.txt:1:11"), "{report}");
+    }
+
+    #[test]
+    fn several_errors_are_reported_in_order() {
+        let errors = [error("one two", 4, 3), error("one two", 0, 3)].to_vec();
+        let joined = SceneError::join(errors).unwrap();
+        assert_eq!((joined.text(), joined.others().len(), joined.others()[0].text()), ("one", 1, "two"));
+        let report = render(&joined);
+        assert!(report.contains("a.txt:1:1:") && report.contains("a.txt:1:5"), "{report}");
+        assert!(SceneError::join(Vec::new()).is_none());
+    }
+
+    #[test]
+    fn errors_may_lack_a_position() {
+        let error = SceneError::without_position("a.glb", "no such node", "export it again");
+        assert_eq!(error.to_string(), "a.glb: no such node");
+        assert!(render(&error).contains("export it again"));
     }
 }

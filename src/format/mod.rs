@@ -1,17 +1,15 @@
-//! The scene language: from text to description and back, and from description to the resolved scene.
+//! Scene files: from text to description and back, and from description to the resolved scene.
 
 pub mod description;
 mod error;
 mod file;
 pub mod grid;
-mod lexer;
+mod language;
 mod map;
 pub mod mesh;
 pub mod mtl;
 mod obj;
-mod parser;
 mod ply;
-mod print;
 mod problem;
 mod resolve;
 #[cfg(test)]
@@ -19,9 +17,9 @@ mod tests;
 
 pub use error::{SceneError, Source};
 pub use file::{ReadError, SceneFile};
-pub use parser::{parse, parse_bytes};
+pub use language::{parse, parse_bytes, with_reference};
 pub use problem::LineError;
 pub use resolve::{resolve, resolve_watched};
 
-/// How deep groups and transforms may nest.
+/// Greatest depth of nested groups and transforms.
 pub const MAX_DEPTH: usize = 512;

@@ -94,11 +94,12 @@ pub(super) fn read(file: &[u8], free: Option<u64>) -> Result<Image, DecodeFailur
         let Vec2(width, height) = header.layer_size;
         let side = |n: usize| u32::try_from(n).unwrap_or(u32::MAX);
         let pixels = pixel_count(side(width), side(height))? as u64;
-        // DWA stores a flat 8 × 8 block as one value before DEFLATE. No other codec beats DEFLATE.
+        // DWA stores a flat 8 × 8 block as one value before DEFLATE. JPEG 2000 is not decoded here.
+        // No other codec beats DEFLATE.
         let block = match header.compression {
             Compression::Uncompressed | Compression::RLE | Compression::ZIP1 | Compression::ZIP16 => 1,
             Compression::PIZ | Compression::PXR24 | Compression::B44 | Compression::B44A => 1,
-            _ => 64,
+            Compression::DWAA(_) | Compression::DWAB(_) | Compression::HTJ2K32 | Compression::HTJ2K256 => 64,
         };
         check_plausible(pixels * 2 / block, file.len())?;
         // The picture has the size of the display window. Pixels outside the data window are black.

@@ -11,7 +11,7 @@ use super::settings::{EyeSettings, Settings};
 use super::visible_pilot::visible_points;
 use super::volume_estimate::{VolumeEstimate, VolumeMap};
 use crate::photon::{
-    Bandwidth, GuidingPilot, Photon, PhotonMap, PhotonPass, PhotonSource, StoreMask, THINNING, Traced, Volume,
+    Bandwidth, GuidingPilot, Photon, PhotonMap, PhotonPass, PhotonSource, StoreMask, THINNING, Traced, VolumePhotons,
 };
 use crate::plan::{Effect, Effects};
 use crate::sampling::{Key, Purpose};
@@ -289,9 +289,9 @@ impl<'a> PhotonMapBuilder<'a> {
             let pass = PhotonPass { scene: self.scene, source, mask: wants, max_bounces: settings.eye.max_bounces };
             let traced = pass.trace(key, probe, &|_| {});
             let scale = |n: usize| (n as f64 * f64::from(paths) / f64::from(probe)) as u64;
-            let in_media = |volume: &Volume| volume.points.len() + BEAM_SIZE * volume.beams.len();
-            let one = scale(traced.photons.len() + in_media(&traced.volume));
-            let other = scale(traced.after_caustic.len() + in_media(&traced.after_volume));
+            let in_media = |volume: &VolumePhotons| volume.points.len() + BEAM_SIZE * volume.beams.len();
+            let one = scale(traced.deposits.photons.len() + in_media(&traced.deposits.volume));
+            let other = scale(traced.deposits.after_caustic.len() + in_media(&traced.deposits.after_volume));
             Expected { paths: paths.into(), photons: one + other, most: one.max(other) }
         };
         let guides = if self.request.guides { self.counts.photons / GUIDE_INTERVAL } else { 0 };
@@ -330,7 +330,7 @@ impl<'a> PhotonMapBuilder<'a> {
         let paths = (self.request.aimed, counts.caustic_photons);
         let aimed = self.trace(self.caustic.as_ref(), paths, key(Purpose::CausticPhotons), monitor, out);
         out.caustic = report(&aimed);
-        let index = |photons: (Vec<Photon>, Volume), radii, k, out: &mut Pass| {
+        let index = |photons: (Vec<Photon>, VolumePhotons), radii, k, out: &mut Pass| {
             let start = Instant::now();
             let count = (photons.0.len() + photons.1.len()) as u64;
             monitor.begin(Stage::Indexing, count);
@@ -340,23 +340,23 @@ impl<'a> PhotonMapBuilder<'a> {
             estimator
         };
         let caustic_radii = (radii.caustic, self.volume_radii[0]);
-        let caustic = index((aimed.photons, aimed.volume), caustic_radii, caustic_k, out);
+        let caustic = index((aimed.deposits.photons, aimed.deposits.volume), caustic_radii, caustic_k, out);
 
         // Trace the paths of the global map, unless the aimed paths hold its light.
         let smooth = if self.request.aimed.apart {
-            (aimed.after_caustic, aimed.after_volume)
+            (aimed.deposits.after_caustic, aimed.deposits.after_volume)
         } else {
             let paths = (self.request.global, counts.photons);
             let traced = self.trace(self.global.as_ref(), paths, key(Purpose::GlobalPhotons), monitor, out);
             out.global = report(&traced);
-            (traced.photons, traced.volume)
+            (traced.deposits.photons, traced.deposits.volume)
         };
         let smooth = index(smooth, (radii.global, self.volume_radii[1]), smooth_k, out);
 
         // Trace the photons that guide gather rays.
         let guides = if self.request.guides {
             let paths = (StoreMask::GLOBAL, counts.photons / GUIDE_INTERVAL);
-            self.trace(self.global.as_ref(), paths, key(Purpose::Guides), monitor, out).photons
+            self.trace(self.global.as_ref(), paths, key(Purpose::Guides), monitor, out).deposits.photons
         } else {
             Vec::new()
         };
@@ -367,7 +367,7 @@ impl<'a> PhotonMapBuilder<'a> {
     /// limit).
     fn estimator(
         &self,
-        (photons, volume): (Vec<Photon>, Volume),
+        (photons, volume): (Vec<Photon>, VolumePhotons),
         (radius, volume_radii): (f32, VolumeRadii),
         k: u32,
         budget: &PilotBudget,
@@ -385,7 +385,7 @@ impl<'a> PhotonMapBuilder<'a> {
         let limit = if budget.limited { k } else { 0 };
         let shrunk_k = (f64::from(limit) * area).round().max(MIN_K) as u32;
         let bandwidth = Bandwidth { radius: radius * area.sqrt() as f32, k: shrunk_k.min(limit) };
-        let map = PhotonMap::build(photons).with_least(self.min_radius * area.sqrt() as f32);
+        let map = PhotonMap::build(photons).with_min_radius(self.min_radius * area.sqrt() as f32);
         PhotonEstimator { scene: self.scene, map, bandwidth, kernel, volume }
     }
 
@@ -404,7 +404,7 @@ impl<'a> PhotonMapBuilder<'a> {
         let pass = PhotonPass { scene: self.scene, source, mask: wants, max_bounces };
         let traced = pass.trace(key, paths, &|n| monitor.advance(n));
         out.counters.photon_rays += traced.rays;
-        out.counters.rejected_photons += traced.rejected;
+        out.counters.rejected_photons += traced.deposits.rejected;
         out.seconds.photons += start.elapsed().as_secs_f64();
         traced
     }
@@ -417,7 +417,7 @@ fn restricted<'a>(source: PhotonSource<'a>, effects: Effects) -> Option<PhotonSo
 }
 
 fn report(traced: &Traced) -> PhotonReport {
-    PhotonReport { emitted: traced.paths, stored: traced.stored() as u64, audit: traced.audit }
+    PhotonReport { emitted: traced.paths, stored: traced.deposits.len() as u64, audit: traced.audit }
 }
 
 #[cfg(test)]

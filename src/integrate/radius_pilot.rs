@@ -86,7 +86,7 @@ pub(super) fn find_radius(pass: &PhotonPass<'_>, paths: u32, k: u32, seed: u64, 
     let key = Key::new(seed).purpose(Purpose::Pilot);
     let pilot = pilot_paths(paths, MAX_PATHS);
     let traced = pass.trace(key, pilot, &|_| {});
-    let photons = &traced.photons;
+    let photons = &traced.deposits.photons;
     if photons.is_empty() {
         return None;
     }
@@ -150,9 +150,9 @@ pub(super) fn find_volume_radii(
     let key = Key::new(settings.eye.seed).purpose(Purpose::Pilot);
     let pilot = pilot_paths(paths, MAX_PATHS);
     let traced = pass.trace(key, pilot, &|_| {});
-    let mut volume = traced.volume;
-    volume.beams.extend(traced.after_volume.beams);
-    volume.points.extend(traced.after_volume.points);
+    let mut volume = traced.deposits.volume;
+    volume.beams.extend(traced.deposits.after_volume.beams);
+    volume.points.extend(traced.deposits.after_volume.points);
     if volume.is_empty() {
         return None;
     }

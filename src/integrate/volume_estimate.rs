@@ -4,7 +4,7 @@ use super::film::Worker;
 use super::vertex::MediumVertex;
 use crate::color::{Rgb, Wavelength};
 use crate::medium::{self, Medium, TransmittanceCurve};
-use crate::photon::{BeamMap, LEVELS, PointMap, Volume};
+use crate::photon::{BeamMap, LEVELS, PointMap, VolumePhotons};
 use crate::scene::{Interior, MediumSegment};
 use glam::Vec3;
 use rand::Rng;
@@ -87,8 +87,8 @@ impl NestedSums {
 
 impl VolumeMap {
     /// Indexes stored photons for kernels of the given radii \[length]: of beams, and of points.
-    pub fn build(volume: Volume, (beams, points): (f32, f32), estimate: VolumeEstimate, band: f32) -> Self {
-        let Volume { beams: stored_beams, points: stored_points } = volume;
+    pub fn build(volume: VolumePhotons, (beams, points): (f32, f32), estimate: VolumeEstimate, band: f32) -> Self {
+        let VolumePhotons { beams: stored_beams, points: stored_points } = volume;
         Self {
             beams: BeamMap::build(stored_beams, beams),
             points: PointMap::build(stored_points, points),
@@ -168,7 +168,7 @@ impl VolumeMap {
                 return;
             }
             *count += 1;
-            let transmittance = curve.left(t);
+            let transmittance = curve.at(t);
             let phase = medium.phase.evaluate(-cos);
             sums.add(
                 photon.flux() * transmittance * wavelength_overlap(own, photon.wavelength, self.band),
@@ -223,7 +223,7 @@ pub(super) fn wavelength_overlap(own: Option<Wavelength>, other: u8, band: f32) 
     if apart > band {
         return Rgb::ZERO;
     }
-    let response = other.weight() * other.density();
+    let response = other.weight() * other.pdf();
     let nm = own.nanometres();
     let width = (nm + band).min(Wavelength::LONGEST) - (nm - band).max(Wavelength::SHORTEST);
     Rgb::select(response.cmpgt(Rgb::ZERO), 1.0 / (response * width), Rgb::ZERO)

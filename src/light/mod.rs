@@ -5,22 +5,30 @@
 mod area;
 mod directional;
 mod environment;
+mod goniometric;
 mod light_bounds;
 mod light_bvh;
+mod oriented;
 mod photon_aim;
 mod point;
+mod projector;
 mod source;
+mod spherical_map;
 mod spot;
 #[cfg(test)]
 mod tests;
 
 pub use area::{AreaLight, EmissionTexture, LightSurface};
 pub use directional::DirectionalLight;
-pub use environment::{EnvironmentError, EnvironmentLight};
+pub use environment::EnvironmentLight;
+pub use goniometric::{GoniometricLight, profile_map};
 pub use light_bvh::LightBvhSampler;
+pub use oriented::{IntensityPattern, OrientedSource};
 pub use photon_aim::PhotonAim;
 pub use point::PointLight;
+pub use projector::{ProjectorLight, Slide};
 pub use source::{DirectSample, EmissionDimensions, EmissionSample, ShadowTarget};
+pub use spherical_map::{PictureError, SphericalMap};
 pub use spot::SpotLight;
 
 use crate::color::Rgb;
@@ -39,6 +47,10 @@ pub enum Light {
     Point(PointLight),
     /// A point with its intensity confined to a cone.
     Spot(SpotLight),
+    /// A pinhole that projects a picture.
+    Projector(ProjectorLight),
+    /// A point with an intensity given by a map over all directions.
+    Goniometric(GoniometricLight),
     /// Parallel light from infinity.
     Directional(DirectionalLight),
     /// A surface that emits from its outer side.
@@ -53,6 +65,8 @@ macro_rules! each {
         match $self {
             Light::Point($light) => $e,
             Light::Spot($light) => $e,
+            Light::Projector($light) => $e,
+            Light::Goniometric($light) => $e,
             Light::Directional($light) => $e,
             Light::Area($light) => $e,
             Light::Environment($light) => $e,

@@ -1,8 +1,8 @@
 //! Point lights.
 
-use super::PhotonAim;
 use super::light_bounds::{DirectionCone, LightBounds};
 use super::source::{DirectSample, EmissionSample, LightSource, ShadowTarget};
+use super::{MARGIN, PhotonAim};
 use crate::color::Rgb;
 use crate::math::{Bounds, Ray, Sphere, warp};
 use glam::{Vec2, Vec3};
@@ -62,6 +62,21 @@ pub(super) fn sample_li_of_point(p: Vec3, position: Vec3, intensity: impl Fn(Vec
     let (d2, wi, _) = crate::math::direction(p, position)?;
     let weight = intensity(-wi) / d2;
     (weight != Rgb::ZERO).then_some(DirectSample { wi, target: ShadowTarget::Point(position), weight, pdf: None })
+}
+
+/// False only if a cone of light around unit `axis` cannot reach `sphere`.
+///
+/// `outer` is 1 − cosine of the cone's half angle.
+pub(super) fn cone_may_reach(position: Vec3, axis: Vec3, outer: f32, sphere: Sphere) -> bool {
+    let to = sphere.center - position;
+    let distance = to.length();
+    // A cone wider than a right angle is not convex: the test below does not hold for it.
+    if distance <= sphere.radius || outer > 1.0 {
+        return true;
+    }
+    // 2 asin of half the chord keeps its digits in narrow beams. The sphere subtends asin(r/d).
+    let angle = 2.0 * libm::asinf((0.5 * (to / distance - axis).length()).min(1.0));
+    angle <= 2.0 * libm::asinf((0.5 * outer).sqrt()) + libm::asinf(sphere.radius / distance) + MARGIN
 }
 
 /// Samples emission from a point towards the spheres of `aim`; `intensity` takes the unit direction from the point.

@@ -1,9 +1,9 @@
 //! Spotlights.
 
+use super::PhotonAim;
 use super::light_bounds::{DirectionCone, LightBounds, NORMAL_ERROR};
-use super::point::{sample_le_of_point, sample_li_of_point};
+use super::point::{cone_may_reach, sample_le_of_point, sample_li_of_point};
 use super::source::{DirectSample, EmissionSample, LightSource};
-use super::{MARGIN, PhotonAim};
 use crate::color::Rgb;
 use crate::math::{Bounds, Frame, Ray, Sphere, warp};
 use glam::{Vec2, Vec3};
@@ -98,14 +98,6 @@ impl LightSource for SpotLight {
     }
 
     fn may_reach(&self, sphere: Sphere) -> bool {
-        let to = sphere.center - self.position;
-        let distance = to.length();
-        // A beam wider than a right angle is not convex: the test below does not hold for it.
-        if distance <= sphere.radius || self.outer > 1.0 {
-            return true;
-        }
-        // 2 asin of half the chord keeps its digits in narrow beams. The sphere subtends asin(r/d).
-        let angle = 2.0 * libm::asinf((0.5 * (to / distance - self.axis).length()).min(1.0));
-        angle <= 2.0 * libm::asinf((0.5 * self.outer).sqrt()) + libm::asinf(sphere.radius / distance) + MARGIN
+        cone_may_reach(self.position, self.axis, self.outer, sphere)
     }
 }

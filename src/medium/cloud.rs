@@ -1,36 +1,39 @@
-//! Clouds made of noise.
+//! Procedural clouds.
 
 use crate::sampling::Key;
 use crate::texture::noise::fractal;
 use glam::DVec3;
 use rand::RngExt;
 
-/// A cloud in the ellipsoid that the unit cube holds.
+/// A procedural cloud of fractal noise in the ellipsoid inscribed in the unit cube.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cloud {
-    /// Octaves of noise: each has half the wavelength and half the strength of the one before.
+    /// Number of noise octaves; each has half the wavelength and half the amplitude of the one
+    /// before.
     pub octaves: u32,
     /// Wavelengths of the first octave along the cube's side.
     pub scale: f64,
-    /// How much of the sky it covers, from 0 (nothing) to 1 (noise everywhere).
+    /// Coverage from 0 (empty) to 1 (noise everywhere).
     pub cover: f64,
-    /// The part of the radius, from 0 to 1, over which the edge thins out; 0 is a hard edge.
+    /// Fraction of the radius, from 0 to 1, over which the edge thins out; 0 is a hard edge.
     pub softness: f64,
-    /// Which of all such clouds.
+    /// Seed of the noise.
     pub seed: u64,
 }
 
 impl Cloud {
-    /// Its density, from 0 to 1, at points of the unit cube, told no finer than `width` (in sides of the cube; 0 is all).
+    /// Density from 0 to 1 at points of the unit cube, filtered to `width` in sides of the cube; 0
+    /// is unfiltered.
     pub fn density(&self, width: f64) -> impl Fn(DVec3) -> f32 + Sync + use<> {
         let mut rng = Key::new(self.seed).rng();
-        // Far enough that clouds of two seeds share no part, near enough that sums keep their digits.
+        // Clouds of different seeds do not overlap in noise space, and coordinates keep their
+        // digits.
         let shift = DVec3::from_array(std::array::from_fn(|_| 65536.0 * rng.random::<f64>()));
         let Self { octaves, scale, cover, softness, .. } = *self;
         move |p| {
             let inwards = 1.0 - (2.0 * p - 1.0).length();
             let edge = if inwards > 0.0 { smooth(inwards / softness.max(f64::MIN_POSITIVE)) } else { 0.0 };
-            // The edge takes from the cover, so that it frays rather than fades.
+            // The edge lowers the coverage, so it frays instead of fading.
             let cover = cover.clamp(0.0, 1.0) * edge;
             if cover <= 0.0 {
                 return 0.0;
@@ -41,7 +44,7 @@ impl Cloud {
     }
 }
 
-/// From 0 to 1 without a kink.
+/// Smooth step from 0 to 1.
 fn smooth(x: f64) -> f64 {
     let x = x.clamp(0.0, 1.0);
     x * x * (3.0 - 2.0 * x)
@@ -63,7 +66,7 @@ mod tests {
     }
 
     #[test]
-    fn densities_lie_between_zero_and_one_inside_the_ellipsoid() {
+    fn density_is_in_range_and_in_the_ellipsoid() {
         for softness in [0.0, 0.4, 1.0] {
             let density = Cloud { softness, cover: 1.0, ..CLOUD }.density(0.0);
             for p in points() {
@@ -78,7 +81,7 @@ mod tests {
     /// The ball is π/6 of the cube, and noise is as often above as below its middle, 1/2: full cover is π/12, within what
     /// some 4π/3·2³ = 34 independent wavelengths of spread ¼ allow, five times over.
     #[test]
-    fn cover_softness_and_seed_are_what_they_say() {
+    fn cover_softness_and_seed_have_their_effect() {
         let full = mean(Cloud { cover: 1.0, softness: 0.0, ..CLOUD });
         let truth = std::f64::consts::PI / 12.0;
         assert!((full / truth - 1.0).abs() < 5.0 * 0.5 / 34f64.sqrt(), "{full}");

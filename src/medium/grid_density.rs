@@ -1,4 +1,4 @@
-//! Densities on a grid.
+//! Density grids of heterogeneous media.
 
 use super::majorant_iterator::MajorantIterator;
 use crate::math::{Ray, Singular, Transform};
@@ -6,27 +6,27 @@ use glam::{DAffine3, DVec3, Vec3};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Cells along the side of a block that has one majorant.
+/// Cells along each side of a block, which has one majorant.
 pub(super) const BLOCK: u32 = 8;
 
-/// What is wrong with a grid.
+/// Reason why a density grid is invalid.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum GridDensityError {
     /// A side has no cells.
     #[error("a grid of {0} × {1} × {2} cells is empty: every side needs at least one")]
     Empty(u32, u32, u32),
-    /// The cells are more than memory holds.
+    /// The grid does not fit into memory.
     #[error("a grid of {0} × {1} × {2} cells does not fit into memory: make it coarser")]
     TooLarge(u32, u32, u32),
-    /// The number of densities is not that of the cells.
+    /// The number of densities differs from the number of cells.
     #[error("the grid has {expected} cells, but {found} densities are given")]
     Count {
-        /// Cells.
+        /// Number of cells.
         expected: usize,
-        /// Densities.
+        /// Number of densities.
         found: usize,
     },
-    /// A density is negative, infinite or no number.
+    /// A density is negative or not finite.
     #[error("the density of cell ({x}, {y}, {z}), counted from 0, is {value}: it must be finite and at least 0")]
     Cell {
         /// Column.
@@ -35,33 +35,33 @@ pub enum GridDensityError {
         y: u32,
         /// Layer.
         z: u32,
-        /// Its density.
+        /// The density.
         value: f32,
     },
-    /// The grid has no place in space.
+    /// The placement is singular.
     #[error("the grid cannot be placed: {0}")]
     Placement(#[from] Singular),
 }
 
-/// A density that varies inside a box, and is 0 outside.
+/// A density grid in a box; 0 outside of the box.
 ///
-/// Values stand at the middles of cells, x running fastest; between them the density is trilinear, and in the outer half of
-/// the outer cells it stays what it is at their middles. Copies share the values.
+/// Values are at the centers of cells, x fastest. Density is trilinear between centers, and
+/// constant in the outer half of the outer cells. Clones share the values.
 #[derive(Clone, Debug)]
 pub struct GridDensity {
     grid: Arc<Grid>,
-    /// Unit cube to world.
+    /// Map from the unit cube to world space.
     placement: Transform,
 }
 
-/// What does not depend on the place.
+/// The data that all placements share.
 #[derive(Debug)]
 struct Grid {
     size: [u32; 3],
     values: Vec<f32>,
-    /// Blocks along each side.
+    /// Number of blocks along each side.
     blocks: [u32; 3],
-    /// The greatest density in each block.
+    /// Majorant of each block.
     majorants: Vec<f32>,
     maximum: f32,
 }
@@ -70,8 +70,8 @@ impl GridDensity {
     /// A grid of `size` cells, x fastest, in the image of the unit cube under `placement`.
     ///
     /// # Errors
-    /// [`GridDensityError`] where the grid is empty, the number of values is not its number of cells, a value is negative or not
-    /// finite, or the placement flattens space.
+    /// [`GridDensityError`] if the grid is empty, if the number of values is wrong, if a value is
+    /// negative or not finite, or if the placement is singular.
     pub fn new(size: [u32; 3], values: Vec<f32>, placement: DAffine3) -> Result<Self, GridDensityError> {
         let expected = count(size)?;
         if values.len() != expected {
@@ -89,10 +89,12 @@ impl GridDensity {
         Ok(Self { grid: Arc::new(Grid { size, values, blocks, majorants, maximum }), placement })
     }
 
-    /// The same with the values of `density` at the middles of the cells, which it is given in the unit cube.
+    /// A grid with the values of `density` at the centers of the cells, in coordinates of the unit
+    /// cube.
     ///
     /// # Errors
-    /// As [`GridDensity::new`], and [`GridDensityError::TooLarge`] where memory does not suffice.
+    /// Those of [`GridDensity::new`], and [`GridDensityError::TooLarge`] if memory does not
+    /// suffice.
     pub fn from_fn(
         size: [u32; 3],
         placement: DAffine3,
@@ -113,13 +115,13 @@ impl GridDensity {
         Self::new(size, values, placement)
     }
 
-    /// The field moved by `by`.
+    /// The grid translated by `by`.
     #[must_use]
     pub fn translated(&self, by: DVec3) -> Self {
         Self { grid: Arc::clone(&self.grid), placement: self.placement.translated(by) }
     }
 
-    /// The density at a point of the world.
+    /// Density at a point in world space.
     #[must_use]
     pub fn density(&self, p: Vec3) -> f32 {
         let q = self.placement.inverse().transform_point3(p.as_dvec3());
@@ -127,51 +129,51 @@ impl GridDensity {
         if inside { self.grid.at(q * self.grid.cells()) } else { 0.0 }
     }
 
-    /// A density that is nowhere exceeded.
+    /// Majorant of the whole grid.
     #[must_use]
     pub fn maximum(&self) -> f32 {
         self.grid.maximum
     }
 
-    /// Cells along each side.
+    /// Number of cells along each side.
     #[must_use]
     pub fn size(&self) -> [u32; 3] {
         self.grid.size
     }
 
-    /// Unit cube to world.
+    /// Map from the unit cube to world space.
     #[must_use]
     pub fn placement(&self) -> &DAffine3 {
         self.placement.forward()
     }
 
-    /// What it takes \[bytes].
+    /// Memory of the grid \[bytes].
     #[must_use]
     pub fn memory(&self) -> usize {
         size_of::<Grid>() + size_of::<f32>() * (self.grid.values.len() + self.grid.majorants.len())
     }
 
-    /// The blocks that `ray` passes up to `distance`.
-    pub(super) fn along(&self, ray: &Ray, distance: f32) -> Line<'_> {
+    /// The part of `ray` up to `distance`, in the space of the cells.
+    pub(super) fn along(&self, ray: &Ray, distance: f32) -> GridRay<'_> {
         let cells = self.grid.cells();
         let inverse = self.placement.inverse();
         let origin = inverse.transform_point3(ray.origin.as_dvec3()) * cells;
         let step = inverse.transform_vector3(ray.direction.as_dvec3()) * cells;
-        Line { grid: &self.grid, origin, step, distance: f64::from(distance) }
+        GridRay { grid: &self.grid, origin, step, distance: f64::from(distance) }
     }
 }
 
-/// A ray in the space where cells have side 1.
-pub(super) struct Line<'a> {
+/// A ray in the space of the cells, which have side 1.
+pub(super) struct GridRay<'a> {
     grid: &'a Grid,
     origin: DVec3,
     step: DVec3,
     distance: f64,
 }
 
-impl Line<'_> {
-    /// Where it enters a block, where it leaves it, and the block's majorant, from near to far; blocks without density are left
-    /// out.
+impl GridRay<'_> {
+    /// Distances where the ray enters and leaves each block of positive density, with its majorant,
+    /// from near to far.
     pub(super) fn blocks(&self) -> impl Iterator<Item = (f64, f64, f64)> {
         let Grid { blocks, majorants, .. } = self.grid;
         let side = f64::from(BLOCK);
@@ -184,19 +186,20 @@ impl Line<'_> {
         )
     }
 
-    /// The density at `t` in the box.
+    /// Density at distance `t`, which lies in the box.
     pub(super) fn density(&self, t: f64) -> f64 {
         f64::from(self.grid.at(self.origin + self.step * t))
     }
 }
 
 impl Grid {
+    /// Number of cells along each axis.
     fn cells(&self) -> DVec3 {
         let [x, y, z] = self.size.map(f64::from);
         DVec3::new(x, y, z)
     }
 
-    /// The density at `q`, in cells; outside it is that of the nearest point of the box.
+    /// Density at `q` in cells; outside of the box, that of the nearest point.
     fn at(&self, q: DVec3) -> f32 {
         let last = self.cells() - 1.0;
         let q = (q - 0.5).clamp(DVec3::ZERO, last);
@@ -215,12 +218,12 @@ impl Grid {
     }
 }
 
-/// Weights of both ends, so that it is never negative and finite where they are.
+/// Linear interpolation that is exact at both ends, non-negative and finite for such values.
 fn lerp(t: f32, a: f32, b: f32) -> f32 {
     a * (1.0 - t) + b * t
 }
 
-/// The number of cells.
+/// Number of cells.
 fn count(size: [u32; 3]) -> Result<usize, GridDensityError> {
     let [x, y, z] = size;
     if x.min(y).min(z) == 0 {
@@ -230,7 +233,7 @@ fn count(size: [u32; 3]) -> Result<usize, GridDensityError> {
     cells.filter(|n| n.checked_mul(size_of::<f32>()).is_some()).ok_or(GridDensityError::TooLarge(x, y, z))
 }
 
-/// The greatest value that a point of each block is interpolated from: of its cells and of their neighbours.
+/// Majorant of each block: the largest value of its cells and their neighbours.
 fn majorants(size: [u32; 3], values: &[f32], blocks: [u32; 3]) -> Vec<f32> {
     let [nx, ny, _] = size.map(|n| n as usize);
     let [bx, by, bz] = blocks;

@@ -1,11 +1,11 @@
-//! Media of density 1 everywhere, in closed form.
+//! Homogeneous media, in closed form.
 
-use super::{DistanceSample, Medium, shares, weight};
+use super::{DistanceSample, Medium, channel_probabilities, weight};
 use crate::color::Rgb;
 use glam::DVec3;
 use rand::{Rng, RngExt};
 
-/// σ·distance, which is 0 where σ is, however far.
+/// Optical depth σ·distance per channel; 0 where σ is 0, at any distance.
 fn depth(sigma: Rgb, distance: f64) -> DVec3 {
     DVec3::from_array(sigma.to_array().map(|s| if s > 0.0 { f64::from(s) * distance } else { 0.0 }))
 }
@@ -15,14 +15,14 @@ fn exp(depth: DVec3) -> DVec3 {
     DVec3::from_array(depth.to_array().map(|x| libm::exp(-x)))
 }
 
-/// Beer's law: the part of light that is left after `distance` where extinction is `sigma` \[1/length].
+/// Transmittance over `distance` at extinction `sigma` \[1/length]: the Beer–Lambert law.
 #[inline]
 #[must_use]
 pub fn transmittance(sigma: Rgb, distance: f32) -> Rgb {
     transmittance_f64(sigma, distance).as_vec3()
 }
 
-/// The same in double precision.
+/// Transmittance in f64.
 #[inline]
 pub(super) fn transmittance_f64(sigma: Rgb, distance: f32) -> DVec3 {
     if sigma.x == sigma.y && sigma.y == sigma.z {
@@ -32,22 +32,24 @@ pub(super) fn transmittance_f64(sigma: Rgb, distance: f32) -> DVec3 {
     exp(depth(sigma, f64::from(distance.max(0.0))))
 }
 
-/// One channel, chosen by its share of throughput, says how far; the weight is that of the mixture of all (the balance heuristic),
-/// so that no channel's weight exceeds the inverse of its share. A channel without extinction always gets through: without its
-/// share, blue light would be carried by the luck of red.
+/// Samples a distance by one channel, chosen in proportion to its throughput.
+///
+/// The weight is that of the mixture of all channels (balance heuristic), so it is at most the
+/// inverse of the channel's probability. A channel without extinction is always passed.
 pub(super) fn distance_sample(medium: &Medium, distance: f32, throughput: Rgb, rng: &mut impl Rng) -> DistanceSample {
     let sigma = medium.extinction();
-    let share = shares(throughput);
+    let probability = channel_probabilities(throughput);
     let mut choice = rng.random::<f64>();
     let mut channel = 0;
-    // Rounding may leave a rest after the last channel; then it is the last that has a share.
+    // Rounding may leave a rest behind the last channel; then the last channel of positive
+    // probability is chosen.
     for i in 0..3 {
-        if share[i] > 0.0 {
+        if probability[i] > 0.0 {
             channel = i;
-            if choice < share[i] {
+            if choice < probability[i] {
                 break;
             }
-            choice -= share[i];
+            choice -= probability[i];
         }
     }
     let rate = f64::from(sigma[channel]);
@@ -55,26 +57,26 @@ pub(super) fn distance_sample(medium: &Medium, distance: f32, throughput: Rgb, r
     let t = if rate > 0.0 { -libm::log(1.0 - rng.random::<f64>()) / rate } else { f64::INFINITY };
     if t < distance {
         let left = exp(depth(sigma, t));
-        let density = share.dot(sigma.as_dvec3() * left);
+        let density = probability.dot(sigma.as_dvec3() * left);
         DistanceSample {
             scattered: Some(t as f32),
-            weight: weight(medium.scattering.as_dvec3() * left / density, share),
+            weight: weight(medium.scattering.as_dvec3() * left / density, probability),
         }
     } else {
         let left = exp(depth(sigma, distance));
-        DistanceSample { scattered: None, weight: weight(left / share.dot(left), share) }
+        DistanceSample { scattered: None, weight: weight(left / probability.dot(left), probability) }
     }
 }
 
-/// The density of scattering at `t`, over all choices of a channel.
+/// Pdf \[1/length] of scattering at `t`, over all channels.
 pub(super) fn distance_pdf(sigma: Rgb, t: f32, throughput: Rgb) -> f32 {
     if t < 0.0 {
         return 0.0;
     }
-    shares(throughput).dot(sigma.as_dvec3() * exp(depth(sigma, f64::from(t)))) as f32
+    channel_probabilities(throughput).dot(sigma.as_dvec3() * exp(depth(sigma, f64::from(t)))) as f32
 }
 
-/// ∫ ε exp(−σt) dt = ε(1 − exp(−σd))/σ.
+/// Emitted radiance: ∫ ε exp(−σt) dt = ε(1 − exp(−σd))/σ.
 pub(super) fn emitted(medium: &Medium, distance: f32) -> Rgb {
     let sigma = medium.extinction();
     let distance = f64::from(distance.max(0.0));

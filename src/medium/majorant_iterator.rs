@@ -1,22 +1,24 @@
-//! Which blocks of a grid a ray passes.
+//! Traversal of a majorant grid by a ray.
 
 use glam::DVec3;
 
-/// The walk of a ray over unit blocks, from face to face (Amanatides and Woo 1987). Every step enters another block, so it ends.
+/// Iterator over the unit blocks along a ray, from face to face (3D-DDA, Amanatides and Woo 1987).
+///
+/// Every step enters another block, so the iterator ends.
 pub(super) struct MajorantIterator {
     origin: DVec3,
     step: DVec3,
     count: [u32; 3],
     cell: [u32; 3],
-    /// Where the ray meets the next face across each axis.
+    /// Distance of the next face across each axis.
     next: [f64; 3],
     t: f64,
     end: f64,
 }
 
 impl MajorantIterator {
-    /// The blocks that `origin + t·step` passes, 0 < t < `distance`, inside the box from 0 to `far`, of which `count` blocks
-    /// cover each side.
+    /// Blocks along `origin + t·step`, 0 < t < `distance`, in the box from 0 to `far`. `count` is
+    /// the number of blocks along each side.
     pub(super) fn new(origin: DVec3, step: DVec3, far: DVec3, count: [u32; 3], distance: f64) -> Self {
         let (mut t, mut end) = (0.0, distance);
         for axis in 0..3 {
@@ -38,7 +40,7 @@ impl MajorantIterator {
         blocks
     }
 
-    /// Where the ray leaves its block across `axis`.
+    /// Distance at which the ray leaves its block across `axis`.
     fn face(&self, axis: usize) -> f64 {
         let (o, s, cell) = (self.origin[axis], self.step[axis], f64::from(self.cell[axis]));
         if s > 0.0 {
@@ -52,7 +54,7 @@ impl MajorantIterator {
 }
 
 impl Iterator for MajorantIterator {
-    /// Where the ray enters a block, where it leaves it, and the block's number, x running fastest.
+    /// Distances where the ray enters and leaves a block, and the index of the block, x fastest.
     type Item = (f64, f64, usize);
 
     fn next(&mut self) -> Option<Self::Item> {
@@ -71,7 +73,7 @@ impl Iterator for MajorantIterator {
             let forward = self.step[axis] > 0.0;
             let edge = if forward { self.count[axis] - 1 } else { 0 };
             if self.cell[axis] == edge {
-                // What rounding left before the far side of the box belongs to the last block.
+                // The last block extends to the far side of the box in spite of rounding.
                 self.t = self.end;
                 return Some((start, self.end, index));
             }

@@ -1,4 +1,4 @@
-//! Participating media: what absorbs, scatters and emits light between surfaces.
+//! Participating media: absorption, scattering and emission between surfaces.
 
 mod cloud;
 mod grid_density;
@@ -18,56 +18,62 @@ use glam::{DVec3, Vec3};
 use rand::Rng;
 use std::sync::Arc;
 
-/// A medium: coefficients at density 1, and where it is dense.
+/// A participating medium: coefficients at density 1, and an optional density grid.
 ///
-/// Coefficients are finite and at least 0; whoever describes a scene checks that.
+/// Coefficients are finite and at least 0; scene import checks this.
 #[derive(Clone, Debug)]
 pub struct Medium {
     /// Absorption σa \[1/length at density 1].
     pub absorption: Rgb,
     /// Scattering σs \[1/length at density 1].
     pub scattering: Rgb,
-    /// Radiance gained along a way \[W/(m² sr) per length at density 1].
+    /// Emitted radiance per length \[W/(m² sr) per length at density 1].
     pub emission: Rgb,
-    /// Which way light goes on.
+    /// Phase function.
     pub phase: PhaseFunction,
-    /// `None` is density 1 everywhere.
+    /// Density by position; `None` for density 1 everywhere.
     density: Option<Arc<GridDensity>>,
 }
 
-/// How light came through a medium.
+/// Sampled distance along a ray through a medium.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DistanceSample {
-    /// Distance at which it scattered; `None` where it got through.
+    /// Distance of the scattering point; `None` if the ray passes through.
     pub scattered: Option<f32>,
-    /// What its throughput is multiplied by: σs·T over the density of scattering there, or T over the probability of getting
-    /// through. Zero in channels without throughput.
+    /// Weight of the throughput: σs·T over the pdf of the distance, or T over the probability of
+    /// passing through.
+    ///
+    /// Zero in channels without throughput.
     pub weight: Rgb,
 }
 
-/// What is left of light all along a way: an unbiased estimate at every distance, alike for all.
+/// Transmittance as a function of distance along a ray; an unbiased estimate at each distance.
+///
+/// The estimates at different distances are correlated.
 #[derive(Clone, Debug, Default)]
 pub struct TransmittanceCurve {
+    /// Extinction of a homogeneous medium; zero for a grid.
     extinction: Rgb,
-    /// Distances at which it drops, with what is left from there on.
+    /// Distances of tentative collisions, with the transmittance behind each.
     steps: Vec<(f32, Rgb)>,
 }
 
 impl TransmittanceCurve {
-    /// Learns of the first `distance` of `ray`, whose direction is a unit vector. Memory is kept.
+    /// Samples the transmittance along the first `distance` of `ray`, which has a unit direction.
+    /// Keeps its memory.
     pub fn sample(&mut self, medium: &Medium, ray: &Ray, distance: f32, rng: &mut impl Rng) {
         self.steps.clear();
         self.extinction = Rgb::ZERO;
         match &medium.density {
             None => self.extinction = medium.extinction(),
-            Some(field) => tracking::fade(medium, field, ray, distance, rng, self),
+            Some(grid) => tracking::transmittance_curve(medium, grid, ray, distance, rng, self),
         }
     }
 
-    /// The part of light that is left after `t`: exact where the medium is homogeneous.
+    /// Transmittance up to distance `t`; exact in a homogeneous medium.
     #[inline]
     #[must_use]
-    pub fn left(&self, t: f32) -> Rgb {
+    pub fn at(&self, t: f32) -> Rgb {
         if self.extinction != Rgb::ZERO {
             return homogeneous::transmittance(self.extinction, t);
         }
@@ -79,15 +85,15 @@ impl TransmittanceCurve {
 }
 
 impl Medium {
-    /// A medium of density 1 everywhere.
+    /// A homogeneous medium with density 1.
     #[must_use]
     pub fn homogeneous(absorption: Rgb, scattering: Rgb, emission: Rgb, phase: PhaseFunction) -> Self {
         Self { absorption, scattering, emission, phase, density: None }
     }
 
-    /// A medium as dense as `density` says.
+    /// A heterogeneous medium with a density grid.
     #[must_use]
-    pub fn varied(
+    pub fn heterogeneous(
         absorption: Rgb,
         scattering: Rgb,
         emission: Rgb,
@@ -104,50 +110,51 @@ impl Medium {
         self.absorption + self.scattering
     }
 
-    /// Whether it is the same everywhere.
+    /// True if the density is constant.
     #[must_use]
     pub fn is_homogeneous(&self) -> bool {
         self.density.is_none()
     }
 
-    /// Whether it does nothing to light.
+    /// True if the medium neither attenuates nor emits light.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        let nowhere = self.density.as_ref().is_some_and(|field| field.maximum() == 0.0);
+        let nowhere = self.density.as_ref().is_some_and(|grid| grid.maximum() == 0.0);
         nowhere || (self.extinction() == Rgb::ZERO && self.emission == Rgb::ZERO)
     }
 
-    /// Whether light changes direction in it.
+    /// True if the medium scatters.
     #[must_use]
     pub fn scatters(&self) -> bool {
         self.scattering != Rgb::ZERO && !self.is_empty()
     }
 
-    /// Whether it gives off light.
+    /// True if the medium emits.
     #[must_use]
     pub fn emits(&self) -> bool {
         self.emission != Rgb::ZERO && !self.is_empty()
     }
 
-    /// The density at a point.
+    /// Density at a point in world space.
     #[must_use]
     pub fn density_at(&self, p: Vec3) -> f32 {
-        self.density.as_ref().map_or(1.0, |field| field.density(p))
+        self.density.as_ref().map_or(1.0, |grid| grid.density(p))
     }
 
-    /// The part of light that is left after `distance` along `ray`, whose direction is a unit vector.
+    /// Transmittance along the first `distance` of `ray`, which has a unit direction.
     ///
-    /// Exact where the medium is homogeneous, else an unbiased estimate by ratio tracking (Novák, Selle, Jarosz 2014). The
-    /// distance may be infinite.
+    /// Exact in a homogeneous medium, else an unbiased estimate by ratio tracking (Novák, Selle,
+    /// Jarosz 2014). The distance may be infinite.
     #[must_use]
     pub fn transmittance(&self, ray: &Ray, distance: f32, rng: &mut impl Rng) -> Rgb {
         match &self.density {
             None => homogeneous::transmittance(self.extinction(), distance),
-            Some(field) => tracking::transmittance(self, field, ray, distance, rng),
+            Some(grid) => tracking::transmittance(self, grid, ray, distance, rng),
         }
     }
 
-    /// The same in double precision, for products over many ways: of a way that takes next to nothing, single precision knows little.
+    /// Transmittance in f64, for products over many segments: f32 loses the digits of values near
+    /// 1.
     #[must_use]
     pub fn transmittance_f64(&self, ray: &Ray, distance: f32, rng: &mut impl Rng) -> DVec3 {
         match &self.density {
@@ -156,11 +163,13 @@ impl Medium {
         }
     }
 
-    /// Where light of `throughput` scatters first within `distance` along `ray`, whose direction is a unit vector.
+    /// Samples the distance of the first scattering within `distance` along `ray`, which has a unit
+    /// direction.
     ///
-    /// The mean of `throughput` times the weight is never above that of `throughput`. In a homogeneous grey medium the weight is
-    /// σs/σt where it scatters and 1 where it gets through. A medium that does not scatter is always got through, with its
-    /// [`transmittance`](Self::transmittance) as weight. The distance may be infinite.
+    /// The mean of `throughput` times the weight does not exceed the mean of `throughput`. In a
+    /// homogeneous grey medium, the weight is σs/σt at a scattering point, and 1 behind the medium.
+    /// A medium without scattering is always passed; the weight is its
+    /// [`transmittance`](Self::transmittance). The distance may be infinite.
     #[must_use]
     pub fn distance_sample(&self, ray: &Ray, distance: f32, throughput: Rgb, rng: &mut impl Rng) -> DistanceSample {
         if !self.scatters() {
@@ -168,11 +177,12 @@ impl Medium {
         }
         match &self.density {
             None => homogeneous::distance_sample(self, distance, throughput, rng),
-            Some(field) => tracking::distance_sample(self, field, ray, distance, throughput, rng),
+            Some(grid) => tracking::distance_sample(self, grid, ray, distance, throughput, rng),
         }
     }
 
-    /// The density \[1/length] with which [`distance_sample`](Self::distance_sample) scatters at `t`, in a homogeneous medium.
+    /// Pdf \[1/length] with which [`distance_sample`](Self::distance_sample) scatters at `t`;
+    /// `None` in a heterogeneous medium.
     #[must_use]
     pub fn distance_pdf(&self, t: f32, throughput: Rgb) -> Option<f32> {
         if !self.scatters() {
@@ -181,10 +191,11 @@ impl Medium {
         self.is_homogeneous().then(|| homogeneous::distance_pdf(self.extinction(), t, throughput))
     }
 
-    /// The radiance that the medium itself sends to the ray's origin from up to `distance` along its unit direction.
+    /// Radiance emitted towards the ray's origin by the medium along the first `distance` of the
+    /// ray, which has a unit direction.
     ///
-    /// Exact where the medium is homogeneous, else an unbiased estimate. A homogeneous medium that emits in a channel without
-    /// extinction sends infinitely much from an infinite distance.
+    /// Exact in a homogeneous medium, else an unbiased estimate. A homogeneous medium that emits in
+    /// a channel without extinction gives infinite radiance over an infinite distance.
     #[must_use]
     pub fn emitted(&self, ray: &Ray, distance: f32, rng: &mut impl Rng) -> Rgb {
         if !self.emits() {
@@ -192,20 +203,21 @@ impl Medium {
         }
         match &self.density {
             None => homogeneous::emitted(self, distance),
-            Some(field) => tracking::emitted(self, field, ray, distance, rng),
+            Some(grid) => tracking::emitted(self, grid, ray, distance, rng),
         }
     }
 
-    /// The same medium moved by `by`.
+    /// The medium translated by `by`.
     #[must_use]
     pub fn translated(&self, by: DVec3) -> Self {
-        let density = self.density.as_ref().map(|field| Arc::new(field.translated(by)));
+        let density = self.density.as_ref().map(|grid| Arc::new(grid.translated(by)));
         Self { density, ..self.clone() }
     }
 }
 
-/// The part of each channel in the throughput, 1 in sum; all alike where there is none.
-fn shares(throughput: Rgb) -> DVec3 {
+/// Probabilities of the channels in proportion to their throughput; equal if the throughput is
+/// zero.
+fn channel_probabilities(throughput: Rgb) -> DVec3 {
     // `max` takes 0 over a NaN.
     let part = throughput.to_array().map(|x| f64::from(x.max(0.0)));
     let part = DVec3::from_array(part);
@@ -213,10 +225,10 @@ fn shares(throughput: Rgb) -> DVec3 {
     if sum > 0.0 && sum.is_finite() { part / sum } else { DVec3::splat(1.0 / 3.0) }
 }
 
-/// A weight in f32; channels without a share have none.
-fn weight(w: DVec3, shares: DVec3) -> Rgb {
+/// A weight in f32; zero for channels of zero probability.
+fn weight(w: DVec3, probabilities: DVec3) -> Rgb {
     let most = f64::from(f32::MAX);
-    DVec3::select(shares.cmpgt(DVec3::ZERO), w.min(DVec3::splat(most)), DVec3::ZERO).as_vec3()
+    DVec3::select(probabilities.cmpgt(DVec3::ZERO), w.min(DVec3::splat(most)), DVec3::ZERO).as_vec3()
 }
 
 #[cfg(test)]

@@ -1,29 +1,31 @@
-//! PhaseFunction functions: which way light goes on after it scattered.
+//! Phase functions: distribution of directions after scattering in a medium.
 
 use crate::math::{Frame, sin_cos_turns};
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 
-/// The distribution of directions after scattering.
+/// A phase function.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PhaseFunction {
-    /// All directions alike.
+    /// Equal in all directions.
     Isotropic,
-    /// Henyey and Greenstein (1941) with its mean cosine in (−1, 1): above 0 it scatters forwards.
+    /// Henyey and Greenstein 1941, with the mean cosine g in (−1, 1). Positive g scatters forwards.
     HenyeyGreenstein(f32),
-    /// Scattering by particles much smaller than the wavelength.
+    /// Rayleigh scattering, by particles much smaller than the wavelength.
     Rayleigh,
 }
 
 impl PhaseFunction {
-    /// Density \[1/sr] at `cos`, the cosine between the directions of travel before and after: 1 is straight on.
+    /// Value \[1/sr], equal to the pdf, for the cosine between the directions of travel before and
+    /// after; 1 is forwards.
     #[inline]
     #[must_use]
     pub fn evaluate(&self, cos: f32) -> f32 {
         match *self {
             Self::Isotropic => 1.0 / (4.0 * PI),
             Self::HenyeyGreenstein(g) => {
-                // 1 + g² − 2g·cos as a sum of two terms that are not negative, so that the peak keeps its digits.
+                // The sum of two non-negative terms keeps the digits of 1 + g² − 2g·cos at the
+                // peak.
                 let a = g.abs();
                 let drop = (1.0 - cos.copysign(cos * g)).max(0.0);
                 let square = (1.0 - a) * (1.0 - a) + 2.0 * a * drop;
@@ -33,9 +35,10 @@ impl PhaseFunction {
         }
     }
 
-    /// The unit direction after light that travels in unit `direction` scattered, with its density \[1/sr].
+    /// Samples the direction after scattering of light that travels in unit `direction`, with its
+    /// pdf \[1/sr].
     ///
-    /// The density is [`evaluate`](Self::evaluate), so a sample's weight is 1.
+    /// The pdf equals [`evaluate`](Self::evaluate), so the weight of a sample is 1.
     #[inline]
     #[must_use]
     pub fn sample(&self, direction: Vec3, u: Vec2) -> (Vec3, f32) {
@@ -46,11 +49,11 @@ impl PhaseFunction {
         };
         let (s, c) = sin_cos_turns(u.y);
         let next = Frame::around(direction).to_world(Vec3::new(sin * c, sin * s, cos));
-        // Walks of thousands of steps must not drift off the sphere.
+        // Rounding must not accumulate over thousands of scattering events.
         (next.normalize(), self.evaluate(cos))
     }
 
-    /// The mean of the cosine.
+    /// Mean cosine g.
     #[must_use]
     pub fn mean_cosine(&self) -> f32 {
         match *self {
@@ -60,10 +63,10 @@ impl PhaseFunction {
     }
 }
 
-/// Cosine and sine by inversion.
+/// Samples cosine and sine of the Henyey–Greenstein function by inversion.
 ///
-/// With D = 1 − g + 2gu the inverse (Witt 1977) gives 1 − cos = 2(1−g)²(1−u)(1+gu)/D² and
-/// 1 + cos = 2(1+g)²u(1−g(1−u))/D²: neither cancels, at any g from 0 to 1.
+/// With D = 1 − g + 2gu, the inverse (Witt 1977) gives 1 − cos = 2(1−g)²(1−u)(1+gu)/D² and 1 + cos
+/// = 2(1+g)²u(1−g(1−u))/D². Neither cancels for g from 0 to 1.
 fn henyey_greenstein(g: f32, u: f32) -> (f32, f32) {
     let a = g.abs();
     let rest = 1.0 - a;
@@ -75,7 +78,8 @@ fn henyey_greenstein(g: f32, u: f32) -> (f32, f32) {
     (cos, (drop * rise).max(0.0).sqrt())
 }
 
-/// Cosine and sine by inversion: the real root of cos³ + 3cos = 8u − 4 (Cardano).
+/// Samples cosine and sine of Rayleigh scattering by inversion: the real root of cos³ + 3cos = 8u −
+/// 4 (Cardano).
 fn rayleigh(u: f32) -> (f32, f32) {
     let q = 4.0 * f64::from(u) - 2.0;
     let root = libm::cbrt(q.abs() + (q * q + 1.0).sqrt());

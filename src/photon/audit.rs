@@ -1,22 +1,24 @@
-//! Where flux goes.
+//! Energy account of photon tracing.
 
 use crate::color::Rgb;
 use glam::DVec3;
 use std::ops::AddAssign;
 
-/// Where the emitted flux went \[W]. Emitted = absorbed + escaped + stopped + roulette, to rounding; the mean of `roulette` is
-/// zero.
+/// Energy account of a photon pass \[W].
+///
+/// Emitted = absorbed + escaped + stopped + roulette, up to rounding. The expectation of `roulette`
+/// is zero.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Audit {
-    /// Flux that left the lights.
+    /// Flux emitted by the lights.
     pub emitted: [f64; 3],
-    /// Flux taken up by surfaces and bodies.
+    /// Flux absorbed by surfaces and media.
     pub absorbed: [f64; 3],
-    /// Flux that left the scene.
+    /// Flux that escaped from the scene.
     pub escaped: [f64; 3],
-    /// Flux of paths cut by the bounce limit, or ended because what would follow is not wanted.
+    /// Flux of paths that reached the bounce limit, or that nothing stored can follow.
     pub stopped: [f64; 3],
-    /// Flux removed by Russian roulette less flux it added.
+    /// Flux removed by Russian roulette minus flux added by it.
     pub roulette: [f64; 3],
 }
 
@@ -35,6 +37,7 @@ impl AddAssign for Audit {
     }
 }
 
+/// Adds `flux` to an account.
 pub(super) fn book(account: &mut [f64; 3], flux: Rgb) {
     *account = (DVec3::from(*account) + flux.as_dvec3()).to_array();
 }

@@ -1,23 +1,24 @@
-//! Kernels of the density estimate.
+//! Kernels of density estimation.
 
 use std::f32::consts::FRAC_1_PI;
 use std::str::FromStr;
 
-/// A radially symmetric kernel on a disc, of integral 1.
+/// A radially symmetric kernel on a disc, with integral 1.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
 pub enum Kernel {
     /// 1/(πr²).
     Box,
     /// 3(1 − d/r)/(πr²): Jensen's cone filter with k = 1 (Jensen 2001, section 7.2).
     Cone,
-    /// 2(1 − d²/r²)/(πr²), of least mean squared error among kernels (Silverman 1986, section 4.2).
+    /// 2(1 − d²/r²)/(πr²): least mean squared error among all kernels (Silverman 1986, section
+    /// 4.2).
     #[default]
     Epanechnikov,
 }
 
-/// A name that is no kernel's.
+/// The name is not that of a kernel.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("there is no kernel `{0}`; known are box, cone, epanechnikov")]
+#[error("unknown kernel `{0}`: use box, cone or epanechnikov")]
 pub struct UnknownKernel(String);
 
 impl FromStr for Kernel {
@@ -34,7 +35,8 @@ impl FromStr for Kernel {
 }
 
 impl Kernel {
-    /// Weight at squared distance `x`, in squares of the radius, up to [`Kernel::scale`].
+    /// Unnormalised weight at squared distance `x` over the squared radius. [`Kernel::scale`]
+    /// normalises it.
     #[inline]
     #[must_use]
     pub fn shape(self, x: f32) -> f32 {
@@ -45,14 +47,14 @@ impl Kernel {
         }
     }
 
-    /// The same, but zero from the edge on, for discs within a search.
+    /// Unnormalised weight, zero beyond the radius.
     #[inline]
     #[must_use]
     pub fn shape_within(self, x: f32) -> f32 {
         if x < 1.0 { self.shape(x) } else { 0.0 }
     }
 
-    /// What turns [`Kernel::shape`] into a density \[1/length²].
+    /// Factor from [`Kernel::shape`] to the normalised kernel \[1/length²].
     #[inline]
     #[must_use]
     pub fn scale(self, r2: f32) -> f32 {
@@ -64,15 +66,17 @@ impl Kernel {
         norm * FRAC_1_PI / r2
     }
 
-    /// Whether the kernel falls to zero at its edge. Then the k-th neighbour, which defines the edge, weighs nothing and the
-    /// estimate over k neighbours is unbiased as it stands; else it must be left out.
+    /// True if the kernel is zero at its edge.
+    ///
+    /// The k-th neighbour defines the edge. Such a kernel gives it no weight, and the estimate over
+    /// k neighbours is unbiased. Other kernels must leave it out.
     #[must_use]
     pub fn vanishes_at_edge(self) -> bool {
         self != Self::Box
     }
 
-    /// π∫K²: the variance of an estimate from n photons of equal flux is this over n, relative to its square (analytic-truths
-    /// 28 and 31 in the project's notes).
+    /// π∫K²: relative variance of an estimate, times the number of photons, for photons of equal
+    /// flux.
     #[must_use]
     pub fn noise_factor(self) -> f32 {
         match self {
@@ -82,7 +86,10 @@ impl Kernel {
         }
     }
 
-    /// Variance of the difference to the same kernel on a disc of half the area, by the same photons, over the variance of the estimate.
+    /// Variance of the difference to the same kernel on half the area, over the variance of the
+    /// estimate.
+    ///
+    /// Both estimates use the same photons.
     #[must_use]
     pub fn step_noise(self) -> f32 {
         match self {
@@ -92,7 +99,7 @@ impl Kernel {
         }
     }
 
-    /// Second moment µ₂ per axis of the unit kernel: the estimate's bias is (r²/2)·µ₂·∇²E.
+    /// Second moment µ₂ of the unit kernel along an axis. The bias of an estimate is (r²/2)·µ₂·∇²E.
     #[must_use]
     pub fn second_moment(self) -> f32 {
         match self {
@@ -109,7 +116,7 @@ mod tests {
 
     /// Integral, noise factor and second moment by the midpoint rule in d, error O(n⁻²).
     #[test]
-    fn constants_are_the_kernels_own() {
+    fn kernel_constants_match_quadrature() {
         let n = 100_000;
         let r = 1.7f32;
         for kernel in [Kernel::Box, Kernel::Cone, Kernel::Epanechnikov] {

@@ -1,8 +1,9 @@
-//! The photon store: emission, tracing, the kd-tree, and density estimates.
+//! Photon mapping: emission, tracing, photon maps, and density estimates.
 
 mod audit;
 mod beam;
 mod coverage;
+mod deposits;
 mod emit;
 mod estimate;
 mod guiding;
@@ -16,8 +17,9 @@ mod trace;
 mod visible;
 
 pub use audit::Audit;
-pub use beam::{Beam, BeamMap, Crossing};
+pub use beam::{Beam, BeamIntersection, BeamMap};
 pub use coverage::{coverage, nested_coverage};
+pub use deposits::{Deposits, VolumePhotons};
 pub use emit::PhotonSource;
 pub use estimate::{Bandwidth, Estimate, LEVELS, NestedEstimate, Scratch};
 pub use guiding::{GuidingPilot, GuidingReport};
@@ -26,5 +28,5 @@ pub use map::PhotonMap;
 pub use points::{PointMap, VolumePhoton};
 pub use record::{Photon, PhotonData};
 pub use store_mask::{PhotonKind, StoreMask, THINNING};
-pub use trace::{PhotonPass, Traced, Volume};
+pub use trace::{PhotonPass, Traced};
 pub use visible::{VisiblePoint, VisiblePointMap};

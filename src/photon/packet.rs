@@ -1,13 +1,13 @@
-//! Eight points or pieces of lines, of which a vector unit rejects most at once.
+//! Packets of eight points or beam pieces for SIMD rejection tests.
 //!
-//! The tests here keep all that exact arithmetic would keep, and a few more: bounds are in γ(n) of Higham 2002, section 3.1, for
-//! unit directions.
+//! The tests are conservative: they accept everything that exact arithmetic accepts. Error bounds
+//! use γ(n) of Higham 2002, section 3.1, for unit directions.
 
 use crate::math::{Ray, gamma};
 use glam::Vec3;
 use wide::f32x8;
 
-/// Items of a packet.
+/// Number of items per packet.
 pub(super) const LANES: usize = 8;
 
 type Vectors = [f32x8; 3];
@@ -31,26 +31,27 @@ fn cross(a: Vectors, b: Vectors) -> Vectors {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// At least the length.
+/// Upper bound of the length: the 1-norm.
 #[inline]
-fn size(v: Vectors) -> f32x8 {
+fn norm1(v: Vectors) -> f32x8 {
     v[0].abs() + v[1].abs() + v[2].abs()
 }
 
-/// A ray and a radius for eight items at a time.
-pub(super) struct Wanted {
+/// A line and a radius, broadcast to all lanes.
+pub(super) struct LineQuery {
     origin: Vectors,
     direction: Vectors,
     radius: f32x8,
 }
 
-impl Wanted {
+impl LineQuery {
+    /// The line of `ray` with a radius \[length].
     pub fn new(ray: &Ray, radius: f32) -> Self {
         Self { origin: splat(ray.origin), direction: splat(ray.direction), radius: f32x8::splat(radius) }
     }
 }
 
-/// The slots of a mask, from the lowest.
+/// Indices of the set bits of a mask, lowest first.
 #[inline]
 pub(super) fn slots(mut mask: u32) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
@@ -62,63 +63,72 @@ pub(super) fn slots(mut mask: u32) -> impl Iterator<Item = usize> {
     })
 }
 
-/// Eight places; vacant ones are infinitely far.
-pub(super) struct Points(Vectors);
+/// Eight points; vacant lanes are at infinity.
+pub(super) struct PointPacket(Vectors);
 
-impl Points {
-    pub fn new(places: impl Iterator<Item = Vec3>) -> Self {
-        let mut points = [f32x8::splat(f32::INFINITY); 3];
-        for (slot, place) in places.take(LANES).enumerate() {
-            for (axis, lanes) in points.iter_mut().enumerate() {
-                lanes.as_mut_array()[slot] = place[axis];
+impl PointPacket {
+    /// A packet of at most eight points.
+    pub fn new(points: impl Iterator<Item = Vec3>) -> Self {
+        let mut packet = [f32x8::splat(f32::INFINITY); 3];
+        for (slot, point) in points.take(LANES).enumerate() {
+            for (axis, lanes) in packet.iter_mut().enumerate() {
+                lanes.as_mut_array()[slot] = point[axis];
             }
         }
-        Self(points)
+        Self(packet)
     }
 
-    /// A mask of those that may be within the radius of the line.
+    /// Mask of the points that may lie within the radius of the line.
     ///
-    /// Rounding the place errs by γ(1), its projection by γ(4), taking that away by γ(3) of the distance, all by √3 more over three axes.
+    /// Rounding errors: γ(1) of the point, γ(4) of its projection, γ(3) of the difference, all
+    /// times √3 over three axes.
     #[inline]
-    pub fn near_line(&self, wanted: &Wanted) -> u32 {
-        let to = minus(self.0, wanted.origin);
-        let t = dot(to, wanted.direction);
-        let [x, y, z] = wanted.direction;
+    pub fn near_line(&self, query: &LineQuery) -> u32 {
+        let to = minus(self.0, query.origin);
+        let t = dot(to, query.direction);
+        let [x, y, z] = query.direction;
         let off = minus(to, [x * t, y * t, z * t]);
-        let reach = wanted.radius + size(to) * f32x8::splat(gamma(24));
+        let reach = query.radius + norm1(to) * f32x8::splat(gamma(24));
         dot(off, off).simd_le(reach * reach).to_bitmask()
     }
 
-    /// A mask of those nearer to a place than a radius, given by its reciprocal, and their squared distances in squares of the radius.
+    /// Mask of the points nearer to `center` than a radius, and their squared distances over the
+    /// squared radius.
+    ///
+    /// `per_radius` is the inverse of the radius.
     #[inline]
-    pub fn near(&self, place: Vec3, per_radius: f32) -> (u32, f32x8) {
+    pub fn near(&self, center: Vec3, per_radius: f32) -> (u32, f32x8) {
         let scale = f32x8::splat(per_radius);
-        let [x, y, z] = minus(self.0, splat(place));
+        let [x, y, z] = minus(self.0, splat(center));
         let to = [x * scale, y * scale, z * scale];
         let x2 = dot(to, to);
         (x2.simd_lt(f32x8::ONE).to_bitmask(), x2)
     }
 }
 
-/// A part of a beam: from where to where along it. The end counts for the next part.
+/// Piece of a beam between two distances along it. The end belongs to the next piece.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Piece {
+    /// Index of the beam.
     pub beam: u32,
+    /// Distance of the start.
     pub from: f32,
+    /// Distance of the end.
     pub to: f32,
 }
 
-/// Eight pieces; vacant ones are nowhere.
-pub(super) struct Pieces {
+/// Eight beam pieces; vacant lanes are empty intervals.
+pub(super) struct PiecePacket {
     start: Vectors,
     direction: Vectors,
     from: f32x8,
     to: f32x8,
+    /// Indices of the beams.
     pub beams: [u32; LANES],
 }
 
-impl Pieces {
-    /// Of pieces with their beams' starts and directions.
+impl PiecePacket {
+    /// A packet of at most eight pieces, each with the start and direction of its beam.
     pub fn new(pieces: impl Iterator<Item = (Piece, Vec3, Vec3)>) -> Self {
         let nowhere = [f32x8::ZERO; 3];
         let (from, to) = (f32x8::splat(f32::INFINITY), f32x8::splat(f32::NEG_INFINITY));
@@ -135,24 +145,26 @@ impl Pieces {
         all
     }
 
+    /// The piece in one lane.
     pub fn piece(&self, slot: usize) -> Piece {
         Piece { beam: self.beams[slot], from: self.from.as_array()[slot], to: self.to.as_array()[slot] }
     }
 
-    /// A mask of those that the line may pass within the radius.
+    /// Mask of the pieces that the line may pass within the radius.
     ///
-    /// The common normal errs by √3 γ(2) ≤ γ(4), heights along it by γ(8) of the distance of the origins, and its squared length times
-    /// places along the beam by γ(14) of that distance and of the place.
+    /// Rounding errors: the common normal errs by √3 γ(2) ≤ γ(4); distances along it by γ(8) of the
+    /// distance of the origins. The squared normal times positions along the beam errs by γ(14) of
+    /// that distance and of the position.
     #[inline]
-    pub fn near_line(&self, wanted: &Wanted) -> u32 {
+    pub fn near_line(&self, query: &LineQuery) -> u32 {
         let error = f32x8::splat(gamma(16));
-        let between = minus(self.start, wanted.origin);
-        let distance = size(between);
-        let normal = cross(wanted.direction, self.direction);
+        let between = minus(self.start, query.origin);
+        let distance = norm1(between);
+        let normal = cross(query.direction, self.direction);
         let sin2 = dot(normal, normal);
         let height = dot(between, normal).abs();
-        let near = height.simd_le(wanted.radius * sin2.sqrt() + error * (distance + wanted.radius));
-        let along = dot(cross(between, wanted.direction), normal);
+        let near = height.simd_le(query.radius * sin2.sqrt() + error * (distance + query.radius));
+        let along = dot(cross(between, query.direction), normal);
         let slack = error * (distance + self.to);
         let after = along.simd_ge(self.from * sin2 - slack);
         let before = along.simd_le(self.to * sin2 + slack);

@@ -1,6 +1,6 @@
-//! Volume photons: which of them a ray through a medium passes, and which lie about a place.
+//! Photon points in participating media.
 
-use super::packet::{LANES, Points, Wanted, slots};
+use super::packet::{LANES, LineQuery, PointPacket, slots};
 use super::record::{Power, decode, encode};
 use crate::accel::Boxes;
 use crate::color::Rgb;
@@ -9,26 +9,25 @@ use glam::Vec3;
 use rayon::prelude::*;
 use std::f64::consts::FRAC_1_PI;
 
-/// A photon where a medium scattered it: 32 bytes.
+/// A photon at a scattering point in a medium, in 32 bytes.
 ///
-/// Flux is right to 2⁻²⁴ in power and 1.5·10⁻⁵ in hue, the direction to 10⁻⁴ rad.
+/// Relative precision: 2⁻²⁴ in power, 1.5·10⁻⁵ in hue; 10⁻⁴ rad in direction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VolumePhoton {
-    /// Place.
+    /// Position.
     pub position: Vec3,
-    /// Which medium scattered it.
+    /// Index of the medium.
     pub medium: u32,
     power: Power,
     direction: [u16; 2],
-    /// The code of its wavelength, 0 where it carries all.
+    /// Wavelength code; 0 for all wavelengths.
     pub wavelength: u8,
 }
 
 impl VolumePhoton {
-    /// Packs a place, the scattered flux \[W], and the unit direction of travel.
+    /// Packs a position, the scattered flux \[W], and the unit direction of travel.
     ///
-    /// `None` where the place or the flux is not finite, or the flux is zero or negative: such photons carry nothing, or would
-    /// poison an estimate.
+    /// `None` if position or flux is not finite, or if the flux is zero or negative.
     #[inline]
     #[must_use]
     pub fn new(position: Vec3, flux: Rgb, direction: Vec3, medium: u32, wavelength: u8) -> Option<Self> {
@@ -51,65 +50,68 @@ impl VolumePhoton {
     }
 }
 
-/// Volume photons that a ray or a place can be asked for.
+/// Volume photons in a bounding volume hierarchy.
 pub struct PointMap {
-    /// Along a Morton curve.
+    /// Photons in the order of a Morton curve.
     photons: Vec<VolumePhoton>,
-    /// Their places.
-    packets: Vec<Points>,
-    /// Of the packets.
+    /// Positions of the photons.
+    packets: Vec<PointPacket>,
+    /// Bounding boxes of the packets.
     boxes: Boxes,
     radius: f32,
 }
 
 impl PointMap {
-    /// Indexes photons for a blur of the given radius. The result does not depend on the number of threads.
+    /// Builds the map for a blur of the given radius \[length].
+    ///
+    /// The result does not depend on the number of threads.
     #[must_use]
     pub fn build(photons: Vec<VolumePhoton>, radius: f32) -> Self {
         let order = morton_order(&photons, |p| p.position);
         let photons: Vec<VolumePhoton> = order.par_iter().map(|i| photons[*i as usize]).collect();
         let radius = radius.max(0.0);
         let run = |run: &[VolumePhoton]| {
-            let places = || run.iter().map(|p| p.position);
-            (Points::new(places()), Bounds::of(places()).expanded(radius))
+            let positions = || run.iter().map(|p| p.position);
+            (PointPacket::new(positions()), Bounds::of(positions()).expanded(radius))
         };
-        let (packets, bounds): (Vec<Points>, Vec<Bounds>) = photons.par_chunks(LANES).map(run).unzip();
+        let (packets, bounds): (Vec<PointPacket>, Vec<Bounds>) = photons.par_chunks(LANES).map(run).unzip();
         Self { boxes: Boxes::build(&bounds), photons, packets, radius }
     }
 
-    /// How many photons are stored.
+    /// Number of photons.
     #[must_use]
     pub fn len(&self) -> usize {
         self.photons.len()
     }
 
-    /// Whether no photon is stored.
+    /// True if the map is empty.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.photons.is_empty()
     }
 
-    /// The radius of the blur \[scene units].
+    /// Radius of the blur \[length].
     #[must_use]
     pub fn radius(&self) -> f32 {
         self.radius
     }
 
-    /// Visits every photon closer than the radius to the ray, of unit direction, and not before its start or beyond its end: with the
-    /// distance along the ray, the cosine between the ray's direction and the photon's, K₂ \[1/length²], and the squared distance in
-    /// squares of the radius.
+    /// Visits every photon within the radius of the ray, which has a unit direction.
     ///
-    /// The beam radiance estimate (Jarosz, Zwicker and Jensen 2008, section 5): radiance towards the ray's origin is
-    /// Σ flux · p(cos) · T(t) · weight for photons stored where a medium scattered them. Allocates nothing.
+    /// The visitor receives the distance along the ray, the cosine between the directions, the 2D
+    /// kernel K₂ \[1/length²], and the squared distance over the squared radius.
+    ///
+    /// Beam radiance estimate (Jarosz, Zwicker and Jensen 2008, section 5): radiance towards the
+    /// ray's origin is Σ flux · p(cos) · T(t) · weight. Allocates nothing.
     #[inline]
     pub fn visit(&self, ray: &Ray, mut visitor: impl FnMut(&VolumePhoton, f32, f32, f32, f32)) {
-        let wanted = Wanted::new(ray, self.radius);
+        let query = LineQuery::new(ray, self.radius);
         let r2 = f64::from(self.radius) * f64::from(self.radius);
         let scale = 3.0 * FRAC_1_PI / r2;
         let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
         let per_d2 = 1.0 / d.length_squared();
         self.boxes.along(ray, &mut |run| {
-            for slot in slots(self.packets[run as usize].near_line(&wanted)) {
+            for slot in slots(self.packets[run as usize].near_line(&query)) {
                 let photon = &self.photons[run as usize * LANES + slot];
                 let to = photon.position.as_dvec3() - o;
                 let t = to.dot(d) * per_d2;
@@ -122,9 +124,11 @@ impl PointMap {
         });
     }
 
-    /// Visits every photon closer than the radius to a place, with K₃ \[1/length³] and the squared distance in squares of the radius:
-    /// there, Σ flux · p(cos) · weight is the light that scatters towards a ray in each unit of its length (Jensen and Christensen
-    /// 1998, section 3.2). Allocates nothing.
+    /// Visits every photon within the radius of `p`.
+    ///
+    /// The visitor receives the 3D kernel K₃ \[1/length³] and the squared distance over the squared
+    /// radius. Σ flux · p(cos) · weight is the in-scattered radiance per length (Jensen and
+    /// Christensen 1998, section 3.2). Allocates nothing.
     #[inline]
     pub fn around(&self, p: Vec3, mut visitor: impl FnMut(&VolumePhoton, f32, f32)) {
         let per_radius = 1.0 / self.radius;

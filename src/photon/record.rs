@@ -1,10 +1,11 @@
-//! What is kept of a photon.
+//! Packed photon records.
 
 use crate::color::Rgb;
 use glam::{Vec2, Vec3};
 
-/// Flux \[W] in 8 bytes: the sum of its channels in single precision with two 16-bit fractions, so that hue is right to 1.5·10⁻⁵ and power
-/// to 2⁻²⁴ from 10⁻³⁷ to 10³⁸ W.
+/// Flux \[W] in 8 bytes: the sum of the channels in f32, and two fractions of 16 bits.
+///
+/// Relative precision from 10⁻³⁷ to 10³⁸ W: 2⁻²⁴ in power, 1.5·10⁻⁵ in hue.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 pub(super) struct Power {
     sum: f32,
@@ -13,7 +14,7 @@ pub(super) struct Power {
 }
 
 impl Power {
-    /// `None` where the flux is not finite, zero or negative: it carries nothing, or would poison an estimate.
+    /// Packs a flux \[W]; `None` if it is not finite, zero or negative.
     #[inline]
     pub fn new(flux: Rgb) -> Option<Self> {
         let sum = flux.x + flux.y + flux.z;
@@ -24,40 +25,41 @@ impl Power {
         Some(Self { sum, red: fraction(flux.x), green: fraction(flux.y) })
     }
 
+    /// The flux \[W].
     #[inline]
     pub fn flux(self) -> Rgb {
         let (red, green) = (f32::from(self.red), f32::from(self.green));
-        // A part of a step of so faint a sum would lie below the normal numbers.
+        // The last product comes last: a fraction of a very small sum would be subnormal.
         Rgb::new(red, green, (65_535.0 - red - green).max(0.0)) * (1.0 / 65_535.0) * self.sum
     }
 }
 
-/// Direction, tangent plane and flux of a stored photon: 20 bytes.
+/// Direction, tangent plane and flux of a stored photon, in 20 bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, PartialOrd)]
 pub struct PhotonData {
     power: Power,
     from: [u16; 2],
     normal: [i8; 3],
-    /// The code of its wavelength, 0 where it carries all.
+    /// Wavelength code; 0 for all wavelengths.
     wavelength: u8,
-    /// normal · position: the plane's offset from the origin.
+    /// normal · position: offset of the tangent plane from the origin.
     offset: f32,
 }
 
-/// A photon as it was deposited: 32 bytes.
+/// A photon deposited on a surface, in 32 bytes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Photon {
-    /// Place.
+    /// Position.
     pub position: Vec3,
-    /// Everything else.
+    /// Direction, tangent plane and flux.
     pub data: PhotonData,
 }
 
 impl Photon {
-    /// Packs a place, flux \[W], the unit direction to where the photon came from, and the unit geometric normal on that side.
+    /// Packs a position, flux \[W], the unit direction towards the previous vertex, and the unit
+    /// geometric normal on that side.
     ///
-    /// `None` where the place or the flux is not finite, or the flux is zero or negative: such photons carry nothing, or would
-    /// poison an estimate.
+    /// `None` if position or flux is not finite, or if the flux is zero or negative.
     #[inline]
     #[must_use]
     pub fn new(position: Vec3, flux: Rgb, from: Vec3, normal: Vec3) -> Option<Self> {
@@ -75,7 +77,7 @@ impl Photon {
 }
 
 impl Photon {
-    /// The same photon of the wavelength with this code.
+    /// The photon with a wavelength code.
     #[inline]
     #[must_use]
     pub fn with_wavelength(self, wavelength: u8) -> Self {
@@ -83,10 +85,10 @@ impl Photon {
     }
 }
 
-/// Steps of a normal's coordinate.
+/// Scale of quantised normals.
 const NORMAL_SCALE: f32 = 127.0;
 
-/// A point and a normal, ready to be compared with many photons.
+/// Tangent plane of an estimate, prepared for comparison with many photons.
 #[derive(Clone, Copy, Debug)]
 pub struct TangentPlane {
     point: Vec3,
@@ -94,7 +96,7 @@ pub struct TangentPlane {
 }
 
 impl TangentPlane {
-    /// The plane through `point` across the unit `normal`.
+    /// The plane through `point` with unit `normal`.
     #[inline]
     #[must_use]
     pub fn new(point: Vec3, normal: Vec3) -> Self {
@@ -103,8 +105,8 @@ impl TangentPlane {
 }
 
 impl PhotonData {
-    /// How much the photon's surface faces the way of `plane` (the cosine of their normals), and how far the plane's point is
-    /// above the photon's own tangent plane \[length].
+    /// Cosine between the photon's normal and that of `plane`, and signed height \[length] of the
+    /// plane's point over the photon's tangent plane.
     #[inline]
     #[must_use]
     pub fn relation(&self, plane: &TangentPlane) -> (f32, f32) {
@@ -119,39 +121,39 @@ impl PhotonData {
         self.power.flux()
     }
 
-    /// The code of its wavelength, 0 where it carries all.
+    /// Wavelength code; 0 for all wavelengths.
     #[inline]
     #[must_use]
     pub fn wavelength(&self) -> u8 {
         self.wavelength
     }
 
-    /// Unit direction to where the photon came from, within 10⁻⁴ rad.
+    /// Unit direction towards the previous vertex, within 10⁻⁴ rad.
     #[inline]
     #[must_use]
     pub fn from(&self) -> Vec3 {
         decode(self.from)
     }
 
-    /// The surface normal on the side where the photon landed, within a hundredth of a radian and of length.
+    /// Approximate unit normal on the side where the photon landed, within 0.01.
     #[inline]
     #[must_use]
     pub fn normal(&self) -> Vec3 {
         Vec3::from(self.normal.map(f32::from)) / NORMAL_SCALE
     }
 
-    /// The same photon on the tangent plane of another with the same normal.
+    /// The record on the tangent plane of another record with the same normal.
     pub(super) fn at_offset_of(self, other: &Self) -> Self {
         Self { offset: other.offset, ..self }
     }
 
-    /// A key by which photons of one side can be told from those of another.
+    /// The quantised normal, equal for photons on the same side of a surface.
     pub(super) fn side(&self) -> [i8; 3] {
         self.normal
     }
 }
 
-/// Octahedral coordinates in 16 bits each (Cigolle et al. 2014, JCGT 3(2)).
+/// Octahedral coordinates of a unit vector, 16 bits each (Cigolle et al. 2014, JCGT 3(2)).
 #[inline]
 pub(super) fn encode(v: Vec3) -> [u16; 2] {
     let p = Vec2::new(v.x, v.y) / (v.x.abs() + v.y.abs() + v.z.abs());
@@ -159,6 +161,7 @@ pub(super) fn encode(v: Vec3) -> [u16; 2] {
     [p.x, p.y].map(|c| ((c * 0.5 + 0.5) * 65_535.0 + 0.5) as u16)
 }
 
+/// Unit vector of octahedral coordinates.
 #[inline]
 pub(super) fn decode(e: [u16; 2]) -> Vec3 {
     let [x, y] = e.map(|c| f32::from(c) * (2.0 / 65_535.0) - 1.0);
@@ -179,12 +182,12 @@ mod tests {
     use crate::sampling::{Dimension, Key, Purpose};
 
     #[test]
-    fn a_photon_is_small() {
+    fn photon_records_have_20_and_32_bytes() {
         assert_eq!((size_of::<PhotonData>(), size_of::<Photon>()), (20, 32));
     }
 
     #[test]
-    fn packing_keeps_direction_hue_and_power() {
+    fn packing_preserves_direction_hue_and_power() {
         for i in 0..10_000u64 {
             let key = Key::new(1).purpose(Purpose::Test).with(i);
             let from = warp::sphere(key.uniform_2d(Dimension::LightDirection));
@@ -203,7 +206,7 @@ mod tests {
     }
 
     #[test]
-    fn flux_that_would_poison_an_estimate_is_refused() {
+    fn invalid_flux_and_positions_are_rejected() {
         for bad in
             [Rgb::ZERO, Rgb::new(f32::NAN, 1.0, 1.0), Rgb::new(f32::INFINITY, 0.0, 0.0), Rgb::new(-1.0, 2.0, 0.0)]
         {

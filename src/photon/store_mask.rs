@@ -1,51 +1,53 @@
-//! What photons have met, and which of them are stored.
+//! Kinds of photons by their path history, and the choice of stored kinds.
 
-/// History of a stored photon.
+/// Path history of a photon. A caster is defined by
+/// [`Bsdf::casts_caustics`](crate::bsdf::Bsdf::casts_caustics).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PhotonKind {
-    /// Straight from a light.
+    /// The path leads directly from a light.
     Direct,
-    /// By bounces off casters only: see [`Bsdf::casts_caustics`](crate::bsdf::Bsdf::casts_caustics).
+    /// The path has only scattered at casters.
     Caustic,
-    /// As a caustic to a surface that stores photons, and on from there.
+    /// The path has continued from a storing surface that it reached as a caustic path.
     AfterCaustic,
-    /// Straight from a light to a surface that stores photons, and on from there.
+    /// The path has continued from a storing surface that it reached directly.
     Global,
 }
 
-/// Which classes are stored.
+/// Which kinds of photons are stored.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StoreMask {
     /// Store direct photons.
     pub direct: bool,
     /// Store caustic photons.
     pub caustic: bool,
-    /// Store what caustic photons become.
+    /// Store photons that continue after a caustic.
     pub after_caustic: bool,
     /// Store global photons.
     pub global: bool,
-    /// Keep what caustic photons become apart from the others; as it is smooth, only one of [`THINNING`] is followed, with the flux
-    /// of all.
+    /// Store photons after a caustic apart from the others. Their density is smooth, so only one in
+    /// [`THINNING`] paths is continued, with the flux of all.
     pub apart: bool,
-    /// Store ways through homogeneous media as beams; else points where light is scattered.
+    /// Store beams in homogeneous media; otherwise store points.
     pub beams: bool,
 }
 
 impl StoreMask {
     /// Direct photons only.
     pub const DIRECT: Self = Self { direct: true, ..Self::NONE };
-    /// Caustic photons only: a path ends at the first surface that stores photons.
+    /// Caustic photons only: a path ends at the first storing surface.
     pub const CAUSTIC: Self = Self { caustic: true, ..Self::NONE };
-    /// Photons that met a surface that stores photons before.
+    /// Photons that continue from a storing surface.
     pub const GLOBAL: Self = Self { after_caustic: true, global: true, ..Self::NONE };
-    /// Nothing.
+    /// No photons.
     pub const NONE: Self =
         Self { direct: false, caustic: false, after_caustic: false, global: false, apart: false, beams: true };
-    /// All classes.
+    /// All kinds.
     pub const ALL: Self = Self { direct: true, caustic: true, after_caustic: true, global: true, ..Self::NONE };
 
-    pub(super) fn has(self, class: PhotonKind) -> bool {
-        match class {
+    /// True if photons of `kind` are stored on surfaces.
+    pub(super) fn has(self, kind: PhotonKind) -> bool {
+        match kind {
             PhotonKind::Direct => self.direct,
             PhotonKind::Caustic => self.caustic,
             PhotonKind::AfterCaustic => self.after_caustic,
@@ -53,14 +55,14 @@ impl StoreMask {
         }
     }
 
-    /// Whether light of `class` is stored where a medium scatters it. What comes straight from a light is for connections to find.
-    pub(super) fn has_in_media(self, class: PhotonKind) -> bool {
-        class != PhotonKind::Direct && self.has(class)
+    /// True if photons of `kind` are stored in media. Next-event estimation covers direct light.
+    pub(super) fn has_in_media(self, kind: PhotonKind) -> bool {
+        kind != PhotonKind::Direct && self.has(kind)
     }
 
-    /// Whether anything wanted can follow on a photon of `class` that goes on.
-    pub(super) fn may_follow(self, class: PhotonKind) -> bool {
-        match class {
+    /// True if a path that continues as `kind` can deposit a stored photon.
+    pub(super) fn may_follow(self, kind: PhotonKind) -> bool {
+        match kind {
             PhotonKind::Direct => true,
             PhotonKind::Caustic => self.caustic || self.after_caustic,
             PhotonKind::AfterCaustic => self.after_caustic,
@@ -69,16 +71,16 @@ impl StoreMask {
     }
 }
 
-/// Of photons that go on after a caustic, so many are followed as one where they are kept apart.
+/// Number of paths after a caustic that are represented by one.
 pub const THINNING: u32 = 8;
 
 impl PhotonKind {
-    /// The class of light that has met a caster since.
+    /// The kind after a caster that the path passed without a vertex.
     pub(super) fn beyond_casters(self) -> Self {
         if self == Self::Direct { Self::Caustic } else { self }
     }
 
-    /// The class after a surface, or after scattering in a medium, which counts as a surface that stores.
+    /// The kind after scattering at a surface or in a medium; media count as storing surfaces.
     pub(super) fn after(self, stores: bool) -> Self {
         match (stores, self) {
             (false, Self::Direct) => Self::Caustic,

@@ -1,88 +1,40 @@
-//! The walk of a photon.
+//! Photon tracing: paths from the lights through the scene.
 
 use super::audit::book;
-use super::{Audit, Beam, Photon, PhotonKind, PhotonSource, StoreMask, THINNING, VolumePhoton};
+use super::deposits::{Deposit, DepositPlace};
+use super::{Audit, Deposits, PhotonKind, PhotonSource, StoreMask, THINNING};
 use crate::bsdf::{Transport, deposit_factor};
-use crate::color::{self, Rgb, Wavelength};
-use crate::math::Ray;
+use crate::color::{self, Rgb};
 use crate::medium::PhaseFunction;
 use crate::sampling::{Dimension, Key};
 use crate::scene::{
     Interior, InteriorKind, InteriorStack, MediumSegment, NoInterior, PathEvent, PathRay, Scene, SpectralInterior,
-    SurfaceInteraction, SurfaceVertex,
+    SurfaceVertex,
 };
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use rand::rngs::SmallRng;
 use rayon::prelude::*;
 
-/// Optical thickness beyond which a beam is not looked at: 10⁻⁹ of it is left.
-const FAINTEST: f32 = 20.0;
-
-/// What a photon pass stored and did.
+/// Result of a photon pass.
 #[derive(Debug, Default)]
 pub struct Traced {
-    /// Stored photons of the wanted classes, in the order of their paths.
-    pub photons: Vec<Photon>,
-    /// What caustic photons became, where [`StoreMask::apart`] says so.
-    pub after_caustic: Vec<Photon>,
-    /// What was stored in media, of the classes of `photons`.
-    pub volume: Volume,
-    /// What was stored in media, of the classes of `after_caustic`.
-    pub after_volume: Volume,
-    /// Flux account.
+    /// Stored photons.
+    pub deposits: Deposits,
+    /// Energy account.
     pub audit: Audit,
-    /// Rays traced.
+    /// Number of traced rays.
     pub rays: u64,
-    /// Paths emitted.
+    /// Number of emitted paths.
     pub paths: u64,
-    /// Wanted photons that carried something but could not be stored: their flux or their place is not finite, or a channel is negative.
-    pub rejected: u64,
 }
 
-/// What was stored in media.
-#[derive(Clone, Debug, Default)]
-pub struct Volume {
-    /// Ways through homogeneous media.
-    pub beams: Vec<Beam>,
-    /// Where light was scattered.
-    pub points: Vec<VolumePhoton>,
-}
-
-impl Volume {
-    /// How much is stored.
-    #[must_use]
-    pub fn len(&self) -> usize {
-        self.beams.len() + self.points.len()
-    }
-
-    /// Whether nothing is.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-
-    fn extend(&mut self, other: Self) {
-        self.beams.extend(other.beams);
-        self.points.extend(other.points);
-    }
-}
-
-impl Traced {
-    /// How much is stored in all.
-    #[must_use]
-    pub fn stored(&self) -> usize {
-        self.photons.len() + self.after_caustic.len() + self.volume.len() + self.after_volume.len()
-    }
-}
-
-/// Light that a density estimate can use.
-pub(super) enum Deposit<'a> {
-    /// It landed on a surface.
-    SurfaceInteraction(&'a SurfaceInteraction<'a>),
-    /// It begins a way through a homogeneous medium, of this index.
-    Beam(&'a Ray, u32),
-    /// It was scattered in a medium of this index, at a place, and had travelled in a direction.
-    Point(Vec3, Vec3, u32),
+/// Totals over photon paths.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct PathTally {
+    /// Energy account.
+    pub audit: Audit,
+    /// Number of traced rays.
+    pub rays: u64,
 }
 
 /// One pass of photons from a source.
@@ -90,160 +42,128 @@ pub(super) enum Deposit<'a> {
 pub struct PhotonPass<'a> {
     /// The scene.
     pub scene: &'a Scene,
-    /// Where photons come from.
+    /// Emitter of the photon paths.
     pub source: &'a PhotonSource<'a>,
     /// Which photons are stored.
     pub mask: StoreMask,
-    /// Bounces after which a path is cut.
+    /// Number of bounces after which a path ends.
     pub max_bounces: u32,
 }
 
-/// Paths a chunk: enough to hide the cost of handing it out, few enough to keep all threads busy to the end.
+/// Paths per parallel chunk: large enough to amortise scheduling, small enough to balance the load.
 const CHUNK: u32 = 4096;
 
 impl PhotonPass<'_> {
-    /// Traces `paths` paths; `done` hears how many more are done, from any thread.
+    /// Traces `paths` photon paths; `done` receives the number of paths of each finished chunk, from any thread.
     ///
-    /// The result is the same for any number of threads: chunks are fixed and joined in order.
+    /// The result does not depend on the number of threads: chunks are fixed and concatenated in order.
     pub fn trace(&self, pass: Key, paths: u32, done: &(dyn Fn(u64) + Sync)) -> Traced {
-        match self.source.memory() {
-            InteriorKind::Spectral => self.trace_in::<SpectralInterior>(pass, paths, done),
-            InteriorKind::Bodies => self.trace_in::<InteriorStack>(pass, paths, done),
-            InteriorKind::Nothing => self.trace_in::<NoInterior>(pass, paths, done),
+        match self.source.interior_kind() {
+            InteriorKind::Spectral => self.trace_with::<SpectralInterior>(pass, paths, done),
+            InteriorKind::Bodies => self.trace_with::<InteriorStack>(pass, paths, done),
+            InteriorKind::Nothing => self.trace_with::<NoInterior>(pass, paths, done),
         }
     }
 
-    fn trace_in<I: Interior>(&self, pass: Key, paths: u32, done: &(dyn Fn(u64) + Sync)) -> Traced {
-        let chunks: Vec<Traced> = (0..paths.div_ceil(CHUNK))
+    fn trace_with<I: Interior>(&self, pass: Key, paths: u32, done: &(dyn Fn(u64) + Sync)) -> Traced {
+        let chunks: Vec<(Deposits, PathTally)> = (0..paths.div_ceil(CHUNK))
             .into_par_iter()
             .map(|chunk| {
                 let range = chunk * CHUNK..paths.min((chunk + 1).saturating_mul(CHUNK));
-                let mut traced = Traced { paths: u64::from(range.end - range.start), ..Traced::default() };
-                let Traced { photons, after_caustic, volume, after_volume, audit, rays, rejected, .. } = &mut traced;
+                let emitted = u64::from(range.end - range.start);
+                let (mut deposits, mut tally) = (Deposits::default(), PathTally::default());
                 for index in range {
-                    if let Some((walk, flux)) = self.source.emit::<I>(pass, index, paths) {
-                        let store = |class, deposit: Deposit<'_>, flux, wavelength: Option<Wavelength>| {
-                            let apart = self.mask.apart && class == PhotonKind::AfterCaustic;
-                            let (on, within) = if apart {
-                                (&mut *after_caustic, &mut *after_volume)
-                            } else {
-                                (&mut *photons, &mut *volume)
-                            };
-                            let code = wavelength.map_or(0, Wavelength::code);
-                            let stored = match deposit {
-                                Deposit::SurfaceInteraction(surface) => {
-                                    let photon =
-                                        Photon::new(surface.point.p, flux, surface.wo, surface.facing_normal());
-                                    photon.map(|photon| on.push(photon.with_wavelength(code)))
-                                }
-                                Deposit::Beam(ray, medium) => {
-                                    let length = self.end_of_beam(ray, medium);
-                                    let (start, along) = (ray.origin, ray.direction);
-                                    let beam = Beam::new(start, along, length, flux, medium, code);
-                                    // What ends where it begins has no length, and carries nothing.
-                                    beam.map(|beam| within.beams.push(beam)).or((length == 0.0).then_some(()))
-                                }
-                                Deposit::Point(p, direction, medium) => {
-                                    let photon = VolumePhoton::new(p, flux, direction, medium, code);
-                                    photon.map(|photon| within.points.push(photon))
-                                }
-                            };
-                            *rejected += u64::from(stored.is_none() && flux != Rgb::ZERO);
-                        };
-                        self.follow(walk, flux, pass.path(index), (audit, rays), store);
+                    if let Some((ray, flux)) = self.source.emit::<I>(pass, index, paths) {
+                        let key = pass.path(index);
+                        self.follow(ray, flux, key, &mut tally, |deposit| deposits.store(self, &deposit));
                     }
                 }
-                done(traced.paths);
-                traced
+                done(emitted);
+                (deposits, tally)
             })
             .collect();
-        let mut total = Traced::default();
-        total.photons.reserve_exact(chunks.iter().map(|c| c.photons.len()).sum());
-        total.after_caustic.reserve_exact(chunks.iter().map(|c| c.after_caustic.len()).sum());
-        for chunk in chunks {
-            total.photons.extend_from_slice(&chunk.photons);
-            total.after_caustic.extend_from_slice(&chunk.after_caustic);
-            total.volume.extend(chunk.volume);
-            total.after_volume.extend(chunk.after_volume);
-            total.audit += chunk.audit;
-            total.rays += chunk.rays;
-            total.paths += chunk.paths;
-            total.rejected += chunk.rejected;
+        let (chunks, tallies): (Vec<Deposits>, Vec<PathTally>) = chunks.into_iter().unzip();
+        let mut tally = PathTally::default();
+        for chunk in tallies {
+            tally.audit += chunk.audit;
+            tally.rays += chunk.rays;
         }
-        total
+        let PathTally { audit, rays } = tally;
+        Traced { deposits: Deposits::concatenate(chunks), audit, rays, paths: u64::from(paths) }
     }
 
-    /// Where a beam along `ray` ends that has nothing to end at: where next to nothing is left of it, or far outside.
-    fn end_of_beam(&self, ray: &Ray, medium: u32) -> f32 {
-        if ray.t_max.is_finite() {
-            return ray.t_max;
-        }
-        let domain = self.scene.domain();
-        let far = 2.0 * ((domain.center - ray.origin).length() + domain.radius);
-        let least = self.scene.media()[medium as usize].extinction().min_element();
-        if least > 0.0 { (FAINTEST / least).min(far) } else { far }
-    }
-
-    /// Follows one photon until it is absorbed, escapes or is stopped. `deposit` hears of all light of a wanted class where a
-    /// density estimate can use it, with its flux \[W] and its wavelength.
+    /// Follows one photon path until it is absorbed, escapes or is stopped.
+    ///
+    /// `deposit` receives all flux of stored kinds that a density estimate can use.
     #[inline]
     pub(super) fn follow<I: Interior>(
         &self,
-        mut walk: PathRay<I>,
+        mut ray: PathRay<I>,
         mut flux: Rgb,
         path: Key,
-        (audit, rays): (&mut Audit, &mut u64),
-        mut deposit: impl FnMut(PhotonKind, Deposit<'_>, Rgb, Option<Wavelength>),
+        tally: &mut PathTally,
+        mut deposit: impl FnMut(Deposit<'_>),
     ) {
-        let mut class = PhotonKind::Direct;
+        let PathTally { audit, rays } = tally;
+        let mut kind = PhotonKind::Direct;
         book(&mut audit.emitted, flux);
         for bounce in 0.. {
             *rays += 1;
             let key = path.bounce(bounce);
-            let sent = flux;
-            let mut phase = PhaseFunction::Isotropic;
-            let step = if I::IMMERSED {
-                let (mut rng, mut passed) = (key.rng(), DVec3::ONE);
-                let step = walk.next_vertex(self.scene, key, |stretch| {
-                    let class = if stretch.crossed { class.beyond_casters() } else { class };
-                    phase = stretch.medium.phase;
-                    self.through(stretch, class, flux, &mut passed, &mut rng, &mut deposit)
+
+            // Find the next vertex, and deposit in media on the way.
+            let emitted = flux;
+            let mut phase_function = PhaseFunction::Isotropic;
+            let event = if I::IMMERSED {
+                let (mut rng, mut weight) = (key.rng(), DVec3::ONE);
+                let event = ray.next_vertex(self.scene, key, |segment| {
+                    let kind = if segment.crossed { kind.beyond_casters() } else { kind };
+                    phase_function = segment.medium.phase;
+                    self.sample_segment(segment, kind, flux, &mut weight, &mut rng, &mut deposit)
                 });
-                flux *= passed.as_vec3();
-                step
+                flux *= weight.as_vec3();
+                event
             } else {
-                walk.next_vertex(self.scene, key, |_| None)
+                ray.next_vertex(self.scene, key, |_| None)
             };
-            if flux != sent {
-                book(&mut audit.absorbed, sent - flux);
+            if flux != emitted {
+                book(&mut audit.absorbed, emitted - flux);
             }
-            let (surface, transmittance, crossed) = match step {
+            let (surface, transmittance, crossed) = match event {
                 PathEvent::Escaped { .. } => return book(&mut audit.escaped, flux),
                 PathEvent::Surface(SurfaceVertex { surface, transmittance, crossed, .. }) => {
                     (Some(surface), transmittance, crossed)
                 }
                 PathEvent::Scattered { transmittance, crossed } => (None, transmittance, crossed),
             };
-            let left = flux * transmittance;
-            book(&mut audit.absorbed, flux - left);
-            flux = left;
+
+            // Attenuate the flux by interiors.
+            let transmitted = flux * transmittance;
+            book(&mut audit.absorbed, flux - transmitted);
+            flux = transmitted;
             if crossed {
-                class = class.beyond_casters();
+                kind = kind.beyond_casters();
             }
 
+            // Deposit on a surface.
             let stores = surface.as_ref().is_none_or(|surface| surface.bsdf.stores_photons());
             if let Some(surface) = &surface
                 && stores
-                && self.mask.has(class)
+                && self.mask.has(kind)
             {
-                let landed = flux * deposit_factor(surface.wo, surface.point.ns, surface.point.ng);
-                deposit(class, Deposit::SurfaceInteraction(surface), landed, walk.inside.wavelength());
+                let flux = flux * deposit_factor(surface.wo, surface.point.ns, surface.point.ng);
+                let wavelength = ray.inside.wavelength();
+                deposit(Deposit { kind, place: DepositPlace::Surface(surface), flux, wavelength });
             }
-            let next = class.after(stores);
-            if bounce == self.max_bounces || !self.mask.may_follow(next) {
+
+            // Stop if no stored kind can follow.
+            let next_kind = kind.after(stores);
+            if bounce == self.max_bounces || !self.mask.may_follow(next_kind) {
                 return book(&mut audit.stopped, flux);
             }
-            if self.mask.apart && class == PhotonKind::Caustic && stores {
+
+            // Thin paths that continue after a caustic.
+            if self.mask.apart && kind == PhotonKind::Caustic && stores {
                 book(&mut audit.roulette, flux);
                 if key.uniform(Dimension::Worth) * THINNING as f32 >= 1.0 {
                     return;
@@ -252,7 +172,7 @@ impl PhotonPass<'_> {
                 book(&mut audit.roulette, -flux);
             }
 
-            // Scatter.
+            // Sample the next direction.
             let before = color::mean(flux);
             let ratio = if let Some(surface) = &surface {
                 let (lobe, u) = (key.uniform(Dimension::BsdfLobe), key.uniform_2d(Dimension::BsdfDirection));
@@ -260,65 +180,64 @@ impl PhotonPass<'_> {
                     return book(&mut audit.absorbed, flux);
                 };
                 let adjoint = sample.adjoint(surface.wo, surface.point.ns, surface.point.ng);
-                let chosen = walk.leave(surface, sample.wi, sample.transmitted);
-                let scattered = flux * sample.weight * adjoint * chosen;
+                let interior_weight = ray.leave(surface, sample.wi, sample.transmitted);
+                let scattered = flux * sample.weight * adjoint * interior_weight;
                 book(&mut audit.absorbed, flux - scattered);
                 flux = scattered;
                 color::mean(scattered) / before
             } else {
-                let (direction, _) = phase.sample(walk.ray.direction, key.uniform_2d(Dimension::Phase));
-                walk.turn(direction);
-                // What was absorbed on the way is no loss of this moment, but roulette may have its say.
-                before / color::mean(sent)
+                let (direction, _) = phase_function.sample(ray.ray.direction, key.uniform_2d(Dimension::Phase));
+                ray.turn(direction);
+                // Absorption along the segment counts for Russian roulette.
+                before / color::mean(emitted)
             };
 
-            // Roulette on the ratio of throughputs keeps stored photons alike in power.
+            // Russian roulette by the throughput ratio keeps the fluxes of stored photons similar.
             if ratio.is_nan() || key.uniform(Dimension::Roulette) >= ratio {
                 return book(&mut audit.roulette, flux);
             }
             let kept = flux / ratio.min(1.0);
             book(&mut audit.roulette, flux - kept);
             flux = kept;
-            class = next;
+            kind = next_kind;
         }
     }
 
-    /// Takes `flux` through a stretch of a medium, and tells where it is scattered, if it is. `passed` is what it is multiplied by for the
-    /// stretches before.
+    /// Samples the scattering distance of `flux` in a medium segment; `None` if the flux passes through.
+    ///
+    /// `weight` is the product of the weights of all segments since the last vertex.
     #[inline]
-    fn through<I: Interior>(
+    fn sample_segment<I: Interior>(
         &self,
-        stretch: &MediumSegment<'_, I>,
-        class: PhotonKind,
+        segment: &MediumSegment<'_, I>,
+        kind: PhotonKind,
         flux: Rgb,
-        passed: &mut DVec3,
+        weight: &mut DVec3,
         rng: &mut SmallRng,
-        deposit: &mut impl FnMut(PhotonKind, Deposit<'_>, Rgb, Option<Wavelength>),
+        deposit: &mut impl FnMut(Deposit<'_>),
     ) -> Option<f32> {
-        let MediumSegment { ray, medium, index, .. } = stretch;
-        let wavelength = stretch.inside.wavelength();
+        let MediumSegment { ray, medium, index, .. } = segment;
+        let wavelength = segment.inside.wavelength();
         if !medium.scatters() {
-            *passed *= medium.transmittance_f64(ray, ray.t_max, rng);
+            *weight *= medium.transmittance_f64(ray, ray.t_max, rng);
             return None;
         }
-        let stored = self.mask.has_in_media(class);
+        let stored = self.mask.has_in_media(kind);
         let as_beam = self.mask.beams && medium.is_homogeneous();
         if stored && as_beam {
-            deposit(class, Deposit::Beam(ray, *index), flux * passed.as_vec3() * stretch.left, wavelength);
+            let flux = flux * weight.as_vec3() * segment.left;
+            deposit(Deposit { kind, place: DepositPlace::Beam { ray, medium: *index }, flux, wavelength });
         }
-        let distance_sample = medium.distance_sample(ray, ray.t_max, flux * passed.as_vec3(), rng);
-        *passed *= distance_sample.weight.as_dvec3();
-        if let Some(t) = distance_sample.scattered
+        let sample = medium.distance_sample(ray, ray.t_max, flux * weight.as_vec3(), rng);
+        *weight *= sample.weight.as_dvec3();
+        if let Some(t) = sample.scattered
             && stored
             && !as_beam
         {
-            deposit(
-                class,
-                Deposit::Point(ray.at(t), ray.direction, *index),
-                flux * passed.as_vec3() * stretch.left,
-                wavelength,
-            );
+            let flux = flux * weight.as_vec3() * segment.left;
+            let place = DepositPlace::Point { position: ray.at(t), direction: ray.direction, medium: *index };
+            deposit(Deposit { kind, place, flux, wavelength });
         }
-        distance_sample.scattered
+        sample.scattered
     }
 }

@@ -360,7 +360,7 @@ impl SceneBuilder {
             sources: sources
                 .map(|((kind, strength, motion), i)| {
                     let motion = motion.followed_by(back);
-                    (i, *kind, constant_strength(kind, *strength, &motion), motion)
+                    (i, kind.clone(), constant_strength(kind, *strength, &motion), motion)
                 })
                 .collect(),
             camera: self.moving_camera.as_ref().map(|motion| (still, motion.about(still.center()))),

@@ -2,7 +2,7 @@
 
 use super::LegacyLight;
 use crate::color::Rgb;
-use crate::light::{DirectionalLight, Light, PointLight, SpotLight};
+use crate::light::{DirectionalLight, Light, OrientedSource, PointLight, SpotLight};
 use crate::math::{Sphere, Transform};
 use glam::{DVec3, Vec3};
 use std::f32::consts::PI;
@@ -19,7 +19,7 @@ pub enum LightStrength {
 }
 
 /// A light without a surface.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub enum SourceKind {
     /// Everywhere alike from a place.
     Point {
@@ -37,6 +37,8 @@ pub enum SourceKind {
         /// Half angle where it ends \[radians].
         outer: f64,
     },
+    /// A point light with an orientation: a projector or a goniometric light.
+    Oriented(OrientedSource),
     /// Parallel.
     Directional {
         /// Direction of travel, of any length above zero.
@@ -50,6 +52,7 @@ impl SourceKind {
     pub fn place(&self) -> Option<DVec3> {
         match *self {
             Self::Point { position } | Self::Spot { position, .. } => Some(position),
+            Self::Oriented(ref source) => Some(source.position),
             Self::Directional { .. } => None,
         }
     }
@@ -62,6 +65,7 @@ impl SourceKind {
             Self::Spot { position, axis, inner, outer } => {
                 Self::Spot { position: map.point(position), axis: map.vector(axis), inner, outer }
             }
+            Self::Oriented(ref source) => Self::Oriented(source.transformed(map)),
             Self::Directional { direction } => Self::Directional { direction: map.vector(direction) },
         }
     }
@@ -104,6 +108,11 @@ pub(super) fn resolve_source(kind: &SourceKind, strength: LightStrength, middle:
             let (peak, color) = to_intensity(position, 1.0 / spot.flux().x);
             spot.peak = peak;
             (Light::Spot(spot), LegacyLight::Point(place, color))
+        }
+        SourceKind::Oriented(source) => {
+            let place = (source.position - middle).as_vec3();
+            let (scale, color) = to_intensity(&source.position, source.scale_per_power());
+            (source.light(place, scale), LegacyLight::Point(place, color))
         }
         SourceKind::Directional { direction } => {
             let (irradiance, color) = match strength {

@@ -25,7 +25,7 @@ fn picture(scene: &Scene, algorithm: Algorithm, samples: u32, passes: u32, effec
 /// Returns the first hit of a ray in the coordinates of the description.
 fn hit(scene: &Scene, from: DVec3, direction: DVec3) -> (Hit, Ray) {
     let ray = Ray::new((from - scene.middle()).as_vec3(), direction.normalize().as_vec3());
-    (scene.intersect(&ray).expect("the ray meets something"), ray)
+    (scene.intersect(&ray).expect("the ray hits an object"), ray)
 }
 
 fn surface(scene: &Scene, from: DVec3, direction: DVec3) -> SurfaceInteraction<'_> {
@@ -228,8 +228,8 @@ fn masks_select_material_by_position() {
 fn textures_move_with_their_object() {
     let of = |maps: &str, object: &str| {
         scene(&format!(
-            "{CAMERA} Textures {{ Checker t {{ }}  Checker glow {{ scale 8 8 }} }}
-             Materials {{ Diffuse {{ reflectance t  emission glow }} }} Group {{ MaterialIndex 0  Plane {{ normal 0 1 0  offset -90  emission 0 0 0 }} {maps} {object} }} }}"
+            "{CAMERA} Textures {{ Checker t {{ }}  Checker lit {{ scale 8 8 }} }}
+             Materials {{ Diffuse {{ reflectance t  emission lit }} }} Group {{ MaterialIndex 0  Plane {{ normal 0 1 0  offset -90  emission 0 0 0 }} {maps} {object} }} }}"
         ))
     };
     for object in [

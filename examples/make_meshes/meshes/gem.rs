@@ -1,4 +1,4 @@
-//! Round brilliants: 57 facets and the girdle, cut as a jeweller does, by one plane after another.
+//! Round brilliants: 57 facets and the girdle, cut like a gemstone, plane by plane.
 
 use std::f64::consts::{FRAC_PI_8, TAU};
 
@@ -6,16 +6,19 @@ use glam::{DVec2, DVec3};
 
 use super::mesh::Mesh;
 
-/// Tolkowsky's proportions (Diamond Design, 1919): angles of the mains in degrees and the table's radius over the girdle's.
+/// Tolkowsky's proportions (Diamond Design, 1919): angles of the main facets \[degrees] and the
+/// table's radius over the girdle's.
 const CROWN_DEGREES: f64 = 34.5;
 const PAVILION_DEGREES: f64 = 40.75;
 const TABLE_RADIUS: f64 = 0.53;
-/// Half the girdle's height where the mains touch it.
+/// Half the girdle's height where the main facets touch it.
 const GIRDLE: f64 = 0.03;
-/// How far the stars reach from the table's edge to the girdle, and the lower halves from the girdle to the axis.
+/// Extent of the star facets from the table's edge towards the girdle, and of the lower halves from
+/// the girdle towards the axis.
 const STAR_REACH: f64 = 0.5;
 const LOWER_HALF_REACH: f64 = 0.77;
-/// Sides of a round girdle and of a faceted one: multiples of 16, so that corners of the outline lie where halves meet.
+/// Numbers of sides of a round girdle and of a faceted one: multiples of 16, so that corners of the
+/// outline lie where halves touch.
 const ROUND_SIDES: usize = 96;
 const FACETED_SIDES: usize = 16;
 
@@ -26,7 +29,7 @@ struct Plane {
 }
 
 impl Plane {
-    /// Through three points, with the origin inside.
+    /// Returns the plane through three points whose half-space contains the origin.
     fn through(a: DVec3, b: DVec3, c: DVec3) -> Self {
         let n = (b - a).cross(c - a).normalize();
         let n = if n.dot(a) < 0.0 { -n } else { n };
@@ -34,12 +37,12 @@ impl Plane {
     }
 }
 
-/// The stone, girdle of radius 1 about y = 0, table up.
+/// Returns the stone with many sides: girdle of radius 1 about y = 0, table up.
 pub fn gem() -> Mesh {
     cut("Round brilliant cut: 57 flat facets and a girdle of 96", ROUND_SIDES)
 }
 
-/// The same of few triangles, with a girdle of flat facets.
+/// Returns the stone with few triangles and a girdle of flat facets.
 pub fn brilliant() -> Mesh {
     cut("Brilliant cut: 57 flat facets and a girdle of 16", FACETED_SIDES)
 }
@@ -52,7 +55,7 @@ fn cut(title: &'static str, sides: usize) -> Mesh {
         let others = planes.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, other)| other);
         let mut face: Vec<usize> = Vec::new();
         for p in facet(plane, others) {
-            // Facets that meet in one point compute it to within rounding.
+            // Facets that share a corner compute it up to rounding.
             let found = known.iter().find(|(q, _)| q.distance(p) < 1e-9).map(|(_, index)| *index);
             let index = found.unwrap_or_else(|| {
                 let index = mesh.position(p);
@@ -76,7 +79,8 @@ fn planes(sides: usize) -> Vec<Plane> {
     let crown_slope = libm::tan(CROWN_DEGREES.to_radians());
     let pavilion_slope = libm::tan(PAVILION_DEGREES.to_radians());
     let table_height = GIRDLE + (1.0 - TABLE_RADIUS) * crown_slope;
-    // Neighbouring mains meet half-way between their azimuths; there the tips of stars and lower halves lie.
+    // Adjacent main facets touch half-way between their azimuths. The tips of stars and lower
+    // halves lie there.
     let half_way = libm::cos(FRAC_PI_8);
     let star_radius = (1.0 - STAR_REACH) * TABLE_RADIUS * half_way + STAR_REACH;
     let star_height = GIRDLE + (1.0 - star_radius * half_way) * crown_slope;
@@ -106,7 +110,8 @@ fn planes(sides: usize) -> Vec<Plane> {
     planes
 }
 
-/// What the other planes leave of a plane: a convex polygon, counterclockwise seen from outside (Sutherland and Hodgman 1974).
+/// Returns the convex polygon that the other planes leave of a plane, counterclockwise seen from
+/// outside (Sutherland and Hodgman 1974).
 fn facet<'a>(plane: &Plane, others: impl Iterator<Item = &'a Plane>) -> Vec<DVec3> {
     let (u, v) = plane.n.any_orthonormal_pair();
     let corners = [(-2.0, -2.0), (2.0, -2.0), (2.0, 2.0), (-2.0, 2.0)];

@@ -7,7 +7,7 @@ use glam::dvec2;
 use super::mesh::Mesh;
 use super::profile::Profile;
 
-/// The glass, standing on y = 0, about 2 high, one closed smooth surface.
+/// Returns the glass, standing on y = 0, about 2 high, as one closed smooth surface.
 pub fn goblet() -> Mesh {
     profile().revolve(Mesh::new("Wine glass, one closed surface with a wall", 5, 4), 112)
 }

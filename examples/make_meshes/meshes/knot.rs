@@ -6,14 +6,15 @@ use glam::DVec3;
 
 use super::mesh::Mesh;
 
-/// The knot lies on a torus about the y-axis with these radii, and the tube is this thick: .98 in all.
+/// Radii of the torus about the y-axis that carries the knot. With the tube's radius they reach
+/// .98.
 const MAJOR: f64 = 0.56;
 const MINOR: f64 = 0.26;
 const TUBE: f64 = 0.16;
 const ALONG: usize = 320;
 const AROUND: usize = 40;
 
-/// The trefoil (2, 3) about the origin.
+/// Returns the trefoil (2, 3) about the origin.
 pub fn knot() -> Mesh {
     let mut mesh = Mesh::new("Trefoil knot, a smooth tube", 5, 4);
     let mut corners = Vec::new();
@@ -28,7 +29,8 @@ pub fn knot() -> Mesh {
             3.0 * MINOR * cos3,
             -3.0 * MINOR * sin3 * sin2 + 2.0 * radius * cos2,
         );
-        // The torus's normal is at right angles to every curve on it, so it frames the tube and closes without a twist.
+        // The torus's normal is perpendicular to every curve on it. So it frames the tube, which
+        // closes without a twist.
         let normal = DVec3::new(cos3 * cos2, sin3, cos3 * sin2);
         let binormal = tangent.normalize().cross(normal);
         for j in 0..AROUND {

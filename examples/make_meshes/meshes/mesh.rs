@@ -14,8 +14,8 @@ pub struct Corner {
 
 /// A mesh of convex polygons, counterclockwise seen from outside.
 ///
-/// Positions are shared by all faces that meet there, so that the surface is closed by its indices; normals are indexed
-/// apart, so that an edge may be sharp.
+/// Adjacent faces share positions, so that the surface is closed by its indices. Normals have their
+/// own indices, so that an edge may be sharp.
 pub struct Mesh {
     title: &'static str,
     position_digits: usize,
@@ -27,7 +27,7 @@ pub struct Mesh {
 }
 
 impl Mesh {
-    /// An empty mesh. Digits are those after the decimal point in the file.
+    /// Returns an empty mesh. The digits are those after the decimal point in the file.
     pub fn new(title: &'static str, position_digits: usize, normal_digits: usize) -> Self {
         Self {
             title,
@@ -46,7 +46,8 @@ impl Mesh {
         self.positions.len() - 1
     }
 
-    /// Adds a normal of any length, or finds one that the file cannot tell from it, and returns its index.
+    /// Returns the index of a normal of any length, adding it unless the file already has an equal
+    /// one.
     pub fn normal(&mut self, n: DVec3) -> usize {
         let line = line("vn", n.normalize(), self.normal_digits);
         let next = self.normals.len();
@@ -66,12 +67,12 @@ impl Mesh {
         self.faces.push(positions.iter().map(|&position| Corner { position, normal: None }).collect());
     }
 
-    /// Triangles after each polygon is split into a fan.
+    /// Returns the number of triangles after each polygon is split into a fan.
     pub fn triangle_count(&self) -> usize {
         self.faces.iter().map(|face| face.len() - 2).sum()
     }
 
-    /// The text of the OBJ file.
+    /// Returns the text of the OBJ file.
     pub fn to_obj(&self) -> String {
         let mut text = format!("# {}. Made by examples/make_meshes.\n", self.title);
         for &p in &self.positions {
@@ -100,7 +101,7 @@ fn line(keyword: &str, v: DVec3, digits: usize) -> String {
     format!("{keyword} {x} {y} {z}\n")
 }
 
-/// A decimal without trailing zeros or a negative zero.
+/// Returns a decimal without trailing zeros or a negative zero.
 fn number(value: f64, digits: usize) -> String {
     let text = format!("{value:.digits$}");
     let text = if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { &text };

@@ -1,4 +1,4 @@
-//! The generators, one file a mesh.
+//! Mesh generators, one file each.
 
 mod gem;
 mod goblet;

@@ -6,8 +6,11 @@ use super::mesh::Mesh;
 
 const CELLS: usize = 90;
 const DEPTH: f64 = 0.5;
-/// Waves: amplitude, wave numbers along x and z, phase. A crest of curvature κ focuses light from above n / ((n - 1) κ) below
-/// it, 4 / κ in water. Curvatures, sums of amplitude times wave number squared, reach 11, so foci lie on both sides of the floor.
+/// Waves: amplitude, wave numbers along x and z, phase.
+///
+/// A crest of curvature κ focuses light from above n / ((n - 1) κ) below it, 4 / κ in water.
+/// Curvatures, sums of amplitude times squared wave number, reach 11, so foci lie on both sides of
+/// the floor.
 const WAVES: [(f64, f64, f64, f64); 5] = [
     (0.0120, 7.1, 5.2, 0.4),
     (0.0100, -8.8, 11.1, 1.9),
@@ -16,10 +19,10 @@ const WAVES: [(f64, f64, f64, f64); 5] = [
     (0.0045, -24.2, -13.6, 0.9),
 ];
 
-/// The place in the grid of the vertex so many cells along a side.
+/// Maps a number of cells along a side to the grid position of a vertex.
 type Side = fn(usize) -> (usize, usize);
 
-/// The block: x and z in [-1, 1], bottom at y = 0, waves about y = 0.5.
+/// Returns the block: x and z in [-1, 1], bottom at y = 0, waves about y = 0.5.
 pub fn pool() -> Mesh {
     let mut mesh = Mesh::new("Block of water with waves", 5, 5);
     let coordinate = |i: usize| -1.0 + 2.0 * i as f64 / CELLS as f64;
@@ -66,7 +69,7 @@ pub fn pool() -> Mesh {
     mesh
 }
 
-/// Height of the water over (x, z) and its upward normal.
+/// Returns the water's height at (x, z) and its upward normal.
 fn surface(x: f64, z: f64) -> (f64, DVec3) {
     let (mut height, mut normal) = (DEPTH, DVec3::Y);
     for (amplitude, kx, kz, phase) in WAVES {

@@ -1,4 +1,4 @@
-//! Profiles in the half-plane (r, y) and the solids that they sweep around the y-axis.
+//! Profiles in the half-plane (r, y), and the solids of revolution that they bound.
 
 use std::f64::consts::TAU;
 
@@ -9,17 +9,17 @@ use super::mesh::Mesh;
 /// A point of a profile.
 #[derive(Clone, Copy)]
 pub struct Sample {
-    /// Distance from the axis, height.
+    /// Distance from the axis, and height.
     pub point: DVec2,
     /// Unit direction of travel.
     pub tangent: DVec2,
-    /// Which `line_to`, `cubic_to` or `arc` of the profile it belongs to, from 0.
+    /// Index of its `line_to`, `cubic_to` or `arc` in the profile, from 0.
     pub segment: usize,
 }
 
-/// A curve travelled with the solid on its left: from the bottom outwards, up the outside, down the inside.
+/// A curve with the solid on its left: from the bottom outwards, up the outside, down the inside.
 ///
-/// It is smooth inside a piece; a new piece starts at each corner, with the corner's point repeated.
+/// It is smooth inside a piece. A new piece starts at each corner and repeats the corner's point.
 pub struct Profile {
     pieces: Vec<Vec<Sample>>,
     end: DVec2,
@@ -27,18 +27,18 @@ pub struct Profile {
 }
 
 impl Profile {
-    /// A profile that starts at (r, y).
+    /// Starts a profile at (r, y).
     pub fn new(r: f64, y: f64) -> Self {
         Self { pieces: Vec::new(), end: dvec2(r, y), segments: 0 }
     }
 
-    /// A straight line in `steps` equal steps.
+    /// Appends a straight line in `steps` equal steps.
     pub fn line_to(self, r: f64, y: f64, steps: usize) -> Self {
         let (start, end) = (self.end, dvec2(r, y));
         self.extend(steps, |t| (start.lerp(end, t), end - start))
     }
 
-    /// A cubic Bézier curve with the inner control points `b` and `c`.
+    /// Appends a cubic Bézier curve with the inner control points `b` and `c`.
     pub fn cubic_to(self, b: DVec2, c: DVec2, d: DVec2, steps: usize) -> Self {
         let a = self.end;
         self.extend(steps, |t| {
@@ -48,7 +48,8 @@ impl Profile {
         })
     }
 
-    /// A circular arc about the centre `c` by a signed angle in radians, counterclockwise positive.
+    /// Appends a circular arc about the center `c` by a signed angle \[rad], counterclockwise
+    /// positive.
     pub fn arc(self, c: DVec2, angle: f64, steps: usize) -> Self {
         let start = self.end - c;
         self.extend(steps, |t| {
@@ -57,7 +58,7 @@ impl Profile {
         })
     }
 
-    /// Where the profile ends now, and its unit direction there.
+    /// Returns the profile's current end and the unit direction there.
     pub fn end(&self) -> (DVec2, DVec2) {
         let tangent = self.pieces.last().and_then(|piece| piece.last()).map_or(DVec2::ZERO, |s| s.tangent);
         (self.end, tangent)
@@ -69,7 +70,8 @@ impl Profile {
             let sample = Sample { point, tangent: direction.normalize(), segment: self.segments };
             match self.pieces.last_mut() {
                 Some(piece) if step > 0 => piece.push(sample),
-                // Travelling on in the same direction repeats the end of the last segment; else a corner starts a piece.
+                // A segment in the same direction continues the piece and repeats its end.
+                // Otherwise a corner starts a new piece.
                 Some(piece) if piece.last().is_some_and(|s| s.tangent.dot(sample.tangent) > 1.0 - 1e-9) => {}
                 _ => self.pieces.push(vec![sample]),
             }
@@ -79,7 +81,8 @@ impl Profile {
         self
     }
 
-    /// Sweeps the profile around the y-axis in `around` steps; it must be closed or start and end on the axis.
+    /// Sweeps the profile around the y-axis in `around` steps. It must be closed, or start and end
+    /// on the axis.
     pub fn revolve(&self, mesh: Mesh, around: usize) -> Mesh {
         self.revolve_with(mesh, around, |sample, angle| {
             let (sin, cos) = libm::sincos(angle);
@@ -88,8 +91,10 @@ impl Profile {
         })
     }
 
-    /// As [`Profile::revolve`], with the position and outward normal at a sample and an angle given by `surface`, which
-    /// must leave samples on the axis there.
+    /// Sweeps the profile like [`Profile::revolve`]; `surface` returns position and outward normal
+    /// at a sample and an angle.
+    ///
+    /// `surface` must keep samples on the axis there.
     pub fn revolve_with(
         &self,
         mut mesh: Mesh,

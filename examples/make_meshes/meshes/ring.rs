@@ -1,4 +1,4 @@
-//! A band for a finger: the light inside it draws a nephroid.
+//! A finger ring: light inside it forms a nephroid.
 
 use std::f64::consts::FRAC_PI_2;
 
@@ -12,7 +12,7 @@ const OUTER: f64 = 1.08;
 const HEIGHT: f64 = 0.8;
 const EDGE_RADIUS: f64 = 0.02;
 
-/// The band around the y-axis, standing on y = 0, with rounded edges.
+/// Returns the band around the y-axis, standing on y = 0, with rounded edges.
 pub fn ring() -> Mesh {
     profile().revolve(Mesh::new("Band with rounded edges", 6, 6), 512)
 }

@@ -1,4 +1,5 @@
-//! A fluted vase: the outside ripples around the axis and twists with height, the inside is round, so that each flute is a lens.
+//! A fluted vase. Its outside ripples around the axis and twists with height; the inside is round,
+//! so that each flute is a lens.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -8,16 +9,16 @@ use super::mesh::Mesh;
 use super::profile::{Profile, Sample};
 
 const FLUTES: f64 = 12.0;
-/// Depth of the flutes, either way of the profile.
+/// Depth of the flutes, to either side of the profile.
 const DEPTH: f64 = 0.022;
-/// Radians that the flutes turn per unit of height.
+/// Rotation of the flutes \[rad] per unit of height.
 const TWIST: f64 = 0.55;
-/// The flutes swell from the first height and die away at the second.
+/// Heights between which the flutes rise and vanish.
 const SPAN: (f64, f64) = (0.04, 1.44);
-/// The segments of the profile that form the outside.
+/// Segments of the profile that form the outside.
 const OUTSIDE: std::ops::RangeInclusive<usize> = 2..=4;
 
-/// The vase, standing on y = 0, about 1.8 high, one closed smooth surface.
+/// Returns the vase, standing on y = 0, about 1.8 high, as one closed smooth surface.
 pub fn vase() -> Mesh {
     profile().revolve_with(Mesh::new("Fluted vase, one closed surface with a wall", 5, 4), 168, fluted)
 }
@@ -39,7 +40,8 @@ fn profile() -> Profile {
         .cubic_to(dvec2(0.45, 0.34), dvec2(0.28, 0.11), dvec2(0.0, 0.11), 9)
 }
 
-/// Radius R(y, θ) = r + A(y) cos(Nθ + Ty) on the outside; the normal is the cross product of the two derivatives.
+/// Returns a point of the outside, at radius R(y, θ) = r + A(y) cos(Nθ + Ty), and its normal, the
+/// cross product of the two derivatives.
 fn fluted(sample: &Sample, angle: f64) -> (DVec3, DVec3) {
     let (p, t) = (sample.point, sample.tangent);
     let (amplitude, slope) = if OUTSIDE.contains(&sample.segment) { swell(p.y) } else { (0.0, 0.0) };
@@ -58,7 +60,8 @@ fn fluted(sample: &Sample, angle: f64) -> (DVec3, DVec3) {
     (position, along.cross(around))
 }
 
-/// Amplitude of the flutes at a height and its derivative: sin² over the span, so both vanish at its ends.
+/// Returns the flutes' amplitude at a height and its derivative: sin² over the span, so both vanish
+/// at its ends.
 fn swell(y: f64) -> (f64, f64) {
     let (low, high) = SPAN;
     if y <= low || y >= high {

@@ -1,11 +1,12 @@
-//! What fills the wine glass to where it is widest.
+//! The wine that fills the glass up to its widest height.
 
 use glam::dvec2;
 
 use super::mesh::Mesh;
 use super::profile::Profile;
 
-/// The wine, in the place of the glass of `goblet.obj`; a film of air keeps it from the wall, for no surface is both's.
+/// Returns the wine, placed like the glass of `goblet.obj`. A film of air separates it from the
+/// glass, so that no surface belongs to both.
 pub fn wine() -> Mesh {
     profile().revolve(Mesh::new("Wine for the wine glass", 5, 4), 64)
 }

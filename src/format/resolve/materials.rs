@@ -6,7 +6,7 @@ use crate::bsdf::{METALS, metal};
 use crate::color::{GLASSES, Glass, Rgb, glass};
 use crate::format::SceneError;
 use crate::format::description::{Emission, MaterialKind, Metal, Refraction, Spanned};
-use crate::format::parser::nearest;
+use crate::format::language::nearest;
 use crate::scene::{Body, Coat, Material, PhongAppearance};
 
 impl Resolver<'_> {

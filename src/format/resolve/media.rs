@@ -38,7 +38,7 @@ impl Resolver<'_> {
         let (absorption, scattering, emission) = (rgb(absorption), rgb(scattering), rgb(described.emission));
         Ok(match self.field(described)? {
             None => Medium::homogeneous(absorption, scattering, emission, phase),
-            Some(field) => Medium::varied(absorption, scattering, emission, phase, Arc::new(field)),
+            Some(field) => Medium::heterogeneous(absorption, scattering, emission, phase, Arc::new(field)),
         })
     }
 

@@ -26,6 +26,13 @@ fn the_reference_holds_whole_scenes() {
 }
 
 #[test]
+fn the_reference_tables_are_those_of_the_program() {
+    let page = include_str!("../../../docs/scene-language.md");
+    assert!(super::with_reference(page) == page, "run `cargo run --example scene_language`");
+    assert_eq!(page.matches("<!-- reference: ").count(), 7);
+}
+
+#[test]
 fn a_description_prints_in_one_form() {
     let text = "Group{MaterialName\"a b\"Transform{Rotate{0 0 1 90}Sphere{radius 1e-7center 1 -0.5 1e20}}}";
     let camera = "PerspectiveCamera{lookAt 0 0 0center 0 0 1angle 9}Materials{Mirror\"a b\"{}}";

@@ -1,12 +1,15 @@
-//! Whether draws follow stated densities over directions.
+//! Chi-square test of sampled directions against a pdf.
 
 use super::key;
 use crate::math::Frame;
 use crate::sampling::Dimension;
 use glam::{Vec2, Vec3};
 
-/// Probability of a chi-square as large by chance, over `expected` counts with as many degrees of freedom as cells less one.
-/// Cells with fewer than ten expected draws are pooled, for which the distribution would not hold.
+/// p value of Pearson's chi-square test of `counts` against `expected`, with one degree of freedom
+/// less than cells.
+///
+/// Cells with fewer than ten expected samples are pooled: the chi-square distribution does not hold
+/// for them.
 pub fn p_value(counts: &[f64], expected: &[f64]) -> f64 {
     let (mut chi2, mut cells, mut pool) = (0.0, 0, (0.0, 0.0));
     let mut add = |count: f64, mean: f64| {
@@ -32,12 +35,12 @@ pub fn p_value(counts: &[f64], expected: &[f64]) -> f64 {
     0.5 * libm::erfc(z / std::f64::consts::SQRT_2)
 }
 
-/// The threshold for each of `tests` so that all together fail once in a hundred by chance (Šidák).
+/// Significance level of each of `tests` for a total false alarm rate of 1 % (Šidák).
 pub fn sidak(tests: usize) -> f64 {
     1.0 - libm::pow(0.99, 1.0 / tests as f64)
 }
 
-/// The directions within a cone, in cells of equal solid angle.
+/// A cone of directions in cells of equal solid angle.
 pub struct Cells {
     frame: Frame,
     one_minus_cos: f64,
@@ -47,15 +50,17 @@ const RINGS: usize = 16;
 const SECTORS: usize = 24;
 /// Steps along each side of a cell, each with its midpoint.
 const STEPS: usize = 32;
-/// Midpoints along each side of a step in which the density changes, as at an edge of the light. A straight edge along the grid then costs at worst
-/// 1/(2 · 32 · 16) = 0.1 % of a full cell: 5 of 5,000 draws, a fourteenth of their deviation.
+/// Midpoints along each side of a step in which the pdf changes, as at an edge of the light.
+///
+/// A straight edge along the grid costs at worst 1/(2 · 32 · 16) = 0.1 % of a cell: 5 of 5000
+/// samples, 1/14 of their standard deviation.
 const FINER: usize = 16;
-/// Error of the sum over all cells: 0.1 % where half of them are crossed by an edge.
+/// Error of the integral: 0.1 % if an edge crosses half of the cells.
 pub const INTEGRAL_ERROR: f64 = 5e-4;
 const DRAWS: u64 = 300_000;
 
 impl Cells {
-    /// Around `axis`, to `half_angle` \[radians].
+    /// A cone around `axis` with half angle `half_angle` \[radians].
     pub fn new(axis: Vec3, half_angle: f64) -> Self {
         Self { frame: Frame::around(axis.normalize()), one_minus_cos: 1.0 - libm::cos(half_angle) }
     }
@@ -69,7 +74,7 @@ impl Cells {
         (ring < RINGS as f64).then(|| ring as usize * SECTORS + (sector as usize).min(SECTORS - 1))
     }
 
-    /// The direction at fractions of the rings and of the sectors.
+    /// Direction at fractions of rings and sectors.
     fn direction(&self, ring: f64, sector: f64) -> Vec3 {
         let drop = self.one_minus_cos * ring;
         let (sin, cos) = libm::sincos((sector - 0.5) * std::f64::consts::TAU);
@@ -77,7 +82,7 @@ impl Cells {
         self.frame.to_world(Vec3::new((r * cos) as f32, (r * sin) as f32, (1.0 - drop) as f32))
     }
 
-    /// The integral of `density` \[1/sr] over each cell.
+    /// Integral of `density` \[1/sr] over each cell.
     fn integrate(&self, density: &dyn Fn(Vec3) -> f64) -> Vec<f64> {
         let (rings, sectors) = ((RINGS * STEPS) as f64, (SECTORS * STEPS) as f64);
         let at = |i: f64, j: f64| density(self.direction(i / rings, j / sectors));
@@ -102,12 +107,14 @@ impl Cells {
         cells
     }
 
-    /// Draws directions and compares their counts with `density`; what is outside the cone, or not drawn, is a cell too.
-    /// Returns the p value, and the integral of the density.
+    /// Samples directions and compares their counts with `density`.
+    ///
+    /// Directions outside of the cone and missing samples form one more cell. Returns the p value
+    /// and the integral of the density.
     pub fn compare(&self, draw: &dyn Fn(Vec2) -> Option<Vec3>, density: &dyn Fn(Vec3) -> f64) -> (f64, f64) {
         let cells = self.integrate(density);
         let total = cells.iter().sum::<f64>();
-        // What is missing by less than the error of the integral is not missing: hundreds of draws that nobody makes.
+        // A rest below the integration error is no cell of its own.
         let all = if (total - 1.0).abs() < INTEGRAL_ERROR { total } else { 1.0 };
         let mut expected: Vec<f64> = cells.iter().map(|c| c / all * DRAWS as f64).collect();
         expected.push(((1.0 - total / all) * DRAWS as f64).max(0.0));
@@ -121,7 +128,7 @@ impl Cells {
 }
 
 #[test]
-fn a_wrong_density_is_found() {
+fn chi_square_detects_a_wrong_pdf() {
     let cells = Cells::new(Vec3::Y, std::f64::consts::PI);
     let draw = |u| Some(crate::math::warp::sphere(u));
     let uniform = 0.25 / std::f64::consts::PI;

@@ -1,4 +1,4 @@
-//! Direct samples and their densities.
+//! Direct light samples and their pdf.
 
 use super::chi_square::{Cells, INTEGRAL_ERROR, sidak};
 use super::*;
@@ -8,7 +8,8 @@ use crate::shape::{Ellipsoid, Mesh, SurfacePoint};
 use glam::DAffine3;
 use std::sync::Arc;
 
-/// A corner of three triangles of different size, which partly hide each other from some places, and a way to meet them.
+/// Three triangles of different size that share a corner, and occlude each other from some
+/// positions.
 pub fn mesh(origin: Vec3) -> Arc<Mesh> {
     let positions = [[0., 0., 0.], [1., 0., 0.], [0., 1.3, 0.], [0., 0., 0.6]].map(|p| Vec3::from(p) + origin);
     let triangles = vec![[0, 1, 2], [0, 3, 1], [0, 2, 3]];
@@ -20,7 +21,7 @@ pub fn emitter_of(mesh: Arc<Mesh>) -> LightSurface {
     LightSurface::Triangles { mesh, first: 0, choice }
 }
 
-/// The first crossing of the line from `p` with an emitter, from either side.
+/// First hit of the ray from `p` with a light surface, from either side.
 fn seen(emitter: &LightSurface, p: Vec3, wi: Vec3) -> Option<SurfacePoint> {
     let ray = crate::math::Ray::new(p, wi);
     match emitter {
@@ -38,7 +39,7 @@ fn seen(emitter: &LightSurface, p: Vec3, wi: Vec3) -> Option<SurfacePoint> {
     }
 }
 
-/// Emitters with a place that sees them, and a cone around what is seen; whether all draws can be seen from there.
+/// Light surfaces with a position that sees them; true if all their samples are visible from there.
 fn views() -> Vec<(LightSurface, Vec3, bool)> {
     let squash = Transform::new(DAffine3::from_scale_rotation_translation(
         DVec3::new(1.0, 0.2, 0.5),
@@ -68,7 +69,7 @@ fn views() -> Vec<(LightSurface, Vec3, bool)> {
     shapes.chain(corners.into_iter().map(|(p, all)| (emitter_of(mesh(Vec3::ZERO)), p, all))).collect()
 }
 
-/// A cone around all that is drawn.
+/// A cone around all samples.
 fn cone(light: &Light, p: Vec3) -> Cells {
     let draws = || (0..2000).filter_map(|i| light.sample_li(p, key(i).uniform_2d(Dimension::LightTarget)));
     let axis = draws().map(|s| s.wi).sum::<Vec3>().normalize();
@@ -77,7 +78,7 @@ fn cone(light: &Light, p: Vec3) -> Cells {
 }
 
 #[test]
-fn direct_samples_follow_their_density() {
+fn direct_samples_follow_pdf_li() {
     let views = views();
     let threshold = sidak(views.len());
     for (emitter, p, all) in views {
@@ -108,9 +109,10 @@ fn direct_samples_follow_their_density() {
     }
 }
 
-/// analytic-truths 9 in the limits: below and beside the rectangle at any nearness to its plane, and in the plane.
+/// Below and beside the rectangle, at any distance to its plane, and in the plane (analytic-truths
+/// 9).
 #[test]
-fn rectangles_are_seen_from_near_their_plane() {
+fn rectangle_sampling_is_exact_near_its_plane() {
     let (a, b) = (2.0f64, 1.5);
     for h in [1e-1f64, 1e-3, 1e-6, 1e-12, 1e-30] {
         let light = area(Shape::Rectangle(Rectangle::new(y(0.0), DVec3::X * a, DVec3::Z * b)), 5.0);
@@ -128,7 +130,7 @@ fn rectangles_are_seen_from_near_their_plane() {
     }
 }
 
-/// By area the variance grows without bound as the light is approached; by solid angle only the cosine varies.
+/// Near the light, the variance of area sampling is unbounded; that of solid-angle sampling is not.
 #[test]
 fn solid_angle_sampling_has_less_variance_near_the_light() {
     let rectangle = Rectangle::new(y(0.0), DVec3::X, DVec3::Z);

@@ -1,7 +1,8 @@
-//! Emission of photons, aimed and not.
+//! Photon emission, with and without aim.
 
 use super::chi_square::{Cells, INTEGRAL_ERROR, sidak};
 use super::environment::sky;
+use super::intensity_maps::{goniometric, projector};
 use super::*;
 use glam::Vec2;
 
@@ -15,6 +16,8 @@ fn lights() -> Vec<Light> {
             outer: 0.2,
             peak: Rgb::splat(2.0),
         }),
+        Light::Projector(projector()),
+        Light::Goniometric(goniometric()),
         Light::Directional(DirectionalLight {
             direction: Vec3::new(0.1, -1.0, 0.2).normalize(),
             irradiance: Rgb::splat(2.0),
@@ -33,7 +36,7 @@ fn hits(ball: &Sphere, e: &EmissionSample) -> bool {
 }
 
 #[test]
-fn emitted_flux_is_the_power() {
+fn mean_emitted_flux_equals_power() {
     for light in lights() {
         let emitted = estimate(200_000, |k| {
             let (a, b) = (k.uniform_2d(Dimension::LightPosition), k.uniform_2d(Dimension::LightDirection));
@@ -43,9 +46,9 @@ fn emitted_flux_is_the_power() {
     }
 }
 
-/// Aimed emission carries to each ball, overlapping ones too, exactly the flux that ordinary emission does.
+/// Aimed emission carries the flux of plain emission to each sphere, even where spheres overlap.
 #[test]
-fn aiming_changes_no_mean() {
+fn aimed_emission_is_unbiased() {
     let balls = [
         Sphere { center: Vec3::new(0.5, 0.0, 0.0), radius: 0.4 },
         Sphere { center: Vec3::new(0.8, 0.2, 0.0), radius: 0.3 },
@@ -72,7 +75,7 @@ fn aiming_changes_no_mean() {
 }
 
 #[test]
-fn a_light_inside_a_target_emits_everywhere() {
+fn a_light_inside_an_aim_sphere_emits_everywhere() {
     let aim = PhotonAim::new([Sphere { center: Vec3::ZERO, radius: 1.0 }]);
     let light = Light::Point(PointLight { position: Vec3::new(0.2, 0.0, 0.0), intensity: Rgb::ONE });
     let flux = estimate(1000, |k| {
@@ -83,7 +86,7 @@ fn a_light_inside_a_target_emits_everywhere() {
 }
 
 #[test]
-fn many_targets_are_merged_without_loss() {
+fn merged_aim_spheres_lose_no_flux() {
     let balls: Vec<Sphere> = (0..500)
         .map(|i| {
             let center = warp::sphere(key(i).uniform_2d(Dimension::LightTarget)) * 3.0;
@@ -104,14 +107,16 @@ fn many_targets_are_merged_without_loss() {
     assert!((plain.0 - aimed.0).abs() < 5.0 * (plain.1 + aimed.1).sqrt());
 }
 
-/// The density of emitted directions \[1/sr], all positions taken together.
-fn density(light: &Light, w: Vec3) -> f64 {
+/// Pdf of emitted directions \[1/sr], over all positions.
+fn pdf(light: &Light, w: Vec3) -> f64 {
     let uniform = 0.25 / std::f64::consts::PI;
     match light {
         Light::Point(_) => uniform,
         Light::Spot(spot) => {
             f64::from(u8::from(1.0 - w.dot(spot.axis) < spot.outer)) * 2.0 * uniform / f64::from(spot.outer)
         }
+        Light::Projector(projector) => f64::from(projector.pdf(w)),
+        Light::Goniometric(light) => f64::from(light.pdf(w)),
         Light::Directional(_) => 0.0,
         Light::Area(AreaLight { surface: LightSurface::Shape(Shape::Disc(_)), .. }) => {
             f64::from((-w.y).max(0.0)) * 4.0 * uniform
@@ -122,14 +127,14 @@ fn density(light: &Light, w: Vec3) -> f64 {
 }
 
 #[test]
-fn emitted_directions_follow_their_densities() {
+fn emitted_directions_follow_their_pdf() {
     let lights: Vec<Light> = lights().into_iter().filter(|light| !matches!(light, Light::Directional(_))).collect();
     for light in &lights {
         // On a sphere the direction depends on the position too, which is drawn by a hash of u.
         let position = |u: Vec2| key(u64::from(u.x.to_bits()) << 32 | u64::from(u.y.to_bits()));
         let draw = |u: Vec2| light.sample_le(DOMAIN, position(u).uniform_2d(Dimension::LightTarget), u);
         let cells = Cells::new(Vec3::NEG_Y, std::f64::consts::PI);
-        let (chance, total) = cells.compare(&|u| draw(u).map(|e| e.ray.direction), &|w| density(light, w));
+        let (chance, total) = cells.compare(&|u| draw(u).map(|e| e.ray.direction), &|w| pdf(light, w));
         assert!(chance > sidak(lights.len()), "{light:?}: {chance}");
         assert!((total - 1.0).abs() < INTEGRAL_ERROR, "{light:?}: {total}");
     }

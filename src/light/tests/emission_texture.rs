@@ -1,4 +1,4 @@
-//! Area lights that follow a texture: half of one that is black is no light, and the rest is a light of half the size.
+//! Textured area lights: a light with one black half equals a light of half the size.
 
 use super::direct::emitter_of;
 use super::*;
@@ -28,7 +28,7 @@ fn glowing(emitter: LightSurface, form: Form) -> Light {
     Light::Area(AreaLight { surface: emitter, radiance, texture: Some(glow) })
 }
 
-/// Above the origin, shining down; u runs along x.
+/// Lights above the origin that emit downwards; u runs along x.
 fn lights() -> Vec<(Light, Light)> {
     let (corner, e0, e1) = (DVec3::new(-1.0, 2.0, -0.5), DVec3::X * 2.0, DVec3::Z);
     let rectangle = |e0| LightSurface::Shape(Shape::Rectangle(Rectangle::new(corner, e0, e1)));
@@ -53,7 +53,7 @@ fn differ(a: (f64, f64), b: (f64, f64)) -> bool {
 }
 
 #[test]
-fn half_a_light_lights_as_one_of_half_the_size() {
+fn half_textured_light_equals_half_sized_light() {
     for (whole, half) in lights() {
         // Near, where rectangles are drawn by solid angle, and far, where they are drawn by area.
         for p in [Vec3::ZERO, Vec3::new(1.0, 1.5, 0.2), Vec3::new(-3.0, -9.0, 1.0)] {
@@ -64,7 +64,7 @@ fn half_a_light_lights_as_one_of_half_the_size() {
 }
 
 #[test]
-fn half_a_light_emits_as_one_of_half_the_size() {
+fn half_textured_light_emits_half_the_flux() {
     let domain = Sphere { center: Vec3::ZERO, radius: 4.0 };
     let ball = Sphere { center: Vec3::new(0.3, 0.0, 0.1), radius: 0.7 };
     let aim = PhotonAim::new([ball]);

@@ -1,4 +1,4 @@
-//! Light from all around.
+//! Environment lights.
 
 use super::chi_square::{Cells, INTEGRAL_ERROR, sidak};
 use super::*;
@@ -6,15 +6,19 @@ use crate::image::Image;
 use glam::Vec2;
 use std::f64::consts::PI;
 
-/// A map with black parts, a bright sun and colours that vary, turned by an angle.
-pub fn sky(angle: f64) -> EnvironmentLight {
+/// A map with black parts, a bright sun and varying colours.
+pub fn sky_map() -> Image {
     let pixel = |i: u32| {
         let (x, y) = (i % 12, i / 12);
         let grey = key(u64::from(i)).uniform(Dimension::Film) * if y > 4 { 0.0 } else { 1.0 };
         if (x, y) == (7, 2) { Vec3::new(40.0, 30.0, 20.0) } else { Vec3::new(grey, 0.5 * grey, 0.25) * grey }
     };
-    let map = Image::from_pixels(12, 8, (0..96).map(pixel).collect()).unwrap();
-    EnvironmentLight::new(map, angle, Rgb::splat(1.5)).unwrap()
+    Image::from_pixels(12, 8, (0..96).map(pixel).collect()).unwrap()
+}
+
+/// The environment of [`sky_map`], rotated by an angle \[radians].
+pub fn sky(angle: f64) -> EnvironmentLight {
+    EnvironmentLight::new(sky_map(), angle, Rgb::splat(1.5)).unwrap()
 }
 
 fn constant() -> EnvironmentLight {
@@ -22,7 +26,7 @@ fn constant() -> EnvironmentLight {
 }
 
 #[test]
-fn draws_follow_the_density() {
+fn environment_samples_follow_the_pdf() {
     let skies = [constant(), sky(0.0), sky(0.4)];
     for (i, environment) in skies.iter().enumerate() {
         for axis in [Vec3::Y, Vec3::new(0.3, -0.5, 1.0)] {
@@ -41,7 +45,7 @@ fn draws_follow_the_density() {
 }
 
 #[test]
-fn all_that_shines_can_be_drawn() {
+fn pdf_is_positive_where_radiance_is() {
     let environment = sky(0.3);
     let directions = (0..100_000).map(|i| warp::sphere(key(i).uniform_2d(Dimension::LightDirection)));
     let mut dark = 0;
@@ -53,7 +57,7 @@ fn all_that_shines_can_be_drawn() {
     assert!(dark > 10_000, "the lower part is black");
 }
 
-/// A constant environment's power is π r² · 4π L, and that of a map the integral of what is seen in it.
+/// Power is π r² · 4π L for a constant environment, and π r² times the integral of a map.
 #[test]
 fn power_is_the_integral_of_radiance() {
     let disc = Sphere { center: Vec3::ONE, radius: 3.0 };
@@ -69,9 +73,10 @@ fn power_is_the_integral_of_radiance() {
     }
 }
 
-/// Rows alone, against midpoints over the angle from +y: with 10⁵ of them off by less than 10⁻⁹.
+/// A map of one column, against the midpoint rule over the angle from +y with 10⁵ points: error
+/// below 10⁻⁹.
 #[test]
-fn rows_weigh_what_they_light() {
+fn row_measures_match_quadrature() {
     for h in [1u32, 2, 3, 8] {
         let pixels = (0..h).map(|row| Rgb::splat(((row * 5 + 1) % 7) as f32)).collect();
         let environment = EnvironmentLight::new(Image::from_pixels(1, h, pixels).unwrap(), 0.0, Rgb::ONE).unwrap();
@@ -88,7 +93,8 @@ fn rows_weigh_what_they_light() {
     }
 }
 
-/// analytic-truths 38, by direct light and by photons through a ball of radius a: every direction brings π a² L.
+/// A constant environment gives irradiance π L, by direct light and by photons through a ball
+/// (analytic-truths 38).
 #[test]
 fn a_constant_environment_lights_a_plane_by_pi_l() {
     let light = Light::Environment(constant().into());
@@ -112,9 +118,9 @@ fn a_constant_environment_lights_a_plane_by_pi_l() {
     }
 }
 
-/// By importance the variance is that of what interpolation and colours leave; uniformly it is the sun's.
+/// Uniform sampling has the variance of the sun; importance sampling does not.
 #[test]
-fn the_sun_is_found() {
+fn importance_sampling_reduces_variance() {
     let environment = sky(0.4);
     let n = environment.sample(Vec2::splat(0.5)).unwrap().0;
     let by_map = irradiance(&Light::Environment(environment.clone().into()), Vec3::ZERO, n);
@@ -128,7 +134,7 @@ fn the_sun_is_found() {
 }
 
 #[test]
-fn maps_lie_as_documented() {
+fn map_orientation_matches_documentation() {
     // Four columns by two rows, each of its own brightness.
     let pixels: Vec<Rgb> = (0..8).map(|i| Rgb::splat(i as f32)).collect();
     let at = |angle: f64, w: Vec3| {
@@ -148,12 +154,12 @@ fn maps_lie_as_documented() {
 }
 
 #[test]
-fn pictures_that_cannot_light_are_refused() {
+fn invalid_environment_pictures_are_errors() {
     for (bad, scale) in [(-0.1, 1.0), (f32::NAN, 1.0), (f32::INFINITY, 1.0), (1.0, f32::NAN), (1e30, 1e30), (1.0, -1.0)]
     {
         let pixels = vec![Rgb::ZERO, Rgb::ZERO, Rgb::ZERO, Rgb::ZERO, Rgb::new(0.0, bad, 0.0), Rgb::ZERO];
         let refused = EnvironmentLight::new(Image::from_pixels(3, 2, pixels).unwrap(), 0.0, Rgb::splat(scale));
-        assert!(matches!(refused, Err(EnvironmentError::Radiance { .. })), "{bad} {scale}");
+        assert!(matches!(refused, Err(PictureError::Value { .. })), "{bad} {scale}");
         if scale == 1.0 {
             assert!(refused.unwrap_err().to_string().contains("column 1, row 1"));
         }

@@ -1,4 +1,4 @@
-//! The choice among many lights.
+//! Light sampling with a hierarchy.
 
 use super::chi_square::{p_value, sidak};
 use super::direct::{emitter_of, mesh};
@@ -11,7 +11,7 @@ fn vector(k: Key) -> Vec3 {
     a.extend(b.x) * 2.0 - Vec3::ONE
 }
 
-/// Lights of all kinds with a place, strewn through a box; some shine a thousand times more than others.
+/// Lights of all finite kinds in a box; their strengths vary by a factor of 1000.
 fn strewn(n: u64) -> Vec<Light> {
     let light = |i: u64| {
         let k = key(i).with(77);
@@ -55,7 +55,7 @@ fn places(n: u64) -> impl Iterator<Item = (Vec3, Option<Vec3>)> {
 }
 
 #[test]
-fn probabilities_are_what_is_chosen_and_sum_to_one() {
+fn light_probabilities_match_samples_and_sum_to_one() {
     let lights = with_infinite(strewn(60));
     let choice = LightBvhSampler::new(&lights, ROOM).unwrap();
     let n = 20;
@@ -89,7 +89,7 @@ fn probabilities_are_what_is_chosen_and_sum_to_one() {
 }
 
 #[test]
-fn lights_at_infinity_have_their_share() {
+fn infinite_lights_have_fixed_probability() {
     let lights = with_infinite(strewn(10));
     let choice = LightBvhSampler::new(&lights, ROOM).unwrap();
     let p = Vec3::new(1.0, 2.0, 3.0);
@@ -101,7 +101,7 @@ fn lights_at_infinity_have_their_share() {
 }
 
 #[test]
-fn no_light_that_contributes_is_left_out() {
+fn contributing_lights_have_positive_probability() {
     let lights = strewn(100);
     let choice = LightBvhSampler::new(&lights, ROOM).unwrap();
     let mut shut_out = 0;
@@ -122,9 +122,10 @@ fn no_light_that_contributes_is_left_out() {
     assert!(shut_out > 2000 * 100 / 4, "{shut_out}");
 }
 
-/// Lights at one place, in a row, and farther apart by powers of two, whose tree is no more than a chain.
+/// Lights at one position, in a row, and at distances of powers of two, which degenerate the tree
+/// to a chain.
 #[test]
-fn trees_of_any_shape_hold_all_lights() {
+fn degenerate_trees_contain_all_lights() {
     let at = |x: f32| Light::Point(PointLight { position: Vec3::new(x, 0.0, 0.0), intensity: Rgb::ONE });
     let sets: [Vec<Light>; 3] = [
         (0..1000).map(|_| at(1.0)).collect(),
@@ -139,7 +140,8 @@ fn trees_of_any_shape_hold_all_lights() {
     }
 }
 
-/// The variance of one sample of one light at `p`: Σ E\[fᵢ²]/pᵢ − (Σ E\[fᵢ])², over the squared mean, for each choice.
+/// Relative variance of a single light sample at `p` for each method: (Σ E\[fᵢ²]/pᵢ − (Σ E\[fᵢ])²)
+/// over the squared mean.
 fn variances<const N: usize>(lights: &[Light], p: Vec3, n: Vec3, choices: [&dyn Fn(usize) -> f32; N]) -> [f64; N] {
     let (mut mean, mut squares) = (0.0, [0.0; N]);
     let draws = 16;
@@ -158,9 +160,9 @@ fn variances<const N: usize>(lights: &[Light], p: Vec3, n: Vec3, choices: [&dyn 
     squares.map(|s| s / (mean * mean) - 1.0)
 }
 
-/// A thousand lights, strewn through a room at random and in rows under a ceiling.
+/// A thousand lights: at random positions in a room, and in rows under a ceiling.
 #[test]
-fn the_tree_has_far_less_variance_than_power() {
+fn light_bvh_has_less_variance_than_power_sampling() {
     let lamp = |i: u64| DVec3::new((i % 32) as f64 - 16.0, 3.0, (i / 32) as f64 - 16.0);
     let down = |i| Rectangle::new(lamp(i), DVec3::X * 0.3, DVec3::Z * 0.3);
     let ceiling: Vec<Light> = (0..1000).map(|i| area(Shape::Rectangle(down(i)), 1.0)).collect();

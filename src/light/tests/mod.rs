@@ -3,6 +3,7 @@ mod direct;
 mod emission;
 mod emission_texture;
 mod environment;
+mod intensity_maps;
 mod light_bvh;
 
 use super::*;
@@ -49,7 +50,7 @@ fn y(v: f64) -> DVec3 {
 
 /// analytic-truths 5.
 #[test]
-fn point_light_above_a_plane() {
+fn point_light_irradiance_is_exact() {
     let light = Light::Point(PointLight { position: Vec3::new(0.0, 2.0, 0.0), intensity: Rgb::splat(3.0) });
     let (h, x) = (2.0f64, 1.5);
     agrees(irradiance(&light, Vec3::new(x as f32, 0.0, 0.0), Vec3::Y), 3.0 * h / libm::pow(h * h + x * x, 1.5));
@@ -57,7 +58,7 @@ fn point_light_above_a_plane() {
 
 /// analytic-truths 7, on the axis and off it; the disc faces down.
 #[test]
-fn lambertian_disc() {
+fn disc_light_irradiance_is_exact() {
     let (r, h, l) = (0.8f64, 1.1, 2.0);
     let light = area(Shape::Disc(Disc::new(y(h), DVec3::X * r, DVec3::Z * r)), l as f32);
     let truth = |a: f64| {
@@ -73,14 +74,14 @@ fn lambertian_disc() {
 
 /// analytic-truths 8.
 #[test]
-fn lambertian_sphere() {
+fn sphere_light_irradiance_is_exact() {
     let light = area(Shape::Sphere(SphereShape::new(DVec3::new(3.0, 4.0, 0.0), 0.5)), 7.0);
     agrees(irradiance(&light, Vec3::ZERO, Vec3::Y), std::f64::consts::PI * 7.0 * 0.01 * 0.8);
 }
 
 /// analytic-truths 9: the rectangle over its own corner.
 #[test]
-fn rectangle_over_its_corner() {
+fn rectangle_light_irradiance_is_exact() {
     let (a, b, h) = (1.2f64, 0.7, 0.9);
     let light = area(Shape::Rectangle(Rectangle::new(y(h), DVec3::X * a, DVec3::Z * b)), 5.0);
     let (u, v) = (a / h, b / h);

@@ -1,12 +1,12 @@
-//! Flights, transmittance and emission against closed forms of the optical depth.
+//! Distance samples, transmittance and emission against closed forms of the optical depth.
 //!
-//! Whatever the density ρ, with τ = ∫ρ along the way: T = exp(−σt τ), the weight of all scattering is σs(1 − T)/σt, and
-//! emission, which goes with ρ too, brings ε(1 − T)/σt.
+//! For any density ρ with τ = ∫ρ along the ray: T = exp(−σt τ), the total scattering weight is σs(1
+//! − T)/σt, and the emitted radiance is ε(1 − T)/σt.
 
 use super::*;
 use glam::DAffine3;
 
-/// Coefficients of a medium in which every channel has a case of its own: mixed, absorbing only, and without extinction.
+/// Coefficients with a different case per channel: mixed, absorbing only, and without extinction.
 fn colourful(density: Option<GridDensity>) -> Medium {
     let [a, s, e] = [Vec3::new(0.1, 0.5, 0.0), Vec3::new(1.3, 0.0, 0.0), Vec3::new(0.2, 3.0, 1.0)];
     make(a, s, e, density)
@@ -20,11 +20,11 @@ fn bluish(density: Option<GridDensity>) -> Medium {
 fn make(a: Vec3, s: Vec3, e: Vec3, density: Option<GridDensity>) -> Medium {
     match density {
         None => Medium::homogeneous(a, s, e, PhaseFunction::Isotropic),
-        Some(field) => Medium::varied(a, s, e, PhaseFunction::Isotropic, Arc::new(field)),
+        Some(field) => Medium::heterogeneous(a, s, e, PhaseFunction::Isotropic, Arc::new(field)),
     }
 }
 
-/// All estimates along `ray` up to `distance`, where `depth` is τ up to a distance.
+/// Compares all estimates along `ray` up to `distance`; `depth` is τ as a function of distance.
 fn check(medium: &Medium, ray: &Ray, distance: f32, depth: impl Fn(f64) -> f64, name: &str) {
     let sigma = medium.extinction().as_dvec3();
     let tau = depth(f64::from(distance));
@@ -73,7 +73,7 @@ fn check(medium: &Medium, ray: &Ray, distance: f32, depth: impl Fn(f64) -> f64, 
 }
 
 #[test]
-fn homogeneous_media_keep_beers_law() {
+fn homogeneous_media_match_beer_lambert() {
     let ray = Ray::new(Vec3::ZERO, Vec3::X);
     for distance in [0.01, 1.5, 12.0] {
         check(&colourful(None), &ray, distance, |t| t, "homogeneous");
@@ -90,7 +90,7 @@ fn homogeneous_media_keep_beers_law() {
 }
 
 #[test]
-fn weights_and_densities_of_flights_belong_together() {
+fn distance_weights_match_their_pdf() {
     let ray = Ray::new(Vec3::ZERO, Vec3::X);
     let (medium, throughput) = (bluish(None), Vec3::new(0.01, 0.3, 2.0));
     let mut random = rng(4);
@@ -113,7 +113,7 @@ fn weights_and_densities_of_flights_belong_together() {
     assert!(bluish(Some(constant(1.0))).distance_pdf(1.0, throughput).is_none());
 }
 
-/// A turned and sheared box of one density.
+/// A rotated and sheared box of constant density.
 fn constant(density: f32) -> GridDensity {
     let turn = DAffine3::from_axis_angle(DVec3::new(1.0, 2.0, -0.5).normalize(), 0.8);
     let place =
@@ -122,7 +122,7 @@ fn constant(density: f32) -> GridDensity {
 }
 
 #[test]
-fn a_grid_of_one_density_is_a_homogeneous_slab() {
+fn constant_grid_equals_homogeneous_slab() {
     let field = constant(1.7);
     let axis = field.placement().matrix3.x_axis.normalize().as_vec3();
     // The slab reaches from 1 to 5 along the ray, whose direction is off by an ulp.
@@ -136,7 +136,7 @@ fn a_grid_of_one_density_is_a_homogeneous_slab() {
 
 /// ρ = x/2, but constant in the outer half of the outer of 20 cells; from 0 to x = 4, seen straight and aslant.
 #[test]
-fn a_linear_density_has_its_optical_depth() {
+fn linear_density_matches_its_optical_depth() {
     let place = DAffine3::from_scale_rotation_translation(
         DVec3::new(4.0, 100.0, 100.0),
         glam::DQuat::IDENTITY,
@@ -163,7 +163,7 @@ fn a_linear_density_has_its_optical_depth() {
 
 /// τ by the midpoint rule over 40,000 steps, whose error at the kinks of the cells is below 10⁻⁶ of it.
 #[test]
-fn clouds_have_their_optical_depth() {
+fn clouds_match_their_optical_depth() {
     let cloud = Cloud { octaves: 4, scale: 3.0, cover: 0.8, softness: 0.3, seed: 5 };
     let place = DAffine3::from_scale(DVec3::splat(6.0));
     let field = GridDensity::from_fn([40, 33, 27], place, |p| 3.0 * cloud.density(0.0)(p)).unwrap();

@@ -1,4 +1,4 @@
-//! Nothing is left, nothing is lost, or nothing is there.
+//! Extreme media: empty, opaque, and without losses.
 
 use super::*;
 use glam::DAffine3;
@@ -15,7 +15,7 @@ fn medium(a: Vec3, s: Vec3, e: Vec3, density: Option<Arc<GridDensity>>) -> Mediu
 }
 
 #[test]
-fn what_is_not_there_changes_nothing() {
+fn empty_media_have_no_effect() {
     let ray = Ray::new(Vec3::ZERO, X);
     let nothing = medium(Vec3::ZERO, Vec3::ZERO, Vec3::ZERO, None);
     let thin = medium(Vec3::ONE, Vec3::ONE, Vec3::ONE, grid(vec![0.0; 8], [2; 3]));
@@ -32,10 +32,10 @@ fn what_is_not_there_changes_nothing() {
     }
 }
 
-/// No channel underflows into a quotient of zeros, with a depth of 10⁴ and without an end.
+/// Weights stay finite at an optical depth of 10⁴, and at an infinite distance.
 #[test]
 #[ignore = "long: paths through optical depths of ten thousand"]
-fn depths_of_ten_thousand_are_finite() {
+fn large_optical_depths_stay_finite() {
     let ray = Ray::new(Vec3::ZERO, X);
     for density in [None, grid(vec![1.0; 20], [20, 1, 1])] {
         let scale = 1e4;
@@ -74,10 +74,12 @@ fn depths_of_ten_thousand_are_finite() {
     }
 }
 
-/// Walks among null collisions alone: the field is 0 on the way, its block's majorant is not. The depth of the majorant is four
-/// times the patience, so 1/16 of all walks are left, 16 times as strong: a standard error of 4/√n.
+/// Only null collisions: density 0 along the ray in a block with a positive majorant.
+///
+/// The optical depth of the majorant is four times the roulette interval. 1/16 of the paths survive
+/// with weight 16: a standard error of 4/√n.
 #[test]
-fn impatience_is_unbiased() {
+fn collision_roulette_is_unbiased() {
     let mut values = vec![0.0; 512];
     values[511] = 1.0;
     let ray = Ray::new(Vec3::new(0.0, -0.4, -0.4), X);
@@ -94,7 +96,7 @@ fn impatience_is_unbiased() {
 }
 
 #[test]
-fn the_greatest_densities_end() {
+fn tracking_ends_at_extreme_densities() {
     let mut values = vec![0.0; 512];
     values[100] = f32::MAX;
     let ray = Ray::new(Vec3::new(-1.0, -0.4, -0.4), Vec3::new(1.0, 0.3, 0.2).normalize());
@@ -108,7 +110,7 @@ fn the_greatest_densities_end() {
 }
 
 #[test]
-fn kinds_are_told_apart() {
+fn medium_predicates_are_correct() {
     let (zero, one) = (Vec3::ZERO, Vec3::ONE);
     let glow = medium(zero, zero, one, None);
     assert!(glow.emits() && !glow.scatters() && !glow.is_empty() && glow.is_homogeneous());

@@ -1,4 +1,4 @@
-//! Grids: what they refuse, what they interpolate, and that majorants bound it.
+//! Density grids: validation, interpolation, majorants.
 
 use super::*;
 use crate::math::Singular;
@@ -8,7 +8,7 @@ use rand::RngExt;
 const HERE: DAffine3 = DAffine3::IDENTITY;
 
 #[test]
-fn bad_grids_are_refused() {
+fn invalid_grids_are_errors() {
     let refused = |size, values, place| GridDensity::new(size, values, place).unwrap_err();
     assert_eq!(refused([2, 0, 1], vec![], HERE), GridDensityError::Empty(2, 0, 1));
     assert_eq!(refused([2, 2, 2], vec![1.0; 7], HERE), GridDensityError::Count { expected: 8, found: 7 });
@@ -28,7 +28,7 @@ fn bad_grids_are_refused() {
 }
 
 #[test]
-fn values_stand_at_the_middles_of_cells() {
+fn grid_values_are_at_cell_centers() {
     let size = [3, 4, 5];
     let field = GridDensity::from_fn(size, HERE, |p| (p.x * 3.0 + p.y * 400.0 + p.z * 50_000.0) as f32).unwrap();
     let middle = |x: f32, y: f32, z: f32| Vec3::new((x + 0.5) / 3.0, (y + 0.5) / 4.0, (z + 0.5) / 5.0);
@@ -45,8 +45,8 @@ fn values_stand_at_the_middles_of_cells() {
     assert!((240..1000).contains(&field.memory()), "60 densities of 4 bytes, and a little: {}", field.memory());
 }
 
-/// Along rays of all kinds blocks join without a gap, cover the box once, and their majorants bound what is in them, which
-/// interpolation exceeds by its rounding only.
+/// Blocks along any ray join without gaps and cover the box once; majorants bound the density up to
+/// rounding.
 #[test]
 fn majorants_bound_the_density_along_rays() {
     let mut random = rng(11);
@@ -93,7 +93,7 @@ fn majorants_bound_the_density_along_rays() {
     assert!(crossed > 60_000, "{crossed}");
 }
 
-/// Where a line is in the image of the unit cube, after 0.
+/// Interval of a ray within the image of the unit cube, after 0.
 fn slab(field: &GridDensity, ray: &Ray) -> (f64, f64) {
     let inverse = field.placement().inverse();
     let (o, d) = (inverse.transform_point3(ray.origin.as_dvec3()), inverse.transform_vector3(ray.direction.as_dvec3()));
@@ -102,7 +102,7 @@ fn slab(field: &GridDensity, ray: &Ray) -> (f64, f64) {
 }
 
 #[test]
-fn fields_move_without_a_copy() {
+fn translated_grids_share_values() {
     let field = GridDensity::from_fn([4; 3], HERE, |p| p.x as f32).unwrap();
     let by = DVec3::new(1e6, -2e6, 3e6);
     let back = field.translated(by).translated(-by);

@@ -1,10 +1,11 @@
-//! Random walks without end.
+//! Random walks in unbounded media.
 
 use super::*;
 use glam::{DAffine3, Vec2};
 use rand::RngExt;
 
-/// A walk from the origin that is absorbed by roulette on its weight: the number of its collisions and where it ended.
+/// A random walk from the origin with absorption by roulette: number of collisions and end
+/// position.
 fn walk(medium: &Medium, random: &mut SmallRng) -> (f64, DVec3) {
     let (mut p, mut direction, mut collisions) = (Vec3::ZERO, Vec3::X, 0.0);
     loop {
@@ -19,7 +20,7 @@ fn walk(medium: &Medium, random: &mut SmallRng) -> (f64, DVec3) {
     }
 }
 
-/// 1/(1−a) collisions, and ⟨r²⟩ = 2/(σt²(1−a)(1−ag)) where it is absorbed.
+/// Mean collisions are 1/(1−a); ⟨r²⟩ = 2/(σt²(1−a)(1−ag)) at the point of absorption.
 fn check(medium: &Medium, sigma: f64, albedo: f64) {
     let mut random = rng(5);
     let (mut collisions, mut square) = (Mean::default(), Mean::default());
@@ -34,7 +35,7 @@ fn check(medium: &Medium, sigma: f64, albedo: f64) {
 }
 
 #[test]
-fn walks_end_where_diffusion_says() {
+fn homogeneous_random_walks_match_diffusion() {
     let phases = [PhaseFunction::Isotropic, PhaseFunction::Rayleigh].into_iter();
     for phase in phases.chain([-0.5, 0.7, 0.99, -0.99].map(PhaseFunction::HenyeyGreenstein)) {
         let medium = Medium::homogeneous(Vec3::splat(0.5), Vec3::splat(2.0), Vec3::ZERO, phase);
@@ -42,12 +43,17 @@ fn walks_end_where_diffusion_says() {
     }
 }
 
-/// The same in a box so large that no walk leaves it: e⁻⁵⁰⁰ of all flights are as long.
+/// The walk in a grid so large that it never leaves: the probability is e⁻⁵⁰⁰.
 #[test]
-fn walks_in_a_grid_end_where_diffusion_says() {
+fn grid_random_walks_match_diffusion() {
     let place = DAffine3::from_scale(DVec3::splat(400.0)) * DAffine3::from_translation(DVec3::splat(-0.5));
     let field = Arc::new(GridDensity::new([33, 20, 9], vec![2.5; 33 * 20 * 9], place).unwrap());
-    let medium =
-        Medium::varied(Vec3::splat(0.2), Vec3::splat(0.8), Vec3::ZERO, PhaseFunction::HenyeyGreenstein(0.7), field);
+    let medium = Medium::heterogeneous(
+        Vec3::splat(0.2),
+        Vec3::splat(0.8),
+        Vec3::ZERO,
+        PhaseFunction::HenyeyGreenstein(0.7),
+        field,
+    );
     check(&medium, 2.5, 0.8);
 }

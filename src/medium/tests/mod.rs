@@ -1,5 +1,7 @@
-//! Media against closed forms. Randomness is keyed, so a test that passes once passes always; bounds are five standard errors of
-//! the mean, which 6·10⁻⁷ of all keys exceed.
+//! Media against closed forms.
+//!
+//! Random numbers are keyed: results are deterministic. Bounds are five standard errors of the
+//! mean, which 6·10⁻⁷ of all keys exceed.
 
 mod distance_samples;
 mod extremes;
@@ -15,7 +17,7 @@ fn rng(n: u64) -> SmallRng {
     Key::new(23).purpose(Purpose::Test).with(n).rng()
 }
 
-/// A running mean of each channel with its spread.
+/// Running mean and variance of each channel.
 #[derive(Default)]
 struct Mean {
     n: f64,
@@ -30,13 +32,15 @@ impl Mean {
         self.squares += x * x;
     }
 
-    /// Within five standard errors, and 10⁻⁶ for the rounding of f32 weights.
+    /// Agreement within five standard errors, plus 10⁻⁶ for the rounding of f32 weights.
     fn agrees(&self, truth: DVec3, what: &str) {
         self.bounded(truth, DVec3::ZERO, what);
     }
 
-    /// The same for values up to `most`, of which few may be what matters: five errors leave out what 29·most/n holds (the
-    /// empirical Bernstein bound of Maurer and Pontil 2009, with ln(2/δ) = 12.5).
+    /// Agreement of values up to `most` with rare large contributions.
+    ///
+    /// The bound adds 29·most/n to five standard errors (empirical Bernstein bound of Maurer and
+    /// Pontil 2009, ln(2/δ) = 12.5).
     fn bounded(&self, truth: DVec3, most: DVec3, what: &str) {
         let mean = self.sum / self.n;
         for i in 0..3 {

@@ -1,4 +1,4 @@
-//! PhaseFunction functions: their integrals, and samplers against densities by Pearson's test.
+//! Phase functions: normalisation, and samples against the pdf by Pearson's test.
 
 use super::*;
 use glam::Vec2;
@@ -15,7 +15,7 @@ fn phases() -> Vec<PhaseFunction> {
     phases
 }
 
-/// Rings are narrow where the lobe is; x in [0, 1] is the angle from the lobe.
+/// Rings are narrow in the lobe; x in [0, 1] is the angle from its axis.
 struct Rings {
     width: f64,
     backwards: bool,
@@ -38,7 +38,7 @@ impl Rings {
         ((x * RINGS as f64) as usize).min(RINGS - 1)
     }
 
-    /// The integrals of f(cos)·p(cos) over all rings.
+    /// Integral of f(cos)·p(cos) over each ring.
     fn integrate(&self, phase: PhaseFunction, f: impl Fn(f64) -> f64) -> Vec<f64> {
         let n = RINGS * POINTS;
         let mut rings = vec![0.0; RINGS];
@@ -52,9 +52,10 @@ impl Rings {
     }
 }
 
-/// A cosine rounded by 2⁻²⁵ moves the peak by 3g·2⁻²⁵/(1−g)² < 10⁻³ at g = .99; the midpoint rule errs by less.
+/// Rounding a cosine by 2⁻²⁵ changes the peak by 3g·2⁻²⁵/(1−g)² < 10⁻³ at g = 0.99. The midpoint
+/// rule errs by less.
 #[test]
-fn densities_integrate_to_one_with_the_stated_mean_cosine() {
+fn phase_functions_are_normalised_with_mean_cosine() {
     for phase in phases() {
         let rings = Rings::of(phase);
         let total: f64 = rings.integrate(phase, |_| 1.0).iter().sum();
@@ -68,7 +69,7 @@ fn densities_integrate_to_one_with_the_stated_mean_cosine() {
 }
 
 #[test]
-fn samplers_match_their_densities() {
+fn phase_samples_follow_their_pdf() {
     let n = 100_000;
     let travels = [Vec3::Z, Vec3::NEG_Z, Vec3::new(0.3, -0.5, 0.6).normalize()];
     let mut random = rng(1);
@@ -107,7 +108,7 @@ fn samplers_match_their_densities() {
     }
 }
 
-/// The probability of a worse fit (Wilson–Hilferty); neighbours are pooled until they expect 5.
+/// p value of the fit (Wilson–Hilferty); neighbours are pooled until they expect 5.
 fn p_value(cells: impl Iterator<Item = (f64, f64)>) -> f64 {
     let (mut pool, mut chi2, mut used) = ((0.0, 0.0), 0.0, 0u32);
     for (expected, found) in cells {
@@ -124,7 +125,7 @@ fn p_value(cells: impl Iterator<Item = (f64, f64)>) -> f64 {
 }
 
 #[test]
-fn ends_of_the_range_are_stable() {
+fn extreme_asymmetry_is_stable() {
     let last = 1.0 - f32::EPSILON / 2.0;
     for phase in phases() {
         for cos in [-1.0, 1.0, -1.0 - 1e-6, 1.0 + 1e-6] {

@@ -20,7 +20,7 @@ fn beam(start: Vec3, direction: Vec3, length: f32) -> Beam {
     Beam::new(start, direction, length, Rgb::ONE, 0, 0).unwrap()
 }
 
-/// Beams in a cube of the given size about `middle`, each known by its medium: short and long, some along axes.
+/// Beams in a cube around `middle`, identified by their medium: short and long, some along axes.
 fn random(n: u64, size: f32, middle: Vec3) -> Vec<Beam> {
     let one = |i: u64| {
         let direction = if i.is_multiple_of(5) { [Vec3::X, -Vec3::Y, Vec3::Z][i as usize / 5 % 3] } else { sphere(i) };
@@ -45,9 +45,9 @@ fn found(map: &BeamMap, ray: &Ray) -> Vec<(u32, u32)> {
     all
 }
 
-/// The same crossings as from a scan, each once and to the last bit, at scales and places where rounding tells.
+/// The intersections equal those of a linear scan to the bit, at scales where rounding matters.
 #[test]
-fn what_a_scan_finds_is_found() {
+fn queries_match_a_linear_scan() {
     for (size, middle) in [(1.0, Vec3::ZERO), (1e-12, Vec3::ZERO), (1e9, Vec3::ZERO), (1.0, Vec3::new(5e3, -7e3, 0.0))]
     {
         for part in [1e-4f32, 0.01, 0.3] {
@@ -58,7 +58,8 @@ fn what_a_scan_finds_is_found() {
             for ray in rays(60, size, middle) {
                 let mut all = found(&map, &ray);
                 all.sort_unstable();
-                let scan = |b: &Beam| Crossing::of(&ray, b, radius.into()).map(|c| (b.medium, c.weight.to_bits()));
+                let scan =
+                    |b: &Beam| BeamIntersection::new(&ray, b, radius.into()).map(|c| (b.medium, c.weight.to_bits()));
                 let expected: Vec<(u32, u32)> = beams.iter().filter_map(scan).collect();
                 assert_eq!(all, expected, "{size} {radius}");
                 count += all.len();
@@ -68,28 +69,29 @@ fn what_a_scan_finds_is_found() {
     }
 }
 
-/// Rays aimed at the very places where beams are cut, from near and far: where rounding decides which piece is met, just one is.
+/// Rays through the ends of pieces, from near and far: exactly one piece is hit in spite of
+/// rounding.
 #[test]
-fn beams_are_met_once_where_they_are_cut() {
+fn cut_beams_are_visited_once() {
     let radius = 0.02;
     let beams = random(900, 1.0, Vec3::splat(30.0));
     let map = BeamMap::build(beams.clone(), radius);
     let mut count = 0;
-    for (i, piece) in (0..).zip(cut(&beams, piece_length(&beams, radius))) {
+    for (i, piece) in (0..).zip(cut_into_pieces(&beams, piece_length(&beams, radius))) {
         let beam = &beams[piece.beam as usize];
         let direction = sphere(2_000_000 + i);
         let target = beam.at(piece.to.into()).as_vec3();
         let ray = Ray::new(target - direction * [0.1, 10.0, 300.0][i as usize % 3], direction);
-        let expected = usize::from(Crossing::of(&ray, beam, radius.into()).is_some());
+        let expected = usize::from(BeamIntersection::new(&ray, beam, radius.into()).is_some());
         assert_eq!(found(&map, &ray).iter().filter(|f| f.0 == beam.medium).count(), expected);
         count += expected;
     }
     assert!(count > 1000, "{count}");
 }
 
-/// Against the minimum of the distance over both places, from its normal equations rather than from cross products.
+/// Against the minimum of the distance over both parameters, by its normal equations.
 #[test]
-fn a_crossing_is_the_closest_approach() {
+fn intersection_is_the_closest_approach() {
     let mut count = 0;
     for (i, ray) in (0..20_000).zip(rays(20_000, 1.0, Vec3::ZERO)) {
         let beam = beam(place(i) - 0.5, sphere(i), 1.0);
@@ -101,7 +103,7 @@ fn a_crossing_is_the_closest_approach() {
         let distance = (w + b * s - d * t).length();
         let x = distance / 0.2;
         let inside = t > 0.0 && t < f64::from(ray.t_max) && s > 0.0 && s < 1.0 && x < 1.0;
-        let crossing = Crossing::of(&ray, &beam, 0.2);
+        let crossing = BeamIntersection::new(&ray, &beam, 0.2);
         assert_eq!(crossing.is_some(), inside, "{t} {s} {x}");
         if let Some(c) = crossing {
             count += 1;
@@ -117,16 +119,16 @@ fn a_crossing_is_the_closest_approach() {
     assert!(count > 500, "{count}");
 }
 
-/// Midpoint rule over the distance: K₁ has integral 1, and the sine divides it.
+/// Midpoint rule over the distance: K₁ has integral 1, divided by the sine.
 #[test]
-fn the_kernel_has_unit_integral() {
+fn beam_kernel_has_unit_integral() {
     let (n, radius, sine) = (2000, 0.3, 0.6);
     let ray = Ray { origin: Vec3::ZERO, direction: Vec3::X, t_max: 10.0 };
     let mut sum = 0.0;
     for i in 0..n {
         let height = radius * ((2 * i + 1) as f32 / n as f32 - 1.0);
         let beam = beam(Vec3::new(1.0, -1.0, height), Vec3::new(0.8, sine, 0.0), 9.0);
-        let crossing = Crossing::of(&ray, &beam, radius.into()).unwrap();
+        let crossing = BeamIntersection::new(&ray, &beam, radius.into()).unwrap();
         sum += crossing.weight * sine * 2.0 * radius / n as f32;
         assert!((crossing.cos - 0.8).abs() < 1e-6 && (crossing.s * sine - 1.0).abs() < 1e-6);
     }
@@ -135,7 +137,7 @@ fn the_kernel_has_unit_integral() {
 }
 
 #[test]
-fn beams_and_rays_end() {
+fn beam_and_ray_ends_are_respected() {
     let ray = Ray { origin: Vec3::ZERO, direction: Vec3::X, t_max: 2.0 };
     let meets = |x: f32, from: f32, to: f32| {
         let map = BeamMap::build(vec![beam(Vec3::new(x, from, 0.01), Vec3::Y, to - from)], 0.1);
@@ -149,11 +151,13 @@ fn beams_and_rays_end() {
     assert!(!meets(-1e-3, -1.0, 1.0) && !meets(2.001, -1.0, 1.0));
 }
 
-/// Lines whose directions cannot be told apart have no crossing; those a little further apart have one, of finite weight.
+/// Lines with indistinguishable directions have no intersection; others have one of finite weight.
 #[test]
-fn nearly_parallel_lines() {
+fn nearly_parallel_lines_have_finite_weight() {
     let ray = Ray { origin: Vec3::ZERO, direction: Vec3::X, t_max: 10.0 };
-    let at = |sine: f32| Crossing::of(&ray, &beam(Vec3::new(0.0, -sine, 0.01), Vec3::new(1.0, sine, 0.0), 10.0), 0.1);
+    let at = |sine: f32| {
+        BeamIntersection::new(&ray, &beam(Vec3::new(0.0, -sine, 0.01), Vec3::new(1.0, sine, 0.0), 10.0), 0.1)
+    };
     assert!(at(0.0).is_none() && at(3e-7).is_none());
     for sine in [1e-6, 1e-3] {
         let c = at(sine).unwrap();
@@ -162,7 +166,7 @@ fn nearly_parallel_lines() {
 }
 
 #[test]
-fn useless_beams_are_refused() {
+fn invalid_beams_are_rejected() {
     let new = |start, direction, length, flux| Beam::new(start, direction, length, flux, 0, 0).is_some();
     assert!(new(Vec3::ZERO, Vec3::Z, 1.0, Rgb::X));
     for flux in [Rgb::ZERO, Rgb::NAN, Rgb::INFINITY, Rgb::new(-1.0, 2.0, 0.0)] {
@@ -185,11 +189,11 @@ fn useless_beams_are_refused() {
 }
 
 #[test]
-fn pieces_are_few_and_the_map_is_one_for_any_number_of_threads() {
+fn beam_map_is_small_and_thread_independent() {
     for radius in [1e-9, 0.01, 10.0] {
         let beams = random(5000, 1.0, Vec3::ZERO);
-        let pieces = cut(&beams, piece_length(&beams, radius)).len();
-        assert!(pieces as f64 <= MOST_PIECES * 5000.0 && pieces >= 5000, "{pieces}");
+        let pieces = cut_into_pieces(&beams, piece_length(&beams, radius)).len();
+        assert!(pieces as f64 <= MAX_PIECES * 5000.0 && pieces >= 5000, "{pieces}");
     }
     let with = |n| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
@@ -199,7 +203,7 @@ fn pieces_are_few_and_the_map_is_one_for_any_number_of_threads() {
     assert_eq!(with(1), with(3));
 }
 
-/// Sums over many maps: the mean must be within four standard errors of the truth, and these small enough to tell.
+/// The mean over many maps is within four standard errors of the truth, and these are small.
 fn assert_mean(values: &[f64], truth: f64, precision: f64) {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
@@ -208,10 +212,10 @@ fn assert_mean(values: &[f64], truth: f64, precision: f64) {
     assert!((mean - truth).abs() < 4.0 * error, "{mean} is not {truth}, give or take {error}");
 }
 
-/// A collimated beam crossed by a ray (analytic-truths 27 in the project's notes): a blur across the ray's plane, where the beams
-/// are uniform, has no bias.
+/// A collimated beam across a ray (analytic-truths 27): a blur along which the beams are uniform
+/// has no bias.
 #[test]
-fn a_collimated_beam_seen_from_the_side() {
+fn collimated_beam_radiance_is_exact() {
     let (extinction, scattering, depth, across) = (1.3f64, 0.9f64, 0.7f64, 1.6f64);
     let irradiance = 2.0;
     let ray = Ray { origin: Vec3::new(0.0, 0.0, depth as f32), direction: Vec3::X, t_max: across as f32 };
@@ -238,9 +242,9 @@ fn a_collimated_beam_seen_from_the_side() {
     assert_mean(&(0..16).map(run).collect::<Vec<_>>(), truth, 0.01);
 }
 
-/// Uniform random chords of a ball fill it with the mean fluence Σ length · flux/volume; a ray inside gathers that times its length.
+/// Uniform random chords fill a ball with the mean fluence Σ length · flux/volume.
 #[test]
-fn isotropic_beams_through_a_ball_give_the_mean_fluence() {
+fn isotropic_chords_give_mean_fluence() {
     let ray = Ray { origin: Vec3::new(-0.5, 0.1, 0.2), direction: Vec3::new(0.8, -0.36, 0.48), t_max: 1.1 };
     let (mut sums, mut lengths) = (Vec::new(), 0.0);
     let (runs, n) = (16, 100_000);

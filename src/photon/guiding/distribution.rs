@@ -1,55 +1,55 @@
-//! Densities of emission, fitted to what a pilot found.
+//! Guiding distributions, fitted to the samples of a pilot.
 
 use crate::light::{EmissionDimensions, Light};
 use crate::sampling::Histogram;
 use glam::Vec2;
 
-/// One path of a pilot.
+/// Sample of one pilot path.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sample {
-    /// Its light.
+    /// Index of the light.
     pub light: usize,
-    /// Where it left the light, in \[0, 1)².
+    /// Sample point of the position, in \[0, 1)².
     pub position: Vec2,
-    /// Which way, in \[0, 1)².
+    /// Sample point of the direction, in \[0, 1)².
     pub direction: Vec2,
-    /// One over the density of position and direction.
+    /// Inverse pdf of position and direction.
     pub weight: f64,
-    /// Mean square of its changes to the picture, as if its light were alone and unlearned.
+    /// Sum of the squared changes of the picture, as if its light were the only one and not guided.
     pub square: f64,
 }
 
-/// Fewest samples a cell of the finest level, on average.
-const PER_CELL: usize = 4;
+/// Least mean number of samples per cell of the finest level.
+const MIN_SAMPLES_PER_CELL: usize = 4;
 
-/// Most halvings of the two squares together: 4096 cells.
-const MOST_BITS: u32 = 6;
+/// Largest number of subdivisions of both squares together: 4096 cells.
+const MAX_SUBDIVISIONS: u32 = 6;
 
-/// Samples that a cell's parent counts for.
-const BELIEF: f64 = 8.0;
+/// Weight of a cell's parent, in samples (shrinkage).
+const PARENT_WEIGHT: f64 = 8.0;
 
-/// Halvings of the sides of a light's two squares: of positions, and of directions.
-type Bits = (u32, u32);
+/// Numbers of subdivisions of the square of positions and of the square of directions.
+type Level = (u32, u32);
 
-/// Mean squares in the cells of one level of refinement, positions before directions.
+/// Mean squared changes in the cells of one level. Cells of positions are the outer index.
 #[derive(Clone, Debug)]
 struct Cells {
-    bits: Bits,
+    level: Level,
     squares: Vec<f64>,
 }
 
 impl Cells {
-    fn new<'s>(bits: Bits, samples: impl Iterator<Item = &'s Sample>, parents: Option<&Self>) -> Self {
+    fn new<'s>(level: Level, samples: impl Iterator<Item = &'s Sample>, parents: Option<&Self>) -> Self {
         #[derive(Clone, Copy, Default)]
         struct Sum {
             count: f64,
             weight: f64,
             square: f64,
         }
-        let (positions, directions) = (1usize << bits.0, 1usize << bits.1);
+        let (positions, directions) = (1usize << level.0, 1usize << level.1);
         let mut sums = vec![Sum::default(); (positions * directions) * (positions * directions)];
         for s in samples {
-            let sum = &mut sums[index(bits, s.position, s.direction)];
+            let sum = &mut sums[index(level, s.position, s.direction)];
             sum.count += 1.0;
             sum.weight += s.weight;
             sum.square += s.weight * s.square;
@@ -58,90 +58,92 @@ impl Cells {
         let square = |(i, sum): (usize, &Sum)| {
             let inner = directions * directions;
             let parent =
-                parents.map(|p| p.squares[index(p.bits, center(i / inner, positions), center(i % inner, directions))]);
+                parents.map(|p| p.squares[index(p.level, center(i / inner, positions), center(i % inner, directions))]);
             let own = if sum.count > 0.0 { sum.square / sum.weight } else { 0.0 };
-            parent.map_or(own, |parent| (sum.count * own + BELIEF * parent) / (sum.count + BELIEF))
+            parent.map_or(own, |parent| (sum.count * own + PARENT_WEIGHT * parent) / (sum.count + PARENT_WEIGHT))
         };
         let squares = sums.iter().enumerate().map(square).collect();
-        Self { bits, squares }
+        Self { level, squares }
     }
 
-    /// Mean of the root mean squares: what is left of the deviation of an estimate if emission follows them.
+    /// Mean of the root mean squares: the standard deviation of a guided estimate.
     fn deviation(&self) -> f64 {
         self.squares.iter().map(|s| s.sqrt()).sum::<f64>() / self.squares.len() as f64
     }
 
-    /// Density of each cell: in proportion to the root mean square, which gives the least variance, but for a `share` that is uniform.
-    fn densities(&self, share: f64) -> Vec<f64> {
+    /// Pdf of each cell, proportional to the root mean square, with a uniform fraction.
+    fn pdfs(&self, uniform: f64) -> Vec<f64> {
         let mean = self.deviation();
-        let density = |s: &f64| if mean > 0.0 { share + (1.0 - share) * s.sqrt() / mean } else { 1.0 };
-        self.squares.iter().map(density).collect()
+        let pdf = |s: &f64| if mean > 0.0 { uniform + (1.0 - uniform) * s.sqrt() / mean } else { 1.0 };
+        self.squares.iter().map(pdf).collect()
     }
 
-    /// Second moment of an estimate from paths emitted by these densities, judged by `samples`.
-    fn judged<'s>(&self, share: f64, samples: impl Iterator<Item = &'s Sample>) -> f64 {
-        let densities = self.densities(share);
-        samples.map(|s| s.weight * s.square / densities[index(self.bits, s.position, s.direction)]).sum()
+    /// Second moment of an estimate that is guided by these cells, measured with other `samples`.
+    fn second_moment<'s>(&self, uniform: f64, samples: impl Iterator<Item = &'s Sample>) -> f64 {
+        let pdfs = self.pdfs(uniform);
+        samples.map(|s| s.weight * s.square / pdfs[index(self.level, s.position, s.direction)]).sum()
     }
 }
 
 #[inline]
-fn index(bits: Bits, position: Vec2, direction: Vec2) -> usize {
-    let directions = 1usize << bits.1;
-    Histogram::cell(1 << bits.0, position) * directions * directions + Histogram::cell(directions, direction)
+fn index(level: Level, position: Vec2, direction: Vec2) -> usize {
+    let directions = 1usize << level.1;
+    Histogram::cell(1 << level.0, position) * directions * directions + Histogram::cell(directions, direction)
 }
 
-/// What was learned of a light.
+/// Cells fitted to the samples of one light.
 #[derive(Clone, Debug)]
-pub(super) struct Fit {
+pub(super) struct GuidingFit {
     cells: Cells,
 }
 
-impl Fit {
-    /// Refines the squares of a light where that pays: of each step's two ways, halving the sides of one square or of the other,
-    /// the better one is gone, and of the levels on this way the best is kept. How good a level is each half of the
-    /// samples says of the densities that the other half would give, so that luck is not taken for structure.
-    pub fn new(light: &Light, samples: &[&Sample], share: f64) -> Self {
+impl GuidingFit {
+    /// Fits cells to the samples of a light; `uniform` is the fraction of the distribution that stays uniform.
+    ///
+    /// Each step subdivides the square of positions or that of directions, whichever gives the smaller second moment. The best
+    /// level of all steps is kept. Second moments are cross-validated between two halves of the samples against overfitting.
+    pub fn new(light: &Light, samples: &[&Sample], uniform: f64) -> Self {
         let EmissionDimensions { position, direction } = light.emission_dimensions();
-        let most = (if position { MOST_BITS } else { 0 }, if direction { MOST_BITS } else { 0 });
+        let most = (if position { MAX_SUBDIVISIONS } else { 0 }, if direction { MAX_SUBDIVISIONS } else { 0 });
         let half = |i: usize| samples.iter().copied().skip(i).step_by(2);
-        let judged = |halves: &[Cells; 2]| halves[0].judged(share, half(1)) + halves[1].judged(share, half(0));
+        let cost =
+            |halves: &[Cells; 2]| halves[0].second_moment(uniform, half(1)) + halves[1].second_moment(uniform, half(0));
         let mut cells = Cells::new((0, 0), samples.iter().copied(), None);
         let mut halves = [0, 1].map(|i| Cells::new((0, 0), half(i), None));
-        let mut best = (judged(&halves), cells.clone());
-        for bits in 1..=MOST_BITS {
-            if PER_CELL << (2 * bits) > samples.len() {
+        let mut best = (cost(&halves), cells.clone());
+        for subdivisions in 1..=MAX_SUBDIVISIONS {
+            if MIN_SAMPLES_PER_CELL << (2 * subdivisions) > samples.len() {
                 break;
             }
-            let (p, d) = cells.bits;
-            let ways = [(p + 1, d), (p, d + 1)].into_iter().filter(|way| way.0 <= most.0 && way.1 <= most.1);
-            let refined = ways.map(|way| {
-                let halves = [0, 1].map(|i| Cells::new(way, half(i), Some(&halves[i])));
-                (judged(&halves), halves)
+            let (p, d) = cells.level;
+            let finer = [(p + 1, d), (p, d + 1)].into_iter().filter(|level| level.0 <= most.0 && level.1 <= most.1);
+            let refined = finer.map(|level| {
+                let halves = [0, 1].map(|i| Cells::new(level, half(i), Some(&halves[i])));
+                (cost(&halves), halves)
             });
-            let Some((cost, refined)) = refined.min_by(|a, b| a.0.total_cmp(&b.0)) else { break };
-            cells = Cells::new(refined[0].bits, samples.iter().copied(), Some(&cells));
+            let Some((least, refined)) = refined.min_by(|a, b| a.0.total_cmp(&b.0)) else { break };
+            cells = Cells::new(refined[0].level, samples.iter().copied(), Some(&cells));
             halves = refined;
-            if cost < best.0 {
-                best = (cost, cells.clone());
+            if least < best.0 {
+                best = (least, cells.clone());
             }
         }
         Self { cells: best.1 }
     }
 
-    /// Deviation of what a path of this light brings: its claim to paths.
+    /// Standard deviation of a guided path of this light, which determines its probability.
     pub fn deviation(&self) -> f64 {
         self.cells.deviation()
     }
 
-    /// The density of emission, a `share` of it uniform; `None` where there is nothing to prefer.
-    pub fn density(&self, share: f64) -> Option<GuidingDistribution> {
-        let (p, d) = self.cells.bits;
+    /// The guiding distribution with a uniform fraction; `None` for a single cell.
+    pub fn distribution(&self, uniform: f64) -> Option<GuidingDistribution> {
+        let (p, d) = self.cells.level;
         if (p, d) == (0, 0) {
             return None;
         }
-        let densities = self.cells.densities(share);
-        let directions = densities.chunks_exact(1 << (2 * d));
+        let pdfs = self.cells.pdfs(uniform);
+        let directions = pdfs.chunks_exact(1 << (2 * d));
         let positions: Vec<f64> = directions.clone().map(|d| d.iter().sum()).collect();
         Some(GuidingDistribution {
             side: 1 << p,
@@ -151,26 +153,28 @@ impl Fit {
     }
 }
 
-/// Density of emission on a light's squares: of positions, and of directions in each cell of the positions.
+/// Distribution of the sample points of emission: of positions, and of directions within each cell of positions.
 #[derive(Clone, Debug)]
 pub(in crate::photon) struct GuidingDistribution {
+    /// Cells of positions along each side.
     side: usize,
     positions: Histogram,
+    /// Distribution of directions within each cell of positions.
     directions: Vec<Histogram>,
 }
 
 impl GuidingDistribution {
-    /// Maps two uniform points of \[0, 1)² to a position and a direction, with their density.
+    /// Maps two uniform points of \[0, 1)² to the sample points of a position and a direction, with their pdf.
     #[inline]
     pub fn sample(&self, position: Vec2, direction: Vec2) -> (Vec2, Vec2, f32) {
-        let (position, density) = self.positions.sample(position);
+        let (position, pdf) = self.positions.sample(position);
         let (direction, conditional) = self.directions[Histogram::cell(self.side, position)].sample(direction);
-        (position, direction, density * conditional)
+        (position, direction, pdf * conditional)
     }
 
-    /// The density at a position and a direction.
+    /// Pdf of the sample points of a position and a direction.
     #[cfg(test)]
-    pub fn density(&self, position: Vec2, direction: Vec2) -> f32 {
+    pub fn pdf(&self, position: Vec2, direction: Vec2) -> f32 {
         self.positions.density(position) * self.directions[Histogram::cell(self.side, position)].density(direction)
     }
 }

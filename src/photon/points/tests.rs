@@ -16,13 +16,13 @@ fn sphere(i: u64) -> Vec3 {
     warp::sphere(key(i).uniform_2d(Dimension::LightDirection))
 }
 
-/// Photons known by their medium.
+/// Photons identified by their medium.
 fn random(n: u64, at: impl Fn(u64) -> Vec3) -> Vec<VolumePhoton> {
     (0..n).map(|i| VolumePhoton::new(at(i), Rgb::ONE, sphere(i), i as u32, 0).unwrap()).collect()
 }
 
 #[test]
-fn a_photon_is_small_and_keeps_what_it_carries() {
+fn volume_photon_packing_is_precise() {
     assert_eq!(size_of::<VolumePhoton>(), 32);
     let flux = Rgb::new(3.0, 1.0, 0.5);
     let p = VolumePhoton::new(Vec3::ONE, flux, -Vec3::Y, 7, 3).unwrap();
@@ -34,9 +34,9 @@ fn a_photon_is_small_and_keeps_what_it_carries() {
     assert!(VolumePhoton::new(Vec3::NAN, Rgb::ONE, Vec3::Z, 0, 0).is_none());
 }
 
-/// What a scan in f64 finds, each once; for the ray to the last bit, about a place give or take the rim.
+/// Queries match an f64 scan: along rays to the bit, around points up to rounding at the rim.
 #[test]
-fn what_a_scan_finds_is_found() {
+fn queries_match_a_linear_scan() {
     for (size, middle) in [(1.0, Vec3::ZERO), (1e-9, Vec3::ZERO), (1e12, Vec3::ZERO), (1.0, Vec3::new(5e3, 0.0, -7e3))]
     {
         for part in [0.01, 0.2] {
@@ -107,7 +107,7 @@ fn check_place(map: &PointMap, photons: &[VolumePhoton], place: Vec3) -> usize {
 }
 
 #[test]
-fn crowds_nothing_and_no_radius() {
+fn degenerate_point_maps_work() {
     let ray = Ray::new(Vec3::NEG_Z, Vec3::Z);
     let count = |map: &PointMap| {
         let (mut line, mut ball) = (0, 0);
@@ -124,7 +124,7 @@ fn crowds_nothing_and_no_radius() {
 }
 
 #[test]
-fn the_map_is_one_for_any_number_of_threads() {
+fn point_map_is_thread_independent() {
     let ray = Ray::new(Vec3::new(0.1, 0.2, -1.0), Vec3::new(0.36, 0.48, 0.8));
     let with = |n| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
@@ -137,7 +137,7 @@ fn the_map_is_one_for_any_number_of_threads() {
     assert_eq!(with(1), with(3));
 }
 
-/// The mean of runs is within four standard errors of the truth, and these are small enough to tell.
+/// The mean of the runs is within four standard errors of the truth, and these are small.
 fn assert_mean(values: &[f64], truth: f64, precision: f64) {
     let n = values.len() as f64;
     let mean = values.iter().sum::<f64>() / n;
@@ -151,7 +151,7 @@ fn assert_mean(values: &[f64], truth: f64, precision: f64) {
 /// A blur over a radius r of a field of curvature σt² has a relative bias of r²σt²/16 in two dimensions and r²σt²/14 in three: here
 /// below 3·10⁻⁴, a tenth of the statistical error asked for.
 #[test]
-fn a_collimated_beam_seen_from_the_side() {
+fn collimated_beam_radiance_is_exact() {
     let (extinction, scattering, depth, across) = (1.3f64, 0.9f64, 0.7f64, 1.6f64);
     let (irradiance, radius) = (2.0, 0.05);
     let ray = Ray { origin: Vec3::new(0.0, 0.0, depth as f32), direction: Vec3::X, t_max: across as f32 };

@@ -49,7 +49,8 @@ fn by_photons(scene: &Scene, wants: StoreMask, passes: u32) -> Estimate {
     let traced = trace(scene, wants, 1000, passes, 1 << 17);
     let window = |p: DVec3| p.y.abs() < 1e-3 && p.x.abs() < HALF && p.z.abs() < HALF;
     let per_area = ALBEDO / PI / (4.0 * HALF * HALF);
-    let samples: Vec<DVec3> = traced.iter().map(|t| flux_where(scene, &t.photons, window) * per_area).collect();
+    let samples: Vec<DVec3> =
+        traced.iter().map(|t| flux_where(scene, &t.deposits.photons, window) * per_area).collect();
     let n = f64::from(passes);
     let mean = samples.iter().sum::<DVec3>() / n;
     let squares: DVec3 = samples.iter().map(|s| (s - mean) * (s - mean)).sum();

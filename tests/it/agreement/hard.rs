@@ -14,7 +14,7 @@ fn check(name: &str) {
     let grid = Grid::new(SIZE, 8);
     let effort = Effort { passes: 10, samples: 4, photons: 20_000, caustic: 60_000, radius: 0.03 };
     let path = Renders::new(Method::Path, &scene, Effort { samples: 36, ..effort });
-    for method in [Method::Hybrid, Method::Sppm, Method::Seen, Method::Gathered] {
+    for method in [Method::Hybrid, Method::Sppm, Method::PmDirect, Method::PmGathering] {
         let renders = Renders::new(method, &scene, effort);
         compare_renders(name, &renders, &path, &grid, (0.1, 0.015));
     }

@@ -14,20 +14,20 @@ pub enum Method {
     Hybrid,
     Sppm,
     /// `Sppm` with the beam radiance estimate in media.
-    Along,
+    SppmBeamRadiance,
     /// `Sppm` with a point estimate in media.
-    Around,
+    SppmPoints,
     Ppm,
     /// `Pm` that shows its global map directly.
-    Seen,
+    PmDirect,
     /// `Pm` with final gathering by the BSDF.
-    Gathered,
+    PmGathering,
     /// `Pm` with final gathering guided by photons.
-    Guided,
+    PmGuided,
 }
 
 pub const ALL: [Method; 7] =
-    [Method::Path, Method::Hybrid, Method::Sppm, Method::Ppm, Method::Seen, Method::Gathered, Method::Guided];
+    [Method::Path, Method::Hybrid, Method::Sppm, Method::Ppm, Method::PmDirect, Method::PmGathering, Method::PmGuided];
 
 /// Cost of a pass.
 #[derive(Clone, Copy, Debug)]
@@ -79,22 +79,22 @@ fn prepare<'a>(method: Method, scene: &'a Scene, effort: Effort, i: u32) -> Box<
         alpha: ALPHA,
         kernel: Kernel::Epanechnikov,
         volume: match method {
-            Method::Along => VolumeEstimate::BeamRadiance,
-            Method::Around => VolumeEstimate::Points,
+            Method::SppmBeamRadiance => VolumeEstimate::BeamRadiance,
+            Method::SppmPoints => VolumeEstimate::Points,
             _ => VolumeEstimate::Beams,
         },
         final_gathering: match method {
-            Method::Gathered => FinalGathering::Bsdf,
-            Method::Guided => FinalGathering::Importance,
+            Method::PmGathering => FinalGathering::Bsdf,
+            Method::PmGuided => FinalGathering::Importance,
             _ => FinalGathering::None,
         },
     };
     let algorithm = match method {
         Method::Path => Algorithm::Path,
         Method::Hybrid => Algorithm::Hybrid,
-        Method::Sppm | Method::Along | Method::Around => Algorithm::Sppm,
+        Method::Sppm | Method::SppmBeamRadiance | Method::SppmPoints => Algorithm::Sppm,
         Method::Ppm => Algorithm::Ppm,
-        Method::Seen | Method::Gathered | Method::Guided => Algorithm::Pm,
+        Method::PmDirect | Method::PmGathering | Method::PmGuided => Algorithm::Pm,
     };
     algorithm.prepare(scene, settings)
 }

@@ -77,8 +77,8 @@ fn integrators_match_caustic_reference() {
         (Method::Path, CHANCE),
         (Method::Hybrid, WALKS),
         (Method::Ppm, BIASED),
-        (Method::Seen, BIASED),
-        (Method::Gathered, BIASED),
+        (Method::PmDirect, BIASED),
+        (Method::PmGathering, BIASED),
     ];
     compare_all("cbox-caustic", &methods, &[("caustic", [88, 95, 105, 110])], [0.15, 0.05, 0.01]);
 }
@@ -91,8 +91,8 @@ fn integrators_match_rough_reference() {
         (Method::Hybrid, WALKS),
         (Method::Sppm, BIASED),
         (Method::Ppm, BIASED),
-        (Method::Seen, BIASED),
-        (Method::Gathered, BIASED),
+        (Method::PmDirect, BIASED),
+        (Method::PmGathering, BIASED),
     ];
     compare_all(
         "rough",
@@ -112,8 +112,8 @@ fn integrators_match_lens_reference() {
         (Method::Path, WALKS),
         (Method::Hybrid, WALKS),
         (Method::Sppm, WALKS),
-        (Method::Seen, WALKS),
-        (Method::Gathered, WALKS),
+        (Method::PmDirect, WALKS),
+        (Method::PmGathering, WALKS),
     ];
     compare_all(
         "lens",
@@ -133,12 +133,12 @@ fn integrators_match_fog_reference() {
         (Method::Path, CHANCE),
         (Method::Hybrid, WALKS),
         (Method::Sppm, BIASED),
-        (Method::Seen, BIASED),
-        (Method::Gathered, BIASED),
+        (Method::PmDirect, BIASED),
+        (Method::PmGathering, BIASED),
     ]
     .map(|(method, effort)| (method, Effort { passes: 12, ..effort }));
     let windows = [("ball", [50, 72, 32, 56]), ("air", [40, 60, 8, 20]), ("back", [35, 50, 25, 40])];
     compare_all("fog", &methods, &windows, [0.15, 0.05, 0.01]);
     let wide = Effort { radius: 0.1, ..BIASED };
-    compare_all("fog", &[(Method::Along, wide), (Method::Around, wide)], &[], [0.6, 0.1, 0.05]);
+    compare_all("fog", &[(Method::SppmBeamRadiance, wide), (Method::SppmPoints, wide)], &[], [0.6, 0.1, 0.05]);
 }

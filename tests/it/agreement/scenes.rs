@@ -23,18 +23,18 @@ fn check(name: &str, radius: f64, methods: &[Method]) {
     }
 }
 
-const PHOTONS: [Method; 3] = [Method::Sppm, Method::Seen, Method::Gathered];
+const PHOTONS: [Method; 3] = [Method::Sppm, Method::PmDirect, Method::PmGathering];
 
 #[test]
 #[ignore = "long: t-tests between integrators"]
 fn integrators_agree_on_glass_ball() {
-    check("glass-ball", 0.04, &[Method::Path, Method::Sppm, Method::Ppm, Method::Seen, Method::Gathered]);
+    check("glass-ball", 0.04, &[Method::Path, Method::Sppm, Method::Ppm, Method::PmDirect, Method::PmGathering]);
 }
 
 #[test]
 #[ignore = "long: t-tests between integrators"]
 fn integrators_agree_on_matte() {
-    check("matte", 0.06, &[Method::Path, Method::Sppm, Method::Ppm, Method::Seen, Method::Gathered]);
+    check("matte", 0.06, &[Method::Path, Method::Sppm, Method::Ppm, Method::PmDirect, Method::PmGathering]);
 }
 
 #[test]

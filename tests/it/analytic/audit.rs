@@ -76,13 +76,13 @@ fn path_lengths_in_grey_room_are_geometric() {
         }
         b.source(SourceKind::Point { position: DVec3::splat(0.2) }, LightStrength::Power(grey(N)));
         let passes = trace(&unseen(b), StoreMask::ALL, 10_000, 20_000, N as u32);
-        let landed: Vec<f64> = passes.iter().map(|t| t.photons.len() as f64).collect();
+        let landed: Vec<f64> = passes.iter().map(|t| t.deposits.photons.len() as f64).collect();
         agree(&format!("photons a path, ρ = {albedo}"), &landed, N / (1.0 - albedo), 0.0, 2e-3);
         let variance = N * albedo / ((1.0 - albedo) * (1.0 - albedo));
         let squares: Vec<f64> = landed.iter().map(|n| n - N / (1.0 - albedo)).map(|d| d * d).collect();
         agree(&format!("their variance, ρ = {albedo}"), &squares, variance, 0.0, 0.015);
         let roulette: Vec<f64> = passes.iter().map(|t| t.audit.roulette[0]).map(|r| r * r).collect();
         agree(&format!("variance of roulette, ρ = {albedo}"), &roulette, N * albedo, 1e-5, 0.015);
-        assert!(passes.iter().all(|t| t.rays == t.photons.len() as u64), "each ray lands in a closed room");
+        assert!(passes.iter().all(|t| t.rays == t.deposits.photons.len() as u64), "each ray lands in a closed room");
     }
 }

@@ -32,9 +32,9 @@ fn moments(bandwidth: Bandwidth, kernel: Kernel, variance: impl Fn(f64) -> f64) 
     let scene = unseen(b);
     let mut moments = Moments { mean: vec![], variance: vec![], expected: vec![] };
     for traced in trace(&scene, StoreMask::GLOBAL, 1000, 48, 1 << 15) {
-        let n = traced.photons.len() as f64;
-        let density = flux_where(&scene, &traced.photons, |_| true).x / (4.0 * PI);
-        let map = PhotonMap::build(traced.photons);
+        let n = traced.deposits.photons.len() as f64;
+        let density = flux_where(&scene, &traced.deposits.photons, |_| true).x / (4.0 * PI);
+        let map = PhotonMap::build(traced.deposits.photons);
         let at = |p: &DVec3| irradiance(&scene, &map, *p, -*p, bandwidth, kernel).x / density - 1.0;
         let deviations: Vec<f64> = spread(PROBES).iter().map(at).collect();
         let count = f64::from(PROBES);

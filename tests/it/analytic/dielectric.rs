@@ -71,8 +71,10 @@ fn photons_pass_slab_by_its_transmittance() {
         };
         agree_rgb(&format!("through a slab at {degrees}°"), &share(|a| a.stopped), through, 4e-3);
         agree_rgb(&format!("back from a slab at {degrees}°"), &share(|a| a.escaped), back, 0.03);
-        let stored: Vec<DVec3> =
-            passes.iter().map(|t| flux_where(&scene, &t.photons, |_| true) / DVec3::from(t.audit.emitted)).collect();
+        let stored: Vec<DVec3> = passes
+            .iter()
+            .map(|t| flux_where(&scene, &t.deposits.photons, |_| true) / DVec3::from(t.audit.emitted))
+            .collect();
         agree_rgb(&format!("stored behind a slab at {degrees}°"), &stored, through, 4e-3);
     }
 }

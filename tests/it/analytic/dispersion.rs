@@ -1,6 +1,6 @@
 //! Dispersion: prisms separate wavelengths, and white light stays white in sum.
 
-use crate::support::{PASSES, agree, agree_rgb, fresnel, place, scene_in, trace_from};
+use crate::support::{PASSES, agree, agree_rgb, fresnel, photon_position, scene_in, trace_from};
 use caustica::color::Wavelength;
 use caustica::integrate::{Algorithm, Settings, Silent};
 use caustica::photon::{Photon, PhotonSource, StoreMask};
@@ -78,7 +78,7 @@ fn prism_deviates_wavelengths_by_their_indices() {
     let source = PhotonSource::aimed(&scene).unwrap();
     let passes = trace_from(&scene, &source, StoreMask::CAUSTIC, 100, PASSES, 1 << 16);
     let down = |photon: &Photon| {
-        let p = place(&scene, photon);
+        let p = photon_position(&scene, photon);
         (-libm::atan2(p.y, p.x)).to_degrees() + 0.5 * least.to_degrees()
     };
     let mut found = Vec::new();
@@ -92,9 +92,10 @@ fn prism_deviates_wavelengths_by_their_indices() {
             .iter()
             .map(|t| {
                 let turned: Vec<f64> = t
+                    .deposits
                     .photons
                     .iter()
-                    .filter(|p| codes.contains(&p.data.wavelength()) && place(&scene, p).x > 0.0)
+                    .filter(|p| codes.contains(&p.data.wavelength()) && photon_position(&scene, p).x > 0.0)
                     .map(|p| {
                         let own = deviation(angle, bk7(middle(p).unwrap())) - deviation(angle, bk7(nm));
                         down(p) - own.to_degrees()
@@ -115,7 +116,7 @@ fn prism_deviates_wavelengths_by_their_indices() {
     assert!((found[0] - found[2] - 0.70973).abs() < 5e-4);
 }
 
-/// A spotlight shines into a prism inside a sphere. All of its light lands, in each channel alike,
+/// A spotlight illuminates a prism inside a sphere. All of its light lands, in each channel alike,
 /// with and without sampled wavelengths. A first reflection stays white while it is weak, and is
 /// weighted for that.
 #[test]
@@ -144,10 +145,14 @@ fn dispersed_beam_sums_to_white() {
             let effects = if dispersion { Effects::ALL } else { Effects::ALL.without(Effect::Dispersion) };
             let source = PhotonSource::everywhere(&scene).unwrap().with_effects(effects);
             let passes = trace_from(&scene, &source, StoreMask::CAUSTIC, 10_000, PASSES, 1 << 15);
-            let with_wavelength = passes[0].photons.iter().filter(|p| p.data.wavelength() != 0).count();
-            assert_eq!(with_wavelength > passes[0].photons.len() / 2, dispersion, "{glass}: {with_wavelength}");
+            let with_wavelength = passes[0].deposits.photons.iter().filter(|p| p.data.wavelength() != 0).count();
+            assert_eq!(
+                with_wavelength > passes[0].deposits.photons.len() / 2,
+                dispersion,
+                "{glass}: {with_wavelength}"
+            );
             let sums: Vec<DVec3> =
-                passes.iter().map(|t| t.photons.iter().map(|p| p.data.flux().as_dvec3()).sum()).collect();
+                passes.iter().map(|t| t.deposits.photons.iter().map(|p| p.data.flux().as_dvec3()).sum()).collect();
             // Photons of one wavelength have individually rounded hues. Edges of the prism let one
             // ray in 10⁵ slip.
             agree_rgb(&format!("{glass}, dispersion {dispersion}"), &sums, DVec3::splat(7.0), 5e-3);
@@ -303,7 +308,7 @@ fn drop(glass: &str, far: f64) -> Scene {
 const FAR: f64 = 1000.0;
 
 fn bow(scene: &Scene, photon: &Photon) -> Option<f64> {
-    let p = place(scene, photon);
+    let p = photon_position(scene, photon);
     (p.x < 0.0).then(|| libm::atan2(libm::hypot(p.y, p.z), FAR).to_degrees())
 }
 
@@ -327,7 +332,7 @@ fn rainbow_stands_at_42_degrees() {
         let within = |p: &Photon| bow(&scene, p).is_some_and(|a| a >= edges[i] && a < edges[i + 1]);
         let samples: Vec<f64> = passes
             .iter()
-            .map(|t| t.photons.iter().filter(|p| within(p)).map(|p| p.data.flux().as_dvec3().x).sum())
+            .map(|t| t.deposits.photons.iter().filter(|p| within(p)).map(|p| p.data.flux().as_dvec3().x).sum())
             .collect();
         // Edges of rings are accurate to rounding, 10⁻⁴ degrees. A midpoint of rays is accurate to
         // 10⁻⁵ of the ball's radius.
@@ -359,7 +364,7 @@ fn rainbow_is_red_outside() {
             let near = near.min_by(|a, b| {
                 (f64::from(a.nanometres()) - nm).abs().total_cmp(&(f64::from(b.nanometres()) - nm).abs())
             });
-            let density = f64::from(near.unwrap().density());
+            let density = f64::from(near.unwrap().pdf());
             flux += f * density;
             angles += a * density;
         }
@@ -367,7 +372,7 @@ fn rainbow_is_red_outside() {
             .iter()
             .map(|t| {
                 let (mut sum, mut weight) = (0.0, 0.0);
-                for p in t.photons.iter().filter(|p| of_band(p)) {
+                for p in t.deposits.photons.iter().filter(|p| of_band(p)) {
                     if let Some(angle) = bow(&scene, p).filter(|a| *a >= edges[0] && *a < edges[1]) {
                         let power = p.data.flux().as_dvec3().element_sum();
                         sum += power * angle;

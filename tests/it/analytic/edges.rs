@@ -24,7 +24,7 @@ fn maps(shade: bool) -> (caustica::scene::Scene, Vec<PhotonMap>) {
     b.source(SourceKind::Directional { direction: -DVec3::Y }, LightStrength::Physical(grey(IRRADIANCE)));
     let scene = unseen(b);
     let passes = trace(&scene, StoreMask::ALL, 0, PASSES, 1 << 16);
-    let maps = passes.into_iter().map(|t| PhotonMap::build(t.photons)).collect();
+    let maps = passes.into_iter().map(|t| PhotonMap::build(t.deposits.photons)).collect();
     (scene, maps)
 }
 
@@ -82,7 +82,7 @@ fn estimates_do_not_leak_between_surfaces() {
     b.shape(Shape::Rectangle(wall), white, grey(0.0));
     b.source(SourceKind::Directional { direction: -DVec3::Y }, LightStrength::Physical(grey(IRRADIANCE)));
     let scene = unseen(b);
-    let photons = trace(&scene, StoreMask::ALL, 0, 1, 1 << 14).remove(0).photons;
+    let photons = trace(&scene, StoreMask::ALL, 0, 1, 1 << 14).remove(0).deposits.photons;
     let map = PhotonMap::build(photons);
     let at = |p, n| irradiance(&scene, &map, p, n, fixed(RADIUS), Kernel::Box).x;
     let middle = vec3(0.5, 0.0, 0.5);

@@ -59,7 +59,8 @@ fn ball_lens_focus_flux_obeys_snell_and_fresnel() {
             for radius in [0.05, 0.1, 0.2, 0.4, 0.6] {
                 let expected = over_beam(z, |rho| f64::from(u8::from(rho <= radius)));
                 let inside = |p: DVec3| p.x * p.x + p.z * p.z <= radius * radius;
-                let samples: Vec<f64> = passes.iter().map(|t| flux_where(&scene, &t.photons, inside).x).collect();
+                let samples: Vec<f64> =
+                    passes.iter().map(|t| flux_where(&scene, &t.deposits.photons, inside).x).collect();
                 let what = format!("z = {z}, within {radius}, aimed: {aimed}");
                 agree(&what, &samples, expected, expected * HUE + 4e-5, 0.04);
             }
@@ -72,7 +73,8 @@ fn ball_lens_focus_flux_obeys_snell_and_fresnel() {
 fn focus_estimate_is_beam_convolved_with_kernel() {
     for z in [1.3, 1.5] {
         let scene = lens(z);
-        let maps: Vec<PhotonMap> = passes(&scene, true).into_iter().map(|t| PhotonMap::build(t.photons)).collect();
+        let maps: Vec<PhotonMap> =
+            passes(&scene, true).into_iter().map(|t| PhotonMap::build(t.deposits.photons)).collect();
         for kernel in KERNELS {
             for radius in [0.03, 0.1] {
                 let expected = over_beam(z, |rho| kernel_at(kernel, rho, radius));

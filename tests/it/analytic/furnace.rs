@@ -59,12 +59,12 @@ fn furnace_radiance_holds_for_nearest_neighbours() {
 fn coloured_flux_survives_grey_roulette() {
     let scene = furnace();
     let passes = trace(&scene, StoreMask::ALL, 1000, 64, 1 << 13);
-    let landed: Vec<DVec3> = passes.iter().map(|t| flux_where(&scene, &t.photons, |_| true)).collect();
+    let landed: Vec<DVec3> = passes.iter().map(|t| flux_where(&scene, &t.deposits.photons, |_| true)).collect();
     let emitted = EMITTED * (PI * 24.0);
     agree_rgb("landed flux", &landed, emitted / (DVec3::ONE - ALBEDO), 4e-3);
     let direct: Vec<DVec3> = trace(&scene, StoreMask::DIRECT, 0, 4, 1 << 13)
         .iter()
-        .map(|t| t.photons.iter().map(|p| p.data.flux().as_dvec3()).sum())
+        .map(|t| t.deposits.photons.iter().map(|p| p.data.flux().as_dvec3()).sum())
         .collect();
     for flux in direct {
         // Emitted flux is random only by the choice of lights. All six are equal, so it is exact to

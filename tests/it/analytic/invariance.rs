@@ -112,7 +112,7 @@ fn arrived(at: Place, aimed: bool, wants: StoreMask, passes: u32, paths: u32) ->
     };
     trace_from(&scene, &source.unwrap(), wants, 50, passes, paths)
         .iter()
-        .map(|t| flux_where(&scene, &t.photons, inside) / (at.scale * at.scale))
+        .map(|t| flux_where(&scene, &t.deposits.photons, inside) / (at.scale * at.scale))
         .collect()
 }
 
@@ -157,7 +157,7 @@ fn aimed_emission_preserves_caustics() {
     let everywhere = arrived(HERE, false, StoreMask::CAUSTIC, 32, 1 << 17);
     same("aimed against everywhere", &aimed, &everywhere, 5e-3);
     let scene = room(HERE);
-    let count = |wants| trace(&scene, wants, 50, 1, 1 << 14)[0].photons.len();
+    let count = |wants| trace(&scene, wants, 50, 1, 1 << 14)[0].deposits.photons.len();
     let apart = [StoreMask::DIRECT, StoreMask::CAUSTIC, StoreMask::GLOBAL];
     assert_eq!(apart.map(count).iter().sum::<usize>(), count(StoreMask::ALL), "classes are disjoint and complete");
     assert_eq!(count(apart[1]), count(StoreMask::CAUSTIC));

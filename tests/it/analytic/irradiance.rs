@@ -120,7 +120,7 @@ fn under(lamp: &Lamp) -> SceneBuilder {
 }
 
 fn maps(scene: &Scene) -> Vec<PhotonMap> {
-    trace(scene, DIRECT, 0, PASSES, 1 << 17).into_iter().map(|t| PhotonMap::build(t.photons)).collect()
+    trace(scene, DIRECT, 0, PASSES, 1 << 17).into_iter().map(|t| PhotonMap::build(t.deposits.photons)).collect()
 }
 
 /// The expected estimate is irradiance averaged by the kernel, at any radius and position.
@@ -195,7 +195,7 @@ fn disc_flux_below_point_light_matches_solid_angle() {
     let passes = trace(&scene, DIRECT, 0, PASSES, 1 << 16);
     for radius in [0.3, 1.0, 5.0] {
         let inside = |p: DVec3| p.x * p.x + p.z * p.z < radius * radius;
-        let samples: Vec<f64> = passes.iter().map(|t| flux_where(&scene, &t.photons, inside).x).collect();
+        let samples: Vec<f64> = passes.iter().map(|t| flux_where(&scene, &t.deposits.photons, inside).x).collect();
         let expected = TAU * INTENSITY * (1.0 - HEIGHT / libm::hypot(HEIGHT, radius));
         agree(&format!("flux within {radius}"), &samples, expected, expected * 2.0 * HUE, 3e-3);
     }

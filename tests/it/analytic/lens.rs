@@ -238,7 +238,7 @@ fn moving_objects_follow_their_transforms() {
                     _ => missed += 1,
                 }
             }
-            assert!(hits > 50, "{object} at {time}: only {hits} rays met it");
+            assert!(hits > 50, "{object} at {time}: only {hits} rays hit it");
             // Rounding is 10⁻⁷ of positions. At most one ray in thousands passes an edge or outline
             // within that: fewer than five of 2000.
             assert!(missed < 5, "{object} at {time}: {missed} rays differ");

@@ -282,7 +282,7 @@ fn photon_beam_estimate_matches_formula() {
     let r = fresnel(1.0, 1.5);
     let through = (1.0 - r) / (1.0 + r);
     let path = seen(&behind, Algorithm::Path, with(64, single()), 2);
-    assert!(path.iter().all(|v| *v == DVec3::ZERO), "no walk finds it: {path:?}");
+    assert!(path.iter().all(|v| *v == DVec3::ZERO), "no path finds it: {path:?}");
     let radius = 0.3;
     for volume in ESTIMATES {
         // Beams are uniform along the ray. Discs around it reach up and down; balls also reach
@@ -456,7 +456,7 @@ fn thick_fog_matches_chandrasekhar_half_space() {
 /// A medium with zero coefficients changes no bit of an image, even with all effects on.
 #[test]
 fn empty_medium_changes_no_bit() {
-    let picture = |filled: &str, medium: &str, wishes: EffectOverrides| {
+    let picture = |filled: &str, medium: &str, overrides: EffectOverrides| {
         let scene = scene(&format!(
             "PerspectiveCamera {{ center 0 1 5  lookAt 0 .5 0  angle 40  width 24  height 24 }}
              Background {{ color .1 .2 .3  {filled} }}
@@ -473,14 +473,14 @@ fn empty_medium_changes_no_bit() {
                  Sphere {{ center .8 .6 0  radius .5 }}
              }}"
         ));
-        let mut settings = with(4, wishes);
+        let mut settings = with(4, overrides);
         settings.eye.max_bounces = 8;
         Algorithm::Path.prepare(&scene, settings).pass(0, &Silent).image
     };
-    for wishes in [EffectOverrides::PLANNED, EffectOverrides::ALL] {
-        let plain = picture("", "", wishes);
+    for overrides in [EffectOverrides::PLANNED, EffectOverrides::ALL] {
+        let plain = picture("", "", overrides);
         assert!(plain.iter().any(|v| v.x > 0.1));
-        assert!(plain == picture("medium nothing", "medium nothing", wishes), "{wishes:?}");
+        assert!(plain == picture("medium nothing", "medium nothing", overrides), "{overrides:?}");
     }
     assert!(picture("", "", EffectOverrides::PLANNED) == picture("", "", EffectOverrides::ALL));
 }

@@ -54,7 +54,7 @@ fn flux_along_cup_axis_matches_closed_form() {
     let part = |z: f64| (1.0 - 1.0 / (4.0 * z * z)).max(0.0).sqrt();
     for (from, to) in [(0.5, 0.51), (0.51, 0.55), (0.55, 0.7), (0.7, 0.95), (0.5, 0.95)] {
         let inside = |p: DVec3| p.z > from && p.z <= to;
-        let samples: Vec<f64> = passes.iter().map(|t| flux_where(&scene, &t.photons, inside).x).collect();
+        let samples: Vec<f64> = passes.iter().map(|t| flux_where(&scene, &t.deposits.photons, inside).x).collect();
         let expected = 2.0 * IRRADIANCE * REFLECTANCE * (part(to) - part(from));
         // Half a facet, 8·10⁻⁴ in h, is divided correctly in the mean. Its sagitta moves crossings
         // by 10⁻⁶: near 1/2 that is at most √(4·10⁻⁶) of the beam.
@@ -63,8 +63,8 @@ fn flux_along_cup_axis_matches_closed_form() {
     }
     // Points are kept 16 errors of 5·2⁻²³ off the edges of facets. That moves a ray sideways by
     // 10⁻⁵ at most.
-    let sideways = |p: &Photon| (0.5 - 1e-5 - place(&scene, p).z) * f64::from(p.data.from().x.abs());
-    let most = passes.iter().flat_map(|t| &t.photons).map(sideways).fold(0.0, f64::max);
+    let sideways = |p: &Photon| (0.5 - 1e-5 - photon_position(&scene, p).z) * f64::from(p.data.from().x.abs());
+    let most = passes.iter().flat_map(|t| &t.deposits.photons).map(sideways).fold(0.0, f64::max);
     assert!(most < 1e-5, "no ray crosses the axis before half the radius: {most}");
 }
 
@@ -111,7 +111,8 @@ fn fold(t: f64) -> DVec2 {
 #[test]
 fn cup_floor_flux_matches_ray_tracing() {
     let scene = floor();
-    let maps: Vec<PhotonMap> = once_reflected(&scene).into_iter().map(|t| PhotonMap::build(t.photons)).collect();
+    let maps: Vec<PhotonMap> =
+        once_reflected(&scene).into_iter().map(|t| PhotonMap::build(t.deposits.photons)).collect();
     // At the cusp, on both sides of it, on the fold, and away from it.
     for at in [DVec2::new(0.0, 0.5), DVec2::new(0.0, 0.56), DVec2::new(0.0, 0.42), fold(0.6), DVec2::new(-0.5, 0.2)] {
         for kernel in KERNELS {
@@ -134,8 +135,8 @@ fn flux_peaks_at_the_nephroid() {
         // The normal that points to the wall.
         let outward = if tangent.perp().dot(fold(t)) > 0.0 { tangent.perp() } else { -tangent.perp() };
         let mut cells = [0f64; 12];
-        for p in passes.iter().flat_map(|t| &t.photons) {
-            let p = place(&scene, p);
+        for p in passes.iter().flat_map(|t| &t.deposits.photons) {
+            let p = photon_position(&scene, p);
             let d = DVec2::new(p.x, p.z) - fold(t);
             let cell = (d.dot(outward) * 100.0 + 6.0).floor();
             if d.dot(tangent).abs() < 0.03 && (0.0..12.0).contains(&cell) {

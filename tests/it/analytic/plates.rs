@@ -26,10 +26,11 @@ fn cube_faces_exchange_flux_by_form_factors() {
         }
     };
     for (face, name, factor) in [(0, "floor", 0.199_825), (2, "left", 0.200_044), (5, "front", 0.200_044)] {
-        let samples: Vec<f64> = passes.iter().map(|t| flux_where(&scene, &t.photons, on(face)).x / PI).collect();
+        let samples: Vec<f64> =
+            passes.iter().map(|t| flux_where(&scene, &t.deposits.photons, on(face)).x / PI).collect();
         agree(&format!("form factor of the {name}"), &samples, factor, 5e-7 + factor * HUE, 2e-3);
     }
-    let total: f64 = passes.iter().map(|t| flux_where(&scene, &t.photons, |_| true).x / PI).sum();
+    let total: f64 = passes.iter().map(|t| flux_where(&scene, &t.deposits.photons, |_| true).x / PI).sum();
     // Closure: all flux that leaves the ceiling lands, up to hue rounding.
     assert!((total / f64::from(PASSES) - 1.0).abs() < 2.0 * HUE, "{total}");
 }
@@ -65,7 +66,7 @@ fn infinite_plates_have_geometric_series_of_flux() {
     let passes = trace(&scene, StoreMask::ALL, 10_000, PASSES, 1 << 15);
     let floor = LIGHT * PI / (DVec3::ONE - FLOOR * CEILING);
     for (name, low, expected) in [("floor", true, floor), ("ceiling", false, floor * FLOOR)] {
-        let on = |t: &Traced| flux_where(&scene, &t.photons, |p| (p.y < 0.35) == low) / 4.0;
+        let on = |t: &Traced| flux_where(&scene, &t.deposits.photons, |p| (p.y < 0.35) == low) / 4.0;
         agree_rgb(&format!("irradiance of the {name}"), &passes.iter().map(on).collect::<Vec<_>>(), expected, 6e-3);
     }
 }
@@ -109,7 +110,7 @@ fn parallel_mirrors_show_row_of_lights() {
         let wants =
             StoreMask { direct: class == PhotonKind::Direct, caustic: class == PhotonKind::Caustic, ..StoreMask::NONE };
         let passes = trace(&scene, wants, 1000, PASSES, 1 << 16);
-        let maps: Vec<PhotonMap> = passes.into_iter().map(|t| PhotonMap::build(t.photons)).collect();
+        let maps: Vec<PhotonMap> = passes.into_iter().map(|t| PhotonMap::build(t.deposits.photons)).collect();
         for kernel in [Kernel::Box, Kernel::Epanechnikov] {
             let expected = blurred(kernel, R, |d| {
                 let p = at + vec3(d.x, 0.0, d.y);

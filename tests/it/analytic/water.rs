@@ -52,7 +52,8 @@ fn flux_is_conserved_under_water() {
         ("all", StoreMask::ALL, irradiance_of_floor(albedo)),
     ] {
         let passes = trace(&scene, wants, 10_000, PASSES, 1 << 15);
-        let samples: Vec<f64> = passes.iter().map(|t| flux_where(&scene, &t.photons, |_| true).x / 4.0).collect();
+        let samples: Vec<f64> =
+            passes.iter().map(|t| flux_where(&scene, &t.deposits.photons, |_| true).x / 4.0).collect();
         agree(&format!("{name} flux under water"), &samples, expected, expected * (1e-5 + HUE), 4e-3);
     }
 }

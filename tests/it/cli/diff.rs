@@ -130,9 +130,9 @@ fn threshold_fails_only_above_its_value() {
     for (flag, figure) in figures {
         run(&shop, &format!("a.exr b.exr --{flag} {figure}")).expect(0, &[]);
         let below = figure * (1.0 - 1e-9);
-        let told = format!("--{flag}: ");
+        let reason = format!("--{flag}: ");
         let ended = run(&shop, &format!("a.exr b.exr --{flag} {below} --json"));
-        assert_eq!(report(ended.expect(4, &[&told, " is more than "]))["exceeded"], json!([flag]));
+        assert_eq!(report(ended.expect(4, &[&reason, " is more than "]))["exceeded"], json!([flag]));
     }
     run(&shop, "a.exr b.exr --max-relative 400%").expect(0, &[]);
     run(&shop, "a.exr b.exr --max-relative 0.001%").expect(4, &["--max-relative"]);

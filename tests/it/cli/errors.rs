@@ -38,7 +38,7 @@ fn render_ends_at_target_error() {
             assert!(number(&stats(&shop)["error"], "high") > 0.3);
         }
         render(&shop, &format!("--integrator {integrator} --passes {passes} --no-error-estimate")).expect(0, &[]);
-        assert!(stats(&shop)["error"].is_null() && shop.bytes("a.exr") == picture, "the gauge changes no bit");
+        assert!(stats(&shop)["error"].is_null() && shop.bytes("a.exr") == picture, "error estimation changes no bit");
     }
 }
 
@@ -47,8 +47,8 @@ fn chance_caustics_are_absent_from_error_estimate() {
     let shop = Workshop::new();
     render(&shop, "--integrator path --passes 1").expect(0, &["warning: this method finds caustics only by chance"]);
     for fine in ["--integrator hybrid", "--integrator whitted", "--integrator path --effects -caustics"] {
-        let told = render(&shop, &format!("{fine} --passes 1"));
-        assert!(told.code == Some(0) && !told.stderr.contains("by chance"), "{fine}: {}", told.stderr);
+        let ended = render(&shop, &format!("{fine} --passes 1"));
+        assert!(ended.code == Some(0) && !ended.stderr.contains("by chance"), "{fine}: {}", ended.stderr);
     }
 }
 

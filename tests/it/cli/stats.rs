@@ -5,7 +5,7 @@ use serde_json::Value;
 use std::collections::BTreeSet;
 use std::path::Path;
 
-/// Dotted paths of all values that are no objects.
+/// Collects the dotted paths of all values that are not objects.
 fn paths(value: &Value, path: &str, found: &mut BTreeSet<String>) {
     match value {
         Value::Object(fields) => {
@@ -18,7 +18,7 @@ fn paths(value: &Value, path: &str, found: &mut BTreeSet<String>) {
     }
 }
 
-/// Fields in the first column of the table under `## Statistics`.
+/// Returns the fields in the first column of the table under `## Statistics`.
 fn documented() -> BTreeSet<String> {
     let page =
         std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/guide/command-line.md")).unwrap();
@@ -41,12 +41,13 @@ fn stats(more: &str) -> Value {
 #[test]
 fn docs_describe_exactly_every_stats_field() {
     let mut found = BTreeSet::new();
-    // Without numbers of its own, so that all fields have a value.
+    // Without given photon counts, so that every field has a value.
     let balanced = Workshop::new();
     let arguments = "render box.txt -o a.png --integrator sppm --size 8x8 --passes 4 --stats a.json";
     balanced.run(&arguments.split(' ').collect::<Vec<_>>()).expect(0, &[]);
     paths(&serde_json::from_slice(&balanced.bytes("a.json")).unwrap(), "", &mut found);
-    // `photons` and `emission_guiding` hold the same report for both maps, which the page describes once.
+    // `photons` and `emission_guiding` hold the same fields for both maps. The page describes them
+    // once.
     let found: BTreeSet<String> = found
         .iter()
         .map(|f| f.replace("photons.global.", "photons.*.").replace("photons.caustic.", "photons.*."))
@@ -95,8 +96,10 @@ fn stats_report_given_settings() {
     assert!((rate("photons_per_second") * second("photons") / 8100.0 - 1.0).abs() < 1e-9);
 }
 
-/// Emitted = absorbed + escaped + stopped + roulette in every channel. Each path rounds in single precision (2⁻²⁴ a bounce),
-/// the sums are double: 10⁻⁶ of the flux holds for any path of up to sixteen bounces, and longer ones carry little.
+/// Emitted = absorbed + escaped + stopped + roulette in every channel.
+///
+/// Each path rounds in single precision (2⁻²⁴ per bounce), and sums are double. 10⁻⁶ of the flux
+/// holds for paths of up to sixteen bounces; longer ones carry little.
 #[test]
 fn the_energy_audit_adds_up() {
     for more in ["--photons 20k --passes 2", "--photons 20k --max-bounces 0", "--photons 20k --max-bounces 2 --seed 3"]
@@ -112,7 +115,7 @@ fn the_energy_audit_adds_up() {
                 assert!(flux("escaped").abs() < 1e-6 * flux("emitted"), "{more} {map}: {audit}");
             }
         }
-        // Global photons leave the lamp in proportion to its power: all of it, in each pass.
+        // Global photons carry the light's power: all of it, in each pass.
         let emitted = stats["photons"]["global"]["audit"]["emitted"][0].as_f64().unwrap();
         let passes = stats["passes"].as_f64().unwrap();
         assert!((emitted / (20.0 * passes) - 1.0).abs() < 1e-5, "{emitted}");

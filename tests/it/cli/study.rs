@@ -1,4 +1,4 @@
-//! `caustica plan` and `caustica study`.
+//! Tests of `caustica plan` and of `caustica study --effects`.
 
 use super::{Ended, Workshop};
 use serde_json::Value;
@@ -34,7 +34,7 @@ fn plan_lists_work_of_each_effect() {
     table.expect(0, &[]);
     assert!(table.stdout.contains(" rays, ") && table.stdout.contains("total about "), "{}", table.stdout);
     assert!(table.stdout.lines().all(|l| l.chars().count() <= 110), "{}", table.stdout);
-    // Counts, never seconds.
+    // Numbers are counts, not seconds, so they do not depend on threads.
     assert_eq!(table.stdout, run(&shop, &format!("{line} --threads 1")).stdout);
 }
 
@@ -69,7 +69,7 @@ fn effect_study_prints_table_or_json() {
     assert!(fields.iter().all(|f| !f.is_null()));
 }
 
-/// Every tag is closed in its order, and every `&` and `<` is markup.
+/// Checks that tags are nested properly, and that every `&` and `<` is markup.
 fn check_well_formed(page: &str) {
     let mut open: Vec<&str> = Vec::new();
     let mut rest = page.strip_prefix("<!DOCTYPE html>").unwrap();

@@ -9,7 +9,7 @@ use caustica::stats::Counters;
 
 /// Settings of a render, except its effects.
 #[derive(Clone, Debug)]
-pub struct How {
+pub struct RenderSettings {
     pub algorithm: Algorithm,
     pub passes: u32,
     pub samples: Option<u32>,
@@ -22,7 +22,7 @@ pub struct How {
     pub gathering: FinalGathering,
 }
 
-impl How {
+impl RenderSettings {
     /// Few photons, because radii and aims of pilots reveal any difference.
     pub fn new(algorithm: Algorithm) -> Self {
         Self {
@@ -48,7 +48,7 @@ pub struct Picture {
 }
 
 impl Picture {
-    pub fn new(scene: &Scene, how: &How, effects: EffectOverrides) -> Self {
+    pub fn new(scene: &Scene, how: &RenderSettings, effects: EffectOverrides) -> Self {
         let eye = EyeSettings {
             samples: how.samples,
             max_bounces: how.max_bounces,
@@ -90,7 +90,7 @@ impl Picture {
 
 /// Compares a render as planned with one with `forced` effects, and returns a message if any bit
 /// differs.
-pub fn difference(scene: &Scene, how: &How, forced: EffectOverrides) -> Option<String> {
+pub fn difference(scene: &Scene, how: &RenderSettings, forced: EffectOverrides) -> Option<String> {
     let planned = Picture::new(scene, how, EffectOverrides::PLANNED);
     let found = planned.difference(&Picture::new(scene, how, forced))?;
     let decisions: Vec<String> = planned

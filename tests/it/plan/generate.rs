@@ -382,8 +382,8 @@ fn add_object(r: &mut Random, mood: &Mood, sketch: &mut Sketch) {
     };
     let material = sketch.materials.len() - 1 - r.below(sketch.materials.len().min(3));
     let clear = matches!(sketch.materials[material], Material::Clear(_));
-    let shines = !matches!(shape, Shape::Plane(..)) && r.chance(mood.emission) && !clear;
-    let emission = if shines { r.color() } else { DVec3::ZERO };
+    let emits = !matches!(shape, Shape::Plane(..)) && r.chance(mood.emission) && !clear;
+    let emission = if emits { r.color() } else { DVec3::ZERO };
     // Unbounded shapes may not emit.
     let shape = match (shape, &sketch.materials[material]) {
         (Shape::Plane(p, n), Material::Panel(..)) => Shape::Disc(p, n, 1.0),

@@ -26,16 +26,16 @@ pub fn objection(sketch: &Sketch, scene: &Scene, plan: &Plan) -> Option<String> 
 fn is_true(sketch: &Sketch, scene: &Scene, plan: &Plan, reason: Reason) -> bool {
     let all: Vec<&Object> = sketch.objects.iter().filter(|o| !is_nothing(sketch, o)).collect();
     let any = |is: &dyn Fn(&Material) -> bool| all.iter().any(|o| sketch.is_of(o, is));
-    let shines = |light: &Light| light.strength != DVec3::ZERO;
+    let emits = |light: &Light| light.strength != DVec3::ZERO;
     let panel = |object: &Object| match sketch.materials[object.material] {
         Material::Panel(a, b) => a + b != DVec3::ZERO,
         _ => false,
     };
-    let glows = all.iter().any(|object| object.emission != DVec3::ZERO || panel(object));
+    let any_emission = all.iter().any(|object| object.emission != DVec3::ZERO || panel(object));
     let media = sketch.media();
     let murky = media.iter().any(|stuff| stuff.scatters());
     match reason {
-        Reason::NoLight => !glows && !sketch.lights.iter().any(shines),
+        Reason::NoLight => !any_emission && !sketch.lights.iter().any(emits),
         Reason::NoCaster => !any(&casts),
         Reason::NoLitCaster => casters_are_dark(sketch, scene),
         Reason::NoReceiver => !any(&receives) && !murky,
@@ -50,7 +50,7 @@ fn is_true(sketch: &Sketch, scene: &Scene, plan: &Plan, reason: Reason) -> bool 
         }
         Reason::NoSoftLight => {
             let soft = |l: &Light| l.is_object() || matches!(l.kind, LightKind::Environment);
-            !glows && !sketch.lights.iter().any(|l| shines(l) && soft(l))
+            !any_emission && !sketch.lights.iter().any(|l| emits(l) && soft(l))
         }
         Reason::NoSky => !sketch.lights.iter().any(|l| matches!(l.kind, LightKind::Environment)),
         Reason::NoBody => sketch.filling.is_none() && !any(&is_body),
@@ -134,7 +134,7 @@ fn casts(material: &Material) -> bool {
 fn casters_are_dark(sketch: &Sketch, scene: &Scene) -> bool {
     if let Some(source) = PhotonSource::everywhere(scene) {
         let pass = PhotonPass { scene, source: &source, mask: StoreMask::CAUSTIC, max_bounces: 10 };
-        if !pass.trace(Key::new(1), PHOTONS, &|_| {}).photons.is_empty() {
+        if !pass.trace(Key::new(1), PHOTONS, &|_| {}).deposits.photons.is_empty() {
             return false;
         }
     }

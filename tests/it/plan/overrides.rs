@@ -1,6 +1,6 @@
 //! Effect overrides: an effect that is forced off is missing from the image and costs nothing.
 
-use super::compare::{How, Picture, scene};
+use super::compare::{Picture, RenderSettings, scene};
 use caustica::integrate::{Algorithm, EyeSettings, Settings};
 use caustica::plan::{Effect, EffectOverrides, Effects};
 use caustica::scene::Scene;
@@ -65,7 +65,11 @@ fn disc() -> Scene {
 
 /// Enough photons that gather rays hit some that were caustics before.
 fn picture(scene: &Scene, algorithm: Algorithm, effects: EffectOverrides) -> Picture {
-    Picture::new(scene, &How { radius: Some(0.3), samples: Some(4), photons: 20_000, ..How::new(algorithm) }, effects)
+    Picture::new(
+        scene,
+        &RenderSettings { radius: Some(0.3), samples: Some(4), photons: 20_000, ..RenderSettings::new(algorithm) },
+        effects,
+    )
 }
 
 fn called_for(picture: &Picture) -> Effects {
@@ -95,8 +99,8 @@ fn disabling_unneeded_effect_changes_nothing() {
             let planned = picture(&scene, algorithm, EffectOverrides::PLANNED);
             let off = planned.decisions.iter().filter(|d| !d.needed);
             assert!(algorithm == Algorithm::Raycast || off.clone().any(|d| algorithm.simulates().has(d.effect)));
-            let wishes = off.fold(EffectOverrides::PLANNED, |wishes, d| wishes.without(d.effect));
-            let without = picture(&scene, algorithm, wishes);
+            let overrides = off.fold(EffectOverrides::PLANNED, |overrides, d| overrides.without(d.effect));
+            let without = picture(&scene, algorithm, overrides);
             assert_eq!(planned.difference(&without), None, "{}", algorithm.name());
             assert_eq!(planned.counters, without.counters, "{}", algorithm.name());
         }
@@ -175,11 +179,11 @@ fn unused_media_change_nothing() {
         Group {{ MaterialName floor  Plane {{ normal 0 1 0  offset 0 }}
                  MaterialName glass  Sphere {{ center 0 .8 0  radius .7 }} }}"
     ));
-    let lessons = |effects| {
+    let distributions = |effects| {
         let eye = EyeSettings { effects, ..EyeSettings::default() };
         Algorithm::Hybrid.prepare(&scene, Settings { eye, balance: false, ..Settings::default() }).guiding_reports()
     };
-    let planned = lessons(EffectOverrides::PLANNED);
+    let planned = distributions(EffectOverrides::PLANNED);
     assert!(planned.caustic.is_some());
-    assert_eq!(planned, lessons(EffectOverrides::ALL));
+    assert_eq!(planned, distributions(EffectOverrides::ALL));
 }

@@ -1,6 +1,6 @@
 //! Random scenes: the plan changes no bit, and its statements are true.
 
-use super::compare::{How, difference, scene};
+use super::compare::{RenderSettings, difference, scene};
 use super::generate::{Random, more, sketch};
 use super::judge;
 use super::sketch::{Light, LightKind, Material, Object, Shape, Sketch};
@@ -27,8 +27,8 @@ const OFF: [Reason; 13] = [
 ];
 
 fn seeds(usual: u64) -> std::ops::Range<u64> {
-    let asked = std::env::var("CAUSTICA_PLAN_SEEDS").ok().map(|n| n.parse().expect("CAUSTICA_PLAN_SEEDS is a number"));
-    0..asked.unwrap_or(usual)
+    let given = std::env::var("CAUSTICA_PLAN_SEEDS").ok().map(|n| n.parse().expect("CAUSTICA_PLAN_SEEDS is a number"));
+    0..given.unwrap_or(usual)
 }
 
 /// Panics with all findings.
@@ -84,15 +84,15 @@ fn adding_objects_removes_no_effect() {
 }
 
 /// Returns settings of a seed, on which the plan must not depend.
-fn how(r: &mut Random, algorithm: Algorithm) -> How {
-    How {
+fn how(r: &mut Random, algorithm: Algorithm) -> RenderSettings {
+    RenderSettings {
         passes: 1 + r.below(2) as u32,
         samples: r.pick(&[None, Some(1), Some(3)]),
         max_bounces: r.pick(&[0, 1, 2, 100, 100]),
         seed: r.next(),
         gather_k: r.pick(&[None, None, Some(0), Some(20)]),
         gathering: r.pick(&[FinalGathering::None, FinalGathering::Bsdf, FinalGathering::Importance]),
-        ..How::new(algorithm)
+        ..RenderSettings::new(algorithm)
     }
 }
 
@@ -105,7 +105,7 @@ fn forced(r: &mut Random, plan: &Plan) -> EffectOverrides {
     if off.is_empty() || r.chance(0.6) { EffectOverrides::ALL } else { EffectOverrides::PLANNED.with(r.pick(&off)) }
 }
 
-fn check(seed: u64, algorithm: Algorithm, change: impl FnOnce(&mut How)) -> Option<String> {
+fn check(seed: u64, algorithm: Algorithm, change: impl FnOnce(&mut RenderSettings)) -> Option<String> {
     let text = sketch(seed).text();
     let scene = scene(&text);
     let r = &mut Random::new(!seed ^ algorithm as u64);
@@ -156,7 +156,12 @@ fn many_light_images_match_with_all_effects_on() {
             filling: None,
             motion: None,
         };
-        let how = How { radius: Some(0.2), caustic_photons: 0, photons: 20_000, ..How::new(Algorithm::Sppm) };
+        let how = RenderSettings {
+            radius: Some(0.2),
+            caustic_photons: 0,
+            photons: 20_000,
+            ..RenderSettings::new(Algorithm::Sppm)
+        };
         difference(&scene(&sketch.text()), &how, EffectOverrides::ALL).map(|d| format!("seed {seed}: {d}"))
     };
     report(&(25..30).filter_map(picture).collect::<Vec<_>>());

@@ -1,6 +1,6 @@
 //! The plan changes no bit of the repository's scenes or the course's.
 
-use super::compare::{How, difference};
+use super::compare::{RenderSettings, difference};
 use crate::support::{self, project};
 use caustica::format::SceneFile;
 use caustica::integrate::Algorithm;
@@ -30,7 +30,7 @@ fn read(path: &Path) -> Result<Scene, String> {
 /// Renders a scene with each integrator and returns a message for each difference.
 fn differences(path: &Path, scene: &Scene, algorithms: &[Algorithm]) -> Vec<String> {
     let bounces = |algorithm| if algorithm == Algorithm::Sppm { 1 } else { 100 };
-    let how = |algorithm| How { max_bounces: bounces(algorithm), ..How::new(algorithm) };
+    let how = |algorithm| RenderSettings { max_bounces: bounces(algorithm), ..RenderSettings::new(algorithm) };
     let found = algorithms.iter().filter_map(|a| difference(scene, &how(*a), EffectOverrides::ALL));
     found.map(|d| format!("{}: {d}", path.display())).collect()
 }

@@ -9,7 +9,7 @@ use caustica::scene::Scene;
 use std::path::Path;
 
 /// Parses and resolves the scene of `text`.
-fn told(text: &str) -> Result<Scene, SceneError> {
+fn resolved(text: &str) -> Result<Scene, SceneError> {
     let description = parse("hard.txt", text)?;
     resolve(&description, &Source::new("hard.txt", text), Path::new(""))
 }
@@ -17,7 +17,7 @@ fn told(text: &str) -> Result<Scene, SceneError> {
 /// Checks that `text` is refused at the words `place`, with `words` in the message or the remedy.
 #[track_caller]
 fn refused(text: &str, place: &str, words: &[&str]) {
-    let error = told(text).err().unwrap_or_else(|| panic!("accepted: {text}"));
+    let error = resolved(text).err().unwrap_or_else(|| panic!("accepted: {text}"));
     assert!(error.text().contains(place), "{error}: the place is `{}`", error.text());
     let all = format!("{error} {}", error.remedy());
     words.iter().for_each(|word| assert!(all.contains(word), "`{word}` is not in `{all}`"));

@@ -57,11 +57,11 @@ impl Shop {
     fn refused(&self, arguments: &[&str], code: i32, words: &[&str]) {
         let ended = self.run(arguments);
         let text = String::from_utf8_lossy(&ended.stderr);
-        let told: String =
+        let message: String =
             text.replace(['│', '╭', '╰', '─', '▶'], " ").split_whitespace().collect::<Vec<_>>().join(" ");
-        assert_eq!(ended.status.code(), Some(code), "{arguments:?}: {told}");
-        assert!(!told.contains("panicked"), "{told}");
-        words.iter().for_each(|word| assert!(told.contains(word), "{arguments:?}: `{word}` is not in: {told}"));
+        assert_eq!(ended.status.code(), Some(code), "{arguments:?}: {message}");
+        assert!(!message.contains("panicked"), "{message}");
+        words.iter().for_each(|word| assert!(message.contains(word), "{arguments:?}: `{word}` is not in: {message}"));
     }
 }
 

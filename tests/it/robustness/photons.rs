@@ -74,16 +74,23 @@ fn finite(what: &str, rendered: &Rendered) {
     assert!(mean.iter().all(|v| v.is_finite()), "{what}: a pixel is not finite");
     assert_eq!(rendered.counters.rejected_samples, 0, "{what}: samples were left out");
     assert_eq!(rendered.counters.rejected_photons, 0, "{what}: photons were left out");
-    let gauge = rendered.estimator.as_ref().unwrap();
-    let maps = gauge.maps(&rendered.film);
+    let estimator = rendered.estimator.as_ref().unwrap();
+    let maps = estimator.maps(&rendered.film);
     assert!(maps.noise.iter().chain(&maps.bias).all(|v| v.is_finite()), "{what}: a map of errors is not finite");
     let discs = || maps.caustic.iter().chain(&maps.global);
     assert!(discs().all(|d| d.radius.is_finite() && d.photons.is_finite()), "{what}: a disc is not finite");
-    let reading = gauge.estimate(&rendered.film);
-    let all =
-        [reading.error, reading.low, reading.high, reading.noise, reading.bias, reading.blur, reading.shared_paths];
+    let estimate = estimator.estimate(&rendered.film);
+    let all = [
+        estimate.error,
+        estimate.low,
+        estimate.high,
+        estimate.noise,
+        estimate.bias,
+        estimate.blur,
+        estimate.shared_paths,
+    ];
     let unknown = rendered.film.passes() < caustica::render::error_estimate::MIN_PASSES;
-    assert!(unknown || all.iter().all(|x| x.is_finite() && *x >= 0.0), "{what}: {reading:?}");
+    assert!(unknown || all.iter().all(|x| x.is_finite() && *x >= 0.0), "{what}: {estimate:?}");
     for audit in [rendered.global.audit, rendered.caustic.audit] {
         let parts = [audit.emitted, audit.absorbed, audit.escaped, audit.stopped, audit.roulette];
         assert!(parts.as_flattened().iter().all(|x| x.is_finite()), "{what}: {audit:?}");

@@ -146,12 +146,12 @@ fn scaled_and_moved_scenes_give_same_image() {
 #[test]
 fn no_integrator_depends_on_length_unit() {
     let (eye, base) = (few().eye, few());
-    let gauged = EyeSettings { estimate_error: true, adaptive: true, samples: Some(2), ..eye };
+    let estimated = EyeSettings { estimate_error: true, adaptive: true, samples: Some(2), ..eye };
     let importance = Settings { final_gathering: FinalGathering::Importance, ..base.clone() };
     let volume = |volume| Settings { volume, ..base.clone() };
     let cases = [
         ("cabinet", Algorithm::Sppm, base.clone()),
-        ("garden-pool", Algorithm::Ppm, Settings { eye: gauged.clone(), ..base.clone() }),
+        ("garden-pool", Algorithm::Ppm, Settings { eye: estimated.clone(), ..base.clone() }),
         ("still-life", Algorithm::Pm, importance),
         ("lens-in-fog", Algorithm::Pm, volume(VolumeEstimate::Points)),
         ("lens-in-fog", Algorithm::Sppm, volume(VolumeEstimate::Beams)),
@@ -159,7 +159,11 @@ fn no_integrator_depends_on_length_unit() {
         ("marbles", Algorithm::Distributed, base.clone()),
         ("textures", Algorithm::Whitted, base.clone()),
         ("matte", Algorithm::Raycast, base.clone()),
-        ("goblet", Algorithm::Hybrid, Settings { balance: true, eye: EyeSettings { samples: None, ..gauged }, ..base }),
+        (
+            "goblet",
+            Algorithm::Hybrid,
+            Settings { balance: true, eye: EyeSettings { samples: None, ..estimated }, ..base },
+        ),
     ];
     cases.into_par_iter().for_each(|(name, algorithm, settings)| {
         let file = named(name);
@@ -214,7 +218,8 @@ fn fluxes(scene: &Scene, middle: DVec3, near: f64) -> Vec<Vec<f64>> {
     let one = |index: u32| {
         let key = Key::new(7).purpose(Purpose::Test).with(index.into());
         let traced = pass.trace(key, 4096, &|_| {});
-        let inside = traced.photons.iter().filter(|p| (p.position.as_dvec3() + scene.middle()).distance(middle) < near);
+        let inside =
+            traced.deposits.photons.iter().filter(|p| (p.position.as_dvec3() + scene.middle()).distance(middle) < near);
         inside.map(|p| p.data.flux().as_dvec3()).sum::<DVec3>().to_array().to_vec()
     };
     (0..PASSES).into_par_iter().map(one).collect()

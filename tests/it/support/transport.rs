@@ -78,13 +78,13 @@ pub fn trace_from(
 }
 
 /// Returns a photon's position in the coordinates of the scene description.
-pub fn place(scene: &Scene, photon: &Photon) -> DVec3 {
+pub fn photon_position(scene: &Scene, photon: &Photon) -> DVec3 {
     photon.position.as_dvec3() + scene.middle()
 }
 
 /// Returns the flux \[W] of the photons whose position satisfies `inside`.
 pub fn flux_where(scene: &Scene, photons: &[Photon], inside: impl Fn(DVec3) -> bool) -> DVec3 {
-    photons.iter().filter(|p| inside(place(scene, p))).map(|p| p.data.flux().as_dvec3()).sum()
+    photons.iter().filter(|p| inside(photon_position(scene, p))).map(|p| p.data.flux().as_dvec3()).sum()
 }
 
 /// Estimates irradiance \[W/m²] at point `p` with normal `n`, in the coordinates of the

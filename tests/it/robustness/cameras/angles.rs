@@ -1,6 +1,6 @@
 //! Fields of view from a millionth of a degree to nearly 180°, and up directions.
 
-use super::{refused, told};
+use super::{refused, resolved};
 use crate::support::image;
 use caustica::camera::{Camera, Filter, FilterKind};
 use caustica::color;
@@ -85,7 +85,7 @@ fn visible_light_has_correct_mean_at_extreme_angles() {
             let corner = forward - 0.6 * tangent * (right + upright);
             let (e0, e1) = (1.2 * tangent * right, 1.2 * tangent * upright);
             let words = |v: DVec3| format!("{:e} {:e} {:e}", v.x, v.y, v.z);
-            let scene = told(&format!(
+            let scene = resolved(&format!(
                 "PerspectiveCamera {{ center 0 0 0 direction {} up {} angle {angle} width {side} height {side} }} \
                  Background {{ color 0 0 0 }} \
                  Lights {{ RectangleLight {{ corner {} edge0 {} edge1 {} radiance 2 2 2 }} }} Group {{ }}",
@@ -133,11 +133,11 @@ fn impossible_angles_are_refused_with_remedy() {
     for (angle, size) in
         [("4e-6", "width 1 height 1"), ("2.47e-3", ""), ("179.9", ""), ("179.9", "width 1 height 20000")]
     {
-        assert!(told(&camera(angle, size)).is_ok(), "{angle} {size}");
+        assert!(resolved(&camera(angle, size)).is_ok(), "{angle} {size}");
     }
     // At 60°, a row of 20,000 pixels reaches 11,547 times as far sideways as ahead. At 179.9° it
     // would be two thousand times more.
-    assert!(told(&camera("60", "width 20000 height 1")).is_ok());
+    assert!(resolved(&camera("60", "width 20000 height 1")).is_ok());
     for (angle, size) in [("179.9", "width 20000 height 1"), ("179.9999", "")] {
         refused(&camera(angle, size), "PerspectiveCamera", &["aside", "smaller `angle`", "EnvironmentCamera"]);
     }

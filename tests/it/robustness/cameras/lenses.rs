@@ -1,6 +1,6 @@
 //! Lenses of zero aperture, and focus distances of zero, near zero or near infinity.
 
-use super::{refused, told};
+use super::{refused, resolved};
 use crate::support::image;
 use caustica::camera::{Camera, Lens};
 use caustica::integrate::{Algorithm, EyeSettings, Settings};
@@ -24,7 +24,7 @@ fn zero_aperture_equals_pinhole_bit_for_bit() {
     let picture = |algorithm: Algorithm, lens: &str| {
         let eye = EyeSettings { samples: Some(2), estimate_error: true, ..EyeSettings::default() };
         let settings = Settings { eye, photons: 2000, caustic_photons: 2000, balance: false, ..Settings::default() };
-        let scene = told(&scene(lens)).unwrap();
+        let scene = resolved(&scene(lens)).unwrap();
         let image = image(&*algorithm.prepare(&scene, settings), 0);
         assert!(image.iter().all(|p| p.is_finite()));
         image.iter().flat_map(|p| p.to_array().map(f32::to_bits)).collect::<Vec<_>>()
@@ -122,7 +122,7 @@ fn extreme_lenses_give_finite_images() {
     ] {
         let eye = EyeSettings { samples: Some(4), ..EyeSettings::default() };
         let settings = Settings { eye, photons: 500, caustic_photons: 500, balance: false, ..Settings::default() };
-        let scene = told(&scene(lens)).unwrap();
+        let scene = resolved(&scene(lens)).unwrap();
         let image = image(&*Algorithm::Hybrid.prepare(&scene, settings), 0);
         assert!(image.iter().all(|p| p.is_finite()), "{lens}");
     }

@@ -1,6 +1,6 @@
 //! Images of one pixel, one column and one row.
 
-use super::told;
+use super::resolved;
 use crate::support::image;
 use caustica::camera::{Filter, FilterKind};
 use caustica::color::Rgb;
@@ -32,15 +32,19 @@ fn cameras((width, height): (u32, u32)) -> [String; 3] {
 fn tiny_images_are_finite_with_every_integrator() {
     for size in SIZES {
         for (i, camera) in cameras(size).into_iter().enumerate() {
-            let scene = told(&format!("{camera} {ROOM}")).unwrap();
+            let scene = resolved(&format!("{camera} {ROOM}")).unwrap();
             for algorithm in Algorithm::ALL {
                 // One pixel is cheap. Each integrator renders the long ones with one camera.
                 if size != (1, 1) && i != algorithm as usize % 3 {
                     continue;
                 }
-                let gauged = algorithm != Algorithm::Raycast;
-                let eye =
-                    EyeSettings { samples: Some(1), estimate_error: gauged, max_bounces: 8, ..EyeSettings::default() };
+                let estimated = algorithm != Algorithm::Raycast;
+                let eye = EyeSettings {
+                    samples: Some(1),
+                    estimate_error: estimated,
+                    max_bounces: 8,
+                    ..EyeSettings::default()
+                };
                 let settings = Settings {
                     eye,
                     photons: 2000,
@@ -50,7 +54,7 @@ fn tiny_images_are_finite_with_every_integrator() {
                     ..Settings::default()
                 };
                 let integrator = algorithm.prepare(&scene, settings);
-                let passes = if gauged { 4 } else { 1 };
+                let passes = if estimated { 4 } else { 1 };
                 let interrupted = AtomicBool::new(false);
                 let stop = StopCriteria {
                     min_passes: 1,
@@ -60,19 +64,19 @@ fn tiny_images_are_finite_with_every_integrator() {
                     interrupted: &interrupted,
                 };
                 let rendered = render(integrator.as_ref(), size, &stop, &Silent, |_| {});
-                let told = format!("{algorithm:?} {camera}");
+                let what = format!("{algorithm:?} {camera}");
                 let mean = rendered.film.mean();
-                assert_eq!(mean.len() as u64, u64::from(size.0) * u64::from(size.1), "{told}");
-                assert!(mean.iter().all(|p| p.is_finite()), "{told}");
+                assert_eq!(mean.len() as u64, u64::from(size.0) * u64::from(size.1), "{what}");
+                assert!(mean.iter().all(|p| p.is_finite()), "{what}");
                 let counters = rendered.counters;
-                assert_eq!((counters.rejected_samples, counters.rejected_photons), (0, 0), "{told}");
-                let Some(gauge) = rendered.estimator else { continue };
-                let reading = gauge.estimate(&rendered.film);
+                assert_eq!((counters.rejected_samples, counters.rejected_photons), (0, 0), "{what}");
+                let Some(estimator) = rendered.estimator else { continue };
+                let estimate = estimator.estimate(&rendered.film);
                 let numbers =
-                    [reading.error, reading.noise, reading.bias, reading.blur, reading.shared_paths, reading.low];
-                assert!(numbers.iter().all(|x| x.is_finite() && *x >= 0.0), "{told}: {reading:?}");
-                let maps = gauge.maps(&rendered.film);
-                assert!(maps.noise.iter().chain(&maps.bias).all(|x| x.is_finite()), "{told}");
+                    [estimate.error, estimate.noise, estimate.bias, estimate.blur, estimate.shared_paths, estimate.low];
+                assert!(numbers.iter().all(|x| x.is_finite() && *x >= 0.0), "{what}: {estimate:?}");
+                let maps = estimator.maps(&rendered.film);
+                assert!(maps.noise.iter().chain(&maps.bias).all(|x| x.is_finite()), "{what}");
             }
         }
     }
@@ -92,7 +96,7 @@ fn images_20000_pixels_long_are_correct() {
             true => (format!("-9 {} -1", -begin - 9.0), "18 0 0", "0 9 0"),
             false => (format!("{begin} -9 -1"), "9 0 0", "0 18 0"),
         };
-        let scene = told(&format!(
+        let scene = resolved(&format!(
             "OrthographicCamera {{ center 0 0 0 direction 0 0 -1 up 0 1 0 width {width} height {height} size {size} }} \
              Background {{ color 0 0 0 }} \
              Lights {{ RectangleLight {{ corner {corner} edge0 {e0} edge1 {e1} radiance 1 1 1 }} }} Group {{ }}"

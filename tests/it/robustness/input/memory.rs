@@ -14,12 +14,12 @@ fn peak(shop: &Shop, more: &[&str]) -> Option<u64> {
         vec!["render", "a.txt", "-o", "a.png", "--stats", "a.json", "-q", "--threads", "2", "--memory", &limit];
     arguments.extend(more);
     let ended = shop.run(&arguments);
-    let told = String::from_utf8_lossy(&ended.stderr);
+    let message = String::from_utf8_lossy(&ended.stderr);
     if ended.status.code() == Some(2) {
-        assert!(told.contains("--memory"), "{told}");
+        assert!(message.contains("--memory"), "{message}");
         return None;
     }
-    assert!(ended.status.success(), "{told}");
+    assert!(ended.status.success(), "{message}");
     let stats: Value = serde_json::from_slice(&std::fs::read(shop.path("a.json")).unwrap()).unwrap();
     stats["peak_memory_bytes"].as_u64()
 }

@@ -37,10 +37,10 @@ fn endless_files_are_refused_at_once() {
     ] {
         let start = Instant::now();
         let ended = run(&shop, arguments);
-        let told = String::from_utf8_lossy(&ended.stderr).replace(['│', '╭', '╰', '─', '▶'], " ");
-        let told = told.split_whitespace().collect::<Vec<_>>().join(" ");
-        assert_eq!(ended.status.code(), Some(1), "{arguments:?}: {told}");
-        words.iter().for_each(|word| assert!(told.contains(word), "{arguments:?}: `{word}` is not in: {told}"));
+        let message = String::from_utf8_lossy(&ended.stderr).replace(['│', '╭', '╰', '─', '▶'], " ");
+        let message = message.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert_eq!(ended.status.code(), Some(1), "{arguments:?}: {message}");
+        words.iter().for_each(|word| assert!(message.contains(word), "{arguments:?}: `{word}` is not in: {message}"));
         // A run takes milliseconds, or some hundred on a busy machine.
         assert!(start.elapsed() < Duration::from_secs(5), "{arguments:?}");
     }

@@ -66,7 +66,7 @@ fn coarse_ball_is_dark_inside() {
             let traced = pass.trace(key(70), 1 << 14, &|_| {});
             // A photon stores the side it landed on. Outwards is away from the ball's center.
             let outwards = |p: &Photon| p.data.normal().dot(p.position + inside.middle().as_vec3()) > 0.0;
-            assert!(traced.photons.iter().all(outwards), "{kind}: photons inside");
+            assert!(traced.deposits.photons.iter().all(outwards), "{kind}: photons inside");
         }
     }
 }

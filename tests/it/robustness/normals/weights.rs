@@ -191,17 +191,18 @@ fn coarse_ball_flux_matches_its_faces() {
         .map(|t| {
             let each = t.audit.emitted[0] / t.paths as f64;
             let flux = |p: &caustica::photon::Photon| f64::from(p.data.flux().x);
-            t.photons.iter().map(|p| flux(p).min(MOST * each)).sum()
+            t.deposits.photons.iter().map(|p| flux(p).min(MOST * each)).sum()
         })
         .collect();
     // A photon's hue rounds by 10⁻⁵, and the cut-off removes s²/99 at most.
     let slack = expected * (s2 / (MOST - 1.0) + 3e-5);
     crate::support::agree("flux on a coarse ball", &samples, expected, slack, 0.01);
     // Compares the number of photons whose factor exceeds x.
-    let landed: usize = traced.iter().map(|t| t.photons.len()).sum();
+    let landed: usize = traced.iter().map(|t| t.deposits.photons.len()).sum();
     for x in [3.0, 10.0, 30.0] {
         let each = traced[0].audit.emitted[0] / traced[0].paths as f64;
-        let beyond = traced.iter().flat_map(|t| &t.photons).filter(|p| f64::from(p.data.flux().x) > x * each).count();
+        let beyond =
+            traced.iter().flat_map(|t| &t.deposits.photons).filter(|p| f64::from(p.data.flux().x) > x * each).count();
         let expected = landed as f64 * s2 / (s2 + (x - 1.0) * (x - 1.0));
         assert!((beyond as f64) < expected + Z * expected.sqrt() + 10.0, "{beyond} beyond {x}, {expected}");
     }

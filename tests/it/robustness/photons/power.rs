@@ -46,9 +46,9 @@ fn room(scale: f32, fog: bool) -> Scene {
 }
 
 /// Returns the error estimate and the error maps of a render.
-fn told(rendered: &Rendered) -> (ErrorEstimate, ErrorMaps) {
-    let gauge = rendered.estimator.as_ref().unwrap();
-    (gauge.estimate(&rendered.film), gauge.maps(&rendered.film))
+fn estimates(rendered: &Rendered) -> (ErrorEstimate, ErrorMaps) {
+    let estimator = rendered.estimator.as_ref().unwrap();
+    (estimator.estimate(&rendered.film), estimator.maps(&rendered.film))
 }
 
 /// Returns the sums of passes from their means. The number of passes is a power of two, so nothing
@@ -75,13 +75,13 @@ fn powers_at_float_limits_render_finitely() {
         let render = |scale: f32| rendered(&room(scale, *fog), *algorithm, settings.clone(), 4);
         let one = render(1.0);
         finite("1 W", &one);
-        let ((reading, maps), pixels) = (told(&one), sums(&one));
+        let ((estimate, maps), pixels) = (estimates(&one), sums(&one));
         for exponent in [100, -100] {
             let scale = libm::ldexp(1.0, exponent);
             let what = format!("{}, 2^{exponent} W, fog: {fog}", algorithm.name());
             let other = render(scale as f32);
             finite(&what, &other);
-            let (other_reading, other_maps) = told(&other);
+            let (other_estimate, other_maps) = estimates(&other);
             let off = |a: DVec3, b: DVec3| (a - b / scale).abs().max_element();
             let off = |a: &[DVec3], b: &[DVec3]| a.iter().zip(b).map(|(a, b)| off(*a, *b)).fold(0.0, f64::max);
             let wide = |v: &[Rgb]| v.iter().map(|v| v.as_dvec3()).collect::<Vec<_>>();
@@ -90,12 +90,12 @@ fn powers_at_float_limits_render_finitely() {
             let bias = off(&wide(&maps.bias), &wide(&other_maps.bias));
             if exponent > 0 {
                 assert_eq!((pixels, noise, bias), (0.0, 0.0, 0.0), "{what}");
-                assert_eq!(reading, other_reading, "{what}");
+                assert_eq!(estimate, other_estimate, "{what}");
             } else {
                 // Sums of four passes. A standard error is off by no more than a pass.
                 let most = libm::ldexp(1.0, -22);
                 assert!(pixels < 4.0 * most && noise < most && bias < 40.0 * most, "{what}: {pixels} {noise} {bias}");
-                let ratio = other_reading.error / reading.error - 1.0;
+                let ratio = other_estimate.error / estimate.error - 1.0;
                 assert!(ratio.abs() < 20.0 * libm::ldexp(1.0, -17), "{what}: {ratio}");
             }
         }
@@ -146,11 +146,11 @@ fn photons_beyond_float_range_are_reported() {
     let scene = scene(&[1e38, 1e38]).unwrap();
     let source = PhotonSource::everywhere(&scene).unwrap();
     let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::DIRECT, max_bounces: 0 };
-    let told = |paths| {
+    let rejected = |paths| {
         let traced = pass.trace(key(9), paths, &|_| {});
-        (traced.stored(), traced.rejected)
+        (traced.deposits.len(), traced.deposits.rejected)
     };
-    assert_eq!((told(1), told(16)), ((0, 1), (16, 0)));
+    assert_eq!((rejected(1), rejected(16)), ((0, 1), (16, 0)));
     // Photon maps seen by gather rays store direct light.
     let pass = Algorithm::Pm.prepare(&scene, Settings { radius: Some(0.05), ..settings(1, 1) }).pass(0, &Silent);
     assert_eq!(pass.counters.rejected_photons, 1);
@@ -169,7 +169,7 @@ fn photons_beyond_float_range_are_reported() {
         let output = command.args(["--photons", paths, "--caustic-photons", paths]).output().unwrap();
         String::from_utf8(output.stderr).unwrap()
     };
-    let told = "photons were not finite and were left out";
+    let warning = "photons were not finite and were left out";
     let (few, many) = (run("1"), run("1k"));
-    assert!(few.contains(told) && !many.contains(told), "{few}\n{many}");
+    assert!(few.contains(warning) && !many.contains(warning), "{few}\n{many}");
 }

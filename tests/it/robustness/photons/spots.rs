@@ -36,8 +36,8 @@ fn spotlights_of_any_width_emit_their_power() {
         for (inner, part) in [(outer, 1.0), (0.0, 0.5)] {
             let expected = part * TAU * drop(outer);
             let light = spot(inner, outer, LightStrength::Physical(Rgb::ONE));
-            let told = f64::from(light.power(NOWHERE).x);
-            assert!((told / expected - 1.0).abs() < 1e-6, "{outer} told: {}", told / expected);
+            let power = f64::from(light.power(NOWHERE).x);
+            assert!((power / expected - 1.0).abs() < 1e-6, "{outer}: stated power {}", power / expected);
             let strong = spot(inner, outer, LightStrength::Power(Rgb::ONE));
             let sample = strong.sample_li(Vec3::Z * 2.0, Vec2::ZERO).unwrap();
             let seen = f64::from(sample.weight.x) * 4.0 * expected;

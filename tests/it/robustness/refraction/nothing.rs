@@ -68,7 +68,7 @@ fn index_matched_bodies_change_no_photon() {
         let source = PhotonSource::everywhere(scene).unwrap();
         let pass = PhotonPass { scene, source: &source, mask: StoreMask::ALL, max_bounces: 30 };
         let traced = pass.trace(key(1), 1 << 13, &|_| {});
-        (traced.photons, traced.audit, traced.rays)
+        (traced.deposits.photons, traced.audit, traced.rays)
     };
     let expected = trace(&room(""));
     assert!(expected.0.len() > 5000);

@@ -46,7 +46,7 @@ fn face(b: &mut SceneBuilder, faces: Faces, y: f64, up: bool, material: u32) {
 
 /// How the bodies touch.
 #[derive(Clone, Copy, Debug)]
-enum Meet {
+enum Contact {
     /// The glass ends at ±½, the liquid this far inside of it.
     Apart(f64),
     /// One block of glass, overlapped by a liquid of higher priority.
@@ -54,11 +54,11 @@ enum Meet {
 }
 
 /// Adds a glass wall, a liquid and a glass wall, stacked, in the order of their faces.
-fn layers(b: &mut SceneBuilder, faces: Faces, meet: Meet, liquid_first: bool) {
+fn layers(b: &mut SceneBuilder, faces: Faces, contact: Contact, liquid_first: bool) {
     let glass = b.material(Material::dielectric(GLASS as f32, Vec3::ZERO));
-    let priority = u8::from(matches!(meet, Meet::Priority));
+    let priority = u8::from(matches!(contact, Contact::Priority));
     let liquid = b.material(Material::body(Body { priority, ..Body::new(LIQUID as f32) }));
-    let gap = if let Meet::Apart(gap) = meet { gap } else { 0.0 };
+    let gap = if let Contact::Apart(gap) = contact { gap } else { 0.0 };
     let fill = |b: &mut SceneBuilder| {
         face(b, faces, 0.5 - gap, true, liquid);
         face(b, faces, gap - 0.5, false, liquid);
@@ -68,7 +68,7 @@ fn layers(b: &mut SceneBuilder, faces: Faces, meet: Meet, liquid_first: bool) {
     }
     face(b, faces, 1.0, true, glass);
     face(b, faces, -1.0, false, glass);
-    if let Meet::Apart(_) = meet {
+    if let Contact::Apart(_) = contact {
         face(b, faces, 0.5, false, glass);
         face(b, faces, -0.5, true, glass);
     }
@@ -114,9 +114,9 @@ fn camera() -> Camera {
 }
 
 /// Builds the layers between a black ceiling and a floor that stores photons, lit under `angle`.
-fn lit(faces: Faces, meet: Meet, liquid_first: bool, angle: f64) -> Scene {
+fn lit(faces: Faces, contact: Contact, liquid_first: bool, angle: f64) -> Scene {
     let mut b = SceneBuilder::new();
-    layers(&mut b, faces, meet, liquid_first);
+    layers(&mut b, faces, contact, liquid_first);
     let black = b.material(Material::black());
     let floor = b.material(Material::diffuse(Vec3::ZERO));
     // As far from the center as the other, so that the scene's center stays at 0.
@@ -148,12 +148,12 @@ fn liquid_touches_its_glass() {
     let film = [1.0, GLASS, 1.0, LIQUID, 1.0, GLASS, 1.0];
     let ulp = f64::from(f32::EPSILON) * 0.5;
     let cases = [
-        (Meet::Apart(0.0), &wet[..]),
-        (Meet::Apart(ulp), &wet),
-        (Meet::Apart(-ulp), &wet),
-        (Meet::Apart(-0.01), &wet),
-        (Meet::Priority, &wet),
-        (Meet::Apart(0.01), &film),
+        (Contact::Apart(0.0), &wet[..]),
+        (Contact::Apart(ulp), &wet),
+        (Contact::Apart(-ulp), &wet),
+        (Contact::Apart(-0.01), &wet),
+        (Contact::Priority, &wet),
+        (Contact::Apart(0.01), &film),
     ];
     // At 80° the film reflects half of what glass and liquid transmit.
     assert!(through(&wet, libm::sin(1.4)) > 1.4 * through(&film, libm::sin(1.4)));
@@ -163,10 +163,10 @@ fn liquid_touches_its_glass() {
         .flat_map(|(case, faces)| [false, true].map(|first| (case, faces, first)))
         .flat_map(|(case, faces, first)| [0.2, 1.4].map(|angle| (case, faces, first, angle)))
         .collect();
-    all.par_iter().for_each(|((meet, indices), faces, first, angle)| {
-        let what = format!("{meet:?}, {faces:?}, liquid first: {first}, at {angle}");
+    all.par_iter().for_each(|((contact, indices), faces, first, angle)| {
+        let what = format!("{contact:?}, {faces:?}, liquid first: {first}, at {angle}");
         // The quadrature, and indices in f32, are accurate to 10⁻⁵.
-        agree(&what, &passed(&lit(*faces, *meet, *first, *angle)), mean_through(indices, *angle), 1e-5, 0.02);
+        agree(&what, &passed(&lit(*faces, *contact, *first, *angle)), mean_through(indices, *angle), 1e-5, 0.02);
     });
 }
 
@@ -200,9 +200,10 @@ fn touching_blocks_of_one_glass_merge() {
 #[test]
 fn camera_in_liquid_starts_in_liquid() {
     for faces in [Faces::Planes, Faces::Rectangles, Faces::Triangles] {
-        for (meet, first) in [(Meet::Apart(0.0), false), (Meet::Apart(0.0), true), (Meet::Priority, false)] {
+        for (contact, first) in [(Contact::Apart(0.0), false), (Contact::Apart(0.0), true), (Contact::Priority, false)]
+        {
             let mut b = SceneBuilder::new();
-            layers(&mut b, faces, meet, first);
+            layers(&mut b, faces, contact, first);
             b.environment(EnvironmentLight::constant(Vec3::ONE).unwrap());
             // A field of 40° is within Snell's window, so all light gets out in the end.
             let up = Camera::perspective(DVec3::ZERO, DVec3::Y, DVec3::Z, 0.7, 8, 8).unwrap();
@@ -216,7 +217,7 @@ fn camera_in_liquid_starts_in_liquid() {
                 })
                 .collect();
             // Squares of indices and reflectances in f32, over some ten interfaces.
-            agree(&format!("{meet:?}, {faces:?}, {first}"), &samples, LIQUID * LIQUID, 20.0 * 6e-8 * 1.8, 0.01);
+            agree(&format!("{contact:?}, {faces:?}, {first}"), &samples, LIQUID * LIQUID, 20.0 * 6e-8 * 1.8, 0.01);
         }
     }
 }

@@ -45,18 +45,18 @@ fn cube(triangles: bool) -> SceneBuilder {
 /// Traces a path from the origin and reports position and direction after each reflection; all must
 /// be total.
 fn follow(scene: &Scene, direction: Vec3, mut see: impl FnMut(Vec3, Vec3)) {
-    let mut walk = scene.start_light_path::<InteriorStack>(0, Ray::new(Vec3::ZERO, direction), Effects::NONE);
+    let mut path = scene.start_light_path::<InteriorStack>(0, Ray::new(Vec3::ZERO, direction), Effects::NONE);
     for bounce in 0..BOUNCES {
-        let PathEvent::Surface(arrival) = walk.next_vertex(scene, key(1), |_| None) else {
+        let PathEvent::Surface(vertex) = path.next_vertex(scene, key(1), |_| None) else {
             panic!("out after {bounce}")
         };
-        let surface = arrival.surface;
+        let surface = vertex.surface;
         assert!(surface.wo.dot(surface.point.ng) < 0.0, "from outside after {bounce}");
         // The largest number below 1 selects transmission if there is any.
         let s = surface.sample(1.0 - f32::EPSILON / 2.0, Vec2::ZERO, Transport::Importance).unwrap();
         assert!(!s.transmitted && s.weight == Vec3::ONE, "through after {bounce}");
         see(surface.point.p, s.wi);
-        walk.leave(&surface, s.wi, false);
+        path.leave(&surface, s.wi, false);
     }
 }
 
@@ -123,20 +123,20 @@ fn trapped_rays_stay_in_ball() {
         let start = Vec3::Y * 0.9;
         let expected = start.cross(direction).length();
         assert!(expected > 0.7, "beyond the critical angle");
-        let mut walk = scene.start_light_path::<InteriorStack>(0, Ray::new(start, direction), Effects::NONE);
+        let mut path = scene.start_light_path::<InteriorStack>(0, Ray::new(start, direction), Effects::NONE);
         for bounce in 0..BOUNCES {
-            let PathEvent::Surface(arrival) = walk.next_vertex(&scene, key(1), |_| None) else {
+            let PathEvent::Surface(vertex) = path.next_vertex(&scene, key(1), |_| None) else {
                 panic!("out after {bounce}")
             };
-            let s = arrival.surface.sample(1.0 - f32::EPSILON / 2.0, Vec2::ZERO, Transport::Importance).unwrap();
-            let p = arrival.surface.point.p;
+            let s = vertex.surface.sample(1.0 - f32::EPSILON / 2.0, Vec2::ZERO, Transport::Importance).unwrap();
+            let p = vertex.surface.point.p;
             assert!(!s.transmitted && (p.length() - 1.0).abs() < 2.0 * f32::EPSILON);
             assert!(
                 (p.cross(s.wi).length() - expected).abs() < drift,
                 "{bounce}: {}",
                 p.cross(s.wi).length() - expected
             );
-            walk.leave(&arrival.surface, s.wi, false);
+            path.leave(&vertex.surface, s.wi, false);
         }
     }
 }

@@ -3,7 +3,7 @@
 
 use crate::support::{agree, key, pixels, scene};
 use caustica::integrate::{Algorithm, EyeSettings, Settings};
-use caustica::photon::{PhotonPass, PhotonSource, StoreMask, Traced};
+use caustica::photon::{Deposits, PhotonPass, PhotonSource, StoreMask, Traced};
 use caustica::scene::Scene;
 use rayon::prelude::*;
 
@@ -36,7 +36,7 @@ fn trace(scene: &Scene, index: u64) -> Traced {
 /// flux.
 #[test]
 fn white_surfaces_terminate_no_photon() {
-    let Traced { photons, audit, rays, .. } = trace(&room("1 1 1", 0.0), 0);
+    let Traced { deposits: Deposits { photons, .. }, audit, rays, .. } = trace(&room("1 1 1", 0.0), 0);
     assert_eq!((audit.stopped, audit.roulette, audit.absorbed), (audit.emitted, [0.0; 3], [0.0; 3]));
     assert_eq!(photons.len() as u64, u64::from(PATHS) * u64::from(BOUNCES + 1));
     assert_eq!(rays, photons.len() as u64);
@@ -47,7 +47,7 @@ fn white_surfaces_terminate_no_photon() {
 #[test]
 fn black_surfaces_terminate_every_photon() {
     for albedo in ["0 0 0", "1e-45 1e-45 1e-45", "0 0 1e-40"] {
-        let Traced { photons, audit, rays, .. } = trace(&room(albedo, 0.0), 0);
+        let Traced { deposits: Deposits { photons, .. }, audit, rays, .. } = trace(&room(albedo, 0.0), 0);
         assert_eq!((photons.len() as u32, rays), (PATHS, u64::from(PATHS)), "{albedo}");
         assert_eq!((audit.absorbed, audit.stopped), (audit.emitted, [0.0; 3]), "{albedo}");
         assert!(audit.roulette.iter().all(|r| r.is_finite() && r.abs() < 1e-30), "{albedo}: {audit:?}");
@@ -63,16 +63,16 @@ fn zero_channel_stays_zero() {
     let scene = room("0 0 1", 0.0);
     let kept: Vec<f64> = (0..16)
         .map(|i| {
-            let Traced { photons, audit, .. } = trace(&scene, i);
+            let Traced { deposits: Deposits { photons, .. }, audit, .. } = trace(&scene, i);
             assert_eq!(audit.stopped[..2], [0.0; 2]);
             let on = photons[..].iter().filter(|p| p.data.flux().x == 0.0);
             let twice = 2.0 * 3.0 / f64::from(PATHS);
             let mut strengths = on.map(|p| f64::from(p.data.flux().z) / twice - 1.0);
             assert!(strengths.all(|off| off.abs() < 1e-5), "{audit:?}");
             // A survivor lands once more for each allowed bounce.
-            let walks = (photons.len() - PATHS as usize) / BOUNCES as usize;
-            assert_eq!(photons.len(), PATHS as usize + walks * BOUNCES as usize);
-            assert!((audit.stopped[2] / (walks as f64 * twice) - 1.0).abs() < 1e-5, "{audit:?}");
+            let survivors = (photons.len() - PATHS as usize) / BOUNCES as usize;
+            assert_eq!(photons.len(), PATHS as usize + survivors * BOUNCES as usize);
+            assert!((audit.stopped[2] / (survivors as f64 * twice) - 1.0).abs() < 1e-5, "{audit:?}");
             audit.stopped[2] / audit.emitted[2]
         })
         .collect();

@@ -30,13 +30,13 @@ pub fn summary(image: &[Rgb], (width, height): (u32, u32)) -> Vec<f64> {
 /// Returns why `ours` and `theirs` do not have equal means up to the fraction `slack`; `None` if
 /// they do.
 ///
-/// It also objects if noise would hide a difference of the fraction `told` of the brightest of the
+/// It also objects if noise would hide a difference of the fraction `detectable` of the brightest of the
 /// first three numbers. Passes are paired by their random numbers. Differences of pairs are
 /// independent, and Student's t tests whether their mean is 0.
-pub fn objection(ours: &[Vec<f64>], theirs: &[Vec<f64>], slack: f64, told: f64) -> Option<String> {
+pub fn objection(ours: &[Vec<f64>], theirs: &[Vec<f64>], slack: f64, detectable: f64) -> Option<String> {
     let dof = ours.len() as f64 - 1.0;
     let column = |of: &[Vec<f64>], i: usize| of.iter().map(|pass| pass[i]).collect::<Vec<f64>>();
-    let sharp = told / quantile(RATE, dof);
+    let sharp = detectable / quantile(RATE, dof);
     let brightest = (0..3).map(|i| mean_and_error(&column(theirs, i)).0).fold(0.0, f64::max);
     if brightest <= 0.0 {
         return Some("all is black".to_owned());

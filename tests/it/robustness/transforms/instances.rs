@@ -53,7 +53,7 @@ fn instance_hits_match_double_double_transforms() {
         let size = map.matrix3.x_axis.length() + map.matrix3.y_axis.length() + map.matrix3.z_axis.length();
         let shrink = exact.inverse_rows().map(|r| r.value().length_squared()).iter().sum::<f64>().sqrt();
         let mut rng = SmallRng::seed_from_u64(5);
-        let (mut hits, mut told, mut doubtful) = (0, 0, 0);
+        let (mut hits, mut decided, mut doubtful) = (0, 0, 0);
         const RAYS: u32 = 10_000;
         for i in 0..RAYS {
             let mut place = || warp::sphere(Vec2::new(rng.random(), rng.random())).as_dvec3();
@@ -100,7 +100,7 @@ fn instance_hits_match_double_double_transforms() {
             // If two faces are closer than the test's rounding, either may be reported. Otherwise
             // it must be the face that is hit.
             let sure = gaps[end] > 4.0 * blur(end);
-            told += u32::from(sure);
+            decided += u32::from(sure);
             let is_it = |n: &DVec3| {
                 let normal = exact.normal((*n).into()).value().normalize();
                 // A corner of the face gives its plane. The point lies in the plane up to its
@@ -114,9 +114,9 @@ fn instance_hits_match_double_double_transforms() {
             let out = warp::sphere(Vec2::new(rng.random(), rng.random()));
             let out = if out.dot(s.ng) < 0.0 { -out } else { out };
             let next = Ray::new(offset_origin(s.p, s.error, s.ng, out), out);
-            assert!(instance.intersect(&next).is_none(), "{name} {ray:?}: met again");
+            assert!(instance.intersect(&next).is_none(), "{name} {ray:?}: hit again");
         }
-        assert!(hits > RAYS / 10 && told > hits / 2 && doubtful < RAYS / 2, "{name} {hits} {told} {doubtful}");
+        assert!(hits > RAYS / 10 && decided > hits / 2 && doubtful < RAYS / 2, "{name} {hits} {decided} {doubtful}");
     });
 }
 

@@ -35,8 +35,8 @@ fn rays_along_a_plane_miss_it() {
     for lean in [-2.5e-16, -1.8e-16, 6e-17, 1.8e-16, 2.5e-16] {
         let plane = Plane::new(DVec3::X * 5.0, DVec3::new(1.0, lean, 0.0));
         for along in [Vec3::Y, Vec3::NEG_Y, Vec3::Y * 1e-6, Vec3::Y * 1e6] {
-            let met = plane.intersect(&Ray::new(Vec3::ZERO, along));
-            assert!(met.is_none(), "{lean} {along}: {met:?}");
+            let hit = plane.intersect(&Ray::new(Vec3::ZERO, along));
+            assert!(hit.is_none(), "{lean} {along}: {hit:?}");
         }
     }
     let plane = Plane::new(DVec3::X * 5.0, DVec3::X);

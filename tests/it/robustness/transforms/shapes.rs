@@ -246,7 +246,7 @@ fn shape_hits_match_double_double_transforms() {
                 let out = warp::sphere(Vec2::new(rng.random(), rng.random()));
                 let out = if out.dot(s.ng) < 0.0 { -out } else { out };
                 let next = Ray::new(offset_origin(s.p, s.error, s.ng, out), out);
-                assert!(shape.intersect(&next).is_none(), "{own:?} {name} {ray:?}: met again");
+                assert!(shape.intersect(&next).is_none(), "{own:?} {name} {ray:?}: hit again");
             }
         }
         assert!(hits > RAYS / 5 && doubtful < RAYS / 3, "{own:?} {name} {hits} {doubtful}");

@@ -21,7 +21,7 @@ impl Walls {
         Self { mesh, tree: Hierarchy::build(&closed.corners(map), &[]) }
     }
 
-    fn meet(&self, ray: &Ray) -> Option<(u32, SurfacePoint)> {
+    fn closest(&self, ray: &Ray) -> Option<(u32, SurfacePoint)> {
         let hit = self.tree.closest(ray, |_, _| None)?;
         let Primitive::Triangle(i) = hit.primitive else { return None };
         Some((i, self.mesh.surface(i as usize, Vec2::new(hit.u, hit.v))))
@@ -63,18 +63,18 @@ fn rays_leaving_edge_inwards_do_not_escape() {
             let from = map((closed.inside)(&mut rng));
             let to = walls.target(&mut rng) - from;
             let to = if rng.random() { to } else { to.normalize() };
-            let Some((i, s)) = walls.meet(&Ray::new(from, to)) else { continue };
+            let Some((i, s)) = walls.closest(&Ray::new(from, to)) else { continue };
             let d = map(point(&mut rng)) - map(Vec3::ZERO);
             let d = if d.dot(s.ng) > 0.0 { -d } else { d };
             left += 1;
-            match walls.meet(&leave(&s, d)) {
+            match walls.closest(&leave(&s, d)) {
                 None => lost += 1,
                 Some((j, _)) => again += u32::from(i == j),
             }
-            again += u32::from(walls.meet(&leave(&s, -d)).is_some_and(|(j, _)| i == j));
+            again += u32::from(walls.closest(&leave(&s, -d)).is_some_and(|(j, _)| i == j));
         }
         assert!(left > 99_000, "{} {left}", closed.name);
-        assert_eq!((lost, again), (0, 0), "{}: lost, met again, of {left}", closed.name);
+        assert_eq!((lost, again), (0, 0), "{}: lost, hit again, of {left}", closed.name);
     };
     places().into_par_iter().for_each(|map| walled().into_iter().for_each(|closed| run((closed, map))));
 }
@@ -96,7 +96,7 @@ fn entries_and_exits_of_bodies_balance() {
             let d = -back.normalize();
             let mut ray = Ray::new(inside + back * 20.0, d);
             let mut depth = 0;
-            while let Some((_, s)) = walls.meet(&ray) {
+            while let Some((_, s)) = walls.closest(&ray) {
                 depth += if d.dot(s.ng) < 0.0 { 1 } else { -1 };
                 assert!(depth == 0 || depth == 1, "{}: inside {depth} times at {}", closed.name, s.p);
                 ray = leave(&s, d);

@@ -1,0 +1,83 @@
+//! Cameras.
+
+use super::*;
+use glam::{DAffine3, Vec3};
+
+fn wide() -> Camera {
+    Camera::perspective(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 90f64.to_radians(), 400, 200).unwrap()
+}
+
+fn assert_direction(camera: &Camera, p: Vec2, d: Vec3) {
+    let direction = camera.ray(p, None).direction;
+    assert!((direction - d.normalize()).length() < 1e-6, "{p}: {direction}");
+}
+
+#[test]
+fn angle_is_vertical_and_rows_start_at_the_top() {
+    let c = wide();
+    assert_direction(&c, Vec2::new(200.0, 100.0), Vec3::NEG_Z);
+    assert_direction(&c, Vec2::new(200.0, 0.0), Vec3::new(0.0, 1.0, -1.0));
+    assert_direction(&c, Vec2::new(400.0, 100.0), Vec3::new(2.0, 0.0, -1.0));
+}
+
+#[test]
+fn parallel_up_vector_is_an_error() {
+    let make = |d, up| Camera::perspective(DVec3::ZERO, d, up, 1.0, 4, 4);
+    assert_eq!(make(DVec3::Y, DVec3::Y * 3.0), Err(NoUpright));
+    assert_eq!(make(DVec3::ZERO, DVec3::Y), Err(NoUpright));
+    assert!(make(DVec3::new(1e-9, 1.0, 0.0), DVec3::Y).is_ok());
+}
+
+#[test]
+fn orthographic_rays_start_one_pixel_apart() {
+    let c = Camera::orthographic(DVec3::Z, DVec3::NEG_Z, DVec3::Y, 2.0, 400, 200).unwrap();
+    for (p, start) in [
+        (Vec2::new(200.0, 100.0), Vec3::Z),
+        (Vec2::new(400.0, 100.0), Vec3::new(2.0, 0.0, 1.0)),
+        (Vec2::new(0.0, 0.0), Vec3::new(-2.0, 1.0, 1.0)),
+    ] {
+        assert_direction(&c, p, Vec3::NEG_Z);
+        assert_eq!(c.ray(p, None).origin, start);
+    }
+}
+
+#[test]
+fn panorama_covers_all_directions() {
+    let c = Camera::panorama(DVec3::ZERO, DVec3::NEG_Z, DVec3::Y, 400, 200).unwrap();
+    for (x, y, d) in [
+        (200.0, 100.0, Vec3::NEG_Z),
+        (300.0, 100.0, Vec3::X),
+        (100.0, 100.0, Vec3::NEG_X),
+        (0.0, 100.0, Vec3::Z),
+        (123.0, 0.0, Vec3::Y),
+        (300.0, 150.0, Vec3::new(1.0, -1.0, 0.0)),
+    ] {
+        assert_direction(&c, Vec2::new(x, y), d);
+    }
+}
+
+#[test]
+fn lens_rays_converge_in_the_focal_plane() {
+    let lens = Lens { radius: 0.3, focus: 4.0, blades: 0 };
+    let (open, shut) = (wide().with_lens(lens), wide().with_lens(Lens { radius: 0.0, ..lens }));
+    for p in [Vec2::new(200.0, 100.0), Vec2::new(17.0, 3.0)] {
+        let through_middle = wide().ray(p, None);
+        assert_eq!(open.ray(p, None), through_middle);
+        let in_focus = through_middle.at(4.0 / -through_middle.direction.z);
+        for u in [Vec2::new(0.1, 0.9), Vec2::new(0.7, 0.3)] {
+            assert_eq!(shut.ray(p, Some(u)), through_middle);
+            let ray = open.ray(p, Some(u));
+            assert!(ray.origin.length() <= 0.3 && ray.origin != Vec3::ZERO);
+            assert!((ray.at(4.0 / -ray.direction.z) - in_focus).length() < 1e-5);
+        }
+    }
+}
+
+#[test]
+fn moved_camera_starts_rays_at_its_new_position() {
+    let turn = DAffine3::from_quat(glam::DQuat::from_xyzw(0.0, 0.5f64.sqrt(), 0.0, 0.5f64.sqrt()));
+    let map = Transform::new(DAffine3::from_translation(DVec3::X) * turn).unwrap();
+    let moved = wide().moved(&map);
+    assert_direction(&moved, Vec2::new(200.0, 100.0), Vec3::NEG_X);
+    assert_eq!(moved.center(), DVec3::X);
+}

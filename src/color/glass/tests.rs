@@ -1,0 +1,74 @@
+//! Indices of refraction.
+
+use super::*;
+
+/// The catalogue's own figures, to the last digit given.
+#[test]
+fn bk7_matches_the_catalogue() {
+    let bk7 = glass("BK7").unwrap();
+    for (nm, n) in [(486.13, 1.522376), (587.56, 1.516800), (656.27, 1.514322)] {
+        assert!((f64::from(bk7.index(nm)) - n).abs() < 6e-7, "{nm}: {}", bk7.index(nm));
+    }
+    assert_eq!(bk7.index_d(), bk7.index(587.56));
+    assert!((bk7.abbe() - 64.167).abs() < 5e-3, "{}", bk7.abbe());
+}
+
+/// Index at the line d and Abbe's number from catalogues and tables, to their last digit.
+#[test]
+fn substances_match_published_constants() {
+    let known = [
+        ("BK7", 1.51680, 5e-6, 64.17, 0.01),
+        ("F2", 1.62004, 5e-6, 36.37, 0.01),
+        ("LAK9", 1.69100, 5e-6, 54.71, 0.01),
+        ("SF10", 1.72828, 5e-6, 28.53, 0.01),
+        ("SF11", 1.78472, 5e-6, 25.68, 0.01),
+        ("diamond", 2.4175, 5e-4, 55.3, 0.5),
+        ("fusedSilica", 1.45846, 5e-6, 67.8, 0.05),
+        ("sapphire", 1.7682, 5e-5, 72.2, 0.2),
+        ("water", 1.3334, 5e-5, 55.7, 0.2),
+    ];
+    assert_eq!(known.map(|k| k.0), GLASSES.map(|g| g.0));
+    for (name, nd, tolerance, vd, slack) in known {
+        let glass = glass(name).unwrap();
+        assert!((glass.index_d() - nd).abs() < tolerance, "{name}: {}", glass.index_d());
+        assert!((glass.abbe() - vd).abs() < slack, "{name}: {}", glass.abbe());
+    }
+    assert_eq!(glass("bk7"), None);
+}
+
+#[test]
+fn range_bounds_all_indices() {
+    let made = [Glass::of_abbe(1.5, 20.0), Glass::Cauchy { a: 1.5, b: -0.01, c: 0.001 }];
+    for glass in GLASSES.iter().map(|g| g.1).chain(made) {
+        let [least, most] = glass.range().unwrap();
+        let (mut low, mut high) = (f64::INFINITY, 0.0f64);
+        for step in 0..=3400 {
+            let n = glass.at(380.0 + f64::from(step) * 0.1);
+            assert!((least - 1e-15..=most + 1e-15).contains(&n) && n > 1.0, "{glass:?} {n}");
+            (low, high) = (low.min(n), high.max(n));
+        }
+        // A term moves by less than 0.001 in a nanometre, and twice where terms move against each other.
+        assert!(low - least < 2e-3 && most - high < 2e-3, "{glass:?}");
+    }
+}
+
+#[test]
+fn resonances_and_invalid_indices_have_no_range() {
+    let resonance = |c: f64| three([0.01, 1.2, 0.0], [c, 0.01, 0.0]);
+    // At 600.0005 nm: so narrow that whole nanometres miss it.
+    assert_eq!(resonance(square(600.0005)).range(), None);
+    assert!(resonance(square(900.0)).range().is_some());
+    assert_eq!(three([-3.0, 0.0, 0.0], [0.01, 0.0, 0.0]).range(), None);
+    assert_eq!(Glass::Cauchy { a: 1.0, b: -0.2, c: 0.0 }.range(), None);
+    assert_eq!(Glass::Cauchy { a: f64::NAN, b: 0.0, c: 0.0 }.range(), None);
+    assert_eq!(Glass::Cauchy { a: f64::MAX, b: f64::MAX, c: 0.0 }.range(), None);
+}
+
+#[test]
+fn abbe_number_round_trips() {
+    for (nd, vd) in [(1.5, 64.2), (1.9, 12.0), (1.333, 55.7), (0.7, 30.0)] {
+        let glass = Glass::of_abbe(nd, vd);
+        // Rounding of the result to f32.
+        assert!((f64::from(glass.index_d()) - nd).abs() < 1e-7 * nd && (glass.abbe() / vd as f32 - 1.0).abs() < 1e-6);
+    }
+}

@@ -1,0 +1,110 @@
+//! Sampled wavelengths.
+
+use super::*;
+use rand::rngs::SmallRng;
+use rand::{RngExt, SeedableRng};
+
+fn at(nm: f32) -> Wavelength {
+    Wavelength(nm)
+}
+
+/// Degrees round the colour wheel from red over green to blue, from −90 to 270.
+fn hue(c: Rgb) -> f32 {
+    let angle = libm::atan2f(3.0f32.sqrt() * (c.y - c.z), 2.0 * c.x - c.y - c.z).to_degrees();
+    if angle < -90.0 { angle + 360.0 } else { angle }
+}
+
+/// The midpoint rule errs by at most the variation of a weight, below 20, over twice the points.
+#[test]
+fn white_light_stays_white() {
+    let n = 1u32 << 22;
+    let mut sum = DVec3::ZERO;
+    for i in 0..n {
+        sum += Wavelength::sample((i as f32 + 0.5) / n as f32).weight().as_dvec3();
+    }
+    let mean = sum / f64::from(n);
+    assert!((mean - 1.0).abs().max_element() < 1e-5, "{mean}");
+}
+
+#[test]
+fn weights_average_one_and_pdf_integrates_to_one() {
+    let mut integral = 0.0;
+    for cell in 0..CELLS {
+        let w = at(SHORTEST + (cell as f32 + 0.5) * STEP);
+        assert!((w.weight().element_sum() / 3.0 - 1.0).abs() < 1e-6 && w.weight().min_element() >= 0.0);
+        assert!(w.pdf() > 0.0 && w == at(w.nanometres()));
+        integral += f64::from(w.pdf()) * f64::from(STEP);
+    }
+    // Each of 255 pdfs is rounded to f32.
+    assert!((integral - 1.0).abs() < 6e-8 && (TABLE.sums[CELLS] - 1.0).abs() < 1e-12, "{integral}");
+}
+
+#[test]
+fn hues_follow_the_spectrum() {
+    let (red, yellow, green, blue) = (at(650.0), at(580.0), at(530.0), at(450.0));
+    assert!(red.weight().x > 2.4, "{}", red.weight());
+    assert!(yellow.weight().x.min(yellow.weight().y) > 2.0 * yellow.weight().z, "{}", yellow.weight());
+    assert!(green.weight().y > 1.8, "{}", green.weight());
+    assert!(blue.weight().z > 2.2, "{}", blue.weight());
+    // Outside these the spectral colours hardly change, and the fit's hue wanders by degrees.
+    let cells = at(440.0).cell()..=at(640.0).cell();
+    let hues: Vec<f32> = cells.map(|cell| hue(TABLE.weights[cell])).collect();
+    assert!(hues.windows(2).all(|pair| pair[0] > pair[1]), "{hues:?}");
+    for nm in 400..440 {
+        assert!((hue(at(nm as f32).weight()) - 250.0).abs() < 10.0, "{nm}");
+    }
+    for nm in 640..690 {
+        assert!(hue(at(nm as f32).weight()).abs() < 10.0, "{nm}");
+    }
+    let beyond = TABLE.sums[at(690.0).cell()];
+    assert!(beyond > 0.999, "{beyond}");
+}
+
+/// Chi-square over the cells of a million wavelengths; false alarm 10⁻⁴.
+#[test]
+fn samples_follow_the_pdf() {
+    let n = 1_000_000u32;
+    let mut rng = SmallRng::seed_from_u64(11);
+    let mut counts = [0u32; CELLS];
+    for _ in 0..n {
+        counts[Wavelength::sample(rng.random()).cell()] += 1;
+    }
+    // Neighbours are put together up to twenty expected, below which a count is not normal.
+    let (mut chi2, mut nu) = (0.0, -1.0);
+    let (mut count, mut expected) = (0.0, 0.0);
+    for (cell, c) in counts.iter().enumerate() {
+        count += f64::from(*c);
+        expected += f64::from(n) * f64::from(TABLE.pdfs[cell]) * f64::from(STEP);
+        if expected >= 20.0 {
+            chi2 += (count - expected) * (count - expected) / expected;
+            nu += 1.0;
+            (count, expected) = (0.0, 0.0);
+        }
+    }
+    // Wilson–Hilferty, as for the keys.
+    let z = (libm::cbrt(chi2 / nu) - (1.0 - 2.0 / (9.0 * nu))) / (2.0 / (9.0 * nu)).sqrt();
+    assert!(nu > 190.0 && z.abs() < 3.9, "z = {z}, nu = {nu}");
+}
+
+#[test]
+fn extreme_samples_are_in_range() {
+    let last = Wavelength::sample(1.0 - f32::EPSILON / 2.0);
+    assert_eq!(Wavelength::sample(0.0).cell(), 0);
+    assert!(last.nanometres() < 720.0 && last.nanometres() > 700.0, "{last:?}");
+    assert_eq!(last.cell(), ((last.nanometres() - SHORTEST) / STEP) as usize);
+}
+
+#[test]
+fn codes_round_trip() {
+    assert_eq!(Wavelength::from_code(0), None);
+    for i in 0..=3400 {
+        let w = at(SHORTEST + i as f32 * 0.1);
+        let back = Wavelength::from_code(w.code()).unwrap();
+        // Half a cell of 340/255 nm, and f32.
+        assert!((back.nanometres() - w.nanometres()).abs() < 0.667, "{w:?} {back:?}");
+        assert_eq!((back.weight(), back.pdf()), (w.weight(), w.pdf()));
+    }
+    for code in 1..=255 {
+        assert_eq!(Wavelength::from_code(code).map(Wavelength::code), Some(code));
+    }
+}

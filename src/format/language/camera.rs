@@ -1,0 +1,244 @@
+//! Cameras, and the aim of cameras and spotlights.
+
+use std::fmt;
+
+use glam::DVec3;
+
+use super::super::description::{Aim, Camera, Focus, Lens, Map, Opening, Projection, Spanned};
+use super::super::error::SceneError;
+use super::fields::{Fields, fields};
+use super::lexer::Token;
+use super::maps::{moving, write_maps};
+use super::reader::Parser;
+use super::schema::{Block, Field, Kind, Range, field, find};
+use super::text::has_direction;
+use super::writer::Writer;
+
+/// The cameras.
+pub(super) static CAMERAS: [&Block; 3] = [&PERSPECTIVE, &ORTHOGRAPHIC, &ENVIRONMENT];
+
+const PIXELS: Range = Range::Within(1.0, 65_536.0);
+
+static VIEW: [Field; 4] = [
+    field("center", Kind::Point, Range::Any, "the pinhole, the lens center, or the center of an orthographic picture")
+        .required()
+        .course(),
+    field("direction", Kind::Direction, Range::Any, "direction of view; give this or `lookAt`").course(),
+    field("lookAt", Kind::Point, Range::Any, "point that the camera looks at"),
+    field("up", Kind::Direction, Range::Any, "direction that appears upward; not parallel to the view")
+        .or(&[0.0, 1.0, 0.0])
+        .course(),
+];
+
+static SIZE: [Field; 2] = [
+    field("width", Kind::Whole, PIXELS, "picture width").or(&[960.0]).unit("pixels").course(),
+    field("height", Kind::Whole, PIXELS, "picture height").or(&[720.0]).unit("pixels").course(),
+];
+
+static PERSPECTIVE: Block = Block {
+    keyword: "PerspectiveCamera",
+    aliases: &[],
+    fields: &[
+        field("angle", Kind::Number, Range::Between(0.0, 180.0), "vertical field of view")
+            .required()
+            .unit("degrees")
+            .course(),
+        field("aperture", Kind::Number, Range::NonNegative, "lens radius").absent("0: a pinhole"),
+        field("fNumber", Kind::Number, Range::Positive, "instead of `aperture`: focal length over lens diameter"),
+        field("sensorHeight", Kind::Number, Range::Positive, "with `fNumber`: sensor height; sets the focal length")
+            .absent("0.024: 24 mm if the unit is the metre"),
+        field(
+            "focusDistance",
+            Kind::Number,
+            Range::Positive,
+            "distance along the view of the plane in focus, 10⁻¹² … 10¹²",
+        ),
+        field("focusAt", Kind::Point, Range::Any, "instead of `focusDistance`: a point of the plane in focus")
+            .absent("the point of `lookAt`"),
+        field(
+            "blades",
+            Kind::Whole,
+            Range::Special("0 or 3 … 64"),
+            "edges of the lens opening, visible in blurred highlights",
+        )
+        .absent("0: round"),
+    ],
+    shared: &[&VIEW, &SIZE],
+    help: "perspective through a pinhole or a thin lens",
+    course: true,
+};
+
+static ORTHOGRAPHIC: Block = Block {
+    keyword: "OrthographicCamera",
+    aliases: &[],
+    fields: &[field("size", Kind::Number, Range::UpTo(0.0, 1e12), "height of the visible region").required()],
+    shared: &[&VIEW, &SIZE],
+    help: "parallel projection",
+    course: false,
+};
+
+static ENVIRONMENT: Block = Block {
+    keyword: "EnvironmentCamera",
+    aliases: &[],
+    fields: &[
+        field("width", Kind::Whole, PIXELS, "picture width").or(&[960.0]).unit("pixels"),
+        field("height", Kind::Whole, PIXELS, "picture height").absent("half of the width").unit("pixels"),
+    ],
+    shared: &[&VIEW],
+    help: "all directions by longitude and latitude, with the direction of view in the middle",
+    course: false,
+};
+
+/// Height of a sensor of 36 × 24 mm, if the unit is the metre.
+const SENSOR_HEIGHT: f64 = 0.024;
+
+/// Reads a `Moving` block with a camera.
+pub(super) fn moving_camera<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Result<Spanned<Camera>, SceneError> {
+    let read = |parser: &mut Parser<'a>, word: Token<'a>| Ok(Spanned::new(camera(parser, word)?, word.span()));
+    let allowed = CAMERAS.map(|block| block.keyword);
+    let (motion, mut camera) = moving(parser, keyword, &allowed, read)?;
+    if motion.iter().any(|map| matches!(map, Map::Scale(_) | Map::UniformScale(_))) {
+        let message = "a camera cannot grow".to_owned();
+        let help = "move it by Translate and Rotate only".to_owned();
+        return Err(parser.lexer.error(keyword.span(), message, "this motion", help));
+    }
+    camera.value.motion = motion;
+    Ok(camera)
+}
+
+/// Reads a camera block.
+pub(super) fn camera<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<Camera, SceneError> {
+    let Some(block) = find(&CAMERAS, word.text) else {
+        return Err(parser.unexpected(word, &CAMERAS.map(|block| block.keyword)));
+    };
+    let f = fields(parser, word, block)?;
+    let center = f.vector("center")?;
+    let (aim, direction) = aim(&f, "center", center)?;
+    let up = f.vector("up")?;
+    // Below this sine of their angle, rounding decides which way is up.
+    if up.normalize().cross(direction.normalize()).length() < 1e-9 {
+        let culprit = f.get("up").or(f.get("direction")).or(f.get("lookAt"));
+        let message = "`up` is parallel to the direction of view".to_owned();
+        let help = "give an `up` that points elsewhere, e.g. `up 0 0 1`".to_owned();
+        return Err(f.error(culprit.map_or(word.span(), |p| p.span()), message, "parallel", help));
+    }
+    let width = f.whole("width")?;
+    let (projection, height) = match block.keyword {
+        "PerspectiveCamera" => {
+            let angle = f.number("angle")?;
+            (Projection::Perspective { angle, lens: lens(&f, center, direction, aim)? }, f.whole("height")?)
+        }
+        "OrthographicCamera" => (Projection::Orthographic { size: f.number("size")? }, f.whole("height")?),
+        _ => {
+            let height = f.get("height").map_or(width.div_ceil(2), |height| height.number() as u32);
+            (Projection::Environment, height)
+        }
+    };
+    Ok(Camera { center, aim, up, projection, width, height, motion: Vec::new() })
+}
+
+/// Returns the lens of a camera at `center` with that direction of view; `None` for a pinhole.
+fn lens(f: &Fields<'_>, center: DVec3, direction: DVec3, aim: Aim) -> Result<Option<Lens>, SceneError> {
+    if f.get("aperture").is_none() && f.get("fNumber").is_none() {
+        let rule = "has no effect without `aperture` or `fNumber`";
+        f.refuse(&["sensorHeight", "focusDistance", "focusAt", "blades"], rule)?;
+        return Ok(None);
+    }
+    let opening = f.one_of(&["aperture", "fNumber"])?;
+    let opening = if opening.name() == "aperture" {
+        f.refuse(&["sensorHeight"], "has no effect without `fNumber`")?;
+        Opening::Radius(opening.number())
+    } else {
+        let sensor = f.get("sensorHeight").map_or(SENSOR_HEIGHT, |sensor| sensor.number());
+        Opening::FNumber { number: opening.number(), sensor }
+    };
+    let focus = match (f.get("focusDistance").or(f.get("focusAt")), aim) {
+        (Some(_), _) => {
+            let focus = f.one_of(&["focusDistance", "focusAt"])?;
+            if focus.name() == "focusDistance" {
+                Focus::Distance(focus.number())
+            } else {
+                let in_front = (focus.vector() - center).dot(direction) > 0.0;
+                focus.ensure(in_front, "must lie in front of the camera")?;
+                Focus::Point(focus.vector())
+            }
+        }
+        (None, Aim::LookAt(point)) => Focus::Point(point),
+        (None, Aim::Direction(_)) => Focus::Distance(f.need("focusDistance")?.number()),
+    };
+    let blades = match f.get("blades") {
+        None => 0,
+        Some(blades) => {
+            let n = blades.number();
+            let ok = n == 0.0 || (3.0..=64.0).contains(&n);
+            blades.ensure(ok, "must be 0, for a round opening, or lie between 3 and 64")?;
+            n as u32
+        }
+    };
+    Ok(Some(Lens { opening, focus, blades }))
+}
+
+/// Returns `direction` or `lookAt`, and the direction from `center`, which is the value of the field `from`.
+pub(super) fn aim(f: &Fields<'_>, from: &str, center: DVec3) -> Result<(Aim, DVec3), SceneError> {
+    let aim = f.one_of(&["direction", "lookAt"])?;
+    if aim.name() == "direction" {
+        return Ok((Aim::Direction(aim.vector()), aim.vector()));
+    }
+    let direction = aim.vector() - center;
+    aim.ensure(has_direction(direction), &format!("must lie at some distance from `{from}`"))?;
+    Ok((Aim::LookAt(aim.vector()), direction))
+}
+
+/// Prints a camera.
+pub(super) fn write_camera(out: &mut Writer<'_, '_>, camera: &Camera) -> fmt::Result {
+    if !camera.motion.is_empty() {
+        out.open("Moving")?;
+        write_maps(out, &camera.motion)?;
+    }
+    out.start(match camera.projection {
+        Projection::Perspective { .. } => &PERSPECTIVE,
+        Projection::Orthographic { .. } => &ORTHOGRAPHIC,
+        Projection::Environment => &ENVIRONMENT,
+    })?;
+    out.vector("center", camera.center)?;
+    write_aim(out, camera.aim)?;
+    out.vector("up", camera.up)?;
+    match camera.projection {
+        Projection::Perspective { angle, lens } => {
+            out.number("angle", angle)?;
+            lens.map_or(Ok(()), |lens| write_lens(out, &lens))?;
+        }
+        Projection::Orthographic { size } => out.number("size", size)?,
+        Projection::Environment => {}
+    }
+    out.field("width", camera.width)?;
+    out.field("height", camera.height)?;
+    if !camera.motion.is_empty() {
+        out.close()?;
+    }
+    out.close()
+}
+
+/// Prints a direction of view or its target.
+pub(super) fn write_aim(out: &mut Writer<'_, '_>, aim: Aim) -> fmt::Result {
+    match aim {
+        Aim::Direction(direction) => out.vector("direction", direction),
+        Aim::LookAt(point) => out.vector("lookAt", point),
+    }
+}
+
+/// Prints the fields of a lens.
+fn write_lens(out: &mut Writer<'_, '_>, lens: &Lens) -> fmt::Result {
+    match lens.opening {
+        Opening::Radius(radius) => out.number("aperture", radius)?,
+        Opening::FNumber { number, sensor } => {
+            out.number("fNumber", number)?;
+            out.number("sensorHeight", sensor)?;
+        }
+    }
+    match lens.focus {
+        Focus::Distance(distance) => out.number("focusDistance", distance)?,
+        Focus::Point(point) => out.vector("focusAt", point)?,
+    }
+    out.field("blades", lens.blades)
+}

@@ -1,0 +1,255 @@
+//! Words, numbers and strings of a scene file, each with its place.
+
+use super::super::description::{Span, Spanned};
+use super::super::error::{SceneError, Source};
+
+/// A word or one of `{ } [ ]`; empty at the end of the file.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Token<'a> {
+    pub text: &'a str,
+    pub start: usize,
+}
+
+impl Token<'_> {
+    pub fn span(&self) -> Span {
+        Span { start: self.start, len: self.text.len() }
+    }
+
+    pub fn is_end(&self) -> bool {
+        self.text.is_empty()
+    }
+}
+
+/// Reads tokens by what the parser wants next: `20width` is a number where one is wanted and an odd word elsewhere.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Lexer<'a> {
+    name: &'a str,
+    text: &'a str,
+    at: usize,
+}
+
+impl<'a> Lexer<'a> {
+    pub fn new(name: &'a str, text: &'a str) -> Self {
+        let at = if text.starts_with('\u{feff}') { 3 } else { 0 };
+        Self { name, text, at }
+    }
+
+    pub fn source(&self) -> Source {
+        Source::new(self.name, self.text)
+    }
+
+    pub fn slice(&self, span: Span) -> &'a str {
+        &self.text[span.start..span.start + span.len]
+    }
+
+    pub fn error(&self, span: Span, message: String, label: &str, help: String) -> SceneError {
+        SceneError::at(&self.source(), span, message, label, help)
+    }
+
+    /// The next token, which stays unread.
+    pub fn peek(&mut self) -> Token<'a> {
+        self.skip();
+        let rest = &self.text[self.at..];
+        let len = match rest.bytes().next() {
+            Some(b'{' | b'}' | b'[' | b']' | b'"') => 1,
+            _ => rest.bytes().position(|b| is_space(b) || b"{}[]\"".contains(&b)).unwrap_or(rest.len()),
+        };
+        Token { text: &rest[..len], start: self.at }
+    }
+
+    /// Reads what [`peek`](Self::peek) showed.
+    pub fn take(&mut self, token: Token<'_>) {
+        self.at = token.start + token.text.len();
+    }
+
+    /// Makes `token`, which was read, the next one again.
+    pub fn return_to(&mut self, token: Token<'_>) {
+        self.at = token.start;
+    }
+
+    /// The longest number that starts here, as C's `scanf` reads `%f`; empty if none does.
+    pub fn number(&mut self) -> Token<'a> {
+        self.skip();
+        self.prefix(float_length)
+    }
+
+    /// The longest whole number that starts here, as C's `scanf` reads `%d`; empty if none does.
+    pub fn integer(&mut self) -> Token<'a> {
+        self.skip();
+        self.prefix(integer_length)
+    }
+
+    fn prefix(&mut self, length: fn(&[u8]) -> usize) -> Token<'a> {
+        let rest = &self.text[self.at..];
+        let token = Token { text: &rest[..length(rest.as_bytes())], start: self.at };
+        self.take(token);
+        token
+    }
+
+    /// A quoted string, or else what runs to the next white space or to a `}` that closes no `{` of its own; empty if
+    /// nothing is there.
+    pub fn name(&mut self) -> Result<Spanned<String>, SceneError> {
+        self.skip();
+        let rest = &self.text[self.at..];
+        if rest.starts_with('"') {
+            return self.quoted();
+        }
+        let mut open = 0_usize;
+        let mut len = rest.len();
+        for (i, b) in rest.bytes().enumerate() {
+            if is_space(b) || (b == b'}' && open == 0) {
+                len = i;
+                break;
+            }
+            match b {
+                b'{' => open += 1,
+                b'}' => open -= 1,
+                _ => {}
+            }
+        }
+        let span = Span { start: self.at, len };
+        self.at += len;
+        Ok(Spanned::new(rest[..len].to_owned(), span))
+    }
+
+    /// A string in quotes on one line, in which a backslash stands before each `"` and `\`.
+    pub fn quoted(&mut self) -> Result<Spanned<String>, SceneError> {
+        let start = self.at;
+        let mut value = String::new();
+        let mut chars = self.text[start..].char_indices().skip(1);
+        loop {
+            match chars.next() {
+                Some((i, '"')) => {
+                    self.at = start + i + 1;
+                    return Ok(Spanned::new(value, Span { start, len: i + 1 }));
+                }
+                Some((i, '\\')) => match chars.next() {
+                    Some((_, c @ ('"' | '\\'))) => value.push(c),
+                    _ => {
+                        let span = Span { start: start + i, len: 1 };
+                        let help = "write `\\\\` for a backslash and `\\\"` for a quote, or `/` between folders";
+                        let message = "a backslash in quotes stands only before `\"` or `\\`".to_owned();
+                        return Err(self.error(span, message, "this one", help.to_owned()));
+                    }
+                },
+                None | Some((_, '\n' | '\r')) => {
+                    let message = "the string does not end on its line".to_owned();
+                    let help = "close it with `\"`".to_owned();
+                    return Err(self.error(Span { start, len: 1 }, message, "opened here", help));
+                }
+                Some((_, c)) => value.push(c),
+            }
+        }
+    }
+
+    /// Passes white space and comments.
+    fn skip(&mut self) {
+        let bytes = self.text.as_bytes();
+        while let Some(&b) = bytes.get(self.at) {
+            if is_space(b) {
+                self.at += 1;
+            } else if b == b'#' || bytes[self.at..].starts_with(b"//") {
+                self.at = self.text[self.at..].find('\n').map_or(bytes.len(), |i| self.at + i);
+            } else {
+                break;
+            }
+        }
+    }
+}
+
+/// White space as C's `isspace` has it.
+fn is_space(b: u8) -> bool {
+    matches!(b, b' ' | b'\t'..=b'\r')
+}
+
+fn digits(bytes: &[u8]) -> usize {
+    bytes.iter().take_while(|b| b.is_ascii_digit()).count()
+}
+
+fn sign(bytes: &[u8]) -> usize {
+    usize::from(matches!(bytes.first(), Some(b'+' | b'-')))
+}
+
+fn integer_length(bytes: &[u8]) -> usize {
+    let sign = sign(bytes);
+    match digits(&bytes[sign..]) {
+        0 => 0,
+        n => sign + n,
+    }
+}
+
+fn float_length(bytes: &[u8]) -> usize {
+    let mut len = sign(bytes);
+    let whole = digits(&bytes[len..]);
+    len += whole;
+    let mut fraction = 0;
+    if bytes.get(len) == Some(&b'.') {
+        fraction = digits(&bytes[len + 1..]);
+        if whole + fraction > 0 {
+            len += 1 + fraction;
+        }
+    }
+    if whole + fraction == 0 {
+        return 0;
+    }
+    if matches!(bytes.get(len), Some(b'e' | b'E')) {
+        match integer_length(&bytes[len + 1..]) {
+            0 => {}
+            exponent => len += 1 + exponent,
+        }
+    }
+    len
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_end_where_they_can_no_longer_go_on() {
+        for (text, float, integer) in [
+            ("20}", "20", "20"),
+            ("20width", "20", "20"),
+            ("-.16 ", "-.16", ""),
+            ("1.5.5", "1.5", "1"),
+            ("+3.e-2x", "+3.e-2", "+3"),
+            ("1e", "1", "1"),
+            ("2e+", "2", "2"),
+            ("7E5", "7E5", "7"),
+            (".", "", ""),
+            ("-", "", ""),
+            ("e5", "", ""),
+            ("nan", "", ""),
+            ("-inf", "", ""),
+        ] {
+            assert_eq!(Lexer::new("", text).number().text, float, "{text}");
+            assert_eq!(Lexer::new("", text).integer().text, integer, "{text}");
+        }
+    }
+
+    #[test]
+    fn comments_start_only_where_a_token_could() {
+        let mut lexer = Lexer::new("", "\u{feff} # one\r\n// two\n a//b#c# three");
+        let token = lexer.peek();
+        assert_eq!(token.text, "a//b#c#");
+        lexer.take(token);
+        assert_eq!(lexer.peek().text, "three");
+        assert!(Lexer::new("", "# end").peek().is_end());
+    }
+
+    #[test]
+    fn names_may_hold_braces_and_spaces() {
+        for (text, name) in [
+            ("cube.obj}", "cube.obj"),
+            ("wood{1}.bmp}", "wood{1}.bmp"),
+            ("mesh/a#b//c.obj\r\n", "mesh/a#b//c.obj"),
+            (r#""a \"b\" \\ c"}"#, r#"a "b" \ c"#),
+            ("}", ""),
+        ] {
+            assert_eq!(Lexer::new("", text).name().unwrap().value, name, "{text}");
+        }
+        for text in ["\"open", "\"open\n\"", r#""C:\mesh.obj""#, "\"\\"] {
+            assert!(Lexer::new("", text).name().is_err(), "{text}");
+        }
+    }
+}

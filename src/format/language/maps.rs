@@ -1,0 +1,232 @@
+//! Transforms and motions: maps, then the object that they transform.
+
+use std::fmt;
+
+use glam::{DMat4, DVec3};
+
+use super::super::description::{Map, Span};
+use super::super::error::SceneError;
+use super::lexer::Token;
+use super::reader::Parser;
+use super::text::{clip, has_direction};
+use super::writer::{Numbers, Writer};
+use crate::math::Transform;
+
+/// Keywords of the maps.
+const MAPS: [&str; 9] =
+    ["Scale", "UniformScale", "Translate", "XRotate", "YRotate", "ZRotate", "Rotate", "Matrix4f", "Matrix"];
+
+/// Reads what a keyword starts.
+type Reader<'a, T> = fn(&mut Parser<'a>, Token<'a>) -> Result<T, SceneError>;
+
+/// Reads a `Transform` block: maps, then one object that starts with a word of `allowed`.
+pub(super) fn transform<'a, T>(
+    parser: &mut Parser<'a>,
+    keyword: Token<'a>,
+    allowed: &[&str],
+    read: Reader<'a, T>,
+) -> Result<(Vec<Map>, T), SceneError> {
+    let placed = placed(parser, keyword, allowed, read)?;
+    check_transform(parser, keyword, &placed.0)?;
+    Ok(placed)
+}
+
+/// Reads a `Moving` block: maps that grow while the shutter is open, then one entry that starts with a word of `allowed`.
+pub(super) fn moving<'a, T>(
+    parser: &mut Parser<'a>,
+    keyword: Token<'a>,
+    allowed: &[&str],
+    read: Reader<'a, T>,
+) -> Result<(Vec<Map>, T), SceneError> {
+    let placed = placed(parser, keyword, allowed, read)?;
+    check_motion(parser, keyword, &placed.0)?;
+    Ok(placed)
+}
+
+/// Reads maps, then one entry that starts with a word of `allowed`.
+fn placed<'a, T>(
+    parser: &mut Parser<'a>,
+    keyword: Token<'a>,
+    allowed: &[&str],
+    read: Reader<'a, T>,
+) -> Result<(Vec<Map>, T), SceneError> {
+    parser.descend(keyword)?;
+    let mut maps = Vec::new();
+    let word = maps_before(parser, keyword, allowed, &mut maps)?;
+    let placed = read(parser, word)?;
+    end(parser, keyword)?;
+    Ok((maps, placed))
+}
+
+// The functions below are not inlined into `placed`: it recurses, and its stack frame must stay small.
+
+/// Reads maps up to a word of `allowed`, which it returns.
+#[inline(never)]
+fn maps_before<'a>(
+    parser: &mut Parser<'a>,
+    keyword: Token<'a>,
+    allowed: &[&str],
+    maps: &mut Vec<Map>,
+) -> Result<Token<'a>, SceneError> {
+    let name = keyword.text;
+    loop {
+        match parser.word()? {
+            None => {
+                let objects = allowed.contains(&"Sphere");
+                let what = if objects { "object" } else { "camera or light" };
+                let message = format!("`{name}` holds no {what}");
+                let example = if objects { "Sphere" } else { allowed[allowed.len() - 1] };
+                let help = format!("put one after its maps: `{name} {{ Translate 2 2 2 {example} {{ … }} }}`");
+                return Err(parser.lexer.error(keyword.span(), message, "this block", help));
+            }
+            Some(word) if MAPS.contains(&word.text) => maps.push(map(parser, word)?),
+            Some(word) if allowed.contains(&word.text) => return Ok(word),
+            Some(word) => return Err(parser.unexpected(word, &[&MAPS[..], allowed].concat())),
+        }
+    }
+}
+
+/// Reads `{ maps }` without an object.
+pub(super) fn bare_maps<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Result<Vec<Map>, SceneError> {
+    let mut maps = Vec::new();
+    parser.open(keyword)?;
+    while let Some(word) = parser.word()? {
+        if !MAPS.contains(&word.text) {
+            return Err(parser.unexpected(word, &MAPS));
+        }
+        maps.push(map(parser, word)?);
+    }
+    check_transform(parser, keyword, &maps)?;
+    Ok(maps)
+}
+
+/// Reads the `}` after the object of a block.
+#[inline(never)]
+fn end<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Result<(), SceneError> {
+    if let Some(word) = parser.word()? {
+        let message = format!("unexpected `{}` after the object of `{}`", clip(word.text), keyword.text);
+        let help = "maps stand before the object; put several objects into a Group".to_owned();
+        return Err(parser.lexer.error(word.span(), message, "`}` belongs here", help));
+    }
+    parser.ascend();
+    Ok(())
+}
+
+/// Refuses maps whose product is singular.
+#[inline(never)]
+fn check_transform<'a>(parser: &Parser<'a>, keyword: Token<'a>, maps: &[Map]) -> Result<(), SceneError> {
+    match Transform::new(Map::product(maps)) {
+        Ok(_) => Ok(()),
+        Err(_) => Err(singular(parser, keyword.span(), "this `Transform` flattens its object")),
+    }
+}
+
+/// Refuses maps that cannot grow from the identity.
+#[inline(never)]
+fn check_motion<'a>(parser: &Parser<'a>, keyword: Token<'a>, maps: &[Map]) -> Result<(), SceneError> {
+    const FLAT: (&str, &str) = ("a scale of 0 or below", "a motion cannot go through flat: scale by more than 0");
+    for map in maps {
+        let (what, help) = match *map {
+            Map::Matrix(_) => {
+                ("a matrix", "write Translate, Rotate and Scale instead, or put it into a Transform inside")
+            }
+            Map::Scale(s) if s.min_element() <= 0.0 => FLAT,
+            Map::UniformScale(s) if s <= 0.0 => FLAT,
+            Map::Scale(_)
+            | Map::UniformScale(_)
+            | Map::Translate(_)
+            | Map::RotateX(_)
+            | Map::RotateY(_)
+            | Map::RotateZ(_)
+            | Map::Rotate { .. } => continue,
+        };
+        let message = format!("`{}` cannot grow by {what}", keyword.text);
+        return Err(parser.lexer.error(keyword.span(), message, "this motion", help.to_owned()));
+    }
+    Ok(())
+}
+
+/// Reads the numbers of one map.
+#[inline(never)]
+fn map<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<Map, SceneError> {
+    let (map, span) = match word.text {
+        "Scale" | "Translate" => {
+            let v = parser.numbers(word)?;
+            let vector = DVec3::from_array(v.value);
+            (if word.text == "Scale" { Map::Scale(vector) } else { Map::Translate(vector) }, v.span)
+        }
+        "Rotate" => {
+            parser.open(word)?;
+            let v = parser.numbers::<4>(word)?;
+            let [x, y, z, angle] = v.value;
+            let axis = DVec3::new(x, y, z);
+            parser.close()?;
+            if !has_direction(axis) {
+                let message = "the axis of `Rotate` must have a length above 0 (and below 1e154)".to_owned();
+                let help = "write axis and degrees: `Rotate { 0 1 0 90 }`".to_owned();
+                return Err(parser.lexer.error(v.span, message, "this axis", help));
+            }
+            (Map::Rotate { axis, angle }, v.span)
+        }
+        "Matrix4f" | "Matrix" => {
+            parser.open(word)?;
+            let m = parser.numbers::<16>(word)?;
+            parser.close()?;
+            let matrix = DMat4::from_cols_array(&m.value);
+            if matrix.row(3).to_array() != [0.0, 0.0, 0.0, 1.0] {
+                let message = format!("the fourth row of `{}` must be 0 0 0 1", word.text);
+                let help = "columns are listed one after the other: every fourth number is 0, the last is 1";
+                return Err(parser.lexer.error(m.span, message, "this matrix", help.to_owned()));
+            }
+            (Map::Matrix(matrix), m.span)
+        }
+        "XRotate" | "YRotate" | "ZRotate" | "UniformScale" => {
+            let v = parser.numbers::<1>(word)?;
+            let map = match (word.text, v.value[0]) {
+                ("XRotate", angle) => Map::RotateX(angle),
+                ("YRotate", angle) => Map::RotateY(angle),
+                ("ZRotate", angle) => Map::RotateZ(angle),
+                (_, scale) => Map::UniformScale(scale),
+            };
+            (map, v.span)
+        }
+        _ => return Err(parser.unexpected(word, &MAPS)),
+    };
+    match Transform::new(map.matrix()) {
+        Ok(_) => Ok(map),
+        Err(_) => Err(singular(parser, span, &format!("`{}` flattens its object", word.text))),
+    }
+}
+
+/// Returns the error of a map or product that is singular.
+fn singular(parser: &Parser<'_>, span: Span, message: &str) -> SceneError {
+    let help = "scales must not be 0, nor the columns of a matrix lie in one plane; for flat shapes use Disc, \
+                Rectangle or Triangle";
+    parser.lexer.error(span, message.to_owned(), "singular", help.to_owned())
+}
+
+/// Prints maps one a line.
+pub(super) fn write_maps(out: &mut Writer<'_, '_>, maps: &[Map]) -> fmt::Result {
+    maps.iter().try_for_each(|map| match *map {
+        Map::Scale(s) => out.line(format_args!("Scale {}", Numbers(&s.to_array()))),
+        Map::UniformScale(s) => out.line(format_args!("UniformScale {}", Numbers(&[s]))),
+        Map::Translate(t) => out.line(format_args!("Translate {}", Numbers(&t.to_array()))),
+        Map::RotateX(angle) => out.line(format_args!("XRotate {}", Numbers(&[angle]))),
+        Map::RotateY(angle) => out.line(format_args!("YRotate {}", Numbers(&[angle]))),
+        Map::RotateZ(angle) => out.line(format_args!("ZRotate {}", Numbers(&[angle]))),
+        Map::Rotate { axis, angle } => {
+            out.line(format_args!("Rotate {{ {} }}", Numbers(&[axis.x, axis.y, axis.z, angle])))
+        }
+        Map::Matrix(m) => out.line(format_args!("Matrix4f {{ {} }}", Numbers(&m.to_cols_array()))),
+    })
+}
+
+/// Prints a `Transform` without an object; nothing if there are no maps.
+pub(super) fn write_bare_maps(out: &mut Writer<'_, '_>, maps: &[Map]) -> fmt::Result {
+    if maps.is_empty() {
+        return Ok(());
+    }
+    out.open("Transform")?;
+    write_maps(out, maps)?;
+    out.close()
+}

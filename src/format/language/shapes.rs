@@ -1,0 +1,391 @@
+//! Shapes.
+
+use std::fmt;
+
+use glam::DVec3;
+
+use super::super::description::{Curve, CurveBasis, MeshOptions, Shape};
+use super::super::error::SceneError;
+use super::curves::{BEZIER_CONTROLS, BSPLINE_CONTROLS};
+use super::fields::{Fields, fields};
+use super::lexer::Token;
+use super::reader::Parser;
+use super::schema::{Block, Field, Kind, Range, field, find, keywords};
+use super::writer::{Numbers, Writer};
+use crate::shape::parametric::MAX_DEGREE;
+
+/// The shapes.
+pub(super) static SHAPES: [&Block; 11] = [
+    &SPHERE,
+    &PLANE,
+    &DISC,
+    &RECTANGLE,
+    &TRIANGLE,
+    &MESH,
+    &REVOLUTION,
+    &BEZIER_CURVE,
+    &BSPLINE_CURVE,
+    &BEZIER_PATCH,
+    &NURBS,
+];
+
+const DEGREE: Range = Range::Within(1.0, MAX_DEGREE as f64);
+
+static EMISSION: [Field; 1] =
+    [field("emission", Kind::Color, Range::NonNegative, "radiance instead of the material's; not for a `Plane`")
+        .absent("the material's")
+        .unit("W/(m² sr)")];
+
+static DEGREES: [Field; 2] = [
+    field("degreeU", Kind::Whole, DEGREE, "degree along u").or(&[3.0]),
+    field("degreeV", Kind::Whole, DEGREE, "degree along v").or(&[3.0]),
+];
+
+static SPHERE: Block = Block {
+    keyword: "Sphere",
+    aliases: &[],
+    fields: &[
+        field("center", Kind::Point, Range::Any, "center").required().course(),
+        field("radius", Kind::Number, Range::Positive, "radius").required().course(),
+    ],
+    shared: &[&EMISSION],
+    help: "all points at distance `radius` from `center`",
+    course: true,
+};
+
+static PLANE: Block = Block {
+    keyword: "Plane",
+    aliases: &[],
+    fields: &[
+        field("normal", Kind::Direction, Range::Any, "normal; its length scales `offset`").required().course(),
+        field("offset", Kind::Number, Range::Any, "normal · x of the points x of the plane").required().course(),
+    ],
+    shared: &[&EMISSION],
+    help: "infinite plane",
+    course: true,
+};
+
+static DISC: Block = Block {
+    keyword: "Disc",
+    aliases: &[],
+    fields: &[
+        field("center", Kind::Point, Range::Any, "center").required(),
+        field("normal", Kind::Direction, Range::Any, "normal").required(),
+        field("radius", Kind::Number, Range::Positive, "radius").required(),
+    ],
+    shared: &[&EMISSION],
+    help: "flat disc",
+    course: false,
+};
+
+static RECTANGLE: Block = Block {
+    keyword: "Rectangle",
+    aliases: &[],
+    fields: &[
+        field("corner", Kind::Point, Range::Any, "corner where both edges start").required(),
+        field("edge0", Kind::Direction, Range::Any, "vector to the first neighbouring corner").required(),
+        field("edge1", Kind::Direction, Range::Any, "vector to the other neighbouring corner").required(),
+    ],
+    shared: &[&EMISSION],
+    help: "parallelogram with normal `edge0` × `edge1`",
+    course: false,
+};
+
+static TRIANGLE: Block = Block {
+    keyword: "Triangle",
+    aliases: &[],
+    fields: &[
+        field("vertex0", Kind::Point, Range::Any, "first vertex").required().course(),
+        field("vertex1", Kind::Point, Range::Any, "second vertex").required().course(),
+        field("vertex2", Kind::Point, Range::Any, "third vertex").required().course(),
+        field("normal0", Kind::Direction, Range::Any, "shading normal at the first vertex; give all three or none"),
+        field("normal1", Kind::Direction, Range::Any, "shading normal at the second vertex"),
+        field("normal2", Kind::Direction, Range::Any, "shading normal at the third vertex"),
+        field("uv0", Kind::Pair, Range::Any, "texture coordinates at the first vertex; give all three or none")
+            .absent("0 0"),
+        field("uv1", Kind::Pair, Range::Any, "texture coordinates at the second vertex").absent("1 0"),
+        field("uv2", Kind::Pair, Range::Any, "texture coordinates at the third vertex").absent("0 1"),
+    ],
+    shared: &[&EMISSION],
+    help: "triangle; its area may be 0",
+    course: true,
+};
+
+static MESH: Block = Block {
+    keyword: "TriangleMesh",
+    aliases: &[],
+    fields: &[
+        field("obj_file", Kind::Name, Range::Any, "OBJ or PLY file").alias("file").required().course(),
+        field(
+            "materials",
+            Kind::Word(&["scene", "file"]),
+            Range::Any,
+            "materials of the scene or of the file's MTL files",
+        )
+        .or_word("scene"),
+        field("normals", Kind::Word(&["file", "none"]), Range::Any, "`none` ignores the file's normals")
+            .or_word("file"),
+        field("smoothAngle", Kind::Number, Range::Within(0.0, 180.0), "greatest angle between faces that are smoothed")
+            .absent("faces without normals are flat")
+            .unit("degrees"),
+    ],
+    shared: &[&EMISSION],
+    help: "triangle mesh in a file of its own",
+    course: true,
+};
+
+static REVOLUTION: Block = Block {
+    keyword: "RevSurface",
+    aliases: &[],
+    fields: &[field("profile", Kind::Curve, Range::Any, "curve of points (x, y), turned about the y axis")
+        .required()
+        .course()],
+    shared: &[&EMISSION],
+    help: "surface of revolution: the points (x cos θ, y, x sin θ) of a profile",
+    course: true,
+};
+
+static BEZIER_CURVE: Block = Block {
+    keyword: "BezierCurve",
+    aliases: &[],
+    fields: &[BEZIER_CONTROLS],
+    shared: &[&EMISSION],
+    help: "one Bézier curve; without `profile` it has no surface and is not visible",
+    course: true,
+};
+
+static BSPLINE_CURVE: Block = Block {
+    keyword: "BsplineCurve",
+    aliases: &[],
+    fields: &[BSPLINE_CONTROLS],
+    shared: &[&EMISSION],
+    help: "a uniform cubic B-spline; without `profile` it has no surface and is not visible",
+    course: true,
+};
+
+static BEZIER_PATCH: Block = Block {
+    keyword: "BezierPatch",
+    aliases: &[],
+    fields: &[field(
+        "controls",
+        Kind::WeightedPoints,
+        Range::Any,
+        "control points, patch after patch, those along v first",
+    )
+    .required()],
+    shared: &[&DEGREES, &EMISSION],
+    help: "one or more Bézier patches of the same degrees",
+    course: false,
+};
+
+static NURBS: Block = Block {
+    keyword: "NurbsSurface",
+    aliases: &[],
+    fields: &[
+        field("countU", Kind::Whole, Range::Special("above the degree"), "number of control points along u").required(),
+        field("countV", Kind::Whole, Range::Special("above the degree"), "number of control points along v").required(),
+        field("knotsU", Kind::Numbers, Range::Special("nondecreasing"), "`countU` + `degreeU` + 1 knots along u")
+            .absent("uniform"),
+        field("knotsV", Kind::Numbers, Range::Special("nondecreasing"), "`countV` + `degreeV` + 1 knots along v")
+            .absent("uniform"),
+        field("controls", Kind::WeightedPoints, Range::Any, "control points, those along v first").required(),
+    ],
+    shared: &[&DEGREES, &EMISSION],
+    help: "rational B-spline surface",
+    course: false,
+};
+
+/// Reads a shape and the radiance that replaces its material's.
+// Not inlined: its callers recurse, and their stack frames must stay small.
+#[inline(never)]
+pub(super) fn shape<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<(Shape, Option<DVec3>), SceneError> {
+    let Some(block) = find(&SHAPES, word.text) else {
+        return Err(parser.unexpected(word, &keywords(&[], &SHAPES)));
+    };
+    let f = &fields(parser, word, block)?;
+    let shape = match block.keyword {
+        "Sphere" => Shape::Sphere { center: f.vector("center")?, radius: f.number("radius")? },
+        "Plane" => Shape::Plane { normal: f.vector("normal")?, offset: f.number("offset")? },
+        "Disc" => Shape::Disc { center: f.vector("center")?, normal: f.vector("normal")?, radius: f.number("radius")? },
+        "Rectangle" => {
+            let (corner, edge0, edge1) = parallelogram(f)?;
+            Shape::Rectangle { corner, edge0, edge1 }
+        }
+        "Triangle" => triangle(f)?,
+        "TriangleMesh" => Shape::Mesh { path: f.need("obj_file")?.text(), options: mesh_options(f)? },
+        "RevSurface" => Shape::Revolution { profile: f.need("profile")?.curve() },
+        "BezierPatch" => patches(f)?,
+        "NurbsSurface" => nurbs(f)?,
+        "BezierCurve" => Shape::Curve(f.need("controls")?.curve_of(CurveBasis::Bezier)?),
+        "BsplineCurve" => Shape::Curve(f.need("controls")?.curve_of(CurveBasis::Bspline)?),
+        _ => unreachable!("`{}` is in the table of shapes, but has no reader", block.keyword),
+    };
+    Ok((shape, f.get("emission").map(|emission| emission.vector())))
+}
+
+/// Returns corner and edges of a parallelogram that has an area.
+pub(super) fn parallelogram(f: &Fields<'_>) -> Result<(DVec3, DVec3, DVec3), SceneError> {
+    let (corner, edge0, edge1) = (f.vector("corner")?, f.vector("edge0")?, f.need("edge1")?);
+    // Rounding of parallel edges alone gives a sine of about 1e-16.
+    let sine = edge0.normalize().cross(edge1.vector().normalize()).length();
+    edge1.ensure(sine > 1e-12, "must not be parallel to `edge0`: the area would be 0")?;
+    Ok((corner, edge0, edge1.vector()))
+}
+
+fn triangle(f: &Fields<'_>) -> Result<Shape, SceneError> {
+    let vertices = [f.vector("vertex0")?, f.vector("vertex1")?, f.vector("vertex2")?];
+    let any = |names: [&str; 3]| names.iter().any(|name| f.get(name).is_some());
+    let normals = match any(["normal0", "normal1", "normal2"]) {
+        true => Some([f.vector("normal0")?, f.vector("normal1")?, f.vector("normal2")?]),
+        false => None,
+    };
+    let uv = match any(["uv0", "uv1", "uv2"]) {
+        true => Some(Box::new([f.pair("uv0")?, f.pair("uv1")?, f.pair("uv2")?])),
+        false => None,
+    };
+    Ok(Shape::Triangle { vertices, normals, uv })
+}
+
+fn mesh_options(f: &Fields<'_>) -> Result<MeshOptions, SceneError> {
+    Ok(MeshOptions {
+        own_materials: f.word("materials")? == "file",
+        no_normals: f.word("normals")? == "none",
+        smooth_angle: f.get("smoothAngle").map(|angle| angle.number()),
+    })
+}
+
+fn patches(f: &Fields<'_>) -> Result<Shape, SceneError> {
+    let degree = [f.whole("degreeU")?, f.whole("degreeV")?];
+    let each = (degree[0] as usize + 1) * (degree[1] as usize + 1);
+    let controls = f.need("controls")?;
+    let found = controls.weighted_points().len();
+    let rule = format!("must hold {each} points for each patch of these degrees, and holds {found}");
+    controls.ensure(found > 0 && found.is_multiple_of(each), &rule)?;
+    Ok(Shape::Patches { degree, controls: controls.weighted_points().to_vec() })
+}
+
+fn nurbs(f: &Fields<'_>) -> Result<Shape, SceneError> {
+    let degree = [f.whole("degreeU")?, f.whole("degreeV")?];
+    let count = |name: &str, degree: u32| {
+        let count = f.need(name)?;
+        count.ensure(count.number() > f64::from(degree), "must be above the degree")?;
+        Ok(count.number() as u32)
+    };
+    let count = [count("countU", degree[0])?, count("countV", degree[1])?];
+    let knots = |name: &str, axis: usize| knots(f, name, u64::from(count[axis]) + u64::from(degree[axis]) + 1);
+    let knots = [knots("knotsU", 0)?, knots("knotsV", 1)?];
+    let controls = f.need("controls")?;
+    let (wanted, found) = (u64::from(count[0]) * u64::from(count[1]), controls.weighted_points().len() as u64);
+    let rule = format!("must hold countU · countV = {wanted} points, and holds {found}");
+    controls.ensure(found == wanted, &rule)?;
+    Ok(Shape::Nurbs { degree, count, knots, controls: controls.weighted_points().to_vec() })
+}
+
+/// Returns knots along one direction; none if they are not given.
+fn knots(f: &Fields<'_>, name: &str, wanted: u64) -> Result<Vec<f64>, SceneError> {
+    let Some(knots) = f.get(name) else { return Ok(Vec::new()) };
+    let list = knots.list();
+    let rule = format!("must hold count + degree + 1 = {wanted} numbers, and holds {}", list.len());
+    knots.ensure(list.len() as u64 == wanted, &rule)?;
+    knots.ensure(list.windows(2).all(|w| w[0] <= w[1]), "must not decrease")?;
+    Ok(list.to_vec())
+}
+
+/// Prints a shape and the radiance that replaces its material's.
+// Not inlined: its callers recurse, and their stack frames must stay small.
+#[inline(never)]
+pub(super) fn write_shape(out: &mut Writer<'_, '_>, shape: &Shape, emission: Option<DVec3>) -> fmt::Result {
+    match shape {
+        Shape::Sphere { center, radius } => {
+            out.start(&SPHERE)?;
+            out.vector("center", *center)?;
+            out.number("radius", *radius)?;
+        }
+        Shape::Plane { normal, offset } => {
+            out.start(&PLANE)?;
+            out.vector("normal", *normal)?;
+            out.number("offset", *offset)?;
+        }
+        Shape::Disc { center, normal, radius } => {
+            out.start(&DISC)?;
+            out.vector("center", *center)?;
+            out.vector("normal", *normal)?;
+            out.number("radius", *radius)?;
+        }
+        Shape::Rectangle { corner, edge0, edge1 } => {
+            out.start(&RECTANGLE)?;
+            write_parallelogram(out, *corner, *edge0, *edge1)?;
+        }
+        Shape::Triangle { vertices, normals, uv } => {
+            out.start(&TRIANGLE)?;
+            for (i, vertex) in vertices.iter().enumerate() {
+                out.vector(&format!("vertex{i}"), *vertex)?;
+            }
+            for (i, normal) in normals.iter().flatten().enumerate() {
+                out.vector(&format!("normal{i}"), *normal)?;
+            }
+            for (i, uv) in uv.iter().flat_map(|uv| uv.iter()).enumerate() {
+                out.pair(&format!("uv{i}"), *uv)?;
+            }
+        }
+        Shape::Mesh { path, options } => {
+            out.start(&MESH)?;
+            let ply = path.to_ascii_lowercase().ends_with(".ply");
+            out.name(if ply { "file" } else { "obj_file" }, path)?;
+            if options.own_materials {
+                out.field("materials", "file")?;
+            }
+            if options.no_normals {
+                out.field("normals", "none")?;
+            }
+            options.smooth_angle.map_or(Ok(()), |angle| out.number("smoothAngle", angle))?;
+        }
+        Shape::Revolution { profile } => {
+            out.start(&REVOLUTION)?;
+            out.open(format_args!("profile {}", curve_block(profile).keyword))?;
+            out.points("controls", &profile.controls)?;
+            out.close()?;
+        }
+        Shape::Curve(curve) => {
+            out.start(curve_block(curve))?;
+            out.points("controls", &curve.controls)?;
+        }
+        Shape::Patches { degree, controls } => {
+            out.start(&BEZIER_PATCH)?;
+            write_degrees(out, degree)?;
+            out.weighted_points("controls", controls)?;
+        }
+        Shape::Nurbs { degree, count, knots, controls } => {
+            out.start(&NURBS)?;
+            write_degrees(out, degree)?;
+            out.field("countU", count[0])?;
+            out.field("countV", count[1])?;
+            for (name, knots) in ["knotsU", "knotsV"].into_iter().zip(knots).filter(|(_, k)| !k.is_empty()) {
+                out.field(name, Numbers(knots))?;
+            }
+            out.weighted_points("controls", controls)?;
+        }
+    }
+    emission.map_or(Ok(()), |emission| out.vector("emission", emission))?;
+    out.close()
+}
+
+/// Returns the block of a curve.
+fn curve_block(curve: &Curve) -> &'static Block {
+    match curve.basis {
+        CurveBasis::Bezier => &BEZIER_CURVE,
+        CurveBasis::Bspline => &BSPLINE_CURVE,
+    }
+}
+
+/// Prints corner and edges of a parallelogram.
+pub(super) fn write_parallelogram(out: &mut Writer<'_, '_>, corner: DVec3, edge0: DVec3, edge1: DVec3) -> fmt::Result {
+    out.vector("corner", corner)?;
+    out.vector("edge0", edge0)?;
+    out.vector("edge1", edge1)
+}
+
+fn write_degrees(out: &mut Writer<'_, '_>, degree: &[u32; 2]) -> fmt::Result {
+    out.field("degreeU", degree[0])?;
+    out.field("degreeV", degree[1])
+}

@@ -1,0 +1,121 @@
+//! Suggestions for unknown words.
+
+/// Longest word that counts as a misspelt keyword.
+const LONGEST: usize = 40;
+
+/// Words of other renderers and formats, in lower case, with the words of this language.
+const SYNONYMS: [(&str, &str); 46] = [
+    ("albedo", "reflectance"),
+    ("ambientlight", "EnvironmentLight"),
+    ("arealight", "RectangleLight"),
+    ("base_color", "reflectance"),
+    ("basecolor", "reflectance"),
+    ("camera", "PerspectiveCamera"),
+    ("color", "reflectance"),
+    ("colour", "reflectance"),
+    ("diffuse", "diffuseColor"),
+    ("diffuse", "reflectance"),
+    ("distantlight", "DirectionalLight"),
+    ("domelight", "EnvironmentLight"),
+    ("envmap", "EnvironmentLight"),
+    ("eta", "indexOfRefraction"),
+    ("eye", "center"),
+    ("filename", "file"),
+    ("fov", "angle"),
+    ("fovy", "angle"),
+    ("from", "center"),
+    ("glass", "Dielectric"),
+    ("hdri", "EnvironmentLight"),
+    ("index", "indexOfRefraction"),
+    ("infinitelight", "EnvironmentLight"),
+    ("ior", "indexOfRefraction"),
+    ("lambert", "Diffuse"),
+    ("lambertian", "Diffuse"),
+    ("matte", "Diffuse"),
+    ("mesh", "TriangleMesh"),
+    ("metal", "Conductor"),
+    ("objmesh", "TriangleMesh"),
+    ("origin", "center"),
+    ("panoramacamera", "EnvironmentCamera"),
+    ("pinholecamera", "PerspectiveCamera"),
+    ("plymesh", "TriangleMesh"),
+    ("position", "center"),
+    ("quad", "Rectangle"),
+    ("quadlight", "RectangleLight"),
+    ("skylight", "EnvironmentLight"),
+    ("specular", "Mirror"),
+    ("specular", "specularColor"),
+    ("sunlight", "DirectionalLight"),
+    ("sun", "DirectionalLight"),
+    ("target", "lookAt"),
+    ("thindielectric", "Thin"),
+    ("to", "lookAt"),
+    ("trianglemesh", "TriangleMesh"),
+];
+
+/// Returns the word of `allowed` for a `word` that other renderers use.
+pub(super) fn synonym(word: &str, allowed: &[&str]) -> Option<&'static str> {
+    let word = word.to_ascii_lowercase();
+    SYNONYMS.iter().find(|(other, own)| *other == word && allowed.contains(own)).map(|(_, own)| *own)
+}
+
+/// Returns the candidate nearest to `word`, if at most a third of its letters differ; case does not count.
+pub(in crate::format) fn nearest<'c>(word: &str, candidates: impl Iterator<Item = &'c str>) -> Option<&'c str> {
+    let word: Vec<char> = word.chars().take(LONGEST + 1).flat_map(char::to_lowercase).collect();
+    if word.len() > LONGEST {
+        return None;
+    }
+    candidates
+        .filter(|candidate| candidate.len() <= LONGEST)
+        .map(|candidate| {
+            let letters: Vec<char> = candidate.chars().flat_map(char::to_lowercase).collect();
+            (distance(&word, &letters), letters.len(), candidate)
+        })
+        .filter(|&(distance, length, _)| distance <= length.max(word.len()) / 3)
+        .min_by_key(|&(distance, ..)| distance)
+        .map(|(.., candidate)| candidate)
+}
+
+/// Returns the fewest letters to add, drop, change or swap with a neighbour (optimal string alignment).
+fn distance(a: &[char], b: &[char]) -> usize {
+    let mut before = vec![0; b.len() + 1];
+    let mut last: Vec<usize> = (0..=b.len()).collect();
+    for i in 1..=a.len() {
+        let mut row = vec![i; b.len() + 1];
+        for j in 1..=b.len() {
+            let change = usize::from(a[i - 1] != b[j - 1]);
+            row[j] = (last[j] + 1).min(row[j - 1] + 1).min(last[j - 1] + change);
+            if i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1] {
+                row[j] = row[j].min(before[j - 2] + 1);
+            }
+        }
+        before = std::mem::replace(&mut last, row);
+    }
+    last[b.len()]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn misspelt_keywords_are_recognised() {
+        let words = || ["Sphere", "Plane", "radius", "lookAt", "color"].into_iter();
+        for (word, keyword) in
+            [("Spere", "Sphere"), ("Shpere", "Sphere"), ("RADIUS", "radius"), ("colour", "color"), ("lookat", "lookAt")]
+        {
+            assert_eq!(nearest(word, words()), Some(keyword));
+        }
+        assert_eq!(nearest("Torus", words()), None);
+        assert_eq!(nearest("", words()), None);
+        assert_eq!(nearest(&"Sphere".repeat(1000), words()), None);
+    }
+
+    #[test]
+    fn synonyms_are_translated_where_allowed() {
+        assert_eq!(synonym("SunLight", &["PointLight", "DirectionalLight"]), Some("DirectionalLight"));
+        assert_eq!(synonym("ior", &["indexOfRefraction"]), Some("indexOfRefraction"));
+        assert_eq!(synonym("Glass", &["Mirror", "Dielectric"]), Some("Dielectric"));
+        assert_eq!(synonym("Glass", &["Sphere"]), None);
+    }
+}

@@ -1,0 +1,160 @@
+//! Media, and what names them.
+
+use super::*;
+use crate::format::description::{Coefficients, Density, Extent, Map, Medium, Phase, Span, Spanned};
+
+fn named(name: &str) -> Spanned<String> {
+    Spanned::new(name.to_owned(), Span::default())
+}
+
+fn media(body: &str) -> Vec<Medium> {
+    let d = scene(&format!("Media {{ {body} }} Group {{ }}")).unwrap();
+    d.media.into_iter().map(|m| m.value).collect()
+}
+
+#[track_caller]
+fn bad(body: &str, message: &str, help: &str) {
+    refused(&format!("Media {{ {body} }}"), message, help);
+}
+
+#[test]
+fn media_say_what_they_take_scatter_and_send() {
+    let media = media(
+        "numMedia 4 Medium a { } Medium \"b c\" { scattering 1 2 3 absorption 4 5 6 emission 7 8 9 phase rayleigh }
+         Medium d { albedo 1 .5 0 extinction 10 20 30 anisotropy -.5 } Medium e { phase henyey-greenstein anisotropy .99 }",
+    );
+    let parts = |absorption, scattering| Coefficients::Parts { absorption, scattering };
+    let nothing = parts(DVec3::ZERO, DVec3::ZERO);
+    let a = Medium {
+        name: "a".to_owned(),
+        coefficients: nothing,
+        emission: DVec3::ZERO,
+        phase: Phase::Isotropic,
+        density: Density::Even,
+    };
+    let b = Medium {
+        name: "b c".to_owned(),
+        coefficients: parts(DVec3::new(4.0, 5.0, 6.0), DVec3::new(1.0, 2.0, 3.0)),
+        emission: DVec3::new(7.0, 8.0, 9.0),
+        phase: Phase::Rayleigh,
+        ..a.clone()
+    };
+    let (extinction, albedo) = (DVec3::new(10.0, 20.0, 30.0), DVec3::new(1.0, 0.5, 0.0));
+    let d = Medium {
+        name: "d".to_owned(),
+        coefficients: Coefficients::Whole { extinction, albedo },
+        phase: Phase::HenyeyGreenstein(-0.5),
+        ..a.clone()
+    };
+    let e = Medium { name: "e".to_owned(), phase: Phase::HenyeyGreenstein(0.99), ..a.clone() };
+    assert_eq!(media, [a, b, d, e]);
+}
+
+#[test]
+fn densities_are_of_files_and_of_noise() {
+    let [smoke, plain, cloud] = &media(
+        "Medium smoke { grid dir/s.grid densityScale 3 min -1 0 1 max 1 2 3 Transform { YRotate 30 } }
+         Cloud plain { min 0 0 0 max 1 1 1 }
+         Cloud full { cover 1 softness 0 octaves 16 frequency 2.5 seed 4294967295 resolution 512 min 0 0 0 max 1 1 1 }",
+    )[..] else {
+        panic!()
+    };
+    let extent =
+        Extent { min: DVec3::new(-1.0, 0.0, 1.0), max: DVec3::new(1.0, 2.0, 3.0), maps: vec![Map::RotateY(30.0)] };
+    assert_eq!(smoke.density, Density::Grid { path: named("dir/s.grid"), scale: 3.0, extent });
+    let extent = Extent { min: DVec3::ZERO, max: DVec3::ONE, maps: vec![] };
+    let expected = |cover, softness, octaves, frequency, seed, resolution| {
+        let extent = extent.clone();
+        Density::Cloud { cover, softness, octaves, frequency, seed, resolution, extent }
+    };
+    assert_eq!(plain.density, expected(0.5, 0.3, 5, 4.0, 0, 96));
+    assert_eq!(cloud.density, expected(1.0, 0.0, 16, 2.5, u32::MAX, 512));
+}
+
+#[test]
+fn bodies_places_and_the_scene_name_what_fills_them() {
+    let text = "Background { medium fog color 0 0 0 } Media { Medium fog { } Medium milk { } }
+        Materials { Dielectric { medium milk } Clear c { medium \"fog\" priority 255 } Clear { } } Group { }";
+    let d = scene(text).unwrap();
+    assert_eq!((d.background, d.filling.as_ref()), (DVec3::ZERO, Some(&named("fog"))));
+    let found: Vec<_> = d.materials.iter().map(|m| (&m.kind, m.medium.clone())).collect();
+    assert!(matches!(found[0].0, MaterialKind::Dielectric { .. }));
+    assert_eq!(found[0].1, Some(named("milk")));
+    assert_eq!(found[1], (&MaterialKind::Clear { priority: 255 }, Some(named("fog"))));
+    assert_eq!(found[2], (&MaterialKind::Clear { priority: 0 }, None));
+    let again = scene("Background { medium fog } Background { } Group { }").unwrap();
+    assert_eq!(again.filling, None, "a block that comes again replaces the one before");
+}
+
+#[test]
+fn what_is_wrong_with_media_is_said_at_its_place() {
+    bad("‹Medium› { }", "this `Medium` has no name", "`Medium name {");
+    bad("Medium a { } Cloud ‹a› { }", "two media are called `a`", "another name");
+    bad("‹Mediun› a { }", "unexpected `Mediun` in `Media`", "did you mean `Medium`?");
+    bad("numMedia ‹2› Medium a { }", "`numMedia` is 2, but 1 medium follows", "`numMedia 1`");
+    bad("Medium a { ‹scatering› 1 1 1 }", "unexpected `scatering`", "did you mean `scattering`?");
+    for field in ["scattering", "absorption", "emission", "albedo 1 1 1 extinction"] {
+        let name = field.rsplit(' ').next().unwrap();
+        for value in ["-1 0 0", "0 0 1e13"] {
+            bad(&format!("Medium a {{ {field} ‹{value}› }}"), &format!("`{name}` of `Medium`"), "between 0 and 1e12");
+        }
+        bad(&format!("Medium a {{ {field} ‹nan› 1 1 }}"), "not a finite number", "finite");
+    }
+    bad("Medium a { extinction 1 1 1 albedo ‹1 1.5 1› }", "`albedo` of `Medium`", "between 0 and 1");
+    bad("‹Medium› a { extinction 1 1 1 }", "`Medium` has no `albedo`", "add `albedo`");
+    bad("Medium a { albedo ‹1 1 1› }", "`albedo` of `Medium`", "without `extinction`");
+    bad("Medium a { absorption 1 1 1 ‹extinction› 1 1 1 }", "both `absorption` and `extinction`", "keep one of");
+    bad("Medium a { albedo 1 1 1 ‹scattering› 1 1 1 }", "both `albedo` and `scattering`", "keep one of");
+    bad("Medium a { phase ‹mie› }", "`phase` of `Medium` cannot be `mie`", "`isotropic`, `rayleigh`");
+    for g in ["1", "-1", "2", ".99999999"] {
+        bad(&format!("Medium a {{ anisotropy ‹{g}› }}"), "`anisotropy` of `Medium`", "inside -1 … 1");
+    }
+    bad("Medium a { phase rayleigh anisotropy ‹.5› }", "`anisotropy` of `Medium`", "leave one of both out");
+    bad("‹Medium› a { phase henyey-greenstein }", "`Medium` has no `anisotropy`", "add `anisotropy`");
+}
+
+#[test]
+fn what_is_wrong_with_densities_is_said_at_its_place() {
+    let extent = "min 0 0 0 max 1 1 1";
+    for field in ["min ‹0 0 0›", "max ‹0 0 0›", "densityScale ‹2›"] {
+        bad(&format!("Medium a {{ {field} }}"), "of `Medium` cannot be", "has no effect without `grid`");
+    }
+    bad("‹Medium› a { grid b }", "`Medium` has no `min`", "add `min`");
+    bad("Medium a { grid b min 0 0 0 max ‹1 0 1› }", "`max` of `Medium`", "above `min` in each component");
+    bad("Medium a { grid b min 0 0 -1.7e308 max ‹1 1 1.7e308› }", "`max` of `Medium`", "above `min`");
+    bad(&format!("Medium a {{ grid b {extent} densityScale ‹0› }}"), "`densityScale` of `Medium`", "above 0");
+    bad(&format!("Medium a {{ ‹cover› 1 grid b {extent} }}"), "unexpected `cover` in `Medium`", "may hold");
+    bad(&format!("Cloud a {{ ‹grid› b {extent} }}"), "unexpected `grid` in `Cloud`", "may hold");
+    bad("‹Cloud› a { min 0 0 0 }", "`Cloud` has no `max`", "add `max`");
+    let cloud = |field: &str, help: &str| bad(&format!("Cloud a {{ {extent} {field} }}"), "of `Cloud` cannot be", help);
+    cloud("cover ‹1.5›", "between 0 and 1");
+    cloud("softness ‹-.1›", "between 0 and 1");
+    cloud("octaves ‹0›", "from 1 to 16");
+    cloud("octaves ‹17›", "from 1 to 16");
+    cloud("frequency ‹0›", "above 0");
+    cloud("resolution ‹1›", "from 2 to 512");
+    cloud("resolution ‹513›", "from 2 to 512");
+}
+
+#[test]
+fn what_is_wrong_with_names_of_media_is_said_at_its_place() {
+    refused("Materials { Mirror { } } ‹Media› { }", "behind the `Materials`", "ahead of the Materials");
+    let fill = |name: &str| {
+        format!("Media {{ Medium fog {{ }} Medium milk {{ }} }} Materials {{ Clear {{ medium {name} }} }}")
+    };
+    refused(&fill("‹fogg›"), "no medium is called `fogg`", "did you mean `fog`?");
+    refused(&fill("‹water›"), "no medium is called `water`", "known are fog, milk");
+    refused("Materials { Dielectric { medium ‹fog› } }", "no medium is called `fog`", "`Media { Medium name");
+    refused("Background { medium ‹frog› } Media { Medium fog { } } Group { }", "called `frog`", "did you mean `fog`?");
+    refused("Background { medium ‹fog› } Group { }", "no medium is called `fog`", "in the file");
+    let clear = |field: &str, help: &str| refused(&format!("Materials {{ Clear {{ {field} }} }}"), "of `Clear`", help);
+    clear("emission ‹1 1 1›", "give `emission` to its medium");
+    clear("emissionScale ‹2›", "give `emission` to its medium");
+    clear("bump ‹lumps› bumpHeight 1", "leave it out");
+    clear("normalMap ‹lumps›", "leave it out");
+    clear("priority ‹256›", "from 0 to 255");
+    refused("Materials { Clear { ‹roughness› 1 } }", "unexpected `roughness` in `Clear`", "may hold");
+    refused("Materials { Mirror { ‹medium› fog } }", "unexpected `medium` in `Mirror`", "may hold");
+    let mix = "Materials { Clear a { } Mirror b { } Mix { first b second ‹a› amount 1 } }";
+    refused(mix, "a mix cannot be `Clear`", "`Dielectric { indexOfRefraction 1 … }`");
+}

@@ -1,0 +1,452 @@
+mod media;
+mod refraction;
+mod surfaces;
+mod textures;
+
+use super::*;
+use crate::format::MAX_DEPTH;
+use crate::format::description::{
+    Aim, Item, Light, MaterialKind, MeshOptions, Object, PointStrength, Projection, Shape,
+};
+
+const CAMERA: &str = "PerspectiveCamera { center 0 0 10 direction 0 0 -1 up 0 1 0 angle 30 width 200 height 200 }";
+
+/// Line 1 of the text is `CAMERA`, so `body` starts at line 2.
+fn scene(body: &str) -> Result<Description, SceneError> {
+    parse("scene.txt", &format!("{CAMERA}\n{body}"))
+}
+
+fn check(result: Result<Description, SceneError>, place: (usize, usize), text: &str, message: &str, help: &str) {
+    let error = result.expect_err(message);
+    assert_eq!((error.line(), error.column(), error.text()), (place.0, place.1, text), "{error}");
+    assert!(error.message().contains(message), "`{message}` is not in `{}`", error.message());
+    assert!(error.remedy().contains(help), "`{help}` is not in `{}`", error.remedy());
+}
+
+/// `body` marks the offending text by `‹` and `›`.
+#[track_caller]
+fn refused(body: &str, message: &str, help: &str) {
+    let (before, rest) = body.split_once('‹').unwrap();
+    let (text, after) = rest.split_once('›').unwrap();
+    let line = 2 + before.matches('\n').count();
+    let column = before.rsplit('\n').next().unwrap_or_default().chars().count() + 1;
+    check(scene(&format!("{before}{text}{after}")), (line, column), text, message, help);
+}
+
+fn first(body: &str) -> Object {
+    let d = scene(body).unwrap();
+    let object = d.root.items.into_iter().find_map(|item| match item {
+        Item::Object(object) => Some(object.value),
+        _ => None,
+    });
+    object.unwrap()
+}
+
+#[test]
+fn numbers_stop_where_they_can_no_longer_go_on() {
+    let text = "PerspectiveCamera{center 0 0 10direction 0 0-1up 0 1 0angle 20width 200height 100}Group{}";
+    let camera = parse("a", text).unwrap().camera;
+    assert_eq!(camera.projection, Projection::Perspective { angle: 20.0, lens: None });
+    assert_eq!((camera.width, camera.height), (200, 100));
+    assert_eq!(camera.aim, Aim::Direction(DVec3::NEG_Z));
+}
+
+#[test]
+fn what_single_precision_cannot_hold_is_refused() {
+    let largest = "below 3.4e38";
+    for (before, value) in [
+        ("Materials { Phong { diffuseColor", "1 1e39 1"),
+        ("Materials { Phong { specularColor", "1 1 1e300"),
+        ("Materials { Phong { shininess", "1e39"),
+        ("Materials { Phong { emission", "1e39 0 0"),
+        ("Materials { Phong { bump a bumpHeight", "-1e39"),
+        ("Group { Sphere { center 0 0 0 radius", "1e39"),
+        ("Group { Sphere { center 0 0 0 radius 1 emission", "0 0 1e39"),
+        ("Lights { PointLight { position 0 0 0 power", "1e39 0 0"),
+        ("Lights { EnvironmentLight { file a scale", "1e39"),
+        ("Background { color", "1e39 0 0"),
+    ] {
+        let textures = if before.contains("bump") { "Textures { Checker a { } } " } else { "" };
+        let name = before.rsplit(' ').next().unwrap();
+        refused(&format!("{textures}{before} ‹{value}› }} }}"), &format!("`{name}` of"), largest);
+    }
+    refused("Materials { Dielectric { absorption ‹0 2e12 0› } }", "`absorption` of", "between 0 and 1e12");
+    // ln 2 / 1e-13 is 7e12.
+    refused(
+        "Materials { Dielectric { tint 1 .5 1 tintDistance ‹1e-13› } }",
+        "`tintDistance` of",
+        "an absorption above 1e12",
+    );
+    assert!(
+        scene("Materials { Dielectric { tint 1 .5 1 tintDistance 1e-12 } Phong { shininess 3e38 } } Group { }").is_ok()
+    );
+}
+
+#[test]
+fn what_is_left_out_takes_its_default() {
+    let text = "\u{feff}\r\n# c\r\nGroup{Sphere{radius 2 center 0 0 0}} // d\nMaterials{Phong{}Mirror m{}}
+        PerspectiveCamera{angle 9 lookAt 0 0 0 center 0 0 1}";
+    let d = parse("a", text).unwrap();
+    assert_eq!((d.camera.up, d.camera.width, d.camera.height), (DVec3::Y, 960, 720));
+    assert_eq!(d.background, DVec3::splat(0.5));
+    let (diffuse, specular) = (DVec3::ONE, DVec3::ZERO);
+    assert_eq!(
+        d.materials[0].kind,
+        MaterialKind::Phong { diffuse: diffuse.into(), specular: specular.into(), shininess: 0.0, texture: None }
+    );
+    assert_eq!(d.materials[1].kind, MaterialKind::Mirror { reflectance: DVec3::ONE.into() });
+    assert_eq!(d.materials[1].name.as_deref(), Some("m"));
+    assert_eq!(parse("a", &format!("{CAMERA} Background {{}} Group {{}}")).unwrap().background, DVec3::splat(0.5));
+}
+
+#[test]
+fn the_last_group_wins() {
+    let d = scene("Group { Sphere { center 0 0 0 radius 1 } } Group { }").unwrap();
+    assert!(d.root.items.is_empty());
+    let d = scene("Lights { PointLight { position 0 0 0 power 1 1 1 } } Lights { } Group { }").unwrap();
+    assert!(d.lights.is_empty());
+    scene("Materials { Mirror a { } } Materials { Mirror a { } } Group { MaterialName a }").unwrap();
+    // The first group's material is gone, but so is the first group.
+    scene("Materials { Mirror {} } Group { MaterialIndex 0 } Materials { } Group { }").unwrap();
+    refused(
+        "Materials { Mirror {} } Group { MaterialIndex 0 } ‹Materials› { }",
+        "replace those that the `Group` before them uses",
+        "one block before the Group",
+    );
+}
+
+#[test]
+fn names_may_be_quoted_or_bare() {
+    let mesh = |body: &str| match first(body) {
+        Object::Shape { shape: Shape::Mesh { path, .. }, .. } => path.value,
+        other => panic!("{other:?}"),
+    };
+    assert_eq!(mesh("Group { TriangleMesh { obj_file mesh/cube.obj } }"), "mesh/cube.obj");
+    assert_eq!(mesh("Group{TriangleMesh{obj_file mesh/cube.obj}}"), "mesh/cube.obj");
+    assert_eq!(mesh(r#"Group { TriangleMesh { obj_file "my \"mesh\" \\ {.obj" } }"#), r#"my "mesh" \ {.obj"#);
+    refused("Group { TriangleMesh { obj_file ‹}› }", "`obj_file` wants a name", "write a name after `obj_file`");
+    refused("Group { TriangleMesh { obj_file ‹\"\"› } }", "`obj_file` wants a name", "in quotes if it holds spaces");
+    refused("Group { TriangleMesh { obj_file ‹\"›a.obj\n\" } }", "does not end on its line", "close it");
+    refused(r#"Group { TriangleMesh { obj_file "C:‹\›a.obj" } }"#, "a backslash in quotes", "`/` between folders");
+}
+
+#[test]
+fn counts_must_match() {
+    scene("Lights { numLights 0 } Materials { numMaterials 0 } Group { numObjects 0 }").unwrap();
+    // Materials are not objects.
+    scene("Materials { Mirror { } } Group { MaterialIndex 0 numObjects 1 MaterialIndex 0 Group { } }").unwrap();
+    refused("Group { numObjects ‹2›\n Group { } }", "`numObjects` is 2, but 1 object follows", "write `numObjects 1`");
+    refused("Lights { numLights ‹4000000000› } Group { }", "is 4000000000, but 0 lights", "write `numLights 0`");
+    refused("Materials { numMaterials ‹1› Mirror { } Mirror { } }", "is 1, but 2 materials", "leave the count out");
+    refused("Group { numObjects 0 ‹numObjects› 0 }", "given twice in `Group`", "keep one");
+    refused("Group { numObjects ‹-1› }", "lies outside 0 … 4294967295", "whole number");
+    refused("Group { numObjects ‹1.5› Group { } }", "wants a whole number, found `1.5`", "`numObjects 1`");
+    refused("Group { numObjects ‹one› }", "wants a whole number, found `one`", "`numObjects 1`");
+}
+
+#[test]
+fn numbers_must_be_finite() {
+    let sphere = |radius: &str| format!("Group {{ Sphere {{ center 0 0 0 radius ‹{radius}› }} }}");
+    refused(&sphere("nan"), "`nan` is not a finite number", "give `radius` a finite value");
+    refused(&sphere("-Inf"), "`-Inf` is not a finite number", "finite");
+    refused(&sphere("1e999"), "`1e999` is too large", "1.7e308");
+    refused(&sphere("abc"), "`radius` wants a number, found `abc`", "`radius 1`");
+    refused("Group { Sphere { center 0 0 ‹radius› 1 } }", "`center` wants 3 numbers, found `radius`", "three numbers");
+    refused("Group { Sphere { center 1‹,2,3› radius 1 } }", "found `,2,3`", "not by commas");
+    refused("Group { Transform { Matrix4f { 1 0 ‹}› } }", "wants 16 numbers, found `}`", "write 16 numbers");
+}
+
+#[test]
+fn geometry_must_make_sense() {
+    for radius in ["0", "-1"] {
+        let body = format!("Group {{ Sphere {{ center 0 0 0 radius ‹{radius}› }} }}");
+        refused(&body, &format!("`radius` of `Sphere` cannot be `{radius}`"), "must be above 0");
+    }
+    refused("Group { Disc { center 0 0 0 normal 0 0 1 radius ‹0› } }", "`radius` of `Disc`", "above 0");
+    refused("Group { Plane { normal ‹0 0 0› offset 1 } }", "`normal` of `Plane` cannot be `0 0 0`", "length above 0");
+    refused("Group { Plane { normal ‹1e200 0 0› offset 1 } }", "cannot be `1e200 0 0`", "below 1e154");
+    refused(
+        "Group { Rectangle { corner 0 0 0 edge0 1 2 3 edge1 ‹.1 .2 .3› } }",
+        "`edge1` of `Rectangle`",
+        "the area would be 0",
+    );
+    refused("Group { Rectangle { corner 0 0 0 edge0 ‹0 0 0› edge1 1 0 0 } }", "`edge0`", "length above 0");
+    // Meshes hold triangles without area, so they are no error.
+    scene("Group { Triangle { vertex0 0 0 0 vertex1 0 0 0 vertex2 0 0 0 } }").unwrap();
+    let three = "vertex0 0 0 0 vertex1 1 0 0 vertex2 0 1 0";
+    refused(&format!("Group {{ ‹Triangle› {{ {three} normal1 0 0 1 }} }}"), "has no `normal0`", "add `normal0`");
+    refused("Group { BsplineCurve { ‹controls› [0 0 0] } }", "`controls` of `BsplineCurve`", "at least 4 points");
+    refused("Group { RevSurface { profile BezierCurve { ‹controls› } } }", "`controls`", "at least 2 points");
+    refused("Group { RevSurface { profile ‹Sphere› } }", "`profile` wants a curve", "`profile BezierCurve { … }`");
+}
+
+#[test]
+fn colours_must_be_possible() {
+    refused("Background { color ‹0 -1 0› }", "cannot be `0 -1 0`", "negative");
+    refused("Lights { PointLight { position 0 0 0 power ‹-1 0 0› } }", "`power` of `PointLight`", "not be negative");
+    refused("Group { Sphere { center 0 0 0 radius 1 emission ‹-1 0 0› } }", "`emission`", "not be negative");
+    refused("Materials { Phong { diffuseColor ‹-1 0 0› } }", "`diffuseColor` of `Phong`", "not be negative");
+    refused("Materials { Phong { shininess ‹-1› } }", "`shininess` of `Phong` cannot be `-1`", "not be negative");
+    refused("Materials { Diffuse { reflectance ‹1 1.1 1› } }", "cannot be `1 1.1 1`", "between 0 and 1");
+    refused("Materials { Dielectric { tint ‹1 0 1› } }", "`tint` of `Dielectric`", "above 0 and at most at 1");
+    refused("Materials { Dielectric { absorption ‹-1 0 1› } }", "`absorption`", "between 0 and 1e12");
+    refused("Materials { Dielectric { tint 1 1 1 tintDistance ‹0› } }", "`tintDistance`", "above 0");
+    refused("Materials { Dielectric { tintDistance ‹1› } }", "`tintDistance`", "no effect without `tint`");
+}
+
+#[test]
+fn cameras_must_see() {
+    let camera = |fields: &str| {
+        let (before, rest) = fields.split_once('‹').unwrap();
+        let (text, after) = rest.split_once('›').unwrap();
+        let source = format!("PerspectiveCamera {{\n{before}{text}{after}\n}} Group {{ }}");
+        (parse("scene.txt", &source), (2, before.chars().count() + 1), text.to_owned())
+    };
+    for (fields, message, help) in [
+        ("center 0 0 0 direction 0 0 1 angle ‹180›", "`angle` of `PerspectiveCamera` cannot be `180`", "0 and 180"),
+        ("center 0 0 0 direction 0 0 1 angle ‹0›", "cannot be `0`", "0 and 180"),
+        ("center 0 0 0 direction 0 0 1 angle 9 width ‹0›", "cannot be `0`", "from 1 to 65536"),
+        ("center 0 0 0 direction 0 0 1 angle 9 height ‹65537›", "cannot be `65537`", "from 1 to 65536"),
+        ("center 0 0 0 direction 0 0 1 angle 9 height ‹99999999999›", "`height` lies outside", "whole number"),
+        ("center 0 0 0 direction ‹0 0 0› angle 9", "`direction` of", "length above 0"),
+        ("center 0 0 0 direction 0 0 1 up ‹0 0 0› angle 9", "`up` of", "length above 0"),
+        ("center 0 0 0 direction 0 0 1 up ‹0 0 -3› angle 9", "parallel", "points elsewhere"),
+        ("center 0 0 0 direction ‹0 1 0› angle 9", "parallel", "points elsewhere"),
+        ("center 1 2 3 lookAt ‹1 2 3› angle 9", "`lookAt` of", "at some distance from `center`"),
+        ("center 1 2 3 lookAt 0 0 0 ‹direction› 0 0 1 angle 9", "has both `lookAt` and `direction`", "keep one of"),
+        ("center 1 2 3 ‹center› 1 2 3", "`center` is given twice", "keep one"),
+    ] {
+        let (result, place, text) = camera(fields);
+        check(result, place, &text, message, help);
+    }
+    let result = parse("scene.txt", "Group { }\n PerspectiveCamera { center 0 0 0 angle 9 }");
+    check(result, (2, 2), "PerspectiveCamera", "has no `direction` or `lookAt`", "add `direction` or `lookAt`");
+    let result = parse("scene.txt", "PerspectiveCamera { center 0 0 0 direction 0 0 1 }");
+    check(result, (1, 1), "PerspectiveCamera", "has no `angle`", "add `angle` to it");
+}
+
+#[test]
+fn lights_must_shine() {
+    let body = "Lights { SpotLight { position 0 0 0 lookAt 0 0 1 angle 60 penumbra 9 intensity 1 2 3 } } Group { }";
+    let d = scene(body).unwrap();
+    assert_eq!(
+        d.lights[0].value,
+        Light::Spot {
+            position: DVec3::ZERO,
+            aim: Aim::LookAt(DVec3::Z),
+            angle: 60.0,
+            penumbra: 9.0,
+            strength: PointStrength::Intensity(DVec3::new(1.0, 2.0, 3.0)),
+        }
+    );
+    let spot = |fields: &str| format!("Lights {{ SpotLight {{ position 0 0 0 {fields} }} }}");
+    refused(&spot("direction 0 0 1 angle ‹0› power 1 1 1"), "cannot be `0`", "above 0 and at most at 360 degrees");
+    refused(&spot("direction 0 0 1 angle 60 penumbra ‹31› power 1 1 1"), "cannot be `31`", "half of the cone's angle");
+    refused(&spot("lookAt ‹0 0 0› angle 60 power 1 1 1"), "`lookAt`", "some distance from `position`");
+    refused(
+        "Lights { ‹PointLight› { position 0 0 0 } }",
+        "has no `color` or `intensity` or `power`",
+        "add `color` or `intensity` or `power`",
+    );
+    refused(
+        "Lights { PointLight { position 0 0 0 color 1 1 1 ‹power› 1 1 1 } }",
+        "both `color` and `power`",
+        "keep one",
+    );
+    refused("Lights { ‹DirectionalLight› { direction 0 0 1 } }", "has no `color` or `irradiance`", "add");
+    refused("Lights { ‹SphereLight› { center 0 0 1 radius 1 } }", "has no `radiance` or `power`", "add");
+    refused("Lights { SphereLight { center 0 0 1 radius ‹0› power 1 1 1 } }", "`radius`", "above 0");
+    refused("Materials { Dielectric { tint 1 1 1 ‹absorption› 1 1 1 } }", "both `tint` and `absorption`", "keep one");
+}
+
+#[test]
+fn transforms_must_not_flatten() {
+    let transform = |maps: &str| format!("Group {{ Transform {{ {maps} Sphere {{ center 0 0 0 radius 1 }} }} }}");
+    refused(&transform("Scale ‹1 0 1›"), "`Scale` flattens its object", "scales must not be 0");
+    refused(&transform("UniformScale ‹0›"), "`UniformScale` flattens", "scales must not be 0");
+    refused(&transform("Matrix { ‹1 0 0 0 0 1 0 0 1 1 0 0 0 0 0 1› }"), "`Matrix` flattens", "columns of a matrix");
+    refused(&transform("Matrix4f { ‹1 0 0 1 0 1 0 0 0 0 1 0 0 0 0 1› }"), "fourth row of `Matrix4f`", "the last is 1");
+    refused(&transform("Rotate { ‹0 0 0 90› }"), "the axis of `Rotate`", "axis and degrees");
+    refused(&transform("Rotate { 0 0 1 90 ‹5› }"), "expected `}` in `Rotate`, found `5`", "put `}` before it");
+    let thin = "Scale 1e-15 1 1";
+    refused(
+        &format!("Group {{ ‹Transform› {{ {thin} ZRotate 45 {thin} Group {{ }} }} }}"),
+        "this `Transform` flattens",
+        "scales must not be 0",
+    );
+    refused("Group { ‹Transform› { Scale 1 1 1 } }", "holds no object", "put one after its maps");
+    refused(
+        "Group { Transform { Group { } ‹Group› { } } }",
+        "unexpected `Group` after the object",
+        "several objects into a Group",
+    );
+    refused(
+        "Group { Transform { Group { } ‹Scale› 1 1 1 } }",
+        "unexpected `Scale` after the object",
+        "maps stand before",
+    );
+}
+
+#[test]
+fn unknown_words_bring_a_suggestion() {
+    refused("Group { ‹Spere› { } }", "unexpected `Spere` in `Group`", "did you mean `Sphere`?");
+    refused("Group { Sphere { ‹radios› 1 } }", "unexpected `radios` in `Sphere`", "did you mean `radius`?");
+    refused("‹Light› { }", "unexpected `Light` in the file", "did you mean `Lights`?");
+    refused("Lights { ‹pointLight› { } }", "unexpected `pointLight`", "did you mean `PointLight`?");
+    refused("Materials { ‹Glass› { } }", "unexpected `Glass`", "write `Dielectric`");
+    refused("Group { Sphere { center 0 0 0\n‹Plane› {", "unexpected `Plane`", "is a `}` missing before it?");
+    refused("Group { } ‹}›", "unexpected `}` in the file", "closes nothing");
+    refused("Group ‹Sphere›", "expected `{` in `Group`, found `Sphere`", "put `{` before it");
+    let long = "x".repeat(1000);
+    let error = scene(&format!("Group {{ {long}\u{1b}[31m }}")).unwrap_err();
+    assert!(error.message().len() < 100 && !error.message().contains('\u{1b}'));
+}
+
+#[test]
+fn materials_must_be_there() {
+    let two = "Materials { Diffuse red { reflectance 1 0 0 } Mirror \"blue sky\" { } }";
+    scene(&format!("{two} Group {{ MaterialName red MaterialName \"blue sky\" MaterialIndex 1 }}")).unwrap();
+    refused(&format!("{two} Group {{ MaterialIndex ‹2› }}"), "there is no material 2", "numbered from 0 to 1");
+    refused(&format!("{two} Group {{ MaterialName ‹rde› }}"), "no material is called `rde`", "did you mean `red`?");
+    refused(&format!("{two} Group {{ MaterialName ‹green› }}"), "no material is called", "ahead of the Group");
+    refused("Materials { Mirror { } } Group { MaterialIndex ‹1› }", "no material 1", "the one material is number 0");
+    refused("Group { MaterialIndex ‹0› } Materials { Mirror { } }", "no material 0", "put `Materials { … }` ahead");
+    refused("Materials { Mirror a { } Mirror ‹a› { } }", "two materials are called `a`", "another name");
+    refused("Materials { Mirror ‹1a› { } }", "`1a` is not a plain name", "put it in quotes");
+    refused("Materials { Mirror ‹\"\"› { } }", "name is empty", "leave the quotes out");
+}
+
+#[test]
+fn an_open_block_is_shown_where_it_opens() {
+    for body in [
+        "‹Group› {",
+        "Group { ‹Sphere›",
+        "Group { ‹Sphere› { center 0 0",
+        "Group { ‹Sphere› { center 0 0 0 radius",
+        "Group { ‹TriangleMesh› { obj_file",
+        "Group { Transform { ‹Matrix› { 1 2",
+        "Group { RevSurface { profile ‹BezierCurve› { controls [ 1 2 3",
+        "Materials { ‹Mirror›",
+    ] {
+        refused(body, "the file ends inside", "close it with `}`");
+    }
+    check(parse("a", ""), (1, 1), "", "the file has no camera", "add `PerspectiveCamera {");
+    check(scene(""), (1, 1), "", "the file has no Group", "add `Group { … }`");
+}
+
+#[test]
+fn nesting_has_an_end() {
+    let nested = |n: usize, open: &str| format!("{}{}", open.repeat(n), "}".repeat(n));
+    let deepest = scene(&nested(MAX_DEPTH, "Group { numObjects 1 ").replace("1 }", "0 }")).unwrap();
+    assert_eq!(parse("again", &deepest.to_string()).unwrap(), deepest);
+    for n in [MAX_DEPTH + 1, 10_000, 1_000_000] {
+        for open in ["Group { numObjects 1\n", "Group {\n", "Group { Transform {\n"] {
+            let error = scene(&nested(n, open)).unwrap_err();
+            assert!(error.message().contains("nest more than 512 deep"), "{error}");
+            assert!(error.remedy().contains("side by side"));
+        }
+        let error = scene(&"Group { numObjects 1\n".repeat(n)).unwrap_err();
+        assert_eq!((error.line(), error.column(), error.text()), (2 + MAX_DEPTH, 1, "Group"));
+    }
+}
+
+#[test]
+fn neighbours_are_not_nesting() {
+    let body = "Group { } Transform { Group { } }".repeat(2 * MAX_DEPTH);
+    assert_eq!(scene(&format!("Group {{ {body} }}")).unwrap().root.items.len(), 4 * MAX_DEPTH);
+}
+
+#[test]
+fn the_deepest_nesting_fits_a_small_stack() {
+    let run = || {
+        let open = "Group { Transform { Scale 1 1 1 ".repeat(MAX_DEPTH / 2);
+        let d = scene(&format!("{open} Sphere {{ center 0 0 0 radius 1 }} {}", "}}".repeat(MAX_DEPTH / 2))).unwrap();
+        let copy = d.clone();
+        assert!(copy == d && parse("again", &copy.to_string()).unwrap() == d && !format!("{d:?}").is_empty());
+    };
+    // Half of what Rust gives a thread.
+    std::thread::Builder::new().stack_size(1 << 20).spawn(run).unwrap().join().unwrap();
+}
+
+#[test]
+fn bytes_must_be_text() {
+    assert!(parse_bytes("a", format!("{CAMERA} Group {{}}").as_bytes()).is_ok());
+    let error = parse_bytes("a", b"# ok\n  \xff Group").unwrap_err();
+    assert_eq!((error.line(), error.column()), (2, 3));
+    assert!(error.message().contains("byte 0xff at offset 7") && error.remedy().contains("save the file as UTF-8"));
+    assert!(parse_bytes("a", b"\xff\xfeP\0").unwrap_err().remedy().contains("UTF-16"));
+}
+
+#[test]
+fn meshes_tell_how_their_file_is_used() {
+    let options = |fields: &str| match first(&format!("Group {{ TriangleMesh {{ {fields} }} }}")) {
+        Object::Shape { shape: Shape::Mesh { path, options }, .. } => {
+            assert_eq!(path.value, "a.obj");
+            options
+        }
+        other => panic!("{other:?}"),
+    };
+    let default = MeshOptions { own_materials: false, no_normals: false, smooth_angle: None };
+    assert_eq!((options("obj_file a.obj"), MeshOptions::default()), (default, default));
+    assert_eq!(options("file a.obj materials scene normals file"), default);
+    let all = MeshOptions { own_materials: true, no_normals: true, smooth_angle: Some(40.0) };
+    assert_eq!(options("smoothAngle 40 normals none materials file file a.obj"), all);
+    refused("Group { TriangleMesh { obj_file a ‹file› b } }", "both `obj_file` and `file`", "keep one of");
+    refused("Group { ‹TriangleMesh› { } }", "no `obj_file` or `file`", "add");
+    refused("Group { TriangleMesh { file a materials ‹mine› } }", "cannot be `mine`", "`scene` or `file`");
+    refused("Group { TriangleMesh { file a normals ‹smooth› } }", "cannot be `smooth`", "`file` or `none`");
+    refused("Group { TriangleMesh { file a smoothAngle ‹181› } }", "cannot be `181`", "between 0 and 180");
+    refused("Group { TriangleMesh { file a smoothAngle ‹-1› } }", "cannot be `-1`", "between 0 and 180");
+}
+
+/// Positions and texts of all errors of a scene whose first line is `CAMERA`.
+fn all_errors(body: &str) -> Vec<(usize, String)> {
+    let error = scene(body).unwrap_err();
+    std::iter::once(&error).chain(error.others()).map(|e| (e.line(), e.text().to_owned())).collect()
+}
+
+#[test]
+fn all_errors_of_a_file_are_reported() {
+    let body = "Lights { PointLight { position 0 0 0 }
+        SpherLight { center 0 0 0 }
+        SphereLight { radius -1 center 0 0 power 1 1 1 } }
+        Materials { Diffuse red { reflectance 2 0 0 } Mirror m { } }
+        Group { MaterialName red Sphere { radius x center 0 0 0 }
+        Group { Transform { Scale 0 1 1 Sphere { center 0 0 0 radius 1 } } Disc { } }
+        MaterialName blue }
+        Camera { }";
+    let expected = [
+        (2, "PointLight"),
+        (3, "SpherLight"),
+        (4, "-1"),
+        (4, "power"),
+        (5, "2 0 0"),
+        (6, "x"),
+        (7, "0 1 1"),
+        (7, "Disc"),
+        (8, "blue"),
+        (9, "Camera"),
+    ];
+    assert_eq!(all_errors(body), expected.map(|(line, text)| (line, text.to_owned())));
+}
+
+#[test]
+fn one_missing_brace_is_one_error() {
+    let errors = all_errors("Group {\n Sphere { center 0 0 0 radius 1\n Disc { }\n Sphere { center 0 0 0 radius 1 } }");
+    assert_eq!(errors, [(4, "Disc".to_owned()), (4, "Disc".to_owned())]);
+    assert_eq!(all_errors("Group { Sphere { center 0 0 0 radius 1 ").len(), 1);
+    assert_eq!(all_errors("Group { Sphere { center 0 0 radius 1").len(), 1);
+}
+
+#[test]
+fn at_most_twenty_errors_are_reported() {
+    assert_eq!(all_errors(&format!("Group {{ {} }}", "Spere { } ".repeat(50))).len(), 20);
+}
+
+#[test]
+fn words_of_other_renderers_are_translated() {
+    refused("Lights { ‹SunLight› { } }", "unexpected `SunLight`", "write `DirectionalLight`");
+    refused("Lights { ‹DistantLight› { } }", "unexpected `DistantLight`", "write `DirectionalLight`");
+    refused("Materials { Dielectric { ‹ior› 1.5 } }", "unexpected `ior`", "write `indexOfRefraction`");
+    refused("Materials { Diffuse { ‹albedo› 1 1 1 } }", "unexpected `albedo`", "write `reflectance`");
+}

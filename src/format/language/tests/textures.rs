@@ -1,0 +1,102 @@
+//! Textures and what follows them.
+
+use super::*;
+use crate::format::description::{
+    Coordinates, Emission, Encoding, Pattern, Relief, Span, Spanned, TextureKind, Value, Wrap,
+};
+use glam::DVec2;
+
+fn named(name: &str) -> Spanned<String> {
+    Spanned::new(name.to_owned(), Span::default())
+}
+
+const TILES: &str = "Textures { Checker tiles { } }";
+
+#[test]
+fn textures_say_what_they_show() {
+    let text = "Textures { numTextures 3
+        Image \"a b\" { file dir/a.png encoding linear wrap mirror scale 2 -3 rotate 90 offset .5 1 }
+        Checker c { color0 1 2 3 }
+        Marble m { color1 .5 .5 .5 octaves 16 frequency 2.5 amplitude 0 Transform { Scale 2 2 2 YRotate 30 } } }
+        Group { }";
+    let d = scene(text).unwrap();
+    let [a, c, m] = &d.textures[..] else { panic!("{:?}", d.textures) };
+    let coordinates = Coordinates { scale: DVec2::new(2.0, -3.0), rotate: 90.0, offset: DVec2::new(0.5, 1.0) };
+    let path = named("dir/a.png");
+    let kind = TextureKind::Image { path, encoding: Encoding::Linear, wrap: Wrap::Mirror, coordinates };
+    assert_eq!((a.name.as_str(), &a.kind), ("a b", &kind));
+    let colors = [DVec3::new(1.0, 2.0, 3.0), DVec3::ONE];
+    assert_eq!(c.kind, TextureKind::Checker { colors, coordinates: Coordinates::default() });
+    match &m.kind {
+        TextureKind::Solid { pattern, colors, octaves, frequency, amplitude, maps } => {
+            assert_eq!((*pattern, *octaves, *frequency, *amplitude), (Pattern::Marble, 16, 2.5, 0.0));
+            assert_eq!((colors[0], maps.len()), (DVec3::ZERO, 2));
+        }
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn names_stand_for_numbers() {
+    let text = format!(
+        "{TILES} Materials {{
+            Diffuse {{ reflectance tiles emission \"tiles\" emissionScale 3 bump lumps.png bumpHeight -.5 }}
+            Phong {{ texture wood.png normalMap tiles }}
+            Conductor {{ metal gold roughness tiles }}
+            Diffuse {{ reflectance 1 1 1 emission 1 2 3 }} }} Group {{ }}"
+    );
+    let d = scene(&text).unwrap();
+    let [a, b, c, e] = &d.materials[..] else { panic!("{:?}", d.materials) };
+    assert_eq!(a.kind, MaterialKind::Diffuse { reflectance: Value::Texture(named("tiles")) });
+    assert_eq!(a.emission, Some(Emission::Texture { name: named("tiles"), scale: 3.0 }));
+    assert_eq!(a.relief, Some(Relief::Bump { texture: named("lumps.png"), height: -0.5 }));
+    assert_eq!(b.relief, Some(Relief::NormalMap(named("tiles"))));
+    match (&b.kind, &c.kind) {
+        (MaterialKind::Phong { texture, .. }, MaterialKind::Conductor { roughness, .. }) => {
+            assert_eq!((texture, roughness), (&Some(named("wood.png")), &Value::Texture(named("tiles"))));
+        }
+        other => panic!("{other:?}"),
+    }
+    assert_eq!(e.emission, Some(Emission::Radiance(DVec3::new(1.0, 2.0, 3.0))));
+    let uv = "uv0 0 1 uv1 1 1 uv2 .5 0";
+    let triangle = format!("Group {{ Triangle {{ vertex0 0 0 0 vertex1 1 0 0 vertex2 0 1 0 {uv} }} }}");
+    match &scene(&triangle).unwrap().root.items[0] {
+        Item::Object(object) => match &object.value {
+            Object::Shape { shape: Shape::Triangle { uv: Some(uv), .. }, .. } => {
+                assert_eq!(**uv, [DVec2::Y, DVec2::ONE, DVec2::new(0.5, 0.0)]);
+            }
+            other => panic!("{other:?}"),
+        },
+        other => panic!("{other:?}"),
+    }
+}
+
+#[test]
+fn what_is_wrong_with_textures_is_said_at_its_place() {
+    refused("Textures { ‹Checker› { } }", "this `Checker` has no name", "`Checker name { … }`");
+    refused("Textures { Checker a { } Noise ‹a› { } }", "two textures are called `a`", "another name");
+    refused("Textures { ‹Cheker› a { } }", "unexpected `Cheker` in `Textures`", "did you mean `Checker`?");
+    refused("Textures { Checker a { color0 ‹-1 0 0› } }", "`color0` of `Checker`", "not be negative");
+    refused("Textures { Checker a { scale ‹1 0› } }", "`scale` of `Checker`", "must not be 0");
+    refused("Textures { ‹Image› a { } }", "`Image` has no `file`", "add `file`");
+    refused("Textures { Image a { file b.png wrap ‹tile› } }", "`wrap` of `Image` cannot be `tile`", "`mirror`");
+    refused("Textures { Image a { file b.png encoding ‹gamma› } }", "`encoding`", "`srgb` or `linear`");
+    refused("Textures { Noise a { octaves ‹0› } }", "`octaves` of `Noise`", "from 1 to 16");
+    refused("Textures { Wood a { frequency ‹0› } }", "`frequency` of `Wood`", "above 0");
+    refused("Textures { Wood a { amplitude ‹-1› } }", "`amplitude` of `Wood`", "not be negative");
+    refused("Textures { Wood a { Transform { ‹Sphere› { } } } }", "unexpected `Sphere`", "may hold Scale");
+    refused("Materials { Mirror { } } ‹Textures› { }", "behind the `Materials`", "ahead of the Materials");
+    let refuse = |body: &str, message: &str, help: &str| refused(&format!("{TILES} {body}"), message, help);
+    refuse("Materials { Diffuse { reflectance ‹tile› } }", "no texture is called `tile`", "did you mean `tiles`?");
+    refuse("Materials { Diffuse { reflectance ‹wood› } }", "no texture is called `wood`", "`Textures {");
+    refuse("Materials { Diffuse { reflectance ‹nan› 1 1 } }", "not a finite number", "finite");
+    refuse("Materials { Mirror { emissionScale ‹2› } }", "`emissionScale` of `Mirror`", "without a texture");
+    refuse("Materials { Mirror { emission tiles emissionScale ‹-2› } }", "`emissionScale`", "not be negative");
+    refuse("Materials { Mirror { bumpHeight ‹2› } }", "`bumpHeight` of `Mirror`", "without `bump`");
+    refuse("Materials { ‹Mirror› { bump tiles } }", "`Mirror` has no `bumpHeight`", "add `bumpHeight`");
+    refuse("Materials { Mirror { bump a ‹normalMap› b bumpHeight 1 } }", "both `bump` and `normalMap`", "keep one");
+    let mix = "Mirror a { } Mix { first a second a amount tiles ‹bump› tiles }";
+    refuse(&format!("Materials {{ {mix} }}"), "unexpected `bump` in `Mix`", "may hold");
+    let corners = "vertex0 0 0 0 vertex1 1 0 0 vertex2 0 1 0";
+    refuse(&format!("Group {{ ‹Triangle› {{ {corners} uv1 0 0 }} }}"), "has no `uv0`", "add `uv0`");
+}

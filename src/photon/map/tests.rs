@@ -1,0 +1,82 @@
+//! Photon map queries.
+
+use super::*;
+use crate::color::Rgb;
+use crate::sampling::{Dimension, Key, Purpose};
+
+fn photon(position: Vec3, power: f32) -> Photon {
+    Photon::new(position, Rgb::splat(power), Vec3::Z, Vec3::Z).unwrap()
+}
+
+fn random(n: u64, place: impl Fn(Vec3) -> Vec3) -> Vec<Photon> {
+    let draw = |i| {
+        let key = Key::new(2).purpose(Purpose::Test).with(i);
+        place(key.uniform_2d(Dimension::LightPosition).extend(key.uniform(Dimension::Light)))
+    };
+    (0..n).map(|i| photon(draw(i), 1.0)).collect()
+}
+
+fn count(map: &PhotonMap, p: Vec3, r: f32) -> usize {
+    let mut n = 0;
+    map.visit(p, r, |_, _| n += 1);
+    n
+}
+
+#[test]
+fn rotation_matrix_is_orthonormal() {
+    let identity = ROTATION.transpose() * ROTATION;
+    assert!(identity.abs_diff_eq(Mat3::IDENTITY, 3e-7), "{identity}");
+    assert!((ROTATION.determinant() - 1.0).abs() < 3e-7);
+}
+
+#[test]
+fn maps_of_zero_and_one_photon() {
+    let empty = PhotonMap::build(Vec::new());
+    assert!(empty.is_empty() && count(&empty, Vec3::ZERO, 1e9) == 0);
+    let one = PhotonMap::build(vec![photon(Vec3::ONE, 1.0)]);
+    assert_eq!((one.len(), count(&one, Vec3::ONE, 0.1), count(&one, Vec3::ZERO, 0.1)), (1, 1, 0));
+}
+
+/// Against a plain scan: photons are found exactly, give or take those within rounding of the rim.
+#[test]
+fn queries_match_a_linear_scan() {
+    let layouts: [fn(Vec3) -> Vec3; 4] =
+        [|u| u, |u| Vec3::new(u.x, 0.25, u.y), |u| Vec3::new(u.x, 0.5, 0.5), |u| (u * 4.0).floor() * 0.25];
+    for layout in layouts {
+        let photons = random(20_000, layout);
+        let map = PhotonMap::build(photons.clone());
+        let expected = photons.len();
+        let kept = map.len();
+        assert!(kept == expected || expected - kept > 1000, "only crowds are merged");
+        for (i, r) in [(3usize, 0.05f32), (777, 0.2), (9999, 0.011)] {
+            let p = photons[i].position;
+            let mut power = 0.0;
+            map.visit(p, r, |data, _| power += data.flux().x);
+            let scan = |r: f32| photons.iter().filter(|q| (q.position - p).length() <= r).count() as f32;
+            assert!(power >= scan(r - 1e-5) * 0.9999 && power <= scan(r + 1e-5) * 1.0001, "{power} {}", scan(r));
+        }
+    }
+}
+
+#[test]
+fn a_million_photons_on_one_wall() {
+    let map = PhotonMap::build(random(1_000_000, |u| Vec3::new(u.x, 0.0, u.y)));
+    assert_eq!(map.len(), 1_000_000);
+    let n = count(&map, Vec3::new(0.5, 0.0, 0.5), 0.1);
+    let expected = 1e6 * std::f64::consts::PI * 0.01;
+    assert!((n as f64 - expected).abs() < 5.0 * expected.sqrt(), "{n}");
+}
+
+#[test]
+fn coincident_photons_merge_to_their_total_flux() {
+    let mut photons = vec![photon(Vec3::splat(0.3), 2.0); 100_000];
+    photons.extend(random(1000, |u| u));
+    let map = PhotonMap::build(photons);
+    assert_eq!(map.len(), 1001);
+    let mut power = 0.0;
+    map.visit(Vec3::splat(0.3), 1e-4, |data, d2| {
+        assert_eq!(d2, 0.0);
+        power += data.flux().x;
+    });
+    assert!((power / 200_000.0 - 1.0).abs() < 1e-5);
+}
