@@ -336,7 +336,7 @@ impl<'a> PhotonMapBuilder<'a> {
             monitor.begin(Stage::Indexing, count);
             let estimator = self.estimator(photons, radii, k, budget);
             monitor.advance(count);
-            out.seconds.trees += start.elapsed().as_secs_f64();
+            out.seconds.indexing += start.elapsed().as_secs_f64();
             estimator
         };
         let caustic_radii = (radii.caustic, self.volume_radii[0]);

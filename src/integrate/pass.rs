@@ -41,9 +41,9 @@ pub struct Seconds {
     /// Time of tracing photons.
     pub photons: f64,
     /// Time of indexing photons.
-    pub trees: f64,
+    pub indexing: f64,
     /// Time of tracing camera paths.
-    pub eye: f64,
+    pub camera: f64,
 }
 
 /// Photons of one map.
@@ -91,8 +91,8 @@ pub struct Pass {
 impl AddAssign for Seconds {
     fn add_assign(&mut self, o: Self) {
         self.photons += o.photons;
-        self.trees += o.trees;
-        self.eye += o.eye;
+        self.indexing += o.indexing;
+        self.camera += o.camera;
     }
 }
 

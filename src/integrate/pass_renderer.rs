@@ -115,6 +115,6 @@ impl<'a> PassRenderer<'a> {
             let fresh = film::render_tiles(&sampling, key.fresh_paths(paths.pass), &Silent, trace);
             out.fresh = fresh.pixels.iter().map(|i| (*i, fresh.image[*i as usize])).collect();
         }
-        out.seconds.eye += start.elapsed().as_secs_f64();
+        out.seconds.camera += start.elapsed().as_secs_f64();
     }
 }

@@ -35,7 +35,7 @@ impl Integrator for RayCast<'_> {
         let key = Key::new(self.seed).purpose(Purpose::Camera).pass(pass);
         let Rendered { image, counters, .. } =
             film::render_tiles(&sampling, key, monitor, |ray, _, _, (): &mut ()| self.radiance(ray));
-        let seconds = Seconds { eye: start.elapsed().as_secs_f64(), ..Seconds::default() };
+        let seconds = Seconds { camera: start.elapsed().as_secs_f64(), ..Seconds::default() };
         Pass { image, counters, seconds, ..Pass::default() }
     }
 
