@@ -107,7 +107,7 @@ fn effect_page_embeds_all_images() {
     }
     let on = rows.iter().filter(|r| r["on"] == true && r["gain"]["rmse"].as_f64() > Some(0.0)).count();
     assert!(page.matches("src=\"data:image/png;base64,iVBORw0KGgo").count() > on, "the whole, and one an effect");
-    assert!(page.contains("Light taken away by shadows: exposure "));
+    assert!(page.contains("Light removed by shadows: exposure "));
 }
 
 #[test]
