@@ -147,3 +147,36 @@ impl PathPolicy {
         MapRequest { aimed, global, guides: self.directions == DirectionSampling::Guided && interreflection }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::integrate::settings::FinalGathering;
+    use crate::integrate::{hybrid, path, pm, sppm};
+
+    #[test]
+    fn policies_request_the_maps_they_read() {
+        let settings = Settings { final_gathering: FinalGathering::Importance, ..Settings::default() };
+        let maps = |make: PolicyFn, effects| make(effects, &settings).photon_maps();
+        let none = MapRequest { aimed: StoreMask::NONE, global: StoreMask::NONE, guides: false };
+        assert_eq!(maps(path::policy, Effects::ALL), none);
+        let aimed = StoreMask { after_caustic: true, apart: true, ..StoreMask::CAUSTIC };
+        assert_eq!(maps(hybrid::policy, Effects::ALL), MapRequest { aimed, ..none });
+        let sppm = MapRequest { aimed: StoreMask::CAUSTIC, global: StoreMask::GLOBAL, guides: false };
+        assert_eq!(maps(sppm::policy, Effects::ALL), sppm);
+        let gathering = StoreMask { direct: true, ..StoreMask::GLOBAL };
+        assert_eq!(maps(pm::policy, Effects::ALL), MapRequest { global: gathering, guides: true, ..sppm });
+        assert_eq!(maps(pm::policy, Effects::ALL.without(Effect::Gathering)), sppm);
+    }
+
+    #[test]
+    fn effects_that_are_off_need_no_map() {
+        let settings = Settings::default();
+        let direct =
+            Effects::ALL.without(Effect::Caustics).without(Effect::CausticBounces).without(Effect::Interreflection);
+        for make in [hybrid::policy as PolicyFn, sppm::policy, pm::policy] {
+            let MapRequest { aimed, global, guides } = make(direct, &settings).photon_maps();
+            assert_eq!((aimed, global, guides), (StoreMask::NONE, StoreMask::NONE, false));
+        }
+    }
+}

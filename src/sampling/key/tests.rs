@@ -1,4 +1,5 @@
 use super::*;
+use crate::sampling::Sampler;
 
 #[test]
 fn numbers_depend_on_every_part_of_the_key() {
@@ -39,4 +40,18 @@ fn consecutive_keys_are_uniform() {
     let nu = (CELLS * CELLS - 1) as f64;
     let z = (libm::cbrt(chi2 / nu) - (1.0 - 2.0 / (9.0 * nu))) / (2.0 / (9.0 * nu)).sqrt();
     assert!(z.abs() < 3.9, "z = {z}");
+}
+
+/// Pins the words of the key map: other words would change every picture.
+#[test]
+fn named_keys_use_the_words_of_the_map() {
+    let key = Key::new(5).purpose(Purpose::Test);
+    assert_eq!(key.pixel(3, 7), key.with(7 << 32 | 3));
+    assert_eq!(key.film_point(1, 9), key.with(1 << 32 | 9));
+    assert_eq!(key.medium_tracking(4), key.with(1 << 63 | 4));
+    assert_eq!((key.shared_paths(), key.fresh_paths(0)), (key.with(0), key.with(1)));
+    let sampler = Sampler::new(key, 2, 8);
+    assert_eq!(sampler.next_vertex(3, true), sampler.with(7));
+    assert_eq!(sampler.shadow_rays(6), sampler.with(6 << 32));
+    assert_eq!(sampler.light(11), sampler.with(11));
 }
