@@ -174,7 +174,7 @@ fn report_page_is_well_formed_and_self_contained() {
     }
     for part in [
         "room &amp; &lt;ball&gt;.txt",
-        "plateau: bias floor of 8.50 % at r = 0.0800, caustics at r = 0.0200",
+        "plateau: bias of 8.50 % stays at r = 0.0800, caustics at r = 0.0200",
         "falls as theory says",
         "never: plateau",
         "auto: 256 passes of hybrid, twice, its own error about 0.400 %",

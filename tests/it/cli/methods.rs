@@ -133,7 +133,7 @@ fn impossible_studies_are_refused_before_work() {
         run(&shop, &format!("study box.txt --budget 1h {line}")).expect(code, parts);
     };
     refused(2, "--methods bdpt", &["'bdpt'", "sppm"]);
-    refused(2, "--methods path,path --truth a.exr", &["`path` is named twice"]);
+    refused(2, "--methods path,path --truth a.exr", &["`path` is given twice"]);
     refused(
         2,
         "--methods path --variant 'sppm --gather-k many'",

@@ -138,7 +138,7 @@ fn verdicts_name_the_cause() {
         "{plateau:?}"
     );
     let words = plateau.to_string();
-    assert!(words.starts_with("plateau: bias floor of ") && words.ends_with(" % at r = 0.100"), "{words}");
+    assert!(words.starts_with("plateau: bias of ") && words.ends_with(" % stays at r = 0.100"), "{words}");
     assert!(matches!(is(Algorithm::Path, 3.0, 1.0, &passes), Verdict::Plateau { cause: Cause::Unknown, .. }));
     assert!(matches!(is(Algorithm::Whitted, 3.0, 1.0, &passes), Verdict::Plateau { cause: Cause::LeavesOut, .. }));
     // A tenth of the noise that is left.
