@@ -295,7 +295,13 @@ fn ends_gather_ray<I>(paths: &PathContext<'_>, vertex: &PathVertex<'_, I>) -> bo
 fn one_lobe(bsdf: Bsdf, u: f32) -> Bsdf {
     match bsdf {
         Bsdf::Phong(phong) => phong.part(u),
-        other => other,
+        Bsdf::Black
+        | Bsdf::Diffuse(_)
+        | Bsdf::Mirror(_)
+        | Bsdf::Dielectric(_)
+        | Bsdf::Conductor(_)
+        | Bsdf::RoughDielectric(_)
+        | Bsdf::Thin(_) => bsdf,
     }
 }
 
