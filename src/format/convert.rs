@@ -1,8 +1,8 @@
 //! Writing any imported scene as scene text, with the meshes and pictures that it holds beside it.
 
 use super::description::{
-    Density, Description, EnvironmentRadiance, Group, Item, Light, MaterialKind, Object, Relief, Shape, Spanned,
-    TextureKind,
+    Density, Description, EnvironmentRadiance, Group, Item, Light, MaterialKind, NormalPerturbation, Object, Shape,
+    Spanned, TextureKind,
 };
 use super::file::SceneFile;
 use super::mesh::TriangleMesh;
@@ -95,7 +95,9 @@ fn for_each_path(description: &mut Description, visit: &mut impl FnMut(&mut Stri
             visit_path(texture);
         }
         match &mut material.value.relief {
-            Some(Relief::Bump { texture, .. } | Relief::NormalMap(texture)) => visit_path(texture),
+            Some(NormalPerturbation::Bump { texture, .. } | NormalPerturbation::NormalMap(texture)) => {
+                visit_path(texture)
+            }
             None => {}
         }
     }
