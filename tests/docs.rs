@@ -117,11 +117,14 @@ fn perform(page: &str, line: &[String], folder: &Path) {
                 shrink(&mut arguments, study.method.caustic_photons.is_some());
                 if !study.kind.effects {
                     put(&mut arguments, "--budget", "0.1s");
+                    put(&mut arguments, "--truth-time", "0.2s");
                 }
                 (Some(&study.scene.scene), study.output.iter().collect())
             }
             Some(Command::Diff(diff)) => (None, diff.output.iter().collect()),
             Some(Command::Mesh(mesh)) => (Some(&mesh.mesh), mesh.output.iter().collect()),
+            Some(Command::Check(check)) => (Some(&check.scene), Vec::new()),
+            Some(Command::Convert(convert)) => (Some(&convert.scene), vec![&convert.output]),
             Some(Command::Completions { .. } | Command::Man) | None => (None, Vec::new()),
         };
         if let Some(scene) = scene.and_then(Path::to_str) {
@@ -316,8 +319,9 @@ fn paths_in_backticks_exist() {
 
 #[test]
 fn scenes_of_language_page_render() {
-    let page = std::fs::read_to_string(root().join("docs/scene-language.md")).unwrap();
-    let scenes = blocks(&page, "caustica");
+    let read = |page: &str| blocks(&std::fs::read_to_string(root().join(page)).unwrap(), "caustica");
+    let mut scenes = read("docs/scene-language.md");
+    scenes.extend(read("docs/guide/first-picture.md"));
     assert!(scenes.len() >= 2);
     let folder = tempfile::tempdir().unwrap();
     std::fs::create_dir(folder.path().join("mesh")).unwrap();

@@ -1,6 +1,7 @@
-//! Checks of the source tree's structure and language, read from the text of `src/`.
+//! Checks of the source tree's structure and language, read from its text.
 //!
-//! Each check lists every offence with its file and line.
+//! Each check lists every offence with its file and line. A check that the tree does not yet pass
+//! states how many offences it allows. Lower that number whenever you remove one; never raise it.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -60,9 +61,17 @@ const COMMENT_WIDTH: usize = 100;
 /// Most lines of a test module inside a source file.
 const INLINE_TESTS: usize = 45;
 
+// Offences that are left in `src/`, by rule.
+const CIRCLES_LEFT: usize = 6;
+const SCATTERED_LEFT: usize = 6;
+const LONG_TESTS_LEFT: usize = 22;
+const RETIRED_LEFT: usize = 180;
+const HEADLESS_LEFT: usize = 469;
+const WIDE_LEFT: usize = 890;
+
 /// One source file.
 struct SourceFile {
-    /// Path below `src/`, with slashes.
+    /// Path below `src/`, or below the folder of tests, with slashes.
     name: String,
     text: String,
 }
@@ -89,6 +98,16 @@ impl SourceFile {
 
 /// Returns every Rust file below `src/`, sorted by name.
 fn sources() -> Vec<SourceFile> {
+    below("src")
+}
+
+/// Returns every Rust file of tests, examples and benches, sorted by name.
+fn test_sources() -> Vec<SourceFile> {
+    ["tests", "examples", "benches"].into_iter().flat_map(below).collect()
+}
+
+/// Returns every Rust file below a folder of the repository, sorted by name.
+fn below(folder: &str) -> Vec<SourceFile> {
     fn collect(folder: &Path, found: &mut Vec<PathBuf>) {
         for entry in fs::read_dir(folder).unwrap() {
             let path = entry.unwrap().path();
@@ -99,7 +118,7 @@ fn sources() -> Vec<SourceFile> {
             }
         }
     }
-    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
     let mut found = Vec::new();
     collect(&root, &mut found);
     found.sort();
@@ -111,7 +130,8 @@ fn code(text: &str) -> String {
     text.lines().map(|line| line.split("//").next().unwrap_or("")).collect::<Vec<_>>().join("\n")
 }
 
-/// Splits the inside of a brace list at its top-level commas. `text` begins after the opening brace.
+/// Splits the inside of a brace list at its top-level commas. `text` begins after the opening
+/// brace.
 fn list(text: &str) -> Vec<&str> {
     let (mut depth, mut start, mut items) = (0, 0, Vec::new());
     for (i, c) in text.char_indices() {
@@ -191,10 +211,12 @@ fn objection(from: &str, to: &str) -> Option<String> {
     }
 }
 
-/// Fails with the number of offences and the list of them, if there are any.
+/// Fails with a list of the offences if there are more than `allowed`.
 #[track_caller]
-fn none(rule: &str, offences: &[String]) {
-    assert!(offences.is_empty(), "{} offences against: {rule}\n{}", offences.len(), offences.join("\n"));
+fn at_most(allowed: usize, rule: &str, offences: &[String]) {
+    let count = offences.len();
+    eprintln!("{count} of {allowed} allowed offences: {rule}");
+    assert!(count <= allowed, "{count} offences, {allowed} allowed: {rule}\n{}", offences.join("\n"));
 }
 
 #[test]
@@ -212,7 +234,7 @@ fn rooms_use_only_lower_rooms() {
     }
     // A parser that finds no `use` would pass every tree.
     assert!(uses > 100, "only {uses} uses found");
-    none("a room uses only rooms of lower storeys", &offences);
+    at_most(0, "a room uses only rooms of lower storeys", &offences);
 }
 
 /// Returns the file that holds the module `path`, or the deepest ancestor that is a file.
@@ -222,7 +244,8 @@ fn owner<'a>(modules: &'a BTreeMap<Vec<String>, String>, path: &[String]) -> Opt
 
 /// Returns the `use` edges between files of one room, as pairs of file names.
 ///
-/// A module file and its own submodules belong together, so edges between ancestor and descendant are left out.
+/// A module file and its own submodules belong together, so edges between ancestor and descendant
+/// are left out.
 fn edges(files: &[SourceFile]) -> BTreeMap<String, BTreeSet<String>> {
     let modules: BTreeMap<Vec<String>, String> = files.iter().map(|f| (f.module(), f.name.clone())).collect();
     let mut edges: BTreeMap<String, BTreeSet<String>> = BTreeMap::new();
@@ -276,7 +299,6 @@ fn circles(edges: &BTreeMap<String, BTreeSet<String>>) -> Vec<Vec<String>> {
 }
 
 #[test]
-#[ignore = "structure: not yet reached"]
 fn files_of_a_room_form_no_circle() {
     let edges = edges(&sources());
     assert!(edges.values().map(BTreeSet::len).sum::<usize>() > 100, "too few edges found");
@@ -289,10 +311,11 @@ fn files_of_a_room_form_no_circle() {
             format!("circle of {} files:\n{}", circle.len(), lines.join("\n"))
         })
         .collect();
-    none("files of a room do not use each other in a circle", &offences);
+    at_most(CIRCLES_LEFT, "files of a room do not use each other in a circle", &offences);
 }
 
-/// Returns the name of the type that an `impl` line is inherent to; `None` for trait implementations and other lines.
+/// Returns the name of the type that an `impl` line is inherent to; `None` for trait
+/// implementations and other lines.
 fn inherent(line: &str) -> Option<String> {
     let rest = line.strip_prefix("impl")?;
     let rest = match rest.strip_prefix('<') {
@@ -323,7 +346,6 @@ fn defined(line: &str) -> Option<&str> {
 }
 
 #[test]
-#[ignore = "structure: not yet reached"]
 fn a_type_has_impls_in_two_files_at_most() {
     let files: Vec<SourceFile> = sources().into_iter().filter(|file| !file.is_test()).collect();
     let room = |file: &SourceFile| file.name.split('/').next().unwrap().to_owned();
@@ -349,11 +371,10 @@ fn a_type_has_impls_in_two_files_at_most() {
             format!("{name}: {} files: {}", files.len(), files.iter().cloned().collect::<Vec<_>>().join(", "))
         })
         .collect();
-    none("the impl blocks of a type stand in at most two files", &offences);
+    at_most(SCATTERED_LEFT, "the impl blocks of a type stand in at most two files", &offences);
 }
 
 #[test]
-#[ignore = "structure: not yet reached"]
 fn inline_test_modules_are_short() {
     let mut offences = Vec::new();
     for file in sources() {
@@ -363,11 +384,10 @@ fn inline_test_modules_are_short() {
             offences.push(format!("src/{}: {lines} lines", file.name));
         }
     }
-    none("a longer test module stands in its own file", &offences);
+    at_most(LONG_TESTS_LEFT, "a longer test module stands in its own file", &offences);
 }
 
 #[test]
-#[ignore = "language: not yet reached"]
 fn identifiers_avoid_retired_words() {
     let mut offences = Vec::new();
     for file in sources() {
@@ -379,7 +399,7 @@ fn identifiers_avoid_retired_words() {
             }
         }
     }
-    none("identifiers avoid the retired words", &offences);
+    at_most(RETIRED_LEFT, "identifiers avoid the retired words", &offences);
 }
 
 /// Returns the text of a doc comment line.
@@ -388,38 +408,48 @@ fn doc(line: &str) -> Option<&str> {
     line.strip_prefix("///").or_else(|| line.strip_prefix("//!"))
 }
 
-#[test]
-#[ignore = "language: not yet reached"]
-fn doc_comments_begin_with_their_subject() {
+/// Returns the doc comments that begin with a word of [`HEADLESS`].
+fn headless(files: &[SourceFile]) -> Vec<String> {
     let mut offences = Vec::new();
-    for file in sources() {
+    for file in files {
         let mut inside = false;
         for (i, line) in file.text.lines().enumerate() {
             let text = doc(line);
             if let Some(text) = text.filter(|_| !inside)
                 && HEADLESS.iter().any(|head| text.trim_start().starts_with(head))
             {
-                offences.push(format!("src/{}:{}: {}", file.name, i + 1, line.trim()));
+                offences.push(format!("{}:{}: {}", file.name, i + 1, line.trim()));
             }
             inside = text.is_some();
         }
     }
-    none("a doc comment begins with its subject", &offences);
+    offences
 }
 
-#[test]
-#[ignore = "language: not yet reached"]
-fn comment_lines_fit_in_100_columns() {
+/// Returns the comment lines that are wider than [`COMMENT_WIDTH`].
+fn wide(files: &[SourceFile]) -> Vec<String> {
     let mut offences = Vec::new();
-    for file in sources() {
+    for file in files {
         for (i, line) in file.text.lines().enumerate() {
             let width = line.chars().count();
             if line.trim_start().starts_with("//") && width > COMMENT_WIDTH {
-                offences.push(format!("src/{}:{}: {width} characters", file.name, i + 1));
+                offences.push(format!("{}:{}: {width} characters", file.name, i + 1));
             }
         }
     }
-    none("comment lines have at most 100 characters", &offences);
+    offences
+}
+
+#[test]
+fn doc_comments_begin_with_their_subject() {
+    at_most(HEADLESS_LEFT, "a doc comment begins with its subject", &headless(&sources()));
+    at_most(0, "a doc comment of a test begins with its subject", &headless(&test_sources()));
+}
+
+#[test]
+fn comment_lines_fit_in_100_columns() {
+    at_most(WIDE_LEFT, "comment lines have at most 100 characters", &wide(&sources()));
+    at_most(0, "comment lines of tests have at most 100 characters", &wide(&test_sources()));
 }
 
 #[test]
@@ -441,7 +471,7 @@ fn source_has_no_todo() {
             }
         }
     }
-    none("nothing is left for later", &offences);
+    at_most(0, "nothing is left for later", &offences);
 }
 
 #[test]
@@ -460,7 +490,7 @@ fn use_paths_are_read_in_every_form() {
 }
 
 #[test]
-fn inherent_impls_are_told_from_trait_impls() {
+fn inherent_impls_differ_from_trait_impls() {
     let named = |line: &str| inherent(line);
     assert_eq!(named("impl Scene {").as_deref(), Some("Scene"));
     assert_eq!(named("impl<'a, F: Fn(u32) -> Option<u8>> Walk<'a, F> {").as_deref(), Some("Walk"));

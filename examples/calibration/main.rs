@@ -1,4 +1,4 @@
-//! Calibration of the error estimator: estimated over true error, by scene, method, passes and seed.
+//! Calibration of the error estimator: estimated over true error, by scene, method and passes.
 //!
 //! ```sh
 //! cargo run --release --example calibration -- [SCENE …] [--methods M,…] [--passes N,…]

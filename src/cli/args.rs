@@ -4,7 +4,7 @@ use super::number::{
     alpha, bytes, confidence, count, duration, error, gather_count, length, positive_count, seed, seeds, size, stops,
     threads,
 };
-use super::{DiffArguments, MeshArguments};
+use super::{ConvertArguments, DiffArguments, MeshArguments};
 use crate::camera::FilterKind;
 use crate::image::{BitDepth, Curve, FloatDepth};
 use crate::integrate::{Algorithm, FinalGathering, VolumeEstimate};
@@ -53,6 +53,10 @@ pub enum Command {
     Diff(Box<DiffArguments>),
     /// Inspect, repair and convert a mesh
     Mesh(Box<MeshArguments>),
+    /// Read a scene and everything it names, report errors and warnings, and render nothing
+    Check(Box<SceneArguments>),
+    /// Write a scene as scene text, with the meshes and pictures that it holds beside it
+    Convert(ConvertArguments),
     /// Print a completion script for a shell
     Completions {
         /// The shell
@@ -244,6 +248,10 @@ pub struct PlanArguments {
 
     #[command(flatten)]
     pub effects: EffectsArguments,
+
+    /// Only check the scene and its inputs, like `caustica check`
+    #[arg(long)]
+    pub check: bool,
 
     /// Print JSON
     #[arg(long)]

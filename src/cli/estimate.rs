@@ -180,7 +180,7 @@ impl List {
         let Self { pilot, peak_memory_bytes, .. } = self;
         let memory = peak_memory_bytes.map_or("?".to_owned(), |bytes| format!("{}B", amount(bytes as f64)));
         let mut text = format!(
-            "{} at {} × {}: after {} passes the error is {}\n",
+            "{} at {} × {}: after {} passes the estimated error is {}\n",
             self.integrator,
             self.width,
             self.height,

@@ -2,6 +2,8 @@
 
 mod aov;
 mod args;
+mod check;
+mod convert;
 mod diagnostics;
 mod diff;
 mod estimate;
@@ -22,6 +24,7 @@ mod shell;
 mod study;
 
 pub use args::{Arguments, Command, EstimateArguments, PlanArguments, RenderArguments, StudyArguments};
+pub use convert::ConvertArguments;
 pub use diff::{DiffArguments, FlipName, MapKind};
 pub use failure::{Exit, Failure};
 pub use mesh::MeshArguments;
@@ -34,11 +37,14 @@ pub fn run(arguments: Arguments) -> Result<Exit, Failure> {
     failure::install_report_style();
     match arguments.command {
         Command::Render(arguments) => render::run(&arguments),
+        Command::Plan(arguments) if arguments.check => check::run(&arguments.scene),
         Command::Plan(arguments) => plan::run(&arguments),
         Command::Estimate(arguments) => estimate::run(&arguments),
         Command::Study(arguments) => study::run(&arguments),
         Command::Diff(arguments) => diff::run(&arguments),
         Command::Mesh(arguments) => mesh::run(&arguments),
+        Command::Check(arguments) => check::run(&arguments),
+        Command::Convert(arguments) => convert::run(&arguments),
         Command::Completions { shell } => shell::completions(shell),
         Command::Man => shell::man(),
     }

@@ -271,7 +271,7 @@ fn summarize(arguments: &RenderArguments, progress: &Progress, report: &Report, 
     if let Some(ErrorReport { estimate, .. }) = &report.error {
         let interval = format!("{} to {}", percent(estimate.low), percent(estimate.high));
         let confidence = percent(confidence(arguments).probability());
-        progress.say(&format!("error {}; {interval} with {confidence} confidence", outlook::parts(estimate)));
+        progress.say(&format!("estimated error {}; {interval} with {confidence} confidence", outlook::parts(estimate)));
     }
     if rendered.ended == EndReason::Floor {
         tell(&format!("warning: {}", outlook::REMEDY));

@@ -12,6 +12,14 @@ use crate::scene::Scene;
 /// A picture or an input of the scene that does not fit into memory is refused before it is
 /// allocated. `monitor` receives the progress of reading.
 pub(super) fn load(arguments: &SceneArguments, monitor: &dyn ReadMonitor) -> Result<Scene, Failure> {
+    load_with_file(arguments, monitor).map(|(_, scene)| scene)
+}
+
+/// Like [`load`], and returns the scene file too.
+pub(super) fn load_with_file(
+    arguments: &SceneArguments,
+    monitor: &dyn ReadMonitor,
+) -> Result<(SceneFile, Scene), Failure> {
     let memory = arguments.memory();
     let mut file = SceneFile::read_within(&arguments.scene, memory).map_err(|e| {
         let exit = if matches!(e, ReadError::Memory { .. }) { Exit::Usage } else { Exit::Input };
@@ -23,10 +31,11 @@ pub(super) fn load(arguments: &SceneArguments, monitor: &dyn ReadMonitor) -> Res
     }
     let camera = &file.description.camera;
     check_pictures(1, (camera.width, camera.height), memory.free()).map_err(Failure::usage)?;
-    file.resolve_watched(monitor, memory).map_err(|e| {
+    let scene = file.resolve_watched(monitor, memory).map_err(|e| {
         let exit = if e.exhausts_memory() { Exit::Usage } else { Exit::Input };
         Failure::new(exit, e)
-    })
+    })?;
+    Ok((file, scene))
 }
 
 /// Runs `work` in a pool with the number of threads of `--threads`.

@@ -1,9 +1,10 @@
 //! `caustica completions` and `caustica man`: files for shells and for `man`.
 
 use super::{Arguments, Exit, Failure};
-use clap::CommandFactory;
+use clap::{Command, CommandFactory};
 use clap_complete::Shell;
-use std::io::Write;
+use clap_mangen::Man;
+use std::io::{self, Write};
 
 /// Prints the completion script of a shell.
 pub(super) fn completions(shell: Shell) -> Result<Exit, Failure> {
@@ -12,23 +13,46 @@ pub(super) fn completions(shell: Shell) -> Result<Exit, Failure> {
     print(&script)
 }
 
-/// Prints the manual page in roff: one page with a section for each subcommand.
+/// Prints the manual page in roff.
 pub(super) fn man() -> Result<Exit, Failure> {
+    let page = manual().map_err(Failure::output)?;
+    print(page.as_bytes())
+}
+
+/// The manual: one page for the program, with a section for each subcommand.
+fn manual() -> io::Result<String> {
     let mut command = Arguments::command();
     command.build();
-    let mut page = Vec::new();
-    clap_mangen::Man::new(command.clone()).render(&mut page).map_err(Failure::output)?;
+    let mut page = roff(|out| Man::new(command.clone()).render(out))?;
     for subcommand in command.get_subcommands().filter(|subcommand| subcommand.get_name() != "help") {
-        let man = clap_mangen::Man::new(subcommand.clone());
-        let name = subcommand.get_display_name().unwrap_or_else(|| subcommand.get_name()).replace('-', " ");
-        page.extend(format!(".SH \"{}\"\n", name.to_uppercase()).bytes());
-        man.render_description_section(&mut page).map_err(Failure::output)?;
-        man.render_options_section(&mut page).map_err(Failure::output)?;
+        let name = subcommand.get_name();
+        // All subcommands are on this page, so references to pages of their own would be dead.
+        page = page.replace(&format!("caustica\\-{name}(1)"), &format!("caustica {name}"));
+        let section = section(subcommand)?;
+        page += &format!(".SH \"CAUSTICA {}\"\n{section}", name.to_uppercase());
     }
-    print(&page)
+    Ok(page)
+}
+
+/// The synopsis, description and options of a subcommand, as subsections.
+fn section(subcommand: &Command) -> io::Result<String> {
+    let man = Man::new(subcommand.clone());
+    let text = roff(|out| {
+        man.render_synopsis_section(out)?;
+        man.render_description_section(out)?;
+        man.render_options_section(out)
+    })?;
+    Ok(text.replace(".SH ", ".SS "))
+}
+
+/// The text that `render` writes.
+fn roff(render: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> io::Result<String> {
+    let mut text = Vec::new();
+    render(&mut text)?;
+    Ok(String::from_utf8_lossy(&text).into_owned())
 }
 
 fn print(text: &[u8]) -> Result<Exit, Failure> {
-    std::io::stdout().write_all(text).map_err(Failure::output)?;
+    io::stdout().write_all(text).map_err(Failure::output)?;
     Ok(Exit::Success)
 }

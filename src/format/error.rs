@@ -41,6 +41,15 @@ impl Source {
         &self.text
     }
 
+    /// Returns `message` as a warning at `span`, in one line; without a position if there is no text.
+    pub(super) fn warning(&self, span: Span, message: &str) -> String {
+        if self.text.is_empty() {
+            return format!("{}: warning: {message}", self.name);
+        }
+        let (line, column) = self.line_and_column(span.start.min(self.text.len()));
+        format!("{}:{}:{}: warning: {message}", self.name, line + 1, column + 1)
+    }
+
     /// Returns line and column of the byte `at`, both from 0; columns count characters.
     fn line_and_column(&self, at: usize) -> (usize, usize) {
         let before = &self.text[..self.text.floor_char_boundary(at)];

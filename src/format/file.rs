@@ -1,58 +1,33 @@
-//! Scene files.
+//! Scene files: reading by the importer of their format, then resolving.
 
+use super::SceneError;
 use super::description::Description;
+use super::import::{Assets, Imported, ReadError, SceneImporter};
 use super::mesh::ReadMonitor;
-use super::{SceneError, Source, parse_bytes, resolve, resolve_watched};
-use crate::image::open_file;
+use super::resolve::resolve_assets;
+use super::text::SceneText;
+use super::{Source, warnings};
 use crate::scene::Scene;
-use crate::stats::{Memory, bytes};
-use std::io::Read;
+use crate::stats::Memory;
 use std::path::{Path, PathBuf};
 
-/// A scene file that was read and parsed, not yet resolved: its description may still be changed.
+/// Importers of all scene formats. A file of another extension is read as scene text.
+pub const IMPORTERS: [&dyn SceneImporter; 1] = [&SceneText];
+
+/// A scene file that was read but not resolved: its description may still be changed.
 #[derive(Clone, Debug)]
 pub struct SceneFile {
-    /// What it says.
+    /// The scene.
     pub description: Description,
-    /// Its text, for errors.
+    /// The file's text, for errors.
     pub source: Source,
+    /// Meshes and pictures that the file itself holds.
+    pub assets: Assets,
     folder: PathBuf,
 }
 
-/// Bytes that a byte of a scene takes, read, described and resolved: a sphere of 40 letters is a kilobyte of shape, boxes and tree.
-const PER_BYTE: u64 = 32;
-
-/// Why a scene file could not be read.
-#[derive(Debug, thiserror::Error, miette::Diagnostic)]
-pub enum ReadError {
-    /// It could not be opened or read.
-    #[error("cannot read the scene `{}`", path.display())]
-    #[diagnostic(help("check the path and its permissions"))]
-    Unreadable {
-        /// The file.
-        path: PathBuf,
-        /// What the system says.
-        source: std::io::Error,
-    },
-    /// It takes more memory than it may.
-    #[error("the scene `{}` takes about {} of memory, and {} are free", path.display(), bytes(*needed), bytes(*free))]
-    #[diagnostic(help("put what is large into meshes, or let it have more (--memory)"))]
-    Memory {
-        /// The file.
-        path: PathBuf,
-        /// Bytes that it takes.
-        needed: u64,
-        /// Bytes that it may take.
-        free: u64,
-    },
-    /// It is not in the scene language.
-    #[error(transparent)]
-    #[diagnostic(transparent)]
-    Language(#[from] SceneError),
-}
-
 impl SceneFile {
-    /// Reads and parses the file at `path`.
+    /// Reads the file at `path` by the importer of its extension.
     ///
     /// # Errors
     /// [`ReadError`].
@@ -60,38 +35,42 @@ impl SceneFile {
         Self::read_within(path, Memory::Unbounded)
     }
 
-    /// As [`SceneFile::read`]; a file that takes more than `memory` is refused before it is read.
+    /// Like [`SceneFile::read`], but refuses a file that takes more than `memory` before reading it.
     ///
     /// # Errors
     /// [`ReadError`].
     pub fn read_within(path: &Path, memory: Memory) -> Result<Self, ReadError> {
-        let unreadable = |source| ReadError::Unreadable { path: path.to_owned(), source };
-        let (mut file, length) = open_file(path).map_err(unreadable)?;
-        let needed = PER_BYTE * length;
-        if let Some(free) = memory.free().filter(|free| needed > *free) {
-            return Err(ReadError::Memory { path: path.to_owned(), needed, free });
-        }
-        let mut bytes = Vec::new();
-        file.read_to_end(&mut bytes).map_err(unreadable)?;
-        let name = path.display().to_string();
-        let description = parse_bytes(&name, &bytes)?;
-        let source = Source::new(&name, &String::from_utf8_lossy(&bytes));
-        Ok(Self { description, source, folder: path.parent().unwrap_or(Path::new("")).to_owned() })
+        let is = |own: &&str| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(own));
+        let importer = IMPORTERS.into_iter().find(|importer| importer.extensions().iter().any(is));
+        let Imported { description, source, assets } = importer.unwrap_or(&SceneText).import(path, memory)?;
+        Ok(Self { description, source, assets, folder: path.parent().unwrap_or(Path::new("")).to_owned() })
     }
 
-    /// Resolves the description; meshes are looked for beside the file and in the folder above.
+    /// Resolves the description. Meshes are looked up beside the file and in the folder above.
     ///
     /// # Errors
     /// [`SceneError`].
     pub fn resolve(&self) -> Result<Scene, SceneError> {
-        resolve(&self.description, &self.source, &self.folder)
+        self.resolve_watched(&(), Memory::Unbounded)
     }
 
-    /// As [`SceneFile::resolve`], within `memory`; `monitor` hears how far meshes are read.
+    /// Like [`SceneFile::resolve`], within `memory`; `monitor` receives the progress of reading meshes.
     ///
     /// # Errors
     /// [`SceneError`].
     pub fn resolve_watched(&self, monitor: &dyn ReadMonitor, memory: Memory) -> Result<Scene, SceneError> {
-        resolve_watched(&self.description, &self.source, &self.folder, monitor, memory)
+        resolve_assets(&self.description, &self.source, &self.folder, &self.assets, monitor, memory)
+    }
+
+    /// Returns warnings about the scene, one line each: unused textures and materials, defective dielectric meshes.
+    #[must_use]
+    pub fn warnings(&self) -> Vec<String> {
+        warnings::warnings(&self.description, &self.source, &self.folder, &self.assets)
+    }
+
+    /// Returns the folder that holds the file.
+    #[must_use]
+    pub fn folder(&self) -> &Path {
+        &self.folder
     }
 }

@@ -86,10 +86,12 @@ pub struct AfterPass {
     pub error: Option<(ErrorEstimate, Forecast)>,
 }
 
-/// Growth of the number of passes between two error estimates. Each estimate costs a fraction of a pass.
+/// Growth of the number of passes between two error estimates. Each estimate costs a fraction of a
+/// pass.
 const ESTIMATE_EVERY: f64 = 1.05;
 
-/// Passes before a render may give up its target, and the fraction of the floor that must exceed it.
+/// Passes before a render may give up its target, and the fraction of the floor that must exceed
+/// it.
 const GIVE_UP_PASSES: u32 = 16;
 const GIVE_UP_MARGIN: f64 = 0.8;
 
@@ -166,51 +168,4 @@ impl StopCriteria<'_> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::color::Rgb;
-    use crate::integrate::{Pass, Silent};
-    use crate::plan::{Effects, Plan};
-
-    /// Pass i is an image of radiance i.
-    struct Counting;
-
-    impl Integrator for Counting {
-        fn pass(&self, pass: u32, _: &dyn Monitor) -> Pass {
-            Pass { image: vec![Rgb::splat(pass as f32); 2], ..Pass::default() }
-        }
-
-        fn expected_work(&self, _: Effects) -> Counters {
-            Counters::default()
-        }
-
-        fn plan(&self) -> &Plan {
-            unreachable!("the render loop does not use the plan")
-        }
-    }
-
-    fn stop(passes: Option<u32>, time: Option<Duration>, interrupted: &AtomicBool) -> StopCriteria<'_> {
-        StopCriteria { min_passes: 1, passes, time, target: None, interrupted }
-    }
-
-    #[test]
-    fn the_image_is_the_mean_of_the_passes() {
-        let interrupted = AtomicBool::new(false);
-        let rendered = render(&Counting, (2, 1), &stop(Some(4), None, &interrupted), &Silent, |_| {});
-        assert_eq!((rendered.ended, rendered.film.passes()), (EndReason::Passes, 4));
-        assert_eq!(rendered.film.mean(), vec![Rgb::splat(1.5); 2]);
-    }
-
-    #[test]
-    fn time_and_interrupts_end_after_a_whole_pass() {
-        let interrupted = AtomicBool::new(false);
-        let timed = stop(None, Some(Duration::ZERO), &interrupted);
-        assert_eq!(render(&Counting, (2, 1), &timed, &Silent, |_| {}).ended, EndReason::Time);
-        let mut passes = 0;
-        let rendered = render(&Counting, (2, 1), &stop(None, None, &interrupted), &Silent, |after| {
-            passes = after.passes;
-            interrupted.store(passes == 3, Ordering::Relaxed);
-        });
-        assert_eq!((rendered.ended, passes, rendered.film.passes()), (EndReason::Interrupted, 3, 3));
-    }
-}
+mod tests;

@@ -4,7 +4,8 @@ use crate::color::Rgb;
 use crate::math::Sum;
 use glam::DVec3;
 
-/// Sum of passes by pixel, with compensated f64 sums: rounding does not grow with the number of passes.
+/// Sum of passes by pixel, with compensated f64 sums: rounding does not grow with the number of
+/// passes.
 #[derive(Clone, Debug)]
 pub struct Film {
     width: u32,

@@ -1,6 +1,6 @@
-//! What each effect costs and what it adds: the same picture with and without it.
+//! Study of effects: renders the picture with and without each effect.
 
-use super::settled;
+use super::balanced::balanced;
 use crate::image::metrics::{MetricError, rmse};
 use crate::image::{Image, SizeError, WriteError};
 use crate::integrate::{Algorithm, Expected, Integrator, Monitor, Settings};
@@ -12,37 +12,37 @@ use serde::Serialize;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-/// Why a study has no result.
+/// Error of a study.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
-    /// A pixel is beyond measure.
+    /// A pixel is not finite, or sizes differ.
     #[error("the pictures cannot be compared: {0}")]
     Metric(#[from] MetricError),
-    /// The picture's size cannot be used.
+    /// The size of the picture is not allowed.
     #[error(transparent)]
     Size(#[from] SizeError),
-    /// A picture cannot be encoded.
+    /// Encoding a picture failed.
     #[error(transparent)]
     Encode(#[from] WriteError),
 }
 
-/// What seconds are counted by.
+/// Clock that measures seconds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Clock {
-    /// Time of all threads of this process: other processes do not count.
+    /// Processor time of all threads of this process.
     Processor,
-    /// Time on the wall, where the system does not tell the other.
+    /// Wall time, if the system does not report processor time.
     Wall,
 }
 
 impl Clock {
-    /// The better one that this system has.
+    /// Processor time if the system reports it.
     fn best() -> Self {
         if cpu_seconds().is_some() { Self::Processor } else { Self::Wall }
     }
 
-    /// What `work` gives, and its seconds.
+    /// Runs `work`; returns its result and its time \[s].
     fn time<T>(self, work: impl FnOnce() -> T) -> (T, f64) {
         let start = Instant::now();
         let now = || match self {
@@ -55,105 +55,104 @@ impl Clock {
     }
 }
 
-/// What making a picture took.
+/// Time and work spent on one picture.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Spent {
-    /// Preparation, pilots included \[s].
+    /// Setup time, with pilots \[s].
     pub setup: f64,
-    /// Each pass \[s].
+    /// Time of each pass \[s].
     pub passes: Vec<f64>,
     /// Work of all passes.
     pub counters: Counters,
 }
 
 impl Spent {
-    /// All passes, without preparation \[s].
+    /// Time of all passes, without setup \[s].
     #[must_use]
     pub fn seconds(&self) -> f64 {
         self.passes.iter().sum()
     }
 }
 
-/// What an effect costs: with it less without it.
+/// Cost of an effect: the picture with it less the one without it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Cost {
-    /// A pass \[s].
+    /// Difference per pass \[s].
     pub seconds: f64,
     /// Standard error of `seconds`, from the differences of the passes \[s]; `None` with one pass.
     pub seconds_error: Option<f64>,
-    /// Seconds of all passes with it, in those without it.
+    /// Time of all passes with the effect over that without it.
     pub ratio: f64,
-    /// Preparation \[s].
+    /// Difference of setup time \[s].
     pub setup: f64,
-    /// Rays of every kind a pass.
+    /// Difference of rays of all kinds per pass.
     pub rays: f64,
-    /// Density estimates a pass.
+    /// Difference of density estimates per pass.
     pub gathers: f64,
-    /// Photons in them a pass.
+    /// Difference of photons in density estimates per pass.
     pub gathered_photons: f64,
 }
 
-/// What an effect does to the picture.
+/// Change of the picture by an effect.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Gain {
     /// Root of the mean squared difference over pixels and channels \[W/(m² sr)].
     pub rmse: f64,
-    /// The same in the mean radiance of the whole picture; `None` where that is black.
+    /// `rmse` over the mean radiance of the whole picture; `None` if that is black.
     pub relative_rmse: Option<f64>,
-    /// Mean over pixels and channels of the radiance that it adds, where it adds \[W/(m² sr)].
+    /// Mean over pixels and channels of the radiance that the effect adds \[W/(m² sr)].
     pub adds: f64,
-    /// Mean over pixels and channels of the radiance that it takes away, where it takes \[W/(m² sr)].
+    /// Mean over pixels and channels of the radiance that the effect removes \[W/(m² sr)].
     pub takes: f64,
 }
 
-/// A picture with an effect, held against one without.
+/// Result for one effect.
 #[derive(Clone, Debug)]
 pub struct Finding {
-    /// The effect, and why it is simulated.
+    /// The effect and the reason why it is simulated.
     pub decision: Decision,
-    /// What the picture without it took.
+    /// Time and work of the picture without the effect.
     pub without: Spent,
-    /// What it costs.
+    /// Cost of the effect.
     pub cost: Cost,
-    /// What it is worth.
+    /// Change of the picture.
     pub gain: Gain,
     /// The whole picture less the one without it.
     pub difference: Image,
 }
 
-/// The result of a study.
+/// Result of a study of effects.
 #[derive(Clone, Debug)]
 pub struct Findings {
-    /// What of light the whole picture simulates.
+    /// Plan of the whole picture.
     pub plan: Plan,
-    /// What seconds are counted by.
+    /// Clock that measures seconds.
     pub clock: Clock,
     /// The whole picture.
     pub picture: Image,
-    /// Its mean over pixels and channels \[W/(m² sr)].
+    /// Mean of the whole picture over pixels and channels \[W/(m² sr)].
     pub mean: f64,
-    /// What it took.
+    /// Time and work of the whole picture.
     pub whole: Spent,
-    /// One for each effect that is simulated.
+    /// Results, one per simulated effect.
     pub effects: Vec<Finding>,
-    /// Whether it ended before all passes were made.
+    /// True if the study ended before all passes were made.
     pub interrupted: bool,
 }
 
-/// The pictures of a study, ready to be rendered: the whole one, and one without each effect that is simulated.
+/// Prepared pictures of a study: the whole one, and one without each simulated effect.
 ///
-/// They share the seed. As random numbers are keyed by what they decide, a picture without an effect differs by that effect alone,
-/// but for what pilots learn: photons are aimed, and radii found, anew for each. How many rays and photons a pass has, where a pilot
-/// says, is said once, of the whole picture.
+/// All pictures share the seed and the numbers of rays and photons. Random numbers are keyed by
+/// decision, so pictures differ only by the effect and by what pilots find: photon aim and radii.
 pub struct EffectStudy<'a> {
     size: (u32, u32),
     clock: Clock,
-    /// The whole picture comes first.
+    /// Runs; the first one is the whole picture.
     runs: Vec<Run<'a>>,
 }
 
 struct Run<'a> {
-    /// The effect that is left out; `None` for the whole picture.
+    /// The omitted effect; `None` for the whole picture.
     without: Option<Decision>,
     integrator: Box<dyn Integrator + 'a>,
     film: Film,
@@ -161,12 +160,12 @@ struct Run<'a> {
 }
 
 impl<'a> EffectStudy<'a> {
-    /// Plans a scene and prepares all pictures.
+    /// Plans `scene` and prepares all pictures.
     #[must_use]
     pub fn prepare(scene: &'a Scene, algorithm: Algorithm, settings: &Settings) -> Self {
         let clock = Clock::best();
         let plan = Plan::new(scene, algorithm.simulates(), settings.eye.effects);
-        let settings = settled(scene, algorithm, settings);
+        let settings = balanced(scene, algorithm, settings);
         let size = scene.camera().size();
         let run = |without: Option<Decision>| {
             let mut settings = settings.clone();
@@ -182,19 +181,19 @@ impl<'a> EffectStudy<'a> {
         Self { size, clock, runs }
     }
 
-    /// What of light the whole picture simulates.
+    /// Plan of the whole picture.
     #[must_use]
     pub fn plan(&self) -> &Plan {
         self.runs[0].integrator.plan()
     }
 
-    /// Pictures that are made.
+    /// Number of pictures.
     #[must_use]
     pub fn pictures(&self) -> usize {
         self.runs.len()
     }
 
-    /// What the largest pass will keep in memory.
+    /// Memory of the largest pass.
     #[must_use]
     pub fn expected(&self) -> Expected {
         let all = self.runs.iter().map(|run| run.integrator.expected());
@@ -205,11 +204,11 @@ impl<'a> EffectStudy<'a> {
         })
     }
 
-    /// Renders `passes` passes of each picture, at least one, or fewer where `interrupted` becomes true. `after` hears the number
-    /// of passes made of each.
+    /// Renders `passes` passes of each picture, at least one. Stops early if `interrupted` becomes
+    /// true. `after` is called with the number of passes after each round.
     ///
     /// # Errors
-    /// [`StudyError`] where a pixel is not finite.
+    /// [`StudyError`] if a pixel is not finite.
     pub fn run(
         mut self,
         passes: u32,
@@ -219,7 +218,8 @@ impl<'a> EffectStudy<'a> {
     ) -> Result<Findings, StudyError> {
         let mut made = 0;
         while made == 0 || (made < passes && !interrupted.load(Ordering::Relaxed)) {
-            // Turn by turn, beginning elsewhere each time: a machine that slows down, or a cache that is cold, is unfair to none.
+            // Pictures take turns, each round from another start: a slow phase of the machine or a
+            // cold cache affects all alike.
             let first = made as usize % self.runs.len();
             let (late, early) = self.runs.split_at_mut(first);
             for run in early.iter_mut().chain(late) {
@@ -255,7 +255,7 @@ impl<'a> EffectStudy<'a> {
     }
 }
 
-/// Mean over pixels and channels of what is summed over channels.
+/// Mean over pixels and channels of `sums` over channels.
 fn mean(sums: impl Iterator<Item = f64>, of: &Image) -> f64 {
     sums.sum::<f64>() / (3.0 * of.pixels().len() as f64)
 }

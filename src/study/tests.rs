@@ -1,4 +1,4 @@
-//! Studies of scenes whose answers are known.
+//! Studies of scenes with known results.
 
 use super::{About, EffectStudy, Findings, expected_work, page};
 use crate::camera::Camera;
@@ -9,7 +9,7 @@ use crate::shape::{Rectangle, Shape, Sphere};
 use glam::{DVec3, Vec3};
 use std::sync::atomic::AtomicBool;
 
-/// A ball on a floor under a point light.
+/// A sphere on a floor under a point light.
 fn ball(material: Material, width: u32, height: u32) -> Scene {
     let mut builder = SceneBuilder::new();
     let white = builder.material(Material::diffuse(Vec3::splat(0.5)));
@@ -42,35 +42,35 @@ fn study(scene: &Scene, algorithm: Algorithm, settings: &Settings, passes: u32) 
     study.run(passes, &AtomicBool::new(false), &Silent, |_| {}).unwrap()
 }
 
-/// What the scene does not call for costs rays and changes no bit.
+/// An effect that the scene does not need costs rays and changes no bit.
 #[test]
-fn caustics_without_casters_are_work_for_nothing() {
-    let wishes = EffectOverrides::PLANNED.with(Effect::Caustics);
-    let found = study(&matt(24, 18), Algorithm::Hybrid, &few(wishes), 2);
+fn unneeded_caustics_cost_rays_and_change_no_bit() {
+    let overrides = EffectOverrides::PLANNED.with(Effect::Caustics);
+    let found = study(&matt(24, 18), Algorithm::Hybrid, &few(overrides), 2);
     let caustics = found.effects.iter().find(|f| f.decision.effect == Effect::Caustics).unwrap();
     assert_eq!((caustics.gain.rmse, caustics.gain.adds, caustics.gain.takes), (0.0, 0.0, 0.0));
-    // Each of 4000 paths takes a ray at least.
+    // Each of 4,000 paths has at least one ray.
     assert!(caustics.cost.rays >= 4000.0, "{:?}", caustics.cost);
     let scene = matt(24, 18);
-    let work = expected_work(Algorithm::Hybrid.prepare(&scene, few(wishes)).as_ref());
+    let work = expected_work(Algorithm::Hybrid.prepare(&scene, few(overrides)).as_ref());
     assert!(work.of(Effect::Caustics).unwrap().rays >= 4000);
 }
 
-/// Ray tracing to a point light has no noise: no pixel is brighter for shadows.
+/// Point lights have no noise in `whitted`: shadows brighten no pixel.
 #[test]
-fn shadows_take_light_away_and_add_none() {
+fn shadows_only_remove_light() {
     let found = study(&matt(24, 18), Algorithm::Whitted, &few(EffectOverrides::PLANNED), 1);
     let shadows = found.effects.iter().find(|f| f.decision.effect == Effect::Shadows).unwrap();
     assert_eq!(shadows.gain.adds, 0.0);
     assert!(shadows.gain.takes > 0.0 && shadows.gain.rmse > shadows.gain.takes);
     assert!(shadows.difference.pixels().iter().all(|d| d.max_element() <= 0.0));
-    // The whole picture has a shadow ray at every matt point that faces the light, the other none.
+    // Only the whole picture has shadow rays.
     assert!(shadows.cost.rays > 0.0);
     assert_eq!((shadows.cost.seconds_error, found.whole.passes.len()), (None, 1));
 }
 
 #[test]
-fn what_an_effect_adds_and_takes_is_what_tells_the_means_apart() {
+fn gains_are_the_difference_of_the_means() {
     let scene = glass_on_floor(24, 18);
     let found = study(&scene, Algorithm::Hybrid, &few(EffectOverrides::PLANNED), 3);
     let names: Vec<Effect> = found.effects.iter().map(|f| f.decision.effect).collect();
@@ -81,9 +81,9 @@ fn what_an_effect_adds_and_takes_is_what_tells_the_means_apart() {
     let images = (0..3).map(|i| integrator.pass(i, &Silent).image);
     let sum: f64 = images.flatten().map(|p| p.as_dvec3().element_sum()).sum();
     let mean_without = sum / (3.0 * 3.0 * 24.0 * 18.0);
-    // Means of f32 pixels, which round at 2⁻²⁴.
-    let told = found.mean - caustics.gain.adds + caustics.gain.takes;
-    assert!((told / mean_without - 1.0).abs() < 1e-6, "{told} {mean_without}");
+    // Pixels are f32, which rounds at 2⁻²⁴.
+    let expected = found.mean - caustics.gain.adds + caustics.gain.takes;
+    assert!((expected / mean_without - 1.0).abs() < 1e-6, "{expected} {mean_without}");
     assert!(caustics.gain.adds > caustics.gain.takes && caustics.cost.gathered_photons > 0.0);
     let again = study(&scene, Algorithm::Hybrid, &few(EffectOverrides::PLANNED), 3);
     assert_eq!(
@@ -93,7 +93,7 @@ fn what_an_effect_adds_and_takes_is_what_tells_the_means_apart() {
 }
 
 #[test]
-fn an_interrupt_ends_after_a_pass_of_every_picture() {
+fn interrupts_end_after_a_pass_of_every_picture() {
     let scene = matt(8, 6);
     let study = EffectStudy::prepare(&scene, Algorithm::Whitted, &few(EffectOverrides::PLANNED));
     let pictures = study.pictures();
@@ -103,16 +103,17 @@ fn an_interrupt_ends_after_a_pass_of_every_picture() {
 }
 
 #[test]
-fn a_page_tells_of_every_effect_and_of_what_is_off() {
+fn page_lists_every_effect() {
     let about = About { scene: "<a> & b".into(), integrator: "whitted", seed: 3, exposure: -1.0 };
-    let wishes = EffectOverrides::PLANNED.with(Effect::Environment).without(Effect::Shadows);
-    let page = page(&about, &study(&matt(8, 6), Algorithm::Whitted, &few(wishes), 1)).unwrap();
+    let overrides = EffectOverrides::PLANNED.with(Effect::Environment).without(Effect::Shadows);
+    let found = study(&matt(8, 6), Algorithm::Whitted, &few(overrides), 1);
+    let environment = found.plan.decisions.iter().find(|d| d.effect == Effect::Environment).unwrap();
+    let page = page(&about, &found).unwrap();
     assert!(
         Effect::ALL.iter().all(|e| page.contains(&format!("<dt>{e}</dt>")) || page.contains(&format!("id=\"{e}\"")))
     );
     assert!(page.contains("&lt;a&gt; &amp; b") && !page.contains("<a>"));
-    for part in ["exposure -1 stop.", "no light comes from all around", "off, as wished, though", "the same to the bit"]
-    {
+    for part in ["exposure -1 stop.", &environment.reason.to_string(), "forced off, though", "equal bit for bit"] {
         assert!(page.contains(part), "{part}");
     }
     assert!(!page.contains("<script") && !page.contains("http"), "it needs nothing else");

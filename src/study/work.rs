@@ -1,9 +1,9 @@
-//! The work of a plan, expected by counting: no seconds, so the same on any machine.
+//! Expected work of a plan, in counts instead of seconds, so that it is equal on all machines.
 
 use crate::integrate::Integrator;
 use crate::plan::{Effect, Effects};
 
-/// Work of the first pass; of a difference, either way.
+/// Work of the first pass, or a difference of two such.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Work {
     /// Rays of every kind.
@@ -12,24 +12,24 @@ pub struct Work {
     pub gathered_photons: i64,
 }
 
-/// What a plan costs in work.
+/// Expected work of a plan and of each of its effects.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ExpectedWork {
-    /// All of it.
+    /// Work with all effects of the plan.
     pub whole: Work,
-    /// What each effect that is simulated adds to it, in the order of [`Effect::ALL`].
+    /// Work that each simulated effect adds, in the order of [`Effect::ALL`].
     pub effects: Vec<(Effect, Work)>,
 }
 
 impl ExpectedWork {
-    /// What `effect` adds; `None` where it is not simulated.
+    /// Work that `effect` adds; `None` if it is not simulated.
     #[must_use]
     pub fn of(&self, effect: Effect) -> Option<Work> {
         self.effects.iter().find(|(e, _)| *e == effect).map(|(_, work)| *work)
     }
 }
 
-/// What the first pass and each of its effects will cost, without pilots.
+/// Expected work of the first pass and of each effect, without pilots.
 #[must_use]
 pub fn expected_work(integrator: &dyn Integrator) -> ExpectedWork {
     let effects = integrator.plan().effects();
@@ -51,9 +51,9 @@ mod tests {
     use crate::integrate::{Algorithm, Settings, Silent};
     use crate::study::tests::{glass_on_floor, matt};
 
-    /// The camera's own rays are known without counting: one a pixel and sample.
+    /// Camera rays are counted exactly: one per pixel and sample.
     #[test]
-    fn rays_of_the_camera_are_exact() {
+    fn camera_rays_are_exact() {
         let mut settings = Settings::default();
         settings.eye.samples = Some(100);
         let scene = matt(640, 480);
@@ -61,10 +61,10 @@ mod tests {
         assert_eq!(work, ExpectedWork { whole: Work { rays: 640 * 480 * 100, gathered_photons: 0 }, effects: vec![] });
     }
 
-    /// Against the whole pass. What a thousand points meet is known in number to some percent; with discs that hold hundreds of photons,
-    /// so is what a sixteenth of the photons tells of the rest, but that caustics crowd into few of the points.
+    /// Compares expected work with a whole pass. A thousand film points give a few percent of
+    /// error; gathers crowd in caustics and are less exact.
     #[test]
-    fn what_is_expected_is_what_comes() {
+    fn expected_work_matches_a_pass() {
         let settings = Settings {
             photons: 100_000,
             caustic_photons: 100_000,

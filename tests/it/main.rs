@@ -1,6 +1,7 @@
 //! Integration tests, in one binary so that the renderer's generic loops compile once.
 //!
-//! `cargo test --test it NAME` runs the tests whose path contains NAME, such as `analytic` or `cli::diff`.
+//! `cargo test --test it NAME` runs the tests whose path contains NAME, such as `analytic` or
+//! `cli::diff`.
 
 mod agreement;
 mod analytic;

@@ -4,7 +4,7 @@ use crate::support::browser::Browser;
 use caustica::image::Image;
 use caustica::integrate::{ALPHA, Algorithm, shrink};
 use caustica::sampling::{Dimension, Key};
-use caustica::study::methods::{Checkpoint, MethodFound, MethodsFound, Truth};
+use caustica::study::methods::{Checkpoint, MethodResult, MethodStudyResult, Truth};
 use caustica::study::report::methods::{csv, html, json, markdown};
 use glam::Vec3;
 use std::collections::BTreeSet;
@@ -37,7 +37,7 @@ fn picture(of: impl Fn(f64, f64, u32) -> Vec3) -> Image {
 
 /// Returns synthetic results of a method with this variance and bias in its first pass, and this
 /// time per pass \[s].
-fn method(label: &str, algorithm: Algorithm, noise: f64, bias: f64, pass: f64, count: u32) -> MethodFound {
+fn method(label: &str, algorithm: Algorithm, noise: f64, bias: f64, pass: f64, count: u32) -> MethodResult {
     let key = Key::new(5).with(label.bytes().map(u64::from).sum());
     let alpha = if algorithm == Algorithm::Pm { 1.0 } else { ALPHA };
     let shrinks = |i| if matches!(algorithm, Algorithm::Sppm | Algorithm::Hybrid) { shrink(ALPHA, i) } else { 1.0 };
@@ -57,7 +57,7 @@ fn method(label: &str, algorithm: Algorithm, noise: f64, bias: f64, pass: f64, c
             photons: if algorithm.has_photons() { 5e5 * f64::from(n) } else { 0.0 },
             noise2: noises.iter().sum::<f64>() / SEEDS as f64,
             bias2: drift * drift,
-            gauged: squares.iter().map(|s| 1.1 * s).collect(),
+            estimated: squares.iter().map(|s| 1.1 * s).collect(),
             rmse: 0.3 * squares[0].sqrt(),
             flip: squares[0].sqrt().min(1.0) * 0.5,
             noises,
@@ -76,7 +76,7 @@ fn method(label: &str, algorithm: Algorithm, noise: f64, bias: f64, pass: f64, c
     let shown = picture(|x, y, i| soft(x, y) + Vec3::splat(grains(i, 0.4 * grain)));
     let truth = picture(|x, y, _| radiance(x, y));
     let pairs = || shown.pixels().iter().zip(truth.pixels());
-    MethodFound {
+    MethodResult {
         label: label.into(),
         algorithm,
         command: format!(
@@ -94,8 +94,8 @@ fn method(label: &str, algorithm: Algorithm, noise: f64, bias: f64, pass: f64, c
     }
 }
 
-fn found() -> MethodsFound {
-    MethodsFound {
+fn found() -> MethodStudyResult {
+    MethodStudyResult {
         scene: "room & <ball>.txt".into(),
         command: "caustica study \"room & <ball>.txt\" --methods path,hybrid,sppm,pm --budget 60s --seeds 6 --output report.html".into(),
         program: "Caustica 0.1.0".into(),
@@ -174,7 +174,7 @@ fn report_page_is_well_formed_and_self_contained() {
     }
     for part in [
         "room &amp; &lt;ball&gt;.txt",
-        "plateau: bias floor of 8.50 % at r = 0.0800, caustics at r = 0.0200",
+        "plateau: bias of 8.50 % stays at r = 0.0800, caustics at r = 0.0200",
         "falls as theory says",
         "never: plateau",
         "auto: 256 passes of hybrid, twice, its own error about 0.400 %",

@@ -24,7 +24,7 @@ enum Incomparable {
     #[error("`{}` has {} × {} pixels, but `{}` has {} × {}", a.0.display(), a.1.0, a.1.1, b.0.display(), b.1.0, b.1.1)]
     #[diagnostic(help("render both with the same --size"))]
     Size { a: (PathBuf, (u32, u32)), b: (PathBuf, (u32, u32)) },
-    #[error("`{}` has a pixel that is not finite: column {x}, row {y}", path.display())]
+    #[error("`{}` has a pixel that is not finite, in column {x}, row {y}", path.display())]
     #[diagnostic(help("render the picture again, or repair the pixel"))]
     NonFinite { path: PathBuf, x: u32, y: u32 },
     #[error("the pictures cannot be compared: {0}")]

@@ -19,7 +19,7 @@ use crate::plan::Plan;
 use crate::scene::Scene;
 use crate::stats::bytes;
 use crate::study::methods::{
-    Limits, MethodStudy, MethodsFound, References, Step, Subject, Variant, in_shell, methods_for,
+    Limits, MethodStudy, MethodStudyResult, References, Step, Subject, Variant, in_shell, methods_for,
 };
 use crate::study::report::methods as report;
 use miette::IntoDiagnostic;
@@ -31,7 +31,7 @@ const TRUTH_BUDGETS: f64 = 4.0;
 const UNDISTURBED: f64 = 0.9;
 
 /// Report formats by extension.
-const REPORTS: [(&str, Writer<MethodsFound>); 4] = [
+const REPORTS: [(&str, Writer<MethodStudyResult>); 4] = [
     ("html", |_, found| report::html(found).into_diagnostic()),
     ("csv", |_, found| Ok(report::csv(found))),
     ("json", |_, found| report::json(found).into_diagnostic()),
@@ -90,7 +90,7 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Failure> {
 fn run_in_pool(
     arguments: &StudyArguments,
     named: Vec<Named>,
-    outputs: &Outputs<'_, MethodsFound>,
+    outputs: &Outputs<'_, MethodStudyResult>,
     progress: &Progress,
 ) -> Result<Exit, Failure> {
     let scene = load_checked(arguments, progress)?;

@@ -1,12 +1,12 @@
 //! The figures of a study of methods as a table.
 
 use crate::study::methods::fit::{fit, verdict};
-use crate::study::methods::{Checkpoint, MethodsFound};
+use crate::study::methods::{Checkpoint, MethodStudyResult};
 use crate::study::text::percent;
 use std::fmt::Write as _;
 
 /// A table for each method, with one row per checkpoint.
-pub(super) fn table(found: &MethodsFound) -> String {
+pub(super) fn table(found: &MethodStudyResult) -> String {
     let mut text = format!("truth: {}", found.truth.source);
     if let Some(error) = found.truth.error {
         let _ = write!(text, "\ntruth: noise of the reference {}", percent(error));
@@ -47,8 +47,8 @@ pub(super) fn root(square: f64) -> String {
 
 /// Root mean square of the errors that the seeds estimated.
 fn estimated(checkpoint: &Checkpoint) -> String {
-    let Checkpoint { gauged, .. } = checkpoint;
-    if gauged.is_empty() { String::new() } else { root(gauged.iter().sum::<f64>() / gauged.len() as f64) }
+    let Checkpoint { estimated, .. } = checkpoint;
+    if estimated.is_empty() { String::new() } else { root(estimated.iter().sum::<f64>() / estimated.len() as f64) }
 }
 
 /// Exponent of time by which the error fell between two checkpoints: error ∝ time^rate.

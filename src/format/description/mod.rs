@@ -243,6 +243,31 @@ pub enum Shape {
         /// From the corner to its other neighbour.
         edge1: DVec3,
     },
+    /// An axis-aligned box.
+    Box {
+        /// Corner with the lowest coordinates.
+        min: DVec3,
+        /// Opposite corner, above `min` in every coordinate.
+        max: DVec3,
+    },
+    /// A cylinder.
+    Cylinder {
+        /// Centers of both ends, which differ.
+        ends: [DVec3; 2],
+        /// Radius, above 0.
+        radius: f64,
+        /// True if discs close both ends.
+        capped: bool,
+    },
+    /// A cone or truncated cone.
+    Cone {
+        /// Centers of both ends, which differ.
+        ends: [DVec3; 2],
+        /// Radii of both ends: the first above 0, the second at least 0.
+        radii: [f64; 2],
+        /// True if discs close both ends.
+        capped: bool,
+    },
     /// A triangle, of zero area too.
     Triangle {
         /// Its corners.

@@ -119,7 +119,7 @@ impl Resolver<'_> {
             self.place_mesh(placing.map, &mesh.positions, normals, &mesh.triangles, emission);
             self.lay_corners(texcoords);
         }
-        self.lay(Form::Own, placing.to_world);
+        self.lay(Form::Uv, placing.to_world);
         Ok(())
     }
 
@@ -145,7 +145,10 @@ impl Resolver<'_> {
         if let Some(pieces) = self.meshes.get(&key) {
             return Ok(pieces.clone());
         }
-        let loaded = mesh::load_within(&file, self.monitor, self.memory.free());
+        let loaded = match self.assets.meshes.get(path.as_str()) {
+            Some(mesh) => Ok(Loaded { mesh: (**mesh).clone(), ..Loaded::default() }),
+            None => mesh::load_within(&file, self.monitor, self.memory.free()),
+        };
         let mut loaded = loaded.map_err(|e| self.refuse_file(path, &e, matches!(e, MeshError::Memory { .. }), MEND))?;
         if no_normals {
             loaded.mesh.normals = None;

@@ -11,6 +11,8 @@ mod tests;
 mod textures;
 
 use super::description::{Aim, Description, Emission, Group, Item, Map, Object, Shape, Span, Spanned};
+use super::error::MAX_ERRORS;
+use super::import::Assets;
 use super::mesh::{ReadMonitor, TriangleMesh};
 use super::{SceneError, Source};
 use crate::color::Rgb;
@@ -47,10 +49,27 @@ pub fn resolve_watched(
     monitor: &dyn ReadMonitor,
     memory: Memory,
 ) -> Result<Scene, SceneError> {
+    resolve_assets(description, source, folder, &Assets::default(), monitor, memory)
+}
+
+/// Like [`resolve_watched`]; paths that `assets` lists are not looked up in the file system.
+///
+/// # Errors
+/// [`SceneError`], as for [`resolve_watched`].
+pub(super) fn resolve_assets(
+    description: &Description,
+    source: &Source,
+    folder: &Path,
+    assets: &Assets,
+    monitor: &dyn ReadMonitor,
+    memory: Memory,
+) -> Result<Scene, SceneError> {
     let camera = camera::camera(description, source)?;
     let mut resolver = Resolver {
         source,
         folder,
+        assets,
+        errors: Vec::new(),
         description,
         builder: SceneBuilder::new(),
         names: HashMap::new(),
@@ -68,28 +87,28 @@ pub fn resolve_watched(
         material: 0,
         placing: None,
     };
-    resolver.builder.background(rgb(description.background));
-    resolver.textures()?;
-    resolver.media()?;
-    resolver.filling()?;
-    resolver.materials()?;
-    for light in &description.lights {
-        resolver.light(light, &Motion::default())?;
+    let last = resolver.all().err();
+    resolver.errors.extend(last);
+    if let Some(error) = SceneError::join(resolver.errors) {
+        return Err(error);
     }
-    if !description.camera.motion.is_empty() {
-        resolver.builder.moving_camera(growing(&description.camera.motion));
-    }
-    resolver.group(&description.root, &Motion::default())?;
     resolver.builder.build(camera).map_err(|e| {
         SceneError::of_file(source, e.to_string(), "choose units in which the scene is neither huge nor empty")
     })
 }
+
+/// Extensions of mesh formats that are not read.
+const FOREIGN_MESHES: [&str; 14] =
+    ["stl", "off", "glb", "gltf", "fbx", "dae", "3ds", "usd", "usda", "usdc", "usdz", "abc", "blend", "x3d"];
 
 const ROOM: &str = "use a smaller file, or let the scene have more memory (--memory)";
 
 struct Resolver<'a> {
     source: &'a Source,
     folder: &'a Path,
+    assets: &'a Assets,
+    /// Errors of objects so far; resolving goes on to find more.
+    errors: Vec<SceneError>,
     description: &'a Description,
     builder: SceneBuilder,
     /// Of the materials so far.
@@ -121,12 +140,47 @@ struct Resolver<'a> {
 }
 
 impl Resolver<'_> {
+    /// Adds everything that the description names to the builder.
+    fn all(&mut self) -> Result<(), SceneError> {
+        let description = self.description;
+        self.builder.background(rgb(description.background));
+        self.textures()?;
+        self.media()?;
+        self.filling()?;
+        self.materials()?;
+        for light in &description.lights {
+            let result = self.light(light, &Motion::default());
+            self.record(result)?;
+        }
+        if !description.camera.motion.is_empty() {
+            self.builder.moving_camera(growing(&description.camera.motion));
+        }
+        self.group(&description.root, &Motion::default())
+    }
+
+    /// Records an error and goes on, unless memory is exhausted or there are many errors already.
+    fn record(&mut self, result: Result<(), SceneError>) -> Result<(), SceneError> {
+        match result {
+            Err(error) if error.exhausts_memory() || self.errors.len() + 1 >= MAX_ERRORS => Err(error),
+            Err(error) => {
+                self.errors.push(error);
+                Ok(())
+            }
+            Ok(()) => Ok(()),
+        }
+    }
+
     fn group(&mut self, group: &Group, to_world: &Motion) -> Result<(), SceneError> {
         for item in &group.items {
             match item {
                 Item::MaterialIndex(index) => self.material = index.value,
                 Item::MaterialName(name) => self.material = self.named(name)?,
-                Item::Object(object) => self.object(object, to_world)?,
+                Item::Object(object) => {
+                    let placing = self.placing;
+                    let result = self.object(object, to_world);
+                    self.placing = placing;
+                    self.record(result)?;
+                }
             }
         }
         Ok(())
@@ -187,9 +241,17 @@ impl Resolver<'_> {
     /// Where the file of a path is; `kind` says what it is taken for.
     fn file(&self, kind: &str, path: &Spanned<String>) -> Result<PathBuf, SceneError> {
         let written = Path::new(&path.value);
-        let found = places(self.folder, written).find(|p| p.is_file()).inspect(|file| self.monitor.names(file));
+        if self.assets.contains(path) {
+            return Ok(written.to_owned());
+        }
+        let extension = written.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+        if kind == "mesh" && FOREIGN_MESHES.contains(&extension.as_str()) {
+            let message = format!("meshes of the format `.{extension}` are not read");
+            return Err(self.bad_file(path, &message, "convert it to OBJ or PLY, which are read"));
+        }
+        let found = candidates(self.folder, written).find(|p| p.is_file()).inspect(|file| self.monitor.names(file));
         found.ok_or_else(|| {
-            let places: Vec<String> = places(self.folder, written).map(|p| format!("`{}`", p.display())).collect();
+            let places: Vec<String> = candidates(self.folder, written).map(|p| format!("`{}`", p.display())).collect();
             let message = format!("the {kind} `{}` does not exist", path.value);
             self.bad_file(path, &message, &format!("put the file at {}", places.join(" or ")))
         })
@@ -205,8 +267,8 @@ impl Resolver<'_> {
     }
 }
 
-/// Where a file may be: beside the scene file, or in the folder above it.
-fn places<'a>(folder: &'a Path, path: &'a Path) -> impl Iterator<Item = PathBuf> {
+/// Iterates over the paths where a file may be: beside the scene file, and in the folder above it.
+pub(super) fn candidates<'a>(folder: &'a Path, path: &'a Path) -> impl Iterator<Item = PathBuf> {
     let above = if folder.as_os_str().is_empty() { Path::new("..").to_owned() } else { folder.join("..") };
     [folder.join(path), above.join(path)].into_iter().take(if path.is_absolute() { 1 } else { 2 })
 }

@@ -7,7 +7,9 @@ use crate::format::SceneError;
 use crate::format::description::{Curve, CurveBasis, Shape as Described, Span};
 use crate::math::{Motion, Transform};
 use crate::shape::parametric::{Basis, SplineError};
-use crate::shape::{Disc, Form, IndexedMesh, Instance, Mesh, Patch, Plane, Rectangle, Revolution, Shape, Sphere};
+use crate::shape::{
+    Cuboid, Disc, Form, Frustum, IndexedMesh, Instance, Mesh, Patch, Plane, Rectangle, Revolution, Shape, Sphere,
+};
 use glam::{DAffine3, DMat3, DVec2, DVec3, Vec3};
 use std::sync::Arc;
 
@@ -58,7 +60,7 @@ impl Resolver<'_> {
         match shape {
             Described::Sphere { center, radius } => {
                 self.place(Shape::Sphere(Sphere::new(*center, *radius)), to_world, &map, span, emission)?;
-                self.lay(Form::Globe { center: *center }, to_world);
+                self.lay(Form::Spherical { center: *center }, to_world);
             }
             Described::Plane { normal, offset } => {
                 if emission != Rgb::ZERO {
@@ -82,6 +84,17 @@ impl Resolver<'_> {
                 self.place(Shape::Rectangle(Rectangle::new(*corner, *edge0, *edge1)), to_world, &map, span, emission)?;
                 self.lay(Form::rectangle(*corner, *edge0, *edge1), to_world);
             }
+            Described::Box { min, max } => {
+                self.place_solid(Cuboid::new(*min, *max).map(Shape::Cuboid), to_world, &map, span, emission)?;
+            }
+            Described::Cylinder { ends: [bottom, top], radius, capped } => {
+                let solid = Frustum::cylinder(*bottom, *top, *radius, *capped).map(Shape::Frustum);
+                self.place_solid(solid, to_world, &map, span, emission)?;
+            }
+            Described::Cone { ends: [bottom, top], radii, capped } => {
+                let solid = Frustum::new(*bottom, *top, *radii, *capped).map(Shape::Frustum);
+                self.place_solid(solid, to_world, &map, span, emission)?;
+            }
             Described::Triangle { vertices, normals, uv } => {
                 let normals = normals.as_ref().map(|n| n.as_slice());
                 let uv = uv.as_deref().copied().unwrap_or([DVec2::ZERO, DVec2::X, DVec2::Y]);
@@ -92,7 +105,7 @@ impl Resolver<'_> {
                     let instance = Instanced::new(vertices, normals, Some(&uv), &[[0, 1, 2]]);
                     self.place_instance(&instance, to_world, &map, span, emission)?;
                 }
-                self.lay(Form::Own, to_world);
+                self.lay(Form::Uv, to_world);
             }
             Described::Mesh { path, options } => {
                 self.mesh(&Placing { to_world, map: &map, span, shine }, path, *options)?;
@@ -100,7 +113,7 @@ impl Resolver<'_> {
             Described::Revolution { profile } => {
                 let surface = revolution(profile, self.memory.free()).map_err(|e| self.refuse_spline(span, &e))?;
                 self.place(Shape::Revolution(surface), to_world, &map, span, emission)?;
-                self.lay(Form::Own, to_world);
+                self.lay(Form::Uv, to_world);
             }
             Described::Patches { degree, controls } => {
                 let [u, v] = degree.map(|d| Basis::bezier(d as usize + 1));
@@ -112,7 +125,7 @@ impl Resolver<'_> {
                     let patch = Patch::within(bases, net, free).map_err(|e| self.refuse_spline(span, &e))?;
                     free = free.map(|free| free.saturating_sub(patch.bytes()));
                     self.place(Shape::Patch(patch), to_world, &map, span, emission)?;
-                    self.lay(Form::Own, to_world);
+                    self.lay(Form::Uv, to_world);
                     self.glow(shine);
                 }
             }
@@ -124,7 +137,7 @@ impl Resolver<'_> {
                 let surface = || Patch::within([&basis(0)?, &basis(1)?], controls, self.memory.free());
                 let surface = surface().map_err(|e| self.refuse_spline(span, &e))?;
                 self.place(Shape::Patch(surface), to_world, &map, span, emission)?;
-                self.lay(Form::Own, to_world);
+                self.lay(Form::Uv, to_world);
             }
             // It has no surface, so nothing of it is seen.
             Described::Curve(_) => {}
@@ -141,6 +154,21 @@ impl Resolver<'_> {
         if let Some((texture, scale)) = shine.glow {
             self.builder.glow(texture, scale);
         }
+    }
+
+    /// Adds a box, cylinder or cone, whose faces have texture coordinates of their own.
+    fn place_solid(
+        &mut self,
+        solid: Option<Shape>,
+        to_world: &Motion,
+        map: &Transform,
+        span: Span,
+        emission: Rgb,
+    ) -> Result<(), SceneError> {
+        let solid = solid.ok_or_else(|| self.refuse(span, "this shape has no extent", "make it larger"))?;
+        self.place(solid, to_world, map, span, emission)?;
+        self.lay(Form::Uv, to_world);
+        Ok(())
     }
 
     /// Adds a shape under `to_world`, which is `map` when the shutter opens.

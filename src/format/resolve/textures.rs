@@ -113,6 +113,9 @@ impl<'a> Resolver<'a> {
         meaning: Meaning,
     ) -> Result<Image, SceneError> {
         let help = "mend the picture or name another: PNG, OpenEXR or Radiance HDR";
+        if let Some(picture) = self.assets.pictures.get(path.as_str()) {
+            return Ok((**picture).clone());
+        }
         let read = image::read_within(file, meaning, self.memory.free());
         read.map_err(|e| self.refuse_file(path, &e, matches!(e, image::ReadError::Memory { .. }), help))
     }

@@ -290,6 +290,20 @@ fn shape() -> impl Strategy<Value = Shape> {
         (direction(), finite()).prop_map(|(normal, offset)| Shape::Plane { normal, offset }),
         (point(), direction(), positive()).prop_map(|(center, normal, radius)| Shape::Disc { center, normal, radius }),
         edges().prop_map(|(corner, edge0, edge1)| Shape::Rectangle { corner, edge0, edge1 }),
+        (point(), [positive(), positive(), positive()]).prop_filter_map("no extent", |(min, size)| {
+            let max = min + DVec3::from_array(size);
+            (max.is_finite() && max.cmpgt(min).all()).then_some(Shape::Box { min, max })
+        }),
+        ([point(), point()], positive(), any::<bool>()).prop_filter_map("no length", |(ends, radius, capped)| {
+            (ends[0] != ends[1]).then_some(Shape::Cylinder { ends, radius, capped })
+        }),
+        ([point(), point()], positive(), option::of(positive()), any::<bool>()).prop_filter_map(
+            "no length",
+            |(ends, radius, top, capped)| {
+                let radii = [radius, top.unwrap_or(0.0)];
+                (ends[0] != ends[1]).then_some(Shape::Cone { ends, radii, capped })
+            }
+        ),
         (
             [point(), point(), point()],
             option::of([direction(), direction(), direction()]),

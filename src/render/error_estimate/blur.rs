@@ -3,7 +3,8 @@
 /// Lower bound of D₀·D₁ / ‖D₀‖². Differences that oppose each other more are noise.
 const MIN_CORRELATION: f64 = -0.5;
 
-/// D₀·D₁ / ‖D₀‖² at a straight light edge, Epanechnikov kernel. Larger values make the series diverge.
+/// D₀·D₁ / ‖D₀‖² at a straight light edge, Epanechnikov kernel. Larger values make the series
+/// diverge.
 const EDGE_CORRELATION: f64 = 0.7275;
 
 /// Pairs (‖D₁‖² / ‖D₀‖², ‖bias‖² / ‖D₀‖²) of features that are not smooth, Epanechnikov kernel.
@@ -48,10 +49,10 @@ pub(super) struct Blur {
 impl Blur {
     /// Extrapolates the sum of all differences from the first two.
     ///
-    /// In smooth light each difference is half of the previous one, so ‖bias‖² = 4‖D₀‖². At edges and
-    /// foci the ratio is q, and the correlation of neighbours is c: Dᵢ·Dⱼ = ‖D₀‖² q^(i+j) c^|i−j|. Then
-    /// ‖Σ Dᵢ‖² = ‖D₀‖² (1 + qc)/((1 − qc)(1 − q²)). The values q² and qc are measured; each is pulled
-    /// towards smooth light as far as noise hides it.
+    /// In smooth light each difference is half of the previous one, so ‖bias‖² = 4‖D₀‖². At edges
+    /// and foci the ratio is q, and the correlation of neighbours is c: Dᵢ·Dⱼ = ‖D₀‖² q^(i+j)
+    /// c^|i−j|. Then ‖Σ Dᵢ‖² = ‖D₀‖² (1 + qc)/((1 − qc)(1 − q²)). The values q² and qc are
+    /// measured; each is pulled towards smooth light as far as noise hides it.
     pub(super) fn extrapolate(differences: &Differences) -> Self {
         let d0 = differences.d0.max(0.0);
         if d0 <= 0.0 {
@@ -77,7 +78,8 @@ impl Blur {
     }
 }
 
-/// ‖Σ Dᵢ‖² / ‖D₀‖² by the law of [`Blur::extrapolate`], limited to the values of [`ROUGH`] features.
+/// ‖Σ Dᵢ‖² / ‖D₀‖² by the law of [`Blur::extrapolate`], limited to the values of [`ROUGH`]
+/// features.
 fn series_sum(correlation: f64, squared: f64) -> f64 {
     let law = (1.0 + correlation) / ((1.0 - correlation) * (1.0 - squared.min(ROUGH[0].0)));
     let rough = ROUGH.windows(2).find(|pair| squared <= pair[1].0).map_or(ROUGH[2].1, |pair| {

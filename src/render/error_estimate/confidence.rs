@@ -23,7 +23,8 @@ impl Confidence {
         self.0
     }
 
-    /// Half-width of the central interval of a Gaussian with this probability \[standard deviations].
+    /// Half-width of the central interval of a Gaussian with this probability \[standard
+    /// deviations].
     #[must_use]
     pub fn deviations(self) -> f64 {
         // Sixty bisections reach f64 precision. Beyond 40 deviations the tail underflows.

@@ -4,9 +4,9 @@ use crate::color::Rgb;
 
 /// Estimates the variance of independent pictures and their effective sample count.
 ///
-/// The difference of two pictures over √2 contains only noise. The mean of its squares is the variance v.
-/// The product of two such differences without a common picture has mean zero and variance tr Σ². The
-/// effective count is v² / tr Σ² (Satterthwaite).
+/// The difference of two pictures over √2 contains only noise. The mean of its squares is the
+/// variance v. The product of two such differences without a common picture has mean zero and
+/// variance tr Σ². The effective count is v² / tr Σ² (Satterthwaite).
 #[derive(Clone, Debug, Default)]
 pub(super) struct EffectiveSamples {
     pictures: u32,
@@ -17,7 +17,8 @@ pub(super) struct EffectiveSamples {
     products: Moments,
 }
 
-/// Sample count assumed before there are products; it weighs as much as [`PRIOR_PRODUCTS`] products.
+/// Sample count assumed before there are products; it weighs as much as [`PRIOR_PRODUCTS`]
+/// products.
 const PRIOR_SAMPLES: f64 = 100.0;
 const PRIOR_PRODUCTS: f64 = 2.0;
 
@@ -39,7 +40,8 @@ impl Moments {
 }
 
 impl EffectiveSamples {
-    /// Adds a picture; `weights` scale squared differences by pixel, each result is clamped to `max`.
+    /// Adds a picture; `weights` scale squared differences by pixel, each result is clamped to
+    /// `max`.
     pub fn add(&mut self, picture: impl Iterator<Item = Rgb>, weights: &[f64], max: f64) {
         self.pictures += 1;
         if self.pictures == 1 {
@@ -69,7 +71,8 @@ impl EffectiveSamples {
         }
     }
 
-    /// Relative variance of the squared error of one picture if its noise is Gaussian: 2 / sample count.
+    /// Relative variance of the squared error of one picture if its noise is Gaussian: 2 / sample
+    /// count.
     pub fn scatter(&self) -> f64 {
         let v = self.variances.mean;
         if v <= 0.0 {
@@ -107,8 +110,8 @@ mod tests {
         samples
     }
 
-    /// 240 pixels in blocks of b make 240/b independent samples. The error of tr Σ² over K independent
-    /// products is √(2/K) with K ≥ 397/2; the tolerance is five standard deviations.
+    /// 240 pixels in blocks of b make 240/b independent samples. The error of tr Σ² over K
+    /// independent products is √(2/K) with K ≥ 397/2; the tolerance is five standard deviations.
     #[test]
     fn equal_pixels_count_as_one_sample() {
         for block in [1, 4, 24] {

@@ -5,7 +5,8 @@ use serde::Serialize;
 
 /// Estimated error of the mean of the passes so far.
 ///
-/// Errors are relative, on the scale of [`RelativeScale`](crate::image::RelativeScale); 0.01 is 1 %.
+/// Errors are relative, on the scale of [`RelativeScale`](crate::image::RelativeScale); 0.01 is 1
+/// %.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct ErrorEstimate {
     /// Passes in the mean.

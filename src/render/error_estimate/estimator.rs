@@ -60,7 +60,8 @@ pub struct ErrorMaps {
 }
 
 impl ErrorEstimator {
-    /// An estimator without passes; `law` is how gather radii shrink, `None` without photon estimates.
+    /// An estimator without passes; `law` is how gather radii shrink, `None` without photon
+    /// estimates.
     #[must_use]
     pub fn new(law: Option<RadiusLaw>) -> Self {
         Self {
@@ -89,7 +90,8 @@ impl ErrorEstimator {
             self.scale = Some(RelativeScale::of_pixels(film.size(), &film.mean()));
         }
         let weights = self.scale.as_ref().map_or(&[][..], RelativeScale::weights);
-        // The relative squared error of a pixel of the mean is at most 1, that of one pass at most n.
+        // The relative squared error of a pixel of the mean is at most 1, that of one pass at most
+        // n.
         self.samples.add(pass.image.iter().copied(), weights, n + 1.0);
         if !pass.gauged.is_empty() {
             let estimates = self.photon_estimates.get_or_insert_with(|| PhotonEstimates::new(pass.gauged.len()));
@@ -133,8 +135,8 @@ impl ErrorEstimator {
         let blur = differences.as_ref().map(Blur::extrapolate).unwrap_or_default();
         let (shared2, shared_variance) = self.shared_paths.squared_error(&scale, film.size().0, n);
         let square = noise2 + blur.square + shared2;
-        // Two uncertainties: this picture's error scatters about its expectation, and the expectation is
-        // itself an estimate.
+        // Two uncertainties: this picture's error scatters about its expectation, and the
+        // expectation is itself an estimate.
         let scatter = self.samples.scatter();
         let realised = noise2 * noise2 * scatter + 2.0 * noise2 * (blur.square + shared2) * scatter;
         let estimated = noise2 * noise2 * self.samples.variance_of_variance().max(scatter / (n - 1.0));

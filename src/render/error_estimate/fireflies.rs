@@ -5,9 +5,10 @@ const OCTAVES: usize = 32;
 
 /// Fraction of the picture covered by fireflies, by brightness.
 ///
-/// The relative squared noise c > 1 of such a pixel is clamped to 1. In one pixel it falls as 1/n² until
-/// another pass finds similar light. Meanwhile m times as many passes produce fireflies in m times as
-/// many pixels, each with min(1, c/m²). Their sum grows at first. It falls as 1/m once they have faded.
+/// The relative squared noise c > 1 of such a pixel is clamped to 1. In one pixel it falls as 1/n²
+/// until another pass finds similar light. Meanwhile m times as many passes produce fireflies in m
+/// times as many pixels, each with min(1, c/m²). Their sum grows at first. It falls as 1/m once
+/// they have faded.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Fireflies {
     /// Fraction of the picture by ⌊log₂ c⌋.

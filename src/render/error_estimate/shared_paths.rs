@@ -4,7 +4,8 @@ use crate::image::RelativeScale;
 use crate::integrate::Pass;
 use glam::DVec3;
 
-/// Edge of the blocks that count as one independent sample \[pixels]. Neighbouring pixels correlate.
+/// Edge of the blocks that count as one independent sample \[pixels]. Neighbouring pixels
+/// correlate.
 const BLOCK: u32 = 16;
 
 /// Sums, at a few pixels, of shared-path radiance less radiance along fresh paths.
@@ -34,8 +35,8 @@ impl SharedPaths {
 
     /// Mean relative squared error and its variance; 0 without shared paths.
     ///
-    /// `columns` is the width of the picture in pixels, `n` the number of passes. The variance comes from
-    /// the differences between blocks.
+    /// `columns` is the width of the picture in pixels, `n` the number of passes. The variance
+    /// comes from the differences between blocks.
     pub(super) fn squared_error(&self, scale: &RelativeScale, columns: u32, n: f64) -> (f64, f64) {
         if self.pixels.is_empty() {
             return (0.0, 0.0);

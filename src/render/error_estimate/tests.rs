@@ -52,7 +52,8 @@ fn noise_and_bias_are_separated() {
         let estimate = estimator.estimate(&film);
         let unit = f64::from(1.0 + bias) * 2f64.sqrt();
         let expected = f64::from(sigma) / 4.0 / unit;
-        // The variance of 1600 · 15 values has relative error √(2/24,000); weights add the noise of 25 pixels.
+        // The variance of 1600 · 15 values has relative error √(2/24,000); weights add the noise of
+        // 25 pixels.
         assert!((estimate.noise / expected - 1.0).abs() < 0.02, "{} {expected}", estimate.noise);
         let expected = f64::from(bias) / unit;
         // The standard error of ‖D₀‖² is σ²/n √(2/1600); blur is twice its root.
@@ -106,7 +107,8 @@ fn shared_paths_are_bias() {
 /// A step edge blurred by the Epanechnikov kernel: its true bias against the extrapolated one.
 #[test]
 fn edges_are_not_extrapolated_as_smooth() {
-    // Integral of the kernel over x < t for a disc of radius 1; its marginal is (8/(3π))(1 − x²)^{3/2}.
+    // Integral of the kernel over x < t for a disc of radius 1; its marginal is (8/(3π))(1 −
+    // x²)^{3/2}.
     let cumulative = |t: f64| {
         let steps = 400;
         let t = t.clamp(-1.0, 1.0);

@@ -1,13 +1,13 @@
-//! What time costs are told by.
+//! Processor and wall clock.
 
 use crate::stats::cpu_seconds;
 use std::ops::{AddAssign, Sub};
 use std::time::Instant;
 
-/// A moment, or the time between two.
+/// A point in time, or a duration.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Moment {
-    /// Processor time of all threads \[s]; wall time where the system does not tell it.
+    /// Processor time of all threads \[s]; wall time if the system does not report it.
     pub processor: f64,
     /// Wall time \[s].
     pub wall: f64,
@@ -28,7 +28,7 @@ impl AddAssign for Moment {
     }
 }
 
-/// Tells moments.
+/// Clock; a parameter so that tests can replace it.
 pub(super) type Clock<'c> = Box<dyn Fn() -> Moment + 'c>;
 
 /// This system's clocks.
@@ -40,7 +40,7 @@ pub(super) fn system() -> Clock<'static> {
     })
 }
 
-/// What `work` gives, and what it took.
+/// Runs `work`; returns its result and its time.
 pub(super) fn timed<T>(clock: &dyn Fn() -> Moment, work: impl FnOnce() -> T) -> (T, Moment) {
     let before = clock();
     let done = work();

@@ -1,23 +1,23 @@
-//! Commands that repeat what was done.
+//! Commands that repeat a study or a picture.
 
 use super::Variant;
 
-/// What is studied, as it was asked for.
+/// The scene of a study as the user gave it.
 #[derive(Clone, Debug, Default)]
 pub struct Subject {
-    /// The scene's file.
+    /// Path of the scene file.
     pub scene: String,
-    /// The picture's size, where it is not the scene's.
+    /// Size of the picture \[pixels]; `None` for that of the scene.
     pub size: Option<(u32, u32)>,
     /// The command that repeats the study.
     pub command: String,
 }
 
 impl Subject {
-    /// The command that renders so many passes of a variant: the same picture, bit for bit.
+    /// Command that renders `passes` passes of a variant: the same picture, bit for bit.
     pub(super) fn render(&self, variant: &Variant, passes: u32) -> String {
         let mut words = ["caustica", "render"].map(str::to_owned).to_vec();
-        // What begins with a dash would be read as a flag.
+        // A path that begins with a dash would be read as a flag.
         words.push(if self.scene.starts_with('-') { format!("./{}", self.scene) } else { self.scene.clone() });
         if let Some((width, height)) = self.size {
             words.extend(["--size".to_owned(), format!("{width}x{height}")]);
@@ -30,13 +30,13 @@ impl Subject {
     }
 }
 
-/// Letters, digits and dots, with one dash for all that is between them.
+/// File name with letters, digits and dots; other characters become one dash.
 fn file_name(label: &str) -> String {
     let parts = label.split(|c: char| !(c.is_ascii_alphanumeric() || c == '.')).filter(|part| !part.is_empty());
     parts.collect::<Vec<_>>().join("-")
 }
 
-/// Words as a POSIX shell reads them back.
+/// Quotes `words` for a POSIX shell.
 #[must_use]
 pub fn in_shell(words: &[String]) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "_@%+=:,./-".contains(c);

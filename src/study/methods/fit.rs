@@ -1,174 +1,18 @@
-//! How error, noise and bias fall with time: slopes with their intervals, theory's beside them, verdicts, and the price of less error.
+//! Convergence of error, noise and bias: slopes, theory, verdicts, and time to reach an error.
 //!
-//! Slopes are fitted by least squares of the logarithms over the tail: the checkpoints with at least 1/16 of the last one's passes, which is a
-//! decade and a fifth of work, so that what is special of the first passes does not count. Intervals come from resampling seeds: a seed
-//! that is drawn brings its whole row of checkpoints, as these share passes.
+//! Slopes are least-squares lines of logarithms over the tail: checkpoints with at least 1/16 of
+//! the last one's passes. Intervals resample seeds; a seed brings all its checkpoints, since these
+//! share passes.
 
-mod price;
+mod slopes;
 mod theory;
+mod time_to_error;
 mod verdict;
 
-pub use price::{Milestone, Price, Reach, Recommendation, error_at, pareto, reach, recommend, tenth};
+pub use slopes::{Fit, Slope, Slopes, fit, spread};
 pub use theory::{Law, Quantity, theory};
+pub use time_to_error::{Effort, Milestone, Recommendation, TimeToError, error_at, pareto, reach, recommend, tenth};
 pub use verdict::{BIAS_SHARE, Cause, Verdict, verdict};
-
-use super::{Checkpoint, MethodFound};
-use crate::sampling::{Dimension, Key};
-
-/// Part of the last checkpoint's passes at which the tail begins.
-const TAIL: u32 = 16;
-
-/// Two points are always on a line.
-const LEAST: usize = 3;
-
-/// Bootstrap replicates.
-const REPLICATES: u64 = 1000;
-
-/// A slope of logarithms.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct Slope {
-    /// By least squares.
-    pub value: f64,
-    /// It lies within with a chance of 95 %; `None` where seeds are too few or too far apart to tell.
-    pub interval: Option<[f64; 2]>,
-}
-
-/// How a quantity falls.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct Slopes {
-    /// Against seconds.
-    pub by_time: Slope,
-    /// Against passes.
-    pub by_passes: Slope,
-}
-
-/// How a method's error falls on the tail. What is not above zero in all of it has no slope.
-#[derive(Clone, Debug, PartialEq, serde::Serialize)]
-pub struct Fit {
-    /// Passes of each checkpoint of the tail.
-    pub passes: Vec<u32>,
-    /// Root of the squared relative error.
-    pub error: Option<Slopes>,
-    /// Root of the variance.
-    pub noise: Option<Slopes>,
-    /// Root of the squared bias.
-    pub bias: Option<Slopes>,
-}
-
-/// Fits the tail; `None` where it has fewer than three checkpoints.
-#[must_use]
-pub fn fit(method: &MethodFound) -> Option<Fit> {
-    let tail = tail(&method.checkpoints);
-    if tail.len() < LEAST {
-        return None;
-    }
-    let seeds = tail.iter().map(|c| c.squares.len()).min().unwrap_or(0);
-    let has_noises = tail.iter().all(|c| c.noises.len() >= seeds);
-    let mean = |values: &[f64], weights: &[f64]| values.iter().zip(weights).map(|(v, w)| v * w).sum::<f64>();
-    // Noise and bias can be resampled only where each seed's part is known.
-    let apart = if has_noises { seeds } else { 0 };
-    let error = slopes(tail, seeds, |c, weights| weights.map_or_else(|| c.square(), |w| mean(&c.squares, w)));
-    let noise = slopes(tail, apart, |c, weights| weights.map_or(c.noise2, |w| mean(&c.noises, w)));
-    // The mean squared error is that of bias and noise together, exactly, so the rest is the bias's.
-    let bias = slopes(tail, apart, |c, weights| weights.map_or(c.bias2, |w| mean(&c.squares, w) - mean(&c.noises, w)));
-    Some(Fit { passes: tail.iter().map(|c| c.passes).collect(), error, noise, bias })
-}
-
-/// The checkpoints that are fitted.
-fn tail(checkpoints: &[Checkpoint]) -> &[Checkpoint] {
-    let last = checkpoints.last().map_or(0, |c| c.passes);
-    let early = |c: &&Checkpoint| u64::from(c.passes) * u64::from(TAIL) < u64::from(last) || c.seconds <= 0.0;
-    &checkpoints[checkpoints.iter().take_while(early).count()..]
-}
-
-/// Slopes of the root of what `square` gives for a checkpoint and weights of seeds, `None` for the measured value itself.
-fn slopes(tail: &[Checkpoint], seeds: usize, square: impl Fn(&Checkpoint, Option<&[f64]>) -> f64) -> Option<Slopes> {
-    let times: Vec<f64> = tail.iter().map(|c| libm::log(c.seconds)).collect();
-    let passes: Vec<f64> = tail.iter().map(|c| libm::log(f64::from(c.passes))).collect();
-    let of = |weights: Option<&[f64]>| {
-        let logs = tail.iter().map(|c| Some(square(c, weights)).filter(|s| *s > 0.0).map(|s| 0.5 * libm::log(s)));
-        let logs: Vec<f64> = logs.collect::<Option<_>>()?;
-        Some([line(&times, &logs), line(&passes, &logs)])
-    };
-    let [by_time, by_passes] = of(None)?;
-    let replicates: Vec<[f64; 2]> =
-        (0..REPLICATES).filter_map(|replicate| of(Some(&resampled(replicate, seeds)))).collect();
-    // More than the tails of the interval would be without a slope: it has no end.
-    let told = seeds >= 2 && replicates.len() as u64 * 40 >= REPLICATES * 39;
-    let slope = |value: f64, which: usize| {
-        let interval = told.then(|| {
-            let half = wide(seeds) * deviation(replicates.iter().map(|r| r[which]));
-            [value - half, value + half]
-        });
-        Slope { value, interval }
-    };
-    Some(Slopes { by_time: slope(by_time, 0), by_passes: slope(by_passes, 1) })
-}
-
-/// Weights of so many seeds, drawn with replacement.
-fn resampled(replicate: u64, seeds: usize) -> Vec<f64> {
-    let key = Key::new(0xb007_57a9).with(replicate);
-    let mut weights = vec![0.0; seeds];
-    for draw in 0..seeds {
-        weights[(key.with(draw as u64).bits(Dimension::Part) % seeds as u64) as usize] += 1.0 / seeds as f64;
-    }
-    weights
-}
-
-/// Slope of the least-squares line.
-fn line(x: &[f64], y: &[f64]) -> f64 {
-    let n = x.len() as f64;
-    let (mx, my) = (x.iter().sum::<f64>() / n, y.iter().sum::<f64>() / n);
-    let (xy, xx) =
-        x.iter().zip(y).fold((0.0, 0.0), |(xy, xx), (x, y)| (xy + (x - mx) * (y - my), xx + (x - mx) * (x - mx)));
-    xy / xx
-}
-
-fn deviation(values: impl Iterator<Item = f64> + Clone) -> f64 {
-    let n = values.clone().count() as f64;
-    let mean = values.clone().sum::<f64>() / n;
-    (values.map(|v| (v - mean) * (v - mean)).sum::<f64>() / (n - 1.0)).sqrt()
-}
-
-/// Half of a 95 % interval over a bootstrap's deviation: Student's t for the deviation that is itself estimated, and √(S/(S − 1)) as a bootstrap
-/// divides by S where it should by S − 1 (Hesterberg 2015, section 3.1).
-fn wide(seeds: usize) -> f64 {
-    let degrees = seeds as f64 - 1.0;
-    student(seeds - 1) * (seeds as f64 / degrees).sqrt()
-}
-
-/// The 97.5 % point of Student's t.
-fn student(degrees: usize) -> f64 {
-    const FEW: [f64; 10] = [12.7062, 4.3027, 3.1824, 2.7764, 2.5706, 2.4469, 2.3646, 2.3060, 2.2622, 2.2281];
-    let (z, n) = (1.959_964_f64, degrees as f64);
-    let (z3, z5) = (z * z * z, z * z * z * z * z);
-    // Abramowitz and Stegun 26.7.5, whose next term is under 10⁻³ from 11 degrees.
-    let many = z
-        + (z3 + z) / (4.0 * n)
-        + (5.0 * z5 + 16.0 * z3 + 3.0 * z) / (96.0 * n * n)
-        + (3.0 * z5 * z * z + 19.0 * z5 + 17.0 * z3 - 15.0 * z) / (384.0 * n * n * n);
-    FEW.get(degrees.wrapping_sub(1)).copied().unwrap_or(many)
-}
-
-/// A 95 % interval of the mean over seeds, by Student's t; `None` with fewer than two.
-#[must_use]
-pub fn spread(values: &[f64]) -> Option<[f64; 2]> {
-    let n = values.len();
-    if n < 2 {
-        return None;
-    }
-    let mean = values.iter().sum::<f64>() / n as f64;
-    let half = student(n - 1) * deviation(values.iter().copied()) / (n as f64).sqrt();
-    Some([mean - half, mean + half])
-}
-
-/// A 95 % interval of the squared bias; `None` where the seeds' parts are not known.
-fn bias_spread(checkpoint: &Checkpoint) -> Option<[f64; 2]> {
-    let Checkpoint { squares, noises, .. } = checkpoint;
-    (squares.len() == noises.len())
-        .then(|| squares.iter().zip(noises).map(|(s, n)| s - n).collect::<Vec<_>>())
-        .and_then(|parts| spread(&parts))
-}
 
 #[cfg(test)]
 mod tests;

@@ -1,9 +1,9 @@
-//! How the error of each method falls with time.
+//! Studies of methods: their error over time.
 
 mod clock;
 mod command;
 pub mod fit;
-mod found;
+mod result;
 mod run;
 mod split;
 #[cfg(test)]
@@ -13,7 +13,7 @@ mod variant;
 
 pub use clock::Moment;
 pub use command::{Subject, in_shell};
-pub use found::{Checkpoint, MethodFound, MethodsFound, Truth};
+pub use result::{Checkpoint, MethodResult, MethodStudyResult, Truth};
 pub use run::{Limits, MethodStudy, Step};
-pub use truth::{References, TruthError, truthful};
+pub use truth::{References, TruthError, reference_algorithm};
 pub use variant::{Variant, VariantError, methods_for};

@@ -1,9 +1,9 @@
-//! Running methods side by side.
+//! Runs methods side by side.
 
 use super::clock::{Clock, system, timed};
 use super::split::{by_pixel, mean, split};
 use super::variant::{VariantError, check};
-use super::{Checkpoint, MethodFound, MethodsFound, Moment, References, Subject, Variant};
+use super::{Checkpoint, MethodResult, MethodStudyResult, Moment, References, Subject, Variant};
 use crate::color::Rgb;
 use crate::image::Image;
 use crate::image::flip::{FlipOptions, flip};
@@ -16,40 +16,40 @@ use crate::stats::cpu_seconds;
 use crate::study::StudyError;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// How much more than the checkpoint before the last one must have, so that both are kept.
+/// Minimum ratio of passes of the last two checkpoints; closer ones are merged.
 const WORTH: f64 = 1.3;
 
-/// Bytes a pixel of a film and of the gauge of its error.
+/// Bytes per pixel of a film and its error estimator.
 const FILM: u64 = 24 + 192;
 
-/// Bytes a pixel of a picture.
+/// Bytes per pixel of a picture.
 const PICTURE: u64 = 12;
 
-/// When the runs of a study end; at least one pass of each is made.
+/// Limits of a study; at least one pass of each method is made.
 #[derive(Clone, Copy, Debug)]
 pub struct Limits {
-    /// After the round in which the mean processor time of a seed reaches this \[s].
+    /// Processor time per seed; the round in which its mean reaches this is the last \[s].
     pub budget: f64,
-    /// After so many passes.
+    /// Largest number of passes.
     pub passes: Option<u32>,
 }
 
-/// What a study tells of while it runs.
+/// Progress event of a study.
 #[derive(Clone, Copy, Debug)]
 pub enum Step<'s> {
-    /// So many rounds are made: a pass of each seed of each method that still runs.
+    /// Rounds made; a round is one pass of each seed of each running method.
     Round(u32),
-    /// The method of this label was looked at.
+    /// The method with this label reached a checkpoint.
     Checkpoint(&'s str, &'s Checkpoint),
 }
 
-/// Makes the integrator of a seed.
+/// Creates the integrator for a seed.
 pub(super) type Maker<'a> = Box<dyn Fn(u64) -> Box<dyn Integrator + 'a> + 'a>;
 
-/// Methods ready to be run side by side.
+/// Prepared methods of a study.
 ///
-/// The integrators of all seeds are kept while their method runs, with what their pilots learned; those of the first seed are prepared
-/// at once, the others in the first round.
+/// The integrators of all seeds stay in memory while their method runs. Those of the first seed are
+/// prepared at once, the others in the first round.
 pub struct MethodStudy<'a> {
     size: (u32, u32),
     seeds: u32,
@@ -57,7 +57,7 @@ pub struct MethodStudy<'a> {
     runs: Vec<Run<'a>>,
 }
 
-/// A variant under way.
+/// A running variant.
 struct Run<'a> {
     variant: Variant,
     make: Maker<'a>,
@@ -70,15 +70,15 @@ struct Run<'a> {
     rays: u64,
     photons: u64,
     checkpoints: Vec<Checkpoint>,
-    /// The last pictures, once it has ended.
+    /// Last pictures; `None` while the method runs.
     last: Option<Last>,
 }
 
 struct Seed<'a> {
     integrator: Option<Box<dyn Integrator + 'a>>,
     film: Film,
-    /// Made with the first pass.
-    gauge: Option<ErrorEstimator>,
+    /// Created in the first pass.
+    estimator: Option<ErrorEstimator>,
 }
 
 struct Last {
@@ -89,10 +89,11 @@ struct Last {
 }
 
 impl<'a> MethodStudy<'a> {
-    /// Prepares variants that are each rendered with `seeds` seeds, from that of its settings upwards.
+    /// Prepares `variants`, each with `seeds` seeds from that of its settings upwards.
     ///
     /// # Errors
-    /// [`VariantError`] where there is no variant, two have one label, or there are fewer than two seeds.
+    /// [`VariantError`] if there is no variant, two have one label, or there are fewer than two
+    /// seeds.
     pub fn prepare(scene: &'a Scene, variants: Vec<Variant>, seeds: u32) -> Result<Self, VariantError> {
         let made_by = |variant: Variant| {
             let (algorithm, settings) = (variant.algorithm, variant.settings.clone());
@@ -120,7 +121,7 @@ impl<'a> MethodStudy<'a> {
             let (radii, expected) = (first.radii(), first.expected());
             let alpha = first.radius_law().map_or(1.0, |law| law.alpha);
             let none = (1..seeds).map(|_| None);
-            let film = |integrator| Seed { integrator, film: Film::new(size.0, size.1), gauge: None };
+            let film = |integrator| Seed { integrator, film: Film::new(size.0, size.1), estimator: None };
             Run {
                 variant,
                 make,
@@ -140,7 +141,7 @@ impl<'a> MethodStudy<'a> {
         Ok(Self { size, seeds, clock, runs })
     }
 
-    /// What the largest pass will keep in memory.
+    /// Memory of the largest pass.
     #[must_use]
     pub fn expected(&self) -> Expected {
         self.runs.iter().map(|run| run.expected).fold(Expected::default(), |a, b| Expected {
@@ -150,20 +151,21 @@ impl<'a> MethodStudy<'a> {
         })
     }
 
-    /// Bytes that the pictures of so many variants and seeds take.
+    /// Bytes of the pictures of `variants` with `seeds` each.
     #[must_use]
     pub fn bytes((width, height): (u32, u32), variants: usize, seeds: u32) -> u64 {
         let (variants, seeds) = (variants as u64, u64::from(seeds));
-        // Films, the picture, error and difference of each variant; the references with their mean and scale; the means of one variant.
+        // Films; picture, error and difference of each variant; the references with mean and scale;
+        // the means of one variant.
         let pixel = variants * (FILM * seeds + 2 * PICTURE + 4) + 3 * PICTURE + 8 + PICTURE * (seeds + 2);
         u64::from(width) * u64::from(height) * pixel
     }
 
-    /// Runs all variants, pass by pass in turns, until each has come to an end by `limits`, or after the round in which `interrupted`
-    /// becomes true.
+    /// Runs all variants in turns, pass by pass, until each reaches `limits` or `interrupted` is
+    /// true.
     ///
     /// # Errors
-    /// [`StudyError`] where a pixel is not finite, or the references are of another size.
+    /// [`StudyError`] if a pixel is not finite, or the references have another size.
     pub fn run(
         mut self,
         subject: &Subject,
@@ -172,7 +174,7 @@ impl<'a> MethodStudy<'a> {
         interrupted: &AtomicBool,
         monitor: &dyn Monitor,
         mut after: impl FnMut(Step<'_>),
-    ) -> Result<MethodsFound, StudyError> {
+    ) -> Result<MethodStudyResult, StudyError> {
         let (mut round, mut cut) = (0u32, false);
         while self.runs.iter().any(|run| run.last.is_none()) {
             self.round(round, monitor);
@@ -192,8 +194,8 @@ impl<'a> MethodStudy<'a> {
         Ok(self.conclude(subject, limits, references, cut))
     }
 
-    /// A pass of each seed of each variant that still runs, beginning elsewhere each time: a machine that slows down, or a cache that is
-    /// cold, is unfair to none.
+    /// One pass of each seed of each running variant. Each round starts elsewhere: a slow phase of
+    /// the machine or a cold cache affects all alike.
     fn round(&mut self, pass: u32, monitor: &dyn Monitor) {
         let seeds = self.seeds as usize;
         let running = (0..self.runs.len()).filter(|i| self.runs[*i].last.is_none());
@@ -204,13 +206,19 @@ impl<'a> MethodStudy<'a> {
         }
     }
 
-    fn conclude(self, subject: &Subject, limits: Limits, references: &References, interrupted: bool) -> MethodsFound {
+    fn conclude(
+        self,
+        subject: &Subject,
+        limits: Limits,
+        references: &References,
+        interrupted: bool,
+    ) -> MethodStudyResult {
         let threads = rayon::current_num_threads();
         let share = |run: &Run<'_>| run.time.processor / (run.time.wall * threads as f64);
-        // Wall time in place of processor time tells nothing.
-        let told = |share: &f64| share.is_finite() && cpu_seconds().is_some();
-        let shares = self.runs.iter().map(share).filter(told);
-        MethodsFound {
+        // Without processor time the share is unknown.
+        let is_known = |share: &f64| share.is_finite() && cpu_seconds().is_some();
+        let shares = self.runs.iter().map(share).filter(is_known);
+        MethodStudyResult {
             scene: subject.scene.clone(),
             command: subject.command.clone(),
             program: format!("caustica {}", env!("CARGO_PKG_VERSION")),
@@ -227,18 +235,18 @@ impl<'a> MethodStudy<'a> {
 
 impl Run<'_> {
     fn pass(&mut self, seed: usize, pass: u32, clock: &dyn Fn() -> Moment, monitor: &dyn Monitor) {
-        let Seed { integrator, film, gauge } = &mut self.seeds[seed];
+        let Seed { integrator, film, estimator } = &mut self.seeds[seed];
         let first = self.variant.settings.eye.seed;
         let integrator = integrator.get_or_insert_with(|| (self.make)(first.wrapping_add(seed as u64)));
         let (pass, time) = timed(clock, || integrator.pass(pass, monitor));
-        gauge.get_or_insert_with(|| ErrorEstimator::new(integrator.radius_law())).add(film, &pass);
+        estimator.get_or_insert_with(|| ErrorEstimator::new(integrator.radius_law())).add(film, &pass);
         film.add(&pass.image);
         self.time += time;
         self.rays += pass.counters.rays();
         self.photons += pass.global.emitted + pass.caustic.emitted;
     }
 
-    /// Takes the measure of all seeds after so many passes. A last checkpoint takes the place of one that is not much before it.
+    /// Measures all seeds after `passes` passes. A last checkpoint replaces a close one before it.
     fn look(
         &mut self,
         passes: u32,
@@ -249,12 +257,13 @@ impl Run<'_> {
         let pictures: Vec<Vec<Rgb>> = self.seeds.iter().map(|seed| seed.film.mean()).collect();
         let image = |pixels: Vec<Rgb>| Image::from_pixels(size.0, size.1, pixels);
         for picture in &pictures {
-            // Fails where a pixel is beyond measure.
+            // Fails if a pixel is not finite.
             rmse(&image(picture.clone())?, references.mean())?;
         }
         let measured = split(references, &pictures);
-        let told = |seed: &Seed<'_>| Some(seed.gauge.as_ref()?.estimate(&seed.film).error);
-        let gauged: Vec<f64> = self.seeds.iter().filter_map(told).filter(|e| e.is_finite()).map(|e| e * e).collect();
+        let error = |seed: &Seed<'_>| Some(seed.estimator.as_ref()?.estimate(&seed.film).error);
+        let estimated: Vec<f64> =
+            self.seeds.iter().filter_map(error).filter(|e| e.is_finite()).map(|e| e * e).collect();
         let seeds = pictures.len() as f64;
         let checkpoint = Checkpoint {
             passes,
@@ -266,7 +275,7 @@ impl Run<'_> {
             noises: measured.noises,
             noise2: measured.noise2,
             bias2: measured.bias2,
-            gauged,
+            estimated,
             rmse: measured.rmse,
             flip: flip(references.mean(), &image(pictures[0].clone())?, &FlipOptions::default())?.mean,
         };
@@ -284,9 +293,9 @@ impl Run<'_> {
         Ok(checkpoint)
     }
 
-    fn found(self, subject: &Subject) -> Option<MethodFound> {
+    fn found(self, subject: &Subject) -> Option<MethodResult> {
         let Last { passes, picture, error, difference } = self.last?;
-        Some(MethodFound {
+        Some(MethodResult {
             command: subject.render(&self.variant, passes),
             label: self.variant.label,
             algorithm: self.variant.algorithm,

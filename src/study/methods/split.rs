@@ -1,10 +1,10 @@
-//! Errors, split into noise and bias.
+//! Splits errors into noise and bias.
 
 use super::References;
 use crate::color::Rgb;
 use glam::DVec3;
 
-/// What pictures of several seeds tell of a method's error; see [`Checkpoint`](super::Checkpoint).
+/// Error of a method from pictures of several seeds; see [`Checkpoint`](super::Checkpoint).
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Split {
     pub squares: Vec<f64>,
@@ -14,17 +14,17 @@ pub(super) struct Split {
     pub rmse: f64,
 }
 
-/// Splits the error of two pictures or more, which differ by their seeds.
+/// Splits the error of at least two pictures with different seeds.
 ///
-/// With I a picture and A and B references, all three independent of each other, E[(I − A)(I − B)] = bias² + variance of I: the noise
-/// of the references cancels.
+/// Let I be a picture, A and B references, all independent. Then E[(I − A)(I − B)] = bias² +
+/// variance of I: the noise of the references cancels.
 pub(super) fn split(references: &References, pictures: &[Vec<Rgb>]) -> Split {
     let seeds = pictures.len() as f64;
     let (mut squares, mut noises) = (vec![0.0; pictures.len()], vec![0.0; pictures.len()]);
     let mut plain = 0.0;
     let scale = references.scale();
     let count = scale.weights().len();
-    // What is left of a picture less the mean has lost a part of its noise to the mean.
+    // The mean contains each picture, which reduces the variance by this factor.
     let whole = seeds / (seeds - 1.0);
     for i in 0..count {
         let mean = mean(pictures, i);
@@ -44,12 +44,12 @@ pub(super) fn split(references: &References, pictures: &[Vec<Rgb>]) -> Split {
     Split { squares, noises, noise2, bias2, rmse }
 }
 
-/// Mean of pixel `i`.
+/// Mean of pixel `i` over `pictures`.
 pub(super) fn mean(pictures: &[Vec<Rgb>], i: usize) -> DVec3 {
     pictures.iter().map(|picture| picture[i].as_dvec3()).sum::<DVec3>() / pictures.len() as f64
 }
 
-/// Root of the relative squared error of each pixel, mean over seeds; zero where noise hides it.
+/// Relative error of each pixel, root of the mean square over seeds; 0 if noise hides it.
 pub(super) fn by_pixel(references: &References, pictures: &[Vec<Rgb>]) -> Vec<f32> {
     let scale = references.scale();
     let square = |i: usize| {

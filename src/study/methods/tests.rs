@@ -3,7 +3,9 @@
 use super::clock::Clock;
 use super::run::Maker;
 use super::split::{by_pixel, split};
-use super::{Limits, MethodStudy, MethodsFound, Moment, References, Step, Subject, TruthError, Variant, truthful};
+use super::{
+    Limits, MethodStudy, MethodStudyResult, Moment, References, Step, Subject, TruthError, Variant, reference_algorithm,
+};
 use crate::color::Rgb;
 use crate::image::{self, Image, WriteOptions};
 use crate::integrate::{Algorithm, EyeSettings, Integrator, Monitor, Pass, Settings, Silent};
@@ -16,7 +18,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 const SIZE: (u32, u32) = (64, 64);
 const CHANNELS: f64 = 3.0 * 64.0 * 64.0;
 
-/// Even noise of this standard deviation, of a key.
+/// Uniform noise of standard deviation `sigma`, keyed by `key`.
 fn noise(sigma: f64, key: u64) -> f64 {
     // Steele, Lea and Flood 2014, "Fast splittable pseudorandom number generators".
     let mut z = key.wrapping_mul(0x9e37_79b9_7f4a_7c15);
@@ -26,7 +28,7 @@ fn noise(sigma: f64, key: u64) -> f64 {
     12f64.sqrt() * sigma * (uniform - 0.5)
 }
 
-/// Light of 1 everywhere, wrong by `bias` and noise.
+/// Radiance 1 everywhere plus `bias` and noise.
 fn picture(bias: f64, sigma: f64, name: u64) -> Vec<Rgb> {
     let value = |i: u64| 1.0 + bias + noise(sigma, (name << 32) + i);
     let pixel = |i: u64| glam::DVec3::new(value(3 * i), value(3 * i + 1), value(3 * i + 2)).as_vec3();
@@ -47,9 +49,10 @@ fn near(found: f64, expected: f64, sigma: f64) {
     assert!((found - expected).abs() < 4.0 * sigma, "{found} is not {expected} ± {sigma}");
 }
 
-/// Of light 1 an error e counts e²/2. A product of two errors of variance v has a standard deviation of about v.
+/// At radiance 1 an error e counts e²/2. A product of two errors of variance v has a standard
+/// deviation of about v.
 #[test]
-fn noise_and_bias_are_told_apart_and_the_references_noise_is_in_neither() {
+fn noise_and_bias_are_separated() {
     let (bias, sigma, reference) = (0.1, 0.2, 0.2);
     let pictures: Vec<_> = (0..4).map(|seed| picture(bias, sigma, seed)).collect();
     let found = split(&references(reference), &pictures);
@@ -67,14 +70,14 @@ fn noise_and_bias_are_told_apart_and_the_references_noise_is_in_neither() {
 }
 
 #[test]
-fn without_bias_the_split_says_so() {
+fn unbiased_pictures_have_no_bias() {
     let pictures: Vec<_> = (0..4).map(|seed| picture(0.0, 0.2, seed)).collect();
     let found = split(&references(0.2), &pictures);
     near(found.bias2, 0.0, 0.5 * (0.01 + 0.04) / CHANNELS.sqrt());
 }
 
 #[test]
-fn the_map_of_errors_has_their_mean() {
+fn error_map_has_the_mean_error() {
     let truth = References::new("here".into(), image(picture(0.0, 0.0, 0)), None).unwrap();
     let pictures = [picture(0.1, 0.0, 0), picture(-0.3, 0.0, 0)];
     let map = by_pixel(&truth, &pictures);
@@ -89,18 +92,18 @@ struct Fake {
     sigma: f64,
     /// Processor time of a pass of the first seed \[s]; each next one takes half as much again.
     cost: f64,
-    /// Whether its third pass of the first seed is interrupted.
+    /// True if the third pass of the first seed is interrupted.
     interrupts: bool,
 }
 
 const FAST: Fake = Fake { bias: 0.0, sigma: 0.5, cost: 0.2, interrupts: false };
 const SLOW: Fake = Fake { bias: 0.1, sigma: 0.1, cost: 0.8, interrupts: false };
 
-/// What all methods of a study share.
+/// State that all methods of a study share.
 #[derive(Default)]
 struct World {
     time: Mutex<Moment>,
-    /// Methods, seeds and passes as they came.
+    /// Methods, seeds and passes in order.
     log: Mutex<Vec<(f64, u64, u32)>>,
     interrupted: AtomicBool,
 }
@@ -137,7 +140,7 @@ impl Integrator for Running<'_> {
     }
 }
 
-fn study<'w>(world: &'w World, fakes: &[Fake], limits: Limits) -> MethodsFound {
+fn study<'w>(world: &'w World, fakes: &[Fake], limits: Limits) -> MethodStudyResult {
     let variant = |fake: Fake| {
         let label = format!("of {} s", fake.cost);
         let settings = Settings::default();
@@ -148,28 +151,29 @@ fn study<'w>(world: &'w World, fakes: &[Fake], limits: Limits) -> MethodsFound {
     let clock: Clock<'w> = Box::new(|| *world.time.lock().unwrap());
     let study = MethodStudy::new(SIZE, fakes.iter().map(|f| variant(*f)).collect(), 2, clock).unwrap();
     let subject = Subject { scene: "a.txt".into(), ..Subject::default() };
-    let mut told = Vec::new();
+    let mut reported = Vec::new();
     let found = study.run(&subject, limits, &references(0.0), &world.interrupted, &Silent, |step| {
         if let Step::Checkpoint(label, checkpoint) = step {
-            told.push((label.to_owned(), checkpoint.passes));
+            reported.push((label.to_owned(), checkpoint.passes));
         }
     });
     let found = found.unwrap();
     for method in &found.methods {
         for checkpoint in &method.checkpoints {
-            assert!(told.contains(&(method.label.clone(), checkpoint.passes)), "{}", checkpoint.passes);
+            assert!(reported.contains(&(method.label.clone(), checkpoint.passes)), "{}", checkpoint.passes);
         }
     }
     found
 }
 
-fn passes(found: &MethodsFound, method: usize) -> Vec<u32> {
+fn passes(found: &MethodStudyResult, method: usize) -> Vec<u32> {
     found.methods[method].checkpoints.iter().map(|c| c.passes).collect()
 }
 
-/// Two seeds whose passes take 1 and 1.5 of the cost take 1.25 in the mean: 1 s the slow ones, .25 s the fast ones.
+/// Two seeds whose passes take 1 and 1.5 of the cost take 1.25 in the mean: 1 s the slow ones, .25
+/// s the fast ones.
 #[test]
-fn each_method_runs_until_its_budget_is_spent() {
+fn methods_run_until_their_budget() {
     let world = World::default();
     let found = study(&world, &[SLOW, FAST], Limits { budget: 6.0 - 1e-9, passes: None });
     assert_eq!(passes(&found, 0), [1, 2, 4, 6]);
@@ -182,7 +186,7 @@ fn each_method_runs_until_its_budget_is_spent() {
 }
 
 #[test]
-fn a_last_checkpoint_takes_the_place_of_one_that_is_near() {
+fn close_last_checkpoints_are_merged() {
     let found = study(&World::default(), &[SLOW, FAST], Limits { budget: 5.0 - 1e-9, passes: None });
     assert_eq!((passes(&found, 0), passes(&found, 1)), (vec![1, 2, 5], vec![1, 2, 4, 8, 20]));
     let capped = study(&World::default(), &[SLOW, FAST], Limits { budget: 5.0 - 1e-9, passes: Some(6) });
@@ -192,7 +196,7 @@ fn a_last_checkpoint_takes_the_place_of_one_that_is_near() {
 }
 
 #[test]
-fn turns_begin_elsewhere_in_each_round() {
+fn rounds_start_at_different_methods() {
     let world = World::default();
     study(&world, &[SLOW, FAST], Limits { budget: 1e9, passes: Some(3) });
     let round = [(0.8, 0), (0.8, 1), (0.2, 0), (0.2, 1)];
@@ -201,7 +205,7 @@ fn turns_begin_elsewhere_in_each_round() {
 }
 
 #[test]
-fn an_interrupt_ends_all_after_the_round() {
+fn interrupts_end_after_the_round() {
     let world = World::default();
     let found = study(&world, &[Fake { interrupts: true, ..SLOW }, FAST], Limits { budget: 100.0, passes: None });
     assert!(found.interrupted);
@@ -213,12 +217,13 @@ fn an_interrupt_ends_all_after_the_round() {
 }
 
 #[test]
-fn errors_fall_as_passes_say() {
+fn errors_follow_the_passes() {
     let found = study(&World::default(), &[SLOW, FAST], Limits { budget: 100.0, passes: Some(16) });
     for (method, Fake { bias, sigma, .. }) in found.methods.iter().zip([SLOW, FAST]) {
         for checkpoint in &method.checkpoints {
             let noise2 = sigma * sigma / f64::from(checkpoint.passes);
-            // Known to √(2/n), with one degree of freedom a channel; means are rounded at 6e-8 of 1.
+            // Known to √(2/n), with one degree of freedom a channel; means are rounded at 6e-8 of
+            // 1.
             near(checkpoint.noise2, 0.5 * noise2, 0.5 * noise2 * (2.0 / CHANNELS).sqrt() + 1e-9);
             let v = bias * bias + noise2;
             near(checkpoint.square(), 0.5 * v, v / CHANNELS.sqrt());
@@ -237,7 +242,7 @@ fn errors_fall_as_passes_say() {
 }
 
 #[test]
-fn references_know_their_noise() {
+fn references_estimate_their_noise() {
     // The mean of both has half the variance of each: of light 1, √(.2²/2 / 2) = .1.
     let truth = references(0.2).truth();
     near(truth.error.unwrap(), 0.1, 0.1 / (2.0 * CHANNELS).sqrt() + 5e-4);
@@ -246,11 +251,11 @@ fn references_know_their_noise() {
 }
 
 #[test]
-fn references_are_rendered_by_what_misses_nothing() {
+fn references_use_a_complete_algorithm() {
     let (matt, glass) = (matt(8, 6), glass_on_floor(8, 6));
-    assert_eq!(truthful(&matt, EffectOverrides::PLANNED).0, Algorithm::Path);
-    assert_eq!(truthful(&glass, EffectOverrides::PLANNED).0, Algorithm::Hybrid);
-    assert_eq!(truthful(&glass, EffectOverrides::PLANNED.without(Effect::Caustics)).0, Algorithm::Path);
+    assert_eq!(reference_algorithm(&matt, EffectOverrides::PLANNED).0, Algorithm::Path);
+    assert_eq!(reference_algorithm(&glass, EffectOverrides::PLANNED).0, Algorithm::Hybrid);
+    assert_eq!(reference_algorithm(&glass, EffectOverrides::PLANNED.without(Effect::Caustics)).0, Algorithm::Path);
     let render = |seed, interrupted| {
         let like = EyeSettings { seed, ..EyeSettings::default() };
         References::render(&matt, &like, 0.0, &AtomicBool::new(interrupted), &Silent, |_, _| {}).unwrap()
@@ -262,7 +267,7 @@ fn references_are_rendered_by_what_misses_nothing() {
 }
 
 #[test]
-fn references_that_cannot_be_used_are_refused_with_a_remedy() {
+fn unusable_references_are_refused_with_a_remedy() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name);
     let good = image(picture(0.0, 0.2, 0));

@@ -1,4 +1,4 @@
-//! What errors are held against: two references that know nothing of each other.
+//! Reference pictures: two independent ones, or one that is taken as exact.
 
 use super::Truth;
 use super::clock::{system, timed};
@@ -13,52 +13,52 @@ use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// How far the seeds of the references are from the first that is studied.
+/// Offset of the references' seeds from the first studied seed.
 const FAR: [u64; 2] = [1 << 62, 1 << 63];
 
 /// First bytes of a PNG.
 const PNG: [u8; 4] = *b"\x89PNG";
 
-/// Why a reference cannot be used.
+/// Reason why a reference cannot be used.
 #[derive(Debug, thiserror::Error)]
 pub enum TruthError {
-    /// It cannot be read.
+    /// The file cannot be read.
     #[error(transparent)]
     Read(#[from] crate::image::ReadError),
-    /// It is a copy of the other one.
-    #[error("`{}` is the same picture as the other reference, whose noise would pass for bias: render it with another seed", path.display())]
+    /// Both references are the same picture.
+    #[error("`{}` equals the other reference, so its noise would count as bias: render it with another seed", path.display())]
     Same {
-        /// Where it is.
+        /// Path of the file.
         path: PathBuf,
     },
-    /// It holds colours of a display, not light.
-    #[error("`{}` is a PNG, whose light is clipped and rounded: give an OpenEXR or Radiance HDR picture", path.display())]
+    /// The file is a PNG, which is clipped and rounded.
+    #[error("`{}` is a PNG, which is clipped and rounded: use OpenEXR or Radiance HDR", path.display())]
     NotLinear {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
     },
-    /// It is of another size.
+    /// The reference has another size.
     #[error(
         "`{}` has {} × {} pixels, but the study {} × {}: give --size {}x{}, or a reference of the study's size",
         path.display(), found.0, found.1, wanted.0, wanted.1, found.0, found.1
     )]
     Size {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Its width and height.
+        /// Width and height of the reference \[pixels].
         found: (u32, u32),
-        /// The study's.
+        /// Width and height of the study \[pixels].
         wanted: (u32, u32),
     },
-    /// Its pixels are beyond measure, or two references differ in size.
+    /// A pixel is not finite, or the references differ in size.
     #[error("the references cannot be used: {0}")]
     Metric(#[from] MetricError),
-    /// The picture's size cannot be used.
+    /// The size of the picture is not allowed.
     #[error(transparent)]
     Extent(#[from] SizeError),
 }
 
-/// Two references of equal size with all finite pixels.
+/// Two references of equal size; all pixels are finite.
 #[derive(Clone, Debug)]
 pub struct References {
     source: String,
@@ -69,14 +69,14 @@ pub struct References {
 }
 
 impl References {
-    /// Two references, or one that is exact, or taken to be so.
+    /// References `a` and `b`; without `b`, `a` is taken as exact.
     ///
     /// # Errors
-    /// [`TruthError::Metric`] where sizes differ or a pixel is not finite.
+    /// [`TruthError::Metric`] if sizes differ or a pixel is not finite.
     pub fn new(source: String, a: Image, b: Option<Image>) -> Result<Self, TruthError> {
         let exact = b.is_none();
         let b = b.unwrap_or_else(|| a.clone());
-        // Alike in size and finite: what is measured does not matter.
+        // The metric checks sizes and pixels; its value is not used.
         rmse(&a, &b)?;
         let halves = a.pixels().iter().zip(b.pixels()).map(|(a, b)| ((a.as_dvec3() + b.as_dvec3()) * 0.5).as_vec3());
         let mean = Image::from_pixels(a.width(), a.height(), halves.collect())?;
@@ -86,7 +86,7 @@ impl References {
         Ok(Self { source, error, pair: [a, b], mean, scale })
     }
 
-    /// Reads one file or two of pictures of `size`.
+    /// Reads one or two reference pictures of `size` pixels.
     ///
     /// # Errors
     /// [`TruthError`].
@@ -102,13 +102,14 @@ impl References {
         }
     }
 
-    /// Renders two references, each for at least `seconds` of processor time, in whole passes; `None` where `interrupted` became true.
+    /// Renders two references, each for at least `seconds` of processor time; `None` if
+    /// interrupted. Filter, bounces and effects are those of `settings`, the seeds are far from
+    /// them. `after` is called with passes made and fraction of the time.
     ///
-    /// Of the settings, those that say what the picture is are taken: filter, bounces and effects; the seeds are far from theirs.
-    /// `after` hears the passes made of each, and how much of the time has gone by.
+    /// The function finishes whole passes.
     ///
     /// # Errors
-    /// [`TruthError`] where a pixel is not finite.
+    /// [`TruthError`] if a pixel is not finite.
     pub fn render(
         scene: &Scene,
         like: &EyeSettings,
@@ -117,7 +118,7 @@ impl References {
         monitor: &dyn Monitor,
         mut after: impl FnMut(u32, f64),
     ) -> Result<Option<Self>, TruthError> {
-        let (algorithm, why) = truthful(scene, like.effects);
+        let (algorithm, why) = reference_algorithm(scene, like.effects);
         let clock = system();
         let (width, height) = scene.camera().size();
         let prepare = |far| {
@@ -146,31 +147,32 @@ impl References {
         Self::new(source, a?, Some(b?)).map(Some)
     }
 
-    /// The two pictures; the same one twice where it is exact.
+    /// Both pictures; one picture twice if it is exact.
     #[must_use]
     pub fn pair(&self) -> &[Image; 2] {
         &self.pair
     }
 
-    /// Their mean, with where it is from.
+    /// Mean of both references and its origin.
     ///
-    /// The error that it is given is that of the mean's noise, ½√(mean of (A − B)²), which says nothing of a bias that both share.
+    /// Its error is that of its noise, ½√(mean of (A − B)²). A bias that both references share is
+    /// unknown.
     #[must_use]
     pub fn truth(&self) -> Truth {
         Truth { source: self.source.clone(), error: self.error, picture: self.mean.clone() }
     }
 
-    /// Their mean.
+    /// Mean of both references.
     pub(super) fn mean(&self) -> &Image {
         &self.mean
     }
 
-    /// What errors are relative to.
+    /// Scale of relative errors.
     pub(super) fn scale(&self) -> &RelativeScale {
         &self.scale
     }
 
-    /// (I − A)(I − B) of a value of pixel `i`, summed over channels.
+    /// (I − A)(I − B) for value I of pixel `i`, summed over channels.
     pub(super) fn square(&self, i: usize, value: DVec3) -> f64 {
         let [a, b] = self.pair.each_ref().map(|image| image.pixels()[i].as_dvec3());
         ((value - a) * (value - b)).element_sum()
@@ -190,14 +192,14 @@ fn read(path: &Path, wanted: (u32, u32)) -> Result<Image, TruthError> {
     Ok(image)
 }
 
-/// The algorithm that references are made by, and why: `path` is unbiased, and complete where there are no caustics to be missed; with
-/// them, `hybrid` blurs nothing but these, by radii that shrink.
+/// Algorithm for references, and the reason: `path` if there are no caustics, which it could miss;
+/// else `hybrid`, whose only bias is blur that shrinks.
 #[must_use]
-pub fn truthful(scene: &Scene, wishes: EffectOverrides) -> (Algorithm, &'static str) {
-    let plan = Plan::new(scene, Algorithm::Hybrid.simulates(), wishes);
+pub fn reference_algorithm(scene: &Scene, overrides: EffectOverrides) -> (Algorithm, &'static str) {
+    let plan = Plan::new(scene, Algorithm::Hybrid.simulates(), overrides);
     if plan.effects().has(Effect::Caustics) {
-        (Algorithm::Hybrid, "unbiased but for caustics, blurred by radii that shrink")
+        (Algorithm::Hybrid, "unbiased except caustics, whose blur shrinks")
     } else {
-        (Algorithm::Path, "unbiased, and no caustics are missed")
+        (Algorithm::Path, "unbiased, and the scene has no caustics")
     }
 }

@@ -1,4 +1,4 @@
-//! What is compared.
+//! Methods to compare.
 
 use crate::integrate::{Algorithm, Settings};
 use crate::plan::{Effect, EffectOverrides, Plan};
@@ -7,27 +7,28 @@ use crate::scene::Scene;
 /// An algorithm with its settings.
 #[derive(Clone, Debug)]
 pub struct Variant {
-    /// What tells it from the others, such as `sppm` or `sppm --gather-k 20`.
+    /// Unique label, such as `sppm` or `sppm --gather-k 20`.
     pub label: String,
     /// The algorithm.
     pub algorithm: Algorithm,
-    /// Its settings, with the first seed.
+    /// Settings, with the first seed.
     pub settings: Settings,
-    /// The words of `caustica render` that name the algorithm and the settings, without `--seed` and `--passes`.
+    /// Flags of `caustica render` for the algorithm and its settings, without `--seed` and
+    /// `--passes`.
     pub flags: Vec<String>,
 }
 
-/// Why variants cannot be compared.
+/// Reason why variants cannot be compared.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum VariantError {
-    /// There is none.
+    /// The list is empty.
     #[error("there is no method to study")]
     None,
-    /// Two have one label.
-    #[error("`{0}` is named twice")]
+    /// Two variants have one label.
+    #[error("`{0}` is given twice")]
     Twice(String),
-    /// Nothing tells noise from bias.
-    #[error("one seed does not tell noise from bias: take two at least")]
+    /// One seed cannot separate noise from bias.
+    #[error("one seed cannot separate noise from bias: use at least two")]
     OneSeed,
 }
 
@@ -42,11 +43,11 @@ pub(super) fn check(variants: &[Variant], seeds: u32) -> Result<(), VariantError
     twice.map_or(Ok(()), |(_, v)| Err(VariantError::Twice(v.label.clone())))
 }
 
-/// The methods of global illumination that differ in a scene: photons are for light that reaches what stores them, and `hybrid` is
-/// `path` where there are no caustics.
+/// Global-illumination methods that differ for a scene. Photon methods need a light and a receiver;
+/// `hybrid` equals `path` without caustics.
 #[must_use]
-pub fn methods_for(scene: &Scene, wishes: EffectOverrides) -> Vec<Algorithm> {
-    let plan = Plan::new(scene, Algorithm::Hybrid.simulates(), wishes);
+pub fn methods_for(scene: &Scene, overrides: EffectOverrides) -> Vec<Algorithm> {
+    let plan = Plan::new(scene, Algorithm::Hybrid.simulates(), overrides);
     let facts = &plan.facts;
     let photons = facts.lights > 0 && facts.receivers + facts.scattering_media > 0;
     let applies = |algorithm: &Algorithm| match algorithm {

@@ -1,4 +1,4 @@
-//! What each effect costs and gives: as a page, one HTML file that holds its pictures and needs nothing else, and as tables.
+//! Report of a study of effects: an HTML page, and tables.
 
 mod data;
 
@@ -11,7 +11,7 @@ use crate::image::Image;
 use crate::study::{Clock, Finding, Findings, StudyError};
 use std::fmt::Write;
 
-/// A part of a difference whose mean is less than this of the other's is noise, and is not shown.
+/// A part of a difference below this fraction of the other is noise and not shown.
 const SHOWN: f64 = 0.1;
 
 const STYLE: &str = "\
@@ -29,7 +29,7 @@ article { border-top: 1px solid #8886; padding: 1.5rem 0; }
 p { max-width: 48rem; } dl { display: grid; grid-template-columns: max-content 1fr; gap: .25rem 1rem; } dt { font-weight: 600; } dd { margin: 0; }
 ";
 
-/// What a page tells besides the findings.
+/// Context of a report.
 #[derive(Clone, Debug)]
 pub struct About {
     /// The scene's name.
@@ -42,23 +42,23 @@ pub struct About {
     pub exposure: f32,
 }
 
-/// The page, as HTML that is well-formed XML too.
+/// HTML page, also well-formed XML.
 ///
 /// # Errors
-/// [`StudyError`] where a picture cannot be encoded.
+/// [`StudyError`] if a picture cannot be encoded.
 pub fn page(about: &About, findings: &Findings) -> Result<String, StudyError> {
     let scene = escape(&about.scene);
     let mut page = format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/>\n\
          <title>Effects of {scene}</title>\n<style>\n{STYLE}</style>\n</head>\n<body>\n\
-         <h1>What light costs, and what it is worth: {scene}</h1>\n"
+         <h1>Cost and contribution of effects: {scene}</h1>\n"
     );
     let passes = findings.whole.passes.len();
     let _ = writeln!(
         page,
-        "<p>Rendered by Caustica {} with <code>{}</code>, {passes} {}, seed {}. Each effect that the scene calls for was left out \
-         once, all else the same; what is told of it is the whole picture less the one without it. Seconds are {}.</p>",
+        "<p>Rendered by Caustica {} with <code>{}</code>, {passes} {}, seed {}. Each effect in use was left out \
+         once. Figures are the whole picture less the one without the effect. Seconds are {}.</p>",
         env!("CARGO_PKG_VERSION"),
         about.integrator,
         if passes == 1 { "pass" } else { "passes" },
@@ -73,8 +73,8 @@ pub fn page(about: &About, findings: &Findings) -> Result<String, StudyError> {
         page += "<p>No effect is simulated, so none was left out.</p>\n";
     } else {
         page += &table(findings);
-        page += "<h2>The effects one by one</h2>\n<p>Light that an effect adds and light that it takes away are shown apart, each at an \
-                 exposure that makes it visible; where one is less than a tenth of the other, it is mostly noise and not shown.</p>\n";
+        page += "<h2>The effects one by one</h2>\n<p>Light that an effect adds and light that it removes are shown separately, each at its own \
+                 exposure. A part below a tenth of the other is mostly noise and not shown.</p>\n";
     }
     for finding in &findings.effects {
         page += &article(finding)?;
@@ -86,8 +86,8 @@ pub fn page(about: &About, findings: &Findings) -> Result<String, StudyError> {
 
 fn clock(clock: Clock) -> &'static str {
     match clock {
-        Clock::Processor => "of processor time, all threads together",
-        Clock::Wall => "on the wall",
+        Clock::Processor => "of processor time of all threads",
+        Clock::Wall => "of wall time",
     }
 }
 
@@ -102,15 +102,15 @@ fn part(of_mean: f64, mean: f64) -> String {
 
 fn table(findings: &Findings) -> String {
     let heads = [
-        "ms a pass",
-        "time, with to without",
+        "ms per pass",
+        "time ratio",
         "ms of setup",
-        "rays a pass",
-        "gathered photons a pass",
+        "rays per pass",
+        "gathered photons per pass",
         "RMSE, W/(m² sr)",
-        "RMSE, part of the mean",
-        "adds, part of the mean",
-        "takes, part of the mean",
+        "RMSE / mean",
+        "adds / mean",
+        "removes / mean",
     ];
     let mut table =
         "<h2>Figures</h2>\n<div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\">effect</th>".to_owned();
@@ -150,9 +150,9 @@ fn table(findings: &Findings) -> String {
         "<td colspan=\"4\">mean radiance {} W/(m² sr)</td></tr></tfoot>\n</table></div>\n",
         figure(findings.mean)
     );
-    let mut notes = "<p>Costs do not add up: effects share work, and some rest on others. ± is the standard error over passes.</p>\n";
+    let mut notes = "<p>Costs do not add up: effects share work, and some depend on others. ± is the standard error over passes.</p>\n";
     if findings.whole.passes.len() == 1 {
-        notes = "<p>Costs do not add up: effects share work, and some rest on others.</p>\n";
+        notes = "<p>Costs do not add up: effects share work, and some depend on others.</p>\n";
     }
     table + notes
 }
@@ -162,18 +162,18 @@ fn article(finding: &Finding) -> Result<String, StudyError> {
     let effect = decision.effect;
     let mut article = format!("<article id=\"{effect}\">\n<h3>{effect}</h3>\n<dl>\n");
     let because = if decision.is_forced() {
-        format!("as wished; the scene does not call for it: {}", decision.reason)
+        format!("forced; the scene does not need it: {}", decision.reason)
     } else {
         decision.reason.to_string()
     };
     let changes = if gain.rmse == 0.0 {
-        "nothing: the picture is the same to the bit".to_owned()
+        "nothing: the picture is equal bit for bit".to_owned()
     } else {
         let of_mean = gain.relative_rmse.map_or(String::new(), |r| format!(", {} of the mean", percent(r)));
         format!("RMSE {} W/(m² sr){of_mean}", figure(gain.rmse))
     };
     let costs = format!(
-        "{} ms a pass, {:.2} times the time without it; {} rays and {} gathered photons a pass",
+        "{} ms per pass, {:.2} times the time without it; {} rays and {} gathered photons per pass",
         milliseconds(cost.seconds),
         cost.ratio,
         signed(cost.rays),
@@ -186,7 +186,7 @@ fn article(finding: &Finding) -> Result<String, StudyError> {
     }
     article += "</dl>\n";
     let most = gain.adds.max(gain.takes);
-    let parts = [("added", gain.adds, added(difference)?), ("taken away", gain.takes, taken(difference)?)];
+    let parts = [("added", gain.adds, added(difference)?), ("removed", gain.takes, taken(difference)?)];
     article += "<div class=\"pictures\">\n";
     for (how, mean, image) in parts {
         let Some(exposure) = exposure(&image).filter(|_| mean >= SHOWN * most) else { continue };
@@ -206,7 +206,7 @@ fn left_out(findings: &Findings) -> String {
     for decision in off {
         let reason = escape(&decision.reason.to_string());
         let text = if decision.is_forced() {
-            format!("off, as wished, though {reason}: {}", decision.effect.lack())
+            format!("forced off, though {reason}: {}", decision.effect.lack())
         } else {
             reason
         };

@@ -1,9 +1,9 @@
-//! What a page is made of.
+//! HTML elements.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 
-/// Text with what HTML would take for markup escaped, for elements and for attributes in double quotes.
+/// Escapes `text` for HTML elements and double-quoted attributes.
 pub(super) fn escape(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {
@@ -12,7 +12,7 @@ pub(super) fn escape(text: &str) -> String {
             '<' => escaped.push_str("&lt;"),
             '>' => escaped.push_str("&gt;"),
             '"' => escaped.push_str("&quot;"),
-            // Other control characters are errors in HTML, and a file's name may hold them.
+            // Control characters are errors in HTML, but file names may contain them.
             c if c.is_control() && c != '\n' => escaped.push('\u{fffd}'),
             c => escaped.push(c),
         }
@@ -20,7 +20,7 @@ pub(super) fn escape(text: &str) -> String {
     escaped
 }
 
-/// A picture within the page, with words for those who do not see it.
+/// Inline PNG of a page with alternative text.
 pub(super) fn picture(png: &[u8], (width, height): (u32, u32), words: &str) -> String {
     let data = STANDARD.encode(png);
     let words = escape(words);

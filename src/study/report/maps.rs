@@ -1,19 +1,19 @@
-//! Maps of errors: ramps whose lightness tells the order, scales that several maps share, and where to look closer.
+//! Error maps: colour ramps, shared scales, and windows with the largest errors.
 
 use crate::image::{Image, RelativeScale, SizeError};
-use crate::study::methods::MethodFound;
+use crate::study::methods::MethodResult;
 use glam::{DVec3, Vec3};
 
-/// The least error of a map's ramp, in its most: two decades.
+/// Lowest error of a ramp over the highest: two decades.
 pub(super) const LEAST: f64 = 0.01;
 
-/// Part of the pixels that a scale holds; grains beyond are as bright as its end.
+/// Fraction of pixels within a scale; fireflies beyond it are clamped.
 const HELD: f64 = 0.99;
 
-/// Edge of a crop in pixels.
+/// Edge of a crop \[pixels].
 pub(super) const CROP: u32 = 64;
 
-/// Linear RGB of a lightness, chroma and hue in OKLab (Ottosson 2020), clipped to what a display has.
+/// Linear RGB of an OKLab colour (Ottosson 2020), clipped to the gamut of a display.
 fn oklch(lightness: f64, chroma: f64, hue: f64) -> Vec3 {
     let (b, a) = libm::sincos(hue.to_radians());
     let (a, b) = (chroma * a, chroma * b);
@@ -30,23 +30,25 @@ fn oklch(lightness: f64, chroma: f64, hue: f64) -> Vec3 {
     .as_vec3()
 }
 
-/// From black by violet, red and orange to a light yellow, evenly in lightness, for `t` in \[0, 1].
+/// Ramp from black over violet, red and orange to light yellow, even in lightness, for `t` in \[0,
+/// 1].
 pub(super) fn ramp(t: f64) -> Vec3 {
     let t = t.clamp(0.0, 1.0);
-    // No hue has much chroma near black and white.
+    // Chroma is limited near black and white.
     let chroma = 0.2 * (1.0 - (2.0 * t - 1.0) * (2.0 * t - 1.0) * (2.0 * t - 1.0) * (2.0 * t - 1.0));
     oklch(0.06 + 0.9 * t, chroma.max(0.0), 300.0 + 160.0 * t)
 }
 
-/// Blue below zero, orange above, black at zero, for `t` in \[−1, 1].
+/// Ramp with blue below zero, black at zero, orange above, for `t` in \[−1, 1].
 pub(super) fn signed_ramp(t: f64) -> Vec3 {
     let t = t.clamp(-1.0, 1.0);
     let hue = if t < 0.0 { 250.0 } else { 65.0 };
-    // Even in lightness, on both sides alike.
+    // Both sides have equal lightness.
     oklch(0.9 * t.abs(), 0.13 * t.abs().sqrt(), hue)
 }
 
-/// What holds all but a hundredth of the values, rounded up to 1, 2 or 5 of a decade; `None` where nothing is above zero.
+/// Upper end of a scale: the 99 % quantile, rounded up to 1, 2 or 5 of a decade; `None` if no value
+/// is positive.
 pub(super) fn scale(values: impl Iterator<Item = f64>) -> Option<f64> {
     let mut values: Vec<f64> = values.filter(|v| *v > 0.0 && v.is_finite()).collect();
     if values.is_empty() {
@@ -59,8 +61,8 @@ pub(super) fn scale(values: impl Iterator<Item = f64>) -> Option<f64> {
     Some(up * decade)
 }
 
-/// The relative error of each pixel, in decades below `most`.
-pub(super) fn error_map(method: &MethodFound, most: f64) -> Result<Image, SizeError> {
+/// Map of the relative error of each pixel, in decades below `most`.
+pub(super) fn error_map(method: &MethodResult, most: f64) -> Result<Image, SizeError> {
     let colour = |e: &f32| {
         let e = f64::from(*e);
         if e > 0.0 { ramp(1.0 - libm::log(e / most) / libm::log(LEAST)) } else { ramp(0.0) }
@@ -69,20 +71,20 @@ pub(super) fn error_map(method: &MethodFound, most: f64) -> Result<Image, SizeEr
     Image::from_pixels(picture.width(), picture.height(), method.error.iter().map(colour).collect())
 }
 
-/// Mean over channels of a difference, relative to the light around.
+/// Mean difference over channels, relative to local radiance.
 pub(super) fn relative(difference: &Image, scale: &RelativeScale) -> Vec<f64> {
-    // A weight is a third of the square's.
+    // Weights include the mean over three channels.
     let pairs = difference.pixels().iter().zip(scale.weights());
     pairs.map(|(d, w)| d.as_dvec3().element_sum() / 3.0 * (3.0 * w).sqrt()).collect()
 }
 
-/// Relative differences as colours, up to `most` either way.
-pub(super) fn difference_map(method: &MethodFound, relative: &[f64], most: f64) -> Result<Image, SizeError> {
+/// Map of relative differences, up to ±`most`.
+pub(super) fn difference_map(method: &MethodResult, relative: &[f64], most: f64) -> Result<Image, SizeError> {
     let picture = &method.picture;
     Image::from_pixels(picture.width(), picture.height(), relative.iter().map(|d| signed_ramp(d / most)).collect())
 }
 
-/// A part of a picture.
+/// A rectangle of pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Window {
     pub(super) x: u32,
@@ -92,7 +94,7 @@ pub(super) struct Window {
 }
 
 impl Window {
-    /// The pixels within.
+    /// The pixels inside the window.
     pub(super) fn of(self, image: &Image) -> Result<Image, SizeError> {
         let pixels = (self.y..self.y + self.height)
             .flat_map(|y| (self.x..self.x + self.width).map(move |x| image.get(x, y).unwrap_or(Vec3::ZERO)));
@@ -104,8 +106,9 @@ impl Window {
     }
 }
 
-/// Up to `count` windows that do not overlap with the largest squared error, each method's in its own mean, so that all count alike.
-pub(super) fn windows(methods: &[MethodFound], count: usize) -> Vec<Window> {
+/// Up to `count` disjoint windows with the largest squared errors; each method is weighted by its
+/// own mean.
+pub(super) fn windows(methods: &[MethodResult], count: usize) -> Vec<Window> {
     let Some(first) = methods.first() else { return Vec::new() };
     let (width, height) = (first.picture.width(), first.picture.height());
     let (w, h) = (width as usize, height as usize);
@@ -117,7 +120,7 @@ pub(super) fn windows(methods: &[MethodFound], count: usize) -> Vec<Window> {
             sum.iter_mut().zip(&method.error).for_each(|(sum, e)| *sum += square(e) / mean);
         }
     }
-    // Sums over all that is left of and above a pixel.
+    // Summed-area table: sum over all pixels left of and above.
     let mut table = vec![0.0; (w + 1) * (h + 1)];
     for y in 0..h {
         let mut row = 0.0;
@@ -151,81 +154,4 @@ pub(super) fn windows(methods: &[MethodFound], count: usize) -> Vec<Window> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::integrate::Algorithm;
-
-    /// Rec. 709.
-    fn luminance(c: Vec3) -> f32 {
-        c.dot(Vec3::new(0.2126, 0.7152, 0.0722))
-    }
-
-    #[test]
-    fn ramps_rise_in_lightness() {
-        let ramps = [ramp as fn(f64) -> Vec3, signed_ramp, |t| signed_ramp(-t)];
-        for ramp in ramps {
-            let lights: Vec<f32> = (0..=64).map(|i| luminance(ramp(f64::from(i) / 64.0))).collect();
-            assert!(lights.windows(2).all(|pair| pair[1] > pair[0]), "{lights:?}");
-            assert!(lights[0] < 0.01 && lights[64] > 0.6);
-        }
-        // OKLab's white and red, by the definition.
-        assert!((oklch(1.0, 0.0, 0.0) - Vec3::ONE).length() < 1e-6);
-        assert!((oklch(0.627_955, 0.257_683, 29.233_9) - Vec3::X).length() < 1e-3);
-    }
-
-    #[test]
-    fn scales_hold_all_but_fireflies() {
-        let mut values = vec![0.017; 1000];
-        values[0] = 1e9;
-        values.push(f64::NAN);
-        assert!((scale(values.into_iter()).unwrap() - 0.02).abs() < 1e-12);
-        assert!((scale([0.05].into_iter()).unwrap() - 0.05).abs() < 1e-12);
-        assert_eq!(scale([0.0, -1.0].into_iter()), None);
-    }
-
-    fn method(width: u32, height: u32, error: Vec<f32>) -> MethodFound {
-        let image = Image::new(width, height).unwrap();
-        MethodFound {
-            label: String::new(),
-            algorithm: Algorithm::Path,
-            command: String::new(),
-            setup: 0.0,
-            alpha: 1.0,
-            radii: None,
-            checkpoints: Vec::new(),
-            picture: image.clone(),
-            error,
-            difference: image,
-        }
-    }
-
-    #[test]
-    fn windows_are_where_errors_are() {
-        let mut error = vec![0.0; 200 * 100];
-        error[90 * 200 + 180] = 3.0;
-        error[5 * 200 + 20] = 1.0;
-        let found = windows(&[method(200, 100, error)], 3);
-        assert_eq!(found.len(), 2);
-        assert!(found[0].overlaps(Window { x: 180, y: 90, width: 1, height: 1 }), "{found:?}");
-        assert!(found[1].overlaps(Window { x: 20, y: 5, width: 1, height: 1 }) && !found[0].overlaps(found[1]));
-        let small = windows(&[method(8, 4, vec![1.0; 32])], 3);
-        assert_eq!(small, [Window { x: 0, y: 0, width: 8, height: 4 }]);
-    }
-
-    #[test]
-    fn errors_are_colours_by_their_logarithm() {
-        let map = error_map(&method(4, 1, vec![0.0, 0.002, 0.02, 0.2]), 0.2).unwrap();
-        let expected = [ramp(0.0), ramp(0.0), ramp(0.5), ramp(1.0)];
-        assert!(map.pixels().iter().zip(expected).all(|(a, b)| (*a - b).length() < 1e-5));
-    }
-
-    /// Light 2 all over: √(2² + 2²) is what differences are relative to.
-    #[test]
-    fn differences_are_relative_to_the_light_around() {
-        let truth = Image::from_pixels(2, 1, vec![Vec3::splat(2.0); 2]).unwrap();
-        let difference = Image::from_pixels(2, 1, vec![Vec3::new(0.3, 0.0, 0.0), Vec3::splat(-1.0)]).unwrap();
-        let found = relative(&difference, &RelativeScale::of(&truth));
-        let eight = f64::sqrt(8.0);
-        assert!((found[0] - 0.1 / eight).abs() < 1e-7 && (found[1] + 1.0 / eight).abs() < 1e-12);
-    }
-}
+mod tests;

@@ -1,4 +1,4 @@
-//! What studies found, as pages, tables and data.
+//! Reports of studies: pages, tables and data.
 
 pub mod effects;
 mod html;

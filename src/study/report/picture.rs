@@ -1,24 +1,24 @@
-//! Pictures of differences: what an effect adds and what it takes away, each bright enough to be seen.
+//! Pictures of differences at an exposure that makes them visible.
 
 use crate::image::{Curve, Image, MAX_EXPOSURE_STOPS, OutputFormat, ToneMap, WriteOptions, encode};
 use crate::study::StudyError;
 use glam::Vec3;
 
-/// Of the pixels that are not black, so many may be clipped.
+/// Fraction of the pixels above black that may be clipped.
 const CLIPPED: f64 = 0.01;
 
-/// A PNG file at `stops` of exposure.
+/// PNG bytes of `image` at an exposure of `stops`.
 pub(super) fn png(image: &Image, stops: f32) -> Result<Vec<u8>, StudyError> {
     let tone = ToneMap { curve: Curve::Srgb, exposure_stops: stops };
     Ok(encode(OutputFormat::Png, image, &WriteOptions { tone, ..WriteOptions::default() })?.0)
 }
 
-/// Where a difference is above zero, the rest black.
+/// The positive part of a difference.
 pub(super) fn added(difference: &Image) -> Result<Image, StudyError> {
     part(difference, |d| d.max(Vec3::ZERO))
 }
 
-/// Where a difference is below zero, turned round, the rest black.
+/// The negative part of a difference, with its sign reversed.
 pub(super) fn taken(difference: &Image) -> Result<Image, StudyError> {
     part(difference, |d| (-d).max(Vec3::ZERO))
 }
@@ -28,7 +28,7 @@ fn part(difference: &Image, of: fn(Vec3) -> Vec3) -> Result<Image, StudyError> {
     Ok(Image::from_pixels(difference.width(), difference.height(), pixels)?)
 }
 
-/// The exposure in whole stops at which an image just fills the range of a display; `None` where it is black.
+/// Exposure in whole stops at which `image` fills the range of a display; `None` if it is black.
 pub(super) fn exposure(image: &Image) -> Option<f32> {
     let mut peaks: Vec<f32> = image.pixels().iter().map(|p| p.max_element()).filter(|p| *p > 0.0).collect();
     if peaks.is_empty() {
@@ -39,7 +39,7 @@ pub(super) fn exposure(image: &Image) -> Option<f32> {
     Some((-libm::log2f(*peak)).floor().clamp(-MAX_EXPOSURE_STOPS, MAX_EXPOSURE_STOPS))
 }
 
-/// An exposure: `+1 stop`, `0 stops`, `-3 stops`.
+/// An exposure as text: `+1 stop`, `0 stops`, `-3 stops`.
 pub(super) fn stops(stops: f32) -> String {
     let sign = if stops > 0.0 { "+" } else { "" };
     format!("{sign}{stops} {}", if stops.abs() == 1.0 { "stop" } else { "stops" })

@@ -1,6 +1,6 @@
-//! Rows of tables in plain text.
+//! CSV rows and Markdown tables.
 
-/// A row of comma-separated values, with the line's end (RFC 4180).
+/// A row of comma-separated values with line end (RFC 4180).
 pub(super) fn csv_row<T: AsRef<str>>(cells: &[T]) -> String {
     let quoted = |cell: &T| {
         let cell = cell.as_ref();
@@ -13,7 +13,7 @@ pub(super) fn csv_row<T: AsRef<str>>(cells: &[T]) -> String {
     cells.iter().map(quoted).collect::<Vec<_>>().join(",") + "\r\n"
 }
 
-/// A table in Markdown.
+/// A Markdown table.
 pub(super) fn markdown_table(heads: &[&str], rows: &[Vec<String>]) -> String {
     let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
     let mut table = line(heads.iter().map(|head| markdown_text(head)).collect());
@@ -22,7 +22,7 @@ pub(super) fn markdown_table(heads: &[&str], rows: &[Vec<String>]) -> String {
     table
 }
 
-/// Text in which nothing is markup.
+/// Escapes Markdown markup in `text`.
 pub(super) fn markdown_text(text: &str) -> String {
     let mut escaped = String::with_capacity(text.len());
     for c in text.chars() {
@@ -38,7 +38,7 @@ pub(super) fn markdown_text(text: &str) -> String {
     escaped
 }
 
-/// A block of code in Markdown, whatever it holds.
+/// A Markdown code block for any text.
 pub(super) fn markdown_block(text: &str) -> String {
     let mut longest = 2;
     let mut run = 0;

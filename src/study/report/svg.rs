@@ -1,58 +1,58 @@
-//! Log-log plots as SVG within a page: no script, colours and shapes that tell methods apart in light and dark.
+//! Log-log plots as inline SVG, without scripts, for light and dark pages.
 
 use super::html::escape;
 use std::fmt::Write;
 
-/// Colours of Okabe and Ito (2008) that stand out from white and from black, by most contrast; the last is that of the text.
+/// Colours of Okabe and Ito (2008) by contrast with white and black; the last is that of the text.
 const COLOURS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "currentColor"];
 
 /// Height of a label [px].
 const LABEL: f64 = 16.0;
 
-/// Width of a letter, on the safe side [px].
+/// Upper bound of a letter's width [px].
 const LETTER: f64 = 6.9;
 
-/// Letters of a label that are shown; all are in its title.
+/// Letters of a label that are shown; its title has all.
 const LETTERS: usize = 30;
 
-/// How a line is drawn.
+/// Line style.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Stroke {
-    /// With markers.
+    /// Solid, with markers.
     Solid,
     Dashed,
     Dotted,
 }
 
-/// Points joined by a line; those that are not above zero and finite are left out.
+/// A polyline; points that are not positive and finite are left out.
 #[derive(Clone, Debug)]
 pub(super) struct Series {
     pub(super) label: String,
-    /// Which colour and shape.
+    /// Index of colour and marker.
     pub(super) style: usize,
     pub(super) stroke: Stroke,
     pub(super) points: Vec<(f64, f64)>,
-    /// Least and most of each point, where known.
+    /// Interval of each point; `None` if unknown.
     pub(super) bars: Vec<Option<[f64; 2]>>,
 }
 
-/// A straight line of a power law through a point.
+/// A line of a power law through a point.
 #[derive(Clone, Debug)]
 pub(super) struct Guide {
     pub(super) label: String,
     pub(super) slope: f64,
     pub(super) through: (f64, f64),
-    /// Whether what is measured lies above it, so that its label is below.
+    /// True if the measured line lies above, so that the label goes below.
     pub(super) below: bool,
 }
 
-/// A plot of relative errors against seconds.
+/// A plot of relative errors over seconds.
 #[derive(Clone, Debug)]
 pub(super) struct Plot<'a> {
-    /// Unique in the page.
+    /// Identifier, unique in the page.
     pub(super) id: &'a str,
     pub(super) title: &'a str,
-    /// What it shows, for those who do not see it.
+    /// Alternative text.
     pub(super) words: &'a str,
     pub(super) size: (f64, f64),
     pub(super) series: Vec<Series>,
@@ -64,13 +64,13 @@ pub(super) struct Plot<'a> {
 struct Axis {
     least: f64,
     most: f64,
-    /// Where both are [px].
+    /// Position of both ends [px].
     from: f64,
     to: f64,
 }
 
 impl Axis {
-    /// Holds all values with some space around.
+    /// An axis that contains all values with a margin.
     fn of(values: impl Iterator<Item = f64>, (from, to): (f64, f64)) -> Option<Self> {
         let (least, most) =
             values.filter(|v| drawable(*v)).fold((f64::MAX, 0.0), |(a, b): (f64, f64), v| (a.min(v), b.max(v)));
@@ -87,7 +87,7 @@ impl Axis {
         self.from + part * (self.to - self.from)
     }
 
-    /// Values of ticks, and whether they have a label.
+    /// Ticks: value, and true if it has a label.
     fn ticks(&self) -> Vec<(f64, bool)> {
         let decades = libm::log10(self.most / self.least);
         let first = libm::floor(libm::log10(self.least)) as i32;
@@ -109,14 +109,14 @@ fn drawable(value: f64) -> bool {
     value > 0.0 && value.is_finite()
 }
 
-/// The colour of a style, as CSS.
+/// CSS colour of a style.
 pub(super) fn colour(style: usize) -> &'static str {
     COLOURS[style % COLOURS.len()]
 }
 
-/// The marker of a style around a point.
+/// SVG marker of a style at a point.
 pub(super) fn marker(style: usize, x: f64, y: f64) -> String {
-    // Sizes of about equal area.
+    // Markers have about equal area.
     let path = |points: &[(f64, f64)]| {
         let ends: Vec<String> = points.iter().map(|(dx, dy)| format!("{:.1},{:.1}", x + dx, y + dy)).collect();
         format!("<polygon points=\"{}\"/>", ends.join(" "))
@@ -144,7 +144,7 @@ pub(super) fn marker(style: usize, x: f64, y: f64) -> String {
     }
 }
 
-/// The plot; `None` where nothing can be drawn.
+/// The plot as SVG; `None` if there is nothing to draw.
 pub(super) fn plot(plot: &Plot<'_>) -> Option<String> {
     let (width, height) = plot.size;
     let longest = plot.series.iter().map(|s| shortened(&s.label).chars().count()).max()?;
@@ -234,7 +234,7 @@ fn draw_guide(svg: &mut String, guide: &Guide, x: &Axis, y: &Axis) {
         return;
     }
     let height = |at: f64| y0 * libm::pow(at / x0, guide.slope);
-    // Where it leaves the plot above and below; a level line leaves nowhere.
+    // Ends of the guide at the top and bottom; a level line has none.
     let leaves = |value: f64| x0 * libm::pow(value / y0, 1.0 / guide.slope);
     let (mut from, mut to) = (x.least, x.most);
     if guide.slope < 0.0 {
@@ -247,7 +247,7 @@ fn draw_guide(svg: &mut String, guide: &Guide, x: &Axis, y: &Axis) {
     }
     let [(x1, y1), (x2, y2)] = [from, to].map(|at| (x.at(at), y.at(height(at))));
     let _ = writeln!(svg, "<line class=\"guide\" x1=\"{x1:.1}\" y1=\"{y1:.1}\" x2=\"{x2:.1}\" y2=\"{y2:.1}\"/>");
-    // Beside a line that falls, early on, and away from what is measured.
+    // The label is beside the start, away from the measured line.
     let (dx, dy, anchor) = if guide.below { (-5.0, 13.0, "end") } else { (5.0, -4.0, "start") };
     let (tx, ty) = (x1 + 0.35 * (x2 - x1) + dx, y1 + 0.35 * (y2 - y1) + dy);
     let _ = writeln!(
@@ -257,7 +257,7 @@ fn draw_guide(svg: &mut String, guide: &Guide, x: &Axis, y: &Axis) {
     );
 }
 
-/// Draws a line and tells where it ends.
+/// Draws a line and returns its end.
 fn draw_series(svg: &mut String, series: &Series, id: &str, x: &Axis, y: &Axis) -> Option<(f64, f64)> {
     let colour = colour(series.style);
     let mut ends = Vec::new();
@@ -291,7 +291,7 @@ fn draw_series(svg: &mut String, series: &Series, id: &str, x: &Axis, y: &Axis) 
     ends.last().copied()
 }
 
-/// Labels right of the plot, at the height of the lines' ends as far as they do not touch.
+/// Labels to the right of the plot, near the ends of their lines, without overlap.
 fn labels(svg: &mut String, mut ends: Vec<((f64, f64), &Series)>, x: &Axis, y: &Axis) {
     ends.sort_by(|a, b| a.0.1.total_cmp(&b.0.1));
     let heights = apart(&ends.iter().map(|(end, _)| end.1).collect::<Vec<_>>(), (y.to + 4.0, y.from));
@@ -317,14 +317,14 @@ fn shortened(label: &str) -> String {
     label.chars().take(LETTERS - 1).chain(['…']).collect()
 }
 
-/// Heights in order, moved as little as keeps each from the next, within `range` where there is room.
+/// Sorted heights, moved apart as little as possible, within `range` if there is room.
 fn apart(heights: &[f64], (top, bottom): (f64, f64)) -> Vec<f64> {
     let mut placed: Vec<f64> = Vec::with_capacity(heights.len());
     for &height in heights {
         let least = placed.last().map_or(top, |last| last + LABEL);
         placed.push(height.max(least));
     }
-    // What was pushed out below is pushed back from there.
+    // Labels below the range move up again.
     let mut most = bottom;
     for at in placed.iter_mut().rev() {
         *at = at.min(most);

@@ -1,9 +1,9 @@
-//! Figures as people write them.
+//! Formats numbers for people.
 
-/// A count with a sign where it is below zero: `250`, `1.9 k`, `12 M`, `-3.4 G`.
+/// A count with SI prefix: `250`, `1.9 k`, `12 M`, `-3.4 G`.
 #[must_use]
 pub fn amount(n: f64) -> String {
-    // What would round to 1000 of a unit is 1 of the next.
+    // 1000 of a unit is 1 of the next.
     let (scale, unit) = match n.abs() {
         999.5e6.. => (1e9, " G"),
         999.5e3.. => (1e6, " M"),
@@ -11,7 +11,7 @@ pub fn amount(n: f64) -> String {
         _ => (1.0, ""),
     };
     let scaled = n / scale;
-    // Adding zero takes the sign off a zero.
+    // Adding zero removes the sign of a zero.
     if scale > 1.0 && scaled.abs() < 9.95 {
         format!("{scaled:.1}{unit}")
     } else {
@@ -19,23 +19,23 @@ pub fn amount(n: f64) -> String {
     }
 }
 
-/// Half a step of a last digit: the sign of what is written as zero is not written.
+/// Half a step of the last digit; below it no sign is written.
 const EVEN: f64 = 0.05;
 
-/// A difference with its sign, but for zero: `+1.9 k`, `0`, `-12`.
+/// A signed count: `+1.9 k`, `0`, `-12`.
 #[must_use]
 pub fn signed(n: f64) -> String {
     if n >= 0.5 { format!("+{}", amount(n)) } else { amount(n) }
 }
 
-/// Milliseconds of a difference in seconds, with sign: `+1.9`, `0.0`, `-12.0`.
+/// A difference of `seconds` in signed milliseconds: `+1.9`, `0.0`, `-12.0`.
 #[must_use]
 pub fn milliseconds(seconds: f64) -> String {
     let ms = 1e3 * seconds;
     if ms.abs() < EVEN { "0.0".to_owned() } else { format!("{ms:+.1}") }
 }
 
-/// A part in percent: `0 %`, `< 0.1 %`, `2.3 %`, `120 %`.
+/// A fraction in percent: `0 %`, `< 0.1 %`, `2.3 %`, `120 %`.
 #[must_use]
 pub fn percent(part: f64) -> String {
     match 100.0 * part {
@@ -55,14 +55,14 @@ pub fn error(part: f64) -> String {
 /// A slope with two digits: `−0.50`, `0.00`.
 #[must_use]
 pub fn slope(slope: f64) -> String {
-    // Adding zero takes the sign off a zero.
+    // Adding zero removes the sign of a zero.
     format!("{:.2}", (100.0 * slope).round() / 100.0 + 0.0).replace('-', "−")
 }
 
 /// A time: `0.25 s`, `12.3 s`, `4 min 10 s`, `2 h 5 min`, `3 days`.
 #[must_use]
 pub fn duration(seconds: f64) -> String {
-    // What would round to 60 of a unit is 1 of the next.
+    // 60 of a unit is 1 of the next.
     match seconds {
         s if s.is_nan() || s < 59.95 => format!("{} s", figure(s)),
         s if s < 3599.5 => sixties(s.round(), "min", "s"),
@@ -72,7 +72,7 @@ pub fn duration(seconds: f64) -> String {
     }
 }
 
-/// A whole number of small units as large ones, sixty small ones each, and what is left.
+/// `small` units as larger units of sixty each, and the rest.
 fn sixties(small: f64, large_unit: &str, small_unit: &str) -> String {
     let (large, rest) = ((small / 60.0).floor(), small % 60.0);
     if rest == 0.0 {
@@ -82,7 +82,7 @@ fn sixties(small: f64, large_unit: &str, small_unit: &str) -> String {
     }
 }
 
-/// Three digits of any number: `0`, `0.0123`, `12.3`, `1.23e-7`.
+/// A number with three digits: `0`, `0.0123`, `12.3`, `1.23e-7`.
 #[must_use]
 pub fn figure(x: f64) -> String {
     match x.abs() {

@@ -214,8 +214,8 @@ fn bad_arguments_exit_2_and_bad_outputs_3() {
         ("a.png b.png --max-flip nan", ["`nan` is no bound", ""]),
         ("a.png b.png --map colour", ["colour", "signed"]),
         ("a.png b.png --pixels-per-degree 0", ["1 to 1000", ""]),
-        ("a.png b.png --flip hdr --exposure 1", ["--exposure is for LDR-FLIP", "--flip ldr"]),
-        ("a.exr b.exr --exposure 1", ["--exposure is for LDR-FLIP", "--flip ldr"]),
+        ("a.png b.png --flip hdr --exposure 1", ["--exposure applies to LDR-FLIP", "--flip ldr"]),
+        ("a.exr b.exr --exposure 1", ["--exposure applies to LDR-FLIP", "--flip ldr"]),
     ] {
         run(&shop, line).expect(2, &parts);
     }

@@ -75,7 +75,7 @@ fn completions_and_manual_name_every_command() {
     manual.expect(0, &[]);
     let script = shop.run(&["completions", "bash"]);
     script.expect(0, &[]);
-    for command in ["render", "plan", "estimate", "study", "diff", "mesh", "completions", "man"] {
+    for command in ["render", "plan", "estimate", "study", "diff", "mesh", "check", "convert", "completions", "man"] {
         assert!(script.stdout.contains(command) && manual.stdout.contains(command), "{command}");
     }
     assert!(manual.stdout.contains("target\\-error"), "{}", manual.stdout);

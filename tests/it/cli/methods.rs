@@ -133,7 +133,7 @@ fn impossible_studies_are_refused_before_work() {
         run(&shop, &format!("study box.txt --budget 1h {line}")).expect(code, parts);
     };
     refused(2, "--methods bdpt", &["'bdpt'", "sppm"]);
-    refused(2, "--methods path,path --truth a.exr", &["`path` is named twice"]);
+    refused(2, "--methods path,path --truth a.exr", &["`path` is given twice"]);
     refused(
         2,
         "--methods path --variant 'sppm --gather-k many'",
@@ -147,7 +147,7 @@ fn impossible_studies_are_refused_before_work() {
     refused(2, "--seeds 1M", &["at most 1000"]);
     refused(2, "--truth a.exr,a.exr", &["`a.exr` is named twice: two references must be independent"]);
     refused(2, "--truth a.exr,", &["write A.exr,B.exr"]);
-    refused(2, "--truth a.exr --truth-time 3s", &["--truth-time is for references that are rendered"]);
+    refused(2, "--truth a.exr --truth-time 3s", &["--truth-time applies to rendered references"]);
     refused(2, "--truth a.exr --save-truth c.exr,d.exr", &["--save-truth is for"]);
     refused(2, "--truth a.exr --size 2000x2000 --seeds 1000 --methods path,pm", &["GB", "fewer --seeds"]);
     refused(1, "--truth a.exr,a.png", &["`a.png` is a PNG", "OpenEXR"]);
@@ -156,7 +156,7 @@ fn impossible_studies_are_refused_before_work() {
     refused(
         3,
         "-o a.png",
-        &["`a.png` does not name a report", "help: give it the extension .html or .csv or .json or .md"],
+        &["`a.png` has no extension of a report", "help: give it the extension .html or .csv or .json or .md"],
     );
     refused(3, "-o no/a.json", &["no folder `no`"]);
     refused(3, "--save-truth c.exr,d.png", &["`d.png` cannot hold a reference", "help: give it the extension .exr"]);

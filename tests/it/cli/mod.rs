@@ -1,5 +1,6 @@
 //! The program from outside: its output, messages and exit codes.
 
+mod check;
 mod diff;
 mod errors;
 mod exits;

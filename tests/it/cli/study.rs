@@ -107,7 +107,7 @@ fn effect_page_embeds_all_images() {
     }
     let on = rows.iter().filter(|r| r["on"] == true && r["gain"]["rmse"].as_f64() > Some(0.0)).count();
     assert!(page.matches("src=\"data:image/png;base64,iVBORw0KGgo").count() > on, "the whole, and one an effect");
-    assert!(page.contains("Light taken away by shadows: exposure "));
+    assert!(page.contains("Light removed by shadows: exposure "));
 }
 
 #[test]
@@ -125,7 +125,7 @@ fn failed_study_has_exit_code_and_keeps_page() {
     };
     refused(
         "-o a.png",
-        &["`a.png` does not name a report", "help: give it the extension .html or .csv or .json or .md"],
+        &["`a.png` has no extension of a report", "help: give it the extension .html or .csv or .json or .md"],
     );
     refused("-o no/a.html", &["no folder `no`"]);
     assert_eq!((shop.bytes("a.html"), shop.names()), (b"old page".to_vec(), vec!["a.html".into(), "box.txt".into()]));

@@ -54,7 +54,8 @@ pub fn scene(text: &str) -> Scene {
     scene_in("tests/scenes", text)
 }
 
-/// Builds the scene of `text`. File names in it are relative to `folder`, a folder of the repository.
+/// Builds the scene of `text`. File names in it are relative to `folder`, a folder of the
+/// repository.
 #[track_caller]
 pub fn scene_in(folder: &str, text: &str) -> Scene {
     let source = Source::new("test", text);
@@ -77,7 +78,8 @@ pub fn pixels(scene: &Scene, algorithm: Algorithm, settings: Settings, passes: u
 
 /// Renders one pass and returns its pixels. Fails if the pass rejected a sample or a photon.
 ///
-/// The renderer drops non-finite samples and photons, and counts them. The pixels alone would hide such an error.
+/// The renderer drops non-finite samples and photons, and counts them. The pixels alone would hide
+/// such an error.
 #[track_caller]
 pub fn image(integrator: &dyn Integrator, pass: u32) -> Vec<Rgb> {
     let pass = integrator.pass(pass, &Silent);

@@ -1,17 +1,20 @@
 //! Methods whose laws are known, with the scatter of seeds.
 
+use super::slopes::student;
 use super::*;
 use crate::image::Image;
 use crate::integrate::{ALPHA, Algorithm, shrink};
-use crate::study::methods::{MethodsFound, Truth};
+use crate::sampling::Key;
+use crate::study::methods::{Checkpoint, MethodResult, MethodStudyResult, Truth};
 use glam::Vec3;
 use rand::RngExt;
 
 const SEEDS: usize = 8;
 const PIXELS: usize = 64;
 
-/// Pixels whose error after n passes is that of a mean of passes of variance 1/shrink and bias `bias` · shrink.
-fn synthetic(algorithm: Algorithm, bias: f64, alpha: f64, passes: &[u32], name: u64) -> MethodFound {
+/// Pixels whose error after n passes is that of a mean of passes of variance 1/shrink and bias
+/// `bias` · shrink.
+fn synthetic(algorithm: Algorithm, bias: f64, alpha: f64, passes: &[u32], name: u64) -> MethodResult {
     let mut rng = Key::new(77).with(name).rng();
     // Irwin–Hall: twelve uniform numbers less six have variance 1.
     let mut normal = || (0..12).map(|_| rng.random::<f64>()).sum::<f64>() - 6.0;
@@ -48,7 +51,7 @@ fn synthetic(algorithm: Algorithm, bias: f64, alpha: f64, passes: &[u32], name: 
             ..Checkpoint::default()
         }
     });
-    MethodFound {
+    MethodResult {
         label: algorithm.name().into(),
         algorithm,
         command: "caustica render".into(),
@@ -66,12 +69,13 @@ fn doubled(count: u32) -> Vec<u32> {
     (0..count).map(|i| 1 << i).collect()
 }
 
-fn judged(method: &MethodFound) -> Verdict {
+fn judged(method: &MethodResult) -> Verdict {
     verdict(method, fit(method).as_ref(), None)
 }
 
-/// An interval of 95 % misses 10 or more of 100 with a chance of 3 %; the law of the squares' logarithm differs from the logarithm of their law by
-/// 1/(SEEDS · PIXELS), which is nothing beside the interval.
+/// An interval of 95 % misses 10 or more of 100 with a chance of 3 %; the law of the squares'
+/// logarithm differs from the logarithm of their law by 1/(SEEDS · PIXELS), which is nothing beside
+/// the interval.
 #[test]
 fn intervals_cover_the_law() {
     let passes = doubled(9);
@@ -102,7 +106,8 @@ fn slopes_are_recovered() {
     let path = fit(&synthetic(Algorithm::Path, 0.0, 1.0, &passes, 1)).unwrap();
     let sppm = fit(&synthetic(Algorithm::Sppm, 4.0, ALPHA, &passes, 2)).unwrap();
     let pm = fit(&synthetic(Algorithm::Pm, 4.0, 1.0, &passes, 3)).unwrap();
-    // A root's logarithm deviates by 1/√(2 · SEEDS · PIXELS) = .031, a slope by that over √(10 log²2) = 2.19; four deviations.
+    // A root's logarithm deviates by 1/√(2 · SEEDS · PIXELS) = .031, a slope by that over √(10
+    // log²2) = 2.19; four deviations.
     let close = |slopes: Option<Slopes>, slope: f64| {
         let Slopes { by_time, by_passes } = slopes.unwrap();
         assert!(
@@ -121,7 +126,7 @@ fn slopes_are_recovered() {
 }
 
 #[test]
-fn verdicts_tell_what_it_is() {
+fn verdicts_name_the_cause() {
     let passes = doubled(9);
     let is = |algorithm, bias, alpha, passes: &[u32]| judged(&synthetic(algorithm, bias, alpha, passes, 5));
     assert!(matches!(is(Algorithm::Path, 0.0, 1.0, &passes), Verdict::Expected { ahead: None, .. }));
@@ -133,7 +138,7 @@ fn verdicts_tell_what_it_is() {
         "{plateau:?}"
     );
     let words = plateau.to_string();
-    assert!(words.starts_with("plateau: bias floor of ") && words.ends_with(" % at r = 0.100"), "{words}");
+    assert!(words.starts_with("plateau: bias of ") && words.ends_with(" % stays at r = 0.100"), "{words}");
     assert!(matches!(is(Algorithm::Path, 3.0, 1.0, &passes), Verdict::Plateau { cause: Cause::Unknown, .. }));
     assert!(matches!(is(Algorithm::Whitted, 3.0, 1.0, &passes), Verdict::Plateau { cause: Cause::LeavesOut, .. }));
     // A tenth of the noise that is left.
@@ -149,22 +154,22 @@ fn verdicts_tell_what_it_is() {
 }
 
 #[test]
-fn what_the_truth_cannot_tell_is_no_finding() {
+fn errors_below_the_truth_are_not_judged() {
     let method = synthetic(Algorithm::Path, 0.0, 1.0, &doubled(9), 6);
     let fit = fit(&method);
     // The last error is .1/16.
-    assert!(matches!(verdict(&method, fit.as_ref(), Some(0.01)), Verdict::Untold { truth: Some(_) }));
+    assert!(matches!(verdict(&method, fit.as_ref(), Some(0.01)), Verdict::TooSmall { truth: Some(_) }));
     assert!(matches!(verdict(&method, fit.as_ref(), Some(0.005)), Verdict::Expected { .. }));
     let mut below = method.clone();
     below.checkpoints.last_mut().unwrap().squares = vec![-1e-9; SEEDS];
-    assert!(matches!(judged(&below), Verdict::Untold { truth: None }));
+    assert!(matches!(judged(&below), Verdict::TooSmall { truth: None }));
     let mut alone = method;
     alone.checkpoints.iter_mut().for_each(|c| (c.squares.truncate(1), c.noises.clear()).1);
     assert!(matches!(judged(&alone), Verdict::Wide { .. }));
 }
 
 /// Noiseless: the error is .1/√n after n/4 seconds.
-fn exact() -> MethodFound {
+fn exact() -> MethodResult {
     let mut method = synthetic(Algorithm::Path, 0.0, 1.0, &doubled(9), 7);
     for c in &mut method.checkpoints {
         c.squares = vec![0.01 / f64::from(c.passes); SEEDS];
@@ -174,20 +179,22 @@ fn exact() -> MethodFound {
 }
 
 #[test]
-fn prices_follow_the_law() {
+fn efforts_follow_the_law() {
     let method = exact();
     let fit = fit(&method);
     let verdict = verdict(&method, fit.as_ref(), None);
     let reach = |error| reach(&method, fit.as_ref(), &verdict, error);
-    assert!(matches!(reach(0.2), Reach::Within(price) if price.passes == 1.0));
-    let Reach::Measured(price) = reach(0.05 / 3.0) else { panic!() };
+    assert!(matches!(reach(0.2), TimeToError::Within(effort) if effort.passes == 1.0));
+    let TimeToError::Measured(effort) = reach(0.05 / 3.0) else { panic!() };
     assert!(
-        (price.passes - 36.0).abs() < 1e-9 && (price.seconds - 9.0).abs() < 1e-9 && (price.photons - 36e3).abs() < 1e-6
+        (effort.passes - 36.0).abs() < 1e-9
+            && (effort.seconds - 9.0).abs() < 1e-9
+            && (effort.photons - 36e3).abs() < 1e-6
     );
-    let Reach::Predicted { price, seconds: Some([low, high]) } = reach(0.1 / 64.0) else { panic!() };
-    assert!((price.passes - 4096.0).abs() < 1e-6 && (low - 1024.0).abs() < 1e-6 && (high - 1024.0).abs() < 1e-6);
-    let Reach::Predicted { price, .. } = tenth(&method, fit.as_ref(), &verdict) else { panic!() };
-    assert!((price.seconds - 6400.0).abs() < 1e-6);
+    let TimeToError::Predicted { effort, seconds: Some([low, high]) } = reach(0.1 / 64.0) else { panic!() };
+    assert!((effort.passes - 4096.0).abs() < 1e-6 && (low - 1024.0).abs() < 1e-6 && (high - 1024.0).abs() < 1e-6);
+    let TimeToError::Predicted { effort, .. } = tenth(&method, fit.as_ref(), &verdict) else { panic!() };
+    assert!((effort.seconds - 6400.0).abs() < 1e-6);
     for (seconds, passes) in [(0.25, 1.0), (3.0, 12.0), (640.0, 2560.0)] {
         let error = error_at(&method, fit.as_ref(), seconds).unwrap();
         assert!((error - 0.1 / f64::sqrt(passes)).abs() < 1e-12, "{error}");
@@ -196,23 +203,23 @@ fn prices_follow_the_law() {
 }
 
 #[test]
-fn a_plateau_is_never_left() {
+fn plateaus_are_never_left() {
     let method = synthetic(Algorithm::Pm, 3.0, 1.0, &doubled(9), 8);
     let fit = fit(&method);
     let verdict = verdict(&method, fit.as_ref(), None);
     assert!(
-        matches!(reach(&method, fit.as_ref(), &verdict, 0.1), Reach::Never { floor } if (floor - 0.3).abs() < 0.01)
+        matches!(reach(&method, fit.as_ref(), &verdict, 0.1), TimeToError::Never { floor } if (floor - 0.3).abs() < 0.01)
     );
-    assert!(matches!(tenth(&method, fit.as_ref(), &verdict), Reach::Never { .. }));
+    assert!(matches!(tenth(&method, fit.as_ref(), &verdict), TimeToError::Never { .. }));
 }
 
 /// The second costs twice as much a pass, but begins with a third of the error and stays there.
 #[test]
-fn the_least_error_at_each_time_and_at_the_budget() {
+fn pareto_front_and_recommendation_have_least_error() {
     let mut early = exact();
     early.checkpoints.iter_mut().for_each(|c| (c.seconds *= 2.0, c.squares.fill(0.001)).1);
     let picture = Image::from_pixels(1, 1, vec![Vec3::ONE]).unwrap();
-    let mut found = MethodsFound {
+    let mut found = MethodStudyResult {
         scene: "a.txt".into(),
         command: "caustica study a.txt".into(),
         program: "caustica".into(),
@@ -226,7 +233,7 @@ fn the_least_error_at_each_time_and_at_the_budget() {
     };
     let points: Vec<(usize, usize)> = pareto(&found.methods).iter().map(|m| (m.method, m.checkpoint)).collect();
     assert_eq!(points, [(0, 0), (1, 0), (0, 4), (0, 5), (0, 6), (0, 7), (0, 8)]);
-    let recommended = |found: &MethodsFound| {
+    let recommended = |found: &MethodStudyResult| {
         let fits: Vec<_> = found.methods.iter().map(fit).collect();
         recommend(found, &fits).unwrap()
     };
@@ -237,7 +244,7 @@ fn the_least_error_at_each_time_and_at_the_budget() {
 }
 
 #[test]
-fn students_t_is_that_of_tables() {
+fn students_t_matches_tables() {
     for (degrees, t) in [(1, 12.7062), (7, 2.3646), (11, 2.2010), (30, 2.0423), (1000, 1.9623)] {
         assert!((student(degrees) - t).abs() < 1e-3, "{degrees}");
     }

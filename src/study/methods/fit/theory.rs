@@ -1,25 +1,25 @@
-//! Slopes that theory says.
+//! Convergence rates from theory.
 
-use super::line;
+use super::slopes::line;
 use crate::integrate::Algorithm;
 
-/// What falls.
+/// Quantity that converges.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// Root of the mean squared error.
     Error,
-    /// Its part that more seeds would lessen.
+    /// Noise: differs between seeds.
     Noise,
-    /// Its part that they would not.
+    /// Bias: common to all seeds.
     Bias,
 }
 
-/// Slopes between which a quantity falls; both are the same where one law rules.
+/// Range of slopes; both ends are equal if one law applies.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 pub struct Law {
-    /// The steeper, the more negative one.
+    /// Steepest (most negative) slope.
     pub steepest: f64,
-    /// The other.
+    /// Flattest slope.
     pub flattest: f64,
 }
 
@@ -33,13 +33,14 @@ impl Law {
     }
 }
 
-/// The slope of a quantity against passes in log-log, fitted over `passes` as measured ones are; `None` where there is no such thing.
+/// Predicted slope of a quantity over `passes` in log-log space; `None` if the quantity is zero.
 ///
-/// Noise of independent passes falls as n^−½. Where squared radii shrink as [`shrink`](crate::integrate::shrink) says, pass i has a variance of
-/// 1/shrink(i) and a bias of shrink(i) in those of the first, so that the mean of n passes has Σ 1/shrink(i)/n² and Σ shrink(i)/n (Knaus and
-/// Zwicker 2011): both roots fall as n^−⅓ for α = ⅔ in the end, a little otherwise before. Shadow rays and camera walks make noise of the first kind beside that of photons, so what is measured lies between; so does an
-/// error of noise and bias. Between seeds of `ppm` the walks differ that all its passes share: that part of its noise stays. With radii that stay, bias stays, and so does the light that `distributed`, `whitted` and `raycast` do not simulate. Kernels in
-/// media, of fewer or more dimensions, are told apart by no figure here: their laws lie within ⅒ of these.
+/// Noise of independent passes falls as n^−½. With shrinking radii, pass i has variance 1/shrink(i)
+/// and bias shrink(i) relative to the first. The mean of n passes then has Σ 1/shrink(i)/n² and Σ
+/// shrink(i)/n (Knaus and Zwicker 2011). Both roots approach n^−⅓ for α = ⅔. Path noise adds the
+/// first law, so measured slopes lie between. For `ppm`, the noise of shared camera paths stays.
+/// With fixed radii, bias stays. Light that `distributed` and `whitted` leave out stays too.
+/// Estimates in media have laws within ⅒ of these.
 #[must_use]
 pub fn theory(algorithm: Algorithm, quantity: Quantity, passes: &[u32], alpha: f64) -> Option<Law> {
     use Algorithm::{Distributed, Hybrid, Path, Pm, Ppm, Raycast, Sppm, Whitted};
@@ -47,7 +48,7 @@ pub fn theory(algorithm: Algorithm, quantity: Quantity, passes: &[u32], alpha: f
     let [variance, bias] = progressive(passes, alpha);
     let noise = match algorithm {
         Sppm | Hybrid => Law::one(0.5 * variance).or(even),
-        // Seeds differ by camera walks that no pass draws anew.
+        // Seeds differ by shared camera paths, which no pass replaces.
         Ppm => Law::one(0.0).or(even),
         Path | Pm | Distributed | Whitted | Raycast => even,
     };
@@ -63,7 +64,7 @@ pub fn theory(algorithm: Algorithm, quantity: Quantity, passes: &[u32], alpha: f
     }
 }
 
-/// Slopes of the variance and of the bias of a mean of passes whose radii shrink.
+/// Slopes of variance and bias of the mean of passes with shrinking radii.
 fn progressive(passes: &[u32], alpha: f64) -> [f64; 2] {
     let (mut shrink, mut shrunk, mut grown, mut made) = (1.0, 0.0, 0.0, 0u32);
     let mut logs: [Vec<f64>; 3] = Default::default();
@@ -99,7 +100,7 @@ mod tests {
         }
     }
 
-    /// Sums of i^⅓ and i^−⅓ differ from their integrals by less than n^−⅔ of them: 2·10⁻³ at 10⁴.
+    /// Sums of i^⅓ and i^−⅓ differ from their integrals by a factor of n^−⅔, 2·10⁻³ at 10⁴.
     #[test]
     fn far_out_both_roots_fall_as_a_third() {
         let far: Vec<u32> = (0..4).map(|i| 10_000 << i).collect();

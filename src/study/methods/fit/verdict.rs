@@ -1,87 +1,89 @@
-//! What a slope means, in words.
+//! Verdicts: what a slope means.
 
-use super::{Fit, Law, Quantity, Slope, bias_spread, spread, theory};
+use super::slopes::{Fit, Slope, bias_spread, spread};
+use super::theory::{Law, Quantity, theory};
 use crate::integrate::Algorithm;
-use crate::study::methods::MethodFound;
+use crate::study::methods::MethodResult;
 use crate::study::report::text::{error, figure, slope as digits};
 use std::fmt;
 
-/// Part of the squared error that bias must explain to be its cause: the error is then within 12 % of the bias, whatever the noise does.
+/// Fraction of the squared error above which bias is its cause; the error is then within 12 % of
+/// the bias.
 pub const BIAS_SHARE: f64 = 0.8;
 
-/// What a method's error does.
+/// Behaviour of a method's error.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Verdict {
-    /// No line can be held against another.
+    /// Too few checkpoints for a fit.
     TooFew,
-    /// It cannot be told from none.
-    Untold {
-        /// Relative error of the truth, where it is known.
+    /// The error is below what the references or seeds can resolve.
+    TooSmall {
+        /// Relative error of the truth; `None` if unknown.
         truth: Option<f64>,
     },
-    /// Seeds are too few, or too far apart, for an interval.
+    /// Seeds are too few or too scattered for an interval.
     Wide {
-        /// The slope against passes.
+        /// Slope over passes.
         slope: f64,
     },
-    /// Bias is what is left, and it stays.
+    /// Only bias is left, and it stays.
     Plateau {
-        /// Relative error that no time lessens.
+        /// Relative error that remains.
         floor: f64,
-        /// Why.
+        /// Cause of the bias.
         cause: Cause,
     },
-    /// It falls as noise does; a bias that theory knows of is too small to be seen.
+    /// The error falls as noise does; an expected bias is too small to be seen.
     Hidden {
-        /// The slope against passes.
+        /// Slope over passes.
         slope: f64,
-        /// The bias is below, with a chance of 97.5 %.
+        /// Upper bound of the bias at 97.5 % confidence.
         most: f64,
     },
-    /// As theory says.
+    /// The slope agrees with theory.
     Expected {
-        /// The slope against passes.
+        /// Slope over passes.
         slope: f64,
-        /// A bias that stays, where it is seen already.
+        /// Bias that stays, if it is visible already.
         ahead: Option<f64>,
     },
-    /// It falls more slowly than theory says.
+    /// The error falls more slowly than theory says.
     Slower {
-        /// The slope against passes.
+        /// Slope over passes.
         slope: f64,
-        /// Theory.
+        /// Range of slopes by theory.
         law: Law,
     },
-    /// It falls faster than theory says.
+    /// The error falls faster than theory says.
     Faster {
-        /// The slope against passes.
+        /// Slope over passes.
         slope: f64,
-        /// Theory.
+        /// Range of slopes by theory.
         law: Law,
     },
 }
 
-/// Why an error stays.
+/// Cause of an error that stays.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Cause {
-    /// Light is blurred over these radii, of the global and of the caustic map.
+    /// Photon estimates blur light over these radii, of the global and of the caustic map.
     Radii([f32; 2]),
-    /// The algorithm does not simulate all light.
+    /// The algorithm leaves out light by design.
     LeavesOut,
-    /// Theory knows of none.
+    /// Theory has no cause.
     Unknown,
 }
 
-/// The verdict on a method, held against a truth whose relative error is `truth`.
+/// Verdict on a method, given the relative error `truth` of the reference.
 ///
-/// Noise of references does not count in squared errors, but their own bias does, and all that bounds it is their error: an error below that is no
-/// finding.
+/// The noise of references cancels, but their bias does not. Errors below that of the truth are
+/// therefore not judged.
 #[must_use]
-pub fn verdict(method: &MethodFound, fit: Option<&Fit>, truth: Option<f64>) -> Verdict {
+pub fn verdict(method: &MethodResult, fit: Option<&Fit>, truth: Option<f64>) -> Verdict {
     let (Some(fit), Some(last)) = (fit, method.checkpoints.last()) else { return Verdict::TooFew };
     let least = truth.unwrap_or(0.0);
     let nothing = spread(&last.squares).is_some_and(|[low, _]| low <= 0.0) || last.square() <= least * least;
-    let (Some(slopes), false) = (fit.error, nothing) else { return Verdict::Untold { truth } };
+    let (Some(slopes), false) = (fit.error, nothing) else { return Verdict::TooSmall { truth } };
     let Slope { value: slope, interval } = slopes.by_passes;
     let Some([low, high]) = interval else { return Verdict::Wide { slope } };
     let law = |quantity| theory(method.algorithm, quantity, &fit.passes, method.alpha);
@@ -89,7 +91,7 @@ pub fn verdict(method: &MethodFound, fit: Option<&Fit>, truth: Option<f64>) -> V
         return Verdict::Wide { slope };
     };
     let bias = law(Quantity::Bias);
-    // A bias that stays is no law by which an error falls.
+    // A constant bias is no convergence.
     let falling = bias.filter(|b| b.flattest < 0.0).map_or(noise.flattest, |b| b.flattest.max(noise.flattest));
     if low > falling && last.bias2 >= BIAS_SHARE * last.square() {
         return Verdict::Plateau { floor: last.bias2.sqrt(), cause: cause(method) };
@@ -110,7 +112,7 @@ pub fn verdict(method: &MethodFound, fit: Option<&Fit>, truth: Option<f64>) -> V
     }
 }
 
-fn cause(method: &MethodFound) -> Cause {
+fn cause(method: &MethodResult) -> Cause {
     match (method.algorithm, method.radii) {
         (Algorithm::Distributed | Algorithm::Whitted | Algorithm::Raycast, _) => Cause::LeavesOut,
         (Algorithm::Path, _) | (_, None) => Cause::Unknown,
@@ -123,19 +125,19 @@ impl fmt::Display for Verdict {
         let as_theory = "falls as theory says";
         match self {
             Self::TooFew => write!(f, "too few checkpoints: give it more time"),
-            Self::Untold { truth: Some(truth) } => {
-                write!(f, "below what the references can tell: they are good to {}", error(*truth))
+            Self::TooSmall { truth: Some(truth) } => {
+                write!(f, "below the error of the references, {}", error(*truth))
             }
-            Self::Untold { truth: None } => write!(f, "below what these seeds can tell from none"),
-            Self::Wide { slope } => write!(f, "slope {}; too few seeds to say how surely", digits(*slope)),
-            Self::Plateau { floor, cause } => write!(f, "plateau: bias floor of {}{cause}", error(*floor)),
+            Self::TooSmall { truth: None } => write!(f, "too small to measure with these seeds"),
+            Self::Wide { slope } => write!(f, "slope {}; too few seeds for an interval", digits(*slope)),
+            Self::Plateau { floor, cause } => write!(f, "plateau: bias of {} stays{cause}", error(*floor)),
             Self::Hidden { slope, most } => {
                 let (most, slope) = (error(*most), digits(*slope));
-                write!(f, "{as_theory}; noise hides the bias, which is below {most} (slope {slope})")
+                write!(f, "{as_theory}; bias is hidden by noise, below {most} (slope {slope})")
             }
             Self::Expected { slope, ahead: None } => write!(f, "{as_theory} (slope {})", digits(*slope)),
             Self::Expected { slope, ahead: Some(floor) } => {
-                write!(f, "{as_theory}, towards a bias floor of {} (slope {})", error(*floor), digits(*slope))
+                write!(f, "{as_theory}, towards a bias of {} (slope {})", error(*floor), digits(*slope))
             }
             Self::Slower { slope, law } => {
                 write!(f, "falls more slowly than theory says: slope {}, not {law}", digits(*slope))
@@ -156,8 +158,8 @@ impl fmt::Display for Cause {
                 }
                 [global, caustic] => write!(f, " at r = {}", figure(global.max(caustic))),
             },
-            Self::LeavesOut => write!(f, ", light that it does not simulate"),
-            Self::Unknown => write!(f, ", of which theory knows nothing: does the truth show the same scene?"),
+            Self::LeavesOut => write!(f, ", from light that the algorithm leaves out"),
+            Self::Unknown => write!(f, ", unknown to theory: does the truth show the same scene?"),
         }
     }
 }

@@ -1,11 +1,12 @@
-//! What effects cost and give, as tables in plain text.
+//! Tables of a study of effects, as CSV and Markdown.
 
 use super::{About, clock, part};
 use crate::study::report::plain::{csv_row, markdown_table, markdown_text};
 use crate::study::report::text::{amount, figure, milliseconds, percent, signed};
 use crate::study::{Finding, Findings};
 
-/// One row an effect, simulated or not; what is not known of it is empty. Seconds, and radiance in W/(m² sr).
+/// CSV with one row per effect, simulated or not; unknown cells are empty. Seconds, and radiance in
+/// W/(m² sr).
 #[must_use]
 pub fn csv(findings: &Findings) -> String {
     let mut table = csv_row(&[
@@ -49,14 +50,14 @@ pub fn csv(findings: &Findings) -> String {
     table
 }
 
-/// The figures in Markdown.
+/// The figures as Markdown.
 #[must_use]
 pub fn markdown(about: &About, findings: &Findings) -> String {
     let passes = findings.whole.passes.len();
     let a_pass = |n: u64| amount(n as f64 / passes as f64);
     let mut text = format!(
-        "# What light costs, and what it is worth: {}\n\nCaustica {}, {}, seed {}, passes of each picture: {passes}. Seconds are {}. Each effect \
-         was left out once, all else the same. The whole picture: {:.1} ms, {} rays and {} gathered photons a pass, mean radiance {} W/(m² sr).\n\n",
+        "# Cost and contribution of effects: {}\n\nCaustica {}, {}, seed {}, passes of each picture: {passes}. Seconds are {}. Each effect \
+         was left out once. The whole picture: {:.1} ms, {} rays and {} gathered photons per pass, mean radiance {} W/(m² sr).\n\n",
         markdown_text(&about.scene),
         env!("CARGO_PKG_VERSION"),
         about.integrator,
@@ -82,11 +83,11 @@ pub fn markdown(about: &About, findings: &Findings) -> String {
     };
     let rows: Vec<Vec<String>> = findings.effects.iter().map(row).collect();
     let heads =
-        ["effect", "ms a pass", "time, with to without", "rays a pass", "gathered photons", "changes", "adds", "takes"];
+        ["effect", "ms per pass", "time ratio", "rays per pass", "gathered photons", "changes", "adds", "takes"];
     text += &markdown_table(&heads, &rows);
     for decision in findings.plan.decisions.iter().filter(|d| !d.on) {
-        let wished = if decision.is_forced() { "off, as wished, though " } else { "off: " };
-        text += &format!("\n- {}: {wished}{}", decision.effect, markdown_text(&decision.reason.to_string()));
+        let state = if decision.is_forced() { "forced off, though " } else { "off: " };
+        text += &format!("\n- {}: {state}{}", decision.effect, markdown_text(&decision.reason.to_string()));
     }
     text + "\n"
 }
@@ -111,7 +112,7 @@ mod tests {
         let rows: Vec<&str> = table.split("\r\n").collect();
         assert_eq!(rows.len(), 1 + findings.plan.decisions.len() + 1);
         assert!(rows.iter().any(|row| row.starts_with("shadows,true,false,")));
-        // What is off has no figures.
+        // An effect that is off has no figures.
         assert!(rows.iter().any(|row| row.starts_with("caustics,false,") && row.ends_with(",,,,,,,,,,,")));
         let about = About { scene: "a_b.txt".into(), integrator: "whitted", seed: 3, exposure: 0.0 };
         let text = markdown(&about, &findings);

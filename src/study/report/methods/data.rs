@@ -1,10 +1,10 @@
-//! A study of methods as data and as plain text.
+//! A study of methods as CSV, JSON and Markdown.
 
 use super::analysis::{Analysis, ERRORS, law_text, reach_text, slope};
 use super::tables::root;
-use super::warnings;
-use crate::study::methods::fit::{Fit, Law, Milestone, Quantity, Reach, Recommendation, spread};
-use crate::study::methods::{Checkpoint, MethodFound, MethodsFound};
+use super::warnings::warnings;
+use crate::study::methods::fit::{Fit, Law, Milestone, Quantity, Recommendation, TimeToError, spread};
+use crate::study::methods::{Checkpoint, MethodResult, MethodStudyResult};
 use crate::study::report::plain::{csv_row, markdown_block, markdown_table, markdown_text};
 use crate::study::report::text::{amount, duration, error};
 use serde::Serialize;
@@ -12,10 +12,11 @@ use serde::Serialize;
 /// Version of the schema of [`json`]: it grows when a field changes its meaning or goes.
 const SCHEMA: u32 = 1;
 
-/// One row a method and checkpoint. Seconds are of processor time; errors, noise and bias are relative; what is squared says so, as
-/// it can be below zero where noise hides it. `squares` has those of all seeds, with semicolons between.
+/// CSV with one row per method and checkpoint. Seconds are processor time. Columns of squares end
+/// in 2; they may be negative if noise hides them. `squares` lists all seeds, separated by
+/// semicolons.
 #[must_use]
-pub fn csv(found: &MethodsFound) -> String {
+pub fn csv(found: &MethodStudyResult) -> String {
     let mut table = csv_row(&[
         "method",
         "algorithm",
@@ -30,7 +31,7 @@ pub fn csv(found: &MethodsFound) -> String {
         "error2_high",
         "noise2",
         "bias2",
-        "gauged2",
+        "estimated2",
         "rmse",
         "flip",
         "squares",
@@ -40,7 +41,7 @@ pub fn csv(found: &MethodsFound) -> String {
         for c in &method.checkpoints {
             let number = |v: f64| v.to_string();
             let [low, high] = spread(&c.squares).map_or_else(Default::default, |ends| ends.map(number));
-            let gauged = c.gauged.iter().sum::<f64>() / c.gauged.len() as f64;
+            let estimated = c.estimated.iter().sum::<f64>() / c.estimated.len() as f64;
             table += &csv_row(&[
                 method.label.clone(),
                 method.algorithm.name().to_owned(),
@@ -55,7 +56,7 @@ pub fn csv(found: &MethodsFound) -> String {
                 high,
                 number(c.noise2),
                 number(c.bias2),
-                if c.gauged.is_empty() { String::new() } else { number(gauged) },
+                if c.estimated.is_empty() { String::new() } else { number(estimated) },
                 number(c.rmse),
                 number(c.flip),
                 c.squares.iter().map(f64::to_string).collect::<Vec<_>>().join(";"),
@@ -105,10 +106,10 @@ struct MethodReport<'f> {
     theory: Theory,
     verdict: String,
     reaches: Vec<Target>,
-    tenth: Reach,
+    tenth: TimeToError,
 }
 
-/// Slopes against passes over the fitted checkpoints.
+/// Slopes over passes of the fitted checkpoints.
 #[derive(Serialize)]
 struct Theory {
     error: Option<Law>,
@@ -120,18 +121,18 @@ struct Theory {
 struct Target {
     error: f64,
     #[serde(flatten)]
-    reach: Reach,
+    reach: TimeToError,
 }
 
-/// Everything but pixels, with fits and verdicts. What is infinite is `null`.
+/// JSON with everything but pixels. Infinite values are `null`.
 ///
 /// # Errors
-/// Where a text is not what JSON can hold, which no `String` is.
-pub fn json(found: &MethodsFound) -> Result<String, serde_json::Error> {
+/// Never for valid UTF-8 strings.
+pub fn json(found: &MethodStudyResult) -> Result<String, serde_json::Error> {
     let analysis = Analysis::of(found);
     let methods = found.methods.iter().zip(&analysis.methods).map(|(method, judged)| {
         let law = |quantity| judged.law(method, quantity);
-        let target = |(error, reach): (f64, Reach)| Target { error, reach };
+        let target = |(error, reach): (f64, TimeToError)| Target { error, reach };
         MethodReport {
             label: &method.label,
             algorithm: method.algorithm.name(),
@@ -168,13 +169,13 @@ pub fn json(found: &MethodsFound) -> Result<String, serde_json::Error> {
     Ok(serde_json::to_string_pretty(&report)? + "\n")
 }
 
-/// Tables, verdicts and commands in Markdown.
+/// Tables, verdicts and commands as Markdown.
 #[must_use]
-pub fn markdown(found: &MethodsFound) -> String {
+pub fn markdown(found: &MethodStudyResult) -> String {
     let analysis = Analysis::of(found);
     let truth = found.truth.error.map_or(String::new(), |e| format!(", its own error about {}", error(e)));
     let mut text = format!(
-        "# What accuracy costs in time: {}\n\n{}. {}. Seeds: {} of each method, up to {} of processor time each. Truth: {}{truth}.\n\n{}",
+        "# Error over time: {}\n\n{}. {}. Seeds: {} of each method, up to {} of processor time each. Truth: {}{truth}.\n\n{}",
         markdown_text(&found.scene),
         markdown_text(&found.program),
         markdown_text(&found.machine),
@@ -187,7 +188,7 @@ pub fn markdown(found: &MethodsFound) -> String {
         text += &format!("\n> {}\n", markdown_text(&warning));
     }
     if let Some((words, command)) = analysis.advice(found) {
-        text += &format!("\n## To render with\n\n{}\n\n{}", markdown_text(&words), markdown_block(&command));
+        text += &format!("\n## Recommendation\n\n{}\n\n{}", markdown_text(&words), markdown_block(&command));
     }
     let all = || found.methods.iter().zip(&analysis.methods);
     let rows = all().map(|(method, judged)| {
@@ -207,14 +208,14 @@ pub fn markdown(found: &MethodsFound) -> String {
     let heads = ["method", "error at the end", "noise", "bias", "slope", "theory", "verdict"];
     text += &format!("\n## Verdicts\n\n{}", markdown_table(&heads, &rows.collect::<Vec<_>>()));
     let rows = all().map(|(method, judged)| {
-        let reach = |reach: &Reach| {
+        let reach = |reach: &TimeToError| {
             let (time, work) = reach_text(reach, method.algorithm.has_photons());
             if work.is_empty() { time } else { format!("{time} ({})", work.join(", ")) }
         };
         let reaches = judged.reaches.iter().chain([&judged.tenth]).map(reach);
         [method.label.clone(), duration(method.setup)].into_iter().chain(reaches).collect()
     });
-    let heads = ["method", "preparation", "10 %", "5 %", "2 %", "1 %", "a tenth of the last"];
+    let heads = ["method", "setup", "10 %", "5 %", "2 %", "1 %", "a tenth of the last error"];
     text += &format!("\n## Time to reach an error\n\n{}", markdown_table(&heads, &rows.collect::<Vec<_>>()));
     text += "\n## Checkpoints\n";
     for method in &found.methods {
@@ -228,7 +229,7 @@ pub fn markdown(found: &MethodsFound) -> String {
     text
 }
 
-fn checkpoints(method: &MethodFound) -> String {
+fn checkpoints(method: &MethodResult) -> String {
     let row = |c: &Checkpoint| {
         vec![
             c.passes.to_string(),

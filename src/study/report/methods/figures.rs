@@ -1,4 +1,4 @@
-//! Figures of a page: plots, pictures and maps, each with the command that makes it again.
+//! Figures of a page: plots, pictures and maps, each with its command.
 
 use super::analysis::{Analysis, Judged};
 use super::tables::{key, root, slopes};
@@ -6,7 +6,7 @@ use crate::image::{Image, RelativeScale};
 use crate::integrate::Algorithm;
 use crate::study::StudyError;
 use crate::study::methods::fit::{Quantity, spread};
-use crate::study::methods::{Checkpoint, MethodFound, MethodsFound};
+use crate::study::methods::{Checkpoint, MethodResult, MethodStudyResult};
 use crate::study::report::html::{escape, picture};
 use crate::study::report::maps::{LEAST, difference_map, error_map, ramp, relative, scale, signed_ramp, windows};
 use crate::study::report::picture::{exposure, png, stops};
@@ -15,13 +15,13 @@ use crate::study::report::text::{duration, error, figure, slope};
 use glam::Vec3;
 use std::fmt::Write;
 
-/// Crops that are shown.
+/// Number of crops.
 const CROPS: usize = 2;
 
-/// How many times a crop is enlarged.
+/// Magnification of a crop.
 const ENLARGED: u32 = 4;
 
-/// A figure with its words and its command.
+/// HTML figure with caption and command.
 fn framed(class: &str, label: &str, what: &str, caption: &str, command: &str) -> String {
     let label = if label.is_empty() { String::new() } else { format!(" data-label=\"{}\"", escape(label)) };
     format!(
@@ -35,16 +35,16 @@ fn sized(image: &Image) -> (u32, u32) {
     (image.width(), image.height())
 }
 
-fn points(method: &MethodFound, square: fn(&Checkpoint) -> f64) -> Vec<(f64, f64)> {
+fn points(method: &MethodResult, square: fn(&Checkpoint) -> f64) -> Vec<(f64, f64)> {
     method.checkpoints.iter().map(|c| (c.seconds, square(c).max(0.0).sqrt())).collect()
 }
 
-/// Errors of all methods against time.
-pub(super) fn main_plot(found: &MethodsFound) -> String {
-    let bars = |method: &MethodFound| {
+/// Plot of the errors of all methods over time.
+pub(super) fn main_plot(found: &MethodStudyResult) -> String {
+    let bars = |method: &MethodResult| {
         method.checkpoints.iter().map(|c| spread(&c.squares).map(|ends| ends.map(|e| e.max(0.0).sqrt()))).collect()
     };
-    let one = |(style, method): (usize, &MethodFound)| Series {
+    let one = |(style, method): (usize, &MethodResult)| Series {
         label: method.label.clone(),
         style,
         stroke: Stroke::Solid,
@@ -55,7 +55,7 @@ pub(super) fn main_plot(found: &MethodsFound) -> String {
     let all = || series.iter().flat_map(|s| s.points.iter()).filter(|p| p.0 > 0.0 && p.1 > 0.0);
     let first = all().map(|p| p.0).fold(f64::INFINITY, f64::min);
     let most = all().map(|p| p.1).fold(0.0, f64::max);
-    // Above what is measured, so that they are no lines among the others.
+    // The guides lie above the measured lines, to be distinct from them.
     let guide =
         |slope: f64, label: &str| Guide { label: label.into(), slope, through: (first, 1.6 * most), below: false };
     let ends: Vec<String> = found
@@ -65,18 +65,18 @@ pub(super) fn main_plot(found: &MethodsFound) -> String {
         .map(|(m, last)| format!("{}: {} after {}", m.label, root(last.square()), duration(last.seconds)))
         .collect();
     let words = format!(
-        "Relative error against processor time, both logarithmic, a line for each method. At the ends: {}.",
+        "Log-log plot of relative error over processor time, one line per method. At the ends: {}.",
         ends.join("; ")
     );
     let guides = vec![guide(-0.5, "slope −1/2"), guide(-1.0 / 3.0, "slope −1/3")];
-    let drawn = Plot { id: "errors", title: "Error against time", words: &words, size: (900.0, 480.0), series, guides };
-    let Some(svg) = plot(&drawn) else { return "<p>No error is above what can be told.</p>\n".to_owned() };
-    let caption = "Relative error against processor time without preparation; bars hold the mean over seeds with 95 %. In grey, how noise falls (−1/2), \
-                   and noise and bias together where radii shrink (−1/3).";
+    let drawn = Plot { id: "errors", title: "Error over time", words: &words, size: (900.0, 480.0), series, guides };
+    let Some(svg) = plot(&drawn) else { return "<p>No error is large enough to be measured.</p>\n".to_owned() };
+    let caption = "Relative error over processor time without setup, with 95 % intervals. Grey: slopes of noise (−1/2) \
+                   and of noise and bias with shrinking radii (−1/3).";
     framed("plot main", "", &svg, caption, &found.command)
 }
 
-fn small_plot(i: usize, method: &MethodFound, judged: &Judged) -> Option<String> {
+fn small_plot(i: usize, method: &MethodResult, judged: &Judged) -> Option<String> {
     let line = |label: &str, stroke, square: fn(&Checkpoint) -> f64| Series {
         label: label.into(),
         style: i,
@@ -92,12 +92,12 @@ fn small_plot(i: usize, method: &MethodFound, judged: &Judged) -> Option<String>
     let last = method.checkpoints.last()?;
     let guide = |quantity: Quantity, name: &str, square: f64| {
         let law = judged.law(method, quantity)?;
-        // Below the line that it is held against, which would hide it.
+        // The guide lies below its line, which would hide it.
         let through = (last.seconds, 0.8 * square.max(0.0).sqrt());
         Some(Guide { label: format!("{name} {}", slope(law.flattest)), slope: law.flattest, through, below: true })
     };
     let noise = guide(Quantity::Noise, "noise", last.noise2);
-    // Where noise hides the bias there is nothing to hold a law against.
+    // If noise hides the bias, there is no guide.
     let bias = guide(Quantity::Bias, "bias", last.bias2).filter(|_| last.bias2 > 0.1 * last.square());
     let title = format!("Error, noise and bias of {}", method.label);
     let words = format!(
@@ -113,8 +113,8 @@ fn small_plot(i: usize, method: &MethodFound, judged: &Judged) -> Option<String>
     plot(&Plot { id: &id, title: &title, words: &words, size: (520.0, 340.0), series, guides })
 }
 
-/// The truth and all pictures at one place.
-pub(super) fn flip(found: &MethodsFound) -> Result<String, StudyError> {
+/// The truth and all pictures, to be flipped in place.
+pub(super) fn flip(found: &MethodStudyResult) -> Result<String, StudyError> {
     let exposed = exposure(&found.truth.picture).unwrap_or(0.0);
     let mut flip = "<div id=\"pictures\">\n<div id=\"flip-buttons\" role=\"group\" aria-label=\"Picture\" hidden=\"hidden\"></div>\n<div id=\"flip\">\n".to_owned();
     let mut add = |label: &str, image: &Image, caption: &str, command: &str| -> Result<(), StudyError> {
@@ -125,18 +125,18 @@ pub(super) fn flip(found: &MethodsFound) -> Result<String, StudyError> {
     add("truth", &found.truth.picture, &format!("The truth: {}", found.truth.source), &found.command)?;
     for method in &found.methods {
         let last = method.checkpoints.last();
-        let told = last.map_or(String::new(), |c| {
+        let summary = last.map_or(String::new(), |c| {
             format!(", {} passes, {}: error {}", c.passes, duration(c.seconds), root(c.square()))
         });
-        add(&method.label, &method.picture, &format!("{}{told}", method.label), &method.command)?;
+        add(&method.label, &method.picture, &format!("{}{summary}", method.label), &method.command)?;
     }
     Ok(
         flip + "</div>\n<p>Arrow keys turn to the next; <code>#show=</code> and a label after the page&#39;s address open it at one.</p>\n</div>\n"
     )
 }
 
-/// Where errors are largest, enlarged.
-pub(super) fn crops(found: &MethodsFound) -> Result<String, StudyError> {
+/// Enlarged crops where errors are largest.
+pub(super) fn crops(found: &MethodStudyResult) -> Result<String, StudyError> {
     let mut crops = String::new();
     for window in windows(&found.methods, CROPS) {
         let truth = window.of(&found.truth.picture)?;
@@ -151,7 +151,7 @@ pub(super) fn crops(found: &MethodsFound) -> Result<String, StudyError> {
         if crops.is_empty() {
             let _ = writeln!(
                 crops,
-                "<h2>Where errors are largest</h2>\n<p>The places where the squared errors, each method&#39;s in its own mean, add up to most; {ENLARGED} times enlarged.</p>"
+                "<h2>Where errors are largest</h2>\n<p>Windows with the largest squared errors, each method relative to its mean, enlarged {ENLARGED} times.</p>"
             );
         }
         let _ = writeln!(crops, "<h3>In {place}</h3>\n<p>Exposure {}.</p>\n<div class=\"pictures\">", stops(exposed));
@@ -170,7 +170,7 @@ pub(super) fn crops(found: &MethodsFound) -> Result<String, StudyError> {
     Ok(crops)
 }
 
-/// A bar of colours with its ends.
+/// Legend: a colour bar with labels.
 fn legend(id: &str, ramp: impl Fn(f64) -> Vec3, ticks: &[(f64, String)]) -> String {
     const STOPS: u32 = 24;
     let mut svg = format!(
@@ -197,25 +197,25 @@ fn legend(id: &str, ramp: impl Fn(f64) -> Vec3, ticks: &[(f64, String)]) -> Stri
     svg + "</svg>\n"
 }
 
-/// The sRGB signal of linear light (IEC 61966-2-1), rounded to a byte when cut.
+/// sRGB bytes of linear light (IEC 61966-2-1).
 fn encoded(linear: f32) -> f32 {
     let signal = if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * libm::powf(linear, 1.0 / 2.4) - 0.055 };
     signal + 0.5 / 255.0
 }
 
-/// Each method by itself: slopes, and maps on scales that all share.
-pub(super) fn articles(found: &MethodsFound, analysis: &Analysis) -> Result<String, StudyError> {
+/// One article per method: slopes, and maps on shared scales.
+pub(super) fn articles(found: &MethodStudyResult, analysis: &Analysis) -> Result<String, StudyError> {
     let weights = RelativeScale::of(&found.truth.picture);
     let differences: Vec<Vec<f64>> = found.methods.iter().map(|m| relative(&m.difference, &weights)).collect();
     let most_error = scale(found.methods.iter().flat_map(|m| m.error.iter().map(|e| f64::from(*e))));
     let most_difference = scale(differences.iter().flatten().map(|d| d.abs()));
-    let mut all = "<p>Maps of all methods have the same scales. Errors, by decades; dark is small:</p>\n".to_owned();
+    let mut all = "<p>All methods share the scales of their maps. Error by decades; dark is small:</p>\n".to_owned();
     if let Some(most) = most_error {
         let ticks = [LEAST, LEAST.sqrt(), 1.0].map(|part| error(part * most));
         all += &legend("ramp-errors", ramp, &[0.0, 0.5, 1.0].into_iter().zip(ticks).collect::<Vec<_>>());
     }
     if let Some(most) = most_difference {
-        all += "<p>Differences to the truth, mean over seeds: too dark is blue, too bright is orange, right is black:</p>\n";
+        all += "<p>Mean difference to the truth: blue is too dark, orange is too bright, black is equal:</p>\n";
         let ticks = [format!("−{}", error(most)), "0".to_owned(), format!("+{}", error(most))];
         all += &legend(
             "ramp-differences",
@@ -236,7 +236,8 @@ pub(super) fn articles(found: &MethodsFound, analysis: &Analysis) -> Result<Stri
         all += &slopes(method, judged);
         all += "<div class=\"pictures\">\n";
         if let Some(svg) = small_plot(i, method, judged) {
-            let caption = "Error, noise (dashed) and bias (dotted) against processor time; in grey theory's slopes, moved down a little.";
+            let caption =
+                "Error, noise (dashed) and bias (dotted) over processor time. Grey: slopes by theory, moved down.";
             all += &framed("plot", "", &svg, caption, &found.command);
         }
         if let Some(most) = most_error {
@@ -275,12 +276,12 @@ pub(super) fn articles(found: &MethodsFound, analysis: &Analysis) -> Result<Stri
     Ok(all)
 }
 
-fn radii(method: &MethodFound) -> String {
+fn radii(method: &MethodResult) -> String {
     let Some([global, caustic]) = method.radii.map(|radii| radii.map(f64::from)) else { return String::new() };
     let law = if method.algorithm == Algorithm::Pm || method.alpha >= 1.0 {
-        "they stay".to_owned()
+        "fixed".to_owned()
     } else {
-        format!("they shrink with α = {}", figure(method.alpha))
+        format!("shrinking with α = {}", figure(method.alpha))
     };
     format!(
         " Largest radii of the first pass: {} of the global map, {} of the caustic map; {law}.",

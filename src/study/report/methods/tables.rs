@@ -1,14 +1,14 @@
-//! Tables of a page.
+//! Tables of an HTML page.
 
 use super::analysis::{Analysis, ERRORS, law_text, reach_text, slope};
-use crate::study::methods::fit::{Quantity, Reach, Slopes};
-use crate::study::methods::{Checkpoint, MethodsFound};
+use crate::study::methods::fit::{Quantity, Slopes, TimeToError};
+use crate::study::methods::{Checkpoint, MethodStudyResult};
 use crate::study::report::html::escape;
 use crate::study::report::svg::{colour, marker};
 use crate::study::report::text::{amount, duration, error, figure};
 use std::fmt::Write;
 
-/// The colour and shape of a method, before its name.
+/// Marker of a method in its colour.
 pub(super) fn key(style: usize) -> String {
     let colour = colour(style);
     format!(
@@ -17,7 +17,7 @@ pub(super) fn key(style: usize) -> String {
     )
 }
 
-/// The beginning of a table, whose first `left` columns are words.
+/// Head of a table; the first `left` columns hold words.
 fn head(columns: &[&str], left: usize) -> String {
     let mut table =
         "<div class=\"scroll\" role=\"region\" aria-label=\"table\" tabindex=\"0\"><table>\n<thead><tr>".to_owned();
@@ -30,12 +30,12 @@ fn head(columns: &[&str], left: usize) -> String {
 
 const END: &str = "</tbody>\n</table></div>\n";
 
-/// The root of a square; what is not above zero cannot be told from nothing.
+/// Square root as a percentage; `≈ 0` if `square` is not positive.
 pub(super) fn root(square: f64) -> String {
     if square > 0.0 { error(square.sqrt()) } else { "≈ 0".to_owned() }
 }
 
-pub(super) fn verdicts(found: &MethodsFound, analysis: &Analysis) -> String {
+pub(super) fn verdicts(found: &MethodStudyResult, analysis: &Analysis) -> String {
     let mut table = head(&["method", "verdict", "error at the end", "noise", "bias", "slope", "theory"], 2);
     for (i, (method, judged)) in found.methods.iter().zip(&analysis.methods).enumerate() {
         let _ =
@@ -55,16 +55,16 @@ pub(super) fn verdicts(found: &MethodsFound, analysis: &Analysis) -> String {
         }
         table += "</tr>\n";
     }
-    let note = "<p>Slopes are those of the error&#39;s logarithm against that of passes, with 95 % intervals.</p>\n";
+    let note = "<p>Slopes of the error over passes, log-log, with 95 % intervals.</p>\n";
     table + END + note
 }
 
-pub(super) fn reaches(found: &MethodsFound, analysis: &Analysis) -> String {
+pub(super) fn reaches(found: &MethodStudyResult, analysis: &Analysis) -> String {
     let heads: Vec<String> = ERRORS.iter().map(|e| format!("{:.0} %", 100.0 * e)).collect();
-    let columns: Vec<&str> = ["method", "preparation"]
+    let columns: Vec<&str> = ["method", "setup"]
         .into_iter()
         .chain(heads.iter().map(String::as_str))
-        .chain(["a tenth of the last"])
+        .chain(["a tenth of the last error"])
         .collect();
     let mut table = head(&columns, 1);
     for (i, (method, judged)) in found.methods.iter().zip(&analysis.methods).enumerate() {
@@ -72,15 +72,15 @@ pub(super) fn reaches(found: &MethodsFound, analysis: &Analysis) -> String {
         let _ = write!(table, "<td class=\"n\">{}</td>", duration(method.setup));
         for reach in judged.reaches.iter().chain([&judged.tenth]) {
             let (time, work) = reach_text(reach, method.algorithm.has_photons());
-            let class = if matches!(reach, Reach::Predicted { .. }) { "n predicted" } else { "n" };
+            let class = if matches!(reach, TimeToError::Predicted { .. }) { "n predicted" } else { "n" };
             let _ = write!(table, "<td class=\"{class}\">{}", escape(&time));
             work.iter().for_each(|line| table += &format!("<small>{}</small>", escape(line)));
             table += "</td>";
         }
         table += "</tr>\n";
     }
-    let note = "<p>Measured times are between checkpoints; those with ≈ are predicted beyond the last by its slope, with the times of both ends of \
-                the slope&#39;s interval. Preparation comes on top.</p>\n";
+    let note = "<p>Times are interpolated between checkpoints. Times with ≈ are extrapolated by the slope, with those of both ends of \
+                its interval. Setup is extra.</p>\n";
     let front: Vec<String> = analysis
         .pareto
         .iter()
@@ -93,12 +93,12 @@ pub(super) fn reaches(found: &MethodsFound, analysis: &Analysis) -> String {
     let front = if front.is_empty() {
         String::new()
     } else {
-        format!("<p>The least error at each time: {}.</p>\n", escape(&front.join("; ")))
+        format!("<p>Least error over time: {}.</p>\n", escape(&front.join("; ")))
     };
     table + END + note + &front
 }
 
-pub(super) fn checkpoints(found: &MethodsFound) -> String {
+pub(super) fn checkpoints(found: &MethodStudyResult) -> String {
     let mut all = String::new();
     for (i, method) in found.methods.iter().enumerate() {
         let _ = writeln!(all, "<details><summary>{}{}: every checkpoint</summary>", key(i), escape(&method.label));
@@ -112,14 +112,14 @@ pub(super) fn checkpoints(found: &MethodsFound) -> String {
                 "error",
                 "noise",
                 "bias",
-                "the gauge says",
+                "estimated error",
                 "RMSE, W/(m² sr)",
                 "FLIP",
             ],
             1,
         );
         for c in &method.checkpoints {
-            let gauged = c.gauged.iter().sum::<f64>() / c.gauged.len() as f64;
+            let estimated = c.estimated.iter().sum::<f64>() / c.estimated.len() as f64;
             let cells = [
                 duration(c.seconds),
                 duration(c.wall),
@@ -128,7 +128,7 @@ pub(super) fn checkpoints(found: &MethodsFound) -> String {
                 root(c.square()),
                 root(c.noise2),
                 root(c.bias2),
-                if c.gauged.is_empty() { "–".to_owned() } else { root(gauged) },
+                if c.estimated.is_empty() { "–".to_owned() } else { root(estimated) },
                 figure(c.rmse),
                 figure(c.flip),
             ];
@@ -142,10 +142,10 @@ pub(super) fn checkpoints(found: &MethodsFound) -> String {
     all
 }
 
-/// The slopes of one method, with theory's.
-pub(super) fn slopes(method: &crate::study::methods::MethodFound, judged: &super::analysis::Judged) -> String {
+/// Slopes of one method beside theory.
+pub(super) fn slopes(method: &crate::study::methods::MethodResult, judged: &super::analysis::Judged) -> String {
     let Some(fit) = &judged.fit else { return String::new() };
-    let mut table = head(&["", "against passes", "against time", "theory"], 1);
+    let mut table = head(&["", "over passes", "over time", "theory"], 1);
     for (name, slopes, quantity) in [
         ("error", fit.error, Quantity::Error),
         ("noise", fit.noise, Quantity::Noise),

@@ -165,8 +165,8 @@ fn files_above_memory_limit_are_refused_unread() {
     for (more, words) in [
         ("--memory 1G --size 16000x16000", vec!["a picture of 16000 × 16000", "--size", "--memory"]),
         ("--memory 50M --integrator sppm --photons 4M", vec!["photons", "--passes", "--memory"]),
-        ("--memory 1", vec!["0.0 MB are free", "--memory"]),
-        ("--memory lots", vec!["`lots` is no amount of memory", "4G"]),
+        ("--memory 1", vec!["0 bytes are free", "--memory"]),
+        ("--memory lots", vec!["`lots` is not an amount of memory", "4G"]),
     ] {
         let words: Vec<&str> = words.into_iter().collect();
         let arguments = plain(more);

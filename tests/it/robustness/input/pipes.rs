@@ -32,8 +32,8 @@ fn endless_files_are_refused_at_once() {
         (&render("/dev/zero"), ["a pipe or a device", "check the path"]),
         (&render("mesh.txt"), ["pipe", "put the file"]),
         (&["mesh", "pipe"], ["pipe", "check that it is a file"]),
-        (&["diff", "pipe", "/dev/zero"], ["pipe", "name a file"]),
-        (&["study", "plain.txt", "--methods", "raycast", "--truth", "pipe"], ["pipe", "name a file"]),
+        (&["diff", "pipe", "/dev/zero"], ["pipe", "choose a regular file"]),
+        (&["study", "plain.txt", "--methods", "raycast", "--truth", "pipe"], ["pipe", "choose a regular file"]),
     ] {
         let start = Instant::now();
         let ended = run(&shop, arguments);

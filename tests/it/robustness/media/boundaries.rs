@@ -108,8 +108,8 @@ fn camera_ray_obeys_beer_over_million_boundaries() {
     assert!(off.iter().all(|off| *off < slack), "media, bodies: {off:?}, may be {slack}");
 }
 
-/// The same path for photons of a spotlight of half angle 10⁻³, which lengthens it by less than
-/// 10⁻⁶. Compared is the flux after the last bounce.
+/// Photons of a spotlight between the two mirrors. Its half angle of 10⁻³ lengthens their path by
+/// less than 10⁻⁶. Compared is the flux after the last bounce.
 #[test]
 fn photons_obey_beer_over_million_boundaries() {
     let off = [Filled::Media, Filled::Bodies].map(|filled| {

@@ -30,8 +30,8 @@ pub fn summary(image: &[Rgb], (width, height): (u32, u32)) -> Vec<f64> {
 /// Returns why `ours` and `theirs` do not have equal means up to the fraction `slack`; `None` if
 /// they do.
 ///
-/// It also objects if noise would hide a difference of the fraction `detectable` of the brightest of the
-/// first three numbers. Passes are paired by their random numbers. Differences of pairs are
+/// It also objects if noise would hide a difference of the fraction `detectable` of the brightest
+/// of the first three numbers. Passes are paired by their random numbers. Differences of pairs are
 /// independent, and Student's t tests whether their mean is 0.
 pub fn objection(ours: &[Vec<f64>], theirs: &[Vec<f64>], slack: f64, detectable: f64) -> Option<String> {
     let dof = ours.len() as f64 - 1.0;

@@ -1,12 +1,13 @@
-//! What less error costs.
+//! Time to reach an error.
 
-use super::{Fit, Slope, Verdict};
-use crate::study::methods::{Checkpoint, MethodFound, MethodsFound};
+use super::slopes::{Fit, Slope};
+use super::verdict::Verdict;
+use crate::study::methods::{Checkpoint, MethodResult, MethodStudyResult};
 
-/// What it takes to come somewhere.
+/// Effort to reach an error.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
-pub struct Price {
-    /// Processor time without preparation \[s].
+pub struct Effort {
+    /// Processor time without setup \[s].
     pub seconds: f64,
     /// Passes.
     pub passes: f64,
@@ -14,7 +15,7 @@ pub struct Price {
     pub photons: f64,
 }
 
-impl Price {
+impl Effort {
     fn of(checkpoint: &Checkpoint) -> Self {
         Self { seconds: checkpoint.seconds, passes: f64::from(checkpoint.passes), photons: checkpoint.photons }
     }
@@ -23,86 +24,87 @@ impl Price {
         Self { seconds: self.seconds * factor, passes: self.passes * factor, photons: self.photons * factor }
     }
 
-    /// Between two prices, in logarithms where both are above zero.
+    /// Interpolates two efforts, in logarithms if both are positive.
     fn between(a: Self, b: Self, t: f64) -> Self {
         let mix = |a: f64, b: f64| if a > 0.0 && b > 0.0 { a * libm::pow(b / a, t) } else { a + (b - a) * t };
         Self { seconds: mix(a.seconds, b.seconds), passes: mix(a.passes, b.passes), photons: mix(a.photons, b.photons) }
     }
 }
 
-/// How an error is reached.
+/// Time to reach a given error.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
 #[serde(tag = "how", rename_all = "lowercase")]
-pub enum Reach {
-    /// The first checkpoint is below it already.
-    Within(Price),
-    /// Between checkpoints.
-    Measured(Price),
-    /// By the fitted slope, beyond the last checkpoint.
+pub enum TimeToError {
+    /// At most the effort of the first checkpoint.
+    Within(Effort),
+    /// Interpolated between checkpoints.
+    Measured(Effort),
+    /// Extrapolated by the fitted slope.
     Predicted {
-        /// By the slope itself.
-        price: Price,
-        /// Seconds by both ends of the slope's interval; the later is infinite where the slope might be none.
+        /// Effort by the slope itself.
+        effort: Effort,
+        /// Seconds at both ends of the slope's interval; the later may be infinite.
         seconds: Option<[f64; 2]>,
     },
-    /// Never: the bias stays above.
+    /// Never, because bias stays above it.
     Never {
-        /// Relative error that no time lessens.
+        /// Relative error that remains.
         floor: f64,
     },
-    /// Nothing says.
+    /// Unknown.
     Unknown,
 }
 
-/// What it takes until the relative error is `error` and stays below.
+/// Effort until the relative error of `method` is `error` and stays below.
 #[must_use]
-pub fn reach(method: &MethodFound, fit: Option<&Fit>, verdict: &Verdict, error: f64) -> Reach {
+pub fn reach(method: &MethodResult, fit: Option<&Fit>, verdict: &Verdict, error: f64) -> TimeToError {
     let checkpoints = &method.checkpoints;
     let above = |c: &Checkpoint| c.square() > error * error;
     let Some(last_above) = checkpoints.iter().rposition(above) else {
-        return checkpoints.first().map_or(Reach::Unknown, |first| Reach::Within(Price::of(first)));
+        return checkpoints.first().map_or(TimeToError::Unknown, |first| TimeToError::Within(Effort::of(first)));
     };
     let before = &checkpoints[last_above];
     let Some(after) = checkpoints.get(last_above + 1) else { return beyond(before, fit, verdict, error) };
     let [log_before, log_after] = [before, after].map(|c| 0.5 * libm::log(c.square()));
-    // What is not above zero has no logarithm; the checkpoint itself is known to be below.
+    // A value of zero or less has no logarithm; the checkpoint itself is below `error`.
     let t = if log_after.is_finite() { (log_before - libm::log(error)) / (log_before - log_after) } else { 1.0 };
-    Reach::Measured(Price::between(Price::of(before), Price::of(after), t))
+    TimeToError::Measured(Effort::between(Effort::of(before), Effort::of(after), t))
 }
 
-fn beyond(last: &Checkpoint, fit: Option<&Fit>, verdict: &Verdict, error: f64) -> Reach {
+fn beyond(last: &Checkpoint, fit: Option<&Fit>, verdict: &Verdict, error: f64) -> TimeToError {
     let floor = match verdict {
         Verdict::Plateau { floor, .. } => Some(*floor),
         Verdict::Expected { ahead, .. } => *ahead,
         _ => None,
     };
     if let Some(floor) = floor.filter(|floor| *floor >= error) {
-        return Reach::Never { floor };
+        return TimeToError::Never { floor };
     }
     let Some(Slope { value, interval }) = fit.and_then(|fit| fit.error).map(|slopes| slopes.by_time) else {
-        return Reach::Unknown;
+        return TimeToError::Unknown;
     };
     let ratio = last.square().sqrt() / error;
     let factor = |slope: f64| if slope < 0.0 { libm::pow(ratio, -1.0 / slope) } else { f64::INFINITY };
     if value >= 0.0 {
-        return Reach::Unknown;
+        return TimeToError::Unknown;
     }
     let seconds = interval.map(|ends| ends.map(|slope| last.seconds * factor(slope)));
-    Reach::Predicted { price: Price::of(last).times(factor(value)), seconds }
+    TimeToError::Predicted { effort: Effort::of(last).times(factor(value)), seconds }
 }
 
-/// What a tenth of the last error would cost.
+/// Effort to reach a tenth of the last error.
 #[must_use]
-pub fn tenth(method: &MethodFound, fit: Option<&Fit>, verdict: &Verdict) -> Reach {
+pub fn tenth(method: &MethodResult, fit: Option<&Fit>, verdict: &Verdict) -> TimeToError {
     match method.checkpoints.last() {
         Some(last) if last.square() > 0.0 => beyond(last, fit, verdict, 0.1 * last.square().sqrt()),
-        _ => Reach::Unknown,
+        _ => TimeToError::Unknown,
     }
 }
 
-/// The relative error after so many seconds: between checkpoints, or beyond the last by its slope; `None` before the first, or where nothing says.
+/// Relative error after `seconds`, interpolated or extrapolated; `None` before the first
+/// checkpoint, or if unknown.
 #[must_use]
-pub fn error_at(method: &MethodFound, fit: Option<&Fit>, seconds: f64) -> Option<f64> {
+pub fn error_at(method: &MethodResult, fit: Option<&Fit>, seconds: f64) -> Option<f64> {
     let error = |c: &Checkpoint| Some(c.square()).filter(|s| *s > 0.0).map(f64::sqrt);
     let after = method.checkpoints.iter().position(|c| c.seconds >= seconds);
     let last = method.checkpoints.last()?;
@@ -121,7 +123,7 @@ pub fn error_at(method: &MethodFound, fit: Option<&Fit>, seconds: f64) -> Option
     }
 }
 
-/// A checkpoint than which none is both earlier and better.
+/// A checkpoint on the Pareto front: none is both earlier and better.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct Milestone {
     /// Index of the method.
@@ -130,9 +132,9 @@ pub struct Milestone {
     pub checkpoint: usize,
 }
 
-/// The least error at each time, over all methods; from early to late. Errors that cannot be told from none are left out.
+/// Pareto front of error over time, early to late. Errors that noise hides are left out.
 #[must_use]
-pub fn pareto(methods: &[MethodFound]) -> Vec<Milestone> {
+pub fn pareto(methods: &[MethodResult]) -> Vec<Milestone> {
     let mut all: Vec<(f64, f64, Milestone)> = Vec::new();
     for (method, found) in methods.iter().enumerate() {
         let points = found.checkpoints.iter().enumerate().filter(|(_, c)| c.square() > 0.0);
@@ -148,20 +150,20 @@ pub fn pareto(methods: &[MethodFound]) -> Vec<Milestone> {
     all.into_iter().map(|(_, _, milestone)| milestone).collect()
 }
 
-/// What to render with.
+/// Recommended method.
 #[derive(Clone, Debug, PartialEq, serde::Serialize)]
 pub struct Recommendation {
     /// Index of the method.
     pub method: usize,
-    /// Relative error that a picture is expected to have after the budget.
+    /// Expected relative error after the budget.
     pub error: f64,
-    /// Other methods that come within 10 % of it.
+    /// Other methods within 10 % of that error.
     pub alike: Vec<usize>,
 }
 
-/// The method with the least error after the study's budget; `None` where no error is known.
+/// Method with the least error after the budget; `None` if no error is known.
 #[must_use]
-pub fn recommend(found: &MethodsFound, fits: &[Option<Fit>]) -> Option<Recommendation> {
+pub fn recommend(found: &MethodStudyResult, fits: &[Option<Fit>]) -> Option<Recommendation> {
     let errors: Vec<(usize, f64)> = found
         .methods
         .iter()

@@ -1,0 +1,60 @@
+//! `caustica convert`: writes any scene that can be read as scene text.
+
+use super::outputs::{NamedFile, OutputFailures, check_distinct};
+use super::progress::tell;
+use super::{Exit, Failure};
+use crate::format::mesh::MeshFormat;
+use crate::format::{Conversion, ReadError, SceneFile};
+use crate::image::{self, WriteOptions, replace_with};
+use crate::stats::Memory;
+use clap::Args;
+use std::io::Write;
+use std::path::PathBuf;
+
+/// Arguments of `convert`.
+#[derive(Debug, Args)]
+pub struct ConvertArguments {
+    /// Scene to read
+    pub scene: PathBuf,
+
+    /// Scene text to write. Meshes and pictures that the scene itself holds become files beside it
+    pub output: PathBuf,
+
+    /// Replace files that exist
+    #[arg(long)]
+    pub force: bool,
+}
+
+/// An output that exists already.
+#[derive(Debug, thiserror::Error, miette::Diagnostic)]
+#[error("`{}` exists already", .0.display())]
+#[diagnostic(help("choose another name, or replace it with --force"))]
+struct Exists(PathBuf);
+
+pub(super) fn run(arguments: &ConvertArguments) -> Result<Exit, Failure> {
+    let scene = SceneFile::read_within(&arguments.scene, Memory::System).map_err(|e| {
+        let exit = if matches!(e, ReadError::Memory { .. }) { Exit::Usage } else { Exit::Input };
+        Failure::new(exit, e)
+    })?;
+    let conversion = Conversion::new(&scene, &arguments.output);
+    let meshes = conversion.meshes.iter().map(|(path, _)| path);
+    let pictures = conversion.pictures.iter().map(|(path, _)| path);
+    let outputs: Vec<&PathBuf> = std::iter::once(&arguments.output).chain(meshes).chain(pictures).collect();
+    let named: Vec<NamedFile> = outputs.iter().map(|path| NamedFile::new("the output", path)).collect();
+    check_distinct(&named, &[NamedFile::new("the scene file", &arguments.scene)])?;
+    if let Some(path) = outputs.iter().find(|path| !arguments.force && path.exists()) {
+        return Err(Failure::new(Exit::Output, Exists((*path).clone())));
+    }
+    let mut failures = OutputFailures::default();
+    for (path, mesh) in &conversion.meshes {
+        failures.keep(mesh.write(path, MeshFormat::Ply, &[]));
+    }
+    for (path, picture) in &conversion.pictures {
+        failures.keep(image::write(path, picture, &WriteOptions::default()));
+    }
+    let written = replace_with(&arguments.output, |file| file.write_all(conversion.text.as_bytes()));
+    if failures.keep(written).is_some() {
+        tell(&format!("wrote {}", arguments.output.display()));
+    }
+    failures.finish(Exit::Success)
+}

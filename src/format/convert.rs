@@ -1,0 +1,165 @@
+//! Writing any imported scene as scene text, with the meshes and pictures that it holds beside it.
+
+use super::description::{
+    Density, Description, EnvironmentRadiance, Group, Item, Light, MaterialKind, Object, Relief, Shape, Spanned,
+    TextureKind,
+};
+use super::file::SceneFile;
+use super::mesh::TriangleMesh;
+use super::resolve::candidates;
+use crate::image::Image;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// A scene as the files that represent it.
+#[derive(Clone, Debug)]
+pub struct Conversion {
+    /// The scene in the scene language.
+    pub text: String,
+    /// Meshes in memory, each with the PLY file to write it to.
+    pub meshes: Vec<(PathBuf, Arc<TriangleMesh>)>,
+    /// Pictures in memory, each with the OpenEXR file to write it to.
+    pub pictures: Vec<(PathBuf, Arc<Image>)>,
+}
+
+impl Conversion {
+    /// Converts `scene` to a scene text at `output`, which other files are named after. Writes nothing.
+    ///
+    /// A relative path of a file that exists becomes absolute if `output` is in another folder than the scene.
+    #[must_use]
+    pub fn new(scene: &SceneFile, output: &Path) -> Self {
+        let mut description = scene.description.clone();
+        let folder = output.parent().unwrap_or(Path::new(""));
+        let stem = output.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let mut names: BTreeMap<String, String> = BTreeMap::new();
+        let (mut meshes, mut pictures) = (Vec::new(), Vec::new());
+        for (i, (path, mesh)) in scene.assets.meshes.iter().enumerate() {
+            let name = format!("{stem}-mesh{i}.ply");
+            meshes.push((folder.join(&name), Arc::clone(mesh)));
+            names.insert(path.clone(), name);
+        }
+        for (i, (path, picture)) in scene.assets.pictures.iter().enumerate() {
+            let name = format!("{stem}-picture{i}.exr");
+            pictures.push((folder.join(&name), Arc::clone(picture)));
+            names.insert(path.clone(), name);
+        }
+        let same_folder = absolute(folder) == absolute(scene.folder());
+        for_each_path(&mut description, &mut |path| {
+            if let Some(name) = names.get(path.as_str()) {
+                path.clone_from(name);
+            } else if !same_folder {
+                let file = candidates(scene.folder(), Path::new(path.as_str())).find(|file| file.is_file());
+                let file = file.and_then(|file| absolute(&file));
+                if let Some(file) = file.as_deref().and_then(Path::to_str) {
+                    file.clone_into(path);
+                }
+            }
+        });
+        Self { text: description.to_string(), meshes, pictures }
+    }
+}
+
+/// Returns the absolute path of a file or folder, with all links resolved; `None` if it does not exist.
+fn absolute(path: &Path) -> Option<PathBuf> {
+    let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
+    path.canonicalize().ok()
+}
+
+/// Calls `visit` with each path of a file that the description names.
+fn for_each_path(description: &mut Description, visit: &mut impl FnMut(&mut String)) {
+    for light in &mut description.lights {
+        light_path(&mut light.value, visit);
+    }
+    let textures: Vec<String> = description.textures.iter().map(|texture| texture.name.clone()).collect();
+    for texture in &mut description.textures {
+        match &mut texture.value.kind {
+            TextureKind::Image { path, .. } => visit(&mut path.value),
+            TextureKind::Checker { .. } | TextureKind::Solid { .. } => {}
+        }
+    }
+    for medium in &mut description.media {
+        match &mut medium.value.density {
+            Density::Grid { path, .. } => visit(&mut path.value),
+            Density::Even | Density::Cloud { .. } => {}
+        }
+    }
+    // These fields hold the name of a texture, or else a path.
+    let mut visit_path = |name: &mut Spanned<String>| {
+        if !textures.contains(&name.value) {
+            visit(&mut name.value);
+        }
+    };
+    for material in &mut description.materials {
+        if let MaterialKind::Phong { texture: Some(texture), .. } = &mut material.value.kind {
+            visit_path(texture);
+        }
+        match &mut material.value.relief {
+            Some(Relief::Bump { texture, .. } | Relief::NormalMap(texture)) => visit_path(texture),
+            None => {}
+        }
+    }
+    group_paths(&mut description.root, visit);
+}
+
+fn light_path(light: &mut Light, visit: &mut impl FnMut(&mut String)) {
+    match light {
+        Light::Moving { light, .. } => light_path(&mut light.value, visit),
+        Light::Environment(EnvironmentRadiance::Picture { path, .. }) => visit(&mut path.value),
+        Light::Point { .. }
+        | Light::Directional { .. }
+        | Light::Spot { .. }
+        | Light::Sphere { .. }
+        | Light::Disc { .. }
+        | Light::Rectangle { .. }
+        | Light::Environment(EnvironmentRadiance::Constant(_)) => {}
+    }
+}
+
+fn group_paths(group: &mut Group, visit: &mut impl FnMut(&mut String)) {
+    for item in &mut group.items {
+        match item {
+            Item::Object(object) => object_paths(&mut object.value, visit),
+            Item::MaterialIndex(_) | Item::MaterialName(_) => {}
+        }
+    }
+}
+
+fn object_paths(object: &mut Object, visit: &mut impl FnMut(&mut String)) {
+    match object {
+        Object::Group(group) => group_paths(group, visit),
+        Object::Transform { object, .. } | Object::Moving { object, .. } => object_paths(&mut object.value, visit),
+        Object::Shape { shape: Shape::Mesh { path, .. }, .. } => visit(&mut path.value),
+        Object::Shape { .. } => {}
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::format::parse;
+    use glam::DVec3;
+
+    #[test]
+    fn assets_become_files_and_paths_stay_valid() {
+        let folder = tempfile::tempdir().unwrap();
+        let (input, output) = (folder.path().join("in"), folder.path().join("out"));
+        std::fs::create_dir(&input).unwrap();
+        std::fs::create_dir(&output).unwrap();
+        std::fs::write(input.join("b.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+        let text = "PerspectiveCamera { center 0 0 9 direction 0 0 -1 angle 30 }
+            Group { TriangleMesh { file a } Transform { Scale 2 2 2 TriangleMesh { file b.obj } } }";
+        std::fs::write(input.join("scene.txt"), text).unwrap();
+        let mut scene = SceneFile::read(&input.join("scene.txt")).unwrap();
+        let corners = [DVec3::ZERO, DVec3::X, DVec3::Y].to_vec();
+        let mesh = TriangleMesh { positions: corners, triangles: vec![[0, 1, 2]], ..TriangleMesh::default() };
+        scene.assets.meshes.insert("a".to_owned(), Arc::new(mesh));
+        assert_eq!(scene.resolve().unwrap().triangle_count(), 2);
+        let converted = Conversion::new(&scene, &output.join("new.txt"));
+        assert_eq!(converted.meshes[0].0, output.join("new-mesh0.ply"));
+        assert!(converted.text.contains("file new-mesh0.ply"), "{}", converted.text);
+        assert!(converted.text.contains(input.canonicalize().unwrap().join("b.obj").to_str().unwrap()));
+        let beside = Conversion::new(&scene, &input.join("new.txt"));
+        assert!(beside.text.contains("obj_file b.obj") && parse("new.txt", &beside.text).is_ok());
+    }
+}

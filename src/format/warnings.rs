@@ -1,0 +1,197 @@
+//! Warnings about a scene that is valid, but probably not as intended.
+
+use super::Source;
+use super::description::{
+    Description, Emission, Group, Item, Material, MaterialKind, Object, Relief, Shape, Span, Spanned, Value,
+};
+use super::import::Assets;
+use super::mesh::{self, MeshReport};
+use super::resolve::candidates;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::Path;
+
+/// Returns warnings, one line each, in the order of the text.
+///
+/// Meshes of dielectrics are read again; one that cannot be read is the resolver's to report.
+pub(super) fn warnings(description: &Description, source: &Source, folder: &Path, assets: &Assets) -> Vec<String> {
+    let mut uses = Uses::default();
+    uses.group(description, &description.root, &mut 0);
+    for material in &description.materials {
+        uses.textures_of(&material.value);
+    }
+    let mut found: Vec<(Span, String)> = Vec::new();
+    for texture in &description.textures {
+        if !uses.textures.contains(texture.name.as_str()) {
+            found.push((texture.span, format!("the texture `{}` is not used", texture.name)));
+        }
+    }
+    for (index, material) in description.materials.iter().enumerate() {
+        if !uses.is_used(description, index) {
+            let name = material.name.as_ref().map_or(format!("number {index}"), |name| format!("`{name}`"));
+            found.push((material.span, format!("the material {name} is not used")));
+        }
+    }
+    for (path, span) in &uses.dielectric_meshes {
+        let report = match assets.meshes.get(*path) {
+            Some(mesh) => Some(mesh.report()),
+            None => candidates(folder, Path::new(path))
+                .find(|file| file.is_file())
+                .and_then(|file| mesh::load(&file, &()).ok())
+                .map(|loaded| loaded.mesh.report()),
+        };
+        if let Some(defect) = report.as_ref().and_then(defect) {
+            let remedy = "`caustica mesh --repair` may mend it";
+            found.push((*span, format!("the dielectric mesh `{path}` {defect}; {remedy}")));
+        }
+    }
+    found.sort_by_key(|(span, _)| span.start);
+    found.into_iter().map(|(span, message)| source.warning(span, &message)).collect()
+}
+
+/// Returns what makes a mesh unfit as the boundary of a body; `None` if it is fit.
+fn defect(report: &MeshReport) -> Option<String> {
+    if report.triangles == 0 {
+        return None;
+    }
+    if !report.closed {
+        return Some(format!("is open at {} edges: light that enters may not leave", report.boundary_edges));
+    }
+    if report.inconsistent_edges > 0 {
+        return Some(format!("has {} edges whose faces disagree about the outer side", report.inconsistent_edges));
+    }
+    let inside_out = report.volume.is_some_and(|volume| volume < 0.0);
+    inside_out.then(|| "is inside out: its normals point into the body".to_owned())
+}
+
+/// Materials, textures and meshes that the objects of a scene refer to.
+#[derive(Default)]
+struct Uses<'a> {
+    /// Indices of materials that an object has.
+    materials: BTreeSet<usize>,
+    /// Names of textures that a material refers to.
+    textures: BTreeSet<&'a str>,
+    /// Paths of meshes with a dielectric material, with the first object of each.
+    dielectric_meshes: BTreeMap<&'a str, Span>,
+}
+
+impl<'a> Uses<'a> {
+    /// Collects the uses of a group; `material` is the index of the material in force.
+    fn group(&mut self, description: &'a Description, group: &'a Group, material: &mut usize) {
+        for item in &group.items {
+            match item {
+                Item::MaterialIndex(index) => *material = index.value as usize,
+                Item::MaterialName(name) => {
+                    let named = |m: &Spanned<Material>| m.name.as_deref() == Some(name.as_str());
+                    *material = description.materials.iter().position(named).unwrap_or(*material);
+                }
+                Item::Object(object) => self.object(description, object, material),
+            }
+        }
+    }
+
+    /// Collects the uses of an object.
+    fn object(&mut self, description: &'a Description, object: &'a Spanned<Object>, material: &mut usize) {
+        match &object.value {
+            Object::Group(group) => self.group(description, group, material),
+            Object::Transform { object, .. } | Object::Moving { object, .. } => {
+                self.object(description, object, material);
+            }
+            Object::Shape { shape, .. } => {
+                self.materials.insert(*material);
+                let Shape::Mesh { path, options } = shape else { return };
+                let kind = description.materials.get(*material).map(|material| &material.kind);
+                if matches!(kind, Some(MaterialKind::Dielectric { .. })) && !options.own_materials {
+                    self.dielectric_meshes.entry(path).or_insert(path.span);
+                }
+            }
+        }
+    }
+
+    /// Collects the textures of a material.
+    fn textures_of(&mut self, material: &'a Material) {
+        let mut add = |texture: Option<&'a Spanned<String>>| {
+            self.textures.extend(texture.map(|name| name.as_str()));
+        };
+        match &material.kind {
+            MaterialKind::Phong { diffuse, specular, texture, .. } => {
+                add(diffuse.texture());
+                add(specular.texture());
+                add(texture.as_ref());
+            }
+            MaterialKind::Diffuse { reflectance: value }
+            | MaterialKind::Mirror { reflectance: value }
+            | MaterialKind::Thin { transmittance: value, .. } => add(value.texture()),
+            MaterialKind::Dielectric { roughness: value, .. }
+            | MaterialKind::Conductor { roughness: value, .. }
+            | MaterialKind::Mix { amount: value, .. } => add(Value::texture(value)),
+            MaterialKind::Clear { .. } => {}
+        }
+        match &material.relief {
+            Some(Relief::Bump { texture, .. } | Relief::NormalMap(texture)) => add(Some(texture)),
+            None => {}
+        }
+        match &material.emission {
+            Some(Emission::Texture { name, .. }) => add(Some(name)),
+            Some(Emission::Radiance(_)) | None => {}
+        }
+    }
+
+    /// True if an object has the material, or a mix that an object has contains it.
+    fn is_used(&self, description: &Description, index: usize) -> bool {
+        let materials = &description.materials;
+        let part_of = |mix: &Spanned<Material>| match &mix.kind {
+            MaterialKind::Mix { first, second, .. } => {
+                let name = materials[index].name.as_deref();
+                [first, second].iter().any(|part| Some(part.as_str()) == name)
+            }
+            MaterialKind::Phong { .. }
+            | MaterialKind::Diffuse { .. }
+            | MaterialKind::Mirror { .. }
+            | MaterialKind::Dielectric { .. }
+            | MaterialKind::Clear { .. }
+            | MaterialKind::Conductor { .. }
+            | MaterialKind::Thin { .. } => false,
+        };
+        // The parts of a mix stand before it, so the recursion ends.
+        let in_mix = |(mix, _): (usize, &Spanned<Material>)| mix > index && self.is_used(description, mix);
+        self.materials.contains(&index)
+            || materials.iter().enumerate().filter(|(_, material)| part_of(material)).any(in_mix)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::format::SceneFile;
+
+    #[test]
+    fn unused_parts_and_open_dielectrics_are_warned_of() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("open.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").unwrap();
+        let closed = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";
+        let faces = "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
+        std::fs::write(folder.path().join("closed.obj"), format!("{closed}{faces}")).unwrap();
+        let turned = "f 1 2 3\nf 1 4 2\nf 1 3 4\nf 2 4 3\n";
+        std::fs::write(folder.path().join("turned.obj"), format!("{closed}{turned}")).unwrap();
+        let text = "PerspectiveCamera { center 0 0 9 direction 0 0 -1 angle 30 }
+Textures { Checker used { } Checker idle { } }
+Materials { Diffuse floor { reflectance used } Mirror part { } Mirror other { }
+Mix mix { first part second floor amount .5 } Dielectric glass { } }
+Group { MaterialName mix Sphere { center 0 0 0 radius 1 } MaterialName glass
+TriangleMesh { file open.obj }
+TriangleMesh { file closed.obj }
+TriangleMesh { file turned.obj } }";
+        let path = folder.path().join("a.txt");
+        std::fs::write(&path, text).unwrap();
+        let warnings = SceneFile::read(&path).unwrap().warnings();
+        let expected = [
+            ":2:29: warning: the texture `idle` is not used",
+            ":3:64: warning: the material `other` is not used",
+            ":6:21: warning: the dielectric mesh `open.obj` is open at 3 edges",
+            ":8:21: warning: the dielectric mesh `turned.obj` is inside out",
+        ];
+        assert_eq!(warnings.len(), expected.len(), "{warnings:#?}");
+        for (warning, expected) in warnings.iter().zip(expected) {
+            assert!(warning.contains(expected), "{warning}");
+        }
+    }
+}

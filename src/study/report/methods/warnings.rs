@@ -1,0 +1,43 @@
+//! Warnings of a study of methods.
+
+use crate::study::methods::MethodStudyResult;
+use crate::study::report::text::error;
+
+/// Minimum share of the threads' time at which times are reliable.
+const QUIET: f64 = 0.9;
+
+/// Errors above this multiple of the truth's error are reliable: 1/3² of the square is 6 % of the
+/// root.
+const CLEAR: f64 = 3.0;
+
+/// Reasons to doubt the figures.
+pub(super) fn warnings(found: &MethodStudyResult) -> Vec<String> {
+    let mut warnings = Vec::new();
+    if found.interrupted {
+        warnings.push("The study was interrupted: methods may have had less time than the budget.".to_owned());
+    }
+    if found.share < QUIET {
+        warnings.push(format!(
+            "The machine was busy: this program had only {:.0} % of its threads' time at worst. Wall times are too long, and processor \
+             times may be too.",
+            100.0 * found.share
+        ));
+    }
+    if let Some(truth) = found.truth.error {
+        let close = |m: &&crate::study::methods::MethodResult| {
+            m.checkpoints.last().is_some_and(|c| c.square() < CLEAR * CLEAR * truth * truth)
+        };
+        let labels: Vec<&str> = found.methods.iter().filter(close).map(|m| m.label.as_str()).collect();
+        if !labels.is_empty() {
+            warnings.push(format!(
+                "The truth has an error of about {}, and {} below {CLEAR} times that. Its bias may distort them: render longer references.",
+                error(truth),
+                match labels.as_slice() {
+                    [one] => format!("that of {one} is"),
+                    many => format!("those of {} are", many.join(", ")),
+                }
+            ));
+        }
+    }
+    warnings
+}
