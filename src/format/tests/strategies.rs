@@ -208,10 +208,11 @@ fn emission() -> impl Strategy<Value = Emission> {
     ]
 }
 
-fn relief() -> impl Strategy<Value = Relief> {
+fn relief() -> impl Strategy<Value = NormalPerturbation> {
     prop_oneof![
-        (name(), -1e30..1e30).prop_map(|(texture, height)| Relief::Bump { texture: spanned(texture), height }),
-        name().prop_map(|texture| Relief::NormalMap(spanned(texture))),
+        (name(), -1e30..1e30)
+            .prop_map(|(texture, height)| NormalPerturbation::Bump { texture: spanned(texture), height }),
+        name().prop_map(|texture| NormalPerturbation::NormalMap(spanned(texture))),
     ]
 }
 
@@ -227,9 +228,9 @@ fn textures(drafts: Vec<(String, TextureKind)>) -> Vec<Spanned<Texture>> {
 }
 
 /// What a material is, but for its name and the parts of a mix.
-type Look = (MaterialKind, Option<Emission>, Option<Relief>);
+type Finish = (MaterialKind, Option<Emission>, Option<NormalPerturbation>);
 
-fn material() -> impl Strategy<Value = Look> {
+fn material() -> impl Strategy<Value = Finish> {
     let attenuation = prop_oneof![
         Just(Attenuation::None),
         coefficient().prop_map(Attenuation::Absorption),
@@ -408,10 +409,10 @@ fn name_materials(group: &mut Group, materials: &[Spanned<Material>]) {
 }
 
 /// Name, look, and the parts of a mix.
-type Draft = (Option<String>, Look, Option<(prop::sample::Index, prop::sample::Index, Value<f64>)>);
+type Outline = (Option<String>, Finish, Option<(prop::sample::Index, prop::sample::Index, Value<f64>)>);
 
 /// Materials of these kinds and names; where a mix is asked for and can be, it takes the place of the kind.
-fn materials(drafts: Vec<Draft>, textures: &[Spanned<Texture>]) -> Vec<Spanned<Material>> {
+fn materials(drafts: Vec<Outline>, textures: &[Spanned<Texture>]) -> Vec<Spanned<Material>> {
     let mut materials: Vec<Spanned<Material>> = Vec::new();
     let mut names: Vec<(String, Option<usize>)> = Vec::new();
     for (i, (name, (mut kind, emission, mut relief), mix)) in drafts.into_iter().enumerate() {

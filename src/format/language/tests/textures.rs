@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::format::description::{
-    Coordinates, Emission, Encoding, Pattern, Relief, Span, Spanned, TextureKind, Value, Wrap,
+    Coordinates, Emission, Encoding, NormalPerturbation, Pattern, Span, Spanned, TextureKind, Value, Wrap,
 };
 use glam::DVec2;
 
@@ -49,8 +49,8 @@ fn names_stand_for_numbers() {
     let [a, b, c, e] = &d.materials[..] else { panic!("{:?}", d.materials) };
     assert_eq!(a.kind, MaterialKind::Diffuse { reflectance: Value::Texture(named("tiles")) });
     assert_eq!(a.emission, Some(Emission::Texture { name: named("tiles"), scale: 3.0 }));
-    assert_eq!(a.relief, Some(Relief::Bump { texture: named("lumps.png"), height: -0.5 }));
-    assert_eq!(b.relief, Some(Relief::NormalMap(named("tiles"))));
+    assert_eq!(a.relief, Some(NormalPerturbation::Bump { texture: named("lumps.png"), height: -0.5 }));
+    assert_eq!(b.relief, Some(NormalPerturbation::NormalMap(named("tiles"))));
     match (&b.kind, &c.kind) {
         (MaterialKind::Phong { texture, .. }, MaterialKind::Conductor { roughness, .. }) => {
             assert_eq!((texture, roughness), (&Some(named("wood.png")), &Value::Texture(named("tiles"))));
