@@ -1,4 +1,4 @@
-//! Descriptions for proptest, of all that the language can say.
+//! Random descriptions for proptest, with every feature of the language.
 
 use glam::{DMat4, DVec2, DVec3, DVec4};
 use proptest::collection::vec;
@@ -227,7 +227,7 @@ fn textures(drafts: Vec<(String, TextureKind)>) -> Vec<Spanned<Texture>> {
     textures
 }
 
-/// What a material is, but for its name and the parts of a mix.
+/// A material without its name and without the parts of a mix.
 type Finish = (MaterialKind, Option<Emission>, Option<NormalPerturbation>);
 
 fn material() -> impl Strategy<Value = Finish> {
