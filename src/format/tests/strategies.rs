@@ -86,6 +86,18 @@ fn still_light() -> impl Strategy<Value = Light> {
                 Light::Spot { position, aim, angle, penumbra: rim * angle, strength }
             }
         ),
+        (point(), direction(), name(), 1e-9..180.0, colour(), 0..3u8).prop_map(
+            |(position, axis, path, angle, c, kind)| {
+                let path = spanned(path);
+                let pattern = match kind {
+                    0 => LightPattern::Picture { path, angle },
+                    1 => LightPattern::Map(path),
+                    _ => LightPattern::Profile(path),
+                };
+                let (aim, strength) = (Aim::Direction(axis), PointStrength::Intensity(c));
+                Light::Oriented { position, aim, up: None, pattern, strength }
+            }
+        ),
         (point(), positive(), area_strength()).prop_map(|(center, radius, strength)| Light::Sphere {
             center,
             radius,
