@@ -115,9 +115,6 @@ fn perform(page: &str, line: &[String], folder: &Path) {
             Some(Command::Plan(plan)) => (Some(&plan.scene.scene), Vec::new()),
             Some(Command::Study(study)) => {
                 shrink(&mut arguments, study.method.caustic_photons.is_some());
-                if arguments.iter().any(|word| word == "--truth-time") {
-                    put(&mut arguments, "--truth-time", "0.1s");
-                }
                 if !study.kind.effects {
                     put(&mut arguments, "--budget", "0.1s");
                     put(&mut arguments, "--truth-time", "0.2s");
