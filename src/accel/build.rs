@@ -1,30 +1,39 @@
-//! The binary tree: surface area heuristic over binned centroids, and how best to cut it into wide nodes.
+//! Binary hierarchy by the surface area heuristic over binned centroids, and its cut into wide
+//! nodes.
 
-use super::bvh8::{ARITY, OTHER};
 use super::packet::LANES;
 use glam::Vec3A;
 
-/// Depth at which the heuristic gives way to the median, so that no input grows a tree deeper than [`MAX_DEPTH`].
+/// Children of a wide node.
+pub(super) const ARITY: usize = 8;
+
+/// Bit of a key that marks a primitive other than a triangle; the other bits are its index.
+pub(super) const OTHER: u32 = 1 << 31;
+
+/// Depth from which on median splits replace the heuristic, which bounds the depth by
+/// [`MAX_DEPTH`].
 const HEURISTIC_DEPTH: u32 = 40;
-/// Halving 2³¹ primitives takes 31 more levels.
+/// Median splits of 2³¹ primitives take 31 more levels.
 pub(super) const MAX_DEPTH: u32 = HEURISTIC_DEPTH + 31;
 
 const BINS: usize = 32;
-/// Ranges below this are not worth another thread.
+/// Ranges smaller than this are built on one thread.
 const PARALLEL: usize = 4096;
 
-/// Costs of a packet of triangles and of a closure's call, in visits of a node; half or twice as much is no faster.
+/// Costs of a triangle packet and of a closure call, relative to a node visit.
+///
+/// Half or twice these values are no faster.
 const PACKET_COST: f32 = 0.7;
 const OTHER_COST: f32 = 1.0;
 
-/// A padded box and its primitive: the index of a triangle, or `OTHER` and the index of another primitive.
+/// Padded box with its key: a triangle index, or [`OTHER`] and the index of another primitive.
 #[derive(Clone, Copy)]
 pub(super) struct Fragment {
     pub bounds: Slab,
     pub key: u32,
 }
 
-/// A box in vector registers.
+/// Box in vector registers.
 #[derive(Clone, Copy)]
 pub(super) struct Slab {
     pub min: Vec3A,
@@ -52,24 +61,27 @@ impl Slab {
     }
 }
 
-/// A node of the binary tree over `size` fragments, in preorder: the left child follows, the right one `2 · left` later.
+/// Node of the binary tree over `size` fragments, in preorder.
+///
+/// The left child follows; the right child comes `2 · left` nodes later.
 #[derive(Clone, Copy)]
-pub(super) struct Branch {
+pub(super) struct BinaryNode {
     pub bounds: Slab,
     pub size: u32,
-    /// Fragments in the left subtree.
+    /// Number of fragments in the left subtree.
     pub left: u32,
-    /// For 2 to [`ARITY`] slots of a wide node: how many go to the left child; 0 where fewer slots serve as well.
+    /// Number of slots that go to the left child, for 2 to [`ARITY`] slots of a wide node; 0 if
+    /// fewer slots cost as little.
     pub share: [u8; ARITY + 1],
-    /// Whether one slot holds all as a leaf.
+    /// True if one slot holds all fragments as a leaf.
     pub leaf: bool,
 }
 
-impl Branch {
+impl BinaryNode {
     pub const VACANT: Self = Self { bounds: Slab::EMPTY, size: 0, left: 0, share: [0; ARITY + 1], leaf: true };
 }
 
-/// How many of either kind lie in a range.
+/// Number of triangles and of other primitives in a range.
 #[derive(Clone, Copy, Default)]
 struct Count {
     triangles: u32,
@@ -88,57 +100,59 @@ impl Count {
         Self { triangles: 1 - others, others }
     }
 
-    /// Cost of testing all, as full packets where there are triangles enough.
+    /// Cost of testing all primitives, with triangles in packets.
     fn cost(self) -> f32 {
         let packets = self.triangles.div_ceil(LANES as u32);
         packets as f32 * PACKET_COST + self.others as f32 * OTHER_COST
     }
 }
 
-/// What a parent must know of a subtree: its box, its contents, and its least cost in 1 to [`ARITY`] slots.
-struct Summary {
+/// Result of building a subtree: its box, its contents, and its least cost in 1 to [`ARITY`] slots.
+struct Subtree {
     bounds: Slab,
     count: Count,
     cost: [f32; ARITY + 1],
 }
 
-/// Grows the tree over `fragments`, which it reorders, into `tree` of length `2 n − 1`.
-pub(super) fn grow(fragments: &mut [Fragment], tree: &mut [Branch]) {
+/// Builds the tree over `fragments`, which it reorders, into `tree` of length `2 n − 1`.
+pub(super) fn build_tree(fragments: &mut [Fragment], tree: &mut [BinaryNode]) {
     if !fragments.is_empty() {
-        branch(fragments, tree, 0);
+        build_node(fragments, tree, 0);
     }
 }
 
-fn branch(fragments: &mut [Fragment], tree: &mut [Branch], depth: u32) -> Summary {
+fn build_node(fragments: &mut [Fragment], tree: &mut [BinaryNode], depth: u32) -> Subtree {
     let size = fragments.len();
     let Some((root, rest)) = tree.split_first_mut().filter(|_| size > 1) else {
         let Fragment { bounds, key } = fragments[0];
-        tree[0] = Branch { bounds, size: 1, ..Branch::VACANT };
+        tree[0] = BinaryNode { bounds, size: 1, ..BinaryNode::VACANT };
         let count = Count::of(key);
-        return Summary { bounds, count, cost: [bounds.half_area() * count.cost(); ARITY + 1] };
+        return Subtree { bounds, count, cost: [bounds.half_area() * count.cost(); ARITY + 1] };
     };
     let left = split(fragments, depth);
     let (low, high) = fragments.split_at_mut(left);
     let (low_tree, high_tree) = rest.split_at_mut(2 * left - 1);
     let (a, b) = if size > PARALLEL {
-        rayon::join(|| branch(low, low_tree, depth + 1), || branch(high, high_tree, depth + 1))
+        rayon::join(|| build_node(low, low_tree, depth + 1), || build_node(high, high_tree, depth + 1))
     } else {
-        (branch(low, low_tree, depth + 1), branch(high, high_tree, depth + 1))
+        (build_node(low, low_tree, depth + 1), build_node(high, high_tree, depth + 1))
     };
-    *root = Branch { size: size as u32, left: left as u32, ..Branch::VACANT };
+    *root = BinaryNode { size: size as u32, left: left as u32, ..BinaryNode::VACANT };
     cut(root, &a, &b)
 }
 
-/// Least cost of the branch in any number of slots: each number splits between the children as is cheapest, and one slot
-/// holds a leaf or a wide node (after Ylitie, Karras and Laine 2017, section 3.1).
-fn cut(root: &mut Branch, a: &Summary, b: &Summary) -> Summary {
+/// Computes the least cost of a node for each number of slots.
+///
+/// Each number of slots is divided between the children at the least cost. One slot holds a leaf or
+/// a wide node (after Ylitie, Karras and Laine 2017, section 3.1).
+fn cut(root: &mut BinaryNode, a: &Subtree, b: &Subtree) -> Subtree {
     let bounds = a.bounds.union(b.bounds);
     let mut count = a.count;
     count.add(b.count);
     let area = bounds.half_area();
     let mut cost = [f32::INFINITY; ARITY + 1];
     for (slots, least) in cost.iter_mut().enumerate().skip(2) {
-        // Costs may overflow; a share is then as good as any.
+        // Costs may overflow; any division is then as good.
         root.share[slots] = 1;
         for share in 1..slots {
             let c = a.cost[share] + b.cost[slots - share];
@@ -153,17 +167,18 @@ fn cut(root: &mut Branch, a: &Summary, b: &Summary) -> Summary {
     root.leaf = fits && leaf <= node;
     cost[1] = if root.leaf { leaf } else { node };
     for slots in 2..=ARITY {
-        // Strictly: a wide node may then always be opened, even where areas vanish or overflow.
+        // The strict comparison allows every wide node to be opened, even if areas vanish or
+        // overflow.
         if cost[slots - 1] < cost[slots] {
             cost[slots] = cost[slots - 1];
             root.share[slots] = 0;
         }
     }
     root.bounds = bounds;
-    Summary { bounds, count, cost }
+    Subtree { bounds, count, cost }
 }
 
-/// Reorders the fragments into a lower and an upper part and returns the size of the lower, neither being empty.
+/// Reorders the fragments into two non-empty parts and returns the size of the first.
 fn split(fragments: &mut [Fragment], depth: u32) -> usize {
     let size = fragments.len();
     let centers =
@@ -195,7 +210,7 @@ struct Binning {
 impl Binning {
     fn new(centers: Slab, size: usize) -> Self {
         let bins = BINS.min(4 + size / 8);
-        // Just below the number of bins, so that the largest centre falls into the last.
+        // Just below the number of bins, so that the largest centre falls into the last bin.
         let scale = Vec3A::splat(bins as f32 * 0.999_99) / (centers.max - centers.min);
         Self { origin: centers.min, scale, last: Vec3A::splat((bins - 1) as f32), bins }
     }
@@ -207,7 +222,7 @@ impl Binning {
     }
 }
 
-/// The axis and the last lower bin of the cheapest partition; `None` where the centres coincide or costs overflow.
+/// Axis and last lower bin of the cheapest partition; `None` if centres coincide or costs overflow.
 fn best_plane(fragments: &[Fragment], centers: Slab) -> Option<(usize, usize)> {
     let binning = Binning::new(centers, fragments.len());
     let mut bins = [[(Slab::EMPTY, Count::default()); BINS]; 3];
@@ -245,7 +260,9 @@ fn best_plane(fragments: &[Fragment], centers: Slab) -> Option<(usize, usize)> {
     best
 }
 
-/// Moves those that satisfy `low` to the front, in an order that depends on nothing but the input, and counts them.
+/// Moves fragments that satisfy `low` to the front and returns their number.
+///
+/// The order depends only on the input.
 fn partition(fragments: &mut [Fragment], low: impl Fn(&Fragment) -> bool) -> usize {
     let mut end = 0;
     for at in 0..fragments.len() {
@@ -261,14 +278,15 @@ fn partition(fragments: &mut [Fragment], low: impl Fn(&Fragment) -> bool) -> usi
 mod tests {
     use super::*;
 
-    fn depth(tree: &[Branch]) -> u32 {
+    fn depth(tree: &[BinaryNode]) -> u32 {
         match tree[0] {
-            Branch { size: 1, .. } => 0,
-            Branch { left, .. } => 1 + depth(&tree[1..]).max(depth(&tree[2 * left as usize..])),
+            BinaryNode { size: 1, .. } => 0,
+            BinaryNode { left, .. } => 1 + depth(&tree[1..]).max(depth(&tree[2 * left as usize..])),
         }
     }
 
-    /// Boxes that double in size and distance make the heuristic peel off the largest few, again and again.
+    /// Boxes that double in size and distance make the heuristic split off the largest few
+    /// repeatedly.
     #[test]
     fn depth_is_bounded_where_the_heuristic_would_go_deeper() {
         let series = (0..126u32).map(|i| (f32::from_bits((i + 64) << 23), i));
@@ -277,8 +295,8 @@ mod tests {
             Fragment { bounds, key }
         };
         let mut fragments: Vec<Fragment> = series.map(fragment).collect();
-        let mut tree = vec![Branch::VACANT; 2 * fragments.len() - 1];
-        grow(&mut fragments, &mut tree);
+        let mut tree = vec![BinaryNode::VACANT; 2 * fragments.len() - 1];
+        build_tree(&mut fragments, &mut tree);
         let depth = depth(&tree);
         assert!(depth > HEURISTIC_DEPTH && depth <= HEURISTIC_DEPTH + 7, "{depth}");
     }

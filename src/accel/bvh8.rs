@@ -1,35 +1,33 @@
-//! Nodes of eight boxes, and the walk of a ray through them.
+//! Nodes of eight boxes, and their traversal.
 
-use super::build::{Branch, Fragment, MAX_DEPTH, Slab, grow};
+use super::build::{ARITY, BinaryNode, Fragment, MAX_DEPTH, OTHER, Slab, build_tree};
 use super::packet::{LANES, Packet};
 use super::ray_precalc::RayPrecalc;
 use crate::math::{Bounds, gamma};
 use glam::{DVec3, Vec3, Vec3A};
 use wide::f32x8;
 
-/// Children of a node.
-pub(super) const ARITY: usize = 8;
-
-/// Marks a child that is another primitive; the rest is its index.
-pub(super) const OTHER: u32 = 1 << 31;
-/// Marks a child that is a packet of triangles.
+/// Bit of a child that marks a packet of triangles.
 const PACKET: u32 = 1 << 30;
 
-/// Stacks that a tree of depth [`MAX_DEPTH`] cannot overflow, and smaller ones that cost less to clear.
+/// Stack sizes: the first suffices for every tree of depth [`MAX_DEPTH`]; smaller ones are faster
+/// to clear.
 const DEEPEST_STACK: usize = 512;
 const USUAL_STACK: usize = 96;
 const SMALL_STACK: usize = 32;
 const _: () = assert!((ARITY - 1) * (MAX_DEPTH as usize + 1) + ARITY <= DEEPEST_STACK);
 
-/// How far, in units of its extent, the box of a triangle is padded, and by which factor, applied to its far end, the
-/// interval of a ray in a box is stretched.
+/// Padding of a triangle's box, in units of its extent, and stretch of a ray's interval in a box.
 ///
-/// Shearing errs by up to γ(9) of the distance along the ray plus γ(9) of the triangle's extent, a slab by γ(3) of the distance:
-/// a hit that the triangle's test reports lies within both, with room for the padding's own rounding.
+/// Shearing errs by up to γ(9) of the distance along the ray plus γ(9) of the triangle's extent. A
+/// slab test errs by γ(3) of the distance. Padding and stretch cover both, and the rounding of the
+/// padding itself.
 const PADDING: f32 = gamma(16);
 const STRETCH: f32 = 1.0 + 2.0 * gamma(16);
 
-/// Eight boxes, by axis, then lower and upper planes; vacant ones are inside out and never entered.
+/// Eight boxes, by axis, then lower and upper planes.
+///
+/// Vacant slots are inverted boxes, which no ray enters.
 #[derive(Clone, Copy)]
 #[repr(C, align(64))]
 pub(super) struct Node8([[f32x8; 2]; 3]);
@@ -40,33 +38,35 @@ struct Node {
     children: [u32; ARITY],
 }
 
-/// The collapsed tree.
+/// Hierarchy of eight-wide nodes.
 pub(super) struct Bvh8 {
     nodes: Vec<Node>,
     packets: Vec<Packet>,
-    /// The most that a walk can leave on its stack.
+    /// Largest number of entries that a traversal can leave on its stack.
     stack: usize,
 }
 
 impl Bvh8 {
     pub fn build(triangles: &[[Vec3; 3]], others: &[Bounds]) -> Self {
-        // Rounding gives triangles without area one as rays see them, but no normal.
+        // A triangle without area may be hit after rounding, but it has no normal.
         let boxes = triangles.iter().map(|t| if has_area(t) { Bounds::of(*t) } else { Bounds::EMPTY }).zip(0..);
         let mut fragments: Vec<Fragment> =
             boxes.chain(others.iter().copied().zip(OTHER..)).filter(|(b, _)| !b.is_empty()).map(padded).collect();
-        let mut tree = vec![Branch::VACANT; (2 * fragments.len()).saturating_sub(1)];
-        grow(&mut fragments, &mut tree);
-        let mut wide = Self { nodes: Vec::new(), packets: Vec::new(), stack: 0 };
+        let mut tree = vec![BinaryNode::VACANT; (2 * fragments.len()).saturating_sub(1)];
+        build_tree(&mut fragments, &mut tree);
+        let mut bvh = Self { nodes: Vec::new(), packets: Vec::new(), stack: 0 };
         if !tree.is_empty() {
             let source = Source { triangles, fragments: &fragments, tree: &tree };
-            wide.stack = wide.collapse(&source, 0, 0) + ARITY;
+            bvh.stack = bvh.collapse(&source, 0, 0) + ARITY;
         }
-        wide.nodes.shrink_to_fit();
-        wide.packets.shrink_to_fit();
-        wide
+        bvh.nodes.shrink_to_fit();
+        bvh.packets.shrink_to_fit();
+        bvh
     }
 
-    /// Appends the wide node of a branch and all below it; returns the stack that a walk below it can need.
+    /// Appends the wide node of a binary node and all nodes below it.
+    ///
+    /// Returns the stack size that a traversal below it can need.
     fn collapse(&mut self, source: &Source, at: usize, start: usize) -> usize {
         let mut chosen = [(0, 0); ARITY];
         let mut count = 0;
@@ -99,39 +99,42 @@ impl Bvh8 {
         deepest + count - 1
     }
 
-    /// The packet that a leaf names.
+    /// The packet that a leaf refers to.
     #[inline]
     pub fn packet(&self, leaf: u32) -> &Packet {
         &self.packets[(leaf ^ PACKET) as usize]
     }
 
-    /// Shows `leaf` every packet and other primitive whose box the probe enters no further than the limit that it last
-    /// returned, `t_max` at first; a negative limit ends the walk. `SORTED` goes from near to far.
+    /// Calls `leaf` for every packet and other primitive whose box the ray enters before the limit.
+    ///
+    /// `leaf` returns the new limit, which is `t_max` at first; a negative limit ends the
+    /// traversal. With `SORTED`, children are visited from near to far.
     #[inline]
-    pub fn walk<const SORTED: bool, F: FnMut(u32, f32) -> f32>(&self, probe: &RayPrecalc, leaf: F) {
+    pub fn traverse<const SORTED: bool, F: FnMut(u32, f32) -> f32>(&self, precalc: &RayPrecalc, leaf: F) {
         if self.stack <= SMALL_STACK {
-            self.walk_with::<SORTED, SMALL_STACK, F>(probe, leaf);
+            self.traverse_with::<SORTED, SMALL_STACK, F>(precalc, leaf);
         } else if self.stack <= USUAL_STACK {
-            self.walk_with::<SORTED, USUAL_STACK, F>(probe, leaf);
+            self.traverse_with::<SORTED, USUAL_STACK, F>(precalc, leaf);
         } else {
-            self.walk_with::<SORTED, DEEPEST_STACK, F>(probe, leaf);
+            self.traverse_with::<SORTED, DEEPEST_STACK, F>(precalc, leaf);
         }
     }
 
     #[inline]
-    fn walk_with<const SORTED: bool, const STACK: usize, F: FnMut(u32, f32) -> f32>(
+    fn traverse_with<const SORTED: bool, const STACK: usize, F: FnMut(u32, f32) -> f32>(
         &self,
-        probe: &RayPrecalc,
+        precalc: &RayPrecalc,
         mut leaf: F,
     ) {
         if self.nodes.is_empty() {
             return;
         }
-        // Entries hold the entry distance above the child: distances are not negative, so they sort as integers.
+        // Entries hold the entry distance above the child. Distances are not negative, so they sort
+        // as integers.
         let mut stack = [0u64; STACK];
         let mut top = 0;
-        let mut limit = probe.t_max;
-        let slabs = Slabs::new(probe);
+        let mut limit = precalc.t_max;
+        let slabs = Slabs::new(precalc);
         let mut current = 0;
         loop {
             if current < PACKET {
@@ -189,7 +192,9 @@ impl Bvh8 {
     }
 }
 
-/// A probe's origin and reciprocal direction along each axis, for eight boxes at a time, and which plane it meets first.
+/// Origin and reciprocal direction of a ray along each axis, for eight boxes at a time.
+///
+/// `near` is the index of the plane that the ray crosses first.
 pub(super) struct Slabs {
     origin: [f32x8; 3],
     reciprocal: [f32x8; 3],
@@ -198,12 +203,12 @@ pub(super) struct Slabs {
 
 impl Slabs {
     #[inline]
-    pub fn new(probe: &RayPrecalc) -> Self {
-        let ([ox, oy, oz], [rx, ry, rz]) = (probe.origin, probe.reciprocal);
+    pub fn new(precalc: &RayPrecalc) -> Self {
+        let ([ox, oy, oz], [rx, ry, rz]) = (precalc.origin, precalc.reciprocal);
         Self {
             origin: [f32x8::splat(ox), f32x8::splat(oy), f32x8::splat(oz)],
             reciprocal: [f32x8::splat(rx), f32x8::splat(ry), f32x8::splat(rz)],
-            near: probe.near,
+            near: precalc.near,
         }
     }
 }
@@ -218,7 +223,7 @@ impl Node8 {
         }
     }
 
-    /// A mask of the boxes that the probe enters within the limit, and where it enters them (Ize 2013).
+    /// Mask of the boxes that the ray enters before the limit, and the entry distances (Ize 2013).
     #[inline]
     pub fn enter(&self, slabs: &Slabs, limit: f32) -> (u32, f32x8) {
         let at = |axis: usize, side: usize| (self.0[axis][side & 1] - slabs.origin[axis]) * slabs.reciprocal[axis];
@@ -229,15 +234,16 @@ impl Node8 {
     }
 }
 
-/// What a collapse reads.
+/// Input of the collapse into wide nodes.
 struct Source<'a> {
     triangles: &'a [[Vec3; 3]],
     fragments: &'a [Fragment],
-    tree: &'a [Branch],
+    tree: &'a [BinaryNode],
 }
 
 impl Source<'_> {
-    /// The branches, each with the first of its fragments, that share out `slots` below the branch `at`.
+    /// Selects the binary nodes that fill `slots` slots below the node `at`, each with its first
+    /// fragment.
     fn choose(&self, at: usize, start: usize, mut slots: usize, take: &mut impl FnMut((usize, usize))) {
         let branch = &self.tree[at];
         while slots > 1 && branch.share[slots] == 0 {
@@ -252,13 +258,15 @@ impl Source<'_> {
     }
 }
 
-/// Whether the corners span a plane; differences of f32 and their products are exact in f64, or far from cancelling.
+/// True if the corners span a plane.
+///
+/// Differences of f32 and their products are exact in f64, or far from cancelling.
 fn has_area(corners: &[Vec3; 3]) -> bool {
     let [a, b, c] = corners.map(|v| v.as_dvec3());
     (b - a).cross(c - a) != DVec3::ZERO
 }
 
-/// The box with room for the errors of triangle and box tests.
+/// The fragment of a box, padded by the errors of triangle and box tests.
 fn padded((bounds, key): (Bounds, u32)) -> Fragment {
     let margin = Vec3::splat(bounds.extent().max_element() * PADDING);
     let (min, max) = (bounds.min - margin, bounds.max + margin);

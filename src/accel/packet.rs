@@ -9,7 +9,7 @@ pub(super) const LANES: usize = 8;
 
 type Lane = f32x8;
 
-/// Up to [`LANES`] triangles; lanes not in use hold NaN, which no comparison lets through.
+/// Up to [`LANES`] triangles; unused lanes hold NaN, which fails every comparison.
 #[repr(C)]
 pub(super) struct Packet {
     /// Coordinates by axis, then by corner.
@@ -17,17 +17,19 @@ pub(super) struct Packet {
     indices: [u32; LANES],
 }
 
-/// Where a line meets a triangle.
+/// Hit of a triangle.
 #[derive(Clone, Copy)]
-pub(super) struct Crossing {
-    /// In the probe's units, of any sign.
+pub(super) struct TriangleHit {
+    /// Ray parameter in the units of [`RayPrecalc`], of any sign.
     pub t: f32,
-    /// Of the second and third corner, in parts of `total`: few crossings are worth the division.
+    /// Weights of the second and third corner, times `total`.
+    ///
+    /// The division is postponed, since few hits are used.
     pub weights: [f64; 2],
     pub total: f64,
 }
 
-impl Crossing {
+impl TriangleHit {
     #[inline]
     pub fn barycentric(&self) -> (f32, f32) {
         ((self.weights[0] / self.total) as f32, (self.weights[1] / self.total) as f32)
@@ -48,31 +50,31 @@ impl Packet {
         Self { corners: std::array::from_fn(|a| std::array::from_fn(|c| coordinate(a, c))), indices }
     }
 
-    /// Shows `found` the index of each triangle that a ray meets, and where.
+    /// Calls `found` with the index of each triangle that the ray hits, and the hit.
     #[inline]
-    pub fn hits(&self, probe: &RayPrecalc, mut found: impl FnMut(u32, Crossing)) {
-        let mut lanes = self.candidates(probe);
+    pub fn hits(&self, precalc: &RayPrecalc, mut found: impl FnMut(u32, TriangleHit)) {
+        let mut lanes = self.candidates(precalc);
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize;
             lanes &= lanes - 1;
-            if let Some(crossing) = self.hit(lane, probe) {
-                found(self.indices[lane], crossing);
+            if let Some(hit) = self.hit(lane, precalc) {
+                found(self.indices[lane], hit);
             }
         }
     }
 
-    /// A mask of the lanes whose edge functions do not differ in sign: all that the ray's line meets, and those that it misses
-    /// by so little that a difference of products rounds to zero.
+    /// Mask of the lanes whose edge functions do not differ in sign.
     ///
-    /// Rounding is monotone, so without fused operations a sign is never wrong, at worst lost.
+    /// It includes all hits, and near misses in which a difference of products rounds to zero.
+    /// Rounding is monotone, so without fused operations a sign may be lost but is never wrong.
     #[inline]
-    pub fn candidates(&self, probe: &RayPrecalc) -> u32 {
-        let [ax, ay, az] = probe.axes;
+    pub fn candidates(&self, precalc: &RayPrecalc) -> u32 {
+        let [ax, ay, az] = precalc.axes;
         let [px, py, pz] = [&self.corners[ax], &self.corners[ay], &self.corners[az]];
-        let ox = Lane::splat(probe.origin[ax]);
-        let oy = Lane::splat(probe.origin[ay]);
-        let oz = Lane::splat(probe.origin[az]);
-        let (sx, sy) = (Lane::splat(probe.shear[0]), Lane::splat(probe.shear[1]));
+        let ox = Lane::splat(precalc.origin[ax]);
+        let oy = Lane::splat(precalc.origin[ay]);
+        let oz = Lane::splat(precalc.origin[az]);
+        let (sx, sy) = (Lane::splat(precalc.shear[0]), Lane::splat(precalc.shear[1]));
         let z = [pz[0] - oz, pz[1] - oz, pz[2] - oz];
         let x = [px[0] - ox - sx * z[0], px[1] - ox - sx * z[1], px[2] - ox - sx * z[2]];
         let y = [py[0] - oy - sy * z[0], py[1] - oy - sy * z[1], py[2] - oy - sy * z[2]];
@@ -84,18 +86,18 @@ impl Packet {
         (low.simd_ge(Lane::ZERO) | high.simd_le(Lane::ZERO)).to_bitmask()
     }
 
-    /// Where the ray's line meets the triangle in `lane`: `t` in the probe's units, of any sign, and the weights of the second
-    /// and third corner.
+    /// Hit of the ray's line with the triangle in `lane`; `t` may have any sign.
     ///
-    /// The sheared corners are those of [`candidates`](Self::candidates), to the bit. Their products are exact in f64 and a
-    /// difference of exact numbers keeps its sign and all but its last digit, so neighbours agree on their common edge and
-    /// the hit lies on the triangle however thin it looks.
+    /// The sheared corners equal those of [`candidates`](Self::candidates) bit for bit. Their
+    /// products are exact in f64, and a difference of exact numbers keeps its sign and all but its
+    /// last digit. So neighbours agree on their common edge, and the hit lies on the triangle,
+    /// however thin it appears.
     #[inline]
-    pub fn hit(&self, lane: usize, probe: &RayPrecalc) -> Option<Crossing> {
-        let [ax, ay, az] = probe.axes;
+    pub fn hit(&self, lane: usize, precalc: &RayPrecalc) -> Option<TriangleHit> {
+        let [ax, ay, az] = precalc.axes;
         let [px, py, pz] = [&self.corners[ax], &self.corners[ay], &self.corners[az]];
-        let [ox, oy, oz] = [probe.origin[ax], probe.origin[ay], probe.origin[az]];
-        let [sx, sy] = probe.shear;
+        let [ox, oy, oz] = [precalc.origin[ax], precalc.origin[ay], precalc.origin[az]];
+        let [sx, sy] = precalc.shear;
         let corner = |c: usize| {
             let at = |p: &[Lane; 3]| p[c].as_array()[lane & (LANES - 1)];
             let z = at(pz) - oz;
@@ -108,20 +110,20 @@ impl Packet {
         if (u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0) {
             return None;
         }
-        // Times the depth, so that one division gives `t`.
-        let volume = (u + v + w) * probe.depth;
+        // Scaled by the depth, so that one division gives `t`.
+        let volume = (u + v + w) * precalc.depth;
         let t = (u * a.z + v * b.z + w * c.z) / volume;
-        (volume != 0.0).then_some(Crossing { t: t as f32, weights: [v, w], total: u + v + w })
+        (volume != 0.0).then_some(TriangleHit { t: t as f32, weights: [v, w], total: u + v + w })
     }
 
-    /// Whether any triangle meets the ray at `0 < t < t_max`.
+    /// True if a triangle is hit at `0 < t < t_max`.
     #[inline]
-    pub fn any(&self, probe: &RayPrecalc) -> bool {
-        let mut lanes = self.candidates(probe);
+    pub fn any(&self, precalc: &RayPrecalc) -> bool {
+        let mut lanes = self.candidates(precalc);
         while lanes != 0 {
             let lane = lanes.trailing_zeros() as usize;
             lanes &= lanes - 1;
-            if self.hit(lane, probe).is_some_and(|c| 0.0 < c.t && c.t < probe.t_max) {
+            if self.hit(lane, precalc).is_some_and(|c| 0.0 < c.t && c.t < precalc.t_max) {
                 return true;
             }
         }

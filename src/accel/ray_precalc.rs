@@ -1,38 +1,41 @@
-//! A ray made ready for boxes and triangles.
+//! Per-ray constants of box and triangle tests.
 
 use crate::math::Ray;
 use glam::{Vec3, Vec3A};
 
-/// The constants of one ray.
+/// Constants of one ray.
 ///
-/// Its direction is scaled by a power of two until the largest component lies in \[1, 2), so that neither reciprocals nor
-/// products leave the range of f32, whatever length the caller chose. No digit changes.
+/// A power of two scales the direction until its largest component lies in \[1, 2). Neither
+/// reciprocals nor products then leave the range of f32, and no digit changes.
 pub(super) struct RayPrecalc {
     pub origin: [f32; 3],
-    /// Of the direction along each axis.
+    /// Reciprocal of the direction along each axis.
     pub reciprocal: [f32; 3],
-    /// 1 where the direction is negative along the axis, or a negative zero, so that the upper plane is the near one.
+    /// Index of the nearer plane along each axis: 1 if the direction is negative or a negative
+    /// zero, else 0.
     pub near: [usize; 3],
-    /// Axes after permutation: the last is the one along which the direction is largest.
+    /// Permuted axes: the direction is largest along the last one.
     pub axes: [usize; 3],
     /// Slopes of the first two permuted axes over the third.
     pub shear: [f32; 2],
     /// Direction along the third permuted axis.
     pub depth: f64,
     pub t_max: f32,
-    /// Lengths of the caller's direction in one of ours, and its inverse; both powers of two.
+    /// Length of the caller's direction in the scaled unit, and its inverse; both are powers of
+    /// two.
     pub unit: f32,
     pub per_unit: f32,
 }
 
 impl RayPrecalc {
-    /// Whether the ray can hit anything: origin and direction are finite, the latter not zero.
+    /// True if the ray can hit anything: origin and direction are finite, and the direction is not
+    /// zero.
     #[inline]
     pub fn fits(ray: &Ray) -> bool {
         ray.direction != Vec3::ZERO && ray.direction.is_finite() && ray.origin.is_finite()
     }
 
-    /// Of a ray that [fits](Self::fits).
+    /// Constants of a ray that [fits](Self::fits).
     #[inline]
     pub fn new(ray: &Ray) -> Self {
         let size = ray.direction.abs();
@@ -40,7 +43,7 @@ impl RayPrecalc {
         let exponent = (size.max_element().to_bits() >> 23).clamp(1, 253);
         let (per_unit, unit) = (f32::from_bits(exponent << 23), f32::from_bits((254 - exponent) << 23));
         let direction = Vec3A::from(ray.direction * unit);
-        // An infinite reciprocal times a distance of zero would be no number.
+        // An infinite reciprocal times a zero distance would be NaN.
         let bound = Vec3A::splat(f32::MAX);
         let r = (Vec3A::ONE / direction).min(bound).max(-bound).to_array();
         let z = if size.x > size.y { 0 } else { 1 };

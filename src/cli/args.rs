@@ -249,7 +249,7 @@ pub struct PlanArguments {
     #[command(flatten)]
     pub effects: EffectsArguments,
 
-    /// Read the scene and everything it names, and stop: as `caustica check`
+    /// Only check the scene and its inputs, like `caustica check`
     #[arg(long)]
     pub check: bool,
 

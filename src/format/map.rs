@@ -1,4 +1,4 @@
-//! The steps of a `Transform`.
+//! Steps of a `Transform` block.
 
 use crate::math::{self, Step};
 use glam::{DAffine3, DMat4, DVec3};
@@ -6,31 +6,31 @@ use glam::{DAffine3, DMat4, DVec3};
 /// One step of a transform.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Map {
-    /// Stretches each axis.
+    /// Scale factors along the axes.
     Scale(DVec3),
-    /// Stretches all axes alike.
+    /// Scale factor along all axes.
     UniformScale(f64),
-    /// Moves.
+    /// Translation.
     Translate(DVec3),
-    /// Turns right-handed about the x axis, in degrees.
+    /// Right-handed rotation about the x axis \[degrees].
     RotateX(f64),
-    /// Turns right-handed about the y axis, in degrees.
+    /// Right-handed rotation about the y axis \[degrees].
     RotateY(f64),
-    /// Turns right-handed about the z axis, in degrees.
+    /// Right-handed rotation about the z axis \[degrees].
     RotateZ(f64),
-    /// Turns right-handed about an axis through the origin.
+    /// Right-handed rotation about an axis through the origin.
     Rotate {
-        /// Of any length.
+        /// Axis, of any length above 0.
         axis: DVec3,
-        /// In degrees.
+        /// Angle \[degrees].
         angle: f64,
     },
-    /// Any affine map; its fourth row is 0 0 0 1.
+    /// Affine map; its fourth row is 0 0 0 1.
     Matrix(DMat4),
 }
 
 impl Map {
-    /// The map from the object's space to the one around it.
+    /// The map from the object's space to the surrounding space.
     #[must_use]
     pub fn matrix(&self) -> DAffine3 {
         match *self {
@@ -45,7 +45,9 @@ impl Map {
         }
     }
 
-    /// The map as it grows from nothing, at time 0, to the whole of it, at time 1; a matrix cannot grow and stands still.
+    /// The step as a motion from the identity at time 0 to the whole step at time 1.
+    ///
+    /// A matrix has no such motion and applies at all times.
     #[must_use]
     pub fn growing(&self) -> Step {
         match *self {
@@ -60,8 +62,10 @@ impl Map {
         }
     }
 
-    /// All `maps` as one. Each is applied before those listed ahead of it (M ← M T), but a matrix after them (M ← T M),
-    /// as the course has it.
+    /// Product of all `maps`.
+    ///
+    /// Each step applies before those listed ahead of it (M ← M T). A matrix applies after them (M
+    /// ← T M), as in MIT 6.837.
     #[must_use]
     pub fn product(maps: &[Self]) -> DAffine3 {
         maps.iter().fold(DAffine3::IDENTITY, |m, map| match map {
@@ -71,7 +75,7 @@ impl Map {
     }
 }
 
-/// A turn about a unit `axis` by `angle` in degrees.
+/// Rotation about a unit `axis` by `angle` \[degrees].
 fn turn(axis: DVec3, angle: f64) -> DAffine3 {
     DAffine3::from_mat3(math::turn_degrees(axis, angle))
 }

@@ -10,8 +10,6 @@ mod language;
 mod map;
 pub mod mesh;
 pub mod mtl;
-mod obj;
-mod ply;
 mod problem;
 mod resolve;
 #[cfg(test)]

@@ -13,9 +13,9 @@ pub struct LineError {
     pub path: PathBuf,
     /// Line number, from 1.
     pub line: usize,
-    /// What is wrong.
+    /// Message that says what is wrong.
     pub message: String,
-    /// What would be right.
+    /// Remedy.
     pub remedy: &'static str,
 }
 

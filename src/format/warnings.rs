@@ -2,7 +2,7 @@
 
 use super::Source;
 use super::description::{
-    Description, Emission, Group, Item, Material, MaterialKind, Object, Relief, Shape, Span, Spanned, Value,
+    Description, Emission, Group, Item, Material, MaterialKind, NormalPerturbation, Object, Shape, Span, Spanned, Value,
 };
 use super::import::Assets;
 use super::mesh::{self, MeshReport};
@@ -127,7 +127,9 @@ impl<'a> Uses<'a> {
             MaterialKind::Clear { .. } => {}
         }
         match &material.relief {
-            Some(Relief::Bump { texture, .. } | Relief::NormalMap(texture)) => add(Some(texture)),
+            Some(NormalPerturbation::Bump { texture, .. } | NormalPerturbation::NormalMap(texture)) => {
+                add(Some(texture))
+            }
             None => {}
         }
         match &material.emission {

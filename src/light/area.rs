@@ -124,8 +124,8 @@ impl LightSurface {
     /// A point of a planar analytic shape; `None` for curved shapes and meshes.
     fn planar_point(&self) -> Option<SurfacePoint> {
         match self {
-            Self::Shape(shape @ (Shape::Disc(_) | Shape::Rectangle(_))) => Some(shape.sample(Vec2::splat(0.5)).point),
-            Self::Shape(_) | Self::Triangles { .. } => None,
+            Self::Shape(shape) => shape.planar_point(),
+            Self::Triangles { .. } => None,
         }
     }
 

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-/// An axis-aligned box; empty when any `min` exceeds its `max`.
+/// Axis-aligned box; empty if any component of `min` exceeds that of `max`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bounds {
     /// Lower corner.
@@ -12,44 +12,44 @@ pub struct Bounds {
 }
 
 impl Bounds {
-    /// The box that contains nothing, neutral for [`Bounds::union`].
+    /// The empty box, neutral for [`Bounds::union`].
     pub const EMPTY: Self = Self { min: Vec3::INFINITY, max: Vec3::NEG_INFINITY };
 
-    /// The smallest box around `points`.
+    /// Smallest box around `points`; empty for none.
     #[must_use]
     pub fn of(points: impl IntoIterator<Item = Vec3>) -> Self {
         points.into_iter().fold(Self::EMPTY, |b, p| Self { min: b.min.min(p), max: b.max.max(p) })
     }
 
-    /// The smallest box around both.
+    /// Smallest box around both boxes.
     #[inline]
     #[must_use]
     pub fn union(self, other: Self) -> Self {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
-    /// Whether no point lies inside.
+    /// True if the box contains no point.
     #[inline]
     #[must_use]
     pub fn is_empty(&self) -> bool {
         !(self.min.cmple(self.max).all())
     }
 
-    /// Whether two boxes share a point.
+    /// True if the boxes share a point.
     #[inline]
     #[must_use]
     pub fn meets(&self, other: &Self) -> bool {
         self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
     }
 
-    /// Edge lengths, zero for an empty box.
+    /// Edge lengths; zero for an empty box.
     #[inline]
     #[must_use]
     pub fn extent(&self) -> Vec3 {
         (self.max - self.min).max(Vec3::ZERO)
     }
 
-    /// The middle; the origin for an empty box.
+    /// Centre; the origin for an empty box.
     #[inline]
     #[must_use]
     pub fn center(&self) -> Vec3 {
@@ -79,7 +79,7 @@ impl Bounds {
     }
 }
 
-/// A ball: a centre and a radius.
+/// Bounding sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere {
     /// Centre.
@@ -89,7 +89,7 @@ pub struct Sphere {
 }
 
 impl Sphere {
-    /// The smallest ball around both.
+    /// Smallest sphere around both spheres.
     #[must_use]
     pub fn union(self, other: Self) -> Self {
         let d = other.center - self.center;

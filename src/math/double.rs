@@ -1,14 +1,14 @@
-//! Numbers of twice as many digits as f64, for what is made once and cancels: cofactors and determinants.
+//! Numbers with twice the digits of f64, for values that cancel: cofactors and determinants.
 
 use glam::DVec3;
 
-/// The unevaluated sum of a number and what its rounding lost (Dekker 1971).
+/// Unevaluated sum of a number and its rounding error (Dekker 1971).
 #[derive(Clone, Copy)]
 struct Double(f64, f64);
 
 impl Double {
     fn product(a: f64, b: f64) -> Self {
-        // Halves of 26 bits, whose products are exact.
+        // Halves of 26 bits have exact products.
         let halves = |x: f64| {
             let c = 134_217_729.0 * x;
             let high = c - (c - x);
@@ -38,18 +38,18 @@ impl Double {
     }
 }
 
-/// Three of them.
+/// Vector of three [`Double`] components.
 #[derive(Clone, Copy)]
 pub(super) struct Double3([Double; 3]);
 
 impl Double3 {
-    /// a × b.
+    /// Cross product a × b.
     pub fn cross(a: DVec3, b: DVec3) -> Self {
         let of = |x: f64, y: f64, u: f64, v: f64| Double::product(x, y).minus(Double::product(u, v));
         Self([of(a.y, b.z, a.z, b.y), of(a.z, b.x, a.x, b.z), of(a.x, b.y, a.y, b.x)])
     }
 
-    /// The dot product.
+    /// Dot product, rounded to f64.
     pub fn dot(self, b: DVec3) -> f64 {
         let [x, y, z] = self.0;
         x.times(b.x).plus(y.times(b.y)).plus(z.times(b.z)).0
@@ -60,13 +60,13 @@ impl Double3 {
     }
 }
 
-/// a × b where products of components cancel: each component is right to its last digit.
+/// Cross product a × b, each component correct to its last digit even if products cancel.
 #[must_use]
 pub fn exact_cross(a: DVec3, b: DVec3) -> DVec3 {
     Double3::cross(a, b).rounded()
 }
 
-/// a · b where products of components cancel: right to its last digit unless it is below 10⁻³⁰ of them.
+/// Dot product a · b, correct to its last digit unless it is below 10⁻³⁰ of the products.
 #[must_use]
 pub fn exact_dot(a: DVec3, b: DVec3) -> f64 {
     let [x, y, z] = [Double::product(a.x, b.x), Double::product(a.y, b.y), Double::product(a.z, b.z)];
@@ -79,12 +79,12 @@ mod tests {
 
     #[test]
     fn what_cancels_keeps_its_digits() {
-        // (2²⁷ + 1)² − 2²⁷(2²⁷ + 2) = 1, of squares that no f64 holds.
+        // (2²⁷ + 1)² − 2²⁷(2²⁷ + 2) = 1. No f64 holds the squares.
         let n = 134_217_728.0;
         let c = exact_cross(DVec3::new(n + 1.0, n, 0.0), DVec3::new(n + 2.0, n + 1.0, 0.0));
         assert_eq!(c, DVec3::Z);
         assert_eq!(exact_dot(DVec3::new(n + 1.0, -n, 0.0), DVec3::new(n + 1.0, n + 2.0, 7.0)), 1.0);
-        // Planes of numbers that differ in their last digits only.
+        // Nearly parallel vectors that differ in their last digits only.
         let (a, b) = (DVec3::new(0.1, 0.2, 0.3), DVec3::new(0.1, 0.2, 0.3f64.next_up()));
         let step = 0.3f64.next_up() - 0.3;
         let truth = DVec3::new(0.2 * step, -(0.1 * step), 0.0);

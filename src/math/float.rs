@@ -2,7 +2,9 @@
 
 use glam::Vec3;
 
-/// Bound on the relative error of `n` chained f32 operations: nε/(1 − nε) with ε = 2⁻²⁴ (Higham 2002, section 3.1).
+/// Bound on the relative error of `n` chained f32 operations: nε/(1 − nε), ε = 2⁻²⁴.
+///
+/// Source: Higham 2002, section 3.1.
 #[inline]
 #[must_use]
 pub const fn gamma(n: u32) -> f32 {
@@ -10,11 +12,11 @@ pub const fn gamma(n: u32) -> f32 {
     e / (1.0 - e)
 }
 
-/// The real roots of `a t² + 2 b t + c`, ascending, given its quarter discriminant `b² − a c` computed as exactly as the
-/// caller can. A negative discriminant has none; `a` must not be zero.
+/// Real roots of `a t² + 2 b t + c`, ascending; `None` for a negative discriminant.
 ///
-/// The root of larger magnitude comes from a sum without cancellation, the other from Viète's product (Higham 2002,
-/// section 1.8).
+/// `discriminant` is `b² − a c`, computed as exactly as the caller can. `a` must not be zero. The
+/// root of larger magnitude comes from a sum without cancellation, the other from Viète's formula
+/// (Higham 2002, section 1.8).
 #[inline]
 #[must_use]
 pub fn quadratic(a: f64, b: f64, c: f64, discriminant: f64) -> Option<(f64, f64)> {
@@ -31,8 +33,8 @@ pub fn quadratic(a: f64, b: f64, c: f64, discriminant: f64) -> Option<(f64, f64)
 
 /// Sine and cosine of `turns` full turns, for `turns` in \[−1, 1], within an ulp.
 ///
-/// Quarters are taken off exactly, and what is left needs no further reduction (polynomials for |x| ≤ π/4: Cody and Waite
-/// 1980, chapter 8, as Taylor series cut where their remainder is below 2⁻³⁰).
+/// Quarter turns are subtracted exactly, so the rest needs no range reduction. The rest is a Taylor
+/// polynomial with a remainder below 2⁻³⁰ for |x| ≤ π/4 (Cody and Waite 1980, chapter 8).
 #[inline]
 #[must_use]
 pub fn sin_cos_turns(turns: f32) -> (f32, f32) {
@@ -50,9 +52,9 @@ pub fn sin_cos_turns(turns: f32) -> (f32, f32) {
     }
 }
 
-/// Squared distance from `from` to `to`, the unit direction between them, and that distance.
+/// Squared distance from `from` to `to`, the unit direction, and the distance.
 ///
-/// `None` where the points coincide, so that no direction exists.
+/// `None` if the points coincide.
 #[inline]
 #[must_use]
 pub fn direction(from: Vec3, to: Vec3) -> Option<(f32, Vec3, f32)> {

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-/// A right-handed orthonormal frame whose third axis is a given unit vector.
+/// Right-handed orthonormal frame whose third axis is a given unit vector.
 #[derive(Clone, Copy, Debug)]
 pub struct Frame {
     /// First tangent.
@@ -14,7 +14,7 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// The frame around the unit vector `n`, without branches or singular directions (Duff et al. 2017, JCGT 6(1)).
+    /// Frame around the unit vector `n`, without branches (Duff et al. 2017, JCGT 6(1)).
     #[inline]
     #[must_use]
     pub fn around(n: Vec3) -> Self {
@@ -28,14 +28,14 @@ impl Frame {
         }
     }
 
-    /// World to frame.
+    /// Transforms `v` from world space to the frame.
     #[inline]
     #[must_use]
     pub fn to_local(&self, v: Vec3) -> Vec3 {
         Vec3::new(v.dot(self.s), v.dot(self.t), v.dot(self.n))
     }
 
-    /// Frame to world.
+    /// Transforms `v` from the frame to world space.
     #[inline]
     #[must_use]
     pub fn to_world(&self, v: Vec3) -> Vec3 {

@@ -1,4 +1,4 @@
-//! Geometry's arithmetic: rays, boxes, frames, transforms, warps, and the error bounds that keep rays apart from surfaces.
+//! Arithmetic of geometry: rays, boxes, frames, transforms, warps, and bounds on rounding errors.
 
 mod bounds;
 mod double;

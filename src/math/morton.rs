@@ -1,11 +1,13 @@
-//! An order of points in which neighbours are near each other.
+//! Orders points so that neighbours in the order are close together.
 
 use super::Bounds;
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// The order of items along a Morton curve through their places, which must be finite. Items of one cell, a 2²⁰th of the extent,
-/// keep their order. It does not depend on the number of threads.
+/// Indices of `items` in the order of a Morton curve through their positions, which must be finite.
+///
+/// Items of one cell keep their order; a cell is the 2²⁰th part of the extent. The result does not
+/// depend on the number of threads.
 #[must_use]
 pub fn morton_order<T: Sync>(items: &[T], place: impl Fn(&T) -> Vec3 + Sync) -> Vec<u32> {
     let bounds = Bounds::of(items.iter().map(&place));

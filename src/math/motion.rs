@@ -1,22 +1,23 @@
-//! Maps that change while the shutter is open.
+//! Affine maps that change while the shutter is open.
 
 use glam::{DAffine3, DMat3, DVec3};
 
-/// One of the maps of a [`Motion`].
+/// One factor of a [`Motion`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Step {
-    /// The same at all times.
+    /// A map that does not depend on time.
     Fixed(DAffine3),
-    /// A shift, whole at time 1.
+    /// Translation by the vector, scaled by time.
     Shift(DVec3),
-    /// A right-handed turn about a unit axis through the origin \[degrees], whole at time 1.
+    /// Right-handed rotation about a unit axis through the origin \[degrees], scaled by time.
     Turn(DVec3, f64),
-    /// A stretch of each axis by a factor above 0, whole at time 1 and in between linear.
+    /// Scale along each axis, from 1 at time 0 linearly to the factor at time 1; factors are above
+    /// 0.
     Stretch(DVec3),
 }
 
 impl Step {
-    /// The map at `time`.
+    /// The map at `time` in \[0, 1].
     #[must_use]
     pub fn at(&self, time: f64) -> DAffine3 {
         match *self {
@@ -28,22 +29,23 @@ impl Step {
     }
 }
 
-/// A map for each time in \[0, 1\], from where the shutter opens to where it closes: a product of steps. Where they turn, points go along true
-/// circles.
+/// Affine map for each time in \[0, 1], from the opening to the closing of the shutter.
+///
+/// It is a product of steps. Rotations move points along true circles.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Motion {
-    /// The first is applied last; neighbours are not both fixed.
+    /// The first step is applied last. No two neighbours are both fixed.
     steps: Vec<Step>,
 }
 
 impl Motion {
-    /// The map that is `map` at all times.
+    /// A motion that is `map` at all times.
     #[must_use]
     pub fn still(map: DAffine3) -> Self {
         Self::default().then_inside([Step::Fixed(map)])
     }
 
-    /// The motion that applies `steps`, the first of them last, and then this one.
+    /// The product of `steps`, the first of them applied last, applied after this motion.
     #[must_use]
     pub fn then_inside(&self, steps: impl IntoIterator<Item = Step>) -> Self {
         let mut all = self.steps.clone();
@@ -56,7 +58,7 @@ impl Motion {
         Self { steps: all }
     }
 
-    /// The motion as if `place` were the origin.
+    /// The motion with `center` in place of the origin.
     #[must_use]
     pub fn about(&self, place: DVec3) -> Self {
         let back = Step::Fixed(DAffine3::from_translation(-place));
@@ -69,26 +71,28 @@ impl Motion {
         Self::still(map).then_inside(self.steps.iter().copied())
     }
 
-    /// The map at `time`.
+    /// The map at `time` in \[0, 1].
     #[must_use]
     pub fn at(&self, time: f64) -> DAffine3 {
         self.steps.iter().fold(DAffine3::IDENTITY, |map, step| map * step.at(time))
     }
 
-    /// Whether nothing in it depends on time.
+    /// True if no step depends on time.
     #[must_use]
     pub fn is_still(&self) -> bool {
         self.steps.iter().all(|step| matches!(step, Step::Fixed(_)))
     }
 }
 
-/// Rodrigues' rotation about a unit `axis`: cos·I + (1 − cos)·aaᵀ + sin·\[a\]×.
+/// Rotation matrix about a unit `axis`, by Rodrigues: cos·I + (1 − cos)·aaᵀ + sin·\[a\]×.
 #[must_use]
 pub fn turn(axis: DVec3, radians: f64) -> DMat3 {
     turn_by(axis, libm::sincos(radians))
 }
 
-/// The same by an angle in degrees; multiples of 90° take axes to axes exactly, which radians cannot.
+/// Rotation matrix about a unit `axis` by an angle in degrees.
+///
+/// Multiples of 90° map axes to axes exactly, which radians cannot.
 #[must_use]
 pub fn turn_degrees(axis: DVec3, degrees: f64) -> DMat3 {
     let sin_cos = if degrees % 90.0 == 0.0 {

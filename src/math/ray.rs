@@ -1,13 +1,13 @@
-//! Rays, and where they may start.
+//! Rays, and their start points on surfaces.
 
 use glam::Vec3;
 
-/// A half line `origin + t · direction`, `0 < t < t_max`.
+/// Half line `origin + t · direction` with `0 < t < t_max`.
 ///
-/// The direction need not have length one: `t` is measured in its lengths.
+/// The direction may have any length; `t` is in units of that length.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
-    /// Start \[scene units].
+    /// Start point \[scene units].
     pub origin: Vec3,
     /// Direction, of any length above zero.
     pub direction: Vec3,
@@ -16,21 +16,21 @@ pub struct Ray {
 }
 
 impl Ray {
-    /// A ray without an end.
+    /// A ray without end.
     #[inline]
     #[must_use]
     pub fn new(origin: Vec3, direction: Vec3) -> Self {
         Self { origin, direction, t_max: f32::INFINITY }
     }
 
-    /// The segment from `origin` to `target`, ends excluded: its `t` runs from 0 to 1.
+    /// The open segment from `origin` to `target`: its `t` runs from 0 to 1.
     #[inline]
     #[must_use]
     pub fn between(origin: Vec3, target: Vec3) -> Self {
         Self { origin, direction: target - origin, t_max: 1.0 }
     }
 
-    /// The point at `t`.
+    /// The point at parameter `t`.
     #[inline]
     #[must_use]
     pub fn at(&self, t: f32) -> Vec3 {
@@ -38,10 +38,11 @@ impl Ray {
     }
 }
 
-/// Where a ray in `direction` may leave a surface point without meeting the same surface again.
+/// Origin of a ray in `direction` that cannot hit the surface at `p` again.
 ///
-/// `p` is known within `error` along each axis; `normal` is the unit geometric normal. The origin moves along the normal
-/// until the box of possible points is behind it, then is rounded outwards (Pharr, Jakob, Humphreys 2023, section 6.8.6).
+/// `error` bounds the error of `p` along each axis; `normal` is the unit geometric normal. The
+/// origin moves along the normal until the box of possible points is behind it, then is rounded
+/// outwards (Pharr, Jakob, Humphreys 2023, section 6.8.6).
 #[inline]
 #[must_use]
 pub fn offset_origin(p: Vec3, error: Vec3, normal: Vec3, direction: Vec3) -> Vec3 {

@@ -1,15 +1,16 @@
-//! Sums of very many values.
+//! Compensated sums of very many values.
 
 use glam::DVec3;
 
-/// A sum by channel that carries what each addition rounded off (Knuth's exact sum of two, in cascade: Ogita, Rump and Oishi 2005, Sum2).
+/// Sum of three channels that keeps the rounding error of each addition.
 ///
-/// Of n values it is off by at most 2⁻⁵³ of itself and n²·2⁻¹⁰⁶ of the sum of their magnitudes, in whatever order they come: 10⁹ of them
-/// cost nothing that double precision could show. A sum that overflows is infinite, as a plain one is.
+/// Method: cascaded exact two-sums (Knuth; Ogita, Rump and Oishi 2005, Sum2). The relative error of
+/// n values is at most 2⁻⁵³, plus n²·2⁻¹⁰⁶ of the sum of their magnitudes, in any order. A sum that
+/// overflows is infinite, like a plain sum.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sum {
     high: DVec3,
-    /// What `high` lacks.
+    /// Rounding errors that `high` lacks.
     low: DVec3,
 }
 
@@ -23,11 +24,11 @@ impl Sum {
         self.low += (before - (self.high - added)) + (value - added);
     }
 
-    /// The sum.
+    /// The sum, rounded to f64.
     #[inline]
     #[must_use]
     pub fn value(&self) -> DVec3 {
-        // Infinities lack NaN of themselves.
+        // For an infinite sum, `low` is NaN.
         DVec3::select(self.high.is_finite_mask(), self.high + self.low, self.high)
     }
 }

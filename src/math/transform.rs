@@ -4,7 +4,7 @@ use super::double::Double3;
 use super::exact_dot;
 use glam::{DAffine3, DMat3, DVec3};
 
-/// The linear part of a transform cannot be inverted, so the shape under it has no volume or no place.
+/// Error: the linear part of a transform has no inverse, so shapes under it have no extent.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("the transform is singular: it flattens space")]
 pub struct Singular;
@@ -14,30 +14,33 @@ pub struct Singular;
 pub struct Transform {
     forward: DAffine3,
     inverse: DAffine3,
-    /// Of the linear part.
+    /// Determinant of the linear part.
     determinant: f64,
 }
 
-/// Largest entry of the inverse, in units of the columns, that leaves digits to trust: what one rounding of an entry becomes is then below a
-/// fiftieth.
+/// Largest entry of the inverse, in units of the columns, that has trustworthy digits.
+///
+/// A rounding of an entry then changes the inverse by less than a fiftieth.
 const LARGEST: f64 = 1e14;
 
 impl Transform {
-    /// The map that changes nothing.
+    /// The identity map.
     pub const IDENTITY: Self = Self { forward: DAffine3::IDENTITY, inverse: DAffine3::IDENTITY, determinant: 1.0 };
 
-    /// Wraps `forward` with its inverse.
+    /// Pairs `forward` with its inverse.
+    ///
+    /// Cofactors of nearly coplanar columns cancel, and an error of their determinant would scale
+    /// the whole inverse. Both are computed with twice the digits, so each entry is correct to its
+    /// last two bits, whatever the condition number.
     ///
     /// # Errors
-    /// [`Singular`] where an entry is not finite, or the columns, made about unit vectors, have an inverse with entries above 10¹⁴: then
-    /// it has no digits left to trust. The scale itself may be anything whose inverse is finite.
     ///
-    /// Cofactors of columns that almost lie in a plane cancel, and an error of their determinant would scale the whole inverse: both are
-    /// computed with twice the digits, so that each entry is right to its last two bits whatever the condition number.
+    /// [`Singular`] if an entry is not finite, or if the columns, scaled to about unit length, have
+    /// an inverse with entries above 10¹⁴. The scale itself may be anything with a finite inverse.
     pub fn new(forward: DAffine3) -> Result<Self, Singular> {
         let m = forward.matrix3;
         let [x, y, z] = [m.x_axis, m.y_axis, m.z_axis].map(|v| power_of_two(length(v)));
-        // Powers of two change no digit.
+        // Scaling by powers of two is exact.
         let [a, b, c] = [m.x_axis / x, m.y_axis / y, m.z_axis / z];
         let cofactors = [Double3::cross(b, c), Double3::cross(c, a), Double3::cross(a, b)];
         let volume = cofactors[0].dot(a);
@@ -46,47 +49,48 @@ impl Transform {
         if !(forward.is_finite() && volume != 0.0 && rows.iter().all(|row| row.is_finite()) && largest <= LARGEST) {
             return Err(Singular);
         }
-        // M = U·D has the inverse D⁻¹·U⁻¹, which neither overflows nor vanishes before its entries do.
+        // M = U·D has the inverse D⁻¹·U⁻¹, which neither overflows nor underflows before its
+        // entries do.
         let inverse = DMat3::from_cols(rows[0] / x, rows[1] / y, rows[2] / z).transpose();
         let inverse = DAffine3::from_mat3_translation(inverse, shift_back(inverse, forward.translation));
         let determinant = volume * x * y * z;
         if inverse.is_finite() { Ok(Self { forward, inverse, determinant }) } else { Err(Singular) }
     }
 
-    /// Object to world.
+    /// The map from object space to world space.
     #[must_use]
     pub fn forward(&self) -> &DAffine3 {
         &self.forward
     }
 
-    /// World to object.
+    /// The map from world space to object space.
     #[must_use]
     pub fn inverse(&self) -> &DAffine3 {
         &self.inverse
     }
 
-    /// A point, object to world.
+    /// Maps a point from object space to world space.
     #[inline]
     #[must_use]
     pub fn point(&self, p: DVec3) -> DVec3 {
         self.forward.transform_point3(p)
     }
 
-    /// A direction, object to world; its length changes with it.
+    /// Maps a direction from object space to world space; its length changes too.
     #[inline]
     #[must_use]
     pub fn vector(&self, v: DVec3) -> DVec3 {
         self.forward.transform_vector3(v)
     }
 
-    /// A normal, object to world, by the inverse transpose; not normalised.
+    /// Maps a normal from object space to world space by the inverse transpose; not normalised.
     #[inline]
     #[must_use]
     pub fn normal(&self, n: DVec3) -> DVec3 {
         self.inverse.matrix3.transpose() * n
     }
 
-    /// The map followed by a shift in world space.
+    /// The map followed by a translation in world space.
     #[must_use]
     pub fn translated(&self, by: DVec3) -> Self {
         let (mut forward, mut inverse) = (self.forward, self.inverse);
@@ -101,7 +105,7 @@ impl Transform {
         self.determinant
     }
 
-    /// The common scale, where the map only turns, mirrors, moves and scales alike in all directions.
+    /// Common scale factor; `None` unless the map is a similarity.
     #[must_use]
     pub fn similarity(&self) -> Option<f64> {
         let m: DMat3 = self.forward.matrix3;
@@ -111,20 +115,20 @@ impl Transform {
         off.iter().all(|x| x.abs() <= 1e-12 * s2).then(|| s2.sqrt())
     }
 
-    /// Whether the map mirrors: right hands become left ones.
+    /// True if the map reverses handedness.
     #[must_use]
     pub fn mirrors(&self) -> bool {
         self.determinant < 0.0
     }
 }
 
-/// The translation of the inverse: −M⁻¹t, which may be far smaller than its terms.
+/// Translation of the inverse: −M⁻¹t, which may be far smaller than its terms.
 fn shift_back(inverse: DMat3, t: DVec3) -> DVec3 {
     let rows = inverse.transpose();
     -DVec3::new(exact_dot(rows.x_axis, t), exact_dot(rows.y_axis, t), exact_dot(rows.z_axis, t))
 }
 
-/// The largest power of two that is not above `x`; 0 of numbers that are not normal.
+/// Largest power of two that is at most `x`; 0 for numbers that are not normal.
 fn power_of_two(x: f64) -> f64 {
     f64::from_bits(x.to_bits() & 0x7ff0_0000_0000_0000)
 }
@@ -149,7 +153,7 @@ mod tests {
         assert_eq!(Transform::new(DAffine3::from_mat3(dependent)), Err(Singular));
         let close = DMat3::from_cols(DVec3::X, DVec3::new(1.0, 1e-15, 0.0), DVec3::Z);
         assert_eq!(Transform::new(DAffine3::from_mat3(close)), Err(Singular));
-        // Small is not singular.
+        // A small scale is not singular.
         for scale in [DVec3::splat(1e-150), DVec3::new(1e300, 1.0, 1e-300)] {
             let t = Transform::new(DAffine3::from_scale(scale)).unwrap();
             let back = t.inverse().transform_vector3(t.vector(DVec3::ONE));

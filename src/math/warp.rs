@@ -1,13 +1,13 @@
-//! Warps of the unit square to discs, hemispheres, spheres, cones and triangles, each with its density.
+//! Warps of the unit square to discs, hemispheres, spheres, cones and triangles, with their pdfs.
 //!
-//! Every warp takes `u` in \[0, 1)² and is area-preserving up to the stated density. Directions are in a frame whose third
-//! axis is the pole.
+//! Every warp takes `u` in \[0, 1)². Directions are in a frame whose third axis is the pole. Pdfs
+//! of directions are per steradian.
 
 use super::sin_cos_turns;
 use glam::{Vec2, Vec3};
 use std::f32::consts::{FRAC_1_PI, TAU};
 
-/// Uniform on the unit disc, density 1/π, by concentric squares (Shirley and Chiu 1997).
+/// Uniform point of the unit disc, pdf 1/π, by concentric squares (Shirley and Chiu 1997).
 #[inline]
 #[must_use]
 pub fn disc(u: Vec2) -> Vec2 {
@@ -21,7 +21,7 @@ pub fn disc(u: Vec2) -> Vec2 {
     Vec2::new(cos, sin) * radius
 }
 
-/// Cosine-weighted on the upper hemisphere; density [`cosine_hemisphere_pdf`].
+/// Cosine-weighted direction of the upper hemisphere; its pdf is [`cosine_hemisphere_pdf`].
 #[inline]
 #[must_use]
 pub fn cosine_hemisphere(u: Vec2) -> Vec3 {
@@ -29,14 +29,14 @@ pub fn cosine_hemisphere(u: Vec2) -> Vec3 {
     d.extend((1.0 - d.length_squared()).max(0.0).sqrt())
 }
 
-/// cosθ/π per steradian above the horizon, else 0.
+/// Pdf cosθ/π of [`cosine_hemisphere`]; 0 below the horizon.
 #[inline]
 #[must_use]
 pub fn cosine_hemisphere_pdf(cos_theta: f32) -> f32 {
     cos_theta.max(0.0) * FRAC_1_PI
 }
 
-/// Uniform on the unit sphere, density 1/(4π).
+/// Uniform direction of the sphere, pdf 1/(4π).
 #[inline]
 #[must_use]
 pub fn sphere(u: Vec2) -> Vec3 {
@@ -45,10 +45,9 @@ pub fn sphere(u: Vec2) -> Vec3 {
     around_axis(z, 2.0 * (u.x * (1.0 - u.x)).sqrt(), u.y)
 }
 
-/// Uniform on the cone of directions whose cosine with the pole is at least `1 − one_minus_cos`; density
-/// [`cone_pdf`].
+/// Uniform direction whose cosine with the pole is at least `1 − one_minus_cos`.
 ///
-/// The complement of the cosine is taken, so that cones of any narrowness keep their digits.
+/// Its pdf is [`cone_pdf`]. The complement of the cosine keeps its digits for narrow cones.
 #[inline]
 #[must_use]
 pub fn cone(u: Vec2, one_minus_cos: f32) -> Vec3 {
@@ -56,31 +55,32 @@ pub fn cone(u: Vec2, one_minus_cos: f32) -> Vec3 {
     around_axis(1.0 - drop, (drop * (2.0 - drop)).max(0.0).sqrt(), u.y)
 }
 
-/// 1/(2π(1 − cosθ)) per steradian.
+/// Pdf 1/(2π(1 − cosθ)) of [`cone`].
 #[inline]
 #[must_use]
 pub fn cone_pdf(one_minus_cos: f32) -> f32 {
     1.0 / (TAU * one_minus_cos)
 }
 
-/// Density (n+1)/(2π) cosⁿθ on the upper hemisphere, for the lobe of Phong's model; `n ≥ 0`.
+/// Direction of the upper hemisphere with pdf (n+1)/(2π) cosⁿθ, the lobe of Phong's model; `n ≥ 0`.
 #[inline]
 #[must_use]
 pub fn power_cosine(u: Vec2, n: f32) -> Vec3 {
-    // u.x in [0, 1) becomes (0, 1], so that the cosine is never raised from zero.
+    // u.x in [0, 1) becomes (0, 1], which avoids powers of zero.
     let cos = libm::powf(1.0 - u.x, 1.0 / (n + 1.0));
     around_axis(cos, (1.0 - cos * cos).max(0.0).sqrt(), u.y)
 }
 
-/// Density of [`power_cosine`] per steradian.
+/// Pdf of [`power_cosine`].
 #[inline]
 #[must_use]
 pub fn power_cosine_pdf(cos_theta: f32, n: f32) -> f32 {
     if cos_theta > 0.0 { (n + 1.0) / TAU * libm::powf(cos_theta, n) } else { 0.0 }
 }
 
-/// Uniform on a triangle: the weights of its second and third corner (Heitz 2019, "A low-distortion map between triangle
-/// and square").
+/// Uniform point of a triangle, as the weights of its second and third corner.
+///
+/// Source: Heitz 2019, "A low-distortion map between triangle and square".
 #[inline]
 #[must_use]
 pub fn triangle(u: Vec2) -> Vec2 {
@@ -124,7 +124,9 @@ mod tests {
         }
     }
 
-    /// Midpoint sums over an n² grid; the worst integrand has a square-root edge, so the error is O(n^−3/2) = 3·10⁻⁵.
+    /// Midpoint sums over an n² grid.
+    ///
+    /// The worst integrand has a square-root edge, so the error is O(n^−3/2) = 3·10⁻⁵.
     #[test]
     fn moments_match_the_densities() {
         let n = 1024u32;

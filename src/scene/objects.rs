@@ -5,8 +5,7 @@ use crate::bsdf::{Bsdf, Conductor};
 use crate::light::Light;
 use crate::math::{Bounds, Sphere};
 use crate::medium::Medium;
-use crate::shape::Shape;
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
 /// A shape, a mesh or a plane, as planning sees it.
 #[derive(Clone, Copy, Debug)]
@@ -26,18 +25,8 @@ impl Scene {
     /// Everything that is made of something.
     pub fn objects(&self) -> impl Iterator<Item = Object> {
         let shapes = self.shapes.iter().zip(&self.shape_attributes).map(|(shape, attributes)| Object {
-            ball: Some(bounding_ball(shape)),
-            plane: match shape {
-                Shape::Disc(_) | Shape::Rectangle(_) => {
-                    let middle = shape.sample(Vec2::splat(0.5)).point;
-                    Some((middle.p, middle.ng))
-                }
-                Shape::Sphere(_)
-                | Shape::Ellipsoid(_)
-                | Shape::Instance(_)
-                | Shape::Revolution(_)
-                | Shape::Patch(_) => None,
-            },
+            ball: Some(shape.bounding_sphere()),
+            plane: shape.planar_point().map(|point| (point.p, point.ng)),
             material: attributes.material,
             glows: self.glows(attributes),
         });
@@ -142,13 +131,5 @@ impl Scene {
         let mut casts = false;
         self.scatterings(material, &mut |scattering| casts |= scattering.casts_caustics());
         casts
-    }
-}
-
-/// A ball around a shape, tight for spheres.
-fn bounding_ball(shape: &Shape) -> Sphere {
-    match shape {
-        Shape::Sphere(s) => Sphere { center: s.center.as_vec3(), radius: s.radius as f32 },
-        other => other.bounds().bounding_sphere(),
     }
 }

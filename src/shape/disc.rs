@@ -1,17 +1,19 @@
-//! Discs, and the ellipses that affine maps make of them.
+//! Discs, and their images under affine maps, which are ellipses.
 
-use super::{Crossing, INSET, ShapeSample, SurfacePoint, widen, within};
+use super::analytic::AnalyticShape;
+use super::hit::{ShapeHit, widen, within};
+use super::surface_point::{INSET, ShapeSample, SurfacePoint};
 use crate::math::{Ray, Transform, exact_cross, warp};
 use glam::{DVec2, DVec3, Vec2};
 
-/// The points `center + x·a + y·b` with x² + y² ≤ 1; its outer side is that of `a × b`.
+/// The points `center + x·a + y·b` with x² + y² ≤ 1; the outer side is that of `a × b`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disc {
     center: DVec3,
     a: DVec3,
     b: DVec3,
     normal: DVec3,
-    /// Rows that take an offset in the plane to (x, y).
+    /// Rows that map an offset in the plane to (x, y).
     dual: [DVec3; 2],
 }
 
@@ -24,39 +26,15 @@ impl Disc {
         Self { center, a, b, normal: cross / n2.sqrt(), dual: [exact_cross(b, cross) / n2, exact_cross(cross, a) / n2] }
     }
 
-    /// A round disc across `normal`, of any length above zero.
+    /// A round disc perpendicular to `normal`, which may have any length above zero.
     #[must_use]
     pub fn around(center: DVec3, normal: DVec3, radius: f64) -> Self {
         let (a, b) = normal.normalize().any_orthonormal_pair();
-        // any_orthonormal_pair is right-handed with its vector last.
+        // any_orthonormal_pair is right-handed with the given vector as third axis.
         Self::new(center, a * radius, b * radius)
     }
 
-    /// The image under an affine map, with the same outer side.
-    #[must_use]
-    pub fn transformed(&self, map: &Transform) -> Self {
-        let (a, b) = (map.vector(self.a), map.vector(self.b));
-        let (a, b) = if map.mirrors() { (b, a) } else { (a, b) };
-        Self::new(map.point(self.center), a, b)
-    }
-
-    #[inline]
-    pub(super) fn intersect(&self, ray: &Ray) -> Option<Crossing> {
-        let (o, d) = widen(ray);
-        let t = self.normal.dot(self.center - o) / self.normal.dot(d);
-        let offset = o + d * t - self.center;
-        let (x, y) = (self.dual[0].dot(offset), self.dual[1].dot(offset));
-        if x * x + y * y <= 1.0 { within(ray, t).map(|t| (t, x as f32, y as f32)) } else { None }
-    }
-
-    #[inline]
-    pub(super) fn surface(&self, ray: &Ray, t: f32) -> SurfacePoint {
-        let (o, d) = widen(ray);
-        let p = o + d * f64::from(t);
-        self.at(self.inset(p - self.normal * self.normal.dot(p - self.center)))
-    }
-
-    /// The point, kept off the rim: see [`INSET`].
+    /// The point `p`, kept off the rim: see [`INSET`].
     #[inline]
     fn inset(&self, p: DVec3) -> DVec3 {
         let offset = p - self.center;
@@ -72,8 +50,32 @@ impl Disc {
         let scale = self.center.abs().max_element() + self.a.abs().max_element() + self.b.abs().max_element();
         SurfacePoint::exact(p, self.normal, scale)
     }
+}
 
-    pub(super) fn extent(&self) -> (DVec3, DVec3) {
+impl AnalyticShape for Disc {
+    fn transformed(&self, map: &Transform) -> Option<Self> {
+        let (a, b) = (map.vector(self.a), map.vector(self.b));
+        let (a, b) = if map.mirrors() { (b, a) } else { (a, b) };
+        Some(Self::new(map.point(self.center), a, b))
+    }
+
+    #[inline]
+    fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
+        let (o, d) = widen(ray);
+        let t = self.normal.dot(self.center - o) / self.normal.dot(d);
+        let offset = o + d * t - self.center;
+        let (x, y) = (self.dual[0].dot(offset), self.dual[1].dot(offset));
+        if x * x + y * y <= 1.0 { within(ray, t).map(|t| (t, x as f32, y as f32)) } else { None }
+    }
+
+    #[inline]
+    fn surface(&self, ray: &Ray, t: f32, _uv: Vec2) -> SurfacePoint {
+        let (o, d) = widen(ray);
+        let p = o + d * f64::from(t);
+        self.at(self.inset(p - self.normal * self.normal.dot(p - self.center)))
+    }
+
+    fn extent(&self) -> (DVec3, DVec3) {
         let half = DVec3::new(
             libm::hypot(self.a.x, self.b.x),
             libm::hypot(self.a.y, self.b.y),
@@ -82,20 +84,24 @@ impl Disc {
         (self.center - half, self.center + half)
     }
 
-    pub(super) fn translated(self, by: DVec3) -> Self {
-        Self { center: self.center + by, ..self }
+    fn translated(&self, by: DVec3) -> Self {
+        Self { center: self.center + by, ..*self }
     }
 
-    pub(super) fn area(&self) -> f64 {
+    fn area(&self) -> f64 {
         std::f64::consts::PI * self.a.cross(self.b).length()
     }
 
-    pub(super) fn sample(&self, u: Vec2) -> ShapeSample {
+    fn sample(&self, u: Vec2) -> ShapeSample {
         let d = warp::disc(u).as_dvec2();
         ShapeSample {
             point: self.at(self.center + self.a * d.x + self.b * d.y),
             pdf: (1.0 / self.area()) as f32,
             uv: Vec2::ZERO,
         }
+    }
+
+    fn planar_point(&self) -> Option<SurfacePoint> {
+        Some(self.sample(Vec2::splat(0.5)).point)
     }
 }

@@ -1,12 +1,16 @@
 //! Ellipsoids: the unit sphere under an affine map.
 
-use super::{Crossing, ShapeSample, Sphere, SurfacePoint, crossing, widen};
+use super::analytic::AnalyticShape;
+use super::hit::{ShapeHit, exact_t, nearer_hit};
+use super::object_ray::{object_ray, world_scale};
+use super::sphere::Sphere;
+use super::surface_point::{ShapeSample, SurfacePoint};
 use crate::math::{Ray, Transform, quadratic, warp};
 use glam::{DAffine3, DMat3, DVec3, Vec2};
 
-/// The unit sphere under an affine map.
+/// Unit sphere under an affine map.
 ///
-/// Rays are taken into object space without normalising them, so that `t` means the same in both spaces.
+/// Rays are transformed to object space without normalisation, so `t` is the same in both spaces.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ellipsoid {
     to_world: Transform,
@@ -14,7 +18,7 @@ pub struct Ellipsoid {
 }
 
 impl Ellipsoid {
-    /// The image of the unit sphere at the origin.
+    /// Image of the unit sphere at the origin.
     #[must_use]
     pub fn new(to_world: Transform) -> Self {
         let mut ellipsoid = Self { to_world, area: 0.0 };
@@ -22,96 +26,26 @@ impl Ellipsoid {
         ellipsoid
     }
 
-    /// The image of a sphere under an affine map; `None` where the product is singular.
+    /// Image of a sphere under an affine map; `None` if the product is singular.
     #[must_use]
     pub fn around(sphere: &Sphere, map: &Transform) -> Option<Self> {
         let place = DAffine3 { matrix3: DMat3::from_diagonal(DVec3::splat(sphere.radius)), translation: sphere.center };
         Some(Self::new(Transform::new(*map.forward() * place).ok()?))
     }
 
-    /// The image under another affine map; `None` where the product is singular.
-    #[must_use]
-    pub fn transformed(&self, map: &Transform) -> Option<Self> {
-        Some(Self::new(Transform::new(*map.forward() * *self.to_world.forward()).ok()?))
-    }
-
-    /// The ray in object space.
-    #[inline]
-    fn object_ray(&self, ray: &Ray) -> (DVec3, DVec3) {
-        let (o, d) = widen(ray);
-        let inverse = self.to_world.inverse();
-        (inverse.transform_point3(o), inverse.transform_vector3(d))
-    }
-
-    #[inline]
-    pub(super) fn intersect(&self, ray: &Ray) -> Option<Crossing> {
-        let (l, d) = self.object_ray(ray);
-        let (a, b) = (d.length_squared(), l.dot(d));
-        let nearest = l - d * (b / a);
-        let distance = l.length();
-        let c = (distance - 1.0) * (distance + 1.0);
-        let (near, far) = quadratic(a, b, c, a * (1.0 - nearest.length_squared()))?;
-        crossing(ray, near).or_else(|| if near > 0.0 { None } else { crossing(ray, far) })
-    }
-
-    #[inline]
-    pub(super) fn surface(&self, ray: &Ray, t: f64) -> SurfacePoint {
-        let (l, d) = self.object_ray(ray);
-        self.at((l + d * t).normalize())
-    }
-
     #[inline]
     fn at(&self, object: DVec3) -> SurfacePoint {
         let p = self.to_world.point(object);
-        // One ulp in object space is as long in world space as the longest column.
-        let m = self.to_world.forward().matrix3;
-        let scale = m.x_axis.length() + m.y_axis.length() + m.z_axis.length();
-        let center = self.to_world.forward().translation.abs().max_element();
-        SurfacePoint::exact(p, self.to_world.normal(object).normalize(), scale + center)
+        SurfacePoint::exact(p, self.to_world.normal(object).normalize(), world_scale(&self.to_world))
     }
 
-    pub(super) fn extent(&self) -> (DVec3, DVec3) {
-        // The support of the unit ball along an axis is the length of that row.
-        let rows = self.to_world.forward().matrix3.transpose();
-        let half = DVec3::new(rows.x_axis.length(), rows.y_axis.length(), rows.z_axis.length());
-        let center = self.to_world.forward().translation;
-        (center - half, center + half)
-    }
-
-    pub(super) fn translated(self, by: DVec3) -> Self {
-        Self { to_world: self.to_world.translated(by), ..self }
-    }
-
-    pub(super) fn area(&self) -> f64 {
-        self.area
-    }
-
-    /// How many times larger the surface at object point `n` is in world space: |det M| · |M⁻ᵀ n|.
+    /// World area per object area at the object-space point `n`: |det M| · |M⁻ᵀ n|.
     #[inline]
     fn stretch(&self, n: DVec3) -> f64 {
         self.to_world.determinant().abs() * self.to_world.normal(n).length()
     }
 
-    /// Uniform on the unit sphere, so by area of the sphere's preimage.
-    pub(super) fn sample(&self, u: Vec2) -> ShapeSample {
-        let n = warp::sphere(u).as_dvec3().normalize();
-        ShapeSample {
-            point: self.at(n),
-            pdf: (1.0 / (4.0 * std::f64::consts::PI * self.stretch(n))) as f32,
-            uv: Vec2::ZERO,
-        }
-    }
-
-    /// Density per area of [`Ellipsoid::sample`] where the unit normal is `ng`.
-    ///
-    /// |M⁻ᵀ n| at object point n is 1/|Mᵀ ng|, as Mᵀ takes the normal back to a multiple of n.
-    #[inline]
-    pub(super) fn pdf(&self, ng: DVec3) -> f32 {
-        let m = self.to_world.forward().matrix3;
-        ((m.transpose() * ng).length() / (4.0 * std::f64::consts::PI * self.to_world.determinant().abs())) as f32
-    }
-
-    /// The mean stretch over the sphere by midpoints in (z, φ).
+    /// World area: the mean stretch over the sphere, by midpoints in (z, φ).
     fn integrate_area(&self) -> f64 {
         const N: u32 = 256;
         let mut sum = 0.0;
@@ -127,12 +61,71 @@ impl Ellipsoid {
     }
 }
 
+impl AnalyticShape for Ellipsoid {
+    fn transformed(&self, map: &Transform) -> Option<Self> {
+        Some(Self::new(Transform::new(*map.forward() * *self.to_world.forward()).ok()?))
+    }
+
+    #[inline]
+    fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
+        let (l, d) = object_ray(ray, &self.to_world);
+        let (a, b) = (d.length_squared(), l.dot(d));
+        let nearest = l - d * (b / a);
+        let distance = l.length();
+        let c = (distance - 1.0) * (distance + 1.0);
+        let (near, far) = quadratic(a, b, c, a * (1.0 - nearest.length_squared()))?;
+        nearer_hit(ray, (near, 0.0), (far, 0.0))
+    }
+
+    #[inline]
+    fn surface(&self, ray: &Ray, t: f32, uv: Vec2) -> SurfacePoint {
+        let (l, d) = object_ray(ray, &self.to_world);
+        self.at((l + d * exact_t(t, uv)).normalize())
+    }
+
+    fn extent(&self) -> (DVec3, DVec3) {
+        // The unit ball extends along an axis by the length of that row.
+        let rows = self.to_world.forward().matrix3.transpose();
+        let half = DVec3::new(rows.x_axis.length(), rows.y_axis.length(), rows.z_axis.length());
+        let center = self.to_world.forward().translation;
+        (center - half, center + half)
+    }
+
+    fn translated(&self, by: DVec3) -> Self {
+        Self { to_world: self.to_world.translated(by), ..*self }
+    }
+
+    fn area(&self) -> f64 {
+        self.area
+    }
+
+    /// Samples the unit sphere uniformly, so the pdf varies over the ellipsoid.
+    fn sample(&self, u: Vec2) -> ShapeSample {
+        let n = warp::sphere(u).as_dvec3().normalize();
+        ShapeSample {
+            point: self.at(n),
+            pdf: (1.0 / (4.0 * std::f64::consts::PI * self.stretch(n))) as f32,
+            uv: Vec2::ZERO,
+        }
+    }
+
+    #[inline]
+    fn pdf(&self, point: &SurfacePoint) -> f32 {
+        // |M⁻ᵀ n| at the object-space point n is 1/|Mᵀ ng|, as Mᵀ maps the world normal to a
+        // multiple of n.
+        let m = self.to_world.forward().matrix3;
+        ((m.transpose() * point.ng.as_dvec3()).length()
+            / (4.0 * std::f64::consts::PI * self.to_world.determinant().abs())) as f32
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use glam::DAffine3;
 
-    /// Oblate spheroid: 2πa²(1 + (1 − e²)/e · artanh e). The midpoint rule's error is below 10⁻⁴ here.
+    /// Oblate spheroid: 2πa²(1 + (1 − e²)/e · artanh e). The midpoint rule's error is below 10⁻⁴
+    /// here.
     #[test]
     fn area_matches_the_spheroid_formula() {
         let (a, c) = (1.5f64, 0.6);

@@ -1,17 +1,22 @@
-//! Meshes that are placed more than once, or that move: one set of triangles under several maps.
+//! Instances: one set of triangles under several maps, or under a map that moves.
 
-use super::{Crossing, Mesh, ShapeSample, SurfacePoint, TexCoord, rounding_error, widen, within};
+use super::analytic::AnalyticShape;
+use super::hit::{ShapeHit, within};
+use super::mesh::Mesh;
+use super::object_ray::object_ray;
+use super::surface_point::{ShapeSample, SurfacePoint, rounding_error};
+use super::texture_mapping::TexCoord;
 use crate::accel::{Hierarchy, Primitive};
 use crate::math::{Ray, Transform, warp};
 use crate::sampling::Discrete;
 use glam::{DVec3, Vec2, Vec3};
 use std::sync::{Arc, OnceLock};
 
-/// A mesh with a hierarchy of its own, in coordinates of its own.
+/// Mesh with its own hierarchy, in object space.
 pub struct IndexedMesh {
     mesh: Mesh,
     hierarchy: Hierarchy,
-    /// Triangles by area, for lights.
+    /// Distribution of triangles by area, made when a light needs it.
     choice: OnceLock<Option<Discrete>>,
 }
 
@@ -22,65 +27,55 @@ impl std::fmt::Debug for IndexedMesh {
 }
 
 impl IndexedMesh {
-    /// Indexes a mesh. It is most exact where its own middle is near its origin.
+    /// Builds the hierarchy of a mesh.
+    ///
+    /// Hits are most accurate if the mesh is centred near the origin.
     #[must_use]
     pub fn new(mesh: Mesh) -> Self {
         let corners: Vec<[Vec3; 3]> = (0..mesh.triangles.len()).map(|i| mesh.corners(i)).collect();
         Self { hierarchy: Hierarchy::build(&corners, &[]), mesh, choice: OnceLock::new() }
     }
 
-    /// Triangles in proportion to their area; `None` where there is none.
+    /// Distribution of triangles by area; `None` if there is no area.
     fn choice(&self) -> Option<&Discrete> {
         let make = || Discrete::new((0..self.mesh.triangles.len()).map(|i| self.mesh.area(i)));
         self.choice.get_or_init(make).as_ref()
     }
 }
 
-/// A mesh under an affine map.
+/// Mesh under an affine map.
 ///
-/// Rays are taken into the mesh's space without normalising them, so that `t` means the same in both. The first coordinate of a crossing
-/// holds the bits of the triangle's index.
+/// Rays are transformed to object space without normalisation, so `t` is the same in both spaces.
+/// The first coordinate of a hit holds the bits of the triangle's index.
 #[derive(Clone, Debug)]
 pub struct Instance {
     mesh: Arc<IndexedMesh>,
     to_world: Transform,
-    /// How much larger areas are than in the mesh's space; true where the map stretches all directions alike.
+    /// World area per object area, exact for similarities.
     area_scale: f64,
 }
 
 impl Instance {
-    /// `mesh` under `to_world`.
+    /// Places `mesh` by `to_world`.
     #[must_use]
     pub fn new(mesh: Arc<IndexedMesh>, to_world: Transform) -> Self {
         let edge = libm::cbrt(to_world.determinant().abs());
         Self { mesh, to_world, area_scale: edge * edge }
     }
 
-    /// The image under another map; `None` where the product is singular.
-    #[must_use]
-    pub(super) fn transformed(&self, map: &Transform) -> Option<Self> {
-        let to_world = Transform::new(*map.forward() * *self.to_world.forward()).ok()?;
-        Some(Self::new(Arc::clone(&self.mesh), to_world))
-    }
-
-    /// How many triangles there are.
+    /// Number of triangles.
     #[must_use]
     pub fn triangles(&self) -> usize {
         self.mesh.mesh.triangles.len()
     }
 
-    #[inline]
-    fn to_object(&self, ray: &Ray) -> (DVec3, DVec3) {
-        let (o, d) = widen(ray);
-        let inverse = self.to_world.inverse();
-        (inverse.transform_point3(o), inverse.transform_vector3(d))
-    }
-
-    /// The ray in the mesh's space from where it comes within twice its radius, and `t` there: what rounding to f32 moves is then of the mesh's
-    /// size, however far away the map puts the start.
+    /// The object-space ray from where it comes within twice the mesh's radius, and `t` there.
+    ///
+    /// The error of rounding to f32 is then proportional to the mesh's size, however distant the
+    /// ray's origin is.
     #[inline]
     fn near(&self, ray: &Ray) -> (Ray, f64) {
-        let (o, d) = self.to_object(ray);
+        let (o, d) = object_ray(ray, &self.to_world);
         let around = self.mesh.hierarchy.bounds().bounding_sphere();
         let length = d.length();
         let to = around.center.as_dvec3() - o;
@@ -89,8 +84,31 @@ impl Instance {
         (Ray { origin, direction: d.as_vec3(), t_max: (f64::from(ray.t_max) - start) as f32 }, start)
     }
 
+    /// The surface of triangle `i` at barycentric weights `b` of its second and third corner.
+    fn surface_at(&self, i: usize, b: Vec2) -> SurfacePoint {
+        let own = self.mesh.mesh.surface(i, b);
+        let p = self.to_world.point(own.p.as_dvec3()).as_vec3();
+        let normal = |n: Vec3| self.to_world.normal(n.as_dvec3()).normalize_or_zero().as_vec3();
+        let (ng, ns) = (normal(own.ng), normal(own.ns));
+        // The position is rounded in both spaces, and the next ray once more on its way to object
+        // space. Displacement within the plane is no error.
+        let n = own.ng.as_dvec3();
+        let rounded =
+            n.abs().dot((own.error + own.p.abs() * f32::EPSILON).as_dvec3()) / self.to_world.normal(n).length();
+        let reach = f64::from(p.abs().max_element()) + self.to_world.forward().translation.abs().max_element();
+        let error = rounding_error(p, reach) + Vec3::splat(rounded as f32);
+        SurfacePoint { p, error, ng: if ng.dot(ns) < 0.0 { -ng } else { ng }, ns, uv: b }
+    }
+}
+
+impl AnalyticShape for Instance {
+    fn transformed(&self, map: &Transform) -> Option<Self> {
+        let to_world = Transform::new(*map.forward() * *self.to_world.forward()).ok()?;
+        Some(Self::new(Arc::clone(&self.mesh), to_world))
+    }
+
     #[inline]
-    pub(super) fn intersect(&self, ray: &Ray) -> Option<Crossing> {
+    fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
         let (near, start) = self.near(ray);
         let hit = self.mesh.hierarchy.closest(&near, |_, _| None)?;
         let t = within(ray, start + f64::from(hit.t))?;
@@ -101,27 +119,27 @@ impl Instance {
     }
 
     #[inline]
-    pub(super) fn occludes(&self, ray: &Ray) -> bool {
+    fn occludes(&self, ray: &Ray) -> bool {
         self.mesh.hierarchy.occluded(&self.near(ray).0, |_, _| false)
     }
 
     #[inline]
-    pub(super) fn surface(&self, ray: &Ray, index: f32) -> SurfacePoint {
-        let (o, d) = self.to_object(ray);
-        let i = index.to_bits() as usize;
+    fn surface(&self, ray: &Ray, _t: f32, uv: Vec2) -> SurfacePoint {
+        let (o, d) = object_ray(ray, &self.to_world);
+        let i = uv.x.to_bits() as usize;
         let [a, b, c] = self.mesh.mesh.corners(i).map(|v| v.as_dvec3());
-        // The test of the hierarchy told which triangle; where on it, its plane tells in double precision.
+        // The hierarchy's f32 test chose the triangle; its plane gives the point in double
+        // precision.
         let (e1, e2) = (b - a, c - a);
         let p = d.cross(e2);
         let q = (o - a).cross(e1);
         let determinant = e1.dot(p);
         let weights = glam::DVec2::new((o - a).dot(p), d.dot(q)) / determinant;
-        self.place(i, inside_triangle(weights))
+        self.surface_at(i, inside_triangle(weights))
     }
 
-    /// Texture coordinates at world point `p` of the triangle that `index` tells.
-    pub(super) fn mapped(&self, p: Vec3, index: f32) -> TexCoord {
-        let i = index.to_bits() as usize;
+    fn tex_coord(&self, p: Vec3, uv: Vec2) -> TexCoord {
+        let i = uv.x.to_bits() as usize;
         let p = self.to_world.inverse().transform_point3(p.as_dvec3());
         let [a, b, c] = self.mesh.mesh.corners(i).map(|v| v.as_dvec3());
         let (e1, e2) = (b - a, c - a);
@@ -131,50 +149,37 @@ impl Instance {
         TexCoord { du: self.to_world.normal(own.du), dv: self.to_world.normal(own.dv), ..own }
     }
 
-    /// The surface of triangle `i` at barycentric weights `b` of its second and third corner.
-    fn place(&self, i: usize, b: Vec2) -> SurfacePoint {
-        let own = self.mesh.mesh.surface(i, b);
-        let p = self.to_world.point(own.p.as_dvec3()).as_vec3();
-        let normal = |n: Vec3| self.to_world.normal(n.as_dvec3()).normalize_or_zero().as_vec3();
-        let (ng, ns) = (normal(own.ng), normal(own.ns));
-        // The place is rounded in both spaces, and the next ray once more on its way into the mesh's; what moves it along the plane is no error.
-        let n = own.ng.as_dvec3();
-        let rounded =
-            n.abs().dot((own.error + own.p.abs() * f32::EPSILON).as_dvec3()) / self.to_world.normal(n).length();
-        let reach = f64::from(p.abs().max_element()) + self.to_world.forward().translation.abs().max_element();
-        let error = rounding_error(p, reach) + Vec3::splat(rounded as f32);
-        SurfacePoint { p, error, ng: if ng.dot(ns) < 0.0 { -ng } else { ng }, ns, uv: b }
-    }
-
-    pub(super) fn extent(&self) -> (DVec3, DVec3) {
+    fn extent(&self) -> (DVec3, DVec3) {
         let corners = self.mesh.hierarchy.bounds().corners().map(|c| self.to_world.point(c.as_dvec3()));
         let fold = |f: fn(DVec3, DVec3) -> DVec3| corners.iter().copied().reduce(f).unwrap_or(DVec3::ZERO);
         (fold(DVec3::min), fold(DVec3::max))
     }
 
-    pub(super) fn translated(&self, by: DVec3) -> Self {
+    fn translated(&self, by: DVec3) -> Self {
         Self { to_world: self.to_world.translated(by), ..self.clone() }
     }
 
-    pub(super) fn area(&self) -> f64 {
+    fn area(&self) -> f64 {
         self.mesh.choice().map_or(0.0, |choice| choice.total() * self.area_scale)
     }
 
-    pub(super) fn sample(&self, u: Vec2) -> ShapeSample {
+    fn sample(&self, u: Vec2) -> ShapeSample {
         let (i, b) = match self.mesh.choice() {
             Some(choice) => {
                 let (i, _) = choice.sample(u.x);
-                // What is left of u.x inside the chosen interval is uniform again.
+                // The remainder of u.x within the chosen interval is uniform again.
                 (i, warp::triangle(Vec2::new(choice.remainder(u.x, i), u.y)))
             }
             None => (0, Vec2::ZERO),
         };
         let uv = Vec2::new(f32::from_bits(i as u32), 0.0);
-        ShapeSample { point: self.place(i, b), pdf: (1.0 / self.area()) as f32, uv }
+        ShapeSample { point: self.surface_at(i, b), pdf: (1.0 / self.area()) as f32, uv }
     }
 }
 
-/// The nearest weights of a point of the triangle, for some that rounding may have put beside it; the first corner where there are none.
+/// Nearest weights inside the triangle, for a point that rounding may have moved outside.
+///
+/// Not-finite weights become those of the first corner.
 fn inside_triangle(weights: glam::DVec2) -> Vec2 {
     let w = if weights.is_finite() { weights.max(glam::DVec2::ZERO) } else { glam::DVec2::ZERO };
     let sum = w.x + w.y;

@@ -1,26 +1,27 @@
 //! Triangle meshes.
 
-use super::{INSET, SurfacePoint, TexCoord};
+use super::surface_point::{INSET, SurfacePoint};
+use super::texture_mapping::TexCoord;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
 /// Corner indices of one triangle.
 pub type Triangle = [u32; 3];
 
-/// Triangles over shared corners, in world space.
+/// Triangles with shared vertices, in world space.
 #[derive(Clone, Debug, Default)]
 pub struct Mesh {
-    /// Corners.
+    /// Vertex positions.
     pub positions: Vec<Vec3>,
-    /// Unit shading normals, one a corner, or none: flat.
+    /// Unit shading normals per vertex; empty for flat shading.
     pub normals: Vec<Vec3>,
-    /// Texture coordinates, one a corner, or none.
+    /// Texture coordinates per vertex; empty if there are none.
     pub texcoords: Vec<Vec2>,
-    /// Corner indices, counter-clockwise seen from outside.
+    /// Vertex indices, counter-clockwise seen from outside.
     pub triangles: Vec<Triangle>,
 }
 
 impl Mesh {
-    /// The corners of triangle `i`.
+    /// Corner positions of triangle `i`.
     #[inline]
     #[must_use]
     pub fn corners(&self, i: usize) -> [Vec3; 3] {
@@ -43,10 +44,12 @@ impl Mesh {
         let b = b.as_dvec2();
         let cross = e1.cross(e2);
         let mut p = p0 + e1 * b.x + e2 * b.y;
-        // The f32 triangle test rounds corners relative to the ray's origin: its error is in ulps of the triangle's size.
+        // The f32 triangle test rounds corners relative to the ray's origin: its error is in ulps
+        // of the triangle's size.
         let size = e1.abs().max(e2.abs()).max_element();
         let room = INSET * f64::from(f32::EPSILON) * (p.abs().max_element() + 4.0 * size);
-        // The height over an edge is a weight times the cross product over the edge, none of which is longer than √12 sizes.
+        // The height over an edge is a weight times the cross product over the edge length, which
+        // is at most √12 sizes.
         let least = b.x.min(b.y).min(1.0 - b.x - b.y).max(0.0);
         let bound = room * size;
         if least * least * cross.length_squared() < 12.0 * bound * bound {
@@ -56,7 +59,7 @@ impl Mesh {
         let p = p.as_vec3();
         let mut ng = cross.normalize_or_zero().as_vec3();
         let ns = self.shading_normal(i, b.x, b.y).unwrap_or(ng);
-        // Authors' normals say which side is out; winding may disagree.
+        // Authored normals define the outer side; the winding may disagree.
         if ng.dot(ns) < 0.0 {
             ng = -ng;
         }
@@ -70,7 +73,9 @@ impl Mesh {
         }
     }
 
-    /// Texture coordinates of triangle `i` at barycentric weights `b`; where the mesh has none, or the triangle no area, nothing grows.
+    /// Texture coordinates of triangle `i` at barycentric weights `b`.
+    ///
+    /// Their gradients are zero if the mesh has no texture coordinates or the triangle has no area.
     #[must_use]
     pub fn mapped(&self, i: usize, b: Vec2) -> TexCoord {
         if self.texcoords.is_empty() {
@@ -86,7 +91,7 @@ impl Mesh {
         if n2 == 0.0 {
             return TexCoord { uv, ..TexCoord::default() };
         }
-        // What the weights of the second and third corner grow by along a step.
+        // Gradients of the weights of the second and third corner.
         let (w1, w2) = (e2.cross(cross) / n2, cross.cross(e1) / n2);
         TexCoord { uv, du: w1 * t1.x + w2 * t2.x, dv: w1 * t1.y + w2 * t2.y }
     }
@@ -101,8 +106,10 @@ impl Mesh {
     }
 }
 
-/// Weights `b` of the corners at the ends of `edges`, kept so that the point stays `room`, in parts of the length of the cross product, off
-/// each edge, or a quarter of the height over it: see [`INSET`].
+/// The weights `b`, moved so that the point stays off every edge: see [`INSET`].
+///
+/// `edges` lead from the first corner to the others. The least height over an edge is `room` times
+/// the length of the cross product, or a quarter of the triangle's height.
 #[cold]
 fn kept_inside(b: DVec2, room: f64, [e1, e2]: [DVec3; 2]) -> DVec2 {
     let least = [e2 - e1, e2, e1].map(|edge| (room * edge.length()).min(0.25));
@@ -111,7 +118,7 @@ fn kept_inside(b: DVec2, room: f64, [e1, e2]: [DVec3; 2]) -> DVec2 {
     for (w, least) in weights.iter_mut().zip(least) {
         *w = w.max(least);
     }
-    // The largest pays for it, and has at least a quarter left.
+    // The largest weight shrinks in return, and keeps at least a quarter.
     weights[largest] = 1.0 - (0..3).filter(|i| *i != largest).map(|i| weights[i]).sum::<f64>();
     DVec2::new(weights[1], weights[2])
 }
@@ -132,7 +139,7 @@ mod tests {
         let m = mesh.mapped(0, Vec2::new(0.5, 0.5));
         assert_eq!(m.uv, DVec2::new(0.75, 0.625));
         let along = |x: DVec3| DVec2::new(m.du.dot(x), m.dv.dot(x));
-        // Coordinates are affine: along an edge they change by as much as the corners differ.
+        // Coordinates are affine: along an edge they change by the difference of the corners.
         assert!((along(DVec3::new(2.0, 0.0, 0.0)) - DVec2::new(0.5, 0.0)).length() < 1e-12);
         assert!((along(DVec3::new(1.0, 1.0, 0.0)) - DVec2::new(0.0, 0.75)).length() < 1e-12);
     }

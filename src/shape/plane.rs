@@ -1,14 +1,17 @@
-//! Infinite planes, which no box can hold.
+//! Infinite planes, which have no bounding box.
 
-use super::{Crossing, SurfacePoint, widen, within};
+use super::hit::{ShapeHit, widen, within};
+use super::surface_point::SurfacePoint;
 use crate::math::{Ray, Transform};
 use glam::{DVec3, Vec3};
 
-/// Cosine to the normal up to which rounding alone makes a ray meet a plane that it goes along. In roundings of 2⁻⁵³: an angle up to a full
-/// turn is off by 2π, and so is a second one around it; the product of normal and direction by three.
+/// Cosine to the normal below which a ray counts as parallel to the plane.
+///
+/// Rounding contributes, in units of 2⁻⁵³: 2π for an angle up to a full turn, 2π for a second one,
+/// and 3 for the product of normal and direction.
 const PARALLEL: f64 = 8.0 * f64::EPSILON;
 
-/// The points with `normal · x = offset`; its outer side is that of the unit normal.
+/// The points with `normal · x = offset`; the outer side is that of the unit normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane {
     normal: DVec3,
@@ -16,35 +19,35 @@ pub struct Plane {
 }
 
 impl Plane {
-    /// The plane through `point` across `normal`, of any length above zero.
+    /// The plane through `point` perpendicular to `normal`, which may have any length above zero.
     #[must_use]
     pub fn new(point: DVec3, normal: DVec3) -> Self {
         let normal = normal.normalize();
         Self { normal, offset: normal.dot(point) }
     }
 
-    /// The plane moved by a vector.
+    /// Image under a translation.
     #[must_use]
     pub fn translated(self, by: DVec3) -> Self {
         Self { offset: self.offset + self.normal.dot(by), ..self }
     }
 
-    /// The image under an affine map, with the same outer side.
+    /// Image under an affine map, with the same outer side.
     #[must_use]
     pub fn transformed(&self, map: &Transform) -> Self {
         Self::new(map.point(self.normal * self.offset), map.normal(self.normal))
     }
 
-    /// The point nearest to the origin, and the unit normal.
+    /// Point nearest to the origin, and the unit normal.
     #[must_use]
     pub fn place(&self) -> (Vec3, Vec3) {
         ((self.normal * self.offset).as_vec3(), self.normal.as_vec3())
     }
 
-    /// Where the ray crosses.
+    /// Hit of the ray; its coordinates are 0.
     #[inline]
     #[must_use]
-    pub fn intersect(&self, ray: &Ray) -> Option<Crossing> {
+    pub fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
         let (o, d) = widen(ray);
         let across = self.normal.dot(d);
         if across * across <= PARALLEL * PARALLEL * d.length_squared() {
@@ -53,7 +56,7 @@ impl Plane {
         within(ray, (self.offset - self.normal.dot(o)) / across).map(|t| (t, 0.0, 0.0))
     }
 
-    /// The surface at `t`.
+    /// Point that `ray` hits at `t`.
     #[inline]
     #[must_use]
     pub fn surface(&self, ray: &Ray, t: f32) -> SurfacePoint {

@@ -1,34 +1,39 @@
-//! Rectangles, and the parallelograms that affine maps make of them.
+//! Rectangles, and their images under affine maps, which are parallelograms.
 
-use super::{Crossing, INSET, ShapeSample, SurfacePoint, widen, within};
+use super::analytic::AnalyticShape;
+use super::hit::{ShapeHit, widen, within};
+use super::surface_point::{INSET, ShapeSample, SurfacePoint};
 use crate::math::{Ray, Transform, exact_cross};
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use libm::{atan2, cos, hypot, sin};
 
-/// How far from perpendicular two edges may be, as the cosine between them: some ulps of a chain of transforms.
+/// Largest cosine between edges that count as perpendicular: some ulps of a chain of transforms.
 const PERPENDICULAR: f64 = 1e-12;
 
-/// Solid angle below which points are drawn by area \[sr]: it is the difference of larger angles.
+/// Solid angle \[sr] below which points are sampled by area, since it is a difference of larger
+/// angles.
 const LEAST_SOLID_ANGLE: f64 = 1e-4;
 
-/// Square of the diagonal over that of the distance below which points are drawn by area: the density per steradian hardly
-/// varies over a rectangle so far away, and a draw by area takes a tenth of the time.
+/// Squared ratio of diagonal to distance below which points are sampled by area.
+///
+/// The pdf per steradian hardly varies over so distant a rectangle, and sampling by area takes a
+/// tenth of the time.
 const FAR: f64 = 0.2;
 
-/// The points `corner + x·e0 + y·e1` with x, y in \[0, 1]; its outer side is that of `e0 × e1`.
+/// The points `corner + x·e0 + y·e1` with x, y in \[0, 1]; the outer side is that of `e0 × e1`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rectangle {
     corner: DVec3,
     edges: [DVec3; 2],
     normal: DVec3,
-    /// Rows that take an offset in the plane to (x, y).
+    /// Rows that map an offset in the plane to (x, y).
     dual: [DVec3; 2],
-    /// Whether the edges are perpendicular.
+    /// True if the edges are perpendicular.
     right: bool,
 }
 
-/// A rectangle as a point before it sees it: it spans x by y at distance z.
-struct View {
+/// Rectangle in the frame of a viewpoint: x and y along the edges, z along the normal.
+struct RectangleView {
     x: [f64; 2],
     y: [f64; 2],
     z: f64,
@@ -48,35 +53,7 @@ impl Rectangle {
         Self { corner, edges: [e0, e1], normal: cross / n2.sqrt(), dual, right }
     }
 
-    /// The image under an affine map, with the same outer side.
-    #[must_use]
-    pub fn transformed(&self, map: &Transform) -> Self {
-        let [e0, e1] = self.edges.map(|e| map.vector(e));
-        let (e0, e1) = if map.mirrors() { (e1, e0) } else { (e0, e1) };
-        Self::new(map.point(self.corner), e0, e1)
-    }
-
-    #[inline]
-    pub(super) fn intersect(&self, ray: &Ray) -> Option<Crossing> {
-        let (o, d) = widen(ray);
-        let t = self.normal.dot(self.corner - o) / self.normal.dot(d);
-        let offset = o + d * t - self.corner;
-        let (x, y) = (self.dual[0].dot(offset), self.dual[1].dot(offset));
-        if (0.0..=1.0).contains(&x) && (0.0..=1.0).contains(&y) {
-            within(ray, t).map(|t| (t, x as f32, y as f32))
-        } else {
-            None
-        }
-    }
-
-    #[inline]
-    pub(super) fn surface(&self, ray: &Ray, t: f32) -> SurfacePoint {
-        let (o, d) = widen(ray);
-        let p = o + d * f64::from(t);
-        self.at(self.inset(p - self.normal * self.normal.dot(p - self.corner)))
-    }
-
-    /// The point, kept off the edges: see [`INSET`].
+    /// The point `p`, kept off the edges: see [`INSET`].
     #[inline]
     fn inset(&self, p: DVec3) -> DVec3 {
         let offset = p - self.corner;
@@ -93,27 +70,9 @@ impl Rectangle {
         SurfacePoint::exact(p, self.normal, self.corner.abs().max_element() + reach)
     }
 
-    pub(super) fn extent(&self) -> (DVec3, DVec3) {
-        let [a, b] = self.edges;
-        let zero = DVec3::ZERO;
-        (self.corner + a.min(zero) + b.min(zero), self.corner + a.max(zero) + b.max(zero))
-    }
-
-    pub(super) fn translated(self, by: DVec3) -> Self {
-        Self { corner: self.corner + by, ..self }
-    }
-
-    pub(super) fn area(&self) -> f64 {
-        self.edges[0].cross(self.edges[1]).length()
-    }
-
-    pub(super) fn sample(&self, u: Vec2) -> ShapeSample {
-        let p = self.corner + self.edges[0] * f64::from(u.x) + self.edges[1] * f64::from(u.y);
-        ShapeSample { point: self.at(p), pdf: (1.0 / self.area()) as f32, uv: Vec2::ZERO }
-    }
-
-    /// How `from` sees the outer side by solid angle; `None` from behind, and where points are to be drawn by area.
-    fn view(&self, from: Vec3) -> Option<View> {
+    /// RectangleView of the outer side from `from`; `None` from behind, or if sampling by area is
+    /// preferred.
+    fn view(&self, from: Vec3) -> Option<RectangleView> {
         let to = self.corner - from.as_dvec3();
         let z = -self.normal.dot(to);
         if !self.right || z.is_nan() || z <= 0.0 {
@@ -130,42 +89,99 @@ impl Rectangle {
             [first, first + lengths[i]]
         });
         let solid_angle = strip(x[1], y, z) - strip(x[0], y, z);
-        (solid_angle >= LEAST_SOLID_ANGLE).then_some(View { x, y, z, axes, solid_angle })
+        (solid_angle >= LEAST_SOLID_ANGLE).then_some(RectangleView { x, y, z, axes, solid_angle })
     }
 
-    /// A point of the outer side seen from `from`, drawn uniformly by solid angle, with its unit direction and its density per
-    /// steradian. `None` where [`Rectangle::visible_density`] is.
+    /// Samples the outer side uniformly by solid angle as seen from `from`.
+    ///
+    /// Returns the point, the unit direction to it, and the pdf per steradian. `None` whenever
+    /// [`Rectangle::visible_density`] is `None`.
     #[must_use]
     pub fn sample_visible(&self, from: Vec3, u: Vec2) -> Option<(SurfacePoint, Vec3, f32)> {
         let view = self.view(from)?;
         let (x, y) = view.sample(u);
         let fraction = |i: usize, at: f64, [first, last]: [f64; 2]| self.edges[i] * ((at - first) / (last - first));
         let point = self.at(self.corner + fraction(0, x, view.x) + fraction(1, y, view.y));
-        // Not from the rounded point, which may lie in the plane of `from`.
+        // Not computed from the rounded point, which may lie in the plane of `from`.
         let wi = (view.axes[0] * x + view.axes[1] * y - self.normal * view.z).normalize();
         Some((point, wi.as_vec3(), (1.0 / view.solid_angle) as f32))
     }
 
-    /// Density per steradian of [`Rectangle::sample_visible`]: one over the solid angle seen from `from`. `None` from behind,
-    /// where the edges are not perpendicular, and where the solid angle is so small that points are better drawn by area.
+    /// Pdf per steradian of [`Rectangle::sample_visible`]: one over the solid angle seen from
+    /// `from`.
+    ///
+    /// `None` from behind, if the edges are not perpendicular, or if the solid angle is too small:
+    /// sampling by area is then better.
     #[must_use]
     pub fn visible_density(&self, from: Vec3) -> Option<f32> {
         self.view(from).map(|view| (1.0 / view.solid_angle) as f32)
     }
 }
 
-/// Solid angle of the strip between 0 and `x`, across `y`, at distance `z` > 0; signed as `x`.
+impl AnalyticShape for Rectangle {
+    fn transformed(&self, map: &Transform) -> Option<Self> {
+        let [e0, e1] = self.edges.map(|e| map.vector(e));
+        let (e0, e1) = if map.mirrors() { (e1, e0) } else { (e0, e1) };
+        Some(Self::new(map.point(self.corner), e0, e1))
+    }
+
+    #[inline]
+    fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
+        let (o, d) = widen(ray);
+        let t = self.normal.dot(self.corner - o) / self.normal.dot(d);
+        let offset = o + d * t - self.corner;
+        let (x, y) = (self.dual[0].dot(offset), self.dual[1].dot(offset));
+        if (0.0..=1.0).contains(&x) && (0.0..=1.0).contains(&y) {
+            within(ray, t).map(|t| (t, x as f32, y as f32))
+        } else {
+            None
+        }
+    }
+
+    #[inline]
+    fn surface(&self, ray: &Ray, t: f32, _uv: Vec2) -> SurfacePoint {
+        let (o, d) = widen(ray);
+        let p = o + d * f64::from(t);
+        self.at(self.inset(p - self.normal * self.normal.dot(p - self.corner)))
+    }
+
+    fn extent(&self) -> (DVec3, DVec3) {
+        let [a, b] = self.edges;
+        let zero = DVec3::ZERO;
+        (self.corner + a.min(zero) + b.min(zero), self.corner + a.max(zero) + b.max(zero))
+    }
+
+    fn translated(&self, by: DVec3) -> Self {
+        Self { corner: self.corner + by, ..*self }
+    }
+
+    fn area(&self) -> f64 {
+        self.edges[0].cross(self.edges[1]).length()
+    }
+
+    fn sample(&self, u: Vec2) -> ShapeSample {
+        let p = self.corner + self.edges[0] * f64::from(u.x) + self.edges[1] * f64::from(u.y);
+        ShapeSample { point: self.at(p), pdf: (1.0 / self.area()) as f32, uv: Vec2::ZERO }
+    }
+
+    fn planar_point(&self) -> Option<SurfacePoint> {
+        Some(self.sample(Vec2::splat(0.5)).point)
+    }
+}
+
+/// Solid angle of the strip from 0 to `x`, across `y`, at distance `z` > 0; it has the sign of `x`.
 fn strip(x: f64, y: [f64; 2], z: f64) -> f64 {
     let [to_first, to_last] = y.map(|y| atan2(x * y, z * (x * x + y * y + z * z).sqrt()));
     to_last - to_first
 }
 
-impl View {
-    /// The point (x, y) of the plane for `u` in \[0, 1)² (Ureña, Fajardo, King 2013, "An Area-Preserving Parametrization for
-    /// Spherical Rectangles").
+impl RectangleView {
+    /// Maps `u` in \[0, 1)² to a point (x, y) of the rectangle, uniformly by solid angle.
     ///
-    /// With β the angles under which the edges across y are seen, [`strip`] is asin(c sin β₁) − asin(c sin β₀), where x/z is the
-    /// tangent of asin c. That is solved for x/z in products of sines, which keep their digits at grazing views.
+    /// Source: Ureña, Fajardo, King 2013, "An Area-Preserving Parametrization for Spherical
+    /// Rectangles". With β the angles of the edges across y, [`strip`] is asin(c sin β₁) − asin(c
+    /// sin β₀), where x/z is the tangent of asin c. The solution for x/z uses products of sines,
+    /// which keep their digits at grazing views.
     fn sample(&self, u: Vec2) -> (f64, f64) {
         let Self { x: [x0, x1], y: [y0, y1], z, .. } = *self;
         let angle = strip(x0, self.y, z) + f64::from(u.x) * self.solid_angle;

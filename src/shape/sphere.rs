@@ -1,10 +1,12 @@
 //! Spheres.
 
-use super::{Crossing, ShapeSample, SurfacePoint, crossing, widen};
-use crate::math::{Frame, Ray, quadratic, warp};
+use super::analytic::AnalyticShape;
+use super::hit::{ShapeHit, exact_t, nearer_hit, widen};
+use super::surface_point::{ShapeSample, SurfacePoint};
+use crate::math::{Frame, Ray, Sphere as BoundingSphere, Transform, quadratic, warp};
 use glam::{DVec3, Vec2, Vec3};
 
-/// A sphere, solved in double precision.
+/// Sphere, intersected in double precision.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sphere {
     /// Centre.
@@ -14,14 +16,16 @@ pub struct Sphere {
 }
 
 impl Sphere {
-    /// A sphere of `radius > 0`.
+    /// A sphere; `radius` must be above zero.
     #[must_use]
     pub fn new(center: DVec3, radius: f64) -> Self {
         Self { center, radius }
     }
 
-    /// The roots of |o + t d − c| = r, ascending. The discriminant is r² minus the squared distance of the line from the
-    /// centre, which cancels nothing for far spheres (Haines et al. 2019, Ray Tracing Gems, chapter 7).
+    /// Roots t of |o + t d − c| = r, ascending.
+    ///
+    /// The discriminant is r² minus the squared distance of the line from the centre, which does
+    /// not cancel for distant spheres (Haines et al. 2019, Ray Tracing Gems, chapter 7).
     #[inline]
     fn roots(&self, ray: &Ray) -> Option<(f64, f64)> {
         let (o, d) = widen(ray);
@@ -34,47 +38,17 @@ impl Sphere {
         quadratic(a, b, (distance - self.radius) * (distance + self.radius), discriminant)
     }
 
-    #[inline]
-    pub(super) fn intersect(&self, ray: &Ray) -> Option<Crossing> {
-        let (near, far) = self.roots(ray)?;
-        crossing(ray, near).or_else(|| if near > 0.0 { None } else { crossing(ray, far) })
-    }
-
-    #[inline]
-    pub(super) fn surface(&self, ray: &Ray, t: f64) -> SurfacePoint {
-        let (o, d) = widen(ray);
-        self.at((o + d * t - self.center).normalize())
-    }
-
-    /// The surface in unit direction `n` from the centre.
+    /// The surface in the unit direction `n` from the centre.
     #[inline]
     fn at(&self, n: DVec3) -> SurfacePoint {
         SurfacePoint::exact(self.center + n * self.radius, n, self.center.abs().max_element() + self.radius)
     }
 
-    pub(super) fn extent(&self) -> (DVec3, DVec3) {
-        (self.center - self.radius, self.center + self.radius)
-    }
-
-    pub(super) fn translated(self, by: DVec3) -> Self {
-        Self { center: self.center + by, ..self }
-    }
-
-    pub(super) fn area(&self) -> f64 {
-        4.0 * std::f64::consts::PI * self.radius * self.radius
-    }
-
-    pub(super) fn sample(&self, u: Vec2) -> ShapeSample {
-        ShapeSample {
-            point: self.at(warp::sphere(u).as_dvec3().normalize()),
-            pdf: (1.0 / self.area()) as f32,
-            uv: Vec2::ZERO,
-        }
-    }
-
-    /// A point of the part that `from` sees, drawn uniformly by solid angle, with its density per steradian.
+    /// Samples the visible cap uniformly by solid angle; returns the point and the pdf per
+    /// steradian.
     ///
-    /// `None` where `from` is on the sphere or inside it. (Pharr, Jakob, Humphreys 2023, section 6.2.4.)
+    /// `None` if `from` is on or inside the sphere. Source: Pharr, Jakob, Humphreys 2023, section
+    /// 6.2.4.
     #[must_use]
     pub fn sample_visible(&self, from: Vec3, u: Vec2) -> Option<(SurfacePoint, f32)> {
         let to_center = self.center - from.as_dvec3();
@@ -88,7 +62,7 @@ impl Sphere {
         let axis = to_center / d2.sqrt();
         let cone = warp::cone(u, one_minus_cos as f32);
         let sin2_theta = f64::from(cone.x * cone.x + cone.y * cone.y);
-        // The first crossing of the chosen direction, as an angle at the sphere's centre.
+        // The first hit in the sampled direction, as an angle at the sphere's centre.
         let cos_alpha = sin2_theta / sin2.sqrt() + f64::from(cone.z) * (1.0 - sin2_theta / sin2).max(0.0).sqrt();
         let sin_alpha = (1.0 - cos_alpha * cos_alpha).max(0.0).sqrt();
         let frame = Frame::around(axis.as_vec3());
@@ -97,7 +71,8 @@ impl Sphere {
         Some((self.at(n.normalize()), warp::cone_pdf(one_minus_cos as f32)))
     }
 
-    /// Density per steradian of [`Sphere::sample_visible`]: one over the solid angle of the sphere seen from `from`; 0 from inside.
+    /// Pdf per steradian of [`Sphere::sample_visible`]: one over the solid angle seen from `from`;
+    /// 0 from inside.
     #[must_use]
     pub fn visible_density(&self, from: Vec3) -> f32 {
         let sin2 = self.radius * self.radius / (self.center - from.as_dvec3()).length_squared();
@@ -108,52 +83,48 @@ impl Sphere {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::sampling::{Dimension, Key, Purpose};
-
-    #[test]
-    fn tangent_near_and_inner_rays() {
-        let s = Sphere::new(DVec3::ZERO, 1.0);
-        let hit = |o: Vec3, d: Vec3| s.intersect(&Ray::new(o, d)).map(|c| c.0);
-        assert_eq!(hit(Vec3::new(0.0, 0.0, 3.0), -Vec3::Z), Some(2.0));
-        assert_eq!(hit(Vec3::ZERO, Vec3::X * 0.5), Some(2.0));
-        assert_eq!(hit(Vec3::new(0.0, 1.0, 3.0), -Vec3::Z), Some(3.0));
-        assert_eq!(hit(Vec3::new(0.0, 1.0f32.next_up(), 3.0), -Vec3::Z), None);
-        assert_eq!(hit(Vec3::new(0.0, 0.0, -3.0), -Vec3::Z), None);
+impl AnalyticShape for Sphere {
+    #[inline]
+    fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
+        let (near, far) = self.roots(ray)?;
+        nearer_hit(ray, (near, 0.0), (far, 0.0))
     }
 
-    #[test]
-    fn segments_end_before_the_sphere() {
-        let s = Sphere::new(DVec3::ZERO, 1.0);
-        let mut ray = Ray::new(Vec3::new(0.0, 0.0, 3.0), -Vec3::Z);
-        ray.t_max = 1.5;
-        assert!(s.intersect(&ray).is_none(), "the far root must not stand in for a near one beyond the end");
+    #[inline]
+    fn surface(&self, ray: &Ray, t: f32, uv: Vec2) -> SurfacePoint {
+        let (o, d) = widen(ray);
+        self.at((o + d * exact_t(t, uv) - self.center).normalize())
     }
 
-    /// The sampled point is the first crossing seen, and its mean direction cosine is that of the uniform cone.
-    #[test]
-    fn visible_points_are_first_crossings() {
-        let s = Sphere::new(DVec3::new(0.5, 1.0, -2.0), 0.6);
-        for (from, n) in [(Vec3::new(3.0, 0.0, 1.0), 20_000u64), (Vec3::new(0.5, 1.61, -2.0), 20_000)] {
-            let axis = (s.center.as_vec3() - from).normalize();
-            let mut sum = 0.0f64;
-            for i in 0..n {
-                let u = Key::new(9).purpose(Purpose::Test).with(i).uniform_2d(Dimension::LightPosition);
-                let (point, _) = s.sample_visible(from, u).unwrap();
-                let w = (point.p - from).normalize();
-                sum += f64::from(w.dot(axis));
-                if let Some((t, ..)) = s.intersect(&Ray::new(from, w)) {
-                    let reached = (point.p - from).length();
-                    assert!((t - reached).abs() < 2e-3 * reached.max(0.05), "{t} {reached}");
-                }
-            }
-            let d2 = (s.center - from.as_dvec3()).length_squared();
-            let cos_max = (1.0 - s.radius * s.radius / d2).sqrt();
-            let sigma = (1.0 - cos_max) / (12.0 * n as f64).sqrt();
-            assert!((sum / n as f64 - 0.5 * (1.0 + cos_max)).abs() < 5.0 * sigma + 1e-6);
+    fn extent(&self) -> (DVec3, DVec3) {
+        (self.center - self.radius, self.center + self.radius)
+    }
+
+    fn translated(&self, by: DVec3) -> Self {
+        Self { center: self.center + by, ..*self }
+    }
+
+    /// `None` unless the map is a similarity: see [`Ellipsoid`](super::Ellipsoid).
+    fn transformed(&self, map: &Transform) -> Option<Self> {
+        map.similarity().map(|scale| Self::new(map.point(self.center), self.radius * scale))
+    }
+
+    fn area(&self) -> f64 {
+        4.0 * std::f64::consts::PI * self.radius * self.radius
+    }
+
+    fn sample(&self, u: Vec2) -> ShapeSample {
+        ShapeSample {
+            point: self.at(warp::sphere(u).as_dvec3().normalize()),
+            pdf: (1.0 / self.area()) as f32,
+            uv: Vec2::ZERO,
         }
-        assert!(s.sample_visible(s.center.as_vec3(), Vec2::splat(0.5)).is_none());
+    }
+
+    fn bounding_sphere(&self) -> Option<BoundingSphere> {
+        Some(BoundingSphere { center: self.center.as_vec3(), radius: self.radius as f32 })
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,130 +1,134 @@
-//! How texture coordinates lie on surfaces.
+//! Texture coordinates of surfaces, and their gradients.
 
 use crate::math::Transform;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use std::f64::consts::{FRAC_1_PI, TAU};
 
-/// Coordinates at a point of a surface.
+/// Texture coordinates at a point of a surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct TexCoord {
-    /// The coordinates.
+    /// Coordinates u and v.
     pub uv: DVec2,
-    /// What u grows by along a step in world space \[1/length]; what it holds across the surface means nothing.
+    /// Gradient of u in world space \[1/length]; only its part in the tangent plane is meaningful.
     pub du: DVec3,
-    /// The same of v.
+    /// Gradient of v, like `du`.
     pub dv: DVec3,
 }
 
 impl TexCoord {
-    /// Coordinates with the derivatives of a point of the surface by them.
+    /// Texture coordinates from the derivatives ∂p/∂u and ∂p/∂v of the surface.
     #[must_use]
-    pub(super) fn of(uv: Vec2, along_u: DVec3, along_v: DVec3) -> Self {
+    pub(super) fn from_derivatives(uv: Vec2, along_u: DVec3, along_v: DVec3) -> Self {
         let cross = along_u.cross(along_v);
-        // Where an edge has collapsed, coordinates turn without bounds.
+        // At a collapsed edge the gradients are unbounded.
         let n2 = cross.length_squared().max(f64::MIN_POSITIVE);
         Self { uv: uv.as_dvec2(), du: along_v.cross(cross) / n2, dv: cross.cross(along_u) / n2 }
     }
 }
 
-/// What coordinates follow, in the space of an object.
+/// Rule that assigns texture coordinates, in object space.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Form {
-    /// A globe: u goes once around the y axis, eastward, and is ½ at +z; v goes from 0 at −y to 1 at +y.
-    Globe {
-        /// Its middle.
+pub enum MappingKind {
+    /// Longitude and latitude: u runs once around the y axis, eastward, with ½ at +z; v runs from 0
+    /// at −y to 1 at +y.
+    Spherical {
+        /// Centre of the sphere.
         center: DVec3,
     },
-    /// A flat sheet: (p − origin) · rows.
-    Flat {
-        /// Where both are 0.
+    /// Orthogonal projection to a plane: (p − origin) · rows.
+    Planar {
+        /// Point with u = v = 0.
         origin: DVec3,
-        /// What u and v grow by along a step \[1/length].
+        /// Gradients of u and v \[1/length].
         rows: [DVec3; 2],
     },
-    /// What the surface itself says: the corners of a mesh, the parameters of a patch.
-    Own,
+    /// Intrinsic coordinates of the surface: vertices of a mesh, parameters of a patch, faces of a
+    /// box.
+    Uv,
 }
 
-/// How texture coordinates lie on an object, and where it stands in the world.
+/// Texture mapping of an object: a rule in object space, and the object's placement.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct TextureMapping {
-    form: Form,
+    form: MappingKind,
     to_world: Transform,
 }
 
-/// The directions of growing u and v on a sheet across `normal`, as of a picture that hangs upright on a wall: u to the right of who
-/// faces its outer side, v upwards by y; on a level sheet u is x.
+/// Unit directions of increasing u and v on a plane perpendicular to `normal`.
+///
+/// They match a picture that hangs upright on a wall: u points right for a viewer of the outer
+/// side, v points up along y. On a horizontal plane, u is x.
 #[must_use]
 pub fn upright(normal: DVec3) -> [DVec3; 2] {
     let n = normal.normalize_or(DVec3::Y);
-    // No more than rounding away from level.
+    // Rounding aside, the plane is horizontal.
     let right = DVec3::Y.cross(n);
     let u = if right.length() > 1e-9 { right.normalize() } else { DVec3::X };
     [u, n.cross(u)]
 }
 
-impl Form {
-    /// A plane through `on`: coordinates are lengths from the origin of the object's space.
+impl MappingKind {
+    /// Planar mapping whose coordinates are lengths from the object-space origin.
     #[must_use]
     pub fn plane(normal: DVec3) -> Self {
-        Self::Flat { origin: DVec3::ZERO, rows: upright(normal) }
+        Self::Planar { origin: DVec3::ZERO, rows: upright(normal) }
     }
 
-    /// A disc, which touches the unit square from inside.
+    /// Planar mapping in which the disc touches the unit square from inside.
     #[must_use]
     pub fn disc(center: DVec3, normal: DVec3, radius: f64) -> Self {
         let [u, v] = upright(normal);
-        Self::Flat { origin: center - (u + v) * radius, rows: [u / (2.0 * radius), v / (2.0 * radius)] }
+        Self::Planar { origin: center - (u + v) * radius, rows: [u / (2.0 * radius), v / (2.0 * radius)] }
     }
 
-    /// A parallelogram, which fills the unit square: u along `e0`, v along `e1`, which are not parallel.
+    /// Planar mapping in which the parallelogram fills the unit square: u along `e0`, v along `e1`.
     #[must_use]
     pub fn rectangle(corner: DVec3, e0: DVec3, e1: DVec3) -> Self {
         let cross = e0.cross(e1);
         let n2 = cross.length_squared();
-        Self::Flat { origin: corner, rows: [e1.cross(cross) / n2, cross.cross(e0) / n2] }
+        Self::Planar { origin: corner, rows: [e1.cross(cross) / n2, cross.cross(e0) / n2] }
     }
 }
 
 impl Default for TextureMapping {
     fn default() -> Self {
-        Self::new(Form::Own, Transform::IDENTITY)
+        Self::new(MappingKind::Uv, Transform::IDENTITY)
     }
 }
 
 impl TextureMapping {
-    /// Coordinates after `form` on an object that `to_world` places.
+    /// Mapping by `form` for an object under `to_world`.
     #[must_use]
-    pub fn new(form: Form, to_world: Transform) -> Self {
+    pub fn new(form: MappingKind, to_world: Transform) -> Self {
         Self { form, to_world }
     }
 
-    /// The chart of the object moved by a vector in world space.
+    /// The mapping of the object after a translation in world space.
     #[must_use]
     pub fn translated(&self, by: DVec3) -> Self {
         Self { to_world: self.to_world.translated(by), ..*self }
     }
 
-    /// World point `p` in the object's space.
+    /// The world-space point `p` in object space.
     #[must_use]
     pub fn in_object(&self, p: Vec3) -> DVec3 {
         self.to_world.inverse().transform_point3(p.as_dvec3())
     }
 
-    /// A step of world space in the object's space.
+    /// The world-space vector `step` in object space.
     #[must_use]
     pub fn step_in_object(&self, step: DVec3) -> DVec3 {
         self.to_world.inverse().transform_vector3(step)
     }
 
-    /// Coordinates at `p` of the object's space; `own` is what the surface itself says.
+    /// Texture coordinates at the object-space point `p`; `own` gives the intrinsic coordinates.
     #[must_use]
     pub fn at(&self, p: DVec3, own: impl FnOnce() -> TexCoord) -> TexCoord {
         let world = |row: DVec3| self.to_world.normal(row);
         match self.form {
-            Form::Globe { center } => {
+            MappingKind::Spherical { center } => {
                 let d = p - center;
-                // At the poles u is any, and turns without bounds.
+                // At the poles u is arbitrary and its gradient unbounded.
                 let around2 = (d.x * d.x + d.z * d.z).max(1e-30 * d.y * d.y).max(f64::MIN_POSITIVE);
                 let (around, r2) = (around2.sqrt(), d.length_squared().max(f64::MIN_POSITIVE));
                 let u = 0.5 + libm::atan2(d.x, d.z) / TAU;
@@ -134,74 +138,14 @@ impl TextureMapping {
                 let dv = DVec3::new(d.x * outward, around / r2, d.z * outward) * FRAC_1_PI;
                 TexCoord { uv: DVec2::new(u, v), du: world(du), dv: world(dv) }
             }
-            Form::Flat { origin, rows: [u, v] } => {
+            MappingKind::Planar { origin, rows: [u, v] } => {
                 let d = p - origin;
                 TexCoord { uv: DVec2::new(u.dot(d), v.dot(d)), du: world(u), dv: world(v) }
             }
-            Form::Own => own(),
+            MappingKind::Uv => own(),
         }
     }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use glam::{DAffine3, DQuat};
-
-    /// Gradients agree with differences over 1e-6 in every direction: the second derivatives here are below 10.
-    #[test]
-    fn gradients_are_those_of_the_coordinates() {
-        let squash = Transform::new(DAffine3::from_scale_rotation_translation(
-            DVec3::new(1.0, 0.5, -2.0),
-            DQuat::from_rotation_z(0.7),
-            DVec3::new(3.0, -1.0, 2.0),
-        ))
-        .unwrap();
-        let forms = [
-            Form::Globe { center: DVec3::new(0.1, 0.2, 0.3) },
-            Form::plane(DVec3::new(1.0, 2.0, 0.5)),
-            Form::disc(DVec3::X, DVec3::Y, 2.0),
-            Form::rectangle(DVec3::ONE, DVec3::new(2.0, 0.1, 0.0), DVec3::new(0.3, 1.0, 0.5)),
-        ];
-        for form in forms {
-            let chart = TextureMapping::new(form, squash);
-            let at = |p: DVec3| chart.at(squash.inverse().transform_point3(p), TexCoord::default);
-            let p = squash.point(DVec3::new(0.8, 0.9, -0.4));
-            for step in [DVec3::X, DVec3::Y, DVec3::Z] {
-                let change = (at(p + step * 1e-6).uv - at(p).uv) * 1e6;
-                let here = at(p);
-                let expected = DVec2::new(here.du.dot(step), here.dv.dot(step));
-                assert!((change - expected).length() < 1e-4, "{form:?} {change} {expected}");
-            }
-        }
-    }
-
-    #[test]
-    fn coordinates_at_known_points() {
-        let at = |form, p| TextureMapping::new(form, Transform::IDENTITY).at(p, TexCoord::default).uv;
-        let close = |form, p: [f64; 3], uv: [f64; 2]| {
-            let found = at(form, DVec3::from(p));
-            assert!((found - DVec2::from(uv)).length() < 1e-12, "{form:?} {p:?}: {found}");
-        };
-        let globe = Form::Globe { center: DVec3::new(1.0, 0.0, 0.0) };
-        close(globe, [1.0, 0.0, 2.0], [0.5, 0.5]);
-        close(globe, [3.0, 0.0, 0.0], [0.75, 0.5]);
-        close(globe, [-1.0, 0.0, 0.0], [0.25, 0.5]);
-        close(globe, [1.0, 1.0, 1.0], [0.5, 0.75]);
-        let pole = |y: f64| at(globe, DVec3::new(1.0, y, 0.0)).y;
-        assert!((pole(2.0) - 1.0).abs() < 1e-12 && pole(-2.0).abs() < 1e-12);
-        // As a map of the floor with north, −z, up; walls from outside, upright.
-        close(Form::plane(DVec3::Y), [2.0, 0.0, -3.0], [2.0, 3.0]);
-        close(Form::plane(DVec3::Z * 5.0), [2.0, 3.0, 0.0], [2.0, 3.0]);
-        close(Form::plane(DVec3::X), [0.0, 3.0, -2.0], [2.0, 3.0]);
-        close(Form::plane(DVec3::NEG_Z), [2.0, 3.0, 0.0], [-2.0, 3.0]);
-        let disc = Form::disc(DVec3::new(0.0, 0.0, 4.0), DVec3::Z, 2.0);
-        close(disc, [0.0, 0.0, 4.0], [0.5, 0.5]);
-        close(disc, [2.0, 0.0, 4.0], [1.0, 0.5]);
-        close(disc, [0.0, -2.0, 4.0], [0.5, 0.0]);
-        // The ground of the reference scene `lens`: u = (x + 5)/10, v = (5 − z)/10.
-        let ground = Form::rectangle(DVec3::new(-5.0, 0.0, 5.0), DVec3::X * 10.0, DVec3::Z * -10.0);
-        close(ground, [-5.0, 0.0, 5.0], [0.0, 0.0]);
-        close(ground, [1.0, 0.0, -4.0], [0.6, 0.9]);
-    }
-}
+mod tests;

@@ -106,12 +106,14 @@ fn interrupts_end_after_a_pass_of_every_picture() {
 fn page_lists_every_effect() {
     let about = About { scene: "<a> & b".into(), integrator: "whitted", seed: 3, exposure: -1.0 };
     let overrides = EffectOverrides::PLANNED.with(Effect::Environment).without(Effect::Shadows);
-    let page = page(&about, &study(&matt(8, 6), Algorithm::Whitted, &few(overrides), 1)).unwrap();
+    let found = study(&matt(8, 6), Algorithm::Whitted, &few(overrides), 1);
+    let environment = found.plan.decisions.iter().find(|d| d.effect == Effect::Environment).unwrap();
+    let page = page(&about, &found).unwrap();
     assert!(
         Effect::ALL.iter().all(|e| page.contains(&format!("<dt>{e}</dt>")) || page.contains(&format!("id=\"{e}\"")))
     );
     assert!(page.contains("&lt;a&gt; &amp; b") && !page.contains("<a>"));
-    for part in ["exposure -1 stop.", "the scene has no environment light", "forced off, though", "equal bit for bit"] {
+    for part in ["exposure -1 stop.", &environment.reason.to_string(), "forced off, though", "equal bit for bit"] {
         assert!(page.contains(part), "{part}");
     }
     assert!(!page.contains("<script") && !page.contains("http"), "it needs nothing else");

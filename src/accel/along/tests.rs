@@ -18,7 +18,7 @@ fn found(boxes: &Boxes, ray: &Ray) -> Vec<u32> {
     all
 }
 
-/// Whether the segment passes the closed box, up to rounding in f64.
+/// True if the segment crosses the closed box, up to rounding in f64.
 fn passes(b: &Bounds, ray: &Ray) -> bool {
     let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
     let (min, max) = (b.min.as_dvec3(), b.max.as_dvec3());
@@ -36,7 +36,8 @@ fn passes(b: &Bounds, ray: &Ray) -> bool {
     near <= far
 }
 
-/// All boxes that the ray passes, each once, and none that it misses by more than 10⁻⁵ of the scene.
+/// Checks that each crossed box is found once, and that no found box is missed by more than 10⁻⁵ of
+/// the scene.
 fn check(bounds: &[Bounds], rays: impl Iterator<Item = Ray>) -> usize {
     let boxes = Boxes::build(bounds);
     let size =
@@ -58,7 +59,8 @@ fn check(bounds: &[Bounds], rays: impl Iterator<Item = Ray>) -> usize {
     count
 }
 
-/// Rays of all kinds through the unit cube, scaled and moved: from outside, inside and far away, without end and short.
+/// Rays through the unit cube, scaled and translated: from outside, inside and far away, long and
+/// short.
 fn rays(n: u64, scale: f32, shift: Vec3) -> impl Iterator<Item = Ray> {
     (0..n).map(move |i| {
         let i = i + 1_000_000;
@@ -90,8 +92,7 @@ fn what_a_scan_finds_is_found() {
     }
 }
 
-/// Rays in the planes of boxes without thickness, along edges and through points, about the origin too, where the next number
-/// is the least of all.
+/// Rays in the planes of flat boxes, along edges and through points, also about the origin.
 #[test]
 fn flat_boxes_are_found_by_rays_along_them() {
     let at = |i: u32| [-1.0, 0.0, 1.0, 1e-3, -0.0][i as usize % 5];

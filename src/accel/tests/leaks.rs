@@ -1,4 +1,4 @@
-//! Closed meshes that no ray may leave unseen.
+//! Closed meshes that no ray can leave without a hit.
 
 use super::meshes::{cube, icosphere, mesh, point, torus};
 use super::none;
@@ -8,7 +8,7 @@ use glam::Vec3;
 use rand::rngs::SmallRng;
 use rand::{RngExt, SeedableRng};
 
-/// From inside a closed mesh every ray must hit, wherever it is aimed.
+/// Checks that every ray from inside a closed mesh hits it, wherever it is aimed.
 fn leaks(
     vertices: &[Vec3],
     faces: &[[u32; 3]],

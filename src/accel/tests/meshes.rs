@@ -37,7 +37,8 @@ pub(super) fn icosphere(levels: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     for (a, b) in [(1.0, g), (-1.0, g), (1.0, -g), (-1.0, -g)] {
         vertices.extend([Vec3::new(a, b, 0.0), Vec3::new(0.0, a, b), Vec3::new(b, 0.0, a)].map(Vec3::normalize));
     }
-    // Faces are the triples of mutually nearest vertices: edges of the unit icosahedron have length 1.05.
+    // Faces are the triples of mutually nearest vertices: edges of the unit icosahedron have length
+    // 1.05.
     let near = |i: usize, j: usize| vertices[i].distance(vertices[j]) < 1.1;
     let mut faces = Vec::new();
     for i in 0..12 {
@@ -66,7 +67,8 @@ pub(super) fn icosphere(levels: u32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     (vertices, faces)
 }
 
-/// A grid of `n` by `m` that closes on itself, around a torus of radii 1 and 0.4, each vertex moved by up to `noise`.
+/// A grid of `n` by `m` that closes on itself, around a torus of radii 1 and 0.4, each vertex moved
+/// by up to `noise`.
 pub(super) fn torus(rng: &mut SmallRng, n: u32, m: u32, noise: f32) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let turn = |i: u32, n: u32| libm::sincosf(std::f32::consts::TAU * i as f32 / n as f32);
     let mut vertices = Vec::new();

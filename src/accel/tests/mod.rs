@@ -1,4 +1,4 @@
-//! Agreement with brute force, with f64, and with common sense.
+//! The hierarchy against brute force, f64, and simple expectations.
 
 mod leaks;
 mod meshes;
@@ -16,7 +16,7 @@ fn none(_: u32, _: &Ray) -> Option<(f32, f32, f32)> {
     None
 }
 
-/// A ball of the given centre and radius, solved without care: tests compare like with like.
+/// Intersects a sphere in plain f32; both sides of a comparison use it.
 fn ball(center: Vec3, radius: f32, ray: &Ray) -> Option<(f32, f32, f32)> {
     let (o, d) = ((ray.origin - center).as_dvec3(), ray.direction.as_dvec3());
     let (a, b, c) = (d.length_squared(), o.dot(d), o.length_squared() - f64::from(radius * radius));
@@ -25,12 +25,12 @@ fn ball(center: Vec3, radius: f32, ray: &Ray) -> Option<(f32, f32, f32)> {
     t.into_iter().find(|&t| t > 0.0 && t < ray.t_max).map(|t| (t, 0.25, 0.75))
 }
 
-/// The nearest hit without a tree.
+/// Nearest hit by brute force.
 fn brute(triangles: &Mesh, balls: &[(Vec3, f32)], ray: &Ray) -> Option<Hit> {
-    let probe = RayPrecalc::new(ray);
+    let precalc = RayPrecalc::new(ray);
     let solid = |i: u32| {
         let packet = Packet::new(triangles, &[i]);
-        let hit = packet.hit(0, &probe).map(|c| (c.t * probe.unit, c.barycentric().0, c.barycentric().1));
+        let hit = packet.hit(0, &precalc).map(|c| (c.t * precalc.unit, c.barycentric().0, c.barycentric().1));
         (Primitive::Triangle(i), hit)
     };
     let round = |i: u32| (Primitive::Other(i), ball(balls[i as usize].0, balls[i as usize].1, ray));
@@ -42,7 +42,7 @@ fn brute(triangles: &Mesh, balls: &[(Vec3, f32)], ray: &Ray) -> Option<Hit> {
         .min_by(|a, b| a.t.total_cmp(&b.t).then(a.primitive.cmp(&b.primitive)))
 }
 
-/// Boxes around the balls, the last of equal balls in the largest, so that a walk meets it first.
+/// Boxes around the spheres. The last of equal spheres is largest, so a traversal visits it first.
 fn boxes(balls: &[(Vec3, f32)]) -> Vec<Bounds> {
     let slack = |i: usize| 1.0 + i as f32 / balls.len() as f32 * 0.5;
     balls.iter().enumerate().map(|(i, &(c, r))| Bounds { min: c, max: c }.expanded(r * slack(i))).collect()
@@ -108,10 +108,11 @@ fn soups_agree_with_brute_force() {
     }
 }
 
-/// Against Cramer's rule on the unsheared corners in f64.
+/// Compares with Cramer's rule on the unsheared corners in f64.
 ///
-/// Shearing moves a corner by γ(9) of its distance, here below 6, so weights err by 6 γ(9) over the height of the triangle as the
-/// ray sees it, and `t` by as much of the triangle's size, here below 3, plus its own γ(3).
+/// Shearing moves a corner by γ(9) of its distance, here below 6. So weights err by 6 γ(9) over the
+/// apparent height of the triangle. `t` errs by as much of the triangle's size, here below 3, plus
+/// its own γ(3).
 #[test]
 fn hits_agree_with_double_precision() {
     let mut rng = SmallRng::seed_from_u64(9);
@@ -149,7 +150,7 @@ fn hits_agree_with_double_precision() {
     assert!(hits > 1000, "{hits}");
 }
 
-/// Equal copies at equal distances: the lower index must win in every tree.
+/// Equal copies at equal distances: the lower index wins in every tree.
 #[test]
 fn ties_go_to_the_lower_primitive() {
     let mut rng = SmallRng::seed_from_u64(2);
@@ -162,14 +163,15 @@ fn ties_go_to_the_lower_primitive() {
     for balls in [balls, shuffled] {
         agree(&triangles, &balls, (0..2000).map(|_| Ray::new(point(&mut rng), direction(&mut rng))));
     }
-    // A triangle and another primitive at the same place.
+    // A triangle and another primitive in the same plane.
     let wall = [[Vec3::new(-1.0, -1.0, 2.0), Vec3::new(3.0, -1.0, 2.0), Vec3::new(-1.0, 3.0, 2.0)]];
     let tree = Hierarchy::build(&wall, &[Bounds::of(wall[0])]);
     let hit = tree.closest(&Ray::new(Vec3::ZERO, Vec3::Z), |_, ray| (2.0 < ray.t_max).then_some((2.0, 0.0, 0.0)));
     assert_eq!(hit.map(|h| h.primitive), Some(Primitive::Triangle(0)));
 }
 
-/// From afar the errors of the distance outgrow the padding, which is of the triangles' size: the stretch must hold them.
+/// From afar, errors of the distance exceed the padding, which scales with the triangles: the
+/// stretch must cover them.
 #[test]
 fn distant_rays_agree_with_brute_force() {
     let mut rng = SmallRng::seed_from_u64(10);
@@ -186,7 +188,7 @@ fn distant_rays_agree_with_brute_force() {
     assert!(hits > 500, "{hits}");
 }
 
-/// Rays along the axes, in the planes of faces and edges, from corners and from points on the planes of the boxes.
+/// Rays along axes, in planes of faces and edges, from corners and from planes of boxes.
 #[test]
 fn degenerate_rays_agree_with_brute_force() {
     let mut rng = SmallRng::seed_from_u64(3);
@@ -233,7 +235,8 @@ fn slivers_and_degenerate_triangles_agree_with_brute_force() {
     assert!(hits > 300, "{hits}");
 }
 
-/// The same bits, times the power of two, as long as no product of three lengths leaves the range of f32.
+/// The bits are equal, times the power of two, while no product of three lengths leaves the range
+/// of f32.
 #[test]
 fn powers_of_two_of_scale_change_no_bit() {
     let mut rng = SmallRng::seed_from_u64(5);
@@ -247,8 +250,8 @@ fn powers_of_two_of_scale_change_no_bit() {
         let other = Hierarchy::build(&scaled, &[]);
         for ray in &rays {
             let expected = tree.closest(ray, none).map(|h| Hit { t: h.t * (size / length), ..h });
-            let probe = Ray::new(ray.origin * size, ray.direction * length);
-            assert_eq!(other.closest(&probe, none), expected, "{size} {length}");
+            let precalc = Ray::new(ray.origin * size, ray.direction * length);
+            assert_eq!(other.closest(&precalc, none), expected, "{size} {length}");
         }
     }
 }
@@ -267,7 +270,7 @@ fn identical_primitives_build_fast_and_shallow() {
     assert_eq!(hit, Some(Primitive::Triangle(0)));
 }
 
-/// Boxes whose sizes grow by a constant factor make the heuristic peel off one at a time.
+/// Boxes whose sizes build_tree by a constant factor make the heuristic split off one at a time.
 #[test]
 fn geometric_series_cannot_overflow_the_stack() {
     let triangles: Mesh = (0..240)

@@ -1,4 +1,4 @@
-//! What a scene file says of its lights.
+//! Lights of a description.
 
 use glam::DVec3;
 
@@ -7,21 +7,21 @@ use super::{Aim, Map, Spanned};
 /// A source of light.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Light {
-    /// Shines alike in all directions.
+    /// A point light, equal in all directions.
     Point {
-        /// Its place.
+        /// Position.
         position: DVec3,
-        /// How strong it is.
+        /// Strength.
         strength: PointStrength,
     },
     /// Parallel light from infinitely far.
     Directional {
-        /// The way the light travels, of any length.
+        /// Direction in which the light travels, of any length.
         direction: DVec3,
-        /// How strong it is.
+        /// Strength.
         strength: DirectionalStrength,
     },
-    /// A point light that shines into a cone.
+    /// A point light limited to a cone.
     Spot {
         /// The cone's apex.
         position: DVec3,
@@ -31,30 +31,30 @@ pub enum Light {
         angle: f64,
         /// Width of the soft rim inside the cone in degrees, at most half of `angle`.
         penumbra: f64,
-        /// How strong it is; along the axis, where that varies with direction.
+        /// Strength; along the axis, if it varies with direction.
         strength: PointStrength,
     },
-    /// A sphere that shines outward.
+    /// A sphere that emits outward.
     Sphere {
-        /// Its middle.
+        /// Center.
         center: DVec3,
-        /// Its radius.
+        /// Radius.
         radius: f64,
-        /// How strong it is.
+        /// Strength.
         strength: AreaStrength,
     },
-    /// A disc that shines along its normal's side.
+    /// A disc that emits on the side of its normal.
     Disc {
-        /// Its middle.
+        /// Center.
         center: DVec3,
-        /// The side that shines, of any length.
+        /// Normal of the emitting side, of any length.
         normal: DVec3,
-        /// Its radius.
+        /// Radius.
         radius: f64,
-        /// How strong it is.
+        /// Strength.
         strength: AreaStrength,
     },
-    /// A parallelogram that shines on the side of `edge0 × edge1`.
+    /// A parallelogram that emits on the side of `edge0 × edge1`.
     Rectangle {
         /// The corner where both edges start.
         corner: DVec3,
@@ -62,61 +62,90 @@ pub enum Light {
         edge0: DVec3,
         /// From the corner to its other neighbour.
         edge1: DVec3,
-        /// How strong it is.
+        /// Strength.
         strength: AreaStrength,
+    },
+    /// A point light with an orientation: a projector or a goniometric light.
+    Oriented {
+        /// Position.
+        position: DVec3,
+        /// Axis of projection, or center of the map.
+        aim: Aim,
+        /// Upper side of the pattern; `None` for +y, or for −z if the aim is parallel to y.
+        up: Option<DVec3>,
+        /// Intensity by direction.
+        pattern: LightPattern,
+        /// Intensity at pattern value 1, or flux. Never a color.
+        strength: PointStrength,
     },
     /// A light that moves while the shutter is open.
     Moving {
-        /// As of [`Object::Moving`](super::Object::Moving), but as if the light's place were the origin.
+        /// Motion as in [`Object::Moving`](super::Object::Moving), but about the light's own position.
         maps: Vec<Map>,
-        /// What moves.
+        /// The light.
         light: Box<Spanned<Light>>,
     },
-    /// Light from all around, infinitely far. There is at most one.
+    /// Light from infinity in all directions. A scene has at most one.
     Environment(EnvironmentRadiance),
 }
 
-/// What comes from all around.
+/// Radiance of an environment light.
 #[derive(Clone, Debug, PartialEq)]
 pub enum EnvironmentRadiance {
-    /// The same radiance in W/(m² sr) from everywhere.
+    /// Constant radiance in W/(m² sr).
     Constant(DVec3),
     /// A picture of all directions.
     Picture {
-        /// As written: not empty, no line breaks.
+        /// Path as written: not empty, no line breaks.
         path: Spanned<String>,
-        /// What the picture's values are multiplied by to be radiances, at least 0.
+        /// Factor from picture values to radiance, at least 0.
         scale: f64,
-        /// How far it is turned about the y axis, right-handed, in degrees.
+        /// Rotation about the y axis, right-handed, in degrees.
         rotate: f64,
     },
 }
 
-/// How strong a point light or spotlight is.
+/// Intensity pattern of an oriented point light. Paths are not empty and have no line breaks.
+#[derive(Clone, Debug, PartialEq)]
+pub enum LightPattern {
+    /// A projected picture.
+    Picture {
+        /// Path of the picture.
+        path: Spanned<String>,
+        /// Full vertical angle of view \[degrees], inside (0, 180).
+        angle: f64,
+    },
+    /// An equirectangular picture of the intensity in all directions.
+    Map(Spanned<String>),
+    /// A table of intensity by angle from the aim.
+    Profile(Spanned<String>),
+}
+
+/// Strength of a point light or spotlight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum PointStrength {
-    /// The course's colour, which does not fall off with distance.
+    /// Color of MIT 6.837, which does not fall off with distance.
     Color(DVec3),
     /// Radiant intensity in W/sr.
     Intensity(DVec3),
-    /// Total flux in W.
+    /// Radiant flux in W.
     Power(DVec3),
 }
 
-/// How strong a directional light is.
+/// Strength of a directional light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum DirectionalStrength {
-    /// The course's colour.
+    /// Color of MIT 6.837.
     Color(DVec3),
     /// Irradiance in W/m² on a surface that faces the light.
     Irradiance(DVec3),
 }
 
-/// How strong a light with a surface is.
+/// Strength of an area light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum AreaStrength {
-    /// Radiance in W/(m² sr), alike in all directions of the shining side.
+    /// Radiance in W/(m² sr), equal in all directions of the emitting side.
     Radiance(DVec3),
-    /// Total flux in W.
+    /// Radiant flux in W.
     Power(DVec3),
 }

@@ -1,29 +1,29 @@
-//! What a scene file says of its materials.
+//! Materials of a description.
 
 use crate::color::Glass;
 use glam::DVec3;
 
-use super::{Emission, Relief, Spanned, Value};
+use super::{Emission, NormalPerturbation, Spanned, Value};
 
-/// What a surface does with light.
+/// A material.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
-    /// What `MaterialName` calls it: not empty, no line breaks.
+    /// Name that `MaterialName` refers to: not empty, no line breaks.
     pub name: Option<String>,
-    /// How it reflects and transmits.
+    /// Reflection and transmission.
     pub kind: MaterialKind,
-    /// What it sends out by itself.
+    /// Emitted radiance.
     pub emission: Option<Emission>,
-    /// What makes it look uneven.
-    pub relief: Option<Relief>,
-    /// Name of the medium that fills the body, where the material is a `Dielectric` or a `Clear`.
+    /// Perturbation of its shading normals.
+    pub relief: Option<NormalPerturbation>,
+    /// Name of the medium that fills the body of a `Dielectric` or `Clear`.
     pub medium: Option<Spanned<String>>,
 }
 
-/// How a material reflects and transmits.
+/// Reflection and transmission of a material.
 #[derive(Clone, Debug, PartialEq)]
 pub enum MaterialKind {
-    /// The course's material.
+    /// Phong's model of MIT 6.837.
     Phong {
         /// kd.
         diffuse: Value<DVec3>,
@@ -31,75 +31,75 @@ pub enum MaterialKind {
         specular: Value<DVec3>,
         /// The exponent, at least 0.
         shininess: f64,
-        /// Name of a texture, else path of a picture, that kd is multiplied by.
+        /// Name of a texture, else path of a picture, that multiplies kd.
         texture: Option<Spanned<String>>,
     },
     /// A Lambertian surface.
     Diffuse {
-        /// Share of light that it sends back, inside [0, 1].
+        /// Reflectance, inside [0, 1].
         reflectance: Value<DVec3>,
     },
     /// A perfect mirror.
     Mirror {
-        /// Share of light that it sends back, inside [0, 1].
+        /// Reflectance, inside [0, 1].
         reflectance: Value<DVec3>,
     },
-    /// A body of glass, water, and the like.
+    /// Boundary of a body of glass, water or the like.
     Dielectric {
-        /// How it bends light.
+        /// Index of refraction.
         refraction: Refraction,
-        /// What the inside takes from light on its way.
+        /// Absorption inside.
         attenuation: Attenuation,
-        /// GGX α of its surface, inside [0, 1]; 0 is smooth.
+        /// GGX α, inside [0, 1]; 0 is smooth.
         roughness: Value<f64>,
-        /// Where bodies overlap, the one of the highest priority counts; of equal ones, that which was entered last.
+        /// Where bodies overlap, the highest priority counts; of equal ones, the body entered last.
         priority: u8,
     },
-    /// A place without a surface that light could tell.
+    /// Null interface: boundary of a region without a surface.
     Clear {
-        /// As of a dielectric.
+        /// Priority, as for a dielectric.
         priority: u8,
     },
-    /// A metal, which light does not enter.
+    /// Opaque metal.
     Conductor {
-        /// What it is made of.
+        /// Index of the metal.
         metal: Metal,
         /// GGX α, inside [0, 1]; 0 is smooth.
         roughness: Value<f64>,
     },
-    /// A pane without thickness: light goes straight through or is mirrored.
+    /// Pane without thickness: light passes straight through or is mirrored.
     Thin {
-        /// Index of refraction of the pane over that of what is around it.
+        /// Index of refraction relative to the surroundings.
         index: f64,
-        /// Share of light that is left after it has crossed the inside once at right angles, inside (0, 1].
+        /// Transmittance of the inside at normal incidence, inside (0, 1].
         transmittance: Value<DVec3>,
     },
-    /// One of two materials at each place, by chance.
+    /// One of two materials at each point, chosen at random.
     Mix {
         /// Name of a material that stands before this one.
         first: Spanned<String>,
         /// Name of a material that stands before this one.
         second: Spanned<String>,
-        /// Share of the second, inside [0, 1].
+        /// Probability of the second, inside [0, 1].
         amount: Value<f64>,
     },
 }
 
-/// How the inside of a dielectric bends light, by absolute indices of refraction: that of air is 1.
+/// Absolute index of refraction of a dielectric; that of air is 1.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Refraction {
-    /// All light alike.
+    /// Equal for all wavelengths.
     Index(f64),
-    /// As a substance of the table of names.
+    /// That of a glass in the table of names.
     Named(Spanned<String>),
-    /// Like Cauchy's equation of two terms.
+    /// Cauchy's equation of two terms, by index and Abbe number.
     Abbe {
-        /// The index at the line d, 587.56 nm.
+        /// Index at the d line, 587.56 nm.
         index: f64,
-        /// Abbe's number, above 0.
+        /// Abbe number, above 0.
         abbe: f64,
     },
-    /// By its own equation, whose indices lie inside [0.001, 1000] from 380 to 720 nm.
+    /// An equation of its own; indices lie inside [0.001, 1000] from 380 to 720 nm.
     Own(Glass),
 }
 
@@ -109,38 +109,38 @@ impl From<f64> for Refraction {
     }
 }
 
-/// What a conductor is made of.
+/// Complex index of a conductor.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Metal {
-    /// A metal of the table of names.
+    /// That of a metal in the table of names.
     Named(Spanned<String>),
-    /// The complex index of refraction η + ik over that of what is around it.
+    /// Complex index of refraction η + ik relative to the surroundings.
     Index {
-        /// Above 0.
+        /// η, above 0.
         eta: DVec3,
-        /// At least 0.
+        /// k, at least 0.
         k: DVec3,
     },
 }
 
-/// What the inside of a dielectric takes from light on its way.
+/// Absorption inside a dielectric.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Attenuation {
-    /// Nothing.
+    /// No absorption.
     None,
     /// Absorption coefficient in 1/length.
     Absorption(DVec3),
-    /// The share `color` remains after `distance`.
+    /// Transmittance `color` over `distance`.
     Tint {
-        /// Inside (0, 1].
+        /// Transmittance, inside (0, 1].
         color: DVec3,
-        /// Above 0.
+        /// Distance, above 0.
         distance: f64,
     },
 }
 
 impl Attenuation {
-    /// Absorption coefficient in 1/length, by Beer's law.
+    /// Returns the absorption coefficient in 1/length, by Beer's law.
     #[must_use]
     pub fn coefficient(self) -> DVec3 {
         match self {

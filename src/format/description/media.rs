@@ -1,35 +1,35 @@
-//! What a scene file says of its media.
+//! Participating media of a description.
 
 use glam::DVec3;
 
 use super::{Map, Spanned};
 
-/// What is between surfaces.
+/// A participating medium.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Medium {
-    /// What materials and the background call it: not empty, no line breaks.
+    /// Name that materials and the background refer to: not empty, no line breaks.
     pub name: String,
-    /// What it takes from light and scatters, in 1/length where its density is 1.
+    /// Absorption and scattering in 1/length at density 1.
     pub coefficients: Coefficients,
-    /// Radiance in W/(m² sr) that is gained per length where its density is 1.
+    /// Radiance in W/(m² sr) gained per length at density 1.
     pub emission: DVec3,
-    /// Which way light goes on after it scattered.
+    /// Phase function.
     pub phase: Phase,
-    /// Where it is.
+    /// Density.
     pub density: Density,
 }
 
-/// What a medium takes from light, in one of two ways to say it.
+/// Absorption and scattering of a medium, in one of two parametrizations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Coefficients {
-    /// Each for itself.
+    /// Absorption and scattering.
     Parts {
         /// σa, at least 0.
         absorption: DVec3,
         /// σs, at least 0.
         scattering: DVec3,
     },
-    /// Both together.
+    /// Extinction and albedo.
     Whole {
         /// σt = σa + σs, at least 0.
         extinction: DVec3,
@@ -38,51 +38,51 @@ pub enum Coefficients {
     },
 }
 
-/// Which way light goes on after it scattered.
+/// Phase function of a medium.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Phase {
-    /// All ways alike.
+    /// Equal in all directions.
     Isotropic,
-    /// As from particles much smaller than its wavelength.
+    /// Rayleigh scattering: particles much smaller than the wavelength.
     Rayleigh,
-    /// After Henyey and Greenstein, with this mean cosine inside (−1, 1).
+    /// Henyey–Greenstein with this mean cosine, inside (−1, 1).
     HenyeyGreenstein(f64),
 }
 
-/// Where a medium is.
+/// Density of a medium.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Density {
-    /// 1 everywhere.
+    /// 1 everywhere: a homogeneous medium.
     Even,
-    /// As a file says.
+    /// Densities of a grid file.
     Grid {
-        /// As written: not empty, no line breaks.
+        /// Path as written: not empty, no line breaks.
         path: Spanned<String>,
-        /// What its numbers are multiplied by, above 0.
+        /// Factor of the densities, above 0.
         scale: f64,
-        /// Where it lies.
+        /// Box that the grid fills.
         extent: Extent,
     },
-    /// A cloud of noise, from 0 to 1, in the ellipsoid that a box holds.
+    /// Noise from 0 to 1 in the ellipsoid inscribed in a box.
     Cloud {
-        /// From 0 (nothing) to 1 (noise everywhere).
+        /// Amount of noise, from 0 (empty) to 1 (everywhere).
         cover: f64,
-        /// Part of the radius over which its edge thins out, inside [0, 1].
+        /// Share of the radius over which the edge fades, inside [0, 1].
         softness: f64,
         /// Octaves of noise, 1 … 16.
         octaves: u32,
-        /// Waves of the first octave along a side of the box, above 0.
+        /// Periods of the first octave along a side of the box, above 0.
         frequency: f64,
-        /// Which of all such clouds.
+        /// Seed of the noise.
         seed: u32,
-        /// Cells of its grid along the longest side, 2 … 512.
+        /// Grid cells along the longest side, 2 … 512.
         resolution: u32,
-        /// Where it lies.
+        /// Box that the grid fills.
         extent: Extent,
     },
 }
 
-/// A box.
+/// A box, transformed.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Extent {
     /// Its least corner, before the maps.

@@ -1,7 +1,7 @@
-//! What a scene file says, before anything is looked up: plain data in double precision, with places for errors.
+//! The description of a scene, before any file is looked up: plain data in double precision, with spans for errors.
 //!
-//! Lengths are in the scene's own unit (metres, where a light is given in watts), angles in degrees, colours linear RGB.
-//! Values that come from [`parse`](super::parse) have passed its checks; values built by hand need not have.
+//! Lengths are in the scene's own unit (metres, if a light is given in watts), angles in degrees, colors linear RGB.
+//! [`parse`](super::parse) checks all values; a description built by hand is unchecked.
 
 mod lights;
 mod materials;
@@ -13,12 +13,12 @@ use std::ops::Deref;
 use glam::{DVec2, DVec3, DVec4};
 
 pub use super::map::Map;
-pub use lights::{AreaStrength, DirectionalStrength, EnvironmentRadiance, Light, PointStrength};
+pub use lights::{AreaStrength, DirectionalStrength, EnvironmentRadiance, Light, LightPattern, PointStrength};
 pub use materials::{Attenuation, Material, MaterialKind, Metal, Refraction};
 pub use media::{Coefficients, Density, Extent, Medium, Phase};
-pub use textures::{Coordinates, Emission, Encoding, Pattern, Relief, Texture, TextureKind, Value, Wrap};
+pub use textures::{Coordinates, Emission, Encoding, NormalPerturbation, Pattern, Texture, TextureKind, Value, Wrap};
 
-/// A stretch of the scene's text, in bytes.
+/// A range of the scene's text, in bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Span {
     /// First byte.
@@ -27,14 +27,14 @@ pub struct Span {
     pub len: usize,
 }
 
-/// A value with the place that it was read from. Equality looks at the value alone.
+/// A value with the span of the text that it was read from. Equality ignores the span.
 ///
 /// The span of a block (camera, light, material, object) is its keyword; the span of a name or number is its own text.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Spanned<T> {
-    /// What was read.
+    /// The value.
     pub value: T,
-    /// Where it stands in the text.
+    /// Its position in the text.
     pub span: Span,
 }
 
@@ -66,75 +66,75 @@ pub struct Description {
     pub camera: Spanned<Camera>,
     /// Radiance of rays that leave the scene.
     pub background: DVec3,
-    /// Name of the medium that is wherever no body is.
+    /// Name of the medium that fills the space outside all bodies.
     pub filling: Option<Spanned<String>>,
-    /// In the order of the file.
+    /// Lights, in the order of the file.
     pub lights: Vec<Spanned<Light>>,
-    /// In the order of the file.
+    /// Textures, in the order of the file.
     pub textures: Vec<Spanned<Texture>>,
-    /// In the order of the file.
+    /// Media, in the order of the file.
     pub media: Vec<Spanned<Medium>>,
-    /// In the order of the file, which `MaterialIndex` counts from 0.
+    /// Materials, in the order of the file; `MaterialIndex` counts them from 0.
     pub materials: Vec<Spanned<Material>>,
-    /// The shapes.
+    /// The objects.
     pub root: Group,
 }
 
 /// A camera.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Camera {
-    /// The pinhole, the middle of the lens, or the middle of an orthographic picture.
+    /// The pinhole, the lens center, or the center of an orthographic picture.
     pub center: DVec3,
-    /// Where it looks.
+    /// Direction of view.
     pub aim: Aim,
     /// A direction that appears upward; not parallel to the view.
     pub up: DVec3,
-    /// How it sees.
+    /// Projection.
     pub projection: Projection,
-    /// Pixels across.
+    /// Picture width in pixels.
     pub width: u32,
-    /// Pixels down.
+    /// Picture height in pixels.
     pub height: u32,
-    /// How it turns and moves while the shutter is open, as of [`Object::Moving`], but as if its place were the origin.
+    /// Motion while the shutter is open, as in [`Object::Moving`], but about the camera's own position.
     pub motion: Vec<Map>,
 }
 
-/// How a camera sees.
+/// Projection of a camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Projection {
-    /// Through a pinhole or a lens.
+    /// Perspective through a pinhole or a thin lens.
     Perspective {
         /// Vertical field of view in degrees, inside (0, 180).
         angle: f64,
-        /// `None`: a pinhole.
+        /// Lens; `None` for a pinhole.
         lens: Option<Lens>,
     },
-    /// In parallel.
+    /// Parallel projection.
     Orthographic {
-        /// What the picture shows from top to bottom, above 0.
+        /// Height of the visible region, above 0.
         size: f64,
     },
-    /// All around, by longitude and latitude.
+    /// All directions, by longitude and latitude.
     Environment,
 }
 
 /// A thin lens.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lens {
-    /// How wide it is open.
+    /// Size of its opening.
     pub opening: Opening,
-    /// What is sharp.
+    /// Plane in focus.
     pub focus: Focus,
-    /// Blades of its diaphragm, at least 3, or 0: round.
+    /// Number of blades of its diaphragm, at least 3; 0 for a round opening.
     pub blades: u32,
 }
 
-/// How wide a lens is open.
+/// Size of a lens opening.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Opening {
-    /// Its radius, at least 0.
+    /// Lens radius, at least 0.
     Radius(f64),
-    /// Focal length over diameter, and the height of the sensor from which the focal length follows; both above 0.
+    /// Focal length over diameter, with the sensor height that determines the focal length; both above 0.
     FNumber {
         /// The f-number.
         number: f64,
@@ -143,95 +143,95 @@ pub enum Opening {
     },
 }
 
-/// What a lens makes sharp: the plane across the view ...
+/// Plane in focus, perpendicular to the view.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Focus {
-    /// ... at a distance above 0.
+    /// Distance from the lens, above 0.
     Distance(f64),
-    /// ... through a point before the camera.
+    /// A point of the plane, in front of the camera.
     Point(DVec3),
 }
 
-/// Where a camera or spotlight points.
+/// Direction of a camera or spotlight.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Aim {
-    /// Along a direction of any length.
+    /// Direction of any length above 0.
     Direction(DVec3),
-    /// Towards a point.
+    /// Point to look at.
     LookAt(DVec3),
 }
 
-/// Objects side by side. As parsed, groups and transforms nest at most [`MAX_DEPTH`](super::MAX_DEPTH) deep.
+/// A list of objects. As parsed, groups and transforms nest at most [`MAX_DEPTH`](super::MAX_DEPTH) deep.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Group {
-    /// In the order of the file, which matters: a material holds for all that follow, also past the group's end.
+    /// Entries in the order of the file: a material holds for all objects after it, also past the end of the group.
     pub items: Vec<Item>,
 }
 
 /// One entry of a group.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Item {
-    /// What follows is made of this material, counted from 0.
+    /// Index of the material of the objects that follow, from 0.
     MaterialIndex(Spanned<u32>),
-    /// What follows is made of the material of this name.
+    /// Name of the material of the objects that follow.
     MaterialName(Spanned<String>),
-    /// Something to see.
+    /// An object.
     Object(Spanned<Object>),
 }
 
-/// Something to see.
+/// An object of the scene.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Object {
-    /// Objects side by side.
+    /// Several objects.
     Group(Group),
-    /// An object that is moved, turned or stretched.
+    /// A transformed object.
     Transform {
         /// Composed by [`Map::product`]: the first listed is applied last.
         maps: Vec<Map>,
-        /// What is moved.
+        /// The object.
         object: Box<Spanned<Object>>,
     },
     /// An object that moves while the shutter is open.
     Moving {
-        /// Composed as those of a transform. Each grows from nothing, where the shutter opens, to the whole of it, where it closes; none is a
-        /// matrix, and scales are above 0.
+        /// Composed as in a transform. Each grows from the identity, when the shutter opens, to the full map, when it
+        /// closes. None is a matrix, and scales are above 0.
         maps: Vec<Map>,
-        /// What moves.
+        /// The object.
         object: Box<Spanned<Object>>,
     },
     /// A surface.
     Shape {
-        /// Its form.
+        /// Geometry.
         shape: Shape,
-        /// Radiance in W/(m² sr) instead of its material's.
+        /// Emitted radiance in W/(m² sr); `None` for that of its material.
         emission: Option<DVec3>,
     },
 }
 
-/// The form of a surface.
+/// Geometry of a surface.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
     /// All points at `radius` from `center`.
     Sphere {
-        /// Its middle.
+        /// Center.
         center: DVec3,
-        /// Its radius.
+        /// Radius.
         radius: f64,
     },
     /// All points x with normal · x = offset.
     Plane {
-        /// Of any length, as given.
+        /// Normal of any length, as given.
         normal: DVec3,
         /// Distance from the origin in units of the normal's length.
         offset: f64,
     },
     /// A flat disc.
     Disc {
-        /// Its middle.
+        /// Center.
         center: DVec3,
-        /// Of any length.
+        /// Normal of any length.
         normal: DVec3,
-        /// Its radius.
+        /// Radius.
         radius: f64,
     },
     /// A parallelogram with normal `edge0 × edge1`.
@@ -243,7 +243,32 @@ pub enum Shape {
         /// From the corner to its other neighbour.
         edge1: DVec3,
     },
-    /// A triangle, of zero area too.
+    /// An axis-aligned box.
+    Box {
+        /// Corner with the lowest coordinates.
+        min: DVec3,
+        /// Opposite corner, above `min` in every coordinate.
+        max: DVec3,
+    },
+    /// A cylinder.
+    Cylinder {
+        /// Centers of both ends, which differ.
+        ends: [DVec3; 2],
+        /// Radius, above 0.
+        radius: f64,
+        /// True if discs close both ends.
+        capped: bool,
+    },
+    /// A cone or truncated cone.
+    Cone {
+        /// Centers of both ends, which differ.
+        ends: [DVec3; 2],
+        /// Radii of both ends: the first above 0, the second at least 0.
+        radii: [f64; 2],
+        /// True if discs close both ends.
+        capped: bool,
+    },
+    /// A triangle; its area may be 0.
     Triangle {
         /// Its corners.
         vertices: [DVec3; 3],
@@ -254,9 +279,9 @@ pub enum Shape {
     },
     /// A mesh in a file of its own.
     Mesh {
-        /// As written: not empty, no line breaks.
+        /// Path as written: not empty, no line breaks.
         path: Spanned<String>,
-        /// How the file is used.
+        /// Use of the file's materials and normals.
         options: MeshOptions,
     },
     /// The points (x cos θ, y, x sin θ) of a profile (x, y).
@@ -264,49 +289,50 @@ pub enum Shape {
         /// The curve that turns about the y axis.
         profile: Curve,
     },
-    /// A curve by itself, which has no surface.
+    /// A curve by itself; it has no surface and is not visible.
     Curve(Curve),
-    /// Bézier patches of the same degrees, one after the other.
+    /// Bézier patches of equal degrees.
     Patches {
-        /// Along u and v, each from 1 to [`MAX_DEGREE`](crate::shape::parametric::MAX_DEGREE).
+        /// Degrees along u and v, each from 1 to [`MAX_DEGREE`](crate::shape::parametric::MAX_DEGREE).
         degree: [u32; 2],
-        /// Of each patch (degree u + 1) · (degree v + 1) points with weights, those along v one after the other.
+        /// (degree u + 1) · (degree v + 1) points with weights for each patch, those along v first.
         controls: Vec<DVec4>,
     },
     /// A B-spline surface with weights.
     Nurbs {
-        /// Along u and v, each from 1 to [`MAX_DEGREE`](crate::shape::parametric::MAX_DEGREE).
+        /// Degrees along u and v, each from 1 to [`MAX_DEGREE`](crate::shape::parametric::MAX_DEGREE).
         degree: [u32; 2],
         /// Number of control points along u and v, each above the degree.
         count: [u32; 2],
-        /// Each count + degree + 1 numbers that do not decrease, or none: uniform.
+        /// Knots along u and v: count + degree + 1 nondecreasing numbers each; none for uniform knots.
         knots: [Vec<f64>; 2],
-        /// Points with weights, those along v one after the other.
+        /// Points with weights, those along v first.
         controls: Vec<DVec4>,
     },
 }
 
-/// How the file of a mesh is used. By default as the course has it.
+/// Use of a mesh file. The default is that of MIT 6.837.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct MeshOptions {
-    /// Whether its faces are made of the file's own materials rather than of the scene's.
+    /// True if faces have the file's own materials instead of the scene's.
     pub own_materials: bool,
-    /// Whether the file's normals are left out.
+    /// True if the file's normals are ignored.
     pub no_normals: bool,
-    /// The largest angle in degrees, inside [0, 180], between faces that are smoothed where normals are missing.
+    /// Greatest angle in degrees, inside [0, 180], between faces that are smoothed; `None` for flat faces. Applies to
+    /// faces without normals.
     pub smooth_angle: Option<f64>,
 }
 
 /// A polynomial curve.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Curve {
-    /// What the control points mean.
+    /// Basis of the control points.
     pub basis: CurveBasis,
-    /// At least 2 for Bézier curves and 4 for B-splines.
+    /// Control points: at least 2 for Bézier curves and 4 for B-splines.
     pub controls: Vec<DVec3>,
 }
 
-/// What the control points of a curve mean.
+/// Basis of a curve's control points.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum CurveBasis {
     #[default]

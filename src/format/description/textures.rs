@@ -1,15 +1,15 @@
-//! What a scene file says of its textures.
+//! Textures of a description.
 
 use glam::{DVec2, DVec3};
 
 use super::{Map, Spanned};
 
-/// A value that is the same everywhere, or follows a texture.
+/// A constant, or the name of a texture.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value<T> {
-    /// The same everywhere.
+    /// A constant.
     Plain(T),
-    /// That of the texture of this name.
+    /// Name of a texture.
     Texture(Spanned<String>),
 }
 
@@ -20,7 +20,7 @@ impl<T> From<T> for Value<T> {
 }
 
 impl<T> Value<T> {
-    /// The texture's name, if it follows one.
+    /// Returns the name of the texture; `None` for a constant.
     pub fn texture(&self) -> Option<&Spanned<String>> {
         match self {
             Self::Plain(_) => None,
@@ -32,54 +32,54 @@ impl<T> Value<T> {
 /// A texture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
-    /// What materials call it: not empty, no line breaks.
+    /// Name that materials refer to: not empty, no line breaks.
     pub name: String,
-    /// What it shows.
+    /// Pattern or picture.
     pub kind: TextureKind,
 }
 
-/// What a texture shows.
+/// Pattern or picture of a texture.
 #[derive(Clone, Debug, PartialEq)]
 pub enum TextureKind {
     /// A picture in a file of its own.
     Image {
-        /// As written: not empty, no line breaks.
+        /// Path as written: not empty, no line breaks.
         path: Spanned<String>,
-        /// What its numbers mean, if they are whole.
+        /// Encoding of its values, if they are whole numbers.
         encoding: Encoding,
-        /// What lies beyond its edges.
+        /// Continuation beyond its edges.
         wrap: Wrap,
-        /// How it lies on the surface.
+        /// Transform of the texture coordinates.
         coordinates: Coordinates,
     },
     /// Squares of side 1.
     Checker {
-        /// Where ⌊u⌋ + ⌊v⌋ is even, and where it is odd.
+        /// Colors where ⌊u⌋ + ⌊v⌋ is even, and where it is odd.
         colors: [DVec3; 2],
-        /// How they lie on the surface.
+        /// Transform of the texture coordinates.
         coordinates: Coordinates,
     },
-    /// A pattern in the space of the object.
+    /// A solid pattern in the space of the object.
     Solid {
-        /// Which one.
+        /// Kind of pattern.
         pattern: Pattern,
-        /// What it goes between.
+        /// Colors that it interpolates.
         colors: [DVec3; 2],
         /// Octaves of its noise, from 1 to 16.
         octaves: u32,
-        /// Of the first octave, and of veins and rings, above 0.
+        /// Frequency of the first octave, of veins and of rings, in 1/length, above 0.
         frequency: f64,
-        /// What the noise is multiplied by, at least 0.
+        /// Factor of the noise, at least 0.
         amplitude: f64,
-        /// From the pattern's space to the object's, composed by [`Map::product`].
+        /// Maps from the pattern's space to the object's, composed by [`Map::product`].
         maps: Vec<Map>,
     },
 }
 
-/// Patterns in space.
+/// Kind of a solid pattern.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pattern {
-    /// Clouds.
+    /// Noise.
     Noise,
     /// Veins.
     Marble,
@@ -87,36 +87,36 @@ pub enum Pattern {
     Wood,
 }
 
-/// What the numbers of a picture mean.
+/// Encoding of the values of a picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Encoding {
-    /// They are of the sRGB curve.
+    /// The sRGB transfer curve.
     #[default]
     Srgb,
-    /// They are what they say.
+    /// Linear.
     Linear,
 }
 
-/// What lies beyond the edges of a picture.
+/// Continuation of a picture beyond its edges.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Wrap {
-    /// The picture again.
+    /// Periodic.
     #[default]
     Repeat,
-    /// Its edge.
+    /// Values of the edge.
     Clamp,
-    /// The picture mirrored, and again.
+    /// Periodic, mirrored at each edge.
     Mirror,
 }
 
-/// How texture coordinates are changed: scaled, then turned, then moved.
+/// Transform of texture coordinates: scale, then rotation, then offset.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Coordinates {
-    /// What u and v are multiplied by, not 0.
+    /// Factors of u and v, not 0.
     pub scale: DVec2,
-    /// Anticlockwise, in degrees.
+    /// Rotation, anticlockwise, in degrees.
     pub rotate: f64,
-    /// What is added.
+    /// Offset.
     pub offset: DVec2,
 }
 
@@ -126,30 +126,30 @@ impl Default for Coordinates {
     }
 }
 
-/// What a material sends out by itself.
+/// Emitted radiance of a material.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Emission {
-    /// The same radiance everywhere, in W/(m² sr).
+    /// Constant radiance in W/(m² sr).
     Radiance(DVec3),
-    /// A texture's.
+    /// Values of a texture.
     Texture {
-        /// Its name.
+        /// Name of the texture.
         name: Spanned<String>,
-        /// What its values are multiplied by to be radiances, at least 0.
+        /// Factor from values to radiance in W/(m² sr), at least 0.
         scale: f64,
     },
 }
 
-/// What makes a surface look uneven. Each is the name of a texture, or else the path of a picture.
+/// Perturbation of shading normals, by the name of a texture or else the path of a picture.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Relief {
-    /// Heights.
+pub enum NormalPerturbation {
+    /// Bump map.
     Bump {
-        /// The texture.
+        /// Texture of heights.
         texture: Spanned<String>,
-        /// Height of the value 1.
+        /// Height of the value 1, in world units.
         height: f64,
     },
-    /// Normals.
+    /// Normal map.
     NormalMap(Spanned<String>),
 }

@@ -1,65 +1,65 @@
-//! Why a grid could not be read.
+//! Errors of reading density grids.
 
 use crate::format::problem::{LineError, Problem};
 use crate::stats::bytes;
 use std::path::{Path, PathBuf};
 
-/// Why a file of densities could not be read.
+/// Reason why a file of densities could not be read.
 #[derive(Debug, thiserror::Error)]
 pub enum GridError {
-    /// It cannot be opened or read.
+    /// The file cannot be opened or read.
     #[error("cannot read the grid {}: {source}: check that it is a file and that you may read it", path.display())]
     Unreadable {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the system says.
+        /// Cause reported by the system.
         source: std::io::Error,
     },
     /// A line cannot be understood.
     #[error(transparent)]
     Line(#[from] LineError),
-    /// The numbers are more or fewer than the size tells.
+    /// The number of values differs from the size.
     #[error(
         "{}: {found} bytes follow the empty line, but {} × {} × {} cells of type f32 take {expected}: write the file anew, or \
          mend its size",
         path.display(), size[0], size[1], size[2]
     )]
     Length {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
         /// Cells along x, y and z.
         size: [u32; 3],
         /// Bytes that the cells take.
         expected: u64,
-        /// Bytes that are there.
+        /// Bytes that follow the header.
         found: u64,
     },
-    /// A number that is no density.
+    /// A value is no valid density.
     #[error(
         "{}: the density of cell ({}, {}, {}), counted from 0, is {value}: it must be finite and at least 0",
         path.display(), cell[0], cell[1], cell[2]
     )]
     Cell {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Column, row and layer.
+        /// Column, row and layer of the cell, from 0.
         cell: [u32; 3],
-        /// Its density.
+        /// The value.
         value: f32,
     },
-    /// More cells than there is memory for.
+    /// The grid takes more memory than is free.
     #[error(
         "{}: {cells} cells take {} of memory, and {} are free: make the grid coarser, or let it have more (--memory)",
         path.display(), bytes(*needed), free.map_or("less".to_owned(), bytes)
     )]
     NoMemory {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// How many.
+        /// Number of cells.
         cells: usize,
-        /// Bytes that they take, with what reading them takes.
+        /// Bytes that the grid takes, including those that reading takes.
         needed: u64,
-        /// Bytes that may be taken, where that number is known.
+        /// Bytes of memory that are free, if known.
         free: Option<u64>,
     },
 }

@@ -1,4 +1,4 @@
-//! Files of densities on a grid: lines of text, an empty line, and the numbers, x running fastest.
+//! Density grid files: a text header, an empty line, and the values with x running fastest.
 //!
 //! ```text
 //! caustica-grid 1
@@ -7,8 +7,8 @@
 //!
 //! ```
 //!
-//! The numbers are words, where the type is `text`, or single precision with the least byte first, where it is `f32`. Lines
-//! that begin with `#` are passed over.
+//! The values are decimal words for the type `text`, and little-endian single precision for `f32`.
+//! Header lines that begin with `#` are comments.
 
 mod error;
 #[cfg(test)]
@@ -22,59 +22,63 @@ use std::fs::File;
 use std::io::{BufReader, BufWriter, Read, Write};
 use std::path::Path;
 
-/// Most cells of a grid.
+/// Largest number of cells.
 pub const MAX_CELLS: u64 = 1 << 30;
 
-/// Bytes that a cell takes in memory: its density, and as much again for where densities are bounded and the slack of lists.
+/// Bytes per cell: its density, and as much again for majorants and the slack of lists.
 pub(super) const PER_CELL: u64 = 8;
 
-/// Most bytes before the numbers.
+/// Largest number of bytes before the values.
 const LONGEST_HEADER: u64 = 4096;
 
-/// Bytes that are read at once.
+/// Bytes per read.
 const CHUNK: usize = 1 << 16;
 
-/// Densities on a grid.
+/// Densities on a regular grid.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grid {
-    /// Cells along x, y and z, each at least 1.
+    /// Number of cells along x, y and z, each at least 1.
     pub size: [u32; 3],
-    /// Finite and not negative, x running fastest.
+    /// Densities, finite and at least 0, with x running fastest.
     pub values: Vec<f32>,
 }
 
-/// How numbers are written.
+/// Encoding of the values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Encoding {
     /// Little-endian single precision.
     F32,
-    /// Words.
+    /// Decimal words.
     Text,
 }
 
-/// What stands before the numbers.
+/// Header of a grid file.
 struct Header {
     size: [u32; 3],
     cells: usize,
     encoding: Encoding,
-    /// Lines and bytes that it takes, with the empty line.
+    /// Lines and bytes of the header, with the empty line.
     lines: usize,
     bytes: u64,
 }
 
-/// Reads the grid of a file.
+/// Reads a grid file.
 ///
-/// Memory is taken once the file is known to be long enough for what its header tells.
+/// Memory is allocated once the file is known to be long enough for its header.
 ///
 /// # Errors
+///
 /// [`GridError`].
 pub fn read(path: &Path) -> Result<Grid, GridError> {
     read_within(path, None)
 }
 
-/// As [`read`], within `free` bytes of memory, where that number is known: a grid that takes more is refused before it takes any.
+/// Like [`read`], limited to `free` bytes of memory if that number is known.
+///
+/// A grid that takes more is refused before any memory is allocated.
 ///
 /// # Errors
+///
 /// [`GridError`].
 pub fn read_within(path: &Path, free: Option<u64>) -> Result<Grid, GridError> {
     let unreadable = |source| GridError::Unreadable { path: path.into(), source };
@@ -82,9 +86,10 @@ pub fn read_within(path: &Path, free: Option<u64>) -> Result<Grid, GridError> {
     decode(path, length, file, free)
 }
 
-/// As [`read_within`], of the `length` bytes of a file that errors call `path`.
+/// Like [`read_within`], from the `length` bytes of a file that errors call `path`.
 ///
 /// # Errors
+///
 /// [`GridError`].
 pub fn decode(path: &Path, length: u64, mut file: impl Read, free: Option<u64>) -> Result<Grid, GridError> {
     let unreadable = |source| GridError::Unreadable { path: path.into(), source };
@@ -92,10 +97,10 @@ pub fn decode(path: &Path, length: u64, mut file: impl Read, free: Option<u64>) 
     Read::take(&mut file, LONGEST_HEADER).read_to_end(&mut start).map_err(unreadable)?;
     let header = header(&start).map_err(|(line, wrong)| GridError::line(path, line, wrong))?;
     let rest = start[header.bytes as usize..].chain(file);
-    let body = Body { path, header: &header, length, free };
+    let body = GridBody { path, header: &header, length, free };
     let values = match header.encoding {
-        Encoding::F32 => body.singles(BufReader::with_capacity(CHUNK, rest))?,
-        Encoding::Text => body.words(rest)?,
+        Encoding::F32 => body.binary_values(BufReader::with_capacity(CHUNK, rest))?,
+        Encoding::Text => body.text_values(rest)?,
     };
     if let Some(i) = values.iter().position(|v| !(v.is_finite() && *v >= 0.0)) {
         return Err(GridError::Cell { path: path.into(), cell: cell(header.size, i), value: values[i] });
@@ -103,10 +108,11 @@ pub fn decode(path: &Path, length: u64, mut file: impl Read, free: Option<u64>) 
     Ok(Grid { size: header.size, values })
 }
 
-/// Writes a grid.
+/// Writes a grid file.
 ///
 /// # Errors
-/// What the system says.
+///
+/// The cause reported by the system.
 pub fn write(path: &Path, grid: &Grid, encoding: Encoding) -> std::io::Result<()> {
     let mut out = BufWriter::new(File::create(path)?);
     let [x, y, z] = grid.size;
@@ -124,7 +130,8 @@ pub fn write(path: &Path, grid: &Grid, encoding: Encoding) -> std::io::Result<()
     out.flush()
 }
 
-/// What stands before the numbers in the first bytes of a file; else the line from 1, and what is wrong with it.
+/// Parses the header from the first bytes of a file; an error holds the line, from 1, and the
+/// problem.
 fn header(start: &[u8]) -> Result<Header, (usize, Problem)> {
     if start.starts_with(b" BDV") {
         return Err((1, ("this is an OpenVDB file".to_owned(), "sample it on a grid, and write that as `type f32`")));
@@ -165,7 +172,7 @@ fn header(start: &[u8]) -> Result<Header, (usize, Problem)> {
     Err((lines.max(1), (message, "write one after at most 4096 bytes")))
 }
 
-/// The words of a size, and their product.
+/// Parses the words of a size; returns the size and the number of cells.
 fn cells(words: [&str; 3]) -> Result<([u32; 3], usize), Problem> {
     let mut size = [0_u32; 3];
     for (side, word) in size.iter_mut().zip(words) {
@@ -180,24 +187,24 @@ fn cells(words: [&str; 3]) -> Result<([u32; 3], usize), Problem> {
     }
 }
 
-/// Which cell number `i` is.
+/// Column, row and layer of cell `i`.
 fn cell(size: [u32; 3], i: usize) -> [u32; 3] {
     let (row, layer) = (size[0] as usize, size[0] as usize * size[1] as usize);
     [i % row, i % layer / row, i / layer].map(|i| i as u32)
 }
 
-/// The numbers of a file, behind its header.
-struct Body<'a> {
+/// Values of a file, after its header.
+struct GridBody<'a> {
     path: &'a Path,
     header: &'a Header,
     /// Bytes of the whole file.
     length: u64,
-    /// Bytes of memory that may be taken, where that number is known.
+    /// Bytes of memory that are free, if known.
     free: Option<u64>,
 }
 
-impl Body<'_> {
-    /// Room for the numbers, where they and `more` bytes may be taken.
+impl GridBody<'_> {
+    /// A list with room for the values, if they and `more` bytes are free.
     fn reserve(&self, more: u64) -> Result<Vec<f32>, GridError> {
         let Self { path, header, free, .. } = *self;
         let needed = PER_CELL * header.cells as u64 + more;
@@ -208,7 +215,7 @@ impl Body<'_> {
         Ok(values)
     }
 
-    fn singles(&self, mut from: impl Read) -> Result<Vec<f32>, GridError> {
+    fn binary_values(&self, mut from: impl Read) -> Result<Vec<f32>, GridError> {
         let Self { path, header, length, .. } = *self;
         let (expected, found) = (4 * header.cells as u64, length.saturating_sub(header.bytes));
         if expected != found {
@@ -224,12 +231,12 @@ impl Body<'_> {
         Ok(values)
     }
 
-    fn words(&self, mut from: impl Read) -> Result<Vec<f32>, GridError> {
+    fn text_values(&self, mut from: impl Read) -> Result<Vec<f32>, GridError> {
         let Self { path, header, length, .. } = *self;
         let wrong = |line, message, remedy| GridError::line(path, line, (message, remedy));
         let count = |found: usize| format!("{found} numbers follow, but the size asks for {}", header.cells);
         const REMEDY: &str = "give one number for each cell, x running fastest, and nothing behind them";
-        // Each takes a byte and one to part it from the next.
+        // A value takes at least a digit and a separator.
         let most = length.saturating_sub(header.bytes).div_ceil(2);
         if most < header.cells as u64 {
             return Err(wrong(header.lines, format!("at most {}", count(most as usize)), REMEDY));

@@ -1,4 +1,4 @@
-//! Grid files: what they say, and that no file however broken is taken for a grid.
+//! Grid files: their syntax, and the refusal of damaged files.
 
 use super::*;
 use proptest::prelude::*;
@@ -21,7 +21,7 @@ fn bytes_of(grid: &Grid, encoding: Encoding) -> Vec<u8> {
     })
 }
 
-/// The error of `bytes` names the file, and says both what is wrong and what would be right.
+/// The error of `bytes` names the file, the problem and the remedy.
 #[track_caller]
 fn refused(bytes: &[u8], place: &str, message: &str, remedy: &str) {
     let error = of(bytes).unwrap_err().to_string();
@@ -136,7 +136,8 @@ proptest! {
         prop_assert_eq!(of(&bytes_of(&grid, encoding)).unwrap(), grid);
     }
 
-    /// A text that lacks but its last digits still has all its numbers; any other file that is cut or goes on is refused.
+    /// A text that lacks only its last digits still has all its values; any other damaged file is
+    /// refused.
     #[test]
     fn files_that_are_cut_or_go_on_are_refused(grid in grid(), encoding in encoding(), at in any::<prop::sample::Index>()) {
         let bytes = bytes_of(&grid, encoding);

@@ -2,7 +2,9 @@
 
 use std::fmt;
 
-use super::super::description::{Attenuation, Emission, Material, MaterialKind, Metal, Relief, Spanned, Value};
+use super::super::description::{
+    Attenuation, Emission, Material, MaterialKind, Metal, NormalPerturbation, Spanned, Value,
+};
 use super::super::error::SceneError;
 use super::fields::{Fields, Found, fields};
 use super::lexer::Token;
@@ -343,13 +345,13 @@ fn emission(f: &Fields<'_>) -> Result<Option<Emission>, SceneError> {
 }
 
 /// Returns `bump` with its height, or `normalMap`.
-fn relief(f: &Fields<'_>) -> Result<Option<Relief>, SceneError> {
+fn relief(f: &Fields<'_>) -> Result<Option<NormalPerturbation>, SceneError> {
     if f.get("bump").is_none() {
         f.refuse(&["bumpHeight"], "has no effect without `bump`")?;
-        return Ok(f.get("normalMap").map(|map| Relief::NormalMap(map.text())));
+        return Ok(f.get("normalMap").map(|map| NormalPerturbation::NormalMap(map.text())));
     }
     let bump = f.one_of(&["bump", "normalMap"])?;
-    Ok(Some(Relief::Bump { texture: bump.text(), height: f.number("bumpHeight")? }))
+    Ok(Some(NormalPerturbation::Bump { texture: bump.text(), height: f.number("bumpHeight")? }))
 }
 
 /// Reads the index after `MaterialIndex`.
@@ -441,11 +443,11 @@ pub(super) fn write_material(out: &mut Writer<'_, '_>, material: &Material) -> f
     material.medium.as_ref().map_or(Ok(()), |medium| out.name("medium", medium))?;
     match &material.relief {
         None => {}
-        Some(Relief::Bump { texture, height }) => {
+        Some(NormalPerturbation::Bump { texture, height }) => {
             out.name("bump", texture)?;
             out.number("bumpHeight", *height)?;
         }
-        Some(Relief::NormalMap(texture)) => out.name("normalMap", texture)?,
+        Some(NormalPerturbation::NormalMap(texture)) => out.name("normalMap", texture)?,
     }
     match &material.emission {
         None => {}

@@ -15,11 +15,14 @@ use super::writer::{Numbers, Writer};
 use crate::shape::parametric::MAX_DEGREE;
 
 /// The shapes.
-pub(super) static SHAPES: [&Block; 11] = [
+pub(super) static SHAPES: [&Block; 14] = [
     &SPHERE,
     &PLANE,
     &DISC,
     &RECTANGLE,
+    &BOX,
+    &CYLINDER,
+    &CONE,
     &TRIANGLE,
     &MESH,
     &REVOLUTION,
@@ -88,6 +91,48 @@ static RECTANGLE: Block = Block {
     ],
     shared: &[&EMISSION],
     help: "parallelogram with normal `edge0` × `edge1`",
+    course: false,
+};
+
+static BOX: Block = Block {
+    keyword: "Box",
+    aliases: &[],
+    fields: &[
+        field("min", Kind::Point, Range::Any, "corner with the lowest coordinates").required(),
+        field("max", Kind::Point, Range::Any, "opposite corner; above `min` in every coordinate").required(),
+    ],
+    shared: &[&EMISSION],
+    help: "closed box with edges along the axes",
+    course: false,
+};
+
+static CAPS: [Field; 1] =
+    [field("caps", Kind::Word(&["yes", "no"]), Range::Any, "`no` leaves both ends open").or_word("yes")];
+
+static CYLINDER: Block = Block {
+    keyword: "Cylinder",
+    aliases: &[],
+    fields: &[
+        field("bottom", Kind::Point, Range::Any, "center of one end").required(),
+        field("top", Kind::Point, Range::Any, "center of the other end").required(),
+        field("radius", Kind::Number, Range::Positive, "radius").required(),
+    ],
+    shared: &[&CAPS, &EMISSION],
+    help: "cylinder of any direction, closed unless `caps` is `no`",
+    course: false,
+};
+
+static CONE: Block = Block {
+    keyword: "Cone",
+    aliases: &[],
+    fields: &[
+        field("bottom", Kind::Point, Range::Any, "center of the base").required(),
+        field("top", Kind::Point, Range::Any, "apex, or center of the other end").required(),
+        field("radius", Kind::Number, Range::Positive, "radius of the base").required(),
+        field("topRadius", Kind::Number, Range::NonNegative, "radius of the other end").or(&[0.0]),
+    ],
+    shared: &[&CAPS, &EMISSION],
+    help: "cone or truncated cone of any direction, closed unless `caps` is `no`",
     course: false,
 };
 
@@ -211,6 +256,19 @@ pub(super) fn shape<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<(Sha
             let (corner, edge0, edge1) = parallelogram(f)?;
             Shape::Rectangle { corner, edge0, edge1 }
         }
+        "Box" => {
+            let (min, max) = (f.vector("min")?, f.need("max")?);
+            max.ensure(max.vector().cmpgt(min).all(), "must be above `min` in every coordinate")?;
+            Shape::Box { min, max: max.vector() }
+        }
+        "Cylinder" => {
+            let (ends, capped) = ends(f)?;
+            Shape::Cylinder { ends, radius: f.number("radius")?, capped }
+        }
+        "Cone" => {
+            let (ends, capped) = ends(f)?;
+            Shape::Cone { ends, radii: [f.number("radius")?, f.number("topRadius")?], capped }
+        }
         "Triangle" => triangle(f)?,
         "TriangleMesh" => Shape::Mesh { path: f.need("obj_file")?.text(), options: mesh_options(f)? },
         "RevSurface" => Shape::Revolution { profile: f.need("profile")?.curve() },
@@ -230,6 +288,13 @@ pub(super) fn parallelogram(f: &Fields<'_>) -> Result<(DVec3, DVec3, DVec3), Sce
     let sine = edge0.normalize().cross(edge1.vector().normalize()).length();
     edge1.ensure(sine > 1e-12, "must not be parallel to `edge0`: the area would be 0")?;
     Ok((corner, edge0, edge1.vector()))
+}
+
+/// Returns the centers of both ends of a cylinder or cone, and true if caps close them.
+fn ends(f: &Fields<'_>) -> Result<([DVec3; 2], bool), SceneError> {
+    let (bottom, top) = (f.vector("bottom")?, f.need("top")?);
+    top.ensure(top.vector() != bottom, "must differ from `bottom`")?;
+    Ok(([bottom, top.vector()], f.word("caps")? == "yes"))
 }
 
 fn triangle(f: &Fields<'_>) -> Result<Shape, SceneError> {
@@ -316,6 +381,24 @@ pub(super) fn write_shape(out: &mut Writer<'_, '_>, shape: &Shape, emission: Opt
             out.start(&RECTANGLE)?;
             write_parallelogram(out, *corner, *edge0, *edge1)?;
         }
+        Shape::Box { min, max } => {
+            out.start(&BOX)?;
+            out.vector("min", *min)?;
+            out.vector("max", *max)?;
+        }
+        Shape::Cylinder { ends, radius, capped } => {
+            out.start(&CYLINDER)?;
+            write_ends(out, ends, *radius)?;
+            write_caps(out, *capped)?;
+        }
+        Shape::Cone { ends, radii, capped } => {
+            out.start(&CONE)?;
+            write_ends(out, ends, radii[0])?;
+            if radii[1] != 0.0 {
+                out.number("topRadius", radii[1])?;
+            }
+            write_caps(out, *capped)?;
+        }
         Shape::Triangle { vertices, normals, uv } => {
             out.start(&TRIANGLE)?;
             for (i, vertex) in vertices.iter().enumerate() {
@@ -388,4 +471,14 @@ pub(super) fn write_parallelogram(out: &mut Writer<'_, '_>, corner: DVec3, edge0
 fn write_degrees(out: &mut Writer<'_, '_>, degree: &[u32; 2]) -> fmt::Result {
     out.field("degreeU", degree[0])?;
     out.field("degreeV", degree[1])
+}
+
+fn write_ends(out: &mut Writer<'_, '_>, [bottom, top]: &[DVec3; 2], radius: f64) -> fmt::Result {
+    out.vector("bottom", *bottom)?;
+    out.vector("top", *top)?;
+    out.number("radius", radius)
+}
+
+fn write_caps(out: &mut Writer<'_, '_>, capped: bool) -> fmt::Result {
+    if capped { Ok(()) } else { out.field("caps", "no") }
 }

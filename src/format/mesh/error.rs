@@ -1,4 +1,4 @@
-//! Why a mesh could not be read.
+//! Errors of reading meshes, and checked reading of their bytes.
 
 use crate::format::problem::{LineError, Problem};
 use crate::image::open_file;
@@ -6,95 +6,95 @@ use crate::stats::bytes;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-/// Why a mesh or its materials could not be read.
+/// Reason why a mesh or its materials could not be read.
 #[derive(Debug, thiserror::Error)]
 pub enum MeshError {
-    /// There is no such file.
+    /// The file does not exist.
     #[error("there is no mesh file {}: check the path, which counts from the scene file's folder or the one above it", path.display())]
     Missing {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
     },
-    /// There is no such file of materials.
+    /// The material file does not exist.
     #[error("there is no material file {}: put it beside the mesh that names it", path.display())]
     NoLibrary {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
     },
-    /// The file is there but cannot be read.
+    /// The file exists but cannot be read.
     #[error("cannot read the mesh {}: check that it is a file and that you may read it", path.display())]
     Unreadable {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the system says.
+        /// Cause reported by the system.
         source: std::io::Error,
     },
     /// A line cannot be understood.
     #[error(transparent)]
     Line(#[from] LineError),
-    /// A place in a binary file that says nothing sound.
+    /// A position in a binary file holds invalid data.
     #[error("{}: byte {byte}, {element}: {message}: {remedy}", path.display())]
     Byte {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// From 0.
+        /// Byte offset, from 0.
         byte: usize,
-        /// Which vertex, face or other entry, from 0.
+        /// Name and index, from 0, of the vertex, face or other element.
         element: String,
-        /// What is wrong.
+        /// Message that says what is wrong.
         message: String,
-        /// What would be right.
+        /// Remedy.
         remedy: &'static str,
     },
-    /// Nothing to see.
+    /// The mesh has no faces.
     #[error("the mesh {} has no faces: export it with faces", path.display())]
     NoFaces {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
     },
-    /// More vertices than an index can count.
+    /// The mesh has more vertices than an index can count.
     #[error("the mesh {} has more than 2147483647 vertices: split it", path.display())]
     TooLarge {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
     },
-    /// More memory than there is.
+    /// The mesh takes more memory than is free.
     #[error(
         "the mesh {} takes {} of memory, and {} are free: simplify or split it, or let it have more (--memory)",
         path.display(), bytes(*needed), bytes(*free)
     )]
     Memory {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Bytes that the mesh takes, with what reading it takes.
+        /// Bytes that the mesh takes, including those that reading takes.
         needed: u64,
-        /// Bytes that it may take.
+        /// Bytes of memory that are free.
         free: u64,
     },
-    /// Faces name a material that no file of materials holds.
+    /// Faces name a material that no material file defines.
     #[error("the mesh {} names a material `{name}` that its material files do not hold: add it to one of them", path.display())]
     NoMaterial {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// The material.
+        /// Name of the material.
         name: String,
     },
-    /// A material that cannot be rendered.
+    /// A material cannot be rendered.
     #[error("{}: {message}: {remedy}", path.display())]
     BadMaterial {
-        /// The mesh whose material files hold it.
+        /// Path of the mesh whose material files define it.
         path: PathBuf,
-        /// What is wrong.
+        /// Message that says what is wrong.
         message: String,
-        /// What would be right.
+        /// Remedy.
         remedy: &'static str,
     },
-    /// The reader refuses what the check let pass.
+    /// Crate `tobj` refuses lines that the check has accepted.
     #[error("cannot read the mesh {}: {source}: export it anew as plain triangles", path.display())]
     Malformed {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the reader says.
+        /// Cause reported by `tobj`.
         source: tobj::LoadError,
     },
 }
@@ -105,7 +105,7 @@ impl MeshError {
     }
 }
 
-/// The bytes of a file, where they may take that much memory.
+/// Reads the bytes of a file if `free` bytes of memory suffice.
 pub(in crate::format) fn read(path: &Path, free: Option<u64>) -> Result<Vec<u8>, MeshError> {
     let refused = |source: std::io::Error| match source.kind() {
         std::io::ErrorKind::NotFound => MeshError::Missing { path: path.into() },
@@ -118,7 +118,7 @@ pub(in crate::format) fn read(path: &Path, free: Option<u64>) -> Result<Vec<u8>,
     Ok(bytes)
 }
 
-/// Checks that `needed` bytes may be taken for a mesh, before they are.
+/// Checks that `needed` bytes are free, before they are allocated for a mesh.
 pub(in crate::format) fn check_memory(path: &Path, needed: u64, free: Option<u64>) -> Result<(), MeshError> {
     match free {
         Some(free) if needed > free => Err(MeshError::Memory { path: path.into(), needed, free }),

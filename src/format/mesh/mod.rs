@@ -1,9 +1,11 @@
-//! Triangle meshes: reading by the kind of the file, and what is done with them apart from rendering.
+//! Triangle meshes: reading, writing, inspection and repair.
 
 mod error;
 mod normals;
+mod obj;
 mod orient;
 mod parts;
+mod ply;
 mod repair;
 mod report;
 mod share;
@@ -18,53 +20,57 @@ pub use error::MeshError;
 pub(in crate::format) use error::{check_memory, read};
 pub use repair::{Repair, Repaired};
 pub use report::MeshReport;
-pub(in crate::format) use share::{Numbers, bits};
+pub(in crate::format) use share::{KeyNumbers, bits};
 pub use solid::{SOLID_CHECK_BYTES, SolidDefect};
 pub use write::MeshFormat;
 pub(in crate::format) use write::Shortest;
 
 use super::problem::without_bom;
-use super::{obj, ply};
 use glam::{DVec2, DVec3};
 use std::path::Path;
 
-/// The material of a triangle that has none.
+/// Material index of a triangle that has no material.
 pub const NO_MATERIAL: u32 = u32::MAX;
 
 /// Triangles with shared vertices.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TriangleMesh {
-    /// Places of the vertices. As read, each is used by a triangle.
+    /// Vertex positions. After reading, a triangle uses each of them.
     pub positions: Vec<DVec3>,
-    /// Counterclockwise seen from outside; indices into `positions`. Triangles without area are kept.
+    /// Vertex indices, counter-clockwise seen from outside. Triangles without area are kept.
     pub triangles: Vec<[u32; 3]>,
-    /// Shading normals by vertex, of unit length. Zero where the file has none: then at all corners of a triangle.
+    /// Unit shading normals per vertex.
+    ///
+    /// If the file has none for a triangle, they are zero at all its corners.
     pub normals: Option<Vec<DVec3>>,
-    /// Texture coordinates by vertex; zero where the file has none.
+    /// Texture coordinates per vertex; zero if the file has none.
     pub texcoords: Option<Vec<DVec2>>,
-    /// Names of materials, each used by a triangle.
+    /// Names of the materials; a triangle uses each of them.
     pub materials: Vec<String>,
-    /// Material of each triangle, an index into `materials` or [`NO_MATERIAL`]; empty where `materials` is.
+    /// Index into `materials` of each triangle, or [`NO_MATERIAL`]; empty if `materials` is empty.
     pub triangle_materials: Vec<u32>,
 }
 
-/// A mesh as a file holds it.
+/// Mesh as read from a file, with facts about the file.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Loaded {
-    /// The mesh. Vertices are shared where position, normal and texture coordinates agree in every bit.
+    /// The mesh. Vertices are shared if position, normal and texture coordinates are equal bit for
+    /// bit.
     pub mesh: TriangleMesh,
-    /// Files of materials that the file names, as written.
+    /// Material files that the mesh names, as written.
     pub libraries: Vec<String>,
-    /// Vertices in the file.
+    /// Number of vertices in the file.
     pub vertices: usize,
-    /// Vertices in the file that no face uses; they are left out of `mesh`.
+    /// Number of vertices in the file that no face uses; `mesh` lacks them.
     pub isolated: usize,
-    /// Whether the file indexes positions, normals and texture coordinates apart, so that its vertices are positions.
+    /// True if the file indexes positions, normals and texture coordinates separately.
+    ///
+    /// Its vertices are then positions.
     pub positions_only: bool,
 }
 
 impl Loaded {
-    /// Vertices in the file that repeat another one bit for bit.
+    /// Number of vertices in the file that repeat another one bit for bit.
     #[must_use]
     pub fn repeated(&self) -> usize {
         let used = self.vertices - self.isolated;
@@ -75,15 +81,15 @@ impl Loaded {
     }
 }
 
-/// Hears how far the reading of meshes is. `()` hears nothing.
+/// Receiver of progress reports while meshes are read. `()` ignores them.
 pub trait ReadMonitor: Sync {
     /// Receives the path of each file that the scene names, before it is read.
     fn names(&self, _path: &Path) {}
-    /// A file of `bytes` bytes is begun.
+    /// A file of `bytes` bytes is about to be read.
     fn begin(&self, path: &Path, bytes: u64);
-    /// `bytes` more of its bytes are done.
+    /// Another `bytes` bytes have been processed.
     fn advance(&self, bytes: u64);
-    /// The file is done.
+    /// The file has been read.
     fn end(&self, path: &Path, mesh: &TriangleMesh);
 }
 
@@ -93,28 +99,35 @@ impl ReadMonitor for () {
     fn end(&self, _: &Path, _: &TriangleMesh) {}
 }
 
-/// Reads the triangles of a PLY file, or of an OBJ file where it is not one; polygons are cut into fans about their first corner.
+/// Reads the triangles of a PLY or OBJ file; polygons become fans about their first corner.
+///
+/// A file without the signature or extension of PLY is read as OBJ.
 ///
 /// # Errors
-/// See [`MeshError`]; all name the file.
+///
+/// [`MeshError`], which names the file.
 pub fn load(path: &Path, monitor: &dyn ReadMonitor) -> Result<Loaded, MeshError> {
     load_within(path, monitor, None)
 }
 
-/// As [`load`], within `free` bytes of memory, where that number is known: a mesh that takes more is refused before it takes any.
+/// Like [`load`], limited to `free` bytes of memory if that number is known.
+///
+/// A mesh that takes more is refused before any memory is allocated.
 ///
 /// # Errors
-/// See [`MeshError`]; all name the file.
+///
+/// [`MeshError`], which names the file.
 pub fn load_within(path: &Path, monitor: &dyn ReadMonitor, free: Option<u64>) -> Result<Loaded, MeshError> {
     let bytes = read(path, free)?;
     let free = free.map(|free| free.saturating_sub(bytes.len() as u64));
     decode(path, bytes, monitor, free)
 }
 
-/// As [`load_within`], of the bytes of a file that errors call `path`.
+/// Like [`load_within`], from the bytes of a file that errors call `path`.
 ///
 /// # Errors
-/// See [`MeshError`].
+///
+/// [`MeshError`].
 pub fn decode(path: &Path, bytes: Vec<u8>, monitor: &dyn ReadMonitor, free: Option<u64>) -> Result<Loaded, MeshError> {
     monitor.begin(path, bytes.len() as u64);
     let named = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("ply"));
@@ -131,12 +144,13 @@ pub fn decode(path: &Path, bytes: Vec<u8>, monitor: &dyn ReadMonitor, free: Opti
     Ok(loaded)
 }
 
-/// `v` at unit length, or zero where it is too short or long to tell.
+/// `v` at unit length; zero if `v` is too short or too long.
 ///
-/// What is of unit length but for rounding stays as it is, so that a normal that was written reads back bit for bit.
+/// A vector of unit length within rounding is returned unchanged, so that written normals read back
+/// bit for bit.
 pub(in crate::format) fn unit_normal(v: DVec3) -> DVec3 {
     let squared = v.length_squared();
-    // Normalising errs by 2.5 ulps a component, so by some 5 in the square, and summing it by 3 more.
+    // Normalisation errs by 2.5 ulps per component, so by about 5 in the square; the sum adds 3.
     if (squared - 1.0).abs() <= 8.0 * f64::EPSILON {
         v
     } else if squared.is_normal() {

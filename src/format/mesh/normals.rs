@@ -1,16 +1,18 @@
-//! Shading normals of a mesh that has none.
+//! Smooth shading normals for meshes without normals.
 
 use super::TriangleMesh;
-use super::share::Numbers;
-use super::topology::{Topology, Union};
+use super::share::KeyNumbers;
+use super::topology::{Topology, UnionFind};
 use glam::DVec3;
 
 impl TriangleMesh {
-    /// Gives normals to triangles that have none: the mean of the normals of the faces around a vertex, weighted by their angles
-    /// there (Thürmer and Wüthrich 1998, "Computing vertex normals from polygonal facets").
+    /// Computes normals for triangles that have none: means of the adjacent face normals, weighted
+    /// by angle.
     ///
-    /// Faces count together that hang together over edges at which their normals differ by at most `angle` degrees; at other
-    /// edges, at borders, at edges of more than two faces and where windings disagree, vertices are split.
+    /// Source: Thürmer and Wüthrich 1998, "Computing vertex normals from polygonal facets". Faces
+    /// share a normal if edges connect them at which their normals differ by at most `angle`
+    /// degrees. Vertices are split at all other edges, at borders, at edges of more than two faces,
+    /// and where windings disagree.
     pub fn smooth(&mut self, angle: f64) {
         let missing: Vec<bool> = match &self.normals {
             Some(normals) => {
@@ -40,7 +42,7 @@ impl TriangleMesh {
         direction(direction(b - a).cross(direction(c - a)))
     }
 
-    /// The angle of a corner, counted through all triangles \[radians].
+    /// Angle of a corner \[radians]; corners are numbered through all triangles.
     fn angle(&self, corner: usize) -> f64 {
         let triangle = self.triangles[corner / 3];
         let [p, q, r] = [0, 1, 2].map(|k| self.positions[triangle[(corner + k) % 3] as usize]);
@@ -48,12 +50,12 @@ impl TriangleMesh {
         libm::atan2(e.cross(f).length(), e.dot(f))
     }
 
-    /// The group of each corner, numbered by first use: corners of a group share their normal.
+    /// Group of each corner, numbered by first use; the corners of a group share their normal.
     fn groups(&self, faces: &[DVec3], angle: f64) -> Vec<u32> {
-        // Products of unit vectors err by some ulps; faces that differ by the very angle count together.
+        // Products of unit vectors err by some ulps; an angle equal to the limit counts as smooth.
         let least = if angle >= 180.0 { f64::NEG_INFINITY } else { libm::cos(angle.to_radians()) - 8.0 * f64::EPSILON };
         let topology = Topology::new(self);
-        let mut union = Union::new(3 * self.triangles.len());
+        let mut union = UnionFind::new(3 * self.triangles.len());
         for sides in topology.edges() {
             let &[a, b] = sides else { continue };
             let smooth = faces[a.triangle as usize].dot(faces[b.triangle as usize]) >= least;
@@ -66,7 +68,7 @@ impl TriangleMesh {
         let mut numbers = vec![u32::MAX; 3 * self.triangles.len()];
         let mut next = 0;
         for corner in 0..numbers.len() {
-            // The root is the least, so it has its number already.
+            // The root is the lowest index, so it is numbered already.
             let (root, _) = union.find(corner);
             numbers[corner] = if root == corner { next } else { numbers[root] };
             next += u32::from(root == corner);
@@ -74,10 +76,10 @@ impl TriangleMesh {
         numbers
     }
 
-    /// Gives each corner that lacks one the normal of its group.
+    /// Assigns the normal of its group to each corner that lacks one.
     fn split(&mut self, missing: &[bool], groups: &[u32], sums: &[DVec3]) {
         const KEEPS: u32 = u32::MAX;
-        let mut numbers: Numbers<(u32, u32)> = Numbers::with_capacity(self.positions.len());
+        let mut numbers: KeyNumbers<(u32, u32)> = KeyNumbers::with_capacity(self.positions.len());
         for (t, triangle) in self.triangles.iter_mut().enumerate() {
             for (k, v) in triangle.iter_mut().enumerate() {
                 let group = if missing[t] { groups[3 * t + k] } else { KEEPS };

@@ -1,22 +1,22 @@
-//! Windings that agree, with the outside outside.
+//! Consistent windings with outward normals.
 
-use super::share::Numbers;
-use super::topology::{Topology, Union};
+use super::share::KeyNumbers;
+use super::topology::{Topology, UnionFind};
 use super::{NO_MATERIAL, TriangleMesh};
 use glam::DVec3;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-/// Most closed surfaces that are looked at for lying in one another.
+/// Largest number of closed surfaces that are tested for containing each other.
 const MOST_NESTED: usize = 256;
 
-/// Faces that hang together over edges of two faces.
+/// Connected component: faces connected by edges of two faces.
 #[derive(Debug, Default)]
-struct Patch {
+struct Component {
     faces: Vec<u32>,
-    /// Whether it has no other edges.
+    /// True if all its edges have two faces.
     closed: bool,
-    /// Whether windings can agree.
+    /// True if windings can be made consistent.
     orientable: bool,
     low: DVec3,
     high: DVec3,
@@ -24,12 +24,15 @@ struct Patch {
 }
 
 impl TriangleMesh {
-    /// Makes windings agree on each surface. Closed ones face outward by their volume, and inward where they lie within an odd
-    /// number of others of the same material, as the wall of a hollow does; others keep the winding of most of their faces.
-    /// Surfaces with one side only are left as they are. Returns how many triangles were turned.
+    /// Makes windings consistent on each connected surface; returns the number of flipped
+    /// triangles.
+    ///
+    /// Closed surfaces face outward by their volume. They face inward if an odd number of others of
+    /// the same material contain them, like the wall of a hollow. Open surfaces keep the winding of
+    /// most of their faces. One-sided surfaces are not changed.
     pub fn orient(&mut self) -> usize {
         let topology = Topology::new(self);
-        let mut windings = Union::new(self.triangles.len());
+        let mut windings = UnionFind::new(self.triangles.len());
         let mut twisted = Vec::new();
         for sides in topology.edges() {
             if let &[a, b] = sides
@@ -39,11 +42,11 @@ impl TriangleMesh {
             }
         }
         let mut turn = vec![false; self.triangles.len()];
-        let mut patches: BTreeMap<usize, Patch> = BTreeMap::new();
+        let mut patches: BTreeMap<usize, Component> = BTreeMap::new();
         for (t, turn) in turn.iter_mut().enumerate().filter(|(t, _)| topology.is_whole(self.triangles[*t])) {
             let (root, against) = windings.find(t);
             *turn = against;
-            patches.entry(root).or_insert_with(|| self.patch(t)).add(self, t);
+            patches.entry(root).or_insert_with(|| self.component(t)).add(self, t);
         }
         for t in twisted {
             patches.entry(windings.find(t).0).and_modify(|patch| patch.orientable = false);
@@ -53,7 +56,7 @@ impl TriangleMesh {
                 patches.entry(windings.find(side.triangle as usize).0).and_modify(|patch| patch.closed = false);
             }
         }
-        let patches: Vec<Patch> = patches.into_values().collect();
+        let patches: Vec<Component> = patches.into_values().collect();
         let depths = self.depths(&patches, &turn);
         for (patch, depth) in patches.iter().zip(depths) {
             let turned = patch.faces.iter().filter(|t| turn[**t as usize]).count();
@@ -71,14 +74,14 @@ impl TriangleMesh {
         turn.into_iter().filter(|turned| *turned).count()
     }
 
-    /// Turns all triangles and normals around.
+    /// Flips all triangles and normals.
     pub fn flip(&mut self) {
         self.triangles.iter_mut().for_each(|[_, b, c]| std::mem::swap(b, c));
         self.normals.iter_mut().flatten().for_each(|n| *n = -*n);
     }
 
-    fn patch(&self, first: usize) -> Patch {
-        Patch {
+    fn component(&self, first: usize) -> Component {
+        Component {
             closed: true,
             orientable: true,
             low: DVec3::INFINITY,
@@ -92,8 +95,8 @@ impl TriangleMesh {
         self.triangles[triangle as usize].map(|v| self.positions[v as usize])
     }
 
-    /// Six times the volume that a closed patch encloses once the triangles in `turn` are turned.
-    fn signed_volume(&self, patch: &Patch, turn: &[bool]) -> f64 {
+    /// Six times the signed volume of a closed component, with the triangles in `turn` flipped.
+    fn signed_volume(&self, patch: &Component, turn: &[bool]) -> f64 {
         let middle = 0.5 * (patch.low + patch.high);
         let six = |t: &u32| {
             let [a, b, c] = self.corners(*t).map(|p| p - middle);
@@ -103,9 +106,11 @@ impl TriangleMesh {
         patch.faces.iter().map(six).sum()
     }
 
-    /// Within how many other closed patches of its material each closed patch lies; triangles in `turn` make each agree.
-    fn depths(&self, patches: &[Patch], turn: &[bool]) -> Vec<usize> {
-        let closed = |patch: &Patch| patch.closed && patch.orientable;
+    /// Number of other closed components of its material that contain each closed component.
+    ///
+    /// `turn` marks the triangles to flip for consistent windings.
+    fn depths(&self, patches: &[Component], turn: &[bool]) -> Vec<usize> {
+        let closed = |patch: &Component| patch.closed && patch.orientable;
         let mut depths = vec![0; patches.len()];
         if patches.iter().filter(|patch| closed(patch)).count() > MOST_NESTED {
             return depths;
@@ -113,7 +118,7 @@ impl TriangleMesh {
         for (depth, inner) in depths.iter_mut().zip(patches).filter(|(_, inner)| closed(inner)) {
             let [a, b, c] = self.corners(inner.faces[0]);
             let middle = (a + b + c) / 3.0;
-            let around = |outer: &&Patch| {
+            let around = |outer: &&Component| {
                 let other = !std::ptr::eq(*outer, inner);
                 let near = middle.cmpgt(outer.low).all() && middle.cmplt(outer.high).all();
                 other && closed(outer) && near && outer.material == inner.material && self.encloses(outer, turn, middle)
@@ -123,9 +128,11 @@ impl TriangleMesh {
         depths
     }
 
-    /// Whether a closed patch winds around `p`, by the solid angles of its faces once the triangles in `turn` are turned (van
-    /// Oosterom and Strackee 1983, "The solid angle of a plane triangle").
-    fn encloses(&self, patch: &Patch, turn: &[bool], p: DVec3) -> bool {
+    /// True if the closed component contains `p`, by the solid angles of its faces.
+    ///
+    /// Triangles in `turn` count as flipped. Source: van Oosterom and Strackee 1983, "The solid
+    /// angle of a plane triangle".
+    fn encloses(&self, patch: &Component, turn: &[bool], p: DVec3) -> bool {
         let angle = |t: &u32| {
             let [a, b, c] = self.corners(*t).map(|q| q - p);
             let [la, lb, lc] = [a, b, c].map(DVec3::length);
@@ -133,11 +140,11 @@ impl TriangleMesh {
             let angle = 2.0 * libm::atan2(a.dot(b.cross(c)), below);
             if turn[*t as usize] { -angle } else { angle }
         };
-        // All around is 4π, not around is 0.
+        // The sum is 4π inside and 0 outside.
         patch.faces.iter().map(angle).sum::<f64>().abs() > TAU
     }
 
-    /// Turns triangles around, and those of their corners' normals that would point to the other side.
+    /// Flips triangles, and those normals at their corners that would then point backwards.
     fn turn(&mut self, turn: &[bool]) {
         let Some(normals) = &self.normals else {
             for (triangle, _) in self.triangles.iter_mut().zip(turn).filter(|(_, turn)| **turn) {
@@ -145,7 +152,7 @@ impl TriangleMesh {
             }
             return;
         };
-        let mut numbers: Numbers<(u32, bool)> = Numbers::with_capacity(self.positions.len());
+        let mut numbers: KeyNumbers<(u32, bool)> = KeyNumbers::with_capacity(self.positions.len());
         let mut triangles = Vec::with_capacity(self.triangles.len());
         for (triangle, turn) in self.triangles.iter().zip(turn) {
             let [a, b, c] = *triangle;
@@ -163,7 +170,7 @@ impl TriangleMesh {
     }
 }
 
-impl Patch {
+impl Component {
     fn add(&mut self, mesh: &TriangleMesh, t: usize) {
         self.faces.push(t as u32);
         for p in mesh.corners(t as u32) {

@@ -1,17 +1,20 @@
-//! The parts of a mesh that are made of one material.
+//! Parts of a mesh with a common material.
 
 use super::TriangleMesh;
 
 const UNKNOWN: u32 = u32::MAX;
 
 impl TriangleMesh {
-    /// The parts by material, each with the vertices that it uses, in the order in which materials are first used; with
-    /// [`NO_MATERIAL`](super::NO_MATERIAL) that of triangles without one. Parts know no materials themselves.
+    /// Splits the mesh by material; returns the material index and the part, in the order of first
+    /// use.
+    ///
+    /// [`NO_MATERIAL`](super::NO_MATERIAL) marks the triangles without material. Parts have no
+    /// materials of their own.
     #[must_use]
     pub fn parts(&self) -> Vec<(u32, Self)> {
         let number = |t: usize| self.triangle_materials.get(t).copied().unwrap_or(super::NO_MATERIAL);
         let mut order: Vec<usize> = (0..self.triangles.len()).collect();
-        // Stable: triangles of one material stay in order.
+        // The sort is stable: triangles of one material stay in order.
         order.sort_by_key(|t| number(*t));
         let mut known = vec![UNKNOWN; self.positions.len()];
         let mut parts: Vec<(usize, u32, Self)> = Vec::new();

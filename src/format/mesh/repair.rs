@@ -1,43 +1,44 @@
-//! Mending meshes.
+//! Repair of meshes.
 
 use super::TriangleMesh;
 use super::topology::Topology;
 use serde::Serialize;
 
-/// What is mended. In the order of the fields.
+/// Repairs to make, in the order of the fields.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Repair {
-    /// Vertices at most this far apart become one \[length]; 0 is for those at the same place.
+    /// Vertices within this distance \[length] are merged; 0 merges equal positions.
     pub weld: Option<f64>,
-    /// Triangles on the three places of an earlier one are removed.
+    /// Removes triangles that have the three positions of an earlier one.
     pub duplicates: bool,
-    /// Triangles without area are removed.
+    /// Removes triangles without area.
     pub degenerate: bool,
-    /// Windings are made to agree; see [`TriangleMesh::orient`].
+    /// Makes windings consistent; see [`TriangleMesh::orient`].
     pub orient: bool,
 }
 
 impl Repair {
-    /// How far apart vertices are that are taken for one, if nothing else is told, as a part of the diagonal of the mesh: below
-    /// what single precision can tell.
+    /// Default distance for merging vertices, relative to the mesh's diagonal.
+    ///
+    /// It is below the resolution of single precision.
     pub const WELD: f64 = 1e-9;
 }
 
-/// What was mended.
+/// Counts of the repairs made.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Repaired {
-    /// Places that became one with others.
+    /// Positions merged with others.
     pub welded: usize,
     /// Duplicate triangles removed.
     pub duplicates: usize,
     /// Triangles without area removed.
     pub degenerate: usize,
-    /// Triangles turned.
+    /// Triangles flipped.
     pub turned: usize,
 }
 
 impl TriangleMesh {
-    /// Mends the mesh, and drops vertices that no triangle uses.
+    /// Repairs the mesh and removes unused vertices.
     pub fn repair(&mut self, repair: &Repair) -> Repaired {
         let mut done = Repaired::default();
         if let Some(tolerance) = repair.weld {
@@ -58,8 +59,10 @@ impl TriangleMesh {
         done
     }
 
-    /// The triangles without area, but not those that close a surface: where a corner of one triangle lies on another's edge,
-    /// such a needle fills the slit between them.
+    /// Triangles without area, except those that close a surface.
+    ///
+    /// If a corner of one triangle lies on another's edge, a degenerate triangle fills the gap
+    /// between them.
     fn degenerate(&self) -> Vec<bool> {
         let topology = Topology::new(self);
         let mut closing = vec![0_u8; self.triangles.len()];
@@ -69,7 +72,7 @@ impl TriangleMesh {
         self.triangles.iter().zip(closing).map(|(t, edges)| self.area(*t) == 0.0 && edges < 3).collect()
     }
 
-    /// Removes triangles, and returns how many.
+    /// Removes triangles and returns their number.
     fn remove(&mut self, unwanted: &[bool]) -> usize {
         let before = self.triangles.len();
         let mut keep = unwanted.iter().map(|unwanted| !unwanted);
@@ -80,7 +83,7 @@ impl TriangleMesh {
         before - self.triangles.len()
     }
 
-    /// Forgets materials that no triangle has any more.
+    /// Removes unused materials.
     fn drop_materials(&mut self) {
         let mut used = vec![false; self.materials.len()];
         for number in &self.triangle_materials {

@@ -1,63 +1,67 @@
-//! What there is to say of a mesh.
+//! Facts about a mesh: size, area, volume and topology.
 
 use super::TriangleMesh;
-use super::topology::{Topology, Union};
+use super::topology::{Topology, UnionFind};
 use glam::DVec3;
 use serde::Serialize;
 
-/// Figures of a mesh. Edges and surfaces go by the places of vertices, so that seams of normals and texture coordinates are none.
+/// Facts about a mesh.
+///
+/// Edges and surfaces are defined by vertex positions, so seams of normals or texture coordinates
+/// are no borders.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct MeshReport {
-    /// Vertices.
+    /// Number of vertices.
     pub vertices: usize,
-    /// Vertices that repeat another one bit for bit.
+    /// Number of vertices that repeat another one bit for bit.
     pub repeated_vertices: usize,
-    /// Vertices that no triangle uses.
+    /// Number of vertices that no triangle uses.
     pub isolated_vertices: usize,
-    /// Triangles.
+    /// Number of triangles.
     pub triangles: usize,
     /// Names of the materials.
     pub materials: Vec<String>,
-    /// Whether there are normals.
+    /// True if the mesh has normals.
     pub normals: bool,
-    /// Whether there are texture coordinates.
+    /// True if the mesh has texture coordinates.
     pub texture_coordinates: bool,
-    /// Lowest coordinates of vertices that are used.
+    /// Lowest coordinates of the used vertices.
     pub min: [f64; 3],
-    /// Highest coordinates.
+    /// Highest coordinates of the used vertices.
     pub max: [f64; 3],
-    /// Sum of the triangles' areas \[length²].
+    /// Total area of the triangles \[length²].
     pub area: f64,
-    /// Volume inside, by the divergence theorem \[length³]; `None` unless it is closed and all windings agree.
+    /// Enclosed volume by the divergence theorem \[length³]; `None` unless closed and consistently
+    /// wound.
     pub volume: Option<f64>,
-    /// Whether no edge is open.
+    /// True if every edge has more than one face.
     pub closed: bool,
-    /// Whether each edge has at most two faces, and the faces around each vertex hang together over edges.
+    /// True if each edge has at most two faces, and edges connect all faces around each vertex.
     pub manifold: bool,
-    /// Whether windings could agree everywhere.
+    /// True if windings can be made consistent.
     pub orientable: bool,
-    /// Edges of one face.
+    /// Number of edges with one face.
     pub boundary_edges: usize,
-    /// Edges of more than two faces.
+    /// Number of edges with more than two faces.
     pub non_manifold_edges: usize,
-    /// Places where surfaces touch that do not hang together there over edges.
+    /// Number of positions where surfaces touch without a common edge.
     pub non_manifold_vertices: usize,
-    /// Edges whose two faces are wound against each other.
+    /// Number of edges whose two faces have opposite windings.
     pub inconsistent_edges: usize,
-    /// Faces without area.
+    /// Number of triangles without area.
     pub degenerate_faces: usize,
-    /// Faces whose corners are the places of an earlier one's, however wound.
+    /// Number of triangles that have the three positions of an earlier one, in any order.
     pub duplicate_faces: usize,
-    /// Surfaces that hang together over edges.
+    /// Number of surfaces connected by edges.
     pub components: usize,
-    /// Places − edges + faces, without faces of fewer than three places.
+    /// Positions − edges + faces, without faces of fewer than three positions.
     pub euler_characteristic: i64,
-    /// Handles of all components; `None` unless closed, manifold and orientable.
+    /// Number of handles of all components; `None` unless closed, manifold and orientable.
     pub genus: Option<i64>,
 }
 
 impl TriangleMesh {
-    /// What there is to say of the mesh.
+    /// Computes the facts about the mesh.
     #[must_use]
     pub fn report(&self) -> MeshReport {
         let topology = Topology::new(self);
@@ -66,7 +70,7 @@ impl TriangleMesh {
         let corners = self.triangles.iter().flatten().map(|v| self.positions[*v as usize]);
         let (min, max) =
             corners.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
-        let surface = Surface::of(self, &topology);
+        let surface = EdgeCounts::of(self, &topology);
         let closed = surface.boundary == 0 && surface.faces > 0;
         let manifold = surface.crowded == 0 && surface.pinched == 0;
         let euler = surface.places as i64 - surface.edges as i64 + surface.faces as i64;
@@ -101,7 +105,7 @@ impl TriangleMesh {
         }
     }
 
-    /// Length of the diagonal of the box around all vertices; 0 where that is no finite number.
+    /// Diagonal of the box around all vertices \[length]; 0 if it is not finite.
     #[must_use]
     pub fn diagonal(&self) -> f64 {
         let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);
@@ -117,7 +121,7 @@ impl TriangleMesh {
         0.5 * (b - a).cross(c - a).length()
     }
 
-    /// Signed volume inside of a closed mesh, summed about a point near it \[length³].
+    /// Signed volume of a closed mesh \[length³], summed about the point `about` near it.
     fn volume(&self, about: DVec3) -> f64 {
         let six = |t: &[u32; 3]| {
             let [a, b, c] = t.map(|v| self.positions[v as usize] - about);
@@ -126,7 +130,7 @@ impl TriangleMesh {
         self.triangles.iter().map(six).sum::<f64>() / 6.0
     }
 
-    /// Which triangles have the three places of an earlier one.
+    /// True for each triangle that has the three positions of an earlier one.
     pub(super) fn duplicates(&self, topology: &Topology) -> Vec<bool> {
         let mut keys: Vec<([u32; 3], u32)> = Vec::with_capacity(self.triangles.len());
         for (t, triangle) in self.triangles.iter().enumerate().filter(|(_, triangle)| topology.is_whole(**triangle)) {
@@ -143,8 +147,8 @@ impl TriangleMesh {
     }
 }
 
-/// Counts over edges.
-struct Surface {
+/// Counts over the edges of a mesh.
+struct EdgeCounts {
     places: usize,
     edges: usize,
     faces: usize,
@@ -153,12 +157,12 @@ struct Surface {
     pinched: usize,
     inconsistent: usize,
     orientable: bool,
-    /// Whether each edge is passed as often one way as the other.
+    /// True if each edge is traversed equally often in both directions.
     balanced: bool,
     components: usize,
 }
 
-impl Surface {
+impl EdgeCounts {
     fn of(mesh: &TriangleMesh, topology: &Topology) -> Self {
         let whole: Vec<usize> = (0..mesh.triangles.len()).filter(|t| topology.is_whole(mesh.triangles[*t])).collect();
         let mut this = Self {
@@ -173,9 +177,9 @@ impl Surface {
             balanced: true,
             components: 0,
         };
-        let mut surfaces = Union::new(mesh.triangles.len());
-        let mut windings = Union::new(mesh.triangles.len());
-        let mut fans = Union::new(3 * mesh.triangles.len());
+        let mut surfaces = UnionFind::new(mesh.triangles.len());
+        let mut windings = UnionFind::new(mesh.triangles.len());
+        let mut fans = UnionFind::new(3 * mesh.triangles.len());
         for sides in topology.edges() {
             this.edges += 1;
             let forward = sides.iter().filter(|side| side.forward).count();

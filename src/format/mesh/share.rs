@@ -1,4 +1,4 @@
-//! One vertex for all that agree.
+//! Merging of equal vertices.
 
 use super::TriangleMesh;
 use ahash::RandomState;
@@ -7,21 +7,22 @@ use hashbrown::HashTable;
 use hashbrown::hash_table::Entry;
 use std::hash::Hash;
 
-/// Finds things with equal keys among those that came before, by their number.
-pub(in crate::format) struct Numbers<T> {
+/// Numbers values by their keys, in the order of first use.
+pub(in crate::format) struct KeyNumbers<T> {
     hasher: RandomState,
     table: HashTable<u32>,
     list: Vec<T>,
 }
 
-impl<T> Numbers<T> {
+impl<T> KeyNumbers<T> {
     pub fn with_capacity(n: usize) -> Self {
-        // Numbers depend on the order of things alone, so any seed does.
+        // Numbers depend only on the order of values, so any seed works.
         let hasher = RandomState::with_seeds(1, 2, 3, 4);
         Self { hasher, table: HashTable::with_capacity(n), list: Vec::with_capacity(n) }
     }
 
-    /// The number of the first thing that had the key of `thing`, which is the next one where there is none.
+    /// Number of the first value whose key equals that of `thing`; the next free number if there is
+    /// none.
     #[inline]
     pub fn number<K: Hash + Eq>(&mut self, thing: T, key: impl Fn(&T) -> K) -> u32 {
         let Self { hasher, table, list } = self;
@@ -38,18 +39,18 @@ impl<T> Numbers<T> {
         }
     }
 
-    /// The first thing of each number.
+    /// The first value of each number.
     pub fn into_list(self) -> Vec<T> {
         self.list
     }
 }
 
-/// The bits of a point.
+/// Bit patterns of the components.
 pub(in crate::format) fn bits(p: DVec3) -> [u64; 3] {
     p.to_array().map(f64::to_bits)
 }
 
-/// The bits of a place: its two zeros are one.
+/// Bit patterns of a position, in which both zeros are equal.
 fn place(p: DVec3) -> [u64; 3] {
     bits(p + DVec3::ZERO)
 }
@@ -57,13 +58,14 @@ fn place(p: DVec3) -> [u64; 3] {
 const UNKNOWN: u32 = u32::MAX;
 
 impl TriangleMesh {
-    /// Makes vertices one that agree in every bit, drops those that no triangle uses, and numbers the others by first use.
-    /// Where one corner of a triangle has no normal, none keeps its own.
+    /// Merges vertices that are equal bit for bit, removes unused ones, and renumbers by first use.
+    ///
+    /// If one corner of a triangle has no normal, none of its corners keeps one.
     pub fn share(&mut self) {
         let normals = self.normals.as_deref();
         let mut known: Vec<u32> = vec![UNKNOWN; self.positions.len()];
-        // A vertex, and whether it is to lose its normal.
-        let mut numbers: Numbers<(u32, bool)> = Numbers::with_capacity(self.positions.len());
+        // A vertex, and whether it loses its normal.
+        let mut numbers: KeyNumbers<(u32, bool)> = KeyNumbers::with_capacity(self.positions.len());
         let key = |&(v, flat): &(u32, bool)| {
             let normal = normals.filter(|_| !flat).map_or(DVec3::ZERO, |n| n[v as usize]);
             let texcoord = self.texcoords.as_ref().map_or(DVec2::ZERO, |t| t[v as usize]);
@@ -93,23 +95,27 @@ impl TriangleMesh {
         self.take(vertices.iter().map(|(v, _)| *v));
     }
 
-    /// Makes the vertices copies of those listed, but for their normals, which have been made already.
+    /// Replaces positions and texture coordinates by those of the listed vertices.
+    ///
+    /// The caller replaces the normals.
     pub(super) fn take(&mut self, list: impl Iterator<Item = u32> + Clone) {
         self.positions = list.clone().map(|v| self.positions[v as usize]).collect();
         let texcoord = |texcoords: Vec<DVec2>| list.map(|v| texcoords[v as usize]).collect();
         self.texcoords = self.texcoords.take().map(texcoord);
     }
 
-    /// The number of each vertex's place: vertices at the same place have the same number. And how many places there are.
+    /// Position number of each vertex, and the number of positions.
+    ///
+    /// Vertices at one position have the same number.
     #[must_use]
     pub fn places(&self) -> (Vec<u32>, usize) {
-        let mut numbers = Numbers::with_capacity(self.positions.len());
+        let mut numbers = KeyNumbers::with_capacity(self.positions.len());
         let places = self.positions.iter().map(|p| numbers.number(place(*p), |key| *key)).collect();
         (places, numbers.into_list().len())
     }
 
     pub(super) fn distinct_positions(&self) -> usize {
-        let mut numbers = Numbers::with_capacity(self.positions.len());
+        let mut numbers = KeyNumbers::with_capacity(self.positions.len());
         self.positions.iter().for_each(|p| {
             numbers.number(bits(*p), |key| *key);
         });

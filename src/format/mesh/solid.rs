@@ -42,10 +42,11 @@ impl Display for SolidDefect {
 pub const SOLID_CHECK_BYTES: u64 = 120;
 
 impl TriangleMesh {
-    /// First defect that keeps the mesh from bounding a solid body; `None` if it is closed and faces outward.
+    /// First defect that keeps the mesh from bounding a solid body; `None` if it is closed and
+    /// faces outward.
     ///
-    /// The outer side follows the rule of the renderer: shading normals decide it where a triangle has them,
-    /// else the winding does. Triangles without area are ignored.
+    /// The outer side follows the rule of the renderer: shading normals decide it where a triangle
+    /// has them, else the winding does. Triangles without area are ignored.
     #[must_use]
     pub fn solid_defect(&self) -> Option<SolidDefect> {
         let topology = Topology::new(self);

@@ -1,22 +1,23 @@
-//! How triangles hang together: by the places of their corners, whatever normals and texture coordinates these have.
+//! Connectivity of triangles by the positions of their corners.
 
 use super::TriangleMesh;
 use rayon::prelude::*;
 
-/// One triangle's side of an edge.
+/// Side of a triangle along an edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Side {
-    /// The numbers of the edge's places, the lower one first.
+    /// Position numbers of the edge, the lower one first.
     pub places: [u32; 2],
     pub triangle: u32,
-    /// The corner where the side starts; it ends at the next.
+    /// Corner at which the side starts; it ends at the next corner.
     pub corner: u8,
-    /// Whether it starts at the lower place.
+    /// True if the side starts at the lower position.
     pub forward: bool,
 }
 
 impl Side {
-    /// The numbers of its corners, among all of the mesh, at the lower and the higher place.
+    /// Indices, among all corners of the mesh, of the corners at the lower and at the higher
+    /// position.
     pub fn corners(&self) -> [usize; 2] {
         let base = 3 * self.triangle as usize;
         let (start, end) = (base + self.corner as usize, base + (self.corner as usize + 1) % 3);
@@ -24,14 +25,14 @@ impl Side {
     }
 }
 
-/// Places and edges of a mesh.
+/// Positions and edges of a mesh.
 #[derive(Debug)]
 pub(super) struct Topology {
-    /// The number of each vertex's place.
+    /// Position number of each vertex.
     pub places: Vec<u32>,
-    /// How many places there are.
+    /// Number of positions.
     pub place_count: usize,
-    /// Sides of triangles that have three places, sorted by edge.
+    /// Sides of the triangles with three positions, sorted by edge.
     sides: Vec<Side>,
 }
 
@@ -53,32 +54,34 @@ impl Topology {
         Self { places, place_count, sides }
     }
 
-    /// The sides of each edge.
+    /// Sides of each edge.
     pub fn edges(&self) -> impl Iterator<Item = &[Side]> {
         self.sides.chunk_by(|a, b| a.places == b.places)
     }
 
-    /// Whether a triangle has three places.
+    /// True if a triangle has three different positions.
     pub fn is_whole(&self, triangle: [u32; 3]) -> bool {
         let [a, b, c] = triangle.map(|v| self.places[v as usize]);
         a != b && b != c && c != a
     }
 }
 
-/// Which of many things belong together, and which of these are turned against each other (Tarjan 1975, with a parity).
+/// UnionFind–find structure that also tracks which elements are flipped relative to each other.
+///
+/// Source: Tarjan 1975, extended by a parity.
 #[derive(Debug)]
-pub(super) struct Union {
+pub(super) struct UnionFind {
     parent: Vec<u32>,
-    /// Whether it is turned against its parent.
+    /// True if the element is flipped relative to its parent.
     turned: Vec<bool>,
 }
 
-impl Union {
+impl UnionFind {
     pub fn new(n: usize) -> Self {
         Self { parent: (0..n as u32).collect(), turned: vec![false; n] }
     }
 
-    /// The least one of those that it belongs to, and whether it is turned against that.
+    /// Lowest element of the set of `i`, and whether `i` is flipped relative to it.
     pub fn find(&mut self, i: usize) -> (usize, bool) {
         let (mut root, mut turned) = (i, false);
         while self.parent[root] as usize != root {
@@ -96,7 +99,8 @@ impl Union {
         (root, turned)
     }
 
-    /// Joins two, turned against each other or not; false where they are joined the other way round already.
+    /// Joins the sets of `a` and `b`, `turned` relative to each other; false if that contradicts
+    /// earlier joins.
     pub fn join(&mut self, a: usize, b: usize, turned: bool) -> bool {
         let ((a, a_turned), (b, b_turned)) = (self.find(a), self.find(b));
         let turned = turned ^ a_turned ^ b_turned;

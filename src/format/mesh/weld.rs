@@ -1,4 +1,4 @@
-//! Vertices that nearly coincide.
+//! Merging of nearly coincident vertices.
 
 use super::TriangleMesh;
 use ahash::RandomState;
@@ -11,11 +11,12 @@ const NONE: u32 = u32::MAX;
 const FARTHEST: f64 = 1e150;
 
 impl TriangleMesh {
-    /// Moves each vertex to the first one that is at most `tolerance` away, in the order of vertices, and makes those one that
-    /// then agree in every bit. Returns how many places there are less.
+    /// Moves each vertex to the first one within `tolerance`, and merges equal vertices.
+    ///
+    /// Returns by how much the number of positions decreases.
     pub fn weld(&mut self, tolerance: f64) -> usize {
         let (_, before) = self.places();
-        let mut kept = Kept::new(tolerance.clamp(0.0, FARTHEST), &self.positions);
+        let mut kept = WeldGrid::new(tolerance.clamp(0.0, FARTHEST), &self.positions);
         for p in &mut self.positions {
             *p = kept.nearby(*p);
         }
@@ -25,21 +26,21 @@ impl TriangleMesh {
     }
 }
 
-/// Points that others have been moved to, by cells of a grid twice as wide as the tolerance.
-struct Kept {
+/// WeldGrid positions, in a grid of cells twice as wide as the tolerance.
+struct WeldGrid {
     tolerance: f64,
     low: DVec3,
     cell: f64,
     first: HashMap<[i64; 3], u32, RandomState>,
-    /// Each point, and the one before it in its cell.
+    /// Each position, and the previous one in its cell.
     points: Vec<(DVec3, u32)>,
 }
 
-impl Kept {
+impl WeldGrid {
     fn new(tolerance: f64, positions: &[DVec3]) -> Self {
         let (low, high) =
             positions.iter().fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(*p), high.max(*p)));
-        // Cells that are too narrow to be counted would all be one.
+        // Cells narrower than this could not be counted.
         let cell = (2.0 * tolerance).max((high - low).max_element() * 1e-12);
         Self {
             tolerance,
@@ -50,11 +51,11 @@ impl Kept {
         }
     }
 
-    /// The first point that was kept within the tolerance of `p`; `p` itself, kept from now on, where there is none.
+    /// First kept position within the tolerance of `p`; if there is none, `p` is kept and returned.
     fn nearby(&mut self, p: DVec3) -> DVec3 {
         let at = (p - self.low) / self.cell;
         let corner = at.floor();
-        // Half a cell is the farthest that a neighbour can be.
+        // A neighbour is at most half a cell away.
         let side = (at - corner).cmpge(DVec3::splat(0.5));
         let base = corner.to_array().map(|x| x as i64);
         let step = [side.x, side.y, side.z].map(|upper| if upper { 1 } else { -1 });

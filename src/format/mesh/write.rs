@@ -1,25 +1,25 @@
-//! Meshes into files.
+//! Writing of mesh files.
 
-use super::TriangleMesh;
-use crate::format::{obj, ply};
+use super::{TriangleMesh, obj, ply};
 use crate::image::{WriteError, replace_with};
 use std::fmt::{Display, Formatter, Result as Written};
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
-/// The form of a mesh file.
+/// Format of a mesh file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum MeshFormat {
     /// Wavefront OBJ.
     Obj,
-    /// PLY in binary, low bytes first.
+    /// Binary PLY, little-endian.
     Ply,
     /// PLY as text.
     PlyText,
 }
 
 impl MeshFormat {
-    /// The form that the extension of a path names; `text` says which PLY.
+    /// Format for the extension of a path; `text` selects PLY as text. `None` for unknown
+    /// extensions.
     #[must_use]
     pub fn of(path: &Path, text: bool) -> Option<Self> {
         let is = |name: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(name));
@@ -33,10 +33,13 @@ impl MeshFormat {
 }
 
 impl TriangleMesh {
-    /// Writes the mesh whole or not at all. Numbers read back bit for bit; an OBJ file names the materials and their
-    /// `libraries`, PLY holds none.
+    /// Writes the file completely or not at all.
+    ///
+    /// Numbers read back bit for bit. An OBJ file names the materials and their `libraries`; PLY
+    /// has none.
     ///
     /// # Errors
+    ///
     /// [`WriteError`].
     pub fn write(&self, path: &Path, format: MeshFormat, libraries: &[String]) -> Result<(), WriteError> {
         replace_with(path, |file| {
@@ -51,7 +54,7 @@ impl TriangleMesh {
     }
 }
 
-/// The shortest decimal that reads back as the same number, by exponent where that is far from 1.
+/// Shortest decimal that reads back as the same number, with an exponent if it is far from 1.
 pub(in crate::format) struct Shortest<T>(pub T);
 
 impl<T: Copy + Into<f64> + Display + std::fmt::LowerExp> Display for Shortest<T> {

@@ -1,12 +1,14 @@
-//! The lines of an MTL file that count, proved sound one by one.
+//! Checks the relevant lines of an MTL file.
 
 use super::super::problem::{Problem, excerpt};
 use std::fmt::Write;
 
 const REPAIR: &str = "repair it or export the materials anew";
 
-/// The lines of `text` that count, each in the one form that the reader knows; or the first that is wrong, from 1.
-pub(super) fn sound_lines(text: &str) -> Result<String, (usize, Problem)> {
+/// The relevant lines of `text`, each in the form that the reader knows.
+///
+/// An error holds the first invalid line, from 1, and the problem.
+pub(super) fn checked_lines(text: &str) -> Result<String, (usize, Problem)> {
     let mut sound = String::new();
     let mut named = false;
     for (i, line) in text.lines().enumerate() {
@@ -35,7 +37,7 @@ fn check(line: &str, named: &mut bool, sound: &mut String) -> Result<(), Problem
             let [r, g, b] = colour(keyword, rest)?;
             let _ = writeln!(sound, "{keyword} {r} {g} {b}");
         }
-        // Some exporters write negative exponents where they mean none.
+        // Some exporters write a negative exponent for no highlight.
         "Ns" => {
             let _ = writeln!(sound, "Ns {}", fitting(keyword, rest)?.max(0.0));
         }
@@ -76,7 +78,7 @@ fn number(keyword: &str, rest: &str) -> Result<f64, Problem> {
     }
 }
 
-/// A number that single precision holds.
+/// Parses a number that single precision can hold.
 fn fitting(keyword: &str, rest: &str) -> Result<f64, Problem> {
     match number(keyword, rest)? {
         number if number.abs() <= f64::from(f32::MAX) => Ok(number),
@@ -84,7 +86,7 @@ fn fitting(keyword: &str, rest: &str) -> Result<f64, Problem> {
     }
 }
 
-/// Three numbers, or one that stands for all.
+/// Parses three numbers, or one that stands for all.
 fn colour(keyword: &str, rest: &str) -> Result<[f64; 3], Problem> {
     let words: Vec<&str> = rest.split_ascii_whitespace().take_while(|word| !word.starts_with('#')).collect();
     let numbers = match words[..] {
@@ -100,7 +102,7 @@ fn colour(keyword: &str, rest: &str) -> Result<[f64; 3], Problem> {
     }
 }
 
-/// The path after the options of a map, which say nothing here.
+/// The path after the options of a map, which are ignored.
 fn without_options(mut rest: &str) -> &str {
     let next = |text: &str| text.split_ascii_whitespace().next().unwrap_or_default().to_owned();
     let after = |text: &'_ str, word: &str| text[word.len()..].trim_start().len();
@@ -115,7 +117,7 @@ fn without_options(mut rest: &str) -> &str {
         rest = &rest[rest.len() - after(rest, &option)..];
         for k in 0..most {
             let value = next(rest);
-            // Offsets and scales may give fewer numbers than three.
+            // Offsets and scales may have fewer than three numbers.
             if k > 0 && value.parse::<f64>().is_err() {
                 break;
             }

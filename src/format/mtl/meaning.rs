@@ -1,4 +1,4 @@
-//! What an MTL material is in the scene language.
+//! Translation of MTL materials to the scene language.
 
 use super::FileMaterial;
 use crate::format::description::{Attenuation, Emission, Material, MaterialKind, Span, Spanned};
@@ -6,18 +6,20 @@ use crate::format::problem::Problem;
 use glam::DVec3;
 use std::path::{PathBuf, absolute};
 
-/// The index of glass, where a transparent material gives none.
+/// Index of refraction of transparent materials that define none.
 const GLASS: f64 = 1.5;
 
 impl FileMaterial {
-    /// The material of the scene language that comes closest.
+    /// Closest material of the scene language.
     ///
-    /// A Dielectric where the illumination model is one of glass or refraction (4, 6, 7, 9) or `d` is below 1: of index `Ni`, and
-    /// tinted by `Tf`. A Mirror of `Ks` where the model is one of reflection (3, 5, 8) and `Kd` is black. Else Phong's model of
-    /// `Kd`, of `Ks` and `Ns` where the model has highlights (2 and up, or none is given), and of the picture.
+    /// - A Dielectric of index `Ni`, tinted by `Tf`, if the illumination model is one of glass or
+    ///   refraction (4, 6, 7, 9) or `d` is below 1.
+    /// - A Mirror of `Ks` if the model is one of reflection (3, 5, 8) and `Kd` is black.
+    /// - Else Phong's model of `Kd` and of the picture, with `Ks` and `Ns` if the model has
+    ///   highlights (2 and up, or undefined).
     ///
     /// # Errors
-    /// A message and a remedy where the index of a transparent material is out of range.
+    /// A message and a remedy if the index of a transparent material is out of range.
     pub fn meaning(&self) -> Result<Material, Problem> {
         let model = self.illumination;
         let diffuse = self.diffuse.unwrap_or(DVec3::ONE);
@@ -48,7 +50,7 @@ impl FileMaterial {
     }
 }
 
-/// The whole path of a picture, as it does not count from the scene file's folder.
+/// Absolute path of a picture, since MTL paths are not relative to the scene file.
 fn picture(path: &PathBuf) -> Spanned<String> {
     let whole = absolute(path).unwrap_or_else(|_| path.clone());
     Spanned::new(whole.display().to_string(), Span::default())

@@ -1,6 +1,6 @@
-//! Materials from and to MTL files, which stand beside OBJ files.
+//! Materials from and to MTL files, which accompany OBJ files.
 //!
-//! As with meshes, each line is checked here, and crate `tobj` reads the sound ones.
+//! Each line is checked here, and crate `tobj` parses the valid ones.
 
 mod check;
 mod meaning;
@@ -15,42 +15,46 @@ use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 pub use write::write;
 
-/// Bytes that a byte of a file takes: a line `newmtl a` is a material of the reader's and one of ours. Measured: 76 of such lines.
+/// Bytes of memory per byte of the file: a line `newmtl a` becomes a material of `tobj` and one of
+/// ours.
+///
+/// Measured: 76 for a file of such lines.
 const PER_BYTE: u64 = 100;
 
-/// A material as an MTL file has it. What it does not tell is `None`.
+/// Material of an MTL file; undefined properties are `None`.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FileMaterial {
-    /// What `usemtl` calls it.
+    /// Name by which `usemtl` refers to it.
     pub name: String,
-    /// Kd.
+    /// Diffuse reflectance (Kd).
     pub diffuse: Option<DVec3>,
-    /// Ks.
+    /// Specular reflectance (Ks).
     pub specular: Option<DVec3>,
-    /// Ke: radiance.
+    /// Emitted radiance (Ke).
     pub emission: Option<DVec3>,
-    /// Tf: share of light that passes through.
+    /// Transmittance (Tf).
     pub filter: Option<DVec3>,
-    /// Ns: the exponent of the highlight.
+    /// Exponent of the highlight (Ns).
     pub shininess: Option<f64>,
-    /// d, or 1 − Tr: 1 is opaque.
+    /// Opacity (d, or 1 − Tr): 1 is opaque.
     pub dissolve: Option<f64>,
-    /// Ni: index of refraction.
+    /// Index of refraction (Ni).
     pub index: Option<f64>,
-    /// illum: the number of the illumination model.
+    /// Number of the illumination model (illum).
     pub illumination: Option<u8>,
-    /// map_Kd: the picture that Kd is multiplied by; its path counts from the same folder as the MTL file's own.
+    /// Picture that multiplies Kd (map_Kd); its path is relative to the same folder as that of the
+    /// MTL file.
     pub texture: Option<PathBuf>,
 }
 
-/// The materials of the `libraries` that the mesh at `mesh` names, in their order; of a name, the last counts.
+/// Reads the materials of the `libraries` that the mesh at `mesh` names, in their order.
 ///
-/// A line `mtllib` may hold one path with spaces or several paths; it is one if there is such a file.
-///
-/// Files that take more than `free` bytes of memory, where that number is known, are refused before they take any.
+/// The last definition of a name counts. A line `mtllib` may hold several paths, or one path with
+/// spaces if such a file exists. Files that take more than `free` bytes, if that number is
+/// known, are refused before that.
 ///
 /// # Errors
-/// See [`MeshError`]; all name the file.
+/// [`MeshError`], which names the file.
 pub fn load(mesh: &Path, libraries: &[String], free: Option<u64>) -> Result<Vec<FileMaterial>, MeshError> {
     let folder = mesh.parent().unwrap_or(Path::new(""));
     let mut materials: Vec<FileMaterial> = Vec::new();
@@ -75,10 +79,11 @@ pub fn load(mesh: &Path, libraries: &[String], free: Option<u64>) -> Result<Vec<
     Ok(materials)
 }
 
-/// The materials that a mesh read from `path` names, in the order of its names.
+/// Materials that a mesh read from `path` names, in the order of its names.
 ///
 /// # Errors
-/// See [`MeshError`]: a file of materials is missing or wrong, or none holds one of the names.
+///
+/// [`MeshError`] if a material file is missing or invalid, or if none defines a name.
 pub fn of_mesh(path: &Path, loaded: &Loaded, free: Option<u64>) -> Result<Vec<FileMaterial>, MeshError> {
     let library = load(path, &loaded.libraries, free)?;
     let by_name: HashMap<&str, &FileMaterial> = library.iter().map(|m| (m.name.as_str(), m)).collect();
@@ -89,12 +94,13 @@ pub fn of_mesh(path: &Path, loaded: &Loaded, free: Option<u64>) -> Result<Vec<Fi
     loaded.mesh.materials.iter().map(find).collect()
 }
 
-/// The materials of the bytes of a file that errors call `path`.
+/// Parses the bytes of a material file that errors call `path`.
 ///
 /// # Errors
-/// See [`MeshError`].
+///
+/// [`MeshError`].
 pub fn decode(path: &Path, bytes: &[u8]) -> Result<Vec<FileMaterial>, MeshError> {
-    let sound = check::sound_lines(&String::from_utf8_lossy(without_bom(bytes)))
+    let sound = check::checked_lines(&String::from_utf8_lossy(without_bom(bytes)))
         .map_err(|(line, wrong)| MeshError::line(path, line, wrong))?;
     let malformed = |source| MeshError::Malformed { path: path.into(), source };
     let (materials, _) = tobj::load_mtl_buf(&mut sound.as_bytes()).map_err(malformed)?;
@@ -106,7 +112,7 @@ pub fn decode(path: &Path, bytes: &[u8]) -> Result<Vec<FileMaterial>, MeshError>
             diffuse: vector(m.diffuse),
             specular: vector(m.specular),
             emission: vector(m.emissive),
-            // tobj keeps it as text, which the check has written.
+            // `tobj` keeps it as text, which the check has written.
             filter: m.unknown_param.get("Tf").map(|text| {
                 let mut numbers = text.split(' ').map(|word| word.parse().unwrap_or_default());
                 DVec3::from_array([(); 3].map(|()| numbers.next().unwrap_or_default()))
@@ -121,7 +127,7 @@ pub fn decode(path: &Path, bytes: &[u8]) -> Result<Vec<FileMaterial>, MeshError>
         .collect())
 }
 
-/// A path as written on any system.
+/// Path with separators that every system accepts.
 fn portable(path: &str) -> PathBuf {
     PathBuf::from(path.replace('\\', "/"))
 }

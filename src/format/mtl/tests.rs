@@ -41,7 +41,7 @@ fn every_known_line_is_read() {
     assert_eq!(one(""), FileMaterial { name: "m".to_owned(), ..FileMaterial::default() });
     let two = read_text("# head\n\nnewmtl a b\nKd 1 1 1\nnewmtl c\nd 1\n").unwrap();
     assert_eq!((two[0].name.as_str(), two[1].name.as_str(), two[1].diffuse), ("a b", "c", None));
-    // An exponent below 0 is how some exporters write none.
+    // Some exporters write a negative exponent for no highlight.
     assert_eq!(one("Ns -1.96").shininess, Some(0.0));
     assert_eq!(one("d -halo .5").dissolve, Some(0.5));
 }
@@ -116,7 +116,7 @@ fn materials_become_those_of_the_scene_language() {
     assert_eq!(one("Ke 0 0 0").meaning().unwrap().emission, None);
     let (message, _) = one("d 0\nNi 0").meaning().unwrap_err();
     assert!(message.contains("`m`") && message.contains("`Ni` is 0"), "{message}");
-    // Of an opaque material no one asks.
+    // The index of an opaque material is not used.
     assert_eq!(kind("Ni 0"), phong(1.0, 0.0, 0.0));
 }
 
@@ -147,7 +147,7 @@ fn libraries_are_found_beside_the_mesh() {
     assert!(error.contains("b.mtl") && error.contains("put it beside the mesh"), "{error}");
     put("b.mtl", "newmtl m\nKd .2\n");
     put("c.mtl", "newmtl o\n");
-    // Two of a line, and the last of a name.
+    // Two files on one line; the last definition of a name counts.
     let all = libraries(&["a b.mtl", "b.mtl c.mtl"]).unwrap();
     assert_eq!(all.iter().map(|m| m.name.as_str()).collect::<Vec<_>>(), ["n", "m", "o"]);
     assert_eq!(all[1].diffuse, Some(DVec3::splat(0.2)));

@@ -6,7 +6,9 @@ use crate::image::{WriteError, replace_file};
 use std::fmt::Write;
 use std::path::{Path, absolute};
 
-/// Writes materials whole or not at all. Pictures in the folder of `path` or below are named from there, others by their whole path.
+/// Writes a material file completely or not at all.
+///
+/// Pictures in the folder of `path` or below get relative paths, others absolute paths.
 ///
 /// # Errors
 /// [`WriteError`].

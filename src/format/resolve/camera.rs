@@ -1,4 +1,4 @@
-//! The camera of the description.
+//! Resolves the camera of a description.
 
 use super::aim;
 use crate::camera::{Camera, Lens};
@@ -39,19 +39,19 @@ pub(super) fn camera(description: &Description, source: &Source) -> Result<Camer
     camera.map_err(|e| SceneError::at(source, described.span, e.to_string(), "this camera", "give another `up`"))
 }
 
-/// What directions in single precision may be off by, each component by half an ulp below 1: at most √3 · 2⁻²⁵ \[rad].
-const OFF: f64 = 1.0 / 16_777_216.0;
+/// Greatest error of a direction in single precision, in rad: half an ulp below 1 in each component, so √3 · 2⁻²⁵.
+const ERROR: f64 = 1.0 / 16_777_216.0;
 
-/// Tangent of the angle from the middle of the picture to its corner at which being off moves the corner by 1/256 of that way.
+/// Tangent of the angle from picture center to corner at which that error moves the corner by 1/256 of the distance.
 const WIDEST: f64 = 65_536.0;
 
-/// Whether directions in single precision tell the pixels of a perspective camera apart; else what is wrong, and what would be right.
+/// Refuses an angle at which single precision cannot distinguish pixels; the error is message and remedy.
 fn check_angle(angle: f64, (width, height): (u32, u32)) -> Result<(), (String, &'static str)> {
     let (width, height) = (f64::from(width), f64::from(height));
     let pixel = 2.0 * libm::tan(0.5 * angle.to_radians()) / height;
-    if pixel < OFF {
+    if pixel < ERROR {
         let message =
-            format!("the pixels are {pixel:.1e} rad wide, less than directions in single precision may be off");
+            format!("the pixels are {pixel:.1e} rad wide, less than the error of directions in single precision");
         return Err((message, "choose a larger `angle` or fewer pixels, or an OrthographicCamera"));
     }
     let corner = 0.5 * pixel * libm::hypot(width, height);
@@ -63,10 +63,10 @@ fn check_angle(angle: f64, (width, height): (u32, u32)) -> Result<(), (String, &
     Ok(())
 }
 
-/// Distance below which squares of lengths in front of a lens are no longer told from zero.
+/// Least focus distance: squares of shorter lengths underflow in single precision.
 const NEAREST: f64 = 1e-12;
 
-/// Lengths whose squares and products single precision can hold.
+/// Greatest length whose squares and products single precision can hold.
 const LARGEST: f64 = 1e12;
 
 fn resolve_lens(lens: &description::Lens, angle: f64, center: DVec3, direction: DVec3) -> Lens {

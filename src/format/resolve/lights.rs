@@ -1,118 +1,181 @@
-//! Lights of the description.
+//! Adds the lights of a description to the scene.
 
 use super::{Resolver, aim, rgb};
 use crate::color::Rgb;
 use crate::format::SceneError;
 use crate::format::description::{
-    AreaStrength, DirectionalStrength, EnvironmentRadiance, Light, Map, PointStrength, Span, Spanned,
+    AreaStrength, DirectionalStrength, EnvironmentRadiance, Light, LightPattern, Map, PointStrength, Span, Spanned,
 };
 use crate::image::Meaning;
-use crate::light::EnvironmentLight;
+use crate::light::{EnvironmentLight, IntensityPattern, OrientedSource, Slide, SphericalMap, profile_map};
 use crate::math::Motion;
 use crate::scene::{LightStrength, Material, SourceKind};
 use crate::shape::{Disc, Rectangle, Shape, Sphere};
 use glam::DVec3;
+use std::sync::Arc;
 
-impl Resolver<'_> {
-    pub(super) fn light(&mut self, light: &Spanned<Light>, motion: &Motion) -> Result<(), SceneError> {
-        match &light.value {
-            Light::Moving { maps, light } => {
-                let motion = motion.then_inside(maps.iter().map(Map::growing));
-                self.light(light, &motion)?;
-            }
-            Light::Point { position, strength } => {
-                self.source(SourceKind::Point { position: *position }, point(*strength), motion);
-            }
-            Light::Spot { position, aim: target, angle, penumbra, strength } => {
-                let outer = 0.5 * angle.to_radians();
-                let kind = SourceKind::Spot {
-                    position: *position,
-                    axis: aim(*target, *position),
-                    inner: (outer - penumbra.to_radians()).max(0.0),
-                    outer,
-                };
-                self.source(kind, point(*strength), motion);
-            }
-            Light::Directional { direction, strength } => {
-                let strength = match strength {
-                    DirectionalStrength::Color(c) => LightStrength::Course(rgb(*c)),
-                    DirectionalStrength::Irradiance(e) => LightStrength::Physical(rgb(*e)),
-                };
-                self.source(SourceKind::Directional { direction: *direction }, strength, motion);
-            }
-            Light::Sphere { center, radius, strength } => {
-                self.area_light(Shape::Sphere(Sphere::new(*center, *radius)), *center, *strength, motion, light.span)?;
-            }
-            Light::Disc { center, normal, radius, strength } => {
-                self.area_light(
-                    Shape::Disc(Disc::around(*center, *normal, *radius)),
-                    *center,
-                    *strength,
-                    motion,
-                    light.span,
-                )?;
-            }
-            Light::Rectangle { corner, edge0, edge1, strength } => {
-                let middle = *corner + 0.5 * (*edge0 + *edge1);
-                self.area_light(
-                    Shape::Rectangle(Rectangle::new(*corner, *edge0, *edge1)),
-                    middle,
-                    *strength,
-                    motion,
-                    light.span,
-                )?;
-            }
-            Light::Environment(radiance) => {
-                let environment = self.environment(radiance, light.span)?;
-                self.builder.environment(environment);
-            }
+pub(super) fn add_light(r: &mut Resolver<'_>, light: &Spanned<Light>, motion: &Motion) -> Result<(), SceneError> {
+    match &light.value {
+        Light::Moving { maps, light } => {
+            let motion = motion.then_inside(maps.iter().map(Map::growing));
+            add_light(r, light, &motion)?;
         }
-        Ok(())
-    }
-
-    fn environment(&self, described: &EnvironmentRadiance, span: Span) -> Result<EnvironmentLight, SceneError> {
-        match described {
-            EnvironmentRadiance::Constant(radiance) => EnvironmentLight::constant(rgb(*radiance))
-                .map_err(|e| self.refuse(span, &e.to_string(), "give a radiance that single precision can hold")),
-            EnvironmentRadiance::Picture { path, scale, rotate } => {
-                let file = self.file("picture", path)?;
-                let map = self.read_picture(path, &file, Meaning::Light)?;
-                EnvironmentLight::new(map, rotate.to_radians(), Rgb::splat(*scale as f32))
-                    .map_err(|e| self.bad_file(path, &e, "mend the picture, or scale it less"))
-            }
+        Light::Point { position, strength } => {
+            add_source(r, SourceKind::Point { position: *position }, point(*strength), motion);
+        }
+        Light::Spot { position, aim: target, angle, penumbra, strength } => {
+            let outer = 0.5 * angle.to_radians();
+            let kind = SourceKind::Spot {
+                position: *position,
+                axis: aim(*target, *position),
+                inner: (outer - penumbra.to_radians()).max(0.0),
+                outer,
+            };
+            add_source(r, kind, point(*strength), motion);
+        }
+        Light::Oriented { position, aim: target, up, pattern, strength } => {
+            let direction = aim(*target, *position);
+            let vertical = direction.cross(DVec3::Y).length() < 1e-6 * direction.length();
+            let up = up.unwrap_or(if vertical { DVec3::NEG_Z } else { DVec3::Y });
+            let source = oriented(r, *position, direction, up, pattern)?;
+            add_source(r, SourceKind::Oriented(source), point(*strength), motion);
+        }
+        Light::Directional { direction, strength } => {
+            let strength = match strength {
+                DirectionalStrength::Color(c) => LightStrength::Course(rgb(*c)),
+                DirectionalStrength::Irradiance(e) => LightStrength::Physical(rgb(*e)),
+            };
+            add_source(r, SourceKind::Directional { direction: *direction }, strength, motion);
+        }
+        Light::Sphere { center, radius, strength } => {
+            add_area_light(r, Shape::Sphere(Sphere::new(*center, *radius)), *center, *strength, motion, light.span)?;
+        }
+        Light::Disc { center, normal, radius, strength } => {
+            add_area_light(
+                r,
+                Shape::Disc(Disc::around(*center, *normal, *radius)),
+                *center,
+                *strength,
+                motion,
+                light.span,
+            )?;
+        }
+        Light::Rectangle { corner, edge0, edge1, strength } => {
+            let middle = *corner + 0.5 * (*edge0 + *edge1);
+            add_area_light(
+                r,
+                Shape::Rectangle(Rectangle::new(*corner, *edge0, *edge1)),
+                middle,
+                *strength,
+                motion,
+                light.span,
+            )?;
+        }
+        Light::Environment(radiance) => {
+            let environment = make_environment(r, radiance, light.span)?;
+            r.builder.environment(environment);
         }
     }
+    Ok(())
+}
 
-    fn source(&mut self, kind: SourceKind, strength: LightStrength, motion: &Motion) {
-        if motion.is_still() {
-            self.builder.source(kind, strength);
-        } else {
-            self.builder.moving_source(kind, strength, motion);
+fn make_environment(
+    r: &Resolver<'_>,
+    described: &EnvironmentRadiance,
+    span: Span,
+) -> Result<EnvironmentLight, SceneError> {
+    match described {
+        EnvironmentRadiance::Constant(radiance) => EnvironmentLight::constant(rgb(*radiance)).map_err(|e| {
+            super::shapes::refuse(r, span, &e.to_string(), "give a radiance that single precision can hold")
+        }),
+        EnvironmentRadiance::Picture { path, scale, rotate } => {
+            let file = r.file("picture", path)?;
+            let map = r.read_picture(path, &file, Meaning::Light)?;
+            EnvironmentLight::new(map, rotate.to_radians(), Rgb::splat(*scale as f32))
+                .map_err(|e| r.bad_file(path, &e, "mend the picture, or scale it less"))
         }
     }
+}
 
-    /// A black surface that radiates, and moves as if `place` were the origin.
-    fn area_light(
-        &mut self,
-        shape: Shape,
-        place: DVec3,
-        strength: AreaStrength,
-        motion: &Motion,
-        span: Span,
-    ) -> Result<(), SceneError> {
-        let radiance = match strength {
-            AreaStrength::Radiance(l) => l,
-            AreaStrength::Power(w) => w / (std::f64::consts::PI * shape.area()),
-        };
-        self.check_radiance(rgb(radiance), span)?;
-        let black = self.builder.material(Material::black());
-        if motion.is_still() {
-            self.builder.shape(shape, black, rgb(radiance));
-        } else {
-            self.builder.moving_shape(shape, motion.about(place), black, rgb(radiance));
+/// Returns the oriented point light of a pattern.
+fn oriented(
+    r: &Resolver<'_>,
+    position: DVec3,
+    direction: DVec3,
+    up: DVec3,
+    pattern: &LightPattern,
+) -> Result<OrientedSource, SceneError> {
+    let read = |path: &Spanned<String>| r.read_picture(path, &r.file("picture", path)?, Meaning::Light);
+    let (pattern, direction, up) = match pattern {
+        LightPattern::Picture { path, angle } => {
+            let slide = Slide::new(read(path)?, angle.to_radians());
+            let slide = slide.map_err(|e| r.bad_file(path, &e, "repair the picture or name another"))?;
+            let black = || r.bad_file(path, &"the picture is black", "name a picture with light in it");
+            (IntensityPattern::Slide(Arc::new(slide.ok_or_else(black)?)), direction, up)
         }
-        Ok(())
+        LightPattern::Map(path) => {
+            let map = SphericalMap::new(read(path)?, Rgb::ONE);
+            let map = map.map_err(|e| r.bad_file(path, &e, "repair the picture or name another"))?;
+            (IntensityPattern::Map(Arc::new(map)), direction, up)
+        }
+        LightPattern::Profile(path) => {
+            let help = "write an angle from 0 to 180 degrees and an intensity per line, in ascending order";
+            let refuse = |message: &str| r.bad_file(path, &message, help);
+            let text = std::fs::read_to_string(r.file("profile", path)?).map_err(|e| refuse(&e.to_string()))?;
+            let profile = profile(&text).ok_or_else(|| refuse("the profile is not a table of angles"))?;
+            let map = profile_map(&profile).map_err(|e| refuse(&e.to_string()))?;
+            // Profiles are symmetric about the top of their map, which lies along the axis.
+            (IntensityPattern::Map(Arc::new(map)), direction.any_orthogonal_vector(), direction)
+        }
+    };
+    Ok(OrientedSource { position, direction, up, pattern })
+}
+
+/// Pairs of angle \[degrees] and intensity, one per line; `#` starts a comment. `None` if the table is invalid.
+fn profile(text: &str) -> Option<Vec<(f64, f64)>> {
+    let lines = text.lines().map(|line| line.split('#').next().unwrap_or_default().trim());
+    let pair = |line: &str| {
+        let mut numbers = line.split_whitespace().map(str::parse::<f64>);
+        match (numbers.next(), numbers.next(), numbers.next()) {
+            (Some(Ok(angle)), Some(Ok(value)), None) => Some((angle, value)),
+            _ => None,
+        }
+    };
+    let pairs: Vec<(f64, f64)> = lines.filter(|line| !line.is_empty()).map(pair).collect::<Option<_>>()?;
+    let ascending = pairs.windows(2).all(|pair| pair[0].0 < pair[1].0);
+    let in_range = pairs.iter().all(|(angle, _)| (0.0..=180.0).contains(angle));
+    (pairs.len() >= 2 && ascending && in_range).then_some(pairs)
+}
+
+fn add_source(r: &mut Resolver<'_>, kind: SourceKind, strength: LightStrength, motion: &Motion) {
+    if motion.is_still() {
+        r.builder.source(kind, strength);
+    } else {
+        r.builder.moving_source(kind, strength, motion);
     }
+}
+
+/// Adds a black emitting surface that moves about `place`.
+fn add_area_light(
+    r: &mut Resolver<'_>,
+    shape: Shape,
+    place: DVec3,
+    strength: AreaStrength,
+    motion: &Motion,
+    span: Span,
+) -> Result<(), SceneError> {
+    let radiance = match strength {
+        AreaStrength::Radiance(l) => l,
+        AreaStrength::Power(w) => w / (std::f64::consts::PI * shape.area()),
+    };
+    r.check_radiance(rgb(radiance), span)?;
+    let black = r.builder.material(Material::black());
+    if motion.is_still() {
+        r.builder.shape(shape, black, rgb(radiance));
+    } else {
+        r.builder.moving_shape(shape, motion.about(place), black, rgb(radiance));
+    }
+    Ok(())
 }
 
 fn point(strength: PointStrength) -> LightStrength {

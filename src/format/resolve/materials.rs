@@ -16,7 +16,7 @@ impl Resolver<'_> {
         for (index, described) in self.description.materials.iter().enumerate() {
             let mut worn = Worn::default();
             let (mut material, coat) = self.material(&described.kind, &looks, &mut worn)?;
-            self.fill(&mut material, described)?;
+            super::media::fill_body(self, &mut material, described)?;
             let relief = self.relief(described, &mut worn)?;
             if let Some(Emission::Texture { name, .. }) = &described.emission {
                 worn.by(&self.known(name, &(0.0..=f32::MAX))?);

@@ -1,4 +1,4 @@
-//! From description to resolved scene: names and files are looked up, transforms multiplied through.
+//! From description to resolved scene: looks up names and files, and applies transforms.
 
 mod camera;
 mod lights;
@@ -28,20 +28,21 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use textures::{Known, Worn};
 
-/// Makes a scene of a description. Meshes, pictures and grids are looked for in `folder`, then in the folder above it.
+/// Returns the scene of a description. Meshes, pictures and grids are looked up in `folder`, then in its parent.
 ///
 /// # Errors
-/// [`SceneError`] with the place in `source`: a mesh, picture or grid that is missing or broken, an unknown metal or glass, a singular
-/// product of transforms, what cannot emit, a medium that cannot fill what it should.
+/// [`SceneError`] with the position in `source`: a mesh, picture or grid that is missing or broken, an unknown metal or
+/// glass, a singular product of transforms, an object that cannot emit, a medium that cannot fill its body.
 pub fn resolve(description: &Description, source: &Source, folder: &Path) -> Result<Scene, SceneError> {
     resolve_watched(description, source, folder, &(), Memory::Unbounded)
 }
 
-/// As [`resolve`]; `monitor` hears how far meshes are read. What takes more than `memory` is refused before it takes it: pictures, grids, and
-/// meshes with the trees that are built over them.
+/// Like [`resolve`], within `memory`; `monitor` receives the progress of reading meshes.
+///
+/// Pictures, grids, and meshes with their hierarchies are refused before they exceed the memory limit.
 ///
 /// # Errors
-/// [`SceneError`], as of [`resolve`]; of what takes too much memory it [says so](SceneError::exhausts_memory).
+/// [`SceneError`], as for [`resolve`], or [for lack of memory](SceneError::exhausts_memory).
 pub fn resolve_watched(
     description: &Description,
     source: &Source,
@@ -111,31 +112,31 @@ struct Resolver<'a> {
     errors: Vec<SceneError>,
     description: &'a Description,
     builder: SceneBuilder,
-    /// Of the materials so far.
+    /// Indices of the materials so far, by name.
     names: HashMap<&'a str, u32>,
-    /// The textures by name.
+    /// Textures, by name.
     known: HashMap<&'a str, Known>,
-    /// Pictures that materials name by their files, as light or as numbers.
+    /// Pictures that materials name by path, each as light or as numbers.
     pictures: HashMap<(PathBuf, bool), Known>,
-    /// The media by name, with their indices.
+    /// Media with their indices, by name.
     media: HashMap<&'a str, (u32, Medium)>,
-    /// What each material needs of surfaces.
+    /// Texture coordinates that each material needs.
     worn: Vec<Worn>,
     monitor: &'a dyn ReadMonitor,
     memory: Memory,
-    /// Triangles that trees will be built over.
+    /// Triangles so far that hierarchies will be built over.
     triangles: u64,
-    /// Meshes that were read, by their file and what was done with its normals.
+    /// Meshes that were read, by file and options.
     meshes: HashMap<meshes::Key, Rc<meshes::Pieces>>,
-    /// Materials of the files of meshes, in the order in which the meshes name them.
+    /// Materials of mesh files, in the order in which the meshes name them.
     own_materials: HashMap<PathBuf, Rc<Vec<meshes::Own>>>,
-    /// How often each path of a mesh is named.
+    /// Number of objects that name each mesh path.
     uses: HashMap<&'a str, usize>,
-    /// By the mesh.
+    /// Shared copies, by mesh.
     instanced: HashMap<*const TriangleMesh, Rc<Instanced>>,
-    /// The material in force: it persists beyond the group that set it.
+    /// Index of the material in force; it holds beyond the group that set it.
     material: u32,
-    /// The innermost transform, for errors about the product.
+    /// Span of the innermost transform, for errors about the product.
     placing: Option<Span>,
 }
 
@@ -145,11 +146,11 @@ impl Resolver<'_> {
         let description = self.description;
         self.builder.background(rgb(description.background));
         self.textures()?;
-        self.media()?;
-        self.filling()?;
+        media::add_media(self)?;
+        media::fill_background(self)?;
         self.materials()?;
         for light in &description.lights {
-            let result = self.light(light, &Motion::default());
+            let result = lights::add_light(self, light, &Motion::default());
             self.record(result)?;
         }
         if !description.camera.motion.is_empty() {
@@ -214,31 +215,31 @@ impl Resolver<'_> {
                     (None, None) => (Rgb::ZERO, None),
                 };
                 self.check_radiance(radiance, object.span)?;
-                self.check_clear(radiance, object.span)?;
+                media::check_clear(self, radiance, object.span)?;
                 let shine = EmissionOverride { radiance, told: emission.is_some(), glow };
-                self.shape(shape, object.span, to_world, &shine)
+                shapes::add_shape(self, shape, object.span, to_world, &shine)
             }
         }
     }
 
-    /// Refuses what single precision cannot hold.
+    /// Refuses a radiance that single precision cannot hold.
     fn check_radiance(&self, radiance: Rgb, span: Span) -> Result<(), SceneError> {
         if radiance.is_finite() {
             return Ok(());
         }
-        let help = "let it shine less, or choose other units";
-        Err(self.refuse(span, "its radiance is above 3.4e38, which single precision holds", help))
+        let help = "let it emit less, or choose other units";
+        Err(shapes::refuse(self, span, "its radiance is above 3.4e38, which single precision holds", help))
     }
 
     fn transform(&self, to_world: DAffine3, span: Span) -> Result<Transform, SceneError> {
         Transform::new(to_world).map_err(|e| {
-            let place = self.placing.unwrap_or(span);
+            let culprit = self.placing.unwrap_or(span);
             let help = "no scale may be zero, and no axis of a matrix may be a mix of the others";
-            SceneError::at(self.source, place, e.to_string(), "together with the transforms around it", help)
+            SceneError::at(self.source, culprit, e.to_string(), "together with the transforms around it", help)
         })
     }
 
-    /// Where the file of a path is; `kind` says what it is taken for.
+    /// Returns the file of a path; `kind` names its type in errors.
     fn file(&self, kind: &str, path: &Spanned<String>) -> Result<PathBuf, SceneError> {
         let written = Path::new(&path.value);
         if self.assets.contains(path) {
@@ -257,7 +258,7 @@ impl Resolver<'_> {
         })
     }
 
-    /// An error of a file: that it takes too much memory, or `help` to mend it.
+    /// Returns the error of a file: it exceeds the memory limit, or `help` is the remedy.
     fn refuse_file(&self, path: &Spanned<String>, message: &impl ToString, exhausts: bool, help: &str) -> SceneError {
         if exhausts { self.bad_file(path, message, ROOM).exhausting() } else { self.bad_file(path, message, help) }
     }
@@ -273,7 +274,7 @@ pub(super) fn candidates<'a>(folder: &'a Path, path: &'a Path) -> impl Iterator<
     [folder.join(path), above.join(path)].into_iter().take(if path.is_absolute() { 1 } else { 2 })
 }
 
-/// How often each path of a mesh is named in a group.
+/// Returns the number of objects that name each mesh path.
 fn uses(group: &Group) -> HashMap<&str, usize> {
     fn count<'a>(object: &'a Object, uses: &mut HashMap<&'a str, usize>) {
         match object {
@@ -296,7 +297,7 @@ fn uses(group: &Group) -> HashMap<&str, usize> {
     uses
 }
 
-/// The motion of maps that grow while the shutter is open.
+/// Returns the motion of maps that grow while the shutter is open.
 fn growing(maps: &[Map]) -> Motion {
     Motion::default().then_inside(maps.iter().map(Map::growing))
 }

@@ -1,4 +1,4 @@
-//! Shapes of the description, in world space.
+//! Adds the shapes of a description to the scene, in world space.
 
 use super::Resolver;
 use super::meshes::{EmissionOverride, Placing};
@@ -7,14 +7,16 @@ use crate::format::SceneError;
 use crate::format::description::{Curve, CurveBasis, Shape as Described, Span};
 use crate::math::{Motion, Transform};
 use crate::shape::parametric::{Basis, SplineError};
-use crate::shape::{Disc, Form, IndexedMesh, Instance, Mesh, Patch, Plane, Rectangle, Revolution, Shape, Sphere};
+use crate::shape::{
+    Cuboid, Disc, Form, Frustum, IndexedMesh, Instance, Mesh, Patch, Plane, Rectangle, Revolution, Shape, Sphere,
+};
 use glam::{DAffine3, DMat3, DVec2, DVec3, Vec3};
 use std::sync::Arc;
 
-/// A mesh around its own middle, in its own size.
+/// A mesh scaled and moved to a box around the origin.
 pub(super) struct Instanced {
     mesh: Arc<IndexedMesh>,
-    /// To where the mesh was.
+    /// Map back to the original position and size.
     place: DAffine3,
 }
 
@@ -29,7 +31,7 @@ impl Instanced {
         let (min, max) = (fold(DVec3::min), fold(DVec3::max));
         let middle = 0.5 * min + 0.5 * max;
         let extent = (max - min).max_element();
-        // A power of two changes no digit.
+        // Scaling by a power of two is exact.
         let size = if extent > 0.0 { libm::exp2(libm::log2(extent).floor()) } else { 1.0 };
         let place = DAffine3 { matrix3: DMat3::from_diagonal(DVec3::splat(size)), translation: middle };
         let mesh = Mesh {
@@ -42,201 +44,224 @@ impl Instanced {
     }
 }
 
-impl Resolver<'_> {
-    // Kept out of the functions that call each other for what nests: their stack is to stay small.
-    #[inline(never)]
-    pub(super) fn shape(
-        &mut self,
-        shape: &Described,
-        span: Span,
-        to_world: &Motion,
-        shine: &EmissionOverride,
-    ) -> Result<(), SceneError> {
-        let emission = shine.radiance;
-        let map = self.transform(to_world.at(0.0), span)?;
-        let material = self.material;
-        match shape {
-            Described::Sphere { center, radius } => {
-                self.place(Shape::Sphere(Sphere::new(*center, *radius)), to_world, &map, span, emission)?;
-                self.lay(Form::Globe { center: *center }, to_world);
-            }
-            Described::Plane { normal, offset } => {
-                if emission != Rgb::ZERO {
-                    let help = "use a Rectangle or a Disc, or give the plane a material without emission";
-                    return Err(self.refuse(span, "an infinite plane cannot emit light", help));
-                }
-                let on = *normal * (*offset / normal.length_squared());
-                let plane = Plane::new(on, *normal);
-                if to_world.is_still() {
-                    self.builder.plane(plane.transformed(&map), material, emission);
-                } else {
-                    self.builder.moving_plane(plane, to_world.clone(), material, emission);
-                }
-                self.lay(Form::plane(*normal), to_world);
-            }
-            Described::Disc { center, normal, radius } => {
-                self.place(Shape::Disc(Disc::around(*center, *normal, *radius)), to_world, &map, span, emission)?;
-                self.lay(Form::disc(*center, *normal, *radius), to_world);
-            }
-            Described::Rectangle { corner, edge0, edge1 } => {
-                self.place(Shape::Rectangle(Rectangle::new(*corner, *edge0, *edge1)), to_world, &map, span, emission)?;
-                self.lay(Form::rectangle(*corner, *edge0, *edge1), to_world);
-            }
-            Described::Triangle { vertices, normals, uv } => {
-                let normals = normals.as_ref().map(|n| n.as_slice());
-                let uv = uv.as_deref().copied().unwrap_or([DVec2::ZERO, DVec2::X, DVec2::Y]);
-                if to_world.is_still() {
-                    self.place_mesh(&map, vertices, normals, &[[0, 1, 2]], emission);
-                    self.lay_corners(Some(&uv));
-                } else {
-                    let instance = Instanced::new(vertices, normals, Some(&uv), &[[0, 1, 2]]);
-                    self.place_instance(&instance, to_world, &map, span, emission)?;
-                }
-                self.lay(Form::Own, to_world);
-            }
-            Described::Mesh { path, options } => {
-                self.mesh(&Placing { to_world, map: &map, span, shine }, path, *options)?;
-            }
-            Described::Revolution { profile } => {
-                let surface = revolution(profile, self.memory.free()).map_err(|e| self.refuse_spline(span, &e))?;
-                self.place(Shape::Revolution(surface), to_world, &map, span, emission)?;
-                self.lay(Form::Own, to_world);
-            }
-            Described::Patches { degree, controls } => {
-                let [u, v] = degree.map(|d| Basis::bezier(d as usize + 1));
-                let bases =
-                    [&u.map_err(|e| self.refuse_spline(span, &e))?, &v.map_err(|e| self.refuse_spline(span, &e))?];
-                // Asked for once: that takes longer than many a patch.
-                let mut free = self.memory.free();
-                for net in controls.chunks(bases[0].controls() * bases[1].controls()) {
-                    let patch = Patch::within(bases, net, free).map_err(|e| self.refuse_spline(span, &e))?;
-                    free = free.map(|free| free.saturating_sub(patch.bytes()));
-                    self.place(Shape::Patch(patch), to_world, &map, span, emission)?;
-                    self.lay(Form::Own, to_world);
-                    self.glow(shine);
-                }
-            }
-            Described::Nurbs { degree, count, knots, controls } => {
-                let basis = |i: usize| match (degree[i] as usize, count[i] as usize) {
-                    (degree, count) if knots[i].is_empty() => Basis::uniform(degree, count),
-                    (degree, count) => Basis::new(degree, count, knots[i].clone()),
-                };
-                let surface = || Patch::within([&basis(0)?, &basis(1)?], controls, self.memory.free());
-                let surface = surface().map_err(|e| self.refuse_spline(span, &e))?;
-                self.place(Shape::Patch(surface), to_world, &map, span, emission)?;
-                self.lay(Form::Own, to_world);
-            }
-            // It has no surface, so nothing of it is seen.
-            Described::Curve(_) => {}
+// Not inlined: its callers recurse, and their stack frames must stay small.
+#[inline(never)]
+pub(super) fn add_shape(
+    r: &mut Resolver<'_>,
+    shape: &Described,
+    span: Span,
+    to_world: &Motion,
+    shine: &EmissionOverride,
+) -> Result<(), SceneError> {
+    let emission = shine.radiance;
+    let map = r.transform(to_world.at(0.0), span)?;
+    let material = r.material;
+    match shape {
+        Described::Sphere { center, radius } => {
+            place(r, Shape::Sphere(Sphere::new(*center, *radius)), to_world, &map, span, emission)?;
+            set_mapping(r, Form::Spherical { center: *center }, to_world);
         }
-        // Of several parts each has been told.
-        if !matches!(shape, Described::Mesh { .. } | Described::Patches { .. } | Described::Curve(_)) {
-            self.glow(shine);
+        Described::Plane { normal, offset } => {
+            if emission != Rgb::ZERO {
+                let help = "use a Rectangle or a Disc, or give the plane a material without emission";
+                return Err(refuse(r, span, "an infinite plane cannot emit light", help));
+            }
+            let on = *normal * (*offset / normal.length_squared());
+            let plane = Plane::new(on, *normal);
+            if to_world.is_still() {
+                r.builder.plane(plane.transformed(&map), material, emission);
+            } else {
+                r.builder.moving_plane(plane, to_world.clone(), material, emission);
+            }
+            set_mapping(r, Form::plane(*normal), to_world);
         }
-        Ok(())
-    }
-
-    /// Lets the object that was added last emit by a texture, if it does.
-    fn glow(&mut self, shine: &EmissionOverride) {
-        if let Some((texture, scale)) = shine.glow {
-            self.builder.glow(texture, scale);
+        Described::Disc { center, normal, radius } => {
+            place(r, Shape::Disc(Disc::around(*center, *normal, *radius)), to_world, &map, span, emission)?;
+            set_mapping(r, Form::disc(*center, *normal, *radius), to_world);
         }
-    }
-
-    /// Adds a shape under `to_world`, which is `map` when the shutter opens.
-    fn place(
-        &mut self,
-        shape: Shape,
-        to_world: &Motion,
-        map: &Transform,
-        span: Span,
-        emission: Rgb,
-    ) -> Result<(), SceneError> {
-        let placed =
-            shape.transformed(map).ok_or_else(|| self.refuse(span, "this shape is squeezed flat", "scale it less"))?;
-        if to_world.is_still() {
-            self.builder.shape(placed, self.material, emission);
-        } else {
-            self.builder.moving_shape(shape, to_world.clone(), self.material, emission);
+        Described::Rectangle { corner, edge0, edge1 } => {
+            place(r, Shape::Rectangle(Rectangle::new(*corner, *edge0, *edge1)), to_world, &map, span, emission)?;
+            set_mapping(r, Form::rectangle(*corner, *edge0, *edge1), to_world);
         }
-        Ok(())
-    }
-
-    /// Whether the material in force follows a texture.
-    fn is_textured(&self) -> bool {
-        self.worn.get(self.material as usize).is_some_and(|worn| worn.textured)
-    }
-
-    /// Lays texture coordinates on the object that was added last, if it wears textures.
-    pub(super) fn lay(&mut self, form: Form, to_world: &Motion) {
-        if self.is_textured() {
-            self.builder.chart(form, to_world);
+        Described::Box { min, max } => {
+            place_solid(r, Cuboid::new(*min, *max).map(Shape::Cuboid), to_world, &map, span, emission)?;
         }
-    }
-
-    /// Gives the corners of the mesh that was added last their texture coordinates, if it wears textures.
-    pub(super) fn lay_corners(&mut self, texcoords: Option<&[DVec2]>) {
-        if let Some(texcoords) = texcoords.filter(|_| self.is_textured()) {
-            self.builder.texcoords(texcoords);
+        Described::Cylinder { ends: [bottom, top], radius, capped } => {
+            let solid = Frustum::cylinder(*bottom, *top, *radius, *capped).map(Shape::Frustum);
+            place_solid(r, solid, to_world, &map, span, emission)?;
         }
-    }
-
-    pub(super) fn refuse(&self, span: Span, message: &str, help: &str) -> SceneError {
-        SceneError::at(self.source, span, message, "here", help)
-    }
-
-    fn refuse_spline(&self, span: Span, error: &SplineError) -> SceneError {
-        if matches!(error, SplineError::Memory { .. }) {
-            let help = "bend surfaces less, or let the scene have more memory (--memory)";
-            return self.refuse(span, &error.to_string(), help).exhausting();
+        Described::Cone { ends: [bottom, top], radii, capped } => {
+            let solid = Frustum::new(*bottom, *top, *radii, *capped).map(Shape::Frustum);
+            place_solid(r, solid, to_world, &map, span, emission)?;
         }
-        let help = match error {
-            SplineError::Degree(_) => "join curves of lower degree, or use a B-spline",
-            SplineError::TooLarge => "choose units in which coordinates are below 1e100",
-            SplineError::Narrow(_) => "give that knot and the next the same value, or part them further",
-            SplineError::NoArea => "move control points off the axis and away from each other, or leave it out",
-            _ => "give control points and knots that fit",
-        };
-        self.refuse(span, &error.to_string(), help)
-    }
-
-    /// Adds a mesh that is shared, or that moves.
-    pub(super) fn place_instance(
-        &mut self,
-        instanced: &Instanced,
-        to_world: &Motion,
-        map: &Transform,
-        span: Span,
-        emission: Rgb,
-    ) -> Result<(), SceneError> {
-        if emission != Rgb::ZERO {
-            let even = |time| Transform::new(to_world.at(time)).is_ok_and(|map| map.similarity().is_some());
-            if ![0.0, 0.3, 0.7, 1.0].into_iter().all(even) {
-                let help = "stretch it alike in all directions, or let a shape of another kind shine";
-                return Err(self.refuse(span, "a moving mesh that is stretched unevenly cannot emit light", help));
+        Described::Triangle { vertices, normals, uv } => {
+            let normals = normals.as_ref().map(|n| n.as_slice());
+            let uv = uv.as_deref().copied().unwrap_or([DVec2::ZERO, DVec2::X, DVec2::Y]);
+            if to_world.is_still() {
+                place_mesh(r, &map, vertices, normals, &[[0, 1, 2]], emission);
+                set_texcoords(r, Some(&uv));
+            } else {
+                let instance = Instanced::new(vertices, normals, Some(&uv), &[[0, 1, 2]]);
+                place_instance(r, &instance, to_world, &map, span, emission)?;
+            }
+            set_mapping(r, Form::Uv, to_world);
+        }
+        Described::Mesh { path, options } => {
+            super::meshes::add_mesh(r, &Placing { to_world, map: &map, span, shine }, path, *options)?;
+        }
+        Described::Revolution { profile } => {
+            let surface = revolution(profile, r.memory.free()).map_err(|e| refuse_spline(r, span, &e))?;
+            place(r, Shape::Revolution(surface), to_world, &map, span, emission)?;
+            set_mapping(r, Form::Uv, to_world);
+        }
+        Described::Patches { degree, controls } => {
+            let [u, v] = degree.map(|d| Basis::bezier(d as usize + 1));
+            let bases = [&u.map_err(|e| refuse_spline(r, span, &e))?, &v.map_err(|e| refuse_spline(r, span, &e))?];
+            // Queried once: it takes longer than many a patch.
+            let mut free = r.memory.free();
+            for net in controls.chunks(bases[0].controls() * bases[1].controls()) {
+                let patch = Patch::within(bases, net, free).map_err(|e| refuse_spline(r, span, &e))?;
+                free = free.map(|free| free.saturating_sub(patch.bytes()));
+                place(r, Shape::Patch(patch), to_world, &map, span, emission)?;
+                set_mapping(r, Form::Uv, to_world);
+                set_emission_texture(r, shine);
             }
         }
-        let own = self.transform(instanced.place, span)?;
-        let shape = Shape::Instance(Instance::new(Arc::clone(&instanced.mesh), own));
-        self.place(shape, to_world, map, span, emission)
+        Described::Nurbs { degree, count, knots, controls } => {
+            let basis = |i: usize| match (degree[i] as usize, count[i] as usize) {
+                (degree, count) if knots[i].is_empty() => Basis::uniform(degree, count),
+                (degree, count) => Basis::new(degree, count, knots[i].clone()),
+            };
+            let surface = || Patch::within([&basis(0)?, &basis(1)?], controls, r.memory.free());
+            let surface = surface().map_err(|e| refuse_spline(r, span, &e))?;
+            place(r, Shape::Patch(surface), to_world, &map, span, emission)?;
+            set_mapping(r, Form::Uv, to_world);
+        }
+        // A curve has no surface.
+        Described::Curve(_) => {}
     }
+    // Shapes of several parts have set it for each part.
+    if !matches!(shape, Described::Mesh { .. } | Described::Patches { .. } | Described::Curve(_)) {
+        set_emission_texture(r, shine);
+    }
+    Ok(())
+}
 
-    pub(super) fn place_mesh(
-        &mut self,
-        map: &Transform,
-        positions: &[DVec3],
-        normals: Option<&[DVec3]>,
-        triangles: &[[u32; 3]],
-        emission: Rgb,
-    ) {
-        let positions: Vec<DVec3> = positions.iter().map(|p| map.point(*p)).collect();
-        let unit = |n: &DVec3| map.normal(*n).normalize_or_zero().as_vec3();
-        let normals: Vec<Vec3> = normals.unwrap_or_default().iter().map(unit).collect();
-        // A mirror image turns the winding around; the outer side must stay outside.
-        let turned = |[a, b, c]: [u32; 3]| if map.mirrors() { [a, c, b] } else { [a, b, c] };
-        let triangles: Vec<[u32; 3]> = triangles.iter().copied().map(turned).collect();
-        self.builder.mesh(&positions, &normals, &triangles, self.material, emission);
+/// Sets the emission texture of the object that was added last, if it has one.
+fn set_emission_texture(r: &mut Resolver<'_>, shine: &EmissionOverride) {
+    if let Some((texture, scale)) = shine.glow {
+        r.builder.glow(texture, scale);
     }
+}
+
+/// Adds a box, cylinder or cone, whose faces have texture coordinates of their own.
+fn place_solid(
+    r: &mut Resolver<'_>,
+    solid: Option<Shape>,
+    to_world: &Motion,
+    map: &Transform,
+    span: Span,
+    emission: Rgb,
+) -> Result<(), SceneError> {
+    let solid = solid.ok_or_else(|| refuse(r, span, "this shape has no extent", "make it larger"))?;
+    place(r, solid, to_world, map, span, emission)?;
+    set_mapping(r, Form::Uv, to_world);
+    Ok(())
+}
+
+/// Adds a shape under the motion `to_world`, which equals `map` when the shutter opens.
+fn place(
+    r: &mut Resolver<'_>,
+    shape: Shape,
+    to_world: &Motion,
+    map: &Transform,
+    span: Span,
+    emission: Rgb,
+) -> Result<(), SceneError> {
+    let placed =
+        shape.transformed(map).ok_or_else(|| refuse(r, span, "this shape is squeezed flat", "scale it less"))?;
+    if to_world.is_still() {
+        r.builder.shape(placed, r.material, emission);
+    } else {
+        r.builder.moving_shape(shape, to_world.clone(), r.material, emission);
+    }
+    Ok(())
+}
+
+/// True if the material in force has a texture.
+fn is_textured(r: &Resolver<'_>) -> bool {
+    r.worn.get(r.material as usize).is_some_and(|worn| worn.textured)
+}
+
+/// Sets the texture mapping of the object that was added last, if its material has textures.
+pub(super) fn set_mapping(r: &mut Resolver<'_>, form: Form, to_world: &Motion) {
+    if is_textured(r) {
+        r.builder.chart(form, to_world);
+    }
+}
+
+/// Sets the texture coordinates of the mesh that was added last, if its material has textures.
+pub(super) fn set_texcoords(r: &mut Resolver<'_>, texcoords: Option<&[DVec2]>) {
+    if let Some(texcoords) = texcoords.filter(|_| is_textured(r)) {
+        r.builder.texcoords(texcoords);
+    }
+}
+
+pub(super) fn refuse(r: &Resolver<'_>, span: Span, message: &str, help: &str) -> SceneError {
+    SceneError::at(r.source, span, message, "here", help)
+}
+
+fn refuse_spline(r: &Resolver<'_>, span: Span, error: &SplineError) -> SceneError {
+    if matches!(error, SplineError::Memory { .. }) {
+        let help = "bend surfaces less, or let the scene have more memory (--memory)";
+        return refuse(r, span, &error.to_string(), help).exhausting();
+    }
+    let help = match error {
+        SplineError::Degree(_) => "join curves of lower degree, or use a B-spline",
+        SplineError::TooLarge => "choose units in which coordinates are below 1e100",
+        SplineError::Narrow(_) => "give that knot and the next the same value, or part them further",
+        SplineError::NoArea => "move control points off the axis and away from each other, or leave it out",
+        _ => "give control points and knots that fit",
+    };
+    refuse(r, span, &error.to_string(), help)
+}
+
+/// Adds a mesh that is shared or moves.
+pub(super) fn place_instance(
+    r: &mut Resolver<'_>,
+    instanced: &Instanced,
+    to_world: &Motion,
+    map: &Transform,
+    span: Span,
+    emission: Rgb,
+) -> Result<(), SceneError> {
+    if emission != Rgb::ZERO {
+        let even = |time| Transform::new(to_world.at(time)).is_ok_and(|map| map.similarity().is_some());
+        if ![0.0, 0.3, 0.7, 1.0].into_iter().all(even) {
+            let help = "stretch it alike in all directions, or let a shape of another kind emit";
+            return Err(refuse(r, span, "a moving mesh that is stretched unevenly cannot emit light", help));
+        }
+    }
+    let own = r.transform(instanced.place, span)?;
+    let shape = Shape::Instance(Instance::new(Arc::clone(&instanced.mesh), own));
+    place(r, shape, to_world, map, span, emission)
+}
+
+pub(super) fn place_mesh(
+    r: &mut Resolver<'_>,
+    map: &Transform,
+    positions: &[DVec3],
+    normals: Option<&[DVec3]>,
+    triangles: &[[u32; 3]],
+    emission: Rgb,
+) {
+    let positions: Vec<DVec3> = positions.iter().map(|p| map.point(*p)).collect();
+    let unit = |n: &DVec3| map.normal(*n).normalize_or_zero().as_vec3();
+    let normals: Vec<Vec3> = normals.unwrap_or_default().iter().map(unit).collect();
+    // A mirroring map reverses the winding; the outer side must stay outside.
+    let turned = |[a, b, c]: [u32; 3]| if map.mirrors() { [a, c, b] } else { [a, b, c] };
+    let triangles: Vec<[u32; 3]> = triangles.iter().copied().map(turned).collect();
+    r.builder.mesh(&positions, &normals, &triangles, r.material, emission);
 }
 
 fn revolution(profile: &Curve, free: Option<u64>) -> Result<Revolution, SplineError> {

@@ -4,7 +4,7 @@ use super::{Resolver, rgb};
 use crate::color::{self, Rgb};
 use crate::format::SceneError;
 use crate::format::description::{
-    Coordinates, Encoding, Map, Material, MaterialKind, Pattern, Relief, Spanned, TextureKind, Value, Wrap,
+    Coordinates, Encoding, Map, Material, MaterialKind, NormalPerturbation, Pattern, Spanned, TextureKind, Value, Wrap,
 };
 use crate::image::{self, Image, Meaning};
 use crate::math::Transform;
@@ -54,7 +54,7 @@ impl<'a> Resolver<'a> {
                 TextureKind::Solid { pattern, colors, octaves, frequency, amplitude, maps } => {
                     let help = "no scale may be zero, and no axis of a matrix may be a mix of the others";
                     let place = Transform::new(Map::product(maps))
-                        .map_err(|e| self.refuse(texture.span, &e.to_string(), help))?;
+                        .map_err(|e| super::shapes::refuse(self, texture.span, &e.to_string(), help))?;
                     let solid = Solid {
                         kind: match pattern {
                             Pattern::Noise => SolidKind::Noise,
@@ -205,7 +205,7 @@ impl<'a> Resolver<'a> {
     pub(super) fn relief(&mut self, material: &Material, worn: &mut Worn) -> Result<scene::Relief, SceneError> {
         Ok(match &material.relief {
             None => scene::Relief::Smooth,
-            Some(Relief::Bump { texture, height }) => {
+            Some(NormalPerturbation::Bump { texture, height }) => {
                 let known = self.known_or_picture(texture, Encoding::Linear)?;
                 if *height == 0.0 {
                     return Ok(scene::Relief::Smooth);
@@ -213,7 +213,7 @@ impl<'a> Resolver<'a> {
                 worn.by(&known);
                 scene::Relief::Bumps { texture: known.index, height: *height as f32 }
             }
-            Some(Relief::NormalMap(name)) => {
+            Some(NormalPerturbation::NormalMap(name)) => {
                 let known = self.known_or_picture(name, Encoding::Linear)?;
                 if known.light {
                     let message = format!("the texture `{}` is read as a picture of light", name.value);

@@ -1,4 +1,4 @@
-//! Descriptions for proptest, of all that the language can say.
+//! Random descriptions for proptest, with every feature of the language.
 
 use glam::{DMat4, DVec2, DVec3, DVec4};
 use proptest::collection::vec;
@@ -84,6 +84,18 @@ fn still_light() -> impl Strategy<Value = Light> {
             |(position, axis, angle, rim, strength)| {
                 let aim = Aim::Direction(axis);
                 Light::Spot { position, aim, angle, penumbra: rim * angle, strength }
+            }
+        ),
+        (point(), direction(), name(), 1e-9..180.0, colour(), 0..3u8).prop_map(
+            |(position, axis, path, angle, c, kind)| {
+                let path = spanned(path);
+                let pattern = match kind {
+                    0 => LightPattern::Picture { path, angle },
+                    1 => LightPattern::Map(path),
+                    _ => LightPattern::Profile(path),
+                };
+                let (aim, strength) = (Aim::Direction(axis), PointStrength::Intensity(c));
+                Light::Oriented { position, aim, up: None, pattern, strength }
             }
         ),
         (point(), positive(), area_strength()).prop_map(|(center, radius, strength)| Light::Sphere {
@@ -196,10 +208,11 @@ fn emission() -> impl Strategy<Value = Emission> {
     ]
 }
 
-fn relief() -> impl Strategy<Value = Relief> {
+fn relief() -> impl Strategy<Value = NormalPerturbation> {
     prop_oneof![
-        (name(), -1e30..1e30).prop_map(|(texture, height)| Relief::Bump { texture: spanned(texture), height }),
-        name().prop_map(|texture| Relief::NormalMap(spanned(texture))),
+        (name(), -1e30..1e30)
+            .prop_map(|(texture, height)| NormalPerturbation::Bump { texture: spanned(texture), height }),
+        name().prop_map(|texture| NormalPerturbation::NormalMap(spanned(texture))),
     ]
 }
 
@@ -214,10 +227,10 @@ fn textures(drafts: Vec<(String, TextureKind)>) -> Vec<Spanned<Texture>> {
     textures
 }
 
-/// What a material is, but for its name and the parts of a mix.
-type Look = (MaterialKind, Option<Emission>, Option<Relief>);
+/// A material without its name and without the parts of a mix.
+type Finish = (MaterialKind, Option<Emission>, Option<NormalPerturbation>);
 
-fn material() -> impl Strategy<Value = Look> {
+fn material() -> impl Strategy<Value = Finish> {
     let attenuation = prop_oneof![
         Just(Attenuation::None),
         coefficient().prop_map(Attenuation::Absorption),
@@ -278,6 +291,20 @@ fn shape() -> impl Strategy<Value = Shape> {
         (direction(), finite()).prop_map(|(normal, offset)| Shape::Plane { normal, offset }),
         (point(), direction(), positive()).prop_map(|(center, normal, radius)| Shape::Disc { center, normal, radius }),
         edges().prop_map(|(corner, edge0, edge1)| Shape::Rectangle { corner, edge0, edge1 }),
+        (point(), [positive(), positive(), positive()]).prop_filter_map("no extent", |(min, size)| {
+            let max = min + DVec3::from_array(size);
+            (max.is_finite() && max.cmpgt(min).all()).then_some(Shape::Box { min, max })
+        }),
+        ([point(), point()], positive(), any::<bool>()).prop_filter_map("no length", |(ends, radius, capped)| {
+            (ends[0] != ends[1]).then_some(Shape::Cylinder { ends, radius, capped })
+        }),
+        ([point(), point()], positive(), option::of(positive()), any::<bool>()).prop_filter_map(
+            "no length",
+            |(ends, radius, top, capped)| {
+                let radii = [radius, top.unwrap_or(0.0)];
+                (ends[0] != ends[1]).then_some(Shape::Cone { ends, radii, capped })
+            }
+        ),
         (
             [point(), point(), point()],
             option::of([direction(), direction(), direction()]),
@@ -382,10 +409,10 @@ fn name_materials(group: &mut Group, materials: &[Spanned<Material>]) {
 }
 
 /// Name, look, and the parts of a mix.
-type Draft = (Option<String>, Look, Option<(prop::sample::Index, prop::sample::Index, Value<f64>)>);
+type Outline = (Option<String>, Finish, Option<(prop::sample::Index, prop::sample::Index, Value<f64>)>);
 
 /// Materials of these kinds and names; where a mix is asked for and can be, it takes the place of the kind.
-fn materials(drafts: Vec<Draft>, textures: &[Spanned<Texture>]) -> Vec<Spanned<Material>> {
+fn materials(drafts: Vec<Outline>, textures: &[Spanned<Texture>]) -> Vec<Spanned<Material>> {
     let mut materials: Vec<Spanned<Material>> = Vec::new();
     let mut names: Vec<(String, Option<usize>)> = Vec::new();
     for (i, (name, (mut kind, emission, mut relief), mix)) in drafts.into_iter().enumerate() {

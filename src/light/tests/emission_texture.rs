@@ -44,7 +44,7 @@ fn lights() -> Vec<(Light, Light)> {
     let even = |emitter| Light::Area(AreaLight::uniform(emitter, Rgb::splat(BRIGHT)));
     vec![
         (glowing(rectangle(e0), Form::rectangle(corner, e0, e1)), even(rectangle(e0 * 0.5))),
-        (glowing(emitter_of(mesh(2.0)), Form::Own), even(emitter_of(mesh(1.0)))),
+        (glowing(emitter_of(mesh(2.0)), Form::Uv), even(emitter_of(mesh(1.0)))),
     ]
 }
 

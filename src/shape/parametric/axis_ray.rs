@@ -1,11 +1,12 @@
-//! Rays as a surface of revolution sees them: height and distance from the axis.
+//! Rays in the coordinates of a surface of revolution: height and distance from the axis.
 
 use glam::{DVec2, DVec3};
 
-/// Squared sine of the angle to the axis from which on a distance from the axis bounds the ray's parameter well.
+/// Squared sine of the angle to the axis above which a distance from the axis bounds the ray
+/// parameter well.
 const SLANT: f64 = 1e-2;
 
-/// A stretch of a ray; empty unless `lo <= hi`.
+/// Interval of the ray parameter; empty unless `lo <= hi`.
 #[derive(Clone, Copy, Debug)]
 pub struct Interval {
     pub lo: f64,
@@ -18,20 +19,21 @@ impl Interval {
     }
 }
 
-/// A line whose parameter τ is length, counted from where it passes the middle of the surface.
+/// Line with its length τ as parameter, counted from the point nearest to the surface's centre.
 ///
-/// In the plane of profiles it is the convex curve ρ(τ) = |(x, z)|, y(τ): neither rays at right angles to the axis nor rays along it
-/// are special.
+/// In the plane of profiles, the line is the convex curve ρ(τ) = |(x, z)|, y(τ). Neither rays
+/// perpendicular to the axis nor rays along it are special.
 #[derive(Clone, Copy, Debug)]
 pub struct AxisRay {
     pub base: DVec3,
-    /// Unit.
+    /// Unit direction.
     pub direction: DVec3,
-    /// Squared distance from the axis: `squares[0] + 2·squares[1]·τ + squares[2]·τ²`.
+    /// Coefficients of the squared distance from the axis: `squares[0] + 2·squares[1]·τ +
+    /// squares[2]·τ²`.
     pub squares: [f64; 3],
-    /// Where it is nearest to the axis; not finite for rays along it.
+    /// τ of the point nearest to the axis; not finite for rays along the axis.
     pub nearest: f64,
-    /// Squared distance there.
+    /// Squared distance from the axis at `nearest`.
     pub least: f64,
 }
 
@@ -50,7 +52,8 @@ impl AxisRay {
         }
     }
 
-    /// Distance from the axis and its derivative, which is 0 on the axis itself, where it has a kink.
+    /// Distance from the axis and its derivative by τ; the derivative is 0 on the axis, where it
+    /// jumps.
     #[inline]
     pub fn radius(&self, t: f64) -> (f64, f64) {
         let (x, z) = (self.base.x + t * self.direction.x, self.base.z + t * self.direction.z);
@@ -64,7 +67,8 @@ impl AxisRay {
         self.base.y + t * self.direction.y
     }
 
-    /// Where within `t` the line may be at a distance within `x` and a height within `y`: at most two stretches.
+    /// Intervals within `t` in which the line may have a distance in `x` and a height in `y`; at
+    /// most two.
     #[inline]
     pub fn clip(&self, x: [f64; 2], y: [f64; 2], t: Interval, margin: f64) -> [Interval; 2] {
         const NOWHERE: Interval = Interval { lo: 1.0, hi: 0.0 };
@@ -82,7 +86,8 @@ impl AxisRay {
         let [inner, outer] = [x[0] - margin, x[1] + margin];
         let slant2 = self.squares[2];
         if slant2 < SLANT {
-            // The distance changes by less than the length of the stretch: its middle tells enough.
+            // The distance changes by less than the interval's length, so its value in the middle
+            // suffices.
             let (middle, half) = (0.5 * (lo + hi), 0.5 * (hi - lo));
             let radius = self.radius(middle).0;
             let reach = half * slant2.sqrt() + margin;
@@ -104,7 +109,7 @@ impl AxisRay {
     }
 }
 
-/// Distance from the axis and the unit direction away from it.
+/// Distance from the axis and the unit direction away from the axis.
 #[inline]
 pub fn polar(p: DVec3) -> (f64, DVec2) {
     let across = DVec2::new(p.x, p.z);

@@ -1,10 +1,10 @@
-//! A tree of boxes, eight at a node.
+//! Bounding volume hierarchy in f64 with eight children per node.
 
 use glam::DVec3;
 
 const WIDTH: usize = 8;
 
-/// Marks a child as a leaf.
+/// Bit that marks a child as a leaf.
 const LEAF: u32 = 1 << 31;
 
 #[derive(Debug)]
@@ -14,16 +14,16 @@ struct Node {
     children: [u32; WIDTH],
 }
 
-/// A box as its corners.
+/// Lower and upper corner of a box.
 pub type Corners = [DVec3; 2];
 
-/// A line whose parameter τ is length.
+/// Line with its length τ as parameter.
 #[derive(Clone, Copy, Debug)]
 pub struct Line {
     pub base: DVec3,
-    /// Unit.
+    /// Unit direction.
     pub direction: DVec3,
-    /// One over each component, as good as infinite where that is 0.
+    /// Reciprocal of each component, clamped to ±10³⁰⁰.
     pub inverse: DVec3,
 }
 
@@ -34,14 +34,14 @@ impl Line {
     }
 }
 
-/// Boxes in any order.
+/// Hierarchy over boxes in any order.
 #[derive(Debug)]
 pub struct BoxTree {
     nodes: Vec<Node>,
 }
 
 impl BoxTree {
-    /// At least one box; each is grown by `margin`.
+    /// Builds a hierarchy over at least one box; each box is grown by `margin`.
     pub fn new(boxes: &[Corners], margin: f64) -> Self {
         let mut order: Vec<u32> = (0..boxes.len() as u32).collect();
         let mut tree = Self { nodes: Vec::new() };
@@ -51,7 +51,7 @@ impl BoxTree {
 
     fn grow(&mut self, boxes: &[Corners], order: &mut [u32], margin: f64) -> u32 {
         let index = self.nodes.len();
-        // A box that holds nothing.
+        // An empty box.
         let empty = [[f64::INFINITY; WIDTH], [f64::NEG_INFINITY; WIDTH]];
         self.nodes.push(Node { bounds: [empty; 3], children: [0; WIDTH] });
         let mut rest = order;
@@ -81,10 +81,11 @@ impl BoxTree {
         index as u32
     }
 
-    /// Visits the boxes that `line` meets within `range` of τ, about in the order in which it does; `visit` lowers the end of the range
-    /// at a hit.
+    /// Visits the boxes that `line` hits within `range` of τ, approximately from near to far.
+    ///
+    /// `visit` reduces the end of the range at a hit.
     #[inline]
-    pub fn walk(&self, line: &Line, mut range: [f64; 2], mut visit: impl FnMut(usize, &mut [f64; 2])) {
+    pub fn visit_hits(&self, line: &Line, mut range: [f64; 2], mut visit: impl FnMut(usize, &mut [f64; 2])) {
         let mut stack = [(0u32, 0.0); 12 * WIDTH];
         stack[0] = (0, range[0]);
         let mut count = 1;
@@ -109,7 +110,7 @@ impl BoxTree {
                     hi[i] = hi[i].min(a.max(b));
                 }
             }
-            // The nearest goes on top.
+            // The nearest child goes on top.
             let start = count;
             for i in 0..WIDTH {
                 if lo[i] <= hi[i] && node.bounds[0][0][i] < f64::INFINITY {
@@ -132,7 +133,8 @@ fn around(boxes: &[Corners], part: &[u32]) -> Corners {
         .fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[min, max], [a, b]| [min.min(a), max.max(b)])
 }
 
-/// Sorts until each `share` in turn is close together: halves along the longest axis, at a multiple of `share`.
+/// Partitions until each `share` in turn is compact: splits along the longest axis, at a multiple
+/// of `share`.
 fn halve(boxes: &[Corners], part: &mut [u32], share: usize) {
     if part.len() <= share {
         return;

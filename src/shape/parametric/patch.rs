@@ -1,92 +1,74 @@
 //! Tensor-product surfaces: Bézier patches, B-splines and NURBS.
 
 use super::box_tree::{BoxTree, Line};
-use super::patch_build::Builder;
-use super::patch_piece::{Beyond, PatchPiece};
+use super::numeric::{GAUSS, SLACK};
+use super::patch_build::{Cut, PatchBuilder, PatchLeaf, SubdivisionNode};
+use super::patch_piece::PatchPiece;
 use super::polynomial::Vector;
 use super::spline::{Basis, SplineError};
-use super::{GAUSS, Nearest, SLACK};
 use crate::math::{Ray, Transform};
 use crate::sampling::Discrete;
-use crate::shape::{Crossing, ShapeSample, SurfacePoint, TexCoord, within};
-use glam::{DVec2, DVec3, DVec4, Vec2};
+use crate::shape::analytic::AnalyticShape;
+use crate::shape::hit::{ShapeHit, within};
+use crate::shape::object_ray::ObjectRay;
+use crate::shape::surface_point::{ShapeSample, SurfacePoint};
+use crate::shape::texture_mapping::TexCoord;
+use glam::{DVec2, DVec3, DVec4, Vec2, Vec3};
 use std::sync::Arc;
 
-/// Sines of the angle between the derivatives, in parts of the leaf's size, below which a point is a pole or an edge without length.
+/// Sine of the angle between the derivatives, relative to the leaf's size, below which a point is a
+/// pole or lies on a collapsed edge.
 const COLLAPSED: f64 = 1e-7;
 
-/// The points Σ Bᵢ(u) Bⱼ(v) wᵢⱼ pᵢⱼ / Σ Bᵢ(u) Bⱼ(v) wᵢⱼ of a net of control points, with u and v in \[0, 1] by the knots' ranges.
+/// The points Σ Bᵢ(u) Bⱼ(v) wᵢⱼ pᵢⱼ / Σ Bᵢ(u) Bⱼ(v) wᵢⱼ of a net of control points, with u and v in
+/// \[0, 1].
 ///
-/// The outer side is that of ∂u × ∂v, under maps that mirror too.
+/// The outer side is that of ∂u × ∂v, also under maps that mirror.
 #[derive(Clone, Debug)]
 pub struct Patch {
     net: Arc<Net>,
-    /// From the net's space, which has the middle of the control points as origin.
+    /// Map from the net's space, whose origin is the centre of the control points.
     to_world: Transform,
-    /// In the world.
+    /// World area \[length²].
     area: f64,
 }
 
 #[derive(Debug)]
 struct Net {
     degree: [usize; 2],
-    leaves: Vec<Leaf>,
+    leaves: Vec<PatchLeaf>,
     powers: Vec<Vector<4>>,
-    /// Knots of both directions that part stretches.
+    /// Knots between spans, in both directions.
     breaks: [Vec<f64>; 2],
-    /// For each pair of stretches, then below.
-    roots: Vec<Branch>,
+    /// Subdivision of each pair of spans, row by row.
+    roots: Vec<SubdivisionNode>,
     cuts: Vec<Cut>,
     tree: BoxTree,
-    /// Area of each leaf.
+    /// Distribution of leaves by area.
     choice: Discrete,
-    /// Half the size of a box around it all, which is centred on the origin.
+    /// Half the size of a bounding box that is centred on the origin.
     half: DVec3,
     size: f64,
     noise: f64,
     bytes: u64,
 }
 
-/// A piece that is flat enough.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Leaf {
-    /// Middle and half width along u and v.
-    pub middle: DVec2,
-    pub half: DVec2,
-    /// The point in the middle.
-    pub point: DVec3,
-    pub bounds: Beyond,
-}
-
-/// Where what was cut goes on.
-#[derive(Clone, Copy, Debug)]
-pub(super) enum Branch {
-    Leaf(u32),
-    Cut(u32),
-}
-
-/// A piece cut in two.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Cut {
-    /// 0 for u, 1 for v.
-    pub axis: usize,
-    pub at: f64,
-    pub parts: [Branch; 2],
-}
-
 impl Patch {
-    /// A surface of control points (x, y, z, weight), those along v one after the other.
+    /// A surface of control points (x, y, z, weight), those along v consecutive.
     ///
     /// # Errors
-    /// [`SplineError`] where numbers do not fit, weights are not above 0, values are too large, or the surface has no area.
+    ///
+    /// [`SplineError`] if the numbers of knots and points do not fit, a weight is not above 0, a
+    /// value is too large, or the surface has no area.
     pub fn new(bases: [&Basis; 2], controls: &[DVec4]) -> Result<Self, SplineError> {
         Self::within(bases, controls, None)
     }
 
-    /// As [`Patch::new`], within `free` bytes of memory, where that number is known.
+    /// Like [`Patch::new`], limited to `free` bytes of memory if that number is known.
     ///
     /// # Errors
-    /// [`SplineError`], as of [`Patch::new`], and where the memory does not suffice.
+    ///
+    /// [`SplineError`], also if the memory does not suffice.
     pub fn within(bases: [&Basis; 2], controls: &[DVec4], free: Option<u64>) -> Result<Self, SplineError> {
         let [rows, columns] = bases.map(Basis::controls);
         if controls.len() != rows * columns {
@@ -107,7 +89,7 @@ impl Patch {
         let weigh = |(p, c): (&DVec3, &DVec4)| ((*p - place) * (c.w / heaviest)).extend(c.w / heaviest).to_array();
         let weighed: Vec<Vector<4>> = points.iter().zip(controls).map(weigh).collect();
 
-        let mut builder = Builder::new(bases.map(Basis::degree), free);
+        let mut builder = PatchBuilder::new(bases.map(Basis::degree), free);
         for u in bases[0].spans() {
             // Along u for each column of the net, then along v.
             let columns: Vec<Vec<Vector<4>>> =
@@ -129,7 +111,7 @@ impl Patch {
         let [p, q] = bases.map(Basis::degree);
         let noise = size * f64::EPSILON * (64 + 4 * (p * p + q * q)) as f64;
         let bytes = builder.bytes();
-        let Builder { leaves, powers, roots, cuts, boxes, .. } = builder;
+        let PatchBuilder { leaves, powers, roots, cuts, boxes, .. } = builder;
         let nothing = Discrete::new([1.0]).ok_or(SplineError::NoArea)?;
         let mut net = Net {
             degree: [p, q],
@@ -151,13 +133,35 @@ impl Patch {
         Ok(Self { net: Arc::new(net), to_world: Transform::IDENTITY.translated(place), area })
     }
 
-    /// Bytes of memory that it takes at most.
+    /// Upper bound of the memory in bytes.
     pub(crate) fn bytes(&self) -> u64 {
         self.net.bytes
     }
 
-    /// The image under another map; `None` where the product is singular.
-    pub(in crate::shape) fn transformed(&self, map: &Transform) -> Option<Self> {
+    /// The ray in the net's space, the length from its origin to τ = 0, and the length per unit of
+    /// t.
+    ///
+    /// `None` if the ray passes the bounding sphere by.
+    fn line(&self, ray: &Ray) -> Option<(Line, f64, f64)> {
+        let ObjectRay { base, direction, start, length } = ObjectRay::new(ray, &self.to_world);
+        let size = self.net.size * (1.0 + 1e-9);
+        (base.length_squared() <= size * size).then(|| (Line::new(base, direction), start, length))
+    }
+
+    fn at(&self, leaf: usize, at: DVec2, uv: Vec2) -> SurfacePoint {
+        let net = &*self.net;
+        let [p, ..] = net.piece(leaf).point(at);
+        // The inverse transpose keeps the outer side of a mirror image.
+        let normal = self.to_world.normal(net.normal(leaf, at)).normalize();
+        let m = self.to_world.forward().matrix3;
+        let widest = m.x_axis.length() + m.y_axis.length() + m.z_axis.length();
+        let scale = widest * net.size + self.to_world.forward().translation.abs().max_element();
+        SurfacePoint { uv, ..SurfacePoint::exact(self.to_world.point(p), normal, scale * SLACK) }
+    }
+}
+
+impl AnalyticShape for Patch {
+    fn transformed(&self, map: &Transform) -> Option<Self> {
         let to_world = Transform::new(*map.forward() * *self.to_world.forward()).ok()?;
         let net = &self.net;
         let area = match to_world.similarity() {
@@ -167,20 +171,13 @@ impl Patch {
         Some(Self { net: Arc::clone(net), to_world, area })
     }
 
-    /// The ray in the net's space, τ at its origin as a negative number, and τ for each unit of t; `None` where it passes by.
-    fn line(&self, ray: &Ray) -> Option<(Line, f64, f64)> {
-        let Nearest { base, direction, start, length } = Nearest::new(ray, &self.to_world);
-        let size = self.net.size * (1.0 + 1e-9);
-        (base.length_squared() <= size * size).then(|| (Line::new(base, direction), start, length))
-    }
-
-    pub(in crate::shape) fn intersect(&self, ray: &Ray) -> Option<Crossing> {
+    fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
         let (line, start, length) = self.line(ray)?;
         let net = &*self.net;
         let end = f64::from(ray.t_max) * length - start;
         let size = net.size * (1.0 + 1e-9);
         let mut found: Option<(usize, DVec2, f64)> = None;
-        net.tree.walk(&line, [(-start).max(-size), end.min(size)], |leaf, range| {
+        net.tree.visit_hits(&line, [(-start).max(-size), end.min(size)], |leaf, range| {
             if let Some(at) = net.piece(leaf).nearest(&line, range, net.size) {
                 found = Some((leaf, at, range[1]));
             }
@@ -191,10 +188,10 @@ impl Patch {
         Some((t, uv.x, uv.y))
     }
 
-    pub(in crate::shape) fn surface(&self, ray: &Ray, uv: Vec2) -> SurfacePoint {
+    fn surface(&self, ray: &Ray, _t: f32, uv: Vec2) -> SurfacePoint {
         let (leaf, mut at) = self.net.find(uv);
         if let Some((line, ..)) = self.line(ray) {
-            // Newton's method makes up for the rounding of the coordinates.
+            // Newton's method corrects the rounding of the coordinates.
             let most = 2.0 * f64::from(f32::EPSILON) / self.net.leaves[leaf].half;
             for _ in 0..2 {
                 let step = self.net.piece(leaf).step(&line, at);
@@ -206,18 +203,7 @@ impl Patch {
         self.at(leaf, at, uv)
     }
 
-    fn at(&self, leaf: usize, at: DVec2, uv: Vec2) -> SurfacePoint {
-        let net = &*self.net;
-        let [p, ..] = net.piece(leaf).point(at);
-        // By the inverse transpose, a mirror image keeps its outer side.
-        let normal = self.to_world.normal(net.normal(leaf, at)).normalize();
-        let m = self.to_world.forward().matrix3;
-        let widest = m.x_axis.length() + m.y_axis.length() + m.z_axis.length();
-        let scale = widest * net.size + self.to_world.forward().translation.abs().max_element();
-        SurfacePoint { uv, ..SurfacePoint::exact(self.to_world.point(p), normal, scale * SLACK) }
-    }
-
-    pub(in crate::shape) fn extent(&self) -> (DVec3, DVec3) {
+    fn extent(&self) -> (DVec3, DVec3) {
         let (mut min, mut max) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         for i in 0..8 {
             let side = |bit: u32| if i >> bit & 1 == 0 { -1.0 } else { 1.0 };
@@ -227,16 +213,16 @@ impl Patch {
         (min, max)
     }
 
-    pub(in crate::shape) fn translated(&self, by: DVec3) -> Self {
+    fn translated(&self, by: DVec3) -> Self {
         Self { to_world: self.to_world.translated(by), ..self.clone() }
     }
 
-    pub(in crate::shape) fn area(&self) -> f64 {
+    fn area(&self) -> f64 {
         self.area
     }
 
-    /// A leaf by its area, then uniform in its coordinates.
-    pub(in crate::shape) fn sample(&self, u: Vec2) -> ShapeSample {
+    /// Chooses a leaf by its area, then samples its parameters uniformly.
+    fn sample(&self, u: Vec2) -> ShapeSample {
         let net = &*self.net;
         let (leaf, _) = net.choice.sample(u.x);
         let at = DVec2::new(f64::from(net.choice.remainder(u.x, leaf)), f64::from(u.y)) * 2.0 - 1.0;
@@ -245,8 +231,7 @@ impl Patch {
         ShapeSample { pdf: self.pdf(&point), point, uv }
     }
 
-    /// Density per area of [`Patch::sample`].
-    pub(in crate::shape) fn pdf(&self, seen: &SurfacePoint) -> f32 {
+    fn pdf(&self, seen: &SurfacePoint) -> f32 {
         let net = &*self.net;
         let (leaf, at) = net.find(seen.uv);
         let [_, along_x, along_y] = net.piece(leaf).point(at);
@@ -254,40 +239,20 @@ impl Patch {
         (f64::from(net.choice.probability(leaf)) / (4.0 * element)) as f32
     }
 
-    /// Coordinates and how they grow in the world.
-    pub(in crate::shape) fn mapped(&self, uv: Vec2) -> TexCoord {
+    fn tex_coord(&self, _p: Vec3, uv: Vec2) -> TexCoord {
         let (leaf, at) = self.net.find(uv);
         let [_, along_x, along_y] = self.net.piece(leaf).point(at);
         let half = self.net.leaves[leaf].half;
-        TexCoord::of(uv, self.to_world.vector(along_x / half.x), self.to_world.vector(along_y / half.y))
+        TexCoord::from_derivatives(uv, self.to_world.vector(along_x / half.x), self.to_world.vector(along_y / half.y))
     }
 }
 
 #[cfg(test)]
 impl Patch {
-    /// The point of coordinates.
+    /// The world-space point at the parameters `uv`.
     pub(super) fn point_of(&self, uv: Vec2) -> DVec3 {
         let (leaf, at) = self.net.find(uv);
         self.to_world.point(self.net.piece(leaf).point(at)[0])
-    }
-}
-
-impl Leaf {
-    /// Coordinates on the whole surface, rounded so that they fall on this leaf again.
-    fn coordinates(&self, at: DVec2) -> Vec2 {
-        let (low, high) = (self.middle - self.half, self.middle + self.half);
-        let round = |x: f64, low: f64, high: f64| {
-            let x = x as f32;
-            if f64::from(x) < low {
-                x.next_up()
-            } else if f64::from(x) >= high && high < 1.0 {
-                x.next_down()
-            } else {
-                x
-            }
-        };
-        let p = self.middle + self.half * at;
-        Vec2::new(round(p.x, low.x, high.x), round(p.y, low.y, high.y))
     }
 }
 
@@ -296,22 +261,22 @@ impl Net {
         let [p, q] = self.degree;
         let room = (p + 1) * (q + 1);
         let powers = &self.powers[leaf * room..(leaf + 1) * room];
-        let Leaf { point, bounds, .. } = self.leaves[leaf];
+        let PatchLeaf { point, bounds, .. } = self.leaves[leaf];
         PatchPiece { powers, middle: point, columns: q + 1, bounds, noise: self.noise }
     }
 
-    /// The leaf of a place on the whole surface, and the place on it.
+    /// The leaf that contains the parameters `uv`, and the position in the leaf, in \[−1, 1]².
     fn find(&self, uv: Vec2) -> (usize, DVec2) {
         let uv = uv.as_dvec2();
         let stretch = |axis: usize| self.breaks[axis].partition_point(|b| *b <= uv[axis]).saturating_sub(1);
         let mut branch = self.roots[stretch(0) * self.breaks[1].len() + stretch(1)];
         loop {
             match branch {
-                Branch::Cut(cut) => {
+                SubdivisionNode::Cut(cut) => {
                     let cut = &self.cuts[cut as usize];
                     branch = cut.parts[usize::from(uv[cut.axis] >= cut.at)];
                 }
-                Branch::Leaf(leaf) => {
+                SubdivisionNode::Leaf(leaf) => {
                     let l = &self.leaves[leaf as usize];
                     return (leaf as usize, ((uv - l.middle) / l.half).clamp(DVec2::NEG_ONE, DVec2::ONE));
                 }
@@ -319,7 +284,7 @@ impl Net {
         }
     }
 
-    /// ∂u × ∂v at any length, or its limit from inside the leaf where that is nothing.
+    /// ∂u × ∂v at any length, or its limit from inside the leaf if it vanishes.
     fn normal(&self, leaf: usize, at: DVec2) -> DVec3 {
         let piece = self.piece(leaf);
         let [_, middle_x, middle_y] = piece.point(DVec2::ZERO);
@@ -336,7 +301,7 @@ impl Net {
     }
 }
 
-/// By Gauss's rule.
+/// World area of a leaf by Gauss quadrature.
 fn leaf_area(piece: &PatchPiece<'_>, to_world: &Transform) -> f64 {
     let element = |x: f64, y: f64| {
         let [_, along_x, along_y] = piece.point(DVec2::new(x, y));
@@ -346,71 +311,4 @@ fn leaf_area(piece: &PatchPiece<'_>, to_world: &Transform) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::spline::NARROWEST;
-    use super::*;
-    use glam::Vec3;
-
-    /// An eighth of the unit sphere: a quarter circle (rational, degree 2) turned by another, with a pole at the top.
-    pub(in crate::shape::parametric) fn octant() -> Patch {
-        let arc = [(1.0, 0.0, 1.0), (1.0, 1.0, std::f64::consts::FRAC_1_SQRT_2), (0.0, 1.0, 1.0)];
-        let mut controls = Vec::new();
-        for (r, h, w) in arc {
-            for (c, s, v) in arc {
-                controls.push(DVec4::new(r * c, h, r * s, w * v));
-            }
-        }
-        let basis = Basis::bezier(3).unwrap();
-        Patch::new([&basis, &basis], &controls).unwrap()
-    }
-
-    /// A crumpled patch, of more leaves than the memory has room for.
-    #[test]
-    fn leaves_are_counted_before_they_take_room() {
-        let basis = Basis::bezier(6).unwrap();
-        let at = |i: usize| f64::from((i as u32).wrapping_mul(2_654_435_761) >> 16) / 65_536.0;
-        let controls: Vec<DVec4> = (0..36).map(|i| DVec4::new(at(3 * i), at(3 * i + 1), at(3 * i + 2), 1.0)).collect();
-        let bytes = Patch::new([&basis, &basis], &controls).unwrap().bytes();
-        assert!(bytes > 500_000, "{bytes}");
-        assert!(Patch::within([&basis, &basis], &controls, Some(bytes)).is_ok());
-        match Patch::within([&basis, &basis], &controls, Some(bytes / 2)) {
-            // It is given up at the first leaf beyond.
-            Err(SplineError::Memory { needed, free }) => assert!(free == bytes / 2 && needed < free + 10_000),
-            other => panic!("{other:?}"),
-        }
-    }
-
-    /// The narrowest stretch that is let through, with a bend as sharp as a leaf's least size: rays find what they meet.
-    #[test]
-    fn leaves_are_no_narrower_than_coordinates_tell() {
-        let basis = Basis::new(2, 5, vec![0.0, 0.0, 0.0, 0.5, 0.5 + NARROWEST, 1.0, 1.0, 1.0]).unwrap();
-        let line = Basis::bezier(2).unwrap();
-        let profile = [[0.0, 0.0], [1.0, 0.0], [1.0, 3.0], [3.0, 3.0], [4.0, 0.0]];
-        let controls: Vec<DVec4> =
-            profile.iter().flat_map(|[x, y]| [0.0, 1.0].map(|z| DVec4::new(*x, *y, z, 1.0))).collect();
-        let patch = Patch::new([&basis, &line], &controls).unwrap();
-        assert!(patch.net.leaves.iter().all(|leaf| 2.0 * leaf.half.x >= NARROWEST));
-        for i in 0..4000 {
-            let x = (i as f32 + 0.5) * 0.001;
-            let ray = Ray::new(Vec3::new(x, 5.0, 0.5), Vec3::NEG_Y);
-            let (t, u, v) = patch.intersect(&ray).unwrap();
-            let found = patch.surface(&ray, Vec2::new(u, v)).p;
-            assert!((found - Vec3::new(x, 5.0 - t, 0.5)).length() < 1e-5, "{x} {found}");
-        }
-    }
-
-    #[test]
-    fn quarter_circles_make_a_sphere() {
-        let patch = octant();
-        assert!((patch.area() / (std::f64::consts::FRAC_PI_2) - 1.0).abs() < 1e-9, "{}", patch.area());
-        for d in [Vec3::ONE, Vec3::new(0.1, 0.7, 0.4), Vec3::new(1e-3, 1.0, 1e-3), Vec3::new(0.5, 0.01, 0.02), Vec3::Y]
-        {
-            let d = d.normalize();
-            let ray = Ray::new(d * 3.0, -d);
-            let (t, u, v) = patch.intersect(&ray).unwrap();
-            assert!((t - 2.0).abs() < 1e-6, "{d} {t}");
-            let p = patch.surface(&ray, Vec2::new(u, v));
-            assert!((p.p - d).length() < 1e-6 && p.ng.dot(d).abs() > 1.0 - 1e-6, "{d} {p:?}");
-        }
-    }
-}
+mod tests;

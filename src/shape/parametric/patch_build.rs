@@ -1,44 +1,92 @@
-//! Cutting Bézier pieces of surfaces until they are flat.
+//! Subdivision of Bézier patches until they are nearly flat.
 
 use super::box_tree::Corners;
-use super::patch::{Branch, Cut, Leaf};
-use super::patch_piece::Beyond;
+use super::patch_piece::HigherTerms;
 use super::polynomial::{Vector, split, to_powers};
 use super::spline::{NARROWEST, SplineError};
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, Vec2};
 
-/// Change of the derivatives, in parts of themselves, below which rays that are not near grazing need no further cut.
+/// Relative change of the derivatives below which a piece is divided no further.
 const FLAT: f64 = 1.0 / 16.0;
 
-/// Halvings of a Bézier piece at most, where it never gets flat: at poles, cusps and edges without length.
+/// Largest number of halvings of a Bézier patch that never becomes flat: at poles, cusps and
+/// collapsed edges.
 const DEPTH: u32 = 14;
 
-/// Sizes below this part of the piece's are not cut further for flatness.
+/// Relative size of pieces below which curvature causes no further division.
 const SMALL: f64 = 1.0 / 256.0;
 
-/// Bytes that a leaf takes besides its powers: itself, its box and area, its part of the tree and of the cuts.
+/// Bytes of a leaf besides its coefficients: itself, its box and area, its share of the tree and of
+/// the cuts.
 const PER_LEAF: u64 = 512;
 
-pub(super) struct Builder {
+/// Nearly flat piece of the surface.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PatchLeaf {
+    /// Centre and half width along u and v.
+    pub middle: DVec2,
+    pub half: DVec2,
+    /// Point at the centre.
+    pub point: DVec3,
+    pub bounds: HigherTerms,
+}
+
+/// Node of the subdivision of a patch.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum SubdivisionNode {
+    Leaf(u32),
+    Cut(u32),
+}
+
+/// Division of a piece into two.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Cut {
+    /// 0 for u, 1 for v.
+    pub axis: usize,
+    pub at: f64,
+    pub parts: [SubdivisionNode; 2],
+}
+
+impl PatchLeaf {
+    /// Parameters on the whole surface, rounded so that they fall into this leaf again.
+    pub fn coordinates(&self, at: DVec2) -> Vec2 {
+        let (low, high) = (self.middle - self.half, self.middle + self.half);
+        let round = |x: f64, low: f64, high: f64| {
+            let x = x as f32;
+            if f64::from(x) < low {
+                x.next_up()
+            } else if f64::from(x) >= high && high < 1.0 {
+                x.next_down()
+            } else {
+                x
+            }
+        };
+        let p = self.middle + self.half * at;
+        Vec2::new(round(p.x, low.x, high.x), round(p.y, low.y, high.y))
+    }
+}
+
+pub(super) struct PatchBuilder {
     degree: [usize; 2],
-    /// Bytes of memory that it may take.
+    /// Bytes of memory that the surface may take.
     free: Option<u64>,
-    pub leaves: Vec<Leaf>,
+    pub leaves: Vec<PatchLeaf>,
     pub powers: Vec<Vector<4>>,
     pub boxes: Vec<Corners>,
-    pub roots: Vec<Branch>,
+    pub roots: Vec<SubdivisionNode>,
     pub cuts: Vec<Cut>,
 }
 
-impl Builder {
+impl PatchBuilder {
     pub fn new(degree: [usize; 2], free: Option<u64>) -> Self {
         let (leaves, powers, boxes) = (Vec::new(), Vec::new(), Vec::new());
         Self { degree, free, leaves, powers, boxes, roots: Vec::new(), cuts: Vec::new() }
     }
 
-    /// Adds the piece of Bézier control points that spans `ranges` of u and v.
+    /// Adds the Bézier patch that spans `ranges` of u and v.
     ///
     /// # Errors
+    ///
     /// [`SplineError::Memory`].
     pub fn piece(&mut self, controls: &[Vector<4>], ranges: [[f64; 2]; 2]) -> Result<(), SplineError> {
         let [min, max] = hull(controls);
@@ -47,7 +95,9 @@ impl Builder {
         Ok(())
     }
 
-    /// Bytes that it takes, and a quarter for the slack of lists. Measured: 26.7 MB for what this counts as 34.1 MB.
+    /// Estimated memory in bytes, with a quarter for the slack of lists.
+    ///
+    /// Measured: 26.7 MB for an estimate of 34.1 MB.
     pub fn bytes(&self) -> u64 {
         let own = PER_LEAF * self.leaves.len() as u64 + (size_of::<Vector<4>>() * self.powers.len()) as u64;
         own + own / 4
@@ -59,7 +109,7 @@ impl Builder {
         ranges: [[f64; 2]; 2],
         small: f64,
         depth: u32,
-    ) -> Result<Branch, SplineError> {
+    ) -> Result<SubdivisionNode, SplineError> {
         let [p, q] = self.degree;
         let columns = q + 1;
         let mut powers = controls.to_vec();
@@ -88,28 +138,28 @@ impl Builder {
                 ranges
             };
             let index = self.cuts.len();
-            let nothing = Branch::Leaf(0);
+            let nothing = SubdivisionNode::Leaf(0);
             self.cuts.push(Cut { axis, at, parts: [nothing; 2] });
             let parts = [
                 self.cut(&first, part([start, at]), small, depth - 1)?,
                 self.cut(&last, part([at, end]), small, depth - 1)?,
             ];
             self.cuts[index].parts = parts;
-            return Ok(Branch::Cut(index as u32));
+            return Ok(SubdivisionNode::Cut(index as u32));
         }
         let [[u0, u1], [v0, v1]] = ranges;
-        self.leaves.push(Leaf {
+        self.leaves.push(PatchLeaf {
             middle: 0.5 * DVec2::new(u0 + u1, v0 + v1),
             half: 0.5 * DVec2::new(u1 - u0, v1 - v0),
             point,
-            bounds: Beyond::of(&powers, columns),
+            bounds: HigherTerms::of(&powers, columns),
         });
         self.powers.extend(powers);
         self.boxes.push(corners);
         let needed = self.bytes();
         match self.free {
             Some(free) if needed > free => Err(SplineError::Memory { needed, free }),
-            _ => Ok(Branch::Leaf(self.leaves.len() as u32 - 1)),
+            _ => Ok(SubdivisionNode::Leaf(self.leaves.len() as u32 - 1)),
         }
     }
 }
@@ -118,13 +168,13 @@ fn vector(c: &Vector<4>) -> DVec3 {
     DVec3::new(c[0], c[1], c[2])
 }
 
-/// A box around the points.
+/// Bounding box of the control points.
 fn hull(controls: &[Vector<4>]) -> Corners {
     let points = controls.iter().map(|c| vector(c) / c[3]);
     points.fold([DVec3::INFINITY, DVec3::NEG_INFINITY], |[min, max], p| [min.min(p), max.max(p)])
 }
 
-/// The direction in which a piece, counted from its middle, is best cut; `None` where it is flat.
+/// Axis along which to halve a piece; `None` if the piece is flat enough.
 fn bent(a: &[Vector<4>], columns: usize) -> Option<usize> {
     let (along_x, along_y) = (vector(&a[columns]), vector(&a[1]));
     let normal = along_x.cross(along_y);
@@ -136,7 +186,7 @@ fn bent(a: &[Vector<4>], columns: usize) -> Option<usize> {
             turns[1] += size * j as f64;
         }
     }
-    // Seen along the normal, rows of the inverse times the determinant.
+    // Rows of the inverse times the determinant, seen along the normal.
     let length = normal.length();
     let (for_x, for_y) = (along_y.cross(normal).abs(), normal.cross(along_x).abs());
     let turn = turns[0] + turns[1];
@@ -154,7 +204,7 @@ fn bent(a: &[Vector<4>], columns: usize) -> Option<usize> {
     })
 }
 
-/// Both halves of a net across an axis.
+/// Halves of a net, divided across an axis.
 fn halves(controls: &[Vector<4>], columns: usize, axis: usize) -> (Vec<Vector<4>>, Vec<Vector<4>>) {
     let (mut first, mut last) = (controls.to_vec(), controls.to_vec());
     let rows = controls.len() / columns;

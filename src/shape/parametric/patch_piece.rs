@@ -1,35 +1,38 @@
-//! Short pieces of surfaces, and where lines meet them.
+//! Short pieces of surfaces, and their intersection with lines.
 
 use super::box_tree::Line;
 use super::polynomial::{MAX_DEGREE, Vector, evaluate_2d, recentre, recentre_rows};
 use super::profile::{CONTRACTION, FIRST_STEP, OVERLAP, POINT, RATE};
 use glam::{DVec2, DVec3};
 
-/// A piece of a surface: w·(x, y, z), counted from its middle, and w, for both coordinates in \[−1, 1] and in powers of them; w is 1 in
-/// the middle.
+/// Piece of a rational surface: coefficients of w·(x, y, z), relative to its centre, and of w.
+///
+/// Both parameters are in \[−1, 1]. The weight w is 1 at the centre.
 #[derive(Clone, Copy, Debug)]
 pub struct PatchPiece<'a> {
     pub powers: &'a [Vector<4>],
-    /// Its middle.
+    /// Position of the centre.
     pub middle: DVec3,
-    /// The degree in y and 1.
+    /// Number of coefficients in a row: the degree in y plus 1.
     pub columns: usize,
-    pub bounds: Beyond,
-    /// How far rounding may move a point of it.
+    pub bounds: HigherTerms,
+    /// Bound on the rounding error of a point.
     pub noise: f64,
 }
 
-/// Constant and linear terms, and bounds on what lies beyond: sums of |aᵢⱼ|, and of (i + j)|aᵢⱼ|, which bound the remainder and the
-/// change of the derivatives.
+/// Constant and linear terms, and bounds on the terms beyond.
+///
+/// The bounds are the sums of |aᵢⱼ|, for the remainder, and of (i + j)|aᵢⱼ|, for the change of the
+/// derivatives.
 #[derive(Clone, Copy, Debug)]
-pub struct Beyond {
-    /// The constant, along y, and along x.
+pub struct HigherTerms {
+    /// The constant term, the term in y, and the term in x.
     linear: [Vector<4>; 3],
     rest: Vector<4>,
     turn: Vector<4>,
 }
 
-impl Beyond {
+impl HigherTerms {
     #[inline]
     pub fn of(a: &[Vector<4>], columns: usize) -> Self {
         let mut beyond = Self { linear: [a[0], a[1], a[columns]], rest: [0.0; 4], turn: [0.0; 4] };
@@ -44,7 +47,7 @@ impl Beyond {
         beyond
     }
 
-    /// Of the surface as seen from `base`: of w·((x, y, z) − base).
+    /// Bounds for w·((x, y, z) − base).
     #[inline]
     fn from(sums: &Vector<4>, base: DVec3) -> DVec3 {
         split(sums).0 + base.abs() * sums[3]
@@ -63,27 +66,28 @@ fn seen(a: &Vector<4>, base: DVec3) -> DVec3 {
     p - base * w
 }
 
-/// What a box holds.
-enum Verdict {
-    Nothing,
+/// Result of a root test in a box.
+enum RootTest {
+    NoRoot,
     /// Exactly one root.
     Root(DVec2, f64),
-    /// Not known: the box must be cut.
+    /// Unknown: the box must be divided.
     Unclear,
-    /// The line runs inside the surface to rounding, all over the box.
+    /// The line runs inside the surface, up to rounding, over the whole box.
     Inside,
 }
 
 impl PatchPiece<'_> {
-    /// The nearest crossing within `range` of τ, as the coordinates and τ. The end of the range is moved to it.
+    /// Parameters of the nearest hit within `range` of τ; the end of the range is moved to it.
     #[inline]
     pub fn nearest(&self, line: &Line, range: &mut [f64; 2], size: f64) -> Option<DVec2> {
-        // Bounds on the change of weights count in proportion to the distance of the line's base, which may be anywhere on it.
-        let (near, start) = self.seen_from_middle(line);
+        // Bounds on the change of weights grow with the distance of the line's base, so the base is
+        // moved near the piece.
+        let (near, start) = self.relative_line(line);
         let mut own = range.map(|t| t - start);
-        let found = match judge(self.powers, self.columns, &self.bounds, &near, self.noise) {
-            Verdict::Nothing => None,
-            Verdict::Root(at, t) => (own[0] <= t && t <= own[1]).then(|| {
+        let found = match test_roots(self.powers, self.columns, &self.bounds, &near, self.noise) {
+            RootTest::NoRoot => None,
+            RootTest::Root(at, t) => (own[0] <= t && t <= own[1]).then(|| {
                 own[1] = t;
                 at
             }),
@@ -97,19 +101,20 @@ impl PatchPiece<'_> {
         Some(found)
     }
 
-    /// The line counted from the middle of the piece, with its base as near to it as can be, and τ there.
+    /// The line relative to the centre of the piece, with its base as near as possible, and the τ
+    /// of that base.
     #[inline]
-    fn seen_from_middle(&self, line: &Line) -> (Line, f64) {
+    fn relative_line(&self, line: &Line) -> (Line, f64) {
         let start = (self.middle - line.base).dot(line.direction);
         (Line { base: line.base + line.direction * start - self.middle, ..*line }, start)
     }
 
-    /// The step of Newton's method from a place.
+    /// Newton step from the parameters `at`.
     pub fn step(&self, line: &Line, at: DVec2) -> DVec2 {
-        newton_step(self.powers, self.columns, &self.seen_from_middle(line).0, at).0
+        newton_step(self.powers, self.columns, &self.relative_line(line).0, at).0
     }
 
-    /// The point and its derivatives.
+    /// The point and its derivatives by both parameters.
     #[inline]
     pub fn point(&self, at: DVec2) -> [DVec3; 3] {
         let [value, along_x, along_y] = evaluate_2d(self.powers, self.columns, at.x, at.y);
@@ -118,7 +123,8 @@ impl PatchPiece<'_> {
         [p + self.middle, seen(&along_x, p) / w, seen(&along_y, p) / w]
     }
 
-    /// Halves the piece along its longer side until each box holds none or one root for certain, or is a point to rounding.
+    /// Halves the piece along its longer side until each box has no root, one root, or the size of
+    /// rounding.
     #[cold]
     #[inline(never)]
     fn refine<const ROOM: usize>(&self, line: &Line, range: &mut [f64; 2], size: f64) -> Option<DVec2> {
@@ -139,17 +145,17 @@ impl PatchPiece<'_> {
             if half.y < 1.0 {
                 a.chunks_exact_mut(columns).for_each(|row| recentre(row, middle.y, half.y));
             }
-            let bounds = Beyond::of(a, columns);
+            let bounds = HigherTerms::of(a, columns);
             let Some(reach) = self.reaches(&bounds, line, *range) else { continue };
             let point = || DVec2::new(middle.x, middle.y);
-            let touched = match judge(a, columns, &bounds, line, self.noise) {
-                Verdict::Nothing => None,
-                Verdict::Root(at, t) => Some((middle + half * at, t)),
+            let touched = match test_roots(a, columns, &bounds, line, self.noise) {
+                RootTest::NoRoot => None,
+                RootTest::Root(at, t) => Some((middle + half * at, t)),
                 _ if reach.max_element() <= 4.0 * self.noise => Some((point(), along(a, line))),
-                Verdict::Inside if reach.max_element() <= POINT * size => Some((point(), along(a, line))),
-                Verdict::Inside => None,
-                // A hundred halvings are below rounding, so the stack cannot overflow.
-                Verdict::Unclear if count + 2 <= boxes.len() => {
+                RootTest::Inside if reach.max_element() <= POINT * size => Some((point(), along(a, line))),
+                RootTest::Inside => None,
+                // A hundred halvings reach rounding, so the stack cannot overflow.
+                RootTest::Unclear if count + 2 <= boxes.len() => {
                     let side = if longer_in_x(a, columns) { DVec2::X } else { DVec2::Y };
                     let (step, rest) = (0.5 * half * side, half * (1.0 - 0.5 * side));
                     boxes[count] = (middle + step, rest);
@@ -157,7 +163,7 @@ impl PatchPiece<'_> {
                     count += 2;
                     None
                 }
-                Verdict::Unclear => None,
+                RootTest::Unclear => None,
             };
             if let Some((at, t)) = touched
                 && range[0] <= t
@@ -170,13 +176,13 @@ impl PatchPiece<'_> {
         found
     }
 
-    /// Half the size of a box around the piece, where the line meets it within the range.
-    fn reaches(&self, bounds: &Beyond, line: &Line, range: [f64; 2]) -> Option<DVec3> {
+    /// Half the size of the piece's bounding box; `None` if the line misses it within the range.
+    fn reaches(&self, bounds: &HigherTerms, line: &Line, range: [f64; 2]) -> Option<DVec3> {
         let [middle, along_y, along_x] = bounds.linear.map(|a| seen(&a, line.base));
-        let reach = along_x.abs() + along_y.abs() + Beyond::from(&bounds.rest, line.base) + self.noise;
+        let reach = along_x.abs() + along_y.abs() + HigherTerms::from(&bounds.rest, line.base) + self.noise;
         let (a1, a2) = ((middle - reach) * line.inverse, (middle + reach) * line.inverse);
         let (lo, hi) = (a1.min(a2).max_element(), a1.max(a2).min_element());
-        // Of w·τ; w is positive, and near its value in the middle.
+        // The bounds are on w·τ. The weight w is positive and close to its value at the centre.
         let [w, along_y, along_x] = bounds.linear.map(|a| a[3]);
         let spread = along_x.abs() + along_y.abs() + bounds.rest[3];
         let (least, most) = ((w - spread).max(0.0), w + spread);
@@ -186,7 +192,7 @@ impl PatchPiece<'_> {
     }
 }
 
-/// Where on the line the middle of a piece is.
+/// τ of the piece's centre, projected to the line.
 fn along(a: &[Vector<4>], line: &Line) -> f64 {
     seen(&a[0], line.base).dot(line.direction) / a[0][3]
 }
@@ -203,9 +209,9 @@ fn longer_in_x(a: &[Vector<4>], columns: usize) -> bool {
     x.max_element() > y.max_element()
 }
 
-/// Looks for roots of w·(point − base) = w·τ·direction with both coordinates in \[−1, 1].
+/// Tests for roots of w·(point − base) = w·τ·direction with both parameters in \[−1, 1].
 #[inline]
-fn judge(a: &[Vector<4>], columns: usize, bounds: &Beyond, line: &Line, noise: f64) -> Verdict {
+fn test_roots(a: &[Vector<4>], columns: usize, bounds: &HigherTerms, line: &Line, noise: f64) -> RootTest {
     let d = line.direction;
     let [miss, along_y, along_x] = bounds.linear.map(|a| seen(&a, line.base));
     let determinant = d.dot(along_x.cross(along_y));
@@ -214,23 +220,23 @@ fn judge(a: &[Vector<4>], columns: usize, bounds: &Beyond, line: &Line, noise: f
     let (for_x, for_y) = (d.cross(along_y), along_x.cross(d));
     let (size_x, size_y) = (for_x.abs(), for_y.abs());
     let (x, y) = (for_x.dot(miss), for_y.dot(miss));
-    let error = Beyond::from(&bounds.rest, line.base) + noise;
+    let error = HigherTerms::from(&bounds.rest, line.base) + noise;
     if x.abs() > least + size_x.dot(error) || y.abs() > least + size_y.dot(error) {
-        return Verdict::Nothing;
+        return RootTest::NoRoot;
     }
-    let turn = Beyond::from(&bounds.turn, line.base);
+    let turn = HigherTerms::from(&bounds.turn, line.base);
     let (turn_x, turn_y) = (size_x.dot(turn), size_y.dot(turn));
     if turn_x.max(turn_y) < CONTRACTION * least {
         let blur = noise * size_x.element_sum().max(size_y.element_sum()) / least;
         let start = DVec2::new(x, y) / determinant;
         return newton(a, columns, line, start, OVERLAP + 4.0 * blur)
-            .map_or(Verdict::Nothing, |(at, t)| Verdict::Root(at, t));
+            .map_or(RootTest::NoRoot, |(at, t)| RootTest::Root(at, t));
     }
     let blur = (size_x.element_sum() + size_y.element_sum()) * noise;
-    if least + turn_x + turn_y <= blur { Verdict::Inside } else { Verdict::Unclear }
+    if least + turn_x + turn_y <= blur { RootTest::Inside } else { RootTest::Unclear }
 }
 
-/// The step of Newton's method from a place, and τ after it.
+/// Newton step from the parameters `at`, and τ after it.
 #[inline]
 fn newton_step(a: &[Vector<4>], columns: usize, line: &Line, at: DVec2) -> (DVec2, f64) {
     let values = evaluate_2d(a, columns, at.x, at.y);
@@ -242,7 +248,7 @@ fn newton_step(a: &[Vector<4>], columns: usize, line: &Line, at: DVec2) -> (DVec
     (step, (miss + along_x * step.x + along_y * step.y).dot(d) / w)
 }
 
-/// The only root there can be, or none: as in [`super::profile`].
+/// The only possible root, or `None`, by the criterion of [`super::profile`].
 fn newton(a: &[Vector<4>], columns: usize, line: &Line, start: DVec2, tolerance: f64) -> Option<(DVec2, f64)> {
     let mut at = start.clamp(DVec2::NEG_ONE, DVec2::ONE);
     let mut longest = FIRST_STEP;

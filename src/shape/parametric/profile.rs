@@ -1,45 +1,52 @@
-//! Profiles: curves in the half plane of distance from the axis and height, cut into short pieces, and where rays meet them.
+//! Profiles: pieces of curves in the half plane of distance from the axis and height, and their
+//! intersection with rays.
 
 use super::axis_ray::{AxisRay, Interval};
 use super::polynomial::{MAX_DEGREE, Vector, evaluate, recentre};
 
-/// A piece of a profile: (ρ, y) for x in \[−1, 1], in powers of x.
+/// ProfilePiece of a profile: (ρ, y) for x in \[−1, 1], in powers of x.
 #[derive(Clone, Copy, Debug)]
-pub struct Piece<'a> {
+pub struct ProfilePiece<'a> {
     pub powers: &'a [Vector<2>],
-    /// How far rounding may move a point of it.
+    /// Bound on the rounding error of a point.
     pub noise: f64,
 }
 
-/// Deviation from a constant derivative below which Newton's method, kept inside the box, is sure to find what is there: with J̄ the
-/// mean Jacobian between an iterate and the root and J that at the iterate, both within q of the middle's,
-/// |1 − J⁻¹J̄| ≤ 2q/(1 − q), which is [`RATE`].
+/// Relative deviation from a constant derivative below which Newton's method converges surely
+/// inside a box.
+///
+/// Let J̄ be the mean Jacobian between an iterate and the root, and J that at the iterate. If both
+/// are within q of the centre's Jacobian, then |1 − J⁻¹J̄| ≤ 2q/(1 − q), which is [`RATE`].
 pub const CONTRACTION: f64 = 0.25;
 
-/// Part of the distance from a root that a step of Newton's method leaves at most.
+/// Largest ratio of the distances to the root after and before a Newton step.
 pub const RATE: f64 = 2.0 / 3.0;
 
 /// Longest first step to a root inside the box, in half widths: |J⁻¹J̄| times the box's width.
 pub const FIRST_STEP: f64 = 2.0 * (1.0 + RATE);
 
-/// A root this far outside a piece, in its half widths, counts as inside: neighbours overlap by it, so that none is lost between.
+/// Distance outside a piece, in its half widths, at which a root still counts as inside.
+///
+/// Neighbours overlap by this distance, so no root is lost between them.
 pub const OVERLAP: f64 = 1e-10;
 
-/// Sizes, in parts of the surface, below which a double root is one place.
+/// Size, relative to the surface, below which a double root counts as one point.
 pub const POINT: f64 = 1e-6;
 
-/// What a box holds.
-enum Verdict {
-    Nothing,
+/// Result of a root test in a box.
+enum RootTest {
+    NoRoot,
     /// Exactly one root, at (x, τ).
     Root(f64, f64),
-    /// Not known: the box must be cut.
+    /// Unknown: the box must be divided.
     Unclear,
-    /// The ray runs inside the surface to rounding, all over the box.
+    /// The ray runs inside the surface, up to rounding, over the whole box.
     Inside,
 }
 
-/// Bounds on what lies beyond the linear terms: sums of |aₖ| and of k|aₖ|, which bound the remainder and the derivative's change.
+/// Bounds on the terms beyond the linear ones, and on the change of the derivative.
+///
+/// The bounds are the sums of |aₖ| and of k|aₖ|.
 #[inline]
 fn beyond_linear(a: &[Vector<2>]) -> (Vector<2>, Vector<2>) {
     let (mut rest, mut turn) = ([0.0; 2], [0.0; 2]);
@@ -52,10 +59,10 @@ fn beyond_linear(a: &[Vector<2>]) -> (Vector<2>, Vector<2>) {
     (rest, turn)
 }
 
-impl Piece<'_> {
-    /// The nearest crossing within `t`, as (x, τ). The end of `t` is moved to it.
+impl ProfilePiece<'_> {
+    /// Nearest hit within `t`, as (x, τ); the end of `t` is moved to it.
     ///
-    /// Boxes in x are halved until each holds none or one root for certain, or is a point to rounding.
+    /// Boxes in x are halved until each has no root, one root, or the size of rounding.
     pub fn nearest(&self, ray: &AxisRay, t: &mut Interval, size: f64) -> Option<(f64, f64)> {
         let degree = self.powers.len() - 1;
         let mut boxes = [(0.0, 0.0); 64];
@@ -82,13 +89,13 @@ impl Piece<'_> {
                     continue;
                 }
                 let extent = reach[0].max(reach[1]);
-                let touched = match judge(a, (rest, turn), ray, stretch, self.noise) {
-                    Verdict::Nothing => None,
-                    Verdict::Root(x, at) => Some((middle + half * x, at)),
+                let touched = match test_roots(a, (rest, turn), ray, stretch, self.noise) {
+                    RootTest::NoRoot => None,
+                    RootTest::Root(x, at) => Some((middle + half * x, at)),
                     _ if extent <= 4.0 * self.noise => Some((middle, 0.5 * (stretch.lo + stretch.hi))),
-                    Verdict::Inside if extent <= POINT * size => Some((middle, 0.5 * (stretch.lo + stretch.hi))),
-                    Verdict::Inside => None,
-                    Verdict::Unclear => {
+                    RootTest::Inside if extent <= POINT * size => Some((middle, 0.5 * (stretch.lo + stretch.hi))),
+                    RootTest::Inside => None,
+                    RootTest::Unclear => {
                         cut = true;
                         None
                     }
@@ -101,7 +108,7 @@ impl Piece<'_> {
                     found = Some((x, at));
                 }
             }
-            // Sixty halvings are below rounding, so the stack cannot overflow.
+            // Sixty halvings reach rounding, so the stack cannot overflow.
             if cut && count + 2 <= boxes.len() {
                 let half = 0.5 * half;
                 boxes[count] = (middle + half, half);
@@ -113,16 +120,23 @@ impl Piece<'_> {
     }
 }
 
-/// Looks for roots of ρ(x) − |ray(τ)| and y(x) − ray(τ).y with x in \[−1, 1] and τ in `t`.
+/// Tests for roots of ρ(x) − |ray(τ)| and y(x) − ray(τ).y with x in \[−1, 1] and τ in `t`.
 #[inline]
-fn judge(a: &[Vector<2>], (rest, turn): (Vector<2>, Vector<2>), ray: &AxisRay, t: Interval, noise: f64) -> Verdict {
+fn test_roots(
+    a: &[Vector<2>],
+    (rest, turn): (Vector<2>, Vector<2>),
+    ray: &AxisRay,
+    t: Interval,
+    noise: f64,
+) -> RootTest {
     let dy = ray.direction.y;
     let at = 0.5 * (t.lo + t.hi);
     let (radius, slope) = ray.radius(at);
     let [dx, dh] = a[1];
     let determinant = slope * dh - dx * dy;
     let least = determinant.abs();
-    // A stretch wider than needed is no harm, but one too narrow for the piece's curvature would never contract.
+    // An interval that is too wide costs nothing, but one too narrow for the piece's curvature
+    // would never contract.
     let wander = dh.abs() * turn[0] + dx.abs() * turn[1];
     let mut half = 0.5 * (t.hi - t.lo) + noise;
     if wander < least {
@@ -138,7 +152,7 @@ fn judge(a: &[Vector<2>], (rest, turn): (Vector<2>, Vector<2>), ray: &AxisRay, t
     if across.abs() > least + dy.abs() * error[0] + slope.abs() * error[1]
         || along.abs() > least * half + dh.abs() * error[0] + dx.abs() * error[1]
     {
-        return Verdict::Nothing;
+        return RootTest::NoRoot;
     }
     let change = [turn[0] + bend * half, turn[1]];
     let (from_x, from_t) =
@@ -147,14 +161,15 @@ fn judge(a: &[Vector<2>], (rest, turn): (Vector<2>, Vector<2>), ray: &AxisRay, t
         let blur = noise * (dy.abs() + slope.abs()).max((dh.abs() + dx.abs()) / half) / least;
         let start = (across / determinant, along / determinant);
         return newton(a, ray, at, half, start, OVERLAP + 4.0 * blur)
-            .map_or(Verdict::Nothing, |(x, t)| Verdict::Root(x, t));
+            .map_or(RootTest::NoRoot, |(x, t)| RootTest::Root(x, t));
     }
     let blur = (dy.abs() + slope.abs() + bend) * noise;
     let most = least + dh.abs() * bend + dy.abs() * turn[0] + (slope.abs() + bend) * turn[1];
-    if most <= blur { Verdict::Inside } else { Verdict::Unclear }
+    if most <= blur { RootTest::Inside } else { RootTest::Unclear }
 }
 
-/// The only root there can be, or none. Roots within `tolerance` of the box, in its half widths, count.
+/// The only possible root, or `None`; roots within `tolerance` of the box, in its half widths,
+/// count.
 fn newton(a: &[Vector<2>], ray: &AxisRay, at: f64, half: f64, start: (f64, f64), tolerance: f64) -> Option<(f64, f64)> {
     let dy = ray.direction.y;
     let (mut x, mut z) = (start.0.clamp(-1.0, 1.0), start.1.clamp(-half, half));
@@ -178,7 +193,8 @@ fn newton(a: &[Vector<2>], ray: &AxisRay, at: f64, half: f64, start: (f64, f64),
         if step <= tolerance {
             return Some((x, at + z));
         }
-        // A root x* would have |T(x) − x*| ≤ ⅔|x − x*|: at a standstill the iterate is the root, or there is none.
+        // A root x* would have |T(x) − x*| ≤ ⅔|x − x*|. At a standstill, the iterate is the root,
+        // or there is none.
         if moved <= 0.01 * tolerance {
             return None;
         }

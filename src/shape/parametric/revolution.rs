@@ -1,74 +1,76 @@
-//! Surfaces of revolution, intersected by their profiles.
+//! Surfaces of revolution, intersected in the plane of their profiles.
 
 use super::axis_ray::{AxisRay, Interval, polar};
+use super::numeric::{GAUSS, SLACK};
 use super::polynomial::{Vector, evaluate};
-use super::profile::Piece;
-use super::revolution_build::{Builder, DEPTH};
+use super::profile::ProfilePiece;
+use super::revolution_build::{DEPTH, ProfileBuilder, ProfileLeaf};
 use super::ring_tree::{Ring, RingTree};
 use super::spline::{Basis, SplineError};
-use super::{GAUSS, Nearest, SLACK};
 use crate::math::{Ray, Transform};
 use crate::sampling::Discrete;
-use crate::shape::{Crossing, ShapeSample, SurfacePoint, TexCoord, widen, within};
+use crate::shape::analytic::AnalyticShape;
+use crate::shape::hit::{ShapeHit, within};
+use crate::shape::object_ray::{ObjectRay, object_ray};
+use crate::shape::surface_point::{ShapeSample, SurfacePoint};
+use crate::shape::texture_mapping::TexCoord;
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use libm::{atan2, hypot, sincos};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// Longest step along a ray, in parts of the surface's size, that makes up for rounding of coordinates: beyond, it runs along the surface.
+/// Longest step along a ray, relative to the surface's size, that corrects the rounding of
+/// coordinates.
+///
+/// A longer step means that the ray runs along the surface.
 const ALONG: f64 = 1e-4;
 
-/// Points around the axis at which area is summed under maps that stretch; the sum converges as fast as for a Fourier series.
+/// Points around the axis for the area under maps that stretch; the sum converges like a Fourier
+/// series.
 const AROUND: u32 = 64;
 
 /// The points (X cos θ, Y, X sin θ) of a profile (X, Y), under an affine map.
 ///
-/// The coordinates of a point are the place on the profile in \[0, 1], by its knots, and θ/2π. The outer side is on the right of the
-/// profile's direction of travel, seen with x to the right and y up: a profile at x > 0 that goes up faces away from the axis.
+/// Surface parameters are the position on the profile in \[0, 1], by its knots, and θ/2π. The outer
+/// side is on the right of the profile's direction, with x to the right and y up. So a profile at x
+/// > 0 that goes up faces away from the axis.
 #[derive(Clone, Debug)]
 pub struct Revolution {
     profile: Arc<Profile>,
-    /// From the profile's space, where y is counted from its middle.
+    /// Map from the profile's space, in which the range of y is centred.
     to_world: Transform,
-    /// In the world.
+    /// World area \[length²].
     area: f64,
 }
 
 #[derive(Debug)]
 struct Profile {
-    leaves: Vec<Leaf>,
+    leaves: Vec<ProfileLeaf>,
     powers: Vec<Vector<2>>,
     tree: RingTree,
-    /// No point is farther from the origin.
+    /// Largest distance of the surface from the origin.
     size: f64,
     noise: f64,
-    /// Area of each leaf, in the profile's space.
+    /// Distribution of leaves by area, in the profile's space.
     choice: Discrete,
 }
 
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Leaf {
-    pub first: u32,
-    /// The profile's x over the distance from the axis: 1 or −1.
-    pub side: f64,
-    /// Middle and half width of its stretch of the profile.
-    pub place: [f64; 2],
-    pub ring: Ring,
-}
-
 impl Revolution {
-    /// A profile of control points (x, y).
+    /// A surface with a profile of control points (x, y).
     ///
     /// # Errors
-    /// [`SplineError`] where numbers do not fit, are too large, or the surface has no area.
+    ///
+    /// [`SplineError`] if the numbers of knots and points do not fit, a value is too large, or the
+    /// surface has no area.
     pub fn new(basis: &Basis, controls: &[DVec2]) -> Result<Self, SplineError> {
         Self::within(basis, controls, None)
     }
 
-    /// As [`Revolution::new`], within `free` bytes of memory, where that number is known.
+    /// Like [`Revolution::new`], limited to `free` bytes of memory if that number is known.
     ///
     /// # Errors
-    /// [`SplineError`], as of [`Revolution::new`], and where the memory does not suffice.
+    ///
+    /// [`SplineError`], also if the memory does not suffice.
     pub fn within(basis: &Basis, controls: &[DVec2], free: Option<u64>) -> Result<Self, SplineError> {
         if controls.len() != basis.controls() {
             return Err(SplineError::Controls { controls: controls.len(), degree: basis.degree() });
@@ -80,11 +82,11 @@ impl Revolution {
             controls.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), c| (l.min(c.y), h.max(c.y)));
         let middle = 0.5 * low + 0.5 * high;
         let points: Vec<Vector<2>> = controls.iter().map(|c| [c.x, c.y - middle]).collect();
-        let mut builder = Builder { leaves: Vec::new(), powers: Vec::new(), free };
+        let mut builder = ProfileBuilder { leaves: Vec::new(), powers: Vec::new(), free };
         for span in basis.spans() {
             builder.cut(&basis.piece(span, &points, (0, 1)), span.range, DEPTH)?;
         }
-        let Builder { leaves, powers, .. } = builder;
+        let ProfileBuilder { leaves, powers, .. } = builder;
         let rings: Vec<Ring> = leaves.iter().map(|l| l.ring).collect();
         let reach = |r: &Ring| hypot(r.radius[1], r.height[0].abs().max(r.height[1].abs()));
         let size = rings.iter().map(reach).fold(0.0, f64::max);
@@ -103,8 +105,37 @@ impl Revolution {
         Ok(Self { profile: Arc::new(profile), to_world, area })
     }
 
-    /// The image under another map; `None` where the product is singular.
-    pub(in crate::shape) fn transformed(&self, map: &Transform) -> Option<Self> {
+    /// The ray in the profile's space, the length from its origin to τ = 0, and the length per unit
+    /// of t.
+    ///
+    /// `None` if the ray passes the bounding sphere by.
+    fn line(&self, ray: &Ray) -> Option<(AxisRay, f64, f64)> {
+        let ObjectRay { base, direction, start, length } = ObjectRay::new(ray, &self.to_world);
+        let size = self.profile.size * (1.0 + 1e-9);
+        (base.length_squared() <= size * size).then(|| (AxisRay::new(base, direction), start, length))
+    }
+
+    /// Angle θ/2π in \[0, 1) of a point of a leaf.
+    fn turn(&self, p: DVec3, leaf: usize) -> f64 {
+        let side = self.profile.leaves[leaf].side;
+        let turn = atan2(side * p.z, side * p.x) / TAU;
+        if turn < 0.0 { turn + 1.0 } else { turn }
+    }
+
+    /// The surface of a leaf at parameter x, in the unit direction `radial` from the axis.
+    fn at(&self, leaf: usize, x: f64, radial: DVec2, uv: Vec2) -> SurfacePoint {
+        let profile = &self.profile;
+        let p = self.to_world.point(profile.point(leaf, x, radial));
+        let m = self.to_world.forward().matrix3;
+        let widest = m.x_axis.length() + m.y_axis.length() + m.z_axis.length();
+        let scale = widest * profile.size + self.to_world.forward().translation.abs().max_element();
+        let normal = self.to_world.normal(profile.normal(leaf, x, radial)).normalize();
+        SurfacePoint { uv, ..SurfacePoint::exact(p, normal, scale * SLACK) }
+    }
+}
+
+impl AnalyticShape for Revolution {
+    fn transformed(&self, map: &Transform) -> Option<Self> {
         let to_world = Transform::new(*map.forward() * *self.to_world.forward()).ok()?;
         let profile = &self.profile;
         let area = match to_world.similarity() {
@@ -114,14 +145,14 @@ impl Revolution {
         Some(Self { profile: Arc::clone(profile), to_world, area })
     }
 
-    pub(in crate::shape) fn intersect(&self, ray: &Ray) -> Option<Crossing> {
+    fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
         let (line, start, length) = self.line(ray)?;
         let size = self.profile.size;
         let end = f64::from(ray.t_max) * length - start;
         let t = Interval { lo: (-start).max(-size), hi: end.min(size) };
         let mut found: Option<(usize, f64, f64)> = None;
-        self.profile.tree.walk(&line, t, |leaf, t| {
-            let piece = Piece { powers: self.profile.powers(leaf), noise: self.profile.noise };
+        self.profile.tree.visit_hits(&line, t, |leaf, t| {
+            let piece = ProfilePiece { powers: self.profile.powers(leaf), noise: self.profile.noise };
             if let Some((x, at)) = piece.nearest(&line, t, size) {
                 found = Some((leaf, x, at));
             }
@@ -132,27 +163,11 @@ impl Revolution {
         Some((t, self.profile.place(leaf, x) as f32, self.turn(p, leaf) as f32))
     }
 
-    /// The ray in the profile's space, the τ at which it is nearest to the middle less that at its origin, and τ for each unit of t.
-    /// `None` where it passes the surface by.
-    fn line(&self, ray: &Ray) -> Option<(AxisRay, f64, f64)> {
-        let Nearest { base, direction, start, length } = Nearest::new(ray, &self.to_world);
-        let size = self.profile.size * (1.0 + 1e-9);
-        (base.length_squared() <= size * size).then(|| (AxisRay::new(base, direction), start, length))
-    }
-
-    /// θ/2π in \[0, 1) of a point of a leaf.
-    fn turn(&self, p: DVec3, leaf: usize) -> f64 {
-        let side = self.profile.leaves[leaf].side;
-        let turn = atan2(side * p.z, side * p.x) / TAU;
-        if turn < 0.0 { turn + 1.0 } else { turn }
-    }
-
-    pub(in crate::shape) fn surface(&self, ray: &Ray, uv: Vec2) -> SurfacePoint {
-        let (o, d) = widen(ray);
-        let inverse = self.to_world.inverse();
-        let (o, d) = (inverse.transform_point3(o), inverse.transform_vector3(d));
+    fn surface(&self, ray: &Ray, _t: f32, uv: Vec2) -> SurfacePoint {
+        let (o, d) = object_ray(ray, &self.to_world);
         let (leaf, mut x) = self.profile.find(f64::from(uv.x));
-        // Newton's method makes up for the rounding of the coordinates. It starts beside them: a distance may be rounded by more than that.
+        // Newton's method corrects the rounding of the coordinates. It starts from the coordinates,
+        // since rounding of the distance may be larger.
         let mut p =
             o + d * ((self.profile.point(leaf, x, self.profile.radial(leaf, uv.y)) - o).dot(d) / d.length_squared());
         let most =
@@ -170,18 +185,7 @@ impl Revolution {
         self.at(leaf, x, polar(p).1, uv)
     }
 
-    /// The surface of a leaf at x, in unit direction `radial` from the axis.
-    fn at(&self, leaf: usize, x: f64, radial: DVec2, uv: Vec2) -> SurfacePoint {
-        let profile = &self.profile;
-        let p = self.to_world.point(profile.point(leaf, x, radial));
-        let m = self.to_world.forward().matrix3;
-        let widest = m.x_axis.length() + m.y_axis.length() + m.z_axis.length();
-        let scale = widest * profile.size + self.to_world.forward().translation.abs().max_element();
-        let normal = self.to_world.normal(profile.normal(leaf, x, radial)).normalize();
-        SurfacePoint { uv, ..SurfacePoint::exact(p, normal, scale * SLACK) }
-    }
-
-    pub(in crate::shape) fn extent(&self) -> (DVec3, DVec3) {
+    fn extent(&self) -> (DVec3, DVec3) {
         let rows = self.to_world.forward().matrix3.transpose();
         let place = self.to_world.forward().translation;
         let rows = [rows.x_axis, rows.y_axis, rows.z_axis];
@@ -196,16 +200,16 @@ impl Revolution {
         (min, max)
     }
 
-    pub(in crate::shape) fn translated(&self, by: DVec3) -> Self {
+    fn translated(&self, by: DVec3) -> Self {
         Self { to_world: self.to_world.translated(by), ..self.clone() }
     }
 
-    pub(in crate::shape) fn area(&self) -> f64 {
+    fn area(&self) -> f64 {
         self.area
     }
 
-    /// A leaf by its area, then uniform in its coordinates.
-    pub(in crate::shape) fn sample(&self, u: Vec2) -> ShapeSample {
+    /// Chooses a leaf by its area, then samples its parameters uniformly.
+    fn sample(&self, u: Vec2) -> ShapeSample {
         let (leaf, _) = self.profile.choice.sample(u.x);
         let x = f64::from(self.profile.choice.remainder(u.x, leaf)) * 2.0 - 1.0;
         let uv = Vec2::new(self.profile.place(leaf, x) as f32, u.y);
@@ -213,19 +217,17 @@ impl Revolution {
         ShapeSample { pdf: self.pdf(&point), point, uv }
     }
 
-    /// Coordinates of point `p` of the surface and how they grow in the world.
-    pub(in crate::shape) fn mapped(&self, p: Vec3, uv: Vec2) -> TexCoord {
+    fn tex_coord(&self, p: Vec3, uv: Vec2) -> TexCoord {
         let (leaf, x) = self.profile.find(f64::from(uv.x));
         let (_, radial) = polar(self.to_world.inverse().transform_point3(p.as_dvec3()));
         let ([radius, _], [dx, dh]) = evaluate(self.profile.powers(leaf), x);
         let half = self.profile.leaves[leaf].place[1];
         let along = DVec3::new(dx * radial.x, dh, dx * radial.y) / half;
         let around = DVec3::new(-radial.y, 0.0, radial.x) * (TAU * radius);
-        TexCoord::of(uv, self.to_world.vector(along), self.to_world.vector(around))
+        TexCoord::from_derivatives(uv, self.to_world.vector(along), self.to_world.vector(around))
     }
 
-    /// Density per area of [`Revolution::sample`].
-    pub(in crate::shape) fn pdf(&self, point: &SurfacePoint) -> f32 {
+    fn pdf(&self, point: &SurfacePoint) -> f32 {
         let (leaf, x) = self.profile.find(f64::from(point.uv.x));
         let m = self.to_world.forward().matrix3;
         let stretch = self.to_world.determinant().abs() / (m.transpose() * point.ng.as_dvec3()).length();
@@ -236,7 +238,7 @@ impl Revolution {
 
 #[cfg(test)]
 impl Revolution {
-    /// The point of coordinates.
+    /// The world-space point at the parameters `uv`.
     pub(super) fn point_of(&self, uv: Vec2) -> DVec3 {
         let (leaf, x) = self.profile.find(f64::from(uv.x));
         self.to_world.point(self.profile.point(leaf, x, self.profile.radial(leaf, uv.y)))
@@ -249,25 +251,25 @@ impl Profile {
         &self.powers[self.leaves[leaf].first as usize..end]
     }
 
-    /// The point at x of a leaf, in unit direction `radial` from the axis.
+    /// Point at parameter x of a leaf, in the unit direction `radial` from the axis.
     fn point(&self, leaf: usize, x: f64, radial: DVec2) -> DVec3 {
         let ([radius, height], _) = evaluate(self.powers(leaf), x);
         DVec3::new(radius * radial.x, height, radius * radial.y)
     }
 
-    /// The unit direction from the axis of a turn by θ/2π.
+    /// Unit direction from the axis at the angle θ/2π = `turns`.
     fn radial(&self, leaf: usize, turns: f32) -> DVec2 {
         let (sin, cos) = sincos(f64::from(turns) * TAU);
         DVec2::new(cos, sin) * self.leaves[leaf].side
     }
 
-    /// Where x of a leaf is on the whole profile.
+    /// Position on the whole profile of parameter x of a leaf.
     fn place(&self, leaf: usize, x: f64) -> f64 {
         let [middle, half] = self.leaves[leaf].place;
         middle + half * x
     }
 
-    /// The leaf of a place on the whole profile, and its x.
+    /// The leaf at a position on the whole profile, and the parameter x in the leaf.
     fn find(&self, place: f64) -> (usize, f64) {
         let after = self.leaves.partition_point(|l| l.place[0] - l.place[1] <= place);
         let leaf = after.saturating_sub(1);
@@ -275,13 +277,13 @@ impl Profile {
         (leaf, ((place - middle) / half).clamp(-1.0, 1.0))
     }
 
-    /// Normal of any length, on the right of the direction of travel.
+    /// Normal of any length, on the right of the profile's direction.
     fn normal(&self, leaf: usize, x: f64, radial: DVec2) -> DVec3 {
         let powers = self.powers(leaf);
         let extent = powers[1..].iter().flatten().fold(0.0, |m: f64, c| m.max(c.abs()));
         let mut away = 0.0;
         let [dx, dh] = loop {
-            // Where the profile stands still, its direction is the limit from inside the leaf.
+            // Where the derivative vanishes, the direction is the limit from inside the leaf.
             let (_, slope) = evaluate(powers, x - f64::copysign(away, x));
             if slope[0].abs().max(slope[1].abs()) > 1e-7 * extent || away > 0.5 {
                 break slope;
@@ -292,7 +294,7 @@ impl Profile {
         DVec3::new(dh * radial.x, -dx, dh * radial.y) * side
     }
 
-    /// Area for each unit of x and of θ.
+    /// Area per unit of x and of θ.
     fn element(&self, leaf: usize, x: f64) -> f64 {
         let ([radius, _], [dx, dh]) = evaluate(self.powers(leaf), x);
         radius.abs() * hypot(dx, dh)
@@ -314,54 +316,4 @@ impl Profile {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::spline::NARROWEST;
-    use super::*;
-    use glam::Vec3;
-
-    fn surface(basis: &Basis, controls: &[[f64; 2]]) -> Revolution {
-        let controls: Vec<DVec2> = controls.iter().map(|c| DVec2::from_array(*c)).collect();
-        Revolution::new(basis, &controls).unwrap()
-    }
-
-    fn line(controls: [[f64; 2]; 2]) -> Revolution {
-        surface(&Basis::bezier(2).unwrap(), &controls)
-    }
-
-    fn hit(s: &Revolution, o: Vec3, d: Vec3) -> Option<f32> {
-        s.intersect(&Ray::new(o, d)).map(|c| c.0)
-    }
-
-    #[test]
-    fn profiles_are_cut_within_memory_and_coordinates() {
-        let wave: Vec<DVec2> = (0..200).map(|i| DVec2::new(f64::from(1 + i % 2), f64::from(i / 3))).collect();
-        let basis = Basis::uniform(3, wave.len()).unwrap();
-        let found = Revolution::within(&basis, &wave, Some(10_000)).unwrap_err();
-        // It is given up at the first leaf beyond.
-        assert!(matches!(found, SplineError::Memory { needed: 10_001..11_000, free: 10_000 }), "{found}");
-        assert!(Revolution::within(&basis, &wave, Some(10_000_000)).is_ok());
-        let basis = Basis::new(2, 5, vec![0.0, 0.0, 0.0, 0.5, 0.5 + NARROWEST, 1.0, 1.0, 1.0]).unwrap();
-        let bent = surface(&basis, &[[1.0, 0.0], [2.0, 0.0], [2.0, 3.0], [1.0, 3.0], [1.0, 0.0]]);
-        assert!(bent.profile.leaves.iter().all(|leaf| 2.0 * leaf.place[1] >= NARROWEST));
-    }
-
-    #[test]
-    fn turned_lines_are_cylinders_cones_and_discs() {
-        let cylinder = line([[1.0, -1.0], [1.0, 1.0]]);
-        assert_eq!(hit(&cylinder, Vec3::new(0.0, 0.0, 3.0), -Vec3::Z), Some(2.0));
-        assert_eq!(hit(&cylinder, Vec3::new(0.0, 0.5, 0.0), Vec3::X * 0.5), Some(2.0));
-        assert_eq!(hit(&cylinder, Vec3::new(0.6, -3.0, 3.0), Vec3::new(0.0, 1.0, -1.0)), Some(2.2));
-        assert_eq!(hit(&cylinder, Vec3::new(0.5, -3.0, 0.2), Vec3::Y), None);
-        assert_eq!(hit(&cylinder, Vec3::new(1.0f32.next_up(), 0.0, 3.0), -Vec3::Z), None);
-        assert!(hit(&cylinder, Vec3::new(1.0f32.next_down(), 0.0, 3.0), -Vec3::Z).is_some());
-        let cone = line([[0.0, 1.0], [-1.0, 0.0]]);
-        assert_eq!(hit(&cone, Vec3::new(0.0, 3.0, 0.0), -Vec3::Y), Some(2.0));
-        assert_eq!(hit(&cone, Vec3::new(0.25, 3.0, 0.0), -Vec3::Y), Some(2.25));
-        assert_eq!(hit(&cone, Vec3::new(0.0, 0.5, 3.0), -Vec3::Z), Some(2.5));
-        let disc = line([[0.0, 0.5], [2.0, 0.5]]);
-        assert_eq!(hit(&disc, Vec3::new(1.0, 3.5, 1.0), -Vec3::Y), Some(3.0));
-        assert_eq!(hit(&disc, Vec3::new(0.0, 3.5, 0.0), -Vec3::Y), Some(3.0));
-        assert_eq!(hit(&disc, Vec3::new(1.0, 0.5, 4.0), -Vec3::Z), None, "edge-on");
-        assert_eq!(hit(&disc, Vec3::new(1.5, 3.5, 1.5), -Vec3::Y), None);
-    }
-}
+mod tests;

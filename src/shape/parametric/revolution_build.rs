@@ -1,31 +1,42 @@
-//! Cutting profiles until each piece is flat and on one side of the axis.
+//! Subdivision of profiles until each piece is nearly flat and on one side of the axis.
 
 use super::polynomial::{Vector, split, to_powers};
-use super::revolution::Leaf;
 use super::ring_tree::Ring;
 use super::spline::{NARROWEST, SplineError};
 use libm::hypot;
 
-/// Bends of a leaf, in parts of its length, below which rays that are not near grazing need no further cut.
+/// Relative bend of a piece below which it is divided no further.
 const FLAT: f64 = 1.0 / 16.0;
 
-/// Halvings of a Bézier piece at most, where it never gets flat: at cusps and where control points coincide.
+/// Largest number of halvings of a Bézier piece that never becomes flat: at cusps and coincident
+/// control points.
 pub(super) const DEPTH: u32 = 9;
 
-/// Bytes that a leaf takes besides its powers: itself, its ring and area, its part of the tree.
+/// Bytes of a leaf besides its coefficients: itself, its ring and area, its share of the tree.
 const PER_LEAF: u64 = 256;
 
-pub(super) struct Builder {
-    pub leaves: Vec<Leaf>,
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ProfileLeaf {
+    pub first: u32,
+    /// Sign of the profile's x: 1 or −1.
+    pub side: f64,
+    /// Centre and half width of its interval of the profile.
+    pub place: [f64; 2],
+    pub ring: Ring,
+}
+
+pub(super) struct ProfileBuilder {
+    pub leaves: Vec<ProfileLeaf>,
     pub powers: Vec<Vector<2>>,
-    /// Bytes of memory that it may take.
+    /// Bytes of memory that the surface may take.
     pub free: Option<u64>,
 }
 
-impl Builder {
-    /// Cuts a Bézier curve until it is flat and on one side of the axis.
+impl ProfileBuilder {
+    /// Divides a Bézier curve until it is nearly flat and on one side of the axis.
     ///
     /// # Errors
+    ///
     /// [`SplineError::Memory`].
     pub fn cut(&mut self, controls: &[Vector<2>], [start, end]: [f64; 2], depth: u32) -> Result<(), SplineError> {
         let (left, right) =
@@ -46,7 +57,7 @@ impl Builder {
             let at = axis_crossing(controls).filter(|_| crosses).unwrap_or(0.5);
             let (mut first, mut last) = split(controls, at);
             if crosses && at != 0.5 {
-                // The root is known to rounding; on the axis is on the axis.
+                // The root is rounded, but the point must lie exactly on the axis.
                 (first[degree][0], last[0][0]) = (0.0, 0.0);
             }
             let middle = start + at * (end - start);
@@ -56,9 +67,9 @@ impl Builder {
         let place = [0.5 * (start + end), 0.5 * (end - start)];
         let ring = Ring { radius: [0.0, 0.0], height: [low, high] };
         let radius = if side < 0.0 { [-right, -left] } else { [left, right] };
-        self.leaves.push(Leaf { first: self.powers.len() as u32, side, place, ring: Ring { radius, ..ring } });
+        self.leaves.push(ProfileLeaf { first: self.powers.len() as u32, side, place, ring: Ring { radius, ..ring } });
         self.powers.extend(powers);
-        // As many again for the slack of growing lists.
+        // Twice the size, for the slack of growing lists.
         let needed = 2 * (PER_LEAF * self.leaves.len() as u64 + (size_of::<Vector<2>>() * self.powers.len()) as u64);
         match self.free {
             Some(free) if needed > free => Err(SplineError::Memory { needed, free }),
@@ -67,7 +78,7 @@ impl Builder {
     }
 }
 
-/// Where a curve whose controls change sides once, so that it does so once, crosses the axis.
+/// Parameter at which the curve crosses the axis, if its control points change sides exactly once.
 fn axis_crossing(controls: &[Vector<2>]) -> Option<f64> {
     let sides: Vec<bool> = controls.iter().map(|c| c[0]).filter(|x| *x != 0.0).map(|x| x > 0.0).collect();
     let [first, .., _] = sides[..] else { return None };

@@ -1,13 +1,14 @@
-//! A tree of rings: ranges of distance from the axis and height, eight at a node.
+//! Hierarchy of rings, which are ranges of distance from the axis and of height, with eight
+//! children per node.
 
 use super::axis_ray::{AxisRay, Interval};
 
 const WIDTH: usize = 8;
 
-/// Marks a child as a leaf.
+/// Bit that marks a child as a leaf.
 pub const LEAF: u32 = 1 << 31;
 
-/// Squares of distances and heights of eight rings, grown so that rounding loses nothing.
+/// Squared distances and heights of eight rings, grown so that rounding loses nothing.
 #[derive(Debug)]
 struct Node {
     inner2: [f64; WIDTH],
@@ -17,7 +18,7 @@ struct Node {
     children: [u32; WIDTH],
 }
 
-/// The ring between two distances from the axis and two heights.
+/// Ring between two distances from the axis and two heights.
 #[derive(Clone, Copy, Debug)]
 pub struct Ring {
     pub radius: [f64; 2],
@@ -31,14 +32,14 @@ impl Ring {
     }
 }
 
-/// Rings in the order of the profile.
+/// Hierarchy over rings in the order of the profile.
 #[derive(Debug)]
 pub struct RingTree {
     nodes: Vec<Node>,
 }
 
 impl RingTree {
-    /// At least one ring, of a surface that reaches `size` from the origin.
+    /// Builds a hierarchy over at least one ring, of a surface within `size` of the origin.
     pub fn new(rings: &[Ring], size: f64) -> Self {
         let mut tree = Self { nodes: Vec::new() };
         tree.grow(rings, 0, 1e-12 * size);
@@ -58,7 +59,8 @@ impl RingTree {
             let inner = (ring.radius[0] - margin).max(0.0);
             let outer = ring.radius[1] + margin;
             let node = &mut self.nodes[index];
-            // Distances are compared as squares, whose rounding is in proportion to the square of the size.
+            // Distances are compared as squares, whose rounding is proportional to the squared
+            // size.
             node.inner2[i] = inner * inner - margin * margin * 1e6;
             node.outer2[i] = outer * outer + margin * margin * 1e6;
             (node.below[i], node.above[i]) = (ring.height[0] - margin, ring.height[1] + margin);
@@ -67,9 +69,11 @@ impl RingTree {
         index as u32
     }
 
-    /// Visits the leaves that `ray` may meet within `t`, about in the order in which it does; `visit` shortens `t` at a hit.
+    /// Visits the leaves that `ray` may hit within `t`, approximately from near to far.
+    ///
+    /// `visit` shortens `t` at a hit.
     #[inline]
-    pub fn walk(&self, ray: &AxisRay, mut t: Interval, mut visit: impl FnMut(usize, &mut Interval)) {
+    pub fn visit_hits(&self, ray: &AxisRay, mut t: Interval, mut visit: impl FnMut(usize, &mut Interval)) {
         let dy = ray.direction.y;
         let inverse = if dy.abs() < 1e-300 { 1e300 } else { 1.0 / dy };
         let mut stack = [(0u32, 0.0); 8 * WIDTH];
@@ -97,7 +101,7 @@ impl RingTree {
                 let meets = lo <= hi && p.max(q) >= node.inner2[i] && least <= node.outer2[i];
                 *entry = if meets { lo } else { f64::INFINITY };
             }
-            // The nearest goes on top.
+            // The nearest child goes on top.
             let start = count;
             for (i, entry) in entries.into_iter().enumerate() {
                 if entry < f64::INFINITY {

@@ -1,79 +1,81 @@
-//! Bézier and B-spline curves and nets of control points, cut into Bézier pieces.
+//! Bézier and B-spline curves and nets of control points, and their Bézier pieces.
 
 use super::polynomial::{MAX_DEGREE, Vector};
 use crate::stats::bytes;
 
-/// Why control points and knots make no curve or surface.
+/// Reason why control points and knots define no curve or surface.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum SplineError {
-    /// Degree 0, or one beyond what evaluation has room for.
+    /// The degree is 0, or above [`MAX_DEGREE`].
     #[error("the degree is {0}, and must be from 1 to {MAX_DEGREE}")]
     Degree(usize),
-    /// A curve of degree p has more than p control points.
+    /// The curve has too few control points: degree p needs more than p.
     #[error("{controls} control points are too few for degree {degree}: at least {} are needed", degree + 1)]
     Controls {
-        /// How many there are.
+        /// Number of control points.
         controls: usize,
-        /// Of the curve.
+        /// Degree of the curve.
         degree: usize,
     },
     /// The number of knots is not the number of control points plus the degree plus 1.
     #[error("{knots} knots do not fit {controls} control points of degree {degree}: {} are needed", controls + degree + 1)]
     Knots {
-        /// How many there are.
+        /// Number of knots.
         knots: usize,
         /// Number of control points.
         controls: usize,
-        /// Of the curve.
+        /// Degree of the curve.
         degree: usize,
     },
-    /// Knots must not decrease; counted from 0.
+    /// This knot, counted from 0, is less than the knot before it.
     #[error("knot {0} (counted from 0) is less than the one before it")]
     Decreasing(usize),
-    /// The first knot of the curve's range is its last too.
+    /// The first and the last knot of the curve's range are equal.
     #[error("the range of the curve, from knot {first} to knot {last} (counted from 0), has no length")]
     NoRange {
         /// Index of the first knot of the range.
         first: usize,
-        /// Index of its last knot.
+        /// Index of the last knot of the range.
         last: usize,
     },
-    /// A stretch too short for coordinates in single precision; its first knot, counted from 0.
+    /// The span that begins at this knot, counted from 0, is too short for single precision.
     #[error("the stretch that begins at knot {0} (counted from 0) is shorter than 1/4194304 of the curve's range")]
     Narrow(usize),
-    /// A number of control points that does not make a net.
+    /// The number of control points does not make a net.
     #[error("{controls} control points do not make a net of {rows} × {columns}")]
     Net {
-        /// How many there are.
+        /// Number of control points.
         controls: usize,
-        /// Wanted along u.
+        /// Number of rows, along u.
         rows: usize,
-        /// Wanted along v.
+        /// Number of columns, along v.
         columns: usize,
     },
-    /// Weights must be above 0; the control point counted from 0.
+    /// The weight of this control point, counted from 0, is not above 0.
     #[error("the weight of control point {0} (counted from 0) is not above 0")]
     Weight(usize),
-    /// A coordinate, weight or knot that is not finite, or so large that its square is not.
+    /// A coordinate, weight or knot is not finite, or its square is not.
     #[error("a control point or knot is too large")]
     TooLarge,
-    /// More memory than there is.
+    /// The surface takes more memory than is free.
     #[error("the surface takes {} of memory or more, and {} are free", bytes(*needed), bytes(*free))]
     Memory {
-        /// Bytes that it took when it was given up.
+        /// Bytes in use when the limit was exceeded.
         needed: u64,
-        /// Bytes that it may take.
+        /// Bytes that the surface may take.
         free: u64,
     },
-    /// All of it lies in one line or point.
+    /// The whole surface lies in a line or a point.
     #[error("the surface has no area")]
     NoArea,
 }
 
-/// Shortest stretch in parts of the range: coordinates below 1 are 2⁻²⁴ apart in single precision, and each stretch is to hold some.
+/// Shortest span relative to the range.
+///
+/// Single-precision coordinates below 1 are 2⁻²⁴ apart, and each span needs several of them.
 pub(super) const NARROWEST: f64 = 1.0 / 4_194_304.0;
 
-/// The knots of one direction, checked.
+/// Checked degree and knots of one direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Basis {
     degree: usize,
@@ -81,20 +83,21 @@ pub struct Basis {
     knots: Vec<f64>,
 }
 
-/// A stretch between two different knots.
+/// Interval between two different knots.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Span {
     /// Index of the knot at its start.
     knot: usize,
-    /// Where it lies in the range of the curve, which is \[0, 1].
+    /// Position within the curve's range, which is \[0, 1].
     pub range: [f64; 2],
 }
 
 impl Basis {
-    /// One Bézier curve of so many control points.
+    /// A single Bézier curve with `controls` control points.
     ///
     /// # Errors
-    /// [`SplineError::Degree`] for fewer than 2 or too many of them.
+    ///
+    /// [`SplineError::Degree`] for fewer than 2 or too many control points.
     pub fn bezier(controls: usize) -> Result<Self, SplineError> {
         let degree = controls.saturating_sub(1);
         let knots = [0.0, 1.0].into_iter().flat_map(|k| std::iter::repeat_n(k, controls.min(MAX_DEGREE + 1))).collect();
@@ -102,20 +105,23 @@ impl Basis {
         Ok(Self { degree, controls, knots })
     }
 
-    /// A B-spline with the knots i/(n + p), unclamped, so that it begins and ends within its control points.
+    /// A uniform, unclamped B-spline with knots i/(n + p); it does not reach its first and last
+    /// control point.
     ///
     /// # Errors
-    /// [`SplineError`] where degree and number do not fit.
+    ///
+    /// [`SplineError`] if degree and number do not fit.
     pub fn uniform(degree: usize, controls: usize) -> Result<Self, SplineError> {
         check_degree(degree)?;
         let last = controls + degree;
         Self::new(degree, controls, (0..=last).map(|i| i as f64 / last as f64).collect())
     }
 
-    /// A B-spline of any knots, which do not decrease. Its range is from knot p to knot n, counted from 0.
+    /// A B-spline with non-decreasing knots; its range is from knot p to knot n, counted from 0.
     ///
     /// # Errors
-    /// [`SplineError`] where degree, numbers and knots do not fit.
+    ///
+    /// [`SplineError`] if degree, numbers and knots do not fit.
     pub fn new(degree: usize, controls: usize, knots: Vec<f64>) -> Result<Self, SplineError> {
         check_degree(degree)?;
         if controls <= degree {
@@ -140,19 +146,19 @@ impl Basis {
         Ok(basis)
     }
 
-    /// The degree.
+    /// Polynomial degree.
     #[must_use]
     pub fn degree(&self) -> usize {
         self.degree
     }
 
-    /// How many control points there are.
+    /// Number of control points.
     #[must_use]
     pub fn controls(&self) -> usize {
         self.controls
     }
 
-    /// The stretches that have a length.
+    /// The spans with a length above 0.
     pub(super) fn spans(&self) -> impl Iterator<Item = Span> {
         let (first, last) = (self.knots[self.degree], self.knots[self.controls]);
         let place = move |knot: f64| (knot - first) / (last - first);
@@ -161,10 +167,11 @@ impl Basis {
             .map(move |k| Span { knot: k, range: [place(self.knots[k]), place(self.knots[k + 1])] })
     }
 
-    /// Bézier control points of a stretch, from the control points at `first`, `first + stride`, … of `controls`.
+    /// Bézier control points of a span, from the control points at `first`, `first + stride`, … of
+    /// `controls`.
     ///
-    /// The j-th is the polar form at j times the knot at the end and p − j times that at the start (Ramshaw 1989): each step is a
-    /// weighted mean, so nothing cancels.
+    /// The j-th is the polar form with j arguments at the end knot and p − j at the start knot
+    /// (Ramshaw 1989). Each step is a weighted mean, so nothing cancels.
     pub(super) fn piece<const N: usize>(
         &self,
         span: Span,
@@ -193,71 +200,4 @@ fn check_degree(degree: usize) -> Result<(), SplineError> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::super::polynomial::split;
-    use super::*;
-
-    /// Cox and de Boor's recurrence, as a definition that the pieces must meet.
-    fn basis_function(knots: &[f64], i: usize, p: usize, t: f64) -> f64 {
-        if p == 0 {
-            return f64::from(knots[i] <= t && t < knots[i + 1]);
-        }
-        let part = |numerator: f64, denominator: f64, i: usize| {
-            if denominator > 0.0 { numerator / denominator * basis_function(knots, i, p - 1, t) } else { 0.0 }
-        };
-        part(t - knots[i], knots[i + p] - knots[i], i)
-            + part(knots[i + p + 1] - t, knots[i + p + 1] - knots[i + 1], i + 1)
-    }
-
-    #[test]
-    fn pieces_meet_the_recurrence() {
-        let cases = [
-            (3, vec![0.0, 0.0, 0.0, 0.0, 1.0, 2.0, 2.0, 3.5, 4.0, 4.0, 4.0, 4.0]),
-            (2, vec![-1.0, 0.0, 0.5, 2.0, 3.0, 3.25, 7.0]),
-            (1, vec![0.0, 1.0, 2.0, 3.0]),
-            (5, (0..13).map(f64::from).collect()),
-        ];
-        for (p, knots) in cases {
-            let n = knots.len() - p - 1;
-            let controls: Vec<Vector<1>> = (0..n).map(|i| [libm::sin(3.0 * i as f64)]).collect();
-            let basis = Basis::new(p, n, knots.clone()).unwrap();
-            let (first, last) = (knots[p], knots[n]);
-            let mut end = 0.0;
-            for span in basis.spans() {
-                assert_eq!(span.range[0], end);
-                end = span.range[1];
-                let piece = basis.piece(span, &controls, (0, 1));
-                for s in [0.0, 0.1, 0.5, 0.9] {
-                    let t = first + (span.range[0] + s * (span.range[1] - span.range[0])) * (last - first);
-                    let truth: f64 = (0..n).map(|i| controls[i][0] * basis_function(&knots, i, p, t)).sum();
-                    assert!((split(&piece, s).1[0][0] - truth).abs() < 1e-13, "{p} {t}");
-                }
-            }
-            assert_eq!(end, 1.0);
-        }
-    }
-
-    #[test]
-    fn bezier_curves_are_their_own_piece() {
-        let controls = [[1.0], [5.0], [-2.0]];
-        let basis = Basis::bezier(3).unwrap();
-        let spans: Vec<Span> = basis.spans().collect();
-        assert_eq!((spans.len(), spans[0].range), (1, [0.0, 1.0]));
-        assert_eq!(basis.piece(spans[0], &controls, (0, 1)), controls);
-    }
-
-    #[test]
-    fn what_does_not_fit_is_refused() {
-        let knots = |k: &[f64]| k.to_vec();
-        assert_eq!(Basis::bezier(1), Err(SplineError::Degree(0)));
-        assert_eq!(Basis::bezier(99), Err(SplineError::Degree(98)));
-        assert_eq!(Basis::uniform(3, 3), Err(SplineError::Controls { controls: 3, degree: 3 }));
-        assert_eq!(Basis::new(1, 2, knots(&[0.0, 1.0])), Err(SplineError::Knots { knots: 2, controls: 2, degree: 1 }));
-        assert_eq!(Basis::new(1, 2, knots(&[0.0, 1.0, 0.5, 2.0])), Err(SplineError::Decreasing(2)));
-        assert_eq!(Basis::new(1, 2, knots(&[0.0, 1.0, 1.0, 2.0])), Err(SplineError::NoRange { first: 1, last: 2 }));
-        assert_eq!(Basis::new(1, 2, knots(&[0.0, 1.0, 2.0, f64::NAN])), Err(SplineError::TooLarge));
-        assert_eq!(Basis::new(1, 3, knots(&[0.0, 0.0, 1e-7, 1.0, 1.0])), Err(SplineError::Narrow(1)));
-        assert_eq!(Basis::new(1, 3, knots(&[0.0, 3.0, 4e7 - 3.0, 4e7, 5e7])), Err(SplineError::Narrow(2)));
-        assert!(Basis::new(1, 3, knots(&[0.0, 0.0, NARROWEST, 1.0, 1.0])).is_ok());
-    }
-}
+mod tests;

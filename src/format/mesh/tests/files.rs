@@ -1,4 +1,4 @@
-//! Meshes through files.
+//! Meshes written to files and read back.
 
 use super::super::{Loaded, MeshFormat, NO_MATERIAL, load, unit_normal};
 use super::*;
@@ -21,7 +21,7 @@ fn point() -> impl Strategy<Value = DVec3> {
     [number(), number(), number()].prop_map(DVec3::from_array)
 }
 
-/// Any mesh as it is after reading: with normals at all corners of a triangle or at none.
+/// A mesh as it is after reading: with normals at all corners of a triangle or at none.
 fn any_mesh() -> impl Strategy<Value = TriangleMesh> {
     let single = any::<bool>();
     let shape = (1..12_usize, single).prop_flat_map(|(n, single)| {
@@ -42,7 +42,7 @@ fn any_mesh() -> impl Strategy<Value = TriangleMesh> {
         });
         mesh.texcoords = texcoords.map(|list| list.into_iter().map(DVec2::from_array).collect());
         if made {
-            // Numbers by first use, after triangles that have none.
+            // Materials are numbered by first use, after the triangles without material.
             let mut sorted: Vec<u32> = materials[..mesh.triangles.len()].to_vec();
             sorted.sort_unstable();
             sorted.dedup();
@@ -101,7 +101,7 @@ fn single_precision_stays_single_in_ply() {
         written(mesh, folder.path(), (MeshFormat::Ply, name));
         std::fs::metadata(folder.path().join(name)).unwrap().len()
     };
-    // Four bytes less for each coordinate, and two letters less in three words of the header: "float" for "double".
+    // Four bytes less for each coordinate, and two letters less in three words of the header.
     assert_eq!(size(&long, "long.ply") - size(&short, "short.ply"), 600 * 3 * 4 + 3);
 }
 

@@ -1,4 +1,4 @@
-//! Meshes of known figures.
+//! Meshes with known properties.
 
 mod files;
 mod normals;
@@ -22,7 +22,7 @@ fn tetrahedron() -> TriangleMesh {
     mesh(&points, &[[0, 2, 1], [0, 1, 3], [0, 3, 2], [1, 2, 3]])
 }
 
-/// From −1 to 1.
+/// Cube from −1 to 1.
 fn cube() -> TriangleMesh {
     let points: Vec<[f64; 3]> =
         (0..8).map(|i| [i & 1, i >> 1 & 1, i >> 2 & 1].map(|bit| f64::from(2 * bit - 1))).collect();
@@ -31,7 +31,7 @@ fn cube() -> TriangleMesh {
     mesh(&points, &triangles)
 }
 
-/// `n` by `m` quads around the z axis, each cut in two.
+/// Torus of `n` by `m` quads around the z axis, each divided into two triangles.
 fn torus(n: u32, m: u32) -> TriangleMesh {
     let circle = |i: u32, n: u32| libm::sincos(TAU * f64::from(i) / f64::from(n));
     let point = |i: u32, j: u32| {
@@ -45,7 +45,7 @@ fn torus(n: u32, m: u32) -> TriangleMesh {
     mesh(&points, &quads.flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect::<Vec<_>>())
 }
 
-/// A band of `n` quads with half a turn.
+/// Moebius band of `n` quads.
 fn moebius(n: u32) -> TriangleMesh {
     let point = |i: u32, side: f64| {
         let angle = TAU * f64::from(i) / f64::from(n);
@@ -64,7 +64,7 @@ fn moebius(n: u32) -> TriangleMesh {
     mesh(&points, &triangles)
 }
 
-/// A sphere of radius 1: a cube whose faces are cut into `n` by `n` quads, blown up.
+/// Unit sphere: a cube with faces of `n` by `n` quads, projected.
 fn ball(n: u32) -> TriangleMesh {
     let mut ball = TriangleMesh::default();
     let cube = cube();
@@ -83,12 +83,12 @@ fn ball(n: u32) -> TriangleMesh {
             }
         }
     }
-    // Edges of faces differ by roundings.
+    // The edges of neighbouring faces differ by rounding.
     ball.weld(1e-12);
     ball
 }
 
-/// Both side by side.
+/// Union of two meshes.
 fn with(mut a: TriangleMesh, b: &TriangleMesh) -> TriangleMesh {
     let base = a.positions.len() as u32;
     a.positions.extend(&b.positions);

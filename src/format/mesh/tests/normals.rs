@@ -1,4 +1,4 @@
-//! Smooth normals in closed form.
+//! Smooth normals against closed forms.
 
 use super::*;
 
@@ -17,7 +17,8 @@ fn a_cube_is_flat_or_round() {
         round.smooth(angle);
         assert_eq!(round.positions.len(), 8);
         for (p, n) in round.positions.iter().zip(round.normals.as_ref().unwrap()) {
-            // Faces are cut into triangles unevenly, but their angles add up to the same. Sums of unit vectors err by ulps.
+            // Faces are divided unevenly, but their angles add up to the same. Sums of unit vectors
+            // err by ulps.
             assert!((*n - p.normalize()).length() < 4e-16 * 4.0, "{n} at {p}");
         }
     }
@@ -33,19 +34,21 @@ fn a_ball_has_the_normals_of_a_sphere() {
     ball.smooth(180.0);
     assert_eq!(ball.positions.len() as u32, 6 * n * n + 2);
     for (p, normal) in ball.positions.iter().zip(ball.normals.as_ref().unwrap()) {
-        // The normal of a triangle in a unit sphere is that of the sphere at its circumcentre; so all faces around a vertex, and
-        // with them any mean, lie within an edge's length of the vertex's direction. An edge spans at most (π/2)/n √2 · 4/π.
+        // The normal of a triangle inscribed in the unit sphere points to its circumcentre. So any
+        // mean of the faces around a vertex lies within an edge's length of the vertex's direction.
+        // An edge spans at most (π/2)/n √2 · 4/π.
         let edge = 2.0 * std::f64::consts::SQRT_2 / f64::from(n);
         let angle = libm::acos(p.dot(*normal).min(1.0));
         assert!(angle < edge, "{angle} {edge}");
-        // Where the faces around it lie alike on all sides, errors cancel to the second order.
+        // With symmetric faces around a vertex, errors cancel to the second order.
         assert!(angle < edge * edge, "{angle} {edge}");
     }
 }
 
 #[test]
 fn weights_are_angles() {
-    // A corner of a cube whose one face is cut twice at that corner: the count of triangles is not to matter.
+    // One face of the cube's corner is divided twice there: the number of triangles must not
+    // matter.
     let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 1.0, 0.0], [0.2, 1.0, 0.0]];
     let mut corner = mesh(&points, &[[0, 1, 4], [0, 4, 5], [0, 5, 2], [0, 3, 1], [0, 2, 3]]);
     corner.smooth(180.0);
@@ -84,7 +87,7 @@ fn faces_without_area_take_nothing_and_give_nothing() {
     let normals = cube.normals.as_ref().unwrap();
     assert!(cube.triangles[..12].iter().flatten().all(|v| normals[*v as usize].is_normalized()));
     assert_eq!(normals.iter().filter(|n| **n == DVec3::ZERO).count(), 2);
-    // Tiny faces count as others do.
+    // Tiny faces count like others.
     let mut tiny = moved(super::cube(), 1e-170, DVec3::ZERO);
     tiny.smooth(180.0);
     assert!(tiny.normals.unwrap().iter().all(|n| n.is_normalized()));

@@ -1,4 +1,4 @@
-//! Meshes that are broken and mended.
+//! Damaged meshes and their repair.
 
 use super::super::{MeshReport, Repair};
 use super::*;
@@ -45,7 +45,7 @@ fn each_kind_of_harm_is_mended() {
         worn.triangles.insert(2, [a, a, b]);
         worn.triangles.insert(0, [b, a, c]);
         worn.positions.push(DVec3::splat(9.0));
-        // On the line of the edge, exactly.
+        // Exactly on the line of the edge.
         let beyond = 2.0 * worn.positions[b as usize] - worn.positions[a as usize];
         if (beyond - worn.positions[b as usize]) == worn.positions[b as usize] - worn.positions[a as usize] {
             worn.positions.push(beyond);
@@ -81,7 +81,7 @@ fn hollows_face_inward() {
     nested.orient();
     let volume: f64 = shells.iter().map(|(size, sign)| 8.0 * sign * size * size * size).sum();
     assert!((nested.report().volume.unwrap() - volume - 8.0).abs() < 1e-12);
-    // Of another material: no hollow.
+    // A shell of another material is no hollow.
     let mut other = with(cube(), &moved(cube(), 0.5, DVec3::ZERO));
     other.materials = vec!["a".to_owned(), "b".to_owned()];
     other.triangle_materials = [[0; 12], [1; 12]].concat();
@@ -138,7 +138,7 @@ fn welding_takes_the_first_within_reach() {
 
 #[test]
 fn a_needle_that_closes_a_slit_stays() {
-    // The edge 0-1 of the first face carries vertex 3 of the others.
+    // The edge 0–1 of the first face contains vertex 3 of the others.
     let points = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 0.0, 0.0], [1.0, -1.0, 0.0]];
     let mut slit = mesh(&points, &[[0, 1, 2], [0, 4, 3], [3, 4, 1], [0, 3, 1]]);
     let before = slit.report();

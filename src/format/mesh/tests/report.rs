@@ -1,4 +1,4 @@
-//! Reports of meshes in closed form.
+//! Reports of meshes against closed forms.
 
 use super::super::SolidDefect;
 use super::*;
@@ -23,10 +23,11 @@ fn closed_solids_have_their_area_volume_and_genus() {
     assert_eq!((report.vertices, report.triangles, report.genus), (4, 4, Some(0)));
     let (n, m) = (40, 30);
     let report = torus(n, m).report();
-    // The ring of a regular polygon turned about the axis: of the circle's 2π² R r², the polygons' parts of their circles.
+    // A regular polygon revolved about the axis: the circle's 2π² R r², times the polygons' shares
+    // of their circles.
     let inscribed = |n: u32| f64::from(n) / TAU * libm::sin(TAU / f64::from(n));
     let ring = 2.0 * libm::pow(std::f64::consts::PI, 2.0) * 2.0 * inscribed(n) * inscribed(m);
-    // The radius of each quad's middle is the same, but its triangles are not flat together: second order in 1/(n m).
+    // The two triangles of a quad are not coplanar: an error of second order in 1/(n m).
     assert!((report.volume.unwrap() - ring).abs() < 1e-3 * ring, "{:?} {ring}", report.volume);
     assert_eq!((report.euler_characteristic, report.genus), (0, Some(1)));
 }
@@ -35,7 +36,7 @@ fn closed_solids_have_their_area_volume_and_genus() {
 fn surfaces_with_borders_or_one_side_say_so() {
     let report = moebius(20).report();
     assert!(!report.orientable && !report.closed && report.manifold);
-    // One border all the way around both sides of the band.
+    // One border runs around the band twice.
     assert_eq!((report.boundary_edges, report.euler_characteristic, report.volume, report.genus), (40, 0, None, None));
     let mut open = cube();
     open.triangles.truncate(10);
@@ -50,13 +51,13 @@ fn what_is_wrong_is_counted() {
     odd.triangles[0].swap(1, 2);
     let report = odd.report();
     assert_eq!((report.inconsistent_edges, report.orientable, report.volume), (3, true, None));
-    // Two cubes that share an edge: four faces there, and the ends of the edge are pinched no more than that.
+    // Two cubes that share an edge: it has four faces; the surface is pinched nowhere else.
     let two = with(cube(), &moved(cube(), 1.0, DVec3::new(2.0, 2.0, 0.0)));
     let report = two.report();
     assert_eq!((report.non_manifold_edges, report.manifold, report.components, report.genus), (1, false, 1, None));
     assert_eq!((report.repeated_vertices, report.non_manifold_vertices), (2, 0));
     near(report.volume.unwrap(), 16.0);
-    // At one corner only.
+    // Two cubes that share a corner.
     let two = with(cube(), &moved(cube(), 1.0, DVec3::splat(2.0)));
     let report = two.report();
     assert_eq!((report.non_manifold_edges, report.non_manifold_vertices, report.components), (0, 1, 2));
@@ -75,7 +76,7 @@ fn seams_are_no_borders() {
     let report = seam.report();
     assert!(report.closed && report.normals);
     assert_eq!((report.genus, report.repeated_vertices), (Some(0), 0));
-    // The two zeros are one place.
+    // Both zeros are one position.
     let mut zeros = tetrahedron();
     zeros.positions.push(-DVec3::ZERO);
     zeros.triangles[0][0] = 4;

@@ -1,4 +1,4 @@
-//! Forms that are known exactly, places where solvers fail, and rays that leave.
+//! Surfaces with closed forms, difficult cases for solvers, and rays that leave a surface.
 
 use super::{Basis, Patch, Revolution, cases, cup, key, net, ray};
 use crate::math::{Frame, Ray, Transform, offset_origin, warp};
@@ -6,7 +6,7 @@ use crate::sampling::Dimension;
 use crate::shape::Shape;
 use glam::{DAffine3, DQuat, DVec2, DVec3, DVec4, Vec2, Vec3};
 
-/// A full circle of degree 2 as control points and weights.
+/// Control points and weights of a full circle of degree 2.
 fn circle() -> (Basis, Vec<(f64, f64, f64)>) {
     let w = std::f64::consts::FRAC_1_SQRT_2;
     let knots = vec![0.0, 0.0, 0.0, 1.0, 1.0, 2.0, 2.0, 3.0, 3.0, 4.0, 4.0, 4.0];
@@ -16,7 +16,8 @@ fn circle() -> (Basis, Vec<(f64, f64, f64)>) {
     (Basis::new(2, 9, knots).unwrap(), points.collect())
 }
 
-/// A circle of radius `small` around the circle of radius `large`; from the top over the outside down, so that its outside is outside.
+/// A circle of radius `small`, revolved on the circle of radius `large`, with its outer side
+/// outside.
 pub fn torus(large: f64, small: f64) -> Patch {
     let (basis, points) = circle();
     let mut controls = Vec::new();
@@ -42,7 +43,9 @@ fn sphere() -> Patch {
     Patch::new([&half, &basis], &controls).unwrap()
 }
 
-/// Against the quadratic in double precision: the only error is the rounding of `t`, except where rays graze within 10⁻¹².
+/// Compares with the quadratic in f64.
+///
+/// The only error is the rounding of `t`, except for rays that are tangent within 10⁻¹².
 #[test]
 fn a_sphere_of_nurbs_is_the_sphere() {
     let shape = Shape::Patch(sphere());
@@ -74,7 +77,7 @@ fn a_sphere_of_nurbs_is_the_sphere() {
     assert!(hits > 20_000);
 }
 
-/// The quartic has no sign to change before the first crossing, and changes it there.
+/// The quartic does not change sign before the first hit, and changes it there.
 #[test]
 fn a_torus_of_nurbs_is_the_torus() {
     let (large, small) = (1.0, 0.4);
@@ -120,7 +123,8 @@ fn turned_lines_meet_rays_where_quadratics_do() {
         for i in 0..20_000 {
             let ray = ray(&shape, i);
             let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
-            // Places on the line: (ρ, y) = (ra, ya) + s (rb − ra, yb − ya), eliminated by the larger component.
+            // Points on the line: (ρ, y) = (ra, ya) + s (rb − ra, yb − ya), eliminated by the
+            // larger component.
             let (dr, dy) = (rb - ra, yb - ya);
             let mut truth = f64::INFINITY;
             let (mut edge, mut grazes) = (false, false);
@@ -180,7 +184,7 @@ fn tangent_rays_end() {
     }
     assert!(hits(&ring, DVec3::new(0.0, 3.0, 0.0), DVec3::NEG_Y).is_none());
     let cup = cup().shape;
-    // Along the axis, from above, below and within, and beside it by the least there is.
+    // Along the axis, from above, below and within, and beside it by the smallest number.
     for x in [0.0, 1e-30, 1e-9, 1e-7] {
         let (t, ..) = hits(&cup, DVec3::new(x, 3.0, 0.0), DVec3::NEG_Y).unwrap();
         assert!((t - 3.3).abs() < 2e-6, "{x} {t}");
@@ -190,7 +194,7 @@ fn tangent_rays_end() {
     }
 }
 
-/// A flat patch seen edge-on is a line: nothing. A bent one of no thickness is met at its ridge.
+/// A ray along a flat patch misses. A ray along a bent patch hits its ridge.
 #[test]
 fn edge_on_is_a_miss() {
     let linear = Basis::bezier(2).unwrap();
@@ -204,7 +208,7 @@ fn edge_on_is_a_miss() {
     assert!((t, u, v) == (2.0, 0.75, 0.25));
 }
 
-/// Where derivatives vanish, normals are the limits from around.
+/// Where derivatives vanish, normals are limits from the surroundings.
 #[test]
 fn poles_and_collapsed_edges_have_normals() {
     let ball = Shape::Patch(sphere());
@@ -241,17 +245,20 @@ fn placed() -> Vec<(&'static str, Shape)> {
     cases.into_iter().chain(mirrored).collect()
 }
 
-/// Whether a point drawn with this density may be at an apex, where the other side of the surface is as near as one likes.
+/// True if a point sampled with this pdf may be at an apex, where the opposite side is arbitrarily
+/// near.
 fn is_apex(shape: &Shape, pdf: f32) -> bool {
     f64::from(pdf) * shape.area() > 30.0
 }
 
-/// What does not pass through itself, where one part of the surface is as near to another as one likes.
+/// The shapes that do not intersect themselves; elsewhere two sheets may be arbitrarily near.
 fn simple() -> impl Iterator<Item = (&'static str, Shape)> {
     placed().into_iter().filter(|(name, _)| *name != "loops")
 }
 
-/// No ray that leaves at a slant above .1 meets its own start again: only bends of a radius below 10⁻⁴ of the size could be met so soon.
+/// A ray that leaves at a cosine above 0.1 does not hit its start again.
+///
+/// Only bends with a radius below 10⁻⁴ of the size could be hit so soon.
 #[test]
 fn rays_leave_cleanly() {
     for (name, shape) in simple() {
@@ -279,7 +286,7 @@ fn rays_leave_cleanly() {
     }
 }
 
-/// The mean of 1/pdf is the area, within five standard errors; sampled points are found again by rays.
+/// The mean of 1/pdf is the area, within five standard errors; rays find sampled points again.
 #[test]
 fn samples_have_the_stated_density() {
     for (name, shape) in simple() {
@@ -296,7 +303,7 @@ fn samples_have_the_stated_density() {
             let found = shape.intersect(&ray).filter(|(t, ..)| (t - 1e-3 * size).abs() < 1e-5 * size);
             if let Some((t, u, v)) = found.filter(|_| !is_apex(&shape, sample.pdf)) {
                 let again = shape.pdf(&shape.surface(&ray, t, Vec2::new(u, v)));
-                // The density leaps between leaves, and rounding may take a point across.
+                // The pdf is discontinuous between leaves, and rounding may move a point across.
                 strays += u32::from((again / sample.pdf - 1.0).abs() > 0.05);
             }
         }
@@ -307,7 +314,7 @@ fn samples_have_the_stated_density() {
     }
 }
 
-/// Coordinates grow along a step on the surface as their gradients say.
+/// Texture gradients agree with differences of the coordinates along the surface.
 #[test]
 fn coordinates_grow_as_told() {
     for (name, shape) in placed() {
@@ -327,7 +334,7 @@ fn coordinates_grow_as_told() {
                 let after = uv + step * 2e-4;
                 let change = at(after) - here;
                 let told = DVec2::new(mapped.du.dot(change), mapped.dv.dot(change));
-                // Not across the axis, where the angle jumps.
+                // The angle jumps across the axis.
                 if change.length() > 1e-5 * size && mapped.dv.length() * size < 30.0 {
                     tried += 1;
                     let truth = (after - uv).as_dvec2();

@@ -1,4 +1,4 @@
-//! Parametric surfaces against a reference that halves quads, and against forms that are known exactly.
+//! Parametric surfaces against a reference that halves quads, and against closed forms.
 
 mod exact;
 mod reference;
@@ -8,14 +8,14 @@ use super::{Basis, Patch, Revolution};
 use crate::math::{Ray, warp};
 use crate::sampling::{Dimension, Key, Purpose};
 use glam::{DVec2, DVec4, Vec2, Vec3};
-use reference::{Form, Found, Piece};
+use reference::{ReferenceHits, ReferencePiece, ReferenceSurface};
 
-/// A surface with what stands for it.
+/// A surface and the pieces of its reference.
 struct Case {
     name: &'static str,
     shape: Shape,
-    pieces: Vec<Piece>,
-    /// One of so many rays is enough: what the reference knows of its bends is crude, so that it takes long.
+    pieces: Vec<ReferencePiece>,
+    /// Divisor of the number of rays: the reference is slow for strongly bent pieces.
     thin: u64,
 }
 
@@ -23,7 +23,7 @@ fn key(i: u64) -> Key {
     Key::new(11).purpose(Purpose::Test).with(i)
 }
 
-/// In \[−1, 1].
+/// Pseudorandom number in \[−1, 1].
 fn random(i: u64) -> f64 {
     f64::from(key(i).uniform(Dimension::LightPosition)) * 2.0 - 1.0
 }
@@ -32,7 +32,7 @@ fn turned(name: &'static str, basis: &Basis, controls: &[[f64; 2]]) -> Case {
     let points: Vec<DVec2> = controls.iter().map(|c| DVec2::from_array(*c)).collect();
     let shape = Shape::Revolution(Revolution::new(basis, &points).unwrap());
     let piece = |span| basis.piece(span, controls, (0, 1)).into_iter().map(DVec2::from_array).collect();
-    let pieces = basis.spans().map(|span| Piece::new(Form::Turned(piece(span)))).collect();
+    let pieces = basis.spans().map(|span| ReferencePiece::new(ReferenceSurface::Turned(piece(span)))).collect();
     Case { name, shape, pieces, thin: 1 }
 }
 
@@ -49,13 +49,13 @@ fn net(name: &'static str, bases: [&Basis; 2], controls: &[DVec4]) -> Case {
                 bases[1].piece(v, &row, (0, 1))
             });
             let points = rows.map(|[x, y, z, w]| DVec4::new(x / w, y / w, z / w, w)).collect();
-            pieces.push(Piece::new(Form::Patch(points, [bases[0].degree(), bases[1].degree()])));
+            pieces.push(ReferencePiece::new(ReferenceSurface::Patch(points, [bases[0].degree(), bases[1].degree()])));
         }
     }
     Case { name, shape, pieces, thin: 1 }
 }
 
-/// A cup with a wall, from the axis and back to it, through points that almost coincide; x is negative.
+/// A cup with a wall, from the axis and back, with nearly coincident control points; x is negative.
 fn cup() -> Case {
     let profile = [
         [0.0, -0.3],
@@ -119,7 +119,7 @@ fn cases() -> Vec<Case> {
     ]
 }
 
-/// Rays of several kinds at a surface within a box: from afar, from inside it, and along the axes.
+/// Rays of several kinds at a surface: from afar, from inside its box, and along the axes.
 fn ray(shape: &Shape, i: u64) -> Ray {
     let (min, max) = shape.extent();
     let (middle, half) = ((0.5 * (min + max)).as_vec3(), (0.5 * (max - min)).as_vec3());
@@ -143,32 +143,34 @@ fn ray(shape: &Shape, i: u64) -> Ray {
     }
 }
 
-/// What a comparison saw.
+/// Counts of a comparison.
 #[derive(Debug, Default)]
-struct Tally {
+struct Comparison {
     rays: u64,
     hits: u64,
-    /// Answers differ where the ray grazes, or passes an edge within the error of the reference.
+    /// Results differ because the ray is tangent, or passes an edge within the error of the
+    /// reference.
     undecided: u64,
 }
 
-/// Compares over rays `from..to`.
+/// Compares the rays `from..to`.
 ///
-/// The reference is off by `error` at most. A ray that dips by more than that under a surface of radius R of curvature meets it at a
-/// cosine above √(2·error/R), here about .002; facets turn their normals by less than that again.
-fn compare(case: &Case, rays: std::ops::Range<u64>) -> Tally {
+/// The reference errs by `error` at most. A ray that dips deeper under a surface with radius of
+/// curvature R hits it at a cosine above √(2·error/R), here about 0.002. The facets' normals
+/// deviate by less.
+fn compare(case: &Case, rays: std::ops::Range<u64>) -> Comparison {
     let (min, max) = case.shape.extent();
     let size = 0.5 * (max - min).length();
     let error = 1e-6 * size;
     let grazing = 0.02;
-    let mut tally = Tally::default();
-    let mut found = Found { hit: None, touches: Vec::new() };
+    let mut tally = Comparison::default();
+    let mut found = ReferenceHits { hit: None, touches: Vec::new() };
     for i in rays {
         let ray = ray(&case.shape, i);
         (found.hit, tally.rays) = (None, tally.rays + 1);
         found.touches.clear();
         let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
-        case.pieces.iter().for_each(|p| p.meet(o, d, error, &mut found));
+        case.pieces.iter().for_each(|p| p.find_hits(o, d, error, &mut found));
         let ours = case.shape.intersect(&ray);
         let told = || format!("{} ray {i}: {ours:?} against {:?}", case.name, found.hit);
         if let Some((t, u, v)) = ours {
@@ -195,7 +197,7 @@ fn compare(case: &Case, rays: std::ops::Range<u64>) -> Tally {
         if agree {
             continue;
         }
-        // Only what lies at the nearer of the two answers can excuse a difference.
+        // Only a touch at the nearer of the two results can excuse a difference.
         let first = t.unwrap_or(f64::INFINITY).min(found.hit.unwrap_or(f64::INFINITY));
         let reach = 4.0 * error / grazing + rounding;
         let excuse = found.touches.iter().any(|x| within(x.t, first, reach) && (x.cos <= grazing || x.edge));

@@ -1,34 +1,36 @@
-//! Surfaces met by rays in another way: quads are halved until two triangles stand for each within a derived error, in double
-//! precision. Nothing is shared with the solver but the control points.
+//! Independent reference: quads are halved until two triangles approximate each within a derived
+//! error, in f64.
+//!
+//! It shares only the control points with the solver.
 
 use glam::{DVec2, DVec3, DVec4, Vec4Swizzles};
 
-/// A Bézier piece, or one turned about the y axis.
-pub enum Form {
+/// A Bézier piece, or one that is revolved about the y axis.
+pub enum ReferenceSurface {
     /// Control points with weights, and the degrees.
     Patch(Vec<DVec4>, [usize; 2]),
     /// A profile; v is the angle in turns.
     Turned(Vec<DVec2>),
 }
 
-/// A piece with bounds on second derivatives by u, by v, and mixed.
-pub struct Piece {
-    form: Form,
+/// A piece with bounds on its second derivatives: by u, by v, and mixed.
+pub struct ReferencePiece {
+    form: ReferenceSurface,
     bends: [f64; 3],
 }
 
-/// A place near which the ray passes.
+/// A quad that the ray nearly touches.
 pub struct Touch {
-    /// The stretch of the ray in the quad's box.
+    /// Interval of the ray in the quad's box.
     pub t: [f64; 2],
-    /// Between ray and normal.
+    /// Cosine between ray and normal.
     pub cos: f64,
-    /// Whether it is at an edge of the piece.
+    /// True if the quad is at an edge of the piece.
     pub edge: bool,
 }
 
-pub struct Found {
-    /// The nearest crossing of a triangle.
+pub struct ReferenceHits {
+    /// The nearest hit of a triangle.
     pub hit: Option<f64>,
     pub touches: Vec<Touch>,
 }
@@ -42,7 +44,8 @@ fn casteljau<T: Copy + std::ops::Mul<f64, Output = T> + std::ops::Add<Output = T
     points[0]
 }
 
-/// Largest n(n − 1)|Δ²b| along lines of a net of values, which bounds the second derivative; and n|Δb|, which bounds the first.
+/// Bounds on the second and the first derivative: the largest n(n − 1)|Δ²b| and n|Δb| along lines
+/// of a net.
 fn differences(points: &[DVec4], degree: [usize; 2], axis: usize) -> (DVec4, DVec4) {
     let columns = degree[1] + 1;
     let step = if axis == 0 { columns } else { 1 };
@@ -61,18 +64,18 @@ fn differences(points: &[DVec4], degree: [usize; 2], axis: usize) -> (DVec4, DVe
     (first, second)
 }
 
-impl Piece {
-    pub fn new(form: Form) -> Self {
+impl ReferencePiece {
+    pub fn new(form: ReferenceSurface) -> Self {
         let bends = match &form {
-            Form::Turned(profile) => {
+            ReferenceSurface::Turned(profile) => {
                 let flat: Vec<DVec4> = profile.iter().map(|p| DVec4::new(p.x, p.y, 0.0, 1.0)).collect();
                 let (first, second) = differences(&flat, [profile.len() - 1, 0], 0);
                 let turn = std::f64::consts::TAU;
                 let radius = profile.iter().fold(0.0, |r: f64, p| r.max(p.x.abs()));
                 [second.xy().length(), radius * turn * turn, first.x * turn]
             }
-            Form::Patch(controls, degree) => {
-                // Of S = A/W: W·S″ = A″ − 2W′S′ − W″S, and so on.
+            ReferenceSurface::Patch(controls, degree) => {
+                // Derivatives of S = A/W: W·S″ = A″ − 2W′S′ − W″S, and so on.
                 let homogeneous: Vec<DVec4> = controls.iter().map(|c| (c.xyz() * c.w).extend(c.w)).collect();
                 let least = controls.iter().fold(f64::INFINITY, |m: f64, c| m.min(c.w));
                 let far = controls.iter().fold(0.0, |m: f64, c| m.max(c.xyz().length()));
@@ -100,14 +103,14 @@ impl Piece {
 
     pub fn at(&self, u: f64, v: f64) -> DVec3 {
         match &self.form {
-            Form::Turned(profile) => {
+            ReferenceSurface::Turned(profile) => {
                 let mut buffer = [DVec2::ZERO; 25];
                 buffer[..profile.len()].copy_from_slice(profile);
                 let p = casteljau(&mut buffer[..profile.len()], u);
                 let (sin, cos) = libm::sincos(v * std::f64::consts::TAU);
                 DVec3::new(p.x * cos, p.y, p.x * sin)
             }
-            Form::Patch(controls, [p, q]) => {
+            ReferenceSurface::Patch(controls, [p, q]) => {
                 let (mut rows, mut row) = ([DVec4::ZERO; 25], [DVec4::ZERO; 25]);
                 for i in 0..=*p {
                     for j in 0..=*q {
@@ -122,9 +125,9 @@ impl Piece {
         }
     }
 
-    /// Everything of the piece that the ray passes within `error`.
-    pub fn meet(&self, o: DVec3, d: DVec3, error: f64, found: &mut Found) {
-        let turned = matches!(self.form, Form::Turned(_));
+    /// Finds every quad of the piece within `error` of the ray.
+    pub fn find_hits(&self, o: DVec3, d: DVec3, error: f64, found: &mut ReferenceHits) {
+        let turned = matches!(self.form, ReferenceSurface::Turned(_));
         let parts = if turned { 4 } else { 1 };
         let quad = |[u0, u1, v0, v1]: [f64; 4]| {
             ([u0, u1, v0, v1], [self.at(u0, v0), self.at(u1, v0), self.at(u1, v1), self.at(u0, v1)])
@@ -134,7 +137,8 @@ impl Piece {
         let [uu, vv, uv] = self.bends;
         while let Some(([u0, u1, v0, v1], corners)) = quads.pop() {
             let (du, dv) = (u1 - u0, v1 - v0);
-            // A bilinear quad differs from the surface by the first two terms, two triangles from it by the last.
+            // A bilinear quad differs from the surface by the first two terms, two triangles differ
+            // from it by the last.
             let [a, b, c] = [uu * du * du / 8.0, vv * dv * dv / 8.0, uv * du * dv / 4.0];
             let off = a + b + c;
             let min = corners.into_iter().fold(DVec3::INFINITY, DVec3::min) - off;
@@ -146,7 +150,7 @@ impl Piece {
             }
             if off > error {
                 let (u, v) = (0.5 * (u0 + u1), 0.5 * (v0 + v1));
-                // The twist halves with either.
+                // The twist halves with either side.
                 let [p, q, r, s] = corners;
                 if a > b || a == b && du > dv {
                     let (e, f) = (self.at(u, v0), self.at(u, v1));
@@ -169,7 +173,7 @@ impl Piece {
     }
 }
 
-/// Möller and Trumbore's test, edges included.
+/// The test of Möller and Trumbore, edges included.
 fn cross(o: DVec3, d: DVec3, a: DVec3, b: DVec3, c: DVec3) -> Option<f64> {
     let (e1, e2, s) = (b - a, c - a, o - a);
     let p = d.cross(e2);

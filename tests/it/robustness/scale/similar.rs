@@ -5,8 +5,8 @@
 
 use caustica::format::description::{
     Aim, AreaStrength, Attenuation, Camera, Coefficients, Density, Description, DirectionalStrength, Emission,
-    EnvironmentRadiance, Extent, Focus, Item, Lens, Light, Map, Material, MaterialKind, Medium, Object, Opening,
-    PointStrength, Projection, Relief, Span, Spanned, TextureKind,
+    EnvironmentRadiance, Extent, Focus, Item, Lens, Light, Map, Material, MaterialKind, Medium, NormalPerturbation,
+    Object, Opening, PointStrength, Projection, Span, Spanned, TextureKind,
 };
 use glam::{DAffine3, DMat4, DVec3};
 
@@ -162,6 +162,14 @@ impl Similarity {
                 self.point(position);
                 self.intensity(strength);
             }
+            Light::Oriented { position, aim, up, pattern: _, strength } => {
+                self.aim(aim);
+                self.point(position);
+                if let Some(up) = up {
+                    self.vector(up);
+                }
+                self.intensity(strength);
+            }
             Light::Sphere { center, radius, strength } => {
                 self.point(center);
                 self.length(radius);
@@ -252,8 +260,8 @@ impl Similarity {
             None | Some(Emission::Radiance(_) | Emission::Texture { .. }) => {}
         }
         match relief {
-            Some(Relief::Bump { texture: _, height }) => self.length(height),
-            None | Some(Relief::NormalMap(_)) => {}
+            Some(NormalPerturbation::Bump { texture: _, height }) => self.length(height),
+            None | Some(NormalPerturbation::NormalMap(_)) => {}
         }
     }
 }

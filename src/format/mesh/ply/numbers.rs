@@ -1,7 +1,7 @@
 //! Sequential readers of the numbers in a PLY body, one for binary files and one for text.
 
-use super::super::problem::{Problem, excerpt};
 use super::header::NumberType;
+use crate::format::problem::{Problem, excerpt};
 
 const CUT: &str = "the file is cut short, or its counts are wrong";
 

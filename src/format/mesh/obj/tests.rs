@@ -1,5 +1,5 @@
-use super::super::mesh;
 use super::*;
+use crate::format::mesh;
 
 fn load(path: &Path) -> Result<TriangleMesh, MeshError> {
     mesh::load(path, &()).map(|loaded| loaded.mesh)
@@ -62,7 +62,7 @@ fn vertices_are_shared_where_every_bit_agrees() {
 
 #[test]
 fn normals_stay_with_their_vertices() {
-    // tobj by itself would give the last face's normals to the first face's vertices.
+    // `tobj` alone would give the last face's normals to the first face's vertices.
     let mesh = faces("vn 0 0 2\nf 1 2 3\nf 1//1 3//1 4//1");
     let normals = mesh.normals.unwrap();
     assert_eq!(mesh.triangles, [[0, 1, 2], [3, 4, 5]]);
@@ -141,7 +141,7 @@ fn faces_are_made_of_the_material_last_named() {
 #[test]
 fn chunks_of_a_large_file_join_without_a_seam() {
     let row = |i: usize, name: &str| format!("usemtl {name}\nv {i} 0 0\nv {i} 1 0\nv {i}.5 0 1\nf -3 -2 \\\n -1\n");
-    // Of 4 MB each; the material of one goes on in the next.
+    // Chunks of 4 MB each; a material continues into the next chunk.
     let n = 200_000;
     let mut text: String = (0..n / 2).map(|i| row(i, "a")).collect();
     text.extend((n / 2..n).map(|i| row(i, "b").replace("usemtl b\n", if i == n / 2 { "usemtl b\n" } else { "" })));

@@ -1,55 +1,58 @@
-//! The lines of an OBJ file that make up its faces, proved sound one by one.
+//! Checks the lines of an OBJ file that define its faces.
 
-use super::super::mesh::ReadMonitor;
-use super::super::problem::{Problem, excerpt};
+use crate::format::mesh::ReadMonitor;
+use crate::format::problem::{Problem, excerpt};
 use rayon::prelude::*;
 use std::borrow::Cow;
 use std::fmt::Write;
 use std::ops::Range;
 use std::sync::atomic::{AtomicBool, Ordering::Relaxed};
 
-/// Bytes of a chunk of lines, at least.
+/// Least number of bytes in a chunk of lines.
 const CHUNK: usize = 1 << 22;
 
-/// What is wrong with a line.
-pub(super) struct LineError {
-    /// From 1.
+/// Invalid line.
+pub(super) struct InvalidLine {
+    /// Line number, from 1.
     pub line: usize,
     pub wrong: Problem,
 }
 
-/// The corner of a face: which of position, texture coordinate and normal it names.
-type Named = [bool; 3];
+/// True for the position, texture coordinate and normal that a corner of a face names.
+type NamedLists = [bool; 3];
 
-/// What the three numbers of a corner point at.
+/// Names of the lists that the three indices of a corner refer to.
 const LISTS: [&str; 3] = ["vertex", "texture coordinate", "normal"];
 
-/// What is left of a file.
+/// Checked content of a file.
 #[derive(Default)]
-pub(super) struct Sound {
-    /// Lines `v`, `vt`, `vn` and `f` in the order of the file, cut to what counts: finite numbers, and indices of what stands
-    /// before. Within a group (parted by `g`), all corners name the same lists, and all faces have one material.
+pub(super) struct CheckedText {
+    /// Lines `v`, `vt`, `vn` and `f` in the order of the file, with finite numbers and valid
+    /// indices.
+    ///
+    /// Groups are divided by `g`. Within a group, all corners name the same lists, and all faces
+    /// have one material.
     pub texts: Vec<String>,
-    /// The material of each group, empty where it has none.
+    /// Material of each group; empty if it has none.
     pub groups: Vec<String>,
-    /// Files of materials, as written.
+    /// Material files, as written.
     pub libraries: Vec<String>,
-    /// Numbers of all lines `v`, `vt` and `vn`.
+    /// Number of values on all lines `v`, `vt` and `vn`.
     pub numbers: usize,
-    /// Corners of all faces.
+    /// Number of corners of all faces.
     pub corners: usize,
-    /// Vertices of the file.
+    /// Number of vertices in the file.
     pub vertices: usize,
-    /// Vertices that no face names.
+    /// Number of vertices that no face names.
     pub isolated: usize,
 }
 
-/// The part of the text that counts, or the first line that is wrong.
-pub(super) fn sound_lines(text: &str, monitor: &dyn ReadMonitor) -> Result<Sound, LineError> {
+/// Extracts the valid lines; fails at the first invalid line.
+pub(super) fn checked_lines(text: &str, monitor: &dyn ReadMonitor) -> Result<CheckedText, InvalidLine> {
     let chunks = chunks(text);
-    let tallies: Vec<Tally> = chunks.par_iter().map(|chunk| Tally::of(&text[chunk.clone()])).collect();
+    let tallies: Vec<LineCounts> = chunks.par_iter().map(|chunk| LineCounts::of(&text[chunk.clone()])).collect();
     let mut before = Vec::with_capacity(chunks.len());
-    let mut total = Tally::default();
+    let mut total = LineCounts::default();
     for tally in &tallies {
         before.push(total);
         total.add(tally);
@@ -65,7 +68,7 @@ pub(super) fn sound_lines(text: &str, monitor: &dyn ReadMonitor) -> Result<Sound
         })
         .collect();
     let [v, vt, vn] = total.counts;
-    let mut sound = Sound { vertices: v, numbers: 3 * v + 2 * vt + 3 * vn, ..Sound::default() };
+    let mut sound = CheckedText { vertices: v, numbers: 3 * v + 2 * vt + 3 * vn, ..CheckedText::default() };
     let mut material = String::new();
     for chunk in checked {
         let mut chunk: Chunk<'_> = chunk?;
@@ -80,7 +83,8 @@ pub(super) fn sound_lines(text: &str, monitor: &dyn ReadMonitor) -> Result<Sound
     Ok(sound)
 }
 
-/// Parts of the text that begin and end with lines; a line that a backslash continues stays whole.
+/// Byte ranges that begin and end at line boundaries; a line continued by a backslash is not
+/// divided.
 fn chunks(text: &str) -> Vec<Range<usize>> {
     let mut chunks = Vec::new();
     let mut start = 0;
@@ -98,14 +102,14 @@ fn chunks(text: &str) -> Vec<Range<usize>> {
     chunks
 }
 
-/// How many lines and entries of the lists there are.
+/// Number of lines, and of entries in each list.
 #[derive(Clone, Copy, Default)]
-struct Tally {
+struct LineCounts {
     lines: usize,
     counts: [usize; 3],
 }
 
-impl Tally {
+impl LineCounts {
     fn of(text: &str) -> Self {
         let mut tally = Self::default();
         for_lines(text, |_, line| {
@@ -130,7 +134,9 @@ impl Tally {
     }
 }
 
-/// Calls `visit` with the number from 0 and the text of each line that may count; a backslash at its end continues a line.
+/// Calls `visit` with the index, from 0, and the text of each relevant line.
+///
+/// A backslash at the end continues a line.
 fn for_lines<E>(text: &str, mut visit: impl FnMut(usize, &str) -> Result<(), E>) -> Result<(), E> {
     let mut lines = text.lines().enumerate();
     while let Some((i, first)) = lines.next() {
@@ -149,25 +155,25 @@ fn for_lines<E>(text: &str, mut visit: impl FnMut(usize, &str) -> Result<(), E>)
     Ok(())
 }
 
-/// A part of the text as it is checked.
+/// Part of the text while it is checked.
 struct Chunk<'u> {
     sound: String,
-    /// Vertices, texture coordinates and normals so far, of the whole file.
+    /// Numbers of vertices, texture coordinates and normals so far, in the whole file.
     counts: [usize; 3],
-    /// What the corners of the last face name, and the number of their material.
-    group: Option<(Named, usize)>,
-    /// Names of materials; number 0 is what was in force before the chunk.
+    /// Lists that the corners of the last face name, and the index of its material.
+    group: Option<(NamedLists, usize)>,
+    /// Names of materials; index 0 is the material in force before the chunk.
     names: Vec<String>,
-    /// Number of the material of each group.
+    /// Index of the material of each group.
     groups: Vec<usize>,
     libraries: Vec<String>,
-    /// Corners of its faces.
+    /// Number of corners of the chunk's faces.
     corners: usize,
     used: &'u [AtomicBool],
 }
 
 impl<'u> Chunk<'u> {
-    fn check(text: &str, before: &Tally, used: &'u [AtomicBool]) -> Result<Self, LineError> {
+    fn check(text: &str, before: &LineCounts, used: &'u [AtomicBool]) -> Result<Self, InvalidLine> {
         let mut chunk = Self {
             sound: String::with_capacity(text.len()),
             counts: before.counts,
@@ -178,7 +184,7 @@ impl<'u> Chunk<'u> {
             corners: 0,
             used,
         };
-        for_lines(text, |i, line| chunk.line(line).map_err(|wrong| LineError { line: before.lines + i + 1, wrong }))?;
+        for_lines(text, |i, line| chunk.line(line).map_err(|wrong| InvalidLine { line: before.lines + i + 1, wrong }))?;
         Ok(chunk)
     }
 
@@ -186,7 +192,7 @@ impl<'u> Chunk<'u> {
         let line = line.trim_ascii_start();
         let end = line.find(|c: char| c.is_ascii_whitespace()).unwrap_or(line.len());
         let (keyword, rest) = line.split_at(end);
-        // A comment may follow what counts; names may hold what looks like one.
+        // A comment may follow the numbers; names may contain `#`.
         let words = || rest.split('#').next().unwrap_or_default().split_ascii_whitespace();
         match keyword {
             "v" => self.numbers(0, "v", 3, 3, words()),
@@ -205,7 +211,8 @@ impl<'u> Chunk<'u> {
         }
     }
 
-    /// Passes on `most` numbers, of which `fewest` must be there and others are 0; what follows them is dropped.
+    /// Copies `most` numbers; at least `fewest` must be present, the others are 0, and the rest is
+    /// dropped.
     fn numbers<'w>(
         &mut self,
         list: usize,
@@ -272,7 +279,7 @@ impl<'u> Chunk<'u> {
         Ok(())
     }
 
-    /// The lists' numbers from 1 that a corner such as `3/1/2`, `3//2` or `-1` names; 0 for none.
+    /// Indices from 1 of a corner such as `3/1/2`, `3//2` or `-1`; 0 for an omitted index.
     fn corner(&self, word: &str) -> Result<[usize; 3], Problem> {
         let mut indices = [0; 3];
         for (k, part) in word.split('/').enumerate() {
@@ -301,7 +308,7 @@ impl<'u> Chunk<'u> {
     }
 }
 
-/// Whether a word is a number that is finite in double precision.
+/// True if a word is a number that is finite in double precision.
 fn is_finite(word: &str) -> bool {
     let digits = word.strip_prefix(['-', '+']).unwrap_or(word).as_bytes();
     let (mut numerals, mut points) = (0, 0);

@@ -1,10 +1,10 @@
 //! Meshes as OBJ text.
 
-use super::super::mesh::{NO_MATERIAL, Numbers, Shortest, TriangleMesh, bits};
+use crate::format::mesh::{KeyNumbers, NO_MATERIAL, Shortest, TriangleMesh, bits};
 use glam::DVec3;
 use std::io::{Result, Write};
 
-/// Writes the mesh. Positions, normals and texture coordinates that agree in every bit are written once.
+/// Writes the mesh; equal positions, normals and texture coordinates are written once.
 pub(in crate::format) fn write(mesh: &TriangleMesh, libraries: &[String], out: &mut impl Write) -> Result<()> {
     writeln!(out, "# Caustica {}", env!("CARGO_PKG_VERSION"))?;
     for library in libraries {
@@ -47,9 +47,9 @@ pub(in crate::format) fn write(mesh: &TriangleMesh, libraries: &[String], out: &
     Ok(())
 }
 
-/// The number of each key, and the keys without repetition.
+/// Number of each key, and the keys without repetition.
 fn number<const N: usize>(keys: impl ExactSizeIterator<Item = [u64; N]>) -> (Vec<u32>, Vec<[u64; N]>) {
-    let mut numbers = Numbers::with_capacity(keys.len());
+    let mut numbers = KeyNumbers::with_capacity(keys.len());
     let list = keys.map(|key| numbers.number(key, |key| *key)).collect();
     (list, numbers.into_list())
 }

@@ -8,8 +8,8 @@ mod numbers;
 mod tests;
 mod write;
 
-use super::mesh::{Loaded, MeshError, ReadMonitor, check_memory, unit_normal};
-use super::problem::{Problem, without_bom};
+use super::{Loaded, MeshError, ReadMonitor, check_memory, unit_normal};
+use crate::format::problem::{Problem, without_bom};
 use glam::{DVec2, DVec3};
 use header::{Element, ElementKind, Encoding, Header, NumberType, PropertyRole};
 use numbers::{BinaryReader, NumberReader, TextReader};
@@ -29,7 +29,8 @@ const PER_CORNER: u64 = 8;
 /// Elements between two reports to the monitor.
 const STRIDE: u64 = 1 << 16;
 
-/// Reads the triangles of a PLY file; elements and properties without a meaning for meshes are skipped.
+/// Reads the triangles of a PLY file; elements and properties without a meaning for meshes are
+/// skipped.
 pub(super) fn read(
     path: &Path,
     bytes: &[u8],
@@ -140,7 +141,8 @@ impl MeshReader<'_> {
                     ElementKind::Other => skip_element(element, &mut numbers).map_err(Cause::from),
                 };
                 read.map_err(|cause| ElementError {
-                    // Text errors name the line of the last word, binary errors the element's first byte.
+                    // Text errors name the line of the last word, binary errors the element's first
+                    // byte.
                     position: if header.encoding == Encoding::Ascii { numbers.position() } else { start },
                     element: format!("{} {i}", element.name),
                     cause,

@@ -1,9 +1,9 @@
 //! Meshes as PLY.
 
-use super::super::mesh::{Shortest, TriangleMesh};
+use crate::format::mesh::{Shortest, TriangleMesh};
 use std::io::{Result, Write};
 
-/// Some numbers of each vertex: as `float` where every one of them fits into that exactly, else as `double`.
+/// Properties of each vertex, as `float` if that is exact for all vertices, else as `double`.
 struct Columns<'m> {
     names: &'static [&'static str],
     single: bool,
@@ -18,7 +18,7 @@ impl<'m> Columns<'m> {
     }
 }
 
-/// Writes the mesh, as text or low bytes first.
+/// Writes the mesh, as text or as little-endian binary.
 pub(in crate::format) fn write(mesh: &TriangleMesh, text: bool, out: &mut impl Write) -> Result<()> {
     let n = mesh.positions.len();
     let mut columns = vec![Columns::new(&["x", "y", "z"], n, |v| mesh.positions[v].to_array())];

@@ -1,8 +1,8 @@
-//! The header of a PLY file: which elements follow, and what each consists of.
+//! Header of a PLY file: the elements that follow and their properties.
 
-use super::super::problem::{Problem, excerpt};
+use crate::format::problem::{Problem, excerpt};
 
-/// How the body is written.
+/// Encoding of the body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Encoding {
     Ascii,
@@ -10,7 +10,7 @@ pub(super) enum Encoding {
     Big,
 }
 
-/// The type of a number.
+/// Type of a number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum NumberType {
     I8,
@@ -38,7 +38,7 @@ impl NumberType {
         })
     }
 
-    /// Bytes in binary files.
+    /// Bytes per number in binary files.
     pub fn size(self) -> usize {
         match self {
             Self::I8 | Self::U8 => 1,
@@ -53,21 +53,21 @@ impl NumberType {
     }
 }
 
-/// What a property means to a mesh.
+/// Meaning of a property for a mesh.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum PropertyRole {
-    /// A number of a vertex: x, y, z, then the normal's, then the texture coordinates.
+    /// Number of a vertex: 0–2 are the position, 3–5 the normal, 6–7 the texture coordinates.
     Slot(usize),
-    /// The corners of a face.
+    /// Vertex indices of a face.
     Corners,
-    /// Nothing.
+    /// No meaning; the property is skipped.
     Other,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Property {
     pub role: PropertyRole,
-    /// NumberType of the length, for lists.
+    /// Type of the length, for lists.
     pub list: Option<NumberType>,
     pub item: NumberType,
 }
@@ -85,7 +85,7 @@ pub(super) struct Element {
     pub name: String,
     pub count: u64,
     pub properties: Vec<Property>,
-    /// The line that declares it, from 1.
+    /// Line of its declaration, from 1.
     line: usize,
 }
 
@@ -93,14 +93,14 @@ pub(super) struct Element {
 pub(super) struct Header {
     pub encoding: Encoding,
     pub elements: Vec<Element>,
-    /// Where the body begins.
+    /// Byte offset of the body.
     pub bytes: usize,
-    /// Lines of the header.
+    /// Number of lines of the header.
     pub lines: usize,
 }
 
-/// A line from 1 and what is wrong with it.
-pub(super) type LineError = (usize, Problem);
+/// Line number, from 1, and the problem.
+pub(super) type HeaderError = (usize, Problem);
 
 const NOT_PLY: &str = "export it anew as PLY";
 const NAMES: [(&str, usize); 14] = [
@@ -121,7 +121,7 @@ const NAMES: [(&str, usize); 14] = [
 ];
 
 impl Header {
-    pub fn parse(bytes: &[u8]) -> Result<Self, LineError> {
+    pub fn parse(bytes: &[u8]) -> Result<Self, HeaderError> {
         let mut header = Self { encoding: Encoding::Ascii, elements: Vec::new(), bytes: 0, lines: 0 };
         let mut encoding = None;
         loop {
@@ -178,9 +178,9 @@ impl Header {
         Ok(header)
     }
 
-    /// Refuses counts that the file cannot hold, so that memory may be taken for them.
-    fn fit(&self, bytes: usize) -> Result<(), LineError> {
-        // The last number of a text may have no white space after it.
+    /// Refuses counts that the file cannot hold, so that memory may be reserved for them.
+    fn fit(&self, bytes: usize) -> Result<(), HeaderError> {
+        // The last number of a text may lack white space after it.
         let mut left = bytes - self.bytes + usize::from(self.encoding == Encoding::Ascii);
         for element in &self.elements {
             let least = element.least_bytes(self.encoding);
@@ -201,10 +201,10 @@ impl Header {
 }
 
 impl Element {
-    /// Bytes that one of them takes at least.
+    /// Least number of bytes of one element in the file.
     pub fn least_bytes(&self, encoding: Encoding) -> usize {
         let one = |p: &Property| {
-            // A face has three corners at least.
+            // A face has at least three corners.
             let items = if p.role == PropertyRole::Corners { 3 } else { 0 };
             match encoding {
                 Encoding::Ascii => 2 + 2 * items,
@@ -218,7 +218,7 @@ impl Element {
         self.properties.iter().any(|p| p.role == PropertyRole::Slot(slot))
     }
 
-    fn check(&self) -> Result<(), LineError> {
+    fn check(&self) -> Result<(), HeaderError> {
         let wrong = |message: &str, remedy| Err((self.line, (message.to_owned(), remedy)));
         match self.kind {
             ElementKind::Vertex if !(0..3).all(|slot| self.has(slot)) => {

@@ -1,49 +1,50 @@
 //! Triangle meshes from and to Wavefront OBJ files.
 //!
-//! Crate `tobj` reads the numbers and fans the polygons. Handed a file as it is, it names no lines, stops at comments
-//! that are not UTF-8, lets normals slip to other vertices where only some faces have them, and overflows on wild
-//! indices. So each line is checked here first, and only sound ones are passed on.
+//! Crate `tobj` parses the numbers and divides polygons. On unchecked files, it reports no line
+//! numbers, stops at comments that are not UTF-8, assigns normals to wrong vertices if only some
+//! faces have them, and overflows on invalid indices. So each line is checked here first, and only
+//! valid lines are passed on.
 
 mod check;
 #[cfg(test)]
 mod tests;
 mod write;
 
-use super::mesh::{Loaded, MeshError, NO_MATERIAL, ReadMonitor, TriangleMesh, check_memory, unit_normal};
-use check::Sound;
+use super::{Loaded, MeshError, NO_MATERIAL, ReadMonitor, TriangleMesh, check_memory, unit_normal};
+use check::CheckedText;
 use glam::{DVec2, DVec3};
 use std::collections::HashMap;
 use std::io::{BufRead, Read};
 use std::path::Path;
 pub(super) use write::write;
 
-/// Bytes that a number of a position, normal or texture coordinate takes: in a list of `tobj`, in its mesh and in ours.
+/// Bytes that a coordinate takes: in a list of `tobj`, in its mesh and in ours.
 const PER_NUMBER: u64 = 8 * 3;
 
-/// Bytes that a corner of a triangle takes: its three indices in a list of `tobj` (24), one in its mesh and one in ours.
+/// Bytes that a corner of a triangle takes: three indices in `tobj` (24), one in its mesh, one in
+/// ours.
 const PER_CORNER: u64 = 32;
 
-/// The triangles of an OBJ file. Lines, points, groups and names of objects are passed over.
+/// Reads the triangles of an OBJ file; lines, points, groups and object names are ignored.
 pub(super) fn read(
     path: &Path,
     bytes: Vec<u8>,
     monitor: &dyn ReadMonitor,
     free: Option<u64>,
 ) -> Result<Loaded, MeshError> {
-    // Only comments and names may hold other encodings.
-    // The lines that count are copied.
+    // Only comments and names may have other encodings. The valid lines are copied.
     let length = bytes.len() as u64;
     check_memory(path, length, free)?;
     let text = String::from_utf8(bytes).unwrap_or_else(|e| String::from_utf8_lossy(e.as_bytes()).into_owned());
-    let sound = check::sound_lines(text.strip_prefix('\u{feff}').unwrap_or(&text), monitor)
+    let sound = check::checked_lines(text.strip_prefix('\u{feff}').unwrap_or(&text), monitor)
         .map_err(|e| MeshError::line(path, e.line, e.wrong))?;
     drop(text);
-    // One text of the two is gone, and of that what follows is less.
+    // One of the two texts is freed, and the following steps take less.
     check_memory(path, PER_NUMBER * sound.numbers as u64 + PER_CORNER * sound.corners as u64, free)?;
     let malformed = |source| MeshError::Malformed { path: path.into(), source };
     let options = tobj::LoadOptions { single_index: true, triangulate: true, ..Default::default() };
     let no_materials = |_: &Path| Ok(Default::default());
-    let mut reader = Watched { texts: &sound.texts, at: 0, monitor };
+    let mut reader = MonitoredReader { texts: &sound.texts, at: 0, monitor };
     reader.skip_empty();
     let (models, _) = tobj::load_obj_buf(&mut reader, &options, no_materials).map_err(malformed)?;
     let mesh = join(&models, &sound).ok_or_else(|| MeshError::TooLarge { path: path.into() })?;
@@ -56,15 +57,15 @@ pub(super) fn read(
     })
 }
 
-/// Texts one after the other, which tell when they have been read.
-struct Watched<'t> {
+/// Reader over consecutive texts that reports progress.
+struct MonitoredReader<'t> {
     texts: &'t [String],
-    /// How much of the first is read.
+    /// Number of bytes read of the first text.
     at: usize,
     monitor: &'t dyn ReadMonitor,
 }
 
-impl BufRead for Watched<'_> {
+impl BufRead for MonitoredReader<'_> {
     fn fill_buf(&mut self) -> std::io::Result<&[u8]> {
         Ok(self.texts.first().map_or(&[], |text| &text.as_bytes()[self.at..]))
     }
@@ -81,8 +82,8 @@ impl BufRead for Watched<'_> {
     }
 }
 
-impl Watched<'_> {
-    /// An empty text would look like the end of all.
+impl MonitoredReader<'_> {
+    /// Skips empty texts, which would look like the end of the file.
     fn skip_empty(&mut self) {
         while let [first, rest @ ..] = self.texts
             && first.is_empty()
@@ -92,7 +93,7 @@ impl Watched<'_> {
     }
 }
 
-impl Read for Watched<'_> {
+impl Read for MonitoredReader<'_> {
     fn read(&mut self, into: &mut [u8]) -> std::io::Result<usize> {
         let n = self.fill_buf()?.read(into)?;
         self.consume(n);
@@ -100,8 +101,8 @@ impl Read for Watched<'_> {
     }
 }
 
-/// One mesh of all groups; none if there are too many vertices.
-fn join(models: &[tobj::Model], sound: &Sound) -> Option<TriangleMesh> {
+/// Joins all groups into one mesh; `None` if there are too many vertices.
+fn join(models: &[tobj::Model], sound: &CheckedText) -> Option<TriangleMesh> {
     let mut mesh = TriangleMesh::default();
     let has = |list: fn(&tobj::Mesh) -> &Vec<f64>| models.iter().any(|model| !list(&model.mesh).is_empty());
     let (has_normals, has_texcoords) = (has(|mesh| &mesh.normals), has(|mesh| &mesh.texcoords));

@@ -1,5 +1,5 @@
-use super::super::mesh::TriangleMesh;
 use super::*;
+use crate::format::mesh::TriangleMesh;
 
 const VERTEX: &str = "property float x\nproperty float y\nproperty float z\n";
 const FACE: &str = "property list uchar int vertex_indices\n";
@@ -31,7 +31,7 @@ fn polygons_become_fans() {
     let mesh = ascii(4, 2, &format!("{SQUARE}4 0 1 2 3\n3 0 2 3\n")).unwrap();
     assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3], [0, 2, 3]]);
     assert_eq!(mesh.positions[2], DVec3::new(1.0, 1.0, 0.0));
-    // White space parts numbers, however lines are broken, and any may end them.
+    // Any white space separates numbers.
     assert_eq!(ascii(4, 1, "0 0 0 1\r\n0 0 1 1 0\t0 1 0 4 0 1 2\n3").unwrap().triangles.len(), 2);
 }
 
@@ -59,7 +59,8 @@ fn numbers_of_every_type_are_read_from_either_end() {
         for (encoding, big) in [("binary_big_endian", true), ("binary_little_endian", false)] {
             let bytes: Vec<u8> = if big { three.to_vec() } else { three.iter().rev().copied().collect() };
             let zero = vec![0; bytes.len()];
-            // A vertex at (3, 0, 0), one at (0, 3, 0), one at 0; a list of numbers, and a face of lists of this type.
+            // Vertices at (3, 0, 0), (0, 3, 0) and 0; a list of numbers, and a face of lists of
+            // this type.
             let whole = !name.starts_with(['f', 'd']);
             let index = if whole { name } else { "uchar" };
             let mut text = format!("ply\nformat {encoding} 1.0\nelement vertex 4\n").into_bytes();
@@ -91,7 +92,7 @@ fn numbers_of_every_type_are_read_from_either_end() {
             }
             let mesh = read_bytes(&text).unwrap();
             assert_eq!(mesh.positions, [DVec3::ZERO, DVec3::X * 3.0, DVec3::Y * 3.0], "{name} {encoding}");
-            // Each is cut somewhere else.
+            // Each text ends at another position.
             for end in 0..text.len() {
                 assert!(read_bytes(&text[..end]).is_err(), "{name} {encoding} {end}");
             }
@@ -170,7 +171,7 @@ fn counts_are_not_believed() {
             refused(&text("3", "4294967295"), "a.ply:7: 4294967295 times `face` need");
         }
     }
-    // A list of 4294967295 corners, or a negative number of them.
+    // A list of 4294967295 corners, or a negative number of corners.
     let start = format!("ply\nformat binary_little_endian 1.0\nelement vertex 1\n{VERTEX}element face 1\n");
     let listed = |count: &str, n: u8| {
         let header = format!("{start}property list {count} int vertex_indices\nend_header\n");
@@ -214,7 +215,7 @@ fn bodies_that_cannot_be_are_named_by_place() {
 
 #[test]
 fn lists_longer_than_the_file_are_malformed() {
-    // Malformed, not short of memory, whatever the memory.
+    // The file is malformed, whatever the memory.
     let text = format!("{}{SQUARE}4000000000 0 1 2\n", header("ascii", 4, 1).replace("uchar int", "uint int"));
     let error = read(Path::new("a.ply"), text.as_bytes(), &(), Some(100_000)).unwrap_err().to_string();
     assert!(error.contains("a list of 4000000000 entries") && error.contains("cut short"), "{error}");
@@ -229,7 +230,7 @@ fn byte_order_marks_are_skipped() {
         let body: &[u8] = if encoding == "ascii" { b"0 0 0 1 0 0 0 1 0 3 0 1 2" } else { &[3; 49] };
         let plain = [header(encoding, 3, 1).as_bytes(), body].concat();
         let marked = [b"\xef\xbb\xbf".as_slice(), &plain].concat();
-        let decoded = |bytes: &[u8]| super::super::mesh::decode(Path::new("a"), bytes.to_vec(), &(), None);
+        let decoded = |bytes: &[u8]| crate::format::mesh::decode(Path::new("a"), bytes.to_vec(), &(), None);
         if encoding == "ascii" {
             assert_eq!(decoded(&marked).unwrap(), decoded(&plain).unwrap());
         } else {
@@ -269,7 +270,7 @@ proptest::proptest! {
     }
 }
 
-/// A byte of the file for each corner, which takes 32 in memory.
+/// A corner takes one byte in the file and 32 in memory.
 #[test]
 fn corners_of_one_face_are_counted_before_they_take_room() {
     let head = format!("ply\nformat binary_little_endian 1.0\nelement vertex 4\n{VERTEX}element face 1\n");
@@ -283,7 +284,7 @@ fn corners_of_one_face_are_counted_before_they_take_room() {
         Err(MeshError::Memory { needed, free: 31_000_000, .. }) => assert!(needed > 31_999_000, "{needed}"),
         other => panic!("{other:?}"),
     }
-    // As words, and of faces that grow one by one.
+    // The same in text, with many faces.
     let body = "3 0 1 2\n4 0 1 2 3\n".repeat(1000);
     let file = format!("{}{SQUARE}{body}", header("ascii", 4, 2000)).into_bytes();
     let reading = |free| read(Path::new("a.ply"), &file, &(), Some(free));

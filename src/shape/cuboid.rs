@@ -1,0 +1,168 @@
+//! Boxes, and the parallelepipeds that affine maps make of them.
+
+use super::analytic::AnalyticShape;
+use super::hit::{ShapeHit, exact_t, nearer_hit};
+use super::object_ray::{ObjectRay, world_scale};
+use super::surface_point::{INSET, ShapeSample, SurfacePoint};
+use super::texture_mapping::{TexCoord, upright};
+use crate::math::{Ray, Transform};
+use glam::{DAffine3, DMat3, DVec2, DVec3, Vec2, Vec3};
+
+/// Surface of the cube \[−1, 1]³ under an affine map.
+///
+/// Faces are numbered 2·axis, plus 1 on the positive side. The second coordinate of a hit is the
+/// face.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cuboid {
+    to_world: Transform,
+    /// World area of a face across each object axis \[length²].
+    face_areas: DVec3,
+    /// Object-space length along each axis that a world-space unit spans at most.
+    inverse_widths: DVec3,
+}
+
+impl Cuboid {
+    /// The axis-aligned box between the corners `min` and `max`; `None` if it has no extent that
+    /// numbers can hold.
+    #[must_use]
+    pub fn new(min: DVec3, max: DVec3) -> Option<Self> {
+        let (center, half) = (0.5 * min + 0.5 * max, 0.5 * max - 0.5 * min);
+        let map = DAffine3 { matrix3: DMat3::from_diagonal(half), translation: center };
+        Transform::new(map).ok().map(Self::under)
+    }
+
+    /// The cube \[−1, 1]³ under `to_world`.
+    #[must_use]
+    pub fn under(to_world: Transform) -> Self {
+        let [x, y, z] = columns(&to_world);
+        let face_areas = 4.0 * DVec3::new(y.cross(z).length(), z.cross(x).length(), x.cross(y).length());
+        let rows = to_world.inverse().matrix3.transpose();
+        let inverse_widths = DVec3::new(rows.x_axis.length(), rows.y_axis.length(), rows.z_axis.length());
+        Self { to_world, face_areas, inverse_widths }
+    }
+
+    /// The point of the face nearest to the object-space point `p`, kept off the edges: see
+    /// [`INSET`].
+    #[inline]
+    fn inset(&self, p: DVec3, face: usize) -> DVec3 {
+        let largest = self.to_world.point(p).abs().max_element();
+        let margin = (self.inverse_widths * (INSET * f64::from(f32::EPSILON) * largest)).min(DVec3::splat(0.5));
+        let mut inside = p.clamp(margin - 1.0, 1.0 - margin);
+        inside[face / 2] = side(face);
+        inside
+    }
+
+    /// The surface at the object-space point `p` of a face.
+    #[inline]
+    fn at(&self, p: DVec3, face: usize) -> SurfacePoint {
+        let mut normal = DVec3::ZERO;
+        normal[face / 2] = side(face);
+        let normal = self.to_world.normal(normal).normalize();
+        let point = SurfacePoint::exact(self.to_world.point(p), normal, world_scale(&self.to_world));
+        SurfacePoint { uv: Vec2::new(0.0, face as f32), ..point }
+    }
+}
+
+fn columns(to_world: &Transform) -> [DVec3; 3] {
+    let m = to_world.forward().matrix3;
+    [m.x_axis, m.y_axis, m.z_axis]
+}
+
+/// Coordinate of the plane of a face along its axis: −1 or 1.
+#[inline]
+fn side(face: usize) -> f64 {
+    if face % 2 == 1 { 1.0 } else { -1.0 }
+}
+
+/// The face that a second hit coordinate encodes.
+#[inline]
+fn face_of(uv: Vec2) -> usize {
+    (uv.y as usize).min(5)
+}
+
+impl AnalyticShape for Cuboid {
+    #[inline]
+    fn intersect(&self, ray: &Ray) -> Option<ShapeHit> {
+        let local = ObjectRay::new(ray, &self.to_world);
+        let (mut near, mut near_face) = (f64::NEG_INFINITY, 0);
+        let (mut far, mut far_face) = (f64::INFINITY, 0);
+        for axis in 0..3 {
+            let (o, d) = (local.base[axis], local.direction[axis]);
+            if d == 0.0 {
+                if o.abs() > 1.0 {
+                    return None;
+                }
+                continue;
+            }
+            let positive = usize::from(d > 0.0);
+            let exit_side = 1.0f64.copysign(d);
+            let (enter, exit) = ((-exit_side - o) / d, (exit_side - o) / d);
+            if enter > near {
+                (near, near_face) = (enter, 2 * axis + 1 - positive);
+            }
+            if exit < far {
+                (far, far_face) = (exit, 2 * axis + positive);
+            }
+        }
+        if near > far {
+            return None;
+        }
+        nearer_hit(ray, (local.t(near), near_face as f32), (local.t(far), far_face as f32))
+    }
+
+    #[inline]
+    fn surface(&self, ray: &Ray, t: f32, uv: Vec2) -> SurfacePoint {
+        let p = ObjectRay::new(ray, &self.to_world).at(exact_t(t, uv));
+        let face = face_of(uv);
+        self.at(self.inset(p, face), face)
+    }
+
+    /// Each face is a unit square, as of a picture that hangs upright on a wall.
+    fn tex_coord(&self, p: Vec3, uv: Vec2) -> TexCoord {
+        let face = face_of(uv);
+        let p = self.to_world.inverse().transform_point3(p.as_dvec3());
+        let mut normal = DVec3::ZERO;
+        normal[face / 2] = side(face);
+        let [u, v] = upright(normal);
+        let world = |row: DVec3| self.to_world.normal(0.5 * row);
+        TexCoord { uv: DVec2::new(u.dot(p), v.dot(p)) * 0.5 + 0.5, du: world(u), dv: world(v) }
+    }
+
+    fn extent(&self) -> (DVec3, DVec3) {
+        let [x, y, z] = columns(&self.to_world);
+        let half = x.abs() + y.abs() + z.abs();
+        let center = self.to_world.forward().translation;
+        (center - half, center + half)
+    }
+
+    fn translated(&self, by: DVec3) -> Self {
+        Self { to_world: self.to_world.translated(by), ..*self }
+    }
+
+    fn transformed(&self, map: &Transform) -> Option<Self> {
+        Transform::new(*map.forward() * *self.to_world.forward()).ok().map(Self::under)
+    }
+
+    fn area(&self) -> f64 {
+        2.0 * self.face_areas.element_sum()
+    }
+
+    /// Chooses a face by its area, then samples it uniformly.
+    fn sample(&self, u: Vec2) -> ShapeSample {
+        let mut rest = f64::from(u.x) * self.area();
+        let mut face = 0;
+        while face < 5 && rest >= self.face_areas[face / 2] {
+            rest -= self.face_areas[face / 2];
+            face += 1;
+        }
+        // The remainder within the chosen face is uniform again.
+        let x = (rest / self.face_areas[face / 2]).min(1.0);
+        let axis = face / 2;
+        let mut p = DVec3::ZERO;
+        p[axis] = side(face);
+        p[(axis + 1) % 3] = 2.0 * x - 1.0;
+        p[(axis + 2) % 3] = 2.0 * f64::from(u.y) - 1.0;
+        let point = self.at(p, face);
+        ShapeSample { point, pdf: self.pdf(&point), uv: point.uv }
+    }
+}

@@ -1,0 +1,62 @@
+//! Rays in the object space of a shape.
+
+use super::hit::widen;
+use crate::math::{Ray, Transform};
+use glam::DVec3;
+
+/// Origin and direction of the ray in object space; the ray parameter t stays the same.
+#[inline]
+pub(super) fn object_ray(ray: &Ray, to_world: &Transform) -> (DVec3, DVec3) {
+    let (o, d) = widen(ray);
+    let inverse = to_world.inverse();
+    (inverse.transform_point3(o), inverse.transform_vector3(d))
+}
+
+/// Line of a ray in object space, by its length τ from the point nearest to the object's origin.
+///
+/// Distant rays keep their digits, since all solutions happen near the object's origin.
+pub(super) struct ObjectRay {
+    /// Point of the line nearest to the object's origin: τ = 0.
+    pub base: DVec3,
+    /// Unit direction.
+    pub direction: DVec3,
+    /// Length from the ray's origin to `base`; negative if `base` is behind the origin.
+    pub start: f64,
+    /// Object-space length of a unit of the ray parameter t.
+    pub length: f64,
+}
+
+impl ObjectRay {
+    #[inline]
+    pub fn new(ray: &Ray, to_world: &Transform) -> Self {
+        let (o, d) = object_ray(ray, to_world);
+        let length = d.length();
+        let direction = d / length;
+        let start = -o.dot(direction);
+        // A second step removes the rounding error of the first, which grows with the distance.
+        let base = o + direction * start;
+        let more = -base.dot(direction);
+        Self { base: base + direction * more, direction, start: start + more, length }
+    }
+
+    /// Ray parameter t of the point at τ.
+    #[inline]
+    pub fn t(&self, tau: f64) -> f64 {
+        (self.start + tau) / self.length
+    }
+
+    /// Object-space point at ray parameter `t`.
+    #[inline]
+    pub fn at(&self, t: f64) -> DVec3 {
+        self.base + self.direction * (t * self.length - self.start)
+    }
+}
+
+/// Bound on the world coordinates of the cube \[−1, 1]³ under `to_world`.
+#[inline]
+pub(super) fn world_scale(to_world: &Transform) -> f64 {
+    // One ulp in object space is as long in world space as the longest column.
+    let m = to_world.forward().matrix3;
+    let scale = m.x_axis.length() + m.y_axis.length() + m.z_axis.length();
+    scale + to_world.forward().translation.abs().max_element()
+}

@@ -1,0 +1,65 @@
+use super::super::polynomial::split;
+use super::*;
+
+/// The recurrence of Cox and de Boor, an independent definition of the basis functions.
+fn basis_function(knots: &[f64], i: usize, p: usize, t: f64) -> f64 {
+    if p == 0 {
+        return f64::from(knots[i] <= t && t < knots[i + 1]);
+    }
+    let part = |numerator: f64, denominator: f64, i: usize| {
+        if denominator > 0.0 { numerator / denominator * basis_function(knots, i, p - 1, t) } else { 0.0 }
+    };
+    part(t - knots[i], knots[i + p] - knots[i], i) + part(knots[i + p + 1] - t, knots[i + p + 1] - knots[i + 1], i + 1)
+}
+
+#[test]
+fn pieces_meet_the_recurrence() {
+    let cases = [
+        (3, vec![0.0, 0.0, 0.0, 0.0, 1.0, 2.0, 2.0, 3.5, 4.0, 4.0, 4.0, 4.0]),
+        (2, vec![-1.0, 0.0, 0.5, 2.0, 3.0, 3.25, 7.0]),
+        (1, vec![0.0, 1.0, 2.0, 3.0]),
+        (5, (0..13).map(f64::from).collect()),
+    ];
+    for (p, knots) in cases {
+        let n = knots.len() - p - 1;
+        let controls: Vec<Vector<1>> = (0..n).map(|i| [libm::sin(3.0 * i as f64)]).collect();
+        let basis = Basis::new(p, n, knots.clone()).unwrap();
+        let (first, last) = (knots[p], knots[n]);
+        let mut end = 0.0;
+        for span in basis.spans() {
+            assert_eq!(span.range[0], end);
+            end = span.range[1];
+            let piece = basis.piece(span, &controls, (0, 1));
+            for s in [0.0, 0.1, 0.5, 0.9] {
+                let t = first + (span.range[0] + s * (span.range[1] - span.range[0])) * (last - first);
+                let truth: f64 = (0..n).map(|i| controls[i][0] * basis_function(&knots, i, p, t)).sum();
+                assert!((split(&piece, s).1[0][0] - truth).abs() < 1e-13, "{p} {t}");
+            }
+        }
+        assert_eq!(end, 1.0);
+    }
+}
+
+#[test]
+fn bezier_curves_are_their_own_piece() {
+    let controls = [[1.0], [5.0], [-2.0]];
+    let basis = Basis::bezier(3).unwrap();
+    let spans: Vec<Span> = basis.spans().collect();
+    assert_eq!((spans.len(), spans[0].range), (1, [0.0, 1.0]));
+    assert_eq!(basis.piece(spans[0], &controls, (0, 1)), controls);
+}
+
+#[test]
+fn what_does_not_fit_is_refused() {
+    let knots = |k: &[f64]| k.to_vec();
+    assert_eq!(Basis::bezier(1), Err(SplineError::Degree(0)));
+    assert_eq!(Basis::bezier(99), Err(SplineError::Degree(98)));
+    assert_eq!(Basis::uniform(3, 3), Err(SplineError::Controls { controls: 3, degree: 3 }));
+    assert_eq!(Basis::new(1, 2, knots(&[0.0, 1.0])), Err(SplineError::Knots { knots: 2, controls: 2, degree: 1 }));
+    assert_eq!(Basis::new(1, 2, knots(&[0.0, 1.0, 0.5, 2.0])), Err(SplineError::Decreasing(2)));
+    assert_eq!(Basis::new(1, 2, knots(&[0.0, 1.0, 1.0, 2.0])), Err(SplineError::NoRange { first: 1, last: 2 }));
+    assert_eq!(Basis::new(1, 2, knots(&[0.0, 1.0, 2.0, f64::NAN])), Err(SplineError::TooLarge));
+    assert_eq!(Basis::new(1, 3, knots(&[0.0, 0.0, 1e-7, 1.0, 1.0])), Err(SplineError::Narrow(1)));
+    assert_eq!(Basis::new(1, 3, knots(&[0.0, 3.0, 4e7 - 3.0, 4e7, 5e7])), Err(SplineError::Narrow(2)));
+    assert!(Basis::new(1, 3, knots(&[0.0, 0.0, NARROWEST, 1.0, 1.0])).is_ok());
+}

@@ -1,0 +1,107 @@
+//! Properties that all kinds of shapes share.
+
+mod solids;
+
+use super::*;
+use crate::math::offset_origin;
+use crate::sampling::{Dimension, Key, Purpose};
+use glam::DAffine3;
+
+fn cone(bottom: DVec3, top: DVec3, radii: [f64; 2], capped: bool) -> Shape {
+    Shape::Frustum(Frustum::new(bottom, top, radii, capped).unwrap())
+}
+
+fn shapes() -> Vec<Shape> {
+    let squash = Transform::new(DAffine3::from_scale_rotation_translation(
+        DVec3::new(1.0, 0.2, 2.5),
+        glam::DQuat::from_xyzw(0.5, 0.5, 0.5, 0.5),
+        DVec3::new(0.3, -2.0, 1.0),
+    ))
+    .unwrap();
+    vec![
+        Shape::Sphere(Sphere::new(DVec3::new(1.0, 2.0, -0.5), 0.7)),
+        Shape::Ellipsoid(Ellipsoid::new(squash)),
+        Shape::Disc(Disc::new(DVec3::new(1.0, 0.0, 0.0), DVec3::new(0.5, 0.5, 0.0), DVec3::new(0.0, 0.2, 1.0))),
+        Shape::Rectangle(Rectangle::new(DVec3::ONE, DVec3::new(2.0, 0.1, 0.0), DVec3::new(0.3, 1.0, 0.5))),
+        Shape::Cuboid(Cuboid::under(squash)),
+        Shape::Cuboid(Cuboid::new(DVec3::new(-1.0, 0.5, 2.0), DVec3::new(0.5, 0.75, 2.5)).unwrap()),
+        cone(DVec3::X, DVec3::ONE, [0.5, 0.5], true),
+        cone(DVec3::X, DVec3::ONE, [0.5, 0.5], false),
+        cone(DVec3::X, DVec3::ONE, [0.5, 0.0], true),
+        cone(DVec3::X, DVec3::ONE, [0.0, 0.7], false),
+        cone(DVec3::ZERO, DVec3::Y, [1.0, 0.3], true).transformed(&squash).unwrap(),
+    ]
+}
+
+/// The mean of 1/pdf over samples is the area, within five standard errors.
+#[test]
+fn sampled_points_lie_on_the_shape_with_the_stated_density() {
+    for shape in shapes() {
+        let (n, mut sum, mut squares) = (100_000u64, 0.0, 0.0);
+        for i in 0..n {
+            let s = shape.sample(Key::new(3).purpose(Purpose::Test).with(i).uniform_2d(Dimension::LightPosition));
+            let inverse = 1.0 / f64::from(s.pdf);
+            sum += inverse;
+            squares += inverse * inverse;
+            // The normal is rounded to f32.
+            assert!((shape.pdf(&s.point) * inverse as f32 - 1.0).abs() < 1e-6, "{shape:?}");
+            if i < 1000 {
+                let above = s.point.p + s.point.ng * 0.1;
+                let ray = Ray::new(above, -s.point.ng);
+                let (t, u, v) = shape.intersect(&ray).expect("a ray at a sampled point hits");
+                assert!((t - 0.1).abs() < 1e-5, "{shape:?} {t}");
+                let back = shape.surface(&ray, t, Vec2::new(u, v));
+                assert!((back.p - s.point.p).length() < 1e-5 && back.ng.dot(s.point.ng) > 1.0 - 1e-4);
+            }
+        }
+        let mean = sum / n as f64;
+        let sigma = ((squares / n as f64 - mean * mean).max(0.0) / n as f64).sqrt();
+        assert!((mean - shape.area()).abs() < 5.0 * sigma + 1e-6 * shape.area(), "{shape:?}: {mean}");
+    }
+}
+
+/// A ray that leaves an offset point outward misses the shape; an inward ray hits the far side.
+#[test]
+fn offset_rays_leave_cleanly() {
+    for scale in [1e-3, 1.0, 1e4] {
+        for center in [DVec3::ZERO, DVec3::new(3.0, -200.0, 1e3) * scale] {
+            let sphere = Shape::Sphere(Sphere::new(center, scale));
+            for i in 0..20_000u64 {
+                let key = Key::new(5).purpose(Purpose::Test).with(i);
+                let s = sphere.sample(key.uniform_2d(Dimension::LightPosition)).point;
+                let d = crate::math::warp::cosine_hemisphere(key.uniform_2d(Dimension::LightDirection));
+                let d = crate::math::Frame::around(s.ng).to_world(d);
+                let out = Ray::new(offset_origin(s.p, s.error, s.ng, d), d);
+                assert!(sphere.intersect(&out).is_none(), "{scale} {center} {i}");
+                let inside = Ray::new(offset_origin(s.p, s.error, s.ng, -d), -d);
+                let (t, ..) = sphere.intersect(&inside).expect("an inner ray meets the far side");
+                let chord = 2.0 * scale as f32 * d.dot(s.ng);
+                assert!((t - chord).abs() < 1e-3 * chord + 4.0 * s.error.max_element() / d.dot(s.ng), "{t} {chord}");
+            }
+        }
+    }
+}
+
+#[test]
+fn spheres_stay_spheres_under_similarities_only() {
+    let ball = Shape::Sphere(Sphere::new(DVec3::X, 0.5));
+    let twice = Transform::new(DAffine3::from_scale(DVec3::splat(-2.0))).unwrap();
+    match ball.transformed(&twice) {
+        Some(Shape::Sphere(s)) => assert_eq!((s.center, s.radius), (DVec3::new(-2.0, 0.0, 0.0), 1.0)),
+        other => panic!("{other:?}"),
+    }
+    let stretched = Transform::new(DAffine3::from_scale(DVec3::new(1.0, 2.0, 1.0))).unwrap();
+    assert!(matches!(ball.transformed(&stretched), Some(Shape::Ellipsoid(_))));
+}
+
+#[test]
+fn boxes_contain_their_shapes() {
+    for shape in shapes() {
+        let b = shape.bounds();
+        for i in 0..5000u64 {
+            let u = Key::new(1).purpose(Purpose::Test).with(i).uniform_2d(Dimension::LightPosition);
+            let p = shape.sample(u).point.p;
+            assert!(p.cmpge(b.min).all() && p.cmple(b.max).all(), "{shape:?} {p}");
+        }
+    }
+}

@@ -1,0 +1,433 @@
+//! Boxes, cylinders and cones against bisection of implicit functions, and against formulas.
+
+use super::*;
+use crate::math::warp;
+use glam::{DMat3, DQuat};
+use std::f64::consts::PI;
+
+/// A convex solid in object space.
+#[derive(Clone, Copy, Debug)]
+enum Solid {
+    /// The cube \[−1, 1]³.
+    Cube,
+    /// x² + z² ≤ ρ(y)², 0 ≤ y ≤ 1, with ρ at both ends.
+    Frustum { radii: [f64; 2], capped: bool },
+}
+
+const SOLIDS: [Solid; 7] = [
+    Solid::Cube,
+    Solid::Frustum { radii: [1.0, 1.0], capped: true },
+    Solid::Frustum { radii: [1.0, 1.0], capped: false },
+    Solid::Frustum { radii: [1.0, 0.0], capped: true },
+    Solid::Frustum { radii: [0.0, 1.0], capped: false },
+    Solid::Frustum { radii: [0.4, 1.0], capped: true },
+    Solid::Frustum { radii: [1.0, 1.0 - 1e-9], capped: true },
+];
+
+impl Solid {
+    fn shape(self, map: &Transform) -> Shape {
+        let own = match self {
+            Self::Cube => Shape::Cuboid(Cuboid::new(DVec3::NEG_ONE, DVec3::ONE).unwrap()),
+            Self::Frustum { radii, capped } => cone(DVec3::ZERO, DVec3::Y, radii, capped),
+        };
+        own.transformed(map).unwrap()
+    }
+
+    fn is_closed(self) -> bool {
+        !matches!(self, Self::Frustum { capped: false, .. })
+    }
+
+    fn center(self) -> DVec3 {
+        match self {
+            Self::Cube => DVec3::ZERO,
+            Self::Frustum { .. } => DVec3::Y * 0.5,
+        }
+    }
+
+    /// Convex function that is negative inside the solid and 0 on its surface.
+    fn gauge(self, p: DVec3) -> f64 {
+        match self {
+            Self::Cube => p.abs().max_element() - 1.0,
+            Self::Frustum { .. } => self.side_gauge(p).max(-p.y).max(p.y - 1.0),
+        }
+    }
+
+    /// The gauge of the side alone.
+    fn side_gauge(self, p: DVec3) -> f64 {
+        match self {
+            Self::Cube => self.gauge(p),
+            Self::Frustum { radii: [a, b], .. } => libm::hypot(p.x, p.z) - (a + (b - a) * p.y),
+        }
+    }
+
+    /// Entry and exit parameters of a ray; `None` if it misses, and the least gauge along it.
+    fn interval(self, map: &Transform, ray: &Ray) -> (Option<[f64; 2]>, f64) {
+        let o = map.inverse().transform_point3(ray.origin.as_dvec3());
+        let d = map.inverse().transform_vector3(ray.direction.as_dvec3());
+        let gauge = |t: f64| self.gauge(o + d * t);
+        let nearest = (self.center() - o).dot(d) / d.length_squared();
+        let reach = 4.0 / d.length();
+        let (mut low, mut high) = (nearest - reach, nearest + reach);
+        for _ in 0..90 {
+            let [a, b] = [low + (high - low) / 3.0, high - (high - low) / 3.0];
+            if gauge(a) < gauge(b) { high = b } else { low = a }
+        }
+        let deepest = 0.5 * (low + high);
+        let least = gauge(deepest);
+        if least > 0.0 {
+            return (None, least);
+        }
+        let bisect = |mut outside: f64| {
+            let mut inside = deepest;
+            for _ in 0..60 {
+                let middle = 0.5 * (inside + outside);
+                if gauge(middle) > 0.0 { outside = middle } else { inside = middle }
+            }
+            outside
+        };
+        (Some([bisect(nearest - reach), bisect(nearest + reach)]), least)
+    }
+}
+
+fn maps() -> Vec<Transform> {
+    let turn = DQuat::from_xyzw(0.1, -0.5, 0.7, 0.5).normalize();
+    let shear = DMat3::from_cols(DVec3::new(1.0, 0.3, 0.0), DVec3::new(-0.5, 0.8, 0.2), DVec3::new(0.0, 0.4, 1.5));
+    let affine = [
+        DAffine3::IDENTITY,
+        DAffine3::from_scale_rotation_translation(DVec3::new(1.0, 0.2, 2.5), turn, DVec3::new(0.3, -2.0, 1.0)),
+        DAffine3 { matrix3: shear, translation: DVec3::new(-1.0, 2.0, 3.0) },
+        DAffine3::from_scale_rotation_translation(DVec3::splat(1e-6), turn, DVec3::splat(1e-6)),
+        DAffine3::from_scale_rotation_translation(DVec3::splat(-1e7), turn, DVec3::new(1e7, 0.0, -3e6)),
+        DAffine3::from_scale_rotation_translation(DVec3::new(1.0, 1e-3, 1.0), turn, DVec3::new(0.5, 0.0, 2.0)),
+    ];
+    affine.into_iter().map(|map| Transform::new(map).unwrap()).collect()
+}
+
+fn key(i: u64) -> Key {
+    Key::new(21).purpose(Purpose::Test).with(i)
+}
+
+fn direction(i: u64) -> DVec3 {
+    warp::sphere(key(i).uniform_2d(Dimension::LightDirection)).as_dvec3()
+}
+
+/// Points of edges and rims: where faces meet.
+fn edge_point(solid: Solid, i: u64) -> DVec3 {
+    let u = key(i).uniform_2d(Dimension::LightPosition).as_dvec2();
+    match solid {
+        Solid::Cube => {
+            let mut p = DVec3::new(1.0, if i / 4 % 2 == 0 { 1.0 } else { -1.0 }, 2.0 * u.x - 1.0);
+            (0..i % 3).for_each(|_| p = DVec3::new(p.y, p.z, p.x));
+            p
+        }
+        Solid::Frustum { radii, .. } => {
+            let (sin, cos) = libm::sincos(u.x * 2.0 * PI);
+            let y = (i / 4 % 2) as usize;
+            DVec3::new(cos * radii[y], y as f64, sin * radii[y])
+        }
+    }
+}
+
+/// The nearest hit agrees with bisection, for rays from outside and inside, through faces, edges
+/// and apexes.
+#[test]
+fn hits_agree_with_bisection() {
+    for solid in SOLIDS {
+        for (m, map) in maps().into_iter().enumerate() {
+            let shape = solid.shape(&map);
+            let (mut hits, mut compared) = (0, 0);
+            for i in 0..4_000 {
+                let target = match i % 4 {
+                    0 => edge_point(solid, i),
+                    1 => solid.center() + 1.2 * direction(i),
+                    _ => solid.center() + direction(i + 1_000_000) * 0.7,
+                };
+                let distance = [0.3, 3.0, 30.0][i as usize % 3];
+                let from = map.point(solid.center() + direction(i + 2_000_000) * distance).as_vec3();
+                let ray = Ray::new(from, map.point(target).as_vec3() - from);
+                let (interval, least) = solid.interval(&map, &ray);
+                // Rays that touch within the rounding of their ends may go either way.
+                if least.abs() < 1e-9 || ray.direction == Vec3::ZERO {
+                    continue;
+                }
+                let at = |t: f64| {
+                    let world = ray.origin.as_dvec3() + ray.direction.as_dvec3() * t;
+                    map.inverse().transform_point3(world)
+                };
+                let on_side = |t: f64| solid.side_gauge(at(t)) > -1e-9;
+                let candidates = interval.into_iter().flatten();
+                // Starts within rounding of the surface, and rims of open solids, are doubtful.
+                let doubtful = |t: f64| {
+                    let (p, y) = (at(t), at(t).y);
+                    let at_rim = solid.side_gauge(p).abs() < 1e-6 && y.abs().min((y - 1.0).abs()) < 1e-6;
+                    t.abs() < 1e-6 || !solid.is_closed() && at_rim
+                };
+                if candidates.clone().any(doubtful) {
+                    continue;
+                }
+                let expected = candidates.filter(|t| *t > 0.0 && (solid.is_closed() || on_side(*t))).next();
+                let found = shape.intersect(&ray);
+                assert_eq!(found.is_some(), expected.is_some(), "{solid:?} {m} {i} {ray:?} {found:?} {expected:?}");
+                compared += 1;
+                let (Some((t, u, v)), Some(expected)) = (found, expected) else { continue };
+                hits += 1;
+                assert!((f64::from(t) / expected - 1.0).abs() < 1e-6, "{solid:?} {m} {i}: {t} {expected}");
+                let point = shape.surface(&ray, t, Vec2::new(u, v));
+                let p = map.inverse().transform_point3(point.p.as_dvec3());
+                let rows = map.inverse().matrix3.transpose();
+                let widest = rows.x_axis.length().max(rows.y_axis.length()).max(rows.z_axis.length());
+                let off = widest * f64::from(point.error.max_element()) * 2.0;
+                assert!(solid.gauge(p).abs() <= off, "{solid:?} {m} {i}: {p} is off by {} of {off}", solid.gauge(p));
+                // The outer normal looks back along a ray that enters.
+                let enters = solid.gauge(at(0.0)) > 0.0 && Some(expected) == interval.map(|i| i[0]);
+                assert_eq!(point.ng.dot(ray.direction) < 0.0, enters, "{solid:?} {m} {i} {point:?}");
+            }
+            assert!(hits > 1_200 && compared > 2_500, "{solid:?} {m}: {hits} {compared}");
+        }
+    }
+}
+
+/// No ray from inside a closed solid escapes, whether it is aimed at a face, an edge or a corner.
+#[test]
+fn inner_rays_never_escape() {
+    for solid in SOLIDS.into_iter().filter(|s| s.is_closed()) {
+        for map in maps() {
+            let shape = solid.shape(&map);
+            for i in 0..20_000 {
+                let from = map.point(solid.center() + 0.1 * direction(i)).as_vec3();
+                let ray = Ray::new(from, map.point(edge_point(solid, i)).as_vec3() - from);
+                assert!(shape.intersect(&ray).is_some() && shape.occludes(&ray), "{solid:?} {i} {ray:?}");
+            }
+        }
+    }
+}
+
+/// A ray that leaves a hit point outward misses the solid; one that goes inward hits the far side.
+#[test]
+fn offset_rays_leave_solids_cleanly() {
+    let scales = [1e-6, 1.0, 1e6];
+    for solid in SOLIDS.into_iter().filter(|s| s.is_closed()) {
+        for (scale, center) in scales.into_iter().flat_map(|s| [(s, DVec3::ZERO), (s, DVec3::new(3.0, -50.0, 9.0) * s)])
+        {
+            let turn = DQuat::from_xyzw(0.3, 0.5, -0.2, 0.7).normalize();
+            let map = DAffine3::from_scale_rotation_translation(DVec3::splat(scale), turn, center);
+            let map = Transform::new(map).unwrap();
+            let shape = solid.shape(&map);
+            for i in 0..10_000 {
+                // At edges too, where the neighbouring face is near.
+                let target = if i % 2 == 0 { edge_point(solid, i) } else { solid.center() + 0.6 * direction(i) };
+                let inner = map.point(solid.center() + 0.1 * direction(i + 7)).as_vec3();
+                let ray = Ray::new(inner, map.point(target).as_vec3() - inner);
+                let (t, u, v) = shape.intersect(&ray).expect("inner rays hit");
+                let s = shape.surface(&ray, t, Vec2::new(u, v));
+                let d = warp::cosine_hemisphere(key(i).uniform_2d(Dimension::LightPosition));
+                let d = crate::math::Frame::around(s.ng).to_world(d);
+                let out = Ray::new(offset_origin(s.p, s.error, s.ng, d), d);
+                assert!(shape.intersect(&out).is_none(), "{solid:?} {scale} {i} {out:?}");
+                let back = Ray::new(offset_origin(s.p, s.error, s.ng, -d), -d);
+                let (t, u, v) = shape.intersect(&back).expect("an inward ray hits the far side");
+                let far = shape.surface(&back, t, Vec2::new(u, v));
+                assert!(far.ng.dot(back.direction) > 0.0, "{solid:?} {scale} {i} {back:?}");
+            }
+        }
+    }
+}
+
+/// Rays along faces, generators and axes.
+#[test]
+fn grazing_and_axial_rays() {
+    let cube = Shape::Cuboid(Cuboid::new(DVec3::NEG_ONE, DVec3::ONE).unwrap());
+    let hit = |shape: &Shape, o: Vec3, d: Vec3| shape.intersect(&Ray::new(o, d)).map(|h| h.0);
+    assert_eq!(hit(&cube, Vec3::new(-3.0, 0.0, 0.0), Vec3::X), Some(2.0));
+    assert_eq!(hit(&cube, Vec3::ZERO, Vec3::X * 0.5), Some(2.0));
+    assert_eq!(hit(&cube, Vec3::new(-3.0, 1.0f32.next_up(), 0.0), Vec3::X), None);
+    assert_eq!(hit(&cube, Vec3::new(-3.0, 1.0f32.next_down(), 0.0), Vec3::X), Some(2.0));
+    assert_eq!(hit(&cube, Vec3::new(3.0, 0.0, 0.0), Vec3::X), None);
+    let tube = cone(DVec3::ZERO, DVec3::Y, [1.0, 1.0], false);
+    assert_eq!(hit(&tube, Vec3::new(0.0, -3.0, 0.0), Vec3::Y), None, "through both open ends");
+    assert_eq!(hit(&tube, Vec3::new(0.5, -1.0, 0.0), Vec3::new(0.5, 1.5, 0.0)), Some(1.0), "the inside of the side");
+    assert_eq!(hit(&tube, Vec3::new(0.0, 0.5, 3.0), -Vec3::Z), Some(2.0));
+    let can = cone(DVec3::ZERO, DVec3::Y, [1.0, 1.0], true);
+    assert_eq!(hit(&can, Vec3::new(0.25, -3.0, 0.5), Vec3::Y), Some(3.0));
+    assert_eq!(hit(&can, Vec3::new(0.25, 0.5, 0.5), Vec3::Y), Some(0.5));
+    assert_eq!(hit(&can, Vec3::new(1.0f32.next_up(), -3.0, 0.0), Vec3::Y), None);
+    let pointed = cone(DVec3::ZERO, DVec3::Y, [1.0, 0.0], true);
+    assert_eq!(hit(&pointed, Vec3::new(0.0, 3.0, 0.0), -Vec3::Y), Some(2.0), "the apex from above");
+    assert_eq!(hit(&pointed, Vec3::new(0.25, 3.0, 0.0), -Vec3::Y), Some(2.25));
+    // Parallel to a generator: inside, and beside.
+    let along = Vec3::new(-1.0, 1.0, 0.0);
+    assert_eq!(hit(&pointed, Vec3::new(1.5, -1.0, 0.0), along), Some(1.0), "through the base, then out at the side");
+    assert_eq!(hit(&pointed, Vec3::new(2.5, -1.0, 0.0), along), None);
+    // Above the apex, the mirror image of the cone is no part of it.
+    assert_eq!(hit(&pointed, Vec3::new(0.0, 1.5, 3.0), -Vec3::Z), None);
+}
+
+/// Closed forms of the areas; the side of an elliptical cylinder has Ramanujan's perimeter
+/// (relative error below 10⁻⁹ here).
+#[test]
+fn areas_match_formulas() {
+    let near = |shape: Shape, area: f64| assert!((shape.area() / area - 1.0).abs() < 1e-8, "{shape:?} {area}");
+    near(Shape::Cuboid(Cuboid::new(DVec3::ZERO, DVec3::new(1.0, 2.0, 3.0)).unwrap()), 22.0);
+    let (r, h) = (0.7, 1.3);
+    near(cone(DVec3::ONE, DVec3::ONE + DVec3::X * h, [r, r], false), 2.0 * PI * r * h);
+    near(cone(DVec3::ONE, DVec3::ONE + DVec3::X * h, [r, r], true), 2.0 * PI * r * (h + r));
+    near(cone(DVec3::ONE, DVec3::ONE - DVec3::Z * h, [r, 0.0], false), PI * r * libm::hypot(r, h));
+    near(cone(DVec3::ZERO, DVec3::Y * h, [0.0, r], true), PI * r * (libm::hypot(r, h) + r));
+    let (a, b) = (0.2, r);
+    let side = PI * (a + b) * libm::hypot(b - a, h);
+    near(cone(DVec3::ZERO, DVec3::Y * h, [a, b], true), side + PI * (a * a + b * b));
+    let stretch = Transform::new(DAffine3::from_scale(DVec3::new(1.2, 2.0, 1.0))).unwrap();
+    let (a, b) = (1.2, 1.0);
+    let q = (a - b) * (a - b) / ((a + b) * (a + b));
+    let perimeter = PI * (a + b) * (1.0 + 3.0 * q / (10.0 + (4.0 - 3.0 * q).sqrt()));
+    near(cone(DVec3::ZERO, DVec3::Y, [1.0, 1.0], false).transformed(&stretch).unwrap(), 2.0 * perimeter);
+}
+
+/// Samples fill equal areas of the surface alike: chi-square over bins, at a probability of failure
+/// of 10⁻⁶.
+#[test]
+fn samples_are_uniform_by_area() {
+    let turn = DQuat::from_xyzw(0.1, -0.5, 0.7, 0.5).normalize();
+    let map = DAffine3::from_scale_rotation_translation(DVec3::splat(0.3), turn, DVec3::new(1.0, 2.0, 3.0));
+    let map = Transform::new(map).unwrap();
+    for solid in SOLIDS {
+        let shape = solid.shape(&map);
+        // Bins by part, angle or first coordinate, and height or second coordinate, with their
+        // share of the area.
+        let mut expected: Vec<f64> = Vec::new();
+        match solid {
+            Solid::Cube => expected.resize(6 * 16, 1.0),
+            Solid::Frustum { radii: [a, b], capped } => {
+                let slope = libm::hypot(1.0, a - b);
+                for bin in 0..48 {
+                    let (part, level) = (bin / 16, f64::from(bin % 4));
+                    let (low, high) = (level / 4.0, (level + 1.0) / 4.0);
+                    let rho = |y: f64| a + (b - a) * y;
+                    let cap = |r: f64| if capped { PI / 4.0 * r * r * (high * high - low * low) } else { 0.0 };
+                    expected.push(match part {
+                        0 => PI / 4.0 * (rho(low) + rho(high)) * (high - low) * slope,
+                        1 => cap(a),
+                        _ => cap(b),
+                    });
+                }
+            }
+        }
+        let total: f64 = expected.iter().sum();
+        let mut counts = vec![0.0; expected.len()];
+        let n = 200_000;
+        for i in 0..n {
+            let sample = shape.sample(key(i).uniform_2d(Dimension::LightPosition));
+            let p = map.inverse().transform_point3(sample.point.p.as_dvec3());
+            let part = sample.uv.y as usize;
+            let quarter = |x: f64| ((x * 4.0) as usize).min(3);
+            let bin = match solid {
+                Solid::Cube => {
+                    let (u, v) = (p[(part / 2 + 1) % 3], p[(part / 2 + 2) % 3]);
+                    16 * part + 4 * quarter(0.5 + 0.5 * u) + quarter(0.5 + 0.5 * v)
+                }
+                Solid::Frustum { radii, .. } => {
+                    let turns = 0.5 + libm::atan2(p.z, p.x) / (2.0 * PI);
+                    let level = if part == 0 { p.y } else { libm::hypot(p.x, p.z) / radii[part - 1].max(1e-9) };
+                    16 * part + 4 * quarter(turns) + quarter(level)
+                }
+            };
+            counts[bin] += 1.0;
+        }
+        let mut degrees = -1.0;
+        let mut chi2 = 0.0;
+        for (count, area) in counts.into_iter().zip(expected) {
+            let mean = area / total * n as f64;
+            if mean < 1e-3 {
+                assert!(count == 0.0, "{solid:?}: samples where there is no area");
+                continue;
+            }
+            degrees += 1.0;
+            chi2 += (count - mean) * (count - mean) / mean;
+        }
+        // Wilson and Hilferty's normal approximation; 4.75 standard deviations are 10⁻⁶.
+        let k = 2.0 / (9.0 * degrees);
+        let deviations = (libm::cbrt(chi2 / degrees) - 1.0 + k) / k.sqrt();
+        assert!(deviations < 4.75, "{solid:?}: χ² is {chi2} for {degrees}");
+    }
+}
+
+/// The solid angle seen from a point, by area samples and by random directions, under a map that
+/// stretches.
+#[test]
+fn area_samples_measure_the_visible_solid_angle() {
+    let map = &maps()[1];
+    for solid in SOLIDS.into_iter().filter(|s| s.is_closed()) {
+        let shape = solid.shape(map);
+        let from = map.point(DVec3::new(0.8, 1.9, -1.4)).as_vec3();
+        let n = 400_000;
+        let [mut sum, mut squares, mut hits] = [0.0f64; 3];
+        for i in 0..n {
+            let s = shape.sample(key(i).uniform_2d(Dimension::LightPosition));
+            let to = s.point.p - from;
+            let (d2, w) = (to.length_squared(), to.normalize());
+            let term = f64::from((-w.dot(s.point.ng)).max(0.0) / (d2 * s.pdf));
+            sum += term;
+            squares += term * term;
+            hits += f64::from(u8::from(shape.occludes(&Ray::new(from, direction(i).as_vec3()))));
+        }
+        let n = n as f64;
+        let (mean, share) = (sum / n, hits / n);
+        let variance = (squares / n - mean * mean) / n + 16.0 * PI * PI * share * (1.0 - share) / n;
+        let off = (mean - 4.0 * PI * share).abs();
+        assert!(off < 5.0 * variance.sqrt(), "{solid:?}: {mean} {}", 4.0 * PI * share);
+    }
+}
+
+/// Texture gradients agree with differences of the coordinates along the surface.
+#[test]
+fn texture_gradients_match_differences() {
+    for solid in SOLIDS {
+        let map = &maps()[2];
+        let shape = solid.shape(map);
+        for i in 0..2000 {
+            let s = shape.sample(key(i).uniform_2d(Dimension::LightPosition));
+            let at = |p: DVec3| shape.mapped(p.as_vec3(), s.uv);
+            let p = s.point.p.as_dvec3();
+            let own = map.inverse().transform_point3(p);
+            // Near an axis, coordinates turn without bounds.
+            if libm::hypot(own.x, own.z) < 0.2 {
+                continue;
+            }
+            let here = at(p);
+            assert!(
+                here.uv.cmpge(glam::DVec2::splat(-1e-6)).all() && here.uv.cmple(glam::DVec2::splat(1.0 + 1e-6)).all()
+            );
+            let (t, b) = s.point.ng.any_orthonormal_pair();
+            for step in [t.as_dvec3(), b.as_dvec3()] {
+                let length = 1.0 / 256.0;
+                let change = (at(p + step * length).uv - at(p - step * length).uv) / (2.0 * length);
+                // The turn is continuous but for its seam.
+                if change.length() > 20.0 {
+                    continue;
+                }
+                let expected = glam::DVec2::new(here.du.dot(step), here.dv.dot(step));
+                assert!((change - expected).length() < 2e-3, "{solid:?} {i} {change} {expected}");
+            }
+        }
+    }
+}
+
+#[test]
+fn shapes_without_extent_are_refused() {
+    assert!(Cuboid::new(DVec3::ZERO, DVec3::new(1.0, 0.0, 1.0)).is_none());
+    assert!(Cuboid::new(DVec3::ZERO, DVec3::splat(f64::NAN)).is_none());
+    assert!(Frustum::cylinder(DVec3::ONE, DVec3::ONE, 1.0, true).is_none());
+    assert!(Frustum::cone(DVec3::ONE, DVec3::ZERO, 0.0, true).is_none());
+}
+
+/// A mirrored solid keeps its outer side.
+#[test]
+fn mirrored_solids_face_outward() {
+    let mirror = Transform::new(DAffine3::from_scale(DVec3::new(-1.0, 2.0, 1.0))).unwrap();
+    for solid in SOLIDS {
+        let shape = solid.shape(&mirror);
+        let ray = Ray::new(Vec3::new(9.0, 0.8, 0.0), Vec3::NEG_X);
+        let (t, u, v) = shape.intersect(&ray).unwrap();
+        assert!(shape.surface(&ray, t, Vec2::new(u, v)).ng.x > 0.5, "{solid:?}");
+    }
+}
