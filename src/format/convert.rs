@@ -1,8 +1,8 @@
 //! Writing any imported scene as scene text, with the meshes and pictures that it holds beside it.
 
 use super::description::{
-    Density, Description, EnvironmentRadiance, Group, Item, Light, MaterialKind, NormalPerturbation, Object, Shape,
-    Spanned, TextureKind,
+    Density, Description, EnvironmentRadiance, Group, Item, Light, LightPattern, MaterialKind, NormalPerturbation,
+    Object, Shape, Spanned, TextureKind,
 };
 use super::file::SceneFile;
 use super::mesh::TriangleMesh;
@@ -108,6 +108,11 @@ fn light_path(light: &mut Light, visit: &mut impl FnMut(&mut String)) {
     match light {
         Light::Moving { light, .. } => light_path(&mut light.value, visit),
         Light::Environment(EnvironmentRadiance::Picture { path, .. }) => visit(&mut path.value),
+        Light::Oriented { pattern, .. } => match pattern {
+            LightPattern::Picture { path, .. } | LightPattern::Map(path) | LightPattern::Profile(path) => {
+                visit(&mut path.value)
+            }
+        },
         Light::Point { .. }
         | Light::Directional { .. }
         | Light::Spot { .. }

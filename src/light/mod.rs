@@ -41,7 +41,6 @@ use std::sync::Arc;
 
 /// A light source of any kind.
 #[derive(Clone, Debug)]
-#[expect(clippy::large_enum_variant, reason = "lights lie in one array and are sampled in place")]
 pub enum Light {
     /// A point with equal intensity in all directions.
     Point(PointLight),

@@ -65,6 +65,19 @@ pub enum Light {
         /// Strength.
         strength: AreaStrength,
     },
+    /// A point light with an orientation: a projector or a goniometric light.
+    Oriented {
+        /// Position.
+        position: DVec3,
+        /// Axis of projection, or center of the map.
+        aim: Aim,
+        /// Upper side of the pattern; `None` for +y, or for −z if the aim is parallel to y.
+        up: Option<DVec3>,
+        /// Intensity by direction.
+        pattern: LightPattern,
+        /// Intensity at pattern value 1, or flux. Never a color.
+        strength: PointStrength,
+    },
     /// A light that moves while the shutter is open.
     Moving {
         /// Motion as in [`Object::Moving`](super::Object::Moving), but about the light's own position.
@@ -90,6 +103,22 @@ pub enum EnvironmentRadiance {
         /// Rotation about the y axis, right-handed, in degrees.
         rotate: f64,
     },
+}
+
+/// Intensity pattern of an oriented point light. Paths are not empty and have no line breaks.
+#[derive(Clone, Debug, PartialEq)]
+pub enum LightPattern {
+    /// A projected picture.
+    Picture {
+        /// Path of the picture.
+        path: Spanned<String>,
+        /// Full vertical angle of view \[degrees], inside (0, 180).
+        angle: f64,
+    },
+    /// An equirectangular picture of the intensity in all directions.
+    Map(Spanned<String>),
+    /// A table of intensity by angle from the aim.
+    Profile(Spanned<String>),
 }
 
 /// Strength of a point light or spotlight.

@@ -13,7 +13,7 @@ use std::ops::Deref;
 use glam::{DVec2, DVec3, DVec4};
 
 pub use super::map::Map;
-pub use lights::{AreaStrength, DirectionalStrength, EnvironmentRadiance, Light, PointStrength};
+pub use lights::{AreaStrength, DirectionalStrength, EnvironmentRadiance, Light, LightPattern, PointStrength};
 pub use materials::{Attenuation, Material, MaterialKind, Metal, Refraction};
 pub use media::{Coefficients, Density, Extent, Medium, Phase};
 pub use textures::{Coordinates, Emission, Encoding, NormalPerturbation, Pattern, Texture, TextureKind, Value, Wrap};

@@ -1,4 +1,4 @@
-//! Words, numbers and strings of a scene file, each with its place.
+//! Words, numbers and strings of a scene text, each with its position.
 
 use super::super::description::{Span, Spanned};
 use super::super::error::{SceneError, Source};
@@ -20,7 +20,7 @@ impl Token<'_> {
     }
 }
 
-/// Reads tokens by what the parser wants next: `20width` is a number where one is wanted and an odd word elsewhere.
+/// Reads tokens by the type that the parser expects: `20width` starts with a number if one is expected, else it is a word.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lexer<'a> {
     name: &'a str,
@@ -46,7 +46,7 @@ impl<'a> Lexer<'a> {
         SceneError::at(&self.source(), span, message, label, help)
     }
 
-    /// The next token, which stays unread.
+    /// Returns the next token, which stays unread.
     pub fn peek(&mut self) -> Token<'a> {
         self.skip();
         let rest = &self.text[self.at..];
@@ -67,13 +67,13 @@ impl<'a> Lexer<'a> {
         self.at = token.start;
     }
 
-    /// The longest number that starts here, as C's `scanf` reads `%f`; empty if none does.
+    /// Reads the longest number that starts here, like `%f` of C's `scanf`; empty if there is none.
     pub fn number(&mut self) -> Token<'a> {
         self.skip();
         self.prefix(float_length)
     }
 
-    /// The longest whole number that starts here, as C's `scanf` reads `%d`; empty if none does.
+    /// Reads the longest whole number that starts here, like `%d` of C's `scanf`; empty if there is none.
     pub fn integer(&mut self) -> Token<'a> {
         self.skip();
         self.prefix(integer_length)
@@ -86,8 +86,8 @@ impl<'a> Lexer<'a> {
         token
     }
 
-    /// A quoted string, or else what runs to the next white space or to a `}` that closes no `{` of its own; empty if
-    /// nothing is there.
+    /// Reads a quoted string, or else the text up to white space or to a `}` that closes no `{` in it; empty if there
+    /// is none.
     pub fn name(&mut self) -> Result<Spanned<String>, SceneError> {
         self.skip();
         let rest = &self.text[self.at..];
@@ -112,7 +112,7 @@ impl<'a> Lexer<'a> {
         Ok(Spanned::new(rest[..len].to_owned(), span))
     }
 
-    /// A string in quotes on one line, in which a backslash stands before each `"` and `\`.
+    /// Reads a string in quotes on one line, with a backslash before each `"` and `\` in it.
     pub fn quoted(&mut self) -> Result<Spanned<String>, SceneError> {
         let start = self.at;
         let mut value = String::new();
@@ -142,7 +142,7 @@ impl<'a> Lexer<'a> {
         }
     }
 
-    /// Passes white space and comments.
+    /// Skips white space and comments.
     fn skip(&mut self) {
         let bytes = self.text.as_bytes();
         while let Some(&b) = bytes.get(self.at) {
@@ -157,7 +157,7 @@ impl<'a> Lexer<'a> {
     }
 }
 
-/// White space as C's `isspace` has it.
+/// True for white space as in C's `isspace`.
 fn is_space(b: u8) -> bool {
     matches!(b, b' ' | b'\t'..=b'\r')
 }

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::super::description::{
-    AreaStrength, DirectionalStrength, EnvironmentRadiance, Light, PointStrength, Spanned,
+    AreaStrength, DirectionalStrength, EnvironmentRadiance, Light, LightPattern, PointStrength, Spanned,
 };
 use super::super::error::SceneError;
 use super::camera::{aim, write_aim};
@@ -13,13 +13,15 @@ use super::maps::{moving, write_maps};
 use super::reader::Parser;
 use super::schema::{Block, Field, Kind, Range, field, find, keywords};
 use super::shapes::{parallelogram, write_parallelogram};
+use super::text::has_direction;
 use super::writer::Writer;
 
 /// The lights. Those that cannot move stand last.
-pub(super) static LIGHTS: [&Block; 7] = [&POINT, &DIRECTIONAL, &SPOT, &SPHERE, &DISC, &RECTANGLE, &ENVIRONMENT];
+pub(super) static LIGHTS: [&Block; 9] =
+    [&POINT, &DIRECTIONAL, &SPOT, &PROJECTOR, &GONIOMETRIC, &SPHERE, &DISC, &RECTANGLE, &ENVIRONMENT];
 
 /// Number of kinds of light that have a position or direction to move.
-const MOVABLE: usize = 6;
+const MOVABLE: usize = 8;
 
 static POINT_STRENGTH: [Field; 3] = [
     field(
@@ -83,6 +85,62 @@ static SPOT: Block = Block {
     ],
     shared: &[&POINT_STRENGTH],
     help: "point light limited to a cone",
+    course: false,
+};
+
+static ORIENTATION: [Field; 4] = [
+    field("position", Kind::Point, Range::Any, "position").required(),
+    field("direction", Kind::Direction, Range::Any, "axis of the light; give this or `lookAt`"),
+    field("lookAt", Kind::Point, Range::Any, "point on the axis of the light"),
+    field("up", Kind::Direction, Range::Any, "upper side of the picture")
+        .absent("0 1 0, or 0 0 -1 for a vertical axis"),
+];
+
+static PATTERN_STRENGTH: [Field; 2] = [
+    field("intensity", Kind::Color, Range::NonNegative, "radiant intensity where the picture or profile is 1")
+        .unit("W/sr"),
+    field(
+        "power",
+        Kind::Color,
+        Range::NonNegative,
+        "radiant flux, of white light through the picture; give one of both",
+    )
+    .unit("W"),
+];
+
+static PROJECTOR: Block = Block {
+    keyword: "ProjectorLight",
+    aliases: &[],
+    fields: &[
+        field("angle", Kind::Number, Range::Between(0.0, 180.0), "full vertical angle of the picture")
+            .required()
+            .unit("degrees"),
+        field("file", Kind::Name, Range::Any, "projected picture: PNG, OpenEXR or Radiance HDR").required(),
+    ],
+    shared: &[&ORIENTATION, &PATTERN_STRENGTH],
+    help: "pinhole that projects a picture",
+    course: false,
+};
+
+static GONIOMETRIC: Block = Block {
+    keyword: "GoniometricLight",
+    aliases: &[],
+    fields: &[
+        field(
+            "file",
+            Kind::Name,
+            Range::Any,
+            "picture of the intensity in all directions, its center along the axis; give this or `profile`",
+        ),
+        field(
+            "profile",
+            Kind::Name,
+            Range::Any,
+            "text file with an angle from the axis in degrees and an intensity per line, in ascending order",
+        ),
+    ],
+    shared: &[&ORIENTATION, &PATTERN_STRENGTH],
+    help: "point light with a measured intensity distribution",
     course: false,
 };
 
@@ -178,6 +236,16 @@ fn light<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<Spanned<Light>,
             Light::Directional { direction: f.vector("direction")?, strength }
         }
         "SpotLight" => spot(f)?,
+        "ProjectorLight" => {
+            let path = f.need("file")?.text();
+            oriented(f, LightPattern::Picture { path, angle: f.number("angle")? })?
+        }
+        "GoniometricLight" => {
+            let pattern = f.one_of(&["file", "profile"])?;
+            let path = pattern.text();
+            let is_map = pattern.name() == "file";
+            oriented(f, if is_map { LightPattern::Map(path) } else { LightPattern::Profile(path) })?
+        }
         "SphereLight" => {
             Light::Sphere { center: f.vector("center")?, radius: f.number("radius")?, strength: area_strength(f)? }
         }
@@ -207,6 +275,24 @@ fn spot(f: &Fields<'_>) -> Result<Light, SceneError> {
         rim.ensure(ok, "must lie between 0 and half of the cone's angle")?;
     }
     Ok(Light::Spot { position, aim, angle, penumbra, strength: point_strength(f)? })
+}
+
+/// Returns the oriented point light of these fields.
+fn oriented(f: &Fields<'_>, pattern: LightPattern) -> Result<Light, SceneError> {
+    let position = f.vector("position")?;
+    let (aim, direction) = aim(f, "position", position)?;
+    let up = f.get("up");
+    if let Some(up) = up {
+        up.ensure(has_direction(up.vector().cross(direction)), "must not be parallel to the axis of the light")?;
+    }
+    let up = up.map(|up| up.vector());
+    let strength = f.one_of(&["intensity", "power"])?;
+    let value = strength.vector();
+    let strength = match strength.name() {
+        "intensity" => PointStrength::Intensity(value),
+        _ => PointStrength::Power(value),
+    };
+    Ok(Light::Oriented { position, aim, up, pattern, strength })
 }
 
 /// Returns the radiance of an environment.
@@ -269,6 +355,23 @@ pub(super) fn write_light(out: &mut Writer<'_, '_>, light: &Light) -> fmt::Resul
             write_aim(out, *aim)?;
             out.number("angle", *angle)?;
             out.number("penumbra", *penumbra)?;
+            write_point_strength(out, *strength)?;
+        }
+        Light::Oriented { position, aim, up, pattern, strength } => {
+            out.start(if matches!(pattern, LightPattern::Picture { .. }) { &PROJECTOR } else { &GONIOMETRIC })?;
+            out.vector("position", *position)?;
+            write_aim(out, *aim)?;
+            if let Some(up) = up {
+                out.vector("up", *up)?;
+            }
+            match pattern {
+                LightPattern::Picture { path, angle } => {
+                    out.number("angle", *angle)?;
+                    out.name("file", path)?;
+                }
+                LightPattern::Map(path) => out.name("file", path)?,
+                LightPattern::Profile(path) => out.name("profile", path)?,
+            }
             write_point_strength(out, *strength)?;
         }
         Light::Sphere { center, radius, strength } => {

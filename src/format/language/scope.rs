@@ -27,7 +27,7 @@ pub(super) struct Scope<'a> {
     pub late_materials: Option<Token<'a>>,
 }
 
-/// What a material consists of, through all nested mixes.
+/// Components of a material, through all nested mixes.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Contents {
     /// Index of its `Dielectric`, if it has one.

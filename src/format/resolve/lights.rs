@@ -4,14 +4,15 @@ use super::{Resolver, aim, rgb};
 use crate::color::Rgb;
 use crate::format::SceneError;
 use crate::format::description::{
-    AreaStrength, DirectionalStrength, EnvironmentRadiance, Light, Map, PointStrength, Span, Spanned,
+    AreaStrength, DirectionalStrength, EnvironmentRadiance, Light, LightPattern, Map, PointStrength, Span, Spanned,
 };
 use crate::image::Meaning;
-use crate::light::EnvironmentLight;
+use crate::light::{EnvironmentLight, IntensityPattern, OrientedSource, Slide, SphericalMap, profile_map};
 use crate::math::Motion;
 use crate::scene::{LightStrength, Material, SourceKind};
 use crate::shape::{Disc, Rectangle, Shape, Sphere};
 use glam::DVec3;
+use std::sync::Arc;
 
 pub(super) fn add_light(r: &mut Resolver<'_>, light: &Spanned<Light>, motion: &Motion) -> Result<(), SceneError> {
     match &light.value {
@@ -31,6 +32,13 @@ pub(super) fn add_light(r: &mut Resolver<'_>, light: &Spanned<Light>, motion: &M
                 outer,
             };
             add_source(r, kind, point(*strength), motion);
+        }
+        Light::Oriented { position, aim: target, up, pattern, strength } => {
+            let direction = aim(*target, *position);
+            let vertical = direction.cross(DVec3::Y).length() < 1e-6 * direction.length();
+            let up = up.unwrap_or(if vertical { DVec3::NEG_Z } else { DVec3::Y });
+            let source = oriented(r, *position, direction, up, pattern)?;
+            add_source(r, SourceKind::Oriented(source), point(*strength), motion);
         }
         Light::Directional { direction, strength } => {
             let strength = match strength {
@@ -87,6 +95,56 @@ fn make_environment(
                 .map_err(|e| r.bad_file(path, &e, "mend the picture, or scale it less"))
         }
     }
+}
+
+/// Returns the oriented point light of a pattern.
+fn oriented(
+    r: &Resolver<'_>,
+    position: DVec3,
+    direction: DVec3,
+    up: DVec3,
+    pattern: &LightPattern,
+) -> Result<OrientedSource, SceneError> {
+    let read = |path: &Spanned<String>| r.read_picture(path, &r.file("picture", path)?, Meaning::Light);
+    let (pattern, direction, up) = match pattern {
+        LightPattern::Picture { path, angle } => {
+            let slide = Slide::new(read(path)?, angle.to_radians());
+            let slide = slide.map_err(|e| r.bad_file(path, &e, "repair the picture or name another"))?;
+            let black = || r.bad_file(path, &"the picture is black", "name a picture with light in it");
+            (IntensityPattern::Slide(Arc::new(slide.ok_or_else(black)?)), direction, up)
+        }
+        LightPattern::Map(path) => {
+            let map = SphericalMap::new(read(path)?, Rgb::ONE);
+            let map = map.map_err(|e| r.bad_file(path, &e, "repair the picture or name another"))?;
+            (IntensityPattern::Map(Arc::new(map)), direction, up)
+        }
+        LightPattern::Profile(path) => {
+            let help = "write an angle from 0 to 180 degrees and an intensity per line, in ascending order";
+            let refuse = |message: &str| r.bad_file(path, &message, help);
+            let text = std::fs::read_to_string(r.file("profile", path)?).map_err(|e| refuse(&e.to_string()))?;
+            let profile = profile(&text).ok_or_else(|| refuse("the profile is not a table of angles"))?;
+            let map = profile_map(&profile).map_err(|e| refuse(&e.to_string()))?;
+            // Profiles are symmetric about the top of their map, which lies along the axis.
+            (IntensityPattern::Map(Arc::new(map)), direction.any_orthogonal_vector(), direction)
+        }
+    };
+    Ok(OrientedSource { position, direction, up, pattern })
+}
+
+/// Pairs of angle \[degrees] and intensity, one per line; `#` starts a comment. `None` if the table is invalid.
+fn profile(text: &str) -> Option<Vec<(f64, f64)>> {
+    let lines = text.lines().map(|line| line.split('#').next().unwrap_or_default().trim());
+    let pair = |line: &str| {
+        let mut numbers = line.split_whitespace().map(str::parse::<f64>);
+        match (numbers.next(), numbers.next(), numbers.next()) {
+            (Some(Ok(angle)), Some(Ok(value)), None) => Some((angle, value)),
+            _ => None,
+        }
+    };
+    let pairs: Vec<(f64, f64)> = lines.filter(|line| !line.is_empty()).map(pair).collect::<Option<_>>()?;
+    let ascending = pairs.windows(2).all(|pair| pair[0].0 < pair[1].0);
+    let in_range = pairs.iter().all(|(angle, _)| (0.0..=180.0).contains(angle));
+    (pairs.len() >= 2 && ascending && in_range).then_some(pairs)
 }
 
 fn add_source(r: &mut Resolver<'_>, kind: SourceKind, strength: LightStrength, motion: &Motion) {

@@ -175,6 +175,7 @@ fn from_infinity(light: &Spanned<Light>) -> Option<Span> {
         Light::Moving { light, .. } => from_infinity(light),
         Light::Point { .. }
         | Light::Spot { .. }
+        | Light::Oriented { .. }
         | Light::Sphere { .. }
         | Light::Disc { .. }
         | Light::Rectangle { .. } => None,

@@ -1,4 +1,4 @@
-//! Media for proptest.
+//! Random media for proptest.
 
 use proptest::collection::vec;
 use proptest::prelude::*;
@@ -45,7 +45,7 @@ fn density() -> impl Strategy<Value = Density> {
     ]
 }
 
-/// Of names of which no two are alike.
+/// Media with distinct names.
 pub fn media() -> impl Strategy<Value = Vec<Spanned<Medium>>> {
     let medium = (name(), coefficients(), coefficient(), phase(), density()).prop_map(
         |(name, coefficients, emission, phase, density)| Medium { name, coefficients, emission, phase, density },

@@ -1,4 +1,4 @@
-//! The language as a whole: the course's scenes, the reference's examples, and what proptest makes up.
+//! Tests of the whole language: scenes of the course, examples of the reference, random descriptions.
 
 mod media;
 mod refraction;
@@ -12,7 +12,7 @@ use super::parse;
 use strategies::description;
 
 #[test]
-fn the_reference_holds_whole_scenes() {
+fn examples_of_the_reference_parse_and_print_back() {
     let page = include_str!("../../../docs/scene-language.md");
     let scenes: Vec<&str> = page.split("```caustica\n").skip(1).filter_map(|part| part.split("```").next()).collect();
     assert!(scenes.len() >= 8);
@@ -33,7 +33,7 @@ fn the_reference_tables_are_those_of_the_program() {
 }
 
 #[test]
-fn a_description_prints_in_one_form() {
+fn descriptions_print_in_canonical_form() {
     let text = "Group{MaterialName\"a b\"Transform{Rotate{0 0 1 90}Sphere{radius 1e-7center 1 -0.5 1e20}}}";
     let camera = "PerspectiveCamera{lookAt 0 0 0center 0 0 1angle 9}Materials{Mirror\"a b\"{}}";
     let expected = "\
@@ -70,7 +70,7 @@ Group {
 }
 
 #[test]
-fn large_texts_take_linear_time() {
+fn reading_takes_linear_time() {
     let time = |n: usize| {
         let body = "Sphere { center 0 0 0 radius 1 }\n".repeat(n);
         let text =
@@ -85,7 +85,7 @@ fn large_texts_take_linear_time() {
     assert!(large < 400.0 * small, "{small} s, then {large} s");
 }
 
-/// Words of the language in any order, and bytes that are none.
+/// Words of the language and other characters, in random order.
 fn soup() -> impl Strategy<Value = String> {
     let words =
         include_str!("../../../docs/scene-language.md").split_whitespace().map(str::to_owned).collect::<Vec<_>>();
@@ -109,7 +109,7 @@ proptest! {
     }
 
     #[test]
-    fn no_soup_makes_the_parser_panic(soup in soup(), start in 0..3_usize) {
+    fn random_words_never_panic(soup in soup(), start in 0..3_usize) {
         let start = ["", "Group {", "PerspectiveCamera { center 0 0 0 direction 0 0 1 angle 9 } Group {"][start];
         if let Err(error) = parse("soup", &format!("{start}{soup}")) {
             prop_assert!(!error.remedy().is_empty());
@@ -119,14 +119,14 @@ proptest! {
     }
 
     #[test]
-    fn no_bytes_make_the_parser_panic(bytes in vec(any::<u8>(), 0..200)) {
+    fn random_bytes_never_panic(bytes in vec(any::<u8>(), 0..200)) {
         if let Err(error) = super::parse_bytes("bytes", &bytes) {
             prop_assert!(!error.to_string().is_empty());
         }
     }
 
     #[test]
-    fn no_cut_or_change_of_a_scene_panics(d in description(), at in any::<prop::sample::Index>(), new in ".{0,2}") {
+    fn cut_or_changed_scenes_never_panic(d in description(), at in any::<prop::sample::Index>(), new in ".{0,2}") {
         let text = d.to_string();
         let cut = text.floor_char_boundary(at.index(text.len()));
         let _ = parse("cut", &text[..cut]);

@@ -1,4 +1,4 @@
-//! Ways to bend light for proptest.
+//! Random indices of refraction for proptest.
 
 use proptest::array::uniform4;
 use proptest::prelude::*;

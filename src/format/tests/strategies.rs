@@ -1,4 +1,4 @@
-//! Descriptions for proptest, of all that the language can say.
+//! Random descriptions for proptest, with every feature of the language.
 
 use glam::{DMat4, DVec2, DVec3, DVec4};
 use proptest::collection::vec;
@@ -84,6 +84,18 @@ fn still_light() -> impl Strategy<Value = Light> {
             |(position, axis, angle, rim, strength)| {
                 let aim = Aim::Direction(axis);
                 Light::Spot { position, aim, angle, penumbra: rim * angle, strength }
+            }
+        ),
+        (point(), direction(), name(), 1e-9..180.0, colour(), 0..3u8).prop_map(
+            |(position, axis, path, angle, c, kind)| {
+                let path = spanned(path);
+                let pattern = match kind {
+                    0 => LightPattern::Picture { path, angle },
+                    1 => LightPattern::Map(path),
+                    _ => LightPattern::Profile(path),
+                };
+                let (aim, strength) = (Aim::Direction(axis), PointStrength::Intensity(c));
+                Light::Oriented { position, aim, up: None, pattern, strength }
             }
         ),
         (point(), positive(), area_strength()).prop_map(|(center, radius, strength)| Light::Sphere {
@@ -215,7 +227,7 @@ fn textures(drafts: Vec<(String, TextureKind)>) -> Vec<Spanned<Texture>> {
     textures
 }
 
-/// What a material is, but for its name and the parts of a mix.
+/// A material without its name and without the parts of a mix.
 type Finish = (MaterialKind, Option<Emission>, Option<NormalPerturbation>);
 
 fn material() -> impl Strategy<Value = Finish> {

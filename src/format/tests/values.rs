@@ -1,4 +1,4 @@
-//! Numbers, vectors and names for proptest.
+//! Random numbers, vectors and names for proptest.
 
 use glam::DVec3;
 use proptest::prelude::*;
@@ -14,7 +14,7 @@ pub fn positive() -> impl Strategy<Value = f64> {
     any.prop_map(|x| if x > f64::from(f32::MAX) { 1.0 / x } else { x })
 }
 
-/// Something per length.
+/// A coefficient per length.
 pub fn coefficient() -> impl Strategy<Value = DVec3> {
     let one = || prop_oneof![Just(0.0), 0.0..=1e12, 0.0..1.0];
     [one(), one(), one()].prop_map(DVec3::from_array)
@@ -24,7 +24,7 @@ pub fn point() -> impl Strategy<Value = DVec3> {
     [finite(), finite(), finite()].prop_map(DVec3::from_array)
 }
 
-/// Of a length that can be squared.
+/// A vector whose length can be squared.
 pub fn direction() -> impl Strategy<Value = DVec3> {
     let one = -1e3..1e3;
     ([one.clone(), one.clone(), one], -100..100_i32).prop_filter_map("no length", |(v, exponent)| {
@@ -42,7 +42,7 @@ pub fn share() -> impl Strategy<Value = DVec3> {
     [one.clone(), one.clone(), one].prop_map(DVec3::from_array)
 }
 
-/// Bare, quoted, and all that needs care between the two.
+/// A name: bare, quoted, or hard to tell apart.
 pub fn name() -> impl Strategy<Value = String> {
     prop_oneof!["[a-z_][a-z0-9_.-]{0,8}", "[a-z/{}\\[\\]#\" \\\\\u{e9}]{1,8}", "//x", "#x", "[^\r\n]{1,8}"]
 }

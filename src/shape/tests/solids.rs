@@ -68,7 +68,7 @@ impl Solid {
         let nearest = (self.center() - o).dot(d) / d.length_squared();
         let reach = 4.0 / d.length();
         let (mut low, mut high) = (nearest - reach, nearest + reach);
-        for _ in 0..200 {
+        for _ in 0..90 {
             let [a, b] = [low + (high - low) / 3.0, high - (high - low) / 3.0];
             if gauge(a) < gauge(b) { high = b } else { low = a }
         }
@@ -79,7 +79,7 @@ impl Solid {
         }
         let bisect = |mut outside: f64| {
             let mut inside = deepest;
-            for _ in 0..200 {
+            for _ in 0..60 {
                 let middle = 0.5 * (inside + outside);
                 if gauge(middle) > 0.0 { outside = middle } else { inside = middle }
             }
@@ -116,13 +116,13 @@ fn edge_point(solid: Solid, i: u64) -> DVec3 {
     let u = key(i).uniform_2d(Dimension::LightPosition).as_dvec2();
     match solid {
         Solid::Cube => {
-            let mut p = DVec3::new(1.0, if i % 2 == 0 { 1.0 } else { -1.0 }, 2.0 * u.x - 1.0);
+            let mut p = DVec3::new(1.0, if i / 4 % 2 == 0 { 1.0 } else { -1.0 }, 2.0 * u.x - 1.0);
             (0..i % 3).for_each(|_| p = DVec3::new(p.y, p.z, p.x));
             p
         }
         Solid::Frustum { radii, .. } => {
             let (sin, cos) = libm::sincos(u.x * 2.0 * PI);
-            let y = (i % 2) as usize;
+            let y = (i / 4 % 2) as usize;
             DVec3::new(cos * radii[y], y as f64, sin * radii[y])
         }
     }
@@ -136,7 +136,7 @@ fn hits_agree_with_bisection() {
         for (m, map) in maps().into_iter().enumerate() {
             let shape = solid.shape(&map);
             let (mut hits, mut compared) = (0, 0);
-            for i in 0..20_000 {
+            for i in 0..4_000 {
                 let target = match i % 4 {
                     0 => edge_point(solid, i),
                     1 => solid.center() + 1.2 * direction(i),
@@ -182,7 +182,7 @@ fn hits_agree_with_bisection() {
                 let enters = solid.gauge(at(0.0)) > 0.0 && Some(expected) == interval.map(|i| i[0]);
                 assert_eq!(point.ng.dot(ray.direction) < 0.0, enters, "{solid:?} {m} {i} {point:?}");
             }
-            assert!(hits > 8_000 && compared > 14_000, "{solid:?} {m}: {hits} {compared}");
+            assert!(hits > 1_200 && compared > 2_500, "{solid:?} {m}: {hits} {compared}");
         }
     }
 }

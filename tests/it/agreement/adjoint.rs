@@ -45,8 +45,8 @@ fn room(light: &str, materials: &str, objects: &str) -> Scene {
 }
 
 /// Returns the window's mean irradiance times ρ/π, by photons.
-fn by_photons(scene: &Scene, wants: StoreMask, passes: u32) -> Estimate {
-    let traced = trace(scene, wants, 1000, passes, 1 << 17);
+fn by_photons(scene: &Scene, mask: StoreMask, passes: u32) -> Estimate {
+    let traced = trace(scene, mask, 1000, passes, 1 << 17);
     let window = |p: DVec3| p.y.abs() < 1e-3 && p.x.abs() < HALF && p.z.abs() < HALF;
     let per_area = ALBEDO / PI / (4.0 * HALF * HALF);
     let samples: Vec<DVec3> =

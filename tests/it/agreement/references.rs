@@ -5,6 +5,9 @@ use super::methods::{Effort, Method};
 use crate::support::{file, reference};
 use glam::{DVec3, Vec3};
 
+/// Relative rounding of a reference pixel, stored as a 16-bit float.
+const ROUNDING: f64 = 1.0 / 4096.0;
+
 /// A reference image with its standard error by pixel.
 struct Reference {
     size: (u32, u32),
@@ -34,7 +37,7 @@ impl Reference {
     fn over(&self, grid: &Grid) -> Estimate {
         let mean = grid.sums(self.mean.iter().copied()).iter().map(|(s, n)| s / n.max(1.0)).collect::<Vec<_>>();
         let variance = grid.sums(self.variance.iter().copied()).iter().map(|(s, n)| s / (n * n).max(1.0)).collect();
-        Estimate { bias: vec![DVec3::ZERO; mean.len()], mean, variance, dof: f64::INFINITY }
+        Estimate { bias: mean.iter().map(|m| *m * ROUNDING).collect(), mean, variance, dof: f64::INFINITY }
     }
 }
 

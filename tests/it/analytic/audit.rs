@@ -35,15 +35,15 @@ fn everything() -> Scene {
 #[test]
 fn flux_is_conserved_up_to_rounding() {
     let scene = everything();
-    for (wants, bounces) in
+    for (mask, bounces) in
         [(StoreMask::ALL, 1000), (StoreMask::GLOBAL, 3), (StoreMask::CAUSTIC, 1000), (StoreMask::ALL, 0)]
     {
-        for Traced { audit, rays, paths, .. } in trace(&scene, wants, bounces, 4, 1 << 14) {
+        for Traced { audit, rays, paths, .. } in trace(&scene, mask, bounces, 4, 1 << 14) {
             let mean = audit.emitted.iter().sum::<f64>() / 3.0;
             let bound = 12.0 * mean * rays as f64 / paths as f64 / 16_777_216.0;
             for c in 0..3 {
                 let gone = audit.absorbed[c] + audit.escaped[c] + audit.stopped[c] + audit.roulette[c];
-                assert!((audit.emitted[c] - gone).abs() <= bound, "{wants:?} {c}: {audit:?}");
+                assert!((audit.emitted[c] - gone).abs() <= bound, "{mask:?} {c}: {audit:?}");
             }
         }
     }

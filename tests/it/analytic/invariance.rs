@@ -102,7 +102,7 @@ fn scaling_by_a_power_of_two_changes_no_bit() {
 
 /// Returns the flux that arrives through the ball on a patch of the floor, per squared scale. The
 /// patch is in the room's coordinates.
-fn arrived(at: Place, aimed: bool, wants: StoreMask, passes: u32, paths: u32) -> Vec<DVec3> {
+fn arrived(at: Place, aimed: bool, mask: StoreMask, passes: u32, paths: u32) -> Vec<DVec3> {
     let scene = room(at);
     let source = if aimed { PhotonSource::aimed(&scene) } else { PhotonSource::everywhere(&scene) };
     let inside = |p: DVec3| {
@@ -110,7 +110,7 @@ fn arrived(at: Place, aimed: bool, wants: StoreMask, passes: u32, paths: u32) ->
         let floor = DVec2::new(local.x, local.z);
         local.y < -0.999 && (floor - DVec2::new(-0.4, 0.25)).length() < 0.3
     };
-    trace_from(&scene, &source.unwrap(), wants, 50, passes, paths)
+    trace_from(&scene, &source.unwrap(), mask, 50, passes, paths)
         .iter()
         .map(|t| flux_where(&scene, &t.deposits.photons, inside) / (at.scale * at.scale))
         .collect()
@@ -157,7 +157,7 @@ fn aimed_emission_preserves_caustics() {
     let everywhere = arrived(HERE, false, StoreMask::CAUSTIC, 32, 1 << 17);
     same("aimed against everywhere", &aimed, &everywhere, 5e-3);
     let scene = room(HERE);
-    let count = |wants| trace(&scene, wants, 50, 1, 1 << 14)[0].deposits.photons.len();
+    let count = |mask| trace(&scene, mask, 50, 1, 1 << 14)[0].deposits.photons.len();
     let apart = [StoreMask::DIRECT, StoreMask::CAUSTIC, StoreMask::GLOBAL];
     assert_eq!(apart.map(count).iter().sum::<usize>(), count(StoreMask::ALL), "classes are disjoint and complete");
     assert_eq!(count(apart[1]), count(StoreMask::CAUSTIC));

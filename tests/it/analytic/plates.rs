@@ -107,9 +107,9 @@ fn parallel_mirrors_show_row_of_lights() {
     };
     let bent = |p: DVec3| (1..60).map(|k| irradiance_of(k, p) + irradiance_of(-k, p)).sum::<f64>();
     for class in [PhotonKind::Direct, PhotonKind::Caustic] {
-        let wants =
+        let mask =
             StoreMask { direct: class == PhotonKind::Direct, caustic: class == PhotonKind::Caustic, ..StoreMask::NONE };
-        let passes = trace(&scene, wants, 1000, PASSES, 1 << 16);
+        let passes = trace(&scene, mask, 1000, PASSES, 1 << 16);
         let maps: Vec<PhotonMap> = passes.into_iter().map(|t| PhotonMap::build(t.deposits.photons)).collect();
         for kernel in [Kernel::Box, Kernel::Epanechnikov] {
             let expected = blurred(kernel, R, |d| {

@@ -47,11 +47,11 @@ fn flux_is_conserved_under_water() {
     let albedo = 0.7;
     let scene = pool(albedo, DVec3::ZERO, DVec3::Z);
     // Two rectangles that touch at the water's edge may let one ray in a million slip between them.
-    for (name, wants, expected) in [
+    for (name, mask, expected) in [
         ("first", StoreMask::CAUSTIC, PI * SKY * (1.0 - hemispherical(N))),
         ("all", StoreMask::ALL, irradiance_of_floor(albedo)),
     ] {
-        let passes = trace(&scene, wants, 10_000, PASSES, 1 << 15);
+        let passes = trace(&scene, mask, 10_000, PASSES, 1 << 15);
         let samples: Vec<f64> =
             passes.iter().map(|t| flux_where(&scene, &t.deposits.photons, |_| true).x / 4.0).collect();
         agree(&format!("{name} flux under water"), &samples, expected, expected * (1e-5 + HUE), 4e-3);

@@ -59,21 +59,21 @@ pub fn keys(passes: u32) -> impl Iterator<Item = Key> {
 }
 
 /// Traces independent passes of `paths` photon paths each, emitted in all directions.
-pub fn trace(scene: &Scene, wants: StoreMask, max_bounces: u32, passes: u32, paths: u32) -> Vec<Traced> {
+pub fn trace(scene: &Scene, mask: StoreMask, max_bounces: u32, passes: u32, paths: u32) -> Vec<Traced> {
     let source = PhotonSource::everywhere(scene).unwrap();
-    trace_from(scene, &source, wants, max_bounces, passes, paths)
+    trace_from(scene, &source, mask, max_bounces, passes, paths)
 }
 
 /// Traces independent passes of `paths` photon paths each, emitted by `source`.
 pub fn trace_from(
     scene: &Scene,
     source: &PhotonSource<'_>,
-    wants: StoreMask,
+    mask: StoreMask,
     max_bounces: u32,
     passes: u32,
     paths: u32,
 ) -> Vec<Traced> {
-    let pass = PhotonPass { scene, source, mask: wants, max_bounces };
+    let pass = PhotonPass { scene, source, mask, max_bounces };
     keys(passes).map(|key| pass.trace(key, paths, &|_| {})).collect()
 }
 

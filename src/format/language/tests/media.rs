@@ -1,4 +1,4 @@
-//! Media, and what names them.
+//! Tests of media and references to them.
 
 use super::*;
 use crate::format::description::{Coefficients, Density, Extent, Map, Medium, Phase, Span, Spanned};
@@ -18,7 +18,7 @@ fn bad(body: &str, message: &str, help: &str) {
 }
 
 #[test]
-fn media_say_what_they_take_scatter_and_send() {
+fn media_read_all_their_fields() {
     let media = media(
         "numMedia 4 Medium a { } Medium \"b c\" { scattering 1 2 3 absorption 4 5 6 emission 7 8 9 phase rayleigh }
          Medium d { albedo 1 .5 0 extinction 10 20 30 anisotropy -.5 } Medium e { phase henyey-greenstein anisotropy .99 }",
@@ -51,7 +51,7 @@ fn media_say_what_they_take_scatter_and_send() {
 }
 
 #[test]
-fn densities_are_of_files_and_of_noise() {
+fn densities_come_from_grids_or_noise() {
     let [smoke, plain, cloud] = &media(
         "Medium smoke { grid dir/s.grid densityScale 3 min -1 0 1 max 1 2 3 Transform { YRotate 30 } }
          Cloud plain { min 0 0 0 max 1 1 1 }
@@ -72,7 +72,7 @@ fn densities_are_of_files_and_of_noise() {
 }
 
 #[test]
-fn bodies_places_and_the_scene_name_what_fills_them() {
+fn materials_and_background_refer_to_media() {
     let text = "Background { medium fog color 0 0 0 } Media { Medium fog { } Medium milk { } }
         Materials { Dielectric { medium milk } Clear c { medium \"fog\" priority 255 } Clear { } } Group { }";
     let d = scene(text).unwrap();
@@ -87,7 +87,7 @@ fn bodies_places_and_the_scene_name_what_fills_them() {
 }
 
 #[test]
-fn what_is_wrong_with_media_is_said_at_its_place() {
+fn medium_errors_have_position_and_remedy() {
     bad("‹Medium› { }", "this `Medium` has no name", "`Medium name {");
     bad("Medium a { } Cloud ‹a› { }", "two media are called `a`", "another name");
     bad("‹Mediun› a { }", "unexpected `Mediun` in `Media`", "did you mean `Medium`?");
@@ -114,7 +114,7 @@ fn what_is_wrong_with_media_is_said_at_its_place() {
 }
 
 #[test]
-fn what_is_wrong_with_densities_is_said_at_its_place() {
+fn density_errors_have_position_and_remedy() {
     let extent = "min 0 0 0 max 1 1 1";
     for field in ["min ‹0 0 0›", "max ‹0 0 0›", "densityScale ‹2›"] {
         bad(&format!("Medium a {{ {field} }}"), "of `Medium` cannot be", "has no effect without `grid`");
@@ -137,7 +137,7 @@ fn what_is_wrong_with_densities_is_said_at_its_place() {
 }
 
 #[test]
-fn what_is_wrong_with_names_of_media_is_said_at_its_place() {
+fn medium_reference_errors_have_position_and_remedy() {
     refused("Materials { Mirror { } } ‹Media› { }", "behind the `Materials`", "ahead of the Materials");
     let fill = |name: &str| {
         format!("Media {{ Medium fog {{ }} Medium milk {{ }} }} Materials {{ Clear {{ medium {name} }} }}")

@@ -43,7 +43,7 @@ fn first(body: &str) -> Object {
 }
 
 #[test]
-fn numbers_stop_where_they_can_no_longer_go_on() {
+fn numbers_end_at_the_first_other_character() {
     let text = "PerspectiveCamera{center 0 0 10direction 0 0-1up 0 1 0angle 20width 200height 100}Group{}";
     let camera = parse("a", text).unwrap().camera;
     assert_eq!(camera.projection, Projection::Perspective { angle: 20.0, lens: None });
@@ -52,7 +52,7 @@ fn numbers_stop_where_they_can_no_longer_go_on() {
 }
 
 #[test]
-fn what_single_precision_cannot_hold_is_refused() {
+fn values_beyond_single_precision_are_refused() {
     let largest = "below 3.4e38";
     for (before, value) in [
         ("Materials { Phong { diffuseColor", "1 1e39 1"),
@@ -83,7 +83,7 @@ fn what_single_precision_cannot_hold_is_refused() {
 }
 
 #[test]
-fn what_is_left_out_takes_its_default() {
+fn absent_fields_take_their_defaults() {
     let text = "\u{feff}\r\n# c\r\nGroup{Sphere{radius 2 center 0 0 0}} // d\nMaterials{Phong{}Mirror m{}}
         PerspectiveCamera{angle 9 lookAt 0 0 0 center 0 0 1}";
     let d = parse("a", text).unwrap();
@@ -157,7 +157,7 @@ fn numbers_must_be_finite() {
 }
 
 #[test]
-fn geometry_must_make_sense() {
+fn impossible_shapes_are_refused() {
     for radius in ["0", "-1"] {
         let body = format!("Group {{ Sphere {{ center 0 0 0 radius ‹{radius}› }} }}");
         refused(&body, &format!("`radius` of `Sphere` cannot be `{radius}`"), "must be above 0");
@@ -181,7 +181,7 @@ fn geometry_must_make_sense() {
 }
 
 #[test]
-fn colours_must_be_possible() {
+fn impossible_colors_are_refused() {
     refused("Background { color ‹0 -1 0› }", "cannot be `0 -1 0`", "negative");
     refused("Lights { PointLight { position 0 0 0 power ‹-1 0 0› } }", "`power` of `PointLight`", "not be negative");
     refused("Group { Sphere { center 0 0 0 radius 1 emission ‹-1 0 0› } }", "`emission`", "not be negative");
@@ -195,7 +195,7 @@ fn colours_must_be_possible() {
 }
 
 #[test]
-fn cameras_must_see() {
+fn impossible_cameras_are_refused() {
     let camera = |fields: &str| {
         let (before, rest) = fields.split_once('‹').unwrap();
         let (text, after) = rest.split_once('›').unwrap();
@@ -226,7 +226,7 @@ fn cameras_must_see() {
 }
 
 #[test]
-fn lights_must_shine() {
+fn lights_need_exactly_one_strength() {
     let body = "Lights { SpotLight { position 0 0 0 lookAt 0 0 1 angle 60 penumbra 9 intensity 1 2 3 } } Group { }";
     let d = scene(body).unwrap();
     assert_eq!(
@@ -260,7 +260,7 @@ fn lights_must_shine() {
 }
 
 #[test]
-fn transforms_must_not_flatten() {
+fn singular_transforms_are_refused() {
     let transform = |maps: &str| format!("Group {{ Transform {{ {maps} Sphere {{ center 0 0 0 radius 1 }} }} }}");
     refused(&transform("Scale ‹1 0 1›"), "`Scale` flattens its object", "scales must not be 0");
     refused(&transform("UniformScale ‹0›"), "`UniformScale` flattens", "scales must not be 0");
@@ -288,7 +288,7 @@ fn transforms_must_not_flatten() {
 }
 
 #[test]
-fn unknown_words_bring_a_suggestion() {
+fn unknown_words_get_a_suggestion() {
     refused("Group { ‹Spere› { } }", "unexpected `Spere` in `Group`", "did you mean `Sphere`?");
     refused("Group { Sphere { ‹radios› 1 } }", "unexpected `radios` in `Sphere`", "did you mean `radius`?");
     refused("‹Light› { }", "unexpected `Light` in the file", "did you mean `Lights`?");
@@ -303,7 +303,7 @@ fn unknown_words_bring_a_suggestion() {
 }
 
 #[test]
-fn materials_must_be_there() {
+fn unknown_materials_are_refused() {
     let two = "Materials { Diffuse red { reflectance 1 0 0 } Mirror \"blue sky\" { } }";
     scene(&format!("{two} Group {{ MaterialName red MaterialName \"blue sky\" MaterialIndex 1 }}")).unwrap();
     refused(&format!("{two} Group {{ MaterialIndex ‹2› }}"), "there is no material 2", "numbered from 0 to 1");
@@ -335,7 +335,7 @@ fn an_open_block_is_shown_where_it_opens() {
 }
 
 #[test]
-fn nesting_has_an_end() {
+fn nesting_is_limited() {
     let nested = |n: usize, open: &str| format!("{}{}", open.repeat(n), "}".repeat(n));
     let deepest = scene(&nested(MAX_DEPTH, "Group { numObjects 1 ").replace("1 }", "0 }")).unwrap();
     assert_eq!(parse("again", &deepest.to_string()).unwrap(), deepest);
@@ -351,7 +351,7 @@ fn nesting_has_an_end() {
 }
 
 #[test]
-fn neighbours_are_not_nesting() {
+fn objects_side_by_side_are_unlimited() {
     let body = "Group { } Transform { Group { } }".repeat(2 * MAX_DEPTH);
     assert_eq!(scene(&format!("Group {{ {body} }}")).unwrap().root.items.len(), 4 * MAX_DEPTH);
 }
@@ -369,7 +369,7 @@ fn the_deepest_nesting_fits_a_small_stack() {
 }
 
 #[test]
-fn bytes_must_be_text() {
+fn bytes_that_are_not_utf8_are_refused() {
     assert!(parse_bytes("a", format!("{CAMERA} Group {{}}").as_bytes()).is_ok());
     let error = parse_bytes("a", b"# ok\n  \xff Group").unwrap_err();
     assert_eq!((error.line(), error.column()), (2, 3));
@@ -378,7 +378,7 @@ fn bytes_must_be_text() {
 }
 
 #[test]
-fn meshes_tell_how_their_file_is_used() {
+fn mesh_options_are_read() {
     let options = |fields: &str| match first(&format!("Group {{ TriangleMesh {{ {fields} }} }}")) {
         Object::Shape { shape: Shape::Mesh { path, options }, .. } => {
             assert_eq!(path.value, "a.obj");

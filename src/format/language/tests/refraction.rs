@@ -1,4 +1,4 @@
-//! Glasses: by name, by Abbe's number, by their equations.
+//! Tests of the index of refraction: by name, by Abbe number, by equation.
 
 use super::surfaces::{bad, materials, named};
 use crate::color::Glass;
@@ -12,7 +12,7 @@ fn refraction(fields: &str) -> Refraction {
 }
 
 #[test]
-fn light_is_bent_in_one_of_five_ways() {
+fn five_parametrizations_of_the_index_are_read() {
     assert_eq!(refraction(""), Refraction::Index(1.5));
     assert_eq!(refraction("indexOfRefraction 1.7"), Refraction::Index(1.7));
     assert_eq!(refraction("glass BK7"), Refraction::Named(named("BK7")));
@@ -27,7 +27,7 @@ fn light_is_bent_in_one_of_five_ways() {
 }
 
 #[test]
-fn two_ways_at_once_are_refused() {
+fn two_indices_of_refraction_are_refused() {
     let of = |fields: &str| format!("Dielectric {{ {fields} }}");
     for second in ["glass› BK7", "cauchy› 1.5 0", "sellmeierB› 1 sellmeierC .01"] {
         let name = &second[..second.find('›').unwrap()];

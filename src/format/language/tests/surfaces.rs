@@ -1,4 +1,4 @@
-//! Dielectrics, conductors, panes and mixes, and light from all around.
+//! Tests of dielectrics, conductors, thin panes, mixes, environments and patches.
 
 use super::{refused, scene};
 use crate::format::description::{
@@ -21,7 +21,7 @@ pub(super) fn bad(body: &str, message: &str, help: &str) {
 }
 
 #[test]
-fn bodies_have_roughness_and_priority() {
+fn dielectrics_read_roughness_and_priority() {
     let kinds = materials("Dielectric { } Dielectric { priority 255 roughness .25 indexOfRefraction 1000 }");
     let attenuation = Attenuation::None;
     assert_eq!(
@@ -60,7 +60,7 @@ fn conductors_are_named_or_given_by_their_index() {
 }
 
 #[test]
-fn panes_let_some_light_through() {
+fn thin_panes_read_their_fields() {
     let kinds = materials("Thin { } Thin { transmittance .5 1 .25 indexOfRefraction 1.3 }");
     assert_eq!(kinds[0], MaterialKind::Thin { index: 1.5, transmittance: DVec3::ONE.into() });
     assert_eq!(kinds[1], MaterialKind::Thin { index: 1.3, transmittance: DVec3::new(0.5, 1.0, 0.25).into() });
@@ -70,7 +70,7 @@ fn panes_let_some_light_through() {
 }
 
 #[test]
-fn mixes_are_made_of_what_stands_before_them() {
+fn mixes_refer_to_earlier_materials() {
     let parts = "Mirror a { } Diffuse \"b c\" { reflectance 1 1 1 }";
     let kinds =
         materials(&format!("{parts} Mix m {{ first a second \"b c\" amount .3 }} Mix {{ amount 1 second m first m }}"));
@@ -115,7 +115,7 @@ fn a_mix_holds_one_body_at_most() {
 }
 
 #[test]
-fn light_from_all_around_is_one_colour_or_a_picture() {
+fn environments_are_constant_or_a_picture() {
     let light = |fields: &str| {
         let d = scene(&format!("Lights {{ EnvironmentLight {{ {fields} }} }} Group {{ }}")).unwrap();
         d.lights[0].value.clone()
@@ -141,7 +141,7 @@ fn light_from_all_around_is_one_colour_or_a_picture() {
 }
 
 #[test]
-fn nets_of_control_points_must_fit() {
+fn patch_control_points_must_fit_the_degrees() {
     let object = |body: &str| {
         let d = scene(&format!("Group {{ {body} }}")).unwrap();
         match d.root.items.into_iter().next() {

@@ -1,4 +1,4 @@
-//! Textures and what follows them.
+//! Tests of textures and textured fields.
 
 use super::*;
 use crate::format::description::{
@@ -13,7 +13,7 @@ fn named(name: &str) -> Spanned<String> {
 const TILES: &str = "Textures { Checker tiles { } }";
 
 #[test]
-fn textures_say_what_they_show() {
+fn textures_read_all_their_fields() {
     let text = "Textures { numTextures 3
         Image \"a b\" { file dir/a.png encoding linear wrap mirror scale 2 -3 rotate 90 offset .5 1 }
         Checker c { color0 1 2 3 }
@@ -37,7 +37,7 @@ fn textures_say_what_they_show() {
 }
 
 #[test]
-fn names_stand_for_numbers() {
+fn texture_names_replace_numbers() {
     let text = format!(
         "{TILES} Materials {{
             Diffuse {{ reflectance tiles emission \"tiles\" emissionScale 3 bump lumps.png bumpHeight -.5 }}
@@ -72,7 +72,7 @@ fn names_stand_for_numbers() {
 }
 
 #[test]
-fn what_is_wrong_with_textures_is_said_at_its_place() {
+fn texture_errors_have_position_and_remedy() {
     refused("Textures { ‹Checker› { } }", "this `Checker` has no name", "`Checker name { … }`");
     refused("Textures { Checker a { } Noise ‹a› { } }", "two textures are called `a`", "another name");
     refused("Textures { ‹Cheker› a { } }", "unexpected `Cheker` in `Textures`", "did you mean `Checker`?");

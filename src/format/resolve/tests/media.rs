@@ -19,7 +19,7 @@ fn body(scene: &Scene, material: usize) -> Body {
     *scene.materials()[material].boundary().unwrap()
 }
 
-/// What fills the first material.
+/// The medium that fills the first material.
 fn contents(scene: &Scene) -> &Medium {
     &scene.media()[body(scene, 0).medium.unwrap() as usize]
 }
@@ -84,7 +84,7 @@ fn a_body_s_absorption_joins_that_of_an_even_medium() {
     scene(&filled(cloud, "Dielectric { medium c absorption 0 0 0 }"));
 }
 
-/// Of 2 × 1 × 1 cells in a box of length 8 the middles are at 2 and 6.
+/// The centers of 2 × 1 × 1 cells in a box of length 8 are at 2 and 6.
 #[test]
 fn grids_lie_in_their_box() {
     let folder = tempfile::tempdir().unwrap();

@@ -30,7 +30,7 @@ impl Folder {
     }
 }
 
-/// What is seen from the front, a quarter above the bottom edge.
+/// The surface seen from the front, a quarter above the bottom edge.
 fn at(scene: &Scene, x: f64, y: f64) -> (SurfaceInteraction<'_>, DVec3) {
     look(scene, dvec3(x, y, 9.0), Vec3::NEG_Z).unwrap()
 }

@@ -3,6 +3,7 @@
 mod materials;
 mod media;
 mod meshes;
+mod oriented_lights;
 mod textures;
 
 use super::super::parse;

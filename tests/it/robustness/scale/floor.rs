@@ -89,9 +89,9 @@ fn huge_floor_does_not_blur_caustics() {
 }
 
 /// Returns the flux \[W] of photons where `counts` is true, of 2¹⁷ paths emitted everywhere.
-fn flux(scene: &Scene, wants: StoreMask, counts: impl Fn(glam::DVec3) -> bool) -> f64 {
+fn flux(scene: &Scene, mask: StoreMask, counts: impl Fn(glam::DVec3) -> bool) -> f64 {
     let source = PhotonSource::everywhere(scene).unwrap();
-    let pass = PhotonPass { scene, source: &source, mask: wants, max_bounces: 20 };
+    let pass = PhotonPass { scene, source: &source, mask, max_bounces: 20 };
     let photons = pass.trace(Key::new(3).purpose(Purpose::Test), 1 << 17, &|_| {}).deposits.photons;
     let landed = photons.iter().filter(|p| counts(p.position.as_dvec3() + scene.origin()));
     landed.map(|p| f64::from(p.data.flux().y)).sum()
@@ -131,10 +131,10 @@ fn occluder_near_light_shades_huge_floor() {
     // and the stone likewise. Both floors receive what passes the glass within five sigma of their
     // difference, 5·√2/√2777.
     let near = |p: glam::DVec3| p.length() < 3.0;
-    for (wants, place) in
+    for (mask, place) in
         [(StoreMask::CAUSTIC, &near as &dyn Fn(_) -> _), (StoreMask::DIRECT, &|p| near(p) && p.y > 1.0)]
     {
-        let (flat, round) = (flux(&flat, wants, place), flux(&round, wants, place));
+        let (flat, round) = (flux(&flat, mask, place), flux(&round, mask, place));
         assert!(flat > 9.0 * 0.01 && (round / flat - 1.0).abs() < 0.134, "{round} W on a sphere, {flat} W on a disc");
     }
 }

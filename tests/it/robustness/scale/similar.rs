@@ -162,6 +162,14 @@ impl Similarity {
                 self.point(position);
                 self.intensity(strength);
             }
+            Light::Oriented { position, aim, up, pattern: _, strength } => {
+                self.aim(aim);
+                self.point(position);
+                if let Some(up) = up {
+                    self.vector(up);
+                }
+                self.intensity(strength);
+            }
             Light::Sphere { center, radius, strength } => {
                 self.point(center);
                 self.length(radius);
