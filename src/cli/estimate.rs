@@ -40,7 +40,7 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<Exit, Failure> {
         let scene = load(&arguments.scene, &progress)?;
         let algorithm = arguments.method.integrator;
         let mut settings = settings(&arguments.method, arguments.effects.effects);
-        settings.eye.gauge = true;
+        settings.eye.estimate_error = true;
         let memory = arguments.scene.memory();
         let pictures = check_pictures_with_error(1, scene.camera().size(), memory.free()).map_err(Failure::usage)?;
         let integrator = algorithm.prepare(&scene, settings);

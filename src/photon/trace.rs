@@ -74,7 +74,7 @@ impl PhotonPass<'_> {
                 let (mut deposits, mut tally) = (Deposits::default(), PathTally::default());
                 for index in range {
                     if let Some((ray, flux)) = self.source.emit::<I>(pass, index, paths) {
-                        let key = pass.with(u64::from(index));
+                        let key = pass.path(index);
                         self.follow(ray, flux, key, &mut tally, |deposit| deposits.store(self, &deposit));
                     }
                 }
@@ -109,7 +109,7 @@ impl PhotonPass<'_> {
         book(&mut audit.emitted, flux);
         for bounce in 0.. {
             *rays += 1;
-            let key = path.with(bounce.into());
+            let key = path.bounce(bounce);
 
             // Find the next vertex, and deposit in media on the way.
             let emitted = flux;

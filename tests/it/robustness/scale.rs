@@ -146,7 +146,7 @@ fn scaled_and_moved_scenes_give_same_image() {
 #[test]
 fn no_integrator_depends_on_length_unit() {
     let (eye, base) = (few().eye, few());
-    let estimated = EyeSettings { gauge: true, adaptive: true, samples: Some(2), ..eye };
+    let estimated = EyeSettings { estimate_error: true, adaptive: true, samples: Some(2), ..eye };
     let importance = Settings { final_gathering: FinalGathering::Importance, ..base.clone() };
     let volume = |volume| Settings { volume, ..base.clone() };
     let cases = [

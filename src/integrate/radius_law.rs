@@ -1,30 +1,35 @@
-//! The radius law of independent passes.
+//! Radius law of independent passes.
 
 use crate::photon::Kernel;
 
-/// How fast the radius shrinks: variance falls as N^−α, squared bias as N^2(α−1); ⅔ balances both (Kaplanyan and Dachsbacher
+/// Default exponent α of the radius law.
+///
+/// Variance falls as N^−α, squared bias as N^2(α−1); ⅔ balances both (Kaplanyan and Dachsbacher
 /// 2013).
 pub const ALPHA: f64 = 2.0 / 3.0;
 
-/// How radii go from pass to pass, and how noisy their estimates are.
+/// Law by which gather radii change from pass to pass, with the kernel of the estimates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RadiusLaw {
-    /// Variance of n passes falls as n^−α where estimates make it; 1 where radii stay.
+    /// Exponent α: the variance of photon estimates falls as n^−α over n passes; 1 for fixed radii.
     pub alpha: f64,
     /// Kernel of the estimates.
     pub kernel: Kernel,
 }
 
-/// Squared radius of pass `pass` (counted from 0) over that of the first: the product of (i + α)/(i + 1) for i = 1 … pass
-/// (Knaus and Zwicker 2011, equation 15).
+/// Squared radius of pass `pass` (counted from 0) relative to the first pass.
+///
+/// It is the product of (i + α)/(i + 1) for i = 1 … pass (Knaus and Zwicker 2011, equation 15).
 #[must_use]
 pub fn shrink(alpha: f64, pass: u32) -> f64 {
     (1..=pass).map(f64::from).map(|i| (i + alpha) / (i + 1.0)).product()
 }
 
-/// The radius of pass `pass` over that of the first, of a kernel in so many dimensions, where the squared radius of discs follows
-/// [`shrink`]: its measure shrinks by the same law, with 1 − α times 3d/(4 + d). By default that is α = 4/(4 + d), where variance N^−α and
-/// squared bias N^4(α−1)/d fall alike.
+/// Radius of pass `pass` relative to the first pass, for a kernel in `dimensions` dimensions.
+///
+/// The measure of the kernel follows [`shrink`], with 1 − α scaled by 3d/(4 + d). The default α
+/// becomes 4/(4 + d), which balances variance N^−α and squared bias N^4(α−1)/d. Discs (d = 2) keep
+/// their α.
 #[must_use]
 pub(super) fn shrink_in(dimensions: u32, alpha: f64, pass: u32) -> f32 {
     let d = f64::from(dimensions);
@@ -37,7 +42,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn discs_shrink_by_the_law_of_surfaces() {
+    fn kernels_shrink_by_their_dimension() {
         for pass in [0, 1, 17, 1000] {
             assert!((f64::from(shrink_in(2, ALPHA, pass)) - shrink(ALPHA, pass).sqrt()).abs() < 1e-6);
         }
@@ -48,7 +53,8 @@ mod tests {
         }
     }
 
-    /// The closed form Γ(N+α)/(Γ(1+α)Γ(N+1)) and its asymptote N^(α−1)/Γ(1+α), whose relative error is below 1/N.
+    /// The closed form Γ(N+α)/(Γ(1+α)Γ(N+1)) and its asymptote N^(α−1)/Γ(1+α), whose relative error
+    /// is below 1/N.
     #[test]
     fn the_product_is_the_ratio_of_gammas() {
         assert_eq!((shrink(ALPHA, 0), shrink(1.0, 1000), shrink_in(3, 1.0, 1000)), (1.0, 1.0, 1.0));
