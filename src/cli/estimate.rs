@@ -110,6 +110,7 @@ struct List {
     pass_seconds: f64,
     pass_photons: f64,
     peak_memory_bytes: Option<u64>,
+    #[serde(rename = "prices")]
     estimates: Vec<Estimate>,
 }
 
