@@ -90,7 +90,7 @@ pub enum MaterialKind {
 pub enum Refraction {
     /// Equal for all wavelengths.
     Index(f64),
-    /// That of a glass in the table of names.
+    /// Index of a named glass.
     Named(Spanned<String>),
     /// Cauchy's equation of two terms, by index and Abbe number.
     Abbe {
@@ -99,8 +99,8 @@ pub enum Refraction {
         /// Abbe number, above 0.
         abbe: f64,
     },
-    /// An equation of its own; indices lie inside [0.001, 1000] from 380 to 720 nm.
-    Own(Glass),
+    /// Dispersion equation; indices lie in [0.001, 1000] from 380 to 720 nm.
+    Glass(Glass),
 }
 
 impl From<f64> for Refraction {

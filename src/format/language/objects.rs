@@ -79,7 +79,7 @@ fn unexpected<'a>(parser: &Parser<'a>, word: Token<'a>) -> SceneError {
 
 /// True if `word` is the keyword of an object.
 fn is_object(word: &str) -> bool {
-    NESTING.contains(&word) || SHAPES.iter().any(|block| block.is(word))
+    NESTING.contains(&word) || SHAPES.iter().any(|entry| entry.block.is(word))
 }
 
 /// Reads an object into memory of its own, so that recursion keeps small frames on the stack.

@@ -124,6 +124,15 @@ pub(super) struct Block {
     pub course: bool,
 }
 
+/// A block of a table, with the function that reads its fields.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Entry<R: 'static> {
+    /// Keyword, fields and help.
+    pub block: &'static Block,
+    /// Reader of the block.
+    pub read: R,
+}
+
 /// A field named `name` of type `kind`, optional until [`Field::required`] or [`Field::or`].
 pub(super) const fn field(name: &'static str, kind: Kind, range: Range, help: &'static str) -> Field {
     Field { name, alias: "", kind, range, unit: "", default: Default::Absent(""), help, course: false }
@@ -298,14 +307,20 @@ impl Block {
     }
 }
 
-/// Returns the block of a keyword or alias.
-pub(super) fn find(blocks: &'static [&'static Block], word: &str) -> Option<&'static Block> {
-    blocks.iter().copied().find(|block| block.is(word))
+/// Returns the entry of a keyword or alias.
+pub(super) fn find<R>(table: &'static [Entry<R>], word: &str) -> Option<&'static Entry<R>> {
+    table.iter().find(|entry| entry.block.is(word))
 }
 
-/// Returns all keywords and aliases of `blocks`, after the words of `before`.
-pub(super) fn keywords(before: &[&'static str], blocks: &'static [&'static Block]) -> Vec<&'static str> {
-    let words = blocks.iter().flat_map(|block| std::iter::once(block.keyword).chain(block.aliases.iter().copied()));
+/// Returns the blocks of a table.
+pub(super) fn blocks<R>(table: &'static [Entry<R>]) -> Vec<&'static Block> {
+    table.iter().map(|entry| entry.block).collect()
+}
+
+/// Returns all keywords and aliases of `table`, after the words of `before`.
+pub(super) fn keywords<R>(before: &[&'static str], table: &'static [Entry<R>]) -> Vec<&'static str> {
+    let blocks = table.iter().map(|entry| entry.block);
+    let words = blocks.flat_map(|block| std::iter::once(block.keyword).chain(block.aliases.iter().copied()));
     before.iter().copied().chain(words).collect()
 }
 

@@ -9,7 +9,7 @@ use crate::format::description::{Emission, Material, MaterialKind, MeshOptions, 
 use crate::format::mesh::{self, Loaded, MeshError, NO_MATERIAL, TriangleMesh};
 use crate::format::mtl;
 use crate::math::{Motion, Transform};
-use crate::shape::Form;
+use crate::shape::MappingKind;
 use crate::stats::bytes;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -31,10 +31,10 @@ pub(super) type Key = (PathBuf, bool, bool, Option<u64>);
 pub(super) struct EmissionOverride {
     /// Radiance in W/(m² sr); the mean of a texture.
     pub radiance: Rgb,
-    /// True if the object states the radiance, rather than its material.
-    pub told: bool,
+    /// True if the radiance is set on the object, not on its material.
+    pub of_object: bool,
     /// Texture of the radiance, and the factor of its values.
-    pub glow: Option<(u32, Rgb)>,
+    pub texture: Option<(u32, Rgb)>,
 }
 
 /// Placement of a mesh.
@@ -43,7 +43,7 @@ pub(super) struct Placing<'p> {
     /// Map to the world when the shutter opens.
     pub map: &'p Transform,
     pub span: Span,
-    pub shine: &'p EmissionOverride,
+    pub emission: &'p EmissionOverride,
 }
 
 /// Parts of a mesh, one for each material.
@@ -54,12 +54,12 @@ pub(super) struct Pieces {
 struct Piece {
     mesh: Rc<TriangleMesh>,
     /// The file's own material; `None` for the scene's.
-    own: Option<Own>,
+    own: Option<FileMaterial>,
 }
 
 /// A material of a mesh file.
 #[derive(Clone, Debug)]
-pub(super) struct Own {
+pub(super) struct FileMaterial {
     name: Rc<str>,
     index: u32,
     emission: Rgb,
@@ -77,14 +77,14 @@ pub(super) fn add_mesh(
     let in_force = r.material;
     for Piece { mesh, own } in &pieces.list {
         let emission = match own {
-            Some(own) if !placing.shine.told => own.emission,
-            _ => placing.shine.radiance,
+            Some(own) if !placing.emission.of_object => own.emission,
+            _ => placing.emission.radiance,
         };
         r.material = own.as_ref().map_or(in_force, |own| own.index);
         let name = own.as_ref().map(|own| &*own.name);
         r.check_coordinates(mesh.texcoords.is_some(), path, name)?;
         add_piece(r, path, placing, mesh, again, emission)?;
-        if let (Some((texture, scale)), None) = (placing.shine.glow, own) {
+        if let (Some((texture, scale)), None) = (placing.emission.texture, own) {
             r.builder.emission_texture(texture, scale);
         }
     }
@@ -119,7 +119,7 @@ fn add_piece(
         super::shapes::place_mesh(r, placing.map, &mesh.positions, normals, &mesh.triangles, emission);
         super::shapes::set_texcoords(r, texcoords);
     }
-    super::shapes::set_mapping(r, Form::Uv, placing.to_world);
+    super::shapes::set_mapping(r, MappingKind::Uv, placing.to_world);
     Ok(())
 }
 
@@ -177,7 +177,7 @@ fn mesh_materials(
     path: &Spanned<String>,
     file: &Path,
     loaded: &Loaded,
-) -> Result<Rc<Vec<Own>>, SceneError> {
+) -> Result<Rc<Vec<FileMaterial>>, SceneError> {
     if let Some(own) = r.own_materials.get(file) {
         return Ok(own.clone());
     }
@@ -195,7 +195,11 @@ fn mesh_materials(
 }
 
 /// Adds a material of a mesh file; errors have the position of the mesh's path.
-fn own_material(r: &mut Resolver<'_>, path: &Spanned<String>, mut meaning: Material) -> Result<Own, SceneError> {
+fn own_material(
+    r: &mut Resolver<'_>,
+    path: &Spanned<String>,
+    mut meaning: Material,
+) -> Result<FileMaterial, SceneError> {
     if let MaterialKind::Phong { texture: Some(picture), .. } = &mut meaning.kind {
         picture.span = path.span;
     }
@@ -209,5 +213,5 @@ fn own_material(r: &mut Resolver<'_>, path: &Spanned<String>, mut meaning: Mater
         Some(Emission::Radiance(radiance)) => rgb(radiance),
         _ => Rgb::ZERO,
     };
-    Ok(Own { name: meaning.name.unwrap_or_default().into(), index, emission })
+    Ok(FileMaterial { name: meaning.name.unwrap_or_default().into(), index, emission })
 }

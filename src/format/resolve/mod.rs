@@ -129,7 +129,7 @@ struct Resolver<'a> {
     /// Meshes that were read, by file and options.
     meshes: HashMap<meshes::Key, Rc<meshes::Pieces>>,
     /// Materials of mesh files, in the order in which the meshes name them.
-    own_materials: HashMap<PathBuf, Rc<Vec<meshes::Own>>>,
+    own_materials: HashMap<PathBuf, Rc<Vec<meshes::FileMaterial>>>,
     /// Number of objects that name each mesh path.
     uses: HashMap<&'a str, usize>,
     /// Shared copies, by mesh.
@@ -205,7 +205,7 @@ impl Resolver<'_> {
             }
             Object::Shape { shape, emission } => {
                 let own = self.description.materials.get(self.material as usize).and_then(|m| m.emission.as_ref());
-                let (radiance, glow) = match (emission, own) {
+                let (radiance, texture) = match (emission, own) {
                     (Some(emission), _) | (None, Some(Emission::Radiance(emission))) => (rgb(*emission), None),
                     (None, Some(Emission::Texture { name, scale })) => {
                         let known = self.known(name, &(0.0..=f32::MAX))?;
@@ -216,8 +216,8 @@ impl Resolver<'_> {
                 };
                 self.check_radiance(radiance, object.span)?;
                 media::check_clear(self, radiance, object.span)?;
-                let shine = EmissionOverride { radiance, told: emission.is_some(), glow };
-                shapes::add_shape(self, shape, object.span, to_world, &shine)
+                let emission = EmissionOverride { radiance, of_object: emission.is_some(), texture };
+                shapes::add_shape(self, shape, object.span, to_world, &emission)
             }
         }
     }

@@ -8,7 +8,7 @@ use crate::format::description::{Curve, CurveBasis, Shape as Described, Span};
 use crate::math::{Motion, Transform};
 use crate::shape::parametric::{Basis, SplineError};
 use crate::shape::{
-    Cuboid, Disc, Form, Frustum, IndexedMesh, Instance, Mesh, Patch, Plane, Rectangle, Revolution, Shape, Sphere,
+    Cuboid, Disc, Frustum, IndexedMesh, Instance, MappingKind, Mesh, Patch, Plane, Rectangle, Revolution, Shape, Sphere,
 };
 use glam::{DAffine3, DMat3, DVec2, DVec3, Vec3};
 use std::sync::Arc;
@@ -51,15 +51,15 @@ pub(super) fn add_shape(
     shape: &Described,
     span: Span,
     to_world: &Motion,
-    shine: &EmissionOverride,
+    emission_override: &EmissionOverride,
 ) -> Result<(), SceneError> {
-    let emission = shine.radiance;
+    let emission = emission_override.radiance;
     let map = r.transform(to_world.at(0.0), span)?;
     let material = r.material;
     match shape {
         Described::Sphere { center, radius } => {
             place(r, Shape::Sphere(Sphere::new(*center, *radius)), to_world, &map, span, emission)?;
-            set_mapping(r, Form::Spherical { center: *center }, to_world);
+            set_mapping(r, MappingKind::Spherical { center: *center }, to_world);
         }
         Described::Plane { normal, offset } => {
             if emission != Rgb::ZERO {
@@ -73,15 +73,15 @@ pub(super) fn add_shape(
             } else {
                 r.builder.moving_plane(plane, to_world.clone(), material, emission);
             }
-            set_mapping(r, Form::plane(*normal), to_world);
+            set_mapping(r, MappingKind::plane(*normal), to_world);
         }
         Described::Disc { center, normal, radius } => {
             place(r, Shape::Disc(Disc::around(*center, *normal, *radius)), to_world, &map, span, emission)?;
-            set_mapping(r, Form::disc(*center, *normal, *radius), to_world);
+            set_mapping(r, MappingKind::disc(*center, *normal, *radius), to_world);
         }
         Described::Rectangle { corner, edge0, edge1 } => {
             place(r, Shape::Rectangle(Rectangle::new(*corner, *edge0, *edge1)), to_world, &map, span, emission)?;
-            set_mapping(r, Form::rectangle(*corner, *edge0, *edge1), to_world);
+            set_mapping(r, MappingKind::rectangle(*corner, *edge0, *edge1), to_world);
         }
         Described::Box { min, max } => {
             place_solid(r, Cuboid::new(*min, *max).map(Shape::Cuboid), to_world, &map, span, emission)?;
@@ -104,15 +104,20 @@ pub(super) fn add_shape(
                 let instance = Instanced::new(vertices, normals, Some(&uv), &[[0, 1, 2]]);
                 place_instance(r, &instance, to_world, &map, span, emission)?;
             }
-            set_mapping(r, Form::Uv, to_world);
+            set_mapping(r, MappingKind::Uv, to_world);
         }
         Described::Mesh { path, options } => {
-            super::meshes::add_mesh(r, &Placing { to_world, map: &map, span, shine }, path, *options)?;
+            super::meshes::add_mesh(
+                r,
+                &Placing { to_world, map: &map, span, emission: emission_override },
+                path,
+                *options,
+            )?;
         }
         Described::Revolution { profile } => {
             let surface = revolution(profile, r.memory.free()).map_err(|e| refuse_spline(r, span, &e))?;
             place(r, Shape::Revolution(surface), to_world, &map, span, emission)?;
-            set_mapping(r, Form::Uv, to_world);
+            set_mapping(r, MappingKind::Uv, to_world);
         }
         Described::Patches { degree, controls } => {
             let [u, v] = degree.map(|d| Basis::bezier(d as usize + 1));
@@ -123,8 +128,8 @@ pub(super) fn add_shape(
                 let patch = Patch::within(bases, net, free).map_err(|e| refuse_spline(r, span, &e))?;
                 free = free.map(|free| free.saturating_sub(patch.bytes()));
                 place(r, Shape::Patch(patch), to_world, &map, span, emission)?;
-                set_mapping(r, Form::Uv, to_world);
-                set_emission_texture(r, shine);
+                set_mapping(r, MappingKind::Uv, to_world);
+                set_emission_texture(r, emission_override);
             }
         }
         Described::Nurbs { degree, count, knots, controls } => {
@@ -135,21 +140,21 @@ pub(super) fn add_shape(
             let surface = || Patch::within([&basis(0)?, &basis(1)?], controls, r.memory.free());
             let surface = surface().map_err(|e| refuse_spline(r, span, &e))?;
             place(r, Shape::Patch(surface), to_world, &map, span, emission)?;
-            set_mapping(r, Form::Uv, to_world);
+            set_mapping(r, MappingKind::Uv, to_world);
         }
         // A curve has no surface.
         Described::Curve(_) => {}
     }
     // Shapes of several parts have set it for each part.
     if !matches!(shape, Described::Mesh { .. } | Described::Patches { .. } | Described::Curve(_)) {
-        set_emission_texture(r, shine);
+        set_emission_texture(r, emission_override);
     }
     Ok(())
 }
 
 /// Sets the emission texture of the object that was added last, if it has one.
-fn set_emission_texture(r: &mut Resolver<'_>, shine: &EmissionOverride) {
-    if let Some((texture, scale)) = shine.glow {
+fn set_emission_texture(r: &mut Resolver<'_>, emission_override: &EmissionOverride) {
+    if let Some((texture, scale)) = emission_override.texture {
         r.builder.emission_texture(texture, scale);
     }
 }
@@ -165,7 +170,7 @@ fn place_solid(
 ) -> Result<(), SceneError> {
     let solid = solid.ok_or_else(|| refuse(r, span, "this shape has no extent", "make it larger"))?;
     place(r, solid, to_world, map, span, emission)?;
-    set_mapping(r, Form::Uv, to_world);
+    set_mapping(r, MappingKind::Uv, to_world);
     Ok(())
 }
 
@@ -194,9 +199,9 @@ fn is_textured(r: &Resolver<'_>) -> bool {
 }
 
 /// Sets the texture mapping of the object that was added last, if its material has textures.
-pub(super) fn set_mapping(r: &mut Resolver<'_>, form: Form, to_world: &Motion) {
+pub(super) fn set_mapping(r: &mut Resolver<'_>, kind: MappingKind, to_world: &Motion) {
     if is_textured(r) {
-        r.builder.mapping(form, to_world);
+        r.builder.mapping(kind, to_world);
     }
 }
 
