@@ -1,5 +1,6 @@
 //! `caustica render`.
 
+use super::check::cheap_warnings;
 use super::diagnostics::{black_picture, has_no_power, no_photon_stored};
 use super::interrupt::{INTERRUPTED, listen};
 use super::memory::{check_photons, check_pictures, check_pictures_with_error};
@@ -7,7 +8,7 @@ use super::outputs::{NamedFile, OutputFailures, check_distinct};
 use super::plan::{self, counted};
 use super::progress::{InputFiles, Progress, tell, warn_of_rejected};
 use super::report::{ErrorReport, Report, Setup};
-use super::scene::{in_pool, load};
+use super::scene::{in_pool, load_with_file};
 use super::settings::settings;
 use super::{Exit, Failure, RenderArguments, aov, outlook};
 use crate::image::{self, Curve, Image, OutputFormat, ToneMap, WriteOptions, WriteReport};
@@ -53,8 +54,10 @@ fn outputs(arguments: &RenderArguments) -> Vec<NamedFile> {
 fn run_in_pool(arguments: &RenderArguments, progress: &Progress) -> Result<Exit, Failure> {
     let start = Instant::now();
     let inputs = InputFiles::new(progress);
-    let scene = load(&arguments.scene, &inputs)?;
+    let (file, scene) = load_with_file(&arguments.scene, &inputs)?;
     progress.finish();
+    cheap_warnings(&file, &scene, &arguments.scene).iter().for_each(|line| progress.say(line));
+    drop(file);
     let inputs: Vec<NamedFile> = inputs.into_files().iter().map(|path| NamedFile::new("the input", path)).collect();
     check_distinct(&outputs(arguments), &inputs)?;
     let algorithm = arguments.method.integrator;

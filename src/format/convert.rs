@@ -1,8 +1,7 @@
 //! Writing any imported scene as scene text, with the meshes and pictures that it holds beside it.
 
 use super::description::{
-    Density, Description, EnvironmentRadiance, Group, Item, Light, LightPattern, MaterialKind, NormalPerturbation,
-    Object, Shape, Spanned, TextureKind,
+    Density, Description, Group, Item, MaterialKind, NormalPerturbation, Object, Shape, Spanned, TextureKind,
 };
 use super::file::SceneFile;
 use super::mesh::TriangleMesh;
@@ -69,7 +68,9 @@ fn absolute(path: &Path) -> Option<PathBuf> {
 /// Calls `visit` with each path of a file that the description names.
 fn for_each_path(description: &mut Description, visit: &mut impl FnMut(&mut String)) {
     for light in &mut description.lights {
-        light_path(&mut light.value, visit);
+        if let Some(path) = light.value.path_mut() {
+            visit(path);
+        }
     }
     let textures: Vec<String> = description.textures.iter().map(|texture| texture.name.clone()).collect();
     for texture in &mut description.textures {
@@ -102,25 +103,6 @@ fn for_each_path(description: &mut Description, visit: &mut impl FnMut(&mut Stri
         }
     }
     group_paths(&mut description.root, visit);
-}
-
-fn light_path(light: &mut Light, visit: &mut impl FnMut(&mut String)) {
-    match light {
-        Light::Moving { light, .. } => light_path(&mut light.value, visit),
-        Light::Environment(EnvironmentRadiance::Picture { path, .. }) => visit(&mut path.value),
-        Light::Oriented { pattern, .. } => match pattern {
-            LightPattern::Picture { path, .. } | LightPattern::Map(path) | LightPattern::Profile(path) => {
-                visit(&mut path.value)
-            }
-        },
-        Light::Point { .. }
-        | Light::Directional { .. }
-        | Light::Spot { .. }
-        | Light::Sphere { .. }
-        | Light::Disc { .. }
-        | Light::Rectangle { .. }
-        | Light::Environment(EnvironmentRadiance::Constant(_)) => {}
-    }
 }
 
 fn group_paths(group: &mut Group, visit: &mut impl FnMut(&mut String)) {

@@ -62,10 +62,17 @@ impl SceneFile {
         resolve_assets(&self.description, &self.source, &self.folder, &self.assets, monitor, memory)
     }
 
-    /// Returns warnings about the scene, one line each: unused textures and materials, defective dielectric meshes.
+    /// Returns warnings about the scene, one line each: unused textures and materials, and
+    /// defective dielectric meshes. Reads these meshes again.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         warnings::warnings(&self.description, &self.source, &self.folder, &self.assets)
+    }
+
+    /// Returns warnings about unused textures and materials, one line each. Reads no file.
+    #[must_use]
+    pub fn unused_warnings(&self) -> Vec<String> {
+        warnings::unused_warnings(&self.description, &self.source)
     }
 
     /// Returns the folder that holds the file.

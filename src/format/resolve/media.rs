@@ -3,7 +3,7 @@
 use super::{Resolver, rgb};
 use crate::color::Rgb;
 use crate::format::description::{
-    self, Coefficients, Density, Extent, Light, Map, Material, MaterialKind, Medium as Described, Span, Spanned,
+    self, Coefficients, Density, Extent, Map, Material, MaterialKind, Medium as Described, Span, Spanned,
 };
 use crate::format::{SceneError, grid};
 use crate::medium::{Cloud, GridDensity, GridDensityError, Medium, PhaseFunction};
@@ -101,14 +101,12 @@ pub(super) fn fill_background(r: &mut Resolver<'_>) -> Result<(), SceneError> {
         return refuse("it emits without absorbing, so it is infinitely bright", help);
     }
     if extinction != Rgb::ZERO
-        && let Some(light) = r.description.lights.iter().find_map(from_infinity)
+        && let Some(light) = r.description.lights.iter().find(|light| light.is_infinite())
     {
-        let message = format!(
-            "how much light from infinity arrives would hang on where `{}` ends, which fills the scene",
-            name.value
-        );
+        let message =
+            format!("the medium `{}` fills the scene and absorbs or scatters all light from infinity", name.value);
         let help = "leave the light out, or put the medium into a shape of a material `Clear { medium … }`";
-        return Err(super::shapes::refuse(r, light, &message, help));
+        return Err(super::shapes::refuse(r, light.span, &message, help));
     }
     r.builder.ambient_medium(index);
     Ok(())
@@ -166,18 +164,4 @@ fn cells(extent: &Extent, resolution: u32) -> [u32; 3] {
     let sides = extent.max - extent.min;
     let count = |side: f64| (f64::from(resolution) * (side / sides.max_element())).ceil().max(2.0) as u32;
     DVec3::to_array(&sides).map(count)
-}
-
-/// Returns the span of a light if it comes from infinity.
-fn from_infinity(light: &Spanned<Light>) -> Option<Span> {
-    match &light.value {
-        Light::Directional { .. } | Light::Environment(_) => Some(light.span),
-        Light::Moving { light, .. } => from_infinity(light),
-        Light::Point { .. }
-        | Light::Spot { .. }
-        | Light::Oriented { .. }
-        | Light::Sphere { .. }
-        | Light::Disc { .. }
-        | Light::Rectangle { .. } => None,
-    }
 }
