@@ -26,7 +26,7 @@ fn examples_of_the_reference_parse_and_print_back() {
 }
 
 #[test]
-fn the_reference_tables_are_those_of_the_program() {
+fn the_reference_tables_match_the_program() {
     let page = include_str!("../../../docs/scene-language.md");
     assert!(super::with_reference(page) == page, "run `cargo run --example scene_language`");
     assert_eq!(page.matches("<!-- reference: ").count(), 7);
@@ -70,7 +70,7 @@ Group {
 }
 
 #[test]
-fn reading_takes_linear_time() {
+fn parsing_takes_linear_time() {
     let time = |n: usize| {
         let body = "Sphere { center 0 0 0 radius 1 }\n".repeat(n);
         let text =
