@@ -23,9 +23,11 @@ pub struct Conversion {
 }
 
 impl Conversion {
-    /// Converts `scene` to a scene text at `output`, which other files are named after. Writes nothing.
+    /// Converts `scene` to a scene text at `output`, which other files are named after. Writes
+    /// nothing.
     ///
-    /// A relative path of a file that exists becomes absolute if `output` is in another folder than the scene.
+    /// A relative path of a file that exists becomes absolute if `output` is in another folder than
+    /// the scene.
     #[must_use]
     pub fn new(scene: &SceneFile, output: &Path) -> Self {
         let mut description = scene.description.clone();
@@ -59,7 +61,8 @@ impl Conversion {
     }
 }
 
-/// Returns the absolute path of a file or folder, with all links resolved; `None` if it does not exist.
+/// Returns the absolute path of a file or folder, with all links resolved; `None` if it does not
+/// exist.
 fn absolute(path: &Path) -> Option<PathBuf> {
     let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
     path.canonicalize().ok()

@@ -41,7 +41,8 @@ impl Source {
         &self.text
     }
 
-    /// Returns `message` as a warning at `span`, in one line; without a position if there is no text.
+    /// Returns `message` as a warning at `span`, in one line; without a position if there is no
+    /// text.
     pub(super) fn warning(&self, span: Span, message: &str) -> String {
         if self.text.is_empty() {
             return format!("{}: warning: {message}", self.name);
@@ -85,10 +86,11 @@ impl SourceCode for Source {
     }
 }
 
-/// Error of a scene file: what is wrong, where, and the remedy. It may carry further errors of the same file.
+/// Error of a scene file: what is wrong, where, and the remedy. It may carry further errors of the
+/// same file.
 ///
-/// `Display` gives `file:line:column: message`, without the numbers if the error has no position; [`miette`] adds the
-/// offending text, the remedy and the further errors.
+/// `Display` gives `file:line:column: message`, without the numbers if the error has no position;
+/// [`miette`] adds the offending text, the remedy and the further errors.
 ///
 /// ```
 /// let error = caustica::format::parse("a.txt", "Group {\n  Spere { }\n}").unwrap_err();
@@ -124,7 +126,8 @@ struct Parts {
 }
 
 impl SceneError {
-    /// An error at `span`: `message` says what is wrong, `label` stands under the text, `help` is the remedy.
+    /// An error at `span`: `message` says what is wrong, `label` stands under the text, `help` is
+    /// the remedy.
     #[must_use]
     pub fn at(
         source: &Source,
@@ -150,7 +153,8 @@ impl SceneError {
         error
     }
 
-    /// Returns `errors` as one error in the order of the text, with the others as further errors; `None` if empty.
+    /// Returns `errors` as one error in the order of the text, with the others as further errors;
+    /// `None` if empty.
     ///
     /// At most 20 are kept. Errors must not carry further errors already.
     #[must_use]
@@ -257,7 +261,8 @@ impl Diagnostic for SceneError {
     }
 }
 
-/// Returns the text with control characters escaped, and the span in it, if there are such characters near the span.
+/// Returns the text with control characters escaped, and the span in it, if there are such
+/// characters near the span.
 ///
 /// A terminal must not obey what a scene file holds.
 fn escape(source: &Source, span: Span) -> Option<(Source, Span)> {

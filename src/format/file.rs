@@ -35,7 +35,8 @@ impl SceneFile {
         Self::read_within(path, Memory::Unbounded)
     }
 
-    /// Like [`SceneFile::read`], but refuses a file that takes more than `memory` before reading it.
+    /// Like [`SceneFile::read`], but refuses a file that takes more than `memory` before reading
+    /// it.
     ///
     /// # Errors
     /// [`ReadError`].
@@ -54,7 +55,8 @@ impl SceneFile {
         self.resolve_watched(&(), Memory::Unbounded)
     }
 
-    /// Like [`SceneFile::resolve`], within `memory`; `monitor` receives the progress of reading meshes.
+    /// Like [`SceneFile::resolve`], within `memory`; `monitor` receives the progress of reading
+    /// meshes.
     ///
     /// # Errors
     /// [`SceneError`].

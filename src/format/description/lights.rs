@@ -80,7 +80,8 @@ pub enum Light {
     },
     /// A light that moves while the shutter is open.
     Moving {
-        /// Motion as in [`Object::Moving`](super::Object::Moving), but about the light's own position.
+        /// Motion as in [`Object::Moving`](super::Object::Moving), but about the light's own
+        /// position.
         maps: Vec<Map>,
         /// The light.
         light: Box<Spanned<Light>>,

@@ -197,7 +197,8 @@ fn lens(f: &Fields<'_>, center: DVec3, direction: DVec3, aim: Aim) -> Result<Opt
     Ok(Some(Lens { opening, focus, blades }))
 }
 
-/// Returns `direction` or `lookAt`, and the direction from `center`, which is the value of the field `from`.
+/// Returns `direction` or `lookAt`, and the direction from `center`, which is the value of the
+/// field `from`.
 pub(super) fn aim(f: &Fields<'_>, from: &str, center: DVec3) -> Result<(Aim, DVec3), SceneError> {
     let aim = f.one_of(&["direction", "lookAt"])?;
     if aim.name() == "direction" {

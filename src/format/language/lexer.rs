@@ -20,7 +20,8 @@ impl Token<'_> {
     }
 }
 
-/// Reads tokens by the type that the parser expects: `20width` starts with a number if one is expected, else it is a word.
+/// Reads tokens by the type that the parser expects: `20width` starts with a number if one is
+/// expected, else it is a word.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lexer<'a> {
     name: &'a str,
@@ -73,7 +74,8 @@ impl<'a> Lexer<'a> {
         self.prefix(float_length)
     }
 
-    /// Reads the longest whole number that starts here, like `%d` of C's `scanf`; empty if there is none.
+    /// Reads the longest whole number that starts here, like `%d` of C's `scanf`; empty if there is
+    /// none.
     pub fn integer(&mut self) -> Token<'a> {
         self.skip();
         self.prefix(integer_length)
@@ -86,8 +88,8 @@ impl<'a> Lexer<'a> {
         token
     }
 
-    /// Reads a quoted string, or else the text up to white space or to a `}` that closes no `{` in it; empty if there
-    /// is none.
+    /// Reads a quoted string, or else the text up to white space or to a `}` that closes no `{` in
+    /// it; empty if there is none.
     pub fn name(&mut self) -> Result<Spanned<String>, SceneError> {
         self.skip();
         let rest = &self.text[self.at..];

@@ -335,7 +335,8 @@ fn mix<'a>(parser: &Parser<'a>, f: &Fields<'a>) -> Result<MaterialKind, SceneErr
             return Err(f.error(part.span, message, "no surface", help));
         }
     }
-    // A path could enter one body and leave the other, and would keep the first on its interior stack for ever.
+    // A path could enter one body and leave the other, and would keep the first on its interior
+    // stack for ever.
     if let (Some(a), Some(b)) = (scope.contents(&first).dielectric, scope.contents(&second).dielectric)
         && a != b
     {

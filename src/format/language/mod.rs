@@ -1,8 +1,8 @@
 //! The scene language: from text to description and back.
 //!
-//! Each part of the language has one file: tables of its blocks, the functions that read them, and those that print
-//! them. Errors that the text alone shows are reported here, with their position. Files are looked up later, by
-//! [`resolve`](super::resolve).
+//! Each part of the language has one file: tables of its blocks, the functions that read them, and
+//! those that print them. Errors that the text alone shows are reported here, with their position.
+//! Files are looked up later, by [`resolve`](super::resolve).
 
 mod camera;
 mod curves;
@@ -85,8 +85,9 @@ fn all_blocks() -> impl Iterator<Item = &'static Block> {
 
 /// Returns `page` with its reference tables replaced by those of the language.
 ///
-/// A table stands between the lines `<!-- reference: NAME -->` and `<!-- end of reference -->`; NAME is one of
-/// cameras, background, lights, textures, media, materials and shapes. Other text stays.
+/// A table stands between the lines `<!-- reference: NAME -->` and `<!-- end of reference -->`;
+/// NAME is one of cameras, background, lights, textures, media, materials and shapes. Other text
+/// stays.
 #[must_use]
 pub fn with_reference(page: &str) -> String {
     const END: &str = "<!-- end of reference -->";
@@ -186,7 +187,8 @@ fn file(parser: &mut Parser<'_>) -> Result<Description, SceneError> {
     Ok(Description { camera, background, filling, lights, textures, media, materials, root })
 }
 
-/// Reads the block that starts with `word`. It replaces an earlier one of its kind, as in MIT 6.837.
+/// Reads the block that starts with `word`. It replaces an earlier one of its kind, as in MIT
+/// 6.837.
 fn block<'a>(parser: &mut Parser<'a>, word: Token<'a>, allowed: &[&str], parts: &mut Parts) -> Result<(), SceneError> {
     match word.text {
         "Moving" => parts.camera = Some(moving_camera(parser, word)?),

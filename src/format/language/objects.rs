@@ -50,7 +50,8 @@ pub(super) fn group<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Result<G
     Ok(Group { items })
 }
 
-// The functions below are not inlined into `group`: it recurses, and its stack frame must stay small.
+// The functions below are not inlined into `group`: it recurses, and its stack frame must stay
+// small.
 
 /// Appends an item; returns its error if it has one.
 #[inline(never)]

@@ -1,4 +1,5 @@
-//! Tables of the scene language: which blocks exist, their fields, units, ranges, defaults and help.
+//! Tables of the scene language: which blocks exist, their fields, units, ranges, defaults and
+//! help.
 //!
 //! The reader checks values by these tables, the writer takes keywords from them, and the reference
 //! part of `docs/scene-language.md` is printed from them.
@@ -12,7 +13,8 @@ use super::text::has_direction;
 /// Largest value that single precision holds.
 const LARGEST: f64 = f32::MAX as f64;
 
-/// Largest coefficient per length: its products with densities and lengths still fit single precision.
+/// Largest coefficient per length: its products with densities and lengths still fit single
+/// precision.
 pub(super) const MAX_COEFFICIENT: f64 = 1e12;
 
 /// Type of the value that follows a field's name.
@@ -69,7 +71,7 @@ pub(super) enum Range {
     Between(f64, f64),
     /// Above the first bound, up to and including the second.
     UpTo(f64, f64),
-    /// As documented by this text; the block's own code checks it.
+    /// Range stated by this text and checked by the reader of the block.
     Special(&'static str),
 }
 

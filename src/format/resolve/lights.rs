@@ -131,7 +131,8 @@ fn oriented(
     Ok(OrientedSource { position, direction, up, pattern })
 }
 
-/// Pairs of angle \[degrees] and intensity, one per line; `#` starts a comment. `None` if the table is invalid.
+/// Pairs of angle \[degrees] and intensity, one per line; `#` starts a comment. `None` if the table
+/// is invalid.
 fn profile(text: &str) -> Option<Vec<(f64, f64)>> {
     let lines = text.lines().map(|line| line.split('#').next().unwrap_or_default().trim());
     let pair = |line: &str| {

@@ -28,18 +28,21 @@ use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use textures::{Known, TextureNeeds};
 
-/// Returns the scene of a description. Meshes, pictures and grids are looked up in `folder`, then in its parent.
+/// Returns the scene of a description. Meshes, pictures and grids are looked up in `folder`, then
+/// in its parent.
 ///
 /// # Errors
-/// [`SceneError`] with the position in `source`: a mesh, picture or grid that is missing or broken, an unknown metal or
-/// glass, a singular product of transforms, an object that cannot emit, a medium that cannot fill its body.
+/// [`SceneError`] with the position in `source`: a mesh, picture or grid that is missing or broken,
+/// an unknown metal or glass, a singular product of transforms, an object that cannot emit, a
+/// medium that cannot fill its body.
 pub fn resolve(description: &Description, source: &Source, folder: &Path) -> Result<Scene, SceneError> {
     resolve_watched(description, source, folder, &(), Memory::Unbounded)
 }
 
 /// Like [`resolve`], within `memory`; `monitor` receives the progress of reading meshes.
 ///
-/// Pictures, grids, and meshes with their hierarchies are refused before they exceed the memory limit.
+/// Pictures, grids, and meshes with their hierarchies are refused before they exceed the memory
+/// limit.
 ///
 /// # Errors
 /// [`SceneError`], as for [`resolve`], or [for lack of memory](SceneError::exhausts_memory).

@@ -411,7 +411,8 @@ fn name_materials(group: &mut Group, materials: &[Spanned<Material>]) {
 /// Name, look, and the parts of a mix.
 type Outline = (Option<String>, Finish, Option<(prop::sample::Index, prop::sample::Index, Value<f64>)>);
 
-/// Materials of these kinds and names; where a mix is asked for and can be, it takes the place of the kind.
+/// Materials of these kinds and names; where a mix is asked for and can be, it takes the place of
+/// the kind.
 fn materials(drafts: Vec<Outline>, textures: &[Spanned<Texture>]) -> Vec<Spanned<Material>> {
     let mut materials: Vec<Spanned<Material>> = Vec::new();
     let mut names: Vec<(String, Option<usize>)> = Vec::new();

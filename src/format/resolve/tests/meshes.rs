@@ -112,7 +112,8 @@ fn mesh_options_select_the_normals() {
     assert!(close(normal("normals none", 0.9), Vec3::Z));
     // Faces at 45° to each other.
     assert!(close(normal("smoothAngle 44", 1.5), flat) && close(normal("smoothAngle 44", 0.9), written));
-    // At both ends of the edge the mean lies between the normals of the two faces, so it does between them.
+    // At both ends of the edge the mean lies between the normals of the two faces, so it does
+    // between them.
     let mean = normal("normals none smoothAngle 46", 1.000_001);
     assert!(mean.dot(Vec3::Z) < 0.999 && mean.dot(flat) < 0.999 && mean.y.abs() < 1e-6, "{mean}");
     assert!(close(normal("normals none smoothAngle 44", 1.000_001), flat));
@@ -139,7 +140,8 @@ fn file_materials_can_have_textures() {
     let path = folder.0.path().join("pictures/tile.exr");
     image::write(&path, &picture, &WriteOptions::default()).unwrap();
     let body = "TriangleMesh { file a.obj materials file }";
-    // At the middles of the two texels and off the edge between the triangles, with and without materials of the scene, still and moving.
+    // At the middles of the two texels and off the edge between the triangles, with and without
+    // materials of the scene, still and moving.
     let colour = |scene: &Scene, x: f64| reflectance(scene, dvec3(x, 0.3, 9.0), Vec3::NEG_Z);
     for text in [body.to_owned(), format!("Moving {{ Translate 0 0 -.001 {body} }}")] {
         for materials in ["", MATERIALS] {

@@ -351,6 +351,6 @@ fn radiance_above_single_precision_is_refused() {
     ] {
         let error = refusal(text);
         assert!(error.text() == place && error.message().contains("3.4e38"), "{error}");
-        assert!(error.remedy().contains("shine less"), "{error}");
+        assert!(error.remedy().contains("emit less"), "{error}");
     }
 }

@@ -1,4 +1,4 @@
-//! What textures need of files, fields and meshes.
+//! Requirements of textures on files, fields and meshes.
 
 use super::*;
 use crate::image::{self, Image, WriteOptions};
