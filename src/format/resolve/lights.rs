@@ -85,9 +85,8 @@ fn make_environment(
     span: Span,
 ) -> Result<EnvironmentLight, SceneError> {
     match described {
-        EnvironmentRadiance::Constant(radiance) => EnvironmentLight::constant(rgb(*radiance)).map_err(|e| {
-            super::shapes::refuse(r, span, &e.to_string(), "give a radiance that single precision can hold")
-        }),
+        EnvironmentRadiance::Constant(radiance) => EnvironmentLight::constant(rgb(*radiance))
+            .map_err(|e| r.refuse(span, &e.to_string(), "give a radiance that single precision can hold")),
         EnvironmentRadiance::Picture { path, scale, rotate } => {
             let file = r.file("picture", path)?;
             let map = r.read_picture(path, &file, Meaning::Light)?;

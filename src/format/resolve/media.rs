@@ -43,7 +43,7 @@ fn make_medium(r: &Resolver<'_>, described: &Spanned<Described>) -> Result<Mediu
 
 fn make_density(r: &Resolver<'_>, described: &Spanned<Described>) -> Result<Option<GridDensity>, SceneError> {
     let help = "give a box with an extent, and fewer cells if memory does not suffice";
-    let refuse = |e: GridDensityError| super::shapes::refuse(r, described.span, &e.to_string(), help);
+    let refuse = |e: GridDensityError| r.refuse(described.span, &e.to_string(), help);
     let field = match &described.density {
         Density::Even => return Ok(None),
         Density::Grid { path, scale, extent } => {
@@ -75,7 +75,7 @@ fn make_density(r: &Resolver<'_>, described: &Spanned<Described>) -> Result<Opti
             if let Some(free) = r.memory.free().filter(|free| needed > *free) {
                 let message = format!("the cloud takes {} of memory, and {} are free", bytes(needed), bytes(free));
                 let help = "choose a smaller `resolution`, or let the scene have more memory (--memory)";
-                return Err(super::shapes::refuse(r, described.span, &message, help).exhausting());
+                return Err(r.refuse(described.span, &message, help).exhausting());
             }
             let density = cloud.density(1.0 / f64::from(*resolution));
             GridDensity::from_fn(size, placement(extent), density).map_err(refuse)?
@@ -106,7 +106,7 @@ pub(super) fn fill_background(r: &mut Resolver<'_>) -> Result<(), SceneError> {
         let message =
             format!("the medium `{}` fills the scene and absorbs or scatters all light from infinity", name.value);
         let help = "leave the light out, or put the medium into a shape of a material `Clear { medium … }`";
-        return Err(super::shapes::refuse(r, light.span, &message, help));
+        return Err(r.refuse(light.span, &message, help));
     }
     r.builder.ambient_medium(index);
     Ok(())
@@ -143,7 +143,7 @@ pub(super) fn check_clear(r: &Resolver<'_>, radiance: Rgb, span: Span) -> Result
         return Ok(());
     }
     let help = "give `emission` to its medium, or the object another material";
-    Err(super::shapes::refuse(r, span, "what is `Clear` has no surface that could emit light", help))
+    Err(r.refuse(span, "what is `Clear` has no surface that could emit light", help))
 }
 
 fn known_medium(r: &Resolver<'_>, name: &Spanned<String>) -> Result<(u32, Medium), SceneError> {

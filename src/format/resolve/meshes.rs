@@ -1,14 +1,13 @@
 //! Adds meshes from files: each file is read once, smoothed on request, and split by material.
 
-use super::shapes::Instanced;
+use super::placement::{Instanced, Placing, place_instance, place_mesh, set_mapping, set_texcoords};
 use super::textures::TextureNeeds;
 use super::{Resolver, rgb};
 use crate::color::Rgb;
 use crate::format::SceneError;
-use crate::format::description::{Emission, Material, MaterialKind, MeshOptions, Span, Spanned};
+use crate::format::description::{Emission, Material, MaterialKind, MeshOptions, Spanned};
 use crate::format::mesh::{self, Loaded, MeshError, NO_MATERIAL, TriangleMesh};
 use crate::format::mtl;
-use crate::math::{Motion, Transform};
 use crate::shape::MappingKind;
 use crate::stats::bytes;
 use std::path::{Path, PathBuf};
@@ -26,25 +25,6 @@ const PER_TRIANGLE: u64 = 500;
 
 /// A file with the options of its use; the smoothing angle as its bits.
 pub(super) type Key = (PathBuf, bool, bool, Option<u64>);
-
-/// Emission of an object.
-pub(super) struct EmissionOverride {
-    /// Radiance in W/(m² sr); the mean of a texture.
-    pub radiance: Rgb,
-    /// True if the radiance is set on the object, not on its material.
-    pub of_object: bool,
-    /// Texture of the radiance, and the factor of its values.
-    pub texture: Option<(u32, Rgb)>,
-}
-
-/// Placement of a mesh.
-pub(super) struct Placing<'p> {
-    pub to_world: &'p Motion,
-    /// Map to the world when the shutter opens.
-    pub map: &'p Transform,
-    pub span: Span,
-    pub emission: &'p EmissionOverride,
-}
 
 /// Parts of a mesh, one for each material.
 pub(super) struct Pieces {
@@ -114,12 +94,12 @@ fn add_piece(
             .entry(Rc::as_ptr(mesh))
             .or_insert_with(|| Rc::new(Instanced::new(&mesh.positions, normals, texcoords, &mesh.triangles)));
         let instance = Rc::clone(instance);
-        super::shapes::place_instance(r, &instance, placing.to_world, placing.map, placing.span, emission)?;
+        place_instance(r, &instance, placing.to_world, placing.map, placing.span, emission)?;
     } else {
-        super::shapes::place_mesh(r, placing.map, &mesh.positions, normals, &mesh.triangles, emission);
-        super::shapes::set_texcoords(r, texcoords);
+        place_mesh(r, placing.map, &mesh.positions, normals, &mesh.triangles, emission);
+        set_texcoords(r, texcoords);
     }
-    super::shapes::set_mapping(r, MappingKind::Uv, placing.to_world);
+    set_mapping(r, MappingKind::Uv, placing.to_world);
     Ok(())
 }
 

@@ -5,6 +5,7 @@ mod lights;
 mod materials;
 mod media;
 mod meshes;
+mod placement;
 mod shapes;
 #[cfg(test)]
 mod tests;
@@ -21,8 +22,8 @@ use crate::medium::Medium;
 use crate::scene::{Scene, SceneBuilder};
 use crate::stats::Memory;
 use glam::{DAffine3, DVec3};
-use meshes::EmissionOverride;
-use shapes::Instanced;
+use placement::EmissionOverride;
+use placement::Instanced;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -231,7 +232,12 @@ impl Resolver<'_> {
             return Ok(());
         }
         let help = "let it emit less, or choose other units";
-        Err(shapes::refuse(self, span, "its radiance is above 3.4e38, which single precision holds", help))
+        Err(self.refuse(span, "its radiance is above 3.4e38, which single precision holds", help))
+    }
+
+    /// Returns an error at `span`.
+    fn refuse(&self, span: Span, message: &str, help: &str) -> SceneError {
+        SceneError::at(self.source, span, message, "here", help)
     }
 
     fn transform(&self, to_world: DAffine3, span: Span) -> Result<Transform, SceneError> {

@@ -54,7 +54,7 @@ impl<'a> Resolver<'a> {
                 TextureKind::Solid { pattern, colors, octaves, frequency, amplitude, maps } => {
                     let help = "no scale may be zero, and no axis of a matrix may be a mix of the others";
                     let to_object = Transform::new(Map::product(maps))
-                        .map_err(|e| super::shapes::refuse(self, texture.span, &e.to_string(), help))?;
+                        .map_err(|e| self.refuse(texture.span, &e.to_string(), help))?;
                     let solid = Solid {
                         kind: match pattern {
                             Pattern::Noise => SolidKind::Noise,
