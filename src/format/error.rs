@@ -86,7 +86,7 @@ impl SourceCode for Source {
     }
 }
 
-/// Error of a scene file: what is wrong, where, and the remedy. It may carry further errors of the
+/// Error of a scene file: defect, position and remedy. It may carry further errors of the
 /// same file.
 ///
 /// `Display` gives `file:line:column: message`, without the numbers if the error has no position;
@@ -126,7 +126,7 @@ struct Parts {
 }
 
 impl SceneError {
-    /// An error at `span`: `message` says what is wrong, `label` stands under the text, `help` is
+    /// An error at `span`: `message` describes the defect, `label` stands under the text, `help` is
     /// the remedy.
     #[must_use]
     pub fn at(
@@ -202,7 +202,7 @@ impl SceneError {
         self.0.exhausts
     }
 
-    /// Returns what is wrong, without the position.
+    /// Returns the description of the error, without its position.
     #[must_use]
     pub fn message(&self) -> &str {
         &self.0.message

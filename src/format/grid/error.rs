@@ -57,7 +57,7 @@ pub enum GridError {
         path: PathBuf,
         /// Number of cells.
         cells: usize,
-        /// Bytes that the grid takes, including those that reading takes.
+        /// Bytes of the grid and of its reader.
         needed: u64,
         /// Bytes of memory that are free, if known.
         free: Option<u64>,

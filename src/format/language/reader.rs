@@ -92,7 +92,7 @@ impl<'a> Parser<'a> {
         Mark { level: self.open.len(), depth: self.depth, closed: self.closed }
     }
 
-    /// Skips what is left of the blocks opened since `mark`.
+    /// Skips the rest of the blocks opened since `mark`.
     ///
     /// If none were, skips to the next of the words `allowed`, past one block in braces, or to a
     /// `}`. If a block was read to its end since `mark`, skips nothing.

@@ -19,7 +19,7 @@ pub(super) const INDEX: Field =
     field("indexOfRefraction", Kind::Number, Range::Within(MIN_INDEX, MAX_INDEX), "absolute index of refraction")
         .or(&[1.5]);
 
-/// Fields of which one gives the index of refraction.
+/// Alternative fields for the index of refraction.
 const SOURCES: [&str; 4] = ["indexOfRefraction", "glass", "cauchy", "sellmeierB"];
 
 /// Greatest number of terms of Sellmeier's equation.

@@ -96,11 +96,6 @@ impl<'a> Resolver<'a> {
                 Encoding::Linear => Meaning::Numbers,
             },
         )?;
-        let wrap = match wrap {
-            Wrap::Repeat => texture::Wrap::Repeat,
-            Wrap::Clamp => texture::Wrap::Clamp,
-            Wrap::Mirror => texture::Wrap::Mirror,
-        };
         let picture = Picture::new(&image, wrap)
             .map_err(|e| self.bad_file(path, &e, "a texture's values must be finite and not negative"))?;
         Ok(self.add(Texture::Picture(picture, uv_map(&coordinates)), encoding == Encoding::Srgb))

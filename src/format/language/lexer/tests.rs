@@ -1,7 +1,7 @@
 use super::*;
 
 #[test]
-fn numbers_end_where_they_can_no_longer_go_on() {
+fn numbers_end_at_the_first_invalid_character() {
     for (text, float, integer) in [
         ("20}", "20", "20"),
         ("20width", "20", "20"),
