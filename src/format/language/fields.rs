@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3, DVec4};
 
-use super::super::description::{Curve, CurveBasis, Map, Span, Spanned, Value as Textured};
+use super::super::description::{CurveBasis, ProfileCurve, Span, Spanned, TexturedValue, TransformStep};
 use super::super::error::SceneError;
 use super::curves::{BEZIER_PROFILE, BSPLINE_PROFILE};
 use super::lexer::{Lexer, Token};
@@ -14,12 +14,12 @@ use super::text::{clip, is_number_word};
 
 /// The value of a field; only the part that its [`Kind`] needs is filled.
 #[derive(Default)]
-struct Value {
+struct FieldValue {
     /// One, two or three numbers.
     numbers: DVec3,
     /// A name, path or word; the name of the texture that replaces numbers.
     name: String,
-    maps: Vec<Map>,
+    maps: Vec<TransformStep>,
     basis: CurveBasis,
     points: Vec<DVec3>,
     weighted: Vec<DVec4>,
@@ -31,7 +31,7 @@ pub(super) struct Fields<'a> {
     lexer: Lexer<'a>,
     block: &'static Block,
     keyword: Token<'a>,
-    list: Vec<(&'static Field, Token<'a>, Spanned<Value>)>,
+    list: Vec<(&'static Field, Token<'a>, Spanned<FieldValue>)>,
 }
 
 /// A field that is present.
@@ -40,7 +40,7 @@ pub(super) struct Found<'f, 'a> {
     fields: &'f Fields<'a>,
     field: &'static Field,
     word: Token<'a>,
-    value: &'f Spanned<Value>,
+    value: &'f Spanned<FieldValue>,
 }
 
 /// Reads `{ … }` with the fields of `block`, each at most once and within its range.
@@ -110,8 +110,8 @@ fn read_value<'a>(
     parser: &mut Parser<'a>,
     word: Token<'a>,
     field: &'static Field,
-) -> Result<Spanned<Value>, SceneError> {
-    let mut value = Value::default();
+) -> Result<Spanned<FieldValue>, SceneError> {
+    let mut value = FieldValue::default();
     let span = match field.kind {
         Kind::ColorOrTexture | Kind::NumberOrTexture if name_follows(parser) => {
             let name = parser.name(word)?;
@@ -215,7 +215,7 @@ fn weighted_points<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<Vec<D
 }
 
 /// Reads the curve block after `profile`; its span is its keyword.
-fn curve(parser: &mut Parser<'_>) -> Result<Spanned<Curve>, SceneError> {
+fn curve(parser: &mut Parser<'_>) -> Result<Spanned<ProfileCurve>, SceneError> {
     let keyword = parser.lexer.peek();
     let (block, basis) = match keyword.text {
         "BezierCurve" => (&BEZIER_PROFILE, CurveBasis::Bezier),
@@ -323,23 +323,23 @@ impl<'a> Fields<'a> {
     }
 
     /// Returns the colour or texture of the field `name`, or its default.
-    pub fn color_or_texture(&self, name: &str) -> Result<Textured<DVec3>, SceneError> {
+    pub fn color_or_texture(&self, name: &str) -> Result<TexturedValue<DVec3>, SceneError> {
         match self.get(name).and_then(|found| found.texture()) {
-            Some(texture) => Ok(Textured::Texture(texture)),
-            None => self.vector(name).map(Textured::Plain),
+            Some(texture) => Ok(TexturedValue::Texture(texture)),
+            None => self.vector(name).map(TexturedValue::Plain),
         }
     }
 
     /// Returns the number or texture of the field `name`, or its default.
-    pub fn number_or_texture(&self, name: &str) -> Result<Textured<f64>, SceneError> {
+    pub fn number_or_texture(&self, name: &str) -> Result<TexturedValue<f64>, SceneError> {
         match self.get(name).and_then(|found| found.texture()) {
-            Some(texture) => Ok(Textured::Texture(texture)),
-            None => self.number(name).map(Textured::Plain),
+            Some(texture) => Ok(TexturedValue::Texture(texture)),
+            None => self.number(name).map(TexturedValue::Plain),
         }
     }
 
     /// Returns the transform steps of the field `name`; empty if it is absent.
-    pub fn maps(&self, name: &str) -> Vec<Map> {
+    pub fn maps(&self, name: &str) -> Vec<TransformStep> {
         self.get(name).map_or(Vec::new(), |found| found.value.value.maps.clone())
     }
 
@@ -389,19 +389,19 @@ impl<'a> Found<'_, 'a> {
     }
 
     /// Returns the curve of a profile field.
-    pub fn curve(&self) -> Curve {
-        Curve { basis: self.value.basis, controls: self.value.points.clone() }
+    pub fn curve(&self) -> ProfileCurve {
+        ProfileCurve { basis: self.value.basis, controls: self.value.points.clone() }
     }
 
     /// Returns a curve of these control points; too few are an error.
-    pub fn curve_of(&self, basis: CurveBasis) -> Result<Curve, SceneError> {
+    pub fn curve_of(&self, basis: CurveBasis) -> Result<ProfileCurve, SceneError> {
         let controls = self.value.points.clone();
         let fewest = match basis {
             CurveBasis::Bezier => 2,
             CurveBasis::Bspline => 4,
         };
         self.ensure(controls.len() >= fewest, &format!("must hold at least {fewest} points"))?;
-        Ok(Curve { basis, controls })
+        Ok(ProfileCurve { basis, controls })
     }
 
     /// Returns the points of a net, with weights.

@@ -5,7 +5,7 @@ use super::textures::TextureNeeds;
 use super::{Resolver, rgb};
 use crate::color::Rgb;
 use crate::format::SceneError;
-use crate::format::description::{Emission, Material, MaterialKind, MeshOptions, Spanned};
+use crate::format::description::{Emission, MaterialDescription, MaterialKindDescription, MeshOptions, Spanned};
 use crate::format::mesh::{self, Loaded, MeshError, NO_MATERIAL, TriangleMesh};
 use crate::format::mtl;
 use crate::shape::MappingKind;
@@ -178,9 +178,9 @@ fn mesh_materials(
 fn own_material(
     r: &mut Resolver<'_>,
     path: &Spanned<String>,
-    mut meaning: Material,
+    mut meaning: MaterialDescription,
 ) -> Result<FileMaterial, SceneError> {
-    if let MaterialKind::Phong { texture: Some(picture), .. } = &mut meaning.kind {
+    if let MaterialKindDescription::Phong { texture: Some(picture), .. } = &mut meaning.kind {
         picture.span = path.span;
     }
     let mut needs = TextureNeeds::default();
