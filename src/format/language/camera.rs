@@ -188,7 +188,7 @@ fn lens(f: &Fields<'_>, center: DVec3, direction: DVec3, aim: Aim) -> Result<Opt
             }
         }
         (None, Aim::LookAt(point)) => Focus::Point(point),
-        (None, Aim::Direction(_)) => Focus::Distance(f.need("focusDistance")?.number()),
+        (None, Aim::Direction(_)) => Focus::Distance(f.require("focusDistance")?.number()),
     };
     let blades = match f.get("blades") {
         None => 0,

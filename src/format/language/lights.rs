@@ -257,7 +257,7 @@ fn directional(f: &Fields<'_>) -> Result<LightDescription, SceneError> {
 }
 
 fn projector(f: &Fields<'_>) -> Result<LightDescription, SceneError> {
-    let path = f.need("file")?.text();
+    let path = f.require("file")?.text();
     oriented(f, LightPattern::Picture { path, angle: f.number("angle")? })
 }
 

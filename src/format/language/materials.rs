@@ -7,7 +7,7 @@ use super::super::description::{
     NormalPerturbationDescription, Spanned, TexturedValue,
 };
 use super::super::error::SceneError;
-use super::fields::{Fields, Found, fields};
+use super::fields::{Fields, PresentField, fields};
 use super::lexer::Token;
 use super::names::optional_name;
 use super::reader::Parser;
@@ -323,8 +323,8 @@ fn metal(f: &Fields<'_>) -> Result<MetalDescription, SceneError> {
 
 /// Returns a mix, whose parts must stand before it.
 fn mix<'a>(parser: &Parser<'a>, f: &Fields<'a>) -> Result<MaterialKindDescription, SceneError> {
-    let first = part(parser, f.need("first")?)?;
-    let second = part(parser, f.need("second")?)?;
+    let first = part(parser, f.require("first")?)?;
+    let second = part(parser, f.require("second")?)?;
     let amount: TexturedValue<f64> = f.number_or_texture("amount")?;
     let scope = &parser.scope;
     for part in [&first, &second] {
@@ -353,7 +353,7 @@ fn mix<'a>(parser: &Parser<'a>, f: &Fields<'a>) -> Result<MaterialKindDescriptio
 }
 
 /// Returns the name of a material that stands before the one that is read.
-fn part<'a>(parser: &Parser<'a>, field: Found<'_, 'a>) -> Result<Spanned<String>, SceneError> {
+fn part<'a>(parser: &Parser<'a>, field: PresentField<'_, 'a>) -> Result<Spanned<String>, SceneError> {
     let name = field.text();
     let help = "a mix is made of materials that stand before it";
     parser.scope.check_material(parser.lexer, &name, help)?;

@@ -170,7 +170,7 @@ fn cloud(f: &Fields<'_>) -> Result<Density, SceneError> {
 }
 
 fn extent(f: &Fields<'_>) -> Result<ExtentDescription, SceneError> {
-    let (min, max) = (f.vector("min")?, f.need("max")?);
+    let (min, max) = (f.vector("min")?, f.require("max")?);
     let sides = max.vector() - min;
     max.ensure(sides.min_element() > 0.0 && sides.is_finite(), "must be above `min` in each component")?;
     Ok(ExtentDescription { min, max: max.vector(), maps: f.maps("Transform") })

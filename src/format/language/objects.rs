@@ -84,7 +84,10 @@ fn is_object(word: &str) -> bool {
 }
 
 /// Reads an object into memory of its own, so that recursion keeps small frames on the stack.
-fn boxed<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Result<Box<Spanned<ObjectDescription>>, SceneError> {
+fn boxed_object<'a>(
+    parser: &mut Parser<'a>,
+    keyword: Token<'a>,
+) -> Result<Box<Spanned<ObjectDescription>>, SceneError> {
     object(parser, keyword).map(Box::new)
 }
 
@@ -93,11 +96,11 @@ fn object<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Result<Spanned<Obj
     let object = match keyword.text {
         "Group" => ObjectDescription::Group(group(parser, keyword)?),
         "Transform" => {
-            let (maps, object) = transform(parser, keyword, &objects(), boxed)?;
+            let (maps, object) = transform(parser, keyword, &objects(), boxed_object)?;
             ObjectDescription::Transform { maps, object }
         }
         "Moving" => {
-            let (maps, object) = moving(parser, keyword, &objects(), boxed)?;
+            let (maps, object) = moving(parser, keyword, &objects(), boxed_object)?;
             ObjectDescription::Moving { maps, object }
         }
         _ => {

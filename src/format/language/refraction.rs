@@ -4,7 +4,7 @@ use std::fmt;
 
 use super::super::description::RefractionDescription;
 use super::super::error::SceneError;
-use super::fields::{Fields, Found};
+use super::fields::{Fields, PresentField};
 use super::schema::{Field, Kind, Range, field};
 use super::writer::{Numbers, Writer};
 use crate::color::Glass;
@@ -37,7 +37,7 @@ pub(super) fn refraction(f: &Fields<'_>) -> Result<RefractionDescription, SceneE
     match source.map(|source| (source.name(), source)) {
         Some(("glass", name)) => Ok(RefractionDescription::Named(name.text())),
         Some(("cauchy", coefficients)) => cauchy(&coefficients),
-        Some(("sellmeierB", strengths)) => sellmeier(&strengths, &f.need("sellmeierC")?),
+        Some(("sellmeierB", strengths)) => sellmeier(&strengths, &f.require("sellmeierC")?),
         Some(_) | None => abbe(f),
     }
 }
@@ -50,7 +50,7 @@ fn abbe(f: &Fields<'_>) -> Result<RefractionDescription, SceneError> {
     Ok(RefractionDescription::Abbe { index, abbe })
 }
 
-fn cauchy(coefficients: &Found<'_, '_>) -> Result<RefractionDescription, SceneError> {
+fn cauchy(coefficients: &PresentField<'_, '_>) -> Result<RefractionDescription, SceneError> {
     let list = coefficients.list();
     let rule = "must be A, B in µm² and, unless 0, C in µm⁴, of n = A + B/λ² + C/λ⁴";
     coefficients.ensure((2..=3).contains(&list.len()), rule)?;
@@ -60,7 +60,10 @@ fn cauchy(coefficients: &Found<'_, '_>) -> Result<RefractionDescription, SceneEr
     Ok(RefractionDescription::Glass(glass))
 }
 
-fn sellmeier(strengths: &Found<'_, '_>, resonances: &Found<'_, '_>) -> Result<RefractionDescription, SceneError> {
+fn sellmeier(
+    strengths: &PresentField<'_, '_>,
+    resonances: &PresentField<'_, '_>,
+) -> Result<RefractionDescription, SceneError> {
     let terms = strengths.list().len();
     strengths.ensure((1..=TERMS).contains(&terms), "must be one to four numbers")?;
     let rule = format!("must be as many numbers as `sellmeierB`, which has {terms}");
@@ -74,7 +77,7 @@ fn sellmeier(strengths: &Found<'_, '_>, resonances: &Found<'_, '_>) -> Result<Re
 }
 
 /// Refuses a glass whose index leaves the range; `advice` follows the name of `field`.
-fn check(glass: &Glass, field: &Found<'_, '_>, advice: &str) -> Result<(), SceneError> {
+fn check(glass: &Glass, field: &PresentField<'_, '_>, advice: &str) -> Result<(), SceneError> {
     let within = glass.range().is_some_and(|ends| ends.iter().all(|n| (MIN_INDEX..=MAX_INDEX).contains(n)));
     field.ensure(within, &format!("{advice}: the index must lie between 0.001 and 1000 from 380 to 720 nm"))
 }

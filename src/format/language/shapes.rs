@@ -276,7 +276,7 @@ fn rectangle(f: &Fields<'_>) -> Result<ShapeDescription, SceneError> {
 }
 
 fn cuboid(f: &Fields<'_>) -> Result<ShapeDescription, SceneError> {
-    let (min, max) = (f.vector("min")?, f.need("max")?);
+    let (min, max) = (f.vector("min")?, f.require("max")?);
     max.ensure(max.vector().cmpgt(min).all(), "must be above `min` in every coordinate")?;
     Ok(ShapeDescription::Box { min, max: max.vector() })
 }
@@ -292,24 +292,24 @@ fn cone(f: &Fields<'_>) -> Result<ShapeDescription, SceneError> {
 }
 
 fn mesh(f: &Fields<'_>) -> Result<ShapeDescription, SceneError> {
-    Ok(ShapeDescription::Mesh { path: f.need("obj_file")?.text(), options: mesh_options(f)? })
+    Ok(ShapeDescription::Mesh { path: f.require("obj_file")?.text(), options: mesh_options(f)? })
 }
 
 fn revolution(f: &Fields<'_>) -> Result<ShapeDescription, SceneError> {
-    Ok(ShapeDescription::Revolution { profile: f.need("profile")?.curve() })
+    Ok(ShapeDescription::Revolution { profile: f.require("profile")?.curve() })
 }
 
 fn bezier_curve(f: &Fields<'_>) -> Result<ShapeDescription, SceneError> {
-    Ok(ShapeDescription::Curve(f.need("controls")?.curve_of(CurveBasis::Bezier)?))
+    Ok(ShapeDescription::Curve(f.require("controls")?.curve_of(CurveBasis::Bezier)?))
 }
 
 fn bspline_curve(f: &Fields<'_>) -> Result<ShapeDescription, SceneError> {
-    Ok(ShapeDescription::Curve(f.need("controls")?.curve_of(CurveBasis::Bspline)?))
+    Ok(ShapeDescription::Curve(f.require("controls")?.curve_of(CurveBasis::Bspline)?))
 }
 
 /// Returns corner and edges of a parallelogram that has an area.
 pub(super) fn parallelogram(f: &Fields<'_>) -> Result<(DVec3, DVec3, DVec3), SceneError> {
-    let (corner, edge0, edge1) = (f.vector("corner")?, f.vector("edge0")?, f.need("edge1")?);
+    let (corner, edge0, edge1) = (f.vector("corner")?, f.vector("edge0")?, f.require("edge1")?);
     // Rounding of parallel edges alone gives a sine of about 1e-16.
     let sine = edge0.normalize().cross(edge1.vector().normalize()).length();
     edge1.ensure(sine > 1e-12, "must not be parallel to `edge0`: the area would be 0")?;
@@ -318,7 +318,7 @@ pub(super) fn parallelogram(f: &Fields<'_>) -> Result<(DVec3, DVec3, DVec3), Sce
 
 /// Returns the centers of both ends of a cylinder or cone, and true if caps close them.
 fn ends(f: &Fields<'_>) -> Result<([DVec3; 2], bool), SceneError> {
-    let (bottom, top) = (f.vector("bottom")?, f.need("top")?);
+    let (bottom, top) = (f.vector("bottom")?, f.require("top")?);
     top.ensure(top.vector() != bottom, "must differ from `bottom`")?;
     Ok(([bottom, top.vector()], f.word("caps")? == "yes"))
 }
@@ -348,7 +348,7 @@ fn mesh_options(f: &Fields<'_>) -> Result<MeshOptions, SceneError> {
 fn patches(f: &Fields<'_>) -> Result<ShapeDescription, SceneError> {
     let degree = [f.whole("degreeU")?, f.whole("degreeV")?];
     let each = (degree[0] as usize + 1) * (degree[1] as usize + 1);
-    let controls = f.need("controls")?;
+    let controls = f.require("controls")?;
     let found = controls.weighted_points().len();
     let rule = format!("must hold {each} points for each patch of these degrees, and holds {found}");
     controls.ensure(found > 0 && found.is_multiple_of(each), &rule)?;
@@ -358,14 +358,14 @@ fn patches(f: &Fields<'_>) -> Result<ShapeDescription, SceneError> {
 fn nurbs(f: &Fields<'_>) -> Result<ShapeDescription, SceneError> {
     let degree = [f.whole("degreeU")?, f.whole("degreeV")?];
     let count = |name: &str, degree: u32| {
-        let count = f.need(name)?;
+        let count = f.require(name)?;
         count.ensure(count.number() > f64::from(degree), "must be above the degree")?;
         Ok(count.number() as u32)
     };
     let count = [count("countU", degree[0])?, count("countV", degree[1])?];
     let knots = |name: &str, axis: usize| knots(f, name, u64::from(count[axis]) + u64::from(degree[axis]) + 1);
     let knots = [knots("knotsU", 0)?, knots("knotsV", 1)?];
-    let controls = f.need("controls")?;
+    let controls = f.require("controls")?;
     let (wanted, found) = (u64::from(count[0]) * u64::from(count[1]), controls.weighted_points().len() as u64);
     let rule = format!("must hold countU · countV = {wanted} points, and holds {found}");
     controls.ensure(found == wanted, &rule)?;

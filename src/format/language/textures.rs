@@ -144,7 +144,7 @@ fn texture<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<TextureKindDe
 
 fn image(f: &Fields<'_>) -> Result<TextureKindDescription, SceneError> {
     Ok(TextureKindDescription::Image {
-        path: f.need("file")?.text(),
+        path: f.require("file")?.text(),
         encoding: if f.word("encoding")? == "linear" { PictureEncoding::Linear } else { PictureEncoding::Srgb },
         wrap: match f.word("wrap")? {
             "clamp" => Wrap::Clamp,

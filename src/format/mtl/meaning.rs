@@ -20,7 +20,7 @@ impl FileMaterial {
     ///
     /// # Errors
     /// A message and a remedy if the index of a transparent material is out of range.
-    pub fn meaning(&self) -> Result<MaterialDescription, Problem> {
+    pub fn to_description(&self) -> Result<MaterialDescription, Problem> {
         let model = self.illumination;
         let diffuse = self.diffuse.unwrap_or(DVec3::ONE);
         let specular = self.specular.unwrap_or(DVec3::ZERO);

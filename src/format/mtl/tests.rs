@@ -12,7 +12,7 @@ fn one(text: &str) -> FileMaterial {
 }
 
 fn kind(text: &str) -> MaterialKindDescription {
-    one(text).meaning().unwrap().kind
+    one(text).to_description().unwrap().kind
 }
 
 #[test]
@@ -115,13 +115,13 @@ fn mtl_materials_become_scene_materials() {
     }
     assert_eq!(kind("Kd .1\nKs .9\nillum 3"), phong(0.1, 0.9, 0.0));
     let whole = std::path::absolute("folder/a.png").unwrap();
-    let lamp = one("Kd 0\nKe 3 2 1\nmap_Kd a.png").meaning().unwrap();
+    let lamp = one("Kd 0\nKe 3 2 1\nmap_Kd a.png").to_description().unwrap();
     assert_eq!(lamp.emission, Some(Emission::Radiance(DVec3::new(3.0, 2.0, 1.0))));
     assert!(
         matches!(lamp.kind, MaterialKindDescription::Phong { texture: Some(path), .. } if Path::new(&path.value) == whole)
     );
-    assert_eq!(one("Ke 0 0 0").meaning().unwrap().emission, None);
-    let (message, _) = one("d 0\nNi 0").meaning().unwrap_err();
+    assert_eq!(one("Ke 0 0 0").to_description().unwrap().emission, None);
+    let (message, _) = one("d 0\nNi 0").to_description().unwrap_err();
     assert!(message.contains("`m`") && message.contains("`Ni` is 0"), "{message}");
     // The index of an opaque material is not used.
     assert_eq!(kind("Ni 0"), phong(1.0, 0.0, 0.0));
@@ -166,7 +166,7 @@ proptest::proptest! {
         words in proptest::collection::vec("newmtl|K[dse]|Tf|N[si]|d|Tr|illum|map_Kd|-s|-o|\n|\\\\|-?[0-9.]{1,4}|.{0,3}", 0..60),
     ) {
         for material in read_text(&words.join(" ")).unwrap_or_default() {
-            let _ = material.meaning();
+            let _ = material.to_description();
         }
     }
 }

@@ -24,7 +24,7 @@ const REPAIR: &str = "repair the mesh or name another";
 const PER_TRIANGLE: u64 = 500;
 
 /// A file with the options of its use; the smoothing angle as its bits.
-pub(super) type Key = (PathBuf, bool, bool, Option<u64>);
+pub(super) type MeshKey = (PathBuf, bool, bool, Option<u64>);
 
 /// Parts of a mesh, one for each material.
 pub(super) struct Pieces {
@@ -166,7 +166,7 @@ fn mesh_materials(
     let mut own = Vec::with_capacity(library.len());
     for found in library {
         let bad = |(message, remedy)| MeshError::BadMaterial { path: file.into(), message, remedy };
-        let meaning = found.meaning().map_err(|e| r.bad_file(path, &bad(e), REPAIR))?;
+        let meaning = found.to_description().map_err(|e| r.bad_file(path, &bad(e), REPAIR))?;
         own.push(own_material(r, path, meaning)?);
     }
     let own = Rc::new(own);

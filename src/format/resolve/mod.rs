@@ -29,7 +29,7 @@ use placement::Instanced;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
-use textures::{Known, TextureNeeds};
+use textures::{KnownTexture, TextureNeeds};
 
 /// Returns the scene of a description. Meshes, pictures and grids are looked up in `folder`, then
 /// in its parent.
@@ -121,9 +121,9 @@ struct Resolver<'a> {
     /// Indices of the materials so far, by name.
     names: HashMap<&'a str, u32>,
     /// Textures, by name.
-    known: HashMap<&'a str, Known>,
+    known: HashMap<&'a str, KnownTexture>,
     /// Pictures that materials name by path, each as light or as numbers.
-    pictures: HashMap<(PathBuf, bool), Known>,
+    pictures: HashMap<(PathBuf, bool), KnownTexture>,
     /// Media with their indices, by name.
     media: HashMap<&'a str, (u32, Medium)>,
     /// Texture coordinates that each material needs.
@@ -133,7 +133,7 @@ struct Resolver<'a> {
     /// Triangles so far that hierarchies will be built over.
     triangles: u64,
     /// Meshes that were read, by file and options.
-    meshes: HashMap<meshes::Key, Rc<meshes::Pieces>>,
+    meshes: HashMap<meshes::MeshKey, Rc<meshes::Pieces>>,
     /// Materials of mesh files, in the order in which the meshes name them.
     own_materials: HashMap<PathBuf, Rc<Vec<meshes::FileMaterial>>>,
     /// Number of objects that name each mesh path.
@@ -160,7 +160,7 @@ impl Resolver<'_> {
             self.record(result)?;
         }
         if !description.camera.motion.is_empty() {
-            self.builder.moving_camera(growing(&description.camera.motion));
+            self.builder.moving_camera(growing_motion(&description.camera.motion));
         }
         self.group(&description.root, &Motion::default())
     }
@@ -313,7 +313,7 @@ fn uses(group: &Group) -> HashMap<&str, usize> {
 }
 
 /// Returns the motion of maps that grow while the shutter is open.
-fn growing(maps: &[TransformStep]) -> Motion {
+fn growing_motion(maps: &[TransformStep]) -> Motion {
     Motion::default().then_inside(maps.iter().map(TransformStep::growing))
 }
 

@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 
 /// A texture added to the scene.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Known {
+pub(super) struct KnownTexture {
     pub index: u32,
     pub mean: Rgb,
     range: (f32, f32),
@@ -76,9 +76,9 @@ impl<'a> Resolver<'a> {
         Ok(())
     }
 
-    fn add(&mut self, texture: Texture, light: bool) -> Known {
+    fn add(&mut self, texture: Texture, light: bool) -> KnownTexture {
         let (mean, range, solid) = (texture.mean(), texture.range(), texture.is_solid());
-        Known { index: self.builder.texture(texture), mean, range, solid, light }
+        KnownTexture { index: self.builder.texture(texture), mean, range, solid, light }
     }
 
     fn picture(
@@ -87,7 +87,7 @@ impl<'a> Resolver<'a> {
         encoding: PictureEncoding,
         wrap: Wrap,
         coordinates: CoordinatesDescription,
-    ) -> Result<Known, SceneError> {
+    ) -> Result<KnownTexture, SceneError> {
         let file = self.file("picture", path)?;
         let image = self.read_picture(
             path,
@@ -117,7 +117,11 @@ impl<'a> Resolver<'a> {
     }
 
     /// The texture with a name, whose values lie in `range`.
-    pub(super) fn known(&self, name: &Spanned<String>, range: &RangeInclusive<f32>) -> Result<Known, SceneError> {
+    pub(super) fn known(
+        &self,
+        name: &Spanned<String>,
+        range: &RangeInclusive<f32>,
+    ) -> Result<KnownTexture, SceneError> {
         let known = self.known.get(name.as_str()).copied().ok_or_else(|| {
             let message = format!("no texture is called `{}`", name.value);
             SceneError::at(self.source, name.span, message, "unknown name", "define it in Textures first")
@@ -132,7 +136,11 @@ impl<'a> Resolver<'a> {
     }
 
     /// The texture with a name, else the picture at that path, read once per encoding.
-    fn known_or_picture(&mut self, name: &Spanned<String>, encoding: PictureEncoding) -> Result<Known, SceneError> {
+    fn known_or_picture(
+        &mut self,
+        name: &Spanned<String>,
+        encoding: PictureEncoding,
+    ) -> Result<KnownTexture, SceneError> {
         if self.known.contains_key(name.as_str()) {
             return self.known(name, &ANY);
         }
@@ -272,7 +280,7 @@ impl<'a> Resolver<'a> {
 
 impl TextureNeeds {
     /// Adds the needs of one texture.
-    pub fn add(&mut self, known: &Known) {
+    pub fn add(&mut self, known: &KnownTexture) {
         self.textured = true;
         self.coordinates |= !known.solid;
     }

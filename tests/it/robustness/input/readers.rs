@@ -96,7 +96,7 @@ fn loaded(name: &str, bytes: &[u8]) {
 /// Reads materials as MTL.
 pub fn mtl(bytes: &[u8]) {
     match mtl::decode(Path::new("fuzz.mtl"), bytes) {
-        Ok(materials) => materials.iter().for_each(|material| drop(material.meaning())),
+        Ok(materials) => materials.iter().for_each(|material| drop(material.to_description())),
         Err(error) => assert!(error.to_string().contains("fuzz.mtl"), "{error}"),
     }
 }
