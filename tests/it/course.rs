@@ -6,7 +6,7 @@
 use crate::support::course;
 use caustica::camera::Camera;
 use caustica::color::Rgb;
-use caustica::format::description::{Curve as Profile, CurveBasis, Group, Item, Object, Shape as Described};
+use caustica::format::description::{CurveBasis, Group, GroupItem, ObjectDescription, ProfileCurve, ShapeDescription};
 use caustica::format::mesh::{self, Repair};
 use caustica::format::{SceneFile, parse};
 use caustica::image::{self, Curve, Image, RgbBytes, ToneMap, WriteOptions};
@@ -20,10 +20,10 @@ use std::fs;
 use std::path::Path;
 
 fn ray_cast(scene: &Path) -> RgbBytes {
-    show(&SceneFile::read(scene).unwrap().resolve().unwrap())
+    render_course_image(&SceneFile::read(scene).unwrap().resolve().unwrap())
 }
 
-fn show(scene: &Scene) -> RgbBytes {
+fn render_course_image(scene: &Scene) -> RgbBytes {
     let (width, height) = scene.camera().size();
     let integrator = Algorithm::Raycast.prepare(scene, Settings::default());
     let picture = Image::from_pixels(width, height, integrator.pass(0, &Silent).image).unwrap();
@@ -35,7 +35,7 @@ fn show(scene: &Scene) -> RgbBytes {
 }
 
 /// Returns the number of pixels that differ by more than one level.
-fn strays(ours: &RgbBytes, theirs: &RgbBytes) -> usize {
+fn count_differing_pixels(ours: &RgbBytes, theirs: &RgbBytes) -> usize {
     assert_eq!((ours.width(), ours.height()), (theirs.width(), theirs.height()));
     let pairs = ours.pixels().iter().zip(theirs.pixels());
     pairs.filter(|(a, b)| a.iter().zip(b.iter()).any(|(x, y)| x.abs_diff(*y) > 1)).count()
@@ -57,7 +57,7 @@ fn scenes_01_to_07_match_expected_images() {
     for (scene, allowed) in scenes {
         let ours = ray_cast(&course.join(format!("testcases/{scene}.txt")));
         let theirs = image::read_bytes(&course.join(format!("expected/{}.png", &scene[..7]))).unwrap();
-        let n = strays(&ours, &theirs);
+        let n = count_differing_pixels(&ours, &theirs);
         assert!(n <= allowed, "{scene}: {n} pixels differ by more than one level");
     }
 }
@@ -84,25 +84,27 @@ fn scenes_08_to_10_show_surfaces_of_revolution() {
 }
 
 /// Returns the first profile of a group.
-fn profile(group: &Group) -> Option<Profile> {
+fn profile(group: &Group) -> Option<ProfileCurve> {
     group.items.iter().find_map(|item| match item {
-        Item::Object(object) => profile_of(&object.value),
+        GroupItem::Object(object) => profile_of(&object.value),
         _ => None,
     })
 }
 
-fn profile_of(object: &Object) -> Option<Profile> {
+fn profile_of(object: &ObjectDescription) -> Option<ProfileCurve> {
     match object {
-        Object::Group(group) => profile(group),
-        Object::Transform { object, .. } | Object::Moving { object, .. } => profile_of(&object.value),
-        Object::Shape { shape: Described::Revolution { profile }, .. } => Some(profile.clone()),
-        Object::Shape { .. } => None,
+        ObjectDescription::Group(group) => profile(group),
+        ObjectDescription::Transform { object, .. } | ObjectDescription::Moving { object, .. } => {
+            profile_of(&object.value)
+        }
+        ObjectDescription::Shape { shape: ShapeDescription::Revolution { profile }, .. } => Some(profile.clone()),
+        ObjectDescription::Shape { .. } => None,
     }
 }
 
 /// Returns the point of a curve at parameter `at`: by de Casteljau, or by the basis of uniform
 /// cubics.
-fn point_of(curve: &Profile, at: f64) -> DVec3 {
+fn point_of(curve: &ProfileCurve, at: f64) -> DVec3 {
     let mut points = curve.controls.clone();
     match curve.basis {
         CurveBasis::Bezier => {

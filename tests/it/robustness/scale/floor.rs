@@ -1,9 +1,9 @@
 //! A sphere of radius 10⁵ as a floor.
 
-use super::paired::{ROUNDING, objection, summary};
+use super::paired::{ROUNDING, mean_difference, summary};
 use super::{PASSES, SIZE, few, pictures};
 use caustica::color::Rgb;
-use caustica::format::{Source, parse, resolve};
+use caustica::format::{SourceText, parse, resolve};
 use caustica::integrate::{Algorithm, Settings};
 use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
 use caustica::sampling::{Key, Purpose};
@@ -47,7 +47,7 @@ fn on(floor: &str) -> Scene {
 fn resolved(text: &str) -> Scene {
     let name = "floor.txt";
     let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
-    resolve(&parse(name, text).unwrap(), &Source::new(name, text), &scenes).unwrap()
+    resolve(&parse(name, text).unwrap(), &SourceText::new(name, text), &scenes).unwrap()
 }
 
 const FLAT: &str = "Disc { center 0 0 0  normal 0 1 0  radius 300 }";
@@ -73,7 +73,7 @@ fn sphere_of_radius_100000_acts_as_flat_floor() {
         let images = pictures(scene, Algorithm::Hybrid, settings.clone(), 4 * PASSES);
         images.iter().map(|image| summary(image, SIZE)).collect()
     };
-    let objection = objection(&seen(&round), &seen(&flat), ROUNDING + 2e-5, 0.02);
+    let objection = mean_difference(&seen(&round), &seen(&flat), ROUNDING + 2e-5, 0.02);
     assert!(objection.is_none(), "{}", objection.unwrap());
 }
 
