@@ -19,7 +19,8 @@ pub enum Reason {
     NotOfAlgorithm,
     /// No light has power.
     NoLight,
-    /// The scene has no caustic casters.
+    /// The scene has no caustic casters: see
+    /// [`Bsdf::casts_caustics`](crate::bsdf::Bsdf::casts_caustics).
     NoCaster,
     /// No light reaches a caustic caster directly.
     NoLitCaster,
