@@ -138,8 +138,8 @@ impl Bsdf {
         }
     }
 
-    /// True if photons are stored here, for density estimates that evaluate the BSDF for each
-    /// photon.
+    /// True for a *receiver*: photons are stored here, for density estimates that evaluate the BSDF
+    /// for each photon.
     ///
     /// The noise of such an estimate grows as the lobe narrows. Diffuse and Phong BSDFs store
     /// photons, and so do conductors rougher than [`STORED_ALPHA`]. On smoother conductors few
@@ -155,8 +155,11 @@ impl Bsdf {
         }
     }
 
-    /// True if light that it scatters is a caustic. Every BSDF stores photons, or casts caustics,
-    /// or is black.
+    /// True for a *caster*: light that it scatters to a receiver is a caustic. Every BSDF is a
+    /// receiver ([`stores_photons`](Self::stores_photons)), or a caster, or black.
+    ///
+    /// Casters are mirrors, dielectrics and thin panes of any roughness, and conductors of roughness
+    /// α up to [`STORED_ALPHA`].
     ///
     /// Camera paths continue where no photons are stored. Light paths through such vertices belong
     /// to the caustic map, so that each path counts once, however broad the lobe.
