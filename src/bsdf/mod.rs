@@ -95,8 +95,8 @@ impl Bsdf {
     /// A dielectric interface with relative index `eta` (inside over outside) and roughness α in
     /// \[0, 1].
     ///
-    /// It is smooth below [`SMOOTH_ALPHA`], and where an index near 1 refracts so little that
-    /// roughness has no effect.
+    /// The interface is smooth if α is below [`SMOOTH_ALPHA`], or if an index near 1 refracts so
+    /// little that roughness has no effect.
     #[must_use]
     pub fn dielectric(eta: f32, alpha: f32) -> Self {
         if alpha < SMOOTH_ALPHA || alpha * (eta - 1.0).abs() < MIN_LOBE_WIDTH {
@@ -171,7 +171,7 @@ impl Bsdf {
 
     /// Spread that scattering here adds to a ray cone, as a tangent; 0 for deltas.
     ///
-    /// It is about a fifth of the lobe's width, as many paths sample one lobe.
+    /// The spread is about a fifth of the lobe's width, as many paths sample one lobe.
     #[inline]
     #[must_use]
     pub fn blur(&self) -> f32 {
@@ -185,7 +185,7 @@ impl Bsdf {
 
     /// f(wo, wi) \[1/sr], without the cosine; 0 for deltas.
     ///
-    /// It is 0 too where `ns` and `ng` disagree on whether `wo` and `wi` lie on one side.
+    /// The value is also 0 if `ns` and `ng` disagree on whether `wo` and `wi` lie on one side.
     #[inline]
     #[must_use]
     pub fn evaluate(&self, wo: Vec3, wi: Vec3, ns: Vec3, ng: Vec3, transport: Transport) -> Rgb {
