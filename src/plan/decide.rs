@@ -164,7 +164,7 @@ impl Plan {
 
 /// Reason why `effect` is needed, or the reason why it adds nothing as an error.
 ///
-/// `before` holds the needed effects among those earlier in [`Effect::ALL`].
+/// `before` holds the needed effects that stand earlier in [`Effect::ALL`].
 fn judge(features: &SceneFeatures, effect: Effect, before: Effects) -> Result<Reason, Reason> {
     let need = |condition: bool, otherwise: Reason| if condition { Ok(()) } else { Err(otherwise) };
     let any = |n: usize, otherwise: Reason| need(n > 0, otherwise);

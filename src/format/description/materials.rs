@@ -76,9 +76,9 @@ pub enum MaterialKindDescription {
     },
     /// One of two materials at each point, chosen at random.
     Mix {
-        /// Name of a material that stands before this one.
+        /// Name of a material that stands before the mix.
         first: Spanned<String>,
-        /// Name of a material that stands before this one.
+        /// Name of a material that stands before the mix.
         second: Spanned<String>,
         /// Probability of the second, inside [0, 1].
         amount: TexturedValue<f64>,

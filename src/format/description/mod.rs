@@ -310,7 +310,7 @@ pub enum ShapeDescription {
         /// Degrees along u and v, each from 1 to
         /// [`MAX_DEGREE`](crate::shape::parametric::MAX_DEGREE).
         degree: [u32; 2],
-        /// (degree u + 1) · (degree v + 1) points with weights for each patch, those along v first.
+        /// (degree u + 1) · (degree v + 1) points with weights for each patch; the index along v varies fastest.
         controls: Vec<DVec4>,
     },
     /// A B-spline surface with weights.
@@ -323,7 +323,7 @@ pub enum ShapeDescription {
         /// Knots along u and v: count + degree + 1 nondecreasing numbers each; none for uniform
         /// knots.
         knots: [Vec<f64>; 2],
-        /// Points with weights, those along v first.
+        /// Points with weights; the index along v varies fastest.
         controls: Vec<DVec4>,
     },
 }

@@ -290,7 +290,7 @@ fn rectangle(f: &Fields<'_>) -> Result<LightDescription, SceneError> {
     Ok(LightDescription::Rectangle { corner, edge0, edge1, strength: area_strength(f)? })
 }
 
-/// Returns the spotlight of these fields.
+/// Returns the spotlight that the fields `f` describe.
 fn spot(f: &Fields<'_>) -> Result<LightDescription, SceneError> {
     let position = f.vector("position")?;
     let (aim, _) = aim(f, "position", position)?;
@@ -302,7 +302,7 @@ fn spot(f: &Fields<'_>) -> Result<LightDescription, SceneError> {
     Ok(LightDescription::Spot { position, aim, angle, penumbra, strength: point_strength(f)? })
 }
 
-/// Returns the oriented point light of these fields.
+/// Returns the oriented point light that the fields `f` describe.
 fn oriented(f: &Fields<'_>, pattern: LightPattern) -> Result<LightDescription, SceneError> {
     let position = f.vector("position")?;
     let (aim, direction) = aim(f, "position", position)?;
