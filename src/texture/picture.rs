@@ -148,8 +148,8 @@ impl Level {
         upper.lerp(lower, fy)
     }
 
-    /// Returns the next MIP level: half as many columns and rows, rounded down. Each pixel is the mean
-    /// over its area.
+    /// Returns the next MIP level: half as many columns and rows, rounded down. Each pixel is the
+    /// mean over its area.
     fn halved(&self) -> Self {
         let (width, height) = ((self.width / 2).max(1), (self.height / 2).max(1));
         let columns: Vec<Vec<(usize, f32)>> = (0..width).map(|j| covered(j, self.width, width)).collect();
