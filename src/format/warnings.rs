@@ -25,7 +25,7 @@ pub(super) fn warnings(description: &Description, source: &Source, folder: &Path
                 .map(|loaded| loaded.mesh.report()),
         };
         if let Some(defect) = report.as_ref().and_then(defect) {
-            let remedy = "`caustica mesh --repair` may mend it";
+            let remedy = "`caustica mesh --repair` may repair it";
             found.push((*span, format!("the dielectric mesh `{path}` {defect}; {remedy}")));
         }
     }

@@ -71,7 +71,7 @@ fn grid_sizes_must_match_the_file_length() {
         &body("1024 1024 1024", "f32"),
         " 3 bytes",
         "1024 × 1024 × 1024 cells of type f32 take 4294967296",
-        "mend its size",
+        "correct its size",
     );
     refused(
         &body("1024 1024 1024", "text"),
@@ -79,7 +79,7 @@ fn grid_sizes_must_match_the_file_length() {
         "at most 2 numbers follow, but the size asks for 1073741824",
         "one number for each",
     );
-    refused(&body("1 1 1", "f32"), " 3 bytes", "take 4", "mend its size");
+    refused(&body("1 1 1", "f32"), " 3 bytes", "take 4", "correct its size");
 }
 
 #[test]

@@ -91,7 +91,7 @@ fn make_environment(
             let file = r.file("picture", path)?;
             let map = r.read_picture(path, &file, Meaning::Light)?;
             EnvironmentLight::new(map, rotate.to_radians(), Rgb::splat(*scale as f32))
-                .map_err(|e| r.bad_file(path, &e, "mend the picture, or scale it less"))
+                .map_err(|e| r.bad_file(path, &e, "repair the picture, or scale it less"))
         }
     }
 }

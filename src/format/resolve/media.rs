@@ -48,7 +48,7 @@ fn make_density(r: &Resolver<'_>, described: &Spanned<Described>) -> Result<Opti
         Density::Even => return Ok(None),
         Density::Grid { path, scale, extent } => {
             let file = r.file("grid", path)?;
-            let help = "mend the grid or name another; the grid format is described in docs/scene-language.md";
+            let help = "repair the grid or name another; the grid format is described in docs/scene-language.md";
             let read = grid::read_within(&file, r.memory.free());
             let mut grid =
                 read.map_err(|e| r.refuse_file(path, &e, matches!(e, grid::GridError::NoMemory { .. }), help))?;

@@ -16,7 +16,7 @@ use std::rc::Rc;
 /// Copies of a mesh share its triangles if that saves at least this many.
 const WORTH_SHARING: usize = 50_000;
 
-const MEND: &str = "mend the mesh or name another";
+const REPAIR: &str = "repair the mesh or name another";
 
 /// Bytes per placed triangle while its hierarchy is built, including its share of vertices.
 ///
@@ -129,7 +129,7 @@ fn mesh_pieces(r: &mut Resolver<'_>, path: &Spanned<String>, options: MeshOption
         Some(mesh) => Ok(Loaded { mesh: (**mesh).clone(), ..Loaded::default() }),
         None => mesh::load_within(&file, r.monitor, r.memory.free()),
     };
-    let mut loaded = loaded.map_err(|e| r.refuse_file(path, &e, matches!(e, MeshError::Memory { .. }), MEND))?;
+    let mut loaded = loaded.map_err(|e| r.refuse_file(path, &e, matches!(e, MeshError::Memory { .. }), REPAIR))?;
     if no_normals {
         loaded.mesh.normals = None;
     }
@@ -162,11 +162,11 @@ fn mesh_materials(
         return Ok(own.clone());
     }
     let library = mtl::of_mesh(file, loaded, r.memory.free());
-    let library = library.map_err(|e| r.refuse_file(path, &e, matches!(e, MeshError::Memory { .. }), MEND))?;
+    let library = library.map_err(|e| r.refuse_file(path, &e, matches!(e, MeshError::Memory { .. }), REPAIR))?;
     let mut own = Vec::with_capacity(library.len());
     for found in library {
         let bad = |(message, remedy)| MeshError::BadMaterial { path: file.into(), message, remedy };
-        let meaning = found.meaning().map_err(|e| r.bad_file(path, &bad(e), MEND))?;
+        let meaning = found.meaning().map_err(|e| r.bad_file(path, &bad(e), REPAIR))?;
         own.push(own_material(r, path, meaning)?);
     }
     let own = Rc::new(own);

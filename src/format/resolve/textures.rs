@@ -107,7 +107,7 @@ impl<'a> Resolver<'a> {
         file: &Path,
         meaning: Meaning,
     ) -> Result<Image, SceneError> {
-        let help = "mend the picture or name another: PNG, OpenEXR or Radiance HDR";
+        let help = "repair the picture or name another: PNG, OpenEXR or Radiance HDR";
         if let Some(picture) = self.assets.pictures.get(path.as_str()) {
             return Ok((**picture).clone());
         }

@@ -25,6 +25,10 @@ fn check_reports_all_errors_or_warnings() {
     let blind = shop.run(&["check", "blind.txt"]);
     blind.expect(0, &[]);
     assert!(blind.stdout.contains("warning: the camera sees no object"), "{}", blind.stdout);
+    let render = shop.render("blind.txt", "-o a.png --passes 1");
+    render.expect(0, &["warning: the camera sees no object"]);
+    let quiet = shop.render("blind.txt", "-o a.png --passes 1 --quiet");
+    assert!(!quiet.stderr.contains("camera"), "{}", quiet.stderr);
     shop.put("scene.glb", "glTF");
     shop.run(&["check", "scene.glb"]).expect(1, &["`.glb` is no scene format", "export the meshes as OBJ or PLY"]);
 }

@@ -130,7 +130,7 @@ fn unreadable_grids_are_reported_at_their_path() {
     );
     let bad = of("bad.grid");
     assert_eq!((bad.line(), bad.text()), (2, "bad.grid"), "{bad}");
-    assert!(bad.message().contains("cell (0, 0, 0)") && bad.remedy().contains("mend the grid"), "{bad}");
+    assert!(bad.message().contains("cell (0, 0, 0)") && bad.remedy().contains("repair the grid"), "{bad}");
 }
 
 #[test]
