@@ -116,7 +116,7 @@ fn failed_study_has_exit_code_and_keeps_page() {
     shop.put("a.html", "old page");
     run(&shop, "study --effects").expect(2, &["SCENE"]);
     run(&shop, "study --effects box.txt --passes 0 -o a.html").expect(2, &["at least 1"]);
-    study(&shop, "--wish shadows -o a.html").expect(2, &["`shadows` is no wish"]);
+    study(&shop, "--simulate shadows -o a.html").expect(2, &["`shadows` is no effect override"]);
     study(&shop, "--size 16384x16385 -o a.html").expect(2, &["--size"]);
     run(&shop, "study --effects none.txt -o a.html").expect(1, &["none.txt", "help: check the path"]);
     let long = "--spp 100k --passes 1k";
