@@ -44,7 +44,7 @@ fn invalid_oriented_lights_are_errors() {
         ("GoniometricLight { position 0 4 0 direction 0 -1 0 profile bad.txt power 1 1 1 }", "table of angles"),
         ("GoniometricLight { position 0 4 0 direction 0 -1 0 up 0 1 0 file white.exr power 1 1 1 }", "parallel"),
     ] {
-        let text = format!("Lights {{ {light} }} Group {{ }}");
+        let text = format!("Lights {{ {light} }}");
         let parsed = parse("a.txt", &format!("{CAMERA}{text}"));
         let error = parsed.err().unwrap_or_else(|| resolved(light).unwrap_err());
         assert!(error.to_string().contains(message) || error.message().contains(message), "{error}");
