@@ -17,7 +17,7 @@ const PILOT: u32 = 8;
 /// Renders and returns the film with the processor time of its passes \[s].
 fn rendered(scene: &Scene, algorithm: Algorithm, seed: u64, stop: &StopCriteria<'_>) -> (Rendered, f64) {
     let mut settings = settings(seed);
-    settings.eye.gauge = true;
+    settings.eye.estimate_error = true;
     let integrator = algorithm.prepare(scene, settings);
     let start = cpu_seconds().unwrap_or(0.0);
     let rendered = render(integrator.as_ref(), SIZE, stop, &Silent, |_| {});

@@ -116,7 +116,7 @@ fn stopped(name: &str, scene: &Scene, algorithm: Algorithm, error: f64, seeds: u
     let (mut passes, mut errors) = (0, Vec::new());
     for seed in 0..seeds {
         let mut settings = settings(seed);
-        settings.eye.gauge = true;
+        settings.eye.estimate_error = true;
         let integrator = algorithm.prepare(scene, settings);
         let rendered = render(integrator.as_ref(), SIZE, &stop, &Silent, |_| {});
         passes += rendered.film.passes();
@@ -177,7 +177,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             let mut rows = vec![Vec::new(); arguments.passes.len()];
             for seed in 0..arguments.seeds {
                 let mut settings = settings(seed);
-                settings.eye.gauge = true;
+                settings.eye.estimate_error = true;
                 let integrator = algorithm.prepare(&scene, settings);
                 let (mut film, mut estimator) =
                     (Film::new(SIZE.0, SIZE.1), ErrorEstimator::new(integrator.radius_law()));

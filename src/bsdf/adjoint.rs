@@ -1,15 +1,16 @@
-//! The adjoint factor of shading normals (Veach 1997, section 5.3), in one place.
+//! The adjoint factor of shading normals (Veach 1997, section 5.3).
 //!
-//! A shading normal replaces |wi · ng| by |wi · ns| in what a camera walk integrates. A walk from a light carries flux over
-//! true areas and must make up for it.
+//! A shading normal replaces |wi · ng| by |wi · ns| in the integrand of camera paths. Light paths
+//! carry flux over true areas, so this factor must correct them.
 
 use super::BsdfSample;
 use glam::Vec3;
 
 impl BsdfSample {
-    /// What a walk from a light is multiplied by besides the weight, with `wo` to where it came from: [`shading_normal_factor`], or 1 where
-    /// the shading normal had no part in it. (That quotient is not what such light is due, and under steep normals its denominator passes
-    /// through zero, so that its mean is infinite.)
+    /// Factor of a light path's throughput besides `weight`, with `wo` to the previous vertex.
+    ///
+    /// It is [`shading_normal_factor`], or 1 if the shading normal took no part. There the quotient
+    /// would be wrong, and its mean infinite under steep normals.
     #[inline]
     #[must_use]
     pub fn adjoint(&self, wo: Vec3, ns: Vec3, ng: Vec3) -> f32 {
@@ -17,7 +18,7 @@ impl BsdfSample {
     }
 }
 
-/// The factor by which a walk from a light is multiplied at a scattering, with `wo` to where it came from.
+/// Factor of a light path's throughput at a scattering event, with `wo` to the previous vertex.
 #[inline]
 #[must_use]
 pub fn shading_normal_factor(wo: Vec3, wi: Vec3, ns: Vec3, ng: Vec3) -> f32 {
@@ -28,8 +29,10 @@ pub fn shading_normal_factor(wo: Vec3, wi: Vec3, ns: Vec3, ng: Vec3) -> f32 {
     if denominator == 0.0 { 0.0 } else { (wo.dot(ns) * wi.dot(ng) / denominator).abs() }
 }
 
-/// The factor for flux that is stored at a surface to be gathered there: what a camera walk sees is the irradiance by the
-/// shading normal, while photons land by the geometric one.
+/// Factor of flux that is stored at a surface.
+///
+/// Density estimates need the irradiance by the shading normal, but photons land by the geometric
+/// normal.
 #[inline]
 #[must_use]
 pub fn deposit_factor(wo: Vec3, ns: Vec3, ng: Vec3) -> f32 {

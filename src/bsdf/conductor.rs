@@ -1,4 +1,4 @@
-//! Metals, polished and rough.
+//! Conductors: smooth and rough metals.
 
 use super::fresnel::conductor_reflectance;
 use super::microfacet::Ggx;
@@ -6,40 +6,42 @@ use super::{BsdfSample, SMOOTH_ALPHA, dielectric};
 use crate::color::Rgb;
 use glam::{Vec2, Vec3};
 
-/// A surface of a conductor, on both sides: a mirror, or GGX facets each of which is one.
+/// A conductor, reflecting on both sides: a mirror, or GGX facets that are mirrors.
 ///
-/// Light is followed from facet to facet once only: what would be scattered again is lost. With reflectance 1, seen along the
-/// normal, that is 1.2 % at α = 0.1, 5 % at 0.2, 31 % at 0.5 and 69 % at 1; seen at 85° from it, 11, 10, 13 and 22 %.
+/// Only single scattering between facets is modelled. The rest is lost: with reflectance 1 at
+/// normal incidence, 1.2 % at α = 0.1, 5 % at 0.2, 31 % at 0.5 and 69 % at 1. At 85° it is 11, 10,
+/// 13 and 22 %.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Conductor {
     eta: Rgb,
     k: Rgb,
-    /// 0 for a mirror.
+    /// The GGX distribution; α is 0 for a mirror.
     alpha: f32,
 }
 
 impl Conductor {
-    /// From the complex index η + ik over that of the medium outside, per channel and ≥ 0, and α in \[0, 1]; below
-    /// [`SMOOTH_ALPHA`] it is a mirror.
+    /// A conductor of complex relative index η + ik, each channel ≥ 0, and α in \[0, 1].
+    ///
+    /// Below [`SMOOTH_ALPHA`] it is a mirror.
     #[must_use]
     pub fn new(eta: Rgb, k: Rgb, alpha: f32) -> Self {
         Self { eta, k, alpha: if alpha < SMOOTH_ALPHA { 0.0 } else { alpha } }
     }
 
-    /// [`Conductor::new`], but rough however small α is.
+    /// [`Conductor::new`], but rough at any α.
     #[cfg(test)]
     pub(super) fn of_any_width(eta: Rgb, k: Rgb, alpha: f32) -> Self {
         Self { eta, k, alpha }
     }
 
-    /// Width of the facets' slopes; 0 for a mirror.
+    /// Roughness α; 0 for a mirror.
     #[inline]
     #[must_use]
     pub fn alpha(&self) -> f32 {
         self.alpha
     }
 
-    /// Whether it is a mirror.
+    /// True if it is a mirror.
     #[inline]
     #[must_use]
     pub fn is_smooth(&self) -> bool {
@@ -51,29 +53,30 @@ impl Conductor {
         conductor_reflectance(cos as f32, self.eta, self.k)
     }
 
-    /// For directions on one side of `n`.
+    /// f(wo, wi) \[1/sr] for directions on one side of `n`.
     #[inline]
     pub(super) fn evaluate(&self, wo: Vec3, wi: Vec3, n: Vec3) -> Rgb {
         if self.is_smooth() {
             return Rgb::ZERO;
         }
         let (ggx, o, i, n) = (Ggx::new(self.alpha), wo.as_dvec3(), wi.as_dvec3(), n.as_dvec3());
-        let facet = ggx.mirroring(o, i, n);
+        let facet = ggx.reflecting_facet(o, i, n);
         let g2 = ggx.same_side(o.dot(n).abs(), i.dot(n).abs());
         self.reflectance(facet.cos) * (0.25 * facet.density * g2) as f32
     }
 
-    /// Density of the sampled direction \[1/sr], for directions on one side of `n`.
+    /// Solid-angle pdf of `wi` \[1/sr], for directions on one side of `n`.
     #[inline]
     pub(super) fn pdf(&self, wo: Vec3, wi: Vec3, n: Vec3) -> f32 {
         if self.is_smooth() {
             return 0.0;
         }
         let (ggx, o, n) = (Ggx::new(self.alpha), wo.as_dvec3(), n.as_dvec3());
-        ggx.visible_density(&ggx.mirroring(o, wi.as_dvec3(), n), o.dot(n).abs()) as f32
+        ggx.visible_density(&ggx.reflecting_facet(o, wi.as_dvec3(), n), o.dot(n).abs()) as f32
     }
 
-    /// Draws a facet that `wo` sees; `n` is on the side of `wo`. `None` where the facet mirrors into the surface.
+    /// Samples a visible facet, with `n` on the side of `wo`; `None` if it reflects into the
+    /// surface.
     #[inline]
     pub(super) fn sample(&self, wo: Vec3, n: Vec3, ng: Vec3, u: Vec2) -> Option<BsdfSample> {
         if self.is_smooth() {
@@ -90,7 +93,7 @@ impl Conductor {
         if cos_i <= 0.0 {
             return None;
         }
-        let facet = ggx.mirroring(o, i, n);
+        let facet = ggx.reflecting_facet(o, i, n);
         let pdf = ggx.visible_density(&facet, cos_o) as f32;
         let leaving = ggx.leaving(ggx.same_side(cos_o, cos_i), cos_o, cos_i);
         let weight = self.reflectance(facet.cos) * leaving as f32;

@@ -4,34 +4,34 @@ use super::{BsdfSample, Transport, refract};
 use crate::color::Rgb;
 use glam::Vec3;
 
-/// A smooth interface; the normal points to the outside.
+/// A smooth interface; its normal points outside.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Dielectric {
-    /// Index inside over index outside.
+    /// Relative refractive index: inside over outside.
     pub eta: f32,
 }
 
-/// The two continuations of a walk at a dielectric, each with the weight it carries when both are followed.
+/// Reflection and refraction at a dielectric, with the weights of following both.
 #[derive(Clone, Copy, Debug)]
 pub struct Split {
-    /// The mirrored direction and its share.
+    /// The reflected direction and its reflectance.
     pub reflected: (Vec3, f32),
-    /// The refracted direction and its share; the share is zero under total reflection.
+    /// The refracted direction and its transmittance; 0 under total internal reflection.
     pub transmitted: (Vec3, f32),
-    /// What the transmitted radiance is divided by: (n_near/n_far)² for radiance, 1 for flux.
+    /// Divisor of transmitted radiance: (n_near/n_far)² for radiance, 1 for flux.
     pub squeeze: f32,
-    /// Whether reflection and refraction took the surface as it is: see [`BsdfSample::flat`].
+    /// True if both used the geometric normal: see [`BsdfSample::flat`].
     pub flat: [bool; 2],
 }
 
 impl Dielectric {
-    /// Both continuations from direction `wo`.
+    /// Reflection and refraction of direction `wo`.
     #[inline]
     #[must_use]
     pub fn split(&self, wo: Vec3, ns: Vec3, ng: Vec3, transport: Transport) -> Split {
         let outside = wo.dot(ng) >= 0.0;
         let (near_ns, near_ng, eta) = if outside { (ns, ng, self.eta) } else { (-ns, -ng, 1.0 / self.eta) };
-        // Where the shading normal would send light through the wrong side, the surface is taken as it is.
+        // If the shading normal would send light to the wrong side, use the geometric normal.
         let mut flat = wo.dot(near_ns) <= 0.0;
         let mut bent = refract(wo, if flat { near_ng } else { near_ns }, eta);
         if bent.transmittance > 0.0 && bent.transmitted.dot(near_ng) >= 0.0 {
@@ -51,8 +51,9 @@ impl Dielectric {
         }
     }
 
-    /// One continuation, chosen by its share. The choice knows steps of 2⁻²⁴: a weight makes up for what that rounds off a small
-    /// transmitted share.
+    /// Samples reflection or refraction by the reflectance.
+    ///
+    /// `lobe` has steps of 2⁻²⁴. A weight corrects the rounding of a small transmittance.
     #[inline]
     pub(super) fn sample(&self, wo: Vec3, ns: Vec3, ng: Vec3, lobe: f32, transport: Transport) -> BsdfSample {
         let split = self.split(wo, ns, ng, transport);
@@ -69,7 +70,8 @@ impl Dielectric {
     }
 }
 
-/// The mirror image of `wo` about `ns`, or about `ng` where the former would dive below the surface, and whether it did.
+/// Mirror image of `wo` about `ns`, or about `ng` if the former lies below the surface; true for
+/// the latter.
 #[inline]
 pub(super) fn reflect_above(wo: Vec3, ns: Vec3, ng: Vec3) -> (Vec3, bool) {
     let mirrored = |n: Vec3| n * (2.0 * wo.dot(n)) - wo;

@@ -1,12 +1,13 @@
-//! Fresnel's equations and Snell's law for unpolarised light at smooth interfaces of dielectrics and conductors.
+//! Fresnel's equations and Snell's law for unpolarised light at smooth interfaces.
 
 use crate::color::Rgb;
 use glam::{DVec3, Vec3};
 
-/// Fraction of light reflected where `cos_i ≥ 0` is the cosine on the incident side and `eta` the index of the far side
-/// over that of the near side; with the cosine on the far side. Total internal reflection gives `(1, 0)`.
+/// Fresnel reflectance of a dielectric, and the cosine on the far side.
 ///
-/// An `eta` of 1 reflects nothing, exactly. (Pharr, Jakob, Humphreys 2023, section 9.3.5.)
+/// `cos_i ≥ 0` is the cosine on the near side, `eta` the far index over the near index. Total
+/// internal reflection returns `(1, 0)`; an `eta` of 1 reflects exactly nothing. (Pharr, Jakob,
+/// Humphreys 2023, section 9.3.5.)
 #[inline]
 #[must_use]
 pub fn dielectric_reflectance(cos_i: f32, eta: f32) -> (f32, f32) {
@@ -19,8 +20,8 @@ pub fn dielectric_reflectance(cos_i: f32, eta: f32) -> (f32, f32) {
 
 /// [`dielectric_reflectance`] for a cosine in \[0, 1].
 ///
-/// Of numbers that came from f32, (η − 1)(η + 1) and cos² are exact in f64, so their sum has the sign of cos²θt itself: within an ulp of
-/// the critical angle too, whatever the index.
+/// (η − 1)(η + 1) and cos² of f32 numbers are exact in f64. So their sum has the sign of cos²θt,
+/// even within an ulp of the critical angle.
 #[inline]
 pub(super) fn reflectance_f64(cos_i: f64, eta: f64) -> (f64, f64) {
     let cos2_t = ((eta - 1.0) * (eta + 1.0) + cos_i * cos_i) / (eta * eta);
@@ -31,7 +32,7 @@ pub(super) fn reflectance_f64(cos_i: f64, eta: f64) -> (f64, f64) {
     (reflectance_of(cos_i, cos_t, eta), cos_t)
 }
 
-/// Fraction of light reflected between two cosines that obey Snell's law.
+/// Fresnel reflectance for two cosines that obey Snell's law.
 #[inline]
 fn reflectance_of(cos_i: f64, cos_t: f64, eta: f64) -> f64 {
     let parallel = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
@@ -39,28 +40,30 @@ fn reflectance_of(cos_i: f64, cos_t: f64, eta: f64) -> f64 {
     0.5 * (parallel * parallel + perpendicular * perpendicular)
 }
 
-/// Fraction of light transmitted between two cosines that obey Snell's law: the complement of the reflectance, without
-/// cancelling.
+/// Fresnel transmittance for two cosines that obey Snell's law: 1 − reflectance, without
+/// cancellation.
 #[inline]
 pub(super) fn transmittance_f64(cos_i: f64, cos_t: f64, eta: f64) -> f64 {
     let (parallel, perpendicular) = (eta * cos_i + cos_t, cos_i + eta * cos_t);
     2.0 * eta * cos_i * cos_t * (1.0 / (parallel * parallel) + 1.0 / (perpendicular * perpendicular))
 }
 
-/// Fraction of light reflected by a conductor of complex index `eta` + i`k` over that of the medium outside, per channel, where
-/// `cos_i ≥ 0` is the cosine outside. (Born and Wolf 1999, section 14.2; Pharr, Jakob, Humphreys 2023, section 9.3.6.)
+/// Fresnel reflectance of a conductor with complex relative index `eta` + i`k`, per channel.
 ///
-/// With (a + ib)² = (η + ik)² − sin²θ both polarisations are quotients of sums of squares, in which nothing cancels.
+/// `cos_i ≥ 0` is the cosine outside. (Born and Wolf 1999, section 14.2; Pharr, Jakob, Humphreys
+/// 2023, section 9.3.6.) With (a + ib)² = (η + ik)² − sin²θ, both polarisations are quotients of
+/// sums of squares, in which nothing cancels.
 #[inline]
 #[must_use]
 pub fn conductor_reflectance(cos_i: f32, eta: Rgb, k: Rgb) -> Rgb {
-    // A cosine of 0 exactly would leave 0/0 at index 1.
+    // A cosine of exactly 0 would lead to 0/0 at index 1.
     let cos = cos_i.clamp(1e-6, 1.0);
     let sin2 = (1.0 - cos) * (1.0 + cos);
     let channel = |eta: f32, k: f32| {
         let (real, half_imaginary) = (eta * eta - k * k - sin2, eta * k);
         let modulus = (real * real + 4.0 * half_imaginary * half_imaginary).sqrt();
-        // Of a² = (modulus + real)/2 and b² = (modulus − real)/2 one cancels; it follows from a·b = ηk.
+        // One of a² = (modulus + real)/2 and b² = (modulus − real)/2 cancels; it follows from a·b =
+        // ηk.
         let larger = 0.5 * (modulus + real.abs());
         let smaller = if larger > 0.0 { half_imaginary * half_imaginary / larger } else { 0.0 };
         let (a2, b2) = if real > 0.0 { (larger, smaller) } else { (smaller, larger) };
@@ -70,27 +73,28 @@ pub fn conductor_reflectance(cos_i: f32, eta: Rgb, k: Rgb) -> Rgb {
             if plus > 0.0 { minus / plus } else { 1.0 }
         };
         let perpendicular = quotient(a, cos, b2);
-        // Parallel over perpendicular, with tangents multiplied out.
+        // The quotient of parallel and perpendicular reflectance, without tangents.
         0.5 * perpendicular * (1.0 + quotient(a * cos, sin2, b2 * cos * cos))
     };
     Rgb::new(channel(eta.x, k.x), channel(eta.y, k.y), channel(eta.z, k.z))
 }
 
-/// Both continuations of a ray at an interface.
+/// Reflection and refraction at an interface.
 #[derive(Clone, Copy, Debug)]
 pub struct Refraction {
-    /// Fraction reflected.
+    /// Fresnel reflectance.
     pub reflectance: f32,
-    /// Fraction transmitted, to all its digits however little it is; 0 under total reflection.
+    /// Fresnel transmittance, accurate even if tiny; 0 under total internal reflection.
     pub transmittance: f32,
-    /// Unit direction of the transmitted ray; meaningless where `transmittance` is 0.
+    /// Unit direction of the refracted ray; undefined if `transmittance` is 0.
     pub transmitted: Vec3,
 }
 
-/// Snell's law: `wo` points away from the interface on the side of `n`; `eta` is the far index over the near one.
+/// Refraction by Snell's law.
 ///
-/// The sine is taken from the cross product: towards an index of 10⁶ light gets out within 10⁻⁶ rad of the normal only, where a
-/// cosine in f32 is 1 up to 2·10⁻⁴ rad, and lengths that differ from 1 by a rounding count as much.
+/// `wo` points away from the interface on the side of `n`; `eta` is the far index over the near
+/// index. The sine comes from the cross product. Towards an index of 10⁶ light leaves within 10⁻⁶
+/// rad of the normal, where a cosine in f32 is 1.
 #[inline]
 #[must_use]
 pub fn refract(wo: Vec3, n: Vec3, eta: f32) -> Refraction {
@@ -101,7 +105,7 @@ pub fn refract(wo: Vec3, n: Vec3, eta: f32) -> Refraction {
     let (dot, cross2, n2) = (o.dot(n), o.cross(n).length_squared(), n.length_squared());
     let all2 = dot * dot + cross2;
     let (cos2, sin2) = (dot * dot / all2, cross2 / all2);
-    // Where the sine is small, its square has the digits; else those of the cosine.
+    // A small sine is accurate in its square, a large one in the cosine.
     let cos2_t = if sin2 < 0.5 { eta * eta - sin2 } else { (eta - 1.0) * (eta + 1.0) + cos2 } / (eta * eta);
     if cos2_t.is_nan() || cos2_t <= 0.0 {
         return Refraction { reflectance: 1.0, transmittance: 0.0, transmitted: (-n).as_vec3() };
@@ -116,109 +120,4 @@ pub fn refract(wo: Vec3, n: Vec3, eta: f32) -> Refraction {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// analytic-truths 12: normal incidence, Brewster's angle, and both hemispherical means at n = 1.5.
-    #[test]
-    fn reflectance_matches_closed_forms() {
-        let n = 1.5f32;
-        let (r, cos_t) = dielectric_reflectance(1.0, n);
-        assert!((r - 0.04).abs() < 1e-7 && cos_t == 1.0);
-        // At Brewster's angle only the perpendicular part returns: ((n² − 1)/(n² + 1))²/2.
-        let brewster = libm::cosf(libm::atanf(n));
-        let expected = 0.5 * (1.25f32 / 3.25) * (1.25 / 3.25);
-        assert!((dielectric_reflectance(brewster, n).0 - expected).abs() < 1e-6);
-        // ∫ R 2cosθ dcosθ by midpoints: the integrand's slope is bounded, so the error is below 10⁻⁶.
-        let hemispherical = |eta: f32| {
-            let steps = 1_000_000;
-            (0..steps)
-                .map(|i| {
-                    let c = (i as f32 + 0.5) / steps as f32;
-                    f64::from(dielectric_reflectance(c, eta).0 * 2.0 * c)
-                })
-                .sum::<f64>()
-                / f64::from(steps)
-        };
-        assert!((hemispherical(1.5) - 0.091_778_0).abs() < 1e-6);
-        assert!((hemispherical(1.0 / 1.5) - 0.596_346).abs() < 2e-6);
-    }
-
-    #[test]
-    fn the_critical_angle_divides_transmission_from_reflection() {
-        let eta = 1.0f32 / 1.5;
-        let critical = (1.0 - f64::from(eta) * f64::from(eta)).sqrt();
-        assert!((critical.acos_degrees() - 41.8103).abs() < 1e-4);
-        let below = (critical as f32).next_up().next_up();
-        let above = (critical as f32).next_down().next_down();
-        assert!(dielectric_reflectance(below, eta).0 < 1.0);
-        assert_eq!(dielectric_reflectance(above, eta), (1.0, 0.0));
-    }
-
-    /// Along the normal and at grazing the equations close; without absorption they are a dielectric's; between, they are
-    /// the moduli of the complex coefficients, here by complex arithmetic in f64.
-    #[test]
-    fn conductors_match_closed_and_complex_forms() {
-        let at = |cos: f32, eta: f32, k: f32| conductor_reflectance(cos, Rgb::splat(eta), Rgb::splat(k)).x;
-        let complex = |cos: f64, eta: f64, k: f64| {
-            let (re, im) = (eta * eta - k * k - (1.0 - cos * cos), 2.0 * eta * k);
-            let (modulus, angle) = (libm::hypot(re, im).sqrt(), 0.5 * libm::atan2(im, re));
-            let root = (modulus * libm::cos(angle), modulus * libm::sin(angle));
-            let quotient2 = |n: (f64, f64), d: (f64, f64)| (n.0 * n.0 + n.1 * n.1) / (d.0 * d.0 + d.1 * d.1);
-            let s = quotient2((cos - root.0, -root.1), (cos + root.0, root.1));
-            let m2 = ((eta * eta - k * k) * cos, 2.0 * eta * k * cos);
-            let p = quotient2((m2.0 - root.0, m2.1 - root.1), (m2.0 + root.0, m2.1 + root.1));
-            0.5 * (s + p)
-        };
-        for (eta, k) in [(0.2f32, 3.9129f32), (1.1022, 2.1421), (0.05, 4.2), (2.95, 2.93), (1.5, 0.0), (1.0, 0.3)] {
-            let normal = ((eta - 1.0) * (eta - 1.0) + k * k) / ((eta + 1.0) * (eta + 1.0) + k * k);
-            assert!((at(1.0, eta, k) - normal).abs() < 1e-6, "{eta} {k}");
-            for i in 1..100 {
-                let cos = i as f32 / 100.0;
-                let expected = complex(f64::from(cos), f64::from(eta), f64::from(k));
-                // A dozen operations in f32, each within half an ulp of numbers up to 1.
-                assert!((f64::from(at(cos, eta, k)) - expected).abs() < 1e-6, "{eta} {k} at {cos}: {expected}");
-                if k == 0.0 {
-                    assert!((at(cos, eta, k) - dielectric_reflectance(cos, eta).0).abs() < 1e-6);
-                }
-            }
-            assert!(at(0.0, eta, k) > 1.0 - 1e-4 || (eta, k) == (1.0, 0.0));
-        }
-        for cos in [0.0, 0.3, 1.0] {
-            assert_eq!((at(cos, 0.0, 1.0), at(cos, 0.0, 0.0)), (1.0, 1.0), "no real part, no loss");
-        }
-    }
-
-    trait Degrees {
-        fn acos_degrees(self) -> f64;
-    }
-    impl Degrees for f64 {
-        fn acos_degrees(self) -> f64 {
-            libm::acos(self).to_degrees()
-        }
-    }
-
-    #[test]
-    fn an_index_of_one_changes_nothing() {
-        let wo = Vec3::new(0.3, 0.1, 0.6).normalize();
-        let r = refract(wo, Vec3::Z, 1.0);
-        assert_eq!((r.reflectance, r.transmitted), (0.0, -wo));
-    }
-
-    #[test]
-    fn refraction_obeys_snell_and_reverses() {
-        let n = Vec3::Y;
-        for i in 1..90 {
-            let (sin, cos) = libm::sincosf((i as f32).to_radians());
-            let wo = Vec3::new(sin, cos, 0.0);
-            let there = refract(wo, n, 1.5);
-            assert!((there.transmitted.x * 1.5 + sin).abs() < 1e-6 && there.transmitted.y < 0.0);
-            let back = refract(there.transmitted, -n, 1.0 / 1.5);
-            // Each refraction rounds its direction by a few ulps; Snell's slope magnifies that by 1/cosθ towards grazing.
-            let error = (back.transmitted - wo).length();
-            assert!(error < 8.0 * f32::EPSILON / cos, "{i}: {error}");
-            let (f, b) = (there.reflectance, dielectric_reflectance(there.transmitted.dot(-n), 1.0 / 1.5).0);
-            assert!((f - b).abs() < 2e-6 / cos, "{i}: {f} {b}");
-        }
-    }
-}
+mod tests;

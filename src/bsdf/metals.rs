@@ -1,12 +1,12 @@
 //! Complex refractive indices of metals, measured in vacuum or air.
 //!
-//! Red, green and blue stand for 650, 550 and 450 nm, between whose neighbours in the source's table the values are
-//! interpolated; those of gold and copper are their whole spectra turned into linear RGB of Rec. 709. All tables are in the
-//! database of refractiveindex.info, which is in the public domain.
+//! Red, green and blue stand for 650, 550 and 450 nm, interpolated in the source's table. For gold
+//! and copper, full spectra are converted to linear Rec. 709. All tables are in the database of
+//! refractiveindex.info, which is in the public domain.
 
 use crate::color::Rgb;
 
-/// Name, η and k.
+/// Name, η and k of each metal.
 type Metal = (&'static str, Rgb, Rgb);
 
 const TABLE: [Metal; 8] = [
@@ -22,13 +22,14 @@ const TABLE: [Metal; 8] = [
     ("iron", Rgb::new(2.911, 2.950, 2.584), Rgb::new(3.089, 2.932, 2.767)),
     // Johnson and Christy 1974.
     ("nickel", Rgb::new(1.990, 1.921, 1.729), Rgb::new(4.209, 3.616, 2.944)),
-    // Rakić, Djurišić, Elazar and Majewski 1998, Applied Optics 37, 5271, their fit of Lorentz and Drude's model.
+    // Rakić, Djurišić, Elazar and Majewski 1998, Applied Optics 37, 5271, their fit of Lorentz and
+    // Drude's model.
     ("silver", Rgb::new(0.146, 0.134, 0.136), Rgb::new(3.937, 3.172, 2.328)),
     // Johnson and Christy 1974.
     ("titanium", Rgb::new(2.741, 2.542, 2.267), Rgb::new(3.814, 3.435, 3.038)),
 ];
 
-/// The names that [`metal`] knows, in alphabetical order.
+/// The names of metals that [`metal`] accepts, in alphabetical order.
 pub const METALS: [&str; TABLE.len()] = {
     let mut names = [""; TABLE.len()];
     let mut i = 0;
@@ -39,7 +40,7 @@ pub const METALS: [&str; TABLE.len()] = {
     names
 };
 
-/// η and k of the metal of this name; `None` for one that is not in [`METALS`].
+/// η and k of a named metal; `None` if the name is not in [`METALS`].
 #[must_use]
 pub fn metal(name: &str) -> Option<(Rgb, Rgb)> {
     TABLE.iter().find(|m| m.0 == name).map(|m| (m.1, m.2))
@@ -50,8 +51,8 @@ mod tests {
     use super::*;
     use crate::bsdf::conductor_reflectance;
 
-    /// Reflectances along the normal are those in common use for clean metal. Polish and oxide move the dull metals by up to
-    /// a tenth between sources, the bright ones by some hundredths.
+    /// Expected: reflectances at normal incidence in common use for clean metal. Polish and oxide
+    /// change dull metals by up to a tenth between sources, bright ones by some hundredths.
     #[test]
     fn metals_look_like_themselves() {
         let known = [

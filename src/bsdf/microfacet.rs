@@ -1,27 +1,27 @@
-//! Isotropic microfacets with the GGX distribution (Trowbridge and Reitz 1975; Walter et al. 2007).
+//! Isotropic GGX microfacets (Trowbridge and Reitz 1975; Walter et al. 2007).
 //!
-//! α is the parameter of the distribution itself, not its square root. Directions come in f32, as they are kept; everything
-//! made of them is f64, because at α = 10⁻³ a lobe is only some ten thousand roundings of a direction wide. No formula here
-//! takes 1 − cos² of a facet, or the tangent of a grazing angle.
+//! α is the parameter of the distribution, not its square root. Directions are f32, computations
+//! f64: at α = 10⁻³ a lobe spans only some ten thousand roundings of a direction. No formula here
+//! uses 1 − cos² of a facet, or the tangent of a grazing angle.
 
 use crate::math::{Frame, sin_cos_turns};
 use glam::{DVec3, Vec2, Vec3};
 use std::f64::consts::FRAC_1_PI;
 
-/// The distribution at one roughness.
+/// The GGX distribution at one roughness.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Ggx {
     alpha: f64,
 }
 
-/// The facet that takes one direction to another, as seen from `wo`.
+/// The facet that scatters one direction into another.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Facet {
-    /// D: area of facets of this slope by solid angle and area of the surface \[1/sr].
+    /// D: facet area per solid angle and surface area \[1/sr].
     pub density: f64,
-    /// Cosine between `wo` and the facet's normal.
+    /// Cosine between `wo` and the facet normal.
     pub cos: f64,
-    /// Solid angle of facet normals by solid angle of `wi`.
+    /// Jacobian: solid angle of facet normals over solid angle of `wi`.
     pub jacobian: f64,
 }
 
@@ -31,7 +31,7 @@ impl Ggx {
         Self { alpha: f64::from(alpha) }
     }
 
-    /// D(m) for the normal m along `h`, of any length, about the unit vector `n` \[1/sr].
+    /// D(m) for the normal m along `h`, of any length, about unit `n` \[1/sr].
     #[inline]
     pub(super) fn density(self, h: DVec3, n: DVec3) -> f64 {
         let a2 = self.alpha * self.alpha;
@@ -40,53 +40,58 @@ impl Ggx {
         if slope > 0.0 { FRAC_1_PI * a2 * length2 * length2 / (slope * slope) } else { 0.0 }
     }
 
-    /// cosθ·(1 + 2Λ(θ)) = √(cos²θ + α²sin²θ), by Smith's Λ of this distribution.
+    /// cosθ·(1 + 2Λ(θ)) = √(cos²θ + α²sin²θ), with Smith's Λ of this distribution.
     #[inline]
     fn spread(self, cos: f64) -> f64 {
         let cos2 = cos * cos;
         (cos2 + self.alpha * self.alpha * (1.0 - cos2).max(0.0)).sqrt()
     }
 
-    /// Smith's masking G₁ = 1/(1 + Λ) over the cosine.
+    /// Smith masking G₁ = 1/(1 + Λ), over the cosine.
     #[inline]
     fn masking_by_cos(self, cos: f64) -> f64 {
         2.0 / (cos + self.spread(cos))
     }
 
-    /// Masking and shadowing G₂ over both cosines, of directions on one side: heights are shared, 1/(1 + Λₒ + Λᵢ) (Heitz 2014,
-    /// section 5.3).
+    /// Masking-shadowing G₂ over both cosines, for directions on one side: height-correlated, 1/(1
+    /// + Λₒ + Λᵢ) (Heitz 2014, section 5.3).
     #[inline]
     pub(super) fn same_side(self, cos_o: f64, cos_i: f64) -> f64 {
         2.0 / (cos_i * self.spread(cos_o) + cos_o * self.spread(cos_i))
     }
 
-    /// G₂ over both cosines, of directions on opposite sides: G₁G₁ (Walter et al. 2007). A facet that is high for one is low
-    /// for the other, so shared heights would let more through than there is; the exact Beta function costs two gammas.
+    /// Masking-shadowing G₂ over both cosines, for directions on opposite sides: G₁G₁ (Walter et
+    /// al. 2007).
+    ///
+    /// A facet that is high for one side is low for the other, so height correlation would transmit
+    /// too much. The exact Beta function costs two gammas.
     #[inline]
     pub(super) fn opposite_sides(self, cos_o: f64, cos_i: f64) -> f64 {
         self.masking_by_cos(cos_o) * self.masking_by_cos(cos_i)
     }
 
-    /// Part of the light on a facet visible from `wo` that leaves unshadowed: G₂/G₁(wo), given G₂ over both cosines.
+    /// Unshadowed fraction of light that leaves a facet visible from `wo`: G₂/G₁(wo).
     #[inline]
     pub(super) fn leaving(self, g2_by_cos: f64, cos_o: f64, cos_i: f64) -> f64 {
         g2_by_cos * cos_i / self.masking_by_cos(cos_o)
     }
 
-    /// Density of [`Ggx::sample_visible`] carried over to `wi` \[1/sr].
+    /// Solid-angle pdf of `wi` if [`Ggx::sample_visible`] samples the facet \[1/sr].
     #[inline]
     pub(super) fn visible_density(self, facet: &Facet, cos_o: f64) -> f64 {
         self.masking_by_cos(cos_o) * facet.cos * facet.density * facet.jacobian
     }
 
-    /// A unit facet normal, by the area that is visible from `wo`, which is on the side of `n`: a point on the spherical cap
-    /// that a unit hemisphere's mirrored rays fill (Dupuy and Benyoub 2023).
+    /// Samples a unit facet normal by the area visible from `wo`, which is on the side of `n`.
+    ///
+    /// It samples the spherical cap of directions that a unit hemisphere reflects (Dupuy and
+    /// Benyoub 2023).
     #[inline]
     pub(super) fn sample_visible(self, wo: DVec3, n: Vec3, u: Vec2) -> DVec3 {
         let frame = Frame::around(n);
         let (s, t, n) = (frame.s.as_dvec3(), frame.t.as_dvec3(), n.as_dvec3());
         let o = DVec3::new(self.alpha * wo.dot(s), self.alpha * wo.dot(t), wo.dot(n)).normalize();
-        // The cap is 1 + o.z high; measured from its top, nothing cancels.
+        // The cap has height 1 + o.z. Measured from its top, nothing cancels.
         let (cap, u_z) = (1.0 + o.z, f64::from(u.x));
         let drop = u_z * cap;
         let radius = (drop * (2.0 - drop)).max(0.0).sqrt();
@@ -95,19 +100,22 @@ impl Ggx {
         (s * (self.alpha * x) + t * (self.alpha * y) + n * (cap - drop)).normalize()
     }
 
-    /// The facet that mirrors `wi` to `wo`.
+    /// The facet that reflects `wi` to `wo`.
     #[inline]
-    pub(super) fn mirroring(self, wo: DVec3, wi: DVec3, n: DVec3) -> Facet {
+    pub(super) fn reflecting_facet(self, wo: DVec3, wi: DVec3, n: DVec3) -> Facet {
         let h = wo + wi;
         // wo · m is half the length of wo + wi.
         let cos = 0.5 * h.length();
         Facet { density: self.density(h, n), cos, jacobian: 0.25 / cos }
     }
 
-    /// The facet that refracts `wi`, in the medium of relative index `eta`, to `wo` on the side of `n`, and the cosine between
-    /// `wi` and the far side of that facet; `None` where no facet that faces up does.
+    /// The facet that refracts `wi`, on the side of relative index `eta`, to `wo` on the side of
+    /// `n`.
+    ///
+    /// Also returns the cosine between `wi` and the far side of the facet; `None` if no upward
+    /// facet does.
     #[inline]
-    pub(super) fn refracting(self, wo: DVec3, wi: DVec3, n: DVec3, eta: f64) -> Option<(Facet, f64)> {
+    pub(super) fn refracting_facet(self, wo: DVec3, wi: DVec3, n: DVec3, eta: f64) -> Option<(Facet, f64)> {
         let h = wo + wi * eta;
         let h = if h.dot(n) < 0.0 { -h } else { h };
         let (o, i, length2) = (wo.dot(h), wi.dot(h), h.length_squared());

@@ -1,6 +1,8 @@
-//! How surfaces scatter light.
+//! Bidirectional scattering distribution functions (BSDFs).
 //!
-//! Directions are unit vectors that point away from the surface: `wo` to where the walk came from, `wi` to where it goes.
+//! Directions are unit vectors that point away from the surface: `wo` to the previous vertex of the
+//! path, `wi` to the next one. `ns` is the shading normal and `ng` the geometric normal, in one
+//! half space.
 
 mod adjoint;
 mod conductor;
@@ -26,49 +28,52 @@ use crate::math::{Frame, warp};
 use glam::{Vec2, Vec3};
 use std::f32::consts::FRAC_1_PI;
 
-/// Roughness α below which a surface is taken as smooth: its lobe is narrower than pixels and lights resolve.
+/// Roughness α below which a surface counts as smooth: its lobe is narrower than pixels and lights
+/// resolve.
 pub const SMOOTH_ALPHA: f32 = 1e-3;
 
-/// Roughness α of a conductor above which its lobe is broad enough to estimate from stored photons.
+/// Roughness α of a conductor above which photons are stored: its lobe is broad enough for density
+/// estimation.
 pub const STORED_ALPHA: f32 = 0.3;
 
-/// Width of a lobe of refraction \[rad] below which it cannot be told from a delta: ten roundings of a unit vector in f32.
-const NARROW: f32 = 1e-6;
+/// Width of a refracted lobe \[rad] below which it counts as a delta: ten roundings of a unit
+/// vector in f32.
+const MIN_LOBE_WIDTH: f32 = 1e-6;
 
-/// What a cone around a walk widens by at a matt surface, as a tangent.
+/// Spread that scattering at a diffuse surface adds to a ray cone, as a tangent.
 pub(crate) const DIFFUSE_BLUR: f32 = 0.2;
 
-/// What a walk carries.
+/// The quantity that a path transports.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Transport {
-    /// From the camera: radiance is squeezed by n² on entering a denser medium.
+    /// Radiance, on camera paths. Refraction into a denser medium scales it by n².
     Radiance,
-    /// From a light: flux is not.
+    /// Flux, on light paths. Refraction does not scale it.
     Importance,
 }
 
-/// A scattered direction.
+/// A sampled direction.
 #[derive(Clone, Copy, Debug)]
 pub struct BsdfSample {
-    /// Unit direction in which the walk goes on.
+    /// Unit direction in which the path continues.
     pub wi: Vec3,
-    /// f · |cos| / pdf (for delta lobes, the lobe's weight over the probability of choosing it).
+    /// f·|cos|/pdf. For delta lobes, the weight of the lobe over the probability of its choice.
     pub weight: Rgb,
-    /// What [`Bsdf::pdf`] gives for `wi` \[1/sr]; 0 for delta lobes.
+    /// Solid-angle pdf of `wi`, as [`Bsdf::pdf`] returns it \[1/sr]; 0 for delta lobes.
     pub pdf: f32,
-    /// Whether the lobe is a delta: no other direction could have been joined to `wo`.
+    /// True if the lobe is a delta.
     pub specular: bool,
-    /// Whether the walk passed to the other side.
+    /// True if the path crosses the surface.
     pub transmitted: bool,
-    /// Whether a smooth surface was taken as it is, by its geometric normal alone, because the shading normal would have sent light to
-    /// the wrong side.
+    /// True if a smooth surface scattered by its geometric normal, because the shading normal would
+    /// have sent light to the wrong side.
     pub flat: bool,
 }
 
-/// A scattering function at one point: small, copied, chosen once a hit.
+/// The BSDF at one point of a surface. Small and copied; each hit makes one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Bsdf {
-    /// Absorbs everything.
+    /// Absorbs all light.
     Black,
     /// Lambertian reflection on both sides with this reflectance.
     Diffuse(Rgb),
@@ -87,18 +92,32 @@ pub enum Bsdf {
 }
 
 impl Bsdf {
-    /// The interface of index `eta` inside over outside and roughness α in \[0, 1]: smooth below [`SMOOTH_ALPHA`], and where
-    /// an index near 1 bends so little that roughness does not show; an index of 1 lets light straight through.
+    /// A dielectric interface with relative index `eta` (inside over outside) and roughness α in
+    /// \[0, 1].
+    ///
+    /// It is smooth below [`SMOOTH_ALPHA`], and where an index near 1 refracts so little that
+    /// roughness has no effect.
     #[must_use]
     pub fn dielectric(eta: f32, alpha: f32) -> Self {
-        if alpha < SMOOTH_ALPHA || alpha * (eta - 1.0).abs() < NARROW {
+        if alpha < SMOOTH_ALPHA || alpha * (eta - 1.0).abs() < MIN_LOBE_WIDTH {
             Self::Dielectric(Dielectric { eta })
         } else {
             Self::RoughDielectric(RoughDielectric::new(eta, alpha))
         }
     }
 
-    /// Whether all lobes are deltas, so that neither light nor photons can be joined to a given direction.
+    /// Phong's model; Lambertian reflection where `specular` is zero. Scaled to conserve energy.
+    #[must_use]
+    pub fn phong(diffuse: Rgb, specular: Rgb, shininess: f32) -> Self {
+        if specular == Rgb::ZERO {
+            Self::Diffuse(diffuse / diffuse.max_element().max(1.0))
+        } else {
+            Self::Phong(Phong::new(diffuse, specular, shininess))
+        }
+    }
+
+    /// True if all lobes are deltas, so that next-event estimation and photon estimates contribute
+    /// nothing.
     #[inline]
     #[must_use]
     pub fn is_specular(&self) -> bool {
@@ -109,19 +128,23 @@ impl Bsdf {
         }
     }
 
-    /// Whether light passes to the other side.
+    /// True if light can cross the surface.
     #[inline]
     #[must_use]
     pub fn transmits(&self) -> bool {
-        matches!(self, Self::Dielectric(_) | Self::RoughDielectric(_) | Self::Thin(_))
+        match self {
+            Self::Dielectric(_) | Self::RoughDielectric(_) | Self::Thin(_) => true,
+            Self::Black | Self::Diffuse(_) | Self::Phong(_) | Self::Mirror(_) | Self::Conductor(_) => false,
+        }
     }
 
-    /// Whether photons are stored, to be gathered by a density estimate that evaluates the BSDF for each.
+    /// True if photons are stored here, for density estimates that evaluate the BSDF for each
+    /// photon.
     ///
-    /// The estimate averages over the photons of a disc whatever their direction, so its noise grows as the lobe of the
-    /// viewer narrows: matt surfaces and Phong lobes store, conductors rougher than [`STORED_ALPHA`] too. Under that, few
-    /// photons would fall into the lobe, and following the lobe itself finds what is seen in it. Nothing is stored on glass, rough
-    /// or not: half of what it sends on comes from the other side, and what lies behind it is to be looked at, not blurred.
+    /// The noise of such an estimate grows as the lobe narrows. Diffuse and Phong BSDFs store
+    /// photons, and so do conductors rougher than [`STORED_ALPHA`]. On smoother conductors few
+    /// photons fall into the lobe, and sampling the lobe works better. Dielectrics store none, even
+    /// rough ones: an estimate would blur what lies behind them.
     #[inline]
     #[must_use]
     pub fn stores_photons(&self) -> bool {
@@ -132,20 +155,20 @@ impl Bsdf {
         }
     }
 
-    /// Whether light that comes from it is a caustic: deltas, and lobes that store no photons. Every BSDF either stores
-    /// photons, or casts caustics, or is black.
+    /// True if light that it scatters is a caustic. Every BSDF stores photons, or casts caustics,
+    /// or is black.
     ///
-    /// What stores no photons is where walks from the camera go on, and what they reach must not have been counted; so light
-    /// that it scatters belongs to the map of those paths, however broad the lobe. Light cannot be joined to a point behind
-    /// glass by a straight line, so glass casts at any roughness.
+    /// Camera paths continue where no photons are stored. Light paths through such vertices belong
+    /// to the caustic map, so that each path counts once, however broad the lobe.
     #[inline]
     #[must_use]
     pub fn casts_caustics(&self) -> bool {
         !self.stores_photons() && *self != Self::Black
     }
 
-    /// By how much a cone around a walk widens here, as a tangent: about a fifth of the lobe, since many walks share what one lobe sees;
-    /// 0 for deltas.
+    /// Spread that scattering here adds to a ray cone, as a tangent; 0 for deltas.
+    ///
+    /// It is about a fifth of the lobe's width, as many paths sample one lobe.
     #[inline]
     #[must_use]
     pub fn blur(&self) -> f32 {
@@ -157,37 +180,43 @@ impl Bsdf {
         }
     }
 
-    /// f(wo, wi) in 1/sr without the cosine; deltas are zero, and so are pairs of directions for which `ns` and `ng` disagree on
-    /// whether they are on one side.
+    /// f(wo, wi) \[1/sr], without the cosine; 0 for deltas.
+    ///
+    /// It is 0 too where `ns` and `ng` disagree on whether `wo` and `wi` lie on one side.
     #[inline]
     #[must_use]
     pub fn evaluate(&self, wo: Vec3, wi: Vec3, ns: Vec3, ng: Vec3, transport: Transport) -> Rgb {
-        match (self, crosses(wo, wi, ns, ng)) {
-            (Self::Diffuse(reflectance), Some(false)) => *reflectance * FRAC_1_PI,
-            (Self::Phong(phong), Some(false)) => phong.evaluate(wo, wi, ns),
-            (Self::Conductor(conductor), Some(false)) => conductor.evaluate(wo, wi, ns),
-            (Self::RoughDielectric(glass), Some(_)) => glass.evaluate(wo, wi, facing(ns, wo), ng, transport),
-            _ => Rgb::ZERO,
+        let Some(crosses) = crosses(wo, wi, ns, ng) else { return Rgb::ZERO };
+        match self {
+            Self::Black | Self::Mirror(_) | Self::Dielectric(_) | Self::Thin(_) => Rgb::ZERO,
+            Self::RoughDielectric(glass) => glass.evaluate(wo, wi, facing(ns, wo), ng, transport),
+            Self::Diffuse(_) | Self::Phong(_) | Self::Conductor(_) if crosses => Rgb::ZERO,
+            Self::Diffuse(reflectance) => *reflectance * FRAC_1_PI,
+            Self::Phong(phong) => phong.evaluate(wo, wi, ns),
+            Self::Conductor(conductor) => conductor.evaluate(wo, wi, ns),
         }
     }
 
-    /// Density with which [`Bsdf::sample`] draws `wi` \[1/sr]: alike in both transports; deltas are zero.
+    /// Solid-angle pdf with which [`Bsdf::sample`] samples `wi` \[1/sr]; 0 for deltas. Equal in
+    /// both transports.
     #[inline]
     #[must_use]
     pub fn pdf(&self, wo: Vec3, wi: Vec3, ns: Vec3, ng: Vec3) -> f32 {
-        match (self, crosses(wo, wi, ns, ng)) {
-            (Self::Diffuse(_), Some(false)) => warp::cosine_hemisphere_pdf(wi.dot(ns).abs()),
-            (Self::Phong(phong), Some(false)) => phong.pdf(wo, wi, ns),
-            (Self::Conductor(conductor), Some(false)) => conductor.pdf(wo, wi, ns),
-            (Self::RoughDielectric(glass), Some(_)) => glass.pdf(wo, wi, facing(ns, wo), ng),
-            _ => 0.0,
+        let Some(crosses) = crosses(wo, wi, ns, ng) else { return 0.0 };
+        match self {
+            Self::Black | Self::Mirror(_) | Self::Dielectric(_) | Self::Thin(_) => 0.0,
+            Self::RoughDielectric(glass) => glass.pdf(wo, wi, facing(ns, wo), ng),
+            Self::Diffuse(_) | Self::Phong(_) | Self::Conductor(_) if crosses => 0.0,
+            Self::Diffuse(_) => warp::cosine_hemisphere_pdf(wi.dot(ns).abs()),
+            Self::Phong(phong) => phong.pdf(wo, wi, ns),
+            Self::Conductor(conductor) => conductor.pdf(wo, wi, ns),
         }
     }
 
-    /// Draws where the walk goes on; `None` where it is absorbed for certain.
+    /// Samples the direction in which the path continues; `None` if it is absorbed.
     ///
-    /// `ns` and `ng` are the shading and geometric normals in one half space; the result never contradicts `ng`: what is
-    /// called reflected stays on the side of `wo`, what is called transmitted leaves it.
+    /// `lobe` and `u` are uniform in \[0, 1). The result agrees with `ng`: reflected directions
+    /// stay on the side of `wo`, transmitted ones leave it.
     #[inline]
     #[must_use]
     pub fn sample(&self, wo: Vec3, ns: Vec3, ng: Vec3, lobe: f32, u: Vec2, transport: Transport) -> Option<BsdfSample> {
@@ -196,7 +225,8 @@ impl Bsdf {
             Self::Black => return None,
             Self::Diffuse(reflectance) => {
                 let local = warp::cosine_hemisphere(u);
-                // The rim of the disc lies in the horizon, where the density is 0: no weight of chance could be made of it.
+                // The rim of the disc lies in the horizon, where the pdf is 0, so no MIS weight
+                // exists.
                 if local.z <= 0.0 {
                     return None;
                 }
@@ -219,13 +249,13 @@ impl Bsdf {
     }
 }
 
-/// `n` on the side of `wo`.
+/// `n`, flipped to the side of `wo`.
 #[inline]
 fn facing(n: Vec3, wo: Vec3) -> Vec3 {
     if wo.dot(n) < 0.0 { -n } else { n }
 }
 
-/// Whether `wo` and `wi` are on different sides, if both normals agree on it.
+/// True if `wo` and `wi` lie on different sides; `None` if the normals disagree on it.
 #[inline]
 fn crosses(wo: Vec3, wi: Vec3, ns: Vec3, ng: Vec3) -> Option<bool> {
     let (shading, geometric) = (wo.dot(ns) * wi.dot(ns), wo.dot(ng) * wi.dot(ng));

@@ -1,4 +1,4 @@
-//! Phong's model made physical.
+//! Energy-conserving Phong reflection.
 
 use super::{Bsdf, BsdfSample};
 use crate::color::{self, Rgb};
@@ -6,10 +6,10 @@ use crate::math::{Frame, warp};
 use glam::{Vec2, Vec3};
 use std::f32::consts::FRAC_1_PI;
 
-/// f(wo, wi) = (kd + ks · cosˢα)/π with α the angle between `wi` and the mirror image of `wo` (Lafortune and Willems 1994,
-/// with the lobe's scale chosen so that under a light of irradiance π·c it peaks at ks·c, as in the course's model).
+/// f(wo, wi) = (kd + ks·cosˢα)/π, with α the angle between `wi` and the mirror direction of `wo`.
 ///
-/// The lobe reflects at most 2ks/(s+2), so kd + 2ks/(s+2) ≤ 1 keeps energy; [`Phong::new`] scales both down to it.
+/// See Lafortune and Willems 1994. The lobe peaks at ks·c under irradiance π·c, as in the course's
+/// model. It reflects at most 2ks/(s+2), so [`Phong::new`] scales both to keep kd + 2ks/(s+2) ≤ 1.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Phong {
     diffuse: Rgb,
@@ -20,8 +20,8 @@ pub struct Phong {
 }
 
 impl Phong {
-    /// Coefficients in \[0, ∞) and exponent ≥ 0, scaled down alike in all channels until no channel reflects more than
-    /// it receives.
+    /// Coefficients in \[0, ∞) and exponent ≥ 0. All channels are scaled by one factor to conserve
+    /// energy.
     #[must_use]
     pub fn new(diffuse: Rgb, specular: Rgb, shininess: f32) -> Self {
         let total = diffuse + specular * (2.0 / (shininess + 2.0));
@@ -32,8 +32,8 @@ impl Phong {
         Self { diffuse, specular, shininess, lobe: if sum > 0.0 { glossy / sum } else { 0.0 } }
     }
 
-    /// One of its two parts, drawn by `chance` in \[0, 1), over the probability of drawing it: a Lambertian surface, or the lobe
-    /// alone.
+    /// Samples one of the two parts by `chance` in \[0, 1), divided by its probability: a
+    /// Lambertian BSDF, or the lobe alone.
     #[must_use]
     pub fn part(&self, chance: f32) -> Bsdf {
         if chance < self.lobe {
@@ -43,8 +43,8 @@ impl Phong {
         }
     }
 
-    /// The cosine between `wi` and the mirror image of `wo`. What rounding adds to 1 would be raised to the power too, and no number
-    /// holds that at exponents beyond 10⁸.
+    /// Cosine between `wi` and the mirror direction of `wo`, at most 1. Rounding above 1 would
+    /// overflow at exponents beyond 10⁸.
     #[inline]
     fn cos_to_mirror(wo: Vec3, wi: Vec3, n: Vec3) -> f32 {
         (n * (2.0 * wo.dot(n)) - wo).dot(wi).min(1.0)
@@ -53,12 +53,12 @@ impl Phong {
     #[inline]
     pub(super) fn evaluate(&self, wo: Vec3, wi: Vec3, n: Vec3) -> Rgb {
         let cos = Self::cos_to_mirror(wo, wi, n);
-        // A power of 0 counts as 1 where the exponent is 0, as in the course's model.
+        // 0⁰ is 1, as in the course's model.
         let lobe = if cos > 0.0 || self.shininess == 0.0 { libm::powf(cos.max(0.0), self.shininess) } else { 0.0 };
         (self.diffuse + self.specular * lobe) * FRAC_1_PI
     }
 
-    /// Draws from the mixture of both lobes; `n` is on the side of `wo`.
+    /// Samples the mixture of both lobes; `n` is on the side of `wo`.
     #[inline]
     pub(super) fn sample(&self, wo: Vec3, n: Vec3, lobe: f32, u: Vec2) -> Option<BsdfSample> {
         let mirror = n * (2.0 * wo.dot(n)) - wo;
@@ -76,7 +76,7 @@ impl Phong {
         (pdf > 0.0).then_some(BsdfSample { wi, weight, pdf, specular: false, transmitted: false, flat: false })
     }
 
-    /// Density of the mixture \[1/sr], for directions on one side of `n`.
+    /// Solid-angle pdf of the mixture \[1/sr], for directions on one side of `n`.
     #[inline]
     pub(super) fn pdf(&self, wo: Vec3, wi: Vec3, n: Vec3) -> f32 {
         let glossy = warp::power_cosine_pdf(Self::cos_to_mirror(wo, wi, n), self.shininess);

@@ -1,4 +1,4 @@
-//! Ground glass: rough dielectric interfaces.
+//! Rough dielectric interfaces.
 
 use super::fresnel::{reflectance_f64, transmittance_f64};
 use super::microfacet::{Facet, Ggx};
@@ -6,23 +6,23 @@ use super::{BsdfSample, Transport};
 use crate::color::Rgb;
 use glam::{DVec3, Vec2, Vec3};
 
-/// GGX facets each of which is a smooth interface (Walter et al. 2007); the normal points to the outside. Made by
-/// [`super::Bsdf::dielectric`], which tells it from a smooth one.
+/// GGX facets that are smooth interfaces (Walter et al. 2007); the normal points outside.
 ///
-/// Light meets one facet only: what would meet a second one is lost. At index 1.5, along the normal, that is 0.1 % from outside
-/// and 1.2 % from inside at α = 0.1, 3.2 and 25 % at 0.5, 11 and 58 % at 1; at 85° from it 8 and 14 %, 29 and 32 %, 59 and 53 %.
+/// Only single scattering is modelled. At index 1.5 and normal incidence the loss is 0.1 % from
+/// outside and 1.2 % from inside at α = 0.1, 3.2 and 25 % at 0.5, 11 and 58 % at 1. At 85° it is 8
+/// and 14 %, 29 and 32 %, 59 and 53 %. [`super::Bsdf::dielectric`] makes it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RoughDielectric {
     eta: f32,
     alpha: f32,
 }
 
-/// What lies at a facet between two directions.
-struct Meeting {
+/// The scattering event at a facet between two directions.
+struct FacetEvent {
     facet: Facet,
-    /// Fresnel's part of the light that takes this way.
-    share: f64,
-    /// Masking and shadowing over both cosines.
+    /// Fresnel reflectance or transmittance.
+    fresnel: f64,
+    /// Masking-shadowing over both cosines.
     g2_by_cos: f64,
 }
 
@@ -46,42 +46,45 @@ impl RoughDielectric {
     }
 
     #[inline]
-    fn meeting(&self, o: DVec3, i: DVec3, n: DVec3, eta: f64) -> Option<Meeting> {
+    fn facet_event(&self, o: DVec3, i: DVec3, n: DVec3, eta: f64) -> Option<FacetEvent> {
         let ggx = Ggx::new(self.alpha);
         let (cos_o, cos_i) = (o.dot(n), i.dot(n));
         Some(if cos_i > 0.0 {
-            let facet = ggx.mirroring(o, i, n);
-            let share = reflectance_f64(facet.cos, eta).0;
-            Meeting { facet, share, g2_by_cos: ggx.same_side(cos_o, cos_i) }
+            let facet = ggx.reflecting_facet(o, i, n);
+            let fresnel = reflectance_f64(facet.cos, eta).0;
+            FacetEvent { facet, fresnel, g2_by_cos: ggx.same_side(cos_o, cos_i) }
         } else {
-            let (facet, cos_t) = ggx.refracting(o, i, n, eta)?;
-            // From both cosines, so that both ways through agree even where one of them grazes.
-            let share = transmittance_f64(facet.cos, cos_t, eta);
-            Meeting { facet, share, g2_by_cos: ggx.opposite_sides(cos_o, -cos_i) }
+            let (facet, cos_t) = ggx.refracting_facet(o, i, n, eta)?;
+            // Computed from both cosines, so that both directions agree even if one grazes.
+            let fresnel = transmittance_f64(facet.cos, cos_t, eta);
+            FacetEvent { facet, fresnel, g2_by_cos: ggx.opposite_sides(cos_o, -cos_i) }
         })
     }
 
-    /// `n` is the shading normal on the side of `wo`; both normals agree on the sides of `wi`.
+    /// f(wo, wi) \[1/sr]. `n` is the shading normal on the side of `wo`. Both normals agree on the
+    /// side of `wi`.
     #[inline]
     pub(super) fn evaluate(&self, wo: Vec3, wi: Vec3, n: Vec3, ng: Vec3, transport: Transport) -> Rgb {
         let (eta, i, n) = (self.far_over_near(wo, ng), wi.as_dvec3(), n.as_dvec3());
-        let Some(Meeting { facet, share, g2_by_cos }) = self.meeting(wo.as_dvec3(), i, n, eta) else {
+        let Some(FacetEvent { facet, fresnel, g2_by_cos }) = self.facet_event(wo.as_dvec3(), i, n, eta) else {
             return Rgb::ZERO;
         };
-        let squeeze = squeeze(eta, i.dot(n) < 0.0, transport);
-        Rgb::splat((share * facet.density * facet.cos * facet.jacobian * g2_by_cos / squeeze) as f32)
+        let radiance_divisor = radiance_divisor(eta, i.dot(n) < 0.0, transport);
+        Rgb::splat((fresnel * facet.density * facet.cos * facet.jacobian * g2_by_cos / radiance_divisor) as f32)
     }
 
-    /// Density of the sampled direction \[1/sr]; directions as in [`Self::evaluate`].
+    /// Solid-angle pdf of `wi` \[1/sr]; arguments as in [`Self::evaluate`].
     #[inline]
     pub(super) fn pdf(&self, wo: Vec3, wi: Vec3, n: Vec3, ng: Vec3) -> f32 {
         let (o, n) = (wo.as_dvec3(), n.as_dvec3());
-        self.meeting(o, wi.as_dvec3(), n, self.far_over_near(wo, ng))
-            .map_or(0.0, |m| (m.share * Ggx::new(self.alpha).visible_density(&m.facet, o.dot(n))) as f32)
+        self.facet_event(o, wi.as_dvec3(), n, self.far_over_near(wo, ng))
+            .map_or(0.0, |m| (m.fresnel * Ggx::new(self.alpha).visible_density(&m.facet, o.dot(n))) as f32)
     }
 
-    /// Draws a facet that `wo` sees, then reflection or refraction by its Fresnel share; `n` is on the side of `wo`. `None`
-    /// where the facet sends light to the wrong side.
+    /// Samples a visible facet, then reflection or refraction by Fresnel; `n` is on the side of
+    /// `wo`.
+    ///
+    /// `None` if the facet scatters to the wrong side.
     #[inline]
     pub(super) fn sample(
         &self,
@@ -100,22 +103,22 @@ impl RoughDielectric {
         let wi = if transmitted { m * (cos / eta - cos_t) - o / eta } else { m * (2.0 * cos) - o };
         let wi = wi.normalize().as_vec3();
 
-        // All else is found from the rounded direction, as `evaluate` and `pdf` find it.
+        // Use the rounded direction, as `evaluate` and `pdf` do.
         let (i, n) = (wi.as_dvec3(), n.as_dvec3());
         let (cos_o, cos_i) = (o.dot(n), i.dot(n));
         if (cos_i < 0.0) != transmitted {
             return None;
         }
-        let Meeting { facet, share, g2_by_cos } = self.meeting(o, i, n, eta)?;
-        let pdf = (share * ggx.visible_density(&facet, cos_o)) as f32;
+        let FacetEvent { facet, fresnel, g2_by_cos } = self.facet_event(o, i, n, eta)?;
+        let pdf = (fresnel * ggx.visible_density(&facet, cos_o)) as f32;
         let leaving = ggx.leaving(g2_by_cos, cos_o, cos_i.abs());
-        let weight = Rgb::splat((leaving / squeeze(eta, transmitted, transport)) as f32);
+        let weight = Rgb::splat((leaving / radiance_divisor(eta, transmitted, transport)) as f32);
         (pdf > 0.0).then_some(BsdfSample { wi, weight, pdf, specular: false, transmitted, flat: false })
     }
 }
 
-/// What is divided by on crossing: (n_far/n_near)² for radiance, 1 for flux.
+/// Divisor on transmission: (n_far/n_near)² for radiance, 1 for flux.
 #[inline]
-fn squeeze(eta: f64, crosses: bool, transport: Transport) -> f64 {
+fn radiance_divisor(eta: f64, crosses: bool, transport: Transport) -> f64 {
     if crosses && transport == Transport::Radiance { eta * eta } else { 1.0 }
 }

@@ -1,38 +1,40 @@
-//! Panes: sheets so thin that what passes is not displaced.
+//! Thin sheets, whose transmitted light is not displaced.
 
 use super::fresnel::{reflectance_f64, transmittance_f64};
 use super::{BsdfSample, dielectric};
 use crate::color::{self, Rgb};
 use glam::Vec3;
 
-/// Two parallel smooth interfaces and what lies between them, with all reflections inside; alike from both sides.
+/// Two parallel smooth interfaces with all reflections between them; symmetric.
 ///
-/// Light passes straight on, and as both sides are in one medium, radiance is not squeezed.
+/// Light passes straight through. Both sides are one medium, so radiance is not scaled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Thin {
-    /// Index of the sheet over that of what is around it.
+    /// Index of the sheet over that of its surroundings.
     pub eta: f32,
-    /// Colour kept on one perpendicular crossing, in \[0, 1].
+    /// Transmittance of one perpendicular crossing, in \[0, 1].
     pub transmittance: Rgb,
 }
 
-/// The two continuations of a walk at a sheet, each with the weight it carries when both are followed.
+/// Reflection and transmission at a sheet, with the weights of following both.
 #[derive(Clone, Copy, Debug)]
 pub struct ThinSplit {
-    /// The mirrored direction and its share.
+    /// The reflected direction and its reflectance.
     pub reflected: (Vec3, Rgb),
-    /// The direction straight on and its share.
+    /// The transmitted direction and its transmittance.
     pub transmitted: (Vec3, Rgb),
-    /// Whether it mirrored as it is: see [`BsdfSample::flat`].
+    /// True if reflection used the geometric normal: see [`BsdfSample::flat`].
     pub flat: bool,
 }
 
 impl Thin {
-    /// Parts reflected and transmitted where `cos ≥ 0` is the cosine outside: with R of one interface and τ kept on one
-    /// crossing, R + (1−R)²τ²R/(1−R²τ²) and (1−R)²τ/(1−R²τ²), the sums of two geometric series.
+    /// Reflectance and transmittance of the sheet, where `cos ≥ 0` is the cosine outside.
+    ///
+    /// With R of one interface and τ of one crossing: R + (1−R)²τ²R/(1−R²τ²) and (1−R)²τ/(1−R²τ²),
+    /// sums of geometric series.
     #[inline]
     #[must_use]
-    pub fn shares(&self, cos: f32) -> (Rgb, Rgb) {
+    pub fn reflectance_and_transmittance(&self, cos: f32) -> (Rgb, Rgb) {
         let (cos, eta) = (f64::from(cos.clamp(0.0, 1.0)), f64::from(self.eta));
         let (r, cos_t) = reflectance_f64(cos, eta);
         let t = if cos_t > 0.0 { transmittance_f64(cos, cos_t, eta) as f32 } else { 0.0 };
@@ -42,24 +44,24 @@ impl Thin {
         let (r, length) = (r as f32, (1.0 / cos_t) as f32);
         let clear = self.transmittance == Rgb::ONE;
         let kept = if clear { Rgb::ONE } else { self.transmittance.map(|t| libm::powf(t, length)) };
-        // 1 − R²τ² without cancelling where nearly all is reflected.
+        // 1 − R²τ² without cancellation if nearly all light is reflected.
         let rest = (Rgb::ONE - kept + kept * t) * (Rgb::ONE + kept * r);
         let through = kept * (t * t) / rest;
         (Rgb::splat(r) + through * kept * r, through)
     }
 
-    /// Both continuations from direction `wo`.
+    /// Reflection and transmission of direction `wo`.
     #[inline]
     #[must_use]
     pub fn split(&self, wo: Vec3, ns: Vec3, ng: Vec3) -> ThinSplit {
         let (mirrored, flat) = dielectric::reflect_above(wo, ns, ng);
-        // Of the normal that mirrored, which is not always `ns`.
+        // The cosine to the normal that reflected, which is not always `ns`.
         let cos = wo.dot((wo + mirrored).normalize_or_zero());
-        let (reflected, transmitted) = self.shares(cos);
+        let (reflected, transmitted) = self.reflectance_and_transmittance(cos);
         ThinSplit { reflected: (mirrored, reflected), transmitted: (-wo, transmitted), flat }
     }
 
-    /// One continuation, chosen by the means of both shares.
+    /// Samples reflection or transmission by their mean weights.
     #[inline]
     pub(super) fn sample(&self, wo: Vec3, ns: Vec3, ng: Vec3, lobe: f32) -> Option<BsdfSample> {
         let ThinSplit { reflected, transmitted, flat } = self.split(wo, ns, ng);

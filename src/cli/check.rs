@@ -47,7 +47,7 @@ fn sees_objects(scene: &Scene) -> bool {
     let (width, height) = scene.camera().size();
     let position = |i: u32, pixels: u32| (i as f32 + 0.5) / RAYS as f32 * pixels as f32;
     let lens = scene.camera().lens().map(|_| Vec2::splat(0.5));
-    scene.filling().is_some()
+    scene.ambient_medium().is_some()
         || (0..RAYS * RAYS).any(|i| {
             let point = Vec2::new(position(i % RAYS, width), position(i / RAYS, height));
             scene.intersect(&scene.camera().ray(point, lens)).is_some()

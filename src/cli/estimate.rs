@@ -40,7 +40,7 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<Exit, Failure> {
         let scene = load(&arguments.scene, &progress)?;
         let algorithm = arguments.method.integrator;
         let mut settings = settings(&arguments.method, arguments.effects.effects);
-        settings.eye.gauge = true;
+        settings.eye.estimate_error = true;
         let memory = arguments.scene.memory();
         let pictures = check_pictures_with_error(1, scene.camera().size(), memory.free()).map_err(Failure::usage)?;
         let integrator = algorithm.prepare(&scene, settings);
@@ -110,6 +110,7 @@ struct List {
     pass_seconds: f64,
     pass_photons: f64,
     peak_memory_bytes: Option<u64>,
+    #[serde(rename = "prices")]
     estimates: Vec<Estimate>,
 }
 

@@ -77,7 +77,7 @@ pub(super) fn counted(n: usize, one: &str, many: &str) -> String {
 
 /// A warning for each effect that the scene needs and the plan omits.
 pub(super) fn warnings(plan: &Plan) -> impl Iterator<Item = String> {
-    let lacking = plan.decisions.iter().filter(|d| d.called_for && !d.on);
+    let lacking = plan.decisions.iter().filter(|d| d.needed && !d.on);
     lacking.map(|d| format!("warning: without {}: {}", d.effect, d.effect.lack()))
 }
 
@@ -152,9 +152,9 @@ pub(super) fn effects(plan: &Plan) -> Vec<EffectReport> {
     let report = |d: &Decision| EffectReport {
         effect: d.effect.name(),
         on: d.on,
-        needed: d.called_for,
+        needed: d.needed,
         reason: d.reason.to_string(),
-        flaw: (d.called_for && !d.on).then(|| d.effect.lack()),
+        flaw: (d.needed && !d.on).then(|| d.effect.lack()),
     };
     plan.decisions.iter().map(report).collect()
 }
@@ -174,7 +174,7 @@ impl Report {
             version: env!("CARGO_PKG_VERSION"),
             scene,
             integrator: algorithm.name(),
-            features: plan.facts,
+            features: plan.features,
             balance,
             rays: work.whole.rays,
             gathered_photons: work.whole.gathered_photons,

@@ -160,8 +160,8 @@ impl Monitor for Progress {
     fn begin(&self, stage: Stage, total: u64) {
         let (name, unit) = match stage {
             Stage::Photons => ("photons", "paths"),
-            Stage::Trees => ("indexing", "photons"),
-            Stage::Eye => ("image", "pixels"),
+            Stage::Indexing => ("indexing", "photons"),
+            Stage::Camera => ("image", "pixels"),
         };
         let Some((pass, end)) = self.state().map(|state| (state.pass.clone(), state.end)) else { return };
         let template = format!("{{prefix}} {name:<8} {{bar:16}} {{percent:>3}} %  {{rate}}  {{left}}  {{wide_msg}}");

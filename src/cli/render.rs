@@ -76,7 +76,7 @@ fn run_in_pool(arguments: &RenderArguments, progress: &Progress) -> Result<Exit,
     // Ray casting makes one pass, from which no error can be estimated.
     let estimates_error = !arguments.no_error_estimate && algorithm != Algorithm::Raycast;
     let mut settings = settings(&arguments.method, arguments.effects.effects);
-    settings.eye.gauge = estimates_error;
+    settings.eye.estimate_error = estimates_error;
     let (memory, size) = (arguments.scene.memory(), scene.camera().size());
     let check = if estimates_error { check_pictures_with_error } else { check_pictures };
     let pictures = check(1, size, memory.free()).map_err(Failure::usage)?;
@@ -84,7 +84,7 @@ fn run_in_pool(arguments: &RenderArguments, progress: &Progress) -> Result<Exit,
     check_photons(integrator.expected(), pictures, memory.free()).map_err(Failure::usage)?;
     plan::announce(integrator.as_ref(), progress);
     setup.radii = integrator.radii();
-    setup.emission_guiding = integrator.lessons();
+    setup.emission_guiding = integrator.guiding_reports();
     setup.effects = plan::effects(integrator.plan());
     setup.balance = integrator.balance();
     setup.seconds = start.elapsed().as_secs_f64();

@@ -67,7 +67,7 @@ pub(super) fn settings(arguments: &MethodArguments, effects: EffectOverrides) ->
             seed: arguments.seed,
             filter: Filter::new(arguments.filter),
             adaptive: arguments.adaptive,
-            gauge: false,
+            estimate_error: false,
             effects,
         },
         photons,

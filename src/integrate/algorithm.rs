@@ -1,16 +1,18 @@
-//! The algorithms by name.
+//! Names, defaults and effects of the algorithms.
 
-use super::prepared::{Prepared, Strategy};
+use super::integrator::Integrator;
+use super::path_integrator::PathIntegrator;
+use super::policy::PolicyFn;
 use super::raycast::RayCast;
-use super::{Integrator, Settings, distributed, hybrid, path, pm, ppm, sppm, whitted};
+use super::settings::Settings;
+use super::{distributed, hybrid, path, pm, ppm, sppm, whitted};
 use crate::plan::{Effect, Effects, Plan};
 use crate::scene::Scene;
-use std::sync::Arc;
 
-/// An algorithm.
+/// Rendering algorithm.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Algorithm {
-    /// Path tracing for what connections find, photons for the rest.
+    /// Path tracing for what next-event estimation finds, photons for the rest.
     Hybrid,
     /// Path tracing.
     Path,
@@ -22,18 +24,18 @@ pub enum Algorithm {
     Pm,
     /// Distributed ray tracing.
     Distributed,
-    /// Ray tracing.
+    /// Recursive ray tracing.
     Whitted,
-    /// Ray casting with Phong's model.
+    /// Ray casting with Phong's model, as the course defines it.
     Raycast,
 }
 
 impl Algorithm {
-    /// All of them.
+    /// All algorithms.
     pub const ALL: [Self; 8] =
         [Self::Hybrid, Self::Path, Self::Sppm, Self::Ppm, Self::Pm, Self::Distributed, Self::Whitted, Self::Raycast];
 
-    /// As typed.
+    /// Name on the command line.
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -48,13 +50,16 @@ impl Algorithm {
         }
     }
 
-    /// Whether it traces photons.
+    /// True if the algorithm traces photons.
     #[must_use]
     pub fn has_photons(self) -> bool {
-        matches!(self, Self::Hybrid | Self::Sppm | Self::Ppm | Self::Pm)
+        match self {
+            Self::Hybrid | Self::Sppm | Self::Ppm | Self::Pm => true,
+            Self::Path | Self::Distributed | Self::Whitted | Self::Raycast => false,
+        }
     }
 
-    /// Passes that make a picture, where the user does not say.
+    /// Default number of passes.
     #[must_use]
     pub fn passes(self) -> u32 {
         match self {
@@ -65,7 +70,7 @@ impl Algorithm {
         }
     }
 
-    /// The effects that it can simulate.
+    /// Effects that the algorithm can simulate.
     #[must_use]
     pub fn simulates(self) -> Effects {
         use Effect::{
@@ -87,20 +92,20 @@ impl Algorithm {
         }
     }
 
-    /// Weighs the lights of a scene and finds by pilots what is not set.
+    /// Prepares the algorithm for `scene`. Pilots find the settings that are not set.
     #[must_use]
     pub fn prepare(self, scene: &Scene, settings: Settings) -> Box<dyn Integrator + '_> {
         let plan = Plan::new(scene, self.simulates(), settings.eye.effects);
-        let strategy: Arc<dyn Strategy> = match self {
-            Self::Hybrid => Arc::new(hybrid::Hybrid),
-            Self::Path => Arc::new(path::PathTracing),
-            Self::Sppm => Arc::new(sppm::Sppm),
-            Self::Ppm => Arc::new(ppm::Ppm),
-            Self::Pm => Arc::new(pm::PhotonMapping { gathering: settings.final_gathering }),
-            Self::Distributed => Arc::new(distributed::Distributed),
-            Self::Whitted => Arc::new(whitted::Whitted),
+        let policy: PolicyFn = match self {
+            Self::Hybrid => hybrid::policy,
+            Self::Path => path::policy,
+            Self::Sppm => sppm::policy,
+            Self::Ppm => ppm::policy,
+            Self::Pm => pm::policy,
+            Self::Distributed => distributed::policy,
+            Self::Whitted => whitted::policy,
             Self::Raycast => return Box::new(RayCast::new(scene, plan, &settings.eye)),
         };
-        Box::new(Prepared::new(scene, plan, settings, strategy))
+        Box::new(PathIntegrator::new(scene, plan, settings, policy))
     }
 }

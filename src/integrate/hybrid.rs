@@ -1,82 +1,35 @@
-//! Path tracing for every path that connections find, photons for exactly the rest.
+//! `hybrid`: path tracing for all light paths that next-event estimation finds, photons for exactly
+//! the rest.
 //!
-//! A light's path that begins with casters and then meets a receiver is found by photons, at the first receiver of the camera
-//! walk: from the caustic map where that receiver is the first on the light's path, from a map of what caustics become where
-//! it is a later one. All other paths are found by the walk itself, by shadow rays and by chance, weighted against each other.
+//! # Algorithm
+//! - **Prepare**: aim photon emission at caustic casters, guide it to what the camera sees, find
+//!   gather radii, and balance camera rays against photons.
+//! - **Each pass**: trace the aimed photons. Store them in the caustic map at their first receiver,
+//!   and in a second map at later ones. Then trace camera paths. All paths do next-event estimation
+//!   and continue at receivers. One path of each pixel reads both maps at its first receiver.
+//!
+//! A light path that goes over casters to a receiver is a caustic. Only photons carry it, so a
+//! camera path does not count emission that it hits by such a path. Gather radii shrink from pass
+//! to pass, so the mean converges.
 
-use super::direct::Asking;
-use super::maps::{Maps, Needs};
-use super::method::{AtReceiver, History, Method, Passage, Vertex};
-use super::prepared::{Strategy, Walks};
-use super::tiles::Worker;
-use crate::color::Rgb;
+use super::policy::{Continuation, DirectionSampling, LightSampling, PathPolicy, PhotonLookups};
+use super::settings::Settings;
 use crate::plan::{Effect, Effects};
-use crate::scene::Interior;
-use rand::rngs::SmallRng;
 
-/// Path tracing with a caustic map.
-#[derive(Debug)]
-pub(super) struct Hybrid;
-
-impl Strategy for Hybrid {
-    fn samples(&self) -> u32 {
-        8
-    }
-
-    /// One estimate a pixel and pass: those of its other samples would rest on the same photons.
-    fn estimates_each_sample(&self) -> bool {
-        false
-    }
-
-    fn asking(&self) -> Asking {
-        Asking::Walk
-    }
-
-    fn needs(&self, _: Effects) -> Needs {
-        Needs { caustic: true, after_caustic: true, ..Needs::NOTHING }
-    }
-
-    fn walk(&self, walks: Walks<'_>, maps: &Maps<'_>) {
-        let onward = walks.effects.has(Effect::Interreflection);
-        walks.by(&Connected { maps, onward });
-    }
-}
-
-struct Connected<'a> {
-    maps: &'a Maps<'a>,
-    /// Whether receivers light each other.
-    onward: bool,
-}
-
-impl Method for Connected<'_> {
-    fn at_receiver<I: Interior>(&self, _: &Vertex<'_, I>) -> AtReceiver {
-        AtReceiver { direct: true, onward: self.onward }
-    }
-
-    fn estimates(&self) -> bool {
-        true
-    }
-
-    #[inline]
-    fn photons<I: Interior>(&self, vertex: &Vertex<'_, I>, worker: &mut Worker) -> Rgb {
-        match vertex.draw.place() {
-            (0, count) if vertex.history.receivers == 0 => self.maps.radiance(vertex, count, worker),
-            _ => Rgb::ZERO,
-        }
-    }
-
-    fn volume<I: Interior>(&self, passage: &Passage<'_, I>, rng: &mut SmallRng, worker: &mut Worker) -> Rgb {
-        match passage.draw.place() {
-            (0, count) if passage.history.receivers == 0 => self.maps.volume(passage, count, rng, worker),
-            _ => Rgb::ZERO,
-        }
-    }
-
-    fn in_medium(&self, _: History) -> AtReceiver {
-        AtReceiver { direct: true, onward: self.onward }
-    }
-
-    fn counts(&self, history: History) -> bool {
-        !history.is_caustic()
+/// Policy of `hybrid`.
+pub(super) fn policy(effects: Effects, _: &Settings) -> PathPolicy {
+    let interreflection = effects.has(Effect::Interreflection);
+    PathPolicy {
+        effects,
+        samples: 8,
+        shares_paths: false,
+        direct_light: true,
+        light_sampling: LightSampling::OneRay,
+        continuation: if interreflection { Continuation::Always } else { Continuation::Never },
+        directions: DirectionSampling::Bsdf,
+        counts_caustics: false,
+        min_throughput: 0.0,
+        photons: PhotonLookups::OncePerPixel,
+        shrinking_radii: true,
     }
 }

@@ -1,32 +1,32 @@
-//! What a pass hands back, and whom it tells of its progress.
+//! Result of a pass, and its progress.
 
-use super::Gauged;
+use super::nested_estimates::NestedEstimates;
 use crate::color::Rgb;
 use crate::photon::Audit;
 use crate::stats::Counters;
 use serde::Serialize;
 use std::ops::AddAssign;
 
-/// Stages of a pass.
+/// Stage of a pass.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Stage {
     /// Tracing photons from the lights; counted in paths.
     Photons,
-    /// Building the trees.
-    Trees,
-    /// Tracing camera rays; counted in pixels.
-    Eye,
+    /// Indexing photons; counted in photons.
+    Indexing,
+    /// Tracing camera paths; counted in pixels.
+    Camera,
 }
 
-/// Hears of progress, from any thread.
+/// Receiver of progress reports, from any thread.
 pub trait Monitor: Sync {
-    /// A stage begins that has `total` units.
-    fn begin(&self, phase: Stage, total: u64);
-    /// So many more units are done.
+    /// Starts a stage of `total` units.
+    fn begin(&self, stage: Stage, total: u64);
+    /// Reports `units` more units as done.
     fn advance(&self, units: u64);
 }
 
-/// A monitor that ignores everything.
+/// Monitor that ignores all reports.
 #[derive(Clone, Copy, Debug)]
 pub struct Silent;
 
@@ -35,63 +35,64 @@ impl Monitor for Silent {
     fn advance(&self, _: u64) {}
 }
 
-/// Wall seconds by stage.
+/// Wall time of each stage \[s].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Seconds {
-    /// Tracing photons.
+    /// Time of tracing photons.
     pub photons: f64,
-    /// Building trees.
-    pub trees: f64,
-    /// Tracing camera rays.
-    pub eye: f64,
+    /// Time of indexing photons.
+    pub indexing: f64,
+    /// Time of tracing camera paths.
+    pub camera: f64,
 }
 
-/// What became of the photons of one map.
+/// Photons of one map.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct PhotonReport {
-    /// Paths emitted.
+    /// Emitted paths.
     pub emitted: u64,
-    /// Photons stored.
+    /// Stored photons.
     pub stored: u64,
-    /// Where their flux went \[W].
+    /// Balance of their flux \[W].
     pub audit: Audit,
 }
 
-/// What a pass will keep in memory.
+/// Expected memory of a pass.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Expected {
     /// Photon paths of all maps.
     pub paths: u64,
-    /// Stored photons of all maps, about.
+    /// Stored photons of all maps, estimated.
     pub photons: u64,
-    /// Photons of the largest map, about.
+    /// Stored photons of the largest map, estimated.
     pub most: u64,
 }
 
-/// One pass.
+/// Result of one pass.
 #[derive(Clone, Debug, Default)]
 pub struct Pass {
     /// Mean radiance of each pixel, by rows from the top \[W/(m² sr)].
     pub image: Vec<Rgb>,
     /// Work done.
     pub counters: Counters,
-    /// Time by stage.
+    /// Time of each stage.
     pub seconds: Seconds,
-    /// The global map's photons.
+    /// Photons of the global map.
     pub global: PhotonReport,
-    /// The caustic map's photons.
+    /// Photons of the caustic map.
     pub caustic: PhotonReport,
-    /// What is told of the error of each pixel's estimates; empty where nobody asked, or where there are none.
-    pub gauged: Vec<Gauged>,
-    /// Of passes that share their camera walks: some pixels, by walks of the pass's own, each with its place in `image`.
+    /// Nested photon estimates of each pixel; empty unless requested.
+    pub nested: Vec<NestedEstimates>,
+    /// Some pixels by fresh camera paths, each with its index in `image`; empty unless passes share
+    /// their paths.
     pub fresh: Vec<(u32, Rgb)>,
 }
 
 impl AddAssign for Seconds {
     fn add_assign(&mut self, o: Self) {
         self.photons += o.photons;
-        self.trees += o.trees;
-        self.eye += o.eye;
+        self.indexing += o.indexing;
+        self.camera += o.camera;
     }
 }
 

@@ -1,49 +1,29 @@
-//! Path tracing: unbiased. At each receiver the lights are asked and the walk goes on; light that both could find is weighted
-//! (Veach 1997, chapters 9 and 10).
+//! `path`: path tracing, unbiased (Veach 1997, chapters 9 and 10).
+//!
+//! # Algorithm
+//! - **Prepare**: nothing.
+//! - **Each pass**: trace camera paths. At each receiver a path does next-event estimation and
+//!   continues in a direction sampled by the BSDF. Light that both could find is weighted by the
+//!   balance heuristic.
 
-use super::direct::Asking;
-use super::maps::Maps;
-use super::method::{AtReceiver, History, Method, Vertex};
-use super::prepared::{Strategy, Walks};
-use crate::plan::Effect;
-use crate::scene::Interior;
+use super::policy::{Continuation, DirectionSampling, LightSampling, PathPolicy, PhotonLookups};
+use super::settings::Settings;
+use crate::plan::{Effect, Effects};
 
-/// Path tracing.
-#[derive(Debug)]
-pub(super) struct PathTracing;
-
-impl Strategy for PathTracing {
-    fn samples(&self) -> u32 {
-        4
-    }
-
-    fn asking(&self) -> Asking {
-        Asking::Walk
-    }
-
-    fn walk(&self, walks: Walks<'_>, _: &Maps<'_>) {
-        let onward = walks.effects.has(Effect::Interreflection);
-        let caustics = walks.effects.has(Effect::Caustics);
-        walks.by(&Everywhere { onward, caustics });
-    }
-}
-
-struct Everywhere {
-    /// Whether receivers light each other.
-    onward: bool,
-    caustics: bool,
-}
-
-impl Method for Everywhere {
-    fn at_receiver<I: Interior>(&self, _: &Vertex<'_, I>) -> AtReceiver {
-        AtReceiver { direct: true, onward: self.onward }
-    }
-
-    fn in_medium(&self, _: History) -> AtReceiver {
-        AtReceiver { direct: true, onward: self.onward }
-    }
-
-    fn counts(&self, history: History) -> bool {
-        self.caustics || !history.is_caustic()
+/// Policy of `path`.
+pub(super) fn policy(effects: Effects, _: &Settings) -> PathPolicy {
+    let interreflection = effects.has(Effect::Interreflection);
+    PathPolicy {
+        effects,
+        samples: 4,
+        shares_paths: false,
+        direct_light: true,
+        light_sampling: LightSampling::OneRay,
+        continuation: if interreflection { Continuation::Always } else { Continuation::Never },
+        directions: DirectionSampling::Bsdf,
+        counts_caustics: effects.has(Effect::Caustics),
+        min_throughput: 0.0,
+        photons: PhotonLookups::Never,
+        shrinking_radii: true,
     }
 }

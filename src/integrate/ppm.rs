@@ -1,40 +1,27 @@
-//! Progressive photon mapping (Hachisuka, Ogaki and Jensen 2008): hit points that stay, passes of photons with radii that shrink.
+//! `ppm`: progressive photon mapping (Hachisuka, Ogaki and Jensen 2008).
 //!
-//! All passes share their camera walks, so that the hit points are the same; radii follow the law of independent passes (Knaus
-//! and Zwicker 2011) in place of statistics kept at each hit point, so that any pass can be computed alone. What the camera
-//! samples once, such as the edge of an object within a pixel, more passes do not refine.
+//! # Algorithm
+//! - **Prepare**: as `sppm`, but camera rays are not balanced against photons.
+//! - **Each pass**: trace new photons, but the same camera paths as all other passes. The gather
+//!   points of the picture therefore stay. Radii follow the law of independent passes (Knaus and
+//!   Zwicker 2011) instead of statistics kept at each gather point, so any pass can be computed
+//!   alone.
+//!
+//! More passes do not refine what the camera samples once, such as the edge of an object within a
+//! pixel.
 
-use super::direct::Asking;
-use super::maps::{Maps, Needs};
-use super::pm::Seen;
-use super::prepared::{Strategy, Walks};
-use crate::photon::StoreMask;
+use super::policy::{LightSampling, PathPolicy};
+use super::settings::Settings;
+use super::sppm;
 use crate::plan::Effects;
 
-/// Progressive photon mapping.
-#[derive(Debug)]
-pub(super) struct Ppm;
-
-impl Strategy for Ppm {
-    /// All that the picture will ever have.
-    fn samples(&self) -> u32 {
-        4
-    }
-
-    /// Its camera rays are not drawn anew.
-    fn can_be_balanced(&self) -> bool {
-        false
-    }
-
-    fn asking(&self) -> Asking {
-        Asking::Sampled(1)
-    }
-
-    fn needs(&self, _: Effects) -> Needs {
-        Needs { caustic: true, global: StoreMask::GLOBAL, ..Needs::NOTHING }
-    }
-
-    fn walk(&self, walks: Walks<'_>, maps: &Maps<'_>) {
-        walks.by(&Seen { maps, repeats: true });
+/// Policy of `ppm`.
+pub(super) fn policy(effects: Effects, settings: &Settings) -> PathPolicy {
+    PathPolicy {
+        // No later pass adds camera rays.
+        samples: 4,
+        shares_paths: true,
+        light_sampling: LightSampling::Rays(1),
+        ..sppm::policy(effects, settings)
     }
 }

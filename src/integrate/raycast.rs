@@ -1,21 +1,30 @@
-//! Ray casting with Phong's model, as the course has it: no shadows, no falloff, no ambient term.
+//! `raycast`: ray casting with Phong's model, as the course defines it: no shadows, no falloff, no
+//! ambient term.
 
-use super::{EyeSettings, Integrator, Monitor, Pass, Seconds, tiles};
+use super::film::{self, FilmSampling, Rendered};
+use super::integrator::Integrator;
+use super::pass::{Monitor, Pass, Seconds};
+use super::settings::EyeSettings;
+use crate::bsdf::conductor_reflectance;
 use crate::camera::Filter;
 use crate::color::Rgb;
 use crate::math::Ray;
 use crate::plan::{Effects, Plan};
 use crate::sampling::{Key, Purpose};
-use crate::scene::{LegacyLight, PhongAppearance, Scene, SurfaceInteraction};
+use crate::scene::{
+    Effect, Hit, LegacyLight, MaterialKind, MeanParameters, ParameterEvaluator, RayCone, Scene, SurfaceInteraction,
+    TextureLookups,
+};
 use crate::stats::Counters;
 use std::time::Instant;
 
-/// Ray casting.
+/// Ray casting integrator.
 #[derive(Debug)]
 pub(super) struct RayCast<'a> {
     scene: &'a Scene,
     plan: Plan,
-    /// `None`: one ray through the lower left corner of each pixel, as the course's images have it.
+    /// Reconstruction filter; `None` sends one ray through the lower left corner of each pixel, as
+    /// the course does.
     filter: Option<Filter>,
     samples: u32,
     seed: u64,
@@ -25,12 +34,12 @@ impl Integrator for RayCast<'_> {
     fn pass(&self, pass: u32, monitor: &dyn Monitor) -> Pass {
         let start = Instant::now();
         let (camera, filter) = (self.scene.camera(), self.filter.as_ref());
-        let (samples, lens, density) = (self.samples, false, None);
-        let sampling = tiles::Sampling { camera, filter, samples, lens, density, gauge: false, every: 1 };
-        let key = Key::new(self.seed).purpose(Purpose::Camera).with(u64::from(pass));
-        let tiles::Rendered { image, counters, .. } =
-            tiles::render(&sampling, key, monitor, |ray, _, _, (): &mut ()| self.shade(ray));
-        let seconds = Seconds { eye: start.elapsed().as_secs_f64(), ..Seconds::default() };
+        let samples = self.samples;
+        let sampling = FilmSampling { camera, filter, samples, lens: false, density: None, nested: false, every: 1 };
+        let key = Key::new(self.seed).purpose(Purpose::Camera).pass(pass);
+        let Rendered { image, counters, .. } =
+            film::render_tiles(&sampling, key, monitor, |ray, _, _, (): &mut ()| self.radiance(ray));
+        let seconds = Seconds { camera: start.elapsed().as_secs_f64(), ..Seconds::default() };
         Pass { image, counters, seconds, ..Pass::default() }
     }
 
@@ -46,14 +55,16 @@ impl Integrator for RayCast<'_> {
 }
 
 impl<'a> RayCast<'a> {
-    /// Ray casting: one ray through the lower left corner of each pixel, as the course's images have it, or filtered where a pixel has several rays.
+    /// Ray casting with one ray per pixel as in the course, or with filtered rays if `settings` ask
+    /// for several.
     pub fn new(scene: &'a Scene, plan: Plan, settings: &EyeSettings) -> Self {
         let samples = settings.samples.unwrap_or(1);
         let filter = (samples > 1).then(|| settings.filter.clone());
         Self { scene, plan, filter, samples, seed: settings.seed }
     }
 
-    fn shade(&self, ray: &Ray) -> Rgb {
+    /// Radiance along a camera ray, by the course's model.
+    fn radiance(&self, ray: &Ray) -> Rgb {
         let mut ray = *ray;
         let mut cone = self.scene.camera_cone(self.plan.effects());
         let (hit, surface) = loop {
@@ -61,19 +72,66 @@ impl<'a> RayCast<'a> {
                 return self.scene.background();
             };
             cone.travel(hit.t);
-            let surface = self.scene.surface(&ray, &hit, &cone, || 0.0);
-            if !surface.is_clear() {
+            let surface = self.scene.interaction(&ray, &hit, &cone, || 0.0);
+            if !surface.is_null_interface() {
                 break (hit, surface);
             }
             ray = surface.leave(ray.direction);
         };
-        let look = self.scene.look(&surface, &hit, &cone);
+        let look = appearance(self.scene, &surface, &hit, &cone);
         surface.emission + self.scene.legacy_lights().iter().map(|light| phong(&surface, &look, light)).sum::<Rgb>()
     }
 }
 
-/// c·(kd·max(0, N·L) + ks·max(0, V·R)ˢ) with R = 2(N·L)N − L. The highlight is not gated by N·L, normals are not turned, and
-/// 0⁰ is 1.
+/// Coefficients of the course's shading model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct PhongAppearance {
+    /// Diffuse coefficient kd.
+    diffuse: Rgb,
+    /// Specular coefficient ks.
+    specular: Rgb,
+    /// Exponent of the highlight.
+    shininess: f32,
+}
+
+impl PhongAppearance {
+    /// Coefficients without a highlight.
+    fn matte(diffuse: Rgb) -> Self {
+        Self { diffuse, specular: Rgb::ZERO, shininess: 0.0 }
+    }
+
+    /// The appearance of a material in the course's shading model, with parameters from `parameters`.
+    fn of(material: &MaterialKind, parameters: &impl ParameterEvaluator) -> Self {
+        match material {
+            MaterialKind::Diffuse { reflectance } | MaterialKind::Mirror { reflectance } => {
+                Self::matte(parameters.color(reflectance))
+            }
+            MaterialKind::Thin { transmittance, .. } => Self::matte(parameters.color(transmittance)),
+            MaterialKind::Phong { diffuse, specular, shininess } => {
+                Self { diffuse: parameters.color(diffuse), specular: parameters.color(specular), shininess: *shininess }
+            }
+            MaterialKind::Conductor { eta, k, .. } => Self::matte(conductor_reflectance(1.0, *eta, *k)),
+            MaterialKind::Dielectric { body, .. } => Self::matte((-body.absorption).map(libm::expf)),
+            // An interaction has resolved each mix to a leaf.
+            MaterialKind::Black | MaterialKind::Mix { .. } => Self::matte(Rgb::ZERO),
+        }
+    }
+}
+
+/// The appearance of the surface at `hit`.
+fn appearance(scene: &Scene, surface: &SurfaceInteraction<'_>, hit: &Hit, cone: &RayCone) -> PhongAppearance {
+    let material = surface.material;
+    if !(material.is_textured() && cone.effects.has(Effect::Textures)) {
+        return PhongAppearance::of(material.kind(), &MeanParameters);
+    }
+    let at = scene.texture_context(hit, &surface.point, surface.wo, cone);
+    PhongAppearance::of(material.kind(), &TextureLookups { textures: scene.textures(), at })
+}
+
+/// Phong's model for one light: c·(kd·max(0, N·L) + ks·max(0, V·R)ˢ) with R = 2(N·L)N − L.
+///
+/// By the course's definition, surfaces that face away from the light keep their highlight. Normals
+/// are not flipped towards the viewer, and 0⁰ is 1.
 fn phong(surface: &SurfaceInteraction<'_>, look: &PhongAppearance, light: &LegacyLight) -> Rgb {
     let (to_light, color) = match light {
         LegacyLight::Point(position, color) => ((*position - surface.point.p).normalize_or_zero(), *color),

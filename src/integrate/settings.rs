@@ -1,26 +1,28 @@
-//! What a user may set.
+//! Settings of all algorithms.
 
-use super::{ALPHA, VolumeEstimate};
+use super::radius_law::ALPHA;
+use super::volume_estimate::VolumeEstimate;
 use crate::camera::{Filter, FilterKind};
 use crate::photon::Kernel;
 use crate::plan::EffectOverrides;
 
-/// Settings of the camera walk.
+/// Settings of camera paths.
 #[derive(Clone, Debug)]
 pub struct EyeSettings {
-    /// Camera rays a pixel and pass; `None`: what suits the algorithm.
+    /// Camera rays per pixel and pass; `None` uses the default of the algorithm.
     pub samples: Option<u32>,
-    /// Bounces after which a path is cut.
+    /// Bounces after which a path ends.
     pub max_bounces: u32,
-    /// Seed of all randomness.
+    /// Seed of all random numbers.
     pub seed: u64,
     /// Reconstruction filter.
     pub filter: Filter,
-    /// Whether pixels get camera rays in proportion to their noise, as a pilot sees it.
+    /// True if a pilot distributes camera rays over the pixels by their noise.
     pub adaptive: bool,
-    /// Whether passes tell of the error of their estimates. The picture is the same.
-    pub gauge: bool,
-    /// Effects that are simulated or left out whatever the scene calls for.
+    /// True if passes return nested photon estimates, for error estimation. The picture stays the
+    /// same.
+    pub estimate_error: bool,
+    /// Effects forced on or off against the plan.
     pub effects: EffectOverrides,
 }
 
@@ -32,48 +34,54 @@ impl Default for EyeSettings {
             seed: 0,
             filter: Filter::new(FilterKind::default()),
             adaptive: false,
-            gauge: false,
+            estimate_error: false,
             effects: EffectOverrides::PLANNED,
         }
     }
 }
 
-/// All settings; algorithms without photons use those of the camera walk alone.
+/// All settings. Algorithms without photons use those of camera paths alone.
 #[derive(Clone, Debug)]
 pub struct Settings {
-    /// Settings of the camera walk.
+    /// Settings of camera paths.
     pub eye: EyeSettings,
-    /// Paths of the global map a pass.
+    /// Photon paths of the global map per pass.
     pub photons: u32,
-    /// Paths aimed at casters a pass.
+    /// Photon paths aimed at caustic casters per pass.
     pub caustic_photons: u32,
-    /// Whether a pilot may change camera rays and photon paths so that the same work gives less noise. Numbers that the user
-    /// sets stay only without.
+    /// True if a pilot may trade camera rays for photon paths, to get less noise for the same work.
+    ///
+    /// The three counts above then are starting values.
     pub balance: bool,
-    /// Most photons an estimate takes, 0 for no limit; `None`: [`CAUSTIC_K`](super::CAUSTIC_K) in the caustic map, no limit in the
-    /// global one, whose light is smooth. The last only bounds the disc, so 1 counts as 2.
+    /// Limit on the photons of an estimate, 0 for no limit.
+    ///
+    /// `None` sets [`CAUSTIC_K`](super::CAUSTIC_K) in the caustic map, and no limit in the smooth
+    /// global map. The last photon only bounds the disc, so 1 counts as 2.
     pub gather_k: Option<u32>,
-    /// Largest radius of the first pass \[length]; `None` lets a pilot find one for each map.
+    /// Largest gather radius of the first pass \[length]; `None` lets a pilot find one for each
+    /// map.
     pub radius: Option<f32>,
-    /// How fast radii shrink from pass to pass, in (0, 1]; 1: not at all. Those of [`Algorithm::Pm`](super::Algorithm::Pm) stay anyway.
+    /// Exponent of the radius law in (0, 1]; 1 keeps radii fixed.
+    /// [`Algorithm::Pm`](super::Algorithm::Pm) ignores it.
     pub alpha: f64,
     /// Kernel of the estimates.
     pub kernel: Kernel,
-    /// How light in media is estimated from photons.
+    /// Estimator of photon light in media.
     pub volume: VolumeEstimate,
-    /// How [`Algorithm::Pm`](super::Algorithm::Pm) looks at the global map.
+    /// How [`Algorithm::Pm`](super::Algorithm::Pm) reads the global map.
     pub final_gathering: FinalGathering,
 }
 
-/// How a global map is looked at.
+/// Lookup of the global map in photon mapping.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FinalGathering {
-    /// Directly at the first receiver.
+    /// Direct visualization: lookup at the first receiver.
     None,
-    /// Through a gather ray, drawn from the BSDF.
+    /// Lookup at the end of a gather ray, sampled by the BSDF.
     #[default]
     Bsdf,
-    /// Through a gather ray, drawn in equal parts from the BSDF and from where the photons around came from.
+    /// Lookup at the end of a gather ray, sampled in equal parts by the BSDF and by the directions
+    /// of nearby photons.
     Importance,
 }
 

@@ -1,31 +1,30 @@
-//! Stochastic progressive photon mapping (Hachisuka and Jensen 2009) by independent passes (Knaus and Zwicker 2011): new photons
-//! and new camera walks in each, with radii that shrink.
+//! `sppm`: stochastic progressive photon mapping (Hachisuka and Jensen 2009) by independent passes
+//! (Knaus and Zwicker 2011).
+//!
+//! # Algorithm
+//! - **Prepare**: aim and guide photon emission, find gather radii, and balance camera rays against
+//!   photons.
+//! - **Each pass**: trace new photons into a caustic map and a global map. Trace new camera paths,
+//!   which do next-event estimation and read both maps at their first receiver, and end there.
+//!   Gather radii shrink from pass to pass.
 
-use super::direct::Asking;
-use super::maps::{Maps, Needs};
-use super::pm::Seen;
-use super::prepared::{Strategy, Walks};
-use crate::photon::StoreMask;
+use super::policy::{Continuation, DirectionSampling, LightSampling, PathPolicy, PhotonLookups};
+use super::settings::Settings;
 use crate::plan::Effects;
 
-/// Stochastic progressive photon mapping.
-#[derive(Debug)]
-pub(super) struct Sppm;
-
-impl Strategy for Sppm {
-    fn samples(&self) -> u32 {
-        1
-    }
-
-    fn asking(&self) -> Asking {
-        Asking::Sampled(4)
-    }
-
-    fn needs(&self, _: Effects) -> Needs {
-        Needs { caustic: true, global: StoreMask::GLOBAL, ..Needs::NOTHING }
-    }
-
-    fn walk(&self, walks: Walks<'_>, maps: &Maps<'_>) {
-        walks.by(&Seen { maps, repeats: false });
+/// Policy of `sppm`.
+pub(super) fn policy(effects: Effects, _: &Settings) -> PathPolicy {
+    PathPolicy {
+        effects,
+        samples: 1,
+        shares_paths: false,
+        direct_light: true,
+        light_sampling: LightSampling::Rays(4),
+        continuation: Continuation::Never,
+        directions: DirectionSampling::Bsdf,
+        counts_caustics: false,
+        min_throughput: 0.0,
+        photons: PhotonLookups::FirstReceiver,
+        shrinking_radii: true,
     }
 }

@@ -1,45 +1,31 @@
-//! Ray tracing (Whitted 1980): shading by shadow rays to the middle of each light, reflection and refraction in Fresnel's shares,
-//! until a branch is too deep or too faint.
+//! `whitted`: recursive ray tracing (Whitted 1980).
+//!
+//! # Algorithm
+//! - **Prepare**: nothing.
+//! - **Each pass**: trace camera rays over mirrors and glass, split by the Fresnel reflectance.
+//!   Shade the first receiver by shadow rays to the center of each light. A branch ends where it is
+//!   too deep or too faint.
 
-use super::direct::Asking;
-use super::maps::Maps;
-use super::method::{AtReceiver, History, Method, Vertex};
-use super::prepared::{Strategy, Walks};
-use crate::scene::Interior;
+use super::policy::{Continuation, DirectionSampling, LightSampling, PathPolicy, PhotonLookups};
+use super::settings::Settings;
+use crate::plan::Effects;
 
-/// A branch fainter than one level of an 8-bit picture is cut.
-const FAINTEST: f32 = 1.0 / 256.0;
+/// Throughput of one level of an 8-bit picture; fainter branches end.
+const MIN_THROUGHPUT: f32 = 1.0 / 256.0;
 
-/// Ray tracing.
-#[derive(Debug)]
-pub(super) struct Whitted;
-
-impl Strategy for Whitted {
-    fn samples(&self) -> u32 {
-        1
-    }
-
-    fn asking(&self) -> Asking {
-        Asking::Middles
-    }
-
-    fn walk(&self, walks: Walks<'_>, _: &Maps<'_>) {
-        walks.by(&Shaded);
-    }
-}
-
-struct Shaded;
-
-impl Method for Shaded {
-    fn at_receiver<I: Interior>(&self, _: &Vertex<'_, I>) -> AtReceiver {
-        AtReceiver { direct: true, onward: false }
-    }
-
-    fn counts(&self, _: History) -> bool {
-        true
-    }
-
-    fn cut(&self) -> f32 {
-        FAINTEST
+/// Policy of `whitted`.
+pub(super) fn policy(effects: Effects, _: &Settings) -> PathPolicy {
+    PathPolicy {
+        effects,
+        samples: 1,
+        shares_paths: false,
+        direct_light: true,
+        light_sampling: LightSampling::Centers,
+        continuation: Continuation::Never,
+        directions: DirectionSampling::Bsdf,
+        counts_caustics: true,
+        min_throughput: MIN_THROUGHPUT,
+        photons: PhotonLookups::Never,
+        shrinking_radii: true,
     }
 }

@@ -18,6 +18,7 @@ const TRIANGLE_ERROR: f32 = 4.0 * f32::EPSILON;
 
 /// Surface of an area light.
 #[derive(Clone, Debug)]
+#[expect(clippy::large_enum_variant, reason = "lights lie in one array and are sampled where they lie")]
 pub enum LightSurface {
     /// An analytic shape.
     Shape(Shape),

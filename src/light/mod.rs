@@ -1,6 +1,6 @@
 //! Light sources: direct light at a point, and emission of photons.
 //!
-//! Each kind of light has a file of its own, which implements [`LightSource`]. [`Light`] is the enum over the kinds.
+//! Each kind of light has a file of its own, which implements `LightSource`. [`Light`] is the enum over the kinds.
 
 mod area;
 mod directional;
@@ -41,6 +41,7 @@ use std::sync::Arc;
 
 /// A light source of any kind.
 #[derive(Clone, Debug)]
+#[expect(clippy::large_enum_variant, reason = "lights lie in one array and are sampled where they lie")]
 pub enum Light {
     /// A point with equal intensity in all directions.
     Point(PointLight),

@@ -155,7 +155,7 @@ impl<'a> PhotonSource<'a> {
             None => light.sample_le(domain, point.position, point.direction),
         }?;
         let ray = if light.is_infinite() {
-            self.scene.starting_beyond_planes(emission.ray)
+            self.scene.start_beyond_planes(emission.ray)
         } else if light.is_delta() {
             Ray { origin: emission.ray.at(self.scene.light_contact(point.light)), ..emission.ray }
         } else {
@@ -177,7 +177,7 @@ fn powers(scene: &Scene) -> impl Iterator<Item = f64> {
 
 /// Estimated power of a light towards the spheres of `aim`, mean over the channels \[W].
 fn aimed_power(scene: &Scene, aim: &PhotonAim, light: usize) -> f64 {
-    let key = Key::new(0).purpose(Purpose::LightWeights).with(light as u64);
+    let key = Key::new(0).purpose(Purpose::LightWeights).light(light);
     let flux = |i| {
         let (position, direction) =
             (sobol_2d(i, key, Dimension::LightPosition), sobol_2d(i, key, Dimension::LightDirection));

@@ -74,7 +74,7 @@ impl PhotonPass<'_> {
                 let (mut deposits, mut tally) = (Deposits::default(), PathTally::default());
                 for index in range {
                     if let Some((ray, flux)) = self.source.emit::<I>(pass, index, paths) {
-                        let key = pass.with(u64::from(index));
+                        let key = pass.path(index);
                         self.follow(ray, flux, key, &mut tally, |deposit| deposits.store(self, &deposit));
                     }
                 }
@@ -109,12 +109,12 @@ impl PhotonPass<'_> {
         book(&mut audit.emitted, flux);
         for bounce in 0.. {
             *rays += 1;
-            let key = path.with(bounce.into());
+            let key = path.bounce(bounce);
 
             // Find the next vertex, and deposit in media on the way.
             let emitted = flux;
             let mut phase_function = PhaseFunction::Isotropic;
-            let event = if I::IMMERSED {
+            let event = if I::SPECTRAL {
                 let (mut rng, mut weight) = (key.rng(), DVec3::ONE);
                 let event = ray.next_vertex(self.scene, key, |segment| {
                     let kind = if segment.crossed { kind.beyond_casters() } else { kind };

@@ -1,61 +1,61 @@
-//! Decisions.
+//! Decisions about effects, with their reasons.
 
 use super::{Effect, EffectOverrides, Effects, SceneFeatures};
 use crate::scene::Scene;
 use std::fmt;
 
-/// Why an effect is simulated, or adds nothing.
+/// Reason why the scene needs an effect, or does not.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reason {
-    /// So many objects call for it.
+    /// This many objects need it; the text describes them.
     Objects(usize, &'static str),
-    /// So many lights call for it.
+    /// This many lights need it; the text describes them.
     Lights(usize, &'static str),
-    /// Light comes from all around.
+    /// The scene has an environment light.
     Sky,
-    /// Things may stand before each other.
+    /// Objects may occlude each other.
     Crowded,
-    /// The algorithm has no notion of it.
+    /// The algorithm cannot simulate it.
     NotOfAlgorithm,
     /// No light has power.
     NoLight,
-    /// Nothing is a caster.
+    /// The scene has no caustic casters.
     NoCaster,
-    /// No light reaches a caster without a detour.
+    /// No light reaches a caustic caster directly.
     NoLitCaster,
-    /// Nothing stores photons.
+    /// No surface stores photons.
     NoReceiver,
     /// All receivers absorb all light.
     BlackReceivers,
-    /// All there is is one flat object.
+    /// The scene is one flat object.
     OneFlatObject,
-    /// All lights are points, or parallel.
+    /// All lights are points or directional.
     NoSoftLight,
-    /// No light comes from all around.
+    /// The scene has no environment light.
     NoSky,
-    /// Light enters nothing.
+    /// The scene has no bodies.
     NoBody,
     /// The camera has a lens.
     Lens,
-    /// The camera has none.
+    /// The camera has no lens.
     NoLens,
-    /// Something moves.
+    /// An object or the camera moves.
     Moving,
-    /// Nothing does.
+    /// Nothing moves.
     NothingMoves,
-    /// Nothing has a texture.
+    /// No object has a texture.
     NoTexture,
-    /// Nothing has bumps.
+    /// No object has a bump or normal map.
     NoBump,
-    /// So many media.
+    /// The scene has this many media.
     Media(usize),
-    /// Nothing is filled.
+    /// The scene has no media.
     NoMedium,
-    /// A medium is wherever no body is.
+    /// A medium fills the space outside all bodies.
     Filled,
-    /// No glass parts wavelengths.
+    /// No glass is dispersive.
     NoDispersion,
-    /// It rests on another effect, which is off.
+    /// It needs another effect, which adds nothing.
     Without(Effect),
 }
 
@@ -67,182 +67,185 @@ impl fmt::Display for Reason {
         match self {
             Self::Objects(n, what) => counted(f, *n, "object", what),
             Self::Lights(n, what) => counted(f, *n, "light", what),
-            Self::Sky => f.write_str("light comes from all around"),
-            Self::Crowded => f.write_str("things may stand before each other"),
+            Self::Sky => f.write_str("the scene has an environment light"),
+            Self::Crowded => f.write_str("objects may occlude each other"),
             Self::NotOfAlgorithm => f.write_str("the algorithm does not simulate it"),
             Self::NoLight => f.write_str("no light has power"),
-            Self::NoCaster => f.write_str("nothing is a mirror, glass or smooth metal"),
-            Self::NoLitCaster => f.write_str("no light reaches a mirror, glass or smooth metal without a detour"),
-            Self::NoReceiver => f.write_str("nothing stores photons"),
-            Self::BlackReceivers => f.write_str("whatever stores photons absorbs all light"),
-            Self::OneFlatObject => f.write_str("all there is is one flat object, and no light shines along it"),
-            Self::NoSoftLight => f.write_str("every light is a point, or parallel"),
-            Self::NoSky => f.write_str("no light comes from all around"),
-            Self::NoBody => f.write_str("light enters nothing"),
+            Self::NoCaster => f.write_str("no object is a mirror, glass or smooth metal"),
+            Self::NoLitCaster => f.write_str("no light reaches a mirror, glass or smooth metal directly"),
+            Self::NoReceiver => f.write_str("no surface or medium stores photons"),
+            Self::BlackReceivers => f.write_str("all surfaces that store photons absorb all light"),
+            Self::OneFlatObject => f.write_str("the scene is one flat object, and no light lies in its plane"),
+            Self::NoSoftLight => f.write_str("all lights are points or directional"),
+            Self::NoSky => f.write_str("the scene has no environment light"),
+            Self::NoBody => f.write_str("light enters no object"),
             Self::Lens => f.write_str("the camera has a lens"),
             Self::NoLens => f.write_str("the camera has no lens"),
-            Self::Moving => f.write_str("something moves while the shutter is open"),
+            Self::Moving => f.write_str("an object or the camera moves while the shutter is open"),
             Self::NothingMoves => f.write_str("nothing moves while the shutter is open"),
-            Self::NoTexture => f.write_str("nothing has a texture"),
-            Self::NoBump => f.write_str("nothing has bumps"),
-            Self::Media(1) => f.write_str("1 medium scatters, absorbs or glows"),
-            Self::Media(n) => write!(f, "{n} media scatter, absorb or glow"),
-            Self::NoMedium => f.write_str("nothing is filled with a medium"),
-            Self::Filled => f.write_str("a medium is all around"),
-            Self::NoDispersion => f.write_str("no glass parts colours"),
-            Self::Without(effect) => write!(f, "it rests on {effect}, which adds nothing here"),
+            Self::NoTexture => f.write_str("no object has a texture"),
+            Self::NoBump => f.write_str("no object has a bump or normal map"),
+            Self::Media(1) => f.write_str("1 medium scatters, absorbs or emits"),
+            Self::Media(n) => write!(f, "{n} media scatter, absorb or emit"),
+            Self::NoMedium => f.write_str("the scene has no media"),
+            Self::Filled => f.write_str("a medium fills the space between objects"),
+            Self::NoDispersion => f.write_str("no glass is dispersive"),
+            Self::Without(effect) => write!(f, "it needs {effect}, which adds nothing here"),
         }
     }
 }
 
-/// What is done about an effect.
+/// Decision about one effect.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Decision {
     /// The effect.
     pub effect: Effect,
-    /// Whether the scene calls for it.
-    pub called_for: bool,
-    /// Why.
+    /// True if the scene needs it.
+    pub needed: bool,
+    /// Reason why the scene needs it, or does not.
     pub reason: Reason,
-    /// Whether it is simulated.
+    /// True if it is simulated.
     pub on: bool,
 }
 
 impl Decision {
-    /// Whether a wish overrules the scene.
+    /// True if an override of the user contradicts the need of the scene.
     #[must_use]
     pub fn is_forced(&self) -> bool {
-        self.on != self.called_for
+        self.on != self.needed
     }
 }
 
-/// What is simulated, and why.
+/// The effects that a render simulates, with reasons.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Plan {
-    /// What the scene holds.
-    pub facts: SceneFeatures,
-    /// One decision for each effect, in the order of [`Effect::ALL`].
+    /// Features of the scene.
+    pub features: SceneFeatures,
+    /// One decision per effect, in the order of [`Effect::ALL`].
     pub decisions: Vec<Decision>,
 }
 
 impl Plan {
-    /// A plan for an algorithm that can simulate `simulated`.
+    /// Plan for `scene` by an algorithm that can simulate `simulated`.
     #[must_use]
-    pub fn new(scene: &Scene, simulated: Effects, wishes: EffectOverrides) -> Self {
-        let facts = SceneFeatures::of(scene);
-        let mut called_for = Effects::NONE;
+    pub fn new(scene: &Scene, simulated: Effects, overrides: EffectOverrides) -> Self {
+        let features = SceneFeatures::of(scene);
+        let mut needed = Effects::NONE;
         let decide = |effect| {
-            let reason = match judge(&facts, effect, called_for) {
+            let reason = match judge(&features, effect, needed) {
                 _ if !simulated.has(effect) => Err(Reason::NotOfAlgorithm),
                 reason => reason,
             };
             if reason.is_ok() {
-                called_for = called_for.with(effect);
+                needed = needed.with(effect);
             }
-            let planned = reason.is_ok();
-            let on = if simulated.has(effect) { wishes.of(effect).unwrap_or(planned) } else { false };
+            let is_needed = reason.is_ok();
+            let on = if simulated.has(effect) { overrides.of(effect).unwrap_or(is_needed) } else { false };
             let reason = reason.unwrap_or_else(|why| why);
-            Decision { effect, called_for: planned, reason, on }
+            Decision { effect, needed: is_needed, reason, on }
         };
         let decisions = Effect::ALL.map(decide).to_vec();
-        Self { facts, decisions }
+        Self { features, decisions }
     }
 
-    /// The effects that are simulated and called for.
+    /// Effects that are simulated and needed.
     #[must_use]
     pub fn needed(&self) -> Effects {
-        self.decisions.iter().filter(|d| d.on && d.called_for).fold(Effects::NONE, |on, d| on.with(d.effect))
+        self.decisions.iter().filter(|d| d.on && d.needed).fold(Effects::NONE, |on, d| on.with(d.effect))
     }
 
-    /// The effects that are simulated.
+    /// Effects that are simulated.
     #[must_use]
     pub fn effects(&self) -> Effects {
         self.decisions.iter().filter(|d| d.on).fold(Effects::NONE, |on, d| on.with(d.effect))
     }
 }
 
-/// Why `effect` is called for, or else why it adds nothing; `before` holds what is called for of the effects listed earlier.
-fn judge(facts: &SceneFeatures, effect: Effect, before: Effects) -> Result<Reason, Reason> {
-    let need = |there: bool, why: Reason| if there { Ok(()) } else { Err(why) };
-    let any = |n: usize, why: Reason| need(n > 0, why);
-    // Media that scatter light are lit, and light others.
-    let receivers = facts.receivers + facts.scattering_media;
-    let scattering = facts.scattering_receivers + facts.scattering_media;
+/// Reason why `effect` is needed, or the reason why it adds nothing as an error.
+///
+/// `before` holds the needed effects among those earlier in [`Effect::ALL`].
+fn judge(features: &SceneFeatures, effect: Effect, before: Effects) -> Result<Reason, Reason> {
+    let need = |condition: bool, otherwise: Reason| if condition { Ok(()) } else { Err(otherwise) };
+    let any = |n: usize, otherwise: Reason| need(n > 0, otherwise);
+    // Media that scatter count as receivers.
+    let receivers = features.receivers + features.scattering_media;
+    let scattering = features.scattering_receivers + features.scattering_media;
     match effect {
         Effect::Specular => {
-            any(facts.casters, Reason::NoCaster)?;
-            Ok(Reason::Objects(facts.casters, "of mirror, glass or smooth metal"))
+            any(features.casters, Reason::NoCaster)?;
+            Ok(Reason::Objects(features.casters, "of mirror, glass or smooth metal"))
         }
         Effect::Caustics => {
-            any(facts.lights, Reason::NoLight)?;
-            any(facts.casters, Reason::NoCaster)?;
-            any(facts.lit_casters, Reason::NoLitCaster)?;
+            any(features.lights, Reason::NoLight)?;
+            any(features.casters, Reason::NoCaster)?;
+            any(features.lit_casters, Reason::NoLitCaster)?;
             any(receivers, Reason::NoReceiver)?;
-            Ok(Reason::Objects(facts.lit_casters, "may throw light on others"))
+            Ok(Reason::Objects(features.lit_casters, "may cast caustics"))
         }
         Effect::CausticBounces => {
             need(before.has(Effect::Caustics), Reason::Without(Effect::Caustics))?;
             any(scattering, Reason::BlackReceivers)?;
-            Ok(Reason::Objects(scattering, "may pass caustics on"))
+            Ok(Reason::Objects(scattering, "may reflect caustics"))
         }
         Effect::Interreflection => {
-            // A background is seen through what scatters by the same walks that are scattered there.
-            let hazy = facts.background && facts.scattering_media > 0;
-            need(facts.lights + facts.glowing_media > 0 || hazy, Reason::NoLight)?;
+            // Only scattered paths show the background behind a scattering medium.
+            let hazy = features.background && features.scattering_media > 0;
+            need(features.lights + features.emitting_media > 0 || hazy, Reason::NoLight)?;
             any(receivers, Reason::NoReceiver)?;
             any(scattering, Reason::BlackReceivers)?;
-            // A walk on from a receiver is also how half of the light of soft lights is found: those are never clear of the object.
-            need(!facts.one_flat_object, Reason::OneFlatObject)?;
-            Ok(Reason::Objects(scattering, "may light others"))
+            // Paths that continue at a receiver also find part of the light of soft lights. Those
+            // never avoid the plane.
+            need(!features.one_flat_object, Reason::OneFlatObject)?;
+            Ok(Reason::Objects(scattering, "may light other objects"))
         }
         Effect::Gathering => {
             need(before.has(Effect::Interreflection), Reason::Without(Effect::Interreflection))?;
-            Ok(Reason::Objects(scattering, "may light others"))
+            Ok(Reason::Objects(scattering, "may light other objects"))
         }
         Effect::Shadows => {
-            any(facts.lights, Reason::NoLight)?;
-            need(!facts.one_flat_object, Reason::OneFlatObject)?;
+            any(features.lights, Reason::NoLight)?;
+            need(!features.one_flat_object, Reason::OneFlatObject)?;
             Ok(Reason::Crowded)
         }
         Effect::SoftShadows => {
-            any(facts.lights, Reason::NoLight)?;
-            any(facts.soft_lights, Reason::NoSoftLight)?;
-            Ok(Reason::Lights(facts.soft_lights, "with an extent"))
+            any(features.lights, Reason::NoLight)?;
+            any(features.soft_lights, Reason::NoSoftLight)?;
+            Ok(Reason::Lights(features.soft_lights, "with an extent"))
         }
         Effect::Environment => {
-            need(facts.environment, Reason::NoSky)?;
+            need(features.environment, Reason::NoSky)?;
             Ok(Reason::Sky)
         }
         Effect::Interiors => {
-            if facts.filled {
+            if features.filled {
                 return Ok(Reason::Filled);
             }
-            any(facts.bodies, Reason::NoBody)?;
-            Ok(Reason::Objects(facts.bodies, "that light enters"))
+            any(features.bodies, Reason::NoBody)?;
+            Ok(Reason::Objects(features.bodies, "that light enters"))
         }
         Effect::Lens => {
-            need(facts.lens, Reason::NoLens)?;
+            need(features.lens, Reason::NoLens)?;
             Ok(Reason::Lens)
         }
         Effect::Motion => {
-            need(facts.moving, Reason::NothingMoves)?;
+            need(features.moving, Reason::NothingMoves)?;
             Ok(Reason::Moving)
         }
         Effect::Textures => {
-            any(facts.textured, Reason::NoTexture)?;
-            Ok(Reason::Objects(facts.textured, "with textures"))
+            any(features.textured, Reason::NoTexture)?;
+            Ok(Reason::Objects(features.textured, "with textures"))
         }
         Effect::Bump => {
-            any(facts.bumpy, Reason::NoBump)?;
-            Ok(Reason::Objects(facts.bumpy, "with bumps"))
+            any(features.bump_mapped, Reason::NoBump)?;
+            Ok(Reason::Objects(features.bump_mapped, "with bump or normal maps"))
         }
         Effect::Media => {
-            any(facts.media, Reason::NoMedium)?;
-            Ok(Reason::Media(facts.media))
+            any(features.media, Reason::NoMedium)?;
+            Ok(Reason::Media(features.media))
         }
         Effect::Dispersion => {
-            any(facts.dispersive, Reason::NoDispersion)?;
-            Ok(Reason::Objects(facts.dispersive, "of glass that parts colours"))
+            any(features.dispersive, Reason::NoDispersion)?;
+            Ok(Reason::Objects(features.dispersive, "of dispersive glass"))
         }
     }
 }

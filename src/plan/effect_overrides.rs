@@ -1,9 +1,9 @@
-//! What a user wants of the effects, whatever the scene calls for.
+//! Effects that the user forces on or off.
 
 use super::{Effect, Effects};
 use std::str::FromStr;
 
-/// Effects to force on or off; all others follow the scene.
+/// Effects forced on or off; the plan decides about all others.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct EffectOverrides {
     on: Effects,
@@ -11,26 +11,26 @@ pub struct EffectOverrides {
 }
 
 impl EffectOverrides {
-    /// As the scene calls for.
+    /// No effect forced.
     pub const PLANNED: Self = Self { on: Effects::NONE, off: Effects::NONE };
-    /// Everything, needed or not.
+    /// All effects forced on.
     pub const ALL: Self = Self { on: Effects::ALL, off: Effects::NONE };
-    /// Nothing but light that comes straight from the middle of each light.
+    /// All effects forced off: direct light from the center of each light remains.
     pub const NONE: Self = Self { on: Effects::NONE, off: Effects::ALL };
 
-    /// These, and `effect` forced on.
+    /// These overrides, with `effect` forced on.
     #[must_use]
     pub fn with(self, effect: Effect) -> Self {
         Self { on: self.on.with(effect), off: self.off.without(effect) }
     }
 
-    /// These, and `effect` forced off.
+    /// These overrides, with `effect` forced off.
     #[must_use]
     pub fn without(self, effect: Effect) -> Self {
         Self { on: self.on.without(effect), off: self.off.with(effect) }
     }
 
-    /// What is wished of `effect`, if anything.
+    /// True if `effect` is forced on, false if off; `None` if the plan decides.
     #[must_use]
     pub fn of(self, effect: Effect) -> Option<bool> {
         if self.on.has(effect) {
@@ -43,14 +43,15 @@ impl EffectOverrides {
     }
 }
 
-/// A word that names no effect.
+/// Error: a word is no override.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "`{word}` is no wish: write auto, all, none, or effects with a sign such as +caustics or -shadows, divided by commas; effects are {}",
+    "`{word}` is no effect override: write auto, all, none, or effects with a sign such as +caustics or -shadows, \
+     separated by commas; effects are {}",
     names()
 )]
 pub struct UnknownOverride {
-    /// The word.
+    /// The unknown word.
     pub word: String,
 }
 
@@ -61,22 +62,22 @@ fn names() -> String {
 impl FromStr for EffectOverrides {
     type Err = UnknownOverride;
 
-    /// Reads `auto`, `all`, `none`, `+effect` and `-effect`, divided by commas; later words win.
+    /// Reads `auto`, `all`, `none`, `+effect` and `-effect`, separated by commas. Later words win.
     fn from_str(text: &str) -> Result<Self, UnknownOverride> {
-        let mut wishes = Self::PLANNED;
+        let mut overrides = Self::PLANNED;
         for word in text.split(',').map(str::trim) {
             let unknown = || UnknownOverride { word: word.to_owned() };
-            let named = |name: &str| Effect::ALL.into_iter().find(|e| e.name() == name).ok_or_else(unknown);
-            wishes = match (word, word.strip_prefix('+'), word.strip_prefix('-')) {
+            let named = |name: &str| name.parse::<Effect>().map_err(|_| unknown());
+            overrides = match (word, word.strip_prefix('+'), word.strip_prefix('-')) {
                 ("auto", ..) => Self::PLANNED,
                 ("all", ..) => Self::ALL,
                 ("none", ..) => Self::NONE,
-                (_, Some(name), _) => wishes.with(named(name)?),
-                (_, _, Some(name)) => wishes.without(named(name)?),
+                (_, Some(name), _) => overrides.with(named(name)?),
+                (_, _, Some(name)) => overrides.without(named(name)?),
                 _ => return Err(unknown()),
             };
         }
-        Ok(wishes)
+        Ok(overrides)
     }
 }
 
@@ -88,15 +89,16 @@ mod tests {
     fn later_words_win() {
         let read = |text: &str| text.parse::<EffectOverrides>().unwrap();
         assert_eq!(read("all"), EffectOverrides::ALL);
-        let wishes = read("none, +caustics,-shadows ,+shadows");
-        assert_eq!(wishes.of(Effect::Caustics), Some(true));
-        assert_eq!(wishes.of(Effect::Shadows), Some(true));
-        assert_eq!(wishes.of(Effect::Interiors), Some(false));
+        let overrides = read("none, +caustics,-shadows ,+shadows");
+        assert_eq!(overrides.of(Effect::Caustics), Some(true));
+        assert_eq!(overrides.of(Effect::Shadows), Some(true));
+        assert_eq!(overrides.of(Effect::Interiors), Some(false));
         assert_eq!(read("-caustics").of(Effect::Shadows), None);
+        assert_eq!(read("-casters"), read("-specular"), "the former name is an alias");
     }
 
     #[test]
-    fn what_names_no_effect_is_refused() {
+    fn unknown_words_are_errors() {
         for bad in ["", "caustics", "+dof", "all,", "-"] {
             let error = bad.parse::<EffectOverrides>().unwrap_err().to_string();
             assert!(error.contains("+caustics") && error.contains("caustic-bounces"), "{error}");

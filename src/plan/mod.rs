@@ -1,7 +1,8 @@
-//! What a scene calls for: facts, decisions that follow from them, and what a user wishes otherwise.
+//! The plan of a render: which effects the scene needs, and which the user forces on or off.
 //!
-//! An effect is left out only where it is certain that it would add nothing, so that a picture is the same to the bit as with
-//! everything simulated: when in doubt, on. Where decisions lie is told in docs/theory/plan.md.
+//! The plan leaves out an effect only if it certainly adds nothing. The picture is then
+//! bit-identical to one with all effects. If in doubt, an effect stays on. docs/theory/plan.md
+//! describes the decisions.
 
 mod decide;
 mod effect_overrides;

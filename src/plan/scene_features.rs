@@ -1,63 +1,63 @@
-//! What a scene holds, as far as it is certain without tracing a ray.
+//! Features of a scene that are certain without tracing a ray.
 
 use crate::bsdf::Bsdf;
 use crate::color::Rgb;
 use crate::light::Light;
 use crate::math::Sphere;
-use crate::scene::{Object, Scattering, Scene};
+use crate::scene::{ObjectSummary, Scene};
 use glam::Vec3;
 
-/// What decisions rest on. Where something is not certain, the fact is what keeps an effect on.
+/// Features of a scene, as counts. An uncertain feature has the value that keeps its effect on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct SceneFeatures {
-    /// Things that are made of something: shapes, meshes, planes.
+    /// Shapes, meshes and planes with a material.
     pub objects: usize,
-    /// Of them, those that store photons.
+    /// Objects that store photons.
     pub receivers: usize,
-    /// Of the receivers, those that send some light on.
+    /// Receivers that reflect or transmit some light.
     pub scattering_receivers: usize,
-    /// Mirrors, glass, smooth metal.
+    /// Caustic casters: mirrors, glass and smooth metal.
     pub casters: usize,
-    /// Of them, those that a light may reach without a detour.
+    /// Casters that a light may reach directly.
     pub lit_casters: usize,
-    /// Bodies that light enters.
+    /// Objects that bound a body which light enters.
     pub bodies: usize,
-    /// Bodies of glass that bends one wavelength more than another.
+    /// Bodies of dispersive glass.
     pub dispersive: usize,
-    /// Media that do something to light: in bodies, or all around.
+    /// Media with any coefficient above zero, in bodies or around the scene.
     pub media: usize,
-    /// Of them, those that scatter.
+    /// Media that scatter.
     pub scattering_media: usize,
-    /// Of them, those that glow.
-    pub glowing_media: usize,
-    /// Whether a medium is wherever no body is.
+    /// Media that emit.
+    pub emitting_media: usize,
+    /// True if a medium fills the space outside all bodies.
     pub filled: bool,
-    /// Whether a background is seen that lights nothing.
+    /// True if a background is visible. It lights nothing.
     pub background: bool,
-    /// Things with textures.
+    /// Objects with textures.
     pub textured: usize,
-    /// Things with bumps.
-    pub bumpy: usize,
+    /// Objects with bump or normal maps.
+    pub bump_mapped: usize,
     /// Lights with power.
     pub lights: usize,
-    /// Of them, those with an extent.
+    /// Lights with an extent.
     pub soft_lights: usize,
-    /// Whether light comes from all around.
+    /// True if the scene has an environment light.
     pub environment: bool,
-    /// Whether the camera has a lens.
+    /// True if the camera has a lens.
     pub lens: bool,
-    /// Whether anything moves while the shutter is open.
+    /// True if anything moves while the shutter is open.
     pub moving: bool,
-    /// Whether nothing can stand before anything else: all there is is one flat object, and no light shines along it.
+    /// True if nothing can occlude: the scene is one flat object, and no light lies in its plane.
     pub one_flat_object: bool,
 }
 
 impl SceneFeatures {
-    /// Reads a scene.
+    /// Features of `scene`.
     #[must_use]
     pub fn of(scene: &Scene) -> Self {
-        let objects: Vec<Object> = scene.objects().collect();
-        let mut facts = Self {
+        let objects: Vec<ObjectSummary> = scene.objects().collect();
+        let mut features = Self {
             objects: objects.len(),
             receivers: 0,
             scattering_receivers: 0,
@@ -67,11 +67,11 @@ impl SceneFeatures {
             dispersive: 0,
             media: 0,
             scattering_media: 0,
-            glowing_media: 0,
-            filled: scene.filling().is_some(),
+            emitting_media: 0,
+            filled: scene.ambient_medium().is_some(),
             background: scene.background() != Rgb::ZERO,
             textured: 0,
-            bumpy: 0,
+            bump_mapped: 0,
             lights: 0,
             soft_lights: 0,
             environment: scene.environment().is_some(),
@@ -79,50 +79,47 @@ impl SceneFeatures {
             moving: scene.moves(),
             one_flat_object: false,
         };
-        // Where all there is are planes the domain is a point, in which light from infinity has no power, but it shines.
-        let some = Sphere { center: Vec3::ZERO, radius: 1.0 };
-        let lights: Vec<&Light> = scene.lights().iter().filter(|l| l.power(some) != Rgb::ZERO).collect();
-        facts.lights = lights.len();
+        // The domain of a scene of planes alone is a point. Light from infinity has no power there,
+        // but it still lights.
+        let domain = Sphere { center: Vec3::ZERO, radius: 1.0 };
+        let lights: Vec<&Light> = scene.lights().iter().filter(|l| l.power(domain) != Rgb::ZERO).collect();
+        features.lights = lights.len();
         let media = scene.media_in_use();
-        facts.media = media.iter().filter(|medium| !medium.is_empty()).count();
-        facts.scattering_media = media.iter().filter(|medium| medium.scatters()).count();
-        facts.glowing_media = media.iter().filter(|medium| medium.emits()).count();
-        // What moves is elsewhere at another time.
-        if let [Object { plane: Some((p, n)), .. }] = objects[..]
-            && !facts.moving
-            && facts.media == 0
+        features.media = media.iter().filter(|medium| !medium.is_empty()).count();
+        features.scattering_media = media.iter().filter(|medium| medium.scatters()).count();
+        features.emitting_media = media.iter().filter(|medium| medium.emits()).count();
+        // A moving object has another plane at another time.
+        if let [ObjectSummary { plane: Some((p, n)), .. }] = objects[..]
+            && !features.moving
+            && features.media == 0
         {
-            facts.one_flat_object = lights.iter().all(|light| light.avoids_plane(p, n));
+            features.one_flat_object = lights.iter().all(|light| light.avoids_plane(p, n));
         }
-        facts.soft_lights = lights.iter().filter(|l| !l.is_delta()).count();
+        features.soft_lights = lights.iter().filter(|l| !l.is_delta()).count();
         for object in &objects {
             let (mut receives, mut scatters, mut casts, mut bounds, mut parts) = (false, false, false, false, false);
-            scene.scatterings(object.material, &mut |scattering| {
-                casts |= scattering.casts_caustics();
-                match scattering {
-                    Scattering::Fixed(bsdf) if bsdf.stores_photons() => {
-                        receives = true;
-                        scatters |= *bsdf != Bsdf::Diffuse(Rgb::ZERO);
-                    }
-                    Scattering::Boundary(body) => {
-                        bounds = true;
-                        parts |= body.glass.is_some();
-                    }
-                    Scattering::Fixed(_) | Scattering::Mix { .. } => {}
+            scene.for_each_leaf(object.material, &mut |leaf| {
+                casts |= leaf.casts_caustics();
+                if let Some(body) = leaf.boundary {
+                    bounds = true;
+                    parts |= body.glass.is_some();
+                } else if leaf.bsdf.stores_photons() {
+                    receives = true;
+                    scatters |= leaf.bsdf != Bsdf::Diffuse(Rgb::ZERO);
                 }
             });
-            let ball = object.ball.filter(|_| !facts.moving);
+            let ball = object.ball.filter(|_| !features.moving);
             let reached = || lights.iter().any(|light| light.may_reach(ball, scene.domain()));
-            let (textured, bumpy) = scene.wears(object.material);
-            facts.textured += usize::from(textured || object.glows);
-            facts.bumpy += usize::from(bumpy);
-            facts.receivers += usize::from(receives);
-            facts.scattering_receivers += usize::from(scatters);
-            facts.casters += usize::from(casts);
-            facts.lit_casters += usize::from(casts && reached());
-            facts.bodies += usize::from(bounds);
-            facts.dispersive += usize::from(parts);
+            let (textured, bumpy) = scene.uses_textures(object.material);
+            features.textured += usize::from(textured || object.has_emission_texture);
+            features.bump_mapped += usize::from(bumpy);
+            features.receivers += usize::from(receives);
+            features.scattering_receivers += usize::from(scatters);
+            features.casters += usize::from(casts);
+            features.lit_casters += usize::from(casts && reached());
+            features.bodies += usize::from(bounds);
+            features.dispersive += usize::from(parts);
         }
-        facts
+        features
     }
 }

@@ -108,7 +108,7 @@ pub fn render(
     let start = Instant::now();
     let mut rendered = Rendered {
         film: Film::new(size.0, size.1),
-        estimator: integrator.gauged().then(|| ErrorEstimator::new(integrator.radius_law())),
+        estimator: integrator.nests_estimates().then(|| ErrorEstimator::new(integrator.radius_law())),
         ended: EndReason::Passes,
         counters: Counters::default(),
         seconds: Seconds::default(),

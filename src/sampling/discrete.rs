@@ -1,6 +1,6 @@
-//! Choice among finitely many things by weight.
+//! Discrete distribution over finitely many items.
 
-/// A discrete distribution over `0..len`, chosen by inversion of its cumulative weights.
+/// Discrete distribution over `0..len`, sampled by inversion.
 #[derive(Clone, Debug)]
 pub struct Discrete {
     /// Cumulative probabilities, the last one 1.
@@ -8,12 +8,13 @@ pub struct Discrete {
     total: f64,
 }
 
-/// Part of the whole under which a thing is never drawn: the least normal number of f32.
+/// Least probability above zero: the least normal number of f32.
 const LEAST: f64 = f32::MIN_POSITIVE as f64;
 
 impl Discrete {
-    /// Weights to probabilities; those below 10⁻³⁸ of the sum count as zero. `None` where there is nothing to choose: no weights, or a sum of
-    /// zero or not finite, or a negative weight.
+    /// Distribution in proportion to `weights`; weights below 10⁻³⁸ of the sum count as zero.
+    ///
+    /// `None` if there are no weights, if one is negative, or if their sum is zero or not finite.
     #[must_use]
     pub fn new(weights: impl IntoIterator<Item = f64>) -> Option<Self> {
         let mut cumulative: Vec<f64> = weights.into_iter().collect();
@@ -23,7 +24,7 @@ impl Discrete {
         }
         let mut sum = 0.0;
         for c in &mut cumulative {
-            // `probability` could not tell a smaller part from zero, and what is drawn is divided by it.
+            // `probability` would round a smaller part to zero, and samples are divided by it.
             sum += if *c / total < LEAST { 0.0 } else { *c };
             *c = sum;
         }
@@ -33,25 +34,25 @@ impl Discrete {
         Some(Self { cumulative, total })
     }
 
-    /// The sum of the weights.
+    /// Sum of the weights.
     #[must_use]
     pub fn total(&self) -> f64 {
         self.total
     }
 
-    /// How many things there are to choose from.
+    /// Number of items.
     #[must_use]
     pub fn len(&self) -> usize {
         self.cumulative.len()
     }
 
-    /// Always false: an empty distribution cannot be made.
+    /// Always false: `new` refuses an empty distribution.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.cumulative.is_empty()
     }
 
-    /// The thing that `u` in \[0, 1) falls on, and its probability, which is never zero.
+    /// Item for uniform `u` in \[0, 1), and its probability, which is never zero.
     #[inline]
     #[must_use]
     pub fn sample(&self, u: f32) -> (usize, f32) {
@@ -60,7 +61,7 @@ impl Discrete {
         (i, self.probability(i))
     }
 
-    /// Where in the interval of thing `i` the number `u` that chose it fell: uniform in \[0, 1) again.
+    /// Remainder of the number `u` that sampled item `i`: uniform in \[0, 1) again.
     #[inline]
     #[must_use]
     pub fn remainder(&self, u: f32, i: usize) -> f32 {
@@ -69,7 +70,7 @@ impl Discrete {
         (x as f32).clamp(0.0, 1.0 - f32::EPSILON / 2.0)
     }
 
-    /// The probability of thing `i`.
+    /// Probability of item `i`.
     #[inline]
     #[must_use]
     pub fn probability(&self, i: usize) -> f32 {
@@ -92,7 +93,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_chosen_from_nothing() {
+    fn invalid_weights_are_refused() {
         assert!(Discrete::new([]).is_none());
         assert!(Discrete::new([0.0, 0.0]).is_none());
         assert!(Discrete::new([1.0, -0.5]).is_none());
@@ -100,7 +101,7 @@ mod tests {
     }
 
     #[test]
-    fn a_last_weight_of_zero_is_never_chosen() {
+    fn a_last_weight_of_zero_is_never_sampled() {
         let d = Discrete::new([0.1, 0.2, 0.3, 0.0]).unwrap();
         assert!(d.sample(1.0 - f32::EPSILON / 2.0).1 > 0.0);
     }

@@ -1,29 +1,34 @@
-//! A density on the unit square that is constant in the cells of a grid.
+//! Piecewise constant distribution on the unit square, for square grids of a power of two.
 
 use glam::Vec2;
 
-/// A piecewise constant density on \[0, 1)², `side` × `side` cells, drawn from by inversion: first the row, then the column in it.
+/// Distribution on \[0, 1)² with a constant density in each of `side` × `side` cells.
 ///
-/// Inversion is monotonic along each axis, so points that were stratified stay so. Probabilities are multiples of 2⁻²⁴, the
-/// step of the numbers that are mapped: a cell is drawn exactly as often as its density says, however small it is.
+/// Samples come by inversion, first of the row and then of the column. Inversion is monotonic along
+/// each axis, so stratified points stay stratified. Probabilities are multiples of 2⁻²⁴, the
+/// resolution of the uniform numbers: even the smallest cell is sampled exactly as often as its
+/// density says.
 #[derive(Clone, Debug)]
 pub struct Histogram {
     side: usize,
     /// `side + 1` ascending bounds of the rows, from 0 to 1.
     rows: Vec<f32>,
-    /// The same for the columns, row by row.
+    /// `side + 1` ascending bounds of the columns for each row.
     columns: Vec<f32>,
 }
 
-/// Steps of 2⁻²⁴ in \[0, 1).
+/// Number of steps of 2⁻²⁴ in \[0, 1).
 const STEPS: f64 = 16_777_216.0;
 
-/// Steps that a cell of any weight above zero keeps in its row: points in it still spread.
+/// Steps that each cell with a weight above zero gets at least, so that points within it still
+/// spread.
 const LEAST: f64 = 64.0;
 
 impl Histogram {
-    /// A density in proportion to `weights`, row by row, `side`² of them. `None` where their number is another or `side` is no
-    /// power of two up to 1024, where one is negative or not finite, or where all are zero.
+    /// Distribution in proportion to `side`² `weights`, row by row.
+    ///
+    /// `None` if `side` is not a power of two up to 1024, if the number of weights differs, if one
+    /// is negative or not finite, or if all are zero.
     #[must_use]
     pub fn new(side: usize, weights: &[f64]) -> Option<Self> {
         let valid = weights.iter().all(|w| *w >= 0.0 && w.is_finite());
@@ -41,18 +46,18 @@ impl Histogram {
         Some(Self { side, rows, columns })
     }
 
-    /// Maps uniform `u` in \[0, 1)² to a point of the density, with the density there.
+    /// Point for uniform `u` in \[0, 1)², and the density there.
     #[inline]
     #[must_use]
     pub fn sample(&self, u: Vec2) -> (Vec2, f32) {
         let (row, y, height) = find(&self.rows, u.y);
         let (column, x, width) = find(self.columns_of(row), u.x);
-        // Rounding must not carry a point into the next cell, where the density is another.
+        // Rounding must not carry a point into the next cell, which has another density.
         let within = |cell: usize, x: f32| (cell as f32 + x).min((cell as f32 + 1.0).next_down());
         (Vec2::new(within(column, x), within(row, y)) / self.side as f32, self.to_density(width, height))
     }
 
-    /// The density at `u` in \[0, 1)².
+    /// Density at `u` in \[0, 1)².
     #[inline]
     #[must_use]
     pub fn density(&self, u: Vec2) -> f32 {
@@ -62,7 +67,7 @@ impl Histogram {
         self.to_density(columns[column + 1] - columns[column], self.rows[row + 1] - self.rows[row])
     }
 
-    /// Index of the cell at `u`, row by row.
+    /// Index of the cell at `u`, row by row, in a grid of `side`² cells.
     #[inline]
     #[must_use]
     pub fn cell(side: usize, u: Vec2) -> usize {
@@ -81,7 +86,8 @@ impl Histogram {
     }
 }
 
-/// Bounds of intervals in proportion to `weights`, in whole steps; all alike where every weight is zero.
+/// Bounds of intervals in proportion to `weights`, in whole steps; equal intervals if all weights
+/// are zero.
 fn bounds(weights: &[f64]) -> Vec<f32> {
     let total: f64 = weights.iter().sum();
     let weight = |w: &f64| if total > 0.0 { *w / total } else { 1.0 / weights.len() as f64 };
@@ -95,7 +101,7 @@ fn bounds(weights: &[f64]) -> Vec<f32> {
     std::iter::once(0.0).chain(inner).collect()
 }
 
-/// The interval that `u` falls into, where in it, and its length, which is never zero.
+/// Interval that contains `u`, the position in it in \[0, 1), and its length, which is never zero.
 #[inline]
 fn find(bounds: &[f32], u: f32) -> (usize, f32, f32) {
     let i = bounds.partition_point(|b| *b <= u).clamp(1, bounds.len() - 1) - 1;
@@ -104,119 +110,4 @@ fn find(bounds: &[f32], u: f32) -> (usize, f32, f32) {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::sampling::{Dimension, Key, Purpose, sobol_2d};
-
-    const SIDE: usize = 16;
-
-    /// Uneven weights from 0 to 10⁴, a whole row and a whole column of them zero.
-    fn weights() -> Vec<f64> {
-        let key = Key::new(3).purpose(Purpose::Test);
-        let weight = |i: usize| {
-            let (row, column) = (i / SIDE, i % SIDE);
-            let u = f64::from(key.with(i as u64).uniform(Dimension::Light));
-            if row == 3 || column == 15 || u < 0.2 { 0.0 } else { u * u * u * if u > 0.95 { 1e4 } else { 1.0 } }
-        };
-        (0..SIDE * SIDE).map(weight).collect()
-    }
-
-    fn points(n: u64) -> impl Iterator<Item = Vec2> {
-        let key = Key::new(9).purpose(Purpose::Test);
-        (0..n).map(move |i| key.with(i).uniform_2d(Dimension::LightPosition))
-    }
-
-    /// Chi-square of a million mapped points over cells split in four; false alarm 10⁻⁴.
-    #[test]
-    fn points_fall_as_the_density_says() {
-        let histogram = Histogram::new(SIDE, &weights()).unwrap();
-        let n = 1_000_000;
-        let fine = 2 * SIDE;
-        let mut counts = vec![0.0; fine * fine];
-        for u in points(n) {
-            let (at, density) = histogram.sample(u);
-            assert!(at.cmpge(Vec2::ZERO).all() && at.cmplt(Vec2::ONE).all());
-            assert_eq!(density, histogram.density(at));
-            counts[Histogram::cell(fine, at)] += 1.0;
-        }
-        // Cells that expect fewer than ten points are pooled.
-        let (mut chi2, mut nu, mut rest) = (0.0, -1.0, (0.0, 0.0));
-        for (i, count) in counts.iter().enumerate() {
-            let middle = (Vec2::new((i % fine) as f32, (i / fine) as f32) + 0.5) / fine as f32;
-            let expected = f64::from(histogram.density(middle)) * n as f64 / (fine * fine) as f64;
-            assert!(expected > 0.0 || *count == 0.0);
-            if expected < 10.0 {
-                rest = (rest.0 + expected, rest.1 + count);
-            } else {
-                chi2 += (count - expected) * (count - expected) / expected;
-                nu += 1.0;
-            }
-        }
-        if rest.0 > 0.0 {
-            chi2 += (rest.1 - rest.0) * (rest.1 - rest.0) / rest.0;
-            nu += 1.0;
-        }
-        // Wilson–Hilferty: the cube root of χ²/ν is normal with mean 1 − 2/(9ν) and variance 2/(9ν).
-        let z = (libm::cbrt(chi2 / nu) - (1.0 - 2.0 / (9.0 * nu))) / (2.0 / (9.0 * nu)).sqrt();
-        assert!(z.abs() < 3.9, "z = {z}, {nu} degrees of freedom");
-    }
-
-    /// The density is that of the weights, up to the 64 steps that a cell keeps in its row and a row in its column.
-    #[test]
-    fn the_density_is_in_proportion_to_the_weights() {
-        let weights = weights();
-        let histogram = Histogram::new(SIDE, &weights).unwrap();
-        let total: f64 = weights.iter().sum();
-        let mut integral = 0.0;
-        for (i, w) in weights.iter().enumerate() {
-            let middle = (Vec2::new((i % SIDE) as f32, (i / SIDE) as f32) + 0.5) / SIDE as f32;
-            let p = f64::from(histogram.density(middle)) / (SIDE * SIDE) as f64;
-            assert_eq!(p > 0.0, *w > 0.0);
-            let kept = 64.0 * (SIDE + 1) as f64 / STEPS;
-            assert!((p - w / total).abs() <= 2.0 * kept, "{p} {}", w / total);
-            integral += p;
-        }
-        assert!((integral - 1.0).abs() < 1e-5, "{integral}");
-        let rare = Histogram::new(2, &[1.0, 1e-30, 1.0, 1.0]).unwrap();
-        assert!(rare.density(Vec2::new(0.75, 0.25)) > 0.0, "a weight above zero is never lost");
-    }
-
-    /// Each quarter of the rows' and of the columns' probability gets a quarter of 256 net points, exactly.
-    #[test]
-    fn strata_stay_strata() {
-        let mut weights = vec![1.0; 16];
-        weights[5] = 9.0;
-        let histogram = Histogram::new(4, &weights).unwrap();
-        let key = Key::new(2).purpose(Purpose::Test);
-        let mut rows = [0.0; 4];
-        for i in 0..256 {
-            let (at, _) = histogram.sample(sobol_2d(i, key, Dimension::LightDirection));
-            rows[(at.y * 4.0) as usize] += 1.0 / 256.0;
-        }
-        // Rows have the probabilities 4/24, 12/24, 4/24, 4/24; a net is off by less than one point an edge.
-        for (row, expected) in rows.iter().zip([4.0, 12.0, 4.0, 4.0]) {
-            assert!((row - expected / 24.0f64).abs() < 2.0 / 256.0, "{rows:?}");
-        }
-    }
-
-    #[test]
-    fn extremes_stay_in_range() {
-        let histogram = Histogram::new(SIDE, &weights()).unwrap();
-        for x in [0.0, 1e-30, 0.5, 1.0 - f32::EPSILON / 2.0] {
-            for y in [0.0, 1e-30, 0.5, 1.0 - f32::EPSILON / 2.0] {
-                let (at, density) = histogram.sample(Vec2::new(x, y));
-                assert!(density > 0.0 && at.cmpge(Vec2::ZERO).all() && at.cmplt(Vec2::ONE).all(), "{at}");
-            }
-        }
-        let even = Histogram::new(1, &[5.0]).unwrap();
-        assert_eq!(even.sample(Vec2::new(0.3, 0.7)), (Vec2::new(0.3, 0.7), 1.0));
-    }
-
-    #[test]
-    fn nothing_comes_of_nothing() {
-        for bad in [vec![0.0; 4], vec![1.0; 3], vec![1.0, 1.0, 1.0, -1.0], vec![f64::NAN; 4], vec![f64::INFINITY; 4]] {
-            assert!(Histogram::new(2, &bad).is_none(), "{bad:?}");
-        }
-        assert!(Histogram::new(0, &[]).is_none() && Histogram::new(3, &[1.0; 9]).is_none());
-    }
-}
+mod tests;

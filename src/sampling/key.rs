@@ -1,101 +1,209 @@
-//! Keyed randomness.
+//! Keyed randomness: every random number is a pure function of its name.
 //!
-//! A number is a function of (seed, purpose, pass, path, bounce, dimension) and of nothing else: not of the thread, nor of how
-//! many numbers were drawn before. So a skipped effect shifts no other draw, and any pass can be computed alone.
+//! A name is (seed, purpose, pass, path, vertex, dimension). No number depends on the thread or on
+//! the count of earlier draws. A skipped effect therefore shifts no other number, and any pass can
+//! be computed alone.
+//!
+//! # Map of the key space
+//! A [`Key`] is derived from its parent by one 64-bit word, and a number from a key by its
+//! [`Dimension`]. The functions below make every word that the renderer uses. Two uses may share a
+//! word of one parent only if their dimensions differ. The last column says why no numbers coincide.
+//!
+//! | parent | function | word | distinct because |
+//! | --- | --- | --- | --- |
+//! | – | `Key::new` | seed | root of a render |
+//! | root, trial | `Key::purpose` | [`Purpose`] | one per purpose |
+//! | purpose | `Key::pass` | pass | one per pass; a pilot counts down from `u32::MAX` |
+//! | purpose `Camera` | `Key::shared_paths` | 0 | replaces the pass if all passes share their camera paths |
+//! | purpose `Camera` | `Key::fresh_paths` | pass + 1 | never the 0 of shared paths |
+//! | pass, round | `Key::path` | path | one per photon path |
+//! | path | `Key::bounce` | bounce | one per vertex of a photon path |
+//! | pass of `Camera` | `Key::pixel` | y · 2³² + x | one per pixel |
+//! | pixel | `Sampler::next_vertex` | 2 · bounce + transmitted | two branches per split |
+//! | vertex | `Sampler::shadow_rays` | pass · 2³² | other dimensions than the next vertex |
+//! | vertex, sample | `Key::medium_tracking` | 2⁶³ + pass | above all words of vertices |
+//! | shadow rays | `Sampler::light` | light or ray | a vertex uses lights or chosen rays |
+//! | shadow ray | `Key::distance_in_medium` | 1 | transmittance uses the parent itself |
+//! | film sample of a pilot | `Sampler::bounce` | bounce | one per vertex |
+//! | any sampler | `Sampler::key` | sample | one per sample of the pixel |
+//! | purpose `Balance` | `Key::trial` | trial | independent trials of one pilot |
+//! | purpose `Camera` of a trial | `Key::film_point` | set · 2³² + point | one per point of a pilot |
+//! | purpose `LightWeights` | `Key::light` | light | one per light |
+//! | purpose `Learning` | `Key::round` | round | one per training round |
 
 use glam::Vec2;
 use rand::{SeedableRng, rngs::SmallRng};
 
-/// What a sequence of numbers is for; two purposes never share numbers.
+/// Use of a sequence of random numbers; two purposes never share numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u64)]
 pub enum Purpose {
     /// Photons of the global map.
     GlobalPhotons = 1,
-    /// Photons aimed at what casts caustics.
+    /// Photons aimed at caustic casters.
     CausticPhotons,
-    /// Camera rays.
+    /// Camera paths.
     Camera,
-    /// The pilot that finds radii before the first pass.
+    /// The pilot that finds gather radii before the first pass.
     Pilot,
-    /// The pilot that weighs the lights for aimed emission.
+    /// The pilot that weights the lights for aimed emission.
     LightWeights,
     /// Statistical tests.
     Test,
-    /// The pilot that finds what the camera sees.
+    /// The pilot that finds points visible to the camera.
     Visible,
-    /// The pilot from which emission learns what is seen.
+    /// The pilot that trains emission guiding.
     Learning,
     /// Photons that guide gather rays.
     Guides,
-    /// The pilot that finds how a pass should divide its work.
+    /// The pilot that balances camera rays against photons.
     Balance,
-    /// The times of passes.
+    /// Shutter times of passes.
     Shutter,
 }
 
-/// The name of one decision at one vertex of a path.
+/// Name of one random decision at one vertex of a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u64)]
 pub enum Dimension {
-    /// Which light emits or is sampled.
+    /// Choice of the light to emit from or to sample.
     Light = 1,
-    /// Where on a light.
+    /// Position on a light.
     LightPosition,
-    /// Which way from a light.
+    /// Direction of emission from a light.
     LightDirection,
-    /// Which target of an aimed emission.
+    /// Choice of the target of aimed emission.
     LightTarget,
-    /// Where in the pixel.
+    /// Position within a pixel, or on the film.
     Film,
-    /// Which lobe of a BSDF.
+    /// Choice of the lobe of a BSDF.
     BsdfLobe,
-    /// Which direction in a lobe.
+    /// Direction within a lobe.
     BsdfDirection,
-    /// Whether the path goes on.
+    /// Russian roulette of the continuation.
     Roulette,
-    /// Which of the materials that are mixed.
+    /// Choice of a leaf of a mix material.
     Mix,
-    /// Where a disc is probed.
+    /// Position of a probe in the disc of a photon estimate.
     Probe,
-    /// Which part of a scattering function.
+    /// Choice of one lobe to evaluate (`distributed`).
     Part,
-    /// Whether a faint reflection is looked at.
+    /// Russian roulette before shading of a faint path.
     Worth,
-    /// Where in the lens.
+    /// Position on the lens.
     Lens,
-    /// When, while the shutter is open.
+    /// Time while the shutter is open.
     Time,
-    /// Which wavelength.
+    /// Wavelength.
     Wavelength,
-    /// Which direction after scattering in a medium.
+    /// Direction after scattering in a medium.
     Phase,
-    /// What happens on the way through a medium.
+    /// Distance sampling in a medium.
     Medium,
 }
 
-/// A name for a place in the space of random decisions.
+/// Position in the tree of random decisions; see the map in the module documentation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Key(u64);
 
+/// Bit that separates the keys of medium tracking from the keys of path vertices and shadow rays.
+const MEDIUM_TRACKING: u64 = 1 << 63;
+
 impl Key {
-    /// The root key of a render.
+    /// Root key of a render.
     #[must_use]
     pub fn new(seed: u64) -> Self {
         Self(mix(seed ^ 0x6a09_e667_f3bc_c909))
     }
 
-    /// The key of part `n` of this one: a pass, a path, a bounce.
+    /// Child key for word `n`. Code of the renderer uses the named functions below.
     #[inline]
     #[must_use]
     pub fn with(self, n: u64) -> Self {
         Self(mix(self.0.wrapping_add(n.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15))))
     }
 
-    /// The key of a purpose.
+    /// Key of a purpose.
     #[must_use]
     pub fn purpose(self, purpose: Purpose) -> Self {
         self.with(purpose as u64)
+    }
+
+    /// Key of pass `pass` of a purpose.
+    #[must_use]
+    pub fn pass(self, pass: u32) -> Self {
+        self.with(u64::from(pass))
+    }
+
+    /// Key of the camera paths that all passes share.
+    #[must_use]
+    pub fn shared_paths(self) -> Self {
+        self.with(0)
+    }
+
+    /// Key of camera paths that pass `pass` traces anew although all passes share their paths.
+    #[must_use]
+    pub fn fresh_paths(self, pass: u32) -> Self {
+        self.with(u64::from(pass) + 1)
+    }
+
+    /// Key of photon path `index` of a pass.
+    #[inline]
+    #[must_use]
+    pub fn path(self, index: u32) -> Self {
+        self.with(u64::from(index))
+    }
+
+    /// Key of the vertex after `bounce` bounces of a photon path.
+    #[inline]
+    #[must_use]
+    pub fn bounce(self, bounce: u32) -> Self {
+        self.with(u64::from(bounce))
+    }
+
+    /// Key of the pixel in column `x`, row `y`.
+    #[inline]
+    #[must_use]
+    pub fn pixel(self, x: u32, y: u32) -> Self {
+        self.with(u64::from(y) << 32 | u64::from(x))
+    }
+
+    /// Key of the distance sampling along the segment from a vertex, in pass `pass`.
+    #[inline]
+    #[must_use]
+    pub fn medium_tracking(self, pass: u32) -> Self {
+        self.with(MEDIUM_TRACKING | u64::from(pass))
+    }
+
+    /// Key of the scattering distance for one shadow ray from a medium.
+    #[inline]
+    #[must_use]
+    pub fn distance_in_medium(self) -> Self {
+        self.with(1)
+    }
+
+    /// Key of trial `trial` of a pilot.
+    #[must_use]
+    pub fn trial(self, trial: u32) -> Self {
+        self.with(u64::from(trial))
+    }
+
+    /// Key of film point `point` of set `set` of a pilot.
+    #[must_use]
+    pub fn film_point(self, set: u32, point: u32) -> Self {
+        self.with(u64::from(set) << 32 | u64::from(point))
+    }
+
+    /// Key of light `light`.
+    #[must_use]
+    pub fn light(self, light: usize) -> Self {
+        self.with(light as u64)
+    }
+
+    /// Key of training round `round`.
+    #[must_use]
+    pub fn round(self, round: u32) -> Self {
+        self.with(u64::from(round))
     }
 
     /// 64 random bits for a dimension.
@@ -105,14 +213,14 @@ impl Key {
         mix(self.0 ^ (dimension as u64).wrapping_mul(0xd6e8_feb8_6659_fd93))
     }
 
-    /// A number in \[0, 1).
+    /// Uniform number in \[0, 1).
     #[inline]
     #[must_use]
     pub fn uniform(self, dimension: Dimension) -> f32 {
         unit((self.bits(dimension) >> 40) as u32)
     }
 
-    /// A point in \[0, 1)².
+    /// Uniform point in \[0, 1)².
     #[inline]
     #[must_use]
     pub fn uniform_2d(self, dimension: Dimension) -> Vec2 {
@@ -120,20 +228,20 @@ impl Key {
         Vec2::new(unit((bits >> 40) as u32), unit((bits >> 8) as u32 & 0xff_ffff))
     }
 
-    /// A generator for decisions that take an unknown number of draws.
+    /// Random generator for decisions that take an unknown number of draws.
     #[must_use]
     pub fn rng(self) -> SmallRng {
         SmallRng::seed_from_u64(self.0)
     }
 }
 
-/// A 24-bit integer to \[0, 1), exactly.
+/// Maps a 24-bit integer to \[0, 1) exactly.
 #[inline]
 pub(super) fn unit(bits: u32) -> f32 {
     bits as f32 * (1.0 / 16_777_216.0)
 }
 
-/// A bijection of 64-bit words without visible structure (Stafford's variant 13 of the MurmurHash3 finaliser).
+/// Bijective 64-bit hash: Stafford's variant 13 of the MurmurHash3 finaliser.
 #[inline]
 fn mix(mut x: u64) -> u64 {
     x = (x ^ (x >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -142,45 +250,4 @@ fn mix(mut x: u64) -> u64 {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_depend_on_every_part_of_the_name() {
-        let base = |seed: u64, pass: u64, path: u64, bounce: u64| {
-            Key::new(seed).purpose(Purpose::Test).with(pass).with(path).with(bounce)
-        };
-        let reference = base(1, 2, 3, 4).bits(Dimension::Light);
-        let others = [
-            base(2, 2, 3, 4).bits(Dimension::Light),
-            base(1, 3, 3, 4).bits(Dimension::Light),
-            base(1, 2, 4, 4).bits(Dimension::Light),
-            base(1, 2, 3, 5).bits(Dimension::Light),
-            base(1, 3, 2, 4).bits(Dimension::Light),
-            base(1, 2, 3, 4).bits(Dimension::Film),
-            Key::new(1).purpose(Purpose::Camera).with(2).with(3).with(4).bits(Dimension::Light),
-        ];
-        assert!(others.iter().all(|o| *o != reference));
-        assert_eq!(base(1, 2, 3, 4).bits(Dimension::Light), reference);
-    }
-
-    /// Chi-square over 32² cells of a million points with consecutive keys; false alarm 10⁻⁴ a direction.
-    #[test]
-    fn consecutive_paths_fill_the_square() {
-        const CELLS: usize = 32;
-        let n = 1_000_000u64;
-        let key = Key::new(7).purpose(Purpose::Test);
-        let mut counts = vec![0u32; CELLS * CELLS];
-        for path in 0..n {
-            let u = key.with(path).uniform_2d(Dimension::LightPosition);
-            assert!(u.cmpge(Vec2::ZERO).all() && u.cmplt(Vec2::ONE).all());
-            counts[(u.y * CELLS as f32) as usize * CELLS + (u.x * CELLS as f32) as usize] += 1;
-        }
-        let expected = n as f64 / (CELLS * CELLS) as f64;
-        let chi2: f64 = counts.iter().map(|c| (f64::from(*c) - expected) * (f64::from(*c) - expected) / expected).sum();
-        // Wilson–Hilferty: the cube root of χ²/ν is normal with mean 1 − 2/(9ν) and variance 2/(9ν).
-        let nu = (CELLS * CELLS - 1) as f64;
-        let z = (libm::cbrt(chi2 / nu) - (1.0 - 2.0 / (9.0 * nu))) / (2.0 / (9.0 * nu)).sqrt();
-        assert!(z.abs() < 3.9, "z = {z}");
-    }
-}
+mod tests;

@@ -1,4 +1,5 @@
-//! Random numbers as pure functions of names, well-spread points, and discrete choices.
+//! Random numbers as pure functions of keys, low-discrepancy points, and discrete and piecewise
+//! distributions.
 
 mod discrete;
 mod histogram;

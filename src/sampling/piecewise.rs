@@ -1,20 +1,22 @@
-//! Points of the unit square by a grid of weights.
+//! Piecewise constant distribution on the unit square, for rectangular grids.
 
 use super::Discrete;
 use glam::{UVec2, Vec2};
 
-/// A density over \[0, 1)² that is constant in each cell of a grid.
+/// Distribution on \[0, 1)² with a constant density in each cell of a grid.
 #[derive(Clone, Debug)]
 pub struct Piecewise2d {
     rows: Discrete,
-    /// The choice within each row; none in a row without weight.
+    /// Distribution of the columns in each row; `None` in a row without weight.
     columns: Vec<Option<Discrete>>,
     width: usize,
 }
 
 impl Piecewise2d {
-    /// By the `weight` of each cell (column, row) of `width` by `height`. `None` where there is nothing to choose: no cells, a sum
-    /// of zero or not finite, or a negative weight.
+    /// Distribution in proportion to `weight(column, row)` of `width` by `height` cells.
+    ///
+    /// `None` if there are no cells, if a weight is negative, or if their sum is zero or not
+    /// finite.
     #[must_use]
     pub fn new(width: usize, height: usize, weight: impl Fn(usize, usize) -> f64) -> Option<Self> {
         let mut negative = false;
@@ -29,7 +31,8 @@ impl Piecewise2d {
         (!negative).then_some(Self { rows, columns, width })
     }
 
-    /// A cell (column, row) for `u` in \[0, 1)², a point in it as fractions of the cell, and the density per area of the square.
+    /// Cell (column, row) for uniform `u` in \[0, 1)², the position in the cell in \[0, 1)², and
+    /// the pdf in the square.
     #[inline]
     #[must_use]
     pub fn sample(&self, u: Vec2) -> (UVec2, Vec2, f32) {
@@ -43,7 +46,7 @@ impl Piecewise2d {
         (cell, Vec2::new(columns.remainder(u.x, column), within), self.pdf(cell))
     }
 
-    /// Density per area of the square in a cell (column, row).
+    /// Pdf in the unit square of cell (column, row).
     #[inline]
     #[must_use]
     pub fn pdf(&self, cell: UVec2) -> f32 {
@@ -59,7 +62,7 @@ mod tests {
     use crate::sampling::{Dimension, Key, Purpose};
 
     #[test]
-    fn cells_are_drawn_by_weight_and_points_in_them_uniformly() {
+    fn cells_follow_weights_and_positions_are_uniform() {
         let weights = [1.0, 0.0, 3.0, 0.0, 0.0, 0.0, 2.0, 2.0, 8.0];
         let grid = Piecewise2d::new(3, 3, |x, y| weights[3 * y + x]).unwrap();
         let n = 160_000u64;
@@ -85,7 +88,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_chosen_from_nothing() {
+    fn invalid_weights_are_refused() {
         for weights in [&[0.0, 0.0][..], &[], &[1.0, -0.5, 2.0, 2.0], &[f64::NAN, 1.0], &[f64::MAX, f64::MAX]] {
             let height = weights.len() / 2;
             assert!(Piecewise2d::new(2, height, |x, y| weights[2 * y + x]).is_none(), "{weights:?}");

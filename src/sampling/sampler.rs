@@ -1,10 +1,12 @@
-//! Random numbers of one sample among several.
+//! Random numbers of one sample among several, stratified together.
 
 use super::{Dimension, Key, sobol_2d};
 use glam::Vec2;
 
-/// The numbers of sample `index` of several that share a key: together they are spread evenly in each dimension, each alone is
-/// uniform.
+/// Sampler of sample `index` out of `count` that share a key.
+///
+/// Each number alone is uniform. The numbers of all `count` samples are stratified in each
+/// dimension.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Sampler {
     key: Key,
@@ -13,23 +15,54 @@ pub struct Sampler {
 }
 
 impl Sampler {
-    /// Sample `index` of `count`.
+    /// Sampler of sample `index` of `count`.
     #[must_use]
     pub fn new(key: Key, index: u32, count: u32) -> Self {
         Self { key, index, count }
     }
 
-    /// The same sample at part `n` of the key: a bounce, a light.
+    /// This sample at the child key for word `n`. Code of the renderer uses the named functions
+    /// below.
     #[inline]
     #[must_use]
     pub fn with(self, n: u64) -> Self {
         Self { key: self.key.with(n), ..self }
     }
 
-    /// Sample `index` of `count` into which this one divides.
+    /// Sampler of the vertex that follows after `bounce` bounces; `transmitted` tells the branches
+    /// of a split apart.
     #[inline]
     #[must_use]
-    pub fn of(self, index: u32, count: u32) -> Self {
+    pub fn next_vertex(self, bounce: u32, transmitted: bool) -> Self {
+        self.with(u64::from(bounce) << 1 | u64::from(transmitted))
+    }
+
+    /// Sampler of the vertex after `bounce` bounces of a pilot's path, which never splits.
+    #[inline]
+    #[must_use]
+    pub fn bounce(self, bounce: u32) -> Self {
+        self.with(u64::from(bounce))
+    }
+
+    /// Sampler of the shadow rays of this vertex in pass `pass`. It differs between passes that
+    /// share camera paths.
+    #[inline]
+    #[must_use]
+    pub fn shadow_rays(self, pass: u32) -> Self {
+        self.with(u64::from(pass) << 32)
+    }
+
+    /// Sampler of the shadow rays to light `index`, or of chosen shadow ray `index`.
+    #[inline]
+    #[must_use]
+    pub fn light(self, index: usize) -> Self {
+        self.with(index as u64)
+    }
+
+    /// Splits this sample into `count` samples; returns sample `index` of them.
+    #[inline]
+    #[must_use]
+    pub fn split(self, index: u32, count: u32) -> Self {
         Self {
             index: self.index.wrapping_mul(count).wrapping_add(index),
             count: self.count.wrapping_mul(count),
@@ -37,28 +70,28 @@ impl Sampler {
         }
     }
 
-    /// A key of this sample alone.
+    /// Key of this sample alone.
     #[inline]
     #[must_use]
     pub fn key(self) -> Key {
         self.key.with(u64::from(self.index))
     }
 
-    /// Which of how many.
+    /// Index of this sample, and the number of samples.
     #[inline]
     #[must_use]
-    pub fn place(self) -> (u32, u32) {
+    pub fn index(self) -> (u32, u32) {
         (self.index, self.count)
     }
 
-    /// A number in \[0, 1).
+    /// Uniform number in \[0, 1).
     #[inline]
     #[must_use]
     pub fn get_1d(self, dimension: Dimension) -> f32 {
         if self.count > 1 { self.get_2d(dimension).x } else { self.key.uniform(dimension) }
     }
 
-    /// A point in \[0, 1)².
+    /// Uniform point in \[0, 1)².
     #[inline]
     #[must_use]
     pub fn get_2d(self, dimension: Dimension) -> Vec2 {
@@ -72,14 +105,14 @@ mod tests {
     use crate::sampling::Purpose;
 
     #[test]
-    fn samples_of_one_key_are_spread_and_parts_divide_them() {
+    fn split_samples_are_stratified() {
         let key = Key::new(4).purpose(Purpose::Test);
-        let mut seen = [false; 64];
+        let mut occupied = [false; 64];
         for sample in 0..16 {
             for ray in 0..4 {
-                let x = Sampler::new(key, sample, 16).of(ray, 4).get_1d(Dimension::Light);
-                let cell = &mut seen[(x * 64.0) as usize];
-                assert!(!std::mem::replace(cell, true), "two of 64 numbers in one 64th");
+                let x = Sampler::new(key, sample, 16).split(ray, 4).get_1d(Dimension::Light);
+                let cell = &mut occupied[(x * 64.0) as usize];
+                assert!(!std::mem::replace(cell, true), "two of 64 numbers share a stratum");
             }
         }
         let alone = Sampler::new(key, 0, 1);

@@ -1,13 +1,14 @@
-//! Owen-scrambled Sobol' points.
+//! Owen-scrambled Sobol' points in two dimensions.
 
 use super::{Dimension, Key, key::unit};
 use glam::Vec2;
 
-/// Point `index` of a two-dimensional Sobol' sequence, its order shuffled and its digits scrambled by `key` and `dimension`.
+/// Point `index` of a two-dimensional Sobol' sequence, shuffled and scrambled by `key` and
+/// `dimension`.
 ///
-/// Every aligned run of 2ᵏ indices puts one point into each elementary interval of area 2⁻ᵏ, so that densities estimated
-/// from them vary less than from independent points; each point alone is uniform, so means are unbiased. Different keys
-/// give independent sequences. (Burley 2020, "Practical Hash-based Owen Scrambling", JCGT 9(4).)
+/// Every aligned run of 2ᵏ indices puts one point into each elementary interval of area 2⁻ᵏ. Each
+/// point alone is uniform, so means are unbiased. Different keys give independent sequences. Burley
+/// 2020, "Practical Hash-based Owen Scrambling", JCGT 9(4).
 #[inline]
 #[must_use]
 pub fn sobol_2d(index: u32, key: Key, dimension: Dimension) -> Vec2 {
@@ -17,7 +18,7 @@ pub fn sobol_2d(index: u32, key: Key, dimension: Dimension) -> Vec2 {
     Vec2::new(unit(scramble(i.reverse_bits(), x) >> 8), unit(scramble(second_dimension(i), y) >> 8))
 }
 
-/// The second Sobol' dimension: its generator matrix is Pascal's triangle modulo 2, applied by doubling.
+/// Second Sobol' dimension, whose generator matrix is Pascal's triangle modulo 2.
 #[inline]
 fn second_dimension(index: u32) -> u32 {
     let mut v = index.reverse_bits();
@@ -29,13 +30,13 @@ fn second_dimension(index: u32) -> u32 {
     v
 }
 
-/// Nested uniform scrambling: each bit is flipped by a hash of the bits above it.
+/// Nested uniform scrambling: a hash of the higher bits flips each bit.
 #[inline]
 fn scramble(x: u32, seed: u32) -> u32 {
     laine_karras(x.reverse_bits(), seed).reverse_bits()
 }
 
-/// A hash in which a bit depends on lower bits only (Laine and Karras 2011; constants by Vegdahl).
+/// Hash in which each bit depends on lower bits only (Laine and Karras 2011; constants by Vegdahl).
 #[inline]
 fn laine_karras(mut x: u32, seed: u32) -> u32 {
     x ^= x.wrapping_mul(0x3d20_adea);
@@ -67,7 +68,7 @@ mod tests {
         }
     }
 
-    /// Means over keys of one point: uniform, variance 1/12 each; five sigma.
+    /// Means of one point over keys. Uniform numbers have variance 1/12; the bound is five sigma.
     #[test]
     fn each_point_alone_is_uniform() {
         let n = 20_000;

@@ -1,45 +1,49 @@
-//! What can be simulated or left out.
+//! Effects: parts of light transport that a render may simulate or leave out.
 
 use super::InteriorKind;
+use std::str::FromStr;
 
-/// A part of light transport that a picture may need.
+/// Former name of [`Effect::Specular`], still accepted.
+const SPECULAR_ALIAS: &str = "casters";
+
+/// Part of light transport that a picture may need.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u16)]
 pub enum Effect {
-    /// Walking on from mirrors, glass and smooth metal that the camera sees.
+    /// Reflection and refraction at mirrors, glass and smooth metal on camera paths.
     Specular,
-    /// Light by way of casters to a receiver.
+    /// Caustics: light that goes over casters to a receiver.
     Caustics,
-    /// What caustics become on their way from receiver to receiver.
+    /// Light of caustics that receivers reflect to other receivers.
     CausticBounces,
-    /// Light that receivers send to each other.
+    /// Light that receivers reflect to each other.
     Interreflection,
-    /// Looking at the global map through gather rays.
+    /// Final gathering: lookups of the global map at the ends of gather rays.
     Gathering,
-    /// Shadow rays that find something in their way.
+    /// Occlusion of shadow rays.
     Shadows,
-    /// Lights with an extent: soft shadows, and light met by chance.
+    /// Extent of lights: soft shadows, and emission that paths hit.
     SoftShadows,
-    /// Light from all around.
+    /// Environment light.
     Environment,
-    /// Bodies that absorb or overlap.
+    /// Absorption in bodies, and bodies that overlap.
     Interiors,
-    /// Rays from all of the lens: depth of field.
+    /// Camera rays from all of the lens: depth of field.
     Lens,
-    /// Things that move while the shutter is open.
+    /// Motion of objects while the shutter is open.
     Motion,
     /// Textures.
     Textures,
-    /// Bumps: shading normals that textures tilt.
+    /// Bump and normal maps.
     Bump,
-    /// What fills bodies, or the open: light that is scattered, absorbed and emitted between surfaces.
+    /// Participating media.
     Media,
-    /// Wavelengths that glass parts.
+    /// Dispersion in glass.
     Dispersion,
 }
 
 impl Effect {
-    /// All of them, in the order of a table.
+    /// All effects, in the order of tables.
     pub const ALL: [Self; 15] = [
         Self::Specular,
         Self::Caustics,
@@ -58,11 +62,11 @@ impl Effect {
         Self::Dispersion,
     ];
 
-    /// As typed.
+    /// Name on the command line and in reports.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
-            Self::Specular => "casters",
+            Self::Specular => "specular",
             Self::Caustics => "caustics",
             Self::CausticBounces => "caustic-bounces",
             Self::Interreflection => "interreflection",
@@ -80,33 +84,35 @@ impl Effect {
         }
     }
 
-    /// What is wrong with a picture that calls for the effect and goes without.
+    /// Flaw of a picture that needs the effect but does not simulate it.
     #[must_use]
     pub const fn lack(self) -> &'static str {
         match self {
             Self::Specular => "mirrors, glass and smooth metal are black",
-            Self::Caustics => "light by way of glass and mirrors is missing: their shadows are too dark",
-            Self::CausticBounces => "what caustics light is lit, but lights nothing in turn",
-            Self::Interreflection => "matt surfaces do not light each other: what no light sees is black",
-            Self::Gathering => "indirect light is blotched, and darkens in seams at edges",
-            Self::Shadows => "light goes through everything that stands in its way",
-            Self::SoftShadows => "lights shine from their middles: shadows and gloss have hard edges",
-            Self::Environment => "the sky neither lights nor shows",
-            Self::Interiors => {
-                "glass keeps all light that goes through it, and bodies that overlap refract as if apart"
+            Self::Caustics => "caustics of glass, mirrors and smooth metal are missing: their shadows are too dark",
+            Self::CausticBounces => "surfaces lit by caustics do not light other surfaces",
+            Self::Interreflection => {
+                "diffuse surfaces do not light each other: surfaces without direct light are black"
             }
-            Self::Lens => "everything is sharp, near and far",
-            Self::Motion => "what moves stands still where it is when the shutter is half way",
-            Self::Textures => "textures show as their mean colours",
-            Self::Bump => "surfaces with bumps are smooth",
-            Self::Media => "fog, smoke and whatever else fills bodies is missing",
-            Self::Dispersion => "glass bends all colours alike: no spectrum, no fire",
+            Self::Gathering => "indirect light is blotchy, and too dark at edges and corners",
+            Self::Shadows => "objects cast no shadows",
+            Self::SoftShadows => "lights shrink to their centers: shadows and highlights have hard edges",
+            Self::Environment => "the environment is neither visible nor lights the scene",
+            Self::Interiors => "glass absorbs no light, and overlapping bodies refract as if they were apart",
+            Self::Lens => "all distances are in focus",
+            Self::Motion => "moving objects rest at their position when the shutter is half open",
+            Self::Textures => "textures are replaced by their mean colors",
+            Self::Bump => "bump-mapped surfaces are smooth",
+            Self::Media => "fog, smoke and other participating media are missing",
+            Self::Dispersion => "glass refracts all wavelengths alike: it shows no spectral colors",
         }
     }
 }
 
-/// The effects that are compiled in: all but that which `CAUSTICA_WITHOUT` named when the program was built, to measure what the
-/// others pay for its presence (`.ci/cost-of-effects`).
+/// Effects compiled into the program.
+///
+/// The variable `CAUSTICA_WITHOUT` removes one effect at build time. `.ci/cost-of-effects` uses it
+/// to measure the cost that code of one effect adds to scenes without it.
 const BUILT: Effects = match option_env!("CAUSTICA_WITHOUT") {
     None => Effects::ALL,
     Some(name) => {
@@ -130,6 +136,23 @@ const fn same(a: &[u8], b: &[u8]) -> bool {
     i == a.len() && i == b.len()
 }
 
+impl FromStr for Effect {
+    type Err = UnknownEffect;
+
+    /// Reads the name of an effect. `casters` is an alias of `specular`.
+    fn from_str(name: &str) -> Result<Self, UnknownEffect> {
+        if name == SPECULAR_ALIAS {
+            return Ok(Self::Specular);
+        }
+        Self::ALL.into_iter().find(|effect| effect.name() == name).ok_or(UnknownEffect)
+    }
+}
+
+/// Error: a word names no effect.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("no such effect")]
+pub struct UnknownEffect;
+
 impl std::fmt::Display for Effect {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.pad(self.name())
@@ -146,7 +169,7 @@ impl Effects {
     /// All effects.
     pub const ALL: Self = Self::of(&Effect::ALL);
 
-    /// These effects.
+    /// Set of the given effects.
     #[must_use]
     pub const fn of(effects: &[Effect]) -> Self {
         let mut set = Self(0);
@@ -158,20 +181,20 @@ impl Effects {
         set
     }
 
-    /// Whether `effect` is among them.
+    /// True if the set contains `effect`.
     #[inline]
     #[must_use]
     pub const fn has(self, effect: Effect) -> bool {
         self.0 & BUILT.0 & Self::bit(effect) != 0
     }
 
-    /// With `effect`.
+    /// This set with `effect` added.
     #[must_use]
     pub const fn with(self, effect: Effect) -> Self {
         Self(self.0 | Self::bit(effect))
     }
 
-    /// Without `effect`.
+    /// This set with `effect` removed.
     #[must_use]
     pub const fn without(self, effect: Effect) -> Self {
         Self(self.0 & !Self::bit(effect))
@@ -187,7 +210,7 @@ impl Effects {
         }
     }
 
-    /// They, in the order of a table.
+    /// Effects of the set, in the order of [`Effect::ALL`].
     pub fn iter(self) -> impl Iterator<Item = Effect> {
         Effect::ALL.into_iter().filter(move |e| self.has(*e))
     }

@@ -1,26 +1,26 @@
-//! Why parts do not make a scene.
+//! The reasons why parts do not make a scene.
 
-/// Why parts do not make a scene.
+/// The reason why parts do not make a scene.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum BuildError {
-    /// An unbounded plane cannot emit: its power would be infinite.
+    /// An unbounded plane emits: its power would be infinite.
     #[error("an infinite plane cannot emit light: use a rectangle or a disc")]
     EmissivePlane,
-    /// After re-centring, a coordinate does not fit single precision.
+    /// After recentering, a coordinate does not fit single precision.
     #[error("the scene spans more than single precision can hold: the farthest coordinate is {0:e} from its middle")]
     TooLarge(f64),
-    /// The squares of its lengths do not fit single precision.
+    /// Squares of lengths do not fit single precision.
     #[error(
         "the scene is smaller than single precision can hold: the farthest coordinate is {0:e} from its middle; choose a larger unit of length"
     )]
     TooSmall(f64),
-    /// Light counted from 0 whose power does not fit single precision.
+    /// The power of a light, counted from 0, does not fit single precision.
     #[error("light {0} (counted from 0) is stronger than single precision can hold")]
     TooBright(usize),
-    /// A motion that squeezes what it moves until it has no extent.
+    /// A motion scales an object to zero extent.
     #[error("a motion flattens what it moves: choose scales that are not so small")]
     Flattened,
-    /// More triangles than indices.
+    /// There are more triangles than indices.
     #[error("{0} triangles are more than the 2³¹ that can be indexed")]
     TooManyTriangles(usize),
 }

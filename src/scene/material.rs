@@ -1,176 +1,282 @@
 //! Materials of the resolved scene.
 
-use crate::bsdf::{Bsdf, Conductor, Thin, conductor_reflectance};
+use super::interiors::Body;
+use super::textured::{MeanParameters, NormalPerturbation, ParameterEvaluator, Textured};
+use crate::bsdf::{Bsdf, Conductor, Thin};
 use crate::color::Rgb;
+use crate::texture::Texture;
+use std::sync::Arc;
 
-/// A surface's material.
+/// A surface material: the parameters of a scattering model, and a perturbation of shading normals.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
-    /// How it scatters.
-    pub scattering: Scattering,
-    /// How the course's shading sees it.
-    pub look: PhongAppearance,
-    /// Index of what it wears; without textures both of the above are means.
-    pub dress: Option<u32>,
+    kind: MaterialKind,
+    normals: NormalPerturbation,
+    /// The BSDF of mean parameters. Untextured materials copy it at each hit.
+    mean_bsdf: Bsdf,
+    /// True if a parameter of `mean_bsdf` follows a texture.
+    textured: bool,
 }
 
-/// How a surface scatters.
+/// The scattering model of a material, with its parameters.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Scattering {
-    /// By a function that is the same wherever the surface stands.
-    Fixed(Bsdf),
-    /// The boundary of a body that light enters: the function depends on what is on its other side.
-    Boundary(Body),
-    /// At each hit one of two materials, chosen by chance.
+pub enum MaterialKind {
+    /// Absorbs all light.
+    Black,
+    /// Lambertian reflection on both sides.
+    Diffuse {
+        /// Reflectance in \[0, 1].
+        reflectance: Textured<Rgb>,
+    },
+    /// Lambertian reflection plus a Phong lobe.
+    Phong {
+        /// Diffuse coefficient kd.
+        diffuse: Textured<Rgb>,
+        /// Specular coefficient ks.
+        specular: Textured<Rgb>,
+        /// Exponent of the lobe.
+        shininess: f32,
+    },
+    /// Perfect specular reflection.
+    Mirror {
+        /// Reflectance in \[0, 1].
+        reflectance: Textured<Rgb>,
+    },
+    /// A metal, smooth or rough.
+    Conductor {
+        /// Real part of the refractive index.
+        eta: Rgb,
+        /// Imaginary part of the refractive index.
+        k: Rgb,
+        /// Roughness α in \[0, 1].
+        roughness: Textured<f32>,
+    },
+    /// A thin sheet: light passes without being displaced.
+    Thin {
+        /// Refractive index of the sheet relative to its surroundings.
+        eta: f32,
+        /// Colour that one perpendicular crossing transmits, in (0, 1].
+        transmittance: Textured<Rgb>,
+    },
+    /// The boundary of a body. The refractive index on its other side is known only along a path.
+    Dielectric {
+        /// The body inside.
+        body: Body,
+        /// Roughness α of the boundary in \[0, 1]; 0 is smooth.
+        roughness: Textured<f32>,
+    },
+    /// A stochastic mix: each hit resolves to one of two materials.
     Mix {
         /// Index of the first material.
         first: u32,
         /// Index of the second material.
         second: u32,
-        /// Probability of the second.
-        amount: f32,
+        /// Probability of the second material.
+        amount: Textured<f32>,
     },
 }
 
-impl Scattering {
-    /// Whether it sends light on in beams: see [`Bsdf::casts_caustics`]. A mix does not know.
-    #[must_use]
-    pub fn casts_caustics(&self) -> bool {
+impl MaterialKind {
+    /// The BSDF at one point; black for a mix, which must be resolved first.
+    fn bsdf(&self, parameters: &impl ParameterEvaluator) -> Bsdf {
+        match *self {
+            Self::Black | Self::Mix { .. } => Bsdf::Black,
+            Self::Diffuse { reflectance } => Bsdf::Diffuse(parameters.color(&reflectance)),
+            Self::Phong { diffuse, specular, shininess } => {
+                Bsdf::phong(parameters.color(&diffuse), parameters.color(&specular), shininess)
+            }
+            Self::Mirror { reflectance } => Bsdf::Mirror(parameters.color(&reflectance)),
+            Self::Conductor { eta, k, roughness } => {
+                Bsdf::Conductor(Conductor::new(eta, k, parameters.conductor_roughness(&roughness)))
+            }
+            Self::Thin { eta, transmittance } => {
+                Bsdf::Thin(Thin { eta, transmittance: parameters.color(&transmittance) })
+            }
+            Self::Dielectric { body, roughness } => Bsdf::dielectric(body.index, parameters.number(&roughness)),
+        }
+    }
+
+    /// The body and the roughness of a dielectric boundary.
+    #[inline]
+    fn as_dielectric(&self) -> Option<(&Body, &Textured<f32>)> {
+        if let Self::Dielectric { body, roughness } = self { Some((body, roughness)) } else { None }
+    }
+
+    /// The parts of a mix, and the probability of the second.
+    #[inline]
+    pub(super) fn as_mix(&self) -> Option<([u32; 2], &Textured<f32>)> {
+        if let Self::Mix { first, second, amount } = self { Some(([*first, *second], amount)) } else { None }
+    }
+
+    /// True if a parameter follows a texture.
+    fn is_textured(&self) -> bool {
         match self {
-            Self::Fixed(bsdf) => bsdf.casts_caustics(),
-            Self::Boundary(body) => !body.clear,
-            Self::Mix { .. } => false,
+            Self::Black => false,
+            Self::Diffuse { reflectance } | Self::Mirror { reflectance } => reflectance.is_textured(),
+            Self::Phong { diffuse, specular, .. } => diffuse.is_textured() || specular.is_textured(),
+            Self::Thin { transmittance, .. } => transmittance.is_textured(),
+            Self::Conductor { roughness, .. } | Self::Dielectric { roughness, .. } => roughness.is_textured(),
+            Self::Mix { amount, .. } => amount.is_textured(),
         }
     }
 }
 
-/// A body that light enters.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Body {
-    /// Absolute index of refraction: 1 is air.
-    pub index: f32,
-    /// Absorption \[1/length].
-    pub absorption: Rgb,
-    /// Where bodies overlap, the one of the highest priority counts; of several, the one that was entered last (Schmidt and
-    /// Budge 2002, "Simple Nested Dielectrics in Ray Traced Images").
-    pub priority: u8,
-    /// Roughness α of its surface; 0 is smooth.
-    pub roughness: f32,
-    /// Index of its glass, where the refractive index depends on the wavelength; `index` is that at the d line.
-    pub glass: Option<u32>,
-    /// Index of the medium that fills it.
-    pub medium: Option<u32>,
-    /// Whether it has no surface that light could tell, and is but a place where the medium is. Of equal priority, other bodies
-    /// displace it.
-    pub clear: bool,
-}
-
-impl Body {
-    /// A smooth body of absolute `index` that is filled with nothing.
-    #[must_use]
-    pub fn new(index: f32) -> Self {
-        Self { index, absorption: Rgb::ZERO, priority: 0, roughness: 0.0, glass: None, medium: None, clear: false }
-    }
-
-    /// A place that is filled with a medium, which light enters and leaves without noticing.
-    #[must_use]
-    pub fn clear(medium: u32) -> Self {
-        Self { medium: Some(medium), clear: true, ..Self::new(1.0) }
-    }
-
-    /// What decides between bodies that overlap: the greater counts.
-    pub(super) fn rank(&self) -> (u8, bool) {
-        (self.priority, !self.clear)
-    }
-}
-
-/// Coefficients of Phong's model as the course has it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PhongAppearance {
-    /// kd.
-    pub diffuse: Rgb,
-    /// ks.
-    pub specular: Rgb,
-    /// The exponent.
-    pub shininess: f32,
-}
-
-impl PhongAppearance {
-    /// A matt look.
-    #[must_use]
-    pub fn matt(diffuse: Rgb) -> Self {
-        Self { diffuse, specular: Rgb::ZERO, shininess: 0.0 }
-    }
-}
-
 impl Material {
-    fn fixed(bsdf: Bsdf, look: PhongAppearance) -> Self {
-        Self { scattering: Scattering::Fixed(bsdf), look, dress: None }
+    /// A material of `kind` with unperturbed normals.
+    #[must_use]
+    pub fn new(kind: MaterialKind) -> Self {
+        let (mean_bsdf, textured) = (kind.bsdf(&MeanParameters), kind.is_textured());
+        Self { kind, normals: NormalPerturbation::None, mean_bsdf, textured }
+    }
+
+    /// This material with shading normals perturbed by `normals`.
+    #[must_use]
+    pub fn with_normals(self, normals: NormalPerturbation) -> Self {
+        Self { normals, ..self }
     }
 
     /// Lambertian reflection.
     #[must_use]
-    pub fn diffuse(reflectance: Rgb) -> Self {
-        Self::fixed(Bsdf::Diffuse(reflectance), PhongAppearance::matt(reflectance))
+    pub fn diffuse(reflectance: impl Into<Textured<Rgb>>) -> Self {
+        Self::new(MaterialKind::Diffuse { reflectance: reflectance.into() })
     }
 
-    /// Phong's model; energy is kept by scaling (see [`crate::bsdf::Phong`]), the look is not scaled.
+    /// Phong's model. The BSDF is scaled to conserve energy (see [`crate::bsdf::Phong`]).
     #[must_use]
-    pub fn phong(diffuse: Rgb, specular: Rgb, shininess: f32) -> Self {
-        Self::fixed(phong(diffuse, specular, shininess), PhongAppearance { diffuse, specular, shininess })
+    pub fn phong(diffuse: impl Into<Textured<Rgb>>, specular: impl Into<Textured<Rgb>>, shininess: f32) -> Self {
+        Self::new(MaterialKind::Phong { diffuse: diffuse.into(), specular: specular.into(), shininess })
     }
 
     /// A perfect mirror.
     #[must_use]
-    pub fn mirror(reflectance: Rgb) -> Self {
-        Self::fixed(Bsdf::Mirror(reflectance), PhongAppearance::matt(reflectance))
+    pub fn mirror(reflectance: impl Into<Textured<Rgb>>) -> Self {
+        Self::new(MaterialKind::Mirror { reflectance: reflectance.into() })
     }
 
-    /// A smooth body of absolute `index` that absorbs with `absorption` \[1/length].
+    /// The smooth boundary of a body with refractive `index` and `absorption` \[1/length].
     #[must_use]
     pub fn dielectric(index: f32, absorption: Rgb) -> Self {
         Self::body(Body { absorption, ..Body::new(index) })
     }
 
-    /// The boundary of a body.
+    /// The smooth boundary of `body`.
     #[must_use]
     pub fn body(body: Body) -> Self {
-        let look = PhongAppearance::matt((-body.absorption).map(libm::expf));
-        Self { scattering: Scattering::Boundary(body), look, dress: None }
+        Self::rough_body(body, 0.0)
     }
 
-    /// Material `second` with probability `amount`, else material `first`; both are indices of materials that were added before.
-    /// It looks as `look`.
+    /// The boundary of `body` with roughness α in \[0, 1].
     #[must_use]
-    pub fn mix(first: u32, second: u32, amount: f32, look: PhongAppearance) -> Self {
-        Self { scattering: Scattering::Mix { first, second, amount }, look, dress: None }
+    pub fn rough_body(body: Body, roughness: impl Into<Textured<f32>>) -> Self {
+        Self::new(MaterialKind::Dielectric { body, roughness: roughness.into() })
+    }
+
+    /// Material `second` with probability `amount`, else material `first`. Both indices must exist
+    /// already.
+    #[must_use]
+    pub fn mix(first: u32, second: u32, amount: impl Into<Textured<f32>>) -> Self {
+        Self::new(MaterialKind::Mix { first, second, amount: amount.into() })
     }
 
     /// A metal of refractive index `eta` + i`k` and roughness α in \[0, 1].
     #[must_use]
-    pub fn conductor(eta: Rgb, k: Rgb, alpha: f32) -> Self {
-        let facing = conductor_reflectance(1.0, eta, k);
-        Self::fixed(Bsdf::Conductor(Conductor::new(eta, k, alpha)), PhongAppearance::matt(facing))
+    pub fn conductor(eta: Rgb, k: Rgb, roughness: impl Into<Textured<f32>>) -> Self {
+        Self::new(MaterialKind::Conductor { eta, k, roughness: roughness.into() })
     }
 
-    /// A sheet without thickness, of index `eta`, that keeps `transmittance` in (0, 1] of what crosses it perpendicularly.
+    /// A thin sheet of index `eta` that transmits `transmittance` in (0, 1] of perpendicular light.
     #[must_use]
-    pub fn thin(eta: f32, transmittance: Rgb) -> Self {
-        Self::fixed(Bsdf::Thin(Thin { eta, transmittance }), PhongAppearance::matt(transmittance))
+    pub fn thin(eta: f32, transmittance: impl Into<Textured<Rgb>>) -> Self {
+        Self::new(MaterialKind::Thin { eta, transmittance: transmittance.into() })
     }
 
-    /// Absorbs everything.
+    /// Absorbs all light.
     #[must_use]
     pub fn black() -> Self {
-        Self::fixed(Bsdf::Black, PhongAppearance::matt(Rgb::ZERO))
+        Self::new(MaterialKind::Black)
     }
-}
 
-/// Phong's model, which is Lambert's where nothing shines.
-pub(super) fn phong(diffuse: Rgb, specular: Rgb, shininess: f32) -> Bsdf {
-    if specular == Rgb::ZERO {
-        Bsdf::Diffuse(diffuse / diffuse.max_element().max(1.0))
-    } else {
-        Bsdf::Phong(crate::bsdf::Phong::new(diffuse, specular, shininess))
+    /// The scattering model with its parameters.
+    #[must_use]
+    pub fn kind(&self) -> &MaterialKind {
+        &self.kind
+    }
+
+    /// The perturbation of shading normals.
+    #[must_use]
+    pub fn normals(&self) -> NormalPerturbation {
+        self.normals
+    }
+
+    /// The body that this material bounds, if it bounds one.
+    #[inline]
+    #[must_use]
+    pub fn boundary(&self) -> Option<&Body> {
+        self.kind.as_dielectric().map(|(body, _)| body)
+    }
+
+    /// This material with `body` in place of the body that it bounds; unchanged if it bounds none.
+    #[must_use]
+    pub fn with_body(self, body: Body) -> Self {
+        match self.kind.as_dielectric() {
+            Some((_, roughness)) => Self::rough_body(body, *roughness).with_normals(self.normals),
+            None => self,
+        }
+    }
+
+    /// The materials that a mix resolves to, by index; `None` for other materials.
+    #[must_use]
+    pub fn parts(&self) -> Option<[u32; 2]> {
+        self.kind.as_mix().map(|(parts, _)| parts)
+    }
+
+    /// The BSDF of mean parameters.
+    #[inline]
+    #[must_use]
+    pub fn mean_bsdf(&self) -> Bsdf {
+        self.mean_bsdf
+    }
+
+    /// The BSDF at one point, with parameters from `parameters`. Black for a mix.
+    #[must_use]
+    pub fn bsdf(&self, parameters: &impl ParameterEvaluator) -> Bsdf {
+        self.kind.bsdf(parameters)
+    }
+
+    /// True if a parameter follows a texture.
+    #[inline]
+    #[must_use]
+    pub fn is_textured(&self) -> bool {
+        self.textured
+    }
+
+    /// True if a hit must evaluate textures, for parameters or for the normal.
+    #[inline]
+    pub(super) fn needs_textures(&self) -> bool {
+        self.textured || self.normals != NormalPerturbation::None
+    }
+
+    /// Mean roughness α of a body's boundary; 0 for other materials.
+    #[inline]
+    pub(super) fn mean_boundary_roughness(&self) -> f32 {
+        self.boundary_roughness(&MeanParameters)
+    }
+
+    /// Roughness α of a body's boundary; 0 for other materials.
+    #[inline]
+    pub(super) fn boundary_roughness(&self, parameters: &impl ParameterEvaluator) -> f32 {
+        self.kind.as_dielectric().map_or(0.0, |(_, roughness)| parameters.number(roughness))
+    }
+
+    /// Calls `visit` with BSDFs that cover all kinds that a hit may have: that of mean parameters,
+    /// and those at the extremes of a conductor's roughness texture.
+    pub(super) fn for_each_bsdf(&self, textures: &[Arc<Texture>], mut visit: impl FnMut(Bsdf)) {
+        visit(self.mean_bsdf);
+        if let MaterialKind::Conductor { eta, k, roughness: Textured::Texture { texture, .. } } = self.kind {
+            let (min, max) = textures[texture as usize].range();
+            for alpha in [min, max] {
+                visit(Bsdf::Conductor(Conductor::new(eta, k, alpha)));
+            }
+        }
     }
 }

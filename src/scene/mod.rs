@@ -1,121 +1,72 @@
-//! The resolved scene: everything looked up, checked, converted, re-centred, in typed arrays. Renderers see only this.
+//! The resolved scene that renderers see: checked, converted, recentered, and indexed for ray
+//! queries.
 
-mod builder;
-mod dress;
+mod animation;
+mod build;
+mod delta_light;
 mod effects;
 mod error;
-mod immersed;
-mod inside;
-mod interior;
-mod light_contact;
+mod geometry;
+mod interiors;
 mod material;
-mod middle;
-mod movement;
-mod neighbours;
-mod nothing;
-mod objects;
 mod path_ray;
+mod queries;
 mod ray_cone;
-mod settle;
-mod source;
-mod surface;
-mod touching;
-mod wardrobe;
+mod surface_interaction;
+mod textured;
 
-pub use builder::SceneBuilder;
-pub use dress::{Coat, Dress, Relief, Tint};
+pub use build::SceneBuilder;
+pub use delta_light::{LegacyLight, LightStrength, SourceKind};
 pub use effects::{Effect, Effects};
 pub use error::BuildError;
-pub use immersed::SpectralInterior;
-pub use inside::InteriorStack;
-pub use interior::{BoundaryEvent, Filling, Interior, InteriorKind, NoInterior};
-pub use material::{Body, Material, PhongAppearance, Scattering};
-pub use objects::Object;
+pub use geometry::Hit;
+pub use interiors::{
+    Body, BoundaryEvent, CurrentMedium, Interior, InteriorKind, InteriorStack, NoInterior, SpectralInterior,
+};
+pub use material::{Material, MaterialKind};
 pub use path_ray::{MediumSegment, PathEvent, PathRay, SurfaceVertex};
+pub use queries::{LeafMaterial, ObjectSummary};
 pub use ray_cone::RayCone;
-pub use source::{LightStrength, SourceKind};
-pub use surface::SurfaceInteraction;
+pub use surface_interaction::SurfaceInteraction;
+pub use textured::{MeanParameters, NormalPerturbation, ParameterEvaluator, TextureLookups, Textured};
 
-use crate::accel::{Hierarchy, Primitive};
-use crate::bsdf::Bsdf;
 use crate::camera::Camera;
 use crate::color::{Glass, Rgb};
 use crate::light::Light;
-use crate::math::{Bounds, Ray, Sphere};
+use crate::math::{Ray, Sphere};
 use crate::medium::Medium;
-use crate::shape::{Mesh, Plane, Shape, SurfacePoint, TextureMapping};
-use crate::texture::Texture;
-use glam::{DVec3, Vec2, Vec3};
-use movement::Movement;
-use neighbours::Neighbours;
+use crate::shape::{Shape, SurfacePoint, TextureMapping};
+use crate::texture::{Texture, TextureEvalContext};
+use animation::Animation;
+use build::Derived;
+use geometry::Geometry;
+use glam::{DVec3, Vec3};
+use interiors::{CoincidentFaces, CoincidentFlags};
 use std::sync::Arc;
-use touching::Touching;
+use textured::{Footprint, perturbed_normal};
 
-/// What a surface is made of, and which light it is.
-#[derive(Clone, Copy, Debug)]
-struct Attributes {
-    material: u32,
-    light: Option<u32>,
-    /// How textures lie on it.
-    chart: u32,
-}
-
-/// A light as the course's shading sees it: a direction or a place, and a colour that does not fall off.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum LegacyLight {
-    /// From a place.
-    Point(Vec3, Rgb),
-    /// Along a unit direction of travel.
-    Directional(Vec3, Rgb),
-}
-
-/// A scene ready to be rendered, as it stands at one time. Coordinates are relative to its own middle.
+/// A scene ready to be rendered, at one time of the shutter. Coordinates are relative to
+/// [`Scene::origin`].
 #[derive(Clone)]
 pub struct Scene {
     camera: Camera,
     background: Rgb,
+    geometry: Geometry,
     materials: Vec<Material>,
-    /// Indices of refraction that depend on the wavelength.
     glasses: Vec<Glass>,
     media: Vec<Medium>,
-    /// The medium that is wherever no body is.
-    filling: Option<u32>,
-    /// Where that ends.
-    filled: Sphere,
-    dresses: Vec<Dress>,
+    ambient_medium: Option<u32>,
     textures: Vec<Arc<Texture>>,
-    /// The first is that of what has none of its own.
-    charts: Vec<TextureMapping>,
+    /// The first maps objects without a mapping of their own.
+    mappings: Vec<TextureMapping>,
     lights: Vec<Light>,
-    /// The lights with their mean radiance; none where no light follows a texture.
+    /// Empty if no light follows a texture.
     mean_lights: Vec<Light>,
     legacy_lights: Vec<LegacyLight>,
-    /// Over triangles, and the shapes that do not move.
-    hierarchy: Arc<Hierarchy>,
-    /// Over the shapes that move: those from `first_moving` on.
-    moving: Option<Arc<Hierarchy>>,
-    first_moving: u32,
-    movement: Option<Arc<Movement>>,
-    /// Around what does not move.
-    still: Bounds,
-    shapes: Vec<Shape>,
-    shape_attributes: Vec<Attributes>,
-    planes: Vec<(Plane, Attributes)>,
-    mesh: Arc<Mesh>,
-    /// First triangle of each mesh with its attributes, ascending.
-    parts: Vec<(u32, Attributes)>,
-    /// The part of each triangle.
-    triangle_part: Arc<[u32]>,
-    domain: Sphere,
-    middle: DVec3,
-    /// What the camera is inside of.
-    camera_inside: InteriorStack,
-    /// What each light is inside of.
-    light_inside: Vec<InteriorStack>,
-    /// How near to a surface each light is taken to stand in it.
-    light_contact: Vec<f32>,
-    /// Which boundaries of bodies may coincide.
-    neighbours: Neighbours,
+    animation: Option<Arc<Animation>>,
+    origin: DVec3,
+    coincident: CoincidentFlags,
+    derived: Derived,
 }
 
 impl std::fmt::Debug for Scene {
@@ -129,21 +80,6 @@ impl std::fmt::Debug for Scene {
     }
 }
 
-/// A crossing of a ray with the scene, not yet looked at.
-#[derive(Clone, Copy, Debug)]
-pub struct Hit {
-    /// Ray parameter.
-    pub t: f32,
-    kind: HitKind,
-}
-
-#[derive(Clone, Copy, Debug)]
-enum HitKind {
-    Triangle(u32, Vec2),
-    Shape(u32, Vec2),
-    Plane(u32),
-}
-
 impl Scene {
     /// The camera.
     #[must_use]
@@ -151,44 +87,58 @@ impl Scene {
         &self.camera
     }
 
-    /// Radiance of rays that meet nothing where there is no environment: it is seen, but lights nothing.
+    /// Radiance of rays that escape, if there is no environment. It is seen, but does not
+    /// illuminate.
     #[must_use]
     pub fn background(&self) -> Rgb {
         self.background
     }
 
-    /// Radiance that a ray in unit `direction` which meets nothing finds: the environment's, else the background.
+    /// Radiance along unit `direction` of a ray that escapes: from the environment, else the
+    /// background.
     #[inline]
     #[must_use]
-    pub fn escaping(&self, direction: Vec3) -> Rgb {
+    pub fn escaped_radiance(&self, direction: Vec3) -> Rgb {
         match self.lights.last() {
             Some(Light::Environment(environment)) => environment.radiance(direction),
             _ => self.background,
         }
     }
 
-    /// The index of the environment among the lights, if there is one.
+    /// Index of the environment among the lights, if there is one.
     #[must_use]
     pub fn environment(&self) -> Option<usize> {
         matches!(self.lights.last(), Some(Light::Environment(_))).then(|| self.lights.len() - 1)
     }
 
-    /// The lights; an environment comes last.
+    /// The lights. An environment comes last.
     #[must_use]
     pub fn lights(&self) -> &[Light] {
         &self.lights
     }
 
-    /// The lights, each with the same radiance everywhere.
+    /// The lights with their mean radiance in place of emission textures.
     #[must_use]
     pub fn mean_lights(&self) -> &[Light] {
         if self.mean_lights.is_empty() { &self.lights } else { &self.mean_lights }
     }
 
-    /// The lights as the course's shading sees them, in the same order. An environment is none of them.
+    /// The lights of the course's shading model, in the order of [`Scene::lights`], without an
+    /// environment.
     #[must_use]
     pub fn legacy_lights(&self) -> &[LegacyLight] {
         &self.legacy_lights
+    }
+
+    /// Distance \[length] within which light `light` counts as lying in a surface, so that it
+    /// illuminates both sides. 0 for area lights and lights at infinity.
+    ///
+    /// Positions are rounded to 2⁻²⁴ of their coordinates, so the side on which such a light lies
+    /// is unknown. Its light passes the surface, unless the cosine to the normal is below 1/40.
+    #[inline]
+    #[must_use]
+    pub fn light_contact(&self, light: usize) -> f32 {
+        self.derived.light_contact[light]
     }
 
     /// The materials.
@@ -197,7 +147,7 @@ impl Scene {
         &self.materials
     }
 
-    /// The refractive indices that depend on the wavelength.
+    /// The glasses: refractive indices that depend on the wavelength.
     #[must_use]
     pub fn glasses(&self) -> &[Glass] {
         &self.glasses
@@ -209,195 +159,162 @@ impl Scene {
         &self.media
     }
 
-    /// Index of the medium that is wherever no body is, in a ball twice as large as one around the bounded shapes, the camera and the lights.
+    /// Index of the medium outside of all bodies.
+    ///
+    /// It fills a ball twice as large as one around the bounded shapes, the camera and the lights.
     #[must_use]
-    pub fn filling(&self) -> Option<u32> {
-        self.filling
+    pub fn ambient_medium(&self) -> Option<u32> {
+        self.ambient_medium
     }
 
-    /// The ball in which photons of light from infinity are followed: it holds all bounded shapes, with room around them where an
-    /// unbounded plane catches light.
+    /// The ball in which photons of lights at infinity are traced.
+    ///
+    /// It holds all bounded shapes, with room around them if there are unbounded planes.
     #[must_use]
     pub fn domain(&self) -> Sphere {
-        self.domain
+        self.derived.domain
     }
 
-    /// What was subtracted from all coordinates of the description.
+    /// The point of the description's coordinates that became the origin.
     #[must_use]
-    pub fn middle(&self) -> DVec3 {
-        self.middle
+    pub fn origin(&self) -> DVec3 {
+        self.origin
     }
 
-    /// How many triangles there are, those of meshes that are placed again counted again.
+    /// Number of triangles, instances included.
     #[must_use]
     pub fn triangle_count(&self) -> usize {
-        let placed = |shape: &Shape| if let Shape::Instance(instance) = shape { instance.triangles() } else { 0 };
-        self.mesh.triangles.len() + self.shapes.iter().map(placed).sum::<usize>()
+        let instanced = |shape: &Shape| if let Shape::Instance(instance) = shape { instance.triangles() } else { 0 };
+        self.geometry.mesh.triangles.len() + self.geometry.shapes.iter().map(instanced).sum::<usize>()
     }
 
-    /// How many analytic shapes there are, planes included.
+    /// Number of analytic shapes, planes included.
     #[must_use]
     pub fn shape_count(&self) -> usize {
-        let placed = |shape: &&Shape| !matches!(shape, Shape::Instance(_));
-        self.shapes.iter().filter(placed).count() + self.planes.len()
+        let analytic = |shape: &&Shape| !matches!(shape, Shape::Instance(_));
+        self.geometry.shapes.iter().filter(analytic).count() + self.geometry.planes.len()
     }
 
-    /// The nearest crossing.
+    /// The nearest intersection.
     #[inline]
     #[must_use]
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
-        let bounded = self.hierarchy.closest(ray, |i, ray| self.shapes[i as usize].intersect(ray));
-        let mut hit = bounded.map(|h| Hit {
-            t: h.t,
-            kind: match h.primitive {
-                Primitive::Triangle(i) => HitKind::Triangle(i, Vec2::new(h.u, h.v)),
-                Primitive::Other(i) => HitKind::Shape(i, Vec2::new(h.u, h.v)),
-            },
-        });
-        if let Some(moving) = &self.moving {
-            let within = Ray { t_max: hit.map_or(ray.t_max, |h| h.t), ..*ray };
-            let first = self.first_moving;
-            if let Some(h) = moving.closest(&within, |i, ray| self.shapes[(first + i) as usize].intersect(ray))
-                && let Primitive::Other(i) = h.primitive
-            {
-                hit = Some(Hit { t: h.t, kind: HitKind::Shape(first + i, Vec2::new(h.u, h.v)) });
-            }
-        }
-        for (i, (plane, _)) in self.planes.iter().enumerate() {
-            let within = Ray { t_max: hit.map_or(ray.t_max, |h| h.t), ..*ray };
-            if let Some((t, ..)) = plane.intersect(&within) {
-                hit = Some(Hit { t, kind: HitKind::Plane(i as u32) });
-            }
-        }
-        hit
+        self.geometry.intersect(ray)
     }
 
-    /// Whether anything lies within the ray.
+    /// True if the ray hits anything.
     #[inline]
     #[must_use]
     pub fn occluded(&self, ray: &Ray) -> bool {
-        self.planes.iter().any(|(plane, _)| plane.intersect(ray).is_some())
-            || self.hierarchy.occluded(ray, |i, ray| self.shapes[i as usize].occludes(ray))
-            || self.moving.as_ref().is_some_and(|moving| {
-                let first = self.first_moving;
-                moving.occluded(ray, |i, ray| self.shapes[(first + i) as usize].occludes(ray))
-            })
+        self.geometry.occluded(ray)
     }
 
-    /// The surface at a crossing of `ray`, whose direction must be of unit length, with textures blurred over `cone`; `chance` in
-    /// \[0, 1) chooses where materials are mixed. A boundary of a body scatters as if nothing else were around.
+    /// The surface at a hit of `ray`, whose direction must be of unit length.
+    ///
+    /// Textures are filtered over `cone`. `u_mix` in \[0, 1) resolves mixes. The boundary of a body
+    /// gets the BSDF that it has in air.
     #[inline]
     #[must_use]
-    pub fn surface(
+    pub fn interaction(
         &self,
         ray: &Ray,
         hit: &Hit,
         cone: &RayCone,
-        chance: impl FnOnce() -> f32,
+        u_mix: impl FnOnce() -> f32,
     ) -> SurfaceInteraction<'_> {
-        let (point, attributes) = self.point(ray, hit);
+        let point = self.geometry.surface_point(ray, hit);
+        let object = self.geometry.object(hit.kind);
         let wo = -ray.direction;
-        let emission = match attributes.light.map(|l| &self.lights[l as usize]) {
+        let emission = match object.light.map(|l| &self.lights[l as usize]) {
             Some(Light::Area(area)) if wo.dot(point.ng) > 0.0 => match &area.texture {
-                Some(glow) if cone.effects.has(Effect::Textures) => self.glow(glow, hit, &point, wo, cone),
+                Some(texture) if cone.effects.has(Effect::Textures) => {
+                    texture.radiance(&self.texture_context(hit, &point, wo, &cone.for_lights()))
+                }
                 _ => area.radiance,
             },
             _ => Rgb::ZERO,
         };
-        let mut index = attributes.material;
-        let mut material = &self.materials[index as usize];
-        if let Scattering::Mix { .. } = material.scattering {
-            index = if cone.effects.has(Effect::Textures) && !self.dresses.is_empty() {
-                self.chosen_by_texture(index, chance(), &|| self.place(hit, &point, wo, cone))
-            } else {
-                self.chosen(index, chance(), |_, amount| amount)
-            };
-            material = &self.materials[index as usize];
+        let mut material_index = object.material;
+        let mut material = &self.materials[material_index as usize];
+        if material.parts().is_some() {
+            material_index = self
+                .resolve_mix(material_index, u_mix(), cone.effects, &|| self.texture_context(hit, &point, wo, cone));
+            material = &self.materials[material_index as usize];
         }
-        let (bsdf, roughness) = match material.scattering {
-            Scattering::Fixed(bsdf) => (bsdf, 0.0),
-            Scattering::Boundary(body) => (Bsdf::dielectric(body.index, body.roughness), body.roughness),
-            Scattering::Mix { .. } => (Bsdf::Black, 0.0),
+        let near_boundary = self.coincident.may_coincide(hit.kind);
+        let mut surface = SurfaceInteraction {
+            point,
+            wo,
+            material,
+            material_index,
+            bsdf: material.mean_bsdf(),
+            roughness: material.mean_boundary_roughness(),
+            coincident_object: near_boundary.then(|| self.geometry.seam_object(hit.kind)),
+            coincident: CoincidentFaces::NONE,
+            light: object.light,
+            emission,
         };
-        let (light, touching) = (attributes.light, Touching::NONE);
-        let crowded = self.neighbours.may(hit.kind).then(|| self.thing_of(hit.kind));
-        let mut surface =
-            SurfaceInteraction { point, wo, material, index, bsdf, roughness, crowded, touching, light, emission };
-        if let Some(dress) = material.dress {
-            self.put_on(dress, &mut surface, hit, cone);
+        if material.needs_textures() {
+            self.apply_textures(&mut surface, hit, cone);
         }
         surface
     }
 
-    #[inline]
-    fn point(&self, ray: &Ray, hit: &Hit) -> (SurfacePoint, Attributes) {
-        match hit.kind {
-            HitKind::Triangle(i, b) => {
-                let part = self.triangle_part[i as usize] as usize;
-                (self.mesh.surface(i as usize, b), self.parts[part].1)
-            }
-            HitKind::Shape(i, uv) => {
-                (self.shapes[i as usize].surface(ray, hit.t, uv), self.shape_attributes[i as usize])
-            }
-            HitKind::Plane(i) => {
-                let (plane, attributes) = &self.planes[i as usize];
-                (plane.surface(ray, hit.t), *attributes)
-            }
-        }
-    }
-
-    /// The geometric normal at a crossing of `ray`, whose direction must be of unit length.
+    /// The geometric normal at a hit of `ray`, whose direction must be of unit length.
     #[inline]
     #[must_use]
     pub fn normal_at(&self, ray: &Ray, hit: &Hit) -> Vec3 {
-        self.point(ray, hit).0.ng
+        self.geometry.surface_point(ray, hit).ng
     }
 
-    /// What a mix stands for this time; `share` gives the share of the second of each mix on the way, of which it gets the material and the
-    /// amount that is the same everywhere.
-    fn chosen(&self, mut index: u32, mut chance: f32, share: impl Fn(&Material, f32) -> f32) -> u32 {
-        while let material = &self.materials[index as usize]
-            && let Scattering::Mix { first, second, amount } = material.scattering
-        {
-            let amount = share(material, amount);
-            // What is left of the number inside the chosen part is uniform again.
-            (index, chance) =
-                if chance < amount { (second, chance / amount) } else { (first, (chance - amount) / (1.0 - amount)) };
+    /// Texture coordinates and filter axes at a hit, over the footprint of `cone`.
+    #[inline(never)]
+    #[must_use]
+    pub fn texture_context(&self, hit: &Hit, point: &SurfacePoint, wo: Vec3, cone: &RayCone) -> TextureEvalContext {
+        Footprint::new(&self.geometry, &self.mappings, hit, point, wo, cone).context
+    }
+
+    /// The textures. Material parameters refer to them by index.
+    #[must_use]
+    pub fn textures(&self) -> &[Arc<Texture>] {
+        &self.textures
+    }
+
+    /// Evaluates the textured parameters of a surface, and perturbs its shading normal.
+    #[inline(never)]
+    fn apply_textures(&self, surface: &mut SurfaceInteraction<'_>, hit: &Hit, cone: &RayCone) {
+        let footprint = Footprint::new(&self.geometry, &self.mappings, hit, &surface.point, surface.wo, cone);
+        let material = surface.material;
+        if material.is_textured() && cone.effects.has(Effect::Textures) {
+            let lookups = TextureLookups { textures: &self.textures, at: footprint.context };
+            surface.bsdf = material.bsdf(&lookups);
+            surface.roughness = material.boundary_roughness(&lookups);
+        }
+        if cone.effects.has(Effect::Bump) {
+            let width = f64::from(cone.width());
+            surface.point.ns = perturbed_normal(material.normals(), &self.textures, &surface.point, &footprint, width);
+        }
+    }
+
+    /// Resolves a mix to a leaf material, with `u` in \[0, 1). `context` is evaluated only if an
+    /// amount is textured.
+    fn resolve_mix(
+        &self,
+        mut index: u32,
+        mut u: f32,
+        effects: Effects,
+        context: &dyn Fn() -> TextureEvalContext,
+    ) -> u32 {
+        while let Some(([first, second], amount)) = self.materials[index as usize].kind().as_mix() {
+            let amount = match amount {
+                Textured::Texture { .. } if effects.has(Effect::Textures) => {
+                    TextureLookups { textures: &self.textures, at: context() }.number(amount)
+                }
+                amount => amount.mean(),
+            };
+            // Rescaled to the chosen part, the number is uniform again.
+            (index, u) = if u < amount { (second, u / amount) } else { (first, (u - amount) / (1.0 - amount)) };
         }
         index
-    }
-
-    /// A camera subpath that starts along `ray` and simulates `effects`.
-    #[inline]
-    #[must_use]
-    pub fn start_camera_path<I: Interior>(&self, ray: Ray, effects: Effects) -> PathRay<I> {
-        PathRay { ray, inside: I::at_camera(self, &ray, effects), cone: self.camera_cone(effects) }
-    }
-
-    /// The cone of a ray from the camera.
-    #[inline]
-    #[must_use]
-    pub fn camera_cone(&self, effects: Effects) -> RayCone {
-        RayCone::of_pixel(self.camera.pixel(), effects)
-    }
-
-    /// A light subpath that starts at `light` along `ray` and simulates `effects`.
-    #[inline]
-    #[must_use]
-    pub fn start_light_path<I: Interior>(&self, light: usize, ray: Ray, effects: Effects) -> PathRay<I> {
-        PathRay { ray, inside: I::at_light(self, light, effects), cone: RayCone::point(effects) }
-    }
-
-    /// The ray with its start moved back to where nothing unbounded lies behind it: light from infinity comes from beyond all planes.
-    #[must_use]
-    pub(crate) fn starting_beyond_planes(&self, ray: Ray) -> Ray {
-        let back = Ray::new(ray.origin, -ray.direction);
-        let crossings = self.planes.iter().filter_map(|(plane, _)| plane.intersect(&back));
-        let farthest = crossings.map(|(t, ..)| t).fold(0.0, f32::max);
-        if farthest == 0.0 {
-            return ray;
-        }
-        // As far again as the domain is wide, so that the crossing itself is not lost to rounding.
-        Ray { origin: back.at(farthest * 1.001 + self.domain.radius), ..ray }
     }
 }

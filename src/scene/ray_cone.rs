@@ -1,79 +1,83 @@
-//! How much of a surface a ray sees at once.
+//! Ray cones: the footprint of a path for texture filtering.
 
 use super::Effects;
 use crate::bsdf::{Bsdf, DIFFUSE_BLUR};
 
-/// Part of a pixel that textures are blurred over: the pixel's own filter blurs them too.
-const PIXEL: f32 = 0.5;
+/// Width of a camera cone in pixels. It is below 1, as the reconstruction filter widens too.
+const PIXELS: f32 = 0.5;
 
-/// The cone around a ray that textures are blurred over (Amanatides 1984, "Ray tracing with cones"; Akenine-Möller et al. 2021,
-/// "Improved shader and texture level of effects using ray cones").
+/// The cone around a ray over which textures are filtered (Amanatides 1984, "Ray tracing with
+/// cones"; Akenine-Möller et al. 2021, "Improved shader and texture level of detail using ray
+/// cones").
 ///
-/// A walk from the camera begins as wide as a pixel. It grows with distance, and faster after surfaces that scatter. What a photon
-/// sees is a point.
+/// A camera path starts with the width of a pixel. The cone grows with distance, and faster after
+/// scattering. Light paths have no width.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RayCone {
-    /// Diameter where the ray is \[length].
+    /// Diameter at the current end of the ray \[length].
     width: f32,
-    /// What the diameter grows by along the ray.
+    /// Growth of the diameter per length.
     spread: f32,
-    /// Whether it is a cone at all.
-    blurs: bool,
-    /// Whether the walk has met a surface that is no mirror and no smooth glass.
+    /// True for camera paths; false if the width stays zero.
+    widens: bool,
+    /// True after a non-specular scattering event.
     scattered: bool,
     /// The effects that are simulated.
     pub effects: Effects,
 }
 
 impl RayCone {
-    /// Of a walk from the camera, whose pixels have this width \[length] and grow by so much along the ray.
+    /// The cone of a camera path, from the width of a pixel \[length] and its growth per length.
     #[inline]
     #[must_use]
     pub fn of_pixel((width, spread): (f32, f32), effects: Effects) -> Self {
-        Self { width: width * PIXEL, spread: spread * PIXEL, blurs: true, ..Self::point(effects) }
+        Self { width: width * PIXELS, spread: spread * PIXELS, widens: true, ..Self::point(effects) }
     }
 
-    /// A line.
+    /// A cone of no width.
     #[inline]
     #[must_use]
     pub const fn point(effects: Effects) -> Self {
-        Self { width: 0.0, spread: 0.0, blurs: false, scattered: false, effects }
+        Self { width: 0.0, spread: 0.0, widens: false, scattered: false, effects }
     }
 
-    /// Goes on by `distance` \[length].
+    /// Grows over `distance` \[length].
     #[inline]
     pub fn travel(&mut self, distance: f32) {
         self.width += self.spread * distance;
     }
 
-    /// Leaves a surface.
+    /// Widens by scattering at a surface.
     #[inline]
     pub(super) fn leave(&mut self, bsdf: &Bsdf) {
-        if self.blurs {
+        if self.widens {
             self.spread += bsdf.blur();
         }
         self.scattered |= !bsdf.is_specular();
     }
 
-    /// Leaves a point of a medium.
+    /// Widens by scattering in a medium.
     #[inline]
     pub(super) fn scatter(&mut self) {
-        if self.blurs {
+        if self.widens {
             self.spread += DIFFUSE_BLUR;
         }
         self.scattered = true;
     }
 
-    /// Diameter where the ray is \[length].
+    /// Diameter at the current end of the ray \[length].
     #[inline]
     #[must_use]
     pub fn width(&self) -> f32 {
         self.width
     }
 
-    /// The cone as it sees lights: those that could have been asked for are seen as they would have been, as points.
+    /// The cone for emission textures.
+    ///
+    /// After a non-specular event, next-event estimation samples lights at points. Lights that are
+    /// hit must agree.
     #[inline]
-    pub(super) fn of_lights(&self) -> Self {
+    pub(super) fn for_lights(&self) -> Self {
         if self.scattered { Self::point(self.effects) } else { *self }
     }
 }

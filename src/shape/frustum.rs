@@ -16,7 +16,7 @@ const AREA_STEPS: u32 = 512;
 /// Surface of x² + z² ≤ ρ(y)², 0 ≤ y ≤ 1, under an affine map; ρ is linear, with 1 as its larger
 /// end.
 ///
-/// The second coordinate of a hit is the [`Part`]. The outer side of an open frustum faces away
+/// The second coordinate of a hit is the `Part`. The outer side of an open frustum faces away
 /// from the axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frustum {

@@ -1,7 +1,7 @@
 //! Shapes of the resolved scene, in world space around the scene's centre; curved ones are solved
 //! in double precision.
 //!
-//! A new kind of shape is a file that implements [`AnalyticShape`], a variant of [`Shape`] and a
+//! A new kind of shape is a file that implements `AnalyticShape`, a variant of [`Shape`] and a
 //! line of `dispatch!`.
 
 mod analytic;

@@ -1,12 +1,12 @@
-//! Squares.
+//! Checkerboard textures.
 
 use crate::color::Rgb;
 use glam::DVec2;
 
-/// A step across an edge between squares, in sides.
-pub(super) const GRAIN: f64 = 1e-3;
+/// Finite-difference step for bump maps across an edge, in sides of a square.
+pub(super) const BUMP_STEP: f64 = 1e-3;
 
-/// Squares of side 1: the first colour where ⌊u⌋ + ⌊v⌋ is even, else the second.
+/// A checkerboard of unit squares: the first colour where ⌊u⌋ + ⌊v⌋ is even, else the second.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Checker {
     /// The two colours.
@@ -14,7 +14,8 @@ pub struct Checker {
 }
 
 impl Checker {
-    /// The exact mean over the box of sides `size` around `uv`: the pattern is a product of two square waves.
+    /// Exact mean over the box with sides `size` around `uv`: the pattern is a product of two
+    /// square waves.
     #[must_use]
     pub fn at(&self, uv: DVec2, size: DVec2) -> Rgb {
         let product = wave(uv.x, size.x) * wave(uv.y, size.y);
@@ -27,16 +28,16 @@ impl Checker {
     }
 }
 
-/// Mean over `[x − w/2, x + w/2]` of the wave that is 1 where ⌊x⌋ is even, else −1.
+/// Mean over `[x − w/2, x + w/2]` of the square wave that is 1 where ⌊x⌋ is even, else −1.
 fn wave(x: f64, w: f64) -> f64 {
-    // Narrower, differences of integrals would be rounding.
+    // For a narrower box, the difference of integrals would be rounding error.
     if w < 1e-9 * x.abs().max(1.0) {
         return if x.floor() % 2.0 == 0.0 { 1.0 } else { -1.0 };
     }
     (integral(x + 0.5 * w) - integral(x - 0.5 * w)) / w
 }
 
-/// Integral of the wave from 0: a zigzag of period 2.
+/// Integral of the square wave from 0: a triangle wave of period 2.
 fn integral(x: f64) -> f64 {
     let phase = x - 2.0 * (0.5 * x).floor();
     phase.min(2.0 - phase)
@@ -62,9 +63,9 @@ mod tests {
         }
     }
 
-    /// Against the share of odd cells in the box, added up cell by cell.
+    /// Expected: the fraction of odd squares in the box, summed square by square.
     #[test]
-    fn a_box_holds_its_share_of_both_colours() {
+    fn box_means_match_summed_squares() {
         for (u, v, w, h) in [(0.3, 0.4, 0.2, 0.2), (1.0, 0.5, 0.5, 0.1), (-3.3, 7.1, 2.7, 5.3), (1e4, 0.1, 3.1, 0.9)] {
             let overlap = |x: f64, w: f64, cell: f64| (x + 0.5 * w).min(cell + 1.0) - (x - 0.5 * w).max(cell);
             let cells = |x: f64, w: f64| {

@@ -1,4 +1,4 @@
-//! Textures: colours and numbers that vary over a surface, or through space. All are filtered by the patch that one look covers.
+//! Textures: colours and numbers that vary over a surface or in space, filtered over a footprint.
 
 mod checker;
 mod eval_context;
@@ -16,32 +16,32 @@ use crate::color::{self, Rgb};
 /// A texture.
 #[derive(Clone, Debug)]
 pub enum Texture {
-    /// A picture over the texture coordinates of a surface.
+    /// A picture over texture coordinates.
     Picture(Picture, Coordinates),
-    /// Squares of side 1 over the texture coordinates of a surface.
+    /// A checkerboard of unit squares over texture coordinates.
     Checker(Checker, Coordinates),
-    /// A pattern in space.
+    /// A solid texture: a pattern in space.
     Solid(Solid),
 }
 
 impl Texture {
-    /// Its mean over the patch of `place`, to the texture's filter.
+    /// Mean colour over the footprint of `context`, within the accuracy of the texture's filter.
     #[must_use]
-    pub fn color(&self, place: &TextureEvalContext) -> Rgb {
+    pub fn color(&self, context: &TextureEvalContext) -> Rgb {
         match self {
-            Self::Picture(picture, coordinates) => coordinates.spread(place, |uv, size| picture.at(uv, size)),
-            Self::Checker(checker, coordinates) => coordinates.spread(place, |uv, size| checker.at(uv, size)),
-            Self::Solid(solid) => solid.at(place.p, place.width),
+            Self::Picture(picture, coordinates) => coordinates.filter(context, |uv, size| picture.at(uv, size)),
+            Self::Checker(checker, coordinates) => coordinates.filter(context, |uv, size| checker.at(uv, size)),
+            Self::Solid(solid) => solid.at(context.p, context.width),
         }
     }
 
-    /// The same as a number: the mean of the channels.
+    /// Mean over the footprint, and over the three channels.
     #[must_use]
-    pub fn number(&self, place: &TextureEvalContext) -> f32 {
-        color::mean(self.color(place))
+    pub fn number(&self, context: &TextureEvalContext) -> f32 {
+        color::mean(self.color(context))
     }
 
-    /// Its mean: over one period, or of a solid over all space.
+    /// Mean over one period; for a solid texture, over all space.
     #[must_use]
     pub fn mean(&self) -> Rgb {
         match self {
@@ -51,7 +51,7 @@ impl Texture {
         }
     }
 
-    /// Least and greatest value of any channel: no look at it lies outside.
+    /// Least and greatest value of any channel. No lookup exceeds them.
     #[must_use]
     pub fn range(&self) -> (f32, f32) {
         match self {
@@ -61,20 +61,21 @@ impl Texture {
         }
     }
 
-    /// Whether it is a pattern in space, which needs no texture coordinates.
+    /// True if it is a pattern in space, which needs no texture coordinates.
     #[must_use]
     pub fn is_solid(&self) -> bool {
         matches!(self, Self::Solid(_))
     }
 
-    /// A step that tells its slope: half of its finest detail, in texture coordinates of the surface or, of a solid, in lengths of
-    /// the object.
+    /// Finite-difference step for bump maps: half of the finest detail.
+    ///
+    /// It is in texture coordinates of the surface; for a solid texture, in lengths of the object.
     #[must_use]
-    pub fn grain(&self) -> f64 {
+    pub fn bump_step(&self) -> f64 {
         match self {
             Self::Picture(picture, coordinates) => 0.5 * picture.texel() / coordinates.stretch(),
-            Self::Checker(_, coordinates) => checker::GRAIN / coordinates.stretch(),
-            Self::Solid(solid) => solid.grain(),
+            Self::Checker(_, coordinates) => checker::BUMP_STEP / coordinates.stretch(),
+            Self::Solid(solid) => solid.bump_step(),
         }
     }
 }

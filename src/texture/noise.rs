@@ -2,13 +2,13 @@
 
 use glam::DVec3;
 
-/// Widths of a patch, in wavelengths, between which an octave fades: narrower it is there, wider it is its mean, which is 0.
+/// Footprint widths, in wavelengths, between which an octave fades to its mean of 0.
 const FADE: [f64; 2] = [0.25, 1.0];
 
-/// Moves one octave against the next, so that their lattices do not meet.
+/// Offset between octaves, so that their lattices do not align.
 const SHIFT: DVec3 = DVec3::new(17.31, 5.77, 11.93);
 
-/// Σ 2⁻ⁱ noise(2ⁱ p) over `octaves`, each faded as a patch of `width` would blur it.
+/// Σ 2⁻ⁱ noise(2ⁱ p) over `octaves`, each faded for a footprint of `width`.
 pub(crate) fn fractal(p: DVec3, width: f64, octaves: u32) -> f64 {
     let (mut sum, mut scale, mut weight) = (0.0, 1.0, 1.0);
     for i in 0..octaves {
@@ -23,14 +23,16 @@ pub(crate) fn fractal(p: DVec3, width: f64, octaves: u32) -> f64 {
     sum
 }
 
-/// What is left of an octave under a patch of `width` wavelengths.
+/// Weight of an octave under a footprint of `width` wavelengths.
 fn fade(width: f64) -> f64 {
     let t = ((FADE[1] - width) / (FADE[1] - FADE[0])).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }
 
-/// Noise in [−1, 1] with value 0 at whole coordinates (Perlin 2002, "Improving noise"); the lattice is hashed without a table, so it
-/// does not repeat. Coordinates that are not finite give 0.
+/// Noise in [−1, 1], 0 at integer coordinates (Perlin 2002, "Improving noise").
+///
+/// The lattice is hashed without a table, so it does not repeat. Coordinates that are not finite
+/// return 0.
 pub(super) fn noise(p: DVec3) -> f64 {
     if !p.is_finite() {
         return 0.0;
@@ -51,7 +53,8 @@ fn lerp(t: f64, a: f64, b: f64) -> f64 {
     a + t * (b - a)
 }
 
-/// One of the twelve directions to the middles of a cube's edges, four of them twice as likely, times `d`.
+/// Dot product of `d` with one of the twelve directions to the edge midpoints of a cube; four of
+/// them are twice as likely.
 fn slope(h: u64, d: DVec3) -> f64 {
     let sign = |bit: u64, x: f64| if h >> bit & 1 == 0 { x } else { -x };
     let (a, b) = match h >> 2 & 15 {
@@ -63,7 +66,7 @@ fn slope(h: u64, d: DVec3) -> f64 {
     sign(0, a) + sign(1, b)
 }
 
-/// Mixes lattice coordinates (the finaliser of Steele, Lea, Flood 2014).
+/// Hash of lattice coordinates (the finaliser of Steele, Lea, Flood 2014).
 fn hash(x: i64, y: i64, z: i64) -> u64 {
     let mut h = (x as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     h = (h ^ y as u64).rotate_left(29).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -81,9 +84,10 @@ mod tests {
         DVec3::new(0.618_034, 0.414_214, 0.732_051) * f64::from(i) - 1e3
     }
 
-    /// Over n points its mean is 0 by symmetry: with a standard deviation below ½ it errs by less than 5/(2√n).
+    /// The mean is 0 by symmetry. With a standard deviation below ½ its error is below 5/(2√n) over
+    /// n points.
     #[test]
-    fn noise_is_bounded_and_as_often_above_as_below_zero() {
+    fn noise_is_bounded_with_zero_mean() {
         let n = 100_000;
         let values: Vec<f64> = (0..n).map(|i| noise(point(i))).collect();
         assert!(values.iter().all(|x| x.abs() <= 1.0));
@@ -93,9 +97,9 @@ mod tests {
         assert_eq!([noise(DVec3::ZERO), noise(DVec3::new(-3.0, 5.0, 7.0)), noise(DVec3::splat(f64::NAN))], [0.0; 3]);
     }
 
-    /// Between points 1e-6 apart, on both sides of the faces of cells, values differ by less than 4e-6: its slope is below 4.
+    /// Across cell faces, values 1e-6 apart differ by less than 4e-6: the slope is below 4.
     #[test]
-    fn noise_has_no_steps() {
+    fn noise_is_continuous() {
         for i in 0..1000 {
             let p = point(i);
             for face in [p, DVec3::new(p.x.round(), p.y, p.z), DVec3::new(p.x, p.y, p.z.round())] {
@@ -106,7 +110,7 @@ mod tests {
     }
 
     #[test]
-    fn octaves_fade_as_the_patch_grows() {
+    fn octaves_fade_as_the_footprint_grows() {
         let p = DVec3::new(0.3, 0.7, 0.2);
         assert_eq!(fractal(p, 0.0, 1), noise(p));
         assert_eq!(fractal(p, 0.125, 2), fractal(p, 0.0, 2), "two octaves are coarse enough");

@@ -1,22 +1,22 @@
-//! Pictures as textures.
+//! Image textures with MIP maps.
 
 use crate::color::Rgb;
 use crate::image::Image;
 use glam::{DVec2, DVec3, Vec3};
 
-/// What lies beyond the edges of a picture.
+/// How a picture continues beyond its edges.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Wrap {
-    /// The picture again.
+    /// The picture repeats.
     #[default]
     Repeat,
-    /// The picture's edge.
+    /// The edge pixels extend.
     Clamp,
-    /// The picture mirrored, and again.
+    /// The picture repeats, mirrored every other time.
     Mirror,
 }
 
-/// Why a picture is no texture.
+/// The reason why a picture cannot be a texture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum PictureError {
     /// A value below zero.
@@ -27,7 +27,7 @@ pub enum PictureError {
         /// Row.
         y: u32,
     },
-    /// A value that is infinite or no number.
+    /// A value that is infinite or NaN.
     #[error("pixel {x}, {y} (from the top left) is not finite")]
     NotFinite {
         /// Column.
@@ -37,9 +37,10 @@ pub enum PictureError {
     },
 }
 
-/// A picture with coarser and coarser copies (Williams 1983, "Pyramidal parametrics"), each about half as wide as the one before.
+/// A picture with a MIP map (Williams 1983, "Pyramidal parametrics"): each level is about half as
+/// wide as the one before.
 ///
-/// It covers the unit square of texture coordinates, (0, 0) being its lower left corner.
+/// It covers the unit square of texture coordinates, with (0, 0) at its lower left corner.
 #[derive(Clone, Debug)]
 pub struct Picture {
     levels: Vec<Level>,
@@ -57,9 +58,10 @@ struct Level {
 }
 
 impl Picture {
-    /// Takes a picture.
+    /// Builds the MIP map of a picture.
     ///
     /// # Errors
+    /// [`PictureError`] if a value is negative or not finite.
     /// [`PictureError`] where a value is negative or not finite.
     pub fn new(image: &Image, wrap: Wrap) -> Result<Self, PictureError> {
         let (width, pixels) = (image.width(), image.pixels());
@@ -80,8 +82,9 @@ impl Picture {
         Ok(Self { levels, wrap, mean, range: (least, greatest) })
     }
 
-    /// The picture at `uv`, blurred over a box of sides `size`: bilinear within the two levels whose pixels are nearest to the box's
-    /// longer side.
+    /// Mean over a box with sides `size` around `uv`.
+    ///
+    /// Interpolates bilinearly in the two levels whose pixels are closest to the box's longer side.
     #[must_use]
     pub fn at(&self, uv: DVec2, size: DVec2) -> Rgb {
         let uv = uv.map(|x| self.wrap.fold(x));
@@ -101,14 +104,14 @@ impl Picture {
         self.range
     }
 
-    /// Side of a pixel in texture coordinates, along the axis that has more of them.
+    /// Side of a pixel in texture coordinates, along the axis with more pixels.
     pub(super) fn texel(&self) -> f64 {
         1.0 / self.levels[0].width.max(self.levels[0].height) as f64
     }
 }
 
 impl Wrap {
-    /// A coordinate with the same meaning, near enough to 0 for its digits to count.
+    /// An equivalent coordinate, close enough to 0 to keep its digits.
     fn fold(self, x: f64) -> f64 {
         let folded = match self {
             Self::Repeat => x - x.floor(),
@@ -118,7 +121,7 @@ impl Wrap {
         if folded.is_finite() { folded } else { 0.0 }
     }
 
-    /// The pixel of `n` that stands at `i`.
+    /// The pixel of `n` that coordinate `i` refers to.
     fn pixel(self, i: i64, n: usize) -> usize {
         let n = n as i64;
         (match self {
@@ -146,7 +149,8 @@ impl Level {
         upper.lerp(lower, fy)
     }
 
-    /// Half as many columns and rows, rounded down; each pixel is the mean over its area.
+    /// The next level: half as many columns and rows, rounded down. Each pixel is the mean over its
+    /// area.
     fn halved(&self) -> Self {
         let (width, height) = ((self.width / 2).max(1), (self.height / 2).max(1));
         let columns: Vec<Vec<(usize, f32)>> = (0..width).map(|j| covered(j, self.width, width)).collect();
@@ -163,87 +167,13 @@ impl Level {
     }
 }
 
-/// The pixels of `n` that pixel `j` of `m` covers, with their shares in it.
+/// The pixels of `n` that pixel `j` of `m` covers, with their weights.
 fn covered(j: usize, n: usize, m: usize) -> Vec<(usize, f32)> {
-    // In units of 1/m of a pixel: pixel j covers [j n, (j + 1) n], old pixel i covers [i m, (i + 1) m].
+    // In units of 1/m of a pixel: pixel j covers [j n, (j + 1) n], old pixel i covers [i m, (i + 1)
+    // m].
     let (start, end) = (j * n, (j + 1) * n);
     (start / m..end.div_ceil(m)).map(|i| (i, (end.min((i + 1) * m) - start.max(i * m)) as f32 / n as f32)).collect()
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::sampling::{Dimension, Key, Purpose};
-
-    fn image(width: u32, height: u32) -> Image {
-        let pixel = |i: u32| {
-            let u = Key::new(9).purpose(Purpose::Test).with(u64::from(i)).uniform_2d(Dimension::Film);
-            Vec3::new(u.x, u.y, u.x * u.y)
-        };
-        Image::from_pixels(width, height, (0..width * height).map(pixel).collect()).unwrap()
-    }
-
-    /// At two looks a pixel of the level, at quarters from its edges, the weights of every pixel add up to two looks: the sum of all looks is
-    /// that of all pixels. Coarser levels cover the same areas, so their means are that of the picture. Sums err by n·2⁻²⁴, n < 200.
-    #[test]
-    fn looks_have_the_mean_of_the_picture_at_all_levels() {
-        for (width, height) in [(8, 8), (7, 5), (1, 9), (13, 6)] {
-            for wrap in [Wrap::Repeat, Wrap::Clamp, Wrap::Mirror] {
-                let picture = Picture::new(&image(width, height), wrap).unwrap();
-                for (i, level) in picture.levels.iter().enumerate() {
-                    let (columns, rows) = (2 * level.width, 2 * level.height);
-                    let size =
-                        DVec2::new(f64::from(1u32 << i) / f64::from(width), f64::from(1u32 << i) / f64::from(height));
-                    let mut sum = DVec3::ZERO;
-                    for at in 0..columns * rows {
-                        let (x, y) = ((at % columns) as f64 + 0.5, (at / columns) as f64 + 0.5);
-                        sum += picture.at(DVec2::new(x / columns as f64, y / rows as f64), size).as_dvec3();
-                    }
-                    let error = (sum / (columns * rows) as f64 - picture.mean().as_dvec3()).abs().max_element();
-                    assert!(error < 2e-5, "{width} × {height}, {wrap:?}, level {i}: {error}");
-                }
-                let whole = picture.at(DVec2::new(0.3, 0.9), DVec2::splat(1e3));
-                assert!((whole - picture.mean()).abs().max_element() < 2e-5, "{wrap:?}");
-            }
-        }
-    }
-
-    #[test]
-    fn pixels_stand_where_they_are_seen_and_again_beyond_the_edges() {
-        let values = [[0.0, 1.0, 2.0], [3.0, 4.0, 5.0]];
-        let pixels = values.iter().flatten().map(|x| Vec3::splat(*x)).collect();
-        let image = Image::from_pixels(3, 2, pixels).unwrap();
-        let at = |wrap, column: f64, row: f64| {
-            let uv = DVec2::new((column + 0.5) / 3.0, 1.0 - (row + 0.5) / 2.0);
-            f64::from(Picture::new(&image, wrap).unwrap().at(uv, DVec2::ZERO).x)
-        };
-        for wrap in [Wrap::Repeat, Wrap::Clamp, Wrap::Mirror] {
-            for (row, line) in values.iter().enumerate() {
-                for (column, value) in line.iter().enumerate() {
-                    assert!((at(wrap, column as f64, row as f64) - f64::from(*value)).abs() < 1e-5);
-                }
-            }
-            assert!((at(wrap, 0.25, 0.5) - 1.75).abs() < 1e-5, "half way down, a quarter to the right");
-        }
-        for (wrap, beyond) in
-            [(Wrap::Repeat, [0.0, 2.0, 1.0]), (Wrap::Clamp, [2.0, 0.0, 2.0]), (Wrap::Mirror, [2.0, 0.0, 1.0])]
-        {
-            for (column, value) in [(3.0, beyond[0]), (-1.0, beyond[1]), (4.0, beyond[2])] {
-                assert!((at(wrap, column, 0.0) - value).abs() < 1e-5, "{wrap:?} {column}");
-            }
-            assert!((at(wrap, 1e9, 0.0)).is_finite() && at(wrap, f64::INFINITY, f64::NAN).is_finite());
-        }
-    }
-
-    #[test]
-    fn what_is_no_reflectance_is_refused() {
-        let with = |value: f32| {
-            let mut pixels = vec![Vec3::ONE; 6];
-            pixels[4].y = value;
-            Picture::new(&Image::from_pixels(3, 2, pixels).unwrap(), Wrap::Repeat).err()
-        };
-        assert_eq!(with(0.0), None);
-        assert_eq!(with(-1.0), Some(PictureError::Negative { x: 1, y: 1 }));
-        assert_eq!(with(f32::NAN), Some(PictureError::NotFinite { x: 1, y: 1 }));
-    }
-}
+mod tests;

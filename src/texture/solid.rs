@@ -1,14 +1,14 @@
-//! Patterns in space: clouds, veins, rings.
+//! Solid textures: clouds, veins and rings in space.
 
 use super::noise::fractal;
 use crate::color::Rgb;
 use glam::{DAffine3, DVec3};
 use std::f64::consts::PI;
 
-/// How a pattern's two colours lie in space. N is the noise of [`Solid`].
+/// How a pattern blends two colours in space. N is the noise of [`Solid`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SolidKind {
-    /// Clouds: ½ + ½ a N, cut to \[0, 1].
+    /// Clouds: ½ + ½ a N, clamped to \[0, 1].
     Noise,
     /// Veins across the x axis: ½ + ½ sin 2π(f x + a N).
     Marble,
@@ -16,29 +16,31 @@ pub enum SolidKind {
     Wood,
 }
 
-/// A pattern that goes from one colour to another, as the ancestors of the scene language have it (MIT 6.837).
+/// A solid texture that blends two colours, as in MIT 6.837's scene language.
 ///
-/// Its noise is that of `octaves` octaves, the first of `frequency` f \[1/length], each next one of twice the frequency and half the
-/// height; `amplitude` a is what the noise is multiplied by.
+/// N sums `octaves` octaves. The first has `frequency` f \[1/length], each next one twice the
+/// frequency and half the amplitude. `amplitude` a scales the noise.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Solid {
-    /// Form.
+    /// The pattern.
     pub kind: SolidKind,
     /// Colours at 0 and at 1.
     pub colors: [Rgb; 2],
     /// Octaves of noise.
     pub octaves: u32,
-    /// Of the first octave, and of veins and rings \[1/length].
+    /// Frequency of the first octave, and of veins and rings \[1/length].
     pub frequency: f64,
-    /// What the noise is multiplied by.
+    /// Factor of the noise.
     pub amplitude: f64,
-    /// From the object's space to the pattern's.
+    /// From object space to pattern space.
     pub to_pattern: DAffine3,
 }
 
 impl Solid {
-    /// The pattern at `p` of the object's space, over a ball of diameter `width`: noise loses its fine octaves, and a wave
-    /// sin 2πs over a width w of s becomes sin 2πs · sin(πw)/(πw).
+    /// Mean colour over a ball of diameter `width` around `p` in object space.
+    ///
+    /// Noise loses its fine octaves. A wave sin 2πs over a width w of s becomes sin 2πs ·
+    /// sin(πw)/(πw).
     #[must_use]
     pub fn at(&self, p: DVec3, width: f64) -> Rgb {
         let p = self.to_pattern.transform_point3(p) * self.frequency;
@@ -56,25 +58,25 @@ impl Solid {
         self.colors[0].lerp(self.colors[1], t as f32)
     }
 
-    /// Half way: noise and waves are as often above as below.
+    /// The mean of both colours: noise and waves are symmetric.
     pub(super) fn mean(&self) -> Rgb {
         (self.colors[0] + self.colors[1]) * 0.5
     }
 
-    /// How many times longer a length is in the pattern's space, at most.
+    /// Greatest scale factor of lengths from object space to pattern space.
     fn stretch(&self) -> f64 {
         let m = self.to_pattern.matrix3;
         m.x_axis.length().max(m.y_axis.length()).max(m.z_axis.length())
     }
 
-    pub(super) fn grain(&self) -> f64 {
+    pub(super) fn bump_step(&self) -> f64 {
         let finest =
             self.frequency.abs() * self.stretch() * f64::from(1u32 << self.octaves.clamp(1, 31).saturating_sub(1));
         if finest > 0.0 { 1e-2 / finest } else { 1.0 }
     }
 }
 
-/// sin(πw)/(πw) up to its first zero, and 0 beyond, where the lobes would turn light and dark around.
+/// sin(πw)/(πw) up to its first zero, and 0 beyond, where its lobes would invert the pattern.
 fn blur(w: f64) -> f64 {
     if w < 1e-6 {
         1.0
@@ -95,10 +97,10 @@ mod tests {
     }
 
     #[test]
-    fn veins_and_rings_stand_where_they_should() {
+    fn veins_and_rings_have_their_frequency_and_phase() {
         let marble = solid(SolidKind::Marble, 0.0, DAffine3::IDENTITY);
         let wood = solid(SolidKind::Wood, 0.0, DAffine3::IDENTITY);
-        // Two waves a length: brightest an eighth along.
+        // Two waves a length: the maximum is at an eighth.
         for (solid, p) in [(marble, DVec3::new(0.125, 9.0, 3.0)), (wood, DVec3::new(0.075, 9.0, 0.1))] {
             assert!((solid.at(p, 0.0).x - 1.0).abs() < 1e-6);
         }
@@ -107,9 +109,10 @@ mod tests {
         assert!((turned.at(DVec3::new(9.0, 0.125, 3.0), 0.0).x - 1.0).abs() < 1e-6);
     }
 
-    /// The mean of the wave over a box of width w around p, by n midpoints: their error is below (w/n)².
+    /// Expected: the mean of the wave over a box of width w around p, by n midpoints; the error is
+    /// below (w/n)².
     #[test]
-    fn a_wide_patch_sees_the_mean_of_the_wave() {
+    fn wide_footprints_average_the_wave() {
         let marble = solid(SolidKind::Marble, 0.0, DAffine3::IDENTITY);
         let (p, width, n) = (0.1, 0.3, 1000);
         let at = |i: i32| marble.at(DVec3::X * (p + width * ((f64::from(i) + 0.5) / f64::from(n) - 0.5)), 0.0).x;
@@ -118,7 +121,8 @@ mod tests {
         assert_eq!(marble.at(DVec3::X * p, 10.0), Rgb::splat(0.5));
     }
 
-    /// Noise is as often above as below: over n points the mean errs by less than 5/(2√n), as values lie in [0, 1].
+    /// Noise is symmetric: over n points the mean has an error below 5/(2√n), as values lie in [0,
+    /// 1].
     #[test]
     fn patterns_have_their_stated_mean() {
         let n = 50_000;

@@ -179,7 +179,7 @@ fn scenes_09_and_10_match_fine_meshes() {
             let look = |scene: &Scene, i: i32, j: i32| {
                 let offset = |k: i32| (f64::from(k) + 0.5) / f64::from(n) - 0.5;
                 let d = (forward + (right * offset(i) + up * offset(j)) * 0.9).normalize();
-                let ray = Ray::new((eye - scene.middle()).as_vec3(), d.as_vec3());
+                let ray = Ray::new((eye - scene.origin()).as_vec3(), d.as_vec3());
                 scene.intersect(&ray).map(|hit| (hit.t, scene.normal_at(&ray, &hit)))
             };
             let pixels = || (0..n).flat_map(|j| (0..n).map(move |i| (i, j)));

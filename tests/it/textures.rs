@@ -24,20 +24,20 @@ fn picture(scene: &Scene, algorithm: Algorithm, samples: u32, passes: u32, effec
 
 /// Returns the first hit of a ray in the coordinates of the description.
 fn hit(scene: &Scene, from: DVec3, direction: DVec3) -> (Hit, Ray) {
-    let ray = Ray::new((from - scene.middle()).as_vec3(), direction.normalize().as_vec3());
+    let ray = Ray::new((from - scene.origin()).as_vec3(), direction.normalize().as_vec3());
     (scene.intersect(&ray).expect("the ray hits an object"), ray)
 }
 
 fn surface(scene: &Scene, from: DVec3, direction: DVec3) -> SurfaceInteraction<'_> {
     let (hit, ray) = hit(scene, from, direction);
-    scene.surface(&ray, &hit, &RayCone::point(Effects::ALL), || 0.5)
+    scene.interaction(&ray, &hit, &RayCone::point(Effects::ALL), || 0.5)
 }
 
 fn uv(scene: &Scene, from: [f64; 3], direction: [f64; 3]) -> DVec2 {
     let (hit, ray) = hit(scene, DVec3::from(from), DVec3::from(direction));
     let cone = RayCone::point(Effects::ALL);
-    let surface = scene.surface(&ray, &hit, &cone, || 0.5);
-    scene.place(&hit, &surface.point, surface.wo, &cone).uv
+    let surface = scene.interaction(&ray, &hit, &cone, || 0.5);
+    scene.texture_context(&hit, &surface.point, surface.wo, &cone).uv
 }
 
 const CAMERA: &str = "PerspectiveCamera { center 0 1 0  lookAt 0 .9 -5  angle 30  width 64  height 32 }";

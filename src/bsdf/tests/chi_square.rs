@@ -1,18 +1,18 @@
-//! Samplers against their densities, by Pearson's test over a grid that resolves the lobes.
+//! Pearson's chi-square test of samplers against their pdfs, on a grid that resolves the lobes.
 
 use super::*;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
-/// Rings and sectors of a grid, and points a cell along each to integrate the density: the midpoint rule's error then is below
-/// the noise of a count even in cells that a horizon cuts.
+/// Rings and sectors of a grid, and integration points per cell axis. The error of the midpoint
+/// rule is below the noise of a count, even in cells that a horizon cuts.
 const RINGS: usize = 40;
 const SECTORS: usize = 16;
 const POINTS: usize = 24;
 
 const SAMPLES: u64 = 100_000;
 
-/// Cells around a pole; rings are `width` wide near it and widen outwards, up to the pole's antipode.
+/// A polar grid. Rings are `width` wide near the pole, and widen towards its antipode.
 struct Grid {
     frame: [DVec3; 3],
     width: f64,
@@ -34,7 +34,7 @@ impl Grid {
         (ring as usize).min(RINGS - 1) * SECTORS + (sector as usize).min(SECTORS - 1)
     }
 
-    /// The integral of `density` over each cell.
+    /// Integral of `density` over each cell.
     fn integrate(&self, density: impl Fn(Vec3) -> f32) -> Vec<f64> {
         let mut cells = vec![0.0; RINGS * SECTORS];
         let (rings, sectors) = (RINGS * POINTS, SECTORS * POINTS);
@@ -59,7 +59,7 @@ impl Grid {
 
 struct Case {
     bsdf: Bsdf,
-    /// Relative index of the far side, for the pole of transmission.
+    /// Relative index of the far side; it determines the pole of transmission.
     eta: f32,
     width: f64,
     wo: Vec3,
@@ -83,7 +83,7 @@ fn cases() -> Vec<Case> {
         materials.push((Bsdf::Conductor(Conductor::new(eta, k, alpha)), 1.0, width));
         materials.extend([1.5, 1.0 / 1.5].map(|eta| (Bsdf::dielectric(eta, alpha), eta, width)));
     }
-    // Narrower than any that is built: the formulas hold there too.
+    // Narrower than any lobe that is built: the formulas hold there too.
     materials.push((Bsdf::RoughDielectric(RoughDielectric::new(1.5, 1e-4)), 1.5, 2e-4));
     materials.push((Bsdf::RoughDielectric(RoughDielectric::new(1.0 / 1.5, 1e-4)), 1.0 / 1.5, 2e-4));
     materials.push((Bsdf::Conductor(Conductor::of_any_width(eta, k, 1e-4)), 1.0, 2e-4));
@@ -104,7 +104,7 @@ fn cases() -> Vec<Case> {
     cases
 }
 
-/// Grids around where a mirror and where a smooth interface would send the light.
+/// Grids around the directions of specular reflection and refraction.
 fn grids(case: &Case) -> [Grid; 2] {
     let n = facing(case.ns, case.wo);
     let cos = case.wo.dot(n);
@@ -114,7 +114,7 @@ fn grids(case: &Case) -> [Grid; 2] {
     [Grid::new(n * (2.0 * cos) - case.wo, case.width), Grid::new(through, width)]
 }
 
-/// Probabilities of all cells: reflection, then transmission, then nothing at all.
+/// Probabilities of all cells: reflection, then transmission, then absorption.
 fn expectations(case: &Case, grids: &[Grid; 2]) -> Vec<f64> {
     let mut cells = Vec::new();
     for (grid, side) in grids.iter().zip([1.0f32, -1.0]) {
@@ -128,7 +128,7 @@ fn expectations(case: &Case, grids: &[Grid; 2]) -> Vec<f64> {
     cells
 }
 
-/// The probability of a worse fit (Wilson–Hilferty, as in the test of keys); cells that expect fewer than 5 are pooled.
+/// Probability of a worse fit (Wilson–Hilferty). Cells that expect fewer than 5 samples are pooled.
 fn p_value(counts: &[u32], expected: &[f64]) -> f64 {
     let mut cells: Vec<(f64, f64)> = expected.iter().copied().zip(counts.iter().map(|c| f64::from(*c))).collect();
     cells.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -146,9 +146,10 @@ fn p_value(counts: &[u32], expected: &[f64]) -> f64 {
     0.5 * libm::erfc(z * std::f64::consts::FRAC_1_SQRT_2)
 }
 
-/// Samples fall as the density says, in all directions and into absorption; the density integrates to at most 1.
+/// Samples agree with the pdf in all directions, absorption included. The pdf integrates to at most
+/// 1.
 #[test]
-fn samplers_match_their_densities() {
+fn samplers_match_their_pdfs() {
     let cases = cases();
     // Šidák: one false alarm in 400 runs of the whole list.
     let least = 0.0025 / cases.len() as f64;
@@ -157,7 +158,7 @@ fn samplers_match_their_densities() {
         let expected = expectations(case, &grids);
         let lost = *expected.last().unwrap();
         let name = format!("{:?} from {} by {}", case.bsdf, case.wo, case.ns);
-        // Half the noise of counting all samples bounds what the midpoint rule may err.
+        // Half the noise of counting all samples bounds the error of the midpoint rule.
         assert!(lost > -0.5 / (SAMPLES as f64).sqrt(), "{name} integrates to {}", 1.0 - lost);
         let mut counts = vec![0u32; expected.len()];
         let key = Key::new(17).purpose(Purpose::Test).with(index as u64);
@@ -177,9 +178,10 @@ fn samplers_match_their_densities() {
     }
 }
 
-/// Where no facet can send light to the wrong side, nothing is lost: α = 10⁻³ at 45° is hundreds of widths from any horizon.
+/// Nothing is lost if no facet scatters to the wrong side: α = 10⁻³ at 45° is hundreds of widths
+/// from any horizon.
 #[test]
-fn densities_of_narrow_lobes_integrate_to_one() {
+fn pdfs_of_narrow_lobes_integrate_to_one() {
     let narrow = |c: &&Case| c.width < 0.01 && c.ns == c.ng && c.wo.dot(c.ns).abs() > 0.5;
     let mut seen = 0;
     for case in cases().iter().filter(narrow) {

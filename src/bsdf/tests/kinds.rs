@@ -1,4 +1,4 @@
-//! Which kind of walk each BSDF asks for, panes, and limits of construction.
+//! Classification of BSDFs, thin sheets, and limits of construction.
 
 use super::*;
 
@@ -12,7 +12,7 @@ fn family() -> Vec<Bsdf> {
 }
 
 #[test]
-fn each_either_stores_photons_or_casts_caustics() {
+fn every_bsdf_stores_photons_or_casts_caustics() {
     for bsdf in family() {
         assert!(bsdf.stores_photons() != bsdf.casts_caustics(), "{bsdf:?}");
         assert!(!bsdf.is_specular() || bsdf.casts_caustics(), "{bsdf:?}");
@@ -26,7 +26,7 @@ fn each_either_stores_photons_or_casts_caustics() {
 }
 
 #[test]
-fn deltas_have_no_density() {
+fn delta_lobes_have_zero_pdf() {
     for bsdf in family().iter().filter(|b| b.is_specular()) {
         let wo = direction(0.6);
         for wi in [Vec3::new(-wo.x, 0.0, wo.z), -wo] {
@@ -42,9 +42,9 @@ fn bsdfs_are_small() {
     assert!(size_of::<Bsdf>() <= 40, "{}", size_of::<Bsdf>());
 }
 
-/// What barely bends is smooth, and an index of 1 lets light straight on, exactly.
+/// Interfaces that barely refract are smooth, and an index of 1 transmits exactly straight on.
 #[test]
-fn an_index_of_one_is_no_interface() {
+fn an_index_of_one_transmits_all_light() {
     let none = Bsdf::dielectric(1.0, 0.5);
     assert_eq!(none, Bsdf::Dielectric(Dielectric { eta: 1.0 }));
     assert_eq!(Bsdf::dielectric(1.5, 0.0009), Bsdf::Dielectric(Dielectric { eta: 1.5 }));
@@ -57,19 +57,19 @@ fn an_index_of_one_is_no_interface() {
     }
 }
 
-/// analytic-truths 13: (1−R)/(1+R) through a clear pane, with absorption (1−R)²τ/(1−R²τ²); and the same by following light
-/// back and forth between the interfaces.
+/// analytic-truths 13: (1−R)/(1+R) through a clear sheet, (1−R)²τ/(1−R²τ²) with absorption; and an
+/// explicit sum over reflections between the interfaces.
 #[test]
-fn panes_match_the_slab() {
+fn thin_sheets_match_the_slab_formula() {
     let clear = Thin { eta: 1.5, transmittance: Rgb::ONE };
-    let (r, t) = clear.shares(1.0);
+    let (r, t) = clear.reflectance_and_transmittance(1.0);
     assert!((t.x - 0.923_077).abs() < 1e-6 && (r + t - 1.0).abs().max_element() < 1e-6);
-    assert!((clear.shares(0.5).1.x - 0.836_23).abs() < 1e-5);
+    assert!((clear.reflectance_and_transmittance(0.5).1.x - 0.836_23).abs() < 1e-5);
 
     let tinted = Thin { eta: 1.5, transmittance: Rgb::new(0.9, 0.5, 0.0) };
     for cos in [1.0f32, 0.5, 0.05] {
         let (reflectance, cos_t) = dielectric_reflectance(cos, 1.5);
-        let (r, t) = tinted.shares(cos);
+        let (r, t) = tinted.reflectance_and_transmittance(cos);
         for channel in 0..3 {
             let kept = libm::powf(tinted.transmittance[channel], 1.0 / cos_t);
             let (mut back, mut through, mut inside) = (reflectance, 0.0, 1.0 - reflectance);
@@ -82,19 +82,19 @@ fn panes_match_the_slab() {
             assert!((r[channel] - back).abs() < 2e-6 && (t[channel] - through).abs() < 2e-6, "{cos}: {r} {t}");
         }
     }
-    // A sheet thinner than its surroundings reflects all beyond the critical angle.
-    assert_eq!(Thin { eta: 1.0 / 1.5, ..clear }.shares(0.1), (Rgb::ONE, Rgb::ZERO));
-    assert_eq!(Thin { eta: 1.0, ..tinted }.shares(0.4).0, Rgb::ZERO);
+    // A sheet less dense than its surroundings reflects all light beyond the critical angle.
+    assert_eq!(Thin { eta: 1.0 / 1.5, ..clear }.reflectance_and_transmittance(0.1), (Rgb::ONE, Rgb::ZERO));
+    assert_eq!(Thin { eta: 1.0, ..tinted }.reflectance_and_transmittance(0.4).0, Rgb::ZERO);
 }
 
-/// Sampling a pane gives both shares, straight on or mirrored, the same from both sides and in both transports.
+/// Sampling a sheet returns both weights, from both sides and in both transports.
 #[test]
-fn panes_sample_both_shares() {
+fn thin_sheets_sample_both_directions() {
     let pane = Thin { eta: 1.5, transmittance: Rgb::new(0.9, 0.5, 0.2) };
     let n = 50_000u64;
     for cos in [0.8, -0.8, 0.1] {
         let wo = direction(cos);
-        let (r, t) = pane.shares(f32::abs(cos));
+        let (r, t) = pane.reflectance_and_transmittance(f32::abs(cos));
         let (mut back, mut through) = (Rgb::ZERO, Rgb::ZERO);
         for i in 0..n {
             let s = draw(&Bsdf::Thin(pane), wo, i, Transport::Radiance).unwrap();

@@ -26,7 +26,7 @@ fn materials() -> [Bsdf; 5] {
     ]
 }
 
-/// One of each kind, with rough ones at both ends.
+/// One BSDF of each kind, and rough ones at both ends.
 fn all_kinds() -> Vec<Bsdf> {
     let (eta, k) = metal("copper").unwrap();
     let mut all = materials().to_vec();
@@ -37,8 +37,8 @@ fn all_kinds() -> Vec<Bsdf> {
     all
 }
 
-/// No BSDF returns more flux than it receives, at any angle, from either side: the mean weight of importance is at most 1
-/// within five standard errors of its own samples.
+/// No BSDF gains energy, at any angle, from either side: the mean weight of importance is at most 1
+/// within five standard errors.
 #[test]
 fn energy_is_not_gained() {
     let n = 40_000u64;
@@ -58,7 +58,7 @@ fn energy_is_not_gained() {
     }
 }
 
-/// Sampling agrees with evaluation: the mean weight equals ∫ f cos dω by uniform sampling of the hemisphere.
+/// The mean sampling weight equals ∫ f cos dω by uniform sampling of the hemisphere.
 #[test]
 fn sampling_and_evaluation_agree() {
     let n = 200_000u64;
@@ -81,7 +81,7 @@ fn sampling_and_evaluation_agree() {
                 let wi = warp::cone(u, 1.0);
                 f64::from(bsdf.evaluate(wo, wi, Vec3::Z, Vec3::Z, Transport::Importance).y * wi.z / warp::cone_pdf(1.0))
             });
-            // Five sigma of the difference: one false alarm in a million a comparison.
+            // Five sigma of the difference: one false alarm in a million comparisons.
             assert!((a - b).abs() < 5.0 * (va + vb).sqrt() + 1e-5, "{bsdf:?} at {cos}: {a} {b}");
         }
     }
@@ -102,9 +102,10 @@ fn reflection_is_reciprocal() {
     }
 }
 
-/// Reflected and refracted shares are Fresnel's, and radiance is squeezed by n² where flux is not (analytic-truths 16).
+/// Reflectance and transmittance are Fresnel's; radiance is scaled by n², flux is not
+/// (analytic-truths 16).
 #[test]
-fn dielectric_shares_are_fresnel() {
+fn dielectric_weights_are_fresnel() {
     let glass = Bsdf::Dielectric(Dielectric { eta: 1.5 });
     let n = 100_000u64;
     for cos in [0.8f32, 0.3, -0.9] {
@@ -121,9 +122,9 @@ fn dielectric_shares_are_fresnel() {
     }
 }
 
-/// With a shading normal bent away, no sample contradicts the geometric side it claims.
+/// Under a tilted shading normal, each sample lies on the geometric side that it claims.
 #[test]
-fn shading_normals_never_leak() {
+fn shading_normals_never_leak_light() {
     let ns = Vec3::new(0.9, 0.0, 0.3).normalize();
     for bsdf in all_kinds() {
         for i in 0..20_000u64 {

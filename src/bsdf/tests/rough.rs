@@ -1,4 +1,4 @@
-//! Energy, symmetry and limits of microfacets.
+//! Energy, symmetry and limits of microfacet BSDFs.
 
 use super::*;
 
@@ -13,7 +13,7 @@ fn directions(count: u64) -> impl Iterator<Item = (Vec3, Vec3)> {
     })
 }
 
-/// Within the roundings of f32 directions, which a lobe of width α enlarges by 4/α.
+/// Tolerance: roundings of f32 directions, magnified by 4/α in a lobe of width α.
 fn close(a: f32, b: f32) -> bool {
     (a - b).abs() <= 1e-5 * a.abs().max(b.abs()) + 1e-12
 }
@@ -28,8 +28,8 @@ fn rough() -> [Bsdf; 4] {
     ]
 }
 
-/// Mean weight of importance over a lattice of random numbers, which stands for the integral of f·cos over all directions; by
-/// reflection and by transmission.
+/// Mean weight of importance over a lattice of random numbers, by reflection and by transmission.
+/// It stands for the integral of f·cos over all directions.
 fn kept(bsdf: &Bsdf, wo: Vec3) -> (f64, f64) {
     let steps = 256u32;
     let (mut reflected, mut transmitted) = (0.0, 0.0);
@@ -45,9 +45,9 @@ fn kept(bsdf: &Bsdf, wo: Vec3) -> (f64, f64) {
     (reflected / n, transmitted / n)
 }
 
-/// What a sample carries is what evaluation and density say of it, also under bent normals and at the narrowest lobes.
+/// Samples agree with `evaluate` and `pdf`, also under tilted normals and at the narrowest lobes.
 #[test]
-fn samples_carry_what_evaluation_says() {
+fn samples_agree_with_evaluation_and_pdf() {
     let (eta, k) = metal("iron").unwrap();
     let mut checked = 0;
     for alpha in [SMOOTH_ALPHA, 0.05, 0.3, 1.0] {
@@ -80,10 +80,10 @@ fn samples_carry_what_evaluation_says() {
     assert!(checked > 50_000, "{checked}");
 }
 
-/// Reflection is reciprocal; through the interface f(wo, wi)/n²(wo) = f(wi, wo)/n²(wi), where the first direction is the
-/// viewer's (Veach 1997, section 5.2).
+/// Reflection is reciprocal; through the interface f(wo, wi)/n²(wo) = f(wi, wo)/n²(wi) (Veach 1997,
+/// section 5.2).
 #[test]
-fn interfaces_are_reciprocal_up_to_the_index() {
+fn interfaces_are_reciprocal_up_to_squared_index() {
     let mut through = 0;
     for bsdf in rough() {
         let outer_over_inner = match bsdf {
@@ -97,7 +97,7 @@ fn interfaces_are_reciprocal_up_to_the_index() {
             let (there, back) = (f(wo, wi, Transport::Radiance), f(wi, wo, Transport::Radiance));
             let (n_o, n_i) = (index(wo), index(wi));
             assert!(close(there / (n_o * n_o), back / (n_i * n_i)), "{bsdf:?} {wo} {wi}: {there} {back}");
-            // The adjoint: what a walk from a light at wo sends to wi is what a viewer at wi sees of wo.
+            // The adjoint: flux from wo to wi equals radiance seen from wi along wo.
             let adjoint = f(wo, wi, Transport::Importance);
             assert!(close(adjoint, back), "{bsdf:?} {wo} {wi}: {adjoint} {back}");
             assert!(close(adjoint / (n_i * n_i), there / (n_o * n_o)), "{bsdf:?} {wo} {wi}");
@@ -107,11 +107,11 @@ fn interfaces_are_reciprocal_up_to_the_index() {
     assert!(through > 1000, "{through}");
 }
 
-/// A conductor that reflects all loses only what facets would scatter twice, as its page says. The expected losses come from
-/// quadrature written apart from this code; at α = 1 along the normal it closes: sin²θ of the facets is uniform, and
-/// 1 − ∫₀^½ (1−2s)/(1−s) ds = ln 2.
+/// A white conductor loses only multiple scattering, as documented. The expected losses come from
+/// an independent quadrature. At α = 1 and normal incidence it closes: sin²θ of the facets is
+/// uniform, and 1 − ∫₀^½ (1−2s)/(1−s) ds = ln 2.
 #[test]
-fn a_white_conductor_loses_what_is_stated() {
+fn a_white_conductor_has_the_documented_loss() {
     let grazing = libm::cosf(85f32.to_radians());
     let stated = [
         (0.1, 0.012_43, 0.113_35),
@@ -128,9 +128,10 @@ fn a_white_conductor_loses_what_is_stated() {
     }
 }
 
-/// Ground glass gains nothing from either side, and loses what its page says (from the same quadrature).
+/// A rough dielectric gains nothing from either side, and loses what is documented (same
+/// quadrature).
 #[test]
-fn ground_glass_loses_what_is_stated() {
+fn a_rough_dielectric_has_the_documented_loss() {
     let grazing = libm::cosf(85f32.to_radians());
     let stated = [
         (0.1, [0.000_99, 0.079_62], [0.011_74, 0.136_15]),
@@ -142,7 +143,7 @@ fn ground_glass_loses_what_is_stated() {
         for (sign, stated) in [(1.0, outside), (-1.0, inside)] {
             for (cos, stated) in [1.0, grazing].into_iter().zip(stated) {
                 let (r, t) = kept(&glass, direction(sign * cos));
-                // Shares are counted, with an error of some 1/√65,536 of what they lose differently.
+                // Counted fractions have an error of some 1/√65,536.
                 assert!((1.0 - r - t - stated).abs() < 2e-3, "{alpha} at {}: {r} + {t}, {stated}", sign * cos);
             }
             for cos in [0.7, 0.2, 0.05] {
@@ -153,7 +154,7 @@ fn ground_glass_loses_what_is_stated() {
     }
 }
 
-/// As α falls, energy splits as at a smooth interface, and metal reflects as a smooth mirror.
+/// Narrow lobes split energy like a smooth interface, and reflect like a mirror.
 #[test]
 fn narrow_lobes_approach_deltas() {
     let (eta, k) = metal("silver").unwrap();
@@ -164,7 +165,8 @@ fn narrow_lobes_approach_deltas() {
         let wo = direction(cos);
         let smooth = Dielectric { eta: GLASS }.split(wo, Vec3::Z, Vec3::Z, Transport::Importance);
         let (r, t) = kept(&glass, wo);
-        // The lattice of 65,536 counts shares to their inverse root at worst; Fresnel's curvature over α adds 10⁻⁵.
+        // The lattice of 65,536 has an error of at most its inverse root; Fresnel's curvature over
+        // α adds 10⁻⁵.
         let tolerance = 1.0 / 256.0;
         assert!((r - f64::from(smooth.reflected.1)).abs() < tolerance, "{cos}: {r} {smooth:?}");
         assert!((t - f64::from(smooth.transmitted.1)).abs() < tolerance, "{cos}: {t} {smooth:?}");
@@ -176,12 +178,12 @@ fn narrow_lobes_approach_deltas() {
     }
 }
 
-/// The distribution projects to the area it covers: ∫ D cosθ dω = 1, down to the narrowest.
+/// The distribution projects to unit area: ∫ D cosθ dω = 1, down to the narrowest.
 #[test]
-fn facets_cover_their_surface() {
+fn projected_facet_area_is_one() {
     for alpha in [1e-4f32, 1e-3, 0.1, 1.0] {
         let ggx = microfacet::Ggx::new(alpha);
-        // With tan²θ = α² x/(1−x) the integrand is constant in x; a lattice then sees only rounding.
+        // With tan²θ = α² x/(1−x) the integrand is constant in x, so a lattice only sees rounding.
         let steps = 1000;
         let total: f64 = (0..steps)
             .map(|i| {

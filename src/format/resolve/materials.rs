@@ -1,44 +1,40 @@
-//! Materials of the description.
+//! Resolves the materials of a description.
 
-use super::textures::Worn;
+use super::media::fill_body;
+use super::textures::TextureNeeds;
 use super::{Resolver, rgb};
 use crate::bsdf::{METALS, metal};
 use crate::color::{GLASSES, Glass, Rgb, glass};
 use crate::format::SceneError;
 use crate::format::description::{Emission, MaterialKind, Metal, Refraction, Spanned};
 use crate::format::language::nearest;
-use crate::scene::{Body, Coat, Material, PhongAppearance};
+use crate::scene::{Body, Material};
 
 impl Resolver<'_> {
-    /// All materials, each by the index that it has in the file; white where there is none.
+    /// Adds all materials under the indices of the description; a white one if there is none.
     pub(super) fn materials(&mut self) -> Result<(), SceneError> {
-        let mut looks = Vec::new();
         for (index, described) in self.description.materials.iter().enumerate() {
-            let mut worn = Worn::default();
-            let (mut material, coat) = self.material(&described.kind, &looks, &mut worn)?;
-            super::media::fill_body(self, &mut material, described)?;
-            let relief = self.relief(described, &mut worn)?;
+            let mut needs = TextureNeeds::default();
+            let material = self.material(&described.kind, &mut needs)?;
+            let material = fill_body(self, material, described)?;
+            let normals = self.normals(described, &mut needs)?;
             if let Some(Emission::Texture { name, .. }) = &described.emission {
-                worn.by(&self.known(name, &(0.0..=f32::MAX))?);
+                needs.add(&self.known(name, &(0.0..=f32::MAX))?);
             }
-            self.worn_by_parts(&described.kind, &mut worn);
-            self.worn.push(worn);
-            looks.push(material.look);
-            match Self::dress(coat, relief) {
-                Some(dress) => self.builder.dressed(material, dress),
-                None => self.builder.material(material),
-            };
+            self.add_needs_of_parts(&described.kind, &mut needs);
+            self.texture_needs.push(needs);
+            self.builder.material(material.with_normals(normals));
             if let Some(name) = &described.name {
                 self.names.entry(name).or_insert(index as u32);
             }
         }
-        if looks.is_empty() {
+        if self.description.materials.is_empty() {
             self.builder.material(Material::diffuse(Rgb::ONE));
         }
         Ok(())
     }
 
-    /// Index of the material of a name.
+    /// Index of the material with a name.
     pub(super) fn named(&self, name: &Spanned<String>) -> Result<u32, SceneError> {
         self.names.get(name.as_str()).copied().ok_or_else(|| {
             let message = format!("there is no material named `{}`", name.value);
@@ -46,71 +42,54 @@ impl Resolver<'_> {
         })
     }
 
-    /// A material of means, which may refer to those whose looks are known, and what of it follows textures.
-    pub(super) fn material(
-        &mut self,
-        kind: &MaterialKind,
-        looks: &[PhongAppearance],
-        worn: &mut Worn,
-    ) -> Result<(Material, Coat), SceneError> {
+    /// A material without medium and with unperturbed normals. Adds the textures that it uses to
+    /// `needs`.
+    pub(super) fn material(&mut self, kind: &MaterialKind, needs: &mut TextureNeeds) -> Result<Material, SceneError> {
         Ok(match kind {
             MaterialKind::Phong { diffuse, specular, shininess, texture } => {
-                let (diffuse, kd) = self.phong_diffuse(diffuse, texture.as_ref(), worn)?;
-                let (specular, ks) = self.tint(specular, &(0.0..=f32::MAX), worn)?;
-                let shininess = *shininess as f32;
-                (Material::phong(kd, ks, shininess), worn.coat(Coat::Phong { diffuse, specular, shininess }))
+                let diffuse = self.phong_diffuse(diffuse, texture.as_ref(), needs)?;
+                let specular = self.color(specular, &(0.0..=f32::MAX), needs)?;
+                Material::phong(diffuse, specular, *shininess as f32)
             }
-            MaterialKind::Diffuse { reflectance } => {
-                let (tint, mean) = self.share(reflectance, worn)?;
-                (Material::diffuse(mean), worn.coat(Coat::Diffuse(tint)))
-            }
-            MaterialKind::Mirror { reflectance } => {
-                let (tint, mean) = self.share(reflectance, worn)?;
-                (Material::mirror(mean), worn.coat(Coat::Mirror(tint)))
-            }
+            MaterialKind::Diffuse { reflectance } => Material::diffuse(self.reflectance(reflectance, needs)?),
+            MaterialKind::Mirror { reflectance } => Material::mirror(self.reflectance(reflectance, needs)?),
             MaterialKind::Dielectric { refraction, attenuation, roughness, priority } => {
-                let (texture, roughness) = self.degree(roughness, worn)?;
+                let roughness = self.fraction(roughness, needs)?;
                 let (index, glass) = self.refraction(refraction)?;
                 let absorption = rgb(attenuation.coefficient());
-                let body = Body { absorption, priority: *priority, roughness, glass, ..Body::new(index) };
-                (Material::body(body), texture.map_or(Coat::Plain, Coat::Boundary))
+                Material::rough_body(Body { absorption, priority: *priority, glass, ..Body::new(index) }, roughness)
             }
             MaterialKind::Clear { priority } => {
-                let place = Body { priority: *priority, clear: true, ..Body::new(1.0) };
-                (Material::body(place), Coat::Plain)
+                Material::body(Body { priority: *priority, null_interface: true, ..Body::new(1.0) })
             }
             MaterialKind::Conductor { metal, roughness } => {
                 let (eta, k) = self.metal(metal)?;
-                let (texture, alpha) = self.degree(roughness, worn)?;
-                let coat = texture.map_or(Coat::Plain, |roughness| Coat::Conductor { eta, k, roughness });
-                (Material::conductor(eta, k, alpha), coat)
+                Material::conductor(eta, k, self.fraction(roughness, needs)?)
             }
             MaterialKind::Thin { index, transmittance } => {
-                let (transmittance, mean) = self.share(transmittance, worn)?;
-                let eta = *index as f32;
-                (Material::thin(eta, mean), worn.coat(Coat::Thin { eta, transmittance }))
+                Material::thin(*index as f32, self.reflectance(transmittance, needs)?)
             }
             MaterialKind::Mix { first, second, amount } => {
                 let (first, second) = (self.named(first)?, self.named(second)?);
-                let (texture, amount) = self.degree(amount, worn)?;
-                let look = blend(looks[first as usize], looks[second as usize], amount);
-                (Material::mix(first, second, amount, look), texture.map_or(Coat::Plain, Coat::Mix))
+                Material::mix(first, second, self.fraction(amount, needs)?)
             }
         })
     }
 
-    /// The index of refraction at the line d, and that of the glass where it depends on the wavelength.
+    /// The refractive index at the d line, and the index of the glass if it depends on the
+    /// wavelength.
     fn refraction(&mut self, described: &Refraction) -> Result<(f32, Option<u32>), SceneError> {
         let glass = match described {
             Refraction::Index(index) => return Ok((*index as f32, None)),
-            Refraction::Named(name) => self.substance(name)?,
+            Refraction::Named(name) => self.glass_named(name)?,
             Refraction::Abbe { index, abbe } => Glass::of_abbe(*index, *abbe),
             Refraction::Own(glass) => *glass,
         };
         Ok((glass.index_d(), Some(self.builder.glass(glass))))
     }
 
-    fn substance(&self, name: &Spanned<String>) -> Result<Glass, SceneError> {
+    /// The glass with a name.
+    fn glass_named(&self, name: &Spanned<String>) -> Result<Glass, SceneError> {
         glass(name).ok_or_else(|| {
             let names = || GLASSES.iter().map(|g| g.0);
             let message = format!("no glass is called `{}`", name.value);
@@ -121,7 +100,7 @@ impl Resolver<'_> {
         })
     }
 
-    /// η and k.
+    /// The complex refractive index η + i·k.
     fn metal(&self, described: &Metal) -> Result<(Rgb, Rgb), SceneError> {
         match described {
             Metal::Index { eta, k } => Ok((rgb(*eta), rgb(*k))),
@@ -131,14 +110,5 @@ impl Resolver<'_> {
                 SceneError::at(self.source, name.span, message, "unknown name", help)
             }),
         }
-    }
-}
-
-/// The course's shading knows no chance: it sees the mean.
-fn blend(first: PhongAppearance, second: PhongAppearance, amount: f32) -> PhongAppearance {
-    PhongAppearance {
-        diffuse: first.diffuse.lerp(second.diffuse, amount),
-        specular: first.specular.lerp(second.specular, amount),
-        shininess: (1.0 - amount) * first.shininess + amount * second.shininess,
     }
 }

@@ -7,7 +7,7 @@ use crate::format::description::{
 };
 use crate::format::{SceneError, grid};
 use crate::medium::{Cloud, GridDensity, GridDensityError, Medium, PhaseFunction};
-use crate::scene::{self, Scattering};
+use crate::scene;
 use crate::stats::bytes;
 use glam::{DAffine3, DVec3};
 use std::sync::Arc;
@@ -110,21 +110,20 @@ pub(super) fn fill_background(r: &mut Resolver<'_>) -> Result<(), SceneError> {
         let help = "leave the light out, or put the medium into a shape of a material `Clear { medium … }`";
         return Err(super::shapes::refuse(r, light, &message, help));
     }
-    r.builder.filled_with(index);
+    r.builder.ambient_medium(index);
     Ok(())
 }
 
-/// Fills the body of `material` with its medium, if it has one.
+/// `material` with the described medium in the body that it bounds, if it bounds one.
 ///
 /// A body with an absorption of its own gets a copy of the medium with both absorptions.
 pub(super) fn fill_body(
     r: &mut Resolver<'_>,
-    material: &mut scene::Material,
+    material: scene::Material,
     described: &Material,
-) -> Result<(), SceneError> {
-    let (Some(name), Scattering::Boundary(body)) = (&described.medium, &mut material.scattering) else {
-        return Ok(());
-    };
+) -> Result<scene::Material, SceneError> {
+    let (Some(name), Some(body)) = (&described.medium, material.boundary()) else { return Ok(material) };
+    let mut body = *body;
     let (mut index, mut medium) = known_medium(r, name)?;
     if body.absorption != Rgb::ZERO {
         if !medium.is_homogeneous() {
@@ -136,7 +135,7 @@ pub(super) fn fill_body(
         index = r.builder.medium(medium);
     }
     body.medium = Some(index);
-    Ok(())
+    Ok(material.with_body(body))
 }
 
 /// Refuses emission of an object with a `Clear` material.

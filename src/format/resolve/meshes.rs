@@ -1,7 +1,7 @@
 //! Adds meshes from files: each file is read once, smoothed on request, and split by material.
 
 use super::shapes::Instanced;
-use super::textures::Worn;
+use super::textures::TextureNeeds;
 use super::{Resolver, rgb};
 use crate::color::Rgb;
 use crate::format::SceneError;
@@ -85,7 +85,7 @@ pub(super) fn add_mesh(
         r.check_coordinates(mesh.texcoords.is_some(), path, name)?;
         add_piece(r, path, placing, mesh, again, emission)?;
         if let (Some((texture, scale)), None) = (placing.shine.glow, own) {
-            r.builder.glow(texture, scale);
+            r.builder.emission_texture(texture, scale);
         }
     }
     r.material = in_force;
@@ -199,15 +199,12 @@ fn own_material(r: &mut Resolver<'_>, path: &Spanned<String>, mut meaning: Mater
     if let MaterialKind::Phong { texture: Some(picture), .. } = &mut meaning.kind {
         picture.span = path.span;
     }
-    let mut worn = Worn::default();
-    let (material, coat) = r.material(&meaning.kind, &[], &mut worn)?;
-    let relief = r.relief(&meaning, &mut worn)?;
-    let index = match Resolver::dress(coat, relief) {
-        Some(dress) => r.builder.dressed(material, dress),
-        None => r.builder.material(material),
-    };
-    r.worn.resize(index as usize + 1, Worn::default());
-    r.worn[index as usize] = worn;
+    let mut needs = TextureNeeds::default();
+    let material = r.material(&meaning.kind, &mut needs)?;
+    let normals = r.normals(&meaning, &mut needs)?;
+    let index = r.builder.material(material.with_normals(normals));
+    r.texture_needs.resize(index as usize + 1, TextureNeeds::default());
+    r.texture_needs[index as usize] = needs;
     let emission = match meaning.emission {
         Some(Emission::Radiance(radiance)) => rgb(radiance),
         _ => Rgb::ZERO,

@@ -26,7 +26,7 @@ use shapes::Instanced;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
-use textures::{Known, Worn};
+use textures::{Known, TextureNeeds};
 
 /// Returns the scene of a description. Meshes, pictures and grids are looked up in `folder`, then in its parent.
 ///
@@ -80,7 +80,7 @@ pub(super) fn resolve_assets(
         known: HashMap::new(),
         pictures: HashMap::new(),
         media: HashMap::new(),
-        worn: Vec::new(),
+        texture_needs: Vec::new(),
         meshes: HashMap::new(),
         own_materials: HashMap::new(),
         uses: uses(&description.root),
@@ -121,7 +121,7 @@ struct Resolver<'a> {
     /// Media with their indices, by name.
     media: HashMap<&'a str, (u32, Medium)>,
     /// Texture coordinates that each material needs.
-    worn: Vec<Worn>,
+    texture_needs: Vec<TextureNeeds>,
     monitor: &'a dyn ReadMonitor,
     memory: Memory,
     /// Triangles so far that hierarchies will be built over.

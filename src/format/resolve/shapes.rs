@@ -150,7 +150,7 @@ pub(super) fn add_shape(
 /// Sets the emission texture of the object that was added last, if it has one.
 fn set_emission_texture(r: &mut Resolver<'_>, shine: &EmissionOverride) {
     if let Some((texture, scale)) = shine.glow {
-        r.builder.glow(texture, scale);
+        r.builder.emission_texture(texture, scale);
     }
 }
 
@@ -190,13 +190,13 @@ fn place(
 
 /// True if the material in force has a texture.
 fn is_textured(r: &Resolver<'_>) -> bool {
-    r.worn.get(r.material as usize).is_some_and(|worn| worn.textured)
+    r.texture_needs.get(r.material as usize).is_some_and(|needs| needs.textured)
 }
 
 /// Sets the texture mapping of the object that was added last, if its material has textures.
 pub(super) fn set_mapping(r: &mut Resolver<'_>, form: Form, to_world: &Motion) {
     if is_textured(r) {
-        r.builder.chart(form, to_world);
+        r.builder.mapping(form, to_world);
     }
 }
 

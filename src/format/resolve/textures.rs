@@ -1,44 +1,44 @@
-//! Textures of the description, and what wears them.
+//! Resolves the textures of a description, and material parameters that follow them.
 
 use super::{Resolver, rgb};
 use crate::color::{self, Rgb};
 use crate::format::SceneError;
 use crate::format::description::{
-    Coordinates, Encoding, Map, Material, MaterialKind, NormalPerturbation, Pattern, Spanned, TextureKind, Value, Wrap,
+    self, Coordinates, Encoding, Map, Material, MaterialKind, Pattern, Spanned, TextureKind, Value, Wrap,
 };
 use crate::image::{self, Image, Meaning};
 use crate::math::Transform;
-use crate::scene::{self, Dress, Tint};
+use crate::scene::{NormalPerturbation, Textured};
 use crate::texture::{self, Checker, Picture, Solid, SolidKind, Texture};
 use glam::DVec3;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 
-/// A texture that was read.
+/// A texture added to the scene.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Known {
     pub index: u32,
     pub mean: Rgb,
     range: (f32, f32),
     solid: bool,
-    /// Whether it is a picture of light rather than of numbers.
+    /// True if its values encode light (sRGB) rather than numbers.
     light: bool,
 }
 
-/// What a material needs of the surfaces that wear it.
+/// Requirements of a material's textures on its surfaces.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Worn {
-    /// Whether it follows a texture at all.
+pub(super) struct TextureNeeds {
+    /// True if any texture is used.
     pub textured: bool,
-    /// Whether one of its textures goes by texture coordinates.
-    pub by_coordinates: bool,
+    /// True if texture coordinates are needed.
+    pub coordinates: bool,
 }
 
-/// Any number that a texture can have.
+/// The range of all texture values.
 const ANY: RangeInclusive<f32> = 0.0..=f32::MAX;
 
-/// Shares of light, and roughness.
-const SHARE: RangeInclusive<f32> = 0.0..=1.0;
+/// The range of reflectance, transmittance and roughness.
+const UNIT: RangeInclusive<f32> = 0.0..=1.0;
 
 impl<'a> Resolver<'a> {
     pub(super) fn textures(&mut self) -> Result<(), SceneError> {
@@ -48,12 +48,12 @@ impl<'a> Resolver<'a> {
                     self.picture(path, *encoding, *wrap, *coordinates)?
                 }
                 TextureKind::Checker { colors, coordinates } => {
-                    let checker = Texture::Checker(Checker { colors: colors.map(rgb) }, laid(coordinates));
+                    let checker = Texture::Checker(Checker { colors: colors.map(rgb) }, uv_map(coordinates));
                     self.add(checker, false)
                 }
                 TextureKind::Solid { pattern, colors, octaves, frequency, amplitude, maps } => {
                     let help = "no scale may be zero, and no axis of a matrix may be a mix of the others";
-                    let place = Transform::new(Map::product(maps))
+                    let to_object = Transform::new(Map::product(maps))
                         .map_err(|e| super::shapes::refuse(self, texture.span, &e.to_string(), help))?;
                     let solid = Solid {
                         kind: match pattern {
@@ -65,7 +65,7 @@ impl<'a> Resolver<'a> {
                         octaves: *octaves,
                         frequency: *frequency,
                         amplitude: *amplitude,
-                        to_pattern: *place.inverse(),
+                        to_pattern: *to_object.inverse(),
                     };
                     self.add(Texture::Solid(solid), false)
                 }
@@ -103,7 +103,7 @@ impl<'a> Resolver<'a> {
         };
         let picture = Picture::new(&image, wrap)
             .map_err(|e| self.bad_file(path, &e, "a texture's values must be finite and not negative"))?;
-        Ok(self.add(Texture::Picture(picture, laid(&coordinates)), encoding == Encoding::Srgb))
+        Ok(self.add(Texture::Picture(picture, uv_map(&coordinates)), encoding == Encoding::Srgb))
     }
 
     pub(super) fn read_picture(
@@ -120,7 +120,7 @@ impl<'a> Resolver<'a> {
         read.map_err(|e| self.refuse_file(path, &e, matches!(e, image::ReadError::Memory { .. }), help))
     }
 
-    /// The texture of a name, whose values lie in `range`.
+    /// The texture with a name, whose values lie in `range`.
     pub(super) fn known(&self, name: &Spanned<String>, range: &RangeInclusive<f32>) -> Result<Known, SceneError> {
         let known = self.known.get(name.as_str()).copied().ok_or_else(|| {
             let message = format!("no texture is called `{}`", name.value);
@@ -135,7 +135,7 @@ impl<'a> Resolver<'a> {
         Err(SceneError::at(self.source, name.span, message, "out of range", help))
     }
 
-    /// The texture of a name, else the picture at that path, read once for each meaning of its numbers.
+    /// The texture with a name, else the picture at that path, read once per encoding.
     fn known_or_picture(&mut self, name: &Spanned<String>, encoding: Encoding) -> Result<Known, SceneError> {
         if self.known.contains_key(name.as_str()) {
             return self.known(name, &ANY);
@@ -149,38 +149,42 @@ impl<'a> Resolver<'a> {
         Ok(known)
     }
 
-    /// A colour and its mean.
-    pub(super) fn tint(
+    /// A colour parameter, whose texture has values in `range`.
+    pub(super) fn color(
         &self,
         value: &Value<DVec3>,
         range: &RangeInclusive<f32>,
-        worn: &mut Worn,
-    ) -> Result<(Tint, Rgb), SceneError> {
+        needs: &mut TextureNeeds,
+    ) -> Result<Textured<Rgb>, SceneError> {
         match value {
-            Value::Plain(color) => Ok((Tint::plain(rgb(*color)), rgb(*color))),
+            Value::Plain(color) => Ok(Textured::Constant(rgb(*color))),
             Value::Texture(name) => {
                 let known = self.known(name, range)?;
-                worn.by(&known);
-                Ok((Tint { factor: Rgb::ONE, texture: Some(known.index) }, known.mean))
+                needs.add(&known);
+                Ok(Textured::Texture { texture: known.index, factor: Rgb::ONE, mean: known.mean })
             }
         }
     }
 
-    /// A share's texture, if it follows one, and its mean.
-    pub(super) fn degree(&self, value: &Value<f64>, worn: &mut Worn) -> Result<(Option<u32>, f32), SceneError> {
+    /// A number parameter in \[0, 1].
+    pub(super) fn fraction(&self, value: &Value<f64>, needs: &mut TextureNeeds) -> Result<Textured<f32>, SceneError> {
         match value {
-            Value::Plain(number) => Ok((None, *number as f32)),
+            Value::Plain(number) => Ok(Textured::Constant(*number as f32)),
             Value::Texture(name) => {
-                let known = self.known(name, &SHARE)?;
-                worn.by(&known);
-                Ok((Some(known.index), color::mean(known.mean)))
+                let known = self.known(name, &UNIT)?;
+                needs.add(&known);
+                Ok(Textured::Texture { texture: known.index, factor: 1.0, mean: color::mean(known.mean) })
             }
         }
     }
 
-    /// A reflectance or transmittance.
-    pub(super) fn share(&self, value: &Value<DVec3>, worn: &mut Worn) -> Result<(Tint, Rgb), SceneError> {
-        self.tint(value, &SHARE, worn)
+    /// A reflectance or transmittance: a colour parameter in \[0, 1].
+    pub(super) fn reflectance(
+        &self,
+        value: &Value<DVec3>,
+        needs: &mut TextureNeeds,
+    ) -> Result<Textured<Rgb>, SceneError> {
+        self.color(value, &UNIT, needs)
     }
 
     /// The diffuse colour of the course's material times its texture.
@@ -188,62 +192,61 @@ impl<'a> Resolver<'a> {
         &mut self,
         diffuse: &Value<DVec3>,
         texture: Option<&Spanned<String>>,
-        worn: &mut Worn,
-    ) -> Result<(Tint, Rgb), SceneError> {
-        let Some(name) = texture else { return self.tint(diffuse, &ANY, worn) };
+        needs: &mut TextureNeeds,
+    ) -> Result<Textured<Rgb>, SceneError> {
+        let Some(name) = texture else { return self.color(diffuse, &ANY, needs) };
         let Value::Plain(factor) = diffuse else {
             let help = "give `diffuseColor` in numbers, or leave `texture` out";
             return Err(SceneError::at(self.source, name.span, "two textures for one colour", "the second", help));
         };
         let known = self.known_or_picture(name, Encoding::Srgb)?;
-        worn.by(&known);
+        needs.add(&known);
         let factor = rgb(*factor);
-        Ok((Tint { factor, texture: Some(known.index) }, factor * known.mean))
+        Ok(Textured::Texture { texture: known.index, factor, mean: factor * known.mean })
     }
 
-    /// What tilts the normals of a material.
-    pub(super) fn relief(&mut self, material: &Material, worn: &mut Worn) -> Result<scene::Relief, SceneError> {
+    /// The perturbation of a material's normals.
+    pub(super) fn normals(
+        &mut self,
+        material: &Material,
+        needs: &mut TextureNeeds,
+    ) -> Result<NormalPerturbation, SceneError> {
         Ok(match &material.relief {
-            None => scene::Relief::Smooth,
-            Some(NormalPerturbation::Bump { texture, height }) => {
+            None => NormalPerturbation::None,
+            Some(description::NormalPerturbation::Bump { texture, height }) => {
                 let known = self.known_or_picture(texture, Encoding::Linear)?;
                 if *height == 0.0 {
-                    return Ok(scene::Relief::Smooth);
+                    return Ok(NormalPerturbation::None);
                 }
-                worn.by(&known);
-                scene::Relief::Bumps { texture: known.index, height: *height as f32 }
+                needs.add(&known);
+                NormalPerturbation::BumpMap { texture: known.index, height: *height as f32 }
             }
-            Some(NormalPerturbation::NormalMap(name)) => {
+            Some(description::NormalPerturbation::NormalMap(name)) => {
                 let known = self.known_or_picture(name, Encoding::Linear)?;
                 if known.light {
                     let message = format!("the texture `{}` is read as a picture of light", name.value);
                     let help = "give it `encoding linear`: normals are numbers";
                     return Err(SceneError::at(self.source, name.span, message, "no normals", help));
                 }
-                // Directions go by texture coordinates, whatever the texture goes by.
-                (worn.textured, worn.by_coordinates) = (true, true);
-                scene::Relief::Normals(known.index)
+                // Tangents follow texture coordinates, even if the texture is solid.
+                *needs = TextureNeeds { textured: true, coordinates: true };
+                NormalPerturbation::NormalMap(known.index)
             }
         })
     }
 
-    /// What a material wears, if anything.
-    pub(super) fn dress(coat: scene::Coat, relief: scene::Relief) -> Option<Dress> {
-        let plain = coat == scene::Coat::Plain && relief == scene::Relief::Smooth;
-        (!plain).then_some(Dress { coat, relief })
-    }
-
-    /// Whether a surface has what the material in force needs of it.
+    /// Refuses a mesh without texture coordinates if the current material needs them.
     ///
-    /// `own` is the name of a material of the mesh's own, where it has one.
+    /// `there` is true if the mesh has them. `own` is the name of the mesh's own material, if it
+    /// has one.
     pub(super) fn check_coordinates(
         &self,
         there: bool,
         path: &Spanned<String>,
         own: Option<&str>,
     ) -> Result<(), SceneError> {
-        let worn = self.worn.get(self.material as usize).copied().unwrap_or_default();
-        if there || !worn.by_coordinates {
+        let needs = self.texture_needs.get(self.material as usize).copied().unwrap_or_default();
+        if there || !needs.coordinates {
             return Ok(());
         }
         let described = self.description.materials.get(self.material as usize);
@@ -254,33 +257,29 @@ impl<'a> Resolver<'a> {
         Err(self.bad_file(path, &message, help))
     }
 
-    /// Means of what materials a mix is made of.
-    pub(super) fn worn_by_parts(&self, kind: &MaterialKind, worn: &mut Worn) {
+    /// Adds the needs of a mix's parts.
+    pub(super) fn add_needs_of_parts(&self, kind: &MaterialKind, needs: &mut TextureNeeds) {
         if let MaterialKind::Mix { first, second, .. } = kind {
             for part in [first, second] {
-                if let Some(of_part) = self.names.get(part.as_str()).map(|i| self.worn[*i as usize]) {
-                    worn.textured |= of_part.textured;
-                    worn.by_coordinates |= of_part.by_coordinates;
+                if let Some(of_part) = self.names.get(part.as_str()).map(|i| self.texture_needs[*i as usize]) {
+                    needs.textured |= of_part.textured;
+                    needs.coordinates |= of_part.coordinates;
                 }
             }
         }
     }
 }
 
-impl Worn {
-    pub fn by(&mut self, known: &Known) {
+impl TextureNeeds {
+    /// Adds the needs of one texture.
+    pub fn add(&mut self, known: &Known) {
         self.textured = true;
-        self.by_coordinates |= !known.solid;
-    }
-
-    /// `coat` where it follows a texture.
-    pub fn coat(&self, coat: scene::Coat) -> scene::Coat {
-        if self.textured { coat } else { scene::Coat::Plain }
+        self.coordinates |= !known.solid;
     }
 }
 
-/// How a texture lies on the coordinates of a surface.
-fn laid(coordinates: &Coordinates) -> texture::Coordinates {
+/// The affine map of texture coordinates.
+fn uv_map(coordinates: &Coordinates) -> texture::Coordinates {
     let Coordinates { scale, rotate, offset } = *coordinates;
     texture::Coordinates::new(scale, rotate.to_radians(), offset)
 }

@@ -30,7 +30,7 @@ const KERNELS: [Kernel; 3] = [Kernel::Box, Kernel::Cone, Kernel::Epanechnikov];
 
 /// Mean over keys, and its standard error, at `p` of the description.
 fn mean(scene: &Scene, p: DVec3, normal: Vec3, radius: f32, kernel: Kernel) -> (f64, f64) {
-    let (n, p) = (2000u64, (p - scene.middle()).as_vec3());
+    let (n, p) = (2000u64, (p - scene.origin()).as_vec3());
     let one = |i| f64::from(coverage(scene, p, normal, radius, kernel, Key::new(3).purpose(Purpose::Test).with(i)));
     let values: Vec<f64> = (0..n).map(one).collect();
     let mean = values.iter().sum::<f64>() / n as f64;

@@ -91,7 +91,7 @@ impl PhotonSource<'_> {
 
     /// Traces one round of the pilot.
     fn trace_round(&self, pilot: &GuidingPilot<'_>, round: u32) -> RoundSamples {
-        let key = Key::new(pilot.seed).purpose(Purpose::Learning).with(round.into());
+        let key = Key::new(pilot.seed).purpose(Purpose::Learning).round(round);
         let paths = pilot.paths / ROUNDS;
         let chunks: Vec<RoundSamples> = (0..paths.div_ceil(CHUNK))
             .into_par_iter()
@@ -128,7 +128,7 @@ impl PhotonSource<'_> {
             let point = self.emission_point(key, index, paths);
             let mut square = 0.0;
             if let Some((ray, flux)) = self.start::<I>(&point) {
-                pass.follow(ray, flux, key.with(index.into()), &mut tally, |deposit: Deposit<'_>| {
+                pass.follow(ray, flux, key.path(index), &mut tally, |deposit: Deposit<'_>| {
                     let DepositPlace::Surface(surface) = deposit.place else { return };
                     let flux = f64::from(color::mean(deposit.flux));
                     let importance = pilot.visible.importance(surface.point.p, surface.facing_normal(), &mut scratch);

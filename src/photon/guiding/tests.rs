@@ -53,7 +53,7 @@ fn halls() -> [(&'static str, Scene); 5] {
 
 /// A position of the description in the resolved scene.
 fn placed(scene: &Scene, p: DVec3) -> Vec3 {
-    (p - scene.middle()).as_vec3()
+    (p - scene.origin()).as_vec3()
 }
 
 /// A lattice of points over the corner \[6, 8]² of the floor.

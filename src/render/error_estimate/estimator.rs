@@ -8,7 +8,7 @@ use super::fireflies::Fireflies;
 use super::forecast::Forecast;
 use super::shared_paths::SharedPaths;
 use crate::image::RelativeScale;
-use crate::integrate::{Discs, Gauged, Pass, RadiusLaw};
+use crate::integrate::{Discs, NestedEstimates, Pass, RadiusLaw};
 use crate::render::film::Film;
 use glam::{DVec3, Vec3};
 
@@ -93,10 +93,10 @@ impl ErrorEstimator {
         // The relative squared error of a pixel of the mean is at most 1, that of one pass at most
         // n.
         self.samples.add(pass.image.iter().copied(), weights, n + 1.0);
-        if !pass.gauged.is_empty() {
-            let estimates = self.photon_estimates.get_or_insert_with(|| PhotonEstimates::new(pass.gauged.len()));
-            estimates.add(&pass.gauged);
-            estimates.samples.add(pass.gauged.iter().map(|pixel| pixel.steps[0]), weights, n + 1.0);
+        if !pass.nested.is_empty() {
+            let estimates = self.photon_estimates.get_or_insert_with(|| PhotonEstimates::new(pass.nested.len()));
+            estimates.add(&pass.nested);
+            estimates.samples.add(pass.nested.iter().map(|pixel| pixel.steps[0]), weights, n + 1.0);
         }
         self.shared_paths.add(pass);
         self.passes += 1;
@@ -192,7 +192,7 @@ impl PhotonEstimates {
         }
     }
 
-    fn add(&mut self, pixels: &[Gauged]) {
+    fn add(&mut self, pixels: &[NestedEstimates]) {
         let [d0, d1] = &mut self.differences;
         for (i, pixel) in pixels.iter().enumerate() {
             let [a, b] = pixel.steps;

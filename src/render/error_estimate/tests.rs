@@ -3,7 +3,7 @@
 use super::{ErrorEstimator, MIN_PASSES};
 use crate::color::Rgb;
 use crate::image::RelativeScale;
-use crate::integrate::{Gauged, Pass, RadiusLaw};
+use crate::integrate::{NestedEstimates, Pass, RadiusLaw};
 use crate::photon::Kernel;
 use crate::render::Film;
 use crate::sampling::{Dimension, Key, Purpose};
@@ -24,12 +24,12 @@ fn render(passes: u32, seed: u64, sigma: f32, bias: f32) -> (ErrorEstimator, Fil
     let (mut estimator, mut film) = (ErrorEstimator::new(Some(LAW)), Film::new(WIDTH, WIDTH));
     for i in 0..passes {
         let part = |pixel: usize, which: u64| Rgb::splat(sigma * noise(i, seed, pixel, which));
-        let pixel = |p: usize| Gauged {
+        let pixel = |p: usize| NestedEstimates {
             steps: [Rgb::splat(0.5 * bias) + part(p, 1), Rgb::splat(0.25 * bias) + part(p, 2)],
-            ..Gauged::default()
+            ..NestedEstimates::default()
         };
         let image = (0..PIXELS).map(|p| Rgb::splat(1.0 + bias) + part(p, 0)).collect();
-        let pass = Pass { image, gauged: (0..PIXELS).map(pixel).collect(), ..Pass::default() };
+        let pass = Pass { image, nested: (0..PIXELS).map(pixel).collect(), ..Pass::default() };
         estimator.add(&film, &pass);
         film.add(&pass.image);
     }
@@ -126,9 +126,12 @@ fn edges_are_not_extrapolated_as_smooth() {
     let (mut estimator, mut film) = (ErrorEstimator::new(Some(LAW)), Film::new(WIDTH, WIDTH));
     for _ in 0..8 {
         let splat = |v: f64| Rgb::splat(v as f32);
-        let pixel = |v: &[f64; 4]| Gauged { steps: [splat(v[0] - v[1]), splat(v[1] - v[2])], ..Gauged::default() };
+        let pixel = |v: &[f64; 4]| NestedEstimates {
+            steps: [splat(v[0] - v[1]), splat(v[1] - v[2])],
+            ..NestedEstimates::default()
+        };
         let image = row.iter().map(|v| splat(v[0])).collect();
-        let pass = Pass { image, gauged: row.iter().map(pixel).collect(), ..Pass::default() };
+        let pass = Pass { image, nested: row.iter().map(pixel).collect(), ..Pass::default() };
         estimator.add(&film, &pass);
         film.add(&pass.image);
     }

@@ -116,7 +116,7 @@ fn edge_point(solid: Solid, i: u64) -> DVec3 {
     let u = key(i).uniform_2d(Dimension::LightPosition).as_dvec2();
     match solid {
         Solid::Cube => {
-            let mut p = DVec3::new(1.0, if i / 4 % 2 == 0 { 1.0 } else { -1.0 }, 2.0 * u.x - 1.0);
+            let mut p = DVec3::new(1.0, if (i / 4).is_multiple_of(2) { 1.0 } else { -1.0 }, 2.0 * u.x - 1.0);
             (0..i % 3).for_each(|_| p = DVec3::new(p.y, p.z, p.x));
             p
         }
@@ -155,7 +155,7 @@ fn hits_agree_with_bisection() {
                     map.inverse().transform_point3(world)
                 };
                 let on_side = |t: f64| solid.side_gauge(at(t)) > -1e-9;
-                let candidates = interval.into_iter().flatten();
+                let mut candidates = interval.into_iter().flatten();
                 // Starts within rounding of the surface, and rims of open solids, are doubtful.
                 let doubtful = |t: f64| {
                     let (p, y) = (at(t), at(t).y);
@@ -165,7 +165,7 @@ fn hits_agree_with_bisection() {
                 if candidates.clone().any(doubtful) {
                     continue;
                 }
-                let expected = candidates.filter(|t| *t > 0.0 && (solid.is_closed() || on_side(*t))).next();
+                let expected = candidates.find(|t| *t > 0.0 && (solid.is_closed() || on_side(*t)));
                 let found = shape.intersect(&ray);
                 assert_eq!(found.is_some(), expected.is_some(), "{solid:?} {m} {i} {ray:?} {found:?} {expected:?}");
                 compared += 1;

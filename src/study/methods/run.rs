@@ -100,7 +100,7 @@ impl<'a> MethodStudy<'a> {
             let make = move |seed| {
                 let mut settings = settings.clone();
                 settings.eye.seed = seed;
-                settings.eye.gauge = true;
+                settings.eye.estimate_error = true;
                 algorithm.prepare(scene, settings)
             };
             (variant, Box::new(make) as Maker<'a>)

@@ -48,7 +48,7 @@ pub(super) fn check(variants: &[Variant], seeds: u32) -> Result<(), VariantError
 #[must_use]
 pub fn methods_for(scene: &Scene, overrides: EffectOverrides) -> Vec<Algorithm> {
     let plan = Plan::new(scene, Algorithm::Hybrid.simulates(), overrides);
-    let facts = &plan.facts;
+    let facts = &plan.features;
     let photons = facts.lights > 0 && facts.receivers + facts.scattering_media > 0;
     let applies = |algorithm: &Algorithm| match algorithm {
         Algorithm::Path => true,

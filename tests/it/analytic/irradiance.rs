@@ -160,7 +160,7 @@ fn photons_store_their_incident_direction() {
     let radius = 0.8;
     let expected = INTENSITY * HEIGHT * HEIGHT * (1.0 / (HEIGHT * HEIGHT) - 1.0 / (HEIGHT * HEIGHT + radius * radius))
         / (radius * radius);
-    let origin = (-scene.middle()).as_vec3();
+    let origin = (-scene.origin()).as_vec3();
     let one = |map: &PhotonMap| {
         let brdf = |flux: &PhotonData| Vec3::splat(flux.from().y);
         let mut scratch = Scratch::new();

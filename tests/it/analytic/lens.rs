@@ -220,12 +220,12 @@ fn moving_objects_follow_their_transforms() {
                 let from = Vec3::new(8.0 * a.x - 4.0, 8.0 * a.y - 4.0, 6.0);
                 let to = Vec3::new(4.0 * b.x - 1.5, 3.0 * b.y - 1.5, 0.0);
                 let look = |scene: &Scene| {
-                    let ray = Ray::new(from - scene.middle().as_vec3(), (to - from).normalize());
+                    let ray = Ray::new(from - scene.origin().as_vec3(), (to - from).normalize());
                     let hit = scene.intersect(&ray)?;
-                    let surface = scene.surface(&ray, &hit, &RayCone::point(Effects::ALL), || 0.5);
+                    let surface = scene.interaction(&ray, &hit, &RayCone::point(Effects::ALL), || 0.5);
                     let shadowed = scene.occluded(&Ray { t_max: hit.t * 1.01, ..ray });
                     assert!(shadowed, "{object} at {time}: a hit that casts no shadow");
-                    Some((surface.point.p + scene.middle().as_vec3(), surface.point.ng))
+                    Some((surface.point.p + scene.origin().as_vec3(), surface.point.ng))
                 };
                 match (look(&still), look(&placed)) {
                     (None, None) => {}

@@ -15,12 +15,12 @@ fn check_reports_all_errors_or_warnings() {
     let camera = "PerspectiveCamera { center 0 0 9 direction 0 0 -1 angle 30 width 8 height 8 }";
     shop.put(
         "missing.txt",
-        &format!("{camera} Group {{ TriangleMesh {{ file a.stl }} TriangleMesh {{ file b.obj }} }}"),
+        format!("{camera} Group {{ TriangleMesh {{ file a.stl }} TriangleMesh {{ file b.obj }} }}"),
     );
     shop.run(&["check", "missing.txt"]).expect(1, &["convert it to OBJ or PLY", "`b.obj` does not exist"]);
     shop.put(
         "blind.txt",
-        &format!("{camera} Materials {{ Mirror m {{ }} }} Group {{ Sphere {{ center 0 0 20 radius 1 }} }}"),
+        format!("{camera} Materials {{ Mirror m {{ }} }} Group {{ Sphere {{ center 0 0 20 radius 1 }} }}"),
     );
     let blind = shop.run(&["check", "blind.txt"]);
     blind.expect(0, &[]);

@@ -116,7 +116,7 @@ fn estimate_forecasts_passes_that_suffice() {
     );
     let listed = shop.run(&format!("{line} --json --quiet").split_whitespace().collect::<Vec<_>>());
     let list: Value = serde_json::from_str(&listed.stdout).unwrap();
-    for (price, error) in list["estimates"].as_array().unwrap().iter().zip([0.4, 0.2]) {
+    for (price, error) in list["prices"].as_array().unwrap().iter().zip([0.4, 0.2]) {
         assert_eq!(number(price, "error"), error);
         assert!(number(price, "seconds") >= number(price, "seconds_low"));
         assert!(number(price, "seconds") <= number(price, "seconds_high"));

@@ -89,7 +89,7 @@ fn stats_report_given_settings() {
     assert!(count("gathers") > 0 && count("gathered_photons") > 0 && count("photon_rays") >= 8100);
     let times = &stats["seconds"];
     let second = |name: &str| times[name].as_f64().unwrap();
-    assert!(second("photons") + second("trees") + second("eye") <= second("render"));
+    assert!(second("photons") + second("indexing") + second("camera") <= second("render"));
     let rays: u64 = ["camera_rays", "continuation_rays", "shadow_rays", "photon_rays"].map(count).iter().sum();
     let rate = |name: &str| stats["rates"][name].as_f64().unwrap();
     assert!((rate("rays_per_second") * second("render") / rays as f64 - 1.0).abs() < 1e-9);

@@ -73,7 +73,7 @@ fn picture(scene: &Scene, algorithm: Algorithm, effects: EffectOverrides) -> Pic
 }
 
 fn called_for(picture: &Picture) -> Effects {
-    let called = picture.decisions.iter().filter(|d| d.called_for);
+    let called = picture.decisions.iter().filter(|d| d.needed);
     called.fold(Effects::NONE, |all, d| all.with(d.effect))
 }
 
@@ -97,7 +97,7 @@ fn disabling_unneeded_effect_changes_nothing() {
     for scene in [matt(), dark(), disc()] {
         for algorithm in ALGORITHMS {
             let planned = picture(&scene, algorithm, EffectOverrides::PLANNED);
-            let off = planned.decisions.iter().filter(|d| !d.called_for);
+            let off = planned.decisions.iter().filter(|d| !d.needed);
             assert!(algorithm == Algorithm::Raycast || off.clone().any(|d| algorithm.simulates().has(d.effect)));
             let overrides = off.fold(EffectOverrides::PLANNED, |overrides, d| overrides.without(d.effect));
             let without = picture(&scene, algorithm, overrides);
@@ -181,7 +181,7 @@ fn unused_media_change_nothing() {
     ));
     let distributions = |effects| {
         let eye = EyeSettings { effects, ..EyeSettings::default() };
-        Algorithm::Hybrid.prepare(&scene, Settings { eye, balance: false, ..Settings::default() }).lessons()
+        Algorithm::Hybrid.prepare(&scene, Settings { eye, balance: false, ..Settings::default() }).guiding_reports()
     };
     let planned = distributions(EffectOverrides::PLANNED);
     assert!(planned.caustic.is_some());

@@ -71,7 +71,7 @@ fn adding_objects_removes_no_effect() {
             [&less, &more].map(|s| Plan::new(&scene(&s.text()), Effects::ALL, EffectOverrides::PLANNED));
         // In an empty scene shadows are on though nothing can cast one. That breaks no promise, but
         // later comparisons need an object.
-        if before.facts.objects == 0 {
+        if before.features.objects == 0 {
             continue;
         }
         for (before, after) in before.decisions.iter().zip(&after.decisions) {

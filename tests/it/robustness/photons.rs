@@ -53,7 +53,7 @@ fn flat_camera(center: DVec3, direction: DVec3, width: f64, size: u32) -> Camera
 /// division, and a box filter.
 fn settings(paths: u32, samples: u32) -> Settings {
     let filter = Filter::new(FilterKind::Box);
-    let eye = EyeSettings { samples: Some(samples), seed: 5, filter, gauge: true, ..EyeSettings::default() };
+    let eye = EyeSettings { samples: Some(samples), seed: 5, filter, estimate_error: true, ..EyeSettings::default() };
     Settings { eye, photons: paths, caustic_photons: paths, balance: false, ..Settings::default() }
 }
 

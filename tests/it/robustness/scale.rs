@@ -146,7 +146,7 @@ fn scaled_and_moved_scenes_give_same_image() {
 #[test]
 fn no_integrator_depends_on_length_unit() {
     let (eye, base) = (few().eye, few());
-    let estimated = EyeSettings { gauge: true, adaptive: true, samples: Some(2), ..eye };
+    let estimated = EyeSettings { estimate_error: true, adaptive: true, samples: Some(2), ..eye };
     let importance = Settings { final_gathering: FinalGathering::Importance, ..base.clone() };
     let volume = |volume| Settings { volume, ..base.clone() };
     let cases = [
@@ -187,7 +187,7 @@ fn rotated_scenes_have_same_flux_and_radiance() {
         let there = placed(file, &turn);
         let near =
             if unbounded(&file.description.root) { 0.5 * f64::from(here.domain().radius) } else { f64::INFINITY };
-        let middle = here.middle() + here.domain().center.as_dvec3();
+        let middle = here.origin() + here.domain().center.as_dvec3();
         let stored =
             objection(&fluxes(&there, turn.place(middle), near), &fluxes(&here, middle, near), ROUNDING, 2.0 * SEEN);
         // Lights behind glass are found only by chance, and media are noisy. Direct light has the
@@ -219,7 +219,7 @@ fn fluxes(scene: &Scene, middle: DVec3, near: f64) -> Vec<Vec<f64>> {
         let key = Key::new(7).purpose(Purpose::Test).with(index.into());
         let traced = pass.trace(key, 4096, &|_| {});
         let inside =
-            traced.deposits.photons.iter().filter(|p| (p.position.as_dvec3() + scene.middle()).distance(middle) < near);
+            traced.deposits.photons.iter().filter(|p| (p.position.as_dvec3() + scene.origin()).distance(middle) < near);
         inside.map(|p| p.data.flux().as_dvec3()).sum::<DVec3>().to_array().to_vec()
     };
     (0..PASSES).into_par_iter().map(one).collect()

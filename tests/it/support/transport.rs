@@ -79,7 +79,7 @@ pub fn trace_from(
 
 /// Returns a photon's position in the coordinates of the scene description.
 pub fn photon_position(scene: &Scene, photon: &Photon) -> DVec3 {
-    photon.position.as_dvec3() + scene.middle()
+    photon.position.as_dvec3() + scene.origin()
 }
 
 /// Returns the flux \[W] of the photons whose position satisfies `inside`.
@@ -90,7 +90,7 @@ pub fn flux_where(scene: &Scene, photons: &[Photon], inside: impl Fn(DVec3) -> b
 /// Estimates irradiance \[W/m²] at point `p` with normal `n`, in the coordinates of the
 /// description.
 pub fn irradiance(scene: &Scene, map: &PhotonMap, p: DVec3, n: DVec3, bandwidth: Bandwidth, kernel: Kernel) -> DVec3 {
-    let p = (p - scene.middle()).as_vec3();
+    let p = (p - scene.origin()).as_vec3();
     let mut scratch = Scratch::new();
     map.estimate(p, n.as_vec3(), bandwidth, kernel, &mut scratch, |_| Vec3::ONE).radiance.as_dvec3()
 }
@@ -160,7 +160,7 @@ pub struct Probe<'a> {
 /// For photons of equal power it is systematic.
 #[track_caller]
 pub fn agree_estimates(what: &str, probe: &Probe<'_>, maps: &[PhotonMap], expected: f64, quadrature: f64, sharp: f64) {
-    let (p, n) = ((probe.at - probe.scene.middle()).as_vec3(), probe.normal.as_vec3());
+    let (p, n) = ((probe.at - probe.scene.origin()).as_vec3(), probe.normal.as_vec3());
     let one =
         |map: &PhotonMap| map.estimate(p, n, fixed(probe.radius), probe.kernel, &mut Scratch::new(), |_| Vec3::ONE);
     let estimates: Vec<_> = maps.iter().map(one).collect();

@@ -1,11 +1,11 @@
 //! Materials as they resolve.
 
 use super::{CAMERA, close, refusal, scene};
-use crate::bsdf::{Bsdf, Conductor, METALS, Thin, metal};
-use crate::color::{GLASSES, Glass, Rgb};
+use crate::bsdf::{METALS, conductor_reflectance, metal};
+use crate::color::{GLASSES, Glass};
 use crate::format::description::MaterialKind;
 use crate::format::{Source, parse, resolve};
-use crate::scene::{Body, Scattering, Scene};
+use crate::scene::{Body, Material, Scene};
 use glam::{Vec3, vec3};
 use std::path::Path;
 
@@ -25,23 +25,15 @@ fn materials_become_what_they_say() {
         Phong { diffuseColor .1 .2 .3 specularColor .4 .5 .6 shininess 7 }
     }";
     let scene = scene(&format!("{materials} Group {{ Sphere {{ center 0 0 0 radius 1 }} }}"));
-    let absorption = |i: usize| match scene.materials()[i].scattering {
-        Scattering::Boundary(body) => body.absorption,
-        _ => panic!("{i}"),
-    };
-    let body = Body { priority: 7, roughness: 0.25, ..Body::new(1.7) };
-    assert_eq!(scene.materials()[0].scattering, Scattering::Boundary(body));
+    let absorption = |i: usize| scene.materials()[i].boundary().unwrap().absorption;
+    let body = Body { priority: 7, ..Body::new(1.7) };
+    assert_eq!(scene.materials()[0], Material::rough_body(body, 0.25));
     assert_eq!((absorption(0), absorption(1)), (Vec3::ZERO, vec3(1.0, 2.0, 3.0)));
     // A half after two units, a quarter after two units: ln 2 / 2 and ln 2 a unit.
     let ln2 = std::f32::consts::LN_2;
     assert!(close(absorption(2), vec3(0.5 * ln2, 0.0, ln2)));
-    assert_eq!(scene.materials()[3].scattering, Scattering::Fixed(Bsdf::Mirror(vec3(0.9, 0.8, 0.7))));
-    let look = scene.materials()[4].look;
-    assert_eq!((look.diffuse, look.specular, look.shininess), (vec3(0.1, 0.2, 0.3), vec3(0.4, 0.5, 0.6), 7.0));
-}
-
-fn metallic(eta: Rgb, k: Rgb, alpha: f32) -> Scattering {
-    Scattering::Fixed(Bsdf::Conductor(Conductor::new(eta, k, alpha)))
+    assert_eq!(scene.materials()[3], Material::mirror(vec3(0.9, 0.8, 0.7)));
+    assert_eq!(scene.materials()[4], Material::phong(vec3(0.1, 0.2, 0.3), vec3(0.4, 0.5, 0.6), 7.0));
 }
 
 #[test]
@@ -49,12 +41,13 @@ fn metals_have_the_index_of_their_name_or_their_own() {
     for name in METALS {
         let (eta, k) = metal(name).unwrap();
         let scene = of(&format!("Conductor {{ metal {name} roughness .5 }}"));
-        assert_eq!(scene.materials()[0].scattering, metallic(eta, k, 0.5), "{name}");
+        assert_eq!(scene.materials()[0], Material::conductor(eta, k, 0.5), "{name}");
     }
     let scene = of("Conductor { eta 1 2 3 k 4 5 6 }");
-    assert_eq!(scene.materials()[0].scattering, metallic(vec3(1.0, 2.0, 3.0), vec3(4.0, 5.0, 6.0), 0.0));
+    assert_eq!(scene.materials()[0], Material::conductor(vec3(1.0, 2.0, 3.0), vec3(4.0, 5.0, 6.0), 0.0));
     // (n² − 2n + 1 + k²) / (n² + 2n + 1 + k²) head-on.
-    assert!(close(scene.materials()[0].look.diffuse, vec3(16.0 / 20.0, 26.0 / 34.0, 40.0 / 52.0)));
+    let facing = conductor_reflectance(1.0, vec3(1.0, 2.0, 3.0), vec3(4.0, 5.0, 6.0));
+    assert!(close(facing, vec3(16.0 / 20.0, 26.0 / 34.0, 40.0 / 52.0)));
     let error = refusal(&format!("Materials {{\nConductor {{ metal unobtainium }} }} {BALL}"));
     assert_eq!((error.line(), error.column(), error.text()), (3, 19, "unobtainium"));
     assert!(error.message().contains("no metal is called `unobtainium`"));
@@ -63,9 +56,9 @@ fn metals_have_the_index_of_their_name_or_their_own() {
 
 #[test]
 fn glasses_have_the_index_of_their_name_or_their_own() {
-    let index = |scene: &Scene| match scene.materials()[0].scattering {
-        Scattering::Boundary(body) => (body.index, body.glass.map(|g| scene.glasses()[g as usize])),
-        other => panic!("{other:?}"),
+    let index = |scene: &Scene| {
+        let body = scene.materials()[0].boundary().unwrap();
+        (body.index, body.glass.map(|g| scene.glasses()[g as usize]))
     };
     for (name, glass, _) in GLASSES {
         let scene = of(&format!("Dielectric {{ glass {name} }}"));
@@ -94,22 +87,17 @@ fn unknown_glasses_are_refused_with_those_that_are_known() {
 
 #[test]
 fn panes_take_index_and_transmittance() {
-    let thin = Thin { eta: 1.25, transmittance: vec3(0.5, 1.0, 0.25) };
     let scene = of("Thin { indexOfRefraction 1.25 transmittance .5 1 .25 }");
-    assert_eq!(scene.materials()[0].scattering, Scattering::Fixed(Bsdf::Thin(thin)));
+    assert_eq!(scene.materials()[0], Material::thin(1.25, vec3(0.5, 1.0, 0.25)));
 }
 
 #[test]
-fn mixes_point_at_their_parts_and_look_like_the_mean() {
+fn mixes_refer_to_their_parts() {
     let scene = of("Diffuse { reflectance 0 0 0 } Diffuse a { reflectance 1 0 .5 }
         Phong b { diffuseColor 0 1 .5 specularColor .5 .5 .5 shininess 8 }
         Mix m { first a second b amount .25 } Mix { first m second a amount 1 }");
     let mixes = &scene.materials()[3..];
-    assert_eq!(mixes[0].scattering, Scattering::Mix { first: 1, second: 2, amount: 0.25 });
-    assert_eq!(mixes[1].scattering, Scattering::Mix { first: 3, second: 1, amount: 1.0 });
-    let look = mixes[0].look;
-    assert_eq!((look.diffuse, look.shininess), (vec3(0.75, 0.25, 0.5), 2.0));
-    assert_eq!((look.specular, mixes[1].look.diffuse), (Vec3::splat(0.125), vec3(1.0, 0.0, 0.5)));
+    assert_eq!(mixes, [Material::mix(1, 2, 0.25), Material::mix(3, 1, 1.0)]);
 }
 
 #[test]

@@ -4,7 +4,7 @@ use super::{CAMERA, refusal, resolve_in, scene};
 use crate::format::grid::{self, Encoding, Grid};
 use crate::format::{Source, parse, resolve};
 use crate::medium::{Medium, PhaseFunction};
-use crate::scene::{Body, Scattering, Scene};
+use crate::scene::{Body, Material, Scene};
 use glam::{DVec3, Vec3, dvec3, vec3};
 use std::path::Path;
 
@@ -16,10 +16,7 @@ fn filled(media: &str, materials: &str) -> String {
 }
 
 fn body(scene: &Scene, material: usize) -> Body {
-    match scene.materials()[material].scattering {
-        Scattering::Boundary(body) => body,
-        other => panic!("{other:?}"),
-    }
+    *scene.materials()[material].boundary().unwrap()
 }
 
 /// The medium that fills the first material.
@@ -28,7 +25,7 @@ fn contents(scene: &Scene) -> &Medium {
 }
 
 fn density(scene: &Scene, p: DVec3) -> f32 {
-    contents(scene).density_at((p - scene.middle()).as_vec3())
+    contents(scene).density_at((p - scene.origin()).as_vec3())
 }
 
 #[test]
@@ -58,12 +55,13 @@ fn bodies_and_places_are_filled() {
         media,
         "Dielectric { medium b priority 3 roughness .5 } Clear { medium a priority 7 } Clear { }",
     ));
-    assert_eq!(body(&found, 0), Body { medium: Some(1), priority: 3, roughness: 0.5, ..Body::new(1.5) });
-    assert_eq!(body(&found, 1), Body { priority: 7, ..Body::clear(0) });
-    assert_eq!(body(&found, 2), Body { medium: None, ..Body::clear(0) });
-    assert_eq!(found.filling(), None);
+    let glass = Body { medium: Some(1), priority: 3, ..Body::new(1.5) };
+    assert_eq!(found.materials()[0], Material::rough_body(glass, 0.5));
+    assert_eq!(body(&found, 1), Body { priority: 7, ..Body::region(0) });
+    assert_eq!(body(&found, 2), Body { medium: None, ..Body::region(0) });
+    assert_eq!(found.ambient_medium(), None);
     let found = scene("Background { medium fog } Media { Medium no { } Medium fog { scattering 1 1 1 } } Group { }");
-    assert_eq!(found.filling(), Some(1));
+    assert_eq!(found.ambient_medium(), Some(1));
 }
 
 #[test]

@@ -11,7 +11,7 @@ use super::*;
 use crate::bsdf::Bsdf;
 use crate::light::{DirectionalLight, Light, PointLight};
 use crate::math::Ray;
-use crate::scene::{Effects, RayCone, Scattering, SurfaceInteraction};
+use crate::scene::{Effects, Material, RayCone, SurfaceInteraction};
 use glam::{Vec3, dvec3, vec3};
 use std::f32::consts::PI;
 
@@ -32,9 +32,9 @@ fn refusal(text: &str) -> SceneError {
 
 /// The first surface from `origin` along `direction`, and its place in the coordinates of the file.
 fn look(scene: &Scene, origin: DVec3, direction: Vec3) -> Option<(SurfaceInteraction<'_>, DVec3)> {
-    let ray = Ray::new((origin - scene.middle()).as_vec3(), direction);
-    let surface = scene.surface(&ray, &scene.intersect(&ray)?, &RayCone::point(Effects::ALL), || 0.0);
-    Some((surface, surface.point.p.as_dvec3() + scene.middle()))
+    let ray = Ray::new((origin - scene.origin()).as_vec3(), direction);
+    let surface = scene.interaction(&ray, &scene.intersect(&ray)?, &RayCone::point(Effects::ALL), || 0.0);
+    Some((surface, surface.point.p.as_dvec3() + scene.origin()))
 }
 
 fn reflectance(scene: &Scene, origin: DVec3, direction: Vec3) -> Vec3 {
@@ -260,7 +260,7 @@ fn area_lights_have_their_radiance_or_their_power() {
     assert_eq!(emission(30.5), vec3(1.0, 2.0, 3.0));
     // Rectangle and disc are dark from behind, and all of them are black.
     assert_eq!(look(&scene, dvec3(1.0, 0.5, -9.0), Vec3::Z).unwrap().0.emission, Vec3::ZERO);
-    assert!(scene.materials().iter().skip(1).all(|m| m.scattering == Scattering::Fixed(Bsdf::Black)));
+    assert!(scene.materials().iter().skip(1).all(|m| *m == Material::black()));
     let power = |i: usize| scene.lights()[i].power(scene.domain());
     assert!(close(power(0), vec3(6.0, 0.0, 0.0)) && close(power(1), vec3(0.0, 4.0, 0.0)));
     assert!(close(power(2), vec3(0.0, 0.0, 9.0)) && close(power(3), vec3(1.0, 2.0, 3.0) * PI));
@@ -327,7 +327,7 @@ fn the_camera_looks_where_it_is_told() {
         let scene = resolve(&parse("a.txt", &text).unwrap(), &Source::new("a.txt", &text), Path::new("")).unwrap();
         let camera = scene.camera();
         assert_eq!((camera.size(), scene.background()), ((30, 20), vec3(1.0, 2.0, 3.0)));
-        assert!((camera.center() + scene.middle() - dvec3(2.0, 2.0, 3.0)).length() < 1e-12);
+        assert!((camera.center() + scene.origin() - dvec3(2.0, 2.0, 3.0)).length() < 1e-12);
         let middle = camera.ray(glam::vec2(15.0, 10.0), None).direction;
         assert!(close(middle, vec3(-1.0, -2.0, -3.0).normalize()), "{middle}");
         // `up` appears upward.

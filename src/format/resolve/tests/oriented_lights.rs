@@ -46,7 +46,7 @@ fn invalid_oriented_lights_are_errors() {
     ] {
         let text = format!("Lights {{ {light} }}");
         let parsed = parse("a.txt", &format!("{CAMERA}{text}"));
-        let error = if parsed.is_ok() { resolved(light).unwrap_err() } else { parsed.unwrap_err() };
+        let error = parsed.err().unwrap_or_else(|| resolved(light).unwrap_err());
         assert!(error.to_string().contains(message) || error.message().contains(message), "{error}");
     }
 }

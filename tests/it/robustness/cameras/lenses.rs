@@ -22,7 +22,7 @@ fn scene(lens: &str) -> String {
 #[test]
 fn zero_aperture_equals_pinhole_bit_for_bit() {
     let picture = |algorithm: Algorithm, lens: &str| {
-        let eye = EyeSettings { samples: Some(2), gauge: true, ..EyeSettings::default() };
+        let eye = EyeSettings { samples: Some(2), estimate_error: true, ..EyeSettings::default() };
         let settings = Settings { eye, photons: 2000, caustic_photons: 2000, balance: false, ..Settings::default() };
         let scene = resolved(&scene(lens)).unwrap();
         let image = image(&*algorithm.prepare(&scene, settings), 0);

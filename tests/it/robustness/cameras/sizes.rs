@@ -39,7 +39,12 @@ fn tiny_images_are_finite_with_every_integrator() {
                     continue;
                 }
                 let estimated = algorithm != Algorithm::Raycast;
-                let eye = EyeSettings { samples: Some(1), gauge: estimated, max_bounces: 8, ..EyeSettings::default() };
+                let eye = EyeSettings {
+                    samples: Some(1),
+                    estimate_error: estimated,
+                    max_bounces: 8,
+                    ..EyeSettings::default()
+                };
                 let settings = Settings {
                     eye,
                     photons: 2000,

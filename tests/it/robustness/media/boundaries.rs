@@ -63,9 +63,9 @@ fn nest(b: &mut SceneBuilder, filled: Filled, turns: u32) {
         let absorption = Rgb::splat(sigma(i, turns) as f32);
         let body = match filled {
             Filled::Media => {
-                Body::clear(b.medium(Medium::homogeneous(absorption, Rgb::ZERO, Rgb::ZERO, PhaseFunction::Isotropic)))
+                Body::region(b.medium(Medium::homogeneous(absorption, Rgb::ZERO, Rgb::ZERO, PhaseFunction::Isotropic)))
             }
-            Filled::Bodies => Body { absorption, clear: true, ..Body::new(1.0) },
+            Filled::Bodies => Body { absorption, null_interface: true, ..Body::new(1.0) },
         };
         let body = b.material(Material::body(body));
         b.shape(sheet(DVec3::X * half(i), y, z), body, Rgb::ZERO);

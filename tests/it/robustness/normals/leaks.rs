@@ -65,7 +65,7 @@ fn coarse_ball_is_dark_inside() {
             let pass = PhotonPass { scene: &inside, source: &source, mask: StoreMask::ALL, max_bounces: 20 };
             let traced = pass.trace(key(70), 1 << 14, &|_| {});
             // A photon stores the side it landed on. Outwards is away from the ball's center.
-            let outwards = |p: &Photon| p.data.normal().dot(p.position + inside.middle().as_vec3()) > 0.0;
+            let outwards = |p: &Photon| p.data.normal().dot(p.position + inside.origin().as_vec3()) > 0.0;
             assert!(traced.deposits.photons.iter().all(outwards), "{kind}: photons inside");
         }
     }
@@ -92,7 +92,7 @@ fn bumps_below_horizon_leak_no_light() {
                 let direction = warp::sphere(key(71).with(i).uniform_2d(Dimension::LightDirection));
                 let ray = Ray::new(-direction * 2.0, direction);
                 let Some(hit) = walls.intersect(&ray) else { continue };
-                let point = walls.surface(&ray, &hit, &RayCone::point(Effects::ALL), || 0.5).point;
+                let point = walls.interaction(&ray, &hit, &RayCone::point(Effects::ALL), || 0.5).point;
                 assert!((point.ns.length() - 1.0).abs() < 1e-6);
                 least = least.min(point.ns.dot(point.ng));
             }

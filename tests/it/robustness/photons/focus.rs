@@ -56,7 +56,7 @@ fn photons_converge_at_focus() {
     let samples: Vec<f64> = (0..8)
         .map(|i| {
             let traced = pass.trace(key(i), 1 << 17, &|_| {});
-            let focus = (DVec3::Y - scene.middle()).as_vec3();
+            let focus = (DVec3::Y - scene.origin()).as_vec3();
             let off = traced.deposits.photons.iter().map(|p| (p.position - focus).length()).fold(0.0, f32::max);
             assert!(off < 1e-5, "{off}");
             traced.deposits.photons.iter().map(|p| f64::from(p.data.flux().y)).sum()

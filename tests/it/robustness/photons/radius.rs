@@ -49,7 +49,7 @@ fn discs_after_million_passes_hold_photons() {
         let pass = method.pass(MILLION, &Silent);
         assert_eq!((pass.counters.rejected_samples, pass.counters.rejected_photons), (0, 0));
         let expected = f64::from(radius) * shrink(ALPHA, MILLION).sqrt();
-        for pixel in &pass.gauged {
+        for pixel in &pass.nested {
             let found = f64::from(pixel.caustic.unwrap().radius);
             if law {
                 // The radius, its root and the mean of a thousand equal ones in single precision.

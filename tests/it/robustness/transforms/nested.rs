@@ -71,7 +71,7 @@ fn shapes_64_transforms_deep_are_placed_correctly() {
         }
         write!(text, "{written} {} }}", "} }".repeat(64)).unwrap();
         let scene = scene(&text).unwrap();
-        let middle = Dd3::from(scene.middle());
+        let middle = Dd3::from(scene.origin());
         let whole = DAffine3::from_mat3_translation(
             DMat3::from_cols_array_2d(&exact.columns.map(|c| c.value().to_array())),
             exact.shift.value(),
@@ -84,7 +84,7 @@ fn shapes_64_transforms_deep_are_placed_correctly() {
         const PRODUCTS: f64 = 1.2e-7;
         const RAYS: u32 = 10_000;
         for _ in 0..RAYS {
-            let mut place = || placed.point(own.point(Vec2::new(rng.random(), rng.random()))) - scene.middle();
+            let mut place = || placed.point(own.point(Vec2::new(rng.random(), rng.random()))) - scene.origin();
             let (target, other) = (place(), place());
             let away = DVec3::new(rng.random(), rng.random(), rng.random()) * 2.0 - 1.0;
             let origin = (if rng.random() { other + away * size } else { target + away * (3.0 * size) }).as_vec3();
@@ -103,7 +103,7 @@ fn shapes_64_transforms_deep_are_placed_correctly() {
             known.blur += PRODUCTS / direction.as_dvec3().dot(known.normal).abs();
             known.turn += PRODUCTS * shrink;
             assert!(off <= known.blur, "{own:?} {ray:?}: {} {exactly}, off by {off:e} of {:e}", hit.t, known.blur);
-            let s = scene.surface(&ray, &hit, &RayCone::point(Effects::NONE), || 0.0).point;
+            let s = scene.interaction(&ray, &hit, &RayCone::point(Effects::NONE), || 0.0).point;
             let turned = s.ng.as_dvec3().cross(known.normal).length();
             assert!(turned <= known.turn, "{own:?} {ray:?}: turned by {turned:e} of {:e}", known.turn);
         }

@@ -1,0 +1,428 @@
+//! Camera paths: the one loop behind every algorithm but `raycast`.
+//!
+//! A surface is a *receiver* if it stores photons (diffuse or wide glossy lobes), a *caster* if it
+//! is specular or has a narrow lobe, or black. A light path that goes over casters to a receiver is
+//! a caustic: next-event estimation cannot find it, photons do. A path does not count the emission
+//! that its algorithm leaves to photons, so each light path counts once.
+
+mod media;
+
+use super::film::Worker;
+use super::nee::NextEventEstimator;
+use super::photon_maps::{MapLookup, PhotonMaps};
+use super::policy::{Continuation, DirectionSampling, PathPolicy, PhotonLookups};
+use super::scatter;
+use super::vertex::{PathHistory, PathVertex, PrevVertex};
+use crate::bsdf::{Bsdf, Transport};
+use crate::color::{self, Rgb};
+use crate::math::Ray;
+use crate::medium::PhaseFunction;
+use crate::photon::VisiblePoint;
+use crate::plan::Effect;
+use crate::sampling::{Dimension, Sampler};
+use crate::scene::{Interior, PathEvent, PathRay, Scene, SurfaceInteraction, SurfaceVertex};
+use glam::Vec3;
+
+/// Throughput below which the weaker branch at a smooth dielectric is chosen by chance instead of
+/// split off.
+const MIN_SPLIT_THROUGHPUT: f32 = 0.001;
+
+/// Throughput below which Russian roulette begins. An earlier start adds more noise than it saves
+/// time.
+const ROULETTE_THROUGHPUT: f32 = 0.125;
+
+/// Bounces over casters alone after which Russian roulette begins.
+const ROULETTE_BOUNCE: u32 = 8;
+
+/// Most branches of one camera path that may wait to be continued.
+const MAX_BRANCHES: usize = 16;
+
+/// Radius assumed for the global map if there is none \[length].
+const NO_MAP_RADIUS: f32 = 1.0;
+
+/// Shortest gather ray, in radii of the global map. A shorter ray ends where the map says no more
+/// than at its start.
+const MIN_GATHER_RADII: f32 = 2.0;
+
+/// Inputs that all camera paths of a pass share.
+pub(super) struct PathContext<'a> {
+    pub scene: &'a Scene,
+    pub policy: &'a PathPolicy,
+    pub nee: &'a NextEventEstimator<'a>,
+    /// `None` if the pass has no photons.
+    pub maps: Option<&'a PhotonMaps<'a>>,
+    pub pass: u32,
+    /// Bounces after which a path ends.
+    pub max_bounces: u32,
+    /// Length of the shortest gather ray that reads the global map \[length].
+    min_gather_distance: f32,
+}
+
+/// A branch of a camera path between two vertices.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PathState<I> {
+    path_ray: PathRay<I>,
+    /// Weight in the pixel of radiance that arrives along the ray.
+    throughput: Rgb,
+    bounce: u32,
+    history: PathHistory,
+    /// Previous vertex if next-event estimation could have found emission from there; `None` after
+    /// a delta.
+    prev: Option<PrevVertex>,
+    /// Random numbers of the next vertex.
+    sampler: Sampler,
+}
+
+/// Radiance that arrives along camera ray `ray` \[W/(m² sr)]. `stack` is empty before and after.
+pub(super) fn radiance<I: Interior>(
+    paths: &PathContext<'_>,
+    ray: &Ray,
+    sampler: Sampler,
+    worker: &mut Worker,
+    stack: &mut Vec<PathState<I>>,
+) -> Rgb {
+    let PathContext { scene, policy, nee, .. } = *paths;
+    let mut radiance = Rgb::ZERO;
+    let mut branch = Some(PathState::at_camera(paths, ray, sampler));
+    while let Some(mut path) = branch {
+        loop {
+            // Find the next vertex; add in-scattering and emission of the media along the segment.
+            worker.counters.continuation_rays += u64::from(path.bounce > 0);
+            let (event, phase) = if I::SPECTRAL {
+                media::next_vertex(paths, &mut path, worker, &mut radiance)
+            } else {
+                (path.path_ray.next_vertex(scene, path.sampler.key(), |_| None), PhaseFunction::Isotropic)
+            };
+            let mut hit = match event {
+                PathEvent::Surface(hit) => hit,
+                PathEvent::Scattered { transmittance, crossed } => {
+                    path.throughput *= transmittance;
+                    path.history.casters += u32::from(crossed);
+                    if media::scatter(&mut path, phase) {
+                        continue;
+                    }
+                    break;
+                }
+                PathEvent::Escaped { crossed } => {
+                    path.cross_hidden_boundaries(crossed);
+                    radiance += path.throughput * escaped(paths, &path);
+                    break;
+                }
+            };
+            path.throughput *= hit.transmittance;
+            path.cross_hidden_boundaries(hit.crossed);
+
+            // Add emission, weighted against next-event estimation.
+            if hit.surface.emission != Rgb::ZERO && counts_emission(policy, &path) {
+                let weight = path.prev.map_or(1.0, |prev| emission_weight(nee, &prev, &hit.surface));
+                radiance += path.throughput * hit.surface.emission * weight;
+            }
+            let interior = path.path_ray.inside;
+
+            // Reflect and refract at casters.
+            if !hit.surface.bsdf.stores_photons() {
+                if hit.surface.bsdf == Bsdf::Black || !policy.effects.has(Effect::Specular) {
+                    break;
+                }
+                if at_caster(paths, &mut path, &hit, &interior, worker, &mut radiance, stack) {
+                    continue;
+                }
+                break;
+            }
+
+            // Skip shading of faint paths by Russian roulette: it costs as much as dozens of rays.
+            let survival = color::mean(path.throughput) / ROULETTE_THROUGHPUT;
+            if survival < 1.0 && policy.min_throughput == 0.0 {
+                if path.sampler.get_1d(Dimension::Worth) >= survival {
+                    break;
+                }
+                path.throughput /= survival;
+            }
+            if policy.directions == DirectionSampling::OneLobe {
+                hit.surface.bsdf = one_lobe(hit.surface.bsdf, path.sampler.get_1d(Dimension::Part));
+            }
+            let SurfaceVertex { surface, distance, .. } = &hit;
+            let vertex = path.vertex(paths, surface, &interior, *distance);
+            let ends_gather_ray = ends_gather_ray(paths, &vertex);
+            let continues = path.bounce < paths.max_bounces
+                && match policy.continuation {
+                    Continuation::Never => false,
+                    Continuation::Glossy => !is_diffuse(&surface.bsdf),
+                    Continuation::GatherRays => !ends_gather_ray,
+                    Continuation::Always => true,
+                };
+            if let (true, DirectionSampling::Guided, Some(maps)) = (continues, policy.directions, paths.maps) {
+                scatter::collect_guides(maps, paths.min_gather_distance, &vertex, worker);
+            }
+
+            // Add direct light by next-event estimation.
+            let direct = if policy.direct_light && !ends_gather_ray {
+                nee.estimate(&vertex, continues, worker)
+            } else {
+                Rgb::ZERO
+            };
+
+            // Add the photon estimate.
+            let reflected = direct + photon_radiance(paths, &vertex, ends_gather_ray, worker);
+            radiance += path.throughput * reflected;
+
+            // Continue in a sampled direction.
+            path.history = PathHistory { receivers: path.history.receivers + 1, casters: 0 };
+            if !(continues && continue_path(policy, &mut path, &vertex, worker)) {
+                break;
+            }
+        }
+        branch = stack.pop();
+    }
+    radiance
+}
+
+/// Shades a caster and continues the path from there; false if the path ends.
+///
+/// The function stays out of line, so that scenes without casters do not carry its code through
+/// their loop.
+#[inline(never)]
+fn at_caster<I: Interior>(
+    paths: &PathContext<'_>,
+    path: &mut PathState<I>,
+    caster: &SurfaceVertex<'_>,
+    interior: &I,
+    worker: &mut Worker,
+    radiance: &mut Rgb,
+    stack: &mut Vec<PathState<I>>,
+) -> bool {
+    let PathContext { policy, nee, .. } = *paths;
+    let surface = &caster.surface;
+    let continues = path.bounce < paths.max_bounces;
+    path.history.casters += 1;
+    let vertex = path.vertex(paths, surface, interior, caster.distance);
+
+    // Add direct light at glossy casters, unless photons carry the light that goes over this
+    // caster.
+    if !surface.bsdf.is_specular() && policy.direct_light && counts_light(policy, path.history) {
+        *radiance += path.throughput * nee.estimate(&vertex, continues, worker);
+    }
+    if !continues {
+        return false;
+    }
+
+    // Follow both branches at a smooth dielectric seen directly or over casters.
+    if let Bsdf::Dielectric(dielectric) = surface.bsdf {
+        let split = dielectric.split(surface.wo, surface.point.ns, surface.point.ng, Transport::Radiance);
+        let weaker = split.reflected.1.min(split.transmitted.1) * color::mean(path.throughput);
+        let has_room = stack.len() < MAX_BRANCHES;
+        if has_room && path.history.receivers == 0 && weaker > MIN_SPLIT_THROUGHPUT.max(policy.min_throughput) {
+            stack.push(path.leaving(surface, split.reflected.0, Rgb::splat(split.reflected.1), false));
+            let weight = Rgb::splat(split.transmitted.1 / split.squeeze);
+            *path = path.leaving(surface, split.transmitted.0, weight, true);
+            return true;
+        }
+    }
+    continue_path(policy, path, &vertex, worker)
+}
+
+/// Continues `path` from `vertex` in a sampled direction; false if it ends there.
+#[inline]
+fn continue_path<I: Interior>(
+    policy: &PathPolicy,
+    path: &mut PathState<I>,
+    vertex: &PathVertex<'_, I>,
+    worker: &mut Worker,
+) -> bool {
+    let Some(sample) = scatter::sample(policy.directions, vertex, worker) else { return false };
+    let mut next = path.leaving(vertex.surface, sample.wi, sample.weight, sample.transmitted);
+    next.prev = (!sample.specular).then_some(PrevVertex {
+        p: vertex.surface.point.p,
+        hemisphere: vertex.hemisphere(),
+        history: vertex.history,
+        pdf: sample.pdf,
+    });
+    if color::mean(next.throughput) < policy.min_throughput {
+        return false;
+    }
+    let certain = next.history.receivers == 0 && next.bounce <= ROULETTE_BOUNCE;
+    if !certain && !next.survives_roulette(path.sampler) {
+        return false;
+    }
+    *path = next;
+    true
+}
+
+/// Radiance that `vertex` reflects to its viewer from light that photons carried \[W/(m² sr)].
+#[inline]
+fn photon_radiance<I: Interior>(
+    paths: &PathContext<'_>,
+    vertex: &PathVertex<'_, I>,
+    ends_gather_ray: bool,
+    worker: &mut Worker,
+) -> Rgb {
+    let samples = match paths.policy.photons {
+        PhotonLookups::Never => return Rgb::ZERO,
+        PhotonLookups::OncePerPixel => match vertex.sampler.index() {
+            (0, samples) if vertex.history.receivers == 0 => samples,
+            _ => return Rgb::ZERO,
+        },
+        PhotonLookups::FirstReceiver | PhotonLookups::GatherRays => 1,
+        PhotonLookups::RecordVisible => {
+            record_visible(vertex, worker);
+            return Rgb::ZERO;
+        }
+    };
+    let before_gather_ray = paths.policy.photons == PhotonLookups::GatherRays && !ends_gather_ray;
+    let lookup = if before_gather_ray { MapLookup::Caustic } else { MapLookup::Both };
+    paths.maps.map_or(Rgb::ZERO, |maps| maps.radiance(vertex, lookup, samples, worker))
+}
+
+/// Records `vertex` as visible, weighted by its effect on the pixel.
+fn record_visible<I: Interior>(vertex: &PathVertex<'_, I>, worker: &mut Worker) {
+    let surface = vertex.surface;
+    let normal = surface.facing_normal();
+    let brdf = surface.bsdf.evaluate(surface.wo, normal, normal, normal, Transport::Radiance);
+    let weight = color::mean(vertex.throughput * brdf);
+    worker.visible.push(VisiblePoint { position: surface.point.p, normal, weight });
+}
+
+/// True if `vertex` ends a gather ray long enough to read the global map there.
+#[inline]
+fn ends_gather_ray<I>(paths: &PathContext<'_>, vertex: &PathVertex<'_, I>) -> bool {
+    paths.policy.continuation == Continuation::GatherRays
+        && vertex.history.receivers > 0
+        && vertex.distance > paths.min_gather_distance
+}
+
+/// One stochastically chosen lobe of `bsdf`, over the probability of its choice.
+#[inline]
+fn one_lobe(bsdf: Bsdf, u: f32) -> Bsdf {
+    match bsdf {
+        Bsdf::Phong(phong) => phong.part(u),
+        Bsdf::Black
+        | Bsdf::Diffuse(_)
+        | Bsdf::Mirror(_)
+        | Bsdf::Dielectric(_)
+        | Bsdf::Conductor(_)
+        | Bsdf::RoughDielectric(_)
+        | Bsdf::Thin(_) => bsdf,
+    }
+}
+
+/// True if all of `bsdf` is Lambertian.
+#[inline]
+fn is_diffuse(bsdf: &Bsdf) -> bool {
+    match bsdf {
+        Bsdf::Diffuse(_) => true,
+        Bsdf::Black
+        | Bsdf::Phong(_)
+        | Bsdf::Mirror(_)
+        | Bsdf::Dielectric(_)
+        | Bsdf::Conductor(_)
+        | Bsdf::RoughDielectric(_)
+        | Bsdf::Thin(_) => false,
+    }
+}
+
+/// True if the policy counts light found by a path of `history`, rather than leaving it to photons.
+#[inline]
+fn counts_light(policy: &PathPolicy, history: PathHistory) -> bool {
+    policy.counts_caustics || !history.is_caustic()
+}
+
+/// True if emission that the path hits counts. Lights without an extent are visible, but no
+/// scattered path counts them.
+#[inline]
+fn counts_emission<I>(policy: &PathPolicy, path: &PathState<I>) -> bool {
+    (path.prev.is_none() || policy.effects.has(Effect::SoftShadows)) && counts_light(policy, path.history)
+}
+
+/// Weight of emission that a path hits, by the balance heuristic (Veach 1997, section 9.2.2).
+#[inline]
+fn emission_weight(nee: &NextEventEstimator<'_>, prev: &PrevVertex, hit: &SurfaceInteraction<'_>) -> f32 {
+    let Some(light) = hit.light else { return 1.0 };
+    prev.pdf / (prev.pdf + nee.pdf(prev, light as usize, -hit.wo, Some(&hit.point)))
+}
+
+/// Radiance of the environment or the background along a path that hits nothing \[W/(m² sr)].
+fn escaped<I: Interior>(paths: &PathContext<'_>, path: &PathState<I>) -> Rgb {
+    let PathContext { scene, policy, nee, .. } = *paths;
+    let direction = path.path_ray.ray.direction;
+    match scene.environment().filter(|_| policy.effects.has(Effect::Environment)) {
+        // The background is visible but lights nothing.
+        None if path.history.receivers > 0 => Rgb::ZERO,
+        None => scene.background(),
+        Some(_) if !counts_emission(policy, path) => Rgb::ZERO,
+        Some(light) => {
+            let light_pdf = |prev: PrevVertex| nee.pdf(&prev, light, direction, None);
+            let weight = path.prev.map_or(1.0, |prev| prev.pdf / (prev.pdf + light_pdf(prev)));
+            scene.escaped_radiance(direction) * weight
+        }
+    }
+}
+
+impl<'a> PathContext<'a> {
+    /// Context of pass `pass`.
+    pub fn new(
+        scene: &'a Scene,
+        policy: &'a PathPolicy,
+        nee: &'a NextEventEstimator<'a>,
+        maps: Option<&'a PhotonMaps<'a>>,
+        pass: u32,
+        max_bounces: u32,
+    ) -> Self {
+        let radius = maps.map_or(NO_MAP_RADIUS, |maps| maps.smooth.radius());
+        Self { scene, policy, nee, maps, pass, max_bounces, min_gather_distance: MIN_GATHER_RADII * radius }
+    }
+}
+
+impl<I: Interior> PathState<I> {
+    /// Path that starts with camera ray `ray`.
+    fn at_camera(paths: &PathContext<'_>, ray: &Ray, sampler: Sampler) -> Self {
+        let path_ray = paths.scene.start_camera_path(*ray, paths.policy.effects);
+        let history = PathHistory::default();
+        Self { path_ray, throughput: Rgb::ONE, bounce: 0, history, prev: None, sampler }
+    }
+
+    /// Notes boundaries on the segment that light passes but shadow rays do not: they count as a
+    /// caster.
+    #[inline]
+    fn cross_hidden_boundaries(&mut self, crossed: bool) {
+        if crossed {
+            self.history.casters += 1;
+            self.prev = None;
+        }
+    }
+
+    /// The vertex of this path at `surface`.
+    fn vertex<'v>(
+        &self,
+        paths: &PathContext<'_>,
+        surface: &'v SurfaceInteraction<'v>,
+        interior: &'v I,
+        distance: f32,
+    ) -> PathVertex<'v, I> {
+        let shadow_sampler = self.sampler.shadow_rays(paths.pass);
+        let Self { history, throughput, sampler, .. } = *self;
+        PathVertex { surface, interior, history, throughput, distance, sampler, shadow_sampler }
+    }
+
+    /// The path after it leaves `surface` in unit `direction`; `weight` is BSDF times cosine over
+    /// pdf.
+    #[inline]
+    fn leaving(&self, surface: &SurfaceInteraction<'_>, direction: Vec3, weight: Rgb, transmitted: bool) -> Self {
+        let mut path_ray = self.path_ray;
+        let weight = weight * path_ray.leave(surface, direction, transmitted);
+        let sampler = self.sampler.next_vertex(self.bounce, transmitted);
+        let throughput = self.throughput * weight;
+        Self { path_ray, throughput, bounce: self.bounce + 1, prev: None, sampler, ..*self }
+    }
+
+    /// Plays Russian roulette by `sampler` of the vertex before; divides the throughput by the
+    /// survival probability.
+    #[inline]
+    fn survives_roulette(&mut self, sampler: Sampler) -> bool {
+        let survival = (color::mean(self.throughput) / ROULETTE_THROUGHPUT).min(1.0);
+        if survival.is_nan() || sampler.get_1d(Dimension::Roulette) >= survival {
+            return false;
+        }
+        self.throughput /= survival;
+        true
+    }
+}

@@ -1,0 +1,118 @@
+//! Camera paths through participating media.
+
+use super::{PathContext, PathState};
+use crate::color::Rgb;
+use crate::integrate::film::Worker;
+use crate::integrate::policy::{Continuation, PhotonLookups};
+use crate::integrate::vertex::{MediumVertex, PathHistory, PrevVertex};
+use crate::medium::PhaseFunction;
+use crate::sampling::Dimension;
+use crate::scene::{Interior, MediumSegment, PathEvent};
+use glam::DVec3;
+use rand::rngs::SmallRng;
+
+/// Advances `path` to its next vertex and adds to `radiance` what the media along the segment emit
+/// and scatter.
+///
+/// Returns the event that ends the segment, and the phase function of a scattering event.
+pub(super) fn next_vertex<'a, I: Interior>(
+    paths: &PathContext<'a>,
+    path: &mut PathState<I>,
+    worker: &mut Worker,
+    radiance: &mut Rgb,
+) -> (PathEvent<'a>, PhaseFunction) {
+    let mut rng = path.sampler.key().medium_tracking(paths.pass).rng();
+    let mut path_ray = path.path_ray;
+    let mut phase = PhaseFunction::Isotropic;
+    let mut weight = DVec3::ONE;
+    let event = path_ray.next_vertex(paths.scene, path.sampler.key(), |segment| {
+        phase = segment.medium.phase;
+        cross_medium(paths, path, segment, &mut weight, &mut rng, worker, radiance)
+    });
+    path.path_ray = path_ray;
+    path.throughput *= weight.as_vec3();
+    (event, phase)
+}
+
+/// Adds the radiance from one segment of a medium; returns the distance at which the path scatters,
+/// if it does.
+///
+/// `weight` is the factor on the throughput for all segments since the last vertex.
+fn cross_medium<I: Interior>(
+    paths: &PathContext<'_>,
+    path: &PathState<I>,
+    segment: &MediumSegment<'_, I>,
+    weight: &mut DVec3,
+    rng: &mut SmallRng,
+    worker: &mut Worker,
+    radiance: &mut Rgb,
+) -> Option<f32> {
+    let MediumSegment { medium, ray, .. } = segment;
+    let policy = paths.policy;
+    let throughput = path.throughput * weight.as_vec3() * segment.left;
+
+    // Add emission.
+    if medium.emits() {
+        *radiance += throughput * medium.emitted(ray, ray.t_max, rng);
+    }
+    if !medium.scatters() {
+        *weight *= medium.transmittance_f64(ray, ray.t_max, rng);
+        return None;
+    }
+
+    // Add single scattering of the lights, and light that photons carried.
+    let history = PathHistory { casters: path.history.casters + u32::from(segment.crossed), ..path.history };
+    let continues = policy.continuation == Continuation::Always && path.bounce < paths.max_bounces;
+    let distance_sample = medium.distance_sample(ray, ray.t_max, throughput, rng);
+    let shadow_sampler = path.sampler.shadow_rays(paths.pass);
+    let vertex = MediumVertex { segment, history, throughput, sampler: path.sampler, shadow_sampler };
+    let mut scattered = Rgb::ZERO;
+    if policy.direct_light {
+        scattered += paths.nee.estimate_in_medium(&vertex, &distance_sample, continues, worker);
+    }
+    scattered += photon_radiance(paths, &vertex, rng, worker);
+    *radiance += throughput * scattered;
+
+    // Scatter, or continue to the end of the segment.
+    if continues {
+        *weight *= distance_sample.weight.as_dvec3();
+        return distance_sample.scattered;
+    }
+    *weight *= medium.transmittance_f64(ray, ray.t_max, rng);
+    None
+}
+
+/// Radiance that a segment scatters to its start from light that photons carried \[W/(m² sr)].
+fn photon_radiance<I: Interior>(
+    paths: &PathContext<'_>,
+    vertex: &MediumVertex<'_, I>,
+    rng: &mut SmallRng,
+    worker: &mut Worker,
+) -> Rgb {
+    let Some(maps) = paths.maps else { return Rgb::ZERO };
+    match paths.policy.photons {
+        PhotonLookups::Never | PhotonLookups::RecordVisible => Rgb::ZERO,
+        PhotonLookups::OncePerPixel => match vertex.sampler.index() {
+            (0, samples) if vertex.history.receivers == 0 => maps.radiance_in_medium(vertex, samples, rng, worker),
+            _ => Rgb::ZERO,
+        },
+        PhotonLookups::FirstReceiver | PhotonLookups::GatherRays => maps.radiance_in_medium(vertex, 1, rng, worker),
+    }
+}
+
+/// Continues `path` from a scattering event in a sampled direction; false if Russian roulette ends
+/// it.
+pub(super) fn scatter<I: Interior>(path: &mut PathState<I>, phase: PhaseFunction) -> bool {
+    let mut next = *path;
+    let (direction, pdf) = phase.sample(next.path_ray.ray.direction, path.sampler.get_2d(Dimension::Phase));
+    next.path_ray.turn(direction);
+    next.prev = Some(PrevVertex { p: next.path_ray.ray.origin, hemisphere: None, history: path.history, pdf });
+    next.history = PathHistory { receivers: path.history.receivers + 1, casters: 0 };
+    next.bounce += 1;
+    next.sampler = path.sampler.next_vertex(path.bounce, false);
+    if !next.survives_roulette(path.sampler) {
+        return false;
+    }
+    *path = next;
+    true
+}

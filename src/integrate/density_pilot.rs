@@ -1,0 +1,136 @@
+//! Pilot that finds how many camera rays each pixel needs.
+//!
+//! A pixel with n rays has noise σ²/n. For a given total of rays, the noise relative to the
+//! radiance is least if n is proportional to σ over the radiance. A few pictures before the first
+//! pass estimate both. All passes use the result, so they stay independent. No ray of the pilot is
+//! used again, so the mean stays unbiased.
+
+use super::for_interior::for_interior;
+use super::map_builder::PilotBudget;
+use super::pass::{Pass, Silent};
+use super::pass_renderer::PassRenderer;
+use crate::color;
+use crate::sampling::{Key, Purpose};
+use std::sync::Arc;
+
+/// Pictures of the pilot, of one camera ray per pixel each.
+const PICTURES: u32 = 4;
+
+/// Photon paths of a pass per path that the pilot traces.
+const PILOT_PART: u32 = 16;
+
+/// Least and most rays of a pixel, in parts of the mean.
+const MIN_DENSITY: f64 = 0.5;
+const MAX_DENSITY: f64 = 8.0;
+
+/// Camera rays of each pixel in parts of the mean, by rows from the top; `None` if rays make no
+/// noise.
+pub(super) fn find_density(renderer: &PassRenderer<'_>) -> Option<Arc<[f32]>> {
+    let key = Key::new(renderer.settings.eye.seed).purpose(Purpose::Balance);
+    let budget = PilotBudget { key, pass: 0, part: PILOT_PART, limited: true };
+    let maps = renderer.map_builder.build_within(&budget, &Silent, &mut Pass::default());
+    // Moving objects rest at one time, as in a pass.
+    let pilot = renderer.with_one_sample();
+    let pictures: Vec<Vec<f64>> = (0..PICTURES)
+        .map(|i| {
+            let mut out = Pass::default();
+            // No render reaches these passes, so no random number is used twice.
+            let paths = pilot.paths(Some(&maps), u32::MAX - i);
+            for_interior!(pilot.policy.effects, pilot.render_pixels(&paths, &Silent, &mut out));
+            out.image.iter().map(|v| f64::from(color::mean(*v))).collect()
+        })
+        .collect();
+    let (width, height) = renderer.scene.camera().size();
+    density(&pictures, width as usize, height as usize, renderer.samples)
+}
+
+/// Camera rays of each pixel in parts of the mean, from independent `pictures`; see
+/// [`PathIntegrator::find_density`].
+fn density(pictures: &[Vec<f64>], width: usize, height: usize, samples: u32) -> Option<Arc<[f32]>> {
+    let n = pictures.len() as f64;
+    let mean: Vec<f64> =
+        (0..width * height).map(|i| pictures.iter().map(|picture| picture[i]).sum::<f64>() / n).collect();
+    let variance = |i: usize| {
+        let squares = pictures.iter().map(|picture| (picture[i] - mean[i]) * (picture[i] - mean[i]));
+        squares.sum::<f64>() / (n - 1.0)
+    };
+    let variances: Vec<f64> = (0..width * height).map(variance).collect();
+    let mut sorted: Vec<f64> = mean.iter().copied().filter(|l| *l > 0.0).collect();
+    sorted.sort_by(f64::total_cmp);
+    let median = *sorted.get(sorted.len() / 2)?;
+    // Few pictures say little about one pixel. Close neighbours add detail, wider ones add rare
+    // events.
+    let box_mean = |values: &[f64], i: usize, reach: usize| {
+        let (x, y) = (i % width, i / width);
+        let columns = x.saturating_sub(reach)..width.min(x + reach + 1);
+        let rows = y.saturating_sub(reach)..height.min(y + reach + 1);
+        let count = (columns.len() * rows.len()) as f64;
+        rows.flat_map(|y| columns.clone().map(move |x| values[y * width + x])).sum::<f64>() / count
+    };
+    let wanted: Vec<f64> = (0..width * height)
+        .map(|i| {
+            let light = box_mean(&mean, i, 1);
+            let variance = 0.5 * (box_mean(&variances, i, 1) + box_mean(&variances, i, 4));
+            let relative = variance / (light * light + median * median);
+            if relative.is_finite() { relative.sqrt() } else { 0.0 }
+        })
+        .collect();
+    let largest = wanted.iter().copied().fold(0.0, f64::max);
+    if largest == 0.0 {
+        return None;
+    }
+    // Every pixel gets at least one ray.
+    let least = MIN_DENSITY.max(1.0 / f64::from(samples));
+    let share = |scale: f64, w: f64| (scale * w).clamp(least, MAX_DENSITY);
+    let total = |scale: f64| wanted.iter().map(|w| share(scale, *w)).sum::<f64>() / wanted.len() as f64;
+    let (mut low, mut high) = (0.0, 1.0 / largest);
+    // If few pixels need rays, their upper bound leaves some rays unused.
+    while total(high) < 1.0 && high * largest < MAX_DENSITY * 1e6 {
+        high *= 2.0;
+    }
+    // The mean grows with the scale; sixty bisections exhaust double precision.
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if total(middle) > 1.0 { high = middle } else { low = middle }
+    }
+    Some(wanted.iter().map(|w| share(low, *w) as f32).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The left half of the pictures is constant, the right half noisy.
+    #[test]
+    fn rays_follow_noise_and_keep_their_total() {
+        let (width, height) = (16, 8);
+        let picture = |i: u64| {
+            let value = |p: usize| {
+                let (x, noise) = (p % width, Key::new(i).with(p as u64).uniform(crate::sampling::Dimension::Film));
+                if x < width / 2 { 1.0 } else { 0.5 + f64::from(noise) }
+            };
+            (0..width * height).map(value).collect::<Vec<f64>>()
+        };
+        let pictures: Vec<Vec<f64>> = (0..64).map(picture).collect();
+        let shares = density(&pictures, width, height, 16).unwrap();
+        let mean = shares.iter().map(|d| f64::from(*d)).sum::<f64>() / shares.len() as f64;
+        assert!((mean - 1.0).abs() < 1e-3, "{mean}");
+        for (i, share) in shares.iter().enumerate() {
+            match i % width {
+                0..4 => assert_eq!(*share, MIN_DENSITY as f32),
+                // Half of the pixels would get 1.5 mean shares each. Pixels near the middle average
+                // both sides.
+                12.. => assert!((1.2..1.6).contains(share), "{i}: {share}"),
+                _ => {}
+            }
+        }
+        // With one ray per pixel, no pixel can give one away.
+        assert!(density(&pictures, width, height, 1).unwrap().iter().all(|share| *share == 1.0));
+        // A pixel that needs almost nothing takes nothing from the others.
+        let mut faint = pictures.clone();
+        (0..64).for_each(|i| faint[i][0] = 1.0 + 1e-12 * i as f64);
+        assert_eq!(density(&faint, width, height, 16).unwrap()[20..], shares[20..]);
+        assert!(density(&[vec![1.0; 128], vec![1.0; 128]], width, height, 16).is_none());
+        assert!(density(&[vec![0.0; 128], vec![0.0; 128]], width, height, 16).is_none());
+    }
+}

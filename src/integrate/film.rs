@@ -1,0 +1,262 @@
+//! Pixels of a pass, rendered in parallel by tiles.
+
+use super::gather_guide::Guide;
+use super::nested_estimates::{NestedEstimates, NestedSum};
+use super::pass::{Monitor, Stage};
+use crate::camera::{Camera, Filter, FilterSample};
+use crate::color::Rgb;
+use crate::math::{Ray, Sum};
+use crate::medium::TransmittanceCurve;
+use crate::photon::{Scratch, VisiblePoint};
+use crate::sampling::{Dimension, Key, Sampler};
+use crate::stats::Counters;
+use glam::{DVec3, Vec2};
+use rayon::prelude::*;
+
+/// Edge of a tile in pixels. Neighbouring pixels share photons and boxes in the caches.
+const EDGE: u32 = 16;
+
+/// Working memory of one tile. Each tile starts with a fresh one, so results do not depend on the
+/// thread.
+#[derive(Debug, Default)]
+pub(super) struct Worker {
+    pub counters: Counters,
+    /// Buffers of lookups in the caustic map.
+    pub caustic: Scratch,
+    /// Buffers of lookups in the other map.
+    pub smooth: Scratch,
+    /// Buffers of lookups of guiding photons.
+    pub guides: Scratch,
+    /// Directions of photons near the current vertex.
+    pub guide: Guide,
+    /// True if photon estimates are made at nested bandwidths.
+    pub nests_estimates: bool,
+    /// Nested estimates of the current pixel.
+    pub nested: NestedSum,
+    /// Transmittance along the current segment of a medium.
+    pub transmittance: TransmittanceCurve,
+    /// Visible points, recorded for a pilot.
+    pub visible: Vec<VisiblePoint>,
+}
+
+/// Camera rays of a picture.
+pub(super) struct FilmSampling<'a> {
+    pub camera: &'a Camera,
+    /// Reconstruction filter; `None` sends one ray through the lower left corner of each pixel.
+    pub filter: Option<&'a Filter>,
+    /// Mean number of rays per pixel.
+    pub samples: u32,
+    /// True if rays leave from all of the lens.
+    pub lens: bool,
+    /// Rays of each pixel in parts of the mean; `None` gives all pixels the mean.
+    pub density: Option<&'a [f32]>,
+    /// True if photon estimates are made at nested bandwidths.
+    pub nested: bool,
+    /// Renders one tile out of this many and leaves the others black; 1 renders all.
+    pub every: u32,
+}
+
+/// A rendered picture.
+pub(super) struct Rendered {
+    /// Radiance by rows from the top \[W/(m² sr)].
+    pub image: Vec<Rgb>,
+    /// Nested photon estimates of each pixel; empty unless requested.
+    pub nested: Vec<NestedEstimates>,
+    /// Indices of the rendered pixels if some tiles are left out; else empty.
+    pub pixels: Vec<u32>,
+    pub counters: Counters,
+}
+
+/// A tile of a picture.
+struct Tile<'a> {
+    /// Index of the tile, by rows from the top.
+    index: u32,
+    /// Rows of the tile within the picture.
+    image: Vec<&'a mut [Rgb]>,
+    /// Rows of nested estimates; none unless requested.
+    nested: Vec<&'a mut [NestedEstimates]>,
+}
+
+impl<'a> Tile<'a> {
+    /// Cuts a picture of `width` columns, at least one.
+    fn cut(image: &'a mut [Rgb], nested: &'a mut [NestedEstimates], width: u32) -> Vec<Self> {
+        let height = image.len() as u32 / width;
+        let empty = |index| Tile { index, image: Vec::new(), nested: Vec::new() };
+        let mut tiles: Vec<Self> = (0..width.div_ceil(EDGE) * height.div_ceil(EDGE)).map(empty).collect();
+        pieces(image, width).for_each(|(tile, row)| tiles[tile].image.push(row));
+        pieces(nested, width).for_each(|(tile, row)| tiles[tile].nested.push(row));
+        tiles
+    }
+}
+
+/// Rows of all tiles from the top, each with the index of its tile.
+fn pieces<T>(picture: &mut [T], width: u32) -> impl Iterator<Item = (usize, &mut [T])> {
+    let (width, edge) = (width as usize, EDGE as usize);
+    let tile = move |x: usize, y: usize| y / edge * width.div_ceil(edge) + x;
+    let rows = picture.chunks_mut(width).enumerate();
+    rows.flat_map(move |(y, row)| row.chunks_mut(edge).enumerate().map(move |(x, piece)| (tile(x, y), piece)))
+}
+
+impl FilmSampling<'_> {
+    /// Number of rays of a pixel, at least one; pixels are counted by rows from the top.
+    fn rays(&self, pixel: usize) -> u32 {
+        let exact = |density: &[f32]| (self.samples as f32 * density[pixel]).round().max(1.0) as u32;
+        self.density.map_or(self.samples, exact)
+    }
+
+    /// Film position of a sample of the pixel whose upper left corner is `corner`, and its filter
+    /// weight.
+    #[inline]
+    fn film_position(&self, corner: Vec2, sampler: Sampler) -> (Vec2, f32) {
+        let Some(filter) = self.filter else { return (corner + Vec2::Y, 1.0) };
+        // The correction for negative lobes is unbiased only if samples are independent.
+        let film = if filter.is_signed() {
+            sampler.key().uniform_2d(Dimension::Film)
+        } else {
+            sampler.get_2d(Dimension::Film)
+        };
+        let FilterSample { offset, weight } = filter.sample(film);
+        (corner + 0.5 + offset, weight)
+    }
+}
+
+/// Renders the pixels of a picture by tiles, in parallel.
+///
+/// `radiance` returns the radiance along a camera ray. It gets the sampler of the ray, the worker,
+/// and a value of type `T` that lasts for one tile.
+pub(super) fn render_tiles<T: Default>(
+    sampling: &FilmSampling<'_>,
+    key: Key,
+    monitor: &dyn Monitor,
+    radiance: impl Fn(&Ray, Sampler, &mut Worker, &mut T) -> Rgb + Sync,
+) -> Rendered {
+    let (width, height) = sampling.camera.size();
+    let (columns, every) = (width.div_ceil(EDGE), sampling.every);
+    let pixels = width as usize * height as usize;
+    let is_signed = sampling.filter.is_some_and(Filter::is_signed);
+    monitor.begin(Stage::Camera, pixels as u64 / u64::from(every));
+
+    // Cut the picture into tiles.
+    let mut image = vec![Rgb::ZERO; pixels];
+    let mut nested = vec![NestedEstimates::default(); if sampling.nested { pixels } else { 0 }];
+    let mut tiles = Tile::cut(&mut image, &mut nested, width);
+    tiles.retain(|tile| is_rendered(tile.index, columns, every));
+    let indices = |tile: &Tile<'_>| pixels_of(tile.index, columns, width, height).map(|(x, y)| y * width + x);
+    let rendered_pixels = if every > 1 { tiles.iter().flat_map(indices).collect() } else { Vec::new() };
+
+    let work = tiles.into_par_iter().map(|mut tile| {
+        let mut worker = Worker { nests_estimates: sampling.nested, ..Worker::default() };
+        let mut tile_state = T::default();
+        let mut rendered = 0;
+        for (x, y) in pixels_of(tile.index, columns, width, height) {
+            let (pixel, corner) = (key.pixel(x, y), Vec2::new(x as f32, y as f32));
+            let samples = sampling.rays(y as usize * width as usize + x as usize);
+            let mut sum = PixelSum::default();
+            for sample in 0..samples {
+                // Trace one camera ray.
+                let sampler = Sampler::new(pixel, sample, samples);
+                let (film, weight) = sampling.film_position(corner, sampler);
+                worker.counters.camera_rays += 1;
+                let lens = sampling.lens.then(|| sampler.get_2d(Dimension::Lens));
+                let ray = sampling.camera.ray(film, lens);
+                let value = radiance(&ray, sampler, &mut worker, &mut tile_state);
+
+                // Add its radiance to the pixel.
+                let finite = value.is_finite();
+                if finite {
+                    sum.add(value, weight);
+                } else {
+                    worker.counters.rejected_samples += 1;
+                }
+                if sampling.nested {
+                    worker.nested.end_ray(finite.then_some(weight));
+                }
+            }
+            let (column, row) = ((x % EDGE) as usize, (y % EDGE) as usize);
+            let total = if is_signed { sum.weighted() } else { sum.plain() };
+            tile.image[row][column] = (total / f64::from(samples)).as_vec3();
+            if sampling.nested {
+                tile.nested[row][column] = worker.nested.end_pixel(samples);
+            }
+            rendered += 1;
+        }
+        monitor.advance(rendered);
+        worker.counters
+    });
+    let counters = work.reduce(Counters::default, |mut a, b| {
+        a += b;
+        a
+    });
+    Rendered { image, nested, pixels: rendered_pixels, counters }
+}
+
+/// Interval of tiles at which about `wanted` tiles of a picture are rendered, and at most half of
+/// them.
+pub(super) fn tile_interval((width, height): (u32, u32), wanted: u32) -> u32 {
+    (width.div_ceil(EDGE) * height.div_ceil(EDGE) / wanted).max(2)
+}
+
+/// True if one tile out of `every` is this one. Rendered tiles lie on slanting lines, evenly in
+/// rows and columns.
+fn is_rendered(tile: u32, columns: u32, every: u32) -> bool {
+    // A slant that shares a factor with the interval would leave columns out.
+    let slant = (1..=every.div_ceil(2)).rev().find(|slant| gcd(*slant, every) == 1).unwrap_or(1);
+    (tile % columns + tile / columns * slant).is_multiple_of(every)
+}
+
+fn gcd(a: u32, b: u32) -> u32 {
+    if b == 0 { a } else { gcd(b, a % b) }
+}
+
+/// Column and row of each pixel of a tile.
+fn pixels_of(tile: u32, columns: u32, width: u32, height: u32) -> impl Iterator<Item = (u32, u32)> {
+    let (left, top) = (tile % columns * EDGE, tile / columns * EDGE);
+    (top..height.min(top + EDGE)).flat_map(move |y| (left..width.min(left + EDGE)).map(move |x| (x, y)))
+}
+
+/// Sums over the samples of a pixel.
+#[derive(Default)]
+struct PixelSum {
+    /// Sum of values.
+    values: Sum,
+    /// Sum of weighted values.
+    weighted: Sum,
+    /// Sum of weights minus 1.
+    excess: f64,
+    count: u32,
+}
+
+impl PixelSum {
+    #[inline]
+    fn add(&mut self, value: Rgb, weight: f32) {
+        let value = value.as_dvec3();
+        self.values.add(value);
+        self.weighted.add(value * f64::from(weight));
+        self.excess += f64::from(weight - 1.0);
+        self.count += 1;
+    }
+
+    /// Sum of the values.
+    fn plain(&self) -> DVec3 {
+        self.values.value()
+    }
+
+    /// Sum of the weighted values, without the noise of the weights.
+    ///
+    /// Unequal weights make noise even if all values are equal. Where a weight falls short of 1,
+    /// the mean of the other values fills in. The sum stays unbiased, and is exact for equal
+    /// values.
+    fn weighted(&self) -> DVec3 {
+        let (values, weighted) = (self.values.value(), self.weighted.value());
+        let others = f64::from(self.count) - 1.0;
+        if others < 1.0 {
+            return weighted;
+        }
+        // Σ (1 − wᵢ)(S − Lᵢ)/(n − 1), from the sums above.
+        let lacks = (weighted - values) - values * self.excess;
+        weighted + lacks / others
+    }
+}
+
+#[cfg(test)]
+mod tests;

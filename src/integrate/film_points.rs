@@ -1,0 +1,37 @@
+//! Camera paths through chosen points of the film, for pilots.
+
+use super::camera_path::{PathContext, PathState, radiance};
+use super::film::Worker;
+use super::for_interior::for_interior;
+use crate::color::Rgb;
+use crate::plan::Effect;
+use crate::sampling::{Dimension, Sampler};
+use crate::scene::Interior;
+use glam::Vec2;
+use rayon::prelude::*;
+
+/// Points per parallel task.
+const CHUNK: usize = 64;
+
+/// A film position in pixels, with the sampler of its camera path.
+pub(super) type FilmPoint = (Vec2, Sampler);
+
+/// Radiance along the camera rays through `points` \[W/(m² sr)], and the workers that traced them.
+pub(super) fn trace_points(paths: &PathContext<'_>, points: &[FilmPoint]) -> (Vec<Rgb>, Vec<Worker>) {
+    for_interior!(paths.policy.effects, trace_points_in(paths, points))
+}
+
+fn trace_points_in<I: Interior>(paths: &PathContext<'_>, points: &[FilmPoint]) -> (Vec<Rgb>, Vec<Worker>) {
+    let has_lens = paths.policy.effects.has(Effect::Lens);
+    let chunks = points.par_chunks(CHUNK).map(|chunk| {
+        let (mut worker, mut stack) = (Worker::default(), Vec::<PathState<I>>::new());
+        let values = chunk.iter().map(|(film, sampler)| {
+            worker.counters.camera_rays += 1;
+            let lens = has_lens.then(|| sampler.get_2d(Dimension::Lens));
+            radiance(paths, &paths.scene.camera().ray(*film, lens), *sampler, &mut worker, &mut stack)
+        });
+        (values.collect::<Vec<Rgb>>(), worker)
+    });
+    let (radiance, workers): (Vec<Vec<Rgb>>, Vec<Worker>) = chunks.collect::<Vec<_>>().into_iter().unzip();
+    (radiance.concat(), workers)
+}

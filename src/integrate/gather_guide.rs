@@ -1,0 +1,54 @@
+//! Distribution of gather-ray directions, from the directions of nearby photons.
+
+use crate::math::{Frame, warp};
+use glam::{Vec2, Vec3};
+
+/// Number of photons that guide a gather ray.
+pub(super) const GUIDES: u32 = 32;
+
+/// 1 − cosine of the half angle (0.2 rad) of the cone around each photon's direction.
+///
+/// 32 such cones cover most of a hemisphere with uniform light. If all light comes from one
+/// direction, they cover a tenth.
+const ONE_MINUS_COS: f32 = 0.02;
+
+/// Mixture of equal cones around directions.
+///
+/// Hey and Purgathofer 2002, "Importance Sampling with Hemispherical Particle Footprints".
+#[derive(Debug, Default)]
+pub(super) struct Guide {
+    directions: Vec<Vec3>,
+}
+
+impl Guide {
+    /// Removes all directions.
+    pub fn clear(&mut self) {
+        self.directions.clear();
+    }
+
+    /// Adds the unit direction from which a photon arrived.
+    pub fn push(&mut self, direction: Vec3) {
+        self.directions.push(direction);
+    }
+
+    /// Samples a unit direction by `choice` in \[0, 1) and `u` in \[0, 1)²; `None` without photons.
+    #[inline]
+    pub fn sample(&self, choice: f32, u: Vec2) -> Option<Vec3> {
+        let chosen = ((choice * self.directions.len() as f32) as usize).min(self.directions.len().checked_sub(1)?);
+        Some(Frame::around(self.directions[chosen]).to_world(warp::cone(u, ONE_MINUS_COS)).normalize())
+    }
+
+    /// Pdf of unit direction `w` \[1/sr]; `None` without photons.
+    #[inline]
+    pub fn pdf(&self, w: Vec3) -> Option<f32> {
+        if self.directions.is_empty() {
+            return None;
+        }
+        // |w − d|² = 2(1 − cos) is exact for small angles, unlike the cosine.
+        let around = self.directions.iter().filter(|d| (w - **d).length_squared() <= 2.0 * ONE_MINUS_COS).count();
+        Some(around as f32 * warp::cone_pdf(ONE_MINUS_COS) / self.directions.len() as f32)
+    }
+}
+
+#[cfg(test)]
+mod tests;

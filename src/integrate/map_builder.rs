@@ -1,0 +1,432 @@
+//! Construction of the photon maps of any pass.
+
+use super::pass::{Expected, Monitor, Pass, PhotonReport, Stage};
+use super::photon_maps::{PhotonEstimator, PhotonMaps};
+use super::policy::{MapRequest, PathPolicy};
+use super::radius_law::{RadiusLaw, shrink, shrink_in};
+use super::radius_pilot::{
+    GuidingReports, Radii, VolumeRadii, find_radius, find_volume_radii, min_disc_radius, pilot_paths,
+};
+use super::settings::{EyeSettings, Settings};
+use super::visible_pilot::visible_points;
+use super::volume_estimate::{VolumeEstimate, VolumeMap};
+use crate::photon::{
+    Bandwidth, GuidingPilot, Photon, PhotonMap, PhotonPass, PhotonSource, StoreMask, THINNING, Traced, VolumePhotons,
+};
+use crate::plan::{Effect, Effects};
+use crate::sampling::{Key, Purpose};
+use crate::scene::Scene;
+use std::time::Instant;
+
+/// Default limit on the photons of a caustic estimate.
+pub const CAUSTIC_K: u32 = 50;
+
+/// Default number of photons that most discs of the global map should hold.
+const GLOBAL_COUNT: u32 = 100;
+
+/// Default number of photons that most discs of the map of light after caustics should hold.
+const AFTER_CAUSTIC_COUNT: u32 = 50;
+
+/// Radius around visible points before gather radii are known, in radii of the scene.
+const VISIBLE_RADIUS: f32 = 0.01;
+
+/// Gather radius if the pilot stores no photon, in radii of the scene.
+const DEFAULT_RADIUS: f32 = 0.01;
+
+/// Least gain of guided emission, in paths saved; guided paths take longer, so a smaller gain is
+/// none.
+const MIN_GUIDING_GAIN: f64 = 1.5;
+
+/// Paths of the global map per path whose photons guide gather rays.
+const GUIDE_INTERVAL: u32 = 16;
+
+/// Half width of the wavelength kernel in the first pass \[nm].
+const WAVELENGTH_BAND: f32 = 20.0;
+
+/// Least limit on the photons of an estimate: fewer are noise, however far the limit has shrunk.
+const MIN_K: f64 = 8.0;
+
+/// Memory of a photon beam with its boxes, in photons.
+const BEAM_SIZE: usize = 4;
+
+/// Least limit of a pilot: the k-th photon only bounds the disc, so one photon alone gives no
+/// density.
+const MIN_PILOT_K: u32 = 2;
+
+/// Paths that measure the number of photons stored per path.
+const PROBE_PATHS: u32 = 4096;
+
+/// Photon paths of a pass.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct PathCounts {
+    /// Paths of the global map.
+    pub photons: u32,
+    /// Paths aimed at caustic casters.
+    pub caustic_photons: u32,
+}
+
+impl PathCounts {
+    /// These counts divided by `part`, rounded up.
+    pub fn divided(self, part: u32) -> Self {
+        Self { photons: self.photons.div_ceil(part), caustic_photons: self.caustic_photons.div_ceil(part) }
+    }
+}
+
+/// Limit on the photons of an estimate if one of `part` paths is traced; 0 stays unlimited.
+fn divided_k(k: u32, part: u32) -> u32 {
+    if k == 0 { 0 } else { k.div_ceil(part).max(MIN_PILOT_K) }
+}
+
+/// Effort of building the photon maps of a pass or of a pilot.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PilotBudget {
+    /// Root key, shared by all passes.
+    pub key: Key,
+    /// The pass, counted from 0.
+    pub pass: u32,
+    /// Traces one of this many paths of a pass.
+    pub part: u32,
+    /// True if estimates take a limited number of photons; false takes all photons within the
+    /// radius.
+    pub limited: bool,
+}
+
+/// Builds the photon maps of any pass.
+#[derive(Debug)]
+pub(super) struct PhotonMapBuilder<'a> {
+    scene: &'a Scene,
+    settings: Settings,
+    policy: PathPolicy,
+    pub request: MapRequest,
+    /// Emission of the global map; `None` if the map is not requested or has no light.
+    global: Option<PhotonSource<'a>>,
+    /// Emission aimed at caustic casters; `None` if not requested or without light.
+    caustic: Option<PhotonSource<'a>>,
+    pub counts: PathCounts,
+    /// Largest gather radii of the first pass; `None` without maps.
+    pub radii: Option<Radii>,
+    /// Kernel radii in media: of the caustic map, and of the other map.
+    volume_radii: [VolumeRadii; 2],
+    /// Least disc radius of the first pass \[length].
+    min_radius: f32,
+    pub guiding_reports: GuidingReports,
+}
+
+impl<'a> PhotonMapBuilder<'a> {
+    /// Builder for the maps that `policy` reads. Pilots guide the emission and find radii that are
+    /// not set.
+    pub fn new(scene: &'a Scene, settings: Settings, policy: PathPolicy) -> Self {
+        let request = policy.photon_maps();
+        let source = |stored: StoreMask, paths: u32, new_source: &dyn Fn() -> Option<PhotonSource<'a>>| {
+            if paths == 0 || stored == StoreMask::NONE {
+                return None;
+            }
+            restricted(new_source()?, policy.effects)
+        };
+        // Caustics forced on in a scene without lit casters start in all directions.
+        let aimed = || PhotonSource::aimed(scene).or_else(|| PhotonSource::everywhere(scene));
+        let caustic = source(request.aimed, settings.caustic_photons, &aimed);
+        let global = source(request.global, settings.photons, &|| PhotonSource::everywhere(scene));
+        let counts = PathCounts { photons: settings.photons, caustic_photons: settings.caustic_photons };
+        let mut builder = Self {
+            scene,
+            settings,
+            policy,
+            request,
+            global,
+            caustic,
+            counts,
+            radii: None,
+            volume_radii: [VolumeRadii::default(); 2],
+            min_radius: 0.0,
+            guiding_reports: GuidingReports::default(),
+        };
+        if builder.has_photons() {
+            builder.min_radius = min_disc_radius(scene);
+        }
+        builder.guide_emission();
+        builder.radii = builder.has_photons().then(|| builder.find_radii());
+        if builder.lights_media() {
+            builder.volume_radii = builder.find_volume_radii();
+        }
+        builder
+    }
+
+    /// This builder for a policy with fewer effects; results of pilots are kept.
+    pub fn with_policy(&self, policy: &PathPolicy) -> Self {
+        let request = policy.photon_maps();
+        let keep = |source: &Option<PhotonSource<'a>>, stored: StoreMask| {
+            let source = source.clone().filter(|_| stored != StoreMask::NONE)?;
+            restricted(source, policy.effects)
+        };
+        Self {
+            settings: self.settings.clone(),
+            policy: *policy,
+            request,
+            global: keep(&self.global, request.global),
+            caustic: keep(&self.caustic, request.aimed),
+            ..*self
+        }
+    }
+
+    /// This builder for `scene`, its own scene at another time; results of pilots are kept.
+    pub fn at<'b>(&self, scene: &'b Scene) -> PhotonMapBuilder<'b> {
+        let placed = |source: &Option<PhotonSource<'a>>| source.as_ref().map(|source| source.at(scene));
+        PhotonMapBuilder {
+            scene,
+            settings: self.settings.clone(),
+            global: placed(&self.global),
+            caustic: placed(&self.caustic),
+            ..*self
+        }
+    }
+
+    /// Guides emission to visible points if that is much more efficient.
+    fn guide_emission(&mut self) {
+        // Points on surfaces do not describe what is visible in media.
+        if !self.has_photons() || self.lights_media() {
+            return;
+        }
+        let (scene, settings) = (self.scene, &self.settings);
+        let radius = scene.domain().radius * VISIBLE_RADIUS;
+        let visible = visible_points(scene, &settings.eye, self.policy.effects, radius);
+        let guide = |source: &mut Option<PhotonSource<'a>>, wants: StoreMask, paths: u32| {
+            let unguided = source.take()?;
+            let EyeSettings { max_bounces, seed, .. } = settings.eye;
+            let paths = pilot_paths(paths, GuidingPilot::PATHS);
+            let pilot = GuidingPilot { mask: wants, max_bounces, visible: &visible, paths, seed };
+            let (guided, report) = unguided.clone().guided(&pilot);
+            *source = Some(if report.gain > MIN_GUIDING_GAIN { guided } else { unguided });
+            Some(report)
+        };
+        self.guiding_reports.caustic = guide(&mut self.caustic, self.request.aimed, settings.caustic_photons);
+        // Gather rays read the global map everywhere.
+        if !self.request.global.direct {
+            self.guiding_reports.global = guide(&mut self.global, self.request.global, settings.photons);
+        }
+    }
+
+    /// Gather radii within which most estimates find enough photons.
+    fn find_radii(&self) -> Radii {
+        let settings = &self.settings;
+        let radius = |source: &Option<PhotonSource<'a>>, wants: StoreMask, paths: u32, default_k: u32| {
+            let k = settings.gather_k.filter(|k| *k > 0).unwrap_or(default_k);
+            let found = || {
+                let source = source.as_ref()?;
+                let pass = PhotonPass { scene: self.scene, source, mask: wants, max_bounces: settings.eye.max_bounces };
+                find_radius(&pass, paths, k, settings.eye.seed, self.min_radius)
+            };
+            // A pilot may find no photon although passes will, for example if objects move.
+            settings.radius.or_else(found).unwrap_or(self.scene.domain().radius * DEFAULT_RADIUS)
+        };
+        let (source, stored, paths) = self.smooth_map();
+        let default_k = if self.request.aimed.apart { AFTER_CAUSTIC_COUNT } else { GLOBAL_COUNT };
+        let smooth = radius(source, stored, paths, default_k);
+        let caustic = radius(&self.caustic, StoreMask::CAUSTIC, settings.caustic_photons, CAUSTIC_K);
+        Radii { global: smooth, caustic }
+    }
+
+    /// Source, stored photons and effective paths of the map other than the caustic one.
+    fn smooth_map(&self) -> (&Option<PhotonSource<'a>>, StoreMask, u32) {
+        if self.request.aimed.apart {
+            let stored = StoreMask { after_caustic: true, ..StoreMask::NONE };
+            (&self.caustic, stored, self.settings.caustic_photons / THINNING)
+        } else {
+            (&self.global, self.request.global, self.settings.photons)
+        }
+    }
+
+    /// True if photons are stored in media.
+    fn lights_media(&self) -> bool {
+        let effects = self.policy.effects;
+        let media = effects.has(Effect::Media) && effects.has(Effect::Interiors);
+        media && self.has_photons() && self.scene.media_in_use().iter().any(|medium| medium.scatters())
+    }
+
+    /// Kernel radii within which most camera rays find enough photons in media.
+    fn find_volume_radii(&self) -> [VolumeRadii; 2] {
+        let settings = &self.settings;
+        let found = |source: &Option<PhotonSource<'a>>, wants: StoreMask, paths: u32| {
+            let source = source.as_ref()?;
+            let pass = PhotonPass { scene: self.scene, source, mask: wants, max_bounces: settings.eye.max_bounces };
+            find_volume_radii(&pass, self.policy.effects, paths, settings)
+        };
+        let radii = |source, stored, paths| {
+            if let Some(radius) = settings.radius {
+                return VolumeRadii { beams: radius, points: radius };
+            }
+            let default = self.scene.domain().radius * DEFAULT_RADIUS;
+            found(source, self.in_media(stored), paths).unwrap_or(VolumeRadii { beams: default, points: default })
+        };
+        let (source, stored, paths) = self.smooth_map();
+        let caustic = radii(&self.caustic, StoreMask::CAUSTIC, settings.caustic_photons);
+        [caustic, radii(source, StoreMask { direct: false, ..stored }, paths)]
+    }
+
+    /// `stored`, with photons in media stored in the form that their estimator takes.
+    fn in_media(&self, stored: StoreMask) -> StoreMask {
+        StoreMask { beams: self.settings.volume == VolumeEstimate::Beams, ..stored }
+    }
+
+    /// Law by which radii change from pass to pass.
+    pub fn law(&self) -> RadiusLaw {
+        let alpha = if self.policy.shrinking_radii { self.settings.alpha } else { 1.0 };
+        RadiusLaw { alpha, kernel: self.settings.kernel }
+    }
+
+    /// True if a pass traces photons.
+    pub fn has_photons(&self) -> bool {
+        self.caustic.is_some() || self.global.is_some()
+    }
+
+    /// Estimated photons of a pass, from few paths.
+    pub fn expected(&self) -> Expected {
+        let settings = &self.settings;
+        let key = Key::new(settings.eye.seed).purpose(Purpose::Pilot);
+        let expected = |source: &Option<PhotonSource<'a>>, wants: StoreMask, paths: u32| {
+            let Some(source) = source.as_ref().filter(|_| paths > 0) else { return Expected::default() };
+            let probe = paths.min(PROBE_PATHS);
+            let pass = PhotonPass { scene: self.scene, source, mask: wants, max_bounces: settings.eye.max_bounces };
+            let traced = pass.trace(key, probe, &|_| {});
+            let scale = |n: usize| (n as f64 * f64::from(paths) / f64::from(probe)) as u64;
+            let in_media = |volume: &VolumePhotons| volume.points.len() + BEAM_SIZE * volume.beams.len();
+            let one = scale(traced.deposits.photons.len() + in_media(&traced.deposits.volume));
+            let other = scale(traced.deposits.after_caustic.len() + in_media(&traced.deposits.after_volume));
+            Expected { paths: paths.into(), photons: one + other, most: one.max(other) }
+        };
+        let guides = if self.request.guides { self.counts.photons / GUIDE_INTERVAL } else { 0 };
+        let maps = [
+            expected(&self.caustic, self.request.aimed, self.counts.caustic_photons),
+            expected(&self.global, self.request.global, self.counts.photons),
+            expected(&self.global, StoreMask::GLOBAL, guides),
+        ];
+        maps.into_iter().fold(Expected::default(), |all, map| Expected {
+            paths: all.paths + map.paths,
+            photons: all.photons + map.photons,
+            most: all.most.max(map.most),
+        })
+    }
+
+    /// Traces and indexes the photons of pass `pass`; adds the work to `out`.
+    pub fn build(&self, pass: u32, monitor: &dyn Monitor, out: &mut Pass) -> PhotonMaps<'a> {
+        let key = Key::new(self.settings.eye.seed);
+        self.build_within(&PilotBudget { key, pass, part: 1, limited: true }, monitor, out)
+    }
+
+    /// Traces and indexes photons within `budget`; adds the work to `out`.
+    pub fn build_within(&self, budget: &PilotBudget, monitor: &dyn Monitor, out: &mut Pass) -> PhotonMaps<'a> {
+        let PilotBudget { pass, part, .. } = *budget;
+        let counts = self.counts.divided(part);
+        let key = |purpose| budget.key.purpose(purpose).pass(pass);
+
+        // Discs keep their size if counts are balanced, so the usual limit changes with the count.
+        let ratio = f64::from(self.counts.caustic_photons) / f64::from(self.settings.caustic_photons.max(1));
+        let usual_k = (f64::from(CAUSTIC_K) * ratio).round().max(1.0) as u32;
+        let caustic_k = divided_k(self.settings.gather_k.unwrap_or(usual_k), part);
+        let smooth_k = divided_k(self.settings.gather_k.unwrap_or(0), part);
+        let radii = self.radii.unwrap_or(Radii { global: 1.0, caustic: 1.0 });
+
+        // Trace the paths aimed at casters, and index the caustic map.
+        let paths = (self.request.aimed, counts.caustic_photons);
+        let aimed = self.trace(self.caustic.as_ref(), paths, key(Purpose::CausticPhotons), monitor, out);
+        out.caustic = report(&aimed);
+        let index = |photons: (Vec<Photon>, VolumePhotons), radii, k, out: &mut Pass| {
+            let start = Instant::now();
+            let count = (photons.0.len() + photons.1.len()) as u64;
+            monitor.begin(Stage::Indexing, count);
+            let estimator = self.estimator(photons, radii, k, budget);
+            monitor.advance(count);
+            out.seconds.indexing += start.elapsed().as_secs_f64();
+            estimator
+        };
+        let caustic_radii = (radii.caustic, self.volume_radii[0]);
+        let caustic = index((aimed.deposits.photons, aimed.deposits.volume), caustic_radii, caustic_k, out);
+
+        // Trace the paths of the global map, unless the aimed paths hold its light.
+        let smooth = if self.request.aimed.apart {
+            (aimed.deposits.after_caustic, aimed.deposits.after_volume)
+        } else {
+            let paths = (self.request.global, counts.photons);
+            let traced = self.trace(self.global.as_ref(), paths, key(Purpose::GlobalPhotons), monitor, out);
+            out.global = report(&traced);
+            (traced.deposits.photons, traced.deposits.volume)
+        };
+        let smooth = index(smooth, (radii.global, self.volume_radii[1]), smooth_k, out);
+
+        // Trace the photons that guide gather rays.
+        let guides = if self.request.guides {
+            let paths = (StoreMask::GLOBAL, counts.photons / GUIDE_INTERVAL);
+            self.trace(self.global.as_ref(), paths, key(Purpose::Guides), monitor, out).deposits.photons
+        } else {
+            Vec::new()
+        };
+        PhotonMaps { guides: PhotonMap::build(guides), caustic, smooth }
+    }
+
+    /// Indexes `photons` for estimates of pass `budget.pass`, of at most `k` photons each (0: no
+    /// limit).
+    fn estimator(
+        &self,
+        (photons, volume): (Vec<Photon>, VolumePhotons),
+        (radius, volume_radii): (f32, VolumeRadii),
+        k: u32,
+        budget: &PilotBudget,
+    ) -> PhotonEstimator<'a> {
+        let (pass, RadiusLaw { alpha, kernel }) = (budget.pass, self.law());
+        let area = shrink(alpha, pass);
+        let estimate = self.settings.volume;
+        let (beam_dimensions, point_dimensions) = estimate.dimensions();
+        let volume_radii = (
+            volume_radii.beams * shrink_in(beam_dimensions, alpha, pass),
+            volume_radii.points * shrink_in(point_dimensions, alpha, pass),
+        );
+        let band = WAVELENGTH_BAND * area.sqrt() as f32;
+        let volume = VolumeMap::build(volume, volume_radii, estimate, band);
+        let limit = if budget.limited { k } else { 0 };
+        let shrunk_k = (f64::from(limit) * area).round().max(MIN_K) as u32;
+        let bandwidth = Bandwidth { radius: radius * area.sqrt() as f32, k: shrunk_k.min(limit) };
+        let map = PhotonMap::build(photons).with_min_radius(self.min_radius * area.sqrt() as f32);
+        PhotonEstimator { scene: self.scene, map, bandwidth, kernel, volume }
+    }
+
+    fn trace(
+        &self,
+        source: Option<&PhotonSource<'_>>,
+        (stored, paths): (StoreMask, u32),
+        key: Key,
+        monitor: &dyn Monitor,
+        out: &mut Pass,
+    ) -> Traced {
+        let Some(source) = source else { return Traced::default() };
+        let start = Instant::now();
+        monitor.begin(Stage::Photons, u64::from(paths));
+        let (wants, max_bounces) = (self.in_media(stored), self.settings.eye.max_bounces);
+        let pass = PhotonPass { scene: self.scene, source, mask: wants, max_bounces };
+        let traced = pass.trace(key, paths, &|n| monitor.advance(n));
+        out.counters.photon_rays += traced.rays;
+        out.counters.rejected_photons += traced.deposits.rejected;
+        out.seconds.photons += start.elapsed().as_secs_f64();
+        traced
+    }
+}
+
+/// `source`, restricted to `effects`; `None` if no light is left.
+fn restricted<'a>(source: PhotonSource<'a>, effects: Effects) -> Option<PhotonSource<'a>> {
+    let source = source.with_effects(effects);
+    if effects.has(Effect::Environment) { Some(source) } else { source.without_environment() }
+}
+
+fn report(traced: &Traced) -> PhotonReport {
+    PhotonReport { emitted: traced.paths, stored: traced.deposits.len() as u64, audit: traced.audit }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn divided_limits_still_give_a_density() {
+        assert_eq!([0, 1, 2, 5, 50].map(|k| divided_k(k, 4)), [0, 2, 2, 2, 13]);
+        assert_eq!([0, 2, 50].map(|k| divided_k(k, 1)), [0, 2, 50]);
+    }
+}

@@ -1,0 +1,235 @@
+//! Next-event estimation: direct light by shadow rays.
+
+mod medium;
+
+use super::film::Worker;
+use super::policy::{DirectionSampling, LightSampling, PathPolicy};
+use super::scatter;
+use super::vertex::{PathHistory, PathVertex, PrevVertex};
+use crate::color::Rgb;
+use crate::light::{DirectSample, Light, LightBvhSampler, ShadowTarget};
+use crate::plan::{Effect, Effects};
+use crate::sampling::Dimension;
+use crate::scene::{Interior, Scene};
+use crate::shape::SurfacePoint;
+use glam::{Vec2, Vec3};
+
+/// Sample that yields the center of a light.
+const CENTER: Vec2 = Vec2::splat(0.5);
+
+/// Most lights of which each gets a shadow ray before the first receiver.
+const FEW_LIGHTS: usize = 4;
+
+/// Lights that one vertex sends shadow rays to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum RayScheme {
+    /// All lights, with this many rays each.
+    All(u32),
+    /// This many rays, each to a stochastically chosen light.
+    Chosen(u32),
+}
+
+/// Next-event estimator for the lights of a scene.
+#[derive(Debug)]
+pub(super) struct NextEventEstimator<'a> {
+    scene: &'a Scene,
+    lights: &'a [Light],
+    effects: Effects,
+    directions: DirectionSampling,
+    /// True if some bodies let shadow rays pass.
+    has_null_interfaces: bool,
+    /// True if lights are sampled at their centers.
+    centers: bool,
+    /// Chooses lights if a scheme needs that.
+    light_sampler: Option<LightBvhSampler>,
+    /// Schemes before the first receiver, and after it.
+    schemes: [RayScheme; 2],
+}
+
+impl<'a> NextEventEstimator<'a> {
+    /// Estimator of the direct light that `policy` simulates.
+    pub fn new(scene: &'a Scene, policy: &PathPolicy) -> Self {
+        let PathPolicy { effects, light_sampling, directions, .. } = *policy;
+        // The center of a light stands for all of it, with its mean emission.
+        let centers = light_sampling == LightSampling::Centers || !effects.has(Effect::SoftShadows);
+        let all = if centers || !effects.has(Effect::Textures) { scene.mean_lights() } else { scene.lights() };
+        let skipped = scene.environment().filter(|_| !effects.has(Effect::Environment));
+        // The environment is the last of the lights.
+        let lights = &all[..skipped.unwrap_or(all.len())];
+        let sampled = |n: u32| {
+            let surfaces = if centers { 1 } else { lights.iter().filter(|l| !l.is_delta()).count() as u32 };
+            if lights.len() > n as usize { RayScheme::Chosen(n) } else { RayScheme::All((n / surfaces.max(1)).max(1)) }
+        };
+        let schemes = match light_sampling {
+            LightSampling::Centers => [RayScheme::All(1); 2],
+            LightSampling::Rays(n) => [sampled(n); 2],
+            LightSampling::OneRay if lights.len() <= FEW_LIGHTS => [RayScheme::All(1), sampled(1)],
+            LightSampling::OneRay => [sampled(1); 2],
+        };
+        let light_sampler = if schemes.iter().any(|s| matches!(s, RayScheme::Chosen(_))) {
+            LightBvhSampler::new(lights, scene.domain())
+        } else {
+            None
+        };
+        let has_null_interfaces = scene.bodies().any(|body| body.null_interface);
+        Self { scene, lights, effects, directions, has_null_interfaces, centers, light_sampler, schemes }
+    }
+
+    fn scheme(&self, history: PathHistory) -> RayScheme {
+        self.schemes[usize::from(history.receivers > 0)]
+    }
+
+    /// Unbiased estimate of the radiance that `vertex` scatters to its viewer from the lights
+    /// \[W/(m² sr)].
+    ///
+    /// If the path `continues`, it may hit a light itself. The estimate is then weighted by the
+    /// balance heuristic.
+    pub fn estimate<I: Interior>(&self, vertex: &PathVertex<'_, I>, continues: bool, worker: &mut Worker) -> Rgb {
+        let rays = match (self.scheme(vertex.history), &self.light_sampler) {
+            (RayScheme::All(rays), _) => rays,
+            (RayScheme::Chosen(rays), Some(sampler)) => {
+                return self.estimate_chosen(sampler, rays, vertex, continues, worker);
+            }
+            (RayScheme::Chosen(_), None) => return Rgb::ZERO,
+        };
+        let mut sum = Rgb::ZERO;
+        for (i, light) in self.lights.iter().enumerate() {
+            let rays = if !light.is_delta() && !self.centers { rays } else { 1 };
+            let sampler = vertex.shadow_sampler.light(i);
+            for ray in 0..rays {
+                // Splitting the sample stratifies the rays over the light.
+                let u = if self.centers { CENTER } else { sampler.split(ray, rays).get_2d(Dimension::LightPosition) };
+                sum += self.shadow_ray(i, vertex, u, rays as f32, continues, worker);
+            }
+        }
+        sum
+    }
+
+    fn estimate_chosen<I: Interior>(
+        &self,
+        light_sampler: &LightBvhSampler,
+        rays: u32,
+        vertex: &PathVertex<'_, I>,
+        continues: bool,
+        worker: &mut Worker,
+    ) -> Rgb {
+        let point = &vertex.surface.point;
+        let mut sum = Rgb::ZERO;
+        // One uniform number shifts equal strata: no light gets more rays than its expected count,
+        // rounded up.
+        let start = vertex.shadow_sampler.get_1d(Dimension::Light);
+        for i in 0..rays {
+            let u = stratum(i, start, rays);
+            let Some((light, probability, _)) = light_sampler.sample(point.p, vertex.hemisphere(), u) else { continue };
+            let sampler = vertex.shadow_sampler.light(i as usize);
+            let u = if self.centers { CENTER } else { sampler.get_2d(Dimension::LightPosition) };
+            sum += self.shadow_ray(light, vertex, u, probability * rays as f32, continues, worker);
+        }
+        sum
+    }
+
+    /// Expected number of shadow rays from `prev` to light `light` per steradian around unit
+    /// direction `wi` \[1/sr].
+    #[inline]
+    pub fn pdf(&self, prev: &PrevVertex, light: usize, wi: Vec3, hit: Option<&SurfacePoint>) -> f32 {
+        let rays = match (self.scheme(prev.history), &self.light_sampler) {
+            (RayScheme::All(rays), _) => rays as f32,
+            (RayScheme::Chosen(rays), Some(sampler)) => {
+                sampler.probability(prev.p, prev.hemisphere, light) * rays as f32
+            }
+            (RayScheme::Chosen(_), None) => 0.0,
+        };
+        rays * self.lights[light].pdf_li(prev.p, wi, hit)
+    }
+
+    /// Contribution of one shadow ray to light `light`, which gets `rays` of them in expectation.
+    #[inline]
+    fn shadow_ray<I: Interior>(
+        &self,
+        light: usize,
+        vertex: &PathVertex<'_, I>,
+        u: Vec2,
+        rays: f32,
+        continues: bool,
+        worker: &mut Worker,
+    ) -> Rgb {
+        let surface = vertex.surface;
+        let Some(sample) = self.lights[light].sample_li(surface.point.p, u) else {
+            return Rgb::ZERO;
+        };
+        let mut reflected = surface.scatter(sample.wi) * sample.weight / rays;
+        if reflected == Rgb::ZERO {
+            return Rgb::ZERO;
+        }
+        if let (true, Some(pdf), false) = (continues, sample.pdf, self.centers) {
+            let light_pdf = rays * pdf;
+            reflected *= light_pdf / (light_pdf + scatter::pdf(self.directions, vertex, sample.wi, worker));
+        }
+        if !self.effects.has(Effect::Shadows) {
+            return reflected * self.transmittance(vertex, &sample);
+        }
+        worker.counters.shadow_rays += 1;
+        let ray = match sample.target {
+            ShadowTarget::Point(target) => {
+                surface.segment_to(self.ray_end(light, &sample, target, surface.point.p), sample.wi)
+            }
+            ShadowTarget::Infinity => surface.leave(sample.wi),
+        };
+        if self.scene.occluded(&ray) {
+            return if self.has_null_interfaces {
+                reflected * self.transmittance_through_interfaces(light, vertex, &sample)
+            } else {
+                Rgb::ZERO
+            };
+        }
+        reflected * self.transmittance(vertex, &sample)
+    }
+
+    /// End of a shadow ray from `p` to `target`.
+    ///
+    /// It stops short of a light without a surface, which may stand in the surface of an object.
+    #[inline]
+    fn ray_end(&self, light: usize, sample: &DirectSample, target: Vec3, p: Vec3) -> Vec3 {
+        if sample.pdf.is_some() {
+            return target;
+        }
+        target - sample.wi * self.scene.light_contact(light).min(0.5 * (target - p).length())
+    }
+
+    /// Transmittance of an occluded shadow ray: 0 unless all surfaces in its way are null
+    /// interfaces.
+    fn transmittance_through_interfaces<I: Interior>(
+        &self,
+        light: usize,
+        vertex: &PathVertex<'_, I>,
+        sample: &DirectSample,
+    ) -> Rgb {
+        let path_ray = vertex.leaving(sample.wi);
+        let ray = match sample.target {
+            ShadowTarget::Point(target) => {
+                vertex.surface.segment_to(self.ray_end(light, sample, target, vertex.surface.point.p), sample.wi)
+            }
+            ShadowTarget::Infinity => path_ray.ray,
+        };
+        self.scene.shadow_transmittance(&ray, path_ray.inside, vertex.shadow_sampler.key())
+    }
+
+    /// Transmittance between `vertex` and a light that no surface hides.
+    #[inline]
+    fn transmittance<I: Interior>(&self, vertex: &PathVertex<'_, I>, sample: &DirectSample) -> Rgb {
+        match sample.target {
+            ShadowTarget::Point(target) => {
+                vertex.transmittance(self.scene, sample.wi, (target - vertex.surface.point.p).length())
+            }
+            ShadowTarget::Infinity if I::SPECTRAL => vertex.transmittance(self.scene, sample.wi, f32::INFINITY),
+            ShadowTarget::Infinity => Rgb::ONE,
+        }
+    }
+}
+
+/// Point of stratum `i` of `count` in \[0, 1); `start` in \[0, 1) is its position within the
+/// stratum.
+#[inline]
+fn stratum(i: u32, start: f32, count: u32) -> f32 {
+    ((i as f32 + start) / count as f32).min(1.0 - f32::EPSILON / 2.0)
+}

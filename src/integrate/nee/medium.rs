@@ -1,0 +1,177 @@
+//! Next-event estimation along a segment through a medium: single scattering.
+
+use super::{CENTER, NextEventEstimator, RayScheme, stratum};
+use crate::color::Rgb;
+use crate::integrate::film::Worker;
+use crate::integrate::vertex::MediumVertex;
+use crate::light::ShadowTarget;
+use crate::math::Ray;
+use crate::medium::DistanceSample;
+use crate::plan::Effect;
+use crate::sampling::{Dimension, Sampler};
+use crate::scene::{Interior, MediumSegment};
+use glam::{Vec2, Vec3};
+
+/// Sampled scattering point on a segment.
+struct ScatterPoint {
+    p: Vec3,
+    /// σs times the transmittance to the start of the segment, over the pdf of the distance.
+    weight: Rgb,
+}
+
+impl NextEventEstimator<'_> {
+    /// Unbiased estimate of the radiance that a medium scatters from the lights to the start of a
+    /// segment \[W/(m² sr)].
+    ///
+    /// `distance_sample` is where the path itself would scatter. If the path `continues` from
+    /// there, it may hit a light. The estimate is then weighted by the balance heuristic over
+    /// directions.
+    pub fn estimate_in_medium<I: Interior>(
+        &self,
+        vertex: &MediumVertex<'_, I>,
+        distance_sample: &DistanceSample,
+        continues: bool,
+        worker: &mut Worker,
+    ) -> Rgb {
+        let segment = vertex.segment;
+        let path_point = || {
+            let t = distance_sample.scattered?;
+            Some(ScatterPoint { p: segment.ray.at(t), weight: distance_sample.weight })
+        };
+        let mut sum = Rgb::ZERO;
+        match (self.scheme(vertex.history), &self.light_sampler) {
+            (RayScheme::All(rays), _) => {
+                for (i, light) in self.lights.iter().enumerate() {
+                    let rays = if !light.is_delta() && !self.centers { rays } else { 1 };
+                    let sampler = vertex.shadow_sampler.light(i);
+                    for ray in 0..rays {
+                        let sampler = sampler.split(ray, rays);
+                        let pivot = light.emission_point().filter(|_| segment.medium.is_homogeneous());
+                        let point = pivot.map_or_else(path_point, |pivot| sample_near(vertex, pivot, sampler));
+                        if let Some(point) = point {
+                            sum +=
+                                self.shadow_ray_in_medium(&point, i, vertex, sampler, rays as f32, continues, worker);
+                        }
+                    }
+                }
+            }
+            (RayScheme::Chosen(rays), Some(light_sampler)) => {
+                let Some(point) = path_point() else { return Rgb::ZERO };
+                let start = vertex.shadow_sampler.get_1d(Dimension::Light);
+                for i in 0..rays {
+                    let u = stratum(i, start, rays);
+                    let Some((light, probability, _)) = light_sampler.sample(point.p, None, u) else { continue };
+                    let sampler = vertex.shadow_sampler.light(i as usize);
+                    let rays = probability * rays as f32;
+                    sum += self.shadow_ray_in_medium(&point, light, vertex, sampler, rays, continues, worker);
+                }
+            }
+            (RayScheme::Chosen(_), None) => {}
+        }
+        sum
+    }
+
+    /// Contribution of one shadow ray from `point` to light `light`, which gets `rays` of them in
+    /// expectation.
+    #[expect(clippy::too_many_arguments, reason = "one call's inputs, all of different kinds")]
+    fn shadow_ray_in_medium<I: Interior>(
+        &self,
+        point: &ScatterPoint,
+        light: usize,
+        vertex: &MediumVertex<'_, I>,
+        sampler: Sampler,
+        rays: f32,
+        continues: bool,
+        worker: &mut Worker,
+    ) -> Rgb {
+        let segment = vertex.segment;
+        let u = if self.centers { CENTER } else { sampler.get_2d(Dimension::LightPosition) };
+        let Some(sample) = self.lights[light].sample_li(point.p, u) else { return Rgb::ZERO };
+        // Light travels against `wi`, and then against the path.
+        let phase = segment.medium.phase.evaluate(segment.ray.direction.dot(sample.wi));
+        let mut scattered = point.weight * sample.weight * (phase / rays);
+        if scattered == Rgb::ZERO {
+            return Rgb::ZERO;
+        }
+        if let (true, Some(pdf), false) = (continues, sample.pdf, self.centers) {
+            let light_pdf = rays * pdf;
+            scattered *= light_pdf / (light_pdf + phase);
+        }
+        let (ray, t_max) = match sample.target {
+            ShadowTarget::Point(target) => {
+                (Ray::between(point.p, self.ray_end(light, &sample, target, point.p)), (target - point.p).length())
+            }
+            ShadowTarget::Infinity => (Ray::new(point.p, sample.wi), f32::INFINITY),
+        };
+        if self.effects.has(Effect::Shadows) {
+            worker.counters.shadow_rays += 1;
+            if self.scene.occluded(&ray) {
+                return if self.has_null_interfaces {
+                    scattered * self.scene.shadow_transmittance(&ray, segment.inside, sampler.key())
+                } else {
+                    Rgb::ZERO
+                };
+            }
+        }
+        let ray = Ray { t_max, ..Ray::new(point.p, sample.wi) };
+        scattered * self.scene.interior_transmittance(&ray, &segment.inside, sampler.key())
+    }
+}
+
+/// Samples a scattering point in a homogeneous medium, in equal parts by transmittance and
+/// equiangularly around `pivot`.
+///
+/// Equiangular sampling: Kulla and Fajardo 2012, "Importance Sampling Techniques for Path Tracing
+/// in Participating Media".
+fn sample_near<I: Interior>(vertex: &MediumVertex<'_, I>, pivot: Vec3, sampler: Sampler) -> Option<ScatterPoint> {
+    let MediumSegment { ray, medium, .. } = vertex.segment;
+    let mut rng = sampler.key().distance_in_medium().rng();
+    let angles = Equiangular::new(ray, pivot);
+    let Vec2 { x: which, y: u } = sampler.get_2d(Dimension::Medium);
+    let t = if which < 0.5 {
+        medium.distance_sample(ray, ray.t_max, vertex.throughput, &mut rng).scattered?
+    } else {
+        angles.sample(u)
+    };
+    let pdf = 0.5 * (medium.distance_pdf(t, vertex.throughput)? + angles.pdf(t));
+    if !(t >= 0.0 && t <= ray.t_max && pdf > 0.0) {
+        return None;
+    }
+    let transmittance = medium.transmittance(ray, t, &mut rng);
+    Some(ScatterPoint { p: ray.at(t), weight: transmittance * medium.scattering / pdf })
+}
+
+/// Equiangular distribution of distances along a ray, as seen from a point.
+struct Equiangular {
+    /// Ray parameter of the position closest to the point \[length].
+    closest: f32,
+    /// Distance between ray and point \[length].
+    distance: f32,
+    /// Angle of the start of the ray \[rad].
+    from: f32,
+    /// Angle of the end of the ray \[rad].
+    to: f32,
+}
+
+impl Equiangular {
+    fn new(ray: &Ray, pivot: Vec3) -> Self {
+        let to = pivot - ray.origin;
+        let closest = to.dot(ray.direction);
+        // Any distance above zero is unbiased. One below rounding would lose the rest of the ray.
+        let distance = (to - ray.direction * closest).length().max(1e-5 * to.length()).max(f32::MIN_POSITIVE);
+        let angle = |t: f32| libm::atanf((t - closest) / distance);
+        Self { closest, distance, from: angle(0.0), to: angle(ray.t_max) }
+    }
+
+    /// Distance for uniform `u` in \[0, 1) \[length].
+    fn sample(&self, u: f32) -> f32 {
+        self.closest + self.distance * libm::tanf(self.from + (self.to - self.from) * u)
+    }
+
+    /// Pdf of distance `t` \[1/length].
+    fn pdf(&self, t: f32) -> f32 {
+        let x = (t - self.closest) / self.distance;
+        let range = self.to - self.from;
+        if range > 0.0 { 1.0 / (self.distance * (1.0 + x * x) * range) } else { 0.0 }
+    }
+}

@@ -1,0 +1,119 @@
+//! Photon estimates of a pixel at nested bandwidths, for error estimation.
+
+use crate::color::Rgb;
+use crate::photon::LEVELS;
+use glam::DVec3;
+use serde::Serialize;
+
+/// Mean disc of the photon estimates of a pixel from one map.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Discs {
+    /// Radius \[length].
+    pub radius: f32,
+    /// Photons.
+    pub photons: f32,
+}
+
+/// Photon light of a pixel, estimated by discs of the full area and of smaller nested areas.
+///
+/// The bias of an estimate grows with its disc. Differences between nested discs measure that bias:
+/// they share most of their noise.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct NestedEstimates {
+    /// Estimate minus that of half the area, then that minus the one of a quarter of the area
+    /// \[W/(m² sr)].
+    pub steps: [Rgb; LEVELS - 1],
+    /// Discs in the caustic map; `None` if no estimate was made.
+    pub caustic: Option<Discs>,
+    /// Discs in the other map; `None` if no estimate was made.
+    pub global: Option<Discs>,
+}
+
+/// Sum of the discs of estimates from one map.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct DiscSum {
+    radius: f32,
+    photons: f32,
+    count: u32,
+}
+
+impl DiscSum {
+    /// Adds a disc of `radius` \[length].
+    pub fn add(&mut self, radius: f32, photons: u32) {
+        self.radius += radius;
+        self.photons += photons as f32;
+        self.count += 1;
+    }
+
+    fn mean(self) -> Option<Discs> {
+        let n = self.count as f32;
+        (self.count > 0).then(|| Discs { radius: self.radius / n, photons: self.photons / n })
+    }
+}
+
+/// Accumulates nested estimates over one camera ray, and over the rays of one pixel.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct NestedSum {
+    /// Steps of the current ray.
+    ray: [Rgb; LEVELS - 1],
+    /// Steps of the pixel's rays, weighted by the filter.
+    pixel: [DVec3; LEVELS - 1],
+    /// Discs in the caustic map.
+    pub caustic: DiscSum,
+    /// Discs in the other map.
+    pub global: DiscSum,
+}
+
+impl NestedSum {
+    /// Adds an estimate with weight `throughput` in the pixel; `radiance` holds its value at each
+    /// level.
+    #[inline]
+    pub fn add(&mut self, throughput: Rgb, radiance: [Rgb; LEVELS]) {
+        for (sum, pair) in self.ray.iter_mut().zip(radiance.windows(2)) {
+            *sum += throughput * (pair[0] - pair[1]);
+        }
+    }
+
+    /// Ends a ray with filter weight `weight`; `None` if the picture rejects the ray.
+    #[inline]
+    pub fn end_ray(&mut self, weight: Option<f32>) {
+        if let Some(weight) = weight.filter(|_| self.ray.iter().all(|step| step.is_finite())) {
+            for (sum, step) in self.pixel.iter_mut().zip(self.ray) {
+                *sum += step.as_dvec3() * f64::from(weight);
+            }
+        }
+        self.ray = [Rgb::ZERO; LEVELS - 1];
+    }
+
+    /// Returns the mean over the `rays` rays of the pixel, and starts the next pixel.
+    pub fn end_pixel(&mut self, rays: u32) -> NestedEstimates {
+        let steps = self.pixel.map(|sum| (sum / f64::from(rays)).as_vec3());
+        let estimates = NestedEstimates { steps, caustic: self.caustic.mean(), global: self.global.mean() };
+        *self = Self::default();
+        estimates
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pixel_is_the_mean_of_its_accepted_rays() {
+        let mut sum = NestedSum::default();
+        let levels = |a: f32, b: f32, c: f32| [a, b, c].map(Rgb::splat);
+        sum.add(Rgb::splat(0.5), levels(4.0, 2.0, 1.0));
+        sum.add(Rgb::ONE, levels(1.0, 1.0, 2.0));
+        sum.caustic.add(0.5, 10);
+        sum.caustic.add(1.5, 20);
+        sum.end_ray(Some(1.0));
+        sum.add(Rgb::ONE, levels(100.0, 0.0, 0.0));
+        sum.end_ray(None);
+        sum.add(Rgb::ONE, levels(f32::INFINITY, 0.0, 0.0));
+        sum.end_ray(Some(1.0));
+        let estimates = sum.end_pixel(2);
+        assert_eq!(estimates.steps, [Rgb::splat(0.5), Rgb::splat(-0.25)]);
+        assert_eq!((estimates.caustic, estimates.global), (Some(Discs { radius: 1.0, photons: 15.0 }), None));
+        assert_eq!(sum.end_pixel(1), NestedEstimates::default());
+    }
+}

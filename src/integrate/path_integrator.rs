@@ -1,0 +1,129 @@
+//! The integrator of all algorithms that a [`PathPolicy`](super::policy::PathPolicy) expresses.
+
+use super::balance::Balance;
+use super::density_pilot::find_density;
+use super::for_interior::for_interior;
+use super::integrator::Integrator;
+use super::pass::{Expected, Monitor, Pass};
+use super::pass_renderer::PassRenderer;
+use super::policy::PolicyFn;
+use super::radius_law::RadiusLaw;
+use super::radius_pilot::{GuidingReports, Radii};
+use super::settings::Settings;
+use super::work_pilot::{find_balance, measure_work};
+use crate::plan::{Effects, Plan};
+use crate::sampling::{Dimension, Key, Purpose};
+use crate::scene::Scene;
+use crate::stats::Counters;
+
+/// Integrator whose camera paths follow a [`PathPolicy`](super::policy::PathPolicy).
+#[derive(Debug)]
+pub(super) struct PathIntegrator<'a> {
+    renderer: PassRenderer<'a>,
+    plan: Plan,
+    /// Makes the policy for other sets of effects.
+    make_policy: PolicyFn,
+    balance: Option<Balance>,
+}
+
+impl Integrator for PathIntegrator<'_> {
+    fn pass(&self, pass: u32, monitor: &dyn Monitor) -> Pass {
+        let mut out = Pass::default();
+
+        // Move the scene to the time of the pass.
+        let (moved_scene, moved);
+        let renderer = if self.renderer.has_motion() {
+            moved_scene = self.renderer.scene.at(shutter_time(self.renderer.settings.eye.seed, pass));
+            moved = self.renderer.at(&moved_scene);
+            &moved
+        } else {
+            &self.renderer
+        };
+
+        // Trace and index photons.
+        let map_builder = &renderer.map_builder;
+        let maps = map_builder.has_photons().then(|| map_builder.build(pass, monitor, &mut out));
+
+        // Trace camera paths.
+        let paths = renderer.paths(maps.as_ref(), pass);
+        for_interior!(paths.policy.effects, renderer.render_pixels(&paths, monitor, &mut out));
+        out
+    }
+
+    fn plan(&self) -> &Plan {
+        &self.plan
+    }
+
+    fn expected_work(&self, effects: Effects) -> Counters {
+        let policy = (self.make_policy)(effects, &self.renderer.settings);
+        measure_work(&self.renderer.with_policy(policy))
+    }
+
+    fn expected(&self) -> Expected {
+        self.renderer.map_builder.expected()
+    }
+
+    fn balance(&self) -> Option<Balance> {
+        self.balance
+    }
+
+    fn radii(&self) -> Option<Radii> {
+        self.renderer.map_builder.radii
+    }
+
+    fn radius_law(&self) -> Option<RadiusLaw> {
+        let map_builder = &self.renderer.map_builder;
+        map_builder.has_photons().then(|| map_builder.law())
+    }
+
+    fn nests_estimates(&self) -> bool {
+        self.renderer.settings.eye.estimate_error
+    }
+
+    fn guiding_reports(&self) -> GuidingReports {
+        self.renderer.map_builder.guiding_reports
+    }
+}
+
+impl<'a> PathIntegrator<'a> {
+    /// Prepares an algorithm for `scene`: guides emission, finds radii, and balances camera rays
+    /// against photons.
+    pub fn new(scene: &'a Scene, plan: Plan, settings: Settings, make_policy: PolicyFn) -> Self {
+        let (effects, needed) = (plan.effects(), plan.needed());
+        let policy = make_policy(effects, &settings);
+        let mut renderer = PassRenderer::new(scene, settings.clone(), policy);
+
+        // Balance camera rays against photons. Effects that add nothing must not matter: the
+        // picture is the same with them.
+        let balances = settings.balance && settings.eye.samples.is_none() && policy.can_be_balanced();
+        let balance = match (balances, needed == effects) {
+            (false, _) => None,
+            (true, true) => find_balance(&renderer),
+            (true, false) => {
+                let policy = make_policy(needed, &settings);
+                find_balance(&PassRenderer::new(scene, settings.clone(), policy))
+            }
+        };
+        if let Some(Balance { samples, photons, caustic_photons }) = balance {
+            renderer.samples = samples;
+            let counts = &mut renderer.map_builder.counts;
+            counts.photons = photons.unwrap_or(counts.photons);
+            counts.caustic_photons = caustic_photons.unwrap_or(counts.caustic_photons);
+        }
+
+        // Distribute camera rays over the pixels.
+        renderer.density = if settings.eye.adaptive { find_density(&renderer) } else { None };
+        Self { renderer, plan, make_policy, balance }
+    }
+}
+
+/// Time of a pass in \[0, 1) of the shutter interval.
+///
+/// The times of all passes are stratified: a power of two of them divides the interval in equal
+/// steps.
+fn shutter_time(seed: u64, pass: u32) -> f64 {
+    let start = Key::new(seed).purpose(Purpose::Shutter).uniform(Dimension::Time);
+    let step = f64::from(pass.reverse_bits()) / 4_294_967_296.0;
+    let time = f64::from(start) + step;
+    time - time.floor()
+}

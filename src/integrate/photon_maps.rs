@@ -1,0 +1,143 @@
+//! The photon maps of a pass, and radiance estimates from them.
+
+use super::film::Worker;
+use super::nested_estimates::DiscSum;
+use super::vertex::{MediumVertex, PathVertex};
+use super::volume_estimate::{VolumeMap, wavelength_overlap};
+use crate::bsdf::Transport;
+use crate::color::Rgb;
+use crate::photon::{Bandwidth, Kernel, NestedEstimate, PhotonData, PhotonMap, Scratch, coverage, nested_coverage};
+use crate::scene::{Interior, Scene};
+use rand::Rng;
+
+/// Photon map of surfaces and media, with the bandwidth of its estimates.
+pub(super) struct PhotonEstimator<'a> {
+    pub scene: &'a Scene,
+    pub map: PhotonMap,
+    pub bandwidth: Bandwidth,
+    pub kernel: Kernel,
+    /// Photons of this map in media.
+    pub volume: VolumeMap,
+}
+
+/// Maps that one lookup reads.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum MapLookup {
+    /// The caustic map.
+    Caustic,
+    /// The caustic map and the other map.
+    Both,
+}
+
+/// The photon maps of one pass.
+pub(super) struct PhotonMaps<'a> {
+    /// Photons that went over casters to their first receiver.
+    pub caustic: PhotonEstimator<'a>,
+    /// Photons of the global map, or those that went on after a caustic.
+    pub smooth: PhotonEstimator<'a>,
+    /// Photons of few paths, whose directions guide gather rays.
+    pub guides: PhotonMap,
+}
+
+impl PhotonMaps<'_> {
+    /// Radiance that `vertex` reflects to its viewer from the light in the maps of `lookup`, times
+    /// `samples` \[W/(m² sr)].
+    ///
+    /// If one of a pixel's `samples` paths reads the maps for all of them, its estimate counts that
+    /// many times.
+    #[inline]
+    pub fn radiance<I: Interior>(
+        &self,
+        vertex: &PathVertex<'_, I>,
+        lookup: MapLookup,
+        samples: u32,
+        worker: &mut Worker,
+    ) -> Rgb {
+        let caustic = self.caustic.radiance(vertex, samples, |w| (&mut w.caustic, &mut w.nested.caustic), worker);
+        let smooth = match lookup {
+            MapLookup::Caustic => Rgb::ZERO,
+            MapLookup::Both => self.smooth.radiance(vertex, samples, |w| (&mut w.smooth, &mut w.nested.global), worker),
+        };
+        (caustic + smooth) * samples as f32
+    }
+
+    /// Radiance that a medium scatters to the start of a segment from the light in both maps, times
+    /// `samples`.
+    #[inline]
+    pub fn radiance_in_medium<I: Interior>(
+        &self,
+        vertex: &MediumVertex<'_, I>,
+        samples: u32,
+        rng: &mut impl Rng,
+        worker: &mut Worker,
+    ) -> Rgb {
+        let caustic = self.caustic.volume.radiance(vertex, samples, rng, worker);
+        (caustic + self.smooth.volume.radiance(vertex, samples, rng, worker)) * samples as f32
+    }
+}
+
+impl PhotonEstimator<'_> {
+    /// Largest radius of an estimate \[length].
+    pub fn radius(&self) -> f32 {
+        self.bandwidth.radius
+    }
+
+    /// Radiance that `vertex` reflects to its viewer from the light in the map \[W/(m² sr)].
+    ///
+    /// `scratch` yields the map's buffers of the worker. `samples` is the weight of the estimate in
+    /// its pixel.
+    #[inline]
+    fn radiance<I: Interior>(
+        &self,
+        vertex: &PathVertex<'_, I>,
+        samples: u32,
+        scratch: fn(&mut Worker) -> (&mut Scratch, &mut DiscSum),
+        worker: &mut Worker,
+    ) -> Rgb {
+        if self.map.is_empty() {
+            return Rgb::ZERO;
+        }
+        worker.counters.gathers += 1;
+        let surface = vertex.surface;
+        let ns = if surface.wo.dot(surface.point.ng) < 0.0 { -surface.point.ns } else { surface.point.ns };
+        let wavelength = vertex.interior.wavelength();
+        let brdf = |photon: &PhotonData| {
+            let brdf = surface.bsdf.evaluate(surface.wo, photon.from(), ns, ns, Transport::Radiance);
+            if I::SPECTRAL {
+                brdf * wavelength_overlap(wavelength, photon.wavelength(), self.volume.band)
+            } else {
+                brdf
+            }
+        };
+        let (p, normal) = (surface.point.p, surface.facing_normal());
+        let (bandwidth, kernel, key) = (self.bandwidth, self.kernel, vertex.sampler.key());
+        let nested = worker.nests_estimates;
+        let (scratch, discs) = scratch(worker);
+        if !nested {
+            let estimate = self.map.estimate(p, normal, bandwidth, kernel, scratch, brdf);
+            worker.counters.gathered_photons += u64::from(estimate.count);
+            if estimate.count == 0 {
+                return Rgb::ZERO;
+            }
+            return estimate.radiance / coverage(self.scene, p, normal, estimate.radius, kernel, key);
+        }
+        let NestedEstimate { whole, mut radiance } =
+            self.map.estimate_nested(p, normal, bandwidth, kernel, scratch, brdf);
+        discs.add(whole.radius, whole.count);
+        worker.counters.gathered_photons += u64::from(whole.count);
+        if whole.count == 0 {
+            return Rgb::ZERO;
+        }
+        let covered = coverage(self.scene, p, normal, whole.radius, kernel, key);
+        let estimate = whole.radiance / covered;
+        if covered != 1.0 {
+            // Probes of this pass's own, even if passes share their paths: the noise of shared
+            // probes is not blur.
+            let key = vertex.shadow_sampler.key();
+            let levels = nested_coverage(self.scene, p, normal, whole.radius, kernel, key);
+            radiance.iter_mut().zip(levels).for_each(|(radiance, covered)| *radiance /= covered);
+        }
+        worker.nested.add(vertex.throughput * samples as f32, radiance);
+        estimate
+    }
+}

@@ -1,0 +1,69 @@
+//! Radius law of independent passes.
+
+use crate::photon::Kernel;
+
+/// Default exponent α of the radius law.
+///
+/// Variance falls as N^−α, squared bias as N^2(α−1); ⅔ balances both (Kaplanyan and Dachsbacher
+/// 2013).
+pub const ALPHA: f64 = 2.0 / 3.0;
+
+/// Law by which gather radii change from pass to pass, with the kernel of the estimates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RadiusLaw {
+    /// Exponent α: the variance of photon estimates falls as n^−α over n passes; 1 for fixed radii.
+    pub alpha: f64,
+    /// Kernel of the estimates.
+    pub kernel: Kernel,
+}
+
+/// Squared radius of pass `pass` (counted from 0) relative to the first pass.
+///
+/// It is the product of (i + α)/(i + 1) for i = 1 … pass (Knaus and Zwicker 2011, equation 15).
+#[must_use]
+pub fn shrink(alpha: f64, pass: u32) -> f64 {
+    (1..=pass).map(f64::from).map(|i| (i + alpha) / (i + 1.0)).product()
+}
+
+/// Radius of pass `pass` relative to the first pass, for a kernel in `dimensions` dimensions.
+///
+/// The measure of the kernel follows [`shrink`], with 1 − α scaled by 3d/(4 + d). The default α
+/// becomes 4/(4 + d), which balances variance N^−α and squared bias N^4(α−1)/d. Discs (d = 2) keep
+/// their α.
+#[must_use]
+pub(super) fn shrink_in(dimensions: u32, alpha: f64, pass: u32) -> f32 {
+    let d = f64::from(dimensions);
+    let own = 1.0 - (1.0 - alpha) * 3.0 * d / (4.0 + d);
+    libm::pow(shrink(own, pass), 1.0 / d) as f32
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn kernels_shrink_by_their_dimension() {
+        for pass in [0, 1, 17, 1000] {
+            assert!((f64::from(shrink_in(2, ALPHA, pass)) - shrink(ALPHA, pass).sqrt()).abs() < 1e-6);
+        }
+        // N^(α−1)/d: −1/5, −1/6 and −1/7.
+        for (dimensions, power) in [(1, -0.2), (2, -1.0 / 6.0), (3, -1.0 / 7.0)] {
+            let ratio = f64::from(shrink_in(dimensions, ALPHA, 99_999) / shrink_in(dimensions, ALPHA, 9999));
+            assert!((libm::log10(ratio) - power).abs() < 1e-3, "{dimensions}: {ratio}");
+        }
+    }
+
+    /// The closed form Γ(N+α)/(Γ(1+α)Γ(N+1)) and its asymptote N^(α−1)/Γ(1+α), whose relative error
+    /// is below 1/N.
+    #[test]
+    fn the_product_is_the_ratio_of_gammas() {
+        assert_eq!((shrink(ALPHA, 0), shrink(1.0, 1000), shrink_in(3, 1.0, 1000)), (1.0, 1.0, 1.0));
+        for pass in [1u32, 10, 1000, 1_000_000] {
+            let n = f64::from(pass) + 1.0;
+            let closed = libm::exp(libm::lgamma(n + ALPHA) - libm::lgamma(1.0 + ALPHA) - libm::lgamma(n + 1.0));
+            assert!((shrink(ALPHA, pass) / closed - 1.0).abs() < 1e-7);
+            let asymptote = libm::pow(n, ALPHA - 1.0) / libm::tgamma(1.0 + ALPHA);
+            assert!((shrink(ALPHA, pass) / asymptote - 1.0).abs() < 1.0 / n);
+        }
+    }
+}

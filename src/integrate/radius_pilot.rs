@@ -1,0 +1,220 @@
+//! Pilot that finds gather radii.
+
+use super::settings::Settings;
+use super::volume_estimate::VolumeEstimate;
+use crate::bsdf::Transport;
+use crate::math::Ray;
+use crate::photon::{BeamMap, GuidingReport, Photon, PhotonMap, PhotonPass, PointMap};
+use crate::plan::Effects;
+use crate::sampling::{Dimension, Key, Purpose, Sampler};
+use crate::scene::{PathEvent, Scene, SpectralInterior, SurfaceVertex};
+use glam::Vec2;
+
+/// Most paths of the pilot. Its radii are scaled to the number of paths of a pass.
+const MAX_PATHS: u32 = 1 << 16;
+
+/// Most passes that a pilot may cost.
+const MAX_PASSES: u32 = 4;
+
+/// Least number of paths, even if that exceeds [`MAX_PASSES`].
+const MIN_PATHS: u32 = 1 << 14;
+
+/// Stored photons for which the pilot finds the k-th neighbour.
+const PROBES: usize = 512;
+
+/// Quantile of the probes' k-th distances that becomes the radius: the rest of the photons is too
+/// sparse to serve.
+const QUANTILE: f64 = 0.75;
+
+/// Greatest radius as part of the scene's: beyond it, estimates blur the whole scene.
+const MAX_RADIUS: f32 = 0.1;
+
+/// Least radius as part of the distance to the origin: below it, single precision resolves too few
+/// positions.
+const MIN_RADIUS: f32 = 1e-6;
+
+/// Least radius as part of the width of a pixel on the closest surface: no ray hits a smaller spot
+/// of light.
+const PIXEL_PART: f32 = 0.125;
+
+/// Camera rays along each edge of the picture that find the closest surface.
+const DISTANCE_RAYS: u32 = 8;
+
+/// Camera rays of the pilot for media.
+const MEDIA_RAYS: u32 = 512;
+
+/// Most casters that the rays of the pilot for media follow.
+const MAX_CASTERS: u32 = 8;
+
+/// Median number of beams or photons that rays should find, among rays that find any.
+const MEDIAN_COUNT: f64 = 64.0;
+
+/// Trial radius of the pilot for media, as part of the scene's.
+const TRIAL_RADIUS: f32 = 0.02;
+
+/// Largest gather radii of the first pass \[length].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Radii {
+    /// Radius of the global map, or of the map of light after caustics.
+    pub global: f32,
+    /// Radius of the caustic map.
+    pub caustic: f32,
+}
+
+/// Results of emission guiding for each map; `None` if nothing was guided.
+#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
+pub struct GuidingReports {
+    /// Result for the global map.
+    pub global: Option<GuidingReport>,
+    /// Result for the caustic map.
+    pub caustic: Option<GuidingReport>,
+}
+
+/// Number of paths of a pilot for passes of `paths` paths: `most`, or less if that would outweigh
+/// the passes.
+pub(super) fn pilot_paths(paths: u32, most: u32) -> u32 {
+    paths.saturating_mul(MAX_PASSES).max(MIN_PATHS).min(most)
+}
+
+/// Radius within which three of four photons of a pass of `paths` paths have `k` neighbours
+/// \[length].
+///
+/// A smaller pilot finds it; `None` if the pilot stores no photon. The radius is at least
+/// `min_radius`. Otherwise it depends on the scene, the seed and the counts alone.
+pub(super) fn find_radius(pass: &PhotonPass<'_>, paths: u32, k: u32, seed: u64, min_radius: f32) -> Option<f32> {
+    let scene = pass.scene;
+    let key = Key::new(seed).purpose(Purpose::Pilot);
+    let pilot = pilot_paths(paths, MAX_PATHS);
+    let traced = pass.trace(key, pilot, &|_| {});
+    let photons = &traced.deposits.photons;
+    if photons.is_empty() {
+        return None;
+    }
+    let size = scene.domain().radius.max(f32::MIN_POSITIVE);
+    let map = PhotonMap::build(photons.clone());
+    let step = photons.len().div_ceil(PROBES);
+    let distance = |p: &Photon| {
+        let normal = p.data.normal().normalize();
+        map.kth_distance(p.position, normal, k, size).unwrap_or(size)
+    };
+    let mut radii: Vec<f32> = photons.iter().step_by(step).map(distance).collect();
+    radii.sort_by(f32::total_cmp);
+    let quantile = ((radii.len() - 1) as f64 * QUANTILE) as usize;
+    let mut coordinates: Vec<f32> = photons.iter().step_by(step).map(|p| p.position.abs().max_element()).collect();
+    coordinates.sort_by(f32::total_cmp);
+    // Photons at the origin alone give no distance.
+    let far = Some(coordinates[quantile]).filter(|far| *far > 0.0).unwrap_or(size);
+    // Photon density grows with the number of paths, disc area with the square of the radius.
+    let scaled = radii[quantile] * (pilot as f32 / paths as f32).sqrt();
+    Some(scaled.max(min_radius).clamp(size.min(far) * MIN_RADIUS, size * MAX_RADIUS))
+}
+
+/// Least disc radius of the first pass \[length]: part of the width of a pixel on the closest
+/// visible surface.
+pub(super) fn min_disc_radius(scene: &Scene) -> f32 {
+    let (width, spread) = scene.camera().pixel();
+    let (columns, rows) = scene.camera().size();
+    let position = |i: u32, size: u32| (i as f32 + 0.5) / DISTANCE_RAYS as f32 * size as f32;
+    let rays = (0..DISTANCE_RAYS * DISTANCE_RAYS)
+        .map(|i| Vec2::new(position(i % DISTANCE_RAYS, columns), position(i / DISTANCE_RAYS, rows)));
+    let hits = rays.filter_map(|p| scene.intersect(&scene.camera().ray(p, None)));
+    // If nothing is visible, any radius will do.
+    let distance = hits.map(|hit| hit.t).min_by(f32::total_cmp).unwrap_or(0.0);
+    ((width + spread * distance) * PIXEL_PART).min(scene.domain().radius * MAX_RADIUS)
+}
+
+/// Kernel radii of estimates in media \[length].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct VolumeRadii {
+    pub beams: f32,
+    pub points: f32,
+}
+
+impl Default for VolumeRadii {
+    fn default() -> Self {
+        Self { beams: 1.0, points: 1.0 }
+    }
+}
+
+/// Kernel radii within which most rays find enough photons of a pass of `paths` paths in media
+/// \[length].
+///
+/// A smaller pilot finds them; `None` if it stores nothing in media.
+pub(super) fn find_volume_radii(
+    pass: &PhotonPass<'_>,
+    effects: Effects,
+    paths: u32,
+    settings: &Settings,
+) -> Option<VolumeRadii> {
+    let scene = pass.scene;
+    let key = Key::new(settings.eye.seed).purpose(Purpose::Pilot);
+    let pilot = pilot_paths(paths, MAX_PATHS);
+    let traced = pass.trace(key, pilot, &|_| {});
+    let mut volume = traced.deposits.volume;
+    volume.beams.extend(traced.deposits.after_volume.beams);
+    volume.points.extend(traced.deposits.after_volume.points);
+    if volume.is_empty() {
+        return None;
+    }
+    let size = scene.domain().radius.max(f32::MIN_POSITIVE);
+    let trial = size * TRIAL_RADIUS;
+    let camera_paths = medium_segments(scene, effects, key);
+    let more = f64::from(paths) / f64::from(pilot);
+    let radius = |counts: Vec<f64>, dimensions: u32| {
+        let mut counts: Vec<f64> = counts.into_iter().filter(|n| *n > 0.0).collect();
+        counts.sort_by(f64::total_cmp);
+        let median = counts.get(counts.len() / 2).copied().unwrap_or(1.0);
+        let ratio = libm::pow(MEDIAN_COUNT / (median * more), 1.0 / f64::from(dimensions)) as f32;
+        (trial * ratio).clamp(size * MIN_RADIUS, size * MAX_RADIUS)
+    };
+    let (beam_dimensions, point_dimensions) = settings.volume.dimensions();
+    let (beams, points) = (BeamMap::build(volume.beams, trial), PointMap::build(volume.points, trial));
+    let beams = camera_paths.iter().map(|segments| {
+        let mut count = 0.0;
+        segments.iter().for_each(|ray| beams.visit(ray, |_, _| count += 1.0));
+        count
+    });
+    let beams = radius(beams.collect(), beam_dimensions);
+    let points = camera_paths.iter().map(|segments| {
+        let mut count = 0.0;
+        for ray in segments {
+            if settings.volume == VolumeEstimate::Points {
+                points.around(ray.at(0.5 * ray.t_max.min(2.0 * size)), |_, _, _| count += 1.0);
+            } else {
+                points.visit(ray, |_, _, _, _, _| count += 1.0);
+            }
+        }
+        count
+    });
+    Some(VolumeRadii { beams, points: radius(points.collect(), point_dimensions) })
+}
+
+/// Segments of scattering media along camera paths, over casters to the first receiver.
+fn medium_segments(scene: &Scene, effects: Effects, key: Key) -> Vec<Vec<Ray>> {
+    let (width, height) = scene.camera().size();
+    let size = Vec2::new(width as f32, height as f32);
+    let along_path = |i| {
+        let sampler = Sampler::new(key, i, MEDIA_RAYS);
+        let ray = scene.camera().ray(sampler.get_2d(Dimension::Film) * size, None);
+        let mut path_ray = scene.start_camera_path::<SpectralInterior>(ray, effects);
+        let mut segments = Vec::new();
+        for bounce in 0..MAX_CASTERS {
+            let sampler = sampler.bounce(bounce);
+            let event = path_ray.next_vertex(scene, sampler.key(), |segment| {
+                if segment.medium.scatters() {
+                    segments.push(segment.ray);
+                }
+                None
+            });
+            let PathEvent::Surface(SurfaceVertex { surface, .. }) = event else { break };
+            if surface.bsdf.stores_photons() {
+                break;
+            }
+            let (lobe, u) = (sampler.get_1d(Dimension::BsdfLobe), sampler.get_2d(Dimension::BsdfDirection));
+            let Some(sample) = surface.sample(lobe, u, Transport::Radiance) else { break };
+            let _ = path_ray.leave(&surface, sample.wi, sample.transmitted);
+        }
+        segments
+    };
+    (0..MEDIA_RAYS).map(along_path).collect()
+}

@@ -1,0 +1,104 @@
+//! Direction sampling at the vertices of camera paths.
+
+use super::film::Worker;
+use super::gather_guide::GUIDES;
+use super::photon_maps::PhotonMaps;
+use super::policy::DirectionSampling;
+use super::vertex::PathVertex;
+use crate::bsdf::{BsdfSample, Transport};
+use crate::color::Rgb;
+use crate::photon::{Bandwidth, Kernel};
+use crate::sampling::Dimension;
+use crate::scene::Interior;
+use glam::Vec3;
+use std::cell::RefCell;
+
+/// Search radius of guiding photons, in lengths of the shortest gather ray that reads the global
+/// map.
+const GUIDE_RADIUS: f32 = 4.0;
+
+/// Fills the worker's guide with the directions of photons near `vertex`.
+pub(super) fn collect_guides<I: Interior>(
+    maps: &PhotonMaps<'_>,
+    min_gather_distance: f32,
+    vertex: &PathVertex<'_, I>,
+    worker: &mut Worker,
+) {
+    let Worker { guide, guides, .. } = worker;
+    guide.clear();
+    let guide = RefCell::new(guide);
+    let bandwidth = Bandwidth { radius: min_gather_distance * GUIDE_RADIUS, k: GUIDES };
+    let (p, normal) = (vertex.surface.point.p, vertex.surface.facing_normal());
+    // The estimate itself is not used: the lookup visits the photons.
+    let _ = maps.guides.estimate(p, normal, bandwidth, Kernel::Cone, guides, |flux| {
+        guide.borrow_mut().push(flux.from());
+        Rgb::ZERO
+    });
+}
+
+/// Samples the direction in which a path leaves `vertex`; `None` ends the path.
+#[inline]
+pub(super) fn sample<I: Interior>(
+    sampling: DirectionSampling,
+    vertex: &PathVertex<'_, I>,
+    worker: &Worker,
+) -> Option<BsdfSample> {
+    let surface = vertex.surface;
+    let (lobe, u) = (vertex.sampler.get_1d(Dimension::BsdfLobe), vertex.sampler.get_2d(Dimension::BsdfDirection));
+    if is_guided(sampling, vertex) {
+        return sample_guided(vertex, worker);
+    }
+    surface.sample(lobe, u, Transport::Radiance)
+}
+
+/// Pdf of unit direction `wi` by [`sample`] \[1/sr].
+#[inline]
+pub(super) fn pdf<I: Interior>(
+    sampling: DirectionSampling,
+    vertex: &PathVertex<'_, I>,
+    wi: Vec3,
+    worker: &Worker,
+) -> f32 {
+    let bsdf = vertex.surface.pdf(wi);
+    if !is_guided(sampling, vertex) {
+        return bsdf;
+    }
+    worker.guide.pdf(wi).map_or(bsdf, |guide| 0.5 * (bsdf + guide))
+}
+
+/// True if directions at `vertex` are guided. Casters are not: the guide belongs to the last
+/// receiver.
+#[inline]
+fn is_guided<I>(sampling: DirectionSampling, vertex: &PathVertex<'_, I>) -> bool {
+    match sampling {
+        DirectionSampling::Bsdf | DirectionSampling::OneLobe => false,
+        DirectionSampling::Guided => vertex.surface.bsdf.stores_photons(),
+    }
+}
+
+/// Samples a direction in equal parts by the BSDF and by the guide.
+fn sample_guided<I: Interior>(vertex: &PathVertex<'_, I>, worker: &Worker) -> Option<BsdfSample> {
+    let surface = vertex.surface;
+    let (lobe, u) = (vertex.sampler.get_1d(Dimension::BsdfLobe), vertex.sampler.get_2d(Dimension::BsdfDirection));
+    let mixed = |wi| pdf(DirectionSampling::Guided, vertex, wi, worker);
+    if lobe >= 0.5 {
+        let mut sample = surface.sample(2.0 * lobe - 1.0, u, Transport::Radiance)?;
+        let mixed = mixed(sample.wi);
+        sample.weight *= sample.pdf / mixed;
+        sample.pdf = mixed;
+        return Some(sample);
+    }
+    let Some(wi) = worker.guide.sample(2.0 * lobe, u) else {
+        return surface.sample(2.0 * lobe, u, Transport::Radiance);
+    };
+    let reflected = surface.scatter(wi);
+    let pdf = mixed(wi);
+    (reflected != Rgb::ZERO && pdf > 0.0).then_some(BsdfSample {
+        wi,
+        weight: reflected / pdf,
+        pdf,
+        specular: false,
+        transmitted: false,
+        flat: false,
+    })
+}

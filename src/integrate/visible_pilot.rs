@@ -1,0 +1,57 @@
+//! Pilot that finds points visible to the camera.
+
+use super::camera_path::PathContext;
+use super::film_points::trace_points;
+use super::nee::NextEventEstimator;
+use super::policy::{Continuation, DirectionSampling, LightSampling, PathPolicy, PhotonLookups};
+use super::settings::EyeSettings;
+use crate::math::Bounds;
+use crate::photon::{VisiblePoint, VisiblePointMap};
+use crate::plan::Effects;
+use crate::sampling::{Dimension, Key, Purpose, Sampler};
+use crate::scene::Scene;
+use glam::Vec2;
+
+/// Least and greatest number of camera rays; in between, four per pixel.
+const RAYS: (u32, u32) = (2000, 20_000);
+
+/// Greatest radius around visible points, as part of the extent of all visible points.
+const MAX_RADIUS: f32 = 0.1;
+
+/// Points that the camera sees directly or over casters, spread over the picture.
+///
+/// A photon counts as visible within `radius` \[length] of a point, or less if the visible part of
+/// the scene is small.
+pub(super) fn visible_points(scene: &Scene, settings: &EyeSettings, effects: Effects, radius: f32) -> VisiblePointMap {
+    let policy = policy(effects);
+    let nee = NextEventEstimator::new(scene, &policy);
+    let paths = PathContext::new(scene, &policy, &nee, None, 0, settings.max_bounces);
+    let key = Key::new(settings.seed).purpose(Purpose::Visible);
+    let (width, height) = scene.camera().size();
+    let size = Vec2::new(width as f32, height as f32);
+    let rays = width.saturating_mul(height).saturating_mul(4).clamp(RAYS.0, RAYS.1);
+    let samplers = (0..rays).map(|i| Sampler::new(key, i, rays));
+    let points: Vec<_> = samplers.map(|sampler| (sampler.get_2d(Dimension::Film) * size, sampler)).collect();
+    let (_, workers) = trace_points(&paths, &points);
+    let visible: Vec<VisiblePoint> = workers.into_iter().flat_map(|worker| worker.visible).collect();
+    let extent = Bounds::of(visible.iter().map(|point| point.position)).extent().length();
+    let radius = if extent > 0.0 { radius.min(extent * MAX_RADIUS) } else { radius };
+    VisiblePointMap::new(visible, radius)
+}
+
+/// Policy of paths that record their first receivers and compute no light.
+fn policy(effects: Effects) -> PathPolicy {
+    PathPolicy {
+        effects,
+        samples: 1,
+        shares_paths: false,
+        direct_light: false,
+        light_sampling: LightSampling::Centers,
+        continuation: Continuation::Never,
+        directions: DirectionSampling::Bsdf,
+        counts_caustics: false,
+        min_throughput: 0.0,
+        photons: PhotonLookups::RecordVisible,
+        shrinking_radii: true,
+    }
+}

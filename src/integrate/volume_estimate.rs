@@ -1,0 +1,230 @@
+//! Radiance estimates from photons in media, along segments of camera paths.
+
+use super::film::Worker;
+use super::vertex::MediumVertex;
+use crate::color::{Rgb, Wavelength};
+use crate::medium::{self, Medium, TransmittanceCurve};
+use crate::photon::{BeamMap, LEVELS, PointMap, VolumePhotons};
+use crate::scene::{Interior, MediumSegment};
+use glam::Vec3;
+use rand::Rng;
+
+/// Estimator of photon light in media.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum VolumeEstimate {
+    /// Photon beams near the ray (Jarosz et al. 2011). Media of varied density use `BeamRadiance`.
+    #[default]
+    Beams,
+    /// Scattered photons near the ray: the beam radiance estimate (Jarosz, Zwicker and Jensen
+    /// 2008).
+    BeamRadiance,
+    /// Scattered photons near a point of the ray (Jensen and Christensen 1998).
+    Points,
+}
+
+impl VolumeEstimate {
+    /// Dimensions of the kernel in homogeneous media, and in others.
+    pub(super) fn dimensions(self) -> (u32, u32) {
+        match self {
+            Self::Beams => (1, 2),
+            Self::BeamRadiance => (2, 2),
+            Self::Points => (3, 3),
+        }
+    }
+}
+
+/// Photons in media of one map.
+pub(super) struct VolumeMap {
+    beams: BeamMap,
+    points: PointMap,
+    estimate: VolumeEstimate,
+    /// Half width of the kernel over wavelengths \[nm], on surfaces too.
+    pub band: f32,
+}
+
+/// Kernel sums at the full radius and at the nested smaller ones.
+struct NestedSums {
+    sums: [Rgb; LEVELS],
+    /// Factor on the normalization of the kernel at half the squared radius.
+    level_scale: f32,
+    /// Exponent of the shape of the kernel, (1 − x²)^power.
+    power: i32,
+    /// True if the smaller radii are summed too.
+    nested: bool,
+}
+
+impl NestedSums {
+    /// Empty sums of a kernel in `dimensions` dimensions.
+    fn new(dimensions: u32, power: i32, nested: bool) -> Self {
+        let level_scale = [1.0, std::f32::consts::SQRT_2, 2.0, 2.0 * std::f32::consts::SQRT_2][dimensions as usize];
+        Self { sums: [Rgb::ZERO; LEVELS], level_scale, power, nested }
+    }
+
+    /// Adds `radiance` by a kernel of `weight` at squared distance `x2`, in squares of the radius.
+    #[inline]
+    fn add(&mut self, radiance: Rgb, weight: f32, x2: f32) {
+        self.sums[0] += radiance * weight;
+        if !self.nested {
+            return;
+        }
+        let (mut scale, mut x) = (1.0, x2);
+        for sum in &mut self.sums[1..] {
+            scale *= self.level_scale;
+            x *= 2.0;
+            if x < 1.0 {
+                let ratio = (1.0 - x) / (1.0 - x2);
+                let shape = if self.power == 1 { ratio } else { ratio * ratio };
+                *sum += radiance * (weight * scale * shape);
+            }
+        }
+    }
+
+    /// All sums times `factor`.
+    fn times(self, factor: Rgb) -> [Rgb; LEVELS] {
+        self.sums.map(|sum| sum * factor)
+    }
+}
+
+impl VolumeMap {
+    /// Indexes stored photons for kernels of the given radii \[length]: of beams, and of points.
+    pub fn build(volume: VolumePhotons, (beams, points): (f32, f32), estimate: VolumeEstimate, band: f32) -> Self {
+        let VolumePhotons { beams: stored_beams, points: stored_points } = volume;
+        Self {
+            beams: BeamMap::build(stored_beams, beams),
+            points: PointMap::build(stored_points, points),
+            estimate,
+            band,
+        }
+    }
+
+    /// Radiance that a medium scatters to the start of a segment \[W/(m² sr)].
+    ///
+    /// `samples` is the weight of the estimate in its pixel.
+    pub fn radiance<I: Interior>(
+        &self,
+        vertex: &MediumVertex<'_, I>,
+        samples: u32,
+        rng: &mut impl Rng,
+        worker: &mut Worker,
+    ) -> Rgb {
+        if self.beams.is_empty() && self.points.is_empty() {
+            return Rgb::ZERO;
+        }
+        worker.counters.gathers += 1;
+        let nested = worker.nests_estimates;
+        let (count, curve) = (&mut worker.counters.gathered_photons, &mut worker.transmittance);
+        let MediumSegment { ray, medium, .. } = vertex.segment;
+        let mut levels = [Rgb::ZERO; LEVELS];
+        let mut add = |sums: [Rgb; LEVELS]| levels.iter_mut().zip(sums).for_each(|(level, sum)| *level += sum);
+        if medium.is_homogeneous() {
+            add(self.sum_beams(vertex, count, nested));
+        }
+        if !self.points.is_empty() {
+            add(match self.estimate {
+                VolumeEstimate::Points => self.sum_points_at_sample(vertex, rng, count, nested),
+                VolumeEstimate::Beams | VolumeEstimate::BeamRadiance => {
+                    curve.sample(medium, ray, ray.t_max, rng);
+                    self.sum_points_along_ray(vertex, curve, count, nested)
+                }
+            });
+        }
+        if nested {
+            worker.nested.add(vertex.throughput * samples as f32, levels);
+        }
+        levels[0]
+    }
+
+    /// Estimate of photon beams by a one-dimensional kernel around the ray.
+    fn sum_beams<I: Interior>(&self, vertex: &MediumVertex<'_, I>, count: &mut u64, nested: bool) -> [Rgb; LEVELS] {
+        let MediumSegment { ray, medium, index, inside, .. } = vertex.segment;
+        let (own, extinction) = (inside.wavelength(), medium.extinction());
+        let mut sums = NestedSums::new(1, 1, nested);
+        self.beams.visit(ray, |beam, crossing| {
+            if beam.medium != *index {
+                return;
+            }
+            *count += 1;
+            let transmittance = medium::transmittance(extinction, crossing.t + crossing.s);
+            let phase = medium.phase.evaluate(-crossing.cos);
+            let radiance = beam.flux * transmittance * wavelength_overlap(own, beam.wavelength, self.band);
+            sums.add(radiance, phase * crossing.weight, crossing.x2);
+        });
+        sums.times(medium.scattering)
+    }
+
+    /// Estimate of scattered photons by a two-dimensional kernel around the ray.
+    fn sum_points_along_ray<I: Interior>(
+        &self,
+        vertex: &MediumVertex<'_, I>,
+        curve: &TransmittanceCurve,
+        count: &mut u64,
+        nested: bool,
+    ) -> [Rgb; LEVELS] {
+        let MediumSegment { ray, medium, index, inside, .. } = vertex.segment;
+        let own = inside.wavelength();
+        let mut sums = NestedSums::new(2, 2, nested);
+        self.points.visit(ray, |photon, t, cos, weight, x2| {
+            if photon.medium != *index {
+                return;
+            }
+            *count += 1;
+            let transmittance = curve.at(t);
+            let phase = medium.phase.evaluate(-cos);
+            sums.add(
+                photon.flux() * transmittance * wavelength_overlap(own, photon.wavelength, self.band),
+                phase * weight,
+                x2,
+            );
+        });
+        sums.times(Rgb::ONE)
+    }
+
+    /// Estimate of scattered photons by a three-dimensional kernel around one sampled point of the
+    /// ray.
+    fn sum_points_at_sample<I: Interior>(
+        &self,
+        vertex: &MediumVertex<'_, I>,
+        rng: &mut impl Rng,
+        count: &mut u64,
+        nested: bool,
+    ) -> [Rgb; LEVELS] {
+        let MediumSegment { ray, medium, index, inside, .. } = vertex.segment;
+        let own = inside.wavelength();
+        let distance_sample = medium.distance_sample(ray, ray.t_max, vertex.throughput, rng);
+        let Some(t) = distance_sample.scattered else { return [Rgb::ZERO; LEVELS] };
+        let p = ray.at(t);
+        let mut sums = NestedSums::new(3, 1, nested);
+        self.points.around(p, |photon, weight, x2| {
+            if photon.medium != *index {
+                return;
+            }
+            *count += 1;
+            let phase = medium.phase.evaluate(-photon.direction().dot(ray.direction));
+            sums.add(photon.flux() * wavelength_overlap(own, photon.wavelength, self.band), phase * weight, x2);
+        });
+        // The weight is σs·T over the pdf, but the photons are scattered light already.
+        sums.times(over_scattering(distance_sample.weight, medium, p))
+    }
+}
+
+/// `weight` over σs at `p`; 0 in channels without scattering.
+fn over_scattering(weight: Rgb, medium: &Medium, p: Vec3) -> Rgb {
+    let scattering = medium.scattering * medium.density_at(p);
+    Rgb::select(scattering.cmpgt(Rgb::ZERO), weight / scattering, Rgb::ZERO)
+}
+
+/// Factor on the flux of a photon with wavelength code `other`, for a path with wavelength `own`.
+///
+/// If both have a wavelength, a box kernel of half width `band` \[nm] replaces the photon's own
+/// spectral weight.
+pub(super) fn wavelength_overlap(own: Option<Wavelength>, other: u8, band: f32) -> Rgb {
+    let (Some(own), Some(other)) = (own, Wavelength::from_code(other)) else { return Rgb::ONE };
+    let apart = (own.nanometres() - other.nanometres()).abs();
+    if apart > band {
+        return Rgb::ZERO;
+    }
+    let response = other.weight() * other.pdf();
+    let nm = own.nanometres();
+    let width = (nm + band).min(Wavelength::LONGEST) - (nm - band).max(Wavelength::SHORTEST);
+    Rgb::select(response.cmpgt(Rgb::ZERO), 1.0 / (response * width), Rgb::ZERO)
+}

@@ -1,0 +1,182 @@
+//! Pilot that measures the noise and the work of a pass, at few points of the film and with few
+//! photons.
+
+use super::balance::{self, Balance, Part};
+use super::film_points::{FilmPoint, trace_points};
+use super::map_builder::PilotBudget;
+use super::pass::{Pass, PhotonReport, Silent};
+use super::pass_renderer::PassRenderer;
+use super::photon_maps::PhotonMaps;
+use crate::color::{self, Rgb};
+use crate::sampling::{Dimension, Key, Purpose, Sampler};
+use crate::scene::Scene;
+use crate::stats::Counters;
+use glam::Vec2;
+
+/// Points of the film.
+const POINTS: u32 = 1024;
+
+/// Photon paths of a pass per path that the pilot traces.
+const PILOT_PART: u32 = 16;
+
+/// Radiance and work of camera paths through the pilot's points.
+struct PointEstimates {
+    radiance: Vec<Rgb>,
+    counters: Counters,
+}
+
+/// Numbers of camera rays and photons that give the least noise for the same work; `None`
+/// without photons.
+///
+/// The result depends on the scene and the settings alone.
+pub(super) fn find_balance(renderer: &PassRenderer<'_>) -> Option<Balance> {
+    if !renderer.map_builder.has_photons() {
+        return None;
+    }
+    let key = Key::new(renderer.settings.eye.seed).purpose(Purpose::Balance);
+    let counts = renderer.map_builder.counts;
+    let build = |trial| {
+        let mut out = Pass::default();
+        let budget = PilotBudget { key: key.trial(trial), pass: 0, part: PILOT_PART, limited: false };
+        (renderer.map_builder.build_within(&budget, &Silent, &mut out), out)
+    };
+    let ((mut maps, made), (mut other_maps, _)) = (build(0), build(1));
+
+    // Estimate the radiance at each point four times: as is, and with one source of noise
+    // replaced each time.
+    let (points, other_points) = (film_points(renderer.scene, key, 0), film_points(renderer.scene, key, 1));
+    let reference = estimate(renderer, Some(&maps), &points);
+    let other_camera = estimate(renderer, Some(&maps), &other_points);
+    std::mem::swap(&mut maps.caustic, &mut other_maps.caustic);
+    // One set of paths may fill both maps.
+    let one_source = renderer.map_builder.request.aimed.apart;
+    if one_source {
+        std::mem::swap(&mut maps.smooth, &mut other_maps.smooth);
+    }
+    let other_caustic = estimate(renderer, Some(&maps), &points);
+    let other_global = if one_source { None } else { Some(estimate(renderer, Some(&other_maps), &points)) };
+
+    // Measure the noise of each source, relative to the mean radiance.
+    let mean: Vec<f64> = (0..points.len())
+        .map(|i| {
+            let values = [&reference, &other_camera, &other_caustic].map(|e| f64::from(color::mean(e.radiance[i])));
+            values.iter().sum::<f64>() / 3.0
+        })
+        .collect();
+    let noise = |other: &PointEstimates| balance::noise(&reference.radiance, &other.radiance, &mean);
+
+    // Measure the work of each source.
+    let pixel_count = pixels(renderer.scene);
+    let points = f64::from(POINTS);
+    // Estimates of a pass hold more photons than those of the pilot.
+    let gathered = balance::gathering(&reference.counters) / points * pixel_count * f64::from(PILOT_PART);
+    let paths = (made.global.emitted + made.caustic.emitted) as f64;
+    let rays = made.counters.photon_rays as f64;
+    let photons = |noise: f64, report: &PhotonReport, count: u32| {
+        let emitted = report.emitted as f64;
+        let cost = rays / paths
+            + balance::storing(report.stored) / emitted.max(1.0)
+            + gathered / (paths * f64::from(PILOT_PART));
+        Part { variance: noise * emitted, cost, count: f64::from(count) }
+    };
+    let tracing = balance::tracing(&reference.counters) / points * pixel_count;
+    let camera = Part {
+        variance: noise(&other_camera),
+        cost: if renderer.policy.reads_photons_each_sample() { tracing + gathered } else { tracing },
+        count: f64::from(renderer.samples),
+    };
+    let caustic = photons(noise(&other_caustic), &made.caustic, counts.caustic_photons);
+    let global_noise = other_global.map_or(0.0, |other| noise(&other));
+    let global = photons(global_noise, &made.global, counts.photons);
+
+    // Divide the work between the sources.
+    let [samples, photons, caustic_photons] = balance::divide(&[camera, global, caustic]);
+    let paths = |n: f64, emitted: u64| (emitted > 0).then(|| n.round().min(f64::from(u32::MAX)) as u32);
+    Some(Balance {
+        samples: samples.round().max(1.0) as u32,
+        photons: paths(photons, made.global.emitted),
+        caustic_photons: paths(caustic_photons, made.caustic.emitted),
+    })
+}
+
+/// Estimated work of a pass, scaled up from few points of the film and few photons.
+pub(super) fn measure_work(renderer: &PassRenderer<'_>) -> Counters {
+    let key = Key::new(renderer.settings.eye.seed).purpose(Purpose::Balance);
+    let mut out = Pass::default();
+    let budget = PilotBudget { key, pass: 0, part: PILOT_PART, limited: true };
+    let maps = renderer.map_builder.build_within(&budget, &Silent, &mut out);
+    let counters = estimate(renderer, Some(&maps), &film_points(renderer.scene, key, 0)).counters;
+    let Counters { continuation_rays, shadow_rays, gathers, gathered_photons, .. } = counters;
+    let scaled = |n: u64, factor: f64| (n as f64 * factor).round() as u64;
+    let pixel_count = pixels(renderer.scene);
+    let samples = f64::from(renderer.samples) * pixel_count / f64::from(POINTS);
+    let estimates = if renderer.policy.reads_photons_each_sample() { samples } else { pixel_count / f64::from(POINTS) };
+    let photons = f64::from(PILOT_PART);
+    Counters {
+        camera_rays: u64::from(renderer.samples) * pixel_count as u64,
+        continuation_rays: scaled(continuation_rays, samples),
+        shadow_rays: scaled(shadow_rays, samples),
+        photon_rays: scaled(out.counters.photon_rays, photons),
+        gathers: scaled(gathers, estimates),
+        gathered_photons: scaled(gathered_photons, estimates * photons),
+        rejected_samples: 0,
+        rejected_photons: 0,
+    }
+}
+
+fn estimate(renderer: &PassRenderer<'_>, maps: Option<&PhotonMaps<'_>>, points: &[FilmPoint]) -> PointEstimates {
+    let (radiance, workers) = trace_points(&renderer.paths(maps, 0), points);
+    let mut counters = Counters::default();
+    workers.iter().for_each(|worker| counters += worker.counters);
+    PointEstimates { radiance, counters }
+}
+
+fn pixels(scene: &Scene) -> f64 {
+    let (width, height) = scene.camera().size();
+    f64::from(width) * f64::from(height)
+}
+
+/// Points of the film, spread over the picture. Points with equal index in two sets lie in one
+/// pixel.
+fn film_points(scene: &Scene, key: Key, set: u32) -> Vec<FilmPoint> {
+    let (width, height) = scene.camera().size();
+    let size = Vec2::new(width as f32, height as f32);
+    let key = key.purpose(Purpose::Camera);
+    let point = |i| {
+        let pixel = (Sampler::new(key, i, POINTS).get_2d(Dimension::Film) * size).floor();
+        let sampler = Sampler::new(key.film_point(set, i), 0, 1);
+        (pixel + sampler.get_2d(Dimension::Film), sampler)
+    };
+    (0..POINTS).map(point).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::camera::Camera;
+    use crate::integrate::{Algorithm, Settings};
+    use crate::scene::{LightStrength, Material, SceneBuilder, SourceKind};
+    use crate::shape::{Plane, Shape, Sphere};
+    use glam::{DVec3, Vec3};
+
+    /// `hybrid` has no global map, so the number of its paths must change nothing.
+    #[test]
+    fn untraced_photons_do_not_change_the_balance() {
+        let mut builder = SceneBuilder::new();
+        let white = builder.material(Material::diffuse(Vec3::splat(0.7)));
+        let glass = builder.material(Material::dielectric(1.5, Vec3::ZERO));
+        builder.plane(Plane::new(DVec3::ZERO, DVec3::Y), white, Vec3::ZERO);
+        builder.shape(Shape::Sphere(Sphere::new(DVec3::Y, 0.8)), glass, Vec3::ZERO);
+        let kind = SourceKind::Point { position: DVec3::new(2.0, 4.0, 1.0) };
+        builder.source(kind, LightStrength::Power(Vec3::splat(100.0)));
+        let eye =
+            Camera::perspective(DVec3::new(0.0, 2.0, 6.0), DVec3::new(0.0, -0.2, -1.0), DVec3::Y, 0.7, 64, 48).unwrap();
+        let scene = builder.build(eye).unwrap();
+        let balance = |photons| {
+            let settings = Settings { photons, caustic_photons: 20_000, ..Settings::default() };
+            Algorithm::Hybrid.prepare(&scene, settings).balance().unwrap()
+        };
+        let found = balance(1);
+        assert_eq!((found, found.photons), (balance(4_000_000), None));
+        assert!((5000..=80_000).contains(&found.caustic_photons.unwrap()), "{found:?}");
+    }
+}

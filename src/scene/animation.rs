@@ -1,0 +1,135 @@
+//! Animation: what moves while the shutter is open.
+//!
+//! Each pass renders one time of the shutter. Photons and camera rays agree on object positions, so
+//! no estimate blurs over time, and rays carry no time. Moving shapes have a small hierarchy of
+//! their own, rebuilt for each pass.
+
+use super::build::{derive, mean_lights};
+use super::delta_light::{legacy_area_light, resolve_light};
+use super::{LightStrength, Scene, SourceKind};
+use crate::camera::Camera;
+use crate::light::{EmissionTexture, Light, LightSurface};
+use crate::math::{Motion, Transform};
+use crate::shape::{Form, Plane, Shape, TextureMapping};
+use glam::DVec3;
+use std::sync::Arc;
+
+/// The time for which a scene is built: the middle of the shutter interval.
+pub(super) const MID_SHUTTER: f64 = 0.5;
+
+/// All that moves, with motions into scene coordinates.
+#[derive(Debug, Default)]
+pub(super) struct Animation {
+    /// Moving shapes: the last shapes of the scene.
+    pub shapes: Vec<(Shape, Motion)>,
+    /// Moving planes: the last planes of the scene.
+    pub planes: Vec<(Plane, Motion)>,
+    /// Moving lights, by their index.
+    pub lights: Vec<(usize, SourceKind, LightStrength, Motion)>,
+    /// The moving camera before its motion, which acts about its own position.
+    pub camera: Option<(Camera, Motion)>,
+    /// Moving texture mappings, by their index.
+    pub mappings: Vec<(usize, Form, Motion)>,
+}
+
+impl Animation {
+    pub fn is_empty(&self) -> bool {
+        self.shapes.is_empty() && self.planes.is_empty() && self.lights.is_empty() && self.camera.is_none()
+    }
+}
+
+/// The map of `motion` at `time`; `None` if it is singular or not finite.
+fn map_at(motion: &Motion, time: f64) -> Option<Transform> {
+    Transform::new(motion.at(time)).ok()
+}
+
+/// A moving shape at `time`; `None` if the motion flattens it.
+pub(super) fn shape_at(shape: &Shape, motion: &Motion, time: f64) -> Option<Shape> {
+    shape.transformed(&map_at(motion, time)?)
+}
+
+/// A moving plane at `time`; `None` if the motion flattens it.
+pub(super) fn plane_at(plane: &Plane, motion: &Motion, time: f64) -> Option<Plane> {
+    Some(plane.transformed(&map_at(motion, time)?))
+}
+
+/// A moving light at `time`; `None` if the motion flattens it.
+pub(super) fn source_at(kind: &SourceKind, motion: &Motion, time: f64) -> Option<SourceKind> {
+    Some(kind.transformed(&map_at(motion, time)?))
+}
+
+/// A moving camera at `time`; `None` if the motion flattens it.
+pub(super) fn camera_at(camera: &Camera, motion: &Motion, time: f64) -> Option<Camera> {
+    Some(camera.moved(&map_at(motion, time)?))
+}
+
+/// The texture mapping of a moving object at `time`; `None` if the motion flattens it.
+pub(super) fn mapping_at(form: Form, motion: &Motion, time: f64) -> Option<TextureMapping> {
+    Some(TextureMapping::new(form, map_at(motion, time)?))
+}
+
+/// The physical strength of a moving light.
+///
+/// The course's colour depends on the distance to the origin. It holds at mid-shutter, and the
+/// light keeps its strength.
+pub(super) fn constant_strength(kind: &SourceKind, strength: LightStrength, motion: &Motion) -> LightStrength {
+    let (LightStrength::Course(_), Some(placed)) = (strength, source_at(kind, motion, MID_SHUTTER)) else {
+        return strength;
+    };
+    resolve_light(&placed, strength, DVec3::ZERO).0.peak().map_or(strength, LightStrength::Physical)
+}
+
+/// `scene` at `time`: see [`Scene::at`]. What a singular motion flattens stays at its mid-shutter
+/// position.
+pub(super) fn scene_at(scene: &Scene, time: f64) -> Scene {
+    let mut moved = scene.clone();
+    let Some(animation) = &scene.animation else { return moved };
+    for (i, form, motion) in &animation.mappings {
+        if let Some(placed) = mapping_at(*form, motion, time) {
+            moved.mappings[*i] = placed;
+        }
+    }
+    for (i, (shape, motion)) in (moved.geometry.first_moving as usize..).zip(&animation.shapes) {
+        if let Some(placed) = shape_at(shape, motion, time) {
+            replace_shape(&mut moved, i, placed);
+        }
+    }
+    let first_plane = moved.geometry.planes.len() - animation.planes.len();
+    for (i, (plane, motion)) in (first_plane..).zip(&animation.planes) {
+        if let Some(placed) = plane_at(plane, motion, time) {
+            moved.geometry.planes[i] = placed;
+        }
+    }
+    for (i, kind, strength, motion) in &animation.lights {
+        if let Some(placed) = source_at(kind, motion, time) {
+            (moved.lights[*i], moved.legacy_lights[*i]) = resolve_light(&placed, *strength, DVec3::ZERO);
+        }
+    }
+    if let Some((camera, motion)) = &animation.camera
+        && let Some(placed) = camera_at(camera, motion, time)
+    {
+        moved.camera = placed;
+    }
+    moved.mean_lights = mean_lights(&moved.lights);
+    moved.geometry.rebuild_moving();
+    moved.derived = derive(&moved);
+    moved
+}
+
+/// Replaces shape `i`, and the area light that it is.
+fn replace_shape(scene: &mut Scene, i: usize, shape: Shape) {
+    let object = scene.geometry.objects[i];
+    if let Some(light) = object.light {
+        let light = light as usize;
+        if let Light::Area(area) = &mut scene.lights[light] {
+            area.surface = LightSurface::Shape(shape.clone());
+            let mapping = scene.mappings[object.mapping as usize];
+            let remapped = |texture: &Arc<EmissionTexture>| {
+                Arc::new(EmissionTexture { mapping, ..EmissionTexture::clone(texture) })
+            };
+            area.texture = area.texture.as_ref().map(remapped);
+        }
+        scene.legacy_lights[light] = legacy_area_light(&scene.lights[light]);
+    }
+    scene.geometry.shapes[i] = shape;
+}

@@ -1,0 +1,62 @@
+//! Culling of bodies that light cannot distinguish from air.
+
+use super::object::{Extent, Geometry, MeshData, Object};
+use crate::scene::Material;
+
+/// Drops bodies of index 1 that neither absorb nor hold a medium.
+///
+/// Such a body matters where it displaces another body or the ambient medium. So all stay if there
+/// is an ambient medium, and each stays if its box overlaps that of a body of another sort.
+pub(super) fn cull_index_matched(
+    mut objects: Vec<Object>,
+    mut mesh: MeshData,
+    materials: &[Material],
+    has_ambient_medium: bool,
+) -> (Vec<Object>, MeshData) {
+    let is_air = |material: u32| materials[material as usize].boundary().is_some_and(|body| body.is_air());
+    if has_ambient_medium || !(0..materials.len() as u32).any(is_air) {
+        return (objects, mesh);
+    }
+    let substances = objects.iter().filter(|object| may_be_substance(materials, object.material));
+    let substances: Vec<Option<Extent>> = substances.map(|object| object.extent(&mesh)).collect();
+    let is_culled = |object: &Object| {
+        let extent = object.extent(&mesh);
+        let overlaps = |other: &Option<Extent>| match (extent, other) {
+            (Some((min, max)), Some((lo, hi))) => min.cmple(*hi).all() && lo.cmple(max).all(),
+            // Planes and moving objects may be anywhere.
+            _ => true,
+        };
+        object.motion.is_none() && is_air(object.material) && !object.emits() && !substances.iter().any(overlaps)
+    };
+    let culled: Vec<bool> = objects.iter().map(is_culled).collect();
+    let mut triangles = Vec::new();
+    for (object, culled) in objects.iter_mut().zip(&culled) {
+        if let (Geometry::Mesh(range), false) = (&mut object.geometry, culled) {
+            let first = triangles.len() as u32;
+            triangles.extend_from_slice(&mesh.triangles[range.start as usize..range.end as usize]);
+            *range = first..triangles.len() as u32;
+        }
+    }
+    mesh.triangles = triangles;
+    let mut culled = culled.into_iter();
+    objects.retain(|_| culled.next() != Some(true));
+    (objects, mesh)
+}
+
+/// True if a material may bound a body that light can distinguish from air.
+fn may_be_substance(materials: &[Material], material: u32) -> bool {
+    let material = &materials[material as usize];
+    match material.parts() {
+        Some(parts) => parts.into_iter().any(|part| may_bound_body(materials, part)),
+        None => material.boundary().is_some_and(|body| !body.is_air()),
+    }
+}
+
+/// True if a material, or a part of a mix, bounds a body.
+pub(super) fn may_bound_body(materials: &[Material], material: u32) -> bool {
+    let material = &materials[material as usize];
+    match material.parts() {
+        Some(parts) => parts.into_iter().any(|part| may_bound_body(materials, part)),
+        None => material.boundary().is_some(),
+    }
+}

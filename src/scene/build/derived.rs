@@ -1,0 +1,81 @@
+//! Quantities derived from object placement.
+
+use super::light_contact::light_contact;
+use crate::light::Light;
+use crate::math::{Bounds, Sphere};
+use crate::scene::Scene;
+use crate::scene::interiors::{InteriorStack, interior_at};
+use glam::Vec3;
+
+/// Radius of the domain if unbounded planes receive light, in radii of the bounded shapes.
+const OPEN_DOMAIN: f32 = 4.0;
+
+/// Radius of the ambient medium, in distances of the farthest light or camera. Without a bound,
+/// most photons would scatter far away.
+const AMBIENT_EXTENT: f32 = 2.0;
+
+/// Quantities that follow from the placement of objects, lights and camera at one time.
+#[derive(Clone, Debug)]
+pub(in crate::scene) struct Derived {
+    /// See [`Scene::domain`].
+    pub domain: Sphere,
+    /// The ball that the ambient medium fills.
+    pub ambient_extent: Sphere,
+    /// The bodies around the camera.
+    pub camera_interior: InteriorStack,
+    /// The bodies around each light.
+    pub light_interiors: Vec<InteriorStack>,
+    /// See [`Scene::light_contact`].
+    pub light_contact: Vec<f32>,
+}
+
+impl Default for Derived {
+    fn default() -> Self {
+        let nowhere = Sphere { center: Vec3::ZERO, radius: 0.0 };
+        Self {
+            domain: nowhere,
+            ambient_extent: nowhere,
+            camera_interior: InteriorStack::EMPTY,
+            light_interiors: Vec::new(),
+            light_contact: Vec::new(),
+        }
+    }
+}
+
+/// Derives all quantities from the geometry, lights and camera of `scene`.
+pub(in crate::scene) fn derive(scene: &Scene) -> Derived {
+    let planes = scene.geometry.planes.iter().map(|plane| plane.place().0.length());
+    let domain = domain(scene.geometry.bounds(), planes);
+    let camera = scene.camera.center().as_vec3();
+    let positions = scene.lights.iter().filter_map(Light::emission_point).chain([camera]);
+    let farthest = positions.map(|p| p.distance(domain.center)).fold(domain.radius, f32::max);
+    let (mut camera_interior, mut light_interiors) =
+        (InteriorStack::EMPTY, vec![InteriorStack::EMPTY; scene.lights.len()]);
+    if scene.bodies().next().is_some() {
+        camera_interior = interior_at(scene, camera);
+        let start = |light: &Light| light.emission_point().map_or(InteriorStack::EMPTY, |p| interior_at(scene, p));
+        light_interiors = scene.lights.iter().map(start).collect();
+    }
+    Derived {
+        domain,
+        ambient_extent: Sphere { center: domain.center, radius: farthest * AMBIENT_EXTENT },
+        camera_interior,
+        light_interiors,
+        light_contact: scene.lights.iter().map(|light| light_contact(scene, domain, light)).collect(),
+    }
+}
+
+/// The domain around the bounded shapes, or around the camera at the origin if there are none.
+/// `planes` are the distances of unbounded planes \[length].
+fn domain(bounds: Bounds, planes: impl Iterator<Item = f32>) -> Sphere {
+    let ball = bounds.bounding_sphere();
+    let Some(farthest) = planes.reduce(f32::max) else { return ball };
+    let radius = if ball.radius > 0.0 {
+        ball.radius
+    } else if farthest > 0.0 {
+        farthest
+    } else {
+        1.0
+    };
+    Sphere { center: ball.center, radius: radius * OPEN_DOMAIN }
+}

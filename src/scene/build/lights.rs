@@ -1,0 +1,103 @@
+//! Collecting the lights of a scene.
+
+use super::object::{Geometry, Object};
+use super::place::{Mappings, PlacedGeometry};
+use crate::light::{AreaLight, EmissionTexture, EnvironmentLight, Light, LightSurface};
+use crate::math::Motion;
+use crate::sampling::Discrete;
+use crate::scene::animation::{MID_SHUTTER, constant_strength, source_at};
+use crate::scene::delta_light::{legacy_area_light, resolve_light};
+use crate::scene::{BuildError, LegacyLight, LightStrength, SourceKind};
+use crate::texture::Texture;
+use glam::{DAffine3, DVec3};
+use std::sync::Arc;
+
+/// A point, spot or directional light in world coordinates.
+#[derive(Debug)]
+pub(super) struct Source {
+    pub kind: SourceKind,
+    pub strength: LightStrength,
+    /// Motion in the world; `None` if the light rests.
+    pub motion: Option<Motion>,
+}
+
+/// The lights in scene coordinates: delta lights at rest, moving ones, area lights, and the
+/// environment.
+pub(super) struct Lights {
+    pub lights: Vec<Light>,
+    pub legacy_lights: Vec<LegacyLight>,
+    /// Moving delta lights, by their index.
+    pub moving: Vec<(usize, SourceKind, LightStrength, Motion)>,
+    /// The area light that each object is.
+    pub of_object: Vec<Option<u32>>,
+}
+
+/// Collects the lights, relative to `origin` and at mid-shutter.
+pub(super) fn collect_lights(
+    sources: &[Source],
+    objects: &[Object],
+    geometry: &PlacedGeometry,
+    mappings: &Mappings,
+    textures: &[Arc<Texture>],
+    environment: Option<EnvironmentLight>,
+    origin: DVec3,
+) -> Result<Lights, BuildError> {
+    let mut found = Lights { lights: Vec::new(), legacy_lights: Vec::new(), moving: Vec::new(), of_object: Vec::new() };
+    for source in sources.iter().filter(|source| source.motion.is_none()) {
+        found.add(resolve_light(&source.kind, source.strength, origin));
+    }
+    for source in sources {
+        let Some(motion) = &source.motion else { continue };
+        let motion = motion.followed_by(DAffine3::from_translation(-origin));
+        let strength = constant_strength(&source.kind, source.strength, &motion);
+        let placed = source_at(&source.kind, &motion, MID_SHUTTER).ok_or(BuildError::Flattened)?;
+        found.moving.push((found.lights.len(), source.kind.clone(), strength, motion));
+        found.add(resolve_light(&placed, strength, DVec3::ZERO));
+    }
+    let mut shapes = geometry.shapes.iter();
+    for (object, mapping) in objects.iter().zip(&mappings.of_object) {
+        let surface = match &object.geometry {
+            Geometry::Shape(_) => {
+                let placed = shapes.next();
+                placed.filter(|_| object.emits()).cloned().map(LightSurface::Shape)
+            }
+            Geometry::Mesh(range) if object.emits() => {
+                let areas = range.clone().map(|i| geometry.mesh.area(i as usize));
+                let mesh = geometry.mesh.clone();
+                Discrete::new(areas).map(|choice| LightSurface::Triangles { mesh, first: range.start, choice })
+            }
+            Geometry::Mesh(_) | Geometry::Plane(_) => None,
+        };
+        let light = surface.map(|surface| {
+            let mapping = mappings.list[*mapping as usize];
+            let texture = object.emission_texture.map(|(texture, scale)| {
+                Arc::new(EmissionTexture { texture: textures[texture as usize].clone(), mapping, scale })
+            });
+            let light = Light::Area(AreaLight { surface, radiance: object.emission, texture });
+            let legacy = legacy_area_light(&light);
+            found.add((light, legacy))
+        });
+        found.of_object.push(light);
+    }
+    // The environment comes last, as the course's shading model has no such light.
+    found.lights.extend(environment.map(|environment| Light::Environment(Arc::new(environment))));
+    Ok(found)
+}
+
+impl Lights {
+    /// Adds a light and returns its index.
+    fn add(&mut self, (light, legacy): (Light, LegacyLight)) -> u32 {
+        self.lights.push(light);
+        self.legacy_lights.push(legacy);
+        self.lights.len() as u32 - 1
+    }
+}
+
+/// The lights with their mean radiance in place of emission textures; empty if there are none.
+pub(in crate::scene) fn mean_lights(lights: &[Light]) -> Vec<Light> {
+    let textured = |light: &Light| matches!(light, Light::Area(area) if area.texture.is_some());
+    if !lights.iter().any(textured) {
+        return Vec::new();
+    }
+    lights.iter().map(Light::with_mean_emission).collect()
+}

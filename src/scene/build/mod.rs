@@ -1,0 +1,228 @@
+//! Building a resolved scene from objects in world coordinates.
+
+mod cull_index_matched;
+mod derived;
+mod light_contact;
+mod lights;
+mod object;
+mod place;
+mod recenter;
+mod validate;
+
+pub(super) use derived::{Derived, derive};
+pub(super) use lights::mean_lights;
+
+use super::interiors::{CoincidentFlags, find_flags};
+use super::{BuildError, LightStrength, Material, Scene, SourceKind};
+use crate::camera::Camera;
+use crate::color::{Glass, Rgb};
+use crate::light::EnvironmentLight;
+use crate::math::Motion;
+use crate::medium::Medium;
+use crate::shape::{Form, Plane, Shape, Triangle};
+use crate::texture::Texture;
+use cull_index_matched::{cull_index_matched, may_bound_body};
+use glam::{DVec2, DVec3, Vec3};
+use lights::{Lights, Source, collect_lights};
+use object::{Geometry, MeshData, Object};
+use place::{Placed, place_camera, place_objects};
+use recenter::choose_origin;
+use std::sync::Arc;
+use validate::{validate_extent, validate_objects, validate_power};
+
+/// Gathers the parts of a scene in world coordinates.
+#[derive(Debug, Default)]
+pub struct SceneBuilder {
+    background: Rgb,
+    environment: Option<EnvironmentLight>,
+    materials: Vec<Material>,
+    glasses: Vec<Glass>,
+    media: Vec<Medium>,
+    ambient_medium: Option<u32>,
+    textures: Vec<Arc<Texture>>,
+    objects: Vec<Object>,
+    /// The triangles of all mesh objects.
+    mesh: MeshData,
+    sources: Vec<Source>,
+    camera_motion: Option<Motion>,
+}
+
+impl SceneBuilder {
+    /// An empty builder.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Sets the radiance of rays that escape.
+    pub fn background(&mut self, color: Rgb) -> &mut Self {
+        self.background = color;
+        self
+    }
+
+    /// Sets the environment light. It replaces an earlier one, and hides the background.
+    pub fn environment(&mut self, environment: EnvironmentLight) -> &mut Self {
+        self.environment = Some(environment);
+        self
+    }
+
+    /// Adds a material and returns its index.
+    pub fn material(&mut self, material: Material) -> u32 {
+        self.materials.push(material);
+        self.materials.len() as u32 - 1
+    }
+
+    /// Adds a glass, a refractive index that depends on the wavelength, and returns its index.
+    pub fn glass(&mut self, glass: Glass) -> u32 {
+        self.glasses.push(glass);
+        self.glasses.len() as u32 - 1
+    }
+
+    /// Adds a medium and returns its index.
+    pub fn medium(&mut self, medium: Medium) -> u32 {
+        self.media.push(medium);
+        self.media.len() as u32 - 1
+    }
+
+    /// Fills the space outside of all bodies with medium `medium`: see [`Scene::ambient_medium`].
+    pub fn ambient_medium(&mut self, medium: u32) -> &mut Self {
+        self.ambient_medium = Some(medium);
+        self
+    }
+
+    /// Adds a texture and returns its index.
+    pub fn texture(&mut self, texture: Texture) -> u32 {
+        self.textures.push(Arc::new(texture));
+        self.textures.len() as u32 - 1
+    }
+
+    /// Adds a shape. An `emission` above zero \[W/(m² sr)] makes it an area light.
+    pub fn shape(&mut self, shape: Shape, material: u32, emission: Rgb) -> &mut Self {
+        self.object(Geometry::Shape(shape), None, material, emission)
+    }
+
+    /// Adds an unbounded plane.
+    pub fn plane(&mut self, plane: Plane, material: u32, emission: Rgb) -> &mut Self {
+        self.object(Geometry::Plane(plane), None, material, emission)
+    }
+
+    /// Adds a mesh: positions, unit normals (one a vertex, or none), and triangles that index its
+    /// vertices.
+    ///
+    /// Triangles without area are dropped, as no ray hits them.
+    pub fn mesh(
+        &mut self,
+        positions: &[DVec3],
+        normals: &[Vec3],
+        triangles: &[Triangle],
+        material: u32,
+        emission: Rgb,
+    ) -> &mut Self {
+        let range = self.mesh.add(positions, normals, triangles);
+        self.object(Geometry::Mesh(range), None, material, emission)
+    }
+
+    /// Adds a shape that moves while the shutter is open.
+    pub fn moving_shape(&mut self, shape: Shape, motion: Motion, material: u32, emission: Rgb) -> &mut Self {
+        self.object(Geometry::Shape(shape), Some(motion), material, emission)
+    }
+
+    /// Adds an unbounded plane that moves while the shutter is open.
+    pub fn moving_plane(&mut self, plane: Plane, motion: Motion, material: u32, emission: Rgb) -> &mut Self {
+        self.object(Geometry::Plane(plane), Some(motion), material, emission)
+    }
+
+    fn object(&mut self, geometry: Geometry, motion: Option<Motion>, material: u32, emission: Rgb) -> &mut Self {
+        self.objects.push(Object { geometry, motion, material, emission, emission_texture: None, mapping: None });
+        self
+    }
+
+    /// Maps texture coordinates by `form` onto the object added last, which `to_world` places.
+    ///
+    /// Solid textures are evaluated in the space of the form. Without a mapping, texture
+    /// coordinates are the object's own parameters, and the space of solid textures is the world.
+    pub fn mapping(&mut self, form: Form, to_world: &Motion) -> &mut Self {
+        if let Some(object) = self.objects.last_mut() {
+            object.mapping = Some((form, to_world.clone()));
+        }
+        self
+    }
+
+    /// Makes the emission of the object added last follow `texture` times `scale` \[W/(m² sr)]. Its
+    /// mean must equal the emission that the object was added with.
+    pub fn emission_texture(&mut self, texture: u32, scale: Rgb) -> &mut Self {
+        if let Some(object) = self.objects.last_mut() {
+            object.emission_texture = Some((texture, scale));
+        }
+        self
+    }
+
+    /// Gives the vertices of the mesh added last texture coordinates, one each.
+    pub fn texcoords(&mut self, texcoords: &[DVec2]) -> &mut Self {
+        self.mesh.add_texcoords(texcoords);
+        self
+    }
+
+    /// Adds a point, spot or directional light.
+    pub fn source(&mut self, kind: SourceKind, strength: LightStrength) -> &mut Self {
+        self.sources.push(Source { kind, strength, motion: None });
+        self
+    }
+
+    /// Adds a light that moves while the shutter is open. The motion acts about the light's own
+    /// position.
+    pub fn moving_source(&mut self, kind: SourceKind, strength: LightStrength, motion: &Motion) -> &mut Self {
+        let motion = kind.position().map_or_else(|| motion.clone(), |position| motion.about(position));
+        self.sources.push(Source { kind, strength, motion: Some(motion) });
+        self
+    }
+
+    /// Moves the camera while the shutter is open. The motion acts about the camera's own position.
+    pub fn moving_camera(&mut self, motion: Motion) -> &mut Self {
+        self.camera_motion = Some(motion);
+        self
+    }
+
+    /// Checks, recenters and indexes the scene.
+    ///
+    /// # Errors
+    /// [`BuildError`] if the parts cannot be rendered.
+    pub fn build(self, camera: Camera) -> Result<Scene, BuildError> {
+        validate_objects(&self.objects, &self.mesh)?;
+        let (objects, mesh) =
+            cull_index_matched(self.objects, self.mesh, &self.materials, self.ambient_medium.is_some());
+        let origin = choose_origin(&objects, &mesh, &camera)?;
+        let Placed { objects, geometry, mappings, mut animation } = place_objects(objects, mesh, origin)?;
+        validate_extent(&geometry, &animation)?;
+        let Lights { lights, legacy_lights, moving, of_object } =
+            collect_lights(&self.sources, &objects, &geometry, &mappings, &self.textures, self.environment, origin)?;
+        animation.lights = moving;
+        let camera = place_camera(&camera, self.camera_motion, origin, &mut animation)?;
+        let geometry = geometry.index(&objects, &mappings, &of_object);
+        let mut scene = Scene {
+            camera,
+            background: self.background,
+            geometry,
+            materials: self.materials,
+            glasses: self.glasses,
+            media: self.media.iter().map(|medium| medium.translated(-origin)).collect(),
+            ambient_medium: self.ambient_medium,
+            textures: self.textures,
+            mappings: mappings.list,
+            mean_lights: mean_lights(&lights),
+            lights,
+            legacy_lights,
+            animation: (!animation.is_empty()).then(|| Arc::new(animation)),
+            origin,
+            coincident: CoincidentFlags::default(),
+            derived: Derived::default(),
+        };
+        scene.coincident = find_flags(&scene.geometry, |material| may_bound_body(&scene.materials, material));
+        scene.derived = derive(&scene);
+        validate_power(&scene)?;
+        Ok(scene)
+    }
+}
+
+#[cfg(test)]
+mod tests;

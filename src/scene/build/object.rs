@@ -1,0 +1,124 @@
+//! The objects of a scene before they are placed.
+
+use crate::color::Rgb;
+use crate::math::Motion;
+use crate::shape::{Form, Mesh, Plane, Shape, Triangle};
+use glam::{DVec2, DVec3, Vec2, Vec3};
+use std::ops::Range;
+
+/// The least and the greatest corner of a box, in double precision.
+pub(super) type Extent = (DVec3, DVec3);
+
+/// An object in world coordinates, or in its own where it moves.
+#[derive(Debug)]
+pub(super) struct Object {
+    pub geometry: Geometry,
+    /// Motion to world coordinates; `None` if the object rests.
+    pub motion: Option<Motion>,
+    /// Index of the material.
+    pub material: u32,
+    /// Mean emitted radiance \[W/(m² sr)].
+    pub emission: Rgb,
+    /// Index of the texture that the emission follows, and its scale \[W/(m² sr)].
+    pub emission_texture: Option<(u32, Rgb)>,
+    /// Form of the texture mapping, and the motion of its space to the world.
+    pub mapping: Option<(Form, Motion)>,
+}
+
+/// The geometry of an object.
+#[derive(Debug)]
+pub(super) enum Geometry {
+    Shape(Shape),
+    /// A range of triangles of the scene's [`MeshData`].
+    Mesh(Range<u32>),
+    Plane(Plane),
+}
+
+impl Object {
+    /// Bounding box of an object at rest; `None` for planes, moving objects, and meshes without
+    /// triangles.
+    pub fn extent(&self, mesh: &MeshData) -> Option<Extent> {
+        match &self.geometry {
+            Geometry::Shape(shape) if self.motion.is_none() => Some(shape.extent()),
+            Geometry::Mesh(range) => mesh.extent(range.clone()),
+            Geometry::Shape(_) | Geometry::Plane(_) => None,
+        }
+    }
+
+    /// True if the object emits light.
+    pub fn emits(&self) -> bool {
+        self.emission != Rgb::ZERO
+    }
+
+    /// Rank in the order in which a scene numbers its objects.
+    ///
+    /// Coplanar hits resolve to the lowest index. Emitters come first, so light sampling agrees
+    /// with intersection.
+    pub fn rank(&self) -> u8 {
+        match (&self.geometry, &self.motion) {
+            (Geometry::Shape(_), None) if self.emits() => 0,
+            (Geometry::Shape(_), None) => 1,
+            (Geometry::Shape(_), Some(_)) => 2,
+            (Geometry::Mesh(_), _) => 3,
+            (Geometry::Plane(_), None) => 4,
+            (Geometry::Plane(_), Some(_)) => 5,
+        }
+    }
+}
+
+/// The vertices and triangles of all mesh objects, in world coordinates.
+#[derive(Debug, Default)]
+pub(super) struct MeshData {
+    positions: Vec<DVec3>,
+    /// By vertex; zero where a mesh has none. Shorter than `positions` if the last meshes have
+    /// none.
+    normals: Vec<Vec3>,
+    /// By vertex, as with `normals`.
+    texcoords: Vec<Vec2>,
+    pub triangles: Vec<Triangle>,
+}
+
+impl MeshData {
+    /// Adds a mesh, and returns the range of its triangles.
+    pub fn add(&mut self, positions: &[DVec3], normals: &[Vec3], triangles: &[Triangle]) -> Range<u32> {
+        let (base, first) = (self.positions.len() as u32, self.triangles.len() as u32);
+        self.positions.extend_from_slice(positions);
+        if !normals.is_empty() {
+            self.normals.resize(base as usize, Vec3::ZERO);
+            self.normals.extend_from_slice(normals);
+        }
+        let area = |t: &Triangle| {
+            let [a, b, c] = t.map(|v| positions[v as usize]);
+            (b - a).cross(c - a).length_squared()
+        };
+        self.triangles.extend(triangles.iter().filter(|t| area(t) > 0.0).map(|t| t.map(|v| v + base)));
+        first..self.triangles.len() as u32
+    }
+
+    /// Adds texture coordinates of the mesh added last, one a vertex.
+    pub fn add_texcoords(&mut self, texcoords: &[DVec2]) {
+        let before = self.positions.len().saturating_sub(texcoords.len());
+        self.texcoords.resize(before, Vec2::ZERO);
+        self.texcoords.extend(texcoords.iter().map(|t| t.as_vec2()));
+    }
+
+    /// Bounding box of a range of triangles; `None` if it is empty.
+    fn extent(&self, triangles: Range<u32>) -> Option<Extent> {
+        let vertices = self.triangles[triangles.start as usize..triangles.end as usize].iter().flatten();
+        let points = vertices.map(|v| self.positions[*v as usize]).map(|p| (p, p));
+        points.reduce(|(a, b), (c, d)| (a.min(c), b.max(d)))
+    }
+
+    /// The mesh in coordinates relative to `origin`.
+    pub fn recentered(self, origin: DVec3) -> Mesh {
+        let Self { positions, mut normals, mut texcoords, triangles } = self;
+        if !normals.is_empty() {
+            normals.resize(positions.len(), Vec3::ZERO);
+        }
+        if !texcoords.is_empty() {
+            texcoords.resize(positions.len(), Vec2::ZERO);
+        }
+        let positions = positions.iter().map(|p| (*p - origin).as_vec3()).collect();
+        Mesh { positions, normals, texcoords, triangles }
+    }
+}

@@ -1,0 +1,119 @@
+//! Placing objects relative to the origin of the scene, at mid-shutter.
+
+use super::object::{Geometry, MeshData, Object};
+use crate::camera::Camera;
+use crate::math::Motion;
+use crate::scene::BuildError;
+use crate::scene::animation::{Animation, MID_SHUTTER, camera_at, mapping_at, plane_at, shape_at};
+use crate::scene::geometry::{self, ObjectAttributes};
+use crate::shape::{Mesh, Plane, Shape, TextureMapping};
+use glam::{DAffine3, DVec3};
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Objects in scene coordinates.
+pub(super) struct Placed {
+    /// The objects in the order in which the scene numbers them: shapes, meshes, planes; moving
+    /// ones last of each.
+    pub objects: Vec<Object>,
+    pub geometry: PlacedGeometry,
+    pub mappings: Mappings,
+    /// Moving shapes, planes and mappings; lights and camera are added later.
+    pub animation: Animation,
+}
+
+/// Geometry in scene coordinates, before hierarchies are built.
+pub(super) struct PlacedGeometry {
+    /// Shapes at rest, then moving shapes.
+    pub shapes: Vec<Shape>,
+    pub first_moving: u32,
+    pub planes: Vec<Plane>,
+    pub mesh: Arc<Mesh>,
+    /// Triangles of each mesh object.
+    pub mesh_ranges: Vec<Range<u32>>,
+}
+
+/// Texture mappings in scene coordinates.
+pub(super) struct Mappings {
+    /// The first maps objects without a mapping of their own.
+    pub list: Vec<TextureMapping>,
+    /// Index into `list` by object.
+    pub of_object: Vec<u32>,
+}
+
+/// Numbers the objects, and places them relative to `origin` at mid-shutter.
+pub(super) fn place_objects(mut objects: Vec<Object>, mesh: MeshData, origin: DVec3) -> Result<Placed, BuildError> {
+    objects.sort_by_key(Object::rank);
+    let recenter = DAffine3::from_translation(-origin);
+    let mut animation = Animation::default();
+    let (mut shapes, mut planes, mut mesh_ranges) = (Vec::new(), Vec::new(), Vec::new());
+    for object in &objects {
+        let motion = object.motion.as_ref().map(|motion| motion.followed_by(recenter));
+        match (&object.geometry, motion) {
+            (Geometry::Shape(shape), None) => shapes.push(shape.translated(-origin)),
+            (Geometry::Shape(shape), Some(motion)) => {
+                shapes.push(shape_at(shape, &motion, MID_SHUTTER).ok_or(BuildError::Flattened)?);
+                animation.shapes.push((shape.clone(), motion));
+            }
+            (Geometry::Mesh(range), _) => mesh_ranges.push(range.clone()),
+            (Geometry::Plane(plane), None) => planes.push(plane.translated(-origin)),
+            (Geometry::Plane(plane), Some(motion)) => {
+                planes.push(plane_at(plane, &motion, MID_SHUTTER).ok_or(BuildError::Flattened)?);
+                animation.planes.push((*plane, motion));
+            }
+        }
+    }
+    let first_moving = (shapes.len() - animation.shapes.len()) as u32;
+    let mappings = place_mappings(&objects, origin, &mut animation)?;
+    let mesh = Arc::new(mesh.recentered(origin));
+    let geometry = PlacedGeometry { shapes, first_moving, planes, mesh, mesh_ranges };
+    Ok(Placed { objects, geometry, mappings, animation })
+}
+
+fn place_mappings(objects: &[Object], origin: DVec3, animation: &mut Animation) -> Result<Mappings, BuildError> {
+    let recenter = DAffine3::from_translation(-origin);
+    let mut mappings = Mappings { list: vec![TextureMapping::default().translated(-origin)], of_object: Vec::new() };
+    for object in objects {
+        let Some((form, motion)) = &object.mapping else {
+            mappings.of_object.push(0);
+            continue;
+        };
+        let (index, placed) = (mappings.list.len(), motion.followed_by(recenter));
+        mappings.list.push(mapping_at(*form, &placed, MID_SHUTTER).ok_or(BuildError::Flattened)?);
+        mappings.of_object.push(index as u32);
+        if !motion.is_still() {
+            animation.mappings.push((index, *form, placed));
+        }
+    }
+    Ok(mappings)
+}
+
+/// The camera relative to `origin` at mid-shutter. Its motion, if it has one, is added to
+/// `animation`.
+pub(super) fn place_camera(
+    camera: &Camera,
+    motion: Option<Motion>,
+    origin: DVec3,
+    animation: &mut Animation,
+) -> Result<Camera, BuildError> {
+    let camera = camera.translated(-origin);
+    let Some(motion) = motion else { return Ok(camera) };
+    let motion = motion.about(camera.center());
+    let placed = camera_at(&camera, &motion, MID_SHUTTER).ok_or(BuildError::Flattened)?;
+    animation.camera = Some((camera, motion));
+    Ok(placed)
+}
+
+impl PlacedGeometry {
+    /// Builds the hierarchies. `light_of_object` holds the area light that each object is.
+    pub fn index(self, objects: &[Object], mappings: &Mappings, light_of_object: &[Option<u32>]) -> geometry::Geometry {
+        let attributes = objects.iter().zip(light_of_object).zip(&mappings.of_object);
+        let attributes = attributes.map(|((object, light), mapping)| ObjectAttributes {
+            material: object.material,
+            light: *light,
+            mapping: *mapping,
+        });
+        let Self { shapes, first_moving, planes, mesh, mesh_ranges } = self;
+        geometry::Geometry::new(attributes.collect(), shapes, first_moving, planes, mesh, mesh_ranges)
+    }
+}

@@ -1,0 +1,134 @@
+//! Choosing the origin of scene coordinates.
+
+use super::object::{Extent, Geometry, MeshData, Object};
+use crate::camera::Camera;
+use crate::scene::BuildError;
+use crate::scene::animation::{MID_SHUTTER, shape_at};
+use crate::shape::Shape;
+use glam::{DVec3, Vec2};
+
+/// Greatest distance from the origin in sizes of an object. Single precision then rounds its
+/// coordinates by at most 2⁻²⁴·2¹² = 2⁻¹² of its size.
+const MAX_SIZES: f64 = 4096.0;
+
+/// Bisections that find the least distance: as many as double precision has digits.
+const BISECTIONS: u32 = 64;
+
+/// The camera position, and the distance to what it sees.
+type View = (DVec3, f64);
+
+/// Something that single precision must resolve.
+#[derive(Clone, Copy, Debug)]
+struct Target {
+    center: DVec3,
+    size: f64,
+}
+
+/// The origin of scene coordinates in the world: see [`origin`]. Without bounded objects, the
+/// camera.
+pub(super) fn choose_origin(objects: &[Object], mesh: &MeshData, camera: &Camera) -> Result<DVec3, BuildError> {
+    let (mut resting, mut moving, mut meshes) = (Vec::new(), Vec::new(), Vec::new());
+    let mut shapes = Vec::new();
+    for object in objects {
+        match (&object.geometry, &object.motion) {
+            (Geometry::Shape(shape), None) => {
+                resting.push(shape.extent());
+                shapes.push(shape);
+            }
+            (Geometry::Shape(shape), Some(motion)) => {
+                let at = |time| shape_at(shape, motion, time).map(|shape| shape.extent()).ok_or(BuildError::Flattened);
+                moving.push(union(union(at(0.0)?, at(MID_SHUTTER)?), at(1.0)?));
+            }
+            (Geometry::Mesh(_), _) => meshes.extend(object.extent(mesh)),
+            (Geometry::Plane(_), _) => {}
+        }
+    }
+    let boxes = [resting, moving, meshes].concat();
+    Ok(origin(&boxes, view(camera, &shapes)).unwrap_or(camera.center()))
+}
+
+fn union((a, b): Extent, (c, d): Extent) -> Extent {
+    (a.min(c), b.max(d))
+}
+
+/// The center of the box around `boxes`, unless a box is too many of its own sizes away from it.
+/// Then the point from which the greatest distance, in own sizes, is least. `None` without boxes.
+///
+/// An example of the second: objects on a huge sphere that is their floor. The second point is at
+/// most twice as far from any object as the first, so no coordinate loses more than one binary
+/// digit by it.
+fn origin(boxes: &[Extent], view: Option<View>) -> Option<DVec3> {
+    let (min, max) = boxes.iter().copied().reduce(union)?;
+    let center = min * 0.5 + max * 0.5;
+    let target = |(min, max): &Extent| Target { center: *min * 0.5 + *max * 0.5, size: (*max - *min).max_element() };
+    // The camera may be outside of the box, but the origin must not.
+    let view = view.map(|(center, size)| Target { center: center.clamp(min, max), size });
+    let targets: Vec<Target> = boxes.iter().map(target).chain(view).filter(|t| t.size > 0.0).collect();
+    let distance = |m: DVec3| targets.iter().map(|t| (t.center - m).abs().max_element() / t.size).fold(0.0, f64::max);
+    let most = distance(center);
+    if most.is_nan() || most <= MAX_SIZES {
+        return Some(center);
+    }
+    let nearest = DVec3::from_array([0, 1, 2].map(|axis| minimax(&targets, axis, most)));
+    Some(nearest.clamp(min, max))
+}
+
+/// The camera position, and the distance of the nearest shape in the center or the corners of its
+/// image.
+fn view(camera: &Camera, shapes: &[&Shape]) -> Option<View> {
+    let (position, (width, height)) = (camera.center(), camera.size());
+    let local = camera.translated(-position);
+    let size = Vec2::new(width as f32, height as f32);
+    let rays = [Vec2::splat(0.5), Vec2::ZERO, Vec2::X, Vec2::Y, Vec2::ONE].map(|p| local.ray(p * size, None));
+    let distances = shapes.iter().map(|shape| shape.translated(-position)).flat_map(|shape| {
+        let nearest = rays.iter().filter_map(|ray| Some(shape.intersect(ray)?.0)).reduce(f32::min);
+        nearest.into_iter()
+    });
+    Some((position, f64::from(distances.reduce(f32::min)?)))
+}
+
+/// The coordinate along `axis` at which the greatest distance of `targets`, in own sizes, is least.
+/// `most` is an upper bound of that distance.
+fn minimax(targets: &[Target], axis: usize, most: f64) -> f64 {
+    let within = |t: f64| {
+        let ends =
+            targets.iter().map(|target| (target.center[axis] - t * target.size, target.center[axis] + t * target.size));
+        ends.fold((f64::NEG_INFINITY, f64::INFINITY), |(low, high), (a, b)| (low.max(a), high.min(b)))
+    };
+    let (mut too_near, mut enough) = (0.0, most);
+    for _ in 0..BISECTIONS {
+        let t = 0.5 * (too_near + enough);
+        let (low, high) = within(t);
+        if low <= high { enough = t } else { too_near = t }
+    }
+    let (low, high) = within(enough);
+    0.5 * low + 0.5 * high
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ball(center: DVec3, radius: f64) -> Extent {
+        (center - radius, center + radius)
+    }
+
+    #[test]
+    fn objects_of_similar_size_lie_around_the_box_center() {
+        let boxes = [ball(DVec3::ZERO, 1.0), ball(DVec3::new(100.0, 0.0, 3.0), 0.1)];
+        let off = origin(&boxes, None).unwrap() - DVec3::new(49.55, 0.0, 1.05);
+        assert!(off.length() < 1e-12, "{off}");
+        assert_eq!(origin(&[], Some((DVec3::ONE, 1.0))), None);
+    }
+
+    #[test]
+    fn small_objects_on_a_huge_one_determine_the_origin() {
+        let floor = ball(DVec3::new(0.0, -1e5, 0.0), 1e5);
+        let boxes = [floor, ball(DVec3::new(2.0, 0.5, 0.0), 0.5), ball(DVec3::new(-2.0, 0.5, 0.0), 0.25)];
+        let found = origin(&boxes, None).unwrap();
+        // Four times 0.5/0.75 from the larger ball.
+        assert!((found.x - (2.0 - 4.0 / 1.5)).abs() < 1e-9 && (found.y - 0.5).abs() < 1.0, "{found}");
+        assert!((origin(&[floor], Some((DVec3::Y, 1.0))).unwrap().y).abs() < 2.0);
+        assert_eq!(origin(&[floor], None), Some(DVec3::Y * -1e5));
+    }
+}

@@ -1,0 +1,55 @@
+//! Checks of the parts of a scene.
+
+use super::object::{Geometry, MeshData, Object};
+use super::place::PlacedGeometry;
+use crate::color;
+use crate::math::Bounds;
+use crate::scene::animation::{Animation, shape_at};
+use crate::scene::{BuildError, Scene};
+use crate::shape::Shape;
+
+/// Greatest coordinate. Squares and products of three coordinates stay finite in single precision.
+const MAX_COORDINATE: f32 = 1e12;
+
+/// Least extent, 2⁻³⁹. Its rounding error, 2⁻²⁴ of it, has a square of 2⁻¹²⁶, the least normal
+/// number.
+const MIN_EXTENT: f32 = 1.0 / 549_755_813_888.0;
+
+/// Checks what cannot be rendered at any place or size.
+pub(super) fn validate_objects(objects: &[Object], mesh: &MeshData) -> Result<(), BuildError> {
+    let emits = |object: &Object| matches!(object.geometry, Geometry::Plane(_)) && object.emits();
+    if objects.iter().any(emits) {
+        return Err(BuildError::EmissivePlane);
+    }
+    let triangles = mesh.triangles.len();
+    if triangles > i32::MAX as usize { Err(BuildError::TooManyTriangles(triangles)) } else { Ok(()) }
+}
+
+/// Checks that all coordinates fit single precision, at mid-shutter and at both ends of the shutter
+/// interval.
+pub(super) fn validate_extent(geometry: &PlacedGeometry, animation: &Animation) -> Result<(), BuildError> {
+    let at =
+        |time| animation.shapes.iter().filter_map(move |(shape, motion)| Some(shape_at(shape, motion, time)?.bounds()));
+    let boxes = geometry.shapes.iter().map(Shape::bounds).chain(at(0.0)).chain(at(1.0));
+    let corners = (0..geometry.mesh.triangles.len()).flat_map(|i| geometry.mesh.corners(i));
+    let farthest = corners
+        .chain(boxes.flat_map(|Bounds { min, max }| [min, max]))
+        .flat_map(|p| p.abs().to_array())
+        // NaN counts as the farthest of all.
+        .max_by(f32::total_cmp);
+    match farthest {
+        Some(far) if !far.is_finite() => Err(BuildError::TooLarge(f64::INFINITY)),
+        Some(far) if far > MAX_COORDINATE => Err(BuildError::TooLarge(f64::from(far))),
+        Some(far) if far < MIN_EXTENT => Err(BuildError::TooSmall(f64::from(far))),
+        _ => Ok(()),
+    }
+}
+
+/// Checks that the power of each light is finite. Lights are chosen by the mean of their channels.
+pub(super) fn validate_power(scene: &Scene) -> Result<(), BuildError> {
+    let domain = scene.domain();
+    match scene.lights.iter().position(|light| !color::mean(light.power(domain)).is_finite()) {
+        Some(i) => Err(BuildError::TooBright(i)),
+        None => Ok(()),
+    }
+}

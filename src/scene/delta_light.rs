@@ -1,0 +1,147 @@
+//! Delta lights of a scene description, and the lights of the course's shading model.
+
+use crate::color::Rgb;
+use crate::light::{DirectionalLight, Light, OrientedSource, PointLight, SpotLight};
+use crate::math::{Sphere, Transform};
+use glam::{DVec3, Vec3};
+use std::f32::consts::PI;
+
+/// Light of the course's shading model: a position or direction, and a colour without falloff.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LegacyLight {
+    /// At a position.
+    Point(Vec3, Rgb),
+    /// Along a unit direction of travel.
+    Directional(Vec3, Rgb),
+}
+
+/// Strength of a point, spot or directional light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum LightStrength {
+    /// The course's colour: radiance that a white diffuse surface at the origin reflects when it
+    /// faces the light.
+    Course(Rgb),
+    /// Intensity \[W/sr], or irradiance \[W/m²] for parallel light.
+    Physical(Rgb),
+    /// Flux \[W]; for points and spots.
+    Power(Rgb),
+}
+
+/// A point, spot or directional light in the coordinates of the description.
+#[derive(Clone, Debug)]
+pub enum SourceKind {
+    /// Isotropic, from one position.
+    Point {
+        /// Position.
+        position: DVec3,
+    },
+    /// Into a cone, from one position.
+    Spot {
+        /// Position.
+        position: DVec3,
+        /// Axis of the cone, of any length above zero.
+        axis: DVec3,
+        /// Half angle of full intensity \[radians].
+        inner: f64,
+        /// Half angle of zero intensity \[radians].
+        outer: f64,
+    },
+    /// A point light with an orientation: a projector or a goniometric light.
+    Oriented(OrientedSource),
+    /// Parallel light from infinity.
+    Directional {
+        /// Direction of travel, of any length above zero.
+        direction: DVec3,
+    },
+}
+
+impl SourceKind {
+    /// The position, if it is finite.
+    #[must_use]
+    pub fn position(&self) -> Option<DVec3> {
+        match *self {
+            Self::Point { position } | Self::Spot { position, .. } => Some(position),
+            Self::Oriented(ref source) => Some(source.position),
+            Self::Directional { .. } => None,
+        }
+    }
+
+    /// The image under an affine map.
+    #[must_use]
+    pub fn transformed(&self, map: &Transform) -> Self {
+        match *self {
+            Self::Point { position } => Self::Point { position: map.point(position) },
+            Self::Spot { position, axis, inner, outer } => {
+                Self::Spot { position: map.point(position), axis: map.vector(axis), inner, outer }
+            }
+            Self::Oriented(ref source) => Self::Oriented(source.transformed(map)),
+            Self::Directional { direction } => Self::Directional { direction: map.vector(direction) },
+        }
+    }
+}
+
+/// 1 − cos x without cancellation.
+fn one_minus_cos(x: f64) -> f64 {
+    let sin = libm::sin(0.5 * x);
+    2.0 * sin * sin
+}
+
+/// A light relative to `origin`, and its counterpart in the course's shading model.
+///
+/// A course colour c means irradiance π·c on a facing surface at the origin, where white diffuse
+/// surfaces reflect radiance c.
+pub(super) fn resolve_light(kind: &SourceKind, strength: LightStrength, origin: DVec3) -> (Light, LegacyLight) {
+    // A light at the origin counts as one unit away.
+    let distance2 = |p: &DVec3| {
+        let d2 = (*p - origin).length_squared() as f32;
+        if d2 > 0.0 { d2 } else { 1.0 }
+    };
+    let to_intensity = |position: &DVec3, watts_to_intensity: f32| match strength {
+        LightStrength::Course(c) => (c * (PI * distance2(position)), c),
+        LightStrength::Physical(i) => (i, i / (PI * distance2(position))),
+        LightStrength::Power(w) => (w * watts_to_intensity, w * (watts_to_intensity / (PI * distance2(position)))),
+    };
+    match kind {
+        SourceKind::Point { position } => {
+            let (intensity, color) = to_intensity(position, 1.0 / (4.0 * PI));
+            let center = (*position - origin).as_vec3();
+            (Light::Point(PointLight { position: center, intensity }), LegacyLight::Point(center, color))
+        }
+        SourceKind::Spot { position, axis, inner, outer } => {
+            let center = (*position - origin).as_vec3();
+            let mut spot = SpotLight {
+                position: center,
+                axis: axis.normalize().as_vec3(),
+                inner: one_minus_cos(*inner) as f32,
+                outer: one_minus_cos(*outer) as f32,
+                peak: Rgb::ONE,
+            };
+            let (peak, color) = to_intensity(position, 1.0 / spot.flux().x);
+            spot.peak = peak;
+            (Light::Spot(spot), LegacyLight::Point(center, color))
+        }
+        SourceKind::Oriented(source) => {
+            let center = (source.position - origin).as_vec3();
+            let (scale, color) = to_intensity(&source.position, source.scale_per_power());
+            (source.light(center, scale), LegacyLight::Point(center, color))
+        }
+        SourceKind::Directional { direction } => {
+            let (irradiance, color) = match strength {
+                LightStrength::Course(c) => (c * PI, c),
+                LightStrength::Physical(e) | LightStrength::Power(e) => (e, e / PI),
+            };
+            let direction = direction.normalize().as_vec3();
+            (Light::Directional(DirectionalLight { direction, irradiance }), LegacyLight::Directional(direction, color))
+        }
+    }
+}
+
+/// An area light in the course's shading model: a point at its center. Its irradiance at the origin
+/// is as if it faced it.
+pub(super) fn legacy_area_light(light: &Light) -> LegacyLight {
+    let center = light.center().unwrap_or(Vec3::ZERO);
+    let nowhere = Sphere { center: Vec3::ZERO, radius: 0.0 };
+    let d2 = center.length_squared();
+    let color = light.power(nowhere) / (PI * PI * if d2 > 0.0 { d2 } else { 1.0 });
+    LegacyLight::Point(center, color)
+}

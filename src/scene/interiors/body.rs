@@ -1,0 +1,47 @@
+//! Bodies: volumes that light enters through a dielectric boundary.
+
+use crate::color::Rgb;
+
+/// The inside of a closed dielectric boundary.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Body {
+    /// Absolute refractive index; 1 is air. For a glass, the index at the d line.
+    pub index: f32,
+    /// Absorption coefficient \[1/length].
+    pub absorption: Rgb,
+    /// Priority where bodies overlap: the highest wins, and among equals the one entered last
+    /// (Schmidt and Budge 2002, "Simple Nested Dielectrics in Ray Traced Images").
+    pub priority: u8,
+    /// Index of the glass, if the refractive index depends on the wavelength.
+    pub glass: Option<u32>,
+    /// Index of the medium inside.
+    pub medium: Option<u32>,
+    /// True if the boundary is a null interface: it bounds a medium, but neither reflects nor
+    /// refracts. Other bodies of equal priority displace it.
+    pub null_interface: bool,
+}
+
+impl Body {
+    /// An empty body with absolute refractive `index`.
+    #[must_use]
+    pub fn new(index: f32) -> Self {
+        Self { index, absorption: Rgb::ZERO, priority: 0, glass: None, medium: None, null_interface: false }
+    }
+
+    /// A region of `medium` behind a null interface.
+    #[must_use]
+    pub fn region(medium: u32) -> Self {
+        Self { medium: Some(medium), null_interface: true, ..Self::new(1.0) }
+    }
+
+    /// Rank where bodies overlap; the greatest wins.
+    pub(in crate::scene) fn rank(&self) -> (u8, bool) {
+        (self.priority, !self.null_interface)
+    }
+
+    /// True if light cannot distinguish the body from air.
+    pub(in crate::scene) fn is_air(&self) -> bool {
+        let Self { index, absorption, glass, medium, null_interface, priority: _ } = *self;
+        index == 1.0 && absorption == Rgb::ZERO && glass.is_none() && medium.is_none() && !null_interface
+    }
+}

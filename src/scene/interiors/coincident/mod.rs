@@ -1,0 +1,148 @@
+//! Coincident boundaries of bodies.
+//!
+//! A path leaves a boundary from beyond the position error, so it would miss any other boundary
+//! there. If a liquid and its glass share a face, one of the two would never be crossed. So all of
+//! them are crossed at once, entries before exits, as if the bodies overlapped by nothing.
+
+mod search;
+
+pub(in crate::scene) use search::{CoincidentFlags, find_flags};
+
+use super::{Body, InteriorStack};
+use crate::math::{Ray, offset_origin};
+use crate::scene::{Scene, SurfaceInteraction};
+
+/// Boundaries that may coincide with one hit; more are dropped.
+const MAX_FACES: usize = 3;
+
+/// A boundary that a path crosses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(in crate::scene) struct CoincidentFace {
+    /// Index of the material.
+    pub material: u32,
+    /// True if the path enters the body.
+    pub entering: bool,
+    /// The object that it belongs to; 0 if no other face is near.
+    pub object: u32,
+}
+
+impl CoincidentFace {
+    /// The face of `surface`, a boundary.
+    #[inline]
+    pub fn of(surface: &SurfaceInteraction<'_>, entering: bool) -> Self {
+        Self { material: surface.material_index, entering, object: surface.coincident_object.unwrap_or(0) }
+    }
+}
+
+/// The boundaries that coincide with one hit, in the order of their materials.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(in crate::scene) struct CoincidentFaces([Option<CoincidentFace>; MAX_FACES]);
+
+impl CoincidentFaces {
+    /// No other boundary.
+    pub const NONE: Self = Self([None; MAX_FACES]);
+
+    #[inline]
+    pub fn is_empty(&self) -> bool {
+        self.0[0].is_none()
+    }
+
+    pub fn iter(&self) -> impl Iterator<Item = CoincidentFace> + '_ {
+        self.0.iter().flatten().copied()
+    }
+
+    fn add(&mut self, face: CoincidentFace) {
+        if let Some(slot) = self.0.iter_mut().find(|f| f.is_none_or(|f| f == face)) {
+            *slot = Some(face);
+        }
+    }
+}
+
+/// The two sides of coincident boundaries.
+pub(super) struct Sides<'a> {
+    /// The refracting body on the near side of the path, with its material; `None` is air.
+    pub near: Option<(u32, &'a Body)>,
+    /// The refracting body on the far side.
+    pub far: Option<(u32, &'a Body)>,
+    /// True if all boundaries are null interfaces.
+    pub null_interface: bool,
+    /// Greatest roughness α of the boundaries that are not null interfaces.
+    pub roughness: f32,
+}
+
+impl InteriorStack {
+    /// The stack beyond the boundary `own` and all `coincident` ones.
+    ///
+    /// The path may have crossed some of them just before. An entry into a body that is on the
+    /// stack is therefore skipped, unless `own` is about to leave that body. So is an exit from a
+    /// body that is not on the stack.
+    pub(super) fn beyond(&self, own: CoincidentFace, coincident: &CoincidentFaces) -> Self {
+        let mut far = *self;
+        let count = |material: u32| self.bodies().iter().filter(|m| **m == material).count();
+        let spare = |material: u32| usize::from(!own.entering && own.material == material);
+        let mut faces = [None; MAX_FACES + 1];
+        let pending = coincident.iter().filter(|f| !f.entering || count(f.material) <= spare(f.material));
+        faces.iter_mut().zip(pending.chain([own])).for_each(|(slot, face)| *slot = Some(face));
+        // Sorting makes the order of simultaneous entries independent of the boundary that was hit.
+        faces.sort_unstable();
+        faces.iter().flatten().filter(|f| f.entering).for_each(|f| far.enter(f.material));
+        faces.iter().flatten().filter(|f| !f.entering).for_each(|f| far.leave(f.material));
+        far
+    }
+}
+
+/// The two sides of `surface`, the boundary of `body`, and all coincident boundaries.
+pub(super) fn sides<'a>(
+    stack: &InteriorStack,
+    scene: &'a Scene,
+    surface: &SurfaceInteraction<'_>,
+    body: &Body,
+    entering: bool,
+) -> Sides<'a> {
+    let far = stack.beyond(CoincidentFace::of(surface, entering), &surface.coincident);
+    let mut null_interface = body.null_interface;
+    let mut roughness = if null_interface { 0.0 } else { surface.roughness };
+    for face in surface.coincident.iter() {
+        let material = &scene.materials[face.material as usize];
+        if material.boundary().is_some_and(|other| !other.null_interface) {
+            null_interface = false;
+            roughness = material.mean_boundary_roughness().max(roughness);
+        }
+    }
+    let (near, far) = (stack.refractive_top(&scene.materials), far.refractive_top(&scene.materials));
+    Sides { near, far, null_interface, roughness }
+}
+
+/// The boundaries within the position error of `surface`, a boundary, except its own.
+#[inline]
+pub(in crate::scene) fn faces_at(scene: &Scene, surface: &SurfaceInteraction<'_>) -> CoincidentFaces {
+    if surface.coincident_object.is_some() { find_faces(scene, surface) } else { CoincidentFaces::NONE }
+}
+
+#[inline(never)]
+fn find_faces(scene: &Scene, surface: &SurfaceInteraction<'_>) -> CoincidentFaces {
+    let (point, wo) = (&surface.point, surface.wo);
+    let [near, far] = [wo, -wo].map(|w| offset_origin(point.p, point.error, point.ng, w));
+    let length = (far - near).length();
+    let mut faces = CoincidentFaces::NONE;
+    if length.is_nan() || length <= 0.0 {
+        return faces;
+    }
+    let across = Ray { origin: near, direction: (far - near) / length, t_max: length };
+    let own = CoincidentFace::of(surface, surface.is_entering());
+    let geometry = &scene.geometry;
+    geometry.for_each_hit(&across, |hit| {
+        let point = geometry.surface_point(&across, &hit);
+        let entering = across.direction.dot(point.ng) < 0.0;
+        let material = geometry.object(hit.kind).material;
+        let face = CoincidentFace { material, entering, object: geometry.seam_object(hit.kind) };
+        if face != own && scene.materials[material as usize].boundary().is_some() {
+            faces.add(face);
+        }
+    });
+    faces.0.sort_unstable_by_key(|face| face.map_or((true, None), |face| (false, Some(face))));
+    faces
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,264 @@
+//! The search for boundaries of bodies that may coincide with those of other objects.
+
+use crate::accel::Primitive;
+use crate::math::Bounds;
+use crate::scene::geometry::{Geometry, HitKind};
+use crate::shape::Shape;
+use glam::DVec3;
+use std::ops::Range;
+use std::sync::Arc;
+
+/// Faces in a leaf of the search tree.
+const LEAF_FACES: usize = 8;
+
+/// Pairs tested per face. Beyond this budget, all faces are flagged.
+const PAIRS_PER_FACE: usize = 1000;
+
+/// Margin of a face, relative to coordinates and sizes: the position error of two points (see
+/// `SurfacePoint::error`), and room.
+const MARGIN: f32 = 16.0 * f32::EPSILON;
+
+/// Flags of primitives on which a boundary of another object may lie. Empty lists mean none.
+#[derive(Clone, Debug, Default)]
+pub(in crate::scene) struct CoincidentFlags {
+    triangles: Arc<[bool]>,
+    shapes: Arc<[bool]>,
+    /// True if every primitive counts as flagged: a moving or unbounded boundary may be anywhere.
+    anywhere: bool,
+}
+
+impl CoincidentFlags {
+    /// True if another boundary may coincide with this primitive.
+    #[inline]
+    pub fn may_coincide(&self, kind: HitKind) -> bool {
+        let flag = |flags: &[bool], i: u32| flags.get(i as usize).copied().unwrap_or(false);
+        self.anywhere
+            || match kind {
+                HitKind::Triangle(i, _) => flag(&self.triangles, i),
+                HitKind::Shape(i, _) => flag(&self.shapes, i),
+                HitKind::Plane(_) => false,
+            }
+    }
+}
+
+/// A triangle, or a whole shape.
+struct Face {
+    primitive: Primitive,
+    bounds: Bounds,
+    /// Index of its extent.
+    object: u32,
+}
+
+/// The extent of a mesh or a shape.
+struct Extent {
+    bounds: Bounds,
+    /// Distance within which another face counts as coincident \[length].
+    margin: f32,
+}
+
+impl Extent {
+    fn new(bounds: Bounds) -> Self {
+        let size = bounds.min.abs().max(bounds.max.abs()).max_element() + bounds.extent().max_element();
+        Self { bounds: bounds.expanded(size * MARGIN), margin: size * MARGIN }
+    }
+}
+
+/// Flags the primitives of `geometry` on which another boundary may lie. `is_boundary` says it of a
+/// material index.
+pub(in crate::scene) fn find_flags(geometry: &Geometry, is_boundary: impl Fn(u32) -> bool) -> CoincidentFlags {
+    let bounds_body = |object: usize| is_boundary(geometry.objects[object].material);
+    let at_rest = geometry.first_moving as usize;
+    let boundary_shapes: Vec<usize> = (0..at_rest).filter(|i| bounds_body(*i)).collect();
+    let mesh_bounds = boundary_mesh_bounds(geometry, bounds_body);
+    let moving = at_rest..geometry.shapes.len();
+    let endless = geometry.shapes.len() + geometry.mesh_ranges.len()..geometry.objects.len();
+    let anywhere = moving.chain(endless).filter(|object| bounds_body(*object)).count();
+    if anywhere > 0 {
+        let others = boundary_shapes.len() + mesh_bounds.iter().flatten().count();
+        return CoincidentFlags { anywhere: anywhere + others > 1, ..CoincidentFlags::default() };
+    }
+    let mut extents: Vec<Extent> =
+        boundary_shapes.iter().map(|i| Extent::new(Shape::bounds(&geometry.shapes[*i]))).collect();
+    let mut extent_of_mesh = vec![None; mesh_bounds.len()];
+    for (extent, bounds) in extent_of_mesh.iter_mut().zip(&mesh_bounds) {
+        if let Some(bounds) = bounds {
+            *extent = Some(extents.len() as u32);
+            extents.push(Extent::new(*bounds));
+        }
+    }
+    let overlapping = overlapping(&extents);
+    if !overlapping.contains(&true) {
+        return CoincidentFlags::default();
+    }
+    let mut faces: Vec<Face> = Vec::new();
+    for (object, i) in boundary_shapes.iter().enumerate().filter(|(object, _)| overlapping[*object]) {
+        let primitive = Primitive::Other(*i as u32);
+        faces.push(Face { primitive, bounds: extents[object].bounds, object: object as u32 });
+    }
+    for (i, object) in geometry.triangle_object.iter().enumerate() {
+        let mesh = *object as usize - geometry.shapes.len();
+        if let Some(object) = extent_of_mesh[mesh].filter(|object| overlapping[*object as usize]) {
+            let bounds = Bounds::of(geometry.mesh.corners(i)).expanded(extents[object as usize].margin);
+            faces.push(Face { primitive: Primitive::Triangle(i as u32), bounds, object });
+        }
+    }
+    let near = |a: &Face, b: &Face| {
+        let margin = f64::from(extents[a.object as usize].margin + extents[b.object as usize].margin);
+        match (a.primitive, b.primitive) {
+            (Primitive::Triangle(i), Primitive::Triangle(j)) => {
+                let [a, b] = [i, j].map(|i| geometry.mesh.corners(i as usize).map(|p| p.as_dvec3()));
+                !(on_one_side(&a, &b, margin) || on_one_side(&b, &a, margin))
+            }
+            (Primitive::Other(_), _) | (_, Primitive::Other(_)) => true,
+        }
+    };
+    let found = Join::run(&faces, &near);
+    let mut triangles = vec![false; geometry.triangle_object.len()];
+    let mut shapes = vec![false; geometry.shapes.len()];
+    for (face, found) in faces.iter().zip(found) {
+        match face.primitive {
+            Primitive::Triangle(i) => triangles[i as usize] = found,
+            Primitive::Other(i) => shapes[i as usize] = found,
+        }
+    }
+    CoincidentFlags { triangles: triangles.into(), shapes: shapes.into(), anywhere: false }
+}
+
+/// Bounds of each mesh that bounds a body; `None` for other meshes and those without triangles.
+fn boundary_mesh_bounds(geometry: &Geometry, bounds_body: impl Fn(usize) -> bool) -> Vec<Option<Bounds>> {
+    let mut mesh_bounds: Vec<Option<Bounds>> = vec![None; geometry.mesh_ranges.len()];
+    for (i, object) in geometry.triangle_object.iter().enumerate() {
+        let object = *object as usize;
+        if bounds_body(object) {
+            let corners = Bounds::of(geometry.mesh.corners(i));
+            let all = &mut mesh_bounds[object - geometry.shapes.len()];
+            *all = Some(all.map_or(corners, |b| b.union(corners)));
+        }
+    }
+    mesh_bounds
+}
+
+/// For each extent, true if its box overlaps another's.
+fn overlapping(extents: &[Extent]) -> Vec<bool> {
+    let face = |(extent, i): (&Extent, u32)| Face { primitive: Primitive::Other(i), bounds: extent.bounds, object: i };
+    Join::run(&extents.iter().zip(0..).map(face).collect::<Vec<Face>>(), &|_, _| true)
+}
+
+/// True if triangle `b` lies entirely on one side of the plane of `a`, farther than `margin`.
+fn on_one_side(a: &[DVec3; 3], b: &[DVec3; 3], margin: f64) -> bool {
+    let normal = (a[1] - a[0]).cross(a[2] - a[0]);
+    let margin = margin * normal.length();
+    let heights = b.map(|p| normal.dot(p - a[0]));
+    heights.iter().all(|h| *h > margin) || heights.iter().all(|h| *h < -margin)
+}
+
+/// A node of the search tree: a range of faces, and two children or none.
+struct Node {
+    bounds: Bounds,
+    members: Range<usize>,
+    children: Option<[usize; 2]>,
+    /// The object that all members belong to, if they share one.
+    object: Option<u32>,
+}
+
+/// A spatial self-join: finds the faces that are near a face of another object.
+struct Join<'a> {
+    faces: &'a [Face],
+    near: &'a dyn Fn(&Face, &Face) -> bool,
+    /// Face indices in the order of the nodes.
+    order: Vec<u32>,
+    nodes: Vec<Node>,
+    found: Vec<bool>,
+    /// Pairs that may still be tested.
+    budget: usize,
+}
+
+impl<'a> Join<'a> {
+    fn run(faces: &'a [Face], near: &'a dyn Fn(&Face, &Face) -> bool) -> Vec<bool> {
+        let order = (0..faces.len() as u32).collect();
+        if faces.is_empty() {
+            return Vec::new();
+        }
+        let (nodes, found, budget) = (Vec::new(), vec![false; faces.len()], faces.len().saturating_mul(PAIRS_PER_FACE));
+        let mut join = Self { faces, near, order, nodes, found, budget };
+        join.build(0..faces.len());
+        if join.join_node(0).is_none() {
+            join.found.fill(true);
+        }
+        join.found
+    }
+
+    fn face(&self, member: usize) -> &'a Face {
+        &self.faces[self.order[member] as usize]
+    }
+
+    fn build(&mut self, members: Range<usize>) -> usize {
+        let bounds = members.clone().fold(Bounds::EMPTY, |all, i| all.union(self.face(i).bounds));
+        let object = self.face(members.start).object;
+        let object = members.clone().all(|i| self.face(i).object == object).then_some(object);
+        let index = self.nodes.len();
+        self.nodes.push(Node { bounds, members: members.clone(), children: None, object });
+        if members.len() > LEAF_FACES {
+            let axis = bounds.extent().max_position();
+            let faces = self.faces;
+            let middle = |i: &u32| faces[*i as usize].bounds.min[axis] + faces[*i as usize].bounds.max[axis];
+            let half = members.len() / 2;
+            self.order[members.clone()].select_nth_unstable_by(half, |a, b| middle(a).total_cmp(&middle(b)));
+            let cut = members.start + half;
+            self.nodes[index].children = Some([self.build(members.start..cut), self.build(cut..members.end)]);
+        }
+        index
+    }
+
+    /// Tests the members of a node against each other; `None` if the budget runs out.
+    fn join_node(&mut self, node: usize) -> Option<()> {
+        if self.nodes[node].object.is_some() {
+            return Some(());
+        }
+        match self.nodes[node].children {
+            Some([a, b]) => {
+                self.join_node(a)?;
+                self.join_node(b)?;
+                self.join_nodes(a, b)
+            }
+            None => self.compare(self.nodes[node].members.clone(), self.nodes[node].members.clone()),
+        }
+    }
+
+    /// Tests the members of two nodes against each other; `None` if the budget runs out.
+    fn join_nodes(&mut self, a: usize, b: usize) -> Option<()> {
+        let (first, second) = (&self.nodes[a], &self.nodes[b]);
+        if first.object.is_some() && first.object == second.object || !first.bounds.meets(&second.bounds) {
+            return Some(());
+        }
+        match (first.children, second.children) {
+            (Some(children), None) => children.into_iter().try_for_each(|child| self.join_nodes(child, b)),
+            (Some(children), _) if first.members.len() >= second.members.len() => {
+                children.into_iter().try_for_each(|child| self.join_nodes(child, b))
+            }
+            (_, Some(children)) => children.into_iter().try_for_each(|child| self.join_nodes(a, child)),
+            (None, None) => self.compare(first.members.clone(), second.members.clone()),
+        }
+    }
+
+    fn compare(&mut self, first: Range<usize>, second: Range<usize>) -> Option<()> {
+        self.budget = self.budget.checked_sub(first.len() * second.len())?;
+        for i in first {
+            for j in second.clone() {
+                let (a, b) = (self.face(i), self.face(j));
+                let [i, j] = [i, j].map(|member| self.order[member] as usize);
+                if a.object != b.object
+                    && !(self.found[i] && self.found[j])
+                    && a.bounds.meets(&b.bounds)
+                    && (self.near)(a, b)
+                {
+                    (self.found[i], self.found[j]) = (true, true);
+                }
+            }
+        }
+        Some(())
+    }
+}
+
+#[cfg(test)]
+mod tests;

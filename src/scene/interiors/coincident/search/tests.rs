@@ -1,0 +1,87 @@
+//! Tests of the search for faces that may coincide.
+
+use super::*;
+use crate::camera::Camera;
+use crate::color::Rgb;
+use crate::scene::{Body, Material, SceneBuilder};
+use crate::shape::{Plane, Sphere};
+use glam::{Vec2, Vec3};
+
+/// Counts of flagged triangles: of a cube of twelve, and of a smaller cube.
+fn cubes(scale: f64, shift: DVec3) -> [usize; 2] {
+    let mut builder = SceneBuilder::new();
+    let corners: Vec<DVec3> = (0..8).map(|i| DVec3::from([i & 1, i >> 1 & 1, i >> 2].map(f64::from))).collect();
+    let faces = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let halves = |f: [u32; 4]| [[f[0], f[1], f[2]], [f[0], f[2], f[3]]];
+    let triangles: Vec<[u32; 3]> = faces.into_iter().flat_map(halves).collect();
+    for (index, scale, shift) in [(1.3, 1.0, DVec3::ZERO), (1.5, scale, shift)] {
+        let glass = builder.material(Material::body(Body::new(index)));
+        let placed: Vec<DVec3> = corners.iter().map(|p| *p * scale + shift).collect();
+        builder.mesh(&placed, &[], &triangles, glass, Rgb::ZERO);
+    }
+    let camera = Camera::perspective(DVec3::splat(9.0), DVec3::NEG_ONE, DVec3::Y, 1.0, 4, 4).unwrap();
+    let scene = builder.build(camera).unwrap();
+    let may = |i: &u32| scene.coincident.may_coincide(HitKind::Triangle(*i, Vec2::ZERO));
+    [(0..12).filter(may).count(), (12..24).filter(may).count()]
+}
+
+#[test]
+fn only_faces_that_may_coincide_are_flagged() {
+    let beside = |x: f64| cubes(0.5, DVec3::new(x, 0.25, 0.25));
+    // The shared wall, and the four walls of the small cube that end at it.
+    assert_eq!(beside(1.0), [2, 10]);
+    assert_eq!(beside(1.0 + 1e-7), [2, 10], "within the position error");
+    assert_eq!(beside(0.75), [2, 8], "walls that cross");
+    for x in [0.25, 0.999, 1.001, 2.0] {
+        assert_eq!(beside(x), if x == 0.999 { [2, 8] } else { [0, 0] }, "{x}");
+    }
+}
+
+#[test]
+fn a_join_agrees_with_brute_force() {
+    let mut key = 1u32;
+    let mut chance = || {
+        key = key.wrapping_mul(747_796_405).wrapping_add(2_891_336_453);
+        (key >> 8) as f32 / 16_777_216.0
+    };
+    for (count, size) in [(3, 0.5), (200, 0.1), (3000, 0.02)] {
+        let faces: Vec<Face> = (0..count)
+            .map(|i| {
+                let min = Vec3::new(chance(), chance(), chance());
+                let max = min + Vec3::new(chance(), chance(), chance()) * size;
+                Face { primitive: Primitive::Other(i), bounds: Bounds { min, max }, object: i % 3 }
+            })
+            .collect();
+        let one = |a: &Face| faces.iter().any(|b| a.object != b.object && a.bounds.meets(&b.bounds));
+        let expected: Vec<bool> = faces.iter().map(one).collect();
+        assert!(count < 100 || expected.contains(&true) && expected.contains(&false));
+        assert_eq!(Join::run(&faces, &|_, _| true), expected, "{count}");
+    }
+}
+
+#[test]
+fn too_many_overlaps_flag_every_face() {
+    let bounds = Bounds { min: Vec3::ZERO, max: Vec3::ONE };
+    let face = |i| Face { primitive: Primitive::Other(i), bounds, object: i % 2 };
+    let faces: Vec<Face> = (0..3000).map(face).collect();
+    assert_eq!(Join::run(&faces, &|_, _| false), vec![true; 3000]);
+    assert_eq!(Join::run(&faces[..100], &|_, _| false), vec![false; 100]);
+}
+
+#[test]
+fn unbounded_boundaries_may_coincide_anywhere() {
+    let scene = |planes: u32, balls: u32| {
+        let mut builder = SceneBuilder::new();
+        let glass = builder.material(Material::body(Body::new(1.5)));
+        for i in 0..balls {
+            let center = DVec3::X * 10.0 * f64::from(i);
+            builder.shape(Shape::Sphere(Sphere::new(center, 1.0)), glass, Rgb::ZERO);
+        }
+        for _ in 0..planes {
+            builder.plane(Plane::new(DVec3::ZERO, DVec3::Y), glass, Rgb::ZERO);
+        }
+        let camera = Camera::perspective(DVec3::splat(9.0), DVec3::NEG_ONE, DVec3::Y, 1.0, 4, 4).unwrap();
+        builder.build(camera).unwrap().coincident.may_coincide(HitKind::Shape(0, Vec2::ZERO))
+    };
+    assert_eq!([scene(0, 2), scene(1, 1), scene(1, 0)], [false, true, false]);
+}

@@ -1,0 +1,67 @@
+//! Tests of crossing coincident boundaries.
+
+use super::*;
+
+fn face(material: u32, entering: bool) -> CoincidentFace {
+    CoincidentFace { material, entering, object: material }
+}
+
+fn coincident(list: &[CoincidentFace]) -> CoincidentFaces {
+    let mut faces = CoincidentFaces::NONE;
+    list.iter().for_each(|f| faces.add(*f));
+    faces
+}
+
+fn inside(bodies: &[u32]) -> InteriorStack {
+    let mut inside = InteriorStack::EMPTY;
+    bodies.iter().for_each(|b| inside.enter(*b));
+    inside
+}
+
+/// Glass is 0, its content 1. The interior beyond the shared face does not depend on which face is
+/// hit.
+#[test]
+fn shared_faces_are_crossed_together() {
+    let glass = inside(&[0]);
+    for (own, other) in [(face(0, false), face(1, true)), (face(1, true), face(0, false))] {
+        assert_eq!(glass.beyond(own, &coincident(&[other])).bodies(), &[1], "{own:?}");
+    }
+    for (own, other) in [(face(1, false), face(0, true)), (face(0, true), face(1, false))] {
+        assert_eq!(inside(&[1]).beyond(own, &coincident(&[other])).bodies(), &[0], "{own:?}");
+    }
+    // Both at once from the open, and out again; then two parts of one body that share a face.
+    assert_eq!(InteriorStack::EMPTY.beyond(face(1, true), &coincident(&[face(0, true)])).bodies(), &[0, 1]);
+    assert_eq!(inside(&[0, 1]).beyond(face(1, false), &coincident(&[face(0, false)])).bodies(), &[0u32; 0]);
+    assert_eq!(glass.beyond(face(0, false), &coincident(&[face(0, true)])).bodies(), &[0]);
+    assert_eq!(glass.beyond(face(0, true), &coincident(&[face(0, false)])).bodies(), &[0]);
+}
+
+#[test]
+fn objects_of_one_material_count_separately() {
+    let part = |object: u32, entering: bool| CoincidentFace { material: 0, entering, object };
+    let beyond = |around: &[u32], own: CoincidentFace, other: CoincidentFace| {
+        inside(around).beyond(own, &coincident(&[other])).bodies().len()
+    };
+    assert_eq!(beyond(&[], part(0, true), part(1, true)), 2);
+    assert_eq!(beyond(&[0, 0], part(1, false), part(0, false)), 0);
+    assert_eq!(beyond(&[0], part(0, false), part(1, true)), 1);
+}
+
+#[test]
+fn a_boundary_just_crossed_is_not_crossed_again() {
+    // The liquid overlaps the glass slightly, so the path is already inside it.
+    assert_eq!(inside(&[0, 1]).beyond(face(0, false), &coincident(&[face(1, true)])).bodies(), &[1]);
+    // A small gap: the path left the glass just before it enters the liquid.
+    assert_eq!(InteriorStack::EMPTY.beyond(face(1, true), &coincident(&[face(0, false)])).bodies(), &[1]);
+    // A film thinner than its error is no film.
+    assert_eq!(InteriorStack::EMPTY.beyond(face(1, true), &coincident(&[face(1, false)])).bodies(), &[0u32; 0]);
+    assert_eq!(inside(&[0]).beyond(face(0, false), &coincident(&[face(1, true), face(1, false)])).bodies(), &[0u32; 0]);
+}
+
+#[test]
+fn faces_are_unique_and_limited_in_number() {
+    let many: Vec<CoincidentFace> = (0..5).map(|m| face(m % 4, true)).collect();
+    assert_eq!(coincident(&many).iter().count(), MAX_FACES);
+    assert_eq!(coincident(&[face(1, true), face(1, true)]).iter().count(), 1);
+    assert!(CoincidentFaces::NONE.is_empty());
+}

@@ -1,0 +1,223 @@
+//! Nested dielectrics: the bodies and media around a point of a path.
+
+mod body;
+mod coincident;
+mod locate;
+mod spectral;
+mod stack;
+
+pub use body::Body;
+pub(super) use coincident::{CoincidentFace, CoincidentFaces, CoincidentFlags, faces_at, find_flags};
+pub(super) use locate::interior_at;
+pub use spectral::SpectralInterior;
+pub(super) use stack::Interface;
+pub use stack::InteriorStack;
+
+use super::{Effects, Scene, SurfaceInteraction};
+use crate::bsdf::Bsdf;
+use crate::color::{Rgb, Wavelength};
+use crate::math::Ray;
+use crate::sampling::Key;
+use coincident::{Sides, sides};
+use glam::Vec3;
+
+/// The record of interiors that paths keep.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum InteriorKind {
+    /// None: [`NoInterior`].
+    Nothing,
+    /// The bodies around: [`InteriorStack`].
+    Bodies,
+    /// The bodies and media around, and a wavelength: [`SpectralInterior`].
+    Spectral,
+}
+
+/// How light interacts with a boundary.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BoundaryEvent {
+    /// It scatters at a surface.
+    Surface,
+    /// It passes unchanged, but shadow rays end there: a body of higher priority fills both sides.
+    Hidden,
+    /// It passes unchanged, and so do shadow rays: a null interface.
+    NullInterface,
+}
+
+/// The medium around a point of a path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct CurrentMedium {
+    /// Index of the medium.
+    pub medium: u32,
+    /// True if the medium fills the scene, false if it fills a body.
+    pub ambient: bool,
+}
+
+/// The record of interiors along a path: [`SpectralInterior`], [`InteriorStack`] or [`NoInterior`].
+///
+/// Path loops are compiled for each, so that scenes without bodies or media pay nothing for them.
+pub trait Interior: Copy + std::fmt::Debug + Send + Sync {
+    /// True if paths may pass through media or carry a wavelength.
+    const SPECTRAL: bool;
+
+    /// The record at the start of a camera path along `ray`.
+    fn at_camera(scene: &Scene, ray: &Ray, effects: Effects) -> Self;
+
+    /// The record at the start of a light path from light `light`.
+    fn at_light(scene: &Scene, light: usize, effects: Effects) -> Self;
+
+    /// The medium around.
+    #[inline]
+    fn medium(&self, _: &Scene) -> Option<CurrentMedium> {
+        None
+    }
+
+    /// The wavelength that the path has sampled.
+    #[inline]
+    fn wavelength(&self) -> Option<Wavelength> {
+        None
+    }
+
+    /// Optical depth of absorption in the current body over `distance` \[length].
+    fn optical_depth(&self, scene: &Scene, distance: f32) -> Rgb;
+
+    /// Transmittance of the current body over `distance` \[length].
+    #[inline]
+    fn transmittance(&self, scene: &Scene, distance: f32) -> Rgb {
+        exp_neg(self.optical_depth(scene, distance))
+    }
+
+    /// Adds the body that `surface` bounds, if the path can only have started inside it.
+    fn infer_start(&mut self, surface: &SurfaceInteraction<'_>);
+
+    /// The event at `surface`. Sets its BSDF by the refractive indices on both sides. `key` is that
+    /// of the vertex.
+    fn resolve_boundary(&mut self, scene: &Scene, surface: &mut SurfaceInteraction<'_>, key: Key) -> BoundaryEvent;
+
+    /// Crosses the boundary that `surface` may be, in unit `direction`.
+    fn cross(&mut self, surface: &SurfaceInteraction<'_>, direction: Vec3);
+
+    /// Factor of the throughput before scattering at `surface`, for a wavelength sampled there.
+    #[inline]
+    fn weight_at(&mut self, _: &SurfaceInteraction<'_>) -> Rgb {
+        Rgb::ONE
+    }
+
+    /// Factor of the throughput after scattering at `surface`, for a wavelength sampled there.
+    #[inline]
+    fn weight_beyond(&mut self, _: &SurfaceInteraction<'_>, _: bool) -> Rgb {
+        Rgb::ONE
+    }
+}
+
+/// exp(−depth).
+#[inline]
+pub(super) fn exp_neg(depth: Rgb) -> Rgb {
+    if depth == Rgb::ZERO { Rgb::ONE } else { (-depth).map(libm::expf) }
+}
+
+/// No record: bodies do not absorb, and lie in air.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct NoInterior;
+
+impl Interior for NoInterior {
+    const SPECTRAL: bool = false;
+
+    fn at_camera(_: &Scene, _: &Ray, _: Effects) -> Self {
+        Self
+    }
+
+    fn at_light(_: &Scene, _: usize, _: Effects) -> Self {
+        Self
+    }
+
+    #[inline]
+    fn optical_depth(&self, _: &Scene, _: f32) -> Rgb {
+        Rgb::ZERO
+    }
+
+    #[inline]
+    fn infer_start(&mut self, _: &SurfaceInteraction<'_>) {}
+
+    #[inline]
+    fn resolve_boundary(&mut self, _: &Scene, _: &mut SurfaceInteraction<'_>, _: Key) -> BoundaryEvent {
+        BoundaryEvent::Surface
+    }
+
+    #[inline]
+    fn cross(&mut self, _: &SurfaceInteraction<'_>, _: Vec3) {}
+}
+
+impl Interior for InteriorStack {
+    const SPECTRAL: bool = false;
+
+    fn at_camera(scene: &Scene, ray: &Ray, _: Effects) -> Self {
+        if scene.camera.has_eye() { scene.derived.camera_interior } else { interior_at(scene, ray.origin) }
+    }
+
+    fn at_light(scene: &Scene, light: usize, _: Effects) -> Self {
+        scene.derived.light_interiors[light]
+    }
+
+    #[inline]
+    fn optical_depth(&self, scene: &Scene, distance: f32) -> Rgb {
+        match self.top(&scene.materials) {
+            Some((_, body)) if body.absorption != Rgb::ZERO => body.absorption * distance,
+            _ => Rgb::ZERO,
+        }
+    }
+
+    #[inline]
+    fn infer_start(&mut self, surface: &SurfaceInteraction<'_>) {
+        if surface.material.boundary().is_some() && !surface.is_entering() && !self.contains(surface.material_index) {
+            self.insert_at_bottom(surface.material_index);
+        }
+    }
+
+    #[inline]
+    fn resolve_boundary(&mut self, scene: &Scene, surface: &mut SurfaceInteraction<'_>, _: Key) -> BoundaryEvent {
+        let Some(body) = surface.material.boundary() else { return BoundaryEvent::Surface };
+        let (event, body, interface) = resolve_interface(self, scene, surface, *body);
+        if event != BoundaryEvent::NullInterface {
+            surface.bsdf = Bsdf::dielectric(interface.eta(&body, |body| body.index), surface.roughness);
+        }
+        event
+    }
+
+    #[inline]
+    fn cross(&mut self, surface: &SurfaceInteraction<'_>, direction: Vec3) {
+        if surface.material.boundary().is_none() {
+            return;
+        }
+        if surface.coincident.is_empty() {
+            self.cross_boundary(surface.material_index, direction, surface.point.ng);
+        } else {
+            let entering = direction.dot(surface.point.ng) < 0.0;
+            *self = self.beyond(CoincidentFace::of(surface, entering), &surface.coincident);
+        }
+    }
+}
+
+/// The event at `surface`, the boundary of `body`; the body on its inner side; and the interface.
+///
+/// Finds the boundaries that coincide with `surface`, and sets its roughness to their greatest.
+#[inline]
+fn resolve_interface(
+    stack: &InteriorStack,
+    scene: &Scene,
+    surface: &mut SurfaceInteraction<'_>,
+    body: Body,
+) -> (BoundaryEvent, Body, Interface) {
+    surface.coincident = faces_at(scene, surface);
+    let entering = surface.is_entering();
+    if !surface.coincident.is_empty() {
+        let Sides { near, far, null_interface, roughness } = sides(stack, scene, surface, &body, entering);
+        surface.roughness = roughness;
+        let (inner, outer) = if entering { (far, near) } else { (near, far) };
+        let real = inner.map(|(material, _)| material) != outer.map(|(material, _)| material);
+        let interface = Interface { real, outside: outer.map(|(_, body)| *body) };
+        let inner = inner.map_or_else(|| Body::new(1.0), |(_, body)| *body);
+        return (if null_interface { BoundaryEvent::NullInterface } else { interface.event() }, inner, interface);
+    }
+    let interface = stack.interface(surface.material_index, &body, entering, &scene.materials);
+    (if body.null_interface { BoundaryEvent::NullInterface } else { interface.event() }, body, interface)
+}

@@ -1,0 +1,131 @@
+//! The record of interiors for paths in media and for paths with a wavelength.
+
+use super::{Body, BoundaryEvent, CurrentMedium, Interior, InteriorStack, resolve_interface};
+use crate::bsdf::{Bsdf, Dielectric, Transport};
+use crate::color::{Rgb, Wavelength};
+use crate::math::Ray;
+use crate::sampling::{Dimension, Key};
+use crate::scene::{Effect, Effects, Scene, SurfaceInteraction};
+use glam::Vec3;
+
+/// Reflectances at which reflected light keeps all wavelengths.
+///
+/// The reflectances of all wavelengths then differ by less than a third. They differ more towards
+/// total reflection, and where both indices are nearly equal.
+const FAINT: std::ops::Range<f32> = 0.004..0.2;
+
+/// An [`InteriorStack`], and the wavelength of the path once one is sampled.
+///
+/// A path samples its wavelength at the first dispersive surface, and keeps it. Faint reflections
+/// from such a surface keep all wavelengths.
+#[derive(Clone, Copy, Debug)]
+pub struct SpectralInterior {
+    stack: InteriorStack,
+    wavelength: Option<Wavelength>,
+    /// The interface of the d line at the surface where the wavelength was just sampled.
+    sampled_at: Option<Dielectric>,
+    effects: Effects,
+}
+
+impl SpectralInterior {
+    fn new(stack: InteriorStack, effects: Effects) -> Self {
+        Self { stack, wavelength: None, sampled_at: None, effects }
+    }
+}
+
+impl Interior for SpectralInterior {
+    const SPECTRAL: bool = true;
+
+    fn at_camera(scene: &Scene, ray: &Ray, effects: Effects) -> Self {
+        Self::new(InteriorStack::at_camera(scene, ray, effects), effects)
+    }
+
+    fn at_light(scene: &Scene, light: usize, effects: Effects) -> Self {
+        Self::new(InteriorStack::at_light(scene, light, effects), effects)
+    }
+
+    #[inline]
+    fn medium(&self, scene: &Scene) -> Option<CurrentMedium> {
+        if !self.effects.has(Effect::Media) {
+            return None;
+        }
+        let (medium, ambient) = match self.stack.top(&scene.materials) {
+            Some((_, body)) => (body.medium, false),
+            None => (scene.ambient_medium, true),
+        };
+        medium.map(|medium| CurrentMedium { medium, ambient })
+    }
+
+    #[inline]
+    fn wavelength(&self) -> Option<Wavelength> {
+        self.wavelength
+    }
+
+    #[inline]
+    fn optical_depth(&self, scene: &Scene, distance: f32) -> Rgb {
+        self.stack.optical_depth(scene, distance)
+    }
+
+    #[inline]
+    fn infer_start(&mut self, surface: &SurfaceInteraction<'_>) {
+        self.stack.infer_start(surface);
+    }
+
+    #[inline]
+    fn resolve_boundary(&mut self, scene: &Scene, surface: &mut SurfaceInteraction<'_>, key: Key) -> BoundaryEvent {
+        let (Some(body), true) =
+            (surface.material.boundary(), self.effects.has(Effect::Dispersion) && !scene.glasses.is_empty())
+        else {
+            return self.stack.resolve_boundary(scene, surface, key);
+        };
+        let (event, body, interface) = resolve_interface(&self.stack, scene, surface, *body);
+        if event == BoundaryEvent::NullInterface {
+            return event;
+        }
+        let disperses = body.glass.is_some() || interface.outside.is_some_and(|body| body.glass.is_some());
+        if disperses && interface.real && self.wavelength.is_none() {
+            self.wavelength = Some(Wavelength::sample(key.uniform(Dimension::Wavelength)));
+            self.sampled_at = Some(Dielectric { eta: interface.eta(&body, |body| body.index) });
+        }
+        let index = |body: &Body| match (body.glass, self.wavelength) {
+            (Some(glass), Some(wavelength)) => scene.glasses[glass as usize].index(wavelength.nanometres()),
+            _ => body.index,
+        };
+        surface.bsdf = Bsdf::dielectric(interface.eta(&body, index), surface.roughness);
+        event
+    }
+
+    #[inline]
+    fn cross(&mut self, surface: &SurfaceInteraction<'_>, direction: Vec3) {
+        self.stack.cross(surface, direction);
+    }
+
+    #[inline]
+    fn weight_at(&mut self, surface: &SurfaceInteraction<'_>) -> Rgb {
+        // Next-event estimation happens here too, so the weight is due now.
+        if surface.bsdf.is_specular() || self.sampled_at.take().is_none() {
+            return Rgb::ONE;
+        }
+        self.wavelength.map_or(Rgb::ONE, Wavelength::weight)
+    }
+
+    #[inline]
+    fn weight_beyond(&mut self, surface: &SurfaceInteraction<'_>, transmitted: bool) -> Rgb {
+        let (Some(plain), Some(wavelength)) = (self.sampled_at.take(), self.wavelength) else { return Rgb::ONE };
+        let weight = wavelength.weight();
+        if !transmitted && let Bsdf::Dielectric(own) = surface.bsdf {
+            let reflected = |glass: Dielectric| {
+                let point = &surface.point;
+                glass.split(surface.wo, point.ns, point.ng, Transport::Importance).reflected.1
+            };
+            let (plain, own) = (reflected(plain), reflected(own));
+            if FAINT.contains(&plain) && own > 0.0 {
+                // The mean over wavelengths of R(λ)·w(λ), with R of the d line as a control variate
+                // for the white part.
+                self.wavelength = None;
+                return (weight * (own - plain) + plain) / own;
+            }
+        }
+        weight
+    }
+}

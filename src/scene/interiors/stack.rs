@@ -1,0 +1,144 @@
+//! The stack of bodies around a point of a path.
+
+use super::{Body, BoundaryEvent};
+use crate::scene::Material;
+use glam::Vec3;
+
+/// Capacity of the stack. Beyond it, the bodies entered first are dropped.
+const MAX_BODIES: usize = 12;
+
+/// The bodies around a point, in the order of entry (Schmidt and Budge 2002).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct InteriorStack {
+    /// Indices of materials.
+    bodies: [u32; MAX_BODIES],
+    count: u8,
+}
+
+/// A boundary in its surroundings.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::scene) struct Interface {
+    /// True if light interacts with the boundary. False if a body of higher priority fills both
+    /// sides.
+    pub real: bool,
+    /// The body outside; `None` is air.
+    pub outside: Option<Body>,
+}
+
+impl Interface {
+    /// The event at this boundary, unless it is a null interface.
+    #[inline]
+    pub fn event(&self) -> BoundaryEvent {
+        if self.real { BoundaryEvent::Surface } else { BoundaryEvent::Hidden }
+    }
+
+    /// Relative refractive index: the index inside `body` over the index outside.
+    #[inline]
+    pub fn eta(&self, body: &Body, index: impl Fn(&Body) -> f32) -> f32 {
+        index(body) / self.outside.as_ref().map_or(1.0, index)
+    }
+}
+
+impl InteriorStack {
+    /// No body: a point in air.
+    pub const EMPTY: Self = Self { bodies: [0; MAX_BODIES], count: 0 };
+
+    /// Material indices of the bodies, in the order of entry.
+    #[must_use]
+    pub fn bodies(&self) -> &[u32] {
+        &self.bodies[..usize::from(self.count)]
+    }
+
+    /// Pushes a body that the path enters.
+    #[inline]
+    pub(in crate::scene) fn enter(&mut self, material: u32) {
+        if usize::from(self.count) == MAX_BODIES {
+            self.bodies.copy_within(1.., 0);
+            self.count -= 1;
+        }
+        self.bodies[usize::from(self.count)] = material;
+        self.count += 1;
+    }
+
+    /// Removes a body that the path leaves, if it is on the stack.
+    #[inline]
+    pub(in crate::scene) fn leave(&mut self, material: u32) {
+        let end = usize::from(self.count);
+        if let Some(at) = self.bodies().iter().rposition(|m| *m == material) {
+            self.bodies.copy_within(at + 1..end, at);
+            self.count -= 1;
+        }
+    }
+
+    /// Inserts a body at the bottom of the stack: the path must have started inside it.
+    pub(in crate::scene) fn insert_at_bottom(&mut self, material: u32) {
+        if usize::from(self.count) < MAX_BODIES {
+            self.bodies.copy_within(0..usize::from(self.count), 1);
+            self.bodies[0] = material;
+            self.count += 1;
+        }
+    }
+
+    /// True if the body is on the stack.
+    #[inline]
+    pub(in crate::scene) fn contains(&self, material: u32) -> bool {
+        self.bodies().contains(&material)
+    }
+
+    /// The body that determines absorption and medium, with its material.
+    #[inline]
+    pub(in crate::scene) fn top<'a>(&self, materials: &'a [Material]) -> Option<(u32, &'a Body)> {
+        self.highest(materials, |_| true)
+    }
+
+    /// The body that determines the refractive index, with its material.
+    #[inline]
+    pub(in crate::scene) fn refractive_top<'a>(&self, materials: &'a [Material]) -> Option<(u32, &'a Body)> {
+        self.highest(materials, |body| !body.null_interface)
+    }
+
+    #[inline]
+    fn highest<'a>(&self, materials: &'a [Material], counts: impl Fn(&Body) -> bool) -> Option<(u32, &'a Body)> {
+        let mut top: Option<(u32, &Body)> = None;
+        for index in self.bodies() {
+            if let Some(body) = materials[*index as usize].boundary()
+                && counts(body)
+                && top.is_none_or(|(_, t)| body.rank() >= t.rank())
+            {
+                top = Some((*index, body));
+            }
+        }
+        top
+    }
+
+    /// The interface at the boundary of `body`, of material `material`, for a path that enters or
+    /// leaves it.
+    #[inline]
+    pub(in crate::scene) fn interface(
+        &self,
+        material: u32,
+        body: &Body,
+        entering: bool,
+        materials: &[Material],
+    ) -> Interface {
+        let mut around = *self;
+        let real = if entering {
+            self.refractive_top(materials).is_none_or(|(_, top)| body.priority >= top.priority)
+        } else {
+            // Among bodies of equal priority, the path leaves the one entered last.
+            let top = self.refractive_top(materials).is_none_or(|(index, _)| index == material);
+            around.leave(material);
+            top
+        };
+        Interface { real, outside: around.refractive_top(materials).map(|(_, body)| *body) }
+    }
+
+    /// Crosses a boundary in unit `direction`. `ng` points out of the body.
+    #[inline]
+    pub(in crate::scene) fn cross_boundary(&mut self, material: u32, direction: Vec3, ng: Vec3) {
+        if direction.dot(ng) < 0.0 { self.enter(material) } else { self.leave(material) }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,92 @@
+//! The surface at a hit, ready for scattering.
+
+use super::Material;
+use super::interiors::CoincidentFaces;
+use crate::bsdf::{Bsdf, BsdfSample, Transport};
+use crate::color::Rgb;
+use crate::math::{Ray, offset_origin};
+use crate::shape::SurfacePoint;
+use glam::{Vec2, Vec3};
+
+/// The surface at a hit, with its BSDF and emission.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfaceInteraction<'a> {
+    /// Position and normals.
+    pub point: SurfacePoint,
+    /// Unit direction to the origin of the ray.
+    pub wo: Vec3,
+    /// The material. For a mix, the leaf that it resolved to.
+    pub material: &'a Material,
+    /// Index of the material.
+    pub(super) material_index: u32,
+    /// The scattering function.
+    pub bsdf: Bsdf,
+    /// Roughness α of a body's boundary; 0 for other materials.
+    pub(super) roughness: f32,
+    /// The object hit, if another object's boundary may coincide with it there.
+    pub(super) coincident_object: Option<u32>,
+    /// Boundaries that coincide with this one. Found when a path resolves the boundary.
+    pub(super) coincident: CoincidentFaces,
+    /// Index of the area light that the object is.
+    pub light: Option<u32>,
+    /// Radiance emitted towards `wo` \[W/(m² sr)].
+    pub emission: Rgb,
+}
+
+impl SurfaceInteraction<'_> {
+    /// The geometric normal on the side of `wo`.
+    #[inline]
+    #[must_use]
+    pub fn facing_normal(&self) -> Vec3 {
+        if self.wo.dot(self.point.ng) < 0.0 { -self.point.ng } else { self.point.ng }
+    }
+
+    /// True if the surface is a null interface, which light does not notice.
+    #[inline]
+    #[must_use]
+    pub fn is_null_interface(&self) -> bool {
+        self.material.boundary().is_some_and(|body| body.null_interface)
+    }
+
+    /// True if the ray arrives from outside the object.
+    #[inline]
+    pub(super) fn is_entering(&self) -> bool {
+        self.wo.dot(self.point.ng) >= 0.0
+    }
+
+    /// The ray that leaves in unit `direction`.
+    #[inline]
+    #[must_use]
+    pub fn leave(&self, direction: Vec3) -> Ray {
+        Ray::new(offset_origin(self.point.p, self.point.error, self.point.ng, direction), direction)
+    }
+
+    /// The segment to `target`, which lies in unit `direction`.
+    #[inline]
+    #[must_use]
+    pub fn segment_to(&self, target: Vec3, direction: Vec3) -> Ray {
+        Ray::between(offset_origin(self.point.p, self.point.error, self.point.ng, direction), target)
+    }
+
+    /// f(wo, wi)·|wi · ns| \[1/sr]: the factor of incident radiance on a camera path.
+    #[inline]
+    #[must_use]
+    pub fn scatter(&self, wi: Vec3) -> Rgb {
+        let SurfacePoint { ns, ng, .. } = self.point;
+        self.bsdf.evaluate(self.wo, wi, ns, ng, Transport::Radiance) * wi.dot(ns).abs()
+    }
+
+    /// Solid-angle pdf with which [`SurfaceInteraction::sample`] samples `wi` \[1/sr].
+    #[inline]
+    #[must_use]
+    pub fn pdf(&self, wi: Vec3) -> f32 {
+        self.bsdf.pdf(self.wo, wi, self.point.ns, self.point.ng)
+    }
+
+    /// Samples the direction in which the path continues; `None` if it is absorbed.
+    #[inline]
+    #[must_use]
+    pub fn sample(&self, lobe: f32, u: Vec2, transport: Transport) -> Option<BsdfSample> {
+        self.bsdf.sample(self.wo, self.point.ns, self.point.ng, lobe, u, transport)
+    }
+}

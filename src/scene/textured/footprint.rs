@@ -1,0 +1,69 @@
+//! The part of a surface over which one lookup filters a texture.
+
+use crate::scene::RayCone;
+use crate::scene::geometry::{Geometry, Hit};
+use crate::shape::{SurfacePoint, TexCoord, TextureMapping};
+use crate::texture::{Texture, TextureEvalContext};
+use glam::{DVec2, DVec3, Vec3};
+
+/// Least cosine to the viewer at which the footprint still grows.
+const MIN_COS: f64 = 1e-3;
+
+/// The footprint of a ray cone on a surface, with derivatives of the texture coordinates.
+pub(in crate::scene) struct Footprint<'a> {
+    /// The point and its filter axes, for texture lookups.
+    pub context: TextureEvalContext,
+    pub coords: TexCoord,
+    mapping: &'a TextureMapping,
+}
+
+impl<'a> Footprint<'a> {
+    /// The footprint of `cone` at a hit. Across the ray it is as wide as the cone. Along the
+    /// surface it is longer by the inverse cosine to the normal.
+    pub fn new(
+        geometry: &Geometry,
+        mappings: &'a [TextureMapping],
+        hit: &Hit,
+        point: &SurfacePoint,
+        wo: Vec3,
+        cone: &RayCone,
+    ) -> Self {
+        let mapping = &mappings[geometry.object(hit.kind).mapping as usize];
+        let p = mapping.in_object(point.p);
+        let coords = mapping.at(p, || geometry.surface_coords(hit, point));
+        let mut context = TextureEvalContext::sharp(coords.uv, p);
+        let width = f64::from(cone.width());
+        if width > 0.0 {
+            let (wo, n) = (wo.as_dvec3(), point.ng.as_dvec3());
+            let along = wo - n * wo.dot(n);
+            // At normal incidence every direction is equivalent.
+            let along = along.try_normalize().unwrap_or_else(|| n.any_orthonormal_vector());
+            let long = along * (width / wo.dot(n).abs().max(MIN_COS));
+            let across = n.cross(along) * width;
+            context.axes = [across, long].map(|x| DVec2::new(coords.du.dot(x), coords.dv.dot(x)));
+            let [a, b] = [across, long].map(|x| mapping.step_in_object(x).length());
+            context.width = (a * b).sqrt();
+        }
+        Self { context, coords, mapping }
+    }
+
+    /// The lookup context moved by `step` along the surface.
+    pub fn moved(&self, step: DVec3) -> TextureEvalContext {
+        let uv = self.context.uv + DVec2::new(self.coords.du.dot(step), self.coords.dv.dot(step));
+        TextureEvalContext { uv, p: self.context.p + self.mapping.step_in_object(step), ..self.context }
+    }
+
+    /// Length of the finite-difference step for a bump map along unit `direction` \[length].
+    ///
+    /// It spans the finest detail of `texture`, and at least half of `width`, the diameter of the
+    /// footprint.
+    pub fn bump_step(&self, texture: &Texture, direction: DVec3, width: f64) -> f64 {
+        let change = if texture.is_solid() {
+            self.mapping.step_in_object(direction).length()
+        } else {
+            libm::hypot(self.coords.du.dot(direction), self.coords.dv.dot(direction))
+        };
+        let detail = if change > 0.0 { texture.bump_step() / change } else { 0.0 };
+        detail.max(0.5 * width)
+    }
+}

@@ -1,0 +1,125 @@
+//! Material parameters and normals that follow textures.
+
+mod footprint;
+mod normals;
+
+pub(super) use footprint::Footprint;
+pub use normals::NormalPerturbation;
+pub(super) use normals::perturbed_normal;
+
+use crate::bsdf::STORED_ALPHA;
+use crate::color::Rgb;
+use crate::texture::{Texture, TextureEvalContext};
+use std::sync::Arc;
+
+/// A material parameter: a constant, or a texture times a factor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Textured<T> {
+    /// One value everywhere.
+    Constant(T),
+    /// A texture times a factor.
+    Texture {
+        /// Index of the texture.
+        texture: u32,
+        /// Factor of the texture's values.
+        factor: T,
+        /// Mean of the product. It stands for the texture where textures are not simulated.
+        mean: T,
+    },
+}
+
+impl<T> From<T> for Textured<T> {
+    fn from(value: T) -> Self {
+        Self::Constant(value)
+    }
+}
+
+impl<T: Copy> Textured<T> {
+    /// The constant, or the mean of texture and factor.
+    #[inline]
+    #[must_use]
+    pub fn mean(&self) -> T {
+        match *self {
+            Self::Constant(value) | Self::Texture { mean: value, .. } => value,
+        }
+    }
+
+    /// True if a texture determines the value.
+    #[inline]
+    #[must_use]
+    pub fn is_textured(&self) -> bool {
+        match self {
+            Self::Constant(_) => false,
+            Self::Texture { .. } => true,
+        }
+    }
+}
+
+/// Gives material parameters their values at one point (compare pbrt-v4's `TextureEvaluator`).
+pub trait ParameterEvaluator {
+    /// Value of a colour.
+    fn color(&self, parameter: &Textured<Rgb>) -> Rgb;
+
+    /// Value of a number.
+    fn number(&self, parameter: &Textured<f32>) -> f32;
+
+    /// Roughness α of a conductor. The side of [`STORED_ALPHA`] on which it lies must not depend on
+    /// the footprint: camera paths and photon paths divide light transport by it.
+    fn conductor_roughness(&self, parameter: &Textured<f32>) -> f32;
+}
+
+/// Evaluates parameters to their means.
+#[derive(Clone, Copy, Debug)]
+pub struct MeanParameters;
+
+impl ParameterEvaluator for MeanParameters {
+    fn color(&self, parameter: &Textured<Rgb>) -> Rgb {
+        parameter.mean()
+    }
+
+    fn number(&self, parameter: &Textured<f32>) -> f32 {
+        parameter.mean()
+    }
+
+    fn conductor_roughness(&self, parameter: &Textured<f32>) -> f32 {
+        parameter.mean()
+    }
+}
+
+/// Evaluates parameters by texture lookups at one point.
+#[derive(Clone, Copy, Debug)]
+pub struct TextureLookups<'a> {
+    /// The textures of the scene.
+    pub textures: &'a [Arc<Texture>],
+    /// The point, with the footprint to filter over.
+    pub at: TextureEvalContext,
+}
+
+impl ParameterEvaluator for TextureLookups<'_> {
+    fn color(&self, parameter: &Textured<Rgb>) -> Rgb {
+        match *parameter {
+            Textured::Constant(value) => value,
+            Textured::Texture { texture, factor, .. } => factor * self.textures[texture as usize].color(&self.at),
+        }
+    }
+
+    fn number(&self, parameter: &Textured<f32>) -> f32 {
+        match *parameter {
+            Textured::Constant(value) => value,
+            Textured::Texture { texture, factor, .. } => factor * self.textures[texture as usize].number(&self.at),
+        }
+    }
+
+    fn conductor_roughness(&self, parameter: &Textured<f32>) -> f32 {
+        if !parameter.is_textured() {
+            return parameter.mean();
+        }
+        let unfiltered = Self { at: TextureEvalContext::sharp(self.at.uv, self.at.p), ..*self };
+        let alpha = self.number(parameter);
+        if unfiltered.number(parameter) > STORED_ALPHA {
+            alpha.max(STORED_ALPHA.next_up())
+        } else {
+            alpha.min(STORED_ALPHA)
+        }
+    }
+}

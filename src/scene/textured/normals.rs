@@ -1,0 +1,86 @@
+//! Shading normals perturbed by textures: bump maps and normal maps.
+
+use super::Footprint;
+use crate::math::Frame;
+use crate::shape::{SurfacePoint, TexCoord};
+use crate::texture::Texture;
+use glam::{DVec3, Vec3};
+use std::sync::Arc;
+
+/// Least cosine between a shading normal and the geometric normal.
+const MIN_COS: f32 = 0.05;
+
+/// How a material perturbs shading normals.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum NormalPerturbation {
+    /// Not at all.
+    None,
+    /// A bump map: a texture of heights (Blinn 1978, "Simulation of Wrinkled Surfaces").
+    BumpMap {
+        /// Index of the texture.
+        texture: u32,
+        /// Height of texture value 1 \[length].
+        height: f32,
+    },
+    /// A normal map in tangent space, by the index of its texture.
+    ///
+    /// Red points along growing u, green along growing v, blue outwards. Channels map \[0, 1] to
+    /// \[−1, 1].
+    NormalMap(u32),
+}
+
+/// The shading normal at `point`, perturbed by `normals`; it lies in the half space of the
+/// geometric normal.
+///
+/// `width` is the diameter of the footprint \[length].
+pub(in crate::scene) fn perturbed_normal(
+    normals: NormalPerturbation,
+    textures: &[Arc<Texture>],
+    point: &SurfacePoint,
+    footprint: &Footprint<'_>,
+    width: f64,
+) -> Vec3 {
+    let n = point.ns.as_dvec3();
+    let perturbed = match normals {
+        NormalPerturbation::None => return point.ns,
+        NormalPerturbation::BumpMap { texture, height } => {
+            let texture = &*textures[texture as usize];
+            let frame = Frame::around(point.ns);
+            let slope = |direction: Vec3| {
+                let direction = direction.as_dvec3();
+                let step = direction * footprint.bump_step(texture, direction, width);
+                let value = |step: DVec3| f64::from(texture.number(&footprint.moved(step)));
+                let slope = f64::from(height) * (value(step) - value(-step)) / (2.0 * step.length());
+                if slope.is_finite() { direction * slope } else { DVec3::ZERO }
+            };
+            // The normal of p + h(p)·n, by the gradient of h along the surface.
+            n - slope(frame.s) - slope(frame.t)
+        }
+        NormalPerturbation::NormalMap(texture) => {
+            let color = textures[texture as usize].color(&footprint.context);
+            let [x, y, z] = (color.as_dvec3() * 2.0 - 1.0).to_array();
+            match tangents(&footprint.coords, n) {
+                Some([u, v]) => u * x + v * y + n * z,
+                None => n,
+            }
+        }
+    };
+    let (ns, ng) = (perturbed.try_normalize().unwrap_or(n).as_vec3(), point.ng);
+    let cos = ns.dot(ng);
+    if cos >= MIN_COS {
+        return ns;
+    }
+    // Keep the azimuth of the tilt, and limit its angle.
+    let along = (ns - ng * cos).normalize_or_zero();
+    (along * (1.0 - MIN_COS * MIN_COS).sqrt() + ng * MIN_COS).normalize()
+}
+
+/// Orthonormal tangents: along growing u, and towards growing v. `None` where texture coordinates
+/// are constant.
+fn tangents(coords: &TexCoord, n: DVec3) -> Option<[DVec3; 2]> {
+    // v is constant across its gradient.
+    let across = coords.dv.cross(n).try_normalize()?;
+    let u = if across.dot(coords.du) < 0.0 { -across } else { across };
+    let v = n.cross(u);
+    Some([u, if v.dot(coords.dv) < 0.0 { -v } else { v }])
+}
