@@ -1,8 +1,7 @@
 //! Writing any imported scene as scene text, with the meshes and pictures that it holds beside it.
 
 use super::description::{
-    Density, Description, EnvironmentRadiance, Group, Item, Light, LightPattern, MaterialKind, NormalPerturbation,
-    Object, Shape, Spanned, TextureKind,
+    Density, Description, Group, Item, MaterialKind, NormalPerturbation, Object, Shape, Spanned, TextureKind,
 };
 use super::file::SceneFile;
 use super::mesh::TriangleMesh;
@@ -24,9 +23,11 @@ pub struct Conversion {
 }
 
 impl Conversion {
-    /// Converts `scene` to a scene text at `output`, which other files are named after. Writes nothing.
+    /// Converts `scene` to a scene text at `output`, which other files are named after. Writes
+    /// nothing.
     ///
-    /// A relative path of a file that exists becomes absolute if `output` is in another folder than the scene.
+    /// A relative path of a file that exists becomes absolute if `output` is in another folder than
+    /// the scene.
     #[must_use]
     pub fn new(scene: &SceneFile, output: &Path) -> Self {
         let mut description = scene.description.clone();
@@ -60,7 +61,8 @@ impl Conversion {
     }
 }
 
-/// Returns the absolute path of a file or folder, with all links resolved; `None` if it does not exist.
+/// Returns the absolute path of a file or folder, with all links resolved; `None` if it does not
+/// exist.
 fn absolute(path: &Path) -> Option<PathBuf> {
     let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
     path.canonicalize().ok()
@@ -69,7 +71,9 @@ fn absolute(path: &Path) -> Option<PathBuf> {
 /// Calls `visit` with each path of a file that the description names.
 fn for_each_path(description: &mut Description, visit: &mut impl FnMut(&mut String)) {
     for light in &mut description.lights {
-        light_path(&mut light.value, visit);
+        if let Some(path) = light.value.path_mut() {
+            visit(path);
+        }
     }
     let textures: Vec<String> = description.textures.iter().map(|texture| texture.name.clone()).collect();
     for texture in &mut description.textures {
@@ -102,25 +106,6 @@ fn for_each_path(description: &mut Description, visit: &mut impl FnMut(&mut Stri
         }
     }
     group_paths(&mut description.root, visit);
-}
-
-fn light_path(light: &mut Light, visit: &mut impl FnMut(&mut String)) {
-    match light {
-        Light::Moving { light, .. } => light_path(&mut light.value, visit),
-        Light::Environment(EnvironmentRadiance::Picture { path, .. }) => visit(&mut path.value),
-        Light::Oriented { pattern, .. } => match pattern {
-            LightPattern::Picture { path, .. } | LightPattern::Map(path) | LightPattern::Profile(path) => {
-                visit(&mut path.value)
-            }
-        },
-        Light::Point { .. }
-        | Light::Directional { .. }
-        | Light::Spot { .. }
-        | Light::Sphere { .. }
-        | Light::Disc { .. }
-        | Light::Rectangle { .. }
-        | Light::Environment(EnvironmentRadiance::Constant(_)) => {}
-    }
 }
 
 fn group_paths(group: &mut Group, visit: &mut impl FnMut(&mut String)) {

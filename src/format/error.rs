@@ -41,7 +41,8 @@ impl Source {
         &self.text
     }
 
-    /// Returns `message` as a warning at `span`, in one line; without a position if there is no text.
+    /// Returns `message` as a warning at `span`, in one line; without a position if there is no
+    /// text.
     pub(super) fn warning(&self, span: Span, message: &str) -> String {
         if self.text.is_empty() {
             return format!("{}: warning: {message}", self.name);
@@ -85,10 +86,11 @@ impl SourceCode for Source {
     }
 }
 
-/// Error of a scene file: what is wrong, where, and the remedy. It may carry further errors of the same file.
+/// Error of a scene file: defect, position and remedy. It may carry further errors of the
+/// same file.
 ///
-/// `Display` gives `file:line:column: message`, without the numbers if the error has no position; [`miette`] adds the
-/// offending text, the remedy and the further errors.
+/// `Display` gives `file:line:column: message`, without the numbers if the error has no position;
+/// [`miette`] adds the offending text, the remedy and the further errors.
 ///
 /// ```
 /// let error = caustica::format::parse("a.txt", "Group {\n  Spere { }\n}").unwrap_err();
@@ -124,7 +126,8 @@ struct Parts {
 }
 
 impl SceneError {
-    /// An error at `span`: `message` says what is wrong, `label` stands under the text, `help` is the remedy.
+    /// An error at `span`: `message` describes the defect, `label` stands under the text, `help` is
+    /// the remedy.
     #[must_use]
     pub fn at(
         source: &Source,
@@ -150,7 +153,8 @@ impl SceneError {
         error
     }
 
-    /// Returns `errors` as one error in the order of the text, with the others as further errors; `None` if empty.
+    /// Returns `errors` as one error in the order of the text, with the others as further errors;
+    /// `None` if empty.
     ///
     /// At most 20 are kept. Errors must not carry further errors already.
     #[must_use]
@@ -198,7 +202,7 @@ impl SceneError {
         self.0.exhausts
     }
 
-    /// Returns what is wrong, without the position.
+    /// Returns the description of the error, without its position.
     #[must_use]
     pub fn message(&self) -> &str {
         &self.0.message
@@ -257,7 +261,8 @@ impl Diagnostic for SceneError {
     }
 }
 
-/// Returns the text with control characters escaped, and the span in it, if there are such characters near the span.
+/// Returns the text with control characters escaped, and the span in it, if there are such
+/// characters near the span.
 ///
 /// A terminal must not obey what a scene file holds.
 fn escape(source: &Source, span: Span) -> Option<(Source, Span)> {
@@ -280,72 +285,4 @@ fn escape(source: &Source, span: Span) -> Option<(Source, Span)> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn render(error: &SceneError) -> String {
-        let mut text = String::new();
-        let handler = miette::GraphicalReportHandler::new_themed(miette::GraphicalTheme::unicode_nocolor());
-        handler.render_report(&mut text, error).unwrap();
-        text
-    }
-
-    fn error(text: &str, start: usize, len: usize) -> SceneError {
-        SceneError::at(&Source::new("a.txt", text), Span { start, len }, "no such word", "here", "write `right`")
-    }
-
-    #[test]
-    fn reports_show_position_text_and_remedy() {
-        let error = error("one\r\n  über wrong\r\nthree", 13, 5);
-        assert_eq!((error.line(), error.column(), error.text()), (2, 8, "wrong"));
-        assert_eq!(error.to_string(), "a.txt:2:8: no such word");
-        let report = render(&error);
-        for part in ["a.txt:2:8", "no such word", "über wrong", "here", "write `right`"] {
-            assert!(report.contains(part), "{part} is not in\n{report}");
-        }
-    }
-
-    #[test]
-    fn long_lines_are_truncated() {
-        let error = error(&"word ".repeat(100_000), 200_000, 100_000);
-        assert_eq!(error.column(), 200_001);
-        let report = render(&error);
-        assert!(report.len() < 3000 && report.contains("a.txt:1:200001"), "{report}");
-    }
-
-    #[test]
-    fn any_span_can_be_reported() {
-        for text in ["", "\n", "ü", "a\r\nb"] {
-            for (start, len) in [(0, 0), (0, 9), (1, 1), (9, 9), (usize::MAX, usize::MAX)] {
-                assert!(render(&error(text, start, len)).contains("write `right`"));
-            }
-        }
-        let file = SceneError::of_file(&Source::new("a.txt", ""), "nothing here", "write something");
-        assert!(render(&file).contains("a.txt:1:1: nothing here") && render(&file).contains("write something"));
-    }
-
-    #[test]
-    fn control_characters_are_escaped() {
-        let error = error("one \u{1b}[31m wrong\u{7}", 10, 6);
-        let report = render(&error);
-        assert!(!report.contains(['\u{1b}', '\u{7}']), "{report:?}");
-        assert!(report.contains("\\u{1b}[31m wrong\\u{7}") && report.contains("a.txt:1:11"), "{report}");
-    }
-
-    #[test]
-    fn several_errors_are_reported_in_order() {
-        let errors = [error("one two", 4, 3), error("one two", 0, 3)].to_vec();
-        let joined = SceneError::join(errors).unwrap();
-        assert_eq!((joined.text(), joined.others().len(), joined.others()[0].text()), ("one", 1, "two"));
-        let report = render(&joined);
-        assert!(report.contains("a.txt:1:1:") && report.contains("a.txt:1:5"), "{report}");
-        assert!(SceneError::join(Vec::new()).is_none());
-    }
-
-    #[test]
-    fn errors_may_lack_a_position() {
-        let error = SceneError::without_position("a.glb", "no such node", "export it again");
-        assert_eq!(error.to_string(), "a.glb: no such node");
-        assert!(render(&error).contains("export it again"));
-    }
-}
+mod tests;

@@ -35,7 +35,8 @@ impl SceneFile {
         Self::read_within(path, Memory::Unbounded)
     }
 
-    /// Like [`SceneFile::read`], but refuses a file that takes more than `memory` before reading it.
+    /// Like [`SceneFile::read`], but refuses a file that takes more than `memory` before reading
+    /// it.
     ///
     /// # Errors
     /// [`ReadError`].
@@ -54,7 +55,8 @@ impl SceneFile {
         self.resolve_watched(&(), Memory::Unbounded)
     }
 
-    /// Like [`SceneFile::resolve`], within `memory`; `monitor` receives the progress of reading meshes.
+    /// Like [`SceneFile::resolve`], within `memory`; `monitor` receives the progress of reading
+    /// meshes.
     ///
     /// # Errors
     /// [`SceneError`].
@@ -62,10 +64,17 @@ impl SceneFile {
         resolve_assets(&self.description, &self.source, &self.folder, &self.assets, monitor, memory)
     }
 
-    /// Returns warnings about the scene, one line each: unused textures and materials, defective dielectric meshes.
+    /// Returns warnings about the scene, one line each: unused textures and materials, and
+    /// defective dielectric meshes. Reads these meshes again.
     #[must_use]
     pub fn warnings(&self) -> Vec<String> {
         warnings::warnings(&self.description, &self.source, &self.folder, &self.assets)
+    }
+
+    /// Returns warnings about unused textures and materials, one line each. Reads no file.
+    #[must_use]
+    pub fn unused_warnings(&self) -> Vec<String> {
+        warnings::unused_warnings(&self.description, &self.source)
     }
 
     /// Returns the folder that holds the file.

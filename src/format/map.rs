@@ -51,13 +51,13 @@ impl Map {
     #[must_use]
     pub fn growing(&self) -> Step {
         match *self {
-            Self::Scale(s) => Step::Stretch(s),
-            Self::UniformScale(s) => Step::Stretch(DVec3::splat(s)),
-            Self::Translate(t) => Step::Shift(t),
-            Self::RotateX(angle) => Step::Turn(DVec3::X, angle),
-            Self::RotateY(angle) => Step::Turn(DVec3::Y, angle),
-            Self::RotateZ(angle) => Step::Turn(DVec3::Z, angle),
-            Self::Rotate { axis, angle } => Step::Turn(axis.normalize_or_zero(), angle),
+            Self::Scale(s) => Step::Scale(s),
+            Self::UniformScale(s) => Step::Scale(DVec3::splat(s)),
+            Self::Translate(t) => Step::Translate(t),
+            Self::RotateX(angle) => Step::Rotate(DVec3::X, angle),
+            Self::RotateY(angle) => Step::Rotate(DVec3::Y, angle),
+            Self::RotateZ(angle) => Step::Rotate(DVec3::Z, angle),
+            Self::Rotate { axis, angle } => Step::Rotate(axis.normalize_or_zero(), angle),
             Self::Matrix(_) => Step::Fixed(self.matrix()),
         }
     }

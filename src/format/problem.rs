@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-/// Message that says what is wrong in a file, and a remedy.
+/// Description of the defect in a file, and a remedy.
 pub(in crate::format) type Problem = (String, &'static str);
 
 /// Line of an input file that cannot be understood.
@@ -13,7 +13,7 @@ pub struct LineError {
     pub path: PathBuf,
     /// Line number, from 1.
     pub line: usize,
-    /// Message that says what is wrong.
+    /// Description of the defect.
     pub message: String,
     /// Remedy.
     pub remedy: &'static str,

@@ -14,12 +14,38 @@ use std::path::Path;
 ///
 /// Meshes of dielectrics are read again; one that cannot be read is the resolver's to report.
 pub(super) fn warnings(description: &Description, source: &Source, folder: &Path, assets: &Assets) -> Vec<String> {
-    let mut uses = Uses::default();
-    uses.group(description, &description.root, &mut 0);
-    for material in &description.materials {
-        uses.textures_of(&material.value);
+    let uses = Uses::of(description);
+    let mut found = unused(description, &uses);
+    for (path, span) in &uses.dielectric_meshes {
+        let report = match assets.meshes.get(*path) {
+            Some(mesh) => Some(mesh.report()),
+            None => candidates(folder, Path::new(path))
+                .find(|file| file.is_file())
+                .and_then(|file| mesh::load(&file, &()).ok())
+                .map(|loaded| loaded.mesh.report()),
+        };
+        if let Some(defect) = report.as_ref().and_then(defect) {
+            let remedy = "`caustica mesh --repair` may repair it";
+            found.push((*span, format!("the dielectric mesh `{path}` {defect}; {remedy}")));
+        }
     }
-    let mut found: Vec<(Span, String)> = Vec::new();
+    lines(found, source)
+}
+
+/// Returns warnings about unused textures and materials, one line each, in the order of the text.
+pub(super) fn unused_warnings(description: &Description, source: &Source) -> Vec<String> {
+    lines(unused(description, &Uses::of(description)), source)
+}
+
+/// Returns one line for each message, in the order of the text.
+fn lines(mut found: Vec<(Span, String)>, source: &Source) -> Vec<String> {
+    found.sort_by_key(|(span, _)| span.start);
+    found.into_iter().map(|(span, message)| source.warning(span, &message)).collect()
+}
+
+/// Returns messages about textures and materials that nothing refers to.
+fn unused(description: &Description, uses: &Uses<'_>) -> Vec<(Span, String)> {
+    let mut found = Vec::new();
     for texture in &description.textures {
         if !uses.textures.contains(texture.name.as_str()) {
             found.push((texture.span, format!("the texture `{}` is not used", texture.name)));
@@ -31,21 +57,7 @@ pub(super) fn warnings(description: &Description, source: &Source, folder: &Path
             found.push((material.span, format!("the material {name} is not used")));
         }
     }
-    for (path, span) in &uses.dielectric_meshes {
-        let report = match assets.meshes.get(*path) {
-            Some(mesh) => Some(mesh.report()),
-            None => candidates(folder, Path::new(path))
-                .find(|file| file.is_file())
-                .and_then(|file| mesh::load(&file, &()).ok())
-                .map(|loaded| loaded.mesh.report()),
-        };
-        if let Some(defect) = report.as_ref().and_then(defect) {
-            let remedy = "`caustica mesh --repair` may mend it";
-            found.push((*span, format!("the dielectric mesh `{path}` {defect}; {remedy}")));
-        }
-    }
-    found.sort_by_key(|(span, _)| span.start);
-    found.into_iter().map(|(span, message)| source.warning(span, &message)).collect()
+    found
 }
 
 /// Returns what makes a mesh unfit as the boundary of a body; `None` if it is fit.
@@ -75,6 +87,16 @@ struct Uses<'a> {
 }
 
 impl<'a> Uses<'a> {
+    /// Returns the uses of a scene.
+    fn of(description: &'a Description) -> Self {
+        let mut uses = Self::default();
+        uses.group(description, &description.root, &mut 0);
+        for material in &description.materials {
+            uses.textures_of(&material.value);
+        }
+        uses
+    }
+
     /// Collects the uses of a group; `material` is the index of the material in force.
     fn group(&mut self, description: &'a Description, group: &'a Group, material: &mut usize) {
         for item in &group.items {

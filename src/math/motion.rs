@@ -8,12 +8,12 @@ pub enum Step {
     /// A map that does not depend on time.
     Fixed(DAffine3),
     /// Translation by the vector, scaled by time.
-    Shift(DVec3),
+    Translate(DVec3),
     /// Right-handed rotation about a unit axis through the origin \[degrees], scaled by time.
-    Turn(DVec3, f64),
+    Rotate(DVec3, f64),
     /// Scale along each axis, from 1 at time 0 linearly to the factor at time 1; factors are above
     /// 0.
-    Stretch(DVec3),
+    Scale(DVec3),
 }
 
 impl Step {
@@ -22,9 +22,9 @@ impl Step {
     pub fn at(&self, time: f64) -> DAffine3 {
         match *self {
             Self::Fixed(map) => map,
-            Self::Shift(by) => DAffine3::from_translation(by * time),
-            Self::Turn(axis, angle) => DAffine3::from_mat3(turn_degrees(axis, angle * time)),
-            Self::Stretch(by) => DAffine3::from_scale(DVec3::ONE + (by - 1.0) * time),
+            Self::Translate(by) => DAffine3::from_translation(by * time),
+            Self::Rotate(axis, angle) => DAffine3::from_mat3(turn_degrees(axis, angle * time)),
+            Self::Scale(by) => DAffine3::from_scale(DVec3::ONE + (by - 1.0) * time),
         }
     }
 }
@@ -116,9 +116,9 @@ mod tests {
     #[test]
     fn turning_points_go_along_circles_and_the_first_step_is_applied_last() {
         let motion = Motion::still(DAffine3::from_translation(DVec3::Y)).then_inside([
-            Step::Turn(DVec3::Y, 180.0),
-            Step::Shift(DVec3::X),
-            Step::Stretch(DVec3::splat(3.0)),
+            Step::Rotate(DVec3::Y, 180.0),
+            Step::Translate(DVec3::X),
+            Step::Scale(DVec3::splat(3.0)),
         ]);
         for time in [0.0, 0.3, 1.0] {
             let p = motion.at(time).transform_point3(DVec3::ZERO);

@@ -10,7 +10,7 @@ use super::{LightStrength, Scene, SourceKind};
 use crate::camera::Camera;
 use crate::light::{EmissionTexture, Light, LightSurface};
 use crate::math::{Motion, Transform};
-use crate::shape::{Form, Plane, Shape, TextureMapping};
+use crate::shape::{MappingKind, Plane, Shape, TextureMapping};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -29,7 +29,7 @@ pub(super) struct Animation {
     /// The moving camera before its motion, which acts about its own position.
     pub camera: Option<(Camera, Motion)>,
     /// Moving texture mappings, by their index.
-    pub mappings: Vec<(usize, Form, Motion)>,
+    pub mappings: Vec<(usize, MappingKind, Motion)>,
 }
 
 impl Animation {
@@ -64,8 +64,8 @@ pub(super) fn camera_at(camera: &Camera, motion: &Motion, time: f64) -> Option<C
 }
 
 /// The texture mapping of a moving object at `time`; `None` if the motion flattens it.
-pub(super) fn mapping_at(form: Form, motion: &Motion, time: f64) -> Option<TextureMapping> {
-    Some(TextureMapping::new(form, map_at(motion, time)?))
+pub(super) fn mapping_at(kind: MappingKind, motion: &Motion, time: f64) -> Option<TextureMapping> {
+    Some(TextureMapping::new(kind, map_at(motion, time)?))
 }
 
 /// The physical strength of a moving light.
@@ -84,8 +84,8 @@ pub(super) fn constant_strength(kind: &SourceKind, strength: LightStrength, moti
 pub(super) fn scene_at(scene: &Scene, time: f64) -> Scene {
     let mut moved = scene.clone();
     let Some(animation) = &scene.animation else { return moved };
-    for (i, form, motion) in &animation.mappings {
-        if let Some(placed) = mapping_at(*form, motion, time) {
+    for (i, kind, motion) in &animation.mappings {
+        if let Some(placed) = mapping_at(*kind, motion, time) {
             moved.mappings[*i] = placed;
         }
     }

@@ -36,9 +36,6 @@ pub use sphere::Sphere;
 pub use surface_point::{ShapeSample, SurfacePoint};
 pub use texture_mapping::{MappingKind, TexCoord, TextureMapping, upright};
 
-/// Former name of [`MappingKind`].
-pub use texture_mapping::MappingKind as Form;
-
 use crate::math::{self, Bounds, Ray, Transform};
 use analytic::AnalyticShape;
 use glam::{DVec3, Vec2, Vec3};

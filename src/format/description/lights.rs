@@ -80,13 +80,52 @@ pub enum Light {
     },
     /// A light that moves while the shutter is open.
     Moving {
-        /// Motion as in [`Object::Moving`](super::Object::Moving), but about the light's own position.
+        /// Motion as in [`Object::Moving`](super::Object::Moving), but about the light's own
+        /// position.
         maps: Vec<Map>,
         /// The light.
         light: Box<Spanned<Light>>,
     },
     /// Light from infinity in all directions. A scene has at most one.
     Environment(EnvironmentRadiance),
+}
+
+impl Light {
+    /// Returns the path of the file that the light names.
+    #[must_use]
+    pub fn path_mut(&mut self) -> Option<&mut String> {
+        match self {
+            Self::Moving { light, .. } => light.value.path_mut(),
+            Self::Environment(EnvironmentRadiance::Picture { path, .. }) => Some(&mut path.value),
+            Self::Oriented { pattern, .. } => match pattern {
+                LightPattern::Picture { path, .. } | LightPattern::Map(path) | LightPattern::Profile(path) => {
+                    Some(&mut path.value)
+                }
+            },
+            Self::Point { .. }
+            | Self::Directional { .. }
+            | Self::Spot { .. }
+            | Self::Sphere { .. }
+            | Self::Disc { .. }
+            | Self::Rectangle { .. }
+            | Self::Environment(EnvironmentRadiance::Constant(_)) => None,
+        }
+    }
+
+    /// True if the light comes from infinity.
+    #[must_use]
+    pub fn is_infinite(&self) -> bool {
+        match self {
+            Self::Moving { light, .. } => light.value.is_infinite(),
+            Self::Directional { .. } | Self::Environment(_) => true,
+            Self::Point { .. }
+            | Self::Spot { .. }
+            | Self::Oriented { .. }
+            | Self::Sphere { .. }
+            | Self::Disc { .. }
+            | Self::Rectangle { .. } => false,
+        }
+    }
 }
 
 /// Radiance of an environment light.

@@ -52,7 +52,7 @@ pub enum MaterialKind {
         attenuation: Attenuation,
         /// GGX α, inside [0, 1]; 0 is smooth.
         roughness: Value<f64>,
-        /// Where bodies overlap, the highest priority counts; of equal ones, the body entered last.
+        /// Priority where bodies overlap: the highest wins; ties go to the body entered last.
         priority: u8,
     },
     /// Null interface: boundary of a region without a surface.
@@ -90,7 +90,7 @@ pub enum MaterialKind {
 pub enum Refraction {
     /// Equal for all wavelengths.
     Index(f64),
-    /// That of a glass in the table of names.
+    /// Index of a named glass.
     Named(Spanned<String>),
     /// Cauchy's equation of two terms, by index and Abbe number.
     Abbe {
@@ -99,8 +99,8 @@ pub enum Refraction {
         /// Abbe number, above 0.
         abbe: f64,
     },
-    /// An equation of its own; indices lie inside [0.001, 1000] from 380 to 720 nm.
-    Own(Glass),
+    /// Dispersion equation; indices lie in [0.001, 1000] from 380 to 720 nm.
+    Glass(Glass),
 }
 
 impl From<f64> for Refraction {
@@ -112,7 +112,7 @@ impl From<f64> for Refraction {
 /// Complex index of a conductor.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Metal {
-    /// That of a metal in the table of names.
+    /// Index of a named metal.
     Named(Spanned<String>),
     /// Complex index of refraction η + ik relative to the surroundings.
     Index {

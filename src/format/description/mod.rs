@@ -1,7 +1,9 @@
-//! The description of a scene, before any file is looked up: plain data in double precision, with spans for errors.
+//! The description of a scene, before any file is looked up: plain data in double precision, with
+//! spans for errors.
 //!
-//! Lengths are in the scene's own unit (metres, if a light is given in watts), angles in degrees, colors linear RGB.
-//! [`parse`](super::parse) checks all values; a description built by hand is unchecked.
+//! Lengths are in the scene's own unit (metres, if a light is given in watts), angles in degrees,
+//! colors linear RGB. [`parse`](super::parse) checks all values; a description built by hand is
+//! unchecked.
 
 mod lights;
 mod materials;
@@ -29,7 +31,8 @@ pub struct Span {
 
 /// A value with the span of the text that it was read from. Equality ignores the span.
 ///
-/// The span of a block (camera, light, material, object) is its keyword; the span of a name or number is its own text.
+/// The span of a block (camera, light, material, object) is its keyword; the span of a name or
+/// number is its own text.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Spanned<T> {
     /// The value.
@@ -95,7 +98,8 @@ pub struct Camera {
     pub width: u32,
     /// Picture height in pixels.
     pub height: u32,
-    /// Motion while the shutter is open, as in [`Object::Moving`], but about the camera's own position.
+    /// Motion while the shutter is open, as in [`Object::Moving`], but about the camera's own
+    /// position.
     pub motion: Vec<Map>,
 }
 
@@ -134,7 +138,8 @@ pub struct Lens {
 pub enum Opening {
     /// Lens radius, at least 0.
     Radius(f64),
-    /// Focal length over diameter, with the sensor height that determines the focal length; both above 0.
+    /// Focal length over diameter, with the sensor height that determines the focal length; both
+    /// above 0.
     FNumber {
         /// The f-number.
         number: f64,
@@ -161,10 +166,12 @@ pub enum Aim {
     LookAt(DVec3),
 }
 
-/// A list of objects. As parsed, groups and transforms nest at most [`MAX_DEPTH`](super::MAX_DEPTH) deep.
+/// A list of objects. As parsed, groups and transforms nest at most [`MAX_DEPTH`](super::MAX_DEPTH)
+/// deep.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Group {
-    /// Entries in the order of the file: a material holds for all objects after it, also past the end of the group.
+    /// Entries in the order of the file: a material holds for all objects after it, also past the
+    /// end of the group.
     pub items: Vec<Item>,
 }
 
@@ -193,8 +200,8 @@ pub enum Object {
     },
     /// An object that moves while the shutter is open.
     Moving {
-        /// Composed as in a transform. Each grows from the identity, when the shutter opens, to the full map, when it
-        /// closes. None is a matrix, and scales are above 0.
+        /// Composed as in a transform. Each grows from the identity, when the shutter opens, to the
+        /// full map, when it closes. None is a matrix, and scales are above 0.
         maps: Vec<Map>,
         /// The object.
         object: Box<Spanned<Object>>,
@@ -293,18 +300,21 @@ pub enum Shape {
     Curve(Curve),
     /// Bézier patches of equal degrees.
     Patches {
-        /// Degrees along u and v, each from 1 to [`MAX_DEGREE`](crate::shape::parametric::MAX_DEGREE).
+        /// Degrees along u and v, each from 1 to
+        /// [`MAX_DEGREE`](crate::shape::parametric::MAX_DEGREE).
         degree: [u32; 2],
         /// (degree u + 1) · (degree v + 1) points with weights for each patch, those along v first.
         controls: Vec<DVec4>,
     },
     /// A B-spline surface with weights.
     Nurbs {
-        /// Degrees along u and v, each from 1 to [`MAX_DEGREE`](crate::shape::parametric::MAX_DEGREE).
+        /// Degrees along u and v, each from 1 to
+        /// [`MAX_DEGREE`](crate::shape::parametric::MAX_DEGREE).
         degree: [u32; 2],
         /// Number of control points along u and v, each above the degree.
         count: [u32; 2],
-        /// Knots along u and v: count + degree + 1 nondecreasing numbers each; none for uniform knots.
+        /// Knots along u and v: count + degree + 1 nondecreasing numbers each; none for uniform
+        /// knots.
         knots: [Vec<f64>; 2],
         /// Points with weights, those along v first.
         controls: Vec<DVec4>,
@@ -318,8 +328,8 @@ pub struct MeshOptions {
     pub own_materials: bool,
     /// True if the file's normals are ignored.
     pub no_normals: bool,
-    /// Greatest angle in degrees, inside [0, 180], between faces that are smoothed; `None` for flat faces. Applies to
-    /// faces without normals.
+    /// Greatest angle in degrees, inside [0, 180], between faces that are smoothed; `None` for flat
+    /// faces. Applies to faces without normals.
     pub smooth_angle: Option<f64>,
 }
 

@@ -1,5 +1,6 @@
 //! Textures of a description.
 
+pub use crate::texture::Wrap;
 use glam::{DVec2, DVec3};
 
 use super::{Map, Spanned};
@@ -95,18 +96,6 @@ pub enum Encoding {
     Srgb,
     /// Linear.
     Linear,
-}
-
-/// Continuation of a picture beyond its edges.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Wrap {
-    /// Periodic.
-    #[default]
-    Repeat,
-    /// Values of the edge.
-    Clamp,
-    /// Periodic, mirrored at each edge.
-    Mirror,
 }
 
 /// Transform of texture coordinates: scale, then rotation, then offset.

@@ -21,7 +21,7 @@ pub enum GridError {
     /// The number of values differs from the size.
     #[error(
         "{}: {found} bytes follow the empty line, but {} × {} × {} cells of type f32 take {expected}: write the file anew, or \
-         mend its size",
+         correct its size",
         path.display(), size[0], size[1], size[2]
     )]
     Length {
@@ -57,7 +57,7 @@ pub enum GridError {
         path: PathBuf,
         /// Number of cells.
         cells: usize,
-        /// Bytes that the grid takes, including those that reading takes.
+        /// Bytes of the grid and of its reader.
         needed: u64,
         /// Bytes of memory that are free, if known.
         free: Option<u64>,

@@ -30,7 +30,7 @@ fn refused(bytes: &[u8], place: &str, message: &str, remedy: &str) {
 }
 
 #[test]
-fn numbers_are_words_or_singles_and_x_runs_fastest() {
+fn grid_values_are_text_or_f32_x_fastest() {
     let grid = Grid { size: [3, 2, 1], values: vec![0.0, 1.0, 2.5, 3.0, 1e-30, 5e7] };
     let text = b"caustica-grid 1\r\n# smoke\r\ntype text\r\nsize 3 2 1\r\n\r\n0 1 2.5\n3\t1e-30\r\n\n  5e7 ";
     assert_eq!(of(text).unwrap(), grid);
@@ -42,7 +42,7 @@ fn numbers_are_words_or_singles_and_x_runs_fastest() {
 }
 
 #[test]
-fn what_stands_before_the_numbers_is_checked_line_by_line() {
+fn grid_headers_are_checked_by_line() {
     refused(b"", "1", "no empty line", "at most 4096 bytes");
     refused(b"P5\n", "1", "this is no grid", "`caustica-grid 1`");
     refused(b"\xff\xfe\n", "1", "this is no grid", "`caustica-grid 1`");
@@ -63,7 +63,7 @@ fn what_stands_before_the_numbers_is_checked_line_by_line() {
 }
 
 #[test]
-fn sizes_take_no_memory_until_the_file_is_as_long() {
+fn grid_sizes_must_match_the_file_length() {
     let body = |size: &str, kind: &str| format!("caustica-grid 1\nsize {size}\ntype {kind}\n\n1 1").into_bytes();
     refused(&body("4294967295 4294967295 4294967295", "f32"), "2", "are too many", "at most 2³⁰");
     refused(&body("1025 1024 1024", "f32"), "2", "are too many", "at most 2³⁰");
@@ -71,7 +71,7 @@ fn sizes_take_no_memory_until_the_file_is_as_long() {
         &body("1024 1024 1024", "f32"),
         " 3 bytes",
         "1024 × 1024 × 1024 cells of type f32 take 4294967296",
-        "mend its size",
+        "correct its size",
     );
     refused(
         &body("1024 1024 1024", "text"),
@@ -79,11 +79,11 @@ fn sizes_take_no_memory_until_the_file_is_as_long() {
         "at most 2 numbers follow, but the size asks for 1073741824",
         "one number for each",
     );
-    refused(&body("1 1 1", "f32"), " 3 bytes", "take 4", "mend its size");
+    refused(&body("1 1 1", "f32"), " 3 bytes", "take 4", "correct its size");
 }
 
 #[test]
-fn words_are_as_many_as_the_cells_and_all_numbers() {
+fn text_grids_hold_one_number_per_cell() {
     let body = |words: &str| format!("caustica-grid 1\nsize 2 1 2\ntype text\n\n{words}").into_bytes();
     refused(&body("1 2\n3      "), "6", "3 numbers follow, but the size asks for 4", "x running fastest");
     refused(&body("1 2\n3 4\n5"), "7", "more than 4 numbers follow", "nothing behind them");
@@ -93,7 +93,7 @@ fn words_are_as_many_as_the_cells_and_all_numbers() {
 }
 
 #[test]
-fn densities_that_are_none_are_shown_by_their_cells() {
+fn invalid_densities_are_reported_by_cell() {
     for (bad, shown) in [(-1.0, "-1"), (f32::NAN, "NaN"), (f32::INFINITY, "inf"), (f32::NEG_INFINITY, "-inf")] {
         let mut values = vec![1.0; 24];
         // (1, 2, 3) of 2 × 3 × 4.
@@ -107,7 +107,7 @@ fn densities_that_are_none_are_shown_by_their_cells() {
 }
 
 #[test]
-fn files_that_cannot_be_read_are_refused() {
+fn unreadable_grid_files_are_refused() {
     let folder = tempfile::tempdir().unwrap();
     for path in [folder.path().to_owned(), folder.path().join("none")] {
         let error = read(&path).unwrap_err();
@@ -148,7 +148,7 @@ proptest! {
     }
 
     #[test]
-    fn no_bytes_make_the_reader_panic(grid in grid(), encoding in encoding(), at in any::<prop::sample::Index>(), new in any::<[u8; 3]>()) {
+    fn the_reader_never_panics(grid in grid(), encoding in encoding(), at in any::<prop::sample::Index>(), new in any::<[u8; 3]>()) {
         let mut bytes = bytes_of(&grid, encoding);
         let at = at.index(bytes.len());
         let end = bytes.len().min(at + 3);

@@ -10,12 +10,26 @@ use super::fields::{Fields, fields};
 use super::lexer::Token;
 use super::maps::{moving, write_maps};
 use super::reader::Parser;
-use super::schema::{Block, Field, Kind, Range, field, find};
+use super::schema::{Block, Entry, Field, Kind, Range, field, find, keywords};
 use super::text::has_direction;
 use super::writer::Writer;
 
 /// The cameras.
-pub(super) static CAMERAS: [&Block; 3] = [&PERSPECTIVE, &ORTHOGRAPHIC, &ENVIRONMENT];
+pub(super) static CAMERAS: [Entry<ReadCamera>; 3] = [
+    Entry { block: &PERSPECTIVE, read: perspective },
+    Entry { block: &ORTHOGRAPHIC, read: orthographic },
+    Entry { block: &ENVIRONMENT, read: environment },
+];
+
+/// Reader of a camera with this view: its projection and the height of its picture \[pixels].
+type ReadCamera = fn(&Fields<'_>, &View) -> Result<(Projection, u32), SceneError>;
+
+/// Position and direction of a camera.
+pub(super) struct View {
+    center: DVec3,
+    direction: DVec3,
+    aim: Aim,
+}
 
 const PIXELS: Range = Range::Within(1.0, 65_536.0);
 
@@ -95,7 +109,7 @@ const SENSOR_HEIGHT: f64 = 0.024;
 /// Reads a `Moving` block with a camera.
 pub(super) fn moving_camera<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Result<Spanned<Camera>, SceneError> {
     let read = |parser: &mut Parser<'a>, word: Token<'a>| Ok(Spanned::new(camera(parser, word)?, word.span()));
-    let allowed = CAMERAS.map(|block| block.keyword);
+    let allowed = keywords(&[], &CAMERAS);
     let (motion, mut camera) = moving(parser, keyword, &allowed, read)?;
     if motion.iter().any(|map| matches!(map, Map::Scale(_) | Map::UniformScale(_))) {
         let message = "a camera cannot grow".to_owned();
@@ -108,10 +122,10 @@ pub(super) fn moving_camera<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> 
 
 /// Reads a camera block.
 pub(super) fn camera<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<Camera, SceneError> {
-    let Some(block) = find(&CAMERAS, word.text) else {
-        return Err(parser.unexpected(word, &CAMERAS.map(|block| block.keyword)));
+    let Some(entry) = find(&CAMERAS, word.text) else {
+        return Err(parser.unexpected(word, &keywords(&[], &CAMERAS)));
     };
-    let f = fields(parser, word, block)?;
+    let f = fields(parser, word, entry.block)?;
     let center = f.vector("center")?;
     let (aim, direction) = aim(&f, "center", center)?;
     let up = f.vector("up")?;
@@ -123,18 +137,23 @@ pub(super) fn camera<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<Cam
         return Err(f.error(culprit.map_or(word.span(), |p| p.span()), message, "parallel", help));
     }
     let width = f.whole("width")?;
-    let (projection, height) = match block.keyword {
-        "PerspectiveCamera" => {
-            let angle = f.number("angle")?;
-            (Projection::Perspective { angle, lens: lens(&f, center, direction, aim)? }, f.whole("height")?)
-        }
-        "OrthographicCamera" => (Projection::Orthographic { size: f.number("size")? }, f.whole("height")?),
-        _ => {
-            let height = f.get("height").map_or(width.div_ceil(2), |height| height.number() as u32);
-            (Projection::Environment, height)
-        }
-    };
+    let (projection, height) = (entry.read)(&f, &View { center, direction, aim })?;
     Ok(Camera { center, aim, up, projection, width, height, motion: Vec::new() })
+}
+
+fn perspective(f: &Fields<'_>, view: &View) -> Result<(Projection, u32), SceneError> {
+    let angle = f.number("angle")?;
+    let lens = lens(f, view.center, view.direction, view.aim)?;
+    Ok((Projection::Perspective { angle, lens }, f.whole("height")?))
+}
+
+fn orthographic(f: &Fields<'_>, _: &View) -> Result<(Projection, u32), SceneError> {
+    Ok((Projection::Orthographic { size: f.number("size")? }, f.whole("height")?))
+}
+
+fn environment(f: &Fields<'_>, _: &View) -> Result<(Projection, u32), SceneError> {
+    let half = f.whole("width")?.div_ceil(2);
+    Ok((Projection::Environment, f.get("height").map_or(half, |height| height.number() as u32)))
 }
 
 /// Returns the lens of a camera at `center` with that direction of view; `None` for a pinhole.
@@ -178,7 +197,8 @@ fn lens(f: &Fields<'_>, center: DVec3, direction: DVec3, aim: Aim) -> Result<Opt
     Ok(Some(Lens { opening, focus, blades }))
 }
 
-/// Returns `direction` or `lookAt`, and the direction from `center`, which is the value of the field `from`.
+/// Returns `direction` or `lookAt`, and the direction from `center`, which is the value of the
+/// field `from`.
 pub(super) fn aim(f: &Fields<'_>, from: &str, center: DVec3) -> Result<(Aim, DVec3), SceneError> {
     let aim = f.one_of(&["direction", "lookAt"])?;
     if aim.name() == "direction" {

@@ -276,7 +276,7 @@ impl<'a> Fields<'a> {
         names.iter().find_map(|name| self.get(name)).map_or(Ok(()), |field| field.ensure(false, rule))
     }
 
-    /// Refuses two fields of which one excludes the other.
+    /// Refuses two fields that exclude each other.
     pub fn exclude(&self, first: &str, second: &str) -> Result<(), SceneError> {
         match (self.get(first), self.get(second)) {
             (Some(_), Some(_)) => self.one_of(&[first, second]).map(|_| ()),

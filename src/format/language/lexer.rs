@@ -20,7 +20,8 @@ impl Token<'_> {
     }
 }
 
-/// Reads tokens by the type that the parser expects: `20width` starts with a number if one is expected, else it is a word.
+/// Reads tokens by the type that the parser expects: `20width` starts with a number if one is
+/// expected, else it is a word.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Lexer<'a> {
     name: &'a str,
@@ -73,7 +74,8 @@ impl<'a> Lexer<'a> {
         self.prefix(float_length)
     }
 
-    /// Reads the longest whole number that starts here, like `%d` of C's `scanf`; empty if there is none.
+    /// Reads the longest whole number that starts here, like `%d` of C's `scanf`; empty if there is
+    /// none.
     pub fn integer(&mut self) -> Token<'a> {
         self.skip();
         self.prefix(integer_length)
@@ -86,8 +88,8 @@ impl<'a> Lexer<'a> {
         token
     }
 
-    /// Reads a quoted string, or else the text up to white space or to a `}` that closes no `{` in it; empty if there
-    /// is none.
+    /// Reads a quoted string, or else the text up to white space or to a `}` that closes no `{` in
+    /// it; empty if there is none.
     pub fn name(&mut self) -> Result<Spanned<String>, SceneError> {
         self.skip();
         let rest = &self.text[self.at..];
@@ -202,54 +204,4 @@ fn float_length(bytes: &[u8]) -> usize {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_end_where_they_can_no_longer_go_on() {
-        for (text, float, integer) in [
-            ("20}", "20", "20"),
-            ("20width", "20", "20"),
-            ("-.16 ", "-.16", ""),
-            ("1.5.5", "1.5", "1"),
-            ("+3.e-2x", "+3.e-2", "+3"),
-            ("1e", "1", "1"),
-            ("2e+", "2", "2"),
-            ("7E5", "7E5", "7"),
-            (".", "", ""),
-            ("-", "", ""),
-            ("e5", "", ""),
-            ("nan", "", ""),
-            ("-inf", "", ""),
-        ] {
-            assert_eq!(Lexer::new("", text).number().text, float, "{text}");
-            assert_eq!(Lexer::new("", text).integer().text, integer, "{text}");
-        }
-    }
-
-    #[test]
-    fn comments_start_only_where_a_token_could() {
-        let mut lexer = Lexer::new("", "\u{feff} # one\r\n// two\n a//b#c# three");
-        let token = lexer.peek();
-        assert_eq!(token.text, "a//b#c#");
-        lexer.take(token);
-        assert_eq!(lexer.peek().text, "three");
-        assert!(Lexer::new("", "# end").peek().is_end());
-    }
-
-    #[test]
-    fn names_may_hold_braces_and_spaces() {
-        for (text, name) in [
-            ("cube.obj}", "cube.obj"),
-            ("wood{1}.bmp}", "wood{1}.bmp"),
-            ("mesh/a#b//c.obj\r\n", "mesh/a#b//c.obj"),
-            (r#""a \"b\" \\ c"}"#, r#"a "b" \ c"#),
-            ("}", ""),
-        ] {
-            assert_eq!(Lexer::new("", text).name().unwrap().value, name, "{text}");
-        }
-        for text in ["\"open", "\"open\n\"", r#""C:\mesh.obj""#, "\"\\"] {
-            assert!(Lexer::new("", text).name().is_err(), "{text}");
-        }
-    }
-}
+mod tests;

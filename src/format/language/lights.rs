@@ -11,14 +11,26 @@ use super::fields::{Fields, fields};
 use super::lexer::Token;
 use super::maps::{moving, write_maps};
 use super::reader::Parser;
-use super::schema::{Block, Field, Kind, Range, field, find, keywords};
+use super::schema::{Block, Entry, Field, Kind, Range, field, find, keywords};
 use super::shapes::{parallelogram, write_parallelogram};
 use super::text::has_direction;
 use super::writer::Writer;
 
-/// The lights. Those that cannot move stand last.
-pub(super) static LIGHTS: [&Block; 9] =
-    [&POINT, &DIRECTIONAL, &SPOT, &PROJECTOR, &GONIOMETRIC, &SPHERE, &DISC, &RECTANGLE, &ENVIRONMENT];
+/// The lights. Lights that cannot move stand last.
+pub(super) static LIGHTS: [Entry<ReadLight>; 9] = [
+    Entry { block: &POINT, read: point },
+    Entry { block: &DIRECTIONAL, read: directional },
+    Entry { block: &SPOT, read: spot },
+    Entry { block: &PROJECTOR, read: projector },
+    Entry { block: &GONIOMETRIC, read: goniometric },
+    Entry { block: &SPHERE, read: sphere },
+    Entry { block: &DISC, read: disc },
+    Entry { block: &RECTANGLE, read: rectangle },
+    Entry { block: &ENVIRONMENT, read: environment },
+];
+
+/// Reader of the fields of a light.
+type ReadLight = fn(&Fields<'_>) -> Result<Light, SceneError>;
 
 /// Number of kinds of light that have a position or direction to move.
 const MOVABLE: usize = 8;
@@ -220,49 +232,55 @@ fn light<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<Spanned<Light>,
         let (maps, light) = moving(parser, word, &movable, light)?;
         return Ok(Spanned::new(Light::Moving { maps, light: Box::new(light) }, word.span()));
     }
-    let Some(block) = find(&LIGHTS, word.text) else {
+    let Some(entry) = find(&LIGHTS, word.text) else {
         return Err(parser.unexpected(word, &keywords(&["Moving"], &LIGHTS)));
     };
-    let f = &fields(parser, word, block)?;
-    let light = match block.keyword {
-        "PointLight" => Light::Point { position: f.vector("position")?, strength: point_strength(f)? },
-        "DirectionalLight" => {
-            let strength = f.one_of(&["color", "irradiance"])?;
-            let value = strength.vector();
-            let strength = match strength.name() {
-                "color" => DirectionalStrength::Color(value),
-                _ => DirectionalStrength::Irradiance(value),
-            };
-            Light::Directional { direction: f.vector("direction")?, strength }
-        }
-        "SpotLight" => spot(f)?,
-        "ProjectorLight" => {
-            let path = f.need("file")?.text();
-            oriented(f, LightPattern::Picture { path, angle: f.number("angle")? })?
-        }
-        "GoniometricLight" => {
-            let pattern = f.one_of(&["file", "profile"])?;
-            let path = pattern.text();
-            let is_map = pattern.name() == "file";
-            oriented(f, if is_map { LightPattern::Map(path) } else { LightPattern::Profile(path) })?
-        }
-        "SphereLight" => {
-            Light::Sphere { center: f.vector("center")?, radius: f.number("radius")?, strength: area_strength(f)? }
-        }
-        "DiscLight" => Light::Disc {
-            center: f.vector("center")?,
-            normal: f.vector("normal")?,
-            radius: f.number("radius")?,
-            strength: area_strength(f)?,
-        },
-        "RectangleLight" => {
-            let (corner, edge0, edge1) = parallelogram(f)?;
-            Light::Rectangle { corner, edge0, edge1, strength: area_strength(f)? }
-        }
-        "EnvironmentLight" => Light::Environment(environment(f)?),
-        _ => unreachable!("`{}` is in the table of lights, but has no reader", block.keyword),
-    };
+    let light = (entry.read)(&fields(parser, word, entry.block)?)?;
     Ok(Spanned::new(light, word.span()))
+}
+
+fn point(f: &Fields<'_>) -> Result<Light, SceneError> {
+    Ok(Light::Point { position: f.vector("position")?, strength: point_strength(f)? })
+}
+
+fn directional(f: &Fields<'_>) -> Result<Light, SceneError> {
+    let strength = f.one_of(&["color", "irradiance"])?;
+    let value = strength.vector();
+    let strength = match strength.name() {
+        "color" => DirectionalStrength::Color(value),
+        _ => DirectionalStrength::Irradiance(value),
+    };
+    Ok(Light::Directional { direction: f.vector("direction")?, strength })
+}
+
+fn projector(f: &Fields<'_>) -> Result<Light, SceneError> {
+    let path = f.need("file")?.text();
+    oriented(f, LightPattern::Picture { path, angle: f.number("angle")? })
+}
+
+fn goniometric(f: &Fields<'_>) -> Result<Light, SceneError> {
+    let pattern = f.one_of(&["file", "profile"])?;
+    let path = pattern.text();
+    let is_map = pattern.name() == "file";
+    oriented(f, if is_map { LightPattern::Map(path) } else { LightPattern::Profile(path) })
+}
+
+fn sphere(f: &Fields<'_>) -> Result<Light, SceneError> {
+    Ok(Light::Sphere { center: f.vector("center")?, radius: f.number("radius")?, strength: area_strength(f)? })
+}
+
+fn disc(f: &Fields<'_>) -> Result<Light, SceneError> {
+    Ok(Light::Disc {
+        center: f.vector("center")?,
+        normal: f.vector("normal")?,
+        radius: f.number("radius")?,
+        strength: area_strength(f)?,
+    })
+}
+
+fn rectangle(f: &Fields<'_>) -> Result<Light, SceneError> {
+    let (corner, edge0, edge1) = parallelogram(f)?;
+    Ok(Light::Rectangle { corner, edge0, edge1, strength: area_strength(f)? })
 }
 
 /// Returns the spotlight of these fields.
@@ -295,18 +313,17 @@ fn oriented(f: &Fields<'_>, pattern: LightPattern) -> Result<Light, SceneError> 
     Ok(Light::Oriented { position, aim, up, pattern, strength })
 }
 
-/// Returns the radiance of an environment.
-fn environment(f: &Fields<'_>) -> Result<EnvironmentRadiance, SceneError> {
+fn environment(f: &Fields<'_>) -> Result<Light, SceneError> {
     let radiance = f.one_of(&["file", "radiance"])?;
     if radiance.name() == "radiance" {
         f.refuse(&["scale", "rotate"], "has no effect without `file`")?;
-        return Ok(EnvironmentRadiance::Constant(radiance.vector()));
+        return Ok(Light::Environment(EnvironmentRadiance::Constant(radiance.vector())));
     }
-    Ok(EnvironmentRadiance::Picture {
+    Ok(Light::Environment(EnvironmentRadiance::Picture {
         path: radiance.text(),
         scale: f.get("scale").map_or(1.0, |s| s.number()),
         rotate: f.get("rotate").map_or(0.0, |r| r.number()),
-    })
+    }))
 }
 
 /// Returns the strength of a point light or spotlight.

@@ -31,7 +31,8 @@ pub(super) fn transform<'a, T>(
     Ok(placed)
 }
 
-/// Reads a `Moving` block: maps that grow while the shutter is open, then one entry that starts with a word of `allowed`.
+/// Reads a `Moving` block: maps that grow while the shutter is open, then one entry that starts
+/// with a word of `allowed`.
 pub(super) fn moving<'a, T>(
     parser: &mut Parser<'a>,
     keyword: Token<'a>,
@@ -58,7 +59,8 @@ fn placed<'a, T>(
     Ok((maps, placed))
 }
 
-// The functions below are not inlined into `placed`: it recurses, and its stack frame must stay small.
+// The functions below are not inlined into `placed`: it recurses, and its stack frame must stay
+// small.
 
 /// Reads maps up to a word of `allowed`, which it returns.
 #[inline(never)]

@@ -11,13 +11,25 @@ use super::lexer::Token;
 use super::names::optional_name;
 use super::reader::Parser;
 use super::refraction::{INDEX, MAX_INDEX, MIN_INDEX, refraction, write_refraction};
-use super::schema::{Block, Field, Kind, MAX_COEFFICIENT, Range, field, find, keywords};
+use super::schema::{Block, Entry, Field, Kind, MAX_COEFFICIENT, Range, field, find, keywords};
 use super::text::clip;
 use super::writer::Writer;
 use glam::DVec3;
 
 /// The materials.
-pub(super) static MATERIALS: [&Block; 8] = [&PHONG, &DIFFUSE, &MIRROR, &DIELECTRIC, &CLEAR, &CONDUCTOR, &THIN, &MIX];
+pub(super) static MATERIALS: [Entry<ReadMaterial>; 8] = [
+    Entry { block: &PHONG, read: phong },
+    Entry { block: &DIFFUSE, read: diffuse },
+    Entry { block: &MIRROR, read: mirror },
+    Entry { block: &DIELECTRIC, read: dielectric },
+    Entry { block: &CLEAR, read: clear },
+    Entry { block: &CONDUCTOR, read: conductor },
+    Entry { block: &THIN, read: thin },
+    Entry { block: &MIX, read: mix },
+];
+
+/// Reader of the fields of a material; the scope holds the materials that stand before it.
+type ReadMaterial = for<'a> fn(&Parser<'a>, &Fields<'a>) -> Result<MaterialKind, SceneError>;
 
 /// Greatest depth of nested mixes: each level doubles the number of leaf materials.
 const MAX_MIXES: u8 = 8;
@@ -214,39 +226,11 @@ fn material_name(parser: &mut Parser<'_>) -> Result<Option<String>, SceneError> 
 
 /// Reads the fields of a material.
 fn material<'a>(parser: &mut Parser<'a>, word: Token<'a>, name: Option<String>) -> Result<Material, SceneError> {
-    let Some(block) = find(&MATERIALS, word.text) else {
+    let Some(Entry { block, read }) = find(&MATERIALS, word.text) else {
         return Err(parser.unexpected(word, &keywords(&[], &MATERIALS)));
     };
     let f = &fields(parser, word, block)?;
-    let kind = match block.keyword {
-        "PhongMaterial" => MaterialKind::Phong {
-            diffuse: f.color_or_texture("diffuseColor")?,
-            specular: f.color_or_texture("specularColor")?,
-            shininess: f.number("shininess")?,
-            texture: f.get("texture").map(|texture| texture.text()),
-        },
-        "Diffuse" => MaterialKind::Diffuse { reflectance: f.color_or_texture("reflectance")? },
-        "Mirror" => MaterialKind::Mirror { reflectance: f.color_or_texture("reflectance")? },
-        "Dielectric" => MaterialKind::Dielectric {
-            refraction: refraction(f)?,
-            attenuation: attenuation(f)?,
-            roughness: f.number_or_texture("roughness")?,
-            priority: f.whole("priority")? as u8,
-        },
-        "Clear" => {
-            let advice = "wants a surface, and `Clear` has none: ";
-            f.refuse(&["emission", "emissionScale"], &format!("{advice}give `emission` to its medium"))?;
-            f.refuse(&["bump", "bumpHeight", "normalMap"], &format!("{advice}leave it out"))?;
-            MaterialKind::Clear { priority: f.whole("priority")? as u8 }
-        }
-        "Conductor" => MaterialKind::Conductor { metal: metal(f)?, roughness: f.number_or_texture("roughness")? },
-        "Thin" => MaterialKind::Thin {
-            index: f.number("indexOfRefraction")?,
-            transmittance: f.color_or_texture("transmittance")?,
-        },
-        "Mix" => mix(parser, f)?,
-        _ => unreachable!("`{}` is in the table of materials, but has no reader", block.keyword),
-    };
+    let kind = read(parser, f)?;
     let medium = match block.field("medium").and_then(|_| f.get("medium")).map(|medium| medium.text()) {
         Some(name) => {
             parser.scope.check_medium(parser.lexer, &name, "ahead of the Materials")?;
@@ -256,6 +240,50 @@ fn material<'a>(parser: &mut Parser<'a>, word: Token<'a>, name: Option<String>) 
     };
     let relief = if block.field("bump").is_some() { relief(f)? } else { None };
     Ok(Material { name, kind, emission: emission(f)?, relief, medium })
+}
+
+fn phong(_: &Parser<'_>, f: &Fields<'_>) -> Result<MaterialKind, SceneError> {
+    Ok(MaterialKind::Phong {
+        diffuse: f.color_or_texture("diffuseColor")?,
+        specular: f.color_or_texture("specularColor")?,
+        shininess: f.number("shininess")?,
+        texture: f.get("texture").map(|texture| texture.text()),
+    })
+}
+
+fn diffuse(_: &Parser<'_>, f: &Fields<'_>) -> Result<MaterialKind, SceneError> {
+    Ok(MaterialKind::Diffuse { reflectance: f.color_or_texture("reflectance")? })
+}
+
+fn mirror(_: &Parser<'_>, f: &Fields<'_>) -> Result<MaterialKind, SceneError> {
+    Ok(MaterialKind::Mirror { reflectance: f.color_or_texture("reflectance")? })
+}
+
+fn dielectric(_: &Parser<'_>, f: &Fields<'_>) -> Result<MaterialKind, SceneError> {
+    Ok(MaterialKind::Dielectric {
+        refraction: refraction(f)?,
+        attenuation: attenuation(f)?,
+        roughness: f.number_or_texture("roughness")?,
+        priority: f.whole("priority")? as u8,
+    })
+}
+
+fn clear(_: &Parser<'_>, f: &Fields<'_>) -> Result<MaterialKind, SceneError> {
+    let advice = "needs a surface, and `Clear` has none: ";
+    f.refuse(&["emission", "emissionScale"], &format!("{advice}give `emission` to its medium"))?;
+    f.refuse(&["bump", "bumpHeight", "normalMap"], &format!("{advice}leave it out"))?;
+    Ok(MaterialKind::Clear { priority: f.whole("priority")? as u8 })
+}
+
+fn conductor(_: &Parser<'_>, f: &Fields<'_>) -> Result<MaterialKind, SceneError> {
+    Ok(MaterialKind::Conductor { metal: metal(f)?, roughness: f.number_or_texture("roughness")? })
+}
+
+fn thin(_: &Parser<'_>, f: &Fields<'_>) -> Result<MaterialKind, SceneError> {
+    Ok(MaterialKind::Thin {
+        index: f.number("indexOfRefraction")?,
+        transmittance: f.color_or_texture("transmittance")?,
+    })
 }
 
 /// Returns the absorption of a dielectric.
@@ -307,7 +335,8 @@ fn mix<'a>(parser: &Parser<'a>, f: &Fields<'a>) -> Result<MaterialKind, SceneErr
             return Err(f.error(part.span, message, "no surface", help));
         }
     }
-    // A path could enter one body and leave the other, and would keep the first on its interior stack for ever.
+    // A path could enter one body and leave the other, and would keep the first on its interior
+    // stack for ever.
     if let (Some(a), Some(b)) = (scope.contents(&first).dielectric, scope.contents(&second).dielectric)
         && a != b
     {

@@ -11,11 +11,15 @@ use super::lexer::Token;
 use super::maps::write_bare_maps;
 use super::names::required_name;
 use super::reader::Parser;
-use super::schema::{Block, Field, Kind, MAX_COEFFICIENT, Range, field, find, keywords};
+use super::schema::{Block, Entry, Field, Kind, MAX_COEFFICIENT, Range, field, find, keywords};
 use super::writer::Writer;
 
 /// The media.
-pub(super) static MEDIA: [&Block; 2] = [&MEDIUM, &CLOUD];
+pub(super) static MEDIA: [Entry<ReadDensity>; 2] =
+    [Entry { block: &MEDIUM, read: grid }, Entry { block: &CLOUD, read: cloud }];
+
+/// Reader of the density of a medium.
+type ReadDensity = fn(&Fields<'_>) -> Result<Density, SceneError>;
 
 const COEFFICIENT: Range = Range::Within(0.0, MAX_COEFFICIENT);
 
@@ -99,16 +103,16 @@ fn placeholder(name: &str) -> Medium {
 
 /// Reads the fields of a medium.
 fn medium<'a>(parser: &mut Parser<'a>, word: Token<'a>, name: &str) -> Result<Medium, SceneError> {
-    let Some(block) = find(&MEDIA, word.text) else {
+    let Some(entry) = find(&MEDIA, word.text) else {
         return Err(parser.unexpected(word, &keywords(&[], &MEDIA)));
     };
-    let f = &fields(parser, word, block)?;
+    let f = &fields(parser, word, entry.block)?;
     Ok(Medium {
         name: name.to_owned(),
         coefficients: coefficients(f)?,
         emission: f.vector("emission")?,
         phase: phase(f)?,
-        density: if block.keyword == CLOUD.keyword { cloud(f)? } else { grid(f)? },
+        density: (entry.read)(f)?,
     })
 }
 

@@ -1,8 +1,8 @@
 //! The scene language: from text to description and back.
 //!
-//! Each part of the language has one file: tables of its blocks, the functions that read them, and those that print
-//! them. Errors that the text alone shows are reported here, with their position. Files are looked up later, by
-//! [`resolve`](super::resolve).
+//! Each part of the language has one file: tables of its blocks, the functions that read them, and
+//! those that print them. Errors that the text alone shows are reported here, with their position.
+//! Files are looked up later, by [`resolve`](super::resolve).
 
 mod camera;
 mod curves;
@@ -40,7 +40,7 @@ use materials::{MATERIALS, materials, write_material};
 use media::{MEDIA, media, write_medium};
 use objects::{group, write_group};
 use reader::Parser;
-use schema::{Block, Kind, Range, field, find};
+use schema::{Block, Kind, Range, blocks, field, find, keywords};
 use shapes::SHAPES;
 pub(super) use suggest::nearest;
 use textures::{TEXTURES, textures, write_texture};
@@ -61,34 +61,33 @@ static BACKGROUND: Block = Block {
     course: true,
 };
 
-static BACKGROUNDS: [&Block; 1] = [&BACKGROUND];
-
 /// Blocks of a file besides cameras and `Background`.
 const BLOCKS: [&str; 6] = ["Moving", "Lights", "Textures", "Media", "Materials", "Group"];
 
 /// Tables that the reference documents, with the names of their sections.
-fn sections() -> [(&'static str, &'static [&'static Block]); 7] {
+fn sections() -> [(&'static str, Vec<&'static Block>); 7] {
     [
-        ("cameras", &CAMERAS),
-        ("background", &BACKGROUNDS),
-        ("lights", &LIGHTS),
-        ("textures", &TEXTURES),
-        ("media", &MEDIA),
-        ("materials", &MATERIALS),
-        ("shapes", &SHAPES),
+        ("cameras", blocks(&CAMERAS)),
+        ("background", vec![&BACKGROUND]),
+        ("lights", blocks(&LIGHTS)),
+        ("textures", blocks(&TEXTURES)),
+        ("media", blocks(&MEDIA)),
+        ("materials", blocks(&MATERIALS)),
+        ("shapes", blocks(&SHAPES)),
     ]
 }
 
 /// Iterates over all blocks that have a table.
 #[cfg(test)]
 fn all_blocks() -> impl Iterator<Item = &'static Block> {
-    sections().into_iter().flat_map(|(_, blocks)| blocks.iter().copied())
+    sections().into_iter().flat_map(|(_, blocks)| blocks)
 }
 
 /// Returns `page` with its reference tables replaced by those of the language.
 ///
-/// A table stands between the lines `<!-- reference: NAME -->` and `<!-- end of reference -->`; NAME is one of
-/// cameras, background, lights, textures, media, materials and shapes. Other text stays.
+/// A table stands between the lines `<!-- reference: NAME -->` and `<!-- end of reference -->`;
+/// NAME is one of cameras, background, lights, textures, media, materials and shapes. Other text
+/// stays.
 #[must_use]
 pub fn with_reference(page: &str) -> String {
     const END: &str = "<!-- end of reference -->";
@@ -97,7 +96,7 @@ pub fn with_reference(page: &str) -> String {
         let start = format!("<!-- reference: {name} -->\n");
         let Some(from) = page.find(&start).map(|at| at + start.len()) else { continue };
         let Some(len) = page[from..].find(END) else { continue };
-        page.replace_range(from..from + len, &format!("\n{}\n", schema::reference(blocks)));
+        page.replace_range(from..from + len, &format!("\n{}\n", schema::reference(&blocks)));
     }
     page
 }
@@ -151,7 +150,7 @@ struct Parts {
 
 /// Reads a whole file.
 fn file(parser: &mut Parser<'_>) -> Result<Description, SceneError> {
-    let allowed = [&CAMERAS.map(|block| block.keyword)[..], &[BACKGROUND.keyword], &BLOCKS].concat();
+    let allowed = [&keywords(&[], &CAMERAS)[..], &[BACKGROUND.keyword], &BLOCKS].concat();
     let mut parts = Parts::default();
     loop {
         let word = parser.lexer.peek();
@@ -188,7 +187,8 @@ fn file(parser: &mut Parser<'_>) -> Result<Description, SceneError> {
     Ok(Description { camera, background, filling, lights, textures, media, materials, root })
 }
 
-/// Reads the block that starts with `word`. It replaces an earlier one of its kind, as in MIT 6.837.
+/// Reads the block that starts with `word`. It replaces an earlier one of its kind, as in MIT
+/// 6.837.
 fn block<'a>(parser: &mut Parser<'a>, word: Token<'a>, allowed: &[&str], parts: &mut Parts) -> Result<(), SceneError> {
     match word.text {
         "Moving" => parts.camera = Some(moving_camera(parser, word)?),

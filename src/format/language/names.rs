@@ -30,7 +30,8 @@ pub(super) fn optional_name(parser: &mut Parser<'_>, what: &str) -> Result<Optio
     Ok(Some(name))
 }
 
-/// Reads the name of the texture or medium that starts with `word`; refuses none, and one that is `taken`.
+/// Reads the name of the texture or medium that starts with `word`; refuses none, and one that is
+/// `taken`.
 pub(super) fn required_name<'a>(
     parser: &mut Parser<'a>,
     word: Token<'a>,

@@ -50,7 +50,8 @@ pub(super) fn group<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Result<G
     Ok(Group { items })
 }
 
-// The functions below are not inlined into `group`: it recurses, and its stack frame must stay small.
+// The functions below are not inlined into `group`: it recurses, and its stack frame must stay
+// small.
 
 /// Appends an item; returns its error if it has one.
 #[inline(never)]
@@ -79,7 +80,7 @@ fn unexpected<'a>(parser: &Parser<'a>, word: Token<'a>) -> SceneError {
 
 /// True if `word` is the keyword of an object.
 fn is_object(word: &str) -> bool {
-    NESTING.contains(&word) || SHAPES.iter().any(|block| block.is(word))
+    NESTING.contains(&word) || SHAPES.iter().any(|entry| entry.block.is(word))
 }
 
 /// Reads an object into memory of its own, so that recursion keeps small frames on the stack.

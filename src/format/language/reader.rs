@@ -48,14 +48,16 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Returns all errors as one, in the order of the text; `last` is the error that ended the reading, if one did.
+    /// Returns all errors as one, in the order of the text; `last` is the error that ended the
+    /// reading, if one did.
     pub fn all_errors(mut self, last: Option<SceneError>) -> Option<SceneError> {
         // A text that ends inside a block often does so because of an earlier error.
         self.errors.extend(last.filter(|_| !self.ended || self.errors.is_empty()));
         SceneError::join(self.errors)
     }
 
-    /// Runs `read`. Records its error, if any, and continues at the next of the words `allowed` or at the block's end.
+    /// Runs `read`. Records its error, if any, and continues at the next of the words `allowed` or
+    /// at the block's end.
     ///
     /// # Errors
     /// The error itself, if the text has ended or the list of errors is full.
@@ -90,10 +92,10 @@ impl<'a> Parser<'a> {
         Mark { level: self.open.len(), depth: self.depth, closed: self.closed }
     }
 
-    /// Skips what is left of the blocks opened since `mark`.
+    /// Skips the rest of the blocks opened since `mark`.
     ///
-    /// If none were, skips to the next of the words `allowed`, past one block in braces, or to a `}`. If a block was
-    /// read to its end since `mark`, skips nothing.
+    /// If none were, skips to the next of the words `allowed`, past one block in braces, or to a
+    /// `}`. If a block was read to its end since `mark`, skips nothing.
     #[inline(never)]
     pub fn skip(&mut self, mark: Mark, allowed: &[&str]) {
         let mut braces = self.open.len().saturating_sub(mark.level);
@@ -126,9 +128,11 @@ impl<'a> Parser<'a> {
         }
     }
 
-    /// Reads the list block of `keyword`: a count named `count`, and entries that start with a word of `allowed`.
+    /// Reads the list block of `keyword`: a count named `count`, and entries that start with a word
+    /// of `allowed`.
     ///
-    /// Each entry goes to `read` with its keyword. `what` names one entry in the error of a wrong count.
+    /// Each entry goes to `read` with its keyword. `what` names one entry in the error of a wrong
+    /// count.
     pub fn list(
         &mut self,
         keyword: Token<'a>,

@@ -19,7 +19,7 @@ pub(super) const INDEX: Field =
     field("indexOfRefraction", Kind::Number, Range::Within(MIN_INDEX, MAX_INDEX), "absolute index of refraction")
         .or(&[1.5]);
 
-/// Fields of which one gives the index of refraction.
+/// Alternative fields for the index of refraction.
 const SOURCES: [&str; 4] = ["indexOfRefraction", "glass", "cauchy", "sellmeierB"];
 
 /// Greatest number of terms of Sellmeier's equation.
@@ -57,7 +57,7 @@ fn cauchy(coefficients: &Found<'_, '_>) -> Result<Refraction, SceneError> {
     let (a, b, c) = (list[0], list[1], list.get(2).copied().unwrap_or(0.0));
     let glass = Glass::Cauchy { a, b, c };
     check(&glass, coefficients, "wants B in µm² and C in µm⁴")?;
-    Ok(Refraction::Own(glass))
+    Ok(Refraction::Glass(glass))
 }
 
 fn sellmeier(strengths: &Found<'_, '_>, resonances: &Found<'_, '_>) -> Result<Refraction, SceneError> {
@@ -70,7 +70,7 @@ fn sellmeier(strengths: &Found<'_, '_>, resonances: &Found<'_, '_>) -> Result<Re
     c[..terms].copy_from_slice(resonances.list());
     let glass = Glass::Sellmeier { b, c };
     check(&glass, resonances, "wants squares of wavelengths, in µm²")?;
-    Ok(Refraction::Own(glass))
+    Ok(Refraction::Glass(glass))
 }
 
 /// Refuses a glass whose index leaves the range; `advice` follows the name of `field`.
@@ -88,8 +88,8 @@ pub(super) fn write_refraction(out: &mut Writer<'_, '_>, refraction: &Refraction
             out.number("indexOfRefraction", *index)?;
             out.number("abbe", *abbe)
         }
-        Refraction::Own(Glass::Cauchy { a, b, c }) => out.field("cauchy", Numbers(&[*a, *b, *c])),
-        Refraction::Own(Glass::Sellmeier { b, c }) => {
+        Refraction::Glass(Glass::Cauchy { a, b, c }) => out.field("cauchy", Numbers(&[*a, *b, *c])),
+        Refraction::Glass(Glass::Sellmeier { b, c }) => {
             // Absent terms are not printed.
             let terms = (1..b.len()).rev().find(|i| (b[*i], c[*i]) != (0.0, 0.0)).map_or(1, |last| last + 1);
             out.field("sellmeierB", Numbers(&b[..terms]))?;

@@ -1,4 +1,5 @@
-//! Tables of the scene language: which blocks exist, their fields, units, ranges, defaults and help.
+//! Tables of the scene language: which blocks exist, their fields, units, ranges, defaults and
+//! help.
 //!
 //! The reader checks values by these tables, the writer takes keywords from them, and the reference
 //! part of `docs/scene-language.md` is printed from them.
@@ -12,7 +13,8 @@ use super::text::has_direction;
 /// Largest value that single precision holds.
 const LARGEST: f64 = f32::MAX as f64;
 
-/// Largest coefficient per length: its products with densities and lengths still fit single precision.
+/// Largest coefficient per length: its products with densities and lengths still fit single
+/// precision.
 pub(super) const MAX_COEFFICIENT: f64 = 1e12;
 
 /// Type of the value that follows a field's name.
@@ -69,7 +71,7 @@ pub(super) enum Range {
     Between(f64, f64),
     /// Above the first bound, up to and including the second.
     UpTo(f64, f64),
-    /// As documented by this text; the block's own code checks it.
+    /// Range stated by this text and checked by the reader of the block.
     Special(&'static str),
 }
 
@@ -122,6 +124,15 @@ pub(super) struct Block {
     pub help: &'static str,
     /// True if MIT 6.837 has it too.
     pub course: bool,
+}
+
+/// A block of a table, with the function that reads its fields.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Entry<R: 'static> {
+    /// Keyword, fields and help.
+    pub block: &'static Block,
+    /// Reader of the block.
+    pub read: R,
 }
 
 /// A field named `name` of type `kind`, optional until [`Field::required`] or [`Field::or`].
@@ -298,14 +309,20 @@ impl Block {
     }
 }
 
-/// Returns the block of a keyword or alias.
-pub(super) fn find(blocks: &'static [&'static Block], word: &str) -> Option<&'static Block> {
-    blocks.iter().copied().find(|block| block.is(word))
+/// Returns the entry of a keyword or alias.
+pub(super) fn find<R>(table: &'static [Entry<R>], word: &str) -> Option<&'static Entry<R>> {
+    table.iter().find(|entry| entry.block.is(word))
 }
 
-/// Returns all keywords and aliases of `blocks`, after the words of `before`.
-pub(super) fn keywords(before: &[&'static str], blocks: &'static [&'static Block]) -> Vec<&'static str> {
-    let words = blocks.iter().flat_map(|block| std::iter::once(block.keyword).chain(block.aliases.iter().copied()));
+/// Returns the blocks of a table.
+pub(super) fn blocks<R>(table: &'static [Entry<R>]) -> Vec<&'static Block> {
+    table.iter().map(|entry| entry.block).collect()
+}
+
+/// Returns all keywords and aliases of `table`, after the words of `before`.
+pub(super) fn keywords<R>(before: &[&'static str], table: &'static [Entry<R>]) -> Vec<&'static str> {
+    let blocks = table.iter().map(|entry| entry.block);
+    let words = blocks.flat_map(|block| std::iter::once(block.keyword).chain(block.aliases.iter().copied()));
     before.iter().copied().chain(words).collect()
 }
 

@@ -10,27 +10,30 @@ use super::curves::{BEZIER_CONTROLS, BSPLINE_CONTROLS};
 use super::fields::{Fields, fields};
 use super::lexer::Token;
 use super::reader::Parser;
-use super::schema::{Block, Field, Kind, Range, field, find, keywords};
+use super::schema::{Block, Entry, Field, Kind, Range, field, find, keywords};
 use super::writer::{Numbers, Writer};
 use crate::shape::parametric::MAX_DEGREE;
 
 /// The shapes.
-pub(super) static SHAPES: [&Block; 14] = [
-    &SPHERE,
-    &PLANE,
-    &DISC,
-    &RECTANGLE,
-    &BOX,
-    &CYLINDER,
-    &CONE,
-    &TRIANGLE,
-    &MESH,
-    &REVOLUTION,
-    &BEZIER_CURVE,
-    &BSPLINE_CURVE,
-    &BEZIER_PATCH,
-    &NURBS,
+pub(super) static SHAPES: [Entry<ReadShape>; 14] = [
+    Entry { block: &SPHERE, read: sphere },
+    Entry { block: &PLANE, read: plane },
+    Entry { block: &DISC, read: disc },
+    Entry { block: &RECTANGLE, read: rectangle },
+    Entry { block: &BOX, read: cuboid },
+    Entry { block: &CYLINDER, read: cylinder },
+    Entry { block: &CONE, read: cone },
+    Entry { block: &TRIANGLE, read: triangle },
+    Entry { block: &MESH, read: mesh },
+    Entry { block: &REVOLUTION, read: revolution },
+    Entry { block: &BEZIER_CURVE, read: bezier_curve },
+    Entry { block: &BSPLINE_CURVE, read: bspline_curve },
+    Entry { block: &BEZIER_PATCH, read: patches },
+    Entry { block: &NURBS, read: nurbs },
 ];
+
+/// Reader of the geometry of a shape.
+type ReadShape = fn(&Fields<'_>) -> Result<Shape, SceneError>;
 
 const DEGREE: Range = Range::Within(1.0, MAX_DEGREE as f64);
 
@@ -244,41 +247,61 @@ static NURBS: Block = Block {
 // Not inlined: its callers recurse, and their stack frames must stay small.
 #[inline(never)]
 pub(super) fn shape<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<(Shape, Option<DVec3>), SceneError> {
-    let Some(block) = find(&SHAPES, word.text) else {
+    let Some(entry) = find(&SHAPES, word.text) else {
         return Err(parser.unexpected(word, &keywords(&[], &SHAPES)));
     };
-    let f = &fields(parser, word, block)?;
-    let shape = match block.keyword {
-        "Sphere" => Shape::Sphere { center: f.vector("center")?, radius: f.number("radius")? },
-        "Plane" => Shape::Plane { normal: f.vector("normal")?, offset: f.number("offset")? },
-        "Disc" => Shape::Disc { center: f.vector("center")?, normal: f.vector("normal")?, radius: f.number("radius")? },
-        "Rectangle" => {
-            let (corner, edge0, edge1) = parallelogram(f)?;
-            Shape::Rectangle { corner, edge0, edge1 }
-        }
-        "Box" => {
-            let (min, max) = (f.vector("min")?, f.need("max")?);
-            max.ensure(max.vector().cmpgt(min).all(), "must be above `min` in every coordinate")?;
-            Shape::Box { min, max: max.vector() }
-        }
-        "Cylinder" => {
-            let (ends, capped) = ends(f)?;
-            Shape::Cylinder { ends, radius: f.number("radius")?, capped }
-        }
-        "Cone" => {
-            let (ends, capped) = ends(f)?;
-            Shape::Cone { ends, radii: [f.number("radius")?, f.number("topRadius")?], capped }
-        }
-        "Triangle" => triangle(f)?,
-        "TriangleMesh" => Shape::Mesh { path: f.need("obj_file")?.text(), options: mesh_options(f)? },
-        "RevSurface" => Shape::Revolution { profile: f.need("profile")?.curve() },
-        "BezierPatch" => patches(f)?,
-        "NurbsSurface" => nurbs(f)?,
-        "BezierCurve" => Shape::Curve(f.need("controls")?.curve_of(CurveBasis::Bezier)?),
-        "BsplineCurve" => Shape::Curve(f.need("controls")?.curve_of(CurveBasis::Bspline)?),
-        _ => unreachable!("`{}` is in the table of shapes, but has no reader", block.keyword),
-    };
+    let f = &fields(parser, word, entry.block)?;
+    let shape = (entry.read)(f)?;
     Ok((shape, f.get("emission").map(|emission| emission.vector())))
+}
+
+fn sphere(f: &Fields<'_>) -> Result<Shape, SceneError> {
+    Ok(Shape::Sphere { center: f.vector("center")?, radius: f.number("radius")? })
+}
+
+fn plane(f: &Fields<'_>) -> Result<Shape, SceneError> {
+    Ok(Shape::Plane { normal: f.vector("normal")?, offset: f.number("offset")? })
+}
+
+fn disc(f: &Fields<'_>) -> Result<Shape, SceneError> {
+    Ok(Shape::Disc { center: f.vector("center")?, normal: f.vector("normal")?, radius: f.number("radius")? })
+}
+
+fn rectangle(f: &Fields<'_>) -> Result<Shape, SceneError> {
+    let (corner, edge0, edge1) = parallelogram(f)?;
+    Ok(Shape::Rectangle { corner, edge0, edge1 })
+}
+
+fn cuboid(f: &Fields<'_>) -> Result<Shape, SceneError> {
+    let (min, max) = (f.vector("min")?, f.need("max")?);
+    max.ensure(max.vector().cmpgt(min).all(), "must be above `min` in every coordinate")?;
+    Ok(Shape::Box { min, max: max.vector() })
+}
+
+fn cylinder(f: &Fields<'_>) -> Result<Shape, SceneError> {
+    let (ends, capped) = ends(f)?;
+    Ok(Shape::Cylinder { ends, radius: f.number("radius")?, capped })
+}
+
+fn cone(f: &Fields<'_>) -> Result<Shape, SceneError> {
+    let (ends, capped) = ends(f)?;
+    Ok(Shape::Cone { ends, radii: [f.number("radius")?, f.number("topRadius")?], capped })
+}
+
+fn mesh(f: &Fields<'_>) -> Result<Shape, SceneError> {
+    Ok(Shape::Mesh { path: f.need("obj_file")?.text(), options: mesh_options(f)? })
+}
+
+fn revolution(f: &Fields<'_>) -> Result<Shape, SceneError> {
+    Ok(Shape::Revolution { profile: f.need("profile")?.curve() })
+}
+
+fn bezier_curve(f: &Fields<'_>) -> Result<Shape, SceneError> {
+    Ok(Shape::Curve(f.need("controls")?.curve_of(CurveBasis::Bezier)?))
+}
+
+fn bspline_curve(f: &Fields<'_>) -> Result<Shape, SceneError> {
+    Ok(Shape::Curve(f.need("controls")?.curve_of(CurveBasis::Bspline)?))
 }
 
 /// Returns corner and edges of a parallelogram that has an area.

@@ -59,7 +59,8 @@ pub(super) fn synonym(word: &str, allowed: &[&str]) -> Option<&'static str> {
     SYNONYMS.iter().find(|(other, own)| *other == word && allowed.contains(own)).map(|(_, own)| *own)
 }
 
-/// Returns the candidate nearest to `word`, if at most a third of its letters differ; case does not count.
+/// Returns the candidate nearest to `word`, if at most a third of its letters differ; case does not
+/// count.
 pub(in crate::format) fn nearest<'c>(word: &str, candidates: impl Iterator<Item = &'c str>) -> Option<&'c str> {
     let word: Vec<char> = word.chars().take(LONGEST + 1).flat_map(char::to_lowercase).collect();
     if word.len() > LONGEST {
@@ -76,7 +77,8 @@ pub(in crate::format) fn nearest<'c>(word: &str, candidates: impl Iterator<Item 
         .map(|(.., candidate)| candidate)
 }
 
-/// Returns the fewest letters to add, drop, change or swap with a neighbour (optimal string alignment).
+/// Returns the fewest letters to add, drop, change or swap with a neighbour (optimal string
+/// alignment).
 fn distance(a: &[char], b: &[char]) -> usize {
     let mut before = vec![0; b.len() + 1];
     let mut last: Vec<usize> = (0..=b.len()).collect();

@@ -11,11 +11,20 @@ use super::lexer::Token;
 use super::maps::write_bare_maps;
 use super::names::required_name;
 use super::reader::Parser;
-use super::schema::{Block, Field, Kind, Range, field, find, keywords};
+use super::schema::{Block, Entry, Field, Kind, Range, field, find, keywords};
 use super::writer::Writer;
 
 /// The textures.
-pub(super) static TEXTURES: [&Block; 5] = [&IMAGE, &CHECKER, &NOISE, &MARBLE, &WOOD];
+pub(super) static TEXTURES: [Entry<ReadTexture>; 5] = [
+    Entry { block: &IMAGE, read: image },
+    Entry { block: &CHECKER, read: checker },
+    Entry { block: &NOISE, read: |f| solid(f, Pattern::Noise) },
+    Entry { block: &MARBLE, read: |f| solid(f, Pattern::Marble) },
+    Entry { block: &WOOD, read: |f| solid(f, Pattern::Wood) },
+];
+
+/// Reader of the fields of a texture.
+type ReadTexture = fn(&Fields<'_>) -> Result<TextureKind, SceneError>;
 
 static COORDINATES: [Field; 3] = [
     field("scale", Kind::Pair, Range::NonZero, "factors of u and v").or(&[1.0, 1.0]),
@@ -122,27 +131,27 @@ pub(super) fn textures<'a>(parser: &mut Parser<'a>, block: Token<'a>) -> Result<
 
 /// Reads the fields of a texture.
 fn texture<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<TextureKind, SceneError> {
-    let Some(block) = find(&TEXTURES, word.text) else {
+    let Some(entry) = find(&TEXTURES, word.text) else {
         return Err(parser.unexpected(word, &keywords(&[], &TEXTURES)));
     };
-    let f = &fields(parser, word, block)?;
-    match block.keyword {
-        "Image" => Ok(TextureKind::Image {
-            path: f.need("file")?.text(),
-            encoding: if f.word("encoding")? == "linear" { Encoding::Linear } else { Encoding::Srgb },
-            wrap: match f.word("wrap")? {
-                "clamp" => Wrap::Clamp,
-                "mirror" => Wrap::Mirror,
-                _ => Wrap::Repeat,
-            },
-            coordinates: coordinates(f)?,
-        }),
-        "Checker" => Ok(TextureKind::Checker { colors: colors(f)?, coordinates: coordinates(f)? }),
-        "Noise" => solid(f, Pattern::Noise),
-        "Marble" => solid(f, Pattern::Marble),
-        "Wood" => solid(f, Pattern::Wood),
-        _ => unreachable!("`{}` is in the table of textures, but has no reader", block.keyword),
-    }
+    (entry.read)(&fields(parser, word, entry.block)?)
+}
+
+fn image(f: &Fields<'_>) -> Result<TextureKind, SceneError> {
+    Ok(TextureKind::Image {
+        path: f.need("file")?.text(),
+        encoding: if f.word("encoding")? == "linear" { Encoding::Linear } else { Encoding::Srgb },
+        wrap: match f.word("wrap")? {
+            "clamp" => Wrap::Clamp,
+            "mirror" => Wrap::Mirror,
+            _ => Wrap::Repeat,
+        },
+        coordinates: coordinates(f)?,
+    })
+}
+
+fn checker(f: &Fields<'_>) -> Result<TextureKind, SceneError> {
+    Ok(TextureKind::Checker { colors: colors(f)?, coordinates: coordinates(f)? })
 }
 
 /// Returns a solid pattern.

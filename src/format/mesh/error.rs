@@ -41,7 +41,7 @@ pub enum MeshError {
         byte: usize,
         /// Name and index, from 0, of the vertex, face or other element.
         element: String,
-        /// Message that says what is wrong.
+        /// Description of the defect.
         message: String,
         /// Remedy.
         remedy: &'static str,
@@ -66,7 +66,7 @@ pub enum MeshError {
     Memory {
         /// Path of the file.
         path: PathBuf,
-        /// Bytes that the mesh takes, including those that reading takes.
+        /// Bytes of the mesh and of its reader.
         needed: u64,
         /// Bytes of memory that are free.
         free: u64,
@@ -84,7 +84,7 @@ pub enum MeshError {
     BadMaterial {
         /// Path of the mesh whose material files define it.
         path: PathBuf,
-        /// Message that says what is wrong.
+        /// Description of the defect.
         message: String,
         /// Remedy.
         remedy: &'static str,

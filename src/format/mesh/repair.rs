@@ -59,7 +59,7 @@ impl TriangleMesh {
         done
     }
 
-    /// Triangles without area, except those that close a surface.
+    /// Degenerate triangles, except triangles that close a surface.
     ///
     /// If a corner of one triangle lies on another's edge, a degenerate triangle fills the gap
     /// between them.

@@ -21,7 +21,7 @@ fn a_byte_order_mark_is_skipped() {
 }
 
 #[test]
-fn every_known_line_is_read() {
+fn every_supported_mtl_line_is_read() {
     let text = "Ka 1 1 1\n Kd .1 .2 .3 # red\nKs 0.5\nKe 1 2 3\r\nTf .9 .8 .7\nNs 20\nNi 1.5\nTr .25\nillum 2\n\
                 map_Kd -s 2 2 -o .5 -clamp on pictures\\a b.png\nmap_bump x\nunknown 1\n";
     let v = DVec3::new;
@@ -47,7 +47,7 @@ fn every_known_line_is_read() {
 }
 
 #[test]
-fn unsound_lines_are_named() {
+fn invalid_lines_are_reported() {
     for (line, message) in [
         ("Kd 1 2", "`Kd` holds no RGB colour"),
         ("Kd", "`Kd` holds no RGB colour"),
@@ -77,7 +77,7 @@ fn unsound_lines_are_named() {
 }
 
 #[test]
-fn materials_become_those_of_the_scene_language() {
+fn mtl_materials_become_scene_materials() {
     let phong = |kd: f64, ks: f64, shininess| MaterialKind::Phong {
         diffuse: DVec3::splat(kd).into(),
         specular: DVec3::splat(ks).into(),

@@ -39,13 +39,16 @@ pub(super) fn camera(description: &Description, source: &Source) -> Result<Camer
     camera.map_err(|e| SceneError::at(source, described.span, e.to_string(), "this camera", "give another `up`"))
 }
 
-/// Greatest error of a direction in single precision, in rad: half an ulp below 1 in each component, so √3 · 2⁻²⁵.
+/// Greatest error of a direction in single precision, in rad: half an ulp below 1 in each
+/// component, so √3 · 2⁻²⁵.
 const ERROR: f64 = 1.0 / 16_777_216.0;
 
-/// Tangent of the angle from picture center to corner at which that error moves the corner by 1/256 of the distance.
+/// Tangent of the angle from picture center to corner at which that error moves the corner by 1/256
+/// of the distance.
 const WIDEST: f64 = 65_536.0;
 
-/// Refuses an angle at which single precision cannot distinguish pixels; the error is message and remedy.
+/// Refuses an angle at which single precision cannot distinguish pixels; the error is message and
+/// remedy.
 fn check_angle(angle: f64, (width, height): (u32, u32)) -> Result<(), (String, &'static str)> {
     let (width, height) = (f64::from(width), f64::from(height));
     let pixel = 2.0 * libm::tan(0.5 * angle.to_radians()) / height;

@@ -85,14 +85,13 @@ fn make_environment(
     span: Span,
 ) -> Result<EnvironmentLight, SceneError> {
     match described {
-        EnvironmentRadiance::Constant(radiance) => EnvironmentLight::constant(rgb(*radiance)).map_err(|e| {
-            super::shapes::refuse(r, span, &e.to_string(), "give a radiance that single precision can hold")
-        }),
+        EnvironmentRadiance::Constant(radiance) => EnvironmentLight::constant(rgb(*radiance))
+            .map_err(|e| r.refuse(span, &e.to_string(), "give a radiance that single precision can hold")),
         EnvironmentRadiance::Picture { path, scale, rotate } => {
             let file = r.file("picture", path)?;
             let map = r.read_picture(path, &file, Meaning::Light)?;
             EnvironmentLight::new(map, rotate.to_radians(), Rgb::splat(*scale as f32))
-                .map_err(|e| r.bad_file(path, &e, "mend the picture, or scale it less"))
+                .map_err(|e| r.bad_file(path, &e, "repair the picture, or scale it less"))
         }
     }
 }
@@ -131,7 +130,8 @@ fn oriented(
     Ok(OrientedSource { position, direction, up, pattern })
 }
 
-/// Pairs of angle \[degrees] and intensity, one per line; `#` starts a comment. `None` if the table is invalid.
+/// Pairs of angle \[degrees] and intensity, one per line; `#` starts a comment. `None` if the table
+/// is invalid.
 fn profile(text: &str) -> Option<Vec<(f64, f64)>> {
     let lines = text.lines().map(|line| line.split('#').next().unwrap_or_default().trim());
     let pair = |line: &str| {

@@ -83,7 +83,7 @@ impl Resolver<'_> {
             Refraction::Index(index) => return Ok((*index as f32, None)),
             Refraction::Named(name) => self.glass_named(name)?,
             Refraction::Abbe { index, abbe } => Glass::of_abbe(*index, *abbe),
-            Refraction::Own(glass) => *glass,
+            Refraction::Glass(glass) => *glass,
         };
         Ok((glass.index_d(), Some(self.builder.glass(glass))))
     }

@@ -3,7 +3,7 @@
 use super::{Resolver, rgb};
 use crate::color::Rgb;
 use crate::format::description::{
-    self, Coefficients, Density, Extent, Light, Map, Material, MaterialKind, Medium as Described, Span, Spanned,
+    self, Coefficients, Density, Extent, Map, Material, MaterialKind, Medium as Described, Span, Spanned,
 };
 use crate::format::{SceneError, grid};
 use crate::medium::{Cloud, GridDensity, GridDensityError, Medium, PhaseFunction};
@@ -43,12 +43,12 @@ fn make_medium(r: &Resolver<'_>, described: &Spanned<Described>) -> Result<Mediu
 
 fn make_density(r: &Resolver<'_>, described: &Spanned<Described>) -> Result<Option<GridDensity>, SceneError> {
     let help = "give a box with an extent, and fewer cells if memory does not suffice";
-    let refuse = |e: GridDensityError| super::shapes::refuse(r, described.span, &e.to_string(), help);
+    let refuse = |e: GridDensityError| r.refuse(described.span, &e.to_string(), help);
     let field = match &described.density {
         Density::Even => return Ok(None),
         Density::Grid { path, scale, extent } => {
             let file = r.file("grid", path)?;
-            let help = "mend the grid or name another; the grid format is described in docs/scene-language.md";
+            let help = "repair the grid or name another; the grid format is described in docs/scene-language.md";
             let read = grid::read_within(&file, r.memory.free());
             let mut grid =
                 read.map_err(|e| r.refuse_file(path, &e, matches!(e, grid::GridError::NoMemory { .. }), help))?;
@@ -75,7 +75,7 @@ fn make_density(r: &Resolver<'_>, described: &Spanned<Described>) -> Result<Opti
             if let Some(free) = r.memory.free().filter(|free| needed > *free) {
                 let message = format!("the cloud takes {} of memory, and {} are free", bytes(needed), bytes(free));
                 let help = "choose a smaller `resolution`, or let the scene have more memory (--memory)";
-                return Err(super::shapes::refuse(r, described.span, &message, help).exhausting());
+                return Err(r.refuse(described.span, &message, help).exhausting());
             }
             let density = cloud.density(1.0 / f64::from(*resolution));
             GridDensity::from_fn(size, placement(extent), density).map_err(refuse)?
@@ -101,14 +101,12 @@ pub(super) fn fill_background(r: &mut Resolver<'_>) -> Result<(), SceneError> {
         return refuse("it emits without absorbing, so it is infinitely bright", help);
     }
     if extinction != Rgb::ZERO
-        && let Some(light) = r.description.lights.iter().find_map(from_infinity)
+        && let Some(light) = r.description.lights.iter().find(|light| light.is_infinite())
     {
-        let message = format!(
-            "how much light from infinity arrives would hang on where `{}` ends, which fills the scene",
-            name.value
-        );
+        let message =
+            format!("the medium `{}` fills the scene and absorbs or scatters all light from infinity", name.value);
         let help = "leave the light out, or put the medium into a shape of a material `Clear { medium … }`";
-        return Err(super::shapes::refuse(r, light, &message, help));
+        return Err(r.refuse(light.span, &message, help));
     }
     r.builder.ambient_medium(index);
     Ok(())
@@ -145,7 +143,7 @@ pub(super) fn check_clear(r: &Resolver<'_>, radiance: Rgb, span: Span) -> Result
         return Ok(());
     }
     let help = "give `emission` to its medium, or the object another material";
-    Err(super::shapes::refuse(r, span, "what is `Clear` has no surface that could emit light", help))
+    Err(r.refuse(span, "what is `Clear` has no surface that could emit light", help))
 }
 
 fn known_medium(r: &Resolver<'_>, name: &Spanned<String>) -> Result<(u32, Medium), SceneError> {
@@ -166,18 +164,4 @@ fn cells(extent: &Extent, resolution: u32) -> [u32; 3] {
     let sides = extent.max - extent.min;
     let count = |side: f64| (f64::from(resolution) * (side / sides.max_element())).ceil().max(2.0) as u32;
     DVec3::to_array(&sides).map(count)
-}
-
-/// Returns the span of a light if it comes from infinity.
-fn from_infinity(light: &Spanned<Light>) -> Option<Span> {
-    match &light.value {
-        Light::Directional { .. } | Light::Environment(_) => Some(light.span),
-        Light::Moving { light, .. } => from_infinity(light),
-        Light::Point { .. }
-        | Light::Spot { .. }
-        | Light::Oriented { .. }
-        | Light::Sphere { .. }
-        | Light::Disc { .. }
-        | Light::Rectangle { .. } => None,
-    }
 }

@@ -1,15 +1,14 @@
 //! Adds meshes from files: each file is read once, smoothed on request, and split by material.
 
-use super::shapes::Instanced;
+use super::placement::{Instanced, Placing, place_instance, place_mesh, set_mapping, set_texcoords};
 use super::textures::TextureNeeds;
 use super::{Resolver, rgb};
 use crate::color::Rgb;
 use crate::format::SceneError;
-use crate::format::description::{Emission, Material, MaterialKind, MeshOptions, Span, Spanned};
+use crate::format::description::{Emission, Material, MaterialKind, MeshOptions, Spanned};
 use crate::format::mesh::{self, Loaded, MeshError, NO_MATERIAL, TriangleMesh};
 use crate::format::mtl;
-use crate::math::{Motion, Transform};
-use crate::shape::Form;
+use crate::shape::MappingKind;
 use crate::stats::bytes;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
@@ -17,7 +16,7 @@ use std::rc::Rc;
 /// Copies of a mesh share its triangles if that saves at least this many.
 const WORTH_SHARING: usize = 50_000;
 
-const MEND: &str = "mend the mesh or name another";
+const REPAIR: &str = "repair the mesh or name another";
 
 /// Bytes per placed triangle while its hierarchy is built, including its share of vertices.
 ///
@@ -27,25 +26,6 @@ const PER_TRIANGLE: u64 = 500;
 /// A file with the options of its use; the smoothing angle as its bits.
 pub(super) type Key = (PathBuf, bool, bool, Option<u64>);
 
-/// Emission of an object.
-pub(super) struct EmissionOverride {
-    /// Radiance in W/(m² sr); the mean of a texture.
-    pub radiance: Rgb,
-    /// True if the object states the radiance, rather than its material.
-    pub told: bool,
-    /// Texture of the radiance, and the factor of its values.
-    pub glow: Option<(u32, Rgb)>,
-}
-
-/// Placement of a mesh.
-pub(super) struct Placing<'p> {
-    pub to_world: &'p Motion,
-    /// Map to the world when the shutter opens.
-    pub map: &'p Transform,
-    pub span: Span,
-    pub shine: &'p EmissionOverride,
-}
-
 /// Parts of a mesh, one for each material.
 pub(super) struct Pieces {
     list: Vec<Piece>,
@@ -54,12 +34,12 @@ pub(super) struct Pieces {
 struct Piece {
     mesh: Rc<TriangleMesh>,
     /// The file's own material; `None` for the scene's.
-    own: Option<Own>,
+    own: Option<FileMaterial>,
 }
 
 /// A material of a mesh file.
 #[derive(Clone, Debug)]
-pub(super) struct Own {
+pub(super) struct FileMaterial {
     name: Rc<str>,
     index: u32,
     emission: Rgb,
@@ -77,14 +57,14 @@ pub(super) fn add_mesh(
     let in_force = r.material;
     for Piece { mesh, own } in &pieces.list {
         let emission = match own {
-            Some(own) if !placing.shine.told => own.emission,
-            _ => placing.shine.radiance,
+            Some(own) if !placing.emission.of_object => own.emission,
+            _ => placing.emission.radiance,
         };
         r.material = own.as_ref().map_or(in_force, |own| own.index);
         let name = own.as_ref().map(|own| &*own.name);
         r.check_coordinates(mesh.texcoords.is_some(), path, name)?;
         add_piece(r, path, placing, mesh, again, emission)?;
-        if let (Some((texture, scale)), None) = (placing.shine.glow, own) {
+        if let (Some((texture, scale)), None) = (placing.emission.texture, own) {
             r.builder.emission_texture(texture, scale);
         }
     }
@@ -114,12 +94,12 @@ fn add_piece(
             .entry(Rc::as_ptr(mesh))
             .or_insert_with(|| Rc::new(Instanced::new(&mesh.positions, normals, texcoords, &mesh.triangles)));
         let instance = Rc::clone(instance);
-        super::shapes::place_instance(r, &instance, placing.to_world, placing.map, placing.span, emission)?;
+        place_instance(r, &instance, placing.to_world, placing.map, placing.span, emission)?;
     } else {
-        super::shapes::place_mesh(r, placing.map, &mesh.positions, normals, &mesh.triangles, emission);
-        super::shapes::set_texcoords(r, texcoords);
+        place_mesh(r, placing.map, &mesh.positions, normals, &mesh.triangles, emission);
+        set_texcoords(r, texcoords);
     }
-    super::shapes::set_mapping(r, Form::Uv, placing.to_world);
+    set_mapping(r, MappingKind::Uv, placing.to_world);
     Ok(())
 }
 
@@ -149,7 +129,7 @@ fn mesh_pieces(r: &mut Resolver<'_>, path: &Spanned<String>, options: MeshOption
         Some(mesh) => Ok(Loaded { mesh: (**mesh).clone(), ..Loaded::default() }),
         None => mesh::load_within(&file, r.monitor, r.memory.free()),
     };
-    let mut loaded = loaded.map_err(|e| r.refuse_file(path, &e, matches!(e, MeshError::Memory { .. }), MEND))?;
+    let mut loaded = loaded.map_err(|e| r.refuse_file(path, &e, matches!(e, MeshError::Memory { .. }), REPAIR))?;
     if no_normals {
         loaded.mesh.normals = None;
     }
@@ -177,16 +157,16 @@ fn mesh_materials(
     path: &Spanned<String>,
     file: &Path,
     loaded: &Loaded,
-) -> Result<Rc<Vec<Own>>, SceneError> {
+) -> Result<Rc<Vec<FileMaterial>>, SceneError> {
     if let Some(own) = r.own_materials.get(file) {
         return Ok(own.clone());
     }
     let library = mtl::of_mesh(file, loaded, r.memory.free());
-    let library = library.map_err(|e| r.refuse_file(path, &e, matches!(e, MeshError::Memory { .. }), MEND))?;
+    let library = library.map_err(|e| r.refuse_file(path, &e, matches!(e, MeshError::Memory { .. }), REPAIR))?;
     let mut own = Vec::with_capacity(library.len());
     for found in library {
         let bad = |(message, remedy)| MeshError::BadMaterial { path: file.into(), message, remedy };
-        let meaning = found.meaning().map_err(|e| r.bad_file(path, &bad(e), MEND))?;
+        let meaning = found.meaning().map_err(|e| r.bad_file(path, &bad(e), REPAIR))?;
         own.push(own_material(r, path, meaning)?);
     }
     let own = Rc::new(own);
@@ -195,7 +175,11 @@ fn mesh_materials(
 }
 
 /// Adds a material of a mesh file; errors have the position of the mesh's path.
-fn own_material(r: &mut Resolver<'_>, path: &Spanned<String>, mut meaning: Material) -> Result<Own, SceneError> {
+fn own_material(
+    r: &mut Resolver<'_>,
+    path: &Spanned<String>,
+    mut meaning: Material,
+) -> Result<FileMaterial, SceneError> {
     if let MaterialKind::Phong { texture: Some(picture), .. } = &mut meaning.kind {
         picture.span = path.span;
     }
@@ -209,5 +193,5 @@ fn own_material(r: &mut Resolver<'_>, path: &Spanned<String>, mut meaning: Mater
         Some(Emission::Radiance(radiance)) => rgb(radiance),
         _ => Rgb::ZERO,
     };
-    Ok(Own { name: meaning.name.unwrap_or_default().into(), index, emission })
+    Ok(FileMaterial { name: meaning.name.unwrap_or_default().into(), index, emission })
 }

@@ -5,6 +5,7 @@ mod lights;
 mod materials;
 mod media;
 mod meshes;
+mod placement;
 mod shapes;
 #[cfg(test)]
 mod tests;
@@ -21,25 +22,28 @@ use crate::medium::Medium;
 use crate::scene::{Scene, SceneBuilder};
 use crate::stats::Memory;
 use glam::{DAffine3, DVec3};
-use meshes::EmissionOverride;
-use shapes::Instanced;
+use placement::EmissionOverride;
+use placement::Instanced;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use textures::{Known, TextureNeeds};
 
-/// Returns the scene of a description. Meshes, pictures and grids are looked up in `folder`, then in its parent.
+/// Returns the scene of a description. Meshes, pictures and grids are looked up in `folder`, then
+/// in its parent.
 ///
 /// # Errors
-/// [`SceneError`] with the position in `source`: a mesh, picture or grid that is missing or broken, an unknown metal or
-/// glass, a singular product of transforms, an object that cannot emit, a medium that cannot fill its body.
+/// [`SceneError`] with the position in `source`: a mesh, picture or grid that is missing or broken,
+/// an unknown metal or glass, a singular product of transforms, an object that cannot emit, a
+/// medium that cannot fill its body.
 pub fn resolve(description: &Description, source: &Source, folder: &Path) -> Result<Scene, SceneError> {
     resolve_watched(description, source, folder, &(), Memory::Unbounded)
 }
 
 /// Like [`resolve`], within `memory`; `monitor` receives the progress of reading meshes.
 ///
-/// Pictures, grids, and meshes with their hierarchies are refused before they exceed the memory limit.
+/// Pictures, grids, and meshes with their hierarchies are refused before they exceed the memory
+/// limit.
 ///
 /// # Errors
 /// [`SceneError`], as for [`resolve`], or [for lack of memory](SceneError::exhausts_memory).
@@ -129,7 +133,7 @@ struct Resolver<'a> {
     /// Meshes that were read, by file and options.
     meshes: HashMap<meshes::Key, Rc<meshes::Pieces>>,
     /// Materials of mesh files, in the order in which the meshes name them.
-    own_materials: HashMap<PathBuf, Rc<Vec<meshes::Own>>>,
+    own_materials: HashMap<PathBuf, Rc<Vec<meshes::FileMaterial>>>,
     /// Number of objects that name each mesh path.
     uses: HashMap<&'a str, usize>,
     /// Shared copies, by mesh.
@@ -205,7 +209,7 @@ impl Resolver<'_> {
             }
             Object::Shape { shape, emission } => {
                 let own = self.description.materials.get(self.material as usize).and_then(|m| m.emission.as_ref());
-                let (radiance, glow) = match (emission, own) {
+                let (radiance, texture) = match (emission, own) {
                     (Some(emission), _) | (None, Some(Emission::Radiance(emission))) => (rgb(*emission), None),
                     (None, Some(Emission::Texture { name, scale })) => {
                         let known = self.known(name, &(0.0..=f32::MAX))?;
@@ -216,8 +220,8 @@ impl Resolver<'_> {
                 };
                 self.check_radiance(radiance, object.span)?;
                 media::check_clear(self, radiance, object.span)?;
-                let shine = EmissionOverride { radiance, told: emission.is_some(), glow };
-                shapes::add_shape(self, shape, object.span, to_world, &shine)
+                let emission = EmissionOverride { radiance, of_object: emission.is_some(), texture };
+                shapes::add_shape(self, shape, object.span, to_world, &emission)
             }
         }
     }
@@ -228,7 +232,12 @@ impl Resolver<'_> {
             return Ok(());
         }
         let help = "let it emit less, or choose other units";
-        Err(shapes::refuse(self, span, "its radiance is above 3.4e38, which single precision holds", help))
+        Err(self.refuse(span, "its radiance is above 3.4e38, which single precision holds", help))
+    }
+
+    /// Returns an error at `span`.
+    fn refuse(&self, span: Span, message: &str, help: &str) -> SceneError {
+        SceneError::at(self.source, span, message, "here", help)
     }
 
     fn transform(&self, to_world: DAffine3, span: Span) -> Result<Transform, SceneError> {

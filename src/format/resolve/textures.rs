@@ -54,7 +54,7 @@ impl<'a> Resolver<'a> {
                 TextureKind::Solid { pattern, colors, octaves, frequency, amplitude, maps } => {
                     let help = "no scale may be zero, and no axis of a matrix may be a mix of the others";
                     let to_object = Transform::new(Map::product(maps))
-                        .map_err(|e| super::shapes::refuse(self, texture.span, &e.to_string(), help))?;
+                        .map_err(|e| self.refuse(texture.span, &e.to_string(), help))?;
                     let solid = Solid {
                         kind: match pattern {
                             Pattern::Noise => SolidKind::Noise,
@@ -96,11 +96,6 @@ impl<'a> Resolver<'a> {
                 Encoding::Linear => Meaning::Numbers,
             },
         )?;
-        let wrap = match wrap {
-            Wrap::Repeat => texture::Wrap::Repeat,
-            Wrap::Clamp => texture::Wrap::Clamp,
-            Wrap::Mirror => texture::Wrap::Mirror,
-        };
         let picture = Picture::new(&image, wrap)
             .map_err(|e| self.bad_file(path, &e, "a texture's values must be finite and not negative"))?;
         Ok(self.add(Texture::Picture(picture, uv_map(&coordinates)), encoding == Encoding::Srgb))
@@ -112,7 +107,7 @@ impl<'a> Resolver<'a> {
         file: &Path,
         meaning: Meaning,
     ) -> Result<Image, SceneError> {
-        let help = "mend the picture or name another: PNG, OpenEXR or Radiance HDR";
+        let help = "repair the picture or name another: PNG, OpenEXR or Radiance HDR";
         if let Some(picture) = self.assets.pictures.get(path.as_str()) {
             return Ok((**picture).clone());
         }

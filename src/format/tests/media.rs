@@ -61,7 +61,7 @@ pub fn media() -> impl Strategy<Value = Vec<Spanned<Medium>>> {
     })
 }
 
-/// Fills bodies with `media`, and makes some of those that are named nowhere else `Clear`.
+/// Fills bodies with `media`, and makes some otherwise unused ones `Clear`.
 pub fn fill(materials: &mut [Spanned<Material>], media: &[Spanned<Medium>], fills: &[Option<prop::sample::Index>]) {
     let parts: Vec<String> = materials
         .iter()

@@ -1,4 +1,5 @@
-//! Tests of the whole language: scenes of the course, examples of the reference, random descriptions.
+//! Tests of the whole language: scenes of the course, examples of the reference, random
+//! descriptions.
 
 mod media;
 mod refraction;
@@ -26,7 +27,7 @@ fn examples_of_the_reference_parse_and_print_back() {
 }
 
 #[test]
-fn the_reference_tables_are_those_of_the_program() {
+fn the_reference_tables_match_the_program() {
     let page = include_str!("../../../docs/scene-language.md");
     assert!(super::with_reference(page) == page, "run `cargo run --example scene_language`");
     assert_eq!(page.matches("<!-- reference: ").count(), 7);
@@ -70,7 +71,7 @@ Group {
 }
 
 #[test]
-fn reading_takes_linear_time() {
+fn parsing_takes_linear_time() {
     let time = |n: usize| {
         let body = "Sphere { center 0 0 0 radius 1 }\n".repeat(n);
         let text =
@@ -79,7 +80,8 @@ fn reading_takes_linear_time() {
         assert_eq!(parse("a", &text).unwrap().root.items.len(), n);
         start.elapsed().as_secs_f64()
     };
-    // Forty times the text; the square would be 1600 times the time. The rest is for noise, which other work on the machine adds.
+    // Forty times the text; the square would be 1600 times the time. The rest is for noise, which
+    // other work on the machine adds.
     let least = |n: usize| (0..4).map(|_| time(n)).fold(f64::INFINITY, f64::min);
     let (small, large) = (least(2_000), least(80_000));
     assert!(large < 400.0 * small, "{small} s, then {large} s");

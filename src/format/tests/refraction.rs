@@ -17,6 +17,6 @@ pub fn refraction() -> impl Strategy<Value = Refraction> {
         (1e-3..=1e3).prop_map(Refraction::Index),
         name().prop_map(|name| Refraction::Named(Spanned::new(name, Span::default()))),
         (1.0..=3.0, 9.0..=1e9).prop_map(|(index, abbe)| Refraction::Abbe { index, abbe }),
-        prop_oneof![cauchy, sellmeier].prop_filter("no index", within).prop_map(Refraction::Own),
+        prop_oneof![cauchy, sellmeier].prop_filter("no index", within).prop_map(Refraction::Glass),
     ]
 }

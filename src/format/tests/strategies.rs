@@ -216,7 +216,7 @@ fn relief() -> impl Strategy<Value = NormalPerturbation> {
     ]
 }
 
-/// Textures of these kinds and names, of which no two are alike.
+/// Textures of these kinds and names, all different.
 fn textures(drafts: Vec<(String, TextureKind)>) -> Vec<Spanned<Texture>> {
     let mut textures: Vec<Spanned<Texture>> = Vec::new();
     for (name, kind) in drafts {
@@ -411,7 +411,7 @@ fn name_materials(group: &mut Group, materials: &[Spanned<Material>]) {
 /// Name, look, and the parts of a mix.
 type Outline = (Option<String>, Finish, Option<(prop::sample::Index, prop::sample::Index, Value<f64>)>);
 
-/// Materials of these kinds and names; where a mix is asked for and can be, it takes the place of the kind.
+/// Materials of these kinds and names; a requested mix, if possible, replaces the kind.
 fn materials(drafts: Vec<Outline>, textures: &[Spanned<Texture>]) -> Vec<Spanned<Material>> {
     let mut materials: Vec<Spanned<Material>> = Vec::new();
     let mut names: Vec<(String, Option<usize>)> = Vec::new();

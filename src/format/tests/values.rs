@@ -42,7 +42,7 @@ pub fn share() -> impl Strategy<Value = DVec3> {
     [one.clone(), one.clone(), one].prop_map(DVec3::from_array)
 }
 
-/// A name: bare, quoted, or hard to tell apart.
+/// A name: bare, quoted, or easily confused.
 pub fn name() -> impl Strategy<Value = String> {
     prop_oneof!["[a-z_][a-z0-9_.-]{0,8}", "[a-z/{}\\[\\]#\" \\\\\u{e9}]{1,8}", "//x", "#x", "[^\r\n]{1,8}"]
 }

@@ -3,7 +3,7 @@
 use super::direct::emitter_of;
 use super::*;
 use crate::math::Transform;
-use crate::shape::{Form, Mesh, TextureMapping};
+use crate::shape::{MappingKind, Mesh, TextureMapping};
 use crate::texture::{Checker, Coordinates, Texture};
 use glam::DVec2;
 use std::sync::Arc;
@@ -16,13 +16,13 @@ fn half() -> Arc<Texture> {
     Arc::new(Texture::Checker(Checker { colors }, Coordinates::new(DVec2::new(2.0, 1.0), 0.0, DVec2::ZERO)))
 }
 
-fn glowing(emitter: LightSurface, form: Form) -> Light {
+fn glowing(emitter: LightSurface, kind: MappingKind) -> Light {
     let texture = half();
     let scale = Rgb::splat(BRIGHT);
     let radiance = texture.mean() * scale;
     let glow = Arc::new(super::super::EmissionTexture {
         texture,
-        mapping: TextureMapping::new(form, Transform::IDENTITY),
+        mapping: TextureMapping::new(kind, Transform::IDENTITY),
         scale,
     });
     Light::Area(AreaLight { surface: emitter, radiance, texture: Some(glow) })
@@ -43,8 +43,8 @@ fn lights() -> Vec<(Light, Light)> {
     };
     let even = |emitter| Light::Area(AreaLight::uniform(emitter, Rgb::splat(BRIGHT)));
     vec![
-        (glowing(rectangle(e0), Form::rectangle(corner, e0, e1)), even(rectangle(e0 * 0.5))),
-        (glowing(emitter_of(mesh(2.0)), Form::Uv), even(emitter_of(mesh(1.0)))),
+        (glowing(rectangle(e0), MappingKind::rectangle(corner, e0, e1)), even(rectangle(e0 * 0.5))),
+        (glowing(emitter_of(mesh(2.0)), MappingKind::Uv), even(emitter_of(mesh(1.0)))),
     ]
 }
 

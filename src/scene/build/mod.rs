@@ -19,7 +19,7 @@ use crate::color::{Glass, Rgb};
 use crate::light::EnvironmentLight;
 use crate::math::Motion;
 use crate::medium::Medium;
-use crate::shape::{Form, Plane, Shape, Triangle};
+use crate::shape::{MappingKind, Plane, Shape, Triangle};
 use crate::texture::Texture;
 use cull_index_matched::{cull_index_matched, may_bound_body};
 use glam::{DVec2, DVec3, Vec3};
@@ -137,13 +137,13 @@ impl SceneBuilder {
         self
     }
 
-    /// Maps texture coordinates by `form` onto the object added last, which `to_world` places.
+    /// Maps texture coordinates by `kind` onto the object added last, which `to_world` places.
     ///
-    /// Solid textures are evaluated in the space of the form. Without a mapping, texture
+    /// Solid textures are evaluated in the space of the mapping. Without a mapping, texture
     /// coordinates are the object's own parameters, and the space of solid textures is the world.
-    pub fn mapping(&mut self, form: Form, to_world: &Motion) -> &mut Self {
+    pub fn mapping(&mut self, kind: MappingKind, to_world: &Motion) -> &mut Self {
         if let Some(object) = self.objects.last_mut() {
-            object.mapping = Some((form, to_world.clone()));
+            object.mapping = Some((kind, to_world.clone()));
         }
         self
     }

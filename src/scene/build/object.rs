@@ -2,7 +2,7 @@
 
 use crate::color::Rgb;
 use crate::math::Motion;
-use crate::shape::{Form, Mesh, Plane, Shape, Triangle};
+use crate::shape::{MappingKind, Mesh, Plane, Shape, Triangle};
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use std::ops::Range;
 
@@ -21,8 +21,8 @@ pub(super) struct Object {
     pub emission: Rgb,
     /// Index of the texture that the emission follows, and its scale \[W/(m² sr)].
     pub emission_texture: Option<(u32, Rgb)>,
-    /// Form of the texture mapping, and the motion of its space to the world.
-    pub mapping: Option<(Form, Motion)>,
+    /// Kind of the texture mapping, and the motion of its space to the world.
+    pub mapping: Option<(MappingKind, Motion)>,
 }
 
 /// The geometry of an object.

@@ -100,7 +100,7 @@ fn absent_fields_take_their_defaults() {
 }
 
 #[test]
-fn the_last_group_wins() {
+fn the_last_group_replaces_earlier_ones() {
     let d = scene("Group { Sphere { center 0 0 0 radius 1 } } Group { }").unwrap();
     assert!(d.root.items.is_empty());
     let d = scene("Lights { PointLight { position 0 0 0 power 1 1 1 } } Lights { } Group { }").unwrap();
@@ -317,7 +317,7 @@ fn unknown_materials_are_refused() {
 }
 
 #[test]
-fn an_open_block_is_shown_where_it_opens() {
+fn an_unclosed_block_is_reported_where_it_opens() {
     for body in [
         "‹Group› {",
         "Group { ‹Sphere›",
@@ -444,7 +444,7 @@ fn at_most_twenty_errors_are_reported() {
 }
 
 #[test]
-fn words_of_other_renderers_are_translated() {
+fn keywords_of_other_renderers_get_a_suggestion() {
     refused("Lights { ‹SunLight› { } }", "unexpected `SunLight`", "write `DirectionalLight`");
     refused("Lights { ‹DistantLight› { } }", "unexpected `DistantLight`", "write `DirectionalLight`");
     refused("Materials { Dielectric { ‹ior› 1.5 } }", "unexpected `ior`", "write `indexOfRefraction`");

@@ -102,7 +102,7 @@ fn mixes_nest_up_to_a_depth() {
 }
 
 #[test]
-fn a_mix_holds_one_body_at_most() {
+fn a_mix_has_at_most_one_dielectric() {
     let bodies = "Dielectric g { } Dielectric w { } Mirror a { } Mix ga { first g second a amount .5 }";
     materials(&format!("{bodies} Mix {{ first ga second g amount .5 }} Mix {{ first a second w amount .5 }}"));
     let mix = |second: &str| format!("{bodies} Mix {{ second {second} first ga amount 0 }}");

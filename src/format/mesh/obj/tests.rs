@@ -23,7 +23,7 @@ fn refused(text: &str, message: &str) {
 }
 
 #[test]
-fn polygons_become_fans() {
+fn polygons_are_triangulated_as_fans() {
     let mesh = faces("f 1 2 3 4");
     assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3]]);
     assert_eq!(mesh.positions[2], DVec3::new(1.0, 1.0, 0.0));
@@ -40,7 +40,7 @@ fn a_byte_order_mark_is_skipped() {
 }
 
 #[test]
-fn what_is_not_a_face_is_passed_over() {
+fn unsupported_obj_statements_are_skipped() {
     let odd = "mtllib none.mtl\n# C:\\\no \u{fffd}\ng a b\ns off\nl 1 2\np 1\ncurv 0 1 2\nvp 1\n";
     assert_eq!(faces(&format!("{odd}f 1 2 3\n{odd}f 1 3 4")), faces("f 1 2 3\nf 1 3 4"));
     // A weight and a colour.
@@ -49,7 +49,7 @@ fn what_is_not_a_face_is_passed_over() {
 }
 
 #[test]
-fn vertices_are_shared_where_every_bit_agrees() {
+fn only_bitwise_equal_vertices_are_merged() {
     let again = "v 0 0 0\nv 1 1 0\nv -0 0 0\n";
     assert_eq!(faces(&format!("{again}f 1 2 3\nf 5 6 4")).positions.len(), 4);
     assert_eq!(faces(&format!("{again}f 1 2 3\ng b\nf 5 6 4")).positions.len(), 4);
@@ -61,7 +61,7 @@ fn vertices_are_shared_where_every_bit_agrees() {
 }
 
 #[test]
-fn normals_stay_with_their_vertices() {
+fn normals_stay_with_their_faces() {
     // `tobj` alone would give the last face's normals to the first face's vertices.
     let mesh = faces("vn 0 0 2\nf 1 2 3\nf 1//1 3//1 4//1");
     let normals = mesh.normals.unwrap();
@@ -71,7 +71,7 @@ fn normals_stay_with_their_vertices() {
 }
 
 #[test]
-fn normals_without_length_leave_the_face_flat() {
+fn zero_length_normals_make_faces_flat() {
     let normals = "vn 0 0 1\nvn 0 0 0\nvn 1e-200 0 0\nvn 1e300 0 0\n";
     assert_eq!(faces(&format!("{normals}f 1//1 2//2 3//1\nf 1//1 3//3 4//1\nf 1//4 2//1 4//1")).normals, None);
     let mesh = faces(&format!("{normals}f 1//1 2//1 3//1\nf 1//1 3//2 4//1"));
@@ -90,7 +90,7 @@ fn texture_coordinates_are_read() {
 }
 
 #[test]
-fn unsound_lines_are_named() {
+fn invalid_lines_are_reported() {
     let remedy = "indices count from 1, or from -1 backwards";
     refused("f 1 2 5", "a.obj:5: `5` names no vertex (4 stand before it)");
     refused("f 1 2 5", remedy);
@@ -126,7 +126,7 @@ fn a_file_without_faces_is_refused() {
 }
 
 #[test]
-fn faces_are_made_of_the_material_last_named() {
+fn usemtl_sets_the_material_of_later_faces() {
     let text = "mtllib a.mtl\nf 1 2 3\nusemtl red paint\nf 1 2 3\nusemtl b\nusemtl c#1\nf 1 2 3\nf 1 3 4\nusemtl red paint\n\
                 f -1 -2 -3\nusemtl\nf 1 2 3\nmtllib b.mtl c.mtl\n";
     let loaded = super::read(Path::new("a.obj"), format!("{SQUARE}{text}").into(), &(), None).unwrap();
@@ -139,7 +139,7 @@ fn faces_are_made_of_the_material_last_named() {
 }
 
 #[test]
-fn chunks_of_a_large_file_join_without_a_seam() {
+fn chunks_of_a_large_file_join_exactly() {
     let row = |i: usize, name: &str| format!("usemtl {name}\nv {i} 0 0\nv {i} 1 0\nv {i}.5 0 1\nf -3 -2 \\\n -1\n");
     // Chunks of 4 MB each; a material continues into the next chunk.
     let n = 200_000;
@@ -156,7 +156,7 @@ fn chunks_of_a_large_file_join_without_a_seam() {
 }
 
 #[test]
-fn files_are_named_when_they_cannot_be_read() {
+fn unreadable_files_are_reported_by_path() {
     let folder = tempfile::tempdir().unwrap();
     let missing = load(&folder.path().join("none.obj")).unwrap_err();
     assert!(matches!(missing, MeshError::Missing { .. }) && missing.to_string().contains("none.obj"));

@@ -27,7 +27,7 @@ fn refused(bytes: &[u8], message: &str) {
 const SQUARE: &str = "0 0 0\n1 0 0\n1 1 0\n0 1 0\n";
 
 #[test]
-fn polygons_become_fans() {
+fn polygons_are_triangulated_as_fans() {
     let mesh = ascii(4, 2, &format!("{SQUARE}4 0 1 2 3\n3 0 2 3\n")).unwrap();
     assert_eq!(mesh.triangles, [[0, 1, 2], [0, 2, 3], [0, 2, 3]]);
     assert_eq!(mesh.positions[2], DVec3::new(1.0, 1.0, 0.0));
@@ -36,7 +36,7 @@ fn polygons_become_fans() {
 }
 
 #[test]
-fn numbers_of_every_type_are_read_from_either_end() {
+fn every_number_type_is_read_in_both_endians() {
     let types: [(&str, &[u8]); 16] = [
         ("char", &[3]),
         ("int8", &[3]),
@@ -101,7 +101,7 @@ fn numbers_of_every_type_are_read_from_either_end() {
 }
 
 #[test]
-fn normals_and_texture_coordinates_go_by_their_names() {
+fn normals_and_texcoords_are_found_by_property_name() {
     for (s, t) in [("s", "t"), ("u", "v"), ("texture_u", "texture_v"), ("texture_s", "texture_t")] {
         let text = format!(
             "ply\r\nformat ascii 1.0\r\ncomment end_header\r\nobj_info x\r\nelement vertex 3\r\nproperty double {t}\r\n\
@@ -121,7 +121,7 @@ fn normals_and_texture_coordinates_go_by_their_names() {
 }
 
 #[test]
-fn faces_may_stand_before_vertices() {
+fn faces_may_precede_vertices() {
     let text = format!(
         "ply\nformat ascii 1.0\nelement face 1\n{FACE}element empty 18446744073709551615\nelement vertex 3\n{VERTEX}end_header\n\
          3 0 1 2 0 0 0 1 0 0 0 1 0"
@@ -130,7 +130,7 @@ fn faces_may_stand_before_vertices() {
 }
 
 #[test]
-fn headers_that_cannot_be_are_named_by_line() {
+fn invalid_headers_are_reported_by_line() {
     let with = |line: &str| format!("ply\nformat ascii 1.0\n{line}\nend_header\n");
     for (line, message) in [
         ("element vertex -1", "a.ply:3: `-1` is no count"),
@@ -158,7 +158,7 @@ fn headers_that_cannot_be_are_named_by_line() {
 }
 
 #[test]
-fn counts_are_not_believed() {
+fn oversized_counts_are_refused() {
     for count in ["4", "4294967295", "18446744073709551615"] {
         for encoding in ["ascii", "binary_little_endian", "binary_big_endian"] {
             let body = if encoding == "ascii" { "0 0 0 1 0 0 0 1 0 3 0 1 2".as_bytes() } else { &[0; 49] };
@@ -184,7 +184,7 @@ fn counts_are_not_believed() {
 }
 
 #[test]
-fn bodies_that_cannot_be_are_named_by_place() {
+fn invalid_bodies_are_reported_with_position() {
     let ascii = |body: &str| format!("{}{body}", header("ascii", 4, 1));
     for (body, message) in [
         ("0 0 0\n1 0 nan\n0 0 0\n0 0 0\n3 0 1 2", "a.ply:11: `z` is NaN"),
@@ -240,14 +240,14 @@ fn byte_order_marks_are_skipped() {
 }
 
 #[test]
-fn bytes_that_are_no_text_are_refused() {
+fn non_utf8_bytes_are_refused() {
     let bytes = [header("ascii", 3, 1).as_bytes(), b"0 0 0 1 0 0 0 1 0 3 0 \xff 2"].concat();
     refused(&bytes, "a.ply:10: there are bytes here that are no text");
 }
 
 proptest::proptest! {
     #[test]
-    fn no_bytes_make_the_reader_panic(
+    fn the_reader_never_panics(
         words in proptest::collection::vec(
             "element (vertex|face|x) [0-9]{1,20}\n|property (list (u?char|u?int) )?(u?char|int|float|double) (x|y|z|nx|s|vertex_index)\n\
              |format (ascii|binary_(little|big)_endian) 1.0\n|end_header\n|[0-9. -]{0,20}|.{0,3}", 0..24),
@@ -258,7 +258,7 @@ proptest::proptest! {
     }
 
     #[test]
-    fn no_change_of_a_file_makes_the_reader_panic(at in proptest::num::usize::ANY, new in proptest::num::u8::ANY) {
+    fn a_changed_byte_never_panics_the_reader(at in proptest::num::usize::ANY, new in proptest::num::u8::ANY) {
         for encoding in ["ascii", "binary_little_endian"] {
             let body: &[u8] = if encoding == "ascii" { b"0 0 0 1 0 0 0 1 0 3 0 1 2" } else { &[0; 49] };
             let mut bytes = [header(encoding, 3, 1).as_bytes(), body].concat();
@@ -272,7 +272,7 @@ proptest::proptest! {
 
 /// A corner takes one byte in the file and 32 in memory.
 #[test]
-fn corners_of_one_face_are_counted_before_they_take_room() {
+fn face_memory_is_checked_before_allocation() {
     let head = format!("ply\nformat binary_little_endian 1.0\nelement vertex 4\n{VERTEX}element face 1\n");
     let mut file = format!("{head}property list uint uchar vertex_indices\nend_header\n").into_bytes();
     file.extend([0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 1.0, 0.0].iter().flat_map(|x| x.to_le_bytes()));

@@ -92,7 +92,7 @@ proptest! {
 }
 
 #[test]
-fn single_precision_stays_single_in_ply() {
+fn ply_writes_single_precision_values_as_float() {
     let folder = tempfile::tempdir().unwrap();
     let long = torus(30, 20);
     let short =
@@ -106,7 +106,7 @@ fn single_precision_stays_single_in_ply() {
 }
 
 #[test]
-fn the_file_counts_what_the_mesh_has_dropped() {
+fn the_report_counts_dropped_faces() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.obj");
     let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 0 0\nv 1 1 0\nv 7 7 7\nvn 0 0 1\nvn 0 1 0\nf 1//1 2//1 3//1\nf 4//2 5//2 3//2\n";

@@ -3,7 +3,7 @@
 use super::*;
 
 #[test]
-fn a_cube_is_flat_or_round() {
+fn the_smoothing_angle_decides_a_cubes_normals() {
     let mut flat = cube();
     flat.smooth(30.0);
     assert_eq!(flat.positions.len(), 24);
@@ -46,7 +46,7 @@ fn a_ball_has_the_normals_of_a_sphere() {
 }
 
 #[test]
-fn weights_are_angles() {
+fn vertex_normals_are_weighted_by_angle() {
     // One face of the cube's corner is divided twice there: the number of triangles must not
     // matter.
     let points = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 1.0, 0.0], [0.2, 1.0, 0.0]];
@@ -57,7 +57,7 @@ fn weights_are_angles() {
 }
 
 #[test]
-fn normals_that_are_there_stay() {
+fn normals_of_the_file_are_kept() {
     let mut cube = cube();
     cube.smooth(180.0);
     let before = cube.clone();
@@ -80,7 +80,7 @@ fn normals_that_are_there_stay() {
 }
 
 #[test]
-fn faces_without_area_take_nothing_and_give_nothing() {
+fn degenerate_faces_do_not_affect_normals() {
     let mut cube = cube();
     cube.triangles.push([0, 0, 1]);
     cube.smooth(30.0);

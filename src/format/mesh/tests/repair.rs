@@ -22,7 +22,7 @@ fn mended(mut broken: TriangleMesh, whole: &MeshReport) -> TriangleMesh {
 }
 
 #[test]
-fn each_kind_of_harm_is_mended() {
+fn every_kind_of_defect_is_repaired() {
     for whole in [cube(), torus(12, 8), ball(5)] {
         let report = whole.report();
         let mut turned = whole.clone();
@@ -56,7 +56,7 @@ fn each_kind_of_harm_is_mended() {
 }
 
 #[test]
-fn a_whole_mesh_is_left_alone() {
+fn an_intact_mesh_stays_unchanged() {
     for mut whole in [cube(), torus(12, 8), ball(4), moebius(9)] {
         whole.share();
         let before = whole.clone();
@@ -67,7 +67,7 @@ fn a_whole_mesh_is_left_alone() {
 }
 
 #[test]
-fn hollows_face_inward() {
+fn cavities_face_inward() {
     let shells = [(1.0, 1.0), (0.5, -1.0), (0.25, 1.0)];
     let mut nested = TriangleMesh::default();
     for (i, (size, _)) in shells.into_iter().enumerate() {
@@ -90,7 +90,7 @@ fn hollows_face_inward() {
 }
 
 #[test]
-fn open_surfaces_follow_their_majority() {
+fn open_surfaces_keep_the_majority_orientation() {
     let mut open = cube();
     open.flip();
     open.triangles.truncate(10);
@@ -104,7 +104,7 @@ fn open_surfaces_follow_their_majority() {
 }
 
 #[test]
-fn normals_turn_only_where_they_are_wrong() {
+fn only_wrong_normals_are_flipped() {
     let mut right = ball(3);
     right.smooth(180.0);
     let mut wound = right.clone();
@@ -125,7 +125,7 @@ fn normals_turn_only_where_they_are_wrong() {
 }
 
 #[test]
-fn welding_takes_the_first_within_reach() {
+fn welding_keeps_the_first_vertex_in_range() {
     let points = [[0.0; 3], [0.9, 0.0, 0.0], [1.8, 0.0, 0.0], [1.8, 5.0, 0.0]];
     let mut row = mesh(&points, &[[0, 1, 3], [1, 2, 3]]);
     assert_eq!(row.weld(1.0), 1);
@@ -137,7 +137,7 @@ fn welding_takes_the_first_within_reach() {
 }
 
 #[test]
-fn a_needle_that_closes_a_slit_stays() {
+fn a_degenerate_triangle_that_closes_a_slit_stays() {
     // The edge 0–1 of the first face contains vertex 3 of the others.
     let points = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 0.0, 0.0], [1.0, -1.0, 0.0]];
     let mut slit = mesh(&points, &[[0, 1, 2], [0, 4, 3], [3, 4, 1], [0, 3, 1]]);
@@ -148,7 +148,7 @@ fn a_needle_that_closes_a_slit_stays() {
 }
 
 #[test]
-fn materials_go_with_their_triangles() {
+fn triangles_keep_their_materials() {
     let mut cube = cube();
     cube.materials = ["a", "b", "c"].map(str::to_owned).to_vec();
     cube.triangle_materials = (0..12).map(|t| [0, 1, 2, super::super::NO_MATERIAL][t / 3]).collect();

@@ -33,7 +33,7 @@ fn closed_solids_have_their_area_volume_and_genus() {
 }
 
 #[test]
-fn surfaces_with_borders_or_one_side_say_so() {
+fn open_and_one_sided_surfaces_are_reported() {
     let report = moebius(20).report();
     assert!(!report.orientable && !report.closed && report.manifold);
     // One border runs around the band twice.
@@ -46,7 +46,7 @@ fn surfaces_with_borders_or_one_side_say_so() {
 }
 
 #[test]
-fn what_is_wrong_is_counted() {
+fn defects_are_counted() {
     let mut odd = cube();
     odd.triangles[0].swap(1, 2);
     let report = odd.report();
@@ -69,7 +69,7 @@ fn what_is_wrong_is_counted() {
 }
 
 #[test]
-fn seams_are_no_borders() {
+fn texture_seams_are_not_borders() {
     let mut seam = cube();
     seam.smooth(30.0);
     assert_eq!(seam.positions.len(), 24);

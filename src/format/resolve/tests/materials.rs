@@ -16,7 +16,7 @@ fn of(materials: &str) -> Scene {
 }
 
 #[test]
-fn materials_become_what_they_say() {
+fn materials_are_resolved() {
     let materials = "Materials {
         Dielectric { indexOfRefraction 1.7 roughness .25 priority 7 }
         Dielectric { absorption 1 2 3 }
@@ -37,7 +37,7 @@ fn materials_become_what_they_say() {
 }
 
 #[test]
-fn metals_have_the_index_of_their_name_or_their_own() {
+fn metals_have_the_named_or_given_index() {
     for name in METALS {
         let (eta, k) = metal(name).unwrap();
         let scene = of(&format!("Conductor {{ metal {name} roughness .5 }}"));
@@ -55,7 +55,7 @@ fn metals_have_the_index_of_their_name_or_their_own() {
 }
 
 #[test]
-fn glasses_have_the_index_of_their_name_or_their_own() {
+fn glasses_have_the_named_or_given_index() {
     let index = |scene: &Scene| {
         let body = scene.materials()[0].boundary().unwrap();
         (body.index, body.glass.map(|g| scene.glasses()[g as usize]))
@@ -75,7 +75,7 @@ fn glasses_have_the_index_of_their_name_or_their_own() {
 }
 
 #[test]
-fn unknown_glasses_are_refused_with_those_that_are_known() {
+fn unknown_glasses_are_refused_with_suggestions() {
     let error = refusal(&format!("Materials {{\nDielectric {{ glass diamant }} }} {BALL}"));
     assert_eq!((error.line(), error.column(), error.text()), (3, 20, "diamant"));
     assert!(error.message().contains("no glass is called `diamant`"));
@@ -86,7 +86,7 @@ fn unknown_glasses_are_refused_with_those_that_are_known() {
 }
 
 #[test]
-fn panes_take_index_and_transmittance() {
+fn panes_have_index_and_transmittance() {
     let scene = of("Thin { indexOfRefraction 1.25 transmittance .5 1 .25 }");
     assert_eq!(scene.materials()[0], Material::thin(1.25, vec3(0.5, 1.0, 0.25)));
 }
@@ -101,7 +101,7 @@ fn mixes_refer_to_their_parts() {
 }
 
 #[test]
-fn a_part_that_does_not_stand_before_its_mix_is_refused() {
+fn mix_parts_must_precede_the_mix() {
     // The parser finds such parts in a file; a description may be changed after it.
     let text = format!("{CAMERA}Materials {{ Mirror a {{ }}\nMix m {{ first a second a amount 0 }} }} {BALL}");
     let mut description = parse("a.txt", &text).unwrap();

@@ -29,7 +29,7 @@ fn density(scene: &Scene, p: DVec3) -> f32 {
 }
 
 #[test]
-fn coefficients_and_phases_become_what_they_say() {
+fn coefficients_and_phase_functions_are_resolved() {
     let of = |fields: &str| scene(&filled(&format!("Medium a {{ {fields} }}"), "Clear { medium a }"));
     let found = of("absorption 1 2 3 scattering 4 5 6 emission 7 8 9");
     let medium = contents(&found);
@@ -49,7 +49,7 @@ fn coefficients_and_phases_become_what_they_say() {
 }
 
 #[test]
-fn bodies_and_places_are_filled() {
+fn media_fill_bodies_and_regions() {
     let media = "Medium a { absorption 1 1 1 } Medium b { scattering 1 1 1 }";
     let found = scene(&filled(
         media,
@@ -65,7 +65,7 @@ fn bodies_and_places_are_filled() {
 }
 
 #[test]
-fn a_body_s_absorption_joins_that_of_an_even_medium() {
+fn body_absorption_adds_to_a_homogeneous_medium() {
     let media = "Medium milk { scattering 9 9 9 absorption 1 2 3 anisotropy .5 }";
     let found = scene(&filled(
         media,
@@ -86,7 +86,7 @@ fn a_body_s_absorption_joins_that_of_an_even_medium() {
 
 /// The centers of 2 × 1 × 1 cells in a box of length 8 are at 2 and 6.
 #[test]
-fn grids_lie_in_their_box() {
+fn density_grids_fill_their_box() {
     let folder = tempfile::tempdir().unwrap();
     let values = Grid { size: [2, 1, 1], values: vec![1.0, 3.0] };
     grid::write(&folder.path().join("two.grid"), &values, Encoding::F32).unwrap();
@@ -116,7 +116,7 @@ fn grids_lie_in_their_box() {
 }
 
 #[test]
-fn grids_that_are_missing_or_broken_are_shown_where_they_are_named() {
+fn unreadable_grids_are_reported_at_their_path() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("bad.grid"), "caustica-grid 1\nsize 1 1 1\ntype text\n\n-1").unwrap();
     let of = |file: &str| {
@@ -130,11 +130,11 @@ fn grids_that_are_missing_or_broken_are_shown_where_they_are_named() {
     );
     let bad = of("bad.grid");
     assert_eq!((bad.line(), bad.text()), (2, "bad.grid"), "{bad}");
-    assert!(bad.message().contains("cell (0, 0, 0)") && bad.remedy().contains("mend the grid"), "{bad}");
+    assert!(bad.message().contains("cell (0, 0, 0)") && bad.remedy().contains("repair the grid"), "{bad}");
 }
 
 #[test]
-fn clouds_lie_in_the_ellipsoid_of_their_box() {
+fn clouds_fill_the_inscribed_ellipsoid() {
     let of = |fields: &str| {
         let cloud = format!("Cloud c {{ scattering 1 1 1 min -2 -1 -1 max 2 1 1 resolution 32 {fields} }}");
         scene(&filled(&cloud, "Clear { medium c }"))
@@ -153,7 +153,7 @@ fn clouds_lie_in_the_ellipsoid_of_their_box() {
 }
 
 #[test]
-fn what_cannot_fill_the_scene_is_refused() {
+fn invalid_ambient_media_are_refused() {
     let of = |media: &str, lights: &str| {
         format!("Background {{ medium a }} Media {{ {media} }}\nLights {{ {lights} }} Group {{ }}")
     };
@@ -179,7 +179,7 @@ fn what_cannot_fill_the_scene_is_refused() {
 }
 
 #[test]
-fn a_place_without_a_surface_emits_nothing() {
+fn clear_objects_cannot_emit() {
     let of = |emission: &str| {
         let ball = format!("Sphere {{ center 0 0 0 radius 1 emission {emission} }}");
         format!("Materials {{ Clear {{ }} Mirror {{ }} }}\nGroup {{ MaterialIndex 0 {ball} MaterialIndex 1 {ball} }}")
@@ -191,7 +191,7 @@ fn a_place_without_a_surface_emits_nothing() {
 }
 
 #[test]
-fn a_name_that_the_media_lack_is_refused() {
+fn unknown_medium_names_are_refused() {
     // The parser finds such names in a file; a description may be changed after it.
     let text = format!("{CAMERA}{}", filled("Medium a { }", "Clear { medium a }"));
     let mut description = parse("a.txt", &text).unwrap();

@@ -43,7 +43,7 @@ const PARTS: &str = "f 1 2 3\nusemtl red\nf 2 5 6 3\nusemtl lamp\nf 1 3 4\nusemt
 const COLOURS: &str = "newmtl red\nKd .9 .1 .1\nillum 1\nnewmtl lamp\nKe 3 2 1\nKd .5\n";
 
 #[test]
-fn a_mesh_has_the_scene_s_material_or_its_own() {
+fn a_mesh_uses_scene_or_file_materials() {
     let folder = Folder::new(PARTS, COLOURS);
     let plain = folder.scene("TriangleMesh { obj_file a.obj }");
     assert_eq!((plain.materials().len(), plain.lights().len(), plain.triangle_count()), (2, 0, 5));
@@ -63,18 +63,18 @@ fn a_mesh_has_the_scene_s_material_or_its_own() {
 }
 
 #[test]
-fn an_object_s_emission_takes_the_place_of_its_file_s() {
+fn object_emission_overrides_file_emission() {
     let folder = Folder::new(PARTS, COLOURS);
     let scene = folder.scene("TriangleMesh { file a.obj materials file emission 7 7 7 }");
     assert_eq!(scene.lights().len(), 3);
-    let shines = |light: &Light| matches!(light, Light::Area(area) if area.radiance == Vec3::splat(7.0));
-    assert!(scene.lights().iter().all(shines));
+    let emits = |light: &Light| matches!(light, Light::Area(area) if area.radiance == Vec3::splat(7.0));
+    assert!(scene.lights().iter().all(emits));
     let dark = folder.scene("TriangleMesh { file a.obj materials file emission 0 0 0 }");
     assert!(dark.lights().is_empty());
 }
 
 #[test]
-fn moving_and_shared_meshes_have_their_own_materials_too() {
+fn moving_and_instanced_meshes_use_file_materials() {
     let folder = Folder::new(PARTS, COLOURS);
     let still = "Transform { Scale 2 2 2 TriangleMesh { file a.obj materials file emission 0 0 0 } }";
     let moving = still.replace("Transform { Scale", "Moving { Translate 0 0 -.001 Scale");
@@ -85,7 +85,7 @@ fn moving_and_shared_meshes_have_their_own_materials_too() {
 }
 
 #[test]
-fn materials_that_are_missing_or_wrong_are_shown_where_the_mesh_is_named() {
+fn invalid_file_materials_are_reported_at_the_mesh() {
     let body = "TriangleMesh { file a.obj materials file }";
     let folder = Folder::new(PARTS, "newmtl red\n");
     let message = folder.refusal(body);
@@ -96,12 +96,12 @@ fn materials_that_are_missing_or_wrong_are_shown_where_the_mesh_is_named() {
     assert!(folder.refusal(body).contains("a.mtl:2: `d` is 2"));
     std::fs::remove_file(folder.0.path().join("a.mtl")).unwrap();
     assert!(folder.refusal(body).contains("there is no material file"));
-    // No one asked.
+    // Without `materials file`, the file keeps the material of the scene.
     folder.scene("TriangleMesh { file a.obj }");
 }
 
 #[test]
-fn normals_are_those_of_the_file_or_smooth_or_none() {
+fn mesh_options_select_the_normals() {
     let folder = Folder::new("vn 0 1 1\nf 1//1 2//1 3//1\nf 2 5 6 3\n", "");
     let normal = |options: &str, x: f64| {
         let scene = folder.scene(&format!("TriangleMesh {{ file a.obj {options} }}"));
@@ -112,14 +112,15 @@ fn normals_are_those_of_the_file_or_smooth_or_none() {
     assert!(close(normal("normals none", 0.9), Vec3::Z));
     // Faces at 45° to each other.
     assert!(close(normal("smoothAngle 44", 1.5), flat) && close(normal("smoothAngle 44", 0.9), written));
-    // At both ends of the edge the mean lies between the normals of the two faces, so it does between them.
+    // At both ends of the edge the mean lies between the normals of the two faces, so it does
+    // between them.
     let mean = normal("normals none smoothAngle 46", 1.000_001);
     assert!(mean.dot(Vec3::Z) < 0.999 && mean.dot(flat) < 0.999 && mean.y.abs() < 1e-6, "{mean}");
     assert!(close(normal("normals none smoothAngle 44", 1.000_001), flat));
 }
 
 #[test]
-fn ply_files_are_meshes_too() {
+fn ply_files_are_read_as_meshes() {
     let folder = Folder::new(PARTS, COLOURS);
     let mesh = crate::format::mesh::load(&folder.0.path().join("a.obj"), &()).unwrap().mesh;
     mesh.write(&folder.0.path().join("a.ply"), crate::format::mesh::MeshFormat::Ply, &[]).unwrap();
@@ -131,7 +132,7 @@ fn ply_files_are_meshes_too() {
 }
 
 #[test]
-fn pictures_lie_on_a_mesh_with_its_own_materials() {
+fn file_materials_can_have_textures() {
     let faces = "vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl tile\nf 1/1 2/2 3/3 4/4\n";
     let folder = Folder::new(faces, "newmtl tile\nKd .5 .5 .5\nmap_Kd pictures/tile.exr\nillum 1\n");
     std::fs::create_dir(folder.0.path().join("pictures")).unwrap();
@@ -139,7 +140,8 @@ fn pictures_lie_on_a_mesh_with_its_own_materials() {
     let path = folder.0.path().join("pictures/tile.exr");
     image::write(&path, &picture, &WriteOptions::default()).unwrap();
     let body = "TriangleMesh { file a.obj materials file }";
-    // At the middles of the two texels and off the edge between the triangles, with and without materials of the scene, still and moving.
+    // At the middles of the two texels and off the edge between the triangles, with and without
+    // materials of the scene, still and moving.
     let colour = |scene: &Scene, x: f64| reflectance(scene, dvec3(x, 0.3, 9.0), Vec3::NEG_Z);
     for text in [body.to_owned(), format!("Moving {{ Translate 0 0 -.001 {body} }}")] {
         for materials in ["", MATERIALS] {
@@ -158,13 +160,13 @@ fn pictures_lie_on_a_mesh_with_its_own_materials() {
 }
 
 #[test]
-fn an_emission_that_follows_a_texture_is_seen_where_the_material_is() {
+fn textured_emission_applies_to_its_material_only() {
     let folder = Folder::new(PARTS, "newmtl red\nKd .9 .1 .1\nillum 1\nnewmtl lamp\nKd .5\n");
     let textures = "Textures { Marble veins { color0 1 1 1 color1 2 2 2 } }";
     let materials = "Materials { Diffuse b { reflectance .2 .2 .2 emission veins } }";
     let text = format!("{textures}{materials}Group {{ TriangleMesh {{ file a.obj materials file }} }}");
     let scene = resolve_in(folder.0.path(), &text).unwrap();
-    // Of the parts, only that without a material of its own shines.
+    // Only the part without a file material emits.
     let [Light::Area(lamp)] = scene.lights() else { panic!("{:?}", scene.lights()) };
     assert!(lamp.texture.is_some());
 }

@@ -52,7 +52,7 @@ fn close(a: Vec3, b: Vec3) -> bool {
 const MATERIALS: &str = "Materials { Diffuse a { reflectance .1 .1 .1 } Diffuse b { reflectance .2 .2 .2 } }\n";
 
 #[test]
-fn a_material_holds_into_groups_and_out_of_them() {
+fn the_current_material_crosses_group_borders() {
     let ball = |x: i32| format!("Sphere {{ center {x} 0 0 radius .4 }}");
     let [zero, one, two, three, four] = [0, 1, 2, 3, 4].map(ball);
     let scene = scene(&format!(
@@ -63,7 +63,7 @@ fn a_material_holds_into_groups_and_out_of_them() {
 }
 
 #[test]
-fn objects_before_any_material_take_the_first_or_white() {
+fn objects_before_any_material_use_the_first() {
     let ball = "Group { Sphere { center 0 0 0 radius 1 } }";
     let at = |text: &str| reflectance(&scene(text), dvec3(0.0, 0.0, 5.0), Vec3::NEG_Z);
     assert_eq!(at(ball), Vec3::ONE);
@@ -71,7 +71,7 @@ fn objects_before_any_material_take_the_first_or_white() {
 }
 
 #[test]
-fn a_name_that_the_materials_lack_is_refused() {
+fn unknown_material_names_are_refused() {
     // The parser finds such names in a file; a description may be changed after it.
     let text = format!("{CAMERA}{MATERIALS}Group {{ MaterialName b }}");
     let mut description = parse("a.txt", &text).unwrap();
@@ -82,7 +82,7 @@ fn a_name_that_the_materials_lack_is_refused() {
 }
 
 #[test]
-fn transforms_nest_outermost_last() {
+fn outer_transforms_are_applied_last() {
     // A unit ball: doubled, moved to x = 3, turned to y = 3, moved up by 1.
     let ball = "Sphere { center 0 0 0 radius 1 }";
     let inner = format!("Transform {{ Translate 3 0 0 UniformScale 2 {ball} }}");
@@ -93,7 +93,7 @@ fn transforms_nest_outermost_last() {
 }
 
 #[test]
-fn a_mirror_image_keeps_its_outer_side() {
+fn mirroring_preserves_the_outer_side() {
     for shape in [
         "Rectangle { corner -1 -1 0 edge0 2 0 0 edge1 0 2 0 emission 1 1 1 }",
         "Disc { center 0 0 0 normal 0 0 1 radius 1 emission 1 1 1 }",
@@ -107,7 +107,7 @@ fn a_mirror_image_keeps_its_outer_side() {
             assert_eq!(surface.emission, Vec3::ONE, "{scale} {shape}");
             assert!(surface.point.ng.z > 0.0 && surface.point.ns.dot(surface.point.ng) > 0.0, "{scale} {shape}");
         }
-        // Mirrored in its own plane's normal, a flat shape shines the other way.
+        // Mirrored in its own plane's normal, a flat shape emits on its other side.
         let scene = scene(&format!("Group {{ Transform {{ Scale 1 1 -1 {shape} }} }}"));
         let from_front = look(&scene, dvec3(0.1, 0.1, 5.0), Vec3::NEG_Z).unwrap().0.emission;
         let from_behind = look(&scene, dvec3(0.1, 0.1, -5.0), Vec3::Z).unwrap().0.emission;
@@ -117,7 +117,7 @@ fn a_mirror_image_keeps_its_outer_side() {
 }
 
 #[test]
-fn shading_normals_turn_with_the_inverse_transpose() {
+fn shading_normals_use_the_inverse_transpose() {
     let normals = "normal0 1 0 1 normal1 1 0 1 normal2 1 0 1";
     let triangle = format!("Triangle {{ vertex0 -1 -1 0 vertex1 1 -1 0 vertex2 0 1 0 {normals} }}");
     let scene = scene(&format!("Group {{ Transform {{ Scale 2 1 1 {triangle} }} }}"));
@@ -134,7 +134,7 @@ fn planes_move_with_their_transform() {
 }
 
 #[test]
-fn a_transform_that_only_together_is_singular_is_shown_where_it_stands() {
+fn singular_products_are_reported_at_the_inner_transform() {
     let ball = "Sphere { center 0 0 0 radius 1 }";
     let huge = "Scale 1e300 1 1";
     let error = refusal(&format!("Group {{\nTransform {{ {huge}\nTransform {{ {huge} {ball} }} }} }}"));
@@ -148,7 +148,7 @@ fn a_transform_that_only_together_is_singular_is_shown_where_it_stands() {
 }
 
 #[test]
-fn a_sphere_that_is_squeezed_to_nothing_is_refused() {
+fn a_sphere_of_zero_volume_is_refused() {
     let error =
         refusal("Group { Transform { UniformScale 1e-150\nScale 2 1 1 Sphere { center 0 0 0 radius 1e-300 } } }");
     assert_eq!((error.line(), error.text()), (3, "Sphere"));
@@ -156,7 +156,7 @@ fn a_sphere_that_is_squeezed_to_nothing_is_refused() {
 }
 
 #[test]
-fn an_object_s_emission_takes_the_place_of_its_material_s() {
+fn object_emission_overrides_material_emission() {
     let materials = "Materials { Diffuse a { reflectance 0 0 0 emission 1 2 3 } }";
     let ball = |x: i32, more: &str| format!("Sphere {{ center {x} 0 0 radius .4 {more} }}");
     let (own, none, other) = (ball(0, ""), ball(1, "emission 0 0 0"), ball(2, "emission 4 5 6"));
@@ -167,13 +167,13 @@ fn an_object_s_emission_takes_the_place_of_its_material_s() {
 }
 
 #[test]
-fn what_cannot_be_rendered_is_refused_with_its_place() {
+fn unrenderable_objects_are_reported_with_position() {
     let axis = "BezierCurve { controls [ 0 0 0 ] [ 0 1 0 ] }";
     let long = format!("BezierCurve {{ controls {} }}", "[ 1 0 0 ] [ 1 1 0 ]".repeat(15));
-    let glowing = "Materials { Diffuse a { reflectance 0 0 0 emission 1 1 1 } }";
+    let emitting = "Materials { Diffuse a { reflectance 0 0 0 emission 1 1 1 } }";
     for (text, offending, message) in [
         ("Group {\nPlane { normal 0 1 0 offset 0 emission 0 0 1 } }".to_owned(), "Plane", "cannot emit"),
-        (format!("{glowing} Group {{\nPlane {{ normal 0 1 0 offset 0 }} }}"), "Plane", "cannot emit"),
+        (format!("{emitting} Group {{\nPlane {{ normal 0 1 0 offset 0 }} }}"), "Plane", "cannot emit"),
         (format!("Group {{\nRevSurface {{ profile {axis} }} }}"), "RevSurface", "no area"),
         (format!("Group {{\nRevSurface {{ profile {long} }} }}"), "RevSurface", "the degree is 29"),
     ] {
@@ -186,7 +186,7 @@ fn what_cannot_be_rendered_is_refused_with_its_place() {
 }
 
 #[test]
-fn profiles_are_turned_and_curves_are_not_seen() {
+fn profiles_revolve_and_curves_are_invisible() {
     let curve = "BezierCurve { controls [ 2 -1 7 ] [ 2 1 7 ] }";
     assert_eq!(scene(&format!("Group {{ {curve} }}")).shape_count(), 0);
     let turned = format!("Transform {{ Translate 1 0 0 ZRotate 90 RevSurface {{ profile {curve} }} }}");
@@ -200,7 +200,7 @@ fn profiles_are_turned_and_curves_are_not_seen() {
 }
 
 #[test]
-fn meshes_are_found_beside_the_file_and_in_the_folder_above() {
+fn meshes_are_found_beside_or_above_the_scene() {
     let folder = tempfile::tempdir().unwrap();
     let scenes = folder.path().join("scenes");
     std::fs::create_dir(&scenes).unwrap();
@@ -222,7 +222,7 @@ fn meshes_are_found_beside_the_file_and_in_the_folder_above() {
 }
 
 #[test]
-fn a_mesh_that_is_missing_or_broken_is_shown_where_it_is_named() {
+fn unreadable_meshes_are_reported_at_their_path() {
     let folder = tempfile::tempdir().unwrap();
     let error = |path: &str| {
         resolve_in(folder.path(), &format!("Group {{\nTriangleMesh {{ obj_file {path} }} }}")).unwrap_err()
@@ -243,7 +243,7 @@ fn a_mesh_that_is_missing_or_broken_is_shown_where_it_is_named() {
 }
 
 #[test]
-fn area_lights_have_their_radiance_or_their_power() {
+fn area_lights_have_the_given_strength() {
     let scene = scene(
         "Lights {
             RectangleLight { corner 0 0 0 edge0 2 0 0 edge1 0 3 0 power 6 0 0 }
@@ -267,7 +267,7 @@ fn area_lights_have_their_radiance_or_their_power() {
 }
 
 #[test]
-fn point_lights_have_the_intensity_that_was_meant() {
+fn point_lights_have_the_given_strength() {
     // The middle of the ball is the middle of the scene, 3 away from the lights.
     let ball = "Group { Sphere { center 1 0 0 radius 1 } }";
     let lights = "Lights {
@@ -300,7 +300,7 @@ fn point_lights_have_the_intensity_that_was_meant() {
 }
 
 #[test]
-fn a_spot_s_angle_is_the_whole_cone_and_its_rim_is_inside() {
+fn a_spotlight_angle_includes_the_penumbra() {
     let spot = |fields: &str| {
         let text = format!("Lights {{ SpotLight {{ position 0 4 0 {fields} intensity 1 1 1 }} }} Group {{ }}");
         match &scene(&text).lights()[0] {
@@ -319,7 +319,7 @@ fn a_spot_s_angle_is_the_whole_cone_and_its_rim_is_inside() {
 }
 
 #[test]
-fn the_camera_looks_where_it_is_told() {
+fn the_camera_has_the_given_direction() {
     for aim in ["lookAt 1 0 0", "direction -1 -2 -3"] {
         let text = format!(
             "PerspectiveCamera {{ center 2 2 3 {aim} up 0 0 1 angle 90 width 30 height 20 }} Background {{ color 1 2 3 }} Group {{ }}"
@@ -342,7 +342,7 @@ fn the_camera_looks_where_it_is_told() {
 }
 
 #[test]
-fn radiance_that_single_precision_cannot_hold_is_refused() {
+fn radiance_above_single_precision_is_refused() {
     let checker = "Textures { Checker a { color1 9 9 9 } } Materials { Phong { emission a emissionScale 1e38 } }";
     for (text, place) in [
         ("Lights { SphereLight { center 0 0 0 radius 1e-10 power 1e30 1 1 } } Group { }", "SphereLight"),
@@ -351,6 +351,6 @@ fn radiance_that_single_precision_cannot_hold_is_refused() {
     ] {
         let error = refusal(text);
         assert!(error.text() == place && error.message().contains("3.4e38"), "{error}");
-        assert!(error.remedy().contains("shine less"), "{error}");
+        assert!(error.remedy().contains("emit less"), "{error}");
     }
 }

@@ -1,4 +1,4 @@
-//! What textures need of files, fields and meshes.
+//! Requirements of textures on files, fields and meshes.
 
 use super::*;
 use crate::image::{self, Image, WriteOptions};
@@ -20,7 +20,7 @@ fn bsdf(scene: &Scene) -> Bsdf {
 }
 
 #[test]
-fn values_outside_of_a_field_s_range_are_refused_at_the_name() {
+fn texture_values_out_of_range_are_refused() {
     for (field, kind) in [("reflectance", "Diffuse"), ("transmittance", "Thin"), ("roughness", "Dielectric")] {
         let error = refusal(&ball("Checker loud { color1 2 0 0 }", &format!("{kind} {{ {field} loud }}")));
         assert_eq!((error.line(), error.text()), (3, "loud"), "{error}");
@@ -31,7 +31,7 @@ fn values_outside_of_a_field_s_range_are_refused_at_the_name() {
 }
 
 #[test]
-fn pictures_are_of_light_or_of_numbers() {
+fn pictures_are_decoded_as_color_or_numbers() {
     let folder = tempfile::tempdir().unwrap();
     picture(&folder.path().join("half.png"), 0.5);
     picture(&folder.path().join("half.exr"), 0.5);
@@ -56,7 +56,7 @@ fn pictures_are_of_light_or_of_numbers() {
 }
 
 #[test]
-fn pictures_that_are_missing_or_hold_no_light_are_shown_where_they_are_named() {
+fn unreadable_pictures_are_reported_at_their_path() {
     let folder = tempfile::tempdir().unwrap();
     picture(&folder.path().join("dark.exr"), -1.0);
     let with = |textures: &str, material: &str| resolve_in(folder.path(), &ball(textures, material)).unwrap_err();
@@ -73,7 +73,7 @@ fn pictures_that_are_missing_or_hold_no_light_are_shown_where_they_are_named() {
 }
 
 #[test]
-fn meshes_without_coordinates_take_patterns_in_space_only() {
+fn meshes_without_texcoords_take_solid_textures_only() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("bare.obj"), "v -1 -1 0\nv 1 -1 0\nv -1 1 0\nf 1 2 3\n").unwrap();
     let with = |texture: &str, material: &str| {
@@ -94,7 +94,7 @@ fn meshes_without_coordinates_take_patterns_in_space_only() {
 
 /// A block of wood that is turned keeps its rings: the pattern is in the space of the object.
 #[test]
-fn patterns_move_with_their_objects() {
+fn solid_textures_move_with_their_objects() {
     let of = |maps: &str| {
         scene(&format!(
             "Textures {{ Wood t {{ frequency 3 }} }} Materials {{ Diffuse {{ reflectance t }} }}
@@ -123,14 +123,14 @@ fn each_part_of_an_object_emits_by_its_texture() {
         let at = |i: u32| format!("[ {} {} 0 ]", x + f64::from(i / 4), i % 4);
         (0..16).map(at).collect::<Vec<_>>().join(" ")
     };
-    let glows = |objects: &str| -> Vec<bool> {
+    let emits = |objects: &str| -> Vec<bool> {
         let materials = "Diffuse plain { reflectance 0 0 0 } Diffuse panel { reflectance 0 0 0 emission t }";
         let text = format!("Textures {{ Checker t {{ }} }} Materials {{ {materials} }} Group {{ {objects} }}");
         scene(&text).objects().map(|o| o.has_emission_texture).collect()
     };
     let patches = format!("MaterialName panel BezierPatch {{ controls {} {} }}", net(0.0), net(5.0));
-    assert_eq!(glows(&patches), [true, true]);
+    assert_eq!(emits(&patches), [true, true]);
     let before = "MaterialName plain Sphere { center 0 0 0 radius 1 emission 5 5 5 }";
     let curve = "MaterialName panel BezierCurve { controls [ 3 0 0 ] [ 3 1 0 ] [ 1 1 0 ] }";
-    assert_eq!(glows(&format!("{before} {curve}")), [false]);
+    assert_eq!(emits(&format!("{before} {curve}")), [false]);
 }

@@ -17,7 +17,7 @@ pub(in crate::shape::parametric) fn octant() -> Patch {
 
 /// A crumpled patch with more leaves than the memory has room for.
 #[test]
-fn leaves_are_counted_before_they_take_room() {
+fn leaf_memory_is_checked_before_allocation() {
     let basis = Basis::bezier(6).unwrap();
     let at = |i: usize| f64::from((i as u32).wrapping_mul(2_654_435_761) >> 16) / 65_536.0;
     let controls: Vec<DVec4> = (0..36).map(|i| DVec4::new(at(3 * i), at(3 * i + 1), at(3 * i + 2), 1.0)).collect();
@@ -33,7 +33,7 @@ fn leaves_are_counted_before_they_take_room() {
 
 /// The narrowest accepted span, with a bend as sharp as the least size of a leaf.
 #[test]
-fn leaves_are_no_narrower_than_coordinates_tell() {
+fn leaves_are_wider_than_float_spacing() {
     let basis = Basis::new(2, 5, vec![0.0, 0.0, 0.0, 0.5, 0.5 + NARROWEST, 1.0, 1.0, 1.0]).unwrap();
     let line = Basis::bezier(2).unwrap();
     let profile = [[0.0, 0.0], [1.0, 0.0], [1.0, 3.0], [3.0, 3.0], [4.0, 0.0]];
@@ -51,7 +51,7 @@ fn leaves_are_no_narrower_than_coordinates_tell() {
 }
 
 #[test]
-fn quarter_circles_make_a_sphere() {
+fn rational_quarter_circles_make_a_sphere() {
     let patch = octant();
     assert!((patch.area() / (std::f64::consts::FRAC_PI_2) - 1.0).abs() < 1e-9, "{}", patch.area());
     for d in [Vec3::ONE, Vec3::new(0.1, 0.7, 0.4), Vec3::new(1e-3, 1.0, 1e-3), Vec3::new(0.5, 0.01, 0.02), Vec3::Y] {

@@ -16,7 +16,7 @@ fn reference(controls: &[Vector<2>], s: f64) -> Vector<2> {
 
 /// Long curves of degree 24 have coefficients up to C(24, 12), and lose as many ulps.
 #[test]
-fn powers_agree_with_de_casteljau() {
+fn power_basis_agrees_with_de_casteljau() {
     for degree in 1..=MAX_DEGREE {
         let controls = bezier(degree);
         let mut a = controls.clone();
@@ -36,7 +36,7 @@ fn powers_agree_with_de_casteljau() {
 }
 
 #[test]
-fn shifted_polynomials_are_the_same_elsewhere() {
+fn shifted_polynomials_keep_their_values() {
     let mut a = bezier(7);
     to_powers(&mut a, 0, 1, 7);
     let mut b = a.clone();
@@ -54,7 +54,7 @@ fn shifted_polynomials_are_the_same_elsewhere() {
 }
 
 #[test]
-fn surfaces_evaluate_as_curves_of_curves() {
+fn tensor_products_evaluate_as_nested_curves() {
     let (p, q) = (3, 5);
     let mut a: Vec<Vector<1>> = (0..24).map(|i| [random(i)]).collect();
     let rows = a.clone();

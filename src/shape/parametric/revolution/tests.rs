@@ -16,7 +16,7 @@ fn hit(s: &Revolution, o: Vec3, d: Vec3) -> Option<f32> {
 }
 
 #[test]
-fn profiles_are_cut_within_memory_and_coordinates() {
+fn profile_subdivision_respects_memory_and_precision() {
     let wave: Vec<DVec2> = (0..200).map(|i| DVec2::new(f64::from(1 + i % 2), f64::from(i / 3))).collect();
     let basis = Basis::uniform(3, wave.len()).unwrap();
     let found = Revolution::within(&basis, &wave, Some(10_000)).unwrap_err();
@@ -29,7 +29,7 @@ fn profiles_are_cut_within_memory_and_coordinates() {
 }
 
 #[test]
-fn turned_lines_are_cylinders_cones_and_discs() {
+fn revolved_lines_are_cylinders_cones_and_discs() {
     let cylinder = line([[1.0, -1.0], [1.0, 1.0]]);
     assert_eq!(hit(&cylinder, Vec3::new(0.0, 0.0, 3.0), -Vec3::Z), Some(2.0));
     assert_eq!(hit(&cylinder, Vec3::new(0.0, 0.5, 0.0), Vec3::X * 0.5), Some(2.0));

@@ -13,7 +13,7 @@ fn basis_function(knots: &[f64], i: usize, p: usize, t: f64) -> f64 {
 }
 
 #[test]
-fn pieces_meet_the_recurrence() {
+fn bezier_pieces_match_the_spline_recurrence() {
     let cases = [
         (3, vec![0.0, 0.0, 0.0, 0.0, 1.0, 2.0, 2.0, 3.5, 4.0, 4.0, 4.0, 4.0]),
         (2, vec![-1.0, 0.0, 0.5, 2.0, 3.0, 3.25, 7.0]),
@@ -41,7 +41,7 @@ fn pieces_meet_the_recurrence() {
 }
 
 #[test]
-fn bezier_curves_are_their_own_piece() {
+fn bezier_curves_form_one_piece() {
     let controls = [[1.0], [5.0], [-2.0]];
     let basis = Basis::bezier(3).unwrap();
     let spans: Vec<Span> = basis.spans().collect();
@@ -50,7 +50,7 @@ fn bezier_curves_are_their_own_piece() {
 }
 
 #[test]
-fn what_does_not_fit_is_refused() {
+fn invalid_splines_are_refused() {
     let knots = |k: &[f64]| k.to_vec();
     assert_eq!(Basis::bezier(1), Err(SplineError::Degree(0)));
     assert_eq!(Basis::bezier(99), Err(SplineError::Degree(98)));

@@ -47,7 +47,7 @@ fn sphere() -> Patch {
 ///
 /// The only error is the rounding of `t`, except for rays that are tangent within 10⁻¹².
 #[test]
-fn a_sphere_of_nurbs_is_the_sphere() {
+fn a_nurbs_sphere_matches_the_sphere() {
     let shape = Shape::Patch(sphere());
     assert!((shape.area() / (4.0 * std::f64::consts::PI) - 1.0).abs() < 1e-9, "{}", shape.area());
     let mut hits = 0;
@@ -79,7 +79,7 @@ fn a_sphere_of_nurbs_is_the_sphere() {
 
 /// The quartic does not change sign before the first hit, and changes it there.
 #[test]
-fn a_torus_of_nurbs_is_the_torus() {
+fn a_nurbs_torus_matches_the_torus() {
     let (large, small) = (1.0, 0.4);
     let shape = Shape::Patch(torus(large, small));
     let area = 4.0 * std::f64::consts::PI * std::f64::consts::PI * large * small;
@@ -108,7 +108,7 @@ fn a_torus_of_nurbs_is_the_torus() {
 }
 
 #[test]
-fn turned_lines_meet_rays_where_quadratics_do() {
+fn revolved_lines_match_quadric_intersections() {
     let line = |a: [f64; 2], b: [f64; 2]| {
         let basis = Basis::bezier(2).unwrap();
         Shape::Revolution(Revolution::new(&basis, &[DVec2::from(a), DVec2::from(b)]).unwrap())
@@ -164,7 +164,7 @@ fn turned_lines_meet_rays_where_quadratics_do() {
 }
 
 #[test]
-fn tangent_rays_end() {
+fn tangent_rays_terminate() {
     let hits = |shape: &Shape, o: DVec3, d: DVec3| shape.intersect(&Ray::new(o.as_vec3(), d.as_vec3()));
     let ring = Shape::Patch(torus(1.0, 0.5));
     // Over the top, where a whole circle touches; along the outside; through the hole.
@@ -196,7 +196,7 @@ fn tangent_rays_end() {
 
 /// A ray along a flat patch misses. A ray along a bent patch hits its ridge.
 #[test]
-fn edge_on_is_a_miss() {
+fn edge_on_rays_miss() {
     let linear = Basis::bezier(2).unwrap();
     let corner = |x: f64, z: f64| DVec4::new(x, 0.0, z, 1.0);
     let flat =
@@ -260,7 +260,7 @@ fn simple() -> impl Iterator<Item = (&'static str, Shape)> {
 ///
 /// Only bends with a radius below 10⁻⁴ of the size could be hit so soon.
 #[test]
-fn rays_leave_cleanly() {
+fn leaving_rays_do_not_hit_their_surface_again() {
     for (name, shape) in simple() {
         let (min, max) = shape.extent();
         let size = 0.5 * (max - min).length() as f32;
@@ -288,7 +288,7 @@ fn rays_leave_cleanly() {
 
 /// The mean of 1/pdf is the area, within five standard errors; rays find sampled points again.
 #[test]
-fn samples_have_the_stated_density() {
+fn area_samples_match_their_pdf() {
     for (name, shape) in simple() {
         let (n, mut sum, mut squares, mut strays) = (20_000, 0.0, 0.0, 0);
         let size = (shape.extent().1 - shape.extent().0).length() as f32;
@@ -316,7 +316,7 @@ fn samples_have_the_stated_density() {
 
 /// Texture gradients agree with differences of the coordinates along the surface.
 #[test]
-fn coordinates_grow_as_told() {
+fn texture_gradients_match_finite_differences() {
     for (name, shape) in placed() {
         let size = (shape.extent().1 - shape.extent().0).length();
         let ray = Ray::new(Vec3::ZERO, Vec3::new(1.0, 0.9, 0.8));
@@ -333,12 +333,12 @@ fn coordinates_grow_as_told() {
             for step in [Vec2::X, Vec2::Y] {
                 let after = uv + step * 2e-4;
                 let change = at(after) - here;
-                let told = DVec2::new(mapped.du.dot(change), mapped.dv.dot(change));
+                let estimated = DVec2::new(mapped.du.dot(change), mapped.dv.dot(change));
                 // The angle jumps across the axis.
                 if change.length() > 1e-5 * size && mapped.dv.length() * size < 30.0 {
                     tried += 1;
                     let truth = (after - uv).as_dvec2();
-                    assert!((told - truth).length() < 0.05 * truth.length(), "{name} {uv}: {told} {truth}");
+                    assert!((estimated - truth).length() < 0.05 * truth.length(), "{name} {uv}: {estimated} {truth}");
                 }
             }
         }

@@ -172,13 +172,13 @@ fn compare(case: &Case, rays: std::ops::Range<u64>) -> Comparison {
         let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
         case.pieces.iter().for_each(|p| p.find_hits(o, d, error, &mut found));
         let ours = case.shape.intersect(&ray);
-        let told = || format!("{} ray {i}: {ours:?} against {:?}", case.name, found.hit);
+        let message = || format!("{} ray {i}: {ours:?} against {:?}", case.name, found.hit);
         if let Some((t, u, v)) = ours {
             tally.hits += 1;
             let surface = case.shape.surface(&ray, t, Vec2::new(u, v));
             let off = surface.p.as_dvec3() - o;
             let beside = (off - d * (off.dot(d) / d.length_squared())).length();
-            assert!(beside <= 4e-6 * (size + o.length()), "{}: {beside} beside the ray", told());
+            assert!(beside <= 4e-6 * (size + o.length()), "{}: {beside} beside the ray", message());
         }
         let t = ours.map(|(t, ..)| f64::from(t));
         let length = d.length();
@@ -202,7 +202,7 @@ fn compare(case: &Case, rays: std::ops::Range<u64>) -> Comparison {
         let reach = 4.0 * error / grazing + rounding;
         let excuse = found.touches.iter().any(|x| within(x.t, first, reach) && (x.cos <= grazing || x.edge));
         let behind = first * length <= reach;
-        assert!(excuse || behind, "{}", told());
+        assert!(excuse || behind, "{}", message());
         tally.undecided += 1;
     }
     tally
@@ -219,14 +219,14 @@ fn agree_over(rays: u64) {
 }
 
 #[test]
-fn every_root_is_found() {
+fn every_intersection_is_found() {
     agree_over(16_000);
 }
 
 /// `CAUSTICA_ROOT_RAYS=N` sets the number of rays; 10⁷ take a quarter of an hour on two cores.
 #[test]
 #[ignore = "long: two million rays"]
-fn every_root_is_found_at_length() {
+fn every_intersection_is_found_with_many_rays() {
     let rays = std::env::var("CAUSTICA_ROOT_RAYS").ok();
     agree_over(rays.map_or(2_000_000, |n| n.parse().expect("CAUSTICA_ROOT_RAYS is a number")));
 }

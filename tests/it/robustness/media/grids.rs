@@ -40,7 +40,7 @@ fn invalid_density_cells_are_refused_with_index() {
             let place = format!("cell ({column}, {row}, {layer})");
             assert!(error.message().contains(&place) && error.message().contains("at least 0"), "{error}");
             assert_eq!((error.line(), error.text()), (2, "a.grid"));
-            assert!(error.remedy().contains("mend the grid"), "{}", error.remedy());
+            assert!(error.remedy().contains("repair the grid"), "{}", error.remedy());
         }
     }
 }
