@@ -1,8 +1,8 @@
 //! Arguments of the command line.
 
 use super::number::{
-    alpha, bytes, confidence, count, duration, error, gather_count, length, positive_count, seed, seeds, size, stops,
-    threads,
+    parse_alpha, parse_bytes, parse_confidence, parse_count, parse_duration, parse_error, parse_gather_count,
+    parse_length, parse_positive_count, parse_seed, parse_seeds, parse_size, parse_stops, parse_threads,
 };
 use super::{ConvertArguments, DiffArguments, MeshArguments};
 use crate::camera::FilterKind;
@@ -75,30 +75,30 @@ pub struct MethodArguments {
 
     /// Photon paths of the global map per pass, such as 500k or 2M; 0 for none  [default: about
     /// 500k]
-    #[arg(long, value_parser = count, value_name = "N")]
+    #[arg(long, value_parser = parse_count, value_name = "N")]
     pub photons: Option<u32>,
 
     /// Photon paths of the caustic map per pass, aimed at glass and mirrors; 0 for none  [default:
     /// half as many as --photons]
-    #[arg(long, value_parser = count, value_name = "N")]
+    #[arg(long, value_parser = parse_count, value_name = "N")]
     pub caustic_photons: Option<u32>,
 
     /// Camera rays per pixel and pass  [default: depends on the integrator]
-    #[arg(long, value_parser = positive_count, value_name = "N")]
+    #[arg(long, value_parser = parse_positive_count, value_name = "N")]
     pub spp: Option<u32>,
 
     /// Largest number of photons in a density estimate, at least 2; 0 for all within the radius
     /// [default: 50 for caustics, else all]
-    #[arg(long, value_parser = gather_count, value_name = "K")]
+    #[arg(long, value_parser = parse_gather_count, value_name = "K")]
     pub gather_k: Option<u32>,
 
     /// Largest gather radius of the first pass, in scene units  [default: chosen by a pilot pass]
-    #[arg(long, value_parser = length, value_name = "R")]
+    #[arg(long, value_parser = parse_length, value_name = "R")]
     pub radius: Option<f32>,
 
     /// How fast gather radii shrink, in (0, 1]: variance falls as N^-ALPHA over N passes; 1 keeps
     /// the radii. pm ignores it  [default: 2/3]
-    #[arg(long, value_parser = alpha, value_name = "ALPHA")]
+    #[arg(long, value_parser = parse_alpha, value_name = "ALPHA")]
     pub alpha: Option<f64>,
 
     /// Kernel of density estimates: box, cone or epanechnikov
@@ -115,7 +115,7 @@ pub struct MethodArguments {
     pub volume: VolumeEstimate,
 
     /// Largest number of bounces of a path
-    #[arg(long, value_parser = count, default_value = "100", value_name = "N")]
+    #[arg(long, value_parser = parse_count, default_value = "100", value_name = "N")]
     pub max_bounces: u32,
 
     /// Reconstruction filter of pixels: box, tent, gaussian, blackman-harris or mitchell
@@ -127,7 +127,7 @@ pub struct MethodArguments {
     pub adaptive: bool,
 
     /// Seed of all random numbers. Equal seeds and settings give equal pictures, bit for bit
-    #[arg(long, value_parser = seed, default_value = "0", value_name = "N")]
+    #[arg(long, value_parser = parse_seed, default_value = "0", value_name = "N")]
     pub seed: u64,
 }
 
@@ -147,16 +147,16 @@ pub struct SceneArguments {
     pub scene: PathBuf,
 
     /// Picture size, such as 1280x720  [default: the scene's]
-    #[arg(long, value_parser = size, value_name = "WxH")]
+    #[arg(long, value_parser = parse_size, value_name = "WxH")]
     pub size: Option<(u32, u32)>,
 
     /// Number of threads  [default: one per core]
-    #[arg(long, value_parser = threads, value_name = "N")]
+    #[arg(long, value_parser = parse_threads, value_name = "N")]
     pub threads: Option<u32>,
 
     /// Memory limit of the program, such as 4G or 512M. Work that needs more is refused before it
     /// begins  [default: the free memory]
-    #[arg(long, value_parser = bytes, value_name = "SIZE")]
+    #[arg(long, value_parser = parse_bytes, value_name = "SIZE")]
     pub memory: Option<u64>,
 }
 
@@ -185,21 +185,21 @@ pub struct RenderArguments {
 
     /// Number of passes, whose mean is the picture  [default: depends on the integrator; no limit
     /// with --time or --target-error]
-    #[arg(long, value_parser = positive_count, value_name = "N")]
+    #[arg(long, value_parser = parse_positive_count, value_name = "N")]
     pub passes: Option<u32>,
 
     /// Stop after the pass in which this time has elapsed, such as 60s or 5m
-    #[arg(long, value_parser = duration, value_name = "TIME")]
+    #[arg(long, value_parser = parse_duration, value_name = "TIME")]
     pub time: Option<Duration>,
 
     /// Stop after the pass in which the estimated relative error is at most this, such as 2%. The
     /// estimate has noise and bias
-    #[arg(long, value_parser = error, value_name = "ERROR", conflicts_with = "no_error_estimate")]
+    #[arg(long, value_parser = parse_error, value_name = "ERROR", conflicts_with = "no_error_estimate")]
     pub target_error: Option<f64>,
 
     /// Confidence that the error is at most --target-error; without that flag, confidence of the
     /// interval of the estimated error
-    #[arg(long, value_parser = confidence, default_value = "90%", value_name = "PART")]
+    #[arg(long, value_parser = parse_confidence, default_value = "90%", value_name = "PART")]
     pub confidence: Confidence,
 
     /// Write the picture and maps of its estimated error as layers of an .exr file: noise, bias,
@@ -217,15 +217,15 @@ pub struct RenderArguments {
     pub tone: Option<Curve>,
 
     /// Exposure of PNG in stops: +1 is twice as bright
-    #[arg(long, default_value = "0", value_parser = stops, allow_negative_numbers = true, value_name = "STOPS")]
+    #[arg(long, default_value = "0", value_parser = parse_stops, allow_negative_numbers = true, value_name = "STOPS")]
     pub exposure: f32,
 
     /// Bits per channel of PNG: 8 or 16
-    #[arg(long, default_value = "8", value_parser = depth, value_name = "BITS")]
+    #[arg(long, default_value = "8", value_parser = parse_png_depth, value_name = "BITS")]
     pub png_bits: BitDepth,
 
     /// Bits per channel of OpenEXR: 16 (largest value 65504) or 32
-    #[arg(long, default_value = "32", value_parser = float_depth, value_name = "BITS")]
+    #[arg(long, default_value = "32", value_parser = parse_exr_depth, value_name = "BITS")]
     pub exr_bits: FloatDepth,
 
     /// Write a report of the render as JSON
@@ -271,11 +271,11 @@ pub struct EstimateArguments {
     pub effects: EffectsArguments,
 
     /// Relative errors to estimate the cost of
-    #[arg(long, value_parser = error, value_delimiter = ',', default_value = "10%,5%,2%,1%", value_name = "ERROR,…")]
+    #[arg(long, value_parser = parse_error, value_delimiter = ',', default_value = "10%,5%,2%,1%", value_name = "ERROR,…")]
     pub errors: Vec<f64>,
 
     /// Duration of the pilot render, which makes at least eight passes
-    #[arg(long, value_parser = duration, default_value = "10s", value_name = "TIME")]
+    #[arg(long, value_parser = parse_duration, default_value = "10s", value_name = "TIME")]
     pub pilot: Duration,
 
     /// Print JSON
@@ -314,11 +314,11 @@ pub struct StudyKind {
     pub knobs: Option<Algorithm>,
 
     /// Processor time per seed and method, such as 60s or 5m
-    #[arg(long, value_parser = duration, default_value = "60s", value_name = "TIME")]
+    #[arg(long, value_parser = parse_duration, default_value = "60s", value_name = "TIME")]
     pub budget: Duration,
 
     /// Number of pictures per method, with seeds from --seed upwards. They separate noise from bias
-    #[arg(long, value_parser = seeds, default_value = "8", value_name = "N")]
+    #[arg(long, value_parser = parse_seeds, default_value = "8", value_name = "N")]
     pub seeds: u32,
 
     /// Reference of the errors: auto (two references, rendered first), A.exr,B.exr (two independent
@@ -327,11 +327,11 @@ pub struct StudyKind {
     pub truth: TruthFiles,
 
     /// Processor time of each of the two references of --truth auto  [default: four times --budget]
-    #[arg(long, value_parser = duration, value_name = "TIME")]
+    #[arg(long, value_parser = parse_duration, value_name = "TIME")]
     pub truth_time: Option<Duration>,
 
     /// Files for the two references of --truth auto: A.exr,B.exr
-    #[arg(long, value_name = "FILES", value_parser = pair)]
+    #[arg(long, value_name = "FILES", value_parser = parse_file_pair)]
     pub save_truth: Option<(PathBuf, PathBuf)>,
 }
 
@@ -352,14 +352,14 @@ impl FromStr for TruthFiles {
     fn from_str(text: &str) -> Result<Self, String> {
         match text {
             "auto" => Ok(Self::Auto),
-            _ if text.contains(',') => pair(text).map(|(a, b)| Self::Two(a, b)),
+            _ if text.contains(',') => parse_file_pair(text).map(|(a, b)| Self::Two(a, b)),
             _ => Ok(Self::One(text.into())),
         }
     }
 }
 
 /// Parses two different file names separated by a comma.
-fn pair(text: &str) -> Result<(PathBuf, PathBuf), String> {
+fn parse_file_pair(text: &str) -> Result<(PathBuf, PathBuf), String> {
     match text.split(',').collect::<Vec<_>>()[..] {
         [a, b] if a == b => Err(format!("`{a}` is named twice: two references must be independent")),
         [a, b] if !a.is_empty() && !b.is_empty() => Ok((a.into(), b.into())),
@@ -391,11 +391,11 @@ pub struct StudyArguments {
 
     /// Number of passes of each picture, or largest number of each method  [default: 4 with
     /// --effects, else limited by --budget]
-    #[arg(long, value_parser = positive_count, value_name = "N")]
+    #[arg(long, value_parser = parse_positive_count, value_name = "N")]
     pub passes: Option<u32>,
 
     /// Exposure of the full picture on the page in stops: +1 is twice as bright
-    #[arg(long, default_value = "0", value_parser = stops, allow_negative_numbers = true, value_name = "STOPS")]
+    #[arg(long, default_value = "0", value_parser = parse_stops, allow_negative_numbers = true, value_name = "STOPS")]
     pub exposure: f32,
 
     /// Print JSON
@@ -407,7 +407,7 @@ pub struct StudyArguments {
     pub quiet: bool,
 }
 
-fn depth(text: &str) -> Result<BitDepth, String> {
+fn parse_png_depth(text: &str) -> Result<BitDepth, String> {
     match text {
         "8" => Ok(BitDepth::Eight),
         "16" => Ok(BitDepth::Sixteen),
@@ -415,7 +415,7 @@ fn depth(text: &str) -> Result<BitDepth, String> {
     }
 }
 
-fn float_depth(text: &str) -> Result<FloatDepth, String> {
+fn parse_exr_depth(text: &str) -> Result<FloatDepth, String> {
     match text {
         "16" => Ok(FloatDepth::Half),
         "32" => Ok(FloatDepth::Single),

@@ -1,7 +1,7 @@
 //! `caustica check`: reads a scene and everything that it names, and renders nothing.
 
 use super::args::SceneArguments;
-use super::plan::counted;
+use super::plan::count_with_noun;
 use super::scene::{in_pool, load_with_file};
 use super::{Exit, Failure};
 use crate::format::SceneFile;
@@ -19,7 +19,7 @@ pub(super) fn run(arguments: &SceneArguments) -> Result<Exit, Failure> {
         let (file, scene) = load_with_file(arguments, &())?;
         let mut lines = file.warnings();
         lines.extend(scene_warnings(&scene, arguments));
-        let warnings = counted(lines.len(), "warning", "warnings");
+        let warnings = count_with_noun(lines.len(), "warning", "warnings");
         lines.push(format!("{}: no error, {warnings}", arguments.scene.display()));
         let mut out = std::io::stdout().lock();
         for line in &lines {

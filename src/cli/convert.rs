@@ -1,7 +1,7 @@
 //! `caustica convert`: writes any scene that can be read as scene text.
 
 use super::outputs::{NamedFile, OutputFailures, check_distinct};
-use super::progress::tell;
+use super::progress::print_message;
 use super::{Exit, Failure};
 use crate::format::mesh::MeshFormat;
 use crate::format::{Conversion, ReadError, SceneFile};
@@ -29,7 +29,7 @@ pub struct ConvertArguments {
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("`{}` exists already", .0.display())]
 #[diagnostic(help("choose another name, or replace it with --force"))]
-struct Exists(PathBuf);
+struct OutputExists(PathBuf);
 
 pub(super) fn run(arguments: &ConvertArguments) -> Result<Exit, Failure> {
     let scene = SceneFile::read_within(&arguments.scene, Memory::System).map_err(|e| {
@@ -43,18 +43,18 @@ pub(super) fn run(arguments: &ConvertArguments) -> Result<Exit, Failure> {
     let named: Vec<NamedFile> = outputs.iter().map(|path| NamedFile::new("the output", path)).collect();
     check_distinct(&named, &[NamedFile::new("the scene file", &arguments.scene)])?;
     if let Some(path) = outputs.iter().find(|path| !arguments.force && path.exists()) {
-        return Err(Failure::new(Exit::Output, Exists((*path).clone())));
+        return Err(Failure::new(Exit::Output, OutputExists((*path).clone())));
     }
     let mut failures = OutputFailures::default();
     for (path, mesh) in &conversion.meshes {
-        failures.keep(mesh.write(path, MeshFormat::Ply, &[]));
+        failures.take_ok(mesh.write(path, MeshFormat::Ply, &[]));
     }
     for (path, picture) in &conversion.pictures {
-        failures.keep(image::write(path, picture, &WriteOptions::default()));
+        failures.take_ok(image::write(path, picture, &WriteOptions::default()));
     }
     let written = replace_with(&arguments.output, |file| file.write_all(conversion.text.as_bytes()));
-    if failures.keep(written).is_some() {
-        tell(&format!("wrote {}", arguments.output.display()));
+    if failures.take_ok(written).is_some() {
+        print_message(&format!("wrote {}", arguments.output.display()));
     }
     failures.finish(Exit::Success)
 }

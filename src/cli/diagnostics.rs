@@ -1,6 +1,6 @@
 //! Messages that explain a black picture, or photons of which none was stored.
 
-use super::plan::counted;
+use super::plan::count_with_noun;
 use crate::color::Rgb;
 use crate::photon::Audit;
 use crate::render::Rendered;
@@ -9,12 +9,12 @@ use crate::study::text::percent;
 use glam::DVec3;
 
 /// True if the scene has lights, but none of them has any power.
-pub(super) fn has_no_power(scene: &Scene) -> bool {
+pub(super) fn lights_have_no_power(scene: &Scene) -> bool {
     !scene.lights().is_empty() && scene.lights().iter().all(|light| light.power(scene.domain()) == Rgb::ZERO)
 }
 
 /// A note if photons were emitted, but none was stored in any pass.
-pub(super) fn no_photon_stored(rendered: &Rendered) -> Option<String> {
+pub(super) fn no_photon_stored_note(rendered: &Rendered) -> Option<String> {
     let (global, caustic) = (&rendered.global, &rendered.caustic);
     let emitted = global.emitted + caustic.emitted;
     if emitted == 0 || global.stored + caustic.stored > 0 {
@@ -22,12 +22,12 @@ pub(super) fn no_photon_stored(rendered: &Rendered) -> Option<String> {
     }
     let mut audit = global.audit;
     audit += caustic.audit;
-    let paths = counted(emitted as usize, "photon path", "photon paths");
-    Some(format!("note: {paths}, no photon stored: {}", destination(&audit)))
+    let paths = count_with_noun(emitted as usize, "photon path", "photon paths");
+    Some(format!("note: {paths}, no photon stored: {}", flux_destinations(&audit)))
 }
 
 /// Shares of the photons' flux by where it ended.
-fn destination(audit: &Audit) -> String {
+fn flux_destinations(audit: &Audit) -> String {
     let sum = |flux: [f64; 3]| DVec3::from(flux).element_sum();
     let emitted = sum(audit.emitted);
     if emitted <= 0.0 {
@@ -41,7 +41,7 @@ fn destination(audit: &Audit) -> String {
 }
 
 /// A note for a picture whose pixels are all black.
-pub(super) fn black_picture(lights: usize, powerless: bool) -> &'static str {
+pub(super) fn black_picture_note(lights: usize, powerless: bool) -> &'static str {
     match (lights, powerless) {
         (0, _) => "note: every pixel is black: the scene has no light",
         (_, true) => "note: every pixel is black: no light has any power",

@@ -2,8 +2,8 @@
 
 use super::interrupt::{INTERRUPTED, listen};
 use super::memory::{check_photons, check_pictures_with_error};
-use super::outlook::{self, NoErrorEstimate, duration};
-use super::plan::announce;
+use super::outlook::{self, ErrorEstimateUnsupported, duration_text};
+use super::plan::announce_plan;
 use super::progress::Progress;
 use super::scene::{in_pool, load};
 use super::settings::{flags, settings};
@@ -19,19 +19,19 @@ use std::io::Write as _;
 use std::time::Instant;
 
 /// Least number of passes of the pilot. Fewer sample rare paths too seldom.
-const LEAST_PASSES: u32 = 8;
+const MIN_PILOT_PASSES: u32 = 8;
 
 /// A pilot that was interrupted before its error could be estimated.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("the pilot ended after {passes} passes, too few to estimate an error")]
 #[diagnostic(help("let it make at least four passes"))]
-struct TooShort {
+struct PilotTooShort {
     passes: u32,
 }
 
 pub(super) fn run(arguments: &EstimateArguments) -> Result<Exit, Failure> {
     if arguments.method.integrator == Algorithm::Raycast {
-        return Err(Failure::usage(NoErrorEstimate { flag: "estimate" }));
+        return Err(Failure::usage(ErrorEstimateUnsupported { flag: "estimate" }));
     }
     listen("the result of the pilot");
     let progress = Progress::new(arguments.quiet);
@@ -45,11 +45,11 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<Exit, Failure> {
         let pictures = check_pictures_with_error(1, scene.camera().size(), memory.free()).map_err(Failure::usage)?;
         let integrator = algorithm.prepare(&scene, settings);
         check_photons(integrator.expected(), pictures, memory.free()).map_err(Failure::usage)?;
-        announce(integrator.as_ref(), &progress);
+        announce_plan(integrator.as_ref(), &progress);
         progress.finish();
         let setup = start.elapsed().as_secs_f64();
-        let (rendered, pass_seconds) = pilot(arguments, integrator.as_ref(), scene.camera().size(), &progress);
-        let list = List::new(arguments, algorithm, &rendered, setup, pass_seconds);
+        let (rendered, pass_seconds) = render_pilot(arguments, integrator.as_ref(), scene.camera().size(), &progress);
+        let list = EstimateList::new(arguments, algorithm, &rendered, setup, pass_seconds);
         let list = list.map_err(|e| Failure::new(Exit::Interrupted, e))?;
         let text = if arguments.json {
             let json = serde_json::to_string_pretty(&list);
@@ -65,14 +65,14 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<Exit, Failure> {
 }
 
 /// Renders the pilot. Returns it with the expected time of a later pass \[s].
-fn pilot(
+fn render_pilot(
     arguments: &EstimateArguments,
     integrator: &dyn Integrator,
     size: (u32, u32),
     progress: &Progress,
 ) -> (Rendered, f64) {
     let stop = StopCriteria {
-        min_passes: LEAST_PASSES,
+        min_passes: MIN_PILOT_PASSES,
         time: Some(arguments.pilot),
         passes: None,
         target: None,
@@ -80,7 +80,7 @@ fn pilot(
     };
     let (began, mut first) = (Instant::now(), 0.0);
     progress.pass(1, None);
-    progress.time_left(Some(arguments.pilot));
+    progress.set_time_left(Some(arguments.pilot));
     let rendered = render(integrator, size, &stop, progress, |standing| {
         if standing.passes == 1 {
             first = began.elapsed().as_secs_f64();
@@ -96,7 +96,7 @@ fn pilot(
 
 /// Estimated costs of all requested errors.
 #[derive(Debug, Serialize)]
-struct List {
+struct EstimateList {
     schema: u32,
     version: &'static str,
     scene: String,
@@ -133,19 +133,19 @@ struct Estimate {
     flags: Option<String>,
 }
 
-impl List {
+impl EstimateList {
     fn new(
         arguments: &EstimateArguments,
         algorithm: Algorithm,
         rendered: &Rendered,
         setup: f64,
         pass_seconds: f64,
-    ) -> Result<Self, TooShort> {
+    ) -> Result<Self, PilotTooShort> {
         let passes = rendered.film.passes();
         let estimator = rendered.estimator.as_ref();
         let pilot = estimator.map(|estimator| estimator.estimate(&rendered.film)).unwrap_or_default();
         let forecast = estimator.and_then(|estimator| estimator.forecast(&pilot));
-        let forecast = forecast.ok_or(TooShort { passes })?;
+        let forecast = forecast.ok_or(PilotTooShort { passes })?;
         let pass_photons = (rendered.global.emitted + rendered.caustic.emitted) as f64 / f64::from(passes);
         let mut words = flags(&arguments.method, "--effects", arguments.effects.effects);
         if arguments.method.seed != 0 {
@@ -186,7 +186,7 @@ impl List {
             self.width,
             self.height,
             pilot.passes,
-            outlook::parts(pilot)
+            outlook::error_text(pilot)
         );
         let _ = writeln!(
             text,
@@ -203,11 +203,11 @@ impl List {
                 let _ = writeln!(text, "  {error:>7} {why}");
                 continue;
             };
-            let ends = [estimate.seconds_low, estimate.seconds_high].map(|t| t.map_or("?".to_owned(), duration));
+            let ends = [estimate.seconds_low, estimate.seconds_high].map(|t| t.map_or("?".to_owned(), duration_text));
             let _ = writeln!(
                 text,
                 "  {error:>7} {passes:>9} {:>14} {:>24} {:>9} {memory:>8}  {}",
-                duration(time),
+                duration_text(time),
                 ends.join(" to "),
                 estimate.photons.map_or(String::new(), amount),
                 estimate.flags.as_deref().unwrap_or_default(),

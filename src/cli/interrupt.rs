@@ -5,7 +5,7 @@
 //! [`Exit::Interrupted`].
 
 use super::Exit;
-use super::progress::{clear_bar, tell};
+use super::progress::{clear_bar, print_message};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// True after the first interrupting signal.
@@ -18,7 +18,9 @@ pub(super) fn listen(kept: &'static str) {
             clear_bar();
             std::process::exit(i32::from(Exit::Interrupted as u8));
         }
-        tell(&format!("interrupted: {kept} so far is written after this pass; interrupt again to stop at once"));
+        print_message(&format!(
+            "interrupted: {kept} so far is written after this pass; interrupt again to stop at once"
+        ));
     });
 }
 

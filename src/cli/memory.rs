@@ -8,24 +8,24 @@ use crate::stats::bytes;
 ///
 /// The film takes 48, a pass 12, its row positions 1, and the ray distribution of `--adaptive` 20.
 /// After the last pass, the mean and the encoded file take the memory of the pass.
-const PER_PIXEL: u64 = 86;
+const BYTES_PER_PIXEL: u64 = 86;
 
-/// Additional bytes per pixel of an error estimate. Measured with [`PER_PIXEL`]: 341, and 358 with
+/// Additional bytes per pixel of an error estimate. Measured with [`BYTES_PER_PIXEL`]: 341, and 358 with
 /// error maps.
 ///
 /// The nested estimates of a pass take 48, noise 24, finer discs 48, discs 24, three pictures each
 /// of passes and of finer discs 72, and the relative scale 24. The rest is for evaluation and maps.
-const PER_ESTIMATE_PIXEL: u64 = 274;
+const BYTES_PER_ESTIMATED_PIXEL: u64 = 274;
 
 /// Bytes per stored photon while the photon map is built.
 ///
 /// The photon takes 32, its sorted copy 32, and the copy's key 16; later the tree takes 33 in place
 /// of the key. The rest is the slack of growing lists.
-const PER_PHOTON: u64 = 100;
+const BYTES_PER_PHOTON: u64 = 100;
 
 /// Why a render does not fit into memory.
 #[derive(Debug, PartialEq, thiserror::Error, miette::Diagnostic)]
-pub(super) enum TooLarge {
+pub(super) enum MemoryError {
     /// A picture with more pixels than any may have.
     #[error(transparent)]
     #[diagnostic(help("choose a smaller --size"))]
@@ -61,27 +61,32 @@ const REMEDY: &str = "choose fewer --photons or --caustic-photons and more --pas
 /// Returns the bytes that `count` pictures take.
 ///
 /// # Errors
-/// [`TooLarge`] if the pictures need more than `free` bytes, or one has too many pixels.
-pub(super) fn check_pictures(count: usize, size: (u32, u32), free: Option<u64>) -> Result<u64, TooLarge> {
-    check(count, size, PER_PIXEL, free)
+/// [`MemoryError`] if the pictures need more than `free` bytes, or one has too many pixels.
+pub(super) fn check_pictures(count: usize, size: (u32, u32), free: Option<u64>) -> Result<u64, MemoryError> {
+    check(count, size, BYTES_PER_PIXEL, free)
 }
 
 /// Returns the bytes that `count` pictures with error estimates take, like [`check_pictures`].
 ///
 /// # Errors
-/// [`TooLarge`], like [`check_pictures`].
-pub(super) fn check_pictures_with_error(count: usize, size: (u32, u32), free: Option<u64>) -> Result<u64, TooLarge> {
-    check(count, size, PER_PIXEL + PER_ESTIMATE_PIXEL, free)
+/// [`MemoryError`], like [`check_pictures`].
+pub(super) fn check_pictures_with_error(count: usize, size: (u32, u32), free: Option<u64>) -> Result<u64, MemoryError> {
+    check(count, size, BYTES_PER_PIXEL + BYTES_PER_ESTIMATED_PIXEL, free)
 }
 
-fn check(count: usize, (width, height): (u32, u32), bytes_per_pixel: u64, free: Option<u64>) -> Result<u64, TooLarge> {
+fn check(
+    count: usize,
+    (width, height): (u32, u32),
+    bytes_per_pixel: u64,
+    free: Option<u64>,
+) -> Result<u64, MemoryError> {
     let pixels = u64::from(width) * u64::from(height);
     if pixels > MAX_PIXELS {
         return Err(SizeError::TooLarge { width, height }.into());
     }
     let needed = pixels * bytes_per_pixel * count as u64;
     match free {
-        Some(free) if needed > free => Err(TooLarge::Picture { count, width, height, needed, free }),
+        Some(free) if needed > free => Err(MemoryError::Picture { count, width, height, needed, free }),
         _ => Ok(needed),
     }
 }
@@ -91,16 +96,16 @@ fn check(count: usize, (width, height): (u32, u32), bytes_per_pixel: u64, free: 
 /// `free` is the free memory \[bytes], if known. `pictures` bytes of it are reserved for pictures.
 ///
 /// # Errors
-/// [`TooLarge`] if they cannot, or do not fit.
-pub(super) fn check_photons(expected: Expected, pictures: u64, free: Option<u64>) -> Result<(), TooLarge> {
+/// [`MemoryError`] if they cannot, or do not fit.
+pub(super) fn check_photons(expected: Expected, pictures: u64, free: Option<u64>) -> Result<(), MemoryError> {
     let free = free.map(|free| free.saturating_sub(pictures));
     let Expected { paths, photons: stored, most } = expected;
     if most > u64::from(u32::MAX) {
-        return Err(TooLarge::Indices { paths, stored: most });
+        return Err(MemoryError::Indices { paths, stored: most });
     }
-    let needed = stored * PER_PHOTON;
+    let needed = stored * BYTES_PER_PHOTON;
     match free {
-        Some(free) if needed > free => Err(TooLarge::Photons { paths, stored, needed, free }),
+        Some(free) if needed > free => Err(MemoryError::Photons { paths, stored, needed, free }),
         _ => Ok(()),
     }
 }
@@ -112,11 +117,14 @@ mod tests {
     #[test]
     fn too_large_pictures_are_refused() {
         assert_eq!(check_pictures(1, (16_384, 16_384), None), Ok(86 << 28));
-        assert!(matches!(check_pictures(1, (16_385, 16_384), None), Err(TooLarge::Pixels(_))));
+        assert!(matches!(check_pictures(1, (16_385, 16_384), None), Err(MemoryError::Pixels(_))));
         assert_eq!(check_pictures(1, (1000, 1000), Some(86_000_000)), Ok(86_000_000));
         let refused = check_pictures(1, (1000, 1000), Some(85_999_999)).unwrap_err().to_string();
         assert!(refused.contains("a picture of 1000 × 1000") && refused.contains("86.0 MB"), "{refused}");
-        assert!(matches!(check_pictures_with_error(1, (1000, 1000), Some(359_999_999)), Err(TooLarge::Picture { .. })));
+        assert!(matches!(
+            check_pictures_with_error(1, (1000, 1000), Some(359_999_999)),
+            Err(MemoryError::Picture { .. })
+        ));
         assert_eq!(check_pictures(4, (500, 500), Some(86_000_000)), Ok(86_000_000));
         let refused = check_pictures(5, (500, 500), Some(86_000_000)).unwrap_err().to_string();
         assert!(refused.contains("5 pictures of 500 × 500 pixels take 107.5 MB"), "{refused}");
@@ -127,13 +135,13 @@ mod tests {
         let index = u64::from(u32::MAX);
         let expected = |photons, most| Expected { paths: 1, photons, most };
         assert_eq!(check_photons(expected(2 * index, index), 0, None), Ok(()));
-        assert!(matches!(check_photons(expected(2 * index, index + 1), 0, None), Err(TooLarge::Indices { .. })));
+        assert!(matches!(check_photons(expected(2 * index, index + 1), 0, None), Err(MemoryError::Indices { .. })));
         assert_eq!(check_photons(expected(1000, 600), 0, Some(100_000)), Ok(()));
         assert_eq!(check_photons(expected(1000, 600), 7, Some(100_007)), Ok(()));
         assert!(check_photons(expected(1000, 600), 8, Some(100_007)).is_err());
         assert!(matches!(
             check_photons(expected(1001, 600), 0, Some(100_000)),
-            Err(TooLarge::Photons { stored: 1001, .. })
+            Err(MemoryError::Photons { stored: 1001, .. })
         ));
     }
 }

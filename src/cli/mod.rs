@@ -45,7 +45,7 @@ pub fn run(arguments: Arguments) -> Result<Exit, Failure> {
         Command::Mesh(arguments) => mesh::run(&arguments),
         Command::Check(arguments) => check::run(&arguments),
         Command::Convert(arguments) => convert::run(&arguments),
-        Command::Completions { shell } => shell::completions(shell),
-        Command::Man => shell::man(),
+        Command::Completions { shell } => shell::print_completions(shell),
+        Command::Man => shell::print_manual(),
     }
 }

@@ -7,7 +7,7 @@ use glam::DVec3;
 use std::time::Duration;
 
 /// Parses a count with an optional suffix k (thousand) or M (million), such as `2.5M`.
-pub(super) fn count(text: &str) -> Result<u32, String> {
+pub(super) fn parse_count(text: &str) -> Result<u32, String> {
     let (digits, scale) = match text.char_indices().last() {
         Some((i, 'k' | 'K')) => (&text[..i], 1e3),
         Some((i, 'm' | 'M')) => (&text[..i], 1e6),
@@ -23,7 +23,7 @@ pub(super) fn count(text: &str) -> Result<u32, String> {
 }
 
 /// Parses a number of bytes with an optional decimal suffix k, M, G or T, such as `1.5G`.
-pub(super) fn bytes(text: &str) -> Result<u64, String> {
+pub(super) fn parse_bytes(text: &str) -> Result<u64, String> {
     let (digits, scale) = match text.char_indices().last() {
         Some((i, 'k' | 'K')) => (&text[..i], 1e3),
         Some((i, 'M')) => (&text[..i], 1e6),
@@ -38,8 +38,8 @@ pub(super) fn bytes(text: &str) -> Result<u64, String> {
 }
 
 /// Parses a count of at least one.
-pub(super) fn positive_count(text: &str) -> Result<u32, String> {
-    match count(text)? {
+pub(super) fn parse_positive_count(text: &str) -> Result<u32, String> {
+    match parse_count(text)? {
         0 => Err("it must be at least 1".to_owned()),
         n => Ok(n),
     }
@@ -48,8 +48,8 @@ pub(super) fn positive_count(text: &str) -> Result<u32, String> {
 /// Parses the largest number of photons in a density estimate.
 ///
 /// The last photon only bounds the disc, so an estimate with one photon would be 0.
-pub(super) fn gather_count(text: &str) -> Result<u32, String> {
-    match count(text)? {
+pub(super) fn parse_gather_count(text: &str) -> Result<u32, String> {
+    match parse_count(text)? {
         1 => Err(
             "the last photon only bounds the disc, so 1 gives no light: write at least 2, or 0 for all photons within \
                   the radius"
@@ -63,7 +63,7 @@ pub(super) fn gather_count(text: &str) -> Result<u32, String> {
 const MAX_THREADS: u32 = 1024;
 
 /// Parses a seed of random numbers.
-pub(super) fn seed(text: &str) -> Result<u64, String> {
+pub(super) fn parse_seed(text: &str) -> Result<u64, String> {
     text.parse().map_err(|_| format!("`{text}` is not a seed: write a whole number from 0 to {}", u64::MAX))
 }
 
@@ -71,8 +71,8 @@ pub(super) fn seed(text: &str) -> Result<u64, String> {
 const MAX_SEEDS: u32 = 1000;
 
 /// Parses the number of seeds of a study.
-pub(super) fn seeds(text: &str) -> Result<u32, String> {
-    match count(text)? {
+pub(super) fn parse_seeds(text: &str) -> Result<u32, String> {
+    match parse_count(text)? {
         0 | 1 => Err("it must be at least 2: one picture cannot separate noise from bias".to_owned()),
         n @ ..=MAX_SEEDS => Ok(n),
         _ => Err(format!("it must be at most {MAX_SEEDS}")),
@@ -80,15 +80,15 @@ pub(super) fn seeds(text: &str) -> Result<u32, String> {
 }
 
 /// Parses a number of threads.
-pub(super) fn threads(text: &str) -> Result<u32, String> {
-    match positive_count(text)? {
+pub(super) fn parse_threads(text: &str) -> Result<u32, String> {
+    match parse_positive_count(text)? {
         n @ ..=MAX_THREADS => Ok(n),
         _ => Err(format!("it must be at most {MAX_THREADS}")),
     }
 }
 
 /// Parses an exposure in stops.
-pub(super) fn stops(text: &str) -> Result<f32, String> {
+pub(super) fn parse_stops(text: &str) -> Result<f32, String> {
     let value = text.parse::<f32>().ok().filter(|x| x.abs() <= MAX_EXPOSURE_STOPS);
     value.ok_or_else(|| {
         format!("`{text}` is not an exposure: write a number from -{MAX_EXPOSURE_STOPS} to {MAX_EXPOSURE_STOPS}")
@@ -96,7 +96,7 @@ pub(super) fn stops(text: &str) -> Result<f32, String> {
 }
 
 /// Parses a time in seconds, minutes or hours, such as `90`, `90s`, `1.5m` or `2h`.
-pub(super) fn duration(text: &str) -> Result<Duration, String> {
+pub(super) fn parse_duration(text: &str) -> Result<Duration, String> {
     let (digits, scale) = match text.char_indices().last() {
         Some((i, 's')) => (&text[..i], 1.0),
         Some((i, 'm')) => (&text[..i], 60.0),
@@ -108,7 +108,7 @@ pub(super) fn duration(text: &str) -> Result<Duration, String> {
 }
 
 /// Parses a width and height in pixels, such as `1280x720`.
-pub(super) fn size(text: &str) -> Result<(u32, u32), String> {
+pub(super) fn parse_size(text: &str) -> Result<(u32, u32), String> {
     let parsed = text.split_once(['x', 'X']).and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
     match parsed {
         Some((w @ 1..=65_536, h @ 1..=65_536)) => Ok((w, h)),
@@ -118,39 +118,39 @@ pub(super) fn size(text: &str) -> Result<(u32, u32), String> {
 }
 
 /// Parses a length above zero, in scene units.
-pub(super) fn length(text: &str) -> Result<f32, String> {
+pub(super) fn parse_length(text: &str) -> Result<f32, String> {
     let value = text.parse::<f32>().ok().filter(|x| *x > 0.0 && x.is_finite());
     value.ok_or_else(|| format!("`{text}` is not a length: write a number above 0, in scene units"))
 }
 
 /// Parses a length of at least zero, in units of the mesh.
-pub(super) fn distance(text: &str) -> Result<f64, String> {
-    within(text, |x| x >= 0.0).ok_or_else(|| format!("`{text}` is not a length: write a number of at least 0"))
+pub(super) fn parse_distance(text: &str) -> Result<f64, String> {
+    parse_within(text, |x| x >= 0.0).ok_or_else(|| format!("`{text}` is not a length: write a number of at least 0"))
 }
 
 /// Parses a factor above zero.
-pub(super) fn above_zero(text: &str) -> Result<f64, String> {
-    within(text, |x| x > 0.0).ok_or_else(|| format!("`{text}` is not a factor: write a number above 0"))
+pub(super) fn parse_above_zero(text: &str) -> Result<f64, String> {
+    parse_within(text, |x| x > 0.0).ok_or_else(|| format!("`{text}` is not a factor: write a number above 0"))
 }
 
 /// Parses an exponent above 0 and at most 1.
-pub(super) fn alpha(text: &str) -> Result<f64, String> {
-    within(text, |x| x > 0.0 && x <= 1.0)
+pub(super) fn parse_alpha(text: &str) -> Result<f64, String> {
+    parse_within(text, |x| x > 0.0 && x <= 1.0)
         .ok_or_else(|| format!("`{text}` is not an exponent of the radii: write a number above 0 and at most 1"))
 }
 
 /// Parses a fraction of at least zero, such as `2%` or `0.02`.
-pub(super) fn fraction(text: &str) -> Result<f64, String> {
+pub(super) fn parse_fraction(text: &str) -> Result<f64, String> {
     let (digits, scale) = text.strip_suffix('%').map_or((text, 1.0), |digits| (digits.trim_end(), 100.0));
-    let value = within(digits, |x| x >= 0.0).map(|x| x / scale);
+    let value = parse_within(digits, |x| x >= 0.0).map(|x| x / scale);
     value.ok_or_else(|| format!("`{text}` is not a fraction: write it as 2% or 0.02"))
 }
 
 /// Parses a relative error above zero, such as `2%` or `0.02`.
 ///
 /// A number of at least 1 without a percent sign is refused: `2` is more likely 2 % than 200 %.
-pub(super) fn error(text: &str) -> Result<f64, String> {
-    match fraction(text) {
+pub(super) fn parse_error(text: &str) -> Result<f64, String> {
+    match parse_fraction(text) {
         Ok(x) if x >= 1.0 && !text.ends_with('%') => {
             let percent = 100.0 * x;
             Err(format!("`{text}` is {percent} %: do you mean {text} %? Write {text}%, or {percent}% if you mean that"))
@@ -161,33 +161,33 @@ pub(super) fn error(text: &str) -> Result<f64, String> {
 }
 
 /// Parses a confidence from one half to less than one.
-pub(super) fn confidence(text: &str) -> Result<Confidence, String> {
-    let part = fraction(text).ok().filter(|x| (0.5..1.0).contains(x)).and_then(Confidence::new);
+pub(super) fn parse_confidence(text: &str) -> Result<Confidence, String> {
+    let part = parse_fraction(text).ok().filter(|x| (0.5..1.0).contains(x)).and_then(Confidence::new);
     part.ok_or_else(|| format!("`{text}` is not a confidence: write a fraction from 50% to less than 100%"))
 }
 
 /// Parses an angle from 0 to 180 degrees.
-pub(super) fn degrees(text: &str) -> Result<f64, String> {
-    within(text, |x| (0.0..=180.0).contains(&x))
+pub(super) fn parse_degrees(text: &str) -> Result<f64, String> {
+    parse_within(text, |x| (0.0..=180.0).contains(&x))
         .ok_or_else(|| format!("`{text}` is not an angle between faces: write degrees from 0 to 180"))
 }
 
 /// Parses an upper bound of at least zero.
-pub(super) fn bound(text: &str) -> Result<f64, String> {
-    within(text, |x| x >= 0.0).ok_or_else(|| format!("`{text}` is not a bound: write a number of at least 0"))
+pub(super) fn parse_bound(text: &str) -> Result<f64, String> {
+    parse_within(text, |x| x >= 0.0).ok_or_else(|| format!("`{text}` is not a bound: write a number of at least 0"))
 }
 
 /// Parses pixels per degree of the viewer's field of view.
-pub(super) fn pixels_per_degree(text: &str) -> Result<f64, String> {
+pub(super) fn parse_pixels_per_degree(text: &str) -> Result<f64, String> {
     let (least, most) = (PIXELS_PER_DEGREE_RANGE.start(), PIXELS_PER_DEGREE_RANGE.end());
-    within(text, |x| PIXELS_PER_DEGREE_RANGE.contains(&x)).ok_or_else(|| {
+    parse_within(text, |x| PIXELS_PER_DEGREE_RANGE.contains(&x)).ok_or_else(|| {
         format!("`{text}` is not a resolution: write a number of pixels per degree from {least} to {most}")
     })
 }
 
 /// Parses three numbers separated by commas.
-pub(super) fn point(text: &str) -> Result<DVec3, String> {
-    let numbers: Option<Vec<f64>> = text.split(',').map(|part| within(part.trim(), |_| true)).collect();
+pub(super) fn parse_point(text: &str) -> Result<DVec3, String> {
+    let numbers: Option<Vec<f64>> = text.split(',').map(|part| parse_within(part.trim(), |_| true)).collect();
     match numbers.as_deref() {
         Some(&[x, y, z]) => Ok(DVec3::new(x, y, z)),
         _ => Err(format!("`{text}` is not a point: write three numbers such as 0,1.5,-2")),
@@ -195,7 +195,7 @@ pub(super) fn point(text: &str) -> Result<DVec3, String> {
 }
 
 /// Parses a finite number that fulfils `rule`.
-fn within(text: &str, rule: impl Fn(f64) -> bool) -> Option<f64> {
+fn parse_within(text: &str, rule: impl Fn(f64) -> bool) -> Option<f64> {
     text.parse::<f64>().ok().filter(|x| x.is_finite() && rule(*x))
 }
 

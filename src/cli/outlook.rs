@@ -11,19 +11,19 @@ pub(super) const REMEDY: &str =
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("{flag} needs an error estimate, and raycast makes one pass, which has none")]
 #[diagnostic(help("leave it out, or choose another --integrator"))]
-pub(super) struct NoErrorEstimate {
+pub(super) struct ErrorEstimateUnsupported {
     pub flag: &'static str,
 }
 
 /// An estimated error and its parts: `2.1 % (noise 1.9 %, bias 0.8 %)`.
-pub(super) fn parts(estimate: &ErrorEstimate) -> String {
+pub(super) fn error_text(estimate: &ErrorEstimate) -> String {
     format!("{} (noise {}, bias {})", percent(estimate.error), percent(estimate.noise), percent(estimate.bias))
 }
 
 /// The time until the estimated error is `aim`, shown as `shown`, at `pass_seconds` a pass.
 ///
 /// Empty if the estimated error is 0.
-pub(super) fn outlook(
+pub(super) fn time_to_target_text(
     estimate: &ErrorEstimate,
     forecast: &Forecast,
     (shown, aim): (f64, f64),
@@ -36,16 +36,16 @@ pub(super) fn outlook(
     match forecast.passes_to(aim) {
         PassesNeeded::Passes(n) => {
             let more = n.saturating_sub(estimate.passes);
-            format!("; {shown} in about {}", duration(f64::from(more) * pass_seconds))
+            format!("; {shown} in about {}", duration_text(f64::from(more) * pass_seconds))
         }
         PassesNeeded::Never { floor } => format!("; {shown} never: {} is bias that stays", percent(floor)),
-        PassesNeeded::TooMany => format!("; {shown} in more than {}", duration(1e7 * pass_seconds)),
+        PassesNeeded::TooMany => format!("; {shown} in more than {}", duration_text(1e7 * pass_seconds)),
     }
 }
 
 /// A duration in seconds as text with about two digits: `0.8 s`, `42 s`, `3 min 20 s`, `5 h 10
 /// min`, `12 d`.
-pub(super) fn duration(seconds: f64) -> String {
+pub(super) fn duration_text(seconds: f64) -> String {
     if seconds < 9.95 {
         return format!("{seconds:.1} s");
     }
@@ -64,7 +64,7 @@ mod tests {
 
     #[test]
     fn durations_use_the_unit_that_fits() {
-        let texts = [0.0, 9.94, 9.96, 59.6, 200.0, 18_600.0, 1e6, f64::INFINITY].map(duration);
+        let texts = [0.0, 9.94, 9.96, 59.6, 200.0, 18_600.0, 1e6, f64::INFINITY].map(duration_text);
         assert_eq!(texts[..7], ["0.0 s", "9.9 s", "10 s", "1 min 0 s", "3 min 20 s", "5 h 10 min", "11 d"]);
         assert!(texts[7].ends_with(" d"), "{}", texts[7]);
     }

@@ -48,12 +48,12 @@ pub(super) struct OutputFailures(Vec<Report>);
 
 impl OutputFailures {
     /// Keeps the error of a result; `None` if it is one.
-    pub fn keep<T>(&mut self, result: Result<T, impl std::error::Error + Send + Sync + 'static>) -> Option<T> {
+    pub fn take_ok<T>(&mut self, result: Result<T, impl std::error::Error + Send + Sync + 'static>) -> Option<T> {
         result.map_err(|error| self.0.push(Report::from_err(error))).ok()
     }
 
     /// Keeps the report of a result; `None` if it is one.
-    pub fn keep_report<T>(&mut self, result: miette::Result<T>) -> Option<T> {
+    pub fn take_ok_report<T>(&mut self, result: miette::Result<T>) -> Option<T> {
         result.map_err(|report| self.0.push(report)).ok()
     }
 
@@ -67,7 +67,7 @@ impl OutputFailures {
 mod tests {
     use super::*;
 
-    fn message(outputs: &[NamedFile], inputs: &[NamedFile]) -> Option<String> {
+    fn collision_message(outputs: &[NamedFile], inputs: &[NamedFile]) -> Option<String> {
         check_distinct(outputs, inputs).err().map(|failure| failure.reports[0].to_string())
     }
 
@@ -76,9 +76,9 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let (plain, dotted) = (folder.path().join("a.exr"), folder.path().join("./a.exr"));
         let outputs = [NamedFile::new("-o", &plain), NamedFile::new("--aov", &dotted)];
-        let refused = message(&outputs, &[]).unwrap();
+        let refused = collision_message(&outputs, &[]).unwrap();
         assert!(refused.starts_with("--aov `") && refused.contains(" and -o `"), "{refused}");
-        assert_eq!(message(&outputs[..1], &[]), None);
+        assert_eq!(collision_message(&outputs[..1], &[]), None);
     }
 
     #[cfg(unix)]
@@ -89,7 +89,7 @@ mod tests {
         std::fs::write(&scene, "").unwrap();
         std::os::unix::fs::symlink(&scene, &link).unwrap();
         let input = NamedFile::new("the scene file", &scene);
-        let refused = message(&[NamedFile::new("-o", &link)], &[input]).unwrap();
+        let refused = collision_message(&[NamedFile::new("-o", &link)], &[input]).unwrap();
         assert!(refused.contains("the scene file `"), "{refused}");
     }
 }

@@ -1,7 +1,7 @@
 //! `caustica plan`, and the lines about a plan that other commands print.
 
 use super::args::PlanArguments;
-use super::progress::{Progress, tell};
+use super::progress::{Progress, print_message};
 use super::scene::{in_pool, load};
 use super::settings::settings;
 use super::{Exit, Failure};
@@ -26,7 +26,7 @@ pub(super) fn run(arguments: &PlanArguments) -> Result<Exit, Failure> {
             let json = serde_json::to_string_pretty(&report);
             json.map_err(Failure::output)? + "\n"
         } else {
-            table(algorithm, plan, balance, &work)
+            plan_table(algorithm, plan, balance, &work)
         };
         let written = std::io::stdout().write_all(text.as_bytes());
         written.map_err(Failure::output)?;
@@ -35,7 +35,7 @@ pub(super) fn run(arguments: &PlanArguments) -> Result<Exit, Failure> {
 }
 
 /// The simulated and the omitted effects in a line.
-pub(super) fn line(plan: &Plan) -> String {
+pub(super) fn effects_line(plan: &Plan) -> String {
     let names = |keep: fn(&Decision) -> bool| {
         let names: Vec<&str> = plan.decisions.iter().filter(|d| keep(d)).map(|d| d.effect.name()).collect();
         if names.is_empty() { "nothing".to_owned() } else { names.join(", ") }
@@ -44,12 +44,12 @@ pub(super) fn line(plan: &Plan) -> String {
 }
 
 /// Prints the plan and the work of a pass, and warns of omitted effects that the scene needs.
-pub(super) fn announce(integrator: &dyn Integrator, progress: &Progress) {
-    progress.say(&line(integrator.plan()));
+pub(super) fn announce_plan(integrator: &dyn Integrator, progress: &Progress) {
+    progress.say(&effects_line(integrator.plan()));
     integrator.balance().iter().for_each(|balance| progress.say(&balance_line(balance)));
-    warnings(integrator.plan()).for_each(|line| tell(&line));
+    omission_warnings(integrator.plan()).for_each(|line| print_message(&line));
     if integrator.plan().effects().has(Effect::Caustics) && integrator.radius_law().is_none() {
-        tell(UNSAMPLED_CAUSTICS);
+        print_message(UNSAMPLED_CAUSTICS);
     }
 }
 
@@ -61,7 +61,7 @@ const UNSAMPLED_CAUSTICS: &str = "warning: this method finds caustics only by ch
 fn balance_line(balance: &Balance) -> String {
     let Balance { samples, photons, caustic_photons } = balance;
     let mut line =
-        format!("each pass: {}", counted(*samples as usize, "camera ray per pixel", "camera rays per pixel"));
+        format!("each pass: {}", count_with_noun(*samples as usize, "camera ray per pixel", "camera rays per pixel"));
     for (n, which) in [(photons, "photon paths"), (caustic_photons, "photon paths aimed at specular objects")] {
         if let Some(n) = n {
             let _ = write!(line, ", {n} {which}");
@@ -71,17 +71,17 @@ fn balance_line(balance: &Balance) -> String {
 }
 
 /// A count with its noun in the singular or plural.
-pub(super) fn counted(n: usize, one: &str, many: &str) -> String {
+pub(super) fn count_with_noun(n: usize, one: &str, many: &str) -> String {
     format!("{n} {}", if n == 1 { one } else { many })
 }
 
 /// A warning for each effect that the scene needs and the plan omits.
-pub(super) fn warnings(plan: &Plan) -> impl Iterator<Item = String> {
+pub(super) fn omission_warnings(plan: &Plan) -> impl Iterator<Item = String> {
     let lacking = plan.decisions.iter().filter(|d| d.needed && !d.on);
     lacking.map(|d| format!("warning: without {}: {}", d.effect, d.effect.lack()))
 }
 
-fn table(algorithm: Algorithm, plan: &Plan, balance: Option<Balance>, work: &ExpectedWork) -> String {
+fn plan_table(algorithm: Algorithm, plan: &Plan, balance: Option<Balance>, work: &ExpectedWork) -> String {
     let mut text = format!("{} simulates\n", algorithm.name());
     for decision in &plan.decisions {
         let state = match (decision.on, decision.is_forced()) {
@@ -96,7 +96,7 @@ fn table(algorithm: Algorithm, plan: &Plan, balance: Option<Balance>, work: &Exp
     }
     balance.iter().for_each(|balance| text += &format!("{}\n", balance_line(balance)));
     let _ = writeln!(text, "total about {} per pass", work_text(work.whole, amount));
-    warnings(plan).for_each(|line| text += &format!("{line}\n"));
+    omission_warnings(plan).for_each(|line| text += &format!("{line}\n"));
     text
 }
 
@@ -148,7 +148,7 @@ pub(super) struct EffectReport {
 }
 
 /// The decisions of a plan as they stand in JSON.
-pub(super) fn effects(plan: &Plan) -> Vec<EffectReport> {
+pub(super) fn effect_reports(plan: &Plan) -> Vec<EffectReport> {
     let report = |d: &Decision| EffectReport {
         effect: d.effect.name(),
         on: d.on,
@@ -178,7 +178,7 @@ impl Report {
             balance,
             rays: work.whole.rays,
             gathered_photons: work.whole.gathered_photons,
-            effects: effects(plan).into_iter().zip(&plan.decisions).map(costed).collect(),
+            effects: effect_reports(plan).into_iter().zip(&plan.decisions).map(costed).collect(),
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Progress: a bar on a terminal, plain lines elsewhere.
 
-use super::outlook::duration;
+use super::outlook::duration_text;
 use crate::format::mesh::{ReadMonitor, TriangleMesh};
 use crate::integrate::{Monitor, Stage};
 use crate::stats::Counters;
@@ -17,7 +17,7 @@ static BAR: OnceLock<ProgressBar> = OnceLock::new();
 /// Writes a line to the standard error, above the progress bar if there is one.
 ///
 /// A failed write is ignored: a reader that has gone away must not end a render.
-pub(super) fn tell(line: &str) {
+pub(super) fn print_message(line: &str) {
     let write = || {
         let _ = writeln!(std::io::stderr(), "{line}");
     };
@@ -38,7 +38,7 @@ pub(super) fn clear_bar() {
 pub(super) fn warn_of_rejected(counters: &Counters) {
     for (n, what) in [(counters.rejected_samples, "samples"), (counters.rejected_photons, "photons")] {
         if n > 0 {
-            tell(&format!("warning: {n} {what} were not finite and were left out"));
+            print_message(&format!("warning: {n} {what} were not finite and were left out"));
         }
     }
 }
@@ -84,7 +84,7 @@ impl Progress {
     pub fn say(&self, line: &str) {
         match self {
             Self::Quiet => {}
-            Self::Lines(_) | Self::Bar(..) => tell(line),
+            Self::Lines(_) | Self::Bar(..) => print_message(line),
         }
     }
 
@@ -98,7 +98,7 @@ impl Progress {
     }
 
     /// Sets the time that the whole render still needs; `None` if it is not known.
-    pub fn time_left(&self, left: Option<Duration>) {
+    pub fn set_time_left(&self, left: Option<Duration>) {
         let end = left.and_then(|left| Instant::now().checked_add(left));
         self.state().into_iter().for_each(|mut state| state.end = end);
     }
@@ -138,20 +138,20 @@ impl Progress {
 }
 
 /// The rate of a stage: `12,345 paths/s`.
-fn rate(unit: &'static str) -> impl Fn(&ProgressState, &mut dyn fmt::Write) + Clone {
+fn rate_label(unit: &'static str) -> impl Fn(&ProgressState, &mut dyn fmt::Write) + Clone {
     move |state, out| {
         let _ = write!(out, "{} {unit}/s", HumanCount(state.per_sec().round() as u64));
     }
 }
 
 /// The time left: of the whole render if its end is known, else of the stage.
-fn time_left(end: Option<Instant>) -> impl Fn(&ProgressState, &mut dyn fmt::Write) + Clone {
+fn time_left_label(end: Option<Instant>) -> impl Fn(&ProgressState, &mut dyn fmt::Write) + Clone {
     move |state, out| {
         let _ = match end {
             Some(end) => {
-                write!(out, "{} left", duration(end.saturating_duration_since(Instant::now()).as_secs_f64()))
+                write!(out, "{} left", duration_text(end.saturating_duration_since(Instant::now()).as_secs_f64()))
             }
-            None => write!(out, "{} left of this stage", duration(state.eta().as_secs_f64())),
+            None => write!(out, "{} left of this stage", duration_text(state.eta().as_secs_f64())),
         };
     }
 }
@@ -166,7 +166,7 @@ impl Monitor for Progress {
         let Some((pass, end)) = self.state().map(|state| (state.pass.clone(), state.end)) else { return };
         let template = format!("{{prefix}} {name:<8} {{bar:16}} {{percent:>3}} %  {{rate}}  {{left}}  {{wide_msg}}");
         let style = ProgressStyle::with_template(&template);
-        let style = style.map(|style| style.with_key("rate", rate(unit)).with_key("left", time_left(end)));
+        let style = style.map(|style| style.with_key("rate", rate_label(unit)).with_key("left", time_left_label(end)));
         self.start(style, pass, total);
     }
 

@@ -1,12 +1,12 @@
 //! `caustica render`.
 
 use super::check::cheap_warnings;
-use super::diagnostics::{black_picture, has_no_power, no_photon_stored};
+use super::diagnostics::{black_picture_note, lights_have_no_power, no_photon_stored_note};
 use super::interrupt::{INTERRUPTED, listen};
 use super::memory::{check_photons, check_pictures, check_pictures_with_error};
 use super::outputs::{NamedFile, OutputFailures, check_distinct};
-use super::plan::{self, counted};
-use super::progress::{InputFiles, Progress, tell, warn_of_rejected};
+use super::plan::{self, count_with_noun};
+use super::progress::{InputFiles, Progress, print_message, warn_of_rejected};
 use super::report::{ErrorReport, Report, Setup};
 use super::scene::{in_pool, load_with_file};
 use super::settings::settings;
@@ -25,7 +25,7 @@ pub(super) fn run(arguments: &RenderArguments) -> Result<Exit, Failure> {
     let needs_error = [("--target-error", arguments.target_error.is_some()), ("--aov", arguments.aov.is_some())];
     let needs_error = needs_error.into_iter().find(|(_, given)| *given);
     if let (Algorithm::Raycast, Some((flag, _))) = (arguments.method.integrator, needs_error) {
-        return Err(Failure::usage(outlook::NoErrorEstimate { flag }));
+        return Err(Failure::usage(outlook::ErrorEstimateUnsupported { flag }));
     }
     // Everything that can fail without rendering is checked before rendering.
     for path in &arguments.output {
@@ -85,15 +85,15 @@ fn run_in_pool(arguments: &RenderArguments, progress: &Progress) -> Result<Exit,
     let pictures = check(1, size, memory.free()).map_err(Failure::usage)?;
     let integrator = algorithm.prepare(&scene, settings);
     check_photons(integrator.expected(), pictures, memory.free()).map_err(Failure::usage)?;
-    plan::announce(integrator.as_ref(), progress);
+    plan::announce_plan(integrator.as_ref(), progress);
     setup.radii = integrator.radii();
     setup.emission_guiding = integrator.guiding_reports();
-    setup.effects = plan::effects(integrator.plan());
+    setup.effects = plan::effect_reports(integrator.plan());
     setup.balance = integrator.balance();
     setup.seconds = start.elapsed().as_secs_f64();
     let rendered = render_passes(arguments, integrator.as_ref(), size, start, progress);
     progress.finish();
-    conclude(arguments, progress, setup, has_no_power(&scene), &rendered)
+    conclude(arguments, progress, setup, lights_have_no_power(&scene), &rendered)
 }
 
 /// Prints what the scene contains, and notes on what it lacks.
@@ -101,15 +101,15 @@ fn announce_scene(setup: &Setup, scene: &Scene, progress: &Progress) {
     progress.say(&format!(
         "{}: {}, {}, {}",
         setup.scene,
-        counted(setup.triangles, "triangle", "triangles"),
-        counted(setup.shapes, "shape", "shapes"),
-        counted(setup.lights, "light", "lights")
+        count_with_noun(setup.triangles, "triangle", "triangles"),
+        count_with_noun(setup.shapes, "shape", "shapes"),
+        count_with_noun(setup.lights, "light", "lights")
     ));
     if setup.triangles + setup.shapes == 0 {
         progress.say("note: the scene has no objects: the picture shows only the background");
     } else if setup.lights == 0 {
         progress.say("note: the scene has no lights: all objects are black");
-    } else if has_no_power(scene) {
+    } else if lights_have_no_power(scene) {
         progress.say("note: no light of the scene has any power: all objects are black");
     }
 }
@@ -132,7 +132,7 @@ fn render_passes(
     let target = arguments.target_error.map(|error| ErrorTarget { error, confidence: arguments.confidence });
     let stop = StopCriteria { min_passes: 1, passes, time: arguments.time, target, interrupted: &INTERRUPTED };
     progress.pass(1, passes);
-    progress.time_left(arguments.time);
+    progress.set_time_left(arguments.time);
     let began = Instant::now();
     render(integrator, size, &stop, progress, |standing| {
         let pass_seconds = began.elapsed().as_secs_f64() / f64::from(standing.passes);
@@ -141,8 +141,8 @@ fn render_passes(
             let aim = target.map_or(shown, |target| point_estimate_at(target, standing).unwrap_or(shown));
             format!(
                 "error {}{}",
-                outlook::parts(estimate),
-                outlook::outlook(estimate, forecast, (shown, aim), pass_seconds)
+                outlook::error_text(estimate),
+                outlook::time_to_target_text(estimate, forecast, (shown, aim), pass_seconds)
             )
         });
         if progress.has_lines() {
@@ -154,7 +154,7 @@ fn render_passes(
         progress.pass(standing.passes + 1, passes);
         // The error is not estimated after every pass; in between the estimated end stays.
         if let Some(left) = time_left(&stop, standing, began.elapsed(), pass_seconds) {
-            progress.time_left(Some(left));
+            progress.set_time_left(Some(left));
         }
         error.into_iter().for_each(|note| progress.note(note));
     })
@@ -195,14 +195,14 @@ fn conclude(
     write_pictures(arguments, progress, &picture, rendered, &mut failures);
     warn_of_rejected(&rendered.counters);
     if picture.pixels().iter().all(|p| *p == Vec3::ZERO) {
-        progress.say(black_picture(setup.lights, powerless));
+        progress.say(black_picture_note(setup.lights, powerless));
     }
-    no_photon_stored(rendered).iter().for_each(|line| progress.say(line));
+    no_photon_stored_note(rendered).iter().for_each(|line| progress.say(line));
     let report = Report::new(setup, rendered, confidence(arguments));
     summarize(arguments, progress, &report, rendered);
     if let Some(path) = &arguments.stats {
         let json = serde_json::to_vec_pretty(&report).map_err(Failure::output)?;
-        failures.keep(image::replace_file(path, &json));
+        failures.take_ok(image::replace_file(path, &json));
     }
     failures.finish(if rendered.ended == EndReason::Interrupted { Exit::Interrupted } else { Exit::Success })
 }
@@ -232,7 +232,7 @@ fn write_pictures(
         metadata: vec![("Software".to_owned(), format!("Caustica {}", env!("CARGO_PKG_VERSION")))],
     };
     for path in &arguments.output {
-        if let Some(written) = failures.keep(image::write(path, picture, &options)) {
+        if let Some(written) = failures.take_ok(image::write(path, picture, &options)) {
             progress.say(&format!("wrote {}", path.display()));
             report_clipping(&written, path, arguments.exposure, progress);
         }
@@ -240,16 +240,16 @@ fn write_pictures(
     let Some(path) = &arguments.aov else { return };
     let passes = rendered.film.passes();
     if passes < MIN_PASSES {
-        let passes = counted(passes as usize, "pass gives", "passes give");
-        tell(&format!("warning: {passes} no error estimate: {} has no maps of it", path.display()));
+        let passes = count_with_noun(passes as usize, "pass gives", "passes give");
+        print_message(&format!("warning: {passes} no error estimate: {} has no maps of it", path.display()));
     }
     let written = image::write_layers(path, rendered.film.size(), &aov::layers(rendered), &options.metadata);
-    if let Some(non_finite) = failures.keep(written) {
+    if let Some(non_finite) = failures.take_ok(written) {
         progress.say(&format!("wrote {}", path.display()));
         if non_finite > 0 {
-            let values = counted(non_finite, "value", "values");
+            let values = count_with_noun(non_finite, "value", "values");
             let path = path.display();
-            tell(&format!("warning: {values} of {path} exceed single precision: the scene is too bright"));
+            print_message(&format!("warning: {values} of {path} exceed single precision: the scene is too bright"));
         }
     }
 }
@@ -266,7 +266,7 @@ fn summarize(arguments: &RenderArguments, progress: &Progress, report: &Report, 
     };
     progress.say(&format!(
         "{} in {:.1} s, {:.2} M rays/s, {:.2} M photon paths/s{why}",
-        counted(report.passes as usize, "pass", "passes"),
+        count_with_noun(report.passes as usize, "pass", "passes"),
         report.seconds.render,
         report.rates.rays_per_second * 1e-6,
         report.rates.photons_per_second * 1e-6,
@@ -274,24 +274,27 @@ fn summarize(arguments: &RenderArguments, progress: &Progress, report: &Report, 
     if let Some(ErrorReport { estimate, .. }) = &report.error {
         let interval = format!("{} to {}", percent(estimate.low), percent(estimate.high));
         let confidence = percent(confidence(arguments).probability());
-        progress.say(&format!("estimated error {}; {interval} with {confidence} confidence", outlook::parts(estimate)));
+        progress.say(&format!(
+            "estimated error {}; {interval} with {confidence} confidence",
+            outlook::error_text(estimate)
+        ));
     }
     if rendered.ended == EndReason::Floor {
-        tell(&format!("warning: {}", outlook::REMEDY));
+        print_message(&format!("warning: {}", outlook::REMEDY));
     }
 }
 
 /// Reports pixels whose values the file could not hold.
 fn report_clipping(written: &WriteReport, path: &Path, exposure: f32, progress: &Progress) {
-    let pixels = |n: usize| format!("{} of {}", counted(n, "pixel", "pixels"), path.display());
+    let pixels = |n: usize| format!("{} of {}", count_with_noun(n, "pixel", "pixels"), path.display());
     if written.non_finite > 0 {
-        tell(&format!("warning: {}: not finite", pixels(written.non_finite)));
+        print_message(&format!("warning: {}: not finite", pixels(written.non_finite)));
     }
     match (written.too_bright, OutputFormat::from_path(path)) {
         (0, _) => {}
         // A clipped OpenEXR is a warning, because its readers expect unclipped radiance.
         (n, Ok(OutputFormat::Exr)) => {
-            tell(&format!("warning: {}: clipped to 65504; --exr-bits 32 holds larger values", pixels(n)));
+            print_message(&format!("warning: {}: clipped to 65504; --exr-bits 32 holds larger values", pixels(n)));
         }
         (n, Ok(OutputFormat::Png) | Err(_)) => {
             let darker = exposure - 1.0;

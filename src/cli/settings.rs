@@ -98,8 +98,11 @@ pub(super) fn flags(arguments: &MethodArguments, effects_flag: &str, overrides: 
         ("--radius", arguments.radius.map(|r| r.to_string())),
         ("--alpha", arguments.alpha.map(|alpha| alpha.to_string())),
         ("--kernel", unless_default(kernel == Kernel::default(), kernel_name(kernel).to_owned())),
-        ("--final-gathering", unless_default(final_gathering == FinalGathering::default(), name(final_gathering))),
-        ("--volume", unless_default(volume == VolumeEstimate::default(), name(volume))),
+        (
+            "--final-gathering",
+            unless_default(final_gathering == FinalGathering::default(), value_name(final_gathering)),
+        ),
+        ("--volume", unless_default(volume == VolumeEstimate::default(), value_name(volume))),
         ("--max-bounces", unless_default(max_bounces == EyeSettings::default().max_bounces, max_bounces.to_string())),
         ("--filter", unless_default(filter == FilterKind::default(), filter_name(filter).to_owned())),
         (effects_flag, effects_value(overrides)),
@@ -113,7 +116,7 @@ pub(super) fn flags(arguments: &MethodArguments, effects_flag: &str, overrides: 
 }
 
 /// Name of a value on the command line.
-fn name(value: impl ValueEnum) -> String {
+fn value_name(value: impl ValueEnum) -> String {
     value.to_possible_value().map_or(String::new(), |v| v.get_name().to_owned())
 }
 

@@ -7,37 +7,37 @@ use clap_mangen::Man;
 use std::io::{self, Write};
 
 /// Prints the completion script of a shell.
-pub(super) fn completions(shell: Shell) -> Result<Exit, Failure> {
+pub(super) fn print_completions(shell: Shell) -> Result<Exit, Failure> {
     let mut script = Vec::new();
     clap_complete::generate(shell, &mut Arguments::command(), "caustica", &mut script);
-    print(&script)
+    write_to_stdout(&script)
 }
 
 /// Prints the manual page in roff.
-pub(super) fn man() -> Result<Exit, Failure> {
-    let page = manual().map_err(Failure::output)?;
-    print(page.as_bytes())
+pub(super) fn print_manual() -> Result<Exit, Failure> {
+    let page = manual_page().map_err(Failure::output)?;
+    write_to_stdout(page.as_bytes())
 }
 
 /// The manual: one page for the program, with a section for each subcommand.
-fn manual() -> io::Result<String> {
+fn manual_page() -> io::Result<String> {
     let mut command = Arguments::command();
     command.build();
-    let mut page = roff(|out| Man::new(command.clone()).render(out))?;
+    let mut page = rendered_roff(|out| Man::new(command.clone()).render(out))?;
     for subcommand in command.get_subcommands().filter(|subcommand| subcommand.get_name() != "help") {
         let name = subcommand.get_name();
         // All subcommands are on this page, so references to pages of their own would be dead.
         page = page.replace(&format!("caustica\\-{name}(1)"), &format!("caustica {name}"));
-        let section = section(subcommand)?;
+        let section = subcommand_section(subcommand)?;
         page += &format!(".SH \"CAUSTICA {}\"\n{section}", name.to_uppercase());
     }
     Ok(page)
 }
 
 /// The synopsis, description and options of a subcommand, as subsections.
-fn section(subcommand: &Command) -> io::Result<String> {
+fn subcommand_section(subcommand: &Command) -> io::Result<String> {
     let man = Man::new(subcommand.clone());
-    let text = roff(|out| {
+    let text = rendered_roff(|out| {
         man.render_synopsis_section(out)?;
         man.render_description_section(out)?;
         man.render_options_section(out)
@@ -46,13 +46,13 @@ fn section(subcommand: &Command) -> io::Result<String> {
 }
 
 /// The text that `render` writes.
-fn roff(render: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> io::Result<String> {
+fn rendered_roff(render: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> io::Result<String> {
     let mut text = Vec::new();
     render(&mut text)?;
     Ok(String::from_utf8_lossy(&text).into_owned())
 }
 
-fn print(text: &[u8]) -> Result<Exit, Failure> {
+fn write_to_stdout(text: &[u8]) -> Result<Exit, Failure> {
     io::stdout().write_all(text).map_err(Failure::output)?;
     Ok(Exit::Success)
 }

@@ -38,7 +38,7 @@ pub enum Clock {
 
 impl Clock {
     /// Processor time if the system reports it.
-    fn best() -> Self {
+    fn preferred() -> Self {
         if cpu_seconds().is_some() { Self::Processor } else { Self::Wall }
     }
 
@@ -57,7 +57,7 @@ impl Clock {
 
 /// Time and work spent on one picture.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Spent {
+pub struct PictureCost {
     /// Setup time, with pilots \[s].
     pub setup: f64,
     /// Time of each pass \[s].
@@ -66,7 +66,7 @@ pub struct Spent {
     pub counters: Counters,
 }
 
-impl Spent {
+impl PictureCost {
     /// Time of all passes, without setup \[s].
     #[must_use]
     pub fn seconds(&self) -> f64 {
@@ -95,7 +95,7 @@ pub struct Cost {
 
 /// Change of the picture by an effect.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Gain {
+pub struct EffectContribution {
     /// Root of the mean squared difference over pixels and channels \[W/(m² sr)].
     pub rmse: f64,
     /// `rmse` over the mean radiance of the whole picture; `None` if that is black.
@@ -108,22 +108,22 @@ pub struct Gain {
 
 /// Result for one effect.
 #[derive(Clone, Debug)]
-pub struct Finding {
+pub struct EffectResult {
     /// The effect and the reason why it is simulated.
     pub decision: Decision,
     /// Time and work of the picture without the effect.
-    pub without: Spent,
+    pub without: PictureCost,
     /// Cost of the effect.
     pub cost: Cost,
     /// Change of the picture.
-    pub gain: Gain,
+    pub gain: EffectContribution,
     /// The whole picture less the one without it.
     pub difference: Image,
 }
 
 /// Result of a study of effects.
 #[derive(Clone, Debug)]
-pub struct Findings {
+pub struct EffectStudyResult {
     /// Plan of the whole picture.
     pub plan: Plan,
     /// Clock that measures seconds.
@@ -133,9 +133,9 @@ pub struct Findings {
     /// Mean of the whole picture over pixels and channels \[W/(m² sr)].
     pub mean: f64,
     /// Time and work of the whole picture.
-    pub whole: Spent,
+    pub whole: PictureCost,
     /// Results, one per simulated effect.
-    pub effects: Vec<Finding>,
+    pub effects: Vec<EffectResult>,
     /// True if the study ended before all passes were made.
     pub interrupted: bool,
 }
@@ -148,22 +148,22 @@ pub struct EffectStudy<'a> {
     size: (u32, u32),
     clock: Clock,
     /// Runs; the first one is the whole picture.
-    runs: Vec<Run<'a>>,
+    runs: Vec<PictureRun<'a>>,
 }
 
-struct Run<'a> {
+struct PictureRun<'a> {
     /// The omitted effect; `None` for the whole picture.
     without: Option<Decision>,
     integrator: Box<dyn Integrator + 'a>,
     film: Film,
-    spent: Spent,
+    spent: PictureCost,
 }
 
 impl<'a> EffectStudy<'a> {
     /// Plans `scene` and prepares all pictures.
     #[must_use]
     pub fn prepare(scene: &'a Scene, algorithm: Algorithm, settings: &Settings) -> Self {
-        let clock = Clock::best();
+        let clock = Clock::preferred();
         let plan = Plan::new(scene, algorithm.simulates(), settings.eye.effects);
         let settings = balanced(scene, algorithm, settings);
         let size = scene.camera().size();
@@ -173,8 +173,8 @@ impl<'a> EffectStudy<'a> {
                 settings.eye.effects = settings.eye.effects.without(decision.effect);
             }
             let (integrator, setup) = clock.time(|| algorithm.prepare(scene, settings));
-            let spent = Spent { setup, ..Spent::default() };
-            Run { without, integrator, film: Film::new(size.0, size.1), spent }
+            let spent = PictureCost { setup, ..PictureCost::default() };
+            PictureRun { without, integrator, film: Film::new(size.0, size.1), spent }
         };
         let on = plan.decisions.iter().filter(|d| d.on).copied();
         let runs = std::iter::once(None).chain(on.map(Some)).map(run).collect();
@@ -215,7 +215,7 @@ impl<'a> EffectStudy<'a> {
         interrupted: &AtomicBool,
         monitor: &dyn Monitor,
         mut after: impl FnMut(u32),
-    ) -> Result<Findings, StudyError> {
+    ) -> Result<EffectStudyResult, StudyError> {
         let mut made = 0;
         while made == 0 || (made < passes && !interrupted.load(Ordering::Relaxed)) {
             // Pictures take turns, each round from another start: a slow phase of the machine or a
@@ -234,42 +234,43 @@ impl<'a> EffectStudy<'a> {
         self.conclude(made < passes)
     }
 
-    fn conclude(self, interrupted: bool) -> Result<Findings, StudyError> {
+    fn conclude(self, interrupted: bool) -> Result<EffectStudyResult, StudyError> {
         let (width, height) = self.size;
         let plan = self.plan().clone();
-        let image = |run: &Run<'_>| Image::from_pixels(width, height, run.film.mean());
+        let image = |run: &PictureRun<'_>| Image::from_pixels(width, height, run.film.mean());
         let (picture, whole) = (image(&self.runs[0])?, self.runs[0].spent.clone());
-        let mean = mean(picture.pixels().iter().map(|p| p.as_dvec3().element_sum()), &picture);
-        let find = |run: Run<'_>| {
+        let mean = mean_over_channels(picture.pixels().iter().map(|p| p.as_dvec3().element_sum()), &picture);
+        let find = |run: PictureRun<'_>| {
             let without = image(&run)?;
-            let Run { without: left_out, spent, .. } = run;
-            let gain = gain(&picture, &without, mean)?;
+            let PictureRun { without: left_out, spent, .. } = run;
+            let gain = contribution(&picture, &without, mean)?;
             let pairs = picture.pixels().iter().zip(without.pixels());
             let difference = Image::from_pixels(width, height, pairs.map(|(a, b)| *a - *b).collect())?;
-            let found = |decision| Finding { decision, cost: cost(&whole, &spent), without: spent, gain, difference };
+            let found =
+                |decision| EffectResult { decision, cost: cost(&whole, &spent), without: spent, gain, difference };
             Ok(left_out.map(found))
         };
         let effects = self.runs.into_iter().skip(1).filter_map(|run| find(run).transpose());
         let effects = effects.collect::<Result<_, StudyError>>()?;
-        Ok(Findings { plan, clock: self.clock, mean, whole, effects, interrupted, picture })
+        Ok(EffectStudyResult { plan, clock: self.clock, mean, whole, effects, interrupted, picture })
     }
 }
 
 /// Mean over pixels and channels of `sums` over channels.
-fn mean(sums: impl Iterator<Item = f64>, of: &Image) -> f64 {
+fn mean_over_channels(sums: impl Iterator<Item = f64>, of: &Image) -> f64 {
     sums.sum::<f64>() / (3.0 * of.pixels().len() as f64)
 }
 
-fn gain(whole: &Image, without: &Image, mean_of_whole: f64) -> Result<Gain, StudyError> {
+fn contribution(whole: &Image, without: &Image, mean_of_whole: f64) -> Result<EffectContribution, StudyError> {
     let rmse = rmse(whole, without)?;
     let differences = || whole.pixels().iter().zip(without.pixels()).map(|(a, b)| a.as_dvec3() - b.as_dvec3());
-    let adds = mean(differences().map(|d| d.max(glam::DVec3::ZERO).element_sum()), whole);
-    let takes = mean(differences().map(|d| (-d).max(glam::DVec3::ZERO).element_sum()), whole);
+    let adds = mean_over_channels(differences().map(|d| d.max(glam::DVec3::ZERO).element_sum()), whole);
+    let takes = mean_over_channels(differences().map(|d| (-d).max(glam::DVec3::ZERO).element_sum()), whole);
     let relative_rmse = (mean_of_whole > 0.0).then(|| rmse / mean_of_whole);
-    Ok(Gain { rmse, relative_rmse, adds, takes })
+    Ok(EffectContribution { rmse, relative_rmse, adds, takes })
 }
 
-fn cost(whole: &Spent, without: &Spent) -> Cost {
+fn cost(whole: &PictureCost, without: &PictureCost) -> Cost {
     let differences: Vec<f64> = whole.passes.iter().zip(&without.passes).map(|(a, b)| a - b).collect();
     let n = differences.len() as f64;
     let seconds = differences.iter().sum::<f64>() / n;

@@ -8,7 +8,9 @@ pub mod report;
 mod tests;
 mod work;
 
-pub use effects::{Clock, Cost, EffectStudy, Finding, Findings, Gain, Spent, StudyError};
+pub use effects::{
+    Clock, Cost, EffectContribution, EffectResult, EffectStudy, EffectStudyResult, PictureCost, StudyError,
+};
 pub use report::effects::{About, page};
 pub use report::text;
 pub use work::{ExpectedWork, Work, expected_work};

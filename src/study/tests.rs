@@ -1,6 +1,6 @@
 //! Studies of scenes with known results.
 
-use super::{About, EffectStudy, Findings, expected_work, page};
+use super::{About, EffectStudy, EffectStudyResult, expected_work, page};
 use crate::camera::Camera;
 use crate::integrate::{Algorithm, Settings, Silent};
 use crate::plan::{Effect, EffectOverrides};
@@ -37,7 +37,7 @@ fn few(effects: EffectOverrides) -> Settings {
     settings
 }
 
-fn study(scene: &Scene, algorithm: Algorithm, settings: &Settings, passes: u32) -> Findings {
+fn study(scene: &Scene, algorithm: Algorithm, settings: &Settings, passes: u32) -> EffectStudyResult {
     let study = EffectStudy::prepare(scene, algorithm, settings);
     study.run(passes, &AtomicBool::new(false), &Silent, |_| {}).unwrap()
 }

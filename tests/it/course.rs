@@ -20,10 +20,10 @@ use std::fs;
 use std::path::Path;
 
 fn ray_cast(scene: &Path) -> RgbBytes {
-    show(&SceneFile::read(scene).unwrap().resolve().unwrap())
+    render_course_image(&SceneFile::read(scene).unwrap().resolve().unwrap())
 }
 
-fn show(scene: &Scene) -> RgbBytes {
+fn render_course_image(scene: &Scene) -> RgbBytes {
     let (width, height) = scene.camera().size();
     let integrator = Algorithm::Raycast.prepare(scene, Settings::default());
     let picture = Image::from_pixels(width, height, integrator.pass(0, &Silent).image).unwrap();
@@ -35,7 +35,7 @@ fn show(scene: &Scene) -> RgbBytes {
 }
 
 /// Returns the number of pixels that differ by more than one level.
-fn strays(ours: &RgbBytes, theirs: &RgbBytes) -> usize {
+fn count_differing_pixels(ours: &RgbBytes, theirs: &RgbBytes) -> usize {
     assert_eq!((ours.width(), ours.height()), (theirs.width(), theirs.height()));
     let pairs = ours.pixels().iter().zip(theirs.pixels());
     pairs.filter(|(a, b)| a.iter().zip(b.iter()).any(|(x, y)| x.abs_diff(*y) > 1)).count()
@@ -57,7 +57,7 @@ fn scenes_01_to_07_match_expected_images() {
     for (scene, allowed) in scenes {
         let ours = ray_cast(&course.join(format!("testcases/{scene}.txt")));
         let theirs = image::read_bytes(&course.join(format!("expected/{}.png", &scene[..7]))).unwrap();
-        let n = strays(&ours, &theirs);
+        let n = count_differing_pixels(&ours, &theirs);
         assert!(n <= allowed, "{scene}: {n} pixels differ by more than one level");
     }
 }

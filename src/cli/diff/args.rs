@@ -1,6 +1,6 @@
 //! Arguments of `caustica diff`.
 
-use crate::cli::number::{bound, fraction, pixels_per_degree, stops};
+use crate::cli::number::{parse_bound, parse_fraction, parse_pixels_per_degree, parse_stops};
 use clap::{Args, ValueEnum};
 use std::path::PathBuf;
 
@@ -48,27 +48,27 @@ pub struct DiffArguments {
     pub flip: Option<FlipName>,
 
     /// Exposure of LDR-FLIP in stops: +1 is twice as bright  [default: 0]
-    #[arg(long, value_parser = stops, allow_negative_numbers = true, value_name = "STOPS")]
+    #[arg(long, value_parser = parse_stops, allow_negative_numbers = true, value_name = "STOPS")]
     pub exposure: Option<f32>,
 
     /// Pixels per degree of the viewer's field of view, for FLIP  [default: 67.02]
-    #[arg(long, value_parser = pixels_per_degree, value_name = "N")]
+    #[arg(long, value_parser = parse_pixels_per_degree, value_name = "N")]
     pub pixels_per_degree: Option<f64>,
 
     /// Exit with code 4 if the RMSE exceeds this
-    #[arg(long, value_parser = bound, value_name = "X")]
+    #[arg(long, value_parser = parse_bound, value_name = "X")]
     pub max_rmse: Option<f64>,
 
     /// Exit with code 4 if the relative error exceeds this, such as 2% or 0.02
-    #[arg(long, value_parser = fraction, value_name = "X")]
+    #[arg(long, value_parser = parse_fraction, value_name = "X")]
     pub max_relative: Option<f64>,
 
     /// Exit with code 4 if mean FLIP exceeds this
-    #[arg(long, value_parser = bound, value_name = "X")]
+    #[arg(long, value_parser = parse_bound, value_name = "X")]
     pub max_flip: Option<f64>,
 
     /// Exit with code 4 if any channel of any pixel differs by more than this
-    #[arg(long, value_parser = bound, value_name = "X")]
+    #[arg(long, value_parser = parse_bound, value_name = "X")]
     pub max_difference: Option<f64>,
 
     /// Exit with code 4 if any pixel differs

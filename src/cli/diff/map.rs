@@ -6,7 +6,7 @@ use glam::{DVec3, Vec3};
 use serde::Serialize;
 
 /// Fraction of pixels within the colour scale of a PNG. One firefly must not darken all others.
-const IN_SCALE: f64 = 0.99;
+const SCALE_QUANTILE: f64 = 0.99;
 
 /// Colour scale of a PNG map.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -20,14 +20,14 @@ pub(super) struct Colors {
 /// The pixels of the map: colours with their scale for PNG, values for OpenEXR.
 ///
 /// `a`, `b` and `flip` must have one size.
-pub(super) fn map(
+pub(super) fn error_map(
     kind: MapKind,
     a: &Image,
     b: &Image,
     flip: &[f32],
     format: OutputFormat,
 ) -> (Vec<Vec3>, Option<Colors>) {
-    let values = values(kind, a, b, flip);
+    let values = map_values(kind, a, b, flip);
     if format == OutputFormat::Exr {
         return (values.iter().map(|v| v.as_vec3()).collect(), None);
     }
@@ -39,7 +39,7 @@ pub(super) fn map(
 }
 
 /// The values of the map per channel. A quantity without channels is equal in all three.
-fn values(kind: MapKind, a: &Image, b: &Image, flip: &[f32]) -> Vec<DVec3> {
+fn map_values(kind: MapKind, a: &Image, b: &Image, flip: &[f32]) -> Vec<DVec3> {
     let differences = a.pixels().iter().zip(b.pixels()).map(|(a, b)| a.as_dvec3() - b.as_dvec3());
     match kind {
         MapKind::Flip => flip.iter().map(|e| DVec3::splat(f64::from(*e))).collect(),
@@ -52,10 +52,10 @@ fn values(kind: MapKind, a: &Image, b: &Image, flip: &[f32]) -> Vec<DVec3> {
     }
 }
 
-/// A positive size that [`IN_SCALE`] of the values do not exceed.
+/// A positive size that [`SCALE_QUANTILE`] of the values do not exceed.
 fn scale_end(values: &[f64]) -> f64 {
     let mut sizes: Vec<f64> = values.iter().map(|v| v.abs()).collect();
-    let index = ((sizes.len() - 1) as f64 * IN_SCALE) as usize;
+    let index = ((sizes.len() - 1) as f64 * SCALE_QUANTILE) as usize;
     let most = *sizes.select_nth_unstable_by(index, f64::total_cmp).1;
     let largest = sizes.iter().copied().fold(0.0, f64::max);
     [most, largest].into_iter().find(|r| *r > 0.0).unwrap_or(1.0)
@@ -72,7 +72,7 @@ mod tests {
     #[test]
     fn values_follow_the_kind_of_map() {
         let (a, b) = (image(&[[2.0, 2.5, 1.0]]), image(&[[2.0; 3]]));
-        let exr = |kind| map(kind, &a, &b, &[0.25], OutputFormat::Exr).0[0];
+        let exr = |kind| error_map(kind, &a, &b, &[0.25], OutputFormat::Exr).0[0];
         assert_eq!(exr(MapKind::Signed), Vec3::new(0.0, 0.5, -1.0));
         assert_eq!(exr(MapKind::Absolute), Vec3::new(0.0, 0.5, 1.0));
         assert_eq!(exr(MapKind::Flip), Vec3::splat(0.25));
@@ -86,18 +86,18 @@ mod tests {
         values[7] = [100.0; 3];
         values[8] = [0.5; 3];
         let (a, b) = (image(&values), image(&vec![[0.0; 3]; 200]));
-        let (colors, meaning) = map(MapKind::Absolute, &a, &b, &[], OutputFormat::Png);
+        let (colors, meaning) = error_map(MapKind::Absolute, &a, &b, &[], OutputFormat::Png);
         assert_eq!(meaning, Some(Colors { from: 0.0, to: 1.0 }));
         assert_eq!([colors[0], colors[7], colors[8]], [sequential(1.0), sequential(1.0), sequential(0.5)]);
-        let (colors, meaning) = map(MapKind::Signed, &b, &a, &[], OutputFormat::Png);
+        let (colors, meaning) = error_map(MapKind::Signed, &b, &a, &[], OutputFormat::Png);
         assert_eq!(meaning, Some(Colors { from: -1.0, to: 1.0 }));
         assert_eq!((colors[0], colors[8]), (diverging(-1.0), diverging(-0.5)));
-        let same = map(MapKind::Absolute, &a, &a, &[], OutputFormat::Png);
+        let same = error_map(MapKind::Absolute, &a, &a, &[], OutputFormat::Png);
         assert_eq!((same.0[0], same.1), (sequential(0.0), Some(Colors { from: 0.0, to: 1.0 })));
         // A single differing pixel is visible.
         let mut one = vec![[0.0_f32; 3]; 200];
         one[3] = [4.0; 3];
-        let single = map(MapKind::Absolute, &image(&one), &b, &[], OutputFormat::Png).1;
+        let single = error_map(MapKind::Absolute, &image(&one), &b, &[], OutputFormat::Png).1;
         assert_eq!(single, Some(Colors { from: 0.0, to: 4.0 }));
     }
 }

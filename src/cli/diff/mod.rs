@@ -7,7 +7,7 @@ mod report;
 pub use args::{DiffArguments, FlipName, MapKind};
 
 use super::outputs::{NamedFile, OutputFailures, check_distinct};
-use super::progress::{Progress, tell};
+use super::progress::{Progress, print_message};
 use super::{Exit, Failure};
 use crate::image::flip::{Flip, FlipMode, FlipOptions, PIXELS_PER_DEGREE, flip};
 use crate::image::metrics::{Differences, MetricError, differences, relative_error, relative_mse, rmse};
@@ -20,7 +20,7 @@ use std::path::{Path, PathBuf};
 
 /// Why two pictures cannot be compared.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
-enum Incomparable {
+enum IncomparablePictures {
     #[error("`{}` has {} × {} pixels, but `{}` has {} × {}", a.0.display(), a.1.0, a.1.1, b.0.display(), b.1.0, b.1.1)]
     #[diagnostic(help("render both with the same --size"))]
     Size { a: (PathBuf, (u32, u32)), b: (PathBuf, (u32, u32)) },
@@ -47,31 +47,31 @@ pub(super) fn run(arguments: &DiffArguments) -> Result<Exit, Failure> {
     let read = |path| image::read_with_format(path).into_diagnostic().map_err(|e| Failure::new(Exit::Input, e));
     let (a, a_format) = read(&arguments.a)?;
     let (b, b_format) = read(&arguments.b)?;
-    let mode = mode(arguments, a_format == InputFormat::Png && b_format == InputFormat::Png)?;
+    let mode = flip_mode(arguments, a_format == InputFormat::Png && b_format == InputFormat::Png)?;
     let (mut report, flip) = compare(arguments, &a, &b, mode).map_err(|error| incomparable(arguments, error))?;
     let exceeded = exceeded_limits(arguments, &report);
     report.exceeded = exceeded.iter().map(|(flag, _)| *flag).collect();
     let mut failures = OutputFailures::default();
     if let Some(path) = &arguments.output {
-        report.map = failures.keep_report(draw(path, arguments.map, &a, &b, &flip));
+        report.map = failures.take_ok_report(write_map(path, arguments.map, &a, &b, &flip));
     }
     let text = if arguments.json {
         serde_json::to_string_pretty(&report).map_err(Failure::output)? + "\n"
     } else {
         report.table()
     };
-    failures.keep(std::io::stdout().write_all(text.as_bytes()));
+    failures.take_ok(std::io::stdout().write_all(text.as_bytes()));
     if let Some(map) = &report.map {
         let colors =
             map.colors.map_or(String::new(), |c| format!(", colours from {} to {}", figure(c.from), figure(c.to)));
         Progress::new(arguments.quiet).say(&format!("wrote {}: {}{colors}", map.file, map.kind));
     }
-    exceeded.iter().for_each(|(flag, why)| tell(&format!("--{flag}: {why}")));
+    exceeded.iter().for_each(|(flag, why)| print_message(&format!("--{flag}: {why}")));
     failures.finish(if exceeded.is_empty() { Exit::Success } else { Exit::Differ })
 }
 
 /// The mode of FLIP. By default LDR for pictures with display values, HDR for radiance.
-fn mode(arguments: &DiffArguments, displayed: bool) -> Result<FlipMode, Failure> {
+fn flip_mode(arguments: &DiffArguments, displayed: bool) -> Result<FlipMode, Failure> {
     match (arguments.flip, arguments.exposure) {
         (Some(FlipName::Ldr), stops) => Ok(FlipMode::Ldr(stops.unwrap_or(0.0))),
         (None, stops) if displayed => Ok(FlipMode::Ldr(stops.unwrap_or(0.0))),
@@ -95,7 +95,7 @@ fn compare(arguments: &DiffArguments, a: &Image, b: &Image, mode: FlipMode) -> R
         b: arguments.b.display().to_string(),
         width: a.width(),
         height: a.height(),
-        mean: Means { a: mean(a), b: mean(b) },
+        mean: Means { a: mean_value(a), b: mean_value(b) },
         rmse: rmse(a, b)?,
         relative_mse: relative_mse(a, b, EPSILON, None)?,
         relative_error: relative_error(a, b)?,
@@ -109,7 +109,7 @@ fn compare(arguments: &DiffArguments, a: &Image, b: &Image, mode: FlipMode) -> R
 }
 
 /// Mean over pixels and channels.
-fn mean(image: &Image) -> f64 {
+fn mean_value(image: &Image) -> f64 {
     let sum: f64 = image.pixels().iter().map(|p| p.as_dvec3().element_sum()).sum();
     sum / (3.0 * image.pixels().len() as f64)
 }
@@ -118,13 +118,13 @@ fn incomparable(arguments: &DiffArguments, error: MetricError) -> Failure {
     let (a, b) = (&arguments.a, &arguments.b);
     let report = match error {
         MetricError::Size { a: first, b: second } => {
-            Incomparable::Size { a: (a.clone(), first), b: (b.clone(), second) }
+            IncomparablePictures::Size { a: (a.clone(), first), b: (b.clone(), second) }
         }
         MetricError::NonFinite { which, x, y } => {
             let path = if which == "first" { a } else { b };
-            Incomparable::NonFinite { path: path.clone(), x, y }
+            IncomparablePictures::NonFinite { path: path.clone(), x, y }
         }
-        MetricError::Parameter { .. } => return Failure::usage(Incomparable::Other(error)),
+        MetricError::Parameter { .. } => return Failure::usage(IncomparablePictures::Other(error)),
     };
     Failure::new(Exit::Input, report)
 }
@@ -151,9 +151,9 @@ fn exceeded_limits(arguments: &DiffArguments, report: &Report) -> Vec<(&'static 
 }
 
 /// Writes the map of errors.
-fn draw(path: &Path, kind: MapKind, a: &Image, b: &Image, flip: &Flip) -> miette::Result<MapReport> {
+fn write_map(path: &Path, kind: MapKind, a: &Image, b: &Image, flip: &Flip) -> miette::Result<MapReport> {
     let format = OutputFormat::from_path(path).into_diagnostic()?;
-    let (pixels, colors) = map::map(kind, a, b, &flip.map, format);
+    let (pixels, colors) = map::error_map(kind, a, b, &flip.map, format);
     let picture = Image::from_pixels(a.width(), a.height(), pixels).into_diagnostic()?;
     let name = match kind {
         MapKind::Flip => "flip",

@@ -1,6 +1,6 @@
 //! Arguments of `caustica mesh`.
 
-use crate::cli::number::{above_zero, bytes, degrees, distance, point};
+use crate::cli::number::{parse_above_zero, parse_bytes, parse_degrees, parse_distance, parse_point};
 use clap::Args;
 use glam::DVec3;
 use std::path::PathBuf;
@@ -25,7 +25,7 @@ pub struct MeshArguments {
 
     /// Merge vertices whose distance is at most this, in units of the file  [default with --repair:
     /// 1e-9 of the diagonal]
-    #[arg(long, value_parser = distance, value_name = "LENGTH")]
+    #[arg(long, value_parser = parse_distance, value_name = "LENGTH")]
     pub weld: Option<f64>,
 
     /// Remove triangles that have the same vertices as an earlier one
@@ -45,7 +45,7 @@ pub struct MeshArguments {
     pub flip: bool,
 
     /// Compute new normals, smooth across edges of at most this many degrees
-    #[arg(long, value_parser = degrees, value_name = "ANGLE")]
+    #[arg(long, value_parser = parse_degrees, value_name = "ANGLE")]
     pub smooth: Option<f64>,
 
     /// Remove the normals
@@ -53,16 +53,16 @@ pub struct MeshArguments {
     pub flat: bool,
 
     /// Scale about the origin, before all other changes
-    #[arg(long, value_parser = above_zero, value_name = "FACTOR")]
+    #[arg(long, value_parser = parse_above_zero, value_name = "FACTOR")]
     pub scale: Option<f64>,
 
     /// Translate, after --scale
-    #[arg(long, value_parser = point, allow_hyphen_values = true, value_name = "X,Y,Z")]
+    #[arg(long, value_parser = parse_point, allow_hyphen_values = true, value_name = "X,Y,Z")]
     pub translate: Option<DVec3>,
 
     /// Memory limit of the program, such as 4G or 512M. A mesh that needs more is refused before it
     /// is read  [default: the free memory]
-    #[arg(long, value_parser = bytes, value_name = "SIZE")]
+    #[arg(long, value_parser = parse_bytes, value_name = "SIZE")]
     pub memory: Option<u64>,
 
     /// Print JSON
@@ -76,7 +76,7 @@ pub struct MeshArguments {
 
 impl MeshArguments {
     /// True if the arguments change the mesh.
-    pub(super) fn changes(&self) -> bool {
+    pub(super) fn has_changes(&self) -> bool {
         let repairs = self.repair || self.weld.is_some() || self.remove_duplicates || self.remove_degenerate;
         let normals = self.smooth.is_some() || self.flat;
         repairs || self.orient || self.flip || normals || self.scale.is_some() || self.translate.is_some()

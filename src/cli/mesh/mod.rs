@@ -6,7 +6,7 @@ mod text;
 pub use args::MeshArguments;
 
 use super::outputs::{NamedFile, OutputFailures, check_distinct};
-use super::progress::{Progress, tell};
+use super::progress::{Progress, print_message};
 use super::{Exit, Failure};
 use crate::format::mesh::{self, Loaded, MeshError, MeshFormat, MeshReport, Repair, Repaired, TriangleMesh};
 use crate::format::mtl;
@@ -21,13 +21,13 @@ use std::path::{Path, PathBuf};
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("`{}` has no extension of a mesh format that can be written", path.display())]
 #[diagnostic(help("give it the extension .obj or .ply"))]
-struct NoFormat {
+struct UnknownFormat {
     path: PathBuf,
 }
 
 /// A change that leaves no valid mesh.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
-enum Lost {
+enum InvalidResult {
     #[error("the repair leaves no triangle of `{}`", .0.display())]
     #[diagnostic(help("choose a smaller --weld, or keep triangles without area"))]
     Triangles(PathBuf),
@@ -49,7 +49,7 @@ struct Report {
 }
 
 pub(super) fn run(arguments: &MeshArguments) -> Result<Exit, Failure> {
-    let format = arguments.output.as_deref().map(|path| format_of(path, arguments)).transpose()?;
+    let format = arguments.output.as_deref().map(|path| output_format(path, arguments)).transpose()?;
     let progress = Progress::new(arguments.quiet);
     let memory = arguments.memory.map_or(Memory::System, Memory::Limit);
     let loaded = mesh::load_within(&arguments.mesh, &progress, memory.free()).map_err(|e| {
@@ -57,16 +57,16 @@ pub(super) fn run(arguments: &MeshArguments) -> Result<Exit, Failure> {
         Failure::new(exit, miette::Report::from_err(e))
     })?;
     progress.finish();
-    check_room(&arguments.mesh, &loaded.mesh, memory)?;
+    check_memory(&arguments.mesh, &loaded.mesh, memory)?;
     let mut before = loaded.mesh.report();
     before.vertices = loaded.vertices;
     before.isolated_vertices = loaded.isolated;
     before.repeated_vertices = loaded.repeated();
     let mut changed = None;
     let (mut after, mut repaired) = (None, None);
-    if arguments.changes() {
+    if arguments.has_changes() {
         let mut mesh = loaded.mesh.clone();
-        repaired = Some(change(&mut mesh, arguments)?);
+        repaired = Some(apply_changes(&mut mesh, arguments)?);
         after = Some(mesh.report());
         changed = Some(mesh);
     }
@@ -90,17 +90,17 @@ pub(super) fn run(arguments: &MeshArguments) -> Result<Exit, Failure> {
             progress.say(&format!("wrote {}", path.display()));
         }
     }
-    failures.keep(std::io::stdout().write_all(text.as_bytes()));
+    failures.take_ok(std::io::stdout().write_all(text.as_bytes()));
     failures.finish(Exit::Success)
 }
 
 /// Bytes per triangle for a report or a repair, with the mesh itself. Measured: 165, on a grid of a
 /// million triangles.
-const PER_TRIANGLE: u64 = 200;
+const BYTES_PER_TRIANGLE: u64 = 200;
 
 /// Refuses a mesh that fits into memory, but not with what a report or a repair needs.
-fn check_room(path: &Path, mesh: &TriangleMesh, memory: Memory) -> Result<(), Failure> {
-    let needed = PER_TRIANGLE * mesh.triangles.len() as u64;
+fn check_memory(path: &Path, mesh: &TriangleMesh, memory: Memory) -> Result<(), Failure> {
+    let needed = BYTES_PER_TRIANGLE * mesh.triangles.len() as u64;
     match memory.free() {
         Some(free) if needed > free => {
             let error = MeshError::Memory { path: path.to_owned(), needed, free };
@@ -111,23 +111,23 @@ fn check_room(path: &Path, mesh: &TriangleMesh, memory: Memory) -> Result<(), Fa
 }
 
 /// The format of the output, checked to be writable and not to be the input.
-fn format_of(path: &Path, arguments: &MeshArguments) -> Result<MeshFormat, Failure> {
+fn output_format(path: &Path, arguments: &MeshArguments) -> Result<MeshFormat, Failure> {
     let format = MeshFormat::of(path, arguments.ascii);
-    let format = format.ok_or_else(|| Failure::new(Exit::Output, NoFormat { path: path.to_owned() }))?;
+    let format = format.ok_or_else(|| Failure::new(Exit::Output, UnknownFormat { path: path.to_owned() }))?;
     check_replaceable(path).map_err(Failure::output)?;
     check_distinct(&[NamedFile::new("-o", path)], &[NamedFile::new("the mesh", &arguments.mesh)])?;
     Ok(format)
 }
 
 /// Changes the mesh by the arguments.
-fn change(mesh: &mut TriangleMesh, arguments: &MeshArguments) -> Result<Repaired, Failure> {
+fn apply_changes(mesh: &mut TriangleMesh, arguments: &MeshArguments) -> Result<Repaired, Failure> {
     let (scale, offset) = (arguments.scale.unwrap_or(1.0), arguments.translate.unwrap_or(DVec3::ZERO));
     if arguments.scale.is_some() || arguments.translate.is_some() {
         mesh.positions.iter_mut().for_each(|p| *p = *p * scale + offset);
     }
-    let lost = |lost: fn(PathBuf) -> Lost, exit| Err(Failure::new(exit, lost(arguments.mesh.clone())));
+    let lost = |lost: fn(PathBuf) -> InvalidResult, exit| Err(Failure::new(exit, lost(arguments.mesh.clone())));
     if !mesh.positions.iter().all(|p| p.is_finite()) {
-        return lost(Lost::Coordinates, Exit::Usage);
+        return lost(InvalidResult::Coordinates, Exit::Usage);
     }
     let all = arguments.repair;
     let repaired = mesh.repair(&Repair {
@@ -147,7 +147,7 @@ fn change(mesh: &mut TriangleMesh, arguments: &MeshArguments) -> Result<Repaired
         mesh.smooth(angle);
     }
     if mesh.triangles.is_empty() {
-        return lost(Lost::Triangles, Exit::Input);
+        return lost(InvalidResult::Triangles, Exit::Input);
     }
     Ok(repaired)
 }
@@ -165,25 +165,28 @@ fn write(
 ) -> Option<()> {
     let mut libraries = loaded.libraries.clone();
     if !mesh.materials.is_empty() && format != MeshFormat::Obj {
-        tell("note: PLY cannot hold materials: they are left out");
-    } else if !libraries.is_empty() && format == MeshFormat::Obj && folder(path) != folder(&arguments.mesh) {
+        print_message("note: PLY cannot hold materials: they are left out");
+    } else if !libraries.is_empty()
+        && format == MeshFormat::Obj
+        && resolved_folder(path) != resolved_folder(&arguments.mesh)
+    {
         libraries = match mtl::load(&arguments.mesh, &loaded.libraries, memory.free()) {
             Ok(materials) => {
                 let beside = path.with_extension("mtl");
-                failures.keep(mtl::write(&beside, &materials));
+                failures.take_ok(mtl::write(&beside, &materials));
                 beside.file_name().map(|name| name.to_string_lossy().into_owned()).into_iter().collect()
             }
             Err(error) => {
-                tell(&format!("warning: materials are named but not written: {error}"));
+                print_message(&format!("warning: materials are named but not written: {error}"));
                 Vec::new()
             }
         };
     }
-    failures.keep(mesh.write(path, format, &libraries))
+    failures.take_ok(mesh.write(path, format, &libraries))
 }
 
 /// The folder of a file, with links resolved if it exists.
-fn folder(path: &Path) -> PathBuf {
+fn resolved_folder(path: &Path) -> PathBuf {
     let parent = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     std::fs::canonicalize(parent).unwrap_or_else(|_| parent.to_owned())
 }

@@ -1,11 +1,11 @@
 //! `caustica study --effects`: the cost and the contribution of each effect.
 
-use super::output::{Outputs, Writer, outputs_of};
+use super::output::{Outputs, ReportWriter, outputs_of};
 use crate::cli::interrupt::{INTERRUPTED, listen};
 use crate::cli::memory::{check_photons, check_pictures};
 use crate::cli::outputs::{NamedFile, check_distinct};
 use crate::cli::plan::{self, EffectReport};
-use crate::cli::progress::{InputFiles, Progress, tell, warn_of_rejected};
+use crate::cli::progress::{InputFiles, Progress, print_message, warn_of_rejected};
 use crate::cli::scene::{in_pool, load};
 use crate::cli::settings::settings;
 use crate::cli::{Exit, Failure, StudyArguments};
@@ -14,7 +14,7 @@ use crate::scene::Scene;
 use crate::stats::Counters;
 use crate::study::report::effects::{csv, markdown};
 use crate::study::text::{amount, figure, milliseconds, percent, signed};
-use crate::study::{About, Clock, Cost, EffectStudy, Findings, Gain, Spent, page};
+use crate::study::{About, Clock, Cost, EffectContribution, EffectStudy, EffectStudyResult, PictureCost, page};
 use miette::IntoDiagnostic;
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -24,7 +24,7 @@ use std::time::Instant;
 const PASSES: u32 = 4;
 
 /// Report formats by extension.
-const REPORTS: [(&str, Writer<Findings>); 4] = [
+const REPORTS: [(&str, ReportWriter<EffectStudyResult>); 4] = [
     ("html", |arguments, found| page(&about(arguments), found).into_diagnostic()),
     ("csv", |_, found| Ok(csv(found))),
     ("json", json),
@@ -41,7 +41,7 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Failure> {
 
 fn run_in_pool(
     arguments: &StudyArguments,
-    outputs: &Outputs<'_, Findings>,
+    outputs: &Outputs<'_, EffectStudyResult>,
     progress: &Progress,
 ) -> Result<Exit, Failure> {
     let start = Instant::now();
@@ -53,8 +53,8 @@ fn run_in_pool(
         check_pictures(Effect::ALL.len() + 1, scene.camera().size(), memory.free()).map_err(Failure::usage)?;
     let study = EffectStudy::prepare(&scene, algorithm, &settings(&arguments.method, arguments.simulate));
     check_photons(study.expected(), pictures, memory.free()).map_err(Failure::usage)?;
-    progress.say(&plan::line(study.plan()));
-    plan::warnings(study.plan()).for_each(|line| tell(&line));
+    progress.say(&plan::effects_line(study.plan()));
+    plan::omission_warnings(study.plan()).for_each(|line| print_message(&line));
     let (pictures, passes) = (study.pictures(), arguments.passes.unwrap_or(PASSES));
     progress.say(&format!("{pictures} pictures of {passes} passes each"));
     progress.pass(1, Some(passes));
@@ -94,14 +94,14 @@ fn about(arguments: &StudyArguments) -> About {
 }
 
 /// All figures as JSON.
-fn json(arguments: &StudyArguments, found: &Findings) -> miette::Result<String> {
+fn json(arguments: &StudyArguments, found: &EffectStudyResult) -> miette::Result<String> {
     let scene = arguments.scene.scene.display().to_string();
     let report = Report::new(scene, arguments.method.integrator.name(), arguments.method.seed, found);
     serde_json::to_string_pretty(&report).into_diagnostic()
 }
 
 /// All figures as a table.
-fn table(integrator: &str, found: &Findings) -> String {
+fn table(integrator: &str, found: &EffectStudyResult) -> String {
     let clock = match found.clock {
         Clock::Processor => "processor",
         Clock::Wall => "wall",
@@ -124,7 +124,7 @@ fn table(integrator: &str, found: &Findings) -> String {
     }
     for finding in &found.effects {
         let Cost { seconds, seconds_error, ratio, rays, gathered_photons, .. } = finding.cost;
-        let Gain { relative_rmse, adds, takes, rmse } = finding.gain;
+        let EffectContribution { relative_rmse, adds, takes, rmse } = finding.gain;
         let error = seconds_error.map_or(String::new(), |e| format!(" ± {:.1}", 1e3 * e));
         let share = |x: f64| if found.mean > 0.0 { percent(x / found.mean) } else { figure(x) };
         let _ = writeln!(
@@ -180,17 +180,17 @@ struct Row<'f> {
     /// `None` if the effect is off.
     cost: Option<Cost>,
     /// `None` if the effect is off.
-    gain: Option<Gain>,
+    gain: Option<EffectContribution>,
 }
 
-impl<'f> From<&'f Spent> for Made<'f> {
-    fn from(spent: &'f Spent) -> Self {
+impl<'f> From<&'f PictureCost> for Made<'f> {
+    fn from(spent: &'f PictureCost) -> Self {
         Self { setup: spent.setup, seconds: spent.seconds(), counters: &spent.counters }
     }
 }
 
 impl<'f> Report<'f> {
-    fn new(scene: String, integrator: &'static str, seed: u64, found: &'f Findings) -> Self {
+    fn new(scene: String, integrator: &'static str, seed: u64, found: &'f EffectStudyResult) -> Self {
         let row = |(effect, decision): (EffectReport, &Decision)| {
             let finding = found.effects.iter().find(|f| f.decision.effect == decision.effect);
             Row {
@@ -213,7 +213,7 @@ impl<'f> Report<'f> {
             clock: found.clock,
             mean: found.mean,
             whole: (&found.whole).into(),
-            effects: plan::effects(&found.plan).into_iter().zip(&found.plan.decisions).map(row).collect(),
+            effects: plan::effect_reports(&found.plan).into_iter().zip(&found.plan.decisions).map(row).collect(),
         }
     }
 }

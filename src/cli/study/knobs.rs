@@ -1,6 +1,6 @@
 //! `caustica study --knobs`: a method, and its variants with one setting changed at a time.
 
-use super::variants::Named;
+use super::variants::NamedVariant;
 use crate::cli::args::MethodArguments;
 use crate::cli::settings::{kernel_name, settings};
 use crate::integrate::{Algorithm, FinalGathering, Settings};
@@ -25,14 +25,14 @@ const ALPHAS: [f64; 3] = [0.5, 0.8, 1.0];
 const SAMPLES: [f64; 2] = [0.5, 2.0];
 
 /// Settings that a pilot pass chose.
-struct Pilot {
+struct PilotChoices {
     samples: u32,
     photons: u32,
     caustic_photons: u32,
     radius: Option<f32>,
 }
 
-impl Pilot {
+impl PilotChoices {
     fn new(scene: &Scene, algorithm: Algorithm, settings: &Settings) -> Self {
         let integrator = algorithm.prepare(scene, settings.clone());
         let balance = integrator.balance();
@@ -59,26 +59,26 @@ pub(super) fn variants_around(
     shared: &MethodArguments,
     overrides: EffectOverrides,
     scene: &Scene,
-) -> Vec<Named> {
-    let plain = Named::plain(algorithm, shared);
-    let pilot = Pilot::new(scene, algorithm, &settings(&plain.method, overrides));
+) -> Vec<NamedVariant> {
+    let plain = NamedVariant::plain(algorithm, shared);
+    let pilot = PilotChoices::new(scene, algorithm, &settings(&plain.method, overrides));
     vary(plain, &pilot)
 }
 
 /// The variants of a method, given the settings that a pilot chose.
-fn vary(plain: Named, pilot: &Pilot) -> Vec<Named> {
-    let Named { label: name, mut method } = plain;
+fn vary(plain: NamedVariant, pilot: &PilotChoices) -> Vec<NamedVariant> {
+    let NamedVariant { label: name, mut method } = plain;
     let algorithm = method.integrator;
     method.spp = Some(pilot.samples);
     if algorithm.has_photons() {
         (method.photons, method.caustic_photons) = (Some(pilot.photons), Some(pilot.caustic_photons));
     }
     let base = method.clone();
-    let mut all = vec![Named { label: name.clone(), method }];
+    let mut all = vec![NamedVariant { label: name.clone(), method }];
     let mut add = |flag: String, change: &dyn Fn(&mut MethodArguments)| {
         let mut method = base.clone();
         change(&mut method);
-        all.push(Named { label: format!("{name} {flag}"), method });
+        all.push(NamedVariant { label: format!("{name} {flag}"), method });
     };
     let scaled = |n: u32, by: f64| (f64::from(n) * by).round().clamp(1.0, f64::from(u32::MAX)) as u32;
     if algorithm.has_photons() {

@@ -2,15 +2,15 @@
 
 use super::effects::load_checked;
 use super::knobs;
-use super::output::{Outputs, Writer, check_reference, outputs_of};
-use super::table::{root, table};
-use super::variants::Named;
+use super::output::{Outputs, ReportWriter, check_reference, outputs_of};
+use super::table::{root_percent, table};
+use super::variants::NamedVariant;
 use crate::cli::args::TruthFiles;
 use crate::cli::interrupt::{INTERRUPTED, listen};
 use crate::cli::memory::check_photons;
 use crate::cli::outputs::{NamedFile, OutputFailures, check_distinct};
-use crate::cli::plan::{self, counted};
-use crate::cli::progress::{Progress, tell};
+use crate::cli::plan::{self, count_with_noun};
+use crate::cli::progress::{Progress, print_message};
 use crate::cli::scene::in_pool;
 use crate::cli::settings::{flags, settings};
 use crate::cli::{Exit, Failure, StudyArguments};
@@ -19,7 +19,8 @@ use crate::plan::Plan;
 use crate::scene::Scene;
 use crate::stats::bytes;
 use crate::study::methods::{
-    Limits, MethodStudy, MethodStudyResult, References, Step, Subject, Variant, in_shell, methods_for,
+    MethodStudy, MethodStudyResult, References, StudyLimits, StudyProgress, StudySubject, Variant, applicable_methods,
+    shell_quoted,
 };
 use crate::study::report::methods as report;
 use miette::IntoDiagnostic;
@@ -31,7 +32,7 @@ const TRUTH_BUDGETS: f64 = 4.0;
 const UNDISTURBED: f64 = 0.9;
 
 /// Report formats by extension.
-const REPORTS: [(&str, Writer<MethodStudyResult>); 4] = [
+const REPORTS: [(&str, ReportWriter<MethodStudyResult>); 4] = [
     ("html", |_, found| report::html(found).into_diagnostic()),
     ("csv", |_, found| Ok(report::csv(found))),
     ("json", |_, found| report::json(found).into_diagnostic()),
@@ -42,7 +43,7 @@ const REPORTS: [(&str, Writer<MethodStudyResult>); 4] = [
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("{flag} applies to rendered references, but --truth names files")]
 #[diagnostic(help("leave out one of the two flags"))]
-struct NotRendered {
+struct UnusedTruthFlag {
     flag: &'static str,
 }
 
@@ -53,7 +54,7 @@ struct NotRendered {
     size.0, size.1, bytes(*needed), bytes(*free)
 )]
 #[diagnostic(help("choose a smaller --size, fewer --seeds or fewer methods, or allow more --memory"))]
-struct TooMany {
+struct TooManyPictures {
     seeds: u32,
     variants: usize,
     size: (u32, u32),
@@ -68,7 +69,7 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Failure> {
     if kind.truth != TruthFiles::Auto {
         let unused = [("--save-truth", kind.save_truth.is_some()), ("--truth-time", kind.truth_time.is_some())];
         if let Some((flag, _)) = unused.into_iter().find(|(_, given)| *given) {
-            return Err(Failure::usage(NotRendered { flag }));
+            return Err(Failure::usage(UnusedTruthFlag { flag }));
         }
     }
     if let Some((a, b)) = &kind.save_truth {
@@ -80,7 +81,7 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Failure> {
         TruthFiles::Two(a, b) => [a, b].map(|path| NamedFile::new("the reference", path)).to_vec(),
     };
     check_distinct(&outputs_of(arguments), &truth)?;
-    let read = |text: &String| Named::read(text, &arguments.method).map_err(Failure::usage);
+    let read = |text: &String| NamedVariant::read(text, &arguments.method).map_err(Failure::usage);
     let named = kind.variants.iter().map(read).collect::<Result<Vec<_>, _>>()?;
     listen("the study");
     let progress = Progress::new(arguments.quiet);
@@ -89,7 +90,7 @@ pub(super) fn run(arguments: &StudyArguments) -> Result<Exit, Failure> {
 
 fn run_in_pool(
     arguments: &StudyArguments,
-    named: Vec<Named>,
+    named: Vec<NamedVariant>,
     outputs: &Outputs<'_, MethodStudyResult>,
     progress: &Progress,
 ) -> Result<Exit, Failure> {
@@ -99,7 +100,7 @@ fn run_in_pool(
     let (needed, seeds) = (MethodStudy::bytes(size, variants.len(), kind.seeds), kind.seeds);
     let memory = arguments.scene.memory();
     if let Some(free) = memory.free().filter(|free| needed > *free) {
-        return Err(Failure::usage(TooMany { seeds, variants: variants.len(), size, needed, free }));
+        return Err(Failure::usage(TooManyPictures { seeds, variants: variants.len(), size, needed, free }));
     }
     let given = match &kind.truth {
         TruthFiles::Auto => None,
@@ -110,14 +111,14 @@ fn run_in_pool(
     let algorithms = variants.iter().map(|v| v.algorithm.simulates());
     let plans = algorithms.map(|simulates| Plan::new(&scene, simulates, arguments.simulate));
     for (variant, plan) in variants.iter().zip(plans) {
-        plan::warnings(&plan).for_each(|line| tell(&format!("{line} ({})", variant.label)));
+        plan::omission_warnings(&plan).for_each(|line| print_message(&format!("{line} ({})", variant.label)));
     }
-    let runs = counted(variants.len(), "method", "methods");
+    let runs = count_with_noun(variants.len(), "method", "methods");
     let study = MethodStudy::prepare(&scene, variants, kind.seeds).into_diagnostic().map_err(Failure::usage)?;
     check_photons(study.expected(), needed, memory.free()).map_err(Failure::usage)?;
     let Some(references) = given.map_or_else(|| render_truth(arguments, &scene, progress), |given| Ok(Some(given)))?
     else {
-        tell("interrupted before anything was measured");
+        print_message("interrupted before anything was measured");
         return Ok(Exit::Interrupted);
     };
     progress.say(&format!(
@@ -125,21 +126,21 @@ fn run_in_pool(
         kind.seeds,
         kind.budget.as_secs_f64()
     ));
-    let limits = Limits { budget: kind.budget.as_secs_f64(), passes: arguments.passes };
+    let limits = StudyLimits { budget: kind.budget.as_secs_f64(), passes: arguments.passes };
     progress.pass(1, arguments.passes);
-    let found = study.run(&subject(arguments), limits, &references, &INTERRUPTED, progress, |step| match step {
-        Step::Round(made) => progress.pass(made + 1, arguments.passes),
-        Step::Checkpoint(label, at) => progress.say(&format!(
+    let found = study.run(&study_subject(arguments), limits, &references, &INTERRUPTED, progress, |step| match step {
+        StudyProgress::Round(made) => progress.pass(made + 1, arguments.passes),
+        StudyProgress::Checkpoint(label, at) => progress.say(&format!(
             "{label}: {} after {:.2} s, error {}",
-            counted(at.passes as usize, "pass", "passes"),
+            count_with_noun(at.passes as usize, "pass", "passes"),
             at.seconds,
-            root(at.square())
+            root_percent(at.square())
         )),
     });
     progress.finish();
     let found = found.into_diagnostic().map_err(|e| Failure::new(Exit::Input, e))?;
     if found.share < UNDISTURBED {
-        tell(&format!(
+        print_message(&format!(
             "warning: threads had only {:.0} % of their time: other programs ran, or the passes are too small for the threads",
             100.0 * found.share
         ));
@@ -151,13 +152,13 @@ fn run_in_pool(
 }
 
 /// The variants to compare, in the order of the flags.
-fn variants(arguments: &StudyArguments, named: Vec<Named>, scene: &Scene) -> Vec<Variant> {
+fn variants(arguments: &StudyArguments, named: Vec<NamedVariant>, scene: &Scene) -> Vec<Variant> {
     let (kind, shared, overrides) = (&arguments.kind, &arguments.method, arguments.simulate);
     let by_default = kind.methods.is_empty() && kind.variants.is_empty() && kind.knobs.is_none();
-    let methods = if by_default { methods_for(scene, overrides) } else { kind.methods.clone() };
+    let methods = if by_default { applicable_methods(scene, overrides) } else { kind.methods.clone() };
     let around =
         kind.knobs.map(|algorithm| knobs::variants_around(algorithm, shared, overrides, scene)).unwrap_or_default();
-    let plain = methods.into_iter().map(|algorithm| Named::plain(algorithm, shared));
+    let plain = methods.into_iter().map(|algorithm| NamedVariant::plain(algorithm, shared));
     plain.chain(named).chain(around).map(|named| named.variant(overrides)).collect()
 }
 
@@ -171,7 +172,7 @@ fn render_truth(arguments: &StudyArguments, scene: &Scene, progress: &Progress) 
     progress.pass(1, None);
     let rendered = References::render(scene, &like, seconds, &INTERRUPTED, progress, |made, part| {
         if progress.has_lines() && made.is_power_of_two() {
-            let made = counted(made as usize, "pass", "passes");
+            let made = count_with_noun(made as usize, "pass", "passes");
             progress.say(&format!("references: {made} of each, {:.0} % of the time", 100.0 * part.min(1.0)));
         }
         progress.pass(made + 1, None);
@@ -180,7 +181,7 @@ fn render_truth(arguments: &StudyArguments, scene: &Scene, progress: &Progress) 
     if let (Some(references), Some((a, b))) = (&rendered, &kind.save_truth) {
         let mut failures = OutputFailures::default();
         for (path, picture) in [a, b].into_iter().zip(references.pair()) {
-            if failures.keep(write(path, picture, &WriteOptions::default())).is_some() {
+            if failures.take_ok(write(path, picture, &WriteOptions::default())).is_some() {
                 progress.say(&format!("wrote {}", path.display()));
             }
         }
@@ -190,7 +191,7 @@ fn render_truth(arguments: &StudyArguments, scene: &Scene, progress: &Progress) 
 }
 
 /// The scene of the study, and the command that repeats the study.
-fn subject(arguments: &StudyArguments) -> Subject {
+fn study_subject(arguments: &StudyArguments) -> StudySubject {
     let (kind, scene) = (&arguments.kind, arguments.scene.scene.display().to_string());
     // A name with a leading dash would be parsed as a flag.
     let named = if scene.starts_with('-') { format!("./{scene}") } else { scene.clone() };
@@ -219,5 +220,5 @@ fn subject(arguments: &StudyArguments) -> Subject {
     add("--seed", Some(arguments.method.seed.to_string()));
     // The first flag is `--integrator`, which a study of methods does not take.
     words.extend(flags(&arguments.method, "--simulate", arguments.simulate).into_iter().skip(2));
-    Subject { command: in_shell(&words), scene, size: arguments.scene.size }
+    StudySubject { command: shell_quoted(&words), scene, size: arguments.scene.size }
 }

@@ -8,31 +8,31 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 /// Makes the text of a report from the results of a study.
-pub(super) type Writer<F> = fn(&StudyArguments, &F) -> miette::Result<String>;
+pub(super) type ReportWriter<F> = fn(&StudyArguments, &F) -> miette::Result<String>;
 
 /// A report with an unknown extension.
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("`{}` has no extension of a report", path.display())]
 #[diagnostic(help("give it the extension {known}"))]
-struct NoReport {
+struct UnknownReportFormat {
     path: PathBuf,
     known: String,
 }
 
 /// Report files with their writers, checked before any work.
-pub(super) struct Outputs<'a, F>(Vec<(&'a Path, Writer<F>)>);
+pub(super) struct Outputs<'a, F>(Vec<(&'a Path, ReportWriter<F>)>);
 
 impl<'a, F> Outputs<'a, F> {
     /// Checks that all files of a study can be written. `known` lists the extensions and their
     /// writers.
-    pub fn check(arguments: &'a StudyArguments, known: &[(&str, Writer<F>)]) -> Result<Self, Failure> {
+    pub fn check(arguments: &'a StudyArguments, known: &[(&str, ReportWriter<F>)]) -> Result<Self, Failure> {
         let writer = |path: &'a PathBuf| {
-            let matches = |(extension, _): &&(&str, Writer<F>)| {
+            let matches = |(extension, _): &&(&str, ReportWriter<F>)| {
                 path.extension().is_some_and(|e| e.eq_ignore_ascii_case(extension))
             };
             let (_, writer) = known.iter().find(matches).ok_or_else(|| {
                 let known = known.iter().map(|(extension, _)| format!(".{extension}")).collect::<Vec<_>>().join(" or ");
-                Failure::new(Exit::Output, NoReport { path: path.clone(), known })
+                Failure::new(Exit::Output, UnknownReportFormat { path: path.clone(), known })
             })?;
             check_replaceable(path).map_err(Failure::output)?;
             Ok((path.as_path(), *writer))
@@ -53,13 +53,13 @@ impl<'a, F> Outputs<'a, F> {
     ) -> Result<Exit, Failure> {
         let mut failures = OutputFailures::default();
         for (path, writer) in &self.0 {
-            let Some(report) = failures.keep_report(writer(arguments, found)) else { continue };
-            if failures.keep(replace_file(path, report.as_bytes())).is_some() {
+            let Some(report) = failures.take_ok_report(writer(arguments, found)) else { continue };
+            if failures.take_ok(replace_file(path, report.as_bytes())).is_some() {
                 progress.say(&format!("wrote {}", path.display()));
             }
         }
-        if let Some(text) = failures.keep_report(text) {
-            failures.keep(std::io::stdout().write_all(text.as_bytes()));
+        if let Some(text) = failures.take_ok_report(text) {
+            failures.take_ok(std::io::stdout().write_all(text.as_bytes()));
         }
         failures.finish(exit)
     }
@@ -76,14 +76,14 @@ pub(super) fn outputs_of(arguments: &StudyArguments) -> Vec<NamedFile> {
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error("`{}` cannot hold a reference: its format clips radiance", path.display())]
 #[diagnostic(help("give it the extension .exr"))]
-struct NotExr {
+struct ReferenceNotExr {
     path: PathBuf,
 }
 
 /// Checks that a reference can be written.
 pub(super) fn check_reference(path: &Path) -> Result<(), Failure> {
     if !matches!(OutputFormat::from_path(path), Ok(OutputFormat::Exr)) {
-        return Err(Failure::new(Exit::Output, NotExr { path: path.to_owned() }));
+        return Err(Failure::new(Exit::Output, ReferenceNotExr { path: path.to_owned() }));
     }
     check_writable(path).map_err(Failure::output)
 }

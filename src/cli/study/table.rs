@@ -21,17 +21,17 @@ pub(super) fn table(found: &MethodStudyResult) -> String {
         );
         for (i, checkpoint) in method.checkpoints.iter().enumerate() {
             let before = i.checked_sub(1).map(|before| &method.checkpoints[before]);
-            let rate = before.and_then(|before| rate(before, checkpoint));
+            let rate = before.and_then(|before| convergence_rate(before, checkpoint));
             let _ = writeln!(
                 text,
                 "  {:>8} {:>10.3} {:>9} {:>9} {:>9} {:>7} {:>9}",
                 checkpoint.passes,
                 checkpoint.seconds,
-                root(checkpoint.square()),
-                root(checkpoint.noise2),
-                root(checkpoint.bias2),
+                root_percent(checkpoint.square()),
+                root_percent(checkpoint.noise2),
+                root_percent(checkpoint.bias2),
                 rate.map_or(String::new(), |rate| format!("{rate:.2}")),
-                estimated(checkpoint),
+                mean_estimated_error(checkpoint),
             );
         }
         let _ = writeln!(text, "  {}", verdict(method, fit(method).as_ref(), found.truth.error));
@@ -41,18 +41,22 @@ pub(super) fn table(found: &MethodStudyResult) -> String {
 }
 
 /// The root of a squared error; `-` if noise hides it.
-pub(super) fn root(square: f64) -> String {
+pub(super) fn root_percent(square: f64) -> String {
     if square > 0.0 { percent(square.sqrt()) } else { "-".to_owned() }
 }
 
 /// Root mean square of the errors that the seeds estimated.
-fn estimated(checkpoint: &Checkpoint) -> String {
+fn mean_estimated_error(checkpoint: &Checkpoint) -> String {
     let Checkpoint { estimated, .. } = checkpoint;
-    if estimated.is_empty() { String::new() } else { root(estimated.iter().sum::<f64>() / estimated.len() as f64) }
+    if estimated.is_empty() {
+        String::new()
+    } else {
+        root_percent(estimated.iter().sum::<f64>() / estimated.len() as f64)
+    }
 }
 
 /// Exponent of time by which the error fell between two checkpoints: error ∝ time^rate.
-fn rate(before: &Checkpoint, after: &Checkpoint) -> Option<f64> {
+fn convergence_rate(before: &Checkpoint, after: &Checkpoint) -> Option<f64> {
     let error = 0.5 * libm::log(after.square() / before.square());
     let rate = error / libm::log(after.seconds / before.seconds);
     rate.is_finite().then_some(rate)
@@ -66,8 +70,11 @@ mod tests {
     fn rates_are_exponents_of_time() {
         let at = |seconds, square| Checkpoint { seconds, squares: vec![square; 2], ..Checkpoint::default() };
         // A quarter of the squared error after four times the time: half the error.
-        assert!((rate(&at(1.0, 0.04), &at(4.0, 0.01)).unwrap() + 0.5).abs() < 1e-12);
-        assert_eq!((rate(&at(1.0, 0.04), &at(1.0, 0.01)), rate(&at(1.0, 0.04), &at(4.0, -0.01))), (None, None));
-        assert_eq!((root(0.0009), root(-0.1)), ("3.0 %".to_owned(), "-".to_owned()));
+        assert!((convergence_rate(&at(1.0, 0.04), &at(4.0, 0.01)).unwrap() + 0.5).abs() < 1e-12);
+        assert_eq!(
+            (convergence_rate(&at(1.0, 0.04), &at(1.0, 0.01)), convergence_rate(&at(1.0, 0.04), &at(4.0, -0.01))),
+            (None, None)
+        );
+        assert_eq!((root_percent(0.0009), root_percent(-0.1)), ("3.0 %".to_owned(), "-".to_owned()));
     }
 }

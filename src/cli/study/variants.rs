@@ -23,18 +23,18 @@ pub(super) struct BadVariant {
 /// Parser of the flags of a variant.
 #[derive(Debug, Parser)]
 #[command(no_binary_name = true, args_override_self = true, disable_help_flag = true)]
-struct Flags {
+struct VariantFlags {
     #[command(flatten)]
     method: MethodArguments,
 }
 
 /// A variant: its label and its arguments.
-pub(super) struct Named {
+pub(super) struct NamedVariant {
     pub label: String,
     pub method: MethodArguments,
 }
 
-impl Named {
+impl NamedVariant {
     /// A method with the flags of all methods.
     pub fn plain(algorithm: Algorithm, shared: &MethodArguments) -> Self {
         let method = MethodArguments { integrator: algorithm, ..shared.clone() };
@@ -64,7 +64,7 @@ impl Named {
         let mut line =
             flags(&MethodArguments { integrator: algorithm, ..shared.clone() }, "", EffectOverrides::PLANNED);
         line.extend(rest.iter().map(|&word| word.to_owned()));
-        let read = Flags::try_parse_from(line).map_err(|error| {
+        let read = VariantFlags::try_parse_from(line).map_err(|error| {
             let error = error.render().to_string();
             let reason = error.split("\n\nUsage").next().unwrap_or_default().split("\n\nFor more").next();
             let reason = reason.unwrap_or_default().trim_start_matches("error: ").trim();
@@ -90,7 +90,7 @@ impl Named {
 /// The default arguments of all variants.
 #[cfg(test)]
 pub(super) fn defaults() -> MethodArguments {
-    Flags::try_parse_from([""; 0]).unwrap().method
+    VariantFlags::try_parse_from([""; 0]).unwrap().method
 }
 
 #[cfg(test)]

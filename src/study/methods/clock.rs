@@ -6,14 +6,14 @@ use std::time::Instant;
 
 /// A point in time, or a duration.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Moment {
+pub struct CpuWallTime {
     /// Processor time of all threads \[s]; wall time if the system does not report it.
     pub processor: f64,
     /// Wall time \[s].
     pub wall: f64,
 }
 
-impl Sub for Moment {
+impl Sub for CpuWallTime {
     type Output = Self;
 
     fn sub(self, o: Self) -> Self {
@@ -21,7 +21,7 @@ impl Sub for Moment {
     }
 }
 
-impl AddAssign for Moment {
+impl AddAssign for CpuWallTime {
     fn add_assign(&mut self, o: Self) {
         self.processor += o.processor;
         self.wall += o.wall;
@@ -29,26 +29,26 @@ impl AddAssign for Moment {
 }
 
 /// Clock; a parameter so that tests can replace it.
-pub(super) type Clock<'c> = Box<dyn Fn() -> Moment + 'c>;
+pub(super) type ClockFn<'c> = Box<dyn Fn() -> CpuWallTime + 'c>;
 
 /// This system's clocks.
-pub(super) fn system() -> Clock<'static> {
+pub(super) fn system_clock() -> ClockFn<'static> {
     let start = Instant::now();
     Box::new(move || {
         let wall = start.elapsed().as_secs_f64();
-        Moment { processor: cpu_seconds().unwrap_or(wall), wall }
+        CpuWallTime { processor: cpu_seconds().unwrap_or(wall), wall }
     })
 }
 
 /// Runs `work`; returns its result and its time.
-pub(super) fn timed<T>(clock: &dyn Fn() -> Moment, work: impl FnOnce() -> T) -> (T, Moment) {
+pub(super) fn timed<T>(clock: &dyn Fn() -> CpuWallTime, work: impl FnOnce() -> T) -> (T, CpuWallTime) {
     let before = clock();
     let done = work();
     (done, clock() - before)
 }
 
 /// The processor, where the system tells (Linux), and the threads.
-pub(super) fn machine(threads: usize) -> String {
+pub(super) fn machine_description(threads: usize) -> String {
     let info = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let model = info.lines().find_map(|line| line.strip_prefix("model name")?.split_once(':'));
     let name = model.map_or(std::env::consts::ARCH, |(_, name)| name.trim());

@@ -4,7 +4,7 @@ use super::Variant;
 
 /// The scene of a study as the user gave it.
 #[derive(Clone, Debug, Default)]
-pub struct Subject {
+pub struct StudySubject {
     /// Path of the scene file.
     pub scene: String,
     /// Size of the picture \[pixels]; `None` for that of the scene.
@@ -13,7 +13,7 @@ pub struct Subject {
     pub command: String,
 }
 
-impl Subject {
+impl StudySubject {
     /// Command that renders `passes` passes of a variant: the same picture, bit for bit.
     pub(super) fn render(&self, variant: &Variant, passes: u32) -> String {
         let mut words = ["caustica", "render"].map(str::to_owned).to_vec();
@@ -26,7 +26,7 @@ impl Subject {
         words.extend(["--seed".to_owned(), variant.settings.eye.seed.to_string()]);
         words.extend(["--passes".to_owned(), passes.to_string()]);
         words.extend(["-o".to_owned(), format!("{}.exr", file_name(&variant.label))]);
-        in_shell(&words)
+        shell_quoted(&words)
     }
 }
 
@@ -38,7 +38,7 @@ fn file_name(label: &str) -> String {
 
 /// Quotes `words` for a POSIX shell.
 #[must_use]
-pub fn in_shell(words: &[String]) -> String {
+pub fn shell_quoted(words: &[String]) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "_@%+=:,./-".contains(c);
     let quoted = |word: &String| {
         if !word.is_empty() && word.chars().all(plain) {
@@ -61,11 +61,11 @@ mod tests {
         settings.eye.seed = 7;
         let flags = ["--integrator", "sppm", "--gather-k", "20"].map(str::to_owned).to_vec();
         let variant = Variant { label: "sppm --gather-k 20".into(), algorithm: Algorithm::Sppm, settings, flags };
-        let subject = |scene: &str| Subject { scene: scene.into(), size: Some((4, 3)), command: String::new() };
+        let subject = |scene: &str| StudySubject { scene: scene.into(), size: Some((4, 3)), command: String::new() };
         let rest = "--size 4x3 --integrator sppm --gather-k 20 --seed 7 --passes 5 -o sppm-gather-k-20.exr";
         assert_eq!(subject("a/b.txt").render(&variant, 5), format!("caustica render a/b.txt {rest}"));
         assert_eq!(subject("it's $1.txt").render(&variant, 5), format!(r"caustica render 'it'\''s $1.txt' {rest}"));
         assert_eq!(subject("-x.txt").render(&variant, 5), format!("caustica render ./-x.txt {rest}"));
-        assert_eq!(in_shell(&[String::new()]), "''");
+        assert_eq!(shell_quoted(&[String::new()]), "''");
     }
 }

@@ -9,9 +9,11 @@ mod theory;
 mod time_to_error;
 mod verdict;
 
-pub use slopes::{Fit, Slope, Slopes, fit, spread};
-pub use theory::{Law, Quantity, theory};
-pub use time_to_error::{Effort, Milestone, Recommendation, TimeToError, error_at, pareto, reach, recommend, tenth};
+pub use slopes::{Fit, Slope, Slopes, fit, mean_interval};
+pub use theory::{Law, Quantity, predicted_law};
+pub use time_to_error::{
+    Effort, ParetoPoint, Recommendation, TimeToError, error_at, pareto, recommend, time_to_error, time_to_tenth,
+};
 pub use verdict::{BIAS_SHARE, Cause, Verdict, verdict};
 
 #[cfg(test)]

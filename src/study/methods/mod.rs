@@ -11,9 +11,9 @@ mod tests;
 mod truth;
 mod variant;
 
-pub use clock::Moment;
-pub use command::{Subject, in_shell};
+pub use clock::CpuWallTime;
+pub use command::{StudySubject, shell_quoted};
 pub use result::{Checkpoint, MethodResult, MethodStudyResult, Truth};
-pub use run::{Limits, MethodStudy, Step};
+pub use run::{MethodStudy, StudyLimits, StudyProgress};
 pub use truth::{References, TruthError, reference_algorithm};
-pub use variant::{Variant, VariantError, methods_for};
+pub use variant::{Variant, VariantError, applicable_methods};

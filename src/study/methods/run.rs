@@ -1,9 +1,9 @@
 //! Runs methods side by side.
 
-use super::clock::{Clock, system, timed};
-use super::split::{by_pixel, mean, split};
+use super::clock::{ClockFn, system_clock, timed};
+use super::split::{pixel_errors, pixel_mean, split_error};
 use super::variant::{VariantError, check};
-use super::{Checkpoint, MethodResult, MethodStudyResult, Moment, References, Subject, Variant};
+use super::{Checkpoint, CpuWallTime, MethodResult, MethodStudyResult, References, StudySubject, Variant};
 use crate::color::Rgb;
 use crate::image::Image;
 use crate::image::flip::{FlipOptions, flip};
@@ -17,17 +17,17 @@ use crate::study::StudyError;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Minimum ratio of passes of the last two checkpoints; closer ones are merged.
-const WORTH: f64 = 1.3;
+const MIN_CHECKPOINT_RATIO: f64 = 1.3;
 
 /// Bytes per pixel of a film and its error estimator.
-const FILM: u64 = 24 + 192;
+const BYTES_PER_FILM_PIXEL: u64 = 24 + 192;
 
 /// Bytes per pixel of a picture.
-const PICTURE: u64 = 12;
+const BYTES_PER_PICTURE_PIXEL: u64 = 12;
 
 /// Limits of a study; at least one pass of each method is made.
 #[derive(Clone, Copy, Debug)]
-pub struct Limits {
+pub struct StudyLimits {
     /// Processor time per seed; the round in which its mean reaches this is the last \[s].
     pub budget: f64,
     /// Largest number of passes.
@@ -36,7 +36,7 @@ pub struct Limits {
 
 /// Progress event of a study.
 #[derive(Clone, Copy, Debug)]
-pub enum Step<'s> {
+pub enum StudyProgress<'s> {
     /// Rounds made; a round is one pass of each seed of each running method.
     Round(u32),
     /// The method with this label reached a checkpoint.
@@ -44,7 +44,7 @@ pub enum Step<'s> {
 }
 
 /// Creates the integrator for a seed.
-pub(super) type Maker<'a> = Box<dyn Fn(u64) -> Box<dyn Integrator + 'a> + 'a>;
+pub(super) type IntegratorFactory<'a> = Box<dyn Fn(u64) -> Box<dyn Integrator + 'a> + 'a>;
 
 /// Prepared methods of a study.
 ///
@@ -53,35 +53,35 @@ pub(super) type Maker<'a> = Box<dyn Fn(u64) -> Box<dyn Integrator + 'a> + 'a>;
 pub struct MethodStudy<'a> {
     size: (u32, u32),
     seeds: u32,
-    clock: Clock<'a>,
-    runs: Vec<Run<'a>>,
+    clock: ClockFn<'a>,
+    runs: Vec<VariantRun<'a>>,
 }
 
 /// A running variant.
-struct Run<'a> {
+struct VariantRun<'a> {
     variant: Variant,
-    make: Maker<'a>,
+    make: IntegratorFactory<'a>,
     setup: f64,
     radii: Option<Radii>,
     expected: Expected,
     alpha: f64,
-    seeds: Vec<Seed<'a>>,
-    time: Moment,
+    seeds: Vec<SeedRun<'a>>,
+    time: CpuWallTime,
     rays: u64,
     photons: u64,
     checkpoints: Vec<Checkpoint>,
     /// Last pictures; `None` while the method runs.
-    last: Option<Last>,
+    last: Option<FinalPictures>,
 }
 
-struct Seed<'a> {
+struct SeedRun<'a> {
     integrator: Option<Box<dyn Integrator + 'a>>,
     film: Film,
     /// Created in the first pass.
     estimator: Option<ErrorEstimator>,
 }
 
-struct Last {
+struct FinalPictures {
     passes: u32,
     picture: Image,
     error: Vec<f32>,
@@ -103,16 +103,16 @@ impl<'a> MethodStudy<'a> {
                 settings.eye.estimate_error = true;
                 algorithm.prepare(scene, settings)
             };
-            (variant, Box::new(make) as Maker<'a>)
+            (variant, Box::new(make) as IntegratorFactory<'a>)
         };
-        Self::new(scene.camera().size(), variants.into_iter().map(made_by).collect(), seeds, system())
+        Self::new(scene.camera().size(), variants.into_iter().map(made_by).collect(), seeds, system_clock())
     }
 
     pub(super) fn new(
         size: (u32, u32),
-        variants: Vec<(Variant, Maker<'a>)>,
+        variants: Vec<(Variant, IntegratorFactory<'a>)>,
         seeds: u32,
-        clock: Clock<'a>,
+        clock: ClockFn<'a>,
     ) -> Result<Self, VariantError> {
         let (named, makers): (Vec<_>, Vec<_>) = variants.into_iter().unzip();
         check(&named, seeds)?;
@@ -121,8 +121,8 @@ impl<'a> MethodStudy<'a> {
             let (radii, expected) = (first.radii(), first.expected());
             let alpha = first.radius_law().map_or(1.0, |law| law.alpha);
             let none = (1..seeds).map(|_| None);
-            let film = |integrator| Seed { integrator, film: Film::new(size.0, size.1), estimator: None };
-            Run {
+            let film = |integrator| SeedRun { integrator, film: Film::new(size.0, size.1), estimator: None };
+            VariantRun {
                 variant,
                 make,
                 setup: setup.processor,
@@ -130,7 +130,7 @@ impl<'a> MethodStudy<'a> {
                 expected,
                 alpha,
                 seeds: std::iter::once(Some(first)).chain(none).map(film).collect(),
-                time: Moment::default(),
+                time: CpuWallTime::default(),
                 rays: 0,
                 photons: 0,
                 checkpoints: Vec::new(),
@@ -157,7 +157,10 @@ impl<'a> MethodStudy<'a> {
         let (variants, seeds) = (variants as u64, u64::from(seeds));
         // Films; picture, error and difference of each variant; the references with mean and scale;
         // the means of one variant.
-        let pixel = variants * (FILM * seeds + 2 * PICTURE + 4) + 3 * PICTURE + 8 + PICTURE * (seeds + 2);
+        let pixel = variants * (BYTES_PER_FILM_PIXEL * seeds + 2 * BYTES_PER_PICTURE_PIXEL + 4)
+            + 3 * BYTES_PER_PICTURE_PIXEL
+            + 8
+            + BYTES_PER_PICTURE_PIXEL * (seeds + 2);
         u64::from(width) * u64::from(height) * pixel
     }
 
@@ -168,26 +171,26 @@ impl<'a> MethodStudy<'a> {
     /// [`StudyError`] if a pixel is not finite, or the references have another size.
     pub fn run(
         mut self,
-        subject: &Subject,
-        limits: Limits,
+        subject: &StudySubject,
+        limits: StudyLimits,
         references: &References,
         interrupted: &AtomicBool,
         monitor: &dyn Monitor,
-        mut after: impl FnMut(Step<'_>),
+        mut after: impl FnMut(StudyProgress<'_>),
     ) -> Result<MethodStudyResult, StudyError> {
         let (mut round, mut cut) = (0u32, false);
         while self.runs.iter().any(|run| run.last.is_none()) {
             self.round(round, monitor);
             round += 1;
-            after(Step::Round(round));
+            after(StudyProgress::Round(round));
             let asked = interrupted.load(Ordering::Relaxed);
             for run in self.runs.iter_mut().filter(|run| run.last.is_none()) {
                 let spent = run.time.processor / f64::from(self.seeds) >= limits.budget;
                 let done = spent || limits.passes.is_some_and(|most| round >= most) || round == u32::MAX;
                 cut |= asked && !done;
                 if done || asked || round.is_power_of_two() {
-                    let checkpoint = run.look(round, done || asked, self.size, references)?;
-                    after(Step::Checkpoint(&run.variant.label, &checkpoint));
+                    let checkpoint = run.add_checkpoint(round, done || asked, self.size, references)?;
+                    after(StudyProgress::Checkpoint(&run.variant.label, &checkpoint));
                 }
             }
         }
@@ -208,13 +211,13 @@ impl<'a> MethodStudy<'a> {
 
     fn conclude(
         self,
-        subject: &Subject,
-        limits: Limits,
+        subject: &StudySubject,
+        limits: StudyLimits,
         references: &References,
         interrupted: bool,
     ) -> MethodStudyResult {
         let threads = rayon::current_num_threads();
-        let share = |run: &Run<'_>| run.time.processor / (run.time.wall * threads as f64);
+        let share = |run: &VariantRun<'_>| run.time.processor / (run.time.wall * threads as f64);
         // Without processor time the share is unknown.
         let is_known = |share: &f64| share.is_finite() && cpu_seconds().is_some();
         let shares = self.runs.iter().map(share).filter(is_known);
@@ -222,20 +225,20 @@ impl<'a> MethodStudy<'a> {
             scene: subject.scene.clone(),
             command: subject.command.clone(),
             program: format!("caustica {}", env!("CARGO_PKG_VERSION")),
-            machine: super::clock::machine(threads),
+            machine: super::clock::machine_description(threads),
             seeds: self.seeds,
             budget: limits.budget,
             share: shares.fold(1.0, f64::min),
             truth: references.truth(),
-            methods: self.runs.into_iter().filter_map(|run| run.found(subject)).collect(),
+            methods: self.runs.into_iter().filter_map(|run| run.into_result(subject)).collect(),
             interrupted,
         }
     }
 }
 
-impl Run<'_> {
-    fn pass(&mut self, seed: usize, pass: u32, clock: &dyn Fn() -> Moment, monitor: &dyn Monitor) {
-        let Seed { integrator, film, estimator } = &mut self.seeds[seed];
+impl VariantRun<'_> {
+    fn pass(&mut self, seed: usize, pass: u32, clock: &dyn Fn() -> CpuWallTime, monitor: &dyn Monitor) {
+        let SeedRun { integrator, film, estimator } = &mut self.seeds[seed];
         let first = self.variant.settings.eye.seed;
         let integrator = integrator.get_or_insert_with(|| (self.make)(first.wrapping_add(seed as u64)));
         let (pass, time) = timed(clock, || integrator.pass(pass, monitor));
@@ -247,7 +250,7 @@ impl Run<'_> {
     }
 
     /// Measures all seeds after `passes` passes. A last checkpoint replaces a close one before it.
-    fn look(
+    fn add_checkpoint(
         &mut self,
         passes: u32,
         last: bool,
@@ -260,8 +263,8 @@ impl Run<'_> {
             // Fails if a pixel is not finite.
             rmse(&image(picture.clone())?, references.mean())?;
         }
-        let measured = split(references, &pictures);
-        let error = |seed: &Seed<'_>| Some(seed.estimator.as_ref()?.estimate(&seed.film).error);
+        let measured = split_error(references, &pictures);
+        let error = |seed: &SeedRun<'_>| Some(seed.estimator.as_ref()?.estimate(&seed.film).error);
         let estimated: Vec<f64> =
             self.seeds.iter().filter_map(error).filter(|e| e.is_finite()).map(|e| e * e).collect();
         let seeds = pictures.len() as f64;
@@ -280,21 +283,22 @@ impl Run<'_> {
             flip: flip(references.mean(), &image(pictures[0].clone())?, &FlipOptions::default())?.mean,
         };
         if last {
-            self.checkpoints.pop_if(|before| f64::from(passes) < WORTH * f64::from(before.passes));
+            self.checkpoints.pop_if(|before| f64::from(passes) < MIN_CHECKPOINT_RATIO * f64::from(before.passes));
             let truth = references.mean().pixels();
-            let differences = truth.iter().enumerate().map(|(i, t)| (mean(&pictures, i) - t.as_dvec3()).as_vec3());
+            let differences =
+                truth.iter().enumerate().map(|(i, t)| (pixel_mean(&pictures, i) - t.as_dvec3()).as_vec3());
             let difference = image(differences.collect())?;
-            let error = by_pixel(references, &pictures);
+            let error = pixel_errors(references, &pictures);
             let picture = image(pictures.into_iter().next().unwrap_or_default())?;
-            self.last = Some(Last { passes, picture, error, difference });
+            self.last = Some(FinalPictures { passes, picture, error, difference });
             self.seeds.clear();
         }
         self.checkpoints.push(checkpoint.clone());
         Ok(checkpoint)
     }
 
-    fn found(self, subject: &Subject) -> Option<MethodResult> {
-        let Last { passes, picture, error, difference } = self.last?;
+    fn into_result(self, subject: &StudySubject) -> Option<MethodResult> {
+        let FinalPictures { passes, picture, error, difference } = self.last?;
         Some(MethodResult {
             command: subject.render(&self.variant, passes),
             label: self.variant.label,

@@ -1,10 +1,11 @@
 //! Studies of methods whose noise, bias and cost are known.
 
-use super::clock::Clock;
-use super::run::Maker;
-use super::split::{by_pixel, split};
+use super::clock::ClockFn;
+use super::run::IntegratorFactory;
+use super::split::{pixel_errors, split_error};
 use super::{
-    Limits, MethodStudy, MethodStudyResult, Moment, References, Step, Subject, TruthError, Variant, reference_algorithm,
+    CpuWallTime, MethodStudy, MethodStudyResult, References, StudyLimits, StudyProgress, StudySubject, TruthError,
+    Variant, reference_algorithm,
 };
 use crate::color::Rgb;
 use crate::image::{self, Image, WriteOptions};
@@ -45,7 +46,7 @@ fn references(sigma: f64) -> References {
     References::new("here".into(), a, Some(b)).unwrap()
 }
 
-fn near(found: f64, expected: f64, sigma: f64) {
+fn assert_near(found: f64, expected: f64, sigma: f64) {
     assert!((found - expected).abs() < 4.0 * sigma, "{found} is not {expected} ± {sigma}");
 }
 
@@ -55,39 +56,39 @@ fn near(found: f64, expected: f64, sigma: f64) {
 fn noise_and_bias_are_separated() {
     let (bias, sigma, reference) = (0.1, 0.2, 0.2);
     let pictures: Vec<_> = (0..4).map(|seed| picture(bias, sigma, seed)).collect();
-    let found = split(&references(reference), &pictures);
+    let found = split_error(&references(reference), &pictures);
     let (bias2, noise2, truth2) = (bias * bias, sigma * sigma, reference * reference);
     let of_mean = |v: f64| 0.5 * v / CHANNELS.sqrt();
     for square in &found.squares {
-        near(*square, 0.5 * (bias2 + noise2), of_mean(bias2 + noise2 + truth2));
+        assert_near(*square, 0.5 * (bias2 + noise2), of_mean(bias2 + noise2 + truth2));
     }
     // A variance of n values with three degrees of freedom each is known to √(2/3n).
-    near(found.noise2, 0.5 * noise2, 0.5 * noise2 * (2.0 / (3.0 * CHANNELS)).sqrt());
-    near(found.bias2, 0.5 * bias2, of_mean(bias2 + 0.25 * noise2 + truth2));
+    assert_near(found.noise2, 0.5 * noise2, 0.5 * noise2 * (2.0 / (3.0 * CHANNELS)).sqrt());
+    assert_near(found.bias2, 0.5 * bias2, of_mean(bias2 + 0.25 * noise2 + truth2));
     let mean: f64 = found.squares.iter().sum::<f64>() / 4.0;
     assert!((mean - found.noise2 - found.bias2).abs() < 1e-12, "the parts make the whole");
-    near(found.rmse * found.rmse, bias2 + noise2, 2.0 * of_mean(bias2 + noise2 + truth2));
+    assert_near(found.rmse * found.rmse, bias2 + noise2, 2.0 * of_mean(bias2 + noise2 + truth2));
 }
 
 #[test]
 fn unbiased_pictures_have_no_bias() {
     let pictures: Vec<_> = (0..4).map(|seed| picture(0.0, 0.2, seed)).collect();
-    let found = split(&references(0.2), &pictures);
-    near(found.bias2, 0.0, 0.5 * (0.01 + 0.04) / CHANNELS.sqrt());
+    let found = split_error(&references(0.2), &pictures);
+    assert_near(found.bias2, 0.0, 0.5 * (0.01 + 0.04) / CHANNELS.sqrt());
 }
 
 #[test]
 fn error_map_has_the_mean_error() {
     let truth = References::new("here".into(), image(picture(0.0, 0.0, 0)), None).unwrap();
     let pictures = [picture(0.1, 0.0, 0), picture(-0.3, 0.0, 0)];
-    let map = by_pixel(&truth, &pictures);
+    let map = pixel_errors(&truth, &pictures);
     // √(½ · ½(.01 + .09)); f32 pixels near 1 are known to 6e-8, their errors of .1 to 6e-7.
     assert!(map.iter().all(|e| (f64::from(*e) - 0.025f64.sqrt()).abs() < 1e-6), "{}", map[0]);
 }
 
 /// A method of known noise, bias and cost.
 #[derive(Clone, Copy)]
-struct Fake {
+struct SyntheticMethod {
     bias: f64,
     sigma: f64,
     /// Processor time of a pass of the first seed \[s]; each next one takes half as much again.
@@ -96,31 +97,31 @@ struct Fake {
     interrupts: bool,
 }
 
-const FAST: Fake = Fake { bias: 0.0, sigma: 0.5, cost: 0.2, interrupts: false };
-const SLOW: Fake = Fake { bias: 0.1, sigma: 0.1, cost: 0.8, interrupts: false };
+const FAST_METHOD: SyntheticMethod = SyntheticMethod { bias: 0.0, sigma: 0.5, cost: 0.2, interrupts: false };
+const SLOW_METHOD: SyntheticMethod = SyntheticMethod { bias: 0.1, sigma: 0.1, cost: 0.8, interrupts: false };
 
 /// State that all methods of a study share.
 #[derive(Default)]
-struct World {
-    time: Mutex<Moment>,
+struct SharedState {
+    time: Mutex<CpuWallTime>,
     /// Methods, seeds and passes in order.
     log: Mutex<Vec<(f64, u64, u32)>>,
     interrupted: AtomicBool,
 }
 
-struct Running<'w> {
-    fake: Fake,
+struct SyntheticRun<'w> {
+    fake: SyntheticMethod,
     seed: u64,
-    world: &'w World,
+    world: &'w SharedState,
 }
 
-impl Integrator for Running<'_> {
+impl Integrator for SyntheticRun<'_> {
     fn pass(&self, pass: u32, _: &dyn Monitor) -> Pass {
-        let Fake { bias, sigma, cost, interrupts } = self.fake;
+        let SyntheticMethod { bias, sigma, cost, interrupts } = self.fake;
         let processor = cost * (1.0 + 0.5 * self.seed as f64);
         // The processor is elsewhere for a fifth of the time.
         let wall = processor / (0.8 * rayon::current_num_threads() as f64);
-        *self.world.time.lock().unwrap() += Moment { processor, wall };
+        *self.world.time.lock().unwrap() += CpuWallTime { processor, wall };
         self.world.log.lock().unwrap().push((cost, self.seed, pass));
         self.world.interrupted.fetch_or(interrupts && pass == 2 && self.seed == 0, Ordering::Relaxed);
         let name = (f64::to_bits(cost) >> 40) + 1000 * u64::from(pass) + self.seed;
@@ -140,20 +141,20 @@ impl Integrator for Running<'_> {
     }
 }
 
-fn study<'w>(world: &'w World, fakes: &[Fake], limits: Limits) -> MethodStudyResult {
-    let variant = |fake: Fake| {
+fn run_study<'w>(world: &'w SharedState, fakes: &[SyntheticMethod], limits: StudyLimits) -> MethodStudyResult {
+    let variant = |fake: SyntheticMethod| {
         let label = format!("of {} s", fake.cost);
         let settings = Settings::default();
         let variant = Variant { label, algorithm: Algorithm::Path, settings, flags: vec!["--spp".into(), "3".into()] };
-        let make: Maker<'w> = Box::new(move |seed| Box::new(Running { fake, seed, world }));
+        let make: IntegratorFactory<'w> = Box::new(move |seed| Box::new(SyntheticRun { fake, seed, world }));
         (variant, make)
     };
-    let clock: Clock<'w> = Box::new(|| *world.time.lock().unwrap());
+    let clock: ClockFn<'w> = Box::new(|| *world.time.lock().unwrap());
     let study = MethodStudy::new(SIZE, fakes.iter().map(|f| variant(*f)).collect(), 2, clock).unwrap();
-    let subject = Subject { scene: "a.txt".into(), ..Subject::default() };
+    let subject = StudySubject { scene: "a.txt".into(), ..StudySubject::default() };
     let mut reported = Vec::new();
     let found = study.run(&subject, limits, &references(0.0), &world.interrupted, &Silent, |step| {
-        if let Step::Checkpoint(label, checkpoint) = step {
+        if let StudyProgress::Checkpoint(label, checkpoint) = step {
             reported.push((label.to_owned(), checkpoint.passes));
         }
     });
@@ -166,7 +167,7 @@ fn study<'w>(world: &'w World, fakes: &[Fake], limits: Limits) -> MethodStudyRes
     found
 }
 
-fn passes(found: &MethodStudyResult, method: usize) -> Vec<u32> {
+fn checkpoint_passes(found: &MethodStudyResult, method: usize) -> Vec<u32> {
     found.methods[method].checkpoints.iter().map(|c| c.passes).collect()
 }
 
@@ -174,10 +175,10 @@ fn passes(found: &MethodStudyResult, method: usize) -> Vec<u32> {
 /// s the fast ones.
 #[test]
 fn methods_run_until_their_budget() {
-    let world = World::default();
-    let found = study(&world, &[SLOW, FAST], Limits { budget: 6.0 - 1e-9, passes: None });
-    assert_eq!(passes(&found, 0), [1, 2, 4, 6]);
-    assert_eq!(passes(&found, 1), [1, 2, 4, 8, 16, 24]);
+    let world = SharedState::default();
+    let found = run_study(&world, &[SLOW_METHOD, FAST_METHOD], StudyLimits { budget: 6.0 - 1e-9, passes: None });
+    assert_eq!(checkpoint_passes(&found, 0), [1, 2, 4, 6]);
+    assert_eq!(checkpoint_passes(&found, 1), [1, 2, 4, 8, 16, 24]);
     let last = found.methods[0].checkpoints.last().unwrap();
     assert!((last.seconds - 6.0).abs() < 1e-9 && (last.rays - 6.0 * 15.5).abs() < 1e-9 && last.photons == 900.0);
     assert!((last.wall * 0.8 * rayon::current_num_threads() as f64 - 6.0).abs() < 1e-9);
@@ -187,18 +188,27 @@ fn methods_run_until_their_budget() {
 
 #[test]
 fn close_last_checkpoints_are_merged() {
-    let found = study(&World::default(), &[SLOW, FAST], Limits { budget: 5.0 - 1e-9, passes: None });
-    assert_eq!((passes(&found, 0), passes(&found, 1)), (vec![1, 2, 5], vec![1, 2, 4, 8, 20]));
-    let capped = study(&World::default(), &[SLOW, FAST], Limits { budget: 5.0 - 1e-9, passes: Some(6) });
-    assert_eq!((passes(&capped, 0), passes(&capped, 1)), (vec![1, 2, 5], vec![1, 2, 4, 6]));
-    let least = study(&World::default(), &[SLOW, FAST], Limits { budget: 0.0, passes: None });
-    assert_eq!((passes(&least, 0), passes(&least, 1)), (vec![1], vec![1]));
+    let found = run_study(
+        &SharedState::default(),
+        &[SLOW_METHOD, FAST_METHOD],
+        StudyLimits { budget: 5.0 - 1e-9, passes: None },
+    );
+    assert_eq!((checkpoint_passes(&found, 0), checkpoint_passes(&found, 1)), (vec![1, 2, 5], vec![1, 2, 4, 8, 20]));
+    let capped = run_study(
+        &SharedState::default(),
+        &[SLOW_METHOD, FAST_METHOD],
+        StudyLimits { budget: 5.0 - 1e-9, passes: Some(6) },
+    );
+    assert_eq!((checkpoint_passes(&capped, 0), checkpoint_passes(&capped, 1)), (vec![1, 2, 5], vec![1, 2, 4, 6]));
+    let least =
+        run_study(&SharedState::default(), &[SLOW_METHOD, FAST_METHOD], StudyLimits { budget: 0.0, passes: None });
+    assert_eq!((checkpoint_passes(&least, 0), checkpoint_passes(&least, 1)), (vec![1], vec![1]));
 }
 
 #[test]
 fn rounds_start_at_different_methods() {
-    let world = World::default();
-    study(&world, &[SLOW, FAST], Limits { budget: 1e9, passes: Some(3) });
+    let world = SharedState::default();
+    run_study(&world, &[SLOW_METHOD, FAST_METHOD], StudyLimits { budget: 1e9, passes: Some(3) });
     let round = [(0.8, 0), (0.8, 1), (0.2, 0), (0.2, 1)];
     let expected = (0..3).flat_map(|r| (0..4).map(move |i| (round[(i + r) % 4].0, round[(i + r) % 4].1, r as u32)));
     assert_eq!(*world.log.lock().unwrap(), expected.collect::<Vec<_>>());
@@ -206,37 +216,48 @@ fn rounds_start_at_different_methods() {
 
 #[test]
 fn interrupts_end_after_the_round() {
-    let world = World::default();
-    let found = study(&world, &[Fake { interrupts: true, ..SLOW }, FAST], Limits { budget: 100.0, passes: None });
+    let world = SharedState::default();
+    let found = run_study(
+        &world,
+        &[SyntheticMethod { interrupts: true, ..SLOW_METHOD }, FAST_METHOD],
+        StudyLimits { budget: 100.0, passes: None },
+    );
     assert!(found.interrupted);
-    assert_eq!((passes(&found, 0), passes(&found, 1)), (vec![1, 2, 3], vec![1, 2, 3]));
+    assert_eq!((checkpoint_passes(&found, 0), checkpoint_passes(&found, 1)), (vec![1, 2, 3], vec![1, 2, 3]));
     // In the last round of all, nothing is missing.
-    let whole =
-        study(&World::default(), &[Fake { interrupts: true, ..SLOW }], Limits { budget: 100.0, passes: Some(3) });
+    let whole = run_study(
+        &SharedState::default(),
+        &[SyntheticMethod { interrupts: true, ..SLOW_METHOD }],
+        StudyLimits { budget: 100.0, passes: Some(3) },
+    );
     assert!(!whole.interrupted);
 }
 
 #[test]
 fn errors_follow_the_passes() {
-    let found = study(&World::default(), &[SLOW, FAST], Limits { budget: 100.0, passes: Some(16) });
-    for (method, Fake { bias, sigma, .. }) in found.methods.iter().zip([SLOW, FAST]) {
+    let found = run_study(
+        &SharedState::default(),
+        &[SLOW_METHOD, FAST_METHOD],
+        StudyLimits { budget: 100.0, passes: Some(16) },
+    );
+    for (method, SyntheticMethod { bias, sigma, .. }) in found.methods.iter().zip([SLOW_METHOD, FAST_METHOD]) {
         for checkpoint in &method.checkpoints {
             let noise2 = sigma * sigma / f64::from(checkpoint.passes);
             // Known to √(2/n), with one degree of freedom a channel; means are rounded at 6e-8 of
             // 1.
-            near(checkpoint.noise2, 0.5 * noise2, 0.5 * noise2 * (2.0 / CHANNELS).sqrt() + 1e-9);
+            assert_near(checkpoint.noise2, 0.5 * noise2, 0.5 * noise2 * (2.0 / CHANNELS).sqrt() + 1e-9);
             let v = bias * bias + noise2;
-            near(checkpoint.square(), 0.5 * v, v / CHANNELS.sqrt());
-            near(checkpoint.bias2, 0.5 * bias * bias, v / CHANNELS.sqrt());
+            assert_near(checkpoint.square(), 0.5 * v, v / CHANNELS.sqrt());
+            assert_near(checkpoint.bias2, 0.5 * bias * bias, v / CHANNELS.sqrt());
         }
         let error = method.error.iter().map(|e| f64::from(e * e)).sum::<f64>() / f64::from(SIZE.0 * SIZE.1);
         assert!((error - method.checkpoints.last().unwrap().square()).abs() < 1e-6, "{error}");
         // The mean of n values of deviation σ/√(16 · 2 seeds).
         let mean = method.difference.pixels().iter().map(|d| d.as_dvec3().element_sum()).sum::<f64>() / CHANNELS;
-        near(mean, bias, sigma / (32.0 * CHANNELS).sqrt());
+        assert_near(mean, bias, sigma / (32.0 * CHANNELS).sqrt());
     }
-    let world = World::default();
-    let one = Running { fake: SLOW, seed: 0, world: &world };
+    let world = SharedState::default();
+    let one = SyntheticRun { fake: SLOW_METHOD, seed: 0, world: &world };
     let sum = (0..16).map(|i| one.pass(i, &Silent).image[7].as_dvec3()).sum::<glam::DVec3>();
     assert_eq!(found.methods[0].picture.pixels()[7], (sum / 16.0).as_vec3());
 }
@@ -245,7 +266,7 @@ fn errors_follow_the_passes() {
 fn references_estimate_their_noise() {
     // The mean of both has half the variance of each: of light 1, √(.2²/2 / 2) = .1.
     let truth = references(0.2).truth();
-    near(truth.error.unwrap(), 0.1, 0.1 / (2.0 * CHANNELS).sqrt() + 5e-4);
+    assert_near(truth.error.unwrap(), 0.1, 0.1 / (2.0 * CHANNELS).sqrt() + 5e-4);
     let exact = References::new("here".into(), image(picture(0.0, 0.0, 0)), None).unwrap();
     assert_eq!(exact.truth().error, None);
 }

@@ -1,7 +1,7 @@
 //! Reference pictures: two independent ones, or one that is taken as exact.
 
 use super::Truth;
-use super::clock::{system, timed};
+use super::clock::{system_clock, timed};
 use crate::image::metrics::{MetricError, rmse};
 use crate::image::{Image, RelativeScale, SizeError, open_file};
 use crate::integrate::{Algorithm, EyeSettings, Monitor, Settings};
@@ -14,10 +14,10 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Offset of the references' seeds from the first studied seed.
-const FAR: [u64; 2] = [1 << 62, 1 << 63];
+const SEED_OFFSETS: [u64; 2] = [1 << 62, 1 << 63];
 
 /// First bytes of a PNG.
-const PNG: [u8; 4] = *b"\x89PNG";
+const PNG_SIGNATURE: [u8; 4] = *b"\x89PNG";
 
 /// Reason why a reference cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -119,13 +119,13 @@ impl References {
         mut after: impl FnMut(u32, f64),
     ) -> Result<Option<Self>, TruthError> {
         let (algorithm, why) = reference_algorithm(scene, like.effects);
-        let clock = system();
+        let clock = system_clock();
         let (width, height) = scene.camera().size();
         let prepare = |far| {
             let eye = EyeSettings { seed: like.seed.wrapping_add(far), samples: None, adaptive: false, ..like.clone() };
             algorithm.prepare(scene, Settings { eye, ..Settings::default() })
         };
-        let integrators = FAR.map(prepare);
+        let integrators = SEED_OFFSETS.map(prepare);
         let mut films = [Film::new(width, height), Film::new(width, height)];
         let mut spent = 0.0;
         while films[0].passes() == 0 || spent < 2.0 * seconds {
@@ -180,8 +180,8 @@ impl References {
 }
 
 fn read(path: &Path, wanted: (u32, u32)) -> Result<Image, TruthError> {
-    let mut start = [0; PNG.len()];
-    if open_file(path).and_then(|(mut file, _)| file.read_exact(&mut start)).is_ok() && start == PNG {
+    let mut start = [0; PNG_SIGNATURE.len()];
+    if open_file(path).and_then(|(mut file, _)| file.read_exact(&mut start)).is_ok() && start == PNG_SIGNATURE {
         return Err(TruthError::NotLinear { path: path.to_owned() });
     }
     let image = crate::image::read(path)?;

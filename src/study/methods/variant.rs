@@ -46,7 +46,7 @@ pub(super) fn check(variants: &[Variant], seeds: u32) -> Result<(), VariantError
 /// Global-illumination methods that differ for a scene. Photon methods need a light and a receiver;
 /// `hybrid` equals `path` without caustics.
 #[must_use]
-pub fn methods_for(scene: &Scene, overrides: EffectOverrides) -> Vec<Algorithm> {
+pub fn applicable_methods(scene: &Scene, overrides: EffectOverrides) -> Vec<Algorithm> {
     let plan = Plan::new(scene, Algorithm::Hybrid.simulates(), overrides);
     let facts = &plan.features;
     let photons = facts.lights > 0 && facts.receivers + facts.scattering_media > 0;
@@ -79,9 +79,9 @@ mod tests {
     #[test]
     fn methods_apply_where_they_differ() {
         use Algorithm::{Hybrid, Path, Pm, Ppm, Sppm};
-        assert_eq!(methods_for(&glass_on_floor(4, 3), EffectOverrides::PLANNED), [Path, Pm, Ppm, Sppm, Hybrid]);
-        assert_eq!(methods_for(&matt(4, 3), EffectOverrides::PLANNED), [Path, Pm, Ppm, Sppm]);
+        assert_eq!(applicable_methods(&glass_on_floor(4, 3), EffectOverrides::PLANNED), [Path, Pm, Ppm, Sppm, Hybrid]);
+        assert_eq!(applicable_methods(&matt(4, 3), EffectOverrides::PLANNED), [Path, Pm, Ppm, Sppm]);
         let without = EffectOverrides::PLANNED.without(Effect::Caustics);
-        assert_eq!(methods_for(&glass_on_floor(4, 3), without), [Path, Pm, Ppm, Sppm]);
+        assert_eq!(applicable_methods(&glass_on_floor(4, 3), without), [Path, Pm, Ppm, Sppm]);
     }
 }

@@ -5,10 +5,10 @@ mod data;
 pub use data::{csv, markdown};
 
 use super::html::{escape, picture};
-use super::picture::{added, exposure, png, stops, taken};
+use super::picture::{negative_part, png, positive_part, stops_text, visible_exposure};
 use super::text::{amount, figure, milliseconds, percent, signed};
 use crate::image::Image;
-use crate::study::{Clock, Finding, Findings, StudyError};
+use crate::study::{Clock, EffectResult, EffectStudyResult, StudyError};
 use std::fmt::Write;
 
 /// A part of a difference below this fraction of the other is noise and not shown.
@@ -46,7 +46,7 @@ pub struct About {
 ///
 /// # Errors
 /// [`StudyError`] if a picture cannot be encoded.
-pub fn page(about: &About, findings: &Findings) -> Result<String, StudyError> {
+pub fn page(about: &About, findings: &EffectStudyResult) -> Result<String, StudyError> {
     let scene = escape(&about.scene);
     let mut page = format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\"/>\n\
@@ -65,9 +65,9 @@ pub fn page(about: &About, findings: &Findings) -> Result<String, StudyError> {
         about.seed,
         clock(findings.clock),
     );
-    let caption = format!("The whole picture: exposure {}.", stops(about.exposure));
+    let caption = format!("The whole picture: exposure {}.", stops_text(about.exposure));
     page += "<div class=\"pictures\">\n";
-    page += &shown(&findings.picture, about.exposure, "the whole picture", &caption)?;
+    page += &shown_picture(&findings.picture, about.exposure, "the whole picture", &caption)?;
     page += "</div>\n";
     if findings.effects.is_empty() {
         page += "<p>No effect is simulated, so none was left out.</p>\n";
@@ -79,7 +79,7 @@ pub fn page(about: &About, findings: &Findings) -> Result<String, StudyError> {
     for finding in &findings.effects {
         page += &article(finding)?;
     }
-    page += &left_out(findings);
+    page += &omitted_effects(findings);
     page += "</body>\n</html>\n";
     Ok(page)
 }
@@ -91,7 +91,7 @@ fn clock(clock: Clock) -> &'static str {
     }
 }
 
-fn shown(image: &Image, exposure: f32, words: &str, caption: &str) -> Result<String, StudyError> {
+fn shown_picture(image: &Image, exposure: f32, words: &str, caption: &str) -> Result<String, StudyError> {
     let image = picture(&png(image, exposure)?, (image.width(), image.height()), words);
     Ok(format!("<figure>{image}\n<figcaption>{}</figcaption></figure>\n", escape(caption)))
 }
@@ -100,7 +100,7 @@ fn part(of_mean: f64, mean: f64) -> String {
     if mean > 0.0 { percent(of_mean / mean) } else { figure(of_mean) }
 }
 
-fn table(findings: &Findings) -> String {
+fn table(findings: &EffectStudyResult) -> String {
     let heads = [
         "ms per pass",
         "time ratio",
@@ -116,7 +116,7 @@ fn table(findings: &Findings) -> String {
         "<h2>Figures</h2>\n<div class=\"scroll\"><table>\n<thead><tr><th scope=\"col\">effect</th>".to_owned();
     heads.iter().for_each(|head| table += &format!("<th scope=\"col\" class=\"n\">{head}</th>"));
     table += "</tr></thead>\n<tbody>\n";
-    for Finding { decision, cost, gain, .. } in &findings.effects {
+    for EffectResult { decision, cost, gain, .. } in &findings.effects {
         let error = cost.seconds_error.map_or(String::new(), |e| format!(" ± {:.1}", 1e3 * e));
         let cells = [
             milliseconds(cost.seconds) + &error,
@@ -157,8 +157,8 @@ fn table(findings: &Findings) -> String {
     table + notes
 }
 
-fn article(finding: &Finding) -> Result<String, StudyError> {
-    let Finding { decision, cost, gain, difference, .. } = finding;
+fn article(finding: &EffectResult) -> Result<String, StudyError> {
+    let EffectResult { decision, cost, gain, difference, .. } = finding;
     let effect = decision.effect;
     let mut article = format!("<article id=\"{effect}\">\n<h3>{effect}</h3>\n<dl>\n");
     let because = if decision.is_forced() {
@@ -186,18 +186,18 @@ fn article(finding: &Finding) -> Result<String, StudyError> {
     }
     article += "</dl>\n";
     let most = gain.adds.max(gain.takes);
-    let parts = [("added", gain.adds, added(difference)?), ("removed", gain.takes, taken(difference)?)];
+    let parts = [("added", gain.adds, positive_part(difference)?), ("removed", gain.takes, negative_part(difference)?)];
     article += "<div class=\"pictures\">\n";
     for (how, mean, image) in parts {
-        let Some(exposure) = exposure(&image).filter(|_| mean >= SHOWN * most) else { continue };
-        let caption = format!("Light {how} by {effect}: exposure {}.", stops(exposure));
-        article += &shown(&image, exposure, &format!("light {how} by {effect}"), &caption)?;
+        let Some(exposure) = visible_exposure(&image).filter(|_| mean >= SHOWN * most) else { continue };
+        let caption = format!("Light {how} by {effect}: exposure {}.", stops_text(exposure));
+        article += &shown_picture(&image, exposure, &format!("light {how} by {effect}"), &caption)?;
     }
     article += "</div>\n</article>\n";
     Ok(article)
 }
 
-fn left_out(findings: &Findings) -> String {
+fn omitted_effects(findings: &EffectStudyResult) -> String {
     let off: Vec<_> = findings.plan.decisions.iter().filter(|d| !d.on).collect();
     if off.is_empty() {
         return String::new();

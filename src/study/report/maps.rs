@@ -8,10 +8,10 @@ use glam::{DVec3, Vec3};
 pub(super) const LEAST: f64 = 0.01;
 
 /// Fraction of pixels within a scale; fireflies beyond it are clamped.
-const HELD: f64 = 0.99;
+const SCALE_QUANTILE: f64 = 0.99;
 
 /// Edge of a crop \[pixels].
-pub(super) const CROP: u32 = 64;
+pub(super) const CROP_SIZE: u32 = 64;
 
 /// Linear RGB of an OKLab colour (Ottosson 2020), clipped to the gamut of a display.
 fn oklch(lightness: f64, chroma: f64, hue: f64) -> Vec3 {
@@ -49,12 +49,12 @@ pub(super) fn signed_ramp(t: f64) -> Vec3 {
 
 /// Upper end of a scale: the 99 % quantile, rounded up to 1, 2 or 5 of a decade; `None` if no value
 /// is positive.
-pub(super) fn scale(values: impl Iterator<Item = f64>) -> Option<f64> {
+pub(super) fn scale_end(values: impl Iterator<Item = f64>) -> Option<f64> {
     let mut values: Vec<f64> = values.filter(|v| *v > 0.0 && v.is_finite()).collect();
     if values.is_empty() {
         return None;
     }
-    let at = ((values.len() - 1) as f64 * HELD) as usize;
+    let at = ((values.len() - 1) as f64 * SCALE_QUANTILE) as usize;
     let value = *values.select_nth_unstable_by(at, f64::total_cmp).1;
     let decade = libm::pow(10.0, libm::floor(libm::log10(value)));
     let up = [1.0, 2.0, 5.0, 10.0].into_iter().find(|digit| digit * decade >= value * (1.0 - 1e-9)).unwrap_or(10.0);
@@ -72,7 +72,7 @@ pub(super) fn error_map(method: &MethodResult, most: f64) -> Result<Image, SizeE
 }
 
 /// Mean difference over channels, relative to local radiance.
-pub(super) fn relative(difference: &Image, scale: &RelativeScale) -> Vec<f64> {
+pub(super) fn relative_differences(difference: &Image, scale: &RelativeScale) -> Vec<f64> {
     // Weights include the mean over three channels.
     let pairs = difference.pixels().iter().zip(scale.weights());
     pairs.map(|(d, w)| d.as_dvec3().element_sum() / 3.0 * (3.0 * w).sqrt()).collect()
@@ -108,7 +108,7 @@ impl Window {
 
 /// Up to `count` disjoint windows with the largest squared errors; each method is weighted by its
 /// own mean.
-pub(super) fn windows(methods: &[MethodResult], count: usize) -> Vec<Window> {
+pub(super) fn largest_error_windows(methods: &[MethodResult], count: usize) -> Vec<Window> {
     let Some(first) = methods.first() else { return Vec::new() };
     let (width, height) = (first.picture.width(), first.picture.height());
     let (w, h) = (width as usize, height as usize);
@@ -129,7 +129,7 @@ pub(super) fn windows(methods: &[MethodResult], count: usize) -> Vec<Window> {
             table[(y + 1) * (w + 1) + x + 1] = table[y * (w + 1) + x + 1] + row;
         }
     }
-    let (cw, ch) = (CROP.min(width), CROP.min(height));
+    let (cw, ch) = (CROP_SIZE.min(width), CROP_SIZE.min(height));
     let within = |at: &Window| {
         let corner = |x: u32, y: u32| table[y as usize * (w + 1) + x as usize];
         let (right, below) = (at.x + at.width, at.y + at.height);

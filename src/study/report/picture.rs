@@ -14,22 +14,22 @@ pub(super) fn png(image: &Image, stops: f32) -> Result<Vec<u8>, StudyError> {
 }
 
 /// The positive part of a difference.
-pub(super) fn added(difference: &Image) -> Result<Image, StudyError> {
-    part(difference, |d| d.max(Vec3::ZERO))
+pub(super) fn positive_part(difference: &Image) -> Result<Image, StudyError> {
+    map_difference(difference, |d| d.max(Vec3::ZERO))
 }
 
 /// The negative part of a difference, with its sign reversed.
-pub(super) fn taken(difference: &Image) -> Result<Image, StudyError> {
-    part(difference, |d| (-d).max(Vec3::ZERO))
+pub(super) fn negative_part(difference: &Image) -> Result<Image, StudyError> {
+    map_difference(difference, |d| (-d).max(Vec3::ZERO))
 }
 
-fn part(difference: &Image, of: fn(Vec3) -> Vec3) -> Result<Image, StudyError> {
+fn map_difference(difference: &Image, of: fn(Vec3) -> Vec3) -> Result<Image, StudyError> {
     let pixels = difference.pixels().iter().map(|d| of(*d)).collect();
     Ok(Image::from_pixels(difference.width(), difference.height(), pixels)?)
 }
 
 /// Exposure in whole stops at which `image` fills the range of a display; `None` if it is black.
-pub(super) fn exposure(image: &Image) -> Option<f32> {
+pub(super) fn visible_exposure(image: &Image) -> Option<f32> {
     let mut peaks: Vec<f32> = image.pixels().iter().map(|p| p.max_element()).filter(|p| *p > 0.0).collect();
     if peaks.is_empty() {
         return None;
@@ -40,7 +40,7 @@ pub(super) fn exposure(image: &Image) -> Option<f32> {
 }
 
 /// An exposure as text: `+1 stop`, `0 stops`, `-3 stops`.
-pub(super) fn stops(stops: f32) -> String {
+pub(super) fn stops_text(stops: f32) -> String {
     let sign = if stops > 0.0 { "+" } else { "" };
     format!("{sign}{stops} {}", if stops.abs() == 1.0 { "stop" } else { "stops" })
 }
@@ -56,8 +56,8 @@ mod tests {
     #[test]
     fn both_parts_make_the_difference() {
         let difference = gray(&[0.5, -0.25, 0.0]);
-        assert_eq!(added(&difference).unwrap(), gray(&[0.5, 0.0, 0.0]));
-        assert_eq!(taken(&difference).unwrap(), gray(&[0.0, 0.25, 0.0]));
+        assert_eq!(positive_part(&difference).unwrap(), gray(&[0.5, 0.0, 0.0]));
+        assert_eq!(negative_part(&difference).unwrap(), gray(&[0.0, 0.25, 0.0]));
     }
 
     #[test]
@@ -65,8 +65,8 @@ mod tests {
         // 1/10 · 2³ = .8 fits, twice that does not.
         let mut faint = vec![0.1; 200];
         faint[7] = 1e6;
-        assert_eq!(exposure(&gray(&faint)), Some(3.0));
-        assert_eq!((exposure(&gray(&[0.0, 4.0])), exposure(&gray(&[0.0; 3]))), (Some(-2.0), None));
-        assert_eq!(exposure(&gray(&[f32::from_bits(1)])), Some(MAX_EXPOSURE_STOPS));
+        assert_eq!(visible_exposure(&gray(&faint)), Some(3.0));
+        assert_eq!((visible_exposure(&gray(&[0.0, 4.0])), visible_exposure(&gray(&[0.0; 3]))), (Some(-2.0), None));
+        assert_eq!(visible_exposure(&gray(&[f32::from_bits(1)])), Some(MAX_EXPOSURE_STOPS));
     }
 }

@@ -147,7 +147,7 @@ pub(super) fn marker(style: usize, x: f64, y: f64) -> String {
 /// The plot as SVG; `None` if there is nothing to draw.
 pub(super) fn plot(plot: &Plot<'_>) -> Option<String> {
     let (width, height) = plot.size;
-    let longest = plot.series.iter().map(|s| shortened(&s.label).chars().count()).max()?;
+    let longest = plot.series.iter().map(|s| shortened_label(&s.label).chars().count()).max()?;
     let right = width - 18.0 - LETTER * longest as f64;
     let points = || plot.series.iter().flat_map(|s| s.points.iter().filter(|p| drawable(p.0) && drawable(p.1)));
     let x = Axis::of(points().map(|p| p.0), (58.0, right))?;
@@ -192,7 +192,7 @@ fn axes(svg: &mut String, x: &Axis, y: &Axis, (_, height): (f64, f64)) {
                 svg,
                 "<text class=\"tick\" text-anchor=\"middle\" x=\"{at:.1}\" y=\"{:.1}\">{} s</text>",
                 y.from + 18.0,
-                plain(value)
+                tick_text(value)
             );
         }
     }
@@ -210,7 +210,7 @@ fn axes(svg: &mut String, x: &Axis, y: &Axis, (_, height): (f64, f64)) {
                 "<text class=\"tick\" text-anchor=\"end\" x=\"{:.1}\" y=\"{:.1}\">{} %</text>",
                 x.from - 6.0,
                 at + 4.0,
-                plain(100.0 * value)
+                tick_text(100.0 * value)
             );
         }
     }
@@ -223,7 +223,7 @@ fn axes(svg: &mut String, x: &Axis, y: &Axis, (_, height): (f64, f64)) {
 }
 
 /// One digit, written out: `0.05`, `20`, `1000`.
-fn plain(value: f64) -> String {
+fn tick_text(value: f64) -> String {
     let decimals = libm::ceil(-libm::log10(value) - 1e-9).max(0.0) as usize;
     format!("{value:.decimals$}")
 }
@@ -294,7 +294,7 @@ fn draw_series(svg: &mut String, series: &Series, id: &str, x: &Axis, y: &Axis) 
 /// Labels to the right of the plot, near the ends of their lines, without overlap.
 fn labels(svg: &mut String, mut ends: Vec<((f64, f64), &Series)>, x: &Axis, y: &Axis) {
     ends.sort_by(|a, b| a.0.1.total_cmp(&b.0.1));
-    let heights = apart(&ends.iter().map(|(end, _)| end.1).collect::<Vec<_>>(), (y.to + 4.0, y.from));
+    let heights = spread_heights(&ends.iter().map(|(end, _)| end.1).collect::<Vec<_>>(), (y.to + 4.0, y.from));
     for (((end_x, end_y), series), at) in ends.into_iter().zip(heights) {
         let colour = colour(series.style);
         let label_x = x.to + 14.0;
@@ -304,13 +304,13 @@ fn labels(svg: &mut String, mut ends: Vec<((f64, f64), &Series)>, x: &Axis, y: &
             end_x + 6.0,
             label_x - 3.0,
             at + 4.5,
-            escape(&shortened(&series.label)),
+            escape(&shortened_label(&series.label)),
             escape(&series.label)
         );
     }
 }
 
-fn shortened(label: &str) -> String {
+fn shortened_label(label: &str) -> String {
     if label.chars().count() <= LETTERS {
         return label.to_owned();
     }
@@ -318,7 +318,7 @@ fn shortened(label: &str) -> String {
 }
 
 /// Sorted heights, moved apart as little as possible, within `range` if there is room.
-fn apart(heights: &[f64], (top, bottom): (f64, f64)) -> Vec<f64> {
+fn spread_heights(heights: &[f64], (top, bottom): (f64, f64)) -> Vec<f64> {
     let mut placed: Vec<f64> = Vec::with_capacity(heights.len());
     for &height in heights {
         let least = placed.last().map_or(top, |last| last + LABEL);
@@ -343,7 +343,7 @@ mod tests {
 
     #[test]
     fn labels_do_not_touch() {
-        let placed = apart(&[10.0, 11.0, 12.0, 80.0, 99.0, 100.0], (10.0, 100.0));
+        let placed = spread_heights(&[10.0, 11.0, 12.0, 80.0, 99.0, 100.0], (10.0, 100.0));
         assert!(placed.windows(2).all(|pair| pair[1] - pair[0] >= LABEL - 1e-9), "{placed:?}");
         assert!(placed[0] >= 10.0 - 1e-9 && placed[5] <= 100.0 && placed[1] == 26.0);
     }
@@ -355,7 +355,7 @@ mod tests {
         let labelled: Vec<f64> = axis.ticks().into_iter().filter(|t| t.1).map(|t| t.0).collect();
         let expected = [0.01, 0.1, 1.0, 10.0];
         assert!(labelled.len() == 4 && labelled.iter().zip(expected).all(|(a, b)| (a / b - 1.0).abs() < 1e-12));
-        assert_eq!([0.05, 0.5, 2.0, 100.0, 0.01].map(plain), ["0.05", "0.5", "2", "100", "0.01"]);
+        assert_eq!([0.05, 0.5, 2.0, 100.0, 0.01].map(tick_text), ["0.05", "0.5", "2", "100", "0.01"]);
         // One point has ticks around it.
         assert!(Axis::of([3.0].into_iter(), (0.0, 1.0)).unwrap().ticks().len() >= 2);
     }

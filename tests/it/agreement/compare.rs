@@ -1,7 +1,7 @@
 //! Comparison of images by tiles, with standard errors.
 
 use super::methods::{Effort, Method, passes};
-use crate::support::{HUE, student};
+use crate::support::{HUE, student_tail};
 use caustica::color::Rgb;
 use caustica::scene::Scene;
 use glam::DVec3;
@@ -161,7 +161,7 @@ pub fn compare(what: &str, ours: &Estimate, theirs: &Estimate, sharp: f64) {
         }
     }
     let tests = 3.0 * ours.mean.len() as f64;
-    let p = (student(worst, dof) * tests).min(1.0);
+    let p = (student_tail(worst, dof) * tests).min(1.0);
     let whole = |e: &Estimate| e.mean.iter().map(|m| m.element_sum()).sum::<f64>();
     let line = format!(
         "{what}: {tests} numbers, ratio of sums {:.4}, {:.1} % beyond 2σ, error bar {:.2} %, worst t {worst:.1}, p of all {p:.1e}: {place}",

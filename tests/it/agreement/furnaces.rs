@@ -2,7 +2,7 @@
 
 use super::compare::{Estimate, Grid, Renders, compare};
 use super::methods::{ALL, Effort, Method};
-use crate::support::{ALPHA, camera, faces, grey, midpoint, student, vec3};
+use crate::support::{ALPHA, camera, faces, grey, midpoint, student_tail, vec3};
 use caustica::scene::{Body, Material, Scene, SceneBuilder};
 use caustica::shape::{Rectangle, Shape, Sphere};
 use glam::{DVec3, Vec3};
@@ -77,7 +77,7 @@ fn rough_materials_lose_only_stated_energy() {
             let (mean, error) = (ours.mean[0].x, ours.variance[0].x.sqrt());
             eprintln!("{name}, {method:?}: {mean:.5} ± {error:.1e}");
             assert!(error < 0.01);
-            let p = |excess: f64| if excess <= 0.0 { 1.0 } else { student(excess / error, ours.dof) };
+            let p = |excess: f64| if excess <= 0.0 { 1.0 } else { student_tail(excess / error, ours.dof) };
             assert!(p(mean - 1.0 - 1e-5) >= ALPHA, "{name}, {method:?} gains: {mean} ± {error}");
             assert!(p(least - mean) >= ALPHA, "{name}, {method:?} loses too much: {mean} ± {error}");
         }

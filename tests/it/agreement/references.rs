@@ -67,18 +67,18 @@ const BIASED: Effort = Effort { passes: 24, samples: 1, photons: 12_000, caustic
 /// caustics light other walls, one sample in thousands does. A tile of 4 × 4 pixels with two such
 /// hits knows neither its mean nor its error. So tiles are 16 times as large there, for dozens of
 /// hits each. See [`super::compare`].
-const CHANCE: Effort = Effort { passes: 24, samples: 8, ..BIASED };
+const CHANCE_CAUSTICS: Effort = Effort { passes: 24, samples: 8, ..BIASED };
 
 /// Camera subpaths find most of the light with these integrators.
-const WALKS: Effort = Effort { samples: 3, ..BIASED };
+const MOSTLY_CAMERA_PATHS: Effort = Effort { samples: 3, ..BIASED };
 
 /// `Sppm` in this room is compared by `analytic::reference`, by finer tiles.
 #[test]
 #[ignore = "long: five integrators against Mitsuba 3"]
 fn integrators_match_caustic_reference() {
     let methods = [
-        (Method::Path, CHANCE),
-        (Method::Hybrid, WALKS),
+        (Method::Path, CHANCE_CAUSTICS),
+        (Method::Hybrid, MOSTLY_CAMERA_PATHS),
         (Method::Ppm, BIASED),
         (Method::PmDirect, BIASED),
         (Method::PmGathering, BIASED),
@@ -90,8 +90,8 @@ fn integrators_match_caustic_reference() {
 #[ignore = "long: six integrators against Mitsuba 3"]
 fn integrators_match_rough_reference() {
     let methods = [
-        (Method::Path, CHANCE),
-        (Method::Hybrid, WALKS),
+        (Method::Path, CHANCE_CAUSTICS),
+        (Method::Hybrid, MOSTLY_CAMERA_PATHS),
         (Method::Sppm, BIASED),
         (Method::Ppm, BIASED),
         (Method::PmDirect, BIASED),
@@ -112,11 +112,11 @@ fn integrators_match_rough_reference() {
 #[ignore = "long: five integrators against Mitsuba 3"]
 fn integrators_match_lens_reference() {
     let methods = [
-        (Method::Path, WALKS),
-        (Method::Hybrid, WALKS),
-        (Method::Sppm, WALKS),
-        (Method::PmDirect, WALKS),
-        (Method::PmGathering, WALKS),
+        (Method::Path, MOSTLY_CAMERA_PATHS),
+        (Method::Hybrid, MOSTLY_CAMERA_PATHS),
+        (Method::Sppm, MOSTLY_CAMERA_PATHS),
+        (Method::PmDirect, MOSTLY_CAMERA_PATHS),
+        (Method::PmGathering, MOSTLY_CAMERA_PATHS),
     ];
     compare_all(
         "lens",
@@ -133,8 +133,8 @@ fn integrators_match_lens_reference() {
 #[ignore = "long: seven integrators against Mitsuba 3"]
 fn integrators_match_fog_reference() {
     let methods = [
-        (Method::Path, CHANCE),
-        (Method::Hybrid, WALKS),
+        (Method::Path, CHANCE_CAUSTICS),
+        (Method::Hybrid, MOSTLY_CAMERA_PATHS),
         (Method::Sppm, BIASED),
         (Method::PmDirect, BIASED),
         (Method::PmGathering, BIASED),

@@ -29,7 +29,7 @@ fn moments(bandwidth: Bandwidth, kernel: Kernel, variance: impl Fn(f64) -> f64) 
     let wall = b.material(Material::diffuse(grey(0.5)));
     b.shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)), wall, grey(0.0));
     b.source(SourceKind::Point { position: vec3(0.4, 0.1, -0.3) }, LightStrength::Power(grey(1.0)));
-    let scene = unseen(b);
+    let scene = photon_only_scene(b);
     let mut moments = Moments { mean: vec![], variance: vec![], expected: vec![] };
     for traced in trace(&scene, StoreMask::GLOBAL, 1000, 48, 1 << 15) {
         let n = traced.deposits.photons.len() as f64;
@@ -48,9 +48,9 @@ fn moments(bandwidth: Bandwidth, kernel: Kernel, variance: impl Fn(f64) -> f64) 
 fn check(what: &str, m: &Moments) {
     // Distances round to f32 relative to coordinates of 1, so d² of 0.01 has a relative error near
     // 10⁻⁵.
-    agree(&format!("{what}: mean"), &m.mean, 1.0, 1e-4, 6e-3);
+    assert_mean(&format!("{what}: mean"), &m.mean, 1.0, 1e-4, 6e-3);
     let ratios: Vec<f64> = m.variance.iter().zip(&m.expected).map(|(v, e)| v / e).collect();
-    agree(&format!("{what}: variance over the expected"), &ratios, 1.0, 1e-3, 0.04);
+    assert_mean(&format!("{what}: variance over the expected"), &ratios, 1.0, 1e-3, 0.04);
 }
 
 /// A fixed disc holds a binomial number of photons. Its relative variance is c/n − 1/N, with n
@@ -61,7 +61,7 @@ fn fixed_radius_noise_matches_kernel() {
         let radius = 0.1;
         let m = moments(fixed(radius), kernel, |n| {
             let inside = n * radius * radius / 4.0;
-            noise_factor(kernel) / inside - 1.0 / n
+            kernel_noise_factor(kernel) / inside - 1.0 / n
         });
         check(&format!("fixed radius, {kernel:?}"), &m);
     }
@@ -79,7 +79,7 @@ fn nearest_neighbour_mean_and_variance_match_theory() {
         for k in [15, 50] {
             let kf = f64::from(k);
             let m = moments(Bandwidth { radius: 0.4, k }, kernel, |n| {
-                (n - 1.0) * (kf + noise_factor(kernel) - 2.0) / (n * (kf - 2.0)) - 1.0
+                (n - 1.0) * (kf + kernel_noise_factor(kernel) - 2.0) / (n * (kf - 2.0)) - 1.0
             });
             check(&format!("{k} nearest, {kernel:?}"), &m);
         }

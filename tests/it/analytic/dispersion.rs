@@ -1,6 +1,6 @@
 //! Dispersion: prisms separate wavelengths, and white light stays white in sum.
 
-use crate::support::{PASSES, agree, agree_rgb, fresnel, photon_position, scene_in, trace_from};
+use crate::support::{PASSES, assert_mean, assert_mean_rgb, fresnel, photon_position, scene_in, trace_from};
 use caustica::color::Wavelength;
 use caustica::integrate::{Algorithm, Settings, Silent};
 use caustica::photon::{Photon, PhotonSource, StoreMask};
@@ -26,7 +26,7 @@ fn deviation(angle: f64, n: f64) -> f64 {
     angle + libm::asin(n * libm::sin(inner)) - FRAC_PI_3
 }
 
-fn middle(photon: &Photon) -> Option<f64> {
+fn middle_wavelength(photon: &Photon) -> Option<f64> {
     Wavelength::from_code(photon.data.wavelength()).map(|w| f64::from(w.nanometres()))
 }
 
@@ -97,7 +97,7 @@ fn prism_deviates_wavelengths_by_their_indices() {
                     .iter()
                     .filter(|p| codes.contains(&p.data.wavelength()) && photon_position(&scene, p).x > 0.0)
                     .map(|p| {
-                        let own = deviation(angle, bk7(middle(p).unwrap())) - deviation(angle, bk7(nm));
+                        let own = deviation(angle, bk7(middle_wavelength(p).unwrap())) - deviation(angle, bk7(nm));
                         down(p) - own.to_degrees()
                     })
                     // A band is ±.005° wide. Light that the base reflects at grazing incidence
@@ -109,7 +109,7 @@ fn prism_deviates_wavelengths_by_their_indices() {
             })
             .collect();
         let expected = deviation(angle, bk7(nm)).to_degrees();
-        agree(&format!("prism, line {line}"), &samples, expected, 5e-4, 1e-5);
+        assert_mean(&format!("prism, line {line}"), &samples, expected, 5e-4, 1e-5);
         found.push(samples.iter().sum::<f64>() / samples.len() as f64);
     }
     eprintln!("spread from F to C {:.5}°", found[0] - found[2]);
@@ -155,14 +155,14 @@ fn dispersed_beam_sums_to_white() {
                 passes.iter().map(|t| t.deposits.photons.iter().map(|p| p.data.flux().as_dvec3()).sum()).collect();
             // Photons of one wavelength have individually rounded hues. Edges of the prism let one
             // ray in 10⁵ slip.
-            agree_rgb(&format!("{glass}, dispersion {dispersion}"), &sums, DVec3::splat(7.0), 5e-3);
+            assert_mean_rgb(&format!("{glass}, dispersion {dispersion}"), &sums, DVec3::splat(7.0), 5e-3);
         }
     }
 }
 
 /// Returns, for each channel, the mean over wavelengths of `part(n)`, the fraction of light of
 /// index n that is kept.
-fn kept(index: impl Fn(f64) -> f64, part: impl Fn(f64) -> f64) -> DVec3 {
+fn mean_over_wavelengths(index: impl Fn(f64) -> f64, part: impl Fn(f64) -> f64) -> DVec3 {
     const N: u32 = 20_000;
     let one = |i: u32| {
         let wavelength = Wavelength::sample((i as f32 + 0.5) / N as f32);
@@ -171,7 +171,7 @@ fn kept(index: impl Fn(f64) -> f64, part: impl Fn(f64) -> f64) -> DVec3 {
     (0..N).map(one).sum::<DVec3>() / f64::from(N)
 }
 
-fn pictures(scene: &Scene, effects: EffectOverrides) -> Vec<DVec3> {
+fn mean_pictures(scene: &Scene, effects: EffectOverrides) -> Vec<DVec3> {
     let mut settings = Settings::default();
     settings.eye.samples = Some(64);
     settings.eye.effects = effects;
@@ -218,16 +218,16 @@ fn white_light_through_slab_stays_white() {
                 let r = fresnel(cos, n);
                 if behind { (1.0 - r) / (1.0 + r) } else { 2.0 * r / (1.0 + r) }
             };
-            let (parted, plain) = (kept(cauchy, part), DVec3::splat(part(cauchy(587.56))));
+            let (parted, plain) = (mean_over_wavelengths(cauchy, part), DVec3::splat(part(cauchy(587.56))));
             for (effects, expected) in
                 [(EffectOverrides::PLANNED, parted), (EffectOverrides::PLANNED.without(Effect::Dispersion), plain)]
             {
                 let what = format!("slab at {degrees}°, behind {behind}, {:?}", effects.of(Effect::Dispersion));
-                let samples = pictures(&scene, effects);
+                let samples = mean_pictures(&scene, effects);
                 for c in 0..3 {
                     let channel: Vec<f64> = samples.iter().map(|v| v[c]).collect();
                     // Weights are tabulated by nanometre in single precision.
-                    agree(&format!("{what}, channel {c}"), &channel, expected[c], 2e-5 * expected[c], 0.01);
+                    assert_mean(&format!("{what}, channel {c}"), &channel, expected[c], 2e-5 * expected[c], 0.01);
                 }
             }
             if behind {
@@ -254,7 +254,7 @@ fn through_ball(b: f64, n: f64, k: u32) -> (DVec2, DVec2, f64) {
 
 /// Returns flux and flux-weighted angle of light that a ball reflects to a wall at distance `far`,
 /// for rings with the given `edges` \[degrees from the antisolar point].
-fn rings(n: f64, far: f64, edges: &[f64]) -> Vec<(f64, f64)> {
+fn ring_fluxes(n: f64, far: f64, edges: &[f64]) -> Vec<(f64, f64)> {
     const STEPS: u32 = 400_000;
     let mut rings = vec![(0.0, 0.0); edges.len() - 1];
     for i in 0..STEPS {
@@ -278,7 +278,7 @@ fn rings(n: f64, far: f64, edges: &[f64]) -> Vec<(f64, f64)> {
 }
 
 /// Builds a drop in collimated light that enters by a hole in the wall.
-fn drop(glass: &str, far: f64) -> Scene {
+fn drop_scene(glass: &str, far: f64) -> Scene {
     let (wide, long) = (2.0 * far, 4.0 * far);
     let frame = |x: f64| {
         format!(
@@ -307,7 +307,7 @@ fn drop(glass: &str, far: f64) -> Scene {
 
 const FAR: f64 = 1000.0;
 
-fn bow(scene: &Scene, photon: &Photon) -> Option<f64> {
+fn bow_angle(scene: &Scene, photon: &Photon) -> Option<f64> {
     let p = photon_position(scene, photon);
     (p.x < 0.0).then(|| libm::atan2(libm::hypot(p.y, p.z), FAR).to_degrees())
 }
@@ -322,14 +322,14 @@ fn rainbow_stands_at_42_degrees() {
     let outer = libm::acos(cos);
     let edge = (4.0 * libm::asin(libm::sin(outer) / n) - 2.0 * outer).to_degrees();
     assert!((edge - 42.08).abs() < 0.005, "{edge}");
-    let scene = drop("indexOfRefraction 1.333", FAR);
+    let scene = drop_scene("indexOfRefraction 1.333", FAR);
     let source = PhotonSource::aimed(&scene).unwrap();
     let passes = trace_from(&scene, &source, StoreMask::CAUSTIC, 100, PASSES, 1 << 18);
     // An offset by the ball's radius is .06°. Within it the edge depends on the exit point, which
     // the plane's rays include.
     let edges = [20.0, 35.0, 40.0, 41.0, 41.5, 41.9, edge + 0.06, 43.0, 46.0, 49.5, 51.5, 55.0];
-    for (i, (flux, _)) in rings(n, FAR, &edges).into_iter().enumerate() {
-        let within = |p: &Photon| bow(&scene, p).is_some_and(|a| a >= edges[i] && a < edges[i + 1]);
+    for (i, (flux, _)) in ring_fluxes(n, FAR, &edges).into_iter().enumerate() {
+        let within = |p: &Photon| bow_angle(&scene, p).is_some_and(|a| a >= edges[i] && a < edges[i + 1]);
         let samples: Vec<f64> = passes
             .iter()
             .map(|t| t.deposits.photons.iter().filter(|p| within(p)).map(|p| p.data.flux().as_dvec3().x).sum())
@@ -338,7 +338,7 @@ fn rainbow_stands_at_42_degrees() {
         // 10⁻⁵ of the ball's radius.
         let what = format!("bow from {:.2}° to {:.2}°", edges[i], edges[i + 1]);
         // The dark band has few photons.
-        agree(&what, &samples, flux, 2e-3 * flux, if flux < 2e-3 { 0.15 } else { 0.02 });
+        assert_mean(&what, &samples, flux, 2e-3 * flux, if flux < 2e-3 { 0.15 } else { 0.02 });
     }
 }
 
@@ -348,18 +348,18 @@ fn rainbow_stands_at_42_degrees() {
 #[ignore = "long: t-tests of dispersed photons"]
 fn rainbow_is_red_outside() {
     let index = |nm: f64| 1.324 + 0.00308e6 / (nm * nm);
-    let scene = drop("cauchy 1.324 .00308", FAR);
+    let scene = drop_scene("cauchy 1.324 .00308", FAR);
     let source = PhotonSource::aimed(&scene).unwrap();
     let passes = trace_from(&scene, &source, StoreMask::CAUSTIC, 100, PASSES, 1 << 18);
     let mut means = Vec::new();
     for (from, to) in [(440.0, 460.0), (540.0, 560.0), (620.0, 640.0)] {
-        let of_band = |p: &Photon| middle(p).is_some_and(|nm| nm >= from && nm < to);
+        let of_band = |p: &Photon| middle_wavelength(p).is_some_and(|nm| nm >= from && nm < to);
         let edges = [40.0, 43.0];
         // Wavelengths of the band, weighted by their pdf.
         let (mut flux, mut angles) = (0.0, 0.0);
         for i in 0..10 {
             let nm = from + (to - from) * (f64::from(i) + 0.5) / 10.0;
-            let [(f, a)] = rings(index(nm), FAR, &edges)[..] else { unreachable!() };
+            let [(f, a)] = ring_fluxes(index(nm), FAR, &edges)[..] else { unreachable!() };
             let near = (1..=255).filter_map(Wavelength::from_code);
             let near = near.min_by(|a, b| {
                 (f64::from(a.nanometres()) - nm).abs().total_cmp(&(f64::from(b.nanometres()) - nm).abs())
@@ -373,7 +373,7 @@ fn rainbow_is_red_outside() {
             .map(|t| {
                 let (mut sum, mut weight) = (0.0, 0.0);
                 for p in t.deposits.photons.iter().filter(|p| of_band(p)) {
-                    if let Some(angle) = bow(&scene, p).filter(|a| *a >= edges[0] && *a < edges[1]) {
+                    if let Some(angle) = bow_angle(&scene, p).filter(|a| *a >= edges[0] && *a < edges[1]) {
                         let power = p.data.flux().as_dvec3().element_sum();
                         sum += power * angle;
                         weight += power;
@@ -383,7 +383,7 @@ fn rainbow_is_red_outside() {
             })
             .collect();
         // A band's ends are quantised to ⅔ nm, .01° at most.
-        agree(&format!("bow of {from} to {to} nm"), &samples, angles / flux, 0.01, 2e-3);
+        assert_mean(&format!("bow of {from} to {to} nm"), &samples, angles / flux, 0.01, 2e-3);
         means.push(samples.iter().sum::<f64>() / samples.len() as f64);
     }
     assert!(means[0] + 0.2 < means[1] && means[1] + 0.1 < means[2], "{means:?}");

@@ -21,7 +21,7 @@ fn lens(z: f64) -> Scene {
     let corner = vec3(-1.5, -z, -1.5);
     b.shape(Shape::Rectangle(Rectangle::new(corner, DVec3::Z * 3.0, DVec3::X * 3.0)), white, grey(0.0));
     b.source(SourceKind::Directional { direction: -DVec3::Y }, LightStrength::Physical(grey(IRRADIANCE)));
-    unseen(b)
+    photon_only_scene(b)
 }
 
 /// Returns where the ray of height `h` lands on a screen at depth `z`, and the fraction that passes
@@ -62,7 +62,7 @@ fn ball_lens_focus_flux_obeys_snell_and_fresnel() {
                 let samples: Vec<f64> =
                     passes.iter().map(|t| flux_where(&scene, &t.deposits.photons, inside).x).collect();
                 let what = format!("z = {z}, within {radius}, aimed: {aimed}");
-                agree(&what, &samples, expected, expected * HUE + 4e-5, 0.04);
+                assert_mean(&what, &samples, expected, expected * HUE + 4e-5, 0.04);
             }
         }
     }
@@ -79,7 +79,7 @@ fn focus_estimate_is_beam_convolved_with_kernel() {
             for radius in [0.03, 0.1] {
                 let expected = over_beam(z, |rho| kernel_at(kernel, rho, radius));
                 let probe = Probe { scene: &scene, at: vec3(0.0, -z, 0.0), normal: DVec3::Y, radius, kernel };
-                agree_estimates("focus", &probe, &maps, expected, 2e-4, 0.02);
+                assert_estimates("focus", &probe, &maps, expected, 2e-4, 0.02);
             }
         }
     }

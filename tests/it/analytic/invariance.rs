@@ -71,7 +71,7 @@ fn same(what: &str, a: &[DVec3], b: &[DVec3], sharp: f64) {
     for c in 0..3 {
         let level = b.iter().map(|v| v[c]).sum::<f64>() / b.len() as f64;
         let samples: Vec<f64> = a.iter().zip(b).map(|(a, b)| level + a[c] - b[c]).collect();
-        agree(&format!("{what}, channel {c}"), &samples, level, level * HUE, sharp);
+        assert_mean(&format!("{what}, channel {c}"), &samples, level, level * HUE, sharp);
     }
 }
 

@@ -127,13 +127,13 @@ fn maps(scene: &Scene) -> Vec<PhotonMap> {
 #[test]
 fn estimates_have_exact_kernel_bias() {
     for lamp in &LAMPS {
-        let scene = unseen(under(lamp));
+        let scene = photon_only_scene(under(lamp));
         let maps = maps(&scene);
         for (at, radius) in [(DVec2::ZERO, 0.6), (DVec2::ZERO, 0.15), (DVec2::new(0.5, 0.3), 0.3)] {
             for kernel in KERNELS {
                 let expected = blurred(kernel, radius, |d| (lamp.irradiance)(at + d));
                 let probe = Probe { scene: &scene, at: vec3(at.x, 0.0, at.y), normal: DVec3::Y, radius, kernel };
-                agree_estimates(lamp.name, &probe, &maps, expected, 1e-5, 0.018);
+                assert_estimates(lamp.name, &probe, &maps, expected, 1e-5, 0.018);
             }
         }
     }
@@ -143,12 +143,12 @@ fn estimates_have_exact_kernel_bias() {
 /// irradiance itself.
 #[test]
 fn wide_box_kernel_has_closed_form_bias() {
-    let scene = unseen(under(&LAMPS[0]));
+    let scene = photon_only_scene(under(&LAMPS[0]));
     let maps = maps(&scene);
     for radius in [0.1, 0.4, 1.6] {
         let expected = 2.0 * INTENSITY / (radius * radius) * (1.0 - HEIGHT / libm::hypot(HEIGHT, radius));
         let probe = Probe { scene: &scene, at: DVec3::ZERO, normal: DVec3::Y, radius, kernel: Kernel::Box };
-        agree_estimates("below a point", &probe, &maps, expected, 0.0, 8e-3);
+        assert_estimates("below a point", &probe, &maps, expected, 0.0, 8e-3);
     }
 }
 
@@ -156,7 +156,7 @@ fn wide_box_kernel_has_closed_form_bias() {
 /// πIh²(1/h² − 1/(h² + r²)).
 #[test]
 fn photons_store_their_incident_direction() {
-    let scene = unseen(under(&LAMPS[0]));
+    let scene = photon_only_scene(under(&LAMPS[0]));
     let radius = 0.8;
     let expected = INTENSITY * HEIGHT * HEIGHT * (1.0 / (HEIGHT * HEIGHT) - 1.0 / (HEIGHT * HEIGHT + radius * radius))
         / (radius * radius);
@@ -169,7 +169,7 @@ fn photons_store_their_incident_direction() {
     let samples: Vec<f64> = maps(&scene).iter().map(one).collect();
     // Directions are stored to 10⁻⁴ rad. Adding 11,000 photons is accurate to 11,000 · 2⁻²⁴ =
     // 7·10⁻⁴ of the sum.
-    agree("cosine-weighted flux", &samples, expected, expected * (8e-4 + 2.0 * HUE), 4e-3);
+    assert_mean("cosine-weighted flux", &samples, expected, expected * (8e-4 + 2.0 * HUE), 4e-3);
 }
 
 /// Shadow rays give L = ρE/π. The view covers 0.02 of a unit. Over it irradiance is linear up to
@@ -183,7 +183,7 @@ fn direct_light_matches_irradiance_of_each_light() {
             let scene = under(lamp).build(camera(eye, target, 0.2, 16)).unwrap();
             let samples = red(&seen(&scene, settings(0, 0, 0.1), PASSES));
             let expected = ALBEDO / PI * (lamp.irradiance)(at);
-            agree(&format!("{} seen at {at}", lamp.name), &samples, expected, expected * 3e-4, 2e-3);
+            assert_mean(&format!("{} seen at {at}", lamp.name), &samples, expected, expected * 3e-4, 2e-3);
         }
     }
 }
@@ -191,12 +191,12 @@ fn direct_light_matches_irradiance_of_each_light() {
 /// Photon counts give the flux in a disc, 2πI(1 − h/√(h² + r²)), and the whole flux of a light.
 #[test]
 fn disc_flux_below_point_light_matches_solid_angle() {
-    let scene = unseen(under(&LAMPS[0]));
+    let scene = photon_only_scene(under(&LAMPS[0]));
     let passes = trace(&scene, DIRECT, 0, PASSES, 1 << 16);
     for radius in [0.3, 1.0, 5.0] {
         let inside = |p: DVec3| p.x * p.x + p.z * p.z < radius * radius;
         let samples: Vec<f64> = passes.iter().map(|t| flux_where(&scene, &t.deposits.photons, inside).x).collect();
         let expected = TAU * INTENSITY * (1.0 - HEIGHT / libm::hypot(HEIGHT, radius));
-        agree(&format!("flux within {radius}"), &samples, expected, expected * 2.0 * HUE, 3e-3);
+        assert_mean(&format!("flux within {radius}"), &samples, expected, expected * 2.0 * HUE, 3e-3);
     }
 }

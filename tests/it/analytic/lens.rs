@@ -1,6 +1,6 @@
 //! Depth of field and motion blur.
 
-use crate::support::{agree, camera_rays, mean_and_error, scene_in};
+use crate::support::{assert_mean, camera_rays, mean_and_error, scene_in};
 use caustica::integrate::{Algorithm, Silent};
 use caustica::math::Ray;
 use caustica::sampling::{Dimension, Key, Purpose};
@@ -55,7 +55,7 @@ fn circle_of_confusion_matches_thin_lens() {
             let expected = 0.25 * (blur * blur + own * own) + 1.0 / 12.0;
             for axis in [0, 1] {
                 let found: Vec<f64> = moments.iter().map(|m| m[axis]).collect();
-                agree(&format!("{opening}, {distance} away"), &found, expected, 1e-5 * expected, 0.03);
+                assert_mean(&format!("{opening}, {distance} away"), &found, expected, 1e-5 * expected, 0.03);
             }
         }
     }
@@ -138,7 +138,7 @@ fn adaptive_rays_change_only_noise() {
     assert!(rays < 1.05 * even_rays, "{rays} rays, not {even_rays}");
     assert!(noise < 0.5 * even_noise, "{noise} is not much below {even_noise}");
     let differences: Vec<f64> = totals.iter().zip(&even_totals).map(|(a, b)| 100.0 + a - b).collect();
-    agree("light", &differences, 100.0, 1e-6, 0.05);
+    assert_mean("light", &differences, 100.0, 1e-6, 0.05);
 }
 
 /// A course light's colour is the radiance of a white floor at the scene's center, taken half way

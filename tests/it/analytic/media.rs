@@ -1,6 +1,6 @@
 //! Participating media: absorption, single and multiple scattering, furnaces and extreme depths.
 
-use crate::support::{PASSES, agree, fresnel, mean_and_error, midpoint, scene_in, settings};
+use crate::support::{PASSES, assert_mean, fresnel, mean_and_error, midpoint, scene_in, settings};
 use caustica::integrate::{Algorithm, Settings, Silent, VolumeEstimate};
 use caustica::plan::{Effect, EffectOverrides};
 use caustica::scene::Scene;
@@ -27,22 +27,28 @@ fn seen(scene: &Scene, algorithm: Algorithm, settings: Settings, passes: u32) ->
     (0..passes).map(one).collect()
 }
 
-/// Applies [`agree`] to each channel.
+/// Applies [`assert_mean`] to each channel.
 #[track_caller]
-fn agree_each(what: &str, samples: &[DVec3], expected: DVec3, slack: DVec3, sharp: f64) {
+fn assert_mean_each(what: &str, samples: &[DVec3], expected: DVec3, slack: DVec3, sharp: f64) {
     for c in 0..3 {
         let channel: Vec<f64> = samples.iter().map(|v| v[c]).collect();
-        agree(&format!("{what}, channel {c}"), &channel, expected[c], slack[c] + ROUNDING * expected[c], sharp);
+        assert_mean(&format!("{what}, channel {c}"), &channel, expected[c], slack[c] + ROUNDING * expected[c], sharp);
     }
 }
 
-/// Applies [`agree_each`] to an estimate with kernel bias.
+/// Applies [`assert_mean_each`] to an estimate with kernel bias.
 ///
 /// The bias grows at least in proportion to the radius. So at half of `wide` it is at most the
 /// change from there to `wide`. That change, with four standard errors of it, is allowed. It must
 /// be within the fraction `blur` of the expected value.
 #[track_caller]
-fn agree_blurred(what: &str, look: impl Fn(f64) -> Vec<DVec3>, wide: f64, expected: DVec3, (blur, sharp): (f64, f64)) {
+fn assert_blurred_mean(
+    what: &str,
+    look: impl Fn(f64) -> Vec<DVec3>,
+    wide: f64,
+    expected: DVec3,
+    (blur, sharp): (f64, f64),
+) {
     let (narrow, wide) = (look(0.5 * wide), look(wide));
     let slack = |c: usize| {
         let differences: Vec<f64> = narrow.iter().zip(&wide).map(|(n, w)| w[c] - n[c]).collect();
@@ -51,10 +57,10 @@ fn agree_blurred(what: &str, look: impl Fn(f64) -> Vec<DVec3>, wide: f64, expect
         assert!(slack < blur * expected[c], "{what}: blurred by {}", slack / expected[c]);
         slack
     };
-    agree_each(what, &narrow, expected, DVec3::new(slack(0), slack(1), slack(2)), sharp);
+    assert_mean_each(what, &narrow, expected, DVec3::new(slack(0), slack(1), slack(2)), sharp);
 }
 
-fn each(v: [f64; 3], f: impl Fn(f64) -> f64) -> DVec3 {
+fn per_channel(v: [f64; 3], f: impl Fn(f64) -> f64) -> DVec3 {
     DVec3::from_array(v.map(f))
 }
 
@@ -81,7 +87,7 @@ fn absorbing_slab_obeys_beer_and_fresnel() {
         let (sin, cos) = (libm::sin(angle), libm::cos(angle));
         let inner = (1.0 - sin * sin / 2.25).sqrt();
         let r = fresnel(cos, 1.5);
-        let expected = each(SIGMA, |sigma| {
+        let expected = per_channel(SIGMA, |sigma| {
             let tau = libm::exp(-sigma * THICK / inner);
             (1.0 - r) * (1.0 - r) * tau / (1.0 - r * r * tau * tau)
         });
@@ -116,14 +122,14 @@ fn absorbing_slab_obeys_beer_and_fresnel() {
                 // Whitted's branches end below 1/256: light after the third inner reflection is
                 // below R⁴.
                 let slack = if algorithm == Algorithm::Whitted { r * r / 256.0 } else { 0.0 };
-                agree_each(&what(algorithm), &samples, expected, DVec3::splat(slack), 1e-3);
+                assert_mean_each(&what(algorithm), &samples, expected, DVec3::splat(slack), 1e-3);
             }
         }
     }
 }
 
 /// Returns Henyey and Greenstein's phase function.
-fn phase(g: f64, cos: f64) -> f64 {
+fn henyey_greenstein(g: f64, cos: f64) -> f64 {
     let square = 1.0 + g * g - 2.0 * g * cos;
     (1.0 - g * g) / (4.0 * PI * square * square.sqrt())
 }
@@ -136,7 +142,7 @@ fn airlight(lamp: DVec3, end: f64, sigma: f64, g: f64) -> f64 {
     midpoint(0.0, end, 100_000, |t| {
         let way = -DVec3::Z * t - lamp;
         let d = way.length();
-        phase(g, way.z / d) * libm::exp(-sigma * (t + d)) / (d * d)
+        henyey_greenstein(g, way.z / d) * libm::exp(-sigma * (t + d)) / (d * d)
     })
 }
 
@@ -144,7 +150,7 @@ fn airlight(lamp: DVec3, end: f64, sigma: f64, g: f64) -> f64 {
 /// Nayar 2005).
 ///
 /// The light is at distance `d` and angle `gamma` off the ray: A₀[F(A₁, π/2) − F(A₁, γ/2)].
-fn sun(d: f64, gamma: f64, sigma: f64) -> f64 {
+fn airlight_from_point_light(d: f64, gamma: f64, sigma: f64) -> f64 {
     let tau = sigma * d;
     let (a0, a1) = (libm::exp(-tau * libm::cos(gamma)) / (2.0 * PI * d * libm::sin(gamma)), tau * libm::sin(gamma));
     let end = FRAC_PI_4 + 0.5 * libm::atan(f64::INFINITY);
@@ -161,7 +167,7 @@ fn airlight_matches_quadrature() {
     let far = 60.0;
     for (sigma, d, gamma) in [(0.3, lamp.length(), lamp.angle_between(-DVec3::Z)), (1.2, 1.5, 1.0)] {
         let at = DVec3::new(libm::sin(gamma), 0.0, -libm::cos(gamma)) * d;
-        let (ours, theirs) = (airlight(at, far, sigma, 0.0), sun(d, gamma, sigma));
+        let (ours, theirs) = (airlight(at, far, sigma, 0.0), airlight_from_point_light(d, gamma, sigma));
         assert!((ours / theirs - 1.0).abs() < 1e-5, "{ours}, not {theirs}");
     }
     for g in [0.0, 0.5, -0.7] {
@@ -179,7 +185,7 @@ fn airlight_matches_quadrature() {
             let samples = seen(&scene, algorithm, with(256, single()), PASSES);
             let what = format!("airlight, g {g}, {}", algorithm.name());
             // 10⁵ midpoints are accurate to 10⁻⁶.
-            agree_each(&what, &samples, expected, 1e-6 * expected, 0.01);
+            assert_mean_each(&what, &samples, expected, 1e-6 * expected, 0.01);
         }
     }
 }
@@ -198,11 +204,11 @@ fn scattering_ball_loses_no_light() {
          Materials { Clear milky { medium milk } }
          Group { MaterialName milky  Sphere { center 0 0 0  radius 1 } }",
     );
-    let expected = each(TAU, |tau| 10.0 * (1.0 - libm::exp(-tau)) / (4.0 * PI) / (2.2 * 2.2));
+    let expected = per_channel(TAU, |tau| 10.0 * (1.0 - libm::exp(-tau)) / (4.0 * PI) / (2.2 * 2.2));
     for algorithm in [Algorithm::Path, Algorithm::Hybrid] {
         let samples = seen(&scene, algorithm, with(32, EffectOverrides::PLANNED), PASSES);
         // Paths that pass close to the light are rare and bright.
-        agree_each(&format!("milky ball, {}", algorithm.name()), &samples, expected, DVec3::ZERO, 0.04);
+        assert_mean_each(&format!("milky ball, {}", algorithm.name()), &samples, expected, DVec3::ZERO, 0.04);
     }
     for algorithm in [Algorithm::Sppm, Algorithm::Pm] {
         for volume in ESTIMATES {
@@ -212,7 +218,7 @@ fn scattering_ball_loses_no_light() {
             };
             let wide = if volume == VolumeEstimate::Points { 0.2 } else { 0.08 };
             let what = format!("milky ball, {} by {volume:?}", algorithm.name());
-            agree_blurred(&what, look, wide, expected, (0.15, 0.04));
+            assert_blurred_mean(&what, look, wide, expected, (0.15, 0.04));
         }
     }
 }
@@ -228,7 +234,7 @@ fn over_disc(f: impl Fn(f64) -> f64) -> f64 {
 ///
 /// Balls of radius `r` have weight 15/(8π)(1 − x²). The part beyond both ends is lost. The slice at
 /// x and y has 5/(2π)(1 − x² − y²)^(3/2) of the weight.
-fn around(sigma: f64, wide: f64, r: f64) -> f64 {
+fn expected_point_estimate(sigma: f64, wide: f64, r: f64) -> f64 {
     midpoint(-1.0, 1.0, 400, |x| {
         let (from, to) = ((-r * x).max(0.0), (wide - r * x).min(wide));
         let along = (libm::exp(-sigma * from) - libm::exp(-sigma * to)) / sigma;
@@ -269,14 +275,14 @@ fn photon_beam_estimate_matches_formula() {
     // Light that arrives at `z` below the top along the whole ray, blurred over heights and ends.
     let sight = |c: usize, blur: &dyn Fn(f64) -> f64| {
         let sigma = EXTINCTION[c];
-        SCATTERING[c] * phase(G, 0.0) * irradiance * libm::exp(-sigma * depth) * blur(sigma)
+        SCATTERING[c] * henyey_greenstein(G, 0.0) * irradiance * libm::exp(-sigma * depth) * blur(sigma)
     };
     let whole = |sigma: f64| (1.0 - libm::exp(-sigma * wide)) / sigma;
     let expected = |blur: &dyn Fn(f64) -> f64| DVec3::new(sight(0, blur), sight(1, blur), sight(2, blur));
     let straight = scene("");
     for algorithm in [Algorithm::Distributed, Algorithm::Path, Algorithm::Hybrid, Algorithm::Sppm] {
         let samples = seen(&straight, algorithm, with(64, single()), PASSES);
-        agree_each(&format!("beam, {}", algorithm.name()), &samples, expected(&whole), DVec3::ZERO, 0.01);
+        assert_mean_each(&format!("beam, {}", algorithm.name()), &samples, expected(&whole), DVec3::ZERO, 0.01);
     }
     let behind = scene("MaterialName pane  Rectangle { corner -1.2 1 -1.2  edge0 0 0 2.4  edge1 2.4 0 0 }");
     let r = fresnel(1.0, 1.5);
@@ -290,7 +296,7 @@ fn photon_beam_estimate_matches_formula() {
         let blur = |sigma: f64| match volume {
             VolumeEstimate::Beams => whole(sigma),
             VolumeEstimate::BeamRadiance => whole(sigma) * over_disc(|y| libm::exp(sigma * radius * y)),
-            VolumeEstimate::Points => around(sigma, wide, radius),
+            VolumeEstimate::Points => expected_point_estimate(sigma, wide, radius),
         };
         // `Pm` uses the same photons as the first pass of `Sppm`.
         for algorithm in [Algorithm::Hybrid, Algorithm::Sppm] {
@@ -308,7 +314,7 @@ fn photon_beam_estimate_matches_formula() {
             let what = format!("beam behind a pane, {} by {volume:?}", algorithm.name());
             // Midpoints of kernels with a root at their ends are accurate to 10⁻⁴.
             let expected = through * expected(&blur);
-            agree_each(&what, &samples, expected, 1e-4 * expected, 0.04);
+            assert_mean_each(&what, &samples, expected, 1e-4 * expected, 0.04);
         }
     }
 }
@@ -342,7 +348,7 @@ fn white_medium_vanishes_in_furnace() {
             let mut settings = with(24, EffectOverrides::PLANNED);
             settings.eye.max_bounces = 10_000;
             let samples = seen(&scene, algorithm, settings, PASSES);
-            agree_each(&format!("{what}, {}", algorithm.name()), &samples, DVec3::ONE, DVec3::ZERO, 0.01);
+            assert_mean_each(&format!("{what}, {}", algorithm.name()), &samples, DVec3::ONE, DVec3::ZERO, 0.01);
         }
     }
     for (what, ball, algorithms) in [
@@ -363,10 +369,10 @@ fn white_medium_vanishes_in_furnace() {
                 };
                 let what = format!("{what}, {} by {volume:?}", algorithm.name());
                 if algorithm == Algorithm::Path {
-                    agree_each(&what, &look(1.0), DVec3::ONE, DVec3::ZERO, 0.03);
+                    assert_mean_each(&what, &look(1.0), DVec3::ONE, DVec3::ZERO, 0.03);
                 } else {
                     let wide = if *volume == VolumeEstimate::Points { 0.4 } else { 0.16 };
-                    agree_blurred(&what, look, wide, DVec3::ONE, (0.25, 0.04));
+                    assert_blurred_mean(&what, look, wide, DVec3::ONE, (0.25, 0.04));
                 }
             }
         }
@@ -394,7 +400,7 @@ fn white_fog_vanishes_between_furnace_walls() {
         ));
         for algorithm in [Algorithm::Path, Algorithm::Hybrid] {
             let samples = seen(&scene, algorithm, with(32, EffectOverrides::PLANNED), PASSES);
-            agree_each(&format!("{fog}, {}", algorithm.name()), &samples, DVec3::ONE, DVec3::ZERO, 3e-3);
+            assert_mean_each(&format!("{fog}, {}", algorithm.name()), &samples, DVec3::ONE, DVec3::ZERO, 3e-3);
         }
     }
 }
@@ -404,7 +410,7 @@ fn white_fog_vanishes_between_furnace_walls() {
 ///
 /// It is 1 − H(1)√(1 − a) (Chandrasekhar 1960, chapter V), where H = 1/(√(1 − a) + (a/2)∫
 /// µ'H(µ')/(µ + µ') dµ').
-fn chandrasekhar(a: f64) -> f64 {
+fn half_space_radiance(a: f64) -> f64 {
     const N: usize = 400;
     let root = (1.0 - a).sqrt();
     let mu = |i: usize| (i as f64 + 0.5) / N as f64;
@@ -435,14 +441,14 @@ fn thick_fog_matches_chandrasekhar_half_space() {
         )
     };
     let above = scene(&text("OrthographicCamera { center 0 0 5  direction 0 0 -1  size .001  width 4  height 4 }"));
-    let expected = each([0.9, 0.5, 0.98], chandrasekhar);
+    let expected = per_channel([0.9, 0.5, 0.98], half_space_radiance);
     // The middle of H's 400 intervals errs by 1/400² of its second derivative, which ends at a
     // logarithm.
     for algorithm in [Algorithm::Path, Algorithm::Hybrid] {
         let mut settings = with(128, EffectOverrides::PLANNED);
         settings.eye.max_bounces = 10_000;
         let samples = seen(&above, algorithm, settings, PASSES);
-        agree_each(&format!("thick, {}", algorithm.name()), &samples, expected, 2e-3 * expected, 0.01);
+        assert_mean_each(&format!("thick, {}", algorithm.name()), &samples, expected, 2e-3 * expected, 0.01);
     }
     let within = scene(&text("OrthographicCamera { center 0 0 0  direction 0 0 -1  size .001  width 4  height 4 }"));
     for algorithm in [Algorithm::Path, Algorithm::Hybrid, Algorithm::Sppm, Algorithm::Pm, Algorithm::Distributed] {
@@ -515,6 +521,6 @@ fn constant_grid_equals_homogeneous_medium() {
         let mean = a.iter().sum::<DVec3>() / a.len() as f64;
         // Adds the mean of the other, so that the compared value is above 0.
         let samples: Vec<DVec3> = a.iter().zip(&b).map(|(a, b)| mean + *b - *a).collect();
-        agree_each(&format!("grid, {}", algorithm.name()), &samples, mean, DVec3::ZERO, 0.03);
+        assert_mean_each(&format!("grid, {}", algorithm.name()), &samples, mean, DVec3::ZERO, 0.03);
     }
 }

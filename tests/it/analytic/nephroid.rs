@@ -35,7 +35,7 @@ fn cup(screen: Rectangle, direction: DVec3) -> Scene {
     b.mesh(&corners, &normals, &triangles, mirror, grey(0.0));
     b.shape(Shape::Rectangle(screen), white, grey(0.0));
     b.source(SourceKind::Directional { direction }, LightStrength::Physical(grey(IRRADIANCE)));
-    unseen(b)
+    photon_only_scene(b)
 }
 
 /// Returns photons after one reflection.
@@ -59,7 +59,7 @@ fn flux_along_cup_axis_matches_closed_form() {
         // Half a facet, 8·10⁻⁴ in h, is divided correctly in the mean. Its sagitta moves crossings
         // by 10⁻⁶: near 1/2 that is at most √(4·10⁻⁶) of the beam.
         let slack = if from == 0.5 { 4e-3 * 0.5 } else { 1e-4 } * expected;
-        agree(&format!("axis from {from} to {to}"), &samples, expected, slack, 0.012);
+        assert_mean(&format!("axis from {from} to {to}"), &samples, expected, slack, 0.012);
     }
     // Points are kept 16 errors of 5·2⁻²³ off the edges of facets. That moves a ray sideways by
     // 10⁻⁵ at most.
@@ -118,7 +118,7 @@ fn cup_floor_flux_matches_ray_tracing() {
         for kernel in KERNELS {
             let expected = on_floor(at, kernel, 0.05);
             let probe = Probe { scene: &scene, at: vec3(at.x, 0.0, at.y), normal: DVec3::Y, radius: 0.05, kernel };
-            agree_estimates("floor of a cup", &probe, &maps, expected, 1e-3, 0.03);
+            assert_estimates("floor of a cup", &probe, &maps, expected, 1e-3, 0.03);
         }
     }
 }

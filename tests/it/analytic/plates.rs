@@ -16,7 +16,7 @@ fn cube_faces_exchange_flux_by_form_factors() {
     for (i, face) in faces(DVec3::ZERO, DVec3::ONE, true).into_iter().enumerate() {
         b.shape(face, white, grey(if i == 1 { 1.0 } else { 0.0 }));
     }
-    let scene = unseen(b);
+    let scene = photon_only_scene(b);
     let passes = trace(&scene, StoreMask::DIRECT, 0, PASSES, 1 << 16);
     // Assigns photons to the nearest face.
     let on = |face: usize| {
@@ -28,7 +28,7 @@ fn cube_faces_exchange_flux_by_form_factors() {
     for (face, name, factor) in [(0, "floor", 0.199_825), (2, "left", 0.200_044), (5, "front", 0.200_044)] {
         let samples: Vec<f64> =
             passes.iter().map(|t| flux_where(&scene, &t.deposits.photons, on(face)).x / PI).collect();
-        agree(&format!("form factor of the {name}"), &samples, factor, 5e-7 + factor * HUE, 2e-3);
+        assert_mean(&format!("form factor of the {name}"), &samples, factor, 5e-7 + factor * HUE, 2e-3);
     }
     let total: f64 = passes.iter().map(|t| flux_where(&scene, &t.deposits.photons, |_| true).x / PI).sum();
     // Closure: all flux that leaves the ceiling lands, up to hue rounding.
@@ -67,7 +67,12 @@ fn infinite_plates_have_geometric_series_of_flux() {
     let floor = LIGHT * PI / (DVec3::ONE - FLOOR * CEILING);
     for (name, low, expected) in [("floor", true, floor), ("ceiling", false, floor * FLOOR)] {
         let on = |t: &Traced| flux_where(&scene, &t.deposits.photons, |p| (p.y < 0.35) == low) / 4.0;
-        agree_rgb(&format!("irradiance of the {name}"), &passes.iter().map(on).collect::<Vec<_>>(), expected, 6e-3);
+        assert_mean_rgb(
+            &format!("irradiance of the {name}"),
+            &passes.iter().map(on).collect::<Vec<_>>(),
+            expected,
+            6e-3,
+        );
     }
 }
 
@@ -79,7 +84,7 @@ fn direct_caustic_and_global_light_sum_to_total() {
     let scene = plates();
     let expected = LIGHT / (DVec3::ONE - FLOOR * CEILING) * FLOOR;
     let settings = settings(1 << 16, 1 << 16, 0.2);
-    agree_rgb("radiance of the floor", &seen(&scene, settings, PASSES), expected, 6e-3);
+    assert_mean_rgb("radiance of the floor", &seen(&scene, settings, PASSES), expected, 6e-3);
 }
 
 /// A point light between two infinite mirrors over a floor is a row of images at 2ka + (−1)ᵏx, each
@@ -98,7 +103,7 @@ fn parallel_mirrors_show_row_of_lights() {
     b.plane(Plane::new(DVec3::X * A, -DVec3::X), mirror, grey(0.0));
     b.plane(Plane::new(-DVec3::X * A, DVec3::X), mirror, grey(0.0));
     b.source(SourceKind::Point { position: vec3(X, H, 0.0) }, LightStrength::Physical(grey(1.0)));
-    let scene = unseen(b);
+    let scene = photon_only_scene(b);
     let at = vec3(-0.2, 0.0, 0.1);
     let irradiance_of = |k: i32, p: DVec3| {
         let image = 2.0 * f64::from(k) * A + if k % 2 == 0 { X } else { -X };
@@ -117,7 +122,7 @@ fn parallel_mirrors_show_row_of_lights() {
                 if class == PhotonKind::Direct { irradiance_of(0, p) } else { bent(p) }
             });
             let probe = Probe { scene: &scene, at, normal: DVec3::Y, radius: R, kernel };
-            agree_estimates(&format!("{class:?} light of a row"), &probe, &maps, expected, 1e-5, 0.01);
+            assert_estimates(&format!("{class:?} light of a row"), &probe, &maps, expected, 1e-5, 0.01);
         }
     }
 }

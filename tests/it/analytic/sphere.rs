@@ -41,7 +41,7 @@ fn cell(p: DVec3, radius: f64) -> usize {
 /// The limit of 4.9 σ has a false-alarm rate of 10⁻⁶.
 #[test]
 fn reflected_photons_cover_sphere_uniformly() {
-    let scene = unseen(sphere(2.0, 0.6, vec3(0.3, -0.2, 1.6)));
+    let scene = photon_only_scene(sphere(2.0, 0.6, vec3(0.3, -0.2, 1.6)));
     for bounces in [1, 1000] {
         let mut counts = vec![0; 32 * 32];
         for t in trace(&scene, StoreMask::GLOBAL, bounces, 4, 1 << 16) {
@@ -56,7 +56,7 @@ fn reflected_photons_cover_sphere_uniformly() {
 /// Bounce k carries ρᵏΦ. Paths are keyed, so a higher bounce limit adds photons and changes none.
 #[test]
 fn flux_by_bounce_is_power_of_albedo() {
-    let scene = unseen(sphere(2.0, 0.6, vec3(0.3, -0.2, 1.6)));
+    let scene = photon_only_scene(sphere(2.0, 0.6, vec3(0.3, -0.2, 1.6)));
     let landed = |n| {
         let passes = trace(&scene, StoreMask::GLOBAL, n, PASSES, 1 << 14);
         passes.iter().map(|t| flux_where(&scene, &t.deposits.photons, |_| true).x).collect::<Vec<f64>>()
@@ -68,7 +68,7 @@ fn flux_by_bounce_is_power_of_albedo() {
         expected *= 0.6;
         let now = landed(k);
         let bounce: Vec<f64> = now.iter().zip(&before).map(|(a, b)| a - b).collect();
-        agree(&format!("flux of bounce {k}"), &bounce, expected, expected * HUE, 0.012);
+        assert_mean(&format!("flux of bounce {k}"), &bounce, expected, expected * HUE, 0.012);
         before = now;
     }
 }
@@ -78,7 +78,7 @@ fn flux_by_bounce_is_power_of_albedo() {
 #[test]
 fn sphere_estimates_match_uniform_irradiance() {
     let (radius, albedo) = (2.0, 0.6);
-    let scene = unseen(sphere(radius, albedo, vec3(0.3, -0.2, 1.6)));
+    let scene = photon_only_scene(sphere(radius, albedo, vec3(0.3, -0.2, 1.6)));
     let expected = albedo * FLUX / (4.0 * PI * radius * radius * (1.0 - albedo));
     let maps: Vec<PhotonMap> = trace(&scene, StoreMask::GLOBAL, 1000, PASSES, 1 << 15)
         .into_iter()
@@ -92,7 +92,7 @@ fn sphere_estimates_match_uniform_irradiance() {
             spread(200).iter().map(at).sum::<f64>() / 200.0
         };
         let samples: Vec<f64> = maps.iter().map(mean).collect();
-        agree(&format!("irradiance of a sphere, {kernel:?}"), &samples, expected, expected * 2e-4, 3e-3);
+        assert_mean(&format!("irradiance of a sphere, {kernel:?}"), &samples, expected, expected * 2e-4, 3e-3);
     }
 }
 
@@ -105,7 +105,7 @@ fn sphere_interior_has_uniform_radiance() {
     let scene = b.build(camera(vec3(0.5, 0.3, 0.1), vec3(-1.0, 0.2, 0.4), 60.0, 12)).unwrap();
     let expected = albedo * FLUX / (4.0 * PI * PI * radius * radius * (1.0 - albedo));
     let samples = red(&seen(&scene, settings(1 << 16, 0, 0.4), PASSES));
-    agree("radiance of a sphere", &samples, expected, expected * 2.0 * HUE, 4e-3);
+    assert_mean("radiance of a sphere", &samples, expected, expected * 2.0 * HUE, 4e-3);
     let direct = red(&seen(&scene, settings(0, 0, 0.4), 4));
     // Unit vectors, intensity and 1/d² round to a few ulps of f32 each.
     assert!(direct.iter().all(|l| (l / (expected * (1.0 - albedo)) - 1.0).abs() < 1e-5), "{direct:?}");
@@ -123,15 +123,21 @@ fn cavity_returns_effective_albedo() {
         b.shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)), wall, grey(0.0));
         let plate = Disc::around(DVec3::Z * height, -DVec3::Z, (1.0 - height * height).sqrt());
         b.shape(Shape::Disc(plate), black, grey(1.0));
-        let scene = unseen(b);
+        let scene = photon_only_scene(b);
         let f = 0.5 * (1.0 - height);
         let flux = PI * PI * (1.0 - height * height);
         let series = 1.0 / (1.0 - albedo * (1.0 - f));
         let passes = trace(&scene, StoreMask::ALL, 1000, PASSES, 1 << 15);
         let landed: Vec<f64> = passes.iter().map(|t| flux_where(&scene, &t.deposits.photons, |_| true).x).collect();
-        agree(&format!("landed in a cavity, f = {f}"), &landed, flux * series, flux * series * HUE, 3e-3);
+        assert_mean(&format!("landed in a cavity, f = {f}"), &landed, flux * series, flux * series * HUE, 3e-3);
         let returned: Vec<f64> =
             passes.iter().zip(&landed).map(|(t, l)| t.audit.absorbed[0] - (1.0 - albedo) * l).collect();
-        agree(&format!("returned by a cavity, f = {f}"), &returned, flux * albedo * f * series, flux * HUE, 0.012);
+        assert_mean(
+            &format!("returned by a cavity, f = {f}"),
+            &returned,
+            flux * albedo * f * series,
+            flux * HUE,
+            0.012,
+        );
     }
 }

@@ -1,42 +1,42 @@
 //! Tests of `caustica diff`.
 
-use super::{Ended, Workshop, read};
+use super::{CliSandbox, ProgramRun, read};
 use caustica::image::{Image, WriteOptions, sequential, write};
 use glam::Vec3;
 use serde_json::{Value, json};
 
 /// Two rows of four pixels of radiance ½. `b.exr` differs by (0, ¼, −⅛) in column 3, row 1, and by
 /// ⅛ of blue in column 0 of that row.
-fn shop() -> Workshop {
-    let shop = Workshop::new();
+fn sandbox() -> CliSandbox {
+    let sandbox = CliSandbox::new();
     let mut pixels = vec![Vec3::splat(0.5); 8];
-    put(&shop, "a.exr", 4, &pixels);
-    put(&shop, "a.png", 4, &pixels);
+    put(&sandbox, "a.exr", 4, &pixels);
+    put(&sandbox, "a.png", 4, &pixels);
     pixels[7] -= Vec3::new(0.0, 0.25, -0.125);
     pixels[4].z -= 0.125;
-    put(&shop, "b.exr", 4, &pixels);
-    put(&shop, "b.png", 4, &pixels);
-    shop
+    put(&sandbox, "b.exr", 4, &pixels);
+    put(&sandbox, "b.png", 4, &pixels);
+    sandbox
 }
 
-fn put(shop: &Workshop, name: &str, width: u32, pixels: &[Vec3]) {
+fn put(sandbox: &CliSandbox, name: &str, width: u32, pixels: &[Vec3]) {
     let image = Image::from_pixels(width, pixels.len() as u32 / width, pixels.to_vec()).unwrap();
-    write(&shop.path(name), &image, &WriteOptions::default()).unwrap();
+    write(&sandbox.path(name), &image, &WriteOptions::default()).unwrap();
 }
 
-fn run(shop: &Workshop, line: &str) -> Ended {
+fn run(sandbox: &CliSandbox, line: &str) -> ProgramRun {
     let words: Vec<&str> = ["diff"].into_iter().chain(line.split_whitespace()).collect();
-    shop.run(&words)
+    sandbox.run(&words)
 }
 
-fn report(ended: &Ended) -> Value {
+fn report(ended: &ProgramRun) -> Value {
     serde_json::from_str(&ended.stdout).unwrap_or_else(|e| panic!("{e}\n{}", ended.stdout))
 }
 
 #[test]
 fn diff_table_lists_every_metric() {
-    let shop = shop();
-    let ended = run(&shop, "a.exr b.exr --flip ldr --exposure -1.5");
+    let sandbox = sandbox();
+    let ended = run(&sandbox, "a.exr b.exr --flip ldr --exposure -1.5");
     ended.expect(0, &[]);
     let lines: Vec<String> = ended.stdout.lines().map(|l| l.split_whitespace().collect::<Vec<_>>().join(" ")).collect();
     assert_eq!(lines[0], "a.exr against b.exr, 4 × 2 pixels");
@@ -54,13 +54,13 @@ fn diff_table_lists_every_metric() {
     let starts = ["relative MSE ", "relative error ", "FLIP "];
     assert!(starts.iter().all(|start| lines.iter().any(|l| l.starts_with(start))), "{}", ended.stdout);
     assert!(ended.stdout.lines().all(|line| line.chars().count() <= 80), "{}", ended.stdout);
-    assert_eq!((ended.stderr.as_str(), shop.names().len()), ("", 5), "nothing is written or said unasked");
+    assert_eq!((ended.stderr.as_str(), sandbox.names().len()), ("", 5), "nothing is written or said unasked");
 }
 
 #[test]
 fn json_has_every_documented_field() {
-    let shop = shop();
-    let ended = run(&shop, "a.exr b.exr --json");
+    let sandbox = sandbox();
+    let ended = run(&sandbox, "a.exr b.exr --json");
     ended.expect(0, &[]);
     let found = report(&ended);
     let page = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/guide/command-line.md")).unwrap();
@@ -93,9 +93,9 @@ fn json_has_every_documented_field() {
 
 #[test]
 fn flip_uses_given_viewing_conditions() {
-    let shop = shop();
+    let sandbox = sandbox();
     let flip = |line: &str| {
-        let ended = run(&shop, &format!("{line} --json"));
+        let ended = run(&sandbox, &format!("{line} --json"));
         ended.expect(0, &[]);
         report(&ended)["flip"].clone()
     };
@@ -119,8 +119,8 @@ fn flip_uses_given_viewing_conditions() {
 
 #[test]
 fn threshold_fails_only_above_its_value() {
-    let shop = shop();
-    let found = report(&run(&shop, "a.exr b.exr --json"));
+    let sandbox = sandbox();
+    let found = report(&run(&sandbox, "a.exr b.exr --json"));
     let figures = [
         ("max-rmse", found["rmse"].as_f64().unwrap()),
         ("max-relative", found["relative_error"].as_f64().unwrap()),
@@ -128,25 +128,25 @@ fn threshold_fails_only_above_its_value() {
         ("max-difference", 0.25),
     ];
     for (flag, figure) in figures {
-        run(&shop, &format!("a.exr b.exr --{flag} {figure}")).expect(0, &[]);
+        run(&sandbox, &format!("a.exr b.exr --{flag} {figure}")).expect(0, &[]);
         let below = figure * (1.0 - 1e-9);
         let reason = format!("--{flag}: ");
-        let ended = run(&shop, &format!("a.exr b.exr --{flag} {below} --json"));
+        let ended = run(&sandbox, &format!("a.exr b.exr --{flag} {below} --json"));
         assert_eq!(report(ended.expect(4, &[&reason, " is more than "]))["exceeded"], json!([flag]));
     }
-    run(&shop, "a.exr b.exr --max-relative 400%").expect(0, &[]);
-    run(&shop, "a.exr b.exr --max-relative 0.001%").expect(4, &["--max-relative"]);
-    let ended = run(&shop, "a.exr b.exr --max-rmse 0 --max-flip 1 --identical --quiet");
+    run(&sandbox, "a.exr b.exr --max-relative 400%").expect(0, &[]);
+    run(&sandbox, "a.exr b.exr --max-relative 0.001%").expect(4, &["--max-relative"]);
+    let ended = run(&sandbox, "a.exr b.exr --max-rmse 0 --max-flip 1 --identical --quiet");
     ended.expect(4, &["--max-rmse: an RMSE of 0.0625 is more than 0", "--identical: 2 pixels differ"]);
     assert!(!ended.stderr.contains("max-flip") && ended.stdout.contains("RMSE"));
 }
 
 #[test]
 fn identical_images_have_zero_difference() {
-    let shop = shop();
+    let sandbox = sandbox();
     for line in ["a.exr a.exr", "a.png a.png"] {
         let strict = "--identical --max-rmse 0 --max-relative 0 --max-flip 0 --max-difference 0 --json";
-        let ended = run(&shop, &format!("{line} {strict}"));
+        let ended = run(&sandbox, &format!("{line} {strict}"));
         ended.expect(0, &[]);
         let found = report(&ended);
         assert!(["rmse", "relative_mse", "relative_error"].iter().all(|f| found[f] == 0.0), "{found}");
@@ -154,59 +154,59 @@ fn identical_images_have_zero_difference() {
         assert_eq!(found["largest"], json!({"red": null, "green": null, "blue": null}));
     }
     // ½ is no level of a PNG.
-    run(&shop, "a.png a.exr --identical").expect(4, &["8 pixels differ"]);
+    run(&sandbox, "a.png a.exr --identical").expect(4, &["8 pixels differ"]);
 }
 
 #[test]
 fn difference_maps_are_coloured_or_numeric() {
-    let shop = shop();
-    let written = run(&shop, "a.exr b.exr --map absolute -o map.png --json");
+    let sandbox = sandbox();
+    let written = run(&sandbox, "a.exr b.exr --map absolute -o map.png --json");
     // The largest mean over channels is (¼ + ⅛)/3. Of eight pixels, the 99th percentile covers the
     // seven smallest, up to ⅛/3.
     written.expect(0, &["wrote map.png: absolute, colours from 0 to 0.0417"]);
     let colors = json!({"from": 0.0, "to": 0.125 / 3.0});
     assert_eq!(report(&written)["map"], json!({"file": "map.png", "kind": "absolute", "colors": colors}));
     let near = |found: Vec3, expected: Vec3| (found - expected).abs().max_element() < 0.01;
-    let map = read(&shop.path("map.png"));
+    let map = read(&sandbox.path("map.png"));
     assert!(near(map.get(3, 1).unwrap(), sequential(1.0)) && near(map.get(1, 0).unwrap(), sequential(0.0)));
 
-    run(&shop, "a.exr b.exr --map signed -o map.exr --quiet").expect(0, &[]);
-    let map = read(&shop.path("map.exr"));
+    run(&sandbox, "a.exr b.exr --map signed -o map.exr --quiet").expect(0, &[]);
+    let map = read(&sandbox.path("map.exr"));
     assert_eq!((map.get(3, 1), map.get(0, 1)), (Some(Vec3::new(0.0, 0.25, -0.125)), Some(Vec3::Z * 0.125)));
-    run(&shop, "a.exr b.exr --map relative -o relative.exr").expect(0, &["wrote relative.exr: relative"]);
-    let map = read(&shop.path("relative.exr"));
+    run(&sandbox, "a.exr b.exr --map relative -o relative.exr").expect(0, &["wrote relative.exr: relative"]);
+    let map = read(&sandbox.path("relative.exr"));
     let square: f64 = map.pixels().iter().map(|p| f64::from(p.x * p.x)).sum::<f64>() / 8.0;
-    let whole = report(&run(&shop, "a.exr b.exr --json"));
+    let whole = report(&run(&sandbox, "a.exr b.exr --json"));
     assert!((square.sqrt() - whole["relative_error"].as_f64().unwrap()).abs() < 1e-7);
-    run(&shop, "a.exr b.exr -o flip.exr").expect(0, &[]);
-    let mean: f64 = read(&shop.path("flip.exr")).pixels().iter().map(|p| f64::from(p.y)).sum::<f64>() / 8.0;
+    run(&sandbox, "a.exr b.exr -o flip.exr").expect(0, &[]);
+    let mean: f64 = read(&sandbox.path("flip.exr")).pixels().iter().map(|p| f64::from(p.y)).sum::<f64>() / 8.0;
     assert!((mean - whole["flip"]["mean"].as_f64().unwrap()).abs() < 1e-9);
-    run(&shop, "a.exr b.exr -o flip.png").expect(0, &["wrote flip.png: flip, colours from 0 to 1"]);
+    run(&sandbox, "a.exr b.exr -o flip.png").expect(0, &["wrote flip.png: flip, colours from 0 to 1"]);
     // The map is written even if a threshold is exceeded, because it shows where.
-    run(&shop, "a.exr b.exr -o why.png --identical").expect(4, &["wrote why.png"]);
-    assert!(shop.path("why.png").exists());
+    run(&sandbox, "a.exr b.exr -o why.png --identical").expect(4, &["wrote why.png"]);
+    assert!(sandbox.path("why.png").exists());
 }
 
 #[test]
 fn unreadable_or_incomparable_images_exit_1() {
-    let shop = shop();
-    run(&shop, "none.png a.png").expect(1, &["cannot read `none.png`"]);
-    run(&shop, "a.png box.txt").expect(1, &["`box.txt` is not a PNG, OpenEXR or Radiance HDR picture"]);
-    put(&shop, "small.exr", 2, &[Vec3::ONE; 4]);
+    let sandbox = sandbox();
+    run(&sandbox, "none.png a.png").expect(1, &["cannot read `none.png`"]);
+    run(&sandbox, "a.png box.txt").expect(1, &["`box.txt` is not a PNG, OpenEXR or Radiance HDR picture"]);
+    put(&sandbox, "small.exr", 2, &[Vec3::ONE; 4]);
     let sizes = ["`small.exr` has 2 × 2 pixels, but `a.exr` has 4 × 2", "help: render both with the same --size"];
-    run(&shop, "small.exr a.exr -o map.png").expect(1, &sizes);
+    run(&sandbox, "small.exr a.exr -o map.png").expect(1, &sizes);
     let mut pixels = [Vec3::ONE; 8];
     pixels[6].y = f32::NAN;
-    put(&shop, "nan.exr", 4, &pixels);
+    put(&sandbox, "nan.exr", 4, &pixels);
     let place = ["`nan.exr` has a pixel that is not finite, in column 2, row 1", "help:"];
-    run(&shop, "nan.exr a.exr -o map.png").expect(1, &place);
-    run(&shop, "a.exr nan.exr -o map.png").expect(1, &place);
-    assert!(!shop.path("map.png").exists());
+    run(&sandbox, "nan.exr a.exr -o map.png").expect(1, &place);
+    run(&sandbox, "a.exr nan.exr -o map.png").expect(1, &place);
+    assert!(!sandbox.path("map.png").exists());
 }
 
 #[test]
 fn bad_arguments_exit_2_and_bad_outputs_3() {
-    let shop = shop();
+    let sandbox = sandbox();
     for (line, parts) in [
         ("a.png", ["<B>", ""]),
         ("a.png b.png --max-relative most", ["`most` is not a fraction", "2% or 0.02"]),
@@ -217,8 +217,8 @@ fn bad_arguments_exit_2_and_bad_outputs_3() {
         ("a.png b.png --flip hdr --exposure 1", ["--exposure applies to LDR-FLIP", "--flip ldr"]),
         ("a.exr b.exr --exposure 1", ["--exposure applies to LDR-FLIP", "--flip ldr"]),
     ] {
-        run(&shop, line).expect(2, &parts);
+        run(&sandbox, line).expect(2, &parts);
     }
-    run(&shop, "none.png none.png -o map.jpg").expect(3, &["`map.jpg`", ".png or .exr"]);
-    run(&shop, "a.png b.png -o no/map.png").expect(3, &["no folder `no`", "create it"]);
+    run(&sandbox, "none.png none.png -o map.jpg").expect(3, &["`map.jpg`", ".png or .exr"]);
+    run(&sandbox, "a.png b.png -o no/map.png").expect(3, &["no folder `no`", "create it"]);
 }

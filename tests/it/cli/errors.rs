@@ -1,18 +1,18 @@
 //! Error estimates of a render: target error, error maps, and forecasts.
 
-use super::{Ended, Workshop, read};
+use super::{CliSandbox, ProgramRun, read};
 use exr::prelude::read_first_flat_layer_from_file;
 use serde_json::Value;
 
 const FEW: &str = "--photons 2k --caustic-photons 1k --spp 1";
 
-fn render(shop: &Workshop, more: &str) -> Ended {
+fn render(sandbox: &CliSandbox, more: &str) -> ProgramRun {
     let words = format!("render box.txt -o a.exr --stats a.json {FEW} {more}");
-    shop.run(&words.split_whitespace().collect::<Vec<_>>())
+    sandbox.run(&words.split_whitespace().collect::<Vec<_>>())
 }
 
-fn stats(shop: &Workshop) -> Value {
-    serde_json::from_slice(&shop.bytes("a.json")).unwrap()
+fn stats(sandbox: &CliSandbox) -> Value {
+    serde_json::from_slice(&sandbox.bytes("a.json")).unwrap()
 }
 
 fn number(value: &Value, field: &str) -> f64 {
@@ -22,52 +22,55 @@ fn number(value: &Value, field: &str) -> f64 {
 #[test]
 fn render_ends_at_target_error() {
     for integrator in ["path", "hybrid", "sppm", "pm"] {
-        let shop = Workshop::new();
-        let ended = render(&shop, &format!("--integrator {integrator} --target-error 30% --confidence 80%"));
+        let sandbox = CliSandbox::new();
+        let ended = render(&sandbox, &format!("--integrator {integrator} --target-error 30% --confidence 80%"));
         ended.expect(0, &["the error is low enough: --passes", "30 % in about", "with 60 % confidence"]);
-        let first = stats(&shop);
+        let first = stats(&sandbox);
         assert_eq!(first["ended"], "target");
         assert!(number(&first["error"], "high") <= 0.3 && number(&first["error"], "low") > 0.0, "{first}");
         // One pass fewer is not enough.
         let passes = first["passes"].as_u64().unwrap();
-        let picture = shop.bytes("a.exr");
+        let picture = sandbox.bytes("a.exr");
         if passes > 4 {
             let fewer =
                 format!("--integrator {integrator} --target-error 30% --confidence 80% --passes {}", passes - 1);
-            render(&shop, &fewer).expect(0, &[]);
-            assert!(number(&stats(&shop)["error"], "high") > 0.3);
+            render(&sandbox, &fewer).expect(0, &[]);
+            assert!(number(&stats(&sandbox)["error"], "high") > 0.3);
         }
-        render(&shop, &format!("--integrator {integrator} --passes {passes} --no-error-estimate")).expect(0, &[]);
-        assert!(stats(&shop)["error"].is_null() && shop.bytes("a.exr") == picture, "error estimation changes no bit");
+        render(&sandbox, &format!("--integrator {integrator} --passes {passes} --no-error-estimate")).expect(0, &[]);
+        assert!(
+            stats(&sandbox)["error"].is_null() && sandbox.bytes("a.exr") == picture,
+            "error estimation changes no bit"
+        );
     }
 }
 
 #[test]
 fn chance_caustics_are_absent_from_error_estimate() {
-    let shop = Workshop::new();
-    render(&shop, "--integrator path --passes 1").expect(0, &["warning: this method finds caustics only by chance"]);
+    let sandbox = CliSandbox::new();
+    render(&sandbox, "--integrator path --passes 1").expect(0, &["warning: this method finds caustics only by chance"]);
     for fine in ["--integrator hybrid", "--integrator whitted", "--integrator path --effects -caustics"] {
-        let ended = render(&shop, &format!("{fine} --passes 1"));
+        let ended = render(&sandbox, &format!("{fine} --passes 1"));
         assert!(ended.code == Some(0) && !ended.stderr.contains("by chance"), "{fine}: {}", ended.stderr);
     }
 }
 
 #[test]
 fn unreachable_target_ends_with_warning() {
-    let shop = Workshop::new();
+    let sandbox = CliSandbox::new();
     let blurred = "--integrator pm --final-gathering none --radius 1 --target-error 0.1%";
-    render(&shop, blurred).expect(0, &["more passes cannot reach the error", "choose a smaller --radius"]);
-    assert_eq!(stats(&shop)["ended"], "floor");
-    render(&shop, &format!("{blurred} --passes 18")).expect(0, &["18 passes in"]);
-    assert_eq!(stats(&shop)["ended"], "passes");
+    render(&sandbox, blurred).expect(0, &["more passes cannot reach the error", "choose a smaller --radius"]);
+    assert_eq!(stats(&sandbox)["ended"], "floor");
+    render(&sandbox, &format!("{blurred} --passes 18")).expect(0, &["18 passes in"]);
+    assert_eq!(stats(&sandbox)["ended"], "passes");
 }
 
 #[test]
 fn error_maps_are_layers_of_one_file() {
-    let shop = Workshop::new();
-    render(&shop, "--integrator sppm --passes 6 --aov maps.exr").expect(0, &["wrote maps.exr"]);
-    assert_eq!(read(&shop.path("maps.exr")), read(&shop.path("a.exr")), "the picture is one of them");
-    let layer = read_first_flat_layer_from_file(shop.path("maps.exr")).unwrap().layer_data;
+    let sandbox = CliSandbox::new();
+    render(&sandbox, "--integrator sppm --passes 6 --aov maps.exr").expect(0, &["wrote maps.exr"]);
+    assert_eq!(read(&sandbox.path("maps.exr")), read(&sandbox.path("a.exr")), "the picture is one of them");
+    let layer = read_first_flat_layer_from_file(sandbox.path("maps.exr")).unwrap().layer_data;
     let mut names: Vec<String> = layer.channel_data.list.iter().map(|c| c.name.to_string()).collect();
     names.sort();
     let expected = [
@@ -98,23 +101,23 @@ fn error_maps_are_layers_of_one_file() {
     let bias = values("bias.G");
     assert!(bias.iter().any(|v| *v > 0.0) && bias.iter().any(|v| *v < 0.0));
 
-    render(&shop, "--integrator path --passes 6 --aov maps.exr").expect(0, &[]);
-    let layer = read_first_flat_layer_from_file(shop.path("maps.exr")).unwrap().layer_data;
+    render(&sandbox, "--integrator path --passes 6 --aov maps.exr").expect(0, &[]);
+    let layer = read_first_flat_layer_from_file(sandbox.path("maps.exr")).unwrap().layer_data;
     assert_eq!(layer.channel_data.list.len(), 6, "without estimates there is no blur");
 }
 
 #[test]
 fn estimate_forecasts_passes_that_suffice() {
-    let shop = Workshop::new();
+    let sandbox = CliSandbox::new();
     let line = format!("price box.txt {FEW} --integrator path --pilot 0s --errors 40%,20%");
-    let table = shop.run(&line.split_whitespace().collect::<Vec<_>>());
+    let table = sandbox.run(&line.split_whitespace().collect::<Vec<_>>());
     table.expect(0, &["plan: "]);
     assert!(
         table.stdout.contains("after 8 passes the estimated error is") && table.stdout.lines().count() == 4,
         "{}",
         table.stdout
     );
-    let listed = shop.run(&format!("{line} --json --quiet").split_whitespace().collect::<Vec<_>>());
+    let listed = sandbox.run(&format!("{line} --json --quiet").split_whitespace().collect::<Vec<_>>());
     let list: Value = serde_json::from_str(&listed.stdout).unwrap();
     for (price, error) in list["prices"].as_array().unwrap().iter().zip([0.4, 0.2]) {
         assert_eq!(number(price, "error"), error);
@@ -122,24 +125,24 @@ fn estimate_forecasts_passes_that_suffice() {
         assert!(number(price, "seconds") <= number(price, "seconds_high"));
         let flags = price["flags"].as_str().unwrap();
         let words = format!("render box.txt -o a.exr --stats a.json {flags}");
-        shop.run(&words.split_whitespace().collect::<Vec<_>>()).expect(0, &[]);
+        sandbox.run(&words.split_whitespace().collect::<Vec<_>>()).expect(0, &[]);
         // Eight passes of 1200 pixels estimate a variance to some percent, so the error to half of
         // that, and the passes to one more or less.
         let passes = number(price, "passes");
         if passes >= 4.0 {
-            let reached = number(&stats(&shop)["error"], "error");
+            let reached = number(&stats(&sandbox)["error"], "error");
             assert!((reached / error - 1.0).abs() < 0.1 + 1.0 / passes, "{reached} {error} {passes}");
         }
     }
     let words =
         format!("price box.txt {FEW} --integrator pm --radius 1 --final-gathering none --errors 0.1% --pilot 0s");
-    let never = shop.run(&words.split_whitespace().collect::<Vec<_>>());
+    let never = sandbox.run(&words.split_whitespace().collect::<Vec<_>>());
     assert!(never.stdout.contains("never: ") && never.stdout.contains("bias that stays"), "{}", never.stdout);
 }
 
 #[test]
 fn error_flags_need_an_estimating_integrator() {
-    let shop = Workshop::new();
+    let sandbox = CliSandbox::new();
     for (more, words) in [
         ("--integrator raycast --target-error 2%", "--target-error needs an error estimate"),
         ("--integrator raycast --aov a.exr", "--aov needs an error estimate"),
@@ -148,8 +151,8 @@ fn error_flags_need_an_estimating_integrator() {
         ("--confidence 100%", "not a confidence"),
         ("--alpha 0", "not an exponent"),
     ] {
-        render(&shop, more).expect(2, &[words]);
+        render(&sandbox, more).expect(2, &[words]);
     }
-    render(&shop, "--aov a.png").expect(3, &[".exr"]);
-    assert_eq!(shop.names(), ["box.txt"]);
+    render(&sandbox, "--aov a.png").expect(3, &[".exr"]);
+    assert_eq!(sandbox.names(), ["box.txt"]);
 }

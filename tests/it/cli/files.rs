@@ -1,38 +1,38 @@
 //! Outputs that collide with other files, and outputs that cannot be written.
 
-use super::Workshop;
+use super::CliSandbox;
 
 #[test]
 fn outputs_of_one_path_are_refused() {
-    let shop = Workshop::new();
+    let sandbox = CliSandbox::new();
     for (more, parts) in [
         ("-o a.exr -o ./a.exr", &["-o `./a.exr` and -o `a.exr` are the same file"] as &[&str]),
         ("-o a.exr --aov a.exr", &["--aov `a.exr` and -o `a.exr`"]),
         ("-o a.exr --stats a.exr", &["--stats `a.exr` and -o `a.exr`", "help: choose another path for --stats"]),
         ("-o a.exr --stats box.txt", &["--stats `box.txt` and the scene file `box.txt`"]),
     ] {
-        shop.render("box.txt", more).expect(2, parts);
+        sandbox.render("box.txt", more).expect(2, parts);
     }
-    assert_eq!(shop.names(), ["box.txt"]);
+    assert_eq!(sandbox.names(), ["box.txt"]);
 }
 
 #[test]
 fn inputs_of_the_scene_are_not_overwritten() {
-    let shop = Workshop::new();
-    shop.render("box.txt", "-o sky.exr").expect(0, &[]);
-    let sky = shop.bytes("sky.exr");
-    shop.put("sky.txt", "PerspectiveCamera { center 0 0 1 lookAt 0 0 0 angle 40 width 8 height 6 }\nLights { EnvironmentLight { file sky.exr } }\nGroup { }\n");
-    shop.render("sky.txt", "-o sky.exr").expect(2, &["-o `sky.exr` and the input `sky.exr` are the same file"]);
-    assert!(shop.bytes("sky.exr") == sky);
+    let sandbox = CliSandbox::new();
+    sandbox.render("box.txt", "-o sky.exr").expect(0, &[]);
+    let sky = sandbox.bytes("sky.exr");
+    sandbox.put("sky.txt", "PerspectiveCamera { center 0 0 1 lookAt 0 0 0 angle 40 width 8 height 6 }\nLights { EnvironmentLight { file sky.exr } }\nGroup { }\n");
+    sandbox.render("sky.txt", "-o sky.exr").expect(2, &["-o `sky.exr` and the input `sky.exr` are the same file"]);
+    assert!(sandbox.bytes("sky.exr") == sky);
 }
 
 #[test]
 fn diff_and_mesh_keep_their_inputs() {
-    let shop = Workshop::new();
-    shop.render("box.txt", "-o a.exr -o b.exr").expect(0, &[]);
-    shop.run(&["diff", "a.exr", "b.exr", "-o", "b.exr"]).expect(2, &["-o `b.exr` and the reference `b.exr`"]);
-    shop.put("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-    shop.run(&["mesh", "a.obj", "-o", "a.obj"]).expect(2, &["-o `a.obj` and the mesh `a.obj`"]);
+    let sandbox = CliSandbox::new();
+    sandbox.render("box.txt", "-o a.exr -o b.exr").expect(0, &[]);
+    sandbox.run(&["diff", "a.exr", "b.exr", "-o", "b.exr"]).expect(2, &["-o `b.exr` and the reference `b.exr`"]);
+    sandbox.put("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    sandbox.run(&["mesh", "a.obj", "-o", "a.obj"]).expect(2, &["-o `a.obj` and the mesh `a.obj`"]);
 }
 
 /// A folder that takes the output's name during the render makes that output fail.
@@ -40,9 +40,9 @@ fn diff_and_mesh_keep_their_inputs() {
 #[test]
 fn one_failed_output_loses_no_other() {
     use std::io::{BufRead, BufReader, Read};
-    let shop = Workshop::new();
+    let sandbox = CliSandbox::new();
     let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_caustica"))
-        .current_dir(shop.path("."))
+        .current_dir(sandbox.path("."))
         .args("render box.txt -o bad.png -o good.png --stats a.json --photons 1k --passes 8".split(' '))
         .stderr(std::process::Stdio::piped())
         .spawn()
@@ -52,28 +52,28 @@ fn one_failed_output_loses_no_other() {
     while !said.contains("pass 1/8") {
         assert!(words.read_line(&mut said).unwrap() > 0, "{said}");
     }
-    std::fs::create_dir(shop.path("bad.png")).unwrap();
+    std::fs::create_dir(sandbox.path("bad.png")).unwrap();
     words.read_to_string(&mut said).unwrap();
     assert_eq!(child.wait().unwrap().code(), Some(3), "{said}");
     assert!(said.contains("wrote good.png") && said.contains("a folder or device of this name exists"), "{said}");
-    assert_eq!(shop.names(), ["a.json", "bad.png", "box.txt", "good.png"]);
+    assert_eq!(sandbox.names(), ["a.json", "bad.png", "box.txt", "good.png"]);
 }
 
 #[cfg(unix)]
 #[test]
 fn a_cause_is_printed_once() {
-    let shop = Workshop::new();
-    let ended = shop.render("box.txt", "-o /proc/a.png");
+    let sandbox = CliSandbox::new();
+    let ended = sandbox.render("box.txt", "-o /proc/a.png");
     ended.expect(3, &["cannot create a file in `/proc`"]);
     assert_eq!(ended.stderr.matches("os error").count(), 1, "{}", ended.stderr);
 }
 
 #[test]
 fn completions_and_manual_name_every_command() {
-    let shop = Workshop::new();
-    let manual = shop.run(&["man"]);
+    let sandbox = CliSandbox::new();
+    let manual = sandbox.run(&["man"]);
     manual.expect(0, &[]);
-    let script = shop.run(&["completions", "bash"]);
+    let script = sandbox.run(&["completions", "bash"]);
     script.expect(0, &[]);
     for command in ["render", "plan", "estimate", "study", "diff", "mesh", "check", "convert", "completions", "man"] {
         assert!(script.stdout.contains(command) && manual.stdout.contains(command), "{command}");

@@ -1,7 +1,7 @@
 //! Ctrl-C: the first one writes the image so far, the second one nothing.
 #![cfg(unix)]
 
-use super::{Workshop, flowing};
+use super::{CliSandbox, unframed_text};
 use std::io::{BufRead, BufReader, Read};
 use std::process::{Child, ChildStderr, Command, Stdio};
 
@@ -12,9 +12,9 @@ struct Render {
 }
 
 impl Render {
-    fn start(shop: &Workshop, arguments: &str) -> Self {
+    fn start(sandbox: &CliSandbox, arguments: &str) -> Self {
         let mut child = Command::new(env!("CARGO_BIN_EXE_caustica"))
-            .current_dir(shop.path("."))
+            .current_dir(sandbox.path("."))
             .args(arguments.split_whitespace())
             .stderr(Stdio::piped())
             .spawn()
@@ -41,7 +41,7 @@ impl Render {
     fn end(mut self) -> (Option<i32>, String) {
         let mut rest = String::new();
         self.words.read_to_string(&mut rest).unwrap();
-        (self.child.wait().unwrap().code(), flowing(&rest))
+        (self.child.wait().unwrap().code(), unframed_text(&rest))
     }
 }
 
@@ -60,8 +60,8 @@ fn passes(words: &str) -> &str {
 
 #[test]
 fn first_interrupt_ends_pass_and_writes_image() {
-    let shop = Workshop::new();
-    let mut render = Render::start(&shop, "render box.txt -o a.exr --stats a.json --photons 1k --passes 1M");
+    let sandbox = CliSandbox::new();
+    let mut render = Render::start(&sandbox, "render box.txt -o a.exr --stats a.json --photons 1k --passes 1M");
     render.wait_for("pass 2/1000000");
     render.interrupt();
     let (code, words) = render.end();
@@ -70,50 +70,53 @@ fn first_interrupt_ends_pass_and_writes_image() {
         words.contains("interrupted: the picture so far is written after this pass") && words.contains("wrote a.exr")
     );
     let made = passes(&words);
-    shop.render("box.txt", &format!("-o b.exr --photons 1k --passes {made}")).expect(0, &[]);
-    assert!(shop.bytes("a.exr") == shop.bytes("b.exr"), "--passes {made} repeats the picture");
-    let stats: serde_json::Value = serde_json::from_slice(&shop.bytes("a.json")).unwrap();
+    sandbox.render("box.txt", &format!("-o b.exr --photons 1k --passes {made}")).expect(0, &[]);
+    assert!(sandbox.bytes("a.exr") == sandbox.bytes("b.exr"), "--passes {made} repeats the picture");
+    let stats: serde_json::Value = serde_json::from_slice(&sandbox.bytes("a.json")).unwrap();
     assert_eq!((stats["ended"].as_str(), stats["passes"].to_string().as_str()), (Some("interrupted"), made));
 }
 
 #[test]
 fn second_interrupt_stops_at_once_without_image() {
-    let shop = Workshop::new();
-    shop.put("a.png", "old");
+    let sandbox = CliSandbox::new();
+    sandbox.put("a.png", "old");
     // One pass takes an hour.
-    let mut render = Render::start(&shop, "render box.txt -o a.png -o b.exr --stats a.json --photons 1k --spp 1M");
+    let mut render = Render::start(&sandbox, "render box.txt -o a.png -o b.exr --stats a.json --photons 1k --spp 1M");
     render.wait_for("box.txt:");
     render.interrupt();
     render.wait_for("interrupt again to stop at once");
     render.interrupt();
     let (code, words) = render.end();
     assert_eq!((code, words.as_str()), (Some(130), ""));
-    assert_eq!((shop.bytes("a.png"), shop.names()), (b"old".to_vec(), vec!["a.png".to_owned(), "box.txt".to_owned()]));
+    assert_eq!(
+        (sandbox.bytes("a.png"), sandbox.names()),
+        (b"old".to_vec(), vec!["a.png".to_owned(), "box.txt".to_owned()])
+    );
 }
 
 #[test]
 fn interrupted_study_reports_finished_rounds() {
-    let shop = Workshop::new();
-    shop.render("box.txt", "-o a.exr").expect(0, &[]);
+    let sandbox = CliSandbox::new();
+    sandbox.render("box.txt", "-o a.exr").expect(0, &[]);
     let line = "study box.txt --methods path,sppm --truth a.exr --photons 1k --spp 1 --seeds 2 --budget 1h -o a.json";
-    let mut study = Render::start(&shop, line);
+    let mut study = Render::start(&sandbox, line);
     study.wait_for("sppm: 2 passes");
     study.interrupt();
     let (code, words) = study.end();
     assert_eq!(code, Some(130), "{words}");
     assert!(words.contains("interrupted: the study so far is written") && words.contains("wrote a.json"), "{words}");
-    let report: serde_json::Value = serde_json::from_slice(&shop.bytes("a.json")).unwrap();
+    let report: serde_json::Value = serde_json::from_slice(&sandbox.bytes("a.json")).unwrap();
     let last = |i: usize| &report["methods"][i]["checkpoints"].as_array().unwrap().last().unwrap()["passes"];
     assert!(report["interrupted"] == true && last(0) == last(1), "{report}");
 }
 
 #[test]
 fn interrupted_references_are_discarded() {
-    let shop = Workshop::new();
-    let mut study = Render::start(&shop, "study box.txt --budget 1h --save-truth a.exr,b.exr");
+    let sandbox = CliSandbox::new();
+    let mut study = Render::start(&sandbox, "study box.txt --budget 1h --save-truth a.exr,b.exr");
     study.wait_for("references: 1 pass of each");
     study.interrupt();
     let (code, words) = study.end();
     assert!(code == Some(130) && words.contains("interrupted before anything was measured"), "{code:?} {words}");
-    assert_eq!(shop.names(), ["box.txt"]);
+    assert_eq!(sandbox.names(), ["box.txt"]);
 }

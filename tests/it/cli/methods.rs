@@ -1,15 +1,15 @@
 //! Tests of `caustica study` of integrators.
 
-use super::{Ended, Workshop};
+use super::{CliSandbox, ProgramRun};
 use crate::support::shell::words;
 use serde_json::Value;
 
-fn run(shop: &Workshop, line: &str) -> Ended {
+fn run(sandbox: &CliSandbox, line: &str) -> ProgramRun {
     let words = words(line);
-    shop.run(&words.iter().map(String::as_str).collect::<Vec<_>>())
+    sandbox.run(&words.iter().map(String::as_str).collect::<Vec<_>>())
 }
 
-fn json(ended: &Ended) -> Value {
+fn json(ended: &ProgramRun) -> Value {
     ended.expect(0, &[]);
     serde_json::from_str(&ended.stdout).unwrap()
 }
@@ -18,12 +18,12 @@ fn json(ended: &Ended) -> Value {
 const LEAST: &str = "--photons 1k --spp 1 --seeds 2 --budget 100s --passes 3";
 
 /// Returns a workshop with a reference of the box, and one of another seed.
-fn with_references() -> Workshop {
-    let shop = Workshop::new();
+fn with_references() -> CliSandbox {
+    let sandbox = CliSandbox::new();
     for (name, seed) in [("a", 100), ("b", 200)] {
-        shop.render("box.txt", &format!("-o {name}.exr --seed {seed} --spp 4 --passes 4")).expect(0, &[]);
+        sandbox.render("box.txt", &format!("-o {name}.exr --seed {seed} --spp 4 --passes 4")).expect(0, &[]);
     }
-    shop
+    sandbox
 }
 
 fn methods(report: &Value) -> Vec<&str> {
@@ -32,27 +32,27 @@ fn methods(report: &Value) -> Vec<&str> {
 
 #[test]
 fn study_commands_repeat_it_bit_for_bit() {
-    let shop = with_references();
-    shop.put("my box.txt", shop.bytes("box.txt"));
+    let sandbox = with_references();
+    sandbox.put("my box.txt", sandbox.bytes("box.txt"));
     let line = "study 'my box.txt' --methods path,pm --variant 'sppm --gather-k 9 --radius .05' --max-bounces 9 --seed 5 \
                 --wish -caustic-bounces --filter tent --truth a.exr,b.exr --size 40x30 --json --quiet";
-    let report = json(&run(&shop, &format!("{line} {LEAST}")));
+    let report = json(&run(&sandbox, &format!("{line} {LEAST}")));
     assert_eq!(methods(&report), ["path", "pm", "sppm --gather-k 9 --radius .05"]);
     for method in report["methods"].as_array().unwrap() {
         let command = method["command"].as_str().unwrap();
-        let rendered = run(&shop, command.strip_prefix("caustica ").unwrap());
+        let rendered = run(&sandbox, command.strip_prefix("caustica ").unwrap());
         rendered.expect(0, &["wrote "]);
         // Against the image that the command renders, the last image of the first seed has zero
         // error.
         let picture = words(command).pop().unwrap();
-        let again = json(&run(&shop, &format!("{} {LEAST}", line.replace("a.exr,b.exr", &picture))));
+        let again = json(&run(&sandbox, &format!("{} {LEAST}", line.replace("a.exr,b.exr", &picture))));
         let same = again["methods"].as_array().unwrap().iter().find(|m| m["label"] == method["label"]).unwrap();
         let last = same["checkpoints"].as_array().unwrap().last().unwrap();
         assert_eq!((&last["passes"], &last["squares"][0]), (&3.into(), &0.0.into()), "{command}");
         assert!(last["squares"][1].as_f64() > Some(0.0), "another seed gives another picture");
     }
     let command = report["command"].as_str().unwrap().strip_prefix("caustica ").unwrap().to_owned();
-    let again = json(&run(&shop, &format!("{command} --json")));
+    let again = json(&run(&sandbox, &format!("{command} --json")));
     let figures = |report: &Value| {
         let rows = report["methods"].as_array().unwrap().iter().flat_map(|m| m["checkpoints"].as_array().unwrap());
         rows.map(|c| [&c["squares"], &c["noise2"], &c["bias2"], &c["rmse"]].map(Value::to_string)).collect::<Vec<_>>()
@@ -62,10 +62,10 @@ fn study_commands_repeat_it_bit_for_bit() {
 
 #[test]
 fn study_prints_table_and_writes_data() {
-    let shop = with_references();
-    let made = run(&shop, &format!("study box.txt --truth a.exr,b.exr -o a.json {LEAST}"));
+    let sandbox = with_references();
+    let made = run(&sandbox, &format!("study box.txt --truth a.exr,b.exr -o a.json {LEAST}"));
     made.expect(0, &["path: 1 pass after", "hybrid: 3 passes after", "wrote a.json"]);
-    let report: Value = serde_json::from_slice(&shop.bytes("a.json")).unwrap();
+    let report: Value = serde_json::from_slice(&sandbox.bytes("a.json")).unwrap();
     assert_eq!(methods(&report), ["path", "pm", "ppm", "sppm", "hybrid"], "all that apply");
     for method in report["methods"].as_array().unwrap() {
         let label = method["label"].as_str().unwrap();
@@ -89,24 +89,24 @@ fn study_prints_table_and_writes_data() {
 
 #[test]
 fn study_references_are_cached() {
-    let shop = Workshop::new();
+    let sandbox = CliSandbox::new();
     let least = "--photons 1k --spp 1 --seeds 2 --budget 0s --json";
-    let made = run(&shop, &format!("study box.txt --methods path --save-truth a.exr,b.exr {least}"));
+    let made = run(&sandbox, &format!("study box.txt --methods path --save-truth a.exr,b.exr {least}"));
     let first = json(&made);
     made.expect(0, &["references: 1 pass of each", "wrote a.exr", "wrote b.exr"]);
     assert!(first["truth"]["source"].as_str().unwrap().starts_with("auto: 1 pass of hybrid, twice: "));
-    assert!(first["truth"]["error"].as_f64() > Some(0.0) && shop.bytes("a.exr") != shop.bytes("b.exr"));
-    let again = json(&run(&shop, &format!("study box.txt --methods path --truth a.exr,b.exr {least}")));
+    assert!(first["truth"]["error"].as_f64() > Some(0.0) && sandbox.bytes("a.exr") != sandbox.bytes("b.exr"));
+    let again = json(&run(&sandbox, &format!("study box.txt --methods path --truth a.exr,b.exr {least}")));
     assert_eq!(again["methods"][0]["checkpoints"][0]["squares"], first["methods"][0]["checkpoints"][0]["squares"]);
     assert_eq!(again["truth"]["error"], first["truth"]["error"]);
-    assert_eq!(shop.names(), ["a.exr", "b.exr", "box.txt"]);
+    assert_eq!(sandbox.names(), ["a.exr", "b.exr", "box.txt"]);
 }
 
 #[test]
 fn knobs_vary_one_at_a_time() {
-    let shop = with_references();
+    let sandbox = with_references();
     let line = "study box.txt --knobs hybrid --truth a.exr,b.exr --seeds 2 --passes 1 --photons 1k --json";
-    let report = json(&run(&shop, line));
+    let report = json(&run(&sandbox, line));
     let labels = methods(&report);
     assert_eq!(labels[0], "hybrid");
     assert!(labels.contains(&"hybrid --photons 250 --caustic-photons 125"), "{labels:?}");
@@ -126,11 +126,11 @@ fn knobs_vary_one_at_a_time() {
 
 #[test]
 fn impossible_studies_are_refused_before_work() {
-    let shop = with_references();
-    shop.render("box.txt", "-o a.png").expect(0, &[]);
-    let names = shop.names();
+    let sandbox = with_references();
+    sandbox.render("box.txt", "-o a.png").expect(0, &[]);
+    let names = sandbox.names();
     let refused = |code: i32, line: &str, parts: &[&str]| {
-        run(&shop, &format!("study box.txt --budget 1h {line}")).expect(code, parts);
+        run(&sandbox, &format!("study box.txt --budget 1h {line}")).expect(code, parts);
     };
     refused(2, "--methods bdpt", &["'bdpt'", "sppm"]);
     refused(2, "--methods path,path --truth a.exr", &["`path` is given twice"]);
@@ -141,7 +141,7 @@ fn impossible_studies_are_refused_before_work() {
     );
     refused(2, "--variant 'bdpt'", &["no method `bdpt`", "help: begin with one of"]);
     refused(2, "--integrator path", &["--integrator", "--budget"]);
-    run(&shop, "study box.txt --integrator path").expect(2, &["--effects"]);
+    run(&sandbox, "study box.txt --integrator path").expect(2, &["--effects"]);
     refused(2, "--effects --methods path", &["--effects", "--methods"]);
     refused(2, "--seeds 1", &["at least 2"]);
     refused(2, "--seeds 1M", &["at most 1000"]);
@@ -161,5 +161,5 @@ fn impossible_studies_are_refused_before_work() {
     refused(3, "-o no/a.json", &["no folder `no`"]);
     refused(3, "--save-truth c.exr,d.png", &["`d.png` cannot hold a reference", "help: give it the extension .exr"]);
     refused(3, "--save-truth no/c.exr,d.exr", &["no folder `no`"]);
-    assert_eq!(shop.names(), names);
+    assert_eq!(sandbox.names(), names);
 }

@@ -20,12 +20,12 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// The program in a temporary folder that holds `box.txt`.
-struct Workshop {
+struct CliSandbox {
     folder: tempfile::TempDir,
 }
 
 /// How a run of the program ended.
-struct Ended {
+struct ProgramRun {
     code: Option<i32>,
     stdout: String,
     /// Messages without the frame and line breaks of reports, so that sentences can be found.
@@ -60,7 +60,7 @@ Group {
 /// Flags of a render that is over in a moment.
 const SMALL: [&str; 4] = ["--passes", "1", "--photons", "1k"];
 
-impl Workshop {
+impl CliSandbox {
     fn new() -> Self {
         let workshop = Self { folder: tempfile::tempdir().unwrap() };
         workshop.put("box.txt", BOX);
@@ -87,19 +87,19 @@ impl Workshop {
     }
 
     /// Runs the program in the folder. Kills it after a minute, which no run should take.
-    fn run(&self, arguments: &[&str]) -> Ended {
+    fn run(&self, arguments: &[&str]) -> ProgramRun {
         let mut command = assert_cmd::Command::new(env!("CARGO_BIN_EXE_caustica"));
         command.current_dir(self.folder.path()).args(arguments).timeout(Duration::from_secs(60));
         let output = command.output().unwrap();
-        Ended {
+        ProgramRun {
             code: output.status.code(),
             stdout: String::from_utf8(output.stdout).unwrap(),
-            stderr: flowing(&String::from_utf8(output.stderr).unwrap()),
+            stderr: unframed_text(&String::from_utf8(output.stderr).unwrap()),
         }
     }
 
     /// Renders a scene at the least cost. `more` holds flags, separated by spaces.
-    fn render(&self, scene: &str, more: &str) -> Ended {
+    fn render(&self, scene: &str, more: &str) -> ProgramRun {
         let mut arguments = vec!["render", scene];
         arguments.extend(more.split_whitespace());
         for flag in SMALL.chunks(2).filter(|flag| !more.contains(flag[0])) {
@@ -109,7 +109,7 @@ impl Workshop {
     }
 }
 
-impl Ended {
+impl ProgramRun {
     /// Fails unless the program ended with `code`, and its messages contain all `parts` and no
     /// panic.
     #[track_caller]
@@ -124,7 +124,7 @@ impl Ended {
 }
 
 /// Returns a report's text without its frame, in one line.
-fn flowing(text: &str) -> String {
+fn unframed_text(text: &str) -> String {
     let bare = text.replace(['│', '╭', '╰', '─', '▶', '╯', '┬', '·'], " ");
     // A leading × is the report's mark. Elsewhere it stands between width and height.
     let lines = bare.lines().map(|line| line.trim_start().trim_start_matches("× "));

@@ -1,18 +1,19 @@
 //! Output files and messages.
 
-use super::{Workshop, read};
+use super::{CliSandbox, read};
 use glam::Vec3;
 
 #[test]
 fn one_render_writes_all_its_outputs() {
-    let shop = Workshop::new();
-    shop.render("box.txt", "-o a.png -o b.EXR --output c.exr")
+    let sandbox = CliSandbox::new();
+    sandbox
+        .render("box.txt", "-o a.png -o b.EXR --output c.exr")
         .expect(0, &["wrote a.png", "wrote b.EXR", "wrote c.exr"]);
-    assert_eq!(shop.names(), ["a.png", "b.EXR", "box.txt", "c.exr"], "and leaves no litter");
-    assert!(shop.bytes("a.png").starts_with(b"\x89PNG\r\n\x1a\n"));
-    assert!(shop.bytes("b.EXR").starts_with(&[0x76, 0x2f, 0x31, 0x01]));
-    assert_eq!(shop.bytes("b.EXR"), shop.bytes("c.exr"));
-    let (png, exr) = (read(&shop.path("a.png")), read(&shop.path("c.exr")));
+    assert_eq!(sandbox.names(), ["a.png", "b.EXR", "box.txt", "c.exr"], "and leaves no litter");
+    assert!(sandbox.bytes("a.png").starts_with(b"\x89PNG\r\n\x1a\n"));
+    assert!(sandbox.bytes("b.EXR").starts_with(&[0x76, 0x2f, 0x31, 0x01]));
+    assert_eq!(sandbox.bytes("b.EXR"), sandbox.bytes("c.exr"));
+    let (png, exr) = (read(&sandbox.path("a.png")), read(&sandbox.path("c.exr")));
     assert_eq!((png.width(), png.height(), exr.width(), exr.height()), (40, 30, 40, 30));
     // Both hold the same image. Half a level of 255 is 1/510 of the signal, whose slope against
     // radiance is at least 1/2.4.
@@ -25,15 +26,16 @@ fn one_render_writes_all_its_outputs() {
 
 #[test]
 fn size_flags_accept_suffixes() {
-    let shop = Workshop::new();
-    shop.render(
-        "box.txt",
-        "-o a.exr --integrator sppm --size 17x9 --photons 2.5k --caustic-photons 0.001M --stats a.json",
-    )
-    .expect(0, &[]);
-    let picture = read(&shop.path("a.exr"));
+    let sandbox = CliSandbox::new();
+    sandbox
+        .render(
+            "box.txt",
+            "-o a.exr --integrator sppm --size 17x9 --photons 2.5k --caustic-photons 0.001M --stats a.json",
+        )
+        .expect(0, &[]);
+    let picture = read(&sandbox.path("a.exr"));
     assert_eq!((picture.width(), picture.height()), (17, 9));
-    let stats: serde_json::Value = serde_json::from_slice(&shop.bytes("a.json")).unwrap();
+    let stats: serde_json::Value = serde_json::from_slice(&sandbox.bytes("a.json")).unwrap();
     assert_eq!((&stats["width"], &stats["height"]), (&17.into(), &9.into()));
     assert_eq!(stats["photons"]["global"]["emitted"], 2500);
     assert_eq!(stats["photons"]["caustic"]["emitted"], 1000);
@@ -41,10 +43,10 @@ fn size_flags_accept_suffixes() {
 
 #[test]
 fn tone_exposure_and_bits_affect_only_png() {
-    let shop = Workshop::new();
+    let sandbox = CliSandbox::new();
     let make = |name: &str, more: &str| {
-        shop.render("box.txt", &format!("-o {name}.png -o {name}.exr {more}")).expect(0, &[]);
-        shop.bytes(&format!("{name}.png"))
+        sandbox.render("box.txt", &format!("-o {name}.png -o {name}.exr {more}")).expect(0, &[]);
+        sandbox.bytes(&format!("{name}.png"))
     };
     let plain = make("plain", "");
     assert_eq!(plain, make("srgb", "--tone srgb --exposure 0 --png-bits 8"));
@@ -56,36 +58,36 @@ fn tone_exposure_and_bits_affect_only_png() {
         ("deep", "--png-bits 16"),
     ] {
         assert!(plain != make(name, more), "{name}");
-        assert_eq!(shop.bytes(&format!("{name}.exr")), shop.bytes("plain.exr"), "{name}");
+        assert_eq!(sandbox.bytes(&format!("{name}.exr")), sandbox.bytes("plain.exr"), "{name}");
     }
     // Bit depth is the ninth byte of the header chunk's data, which begins at 16.
-    assert_eq!((plain[24], shop.bytes("deep.png")[24]), (8, 16));
-    let mean = |name: &str| read(&shop.path(name)).pixels().iter().map(|p| p.element_sum()).sum::<f32>();
+    assert_eq!((plain[24], sandbox.bytes("deep.png")[24]), (8, 16));
+    let mean = |name: &str| read(&sandbox.path(name)).pixels().iter().map(|p| p.element_sum()).sum::<f32>();
     assert!(mean("dark.png") < mean("plain.png") && mean("plain.png") < mean("bright.png"));
 }
 
 #[test]
 fn quiet_prints_nothing_and_messages_use_stderr() {
-    let shop = Workshop::new();
+    let sandbox = CliSandbox::new();
     for quiet in ["-q", "--quiet"] {
-        let ended = shop.render("box.txt", &format!("-o a.png --stats a.json {quiet}"));
+        let ended = sandbox.render("box.txt", &format!("-o a.png --stats a.json {quiet}"));
         ended.expect(0, &[]);
         assert_eq!((ended.stdout.as_str(), ended.stderr.as_str()), ("", ""));
     }
-    let ended = shop.render("box.txt", "-o a.png --passes 2");
+    let ended = sandbox.render("box.txt", "-o a.png --passes 2");
     ended.expect(0, &["box.txt: 0 triangles, 9 shapes, 1 light", "pass 1/2", "pass 2/2", "wrote a.png", "2 passes in"]);
     assert_eq!(ended.stdout, "");
-    shop.render("box.txt", "-o a.png --quiet --kernel sphere").expect(2, &["sphere"]);
+    sandbox.render("box.txt", "-o a.png --quiet --kernel sphere").expect(2, &["sphere"]);
 }
 
 #[test]
 fn raycast_defaults_to_course_sampling_and_tone() {
-    let shop = Workshop::new();
-    let made = shop.run(&["render", "box.txt", "-o", "a.png", "--integrator", "raycast", "--stats", "a.json"]);
+    let sandbox = CliSandbox::new();
+    let made = sandbox.run(&["render", "box.txt", "-o", "a.png", "--integrator", "raycast", "--stats", "a.json"]);
     made.expect(0, &["1 pass in"]);
-    shop.run(&["render", "box.txt", "-o", "b.png", "--integrator", "raycast", "--tone", "course"]).expect(0, &[]);
-    assert_eq!(shop.bytes("a.png"), shop.bytes("b.png"));
-    let stats: serde_json::Value = serde_json::from_slice(&shop.bytes("a.json")).unwrap();
+    sandbox.run(&["render", "box.txt", "-o", "b.png", "--integrator", "raycast", "--tone", "course"]).expect(0, &[]);
+    assert_eq!(sandbox.bytes("a.png"), sandbox.bytes("b.png"));
+    let stats: serde_json::Value = serde_json::from_slice(&sandbox.bytes("a.json")).unwrap();
     assert_eq!((&stats["integrator"], &stats["radii"]), (&"raycast".into(), &serde_json::Value::Null));
     assert_eq!(stats["counters"]["camera_rays"], 40 * 30);
     assert_eq!((&stats["counters"]["photon_rays"], &stats["counters"]["shadow_rays"]), (&0.into(), &0.into()));
@@ -95,14 +97,14 @@ fn raycast_defaults_to_course_sampling_and_tone() {
 #[cfg(unix)]
 #[test]
 fn closed_pipe_loses_no_image() {
-    let shop = Workshop::new();
+    let sandbox = CliSandbox::new();
     let mut child = std::process::Command::new(env!("CARGO_BIN_EXE_caustica"))
-        .current_dir(shop.path("."))
+        .current_dir(sandbox.path("."))
         .args("render box.txt -o a.png --photons 1k --passes 4".split(' '))
         .stderr(std::process::Stdio::piped())
         .spawn()
         .unwrap();
     drop(child.stderr.take());
     assert_eq!(child.wait().unwrap().code(), Some(0));
-    assert!(shop.path("a.png").exists());
+    assert!(sandbox.path("a.png").exists());
 }

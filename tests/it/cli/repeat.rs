@@ -1,33 +1,33 @@
 //! Inputs that determine the bits of an image, and inputs that do not.
 
-use super::Workshop;
+use super::CliSandbox;
 
 /// Renders with these flags and returns the OpenEXR file.
-fn picture(shop: &Workshop, more: &str) -> Vec<u8> {
-    shop.render("box.txt", &format!("-o a.exr {more}")).expect(0, &[]);
-    shop.bytes("a.exr")
+fn picture(sandbox: &CliSandbox, more: &str) -> Vec<u8> {
+    sandbox.render("box.txt", &format!("-o a.exr {more}")).expect(0, &[]);
+    sandbox.bytes("a.exr")
 }
 
 #[test]
 fn same_seed_gives_same_bytes() {
-    let shop = Workshop::new();
-    let zero = picture(&shop, "--passes 2");
-    assert!(zero == picture(&shop, "--passes 2 --seed 0"));
-    assert!(zero != picture(&shop, "--passes 2 --seed 1"));
+    let sandbox = CliSandbox::new();
+    let zero = picture(&sandbox, "--passes 2");
+    assert!(zero == picture(&sandbox, "--passes 2 --seed 0"));
+    assert!(zero != picture(&sandbox, "--passes 2 --seed 1"));
     let largest = format!("--passes 2 --seed {}", u64::MAX);
-    assert!(picture(&shop, &largest) == picture(&shop, &largest));
+    assert!(picture(&sandbox, &largest) == picture(&sandbox, &largest));
     for threads in 1..4 {
-        assert!(zero == picture(&shop, &format!("--passes 2 --threads {threads}")), "{threads} threads");
+        assert!(zero == picture(&sandbox, &format!("--passes 2 --threads {threads}")), "{threads} threads");
     }
-    assert!(zero == picture(&shop, "--passes 2 --time 1h --quiet --stats a.json --tone filmic"));
+    assert!(zero == picture(&sandbox, "--passes 2 --time 1h --quiet --stats a.json --tone filmic"));
 }
 
 /// Each of these is in docs/guide/command-line.md's list of what determines the bits.
 #[test]
 fn light_settings_change_the_image() {
-    let shop = Workshop::new();
+    let sandbox = CliSandbox::new();
     let sppm = "--integrator sppm --passes 2";
-    let plain = picture(&shop, sppm);
+    let plain = picture(&sandbox, sppm);
     for more in [
         "--photons 1001",
         "--caustic-photons 700",
@@ -38,7 +38,7 @@ fn light_settings_change_the_image() {
         "--max-bounces 1",
         "--filter box",
     ] {
-        assert!(plain != picture(&shop, &format!("{sppm} {more}")), "{more}");
+        assert!(plain != picture(&sandbox, &format!("{sppm} {more}")), "{more}");
     }
     let names = [
         "hybrid",
@@ -51,7 +51,7 @@ fn light_settings_change_the_image() {
         "whitted",
         "raycast",
     ];
-    let pictures = names.map(|name| picture(&shop, &format!("--passes 2 --integrator {name}")));
+    let pictures = names.map(|name| picture(&sandbox, &format!("--passes 2 --integrator {name}")));
     for (i, one) in pictures.iter().enumerate() {
         assert!(*one != plain, "{}", names[i]);
         for (j, other) in pictures[..i].iter().enumerate() {
@@ -62,27 +62,29 @@ fn light_settings_change_the_image() {
 
 #[test]
 fn timed_render_can_be_repeated() {
-    let shop = Workshop::new();
-    let ended = shop.run(&["render", "box.txt", "-o", "a.exr", "--photons", "1k", "--time", "1s", "--stats", "a.json"]);
+    let sandbox = CliSandbox::new();
+    let ended =
+        sandbox.run(&["render", "box.txt", "-o", "a.exr", "--photons", "1k", "--time", "1s", "--stats", "a.json"]);
     ended.expect(0, &["time was up: --passes", "repeats this picture bit for bit"]);
-    let stats: serde_json::Value = serde_json::from_slice(&shop.bytes("a.json")).unwrap();
+    let stats: serde_json::Value = serde_json::from_slice(&sandbox.bytes("a.json")).unwrap();
     let passes = stats["passes"].as_u64().unwrap();
     assert!(ended.stderr.contains(&format!("--passes {passes} ")), "{}", ended.stderr);
     assert_eq!(stats["ended"], "time");
     assert!(stats["seconds"]["render"].as_f64().unwrap() >= 1.0);
-    let timed = shop.bytes("a.exr");
-    assert!(timed == picture(&shop, &format!("--photons 1k --passes {passes}")));
-    assert!(timed != picture(&shop, &format!("--photons 1k --passes {}", passes + 1)));
+    let timed = sandbox.bytes("a.exr");
+    assert!(timed == picture(&sandbox, &format!("--photons 1k --passes {passes}")));
+    assert!(timed != picture(&sandbox, &format!("--photons 1k --passes {}", passes + 1)));
 }
 
 #[test]
 fn pass_limit_ends_timed_render_early() {
-    let shop = Workshop::new();
-    shop.render("box.txt", "-o a.exr --time 1h --passes 2 --stats a.json").expect(0, &["2 passes in"]);
-    let stats: serde_json::Value = serde_json::from_slice(&shop.bytes("a.json")).unwrap();
+    let sandbox = CliSandbox::new();
+    sandbox.render("box.txt", "-o a.exr --time 1h --passes 2 --stats a.json").expect(0, &["2 passes in"]);
+    let stats: serde_json::Value = serde_json::from_slice(&sandbox.bytes("a.json")).unwrap();
     assert_eq!((&stats["ended"], &stats["passes"]), (&"passes".into(), &2.into()));
     // At least one pass is rendered, however short the time.
-    shop.run(&["render", "box.txt", "-o", "b.exr", "--photons", "1k", "--time", "0"])
+    sandbox
+        .run(&["render", "box.txt", "-o", "b.exr", "--photons", "1k", "--time", "0"])
         .expect(0, &["--passes 1 repeats"]);
-    assert_eq!(shop.bytes("b.exr"), picture(&shop, ""));
+    assert_eq!(sandbox.bytes("b.exr"), picture(&sandbox, ""));
 }

@@ -1,19 +1,19 @@
 //! Scenes with little in them.
 
-use super::{Workshop, read};
+use super::{CliSandbox, read};
 use glam::Vec3;
 
 const CAMERA: &str = "PerspectiveCamera { center 0 0 5 lookAt 0 0 0 angle 30 width 12 height 10 }\n";
 
 /// Renders with both integrators and returns the pixels of photon mapping and its messages.
 fn pixels(text: &str) -> (Vec<Vec3>, String) {
-    let shop = Workshop::new();
-    shop.put("a.txt", format!("{CAMERA}{text}"));
-    shop.render("a.txt", "-o a.exr --passes 2 --integrator raycast").expect(0, &[]);
-    let ended = shop.render("a.txt", "-o a.exr -o a.png --passes 2 --stats a.json");
+    let sandbox = CliSandbox::new();
+    sandbox.put("a.txt", format!("{CAMERA}{text}"));
+    sandbox.render("a.txt", "-o a.exr --passes 2 --integrator raycast").expect(0, &[]);
+    let ended = sandbox.render("a.txt", "-o a.exr -o a.png --passes 2 --stats a.json");
     ended.expect(0, &["wrote a.exr", "wrote a.png", "2 passes"]);
     assert!(!ended.stderr.contains("warning"), "{}", ended.stderr);
-    (read(&shop.path("a.exr")).pixels().to_vec(), ended.stderr)
+    (read(&sandbox.path("a.exr")).pixels().to_vec(), ended.stderr)
 }
 
 const LIGHT: &str = "Lights { PointLight { position 0 5 5 power 90 90 90 } }\n";
@@ -60,32 +60,32 @@ fn lit_image_gives_no_black_warning() {
 
 #[test]
 fn zero_photons_leave_direct_light() {
-    let shop = Workshop::new();
-    shop.render("box.txt", "-o a.exr --photons 0 --caustic-photons 0 --stats a.json").expect(0, &[]);
-    let stats: serde_json::Value = serde_json::from_slice(&shop.bytes("a.json")).unwrap();
+    let sandbox = CliSandbox::new();
+    sandbox.render("box.txt", "-o a.exr --photons 0 --caustic-photons 0 --stats a.json").expect(0, &[]);
+    let stats: serde_json::Value = serde_json::from_slice(&sandbox.bytes("a.json")).unwrap();
     for map in ["global", "caustic"] {
         assert_eq!((&stats["photons"][map]["emitted"], &stats["photons"][map]["stored"]), (&0.into(), &0.into()));
     }
     assert_eq!((&stats["counters"]["photon_rays"], &stats["counters"]["gathers"]), (&0.into(), &0.into()));
     assert_eq!(stats["rates"]["photons_per_second"], 0.0);
-    shop.render("box.txt", "-o b.exr").expect(0, &[]);
-    let sum = |name: &str| read(&shop.path(name)).pixels().iter().map(|p| p.element_sum()).sum::<f32>();
+    sandbox.render("box.txt", "-o b.exr").expect(0, &[]);
+    let sum = |name: &str| read(&sandbox.path(name)).pixels().iter().map(|p| p.element_sum()).sum::<f32>();
     assert!(0.0 < sum("a.exr") && sum("a.exr") < sum("b.exr"), "indirect light is missing, direct light is not");
 }
 
 #[test]
 fn one_pixel_with_one_photon_renders() {
-    let shop = Workshop::new();
-    shop.render("box.txt", "-o a.png --size 1x1 --photons 1 --caustic-photons 1").expect(0, &["wrote a.png"]);
+    let sandbox = CliSandbox::new();
+    sandbox.render("box.txt", "-o a.png --size 1x1 --photons 1 --caustic-photons 1").expect(0, &["wrote a.png"]);
 }
 
 #[test]
 fn light_beyond_float_range_is_refused() {
-    let shop = Workshop::new();
+    let sandbox = CliSandbox::new();
     let refused = |power: &str, texts: &[&str]| {
         let light = format!("Lights {{ PointLight {{ position 0 5 5 power {power} }} }}");
-        shop.put("a.txt", format!("{CAMERA}{light}{BALL}"));
-        shop.render("a.txt", "-o a.png --quiet").expect(1, texts);
+        sandbox.put("a.txt", format!("{CAMERA}{light}{BALL}"));
+        sandbox.render("a.txt", "-o a.png --quiet").expect(1, texts);
     };
     refused("1e300 1 1", &["a.txt:2:44", "below 3.4e38"]);
     refused("3e38 3e38 1", &["light 0", "stronger than single precision"]);

@@ -1,16 +1,16 @@
 //! SIGTERM and SIGHUP end a render like Ctrl-C.
 #![cfg(target_os = "linux")]
 
-use super::Workshop;
+use super::CliSandbox;
 use std::io::{BufRead, BufReader, Read};
 use std::process::{Child, Command, Stdio};
 
 /// Starts a shell command and reads its messages until the second pass.
-fn start(shop: &Workshop, prefix: &str) -> (Child, BufReader<std::process::ChildStderr>) {
+fn start(sandbox: &CliSandbox, prefix: &str) -> (Child, BufReader<std::process::ChildStderr>) {
     let program = env!("CARGO_BIN_EXE_caustica");
     let line = format!("{prefix} exec {program} render box.txt -o a.exr --photons 1k --passes 1M");
     let mut child =
-        Command::new("sh").current_dir(shop.path(".")).args(["-c", &line]).stderr(Stdio::piped()).spawn().unwrap();
+        Command::new("sh").current_dir(sandbox.path(".")).args(["-c", &line]).stderr(Stdio::piped()).spawn().unwrap();
     let mut words = BufReader::new(child.stderr.take().unwrap());
     let mut said = String::new();
     while !said.contains("pass 2/") {
@@ -26,8 +26,8 @@ fn send(child: &Child, signal: &str) {
 #[test]
 fn terminate_and_hang_up_write_the_picture() {
     for signal in ["-TERM", "-HUP"] {
-        let shop = Workshop::new();
-        let (mut child, mut words) = start(&shop, "");
+        let sandbox = CliSandbox::new();
+        let (mut child, mut words) = start(&sandbox, "");
         send(&child, signal);
         let mut rest = String::new();
         words.read_to_string(&mut rest).unwrap();
@@ -38,8 +38,8 @@ fn terminate_and_hang_up_write_the_picture() {
 
 #[test]
 fn an_ignored_hang_up_stays_ignored() {
-    let shop = Workshop::new();
-    let (mut child, mut words) = start(&shop, "trap '' HUP;");
+    let sandbox = CliSandbox::new();
+    let (mut child, mut words) = start(&sandbox, "trap '' HUP;");
     send(&child, "-HUP");
     let mut said = String::new();
     for _ in 0..20 {

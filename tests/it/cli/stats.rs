@@ -1,6 +1,6 @@
 //! The report of `--stats`, against its description in docs/guide/command-line.md.
 
-use super::Workshop;
+use super::CliSandbox;
 use serde_json::Value;
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -33,16 +33,16 @@ fn documented() -> BTreeSet<String> {
 }
 
 fn stats(more: &str) -> Value {
-    let shop = Workshop::new();
-    shop.render("box.txt", &format!("-o a.png --integrator sppm --stats a.json {more}")).expect(0, &[]);
-    serde_json::from_slice(&shop.bytes("a.json")).unwrap()
+    let sandbox = CliSandbox::new();
+    sandbox.render("box.txt", &format!("-o a.png --integrator sppm --stats a.json {more}")).expect(0, &[]);
+    serde_json::from_slice(&sandbox.bytes("a.json")).unwrap()
 }
 
 #[test]
 fn docs_describe_exactly_every_stats_field() {
     let mut found = BTreeSet::new();
     // Without given photon counts, so that every field has a value.
-    let balanced = Workshop::new();
+    let balanced = CliSandbox::new();
     let arguments = "render box.txt -o a.png --integrator sppm --size 8x8 --passes 4 --stats a.json";
     balanced.run(&arguments.split(' ').collect::<Vec<_>>()).expect(0, &[]);
     paths(&serde_json::from_slice(&balanced.bytes("a.json")).unwrap(), "", &mut found);

@@ -1,17 +1,17 @@
 //! Tests of `caustica plan` and of `caustica study --effects`.
 
-use super::{Ended, Workshop};
+use super::{CliSandbox, ProgramRun};
 use serde_json::Value;
 
-fn run(shop: &Workshop, line: &str) -> Ended {
-    shop.run(&line.split_whitespace().collect::<Vec<_>>())
+fn run(sandbox: &CliSandbox, line: &str) -> ProgramRun {
+    sandbox.run(&line.split_whitespace().collect::<Vec<_>>())
 }
 
-fn study(shop: &Workshop, more: &str) -> Ended {
-    run(shop, &format!("study --effects box.txt --photons 2k --spp 1 --passes 2 {more}"))
+fn study(sandbox: &CliSandbox, more: &str) -> ProgramRun {
+    run(sandbox, &format!("study --effects box.txt --photons 2k --spp 1 --passes 2 {more}"))
 }
 
-fn json(ended: &Ended) -> Value {
+fn json(ended: &ProgramRun) -> Value {
     ended.expect(0, &[]);
     serde_json::from_str(&ended.stdout).unwrap()
 }
@@ -22,38 +22,38 @@ fn effect<'v>(report: &'v Value, name: &str) -> &'v Value {
 
 #[test]
 fn plan_lists_work_of_each_effect() {
-    let shop = Workshop::new();
+    let sandbox = CliSandbox::new();
     let line = "plan box.txt --photons 20k --spp 2";
-    let report = json(&run(&shop, &format!("{line} --json")));
+    let report = json(&run(&sandbox, &format!("{line} --json")));
     assert!(report["rays"].as_i64() > Some(40 * 30 * 2) && report["gathered_photons"].as_i64() > Some(0));
     assert!(effect(&report, "shadows")["rays"].as_i64() > Some(0));
     assert!(effect(&report, "caustics")["gathered_photons"].as_i64() > Some(0));
     let off = effect(&report, "environment");
     assert!(off["on"] == false && off["rays"].is_null() && off["gathered_photons"].is_null());
-    let table = run(&shop, line);
+    let table = run(&sandbox, line);
     table.expect(0, &[]);
     assert!(table.stdout.contains(" rays, ") && table.stdout.contains("total about "), "{}", table.stdout);
     assert!(table.stdout.lines().all(|l| l.chars().count() <= 110), "{}", table.stdout);
     // Numbers are counts, not seconds, so they do not depend on threads.
-    assert_eq!(table.stdout, run(&shop, &format!("{line} --threads 1")).stdout);
+    assert_eq!(table.stdout, run(&sandbox, &format!("{line} --threads 1")).stdout);
 }
 
 #[test]
 fn effect_overrides_reach_every_command() {
-    let shop = Workshop::new();
-    shop.render("box.txt", "-o a.png --effects +caustics,-shadows").expect(0, &["without shadows"]);
-    let plan = run(&shop, "plan box.txt --effects -shadows --json --photons 1k --spp 1");
+    let sandbox = CliSandbox::new();
+    sandbox.render("box.txt", "-o a.png --effects +caustics,-shadows").expect(0, &["without shadows"]);
+    let plan = run(&sandbox, "plan box.txt --effects -shadows --json --photons 1k --spp 1");
     assert_eq!(effect(&json(&plan), "shadows")["on"], false);
-    let studied = json(&study(&shop, "--wish -shadows --json"));
+    let studied = json(&study(&sandbox, "--wish -shadows --json"));
     assert!(effect(&studied, "shadows")["on"] == false && effect(&studied, "shadows")["cost"].is_null());
 }
 
 #[test]
 fn effect_study_prints_table_or_json() {
-    let shop = Workshop::new();
-    let table = study(&shop, "");
+    let sandbox = CliSandbox::new();
+    let table = study(&sandbox, "");
     table.expect(0, &["plan: ", "pass 2/2 of each"]);
-    let report = json(&study(&shop, "--json --quiet"));
+    let report = json(&study(&sandbox, "--json --quiet"));
     for row in report["effects"].as_array().unwrap() {
         let name = row["effect"].as_str().unwrap();
         assert!(table.stdout.contains(&format!("  {name} ")), "{name} is not in\n{}", table.stdout);
@@ -64,7 +64,7 @@ fn effect_study_prints_table_or_json() {
     assert!(effect(&report, "shadows")["gain"]["takes"].as_f64() > Some(0.0));
     let camera_rays = &report["whole"]["counters"]["camera_rays"];
     assert_eq!(*camera_rays, 40 * 30 * 2);
-    assert_eq!(shop.names(), ["box.txt"], "nothing is written unasked");
+    assert_eq!(sandbox.names(), ["box.txt"], "nothing is written unasked");
     let fields = ["clock", "mean", "whole"].map(|f| &report[f]);
     assert!(fields.iter().all(|f| !f.is_null()));
 }
@@ -93,12 +93,12 @@ fn check_well_formed(page: &str) {
 
 #[test]
 fn effect_page_embeds_all_images() {
-    let shop = Workshop::new();
-    study(&shop, "-o a.html -o a.json").expect(0, &["wrote a.html", "wrote a.json"]);
-    assert_eq!(shop.names(), ["a.html", "a.json", "box.txt"]);
-    let page = String::from_utf8(shop.bytes("a.html")).unwrap();
+    let sandbox = CliSandbox::new();
+    study(&sandbox, "-o a.html -o a.json").expect(0, &["wrote a.html", "wrote a.json"]);
+    assert_eq!(sandbox.names(), ["a.html", "a.json", "box.txt"]);
+    let page = String::from_utf8(sandbox.bytes("a.html")).unwrap();
     check_well_formed(&page);
-    let report: Value = serde_json::from_slice(&shop.bytes("a.json")).unwrap();
+    let report: Value = serde_json::from_slice(&sandbox.bytes("a.json")).unwrap();
     let rows = report["effects"].as_array().unwrap();
     for row in rows {
         let name = row["effect"].as_str().unwrap();
@@ -112,21 +112,24 @@ fn effect_page_embeds_all_images() {
 
 #[test]
 fn failed_study_has_exit_code_and_keeps_page() {
-    let shop = Workshop::new();
-    shop.put("a.html", "old page");
-    run(&shop, "study --effects").expect(2, &["SCENE"]);
-    run(&shop, "study --effects box.txt --passes 0 -o a.html").expect(2, &["at least 1"]);
-    study(&shop, "--simulate shadows -o a.html").expect(2, &["`shadows` is no effect override"]);
-    study(&shop, "--size 16384x16385 -o a.html").expect(2, &["--size"]);
-    run(&shop, "study --effects none.txt -o a.html").expect(1, &["none.txt", "help: check the path"]);
+    let sandbox = CliSandbox::new();
+    sandbox.put("a.html", "old page");
+    run(&sandbox, "study --effects").expect(2, &["SCENE"]);
+    run(&sandbox, "study --effects box.txt --passes 0 -o a.html").expect(2, &["at least 1"]);
+    study(&sandbox, "--simulate shadows -o a.html").expect(2, &["`shadows` is no effect override"]);
+    study(&sandbox, "--size 16384x16385 -o a.html").expect(2, &["--size"]);
+    run(&sandbox, "study --effects none.txt -o a.html").expect(1, &["none.txt", "help: check the path"]);
     let long = "--spp 100k --passes 1k";
     let refused = |line: &str, parts: &[&str]| {
-        run(&shop, &format!("study --effects box.txt {long} {line}")).expect(3, parts);
+        run(&sandbox, &format!("study --effects box.txt {long} {line}")).expect(3, parts);
     };
     refused(
         "-o a.png",
         &["`a.png` has no extension of a report", "help: give it the extension .html or .csv or .json or .md"],
     );
     refused("-o no/a.html", &["no folder `no`"]);
-    assert_eq!((shop.bytes("a.html"), shop.names()), (b"old page".to_vec(), vec!["a.html".into(), "box.txt".into()]));
+    assert_eq!(
+        (sandbox.bytes("a.html"), sandbox.names()),
+        (b"old page".to_vec(), vec!["a.html".into(), "box.txt".into()])
+    );
 }

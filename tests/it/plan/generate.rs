@@ -3,7 +3,7 @@
 //! Most hold few objects, so that much of a plan is off. Lights are often near the limit of a test
 //! of reach or side.
 
-use super::sketch::{Light, LightKind, Material, Moving, Object, Shape, Sketch, Stuff};
+use super::sketch::{Light, LightKind, Material, MediumSketch, Moving, Object, Shape, Sketch};
 use glam::DVec3;
 
 /// A pseudorandom generator (Steele, Lea, Flood 2014, "Fast splittable pseudorandom number
@@ -80,7 +80,7 @@ impl Random {
 
 /// Probabilities of a scene's contents.
 #[derive(Clone, Copy, Debug)]
-struct Mood {
+struct SceneStyle {
     materials: &'static [Kind],
     lights: &'static [Lamp],
     most_lights: usize,
@@ -186,27 +186,34 @@ const LAMPS: &[Lamp] = &[
     Lamp::Level,
 ];
 
-const PLAIN: Mood =
-    Mood { materials: ANY, lights: LAMPS, most_lights: 3, black_light: 0.1, emission: 0.1, most_objects: 5, flat: 0.4 };
+const PLAIN: SceneStyle = SceneStyle {
+    materials: ANY,
+    lights: LAMPS,
+    most_lights: 3,
+    black_light: 0.1,
+    emission: 0.1,
+    most_objects: 5,
+    flat: 0.4,
+};
 
-const MOODS: [Mood; 11] = [
+const SCENE_STYLES: [SceneStyle; 11] = [
     PLAIN,
-    Mood { lights: HARD, emission: 0.0, ..PLAIN },
-    Mood { lights: AWAY, emission: 0.0, black_light: 0.0, ..PLAIN },
-    Mood { lights: AWAY, emission: 0.0, materials: BLACK, ..PLAIN },
-    Mood { materials: RECEIVERS, ..PLAIN },
-    Mood { materials: DARK, most_objects: 4, ..PLAIN },
-    Mood { materials: CASTERS, ..PLAIN },
-    Mood { most_objects: 1, lights: HARD, emission: 0.2, flat: 0.8, most_lights: 2, ..PLAIN },
-    Mood { most_objects: 1, lights: LEVEL, emission: 0.0, flat: 1.0, black_light: 0.0, ..PLAIN },
-    Mood { materials: MURKY, ..PLAIN },
-    Mood { black_light: 0.9, emission: 0.0, most_lights: 7, ..PLAIN },
+    SceneStyle { lights: HARD, emission: 0.0, ..PLAIN },
+    SceneStyle { lights: AWAY, emission: 0.0, black_light: 0.0, ..PLAIN },
+    SceneStyle { lights: AWAY, emission: 0.0, materials: BLACK, ..PLAIN },
+    SceneStyle { materials: RECEIVERS, ..PLAIN },
+    SceneStyle { materials: DARK, most_objects: 4, ..PLAIN },
+    SceneStyle { materials: CASTERS, ..PLAIN },
+    SceneStyle { most_objects: 1, lights: HARD, emission: 0.2, flat: 0.8, most_lights: 2, ..PLAIN },
+    SceneStyle { most_objects: 1, lights: LEVEL, emission: 0.0, flat: 1.0, black_light: 0.0, ..PLAIN },
+    SceneStyle { materials: MURKY, ..PLAIN },
+    SceneStyle { black_light: 0.9, emission: 0.0, most_lights: 7, ..PLAIN },
 ];
 
 /// Returns the scene of a seed.
 pub fn sketch(seed: u64) -> Sketch {
     let r = &mut Random::new(seed);
-    let mood = r.pick(&MOODS);
+    let mood = r.pick(&SCENE_STYLES);
     let mut sketch = Sketch {
         camera: String::new(),
         background: if r.chance(0.3) { DVec3::ZERO } else { r.color() },
@@ -231,7 +238,8 @@ pub fn sketch(seed: u64) -> Sketch {
     // Light from infinity is refused there.
     let endless = |l: &Light| matches!(l.kind, LightKind::Environment | LightKind::Directional(_));
     if r.chance(0.1) && !sketch.lights.iter().any(endless) {
-        sketch.filling = Some(r.pick(&[Stuff::Fog, Stuff::Soot, Stuff::Flame, Stuff::Nothing]));
+        sketch.filling =
+            Some(r.pick(&[MediumSketch::Fog, MediumSketch::Soot, MediumSketch::Flame, MediumSketch::Nothing]));
     }
     sketch.camera = camera(r, &sketch);
     if r.chance(0.15) {
@@ -263,7 +271,7 @@ fn motion(r: &mut Random, sketch: &Sketch) -> Option<(Moving, String)> {
 pub fn more(sketch: &Sketch, seed: u64) -> Sketch {
     let r = &mut Random::new(seed);
     let mut more = sketch.clone();
-    let mood = r.pick(&MOODS);
+    let mood = r.pick(&SCENE_STYLES);
     if r.chance(0.5) {
         add_light(r, &mood, &mut more);
     } else {
@@ -292,7 +300,7 @@ fn camera(r: &mut Random, sketch: &Sketch) -> String {
     format!("center {c}  lookAt {a}  up {up}  angle {angle}  width 12  height 9")
 }
 
-fn add_material(r: &mut Random, mood: &Mood, sketch: &mut Sketch) {
+fn add_material(r: &mut Random, mood: &SceneStyle, sketch: &mut Sketch) {
     let kind = r.pick(mood.materials);
     let before = sketch.materials.len();
     let tint = if r.chance(0.5) { r.color() } else { DVec3::ZERO };
@@ -322,8 +330,8 @@ fn add_material(r: &mut Random, mood: &Mood, sketch: &mut Sketch) {
         Kind::Bumpy => Material::Bumpy(r.color(), r.between(0.01, 0.3)),
         Kind::RoughMap => Material::RoughMap(r.between(0.0, 0.4), r.between(0.2, 1.0)),
         Kind::Panel => Material::Panel(r.strength(0.5), tint),
-        Kind::Clear => Material::Clear(r.pick(&Stuff::ALL)),
-        Kind::Filled => Material::Filled(r.pick(&[1.0, 1.33]), r.pick(&Stuff::ALL)),
+        Kind::Clear => Material::Clear(r.pick(&MediumSketch::ALL)),
+        Kind::Filled => Material::Filled(r.pick(&[1.0, 1.33]), r.pick(&MediumSketch::ALL)),
         Kind::Prism => Material::Prism(r.pick(&["SF11", "diamond"])),
     };
     sketch.materials.push(material);
@@ -352,7 +360,7 @@ fn bodies(sketch: &Sketch, i: usize) -> Option<usize> {
     }
 }
 
-fn add_object(r: &mut Random, mood: &Mood, sketch: &mut Sketch) {
+fn add_object(r: &mut Random, mood: &SceneStyle, sketch: &mut Sketch) {
     let center = match sketch.objects.last().map(|o| &o.shape) {
         // One body inside another.
         Some(Shape::Sphere(c, _)) if r.chance(0.4) => *c,
@@ -392,7 +400,7 @@ fn add_object(r: &mut Random, mood: &Mood, sketch: &mut Sketch) {
     sketch.objects.push(Object { material, emission, shape });
 }
 
-fn add_light(r: &mut Random, mood: &Mood, sketch: &mut Sketch) {
+fn add_light(r: &mut Random, mood: &SceneStyle, sketch: &mut Sketch) {
     // Objects are within about 4 of the origin. These lights point away from them, or past them.
     let out = r.direction().normalize();
     let place = if r.chance(0.3) { r.place(2.0) } else { out * r.between(3.0, 8.0) };

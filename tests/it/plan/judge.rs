@@ -1,6 +1,6 @@
 //! Checks a plan's statements about a scene, from the scene's parts and by brute force.
 
-use super::sketch::{Light, LightKind, Material, Object, Sketch, Stuff};
+use super::sketch::{Light, LightKind, Material, MediumSketch, Object, Sketch};
 use caustica::color::Rgb;
 use caustica::light::Light as Resolved;
 use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
@@ -16,7 +16,7 @@ const PHOTONS: u32 = 4096;
 const LOOKS: u32 = 16;
 
 /// Returns a message if the plan wrongly switches an effect off.
-pub fn objection(sketch: &Sketch, scene: &Scene, plan: &Plan) -> Option<String> {
+pub fn plan_contradiction(sketch: &Sketch, scene: &Scene, plan: &Plan) -> Option<String> {
     let off = plan.decisions.iter().filter(|d| !d.on);
     let wrong = off.filter(|d| !is_true(sketch, scene, plan, d.reason));
     let wrong: Vec<String> = wrong.map(|d| format!("{} is off because {}", d.effect, d.reason)).collect();
@@ -40,7 +40,7 @@ fn is_true(sketch: &Sketch, scene: &Scene, plan: &Plan, reason: Reason) -> bool 
         Reason::NoLitCaster => casters_are_dark(sketch, scene),
         Reason::NoReceiver => !any(&receives) && !murky,
         Reason::BlackReceivers => !any(&scatters) && !murky,
-        Reason::OneFlatObject if media.iter().any(|stuff| *stuff != Stuff::Nothing) => false,
+        Reason::OneFlatObject if media.iter().any(|stuff| *stuff != MediumSketch::Nothing) => false,
         Reason::OneFlatObject => {
             let lamps = sketch.lights.iter().filter(|l| l.is_object()).count();
             all.len() + lamps == 1 && all.iter().all(|o| o.shape.is_flat())
@@ -54,7 +54,7 @@ fn is_true(sketch: &Sketch, scene: &Scene, plan: &Plan, reason: Reason) -> bool 
         }
         Reason::NoSky => !sketch.lights.iter().any(|l| matches!(l.kind, LightKind::Environment)),
         Reason::NoBody => sketch.filling.is_none() && !any(&is_body),
-        Reason::NoMedium => media.iter().all(|stuff| *stuff == Stuff::Nothing),
+        Reason::NoMedium => media.iter().all(|stuff| *stuff == MediumSketch::Nothing),
         Reason::NoDispersion => !any(&|m| matches!(m, Material::Prism(_))),
         Reason::NoLens => !sketch.camera.contains("aperture"),
         Reason::NothingMoves => !sketch.moves(),

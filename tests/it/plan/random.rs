@@ -46,7 +46,7 @@ fn random_plans_match_scene_contents() {
         let text = sketch.text();
         let scene = scene(&text);
         let plan = Plan::new(&scene, Effects::ALL, EffectOverrides::PLANNED);
-        wrong.extend(judge::objection(&sketch, &scene, &plan).map(|o| format!("seed {seed}: {o}\n{text}")));
+        wrong.extend(judge::plan_contradiction(&sketch, &scene, &plan).map(|o| format!("seed {seed}: {o}\n{text}")));
         for decision in &plan.decisions {
             if decision.on {
                 on = on.with(decision.effect);

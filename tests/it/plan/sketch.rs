@@ -14,7 +14,7 @@ pub struct Sketch {
     pub materials: Vec<Material>,
     pub objects: Vec<Object>,
     /// The medium outside of all bodies.
-    pub filling: Option<Stuff>,
+    pub filling: Option<MediumSketch>,
     /// The moving part and its transforms.
     pub motion: Option<(Moving, String)>,
 }
@@ -50,7 +50,7 @@ pub enum LightKind {
 
 /// The medium inside a body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stuff {
+pub enum MediumSketch {
     /// Scatters.
     Fog,
     /// Absorbs.
@@ -63,7 +63,7 @@ pub enum Stuff {
     Puff,
 }
 
-impl Stuff {
+impl MediumSketch {
     pub const ALL: [Self; 5] = [Self::Fog, Self::Soot, Self::Flame, Self::Nothing, Self::Puff];
 
     fn name(self) -> &'static str {
@@ -114,9 +114,9 @@ pub enum Material {
     /// Two radiances of a pattern on a diffuse surface.
     Panel(DVec3, DVec3),
     /// A null interface around a medium.
-    Clear(Stuff),
+    Clear(MediumSketch),
     /// Index of a body, and the medium inside.
-    Filled(f64, Stuff),
+    Filled(f64, MediumSketch),
     /// Dispersive glass, by name.
     Prism(&'static str),
 }
@@ -192,9 +192,9 @@ impl Sketch {
     }
 
     /// Returns the media that some object or the scene contains.
-    pub fn media(&self) -> Vec<Stuff> {
-        let mut media: Vec<Stuff> = self.filling.into_iter().collect();
-        for stuff in Stuff::ALL {
+    pub fn media(&self) -> Vec<MediumSketch> {
+        let mut media: Vec<MediumSketch> = self.filling.into_iter().collect();
+        for stuff in MediumSketch::ALL {
             let holds = |m: &Material| matches!(m, Material::Clear(s) | Material::Filled(_, s) if *s == stuff);
             if self.objects.iter().any(|o| self.is_of(o, &holds)) {
                 media.push(stuff);

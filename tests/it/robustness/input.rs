@@ -17,9 +17,9 @@ use std::path::PathBuf;
 use std::process::{Command, Output};
 
 /// A temporary folder in which the program runs.
-struct Shop(tempfile::TempDir);
+struct InputSandbox(tempfile::TempDir);
 
-impl Shop {
+impl InputSandbox {
     fn new() -> Self {
         Self(tempfile::tempdir().unwrap())
     }

@@ -14,7 +14,7 @@ use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
 use caustica::sampling::{Key, Purpose};
 use caustica::scene::Scene;
 use glam::DVec3;
-use paired::{ROUNDING, objection, summary};
+use paired::{ROUNDING, mean_difference, summary};
 use rayon::prelude::*;
 use similar::Similarity;
 use std::path::{Path, PathBuf};
@@ -130,7 +130,7 @@ fn scaled_and_moved_scenes_give_same_image() {
         if differ > 0 {
             return Some(format!("{differ} pixels are other bits at 2²⁷ times the scale"));
         }
-        if let Some(o) = objection(&summaries(&small), &here, ROUNDING, SEEN) {
+        if let Some(o) = mean_difference(&summaries(&small), &here, ROUNDING, SEEN) {
             return Some(format!("scaled: {o}"));
         }
         let (moved, left) = far_away(file, &scene);
@@ -138,7 +138,7 @@ fn scaled_and_moved_scenes_give_same_image() {
         if off > left {
             return Some(format!("moved: the eye is {off} off, more than {left}"));
         }
-        objection(&summaries(&render(&moved)), &here, ROUNDING, SEEN).map(|o| format!("moved: {o}"))
+        mean_difference(&summaries(&render(&moved)), &here, ROUNDING, SEEN).map(|o| format!("moved: {o}"))
     });
 }
 
@@ -188,8 +188,12 @@ fn rotated_scenes_have_same_flux_and_radiance() {
         let near =
             if unbounded(&file.description.root) { 0.5 * f64::from(here.domain().radius) } else { f64::INFINITY };
         let middle = here.origin() + here.domain().center.as_dvec3();
-        let stored =
-            objection(&fluxes(&there, turn.place(middle), near), &fluxes(&here, middle, near), ROUNDING, 2.0 * SEEN);
+        let stored = mean_difference(
+            &fluxes(&there, turn.place(middle), near),
+            &fluxes(&here, middle, near),
+            ROUNDING,
+            2.0 * SEEN,
+        );
         // Lights behind glass are found only by chance, and media are noisy. Direct light has the
         // same paths.
         let seen = |scene: &Scene| summaries(&pictures(scene, Algorithm::Distributed, few(), PASSES));
@@ -199,7 +203,7 @@ fn rotated_scenes_have_same_flux_and_radiance() {
                 dark.fetch_add(1, Relaxed);
                 return None;
             }
-            objection(&there, &here, ROUNDING, 2.0 * SEEN).map(|o| format!("seen: {o}"))
+            mean_difference(&there, &here, ROUNDING, 2.0 * SEEN).map(|o| format!("seen: {o}"))
         };
         stored.map(|o| format!("stored: {o}")).or_else(seen)
     });

@@ -24,7 +24,7 @@ pub fn midpoint(a: f64, b: f64, n: u32, f: impl Fn(f64) -> f64) -> f64 {
 /// Returns P(|T| ≥ t) for Student's T with `dof` degrees of freedom.
 ///
 /// With T = √ν tanφ the density of φ is proportional to cosᵛ⁻¹φ.
-pub fn student(t: f64, dof: f64) -> f64 {
+pub fn student_tail(t: f64, dof: f64) -> f64 {
     let norm = libm::exp(libm::lgamma(0.5 * (dof + 1.0)) - libm::lgamma(0.5 * dof)) / PI.sqrt();
     let density = |phi: f64| libm::pow(libm::cos(phi).max(0.0), dof - 1.0);
     2.0 * norm * midpoint(libm::atan(t.abs() / dof.sqrt()), 0.5 * PI, 4000, density)
@@ -35,10 +35,10 @@ pub fn student(t: f64, dof: f64) -> f64 {
 /// Also fails if their standard error exceeds `sharp` · `expected`, because the test would be
 /// blind.
 #[track_caller]
-pub fn agree(what: &str, samples: &[f64], expected: f64, slack: f64, sharp: f64) {
+pub fn assert_mean(what: &str, samples: &[f64], expected: f64, slack: f64, sharp: f64) {
     let (mean, error) = mean_and_error(samples);
     let excess = ((mean - expected).abs() - slack).max(0.0);
-    let p = if excess == 0.0 { 1.0 } else { student(excess / error, samples.len() as f64 - 1.0) };
+    let p = if excess == 0.0 { 1.0 } else { student_tail(excess / error, samples.len() as f64 - 1.0) };
     let line = format!("{what}: {mean:.6e} ± {error:.1e}, expected {expected:.6e} (p = {p:.1e})");
     eprintln!("{line}");
     assert!(p >= ALPHA, "{line}");

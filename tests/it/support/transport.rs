@@ -1,6 +1,6 @@
 //! Photon passes, density estimates and closed forms for tests of light transport.
 
-use super::{agree, midpoint};
+use super::{assert_mean, midpoint};
 use caustica::camera::{Camera, Filter, FilterKind};
 use caustica::color::Rgb;
 use caustica::integrate::{Algorithm, EyeSettings, Settings, Silent};
@@ -37,7 +37,7 @@ pub fn camera(eye: DVec3, at: DVec3, angle: f64, size: u32) -> Camera {
 }
 
 /// Builds a scene for photons alone: its camera has one pixel and sees nothing of interest.
-pub fn unseen(builder: SceneBuilder) -> Scene {
+pub fn photon_only_scene(builder: SceneBuilder) -> Scene {
     builder.build(camera(DVec3::ZERO, DVec3::Z, 40.0, 1)).unwrap()
 }
 
@@ -132,15 +132,15 @@ pub fn red(values: &[DVec3]) -> Vec<f64> {
     values.iter().map(|v| v.x).collect()
 }
 
-/// Applies [`agree`] to each channel.
+/// Applies [`assert_mean`] to each channel.
 ///
 /// Red and green are stored to half a step of the channel sum; blue is the remainder.
 #[track_caller]
-pub fn agree_rgb(what: &str, samples: &[DVec3], expected: DVec3, sharp: f64) {
+pub fn assert_mean_rgb(what: &str, samples: &[DVec3], expected: DVec3, sharp: f64) {
     let slack = expected.element_sum() * HUE * 2.0 / 3.0;
     for (c, name) in ["red", "green", "blue"].iter().enumerate() {
         let channel: Vec<f64> = samples.iter().map(|v| v[c]).collect();
-        agree(&format!("{what}, {name}"), &channel, expected[c], slack, sharp);
+        assert_mean(&format!("{what}, {name}"), &channel, expected[c], slack, sharp);
     }
 }
 
@@ -153,13 +153,13 @@ pub struct Probe<'a> {
     pub kernel: Kernel,
 }
 
-/// Applies [`agree`] to irradiance estimated in the maps of independent passes.
+/// Applies [`assert_mean`] to irradiance estimated in the maps of independent passes.
 ///
 /// `quadrature` is the relative error of `expected`. The estimate adds blocks of 64 photons in
 /// single precision. Their rounding error is at most 64·2⁻²⁴ of the sum (Higham 2002, section 4.2).
 /// For photons of equal power it is systematic.
 #[track_caller]
-pub fn agree_estimates(what: &str, probe: &Probe<'_>, maps: &[PhotonMap], expected: f64, quadrature: f64, sharp: f64) {
+pub fn assert_estimates(what: &str, probe: &Probe<'_>, maps: &[PhotonMap], expected: f64, quadrature: f64, sharp: f64) {
     let (p, n) = ((probe.at - probe.scene.origin()).as_vec3(), probe.normal.as_vec3());
     let one =
         |map: &PhotonMap| map.estimate(p, n, fixed(probe.radius), probe.kernel, &mut Scratch::new(), |_| Vec3::ONE);
@@ -168,7 +168,7 @@ pub fn agree_estimates(what: &str, probe: &Probe<'_>, maps: &[PhotonMap], expect
     let slack = expected * (quadrature + 2.0 * HUE + f64::from(most.min(64)) / 16_777_216.0);
     let samples: Vec<f64> = estimates.iter().map(|e| f64::from(e.radiance.x)).collect();
     let what = format!("{what}, {:?} of {} at {:.3}", probe.kernel, probe.radius, probe.at);
-    agree(&what, &samples, expected, slack, sharp);
+    assert_mean(&what, &samples, expected, slack, sharp);
 }
 
 /// Returns a kernel's value at distance `d`; its integral over the disc of radius `r` is 1.
@@ -186,7 +186,7 @@ pub fn kernel_at(kernel: Kernel, d: f64, r: f64) -> f64 {
 }
 
 /// Returns π∫K² of a kernel with radius 1: its variance relative to the box kernel.
-pub fn noise_factor(kernel: Kernel) -> f64 {
+pub fn kernel_noise_factor(kernel: Kernel) -> f64 {
     match kernel {
         Kernel::Box => 1.0,
         Kernel::Cone => 1.5,
@@ -219,7 +219,7 @@ pub fn fresnel(cos_i: f64, n: f64) -> f64 {
 }
 
 /// Returns the reflectance for uniform incident radiance: ∫ R 2cosθ dcosθ.
-pub fn hemispherical(n: f64) -> f64 {
+pub fn hemispherical_reflectance(n: f64) -> f64 {
     midpoint(0.0, 1.0, 200_000, |c| 2.0 * c * fresnel(c, n))
 }
 

@@ -4,11 +4,11 @@ use crate::cli::study::variants::defaults;
 fn labels(algorithm: Algorithm, change: impl FnOnce(&mut MethodArguments)) -> Vec<String> {
     let mut shared = defaults();
     change(&mut shared);
-    let pilot = Pilot { samples: 1, photons: 1000, caustic_photons: 0, radius: Some(0.25) };
-    let all = vary(Named::plain(algorithm, &shared), &pilot);
+    let pilot = PilotChoices { samples: 1, photons: 1000, caustic_photons: 0, radius: Some(0.25) };
+    let all = vary(NamedVariant::plain(algorithm, &shared), &pilot);
     // A label parses to the variant that it names.
     for named in &all {
-        let again = Named::read(&named.label, &all[0].method).unwrap_or_else(|e| panic!("{e}"));
+        let again = NamedVariant::read(&named.label, &all[0].method).unwrap_or_else(|e| panic!("{e}"));
         assert_eq!(format!("{:?}", again.method), format!("{:?}", named.method));
     }
     all.into_iter().map(|named| named.label).collect()

@@ -4,10 +4,10 @@ use crate::sampling::{Dimension, Key};
 use crate::study::methods::{Checkpoint, MethodResult};
 
 /// Fraction of the last checkpoint's passes at which the tail begins.
-const TAIL: u32 = 16;
+const TAIL_RATIO: u32 = 16;
 
 /// Minimum number of checkpoints of a fit; two points always lie on a line.
-const LEAST: usize = 3;
+const MIN_CHECKPOINTS: usize = 3;
 
 /// Bootstrap replicates.
 const REPLICATES: u64 = 1000;
@@ -47,7 +47,7 @@ pub struct Fit {
 #[must_use]
 pub fn fit(method: &MethodResult) -> Option<Fit> {
     let tail = tail(&method.checkpoints);
-    if tail.len() < LEAST {
+    if tail.len() < MIN_CHECKPOINTS {
         return None;
     }
     let seeds = tail.iter().map(|c| c.squares.len()).min().unwrap_or(0);
@@ -65,7 +65,7 @@ pub fn fit(method: &MethodResult) -> Option<Fit> {
 /// Checkpoints of the tail.
 fn tail(checkpoints: &[Checkpoint]) -> &[Checkpoint] {
     let last = checkpoints.last().map_or(0, |c| c.passes);
-    let early = |c: &&Checkpoint| u64::from(c.passes) * u64::from(TAIL) < u64::from(last) || c.seconds <= 0.0;
+    let early = |c: &&Checkpoint| u64::from(c.passes) * u64::from(TAIL_RATIO) < u64::from(last) || c.seconds <= 0.0;
     &checkpoints[checkpoints.iter().take_while(early).count()..]
 }
 
@@ -77,16 +77,16 @@ fn slopes(tail: &[Checkpoint], seeds: usize, square: impl Fn(&Checkpoint, Option
     let of = |weights: Option<&[f64]>| {
         let logs = tail.iter().map(|c| Some(square(c, weights)).filter(|s| *s > 0.0).map(|s| 0.5 * libm::log(s)));
         let logs: Vec<f64> = logs.collect::<Option<_>>()?;
-        Some([line(&times, &logs), line(&passes, &logs)])
+        Some([least_squares_slope(&times, &logs), least_squares_slope(&passes, &logs)])
     };
     let [by_time, by_passes] = of(None)?;
     let replicates: Vec<[f64; 2]> =
-        (0..REPLICATES).filter_map(|replicate| of(Some(&resampled(replicate, seeds)))).collect();
+        (0..REPLICATES).filter_map(|replicate| of(Some(&resampled_weights(replicate, seeds)))).collect();
     // More failures than the interval's tails hold: it has no end.
     let has_interval = seeds >= 2 && replicates.len() as u64 * 40 >= REPLICATES * 39;
     let slope = |value: f64, which: usize| {
         let interval = has_interval.then(|| {
-            let half = wide(seeds) * deviation(replicates.iter().map(|r| r[which]));
+            let half = interval_factor(seeds) * standard_deviation(replicates.iter().map(|r| r[which]));
             [value - half, value + half]
         });
         Slope { value, interval }
@@ -95,7 +95,7 @@ fn slopes(tail: &[Checkpoint], seeds: usize, square: impl Fn(&Checkpoint, Option
 }
 
 /// Weights of seeds resampled with replacement.
-fn resampled(replicate: u64, seeds: usize) -> Vec<f64> {
+fn resampled_weights(replicate: u64, seeds: usize) -> Vec<f64> {
     let key = Key::new(0xb007_57a9).with(replicate);
     let mut weights = vec![0.0; seeds];
     for draw in 0..seeds {
@@ -105,7 +105,7 @@ fn resampled(replicate: u64, seeds: usize) -> Vec<f64> {
 }
 
 /// Slope of the least-squares line.
-pub(super) fn line(x: &[f64], y: &[f64]) -> f64 {
+pub(super) fn least_squares_slope(x: &[f64], y: &[f64]) -> f64 {
     let n = x.len() as f64;
     let (mx, my) = (x.iter().sum::<f64>() / n, y.iter().sum::<f64>() / n);
     let (xy, xx) =
@@ -113,7 +113,7 @@ pub(super) fn line(x: &[f64], y: &[f64]) -> f64 {
     xy / xx
 }
 
-fn deviation(values: impl Iterator<Item = f64> + Clone) -> f64 {
+fn standard_deviation(values: impl Iterator<Item = f64> + Clone) -> f64 {
     let n = values.clone().count() as f64;
     let mean = values.clone().sum::<f64>() / n;
     (values.map(|v| (v - mean) * (v - mean)).sum::<f64>() / (n - 1.0)).sqrt()
@@ -121,13 +121,13 @@ fn deviation(values: impl Iterator<Item = f64> + Clone) -> f64 {
 
 /// Half-width of a 95 % interval over a bootstrap's standard deviation: Student's t times √(S/(S −
 /// 1)), since a bootstrap divides by S (Hesterberg 2015, section 3.1).
-fn wide(seeds: usize) -> f64 {
+fn interval_factor(seeds: usize) -> f64 {
     let degrees = seeds as f64 - 1.0;
-    student(seeds - 1) * (seeds as f64 / degrees).sqrt()
+    student_quantile(seeds - 1) * (seeds as f64 / degrees).sqrt()
 }
 
 /// 97.5 % quantile of Student's t.
-pub(super) fn student(degrees: usize) -> f64 {
+pub(super) fn student_quantile(degrees: usize) -> f64 {
     const FEW: [f64; 10] = [12.7062, 4.3027, 3.1824, 2.7764, 2.5706, 2.4469, 2.3646, 2.3060, 2.2622, 2.2281];
     let (z, n) = (1.959_964_f64, degrees as f64);
     let (z3, z5) = (z * z * z, z * z * z * z * z);
@@ -141,20 +141,20 @@ pub(super) fn student(degrees: usize) -> f64 {
 
 /// 95 % interval of the mean over seeds by Student's t; `None` with fewer than two.
 #[must_use]
-pub fn spread(values: &[f64]) -> Option<[f64; 2]> {
+pub fn mean_interval(values: &[f64]) -> Option<[f64; 2]> {
     let n = values.len();
     if n < 2 {
         return None;
     }
     let mean = values.iter().sum::<f64>() / n as f64;
-    let half = student(n - 1) * deviation(values.iter().copied()) / (n as f64).sqrt();
+    let half = student_quantile(n - 1) * standard_deviation(values.iter().copied()) / (n as f64).sqrt();
     Some([mean - half, mean + half])
 }
 
 /// 95 % interval of the squared bias; `None` if the seeds' parts are unknown.
-pub(super) fn bias_spread(checkpoint: &Checkpoint) -> Option<[f64; 2]> {
+pub(super) fn bias_interval(checkpoint: &Checkpoint) -> Option<[f64; 2]> {
     let Checkpoint { squares, noises, .. } = checkpoint;
     (squares.len() == noises.len())
         .then(|| squares.iter().zip(noises).map(|(s, n)| s - n).collect::<Vec<_>>())
-        .and_then(|parts| spread(&parts))
+        .and_then(|parts| mean_interval(&parts))
 }

@@ -1,6 +1,6 @@
 //! Methods whose laws are known, with the scatter of seeds.
 
-use super::slopes::student;
+use super::slopes::student_quantile;
 use super::*;
 use crate::image::Image;
 use crate::integrate::{ALPHA, Algorithm, shrink};
@@ -89,7 +89,7 @@ fn intervals_cover_the_law() {
             for (covered, (slopes, quantity)) in
                 covered.iter_mut().zip([(fit.error, Quantity::Error), (fit.noise, Quantity::Noise)])
             {
-                let law = theory(algorithm, quantity, &fit.passes, alpha).unwrap();
+                let law = predicted_law(algorithm, quantity, &fit.passes, alpha).unwrap();
                 let [low, high] = slopes.unwrap().by_passes.interval.unwrap();
                 // Without bias, the error's law is that of noise.
                 let law = if bias == 0.0 { Law { flattest: law.steepest, ..law } } else { law };
@@ -119,7 +119,7 @@ fn slopes_are_recovered() {
     close(path.noise, -0.5);
     for (slopes, quantity) in [(sppm.error, Quantity::Bias), (sppm.noise, Quantity::Noise), (sppm.bias, Quantity::Bias)]
     {
-        close(slopes, theory(Algorithm::Sppm, quantity, &sppm.passes, ALPHA).unwrap().flattest);
+        close(slopes, predicted_law(Algorithm::Sppm, quantity, &sppm.passes, ALPHA).unwrap().flattest);
     }
     close(pm.bias, 0.0);
     close(pm.error, 0.0);
@@ -183,17 +183,17 @@ fn efforts_follow_the_law() {
     let method = exact();
     let fit = fit(&method);
     let verdict = verdict(&method, fit.as_ref(), None);
-    let reach = |error| reach(&method, fit.as_ref(), &verdict, error);
-    assert!(matches!(reach(0.2), TimeToError::Within(effort) if effort.passes == 1.0));
-    let TimeToError::Measured(effort) = reach(0.05 / 3.0) else { panic!() };
+    let time_to = |error| time_to_error(&method, fit.as_ref(), &verdict, error);
+    assert!(matches!(time_to(0.2), TimeToError::Within(effort) if effort.passes == 1.0));
+    let TimeToError::Measured(effort) = time_to(0.05 / 3.0) else { panic!() };
     assert!(
         (effort.passes - 36.0).abs() < 1e-9
             && (effort.seconds - 9.0).abs() < 1e-9
             && (effort.photons - 36e3).abs() < 1e-6
     );
-    let TimeToError::Predicted { effort, seconds: Some([low, high]) } = reach(0.1 / 64.0) else { panic!() };
+    let TimeToError::Predicted { effort, seconds: Some([low, high]) } = time_to(0.1 / 64.0) else { panic!() };
     assert!((effort.passes - 4096.0).abs() < 1e-6 && (low - 1024.0).abs() < 1e-6 && (high - 1024.0).abs() < 1e-6);
-    let TimeToError::Predicted { effort, .. } = tenth(&method, fit.as_ref(), &verdict) else { panic!() };
+    let TimeToError::Predicted { effort, .. } = time_to_tenth(&method, fit.as_ref(), &verdict) else { panic!() };
     assert!((effort.seconds - 6400.0).abs() < 1e-6);
     for (seconds, passes) in [(0.25, 1.0), (3.0, 12.0), (640.0, 2560.0)] {
         let error = error_at(&method, fit.as_ref(), seconds).unwrap();
@@ -208,9 +208,9 @@ fn plateaus_are_never_left() {
     let fit = fit(&method);
     let verdict = verdict(&method, fit.as_ref(), None);
     assert!(
-        matches!(reach(&method, fit.as_ref(), &verdict, 0.1), TimeToError::Never { floor } if (floor - 0.3).abs() < 0.01)
+        matches!(time_to_error(&method, fit.as_ref(), &verdict, 0.1), TimeToError::Never { floor } if (floor - 0.3).abs() < 0.01)
     );
-    assert!(matches!(tenth(&method, fit.as_ref(), &verdict), TimeToError::Never { .. }));
+    assert!(matches!(time_to_tenth(&method, fit.as_ref(), &verdict), TimeToError::Never { .. }));
 }
 
 /// The second costs twice as much a pass, but begins with a third of the error and stays there.
@@ -246,6 +246,6 @@ fn pareto_front_and_recommendation_have_least_error() {
 #[test]
 fn students_t_matches_tables() {
     for (degrees, t) in [(1, 12.7062), (7, 2.3646), (11, 2.2010), (30, 2.0423), (1000, 1.9623)] {
-        assert!((student(degrees) - t).abs() < 1e-3, "{degrees}");
+        assert!((student_quantile(degrees) - t).abs() < 1e-3, "{degrees}");
     }
 }

@@ -1,6 +1,6 @@
 //! Convergence rates from theory.
 
-use super::slopes::line;
+use super::slopes::least_squares_slope;
 use crate::integrate::Algorithm;
 
 /// Quantity that converges.
@@ -24,11 +24,11 @@ pub struct Law {
 }
 
 impl Law {
-    fn one(slope: f64) -> Self {
+    fn exact(slope: f64) -> Self {
         Self { steepest: slope, flattest: slope }
     }
 
-    fn or(self, o: Self) -> Self {
+    fn union(self, o: Self) -> Self {
         Self { steepest: self.steepest.min(o.steepest), flattest: self.flattest.max(o.flattest) }
     }
 }
@@ -42,30 +42,30 @@ impl Law {
 /// With fixed radii, bias stays. Light that `distributed` and `whitted` leave out stays too.
 /// Estimates in media have laws within ⅒ of these.
 #[must_use]
-pub fn theory(algorithm: Algorithm, quantity: Quantity, passes: &[u32], alpha: f64) -> Option<Law> {
+pub fn predicted_law(algorithm: Algorithm, quantity: Quantity, passes: &[u32], alpha: f64) -> Option<Law> {
     use Algorithm::{Distributed, Hybrid, Path, Pm, Ppm, Raycast, Sppm, Whitted};
-    let even = Law::one(-0.5);
-    let [variance, bias] = progressive(passes, alpha);
+    let even = Law::exact(-0.5);
+    let [variance, bias] = progressive_slopes(passes, alpha);
     let noise = match algorithm {
-        Sppm | Hybrid => Law::one(0.5 * variance).or(even),
+        Sppm | Hybrid => Law::exact(0.5 * variance).union(even),
         // Seeds differ by shared camera paths, which no pass replaces.
-        Ppm => Law::one(0.0).or(even),
+        Ppm => Law::exact(0.0).union(even),
         Path | Pm | Distributed | Whitted | Raycast => even,
     };
     let bias = match algorithm {
         Path => None,
-        Sppm | Ppm | Hybrid => Some(Law::one(bias)),
-        Pm | Distributed | Whitted | Raycast => Some(Law::one(0.0)),
+        Sppm | Ppm | Hybrid => Some(Law::exact(bias)),
+        Pm | Distributed | Whitted | Raycast => Some(Law::exact(0.0)),
     };
     match quantity {
         Quantity::Noise => Some(noise),
         Quantity::Bias => bias,
-        Quantity::Error => Some(bias.map_or(noise, |bias| noise.or(bias))),
+        Quantity::Error => Some(bias.map_or(noise, |bias| noise.union(bias))),
     }
 }
 
 /// Slopes of variance and bias of the mean of passes with shrinking radii.
-fn progressive(passes: &[u32], alpha: f64) -> [f64; 2] {
+fn progressive_slopes(passes: &[u32], alpha: f64) -> [f64; 2] {
     let (mut shrink, mut shrunk, mut grown, mut made) = (1.0, 0.0, 0.0, 0u32);
     let mut logs: [Vec<f64>; 3] = Default::default();
     for &n in passes {
@@ -82,7 +82,7 @@ fn progressive(passes: &[u32], alpha: f64) -> [f64; 2] {
             logs.push(libm::log(value));
         }
     }
-    [line(&logs[0], &logs[1]), line(&logs[0], &logs[2])]
+    [least_squares_slope(&logs[0], &logs[1]), least_squares_slope(&logs[0], &logs[2])]
 }
 
 #[cfg(test)]
@@ -93,7 +93,7 @@ mod tests {
     #[test]
     fn radii_that_shrink_fall_by_their_sums() {
         let sum = |n: u32, of: fn(f64) -> f64| (0..n).map(|i| of(shrink(ALPHA, i))).sum::<f64>();
-        let [variance, bias] = progressive(&[16, 32], ALPHA);
+        let [variance, bias] = progressive_slopes(&[16, 32], ALPHA);
         let expected = [(sum(32, |s| 1.0 / s) / 4.0) / sum(16, |s| 1.0 / s), sum(32, |s| s) / 2.0 / sum(16, |s| s)];
         for (slope, ratio) in [variance, bias].into_iter().zip(expected) {
             assert!((slope - libm::log2(ratio)).abs() < 1e-12, "{slope} {ratio}");
@@ -105,24 +105,24 @@ mod tests {
     fn far_out_both_roots_fall_as_a_third() {
         let far: Vec<u32> = (0..4).map(|i| 10_000 << i).collect();
         for (quantity, steepest) in [(Quantity::Noise, -0.5), (Quantity::Bias, -1.0 / 3.0), (Quantity::Error, -0.5)] {
-            let law = theory(Algorithm::Sppm, quantity, &far, ALPHA).unwrap();
+            let law = predicted_law(Algorithm::Sppm, quantity, &far, ALPHA).unwrap();
             assert!((law.flattest + 1.0 / 3.0).abs() < 4e-3 && (law.steepest - steepest).abs() < 4e-3, "{law:?}");
         }
-        assert_eq!(theory(Algorithm::Ppm, Quantity::Noise, &far, ALPHA).unwrap().flattest, 0.0);
-        let stays = theory(Algorithm::Sppm, Quantity::Error, &far, 1.0).unwrap();
+        assert_eq!(predicted_law(Algorithm::Ppm, Quantity::Noise, &far, ALPHA).unwrap().flattest, 0.0);
+        let stays = predicted_law(Algorithm::Sppm, Quantity::Error, &far, 1.0).unwrap();
         assert!((stays.steepest + 0.5).abs() < 1e-9 && stays.flattest.abs() < 1e-9);
     }
 
     #[test]
     fn mixtures_lie_between() {
         let passes = [4, 8, 16, 32, 64];
-        let law = |algorithm, quantity| theory(algorithm, quantity, &passes, ALPHA);
-        let [variance, _] = progressive(&passes, ALPHA);
+        let law = |algorithm, quantity| predicted_law(algorithm, quantity, &passes, ALPHA);
+        let [variance, _] = progressive_slopes(&passes, ALPHA);
         for algorithm in [Algorithm::Hybrid, Algorithm::Sppm] {
             assert_eq!(law(algorithm, Quantity::Noise), Some(Law { steepest: -0.5, flattest: 0.5 * variance }));
         }
         assert_eq!(law(Algorithm::Path, Quantity::Bias), None);
-        assert_eq!(law(Algorithm::Path, Quantity::Error), Some(Law::one(-0.5)));
+        assert_eq!(law(Algorithm::Path, Quantity::Error), Some(Law::exact(-0.5)));
         assert_eq!(law(Algorithm::Pm, Quantity::Error), Some(Law { steepest: -0.5, flattest: 0.0 }));
     }
 }

@@ -20,12 +20,12 @@ impl Effort {
         Self { seconds: checkpoint.seconds, passes: f64::from(checkpoint.passes), photons: checkpoint.photons }
     }
 
-    fn times(self, factor: f64) -> Self {
+    fn scaled(self, factor: f64) -> Self {
         Self { seconds: self.seconds * factor, passes: self.passes * factor, photons: self.photons * factor }
     }
 
     /// Interpolates two efforts, in logarithms if both are positive.
-    fn between(a: Self, b: Self, t: f64) -> Self {
+    fn interpolated(a: Self, b: Self, t: f64) -> Self {
         let mix = |a: f64, b: f64| if a > 0.0 && b > 0.0 { a * libm::pow(b / a, t) } else { a + (b - a) * t };
         Self { seconds: mix(a.seconds, b.seconds), passes: mix(a.passes, b.passes), photons: mix(a.photons, b.photons) }
     }
@@ -57,21 +57,21 @@ pub enum TimeToError {
 
 /// Effort until the relative error of `method` is `error` and stays below.
 #[must_use]
-pub fn reach(method: &MethodResult, fit: Option<&Fit>, verdict: &Verdict, error: f64) -> TimeToError {
+pub fn time_to_error(method: &MethodResult, fit: Option<&Fit>, verdict: &Verdict, error: f64) -> TimeToError {
     let checkpoints = &method.checkpoints;
     let above = |c: &Checkpoint| c.square() > error * error;
     let Some(last_above) = checkpoints.iter().rposition(above) else {
         return checkpoints.first().map_or(TimeToError::Unknown, |first| TimeToError::Within(Effort::of(first)));
     };
     let before = &checkpoints[last_above];
-    let Some(after) = checkpoints.get(last_above + 1) else { return beyond(before, fit, verdict, error) };
+    let Some(after) = checkpoints.get(last_above + 1) else { return extrapolated_time(before, fit, verdict, error) };
     let [log_before, log_after] = [before, after].map(|c| 0.5 * libm::log(c.square()));
     // A value of zero or less has no logarithm; the checkpoint itself is below `error`.
     let t = if log_after.is_finite() { (log_before - libm::log(error)) / (log_before - log_after) } else { 1.0 };
-    TimeToError::Measured(Effort::between(Effort::of(before), Effort::of(after), t))
+    TimeToError::Measured(Effort::interpolated(Effort::of(before), Effort::of(after), t))
 }
 
-fn beyond(last: &Checkpoint, fit: Option<&Fit>, verdict: &Verdict, error: f64) -> TimeToError {
+fn extrapolated_time(last: &Checkpoint, fit: Option<&Fit>, verdict: &Verdict, error: f64) -> TimeToError {
     let floor = match verdict {
         Verdict::Plateau { floor, .. } => Some(*floor),
         Verdict::Expected { ahead, .. } => *ahead,
@@ -89,14 +89,14 @@ fn beyond(last: &Checkpoint, fit: Option<&Fit>, verdict: &Verdict, error: f64) -
         return TimeToError::Unknown;
     }
     let seconds = interval.map(|ends| ends.map(|slope| last.seconds * factor(slope)));
-    TimeToError::Predicted { effort: Effort::of(last).times(factor(value)), seconds }
+    TimeToError::Predicted { effort: Effort::of(last).scaled(factor(value)), seconds }
 }
 
 /// Effort to reach a tenth of the last error.
 #[must_use]
-pub fn tenth(method: &MethodResult, fit: Option<&Fit>, verdict: &Verdict) -> TimeToError {
+pub fn time_to_tenth(method: &MethodResult, fit: Option<&Fit>, verdict: &Verdict) -> TimeToError {
     match method.checkpoints.last() {
-        Some(last) if last.square() > 0.0 => beyond(last, fit, verdict, 0.1 * last.square().sqrt()),
+        Some(last) if last.square() > 0.0 => extrapolated_time(last, fit, verdict, 0.1 * last.square().sqrt()),
         _ => TimeToError::Unknown,
     }
 }
@@ -125,7 +125,7 @@ pub fn error_at(method: &MethodResult, fit: Option<&Fit>, seconds: f64) -> Optio
 
 /// A checkpoint on the Pareto front: none is both earlier and better.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
-pub struct Milestone {
+pub struct ParetoPoint {
     /// Index of the method.
     pub method: usize,
     /// Index of its checkpoint.
@@ -134,11 +134,11 @@ pub struct Milestone {
 
 /// Pareto front of error over time, early to late. Errors that noise hides are left out.
 #[must_use]
-pub fn pareto(methods: &[MethodResult]) -> Vec<Milestone> {
-    let mut all: Vec<(f64, f64, Milestone)> = Vec::new();
+pub fn pareto(methods: &[MethodResult]) -> Vec<ParetoPoint> {
+    let mut all: Vec<(f64, f64, ParetoPoint)> = Vec::new();
     for (method, found) in methods.iter().enumerate() {
         let points = found.checkpoints.iter().enumerate().filter(|(_, c)| c.square() > 0.0);
-        all.extend(points.map(|(checkpoint, c)| (c.seconds, c.square(), Milestone { method, checkpoint })));
+        all.extend(points.map(|(checkpoint, c)| (c.seconds, c.square(), ParetoPoint { method, checkpoint })));
     }
     all.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)));
     let mut least = f64::INFINITY;

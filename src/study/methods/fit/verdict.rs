@@ -1,7 +1,7 @@
 //! Verdicts: what a slope means.
 
-use super::slopes::{Fit, Slope, bias_spread, spread};
-use super::theory::{Law, Quantity, theory};
+use super::slopes::{Fit, Slope, bias_interval, mean_interval};
+use super::theory::{Law, Quantity, predicted_law};
 use crate::integrate::Algorithm;
 use crate::study::methods::MethodResult;
 use crate::study::report::text::{error, figure, slope as digits};
@@ -82,11 +82,11 @@ pub enum Cause {
 pub fn verdict(method: &MethodResult, fit: Option<&Fit>, truth: Option<f64>) -> Verdict {
     let (Some(fit), Some(last)) = (fit, method.checkpoints.last()) else { return Verdict::TooFew };
     let least = truth.unwrap_or(0.0);
-    let nothing = spread(&last.squares).is_some_and(|[low, _]| low <= 0.0) || last.square() <= least * least;
+    let nothing = mean_interval(&last.squares).is_some_and(|[low, _]| low <= 0.0) || last.square() <= least * least;
     let (Some(slopes), false) = (fit.error, nothing) else { return Verdict::TooSmall { truth } };
     let Slope { value: slope, interval } = slopes.by_passes;
     let Some([low, high]) = interval else { return Verdict::Wide { slope } };
-    let law = |quantity| theory(method.algorithm, quantity, &fit.passes, method.alpha);
+    let law = |quantity| predicted_law(method.algorithm, quantity, &fit.passes, method.alpha);
     let (Some(noise), Some(total)) = (law(Quantity::Noise), law(Quantity::Error)) else {
         return Verdict::Wide { slope };
     };
@@ -94,7 +94,7 @@ pub fn verdict(method: &MethodResult, fit: Option<&Fit>, truth: Option<f64>) -> 
     // A constant bias is no convergence.
     let falling = bias.filter(|b| b.flattest < 0.0).map_or(noise.flattest, |b| b.flattest.max(noise.flattest));
     if low > falling && last.bias2 >= BIAS_SHARE * last.square() {
-        return Verdict::Plateau { floor: last.bias2.sqrt(), cause: cause(method) };
+        return Verdict::Plateau { floor: last.bias2.sqrt(), cause: bias_cause(method) };
     }
     if low > total.flattest {
         return Verdict::Slower { slope, law: total };
@@ -102,7 +102,7 @@ pub fn verdict(method: &MethodResult, fit: Option<&Fit>, truth: Option<f64>) -> 
     if high < total.steepest {
         return Verdict::Faster { slope, law: total };
     }
-    let seen = bias_spread(last);
+    let seen = bias_interval(last);
     match seen {
         Some([low, most]) if low <= 0.0 && bias.is_some() => Verdict::Hidden { slope, most: most.max(0.0).sqrt() },
         _ => {
@@ -112,7 +112,7 @@ pub fn verdict(method: &MethodResult, fit: Option<&Fit>, truth: Option<f64>) -> 
     }
 }
 
-fn cause(method: &MethodResult) -> Cause {
+fn bias_cause(method: &MethodResult) -> Cause {
     match (method.algorithm, method.radii) {
         (Algorithm::Distributed | Algorithm::Whitted | Algorithm::Raycast, _) => Cause::LeavesOut,
         (Algorithm::Path, _) | (_, None) => Cause::Unknown,

@@ -3,12 +3,12 @@
 use super::{About, clock, part};
 use crate::study::report::plain::{csv_row, markdown_table, markdown_text};
 use crate::study::report::text::{amount, figure, milliseconds, percent, signed};
-use crate::study::{Finding, Findings};
+use crate::study::{EffectResult, EffectStudyResult};
 
 /// CSV with one row per effect, simulated or not; unknown cells are empty. Seconds, and radiance in
 /// W/(m² sr).
 #[must_use]
-pub fn csv(findings: &Findings) -> String {
+pub fn csv(findings: &EffectStudyResult) -> String {
     let mut table = csv_row(&[
         "effect",
         "on",
@@ -28,7 +28,8 @@ pub fn csv(findings: &Findings) -> String {
     ]);
     for decision in &findings.plan.decisions {
         let found = findings.effects.iter().find(|f| f.decision.effect == decision.effect);
-        let figure = |of: &dyn Fn(&Finding) -> Option<f64>| found.and_then(of).map_or(String::new(), |v| v.to_string());
+        let figure =
+            |of: &dyn Fn(&EffectResult) -> Option<f64>| found.and_then(of).map_or(String::new(), |v| v.to_string());
         table += &csv_row(&[
             decision.effect.to_string(),
             decision.on.to_string(),
@@ -52,7 +53,7 @@ pub fn csv(findings: &Findings) -> String {
 
 /// The figures as Markdown.
 #[must_use]
-pub fn markdown(about: &About, findings: &Findings) -> String {
+pub fn markdown(about: &About, findings: &EffectStudyResult) -> String {
     let passes = findings.whole.passes.len();
     let a_pass = |n: u64| amount(n as f64 / passes as f64);
     let mut text = format!(
@@ -68,7 +69,7 @@ pub fn markdown(about: &About, findings: &Findings) -> String {
         a_pass(findings.whole.counters.gathered_photons),
         figure(findings.mean),
     );
-    let row = |Finding { decision, cost, gain, .. }: &Finding| {
+    let row = |EffectResult { decision, cost, gain, .. }: &EffectResult| {
         let error = cost.seconds_error.map_or(String::new(), |e| format!(" ± {:.1}", 1e3 * e));
         vec![
             decision.effect.to_string(),

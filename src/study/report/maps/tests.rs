@@ -24,9 +24,9 @@ fn scales_hold_all_but_fireflies() {
     let mut values = vec![0.017; 1000];
     values[0] = 1e9;
     values.push(f64::NAN);
-    assert!((scale(values.into_iter()).unwrap() - 0.02).abs() < 1e-12);
-    assert!((scale([0.05].into_iter()).unwrap() - 0.05).abs() < 1e-12);
-    assert_eq!(scale([0.0, -1.0].into_iter()), None);
+    assert!((scale_end(values.into_iter()).unwrap() - 0.02).abs() < 1e-12);
+    assert!((scale_end([0.05].into_iter()).unwrap() - 0.05).abs() < 1e-12);
+    assert_eq!(scale_end([0.0, -1.0].into_iter()), None);
 }
 
 fn method(width: u32, height: u32, error: Vec<f32>) -> MethodResult {
@@ -50,11 +50,11 @@ fn windows_are_where_errors_are() {
     let mut error = vec![0.0; 200 * 100];
     error[90 * 200 + 180] = 3.0;
     error[5 * 200 + 20] = 1.0;
-    let found = windows(&[method(200, 100, error)], 3);
+    let found = largest_error_windows(&[method(200, 100, error)], 3);
     assert_eq!(found.len(), 2);
     assert!(found[0].overlaps(Window { x: 180, y: 90, width: 1, height: 1 }), "{found:?}");
     assert!(found[1].overlaps(Window { x: 20, y: 5, width: 1, height: 1 }) && !found[0].overlaps(found[1]));
-    let small = windows(&[method(8, 4, vec![1.0; 32])], 3);
+    let small = largest_error_windows(&[method(8, 4, vec![1.0; 32])], 3);
     assert_eq!(small, [Window { x: 0, y: 0, width: 8, height: 4 }]);
 }
 
@@ -70,7 +70,7 @@ fn errors_are_colours_by_their_logarithm() {
 fn differences_are_relative_to_the_light_around() {
     let truth = Image::from_pixels(2, 1, vec![Vec3::splat(2.0); 2]).unwrap();
     let difference = Image::from_pixels(2, 1, vec![Vec3::new(0.3, 0.0, 0.0), Vec3::splat(-1.0)]).unwrap();
-    let found = relative(&difference, &RelativeScale::of(&truth));
+    let found = relative_differences(&difference, &RelativeScale::of(&truth));
     let eight = f64::sqrt(8.0);
     assert!((found[0] - 0.1 / eight).abs() < 1e-7 && (found[1] + 1.0 / eight).abs() < 1e-12);
 }

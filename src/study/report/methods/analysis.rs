@@ -1,8 +1,8 @@
 //! Analysis that all reports of a study of methods share.
 
 use crate::study::methods::fit::{
-    Effort, Fit, Law, Milestone, Quantity, Recommendation, Slopes, TimeToError, Verdict, fit, pareto, reach, recommend,
-    tenth, theory, verdict,
+    Effort, Fit, Law, ParetoPoint, Quantity, Recommendation, Slopes, TimeToError, Verdict, fit, pareto, predicted_law,
+    recommend, time_to_error, time_to_tenth, verdict,
 };
 use crate::study::methods::{MethodResult, MethodStudyResult};
 use crate::study::report::text::{self, amount, duration, error};
@@ -12,13 +12,13 @@ pub(super) const ERRORS: [f64; 4] = [0.1, 0.05, 0.02, 0.01];
 
 /// Fits, verdicts and times to reach errors.
 pub(super) struct Analysis {
-    pub(super) methods: Vec<Judged>,
-    pub(super) pareto: Vec<Milestone>,
+    pub(super) methods: Vec<MethodAnalysis>,
+    pub(super) pareto: Vec<ParetoPoint>,
     pub(super) recommendation: Option<Recommendation>,
 }
 
 /// Analysis of one method.
-pub(super) struct Judged {
+pub(super) struct MethodAnalysis {
     pub(super) fit: Option<Fit>,
     pub(super) verdict: Verdict,
     /// Times to reach [`ERRORS`].
@@ -32,8 +32,8 @@ impl Analysis {
         let recommendation = recommend(found, &fits);
         let judge = |(method, fit): (&MethodResult, Option<Fit>)| {
             let verdict = verdict(method, fit.as_ref(), found.truth.error);
-            let reaches = ERRORS.map(|e| reach(method, fit.as_ref(), &verdict, e));
-            Judged { tenth: tenth(method, fit.as_ref(), &verdict), reaches, verdict, fit }
+            let reaches = ERRORS.map(|e| time_to_error(method, fit.as_ref(), &verdict, e));
+            MethodAnalysis { tenth: time_to_tenth(method, fit.as_ref(), &verdict), reaches, verdict, fit }
         };
         let methods = found.methods.iter().zip(fits).map(judge).collect();
         Self { methods, pareto: pareto(&found.methods), recommendation }
@@ -65,10 +65,10 @@ impl Analysis {
     }
 }
 
-impl Judged {
+impl MethodAnalysis {
     /// Slope by theory over the fitted passes.
     pub(super) fn law(&self, method: &MethodResult, quantity: Quantity) -> Option<Law> {
-        theory(method.algorithm, quantity, &self.fit.as_ref()?.passes, method.alpha)
+        predicted_law(method.algorithm, quantity, &self.fit.as_ref()?.passes, method.alpha)
     }
 }
 

@@ -3,7 +3,7 @@
 use super::analysis::{Analysis, ERRORS, law_text, reach_text, slope};
 use super::tables::root;
 use super::warnings::warnings;
-use crate::study::methods::fit::{Fit, Law, Milestone, Quantity, Recommendation, TimeToError, spread};
+use crate::study::methods::fit::{Fit, Law, ParetoPoint, Quantity, Recommendation, TimeToError, mean_interval};
 use crate::study::methods::{Checkpoint, MethodResult, MethodStudyResult};
 use crate::study::report::plain::{csv_row, markdown_block, markdown_table, markdown_text};
 use crate::study::report::text::{amount, duration, error};
@@ -40,7 +40,7 @@ pub fn csv(found: &MethodStudyResult) -> String {
     for method in &found.methods {
         for c in &method.checkpoints {
             let number = |v: f64| v.to_string();
-            let [low, high] = spread(&c.squares).map_or_else(Default::default, |ends| ends.map(number));
+            let [low, high] = mean_interval(&c.squares).map_or_else(Default::default, |ends| ends.map(number));
             let estimated = c.estimated.iter().sum::<f64>() / c.estimated.len() as f64;
             table += &csv_row(&[
                 method.label.clone(),
@@ -83,7 +83,7 @@ struct Report<'f> {
     warnings: Vec<String>,
     truth: TruthReport<'f>,
     methods: Vec<MethodReport<'f>>,
-    pareto: &'f [Milestone],
+    pareto: &'f [ParetoPoint],
     recommendation: &'f Option<Recommendation>,
 }
 

@@ -1,15 +1,17 @@
 //! Figures of a page: plots, pictures and maps, each with its command.
 
-use super::analysis::{Analysis, Judged};
+use super::analysis::{Analysis, MethodAnalysis};
 use super::tables::{key, root, slopes};
 use crate::image::{Image, RelativeScale};
 use crate::integrate::Algorithm;
 use crate::study::StudyError;
-use crate::study::methods::fit::{Quantity, spread};
+use crate::study::methods::fit::{Quantity, mean_interval};
 use crate::study::methods::{Checkpoint, MethodResult, MethodStudyResult};
 use crate::study::report::html::{escape, picture};
-use crate::study::report::maps::{LEAST, difference_map, error_map, ramp, relative, scale, signed_ramp, windows};
-use crate::study::report::picture::{exposure, png, stops};
+use crate::study::report::maps::{
+    LEAST, difference_map, error_map, largest_error_windows, ramp, relative_differences, scale_end, signed_ramp,
+};
+use crate::study::report::picture::{png, stops_text, visible_exposure};
 use crate::study::report::svg::{Guide, Plot, Series, Stroke, plot};
 use crate::study::report::text::{duration, error, figure, slope};
 use glam::Vec3;
@@ -22,7 +24,7 @@ const CROPS: usize = 2;
 const ENLARGED: u32 = 4;
 
 /// HTML figure with caption and command.
-fn framed(class: &str, label: &str, what: &str, caption: &str, command: &str) -> String {
+fn figure_html(class: &str, label: &str, what: &str, caption: &str, command: &str) -> String {
     let label = if label.is_empty() { String::new() } else { format!(" data-label=\"{}\"", escape(label)) };
     format!(
         "<figure class=\"{class}\"{label}>{what}\n<figcaption>{}<code class=\"command\">{}</code></figcaption></figure>\n",
@@ -31,7 +33,7 @@ fn framed(class: &str, label: &str, what: &str, caption: &str, command: &str) ->
     )
 }
 
-fn sized(image: &Image) -> (u32, u32) {
+fn image_size(image: &Image) -> (u32, u32) {
     (image.width(), image.height())
 }
 
@@ -42,7 +44,11 @@ fn points(method: &MethodResult, square: fn(&Checkpoint) -> f64) -> Vec<(f64, f6
 /// Plot of the errors of all methods over time.
 pub(super) fn main_plot(found: &MethodStudyResult) -> String {
     let bars = |method: &MethodResult| {
-        method.checkpoints.iter().map(|c| spread(&c.squares).map(|ends| ends.map(|e| e.max(0.0).sqrt()))).collect()
+        method
+            .checkpoints
+            .iter()
+            .map(|c| mean_interval(&c.squares).map(|ends| ends.map(|e| e.max(0.0).sqrt())))
+            .collect()
     };
     let one = |(style, method): (usize, &MethodResult)| Series {
         label: method.label.clone(),
@@ -73,10 +79,10 @@ pub(super) fn main_plot(found: &MethodStudyResult) -> String {
     let Some(svg) = plot(&drawn) else { return "<p>No error is large enough to be measured.</p>\n".to_owned() };
     let caption = "Relative error over processor time without setup, with 95 % intervals. Grey: slopes of noise (−1/2) \
                    and of noise and bias with shrinking radii (−1/3).";
-    framed("plot main", "", &svg, caption, &found.command)
+    figure_html("plot main", "", &svg, caption, &found.command)
 }
 
-fn small_plot(i: usize, method: &MethodResult, judged: &Judged) -> Option<String> {
+fn small_plot(i: usize, method: &MethodResult, judged: &MethodAnalysis) -> Option<String> {
     let line = |label: &str, stroke, square: fn(&Checkpoint) -> f64| Series {
         label: label.into(),
         style: i,
@@ -115,11 +121,12 @@ fn small_plot(i: usize, method: &MethodResult, judged: &Judged) -> Option<String
 
 /// The truth and all pictures, to be flipped in place.
 pub(super) fn flip(found: &MethodStudyResult) -> Result<String, StudyError> {
-    let exposed = exposure(&found.truth.picture).unwrap_or(0.0);
+    let exposed = visible_exposure(&found.truth.picture).unwrap_or(0.0);
     let mut flip = "<div id=\"pictures\">\n<div id=\"flip-buttons\" role=\"group\" aria-label=\"Picture\" hidden=\"hidden\"></div>\n<div id=\"flip\">\n".to_owned();
     let mut add = |label: &str, image: &Image, caption: &str, command: &str| -> Result<(), StudyError> {
-        let shown = picture(&png(image, exposed)?, sized(image), label);
-        flip += &framed("picture", label, &shown, &format!("{caption}; exposure {}.", stops(exposed)), command);
+        let shown = picture(&png(image, exposed)?, image_size(image), label);
+        flip +=
+            &figure_html("picture", label, &shown, &format!("{caption}; exposure {}.", stops_text(exposed)), command);
         Ok(())
     };
     add("truth", &found.truth.picture, &format!("The truth: {}", found.truth.source), &found.command)?;
@@ -138,9 +145,9 @@ pub(super) fn flip(found: &MethodStudyResult) -> Result<String, StudyError> {
 /// Enlarged crops where errors are largest.
 pub(super) fn crops(found: &MethodStudyResult) -> Result<String, StudyError> {
     let mut crops = String::new();
-    for window in windows(&found.methods, CROPS) {
+    for window in largest_error_windows(&found.methods, CROPS) {
         let truth = window.of(&found.truth.picture)?;
-        let exposed = exposure(&truth).unwrap_or(0.0);
+        let exposed = visible_exposure(&truth).unwrap_or(0.0);
         let place = format!(
             "columns {} to {}, rows {} to {}",
             window.x,
@@ -154,11 +161,12 @@ pub(super) fn crops(found: &MethodStudyResult) -> Result<String, StudyError> {
                 "<h2>Where errors are largest</h2>\n<p>Windows with the largest squared errors, each method relative to its mean, enlarged {ENLARGED} times.</p>"
             );
         }
-        let _ = writeln!(crops, "<h3>In {place}</h3>\n<p>Exposure {}.</p>\n<div class=\"pictures\">", stops(exposed));
+        let _ =
+            writeln!(crops, "<h3>In {place}</h3>\n<p>Exposure {}.</p>\n<div class=\"pictures\">", stops_text(exposed));
         let size = (window.width * ENLARGED, window.height * ENLARGED);
         let mut add = |label: &str, image: &Image, command: &str| -> Result<(), StudyError> {
             let shown = picture(&png(image, exposed)?, size, &format!("{label}, {place}"));
-            crops += &framed("crop", "", &shown, label, command);
+            crops += &figure_html("crop", "", &shown, label, command);
             Ok(())
         };
         add("truth", &truth, &found.command)?;
@@ -179,7 +187,7 @@ fn legend(id: &str, ramp: impl Fn(f64) -> Vec3, ticks: &[(f64, String)]) -> Stri
     );
     for i in 0..=STOPS {
         let part = f64::from(i) / f64::from(STOPS);
-        let [r, g, b] = ramp(part).to_array().map(|c| (255.0 * encoded(c)) as u8);
+        let [r, g, b] = ramp(part).to_array().map(|c| (255.0 * srgb_encoded(c)) as u8);
         let _ = write!(svg, "<stop offset=\"{part:.4}\" stop-color=\"#{r:02x}{g:02x}{b:02x}\"/>");
     }
     let _ = write!(
@@ -198,7 +206,7 @@ fn legend(id: &str, ramp: impl Fn(f64) -> Vec3, ticks: &[(f64, String)]) -> Stri
 }
 
 /// sRGB bytes of linear light (IEC 61966-2-1).
-fn encoded(linear: f32) -> f32 {
+fn srgb_encoded(linear: f32) -> f32 {
     let signal = if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * libm::powf(linear, 1.0 / 2.4) - 0.055 };
     signal + 0.5 / 255.0
 }
@@ -206,9 +214,10 @@ fn encoded(linear: f32) -> f32 {
 /// One article per method: slopes, and maps on shared scales.
 pub(super) fn articles(found: &MethodStudyResult, analysis: &Analysis) -> Result<String, StudyError> {
     let weights = RelativeScale::of(&found.truth.picture);
-    let differences: Vec<Vec<f64>> = found.methods.iter().map(|m| relative(&m.difference, &weights)).collect();
-    let most_error = scale(found.methods.iter().flat_map(|m| m.error.iter().map(|e| f64::from(*e))));
-    let most_difference = scale(differences.iter().flatten().map(|d| d.abs()));
+    let differences: Vec<Vec<f64>> =
+        found.methods.iter().map(|m| relative_differences(&m.difference, &weights)).collect();
+    let most_error = scale_end(found.methods.iter().flat_map(|m| m.error.iter().map(|e| f64::from(*e))));
+    let most_difference = scale_end(differences.iter().flatten().map(|d| d.abs()));
     let mut all = "<p>All methods share the scales of their maps. Error by decades; dark is small:</p>\n".to_owned();
     if let Some(most) = most_error {
         let ticks = [LEAST, LEAST.sqrt(), 1.0].map(|part| error(part * most));
@@ -238,13 +247,13 @@ pub(super) fn articles(found: &MethodStudyResult, analysis: &Analysis) -> Result
         if let Some(svg) = small_plot(i, method, judged) {
             let caption =
                 "Error, noise (dashed) and bias (dotted) over processor time. Grey: slopes by theory, moved down.";
-            all += &framed("plot", "", &svg, caption, &found.command);
+            all += &figure_html("plot", "", &svg, caption, &found.command);
         }
         if let Some(most) = most_error {
             let map = error_map(method, most)?;
             let shown =
-                picture(&png(&map, 0.0)?, sized(&map), &format!("map of the relative error of {}", method.label));
-            all += &framed(
+                picture(&png(&map, 0.0)?, image_size(&map), &format!("map of the relative error of {}", method.label));
+            all += &figure_html(
                 "map",
                 "",
                 &shown,
@@ -260,10 +269,10 @@ pub(super) fn articles(found: &MethodStudyResult, analysis: &Analysis) -> Result
             let map = difference_map(method, difference, most)?;
             let shown = picture(
                 &png(&map, 0.0)?,
-                sized(&map),
+                image_size(&map),
                 &format!("map of the relative difference of {} to the truth", method.label),
             );
-            all += &framed(
+            all += &figure_html(
                 "map",
                 "",
                 &shown,

@@ -143,7 +143,7 @@ pub(super) fn checkpoints(found: &MethodStudyResult) -> String {
 }
 
 /// Slopes of one method beside theory.
-pub(super) fn slopes(method: &crate::study::methods::MethodResult, judged: &super::analysis::Judged) -> String {
+pub(super) fn slopes(method: &crate::study::methods::MethodResult, judged: &super::analysis::MethodAnalysis) -> String {
     let Some(fit) = &judged.fit else { return String::new() };
     let mut table = head(&["", "over passes", "over time", "theory"], 1);
     for (name, slopes, quantity) in [

@@ -1,6 +1,6 @@
 //! Spheres and lights seen from a million radii away.
 
-use crate::robustness::transforms::dd::{Dd, Dd3};
+use crate::robustness::transforms::dd::{DoubleDouble, DoubleDoubleVec};
 use crate::support::image;
 use caustica::camera::Camera;
 use caustica::color::Rgb;
@@ -36,16 +36,16 @@ fn far_spheres_are_hit_correctly() {
             let from = center.as_vec3() + warp::sphere(pair(&mut rng)) * distance;
             let aim = Vec3::new(rng.random(), rng.random(), rng.random()) * 2.4 - 1.2;
             let ray = Ray::new(from, (center.as_vec3() + aim - from).normalize());
-            let l = Dd3::from(ray.origin.as_dvec3()) - Dd3::from(center);
-            let d = Dd3::from(ray.direction.as_dvec3());
+            let l = DoubleDoubleVec::from(ray.origin.as_dvec3()) - DoubleDoubleVec::from(center);
+            let d = DoubleDoubleVec::from(ray.direction.as_dvec3());
             let (a, b) = (d.dot(d), l.dot(d));
-            let discriminant = b * b - a * (l.dot(l) - Dd::ONE);
+            let discriminant = b * b - a * (l.dot(l) - DoubleDouble::ONE);
             let found = ball.intersect(&ray);
             if discriminant.value().abs() <= 16.0 * f64::EPSILON * f64::from(distance) {
                 doubtful += 1;
                 continue;
             }
-            assert_eq!(found.is_some(), discriminant > Dd::ZERO, "{ray:?}");
+            assert_eq!(found.is_some(), discriminant > DoubleDouble::ZERO, "{ray:?}");
             let Some((t, u, v)) = found else { continue };
             hits += 1;
             let exact = (-b - discriminant.sqrt()) / a;

@@ -1,7 +1,7 @@
 //! Files that name themselves. The scene language includes no scenes, and material files no meshes,
 //! so no cycle can exist.
 
-use super::{Shop, scene};
+use super::{InputSandbox, scene};
 use caustica::format::{SceneFile, parse};
 
 #[test]
@@ -19,23 +19,23 @@ fn scenes_cannot_include_scenes() {
 
 #[test]
 fn self_referencing_files_are_read_once() {
-    let shop = Shop::new();
+    let sandbox = InputSandbox::new();
     let resolved = |more: &str| {
-        shop.put("self.txt", scene(more));
-        SceneFile::read(&shop.path("self.txt")).unwrap().resolve()
+        sandbox.put("self.txt", scene(more));
+        SceneFile::read(&sandbox.path("self.txt")).unwrap().resolve()
     };
     let mesh = |file: &str, more: &str| format!("Group {{ TriangleMesh {{ obj_file \"{file}\" {more} }} }}");
     // The scene file as a mesh: it has no faces.
     let error = resolved(&mesh("self.txt", "")).err().unwrap();
     assert!(error.to_string().contains("no faces"), "{error}");
     // A mesh that is its own material file, and one that calls itself, as OBJ for curves allows.
-    shop.put("a.obj", "mtllib a.obj\ncall a.obj\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n");
+    sandbox.put("a.obj", "mtllib a.obj\ncall a.obj\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n");
     assert!(resolved(&mesh("a.obj", "")).is_ok());
     let error = resolved(&mesh("a.obj", "materials file")).err().unwrap();
     assert!(error.to_string().contains("a.obj") && !error.remedy().is_empty(), "{error}");
     // A material whose image is its own file.
-    shop.put("b.obj", "mtllib b.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl red\nf 1/1 2/1 3/1\n");
-    shop.put("b.mtl", "newmtl red\nmap_Kd b.mtl\n");
+    sandbox.put("b.obj", "mtllib b.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl red\nf 1/1 2/1 3/1\n");
+    sandbox.put("b.mtl", "newmtl red\nmap_Kd b.mtl\n");
     let error = resolved(&mesh("b.obj", "materials file")).err().unwrap();
     assert!(error.to_string().contains("b.mtl") && error.to_string().contains("picture"), "{error}");
 }

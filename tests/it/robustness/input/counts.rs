@@ -4,7 +4,7 @@
 //! The program has 2 GB of address space here and dies if it needs more. Reading even a tenth of
 //! these files would take longer than the ten seconds that a refusal may take.
 
-use super::{Shop, scene};
+use super::{InputSandbox, scene};
 use caustica::format::{grid, mesh, parse};
 use caustica::image::{Meaning, decode};
 use std::path::Path;
@@ -95,19 +95,19 @@ fn bomb() -> Vec<u8> {
 /// Files above the limit are refused with exit code 2, the limit, and a remedy.
 #[test]
 fn files_above_memory_limit_are_refused_unread() {
-    let shop = Shop::new();
+    let sandbox = InputSandbox::new();
     let file = bomb();
     assert!(file.len() < 1 << 18, "{}", file.len());
-    shop.put("bomb.png", file);
-    shop.put_long("long.png", b"\x89PNG", 9_000_000_000);
-    shop.put_long("long.obj", "v 0 0 0\n", 9_000_000_000);
+    sandbox.put("bomb.png", file);
+    sandbox.put_long("long.png", b"\x89PNG", 9_000_000_000);
+    sandbox.put_long("long.obj", "v 0 0 0\n", 9_000_000_000);
     let header = "ply\nformat binary_little_endian 1.0\nelement vertex 9000000\nproperty float x\nproperty float y\nproperty float z\n\
                   element face 1\nproperty list uchar int vertex_indices\nend_header\n";
     // This file would be read in a moment, and then take more than a gigabyte.
-    shop.put_long("wide.ply", header, 108_000_000 + 13 + header.len() as u64);
-    shop.put_long("long.ply", header, 9_000_000_000);
+    sandbox.put_long("wide.ply", header, 108_000_000 + 13 + header.len() as u64);
+    sandbox.put_long("long.ply", header, 9_000_000_000);
     let header = "caustica-grid 1\nsize 1024 1024 1024\ntype f32\n\n";
-    shop.put_long("long.grid", header, (4 << 30) + header.len() as u64);
+    sandbox.put_long("long.grid", header, (4 << 30) + header.len() as u64);
     let textured = |picture: &str| {
         scene(&format!(
             "Textures {{ Image a {{ file \"{picture}\" }} }} Materials {{ Diffuse {{ reflectance a }} }} \
@@ -120,14 +120,14 @@ fn files_above_memory_limit_are_refused_unread() {
              Group {{ MaterialIndex 0 Sphere {{ center 0 0 0 radius 1 }} }}"
         ))
     };
-    shop.put("bomb.txt", textured("bomb.png"));
-    shop.put("picture.txt", textured("long.png"));
-    shop.put("sky.txt", scene("Lights { EnvironmentLight { file \"bomb.png\" } } Group { }"));
+    sandbox.put("bomb.txt", textured("bomb.png"));
+    sandbox.put("picture.txt", textured("long.png"));
+    sandbox.put("sky.txt", scene("Lights { EnvironmentLight { file \"bomb.png\" } } Group { }"));
     for name in ["long.obj", "long.ply", "wide.ply"] {
-        shop.put(&name.replace('.', "-"), mesh_scene(name));
+        sandbox.put(&name.replace('.', "-"), mesh_scene(name));
     }
-    shop.put("grid.txt", filled("grid \"long.grid\" min 0 0 0 max 1 1 1"));
-    shop.put_long("long.txt", scene("Group { }"), 9_000_000_000);
+    sandbox.put("grid.txt", filled("grid \"long.grid\" min 0 0 0 max 1 1 1"));
+    sandbox.put_long("long.txt", scene("Group { }"), 9_000_000_000);
     let room = ["larger", "--memory"];
     for (name, words) in [
         ("bomb.txt", ["bomb.png", "12.9 GB"]),
@@ -140,23 +140,23 @@ fn files_above_memory_limit_are_refused_unread() {
         ("long.txt", ["long.txt", "288.0 GB"]),
     ] {
         let start = Instant::now();
-        shop.refused(&["render", name, "-o", "a.png", "--memory", "1G"], 2, &[words[0], words[1], room[1]]);
+        sandbox.refused(&["render", name, "-o", "a.png", "--memory", "1G"], 2, &[words[0], words[1], room[1]]);
         assert!(start.elapsed() < AT_ONCE, "{name}");
-        assert!(!shop.path("a.png").exists());
+        assert!(!sandbox.path("a.png").exists());
     }
     // Other commands have the same limit.
-    shop.refused(&["plan", "bomb.txt", "--memory", "1G"], 2, &["bomb.png", "--memory"]);
-    shop.refused(&["price", "bomb.txt", "--memory", "1G"], 2, &["bomb.png", "--memory"]);
-    shop.refused(&["study", "bomb.txt", "--effects", "--memory", "1G"], 2, &["bomb.png", "--memory"]);
-    shop.refused(&["mesh", "long.obj", "--memory", "1G"], 2, &["long.obj", "--memory"]);
-    shop.refused(&["mesh", "wide.ply", "--memory", "1G"], 2, &["wide.ply", "--memory"]);
+    sandbox.refused(&["plan", "bomb.txt", "--memory", "1G"], 2, &["bomb.png", "--memory"]);
+    sandbox.refused(&["price", "bomb.txt", "--memory", "1G"], 2, &["bomb.png", "--memory"]);
+    sandbox.refused(&["study", "bomb.txt", "--effects", "--memory", "1G"], 2, &["bomb.png", "--memory"]);
+    sandbox.refused(&["mesh", "long.obj", "--memory", "1G"], 2, &["long.obj", "--memory"]);
+    sandbox.refused(&["mesh", "wide.ply", "--memory", "1G"], 2, &["wide.ply", "--memory"]);
     // Images and photons, and invalid amounts.
     // Light goes back and forth between two planes: a path leaves about one photon that was
     // scattered before.
     let planes = "Plane { normal 0 1 0 offset -1 } Plane { normal 0 -1 0 offset -4 }";
     let plain_scene =
         format!("Materials {{ Diffuse {{ reflectance .5 .5 .5 }} }} Group {{ MaterialIndex 0 {planes} }}");
-    shop.put("plain.txt", scene(&plain_scene));
+    sandbox.put("plain.txt", scene(&plain_scene));
     let plain = |more: &str| {
         let mut words = vec!["render", "plain.txt", "-o", "a.png"];
         words.extend(more.split(' '));
@@ -170,7 +170,7 @@ fn files_above_memory_limit_are_refused_unread() {
     ] {
         let words: Vec<&str> = words.into_iter().collect();
         let arguments = plain(more);
-        shop.refused(&arguments.iter().map(String::as_str).collect::<Vec<_>>(), 2, &words);
+        sandbox.refused(&arguments.iter().map(String::as_str).collect::<Vec<_>>(), 2, &words);
     }
 }
 
@@ -178,16 +178,16 @@ fn files_above_memory_limit_are_refused_unread() {
 /// bounds its own disc, makes no estimate.
 #[test]
 fn gather_count_is_capped_by_photon_count() {
-    let shop = Shop::new();
+    let sandbox = InputSandbox::new();
     let planes = "Plane { normal 0 1 0 offset -1 } Plane { normal 0 -1 0 offset -4 }";
-    shop.put(
+    sandbox.put(
         "a.txt",
         scene(&format!("Materials {{ Diffuse {{ reflectance .5 .5 .5 }} }} Group {{ MaterialIndex 0 {planes} }}")),
     );
     let line = |k| {
         ["render", "a.txt", "-o", "a.png", "--integrator", "sppm", "--photons", "2k", "--passes", "4", "--gather-k", k]
     };
-    let ended = shop.run(&line("4000M"));
+    let ended = sandbox.run(&line("4000M"));
     assert!(ended.status.success(), "{}", String::from_utf8_lossy(&ended.stderr));
-    shop.refused(&line("1"), 2, &["--gather-k", "write at least 2, or 0"]);
+    sandbox.refused(&line("1"), 2, &["--gather-k", "write at least 2, or 0"]);
 }

@@ -1,6 +1,6 @@
 //! Accepted input stays within the memory limit.
 
-use super::{Shop, scene};
+use super::{InputSandbox, scene};
 use serde_json::Value;
 
 /// Limit \[bytes]: a tenth of a gigabyte, so that an input that just fits is still quick.
@@ -8,19 +8,19 @@ const LIMIT: u64 = 100_000_000;
 
 /// Renders under the limit and returns the peak memory \[bytes] of the process, `None` if it was
 /// refused for the limit.
-fn peak(shop: &Shop, more: &[&str]) -> Option<u64> {
+fn peak(sandbox: &InputSandbox, more: &[&str]) -> Option<u64> {
     let limit = LIMIT.to_string();
     let mut arguments =
         vec!["render", "a.txt", "-o", "a.png", "--stats", "a.json", "-q", "--threads", "2", "--memory", &limit];
     arguments.extend(more);
-    let ended = shop.run(&arguments);
+    let ended = sandbox.run(&arguments);
     let message = String::from_utf8_lossy(&ended.stderr);
     if ended.status.code() == Some(2) {
         assert!(message.contains("--memory"), "{message}");
         return None;
     }
     assert!(ended.status.success(), "{message}");
-    let stats: Value = serde_json::from_slice(&std::fs::read(shop.path("a.json")).unwrap()).unwrap();
+    let stats: Value = serde_json::from_slice(&std::fs::read(sandbox.path("a.json")).unwrap()).unwrap();
     stats["peak_memory_bytes"].as_u64()
 }
 
@@ -37,8 +37,8 @@ fn within(peaks: &[Option<u64>]) {
 
 #[test]
 fn accepted_images_stay_within_memory_limit() {
-    let shop = Shop::new();
-    shop.put(
+    let sandbox = InputSandbox::new();
+    sandbox.put(
         "a.txt",
         scene(
             "Materials { Diffuse { reflectance .5 .5 .5 } } Group { MaterialIndex 0 Sphere { center 0 0 0 radius 1 } }",
@@ -58,7 +58,7 @@ fn accepted_images_stay_within_memory_limit() {
         "5",
         "--size",
     ];
-    within(&sizes.map(|size| peak(&shop, &[&flags[..], &[size]].concat())));
+    within(&sizes.map(|size| peak(&sandbox, &[&flags[..], &[size]].concat())));
 }
 
 /// Returns a mesh of n × n squares in waves, cut into triangles.
@@ -97,15 +97,15 @@ fn waves(n: u32, ply: bool) -> Vec<u8> {
 
 #[test]
 fn accepted_meshes_stay_within_memory_limit() {
-    let shop = Shop::new();
-    shop.put(
+    let sandbox = InputSandbox::new();
+    sandbox.put(
         "a.txt",
         scene("Materials { Diffuse { reflectance .5 .5 .5 } } Group { MaterialIndex 0 TriangleMesh { file a.mesh } }"),
     );
     for ply in [true, false] {
         let peaks = [270, 320].map(|n| {
-            shop.put("a.mesh", waves(n, ply));
-            peak(&shop, &["--integrator", "raycast"])
+            sandbox.put("a.mesh", waves(n, ply));
+            peak(&sandbox, &["--integrator", "raycast"])
         });
         within(&peaks);
     }
@@ -115,21 +115,21 @@ fn accepted_meshes_stay_within_memory_limit() {
 /// much memory.
 #[test]
 fn accepted_patches_stay_within_memory_limit() {
-    let shop = Shop::new();
+    let sandbox = InputSandbox::new();
     let peaks = [2, 3].map(|n| {
         let number = |i: u32| f64::from(i.wrapping_mul(2_654_435_761) >> 16) / 65_536.0;
         let points: String = (0..36 * n)
             .map(|i| format!("[ {} {} {} ] ", number(3 * i), number(3 * i + 1), number(3 * i + 2)))
             .collect();
-        shop.put("a.txt", scene(&format!("Group {{ BezierPatch {{ degreeU 5 degreeV 5 controls {points} }} }}")));
-        peak(&shop, &["--integrator", "raycast"])
+        sandbox.put("a.txt", scene(&format!("Group {{ BezierPatch {{ degreeU 5 degreeV 5 controls {points} }} }}")));
+        peak(&sandbox, &["--integrator", "raycast"])
     });
     within(&peaks);
 }
 
 #[test]
 fn accepted_textures_and_environments_stay_within_memory_limit() {
-    let shop = Shop::new();
+    let sandbox = InputSandbox::new();
     let noise = |i: u32| glam::Vec3::splat((i.wrapping_mul(2_654_435_761) >> 8) as f32 / 16_777_216.0);
     // The file itself is in memory while it is read, and noise does not compress. The refused ones
     // are refused for their size alone.
@@ -143,10 +143,10 @@ fn accepted_textures_and_environments_stay_within_memory_limit() {
             "Textures { Image a { file a.picture } } Materials { Diffuse { reflectance a } } Group { MaterialIndex 0 Sphere { center 0 0 0 radius 1 } }",
             "Lights { EnvironmentLight { file a.picture } } Group { }",
         ] {
-            shop.put("a.txt", scene(more));
+            sandbox.put("a.txt", scene(more));
             let peaks = files.each_ref().map(|file| {
-                shop.put("a.picture", file);
-                peak(&shop, &["--integrator", "raycast"])
+                sandbox.put("a.picture", file);
+                peak(&sandbox, &["--integrator", "raycast"])
             });
             within(&peaks);
         }

@@ -1,29 +1,29 @@
 //! Named pipes without a writer and endless devices are refused, not waited for.
 
-use super::{Shop, scene};
+use super::{InputSandbox, scene};
 use std::process::{Command, Output};
 use std::time::{Duration, Instant};
 
-/// Runs the program like [`Shop::run`], but ends it after ten seconds with code 124.
-fn run(shop: &Shop, arguments: &[&str]) -> Output {
+/// Runs the program like [`InputSandbox::run`], but ends it after ten seconds with code 124.
+fn run(sandbox: &InputSandbox, arguments: &[&str]) -> Output {
     let mut shell = Command::new("sh");
     shell.args(["-c", "ulimit -v 2000000 && exec timeout 10 \"$0\" \"$@\"", env!("CARGO_BIN_EXE_caustica")]);
-    shell.current_dir(shop.path("")).args(arguments).output().unwrap()
+    shell.current_dir(sandbox.path("")).args(arguments).output().unwrap()
 }
 
 #[test]
 fn endless_files_are_refused_at_once() {
-    let shop = Shop::new();
-    assert!(Command::new("mkfifo").arg(shop.path("pipe")).status().unwrap().success());
-    shop.put("plain.txt", scene("Group { Sphere { center 0 0 0 radius 1 } }"));
-    shop.put("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n");
+    let sandbox = InputSandbox::new();
+    assert!(Command::new("mkfifo").arg(sandbox.path("pipe")).status().unwrap().success());
+    sandbox.put("plain.txt", scene("Group { Sphere { center 0 0 0 radius 1 } }"));
+    sandbox.put("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n");
     let mesh = |name: &str| format!("Group {{ TriangleMesh {{ obj_file \"{name}\" materials file }} }}");
     for (name, library) in [("pipe", "pipe"), ("zero", "/dev/zero")] {
         let text = format!("mtllib {library}\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl red\nf 1 2 3\n");
-        shop.put(&format!("{name}.obj"), text);
-        shop.put(&format!("{name}.txt"), scene(&mesh(&format!("{name}.obj"))));
+        sandbox.put(&format!("{name}.obj"), text);
+        sandbox.put(&format!("{name}.txt"), scene(&mesh(&format!("{name}.obj"))));
     }
-    shop.put("mesh.txt", scene(&mesh("pipe")));
+    sandbox.put("mesh.txt", scene(&mesh("pipe")));
     let render = |name| ["render", name, "-o", "a.png"];
     for (arguments, words) in [
         (&render("pipe.txt")[..], ["pipe", "check that it is a file"]),
@@ -36,7 +36,7 @@ fn endless_files_are_refused_at_once() {
         (&["study", "plain.txt", "--methods", "raycast", "--truth", "pipe"], ["pipe", "choose a regular file"]),
     ] {
         let start = Instant::now();
-        let ended = run(&shop, arguments);
+        let ended = run(&sandbox, arguments);
         let message = String::from_utf8_lossy(&ended.stderr).replace(['│', '╭', '╰', '─', '▶'], " ");
         let message = message.split_whitespace().collect::<Vec<_>>().join(" ");
         assert_eq!(ended.status.code(), Some(1), "{arguments:?}: {message}");

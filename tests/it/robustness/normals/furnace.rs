@@ -1,6 +1,6 @@
 //! Energy: in surroundings of radiance 1 nothing shaded is brighter than 1.
 
-use crate::support::{mean_and_error, pixels, scene, student};
+use crate::support::{mean_and_error, pixels, scene, student_tail};
 use caustica::color::Rgb;
 use caustica::integrate::{Algorithm, EyeSettings, Settings};
 use caustica::scene::Scene;
@@ -85,7 +85,7 @@ fn shading_normals_never_exceed_furnace() {
                 let (mean, error) = part;
                 // Colours and sums are in single precision.
                 let excess = mean - 1.0 - 1e-5;
-                let p = if excess <= 0.0 { 1.0 } else { student(excess / error, f64::from(PASSES - 1)) };
+                let p = if excess <= 0.0 { 1.0 } else { student_tail(excess / error, f64::from(PASSES - 1)) };
                 assert!(p >= 2e-6, "{what}: {mean} ± {error}");
                 assert!(mean > 0.2 && error < sharp, "{what}: {mean} ± {error}");
             }

@@ -196,7 +196,7 @@ fn coarse_ball_flux_matches_its_faces() {
         .collect();
     // A photon's hue rounds by 10⁻⁵, and the cut-off removes s²/99 at most.
     let slack = expected * (s2 / (MOST - 1.0) + 3e-5);
-    crate::support::agree("flux on a coarse ball", &samples, expected, slack, 0.01);
+    crate::support::assert_mean("flux on a coarse ball", &samples, expected, slack, 0.01);
     // Compares the number of photons whose factor exceeds x.
     let landed: usize = traced.iter().map(|t| t.deposits.photons.len()).sum();
     for x in [3.0, 10.0, 30.0] {

@@ -1,6 +1,6 @@
 //! Cameras inside glass, and bodies that overlap by priority.
 
-use crate::support::{agree, pixels};
+use crate::support::{assert_mean, pixels};
 use caustica::camera::Camera;
 use caustica::integrate::{Algorithm, EyeSettings, Settings};
 use caustica::light::EnvironmentLight;
@@ -73,7 +73,7 @@ fn radiance_in_glass_scales_by_squared_index() {
         let samples = seen(&b.build(camera).unwrap(), 16);
         // Each of some ten interfaces rounds reflectance and square by 2⁻²³. After a thousand
         // bounces 10⁻⁹ is left.
-        agree(&format!("inside of {n}"), &samples, n * n, n * n * 20.0 * f64::from(f32::EPSILON), 0.01);
+        assert_mean(&format!("inside of {n}"), &samples, n * n, n * n * 20.0 * f64::from(f32::EPSILON), 0.01);
     }
 }
 
@@ -106,7 +106,7 @@ fn overlapping_bodies_resolve_by_priority() {
         for order in [false, true] {
             let samples = seen(&scene(priorities, at, order), 16);
             let slack = n * n * 20.0 * f64::from(f32::EPSILON);
-            agree(&format!("{priorities:?} at {at}"), &samples, n * n, slack, 0.01);
+            assert_mean(&format!("{priorities:?} at {at}"), &samples, n * n, slack, 0.01);
         }
     }
 }

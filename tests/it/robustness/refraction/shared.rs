@@ -1,7 +1,7 @@
 //! Bodies that share a face: a liquid in its glass, with faces that coincide, are an ulp apart, or
 //! overlap.
 
-use crate::support::{agree, key, pixels, scene};
+use crate::support::{assert_mean, key, pixels, scene};
 use caustica::camera::Camera;
 use caustica::integrate::{Algorithm, EyeSettings, Settings};
 use caustica::light::EnvironmentLight;
@@ -166,7 +166,7 @@ fn liquid_touches_its_glass() {
     all.par_iter().for_each(|((contact, indices), faces, first, angle)| {
         let what = format!("{contact:?}, {faces:?}, liquid first: {first}, at {angle}");
         // The quadrature, and indices in f32, are accurate to 10⁻⁵.
-        agree(&what, &passed(&lit(*faces, *contact, *first, *angle)), mean_through(indices, *angle), 1e-5, 0.02);
+        assert_mean(&what, &passed(&lit(*faces, *contact, *first, *angle)), mean_through(indices, *angle), 1e-5, 0.02);
     });
 }
 
@@ -191,7 +191,7 @@ fn touching_blocks_of_one_glass_merge() {
         let source = SourceKind::Spot { position: DVec3::Y * 1.5 - DVec3::X * 3.0, axis, inner: CONE, outer: CONE };
         b.source(source, LightStrength::Power(Vec3::ONE));
         let expected = mean_through(&[1.0, GLASS, 1.0], 1.4);
-        agree(&format!("{blocks:?}, {faces:?}"), &passed(&b.build(camera()).unwrap()), expected, 1e-5, 0.02);
+        assert_mean(&format!("{blocks:?}, {faces:?}"), &passed(&b.build(camera()).unwrap()), expected, 1e-5, 0.02);
     }
 }
 
@@ -217,7 +217,13 @@ fn camera_in_liquid_starts_in_liquid() {
                 })
                 .collect();
             // Squares of indices and reflectances in f32, over some ten interfaces.
-            agree(&format!("{contact:?}, {faces:?}, {first}"), &samples, LIQUID * LIQUID, 20.0 * 6e-8 * 1.8, 0.01);
+            assert_mean(
+                &format!("{contact:?}, {faces:?}, {first}"),
+                &samples,
+                LIQUID * LIQUID,
+                20.0 * 6e-8 * 1.8,
+                0.01,
+            );
         }
     }
 }
@@ -257,6 +263,6 @@ fn round_vessel_holds_its_liquid() {
     ] {
         // Both sides are random. Five more standard errors of the other give one false alarm in a
         // million.
-        agree(&shared, &passed(0, &shared), mean, 5.0 * error, 0.03);
+        assert_mean(&shared, &passed(0, &shared), mean, 5.0 * error, 0.03);
     }
 }

@@ -1,6 +1,6 @@
 //! A sphere of radius 10⁵ as a floor.
 
-use super::paired::{ROUNDING, objection, summary};
+use super::paired::{ROUNDING, mean_difference, summary};
 use super::{PASSES, SIZE, few, pictures};
 use caustica::color::Rgb;
 use caustica::format::{Source, parse, resolve};
@@ -73,7 +73,7 @@ fn sphere_of_radius_100000_acts_as_flat_floor() {
         let images = pictures(scene, Algorithm::Hybrid, settings.clone(), 4 * PASSES);
         images.iter().map(|image| summary(image, SIZE)).collect()
     };
-    let objection = objection(&seen(&round), &seen(&flat), ROUNDING + 2e-5, 0.02);
+    let objection = mean_difference(&seen(&round), &seen(&flat), ROUNDING + 2e-5, 0.02);
     assert!(objection.is_none(), "{}", objection.unwrap());
 }
 

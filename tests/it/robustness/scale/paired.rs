@@ -1,6 +1,6 @@
 //! Comparison of passes of two renders that share their random numbers.
 
-use crate::support::{mean_and_error, student};
+use crate::support::{mean_and_error, student_tail};
 use caustica::color::Rgb;
 use glam::DVec3;
 
@@ -33,7 +33,7 @@ pub fn summary(image: &[Rgb], (width, height): (u32, u32)) -> Vec<f64> {
 /// It also objects if noise would hide a difference of the fraction `detectable` of the brightest
 /// of the first three numbers. Passes are paired by their random numbers. Differences of pairs are
 /// independent, and Student's t tests whether their mean is 0.
-pub fn objection(ours: &[Vec<f64>], theirs: &[Vec<f64>], slack: f64, detectable: f64) -> Option<String> {
+pub fn mean_difference(ours: &[Vec<f64>], theirs: &[Vec<f64>], slack: f64, detectable: f64) -> Option<String> {
     let dof = ours.len() as f64 - 1.0;
     let column = |of: &[Vec<f64>], i: usize| of.iter().map(|pass| pass[i]).collect::<Vec<f64>>();
     let sharp = detectable / quantile(RATE, dof);
@@ -47,7 +47,7 @@ pub fn objection(ours: &[Vec<f64>], theirs: &[Vec<f64>], slack: f64, detectable:
         let differences: Vec<f64> = a.iter().zip(&b).map(|(a, b)| a - b).collect();
         let (mean, error) = mean_and_error(&differences);
         let excess = (mean.abs() - slack * level.abs()).max(0.0);
-        let p = if excess == 0.0 { 1.0 } else { student(excess / error, dof) };
+        let p = if excess == 0.0 { 1.0 } else { student_tail(excess / error, dof) };
         let blunt = i < 3 && error > sharp * brightest;
         let why = if blunt { "the error bar is too wide" } else { "the means differ" };
         (p < RATE || blunt).then(|| format!("number {i}: {why}: {mean:.3e} ± {error:.1e} of {level:.6e}, p = {p:.1e}"))
@@ -59,7 +59,7 @@ fn quantile(rate: f64, dof: f64) -> f64 {
     let (mut low, mut high) = (0.0, 1e4);
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
-        if student(middle, dof) > rate { low = middle } else { high = middle }
+        if student_tail(middle, dof) > rate { low = middle } else { high = middle }
     }
     high
 }

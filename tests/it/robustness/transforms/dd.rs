@@ -6,19 +6,19 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// The unevaluated sum of a number and its rounding error.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
-pub struct Dd(pub f64, pub f64);
+pub struct DoubleDouble(pub f64, pub f64);
 
 /// A vector of three double-doubles.
 #[derive(Clone, Copy, Debug)]
-pub struct Dd3(pub [Dd; 3]);
+pub struct DoubleDoubleVec(pub [DoubleDouble; 3]);
 
-fn two_sum(a: f64, b: f64) -> Dd {
+fn two_sum(a: f64, b: f64) -> DoubleDouble {
     let s = a + b;
     let v = s - a;
-    Dd(s, (a - (s - v)) + (b - v))
+    DoubleDouble(s, (a - (s - v)) + (b - v))
 }
 
-fn two_product(a: f64, b: f64) -> Dd {
+fn two_product(a: f64, b: f64) -> DoubleDouble {
     // Halves of 26 bits have exact products.
     let split = |x: f64| {
         let c = 134_217_729.0 * x;
@@ -27,10 +27,10 @@ fn two_product(a: f64, b: f64) -> Dd {
     };
     let ((ah, al), (bh, bl)) = (split(a), split(b));
     let p = a * b;
-    Dd(p, ((ah * bh - p) + ah * bl + al * bh) + al * bl)
+    DoubleDouble(p, ((ah * bh - p) + ah * bl + al * bh) + al * bl)
 }
 
-impl Dd {
+impl DoubleDouble {
     pub const ZERO: Self = Self(0.0, 0.0);
     pub const ONE: Self = Self(1.0, 0.0);
 
@@ -49,20 +49,20 @@ impl Dd {
     }
 }
 
-impl From<f64> for Dd {
+impl From<f64> for DoubleDouble {
     fn from(x: f64) -> Self {
         Self(x, 0.0)
     }
 }
 
-impl Neg for Dd {
+impl Neg for DoubleDouble {
     type Output = Self;
     fn neg(self) -> Self {
         Self(-self.0, -self.1)
     }
 }
 
-impl Add for Dd {
+impl Add for DoubleDouble {
     type Output = Self;
     fn add(self, b: Self) -> Self {
         let (s, t) = (two_sum(self.0, b.0), two_sum(self.1, b.1));
@@ -71,14 +71,14 @@ impl Add for Dd {
     }
 }
 
-impl Sub for Dd {
+impl Sub for DoubleDouble {
     type Output = Self;
     fn sub(self, b: Self) -> Self {
         self + -b
     }
 }
 
-impl Mul for Dd {
+impl Mul for DoubleDouble {
     type Output = Self;
     fn mul(self, b: Self) -> Self {
         let p = two_product(self.0, b.0);
@@ -86,7 +86,7 @@ impl Mul for Dd {
     }
 }
 
-impl Div for Dd {
+impl Div for DoubleDouble {
     type Output = Self;
     fn div(self, b: Self) -> Self {
         let q = self.0 / b.0;
@@ -97,14 +97,14 @@ impl Div for Dd {
     }
 }
 
-impl From<DVec3> for Dd3 {
+impl From<DVec3> for DoubleDoubleVec {
     fn from(v: DVec3) -> Self {
-        Self(v.to_array().map(Dd::from))
+        Self(v.to_array().map(DoubleDouble::from))
     }
 }
 
-impl Dd3 {
-    pub fn dot(self, b: Self) -> Dd {
+impl DoubleDoubleVec {
+    pub fn dot(self, b: Self) -> DoubleDouble {
         self.0[0] * b.0[0] + self.0[1] * b.0[1] + self.0[2] * b.0[2]
     }
 
@@ -113,23 +113,23 @@ impl Dd3 {
         Self([y * w - z * v, z * u - x * w, x * v - y * u])
     }
 
-    pub fn scaled(self, s: Dd) -> Self {
+    pub fn scaled(self, s: DoubleDouble) -> Self {
         Self(self.0.map(|x| x * s))
     }
 
     pub fn value(self) -> DVec3 {
-        DVec3::from_array(self.0.map(Dd::value))
+        DVec3::from_array(self.0.map(DoubleDouble::value))
     }
 }
 
-impl Add for Dd3 {
+impl Add for DoubleDoubleVec {
     type Output = Self;
     fn add(self, b: Self) -> Self {
         Self([self.0[0] + b.0[0], self.0[1] + b.0[1], self.0[2] + b.0[2]])
     }
 }
 
-impl Sub for Dd3 {
+impl Sub for DoubleDoubleVec {
     type Output = Self;
     fn sub(self, b: Self) -> Self {
         Self([self.0[0] - b.0[0], self.0[1] - b.0[1], self.0[2] - b.0[2]])
@@ -139,24 +139,24 @@ impl Sub for Dd3 {
 /// An affine map in double-double precision.
 #[derive(Clone, Copy, Debug)]
 pub struct Affine {
-    pub columns: [Dd3; 3],
-    pub shift: Dd3,
+    pub columns: [DoubleDoubleVec; 3],
+    pub shift: DoubleDoubleVec,
 }
 
 impl From<DAffine3> for Affine {
     fn from(map: DAffine3) -> Self {
         let DMat3 { x_axis, y_axis, z_axis } = map.matrix3;
-        Self { columns: [x_axis, y_axis, z_axis].map(Dd3::from), shift: map.translation.into() }
+        Self { columns: [x_axis, y_axis, z_axis].map(DoubleDoubleVec::from), shift: map.translation.into() }
     }
 }
 
 impl Affine {
-    pub fn vector(&self, v: Dd3) -> Dd3 {
+    pub fn vector(&self, v: DoubleDoubleVec) -> DoubleDoubleVec {
         let [a, b, c] = self.columns;
         a.scaled(v.0[0]) + b.scaled(v.0[1]) + c.scaled(v.0[2])
     }
 
-    pub fn point(&self, p: Dd3) -> Dd3 {
+    pub fn point(&self, p: DoubleDoubleVec) -> DoubleDoubleVec {
         self.vector(p) + self.shift
     }
 
@@ -168,24 +168,24 @@ impl Affine {
     /// Returns the rows of the inverse of the linear part, by cofactors.
     ///
     /// Cancellation costs 16 of 31 digits in the worst tested case.
-    pub fn inverse_rows(&self) -> [Dd3; 3] {
+    pub fn inverse_rows(&self) -> [DoubleDoubleVec; 3] {
         let [a, b, c] = self.columns;
         let volume = a.dot(b.cross(c));
-        [b.cross(c), c.cross(a), a.cross(b)].map(|r| r.scaled(Dd::ONE / volume))
+        [b.cross(c), c.cross(a), a.cross(b)].map(|r| r.scaled(DoubleDouble::ONE / volume))
     }
 
     /// Transforms a vector by the inverse.
-    pub fn back(&self, v: Dd3) -> Dd3 {
-        Dd3(self.inverse_rows().map(|r| r.dot(v)))
+    pub fn back(&self, v: DoubleDoubleVec) -> DoubleDoubleVec {
+        DoubleDoubleVec(self.inverse_rows().map(|r| r.dot(v)))
     }
 
     /// Transforms a point by the inverse.
-    pub fn point_back(&self, p: Dd3) -> Dd3 {
+    pub fn point_back(&self, p: DoubleDoubleVec) -> DoubleDoubleVec {
         self.back(p - self.shift)
     }
 
     /// Transforms a normal by the inverse transpose; the result has any length.
-    pub fn normal(&self, n: Dd3) -> Dd3 {
+    pub fn normal(&self, n: DoubleDoubleVec) -> DoubleDoubleVec {
         let [x, y, z] = self.inverse_rows();
         x.scaled(n.0[0]) + y.scaled(n.0[1]) + z.scaled(n.0[2])
     }

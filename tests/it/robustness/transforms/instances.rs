@@ -1,8 +1,8 @@
 //! Instances under transforms of condition number 10⁸, and seen from afar.
 
-use super::dd::{Affine, Dd, Dd3};
+use super::dd::{Affine, DoubleDouble, DoubleDoubleVec};
 use super::maps::maps;
-use crate::robustness::triangles::closed::globe;
+use crate::robustness::triangles::closed::sphere_mesh;
 use caustica::math::{Ray, Transform, offset_origin, warp};
 use caustica::shape::{IndexedMesh, Instance, Mesh, Shape};
 use glam::{DAffine3, DVec3, Vec2, Vec3};
@@ -13,17 +13,17 @@ use std::sync::Arc;
 
 /// Returns where a line enters and leaves |x| + |y| + |z| ≤ 1, with the face normals, and the
 /// distance along the line to the next face.
-fn octahedron(o: Dd3, d: Dd3) -> ([Dd; 2], [DVec3; 2], [f64; 2]) {
-    let mut ends = [Dd::from(-1e300), Dd::from(1e300)];
+fn octahedron(o: DoubleDoubleVec, d: DoubleDoubleVec) -> ([DoubleDouble; 2], [DVec3; 2], [f64; 2]) {
+    let mut ends = [DoubleDouble::from(-1e300), DoubleDouble::from(1e300)];
     let mut normals = [DVec3::ZERO; 2];
     let mut crossings = [Vec::new(), Vec::new()];
     for n in FACES {
         let slope = d.dot(n.into());
-        let t = (Dd::ONE - o.dot(n.into())) / slope;
-        crossings[usize::from(slope > Dd::ZERO)].push(t);
-        if slope < Dd::ZERO && t > ends[0] {
+        let t = (DoubleDouble::ONE - o.dot(n.into())) / slope;
+        crossings[usize::from(slope > DoubleDouble::ZERO)].push(t);
+        if slope < DoubleDouble::ZERO && t > ends[0] {
             (ends[0], normals[0]) = (t, n);
-        } else if slope > Dd::ZERO && t < ends[1] {
+        } else if slope > DoubleDouble::ZERO && t < ends[1] {
             (ends[1], normals[1]) = (t, n);
         }
     }
@@ -43,7 +43,7 @@ fn octahedron(o: Dd3, d: Dd3) -> ([Dd; 2], [DVec3; 2], [f64; 2]) {
 /// and that of f64 on the way.
 #[test]
 fn instance_hits_match_double_double_transforms() {
-    let ball = globe(0);
+    let ball = sphere_mesh(0);
     let mesh = Mesh { positions: ball.vertices, triangles: ball.faces, ..Mesh::default() };
     let mesh = Arc::new(IndexedMesh::new(mesh));
     maps().into_par_iter().for_each(|(name, map)| {
@@ -71,7 +71,7 @@ fn instance_hits_match_double_double_transforms() {
             let o = exact.point_back(origin.as_dvec3().into());
             let d = exact.back(ray.direction.as_dvec3().into());
             let (ends, normals, gaps) = octahedron(o, d);
-            let [enter, leave] = ends.map(Dd::value);
+            let [enter, leave] = ends.map(DoubleDouble::value);
             let blur = |end: usize| {
                 let along = d.value().dot(normals[end].normalize()).abs();
                 let world = origin.as_dvec3().length() + ends[end].value().abs() * f64::from(ray.direction.length());
@@ -106,7 +106,7 @@ fn instance_hits_match_double_double_transforms() {
                 // A corner of the face gives its plane. The point lies in the plane up to its
                 // stated error along each axis.
                 let corner = exact.point((DVec3::X * n.x).into());
-                let height = normal.dot((Dd3::from(s.p.as_dvec3()) - corner).value()).abs();
+                let height = normal.dot((DoubleDoubleVec::from(s.p.as_dvec3()) - corner).value()).abs();
                 (s.ng.as_dvec3() - normal).length() < 2e-7 && height <= normal.abs().dot(s.error.as_dvec3())
             };
             let right = if sure { is_it(&normals[end]) } else { FACES.iter().any(is_it) };
@@ -135,7 +135,7 @@ const FACES: [DVec3; 8] = [
 /// Rays from inside an instance hit it, at edges and corners too.
 #[test]
 fn instances_leak_no_rays() {
-    let closed = globe(3);
+    let closed = sphere_mesh(3);
     let positions = closed.vertices.clone();
     let mesh = Mesh { positions, triangles: closed.faces.clone(), ..Mesh::default() };
     let mesh = Arc::new(IndexedMesh::new(mesh));

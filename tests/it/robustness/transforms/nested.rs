@@ -1,7 +1,7 @@
 //! Transforms of the scene language, 64 deep, and singular ones.
 
-use super::dd::{Affine, Dd3};
-use super::shapes::{Own, truth};
+use super::dd::{Affine, DoubleDoubleVec};
+use super::shapes::{UnitShape, truth};
 use caustica::format::{SceneError, Source, parse, resolve};
 use caustica::math::{Ray, Transform, turn};
 use caustica::scene::{Effects, RayCone, Scene};
@@ -55,10 +55,10 @@ fn step(rng: &mut SmallRng, level: u32) -> (String, DAffine3) {
 #[test]
 fn shapes_64_transforms_deep_are_placed_correctly() {
     let shapes = [
-        (Own::Ball, "Sphere { center 0 0 0 radius 1 }"),
-        (Own::Disc, "Disc { center 0 0 0 normal 0 1 0 radius 1 }"),
-        (Own::Square, "Rectangle { corner -1 0 -1 edge0 0 0 2 edge1 2 0 0 }"),
-        (Own::Tube, "RevSurface { profile BezierCurve { controls [ 1 -1 0 ] [ 1 1 0 ] } }"),
+        (UnitShape::Ball, "Sphere { center 0 0 0 radius 1 }"),
+        (UnitShape::Disc, "Disc { center 0 0 0 normal 0 1 0 radius 1 }"),
+        (UnitShape::Square, "Rectangle { corner -1 0 -1 edge0 0 0 2 edge1 2 0 0 }"),
+        (UnitShape::Tube, "RevSurface { profile BezierCurve { controls [ 1 -1 0 ] [ 1 1 0 ] } }"),
     ];
     for (seed, (own, written)) in shapes.into_iter().enumerate() {
         let mut rng = SmallRng::seed_from_u64(40 + seed as u64);
@@ -71,7 +71,7 @@ fn shapes_64_transforms_deep_are_placed_correctly() {
         }
         write!(text, "{written} {} }}", "} }".repeat(64)).unwrap();
         let scene = scene(&text).unwrap();
-        let middle = Dd3::from(scene.origin());
+        let middle = DoubleDoubleVec::from(scene.origin());
         let whole = DAffine3::from_mat3_translation(
             DMat3::from_cols_array_2d(&exact.columns.map(|c| c.value().to_array())),
             exact.shift.value(),
@@ -90,7 +90,8 @@ fn shapes_64_transforms_deep_are_placed_correctly() {
             let origin = (if rng.random() { other + away * size } else { target + away * (3.0 * size) }).as_vec3();
             let Some(direction) = (target.as_vec3() - origin).try_normalize() else { continue };
             let ray = Ray::new(origin, direction);
-            let mut known = truth(own, &exact, Dd3::from(origin.as_dvec3()) + middle, direction.as_dvec3().into());
+            let mut known =
+                truth(own, &exact, DoubleDoubleVec::from(origin.as_dvec3()) + middle, direction.as_dvec3().into());
             if known.doubtful {
                 doubtful += 1;
                 continue;

@@ -1,6 +1,6 @@
 //! Shapes under transforms of condition number 10⁸, against double-double references.
 
-use super::dd::{Affine, Dd, Dd3};
+use super::dd::{Affine, DoubleDouble, DoubleDoubleVec};
 use super::maps::maps;
 use caustica::math::{Ray, Transform, offset_origin, warp};
 use caustica::shape::parametric::Basis;
@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 /// Shapes in object space.
 #[derive(Clone, Copy, Debug)]
-pub enum Own {
+pub enum UnitShape {
     /// The sphere |p| = 1.
     Ball,
     /// The disc y = 0 for x² + z² ≤ 1.
@@ -25,7 +25,7 @@ pub enum Own {
     Bowl,
 }
 
-impl Own {
+impl UnitShape {
     pub fn shape(self) -> Shape {
         match self {
             Self::Ball => Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)),
@@ -69,32 +69,32 @@ impl Own {
 
     /// Returns the coefficients c, b, a of F(o + t d) = c + 2 b t + a t². Its zeros are the surface
     /// without borders.
-    fn quadratic(self, o: Dd3, d: Dd3) -> [Dd; 3] {
+    fn quadratic(self, o: DoubleDoubleVec, d: DoubleDoubleVec) -> [DoubleDouble; 3] {
         let ([ox, oy, oz], [dx, dy, dz]) = (o.0, d.0);
-        let half = Dd::from(0.5);
+        let half = DoubleDouble::from(0.5);
         let round = [ox * ox + oz * oz, ox * dx + oz * dz, dx * dx + dz * dz];
         match self {
-            Self::Ball => [o.dot(o) - Dd::ONE, o.dot(d), d.dot(d)],
-            Self::Disc | Self::Square => [oy, dy * half, Dd::ZERO],
-            Self::Tube => [round[0] - Dd::ONE, round[1], round[2]],
+            Self::Ball => [o.dot(o) - DoubleDouble::ONE, o.dot(d), d.dot(d)],
+            Self::Disc | Self::Square => [oy, dy * half, DoubleDouble::ZERO],
+            Self::Tube => [round[0] - DoubleDouble::ONE, round[1], round[2]],
             Self::Bowl => [round[0] - oy, round[1] - dy * half, round[2]],
         }
     }
 
-    fn gradient(self, p: Dd3) -> Dd3 {
+    fn gradient(self, p: DoubleDoubleVec) -> DoubleDoubleVec {
         let [x, _, z] = p.0;
-        let two = Dd::from(2.0);
+        let two = DoubleDouble::from(2.0);
         match self {
             Self::Ball => p,
-            Self::Disc | Self::Square => Dd3([Dd::ZERO, Dd::ONE, Dd::ZERO]),
-            Self::Tube => Dd3([x, Dd::ZERO, z]),
-            Self::Bowl => Dd3([two * x, -Dd::ONE, two * z]),
+            Self::Disc | Self::Square => DoubleDoubleVec([DoubleDouble::ZERO, DoubleDouble::ONE, DoubleDouble::ZERO]),
+            Self::Tube => DoubleDoubleVec([x, DoubleDouble::ZERO, z]),
+            Self::Bowl => DoubleDoubleVec([two * x, -DoubleDouble::ONE, two * z]),
         }
     }
 
     /// Returns how far inside its borders a point is.
-    fn within(self, p: Dd3) -> f64 {
-        let [x, y, z] = p.0.map(Dd::value);
+    fn within(self, p: DoubleDoubleVec) -> f64 {
+        let [x, y, z] = p.0.map(DoubleDouble::value);
         match self {
             Self::Ball => 1.0,
             Self::Disc => 1.0 - libm::hypot(x, z),
@@ -130,28 +130,28 @@ const SPLINES: f64 = 256.0 * 32.0 * f64::EPSILON * 2.0;
 /// normal by at most twice as much, since no shape bends more sharply than radius ½. World normals
 /// turn by |M⁻¹| times that, over the length |M⁻ᵀn|. Flat shapes are stored by two world edges:
 /// each errs by ulps of |M|, over its distance from the other.
-pub fn truth(own: Own, exact: &Affine, origin: Dd3, direction: Dd3) -> Truth {
+pub fn truth(own: UnitShape, exact: &Affine, origin: DoubleDoubleVec, direction: DoubleDoubleVec) -> Truth {
     let (o, d) = (exact.point_back(origin), exact.back(direction));
     let [c, b, a] = own.quadratic(o, d);
     let discriminant = b * b - a * c;
     let roots = if a.value() == 0.0 {
         vec![-(c / (b + b))]
-    } else if discriminant < Dd::ZERO {
+    } else if discriminant < DoubleDouble::ZERO {
         vec![]
     } else {
         let root = discriminant.sqrt();
         vec![(-b - root) / a, (-b + root) / a]
     };
-    let lengths = |v: [Dd3; 3]| v.map(|c| c.value().length_squared()).iter().sum::<f64>().sqrt();
+    let lengths = |v: [DoubleDoubleVec; 3]| v.map(|c| c.value().length_squared()).iter().sum::<f64>().sqrt();
     let (stretch, shrink) = (lengths(exact.columns), lengths(exact.inverse_rows()));
     let place = exact.shift.value().length();
     let (from, pace) = (origin.value().length(), direction.value().length());
-    let flat = matches!(own, Own::Disc | Own::Square);
-    let splines = if matches!(own, Own::Tube | Own::Bowl) { SPLINES } else { 0.0 };
+    let flat = matches!(own, UnitShape::Disc | UnitShape::Square);
+    let splines = if matches!(own, UnitShape::Tube | UnitShape::Bowl) { SPLINES } else { 0.0 };
     let [x, y, z] = exact.columns;
     let volume = x.dot(y.cross(z)).value().abs();
     // For a miss: where the ray is nearest to the shape.
-    let middle = if a.value() == 0.0 { Dd::ZERO } else { -(b / a) };
+    let middle = if a.value() == 0.0 { DoubleDouble::ZERO } else { -(b / a) };
     let mut truth = Truth { t: None, blur: 0.0, hit: DVec3::ZERO, normal: DVec3::Y, turn: 0.0, doubtful: false };
     let reach = |t: f64| from + t.abs() * pace + place + stretch;
     let noise = |t: f64| ROUNDINGS * shrink * reach(t) + splines;
@@ -190,11 +190,11 @@ pub fn truth(own: Own, exact: &Affine, origin: Dd3, direction: Dd3) -> Truth {
 /// error, for a hit expected at `hit` in object space.
 ///
 /// `None` if rounding to f32 moves the point so far that the shape curves away under it.
-fn strays(own: Own, exact: &Affine, s: &SurfacePoint, hit: DVec3) -> Option<f64> {
-    let p = exact.point_back(Dd3::from(s.p.as_dvec3()));
-    let [value, ..] = own.quadratic(p, Dd3::from(DVec3::ZERO));
+fn distance_off_shape(own: UnitShape, exact: &Affine, s: &SurfacePoint, hit: DVec3) -> Option<f64> {
+    let p = exact.point_back(DoubleDoubleVec::from(s.p.as_dvec3()));
+    let [value, ..] = own.quadratic(p, DoubleDoubleVec::from(DVec3::ZERO));
     let gradient = own.gradient(p);
-    let half = if matches!(own, Own::Ball | Own::Tube) { 0.5 } else { 1.0 };
+    let half = if matches!(own, UnitShape::Ball | UnitShape::Tube) { 0.5 } else { 1.0 };
     let moved = (p.value() - hit).length();
     let off = half * (value.value().abs() - 2.0 * moved * moved).max(0.0) / exact.normal(gradient).value().length();
     (moved < 0.1).then(|| off / f64::from(s.ng.abs().dot(s.error)))
@@ -204,8 +204,8 @@ fn strays(own: Own, exact: &Affine, s: &SurfacePoint, hit: DVec3) -> Option<f64>
 /// its stated error, and a ray that leaves it outwards does not hit the shape again.
 #[test]
 fn shape_hits_match_double_double_transforms() {
-    let shapes = [Own::Ball, Own::Disc, Own::Square, Own::Tube, Own::Bowl];
-    let cases: Vec<(Own, &str, DAffine3)> =
+    let shapes = [UnitShape::Ball, UnitShape::Disc, UnitShape::Square, UnitShape::Tube, UnitShape::Bowl];
+    let cases: Vec<(UnitShape, &str, DAffine3)> =
         shapes.into_iter().flat_map(|own| maps().into_iter().map(move |(name, map)| (own, name, map))).collect();
     cases.into_par_iter().for_each(|(own, name, map)| {
         let transform = Transform::new(map).unwrap();
@@ -239,10 +239,10 @@ fn shape_hits_match_double_double_transforms() {
             let s = shape.surface(&ray, t, Vec2::new(u, v));
             let turned = s.ng.as_dvec3().cross(known.normal).length();
             assert!(turned <= known.turn, "{own:?} {name} {ray:?}: turned by {turned:e} of {:e}", known.turn);
-            if let Some(off) = strays(own, &exact, &s, known.hit) {
+            if let Some(off) = distance_off_shape(own, &exact, &s, known.hit) {
                 assert!(off <= 1.0, "{own:?} {name} {ray:?}: {off} errors off");
             }
-            if matches!(own, Own::Ball | Own::Disc | Own::Square) {
+            if matches!(own, UnitShape::Ball | UnitShape::Disc | UnitShape::Square) {
                 let out = warp::sphere(Vec2::new(rng.random(), rng.random()));
                 let out = if out.dot(s.ng) < 0.0 { -out } else { out };
                 let next = Ray::new(offset_origin(s.p, s.error, s.ng, out), out);

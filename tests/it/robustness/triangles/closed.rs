@@ -7,7 +7,7 @@ use std::collections::HashMap;
 use std::f32::consts::TAU;
 
 /// A mesh without a boundary. Its triangles are counter-clockwise seen from outside.
-pub struct Closed {
+pub struct ClosedMesh {
     pub name: &'static str,
     pub vertices: Vec<Vec3>,
     pub faces: Vec<[u32; 3]>,
@@ -15,7 +15,7 @@ pub struct Closed {
     pub inside: fn(&mut SmallRng) -> Vec3,
 }
 
-impl Closed {
+impl ClosedMesh {
     /// Returns the corners of each triangle under `map`.
     pub fn corners(&self, map: impl Fn(Vec3) -> Vec3) -> Vec<[Vec3; 3]> {
         let placed: Vec<Vec3> = self.vertices.iter().map(|v| map(*v)).collect();
@@ -28,25 +28,25 @@ pub fn point(rng: &mut SmallRng) -> Vec3 {
     Vec3::new(rng.random(), rng.random(), rng.random()) * 2.0 - 1.0
 }
 
-pub fn cube() -> Closed {
+pub fn cube() -> ClosedMesh {
     let vertices =
         (0..8).map(|i| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32) * 2.0 - 1.0).collect();
     let quads = [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
     let faces = quads.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
-    Closed { name: "cube", vertices, faces, inside: |rng| point(rng) * 0.9 }
+    ClosedMesh { name: "cube", vertices, faces, inside: |rng| point(rng) * 0.9 }
 }
 
 /// Returns a cube rotated so that no face is perpendicular to an axis.
-pub fn turned_cube() -> Closed {
+pub fn turned_cube() -> ClosedMesh {
     let turn = Quat::from_xyzw(0.1, 0.5, -0.3, 0.8).normalize();
-    let Closed { vertices, faces, .. } = cube();
+    let ClosedMesh { vertices, faces, .. } = cube();
     let vertices = vertices.into_iter().map(|v| turn * v).collect();
-    Closed { name: "turned cube", vertices, faces, inside: |rng| point(rng) * 0.5 }
+    ClosedMesh { name: "turned cube", vertices, faces, inside: |rng| point(rng) * 0.5 }
 }
 
 /// Returns a sphere: an octahedron whose faces are split in four `levels` times, projected to the
 /// unit sphere.
-pub fn globe(levels: u32) -> Closed {
+pub fn sphere_mesh(levels: u32) -> ClosedMesh {
     let mut vertices = vec![Vec3::X, Vec3::Y, Vec3::Z, -Vec3::X, -Vec3::Y, -Vec3::Z];
     let mut faces: Vec<[u32; 3]> =
         vec![[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]];
@@ -64,11 +64,11 @@ pub fn globe(levels: u32) -> Closed {
         };
         faces = faces.iter().flat_map(cut).collect();
     }
-    Closed { name: "globe", vertices, faces, inside: |rng| point(rng) * 0.5 }
+    ClosedMesh { name: "globe", vertices, faces, inside: |rng| point(rng) * 0.5 }
 }
 
 /// Returns a closed grid on a torus of radii 1 and .4.
-pub fn torus(n: u32, m: u32) -> Closed {
+pub fn torus_mesh(n: u32, m: u32) -> ClosedMesh {
     let turn = |i: u32, n: u32| libm::sincosf(TAU * i as f32 / n as f32);
     let place = |i: u32, j: u32| {
         let ((s, c), (h, r)) = (turn(i, n), turn(j, m));
@@ -84,12 +84,12 @@ pub fn torus(n: u32, m: u32) -> Closed {
         let (s, c) = libm::sincosf(rng.random_range(0.0..TAU));
         Vec3::new(c, s, 0.0) + point(rng) * 0.1
     };
-    Closed { name: "torus", vertices: cells().map(|(i, j)| place(i, j)).collect(), faces: faces.collect(), inside }
+    ClosedMesh { name: "torus", vertices: cells().map(|(i, j)| place(i, j)).collect(), faces: faces.collect(), inside }
 }
 
 /// Returns a cone around z whose rings grow tenfold from 10⁻⁶ to 10⁶, so that adjacent triangles
 /// span twelve orders of size.
-pub fn horn() -> Closed {
+pub fn growing_cone() -> ClosedMesh {
     const SIDES: u32 = 12;
     let rings = -6..=6;
     let mut vertices = vec![Vec3::ZERO];
@@ -114,5 +114,5 @@ pub fn horn() -> Closed {
         let z = libm::powf(10.0, rng.random_range(-5.5..5.5));
         Vec3::new(0.4 * point(rng).x, 0.4 * point(rng).y, 1.0) * z
     };
-    Closed { name: "horn", vertices, faces, inside }
+    ClosedMesh { name: "horn", vertices, faces, inside }
 }

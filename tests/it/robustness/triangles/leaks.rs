@@ -1,6 +1,6 @@
 //! A hundred million rays at edges and corners of closed meshes.
 
-use super::closed::{Closed, cube, globe, horn, torus, turned_cube};
+use super::closed::{ClosedMesh, cube, growing_cone, sphere_mesh, torus_mesh, turned_cube};
 use caustica::accel::Hierarchy;
 use caustica::math::Ray;
 use glam::Vec3;
@@ -16,7 +16,7 @@ const RAYS: u64 = 100_000_000;
 /// Targets are corners, middles of edges and points on edges in f32: each lies beside the edge by
 /// its own rounding. From inside, every ray must hit. From outside of a `convex` mesh, every
 /// segment to a point inside must.
-fn leaks(mesh: &Closed, convex: bool, map: impl Fn(Vec3) -> Vec3, rays: u64, seed: u64) -> u64 {
+fn leaks(mesh: &ClosedMesh, convex: bool, map: impl Fn(Vec3) -> Vec3, rays: u64, seed: u64) -> u64 {
     let mut rng = SmallRng::seed_from_u64(seed);
     let corners = mesh.corners(&map);
     let tree = Hierarchy::build(&corners, &[]);
@@ -60,14 +60,14 @@ fn hundred_million_rays_pass_no_edge() {
         |p| (p + 1e4 * BESIDE) * 1e6,
     ];
     let slivers: [Place; 2] = [|p| p * Vec3::new(1.0, 1.0, 1e5), |p| p * Vec3::new(1.0, 1e-5, 1.0)];
-    let (box_, turned, ball, fine, ring) = (cube(), turned_cube(), globe(2), globe(5), torus(60, 30));
-    let mut cases: Vec<(&Closed, bool, Place)> = Vec::new();
+    let (box_, turned, ball, fine, ring) = (cube(), turned_cube(), sphere_mesh(2), sphere_mesh(5), torus_mesh(60, 30));
+    let mut cases: Vec<(&ClosedMesh, bool, Place)> = Vec::new();
     for place in places {
         cases.extend([(&box_, true, place), (&turned, true, place), (&ball, true, place), (&ring, false, place)]);
     }
     cases.extend(slivers.iter().flat_map(|place| [(&box_, true, *place), (&ball, true, *place)]));
     cases.push((&fine, true, places[0]));
-    let cone = horn();
+    let cone = growing_cone();
     // From afar the rounding of a direction is wider than the cone's tip. Only rays from inside
     // must hit.
     cases.push((&cone, false, places[0]));

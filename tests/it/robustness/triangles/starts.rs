@@ -1,6 +1,6 @@
 //! Rays that start where others end: on a surface, at an edge, in a corner.
 
-use super::closed::{Closed, cube, globe, point, torus, turned_cube};
+use super::closed::{ClosedMesh, cube, point, sphere_mesh, torus_mesh, turned_cube};
 use caustica::accel::{Hierarchy, Primitive};
 use caustica::math::{Ray, Transform, offset_origin, turn};
 use caustica::shape::{Mesh, Rectangle, Shape, SurfacePoint};
@@ -15,7 +15,7 @@ struct Walls {
 }
 
 impl Walls {
-    fn new(closed: &Closed, map: impl Fn(Vec3) -> Vec3) -> Self {
+    fn new(closed: &ClosedMesh, map: impl Fn(Vec3) -> Vec3) -> Self {
         let positions: Vec<Vec3> = closed.vertices.iter().map(|v| map(*v)).collect();
         let mesh = Mesh { positions, triangles: closed.faces.clone(), ..Mesh::default() };
         Self { mesh, tree: Hierarchy::build(&closed.corners(map), &[]) }
@@ -47,15 +47,15 @@ fn places() -> Vec<fn(Vec3) -> Vec3> {
     vec![|p| p, |p| p * 1e-6, |p| p * 1e6, |p| (p + BESIDE) * 3.0]
 }
 
-fn walled() -> [Closed; 4] {
-    [cube(), turned_cube(), globe(3), torus(40, 20)]
+fn walled() -> [ClosedMesh; 4] {
+    [cube(), turned_cube(), sphere_mesh(3), torus_mesh(40, 20)]
 }
 
 /// A ray that leaves a triangle never hits it again. One that leaves into a closed mesh hits the
 /// mesh, though it starts within rounding of a right-angled edge or of a corner.
 #[test]
 fn rays_leaving_edge_inwards_do_not_escape() {
-    let run = |(closed, map): (Closed, fn(Vec3) -> Vec3)| {
+    let run = |(closed, map): (ClosedMesh, fn(Vec3) -> Vec3)| {
         let walls = Walls::new(&closed, map);
         let mut rng = SmallRng::seed_from_u64(3);
         let (mut left, mut lost, mut again) = (0, 0, 0);
@@ -86,7 +86,7 @@ fn rays_leaving_edge_inwards_do_not_escape() {
 /// `t`, and the lower index wins.
 #[test]
 fn entries_and_exits_of_bodies_balance() {
-    let run = |(closed, map): (Closed, fn(Vec3) -> Vec3)| {
+    let run = |(closed, map): (ClosedMesh, fn(Vec3) -> Vec3)| {
         let walls = Walls::new(&closed, map);
         let mut rng = SmallRng::seed_from_u64(4);
         let mut crossings = 0;
