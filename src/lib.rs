@@ -62,10 +62,13 @@
 //!
 //! 1. The reconstruction filter samples a point of a pixel, and the
 //!    [`Camera`] makes a ray through it.
-//! 2. The path follows specular surfaces. Glass splits the path while both parts matter.
-//! 3. [`Algorithm::Hybrid`] adds at a diffuse surface: emission, direct light by next-event
-//!    estimation, and the caustic photon estimate
-//!    ([`PhotonMap::estimate`](photon::PhotonMap::estimate)). The path then continues.
+//! 2. The path follows casters, for example glass and mirrors
+//!    ([`Bsdf::casts_caustics`](bsdf::Bsdf::casts_caustics)). Smooth glass splits the path while
+//!    both parts matter.
+//! 3. [`Algorithm::Hybrid`] adds at a surface that stores photons: emission, and direct light by
+//!    next-event estimation. One path per pixel also adds, at its first such surface, the estimates
+//!    from both photon maps ([`PhotonMap::estimate`](photon::PhotonMap::estimate)). The path then
+//!    continues.
 //! 4. [`render()`] returns the mean of passes whose photon gather radii shrink.
 
 #[doc(hidden)]

@@ -10,7 +10,7 @@ mod it {
 use caustica::cli::{Arguments, Command, Exit};
 use caustica::format::grid::{self, Encoding, Grid};
 use caustica::format::mesh::{self, MeshFormat};
-use caustica::format::{Source, parse, resolve};
+use caustica::format::{SourceText, parse, resolve};
 use caustica::image::{self, Image, WriteOptions};
 use caustica::integrate::{Algorithm, Settings, Silent};
 use clap::{CommandFactory, Parser};
@@ -342,7 +342,7 @@ fn scenes_of_language_page_render() {
     for (i, text) in scenes.iter().enumerate() {
         let mut description = parse("scene-language.md", text).unwrap();
         (description.camera.value.width, description.camera.value.height) = (32, 24);
-        let scene = resolve(&description, &Source::new("scene-language.md", text), folder.path()).unwrap();
+        let scene = resolve(&description, &SourceText::new("scene-language.md", text), folder.path()).unwrap();
         let ray_cast = Algorithm::Raycast.prepare(&scene, Settings::default());
         let image = ray_cast.pass(0, &Silent).image;
         assert!(image.iter().all(|p| p.is_finite()) && image.iter().any(|p| *p != scene.background()), "scene {i}");

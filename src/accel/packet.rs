@@ -65,7 +65,7 @@ impl Packet {
 
     /// Mask of the lanes whose edge functions do not differ in sign.
     ///
-    /// It includes all hits, and near misses in which a difference of products rounds to zero.
+    /// The mask includes all hits, and near misses in which a difference of products rounds to zero.
     /// Rounding is monotone, so without fused operations a sign may be lost but is never wrong.
     #[inline]
     pub fn candidates(&self, precalc: &RayPrecalc) -> u32 {

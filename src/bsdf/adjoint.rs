@@ -9,8 +9,8 @@ use glam::Vec3;
 impl BsdfSample {
     /// Factor of a light path's throughput besides `weight`, with `wo` to the previous vertex.
     ///
-    /// It is [`shading_normal_factor`], or 1 if the shading normal took no part. There the quotient
-    /// would be wrong, and its mean infinite under steep normals.
+    /// The factor is [`shading_normal_factor`], or 1 if the shading normal took no part. In the
+    /// latter case the quotient would be wrong, and its mean infinite under steep normals.
     #[inline]
     #[must_use]
     pub fn adjoint(&self, wo: Vec3, ns: Vec3, ng: Vec3) -> f32 {

@@ -84,8 +84,8 @@ impl Ggx {
 
     /// Samples a unit facet normal by the area visible from `wo`, which is on the side of `n`.
     ///
-    /// It samples the spherical cap of directions that a unit hemisphere reflects (Dupuy and
-    /// Benyoub 2023).
+    /// The method samples the spherical cap of directions that a unit hemisphere reflects (Dupuy
+    /// and Benyoub 2023).
     #[inline]
     pub(super) fn sample_visible(self, wo: DVec3, n: Vec3, u: Vec2) -> DVec3 {
         let frame = Frame::around(n);

@@ -95,8 +95,8 @@ impl Bsdf {
     /// A dielectric interface with relative index `eta` (inside over outside) and roughness α in
     /// \[0, 1].
     ///
-    /// It is smooth below [`SMOOTH_ALPHA`], and where an index near 1 refracts so little that
-    /// roughness has no effect.
+    /// The interface is smooth if α is below [`SMOOTH_ALPHA`], or if an index near 1 refracts so
+    /// little that roughness has no effect.
     #[must_use]
     pub fn dielectric(eta: f32, alpha: f32) -> Self {
         if alpha < SMOOTH_ALPHA || alpha * (eta - 1.0).abs() < MIN_LOBE_WIDTH {
@@ -138,8 +138,8 @@ impl Bsdf {
         }
     }
 
-    /// True if photons are stored here, for density estimates that evaluate the BSDF for each
-    /// photon.
+    /// True for a *receiver*: photons are stored here, for density estimates that evaluate the BSDF
+    /// for each photon.
     ///
     /// The noise of such an estimate grows as the lobe narrows. Diffuse and Phong BSDFs store
     /// photons, and so do conductors rougher than [`STORED_ALPHA`]. On smoother conductors few
@@ -155,8 +155,11 @@ impl Bsdf {
         }
     }
 
-    /// True if light that it scatters is a caustic. Every BSDF stores photons, or casts caustics,
-    /// or is black.
+    /// True for a *caster*: light that it scatters to a receiver is a caustic. Every BSDF is a
+    /// receiver ([`stores_photons`](Self::stores_photons)), or a caster, or black.
+    ///
+    /// Casters are mirrors, dielectrics and thin panes of any roughness, and conductors of roughness
+    /// α up to [`STORED_ALPHA`].
     ///
     /// Camera paths continue where no photons are stored. Light paths through such vertices belong
     /// to the caustic map, so that each path counts once, however broad the lobe.
@@ -168,7 +171,7 @@ impl Bsdf {
 
     /// Spread that scattering here adds to a ray cone, as a tangent; 0 for deltas.
     ///
-    /// It is about a fifth of the lobe's width, as many paths sample one lobe.
+    /// The spread is about a fifth of the lobe's width, as many paths sample one lobe.
     #[inline]
     #[must_use]
     pub fn blur(&self) -> f32 {
@@ -182,7 +185,7 @@ impl Bsdf {
 
     /// f(wo, wi) \[1/sr], without the cosine; 0 for deltas.
     ///
-    /// It is 0 too where `ns` and `ng` disagree on whether `wo` and `wi` lie on one side.
+    /// The value is also 0 if `ns` and `ng` disagree on whether `wo` and `wi` lie on one side.
     #[inline]
     #[must_use]
     pub fn evaluate(&self, wo: Vec3, wi: Vec3, ns: Vec3, ng: Vec3, transport: Transport) -> Rgb {

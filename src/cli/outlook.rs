@@ -20,7 +20,8 @@ pub(super) fn error_text(estimate: &ErrorEstimate) -> String {
     format!("{} (noise {}, bias {})", percent(estimate.error), percent(estimate.noise), percent(estimate.bias))
 }
 
-/// The time until the estimated error is `aim`, shown as `shown`, at `pass_seconds` a pass.
+/// Text about the time until the estimated error is `aim`. `shown` is the text of `aim`, and
+/// `pass_seconds` the time of a pass \[s].
 ///
 /// Empty if the estimated error is 0.
 pub(super) fn time_to_target_text(

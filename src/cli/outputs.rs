@@ -47,17 +47,17 @@ pub(super) fn check_distinct(outputs: &[NamedFile], inputs: &[NamedFile]) -> Res
 pub(super) struct OutputFailures(Vec<Report>);
 
 impl OutputFailures {
-    /// Keeps the error of a result; `None` if it is one.
+    /// Returns the value of `result`; `None` if it is an error, which is collected.
     pub fn take_ok<T>(&mut self, result: Result<T, impl std::error::Error + Send + Sync + 'static>) -> Option<T> {
         result.map_err(|error| self.0.push(Report::from_err(error))).ok()
     }
 
-    /// Keeps the report of a result; `None` if it is one.
+    /// Returns the value of `result`; `None` if it is a report, which is collected.
     pub fn take_ok_report<T>(&mut self, result: miette::Result<T>) -> Option<T> {
         result.map_err(|report| self.0.push(report)).ok()
     }
 
-    /// `exit` if every output was written.
+    /// Returns `exit` if every output was written, else the collected failures.
     pub fn finish(self, exit: Exit) -> Result<Exit, Failure> {
         if self.0.is_empty() { Ok(exit) } else { Err(Failure { reports: self.0, exit: Exit::Output }) }
     }

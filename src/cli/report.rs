@@ -49,7 +49,7 @@ pub(super) struct ErrorReport {
     confidence: Confidence,
     /// Total passes at which the error is half as large; `None` if no number of passes is enough.
     halving_passes: Option<u32>,
-    /// Time that the remaining ones of these passes take \[s].
+    /// Time of the passes still missing until the error is half as large \[s].
     halving_seconds: Option<f64>,
 }
 

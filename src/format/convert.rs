@@ -1,7 +1,8 @@
 //! Writing any imported scene as scene text, with the meshes and pictures that it holds beside it.
 
 use super::description::{
-    Density, Description, Group, Item, MaterialKind, NormalPerturbation, Object, Shape, Spanned, TextureKind,
+    Density, Description, Group, GroupItem, MaterialKindDescription, NormalPerturbationDescription, ObjectDescription,
+    ShapeDescription, Spanned, TextureKindDescription,
 };
 use super::file::SceneFile;
 use super::mesh::TriangleMesh;
@@ -78,8 +79,8 @@ fn for_each_path(description: &mut Description, visit: &mut impl FnMut(&mut Stri
     let textures: Vec<String> = description.textures.iter().map(|texture| texture.name.clone()).collect();
     for texture in &mut description.textures {
         match &mut texture.value.kind {
-            TextureKind::Image { path, .. } => visit(&mut path.value),
-            TextureKind::Checker { .. } | TextureKind::Solid { .. } => {}
+            TextureKindDescription::Image { path, .. } => visit(&mut path.value),
+            TextureKindDescription::Checker { .. } | TextureKindDescription::Solid { .. } => {}
         }
     }
     for medium in &mut description.media {
@@ -95,13 +96,13 @@ fn for_each_path(description: &mut Description, visit: &mut impl FnMut(&mut Stri
         }
     };
     for material in &mut description.materials {
-        if let MaterialKind::Phong { texture: Some(texture), .. } = &mut material.value.kind {
+        if let MaterialKindDescription::Phong { texture: Some(texture), .. } = &mut material.value.kind {
             visit_path(texture);
         }
         match &mut material.value.relief {
-            Some(NormalPerturbation::Bump { texture, .. } | NormalPerturbation::NormalMap(texture)) => {
-                visit_path(texture)
-            }
+            Some(
+                NormalPerturbationDescription::Bump { texture, .. } | NormalPerturbationDescription::NormalMap(texture),
+            ) => visit_path(texture),
             None => {}
         }
     }
@@ -111,18 +112,20 @@ fn for_each_path(description: &mut Description, visit: &mut impl FnMut(&mut Stri
 fn group_paths(group: &mut Group, visit: &mut impl FnMut(&mut String)) {
     for item in &mut group.items {
         match item {
-            Item::Object(object) => object_paths(&mut object.value, visit),
-            Item::MaterialIndex(_) | Item::MaterialName(_) => {}
+            GroupItem::Object(object) => object_paths(&mut object.value, visit),
+            GroupItem::MaterialIndex(_) | GroupItem::MaterialName(_) => {}
         }
     }
 }
 
-fn object_paths(object: &mut Object, visit: &mut impl FnMut(&mut String)) {
+fn object_paths(object: &mut ObjectDescription, visit: &mut impl FnMut(&mut String)) {
     match object {
-        Object::Group(group) => group_paths(group, visit),
-        Object::Transform { object, .. } | Object::Moving { object, .. } => object_paths(&mut object.value, visit),
-        Object::Shape { shape: Shape::Mesh { path, .. }, .. } => visit(&mut path.value),
-        Object::Shape { .. } => {}
+        ObjectDescription::Group(group) => group_paths(group, visit),
+        ObjectDescription::Transform { object, .. } | ObjectDescription::Moving { object, .. } => {
+            object_paths(&mut object.value, visit)
+        }
+        ObjectDescription::Shape { shape: ShapeDescription::Mesh { path, .. }, .. } => visit(&mut path.value),
+        ObjectDescription::Shape { .. } => {}
     }
 }
 

@@ -17,12 +17,12 @@ const UNDERLINED: usize = 80;
 
 /// Text of a scene file with the file's name; cheap to clone.
 #[derive(Clone, Debug)]
-pub struct Source {
+pub struct SourceText {
     name: Arc<str>,
     text: Arc<str>,
 }
 
-impl Source {
+impl SourceText {
     /// A source of `text`, as read from the file `name`.
     #[must_use]
     pub fn new(name: &str, text: &str) -> Self {
@@ -59,7 +59,7 @@ impl Source {
     }
 }
 
-impl SourceCode for Source {
+impl SourceCode for SourceText {
     fn read_span<'a>(
         &'a self,
         span: &SourceSpan,
@@ -112,10 +112,10 @@ impl Display for SceneError {
 
 #[derive(Clone, Debug)]
 struct Parts {
-    source: Source,
+    source: SourceText,
     span: Span,
     /// Text and span with control characters escaped, if there are any near the span.
-    escaped: Option<(Source, Span)>,
+    escaped: Option<(SourceText, Span)>,
     message: String,
     label: Option<String>,
     help: String,
@@ -130,7 +130,7 @@ impl SceneError {
     /// the remedy.
     #[must_use]
     pub fn at(
-        source: &Source,
+        source: &SourceText,
         span: Span,
         message: impl Into<String>,
         label: impl Into<String>,
@@ -141,14 +141,14 @@ impl SceneError {
 
     /// An error of the file as a whole, at its first character.
     #[must_use]
-    pub fn of_file(source: &Source, message: impl Into<String>, help: impl Into<String>) -> Self {
+    pub fn of_file(source: &SourceText, message: impl Into<String>, help: impl Into<String>) -> Self {
         Self::new(source, Span::default(), message.into(), None, help.into())
     }
 
     /// An error of an imported file without a position in a text.
     #[must_use]
     pub fn without_position(file: &str, message: impl Into<String>, help: impl Into<String>) -> Self {
-        let mut error = Self::of_file(&Source::new(file, ""), message, help);
+        let mut error = Self::of_file(&SourceText::new(file, ""), message, help);
         (error.0.line, error.0.column) = (0, 0);
         error
     }
@@ -173,7 +173,7 @@ impl SceneError {
         &self.0.others
     }
 
-    fn new(source: &Source, span: Span, message: String, label: Option<String>, help: String) -> Self {
+    fn new(source: &SourceText, span: Span, message: String, label: Option<String>, help: String) -> Self {
         // Underline within the line and the text only, wherever the span came from.
         let text = source.text();
         let start = text.floor_char_boundary(span.start.min(text.len()));
@@ -265,7 +265,7 @@ impl Diagnostic for SceneError {
 /// characters near the span.
 ///
 /// A terminal must not obey what a scene file holds.
-fn escape(source: &Source, span: Span) -> Option<(Source, Span)> {
+fn escape(source: &SourceText, span: Span) -> Option<(SourceText, Span)> {
     let text = source.text();
     let is_unsafe = |c: char| c.is_control() && !['\n', '\r', '\t'].contains(&c);
     let from = text.floor_char_boundary(span.start.saturating_sub(WINDOW));
@@ -281,7 +281,7 @@ fn escape(source: &Source, span: Span) -> Option<(Source, Span)> {
         (escape(&text[from..span.start]), escape(&text[span.start..end]), escape(&text[end..to]));
     let span = Span { start: from + before.len(), len: inside.len() };
     let text = format!("{}{before}{inside}{after}{}", &text[..from], &text[to..]);
-    Some((Source::new(source.name(), &text), span))
+    Some((SourceText::new(source.name(), &text), span))
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use super::import::{Assets, Imported, ReadError, SceneImporter};
 use super::mesh::ReadMonitor;
 use super::resolve::resolve_assets;
 use super::text::SceneText;
-use super::{Source, warnings};
+use super::{SourceText, warnings};
 use crate::scene::Scene;
 use crate::stats::Memory;
 use std::path::{Path, PathBuf};
@@ -20,7 +20,7 @@ pub struct SceneFile {
     /// The scene.
     pub description: Description,
     /// The file's text, for errors.
-    pub source: Source,
+    pub source: SourceText,
     /// Meshes and pictures that the file itself holds.
     pub assets: Assets,
     folder: PathBuf,

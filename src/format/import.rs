@@ -2,7 +2,7 @@
 
 use super::description::Description;
 use super::mesh::TriangleMesh;
-use super::{SceneError, Source};
+use super::{SceneError, SourceText};
 use crate::image::Image;
 use crate::stats::{Memory, bytes};
 use std::collections::BTreeMap;
@@ -33,7 +33,7 @@ pub struct Imported {
     /// The scene.
     pub description: Description,
     /// The text that the description's spans refer to; empty if the format is not text.
-    pub source: Source,
+    pub source: SourceText,
     /// Meshes and pictures that the file itself holds.
     pub assets: Assets,
 }

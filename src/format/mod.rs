@@ -7,7 +7,6 @@ mod file;
 pub mod grid;
 mod import;
 mod language;
-mod map;
 pub mod mesh;
 pub mod mtl;
 mod problem;
@@ -15,10 +14,11 @@ mod resolve;
 #[cfg(test)]
 mod tests;
 mod text;
+mod transform_step;
 mod warnings;
 
 pub use convert::Conversion;
-pub use error::{SceneError, Source};
+pub use error::{SceneError, SourceText};
 pub use file::{IMPORTERS, SceneFile};
 pub use import::{Assets, Imported, ReadError, SceneImporter};
 pub use language::{parse, parse_bytes, with_reference};

@@ -2,7 +2,7 @@
 
 use super::import::{Assets, Imported, ReadError, SceneImporter};
 use super::language::parse_bytes;
-use super::{SceneError, Source};
+use super::{SceneError, SourceText};
 use crate::image::open_file;
 use crate::stats::Memory;
 use std::io::Read;
@@ -50,7 +50,7 @@ impl SceneImporter for SceneText {
         let mut bytes = Vec::new();
         file.read_to_end(&mut bytes).map_err(unreadable)?;
         let description = parse_bytes(&name, &bytes)?;
-        let source = Source::new(&name, &String::from_utf8_lossy(&bytes));
+        let source = SourceText::new(&name, &String::from_utf8_lossy(&bytes));
         Ok(Imported { description, source, assets: Assets::default() })
     }
 }

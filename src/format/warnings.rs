@@ -1,8 +1,9 @@
 //! Warnings about a scene that is valid, but probably not as intended.
 
-use super::Source;
+use super::SourceText;
 use super::description::{
-    Description, Emission, Group, Item, Material, MaterialKind, NormalPerturbation, Object, Shape, Span, Spanned, Value,
+    Description, Emission, Group, GroupItem, MaterialDescription, MaterialKindDescription,
+    NormalPerturbationDescription, ObjectDescription, ShapeDescription, Span, Spanned, TexturedValue,
 };
 use super::import::Assets;
 use super::mesh::{self, MeshReport};
@@ -13,7 +14,7 @@ use std::path::Path;
 /// Returns warnings, one line each, in the order of the text.
 ///
 /// Meshes of dielectrics are read again; one that cannot be read is the resolver's to report.
-pub(super) fn warnings(description: &Description, source: &Source, folder: &Path, assets: &Assets) -> Vec<String> {
+pub(super) fn warnings(description: &Description, source: &SourceText, folder: &Path, assets: &Assets) -> Vec<String> {
     let uses = Uses::of(description);
     let mut found = unused(description, &uses);
     for (path, span) in &uses.dielectric_meshes {
@@ -33,12 +34,12 @@ pub(super) fn warnings(description: &Description, source: &Source, folder: &Path
 }
 
 /// Returns warnings about unused textures and materials, one line each, in the order of the text.
-pub(super) fn unused_warnings(description: &Description, source: &Source) -> Vec<String> {
+pub(super) fn unused_warnings(description: &Description, source: &SourceText) -> Vec<String> {
     lines(unused(description, &Uses::of(description)), source)
 }
 
 /// Returns one line for each message, in the order of the text.
-fn lines(mut found: Vec<(Span, String)>, source: &Source) -> Vec<String> {
+fn lines(mut found: Vec<(Span, String)>, source: &SourceText) -> Vec<String> {
     found.sort_by_key(|(span, _)| span.start);
     found.into_iter().map(|(span, message)| source.warning(span, &message)).collect()
 }
@@ -101,28 +102,28 @@ impl<'a> Uses<'a> {
     fn group(&mut self, description: &'a Description, group: &'a Group, material: &mut usize) {
         for item in &group.items {
             match item {
-                Item::MaterialIndex(index) => *material = index.value as usize,
-                Item::MaterialName(name) => {
-                    let named = |m: &Spanned<Material>| m.name.as_deref() == Some(name.as_str());
+                GroupItem::MaterialIndex(index) => *material = index.value as usize,
+                GroupItem::MaterialName(name) => {
+                    let named = |m: &Spanned<MaterialDescription>| m.name.as_deref() == Some(name.as_str());
                     *material = description.materials.iter().position(named).unwrap_or(*material);
                 }
-                Item::Object(object) => self.object(description, object, material),
+                GroupItem::Object(object) => self.object(description, object, material),
             }
         }
     }
 
     /// Collects the uses of an object.
-    fn object(&mut self, description: &'a Description, object: &'a Spanned<Object>, material: &mut usize) {
+    fn object(&mut self, description: &'a Description, object: &'a Spanned<ObjectDescription>, material: &mut usize) {
         match &object.value {
-            Object::Group(group) => self.group(description, group, material),
-            Object::Transform { object, .. } | Object::Moving { object, .. } => {
+            ObjectDescription::Group(group) => self.group(description, group, material),
+            ObjectDescription::Transform { object, .. } | ObjectDescription::Moving { object, .. } => {
                 self.object(description, object, material);
             }
-            Object::Shape { shape, .. } => {
+            ObjectDescription::Shape { shape, .. } => {
                 self.materials.insert(*material);
-                let Shape::Mesh { path, options } = shape else { return };
+                let ShapeDescription::Mesh { path, options } = shape else { return };
                 let kind = description.materials.get(*material).map(|material| &material.kind);
-                if matches!(kind, Some(MaterialKind::Dielectric { .. })) && !options.own_materials {
+                if matches!(kind, Some(MaterialKindDescription::Dielectric { .. })) && !options.own_materials {
                     self.dielectric_meshes.entry(path).or_insert(path.span);
                 }
             }
@@ -130,28 +131,28 @@ impl<'a> Uses<'a> {
     }
 
     /// Collects the textures of a material.
-    fn textures_of(&mut self, material: &'a Material) {
+    fn textures_of(&mut self, material: &'a MaterialDescription) {
         let mut add = |texture: Option<&'a Spanned<String>>| {
             self.textures.extend(texture.map(|name| name.as_str()));
         };
         match &material.kind {
-            MaterialKind::Phong { diffuse, specular, texture, .. } => {
+            MaterialKindDescription::Phong { diffuse, specular, texture, .. } => {
                 add(diffuse.texture());
                 add(specular.texture());
                 add(texture.as_ref());
             }
-            MaterialKind::Diffuse { reflectance: value }
-            | MaterialKind::Mirror { reflectance: value }
-            | MaterialKind::Thin { transmittance: value, .. } => add(value.texture()),
-            MaterialKind::Dielectric { roughness: value, .. }
-            | MaterialKind::Conductor { roughness: value, .. }
-            | MaterialKind::Mix { amount: value, .. } => add(Value::texture(value)),
-            MaterialKind::Clear { .. } => {}
+            MaterialKindDescription::Diffuse { reflectance: value }
+            | MaterialKindDescription::Mirror { reflectance: value }
+            | MaterialKindDescription::Thin { transmittance: value, .. } => add(value.texture()),
+            MaterialKindDescription::Dielectric { roughness: value, .. }
+            | MaterialKindDescription::Conductor { roughness: value, .. }
+            | MaterialKindDescription::Mix { amount: value, .. } => add(TexturedValue::texture(value)),
+            MaterialKindDescription::Clear { .. } => {}
         }
         match &material.relief {
-            Some(NormalPerturbation::Bump { texture, .. } | NormalPerturbation::NormalMap(texture)) => {
-                add(Some(texture))
-            }
+            Some(
+                NormalPerturbationDescription::Bump { texture, .. } | NormalPerturbationDescription::NormalMap(texture),
+            ) => add(Some(texture)),
             None => {}
         }
         match &material.emission {
@@ -163,21 +164,21 @@ impl<'a> Uses<'a> {
     /// True if an object has the material, or a mix that an object has contains it.
     fn is_used(&self, description: &Description, index: usize) -> bool {
         let materials = &description.materials;
-        let part_of = |mix: &Spanned<Material>| match &mix.kind {
-            MaterialKind::Mix { first, second, .. } => {
+        let part_of = |mix: &Spanned<MaterialDescription>| match &mix.kind {
+            MaterialKindDescription::Mix { first, second, .. } => {
                 let name = materials[index].name.as_deref();
                 [first, second].iter().any(|part| Some(part.as_str()) == name)
             }
-            MaterialKind::Phong { .. }
-            | MaterialKind::Diffuse { .. }
-            | MaterialKind::Mirror { .. }
-            | MaterialKind::Dielectric { .. }
-            | MaterialKind::Clear { .. }
-            | MaterialKind::Conductor { .. }
-            | MaterialKind::Thin { .. } => false,
+            MaterialKindDescription::Phong { .. }
+            | MaterialKindDescription::Diffuse { .. }
+            | MaterialKindDescription::Mirror { .. }
+            | MaterialKindDescription::Dielectric { .. }
+            | MaterialKindDescription::Clear { .. }
+            | MaterialKindDescription::Conductor { .. }
+            | MaterialKindDescription::Thin { .. } => false,
         };
         // The parts of a mix stand before it, so the recursion ends.
-        let in_mix = |(mix, _): (usize, &Spanned<Material>)| mix > index && self.is_used(description, mix);
+        let in_mix = |(mix, _): (usize, &Spanned<MaterialDescription>)| mix > index && self.is_used(description, mix);
         self.materials.contains(&index)
             || materials.iter().enumerate().filter(|(_, material)| part_of(material)).any(in_mix)
     }

@@ -4,7 +4,7 @@ use glam::Vec3;
 
 /// Largest number of pixels of a picture (16384 × 16384).
 ///
-/// It keeps a wrong size in a file or an option from allocating absurd memory.
+/// The limit keeps a wrong size in a file or an option from allocating absurd memory.
 pub const MAX_PIXELS: u64 = 1 << 28;
 
 /// A size that no picture can have.

@@ -40,7 +40,7 @@ pub struct WriteOptions {
 
 /// Checks the rules of PNG keywords (ISO/IEC 15948, 11.3.4.2), restricted to ASCII.
 ///
-/// They apply to OpenEXR too, so that both formats accept the same pairs.
+/// The rules apply to OpenEXR too, so that both formats accept the same pairs.
 pub(super) fn check_metadata(metadata: &[(String, String)]) -> Result<(), WriteError> {
     for (key, text) in metadata {
         let violated = if !(1..=79).contains(&key.len()) {

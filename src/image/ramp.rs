@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 
 /// Colour map magma of Smith and van der Walt (2015, CC0) at nine equal steps, in sRGB bytes.
 ///
-/// Its perceived lightness is uniform, from black through purple and orange to pale yellow.
+/// The perceived lightness rises uniformly, from black through purple and orange to pale yellow.
 const MAGMA: [[u8; 3]; 9] = [
     [0x00, 0x00, 0x04],
     [0x1d, 0x11, 0x47],

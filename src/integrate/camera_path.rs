@@ -1,9 +1,9 @@
 //! Camera paths: the one loop behind every algorithm but `raycast`.
 //!
-//! A surface is a *receiver* if it stores photons (diffuse or wide glossy lobes), a *caster* if it
-//! is specular or has a narrow lobe, or black. A light path that goes over casters to a receiver is
-//! a caustic: next-event estimation cannot find it, photons do. A path does not count the emission
-//! that its algorithm leaves to photons, so each light path counts once.
+//! A *receiver* is a surface that stores photons: see [`Bsdf::stores_photons`]. A *caster* is any
+//! other surface that is not black: see [`Bsdf::casts_caustics`]. A light path that goes over
+//! casters to a receiver is a caustic. Where the policy leaves caustics to photons, a path does not
+//! count their emission, so each light path counts once.
 
 mod media;
 
@@ -326,8 +326,10 @@ fn counts_light(policy: &PathPolicy, history: PathHistory) -> bool {
     policy.counts_caustics || !history.is_caustic()
 }
 
-/// True if emission that the path hits counts. Lights without an extent are visible, but no
-/// scattered path counts them.
+/// True if emission that the path hits counts.
+///
+/// Without the effect of soft shadows, next-event estimation samples the centers of area lights. A
+/// path that arrives from a vertex with next-event estimation then counts no emission.
 #[inline]
 fn counts_emission<I>(policy: &PathPolicy, path: &PathState<I>) -> bool {
     (path.prev.is_none() || policy.effects.has(Effect::SoftShadows)) && counts_light(policy, path.history)
@@ -367,7 +369,7 @@ impl<'a> PathContext<'a> {
         pass: u32,
         max_bounces: u32,
     ) -> Self {
-        let radius = maps.map_or(NO_MAP_RADIUS, |maps| maps.smooth.radius());
+        let radius = maps.map_or(NO_MAP_RADIUS, |maps| maps.global.radius());
         Self { scene, policy, nee, maps, pass, max_bounces, min_gather_distance: MIN_GATHER_RADII * radius }
     }
 }

@@ -1,16 +1,16 @@
 //! Pilot that finds how many camera rays each pixel needs.
 //!
-//! A pixel with n rays has noise σ²/n. For a given total of rays, the noise relative to the
-//! radiance is least if n is proportional to σ over the radiance. A few pictures before the first
+//! The mean of n rays of a pixel has variance σ²/n. For a given total of rays, the mean relative
+//! variance of the pixels is least if n is proportional to σ over the radiance. A few pictures before the first
 //! pass estimate both. All passes use the result, so they stay independent. No ray of the pilot is
 //! used again, so the mean stays unbiased.
 
-use super::for_interior::for_interior;
-use super::map_builder::PilotBudget;
+use super::map_builder::PassBudget;
 use super::pass::{Pass, Silent};
 use super::pass_renderer::PassRenderer;
 use crate::color;
 use crate::sampling::{Key, Purpose};
+use crate::scene::for_interior;
 use std::sync::Arc;
 
 /// Pictures of the pilot, of one camera ray per pixel each.
@@ -27,7 +27,7 @@ const MAX_DENSITY: f64 = 8.0;
 /// noise.
 pub(super) fn find_density(renderer: &PassRenderer<'_>) -> Option<Arc<[f32]>> {
     let key = Key::new(renderer.settings.eye.seed).purpose(Purpose::Balance);
-    let budget = PilotBudget { key, pass: 0, part: PILOT_PART, limited: true };
+    let budget = PassBudget { key, pass: 0, part: PILOT_PART, limited: true };
     let maps = renderer.map_builder.build_within(&budget, &Silent, &mut Pass::default());
     // Moving objects rest at one time, as in a pass.
     let pilot = renderer.with_one_sample();

@@ -23,8 +23,8 @@ pub(super) struct Worker {
     pub counters: Counters,
     /// Buffers of lookups in the caustic map.
     pub caustic: Scratch,
-    /// Buffers of lookups in the other map.
-    pub smooth: Scratch,
+    /// Buffers of lookups in the global map.
+    pub global: Scratch,
     /// Buffers of lookups of guiding photons.
     pub guides: Scratch,
     /// Directions of photons near the current vertex.
@@ -190,14 +190,15 @@ pub(super) fn render_tiles<T: Default>(
     Rendered { image, nested, pixels: rendered_pixels, counters }
 }
 
-/// Interval of tiles at which about `wanted` tiles of a picture are rendered, and at most half of
-/// them.
+/// Interval at which about `wanted` tiles of a picture are rendered; at least 2, so that about half
+/// of the tiles or fewer are rendered.
 pub(super) fn tile_interval((width, height): (u32, u32), wanted: u32) -> u32 {
     (width.div_ceil(EDGE) * height.div_ceil(EDGE) / wanted).max(2)
 }
 
-/// True if one tile out of `every` is this one. Rendered tiles lie on slanting lines, evenly in
-/// rows and columns.
+/// True if `tile` is among the rendered ones, one out of `every`.
+///
+/// Rendered tiles lie on slanting lines, evenly in rows and columns.
 fn is_rendered(tile: u32, columns: u32, every: u32) -> bool {
     // A slant that shares a factor with the interval would leave columns out.
     let slant = (1..=every.div_ceil(2)).rev().find(|slant| gcd(*slant, every) == 1).unwrap_or(1);

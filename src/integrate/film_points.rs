@@ -2,11 +2,10 @@
 
 use super::camera_path::{PathContext, PathState, radiance};
 use super::film::Worker;
-use super::for_interior::for_interior;
 use crate::color::Rgb;
 use crate::plan::Effect;
 use crate::sampling::{Dimension, Sampler};
-use crate::scene::Interior;
+use crate::scene::{Interior, for_interior};
 use glam::Vec2;
 use rayon::prelude::*;
 

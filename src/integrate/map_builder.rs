@@ -24,7 +24,8 @@ pub const CAUSTIC_K: u32 = 50;
 /// Default number of photons that most discs of the global map should hold.
 const GLOBAL_COUNT: u32 = 100;
 
-/// Default number of photons that most discs of the map of light after caustics should hold.
+/// Default number of photons that most discs of the global map should hold if it holds light after
+/// caustics alone.
 const AFTER_CAUSTIC_COUNT: u32 = 50;
 
 /// Radius around visible points before gather radii are known, in radii of the scene.
@@ -77,9 +78,9 @@ fn divided_k(k: u32, part: u32) -> u32 {
     if k == 0 { 0 } else { k.div_ceil(part).max(MIN_PILOT_K) }
 }
 
-/// Effort of building the photon maps of a pass or of a pilot.
+/// Effort of building the photon maps of one pass, or of a pilot.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct PilotBudget {
+pub(super) struct PassBudget {
     /// Root key, shared by all passes.
     pub key: Key,
     /// The pass, counted from 0.
@@ -91,6 +92,28 @@ pub(super) struct PilotBudget {
     pub limited: bool,
 }
 
+/// Photons of one map, before they are indexed.
+struct MapPhotons {
+    surface: Vec<Photon>,
+    volume: VolumePhotons,
+}
+
+/// Radii of one map in the first pass \[length].
+#[derive(Clone, Copy)]
+struct MapRadii {
+    /// Largest gather radius on surfaces.
+    surface: f32,
+    /// Kernel radii in media.
+    volume: VolumeRadii,
+}
+
+/// Kernel radii in media, of each map.
+#[derive(Clone, Copy, Debug, Default)]
+struct MapVolumeRadii {
+    caustic: VolumeRadii,
+    global: VolumeRadii,
+}
+
 /// Builds the photon maps of any pass.
 #[derive(Debug)]
 pub(super) struct PhotonMapBuilder<'a> {
@@ -98,15 +121,15 @@ pub(super) struct PhotonMapBuilder<'a> {
     settings: Settings,
     policy: PathPolicy,
     pub request: MapRequest,
-    /// Emission of the global map; `None` if the map is not requested or has no light.
-    global: Option<PhotonSource<'a>>,
+    /// Emission in all directions; `None` if not requested or without light.
+    global_source: Option<PhotonSource<'a>>,
     /// Emission aimed at caustic casters; `None` if not requested or without light.
-    caustic: Option<PhotonSource<'a>>,
+    caustic_source: Option<PhotonSource<'a>>,
     pub counts: PathCounts,
     /// Largest gather radii of the first pass; `None` without maps.
     pub radii: Option<Radii>,
-    /// Kernel radii in media: of the caustic map, and of the other map.
-    volume_radii: [VolumeRadii; 2],
+    /// Kernel radii in media.
+    volume_radii: MapVolumeRadii,
     /// Least disc radius of the first pass \[length].
     min_radius: f32,
     pub guiding_reports: GuidingReports,
@@ -117,27 +140,27 @@ impl<'a> PhotonMapBuilder<'a> {
     /// not set.
     pub fn new(scene: &'a Scene, settings: Settings, policy: PathPolicy) -> Self {
         let request = policy.photon_maps();
-        let source = |stored: StoreMask, paths: u32, new_source: &dyn Fn() -> Option<PhotonSource<'a>>| {
-            if paths == 0 || stored == StoreMask::NONE {
+        let source = |mask: StoreMask, paths: u32, new_source: &dyn Fn() -> Option<PhotonSource<'a>>| {
+            if paths == 0 || mask == StoreMask::NONE {
                 return None;
             }
             restricted(new_source()?, policy.effects)
         };
         // Caustics forced on in a scene without lit casters start in all directions.
         let aimed = || PhotonSource::aimed(scene).or_else(|| PhotonSource::everywhere(scene));
-        let caustic = source(request.aimed, settings.caustic_photons, &aimed);
-        let global = source(request.global, settings.photons, &|| PhotonSource::everywhere(scene));
+        let caustic_source = source(request.aimed, settings.caustic_photons, &aimed);
+        let global_source = source(request.global, settings.photons, &|| PhotonSource::everywhere(scene));
         let counts = PathCounts { photons: settings.photons, caustic_photons: settings.caustic_photons };
         let mut builder = Self {
             scene,
             settings,
             policy,
             request,
-            global,
-            caustic,
+            global_source,
+            caustic_source,
             counts,
             radii: None,
-            volume_radii: [VolumeRadii::default(); 2],
+            volume_radii: MapVolumeRadii::default(),
             min_radius: 0.0,
             guiding_reports: GuidingReports::default(),
         };
@@ -155,16 +178,16 @@ impl<'a> PhotonMapBuilder<'a> {
     /// This builder for a policy with fewer effects; results of pilots are kept.
     pub fn with_policy(&self, policy: &PathPolicy) -> Self {
         let request = policy.photon_maps();
-        let keep = |source: &Option<PhotonSource<'a>>, stored: StoreMask| {
-            let source = source.clone().filter(|_| stored != StoreMask::NONE)?;
+        let keep = |source: &Option<PhotonSource<'a>>, mask: StoreMask| {
+            let source = source.clone().filter(|_| mask != StoreMask::NONE)?;
             restricted(source, policy.effects)
         };
         Self {
             settings: self.settings.clone(),
             policy: *policy,
             request,
-            global: keep(&self.global, request.global),
-            caustic: keep(&self.caustic, request.aimed),
+            global_source: keep(&self.global_source, request.global),
+            caustic_source: keep(&self.caustic_source, request.aimed),
             ..*self
         }
     }
@@ -175,8 +198,8 @@ impl<'a> PhotonMapBuilder<'a> {
         PhotonMapBuilder {
             scene,
             settings: self.settings.clone(),
-            global: placed(&self.global),
-            caustic: placed(&self.caustic),
+            global_source: placed(&self.global_source),
+            caustic_source: placed(&self.caustic_source),
             ..*self
         }
     }
@@ -190,49 +213,50 @@ impl<'a> PhotonMapBuilder<'a> {
         let (scene, settings) = (self.scene, &self.settings);
         let radius = scene.domain().radius * VISIBLE_RADIUS;
         let visible = visible_points(scene, &settings.eye, self.policy.effects, radius);
-        let guide = |source: &mut Option<PhotonSource<'a>>, wants: StoreMask, paths: u32| {
+        let guide = |source: &mut Option<PhotonSource<'a>>, mask: StoreMask, paths: u32| {
             let unguided = source.take()?;
             let EyeSettings { max_bounces, seed, .. } = settings.eye;
             let paths = pilot_paths(paths, GuidingPilot::PATHS);
-            let pilot = GuidingPilot { mask: wants, max_bounces, visible: &visible, paths, seed };
+            let pilot = GuidingPilot { mask, max_bounces, visible: &visible, paths, seed };
             let (guided, report) = unguided.clone().guided(&pilot);
             *source = Some(if report.gain > MIN_GUIDING_GAIN { guided } else { unguided });
             Some(report)
         };
-        self.guiding_reports.caustic = guide(&mut self.caustic, self.request.aimed, settings.caustic_photons);
+        self.guiding_reports.caustic = guide(&mut self.caustic_source, self.request.aimed, settings.caustic_photons);
         // Gather rays read the global map everywhere.
         if !self.request.global.direct {
-            self.guiding_reports.global = guide(&mut self.global, self.request.global, settings.photons);
+            self.guiding_reports.global = guide(&mut self.global_source, self.request.global, settings.photons);
         }
     }
 
     /// Gather radii within which most estimates find enough photons.
     fn find_radii(&self) -> Radii {
         let settings = &self.settings;
-        let radius = |source: &Option<PhotonSource<'a>>, wants: StoreMask, paths: u32, default_k: u32| {
+        let radius = |source: &Option<PhotonSource<'a>>, mask: StoreMask, paths: u32, default_k: u32| {
             let k = settings.gather_k.filter(|k| *k > 0).unwrap_or(default_k);
             let found = || {
                 let source = source.as_ref()?;
-                let pass = PhotonPass { scene: self.scene, source, mask: wants, max_bounces: settings.eye.max_bounces };
-                find_radius(&pass, paths, k, settings.eye.seed, self.min_radius)
+                let photon_pass = PhotonPass { scene: self.scene, source, mask, max_bounces: settings.eye.max_bounces };
+                find_radius(&photon_pass, paths, k, settings.eye.seed, self.min_radius)
             };
             // A pilot may find no photon although passes will, for example if objects move.
             settings.radius.or_else(found).unwrap_or(self.scene.domain().radius * DEFAULT_RADIUS)
         };
-        let (source, stored, paths) = self.smooth_map();
+        let (source, mask, paths) = self.global_map();
         let default_k = if self.request.aimed.apart { AFTER_CAUSTIC_COUNT } else { GLOBAL_COUNT };
-        let smooth = radius(source, stored, paths, default_k);
-        let caustic = radius(&self.caustic, StoreMask::CAUSTIC, settings.caustic_photons, CAUSTIC_K);
-        Radii { global: smooth, caustic }
+        let global = radius(source, mask, paths, default_k);
+        let caustic = radius(&self.caustic_source, StoreMask::CAUSTIC, settings.caustic_photons, CAUSTIC_K);
+        Radii { global, caustic }
     }
 
-    /// Source, stored photons and effective paths of the map other than the caustic one.
-    fn smooth_map(&self) -> (&Option<PhotonSource<'a>>, StoreMask, u32) {
+    /// Source, stored photons and effective number of paths of the global map: see
+    /// [`PhotonMaps::global`].
+    fn global_map(&self) -> (&Option<PhotonSource<'a>>, StoreMask, u32) {
         if self.request.aimed.apart {
-            let stored = StoreMask { after_caustic: true, ..StoreMask::NONE };
-            (&self.caustic, stored, self.settings.caustic_photons / THINNING)
+            let mask = StoreMask { after_caustic: true, ..StoreMask::NONE };
+            (&self.caustic_source, mask, self.settings.caustic_photons / THINNING)
         } else {
-            (&self.global, self.request.global, self.settings.photons)
+            (&self.global_source, self.request.global, self.settings.photons)
         }
     }
 
@@ -244,28 +268,28 @@ impl<'a> PhotonMapBuilder<'a> {
     }
 
     /// Kernel radii within which most camera rays find enough photons in media.
-    fn find_volume_radii(&self) -> [VolumeRadii; 2] {
+    fn find_volume_radii(&self) -> MapVolumeRadii {
         let settings = &self.settings;
-        let found = |source: &Option<PhotonSource<'a>>, wants: StoreMask, paths: u32| {
+        let found = |source: &Option<PhotonSource<'a>>, mask: StoreMask, paths: u32| {
             let source = source.as_ref()?;
-            let pass = PhotonPass { scene: self.scene, source, mask: wants, max_bounces: settings.eye.max_bounces };
-            find_volume_radii(&pass, self.policy.effects, paths, settings)
+            let photon_pass = PhotonPass { scene: self.scene, source, mask, max_bounces: settings.eye.max_bounces };
+            find_volume_radii(&photon_pass, self.policy.effects, paths, settings)
         };
-        let radii = |source, stored, paths| {
+        let radii = |source, mask, paths| {
             if let Some(radius) = settings.radius {
                 return VolumeRadii { beams: radius, points: radius };
             }
             let default = self.scene.domain().radius * DEFAULT_RADIUS;
-            found(source, self.in_media(stored), paths).unwrap_or(VolumeRadii { beams: default, points: default })
+            found(source, self.in_media(mask), paths).unwrap_or(VolumeRadii { beams: default, points: default })
         };
-        let (source, stored, paths) = self.smooth_map();
-        let caustic = radii(&self.caustic, StoreMask::CAUSTIC, settings.caustic_photons);
-        [caustic, radii(source, StoreMask { direct: false, ..stored }, paths)]
+        let (source, mask, paths) = self.global_map();
+        let caustic = radii(&self.caustic_source, StoreMask::CAUSTIC, settings.caustic_photons);
+        MapVolumeRadii { caustic, global: radii(source, StoreMask { direct: false, ..mask }, paths) }
     }
 
-    /// `stored`, with photons in media stored in the form that their estimator takes.
-    fn in_media(&self, stored: StoreMask) -> StoreMask {
-        StoreMask { beams: self.settings.volume == VolumeEstimate::Beams, ..stored }
+    /// `mask`, with photons in media stored in the form that their estimator takes.
+    fn in_media(&self, mask: StoreMask) -> StoreMask {
+        StoreMask { beams: self.settings.volume == VolumeEstimate::Beams, ..mask }
     }
 
     /// Law by which radii change from pass to pass.
@@ -276,18 +300,18 @@ impl<'a> PhotonMapBuilder<'a> {
 
     /// True if a pass traces photons.
     pub fn has_photons(&self) -> bool {
-        self.caustic.is_some() || self.global.is_some()
+        self.caustic_source.is_some() || self.global_source.is_some()
     }
 
     /// Estimated photons of a pass, from few paths.
     pub fn expected(&self) -> Expected {
         let settings = &self.settings;
         let key = Key::new(settings.eye.seed).purpose(Purpose::Pilot);
-        let expected = |source: &Option<PhotonSource<'a>>, wants: StoreMask, paths: u32| {
+        let expected = |source: &Option<PhotonSource<'a>>, mask: StoreMask, paths: u32| {
             let Some(source) = source.as_ref().filter(|_| paths > 0) else { return Expected::default() };
             let probe = paths.min(PROBE_PATHS);
-            let pass = PhotonPass { scene: self.scene, source, mask: wants, max_bounces: settings.eye.max_bounces };
-            let traced = pass.trace(key, probe, &|_| {});
+            let photon_pass = PhotonPass { scene: self.scene, source, mask, max_bounces: settings.eye.max_bounces };
+            let traced = photon_pass.trace(key, probe, &|_| {});
             let scale = |n: usize| (n as f64 * f64::from(paths) / f64::from(probe)) as u64;
             let in_media = |volume: &VolumePhotons| volume.points.len() + BEAM_SIZE * volume.beams.len();
             let one = scale(traced.deposits.photons.len() + in_media(&traced.deposits.volume));
@@ -296,9 +320,9 @@ impl<'a> PhotonMapBuilder<'a> {
         };
         let guides = if self.request.guides { self.counts.photons / GUIDE_INTERVAL } else { 0 };
         let maps = [
-            expected(&self.caustic, self.request.aimed, self.counts.caustic_photons),
-            expected(&self.global, self.request.global, self.counts.photons),
-            expected(&self.global, StoreMask::GLOBAL, guides),
+            expected(&self.caustic_source, self.request.aimed, self.counts.caustic_photons),
+            expected(&self.global_source, self.request.global, self.counts.photons),
+            expected(&self.global_source, StoreMask::GLOBAL, guides),
         ];
         maps.into_iter().fold(Expected::default(), |all, map| Expected {
             paths: all.paths + map.paths,
@@ -310,12 +334,12 @@ impl<'a> PhotonMapBuilder<'a> {
     /// Traces and indexes the photons of pass `pass`; adds the work to `out`.
     pub fn build(&self, pass: u32, monitor: &dyn Monitor, out: &mut Pass) -> PhotonMaps<'a> {
         let key = Key::new(self.settings.eye.seed);
-        self.build_within(&PilotBudget { key, pass, part: 1, limited: true }, monitor, out)
+        self.build_within(&PassBudget { key, pass, part: 1, limited: true }, monitor, out)
     }
 
     /// Traces and indexes photons within `budget`; adds the work to `out`.
-    pub fn build_within(&self, budget: &PilotBudget, monitor: &dyn Monitor, out: &mut Pass) -> PhotonMaps<'a> {
-        let PilotBudget { pass, part, .. } = *budget;
+    pub fn build_within(&self, budget: &PassBudget, monitor: &dyn Monitor, out: &mut Pass) -> PhotonMaps<'a> {
+        let PassBudget { pass, part, .. } = *budget;
         let counts = self.counts.divided(part);
         let key = |purpose| budget.key.purpose(purpose).pass(pass);
 
@@ -323,76 +347,86 @@ impl<'a> PhotonMapBuilder<'a> {
         let ratio = f64::from(self.counts.caustic_photons) / f64::from(self.settings.caustic_photons.max(1));
         let usual_k = (f64::from(CAUSTIC_K) * ratio).round().max(1.0) as u32;
         let caustic_k = divided_k(self.settings.gather_k.unwrap_or(usual_k), part);
-        let smooth_k = divided_k(self.settings.gather_k.unwrap_or(0), part);
+        let global_k = divided_k(self.settings.gather_k.unwrap_or(0), part);
         let radii = self.radii.unwrap_or(Radii { global: 1.0, caustic: 1.0 });
 
         // Trace the paths aimed at casters, and index the caustic map.
-        let paths = (self.request.aimed, counts.caustic_photons);
-        let aimed = self.trace(self.caustic.as_ref(), paths, key(Purpose::CausticPhotons), monitor, out);
+        let aimed = self.trace(
+            self.caustic_source.as_ref(),
+            self.request.aimed,
+            counts.caustic_photons,
+            key(Purpose::CausticPhotons),
+            monitor,
+            out,
+        );
         out.caustic = report(&aimed);
-        let index = |photons: (Vec<Photon>, VolumePhotons), radii, k, out: &mut Pass| {
+        let index = |photons: MapPhotons, radii: MapRadii, k, out: &mut Pass| {
             let start = Instant::now();
-            let count = (photons.0.len() + photons.1.len()) as u64;
+            let count = (photons.surface.len() + photons.volume.len()) as u64;
             monitor.begin(Stage::Indexing, count);
             let estimator = self.estimator(photons, radii, k, budget);
             monitor.advance(count);
             out.seconds.indexing += start.elapsed().as_secs_f64();
             estimator
         };
-        let caustic_radii = (radii.caustic, self.volume_radii[0]);
-        let caustic = index((aimed.deposits.photons, aimed.deposits.volume), caustic_radii, caustic_k, out);
+        let caustic_radii = MapRadii { surface: radii.caustic, volume: self.volume_radii.caustic };
+        let caustic_photons = MapPhotons { surface: aimed.deposits.photons, volume: aimed.deposits.volume };
+        let caustic = index(caustic_photons, caustic_radii, caustic_k, out);
 
         // Trace the paths of the global map, unless the aimed paths hold its light.
-        let smooth = if self.request.aimed.apart {
-            (aimed.deposits.after_caustic, aimed.deposits.after_volume)
+        let global_photons = if self.request.aimed.apart {
+            MapPhotons { surface: aimed.deposits.after_caustic, volume: aimed.deposits.after_volume }
         } else {
-            let paths = (self.request.global, counts.photons);
-            let traced = self.trace(self.global.as_ref(), paths, key(Purpose::GlobalPhotons), monitor, out);
+            let traced = self.trace(
+                self.global_source.as_ref(),
+                self.request.global,
+                counts.photons,
+                key(Purpose::GlobalPhotons),
+                monitor,
+                out,
+            );
             out.global = report(&traced);
-            (traced.deposits.photons, traced.deposits.volume)
+            MapPhotons { surface: traced.deposits.photons, volume: traced.deposits.volume }
         };
-        let smooth = index(smooth, (radii.global, self.volume_radii[1]), smooth_k, out);
+        let global_radii = MapRadii { surface: radii.global, volume: self.volume_radii.global };
+        let global = index(global_photons, global_radii, global_k, out);
 
         // Trace the photons that guide gather rays.
         let guides = if self.request.guides {
-            let paths = (StoreMask::GLOBAL, counts.photons / GUIDE_INTERVAL);
-            self.trace(self.global.as_ref(), paths, key(Purpose::Guides), monitor, out).deposits.photons
+            let paths = counts.photons / GUIDE_INTERVAL;
+            self.trace(self.global_source.as_ref(), StoreMask::GLOBAL, paths, key(Purpose::Guides), monitor, out)
+                .deposits
+                .photons
         } else {
             Vec::new()
         };
-        PhotonMaps { guides: PhotonMap::build(guides), caustic, smooth }
+        PhotonMaps { guides: PhotonMap::build(guides), caustic, global }
     }
 
     /// Indexes `photons` for estimates of pass `budget.pass`, of at most `k` photons each (0: no
     /// limit).
-    fn estimator(
-        &self,
-        (photons, volume): (Vec<Photon>, VolumePhotons),
-        (radius, volume_radii): (f32, VolumeRadii),
-        k: u32,
-        budget: &PilotBudget,
-    ) -> PhotonEstimator<'a> {
+    fn estimator(&self, photons: MapPhotons, radii: MapRadii, k: u32, budget: &PassBudget) -> PhotonEstimator<'a> {
         let (pass, RadiusLaw { alpha, kernel }) = (budget.pass, self.law());
         let area = shrink(alpha, pass);
-        let estimate = self.settings.volume;
-        let (beam_dimensions, point_dimensions) = estimate.dimensions();
+        let (beam_dimensions, point_dimensions) = self.settings.volume.dimensions();
         let volume_radii = (
-            volume_radii.beams * shrink_in(beam_dimensions, alpha, pass),
-            volume_radii.points * shrink_in(point_dimensions, alpha, pass),
+            radii.volume.beams * shrink_in(beam_dimensions, alpha, pass),
+            radii.volume.points * shrink_in(point_dimensions, alpha, pass),
         );
         let band = WAVELENGTH_BAND * area.sqrt() as f32;
-        let volume = VolumeMap::build(volume, volume_radii, estimate, band);
+        let volume = VolumeMap::build(photons.volume, volume_radii, self.settings.volume, band);
         let limit = if budget.limited { k } else { 0 };
         let shrunk_k = (f64::from(limit) * area).round().max(MIN_K) as u32;
-        let bandwidth = Bandwidth { radius: radius * area.sqrt() as f32, k: shrunk_k.min(limit) };
-        let map = PhotonMap::build(photons).with_min_radius(self.min_radius * area.sqrt() as f32);
+        let bandwidth = Bandwidth { radius: radii.surface * area.sqrt() as f32, k: shrunk_k.min(limit) };
+        let map = PhotonMap::build(photons.surface).with_min_radius(self.min_radius * area.sqrt() as f32);
         PhotonEstimator { scene: self.scene, map, bandwidth, kernel, volume }
     }
 
     fn trace(
         &self,
         source: Option<&PhotonSource<'_>>,
-        (stored, paths): (StoreMask, u32),
+        mask: StoreMask,
+        paths: u32,
         key: Key,
         monitor: &dyn Monitor,
         out: &mut Pass,
@@ -400,9 +434,9 @@ impl<'a> PhotonMapBuilder<'a> {
         let Some(source) = source else { return Traced::default() };
         let start = Instant::now();
         monitor.begin(Stage::Photons, u64::from(paths));
-        let (wants, max_bounces) = (self.in_media(stored), self.settings.eye.max_bounces);
-        let pass = PhotonPass { scene: self.scene, source, mask: wants, max_bounces };
-        let traced = pass.trace(key, paths, &|n| monitor.advance(n));
+        let (mask, max_bounces) = (self.in_media(mask), self.settings.eye.max_bounces);
+        let photon_pass = PhotonPass { scene: self.scene, source, mask, max_bounces };
+        let traced = photon_pass.trace(key, paths, &|n| monitor.advance(n));
         out.counters.photon_rays += traced.rays;
         out.counters.rejected_photons += traced.deposits.rejected;
         out.seconds.photons += start.elapsed().as_secs_f64();

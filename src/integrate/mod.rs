@@ -12,7 +12,6 @@ mod density_pilot;
 mod distributed;
 mod film;
 mod film_points;
-mod for_interior;
 mod gather_guide;
 mod hybrid;
 mod integrator;

@@ -25,7 +25,7 @@ pub struct NestedEstimates {
     pub steps: [Rgb; LEVELS - 1],
     /// Discs in the caustic map; `None` if no estimate was made.
     pub caustic: Option<Discs>,
-    /// Discs in the other map; `None` if no estimate was made.
+    /// Discs in the global map; `None` if no estimate was made.
     pub global: Option<Discs>,
 }
 
@@ -60,7 +60,7 @@ pub(super) struct NestedSum {
     pixel: [DVec3; LEVELS - 1],
     /// Discs in the caustic map.
     pub caustic: DiscSum,
-    /// Discs in the other map.
+    /// Discs in the global map.
     pub global: DiscSum,
 }
 

@@ -1,6 +1,6 @@
 //! Everything that renders the camera paths of a pass, apart from the choice of settings by pilots.
 
-use super::camera_path::{PathContext, PathState, radiance};
+use super::camera_path::{self, PathContext, PathState};
 use super::film::{self, FilmSampling, Worker};
 use super::map_builder::PhotonMapBuilder;
 use super::nee::NextEventEstimator;
@@ -99,12 +99,12 @@ impl<'a> PassRenderer<'a> {
             nested,
             every: 1,
         };
-        let trace = |ray: &Ray, sampler: Sampler, worker: &mut Worker, stack: &mut Vec<PathState<I>>| {
-            radiance(paths, ray, sampler, worker, stack)
+        let radiance = |ray: &Ray, sampler: Sampler, worker: &mut Worker, stack: &mut Vec<PathState<I>>| {
+            camera_path::radiance(paths, ray, sampler, worker, stack)
         };
         let key = Key::new(eye.seed).purpose(Purpose::Camera);
-        let own_key = if policy.shares_paths { key.shared_paths() } else { key.pass(paths.pass) };
-        let rendered = film::render_tiles(&sampling, own_key, monitor, trace);
+        let pass_key = if policy.shares_paths { key.shared_paths() } else { key.pass(paths.pass) };
+        let rendered = film::render_tiles(&sampling, pass_key, monitor, radiance);
         (out.image, out.nested) = (rendered.image, rendered.nested);
         out.counters += rendered.counters;
 
@@ -112,7 +112,7 @@ impl<'a> PassRenderer<'a> {
         if nested && policy.shares_paths {
             let every = film::tile_interval(camera.size(), FRESH_TILES);
             sampling = FilmSampling { nested: false, every, ..sampling };
-            let fresh = film::render_tiles(&sampling, key.fresh_paths(paths.pass), &Silent, trace);
+            let fresh = film::render_tiles(&sampling, key.fresh_paths(paths.pass), &Silent, radiance);
             out.fresh = fresh.pixels.iter().map(|i| (*i, fresh.image[*i as usize])).collect();
         }
         out.seconds.camera += start.elapsed().as_secs_f64();

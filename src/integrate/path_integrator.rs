@@ -2,7 +2,6 @@
 
 use super::balance::Balance;
 use super::density_pilot::find_density;
-use super::for_interior::for_interior;
 use super::integrator::Integrator;
 use super::pass::{Expected, Monitor, Pass};
 use super::pass_renderer::PassRenderer;
@@ -13,7 +12,7 @@ use super::settings::Settings;
 use super::work_pilot::{find_balance, measure_work};
 use crate::plan::{Effects, Plan};
 use crate::sampling::{Dimension, Key, Purpose};
-use crate::scene::Scene;
+use crate::scene::{Scene, for_interior};
 use crate::stats::Counters;
 
 /// Integrator whose camera paths follow a [`PathPolicy`](super::policy::PathPolicy).

@@ -25,7 +25,7 @@ pub(super) struct PhotonEstimator<'a> {
 pub(super) enum MapLookup {
     /// The caustic map.
     Caustic,
-    /// The caustic map and the other map.
+    /// The caustic map and the global map.
     Both,
 }
 
@@ -33,8 +33,11 @@ pub(super) enum MapLookup {
 pub(super) struct PhotonMaps<'a> {
     /// Photons that went over casters to their first receiver.
     pub caustic: PhotonEstimator<'a>,
-    /// Photons of the global map, or those that went on after a caustic.
-    pub smooth: PhotonEstimator<'a>,
+    /// The global map: photons that left a receiver.
+    ///
+    /// If aimed paths store light after caustics apart, the map holds that light alone. If gather
+    /// rays read the map, it holds direct light too.
+    pub global: PhotonEstimator<'a>,
     /// Photons of few paths, whose directions guide gather rays.
     pub guides: PhotonMap,
 }
@@ -54,11 +57,11 @@ impl PhotonMaps<'_> {
         worker: &mut Worker,
     ) -> Rgb {
         let caustic = self.caustic.radiance(vertex, samples, |w| (&mut w.caustic, &mut w.nested.caustic), worker);
-        let smooth = match lookup {
+        let global = match lookup {
             MapLookup::Caustic => Rgb::ZERO,
-            MapLookup::Both => self.smooth.radiance(vertex, samples, |w| (&mut w.smooth, &mut w.nested.global), worker),
+            MapLookup::Both => self.global.radiance(vertex, samples, |w| (&mut w.global, &mut w.nested.global), worker),
         };
-        (caustic + smooth) * samples as f32
+        (caustic + global) * samples as f32
     }
 
     /// Radiance that a medium scatters to the start of a segment from the light in both maps, times
@@ -72,7 +75,7 @@ impl PhotonMaps<'_> {
         worker: &mut Worker,
     ) -> Rgb {
         let caustic = self.caustic.volume.radiance(vertex, samples, rng, worker);
-        (caustic + self.smooth.volume.radiance(vertex, samples, rng, worker)) * samples as f32
+        (caustic + self.global.volume.radiance(vertex, samples, rng, worker)) * samples as f32
     }
 }
 

@@ -55,7 +55,7 @@ const TRIAL_RADIUS: f32 = 0.02;
 /// Largest gather radii of the first pass \[length].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Radii {
-    /// Radius of the global map, or of the map of light after caustics.
+    /// Radius of the global map.
     pub global: f32,
     /// Radius of the caustic map.
     pub caustic: f32,

@@ -55,7 +55,7 @@ pub struct Settings {
     pub balance: bool,
     /// Limit on the photons of an estimate, 0 for no limit.
     ///
-    /// `None` sets [`CAUSTIC_K`](super::CAUSTIC_K) in the caustic map, and no limit in the smooth
+    /// `None` sets [`CAUSTIC_K`](super::CAUSTIC_K) in the caustic map, and no limit in the global
     /// global map. The last photon only bounds the disc, so 1 counts as 2.
     pub gather_k: Option<u32>,
     /// Largest gather radius of the first pass \[length]; `None` lets a pilot find one for each

@@ -23,7 +23,7 @@ impl PathHistory {
     }
 }
 
-/// Vertex of a camera path on a surface that is not a delta.
+/// Vertex of a camera path on a surface: a receiver or a caster, which may be a delta.
 pub(super) struct PathVertex<'a, I> {
     /// The surface.
     pub surface: &'a SurfaceInteraction<'a>,

@@ -3,7 +3,7 @@
 
 use super::balance::{self, Balance, Part};
 use super::film_points::{FilmPoint, trace_points};
-use super::map_builder::PilotBudget;
+use super::map_builder::PassBudget;
 use super::pass::{Pass, PhotonReport, Silent};
 use super::pass_renderer::PassRenderer;
 use super::photon_maps::PhotonMaps;
@@ -37,7 +37,7 @@ pub(super) fn find_balance(renderer: &PassRenderer<'_>) -> Option<Balance> {
     let counts = renderer.map_builder.counts;
     let build = |trial| {
         let mut out = Pass::default();
-        let budget = PilotBudget { key: key.trial(trial), pass: 0, part: PILOT_PART, limited: false };
+        let budget = PassBudget { key: key.trial(trial), pass: 0, part: PILOT_PART, limited: false };
         (renderer.map_builder.build_within(&budget, &Silent, &mut out), out)
     };
     let ((mut maps, made), (mut other_maps, _)) = (build(0), build(1));
@@ -51,7 +51,7 @@ pub(super) fn find_balance(renderer: &PassRenderer<'_>) -> Option<Balance> {
     // One set of paths may fill both maps.
     let one_source = renderer.map_builder.request.aimed.apart;
     if one_source {
-        std::mem::swap(&mut maps.smooth, &mut other_maps.smooth);
+        std::mem::swap(&mut maps.global, &mut other_maps.global);
     }
     let other_caustic = estimate(renderer, Some(&maps), &points);
     let other_global = if one_source { None } else { Some(estimate(renderer, Some(&other_maps), &points)) };
@@ -103,7 +103,7 @@ pub(super) fn find_balance(renderer: &PassRenderer<'_>) -> Option<Balance> {
 pub(super) fn measure_work(renderer: &PassRenderer<'_>) -> Counters {
     let key = Key::new(renderer.settings.eye.seed).purpose(Purpose::Balance);
     let mut out = Pass::default();
-    let budget = PilotBudget { key, pass: 0, part: PILOT_PART, limited: true };
+    let budget = PassBudget { key, pass: 0, part: PILOT_PART, limited: true };
     let maps = renderer.map_builder.build_within(&budget, &Silent, &mut out);
     let counters = estimate(renderer, Some(&maps), &film_points(renderer.scene, key, 0)).counters;
     let Counters { continuation_rays, shadow_rays, gathers, gathered_photons, .. } = counters;

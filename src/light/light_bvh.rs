@@ -17,7 +17,7 @@ pub struct LightBvhSampler {
     nodes: Vec<Node>,
     /// Indices of the infinite lights.
     infinite: Vec<u32>,
-    /// Where each light is stored.
+    /// Storage slot of each light, by the light's index.
     slots: Vec<Slot>,
     /// Probability to choose an infinite light.
     infinite_probability: f64,
@@ -40,7 +40,7 @@ enum NodeKind {
 /// Index of a light and its bounds.
 type BoundedLight = (u32, LightBounds);
 
-/// Where the sampler stores a light.
+/// Position at which the sampler stores a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Slot {
     /// Nowhere: the light has no power.

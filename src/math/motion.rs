@@ -31,7 +31,7 @@ impl Step {
 
 /// Affine map for each time in \[0, 1], from the opening to the closing of the shutter.
 ///
-/// It is a product of steps. Rotations move points along true circles.
+/// The motion is a product of steps. Rotations move points along true circles.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Motion {
     /// The first step is applied last. No two neighbours are both fixed.

@@ -47,7 +47,8 @@ pub fn sphere(u: Vec2) -> Vec3 {
 
 /// Uniform direction whose cosine with the pole is at least `1 − one_minus_cos`.
 ///
-/// Its pdf is [`cone_pdf`]. The complement of the cosine keeps its digits for narrow cones.
+/// The pdf of the direction is [`cone_pdf`]. The complement of the cosine keeps its digits for
+/// narrow cones.
 #[inline]
 #[must_use]
 pub fn cone(u: Vec2, one_minus_cos: f32) -> Vec3 {

@@ -93,7 +93,7 @@ impl GridDensity {
     /// cube.
     ///
     /// # Errors
-    /// Those of [`GridDensity::new`], and [`GridDensityError::TooLarge`] if memory does not
+    /// The errors of [`GridDensity::new`], and [`GridDensityError::TooLarge`] if memory does not
     /// suffice.
     pub fn from_fn(
         size: [u32; 3],

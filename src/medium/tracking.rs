@@ -31,7 +31,7 @@ struct Collision {
     density: f64,
 }
 
-/// Whether tracking continues.
+/// Decision to continue or stop tracking.
 enum Tracking {
     Continue,
     Stop,

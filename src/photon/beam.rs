@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 /// A photon beam: the segment of a photon path through a medium.
 ///
-/// It starts where the photon entered or scattered, and ends where the photon would leave the
+/// The beam starts where the photon entered or scattered, and ends where the photon would leave the
 /// medium.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Beam {

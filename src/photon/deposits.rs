@@ -115,7 +115,7 @@ impl Deposits {
 pub(super) struct Deposit<'a> {
     /// History of the path.
     pub kind: PhotonKind,
-    /// Where the flux is deposited.
+    /// Surface, beam or point that receives the flux.
     pub place: DepositPlace<'a>,
     /// Flux \[W].
     pub flux: Rgb,
@@ -123,7 +123,7 @@ pub(super) struct Deposit<'a> {
     pub wavelength: Option<Wavelength>,
 }
 
-/// Where a photon path deposits flux.
+/// Surface, beam or point at which a photon path deposits flux.
 pub(super) enum DepositPlace<'a> {
     /// On a surface.
     Surface(&'a SurfaceInteraction<'a>),

@@ -47,7 +47,7 @@ impl Kernel {
         }
     }
 
-    /// Unnormalised weight, zero beyond the radius.
+    /// Unnormalised kernel value at squared distance `x` over the squared radius; 0 for x ≥ 1.
     #[inline]
     #[must_use]
     pub fn shape_within(self, x: f32) -> f32 {

@@ -7,10 +7,7 @@ use crate::bsdf::{Transport, deposit_factor};
 use crate::color::{self, Rgb};
 use crate::medium::PhaseFunction;
 use crate::sampling::{Dimension, Key};
-use crate::scene::{
-    Interior, InteriorKind, InteriorStack, MediumSegment, NoInterior, PathEvent, PathRay, Scene, SpectralInterior,
-    SurfaceVertex,
-};
+use crate::scene::{Interior, MediumSegment, PathEvent, PathRay, Scene, SurfaceVertex, for_interior};
 use glam::DVec3;
 use rand::rngs::SmallRng;
 use rayon::prelude::*;
@@ -54,18 +51,17 @@ pub struct PhotonPass<'a> {
 const CHUNK: u32 = 4096;
 
 impl PhotonPass<'_> {
-    /// Traces `paths` photon paths; `done` receives the number of paths of each finished chunk, from any thread.
+    /// Traces `paths` photon paths.
     ///
-    /// The result does not depend on the number of threads: chunks are fixed and concatenated in order.
-    pub fn trace(&self, pass: Key, paths: u32, done: &(dyn Fn(u64) + Sync)) -> Traced {
-        match self.source.interior_kind() {
-            InteriorKind::Spectral => self.trace_with::<SpectralInterior>(pass, paths, done),
-            InteriorKind::Bodies => self.trace_with::<InteriorStack>(pass, paths, done),
-            InteriorKind::Nothing => self.trace_with::<NoInterior>(pass, paths, done),
-        }
+    /// `done` receives the number of paths of each finished chunk, from any thread.
+    ///
+    /// The result does not depend on the number of threads: chunks are fixed and concatenated in
+    /// order.
+    pub fn trace(&self, pass_key: Key, paths: u32, done: &(dyn Fn(u64) + Sync)) -> Traced {
+        for_interior!(self.source, self.trace_with(pass_key, paths, done))
     }
 
-    fn trace_with<I: Interior>(&self, pass: Key, paths: u32, done: &(dyn Fn(u64) + Sync)) -> Traced {
+    fn trace_with<I: Interior>(&self, pass_key: Key, paths: u32, done: &(dyn Fn(u64) + Sync)) -> Traced {
         let chunks: Vec<(Deposits, PathTally)> = (0..paths.div_ceil(CHUNK))
             .into_par_iter()
             .map(|chunk| {
@@ -73,8 +69,8 @@ impl PhotonPass<'_> {
                 let emitted = u64::from(range.end - range.start);
                 let (mut deposits, mut tally) = (Deposits::default(), PathTally::default());
                 for index in range {
-                    if let Some((ray, flux)) = self.source.emit::<I>(pass, index, paths) {
-                        let key = pass.path(index);
+                    if let Some((ray, flux)) = self.source.emit::<I>(pass_key, index, paths) {
+                        let key = pass_key.path(index);
                         self.follow(ray, flux, key, &mut tally, |deposit| deposits.store(self, &deposit));
                     }
                 }

@@ -19,8 +19,8 @@ pub struct VisiblePoint {
 
 /// Visible points in a kd-tree; their density is the importance of photons.
 ///
-/// They are the importons of Peter and Pietrek 1998, "Importance driven construction of photon
-/// maps", for directly visible surfaces.
+/// Visible points are the importons of Peter and Pietrek 1998, "Importance driven construction
+/// of photon maps", for directly visible surfaces.
 #[derive(Debug)]
 pub struct VisiblePointMap {
     points: PhotonMap,

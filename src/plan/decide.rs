@@ -7,19 +7,20 @@ use std::fmt;
 /// Reason why the scene needs an effect, or does not.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reason {
-    /// This many objects need it; the text describes them.
+    /// Number of objects that need the effect, and a text that describes the objects.
     Objects(usize, &'static str),
-    /// This many lights need it; the text describes them.
+    /// Number of lights that need the effect, and a text that describes the lights.
     Lights(usize, &'static str),
     /// The scene has an environment light.
     Sky,
     /// Objects may occlude each other.
     Crowded,
-    /// The algorithm cannot simulate it.
+    /// The algorithm cannot simulate the effect.
     NotOfAlgorithm,
     /// No light has power.
     NoLight,
-    /// The scene has no caustic casters.
+    /// The scene has no caustic casters: see
+    /// [`Bsdf::casts_caustics`](crate::bsdf::Bsdf::casts_caustics).
     NoCaster,
     /// No light reaches a caustic caster directly.
     NoLitCaster,
@@ -47,7 +48,7 @@ pub enum Reason {
     NoTexture,
     /// No object has a bump or normal map.
     NoBump,
-    /// The scene has this many media.
+    /// Number of media in the scene.
     Media(usize),
     /// The scene has no media.
     NoMedium,
@@ -55,7 +56,7 @@ pub enum Reason {
     Filled,
     /// No glass is dispersive.
     NoDispersion,
-    /// It needs another effect, which adds nothing.
+    /// The effect needs another effect, which adds nothing.
     Without(Effect),
 }
 
@@ -100,11 +101,11 @@ impl fmt::Display for Reason {
 pub struct Decision {
     /// The effect.
     pub effect: Effect,
-    /// True if the scene needs it.
+    /// True if the scene needs the effect.
     pub needed: bool,
-    /// Reason why the scene needs it, or does not.
+    /// Reason why the scene needs the effect, or does not.
     pub reason: Reason,
-    /// True if it is simulated.
+    /// True if the effect is simulated.
     pub on: bool,
 }
 
@@ -163,7 +164,7 @@ impl Plan {
 
 /// Reason why `effect` is needed, or the reason why it adds nothing as an error.
 ///
-/// `before` holds the needed effects among those earlier in [`Effect::ALL`].
+/// `before` holds the needed effects that stand earlier in [`Effect::ALL`].
 fn judge(features: &SceneFeatures, effect: Effect, before: Effects) -> Result<Reason, Reason> {
     let need = |condition: bool, otherwise: Reason| if condition { Ok(()) } else { Err(otherwise) };
     let any = |n: usize, otherwise: Reason| need(n > 0, otherwise);

@@ -18,19 +18,19 @@ impl EffectOverrides {
     /// All effects forced off: direct light from the center of each light remains.
     pub const NONE: Self = Self { on: Effects::NONE, off: Effects::ALL };
 
-    /// These overrides, with `effect` forced on.
+    /// Returns a copy of the overrides with `effect` forced on.
     #[must_use]
     pub fn with(self, effect: Effect) -> Self {
         Self { on: self.on.with(effect), off: self.off.without(effect) }
     }
 
-    /// These overrides, with `effect` forced off.
+    /// Returns a copy of the overrides with `effect` forced off.
     #[must_use]
     pub fn without(self, effect: Effect) -> Self {
         Self { on: self.on.without(effect), off: self.off.with(effect) }
     }
 
-    /// True if `effect` is forced on, false if off; `None` if the plan decides.
+    /// Returns true if `effect` is forced on, false if it is forced off; `None` if the plan decides.
     #[must_use]
     pub fn of(self, effect: Effect) -> Option<bool> {
         if self.on.has(effect) {

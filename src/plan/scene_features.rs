@@ -12,11 +12,11 @@ use glam::Vec3;
 pub struct SceneFeatures {
     /// Shapes, meshes and planes with a material.
     pub objects: usize,
-    /// Objects that store photons.
+    /// Objects that store photons: see [`Bsdf::stores_photons`].
     pub receivers: usize,
     /// Receivers that reflect or transmit some light.
     pub scattering_receivers: usize,
-    /// Caustic casters: mirrors, glass and smooth metal.
+    /// Caustic casters: see [`Bsdf::casts_caustics`].
     pub casters: usize,
     /// Casters that a light may reach directly.
     pub lit_casters: usize,

@@ -10,7 +10,8 @@ const SPECULAR_ALIAS: &str = "casters";
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u16)]
 pub enum Effect {
-    /// Reflection and refraction at mirrors, glass and smooth metal on camera paths.
+    /// Reflection and refraction at casters on camera paths; a caster is defined by
+    /// [`Bsdf::casts_caustics`](crate::bsdf::Bsdf::casts_caustics).
     Specular,
     /// Caustics: light that goes over casters to a receiver.
     Caustics,

@@ -1,4 +1,4 @@
-//! The geometry of a resolved scene, and ray queries on it.
+//! The geometry of a resolved scene, with the hierarchies that find intersections.
 
 use crate::accel::{Hierarchy, Primitive};
 use crate::math::{Bounds, Ray};
@@ -55,9 +55,9 @@ pub(super) struct Geometry {
     /// Bounds of all bounded objects at rest.
     pub static_bounds: Bounds,
     /// Over triangles and shapes at rest.
-    hierarchy: Arc<Hierarchy>,
+    pub hierarchy: Arc<Hierarchy>,
     /// Over moving shapes, if there are any.
-    moving: Option<Arc<Hierarchy>>,
+    pub moving: Option<Arc<Hierarchy>>,
 }
 
 impl Geometry {
@@ -139,46 +139,6 @@ impl Geometry {
     #[inline]
     pub fn object(&self, kind: HitKind) -> &ObjectAttributes {
         &self.objects[self.object_index(kind) as usize]
-    }
-
-    /// The nearest intersection.
-    #[inline]
-    pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
-        let bounded = self.hierarchy.closest(ray, |i, ray| self.shapes[i as usize].intersect(ray));
-        let mut hit = bounded.map(|h| Hit {
-            t: h.t,
-            kind: match h.primitive {
-                Primitive::Triangle(i) => HitKind::Triangle(i, Vec2::new(h.u, h.v)),
-                Primitive::Other(i) => HitKind::Shape(i, Vec2::new(h.u, h.v)),
-            },
-        });
-        if let Some(moving) = &self.moving {
-            let within = Ray { t_max: hit.map_or(ray.t_max, |h| h.t), ..*ray };
-            let first = self.first_moving;
-            if let Some(h) = moving.closest(&within, |i, ray| self.shapes[(first + i) as usize].intersect(ray))
-                && let Primitive::Other(i) = h.primitive
-            {
-                hit = Some(Hit { t: h.t, kind: HitKind::Shape(first + i, Vec2::new(h.u, h.v)) });
-            }
-        }
-        for (i, plane) in self.planes.iter().enumerate() {
-            let within = Ray { t_max: hit.map_or(ray.t_max, |h| h.t), ..*ray };
-            if let Some((t, ..)) = plane.intersect(&within) {
-                hit = Some(Hit { t, kind: HitKind::Plane(i as u32) });
-            }
-        }
-        hit
-    }
-
-    /// True if the ray hits anything.
-    #[inline]
-    pub fn occluded(&self, ray: &Ray) -> bool {
-        self.planes.iter().any(|plane| plane.intersect(ray).is_some())
-            || self.hierarchy.occluded(ray, |i, ray| self.shapes[i as usize].occludes(ray))
-            || self.moving.as_ref().is_some_and(|moving| {
-                let first = self.first_moving;
-                moving.occluded(ray, |i, ray| self.shapes[(first + i) as usize].occludes(ray))
-            })
     }
 
     /// Calls `visit` with every intersection along `ray`, in no order.

@@ -20,6 +20,7 @@ pub use delta_light::{LegacyLight, LightStrength, SourceKind};
 pub use effects::{Effect, Effects};
 pub use error::BuildError;
 pub use geometry::Hit;
+pub(crate) use interiors::for_interior;
 pub use interiors::{
     Body, BoundaryEvent, CurrentMedium, Interior, InteriorKind, InteriorStack, NoInterior, SpectralInterior,
 };
@@ -30,6 +31,7 @@ pub use ray_cone::RayCone;
 pub use surface_interaction::SurfaceInteraction;
 pub use textured::{MeanParameters, NormalPerturbation, ParameterEvaluator, TextureLookups, Textured};
 
+use crate::accel::Primitive;
 use crate::camera::Camera;
 use crate::color::{Glass, Rgb};
 use crate::light::Light;
@@ -39,8 +41,8 @@ use crate::shape::{Shape, SurfacePoint, TextureMapping};
 use crate::texture::{Texture, TextureEvalContext};
 use animation::Animation;
 use build::Derived;
-use geometry::Geometry;
-use glam::{DVec3, Vec3};
+use geometry::{Geometry, HitKind};
+use glam::{DVec3, Vec2, Vec3};
 use interiors::{CoincidentFaces, CoincidentFlags};
 use std::sync::Arc;
 use textured::{Footprint, perturbed_normal};
@@ -199,14 +201,48 @@ impl Scene {
     #[inline]
     #[must_use]
     pub fn intersect(&self, ray: &Ray) -> Option<Hit> {
-        self.geometry.intersect(ray)
+        let Geometry { shapes, first_moving, planes, hierarchy, moving, .. } = &self.geometry;
+
+        // Find the nearest triangle or shape at rest.
+        let bounded = hierarchy.closest(ray, |i, ray| shapes[i as usize].intersect(ray));
+        let mut hit = bounded.map(|h| Hit {
+            t: h.t,
+            kind: match h.primitive {
+                Primitive::Triangle(i) => HitKind::Triangle(i, Vec2::new(h.u, h.v)),
+                Primitive::Other(i) => HitKind::Shape(i, Vec2::new(h.u, h.v)),
+            },
+        });
+
+        // Find a nearer moving shape.
+        if let Some(moving) = moving {
+            let within = Ray { t_max: hit.map_or(ray.t_max, |h| h.t), ..*ray };
+            if let Some(h) = moving.closest(&within, |i, ray| shapes[(first_moving + i) as usize].intersect(ray))
+                && let Primitive::Other(i) = h.primitive
+            {
+                hit = Some(Hit { t: h.t, kind: HitKind::Shape(first_moving + i, Vec2::new(h.u, h.v)) });
+            }
+        }
+
+        // Find a nearer plane.
+        for (i, plane) in planes.iter().enumerate() {
+            let within = Ray { t_max: hit.map_or(ray.t_max, |h| h.t), ..*ray };
+            if let Some((t, ..)) = plane.intersect(&within) {
+                hit = Some(Hit { t, kind: HitKind::Plane(i as u32) });
+            }
+        }
+        hit
     }
 
     /// True if the ray hits anything.
     #[inline]
     #[must_use]
     pub fn occluded(&self, ray: &Ray) -> bool {
-        self.geometry.occluded(ray)
+        let Geometry { shapes, first_moving, planes, hierarchy, moving, .. } = &self.geometry;
+        planes.iter().any(|plane| plane.intersect(ray).is_some())
+            || hierarchy.occluded(ray, |i, ray| shapes[i as usize].occludes(ray))
+            || moving
+                .as_ref()
+                .is_some_and(|moving| moving.occluded(ray, |i, ray| shapes[(first_moving + i) as usize].occludes(ray)))
     }
 
     /// The surface at a hit of `ray`, whose direction must be of unit length.

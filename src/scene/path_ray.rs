@@ -87,6 +87,7 @@ impl<I: Interior> PathRay<I> {
         let mut distance = 0.0;
         let mut crossed = false;
         loop {
+            // Find the nearest surface.
             let hit = scene.intersect(&self.ray);
             let cone = self.cone;
             let mut surface = hit.map(|hit| {
@@ -95,6 +96,8 @@ impl<I: Interior> PathRay<I> {
                 self.inside.infer_start(&surface);
                 (surface, hit.t)
             });
+
+            // Scatter in the medium before it.
             if I::SPECTRAL
                 && let Some((index, ray, from)) =
                     medium_segment(scene, &self.ray, hit.map_or(f32::INFINITY, |hit| hit.t), &self.inside)
@@ -108,6 +111,8 @@ impl<I: Interior> PathRay<I> {
                     return PathEvent::Scattered { transmittance, crossed };
                 }
             }
+
+            // Escape, or absorb along the segment.
             let Some((surface, t)) = &mut surface else { return PathEvent::Escaped { crossed } };
             distance += *t;
             let more = self.inside.optical_depth(scene, *t);
@@ -115,6 +120,8 @@ impl<I: Interior> PathRay<I> {
                 depth += more.as_dvec3();
                 transmittance = exp_neg(depth.as_vec3());
             }
+
+            // Stop at a surface vertex.
             match self.inside.resolve_boundary(scene, surface, key) {
                 BoundaryEvent::Surface => {
                     transmittance *= self.inside.weight_at(surface);
@@ -123,6 +130,8 @@ impl<I: Interior> PathRay<I> {
                 BoundaryEvent::Hidden => crossed = true,
                 BoundaryEvent::NullInterface => {}
             }
+
+            // Pass through a boundary that does not scatter.
             self.ray = surface.leave(self.ray.direction);
             self.inside.cross(surface, self.ray.direction);
         }

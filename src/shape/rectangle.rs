@@ -70,7 +70,7 @@ impl Rectangle {
         SurfacePoint::exact(p, self.normal, self.corner.abs().max_element() + reach)
     }
 
-    /// RectangleView of the outer side from `from`; `None` from behind, or if sampling by area is
+    /// Returns the view of the outer side from `from`; `None` from behind, or if sampling by area is
     /// preferred.
     fn view(&self, from: Vec3) -> Option<RectangleView> {
         let to = self.corner - from.as_dvec3();

@@ -56,8 +56,8 @@ pub struct TextureMapping {
 
 /// Unit directions of increasing u and v on a plane perpendicular to `normal`.
 ///
-/// They match a picture that hangs upright on a wall: u points right for a viewer of the outer
-/// side, v points up along y. On a horizontal plane, u is x.
+/// The directions match a picture that hangs upright on a wall: u points right for a viewer of
+/// the outer side, v points up along y. On a horizontal plane, u is x.
 #[must_use]
 pub fn upright(normal: DVec3) -> [DVec3; 2] {
     let n = normal.normalize_or(DVec3::Y);

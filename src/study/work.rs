@@ -3,7 +3,7 @@
 use crate::integrate::Integrator;
 use crate::plan::{Effect, Effects};
 
-/// Work of the first pass, or a difference of two such.
+/// Work of the first pass, or the difference between the first passes of two plans.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Work {
     /// Rays of every kind.

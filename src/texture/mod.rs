@@ -69,7 +69,7 @@ impl Texture {
 
     /// Finite-difference step for bump maps: half of the finest detail.
     ///
-    /// It is in texture coordinates of the surface; for a solid texture, in lengths of the object.
+    /// The unit is the surface's texture coordinates; for a solid texture, lengths of the object.
     #[must_use]
     pub fn bump_step(&self) -> f64 {
         match self {

@@ -40,7 +40,7 @@ pub enum PictureError {
 /// A picture with a MIP map (Williams 1983, "Pyramidal parametrics"): each level is about half as
 /// wide as the one before.
 ///
-/// It covers the unit square of texture coordinates, with (0, 0) at its lower left corner.
+/// The picture covers the unit square of texture coordinates, with (0, 0) at its lower left corner.
 #[derive(Clone, Debug)]
 pub struct Picture {
     levels: Vec<Level>,
@@ -62,7 +62,6 @@ impl Picture {
     ///
     /// # Errors
     /// [`PictureError`] if a value is negative or not finite.
-    /// [`PictureError`] where a value is negative or not finite.
     pub fn new(image: &Image, wrap: Wrap) -> Result<Self, PictureError> {
         let (width, pixels) = (image.width(), image.pixels());
         if let Some(i) = pixels.iter().position(|p| !(p.is_finite() && p.min_element() >= 0.0)) {
@@ -149,8 +148,8 @@ impl Level {
         upper.lerp(lower, fy)
     }
 
-    /// The next level: half as many columns and rows, rounded down. Each pixel is the mean over its
-    /// area.
+    /// Returns the next MIP level: half as many columns and rows, rounded down. Each pixel is the mean
+    /// over its area.
     fn halved(&self) -> Self {
         let (width, height) = ((self.width / 2).max(1), (self.height / 2).max(1));
         let columns: Vec<Vec<(usize, f32)>> = (0..width).map(|j| covered(j, self.width, width)).collect();

@@ -5,7 +5,7 @@ use crate::color::Rgb;
 use glam::{DAffine3, DVec3};
 use std::f64::consts::PI;
 
-/// How a pattern blends two colours in space. N is the noise of [`Solid`].
+/// Pattern that blends two colours in space. N is the noise of [`Solid`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SolidKind {
     /// Clouds: ½ + ½ a N, clamped to \[0, 1].

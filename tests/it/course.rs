@@ -6,7 +6,7 @@
 use crate::support::course;
 use caustica::camera::Camera;
 use caustica::color::Rgb;
-use caustica::format::description::{Curve as Profile, CurveBasis, Group, Item, Object, Shape as Described};
+use caustica::format::description::{CurveBasis, Group, GroupItem, ObjectDescription, ProfileCurve, ShapeDescription};
 use caustica::format::mesh::{self, Repair};
 use caustica::format::{SceneFile, parse};
 use caustica::image::{self, Curve, Image, RgbBytes, ToneMap, WriteOptions};
@@ -84,25 +84,27 @@ fn scenes_08_to_10_show_surfaces_of_revolution() {
 }
 
 /// Returns the first profile of a group.
-fn profile(group: &Group) -> Option<Profile> {
+fn profile(group: &Group) -> Option<ProfileCurve> {
     group.items.iter().find_map(|item| match item {
-        Item::Object(object) => profile_of(&object.value),
+        GroupItem::Object(object) => profile_of(&object.value),
         _ => None,
     })
 }
 
-fn profile_of(object: &Object) -> Option<Profile> {
+fn profile_of(object: &ObjectDescription) -> Option<ProfileCurve> {
     match object {
-        Object::Group(group) => profile(group),
-        Object::Transform { object, .. } | Object::Moving { object, .. } => profile_of(&object.value),
-        Object::Shape { shape: Described::Revolution { profile }, .. } => Some(profile.clone()),
-        Object::Shape { .. } => None,
+        ObjectDescription::Group(group) => profile(group),
+        ObjectDescription::Transform { object, .. } | ObjectDescription::Moving { object, .. } => {
+            profile_of(&object.value)
+        }
+        ObjectDescription::Shape { shape: ShapeDescription::Revolution { profile }, .. } => Some(profile.clone()),
+        ObjectDescription::Shape { .. } => None,
     }
 }
 
 /// Returns the point of a curve at parameter `at`: by de Casteljau, or by the basis of uniform
 /// cubics.
-fn point_of(curve: &Profile, at: f64) -> DVec3 {
+fn point_of(curve: &ProfileCurve, at: f64) -> DVec3 {
     let mut points = curve.controls.clone();
     match curve.basis {
         CurveBasis::Bezier => {

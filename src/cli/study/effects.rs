@@ -177,9 +177,9 @@ struct Row<'f> {
     effect: EffectReport,
     /// Work of the picture without the effect; `None` if the effect is off.
     without: Option<Made<'f>>,
-    /// `None` if the effect is off.
+    /// `None` if the effect is not simulated.
     cost: Option<Cost>,
-    /// `None` if the effect is off.
+    /// `None` if the effect is not simulated.
     gain: Option<EffectContribution>,
 }
 

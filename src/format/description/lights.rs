@@ -2,11 +2,11 @@
 
 use glam::DVec3;
 
-use super::{Aim, Map, Spanned};
+use super::{Aim, Spanned, TransformStep};
 
 /// A source of light.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Light {
+pub enum LightDescription {
     /// A point light, equal in all directions.
     Point {
         /// Position.
@@ -80,17 +80,18 @@ pub enum Light {
     },
     /// A light that moves while the shutter is open.
     Moving {
-        /// Motion as in [`Object::Moving`](super::Object::Moving), but about the light's own
+        /// Motion, like that of
+        /// [`ObjectDescription::Moving`](super::ObjectDescription::Moving), but about the light's own
         /// position.
-        maps: Vec<Map>,
+        maps: Vec<TransformStep>,
         /// The light.
-        light: Box<Spanned<Light>>,
+        light: Box<Spanned<LightDescription>>,
     },
     /// Light from infinity in all directions. A scene has at most one.
     Environment(EnvironmentRadiance),
 }
 
-impl Light {
+impl LightDescription {
     /// Returns the path of the file that the light names.
     #[must_use]
     pub fn path_mut(&mut self) -> Option<&mut String> {

@@ -3,32 +3,32 @@
 use crate::color::Glass;
 use glam::DVec3;
 
-use super::{Emission, NormalPerturbation, Spanned, Value};
+use super::{Emission, NormalPerturbationDescription, Spanned, TexturedValue};
 
 /// A material.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Material {
+pub struct MaterialDescription {
     /// Name that `MaterialName` refers to: not empty, no line breaks.
     pub name: Option<String>,
     /// Reflection and transmission.
-    pub kind: MaterialKind,
+    pub kind: MaterialKindDescription,
     /// Emitted radiance.
     pub emission: Option<Emission>,
     /// Perturbation of its shading normals.
-    pub relief: Option<NormalPerturbation>,
+    pub relief: Option<NormalPerturbationDescription>,
     /// Name of the medium that fills the body of a `Dielectric` or `Clear`.
     pub medium: Option<Spanned<String>>,
 }
 
 /// Reflection and transmission of a material.
 #[derive(Clone, Debug, PartialEq)]
-pub enum MaterialKind {
+pub enum MaterialKindDescription {
     /// Phong's model of MIT 6.837.
     Phong {
         /// kd.
-        diffuse: Value<DVec3>,
+        diffuse: TexturedValue<DVec3>,
         /// ks.
-        specular: Value<DVec3>,
+        specular: TexturedValue<DVec3>,
         /// The exponent, at least 0.
         shininess: f64,
         /// Name of a texture, else path of a picture, that multiplies kd.
@@ -37,21 +37,21 @@ pub enum MaterialKind {
     /// A Lambertian surface.
     Diffuse {
         /// Reflectance, inside [0, 1].
-        reflectance: Value<DVec3>,
+        reflectance: TexturedValue<DVec3>,
     },
     /// A perfect mirror.
     Mirror {
         /// Reflectance, inside [0, 1].
-        reflectance: Value<DVec3>,
+        reflectance: TexturedValue<DVec3>,
     },
     /// Boundary of a body of glass, water or the like.
     Dielectric {
         /// Index of refraction.
-        refraction: Refraction,
+        refraction: RefractionDescription,
         /// Absorption inside.
         attenuation: Attenuation,
         /// GGX α, inside [0, 1]; 0 is smooth.
-        roughness: Value<f64>,
+        roughness: TexturedValue<f64>,
         /// Priority where bodies overlap: the highest wins; ties go to the body entered last.
         priority: u8,
     },
@@ -63,31 +63,31 @@ pub enum MaterialKind {
     /// Opaque metal.
     Conductor {
         /// Index of the metal.
-        metal: Metal,
+        metal: MetalDescription,
         /// GGX α, inside [0, 1]; 0 is smooth.
-        roughness: Value<f64>,
+        roughness: TexturedValue<f64>,
     },
     /// Pane without thickness: light passes straight through or is mirrored.
     Thin {
         /// Index of refraction relative to the surroundings.
         index: f64,
         /// Transmittance of the inside at normal incidence, inside (0, 1].
-        transmittance: Value<DVec3>,
+        transmittance: TexturedValue<DVec3>,
     },
     /// One of two materials at each point, chosen at random.
     Mix {
-        /// Name of a material that stands before this one.
+        /// Name of a material that stands before the mix.
         first: Spanned<String>,
-        /// Name of a material that stands before this one.
+        /// Name of a material that stands before the mix.
         second: Spanned<String>,
         /// Probability of the second, inside [0, 1].
-        amount: Value<f64>,
+        amount: TexturedValue<f64>,
     },
 }
 
 /// Absolute index of refraction of a dielectric; that of air is 1.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Refraction {
+pub enum RefractionDescription {
     /// Equal for all wavelengths.
     Index(f64),
     /// Index of a named glass.
@@ -103,7 +103,7 @@ pub enum Refraction {
     Glass(Glass),
 }
 
-impl From<f64> for Refraction {
+impl From<f64> for RefractionDescription {
     fn from(index: f64) -> Self {
         Self::Index(index)
     }
@@ -111,7 +111,7 @@ impl From<f64> for Refraction {
 
 /// Complex index of a conductor.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Metal {
+pub enum MetalDescription {
     /// Index of a named metal.
     Named(Spanned<String>),
     /// Complex index of refraction η + ik relative to the surroundings.

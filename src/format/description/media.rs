@@ -2,11 +2,11 @@
 
 use glam::DVec3;
 
-use super::{Map, Spanned};
+use super::{Spanned, TransformStep};
 
 /// A participating medium.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Medium {
+pub struct MediumDescription {
     /// Name that materials and the background refer to: not empty, no line breaks.
     pub name: String,
     /// Absorption and scattering in 1/length at density 1.
@@ -61,7 +61,7 @@ pub enum Density {
         /// Factor of the densities, above 0.
         scale: f64,
         /// Box that the grid fills.
-        extent: Extent,
+        extent: ExtentDescription,
     },
     /// Noise from 0 to 1 in the ellipsoid inscribed in a box.
     Cloud {
@@ -78,17 +78,17 @@ pub enum Density {
         /// Grid cells along the longest side, 2 … 512.
         resolution: u32,
         /// Box that the grid fills.
-        extent: Extent,
+        extent: ExtentDescription,
     },
 }
 
 /// A box, transformed.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Extent {
+pub struct ExtentDescription {
     /// Its least corner, before the maps.
     pub min: DVec3,
     /// Its greatest corner, in each component above the least.
     pub max: DVec3,
     /// From the space of the corners to the world.
-    pub maps: Vec<Map>,
+    pub maps: Vec<TransformStep>,
 }

@@ -14,11 +14,18 @@ use std::ops::Deref;
 
 use glam::{DVec2, DVec3, DVec4};
 
-pub use super::map::Map;
-pub use lights::{AreaStrength, DirectionalStrength, EnvironmentRadiance, Light, LightPattern, PointStrength};
-pub use materials::{Attenuation, Material, MaterialKind, Metal, Refraction};
-pub use media::{Coefficients, Density, Extent, Medium, Phase};
-pub use textures::{Coordinates, Emission, Encoding, NormalPerturbation, Pattern, Texture, TextureKind, Value, Wrap};
+pub use super::transform_step::TransformStep;
+pub use lights::{
+    AreaStrength, DirectionalStrength, EnvironmentRadiance, LightDescription, LightPattern, PointStrength,
+};
+pub use materials::{
+    Attenuation, MaterialDescription, MaterialKindDescription, MetalDescription, RefractionDescription,
+};
+pub use media::{Coefficients, Density, ExtentDescription, MediumDescription, Phase};
+pub use textures::{
+    CoordinatesDescription, Emission, NormalPerturbationDescription, Pattern, PictureEncoding, TextureDescription,
+    TextureKindDescription, TexturedValue, Wrap,
+};
 
 /// A range of the scene's text, in bytes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -66,26 +73,26 @@ impl<T> Deref for Spanned<T> {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Description {
     /// The view to render.
-    pub camera: Spanned<Camera>,
+    pub camera: Spanned<CameraDescription>,
     /// Radiance of rays that leave the scene.
     pub background: DVec3,
     /// Name of the medium that fills the space outside all bodies.
     pub filling: Option<Spanned<String>>,
     /// Lights, in the order of the file.
-    pub lights: Vec<Spanned<Light>>,
+    pub lights: Vec<Spanned<LightDescription>>,
     /// Textures, in the order of the file.
-    pub textures: Vec<Spanned<Texture>>,
+    pub textures: Vec<Spanned<TextureDescription>>,
     /// Media, in the order of the file.
-    pub media: Vec<Spanned<Medium>>,
+    pub media: Vec<Spanned<MediumDescription>>,
     /// Materials, in the order of the file; `MaterialIndex` counts them from 0.
-    pub materials: Vec<Spanned<Material>>,
+    pub materials: Vec<Spanned<MaterialDescription>>,
     /// The objects.
     pub root: Group,
 }
 
 /// A camera.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Camera {
+pub struct CameraDescription {
     /// The pinhole, the lens center, or the center of an orthographic picture.
     pub center: DVec3,
     /// Direction of view.
@@ -93,25 +100,25 @@ pub struct Camera {
     /// A direction that appears upward; not parallel to the view.
     pub up: DVec3,
     /// Projection.
-    pub projection: Projection,
+    pub projection: ProjectionDescription,
     /// Picture width in pixels.
     pub width: u32,
     /// Picture height in pixels.
     pub height: u32,
-    /// Motion while the shutter is open, as in [`Object::Moving`], but about the camera's own
-    /// position.
-    pub motion: Vec<Map>,
+    /// Motion while the shutter is open, like that of [`ObjectDescription::Moving`], but about the
+    /// camera's own position.
+    pub motion: Vec<TransformStep>,
 }
 
 /// Projection of a camera.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Projection {
+pub enum ProjectionDescription {
     /// Perspective through a pinhole or a thin lens.
     Perspective {
         /// Vertical field of view in degrees, inside (0, 180).
         angle: f64,
         /// Lens; `None` for a pinhole.
-        lens: Option<Lens>,
+        lens: Option<LensDescription>,
     },
     /// Parallel projection.
     Orthographic {
@@ -124,7 +131,7 @@ pub enum Projection {
 
 /// A thin lens.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Lens {
+pub struct LensDescription {
     /// Size of its opening.
     pub opening: Opening,
     /// Plane in focus.
@@ -172,44 +179,44 @@ pub enum Aim {
 pub struct Group {
     /// Entries in the order of the file: a material holds for all objects after it, also past the
     /// end of the group.
-    pub items: Vec<Item>,
+    pub items: Vec<GroupItem>,
 }
 
 /// One entry of a group.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Item {
+pub enum GroupItem {
     /// Index of the material of the objects that follow, from 0.
     MaterialIndex(Spanned<u32>),
     /// Name of the material of the objects that follow.
     MaterialName(Spanned<String>),
     /// An object.
-    Object(Spanned<Object>),
+    Object(Spanned<ObjectDescription>),
 }
 
 /// An object of the scene.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Object {
+pub enum ObjectDescription {
     /// Several objects.
     Group(Group),
     /// A transformed object.
     Transform {
-        /// Composed by [`Map::product`]: the first listed is applied last.
-        maps: Vec<Map>,
+        /// Composed by [`TransformStep::product`]: the first listed is applied last.
+        maps: Vec<TransformStep>,
         /// The object.
-        object: Box<Spanned<Object>>,
+        object: Box<Spanned<ObjectDescription>>,
     },
     /// An object that moves while the shutter is open.
     Moving {
         /// Composed as in a transform. Each grows from the identity, when the shutter opens, to the
         /// full map, when it closes. None is a matrix, and scales are above 0.
-        maps: Vec<Map>,
+        maps: Vec<TransformStep>,
         /// The object.
-        object: Box<Spanned<Object>>,
+        object: Box<Spanned<ObjectDescription>>,
     },
     /// A surface.
     Shape {
         /// Geometry.
-        shape: Shape,
+        shape: ShapeDescription,
         /// Emitted radiance in W/(m² sr); `None` for that of its material.
         emission: Option<DVec3>,
     },
@@ -217,7 +224,7 @@ pub enum Object {
 
 /// Geometry of a surface.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Shape {
+pub enum ShapeDescription {
     /// All points at `radius` from `center`.
     Sphere {
         /// Center.
@@ -294,16 +301,16 @@ pub enum Shape {
     /// The points (x cos θ, y, x sin θ) of a profile (x, y).
     Revolution {
         /// The curve that turns about the y axis.
-        profile: Curve,
+        profile: ProfileCurve,
     },
     /// A curve by itself; it has no surface and is not visible.
-    Curve(Curve),
+    Curve(ProfileCurve),
     /// Bézier patches of equal degrees.
     Patches {
         /// Degrees along u and v, each from 1 to
         /// [`MAX_DEGREE`](crate::shape::parametric::MAX_DEGREE).
         degree: [u32; 2],
-        /// (degree u + 1) · (degree v + 1) points with weights for each patch, those along v first.
+        /// (degree u + 1) · (degree v + 1) points with weights for each patch; the index along v varies fastest.
         controls: Vec<DVec4>,
     },
     /// A B-spline surface with weights.
@@ -316,7 +323,7 @@ pub enum Shape {
         /// Knots along u and v: count + degree + 1 nondecreasing numbers each; none for uniform
         /// knots.
         knots: [Vec<f64>; 2],
-        /// Points with weights, those along v first.
+        /// Points with weights; the index along v varies fastest.
         controls: Vec<DVec4>,
     },
 }
@@ -335,7 +342,7 @@ pub struct MeshOptions {
 
 /// A polynomial curve.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Curve {
+pub struct ProfileCurve {
     /// Basis of the control points.
     pub basis: CurveBasis,
     /// Control points: at least 2 for Bézier curves and 4 for B-splines.

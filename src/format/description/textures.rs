@@ -3,24 +3,24 @@
 pub use crate::texture::Wrap;
 use glam::{DVec2, DVec3};
 
-use super::{Map, Spanned};
+use super::{Spanned, TransformStep};
 
 /// A constant, or the name of a texture.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Value<T> {
+pub enum TexturedValue<T> {
     /// A constant.
     Plain(T),
     /// Name of a texture.
     Texture(Spanned<String>),
 }
 
-impl<T> From<T> for Value<T> {
+impl<T> From<T> for TexturedValue<T> {
     fn from(value: T) -> Self {
         Self::Plain(value)
     }
 }
 
-impl<T> Value<T> {
+impl<T> TexturedValue<T> {
     /// Returns the name of the texture; `None` for a constant.
     pub fn texture(&self) -> Option<&Spanned<String>> {
         match self {
@@ -32,33 +32,33 @@ impl<T> Value<T> {
 
 /// A texture.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Texture {
+pub struct TextureDescription {
     /// Name that materials refer to: not empty, no line breaks.
     pub name: String,
     /// Pattern or picture.
-    pub kind: TextureKind,
+    pub kind: TextureKindDescription,
 }
 
 /// Pattern or picture of a texture.
 #[derive(Clone, Debug, PartialEq)]
-pub enum TextureKind {
+pub enum TextureKindDescription {
     /// A picture in a file of its own.
     Image {
         /// Path as written: not empty, no line breaks.
         path: Spanned<String>,
         /// Encoding of its values, if they are whole numbers.
-        encoding: Encoding,
+        encoding: PictureEncoding,
         /// Continuation beyond its edges.
         wrap: Wrap,
         /// Transform of the texture coordinates.
-        coordinates: Coordinates,
+        coordinates: CoordinatesDescription,
     },
     /// Squares of side 1.
     Checker {
         /// Colors where ⌊u⌋ + ⌊v⌋ is even, and where it is odd.
         colors: [DVec3; 2],
         /// Transform of the texture coordinates.
-        coordinates: Coordinates,
+        coordinates: CoordinatesDescription,
     },
     /// A solid pattern in the space of the object.
     Solid {
@@ -72,8 +72,8 @@ pub enum TextureKind {
         frequency: f64,
         /// Factor of the noise, at least 0.
         amplitude: f64,
-        /// Maps from the pattern's space to the object's, composed by [`Map::product`].
-        maps: Vec<Map>,
+        /// Maps from the pattern's space to the object's, composed by [`TransformStep::product`].
+        maps: Vec<TransformStep>,
     },
 }
 
@@ -90,7 +90,7 @@ pub enum Pattern {
 
 /// Encoding of the values of a picture.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Encoding {
+pub enum PictureEncoding {
     /// The sRGB transfer curve.
     #[default]
     Srgb,
@@ -100,7 +100,7 @@ pub enum Encoding {
 
 /// Transform of texture coordinates: scale, then rotation, then offset.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Coordinates {
+pub struct CoordinatesDescription {
     /// Factors of u and v, not 0.
     pub scale: DVec2,
     /// Rotation, anticlockwise, in degrees.
@@ -109,7 +109,7 @@ pub struct Coordinates {
     pub offset: DVec2,
 }
 
-impl Default for Coordinates {
+impl Default for CoordinatesDescription {
     fn default() -> Self {
         Self { scale: DVec2::ONE, rotate: 0.0, offset: DVec2::ZERO }
     }
@@ -131,7 +131,7 @@ pub enum Emission {
 
 /// Perturbation of shading normals, by the name of a texture or else the path of a picture.
 #[derive(Clone, Debug, PartialEq)]
-pub enum NormalPerturbation {
+pub enum NormalPerturbationDescription {
     /// Bump map.
     Bump {
         /// Texture of heights.

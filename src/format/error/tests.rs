@@ -8,7 +8,7 @@ fn render(error: &SceneError) -> String {
 }
 
 fn error(text: &str, start: usize, len: usize) -> SceneError {
-    SceneError::at(&Source::new("a.txt", text), Span { start, len }, "no such word", "here", "write `right`")
+    SceneError::at(&SourceText::new("a.txt", text), Span { start, len }, "no such word", "here", "write `right`")
 }
 
 #[test]
@@ -37,7 +37,7 @@ fn any_span_can_be_reported() {
             assert!(render(&error(text, start, len)).contains("write `right`"));
         }
     }
-    let file = SceneError::of_file(&Source::new("a.txt", ""), "nothing here", "write something");
+    let file = SceneError::of_file(&SourceText::new("a.txt", ""), "nothing here", "write something");
     assert!(render(&file).contains("a.txt:1:1: nothing here") && render(&file).contains("write something"));
 }
 

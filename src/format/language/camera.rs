@@ -4,7 +4,9 @@ use std::fmt;
 
 use glam::DVec3;
 
-use super::super::description::{Aim, Camera, Focus, Lens, Map, Opening, Projection, Spanned};
+use super::super::description::{
+    Aim, CameraDescription, Focus, LensDescription, Opening, ProjectionDescription, Spanned, TransformStep,
+};
 use super::super::error::SceneError;
 use super::fields::{Fields, fields};
 use super::lexer::Token;
@@ -22,7 +24,7 @@ pub(super) static CAMERAS: [Entry<ReadCamera>; 3] = [
 ];
 
 /// Reader of a camera with this view: its projection and the height of its picture \[pixels].
-type ReadCamera = fn(&Fields<'_>, &View) -> Result<(Projection, u32), SceneError>;
+type ReadCamera = fn(&Fields<'_>, &View) -> Result<(ProjectionDescription, u32), SceneError>;
 
 /// Position and direction of a camera.
 pub(super) struct View {
@@ -107,11 +109,14 @@ static ENVIRONMENT: Block = Block {
 const SENSOR_HEIGHT: f64 = 0.024;
 
 /// Reads a `Moving` block with a camera.
-pub(super) fn moving_camera<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Result<Spanned<Camera>, SceneError> {
+pub(super) fn moving_camera<'a>(
+    parser: &mut Parser<'a>,
+    keyword: Token<'a>,
+) -> Result<Spanned<CameraDescription>, SceneError> {
     let read = |parser: &mut Parser<'a>, word: Token<'a>| Ok(Spanned::new(camera(parser, word)?, word.span()));
     let allowed = keywords(&[], &CAMERAS);
     let (motion, mut camera) = moving(parser, keyword, &allowed, read)?;
-    if motion.iter().any(|map| matches!(map, Map::Scale(_) | Map::UniformScale(_))) {
+    if motion.iter().any(|map| matches!(map, TransformStep::Scale(_) | TransformStep::UniformScale(_))) {
         let message = "a camera cannot grow".to_owned();
         let help = "move it by Translate and Rotate only".to_owned();
         return Err(parser.lexer.error(keyword.span(), message, "this motion", help));
@@ -121,7 +126,7 @@ pub(super) fn moving_camera<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> 
 }
 
 /// Reads a camera block.
-pub(super) fn camera<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<Camera, SceneError> {
+pub(super) fn camera<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<CameraDescription, SceneError> {
     let Some(entry) = find(&CAMERAS, word.text) else {
         return Err(parser.unexpected(word, &keywords(&[], &CAMERAS)));
     };
@@ -138,26 +143,26 @@ pub(super) fn camera<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<Cam
     }
     let width = f.whole("width")?;
     let (projection, height) = (entry.read)(&f, &View { center, direction, aim })?;
-    Ok(Camera { center, aim, up, projection, width, height, motion: Vec::new() })
+    Ok(CameraDescription { center, aim, up, projection, width, height, motion: Vec::new() })
 }
 
-fn perspective(f: &Fields<'_>, view: &View) -> Result<(Projection, u32), SceneError> {
+fn perspective(f: &Fields<'_>, view: &View) -> Result<(ProjectionDescription, u32), SceneError> {
     let angle = f.number("angle")?;
     let lens = lens(f, view.center, view.direction, view.aim)?;
-    Ok((Projection::Perspective { angle, lens }, f.whole("height")?))
+    Ok((ProjectionDescription::Perspective { angle, lens }, f.whole("height")?))
 }
 
-fn orthographic(f: &Fields<'_>, _: &View) -> Result<(Projection, u32), SceneError> {
-    Ok((Projection::Orthographic { size: f.number("size")? }, f.whole("height")?))
+fn orthographic(f: &Fields<'_>, _: &View) -> Result<(ProjectionDescription, u32), SceneError> {
+    Ok((ProjectionDescription::Orthographic { size: f.number("size")? }, f.whole("height")?))
 }
 
-fn environment(f: &Fields<'_>, _: &View) -> Result<(Projection, u32), SceneError> {
+fn environment(f: &Fields<'_>, _: &View) -> Result<(ProjectionDescription, u32), SceneError> {
     let half = f.whole("width")?.div_ceil(2);
-    Ok((Projection::Environment, f.get("height").map_or(half, |height| height.number() as u32)))
+    Ok((ProjectionDescription::Environment, f.get("height").map_or(half, |height| height.number() as u32)))
 }
 
 /// Returns the lens of a camera at `center` with that direction of view; `None` for a pinhole.
-fn lens(f: &Fields<'_>, center: DVec3, direction: DVec3, aim: Aim) -> Result<Option<Lens>, SceneError> {
+fn lens(f: &Fields<'_>, center: DVec3, direction: DVec3, aim: Aim) -> Result<Option<LensDescription>, SceneError> {
     if f.get("aperture").is_none() && f.get("fNumber").is_none() {
         let rule = "has no effect without `aperture` or `fNumber`";
         f.refuse(&["sensorHeight", "focusDistance", "focusAt", "blades"], rule)?;
@@ -183,7 +188,7 @@ fn lens(f: &Fields<'_>, center: DVec3, direction: DVec3, aim: Aim) -> Result<Opt
             }
         }
         (None, Aim::LookAt(point)) => Focus::Point(point),
-        (None, Aim::Direction(_)) => Focus::Distance(f.need("focusDistance")?.number()),
+        (None, Aim::Direction(_)) => Focus::Distance(f.require("focusDistance")?.number()),
     };
     let blades = match f.get("blades") {
         None => 0,
@@ -194,7 +199,7 @@ fn lens(f: &Fields<'_>, center: DVec3, direction: DVec3, aim: Aim) -> Result<Opt
             n as u32
         }
     };
-    Ok(Some(Lens { opening, focus, blades }))
+    Ok(Some(LensDescription { opening, focus, blades }))
 }
 
 /// Returns `direction` or `lookAt`, and the direction from `center`, which is the value of the
@@ -210,26 +215,26 @@ pub(super) fn aim(f: &Fields<'_>, from: &str, center: DVec3) -> Result<(Aim, DVe
 }
 
 /// Prints a camera.
-pub(super) fn write_camera(out: &mut Writer<'_, '_>, camera: &Camera) -> fmt::Result {
+pub(super) fn write_camera(out: &mut Writer<'_, '_>, camera: &CameraDescription) -> fmt::Result {
     if !camera.motion.is_empty() {
         out.open("Moving")?;
         write_maps(out, &camera.motion)?;
     }
     out.start(match camera.projection {
-        Projection::Perspective { .. } => &PERSPECTIVE,
-        Projection::Orthographic { .. } => &ORTHOGRAPHIC,
-        Projection::Environment => &ENVIRONMENT,
+        ProjectionDescription::Perspective { .. } => &PERSPECTIVE,
+        ProjectionDescription::Orthographic { .. } => &ORTHOGRAPHIC,
+        ProjectionDescription::Environment => &ENVIRONMENT,
     })?;
     out.vector("center", camera.center)?;
     write_aim(out, camera.aim)?;
     out.vector("up", camera.up)?;
     match camera.projection {
-        Projection::Perspective { angle, lens } => {
+        ProjectionDescription::Perspective { angle, lens } => {
             out.number("angle", angle)?;
             lens.map_or(Ok(()), |lens| write_lens(out, &lens))?;
         }
-        Projection::Orthographic { size } => out.number("size", size)?,
-        Projection::Environment => {}
+        ProjectionDescription::Orthographic { size } => out.number("size", size)?,
+        ProjectionDescription::Environment => {}
     }
     out.field("width", camera.width)?;
     out.field("height", camera.height)?;
@@ -248,7 +253,7 @@ pub(super) fn write_aim(out: &mut Writer<'_, '_>, aim: Aim) -> fmt::Result {
 }
 
 /// Prints the fields of a lens.
-fn write_lens(out: &mut Writer<'_, '_>, lens: &Lens) -> fmt::Result {
+fn write_lens(out: &mut Writer<'_, '_>, lens: &LensDescription) -> fmt::Result {
     match lens.opening {
         Opening::Radius(radius) => out.number("aperture", radius)?,
         Opening::FNumber { number, sensor } => {

@@ -2,7 +2,7 @@
 
 use glam::{DVec2, DVec3, DVec4};
 
-use super::super::description::{Curve, CurveBasis, Map, Span, Spanned, Value as Textured};
+use super::super::description::{CurveBasis, ProfileCurve, Span, Spanned, TexturedValue, TransformStep};
 use super::super::error::SceneError;
 use super::curves::{BEZIER_PROFILE, BSPLINE_PROFILE};
 use super::lexer::{Lexer, Token};
@@ -12,14 +12,14 @@ use super::schema::{Block, Default, Field, Kind};
 use super::suggest::nearest;
 use super::text::{clip, is_number_word};
 
-/// The value of a field; only the part that its [`Kind`] needs is filled.
+/// Value of a field. The [`Kind`] of the field determines which member is filled.
 #[derive(Default)]
-struct Value {
+struct FieldValue {
     /// One, two or three numbers.
     numbers: DVec3,
     /// A name, path or word; the name of the texture that replaces numbers.
     name: String,
-    maps: Vec<Map>,
+    maps: Vec<TransformStep>,
     basis: CurveBasis,
     points: Vec<DVec3>,
     weighted: Vec<DVec4>,
@@ -31,16 +31,16 @@ pub(super) struct Fields<'a> {
     lexer: Lexer<'a>,
     block: &'static Block,
     keyword: Token<'a>,
-    list: Vec<(&'static Field, Token<'a>, Spanned<Value>)>,
+    list: Vec<(&'static Field, Token<'a>, Spanned<FieldValue>)>,
 }
 
-/// A field that is present.
+/// A field of a block that the text sets, with its value.
 #[derive(Clone, Copy)]
-pub(super) struct Found<'f, 'a> {
+pub(super) struct PresentField<'f, 'a> {
     fields: &'f Fields<'a>,
     field: &'static Field,
     word: Token<'a>,
-    value: &'f Spanned<Value>,
+    value: &'f Spanned<FieldValue>,
 }
 
 /// Reads `{ … }` with the fields of `block`, each at most once and within its range.
@@ -102,7 +102,7 @@ fn read_field<'a>(
     let value = read_value(parser, word, field)?;
     fields.list.push((field, word, value));
     let (_, _, value) = &fields.list[fields.list.len() - 1];
-    Found { fields, field, word, value }.check()
+    PresentField { fields, field, word, value }.check()
 }
 
 /// Reads the value of `field` after its keyword `word`.
@@ -110,8 +110,8 @@ fn read_value<'a>(
     parser: &mut Parser<'a>,
     word: Token<'a>,
     field: &'static Field,
-) -> Result<Spanned<Value>, SceneError> {
-    let mut value = Value::default();
+) -> Result<Spanned<FieldValue>, SceneError> {
+    let mut value = FieldValue::default();
     let span = match field.kind {
         Kind::ColorOrTexture | Kind::NumberOrTexture if name_follows(parser) => {
             let name = parser.name(word)?;
@@ -215,7 +215,7 @@ fn weighted_points<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<Vec<D
 }
 
 /// Reads the curve block after `profile`; its span is its keyword.
-fn curve(parser: &mut Parser<'_>) -> Result<Spanned<Curve>, SceneError> {
+fn curve(parser: &mut Parser<'_>) -> Result<Spanned<ProfileCurve>, SceneError> {
     let keyword = parser.lexer.peek();
     let (block, basis) = match keyword.text {
         "BezierCurve" => (&BEZIER_PROFILE, CurveBasis::Bezier),
@@ -229,24 +229,24 @@ fn curve(parser: &mut Parser<'_>) -> Result<Spanned<Curve>, SceneError> {
     };
     parser.lexer.take(keyword);
     let f = fields(parser, keyword, block)?;
-    Ok(Spanned::new(f.need("controls")?.curve_of(basis)?, keyword.span()))
+    Ok(Spanned::new(f.require("controls")?.curve_of(basis)?, keyword.span()))
 }
 
 impl<'a> Fields<'a> {
-    /// An error at `span`.
+    /// Returns an error with its position at `span`.
     pub fn error(&self, span: Span, message: String, label: &str, help: String) -> SceneError {
         self.lexer.error(span, message, label, help)
     }
 
     /// Returns the field `name` if it is present.
-    pub fn get(&self, name: &str) -> Option<Found<'_, 'a>> {
+    pub fn get(&self, name: &str) -> Option<PresentField<'_, 'a>> {
         debug_assert!(self.block.field(name).is_some(), "`{}` has no field `{name}`", self.block.keyword);
         let (field, word, value) = self.list.iter().find(|(field, ..)| field.name == name)?;
-        Some(Found { fields: self, field, word: *word, value })
+        Some(PresentField { fields: self, field, word: *word, value })
     }
 
     /// Returns the field `name`, which must be present.
-    pub fn need(&self, name: &str) -> Result<Found<'_, 'a>, SceneError> {
+    pub fn require(&self, name: &str) -> Result<PresentField<'_, 'a>, SceneError> {
         self.get(name).ok_or_else(|| {
             let alias = self.block.field(name).map_or("", |field| field.alias);
             let listed = if alias.is_empty() { format!("`{name}`") } else { format!("`{name}` or `{alias}`") };
@@ -255,8 +255,8 @@ impl<'a> Fields<'a> {
         })
     }
 
-    /// Returns the one field of `names` that is present.
-    pub fn one_of(&self, names: &[&str]) -> Result<Found<'_, 'a>, SceneError> {
+    /// Returns the only field among `names` that is present; none or several are an error.
+    pub fn one_of(&self, names: &[&str]) -> Result<PresentField<'_, 'a>, SceneError> {
         let mut found = self.list.iter().filter(|(field, ..)| names.contains(&field.name));
         let block = self.keyword.text;
         let listed = names.iter().map(|name| format!("`{name}`")).collect::<Vec<_>>().join(" or ");
@@ -268,15 +268,16 @@ impl<'a> Fields<'a> {
             let message = format!("`{block}` has both `{}` and `{}`", word.text, second.text);
             return Err(self.error(second.span(), message, "the second", format!("keep one of {listed}")));
         }
-        Ok(Found { fields: self, field, word: *word, value })
+        Ok(PresentField { fields: self, field, word: *word, value })
     }
 
-    /// Refuses fields of `names` that are present; `rule` follows the field's name.
+    /// Returns an error if a field among `names` is present. `rule` completes the help text after
+    /// the name of the field.
     pub fn refuse(&self, names: &[&str], rule: &str) -> Result<(), SceneError> {
         names.iter().find_map(|name| self.get(name)).map_or(Ok(()), |field| field.ensure(false, rule))
     }
 
-    /// Refuses two fields that exclude each other.
+    /// Returns an error if the fields `first` and `second` are both present.
     pub fn exclude(&self, first: &str, second: &str) -> Result<(), SceneError> {
         match (self.get(first), self.get(second)) {
             (Some(_), Some(_)) => self.one_of(&[first, second]).map(|_| ()),
@@ -288,7 +289,7 @@ impl<'a> Fields<'a> {
     pub fn vector(&self, name: &str) -> Result<DVec3, SceneError> {
         match self.default(name) {
             Some(default) => Ok(DVec3::from_slice(default)),
-            None => self.need(name).map(|found| found.vector()),
+            None => self.require(name).map(|found| found.vector()),
         }
     }
 
@@ -296,7 +297,7 @@ impl<'a> Fields<'a> {
     pub fn pair(&self, name: &str) -> Result<DVec2, SceneError> {
         match self.default(name) {
             Some(default) => Ok(DVec2::from_slice(default)),
-            None => self.need(name).map(|found| found.pair()),
+            None => self.require(name).map(|found| found.pair()),
         }
     }
 
@@ -304,7 +305,7 @@ impl<'a> Fields<'a> {
     pub fn number(&self, name: &str) -> Result<f64, SceneError> {
         match self.default(name) {
             Some(default) => Ok(default[0]),
-            None => self.need(name).map(|found| found.number()),
+            None => self.require(name).map(|found| found.number()),
         }
     }
 
@@ -318,28 +319,28 @@ impl<'a> Fields<'a> {
         match (self.get(name), self.block.field(name).map(|field| field.default)) {
             (Some(found), _) => Ok(&found.value.value.name),
             (None, Some(Default::Word(word))) => Ok(word),
-            (None, _) => self.need(name).map(|_| ""),
+            (None, _) => self.require(name).map(|_| ""),
         }
     }
 
     /// Returns the colour or texture of the field `name`, or its default.
-    pub fn color_or_texture(&self, name: &str) -> Result<Textured<DVec3>, SceneError> {
+    pub fn color_or_texture(&self, name: &str) -> Result<TexturedValue<DVec3>, SceneError> {
         match self.get(name).and_then(|found| found.texture()) {
-            Some(texture) => Ok(Textured::Texture(texture)),
-            None => self.vector(name).map(Textured::Plain),
+            Some(texture) => Ok(TexturedValue::Texture(texture)),
+            None => self.vector(name).map(TexturedValue::Plain),
         }
     }
 
     /// Returns the number or texture of the field `name`, or its default.
-    pub fn number_or_texture(&self, name: &str) -> Result<Textured<f64>, SceneError> {
+    pub fn number_or_texture(&self, name: &str) -> Result<TexturedValue<f64>, SceneError> {
         match self.get(name).and_then(|found| found.texture()) {
-            Some(texture) => Ok(Textured::Texture(texture)),
-            None => self.number(name).map(Textured::Plain),
+            Some(texture) => Ok(TexturedValue::Texture(texture)),
+            None => self.number(name).map(TexturedValue::Plain),
         }
     }
 
     /// Returns the transform steps of the field `name`; empty if it is absent.
-    pub fn maps(&self, name: &str) -> Vec<Map> {
+    pub fn maps(&self, name: &str) -> Vec<TransformStep> {
         self.get(name).map_or(Vec::new(), |found| found.value.value.maps.clone())
     }
 
@@ -352,7 +353,7 @@ impl<'a> Fields<'a> {
     }
 }
 
-impl<'a> Found<'_, 'a> {
+impl<'a> PresentField<'_, 'a> {
     /// Returns the field's keyword as written.
     pub fn name(&self) -> &'a str {
         self.word.text
@@ -363,58 +364,63 @@ impl<'a> Found<'_, 'a> {
         self.value.span
     }
 
-    /// Returns three numbers.
+    /// Returns the value of a field with three numbers.
     pub fn vector(&self) -> DVec3 {
         self.value.numbers
     }
 
-    /// Returns one number.
+    /// Returns the value of a field with one number.
     pub fn number(&self) -> f64 {
         self.value.numbers.x
     }
 
-    /// Returns two numbers.
+    /// Returns the value of a field with two numbers.
     pub fn pair(&self) -> DVec2 {
         self.value.numbers.truncate()
     }
 
-    /// Returns a name or path.
+    /// Returns the value of a field that holds a name or path, with its span.
     pub fn text(&self) -> Spanned<String> {
         Spanned::new(self.value.name.clone(), self.value.span)
     }
 
-    /// Returns the name of the texture that replaces numbers; `None` for numbers.
+    /// Returns the name of the texture that the field has in place of numbers; `None` for numbers.
     pub fn texture(&self) -> Option<Spanned<String>> {
         (!self.value.name.is_empty()).then(|| self.text())
     }
 
     /// Returns the curve of a profile field.
-    pub fn curve(&self) -> Curve {
-        Curve { basis: self.value.basis, controls: self.value.points.clone() }
+    pub fn curve(&self) -> ProfileCurve {
+        ProfileCurve { basis: self.value.basis, controls: self.value.points.clone() }
     }
 
-    /// Returns a curve of these control points; too few are an error.
-    pub fn curve_of(&self, basis: CurveBasis) -> Result<Curve, SceneError> {
+    /// Returns the curve whose control points are the value of this field.
+    ///
+    /// # Errors
+    /// [`SceneError`] if the field holds fewer control points than `basis` needs.
+    pub fn curve_of(&self, basis: CurveBasis) -> Result<ProfileCurve, SceneError> {
         let controls = self.value.points.clone();
         let fewest = match basis {
             CurveBasis::Bezier => 2,
             CurveBasis::Bspline => 4,
         };
         self.ensure(controls.len() >= fewest, &format!("must hold at least {fewest} points"))?;
-        Ok(Curve { basis, controls })
+        Ok(ProfileCurve { basis, controls })
     }
 
-    /// Returns the points of a net, with weights.
+    /// Returns the control points of a surface, with weights.
     pub fn weighted_points(&self) -> &[DVec4] {
         &self.value.weighted
     }
 
-    /// Returns the numbers of a list.
+    /// Returns the value of a field that holds a list of numbers.
     pub fn list(&self) -> &[f64] {
         &self.value.list
     }
 
-    /// Returns an error at the value unless `ok`; `rule` follows the field's name.
+    /// Returns an error at the value of this field unless `ok`.
+    ///
+    /// `rule` says what the value must be; the help text is the name of the field, then `rule`.
     pub fn ensure(&self, ok: bool, rule: &str) -> Result<(), SceneError> {
         if ok {
             return Ok(());
@@ -425,7 +431,7 @@ impl<'a> Found<'_, 'a> {
         Err(self.fields.error(self.value.span, message, "not allowed", format!("`{name}` {rule}")))
     }
 
-    /// Refuses a value that the field's table does not allow.
+    /// Checks that the value is within the range and the words that the table of the block allows.
     fn check(&self) -> Result<(), SceneError> {
         let violation = match self.field.kind {
             Kind::Word(words) if !words.contains(&self.value.name.as_str()) => {

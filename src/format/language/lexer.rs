@@ -1,7 +1,7 @@
 //! Words, numbers and strings of a scene text, each with its position.
 
 use super::super::description::{Span, Spanned};
-use super::super::error::{SceneError, Source};
+use super::super::error::{SceneError, SourceText};
 
 /// A word or one of `{ } [ ]`; empty at the end of the file.
 #[derive(Clone, Copy, Debug)]
@@ -35,8 +35,8 @@ impl<'a> Lexer<'a> {
         Self { name, text, at }
     }
 
-    pub fn source(&self) -> Source {
-        Source::new(self.name, self.text)
+    pub fn source(&self) -> SourceText {
+        SourceText::new(self.name, self.text)
     }
 
     pub fn slice(&self, span: Span) -> &'a str {

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::super::description::{
-    AreaStrength, DirectionalStrength, EnvironmentRadiance, Light, LightPattern, PointStrength, Spanned,
+    AreaStrength, DirectionalStrength, EnvironmentRadiance, LightDescription, LightPattern, PointStrength, Spanned,
 };
 use super::super::error::SceneError;
 use super::camera::{aim, write_aim};
@@ -30,7 +30,7 @@ pub(super) static LIGHTS: [Entry<ReadLight>; 9] = [
 ];
 
 /// Reader of the fields of a light.
-type ReadLight = fn(&Fields<'_>) -> Result<Light, SceneError>;
+type ReadLight = fn(&Fields<'_>) -> Result<LightDescription, SceneError>;
 
 /// Number of kinds of light that have a position or direction to move.
 const MOVABLE: usize = 8;
@@ -212,7 +212,10 @@ static ENVIRONMENT: Block = Block {
 };
 
 /// Reads a `Lights` block.
-pub(super) fn lights<'a>(parser: &mut Parser<'a>, block: Token<'a>) -> Result<Vec<Spanned<Light>>, SceneError> {
+pub(super) fn lights<'a>(
+    parser: &mut Parser<'a>,
+    block: Token<'a>,
+) -> Result<Vec<Spanned<LightDescription>>, SceneError> {
     let mut lights = Vec::new();
     let mut has_environment = false;
     parser.list(block, ("numLights", "light"), &keywords(&["numLights", "Moving"], &LIGHTS), |parser, word| {
@@ -226,11 +229,11 @@ pub(super) fn lights<'a>(parser: &mut Parser<'a>, block: Token<'a>) -> Result<Ve
 }
 
 /// Reads a light that starts with `word`.
-fn light<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<Spanned<Light>, SceneError> {
+fn light<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<Spanned<LightDescription>, SceneError> {
     if word.text == "Moving" {
         let movable = keywords(&["Moving"], &LIGHTS[..MOVABLE]);
         let (maps, light) = moving(parser, word, &movable, light)?;
-        return Ok(Spanned::new(Light::Moving { maps, light: Box::new(light) }, word.span()));
+        return Ok(Spanned::new(LightDescription::Moving { maps, light: Box::new(light) }, word.span()));
     }
     let Some(entry) = find(&LIGHTS, word.text) else {
         return Err(parser.unexpected(word, &keywords(&["Moving"], &LIGHTS)));
@@ -239,38 +242,42 @@ fn light<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<Spanned<Light>,
     Ok(Spanned::new(light, word.span()))
 }
 
-fn point(f: &Fields<'_>) -> Result<Light, SceneError> {
-    Ok(Light::Point { position: f.vector("position")?, strength: point_strength(f)? })
+fn point(f: &Fields<'_>) -> Result<LightDescription, SceneError> {
+    Ok(LightDescription::Point { position: f.vector("position")?, strength: point_strength(f)? })
 }
 
-fn directional(f: &Fields<'_>) -> Result<Light, SceneError> {
+fn directional(f: &Fields<'_>) -> Result<LightDescription, SceneError> {
     let strength = f.one_of(&["color", "irradiance"])?;
     let value = strength.vector();
     let strength = match strength.name() {
         "color" => DirectionalStrength::Color(value),
         _ => DirectionalStrength::Irradiance(value),
     };
-    Ok(Light::Directional { direction: f.vector("direction")?, strength })
+    Ok(LightDescription::Directional { direction: f.vector("direction")?, strength })
 }
 
-fn projector(f: &Fields<'_>) -> Result<Light, SceneError> {
-    let path = f.need("file")?.text();
+fn projector(f: &Fields<'_>) -> Result<LightDescription, SceneError> {
+    let path = f.require("file")?.text();
     oriented(f, LightPattern::Picture { path, angle: f.number("angle")? })
 }
 
-fn goniometric(f: &Fields<'_>) -> Result<Light, SceneError> {
+fn goniometric(f: &Fields<'_>) -> Result<LightDescription, SceneError> {
     let pattern = f.one_of(&["file", "profile"])?;
     let path = pattern.text();
     let is_map = pattern.name() == "file";
     oriented(f, if is_map { LightPattern::Map(path) } else { LightPattern::Profile(path) })
 }
 
-fn sphere(f: &Fields<'_>) -> Result<Light, SceneError> {
-    Ok(Light::Sphere { center: f.vector("center")?, radius: f.number("radius")?, strength: area_strength(f)? })
+fn sphere(f: &Fields<'_>) -> Result<LightDescription, SceneError> {
+    Ok(LightDescription::Sphere {
+        center: f.vector("center")?,
+        radius: f.number("radius")?,
+        strength: area_strength(f)?,
+    })
 }
 
-fn disc(f: &Fields<'_>) -> Result<Light, SceneError> {
-    Ok(Light::Disc {
+fn disc(f: &Fields<'_>) -> Result<LightDescription, SceneError> {
+    Ok(LightDescription::Disc {
         center: f.vector("center")?,
         normal: f.vector("normal")?,
         radius: f.number("radius")?,
@@ -278,13 +285,13 @@ fn disc(f: &Fields<'_>) -> Result<Light, SceneError> {
     })
 }
 
-fn rectangle(f: &Fields<'_>) -> Result<Light, SceneError> {
+fn rectangle(f: &Fields<'_>) -> Result<LightDescription, SceneError> {
     let (corner, edge0, edge1) = parallelogram(f)?;
-    Ok(Light::Rectangle { corner, edge0, edge1, strength: area_strength(f)? })
+    Ok(LightDescription::Rectangle { corner, edge0, edge1, strength: area_strength(f)? })
 }
 
-/// Returns the spotlight of these fields.
-fn spot(f: &Fields<'_>) -> Result<Light, SceneError> {
+/// Returns the spotlight that the fields `f` describe.
+fn spot(f: &Fields<'_>) -> Result<LightDescription, SceneError> {
     let position = f.vector("position")?;
     let (aim, _) = aim(f, "position", position)?;
     let (angle, penumbra) = (f.number("angle")?, f.number("penumbra")?);
@@ -292,11 +299,11 @@ fn spot(f: &Fields<'_>) -> Result<Light, SceneError> {
         let ok = (0.0..=angle / 2.0).contains(&penumbra);
         rim.ensure(ok, "must lie between 0 and half of the cone's angle")?;
     }
-    Ok(Light::Spot { position, aim, angle, penumbra, strength: point_strength(f)? })
+    Ok(LightDescription::Spot { position, aim, angle, penumbra, strength: point_strength(f)? })
 }
 
-/// Returns the oriented point light of these fields.
-fn oriented(f: &Fields<'_>, pattern: LightPattern) -> Result<Light, SceneError> {
+/// Returns the oriented point light that the fields `f` describe.
+fn oriented(f: &Fields<'_>, pattern: LightPattern) -> Result<LightDescription, SceneError> {
     let position = f.vector("position")?;
     let (aim, direction) = aim(f, "position", position)?;
     let up = f.get("up");
@@ -310,16 +317,16 @@ fn oriented(f: &Fields<'_>, pattern: LightPattern) -> Result<Light, SceneError> 
         "intensity" => PointStrength::Intensity(value),
         _ => PointStrength::Power(value),
     };
-    Ok(Light::Oriented { position, aim, up, pattern, strength })
+    Ok(LightDescription::Oriented { position, aim, up, pattern, strength })
 }
 
-fn environment(f: &Fields<'_>) -> Result<Light, SceneError> {
+fn environment(f: &Fields<'_>) -> Result<LightDescription, SceneError> {
     let radiance = f.one_of(&["file", "radiance"])?;
     if radiance.name() == "radiance" {
         f.refuse(&["scale", "rotate"], "has no effect without `file`")?;
-        return Ok(Light::Environment(EnvironmentRadiance::Constant(radiance.vector())));
+        return Ok(LightDescription::Environment(EnvironmentRadiance::Constant(radiance.vector())));
     }
-    Ok(Light::Environment(EnvironmentRadiance::Picture {
+    Ok(LightDescription::Environment(EnvironmentRadiance::Picture {
         path: radiance.text(),
         scale: f.get("scale").map_or(1.0, |s| s.number()),
         rotate: f.get("rotate").map_or(0.0, |r| r.number()),
@@ -346,19 +353,19 @@ fn area_strength(f: &Fields<'_>) -> Result<AreaStrength, SceneError> {
 }
 
 /// Prints a light.
-pub(super) fn write_light(out: &mut Writer<'_, '_>, light: &Light) -> fmt::Result {
+pub(super) fn write_light(out: &mut Writer<'_, '_>, light: &LightDescription) -> fmt::Result {
     match light {
-        Light::Moving { maps, light } => {
+        LightDescription::Moving { maps, light } => {
             out.open("Moving")?;
             write_maps(out, maps)?;
             write_light(out, light)?;
         }
-        Light::Point { position, strength } => {
+        LightDescription::Point { position, strength } => {
             out.start(&POINT)?;
             out.vector("position", *position)?;
             write_point_strength(out, *strength)?;
         }
-        Light::Directional { direction, strength } => {
+        LightDescription::Directional { direction, strength } => {
             out.start(&DIRECTIONAL)?;
             out.vector("direction", *direction)?;
             match *strength {
@@ -366,7 +373,7 @@ pub(super) fn write_light(out: &mut Writer<'_, '_>, light: &Light) -> fmt::Resul
                 DirectionalStrength::Irradiance(c) => out.vector("irradiance", c)?,
             }
         }
-        Light::Spot { position, aim, angle, penumbra, strength } => {
+        LightDescription::Spot { position, aim, angle, penumbra, strength } => {
             out.start(&SPOT)?;
             out.vector("position", *position)?;
             write_aim(out, *aim)?;
@@ -374,7 +381,7 @@ pub(super) fn write_light(out: &mut Writer<'_, '_>, light: &Light) -> fmt::Resul
             out.number("penumbra", *penumbra)?;
             write_point_strength(out, *strength)?;
         }
-        Light::Oriented { position, aim, up, pattern, strength } => {
+        LightDescription::Oriented { position, aim, up, pattern, strength } => {
             out.start(if matches!(pattern, LightPattern::Picture { .. }) { &PROJECTOR } else { &GONIOMETRIC })?;
             out.vector("position", *position)?;
             write_aim(out, *aim)?;
@@ -391,25 +398,25 @@ pub(super) fn write_light(out: &mut Writer<'_, '_>, light: &Light) -> fmt::Resul
             }
             write_point_strength(out, *strength)?;
         }
-        Light::Sphere { center, radius, strength } => {
+        LightDescription::Sphere { center, radius, strength } => {
             out.start(&SPHERE)?;
             out.vector("center", *center)?;
             out.number("radius", *radius)?;
             write_area_strength(out, *strength)?;
         }
-        Light::Disc { center, normal, radius, strength } => {
+        LightDescription::Disc { center, normal, radius, strength } => {
             out.start(&DISC)?;
             out.vector("center", *center)?;
             out.vector("normal", *normal)?;
             out.number("radius", *radius)?;
             write_area_strength(out, *strength)?;
         }
-        Light::Rectangle { corner, edge0, edge1, strength } => {
+        LightDescription::Rectangle { corner, edge0, edge1, strength } => {
             out.start(&RECTANGLE)?;
             write_parallelogram(out, *corner, *edge0, *edge1)?;
             write_area_strength(out, *strength)?;
         }
-        Light::Environment(radiance) => {
+        LightDescription::Environment(radiance) => {
             out.start(&ENVIRONMENT)?;
             match radiance {
                 EnvironmentRadiance::Constant(radiance) => out.vector("radiance", *radiance)?,

@@ -4,7 +4,7 @@ use std::fmt;
 
 use glam::{DMat4, DVec3};
 
-use super::super::description::{Map, Span};
+use super::super::description::{Span, TransformStep};
 use super::super::error::SceneError;
 use super::lexer::Token;
 use super::reader::Parser;
@@ -25,7 +25,7 @@ pub(super) fn transform<'a, T>(
     keyword: Token<'a>,
     allowed: &[&str],
     read: Reader<'a, T>,
-) -> Result<(Vec<Map>, T), SceneError> {
+) -> Result<(Vec<TransformStep>, T), SceneError> {
     let placed = placed(parser, keyword, allowed, read)?;
     check_transform(parser, keyword, &placed.0)?;
     Ok(placed)
@@ -38,7 +38,7 @@ pub(super) fn moving<'a, T>(
     keyword: Token<'a>,
     allowed: &[&str],
     read: Reader<'a, T>,
-) -> Result<(Vec<Map>, T), SceneError> {
+) -> Result<(Vec<TransformStep>, T), SceneError> {
     let placed = placed(parser, keyword, allowed, read)?;
     check_motion(parser, keyword, &placed.0)?;
     Ok(placed)
@@ -50,7 +50,7 @@ fn placed<'a, T>(
     keyword: Token<'a>,
     allowed: &[&str],
     read: Reader<'a, T>,
-) -> Result<(Vec<Map>, T), SceneError> {
+) -> Result<(Vec<TransformStep>, T), SceneError> {
     parser.descend(keyword)?;
     let mut maps = Vec::new();
     let word = maps_before(parser, keyword, allowed, &mut maps)?;
@@ -68,7 +68,7 @@ fn maps_before<'a>(
     parser: &mut Parser<'a>,
     keyword: Token<'a>,
     allowed: &[&str],
-    maps: &mut Vec<Map>,
+    maps: &mut Vec<TransformStep>,
 ) -> Result<Token<'a>, SceneError> {
     let name = keyword.text;
     loop {
@@ -89,7 +89,7 @@ fn maps_before<'a>(
 }
 
 /// Reads `{ maps }` without an object.
-pub(super) fn bare_maps<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Result<Vec<Map>, SceneError> {
+pub(super) fn bare_maps<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Result<Vec<TransformStep>, SceneError> {
     let mut maps = Vec::new();
     parser.open(keyword)?;
     while let Some(word) = parser.word()? {
@@ -116,8 +116,8 @@ fn end<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Result<(), SceneError
 
 /// Refuses maps whose product is singular.
 #[inline(never)]
-fn check_transform<'a>(parser: &Parser<'a>, keyword: Token<'a>, maps: &[Map]) -> Result<(), SceneError> {
-    match Transform::new(Map::product(maps)) {
+fn check_transform<'a>(parser: &Parser<'a>, keyword: Token<'a>, maps: &[TransformStep]) -> Result<(), SceneError> {
+    match Transform::new(TransformStep::product(maps)) {
         Ok(_) => Ok(()),
         Err(_) => Err(singular(parser, keyword.span(), "this `Transform` flattens its object")),
     }
@@ -125,22 +125,22 @@ fn check_transform<'a>(parser: &Parser<'a>, keyword: Token<'a>, maps: &[Map]) ->
 
 /// Refuses maps that cannot grow from the identity.
 #[inline(never)]
-fn check_motion<'a>(parser: &Parser<'a>, keyword: Token<'a>, maps: &[Map]) -> Result<(), SceneError> {
+fn check_motion<'a>(parser: &Parser<'a>, keyword: Token<'a>, maps: &[TransformStep]) -> Result<(), SceneError> {
     const FLAT: (&str, &str) = ("a scale of 0 or below", "a motion cannot go through flat: scale by more than 0");
     for map in maps {
         let (what, help) = match *map {
-            Map::Matrix(_) => {
+            TransformStep::Matrix(_) => {
                 ("a matrix", "write Translate, Rotate and Scale instead, or put it into a Transform inside")
             }
-            Map::Scale(s) if s.min_element() <= 0.0 => FLAT,
-            Map::UniformScale(s) if s <= 0.0 => FLAT,
-            Map::Scale(_)
-            | Map::UniformScale(_)
-            | Map::Translate(_)
-            | Map::RotateX(_)
-            | Map::RotateY(_)
-            | Map::RotateZ(_)
-            | Map::Rotate { .. } => continue,
+            TransformStep::Scale(s) if s.min_element() <= 0.0 => FLAT,
+            TransformStep::UniformScale(s) if s <= 0.0 => FLAT,
+            TransformStep::Scale(_)
+            | TransformStep::UniformScale(_)
+            | TransformStep::Translate(_)
+            | TransformStep::RotateX(_)
+            | TransformStep::RotateY(_)
+            | TransformStep::RotateZ(_)
+            | TransformStep::Rotate { .. } => continue,
         };
         let message = format!("`{}` cannot grow by {what}", keyword.text);
         return Err(parser.lexer.error(keyword.span(), message, "this motion", help.to_owned()));
@@ -150,12 +150,12 @@ fn check_motion<'a>(parser: &Parser<'a>, keyword: Token<'a>, maps: &[Map]) -> Re
 
 /// Reads the numbers of one map.
 #[inline(never)]
-fn map<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<Map, SceneError> {
+fn map<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<TransformStep, SceneError> {
     let (map, span) = match word.text {
         "Scale" | "Translate" => {
             let v = parser.numbers(word)?;
             let vector = DVec3::from_array(v.value);
-            (if word.text == "Scale" { Map::Scale(vector) } else { Map::Translate(vector) }, v.span)
+            (if word.text == "Scale" { TransformStep::Scale(vector) } else { TransformStep::Translate(vector) }, v.span)
         }
         "Rotate" => {
             parser.open(word)?;
@@ -168,7 +168,7 @@ fn map<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<Map, SceneError> 
                 let help = "write axis and degrees: `Rotate { 0 1 0 90 }`".to_owned();
                 return Err(parser.lexer.error(v.span, message, "this axis", help));
             }
-            (Map::Rotate { axis, angle }, v.span)
+            (TransformStep::Rotate { axis, angle }, v.span)
         }
         "Matrix4f" | "Matrix" => {
             parser.open(word)?;
@@ -180,15 +180,15 @@ fn map<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<Map, SceneError> 
                 let help = "columns are listed one after the other: every fourth number is 0, the last is 1";
                 return Err(parser.lexer.error(m.span, message, "this matrix", help.to_owned()));
             }
-            (Map::Matrix(matrix), m.span)
+            (TransformStep::Matrix(matrix), m.span)
         }
         "XRotate" | "YRotate" | "ZRotate" | "UniformScale" => {
             let v = parser.numbers::<1>(word)?;
             let map = match (word.text, v.value[0]) {
-                ("XRotate", angle) => Map::RotateX(angle),
-                ("YRotate", angle) => Map::RotateY(angle),
-                ("ZRotate", angle) => Map::RotateZ(angle),
-                (_, scale) => Map::UniformScale(scale),
+                ("XRotate", angle) => TransformStep::RotateX(angle),
+                ("YRotate", angle) => TransformStep::RotateY(angle),
+                ("ZRotate", angle) => TransformStep::RotateZ(angle),
+                (_, scale) => TransformStep::UniformScale(scale),
             };
             (map, v.span)
         }
@@ -208,23 +208,23 @@ fn singular(parser: &Parser<'_>, span: Span, message: &str) -> SceneError {
 }
 
 /// Prints maps one a line.
-pub(super) fn write_maps(out: &mut Writer<'_, '_>, maps: &[Map]) -> fmt::Result {
+pub(super) fn write_maps(out: &mut Writer<'_, '_>, maps: &[TransformStep]) -> fmt::Result {
     maps.iter().try_for_each(|map| match *map {
-        Map::Scale(s) => out.line(format_args!("Scale {}", Numbers(&s.to_array()))),
-        Map::UniformScale(s) => out.line(format_args!("UniformScale {}", Numbers(&[s]))),
-        Map::Translate(t) => out.line(format_args!("Translate {}", Numbers(&t.to_array()))),
-        Map::RotateX(angle) => out.line(format_args!("XRotate {}", Numbers(&[angle]))),
-        Map::RotateY(angle) => out.line(format_args!("YRotate {}", Numbers(&[angle]))),
-        Map::RotateZ(angle) => out.line(format_args!("ZRotate {}", Numbers(&[angle]))),
-        Map::Rotate { axis, angle } => {
+        TransformStep::Scale(s) => out.line(format_args!("Scale {}", Numbers(&s.to_array()))),
+        TransformStep::UniformScale(s) => out.line(format_args!("UniformScale {}", Numbers(&[s]))),
+        TransformStep::Translate(t) => out.line(format_args!("Translate {}", Numbers(&t.to_array()))),
+        TransformStep::RotateX(angle) => out.line(format_args!("XRotate {}", Numbers(&[angle]))),
+        TransformStep::RotateY(angle) => out.line(format_args!("YRotate {}", Numbers(&[angle]))),
+        TransformStep::RotateZ(angle) => out.line(format_args!("ZRotate {}", Numbers(&[angle]))),
+        TransformStep::Rotate { axis, angle } => {
             out.line(format_args!("Rotate {{ {} }}", Numbers(&[axis.x, axis.y, axis.z, angle])))
         }
-        Map::Matrix(m) => out.line(format_args!("Matrix4f {{ {} }}", Numbers(&m.to_cols_array()))),
+        TransformStep::Matrix(m) => out.line(format_args!("Matrix4f {{ {} }}", Numbers(&m.to_cols_array()))),
     })
 }
 
 /// Prints a `Transform` without an object; nothing if there are no maps.
-pub(super) fn write_bare_maps(out: &mut Writer<'_, '_>, maps: &[Map]) -> fmt::Result {
+pub(super) fn write_bare_maps(out: &mut Writer<'_, '_>, maps: &[TransformStep]) -> fmt::Result {
     if maps.is_empty() {
         return Ok(());
     }

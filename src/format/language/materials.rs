@@ -3,10 +3,11 @@
 use std::fmt;
 
 use super::super::description::{
-    Attenuation, Emission, Material, MaterialKind, Metal, NormalPerturbation, Spanned, Value,
+    Attenuation, Emission, MaterialDescription, MaterialKindDescription, MetalDescription,
+    NormalPerturbationDescription, Spanned, TexturedValue,
 };
 use super::super::error::SceneError;
-use super::fields::{Fields, Found, fields};
+use super::fields::{Fields, PresentField, fields};
 use super::lexer::Token;
 use super::names::optional_name;
 use super::reader::Parser;
@@ -29,7 +30,7 @@ pub(super) static MATERIALS: [Entry<ReadMaterial>; 8] = [
 ];
 
 /// Reader of the fields of a material; the scope holds the materials that stand before it.
-type ReadMaterial = for<'a> fn(&Parser<'a>, &Fields<'a>) -> Result<MaterialKind, SceneError>;
+type ReadMaterial = for<'a> fn(&Parser<'a>, &Fields<'a>) -> Result<MaterialKindDescription, SceneError>;
 
 /// Greatest depth of nested mixes: each level doubles the number of leaf materials.
 const MAX_MIXES: u8 = 8;
@@ -204,8 +205,8 @@ pub(super) fn materials<'a>(parser: &mut Parser<'a>, block: Token<'a>) -> Result
             Ok(material) => (material, Ok(())),
             Err(error) => {
                 // A material with errors keeps its index and name, so that objects can refer to it.
-                let kind = MaterialKind::Mirror { reflectance: DVec3::ONE.into() };
-                (Material { name, kind, emission: None, relief: None, medium: None }, Err(error))
+                let kind = MaterialKindDescription::Mirror { reflectance: DVec3::ONE.into() };
+                (MaterialDescription { name, kind, emission: None, relief: None, medium: None }, Err(error))
             }
         };
         parser.scope.add_material(Spanned::new(material, word.span()));
@@ -225,7 +226,11 @@ fn material_name(parser: &mut Parser<'_>) -> Result<Option<String>, SceneError> 
 }
 
 /// Reads the fields of a material.
-fn material<'a>(parser: &mut Parser<'a>, word: Token<'a>, name: Option<String>) -> Result<Material, SceneError> {
+fn material<'a>(
+    parser: &mut Parser<'a>,
+    word: Token<'a>,
+    name: Option<String>,
+) -> Result<MaterialDescription, SceneError> {
     let Some(Entry { block, read }) = find(&MATERIALS, word.text) else {
         return Err(parser.unexpected(word, &keywords(&[], &MATERIALS)));
     };
@@ -239,11 +244,11 @@ fn material<'a>(parser: &mut Parser<'a>, word: Token<'a>, name: Option<String>) 
         None => None,
     };
     let relief = if block.field("bump").is_some() { relief(f)? } else { None };
-    Ok(Material { name, kind, emission: emission(f)?, relief, medium })
+    Ok(MaterialDescription { name, kind, emission: emission(f)?, relief, medium })
 }
 
-fn phong(_: &Parser<'_>, f: &Fields<'_>) -> Result<MaterialKind, SceneError> {
-    Ok(MaterialKind::Phong {
+fn phong(_: &Parser<'_>, f: &Fields<'_>) -> Result<MaterialKindDescription, SceneError> {
+    Ok(MaterialKindDescription::Phong {
         diffuse: f.color_or_texture("diffuseColor")?,
         specular: f.color_or_texture("specularColor")?,
         shininess: f.number("shininess")?,
@@ -251,16 +256,16 @@ fn phong(_: &Parser<'_>, f: &Fields<'_>) -> Result<MaterialKind, SceneError> {
     })
 }
 
-fn diffuse(_: &Parser<'_>, f: &Fields<'_>) -> Result<MaterialKind, SceneError> {
-    Ok(MaterialKind::Diffuse { reflectance: f.color_or_texture("reflectance")? })
+fn diffuse(_: &Parser<'_>, f: &Fields<'_>) -> Result<MaterialKindDescription, SceneError> {
+    Ok(MaterialKindDescription::Diffuse { reflectance: f.color_or_texture("reflectance")? })
 }
 
-fn mirror(_: &Parser<'_>, f: &Fields<'_>) -> Result<MaterialKind, SceneError> {
-    Ok(MaterialKind::Mirror { reflectance: f.color_or_texture("reflectance")? })
+fn mirror(_: &Parser<'_>, f: &Fields<'_>) -> Result<MaterialKindDescription, SceneError> {
+    Ok(MaterialKindDescription::Mirror { reflectance: f.color_or_texture("reflectance")? })
 }
 
-fn dielectric(_: &Parser<'_>, f: &Fields<'_>) -> Result<MaterialKind, SceneError> {
-    Ok(MaterialKind::Dielectric {
+fn dielectric(_: &Parser<'_>, f: &Fields<'_>) -> Result<MaterialKindDescription, SceneError> {
+    Ok(MaterialKindDescription::Dielectric {
         refraction: refraction(f)?,
         attenuation: attenuation(f)?,
         roughness: f.number_or_texture("roughness")?,
@@ -268,19 +273,19 @@ fn dielectric(_: &Parser<'_>, f: &Fields<'_>) -> Result<MaterialKind, SceneError
     })
 }
 
-fn clear(_: &Parser<'_>, f: &Fields<'_>) -> Result<MaterialKind, SceneError> {
+fn clear(_: &Parser<'_>, f: &Fields<'_>) -> Result<MaterialKindDescription, SceneError> {
     let advice = "needs a surface, and `Clear` has none: ";
     f.refuse(&["emission", "emissionScale"], &format!("{advice}give `emission` to its medium"))?;
     f.refuse(&["bump", "bumpHeight", "normalMap"], &format!("{advice}leave it out"))?;
-    Ok(MaterialKind::Clear { priority: f.whole("priority")? as u8 })
+    Ok(MaterialKindDescription::Clear { priority: f.whole("priority")? as u8 })
 }
 
-fn conductor(_: &Parser<'_>, f: &Fields<'_>) -> Result<MaterialKind, SceneError> {
-    Ok(MaterialKind::Conductor { metal: metal(f)?, roughness: f.number_or_texture("roughness")? })
+fn conductor(_: &Parser<'_>, f: &Fields<'_>) -> Result<MaterialKindDescription, SceneError> {
+    Ok(MaterialKindDescription::Conductor { metal: metal(f)?, roughness: f.number_or_texture("roughness")? })
 }
 
-fn thin(_: &Parser<'_>, f: &Fields<'_>) -> Result<MaterialKind, SceneError> {
-    Ok(MaterialKind::Thin {
+fn thin(_: &Parser<'_>, f: &Fields<'_>) -> Result<MaterialKindDescription, SceneError> {
+    Ok(MaterialKindDescription::Thin {
         index: f.number("indexOfRefraction")?,
         transmittance: f.color_or_texture("transmittance")?,
     })
@@ -302,25 +307,25 @@ fn attenuation(f: &Fields<'_>) -> Result<Attenuation, SceneError> {
 }
 
 /// Returns the metal of a conductor.
-fn metal(f: &Fields<'_>) -> Result<Metal, SceneError> {
+fn metal(f: &Fields<'_>) -> Result<MetalDescription, SceneError> {
     for index in ["eta", "k"] {
         f.exclude("metal", index)?;
     }
     if let Some(name) = f.get("metal") {
-        return Ok(Metal::Named(name.text()));
+        return Ok(MetalDescription::Named(name.text()));
     }
     if f.get("k").is_none() {
         // If both are absent, the error names both.
         f.one_of(&["metal", "eta"])?;
     }
-    Ok(Metal::Index { eta: f.vector("eta")?, k: f.vector("k")? })
+    Ok(MetalDescription::Index { eta: f.vector("eta")?, k: f.vector("k")? })
 }
 
 /// Returns a mix, whose parts must stand before it.
-fn mix<'a>(parser: &Parser<'a>, f: &Fields<'a>) -> Result<MaterialKind, SceneError> {
-    let first = part(parser, f.need("first")?)?;
-    let second = part(parser, f.need("second")?)?;
-    let amount: Value<f64> = f.number_or_texture("amount")?;
+fn mix<'a>(parser: &Parser<'a>, f: &Fields<'a>) -> Result<MaterialKindDescription, SceneError> {
+    let first = part(parser, f.require("first")?)?;
+    let second = part(parser, f.require("second")?)?;
+    let amount: TexturedValue<f64> = f.number_or_texture("amount")?;
     let scope = &parser.scope;
     for part in [&first, &second] {
         if scope.contents(part).mixes == MAX_MIXES {
@@ -329,7 +334,7 @@ fn mix<'a>(parser: &Parser<'a>, f: &Fields<'a>) -> Result<MaterialKind, SceneErr
             return Err(f.error(part.span, message, "the deepest that may be", help));
         }
         let index = scope.names.get(&part.value).copied();
-        if index.is_some_and(|index| matches!(scope.materials[index].kind, MaterialKind::Clear { .. })) {
+        if index.is_some_and(|index| matches!(scope.materials[index].kind, MaterialKindDescription::Clear { .. })) {
             let message = "a mix cannot be `Clear`, which has no surface".to_owned();
             let help = "mix a `Dielectric { indexOfRefraction 1 … }` of the same medium instead".to_owned();
             return Err(f.error(part.span, message, "no surface", help));
@@ -344,11 +349,11 @@ fn mix<'a>(parser: &Parser<'a>, f: &Fields<'a>) -> Result<MaterialKind, SceneErr
         let help = "mix a Dielectric with an opaque material, or with itself".to_owned();
         return Err(f.error(second.span, message, "the second body", help));
     }
-    Ok(MaterialKind::Mix { first, second, amount })
+    Ok(MaterialKindDescription::Mix { first, second, amount })
 }
 
 /// Returns the name of a material that stands before the one that is read.
-fn part<'a>(parser: &Parser<'a>, field: Found<'_, 'a>) -> Result<Spanned<String>, SceneError> {
+fn part<'a>(parser: &Parser<'a>, field: PresentField<'_, 'a>) -> Result<Spanned<String>, SceneError> {
     let name = field.text();
     let help = "a mix is made of materials that stand before it";
     parser.scope.check_material(parser.lexer, &name, help)?;
@@ -374,13 +379,13 @@ fn emission(f: &Fields<'_>) -> Result<Option<Emission>, SceneError> {
 }
 
 /// Returns `bump` with its height, or `normalMap`.
-fn relief(f: &Fields<'_>) -> Result<Option<NormalPerturbation>, SceneError> {
+fn relief(f: &Fields<'_>) -> Result<Option<NormalPerturbationDescription>, SceneError> {
     if f.get("bump").is_none() {
         f.refuse(&["bumpHeight"], "has no effect without `bump`")?;
-        return Ok(f.get("normalMap").map(|map| NormalPerturbation::NormalMap(map.text())));
+        return Ok(f.get("normalMap").map(|map| NormalPerturbationDescription::NormalMap(map.text())));
     }
     let bump = f.one_of(&["bump", "normalMap"])?;
-    Ok(Some(NormalPerturbation::Bump { texture: bump.text(), height: f.number("bumpHeight")? }))
+    Ok(Some(NormalPerturbationDescription::Bump { texture: bump.text(), height: f.number("bumpHeight")? }))
 }
 
 /// Reads the index after `MaterialIndex`.
@@ -410,32 +415,32 @@ pub(super) fn material_by_name<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> 
 }
 
 /// Prints a material.
-pub(super) fn write_material(out: &mut Writer<'_, '_>, material: &Material) -> fmt::Result {
+pub(super) fn write_material(out: &mut Writer<'_, '_>, material: &MaterialDescription) -> fmt::Result {
     let block = match material.kind {
-        MaterialKind::Phong { .. } => &PHONG,
-        MaterialKind::Diffuse { .. } => &DIFFUSE,
-        MaterialKind::Mirror { .. } => &MIRROR,
-        MaterialKind::Dielectric { .. } => &DIELECTRIC,
-        MaterialKind::Clear { .. } => &CLEAR,
-        MaterialKind::Conductor { .. } => &CONDUCTOR,
-        MaterialKind::Thin { .. } => &THIN,
-        MaterialKind::Mix { .. } => &MIX,
+        MaterialKindDescription::Phong { .. } => &PHONG,
+        MaterialKindDescription::Diffuse { .. } => &DIFFUSE,
+        MaterialKindDescription::Mirror { .. } => &MIRROR,
+        MaterialKindDescription::Dielectric { .. } => &DIELECTRIC,
+        MaterialKindDescription::Clear { .. } => &CLEAR,
+        MaterialKindDescription::Conductor { .. } => &CONDUCTOR,
+        MaterialKindDescription::Thin { .. } => &THIN,
+        MaterialKindDescription::Mix { .. } => &MIX,
     };
     match &material.name {
         None => out.start(block)?,
         Some(name) => out.start_named(block, name)?,
     }
     match &material.kind {
-        MaterialKind::Phong { diffuse, specular, shininess, texture } => {
+        MaterialKindDescription::Phong { diffuse, specular, shininess, texture } => {
             out.color_or_texture("diffuseColor", diffuse)?;
             out.color_or_texture("specularColor", specular)?;
             out.number("shininess", *shininess)?;
             texture.as_ref().map_or(Ok(()), |name| out.name("texture", name))?;
         }
-        MaterialKind::Diffuse { reflectance } | MaterialKind::Mirror { reflectance } => {
+        MaterialKindDescription::Diffuse { reflectance } | MaterialKindDescription::Mirror { reflectance } => {
             out.color_or_texture("reflectance", reflectance)?;
         }
-        MaterialKind::Dielectric { refraction, attenuation, roughness, priority } => {
+        MaterialKindDescription::Dielectric { refraction, attenuation, roughness, priority } => {
             write_refraction(out, refraction)?;
             match *attenuation {
                 Attenuation::None => {}
@@ -448,22 +453,22 @@ pub(super) fn write_material(out: &mut Writer<'_, '_>, material: &Material) -> f
             out.number_or_texture("roughness", roughness)?;
             out.field("priority", priority)?;
         }
-        MaterialKind::Clear { priority } => out.field("priority", priority)?,
-        MaterialKind::Conductor { metal, roughness } => {
+        MaterialKindDescription::Clear { priority } => out.field("priority", priority)?,
+        MaterialKindDescription::Conductor { metal, roughness } => {
             match metal {
-                Metal::Named(name) => out.name("metal", name)?,
-                Metal::Index { eta, k } => {
+                MetalDescription::Named(name) => out.name("metal", name)?,
+                MetalDescription::Index { eta, k } => {
                     out.vector("eta", *eta)?;
                     out.vector("k", *k)?;
                 }
             }
             out.number_or_texture("roughness", roughness)?;
         }
-        MaterialKind::Thin { index, transmittance } => {
+        MaterialKindDescription::Thin { index, transmittance } => {
             out.number("indexOfRefraction", *index)?;
             out.color_or_texture("transmittance", transmittance)?;
         }
-        MaterialKind::Mix { first, second, amount } => {
+        MaterialKindDescription::Mix { first, second, amount } => {
             out.name("first", first)?;
             out.name("second", second)?;
             out.number_or_texture("amount", amount)?;
@@ -472,11 +477,11 @@ pub(super) fn write_material(out: &mut Writer<'_, '_>, material: &Material) -> f
     material.medium.as_ref().map_or(Ok(()), |medium| out.name("medium", medium))?;
     match &material.relief {
         None => {}
-        Some(NormalPerturbation::Bump { texture, height }) => {
+        Some(NormalPerturbationDescription::Bump { texture, height }) => {
             out.name("bump", texture)?;
             out.number("bumpHeight", *height)?;
         }
-        Some(NormalPerturbation::NormalMap(texture)) => out.name("normalMap", texture)?,
+        Some(NormalPerturbationDescription::NormalMap(texture)) => out.name("normalMap", texture)?,
     }
     match &material.emission {
         None => {}

@@ -4,7 +4,7 @@ use std::fmt;
 
 use glam::DVec3;
 
-use super::super::description::{Coefficients, Density, Extent, Medium, Phase, Spanned};
+use super::super::description::{Coefficients, Density, ExtentDescription, MediumDescription, Phase, Spanned};
 use super::super::error::SceneError;
 use super::fields::{Fields, fields};
 use super::lexer::Token;
@@ -95,19 +95,19 @@ pub(super) fn media<'a>(parser: &mut Parser<'a>, block: Token<'a>) -> Result<(),
 }
 
 /// Returns an empty medium.
-fn placeholder(name: &str) -> Medium {
+fn placeholder(name: &str) -> MediumDescription {
     let coefficients = Coefficients::Parts { absorption: DVec3::ZERO, scattering: DVec3::ZERO };
     let (emission, phase, density) = (DVec3::ZERO, Phase::Isotropic, Density::Even);
-    Medium { name: name.to_owned(), coefficients, emission, phase, density }
+    MediumDescription { name: name.to_owned(), coefficients, emission, phase, density }
 }
 
 /// Reads the fields of a medium.
-fn medium<'a>(parser: &mut Parser<'a>, word: Token<'a>, name: &str) -> Result<Medium, SceneError> {
+fn medium<'a>(parser: &mut Parser<'a>, word: Token<'a>, name: &str) -> Result<MediumDescription, SceneError> {
     let Some(entry) = find(&MEDIA, word.text) else {
         return Err(parser.unexpected(word, &keywords(&[], &MEDIA)));
     };
     let f = &fields(parser, word, entry.block)?;
-    Ok(Medium {
+    Ok(MediumDescription {
         name: name.to_owned(),
         coefficients: coefficients(f)?,
         emission: f.vector("emission")?,
@@ -169,15 +169,15 @@ fn cloud(f: &Fields<'_>) -> Result<Density, SceneError> {
     })
 }
 
-fn extent(f: &Fields<'_>) -> Result<Extent, SceneError> {
-    let (min, max) = (f.vector("min")?, f.need("max")?);
+fn extent(f: &Fields<'_>) -> Result<ExtentDescription, SceneError> {
+    let (min, max) = (f.vector("min")?, f.require("max")?);
     let sides = max.vector() - min;
     max.ensure(sides.min_element() > 0.0 && sides.is_finite(), "must be above `min` in each component")?;
-    Ok(Extent { min, max: max.vector(), maps: f.maps("Transform") })
+    Ok(ExtentDescription { min, max: max.vector(), maps: f.maps("Transform") })
 }
 
 /// Prints a medium.
-pub(super) fn write_medium(out: &mut Writer<'_, '_>, medium: &Medium) -> fmt::Result {
+pub(super) fn write_medium(out: &mut Writer<'_, '_>, medium: &MediumDescription) -> fmt::Result {
     let block = match medium.density {
         Density::Even | Density::Grid { .. } => &MEDIUM,
         Density::Cloud { .. } => &CLOUD,
@@ -221,7 +221,7 @@ pub(super) fn write_medium(out: &mut Writer<'_, '_>, medium: &Medium) -> fmt::Re
     out.close()
 }
 
-fn write_extent(out: &mut Writer<'_, '_>, extent: &Extent) -> fmt::Result {
+fn write_extent(out: &mut Writer<'_, '_>, extent: &ExtentDescription) -> fmt::Result {
     out.vector("min", extent.min)?;
     out.vector("max", extent.max)?;
     write_bare_maps(out, &extent.maps)

@@ -30,8 +30,8 @@ use std::fmt::{self, Display, Formatter};
 
 use glam::DVec3;
 
-use super::description::{Camera, Description, Group, Light, Span, Spanned};
-use super::error::{SceneError, Source};
+use super::description::{CameraDescription, Description, Group, LightDescription, Span, Spanned};
+use super::error::{SceneError, SourceText};
 use camera::{CAMERAS, camera, moving_camera, write_camera};
 use fields::fields;
 use lexer::Token;
@@ -129,7 +129,7 @@ pub fn parse_bytes(name: &str, bytes: &[u8]) -> Result<Description, SceneError> 
         Err(error) => error,
     };
     // The lossy conversion does not move the first bad byte.
-    let source = Source::new(name, &String::from_utf8_lossy(bytes));
+    let source = SourceText::new(name, &String::from_utf8_lossy(bytes));
     let at = error.valid_up_to();
     let message = format!("the byte {:#04x} at offset {at} is not UTF-8", bytes[at]);
     let help = match bytes {
@@ -142,9 +142,9 @@ pub fn parse_bytes(name: &str, bytes: &[u8]) -> Result<Description, SceneError> 
 /// Blocks of a file that are no part of the scope.
 #[derive(Default)]
 struct Parts {
-    camera: Option<Spanned<Camera>>,
+    camera: Option<Spanned<CameraDescription>>,
     background: Option<(DVec3, Option<Spanned<String>>)>,
-    lights: Vec<Spanned<Light>>,
+    lights: Vec<Spanned<LightDescription>>,
     root: Option<Group>,
 }
 

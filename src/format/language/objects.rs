@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::super::description::{Group, Item, Object, Spanned};
+use super::super::description::{Group, GroupItem, ObjectDescription, Spanned};
 use super::super::error::SceneError;
 use super::lexer::Token;
 use super::maps::{moving, transform, write_maps};
@@ -33,11 +33,11 @@ pub(super) fn group<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Result<G
         let mark = parser.mark();
         let error = match word.text {
             "numObjects" => parser.count(word, &mut count).err(),
-            "MaterialIndex" => push(material_by_index(parser, word).map(Item::MaterialIndex), &mut items),
-            "MaterialName" => push(material_by_name(parser, word).map(Item::MaterialName), &mut items),
+            "MaterialIndex" => push(material_by_index(parser, word).map(GroupItem::MaterialIndex), &mut items),
+            "MaterialName" => push(material_by_name(parser, word).map(GroupItem::MaterialName), &mut items),
             text if is_object(text) => {
                 objects += 1;
-                push(object(parser, word).map(Item::Object), &mut items)
+                push(object(parser, word).map(GroupItem::Object), &mut items)
             }
             _ => Some(unexpected(parser, word)),
         };
@@ -55,7 +55,7 @@ pub(super) fn group<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Result<G
 
 /// Appends an item; returns its error if it has one.
 #[inline(never)]
-fn push(item: Result<Item, SceneError>, items: &mut Vec<Item>) -> Option<SceneError> {
+fn push(item: Result<GroupItem, SceneError>, items: &mut Vec<GroupItem>) -> Option<SceneError> {
     match item {
         Ok(item) => {
             items.push(item);
@@ -84,25 +84,28 @@ fn is_object(word: &str) -> bool {
 }
 
 /// Reads an object into memory of its own, so that recursion keeps small frames on the stack.
-fn boxed<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Result<Box<Spanned<Object>>, SceneError> {
+fn boxed_object<'a>(
+    parser: &mut Parser<'a>,
+    keyword: Token<'a>,
+) -> Result<Box<Spanned<ObjectDescription>>, SceneError> {
     object(parser, keyword).map(Box::new)
 }
 
 /// Reads an object.
-fn object<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Result<Spanned<Object>, SceneError> {
+fn object<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Result<Spanned<ObjectDescription>, SceneError> {
     let object = match keyword.text {
-        "Group" => Object::Group(group(parser, keyword)?),
+        "Group" => ObjectDescription::Group(group(parser, keyword)?),
         "Transform" => {
-            let (maps, object) = transform(parser, keyword, &objects(), boxed)?;
-            Object::Transform { maps, object }
+            let (maps, object) = transform(parser, keyword, &objects(), boxed_object)?;
+            ObjectDescription::Transform { maps, object }
         }
         "Moving" => {
-            let (maps, object) = moving(parser, keyword, &objects(), boxed)?;
-            Object::Moving { maps, object }
+            let (maps, object) = moving(parser, keyword, &objects(), boxed_object)?;
+            ObjectDescription::Moving { maps, object }
         }
         _ => {
             let (shape, emission) = shape(parser, keyword)?;
-            Object::Shape { shape, emission }
+            ObjectDescription::Shape { shape, emission }
         }
     };
     Ok(Spanned::new(object, keyword.span()))
@@ -111,32 +114,32 @@ fn object<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Result<Spanned<Obj
 /// Prints a group.
 pub(super) fn write_group(out: &mut Writer<'_, '_>, group: &Group) -> fmt::Result {
     out.open("Group")?;
-    let objects = group.items.iter().filter(|item| matches!(item, Item::Object(_))).count();
+    let objects = group.items.iter().filter(|item| matches!(item, GroupItem::Object(_))).count();
     out.line(format_args!("numObjects {objects}"))?;
     for item in &group.items {
         match item {
-            Item::MaterialIndex(index) => out.line(format_args!("MaterialIndex {}", index.value))?,
-            Item::MaterialName(name) => out.material_name(name)?,
-            Item::Object(object) => write_object(out, object)?,
+            GroupItem::MaterialIndex(index) => out.line(format_args!("MaterialIndex {}", index.value))?,
+            GroupItem::MaterialName(name) => out.material_name(name)?,
+            GroupItem::Object(object) => write_object(out, object)?,
         }
     }
     out.close()
 }
 
-fn write_object(out: &mut Writer<'_, '_>, object: &Spanned<Object>) -> fmt::Result {
+fn write_object(out: &mut Writer<'_, '_>, object: &Spanned<ObjectDescription>) -> fmt::Result {
     match &object.value {
-        Object::Group(group) => write_group(out, group),
-        Object::Transform { maps, object } => write_placed(out, "Transform", maps, object),
-        Object::Moving { maps, object } => write_placed(out, "Moving", maps, object),
-        Object::Shape { shape, emission } => write_shape(out, shape, *emission),
+        ObjectDescription::Group(group) => write_group(out, group),
+        ObjectDescription::Transform { maps, object } => write_placed(out, "Transform", maps, object),
+        ObjectDescription::Moving { maps, object } => write_placed(out, "Moving", maps, object),
+        ObjectDescription::Shape { shape, emission } => write_shape(out, shape, *emission),
     }
 }
 
 fn write_placed(
     out: &mut Writer<'_, '_>,
     keyword: &str,
-    maps: &[super::super::description::Map],
-    object: &Spanned<Object>,
+    maps: &[super::super::description::TransformStep],
+    object: &Spanned<ObjectDescription>,
 ) -> fmt::Result {
     out.open(keyword)?;
     write_maps(out, maps)?;

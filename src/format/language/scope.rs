@@ -2,7 +2,9 @@
 
 use std::collections::HashMap;
 
-use super::super::description::{Material, MaterialKind, Medium, Spanned, Texture};
+use super::super::description::{
+    MaterialDescription, MaterialKindDescription, MediumDescription, Spanned, TextureDescription,
+};
 use super::super::error::SceneError;
 use super::lexer::{Lexer, Token};
 use super::suggest::nearest;
@@ -12,11 +14,11 @@ use super::text::clip;
 #[derive(Default)]
 pub(super) struct Scope<'a> {
     /// Textures of the last `Textures` block.
-    pub textures: Vec<Spanned<Texture>>,
+    pub textures: Vec<Spanned<TextureDescription>>,
     /// Media of the last `Media` block.
-    pub media: Vec<Spanned<Medium>>,
+    pub media: Vec<Spanned<MediumDescription>>,
     /// Materials of the last `Materials` block, by index.
-    pub materials: Vec<Spanned<Material>>,
+    pub materials: Vec<Spanned<MaterialDescription>>,
     /// Indices of the named materials.
     pub names: HashMap<String, usize>,
     /// Content of each material, by index.
@@ -45,19 +47,19 @@ impl Scope<'_> {
     }
 
     /// Appends a material.
-    pub fn add_material(&mut self, material: Spanned<Material>) {
+    pub fn add_material(&mut self, material: Spanned<MaterialDescription>) {
         let contents = match &material.value.kind {
-            MaterialKind::Dielectric { .. } => Contents { dielectric: Some(self.materials.len()), mixes: 0 },
-            MaterialKind::Mix { first, second, .. } => {
+            MaterialKindDescription::Dielectric { .. } => Contents { dielectric: Some(self.materials.len()), mixes: 0 },
+            MaterialKindDescription::Mix { first, second, .. } => {
                 let (a, b) = (self.contents(&first.value), self.contents(&second.value));
                 Contents { dielectric: a.dielectric.or(b.dielectric), mixes: a.mixes.max(b.mixes) + 1 }
             }
-            MaterialKind::Phong { .. }
-            | MaterialKind::Diffuse { .. }
-            | MaterialKind::Mirror { .. }
-            | MaterialKind::Clear { .. }
-            | MaterialKind::Conductor { .. }
-            | MaterialKind::Thin { .. } => Contents::default(),
+            MaterialKindDescription::Phong { .. }
+            | MaterialKindDescription::Diffuse { .. }
+            | MaterialKindDescription::Mirror { .. }
+            | MaterialKindDescription::Clear { .. }
+            | MaterialKindDescription::Conductor { .. }
+            | MaterialKindDescription::Thin { .. } => Contents::default(),
         };
         self.contents.push(contents);
         self.materials.push(material);

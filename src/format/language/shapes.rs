@@ -4,7 +4,7 @@ use std::fmt;
 
 use glam::DVec3;
 
-use super::super::description::{Curve, CurveBasis, MeshOptions, Shape};
+use super::super::description::{CurveBasis, MeshOptions, ProfileCurve, ShapeDescription};
 use super::super::error::SceneError;
 use super::curves::{BEZIER_CONTROLS, BSPLINE_CONTROLS};
 use super::fields::{Fields, fields};
@@ -33,7 +33,7 @@ pub(super) static SHAPES: [Entry<ReadShape>; 14] = [
 ];
 
 /// Reader of the geometry of a shape.
-type ReadShape = fn(&Fields<'_>) -> Result<Shape, SceneError>;
+type ReadShape = fn(&Fields<'_>) -> Result<ShapeDescription, SceneError>;
 
 const DEGREE: Range = Range::Within(1.0, MAX_DEGREE as f64);
 
@@ -246,7 +246,10 @@ static NURBS: Block = Block {
 /// Reads a shape and the radiance that replaces its material's.
 // Not inlined: its callers recurse, and their stack frames must stay small.
 #[inline(never)]
-pub(super) fn shape<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<(Shape, Option<DVec3>), SceneError> {
+pub(super) fn shape<'a>(
+    parser: &mut Parser<'a>,
+    word: Token<'a>,
+) -> Result<(ShapeDescription, Option<DVec3>), SceneError> {
     let Some(entry) = find(&SHAPES, word.text) else {
         return Err(parser.unexpected(word, &keywords(&[], &SHAPES)));
     };
@@ -255,58 +258,58 @@ pub(super) fn shape<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<(Sha
     Ok((shape, f.get("emission").map(|emission| emission.vector())))
 }
 
-fn sphere(f: &Fields<'_>) -> Result<Shape, SceneError> {
-    Ok(Shape::Sphere { center: f.vector("center")?, radius: f.number("radius")? })
+fn sphere(f: &Fields<'_>) -> Result<ShapeDescription, SceneError> {
+    Ok(ShapeDescription::Sphere { center: f.vector("center")?, radius: f.number("radius")? })
 }
 
-fn plane(f: &Fields<'_>) -> Result<Shape, SceneError> {
-    Ok(Shape::Plane { normal: f.vector("normal")?, offset: f.number("offset")? })
+fn plane(f: &Fields<'_>) -> Result<ShapeDescription, SceneError> {
+    Ok(ShapeDescription::Plane { normal: f.vector("normal")?, offset: f.number("offset")? })
 }
 
-fn disc(f: &Fields<'_>) -> Result<Shape, SceneError> {
-    Ok(Shape::Disc { center: f.vector("center")?, normal: f.vector("normal")?, radius: f.number("radius")? })
+fn disc(f: &Fields<'_>) -> Result<ShapeDescription, SceneError> {
+    Ok(ShapeDescription::Disc { center: f.vector("center")?, normal: f.vector("normal")?, radius: f.number("radius")? })
 }
 
-fn rectangle(f: &Fields<'_>) -> Result<Shape, SceneError> {
+fn rectangle(f: &Fields<'_>) -> Result<ShapeDescription, SceneError> {
     let (corner, edge0, edge1) = parallelogram(f)?;
-    Ok(Shape::Rectangle { corner, edge0, edge1 })
+    Ok(ShapeDescription::Rectangle { corner, edge0, edge1 })
 }
 
-fn cuboid(f: &Fields<'_>) -> Result<Shape, SceneError> {
-    let (min, max) = (f.vector("min")?, f.need("max")?);
+fn cuboid(f: &Fields<'_>) -> Result<ShapeDescription, SceneError> {
+    let (min, max) = (f.vector("min")?, f.require("max")?);
     max.ensure(max.vector().cmpgt(min).all(), "must be above `min` in every coordinate")?;
-    Ok(Shape::Box { min, max: max.vector() })
+    Ok(ShapeDescription::Box { min, max: max.vector() })
 }
 
-fn cylinder(f: &Fields<'_>) -> Result<Shape, SceneError> {
+fn cylinder(f: &Fields<'_>) -> Result<ShapeDescription, SceneError> {
     let (ends, capped) = ends(f)?;
-    Ok(Shape::Cylinder { ends, radius: f.number("radius")?, capped })
+    Ok(ShapeDescription::Cylinder { ends, radius: f.number("radius")?, capped })
 }
 
-fn cone(f: &Fields<'_>) -> Result<Shape, SceneError> {
+fn cone(f: &Fields<'_>) -> Result<ShapeDescription, SceneError> {
     let (ends, capped) = ends(f)?;
-    Ok(Shape::Cone { ends, radii: [f.number("radius")?, f.number("topRadius")?], capped })
+    Ok(ShapeDescription::Cone { ends, radii: [f.number("radius")?, f.number("topRadius")?], capped })
 }
 
-fn mesh(f: &Fields<'_>) -> Result<Shape, SceneError> {
-    Ok(Shape::Mesh { path: f.need("obj_file")?.text(), options: mesh_options(f)? })
+fn mesh(f: &Fields<'_>) -> Result<ShapeDescription, SceneError> {
+    Ok(ShapeDescription::Mesh { path: f.require("obj_file")?.text(), options: mesh_options(f)? })
 }
 
-fn revolution(f: &Fields<'_>) -> Result<Shape, SceneError> {
-    Ok(Shape::Revolution { profile: f.need("profile")?.curve() })
+fn revolution(f: &Fields<'_>) -> Result<ShapeDescription, SceneError> {
+    Ok(ShapeDescription::Revolution { profile: f.require("profile")?.curve() })
 }
 
-fn bezier_curve(f: &Fields<'_>) -> Result<Shape, SceneError> {
-    Ok(Shape::Curve(f.need("controls")?.curve_of(CurveBasis::Bezier)?))
+fn bezier_curve(f: &Fields<'_>) -> Result<ShapeDescription, SceneError> {
+    Ok(ShapeDescription::Curve(f.require("controls")?.curve_of(CurveBasis::Bezier)?))
 }
 
-fn bspline_curve(f: &Fields<'_>) -> Result<Shape, SceneError> {
-    Ok(Shape::Curve(f.need("controls")?.curve_of(CurveBasis::Bspline)?))
+fn bspline_curve(f: &Fields<'_>) -> Result<ShapeDescription, SceneError> {
+    Ok(ShapeDescription::Curve(f.require("controls")?.curve_of(CurveBasis::Bspline)?))
 }
 
 /// Returns corner and edges of a parallelogram that has an area.
 pub(super) fn parallelogram(f: &Fields<'_>) -> Result<(DVec3, DVec3, DVec3), SceneError> {
-    let (corner, edge0, edge1) = (f.vector("corner")?, f.vector("edge0")?, f.need("edge1")?);
+    let (corner, edge0, edge1) = (f.vector("corner")?, f.vector("edge0")?, f.require("edge1")?);
     // Rounding of parallel edges alone gives a sine of about 1e-16.
     let sine = edge0.normalize().cross(edge1.vector().normalize()).length();
     edge1.ensure(sine > 1e-12, "must not be parallel to `edge0`: the area would be 0")?;
@@ -315,12 +318,12 @@ pub(super) fn parallelogram(f: &Fields<'_>) -> Result<(DVec3, DVec3, DVec3), Sce
 
 /// Returns the centers of both ends of a cylinder or cone, and true if caps close them.
 fn ends(f: &Fields<'_>) -> Result<([DVec3; 2], bool), SceneError> {
-    let (bottom, top) = (f.vector("bottom")?, f.need("top")?);
+    let (bottom, top) = (f.vector("bottom")?, f.require("top")?);
     top.ensure(top.vector() != bottom, "must differ from `bottom`")?;
     Ok(([bottom, top.vector()], f.word("caps")? == "yes"))
 }
 
-fn triangle(f: &Fields<'_>) -> Result<Shape, SceneError> {
+fn triangle(f: &Fields<'_>) -> Result<ShapeDescription, SceneError> {
     let vertices = [f.vector("vertex0")?, f.vector("vertex1")?, f.vector("vertex2")?];
     let any = |names: [&str; 3]| names.iter().any(|name| f.get(name).is_some());
     let normals = match any(["normal0", "normal1", "normal2"]) {
@@ -331,7 +334,7 @@ fn triangle(f: &Fields<'_>) -> Result<Shape, SceneError> {
         true => Some(Box::new([f.pair("uv0")?, f.pair("uv1")?, f.pair("uv2")?])),
         false => None,
     };
-    Ok(Shape::Triangle { vertices, normals, uv })
+    Ok(ShapeDescription::Triangle { vertices, normals, uv })
 }
 
 fn mesh_options(f: &Fields<'_>) -> Result<MeshOptions, SceneError> {
@@ -342,31 +345,31 @@ fn mesh_options(f: &Fields<'_>) -> Result<MeshOptions, SceneError> {
     })
 }
 
-fn patches(f: &Fields<'_>) -> Result<Shape, SceneError> {
+fn patches(f: &Fields<'_>) -> Result<ShapeDescription, SceneError> {
     let degree = [f.whole("degreeU")?, f.whole("degreeV")?];
     let each = (degree[0] as usize + 1) * (degree[1] as usize + 1);
-    let controls = f.need("controls")?;
+    let controls = f.require("controls")?;
     let found = controls.weighted_points().len();
     let rule = format!("must hold {each} points for each patch of these degrees, and holds {found}");
     controls.ensure(found > 0 && found.is_multiple_of(each), &rule)?;
-    Ok(Shape::Patches { degree, controls: controls.weighted_points().to_vec() })
+    Ok(ShapeDescription::Patches { degree, controls: controls.weighted_points().to_vec() })
 }
 
-fn nurbs(f: &Fields<'_>) -> Result<Shape, SceneError> {
+fn nurbs(f: &Fields<'_>) -> Result<ShapeDescription, SceneError> {
     let degree = [f.whole("degreeU")?, f.whole("degreeV")?];
     let count = |name: &str, degree: u32| {
-        let count = f.need(name)?;
+        let count = f.require(name)?;
         count.ensure(count.number() > f64::from(degree), "must be above the degree")?;
         Ok(count.number() as u32)
     };
     let count = [count("countU", degree[0])?, count("countV", degree[1])?];
     let knots = |name: &str, axis: usize| knots(f, name, u64::from(count[axis]) + u64::from(degree[axis]) + 1);
     let knots = [knots("knotsU", 0)?, knots("knotsV", 1)?];
-    let controls = f.need("controls")?;
+    let controls = f.require("controls")?;
     let (wanted, found) = (u64::from(count[0]) * u64::from(count[1]), controls.weighted_points().len() as u64);
     let rule = format!("must hold countU · countV = {wanted} points, and holds {found}");
     controls.ensure(found == wanted, &rule)?;
-    Ok(Shape::Nurbs { degree, count, knots, controls: controls.weighted_points().to_vec() })
+    Ok(ShapeDescription::Nurbs { degree, count, knots, controls: controls.weighted_points().to_vec() })
 }
 
 /// Returns knots along one direction; none if they are not given.
@@ -382,39 +385,39 @@ fn knots(f: &Fields<'_>, name: &str, wanted: u64) -> Result<Vec<f64>, SceneError
 /// Prints a shape and the radiance that replaces its material's.
 // Not inlined: its callers recurse, and their stack frames must stay small.
 #[inline(never)]
-pub(super) fn write_shape(out: &mut Writer<'_, '_>, shape: &Shape, emission: Option<DVec3>) -> fmt::Result {
+pub(super) fn write_shape(out: &mut Writer<'_, '_>, shape: &ShapeDescription, emission: Option<DVec3>) -> fmt::Result {
     match shape {
-        Shape::Sphere { center, radius } => {
+        ShapeDescription::Sphere { center, radius } => {
             out.start(&SPHERE)?;
             out.vector("center", *center)?;
             out.number("radius", *radius)?;
         }
-        Shape::Plane { normal, offset } => {
+        ShapeDescription::Plane { normal, offset } => {
             out.start(&PLANE)?;
             out.vector("normal", *normal)?;
             out.number("offset", *offset)?;
         }
-        Shape::Disc { center, normal, radius } => {
+        ShapeDescription::Disc { center, normal, radius } => {
             out.start(&DISC)?;
             out.vector("center", *center)?;
             out.vector("normal", *normal)?;
             out.number("radius", *radius)?;
         }
-        Shape::Rectangle { corner, edge0, edge1 } => {
+        ShapeDescription::Rectangle { corner, edge0, edge1 } => {
             out.start(&RECTANGLE)?;
             write_parallelogram(out, *corner, *edge0, *edge1)?;
         }
-        Shape::Box { min, max } => {
+        ShapeDescription::Box { min, max } => {
             out.start(&BOX)?;
             out.vector("min", *min)?;
             out.vector("max", *max)?;
         }
-        Shape::Cylinder { ends, radius, capped } => {
+        ShapeDescription::Cylinder { ends, radius, capped } => {
             out.start(&CYLINDER)?;
             write_ends(out, ends, *radius)?;
             write_caps(out, *capped)?;
         }
-        Shape::Cone { ends, radii, capped } => {
+        ShapeDescription::Cone { ends, radii, capped } => {
             out.start(&CONE)?;
             write_ends(out, ends, radii[0])?;
             if radii[1] != 0.0 {
@@ -422,7 +425,7 @@ pub(super) fn write_shape(out: &mut Writer<'_, '_>, shape: &Shape, emission: Opt
             }
             write_caps(out, *capped)?;
         }
-        Shape::Triangle { vertices, normals, uv } => {
+        ShapeDescription::Triangle { vertices, normals, uv } => {
             out.start(&TRIANGLE)?;
             for (i, vertex) in vertices.iter().enumerate() {
                 out.vector(&format!("vertex{i}"), *vertex)?;
@@ -434,7 +437,7 @@ pub(super) fn write_shape(out: &mut Writer<'_, '_>, shape: &Shape, emission: Opt
                 out.pair(&format!("uv{i}"), *uv)?;
             }
         }
-        Shape::Mesh { path, options } => {
+        ShapeDescription::Mesh { path, options } => {
             out.start(&MESH)?;
             let ply = path.to_ascii_lowercase().ends_with(".ply");
             out.name(if ply { "file" } else { "obj_file" }, path)?;
@@ -446,22 +449,22 @@ pub(super) fn write_shape(out: &mut Writer<'_, '_>, shape: &Shape, emission: Opt
             }
             options.smooth_angle.map_or(Ok(()), |angle| out.number("smoothAngle", angle))?;
         }
-        Shape::Revolution { profile } => {
+        ShapeDescription::Revolution { profile } => {
             out.start(&REVOLUTION)?;
             out.open(format_args!("profile {}", curve_block(profile).keyword))?;
             out.points("controls", &profile.controls)?;
             out.close()?;
         }
-        Shape::Curve(curve) => {
+        ShapeDescription::Curve(curve) => {
             out.start(curve_block(curve))?;
             out.points("controls", &curve.controls)?;
         }
-        Shape::Patches { degree, controls } => {
+        ShapeDescription::Patches { degree, controls } => {
             out.start(&BEZIER_PATCH)?;
             write_degrees(out, degree)?;
             out.weighted_points("controls", controls)?;
         }
-        Shape::Nurbs { degree, count, knots, controls } => {
+        ShapeDescription::Nurbs { degree, count, knots, controls } => {
             out.start(&NURBS)?;
             write_degrees(out, degree)?;
             out.field("countU", count[0])?;
@@ -477,7 +480,7 @@ pub(super) fn write_shape(out: &mut Writer<'_, '_>, shape: &Shape, emission: Opt
 }
 
 /// Returns the block of a curve.
-fn curve_block(curve: &Curve) -> &'static Block {
+fn curve_block(curve: &ProfileCurve) -> &'static Block {
     match curve.basis {
         CurveBasis::Bezier => &BEZIER_CURVE,
         CurveBasis::Bspline => &BSPLINE_CURVE,

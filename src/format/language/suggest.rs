@@ -70,7 +70,7 @@ pub(in crate::format) fn nearest<'c>(word: &str, candidates: impl Iterator<Item 
         .filter(|candidate| candidate.len() <= LONGEST)
         .map(|candidate| {
             let letters: Vec<char> = candidate.chars().flat_map(char::to_lowercase).collect();
-            (distance(&word, &letters), letters.len(), candidate)
+            (edit_distance(&word, &letters), letters.len(), candidate)
         })
         .filter(|&(distance, length, _)| distance <= length.max(word.len()) / 3)
         .min_by_key(|&(distance, ..)| distance)
@@ -79,7 +79,7 @@ pub(in crate::format) fn nearest<'c>(word: &str, candidates: impl Iterator<Item 
 
 /// Returns the fewest letters to add, drop, change or swap with a neighbour (optimal string
 /// alignment).
-fn distance(a: &[char], b: &[char]) -> usize {
+fn edit_distance(a: &[char], b: &[char]) -> usize {
     let mut before = vec![0; b.len() + 1];
     let mut last: Vec<usize> = (0..=b.len()).collect();
     for i in 1..=a.len() {

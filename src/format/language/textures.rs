@@ -4,7 +4,9 @@ use std::fmt;
 
 use glam::DVec3;
 
-use super::super::description::{Coordinates, Encoding, Pattern, Spanned, Texture, TextureKind, Wrap};
+use super::super::description::{
+    CoordinatesDescription, Pattern, PictureEncoding, Spanned, TextureDescription, TextureKindDescription, Wrap,
+};
 use super::super::error::SceneError;
 use super::fields::{Fields, fields};
 use super::lexer::Token;
@@ -24,7 +26,7 @@ pub(super) static TEXTURES: [Entry<ReadTexture>; 5] = [
 ];
 
 /// Reader of the fields of a texture.
-type ReadTexture = fn(&Fields<'_>) -> Result<TextureKind, SceneError>;
+type ReadTexture = fn(&Fields<'_>) -> Result<TextureKindDescription, SceneError>;
 
 static COORDINATES: [Field; 3] = [
     field("scale", Kind::Pair, Range::NonZero, "factors of u and v").or(&[1.0, 1.0]),
@@ -119,28 +121,31 @@ pub(super) fn textures<'a>(parser: &mut Parser<'a>, block: Token<'a>) -> Result<
         let name = required_name(parser, word, ("texture", "textures"), taken)?;
         let kind = texture(parser, word);
         // A texture with errors still defines its name, so that materials can refer to it.
-        let placeholder = || TextureKind::Checker { colors: [DVec3::ZERO; 2], coordinates: Coordinates::default() };
+        let placeholder = || TextureKindDescription::Checker {
+            colors: [DVec3::ZERO; 2],
+            coordinates: CoordinatesDescription::default(),
+        };
         let (kind, error) = match kind {
             Ok(kind) => (kind, Ok(())),
             Err(error) => (placeholder(), Err(error)),
         };
-        parser.scope.textures.push(Spanned::new(Texture { name, kind }, word.span()));
+        parser.scope.textures.push(Spanned::new(TextureDescription { name, kind }, word.span()));
         error
     })
 }
 
 /// Reads the fields of a texture.
-fn texture<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<TextureKind, SceneError> {
+fn texture<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<TextureKindDescription, SceneError> {
     let Some(entry) = find(&TEXTURES, word.text) else {
         return Err(parser.unexpected(word, &keywords(&[], &TEXTURES)));
     };
     (entry.read)(&fields(parser, word, entry.block)?)
 }
 
-fn image(f: &Fields<'_>) -> Result<TextureKind, SceneError> {
-    Ok(TextureKind::Image {
-        path: f.need("file")?.text(),
-        encoding: if f.word("encoding")? == "linear" { Encoding::Linear } else { Encoding::Srgb },
+fn image(f: &Fields<'_>) -> Result<TextureKindDescription, SceneError> {
+    Ok(TextureKindDescription::Image {
+        path: f.require("file")?.text(),
+        encoding: if f.word("encoding")? == "linear" { PictureEncoding::Linear } else { PictureEncoding::Srgb },
         wrap: match f.word("wrap")? {
             "clamp" => Wrap::Clamp,
             "mirror" => Wrap::Mirror,
@@ -150,13 +155,13 @@ fn image(f: &Fields<'_>) -> Result<TextureKind, SceneError> {
     })
 }
 
-fn checker(f: &Fields<'_>) -> Result<TextureKind, SceneError> {
-    Ok(TextureKind::Checker { colors: colors(f)?, coordinates: coordinates(f)? })
+fn checker(f: &Fields<'_>) -> Result<TextureKindDescription, SceneError> {
+    Ok(TextureKindDescription::Checker { colors: colors(f)?, coordinates: coordinates(f)? })
 }
 
 /// Returns a solid pattern.
-fn solid(f: &Fields<'_>, pattern: Pattern) -> Result<TextureKind, SceneError> {
-    Ok(TextureKind::Solid {
+fn solid(f: &Fields<'_>, pattern: Pattern) -> Result<TextureKindDescription, SceneError> {
+    Ok(TextureKindDescription::Solid {
         pattern,
         colors: colors(f)?,
         octaves: f.whole("octaves")?,
@@ -170,26 +175,26 @@ fn colors(f: &Fields<'_>) -> Result<[DVec3; 2], SceneError> {
     Ok([f.vector("color0")?, f.vector("color1")?])
 }
 
-fn coordinates(f: &Fields<'_>) -> Result<Coordinates, SceneError> {
-    Ok(Coordinates { scale: f.pair("scale")?, rotate: f.number("rotate")?, offset: f.pair("offset")? })
+fn coordinates(f: &Fields<'_>) -> Result<CoordinatesDescription, SceneError> {
+    Ok(CoordinatesDescription { scale: f.pair("scale")?, rotate: f.number("rotate")?, offset: f.pair("offset")? })
 }
 
 /// Prints a texture.
-pub(super) fn write_texture(out: &mut Writer<'_, '_>, texture: &Texture) -> fmt::Result {
+pub(super) fn write_texture(out: &mut Writer<'_, '_>, texture: &TextureDescription) -> fmt::Result {
     let block = match texture.kind {
-        TextureKind::Image { .. } => &IMAGE,
-        TextureKind::Checker { .. } => &CHECKER,
-        TextureKind::Solid { pattern: Pattern::Noise, .. } => &NOISE,
-        TextureKind::Solid { pattern: Pattern::Marble, .. } => &MARBLE,
-        TextureKind::Solid { pattern: Pattern::Wood, .. } => &WOOD,
+        TextureKindDescription::Image { .. } => &IMAGE,
+        TextureKindDescription::Checker { .. } => &CHECKER,
+        TextureKindDescription::Solid { pattern: Pattern::Noise, .. } => &NOISE,
+        TextureKindDescription::Solid { pattern: Pattern::Marble, .. } => &MARBLE,
+        TextureKindDescription::Solid { pattern: Pattern::Wood, .. } => &WOOD,
     };
     out.start_named(block, &texture.name)?;
     match &texture.kind {
-        TextureKind::Image { path, encoding, wrap, coordinates } => {
+        TextureKindDescription::Image { path, encoding, wrap, coordinates } => {
             out.name("file", path)?;
             let encoding = match encoding {
-                Encoding::Srgb => "srgb",
-                Encoding::Linear => "linear",
+                PictureEncoding::Srgb => "srgb",
+                PictureEncoding::Linear => "linear",
             };
             out.field("encoding", encoding)?;
             let wrap = match wrap {
@@ -200,11 +205,11 @@ pub(super) fn write_texture(out: &mut Writer<'_, '_>, texture: &Texture) -> fmt:
             out.field("wrap", wrap)?;
             write_coordinates(out, coordinates)?;
         }
-        TextureKind::Checker { colors, coordinates } => {
+        TextureKindDescription::Checker { colors, coordinates } => {
             write_colors(out, colors)?;
             write_coordinates(out, coordinates)?;
         }
-        TextureKind::Solid { pattern: _, colors, octaves, frequency, amplitude, maps } => {
+        TextureKindDescription::Solid { pattern: _, colors, octaves, frequency, amplitude, maps } => {
             write_colors(out, colors)?;
             out.field("octaves", octaves)?;
             out.number("frequency", *frequency)?;
@@ -220,7 +225,7 @@ fn write_colors(out: &mut Writer<'_, '_>, colors: &[DVec3; 2]) -> fmt::Result {
     out.vector("color1", colors[1])
 }
 
-fn write_coordinates(out: &mut Writer<'_, '_>, coordinates: &Coordinates) -> fmt::Result {
+fn write_coordinates(out: &mut Writer<'_, '_>, coordinates: &CoordinatesDescription) -> fmt::Result {
     out.pair("scale", coordinates.scale)?;
     out.number("rotate", coordinates.rotate)?;
     out.pair("offset", coordinates.offset)

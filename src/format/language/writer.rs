@@ -4,7 +4,7 @@ use std::fmt::{Display, Formatter, Result};
 
 use glam::{DVec2, DVec3, DVec4};
 
-use super::super::description::{Spanned, Value};
+use super::super::description::{Spanned, TexturedValue};
 use super::schema::Block;
 use super::text::{is_identifier, is_number_word};
 
@@ -86,18 +86,18 @@ impl Writer<'_, '_> {
     }
 
     /// Prints a field of a colour or texture.
-    pub fn color_or_texture(&mut self, name: &str, value: &Value<DVec3>) -> Result {
+    pub fn color_or_texture(&mut self, name: &str, value: &TexturedValue<DVec3>) -> Result {
         match value {
-            Value::Plain(value) => self.vector(name, *value),
-            Value::Texture(texture) => self.texture(name, texture),
+            TexturedValue::Plain(value) => self.vector(name, *value),
+            TexturedValue::Texture(texture) => self.texture(name, texture),
         }
     }
 
     /// Prints a field of a number or texture.
-    pub fn number_or_texture(&mut self, name: &str, value: &Value<f64>) -> Result {
+    pub fn number_or_texture(&mut self, name: &str, value: &TexturedValue<f64>) -> Result {
         match value {
-            Value::Plain(value) => self.number(name, *value),
-            Value::Texture(texture) => self.texture(name, texture),
+            TexturedValue::Plain(value) => self.number(name, *value),
+            TexturedValue::Texture(texture) => self.texture(name, texture),
         }
     }
 

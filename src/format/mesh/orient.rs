@@ -70,7 +70,7 @@ impl TriangleMesh {
             };
             patch.faces.iter().for_each(|t| turn[*t as usize] ^= other_way);
         }
-        self.turn(&turn);
+        self.flip_marked(&turn);
         turn.into_iter().filter(|turned| *turned).count()
     }
 
@@ -145,7 +145,7 @@ impl TriangleMesh {
     }
 
     /// Flips triangles, and those normals at their corners that would then point backwards.
-    fn turn(&mut self, turn: &[bool]) {
+    fn flip_marked(&mut self, turn: &[bool]) {
         let Some(normals) = &self.normals else {
             for (triangle, _) in self.triangles.iter_mut().zip(turn).filter(|(_, turn)| **turn) {
                 triangle.swap(1, 2);

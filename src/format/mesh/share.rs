@@ -51,7 +51,7 @@ pub(in crate::format) fn bits(p: DVec3) -> [u64; 3] {
 }
 
 /// Bit patterns of a position, in which both zeros are equal.
-fn place(p: DVec3) -> [u64; 3] {
+fn position_bits(p: DVec3) -> [u64; 3] {
     bits(p + DVec3::ZERO)
 }
 
@@ -108,9 +108,9 @@ impl TriangleMesh {
     ///
     /// Vertices at one position have the same number.
     #[must_use]
-    pub fn places(&self) -> (Vec<u32>, usize) {
+    pub fn position_numbers(&self) -> (Vec<u32>, usize) {
         let mut numbers = KeyNumbers::with_capacity(self.positions.len());
-        let places = self.positions.iter().map(|p| numbers.number(place(*p), |key| *key)).collect();
+        let places = self.positions.iter().map(|p| numbers.number(position_bits(*p), |key| *key)).collect();
         (places, numbers.into_list().len())
     }
 

@@ -38,7 +38,7 @@ pub(super) struct Topology {
 
 impl Topology {
     pub fn new(mesh: &TriangleMesh) -> Self {
-        let (places, place_count) = mesh.places();
+        let (places, place_count) = mesh.position_numbers();
         let mut sides = Vec::with_capacity(3 * mesh.triangles.len());
         for (t, triangle) in mesh.triangles.iter().enumerate() {
             let [a, b, c] = triangle.map(|v| places[v as usize]);
@@ -66,7 +66,7 @@ impl Topology {
     }
 }
 
-/// UnionFind–find structure that also tracks which elements are flipped relative to each other.
+/// Union–find structure that also tracks which elements are flipped relative to each other.
 ///
 /// Source: Tarjan 1975, extended by a parity.
 #[derive(Debug)]

@@ -15,18 +15,18 @@ impl TriangleMesh {
     ///
     /// Returns by how much the number of positions decreases.
     pub fn weld(&mut self, tolerance: f64) -> usize {
-        let (_, before) = self.places();
+        let (_, before) = self.position_numbers();
         let mut kept = WeldGrid::new(tolerance.clamp(0.0, FARTHEST), &self.positions);
         for p in &mut self.positions {
             *p = kept.nearby(*p);
         }
         self.share();
-        let (_, after) = self.places();
+        let (_, after) = self.position_numbers();
         before.saturating_sub(after)
     }
 }
 
-/// WeldGrid positions, in a grid of cells twice as wide as the tolerance.
+/// Grid of the positions that were kept, with cells twice as wide as the tolerance.
 struct WeldGrid {
     tolerance: f64,
     low: DVec3,

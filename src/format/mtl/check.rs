@@ -34,12 +34,12 @@ fn check(line: &str, named: &mut bool, sound: &mut String) -> Result<(), Problem
             return Err((format!("`{keyword}` stands before any `newmtl`"), "put `newmtl` and a name before it"));
         }
         "Kd" | "Ks" | "Ke" | "Tf" => {
-            let [r, g, b] = colour(keyword, rest)?;
+            let [r, g, b] = color_or_grey(keyword, rest)?;
             let _ = writeln!(sound, "{keyword} {r} {g} {b}");
         }
         // Some exporters write a negative exponent for no highlight.
         "Ns" => {
-            let _ = writeln!(sound, "Ns {}", fitting(keyword, rest)?.max(0.0));
+            let _ = writeln!(sound, "Ns {}", single_precision_number(keyword, rest)?.max(0.0));
         }
         "Ni" => {
             let _ = writeln!(sound, "Ni {}", number(keyword, rest)?);
@@ -79,7 +79,7 @@ fn number(keyword: &str, rest: &str) -> Result<f64, Problem> {
 }
 
 /// Parses a number that single precision can hold.
-fn fitting(keyword: &str, rest: &str) -> Result<f64, Problem> {
+fn single_precision_number(keyword: &str, rest: &str) -> Result<f64, Problem> {
     match number(keyword, rest)? {
         number if number.abs() <= f64::from(f32::MAX) => Ok(number),
         number => Err((format!("`{keyword}` holds {number:e}"), "single precision holds numbers below 3.4e38")),
@@ -87,13 +87,15 @@ fn fitting(keyword: &str, rest: &str) -> Result<f64, Problem> {
 }
 
 /// Parses three numbers, or one that stands for all.
-fn colour(keyword: &str, rest: &str) -> Result<[f64; 3], Problem> {
+fn color_or_grey(keyword: &str, rest: &str) -> Result<[f64; 3], Problem> {
     let words: Vec<&str> = rest.split_ascii_whitespace().take_while(|word| !word.starts_with('#')).collect();
     let numbers = match words[..] {
-        [one] => [fitting(keyword, one)?; 3],
-        [r, g, b, ..] if r != "xyz" && r != "spectral" => {
-            [fitting(keyword, r)?, fitting(keyword, g)?, fitting(keyword, b)?]
-        }
+        [one] => [single_precision_number(keyword, one)?; 3],
+        [r, g, b, ..] if r != "xyz" && r != "spectral" => [
+            single_precision_number(keyword, r)?,
+            single_precision_number(keyword, g)?,
+            single_precision_number(keyword, b)?,
+        ],
         _ => return Err((format!("`{keyword}` holds no RGB colour"), "write it as red, green and blue")),
     };
     match numbers.iter().find(|number| **number < 0.0) {

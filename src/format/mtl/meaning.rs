@@ -1,7 +1,7 @@
 //! Translation of MTL materials to the scene language.
 
 use super::FileMaterial;
-use crate::format::description::{Attenuation, Emission, Material, MaterialKind, Span, Spanned};
+use crate::format::description::{Attenuation, Emission, MaterialDescription, MaterialKindDescription, Span, Spanned};
 use crate::format::problem::Problem;
 use glam::DVec3;
 use std::path::{PathBuf, absolute};
@@ -20,7 +20,7 @@ impl FileMaterial {
     ///
     /// # Errors
     /// A message and a remedy if the index of a transparent material is out of range.
-    pub fn meaning(&self) -> Result<Material, Problem> {
+    pub fn to_description(&self) -> Result<MaterialDescription, Problem> {
         let model = self.illumination;
         let diffuse = self.diffuse.unwrap_or(DVec3::ONE);
         let specular = self.specular.unwrap_or(DVec3::ZERO);
@@ -33,12 +33,17 @@ impl FileMaterial {
             }
             let tint = self.filter.filter(|f| f.min_element() > 0.0 && f.max_element() <= 1.0 && *f != DVec3::ONE);
             let attenuation = tint.map_or(Attenuation::None, |color| Attenuation::Tint { color, distance: 1.0 });
-            MaterialKind::Dielectric { refraction: index.into(), attenuation, roughness: 0.0.into(), priority: 0 }
+            MaterialKindDescription::Dielectric {
+                refraction: index.into(),
+                attenuation,
+                roughness: 0.0.into(),
+                priority: 0,
+            }
         } else if matches!(model, Some(3 | 5 | 8)) && diffuse == DVec3::ZERO && self.texture.is_none() {
-            MaterialKind::Mirror { reflectance: specular.min(DVec3::ONE).into() }
+            MaterialKindDescription::Mirror { reflectance: specular.min(DVec3::ONE).into() }
         } else {
             let highlights = model.is_none_or(|model| model >= 2);
-            MaterialKind::Phong {
+            MaterialKindDescription::Phong {
                 diffuse: diffuse.into(),
                 specular: if highlights { specular } else { DVec3::ZERO }.into(),
                 shininess: self.shininess.unwrap_or(0.0),
@@ -46,7 +51,7 @@ impl FileMaterial {
             }
         };
         let emission = self.emission.filter(|e| *e != DVec3::ZERO).map(Emission::Radiance);
-        Ok(Material { name: Some(self.name.clone()), kind, emission, relief: None, medium: None })
+        Ok(MaterialDescription { name: Some(self.name.clone()), kind, emission, relief: None, medium: None })
     }
 }
 

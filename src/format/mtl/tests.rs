@@ -1,5 +1,5 @@
 use super::*;
-use crate::format::description::{Attenuation, Emission, MaterialKind};
+use crate::format::description::{Attenuation, Emission, MaterialKindDescription};
 
 fn read_text(text: &str) -> Result<Vec<FileMaterial>, MeshError> {
     decode(Path::new("folder/a.mtl"), text.as_bytes())
@@ -11,8 +11,8 @@ fn one(text: &str) -> FileMaterial {
     materials[0].clone()
 }
 
-fn kind(text: &str) -> MaterialKind {
-    one(text).meaning().unwrap().kind
+fn kind(text: &str) -> MaterialKindDescription {
+    one(text).to_description().unwrap().kind
 }
 
 #[test]
@@ -78,7 +78,7 @@ fn invalid_lines_are_reported() {
 
 #[test]
 fn mtl_materials_become_scene_materials() {
-    let phong = |kd: f64, ks: f64, shininess| MaterialKind::Phong {
+    let phong = |kd: f64, ks: f64, shininess| MaterialKindDescription::Phong {
         diffuse: DVec3::splat(kd).into(),
         specular: DVec3::splat(ks).into(),
         shininess,
@@ -86,7 +86,12 @@ fn mtl_materials_become_scene_materials() {
     };
     let glass = |index: f64| {
         let attenuation = Attenuation::None;
-        MaterialKind::Dielectric { refraction: index.into(), attenuation, roughness: 0.0.into(), priority: 0 }
+        MaterialKindDescription::Dielectric {
+            refraction: index.into(),
+            attenuation,
+            roughness: 0.0.into(),
+            priority: 0,
+        }
     };
     assert_eq!(kind(""), phong(1.0, 0.0, 0.0));
     assert_eq!(kind("Kd .5 .5 .5\nKs .25\nNs 10\nillum 2"), phong(0.5, 0.25, 10.0));
@@ -99,22 +104,24 @@ fn mtl_materials_become_scene_materials() {
     assert_eq!(kind("Kd .5\nTr .9\nNi 1.7\nTf 1 1 1"), glass(1.7));
     let color = DVec3::new(0.9, 1.0, 0.5);
     match kind("d 0\nTf .9 1 .5") {
-        MaterialKind::Dielectric { attenuation, .. } => {
+        MaterialKindDescription::Dielectric { attenuation, .. } => {
             assert_eq!(attenuation, Attenuation::Tint { color, distance: 1.0 });
         }
         other => panic!("{other:?}"),
     }
     for model in [3, 5, 8] {
         let mirror = kind(&format!("Kd 0\nKs .9 .8 2\nillum {model}"));
-        assert_eq!(mirror, MaterialKind::Mirror { reflectance: DVec3::new(0.9, 0.8, 1.0).into() });
+        assert_eq!(mirror, MaterialKindDescription::Mirror { reflectance: DVec3::new(0.9, 0.8, 1.0).into() });
     }
     assert_eq!(kind("Kd .1\nKs .9\nillum 3"), phong(0.1, 0.9, 0.0));
     let whole = std::path::absolute("folder/a.png").unwrap();
-    let lamp = one("Kd 0\nKe 3 2 1\nmap_Kd a.png").meaning().unwrap();
+    let lamp = one("Kd 0\nKe 3 2 1\nmap_Kd a.png").to_description().unwrap();
     assert_eq!(lamp.emission, Some(Emission::Radiance(DVec3::new(3.0, 2.0, 1.0))));
-    assert!(matches!(lamp.kind, MaterialKind::Phong { texture: Some(path), .. } if Path::new(&path.value) == whole));
-    assert_eq!(one("Ke 0 0 0").meaning().unwrap().emission, None);
-    let (message, _) = one("d 0\nNi 0").meaning().unwrap_err();
+    assert!(
+        matches!(lamp.kind, MaterialKindDescription::Phong { texture: Some(path), .. } if Path::new(&path.value) == whole)
+    );
+    assert_eq!(one("Ke 0 0 0").to_description().unwrap().emission, None);
+    let (message, _) = one("d 0\nNi 0").to_description().unwrap_err();
     assert!(message.contains("`m`") && message.contains("`Ni` is 0"), "{message}");
     // The index of an opaque material is not used.
     assert_eq!(kind("Ni 0"), phong(1.0, 0.0, 0.0));
@@ -159,7 +166,7 @@ proptest::proptest! {
         words in proptest::collection::vec("newmtl|K[dse]|Tf|N[si]|d|Tr|illum|map_Kd|-s|-o|\n|\\\\|-?[0-9.]{1,4}|.{0,3}", 0..60),
     ) {
         for material in read_text(&words.join(" ")).unwrap_or_default() {
-            let _ = material.meaning();
+            let _ = material.to_description();
         }
     }
 }

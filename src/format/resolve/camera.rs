@@ -2,16 +2,16 @@
 
 use super::aim;
 use crate::camera::{Camera, Lens};
-use crate::format::description::{self, Description, Focus, Opening, Projection};
-use crate::format::{SceneError, Source};
+use crate::format::description::{self, Description, Focus, Opening, ProjectionDescription};
+use crate::format::{SceneError, SourceText};
 use glam::DVec3;
 
-pub(super) fn camera(description: &Description, source: &Source) -> Result<Camera, SceneError> {
+pub(super) fn camera(description: &Description, source: &SourceText) -> Result<Camera, SceneError> {
     let described = &description.camera;
-    let description::Camera { center, up, width, height, .. } = described.value;
+    let description::CameraDescription { center, up, width, height, .. } = described.value;
     let direction = aim(described.aim, center);
     let camera = match described.projection {
-        Projection::Perspective { angle, lens } => {
+        ProjectionDescription::Perspective { angle, lens } => {
             check_angle(angle, (width, height))
                 .map_err(|(message, help)| SceneError::at(source, described.span, message, "this camera", help))?;
             let camera = Camera::perspective(center, direction, up, angle.to_radians(), width, height);
@@ -33,8 +33,10 @@ pub(super) fn camera(description: &Description, source: &Source) -> Result<Camer
                 None => camera,
             }
         }
-        Projection::Orthographic { size } => Camera::orthographic(center, direction, up, size, width, height),
-        Projection::Environment => Camera::panorama(center, direction, up, width, height),
+        ProjectionDescription::Orthographic { size } => {
+            Camera::orthographic(center, direction, up, size, width, height)
+        }
+        ProjectionDescription::Environment => Camera::panorama(center, direction, up, width, height),
     };
     camera.map_err(|e| SceneError::at(source, described.span, e.to_string(), "this camera", "give another `up`"))
 }
@@ -72,7 +74,7 @@ const NEAREST: f64 = 1e-12;
 /// Greatest length whose squares and products single precision can hold.
 const LARGEST: f64 = 1e12;
 
-fn resolve_lens(lens: &description::Lens, angle: f64, center: DVec3, direction: DVec3) -> Lens {
+fn resolve_lens(lens: &description::LensDescription, angle: f64, center: DVec3, direction: DVec3) -> Lens {
     let radius = match lens.opening {
         Opening::Radius(radius) => radius,
         Opening::FNumber { number, sensor } => {

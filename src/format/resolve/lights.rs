@@ -4,7 +4,8 @@ use super::{Resolver, aim, rgb};
 use crate::color::Rgb;
 use crate::format::SceneError;
 use crate::format::description::{
-    AreaStrength, DirectionalStrength, EnvironmentRadiance, Light, LightPattern, Map, PointStrength, Span, Spanned,
+    AreaStrength, DirectionalStrength, EnvironmentRadiance, LightDescription, LightPattern, PointStrength, Span,
+    Spanned, TransformStep,
 };
 use crate::image::Meaning;
 use crate::light::{EnvironmentLight, IntensityPattern, OrientedSource, Slide, SphericalMap, profile_map};
@@ -14,16 +15,20 @@ use crate::shape::{Disc, Rectangle, Shape, Sphere};
 use glam::DVec3;
 use std::sync::Arc;
 
-pub(super) fn add_light(r: &mut Resolver<'_>, light: &Spanned<Light>, motion: &Motion) -> Result<(), SceneError> {
+pub(super) fn add_light(
+    r: &mut Resolver<'_>,
+    light: &Spanned<LightDescription>,
+    motion: &Motion,
+) -> Result<(), SceneError> {
     match &light.value {
-        Light::Moving { maps, light } => {
-            let motion = motion.then_inside(maps.iter().map(Map::growing));
+        LightDescription::Moving { maps, light } => {
+            let motion = motion.then_inside(maps.iter().map(TransformStep::growing));
             add_light(r, light, &motion)?;
         }
-        Light::Point { position, strength } => {
+        LightDescription::Point { position, strength } => {
             add_source(r, SourceKind::Point { position: *position }, point(*strength), motion);
         }
-        Light::Spot { position, aim: target, angle, penumbra, strength } => {
+        LightDescription::Spot { position, aim: target, angle, penumbra, strength } => {
             let outer = 0.5 * angle.to_radians();
             let kind = SourceKind::Spot {
                 position: *position,
@@ -33,24 +38,24 @@ pub(super) fn add_light(r: &mut Resolver<'_>, light: &Spanned<Light>, motion: &M
             };
             add_source(r, kind, point(*strength), motion);
         }
-        Light::Oriented { position, aim: target, up, pattern, strength } => {
+        LightDescription::Oriented { position, aim: target, up, pattern, strength } => {
             let direction = aim(*target, *position);
             let vertical = direction.cross(DVec3::Y).length() < 1e-6 * direction.length();
             let up = up.unwrap_or(if vertical { DVec3::NEG_Z } else { DVec3::Y });
             let source = oriented(r, *position, direction, up, pattern)?;
             add_source(r, SourceKind::Oriented(source), point(*strength), motion);
         }
-        Light::Directional { direction, strength } => {
+        LightDescription::Directional { direction, strength } => {
             let strength = match strength {
                 DirectionalStrength::Color(c) => LightStrength::Course(rgb(*c)),
                 DirectionalStrength::Irradiance(e) => LightStrength::Physical(rgb(*e)),
             };
             add_source(r, SourceKind::Directional { direction: *direction }, strength, motion);
         }
-        Light::Sphere { center, radius, strength } => {
+        LightDescription::Sphere { center, radius, strength } => {
             add_area_light(r, Shape::Sphere(Sphere::new(*center, *radius)), *center, *strength, motion, light.span)?;
         }
-        Light::Disc { center, normal, radius, strength } => {
+        LightDescription::Disc { center, normal, radius, strength } => {
             add_area_light(
                 r,
                 Shape::Disc(Disc::around(*center, *normal, *radius)),
@@ -60,7 +65,7 @@ pub(super) fn add_light(r: &mut Resolver<'_>, light: &Spanned<Light>, motion: &M
                 light.span,
             )?;
         }
-        Light::Rectangle { corner, edge0, edge1, strength } => {
+        LightDescription::Rectangle { corner, edge0, edge1, strength } => {
             let middle = *corner + 0.5 * (*edge0 + *edge1);
             add_area_light(
                 r,
@@ -71,7 +76,7 @@ pub(super) fn add_light(r: &mut Resolver<'_>, light: &Spanned<Light>, motion: &M
                 light.span,
             )?;
         }
-        Light::Environment(radiance) => {
+        LightDescription::Environment(radiance) => {
             let environment = make_environment(r, radiance, light.span)?;
             r.builder.environment(environment);
         }

@@ -6,7 +6,7 @@ use super::{Resolver, rgb};
 use crate::bsdf::{METALS, metal};
 use crate::color::{GLASSES, Glass, Rgb, glass};
 use crate::format::SceneError;
-use crate::format::description::{Emission, MaterialKind, Metal, Refraction, Spanned};
+use crate::format::description::{Emission, MaterialKindDescription, MetalDescription, RefractionDescription, Spanned};
 use crate::format::language::nearest;
 use crate::scene::{Body, Material};
 
@@ -44,32 +44,38 @@ impl Resolver<'_> {
 
     /// A material without medium and with unperturbed normals. Adds the textures that it uses to
     /// `needs`.
-    pub(super) fn material(&mut self, kind: &MaterialKind, needs: &mut TextureNeeds) -> Result<Material, SceneError> {
+    pub(super) fn material(
+        &mut self,
+        kind: &MaterialKindDescription,
+        needs: &mut TextureNeeds,
+    ) -> Result<Material, SceneError> {
         Ok(match kind {
-            MaterialKind::Phong { diffuse, specular, shininess, texture } => {
+            MaterialKindDescription::Phong { diffuse, specular, shininess, texture } => {
                 let diffuse = self.phong_diffuse(diffuse, texture.as_ref(), needs)?;
                 let specular = self.color(specular, &(0.0..=f32::MAX), needs)?;
                 Material::phong(diffuse, specular, *shininess as f32)
             }
-            MaterialKind::Diffuse { reflectance } => Material::diffuse(self.reflectance(reflectance, needs)?),
-            MaterialKind::Mirror { reflectance } => Material::mirror(self.reflectance(reflectance, needs)?),
-            MaterialKind::Dielectric { refraction, attenuation, roughness, priority } => {
+            MaterialKindDescription::Diffuse { reflectance } => {
+                Material::diffuse(self.reflectance(reflectance, needs)?)
+            }
+            MaterialKindDescription::Mirror { reflectance } => Material::mirror(self.reflectance(reflectance, needs)?),
+            MaterialKindDescription::Dielectric { refraction, attenuation, roughness, priority } => {
                 let roughness = self.fraction(roughness, needs)?;
                 let (index, glass) = self.refraction(refraction)?;
                 let absorption = rgb(attenuation.coefficient());
                 Material::rough_body(Body { absorption, priority: *priority, glass, ..Body::new(index) }, roughness)
             }
-            MaterialKind::Clear { priority } => {
+            MaterialKindDescription::Clear { priority } => {
                 Material::body(Body { priority: *priority, null_interface: true, ..Body::new(1.0) })
             }
-            MaterialKind::Conductor { metal, roughness } => {
+            MaterialKindDescription::Conductor { metal, roughness } => {
                 let (eta, k) = self.metal(metal)?;
                 Material::conductor(eta, k, self.fraction(roughness, needs)?)
             }
-            MaterialKind::Thin { index, transmittance } => {
+            MaterialKindDescription::Thin { index, transmittance } => {
                 Material::thin(*index as f32, self.reflectance(transmittance, needs)?)
             }
-            MaterialKind::Mix { first, second, amount } => {
+            MaterialKindDescription::Mix { first, second, amount } => {
                 let (first, second) = (self.named(first)?, self.named(second)?);
                 Material::mix(first, second, self.fraction(amount, needs)?)
             }
@@ -78,12 +84,12 @@ impl Resolver<'_> {
 
     /// The refractive index at the d line, and the index of the glass if it depends on the
     /// wavelength.
-    fn refraction(&mut self, described: &Refraction) -> Result<(f32, Option<u32>), SceneError> {
+    fn refraction(&mut self, described: &RefractionDescription) -> Result<(f32, Option<u32>), SceneError> {
         let glass = match described {
-            Refraction::Index(index) => return Ok((*index as f32, None)),
-            Refraction::Named(name) => self.glass_named(name)?,
-            Refraction::Abbe { index, abbe } => Glass::of_abbe(*index, *abbe),
-            Refraction::Glass(glass) => *glass,
+            RefractionDescription::Index(index) => return Ok((*index as f32, None)),
+            RefractionDescription::Named(name) => self.glass_named(name)?,
+            RefractionDescription::Abbe { index, abbe } => Glass::of_abbe(*index, *abbe),
+            RefractionDescription::Glass(glass) => *glass,
         };
         Ok((glass.index_d(), Some(self.builder.glass(glass))))
     }
@@ -101,10 +107,10 @@ impl Resolver<'_> {
     }
 
     /// The complex refractive index η + i·k.
-    fn metal(&self, described: &Metal) -> Result<(Rgb, Rgb), SceneError> {
+    fn metal(&self, described: &MetalDescription) -> Result<(Rgb, Rgb), SceneError> {
         match described {
-            Metal::Index { eta, k } => Ok((rgb(*eta), rgb(*k))),
-            Metal::Named(name) => metal(name).ok_or_else(|| {
+            MetalDescription::Index { eta, k } => Ok((rgb(*eta), rgb(*k))),
+            MetalDescription::Named(name) => metal(name).ok_or_else(|| {
                 let message = format!("no metal is called `{}`", name.value);
                 let help = format!("known are {}; of others, give `eta` and `k`", METALS.join(", "));
                 SceneError::at(self.source, name.span, message, "unknown name", help)

@@ -3,7 +3,8 @@
 use super::{Resolver, rgb};
 use crate::color::Rgb;
 use crate::format::description::{
-    self, Coefficients, Density, Extent, Map, Material, MaterialKind, Medium as Described, Span, Spanned,
+    self, Coefficients, Density, ExtentDescription, MaterialDescription, MaterialKindDescription, MediumDescription,
+    Span, Spanned, TransformStep,
 };
 use crate::format::{SceneError, grid};
 use crate::medium::{Cloud, GridDensity, GridDensityError, Medium, PhaseFunction};
@@ -24,7 +25,7 @@ pub(super) fn add_media(r: &mut Resolver<'_>) -> Result<(), SceneError> {
     Ok(())
 }
 
-fn make_medium(r: &Resolver<'_>, described: &Spanned<Described>) -> Result<Medium, SceneError> {
+fn make_medium(r: &Resolver<'_>, described: &Spanned<MediumDescription>) -> Result<Medium, SceneError> {
     let (absorption, scattering) = match described.coefficients {
         Coefficients::Parts { absorption, scattering } => (absorption, scattering),
         Coefficients::Whole { extinction, albedo } => (extinction * (1.0 - albedo), extinction * albedo),
@@ -41,7 +42,7 @@ fn make_medium(r: &Resolver<'_>, described: &Spanned<Described>) -> Result<Mediu
     })
 }
 
-fn make_density(r: &Resolver<'_>, described: &Spanned<Described>) -> Result<Option<GridDensity>, SceneError> {
+fn make_density(r: &Resolver<'_>, described: &Spanned<MediumDescription>) -> Result<Option<GridDensity>, SceneError> {
     let help = "give a box with an extent, and fewer cells if memory does not suffice";
     let refuse = |e: GridDensityError| r.refuse(described.span, &e.to_string(), help);
     let field = match &described.density {
@@ -118,7 +119,7 @@ pub(super) fn fill_background(r: &mut Resolver<'_>) -> Result<(), SceneError> {
 pub(super) fn fill_body(
     r: &mut Resolver<'_>,
     material: scene::Material,
-    described: &Material,
+    described: &MaterialDescription,
 ) -> Result<scene::Material, SceneError> {
     let (Some(name), Some(body)) = (&described.medium, material.boundary()) else { return Ok(material) };
     let mut body = *body;
@@ -139,7 +140,7 @@ pub(super) fn fill_body(
 /// Refuses emission of an object with a `Clear` material.
 pub(super) fn check_clear(r: &Resolver<'_>, radiance: Rgb, span: Span) -> Result<(), SceneError> {
     let material = r.description.materials.get(r.material as usize);
-    if radiance == Rgb::ZERO || !material.is_some_and(|m| matches!(m.kind, MaterialKind::Clear { .. })) {
+    if radiance == Rgb::ZERO || !material.is_some_and(|m| matches!(m.kind, MaterialKindDescription::Clear { .. })) {
         return Ok(());
     }
     let help = "give `emission` to its medium, or the object another material";
@@ -154,13 +155,13 @@ fn known_medium(r: &Resolver<'_>, name: &Spanned<String>) -> Result<(u32, Medium
 }
 
 /// Returns the map from the unit cube to the world.
-fn placement(extent: &Extent) -> DAffine3 {
+fn placement(extent: &ExtentDescription) -> DAffine3 {
     let fit = DAffine3::from_scale(extent.max - extent.min);
-    Map::product(&extent.maps) * DAffine3 { translation: extent.min, ..fit }
+    TransformStep::product(&extent.maps) * DAffine3 { translation: extent.min, ..fit }
 }
 
 /// Returns the grid size of nearly cubic cells, with `resolution` cells along the longest side.
-fn cells(extent: &Extent, resolution: u32) -> [u32; 3] {
+fn cells(extent: &ExtentDescription, resolution: u32) -> [u32; 3] {
     let sides = extent.max - extent.min;
     let count = |side: f64| (f64::from(resolution) * (side / sides.max_element())).ceil().max(2.0) as u32;
     DVec3::to_array(&sides).map(count)

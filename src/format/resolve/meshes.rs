@@ -5,7 +5,7 @@ use super::textures::TextureNeeds;
 use super::{Resolver, rgb};
 use crate::color::Rgb;
 use crate::format::SceneError;
-use crate::format::description::{Emission, Material, MaterialKind, MeshOptions, Spanned};
+use crate::format::description::{Emission, MaterialDescription, MaterialKindDescription, MeshOptions, Spanned};
 use crate::format::mesh::{self, Loaded, MeshError, NO_MATERIAL, TriangleMesh};
 use crate::format::mtl;
 use crate::shape::MappingKind;
@@ -24,7 +24,7 @@ const REPAIR: &str = "repair the mesh or name another";
 const PER_TRIANGLE: u64 = 500;
 
 /// A file with the options of its use; the smoothing angle as its bits.
-pub(super) type Key = (PathBuf, bool, bool, Option<u64>);
+pub(super) type MeshKey = (PathBuf, bool, bool, Option<u64>);
 
 /// Parts of a mesh, one for each material.
 pub(super) struct Pieces {
@@ -166,7 +166,7 @@ fn mesh_materials(
     let mut own = Vec::with_capacity(library.len());
     for found in library {
         let bad = |(message, remedy)| MeshError::BadMaterial { path: file.into(), message, remedy };
-        let meaning = found.meaning().map_err(|e| r.bad_file(path, &bad(e), REPAIR))?;
+        let meaning = found.to_description().map_err(|e| r.bad_file(path, &bad(e), REPAIR))?;
         own.push(own_material(r, path, meaning)?);
     }
     let own = Rc::new(own);
@@ -178,9 +178,9 @@ fn mesh_materials(
 fn own_material(
     r: &mut Resolver<'_>,
     path: &Spanned<String>,
-    mut meaning: Material,
+    mut meaning: MaterialDescription,
 ) -> Result<FileMaterial, SceneError> {
-    if let MaterialKind::Phong { texture: Some(picture), .. } = &mut meaning.kind {
+    if let MaterialKindDescription::Phong { texture: Some(picture), .. } = &mut meaning.kind {
         picture.span = path.span;
     }
     let mut needs = TextureNeeds::default();

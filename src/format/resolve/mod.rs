@@ -11,11 +11,13 @@ mod shapes;
 mod tests;
 mod textures;
 
-use super::description::{Aim, Description, Emission, Group, Item, Map, Object, Shape, Span, Spanned};
+use super::description::{
+    Aim, Description, Emission, Group, GroupItem, ObjectDescription, ShapeDescription, Span, Spanned, TransformStep,
+};
 use super::error::MAX_ERRORS;
 use super::import::Assets;
 use super::mesh::{ReadMonitor, TriangleMesh};
-use super::{SceneError, Source};
+use super::{SceneError, SourceText};
 use crate::color::Rgb;
 use crate::math::{Motion, Step, Transform};
 use crate::medium::Medium;
@@ -27,7 +29,7 @@ use placement::Instanced;
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
-use textures::{Known, TextureNeeds};
+use textures::{KnownTexture, TextureNeeds};
 
 /// Returns the scene of a description. Meshes, pictures and grids are looked up in `folder`, then
 /// in its parent.
@@ -36,7 +38,7 @@ use textures::{Known, TextureNeeds};
 /// [`SceneError`] with the position in `source`: a mesh, picture or grid that is missing or broken,
 /// an unknown metal or glass, a singular product of transforms, an object that cannot emit, a
 /// medium that cannot fill its body.
-pub fn resolve(description: &Description, source: &Source, folder: &Path) -> Result<Scene, SceneError> {
+pub fn resolve(description: &Description, source: &SourceText, folder: &Path) -> Result<Scene, SceneError> {
     resolve_watched(description, source, folder, &(), Memory::Unbounded)
 }
 
@@ -49,7 +51,7 @@ pub fn resolve(description: &Description, source: &Source, folder: &Path) -> Res
 /// [`SceneError`], as for [`resolve`], or [for lack of memory](SceneError::exhausts_memory).
 pub fn resolve_watched(
     description: &Description,
-    source: &Source,
+    source: &SourceText,
     folder: &Path,
     monitor: &dyn ReadMonitor,
     memory: Memory,
@@ -63,7 +65,7 @@ pub fn resolve_watched(
 /// [`SceneError`], as for [`resolve_watched`].
 pub(super) fn resolve_assets(
     description: &Description,
-    source: &Source,
+    source: &SourceText,
     folder: &Path,
     assets: &Assets,
     monitor: &dyn ReadMonitor,
@@ -109,7 +111,7 @@ const FOREIGN_MESHES: [&str; 14] =
 const ROOM: &str = "use a smaller file, or let the scene have more memory (--memory)";
 
 struct Resolver<'a> {
-    source: &'a Source,
+    source: &'a SourceText,
     folder: &'a Path,
     assets: &'a Assets,
     /// Errors of objects so far; resolving goes on to find more.
@@ -119,9 +121,9 @@ struct Resolver<'a> {
     /// Indices of the materials so far, by name.
     names: HashMap<&'a str, u32>,
     /// Textures, by name.
-    known: HashMap<&'a str, Known>,
+    known: HashMap<&'a str, KnownTexture>,
     /// Pictures that materials name by path, each as light or as numbers.
-    pictures: HashMap<(PathBuf, bool), Known>,
+    pictures: HashMap<(PathBuf, bool), KnownTexture>,
     /// Media with their indices, by name.
     media: HashMap<&'a str, (u32, Medium)>,
     /// Texture coordinates that each material needs.
@@ -131,7 +133,7 @@ struct Resolver<'a> {
     /// Triangles so far that hierarchies will be built over.
     triangles: u64,
     /// Meshes that were read, by file and options.
-    meshes: HashMap<meshes::Key, Rc<meshes::Pieces>>,
+    meshes: HashMap<meshes::MeshKey, Rc<meshes::Pieces>>,
     /// Materials of mesh files, in the order in which the meshes name them.
     own_materials: HashMap<PathBuf, Rc<Vec<meshes::FileMaterial>>>,
     /// Number of objects that name each mesh path.
@@ -158,7 +160,7 @@ impl Resolver<'_> {
             self.record(result)?;
         }
         if !description.camera.motion.is_empty() {
-            self.builder.moving_camera(growing(&description.camera.motion));
+            self.builder.moving_camera(growing_motion(&description.camera.motion));
         }
         self.group(&description.root, &Motion::default())
     }
@@ -178,9 +180,9 @@ impl Resolver<'_> {
     fn group(&mut self, group: &Group, to_world: &Motion) -> Result<(), SceneError> {
         for item in &group.items {
             match item {
-                Item::MaterialIndex(index) => self.material = index.value,
-                Item::MaterialName(name) => self.material = self.named(name)?,
-                Item::Object(object) => {
+                GroupItem::MaterialIndex(index) => self.material = index.value,
+                GroupItem::MaterialName(name) => self.material = self.named(name)?,
+                GroupItem::Object(object) => {
                     let placing = self.placing;
                     let result = self.object(object, to_world);
                     self.placing = placing;
@@ -191,23 +193,23 @@ impl Resolver<'_> {
         Ok(())
     }
 
-    fn object(&mut self, object: &Spanned<Object>, to_world: &Motion) -> Result<(), SceneError> {
+    fn object(&mut self, object: &Spanned<ObjectDescription>, to_world: &Motion) -> Result<(), SceneError> {
         match &object.value {
-            Object::Group(group) => self.group(group, to_world),
-            Object::Transform { maps, object: inner } => {
+            ObjectDescription::Group(group) => self.group(group, to_world),
+            ObjectDescription::Transform { maps, object: inner } => {
                 let outer = self.placing.replace(object.span);
-                let product = to_world.then_inside([Step::Fixed(Map::product(maps))]);
+                let product = to_world.then_inside([Step::Fixed(TransformStep::product(maps))]);
                 self.object(inner, &product)?;
                 self.placing = outer;
                 Ok(())
             }
-            Object::Moving { maps, object: inner } => {
+            ObjectDescription::Moving { maps, object: inner } => {
                 let outer = self.placing.replace(object.span);
-                self.object(inner, &to_world.then_inside(maps.iter().map(Map::growing)))?;
+                self.object(inner, &to_world.then_inside(maps.iter().map(TransformStep::growing)))?;
                 self.placing = outer;
                 Ok(())
             }
-            Object::Shape { shape, emission } => {
+            ObjectDescription::Shape { shape, emission } => {
                 let own = self.description.materials.get(self.material as usize).and_then(|m| m.emission.as_ref());
                 let (radiance, texture) = match (emission, own) {
                     (Some(emission), _) | (None, Some(Emission::Radiance(emission))) => (rgb(*emission), None),
@@ -285,21 +287,25 @@ pub(super) fn candidates<'a>(folder: &'a Path, path: &'a Path) -> impl Iterator<
 
 /// Returns the number of objects that name each mesh path.
 fn uses(group: &Group) -> HashMap<&str, usize> {
-    fn count<'a>(object: &'a Object, uses: &mut HashMap<&'a str, usize>) {
+    fn count<'a>(object: &'a ObjectDescription, uses: &mut HashMap<&'a str, usize>) {
         match object {
-            Object::Group(group) => group.items.iter().for_each(|item| {
-                if let Item::Object(object) = item {
+            ObjectDescription::Group(group) => group.items.iter().for_each(|item| {
+                if let GroupItem::Object(object) = item {
                     count(object, uses);
                 }
             }),
-            Object::Transform { object, .. } | Object::Moving { object, .. } => count(object, uses),
-            Object::Shape { shape: Shape::Mesh { path, .. }, .. } => *uses.entry(path).or_insert(0) += 1,
-            Object::Shape { .. } => {}
+            ObjectDescription::Transform { object, .. } | ObjectDescription::Moving { object, .. } => {
+                count(object, uses)
+            }
+            ObjectDescription::Shape { shape: ShapeDescription::Mesh { path, .. }, .. } => {
+                *uses.entry(path).or_insert(0) += 1
+            }
+            ObjectDescription::Shape { .. } => {}
         }
     }
     let mut uses = HashMap::new();
     for item in &group.items {
-        if let Item::Object(object) = item {
+        if let GroupItem::Object(object) = item {
             count(object, &mut uses);
         }
     }
@@ -307,8 +313,8 @@ fn uses(group: &Group) -> HashMap<&str, usize> {
 }
 
 /// Returns the motion of maps that grow while the shutter is open.
-fn growing(maps: &[Map]) -> Motion {
-    Motion::default().then_inside(maps.iter().map(Map::growing))
+fn growing_motion(maps: &[TransformStep]) -> Motion {
+    Motion::default().then_inside(maps.iter().map(TransformStep::growing))
 }
 
 fn aim(aim: Aim, from: DVec3) -> DVec3 {

@@ -7,7 +7,7 @@ use super::placement::{
 };
 use crate::color::Rgb;
 use crate::format::SceneError;
-use crate::format::description::{Curve, CurveBasis, Shape as Described, Span};
+use crate::format::description::{CurveBasis, ProfileCurve, ShapeDescription, Span};
 use crate::math::{Motion, Transform};
 use crate::shape::parametric::{Basis, SplineError};
 use crate::shape::{Cuboid, Disc, Frustum, MappingKind, Patch, Plane, Rectangle, Revolution, Shape, Sphere};
@@ -17,7 +17,7 @@ use glam::DVec2;
 #[inline(never)]
 pub(super) fn add_shape(
     r: &mut Resolver<'_>,
-    shape: &Described,
+    shape: &ShapeDescription,
     span: Span,
     to_world: &Motion,
     emission_override: &EmissionOverride,
@@ -26,11 +26,11 @@ pub(super) fn add_shape(
     let map = r.transform(to_world.at(0.0), span)?;
     let material = r.material;
     match shape {
-        Described::Sphere { center, radius } => {
+        ShapeDescription::Sphere { center, radius } => {
             place(r, Shape::Sphere(Sphere::new(*center, *radius)), to_world, &map, span, emission)?;
             set_mapping(r, MappingKind::Spherical { center: *center }, to_world);
         }
-        Described::Plane { normal, offset } => {
+        ShapeDescription::Plane { normal, offset } => {
             if emission != Rgb::ZERO {
                 let help = "use a Rectangle or a Disc, or give the plane a material without emission";
                 return Err(r.refuse(span, "an infinite plane cannot emit light", help));
@@ -44,26 +44,26 @@ pub(super) fn add_shape(
             }
             set_mapping(r, MappingKind::plane(*normal), to_world);
         }
-        Described::Disc { center, normal, radius } => {
+        ShapeDescription::Disc { center, normal, radius } => {
             place(r, Shape::Disc(Disc::around(*center, *normal, *radius)), to_world, &map, span, emission)?;
             set_mapping(r, MappingKind::disc(*center, *normal, *radius), to_world);
         }
-        Described::Rectangle { corner, edge0, edge1 } => {
+        ShapeDescription::Rectangle { corner, edge0, edge1 } => {
             place(r, Shape::Rectangle(Rectangle::new(*corner, *edge0, *edge1)), to_world, &map, span, emission)?;
             set_mapping(r, MappingKind::rectangle(*corner, *edge0, *edge1), to_world);
         }
-        Described::Box { min, max } => {
+        ShapeDescription::Box { min, max } => {
             place_solid(r, Cuboid::new(*min, *max).map(Shape::Cuboid), to_world, &map, span, emission)?;
         }
-        Described::Cylinder { ends: [bottom, top], radius, capped } => {
+        ShapeDescription::Cylinder { ends: [bottom, top], radius, capped } => {
             let solid = Frustum::cylinder(*bottom, *top, *radius, *capped).map(Shape::Frustum);
             place_solid(r, solid, to_world, &map, span, emission)?;
         }
-        Described::Cone { ends: [bottom, top], radii, capped } => {
+        ShapeDescription::Cone { ends: [bottom, top], radii, capped } => {
             let solid = Frustum::new(*bottom, *top, *radii, *capped).map(Shape::Frustum);
             place_solid(r, solid, to_world, &map, span, emission)?;
         }
-        Described::Triangle { vertices, normals, uv } => {
+        ShapeDescription::Triangle { vertices, normals, uv } => {
             let normals = normals.as_ref().map(|n| n.as_slice());
             let uv = uv.as_deref().copied().unwrap_or([DVec2::ZERO, DVec2::X, DVec2::Y]);
             if to_world.is_still() {
@@ -75,7 +75,7 @@ pub(super) fn add_shape(
             }
             set_mapping(r, MappingKind::Uv, to_world);
         }
-        Described::Mesh { path, options } => {
+        ShapeDescription::Mesh { path, options } => {
             super::meshes::add_mesh(
                 r,
                 &Placing { to_world, map: &map, span, emission: emission_override },
@@ -83,12 +83,12 @@ pub(super) fn add_shape(
                 *options,
             )?;
         }
-        Described::Revolution { profile } => {
+        ShapeDescription::Revolution { profile } => {
             let surface = revolution(profile, r.memory.free()).map_err(|e| refuse_spline(r, span, &e))?;
             place(r, Shape::Revolution(surface), to_world, &map, span, emission)?;
             set_mapping(r, MappingKind::Uv, to_world);
         }
-        Described::Patches { degree, controls } => {
+        ShapeDescription::Patches { degree, controls } => {
             let [u, v] = degree.map(|d| Basis::bezier(d as usize + 1));
             let bases = [&u.map_err(|e| refuse_spline(r, span, &e))?, &v.map_err(|e| refuse_spline(r, span, &e))?];
             // Queried once: it takes longer than many a patch.
@@ -101,7 +101,7 @@ pub(super) fn add_shape(
                 set_emission_texture(r, emission_override);
             }
         }
-        Described::Nurbs { degree, count, knots, controls } => {
+        ShapeDescription::Nurbs { degree, count, knots, controls } => {
             let basis = |i: usize| match (degree[i] as usize, count[i] as usize) {
                 (degree, count) if knots[i].is_empty() => Basis::uniform(degree, count),
                 (degree, count) => Basis::new(degree, count, knots[i].clone()),
@@ -112,10 +112,10 @@ pub(super) fn add_shape(
             set_mapping(r, MappingKind::Uv, to_world);
         }
         // A curve has no surface.
-        Described::Curve(_) => {}
+        ShapeDescription::Curve(_) => {}
     }
     // Shapes of several parts have set it for each part.
-    if !matches!(shape, Described::Mesh { .. } | Described::Patches { .. } | Described::Curve(_)) {
+    if !matches!(shape, ShapeDescription::Mesh { .. } | ShapeDescription::Patches { .. } | ShapeDescription::Curve(_)) {
         set_emission_texture(r, emission_override);
     }
     Ok(())
@@ -151,7 +151,7 @@ fn refuse_spline(r: &Resolver<'_>, span: Span, error: &SplineError) -> SceneErro
     r.refuse(span, &error.to_string(), help)
 }
 
-fn revolution(profile: &Curve, free: Option<u64>) -> Result<Revolution, SplineError> {
+fn revolution(profile: &ProfileCurve, free: Option<u64>) -> Result<Revolution, SplineError> {
     let basis = match profile.basis {
         CurveBasis::Bezier => Basis::bezier(profile.controls.len()),
         CurveBasis::Bspline => Basis::uniform(3, profile.controls.len()),

@@ -4,7 +4,8 @@ use super::{Resolver, rgb};
 use crate::color::{self, Rgb};
 use crate::format::SceneError;
 use crate::format::description::{
-    self, Coordinates, Encoding, Map, Material, MaterialKind, Pattern, Spanned, TextureKind, Value, Wrap,
+    self, CoordinatesDescription, MaterialDescription, MaterialKindDescription, Pattern, PictureEncoding, Spanned,
+    TextureKindDescription, TexturedValue, TransformStep, Wrap,
 };
 use crate::image::{self, Image, Meaning};
 use crate::math::Transform;
@@ -16,7 +17,7 @@ use std::path::{Path, PathBuf};
 
 /// A texture added to the scene.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Known {
+pub(super) struct KnownTexture {
     pub index: u32,
     pub mean: Rgb,
     range: (f32, f32),
@@ -44,16 +45,16 @@ impl<'a> Resolver<'a> {
     pub(super) fn textures(&mut self) -> Result<(), SceneError> {
         for texture in &self.description.textures {
             let made = match &texture.kind {
-                TextureKind::Image { path, encoding, wrap, coordinates } => {
+                TextureKindDescription::Image { path, encoding, wrap, coordinates } => {
                     self.picture(path, *encoding, *wrap, *coordinates)?
                 }
-                TextureKind::Checker { colors, coordinates } => {
+                TextureKindDescription::Checker { colors, coordinates } => {
                     let checker = Texture::Checker(Checker { colors: colors.map(rgb) }, uv_map(coordinates));
                     self.add(checker, false)
                 }
-                TextureKind::Solid { pattern, colors, octaves, frequency, amplitude, maps } => {
+                TextureKindDescription::Solid { pattern, colors, octaves, frequency, amplitude, maps } => {
                     let help = "no scale may be zero, and no axis of a matrix may be a mix of the others";
-                    let to_object = Transform::new(Map::product(maps))
+                    let to_object = Transform::new(TransformStep::product(maps))
                         .map_err(|e| self.refuse(texture.span, &e.to_string(), help))?;
                     let solid = Solid {
                         kind: match pattern {
@@ -75,30 +76,30 @@ impl<'a> Resolver<'a> {
         Ok(())
     }
 
-    fn add(&mut self, texture: Texture, light: bool) -> Known {
+    fn add(&mut self, texture: Texture, light: bool) -> KnownTexture {
         let (mean, range, solid) = (texture.mean(), texture.range(), texture.is_solid());
-        Known { index: self.builder.texture(texture), mean, range, solid, light }
+        KnownTexture { index: self.builder.texture(texture), mean, range, solid, light }
     }
 
     fn picture(
         &mut self,
         path: &Spanned<String>,
-        encoding: Encoding,
+        encoding: PictureEncoding,
         wrap: Wrap,
-        coordinates: Coordinates,
-    ) -> Result<Known, SceneError> {
+        coordinates: CoordinatesDescription,
+    ) -> Result<KnownTexture, SceneError> {
         let file = self.file("picture", path)?;
         let image = self.read_picture(
             path,
             &file,
             match encoding {
-                Encoding::Srgb => Meaning::Light,
-                Encoding::Linear => Meaning::Numbers,
+                PictureEncoding::Srgb => Meaning::Light,
+                PictureEncoding::Linear => Meaning::Numbers,
             },
         )?;
         let picture = Picture::new(&image, wrap)
             .map_err(|e| self.bad_file(path, &e, "a texture's values must be finite and not negative"))?;
-        Ok(self.add(Texture::Picture(picture, uv_map(&coordinates)), encoding == Encoding::Srgb))
+        Ok(self.add(Texture::Picture(picture, uv_map(&coordinates)), encoding == PictureEncoding::Srgb))
     }
 
     pub(super) fn read_picture(
@@ -116,7 +117,11 @@ impl<'a> Resolver<'a> {
     }
 
     /// The texture with a name, whose values lie in `range`.
-    pub(super) fn known(&self, name: &Spanned<String>, range: &RangeInclusive<f32>) -> Result<Known, SceneError> {
+    pub(super) fn known(
+        &self,
+        name: &Spanned<String>,
+        range: &RangeInclusive<f32>,
+    ) -> Result<KnownTexture, SceneError> {
         let known = self.known.get(name.as_str()).copied().ok_or_else(|| {
             let message = format!("no texture is called `{}`", name.value);
             SceneError::at(self.source, name.span, message, "unknown name", "define it in Textures first")
@@ -131,15 +136,19 @@ impl<'a> Resolver<'a> {
     }
 
     /// The texture with a name, else the picture at that path, read once per encoding.
-    fn known_or_picture(&mut self, name: &Spanned<String>, encoding: Encoding) -> Result<Known, SceneError> {
+    fn known_or_picture(
+        &mut self,
+        name: &Spanned<String>,
+        encoding: PictureEncoding,
+    ) -> Result<KnownTexture, SceneError> {
         if self.known.contains_key(name.as_str()) {
             return self.known(name, &ANY);
         }
-        let key: (PathBuf, bool) = (self.file("texture or picture", name)?, encoding == Encoding::Srgb);
+        let key: (PathBuf, bool) = (self.file("texture or picture", name)?, encoding == PictureEncoding::Srgb);
         if let Some(known) = self.pictures.get(&key) {
             return Ok(*known);
         }
-        let known = self.picture(name, encoding, Wrap::Repeat, Coordinates::default())?;
+        let known = self.picture(name, encoding, Wrap::Repeat, CoordinatesDescription::default())?;
         self.pictures.insert(key, known);
         Ok(known)
     }
@@ -147,13 +156,13 @@ impl<'a> Resolver<'a> {
     /// A colour parameter, whose texture has values in `range`.
     pub(super) fn color(
         &self,
-        value: &Value<DVec3>,
+        value: &TexturedValue<DVec3>,
         range: &RangeInclusive<f32>,
         needs: &mut TextureNeeds,
     ) -> Result<Textured<Rgb>, SceneError> {
         match value {
-            Value::Plain(color) => Ok(Textured::Constant(rgb(*color))),
-            Value::Texture(name) => {
+            TexturedValue::Plain(color) => Ok(Textured::Constant(rgb(*color))),
+            TexturedValue::Texture(name) => {
                 let known = self.known(name, range)?;
                 needs.add(&known);
                 Ok(Textured::Texture { texture: known.index, factor: Rgb::ONE, mean: known.mean })
@@ -162,10 +171,14 @@ impl<'a> Resolver<'a> {
     }
 
     /// A number parameter in \[0, 1].
-    pub(super) fn fraction(&self, value: &Value<f64>, needs: &mut TextureNeeds) -> Result<Textured<f32>, SceneError> {
+    pub(super) fn fraction(
+        &self,
+        value: &TexturedValue<f64>,
+        needs: &mut TextureNeeds,
+    ) -> Result<Textured<f32>, SceneError> {
         match value {
-            Value::Plain(number) => Ok(Textured::Constant(*number as f32)),
-            Value::Texture(name) => {
+            TexturedValue::Plain(number) => Ok(Textured::Constant(*number as f32)),
+            TexturedValue::Texture(name) => {
                 let known = self.known(name, &UNIT)?;
                 needs.add(&known);
                 Ok(Textured::Texture { texture: known.index, factor: 1.0, mean: color::mean(known.mean) })
@@ -176,7 +189,7 @@ impl<'a> Resolver<'a> {
     /// A reflectance or transmittance: a colour parameter in \[0, 1].
     pub(super) fn reflectance(
         &self,
-        value: &Value<DVec3>,
+        value: &TexturedValue<DVec3>,
         needs: &mut TextureNeeds,
     ) -> Result<Textured<Rgb>, SceneError> {
         self.color(value, &UNIT, needs)
@@ -185,16 +198,16 @@ impl<'a> Resolver<'a> {
     /// The diffuse colour of the course's material times its texture.
     pub(super) fn phong_diffuse(
         &mut self,
-        diffuse: &Value<DVec3>,
+        diffuse: &TexturedValue<DVec3>,
         texture: Option<&Spanned<String>>,
         needs: &mut TextureNeeds,
     ) -> Result<Textured<Rgb>, SceneError> {
         let Some(name) = texture else { return self.color(diffuse, &ANY, needs) };
-        let Value::Plain(factor) = diffuse else {
+        let TexturedValue::Plain(factor) = diffuse else {
             let help = "give `diffuseColor` in numbers, or leave `texture` out";
             return Err(SceneError::at(self.source, name.span, "two textures for one colour", "the second", help));
         };
-        let known = self.known_or_picture(name, Encoding::Srgb)?;
+        let known = self.known_or_picture(name, PictureEncoding::Srgb)?;
         needs.add(&known);
         let factor = rgb(*factor);
         Ok(Textured::Texture { texture: known.index, factor, mean: factor * known.mean })
@@ -203,21 +216,21 @@ impl<'a> Resolver<'a> {
     /// The perturbation of a material's normals.
     pub(super) fn normals(
         &mut self,
-        material: &Material,
+        material: &MaterialDescription,
         needs: &mut TextureNeeds,
     ) -> Result<NormalPerturbation, SceneError> {
         Ok(match &material.relief {
             None => NormalPerturbation::None,
-            Some(description::NormalPerturbation::Bump { texture, height }) => {
-                let known = self.known_or_picture(texture, Encoding::Linear)?;
+            Some(description::NormalPerturbationDescription::Bump { texture, height }) => {
+                let known = self.known_or_picture(texture, PictureEncoding::Linear)?;
                 if *height == 0.0 {
                     return Ok(NormalPerturbation::None);
                 }
                 needs.add(&known);
                 NormalPerturbation::BumpMap { texture: known.index, height: *height as f32 }
             }
-            Some(description::NormalPerturbation::NormalMap(name)) => {
-                let known = self.known_or_picture(name, Encoding::Linear)?;
+            Some(description::NormalPerturbationDescription::NormalMap(name)) => {
+                let known = self.known_or_picture(name, PictureEncoding::Linear)?;
                 if known.light {
                     let message = format!("the texture `{}` is read as a picture of light", name.value);
                     let help = "give it `encoding linear`: normals are numbers";
@@ -253,8 +266,8 @@ impl<'a> Resolver<'a> {
     }
 
     /// Adds the needs of a mix's parts.
-    pub(super) fn add_needs_of_parts(&self, kind: &MaterialKind, needs: &mut TextureNeeds) {
-        if let MaterialKind::Mix { first, second, .. } = kind {
+    pub(super) fn add_needs_of_parts(&self, kind: &MaterialKindDescription, needs: &mut TextureNeeds) {
+        if let MaterialKindDescription::Mix { first, second, .. } = kind {
             for part in [first, second] {
                 if let Some(of_part) = self.names.get(part.as_str()).map(|i| self.texture_needs[*i as usize]) {
                     needs.textured |= of_part.textured;
@@ -267,14 +280,14 @@ impl<'a> Resolver<'a> {
 
 impl TextureNeeds {
     /// Adds the needs of one texture.
-    pub fn add(&mut self, known: &Known) {
+    pub fn add(&mut self, known: &KnownTexture) {
         self.textured = true;
         self.coordinates |= !known.solid;
     }
 }
 
 /// The affine map of texture coordinates.
-fn uv_map(coordinates: &Coordinates) -> texture::Coordinates {
-    let Coordinates { scale, rotate, offset } = *coordinates;
+fn uv_map(coordinates: &CoordinatesDescription) -> texture::Coordinates {
+    let CoordinatesDescription { scale, rotate, offset } = *coordinates;
     texture::Coordinates::new(scale, rotate.to_radians(), offset)
 }

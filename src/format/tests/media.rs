@@ -3,7 +3,10 @@
 use proptest::collection::vec;
 use proptest::prelude::*;
 
-use super::super::description::{Coefficients, Density, Extent, Material, MaterialKind, Medium, Phase, Spanned};
+use super::super::description::{
+    Coefficients, Density, ExtentDescription, MaterialDescription, MaterialKindDescription, MediumDescription, Phase,
+    Spanned,
+};
 use super::strategies::{map, spanned};
 use super::values::{coefficient, name, point, share};
 
@@ -23,13 +26,13 @@ fn phase() -> impl Strategy<Value = Phase> {
     ]
 }
 
-fn extent() -> impl Strategy<Value = Extent> {
+fn extent() -> impl Strategy<Value = ExtentDescription> {
     let corners = (point(), point()).prop_filter_map("no extent", |(a, b)| {
         let (min, max) = (a.min(b), a.max(b));
         let sides = max - min;
         (sides.min_element() > 0.0 && sides.is_finite()).then_some((min, max))
     });
-    (corners, vec(map(), 0..3)).prop_map(|((min, max), maps)| Extent { min, max, maps })
+    (corners, vec(map(), 0..3)).prop_map(|((min, max), maps)| ExtentDescription { min, max, maps })
 }
 
 fn density() -> impl Strategy<Value = Density> {
@@ -46,12 +49,18 @@ fn density() -> impl Strategy<Value = Density> {
 }
 
 /// Media with distinct names.
-pub fn media() -> impl Strategy<Value = Vec<Spanned<Medium>>> {
+pub fn media() -> impl Strategy<Value = Vec<Spanned<MediumDescription>>> {
     let medium = (name(), coefficients(), coefficient(), phase(), density()).prop_map(
-        |(name, coefficients, emission, phase, density)| Medium { name, coefficients, emission, phase, density },
+        |(name, coefficients, emission, phase, density)| MediumDescription {
+            name,
+            coefficients,
+            emission,
+            phase,
+            density,
+        },
     );
     vec(medium, 0..4).prop_map(|drafts| {
-        let mut media: Vec<Spanned<Medium>> = Vec::new();
+        let mut media: Vec<Spanned<MediumDescription>> = Vec::new();
         for medium in drafts {
             if media.iter().all(|other| other.value.name != medium.name) {
                 media.push(spanned(medium));
@@ -62,21 +71,25 @@ pub fn media() -> impl Strategy<Value = Vec<Spanned<Medium>>> {
 }
 
 /// Fills bodies with `media`, and makes some otherwise unused ones `Clear`.
-pub fn fill(materials: &mut [Spanned<Material>], media: &[Spanned<Medium>], fills: &[Option<prop::sample::Index>]) {
+pub fn fill(
+    materials: &mut [Spanned<MaterialDescription>],
+    media: &[Spanned<MediumDescription>],
+    fills: &[Option<prop::sample::Index>],
+) {
     let parts: Vec<String> = materials
         .iter()
         .filter_map(|m| match &m.kind {
-            MaterialKind::Mix { first, second, .. } => Some([first.value.clone(), second.value.clone()]),
+            MaterialKindDescription::Mix { first, second, .. } => Some([first.value.clone(), second.value.clone()]),
             _ => None,
         })
         .flatten()
         .collect();
     for (material, fill) in materials.iter_mut().zip(fills) {
         let material = &mut material.value;
-        let MaterialKind::Dielectric { priority, .. } = material.kind else { continue };
+        let MaterialKindDescription::Dielectric { priority, .. } = material.kind else { continue };
         material.medium = fill.filter(|_| !media.is_empty()).map(|i| spanned(i.get(media).value.name.clone()));
         if priority % 2 == 0 && material.name.as_ref().is_none_or(|name| !parts.contains(name)) {
-            material.kind = MaterialKind::Clear { priority };
+            material.kind = MaterialKindDescription::Clear { priority };
             (material.emission, material.relief) = (None, None);
         }
     }

@@ -10,7 +10,7 @@ use super::media::{fill, media};
 use super::refraction::refraction;
 use super::values::*;
 
-fn camera() -> impl Strategy<Value = Camera> {
+fn camera() -> impl Strategy<Value = CameraDescription> {
     let size = || 1..=65_536_u32;
     let views = (edges(), any::<bool>(), projection(), size(), size(), vec(grown(false), 0..3));
     views.prop_filter_map("no view", |((center, view, up), aimed, mut projection, width, height, motion)| {
@@ -18,7 +18,7 @@ fn camera() -> impl Strategy<Value = Camera> {
             aimed.then_some(center + view).filter(|p| (*p - center).normalize().cross(up.normalize()).length() > 1e-6);
         let aim = lookat.map_or(Aim::Direction(view), Aim::LookAt);
         let parallel = view.normalize().cross(up.normalize()).length() < 1e-6;
-        if let Projection::Perspective { lens: Some(lens), .. } = &mut projection
+        if let ProjectionDescription::Perspective { lens: Some(lens), .. } = &mut projection
             && let Focus::Point(point) = &mut lens.focus
         {
             *point = center + view;
@@ -26,7 +26,7 @@ fn camera() -> impl Strategy<Value = Camera> {
                 return None;
             }
         }
-        (!parallel).then_some(Camera { center, aim, up, projection, width, height, motion })
+        (!parallel).then_some(CameraDescription { center, aim, up, projection, width, height, motion })
     })
 }
 
@@ -37,7 +37,7 @@ fn aim_direction(aim: Aim, center: DVec3) -> DVec3 {
     }
 }
 
-fn projection() -> impl Strategy<Value = Projection> {
+fn projection() -> impl Strategy<Value = ProjectionDescription> {
     let opening = prop_oneof![
         prop_oneof![Just(0.0), positive()].prop_map(Opening::Radius),
         (positive(), positive()).prop_map(|(number, sensor)| Opening::FNumber { number, sensor }),
@@ -45,11 +45,11 @@ fn projection() -> impl Strategy<Value = Projection> {
     // The point is put before the camera once that is known.
     let focus = prop_oneof![positive().prop_map(Focus::Distance), Just(Focus::Point(DVec3::ZERO))];
     let blades = prop_oneof![Just(0), 3..=64_u32];
-    let lens = (opening, focus, blades).prop_map(|(opening, focus, blades)| Lens { opening, focus, blades });
+    let lens = (opening, focus, blades).prop_map(|(opening, focus, blades)| LensDescription { opening, focus, blades });
     prop_oneof![
-        (1e-9..179.999, option::of(lens)).prop_map(|(angle, lens)| Projection::Perspective { angle, lens }),
-        (1e-12..1e12).prop_map(|size| Projection::Orthographic { size }),
-        Just(Projection::Environment),
+        (1e-9..179.999, option::of(lens)).prop_map(|(angle, lens)| ProjectionDescription::Perspective { angle, lens }),
+        (1e-12..1e12).prop_map(|size| ProjectionDescription::Orthographic { size }),
+        Just(ProjectionDescription::Environment),
     ]
 }
 
@@ -66,24 +66,24 @@ fn area_strength() -> impl Strategy<Value = AreaStrength> {
         .prop_map(|(c, power)| if power { AreaStrength::Power(c) } else { AreaStrength::Radiance(c) })
 }
 
-fn light() -> impl Strategy<Value = Light> {
+fn light() -> impl Strategy<Value = LightDescription> {
     (still_light(), option::of(vec(grown(true), 0..3))).prop_map(|(light, motion)| match motion {
-        Some(maps) => Light::Moving { maps, light: Box::new(spanned(light)) },
+        Some(maps) => LightDescription::Moving { maps, light: Box::new(spanned(light)) },
         None => light,
     })
 }
 
-fn still_light() -> impl Strategy<Value = Light> {
+fn still_light() -> impl Strategy<Value = LightDescription> {
     prop_oneof![
-        (point(), point_strength()).prop_map(|(position, strength)| Light::Point { position, strength }),
+        (point(), point_strength()).prop_map(|(position, strength)| LightDescription::Point { position, strength }),
         (direction(), colour(), any::<bool>()).prop_map(|(direction, c, physical)| {
             let strength = if physical { DirectionalStrength::Irradiance(c) } else { DirectionalStrength::Color(c) };
-            Light::Directional { direction, strength }
+            LightDescription::Directional { direction, strength }
         }),
         (point(), direction(), 1e-9..=360.0, 0.0..=0.5, point_strength()).prop_map(
             |(position, axis, angle, rim, strength)| {
                 let aim = Aim::Direction(axis);
-                Light::Spot { position, aim, angle, penumbra: rim * angle, strength }
+                LightDescription::Spot { position, aim, angle, penumbra: rim * angle, strength }
             }
         ),
         (point(), direction(), name(), 1e-9..180.0, colour(), 0..3u8).prop_map(
@@ -95,17 +95,17 @@ fn still_light() -> impl Strategy<Value = Light> {
                     _ => LightPattern::Profile(path),
                 };
                 let (aim, strength) = (Aim::Direction(axis), PointStrength::Intensity(c));
-                Light::Oriented { position, aim, up: None, pattern, strength }
+                LightDescription::Oriented { position, aim, up: None, pattern, strength }
             }
         ),
-        (point(), positive(), area_strength()).prop_map(|(center, radius, strength)| Light::Sphere {
+        (point(), positive(), area_strength()).prop_map(|(center, radius, strength)| LightDescription::Sphere {
             center,
             radius,
             strength
         }),
         (point(), direction(), positive(), area_strength())
-            .prop_map(|(center, normal, radius, strength)| Light::Disc { center, normal, radius, strength }),
-        (edges(), area_strength()).prop_map(|((corner, edge0, edge1), strength)| Light::Rectangle {
+            .prop_map(|(center, normal, radius, strength)| LightDescription::Disc { center, normal, radius, strength }),
+        (edges(), area_strength()).prop_map(|((corner, edge0, edge1), strength)| LightDescription::Rectangle {
             corner,
             edge0,
             edge1,
@@ -114,40 +114,37 @@ fn still_light() -> impl Strategy<Value = Light> {
     ]
 }
 
-fn environment() -> impl Strategy<Value = Light> {
+fn environment() -> impl Strategy<Value = LightDescription> {
     let picture = (name(), positive(), finite()).prop_map(|(path, scale, rotate)| EnvironmentRadiance::Picture {
         path: spanned(path),
         scale,
         rotate,
     });
-    prop_oneof![colour().prop_map(EnvironmentRadiance::Constant), picture].prop_map(Light::Environment)
+    prop_oneof![colour().prop_map(EnvironmentRadiance::Constant), picture].prop_map(LightDescription::Environment)
 }
 
 fn pair() -> impl Strategy<Value = DVec2> {
     [finite(), finite()].prop_map(DVec2::from_array)
 }
 
-fn texture() -> impl Strategy<Value = TextureKind> {
+fn texture() -> impl Strategy<Value = TextureKindDescription> {
     let part = || prop_oneof![-1e3..-1e-3, 1e-3..1e3];
     let coordinates = || {
         ([part(), part()].prop_map(DVec2::from_array), finite(), pair())
-            .prop_map(|(scale, rotate, offset)| Coordinates { scale, rotate, offset })
+            .prop_map(|(scale, rotate, offset)| CoordinatesDescription { scale, rotate, offset })
     };
-    let encoding = prop_oneof![Just(Encoding::Srgb), Just(Encoding::Linear)];
+    let encoding = prop_oneof![Just(PictureEncoding::Srgb), Just(PictureEncoding::Linear)];
     let wrap = prop_oneof![Just(Wrap::Repeat), Just(Wrap::Clamp), Just(Wrap::Mirror)];
     let pattern = prop_oneof![Just(Pattern::Noise), Just(Pattern::Marble), Just(Pattern::Wood)];
     let noise = (1..=16_u32, 1e-9..1e9, positive());
     prop_oneof![
-        (name(), encoding, wrap, coordinates()).prop_map(|(path, encoding, wrap, coordinates)| TextureKind::Image {
-            path: spanned(path),
-            encoding,
-            wrap,
-            coordinates,
+        (name(), encoding, wrap, coordinates()).prop_map(|(path, encoding, wrap, coordinates)| {
+            TextureKindDescription::Image { path: spanned(path), encoding, wrap, coordinates }
         }),
         ([colour(), colour()], coordinates())
-            .prop_map(|(colors, coordinates)| TextureKind::Checker { colors, coordinates }),
+            .prop_map(|(colors, coordinates)| TextureKindDescription::Checker { colors, coordinates }),
         (pattern, [colour(), colour()], noise, vec(map(), 0..3)).prop_map(
-            |(pattern, colors, (octaves, frequency, amplitude), maps)| TextureKind::Solid {
+            |(pattern, colors, (octaves, frequency, amplitude), maps)| TextureKindDescription::Solid {
                 pattern,
                 colors,
                 octaves,
@@ -160,37 +157,37 @@ fn texture() -> impl Strategy<Value = TextureKind> {
 }
 
 /// Numbers, or a texture by its number, to be taken modulo how many there are.
-fn value<T: std::fmt::Debug + Clone>(plain: impl Strategy<Value = T>) -> impl Strategy<Value = Value<T>> {
+fn value<T: std::fmt::Debug + Clone>(plain: impl Strategy<Value = T>) -> impl Strategy<Value = TexturedValue<T>> {
     (plain, option::weighted(0.3, any::<u8>())).prop_map(|(plain, texture)| match texture {
-        Some(i) => Value::Texture(spanned(i.to_string())),
-        None => Value::Plain(plain),
+        Some(i) => TexturedValue::Texture(spanned(i.to_string())),
+        None => TexturedValue::Plain(plain),
     })
 }
 
 /// Turns numbers of textures into names of `textures`; without any, the value is `plain`.
-fn name_texture<T>(value: &mut Value<T>, textures: &[Spanned<Texture>], plain: T) {
-    if let Value::Texture(name) = value {
+fn name_texture<T>(value: &mut TexturedValue<T>, textures: &[Spanned<TextureDescription>], plain: T) {
+    if let TexturedValue::Texture(name) = value {
         let number: usize = name.value.parse().unwrap();
         match textures.get(number % textures.len().max(1)) {
             Some(texture) => name.value = texture.value.name.clone(),
-            None => *value = Value::Plain(plain),
+            None => *value = TexturedValue::Plain(plain),
         }
     }
 }
 
-fn name_textures(material: &mut Material, textures: &[Spanned<Texture>]) {
+fn name_textures(material: &mut MaterialDescription, textures: &[Spanned<TextureDescription>]) {
     match &mut material.kind {
-        MaterialKind::Phong { diffuse, specular, .. } => {
+        MaterialKindDescription::Phong { diffuse, specular, .. } => {
             name_texture(diffuse, textures, DVec3::ONE);
             name_texture(specular, textures, DVec3::ONE);
         }
-        MaterialKind::Diffuse { reflectance: tint }
-        | MaterialKind::Mirror { reflectance: tint }
-        | MaterialKind::Thin { transmittance: tint, .. } => name_texture(tint, textures, DVec3::ONE),
-        MaterialKind::Dielectric { roughness: degree, .. }
-        | MaterialKind::Conductor { roughness: degree, .. }
-        | MaterialKind::Mix { amount: degree, .. } => name_texture(degree, textures, 0.5),
-        MaterialKind::Clear { .. } => {}
+        MaterialKindDescription::Diffuse { reflectance: tint }
+        | MaterialKindDescription::Mirror { reflectance: tint }
+        | MaterialKindDescription::Thin { transmittance: tint, .. } => name_texture(tint, textures, DVec3::ONE),
+        MaterialKindDescription::Dielectric { roughness: degree, .. }
+        | MaterialKindDescription::Conductor { roughness: degree, .. }
+        | MaterialKindDescription::Mix { amount: degree, .. } => name_texture(degree, textures, 0.5),
+        MaterialKindDescription::Clear { .. } => {}
     }
     if let Some(Emission::Texture { name, .. }) = &mut material.emission {
         let number: usize = name.value.parse().unwrap();
@@ -208,27 +205,27 @@ fn emission() -> impl Strategy<Value = Emission> {
     ]
 }
 
-fn relief() -> impl Strategy<Value = NormalPerturbation> {
+fn relief() -> impl Strategy<Value = NormalPerturbationDescription> {
     prop_oneof![
         (name(), -1e30..1e30)
-            .prop_map(|(texture, height)| NormalPerturbation::Bump { texture: spanned(texture), height }),
-        name().prop_map(|texture| NormalPerturbation::NormalMap(spanned(texture))),
+            .prop_map(|(texture, height)| NormalPerturbationDescription::Bump { texture: spanned(texture), height }),
+        name().prop_map(|texture| NormalPerturbationDescription::NormalMap(spanned(texture))),
     ]
 }
 
 /// Textures of these kinds and names, all different.
-fn textures(drafts: Vec<(String, TextureKind)>) -> Vec<Spanned<Texture>> {
-    let mut textures: Vec<Spanned<Texture>> = Vec::new();
+fn textures(drafts: Vec<(String, TextureKindDescription)>) -> Vec<Spanned<TextureDescription>> {
+    let mut textures: Vec<Spanned<TextureDescription>> = Vec::new();
     for (name, kind) in drafts {
         if textures.iter().all(|other| other.value.name != name) {
-            textures.push(spanned(Texture { name, kind }));
+            textures.push(spanned(TextureDescription { name, kind }));
         }
     }
     textures
 }
 
 /// A material without its name and without the parts of a mix.
-type Finish = (MaterialKind, Option<Emission>, Option<NormalPerturbation>);
+type Finish = (MaterialKindDescription, Option<Emission>, Option<NormalPerturbationDescription>);
 
 fn material() -> impl Strategy<Value = Finish> {
     let attenuation = prop_oneof![
@@ -239,38 +236,40 @@ fn material() -> impl Strategy<Value = Finish> {
     let index = || 1e-3..=1e3;
     let indices = || [index(), index(), index()].prop_map(DVec3::from_array);
     let metal = prop_oneof![
-        name().prop_map(|name| Metal::Named(spanned(name))),
-        (indices(), share()).prop_map(|(eta, k)| Metal::Index { eta, k: 1e3 * k }),
+        name().prop_map(|name| MetalDescription::Named(spanned(name))),
+        (indices(), share()).prop_map(|(eta, k)| MetalDescription::Index { eta, k: 1e3 * k }),
     ];
     let kind = prop_oneof![
         (value(colour()), value(colour()), positive(), option::of(name())).prop_map(
-            |(diffuse, specular, shininess, texture)| MaterialKind::Phong {
+            |(diffuse, specular, shininess, texture)| MaterialKindDescription::Phong {
                 diffuse,
                 specular,
                 shininess,
                 texture: texture.map(spanned),
             }
         ),
-        value(share()).prop_map(|reflectance| MaterialKind::Diffuse { reflectance }),
-        value(share()).prop_map(|reflectance| MaterialKind::Mirror { reflectance }),
+        value(share()).prop_map(|reflectance| MaterialKindDescription::Diffuse { reflectance }),
+        value(share()).prop_map(|reflectance| MaterialKindDescription::Mirror { reflectance }),
         (refraction(), attenuation, value(0.0..=1.0), any::<u8>()).prop_map(
-            |(refraction, attenuation, roughness, priority)| MaterialKind::Dielectric {
+            |(refraction, attenuation, roughness, priority)| MaterialKindDescription::Dielectric {
                 refraction,
                 attenuation,
                 roughness,
                 priority
             }
         ),
-        (metal, value(0.0..=1.0)).prop_map(|(metal, roughness)| MaterialKind::Conductor { metal, roughness }),
-        (index(), value(share())).prop_map(|(index, transmittance)| MaterialKind::Thin { index, transmittance }),
+        (metal, value(0.0..=1.0))
+            .prop_map(|(metal, roughness)| MaterialKindDescription::Conductor { metal, roughness }),
+        (index(), value(share()))
+            .prop_map(|(index, transmittance)| MaterialKindDescription::Thin { index, transmittance }),
     ];
     (kind, option::of(emission()), option::of(relief()))
 }
 
-fn curve() -> impl Strategy<Value = Curve> {
+fn curve() -> impl Strategy<Value = ProfileCurve> {
     (vec(point(), 4..7), any::<bool>()).prop_map(|(controls, bezier)| {
         let basis = if bezier { CurveBasis::Bezier } else { CurveBasis::Bspline };
-        Curve { basis, controls }
+        ProfileCurve { basis, controls }
     })
 }
 
@@ -285,24 +284,28 @@ fn knots(count: usize) -> impl Strategy<Value = Vec<f64>> {
     })
 }
 
-fn shape() -> impl Strategy<Value = Shape> {
+fn shape() -> impl Strategy<Value = ShapeDescription> {
     prop_oneof![
-        (point(), positive()).prop_map(|(center, radius)| Shape::Sphere { center, radius }),
-        (direction(), finite()).prop_map(|(normal, offset)| Shape::Plane { normal, offset }),
-        (point(), direction(), positive()).prop_map(|(center, normal, radius)| Shape::Disc { center, normal, radius }),
-        edges().prop_map(|(corner, edge0, edge1)| Shape::Rectangle { corner, edge0, edge1 }),
+        (point(), positive()).prop_map(|(center, radius)| ShapeDescription::Sphere { center, radius }),
+        (direction(), finite()).prop_map(|(normal, offset)| ShapeDescription::Plane { normal, offset }),
+        (point(), direction(), positive()).prop_map(|(center, normal, radius)| ShapeDescription::Disc {
+            center,
+            normal,
+            radius
+        }),
+        edges().prop_map(|(corner, edge0, edge1)| ShapeDescription::Rectangle { corner, edge0, edge1 }),
         (point(), [positive(), positive(), positive()]).prop_filter_map("no extent", |(min, size)| {
             let max = min + DVec3::from_array(size);
-            (max.is_finite() && max.cmpgt(min).all()).then_some(Shape::Box { min, max })
+            (max.is_finite() && max.cmpgt(min).all()).then_some(ShapeDescription::Box { min, max })
         }),
         ([point(), point()], positive(), any::<bool>()).prop_filter_map("no length", |(ends, radius, capped)| {
-            (ends[0] != ends[1]).then_some(Shape::Cylinder { ends, radius, capped })
+            (ends[0] != ends[1]).then_some(ShapeDescription::Cylinder { ends, radius, capped })
         }),
         ([point(), point()], positive(), option::of(positive()), any::<bool>()).prop_filter_map(
             "no length",
             |(ends, radius, top, capped)| {
                 let radii = [radius, top.unwrap_or(0.0)];
-                (ends[0] != ends[1]).then_some(Shape::Cone { ends, radii, capped })
+                (ends[0] != ends[1]).then_some(ShapeDescription::Cone { ends, radii, capped })
             }
         ),
         (
@@ -310,21 +313,25 @@ fn shape() -> impl Strategy<Value = Shape> {
             option::of([direction(), direction(), direction()]),
             option::of([pair(), pair(), pair()].prop_map(Box::new))
         )
-            .prop_map(|(vertices, normals, uv)| Shape::Triangle { vertices, normals, uv }),
+            .prop_map(|(vertices, normals, uv)| ShapeDescription::Triangle { vertices, normals, uv }),
         (mesh_path(), any::<bool>(), any::<bool>(), option::of(0.0..=180.0)).prop_map(
             |(path, own_materials, no_normals, smooth_angle)| {
                 let options = MeshOptions { own_materials, no_normals, smooth_angle };
-                Shape::Mesh { path: spanned(path), options }
+                ShapeDescription::Mesh { path: spanned(path), options }
             }
         ),
-        curve().prop_map(|profile| Shape::Revolution { profile }),
-        curve().prop_map(Shape::Curve),
+        curve().prop_map(|profile| ShapeDescription::Revolution { profile }),
+        curve().prop_map(ShapeDescription::Curve),
         (vec(weighed(), 8), any::<bool>()).prop_map(|(controls, once)| {
-            if once { Shape::Patches { degree: [3, 1], controls } } else { Shape::Patches { degree: [1, 1], controls } }
+            if once {
+                ShapeDescription::Patches { degree: [3, 1], controls }
+            } else {
+                ShapeDescription::Patches { degree: [1, 1], controls }
+            }
         }),
         (vec(weighed(), 12), option::of(knots(6)), option::of(knots(6))).prop_map(|(controls, u, v)| {
             let knots = [u.unwrap_or_default(), v.unwrap_or_default()];
-            Shape::Nurbs { degree: [2, 1], count: [3, 4], knots, controls }
+            ShapeDescription::Nurbs { degree: [2, 1], count: [3, 4], knots, controls }
         }),
     ]
 }
@@ -333,28 +340,29 @@ fn mesh_path() -> impl Strategy<Value = String> {
     (name(), any::<bool>()).prop_map(|(name, ply)| if ply { name + ".ply" } else { name })
 }
 
-pub fn map() -> impl Strategy<Value = Map> {
+pub fn map() -> impl Strategy<Value = TransformStep> {
     let scale = || prop_oneof![0.01..100.0, -100.0..-0.01];
     let angle = || -1e3..1e3;
     prop_oneof![
-        [scale(), scale(), scale()].prop_map(|s| Map::Scale(DVec3::from_array(s))),
-        scale().prop_map(Map::UniformScale),
-        direction().prop_map(Map::Translate),
-        angle().prop_map(Map::RotateX),
-        angle().prop_map(Map::RotateY),
-        angle().prop_map(Map::RotateZ),
-        (direction(), angle()).prop_map(|(axis, angle)| Map::Rotate { axis, angle }),
-        ([scale(), scale(), scale()], direction())
-            .prop_map(|(s, t)| { Map::Matrix(DMat4::from_translation(t) * DMat4::from_scale(DVec3::from_array(s))) }),
+        [scale(), scale(), scale()].prop_map(|s| TransformStep::Scale(DVec3::from_array(s))),
+        scale().prop_map(TransformStep::UniformScale),
+        direction().prop_map(TransformStep::Translate),
+        angle().prop_map(TransformStep::RotateX),
+        angle().prop_map(TransformStep::RotateY),
+        angle().prop_map(TransformStep::RotateZ),
+        (direction(), angle()).prop_map(|(axis, angle)| TransformStep::Rotate { axis, angle }),
+        ([scale(), scale(), scale()], direction()).prop_map(|(s, t)| {
+            TransformStep::Matrix(DMat4::from_translation(t) * DMat4::from_scale(DVec3::from_array(s)))
+        }),
     ]
 }
 
 /// A map that can grow while the shutter is open.
-fn grown(scales: bool) -> impl Strategy<Value = Map> {
+fn grown(scales: bool) -> impl Strategy<Value = TransformStep> {
     map().prop_filter("cannot grow", move |map| match *map {
-        Map::Matrix(_) => false,
-        Map::Scale(s) => scales && s.min_element() > 0.0,
-        Map::UniformScale(s) => scales && s > 0.0,
+        TransformStep::Matrix(_) => false,
+        TransformStep::Scale(s) => scales && s.min_element() > 0.0,
+        TransformStep::UniformScale(s) => scales && s > 0.0,
         _ => true,
     })
 }
@@ -364,69 +372,72 @@ pub fn spanned<T>(value: T) -> Spanned<T> {
 }
 
 /// An entry of a group; materials are numbers to be taken modulo how many there are.
-fn item() -> impl Strategy<Value = Item> {
-    let leaf = (shape(), option::of(colour())).prop_map(|(shape, emission)| Object::Shape { shape, emission });
+fn item() -> impl Strategy<Value = GroupItem> {
+    let leaf =
+        (shape(), option::of(colour())).prop_map(|(shape, emission)| ObjectDescription::Shape { shape, emission });
     let object = leaf.prop_recursive(4, 24, 4, |inner| {
         let grouped = prop_oneof![
-            3 => inner.clone().prop_map(|object| Item::Object(spanned(object))),
-            1 => any::<u32>().prop_map(|i| Item::MaterialIndex(spanned(i))),
+            3 => inner.clone().prop_map(|object| GroupItem::Object(spanned(object))),
+            1 => any::<u32>().prop_map(|i| GroupItem::MaterialIndex(spanned(i))),
         ];
         prop_oneof![
-            vec(grouped, 0..4).prop_map(|items| Object::Group(Group { items })),
+            vec(grouped, 0..4).prop_map(|items| ObjectDescription::Group(Group { items })),
             (vec(map(), 0..3), inner.clone())
-                .prop_map(|(maps, object)| Object::Transform { maps, object: Box::new(spanned(object)) }),
+                .prop_map(|(maps, object)| ObjectDescription::Transform { maps, object: Box::new(spanned(object)) }),
             (vec(grown(true), 0..3), inner)
-                .prop_map(|(maps, object)| Object::Moving { maps, object: Box::new(spanned(object)) }),
+                .prop_map(|(maps, object)| ObjectDescription::Moving { maps, object: Box::new(spanned(object)) }),
         ]
     });
     prop_oneof![
-        3 => object.prop_map(|object| Item::Object(spanned(object))),
-        1 => any::<u32>().prop_map(|i| Item::MaterialIndex(spanned(i))),
+        3 => object.prop_map(|object| GroupItem::Object(spanned(object))),
+        1 => any::<u32>().prop_map(|i| GroupItem::MaterialIndex(spanned(i))),
     ]
 }
 
 /// Turns numbers of materials into indices and names of `materials`.
-fn name_materials(group: &mut Group, materials: &[Spanned<Material>]) {
-    fn enter(object: &mut Object, materials: &[Spanned<Material>]) {
+fn name_materials(group: &mut Group, materials: &[Spanned<MaterialDescription>]) {
+    fn enter(object: &mut ObjectDescription, materials: &[Spanned<MaterialDescription>]) {
         match object {
-            Object::Group(group) => name_materials(group, materials),
-            Object::Transform { object, .. } | Object::Moving { object, .. } => enter(&mut object.value, materials),
-            Object::Shape { .. } => {}
+            ObjectDescription::Group(group) => name_materials(group, materials),
+            ObjectDescription::Transform { object, .. } | ObjectDescription::Moving { object, .. } => {
+                enter(&mut object.value, materials)
+            }
+            ObjectDescription::Shape { .. } => {}
         }
     }
-    group.items.retain(|item| !materials.is_empty() || matches!(item, Item::Object(_)));
+    group.items.retain(|item| !materials.is_empty() || matches!(item, GroupItem::Object(_)));
     for item in &mut group.items {
-        if let Item::MaterialIndex(number) = item {
+        if let GroupItem::MaterialIndex(number) = item {
             let index = number.value as usize % materials.len();
             match &materials[index].value.name {
-                Some(name) if number.value & (1 << 20) == 0 => *item = Item::MaterialName(spanned(name.clone())),
+                Some(name) if number.value & (1 << 20) == 0 => *item = GroupItem::MaterialName(spanned(name.clone())),
                 _ => number.value = index as u32,
             }
-        } else if let Item::Object(object) = item {
+        } else if let GroupItem::Object(object) = item {
             enter(&mut object.value, materials);
         }
     }
 }
 
 /// Name, look, and the parts of a mix.
-type Outline = (Option<String>, Finish, Option<(prop::sample::Index, prop::sample::Index, Value<f64>)>);
+type Outline = (Option<String>, Finish, Option<(prop::sample::Index, prop::sample::Index, TexturedValue<f64>)>);
 
 /// Materials of these kinds and names; a requested mix, if possible, replaces the kind.
-fn materials(drafts: Vec<Outline>, textures: &[Spanned<Texture>]) -> Vec<Spanned<Material>> {
-    let mut materials: Vec<Spanned<Material>> = Vec::new();
+fn materials(drafts: Vec<Outline>, textures: &[Spanned<TextureDescription>]) -> Vec<Spanned<MaterialDescription>> {
+    let mut materials: Vec<Spanned<MaterialDescription>> = Vec::new();
     let mut names: Vec<(String, Option<usize>)> = Vec::new();
     for (i, (name, (mut kind, emission, mut relief), mix)) in drafts.into_iter().enumerate() {
-        let mut body = matches!(kind, MaterialKind::Dielectric { .. }).then_some(i);
+        let mut body = matches!(kind, MaterialKindDescription::Dielectric { .. }).then_some(i);
         if let (Some((first, second, amount)), false) = (mix, names.is_empty()) {
             let [(first, a), (second, b)] = [first, second].map(|part| &names[part.index(names.len())]);
             if a.is_none() || b.is_none() || a == b {
                 let [first, second] = [first, second].map(|name| spanned(name.clone()));
-                (kind, body, relief) = (MaterialKind::Mix { first, second, amount }, a.or(*b), None);
+                (kind, body, relief) = (MaterialKindDescription::Mix { first, second, amount }, a.or(*b), None);
             }
         }
         let name = name.filter(|name| names.iter().all(|(other, _)| other != name));
         names.extend(name.clone().map(|name| (name, body)));
-        let mut material = Material { name, kind, emission, relief, medium: None };
+        let mut material = MaterialDescription { name, kind, emission, relief, medium: None };
         name_textures(&mut material, textures);
         materials.push(spanned(material));
     }

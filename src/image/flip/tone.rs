@@ -33,7 +33,7 @@ pub(super) fn exposures(reference: &Image) -> Vec<f64> {
 
 /// Input of the film curve with the signal t = [`NEAR_WHITE`].
 ///
-/// It is the positive root of (k₀ − k₂t)x² + (k₁ − k₃t)x − k₄t.
+/// The input x is the positive root of (k₀ − k₂t)x² + (k₁ − k₃t)x − k₄t.
 fn near_white_input() -> f64 {
     let [k0, k1, k2, k3, k4] = FILM;
     let (a, half, c) = (k0 - k2 * NEAR_WHITE, 0.5 * (k1 - k3 * NEAR_WHITE), -k4 * NEAR_WHITE);

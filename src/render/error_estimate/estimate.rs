@@ -15,7 +15,7 @@ pub struct ErrorEstimate {
     pub error: f64,
     /// Lower end of the interval that contains the true error with the requested confidence.
     pub low: f64,
-    /// Upper end of that interval.
+    /// Upper end of the interval that contains the true error with the requested confidence.
     pub high: f64,
     /// Standard error of the mean of the passes.
     pub noise: f64,

@@ -11,7 +11,7 @@ const OCTAVES: usize = 32;
 /// they have faded.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Fireflies {
-    /// Fraction of the picture by ⌊log₂ c⌋.
+    /// Fraction of the picture covered by fireflies, by ⌊log₂ c⌋ of their relative squared noise c.
     fractions: [f64; OCTAVES],
 }
 
@@ -22,7 +22,7 @@ impl Fireflies {
         self.fractions[octave as usize] += fraction;
     }
 
-    /// Contribution to the mean squared error of the picture now.
+    /// Contribution to the mean squared error of the picture after the passes so far.
     pub(super) fn now(&self) -> f64 {
         self.fractions.iter().sum()
     }

@@ -2,12 +2,14 @@
 
 mod body;
 mod coincident;
+mod for_interior;
 mod locate;
 mod spectral;
 mod stack;
 
 pub use body::Body;
 pub(super) use coincident::{CoincidentFace, CoincidentFaces, CoincidentFlags, faces_at, find_flags};
+pub(crate) use for_interior::for_interior;
 pub(super) use locate::interior_at;
 pub use spectral::SpectralInterior;
 pub(super) use stack::Interface;

@@ -2,7 +2,8 @@
 
 /// Error of a hit, in units of 32 ulps of the surface's size.
 ///
-/// It covers sums over the degree, and the distance within which a tangent ray counts as a hit.
+/// The value covers sums over the degree, and the distance within which a tangent ray counts as
+/// a hit.
 pub(super) const SLACK: f64 = 256.0;
 
 /// Points and weights of five-point Gauss–Legendre quadrature on \[−1, 1].

@@ -4,7 +4,7 @@
 use super::axis_ray::{AxisRay, Interval};
 use super::polynomial::{MAX_DEGREE, Vector, evaluate, recentre};
 
-/// ProfilePiece of a profile: (ρ, y) for x in \[−1, 1], in powers of x.
+/// Polynomial piece of a profile: (ρ, y) for x in \[−1, 1], in powers of x.
 #[derive(Clone, Copy, Debug)]
 pub struct ProfilePiece<'a> {
     pub powers: &'a [Vector<2>],

@@ -146,8 +146,8 @@ fn airlight(lamp: DVec3, end: f64, sigma: f64, g: f64) -> f64 {
     })
 }
 
-/// Returns the same for isotropic scattering from an infinite ray (Sun, Ramamoorthi, Narasimhan and
-/// Nayar 2005).
+/// Returns the single-scattered radiance of isotropic scattering along an infinite ray
+/// (Sun, Ramamoorthi, Narasimhan and Nayar 2005).
 ///
 /// The light is at distance `d` and angle `gamma` off the ray: A₀[F(A₁, π/2) − F(A₁, γ/2)].
 fn airlight_from_point_light(d: f64, gamma: f64, sigma: f64) -> f64 {

@@ -4,14 +4,14 @@ mod angles;
 mod lenses;
 mod sizes;
 
-use caustica::format::{SceneError, Source, parse, resolve};
+use caustica::format::{SceneError, SourceText, parse, resolve};
 use caustica::scene::Scene;
 use std::path::Path;
 
 /// Parses and resolves the scene of `text`.
 fn resolved(text: &str) -> Result<Scene, SceneError> {
     let description = parse("hard.txt", text)?;
-    resolve(&description, &Source::new("hard.txt", text), Path::new(""))
+    resolve(&description, &SourceText::new("hard.txt", text), Path::new(""))
 }
 
 /// Checks that `text` is refused at the words `place`, with `words` in the message or the remedy.

@@ -8,7 +8,7 @@ mod similar;
 use crate::support::image;
 use caustica::color::Rgb;
 use caustica::format::SceneFile;
-use caustica::format::description::{Group, Item, Object, Shape};
+use caustica::format::description::{Group, GroupItem, ObjectDescription, ShapeDescription};
 use caustica::integrate::{Algorithm, EyeSettings, FinalGathering, Settings, VolumeEstimate};
 use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
 use caustica::sampling::{Key, Purpose};
@@ -231,12 +231,12 @@ fn fluxes(scene: &Scene, middle: DVec3, near: f64) -> Vec<Vec<f64>> {
 
 /// Returns true if the group holds an unbounded plane.
 fn unbounded(group: &Group) -> bool {
-    fn is(object: &Object) -> bool {
+    fn is(object: &ObjectDescription) -> bool {
         match object {
-            Object::Group(group) => unbounded(group),
-            Object::Transform { object, .. } | Object::Moving { object, .. } => is(object),
-            Object::Shape { shape, .. } => matches!(shape, Shape::Plane { .. }),
+            ObjectDescription::Group(group) => unbounded(group),
+            ObjectDescription::Transform { object, .. } | ObjectDescription::Moving { object, .. } => is(object),
+            ObjectDescription::Shape { shape, .. } => matches!(shape, ShapeDescription::Plane { .. }),
         }
     }
-    group.items.iter().any(|item| matches!(item, Item::Object(object) if is(object)))
+    group.items.iter().any(|item| matches!(item, GroupItem::Object(object) if is(object)))
 }

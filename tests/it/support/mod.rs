@@ -7,7 +7,7 @@ mod statistics;
 mod transport;
 
 use caustica::color::Rgb;
-use caustica::format::{SceneFile, Source, parse, resolve};
+use caustica::format::{SceneFile, SourceText, parse, resolve};
 use caustica::image::{self, Image};
 use caustica::integrate::{Algorithm, Integrator, Settings, Silent};
 use caustica::sampling::{Key, Purpose};
@@ -58,7 +58,7 @@ pub fn scene(text: &str) -> Scene {
 /// repository.
 #[track_caller]
 pub fn scene_in(folder: &str, text: &str) -> Scene {
-    let source = Source::new("test", text);
+    let source = SourceText::new("test", text);
     let resolved = parse("test", text).and_then(|d| resolve(&d, &source, &project(folder)));
     resolved.unwrap_or_else(|e| panic!("{e:?}\n{text}"))
 }

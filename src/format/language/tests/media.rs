@@ -1,13 +1,15 @@
 //! Tests of media and references to them.
 
 use super::*;
-use crate::format::description::{Coefficients, Density, Extent, Map, Medium, Phase, Span, Spanned};
+use crate::format::description::{
+    Coefficients, Density, ExtentDescription, MediumDescription, Phase, Span, Spanned, TransformStep,
+};
 
 fn named(name: &str) -> Spanned<String> {
     Spanned::new(name.to_owned(), Span::default())
 }
 
-fn media(body: &str) -> Vec<Medium> {
+fn media(body: &str) -> Vec<MediumDescription> {
     let d = scene(&format!("Media {{ {body} }} Group {{ }}")).unwrap();
     d.media.into_iter().map(|m| m.value).collect()
 }
@@ -25,14 +27,14 @@ fn media_read_all_their_fields() {
     );
     let parts = |absorption, scattering| Coefficients::Parts { absorption, scattering };
     let nothing = parts(DVec3::ZERO, DVec3::ZERO);
-    let a = Medium {
+    let a = MediumDescription {
         name: "a".to_owned(),
         coefficients: nothing,
         emission: DVec3::ZERO,
         phase: Phase::Isotropic,
         density: Density::Even,
     };
-    let b = Medium {
+    let b = MediumDescription {
         name: "b c".to_owned(),
         coefficients: parts(DVec3::new(4.0, 5.0, 6.0), DVec3::new(1.0, 2.0, 3.0)),
         emission: DVec3::new(7.0, 8.0, 9.0),
@@ -40,13 +42,13 @@ fn media_read_all_their_fields() {
         ..a.clone()
     };
     let (extinction, albedo) = (DVec3::new(10.0, 20.0, 30.0), DVec3::new(1.0, 0.5, 0.0));
-    let d = Medium {
+    let d = MediumDescription {
         name: "d".to_owned(),
         coefficients: Coefficients::Whole { extinction, albedo },
         phase: Phase::HenyeyGreenstein(-0.5),
         ..a.clone()
     };
-    let e = Medium { name: "e".to_owned(), phase: Phase::HenyeyGreenstein(0.99), ..a.clone() };
+    let e = MediumDescription { name: "e".to_owned(), phase: Phase::HenyeyGreenstein(0.99), ..a.clone() };
     assert_eq!(media, [a, b, d, e]);
 }
 
@@ -59,10 +61,13 @@ fn densities_come_from_grids_or_noise() {
     )[..] else {
         panic!()
     };
-    let extent =
-        Extent { min: DVec3::new(-1.0, 0.0, 1.0), max: DVec3::new(1.0, 2.0, 3.0), maps: vec![Map::RotateY(30.0)] };
+    let extent = ExtentDescription {
+        min: DVec3::new(-1.0, 0.0, 1.0),
+        max: DVec3::new(1.0, 2.0, 3.0),
+        maps: vec![TransformStep::RotateY(30.0)],
+    };
     assert_eq!(smoke.density, Density::Grid { path: named("dir/s.grid"), scale: 3.0, extent });
-    let extent = Extent { min: DVec3::ZERO, max: DVec3::ONE, maps: vec![] };
+    let extent = ExtentDescription { min: DVec3::ZERO, max: DVec3::ONE, maps: vec![] };
     let expected = |cover, softness, octaves, frequency, seed, resolution| {
         let extent = extent.clone();
         Density::Cloud { cover, softness, octaves, frequency, seed, resolution, extent }
@@ -78,10 +83,10 @@ fn materials_and_background_refer_to_media() {
     let d = scene(text).unwrap();
     assert_eq!((d.background, d.filling.as_ref()), (DVec3::ZERO, Some(&named("fog"))));
     let found: Vec<_> = d.materials.iter().map(|m| (&m.kind, m.medium.clone())).collect();
-    assert!(matches!(found[0].0, MaterialKind::Dielectric { .. }));
+    assert!(matches!(found[0].0, MaterialKindDescription::Dielectric { .. }));
     assert_eq!(found[0].1, Some(named("milk")));
-    assert_eq!(found[1], (&MaterialKind::Clear { priority: 255 }, Some(named("fog"))));
-    assert_eq!(found[2], (&MaterialKind::Clear { priority: 0 }, None));
+    assert_eq!(found[1], (&MaterialKindDescription::Clear { priority: 255 }, Some(named("fog"))));
+    assert_eq!(found[2], (&MaterialKindDescription::Clear { priority: 0 }, None));
     let again = scene("Background { medium fog } Background { } Group { }").unwrap();
     assert_eq!(again.filling, None, "a block that comes again replaces the one before");
 }

@@ -6,7 +6,8 @@ mod textures;
 use super::*;
 use crate::format::MAX_DEPTH;
 use crate::format::description::{
-    Aim, Item, Light, MaterialKind, MeshOptions, Object, PointStrength, Projection, Shape,
+    Aim, GroupItem, LightDescription, MaterialKindDescription, MeshOptions, ObjectDescription, PointStrength,
+    ProjectionDescription, ShapeDescription,
 };
 
 const CAMERA: &str = "PerspectiveCamera { center 0 0 10 direction 0 0 -1 up 0 1 0 angle 30 width 200 height 200 }";
@@ -33,10 +34,10 @@ fn refused(body: &str, message: &str, help: &str) {
     check(scene(&format!("{before}{text}{after}")), (line, column), text, message, help);
 }
 
-fn first(body: &str) -> Object {
+fn first(body: &str) -> ObjectDescription {
     let d = scene(body).unwrap();
     let object = d.root.items.into_iter().find_map(|item| match item {
-        Item::Object(object) => Some(object.value),
+        GroupItem::Object(object) => Some(object.value),
         _ => None,
     });
     object.unwrap()
@@ -46,7 +47,7 @@ fn first(body: &str) -> Object {
 fn numbers_end_at_the_first_other_character() {
     let text = "PerspectiveCamera{center 0 0 10direction 0 0-1up 0 1 0angle 20width 200height 100}Group{}";
     let camera = parse("a", text).unwrap().camera;
-    assert_eq!(camera.projection, Projection::Perspective { angle: 20.0, lens: None });
+    assert_eq!(camera.projection, ProjectionDescription::Perspective { angle: 20.0, lens: None });
     assert_eq!((camera.width, camera.height), (200, 100));
     assert_eq!(camera.aim, Aim::Direction(DVec3::NEG_Z));
 }
@@ -92,9 +93,14 @@ fn absent_fields_take_their_defaults() {
     let (diffuse, specular) = (DVec3::ONE, DVec3::ZERO);
     assert_eq!(
         d.materials[0].kind,
-        MaterialKind::Phong { diffuse: diffuse.into(), specular: specular.into(), shininess: 0.0, texture: None }
+        MaterialKindDescription::Phong {
+            diffuse: diffuse.into(),
+            specular: specular.into(),
+            shininess: 0.0,
+            texture: None
+        }
     );
-    assert_eq!(d.materials[1].kind, MaterialKind::Mirror { reflectance: DVec3::ONE.into() });
+    assert_eq!(d.materials[1].kind, MaterialKindDescription::Mirror { reflectance: DVec3::ONE.into() });
     assert_eq!(d.materials[1].name.as_deref(), Some("m"));
     assert_eq!(parse("a", &format!("{CAMERA} Background {{}} Group {{}}")).unwrap().background, DVec3::splat(0.5));
 }
@@ -118,7 +124,7 @@ fn the_last_group_replaces_earlier_ones() {
 #[test]
 fn names_may_be_quoted_or_bare() {
     let mesh = |body: &str| match first(body) {
-        Object::Shape { shape: Shape::Mesh { path, .. }, .. } => path.value,
+        ObjectDescription::Shape { shape: ShapeDescription::Mesh { path, .. }, .. } => path.value,
         other => panic!("{other:?}"),
     };
     assert_eq!(mesh("Group { TriangleMesh { obj_file mesh/cube.obj } }"), "mesh/cube.obj");
@@ -231,7 +237,7 @@ fn lights_need_exactly_one_strength() {
     let d = scene(body).unwrap();
     assert_eq!(
         d.lights[0].value,
-        Light::Spot {
+        LightDescription::Spot {
             position: DVec3::ZERO,
             aim: Aim::LookAt(DVec3::Z),
             angle: 60.0,
@@ -380,7 +386,7 @@ fn bytes_that_are_not_utf8_are_refused() {
 #[test]
 fn mesh_options_are_read() {
     let options = |fields: &str| match first(&format!("Group {{ TriangleMesh {{ {fields} }} }}")) {
-        Object::Shape { shape: Shape::Mesh { path, options }, .. } => {
+        ObjectDescription::Shape { shape: ShapeDescription::Mesh { path, options }, .. } => {
             assert_eq!(path.value, "a.obj");
             options
         }

@@ -2,11 +2,12 @@
 
 use super::{refused, scene};
 use crate::format::description::{
-    Attenuation, EnvironmentRadiance, Item, Light, MaterialKind, Metal, Object, Shape, Span, Spanned,
+    Attenuation, EnvironmentRadiance, GroupItem, LightDescription, MaterialKindDescription, MetalDescription,
+    ObjectDescription, ShapeDescription, Span, Spanned,
 };
 use glam::DVec3;
 
-pub(super) fn materials(body: &str) -> Vec<MaterialKind> {
+pub(super) fn materials(body: &str) -> Vec<MaterialKindDescription> {
     let d = scene(&format!("Materials {{ {body} }} Group {{ }}")).unwrap();
     d.materials.into_iter().map(|m| m.value.kind).collect()
 }
@@ -26,11 +27,16 @@ fn dielectrics_read_roughness_and_priority() {
     let attenuation = Attenuation::None;
     assert_eq!(
         kinds[0],
-        MaterialKind::Dielectric { refraction: 1.5.into(), attenuation, roughness: 0.0.into(), priority: 0 }
+        MaterialKindDescription::Dielectric { refraction: 1.5.into(), attenuation, roughness: 0.0.into(), priority: 0 }
     );
     assert_eq!(
         kinds[1],
-        MaterialKind::Dielectric { refraction: 1000.0.into(), attenuation, roughness: 0.25.into(), priority: 255 }
+        MaterialKindDescription::Dielectric {
+            refraction: 1000.0.into(),
+            attenuation,
+            roughness: 0.25.into(),
+            priority: 255
+        }
     );
     bad("Dielectric { priority ‹256› }", "`priority` of `Dielectric` cannot be `256`", "from 0 to 255");
     bad("Dielectric { priority ‹1.5› }", "wants a whole number, found `1.5`", "`priority 1`");
@@ -45,9 +51,12 @@ fn dielectrics_read_roughness_and_priority() {
 #[test]
 fn conductors_are_named_or_given_by_their_index() {
     let kinds = materials("Conductor { metal gold } Conductor { k 3 4 0 roughness 1 eta .1 .2 .3 }");
-    assert_eq!(kinds[0], MaterialKind::Conductor { metal: Metal::Named(named("gold")), roughness: 0.0.into() });
-    let metal = Metal::Index { eta: DVec3::new(0.1, 0.2, 0.3), k: DVec3::new(3.0, 4.0, 0.0) };
-    assert_eq!(kinds[1], MaterialKind::Conductor { metal, roughness: 1.0.into() });
+    assert_eq!(
+        kinds[0],
+        MaterialKindDescription::Conductor { metal: MetalDescription::Named(named("gold")), roughness: 0.0.into() }
+    );
+    let metal = MetalDescription::Index { eta: DVec3::new(0.1, 0.2, 0.3), k: DVec3::new(3.0, 4.0, 0.0) };
+    assert_eq!(kinds[1], MaterialKindDescription::Conductor { metal, roughness: 1.0.into() });
     bad("‹Conductor› { }", "has no `metal` or `eta`", "add `metal` or `eta`");
     bad("‹Conductor› { eta 1 1 1 }", "`Conductor` has no `k`", "add `k`");
     bad("‹Conductor› { k 1 1 1 }", "`Conductor` has no `eta`", "add `eta`");
@@ -62,8 +71,11 @@ fn conductors_are_named_or_given_by_their_index() {
 #[test]
 fn thin_panes_read_their_fields() {
     let kinds = materials("Thin { } Thin { transmittance .5 1 .25 indexOfRefraction 1.3 }");
-    assert_eq!(kinds[0], MaterialKind::Thin { index: 1.5, transmittance: DVec3::ONE.into() });
-    assert_eq!(kinds[1], MaterialKind::Thin { index: 1.3, transmittance: DVec3::new(0.5, 1.0, 0.25).into() });
+    assert_eq!(kinds[0], MaterialKindDescription::Thin { index: 1.5, transmittance: DVec3::ONE.into() });
+    assert_eq!(
+        kinds[1],
+        MaterialKindDescription::Thin { index: 1.3, transmittance: DVec3::new(0.5, 1.0, 0.25).into() }
+    );
     bad("Thin { transmittance ‹1 0 1› }", "`transmittance` of `Thin`", "above 0 and at most at 1");
     bad("Thin { transmittance ‹1 1 1.1› }", "`transmittance` of `Thin`", "above 0 and at most at 1");
     bad("Thin { indexOfRefraction ‹0› }", "`indexOfRefraction` of `Thin`", "between 0.001 and 1000");
@@ -74,8 +86,8 @@ fn mixes_refer_to_earlier_materials() {
     let parts = "Mirror a { } Diffuse \"b c\" { reflectance 1 1 1 }";
     let kinds =
         materials(&format!("{parts} Mix m {{ first a second \"b c\" amount .3 }} Mix {{ amount 1 second m first m }}"));
-    assert_eq!(kinds[2], MaterialKind::Mix { first: named("a"), second: named("b c"), amount: 0.3.into() });
-    assert_eq!(kinds[3], MaterialKind::Mix { first: named("m"), second: named("m"), amount: 1.0.into() });
+    assert_eq!(kinds[2], MaterialKindDescription::Mix { first: named("a"), second: named("b c"), amount: 0.3.into() });
+    assert_eq!(kinds[3], MaterialKindDescription::Mix { first: named("m"), second: named("m"), amount: 1.0.into() });
     let mix = |fields: &str| format!("{parts} Mix glaze {{ {fields} }} Mirror later {{ }}");
     bad(&mix("first ‹later› second a amount 0"), "no material is called `later`", "stand before it");
     bad(&mix("first a second ‹B_C› amount 0"), "no material is called `B_C`", "did you mean `b c`?");
@@ -121,9 +133,12 @@ fn environments_are_constant_or_a_picture() {
         d.lights[0].value.clone()
     };
     let picture = |name: &str, scale: f64, rotate: f64| {
-        Light::Environment(EnvironmentRadiance::Picture { path: named(name), scale, rotate })
+        LightDescription::Environment(EnvironmentRadiance::Picture { path: named(name), scale, rotate })
     };
-    assert_eq!(light("radiance 1 2 3"), Light::Environment(EnvironmentRadiance::Constant(DVec3::new(1.0, 2.0, 3.0))));
+    assert_eq!(
+        light("radiance 1 2 3"),
+        LightDescription::Environment(EnvironmentRadiance::Constant(DVec3::new(1.0, 2.0, 3.0)))
+    );
     assert_eq!(light("file sky.exr"), picture("sky.exr", 1.0, 0.0));
     assert_eq!(light("rotate -400 scale 0 file \"my sky.png\""), picture("my sky.png", 0.0, -400.0));
     let bad = |fields: &str, message: &str, help: &str| {
@@ -145,13 +160,13 @@ fn patch_control_points_must_fit_the_degrees() {
     let object = |body: &str| {
         let d = scene(&format!("Group {{ {body} }}")).unwrap();
         match d.root.items.into_iter().next() {
-            Some(Item::Object(Spanned { value: Object::Shape { shape, .. }, .. })) => shape,
+            Some(GroupItem::Object(Spanned { value: ObjectDescription::Shape { shape, .. }, .. })) => shape,
             other => panic!("{other:?}"),
         }
     };
     let four = "[ 0 0 0 ] [ 0 0 1 2 ] [ 1 0 0 ] [ 1 0 1 .5 ]";
     match object(&format!("BezierPatch {{ degreeU 1 controls {four} {four} {four} {four} degreeV 1 }}")) {
-        Shape::Patches { degree, controls } => {
+        ShapeDescription::Patches { degree, controls } => {
             assert_eq!((degree, controls.len()), ([1, 1], 16));
             assert_eq!([controls[0].w, controls[1].w, controls[3].w], [1.0, 2.0, 0.5]);
         }
@@ -159,7 +174,7 @@ fn patch_control_points_must_fit_the_degrees() {
     }
     let nurbs = |fields: &str| format!("NurbsSurface {{ degreeU 1 degreeV 1 countU 2 countV 2 {fields} }}");
     match object(&nurbs(&format!("knotsU 0 0 1.5 1.5 controls {four}"))) {
-        Shape::Nurbs { knots: [u, v], count, .. } => {
+        ShapeDescription::Nurbs { knots: [u, v], count, .. } => {
             assert_eq!((u, v, count), (vec![0.0, 0.0, 1.5, 1.5], vec![], [2, 2]))
         }
         other => panic!("{other:?}"),

@@ -10,19 +10,19 @@ pub(in crate::format) fn write(mesh: &TriangleMesh, libraries: &[String], out: &
     for library in libraries {
         writeln!(out, "mtllib {library}")?;
     }
-    let (places, positions) = number(mesh.positions.iter().map(|p| bits(*p)));
+    let (places, positions) = number_keys(mesh.positions.iter().map(|p| bits(*p)));
     for [x, y, z] in positions {
-        writeln!(out, "v {} {} {}", short(x), short(y), short(z))?;
+        writeln!(out, "v {} {} {}", shortest_decimal(x), shortest_decimal(y), shortest_decimal(z))?;
     }
     let texcoords = mesh.texcoords.as_deref().unwrap_or_default();
-    let (mapped, texcoords) = number(texcoords.iter().map(|t| t.to_array().map(f64::to_bits)));
+    let (mapped, texcoords) = number_keys(texcoords.iter().map(|t| t.to_array().map(f64::to_bits)));
     for [s, t] in texcoords {
-        writeln!(out, "vt {} {}", short(s), short(t))?;
+        writeln!(out, "vt {} {}", shortest_decimal(s), shortest_decimal(t))?;
     }
     let normals = mesh.normals.as_deref().unwrap_or_default();
-    let (facing, unique) = number(normals.iter().map(|n| bits(*n)));
+    let (facing, unique) = number_keys(normals.iter().map(|n| bits(*n)));
     for [x, y, z] in unique {
-        writeln!(out, "vn {} {} {}", short(x), short(y), short(z))?;
+        writeln!(out, "vn {} {} {}", shortest_decimal(x), shortest_decimal(y), shortest_decimal(z))?;
     }
     let mut material = NO_MATERIAL;
     for (i, triangle) in mesh.triangles.iter().enumerate() {
@@ -48,12 +48,12 @@ pub(in crate::format) fn write(mesh: &TriangleMesh, libraries: &[String], out: &
 }
 
 /// Number of each key, and the keys without repetition.
-fn number<const N: usize>(keys: impl ExactSizeIterator<Item = [u64; N]>) -> (Vec<u32>, Vec<[u64; N]>) {
+fn number_keys<const N: usize>(keys: impl ExactSizeIterator<Item = [u64; N]>) -> (Vec<u32>, Vec<[u64; N]>) {
     let mut numbers = KeyNumbers::with_capacity(keys.len());
     let list = keys.map(|key| numbers.number(key, |key| *key)).collect();
     (list, numbers.into_list())
 }
 
-fn short(bits: u64) -> Shortest<f64> {
+fn shortest_decimal(bits: u64) -> Shortest<f64> {
     Shortest(f64::from_bits(bits))
 }

@@ -7,15 +7,15 @@ const CUT: &str = "the file is cut short, or its counts are wrong";
 
 /// Reads the numbers of a PLY body in the order of the file.
 pub(super) trait NumberReader {
-    /// The next number.
+    /// Returns the next number of the body.
     fn number(&mut self, kind: NumberType) -> Result<f64, Problem>;
-    /// The next number, of an integer type.
+    /// Returns the next number of the body, which has an integer type.
     fn integer(&mut self, kind: NumberType) -> Result<i64, Problem>;
-    /// Position for error messages: the byte offset in binary files, the line in text.
+    /// Returns the position for error messages: the byte offset in binary files, the line in text.
     fn position(&self) -> usize;
-    /// Bytes read so far, counted from the start of the file.
+    /// Returns the number of bytes read so far, counted from the start of the file.
     fn bytes_read(&self) -> usize;
-    /// Largest number of values of type `kind` that the rest of the file can hold.
+    /// Returns the largest number of values of type `kind` that the rest of the file can hold.
     fn capacity(&self, kind: NumberType) -> u64;
 }
 

@@ -89,14 +89,14 @@ fn ball(n: u32) -> TriangleMesh {
 }
 
 /// Union of two meshes.
-fn with(mut a: TriangleMesh, b: &TriangleMesh) -> TriangleMesh {
+fn union_of(mut a: TriangleMesh, b: &TriangleMesh) -> TriangleMesh {
     let base = a.positions.len() as u32;
     a.positions.extend(&b.positions);
     a.triangles.extend(b.triangles.iter().map(|t| t.map(|v| v + base)));
     a
 }
 
-fn moved(mut mesh: TriangleMesh, scale: f64, offset: DVec3) -> TriangleMesh {
+fn scaled_and_moved(mut mesh: TriangleMesh, scale: f64, offset: DVec3) -> TriangleMesh {
     mesh.positions.iter_mut().for_each(|p| *p = *p * scale + offset);
     mesh
 }

@@ -8,7 +8,7 @@ fn all(mesh: &TriangleMesh) -> Repair {
 }
 
 #[track_caller]
-fn mended(mut broken: TriangleMesh, whole: &MeshReport) -> TriangleMesh {
+fn repaired_mesh(mut broken: TriangleMesh, whole: &MeshReport) -> TriangleMesh {
     assert_ne!(broken.report(), *whole, "nothing is broken");
     let repair = all(&broken);
     broken.repair(&repair);
@@ -27,11 +27,11 @@ fn every_kind_of_defect_is_repaired() {
         let report = whole.report();
         let mut turned = whole.clone();
         turned.triangles.iter_mut().step_by(3).for_each(|t| t.swap(0, 1));
-        mended(turned, &report);
+        repaired_mesh(turned, &report);
         let mut inside_out = whole.clone();
         inside_out.flip();
         assert!(inside_out.report().volume.unwrap() < 0.0);
-        mended(inside_out, &report);
+        repaired_mesh(inside_out, &report);
         let mut split = whole.clone();
         for (i, t) in split.triangles.iter_mut().enumerate() {
             let shift = 1e-10 * (i % 3) as f64;
@@ -39,7 +39,7 @@ fn every_kind_of_defect_is_repaired() {
             t[0] = split.positions.len() as u32 - 1;
         }
         assert!(!split.report().closed);
-        mended(split, &report);
+        repaired_mesh(split, &report);
         let mut worn = whole.clone();
         let [a, b, c] = worn.triangles[5];
         worn.triangles.insert(2, [a, a, b]);
@@ -51,7 +51,7 @@ fn every_kind_of_defect_is_repaired() {
             worn.positions.push(beyond);
             worn.triangles.push([a, b, worn.positions.len() as u32 - 1]);
         }
-        mended(worn, &report);
+        repaired_mesh(worn, &report);
     }
 }
 
@@ -71,18 +71,18 @@ fn cavities_face_inward() {
     let shells = [(1.0, 1.0), (0.5, -1.0), (0.25, 1.0)];
     let mut nested = TriangleMesh::default();
     for (i, (size, _)) in shells.into_iter().enumerate() {
-        let mut shell = moved(cube(), size, DVec3::splat(0.01));
+        let mut shell = scaled_and_moved(cube(), size, DVec3::splat(0.01));
         if i != 1 {
             shell.flip();
         }
-        nested = with(nested, &shell);
+        nested = union_of(nested, &shell);
     }
-    nested = with(nested, &moved(cube(), 1.0, DVec3::new(5.0, 0.0, 0.0)));
+    nested = union_of(nested, &scaled_and_moved(cube(), 1.0, DVec3::new(5.0, 0.0, 0.0)));
     nested.orient();
     let volume: f64 = shells.iter().map(|(size, sign)| 8.0 * sign * size * size * size).sum();
     assert!((nested.report().volume.unwrap() - volume - 8.0).abs() < 1e-12);
     // A shell of another material is no hollow.
-    let mut other = with(cube(), &moved(cube(), 0.5, DVec3::ZERO));
+    let mut other = union_of(cube(), &scaled_and_moved(cube(), 0.5, DVec3::ZERO));
     other.materials = vec!["a".to_owned(), "b".to_owned()];
     other.triangle_materials = [[0; 12], [1; 12]].concat();
     other.orient();
@@ -131,7 +131,7 @@ fn welding_keeps_the_first_vertex_in_range() {
     assert_eq!(row.weld(1.0), 1);
     assert_eq!(row.positions, [[0.0; 3], [1.8, 5.0, 0.0], [1.8, 0.0, 0.0]].map(DVec3::from_array));
     assert_eq!(row.triangles, [[0, 0, 1], [0, 2, 1]]);
-    let mut far = moved(cube(), 1e100, DVec3::ZERO);
+    let mut far = scaled_and_moved(cube(), 1e100, DVec3::ZERO);
     assert_eq!((far.weld(0.0), far.weld(1e-300)), (0, 0));
     assert_eq!(far.weld(f64::MAX), 7);
 }

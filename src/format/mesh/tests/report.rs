@@ -4,7 +4,7 @@ use super::super::SolidDefect;
 use super::*;
 
 #[track_caller]
-fn near(a: f64, b: f64) {
+fn assert_near(a: f64, b: f64) {
     // Sums of some thousand terms.
     assert!((a - b).abs() <= 1e-12 * b.abs(), "{a} is not {b}");
 }
@@ -12,14 +12,14 @@ fn near(a: f64, b: f64) {
 #[test]
 fn closed_solids_have_their_area_volume_and_genus() {
     let report = cube().report();
-    near(report.area, 24.0);
-    near(report.volume.unwrap(), 8.0);
+    assert_near(report.area, 24.0);
+    assert_near(report.volume.unwrap(), 8.0);
     assert_eq!((report.min, report.max), ([-1.0; 3], [1.0; 3]));
     assert_eq!((report.euler_characteristic, report.genus, report.components), (2, Some(0), 1));
     assert!(report.closed && report.manifold && report.orientable);
     let report = tetrahedron().report();
-    near(report.area, 1.5 + libm::sqrt(3.0) / 2.0);
-    near(report.volume.unwrap(), 1.0 / 6.0);
+    assert_near(report.area, 1.5 + libm::sqrt(3.0) / 2.0);
+    assert_near(report.volume.unwrap(), 1.0 / 6.0);
     assert_eq!((report.vertices, report.triangles, report.genus), (4, 4, Some(0)));
     let (n, m) = (40, 30);
     let report = torus(n, m).report();
@@ -52,13 +52,13 @@ fn defects_are_counted() {
     let report = odd.report();
     assert_eq!((report.inconsistent_edges, report.orientable, report.volume), (3, true, None));
     // Two cubes that share an edge: it has four faces; the surface is pinched nowhere else.
-    let two = with(cube(), &moved(cube(), 1.0, DVec3::new(2.0, 2.0, 0.0)));
+    let two = union_of(cube(), &scaled_and_moved(cube(), 1.0, DVec3::new(2.0, 2.0, 0.0)));
     let report = two.report();
     assert_eq!((report.non_manifold_edges, report.manifold, report.components, report.genus), (1, false, 1, None));
     assert_eq!((report.repeated_vertices, report.non_manifold_vertices), (2, 0));
-    near(report.volume.unwrap(), 16.0);
+    assert_near(report.volume.unwrap(), 16.0);
     // Two cubes that share a corner.
-    let two = with(cube(), &moved(cube(), 1.0, DVec3::splat(2.0)));
+    let two = union_of(cube(), &scaled_and_moved(cube(), 1.0, DVec3::splat(2.0)));
     let report = two.report();
     assert_eq!((report.non_manifold_edges, report.non_manifold_vertices, report.components), (0, 1, 2));
     let mut worn = cube();
@@ -88,11 +88,11 @@ fn solid_meshes_have_no_defect() {
     assert_eq!(cube().solid_defect(), None);
     assert_eq!(tetrahedron().solid_defect(), None);
     assert_eq!(torus(8, 6).solid_defect(), None);
-    assert_eq!(moved(cube(), 1e-3, DVec3::splat(1e4)).solid_defect(), None);
+    assert_eq!(scaled_and_moved(cube(), 1e-3, DVec3::splat(1e4)).solid_defect(), None);
     // A hollow: the inner wall faces inward.
-    let mut inner = moved(cube(), 0.5, DVec3::ZERO);
+    let mut inner = scaled_and_moved(cube(), 0.5, DVec3::ZERO);
     inner.flip();
-    assert_eq!(with(cube(), &inner).solid_defect(), None);
+    assert_eq!(union_of(cube(), &inner).solid_defect(), None);
 }
 
 #[test]

@@ -3,8 +3,8 @@
 use super::{CAMERA, close, refusal, scene};
 use crate::bsdf::{METALS, conductor_reflectance, metal};
 use crate::color::{GLASSES, Glass};
-use crate::format::description::MaterialKind;
-use crate::format::{Source, parse, resolve};
+use crate::format::description::MaterialKindDescription;
+use crate::format::{SourceText, parse, resolve};
 use crate::scene::{Body, Material, Scene};
 use glam::{Vec3, vec3};
 use std::path::Path;
@@ -105,10 +105,10 @@ fn mix_parts_must_precede_the_mix() {
     // The parser finds such parts in a file; a description may be changed after it.
     let text = format!("{CAMERA}Materials {{ Mirror a {{ }}\nMix m {{ first a second a amount 0 }} }} {BALL}");
     let mut description = parse("a.txt", &text).unwrap();
-    if let MaterialKind::Mix { second, .. } = &mut description.materials[1].value.kind {
+    if let MaterialKindDescription::Mix { second, .. } = &mut description.materials[1].value.kind {
         second.value = "m".to_owned();
     }
-    let error = resolve(&description, &Source::new("a.txt", &text), Path::new("")).unwrap_err();
+    let error = resolve(&description, &SourceText::new("a.txt", &text), Path::new("")).unwrap_err();
     assert_eq!((error.line(), error.column()), (3, 24));
     assert!(error.message().contains("no material named `m`") && !error.remedy().is_empty());
 }

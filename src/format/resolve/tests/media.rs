@@ -2,7 +2,7 @@
 
 use super::{CAMERA, refusal, resolve_in, scene};
 use crate::format::grid::{self, Encoding, Grid};
-use crate::format::{Source, parse, resolve};
+use crate::format::{SourceText, parse, resolve};
 use crate::medium::{Medium, PhaseFunction};
 use crate::scene::{Body, Material, Scene};
 use glam::{DVec3, Vec3, dvec3, vec3};
@@ -196,7 +196,7 @@ fn unknown_medium_names_are_refused() {
     let text = format!("{CAMERA}{}", filled("Medium a { }", "Clear { medium a }"));
     let mut description = parse("a.txt", &text).unwrap();
     description.media.pop();
-    let error = resolve(&description, &Source::new("a.txt", &text), Path::new("")).unwrap_err();
+    let error = resolve(&description, &SourceText::new("a.txt", &text), Path::new("")).unwrap_err();
     assert_eq!((error.line(), error.text()), (3, "a"));
     assert!(error.message().contains("no medium is called `a`") && error.remedy().contains("define it in Media"));
 }

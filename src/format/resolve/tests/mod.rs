@@ -19,7 +19,7 @@ const CAMERA: &str = "PerspectiveCamera { center 0 0 5 direction 0 0 -1 angle 30
 
 fn resolve_in(folder: &Path, text: &str) -> Result<Scene, SceneError> {
     let text = format!("{CAMERA}{text}");
-    resolve(&parse("a.txt", &text).unwrap(), &Source::new("a.txt", &text), folder)
+    resolve(&parse("a.txt", &text).unwrap(), &SourceText::new("a.txt", &text), folder)
 }
 
 fn scene(text: &str) -> Scene {
@@ -76,7 +76,7 @@ fn unknown_material_names_are_refused() {
     let text = format!("{CAMERA}{MATERIALS}Group {{ MaterialName b }}");
     let mut description = parse("a.txt", &text).unwrap();
     description.materials.pop();
-    let error = resolve(&description, &Source::new("a.txt", &text), Path::new("")).unwrap_err();
+    let error = resolve(&description, &SourceText::new("a.txt", &text), Path::new("")).unwrap_err();
     assert_eq!((error.line(), error.text()), (3, "b"));
     assert!(error.message().contains("no material named `b`") && !error.remedy().is_empty());
 }
@@ -324,7 +324,7 @@ fn the_camera_has_the_given_direction() {
         let text = format!(
             "PerspectiveCamera {{ center 2 2 3 {aim} up 0 0 1 angle 90 width 30 height 20 }} Background {{ color 1 2 3 }} Group {{ }}"
         );
-        let scene = resolve(&parse("a.txt", &text).unwrap(), &Source::new("a.txt", &text), Path::new("")).unwrap();
+        let scene = resolve(&parse("a.txt", &text).unwrap(), &SourceText::new("a.txt", &text), Path::new("")).unwrap();
         let camera = scene.camera();
         assert_eq!((camera.size(), scene.background()), ((30, 20), vec3(1.0, 2.0, 3.0)));
         assert!((camera.center() + scene.origin() - dvec3(2.0, 2.0, 3.0)).length() < 1e-12);
@@ -337,7 +337,7 @@ fn the_camera_has_the_given_direction() {
     let text = format!("{CAMERA}Group {{ }}");
     let mut description = parse("a.txt", &text).unwrap();
     description.camera.value.up = DVec3::Z;
-    let error = resolve(&description, &Source::new("a.txt", &text), Path::new("")).unwrap_err();
+    let error = resolve(&description, &SourceText::new("a.txt", &text), Path::new("")).unwrap_err();
     assert_eq!((error.line(), error.text()), (1, "PerspectiveCamera"));
 }
 

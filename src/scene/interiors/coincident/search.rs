@@ -182,7 +182,7 @@ impl<'a> Join<'a> {
         let (nodes, found, budget) = (Vec::new(), vec![false; faces.len()], faces.len().saturating_mul(PAIRS_PER_FACE));
         let mut join = Self { faces, near, order, nodes, found, budget };
         join.build(0..faces.len());
-        if join.join_node(0).is_none() {
+        if join.join_node_with_itself(0).is_none() {
             join.found.fill(true);
         }
         join.found
@@ -211,32 +211,32 @@ impl<'a> Join<'a> {
     }
 
     /// Tests the members of a node against each other; `None` if the budget runs out.
-    fn join_node(&mut self, node: usize) -> Option<()> {
+    fn join_node_with_itself(&mut self, node: usize) -> Option<()> {
         if self.nodes[node].object.is_some() {
             return Some(());
         }
         match self.nodes[node].children {
             Some([a, b]) => {
-                self.join_node(a)?;
-                self.join_node(b)?;
-                self.join_nodes(a, b)
+                self.join_node_with_itself(a)?;
+                self.join_node_with_itself(b)?;
+                self.join_node_pair(a, b)
             }
             None => self.compare(self.nodes[node].members.clone(), self.nodes[node].members.clone()),
         }
     }
 
     /// Tests the members of two nodes against each other; `None` if the budget runs out.
-    fn join_nodes(&mut self, a: usize, b: usize) -> Option<()> {
+    fn join_node_pair(&mut self, a: usize, b: usize) -> Option<()> {
         let (first, second) = (&self.nodes[a], &self.nodes[b]);
         if first.object.is_some() && first.object == second.object || !first.bounds.meets(&second.bounds) {
             return Some(());
         }
         match (first.children, second.children) {
-            (Some(children), None) => children.into_iter().try_for_each(|child| self.join_nodes(child, b)),
+            (Some(children), None) => children.into_iter().try_for_each(|child| self.join_node_pair(child, b)),
             (Some(children), _) if first.members.len() >= second.members.len() => {
-                children.into_iter().try_for_each(|child| self.join_nodes(child, b))
+                children.into_iter().try_for_each(|child| self.join_node_pair(child, b))
             }
-            (_, Some(children)) => children.into_iter().try_for_each(|child| self.join_nodes(a, child)),
+            (_, Some(children)) => children.into_iter().try_for_each(|child| self.join_node_pair(a, child)),
             (None, None) => self.compare(first.members.clone(), second.members.clone()),
         }
     }

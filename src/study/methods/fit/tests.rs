@@ -168,7 +168,7 @@ fn errors_below_the_truth_are_not_judged() {
     assert!(matches!(judged(&alone), Verdict::Wide { .. }));
 }
 
-/// Noiseless: the error is .1/√n after n/4 seconds.
+/// Returns a method without noise: the error is .1/√n after n/4 seconds.
 fn exact() -> MethodResult {
     let mut method = synthetic(Algorithm::Path, 0.0, 1.0, &doubled(9), 7);
     for c in &mut method.checkpoints {
@@ -213,7 +213,8 @@ fn plateaus_are_never_left() {
     assert!(matches!(time_to_tenth(&method, fit.as_ref(), &verdict), TimeToError::Never { .. }));
 }
 
-/// The second costs twice as much a pass, but begins with a third of the error and stays there.
+/// The second method costs twice as much per pass, but begins with a third of the error and
+/// stays there.
 #[test]
 fn pareto_front_and_recommendation_have_least_error() {
     let mut early = exact();

@@ -40,7 +40,7 @@ impl Law {
 /// shrink(i)/n (Knaus and Zwicker 2011). Both roots approach n^−⅓ for α = ⅔. Path noise adds the
 /// first law, so measured slopes lie between. For `ppm`, the noise of shared camera paths stays.
 /// With fixed radii, bias stays. Light that `distributed` and `whitted` leave out stays too.
-/// Estimates in media have laws within ⅒ of these.
+/// The slopes of estimates in media differ from the laws above by at most ⅒.
 #[must_use]
 pub fn predicted_law(algorithm: Algorithm, quantity: Quantity, passes: &[u32], alpha: f64) -> Option<Law> {
     use Algorithm::{Distributed, Hybrid, Path, Pm, Ppm, Raycast, Sppm, Whitted};

@@ -92,7 +92,7 @@ fn extrapolated_time(last: &Checkpoint, fit: Option<&Fit>, verdict: &Verdict, er
     TimeToError::Predicted { effort: Effort::of(last).scaled(factor(value)), seconds }
 }
 
-/// Effort to reach a tenth of the last error.
+/// Effort to reach a tenth of the error of the last checkpoint.
 #[must_use]
 pub fn time_to_tenth(method: &MethodResult, fit: Option<&Fit>, verdict: &Verdict) -> TimeToError {
     match method.checkpoints.last() {

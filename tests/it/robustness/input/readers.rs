@@ -3,7 +3,7 @@
 //! Fuzz targets and the corpus replay share these functions.
 
 use caustica::format::description::{Density, Description};
-use caustica::format::{Source, grid, mesh, mtl, parse, parse_bytes, resolve};
+use caustica::format::{SourceText, grid, mesh, mtl, parse, parse_bytes, resolve};
 use caustica::image::{Meaning, decode};
 use caustica::integrate::{Algorithm, EyeSettings, Settings, Silent};
 use caustica::light::EnvironmentLight;
@@ -39,7 +39,7 @@ fn resolved(description: &Description, bytes: &[u8]) -> Option<Scene> {
     if description.media.iter().any(|medium| cloud(&medium.density)) {
         return None;
     }
-    let source = Source::new("fuzz.txt", &String::from_utf8_lossy(bytes));
+    let source = SourceText::new("fuzz.txt", &String::from_utf8_lossy(bytes));
     resolve(description, &source, Path::new(NOWHERE)).inspect_err(|e| assert!(!e.remedy().is_empty())).ok()
 }
 
@@ -96,7 +96,7 @@ fn loaded(name: &str, bytes: &[u8]) {
 /// Reads materials as MTL.
 pub fn mtl(bytes: &[u8]) {
     match mtl::decode(Path::new("fuzz.mtl"), bytes) {
-        Ok(materials) => materials.iter().for_each(|material| drop(material.meaning())),
+        Ok(materials) => materials.iter().for_each(|material| drop(material.to_description())),
         Err(error) => assert!(error.to_string().contains("fuzz.mtl"), "{error}"),
     }
 }

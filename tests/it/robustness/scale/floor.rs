@@ -3,7 +3,7 @@
 use super::paired::{ROUNDING, mean_difference, summary};
 use super::{PASSES, SIZE, few, pictures};
 use caustica::color::Rgb;
-use caustica::format::{Source, parse, resolve};
+use caustica::format::{SourceText, parse, resolve};
 use caustica::integrate::{Algorithm, Settings};
 use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
 use caustica::sampling::{Key, Purpose};
@@ -47,7 +47,7 @@ fn on(floor: &str) -> Scene {
 fn resolved(text: &str) -> Scene {
     let name = "floor.txt";
     let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
-    resolve(&parse(name, text).unwrap(), &Source::new(name, text), &scenes).unwrap()
+    resolve(&parse(name, text).unwrap(), &SourceText::new(name, text), &scenes).unwrap()
 }
 
 const FLAT: &str = "Disc { center 0 0 0  normal 0 1 0  radius 300 }";

@@ -4,9 +4,10 @@
 //! scene language cannot be forgotten.
 
 use caustica::format::description::{
-    Aim, AreaStrength, Attenuation, Camera, Coefficients, Density, Description, DirectionalStrength, Emission,
-    EnvironmentRadiance, Extent, Focus, Item, Lens, Light, Map, Material, MaterialKind, Medium, NormalPerturbation,
-    Object, Opening, PointStrength, Projection, Span, Spanned, TextureKind,
+    Aim, AreaStrength, Attenuation, CameraDescription, Coefficients, Density, Description, DirectionalStrength,
+    Emission, EnvironmentRadiance, ExtentDescription, Focus, GroupItem, LensDescription, LightDescription,
+    MaterialDescription, MaterialKindDescription, MediumDescription, NormalPerturbationDescription, ObjectDescription,
+    Opening, PointStrength, ProjectionDescription, Span, Spanned, TextureKindDescription, TransformStep,
 };
 use glam::{DAffine3, DMat4, DVec3};
 
@@ -35,23 +36,25 @@ impl Similarity {
         // Textures lie in the space of their object, which the root transform covers.
         for texture in textures {
             match &texture.kind {
-                TextureKind::Image { .. } | TextureKind::Checker { .. } | TextureKind::Solid { .. } => {}
+                TextureKindDescription::Image { .. }
+                | TextureKindDescription::Checker { .. }
+                | TextureKindDescription::Solid { .. } => {}
             }
         }
         media.iter_mut().for_each(|medium| self.medium(&mut medium.value));
         materials.iter_mut().for_each(|material| self.material(&mut material.value));
-        let inner = Spanned::new(Object::Group(std::mem::take(root)), Span::default());
-        let outer = Object::Transform { maps: self.maps(), object: Box::new(inner) };
-        root.items.push(Item::Object(Spanned::new(outer, Span::default())));
+        let inner = Spanned::new(ObjectDescription::Group(std::mem::take(root)), Span::default());
+        let outer = ObjectDescription::Transform { maps: self.maps(), object: Box::new(inner) };
+        root.items.push(GroupItem::Object(Spanned::new(outer, Span::default())));
         d
     }
 
-    fn maps(&self) -> Vec<Map> {
-        let mut maps = vec![Map::Translate(self.shift)];
+    fn maps(&self) -> Vec<TransformStep> {
+        let mut maps = vec![TransformStep::Translate(self.shift)];
         if self.turns() {
-            maps.push(Map::Rotate { axis: self.turn.0, angle: self.turn.1 });
+            maps.push(TransformStep::Rotate { axis: self.turn.0, angle: self.turn.1 });
         }
-        maps.push(Map::UniformScale(self.scale));
+        maps.push(TransformStep::UniformScale(self.scale));
         maps
     }
 
@@ -60,7 +63,7 @@ impl Similarity {
     }
 
     fn matrix(&self) -> DAffine3 {
-        Map::product(&self.maps())
+        TransformStep::product(&self.maps())
     }
 
     /// Returns the image of a point.
@@ -96,45 +99,45 @@ impl Similarity {
     }
 
     /// Transforms the maps of a motion, which act as if the object's position were the origin.
-    fn motion(&self, maps: &mut [Map]) {
+    fn motion(&self, maps: &mut [TransformStep]) {
         for map in maps {
             *map = match *map {
-                Map::Translate(mut by) => {
+                TransformStep::Translate(mut by) => {
                     self.vector(&mut by);
-                    Map::Translate(by)
+                    TransformStep::Translate(by)
                 }
-                Map::UniformScale(by) => Map::UniformScale(by),
-                Map::Scale(by) if !self.turns() => Map::Scale(by),
-                Map::Scale(_) => panic!("no scene turns what is stretched unevenly while it moves"),
-                Map::RotateX(angle) => self.turned(DVec3::X, angle),
-                Map::RotateY(angle) => self.turned(DVec3::Y, angle),
-                Map::RotateZ(angle) => self.turned(DVec3::Z, angle),
-                Map::Rotate { axis, angle } => self.turned(axis, angle),
-                Map::Matrix(_) => panic!("no matrix moves"),
+                TransformStep::UniformScale(by) => TransformStep::UniformScale(by),
+                TransformStep::Scale(by) if !self.turns() => TransformStep::Scale(by),
+                TransformStep::Scale(_) => panic!("no scene turns what is stretched unevenly while it moves"),
+                TransformStep::RotateX(angle) => self.turned(DVec3::X, angle),
+                TransformStep::RotateY(angle) => self.turned(DVec3::Y, angle),
+                TransformStep::RotateZ(angle) => self.turned(DVec3::Z, angle),
+                TransformStep::Rotate { axis, angle } => self.turned(axis, angle),
+                TransformStep::Matrix(_) => panic!("no matrix moves"),
             };
         }
     }
 
-    fn turned(&self, mut axis: DVec3, angle: f64) -> Map {
+    fn turned(&self, mut axis: DVec3, angle: f64) -> TransformStep {
         self.vector(&mut axis);
-        Map::Rotate { axis, angle }
+        TransformStep::Rotate { axis, angle }
     }
 
-    fn camera(&self, camera: &mut Camera) {
-        let Camera { center, aim, up, projection, width: _, height: _, motion } = camera;
+    fn camera(&self, camera: &mut CameraDescription) {
+        let CameraDescription { center, aim, up, projection, width: _, height: _, motion } = camera;
         self.aim(aim);
         self.point(center);
         self.vector(up);
         match projection {
-            Projection::Perspective { angle: _, lens } => lens.iter_mut().for_each(|lens| self.lens(lens)),
-            Projection::Orthographic { size } => self.length(size),
-            Projection::Environment => {}
+            ProjectionDescription::Perspective { angle: _, lens } => lens.iter_mut().for_each(|lens| self.lens(lens)),
+            ProjectionDescription::Orthographic { size } => self.length(size),
+            ProjectionDescription::Environment => {}
         }
         self.motion(motion);
     }
 
-    fn lens(&self, lens: &mut Lens) {
-        let Lens { opening, focus, blades: _ } = lens;
+    fn lens(&self, lens: &mut LensDescription) {
+        let LensDescription { opening, focus, blades: _ } = lens;
         match opening {
             Opening::Radius(radius) => self.length(radius),
             Opening::FNumber { number: _, sensor } => self.length(sensor),
@@ -145,24 +148,24 @@ impl Similarity {
         }
     }
 
-    fn light(&self, light: &mut Light) {
+    fn light(&self, light: &mut LightDescription) {
         match light {
-            Light::Point { position, strength } => {
+            LightDescription::Point { position, strength } => {
                 self.point(position);
                 self.intensity(strength);
             }
-            Light::Directional { direction, strength } => {
+            LightDescription::Directional { direction, strength } => {
                 self.vector(direction);
                 match strength {
                     DirectionalStrength::Color(_) | DirectionalStrength::Irradiance(_) => {}
                 }
             }
-            Light::Spot { position, aim, angle: _, penumbra: _, strength } => {
+            LightDescription::Spot { position, aim, angle: _, penumbra: _, strength } => {
                 self.aim(aim);
                 self.point(position);
                 self.intensity(strength);
             }
-            Light::Oriented { position, aim, up, pattern: _, strength } => {
+            LightDescription::Oriented { position, aim, up, pattern: _, strength } => {
                 self.aim(aim);
                 self.point(position);
                 if let Some(up) = up {
@@ -170,29 +173,29 @@ impl Similarity {
                 }
                 self.intensity(strength);
             }
-            Light::Sphere { center, radius, strength } => {
+            LightDescription::Sphere { center, radius, strength } => {
                 self.point(center);
                 self.length(radius);
                 self.radiance(strength);
             }
-            Light::Disc { center, normal, radius, strength } => {
+            LightDescription::Disc { center, normal, radius, strength } => {
                 self.point(center);
                 self.vector(normal);
                 self.length(radius);
                 self.radiance(strength);
             }
-            Light::Rectangle { corner, edge0, edge1, strength } => {
+            LightDescription::Rectangle { corner, edge0, edge1, strength } => {
                 self.point(corner);
                 self.vector(edge0);
                 self.vector(edge1);
                 self.radiance(strength);
             }
-            Light::Moving { maps, light } => {
+            LightDescription::Moving { maps, light } => {
                 self.motion(maps);
                 self.light(&mut light.value);
             }
-            Light::Environment(EnvironmentRadiance::Constant(_)) => {}
-            Light::Environment(EnvironmentRadiance::Picture { path: _, scale: _, rotate }) => {
+            LightDescription::Environment(EnvironmentRadiance::Constant(_)) => {}
+            LightDescription::Environment(EnvironmentRadiance::Picture { path: _, scale: _, rotate }) => {
                 assert!(!self.turns() || self.turn.0 == DVec3::Y, "a picture of the sky turns about y alone");
                 *rotate += self.turn.1;
             }
@@ -215,8 +218,8 @@ impl Similarity {
         }
     }
 
-    fn medium(&self, medium: &mut Medium) {
-        let Medium { name: _, coefficients, emission, phase: _, density } = medium;
+    fn medium(&self, medium: &mut MediumDescription) {
+        let MediumDescription { name: _, coefficients, emission, phase: _, density } = medium;
         match coefficients {
             Coefficients::Parts { absorption, scattering } => {
                 self.per_length(absorption);
@@ -235,33 +238,35 @@ impl Similarity {
     }
 
     /// Converts to one matrix, because a matrix in the list applies after the maps before it.
-    fn extent(&self, extent: &mut Extent) {
-        let Extent { min: _, max: _, maps } = extent;
-        *maps = vec![Map::Matrix(DMat4::from(self.matrix() * Map::product(maps)))];
+    fn extent(&self, extent: &mut ExtentDescription) {
+        let ExtentDescription { min: _, max: _, maps } = extent;
+        *maps = vec![TransformStep::Matrix(DMat4::from(self.matrix() * TransformStep::product(maps)))];
     }
 
-    fn material(&self, material: &mut Material) {
-        let Material { name: _, kind, emission, relief, medium: _ } = material;
+    fn material(&self, material: &mut MaterialDescription) {
+        let MaterialDescription { name: _, kind, emission, relief, medium: _ } = material;
         match kind {
-            MaterialKind::Dielectric { refraction: _, attenuation, roughness: _, priority: _ } => match attenuation {
-                Attenuation::None => {}
-                Attenuation::Absorption(sigma) => self.per_length(sigma),
-                Attenuation::Tint { color: _, distance } => self.length(distance),
-            },
-            MaterialKind::Phong { .. }
-            | MaterialKind::Diffuse { .. }
-            | MaterialKind::Mirror { .. }
-            | MaterialKind::Clear { .. }
-            | MaterialKind::Conductor { .. }
-            | MaterialKind::Thin { .. }
-            | MaterialKind::Mix { .. } => {}
+            MaterialKindDescription::Dielectric { refraction: _, attenuation, roughness: _, priority: _ } => {
+                match attenuation {
+                    Attenuation::None => {}
+                    Attenuation::Absorption(sigma) => self.per_length(sigma),
+                    Attenuation::Tint { color: _, distance } => self.length(distance),
+                }
+            }
+            MaterialKindDescription::Phong { .. }
+            | MaterialKindDescription::Diffuse { .. }
+            | MaterialKindDescription::Mirror { .. }
+            | MaterialKindDescription::Clear { .. }
+            | MaterialKindDescription::Conductor { .. }
+            | MaterialKindDescription::Thin { .. }
+            | MaterialKindDescription::Mix { .. } => {}
         }
         match emission {
             None | Some(Emission::Radiance(_) | Emission::Texture { .. }) => {}
         }
         match relief {
-            Some(NormalPerturbation::Bump { texture: _, height }) => self.length(height),
-            None | Some(NormalPerturbation::NormalMap(_)) => {}
+            Some(NormalPerturbationDescription::Bump { texture: _, height }) => self.length(height),
+            None | Some(NormalPerturbationDescription::NormalMap(_)) => {}
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::dd::{Affine, DoubleDoubleVec};
 use super::shapes::{UnitShape, truth};
-use caustica::format::{SceneError, Source, parse, resolve};
+use caustica::format::{SceneError, SourceText, parse, resolve};
 use caustica::math::{Ray, Transform, turn};
 use caustica::scene::{Effects, RayCone, Scene};
 use glam::{DAffine3, DMat3, DVec3, Vec2};
@@ -15,7 +15,7 @@ const CAMERA: &str = "PerspectiveCamera { center 0 0 5 direction 0 0 -1 angle 30
 
 fn scene(text: &str) -> Result<Scene, SceneError> {
     let text = format!("{CAMERA}{text}");
-    resolve(&parse("a.txt", &text)?, &Source::new("a.txt", &text), Path::new(""))
+    resolve(&parse("a.txt", &text)?, &SourceText::new("a.txt", &text), Path::new(""))
 }
 
 /// Returns one step as text and as a matrix: rotations, translations, mirrors, shears, and scales

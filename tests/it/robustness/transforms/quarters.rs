@@ -1,8 +1,8 @@
 //! Planes rotated by multiples of 90°.
 
 use caustica::color::Rgb;
-use caustica::format::description::Map;
-use caustica::format::{Source, parse, resolve};
+use caustica::format::description::TransformStep;
+use caustica::format::{SourceText, parse, resolve};
 use caustica::integrate::{Algorithm, Settings, Silent};
 use caustica::math::{Motion, Ray};
 use caustica::shape::Plane;
@@ -21,9 +21,9 @@ fn quarter_turns_are_exact() {
             _ => (DVec3::Z, DVec3::NEG_X),
         };
         let expected = DMat3::from_cols(x, DVec3::Y, z);
-        assert_eq!(Map::RotateY(angle).matrix().matrix3, expected, "{angle}");
-        assert_eq!(Map::Rotate { axis: DVec3::Y * 3.0, angle }.matrix().matrix3, expected, "{angle}");
-        let moving = Motion::default().then_inside([Map::RotateY(2.0 * angle).growing()]);
+        assert_eq!(TransformStep::RotateY(angle).matrix().matrix3, expected, "{angle}");
+        assert_eq!(TransformStep::Rotate { axis: DVec3::Y * 3.0, angle }.matrix().matrix3, expected, "{angle}");
+        let moving = Motion::default().then_inside([TransformStep::RotateY(2.0 * angle).growing()]);
         assert_eq!(moving.at(0.5).matrix3, expected, "{angle}");
     }
 }
@@ -62,7 +62,7 @@ fn overhead_sun_lights_between_rotated_walls() {
             }}"
         );
         let name = "walls.txt";
-        let scene = resolve(&parse(name, &text).unwrap(), &Source::new(name, &text), Path::new("")).unwrap();
+        let scene = resolve(&parse(name, &text).unwrap(), &SourceText::new(name, &text), Path::new("")).unwrap();
         let integrator = Algorithm::Whitted.prepare(&scene, Settings::default());
         let image = integrator.pass(0, &Silent).image;
         // White ground under irradiance π has radiance 1.

@@ -5,7 +5,7 @@ use glam::{DAffine3, DMat4, DVec3};
 
 /// One step of a transform.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Map {
+pub enum TransformStep {
     /// Scale factors along the axes.
     Scale(DVec3),
     /// Scale factor along all axes.
@@ -29,7 +29,7 @@ pub enum Map {
     Matrix(DMat4),
 }
 
-impl Map {
+impl TransformStep {
     /// The map from the object's space to the surrounding space.
     #[must_use]
     pub fn matrix(&self) -> DAffine3 {
@@ -91,24 +91,24 @@ mod tests {
 
     #[test]
     fn turns_are_right_handed() {
-        assert!(close(Map::RotateX(90.0).matrix().transform_point3(DVec3::Y), DVec3::Z));
-        assert!(close(Map::RotateY(90.0).matrix().transform_point3(DVec3::Z), DVec3::X));
-        assert!(close(Map::RotateZ(90.0).matrix().transform_point3(DVec3::X), DVec3::Y));
-        let diagonal = Map::Rotate { axis: DVec3::splat(5.0), angle: 120.0 }.matrix();
+        assert!(close(TransformStep::RotateX(90.0).matrix().transform_point3(DVec3::Y), DVec3::Z));
+        assert!(close(TransformStep::RotateY(90.0).matrix().transform_point3(DVec3::Z), DVec3::X));
+        assert!(close(TransformStep::RotateZ(90.0).matrix().transform_point3(DVec3::X), DVec3::Y));
+        let diagonal = TransformStep::Rotate { axis: DVec3::splat(5.0), angle: 120.0 }.matrix();
         assert!(close(diagonal.transform_point3(DVec3::X), DVec3::Y));
         assert!(close(diagonal.transform_point3(DVec3::Y), DVec3::Z));
     }
 
     #[test]
     fn the_first_map_is_applied_last() {
-        let maps = [Map::Translate(DVec3::X), Map::Scale(DVec3::splat(2.0))];
-        assert!(close(Map::product(&maps).transform_point3(DVec3::ONE), DVec3::new(3.0, 2.0, 2.0)));
+        let maps = [TransformStep::Translate(DVec3::X), TransformStep::Scale(DVec3::splat(2.0))];
+        assert!(close(TransformStep::product(&maps).transform_point3(DVec3::ONE), DVec3::new(3.0, 2.0, 2.0)));
     }
 
     #[test]
     fn a_matrix_is_applied_after_those_before_it() {
-        let double = Map::Matrix(DMat4::from_scale(DVec3::splat(2.0)));
-        let maps = [Map::Translate(DVec3::X), double];
-        assert!(close(Map::product(&maps).transform_point3(DVec3::ZERO), DVec3::new(2.0, 0.0, 0.0)));
+        let double = TransformStep::Matrix(DMat4::from_scale(DVec3::splat(2.0)));
+        let maps = [TransformStep::Translate(DVec3::X), double];
+        assert!(close(TransformStep::product(&maps).transform_point3(DVec3::ZERO), DVec3::new(2.0, 0.0, 0.0)));
     }
 }
