@@ -61,7 +61,7 @@ fn check(bounds: &[Bounds], rays: impl Iterator<Item = Ray>) -> usize {
 
 /// Rays through the unit cube, scaled and translated: from outside, inside and far away, long and
 /// short.
-fn rays(n: u64, scale: f32, shift: Vec3) -> impl Iterator<Item = Ray> {
+fn cube_test_rays(n: u64, scale: f32, shift: Vec3) -> impl Iterator<Item = Ray> {
     (0..n).map(move |i| {
         let i = i + 1_000_000;
         let target = place(i);
@@ -86,7 +86,7 @@ fn what_a_scan_finds_is_found() {
                     Bounds { min: place(i) * scale + shift, max: (place(i) + size) * scale + shift }
                 })
                 .collect();
-            let count = check(&bounds, rays(300, scale, shift));
+            let count = check(&bounds, cube_test_rays(300, scale, shift));
             assert!(count > 0 || n < 64, "{n} {scale}");
         }
     }
@@ -140,7 +140,7 @@ fn the_tree_is_one_for_any_number_of_threads() {
     let with = |n| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
         let boxes = pool.install(|| Boxes::build(&bounds));
-        rays(50, 1.0, Vec3::ZERO).map(|ray| found(&boxes, &ray)).collect::<Vec<_>>()
+        cube_test_rays(50, 1.0, Vec3::ZERO).map(|ray| found(&boxes, &ray)).collect::<Vec<_>>()
     };
     assert_eq!(with(1), with(3));
 }

@@ -1,6 +1,6 @@
 use super::*;
 
-fn extremes() -> Image {
+fn image_of_extreme_values() -> Image {
     let values = [0.0, -0.0, 1.0, -1.0, f32::MAX, f32::MIN_POSITIVE, 1e-45, 0.1, f32::INFINITY, f32::NAN];
     let pixels = (0..40 * 33).map(|i| Vec3::new(values[i % 10], i as f32, values[(i / 10) % 10])).collect();
     Image::from_pixels(40, 33, pixels).unwrap()
@@ -12,21 +12,21 @@ fn decoded(result: Result<Image, DecodeFailure>) -> Image {
 
 #[test]
 fn single_precision_is_lossless() {
-    let (file, report) = encode(&extremes(), FloatDepth::Single, &[]).unwrap();
+    let (file, report) = encode(&image_of_extreme_values(), FloatDepth::Single, &[]).unwrap();
     let image = decoded(read(&file, None));
     assert_eq!((image.width(), image.height()), (40, 33));
     let bits =
         |image: &Image| -> Vec<[u32; 3]> { image.pixels().iter().map(|p| p.to_array().map(f32::to_bits)).collect() };
-    assert_eq!(bits(&image), bits(&extremes()));
-    let non_finite = extremes().pixels().iter().filter(|p| !p.is_finite()).count();
+    assert_eq!(bits(&image), bits(&image_of_extreme_values()));
+    let non_finite = image_of_extreme_values().pixels().iter().filter(|p| !p.is_finite()).count();
     assert_eq!(report, WriteReport { non_finite, too_bright: 0, negative: 0 });
 }
 
 #[test]
 fn metadata_is_stored_and_bytes_repeat() {
     let pairs = [("Seed".to_owned(), "42".to_owned()), ("Scene".to_owned(), format!("Ω{}", "x".repeat(900)))];
-    let (file, _) = encode(&extremes(), FloatDepth::Single, &pairs).unwrap();
-    assert_eq!(encode(&extremes(), FloatDepth::Single, &pairs).unwrap().0, file);
+    let (file, _) = encode(&image_of_extreme_values(), FloatDepth::Single, &pairs).unwrap();
+    assert_eq!(encode(&image_of_extreme_values(), FloatDepth::Single, &pairs).unwrap().0, file);
     let headers = MetaData::read_from_buffered(Cursor::new(&file), true).unwrap().headers;
     let comments = headers[0].own_attributes.comments.as_ref().unwrap();
     assert_eq!(comments.as_slice(), format!("Seed: 42\nScene: {}", pairs[1].1).as_bytes());
@@ -48,7 +48,7 @@ const DISPLAY: &[u8] = b"displayWindow\0box2i\0";
 
 #[test]
 fn an_implausible_size_is_refused() {
-    let (file, _) = encode(&extremes(), FloatDepth::Single, &[]).unwrap();
+    let (file, _) = encode(&image_of_extreme_values(), FloatDepth::Single, &[]).unwrap();
     for window in [DATA, DISPLAY] {
         for (side, expected) in [(16_384, "too short"), (20_000, "too large")] {
             let huge = with_window(&file, window, (side, side));
@@ -60,7 +60,7 @@ fn an_implausible_size_is_refused() {
     let framed = with_window(&file, DISPLAY, (2000, 2000));
     assert!(matches!(read(&framed, Some(191_000_000)), Err(DecodeFailure::Memory { needed: 192_000_000, .. })));
     let image = decoded(read(&framed, Some(192_000_000)));
-    assert_eq!((image.width(), image.pixels()[2003].x), (2000, extremes().pixels()[43].x));
+    assert_eq!((image.width(), image.pixels()[2003].x), (2000, image_of_extreme_values().pixels()[43].x));
     assert_eq!(image.pixels()[40], Vec3::ZERO);
 }
 
@@ -76,7 +76,7 @@ fn pictures_may_exceed_the_limit_of_the_decoder() {
 
 #[test]
 fn damaged_files_never_panic() {
-    let (file, _) = encode(&extremes(), FloatDepth::Single, &[("Seed".into(), "42".into())]).unwrap();
+    let (file, _) = encode(&image_of_extreme_values(), FloatDepth::Single, &[("Seed".into(), "42".into())]).unwrap();
     for cut in (4..file.len()).step_by(7) {
         assert!(read(&file[..cut], None).is_err(), "cut at {cut}");
     }

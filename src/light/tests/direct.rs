@@ -22,7 +22,7 @@ pub fn emitter_of(mesh: Arc<Mesh>) -> LightSurface {
 }
 
 /// First hit of the ray from `p` with a light surface, from either side.
-fn seen(emitter: &LightSurface, p: Vec3, wi: Vec3) -> Option<SurfacePoint> {
+fn first_hit(emitter: &LightSurface, p: Vec3, wi: Vec3) -> Option<SurfacePoint> {
     let ray = crate::math::Ray::new(p, wi);
     match emitter {
         LightSurface::Shape(shape) => shape.intersect(&ray).map(|(t, u, v)| shape.surface(&ray, t, Vec2::new(u, v))),
@@ -89,7 +89,7 @@ fn direct_samples_follow_pdf_li() {
             let sample = light.sample_li(p, u)?;
             let ShadowTarget::Point(end) = sample.target else { panic!("a surface is not at infinity") };
             // What the light itself hides is no draw.
-            let point = seen(&emitter, p, sample.wi)
+            let point = first_hit(&emitter, p, sample.wi)
                 .filter(|point| (point.p - end).length() < 1e-4 && sample.wi.dot(point.ng) < 0.0)?;
             let (density, pdf) = (light.pdf_li(p, sample.wi, Some(&point)), sample.pdf?);
             // Rounding of the direction by 2⁻²³ moves the crossing by d/cos of that, and turns the normal by the curvature, at most
@@ -100,7 +100,7 @@ fn direct_samples_follow_pdf_li() {
             (cos > least_cos).then_some(sample.wi)
         };
         let density = |wi: Vec3| {
-            let point = seen(&emitter, p, wi).filter(|point| -wi.dot(point.ng) > least_cos);
+            let point = first_hit(&emitter, p, wi).filter(|point| -wi.dot(point.ng) > least_cos);
             point.map_or(0.0, |point| f64::from(light.pdf_li(p, wi, Some(&point))))
         };
         let (chance, total) = cone(&light, p).compare(&drawn, &density);

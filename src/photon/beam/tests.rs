@@ -30,7 +30,7 @@ fn random(n: u64, size: f32, middle: Vec3) -> Vec<Beam> {
     (0..n).map(one).collect()
 }
 
-fn rays(n: u64, size: f32, middle: Vec3) -> impl Iterator<Item = Ray> {
+fn test_rays(n: u64, size: f32, middle: Vec3) -> impl Iterator<Item = Ray> {
     (0..n).map(move |i| {
         let (i, axes) = (i + 1_000_000, [Vec3::X, Vec3::Y, -Vec3::Z]);
         let direction = if i.is_multiple_of(4) { axes[i as usize / 4 % 3] } else { sphere(i) };
@@ -55,7 +55,7 @@ fn queries_match_a_linear_scan() {
             let map = BeamMap::build(beams.clone(), radius);
             assert!((map.len(), map.radius()) == (3001, radius));
             let mut count = 0;
-            for ray in rays(60, size, middle) {
+            for ray in test_rays(60, size, middle) {
                 let mut all = found(&map, &ray);
                 all.sort_unstable();
                 let scan =
@@ -93,7 +93,7 @@ fn cut_beams_are_visited_once() {
 #[test]
 fn intersection_is_the_closest_approach() {
     let mut count = 0;
-    for (i, ray) in (0..20_000).zip(rays(20_000, 1.0, Vec3::ZERO)) {
+    for (i, ray) in (0..20_000).zip(test_rays(20_000, 1.0, Vec3::ZERO)) {
         let beam = beam(place(i) - 0.5, sphere(i), 1.0);
         let (d, b, w) =
             (ray.direction.as_dvec3(), beam.direction.as_dvec3(), (beam.start.as_dvec3() - ray.origin.as_dvec3()));
@@ -198,7 +198,7 @@ fn beam_map_is_small_and_thread_independent() {
     let with = |n| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
         let map = pool.install(|| BeamMap::build(random(5000, 1.0, Vec3::ZERO), 0.01));
-        rays(30, 1.0, Vec3::ZERO).map(|ray| found(&map, &ray)).collect::<Vec<_>>()
+        test_rays(30, 1.0, Vec3::ZERO).map(|ray| found(&map, &ray)).collect::<Vec<_>>()
     };
     assert_eq!(with(1), with(3));
 }

@@ -1,6 +1,6 @@
 //! Surfaces with closed forms, difficult cases for solvers, and rays that leave a surface.
 
-use super::{Basis, Patch, Revolution, cases, cup, key, net, ray};
+use super::{Basis, Patch, Revolution, cases, cup_case, key, net, ray};
 use crate::math::{Frame, Ray, Transform, offset_origin, warp};
 use crate::sampling::Dimension;
 use crate::shape::Shape;
@@ -183,7 +183,7 @@ fn tangent_rays_terminate() {
         );
     }
     assert!(hits(&ring, DVec3::new(0.0, 3.0, 0.0), DVec3::NEG_Y).is_none());
-    let cup = cup().shape;
+    let cup = cup_case().shape;
     // Along the axis, from above, below and within, and beside it by the smallest number.
     for x in [0.0, 1e-30, 1e-9, 1e-7] {
         let (t, ..) = hits(&cup, DVec3::new(x, 3.0, 0.0), DVec3::NEG_Y).unwrap();

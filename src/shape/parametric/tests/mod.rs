@@ -56,7 +56,7 @@ fn net(name: &'static str, bases: [&Basis; 2], controls: &[DVec4]) -> Case {
 }
 
 /// A cup with a wall, from the axis and back, with nearly coincident control points; x is negative.
-fn cup() -> Case {
+fn cup_case() -> Case {
     let profile = [
         [0.0, -0.3],
         [0.0, -0.300001],
@@ -107,7 +107,7 @@ fn cases() -> Vec<Case> {
         *c = DVec4::new(random(1000 + i as u64), c.y, random(1100 + i as u64), 1.0);
     }
     vec![
-        cup(),
+        cup_case(),
         turned("arch", &cubic, &[[-2.0, 2.0], [-4.0, 0.0], [0.0, 0.0], [-2.0, -2.0]]),
         turned("crossing", &cubic, &[[-1.0, -1.0], [2.0, -0.5], [-2.0, 0.5], [1.0, 1.0]]),
         Case { thin: 10, ..turned("degree 20", &twenty, &coil) },
