@@ -310,7 +310,8 @@ pub enum ShapeDescription {
         /// Degrees along u and v, each from 1 to
         /// [`MAX_DEGREE`](crate::shape::parametric::MAX_DEGREE).
         degree: [u32; 2],
-        /// (degree u + 1) · (degree v + 1) points with weights for each patch; the index along v varies fastest.
+        /// (degree u + 1) · (degree v + 1) points with weights for each patch; the index
+        /// along v varies fastest.
         controls: Vec<DVec4>,
     },
     /// A B-spline surface with weights.

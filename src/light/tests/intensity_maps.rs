@@ -16,10 +16,10 @@ pub fn projector() -> ProjectorLight {
     ProjectorLight::new(POSITION, DVec3::NEG_Y, DVec3::NEG_Z, Arc::new(slide), Rgb::splat(2.0))
 }
 
-/// A map with a bright pixel, whose center is below and to the side.
+/// A map with a bright pixel, whose bright side points downwards.
 pub fn goniometric() -> GoniometricLight {
     let map = SphericalMap::new(sky_map(), Rgb::ONE).unwrap();
-    GoniometricLight::new(POSITION, DVec3::new(0.2, -1.0, 0.1), DVec3::X, Arc::new(map), Rgb::splat(2.0))
+    GoniometricLight::new(POSITION, DVec3::X, DVec3::new(0.2, -1.0, 0.1), Arc::new(map), Rgb::splat(2.0))
 }
 
 fn white(width: u32, height: u32) -> Image {

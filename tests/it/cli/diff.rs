@@ -209,7 +209,7 @@ fn bad_arguments_exit_2_and_bad_outputs_3() {
     let sandbox = sandbox();
     for (line, parts) in [
         ("a.png", ["<B>", ""]),
-        ("a.png b.png --max-relative most", ["`most` is no part of a whole", "2% or 0.02"]),
+        ("a.png b.png --max-relative most", ["`most` is not a fraction", "2% or 0.02"]),
         ("a.png b.png --max-rmse -1", ["-1", ""]),
         ("a.png b.png --max-flip nan", ["`nan` is no bound", ""]),
         ("a.png b.png --map colour", ["colour", "signed"]),

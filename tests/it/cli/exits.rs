@@ -72,7 +72,7 @@ fn bad_arguments_exit_2() {
         ("--photons many", &["`many` is not a count", "250k"]),
         ("--photons -1", &["-1"]),
         ("--photons 1.5", &["`1.5` is not a count"]),
-        ("--photons 5000M", &["`5000M` is more than 4294967295 can count"]),
+        ("--photons 5000M", &["`5000M` is too large: the largest count is 4294967295"]),
         ("--passes 0", &["at least 1"]),
         ("--spp 0", &["at least 1"]),
         ("--threads 0", &["at least 1"]),

@@ -148,7 +148,7 @@ fn impossible_studies_are_refused_before_work() {
     refused(2, "--truth a.exr,a.exr", &["`a.exr` is named twice: two references must be independent"]);
     refused(2, "--truth a.exr,", &["write A.exr,B.exr"]);
     refused(2, "--truth a.exr --truth-time 3s", &["--truth-time applies to rendered references"]);
-    refused(2, "--truth a.exr --save-truth c.exr,d.exr", &["--save-truth is for"]);
+    refused(2, "--truth a.exr --save-truth c.exr,d.exr", &["--save-truth applies to rendered references"]);
     refused(2, "--truth a.exr --size 2000x2000 --seeds 1000 --methods path,pm", &["GB", "fewer --seeds"]);
     refused(1, "--truth a.exr,a.png", &["`a.png` is a PNG", "OpenEXR"]);
     refused(1, "--truth a.exr --size 20x15", &["`a.exr` has 40 × 30 pixels, but the study 20 × 15: give --size 40x30"]);

@@ -116,7 +116,7 @@ fn failed_study_has_exit_code_and_keeps_page() {
     sandbox.put("a.html", "old page");
     run(&sandbox, "study --effects").expect(2, &["SCENE"]);
     run(&sandbox, "study --effects box.txt --passes 0 -o a.html").expect(2, &["at least 1"]);
-    study(&sandbox, "--wish shadows -o a.html").expect(2, &["`shadows` is no wish"]);
+    study(&sandbox, "--simulate shadows -o a.html").expect(2, &["`shadows` is no effect override"]);
     study(&sandbox, "--size 16384x16385 -o a.html").expect(2, &["--size"]);
     run(&sandbox, "study --effects none.txt -o a.html").expect(1, &["none.txt", "help: check the path"]);
     let long = "--spp 100k --passes 1k";

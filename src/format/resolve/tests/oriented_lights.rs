@@ -15,9 +15,12 @@ fn folder() -> tempfile::TempDir {
     folder
 }
 
+/// A scene of a ball with a light, or the error of the first stage that refuses it.
 fn resolved(light: &str) -> Result<Scene, SceneError> {
     let ball = "Materials { Diffuse { reflectance 1 1 1 } } Group { Sphere { center 0 0 0 radius 1 } }";
-    resolve_in(folder().path(), &format!("Lights {{ {light} }} {ball}"))
+    let text = format!("Lights {{ {light} }} {ball}");
+    parse("a.txt", &format!("{CAMERA}{text}"))?;
+    resolve_in(folder().path(), &text)
 }
 
 #[test]
@@ -44,9 +47,7 @@ fn invalid_oriented_lights_are_errors() {
         ("GoniometricLight { position 0 4 0 direction 0 -1 0 profile bad.txt power 1 1 1 }", "table of angles"),
         ("GoniometricLight { position 0 4 0 direction 0 -1 0 up 0 1 0 file white.exr power 1 1 1 }", "parallel"),
     ] {
-        let text = format!("Lights {{ {light} }}");
-        let parsed = parse("a.txt", &format!("{CAMERA}{text}"));
-        let error = parsed.err().unwrap_or_else(|| resolved(light).unwrap_err());
+        let error = resolved(light).unwrap_err();
         assert!(error.to_string().contains(message) || error.message().contains(message), "{error}");
     }
 }

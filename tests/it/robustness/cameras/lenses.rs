@@ -54,7 +54,7 @@ fn zero_focus_distance_is_refused_with_remedy() {
     }
     // The camera's center, and a point behind it.
     for point in ["0 1 4", "0 1 5"] {
-        refused(&scene(&format!("aperture .1 focusAt {point}")), point, &["before the camera"]);
+        refused(&scene(&format!("aperture .1 focusAt {point}")), point, &["in front of the camera"]);
     }
     refused(&scene("aperture .1"), "PerspectiveCamera", &["focusDistance"]);
     refused(&scene("aperture -1 focusDistance 1"), "-1", &["negative"]);
