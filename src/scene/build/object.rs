@@ -27,6 +27,7 @@ pub(super) struct Object {
 
 /// The geometry of an object.
 #[derive(Debug)]
+#[expect(clippy::large_enum_variant, reason = "lives only while the scene is built")]
 pub(super) enum Geometry {
     Shape(Shape),
     /// A range of triangles of the scene's [`MeshData`].
