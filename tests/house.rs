@@ -67,7 +67,7 @@ const SCATTERED_LEFT: usize = 2;
 const LONG_TESTS_LEFT: usize = 0;
 const RETIRED_LEFT: usize = 12;
 const HEADLESS_LEFT: usize = 1;
-const WIDE_LEFT: usize = 112;
+const WIDE_LEFT: usize = 0;
 
 /// One source file.
 struct SourceFile {

@@ -158,8 +158,8 @@ impl Bsdf {
     /// True for a *caster*: light that it scatters to a receiver is a caustic. Every BSDF is a
     /// receiver ([`stores_photons`](Self::stores_photons)), or a caster, or black.
     ///
-    /// Casters are mirrors, dielectrics and thin panes of any roughness, and conductors of roughness
-    /// α up to [`STORED_ALPHA`].
+    /// Casters are mirrors, dielectrics and thin panes of any roughness, and conductors of
+    /// roughness α up to [`STORED_ALPHA`].
     ///
     /// Camera paths continue where no photons are stored. Light paths through such vertices belong
     /// to the caustic map, so that each path counts once, however broad the lobe.

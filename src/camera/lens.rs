@@ -48,9 +48,10 @@ mod tests {
     use crate::sampling::sobol_2d;
     use crate::sampling::{Dimension, Key, Purpose};
 
-    /// A regular n-gon of circumradius 1 has the second moment (2 + cos(2π/n))/12 about each axis through its middle per unit of
-    /// area; the disc, its limit, has ¼. A net of 2¹⁶ points integrates such a smooth function far better than the chance bound 5σ
-    /// of as many independent points that is used here.
+    /// A regular n-gon of circumradius 1 has the second moment (2 + cos(2π/n))/12 about each axis
+    /// through its middle per unit of area; the disc, its limit, has ¼. A net of 2¹⁶ points
+    /// integrates such a smooth function far better than the chance bound 5σ of as many independent
+    /// points that is used here.
     #[test]
     fn aperture_samples_are_uniform_by_area() {
         let n = 1 << 16;

@@ -10,8 +10,8 @@ use crate::stats::bytes;
 /// After the last pass, the mean and the encoded file take the memory of the pass.
 const BYTES_PER_PIXEL: u64 = 86;
 
-/// Additional bytes per pixel of an error estimate. Measured with [`BYTES_PER_PIXEL`]: 341, and 358 with
-/// error maps.
+/// Additional bytes per pixel of an error estimate. Measured with [`BYTES_PER_PIXEL`]: 341, and 358
+/// with error maps.
 ///
 /// The nested estimates of a pass take 48, noise 24, finer discs 48, discs 24, three pictures each
 /// of passes and of finer discs 72, and the relative scale 24. The rest is for evaluation and maps.

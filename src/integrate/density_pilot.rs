@@ -1,9 +1,9 @@
 //! Pilot that finds how many camera rays each pixel needs.
 //!
 //! The mean of n rays of a pixel has variance σ²/n. For a given total of rays, the mean relative
-//! variance of the pixels is least if n is proportional to σ over the radiance. A few pictures before the first
-//! pass estimate both. All passes use the result, so they stay independent. No ray of the pilot is
-//! used again, so the mean stays unbiased.
+//! variance of the pixels is least if n is proportional to σ over the radiance. A few pictures
+//! before the first pass estimate both. All passes use the result, so they stay independent. No ray
+//! of the pilot is used again, so the mean stays unbiased.
 
 use super::map_builder::PassBudget;
 use super::pass::{Pass, Silent};

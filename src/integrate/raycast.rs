@@ -100,7 +100,8 @@ impl PhongAppearance {
         Self { diffuse, specular: Rgb::ZERO, shininess: 0.0 }
     }
 
-    /// The appearance of a material in the course's shading model, with parameters from `parameters`.
+    /// The appearance of a material in the course's shading model, with parameters from
+    /// `parameters`.
     fn of(material: &MaterialKind, parameters: &impl ParameterEvaluator) -> Self {
         match material {
             MaterialKind::Diffuse { reflectance } | MaterialKind::Mirror { reflectance } => {

@@ -13,7 +13,8 @@ use std::f32::consts::PI;
 use std::f64::consts::{FRAC_PI_2, PI as PI_F64};
 use std::sync::Arc;
 
-/// Relative error of a ray's hit on a distant triangle. The shear of the triangle test rounds a few times in f32.
+/// Relative error of a ray's hit on a distant triangle. The shear of the triangle test rounds a few
+/// times in f32.
 const TRIANGLE_ERROR: f32 = 4.0 * f32::EPSILON;
 
 /// Surface of an area light.
@@ -139,7 +140,8 @@ impl LightSurface {
             }
             Self::Triangles { mesh, first, choice } => {
                 let triangles = || *first as usize..*first as usize + choice.len();
-                // Shading normals choose the side; without agreement at all corners, either side may emit.
+                // Shading normals choose the side; without agreement at all corners, either side
+                // may emit.
                 let normal = |i| {
                     let [a, b, c] = [Vec2::ZERO, Vec2::X, Vec2::Y].map(|b| mesh.surface(i, b).ng);
                     (a == b && b == c).then(|| a.as_dvec3())

@@ -67,7 +67,8 @@ impl LightSource for DirectionalLight {
     }
 }
 
-/// A ray along unit `direction` from a uniform point of a disc across `domain`, with the disc's area.
+/// A ray along unit `direction` from a uniform point of a disc across `domain`, with the disc's
+/// area.
 ///
 /// `None` if the area is zero.
 pub(super) fn ray_across(domain: Sphere, direction: Vec3, u: Vec2) -> Option<(Ray, f32)> {

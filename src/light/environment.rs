@@ -11,7 +11,8 @@ use crate::shape::SurfacePoint;
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 
-/// Radiance from infinity in all directions, given by an equirectangular map that may be rotated about +y.
+/// Radiance from infinity in all directions, given by an equirectangular map that may be rotated
+/// about +y.
 #[derive(Clone, Debug)]
 pub struct EnvironmentLight {
     map: SphericalMap,
@@ -20,7 +21,8 @@ pub struct EnvironmentLight {
 }
 
 impl EnvironmentLight {
-    /// The light of a map times `scale` \[W/(m² sr)], rotated by `angle` \[radians] about +y, anticlockwise from above.
+    /// The light of a map times `scale` \[W/(m² sr)], rotated by `angle` \[radians] about +y,
+    /// anticlockwise from above.
     ///
     /// # Errors
     /// [`PictureError::Value`] if a scaled pixel is negative or not finite.
@@ -58,14 +60,16 @@ impl EnvironmentLight {
         self.map.pdf(self.to_map(direction))
     }
 
-    /// Samples a unit direction by the radiance of the pixels, with its pdf \[1/sr]; `None` if the map is black.
+    /// Samples a unit direction by the radiance of the pixels, with its pdf \[1/sr]; `None` if the
+    /// map is black.
     #[inline]
     #[must_use]
     pub fn sample(&self, u: Vec2) -> Option<(Vec3, f32)> {
         let d = self.map.sample(u)?;
         let [sin, cos] = self.rotation;
         let direction = Vec3::new(cos * d.x + sin * d.z, d.y, cos * d.z - sin * d.x);
-        // Rounding may move the direction to the next pixel; the pdf must be that of the next pixel.
+        // Rounding may move the direction to the next pixel; the pdf must be that of the next
+        // pixel.
         let pdf = self.pdf(direction);
         (pdf > 0.0).then_some((direction, pdf))
     }

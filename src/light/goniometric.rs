@@ -61,8 +61,8 @@ impl GoniometricLight {
 
 /// Map of a profile that is symmetric about +y.
 ///
-/// `profile` lists angles from +y \[degrees], ascending from at least 0 to at most 180, with the value at each. Values are
-/// linear between angles, and zero outside of them.
+/// `profile` lists angles from +y \[degrees], ascending from at least 0 to at most 180, with the
+/// value at each. Values are linear between angles, and zero outside of them.
 ///
 /// # Errors
 /// [`PictureError`] if a value is negative or not finite.

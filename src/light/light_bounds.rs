@@ -1,7 +1,7 @@
 //! Bounds of lights in space and direction, and the importance of a group of lights at a point.
 //!
-//! Sources: Conty Estevez and Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree Splitting"; Pharr, Jakob,
-//! Humphreys 2023, section 12.6.3.
+//! Sources: Conty Estevez and Kulla 2018, "Importance Sampling of Many Lights with Adaptive Tree
+//! Splitting"; Pharr, Jakob, Humphreys 2023, section 12.6.3.
 
 use crate::color::{self, Rgb};
 use crate::math::Bounds;
@@ -83,7 +83,8 @@ impl LightBounds {
         }
     }
 
-    /// Solid angle of the emitted directions \[sr]; directions beyond the normals are weighted by the cosine.
+    /// Solid angle of the emitted directions \[sr]; directions beyond the normals are weighted by
+    /// the cosine.
     fn solid_angle(&self) -> f64 {
         let o = self.normals.angle;
         let w = (o + self.spread).min(PI);
@@ -100,10 +101,12 @@ impl LightBounds {
 
 /// Lower bound of squared distances, relative to a group's squared radius.
 ///
-/// The mean of 1/d² over a ball around a point is 3/R². A box has the volume of a ball with 0.7 of its half diagonal.
+/// The mean of 1/d² over a ball around a point is 3/R². A box has the volume of a ball with 0.7 of
+/// its half diagonal.
 const MIN_DISTANCE2: f64 = 1.0 / 6.0;
 
-/// Light bounds in the form for fast queries: a bounding sphere instead of the box, cosines instead of angles.
+/// Light bounds in the form for fast queries: a bounding sphere instead of the box, cosines instead
+/// of angles.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Importance {
     center: Vec3,
@@ -137,7 +140,8 @@ impl Angle {
 impl From<LightBounds> for Importance {
     fn from(bounds: LightBounds) -> Self {
         let sphere = bounds.space.bounding_sphere();
-        // The radius covers the rounding of the sphere. It is above zero because it bounds a divisor.
+        // The radius covers the rounding of the sphere. It is above zero because it bounds a
+        // divisor.
         let radius = (f64::from(sphere.radius) * (1.0 + 1e-6)).max(f64::from(f32::MIN_POSITIVE));
         let (sin, cos) = libm::sincos(bounds.normals.angle);
         Self {
@@ -152,7 +156,8 @@ impl From<LightBounds> for Importance {
 }
 
 impl Importance {
-    /// Approximate irradiance at `p`, on the side of the unit normal `n` if given; 0 only if no light can arrive.
+    /// Approximate irradiance at `p`, on the side of the unit normal `n` if given; 0 only if no
+    /// light can arrive.
     #[inline]
     pub fn at(&self, p: Vec3, n: Option<Vec3>) -> f64 {
         let to = p.as_dvec3() - self.center.as_dvec3();

@@ -8,9 +8,9 @@ use glam::Vec3;
 
 /// Samples one of many lights by power, distance and orientation.
 ///
-/// A binary tree over the lights at finite positions is descended at random by the importance of its children (Conty Estevez
-/// and Kulla 2018; Pharr, Jakob, Humphreys 2023, section 12.6.3). Infinite lights have no bounds; they share a fixed
-/// probability.
+/// A binary tree over the lights at finite positions is descended at random by the importance of
+/// its children (Conty Estevez and Kulla 2018; Pharr, Jakob, Humphreys 2023, section 12.6.3).
+/// Infinite lights have no bounds; they share a fixed probability.
 #[derive(Clone, Debug)]
 pub struct LightBvhSampler {
     /// Nodes in depth-first order: the first child follows its parent.
@@ -47,7 +47,8 @@ enum Slot {
     Absent,
     /// Among the infinite lights.
     Infinite,
-    /// In the tree. The bits of the trail, lowest first, choose the children from the root on: 1 is the second child.
+    /// In the tree. The bits of the trail, lowest first, choose the children from the root on: 1 is
+    /// the second child.
     Tree(u64),
 }
 
@@ -61,12 +62,14 @@ const BUCKETS: usize = 12;
 const BELOW_ONE: f32 = 1.0 - f32::EPSILON / 2.0;
 
 impl LightBvhSampler {
-    /// A sampler of `lights`; `domain` is the bounding sphere of the bounded shapes. `None` if no light has power.
+    /// A sampler of `lights`; `domain` is the bounding sphere of the bounded shapes. `None` if no
+    /// light has power.
     #[must_use]
     pub fn new(lights: &[Light], domain: Sphere) -> Option<Self> {
         let mut slots = vec![Slot::Absent; lights.len()];
         let (mut infinite, mut bounded) = (Vec::new(), Vec::new());
-        // Positions are rounded to f32: a light that seems to lie in the plane of a surface may be above it.
+        // Positions are rounded to f32: a light that seems to lie in the plane of a surface may be
+        // above it.
         let margin = 1e-6 * (domain.center.abs().max_element() + domain.radius);
         for (i, light) in lights.iter().enumerate().filter(|(_, l)| color::mean(l.power(domain)) > 0.0) {
             match light.bounds(margin) {
@@ -89,7 +92,8 @@ impl LightBvhSampler {
         Some(sampler)
     }
 
-    /// Adds the subtree of at least one light; `trail` leads from the root of the tree to the root of the subtree.
+    /// Adds the subtree of at least one light; `trail` leads from the root of the tree to the root
+    /// of the subtree.
     fn build(&mut self, lights: &mut [BoundedLight], depth: u32, trail: u64) {
         let whole = lights[1..].iter().fold(lights[0].1, |all, l| all.union(l.1));
         let index = self.nodes.len();
@@ -105,10 +109,11 @@ impl LightBvhSampler {
         self.nodes.push(Node { importance: whole.into(), kind: NodeKind::Leaf(light) });
     }
 
-    /// Samples the index of a light by `u` in \[0, 1), its probability, and a remapped `u` that is uniform again.
+    /// Samples the index of a light by `u` in \[0, 1), its probability, and a remapped `u` that is
+    /// uniform again.
     ///
-    /// With a unit normal `n`, only light that arrives on its side counts. `None` if no light of the reached group can
-    /// light `p`.
+    /// With a unit normal `n`, only light that arrives on its side counts. `None` if no light of
+    /// the reached group can light `p`.
     #[inline]
     #[must_use]
     pub fn sample(&self, p: Vec3, n: Option<Vec3>, u: f32) -> Option<(usize, f32, f32)> {
@@ -176,7 +181,8 @@ impl LightBvhSampler {
     }
 }
 
-/// Splits at least two lights in two non-empty parts, at the bucket boundary of least cost; else in halves.
+/// Splits at least two lights in two non-empty parts, at the bucket boundary of least cost; else in
+/// halves.
 fn split(lights: &mut [BoundedLight], depth: u32) -> (&mut [BoundedLight], &mut [BoundedLight]) {
     let center = |l: &BoundedLight| l.1.space.center();
     let centers = Bounds::of(lights.iter().map(center));

@@ -1,6 +1,7 @@
 //! Light sources: direct light at a point, and emission of photons.
 //!
-//! Each kind of light has a file of its own, which implements `LightSource`. [`Light`] is the enum over the kinds.
+//! Each kind of light has a file of its own, which implements `LightSource`. [`Light`] is the enum
+//! over the kinds.
 
 mod area;
 mod directional;
@@ -75,7 +76,8 @@ macro_rules! each {
 }
 
 impl Light {
-    /// Samples direct light at `p` by `u` in \[0, 1)², before visibility; `None` if none can arrive.
+    /// Samples direct light at `p` by `u` in \[0, 1)², before visibility; `None` if none can
+    /// arrive.
     #[inline]
     #[must_use]
     pub fn sample_li(&self, p: Vec3, u: Vec2) -> Option<DirectSample> {
@@ -91,7 +93,8 @@ impl Light {
         each!(self, light => light.pdf_li(p, wi, hit))
     }
 
-    /// Samples an emitted ray by `position` and `direction` in \[0, 1)²; `None` if it carries nothing.
+    /// Samples an emitted ray by `position` and `direction` in \[0, 1)²; `None` if it carries
+    /// nothing.
     ///
     /// Light from infinity starts on a disc across the bounding sphere `domain` of the scene.
     #[must_use]
@@ -117,13 +120,15 @@ impl Light {
         each!(self, light => light.emission_dimensions())
     }
 
-    /// Emitted flux \[W]; for light from infinity, the flux through a disc with the radius of `domain`.
+    /// Emitted flux \[W]; for light from infinity, the flux through a disc with the radius of
+    /// `domain`.
     #[must_use]
     pub fn power(&self, domain: Sphere) -> Rgb {
         each!(self, light => light.power(domain))
     }
 
-    /// True if the light is sampled by a delta distribution: it has no extent, and shadows have hard edges.
+    /// True if the light is sampled by a delta distribution: it has no extent, and shadows have
+    /// hard edges.
     #[inline]
     #[must_use]
     pub fn is_delta(&self) -> bool {
@@ -143,13 +148,15 @@ impl Light {
         each!(self, light => light.position())
     }
 
-    /// A point from which light leaves, offset from the light's own surface; `None` for light from infinity.
+    /// A point from which light leaves, offset from the light's own surface; `None` for light from
+    /// infinity.
     #[must_use]
     pub fn emission_point(&self) -> Option<Vec3> {
         each!(self, light => light.emission_point())
     }
 
-    /// Center of the light's bounds, for the shading of ray casting; `None` for light from infinity.
+    /// Center of the light's bounds, for the shading of ray casting; `None` for light from
+    /// infinity.
     #[must_use]
     pub fn center(&self) -> Option<Vec3> {
         each!(self, light => light.center())
@@ -161,7 +168,8 @@ impl Light {
         each!(self, light => light.peak())
     }
 
-    /// False only if no unoccluded ray from the light can enter `sphere`; `None` stands for all space.
+    /// False only if no unoccluded ray from the light can enter `sphere`; `None` stands for all
+    /// space.
     #[must_use]
     pub fn may_reach(&self, sphere: Option<Sphere>, domain: Sphere) -> bool {
         let Some(sphere) = sphere else { return true };
@@ -183,11 +191,13 @@ impl Light {
         each!(self, light => light.untextured()).unwrap_or_else(|| self.clone())
     }
 
-    /// Bounds of positions and directions, the box grown by `margin`; `None` for light from infinity.
+    /// Bounds of positions and directions, the box grown by `margin`; `None` for light from
+    /// infinity.
     fn bounds(&self, margin: f32) -> Option<LightBounds> {
         each!(self, light => light.bounds()).map(|bounds| bounds.expanded(margin))
     }
 }
 
-/// Relative error of f32 positions, with respect to their distance from the origin and from each other.
+/// Relative error of f32 positions, with respect to their distance from the origin and from each
+/// other.
 const MARGIN: f32 = 1e-5;

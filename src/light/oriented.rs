@@ -50,7 +50,8 @@ impl OrientedSource {
         }
     }
 
-    /// Scale of the intensity per flux \[1/sr]: the inverse integral of the pattern, mean over the channels.
+    /// Scale of the intensity per flux \[1/sr]: the inverse integral of the pattern, mean over the
+    /// channels.
     #[must_use]
     pub fn scale_per_power(&self) -> f32 {
         let nowhere = Sphere { center: Vec3::ZERO, radius: 0.0 };

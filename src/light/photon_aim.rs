@@ -6,9 +6,9 @@ use std::f32::consts::{PI, TAU};
 
 /// Bounding spheres at which photon emission aims; an analytic form of Jensen's projection maps.
 ///
-/// From a point, each sphere subtends a cone. Directions are sampled from the mixture of these cones, each weighted by its
-/// solid angle. The pdf of the mixture is the number of cones that contain the direction, over the sum of the solid
-/// angles. Overlaps therefore cause no bias.
+/// From a point, each sphere subtends a cone. Directions are sampled from the mixture of these
+/// cones, each weighted by its solid angle. The pdf of the mixture is the number of cones that
+/// contain the direction, over the sum of the solid angles. Overlaps therefore cause no bias.
 #[derive(Clone, Debug, Default)]
 pub struct PhotonAim {
     spheres: Vec<Sphere>,
@@ -63,7 +63,8 @@ impl PhotonAim {
         Self { spheres }
     }
 
-    /// Samples a unit direction from `p` towards a sphere, with its pdf \[1/sr]; `None` if no sphere is in view.
+    /// Samples a unit direction from `p` towards a sphere, with its pdf \[1/sr]; `None` if no
+    /// sphere is in view.
     ///
     /// `horizon` is the normal of a plane through `p`; spheres below the plane are left out.
     #[must_use]
@@ -93,7 +94,8 @@ impl PhotonAim {
         Some((direction, count as f32 / (TAU * total)))
     }
 
-    /// Samples the start of a ray along unit `direction` that enters a sphere, with its pdf per area.
+    /// Samples the start of a ray along unit `direction` that enters a sphere, with its pdf per
+    /// area.
     ///
     /// All starts lie in the plane across `direction` at `upstream` before the origin.
     #[must_use]
@@ -138,7 +140,8 @@ fn sample_all_directions(horizon: Option<Vec3>, u: Vec2) -> Option<(Vec3, f32)> 
     }
 }
 
-/// Halves the spheres at the median of their widest axis until `most` groups are left, then bounds each group.
+/// Halves the spheres at the median of their widest axis until `most` groups are left, then bounds
+/// each group.
 fn merge(spheres: &mut Vec<Sphere>, most: usize) {
     if spheres.len() <= most {
         return;

@@ -79,7 +79,8 @@ pub(super) fn cone_may_reach(position: Vec3, axis: Vec3, outer: f32, sphere: Sph
     angle <= 2.0 * libm::asinf((0.5 * outer).sqrt()) + libm::asinf(sphere.radius / distance) + MARGIN
 }
 
-/// Samples emission from a point towards the spheres of `aim`; `intensity` takes the unit direction from the point.
+/// Samples emission from a point towards the spheres of `aim`; `intensity` takes the unit direction
+/// from the point.
 pub(super) fn sample_le_of_point(
     aim: &PhotonAim,
     position: Vec3,

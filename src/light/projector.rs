@@ -38,7 +38,8 @@ pub struct Slide {
 }
 
 impl Slide {
-    /// A picture with a full vertical angle of view \[radians], below π. `None` if the picture is black.
+    /// A picture with a full vertical angle of view \[radians], below π. `None` if the picture is
+    /// black.
     ///
     /// # Errors
     /// [`PictureError::Value`] if a pixel is negative or not finite.
@@ -67,7 +68,8 @@ impl Slide {
         self.picture.pixels()[(pixel.y * self.picture.width() + pixel.x) as usize]
     }
 
-    /// Pixel (column, row) in a direction of the frame (right, up, forward); `None` beside the picture.
+    /// Pixel (column, row) in a direction of the frame (right, up, forward); `None` beside the
+    /// picture.
     #[inline]
     fn pixel(&self, local: Vec3) -> Option<UVec2> {
         let p = DVec2::new(f64::from(local.x), -f64::from(local.y)) / f64::from(local.z) / self.half;
@@ -78,7 +80,8 @@ impl Slide {
         Some(((0.5 * p + 0.5) * size.as_dvec2()).as_uvec2().min(size - 1))
     }
 
-    /// Samples a direction in the frame (right, up, forward), with the value there and its pdf \[1/sr].
+    /// Samples a direction in the frame (right, up, forward), with the value there and its pdf
+    /// \[1/sr].
     fn sample(&self, u: Vec2) -> Option<(Vec3, Rgb, f32)> {
         let (pixel, within, pdf) = self.distribution.sample(u);
         let size = DVec2::new(f64::from(self.picture.width()), f64::from(self.picture.height()));
@@ -88,7 +91,8 @@ impl Slide {
         (pdf > 0.0).then(|| (local.as_vec3(), self.value(pixel), pdf as f32))
     }
 
-    /// Pdf \[1/sr] with which [`Slide::sample`] samples a unit direction of the frame (right, up, forward).
+    /// Pdf \[1/sr] with which [`Slide::sample`] samples a unit direction of the frame (right, up,
+    /// forward).
     fn pdf(&self, local: Vec3) -> f32 {
         let per_solid_angle = self.per_solid_angle(f64::from(local.z)) as f32;
         self.pixel(local).map_or(0.0, |pixel| self.distribution.pdf(pixel) * per_solid_angle)
@@ -112,7 +116,8 @@ impl Slide {
 impl ProjectorLight {
     /// A projector with a picture whose pixel value 1 means intensity `scale` \[W/sr].
     ///
-    /// `direction` is the axis of projection; `up` is the upper side of the picture, and not parallel to it.
+    /// `direction` is the axis of projection; `up` is the upper side of the picture, and not
+    /// parallel to it.
     #[must_use]
     pub fn new(position: Vec3, direction: DVec3, up: DVec3, slide: Arc<Slide>, scale: Rgb) -> Self {
         let forward = direction.normalize();

@@ -23,9 +23,11 @@ pub struct DirectSample {
     pub wi: Vec3,
     /// End of the shadow ray.
     pub target: ShadowTarget,
-    /// Radiance over `pdf`, without the cosine at the lit surface; for delta lights, irradiance at normal incidence.
+    /// Radiance over `pdf`, without the cosine at the lit surface; for delta lights, irradiance at
+    /// normal incidence.
     pub weight: Rgb,
-    /// Pdf of `wi` \[1/sr], equal to [`Light::pdf_li`]; `None` for delta lights, which BSDF sampling cannot hit.
+    /// Pdf of `wi` \[1/sr], equal to [`Light::pdf_li`]; `None` for delta lights, which BSDF
+    /// sampling cannot hit.
     pub pdf: Option<f32>,
 }
 
@@ -49,7 +51,8 @@ pub struct EmissionDimensions {
 
 /// One kind of light.
 ///
-/// The default methods describe a delta light at a finite position. [`Light`] documents the methods.
+/// The default methods describe a delta light at a finite position. [`Light`] documents the
+/// methods.
 pub(super) trait LightSource {
     /// Implements [`Light::sample_li`].
     fn sample_li(&self, p: Vec3, u: Vec2) -> Option<DirectSample>;

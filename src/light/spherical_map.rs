@@ -43,8 +43,8 @@ pub(super) fn scaled(mut picture: Image, scale: Rgb) -> Result<Image, PictureErr
 
 /// A function of direction, given by an equirectangular map.
 ///
-/// The top row of the map is +y, its center is −z, and the direction to the right of the center is +x. Values are interpolated
-/// bilinearly between pixels, also across the seam.
+/// The top row of the map is +y, its center is −z, and the direction to the right of the center is
+/// +x. Values are interpolated bilinearly between pixels, also across the seam.
 #[derive(Clone, Debug)]
 pub struct SphericalMap {
     map: Image,
@@ -125,9 +125,11 @@ impl SphericalMap {
         distribution.pdf(UVec2::new(column, row)) / (TAU * f64::from(self.map.height()) * height) as f32
     }
 
-    /// Samples a unit direction by the values of the pixels, uniformly within each pixel; `None` if the map is black.
+    /// Samples a unit direction by the values of the pixels, uniformly within each pixel; `None` if
+    /// the map is black.
     ///
-    /// Rounding may move the direction to the next pixel: its pdf is [`SphericalMap::pdf`], which may be zero.
+    /// Rounding may move the direction to the next pixel: its pdf is [`SphericalMap::pdf`], which
+    /// may be zero.
     #[inline]
     pub(super) fn sample(&self, u: Vec2) -> Option<Vec3> {
         let (cell, within, _) = self.distribution.as_ref()?.sample(u);
@@ -142,7 +144,8 @@ impl SphericalMap {
 
 /// Integral over the cosine with +y of the interpolation weight of row `y` of `h`.
 ///
-/// The weight is a hat function of the angle from +y. Beyond the centers of the first and the last row it is constant.
+/// The weight is a hat function of the angle from +y. Beyond the centers of the first and the last
+/// row it is constant.
 fn row_measure(y: usize, h: usize) -> f64 {
     let step = PI / h as f64;
     let center = (y as f64 + 0.5) * step;
@@ -150,7 +153,8 @@ fn row_measure(y: usize, h: usize) -> f64 {
         return 2.0;
     }
     if y == 0 || y == h - 1 {
-        // The constant part contributes 1 − cos, then the falling flank. The last row mirrors the first.
+        // The constant part contributes 1 − cos, then the falling flank. The last row mirrors the
+        // first.
         return 1.0 - (sin(1.5 * step) - sin(0.5 * step)) / step;
     }
     sin(center) * 2.0 * (1.0 - cos(step)) / step

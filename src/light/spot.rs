@@ -17,7 +17,8 @@ pub struct SpotLight {
     pub position: Vec3,
     /// Unit axis of the beam.
     pub axis: Vec3,
-    /// 1 − cosine of the half angle at which the falloff begins. A cosine alone loses its digits in narrow beams.
+    /// 1 − cosine of the half angle at which the falloff begins. A cosine alone loses its digits in
+    /// narrow beams.
     pub inner: f32,
     /// 1 − cosine of the half angle beyond which the intensity is zero.
     pub outer: f32,
@@ -62,7 +63,8 @@ impl LightSource for SpotLight {
 
     fn sample_le(&self, _domain: Sphere, _position: Vec2, direction: Vec2) -> Option<EmissionSample> {
         let w = Frame::around(self.axis).to_world(warp::cone(direction, self.outer));
-        // The sampled cosine is exact; in a narrow beam, the rounding of `w` is a large part of its width.
+        // The sampled cosine is exact; in a narrow beam, the rounding of `w` is a large part of its
+        // width.
         let intensity = self.intensity_at(direction.x * self.outer);
         Some(EmissionSample { ray: Ray::new(self.position, w), flux: intensity * (TAU * self.outer) })
     }

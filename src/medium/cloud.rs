@@ -78,8 +78,9 @@ mod tests {
         }
     }
 
-    /// The ball is π/6 of the cube, and noise is as often above as below its middle, 1/2: full cover is π/12, within what
-    /// some 4π/3·2³ = 34 independent wavelengths of spread ¼ allow, five times over.
+    /// The ball is π/6 of the cube, and noise is as often above as below its middle, 1/2: full
+    /// cover is π/12, within what some 4π/3·2³ = 34 independent wavelengths of spread ¼ allow, five
+    /// times over.
     #[test]
     fn cover_softness_and_seed_have_their_effect() {
         let full = mean(Cloud { cover: 1.0, softness: 0.0, ..CLOUD });

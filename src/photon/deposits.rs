@@ -42,13 +42,15 @@ impl VolumePhotons {
 pub struct Deposits {
     /// Photons on surfaces.
     pub photons: Vec<Photon>,
-    /// Photons on surfaces of paths that continued after a caustic, if [`StoreMask::apart`](super::StoreMask) is set.
+    /// Photons on surfaces of paths that continued after a caustic, if
+    /// [`StoreMask::apart`](super::StoreMask) is set.
     pub after_caustic: Vec<Photon>,
     /// Photons in media, of the kinds of `photons`.
     pub volume: VolumePhotons,
     /// Photons in media, of the kinds of `after_caustic`.
     pub after_volume: VolumePhotons,
-    /// Number of invalid photons that were not stored: flux or position is not finite, or a channel is negative.
+    /// Number of invalid photons that were not stored: flux or position is not finite, or a channel
+    /// is negative.
     pub rejected: u64,
 }
 

@@ -11,7 +11,8 @@ use glam::Vec2;
 /// Samples per light for the estimate of its aimed power.
 const POWER_SAMPLES: u32 = 256;
 
-/// Fraction of the light probabilities that follows total power, so that no light is lost by a bad estimate.
+/// Fraction of the light probabilities that follows total power, so that no light is lost by a bad
+/// estimate.
 const DEFENSIVE_FRACTION: f64 = 0.1;
 
 /// Source of photon paths from all lights of a scene.
@@ -44,7 +45,8 @@ pub(super) struct EmissionPoint {
 }
 
 impl<'a> PhotonSource<'a> {
-    /// A source that emits in all directions, from each light in proportion to its power; `None` if no light has power.
+    /// A source that emits in all directions, from each light in proportion to its power; `None` if
+    /// no light has power.
     #[must_use]
     pub fn everywhere(scene: &'a Scene) -> Option<Self> {
         let choice = Discrete::new(powers(scene))?;
@@ -54,7 +56,8 @@ impl<'a> PhotonSource<'a> {
 
     /// A source that aims at the casters, from each light in proportion to the aimed power.
     ///
-    /// `None` if no light can reach a caster. The aimed power is estimated by a pilot that depends on the scene alone.
+    /// `None` if no light can reach a caster. The aimed power is estimated by a pilot that depends
+    /// on the scene alone.
     #[must_use]
     pub fn aimed(scene: &'a Scene) -> Option<Self> {
         let Some(spheres) = scene.caster_balls() else {
@@ -88,7 +91,8 @@ impl<'a> PhotonSource<'a> {
     /// The source without the environment light; `None` if no other light has power.
     #[must_use]
     pub fn without_environment(self) -> Option<Self> {
-        // Without an environment, the source stays equal to the bit: new probabilities would differ by rounding.
+        // Without an environment, the source stays equal to the bit: new probabilities would differ
+        // by rounding.
         let Some(sky) = self.scene.environment() else { return Some(self) };
         let weight = |i| if i == sky { 0.0 } else { f64::from(self.choice.probability(i)) };
         let choice = Discrete::new((0..self.scene.lights().len()).map(weight))?;
@@ -122,8 +126,9 @@ impl<'a> PhotonSource<'a> {
 
     /// Starts path `index` of `paths`, with its flux \[W]; `None` if it carries no flux.
     ///
-    /// Lights are chosen by systematic sampling over the indices. Positions and directions are scrambled Sobol points keyed
-    /// by the pass: each path is uniform by itself, and all paths together are stratified.
+    /// Lights are chosen by systematic sampling over the indices. Positions and directions are
+    /// scrambled Sobol points keyed by the pass: each path is uniform by itself, and all paths
+    /// together are stratified.
     #[must_use]
     pub fn emit<I: Interior>(&self, pass: Key, index: u32, paths: u32) -> Option<(PathRay<I>, Rgb)> {
         let point = self.emission_point(pass, index, paths);

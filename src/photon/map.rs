@@ -50,7 +50,8 @@ impl PhotonMap {
         merge_coincident(&mut photons);
         let len = photons.len();
         let at = |p: &Photon, axis: usize| p.position[axis];
-        // Construction fails only for mutable trees and for generated indices; neither is used here.
+        // Construction fails only for mutable trees and for generated indices; neither is used
+        // here.
         let tree =
             if photons.is_empty() { None } else { Tree::new_from_source_parallel(&photons, at, |_, p| p.data).ok() };
         Self { tree, len, min_radius: 0.0 }
@@ -76,7 +77,8 @@ impl PhotonMap {
         self.len == 0
     }
 
-    /// Visits every photon within `radius` of `p` with its flux and squared distance. Allocates nothing.
+    /// Visits every photon within `radius` of `p` with its flux and squared distance. Allocates
+    /// nothing.
     #[inline]
     pub fn visit(&self, p: Vec3, radius: f32, mut visitor: impl FnMut(&PhotonData, f32)) {
         let Some(tree) = &self.tree else { return };

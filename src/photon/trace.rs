@@ -199,7 +199,8 @@ impl PhotonPass<'_> {
         }
     }
 
-    /// Samples the scattering distance of `flux` in a medium segment; `None` if the flux passes through.
+    /// Samples the scattering distance of `flux` in a medium segment; `None` if the flux passes
+    /// through.
     ///
     /// `weight` is the product of the weights of all segments since the last vertex.
     #[inline]

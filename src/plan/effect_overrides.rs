@@ -30,7 +30,8 @@ impl EffectOverrides {
         Self { on: self.on.without(effect), off: self.off.with(effect) }
     }
 
-    /// Returns true if `effect` is forced on, false if it is forced off; `None` if the plan decides.
+    /// Returns true if `effect` is forced on, false if it is forced off; `None` if the plan
+    /// decides.
     #[must_use]
     pub fn of(self, effect: Effect) -> Option<bool> {
         if self.on.has(effect) {

@@ -7,7 +7,8 @@
 //! # Map of the key space
 //! A [`Key`] is derived from its parent by one 64-bit word, and a number from a key by its
 //! [`Dimension`]. The functions below make every word that the renderer uses. Two uses may share a
-//! word of one parent only if their dimensions differ. The last column says why no numbers coincide.
+//! word of one parent only if their dimensions differ. The last column says why no numbers
+//! coincide.
 //!
 //! | parent | function | word | distinct because |
 //! | --- | --- | --- | --- |

@@ -70,8 +70,8 @@ impl Rectangle {
         SurfacePoint::exact(p, self.normal, self.corner.abs().max_element() + reach)
     }
 
-    /// Returns the view of the outer side from `from`; `None` from behind, or if sampling by area is
-    /// preferred.
+    /// Returns the view of the outer side from `from`; `None` from behind, or if sampling by area
+    /// is preferred.
     fn view(&self, from: Vec3) -> Option<RectangleView> {
         let to = self.corner - from.as_dvec3();
         let z = -self.normal.dot(to);

@@ -2,8 +2,9 @@
 
 use super::*;
 
-/// Second moments: box 1/12, tent 1/6, the others by quadrature. The table is coarsest in the two cells at the ends, which
-/// hold 1/1024 each and reach from 1 to 1.5 px at most: they misplace x² by at most (1.5² − 1)/2 each, together 1.2·10⁻³.
+/// Second moments: box 1/12, tent 1/6, the others by quadrature. The table is coarsest in the two
+/// cells at the ends, which hold 1/1024 each and reach from 1 to 1.5 px at most: they misplace x²
+/// by at most (1.5² − 1)/2 each, together 1.2·10⁻³.
 #[test]
 fn second_moments_match_quadrature() {
     let n = 100_000;
@@ -25,8 +26,9 @@ fn second_moments_match_quadrature() {
     }
 }
 
-/// Weights are 1 in the mean, and weighted moments are the filter's: one over a net of 2¹⁸ points, whose error for functions with few
-/// jumps is far below the chance bound of as many independent points.
+/// Weights are 1 in the mean, and weighted moments are the filter's: one over a net of 2¹⁸ points,
+/// whose error for functions with few jumps is far below the chance bound of as many independent
+/// points.
 #[test]
 fn signed_weights_average_one() {
     use crate::sampling::{Dimension, Key, Purpose, sobol_2d};

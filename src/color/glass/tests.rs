@@ -47,7 +47,8 @@ fn range_bounds_all_indices() {
             assert!((least - 1e-15..=most + 1e-15).contains(&n) && n > 1.0, "{glass:?} {n}");
             (low, high) = (low.min(n), high.max(n));
         }
-        // A term moves by less than 0.001 in a nanometre, and twice where terms move against each other.
+        // A term moves by less than 0.001 in a nanometre, and twice where terms move against each
+        // other.
         assert!(low - least < 2e-3 && most - high < 2e-3, "{glass:?}");
     }
 }

@@ -80,9 +80,8 @@ pub enum LightDescription {
     },
     /// A light that moves while the shutter is open.
     Moving {
-        /// Motion, like that of
-        /// [`ObjectDescription::Moving`](super::ObjectDescription::Moving), but about the light's own
-        /// position.
+        /// Motion, like that of [`ObjectDescription::Moving`](super::ObjectDescription::Moving),
+        /// but about the light's own position.
         maps: Vec<TransformStep>,
         /// The light.
         light: Box<Spanned<LightDescription>>,

@@ -26,7 +26,8 @@ pub fn p_value(counts: &[f64], expected: &[f64]) -> f64 {
     if pool.1 >= 10.0 {
         add(pool.0, pool.1);
     } else {
-        // So few are no evidence unless they are impossible: five sigma of a count, and one in a million of none.
+        // So few are no evidence unless they are impossible: five sigma of a count, and one in a
+        // million of none.
         assert!(pool.0 <= pool.1 + 5.0 * pool.1.sqrt() + 5.0, "{} draws where {} were expected", pool.0, pool.1);
     }
     // Wilson–Hilferty: the cube root of χ²/ν is normal with mean 1 − 2/(9ν) and variance 2/(9ν).
@@ -134,7 +135,8 @@ fn chi_square_detects_a_wrong_pdf() {
     let uniform = 0.25 / std::f64::consts::PI;
     let (p, total) = cells.compare(&draw, &|_| uniform);
     assert!(p > sidak(1) && (total - 1.0).abs() < 1e-9, "{p} {total}");
-    // Five per cent more above than below: 300,000 · 0.025² = 190 more of chi-square, whose deviation is √(2 · 384) = 28.
+    // Five per cent more above than below: 300,000 · 0.025² = 190 more of chi-square, whose
+    // deviation is √(2 · 384) = 28.
     let (p, _) = cells.compare(&draw, &|w| uniform * if w.y > 0.0 { 1.025 } else { 0.975 });
     assert!(p < sidak(1), "{p}");
 }

@@ -82,7 +82,8 @@ fn direct_samples_follow_pdf_li() {
     let views = views();
     let threshold = sidak(views.len());
     for (emitter, p, all) in views {
-        // By area, the density of an ellipsoid grows without bound towards its outline, where midpoints fail.
+        // By area, the density of an ellipsoid grows without bound towards its outline, where
+        // midpoints fail.
         let least_cos = if matches!(emitter, LightSurface::Shape(Shape::Ellipsoid(_))) { 0.2 } else { 0.0 };
         let light = Light::Area(AreaLight::uniform(emitter.clone(), Rgb::ONE));
         let drawn = |u: glam::Vec2| {
@@ -92,8 +93,9 @@ fn direct_samples_follow_pdf_li() {
             let point = first_hit(&emitter, p, sample.wi)
                 .filter(|point| (point.p - end).length() < 1e-4 && sample.wi.dot(point.ng) < 0.0)?;
             let (density, pdf) = (light.pdf_li(p, sample.wi, Some(&point)), sample.pdf?);
-            // Rounding of the direction by 2⁻²³ moves the crossing by d/cos of that, and turns the normal by the curvature, at most
-            // 25 here, times that: the cosine changes by 2⁻²³ · 25 d/cos² of itself.
+            // Rounding of the direction by 2⁻²³ moves the crossing by d/cos of that, and turns the
+            // normal by the curvature, at most 25 here, times that: the cosine changes by 2⁻²³ · 25
+            // d/cos² of itself.
             let cos = -sample.wi.dot(point.ng);
             assert!((density / pdf - 1.0).abs() < 1e-5 / (cos * cos), "{light:?} {p}: {density} {pdf}");
             assert!((sample.weight.x * pdf - 1.0).abs() < 1e-5);
@@ -120,7 +122,8 @@ fn rectangle_sampling_is_exact_near_its_plane() {
         let term = |p: f64, q: f64| p / (h * h + p * p).sqrt() * libm::atan(q / (h * h + p * p).sqrt());
         let truth = 2.5 * (term(a, b) + term(b, a));
         agrees(irradiance(&light, Vec3::new(0.0, -h as f32, 0.0), Vec3::Y), truth);
-        // On a wall that faces it from the side, one off: a perpendicular rectangle less the part up to the light.
+        // On a wall that faces it from the side, one off: a perpendicular rectangle less the part
+        // up to the light.
         let part = |x: f64| h / libm::hypot(x, h) * libm::atan(b / libm::hypot(x, h));
         agrees(irradiance(&light, Vec3::new(-1.0, -h as f32, 0.0), Vec3::X), 2.5 * (part(1.0) - part(1.0 + a)));
     }

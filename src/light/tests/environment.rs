@@ -109,7 +109,8 @@ fn a_constant_environment_lights_a_plane_by_pi_l() {
     });
     let truth = PI * a * a * 4.0 * PI * 2.0;
     agrees(flux, truth);
-    // Aimed at the ball alone, every photon carries all of that; targets are larger than their balls by some 10⁻⁵.
+    // Aimed at the ball alone, every photon carries all of that; targets are larger than their
+    // balls by some 10⁻⁵.
     let aim = PhotonAim::new([Sphere { center: ball, radius: a as f32 }]);
     for i in 0..100 {
         let (u, v) = (key(i).uniform_2d(Dimension::LightPosition), key(i).uniform_2d(Dimension::LightDirection));
@@ -142,7 +143,8 @@ fn map_orientation_matches_documentation() {
         EnvironmentLight::new(map, angle, Rgb::splat(10.0)).unwrap().radiance(w.normalize()).x
     };
     let close = |a: f32, b: f32| assert!((a - b).abs() < 1e-4, "{a} {b}");
-    // Towards −z, between the second and the third column, and just right of it; the seam behind; level between the rows.
+    // Towards −z, between the second and the third column, and just right of it; the seam behind;
+    // level between the rows.
     close(at(0.0, Vec3::new(0.0, 1.0, -1.0)), 15.0);
     close(at(0.0, Vec3::new(1.0, 2f32.sqrt(), -1.0)), 20.0);
     close(at(0.0, Vec3::new(0.0, 1.0, 1.0)), 15.0);

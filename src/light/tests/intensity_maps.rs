@@ -8,7 +8,8 @@ use std::sync::Arc;
 
 const POSITION: Vec3 = Vec3::new(0.3, 3.0, 0.1);
 
-/// A picture of 4 × 3 pixels with a black corner, projected downwards with its upper side towards −z.
+/// A picture of 4 × 3 pixels with a black corner, projected downwards with its upper side towards
+/// −z.
 pub fn projector() -> ProjectorLight {
     let pixels = (0..12).map(|i| Rgb::new(i as f32, 0.5 * i as f32, 1.0) * if i == 0 { 0.0 } else { 0.3 });
     let picture = Image::from_pixels(4, 3, pixels.collect()).unwrap();
@@ -62,7 +63,8 @@ fn profile_power_matches_closed_forms() {
         let light = GoniometricLight::new(Vec3::ZERO, DVec3::X, DVec3::NEG_Y, map, Rgb::ONE);
         f64::from(Light::Goniometric(light).power(Sphere { center: Vec3::ZERO, radius: 1.0 }).x)
     };
-    // Isotropic; linear from the axis to its opposite; one hemisphere, with an edge of a quarter of a degree.
+    // Isotropic; linear from the axis to its opposite; one hemisphere, with an edge of a quarter of
+    // a degree.
     for (profile, expected, tolerance) in [
         (&[(0.0, 1.0), (180.0, 1.0)][..], 4.0 * PI, 1e-5),
         (&[(0.0, 1.0), (180.0, 0.0)], 2.0 * PI, 1e-5),

@@ -134,7 +134,8 @@ fn constant_grid_equals_homogeneous_slab() {
     check(&bluish(Some(field)), &ray, 30.0, depth, "bluish slab");
 }
 
-/// ρ = x/2, but constant in the outer half of the outer of 20 cells; from 0 to x = 4, seen straight and aslant.
+/// ρ = x/2, but constant in the outer half of the outer of 20 cells; from 0 to x = 4, seen straight
+/// and aslant.
 #[test]
 fn linear_density_matches_its_optical_depth() {
     let place = DAffine3::from_scale_rotation_translation(
@@ -161,7 +162,8 @@ fn linear_density_matches_its_optical_depth() {
     }
 }
 
-/// τ by the midpoint rule over 40,000 steps, whose error at the kinks of the cells is below 10⁻⁶ of it.
+/// τ by the midpoint rule over 40,000 steps, whose error at the kinks of the cells is below 10⁻⁶ of
+/// it.
 #[test]
 fn clouds_match_their_optical_depth() {
     let cloud = Cloud { octaves: 4, scale: 3.0, cover: 0.8, softness: 0.3, seed: 5 };

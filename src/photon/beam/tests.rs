@@ -221,7 +221,8 @@ fn collimated_beam_radiance_is_exact() {
     let ray = Ray { origin: Vec3::new(0.0, 0.0, depth as f32), direction: Vec3::X, t_max: across as f32 };
     let run = |run: u64| {
         let n = 20_000u64;
-        // Beams fill −½ … ½ across the plane, further than the radius, and more than the ray's length along it.
+        // Beams fill −½ … ½ across the plane, further than the radius, and more than the ray's
+        // length along it.
         let flux = (irradiance * (across + 1.0) / n as f64) as f32;
         let one = |i: u64| {
             let u = key(run * n + i).uniform_2d(Dimension::LightPosition);

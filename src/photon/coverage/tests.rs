@@ -38,7 +38,8 @@ fn mean(scene: &Scene, p: DVec3, normal: Vec3, radius: f32, kernel: Kernel) -> (
     (mean, (variance / n as f64).sqrt())
 }
 
-/// The kernel's weights are drawn with the probes, so the mean of the ratio is off by less than one over their number.
+/// The kernel's weights are drawn with the probes, so the mean of the ratio is off by less than one
+/// over their number.
 #[track_caller]
 fn covers(scene: &Scene, p: DVec3, kernel: Kernel, expected: f64) {
     let (mean, sigma) = mean(scene, p, Vec3::Y, 0.5, kernel);
@@ -72,8 +73,8 @@ fn coverage_is_half_at_edges_quarter_at_corners() {
     }
 }
 
-/// Half a radius from an edge, what lies beyond it is ∫ 2 acos(1/(2t)) K(t) t dt from ½ to 1: .196 of the box, .109 of the cone
-/// and .127 of Epanechnikov's. 2000 midpoints leave less than 10⁻⁴.
+/// Half a radius from an edge, what lies beyond it is ∫ 2 acos(1/(2t)) K(t) t dt from ½ to 1: .196
+/// of the box, .109 of the cone and .127 of Epanechnikov's. 2000 midpoints leave less than 10⁻⁴.
 #[test]
 fn edge_coverage_matches_kernel_integral() {
     for kernel in KERNELS {
@@ -121,9 +122,9 @@ fn coverage_has_a_lower_bound() {
     assert_eq!(coverage(&square(), Vec3::new(0.0, 2.0, 0.0), Vec3::Y, 0.5, Kernel::Box, key), MIN_COVERAGE);
 }
 
-/// The part of a sphere within chord r of a point has the area πr² exactly, so what is a disc to the eye covers a disc, on a
-/// ball and in a bowl: the slope makes up for what the chord leaves out. Probes beyond the chord are drawn in vain, which the
-/// ratio knows.
+/// The part of a sphere within chord r of a point has the area πr² exactly, so what is a disc to
+/// the eye covers a disc, on a ball and in a bowl: the slope makes up for what the chord leaves
+/// out. Probes beyond the chord are drawn in vain, which the ratio knows.
 #[test]
 fn sphere_has_full_box_coverage() {
     let ball = scene(&[Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0))]);

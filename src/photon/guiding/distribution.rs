@@ -98,10 +98,12 @@ pub(super) struct GuidingFit {
 }
 
 impl GuidingFit {
-    /// Fits cells to the samples of a light; `uniform` is the fraction of the distribution that stays uniform.
+    /// Fits cells to the samples of a light; `uniform` is the fraction of the distribution that
+    /// stays uniform.
     ///
-    /// Each step subdivides the square of positions or that of directions, whichever gives the smaller second moment. The best
-    /// level of all steps is kept. Second moments are cross-validated between two halves of the samples against overfitting.
+    /// Each step subdivides the square of positions or that of directions, whichever gives the
+    /// smaller second moment. The best level of all steps is kept. Second moments are
+    /// cross-validated between two halves of the samples against overfitting.
     pub fn new(light: &Light, samples: &[&Sample], uniform: f64) -> Self {
         let EmissionDimensions { position, direction } = light.emission_dimensions();
         let most = (if position { MAX_SUBDIVISIONS } else { 0 }, if direction { MAX_SUBDIVISIONS } else { 0 });
@@ -153,7 +155,8 @@ impl GuidingFit {
     }
 }
 
-/// Distribution of the sample points of emission: of positions, and of directions within each cell of positions.
+/// Distribution of the sample points of emission: of positions, and of directions within each cell
+/// of positions.
 #[derive(Clone, Debug)]
 pub(in crate::photon) struct GuidingDistribution {
     /// Cells of positions along each side.
@@ -164,7 +167,8 @@ pub(in crate::photon) struct GuidingDistribution {
 }
 
 impl GuidingDistribution {
-    /// Maps two uniform points of \[0, 1)² to the sample points of a position and a direction, with their pdf.
+    /// Maps two uniform points of \[0, 1)² to the sample points of a position and a direction, with
+    /// their pdf.
     #[inline]
     pub fn sample(&self, position: Vec2, direction: Vec2) -> (Vec2, Vec2, f32) {
         let (position, pdf) = self.positions.sample(position);

@@ -21,7 +21,8 @@ const ROUNDS: u32 = 2;
 /// Paths per parallel chunk.
 const CHUNK: u32 = 4096;
 
-/// Fraction of the emission that stays unguided (defensive sampling). It bounds path weights by its inverse.
+/// Fraction of the emission that stays unguided (defensive sampling). It bounds path weights by its
+/// inverse.
 const DEFENSIVE_FRACTION: f64 = 0.2;
 
 /// Settings of the pilot for emission guiding.
@@ -53,19 +54,23 @@ pub struct GuidingReport {
     pub rays: u64,
     /// Fraction of unguided paths that light a visible point.
     pub useful: f64,
-    /// Factor by which guiding reduces the paths needed for equal variance of the picture; 1 without guiding.
+    /// Factor by which guiding reduces the paths needed for equal variance of the picture; 1
+    /// without guiding.
     ///
     /// The last round of the pilot measures the distribution of the rounds before.
     pub gain: f64,
 }
 
 impl PhotonSource<'_> {
-    /// The source with guided emission: lights, positions and directions are sampled by their effect on the picture.
+    /// The source with guided emission: lights, positions and directions are sampled by their
+    /// effect on the picture.
     ///
-    /// For each path, a pilot measures the sum of the squared changes of the picture by its photons. The guided pdf is
-    /// proportional to the root of the mean square, which minimises the variance (Pharr, Jakob, Humphreys 2023, section
+    /// For each path, a pilot measures the sum of the squared changes of the picture by its
+    /// photons. The guided pdf is proportional to the root of the mean square, which minimises the
+    /// variance (Pharr, Jakob, Humphreys 2023, section
     /// 2.2.2). It is mixed with the unguided pdf, so every mean is unbiased and weights are bounded. If the pilot lights no
-    /// visible point, the source stays unguided. The result depends only on the scene, this source and `pilot`.
+    /// visible point, the source stays unguided. The result depends only on the scene, this source
+    /// and `pilot`.
     #[must_use]
     pub fn guided(mut self, pilot: &GuidingPilot<'_>) -> (Self, GuidingReport) {
         let unguided = self.choice.clone();
@@ -163,7 +168,8 @@ impl PhotonSource<'_> {
         if !(total > 0.0 && total.is_finite()) {
             return;
         }
-        // The mixture is over all lights: a light with a higher guided probability needs a smaller fraction of its own.
+        // The mixture is over all lights: a light with a higher guided probability needs a smaller
+        // fraction of its own.
         let defensive = |i: usize| DEFENSIVE_FRACTION * f64::from(unguided.probability(i));
         let chosen = |i: usize| defensive(i) + (1.0 - DEFENSIVE_FRACTION) * fits[i].deviation() / total;
         if let Some(choice) = Discrete::new((0..lights.len()).map(chosen)) {

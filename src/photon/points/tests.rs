@@ -146,10 +146,11 @@ fn assert_mean(values: &[f64], truth: f64, precision: f64) {
     assert!((mean - truth).abs() < 4.0 * error, "{mean} is not {truth}, give or take {error}");
 }
 
-/// A collimated beam crossed by a ray (analytic-truths 27 in the project's notes), from photons where they were stopped.
+/// A collimated beam crossed by a ray (analytic-truths 27 in the project's notes), from photons
+/// where they were stopped.
 ///
-/// A blur over a radius r of a field of curvature σt² has a relative bias of r²σt²/16 in two dimensions and r²σt²/14 in three: here
-/// below 3·10⁻⁴, a tenth of the statistical error asked for.
+/// A blur over a radius r of a field of curvature σt² has a relative bias of r²σt²/16 in two
+/// dimensions and r²σt²/14 in three: here below 3·10⁻⁴, a tenth of the statistical error asked for.
 #[test]
 fn collimated_beam_radiance_is_exact() {
     let (extinction, scattering, depth, across) = (1.3f64, 0.9f64, 0.7f64, 1.6f64);

@@ -211,7 +211,7 @@ fn bad_arguments_exit_2_and_bad_outputs_3() {
         ("a.png", ["<B>", ""]),
         ("a.png b.png --max-relative most", ["`most` is not a fraction", "2% or 0.02"]),
         ("a.png b.png --max-rmse -1", ["-1", ""]),
-        ("a.png b.png --max-flip nan", ["`nan` is no bound", ""]),
+        ("a.png b.png --max-flip nan", ["`nan` is not a bound", ""]),
         ("a.png b.png --map colour", ["colour", "signed"]),
         ("a.png b.png --pixels-per-degree 0", ["1 to 1000", ""]),
         ("a.png b.png --flip hdr --exposure 1", ["--exposure applies to LDR-FLIP", "--flip ldr"]),

@@ -42,7 +42,7 @@ fn black_objects_render_black() {
         "Background { color 0 0 0 } Group { }".to_owned(),
         format!("Background {{ color 0 0 0 }} {LIGHT} Materials {{ Diffuse {{ reflectance 0 0 0 }} }} {BALL}"),
         format!("Background {{ color 0 0 0 }} Lights {{ PointLight {{ position 0 5 5 power 0 0 0 }} }} {BALL}"),
-        "Background { color 0 0 0 } Lights { SphereLight { center 9 9 9 radius 1 radiance 0 0 0 } } Group { }"
+        "Background { color 0 0 0 } Lights { SphereLight { center 0 0 0 radius 1 radiance 0 0 0 } } Group { }"
             .to_owned(),
     ] {
         let (pixels, words) = pixels(&text);
