@@ -56,7 +56,7 @@ impl Bvh8 {
         build_tree(&mut fragments, &mut tree);
         let mut bvh = Self { nodes: Vec::new(), packets: Vec::new(), stack: 0 };
         if !tree.is_empty() {
-            let source = Source { triangles, fragments: &fragments, tree: &tree };
+            let source = CollapseInput { triangles, fragments: &fragments, tree: &tree };
             bvh.stack = bvh.collapse(&source, 0, 0) + ARITY;
         }
         bvh.nodes.shrink_to_fit();
@@ -67,7 +67,7 @@ impl Bvh8 {
     /// Appends the wide node of a binary node and all nodes below it.
     ///
     /// Returns the stack size that a traversal below it can need.
-    fn collapse(&mut self, source: &Source, at: usize, start: usize) -> usize {
+    fn collapse(&mut self, source: &CollapseInput, at: usize, start: usize) -> usize {
         let mut chosen = [(0, 0); ARITY];
         let mut count = 0;
         source.choose(at, start, ARITY, &mut |child| {
@@ -235,13 +235,13 @@ impl Node8 {
 }
 
 /// Input of the collapse into wide nodes.
-struct Source<'a> {
+struct CollapseInput<'a> {
     triangles: &'a [[Vec3; 3]],
     fragments: &'a [Fragment],
     tree: &'a [BinaryNode],
 }
 
-impl Source<'_> {
+impl CollapseInput<'_> {
     /// Selects the binary nodes that fill `slots` slots below the node `at`, each with its first
     /// fragment.
     fn choose(&self, at: usize, start: usize, mut slots: usize, take: &mut impl FnMut((usize, usize))) {

@@ -32,7 +32,7 @@ pub enum Primitive {
 
 /// Hit of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Hit {
+pub struct PrimitiveHit {
     /// Ray parameter, in units of the direction's length, `0 < t < t_max`.
     pub t: f32,
     /// The primitive that was hit.
@@ -82,7 +82,7 @@ impl Hierarchy {
     /// coordinates that are passed through to the hit. Its ray has `t_max` reduced to the nearest
     /// hit so far; a hit beyond is ignored.
     #[inline]
-    pub fn closest<F>(&self, ray: &Ray, mut other: F) -> Option<Hit>
+    pub fn closest<F>(&self, ray: &Ray, mut other: F) -> Option<PrimitiveHit>
     where
         F: FnMut(u32, &Ray) -> Option<(f32, f32, f32)>,
     {
@@ -111,7 +111,7 @@ impl Hierarchy {
     /// Calls `visit` with every hit with `0 < t < t_max`, in an order that depends on the tree.
     ///
     /// `other` works like that of [`closest`](Self::closest), but its ray is not shortened.
-    pub fn each<F>(&self, ray: &Ray, mut other: F, mut visit: impl FnMut(Hit))
+    pub fn each<F>(&self, ray: &Ray, mut other: F, mut visit: impl FnMut(PrimitiveHit))
     where
         F: FnMut(u32, &Ray) -> Option<(f32, f32, f32)>,
     {
@@ -175,7 +175,7 @@ impl Best {
     }
 
     #[inline]
-    fn finish(&self, ray: &Ray, precalc: &RayPrecalc) -> Option<Hit> {
+    fn finish(&self, ray: &Ray, precalc: &RayPrecalc) -> Option<PrimitiveHit> {
         let t = self.hit.t * precalc.unit;
         // A distance that the caller's unit cannot express is no hit.
         if !(self.hit.t < precalc.t_max && 0.0 < t && t < ray.t_max) {
@@ -184,6 +184,6 @@ impl Best {
         let index = self.key & !OTHER;
         let primitive = if self.key == index { Primitive::Triangle(index) } else { Primitive::Other(index) };
         let (u, v) = self.hit.barycentric();
-        Some(Hit { t, primitive, u, v })
+        Some(PrimitiveHit { t, primitive, u, v })
     }
 }

@@ -71,6 +71,10 @@ pub struct BsdfSample {
 }
 
 /// The BSDF at one point of a surface. Small and copied; each hit makes one.
+///
+/// Every BSDF but a black one is wholly a *receiver* ([`stores_photons`](Self::stores_photons)) or
+/// wholly a *caster* ([`casts_caustics`](Self::casts_caustics)). A receiver has no delta lobe:
+/// light over such a lobe would be neither in a photon estimate nor in a caustic.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Bsdf {
     /// Absorbs all light.
@@ -113,6 +117,70 @@ impl Bsdf {
             Self::Diffuse(diffuse / diffuse.max_element().max(1.0))
         } else {
             Self::Phong(Phong::new(diffuse, specular, shininess))
+        }
+    }
+
+    /// True if it scatters no light.
+    #[inline]
+    #[must_use]
+    pub fn is_black(&self) -> bool {
+        match self {
+            Self::Black => true,
+            Self::Diffuse(reflectance) => *reflectance == Rgb::ZERO,
+            Self::Phong(_)
+            | Self::Mirror(_)
+            | Self::Dielectric(_)
+            | Self::Conductor(_)
+            | Self::RoughDielectric(_)
+            | Self::Thin(_) => false,
+        }
+    }
+
+    /// True if it is Lambertian reflection alone.
+    #[inline]
+    #[must_use]
+    pub fn is_diffuse(&self) -> bool {
+        match self {
+            Self::Diffuse(_) => true,
+            Self::Black
+            | Self::Phong(_)
+            | Self::Mirror(_)
+            | Self::Dielectric(_)
+            | Self::Conductor(_)
+            | Self::RoughDielectric(_)
+            | Self::Thin(_) => false,
+        }
+    }
+
+    /// One lobe, chosen by `u` in \[0, 1), divided by the probability of its choice.
+    #[inline]
+    #[must_use]
+    pub fn one_lobe(self, u: f32) -> Self {
+        match self {
+            Self::Phong(phong) => phong.part(u),
+            Self::Black
+            | Self::Diffuse(_)
+            | Self::Mirror(_)
+            | Self::Dielectric(_)
+            | Self::Conductor(_)
+            | Self::RoughDielectric(_)
+            | Self::Thin(_) => self,
+        }
+    }
+
+    /// Reflection and refraction of `wo`, if a path may follow both; `None` for other BSDFs.
+    #[inline]
+    #[must_use]
+    pub fn split(&self, wo: Vec3, ns: Vec3, ng: Vec3, transport: Transport) -> Option<Split> {
+        match self {
+            Self::Dielectric(dielectric) => Some(dielectric.split(wo, ns, ng, transport)),
+            Self::Black
+            | Self::Diffuse(_)
+            | Self::Phong(_)
+            | Self::Mirror(_)
+            | Self::Conductor(_)
+            | Self::RoughDielectric(_)
+            | Self::Thin(_) => None,
         }
     }
 
@@ -166,7 +234,7 @@ impl Bsdf {
     #[inline]
     #[must_use]
     pub fn casts_caustics(&self) -> bool {
-        !self.stores_photons() && *self != Self::Black
+        !self.stores_photons() && !self.is_black()
     }
 
     /// Spread that scattering here adds to a ray cone, as a tangent; 0 for deltas.
@@ -190,10 +258,12 @@ impl Bsdf {
     #[must_use]
     pub fn evaluate(&self, wo: Vec3, wi: Vec3, ns: Vec3, ng: Vec3, transport: Transport) -> Rgb {
         let Some(crosses) = crosses(wo, wi, ns, ng) else { return Rgb::ZERO };
+        if crosses && !self.transmits() {
+            return Rgb::ZERO;
+        }
         match self {
             Self::Black | Self::Mirror(_) | Self::Dielectric(_) | Self::Thin(_) => Rgb::ZERO,
             Self::RoughDielectric(glass) => glass.evaluate(wo, wi, facing(ns, wo), ng, transport),
-            Self::Diffuse(_) | Self::Phong(_) | Self::Conductor(_) if crosses => Rgb::ZERO,
             Self::Diffuse(reflectance) => *reflectance * FRAC_1_PI,
             Self::Phong(phong) => phong.evaluate(wo, wi, ns),
             Self::Conductor(conductor) => conductor.evaluate(wo, wi, ns),
@@ -206,10 +276,12 @@ impl Bsdf {
     #[must_use]
     pub fn pdf(&self, wo: Vec3, wi: Vec3, ns: Vec3, ng: Vec3) -> f32 {
         let Some(crosses) = crosses(wo, wi, ns, ng) else { return 0.0 };
+        if crosses && !self.transmits() {
+            return 0.0;
+        }
         match self {
             Self::Black | Self::Mirror(_) | Self::Dielectric(_) | Self::Thin(_) => 0.0,
             Self::RoughDielectric(glass) => glass.pdf(wo, wi, facing(ns, wo), ng),
-            Self::Diffuse(_) | Self::Phong(_) | Self::Conductor(_) if crosses => 0.0,
             Self::Diffuse(_) => warp::cosine_hemisphere_pdf(wi.dot(ns).abs()),
             Self::Phong(phong) => phong.pdf(wo, wi, ns),
             Self::Conductor(conductor) => conductor.pdf(wo, wi, ns),

@@ -1,8 +1,7 @@
 //! Writing any imported scene as scene text, with the meshes and pictures that it holds beside it.
 
 use super::description::{
-    Density, Description, Group, GroupItem, MaterialKindDescription, NormalPerturbationDescription, ObjectDescription,
-    ShapeDescription, Spanned, TextureKindDescription,
+    Density, Description, Group, GroupItem, ObjectDescription, ShapeDescription, Spanned, TextureKindDescription,
 };
 use super::file::SceneFile;
 use super::mesh::TriangleMesh;
@@ -96,15 +95,7 @@ fn for_each_path(description: &mut Description, visit: &mut impl FnMut(&mut Stri
         }
     };
     for material in &mut description.materials {
-        if let MaterialKindDescription::Phong { texture: Some(texture), .. } = &mut material.value.kind {
-            visit_path(texture);
-        }
-        match &mut material.value.relief {
-            Some(
-                NormalPerturbationDescription::Bump { texture, .. } | NormalPerturbationDescription::NormalMap(texture),
-            ) => visit_path(texture),
-            None => {}
-        }
+        material.value.textures_or_paths_mut().for_each(&mut visit_path);
     }
     group_paths(&mut description.root, visit);
 }

@@ -2,8 +2,7 @@
 
 use super::SourceText;
 use super::description::{
-    Description, Emission, Group, GroupItem, MaterialDescription, MaterialKindDescription,
-    NormalPerturbationDescription, ObjectDescription, ShapeDescription, Span, Spanned, TexturedValue,
+    Description, Group, GroupItem, MaterialDescription, ObjectDescription, ShapeDescription, Span, Spanned,
 };
 use super::import::Assets;
 use super::mesh::{self, MeshReport};
@@ -93,7 +92,7 @@ impl<'a> Uses<'a> {
         let mut uses = Self::default();
         uses.group(description, &description.root, &mut 0);
         for material in &description.materials {
-            uses.textures_of(&material.value);
+            uses.textures.extend(material.textures().into_iter().map(|name| name.as_str()));
         }
         uses
     }
@@ -122,60 +121,20 @@ impl<'a> Uses<'a> {
             ObjectDescription::Shape { shape, .. } => {
                 self.materials.insert(*material);
                 let ShapeDescription::Mesh { path, options } = shape else { return };
-                let kind = description.materials.get(*material).map(|material| &material.kind);
-                if matches!(kind, Some(MaterialKindDescription::Dielectric { .. })) && !options.own_materials {
+                let dielectric = description.materials.get(*material).is_some_and(|m| m.kind.is_dielectric());
+                if dielectric && !options.own_materials {
                     self.dielectric_meshes.entry(path).or_insert(path.span);
                 }
             }
         }
     }
 
-    /// Collects the textures of a material.
-    fn textures_of(&mut self, material: &'a MaterialDescription) {
-        let mut add = |texture: Option<&'a Spanned<String>>| {
-            self.textures.extend(texture.map(|name| name.as_str()));
-        };
-        match &material.kind {
-            MaterialKindDescription::Phong { diffuse, specular, texture, .. } => {
-                add(diffuse.texture());
-                add(specular.texture());
-                add(texture.as_ref());
-            }
-            MaterialKindDescription::Diffuse { reflectance: value }
-            | MaterialKindDescription::Mirror { reflectance: value }
-            | MaterialKindDescription::Thin { transmittance: value, .. } => add(value.texture()),
-            MaterialKindDescription::Dielectric { roughness: value, .. }
-            | MaterialKindDescription::Conductor { roughness: value, .. }
-            | MaterialKindDescription::Mix { amount: value, .. } => add(TexturedValue::texture(value)),
-            MaterialKindDescription::Clear { .. } => {}
-        }
-        match &material.relief {
-            Some(
-                NormalPerturbationDescription::Bump { texture, .. } | NormalPerturbationDescription::NormalMap(texture),
-            ) => add(Some(texture)),
-            None => {}
-        }
-        match &material.emission {
-            Some(Emission::Texture { name, .. }) => add(Some(name)),
-            Some(Emission::Radiance(_)) | None => {}
-        }
-    }
-
     /// True if an object has the material, or a mix that an object has contains it.
     fn is_used(&self, description: &Description, index: usize) -> bool {
         let materials = &description.materials;
-        let part_of = |mix: &Spanned<MaterialDescription>| match &mix.kind {
-            MaterialKindDescription::Mix { first, second, .. } => {
-                let name = materials[index].name.as_deref();
-                [first, second].iter().any(|part| Some(part.as_str()) == name)
-            }
-            MaterialKindDescription::Phong { .. }
-            | MaterialKindDescription::Diffuse { .. }
-            | MaterialKindDescription::Mirror { .. }
-            | MaterialKindDescription::Dielectric { .. }
-            | MaterialKindDescription::Clear { .. }
-            | MaterialKindDescription::Conductor { .. }
-            | MaterialKindDescription::Thin { .. } => false,
+        let name = materials[index].name.as_deref();
+        let part_of = |mix: &Spanned<MaterialDescription>| {
+            mix.kind.parts().is_some_and(|parts| parts.iter().any(|part| Some(part.as_str()) == name))
         };
         // The parts of a mix stand before it, so the recursion ends.
         let in_mix = |(mix, _): (usize, &Spanned<MaterialDescription>)| mix > index && self.is_used(description, mix);

@@ -13,7 +13,7 @@ use super::photon_maps::{MapLookup, PhotonMaps};
 use super::policy::{Continuation, DirectionSampling, PathPolicy, PhotonLookups};
 use super::scatter;
 use super::vertex::{PathHistory, PathVertex, PrevVertex};
-use crate::bsdf::{Bsdf, Transport};
+use crate::bsdf::Transport;
 use crate::color::{self, Rgb};
 use crate::math::Ray;
 use crate::medium::PhaseFunction;
@@ -121,7 +121,7 @@ pub(super) fn radiance<I: Interior>(
 
             // Reflect and refract at casters.
             if !hit.surface.bsdf.stores_photons() {
-                if hit.surface.bsdf == Bsdf::Black || !policy.effects.has(Effect::Specular) {
+                if hit.surface.bsdf.is_black() || !policy.effects.has(Effect::Specular) {
                     break;
                 }
                 if at_caster(paths, &mut path, &hit, &interior, worker, &mut radiance, stack) {
@@ -139,7 +139,7 @@ pub(super) fn radiance<I: Interior>(
                 path.throughput /= survival;
             }
             if policy.directions == DirectionSampling::OneLobe {
-                hit.surface.bsdf = one_lobe(hit.surface.bsdf, path.sampler.get_1d(Dimension::Part));
+                hit.surface.bsdf = hit.surface.bsdf.one_lobe(path.sampler.get_1d(Dimension::Part));
             }
             let SurfaceVertex { surface, distance, .. } = &hit;
             let vertex = path.vertex(paths, surface, &interior, *distance);
@@ -147,7 +147,7 @@ pub(super) fn radiance<I: Interior>(
             let continues = path.bounce < paths.max_bounces
                 && match policy.continuation {
                     Continuation::Never => false,
-                    Continuation::Glossy => !is_diffuse(&surface.bsdf),
+                    Continuation::Glossy => !surface.bsdf.is_diffuse(),
                     Continuation::GatherRays => !ends_gather_ray,
                     Continuation::Always => true,
                 };
@@ -207,8 +207,7 @@ fn at_caster<I: Interior>(
     }
 
     // Follow both branches at a smooth dielectric seen directly or over casters.
-    if let Bsdf::Dielectric(dielectric) = surface.bsdf {
-        let split = dielectric.split(surface.wo, surface.point.ns, surface.point.ng, Transport::Radiance);
+    if let Some(split) = surface.bsdf.split(surface.wo, surface.point.ns, surface.point.ng, Transport::Radiance) {
         let weaker = split.reflected.1.min(split.transmitted.1) * color::mean(path.throughput);
         let has_room = stack.len() < MAX_BRANCHES;
         if has_room && path.history.receivers == 0 && weaker > MIN_SPLIT_THROUGHPUT.max(policy.min_throughput) {
@@ -288,36 +287,6 @@ fn ends_gather_ray<I>(paths: &PathContext<'_>, vertex: &PathVertex<'_, I>) -> bo
     paths.policy.continuation == Continuation::GatherRays
         && vertex.history.receivers > 0
         && vertex.distance > paths.min_gather_distance
-}
-
-/// One stochastically chosen lobe of `bsdf`, over the probability of its choice.
-#[inline]
-fn one_lobe(bsdf: Bsdf, u: f32) -> Bsdf {
-    match bsdf {
-        Bsdf::Phong(phong) => phong.part(u),
-        Bsdf::Black
-        | Bsdf::Diffuse(_)
-        | Bsdf::Mirror(_)
-        | Bsdf::Dielectric(_)
-        | Bsdf::Conductor(_)
-        | Bsdf::RoughDielectric(_)
-        | Bsdf::Thin(_) => bsdf,
-    }
-}
-
-/// True if all of `bsdf` is Lambertian.
-#[inline]
-fn is_diffuse(bsdf: &Bsdf) -> bool {
-    match bsdf {
-        Bsdf::Diffuse(_) => true,
-        Bsdf::Black
-        | Bsdf::Phong(_)
-        | Bsdf::Mirror(_)
-        | Bsdf::Dielectric(_)
-        | Bsdf::Conductor(_)
-        | Bsdf::RoughDielectric(_)
-        | Bsdf::Thin(_) => false,
-    }
 }
 
 /// True if the policy counts light found by a path of `history`, rather than leaving it to photons.

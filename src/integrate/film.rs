@@ -57,7 +57,7 @@ pub(super) struct FilmSampling<'a> {
 }
 
 /// A rendered picture.
-pub(super) struct Rendered {
+pub(super) struct FilmImage {
     /// Radiance by rows from the top \[W/(m² sr)].
     pub image: Vec<Rgb>,
     /// Nested photon estimates of each pixel; empty unless requested.
@@ -129,7 +129,7 @@ pub(super) fn render_tiles<T: Default>(
     key: Key,
     monitor: &dyn Monitor,
     radiance: impl Fn(&Ray, Sampler, &mut Worker, &mut T) -> Rgb + Sync,
-) -> Rendered {
+) -> FilmImage {
     let (width, height) = sampling.camera.size();
     let (columns, every) = (width.div_ceil(EDGE), sampling.every);
     let pixels = width as usize * height as usize;
@@ -187,7 +187,7 @@ pub(super) fn render_tiles<T: Default>(
         a += b;
         a
     });
-    Rendered { image, nested, pixels: rendered_pixels, counters }
+    FilmImage { image, nested, pixels: rendered_pixels, counters }
 }
 
 /// Interval at which about `wanted` tiles of a picture are rendered; at least 2, so that about half

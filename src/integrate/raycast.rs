@@ -1,7 +1,7 @@
 //! `raycast`: ray casting with Phong's model, as the course defines it: no shadows, no falloff, no
 //! ambient term.
 
-use super::film::{self, FilmSampling, Rendered};
+use super::film::{self, FilmImage, FilmSampling};
 use super::integrator::Integrator;
 use super::pass::{Monitor, Pass, Seconds};
 use super::settings::EyeSettings;
@@ -37,7 +37,7 @@ impl Integrator for RayCast<'_> {
         let samples = self.samples;
         let sampling = FilmSampling { camera, filter, samples, lens: false, density: None, nested: false, every: 1 };
         let key = Key::new(self.seed).purpose(Purpose::Camera).pass(pass);
-        let Rendered { image, counters, .. } =
+        let FilmImage { image, counters, .. } =
             film::render_tiles(&sampling, key, monitor, |ray, _, _, (): &mut ()| self.radiance(ray));
         let seconds = Seconds { camera: start.elapsed().as_secs_f64(), ..Seconds::default() };
         Pass { image, counters, seconds, ..Pass::default() }

@@ -154,7 +154,7 @@ fn film_points(scene: &Scene, key: Key, set: u32) -> Vec<FilmPoint> {
 mod tests {
     use crate::camera::Camera;
     use crate::integrate::{Algorithm, Settings};
-    use crate::scene::{LightStrength, Material, SceneBuilder, SourceKind};
+    use crate::scene::{DeltaLightKind, LightStrength, Material, SceneBuilder};
     use crate::shape::{Plane, Shape, Sphere};
     use glam::{DVec3, Vec3};
 
@@ -166,7 +166,7 @@ mod tests {
         let glass = builder.material(Material::dielectric(1.5, Vec3::ZERO));
         builder.plane(Plane::new(DVec3::ZERO, DVec3::Y), white, Vec3::ZERO);
         builder.shape(Shape::Sphere(Sphere::new(DVec3::Y, 0.8)), glass, Vec3::ZERO);
-        let kind = SourceKind::Point { position: DVec3::new(2.0, 4.0, 1.0) };
+        let kind = DeltaLightKind::Point { position: DVec3::new(2.0, 4.0, 1.0) };
         builder.source(kind, LightStrength::Power(Vec3::splat(100.0)));
         let eye =
             Camera::perspective(DVec3::new(0.0, 2.0, 6.0), DVec3::new(0.0, -0.2, -1.0), DVec3::Y, 0.7, 64, 48).unwrap();

@@ -1,7 +1,7 @@
 //! Area lights: surfaces that emit.
 
 use super::light_bounds::{DirectionCone, LightBounds, NORMAL_ERROR, angle_between};
-use super::source::{DirectSample, EmissionDimensions, EmissionSample, LightSource, ShadowTarget};
+use super::source::{DirectSample, EmissionSample, LightExtent, LightSource, ShadowTarget};
 use super::{Light, PhotonAim};
 use crate::color::Rgb;
 use crate::math::{Bounds, Frame, Ray, Sphere, offset_origin, warp};
@@ -123,6 +123,20 @@ impl LightSurface {
         }
     }
 
+    /// A point from which light leaves, offset from the surface.
+    pub(super) fn emission_point(&self) -> Vec3 {
+        let point = self.sample(Vec2::splat(0.5)).point;
+        offset_origin(point.p, point.error, point.ng, point.ng)
+    }
+
+    /// Center of the bounds of an analytic shape; a point of a mesh.
+    pub(super) fn center(&self) -> Vec3 {
+        match self {
+            Self::Shape(shape) => shape.bounds().center(),
+            Self::Triangles { .. } => self.sample(Vec2::splat(0.5)).point.p,
+        }
+    }
+
     /// A point of a planar analytic shape; `None` for curved shapes and meshes.
     fn planar_point(&self) -> Option<SurfacePoint> {
         match self {
@@ -204,6 +218,11 @@ impl AreaLight {
 
 impl LightSource for AreaLight {
     #[inline]
+    fn extent(&self) -> LightExtent<'_> {
+        LightExtent::Surface(&self.surface)
+    }
+
+    #[inline]
     fn sample_li(&self, p: Vec3, u: Vec2) -> Option<DirectSample> {
         // Solid-angle samples have no coordinates; the mapping of these shapes does not need them.
         const NO_COORD: SurfaceCoord = SurfaceCoord::Shape(Vec2::ZERO);
@@ -273,10 +292,6 @@ impl LightSource for AreaLight {
         Some(EmissionSample { ray, flux: radiance * (cos / (pdf * pdf_direction)) })
     }
 
-    fn emission_dimensions(&self) -> EmissionDimensions {
-        EmissionDimensions { position: true, direction: true }
-    }
-
     /// Flux \[W]: π times radiance times area.
     fn power(&self, _domain: Sphere) -> Rgb {
         self.radiance * (PI * self.surface.area() as f32)
@@ -286,23 +301,6 @@ impl LightSource for AreaLight {
         let (space, normals) = self.surface.bounds();
         let flux = self.radiance * (PI * self.surface.area() as f32);
         Some(LightBounds::new(space, normals, FRAC_PI_2, flux))
-    }
-
-    #[inline]
-    fn is_delta(&self) -> bool {
-        false
-    }
-
-    fn emission_point(&self) -> Option<Vec3> {
-        let point = self.surface.sample(Vec2::splat(0.5)).point;
-        Some(offset_origin(point.p, point.error, point.ng, point.ng))
-    }
-
-    fn center(&self) -> Option<Vec3> {
-        Some(match &self.surface {
-            LightSurface::Shape(shape) => shape.bounds().center(),
-            surface @ LightSurface::Triangles { .. } => surface.sample(Vec2::splat(0.5)).point.p,
-        })
     }
 
     fn peak(&self) -> Option<Rgb> {

@@ -1,10 +1,11 @@
 //! Directional lights.
 
+use super::PhotonAim;
 use super::light_bounds::LightBounds;
-use super::source::{DirectSample, EmissionDimensions, EmissionSample, LightSource, ShadowTarget};
-use super::{MARGIN, PhotonAim};
+use super::source::{DirectSample, EmissionSample, LightExtent, LightSource, ShadowTarget};
 use crate::color::Rgb;
 use crate::math::{Frame, Ray, Sphere, warp};
+use crate::shape::SurfacePoint;
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 
@@ -19,9 +20,19 @@ pub struct DirectionalLight {
 
 impl LightSource for DirectionalLight {
     #[inline]
+    fn extent(&self) -> LightExtent<'_> {
+        LightExtent::Parallel(self.direction)
+    }
+
+    #[inline]
     fn sample_li(&self, _p: Vec3, _u: Vec2) -> Option<DirectSample> {
         let (wi, target) = (-self.direction, ShadowTarget::Infinity);
         Some(DirectSample { wi, target, weight: self.irradiance, pdf: None })
+    }
+
+    #[inline]
+    fn pdf_li(&self, _p: Vec3, _wi: Vec3, _hit: Option<&SurfacePoint>) -> f32 {
+        0.0
     }
 
     fn sample_le(&self, domain: Sphere, position: Vec2, _direction: Vec2) -> Option<EmissionSample> {
@@ -41,10 +52,6 @@ impl LightSource for DirectionalLight {
         Some(EmissionSample { ray: Ray::new(start, self.direction), flux: self.irradiance / pdf })
     }
 
-    fn emission_dimensions(&self) -> EmissionDimensions {
-        EmissionDimensions { position: true, direction: false }
-    }
-
     fn power(&self, domain: Sphere) -> Rgb {
         self.irradiance * (PI * domain.radius * domain.radius)
     }
@@ -53,17 +60,12 @@ impl LightSource for DirectionalLight {
         None
     }
 
-    #[inline]
-    fn is_infinite(&self) -> bool {
-        true
-    }
-
     fn peak(&self) -> Option<Rgb> {
         Some(self.irradiance)
     }
 
-    fn avoids_plane(&self, _p: Vec3, n: Vec3) -> bool {
-        self.direction.dot(n).abs() > MARGIN
+    fn may_reach(&self, _sphere: Sphere) -> bool {
+        true
     }
 }
 

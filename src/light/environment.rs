@@ -2,7 +2,7 @@
 
 use super::directional::ray_across;
 use super::light_bounds::LightBounds;
-use super::source::{DirectSample, EmissionDimensions, EmissionSample, LightSource, ShadowTarget};
+use super::source::{DirectSample, EmissionSample, LightExtent, LightSource, ShadowTarget};
 use super::{PhotonAim, PictureError, SphericalMap};
 use crate::color::Rgb;
 use crate::image::Image;
@@ -77,6 +77,11 @@ impl EnvironmentLight {
 
 impl LightSource for EnvironmentLight {
     #[inline]
+    fn extent(&self) -> LightExtent<'_> {
+        LightExtent::AllDirections
+    }
+
+    #[inline]
     fn sample_li(&self, _p: Vec3, u: Vec2) -> Option<DirectSample> {
         let (wi, pdf) = self.sample(u)?;
         Some(DirectSample { wi, target: ShadowTarget::Infinity, weight: self.radiance(wi) / pdf, pdf: Some(pdf) })
@@ -106,10 +111,6 @@ impl LightSource for EnvironmentLight {
         Some(EmissionSample { ray: Ray::new(start, -from), flux: self.radiance(from) / (pdf * pdf_start) })
     }
 
-    fn emission_dimensions(&self) -> EmissionDimensions {
-        EmissionDimensions { position: true, direction: true }
-    }
-
     /// Flux \[W] through a disc with the radius of `domain`, over all directions: π r² ∫ L dω.
     fn power(&self, domain: Sphere) -> Rgb {
         self.map.integral() * (PI * domain.radius * domain.radius)
@@ -119,17 +120,11 @@ impl LightSource for EnvironmentLight {
         None
     }
 
-    #[inline]
-    fn is_delta(&self) -> bool {
-        false
-    }
-
-    #[inline]
-    fn is_infinite(&self) -> bool {
-        true
-    }
-
     fn peak(&self) -> Option<Rgb> {
         None
+    }
+
+    fn may_reach(&self, _sphere: Sphere) -> bool {
+        true
     }
 }

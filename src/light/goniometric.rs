@@ -2,11 +2,12 @@
 
 use super::light_bounds::{DirectionCone, LightBounds};
 use super::point::{sample_le_of_point, sample_li_of_point};
-use super::source::{DirectSample, EmissionSample, LightSource};
+use super::source::{DirectSample, EmissionSample, LightExtent, LightSource};
 use super::{PhotonAim, PictureError, SphericalMap};
 use crate::color::Rgb;
 use crate::image::Image;
 use crate::math::{Bounds, Ray, Sphere};
+use crate::shape::SurfacePoint;
 use glam::{DVec3, Vec2, Vec3};
 use std::f64::consts::FRAC_PI_2;
 use std::sync::Arc;
@@ -81,8 +82,18 @@ pub fn profile_map(profile: &[(f64, f64)]) -> Result<SphericalMap, PictureError>
 
 impl LightSource for GoniometricLight {
     #[inline]
+    fn extent(&self) -> LightExtent<'_> {
+        LightExtent::Point(self.position)
+    }
+
+    #[inline]
     fn sample_li(&self, p: Vec3, _u: Vec2) -> Option<DirectSample> {
         sample_li_of_point(p, self.position, |w| self.intensity(w))
+    }
+
+    #[inline]
+    fn pdf_li(&self, _p: Vec3, _wi: Vec3, _hit: Option<&SurfacePoint>) -> f32 {
+        0.0
     }
 
     fn sample_le(&self, _domain: Sphere, _position: Vec2, direction: Vec2) -> Option<EmissionSample> {
@@ -113,11 +124,11 @@ impl LightSource for GoniometricLight {
         Some(LightBounds::new(Bounds::of([self.position]), DirectionCone::ALL, FRAC_PI_2, flux))
     }
 
-    fn position(&self) -> Option<Vec3> {
-        Some(self.position)
-    }
-
     fn peak(&self) -> Option<Rgb> {
         Some(self.scale)
+    }
+
+    fn may_reach(&self, _sphere: Sphere) -> bool {
+        true
     }
 }

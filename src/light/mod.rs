@@ -37,7 +37,7 @@ use crate::math::Sphere;
 use crate::shape::SurfacePoint;
 use glam::{Vec2, Vec3};
 use light_bounds::LightBounds;
-use source::LightSource;
+use source::{LightExtent, LightSource};
 use std::sync::Arc;
 
 /// A light source of any kind.
@@ -117,7 +117,13 @@ impl Light {
     /// Which of the two sample points of [`Light::sample_le`] the emitted ray depends on.
     #[must_use]
     pub fn emission_dimensions(&self) -> EmissionDimensions {
-        each!(self, light => light.emission_dimensions())
+        match self.extent() {
+            LightExtent::Point(_) => EmissionDimensions { position: false, direction: true },
+            LightExtent::Parallel(_) => EmissionDimensions { position: true, direction: false },
+            LightExtent::Surface(_) | LightExtent::AllDirections => {
+                EmissionDimensions { position: true, direction: true }
+            }
+        }
     }
 
     /// Emitted flux \[W]; for light from infinity, the flux through a disc with the radius of
@@ -132,34 +138,51 @@ impl Light {
     #[inline]
     #[must_use]
     pub fn is_delta(&self) -> bool {
-        each!(self, light => light.is_delta())
+        match self.extent() {
+            LightExtent::Point(_) | LightExtent::Parallel(_) => true,
+            LightExtent::Surface(_) | LightExtent::AllDirections => false,
+        }
     }
 
     /// True if the light comes from infinity.
     #[inline]
     #[must_use]
     pub fn is_infinite(&self) -> bool {
-        each!(self, light => light.is_infinite())
+        match self.extent() {
+            LightExtent::Parallel(_) | LightExtent::AllDirections => true,
+            LightExtent::Point(_) | LightExtent::Surface(_) => false,
+        }
     }
 
     /// Position of a light without extent; `None` for all other lights.
     #[must_use]
     pub fn position(&self) -> Option<Vec3> {
-        each!(self, light => light.position())
+        match self.extent() {
+            LightExtent::Point(position) => Some(position),
+            LightExtent::Parallel(_) | LightExtent::Surface(_) | LightExtent::AllDirections => None,
+        }
     }
 
     /// A point from which light leaves, offset from the light's own surface; `None` for light from
     /// infinity.
     #[must_use]
     pub fn emission_point(&self) -> Option<Vec3> {
-        each!(self, light => light.emission_point())
+        match self.extent() {
+            LightExtent::Point(position) => Some(position),
+            LightExtent::Surface(surface) => Some(surface.emission_point()),
+            LightExtent::Parallel(_) | LightExtent::AllDirections => None,
+        }
     }
 
     /// Center of the light's bounds, for the shading of ray casting; `None` for light from
     /// infinity.
     #[must_use]
     pub fn center(&self) -> Option<Vec3> {
-        each!(self, light => light.center())
+        match self.extent() {
+            LightExtent::Point(position) => Some(position),
+            LightExtent::Surface(surface) => Some(surface.center()),
+            LightExtent::Parallel(_) | LightExtent::AllDirections => None,
+        }
     }
 
     /// Peak intensity \[W/sr] or irradiance \[W/m²] of a delta light; `None` for all other lights.
@@ -182,13 +205,26 @@ impl Light {
     /// Rounding decides whether objects in such a plane occlude such light.
     #[must_use]
     pub fn avoids_plane(&self, p: Vec3, n: Vec3) -> bool {
-        each!(self, light => light.avoids_plane(p, n))
+        match self.extent() {
+            LightExtent::Point(position) => {
+                let margin = MARGIN * (position.abs().max_element() + p.abs().max_element());
+                (position - p).dot(n).abs() > margin
+            }
+            LightExtent::Parallel(direction) => direction.dot(n).abs() > MARGIN,
+            LightExtent::Surface(_) | LightExtent::AllDirections => false,
+        }
     }
 
     /// The light with its mean radiance instead of a texture.
     #[must_use]
     pub fn with_mean_emission(&self) -> Self {
         each!(self, light => light.untextured()).unwrap_or_else(|| self.clone())
+    }
+
+    /// Where the light emits from.
+    #[inline]
+    fn extent(&self) -> LightExtent<'_> {
+        each!(self, light => light.extent())
     }
 
     /// Bounds of positions and directions, the box grown by `margin`; `None` for light from

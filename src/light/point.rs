@@ -1,10 +1,11 @@
 //! Point lights.
 
 use super::light_bounds::{DirectionCone, LightBounds};
-use super::source::{DirectSample, EmissionSample, LightSource, ShadowTarget};
+use super::source::{DirectSample, EmissionSample, LightExtent, LightSource, ShadowTarget};
 use super::{MARGIN, PhotonAim};
 use crate::color::Rgb;
 use crate::math::{Bounds, Ray, Sphere, warp};
+use crate::shape::SurfacePoint;
 use glam::{Vec2, Vec3};
 use std::f32::consts::PI;
 use std::f64::consts::FRAC_PI_2;
@@ -20,8 +21,18 @@ pub struct PointLight {
 
 impl LightSource for PointLight {
     #[inline]
+    fn extent(&self) -> LightExtent<'_> {
+        LightExtent::Point(self.position)
+    }
+
+    #[inline]
     fn sample_li(&self, p: Vec3, _u: Vec2) -> Option<DirectSample> {
         sample_li_of_point(p, self.position, |_| self.intensity)
+    }
+
+    #[inline]
+    fn pdf_li(&self, _p: Vec3, _wi: Vec3, _hit: Option<&SurfacePoint>) -> f32 {
+        0.0
     }
 
     fn sample_le(&self, domain: Sphere, _position: Vec2, direction: Vec2) -> Option<EmissionSample> {
@@ -47,12 +58,12 @@ impl LightSource for PointLight {
         Some(LightBounds::new(space, DirectionCone::ALL, FRAC_PI_2, self.intensity * (4.0 * PI)))
     }
 
-    fn position(&self) -> Option<Vec3> {
-        Some(self.position)
-    }
-
     fn peak(&self) -> Option<Rgb> {
         Some(self.intensity)
+    }
+
+    fn may_reach(&self, _sphere: Sphere) -> bool {
+        true
     }
 }
 

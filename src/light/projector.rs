@@ -2,13 +2,14 @@
 
 use super::light_bounds::{DirectionCone, LightBounds, NORMAL_ERROR};
 use super::point::{cone_may_reach, sample_le_of_point, sample_li_of_point};
-use super::source::{DirectSample, EmissionSample, LightSource};
+use super::source::{DirectSample, EmissionSample, LightExtent, LightSource};
 use super::spherical_map::scaled;
 use super::{PhotonAim, PictureError};
 use crate::color::{self, Rgb};
 use crate::image::Image;
 use crate::math::{Bounds, Ray, Sphere};
 use crate::sampling::Piecewise2d;
+use crate::shape::SurfacePoint;
 use glam::{DVec2, DVec3, UVec2, Vec2, Vec3};
 use std::sync::Arc;
 
@@ -148,8 +149,18 @@ impl ProjectorLight {
 
 impl LightSource for ProjectorLight {
     #[inline]
+    fn extent(&self) -> LightExtent<'_> {
+        LightExtent::Point(self.position)
+    }
+
+    #[inline]
     fn sample_li(&self, p: Vec3, _u: Vec2) -> Option<DirectSample> {
         sample_li_of_point(p, self.position, |w| self.intensity(w))
+    }
+
+    #[inline]
+    fn pdf_li(&self, _p: Vec3, _wi: Vec3, _hit: Option<&SurfacePoint>) -> f32 {
+        0.0
     }
 
     fn sample_le(&self, _domain: Sphere, _position: Vec2, direction: Vec2) -> Option<EmissionSample> {
@@ -179,10 +190,6 @@ impl LightSource for ProjectorLight {
         let cone = DirectionCone { axis: self.axes[2].as_dvec3(), angle };
         let flux = (self.slide.integral * self.scale.as_dvec3()).as_vec3();
         Some(LightBounds::new(Bounds::of([self.position]), cone, 0.0, flux))
-    }
-
-    fn position(&self) -> Option<Vec3> {
-        Some(self.position)
     }
 
     fn peak(&self) -> Option<Rgb> {

@@ -1,7 +1,7 @@
 //! The interface that every kind of light implements, and its sample records.
 
 use super::light_bounds::LightBounds;
-use super::{Light, MARGIN, PhotonAim};
+use super::{Light, LightSurface, PhotonAim};
 use crate::color::Rgb;
 use crate::math::{Ray, Sphere};
 use crate::shape::SurfacePoint;
@@ -49,19 +49,32 @@ pub struct EmissionDimensions {
     pub direction: bool,
 }
 
-/// One kind of light.
+/// Where a light emits from.
+pub(super) enum LightExtent<'a> {
+    /// One position: a delta light.
+    Point(Vec3),
+    /// Infinity, in one unit direction of travel: a delta light.
+    Parallel(Vec3),
+    /// A surface.
+    Surface(&'a LightSurface),
+    /// Infinity, in all directions.
+    AllDirections,
+}
+
+/// One kind of light. [`Light`] documents the methods, and derives further ones from `extent`.
 ///
-/// The default methods describe a delta light at a finite position. [`Light`] documents the
-/// methods.
+/// Direct light must come from `sample_li`: photon methods store no light that arrives directly, so
+/// light that only `sample_le` emits would be lost at its first hit. Both must describe the same
+/// radiance, and `pdf_li` the pdf of `sample_li`.
 pub(super) trait LightSource {
+    /// Where the light emits from.
+    fn extent(&self) -> LightExtent<'_>;
+
     /// Implements [`Light::sample_li`].
     fn sample_li(&self, p: Vec3, u: Vec2) -> Option<DirectSample>;
 
     /// Implements [`Light::pdf_li`].
-    #[inline]
-    fn pdf_li(&self, _p: Vec3, _wi: Vec3, _hit: Option<&SurfacePoint>) -> f32 {
-        0.0
-    }
+    fn pdf_li(&self, p: Vec3, wi: Vec3, hit: Option<&SurfacePoint>) -> f32;
 
     /// Implements [`Light::sample_le`].
     fn sample_le(&self, domain: Sphere, position: Vec2, direction: Vec2) -> Option<EmissionSample>;
@@ -75,59 +88,17 @@ pub(super) trait LightSource {
         direction: Vec2,
     ) -> Option<EmissionSample>;
 
-    /// Implements [`Light::emission_dimensions`].
-    fn emission_dimensions(&self) -> EmissionDimensions {
-        EmissionDimensions { position: false, direction: true }
-    }
-
     /// Implements [`Light::power`].
     fn power(&self, domain: Sphere) -> Rgb;
 
     /// Bounds of positions and directions, without a margin; `None` for light from infinity.
     fn bounds(&self) -> Option<LightBounds>;
 
-    /// Implements [`Light::is_delta`].
-    #[inline]
-    fn is_delta(&self) -> bool {
-        true
-    }
-
-    /// Implements [`Light::is_infinite`].
-    #[inline]
-    fn is_infinite(&self) -> bool {
-        false
-    }
-
-    /// Implements [`Light::position`].
-    fn position(&self) -> Option<Vec3> {
-        None
-    }
-
-    /// Implements [`Light::emission_point`].
-    fn emission_point(&self) -> Option<Vec3> {
-        self.position()
-    }
-
-    /// Implements [`Light::center`].
-    fn center(&self) -> Option<Vec3> {
-        self.position()
-    }
-
     /// Implements [`Light::peak`].
     fn peak(&self) -> Option<Rgb>;
 
     /// Implements [`Light::may_reach`] for a sphere that is already grown by rounding errors.
-    fn may_reach(&self, _sphere: Sphere) -> bool {
-        true
-    }
-
-    /// Implements [`Light::avoids_plane`].
-    fn avoids_plane(&self, p: Vec3, n: Vec3) -> bool {
-        self.position().is_some_and(|position| {
-            let margin = MARGIN * (position.abs().max_element() + p.abs().max_element());
-            (position - p).dot(n).abs() > margin
-        })
-    }
+    fn may_reach(&self, sphere: Sphere) -> bool;
 
     /// The light with its mean radiance; `None` if no texture varies its radiance.
     fn untextured(&self) -> Option<Light> {

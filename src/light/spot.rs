@@ -3,9 +3,10 @@
 use super::PhotonAim;
 use super::light_bounds::{DirectionCone, LightBounds, NORMAL_ERROR};
 use super::point::{cone_may_reach, sample_le_of_point, sample_li_of_point};
-use super::source::{DirectSample, EmissionSample, LightSource};
+use super::source::{DirectSample, EmissionSample, LightExtent, LightSource};
 use crate::color::Rgb;
 use crate::math::{Bounds, Frame, Ray, Sphere, warp};
+use crate::shape::SurfacePoint;
 use glam::{Vec2, Vec3};
 use std::f32::consts::TAU;
 use std::f64::consts::FRAC_PI_2;
@@ -57,8 +58,18 @@ impl SpotLight {
 
 impl LightSource for SpotLight {
     #[inline]
+    fn extent(&self) -> LightExtent<'_> {
+        LightExtent::Point(self.position)
+    }
+
+    #[inline]
     fn sample_li(&self, p: Vec3, _u: Vec2) -> Option<DirectSample> {
         sample_li_of_point(p, self.position, |w| self.intensity(w))
+    }
+
+    #[inline]
+    fn pdf_li(&self, _p: Vec3, _wi: Vec3, _hit: Option<&SurfacePoint>) -> f32 {
+        0.0
     }
 
     fn sample_le(&self, _domain: Sphere, _position: Vec2, direction: Vec2) -> Option<EmissionSample> {
@@ -89,10 +100,6 @@ impl LightSource for SpotLight {
         let spread = (outer - inner).min(FRAC_PI_2);
         let normals = DirectionCone { axis: self.axis.as_dvec3(), angle: outer - spread + NORMAL_ERROR };
         Some(LightBounds::new(Bounds::of([self.position]), normals, spread, self.flux()))
-    }
-
-    fn position(&self) -> Option<Vec3> {
-        Some(self.position)
     }
 
     fn peak(&self) -> Option<Rgb> {

@@ -1,6 +1,5 @@
 //! Features of a scene that are certain without tracing a ray.
 
-use crate::bsdf::Bsdf;
 use crate::color::Rgb;
 use crate::light::Light;
 use crate::math::Sphere;
@@ -12,11 +11,11 @@ use glam::Vec3;
 pub struct SceneFeatures {
     /// Shapes, meshes and planes with a material.
     pub objects: usize,
-    /// Objects that store photons: see [`Bsdf::stores_photons`].
+    /// Objects that store photons: see [`Bsdf::stores_photons`](crate::bsdf::Bsdf::stores_photons).
     pub receivers: usize,
     /// Receivers that reflect or transmit some light.
     pub scattering_receivers: usize,
-    /// Caustic casters: see [`Bsdf::casts_caustics`].
+    /// Caustic casters: see [`Bsdf::casts_caustics`](crate::bsdf::Bsdf::casts_caustics).
     pub casters: usize,
     /// Casters that a light may reach directly.
     pub lit_casters: usize,
@@ -105,7 +104,7 @@ impl SceneFeatures {
                     parts |= body.glass.is_some();
                 } else if leaf.bsdf.stores_photons() {
                     receives = true;
-                    scatters |= leaf.bsdf != Bsdf::Diffuse(Rgb::ZERO);
+                    scatters |= !leaf.bsdf.is_black();
                 }
             });
             let ball = object.ball.filter(|_| !features.moving);

@@ -6,7 +6,7 @@
 
 use super::build::{derive, mean_lights};
 use super::delta_light::{legacy_area_light, resolve_light};
-use super::{LightStrength, Scene, SourceKind};
+use super::{DeltaLightKind, LightStrength, Scene};
 use crate::camera::Camera;
 use crate::light::{EmissionTexture, Light, LightSurface};
 use crate::math::{Motion, Transform};
@@ -25,7 +25,7 @@ pub(super) struct Animation {
     /// Moving planes: the last planes of the scene.
     pub planes: Vec<(Plane, Motion)>,
     /// Moving lights, by their index.
-    pub lights: Vec<(usize, SourceKind, LightStrength, Motion)>,
+    pub lights: Vec<(usize, DeltaLightKind, LightStrength, Motion)>,
     /// The moving camera before its motion, which acts about its own position.
     pub camera: Option<(Camera, Motion)>,
     /// Moving texture mappings, by their index.
@@ -54,7 +54,7 @@ pub(super) fn plane_at(plane: &Plane, motion: &Motion, time: f64) -> Option<Plan
 }
 
 /// A moving light at `time`; `None` if the motion flattens it.
-pub(super) fn source_at(kind: &SourceKind, motion: &Motion, time: f64) -> Option<SourceKind> {
+pub(super) fn source_at(kind: &DeltaLightKind, motion: &Motion, time: f64) -> Option<DeltaLightKind> {
     Some(kind.transformed(&map_at(motion, time)?))
 }
 
@@ -72,7 +72,7 @@ pub(super) fn mapping_at(kind: MappingKind, motion: &Motion, time: f64) -> Optio
 ///
 /// The course's colour depends on the distance to the origin. It holds at mid-shutter, and the
 /// light keeps its strength.
-pub(super) fn constant_strength(kind: &SourceKind, strength: LightStrength, motion: &Motion) -> LightStrength {
+pub(super) fn constant_strength(kind: &DeltaLightKind, strength: LightStrength, motion: &Motion) -> LightStrength {
     let (LightStrength::Course(_), Some(placed)) = (strength, source_at(kind, motion, MID_SHUTTER)) else {
         return strength;
     };

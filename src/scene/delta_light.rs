@@ -29,7 +29,7 @@ pub enum LightStrength {
 
 /// A point, spot or directional light in the coordinates of the description.
 #[derive(Clone, Debug)]
-pub enum SourceKind {
+pub enum DeltaLightKind {
     /// Isotropic, from one position.
     Point {
         /// Position.
@@ -55,7 +55,7 @@ pub enum SourceKind {
     },
 }
 
-impl SourceKind {
+impl DeltaLightKind {
     /// The position, if it is finite.
     #[must_use]
     pub fn position(&self) -> Option<DVec3> {
@@ -90,7 +90,7 @@ fn one_minus_cos(x: f64) -> f64 {
 ///
 /// A course colour c means irradiance π·c on a facing surface at the origin, where white diffuse
 /// surfaces reflect radiance c.
-pub(super) fn resolve_light(kind: &SourceKind, strength: LightStrength, origin: DVec3) -> (Light, LegacyLight) {
+pub(super) fn resolve_light(kind: &DeltaLightKind, strength: LightStrength, origin: DVec3) -> (Light, LegacyLight) {
     // A light at the origin counts as one unit away.
     let distance2 = |p: &DVec3| {
         let d2 = (*p - origin).length_squared() as f32;
@@ -102,12 +102,12 @@ pub(super) fn resolve_light(kind: &SourceKind, strength: LightStrength, origin: 
         LightStrength::Power(w) => (w * watts_to_intensity, w * (watts_to_intensity / (PI * distance2(position)))),
     };
     match kind {
-        SourceKind::Point { position } => {
+        DeltaLightKind::Point { position } => {
             let (intensity, color) = to_intensity(position, 1.0 / (4.0 * PI));
             let center = (*position - origin).as_vec3();
             (Light::Point(PointLight { position: center, intensity }), LegacyLight::Point(center, color))
         }
-        SourceKind::Spot { position, axis, inner, outer } => {
+        DeltaLightKind::Spot { position, axis, inner, outer } => {
             let center = (*position - origin).as_vec3();
             let mut spot = SpotLight {
                 position: center,
@@ -120,12 +120,12 @@ pub(super) fn resolve_light(kind: &SourceKind, strength: LightStrength, origin: 
             spot.peak = peak;
             (Light::Spot(spot), LegacyLight::Point(center, color))
         }
-        SourceKind::Oriented(source) => {
+        DeltaLightKind::Oriented(source) => {
             let center = (source.position - origin).as_vec3();
             let (scale, color) = to_intensity(&source.position, source.scale_per_power());
             (source.light(center, scale), LegacyLight::Point(center, color))
         }
-        SourceKind::Directional { direction } => {
+        DeltaLightKind::Directional { direction } => {
             let (irradiance, color) = match strength {
                 LightStrength::Course(c) => (c * PI, c),
                 LightStrength::Physical(e) | LightStrength::Power(e) => (e, e / PI),

@@ -272,11 +272,22 @@ impl Material {
     /// and those at the extremes of a conductor's roughness texture.
     pub(super) fn for_each_bsdf(&self, textures: &[Arc<Texture>], mut visit: impl FnMut(Bsdf)) {
         visit(self.mean_bsdf);
-        if let MaterialKind::Conductor { eta, k, roughness: Textured::Texture { texture, .. } } = self.kind {
-            let (min, max) = textures[texture as usize].range();
-            for alpha in [min, max] {
-                visit(Bsdf::Conductor(Conductor::new(eta, k, alpha)));
+        match self.kind {
+            MaterialKind::Conductor { eta, k, roughness: Textured::Texture { texture, .. } } => {
+                let (min, max) = textures[texture as usize].range();
+                for alpha in [min, max] {
+                    visit(Bsdf::Conductor(Conductor::new(eta, k, alpha)));
+                }
             }
+            // Textures do not change the kind of these BSDFs.
+            MaterialKind::Conductor { roughness: Textured::Constant(_), .. }
+            | MaterialKind::Black
+            | MaterialKind::Diffuse { .. }
+            | MaterialKind::Phong { .. }
+            | MaterialKind::Mirror { .. }
+            | MaterialKind::Thin { .. }
+            | MaterialKind::Dielectric { .. }
+            | MaterialKind::Mix { .. } => {}
         }
     }
 }

@@ -16,7 +16,7 @@ mod surface_interaction;
 mod textured;
 
 pub use build::SceneBuilder;
-pub use delta_light::{LegacyLight, LightStrength, SourceKind};
+pub use delta_light::{DeltaLightKind, LegacyLight, LightStrength};
 pub use effects::{Effect, Effects};
 pub use error::BuildError;
 pub use geometry::Hit;

@@ -4,7 +4,7 @@ use super::{About, EffectStudy, EffectStudyResult, expected_work, page};
 use crate::camera::Camera;
 use crate::integrate::{Algorithm, Settings, Silent};
 use crate::plan::{Effect, EffectOverrides};
-use crate::scene::{LightStrength, Material, Scene, SceneBuilder, SourceKind};
+use crate::scene::{DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
 use crate::shape::{Rectangle, Shape, Sphere};
 use glam::{DVec3, Vec3};
 use std::sync::atomic::AtomicBool;
@@ -18,7 +18,10 @@ fn ball(material: Material, width: u32, height: u32) -> Scene {
     builder
         .shape(Shape::Rectangle(floor), white, Vec3::ZERO)
         .shape(Shape::Sphere(Sphere::new(DVec3::new(0.0, 1.0, 0.0), 0.8)), own, Vec3::ZERO)
-        .source(SourceKind::Point { position: DVec3::new(2.0, 4.0, 0.0) }, LightStrength::Power(Vec3::splat(200.0)));
+        .source(
+            DeltaLightKind::Point { position: DVec3::new(2.0, 4.0, 0.0) },
+            LightStrength::Power(Vec3::splat(200.0)),
+        );
     let (eye, view) = (DVec3::new(0.0, 2.0, 6.0), DVec3::new(0.0, -0.2, -1.0));
     builder.build(Camera::perspective(eye, view, DVec3::Y, 0.7, width, height).unwrap()).unwrap()
 }

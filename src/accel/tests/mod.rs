@@ -26,7 +26,7 @@ fn ball(center: Vec3, radius: f32, ray: &Ray) -> Option<(f32, f32, f32)> {
 }
 
 /// Nearest hit by brute force.
-fn brute(triangles: &Mesh, balls: &[(Vec3, f32)], ray: &Ray) -> Option<Hit> {
+fn brute(triangles: &Mesh, balls: &[(Vec3, f32)], ray: &Ray) -> Option<PrimitiveHit> {
     let precalc = RayPrecalc::new(ray);
     let solid = |i: u32| {
         let packet = Packet::new(triangles, &[i]);
@@ -37,7 +37,7 @@ fn brute(triangles: &Mesh, balls: &[(Vec3, f32)], ray: &Ray) -> Option<Hit> {
     (0..triangles.len() as u32)
         .map(solid)
         .chain((0..balls.len() as u32).map(round))
-        .filter_map(|(primitive, hit)| hit.map(|(t, u, v)| Hit { t, primitive, u, v }))
+        .filter_map(|(primitive, hit)| hit.map(|(t, u, v)| PrimitiveHit { t, primitive, u, v }))
         .filter(|hit| 0.0 < hit.t && hit.t < ray.t_max)
         .min_by(|a, b| a.t.total_cmp(&b.t).then(a.primitive.cmp(&b.primitive)))
 }
@@ -249,7 +249,7 @@ fn powers_of_two_of_scale_change_no_bit() {
         let scaled: Mesh = triangles.iter().map(|t| t.map(|p| p * size)).collect();
         let other = Hierarchy::build(&scaled, &[]);
         for ray in &rays {
-            let expected = tree.closest(ray, none).map(|h| Hit { t: h.t * (size / length), ..h });
+            let expected = tree.closest(ray, none).map(|h| PrimitiveHit { t: h.t * (size / length), ..h });
             let precalc = Ray::new(ray.origin * size, ray.direction * length);
             assert_eq!(other.closest(&precalc, none), expected, "{size} {length}");
         }

@@ -25,6 +25,17 @@ fn every_bsdf_stores_photons_or_casts_caustics() {
     assert!(family()[10..].iter().all(Bsdf::casts_caustics));
 }
 
+/// Photon estimates skip delta lobes, so such a lobe of a receiver would lose its light.
+#[test]
+fn receivers_never_sample_delta_lobes() {
+    for bsdf in family().into_iter().chain(all_kinds()).filter(Bsdf::stores_photons) {
+        for (cos, i) in [1.0, 0.6, 0.1, -0.6].into_iter().flat_map(|cos| (0..500).map(move |i| (cos, i))) {
+            let sample = draw(&bsdf, direction(cos), i, Transport::Importance);
+            assert!(sample.is_none_or(|sample| !sample.specular), "{bsdf:?} at {cos}");
+        }
+    }
+}
+
 #[test]
 fn delta_lobes_have_zero_pdf() {
     for bsdf in family().iter().filter(|b| b.is_specular()) {

@@ -85,6 +85,114 @@ pub enum MaterialKindDescription {
     },
 }
 
+impl MaterialDescription {
+    /// Returns the names of the textures that the material follows. The texture of
+    /// [`MaterialKindDescription::Phong`] may be the path of a picture instead.
+    #[must_use]
+    pub fn textures(&self) -> Vec<&Spanned<String>> {
+        let mut textures = self.kind.textures();
+        match &self.relief {
+            Some(
+                NormalPerturbationDescription::Bump { texture, .. } | NormalPerturbationDescription::NormalMap(texture),
+            ) => textures.push(texture),
+            None => {}
+        }
+        match &self.emission {
+            Some(Emission::Texture { name, .. }) => textures.push(name),
+            Some(Emission::Radiance(_)) | None => {}
+        }
+        textures
+    }
+
+    /// Returns the fields that hold the name of a texture, or else the path of a picture.
+    pub fn textures_or_paths_mut(&mut self) -> impl Iterator<Item = &mut Spanned<String>> {
+        let relief = match &mut self.relief {
+            Some(
+                NormalPerturbationDescription::Bump { texture, .. } | NormalPerturbationDescription::NormalMap(texture),
+            ) => Some(texture),
+            None => None,
+        };
+        self.kind.texture_or_path_mut().into_iter().chain(relief)
+    }
+}
+
+impl MaterialKindDescription {
+    /// Returns the names of the textures that its parameters follow.
+    fn textures(&self) -> Vec<&Spanned<String>> {
+        match self {
+            Self::Phong { diffuse, specular, texture, .. } => {
+                [diffuse.texture(), specular.texture(), texture.as_ref()].into_iter().flatten().collect()
+            }
+            Self::Diffuse { reflectance: value }
+            | Self::Mirror { reflectance: value }
+            | Self::Thin { transmittance: value, .. } => value.texture().into_iter().collect(),
+            Self::Dielectric { roughness: value, .. }
+            | Self::Conductor { roughness: value, .. }
+            | Self::Mix { amount: value, .. } => value.texture().into_iter().collect(),
+            Self::Clear { .. } => Vec::new(),
+        }
+    }
+
+    /// Returns the field that holds the name of a texture, or else the path of a picture.
+    fn texture_or_path_mut(&mut self) -> Option<&mut Spanned<String>> {
+        match self {
+            Self::Phong { texture, .. } => texture.as_mut(),
+            Self::Diffuse { .. }
+            | Self::Mirror { .. }
+            | Self::Dielectric { .. }
+            | Self::Clear { .. }
+            | Self::Conductor { .. }
+            | Self::Thin { .. }
+            | Self::Mix { .. } => None,
+        }
+    }
+
+    /// Returns the names of the materials that a mix chooses from; `None` for other kinds.
+    #[must_use]
+    pub fn parts(&self) -> Option<[&Spanned<String>; 2]> {
+        match self {
+            Self::Mix { first, second, .. } => Some([first, second]),
+            Self::Phong { .. }
+            | Self::Diffuse { .. }
+            | Self::Mirror { .. }
+            | Self::Dielectric { .. }
+            | Self::Clear { .. }
+            | Self::Conductor { .. }
+            | Self::Thin { .. } => None,
+        }
+    }
+
+    /// True for the boundary of a dielectric body.
+    #[must_use]
+    pub fn is_dielectric(&self) -> bool {
+        match self {
+            Self::Dielectric { .. } => true,
+            Self::Phong { .. }
+            | Self::Diffuse { .. }
+            | Self::Mirror { .. }
+            | Self::Clear { .. }
+            | Self::Conductor { .. }
+            | Self::Thin { .. }
+            | Self::Mix { .. } => false,
+        }
+    }
+
+    /// True for a null interface: the material has no surface.
+    #[must_use]
+    pub fn is_clear(&self) -> bool {
+        match self {
+            Self::Clear { .. } => true,
+            Self::Phong { .. }
+            | Self::Diffuse { .. }
+            | Self::Mirror { .. }
+            | Self::Dielectric { .. }
+            | Self::Conductor { .. }
+            | Self::Thin { .. }
+            | Self::Mix { .. } => false,
+        }
+    }
+}
+
 /// Absolute index of refraction of a dielectric; that of air is 1.
 #[derive(Clone, Debug, PartialEq)]
 pub enum RefractionDescription {

@@ -2,9 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::super::description::{
-    MaterialDescription, MaterialKindDescription, MediumDescription, Spanned, TextureDescription,
-};
+use super::super::description::{MaterialDescription, MediumDescription, Spanned, TextureDescription};
 use super::super::error::SceneError;
 use super::lexer::{Lexer, Token};
 use super::suggest::nearest;
@@ -48,18 +46,13 @@ impl Scope<'_> {
 
     /// Appends a material.
     pub fn add_material(&mut self, material: Spanned<MaterialDescription>) {
-        let contents = match &material.value.kind {
-            MaterialKindDescription::Dielectric { .. } => Contents { dielectric: Some(self.materials.len()), mixes: 0 },
-            MaterialKindDescription::Mix { first, second, .. } => {
+        let kind = &material.value.kind;
+        let contents = match kind.parts() {
+            Some([first, second]) => {
                 let (a, b) = (self.contents(&first.value), self.contents(&second.value));
                 Contents { dielectric: a.dielectric.or(b.dielectric), mixes: a.mixes.max(b.mixes) + 1 }
             }
-            MaterialKindDescription::Phong { .. }
-            | MaterialKindDescription::Diffuse { .. }
-            | MaterialKindDescription::Mirror { .. }
-            | MaterialKindDescription::Clear { .. }
-            | MaterialKindDescription::Conductor { .. }
-            | MaterialKindDescription::Thin { .. } => Contents::default(),
+            None => Contents { dielectric: kind.is_dielectric().then_some(self.materials.len()), mixes: 0 },
         };
         self.contents.push(contents);
         self.materials.push(material);

@@ -10,7 +10,7 @@ use crate::format::description::{
 use crate::image::Meaning;
 use crate::light::{EnvironmentLight, IntensityPattern, OrientedSource, Slide, SphericalMap, profile_map};
 use crate::math::Motion;
-use crate::scene::{LightStrength, Material, SourceKind};
+use crate::scene::{DeltaLightKind, LightStrength, Material};
 use crate::shape::{Disc, Rectangle, Shape, Sphere};
 use glam::DVec3;
 use std::sync::Arc;
@@ -26,11 +26,11 @@ pub(super) fn add_light(
             add_light(r, light, &motion)?;
         }
         LightDescription::Point { position, strength } => {
-            add_source(r, SourceKind::Point { position: *position }, point(*strength), motion);
+            add_source(r, DeltaLightKind::Point { position: *position }, point(*strength), motion);
         }
         LightDescription::Spot { position, aim: target, angle, penumbra, strength } => {
             let outer = 0.5 * angle.to_radians();
-            let kind = SourceKind::Spot {
+            let kind = DeltaLightKind::Spot {
                 position: *position,
                 axis: aim(*target, *position),
                 inner: (outer - penumbra.to_radians()).max(0.0),
@@ -43,14 +43,14 @@ pub(super) fn add_light(
             let vertical = direction.cross(DVec3::Y).length() < 1e-6 * direction.length();
             let up = up.unwrap_or(if vertical { DVec3::NEG_Z } else { DVec3::Y });
             let source = oriented(r, *position, direction, up, pattern)?;
-            add_source(r, SourceKind::Oriented(source), point(*strength), motion);
+            add_source(r, DeltaLightKind::Oriented(source), point(*strength), motion);
         }
         LightDescription::Directional { direction, strength } => {
             let strength = match strength {
                 DirectionalStrength::Color(c) => LightStrength::Course(rgb(*c)),
                 DirectionalStrength::Irradiance(e) => LightStrength::Physical(rgb(*e)),
             };
-            add_source(r, SourceKind::Directional { direction: *direction }, strength, motion);
+            add_source(r, DeltaLightKind::Directional { direction: *direction }, strength, motion);
         }
         LightDescription::Sphere { center, radius, strength } => {
             add_area_light(r, Shape::Sphere(Sphere::new(*center, *radius)), *center, *strength, motion, light.span)?;
@@ -152,7 +152,7 @@ fn profile(text: &str) -> Option<Vec<(f64, f64)>> {
     (pairs.len() >= 2 && ascending && in_range).then_some(pairs)
 }
 
-fn add_source(r: &mut Resolver<'_>, kind: SourceKind, strength: LightStrength, motion: &Motion) {
+fn add_source(r: &mut Resolver<'_>, kind: DeltaLightKind, strength: LightStrength, motion: &Motion) {
     if motion.is_still() {
         r.builder.source(kind, strength);
     } else {

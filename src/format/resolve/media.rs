@@ -3,8 +3,8 @@
 use super::{Resolver, rgb};
 use crate::color::Rgb;
 use crate::format::description::{
-    self, Coefficients, Density, ExtentDescription, MaterialDescription, MaterialKindDescription, MediumDescription,
-    Span, Spanned, TransformStep,
+    self, Coefficients, Density, ExtentDescription, MaterialDescription, MediumDescription, Span, Spanned,
+    TransformStep,
 };
 use crate::format::{SceneError, grid};
 use crate::medium::{Cloud, GridDensity, GridDensityError, Medium, PhaseFunction};
@@ -140,7 +140,7 @@ pub(super) fn fill_body(
 /// Refuses emission of an object with a `Clear` material.
 pub(super) fn check_clear(r: &Resolver<'_>, radiance: Rgb, span: Span) -> Result<(), SceneError> {
     let material = r.description.materials.get(r.material as usize);
-    if radiance == Rgb::ZERO || !material.is_some_and(|m| matches!(m.kind, MaterialKindDescription::Clear { .. })) {
+    if radiance == Rgb::ZERO || !material.is_some_and(|m| m.kind.is_clear()) {
         return Ok(());
     }
     let help = "give `emission` to its medium, or the object another material";

@@ -2,7 +2,7 @@ use super::*;
 use crate::camera::Camera;
 use crate::color::Rgb;
 use crate::photon::{Bandwidth, Kernel, Photon, PhotonMap, VisiblePoint};
-use crate::scene::{InteriorStack, LightStrength, Material, Scene, SceneBuilder, SourceKind};
+use crate::scene::{DeltaLightKind, InteriorStack, LightStrength, Material, Scene, SceneBuilder};
 use crate::shape::{Rectangle, Shape, Sphere};
 use glam::{DVec3, Vec2, Vec3};
 
@@ -19,14 +19,14 @@ fn hall(lamps: impl FnOnce(&mut SceneBuilder)) -> Scene {
 
 const LAMP: DVec3 = DVec3::new(0.0, 6.0, 0.0);
 
-fn source(kind: SourceKind) -> Scene {
+fn source(kind: DeltaLightKind) -> Scene {
     hall(|b| {
         b.source(kind, LightStrength::Physical(Rgb::new(1.0, 2.0, 3.0)));
     })
 }
 
 fn spot() -> Scene {
-    source(SourceKind::Spot { position: LAMP, axis: DVec3::NEG_Y, inner: 1.1, outer: 1.15 })
+    source(DeltaLightKind::Spot { position: LAMP, axis: DVec3::NEG_Y, inner: 1.1, outer: 1.15 })
 }
 
 fn lit_by(shape: Shape) -> Scene {
@@ -43,9 +43,9 @@ fn square_lamp() -> Scene {
 /// A hall of each kind of lamp.
 fn halls() -> [(&'static str, Scene); 5] {
     [
-        ("point", source(SourceKind::Point { position: LAMP })),
+        ("point", source(DeltaLightKind::Point { position: LAMP })),
         ("spot", spot()),
-        ("directional", source(SourceKind::Directional { direction: DVec3::new(0.3, -1.0, 0.1) })),
+        ("directional", source(DeltaLightKind::Directional { direction: DVec3::new(0.3, -1.0, 0.1) })),
         ("square", square_lamp()),
         ("ball", lit_by(Shape::Sphere(Sphere::new(LAMP, 0.4)))),
     ]
@@ -158,7 +158,7 @@ fn aiming_and_guiding_together_are_unbiased() {
         let glass = b.material(Material::dielectric(1.5, Rgb::ZERO));
         b.shape(Shape::Sphere(Sphere::new(DVec3::new(6.5, 1.2, 6.5), 0.8)), glass, Rgb::ZERO);
         b.shape(Shape::Sphere(Sphere::new(DVec3::new(-6.5, 1.2, -5.5), 1.2)), glass, Rgb::ZERO);
-        b.source(SourceKind::Point { position: LAMP }, LightStrength::Physical(Rgb::ONE));
+        b.source(DeltaLightKind::Point { position: LAMP }, LightStrength::Physical(Rgb::ONE));
     });
     let visible = visible(&scene);
     let pilot = GuidingPilot { mask: StoreMask::CAUSTIC, max_bounces: 20, visible: &visible, paths: 1 << 15, seed: 1 };
@@ -213,8 +213,8 @@ fn guiding_reduces_visible_variance() {
 fn guiding_prefers_the_visible_lamp() {
     let scene = hall(|b| {
         let strength = LightStrength::Power(Rgb::ONE);
-        b.source(SourceKind::Point { position: DVec3::new(0.0, 3.0, -12.0) }, strength);
-        b.source(SourceKind::Point { position: LAMP }, strength);
+        b.source(DeltaLightKind::Point { position: DVec3::new(0.0, 3.0, -12.0) }, strength);
+        b.source(DeltaLightKind::Point { position: LAMP }, strength);
     });
     let (guided, _) = guided(&scene, &visible(&scene));
     let share = guided.choice.probability(1);

@@ -1,6 +1,6 @@
 //! Culling of bodies that light cannot distinguish from air.
 
-use super::object::{Extent, Geometry, MeshData, Object};
+use super::object::{Extent, MeshData, Object, ObjectGeometry};
 use crate::scene::Material;
 
 /// Drops bodies of index 1 that neither absorb nor hold a medium.
@@ -31,7 +31,7 @@ pub(super) fn cull_index_matched(
     let culled: Vec<bool> = objects.iter().map(is_culled).collect();
     let mut triangles = Vec::new();
     for (object, culled) in objects.iter_mut().zip(&culled) {
-        if let (Geometry::Mesh(range), false) = (&mut object.geometry, culled) {
+        if let (ObjectGeometry::Mesh(range), false) = (&mut object.geometry, culled) {
             let first = triangles.len() as u32;
             triangles.extend_from_slice(&mesh.triangles[range.start as usize..range.end as usize]);
             *range = first..triangles.len() as u32;

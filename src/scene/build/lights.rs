@@ -1,21 +1,21 @@
 //! Collecting the lights of a scene.
 
-use super::object::{Geometry, Object};
+use super::object::{Object, ObjectGeometry};
 use super::place::{Mappings, PlacedGeometry};
 use crate::light::{AreaLight, EmissionTexture, EnvironmentLight, Light, LightSurface};
 use crate::math::Motion;
 use crate::sampling::Discrete;
 use crate::scene::animation::{MID_SHUTTER, constant_strength, source_at};
 use crate::scene::delta_light::{legacy_area_light, resolve_light};
-use crate::scene::{BuildError, LegacyLight, LightStrength, SourceKind};
+use crate::scene::{BuildError, DeltaLightKind, LegacyLight, LightStrength};
 use crate::texture::Texture;
 use glam::{DAffine3, DVec3};
 use std::sync::Arc;
 
 /// A point, spot or directional light in world coordinates.
 #[derive(Debug)]
-pub(super) struct Source {
-    pub kind: SourceKind,
+pub(super) struct DeltaLight {
+    pub kind: DeltaLightKind,
     pub strength: LightStrength,
     /// Motion in the world; `None` if the light rests.
     pub motion: Option<Motion>,
@@ -27,14 +27,14 @@ pub(super) struct Lights {
     pub lights: Vec<Light>,
     pub legacy_lights: Vec<LegacyLight>,
     /// Moving delta lights, by their index.
-    pub moving: Vec<(usize, SourceKind, LightStrength, Motion)>,
+    pub moving: Vec<(usize, DeltaLightKind, LightStrength, Motion)>,
     /// The area light that each object is.
     pub of_object: Vec<Option<u32>>,
 }
 
 /// Collects the lights, relative to `origin` and at mid-shutter.
 pub(super) fn collect_lights(
-    sources: &[Source],
+    sources: &[DeltaLight],
     objects: &[Object],
     geometry: &PlacedGeometry,
     mappings: &Mappings,
@@ -57,16 +57,16 @@ pub(super) fn collect_lights(
     let mut shapes = geometry.shapes.iter();
     for (object, mapping) in objects.iter().zip(&mappings.of_object) {
         let surface = match &object.geometry {
-            Geometry::Shape(_) => {
+            ObjectGeometry::Shape(_) => {
                 let placed = shapes.next();
                 placed.filter(|_| object.emits()).cloned().map(LightSurface::Shape)
             }
-            Geometry::Mesh(range) if object.emits() => {
+            ObjectGeometry::Mesh(range) if object.emits() => {
                 let areas = range.clone().map(|i| geometry.mesh.area(i as usize));
                 let mesh = geometry.mesh.clone();
                 Discrete::new(areas).map(|choice| LightSurface::Triangles { mesh, first: range.start, choice })
             }
-            Geometry::Mesh(_) | Geometry::Plane(_) => None,
+            ObjectGeometry::Mesh(_) | ObjectGeometry::Plane(_) => None,
         };
         let light = surface.map(|surface| {
             let mapping = mappings.list[*mapping as usize];

@@ -13,7 +13,7 @@ pub(super) use derived::{Derived, derive};
 pub(super) use lights::mean_lights;
 
 use super::interiors::{CoincidentFlags, find_flags};
-use super::{BuildError, LightStrength, Material, Scene, SourceKind};
+use super::{BuildError, DeltaLightKind, LightStrength, Material, Scene};
 use crate::camera::Camera;
 use crate::color::{Glass, Rgb};
 use crate::light::EnvironmentLight;
@@ -23,8 +23,8 @@ use crate::shape::{MappingKind, Plane, Shape, Triangle};
 use crate::texture::Texture;
 use cull_index_matched::{cull_index_matched, may_bound_body};
 use glam::{DVec2, DVec3, Vec3};
-use lights::{Lights, Source, collect_lights};
-use object::{Geometry, MeshData, Object};
+use lights::{DeltaLight, Lights, collect_lights};
+use object::{MeshData, Object, ObjectGeometry};
 use place::{Placed, place_camera, place_objects};
 use recenter::choose_origin;
 use std::sync::Arc;
@@ -43,7 +43,7 @@ pub struct SceneBuilder {
     objects: Vec<Object>,
     /// The triangles of all mesh objects.
     mesh: MeshData,
-    sources: Vec<Source>,
+    sources: Vec<DeltaLight>,
     camera_motion: Option<Motion>,
 }
 
@@ -98,12 +98,12 @@ impl SceneBuilder {
 
     /// Adds a shape. An `emission` above zero \[W/(m² sr)] makes it an area light.
     pub fn shape(&mut self, shape: Shape, material: u32, emission: Rgb) -> &mut Self {
-        self.object(Geometry::Shape(shape), None, material, emission)
+        self.object(ObjectGeometry::Shape(shape), None, material, emission)
     }
 
     /// Adds an unbounded plane.
     pub fn plane(&mut self, plane: Plane, material: u32, emission: Rgb) -> &mut Self {
-        self.object(Geometry::Plane(plane), None, material, emission)
+        self.object(ObjectGeometry::Plane(plane), None, material, emission)
     }
 
     /// Adds a mesh: positions, unit normals (one a vertex, or none), and triangles that index its
@@ -119,20 +119,20 @@ impl SceneBuilder {
         emission: Rgb,
     ) -> &mut Self {
         let range = self.mesh.add(positions, normals, triangles);
-        self.object(Geometry::Mesh(range), None, material, emission)
+        self.object(ObjectGeometry::Mesh(range), None, material, emission)
     }
 
     /// Adds a shape that moves while the shutter is open.
     pub fn moving_shape(&mut self, shape: Shape, motion: Motion, material: u32, emission: Rgb) -> &mut Self {
-        self.object(Geometry::Shape(shape), Some(motion), material, emission)
+        self.object(ObjectGeometry::Shape(shape), Some(motion), material, emission)
     }
 
     /// Adds an unbounded plane that moves while the shutter is open.
     pub fn moving_plane(&mut self, plane: Plane, motion: Motion, material: u32, emission: Rgb) -> &mut Self {
-        self.object(Geometry::Plane(plane), Some(motion), material, emission)
+        self.object(ObjectGeometry::Plane(plane), Some(motion), material, emission)
     }
 
-    fn object(&mut self, geometry: Geometry, motion: Option<Motion>, material: u32, emission: Rgb) -> &mut Self {
+    fn object(&mut self, geometry: ObjectGeometry, motion: Option<Motion>, material: u32, emission: Rgb) -> &mut Self {
         self.objects.push(Object { geometry, motion, material, emission, emission_texture: None, mapping: None });
         self
     }
@@ -164,16 +164,16 @@ impl SceneBuilder {
     }
 
     /// Adds a point, spot or directional light.
-    pub fn source(&mut self, kind: SourceKind, strength: LightStrength) -> &mut Self {
-        self.sources.push(Source { kind, strength, motion: None });
+    pub fn source(&mut self, kind: DeltaLightKind, strength: LightStrength) -> &mut Self {
+        self.sources.push(DeltaLight { kind, strength, motion: None });
         self
     }
 
     /// Adds a light that moves while the shutter is open. The motion acts about the light's own
     /// position.
-    pub fn moving_source(&mut self, kind: SourceKind, strength: LightStrength, motion: &Motion) -> &mut Self {
+    pub fn moving_source(&mut self, kind: DeltaLightKind, strength: LightStrength, motion: &Motion) -> &mut Self {
         let motion = kind.position().map_or_else(|| motion.clone(), |position| motion.about(position));
-        self.sources.push(Source { kind, strength, motion: Some(motion) });
+        self.sources.push(DeltaLight { kind, strength, motion: Some(motion) });
         self
     }
 

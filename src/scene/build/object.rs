@@ -12,7 +12,7 @@ pub(super) type Extent = (DVec3, DVec3);
 /// An object in world coordinates, or in its own where it moves.
 #[derive(Debug)]
 pub(super) struct Object {
-    pub geometry: Geometry,
+    pub geometry: ObjectGeometry,
     /// Motion to world coordinates; `None` if the object rests.
     pub motion: Option<Motion>,
     /// Index of the material.
@@ -28,7 +28,7 @@ pub(super) struct Object {
 /// The geometry of an object.
 #[derive(Debug)]
 #[expect(clippy::large_enum_variant, reason = "lives only while the scene is built")]
-pub(super) enum Geometry {
+pub(super) enum ObjectGeometry {
     Shape(Shape),
     /// A range of triangles of the scene's [`MeshData`].
     Mesh(Range<u32>),
@@ -40,9 +40,9 @@ impl Object {
     /// triangles.
     pub fn extent(&self, mesh: &MeshData) -> Option<Extent> {
         match &self.geometry {
-            Geometry::Shape(shape) if self.motion.is_none() => Some(shape.extent()),
-            Geometry::Mesh(range) => mesh.extent(range.clone()),
-            Geometry::Shape(_) | Geometry::Plane(_) => None,
+            ObjectGeometry::Shape(shape) if self.motion.is_none() => Some(shape.extent()),
+            ObjectGeometry::Mesh(range) => mesh.extent(range.clone()),
+            ObjectGeometry::Shape(_) | ObjectGeometry::Plane(_) => None,
         }
     }
 
@@ -57,12 +57,12 @@ impl Object {
     /// with intersection.
     pub fn rank(&self) -> u8 {
         match (&self.geometry, &self.motion) {
-            (Geometry::Shape(_), None) if self.emits() => 0,
-            (Geometry::Shape(_), None) => 1,
-            (Geometry::Shape(_), Some(_)) => 2,
-            (Geometry::Mesh(_), _) => 3,
-            (Geometry::Plane(_), None) => 4,
-            (Geometry::Plane(_), Some(_)) => 5,
+            (ObjectGeometry::Shape(_), None) if self.emits() => 0,
+            (ObjectGeometry::Shape(_), None) => 1,
+            (ObjectGeometry::Shape(_), Some(_)) => 2,
+            (ObjectGeometry::Mesh(_), _) => 3,
+            (ObjectGeometry::Plane(_), None) => 4,
+            (ObjectGeometry::Plane(_), Some(_)) => 5,
         }
     }
 }

@@ -1,6 +1,6 @@
 //! Placing objects relative to the origin of the scene, at mid-shutter.
 
-use super::object::{Geometry, MeshData, Object};
+use super::object::{MeshData, Object, ObjectGeometry};
 use crate::camera::Camera;
 use crate::math::Motion;
 use crate::scene::BuildError;
@@ -50,14 +50,14 @@ pub(super) fn place_objects(mut objects: Vec<Object>, mesh: MeshData, origin: DV
     for object in &objects {
         let motion = object.motion.as_ref().map(|motion| motion.followed_by(recenter));
         match (&object.geometry, motion) {
-            (Geometry::Shape(shape), None) => shapes.push(shape.translated(-origin)),
-            (Geometry::Shape(shape), Some(motion)) => {
+            (ObjectGeometry::Shape(shape), None) => shapes.push(shape.translated(-origin)),
+            (ObjectGeometry::Shape(shape), Some(motion)) => {
                 shapes.push(shape_at(shape, &motion, MID_SHUTTER).ok_or(BuildError::Flattened)?);
                 animation.shapes.push((shape.clone(), motion));
             }
-            (Geometry::Mesh(range), _) => mesh_ranges.push(range.clone()),
-            (Geometry::Plane(plane), None) => planes.push(plane.translated(-origin)),
-            (Geometry::Plane(plane), Some(motion)) => {
+            (ObjectGeometry::Mesh(range), _) => mesh_ranges.push(range.clone()),
+            (ObjectGeometry::Plane(plane), None) => planes.push(plane.translated(-origin)),
+            (ObjectGeometry::Plane(plane), Some(motion)) => {
                 planes.push(plane_at(plane, &motion, MID_SHUTTER).ok_or(BuildError::Flattened)?);
                 animation.planes.push((*plane, motion));
             }

@@ -1,6 +1,6 @@
 //! Choosing the origin of scene coordinates.
 
-use super::object::{Extent, Geometry, MeshData, Object};
+use super::object::{Extent, MeshData, Object, ObjectGeometry};
 use crate::camera::Camera;
 use crate::scene::BuildError;
 use crate::scene::animation::{MID_SHUTTER, shape_at};
@@ -31,16 +31,16 @@ pub(super) fn choose_origin(objects: &[Object], mesh: &MeshData, camera: &Camera
     let mut shapes = Vec::new();
     for object in objects {
         match (&object.geometry, &object.motion) {
-            (Geometry::Shape(shape), None) => {
+            (ObjectGeometry::Shape(shape), None) => {
                 resting.push(shape.extent());
                 shapes.push(shape);
             }
-            (Geometry::Shape(shape), Some(motion)) => {
+            (ObjectGeometry::Shape(shape), Some(motion)) => {
                 let at = |time| shape_at(shape, motion, time).map(|shape| shape.extent()).ok_or(BuildError::Flattened);
                 moving.push(union(union(at(0.0)?, at(MID_SHUTTER)?), at(1.0)?));
             }
-            (Geometry::Mesh(_), _) => meshes.extend(object.extent(mesh)),
-            (Geometry::Plane(_), _) => {}
+            (ObjectGeometry::Mesh(_), _) => meshes.extend(object.extent(mesh)),
+            (ObjectGeometry::Plane(_), _) => {}
         }
     }
     let boxes = [resting, moving, meshes].concat();

@@ -22,7 +22,7 @@ fn scenes_beyond_single_precision_are_refused() {
     ball(&mut bright, DVec3::ZERO, Rgb::splat(f32::MAX));
     assert_eq!(bright.build(camera()).err(), Some(BuildError::TooBright(0)));
     let mut source = SceneBuilder::new();
-    source.source(SourceKind::Point { position: DVec3::ZERO }, LightStrength::Power(Rgb::INFINITY));
+    source.source(DeltaLightKind::Point { position: DVec3::ZERO }, LightStrength::Power(Rgb::INFINITY));
     assert_eq!(source.build(camera()).err(), Some(BuildError::TooBright(0)));
 }
 

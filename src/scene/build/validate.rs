@@ -1,6 +1,6 @@
 //! Checks of the parts of a scene.
 
-use super::object::{Geometry, MeshData, Object};
+use super::object::{MeshData, Object, ObjectGeometry};
 use super::place::PlacedGeometry;
 use crate::color;
 use crate::math::Bounds;
@@ -17,7 +17,7 @@ const MIN_EXTENT: f32 = 1.0 / 549_755_813_888.0;
 
 /// Checks what cannot be rendered at any place or size.
 pub(super) fn validate_objects(objects: &[Object], mesh: &MeshData) -> Result<(), BuildError> {
-    let emits = |object: &Object| matches!(object.geometry, Geometry::Plane(_)) && object.emits();
+    let emits = |object: &Object| matches!(object.geometry, ObjectGeometry::Plane(_)) && object.emits();
     if objects.iter().any(emits) {
         return Err(BuildError::EmissivePlane);
     }

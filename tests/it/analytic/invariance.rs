@@ -3,7 +3,7 @@
 use crate::support::*;
 use caustica::integrate::{Algorithm, Settings, Silent};
 use caustica::photon::{PhotonSource, StoreMask};
-use caustica::scene::{LightStrength, Material, Scene, SceneBuilder, SourceKind};
+use caustica::scene::{DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
 use caustica::shape::{Disc, Rectangle, Shape, Sphere};
 use glam::{DQuat, DVec2, DVec3, Vec3};
 
@@ -49,7 +49,7 @@ fn room(at: Place) -> Scene {
     b.shape(Shape::Disc(lamp), black, Vec3::new(20.0, 30.0, 40.0));
     let sail = [vec3(-0.9, -0.9, -0.4), vec3(-0.4, -0.9, -0.9), vec3(-0.9, 0.3, -0.8)].map(|p| at.point(p));
     b.mesh(&sail, &[], &[[0, 1, 2]], mirror, Vec3::ZERO);
-    let point = SourceKind::Point { position: at.point(vec3(0.6, 0.5, 0.8)) };
+    let point = DeltaLightKind::Point { position: at.point(vec3(0.6, 0.5, 0.8)) };
     // Intensity scales with area, like the power of an area light of given radiance.
     b.source(point, LightStrength::Physical(grey(0.4 * at.scale * at.scale)));
     let (eye, target) = (at.point(vec3(2.5, 1.0, 2.5)), at.point(vec3(0.0, -0.4, 0.0)));

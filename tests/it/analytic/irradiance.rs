@@ -3,7 +3,7 @@
 
 use crate::support::*;
 use caustica::photon::{Kernel, PhotonData, PhotonMap, Scratch, StoreMask};
-use caustica::scene::{LightStrength, Material, Scene, SceneBuilder, SourceKind};
+use caustica::scene::{DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
 use caustica::shape::{Disc, Plane, Rectangle, Shape, Sphere};
 use glam::{DVec2, DVec3, Vec3};
 use std::f64::consts::{PI, TAU};
@@ -46,7 +46,7 @@ const LAMPS: [Lamp; 6] = [
     Lamp {
         name: "point",
         add: |b| {
-            let place = SourceKind::Point { position: vec3(0.0, HEIGHT, 0.0) };
+            let place = DeltaLightKind::Point { position: vec3(0.0, HEIGHT, 0.0) };
             b.source(place, LightStrength::Physical(grey(INTENSITY)));
         },
         irradiance: |p| {
@@ -59,7 +59,7 @@ const LAMPS: [Lamp; 6] = [
         add: |b| {
             let (position, axis) = (vec3(0.0, HEIGHT, 0.0), -DVec3::Y);
             b.source(
-                SourceKind::Spot { position, axis, inner: 0.3, outer: 0.8 },
+                DeltaLightKind::Spot { position, axis, inner: 0.3, outer: 0.8 },
                 LightStrength::Physical(grey(INTENSITY)),
             );
         },

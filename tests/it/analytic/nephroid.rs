@@ -2,7 +2,7 @@
 
 use crate::support::*;
 use caustica::photon::{Kernel, Photon, PhotonMap, StoreMask, Traced};
-use caustica::scene::{LightStrength, Material, Scene, SceneBuilder, SourceKind};
+use caustica::scene::{DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
 use caustica::shape::{Rectangle, Shape};
 use glam::{DVec2, DVec3, Vec3};
 use std::f64::consts::PI;
@@ -34,7 +34,7 @@ fn cup(screen: Rectangle, direction: DVec3) -> Scene {
     }
     b.mesh(&corners, &normals, &triangles, mirror, grey(0.0));
     b.shape(Shape::Rectangle(screen), white, grey(0.0));
-    b.source(SourceKind::Directional { direction }, LightStrength::Physical(grey(IRRADIANCE)));
+    b.source(DeltaLightKind::Directional { direction }, LightStrength::Physical(grey(IRRADIANCE)));
     photon_only_scene(b)
 }
 

@@ -3,7 +3,7 @@
 
 use crate::support::*;
 use caustica::photon::{PhotonMap, StoreMask};
-use caustica::scene::{LightStrength, Material, SceneBuilder, SourceKind};
+use caustica::scene::{DeltaLightKind, LightStrength, Material, SceneBuilder};
 use caustica::shape::{Disc, Shape, Sphere};
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
@@ -14,7 +14,7 @@ fn sphere(radius: f64, albedo: f64, light: DVec3) -> SceneBuilder {
     let mut b = SceneBuilder::new();
     let wall = b.material(Material::diffuse(grey(albedo)));
     b.shape(Shape::Sphere(Sphere::new(DVec3::ZERO, radius)), wall, grey(0.0));
-    b.source(SourceKind::Point { position: light }, LightStrength::Power(grey(FLUX)));
+    b.source(DeltaLightKind::Point { position: light }, LightStrength::Power(grey(FLUX)));
     b
 }
 

@@ -7,7 +7,7 @@ use caustica::integrate::{Algorithm, EyeSettings, Settings};
 use caustica::medium::{Medium, PhaseFunction};
 use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
 use caustica::sampling::{Key, Purpose};
-use caustica::scene::{Body, LightStrength, Material, SceneBuilder, SourceKind};
+use caustica::scene::{Body, DeltaLightKind, LightStrength, Material, SceneBuilder};
 use caustica::shape::{Rectangle, Shape};
 use glam::DVec3;
 use std::time::{Duration, Instant};
@@ -119,7 +119,7 @@ fn photons_obey_beer_over_million_boundaries() {
         b.shape(sheet(DVec3::X, z, y), silver, Rgb::ZERO);
         b.shape(sheet(-DVec3::X, y, z), silver, Rgb::ZERO);
         nest(&mut b, filled, TURNS);
-        let spot = SourceKind::Spot { position: -0.95 * DVec3::X, axis: DVec3::X, inner: 0.9e-3, outer: 1e-3 };
+        let spot = DeltaLightKind::Spot { position: -0.95 * DVec3::X, axis: DVec3::X, inner: 0.9e-3, outer: 1e-3 };
         b.source(spot, LightStrength::Power(Rgb::ONE));
         let scene = b.build(along_x()).unwrap();
         let source = PhotonSource::everywhere(&scene).unwrap();
@@ -143,7 +143,7 @@ fn shadow_rays_cross_more_bodies_than_stack_holds() {
         let white = b.material(Material::diffuse(Rgb::ONE));
         nest(&mut b, filled, 1);
         b.shape(sheet(-DVec3::X, DVec3::Y * 2.0, DVec3::Z * 2.0), white, Rgb::ZERO);
-        let sun = SourceKind::Directional { direction: -DVec3::X };
+        let sun = DeltaLightKind::Directional { direction: -DVec3::X };
         b.source(sun, LightStrength::Physical(Rgb::splat(std::f32::consts::PI)));
         let camera = Camera::orthographic(-0.95 * DVec3::X, -DVec3::X, DVec3::Z, 1e-3, 1, 1).unwrap();
         let scene = b.build(camera).unwrap();

@@ -6,7 +6,7 @@ use caustica::color::Rgb;
 use caustica::integrate::{Algorithm, EyeSettings, Settings};
 use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
 use caustica::sampling::{Key, Purpose};
-use caustica::scene::{LightStrength, Material, Scene, SceneBuilder, SourceKind};
+use caustica::scene::{DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
 use caustica::shape::parametric::Basis;
 use caustica::shape::{Disc, Revolution, Shape};
 use glam::{DVec2, DVec3};
@@ -35,7 +35,10 @@ fn parabola(pixels: u32) -> Scene {
     let bowl = Revolution::new(&Basis::bezier(3).unwrap(), &controls).unwrap();
     b.shape(Shape::Revolution(bowl), mirror, Rgb::ZERO);
     b.shape(Shape::Disc(Disc::around(DVec3::Y, -DVec3::Y, TARGET)), white, Rgb::ZERO);
-    b.source(SourceKind::Directional { direction: -DVec3::Y }, LightStrength::Physical(Rgb::splat(IRRADIANCE as f32)));
+    b.source(
+        DeltaLightKind::Directional { direction: -DVec3::Y },
+        LightStrength::Physical(Rgb::splat(IRRADIANCE as f32)),
+    );
     b.build(flat_camera(DVec3::Y * 0.9, DVec3::Y, PIXEL * f64::from(pixels), pixels)).unwrap()
 }
 

@@ -9,7 +9,7 @@ use caustica::medium::{Medium, PhaseFunction};
 use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
 use caustica::render::Rendered;
 use caustica::render::error_estimate::{ErrorEstimate, ErrorMaps};
-use caustica::scene::{Body, BuildError, LightStrength, Material, Scene, SceneBuilder, SourceKind};
+use caustica::scene::{Body, BuildError, DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
 use caustica::shape::{Shape, Sphere};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -32,8 +32,8 @@ fn room(scale: f32, fog: bool) -> Scene {
     b.shape(Shape::Sphere(Sphere::new(DVec3::new(-0.5, -0.7, -0.3), 0.3)), mirror, Rgb::ZERO);
     b.shape(sheet(DVec3::Y * 0.99, x * 0.2, z * 0.2), white, Rgb::new(0.5, 0.4, 0.3) * scale);
     let power = LightStrength::Power(Rgb::new(0.3, 0.2, 0.1) * scale);
-    b.source(SourceKind::Point { position: DVec3::new(-0.5, 0.5, 0.3) }, power);
-    let spot = SourceKind::Spot { position: DVec3::new(0.5, 0.8, 0.5), axis: -DVec3::Y, inner: 0.3, outer: 0.5 };
+    b.source(DeltaLightKind::Point { position: DVec3::new(-0.5, 0.5, 0.3) }, power);
+    let spot = DeltaLightKind::Spot { position: DVec3::new(0.5, 0.8, 0.5), axis: -DVec3::Y, inner: 0.3, outer: 0.5 };
     b.source(spot, power);
     if fog {
         let milk = Medium::homogeneous(Rgb::splat(0.2), Rgb::splat(0.8), Rgb::ZERO, PhaseFunction::Isotropic);
@@ -114,7 +114,7 @@ fn point_light_flux_matches_closed_form() {
         let pane = b.material(Material::thin(1.0, Rgb::ONE));
         b.shape(sheet(DVec3::ZERO, DVec3::Z * 4.0, DVec3::X * 4.0), white, Rgb::ZERO);
         b.shape(sheet(DVec3::Y * 0.5, DVec3::Z * 40.0, DVec3::X * 40.0), pane, Rgb::ZERO);
-        let point = SourceKind::Point { position: DVec3::Y };
+        let point = DeltaLightKind::Point { position: DVec3::Y };
         b.source(point, LightStrength::Power(Rgb::splat(power as f32)));
         let scene = b.build(flat_camera(DVec3::Y * 0.2, -DVec3::Y, 0.2, 8)).unwrap();
         let settings = Settings { radius: Some(0.05), gather_k: Some(0), ..settings(20_000, 4) };
@@ -138,7 +138,7 @@ fn photons_beyond_float_range_are_reported() {
         let white = b.material(Material::diffuse(Rgb::splat(0.5)));
         b.shape(Shape::Sphere(Sphere::new(DVec3::ZERO, 1.0)), white, Rgb::ZERO);
         for power in powers {
-            b.source(SourceKind::Point { position: DVec3::ZERO }, LightStrength::Power(Rgb::splat(*power)));
+            b.source(DeltaLightKind::Point { position: DVec3::ZERO }, LightStrength::Power(Rgb::splat(*power)));
         }
         b.build(flat_camera(DVec3::Y * -0.2, -DVec3::Y, 0.2, 4))
     };

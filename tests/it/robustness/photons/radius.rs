@@ -4,7 +4,7 @@ use super::{HUE, finite, flat_camera, rendered, settings, sheet};
 use caustica::color::Rgb;
 use caustica::integrate::{ALPHA, Algorithm, Settings, Silent, shrink};
 use caustica::photon::{Bandwidth, Kernel, Photon, PhotonMap, Scratch};
-use caustica::scene::{LightStrength, Material, Scene, SceneBuilder, SourceKind};
+use caustica::scene::{DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
 use glam::{DVec3, Vec3};
 
 const MILLION: u32 = 1_000_000;
@@ -29,7 +29,7 @@ fn behind_a_pane() -> Scene {
     let pane = b.material(Material::thin(1.0, Rgb::ONE));
     b.shape(sheet(DVec3::ZERO, DVec3::Z, DVec3::X), white, Rgb::ZERO);
     b.shape(sheet(DVec3::Y * 0.5, DVec3::Z, DVec3::X), pane, Rgb::ZERO);
-    b.source(SourceKind::Directional { direction: -DVec3::Y }, LightStrength::Physical(Rgb::ONE));
+    b.source(DeltaLightKind::Directional { direction: -DVec3::Y }, LightStrength::Physical(Rgb::ONE));
     b.build(flat_camera(DVec3::Y * 0.2, -DVec3::Y, 0.5, 4)).unwrap()
 }
 

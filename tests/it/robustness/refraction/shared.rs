@@ -6,7 +6,7 @@ use caustica::camera::Camera;
 use caustica::integrate::{Algorithm, EyeSettings, Settings};
 use caustica::light::EnvironmentLight;
 use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
-use caustica::scene::{Body, LightStrength, Material, Scene, SceneBuilder, SourceKind};
+use caustica::scene::{Body, DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
 use caustica::shape::{Plane, Rectangle, Shape};
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -123,7 +123,7 @@ fn lit(faces: Faces, contact: Contact, liquid_first: bool, angle: f64) -> Scene 
     face(&mut b, Faces::Rectangles, 2.0, false, black);
     face(&mut b, Faces::Rectangles, -2.0, true, floor);
     let axis = DVec3::new(libm::sin(angle), -libm::cos(angle), 0.0);
-    let source = SourceKind::Spot { position: DVec3::Y * 1.5 - DVec3::X * 3.0, axis, inner: CONE, outer: CONE };
+    let source = DeltaLightKind::Spot { position: DVec3::Y * 1.5 - DVec3::X * 3.0, axis, inner: CONE, outer: CONE };
     b.source(source, LightStrength::Power(Vec3::ONE));
     b.build(camera()).unwrap()
 }
@@ -188,7 +188,7 @@ fn touching_blocks_of_one_glass_merge() {
         face(&mut b, Faces::Rectangles, 2.0, false, black);
         face(&mut b, Faces::Rectangles, -2.0, true, floor);
         let axis = DVec3::new(libm::sin(1.4), -libm::cos(1.4), 0.0);
-        let source = SourceKind::Spot { position: DVec3::Y * 1.5 - DVec3::X * 3.0, axis, inner: CONE, outer: CONE };
+        let source = DeltaLightKind::Spot { position: DVec3::Y * 1.5 - DVec3::X * 3.0, axis, inner: CONE, outer: CONE };
         b.source(source, LightStrength::Power(Vec3::ONE));
         let expected = mean_through(&[1.0, GLASS, 1.0], 1.4);
         assert_mean(&format!("{blocks:?}, {faces:?}"), &passed(&b.build(camera()).unwrap()), expected, 1e-5, 0.02);

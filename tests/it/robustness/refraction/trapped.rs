@@ -7,7 +7,9 @@ use caustica::integrate::{Algorithm, EyeSettings, Settings};
 use caustica::math::{Ray, warp};
 use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
 use caustica::sampling::Dimension;
-use caustica::scene::{Effects, InteriorStack, LightStrength, Material, PathEvent, Scene, SceneBuilder, SourceKind};
+use caustica::scene::{
+    DeltaLightKind, Effects, InteriorStack, LightStrength, Material, PathEvent, Scene, SceneBuilder,
+};
 use caustica::shape::{Plane, Rectangle, Shape, Sphere};
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
@@ -73,7 +75,7 @@ fn trapped_directions(n: u64) -> Vec<Vec3> {
 fn trapped_rays_stay_in_cube() {
     for triangles in [false, true] {
         let mut b = cube(triangles);
-        b.source(SourceKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::ONE));
+        b.source(DeltaLightKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::ONE));
         let scene = built(b);
         trapped_directions(400).par_iter().for_each(|direction| {
             let drift = BOUNCES as f32 * 3.0 * f32::EPSILON / 2.0;
@@ -92,7 +94,7 @@ fn trapped_rays_stay_in_slab() {
     let glass = b.material(Material::dielectric(1.5, Vec3::ZERO));
     b.plane(Plane::new(DVec3::Y, DVec3::Y), glass, Vec3::ZERO);
     b.plane(Plane::new(DVec3::NEG_Y, DVec3::NEG_Y), glass, Vec3::ZERO);
-    b.source(SourceKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::ONE));
+    b.source(DeltaLightKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::ONE));
     let middle = Camera::perspective(DVec3::ZERO, DVec3::ONE, DVec3::Y, 0.1, 4, 4).unwrap();
     let scene = b.build(middle).unwrap();
     for i in 1..100 {
@@ -113,7 +115,7 @@ fn trapped_rays_stay_in_ball() {
     let mut b = SceneBuilder::new();
     let glass = b.material(Material::dielectric(1.5, Vec3::ZERO));
     b.shape(Shape::Sphere(Sphere::new(DVec3::new(0.0, -0.9, 0.0), 1.0)), glass, Vec3::ZERO);
-    b.source(SourceKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::ONE));
+    b.source(DeltaLightKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::ONE));
     let scene = built(b);
     // Light starts 0.9 off the center, which the scene moves to the origin.
     let drift = BOUNCES as f32 * 7.0 * 1.74 * f32::EPSILON / 2.0;
@@ -147,7 +149,7 @@ fn trapped_photons_keep_flux_and_terminate() {
     for triangles in [false, true] {
         let mut b = cube(triangles);
         // Every direction within 5° of the diagonal hits faces beyond 49°.
-        let source = SourceKind::Spot { position: DVec3::ZERO, axis: DVec3::ONE, inner: 0.08, outer: 0.08 };
+        let source = DeltaLightKind::Spot { position: DVec3::ZERO, axis: DVec3::ONE, inner: 0.08, outer: 0.08 };
         b.source(source, LightStrength::Power(Vec3::new(1.0, 2.0, 3.0)));
         let scene = built(b);
         let source = PhotonSource::everywhere(&scene).unwrap();
@@ -168,7 +170,7 @@ fn trapped_camera_paths_terminate() {
     for algorithm in [Algorithm::Path, Algorithm::Hybrid, Algorithm::Sppm, Algorithm::Distributed, Algorithm::Whitted] {
         let mut b = cube(true);
         b.background(Vec3::ONE);
-        b.source(SourceKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::ONE));
+        b.source(DeltaLightKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::ONE));
         let eye = EyeSettings { samples: Some(4), max_bounces: BOUNCES, ..EyeSettings::default() };
         let settings = Settings { eye, photons: 100, caustic_photons: 100, balance: false, ..Settings::default() };
         let image = pixels(&built(b), algorithm, settings, 1);

@@ -2,7 +2,7 @@
 
 use caustica::camera::Camera;
 use caustica::color::Rgb;
-use caustica::scene::{BuildError, LightStrength, Material, Scene, SceneBuilder, SourceKind};
+use caustica::scene::{BuildError, DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
 use caustica::shape::{Plane, Shape, Sphere};
 use glam::DVec3;
 
@@ -15,7 +15,7 @@ fn balls(places: &[(DVec3, f64)], plane: bool) -> Result<Scene, BuildError> {
     if plane {
         b.plane(Plane::new(DVec3::ZERO, DVec3::Y), white, Rgb::ZERO);
     }
-    b.source(SourceKind::Point { position: DVec3::ONE }, LightStrength::Physical(Rgb::ONE));
+    b.source(DeltaLightKind::Point { position: DVec3::ONE }, LightStrength::Physical(Rgb::ONE));
     b.build(Camera::perspective(DVec3::Z * 5.0, DVec3::NEG_Z, DVec3::Y, 1.0, 4, 4).unwrap())
 }
 

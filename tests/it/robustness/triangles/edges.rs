@@ -171,7 +171,7 @@ fn axis_aligned_and_coplanar_rays_hit_correctly() {
             () if inside && way == 0 => 1,
             () if inside => {
                 let t = way as f64 / up as f64;
-                let off = |hit: caustica::accel::Hit| (f64::from(hit.t) - t).abs() * d.as_dvec3().length();
+                let off = |hit: caustica::accel::PrimitiveHit| (f64::from(hit.t) - t).abs() * d.as_dvec3().length();
                 let ahead = t > 0.0;
                 assert_eq!(hit.is_some(), ahead, "{a} {b} {c} {o} {d}: {hit:?} {t}");
                 assert!(hit.is_none_or(|h| off(h) <= blur + 1e-6 * reach), "{a} {b} {c} {o} {d}: {hit:?} {t}");
