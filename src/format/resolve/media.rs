@@ -3,8 +3,8 @@
 use super::{Resolver, rgb};
 use crate::color::Rgb;
 use crate::format::description::{
-    self, Coefficients, Density, ExtentDescription, MaterialDescription, MediumDescription, Span, Spanned,
-    TransformStep,
+    self, Coefficients, Density, ExtentDescription, LightDescription, MaterialDescription, MediumDescription, Span,
+    Spanned, TransformStep,
 };
 use crate::format::{SceneError, grid};
 use crate::medium::{Cloud, GridDensity, GridDensityError, Medium, PhaseFunction};
@@ -85,6 +85,14 @@ fn make_density(r: &Resolver<'_>, described: &Spanned<MediumDescription>) -> Res
     Ok(Some(field))
 }
 
+/// The light that a motion carries, or `light` itself.
+fn innermost(mut light: &Spanned<LightDescription>) -> &Spanned<LightDescription> {
+    while let LightDescription::Moving { light: inner, .. } = &light.value {
+        light = inner;
+    }
+    light
+}
+
 /// Adds the medium that fills the space outside all bodies.
 pub(super) fn fill_background(r: &mut Resolver<'_>) -> Result<(), SceneError> {
     let Some(name) = &r.description.filling else { return Ok(()) };
@@ -107,7 +115,7 @@ pub(super) fn fill_background(r: &mut Resolver<'_>) -> Result<(), SceneError> {
         let message =
             format!("the medium `{}` fills the scene and absorbs or scatters all light from infinity", name.value);
         let help = "leave the light out, or put the medium into a shape of a material `Clear { medium … }`";
-        return Err(r.refuse(light.span, &message, help));
+        return Err(r.refuse(innermost(light).span, &message, help));
     }
     r.builder.ambient_medium(index);
     Ok(())

@@ -48,6 +48,7 @@ fn invalid_oriented_lights_are_errors() {
         ("GoniometricLight { position 0 4 0 direction 0 -1 0 up 0 1 0 file white.exr power 1 1 1 }", "parallel"),
     ] {
         let error = resolved(light).unwrap_err();
-        assert!(error.to_string().contains(message) || error.message().contains(message), "{error}");
+        let said = [error.message(), error.remedy()];
+        assert!(said.iter().any(|text| text.contains(message)), "{error}: {said:?}");
     }
 }
