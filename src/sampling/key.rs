@@ -15,7 +15,7 @@
 //! | – | `Key::new` | seed | root of a render |
 //! | root, trial | `Key::purpose` | [`Purpose`] | one per purpose |
 //! | purpose | `Key::pass` | pass | one per pass; a pilot counts down from `u32::MAX` |
-//! | purpose `Camera` | `Key::shared_paths` | 0 | replaces the pass if all passes share their camera paths |
+//! | purpose `Camera` | `Key::shared_paths` | 0 | replaces the pass if passes share paths |
 //! | purpose `Camera` | `Key::fresh_paths` | pass + 1 | never the 0 of shared paths |
 //! | pass, round | `Key::path` | path | one per photon path |
 //! | path | `Key::bounce` | bounce | one per vertex of a photon path |
@@ -28,7 +28,7 @@
 //! | film sample of a pilot | `Sampler::bounce` | bounce | one per vertex |
 //! | any sampler | `Sampler::key` | sample | one per sample of the pixel |
 //! | purpose `Balance` | `Key::trial` | trial | independent trials of one pilot |
-//! | purpose `Camera` of a trial | `Key::film_point` | set · 2³² + point | one per point of a pilot |
+//! | `Camera` of a trial | `Key::film_point` | set · 2³² + point | one per point of a pilot |
 //! | purpose `LightWeights` | `Key::light` | light | one per light |
 //! | purpose `Learning` | `Key::round` | round | one per training round |
 

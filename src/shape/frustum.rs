@@ -312,7 +312,7 @@ impl AnalyticShape for Frustum {
         let total = self.area();
         let pdf = match Part::of(point.uv) {
             Part::Side => {
-                // |M⁻ᵀ n| at object normal n is |n|/|Mᵀ ng|: Mᵀ maps the world normal to a multiple of n.
+                // |M⁻ᵀ n| at object normal n is |n|/|Mᵀ ng|, since Mᵀ maps ng to a multiple of n.
                 let m = self.to_world.forward().matrix3;
                 let back = (m.transpose() * point.ng.as_dvec3()).length();
                 let stretch = self.to_world.determinant().abs() * hypot(1.0, self.taper()) / back;

@@ -67,10 +67,9 @@ impl PhotonSource<'_> {
     ///
     /// For each path, a pilot measures the sum of the squared changes of the picture by its
     /// photons. The guided pdf is proportional to the root of the mean square, which minimises the
-    /// variance (Pharr, Jakob, Humphreys 2023, section
-    /// 2.2.2). It is mixed with the unguided pdf, so every mean is unbiased and weights are bounded. If the pilot lights no
-    /// visible point, the source stays unguided. The result depends only on the scene, this source
-    /// and `pilot`.
+    /// variance (Pharr, Jakob, Humphreys 2023, section 2.2.2). It is mixed with the unguided pdf,
+    /// so every mean is unbiased and weights are bounded. If the pilot lights no visible point, the
+    /// source stays unguided. The result depends only on the scene, this source and `pilot`.
     #[must_use]
     pub fn guided(mut self, pilot: &GuidingPilot<'_>) -> (Self, GuidingReport) {
         let unguided = self.choice.clone();
