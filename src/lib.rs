@@ -21,7 +21,7 @@
 //! ```
 //! use caustica::camera::Camera;
 //! use caustica::integrate::{Algorithm, Settings, Silent};
-//! use caustica::scene::{LightStrength, Material, SceneBuilder, SourceKind};
+//! use caustica::scene::{LightStrength, Material, SceneBuilder, DeltaLightKind};
 //! use caustica::shape::{Plane, Shape, Sphere};
 //! use glam::{DVec3, Vec3};
 //!
@@ -32,7 +32,7 @@
 //!     .plane(Plane::new(DVec3::ZERO, DVec3::Y), white, Vec3::ZERO)
 //!     .shape(Shape::Sphere(Sphere::new(DVec3::new(0.0, 1.0, 0.0), 0.8)), glass, Vec3::ZERO)
 //!     .source(
-//!         SourceKind::Point { position: DVec3::new(2.0, 4.0, 0.0) },
+//!         DeltaLightKind::Point { position: DVec3::new(2.0, 4.0, 0.0) },
 //!         LightStrength::Power(Vec3::splat(200.0)),
 //!     );
 //! let (center, direction) = (DVec3::new(0.0, 2.0, 6.0), DVec3::new(0.0, -0.2, -1.0));
