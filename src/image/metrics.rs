@@ -98,7 +98,7 @@ pub struct Differences {
     /// Largest difference of red, green and blue; the first of equal ones. `None` if a channel is
     /// equal.
     pub largest: [Option<Largest>; 3],
-    /// Number of pixels of which any channel differs.
+    /// Number of pixels that differ in at least one channel.
     pub pixels: usize,
 }
 

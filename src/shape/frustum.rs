@@ -66,7 +66,7 @@ impl Frustum {
         Self::new(base, apex, [radius, 0.0], capped)
     }
 
-    /// A truncated cone between the centres of its ends, with their radii, of which one may be 0.
+    /// A truncated cone between the centres of its ends, with their radii. One radius may be 0.
     ///
     /// `None` if it has no extent that numbers can hold.
     #[must_use]
