@@ -58,7 +58,7 @@ impl PhotonPass<'_> {
     /// The result does not depend on the number of threads: chunks are fixed and concatenated in
     /// order.
     pub fn trace(&self, pass_key: Key, paths: u32, done: &(dyn Fn(u64) + Sync)) -> Traced {
-        for_interior!(self.source, self.trace_with(pass_key, paths, done))
+        for_interior!(self.source, <I> self.trace_with::<I>(pass_key, paths, done))
     }
 
     fn trace_with<I: Interior>(&self, pass_key: Key, paths: u32, done: &(dyn Fn(u64) + Sync)) -> Traced {
