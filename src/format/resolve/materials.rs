@@ -7,7 +7,7 @@ use crate::bsdf::{METALS, metal};
 use crate::color::{GLASSES, Glass, Rgb, glass};
 use crate::format::SceneError;
 use crate::format::description::{Emission, MaterialKindDescription, MetalDescription, RefractionDescription, Spanned};
-use crate::format::language::nearest;
+use crate::format::language::nearest_word;
 use crate::scene::{Body, Material};
 
 impl Resolver<'_> {
@@ -99,7 +99,7 @@ impl Resolver<'_> {
         glass(name).ok_or_else(|| {
             let names = || GLASSES.iter().map(|g| g.0);
             let message = format!("no glass is called `{}`", name.value);
-            let guess = nearest(name, names()).map_or(String::new(), |n| format!("did you mean `{n}`? "));
+            let guess = nearest_word(name, names()).map_or(String::new(), |n| format!("did you mean `{n}`? "));
             let known = names().collect::<Vec<_>>().join(", ");
             let help = format!("{guess}known are {known}; of others, give `cauchy`, or `indexOfRefraction` and `abbe`");
             SceneError::at(self.source, name.span, message, "unknown name", help)
