@@ -80,14 +80,19 @@ fn loaded(name: &str, bytes: &[u8]) {
             let vertices = loaded.mesh.positions.len();
             assert!(loaded.mesh.triangles.iter().flatten().all(|v| (*v as usize) < vertices));
             assert!(loaded.mesh.positions.iter().all(|p| p.is_finite()));
-            assert!(loaded.repeated() <= loaded.vertices);
+            assert!(loaded.repeated_vertices() <= loaded.vertices);
             assert_eq!(
-                loaded.mesh.parts().iter().map(|(_, part)| part.triangles.len()).sum::<usize>(),
+                loaded.mesh.split_by_material().iter().map(|(_, part)| part.triangles.len()).sum::<usize>(),
                 loaded.mesh.triangles.len()
             );
             assert!(loaded.mesh.report().components <= loaded.mesh.triangles.len());
-            loaded.mesh.repair(&mesh::Repair { weld: Some(1e-9), duplicates: true, degenerate: true, orient: true });
-            loaded.mesh.smooth(30.0);
+            loaded.mesh.repair(&mesh::MeshRepairs {
+                weld: Some(1e-9),
+                duplicates: true,
+                degenerate: true,
+                orient: true,
+            });
+            loaded.mesh.compute_smooth_normals(30.0);
         }
         Err(error) => assert!(error.to_string().contains(name), "{error}"),
     }
