@@ -9,7 +9,7 @@ use caustica::color::Rgb;
 use caustica::format::description::{CurveBasis, Group, GroupItem, ObjectDescription, ProfileCurve, ShapeDescription};
 use caustica::format::mesh::{self, MeshRepairs};
 use caustica::format::{SceneFile, parse};
-use caustica::image::{self, Curve, Image, RgbBytes, ToneMap, WriteOptions};
+use caustica::image::{self, Image, RgbBytes, ToneCurve, ToneMap, WriteOptions};
 use caustica::integrate::{Algorithm, Settings, Silent};
 use caustica::math::Ray;
 use caustica::scene::{Material, Scene, SceneBuilder};
@@ -29,7 +29,7 @@ fn render_course_image(scene: &Scene) -> RgbBytes {
     let picture = Image::from_pixels(width, height, integrator.pass(0, &Silent).image).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.png");
-    let tone = ToneMap { curve: Curve::Course, exposure_stops: 0.0 };
+    let tone = ToneMap { curve: ToneCurve::Course, exposure_stops: 0.0 };
     image::write(&path, &picture, &WriteOptions { tone, ..WriteOptions::default() }).unwrap();
     image::read_bytes(&path).unwrap()
 }

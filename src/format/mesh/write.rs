@@ -1,7 +1,7 @@
 //! Writing of mesh files.
 
 use super::{TriangleMesh, obj, ply};
-use crate::image::{WriteError, replace_with};
+use crate::image::{WriteError, replace_file_with};
 use std::fmt::{Display, Formatter, Result as Written};
 use std::io::{BufWriter, Write};
 use std::path::Path;
@@ -42,7 +42,7 @@ impl TriangleMesh {
     ///
     /// [`WriteError`].
     pub fn write(&self, path: &Path, format: MeshFormat, libraries: &[String]) -> Result<(), WriteError> {
-        replace_with(path, |file| {
+        replace_file_with(path, |file| {
             let mut out = BufWriter::with_capacity(1 << 20, file);
             match format {
                 MeshFormat::Obj => obj::write(self, libraries, &mut out)?,
