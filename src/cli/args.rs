@@ -11,7 +11,7 @@ use crate::integrate::{Algorithm, FinalGathering, VolumeEstimate};
 use crate::photon::Kernel;
 use crate::plan::EffectOverrides;
 use crate::render::error_estimate::Confidence;
-use crate::stats::Memory;
+use crate::stats::MemoryLimit;
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 use std::path::PathBuf;
@@ -162,8 +162,8 @@ pub struct SceneArguments {
 
 impl SceneArguments {
     /// The memory limit.
-    pub(super) fn memory(&self) -> Memory {
-        self.memory.map_or(Memory::System, Memory::Limit)
+    pub(super) fn memory(&self) -> MemoryLimit {
+        self.memory.map_or(MemoryLimit::System, MemoryLimit::Limit)
     }
 }
 

@@ -42,9 +42,10 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<Exit, Failure> {
         let mut settings = settings(&arguments.method, arguments.effects.effects);
         settings.camera_paths.estimate_error = true;
         let memory = arguments.scene.memory();
-        let pictures = check_pictures_with_error(1, scene.camera().size(), memory.free()).map_err(Failure::usage)?;
+        let pictures =
+            check_pictures_with_error(1, scene.camera().size(), memory.available_bytes()).map_err(Failure::usage)?;
         let integrator = algorithm.prepare(&scene, settings);
-        check_photons(integrator.expected(), pictures, memory.free()).map_err(Failure::usage)?;
+        check_photons(integrator.expected(), pictures, memory.available_bytes()).map_err(Failure::usage)?;
         announce_plan(integrator.as_ref(), &progress);
         progress.finish();
         let setup = start.elapsed().as_secs_f64();

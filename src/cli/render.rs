@@ -82,9 +82,9 @@ fn run_in_pool(arguments: &RenderArguments, progress: &Progress) -> Result<Exit,
     settings.camera_paths.estimate_error = estimates_error;
     let (memory, size) = (arguments.scene.memory(), scene.camera().size());
     let check = if estimates_error { check_pictures_with_error } else { check_pictures };
-    let pictures = check(1, size, memory.free()).map_err(Failure::usage)?;
+    let pictures = check(1, size, memory.available_bytes()).map_err(Failure::usage)?;
     let integrator = algorithm.prepare(&scene, settings);
-    check_photons(integrator.expected(), pictures, memory.free()).map_err(Failure::usage)?;
+    check_photons(integrator.expected(), pictures, memory.available_bytes()).map_err(Failure::usage)?;
     plan::announce_plan(integrator.as_ref(), progress);
     setup.radii = integrator.radii();
     setup.emission_guiding = integrator.guiding_reports();

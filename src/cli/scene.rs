@@ -30,7 +30,7 @@ pub(super) fn load_with_file(
         file.description.camera.value.height = height;
     }
     let camera = &file.description.camera;
-    check_pictures(1, (camera.width, camera.height), memory.free()).map_err(Failure::usage)?;
+    check_pictures(1, (camera.width, camera.height), memory.available_bytes()).map_err(Failure::usage)?;
     let scene = file.resolve_watched(monitor, memory).map_err(|e| {
         let exit = if e.exhausts_memory() { Exit::Usage } else { Exit::Input };
         Failure::new(exit, e)

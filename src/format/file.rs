@@ -8,7 +8,7 @@ use super::resolve::resolve_assets;
 use super::text::SceneText;
 use super::{SourceText, warnings};
 use crate::scene::Scene;
-use crate::stats::Memory;
+use crate::stats::MemoryLimit;
 use std::path::{Path, PathBuf};
 
 /// Importers of all scene formats. A file of another extension is read as scene text.
@@ -32,7 +32,7 @@ impl SceneFile {
     /// # Errors
     /// [`ReadError`].
     pub fn read(path: &Path) -> Result<Self, ReadError> {
-        Self::read_within(path, Memory::Unbounded)
+        Self::read_within(path, MemoryLimit::Unbounded)
     }
 
     /// Like [`SceneFile::read`], but refuses a file that takes more than `memory` before reading
@@ -40,7 +40,7 @@ impl SceneFile {
     ///
     /// # Errors
     /// [`ReadError`].
-    pub fn read_within(path: &Path, memory: Memory) -> Result<Self, ReadError> {
+    pub fn read_within(path: &Path, memory: MemoryLimit) -> Result<Self, ReadError> {
         let is = |own: &&str| path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case(own));
         let importer = IMPORTERS.into_iter().find(|importer| importer.extensions().iter().any(is));
         let Imported { description, source, assets } = importer.unwrap_or(&SceneText).import(path, memory)?;
@@ -52,7 +52,7 @@ impl SceneFile {
     /// # Errors
     /// [`SceneError`].
     pub fn resolve(&self) -> Result<Scene, SceneError> {
-        self.resolve_watched(&(), Memory::Unbounded)
+        self.resolve_watched(&(), MemoryLimit::Unbounded)
     }
 
     /// Like [`SceneFile::resolve`], within `memory`; `monitor` receives the progress of reading
@@ -60,7 +60,7 @@ impl SceneFile {
     ///
     /// # Errors
     /// [`SceneError`].
-    pub fn resolve_watched(&self, monitor: &dyn MeshReadMonitor, memory: Memory) -> Result<Scene, SceneError> {
+    pub fn resolve_watched(&self, monitor: &dyn MeshReadMonitor, memory: MemoryLimit) -> Result<Scene, SceneError> {
         resolve_assets(&self.description, &self.source, &self.folder, &self.assets, monitor, memory)
     }
 

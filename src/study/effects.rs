@@ -281,7 +281,7 @@ fn cost(whole: &PictureCost, without: &PictureCost) -> Cost {
         seconds_error: (differences.len() > 1).then(|| (variance / n).sqrt()),
         ratio: whole.seconds() / without.seconds(),
         setup: whole.setup - without.setup,
-        rays: a_pass(Counters::rays),
+        rays: a_pass(Counters::total_rays),
         gathers: a_pass(|c| c.gathers),
         gathered_photons: a_pass(|c| c.gathered_photons),
     }

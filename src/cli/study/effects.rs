@@ -49,10 +49,10 @@ fn run_in_pool(
     let algorithm = arguments.method.integrator;
     // At most one picture without each effect, and the full picture.
     let memory = arguments.scene.memory();
-    let pictures =
-        check_pictures(Effect::ALL.len() + 1, scene.camera().size(), memory.free()).map_err(Failure::usage)?;
+    let pictures = check_pictures(Effect::ALL.len() + 1, scene.camera().size(), memory.available_bytes())
+        .map_err(Failure::usage)?;
     let study = EffectStudy::prepare(&scene, algorithm, &settings(&arguments.method, arguments.simulate));
-    check_photons(study.expected(), pictures, memory.free()).map_err(Failure::usage)?;
+    check_photons(study.expected(), pictures, memory.available_bytes()).map_err(Failure::usage)?;
     progress.say(&plan::effects_line(study.plan()));
     plan::omission_warnings(study.plan()).for_each(|line| print_message(&line));
     let (pictures, passes) = (study.pictures(), arguments.passes.unwrap_or(PASSES));
@@ -111,7 +111,7 @@ fn table(integrator: &str, found: &EffectStudyResult) -> String {
     let mut text = format!(
         "{integrator}: {:.1} ms of {clock} time, {} rays and {} gathered photons per pass; mean radiance {}\n",
         1e3 * whole.seconds() / passes,
-        amount(whole.counters.rays() as f64 / passes),
+        amount(whole.counters.total_rays() as f64 / passes),
         amount(whole.counters.gathered_photons as f64 / passes),
         figure(found.mean),
     );

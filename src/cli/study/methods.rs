@@ -17,7 +17,7 @@ use crate::cli::{Exit, Failure, StudyArguments};
 use crate::image::{WriteOptions, write};
 use crate::plan::Plan;
 use crate::scene::Scene;
-use crate::stats::bytes;
+use crate::stats::format_bytes;
 use crate::study::methods::{
     MethodStudy, MethodStudyResult, References, StudyLimits, StudyProgress, StudySubject, Variant, applicable_methods,
     shell_quoted,
@@ -51,7 +51,7 @@ struct UnusedTruthFlag {
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error(
     "{seeds} seeds of {variants} methods with {} × {} pixels take {} of memory, and {} are free",
-    size.0, size.1, bytes(*needed), bytes(*free)
+    size.0, size.1, format_bytes(*needed), format_bytes(*free)
 )]
 #[diagnostic(help("choose a smaller --size, fewer --seeds or fewer methods, or allow more --memory"))]
 struct TooManyPictures {
@@ -99,7 +99,7 @@ fn run_in_pool(
     let variants = variants(arguments, named, &scene);
     let (needed, seeds) = (MethodStudy::bytes(size, variants.len(), kind.seeds), kind.seeds);
     let memory = arguments.scene.memory();
-    if let Some(free) = memory.free().filter(|free| needed > *free) {
+    if let Some(free) = memory.available_bytes().filter(|free| needed > *free) {
         return Err(Failure::usage(TooManyPictures { seeds, variants: variants.len(), size, needed, free }));
     }
     let given = match &kind.truth {
@@ -115,7 +115,7 @@ fn run_in_pool(
     }
     let runs = count_with_noun(variants.len(), "method", "methods");
     let study = MethodStudy::prepare(&scene, variants, kind.seeds).into_diagnostic().map_err(Failure::usage)?;
-    check_photons(study.expected(), needed, memory.free()).map_err(Failure::usage)?;
+    check_photons(study.expected(), needed, memory.available_bytes()).map_err(Failure::usage)?;
     let Some(references) = given.map_or_else(|| render_truth(arguments, &scene, progress), |given| Ok(Some(given)))?
     else {
         print_message("interrupted before anything was measured");

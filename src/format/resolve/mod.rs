@@ -22,7 +22,7 @@ use crate::color::Rgb;
 use crate::math::{Motion, Step, Transform};
 use crate::medium::Medium;
 use crate::scene::{Scene, SceneBuilder};
-use crate::stats::Memory;
+use crate::stats::MemoryLimit;
 use glam::{DAffine3, DVec3};
 use placement::EmissionOverride;
 use placement::Instanced;
@@ -39,7 +39,7 @@ use textures::{KnownTexture, TextureNeeds};
 /// an unknown metal or glass, a singular product of transforms, an object that cannot emit, a
 /// medium that cannot fill its body.
 pub fn resolve(description: &Description, source: &SourceText, folder: &Path) -> Result<Scene, SceneError> {
-    resolve_watched(description, source, folder, &(), Memory::Unbounded)
+    resolve_watched(description, source, folder, &(), MemoryLimit::Unbounded)
 }
 
 /// Like [`resolve`], within `memory`; `monitor` receives the progress of reading meshes.
@@ -54,7 +54,7 @@ pub fn resolve_watched(
     source: &SourceText,
     folder: &Path,
     monitor: &dyn MeshReadMonitor,
-    memory: Memory,
+    memory: MemoryLimit,
 ) -> Result<Scene, SceneError> {
     resolve_assets(description, source, folder, &Assets::default(), monitor, memory)
 }
@@ -69,7 +69,7 @@ pub(super) fn resolve_assets(
     folder: &Path,
     assets: &Assets,
     monitor: &dyn MeshReadMonitor,
-    memory: Memory,
+    memory: MemoryLimit,
 ) -> Result<Scene, SceneError> {
     let camera = camera::camera(description, source)?;
     let mut resolver = Resolver {
@@ -129,7 +129,7 @@ struct Resolver<'a> {
     /// Texture coordinates that each material needs.
     texture_needs: Vec<TextureNeeds>,
     monitor: &'a dyn MeshReadMonitor,
-    memory: Memory,
+    memory: MemoryLimit,
     /// Triangles so far that hierarchies will be built over.
     triangles: u64,
     /// Meshes that were read, by file and options.

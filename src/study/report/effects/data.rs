@@ -65,7 +65,7 @@ pub fn markdown(about: &About, findings: &EffectStudyResult) -> String {
         about.seed,
         clock(findings.clock),
         1e3 * findings.whole.seconds() / passes as f64,
-        a_pass(findings.whole.counters.rays()),
+        a_pass(findings.whole.counters.total_rays()),
         a_pass(findings.whole.counters.gathered_photons),
         figure(findings.mean),
     );
