@@ -25,7 +25,7 @@ pub use solid::{SOLID_CHECK_BYTES, SolidDefect};
 pub use write::MeshFormat;
 pub(in crate::format) use write::Shortest;
 
-use super::problem::without_bom;
+use super::line_error::strip_byte_order_mark;
 use glam::{DVec2, DVec3};
 use std::path::Path;
 
@@ -131,7 +131,7 @@ pub fn load_within(path: &Path, monitor: &dyn ReadMonitor, free: Option<u64>) ->
 pub fn decode(path: &Path, bytes: Vec<u8>, monitor: &dyn ReadMonitor, free: Option<u64>) -> Result<Loaded, MeshError> {
     monitor.begin(path, bytes.len() as u64);
     let named = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("ply"));
-    let text = without_bom(&bytes);
+    let text = strip_byte_order_mark(&bytes);
     let loaded = if named || text.starts_with(b"ply\n") || text.starts_with(b"ply\r") {
         ply::read(path, &bytes, monitor, free)?
     } else {

@@ -8,8 +8,8 @@ mod meaning;
 mod tests;
 mod write;
 
+use super::line_error::strip_byte_order_mark;
 use super::mesh::{Loaded, MeshError, check_memory, read};
-use super::problem::without_bom;
 use glam::DVec3;
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
@@ -100,7 +100,7 @@ pub fn of_mesh(path: &Path, loaded: &Loaded, free: Option<u64>) -> Result<Vec<Fi
 ///
 /// [`MeshError`].
 pub fn decode(path: &Path, bytes: &[u8]) -> Result<Vec<FileMaterial>, MeshError> {
-    let sound = check::checked_lines(&String::from_utf8_lossy(without_bom(bytes)))
+    let sound = check::checked_lines(&String::from_utf8_lossy(strip_byte_order_mark(bytes)))
         .map_err(|(line, wrong)| MeshError::line(path, line, wrong))?;
     let malformed = |source| MeshError::Malformed { path: path.into(), source };
     let (materials, _) = tobj::load_mtl_buf(&mut sound.as_bytes()).map_err(malformed)?;

@@ -9,7 +9,7 @@ mod tests;
 mod write;
 
 use super::{Loaded, MeshError, ReadMonitor, check_memory, unit_normal};
-use crate::format::problem::{Problem, without_bom};
+use crate::format::line_error::{MessageAndRemedy, strip_byte_order_mark};
 use glam::{DVec2, DVec3};
 use header::{Element, ElementKind, Encoding, Header, NumberType, PropertyRole};
 use numbers::{BinaryReader, NumberReader, TextReader};
@@ -37,7 +37,7 @@ pub(super) fn read(
     monitor: &dyn ReadMonitor,
     free: Option<u64>,
 ) -> Result<Loaded, MeshError> {
-    let bytes = without_bom(bytes);
+    let bytes = strip_byte_order_mark(bytes);
     let header = Header::parse(bytes).map_err(|(line, problem)| MeshError::line(path, line, problem))?;
     let count = |kind| header.elements.iter().find(|e| e.kind == kind).map_or(0, |e| e.count);
     if count(ElementKind::Vertex) > i32::MAX as u64 {
@@ -81,7 +81,7 @@ struct ElementError {
 
 /// Cause of an [`ElementError`].
 enum Cause {
-    Malformed(Problem),
+    Malformed(MessageAndRemedy),
     /// The mesh would need `needed` bytes, and `free` are available.
     Memory {
         needed: u64,
@@ -89,8 +89,8 @@ enum Cause {
     },
 }
 
-impl From<Problem> for Cause {
-    fn from(problem: Problem) -> Self {
+impl From<MessageAndRemedy> for Cause {
+    fn from(problem: MessageAndRemedy) -> Self {
         Self::Malformed(problem)
     }
 }
@@ -172,7 +172,7 @@ impl MeshReader<'_> {
     }
 
     #[inline]
-    fn vertex<R: NumberReader>(&mut self, element: &Element, numbers: &mut R) -> Result<(), Problem> {
+    fn vertex<R: NumberReader>(&mut self, element: &Element, numbers: &mut R) -> Result<(), MessageAndRemedy> {
         let mut slots = [0.0; 8];
         for property in &element.properties {
             match (property.role, property.list) {
@@ -252,7 +252,7 @@ impl MeshReader<'_> {
     }
 }
 
-fn skip_element<R: NumberReader>(element: &Element, numbers: &mut R) -> Result<(), Problem> {
+fn skip_element<R: NumberReader>(element: &Element, numbers: &mut R) -> Result<(), MessageAndRemedy> {
     for property in &element.properties {
         match property.list {
             Some(length) => skip_list(numbers, length, property.item)?,
@@ -264,7 +264,7 @@ fn skip_element<R: NumberReader>(element: &Element, numbers: &mut R) -> Result<(
     Ok(())
 }
 
-fn skip_list<R: NumberReader>(numbers: &mut R, length: NumberType, item: NumberType) -> Result<(), Problem> {
+fn skip_list<R: NumberReader>(numbers: &mut R, length: NumberType, item: NumberType) -> Result<(), MessageAndRemedy> {
     let n = numbers.integer(length)?;
     if n < 0 {
         return Err((format!("a list of {n} entries"), "the length of a list is at least 0"));
@@ -278,7 +278,7 @@ fn skip_list<R: NumberReader>(numbers: &mut R, length: NumberType, item: NumberT
 
 /// Refuses a list of `n` entries that the rest of the file cannot hold, before it takes any memory.
 #[inline]
-fn check_list<R: NumberReader>(numbers: &R, n: u64, item: NumberType) -> Result<(), Problem> {
+fn check_list<R: NumberReader>(numbers: &R, n: u64, item: NumberType) -> Result<(), MessageAndRemedy> {
     let most = numbers.capacity(item);
     if n > most {
         let message = format!("a list of {n} entries, but the rest of the file holds at most {most}");

@@ -1,16 +1,16 @@
 //! Sequential readers of the numbers in a PLY body, one for binary files and one for text.
 
 use super::header::NumberType;
-use crate::format::problem::{Problem, excerpt};
+use crate::format::line_error::{MessageAndRemedy, escaped_excerpt};
 
 const CUT: &str = "the file is cut short, or its counts are wrong";
 
 /// Reads the numbers of a PLY body in the order of the file.
 pub(super) trait NumberReader {
     /// Returns the next number of the body.
-    fn number(&mut self, kind: NumberType) -> Result<f64, Problem>;
+    fn number(&mut self, kind: NumberType) -> Result<f64, MessageAndRemedy>;
     /// Returns the next number of the body, which has an integer type.
-    fn integer(&mut self, kind: NumberType) -> Result<i64, Problem>;
+    fn integer(&mut self, kind: NumberType) -> Result<i64, MessageAndRemedy>;
     /// Returns the position for error messages: the byte offset in binary files, the line in text.
     fn position(&self) -> usize;
     /// Returns the number of bytes read so far, counted from the start of the file.
@@ -28,7 +28,7 @@ pub(super) struct BinaryReader<'b, const BIG: bool> {
 
 impl<const BIG: bool> BinaryReader<'_, BIG> {
     #[inline]
-    fn take<const N: usize>(&mut self) -> Result<[u8; N], Problem> {
+    fn take<const N: usize>(&mut self) -> Result<[u8; N], MessageAndRemedy> {
         let next = self.bytes.get(self.offset..).and_then(|rest| rest.first_chunk::<N>());
         let mut bytes = *next.ok_or_else(|| ("the file ends here".to_owned(), CUT))?;
         self.offset += N;
@@ -41,7 +41,7 @@ impl<const BIG: bool> BinaryReader<'_, BIG> {
 
 impl<const BIG: bool> NumberReader for BinaryReader<'_, BIG> {
     #[inline]
-    fn number(&mut self, kind: NumberType) -> Result<f64, Problem> {
+    fn number(&mut self, kind: NumberType) -> Result<f64, MessageAndRemedy> {
         match kind {
             NumberType::F32 => Ok(f64::from(f32::from_le_bytes(self.take()?))),
             NumberType::F64 => Ok(f64::from_le_bytes(self.take()?)),
@@ -52,7 +52,7 @@ impl<const BIG: bool> NumberReader for BinaryReader<'_, BIG> {
     }
 
     #[inline]
-    fn integer(&mut self, kind: NumberType) -> Result<i64, Problem> {
+    fn integer(&mut self, kind: NumberType) -> Result<i64, MessageAndRemedy> {
         Ok(match kind {
             NumberType::I8 => i8::from_le_bytes(self.take()?).into(),
             NumberType::U8 => u8::from_le_bytes(self.take()?).into(),
@@ -90,7 +90,7 @@ pub(super) struct TextReader<'b> {
 
 impl TextReader<'_> {
     #[inline]
-    fn word(&mut self) -> Result<&str, Problem> {
+    fn word(&mut self) -> Result<&str, MessageAndRemedy> {
         let mut end = self.offset;
         while let Some(byte) = self.bytes.get(end)
             && byte.is_ascii_whitespace()
@@ -111,14 +111,14 @@ impl TextReader<'_> {
     }
 }
 
-fn not_a_number(word: &str) -> Problem {
-    let message = format!("`{}` is not a number of its property's type", excerpt(word));
+fn not_a_number(word: &str) -> MessageAndRemedy {
+    let message = format!("`{}` is not a number of its property's type", escaped_excerpt(word));
     (message, "repair it or export the mesh anew")
 }
 
 impl NumberReader for TextReader<'_> {
     #[inline]
-    fn number(&mut self, kind: NumberType) -> Result<f64, Problem> {
+    fn number(&mut self, kind: NumberType) -> Result<f64, MessageAndRemedy> {
         let word = self.word()?;
         let number = match kind {
             NumberType::F32 => word.parse::<f32>().map(f64::from),
@@ -134,7 +134,7 @@ impl NumberReader for TextReader<'_> {
     }
 
     #[inline]
-    fn integer(&mut self, _: NumberType) -> Result<i64, Problem> {
+    fn integer(&mut self, _: NumberType) -> Result<i64, MessageAndRemedy> {
         let word = self.word()?;
         word.parse::<i64>().map_err(|_| not_a_number(word))
     }
