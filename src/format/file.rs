@@ -3,7 +3,7 @@
 use super::SceneError;
 use super::description::SceneDescription;
 use super::import::{EmbeddedAssets, ImportedScene, SceneImporter, SceneReadError};
-use super::mesh::ReadMonitor;
+use super::mesh::MeshReadMonitor;
 use super::resolve::resolve_with_assets;
 use super::scene_text::SceneTextImporter;
 use super::{SourceText, warnings};
@@ -61,7 +61,7 @@ impl SceneFile {
     ///
     /// # Errors
     /// [`SceneError`].
-    pub fn resolve_monitored(&self, monitor: &dyn ReadMonitor, memory: Memory) -> Result<Scene, SceneError> {
+    pub fn resolve_monitored(&self, monitor: &dyn MeshReadMonitor, memory: Memory) -> Result<Scene, SceneError> {
         resolve_with_assets(&self.description, &self.source, &self.folder, &self.assets, monitor, memory)
     }
 

@@ -17,7 +17,7 @@ use super::description::{
 };
 use super::error::MAX_ERRORS;
 use super::import::EmbeddedAssets;
-use super::mesh::{ReadMonitor, TriangleMesh};
+use super::mesh::{MeshReadMonitor, TriangleMesh};
 use super::{SceneError, SourceText};
 use crate::color::Rgb;
 use crate::math::{Motion, Step, Transform};
@@ -54,7 +54,7 @@ pub fn resolve_monitored(
     description: &SceneDescription,
     source: &SourceText,
     folder: &Path,
-    monitor: &dyn ReadMonitor,
+    monitor: &dyn MeshReadMonitor,
     memory: Memory,
 ) -> Result<Scene, SceneError> {
     resolve_with_assets(description, source, folder, &EmbeddedAssets::default(), monitor, memory)
@@ -69,7 +69,7 @@ pub(super) fn resolve_with_assets(
     source: &SourceText,
     folder: &Path,
     assets: &EmbeddedAssets,
-    monitor: &dyn ReadMonitor,
+    monitor: &dyn MeshReadMonitor,
     memory: Memory,
 ) -> Result<Scene, SceneError> {
     let camera = camera::camera(description, source)?;
@@ -129,14 +129,14 @@ struct Resolver<'a> {
     media: HashMap<&'a str, (u32, Medium)>,
     /// Texture coordinates that each material needs.
     texture_needs: Vec<TextureNeeds>,
-    monitor: &'a dyn ReadMonitor,
+    monitor: &'a dyn MeshReadMonitor,
     memory: Memory,
     /// Triangles so far that hierarchies will be built over.
     triangles: u64,
     /// Meshes that were read, by file and options.
     meshes: HashMap<meshes::MeshKey, Rc<meshes::Pieces>>,
     /// Materials of mesh files, in the order in which the meshes name them.
-    own_materials: HashMap<PathBuf, Rc<Vec<meshes::FileMaterial>>>,
+    own_materials: HashMap<PathBuf, Rc<Vec<meshes::MtlMaterial>>>,
     /// Number of objects that name each mesh path.
     uses: HashMap<&'a str, usize>,
     /// Shared copies, by mesh.
