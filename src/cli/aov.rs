@@ -2,14 +2,14 @@
 
 use crate::image::ExrLayer;
 use crate::integrate::Discs;
-use crate::render::Rendered;
+use crate::render::RenderResult;
 use crate::render::error_estimate::{ErrorMaps, MIN_PASSES};
 use glam::Vec3;
 
 /// Returns the layers to write: the picture, and maps of its estimated error if there is one.
 ///
 /// Layers `bias`, `radius` and `photons` exist only for algorithms with density estimates.
-pub(super) fn aov_layers(rendered: &Rendered) -> Vec<ExrLayer> {
+pub(super) fn aov_layers(rendered: &RenderResult) -> Vec<ExrLayer> {
     let mut layers = vec![rgb_layer("", &rendered.film.mean())];
     let estimator = rendered.estimator.as_ref().filter(|_| rendered.film.passes() >= MIN_PASSES);
     let Some(estimator) = estimator else { return layers };

@@ -33,7 +33,7 @@ pub(super) fn run(arguments: &SceneArguments) -> Result<Exit, Failure> {
 ///
 /// They need no second reading of meshes. `render` itself reports a scene without objects.
 pub(super) fn quick_scene_warnings(file: &SceneFile, scene: &Scene, arguments: &SceneArguments) -> Vec<String> {
-    let mut lines = file.unused_warnings();
+    let mut lines = file.unused_item_warnings();
     if scene.triangle_count() + scene.shape_count() > 0 {
         lines.extend(scene_warnings(scene, arguments));
     }

@@ -11,10 +11,10 @@ use super::scene::{load_scene, with_thread_pool};
 use super::settings::{method_flags, settings_from_arguments};
 use super::{EstimateArguments, Exit, Failure};
 use crate::integrate::{Algorithm, Integrator};
-use crate::render::error_estimate::{ErrorEstimate, Forecast, PassesNeeded};
-use crate::render::{Rendered, StopCriteria, render};
+use crate::render::error_estimate::{ErrorEstimate, ErrorForecast, PassesNeeded};
+use crate::render::{RenderResult, StopCriteria, render};
 use crate::stats::peak_memory;
-use crate::study::text::{amount, percent};
+use crate::study::text::{count_text, percent_text};
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -42,7 +42,7 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<Exit, Failure> {
         let scene = load_scene(&arguments.scene, &progress)?;
         let algorithm = arguments.method.integrator;
         let mut settings = settings_from_arguments(&arguments.method, arguments.effects.effects);
-        settings.eye.estimate_error = true;
+        settings.camera_paths.estimate_error = true;
         let memory = arguments.scene.memory_limit();
         let pictures =
             check_estimated_picture_memory(1, scene.camera().size(), memory.free()).map_err(Failure::usage_error)?;
@@ -73,7 +73,7 @@ fn render_pilot(
     integrator: &dyn Integrator,
     size: (u32, u32),
     progress: &Progress,
-) -> (Rendered, f64) {
+) -> (RenderResult, f64) {
     let stop = StopCriteria {
         min_passes: MIN_PILOT_PASSES,
         time: Some(arguments.pilot),
@@ -140,7 +140,7 @@ impl CostEstimateReport {
     fn new(
         arguments: &EstimateArguments,
         algorithm: Algorithm,
-        rendered: &Rendered,
+        rendered: &RenderResult,
         setup: f64,
         pass_seconds: f64,
     ) -> Result<Self, PilotTooShort> {
@@ -182,7 +182,7 @@ impl CostEstimateReport {
 
     fn table(&self) -> String {
         let Self { pilot, peak_memory_bytes, .. } = self;
-        let memory = peak_memory_bytes.map_or("?".to_owned(), |bytes| format!("{}B", amount(bytes as f64)));
+        let memory = peak_memory_bytes.map_or("?".to_owned(), |bytes| format!("{}B", count_text(bytes as f64)));
         let mut text = format!(
             "{} at {} × {}: after {} passes the estimated error is {}\n",
             self.integrator,
@@ -197,11 +197,11 @@ impl CostEstimateReport {
             "error", "passes", "time", "likely range", "photons", "memory"
         );
         for estimate in &self.estimates {
-            let error = percent(estimate.error);
+            let error = percent_text(estimate.error);
             let (Some(passes), Some(time)) = (estimate.passes, estimate.seconds) else {
                 let why = match estimate.floor {
                     Some(floor) => {
-                        format!("never: {} is bias that stays; {}", percent(floor), forecast_text::BIAS_REMEDY)
+                        format!("never: {} is bias that stays; {}", percent_text(floor), forecast_text::BIAS_REMEDY)
                     }
                     None => "more than ten million passes".to_owned(),
                 };
@@ -214,7 +214,7 @@ impl CostEstimateReport {
                 "  {error:>7} {passes:>9} {:>14} {:>24} {:>9} {memory:>8}  {}",
                 duration_text(time),
                 ends.join(" to "),
-                estimate.photons.map_or(String::new(), amount),
+                estimate.photons.map_or(String::new(), count_text),
                 estimate.flags.as_deref().unwrap_or_default(),
             );
         }
@@ -226,10 +226,10 @@ impl CostEstimate {
     fn new(
         error: f64,
         pilot: &ErrorEstimate,
-        forecast: &Forecast,
+        forecast: &ErrorForecast,
         (setup, pass_seconds, pass_photons): (f64, f64, f64),
     ) -> Self {
-        let needed = |aim: f64| match forecast.passes_to(aim) {
+        let needed = |aim: f64| match forecast.passes_to_reach(aim) {
             PassesNeeded::Passes(n) => Ok(n),
             PassesNeeded::Never { floor } => Err(Some(floor)),
             PassesNeeded::TooMany => Err(None),

@@ -1,7 +1,7 @@
 //! Texts about the estimated error of a picture, and about the time until it is lower.
 
-use crate::render::error_estimate::{ErrorEstimate, Forecast, PassesNeeded};
-use crate::study::text::percent;
+use crate::render::error_estimate::{ErrorEstimate, ErrorForecast, PassesNeeded};
+use crate::study::text::percent_text;
 
 /// Help text for an error that more passes cannot lower.
 pub(super) const BIAS_REMEDY: &str =
@@ -17,7 +17,12 @@ pub(super) struct ErrorEstimateUnsupported {
 
 /// Returns an estimated error and its parts, such as `2.1 % (noise 1.9 %, bias 0.8 %)`.
 pub(super) fn error_text(estimate: &ErrorEstimate) -> String {
-    format!("{} (noise {}, bias {})", percent(estimate.error), percent(estimate.noise), percent(estimate.bias))
+    format!(
+        "{} (noise {}, bias {})",
+        percent_text(estimate.error),
+        percent_text(estimate.noise),
+        percent_text(estimate.bias)
+    )
 }
 
 /// Returns a text such as `; 1.0 % in about 42 s`; empty if the estimated error is 0.
@@ -26,20 +31,20 @@ pub(super) fn error_text(estimate: &ErrorEstimate) -> String {
 /// `pass_seconds` is the time of one pass \[s].
 pub(super) fn time_to_error_text(
     estimate: &ErrorEstimate,
-    forecast: &Forecast,
+    forecast: &ErrorForecast,
     (shown, aim): (f64, f64),
     pass_seconds: f64,
 ) -> String {
     if estimate.error == 0.0 {
         return String::new();
     }
-    let shown = percent(shown);
-    match forecast.passes_to(aim) {
+    let shown = percent_text(shown);
+    match forecast.passes_to_reach(aim) {
         PassesNeeded::Passes(n) => {
             let more = n.saturating_sub(estimate.passes);
             format!("; {shown} in about {}", duration_text(f64::from(more) * pass_seconds))
         }
-        PassesNeeded::Never { floor } => format!("; {shown} never: {} is bias that stays", percent(floor)),
+        PassesNeeded::Never { floor } => format!("; {shown} never: {} is bias that stays", percent_text(floor)),
         PassesNeeded::TooMany => format!("; {shown} in more than {}", duration_text(1e7 * pass_seconds)),
     }
 }

@@ -1,7 +1,7 @@
 //! Progress display: a bar on a terminal, plain lines elsewhere.
 
 use super::forecast_text::duration_text;
-use crate::format::mesh::{ReadMonitor, TriangleMesh};
+use crate::format::mesh::{MeshReadMonitor, TriangleMesh};
 use crate::integrate::{Monitor, Stage};
 use crate::stats::Counters;
 use indicatif::{HumanCount, ProgressBar, ProgressState, ProgressStyle};
@@ -180,7 +180,7 @@ impl Monitor for Progress {
 /// Smallest number of triangles of a mesh whose loading is reported in a line.
 const LARGE_MESH_TRIANGLES: usize = 1_000_000;
 
-impl ReadMonitor for Progress {
+impl MeshReadMonitor for Progress {
     fn begin(&self, path: &Path, bytes: u64) {
         let style = ProgressStyle::with_template("reading {prefix} {bar:16} {percent:>3} %  {rate}");
         let style = style.map(|style| {
@@ -219,12 +219,12 @@ impl ReadMonitor for Progress {
 
 /// Collector of the paths of all files that a scene names. It passes progress on to a monitor.
 pub(super) struct InputFileCollector<'a> {
-    progress: &'a dyn ReadMonitor,
+    progress: &'a dyn MeshReadMonitor,
     files: Mutex<Vec<PathBuf>>,
 }
 
 impl<'a> InputFileCollector<'a> {
-    pub fn new(progress: &'a dyn ReadMonitor) -> Self {
+    pub fn new(progress: &'a dyn MeshReadMonitor) -> Self {
         Self { progress, files: Mutex::default() }
     }
 
@@ -234,7 +234,7 @@ impl<'a> InputFileCollector<'a> {
     }
 }
 
-impl ReadMonitor for InputFileCollector<'_> {
+impl MeshReadMonitor for InputFileCollector<'_> {
     fn names(&self, path: &Path) {
         self.files.lock().unwrap_or_else(PoisonError::into_inner).push(path.to_owned());
     }

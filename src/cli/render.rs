@@ -11,12 +11,12 @@ use super::report::{ErrorReport, RenderReport, RenderSetup};
 use super::scene::{load_scene_and_file, with_thread_pool};
 use super::settings::settings_from_arguments;
 use super::{Exit, Failure, RenderArguments, aov, forecast_text};
-use crate::image::{self, Curve, Image, OutputFormat, ToneMap, WriteOptions, WriteReport};
+use crate::image::{self, Image, OutputFormat, ToneCurve, ToneMap, WriteOptions, WriteReport};
 use crate::integrate::{Algorithm, GuidingReports, Integrator};
 use crate::render::error_estimate::{Confidence, MIN_PASSES, PassesNeeded};
-use crate::render::{AfterPass, EndReason, ErrorTarget, Rendered, StopCriteria, render};
+use crate::render::{EndReason, ErrorTarget, PassProgress, RenderResult, StopCriteria, render};
 use crate::scene::Scene;
-use crate::study::text::percent;
+use crate::study::text::percent_text;
 use glam::Vec3;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -79,7 +79,7 @@ fn load_and_render(arguments: &RenderArguments, progress: &Progress) -> Result<E
     // Ray casting makes one pass, from which no error can be estimated.
     let estimates_error = !arguments.no_error_estimate && algorithm != Algorithm::Raycast;
     let mut settings = settings_from_arguments(&arguments.method, arguments.effects.effects);
-    settings.eye.estimate_error = estimates_error;
+    settings.camera_paths.estimate_error = estimates_error;
     let (memory, size) = (arguments.scene.memory_limit(), scene.camera().size());
     let check = if estimates_error { check_estimated_picture_memory } else { check_picture_memory };
     let pictures = check(1, size, memory.free()).map_err(Failure::usage_error)?;
@@ -121,7 +121,7 @@ fn render_passes(
     size: (u32, u32),
     start: Instant,
     progress: &Progress,
-) -> Rendered {
+) -> RenderResult {
     let algorithm = arguments.method.integrator;
     let passes = arguments.passes.or(match (arguments.time, arguments.target_error) {
         (None, None) => Some(algorithm.passes()),
@@ -162,7 +162,7 @@ fn render_passes(
 }
 
 /// Returns the estimated error whose confidence interval would end at the target error.
-fn target_point_estimate(target: ErrorTarget, standing: &AfterPass) -> Option<f64> {
+fn target_point_estimate(target: ErrorTarget, standing: &PassProgress) -> Option<f64> {
     let (estimate, _) = standing.error.as_ref()?;
     Some(target.error * estimate.error / estimate.high)
 }
@@ -170,13 +170,13 @@ fn target_point_estimate(target: ErrorTarget, standing: &AfterPass) -> Option<f6
 /// Returns the expected time until the first stop criterion holds; `None` if it is unknown.
 fn time_until_stop(
     stop: &StopCriteria<'_>,
-    standing: &AfterPass,
+    standing: &PassProgress,
     elapsed: Duration,
     pass_seconds: f64,
 ) -> Option<Duration> {
     let of_passes = |n: u32| f64::from(n.saturating_sub(standing.passes)) * pass_seconds;
     let by_target = stop.target.zip(standing.error.as_ref()).and_then(|(target, (_, forecast))| {
-        match forecast.passes_to(target_point_estimate(target, standing)?) {
+        match forecast.passes_to_reach(target_point_estimate(target, standing)?) {
             PassesNeeded::Passes(n) => Some(of_passes(n)),
             PassesNeeded::Never { .. } | PassesNeeded::TooMany => None,
         }
@@ -193,7 +193,7 @@ fn write_render_outputs(
     progress: &Progress,
     setup: RenderSetup,
     powerless: bool,
-    rendered: &Rendered,
+    rendered: &RenderResult,
 ) -> Result<Exit, Failure> {
     let (width, height) = rendered.film.size();
     let picture = Image::from_pixels(width, height, rendered.film.mean()).map_err(Failure::output_error)?;
@@ -218,18 +218,18 @@ fn write_pictures(
     arguments: &RenderArguments,
     progress: &Progress,
     picture: &Image,
-    rendered: &Rendered,
+    rendered: &RenderResult,
     failures: &mut OutputFailures,
 ) {
     let curve = arguments.tone.unwrap_or(match arguments.method.integrator {
-        Algorithm::Raycast => Curve::Course,
+        Algorithm::Raycast => ToneCurve::Course,
         Algorithm::Hybrid
         | Algorithm::Path
         | Algorithm::Sppm
         | Algorithm::Ppm
         | Algorithm::Pm
         | Algorithm::Distributed
-        | Algorithm::Whitted => Curve::Srgb,
+        | Algorithm::Whitted => ToneCurve::Srgb,
     });
     let options = WriteOptions {
         tone: ToneMap { curve, exposure_stops: arguments.exposure },
@@ -261,7 +261,12 @@ fn write_pictures(
 }
 
 /// Prints the number of passes, rates, the reason for the end, and the estimated error.
-fn print_render_summary(arguments: &RenderArguments, progress: &Progress, report: &RenderReport, rendered: &Rendered) {
+fn print_render_summary(
+    arguments: &RenderArguments,
+    progress: &Progress,
+    report: &RenderReport,
+    rendered: &RenderResult,
+) {
     let n = rendered.film.passes();
     let why = match rendered.ended {
         EndReason::Passes => String::new(),
@@ -278,8 +283,8 @@ fn print_render_summary(arguments: &RenderArguments, progress: &Progress, report
         report.rates.photons_per_second * 1e-6,
     ));
     if let Some(ErrorReport { estimate, .. }) = &report.error {
-        let interval = format!("{} to {}", percent(estimate.low), percent(estimate.high));
-        let confidence = percent(reported_confidence(arguments).probability());
+        let interval = format!("{} to {}", percent_text(estimate.low), percent_text(estimate.high));
+        let confidence = percent_text(reported_confidence(arguments).probability());
         progress.print_line(&format!(
             "estimated error {}; {interval} with {confidence} confidence",
             forecast_text::error_text(estimate)
@@ -316,7 +321,7 @@ fn report_clipped_pixels(written: &WriteReport, path: &Path, exposure: f32, prog
 /// Returns the confidence of the reported interval of the estimated error.
 fn reported_confidence(arguments: &RenderArguments) -> Confidence {
     let target = |error| ErrorTarget { error, confidence: arguments.confidence };
-    arguments.target_error.map_or(arguments.confidence, |error| target(error).interval())
+    arguments.target_error.map_or(arguments.confidence, |error| target(error).interval_confidence())
 }
 
 #[cfg(test)]
@@ -330,7 +335,7 @@ mod tests {
         let left = |passes: Option<u32>, time: Option<u64>| {
             let time = time.map(Duration::from_secs);
             let stop = StopCriteria { min_passes: 1, passes, time, target: None, interrupted: &interrupted };
-            let after = AfterPass { passes: 4, error: None };
+            let after = PassProgress { passes: 4, error: None };
             time_until_stop(&stop, &after, Duration::from_secs(8), 2.0).map(|left| left.as_secs())
         };
         assert_eq!(left(Some(10), None), Some(12));

@@ -3,26 +3,26 @@
 use super::args::SceneArguments;
 use super::memory::check_picture_memory;
 use super::{Exit, Failure};
-use crate::format::mesh::ReadMonitor;
-use crate::format::{ReadError, SceneFile};
+use crate::format::mesh::MeshReadMonitor;
+use crate::format::{SceneFile, SceneReadError};
 use crate::scene::Scene;
 
 /// Loads the scene of the command line, with the picture size of `--size` if given.
 ///
 /// Returns a failure, before it allocates memory, if a picture or an input does not fit into it.
 /// `monitor` receives the progress of reading.
-pub(super) fn load_scene(arguments: &SceneArguments, monitor: &dyn ReadMonitor) -> Result<Scene, Failure> {
+pub(super) fn load_scene(arguments: &SceneArguments, monitor: &dyn MeshReadMonitor) -> Result<Scene, Failure> {
     load_scene_and_file(arguments, monitor).map(|(_, scene)| scene)
 }
 
 /// Loads the scene of the command line. Returns its parsed file and the resolved scene.
 pub(super) fn load_scene_and_file(
     arguments: &SceneArguments,
-    monitor: &dyn ReadMonitor,
+    monitor: &dyn MeshReadMonitor,
 ) -> Result<(SceneFile, Scene), Failure> {
     let memory = arguments.memory_limit();
-    let mut file = SceneFile::read_within(&arguments.scene, memory).map_err(|e| {
-        let exit = if matches!(e, ReadError::Memory { .. }) { Exit::Usage } else { Exit::Input };
+    let mut file = SceneFile::read_within_memory(&arguments.scene, memory).map_err(|e| {
+        let exit = if matches!(e, SceneReadError::Memory { .. }) { Exit::Usage } else { Exit::Input };
         Failure::new(exit, e)
     })?;
     if let Some((width, height)) = arguments.size {
@@ -31,8 +31,8 @@ pub(super) fn load_scene_and_file(
     }
     let camera = &file.description.camera;
     check_picture_memory(1, (camera.width, camera.height), memory.free()).map_err(Failure::usage_error)?;
-    let scene = file.resolve_watched(monitor, memory).map_err(|e| {
-        let exit = if e.exhausts_memory() { Exit::Usage } else { Exit::Input };
+    let scene = file.resolve_monitored(monitor, memory).map_err(|e| {
+        let exit = if e.is_out_of_memory() { Exit::Usage } else { Exit::Input };
         Failure::new(exit, e)
     })?;
     Ok((file, scene))

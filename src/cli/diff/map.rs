@@ -1,7 +1,7 @@
 //! Error maps: pictures of the difference between two pictures.
 
 use super::ErrorMapKind;
-use crate::image::{Image, OutputFormat, RelativeScale, diverging, sequential};
+use crate::image::{Image, OutputFormat, RelativeScale, diverging_color, sequential_color};
 use glam::{DVec3, Vec3};
 use serde::Serialize;
 
@@ -33,7 +33,7 @@ pub(super) fn error_map(
     }
     let means: Vec<f64> = values.iter().map(|v| v.element_sum() / 3.0).collect();
     let to = if kind == ErrorMapKind::Flip { 1.0 } else { color_scale_end(&means) };
-    let color = if kind == ErrorMapKind::Signed { diverging } else { sequential };
+    let color = if kind == ErrorMapKind::Signed { diverging_color } else { sequential_color };
     let from = if kind == ErrorMapKind::Signed { -to } else { 0.0 };
     (means.iter().map(|v| color(v / to)).collect(), Some(ColorScale { from, to }))
 }
@@ -46,7 +46,7 @@ fn error_map_values(kind: ErrorMapKind, a: &Image, b: &Image, flip: &[f32]) -> V
         ErrorMapKind::Signed => differences.collect(),
         ErrorMapKind::Absolute => differences.map(DVec3::abs).collect(),
         ErrorMapKind::Relative => {
-            let scale = RelativeScale::of(b);
+            let scale = RelativeScale::from_image(b);
             differences.zip(scale.weights()).map(|(d, w)| DVec3::splat((w * d.length_squared()).sqrt())).collect()
         }
     }
@@ -90,12 +90,15 @@ mod tests {
         let (a, b) = (image(&values), image(&vec![[0.0; 3]; 200]));
         let (colors, meaning) = error_map(ErrorMapKind::Absolute, &a, &b, &[], OutputFormat::Png);
         assert_eq!(meaning, Some(ColorScale { from: 0.0, to: 1.0 }));
-        assert_eq!([colors[0], colors[7], colors[8]], [sequential(1.0), sequential(1.0), sequential(0.5)]);
+        assert_eq!(
+            [colors[0], colors[7], colors[8]],
+            [sequential_color(1.0), sequential_color(1.0), sequential_color(0.5)]
+        );
         let (colors, meaning) = error_map(ErrorMapKind::Signed, &b, &a, &[], OutputFormat::Png);
         assert_eq!(meaning, Some(ColorScale { from: -1.0, to: 1.0 }));
-        assert_eq!((colors[0], colors[8]), (diverging(-1.0), diverging(-0.5)));
+        assert_eq!((colors[0], colors[8]), (diverging_color(-1.0), diverging_color(-0.5)));
         let same = error_map(ErrorMapKind::Absolute, &a, &a, &[], OutputFormat::Png);
-        assert_eq!((same.0[0], same.1), (sequential(0.0), Some(ColorScale { from: 0.0, to: 1.0 })));
+        assert_eq!((same.0[0], same.1), (sequential_color(0.0), Some(ColorScale { from: 0.0, to: 1.0 })));
         // A single differing pixel is visible.
         let mut one = vec![[0.0_f32; 3]; 200];
         one[3] = [4.0; 3];

@@ -9,10 +9,10 @@ pub use args::{DiffArguments, ErrorMapKind, FlipModeArgument};
 use super::outputs::{NamedFile, OutputFailures, check_distinct_files};
 use super::progress::{Progress, print_message};
 use super::{Exit, Failure};
-use crate::image::flip::{Flip, FlipMode, FlipOptions, PIXELS_PER_DEGREE, flip};
+use crate::image::flip::{FlipMode, FlipOptions, FlipResult, PIXELS_PER_DEGREE, flip};
 use crate::image::metrics::{Differences, MetricError, differences, relative_error, relative_mse, rmse};
 use crate::image::{self, Image, InputFormat, OutputFormat, WriteOptions};
-use crate::study::text::figure;
+use crate::study::text::three_digit_text;
 use miette::IntoDiagnostic;
 use report::{DiffReport, EPSILON, ErrorMapReport, FlipReport, LargestDifferences, MeanRadiances};
 use std::io::Write;
@@ -63,8 +63,9 @@ pub(super) fn run(arguments: &DiffArguments) -> Result<Exit, Failure> {
     };
     failures.ok_or_collect(std::io::stdout().write_all(text.as_bytes()));
     if let Some(map) = &report.map {
-        let colors =
-            map.colors.map_or(String::new(), |c| format!(", colours from {} to {}", figure(c.from), figure(c.to)));
+        let colors = map.colors.map_or(String::new(), |c| {
+            format!(", colours from {} to {}", three_digit_text(c.from), three_digit_text(c.to))
+        });
         Progress::new(arguments.quiet).print_line(&format!("wrote {}: {}{colors}", map.file, map.kind));
     }
     exceeded.iter().for_each(|(flag, why)| print_message(&format!("--{flag}: {why}")));
@@ -88,7 +89,7 @@ fn compare_pictures(
     a: &Image,
     b: &Image,
     mode: FlipMode,
-) -> Result<(DiffReport, Flip), MetricError> {
+) -> Result<(DiffReport, FlipResult), MetricError> {
     let Differences { largest: [red, green, blue], pixels } = differences(a, b)?;
     let options = FlipOptions { pixels_per_degree: arguments.pixels_per_degree.unwrap_or(PIXELS_PER_DEGREE), mode };
     let flip = flip(b, a, &options)?;
@@ -159,7 +160,13 @@ fn exceeded_limits(arguments: &DiffArguments, report: &DiffReport) -> Vec<(&'sta
 }
 
 /// Writes the error map of `--output`.
-fn write_map(path: &Path, kind: ErrorMapKind, a: &Image, b: &Image, flip: &Flip) -> miette::Result<ErrorMapReport> {
+fn write_map(
+    path: &Path,
+    kind: ErrorMapKind,
+    a: &Image,
+    b: &Image,
+    flip: &FlipResult,
+) -> miette::Result<ErrorMapReport> {
     let format = OutputFormat::from_path(path).into_diagnostic()?;
     let (pixels, colors) = map::error_map(kind, a, b, &flip.map, format);
     let picture = Image::from_pixels(a.width(), a.height(), pixels).into_diagnostic()?;

@@ -1,13 +1,13 @@
 //! Text table of the figures of a mesh.
 
-use crate::format::mesh::{MeshReport, Repaired};
+use crate::format::mesh::{MeshReport, RepairCounts};
 use std::fmt::Write;
 
 /// Returns a table with one column of figures, or with two (before, after) for a changed mesh.
 pub(super) fn table(
     name: &str,
     before: &MeshReport,
-    repaired: Option<&Repaired>,
+    repaired: Option<&RepairCounts>,
     after: Option<&MeshReport>,
 ) -> String {
     let mut text = format!("{name}\n");

@@ -13,8 +13,11 @@ use crate::plan::{Decision, Effect};
 use crate::scene::Scene;
 use crate::stats::Counters;
 use crate::study::report::effects::{csv, markdown};
-use crate::study::text::{amount, figure, milliseconds, percent, signed};
-use crate::study::{About, Clock, Cost, EffectContribution, EffectStudy, EffectStudyResult, PictureCost, page};
+use crate::study::text::{count_text, percent_text, signed_count_text, signed_milliseconds_text, three_digit_text};
+use crate::study::{
+    Clock, EffectContribution, EffectCost, EffectStudy, EffectStudyResult, PictureCost, ReportContext,
+    effects_html_page,
+};
 use miette::IntoDiagnostic;
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -25,7 +28,7 @@ const DEFAULT_PASSES: u32 = 4;
 
 /// File extensions of reports, and the functions that write them.
 const REPORT_WRITERS: [(&str, ReportWriter<EffectStudyResult>); 4] = [
-    ("html", |arguments, found| page(&report_header(arguments), found).into_diagnostic()),
+    ("html", |arguments, found| effects_html_page(&report_header(arguments), found).into_diagnostic()),
     ("csv", |_, found| Ok(csv(found))),
     ("json", effect_study_json),
     ("md", |arguments, found| Ok(markdown(&report_header(arguments), found))),
@@ -53,10 +56,10 @@ fn run_effect_study(
         .map_err(Failure::usage_error)?;
     let study =
         EffectStudy::prepare(&scene, algorithm, &settings_from_arguments(&arguments.method, arguments.simulate));
-    check_photon_memory(study.expected(), pictures, memory.free()).map_err(Failure::usage_error)?;
+    check_photon_memory(study.largest_pass_memory(), pictures, memory.free()).map_err(Failure::usage_error)?;
     progress.print_line(&plan::simulated_effects_line(study.plan()));
     plan::omitted_effect_warnings(study.plan()).for_each(|line| print_message(&line));
-    let (pictures, passes) = (study.pictures(), arguments.passes.unwrap_or(DEFAULT_PASSES));
+    let (pictures, passes) = (study.picture_count(), arguments.passes.unwrap_or(DEFAULT_PASSES));
     progress.print_line(&format!("{pictures} pictures of {passes} passes each"));
     progress.set_pass(1, Some(passes));
     let found = study.run(passes, &INTERRUPTED, progress, |made| {
@@ -88,10 +91,10 @@ pub(super) fn load_study_scene(arguments: &StudyArguments, progress: &Progress) 
 }
 
 /// Returns the scene name and settings that a report shows at its top.
-fn report_header(arguments: &StudyArguments) -> About {
+fn report_header(arguments: &StudyArguments) -> ReportContext {
     let scene = arguments.scene.scene.display().to_string();
     let (integrator, seed) = (arguments.method.integrator.name(), arguments.method.seed);
-    About { scene, integrator, seed, exposure: arguments.exposure }
+    ReportContext { scene, integrator, seed, exposure: arguments.exposure }
 }
 
 /// Returns all figures of a study of effects as JSON.
@@ -112,9 +115,9 @@ fn table(integrator: &str, found: &EffectStudyResult) -> String {
     let mut text = format!(
         "{integrator}: {:.1} ms of {clock} time, {} rays and {} gathered photons per pass; mean radiance {}\n",
         1e3 * whole.seconds() / passes,
-        amount(whole.counters.rays() as f64 / passes),
-        amount(whole.counters.gathered_photons as f64 / passes),
-        figure(found.mean),
+        count_text(whole.counters.rays() as f64 / passes),
+        count_text(whole.counters.gathered_photons as f64 / passes),
+        three_digit_text(found.mean),
     );
     if !found.effects.is_empty() {
         let _ = writeln!(
@@ -124,19 +127,19 @@ fn table(integrator: &str, found: &EffectStudyResult) -> String {
         );
     }
     for finding in &found.effects {
-        let Cost { seconds, seconds_error, ratio, rays, gathered_photons, .. } = finding.cost;
+        let EffectCost { seconds, seconds_error, ratio, rays, gathered_photons, .. } = finding.cost;
         let EffectContribution { relative_rmse, adds, takes, rmse } = finding.gain;
         let error = seconds_error.map_or(String::new(), |e| format!(" ± {:.1}", 1e3 * e));
-        let share = |x: f64| if found.mean > 0.0 { percent(x / found.mean) } else { figure(x) };
+        let share = |x: f64| if found.mean > 0.0 { percent_text(x / found.mean) } else { three_digit_text(x) };
         let _ = writeln!(
             text,
             "  {:<16} {:>18} {:>7} {:>9} {:>10} {:>9} {:>9} {:>9}",
             finding.decision.effect,
-            milliseconds(seconds) + &error,
+            signed_milliseconds_text(seconds) + &error,
             format!("× {ratio:.2}"),
-            signed(rays),
-            signed(gathered_photons),
-            relative_rmse.map_or(figure(rmse), percent),
+            signed_count_text(rays),
+            signed_count_text(gathered_photons),
+            relative_rmse.map_or(three_digit_text(rmse), percent_text),
             share(adds),
             share(takes),
         );
@@ -179,7 +182,7 @@ struct EffectRow<'f> {
     /// Work of the picture without the effect; `None` if the effect is off.
     without: Option<PictureWork<'f>>,
     /// Additional work for the effect; `None` if the effect is off.
-    cost: Option<Cost>,
+    cost: Option<EffectCost>,
     /// Change of the picture by the effect; `None` if the effect is off.
     gain: Option<EffectContribution>,
 }

@@ -19,8 +19,8 @@ use crate::plan::Plan;
 use crate::scene::Scene;
 use crate::stats::bytes;
 use crate::study::methods::{
-    MethodStudy, MethodStudyResult, References, StudyLimits, StudyProgress, StudySubject, Variant, applicable_methods,
-    shell_quoted,
+    MethodStudy, MethodStudyResult, MethodVariant, References, StudiedScene, StudyLimits, StudyProgress,
+    applicable_methods, shell_quoted,
 };
 use crate::study::report::methods as report;
 use miette::IntoDiagnostic;
@@ -35,7 +35,7 @@ const MIN_THREAD_SHARE: f64 = 0.9;
 
 /// File extensions of reports, and the functions that write them.
 const REPORT_WRITERS: [(&str, ReportWriter<MethodStudyResult>); 4] = [
-    ("html", |_, found| report::html(found).into_diagnostic()),
+    ("html", |_, found| report::methods_html_page(found).into_diagnostic()),
     ("csv", |_, found| Ok(report::csv(found))),
     ("json", |_, found| report::json(found).into_diagnostic()),
     ("md", |_, found| Ok(report::markdown(found))),
@@ -99,7 +99,7 @@ fn run_method_study(
     let scene = load_study_scene(arguments, progress)?;
     let (kind, size) = (&arguments.kind, scene.camera().size());
     let variants = study_variants(arguments, named, &scene);
-    let (needed, seeds) = (MethodStudy::bytes(size, variants.len(), kind.seeds), kind.seeds);
+    let (needed, seeds) = (MethodStudy::picture_bytes(size, variants.len(), kind.seeds), kind.seeds);
     let memory = arguments.scene.memory_limit();
     if let Some(free) = memory.free().filter(|free| needed > *free) {
         return Err(Failure::usage_error(TooManyPictures { seeds, variants: variants.len(), size, needed, free }));
@@ -117,7 +117,7 @@ fn run_method_study(
     }
     let runs = count_with_noun(variants.len(), "method", "methods");
     let study = MethodStudy::prepare(&scene, variants, kind.seeds).into_diagnostic().map_err(Failure::usage_error)?;
-    check_photon_memory(study.expected(), needed, memory.free()).map_err(Failure::usage_error)?;
+    check_photon_memory(study.largest_pass_memory(), needed, memory.free()).map_err(Failure::usage_error)?;
     let Some(references) =
         given.map_or_else(|| render_references(arguments, &scene, progress), |given| Ok(Some(given)))?
     else {
@@ -137,7 +137,7 @@ fn run_method_study(
             "{label}: {} after {:.2} s, error {}",
             count_with_noun(at.passes as usize, "pass", "passes"),
             at.seconds,
-            root_as_percent(at.square())
+            root_as_percent(at.mean_squared_error())
         )),
     });
     progress.remove_bar();
@@ -155,7 +155,7 @@ fn run_method_study(
 }
 
 /// Returns the variants to measure, in the order of the flags.
-fn study_variants(arguments: &StudyArguments, named: Vec<NamedVariant>, scene: &Scene) -> Vec<Variant> {
+fn study_variants(arguments: &StudyArguments, named: Vec<NamedVariant>, scene: &Scene) -> Vec<MethodVariant> {
     let (kind, shared, overrides) = (&arguments.kind, &arguments.method, arguments.simulate);
     let by_default = kind.methods.is_empty() && kind.variants.is_empty() && kind.knobs.is_none();
     let methods = if by_default { applicable_methods(scene, overrides) } else { kind.methods.clone() };
@@ -174,7 +174,7 @@ fn render_references(
     let kind = &arguments.kind;
     let default = REFERENCE_BUDGET_FACTOR * kind.budget.as_secs_f64();
     let seconds = kind.truth_time.map_or(default, |time| time.as_secs_f64());
-    let like = settings_from_arguments(&arguments.method, arguments.simulate).eye;
+    let like = settings_from_arguments(&arguments.method, arguments.simulate).camera_paths;
     progress.print_line(&format!("two references with {seconds:.1} s of processor time each"));
     progress.set_pass(1, None);
     let rendered = References::render(scene, &like, seconds, &INTERRUPTED, progress, |made, part| {
@@ -198,7 +198,7 @@ fn render_references(
 }
 
 /// Returns the scene of the study and the command line that repeats the study.
-fn study_subject(arguments: &StudyArguments) -> StudySubject {
+fn study_subject(arguments: &StudyArguments) -> StudiedScene {
     let (kind, scene) = (&arguments.kind, arguments.scene.scene.display().to_string());
     // A name with a leading dash would be parsed as a flag.
     let named = if scene.starts_with('-') { format!("./{scene}") } else { scene.clone() };
@@ -227,5 +227,5 @@ fn study_subject(arguments: &StudyArguments) -> StudySubject {
     add("--seed", Some(arguments.method.seed.to_string()));
     // The first flag is `--integrator`, which a study of methods does not take.
     words.extend(method_flags(&arguments.method, "--simulate", arguments.simulate).into_iter().skip(2));
-    StudySubject { command: shell_quoted(&words), scene, size: arguments.scene.size }
+    StudiedScene { command: shell_quoted(&words), scene, size: arguments.scene.size }
 }

@@ -4,7 +4,7 @@ use crate::cli::args::MethodArguments;
 use crate::cli::settings::{method_flags, settings_from_arguments};
 use crate::integrate::Algorithm;
 use crate::plan::EffectOverrides;
-use crate::study::methods::Variant;
+use crate::study::methods::MethodVariant;
 use clap::{Parser, ValueEnum};
 
 /// Flags that all variants share, because they change the true picture or the noise.
@@ -77,8 +77,8 @@ impl NamedVariant {
     }
 
     /// Converts to a variant of the study library. `overrides` says which effects are simulated.
-    pub fn into_study_variant(self, overrides: EffectOverrides) -> Variant {
-        Variant {
+    pub fn into_study_variant(self, overrides: EffectOverrides) -> MethodVariant {
+        MethodVariant {
             label: self.label,
             algorithm: self.method.integrator,
             settings: settings_from_arguments(&self.method, overrides),

@@ -107,7 +107,7 @@ fn nested_discs_are_probed_independently() {
     let p = DVec3::X * 0.7;
     let levels = |i| {
         let key = Key::new(5).purpose(Purpose::Test).with(i);
-        nested_coverage(&square(), p.as_vec3(), Vec3::Y, 0.5, Kernel::Box, key)
+        nested_disc_coverage(&square(), p.as_vec3(), Vec3::Y, 0.5, Kernel::Box, key)
     };
     let all: Vec<[f32; LEVELS]> = (0..500).map(levels).collect();
     assert!(all.iter().all(|levels| levels[2] == 1.0), "a quarter is nearer than the edge");
