@@ -47,7 +47,7 @@ fn replace_control_characters(line: &str) -> String {
 
 /// Returns warnings about what the camera sees and where photons land, one line each.
 fn scene_warnings(scene: &Scene, arguments: &SceneArguments) -> Vec<String> {
-    let features = SceneFeatures::of(scene);
+    let features = SceneFeatures::from_scene(scene);
     let mut warnings = Vec::new();
     if !camera_sees_objects(scene) {
         warnings.push("the camera sees no object: check `center` and `lookAt` or `direction`");

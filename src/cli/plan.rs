@@ -48,7 +48,7 @@ pub(super) fn print_plan(integrator: &dyn Integrator, progress: &Progress) {
     progress.print_line(&simulated_effects_line(integrator.plan()));
     integrator.balance().iter().for_each(|balance| progress.print_line(&pass_counts_line(balance)));
     omitted_effect_warnings(integrator.plan()).for_each(|line| print_message(&line));
-    if integrator.plan().effects().has(Effect::Caustics) && integrator.radius_law().is_none() {
+    if integrator.plan().simulated_effects().has(Effect::Caustics) && integrator.radius_law().is_none() {
         print_message(UNSAMPLED_CAUSTICS);
     }
 }
