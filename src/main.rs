@@ -19,7 +19,7 @@ fn main() -> ExitCode {
     match cli::run(cli::Arguments::parse()) {
         Ok(exit) => exit.into(),
         Err(failure) => {
-            failure.show();
+            failure.print_reports();
             failure.exit.into()
         }
     }
