@@ -26,7 +26,7 @@ const MAX_DENSITY: f64 = 8.0;
 /// Camera rays of each pixel in parts of the mean, by rows from the top; `None` if rays make no
 /// noise.
 pub(super) fn find_density(renderer: &PassRenderer<'_>) -> Option<Arc<[f32]>> {
-    let key = Key::new(renderer.settings.eye.seed).purpose(Purpose::Balance);
+    let key = Key::new(renderer.settings.camera_paths.seed).purpose(Purpose::Balance);
     let budget = PassBudget { key, pass: 0, part: PILOT_PART, limited: true };
     let maps = renderer.map_builder.build_within(&budget, &Silent, &mut Pass::default());
     // Moving objects rest at one time, as in a pass.
@@ -37,7 +37,7 @@ pub(super) fn find_density(renderer: &PassRenderer<'_>) -> Option<Arc<[f32]>> {
             // No render reaches these passes, so no random number is used twice.
             let paths = pilot.paths(Some(&maps), u32::MAX - i);
             for_interior!(pilot.policy.effects, pilot.render_pixels(&paths, &Silent, &mut out));
-            out.image.iter().map(|v| f64::from(color::mean(*v))).collect()
+            out.image.iter().map(|v| f64::from(color::channel_mean(*v))).collect()
         })
         .collect();
     let (width, height) = renderer.scene.camera().size();

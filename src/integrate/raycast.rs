@@ -4,7 +4,7 @@
 use super::film::{self, FilmImage, FilmSampling};
 use super::integrator::Integrator;
 use super::pass::{Monitor, Pass, Seconds};
-use super::settings::EyeSettings;
+use super::settings::CameraPathSettings;
 use crate::bsdf::conductor_reflectance;
 use crate::camera::Filter;
 use crate::color::Rgb;
@@ -57,7 +57,7 @@ impl Integrator for RayCast<'_> {
 impl<'a> RayCast<'a> {
     /// Ray casting with one ray per pixel as in the course, or with filtered rays if `settings` ask
     /// for several.
-    pub fn new(scene: &'a Scene, plan: Plan, settings: &EyeSettings) -> Self {
+    pub fn new(scene: &'a Scene, plan: Plan, settings: &CameraPathSettings) -> Self {
         let samples = settings.samples.unwrap_or(1);
         let filter = (samples > 1).then(|| settings.filter.clone());
         Self { scene, plan, filter, samples, seed: settings.seed }
@@ -66,7 +66,7 @@ impl<'a> RayCast<'a> {
     /// Radiance along a camera ray, by the course's model.
     fn radiance(&self, ray: &Ray) -> Rgb {
         let mut ray = *ray;
-        let mut cone = self.scene.camera_cone(self.plan.effects());
+        let mut cone = self.scene.camera_cone(self.plan.simulated_effects());
         let (hit, surface) = loop {
             let Some(hit) = self.scene.intersect(&ray) else {
                 return self.scene.background();

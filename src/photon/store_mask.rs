@@ -26,8 +26,8 @@ pub struct StoreMask {
     /// Store global photons.
     pub global: bool,
     /// Store photons after a caustic apart from the others. Their density is smooth, so only one in
-    /// [`THINNING`] paths is continued, with the flux of all.
-    pub apart: bool,
+    /// [`AFTER_CAUSTIC_THINNING`] paths is continued, with the flux of all.
+    pub separates_after_caustic: bool,
     /// Store beams in homogeneous media; otherwise store points.
     pub beams: bool,
 }
@@ -40,13 +40,19 @@ impl StoreMask {
     /// Photons that continue from a storing surface.
     pub const GLOBAL: Self = Self { after_caustic: true, global: true, ..Self::NONE };
     /// No photons.
-    pub const NONE: Self =
-        Self { direct: false, caustic: false, after_caustic: false, global: false, apart: false, beams: true };
+    pub const NONE: Self = Self {
+        direct: false,
+        caustic: false,
+        after_caustic: false,
+        global: false,
+        separates_after_caustic: false,
+        beams: true,
+    };
     /// All kinds.
     pub const ALL: Self = Self { direct: true, caustic: true, after_caustic: true, global: true, ..Self::NONE };
 
     /// True if photons of `kind` are stored on surfaces.
-    pub(super) fn has(self, kind: PhotonKind) -> bool {
+    pub(super) fn stores_on_surfaces(self, kind: PhotonKind) -> bool {
         match kind {
             PhotonKind::Direct => self.direct,
             PhotonKind::Caustic => self.caustic,
@@ -56,12 +62,12 @@ impl StoreMask {
     }
 
     /// True if photons of `kind` are stored in media. Next-event estimation covers direct light.
-    pub(super) fn has_in_media(self, kind: PhotonKind) -> bool {
-        kind != PhotonKind::Direct && self.has(kind)
+    pub(super) fn stores_in_media(self, kind: PhotonKind) -> bool {
+        kind != PhotonKind::Direct && self.stores_on_surfaces(kind)
     }
 
     /// True if a path that continues as `kind` can deposit a stored photon.
-    pub(super) fn may_follow(self, kind: PhotonKind) -> bool {
+    pub(super) fn can_reach_stored_kind(self, kind: PhotonKind) -> bool {
         match kind {
             PhotonKind::Direct => true,
             PhotonKind::Caustic => self.caustic || self.after_caustic,
@@ -72,16 +78,16 @@ impl StoreMask {
 }
 
 /// Number of paths after a caustic that are represented by one.
-pub const THINNING: u32 = 8;
+pub const AFTER_CAUSTIC_THINNING: u32 = 8;
 
 impl PhotonKind {
     /// The kind after a caster that the path passed without a vertex.
-    pub(super) fn beyond_casters(self) -> Self {
+    pub(super) fn after_crossed_caster(self) -> Self {
         if self == Self::Direct { Self::Caustic } else { self }
     }
 
     /// The kind after scattering at a surface or in a medium; media count as storing surfaces.
-    pub(super) fn after(self, stores: bool) -> Self {
+    pub(super) fn after_scattering(self, stores: bool) -> Self {
         match (stores, self) {
             (false, Self::Direct) => Self::Caustic,
             (false, other) => other,

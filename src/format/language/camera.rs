@@ -5,7 +5,8 @@ use std::fmt;
 use glam::DVec3;
 
 use super::super::description::{
-    Aim, CameraDescription, Focus, LensDescription, Opening, ProjectionDescription, Spanned, TransformStep,
+    ApertureDescription, CameraDescription, DirectionOrTarget, FocusDescription, LensDescription,
+    ProjectionDescription, Spanned, TransformStep,
 };
 use super::super::error::SceneError;
 use super::fields::{BlockFields, parse_table_block};
@@ -32,7 +33,7 @@ pub(super) struct CameraView {
     /// Viewing direction, of any length.
     direction: DVec3,
     /// Viewing direction as the scene text states it.
-    aim: Aim,
+    aim: DirectionOrTarget,
 }
 
 const PICTURE_SIZE_RANGE: FieldRange = FieldRange::Within(1.0, 65_536.0);
@@ -174,25 +175,25 @@ fn parse_lens(f: &BlockFields<'_>, view: &CameraView) -> Result<Option<LensDescr
     let opening = f.require_one_of(&["aperture", "fNumber"])?;
     let opening = if opening.name() == "aperture" {
         f.forbid_fields(&["sensorHeight"], "has no effect without `fNumber`")?;
-        Opening::Radius(opening.value())
+        ApertureDescription::Radius(opening.value())
     } else {
         let sensor = f.optional_value("sensorHeight").unwrap_or(DEFAULT_SENSOR_HEIGHT);
-        Opening::FNumber { number: opening.value(), sensor }
+        ApertureDescription::FNumber { number: opening.value(), sensor }
     };
     let focus = if f.get("focusDistance").is_some() || f.get("focusAt").is_some() {
         let focus = f.require_one_of(&["focusDistance", "focusAt"])?;
         if focus.name() == "focusDistance" {
-            Focus::Distance(focus.value())
+            FocusDescription::Distance(focus.value())
         } else {
             let point: DVec3 = focus.value();
             let is_in_front = (point - view.center).dot(view.direction) > 0.0;
             focus.ensure(is_in_front, "must lie in front of the camera")?;
-            Focus::Point(point)
+            FocusDescription::Point(point)
         }
     } else {
         match view.aim {
-            Aim::LookAt(point) => Focus::Point(point),
-            Aim::Direction(_) => Focus::Distance(f.value("focusDistance")?),
+            DirectionOrTarget::LookAt(point) => FocusDescription::Point(point),
+            DirectionOrTarget::Direction(_) => FocusDescription::Distance(f.value("focusDistance")?),
         }
     };
     let blades = f.optional_value("blades").unwrap_or(0);
@@ -206,15 +207,19 @@ fn parse_lens(f: &BlockFields<'_>, view: &CameraView) -> Result<Option<LensDescr
 /// Parses `direction` or `lookAt`; returns it, and the direction from `center`, of any length.
 ///
 /// `center_name` is the name of the field that holds `center`, for the error message.
-pub(super) fn parse_aim(f: &BlockFields<'_>, center_name: &str, center: DVec3) -> Result<(Aim, DVec3), SceneError> {
+pub(super) fn parse_aim(
+    f: &BlockFields<'_>,
+    center_name: &str,
+    center: DVec3,
+) -> Result<(DirectionOrTarget, DVec3), SceneError> {
     let field = f.require_one_of(&["direction", "lookAt"])?;
     let value: DVec3 = field.value();
     if field.name() == "direction" {
-        return Ok((Aim::Direction(value), value));
+        return Ok((DirectionOrTarget::Direction(value), value));
     }
     let direction = value - center;
     field.ensure(is_normalizable(direction), &format!("must lie at some distance from `{center_name}`"))?;
-    Ok((Aim::LookAt(value), direction))
+    Ok((DirectionOrTarget::LookAt(value), direction))
 }
 
 /// Writes a camera as scene text, within a `Moving` block if it moves.
@@ -248,25 +253,25 @@ pub(super) fn write_camera(out: &mut SceneWriter<'_, '_>, camera: &CameraDescrip
 }
 
 /// Writes the field `direction` or `lookAt`.
-pub(super) fn write_aim(out: &mut SceneWriter<'_, '_>, aim: Aim) -> fmt::Result {
+pub(super) fn write_aim(out: &mut SceneWriter<'_, '_>, aim: DirectionOrTarget) -> fmt::Result {
     match aim {
-        Aim::Direction(direction) => out.write_vector("direction", direction),
-        Aim::LookAt(point) => out.write_vector("lookAt", point),
+        DirectionOrTarget::Direction(direction) => out.write_vector("direction", direction),
+        DirectionOrTarget::LookAt(point) => out.write_vector("lookAt", point),
     }
 }
 
 /// Writes the fields of a thin lens.
 fn write_lens(out: &mut SceneWriter<'_, '_>, lens: &LensDescription) -> fmt::Result {
     match lens.opening {
-        Opening::Radius(radius) => out.write_number("aperture", radius)?,
-        Opening::FNumber { number, sensor } => {
+        ApertureDescription::Radius(radius) => out.write_number("aperture", radius)?,
+        ApertureDescription::FNumber { number, sensor } => {
             out.write_number("fNumber", number)?;
             out.write_number("sensorHeight", sensor)?;
         }
     }
     match lens.focus {
-        Focus::Distance(distance) => out.write_number("focusDistance", distance)?,
-        Focus::Point(point) => out.write_vector("focusAt", point)?,
+        FocusDescription::Distance(distance) => out.write_number("focusDistance", distance)?,
+        FocusDescription::Point(point) => out.write_vector("focusAt", point)?,
     }
     out.write_field("blades", lens.blades)
 }

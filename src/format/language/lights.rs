@@ -5,7 +5,8 @@ use std::fmt;
 use glam::DVec3;
 
 use super::super::description::{
-    AreaStrength, DirectionalStrength, EnvironmentRadiance, LightDescription, LightPattern, PointStrength, Spanned,
+    AreaLightStrength, DirectionalLightStrength, EnvironmentRadiance, LightDescription, LightPattern,
+    PointLightStrength, Spanned,
 };
 use super::super::error::SceneError;
 use super::camera::{parse_aim, write_aim};
@@ -232,8 +233,8 @@ fn parse_point_light(f: &BlockFields<'_>) -> Result<LightDescription, SceneError
 
 fn parse_directional_light(f: &BlockFields<'_>) -> Result<LightDescription, SceneError> {
     let strength = f.require_color_variant(&[
-        ("color", DirectionalStrength::Color),
-        ("irradiance", DirectionalStrength::Irradiance),
+        ("color", DirectionalLightStrength::Color),
+        ("irradiance", DirectionalLightStrength::Irradiance),
     ])?;
     Ok(LightDescription::Directional { direction: f.value("direction")?, strength })
 }
@@ -292,7 +293,7 @@ fn parse_oriented_light(f: &BlockFields<'_>, pattern: LightPattern) -> Result<Li
         field.ensure(is_normalizable(up.cross(direction)), "must not be parallel to the axis of the light")?;
     }
     let strength =
-        f.require_color_variant(&[("intensity", PointStrength::Intensity), ("power", PointStrength::Power)])?;
+        f.require_color_variant(&[("intensity", PointLightStrength::Intensity), ("power", PointLightStrength::Power)])?;
     Ok(LightDescription::Oriented { position, aim, up, pattern, strength })
 }
 
@@ -307,16 +308,16 @@ fn parse_environment_light(f: &BlockFields<'_>) -> Result<LightDescription, Scen
 }
 
 /// Parses the strength of a point light or spotlight.
-fn parse_point_strength(f: &BlockFields<'_>) -> Result<PointStrength, SceneError> {
+fn parse_point_strength(f: &BlockFields<'_>) -> Result<PointLightStrength, SceneError> {
     f.require_color_variant(&[
-        ("color", PointStrength::Color),
-        ("intensity", PointStrength::Intensity),
-        ("power", PointStrength::Power),
+        ("color", PointLightStrength::Color),
+        ("intensity", PointLightStrength::Intensity),
+        ("power", PointLightStrength::Power),
     ])
 }
 
-fn parse_area_strength(f: &BlockFields<'_>) -> Result<AreaStrength, SceneError> {
-    f.require_color_variant(&[("radiance", AreaStrength::Radiance), ("power", AreaStrength::Power)])
+fn parse_area_strength(f: &BlockFields<'_>) -> Result<AreaLightStrength, SceneError> {
+    f.require_color_variant(&[("radiance", AreaLightStrength::Radiance), ("power", AreaLightStrength::Power)])
 }
 
 /// Writes a light as scene text.
@@ -336,8 +337,8 @@ pub(super) fn write_light(out: &mut SceneWriter<'_, '_>, light: &LightDescriptio
             out.begin_table_block(&DIRECTIONAL)?;
             out.write_vector("direction", *direction)?;
             match *strength {
-                DirectionalStrength::Color(c) => out.write_vector("color", c)?,
-                DirectionalStrength::Irradiance(c) => out.write_vector("irradiance", c)?,
+                DirectionalLightStrength::Color(c) => out.write_vector("color", c)?,
+                DirectionalLightStrength::Irradiance(c) => out.write_vector("irradiance", c)?,
             }
         }
         LightDescription::Spot { position, aim, angle, penumbra, strength } => {
@@ -402,17 +403,17 @@ pub(super) fn write_light(out: &mut SceneWriter<'_, '_>, light: &LightDescriptio
     out.end_block()
 }
 
-fn write_point_strength(out: &mut SceneWriter<'_, '_>, strength: PointStrength) -> fmt::Result {
+fn write_point_strength(out: &mut SceneWriter<'_, '_>, strength: PointLightStrength) -> fmt::Result {
     match strength {
-        PointStrength::Color(c) => out.write_vector("color", c),
-        PointStrength::Intensity(c) => out.write_vector("intensity", c),
-        PointStrength::Power(c) => out.write_vector("power", c),
+        PointLightStrength::Color(c) => out.write_vector("color", c),
+        PointLightStrength::Intensity(c) => out.write_vector("intensity", c),
+        PointLightStrength::Power(c) => out.write_vector("power", c),
     }
 }
 
-fn write_area_strength(out: &mut SceneWriter<'_, '_>, strength: AreaStrength) -> fmt::Result {
+fn write_area_strength(out: &mut SceneWriter<'_, '_>, strength: AreaLightStrength) -> fmt::Result {
     match strength {
-        AreaStrength::Radiance(c) => out.write_vector("radiance", c),
-        AreaStrength::Power(c) => out.write_vector("power", c),
+        AreaLightStrength::Radiance(c) => out.write_vector("radiance", c),
+        AreaLightStrength::Power(c) => out.write_vector("power", c),
     }
 }

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::super::description::{
-    Attenuation, Emission, MaterialDescription, MaterialKindDescription, MetalDescription,
+    DielectricAbsorption, EmissionDescription, MaterialDescription, MaterialKindDescription, MetalDescription,
     NormalPerturbationDescription, Spanned, TexturedValue,
 };
 use super::super::error::SceneError;
@@ -198,7 +198,10 @@ pub(super) fn parse_materials_block<'a>(parser: &mut Parser<'a>, block: Token<'a
             Err(error) => {
                 // A material with errors keeps its index and name, so that objects can refer to it.
                 let kind = MaterialKindDescription::Mirror { reflectance: DVec3::ONE.into() };
-                (MaterialDescription { name, kind, emission: None, relief: None, medium: None }, Err(error))
+                (
+                    MaterialDescription { name, kind, emission: None, normal_perturbation: None, medium: None },
+                    Err(error),
+                )
             }
         };
         parser.scope.add_material(Spanned::new(material, word.span()));
@@ -231,8 +234,8 @@ fn parse_material<'a>(
     if let Some(name) = &medium {
         parser.scope.check_medium_exists(parser.lexer, name, "ahead of the Materials")?;
     }
-    let relief = if has_field("bump") { parse_normal_perturbation(f)? } else { None };
-    Ok(MaterialDescription { name, kind, emission: parse_emission(f)?, relief, medium })
+    let normal_perturbation = if has_field("bump") { parse_normal_perturbation(f)? } else { None };
+    Ok(MaterialDescription { name, kind, emission: parse_emission(f)?, normal_perturbation, medium })
 }
 
 fn parse_phong(_: &Parser<'_>, f: &BlockFields<'_>) -> Result<MaterialKindDescription, SceneError> {
@@ -277,13 +280,15 @@ fn parse_thin(_: &Parser<'_>, f: &BlockFields<'_>) -> Result<MaterialKindDescrip
 }
 
 /// Parses the absorption inside a dielectric.
-fn parse_attenuation(f: &BlockFields<'_>) -> Result<Attenuation, SceneError> {
+fn parse_attenuation(f: &BlockFields<'_>) -> Result<DielectricAbsorption, SceneError> {
     f.forbid_both("absorption", "tint")?;
     let Some(color) = f.optional_value("tint") else {
         f.forbid_fields(&["tintDistance"], "has no effect without `tint`")?;
-        return Ok(f.optional_value("absorption").map_or(Attenuation::None, Attenuation::Absorption));
+        return Ok(f
+            .optional_value("absorption")
+            .map_or(DielectricAbsorption::None, DielectricAbsorption::Coefficient));
     };
-    let attenuation = Attenuation::Tint { color, distance: f.value("tintDistance")? };
+    let attenuation = DielectricAbsorption::Tint { color, distance: f.value("tintDistance")? };
     if let Some(field) = f.get("tintDistance") {
         let is_valid = attenuation.coefficient().max_element() <= MAX_COEFFICIENT;
         field.ensure(is_valid, "must be longer: over it, `tint` is an absorption above 1e12")?;
@@ -351,12 +356,12 @@ fn parse_mix_component<'a>(parser: &Parser<'a>, field: PresentField<'_, 'a>) -> 
     Ok(name)
 }
 
-fn parse_emission(f: &BlockFields<'_>) -> Result<Option<Emission>, SceneError> {
+fn parse_emission(f: &BlockFields<'_>) -> Result<Option<EmissionDescription>, SceneError> {
     let radiance = match f.optional_value("emission") {
         Some(TexturedValue::Texture(name)) => {
-            return Ok(Some(Emission::Texture { name, scale: f.value("emissionScale")? }));
+            return Ok(Some(EmissionDescription::Texture { name, scale: f.value("emissionScale")? }));
         }
-        Some(TexturedValue::Plain(radiance)) => Some(Emission::Radiance(radiance)),
+        Some(TexturedValue::Plain(radiance)) => Some(EmissionDescription::Radiance(radiance)),
         None => None,
     };
     f.forbid_fields(&["emissionScale"], "has no effect without a texture as `emission`")?;
@@ -431,9 +436,9 @@ pub(super) fn write_material(out: &mut SceneWriter<'_, '_>, material: &MaterialD
         MaterialKindDescription::Dielectric { refraction, attenuation, roughness, priority } => {
             write_refraction(out, refraction)?;
             match *attenuation {
-                Attenuation::None => {}
-                Attenuation::Absorption(absorption) => out.write_vector("absorption", absorption)?,
-                Attenuation::Tint { color, distance } => {
+                DielectricAbsorption::None => {}
+                DielectricAbsorption::Coefficient(absorption) => out.write_vector("absorption", absorption)?,
+                DielectricAbsorption::Tint { color, distance } => {
                     out.write_vector("tint", color)?;
                     out.write_number("tintDistance", distance)?;
                 }
@@ -463,7 +468,7 @@ pub(super) fn write_material(out: &mut SceneWriter<'_, '_>, material: &MaterialD
         }
     }
     material.medium.as_ref().map_or(Ok(()), |medium| out.write_name("medium", medium))?;
-    match &material.relief {
+    match &material.normal_perturbation {
         None => {}
         Some(NormalPerturbationDescription::Bump { texture, height }) => {
             out.write_name("bump", texture)?;
@@ -473,8 +478,8 @@ pub(super) fn write_material(out: &mut SceneWriter<'_, '_>, material: &MaterialD
     }
     match &material.emission {
         None => {}
-        Some(Emission::Radiance(radiance)) => out.write_vector("emission", *radiance)?,
-        Some(Emission::Texture { name, scale }) => {
+        Some(EmissionDescription::Radiance(radiance)) => out.write_vector("emission", *radiance)?,
+        Some(EmissionDescription::Texture { name, scale }) => {
             out.write_texture_name("emission", name)?;
             out.write_number("emissionScale", *scale)?;
         }

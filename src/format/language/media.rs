@@ -4,7 +4,10 @@ use std::fmt;
 
 use glam::DVec3;
 
-use super::super::description::{Coefficients, Density, ExtentDescription, MediumDescription, Phase, Spanned};
+use super::super::description::{
+    DensityDescription, MediumCoefficients, MediumDescription, PhaseFunctionDescription, Spanned,
+    TransformedBoxDescription,
+};
 use super::super::error::SceneError;
 use super::fields::{BlockFields, parse_table_block};
 use super::lexer::Token;
@@ -23,7 +26,7 @@ pub(super) static MEDIA: [BlockParser<ParseDensity>; 2] = [
 ];
 
 /// Conversion of a block's fields to the density of a medium.
-type ParseDensity = fn(&BlockFields<'_>) -> Result<Density, SceneError>;
+type ParseDensity = fn(&BlockFields<'_>) -> Result<DensityDescription, SceneError>;
 
 const COEFFICIENT_RANGE: FieldRange = FieldRange::Within(0.0, MAX_COEFFICIENT);
 
@@ -109,8 +112,9 @@ pub(super) fn parse_media_block<'a>(parser: &mut Parser<'a>, block: Token<'a>) -
 
 /// Returns a medium without absorption, scattering and emission.
 fn placeholder_medium(name: &str) -> MediumDescription {
-    let coefficients = Coefficients::Parts { absorption: DVec3::ZERO, scattering: DVec3::ZERO };
-    let (emission, phase, density) = (DVec3::ZERO, Phase::Isotropic, Density::Even);
+    let coefficients = MediumCoefficients::AbsorptionScattering { absorption: DVec3::ZERO, scattering: DVec3::ZERO };
+    let (emission, phase, density) =
+        (DVec3::ZERO, PhaseFunctionDescription::Isotropic, DensityDescription::Homogeneous);
     MediumDescription { name: name.to_owned(), coefficients, emission, phase, density }
 }
 
@@ -127,7 +131,7 @@ fn parse_medium<'a>(parser: &mut Parser<'a>, word: Token<'a>, name: &str) -> Res
     })
 }
 
-fn parse_coefficients(f: &BlockFields<'_>) -> Result<Coefficients, SceneError> {
+fn parse_coefficients(f: &BlockFields<'_>) -> Result<MediumCoefficients, SceneError> {
     for whole in ["extinction", "albedo"] {
         for part in ["absorption", "scattering"] {
             f.forbid_both(part, whole)?;
@@ -135,40 +139,43 @@ fn parse_coefficients(f: &BlockFields<'_>) -> Result<Coefficients, SceneError> {
     }
     let Some(extinction) = f.optional_value("extinction") else {
         f.forbid_fields(&["albedo"], "has no effect without `extinction`")?;
-        return Ok(Coefficients::Parts { absorption: f.value("absorption")?, scattering: f.value("scattering")? });
+        return Ok(MediumCoefficients::AbsorptionScattering {
+            absorption: f.value("absorption")?,
+            scattering: f.value("scattering")?,
+        });
     };
-    Ok(Coefficients::Whole { extinction, albedo: f.value("albedo")? })
+    Ok(MediumCoefficients::ExtinctionAlbedo { extinction, albedo: f.value("albedo")? })
 }
 
-fn parse_phase_function(f: &BlockFields<'_>) -> Result<Phase, SceneError> {
+fn parse_phase_function(f: &BlockFields<'_>) -> Result<PhaseFunctionDescription, SceneError> {
     let word: Option<Spanned<String>> = f.optional_value("phase");
     match (word.as_ref().map(|word| word.as_str()), f.get("anisotropy")) {
-        (None | Some("isotropic"), None) => Ok(Phase::Isotropic),
-        (Some("rayleigh"), None) => Ok(Phase::Rayleigh),
+        (None | Some("isotropic"), None) => Ok(PhaseFunctionDescription::Isotropic),
+        (Some("rayleigh"), None) => Ok(PhaseFunctionDescription::Rayleigh),
         (None | Some("henyey-greenstein"), Some(field)) => {
             let g: f64 = field.value();
             field.ensure(g.abs() <= 1.0 - 1e-7, "must lie inside -1 … 1, by 1e-7 at least")?;
-            Ok(Phase::HenyeyGreenstein(g))
+            Ok(PhaseFunctionDescription::HenyeyGreenstein(g))
         }
         (Some(_), Some(field)) => {
             field.ensure(false, "belongs to `phase henyey-greenstein`: leave one of both out")?;
-            Ok(Phase::Isotropic)
+            Ok(PhaseFunctionDescription::Isotropic)
         }
-        (Some(_), None) => Ok(Phase::HenyeyGreenstein(f.value("anisotropy")?)),
+        (Some(_), None) => Ok(PhaseFunctionDescription::HenyeyGreenstein(f.value("anisotropy")?)),
     }
 }
 
 /// Parses the density of a `Medium`: a grid, or 1 everywhere.
-fn parse_medium_density(f: &BlockFields<'_>) -> Result<Density, SceneError> {
+fn parse_medium_density(f: &BlockFields<'_>) -> Result<DensityDescription, SceneError> {
     let Some(path) = f.optional_value("grid") else {
         f.forbid_fields(&["min", "max", "Transform", "densityScale"], "has no effect without `grid`")?;
-        return Ok(Density::Even);
+        return Ok(DensityDescription::Homogeneous);
     };
-    Ok(Density::Grid { path, scale: f.value("densityScale")?, extent: parse_extent(f)? })
+    Ok(DensityDescription::Grid { path, scale: f.value("densityScale")?, extent: parse_extent(f)? })
 }
 
-fn parse_cloud_density(f: &BlockFields<'_>) -> Result<Density, SceneError> {
-    Ok(Density::Cloud {
+fn parse_cloud_density(f: &BlockFields<'_>) -> Result<DensityDescription, SceneError> {
+    Ok(DensityDescription::Cloud {
         cover: f.value("cover")?,
         softness: f.value("softness")?,
         octaves: f.value("octaves")?,
@@ -179,27 +186,27 @@ fn parse_cloud_density(f: &BlockFields<'_>) -> Result<Density, SceneError> {
     })
 }
 
-fn parse_extent(f: &BlockFields<'_>) -> Result<ExtentDescription, SceneError> {
+fn parse_extent(f: &BlockFields<'_>) -> Result<TransformedBoxDescription, SceneError> {
     let (min, max): (DVec3, DVec3) = (f.value("min")?, f.value("max")?);
     let sides = max - min;
     let is_valid = sides.min_element() > 0.0 && sides.is_finite();
     f.require("max")?.ensure(is_valid, "must be above `min` in each component")?;
-    Ok(ExtentDescription { min, max, maps: f.optional_value("Transform").unwrap_or_default() })
+    Ok(TransformedBoxDescription { min, max, maps: f.optional_value("Transform").unwrap_or_default() })
 }
 
 /// Writes a medium as scene text.
 pub(super) fn write_medium(out: &mut SceneWriter<'_, '_>, medium: &MediumDescription) -> fmt::Result {
     let block = match medium.density {
-        Density::Even | Density::Grid { .. } => &MEDIUM,
-        Density::Cloud { .. } => &CLOUD,
+        DensityDescription::Homogeneous | DensityDescription::Grid { .. } => &MEDIUM,
+        DensityDescription::Cloud { .. } => &CLOUD,
     };
     out.begin_named_block(block, &medium.name)?;
     match medium.coefficients {
-        Coefficients::Parts { absorption, scattering } => {
+        MediumCoefficients::AbsorptionScattering { absorption, scattering } => {
             out.write_vector("absorption", absorption)?;
             out.write_vector("scattering", scattering)?;
         }
-        Coefficients::Whole { extinction, albedo } => {
+        MediumCoefficients::ExtinctionAlbedo { extinction, albedo } => {
             out.write_vector("extinction", extinction)?;
             out.write_vector("albedo", albedo)?;
         }
@@ -208,18 +215,18 @@ pub(super) fn write_medium(out: &mut SceneWriter<'_, '_>, medium: &MediumDescrip
         out.write_vector("emission", medium.emission)?;
     }
     match medium.phase {
-        Phase::Isotropic => {}
-        Phase::Rayleigh => out.write_field("phase", "rayleigh")?,
-        Phase::HenyeyGreenstein(g) => out.write_number("anisotropy", g)?,
+        PhaseFunctionDescription::Isotropic => {}
+        PhaseFunctionDescription::Rayleigh => out.write_field("phase", "rayleigh")?,
+        PhaseFunctionDescription::HenyeyGreenstein(g) => out.write_number("anisotropy", g)?,
     }
     match &medium.density {
-        Density::Even => {}
-        Density::Grid { path, scale, extent } => {
+        DensityDescription::Homogeneous => {}
+        DensityDescription::Grid { path, scale, extent } => {
             out.write_name("grid", path)?;
             out.write_number("densityScale", *scale)?;
             write_extent(out, extent)?;
         }
-        Density::Cloud { cover, softness, octaves, frequency, seed, resolution, extent } => {
+        DensityDescription::Cloud { cover, softness, octaves, frequency, seed, resolution, extent } => {
             out.write_number("cover", *cover)?;
             out.write_number("softness", *softness)?;
             out.write_field("octaves", octaves)?;
@@ -232,7 +239,7 @@ pub(super) fn write_medium(out: &mut SceneWriter<'_, '_>, medium: &MediumDescrip
     out.end_block()
 }
 
-fn write_extent(out: &mut SceneWriter<'_, '_>, extent: &ExtentDescription) -> fmt::Result {
+fn write_extent(out: &mut SceneWriter<'_, '_>, extent: &TransformedBoxDescription) -> fmt::Result {
     out.write_vector("min", extent.min)?;
     out.write_vector("max", extent.max)?;
     write_transform_block(out, &extent.maps)

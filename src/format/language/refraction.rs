@@ -2,12 +2,12 @@
 
 use std::fmt;
 
-use super::super::description::RefractionDescription;
+use super::super::description::RefractiveIndexDescription;
 use super::super::error::SceneError;
 use super::fields::{BlockFields, PresentField};
 use super::schema::{FieldKind, FieldRange, FieldSchema, field};
 use super::writer::{SceneWriter, SpacedNumbers};
-use crate::color::Glass;
+use crate::color::DispersionFormula;
 
 /// Smallest accepted refractive index.
 pub(super) const MIN_REFRACTIVE_INDEX: f64 = 0.001;
@@ -28,7 +28,7 @@ const INDEX_SOURCES: [&str; 4] = ["indexOfRefraction", "glass", "cauchy", "sellm
 const MAX_SELLMEIER_TERMS: usize = 4;
 
 /// Parses the refractive index; 1.5 if no field states it.
-pub(super) fn parse_refraction(f: &BlockFields<'_>) -> Result<RefractionDescription, SceneError> {
+pub(super) fn parse_refraction(f: &BlockFields<'_>) -> Result<RefractiveIndexDescription, SceneError> {
     let is_given = INDEX_SOURCES.iter().any(|source| f.get(source).is_some());
     let source = if is_given { Some(f.require_one_of(&INDEX_SOURCES)?) } else { None };
     for (part, whole) in [("abbe", "indexOfRefraction"), ("sellmeierC", "sellmeierB")] {
@@ -37,7 +37,7 @@ pub(super) fn parse_refraction(f: &BlockFields<'_>) -> Result<RefractionDescript
         }
     }
     match source.map(|source| (source.name(), source)) {
-        Some(("glass", name)) => Ok(RefractionDescription::Named(name.value())),
+        Some(("glass", name)) => Ok(RefractiveIndexDescription::Named(name.value())),
         Some(("cauchy", coefficients)) => parse_cauchy(&coefficients),
         Some(("sellmeierB", strengths)) => parse_sellmeier(&strengths, &f.require("sellmeierC")?),
         Some(_) | None => parse_index_and_abbe(f),
@@ -45,28 +45,28 @@ pub(super) fn parse_refraction(f: &BlockFields<'_>) -> Result<RefractionDescript
 }
 
 /// Parses `indexOfRefraction`, and `abbe` if it is present.
-fn parse_index_and_abbe(f: &BlockFields<'_>) -> Result<RefractionDescription, SceneError> {
+fn parse_index_and_abbe(f: &BlockFields<'_>) -> Result<RefractiveIndexDescription, SceneError> {
     let index = f.value("indexOfRefraction")?;
-    let Some(field) = f.get("abbe") else { return Ok(RefractionDescription::Index(index)) };
+    let Some(field) = f.get("abbe") else { return Ok(RefractiveIndexDescription::Index(index)) };
     let abbe = field.value();
-    check_index_range(&Glass::of_abbe(index, abbe), &field, "is too small")?;
-    Ok(RefractionDescription::Abbe { index, abbe })
+    check_index_range(&DispersionFormula::from_abbe_number(index, abbe), &field, "is too small")?;
+    Ok(RefractiveIndexDescription::Abbe { index, abbe })
 }
 
-fn parse_cauchy(coefficients: &PresentField<'_, '_>) -> Result<RefractionDescription, SceneError> {
+fn parse_cauchy(coefficients: &PresentField<'_, '_>) -> Result<RefractiveIndexDescription, SceneError> {
     let list = coefficients.number_list();
     let rule = "must be A, B in µm² and, unless 0, C in µm⁴, of n = A + B/λ² + C/λ⁴";
     coefficients.ensure((2..=3).contains(&list.len()), rule)?;
     let (a, b, c) = (list[0], list[1], list.get(2).copied().unwrap_or(0.0));
-    let glass = Glass::Cauchy { a, b, c };
+    let glass = DispersionFormula::Cauchy { a, b, c };
     check_index_range(&glass, coefficients, "wants B in µm² and C in µm⁴")?;
-    Ok(RefractionDescription::Glass(glass))
+    Ok(RefractiveIndexDescription::Glass(glass))
 }
 
 fn parse_sellmeier(
     strength_field: &PresentField<'_, '_>,
     wavelength_field: &PresentField<'_, '_>,
-) -> Result<RefractionDescription, SceneError> {
+) -> Result<RefractiveIndexDescription, SceneError> {
     let (strengths, wavelengths) = (strength_field.number_list(), wavelength_field.number_list());
     let terms = strengths.len();
     strength_field.ensure((1..=MAX_SELLMEIER_TERMS).contains(&terms), "must be one to four numbers")?;
@@ -75,15 +75,15 @@ fn parse_sellmeier(
     let (mut b, mut c) = ([0.0; MAX_SELLMEIER_TERMS], [0.0; MAX_SELLMEIER_TERMS]);
     b[..terms].copy_from_slice(strengths);
     c[..terms].copy_from_slice(wavelengths);
-    let glass = Glass::Sellmeier { b, c };
+    let glass = DispersionFormula::Sellmeier { b, c };
     check_index_range(&glass, wavelength_field, "wants squares of wavelengths, in µm²")?;
-    Ok(RefractionDescription::Glass(glass))
+    Ok(RefractiveIndexDescription::Glass(glass))
 }
 
 /// Returns an error at `field` if the index of `glass` leaves the accepted range.
 ///
 /// The error's help text is the name of the field, then `advice` and the range.
-fn check_index_range(glass: &Glass, field: &PresentField<'_, '_>, advice: &str) -> Result<(), SceneError> {
+fn check_index_range(glass: &DispersionFormula, field: &PresentField<'_, '_>, advice: &str) -> Result<(), SceneError> {
     let within = glass
         .range()
         .is_some_and(|ends| ends.iter().all(|n| (MIN_REFRACTIVE_INDEX..=MAX_REFRACTIVE_INDEX).contains(n)));
@@ -91,18 +91,18 @@ fn check_index_range(glass: &Glass, field: &PresentField<'_, '_>, advice: &str) 
 }
 
 /// Writes the refractive index as the fields that state it.
-pub(super) fn write_refraction(out: &mut SceneWriter<'_, '_>, refraction: &RefractionDescription) -> fmt::Result {
+pub(super) fn write_refraction(out: &mut SceneWriter<'_, '_>, refraction: &RefractiveIndexDescription) -> fmt::Result {
     match refraction {
-        RefractionDescription::Index(index) => out.write_number("indexOfRefraction", *index),
-        RefractionDescription::Named(name) => out.write_name("glass", name),
-        RefractionDescription::Abbe { index, abbe } => {
+        RefractiveIndexDescription::Index(index) => out.write_number("indexOfRefraction", *index),
+        RefractiveIndexDescription::Named(name) => out.write_name("glass", name),
+        RefractiveIndexDescription::Abbe { index, abbe } => {
             out.write_number("indexOfRefraction", *index)?;
             out.write_number("abbe", *abbe)
         }
-        RefractionDescription::Glass(Glass::Cauchy { a, b, c }) => {
+        RefractiveIndexDescription::Glass(DispersionFormula::Cauchy { a, b, c }) => {
             out.write_field("cauchy", SpacedNumbers(&[*a, *b, *c]))
         }
-        RefractionDescription::Glass(Glass::Sellmeier { b, c }) => {
+        RefractiveIndexDescription::Glass(DispersionFormula::Sellmeier { b, c }) => {
             // Terms of strength and wavelength 0 at the end of the list were absent in the text.
             let terms = (1..b.len()).rev().find(|i| (b[*i], c[*i]) != (0.0, 0.0)).map_or(1, |last| last + 1);
             out.write_field("sellmeierB", SpacedNumbers(&b[..terms]))?;

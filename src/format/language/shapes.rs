@@ -254,13 +254,13 @@ fn parse_box(f: &BlockFields<'_>) -> Result<ShapeDescription, SceneError> {
 }
 
 fn parse_cylinder(f: &BlockFields<'_>) -> Result<ShapeDescription, SceneError> {
-    let (ends, capped) = parse_ends_and_caps(f)?;
-    Ok(ShapeDescription::Cylinder { ends, radius: f.value("radius")?, capped })
+    let (ends, is_capped) = parse_ends_and_caps(f)?;
+    Ok(ShapeDescription::Cylinder { ends, radius: f.value("radius")?, is_capped })
 }
 
 fn parse_cone(f: &BlockFields<'_>) -> Result<ShapeDescription, SceneError> {
-    let (ends, capped) = parse_ends_and_caps(f)?;
-    Ok(ShapeDescription::Cone { ends, radii: [f.value("radius")?, f.value("topRadius")?], capped })
+    let (ends, is_capped) = parse_ends_and_caps(f)?;
+    Ok(ShapeDescription::Cone { ends, radii: [f.value("radius")?, f.value("topRadius")?], is_capped })
 }
 
 fn parse_mesh(f: &BlockFields<'_>) -> Result<ShapeDescription, SceneError> {
@@ -311,9 +311,9 @@ fn parse_triangle(f: &BlockFields<'_>) -> Result<ShapeDescription, SceneError> {
 
 fn parse_mesh_options(f: &BlockFields<'_>) -> Result<MeshOptions, SceneError> {
     Ok(MeshOptions {
-        own_materials: f.word_value("materials")? == "file",
-        no_normals: f.word_value("normals")? == "none",
-        smooth_angle: f.optional_value("smoothAngle"),
+        uses_file_materials: f.word_value("materials")? == "file",
+        ignores_normals: f.word_value("normals")? == "none",
+        max_smoothing_angle: f.optional_value("smoothAngle"),
     })
 }
 
@@ -388,18 +388,18 @@ pub(super) fn write_shape(
             out.write_vector("min", *min)?;
             out.write_vector("max", *max)?;
         }
-        ShapeDescription::Cylinder { ends, radius, capped } => {
+        ShapeDescription::Cylinder { ends, radius, is_capped } => {
             out.begin_table_block(&CYLINDER)?;
             write_ends(out, ends, *radius)?;
-            write_caps(out, *capped)?;
+            write_caps(out, *is_capped)?;
         }
-        ShapeDescription::Cone { ends, radii, capped } => {
+        ShapeDescription::Cone { ends, radii, is_capped } => {
             out.begin_table_block(&CONE)?;
             write_ends(out, ends, radii[0])?;
             if radii[1] != 0.0 {
                 out.write_number("topRadius", radii[1])?;
             }
-            write_caps(out, *capped)?;
+            write_caps(out, *is_capped)?;
         }
         ShapeDescription::Triangle { vertices, normals, uv } => {
             out.begin_table_block(&TRIANGLE)?;
@@ -417,13 +417,13 @@ pub(super) fn write_shape(
             out.begin_table_block(&MESH)?;
             let ply = path.to_ascii_lowercase().ends_with(".ply");
             out.write_name(if ply { "file" } else { "obj_file" }, path)?;
-            if options.own_materials {
+            if options.uses_file_materials {
                 out.write_field("materials", "file")?;
             }
-            if options.no_normals {
+            if options.ignores_normals {
                 out.write_field("normals", "none")?;
             }
-            options.smooth_angle.map_or(Ok(()), |angle| out.write_number("smoothAngle", angle))?;
+            options.max_smoothing_angle.map_or(Ok(()), |angle| out.write_number("smoothAngle", angle))?;
         }
         ShapeDescription::Revolution { profile } => {
             out.begin_table_block(&REVOLUTION)?;
@@ -485,6 +485,6 @@ fn write_ends(out: &mut SceneWriter<'_, '_>, [bottom, top]: &[DVec3; 2], radius:
     out.write_number("radius", radius)
 }
 
-fn write_caps(out: &mut SceneWriter<'_, '_>, capped: bool) -> fmt::Result {
-    if capped { Ok(()) } else { out.write_field("caps", "no") }
+fn write_caps(out: &mut SceneWriter<'_, '_>, is_capped: bool) -> fmt::Result {
+    if is_capped { Ok(()) } else { out.write_field("caps", "no") }
 }

@@ -5,7 +5,8 @@ use std::fmt;
 use glam::DVec3;
 
 use super::super::description::{
-    CoordinatesDescription, Pattern, PictureEncoding, Spanned, TextureDescription, TextureKindDescription, Wrap,
+    PictureEncoding, SolidPatternDescription, Spanned, TexcoordTransformDescription, TextureDescription,
+    TextureKindDescription, Wrap,
 };
 use super::super::error::SceneError;
 use super::fields::{BlockFields, parse_table_block};
@@ -20,9 +21,9 @@ use super::writer::SceneWriter;
 pub(super) static TEXTURES: [BlockParser<ParseTexture>; 5] = [
     BlockParser { block: &IMAGE, parse: parse_image },
     BlockParser { block: &CHECKER, parse: parse_checker },
-    BlockParser { block: &NOISE, parse: |f| parse_solid_pattern(f, Pattern::Noise) },
-    BlockParser { block: &MARBLE, parse: |f| parse_solid_pattern(f, Pattern::Marble) },
-    BlockParser { block: &WOOD, parse: |f| parse_solid_pattern(f, Pattern::Wood) },
+    BlockParser { block: &NOISE, parse: |f| parse_solid_pattern(f, SolidPatternDescription::Noise) },
+    BlockParser { block: &MARBLE, parse: |f| parse_solid_pattern(f, SolidPatternDescription::Marble) },
+    BlockParser { block: &WOOD, parse: |f| parse_solid_pattern(f, SolidPatternDescription::Wood) },
 ];
 
 /// Conversion of a block's fields to a texture.
@@ -99,7 +100,7 @@ pub(super) fn parse_textures_block<'a>(parser: &mut Parser<'a>, block: Token<'a>
 }
 
 fn placeholder_texture() -> TextureKindDescription {
-    TextureKindDescription::Checker { colors: [DVec3::ZERO; 2], coordinates: CoordinatesDescription::default() }
+    TextureKindDescription::Checker { colors: [DVec3::ZERO; 2], coordinates: TexcoordTransformDescription::default() }
 }
 
 fn parse_texture<'a>(parser: &mut Parser<'a>, word: Token<'a>) -> Result<TextureKindDescription, SceneError> {
@@ -125,7 +126,10 @@ fn parse_checker(f: &BlockFields<'_>) -> Result<TextureKindDescription, SceneErr
 }
 
 /// Parses a solid texture: one that depends on the position, not on texture coordinates.
-fn parse_solid_pattern(f: &BlockFields<'_>, pattern: Pattern) -> Result<TextureKindDescription, SceneError> {
+fn parse_solid_pattern(
+    f: &BlockFields<'_>,
+    pattern: SolidPatternDescription,
+) -> Result<TextureKindDescription, SceneError> {
     Ok(TextureKindDescription::Solid {
         pattern,
         colors: parse_colors(f)?,
@@ -140,8 +144,12 @@ fn parse_colors(f: &BlockFields<'_>) -> Result<[DVec3; 2], SceneError> {
     Ok([f.value("color0")?, f.value("color1")?])
 }
 
-fn parse_coordinates(f: &BlockFields<'_>) -> Result<CoordinatesDescription, SceneError> {
-    Ok(CoordinatesDescription { scale: f.value("scale")?, rotate: f.value("rotate")?, offset: f.value("offset")? })
+fn parse_coordinates(f: &BlockFields<'_>) -> Result<TexcoordTransformDescription, SceneError> {
+    Ok(TexcoordTransformDescription {
+        scale: f.value("scale")?,
+        rotate: f.value("rotate")?,
+        offset: f.value("offset")?,
+    })
 }
 
 /// Writes a texture as scene text.
@@ -149,9 +157,9 @@ pub(super) fn write_texture(out: &mut SceneWriter<'_, '_>, texture: &TextureDesc
     let block = match texture.kind {
         TextureKindDescription::Image { .. } => &IMAGE,
         TextureKindDescription::Checker { .. } => &CHECKER,
-        TextureKindDescription::Solid { pattern: Pattern::Noise, .. } => &NOISE,
-        TextureKindDescription::Solid { pattern: Pattern::Marble, .. } => &MARBLE,
-        TextureKindDescription::Solid { pattern: Pattern::Wood, .. } => &WOOD,
+        TextureKindDescription::Solid { pattern: SolidPatternDescription::Noise, .. } => &NOISE,
+        TextureKindDescription::Solid { pattern: SolidPatternDescription::Marble, .. } => &MARBLE,
+        TextureKindDescription::Solid { pattern: SolidPatternDescription::Wood, .. } => &WOOD,
     };
     out.begin_named_block(block, &texture.name)?;
     match &texture.kind {
@@ -190,7 +198,7 @@ fn write_colors(out: &mut SceneWriter<'_, '_>, colors: &[DVec3; 2]) -> fmt::Resu
     out.write_vector("color1", colors[1])
 }
 
-fn write_coordinates(out: &mut SceneWriter<'_, '_>, coordinates: &CoordinatesDescription) -> fmt::Result {
+fn write_coordinates(out: &mut SceneWriter<'_, '_>, coordinates: &TexcoordTransformDescription) -> fmt::Result {
     out.write_pair("scale", coordinates.scale)?;
     out.write_number("rotate", coordinates.rotate)?;
     out.write_pair("offset", coordinates.offset)

@@ -120,7 +120,7 @@ fn close_transform<'a>(parser: &mut Parser<'a>, keyword: Token<'a>) -> Result<()
 /// Refuses maps whose product is singular.
 #[inline(never)]
 fn check_not_singular<'a>(parser: &Parser<'a>, keyword: Token<'a>, maps: &[TransformStep]) -> Result<(), SceneError> {
-    match Transform::new(TransformStep::product(maps)) {
+    match Transform::new(TransformStep::composed_matrix(maps)) {
         Ok(_) => Ok(()),
         Err(_) => Err(singular_transform_error(parser, keyword.span(), "this `Transform` flattens its object")),
     }

@@ -1,8 +1,8 @@
 //! Errors of reading meshes, and checked reading of their bytes.
 
-use crate::format::problem::{LineError, Problem};
+use crate::format::line_error::{LineError, MessageAndRemedy};
 use crate::image::open_file;
-use crate::stats::bytes;
+use crate::stats::format_bytes;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -61,7 +61,7 @@ pub enum MeshError {
     /// The mesh takes more memory than is free.
     #[error(
         "the mesh {} takes {} of memory, and {} are free: simplify or split it, or let it have more (--memory)",
-        path.display(), bytes(*needed), bytes(*free)
+        path.display(), format_bytes(*needed), format_bytes(*free)
     )]
     Memory {
         /// Path of the file.
@@ -100,13 +100,13 @@ pub enum MeshError {
 }
 
 impl MeshError {
-    pub(in crate::format) fn line(path: &Path, line: usize, problem: Problem) -> Self {
+    pub(in crate::format) fn at_line(path: &Path, line: usize, problem: MessageAndRemedy) -> Self {
         Self::Line(LineError::new(path, line, problem))
     }
 }
 
 /// Reads the bytes of a file if `free` bytes of memory suffice.
-pub(in crate::format) fn read(path: &Path, free: Option<u64>) -> Result<Vec<u8>, MeshError> {
+pub(in crate::format) fn read_file_bytes(path: &Path, free: Option<u64>) -> Result<Vec<u8>, MeshError> {
     let refused = |source: std::io::Error| match source.kind() {
         std::io::ErrorKind::NotFound => MeshError::Missing { path: path.into() },
         _ => MeshError::Unreadable { path: path.into(), source },

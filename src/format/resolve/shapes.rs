@@ -55,12 +55,12 @@ pub(super) fn add_shape(
         ShapeDescription::Box { min, max } => {
             place_solid(r, Cuboid::new(*min, *max).map(Shape::Cuboid), to_world, &map, span, emission)?;
         }
-        ShapeDescription::Cylinder { ends: [bottom, top], radius, capped } => {
-            let solid = Frustum::cylinder(*bottom, *top, *radius, *capped).map(Shape::Frustum);
+        ShapeDescription::Cylinder { ends: [bottom, top], radius, is_capped } => {
+            let solid = Frustum::cylinder(*bottom, *top, *radius, *is_capped).map(Shape::Frustum);
             place_solid(r, solid, to_world, &map, span, emission)?;
         }
-        ShapeDescription::Cone { ends: [bottom, top], radii, capped } => {
-            let solid = Frustum::new(*bottom, *top, *radii, *capped).map(Shape::Frustum);
+        ShapeDescription::Cone { ends: [bottom, top], radii, is_capped } => {
+            let solid = Frustum::new(*bottom, *top, *radii, *is_capped).map(Shape::Frustum);
             place_solid(r, solid, to_world, &map, span, emission)?;
         }
         ShapeDescription::Triangle { vertices, normals, uv } => {
@@ -84,7 +84,7 @@ pub(super) fn add_shape(
             )?;
         }
         ShapeDescription::Revolution { profile } => {
-            let surface = revolution(profile, r.memory.free()).map_err(|e| refuse_spline(r, span, &e))?;
+            let surface = revolution(profile, r.memory.available_bytes()).map_err(|e| refuse_spline(r, span, &e))?;
             place(r, Shape::Revolution(surface), to_world, &map, span, emission)?;
             set_mapping(r, MappingKind::Uv, to_world);
         }
@@ -92,7 +92,7 @@ pub(super) fn add_shape(
             let [u, v] = degree.map(|d| Basis::bezier(d as usize + 1));
             let bases = [&u.map_err(|e| refuse_spline(r, span, &e))?, &v.map_err(|e| refuse_spline(r, span, &e))?];
             // Queried once: it takes longer than many a patch.
-            let mut free = r.memory.free();
+            let mut free = r.memory.available_bytes();
             for net in controls.chunks(bases[0].controls() * bases[1].controls()) {
                 let patch = Patch::within(bases, net, free).map_err(|e| refuse_spline(r, span, &e))?;
                 free = free.map(|free| free.saturating_sub(patch.bytes()));
@@ -106,7 +106,7 @@ pub(super) fn add_shape(
                 (degree, count) if knots[i].is_empty() => Basis::uniform(degree, count),
                 (degree, count) => Basis::new(degree, count, knots[i].clone()),
             };
-            let surface = || Patch::within([&basis(0)?, &basis(1)?], controls, r.memory.free());
+            let surface = || Patch::within([&basis(0)?, &basis(1)?], controls, r.memory.available_bytes());
             let surface = surface().map_err(|e| refuse_spline(r, span, &e))?;
             place(r, Shape::Patch(surface), to_world, &map, span, emission)?;
             set_mapping(r, MappingKind::Uv, to_world);
@@ -139,7 +139,7 @@ fn place_solid(
 fn refuse_spline(r: &Resolver<'_>, span: Span, error: &SplineError) -> SceneError {
     if matches!(error, SplineError::Memory { .. }) {
         let help = "bend surfaces less, or let the scene have more memory (--memory)";
-        return r.refuse(span, &error.to_string(), help).exhausting();
+        return r.refuse(span, &error.to_string(), help).marked_out_of_memory();
     }
     let help = match error {
         SplineError::Degree(_) => "join curves of lower degree, or use a B-spline",

@@ -27,7 +27,7 @@ fn deviation(angle: f64, n: f64) -> f64 {
 }
 
 fn middle_wavelength(photon: &Photon) -> Option<f64> {
-    Wavelength::from_code(photon.data.wavelength()).map(|w| f64::from(w.nanometres()))
+    Wavelength::from_byte_code(photon.data.wavelength()).map(|w| f64::from(w.nanometres()))
 }
 
 /// Photons of narrow bands around the lines F, d and C land far behind a prism; the line d goes
@@ -75,7 +75,7 @@ fn prism_deviates_wavelengths_by_their_indices() {
         low = -root / 3.0,
         high = 2.0 * root / 3.0
     ));
-    let source = PhotonSource::aimed(&scene).unwrap();
+    let source = PhotonSource::aimed_at_casters(&scene).unwrap();
     let passes = trace_from(&scene, &source, StoreMask::CAUSTIC, 100, PASSES, 1 << 16);
     let down = |photon: &Photon| {
         let p = photon_position(&scene, photon);
@@ -84,7 +84,7 @@ fn prism_deviates_wavelengths_by_their_indices() {
     let mut found = Vec::new();
     for (line, nm) in [("F", 486.1327), ("d", 587.5618), ("C", 656.2725)] {
         let codes: Vec<u8> = (1..=255)
-            .filter(|c| Wavelength::from_code(*c).is_some_and(|w| (f64::from(w.nanometres()) - nm).abs() <= 2.0))
+            .filter(|c| Wavelength::from_byte_code(*c).is_some_and(|w| (f64::from(w.nanometres()) - nm).abs() <= 2.0))
             .collect();
         assert!((2..=4).contains(&codes.len()));
         // Compares each photon with its own band, shifted to the line.
@@ -143,7 +143,7 @@ fn dispersed_beam_sums_to_white() {
         ));
         for dispersion in [true, false] {
             let effects = if dispersion { Effects::ALL } else { Effects::ALL.without(Effect::Dispersion) };
-            let source = PhotonSource::everywhere(&scene).unwrap().with_effects(effects);
+            let source = PhotonSource::in_all_directions(&scene).unwrap().with_effects(effects);
             let passes = trace_from(&scene, &source, StoreMask::CAUSTIC, 10_000, PASSES, 1 << 15);
             let with_wavelength = passes[0].deposits.photons.iter().filter(|p| p.data.wavelength() != 0).count();
             assert_eq!(
@@ -173,8 +173,8 @@ fn mean_over_wavelengths(index: impl Fn(f64) -> f64, part: impl Fn(f64) -> f64) 
 
 fn mean_pictures(scene: &Scene, effects: EffectOverrides) -> Vec<DVec3> {
     let mut settings = Settings::default();
-    settings.eye.samples = Some(64);
-    settings.eye.effects = effects;
+    settings.camera_paths.samples = Some(64);
+    settings.camera_paths.effects = effects;
     let method = Algorithm::Path.prepare(scene, settings);
     let mean = |i| {
         let pass = method.pass(i, &Silent);
@@ -222,7 +222,8 @@ fn white_light_through_slab_stays_white() {
             for (effects, expected) in
                 [(EffectOverrides::PLANNED, parted), (EffectOverrides::PLANNED.without(Effect::Dispersion), plain)]
             {
-                let what = format!("slab at {degrees}°, behind {behind}, {:?}", effects.of(Effect::Dispersion));
+                let what =
+                    format!("slab at {degrees}°, behind {behind}, {:?}", effects.forced_state(Effect::Dispersion));
                 let samples = mean_pictures(&scene, effects);
                 for c in 0..3 {
                     let channel: Vec<f64> = samples.iter().map(|v| v[c]).collect();
@@ -323,7 +324,7 @@ fn rainbow_stands_at_42_degrees() {
     let edge = (4.0 * libm::asin(libm::sin(outer) / n) - 2.0 * outer).to_degrees();
     assert!((edge - 42.08).abs() < 0.005, "{edge}");
     let scene = drop_scene("indexOfRefraction 1.333", FAR);
-    let source = PhotonSource::aimed(&scene).unwrap();
+    let source = PhotonSource::aimed_at_casters(&scene).unwrap();
     let passes = trace_from(&scene, &source, StoreMask::CAUSTIC, 100, PASSES, 1 << 18);
     // An offset by the ball's radius is .06°. Within it the edge depends on the exit point, which
     // the plane's rays include.
@@ -349,7 +350,7 @@ fn rainbow_stands_at_42_degrees() {
 fn rainbow_is_red_outside() {
     let index = |nm: f64| 1.324 + 0.00308e6 / (nm * nm);
     let scene = drop_scene("cauchy 1.324 .00308", FAR);
-    let source = PhotonSource::aimed(&scene).unwrap();
+    let source = PhotonSource::aimed_at_casters(&scene).unwrap();
     let passes = trace_from(&scene, &source, StoreMask::CAUSTIC, 100, PASSES, 1 << 18);
     let mut means = Vec::new();
     for (from, to) in [(440.0, 460.0), (540.0, 560.0), (620.0, 640.0)] {
@@ -360,7 +361,7 @@ fn rainbow_is_red_outside() {
         for i in 0..10 {
             let nm = from + (to - from) * (f64::from(i) + 0.5) / 10.0;
             let [(f, a)] = ring_fluxes(index(nm), FAR, &edges)[..] else { unreachable!() };
-            let near = (1..=255).filter_map(Wavelength::from_code);
+            let near = (1..=255).filter_map(Wavelength::from_byte_code);
             let near = near.min_by(|a, b| {
                 (f64::from(a.nanometres()) - nm).abs().total_cmp(&(f64::from(b.nanometres()) - nm).abs())
             });

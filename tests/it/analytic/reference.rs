@@ -20,7 +20,7 @@ fn tiles(pixels: &[f64], kept: &[bool]) -> Vec<f64> {
 }
 
 fn means(image: &[Vec3]) -> Vec<f64> {
-    image.iter().map(|v| f64::from(color::mean(*v))).collect()
+    image.iter().map(|v| f64::from(color::channel_mean(*v))).collect()
 }
 
 /// Our image is biased by its kernel: with r² inside smooth light, with r at edges. Photons and
@@ -39,7 +39,8 @@ fn sppm_matches_caustic_reference_by_tiles() {
 
     let scene = file("tests/scenes/cbox-caustic.txt", (EDGE as u32, EDGE as u32));
     let render = |radius: f64| -> Vec<Vec<f64>> {
-        let settings = Settings { eye: camera_rays(8, 1000).eye, ..settings(50_000, 150_000, radius) };
+        let settings =
+            Settings { camera_paths: camera_rays(8, 1000).camera_paths, ..settings(50_000, 150_000, radius) };
         let method = Algorithm::Sppm.prepare(&scene, settings);
         (0..PASSES).map(|i| means(&method.pass(i, &Silent).image)).collect()
     };
