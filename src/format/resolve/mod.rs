@@ -19,7 +19,7 @@ use super::import::Assets;
 use super::mesh::{ReadMonitor, TriangleMesh};
 use super::{SceneError, SourceText};
 use crate::color::Rgb;
-use crate::math::{Motion, Step, Transform};
+use crate::math::{Motion, MotionStep, Transform};
 use crate::medium::Medium;
 use crate::scene::{Scene, SceneBuilder};
 use crate::stats::Memory;
@@ -198,14 +198,14 @@ impl Resolver<'_> {
             ObjectDescription::Group(group) => self.group(group, to_world),
             ObjectDescription::Transform { maps, object: inner } => {
                 let outer = self.placing.replace(object.span);
-                let product = to_world.then_inside([Step::Fixed(TransformStep::product(maps))]);
+                let product = to_world.preceded_by([MotionStep::Fixed(TransformStep::product(maps))]);
                 self.object(inner, &product)?;
                 self.placing = outer;
                 Ok(())
             }
             ObjectDescription::Moving { maps, object: inner } => {
                 let outer = self.placing.replace(object.span);
-                self.object(inner, &to_world.then_inside(maps.iter().map(TransformStep::growing)))?;
+                self.object(inner, &to_world.preceded_by(maps.iter().map(TransformStep::growing)))?;
                 self.placing = outer;
                 Ok(())
             }
@@ -314,7 +314,7 @@ fn uses(group: &Group) -> HashMap<&str, usize> {
 
 /// Returns the motion of maps that grow while the shutter is open.
 fn growing_motion(maps: &[TransformStep]) -> Motion {
-    Motion::default().then_inside(maps.iter().map(TransformStep::growing))
+    Motion::default().preceded_by(maps.iter().map(TransformStep::growing))
 }
 
 fn aim(aim: Aim, from: DVec3) -> DVec3 {

@@ -80,7 +80,7 @@ fn pass<'a>(scene: &'a Scene, source: &'a PhotonSource<'a>) -> PhotonPass<'a> {
 }
 
 fn key(pass: u64) -> Key {
-    Key::new(5).purpose(Purpose::Test).with(pass)
+    Key::new(5).purpose_key(Purpose::Test).child_key(pass)
 }
 
 /// Mean of passes and its variance.

@@ -4,16 +4,16 @@ use crate::sampling::{Dimension, Key, Purpose};
 use std::f64::consts::PI;
 
 fn key(i: u64) -> Key {
-    Key::new(13).purpose(Purpose::Test).with(i)
+    Key::new(13).purpose_key(Purpose::Test).child_key(i)
 }
 
 /// A point of the unit cube.
 fn place(i: u64) -> Vec3 {
-    key(i).uniform_2d(Dimension::LightPosition).extend(key(i).uniform(Dimension::Light))
+    key(i).uniform_2d(Dimension::LightPosition).extend(key(i).uniform_1d(Dimension::Light))
 }
 
 fn sphere(i: u64) -> Vec3 {
-    warp::sphere(key(i).uniform_2d(Dimension::LightDirection))
+    warp::square_to_uniform_sphere(key(i).uniform_2d(Dimension::LightDirection))
 }
 
 /// Photons identified by their medium.
