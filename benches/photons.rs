@@ -23,7 +23,7 @@ const PATHS: u32 = 100_000;
 #[divan::bench(args = [1, 2], sample_count = 10)]
 fn trace_global(bencher: Bencher, threads: usize) {
     let scene = boxed::scene();
-    let source = PhotonSource::everywhere(&scene).unwrap();
+    let source = PhotonSource::in_all_directions(&scene).unwrap();
     trace(bencher, threads, &PhotonPass { scene: &scene, source: &source, mask: StoreMask::GLOBAL, max_bounces: 100 });
 }
 
@@ -31,7 +31,7 @@ fn trace_global(bencher: Bencher, threads: usize) {
 #[divan::bench(args = [1, 2], sample_count = 10)]
 fn trace_caustic(bencher: Bencher, threads: usize) {
     let scene = boxed::scene();
-    let source = PhotonSource::aimed(&scene).unwrap();
+    let source = PhotonSource::aimed_at_casters(&scene).unwrap();
     trace(bencher, threads, &PhotonPass { scene: &scene, source: &source, mask: StoreMask::CAUSTIC, max_bounces: 100 });
 }
 

@@ -10,7 +10,7 @@
 //! | build a scene in code | [`SceneBuilder`], [`Material`], [`Shape`], [`Camera`] |
 //! | choose an algorithm | [`Algorithm`], [`Settings`] |
 //! | render with progress | [`render()`], [`StopCriteria`], [`Monitor`] |
-//! | read the estimated error | [`Rendered`], [`ErrorEstimator`], [`ErrorEstimate`] |
+//! | read the estimated error | [`RenderResult`], [`ErrorEstimator`], [`ErrorEstimate`] |
 //! | write a picture | [`Image`], [`write_image`], [`WriteOptions`] |
 //!
 //! Feature `cli` (on by default) builds the `caustica` program. A library user can turn it off
@@ -211,7 +211,7 @@ pub use integrate::Settings;
 /// assert_eq!(rendered.film.passes(), 2);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
-pub use render::{Rendered, StopCriteria, render};
+pub use render::{RenderResult, StopCriteria, render};
 
 pub use render::error_estimate::{ErrorEstimate, ErrorEstimator};
 pub use scene::{Material, Scene, SceneBuilder};

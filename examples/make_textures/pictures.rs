@@ -1,17 +1,20 @@
 //! Three texture images: a globe, a tile's normal map, and a roughness map of scratches.
 
 use caustica::color::Rgb;
-use caustica::image::{Curve, Image};
+use caustica::image::{Image, ToneCurve};
 use caustica::texture::{Solid, SolidKind};
 use glam::{DAffine3, DVec2, DVec3, Vec3};
 use std::f64::consts::{PI, TAU};
 
 /// File name, transfer curve, and generator.
-pub type Entry = (&'static str, Curve, fn() -> Image);
+pub type Entry = (&'static str, ToneCurve, fn() -> Image);
 
 /// All images.
-pub const ALL: [Entry; 3] =
-    [("globe.png", Curve::Srgb, globe), ("tile.png", Curve::Course, tile), ("scratches.png", Curve::Course, scratches)];
+pub const ALL: [Entry; 3] = [
+    ("globe.png", ToneCurve::Srgb, globe),
+    ("tile.png", ToneCurve::Course, tile),
+    ("scratches.png", ToneCurve::Course, scratches),
+];
 
 fn picture(width: u32, height: u32, pixel: impl Fn(DVec2) -> Rgb) -> Image {
     let at = |i: u32| {

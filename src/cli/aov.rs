@@ -2,14 +2,14 @@
 
 use crate::image::ExrLayer;
 use crate::integrate::Discs;
-use crate::render::Rendered;
+use crate::render::RenderResult;
 use crate::render::error_estimate::{ErrorMaps, MIN_PASSES};
 use glam::Vec3;
 
 /// The layers to write: the picture alone if there are too few passes for an error estimate.
 ///
 /// Layers `radius` and `photons` exist only for algorithms with density estimates.
-pub(super) fn layers(rendered: &Rendered) -> Vec<ExrLayer> {
+pub(super) fn layers(rendered: &RenderResult) -> Vec<ExrLayer> {
     let mut layers = vec![rgb("", &rendered.film.mean())];
     let estimator = rendered.estimator.as_ref().filter(|_| rendered.film.passes() >= MIN_PASSES);
     let Some(estimator) = estimator else { return layers };

@@ -6,7 +6,7 @@ use super::number::{
 };
 use super::{ConvertArguments, DiffArguments, MeshArguments};
 use crate::camera::FilterKind;
-use crate::image::{BitDepth, Curve, FloatDepth};
+use crate::image::{BitDepth, FloatDepth, ToneCurve};
 use crate::integrate::{Algorithm, FinalGathering, VolumeEstimate};
 use crate::photon::Kernel;
 use crate::plan::EffectOverrides;
@@ -214,7 +214,7 @@ pub struct RenderArguments {
     /// Tone curve of PNG: srgb, filmic or course (linear bytes)  [default: srgb; course for
     /// raycast]
     #[arg(long, value_name = "NAME")]
-    pub tone: Option<Curve>,
+    pub tone: Option<ToneCurve>,
 
     /// Exposure of PNG in stops: +1 is twice as bright
     #[arg(long, default_value = "0", value_parser = parse_stops, allow_negative_numbers = true, value_name = "STOPS")]

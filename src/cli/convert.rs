@@ -5,7 +5,7 @@ use super::progress::print_message;
 use super::{Exit, Failure};
 use crate::format::mesh::MeshFormat;
 use crate::format::{Conversion, ReadError, SceneFile};
-use crate::image::{self, WriteOptions, replace_with};
+use crate::image::{self, WriteOptions, replace_file_with};
 use crate::stats::Memory;
 use clap::Args;
 use std::io::Write;
@@ -52,7 +52,7 @@ pub(super) fn run(arguments: &ConvertArguments) -> Result<Exit, Failure> {
     for (path, picture) in &conversion.pictures {
         failures.take_ok(image::write(path, picture, &WriteOptions::default()));
     }
-    let written = replace_with(&arguments.output, |file| file.write_all(conversion.text.as_bytes()));
+    let written = replace_file_with(&arguments.output, |file| file.write_all(conversion.text.as_bytes()));
     if failures.take_ok(written).is_some() {
         print_message(&format!("wrote {}", arguments.output.display()));
     }

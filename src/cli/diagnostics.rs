@@ -2,8 +2,8 @@
 
 use super::plan::count_with_noun;
 use crate::color::Rgb;
-use crate::photon::Audit;
-use crate::render::Rendered;
+use crate::photon::EnergyAudit;
+use crate::render::RenderResult;
 use crate::scene::Scene;
 use crate::study::text::percent;
 use glam::DVec3;
@@ -14,7 +14,7 @@ pub(super) fn lights_have_no_power(scene: &Scene) -> bool {
 }
 
 /// A note if photons were emitted, but none was stored in any pass.
-pub(super) fn no_photon_stored_note(rendered: &Rendered) -> Option<String> {
+pub(super) fn no_photon_stored_note(rendered: &RenderResult) -> Option<String> {
     let (global, caustic) = (&rendered.global, &rendered.caustic);
     let emitted = global.emitted + caustic.emitted;
     if emitted == 0 || global.stored + caustic.stored > 0 {
@@ -27,7 +27,7 @@ pub(super) fn no_photon_stored_note(rendered: &Rendered) -> Option<String> {
 }
 
 /// Shares of the photons' flux by where it ended.
-fn flux_destinations(audit: &Audit) -> String {
+fn flux_destinations(audit: &EnergyAudit) -> String {
     let sum = |flux: [f64; 3]| DVec3::from(flux).element_sum();
     let emitted = sum(audit.emitted);
     if emitted <= 0.0 {

@@ -9,8 +9,8 @@ use super::scene::{in_pool, load};
 use super::settings::{flags, settings};
 use super::{EstimateArguments, Exit, Failure};
 use crate::integrate::{Algorithm, Integrator};
-use crate::render::error_estimate::{ErrorEstimate, Forecast, PassesNeeded};
-use crate::render::{Rendered, StopCriteria, render};
+use crate::render::error_estimate::{ErrorEstimate, ErrorForecast, PassesNeeded};
+use crate::render::{RenderResult, StopCriteria, render};
 use crate::stats::peak_memory;
 use crate::study::text::{amount, percent};
 use serde::Serialize;
@@ -40,7 +40,7 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<Exit, Failure> {
         let scene = load(&arguments.scene, &progress)?;
         let algorithm = arguments.method.integrator;
         let mut settings = settings(&arguments.method, arguments.effects.effects);
-        settings.eye.estimate_error = true;
+        settings.camera_paths.estimate_error = true;
         let memory = arguments.scene.memory();
         let pictures = check_pictures_with_error(1, scene.camera().size(), memory.free()).map_err(Failure::usage)?;
         let integrator = algorithm.prepare(&scene, settings);
@@ -70,7 +70,7 @@ fn render_pilot(
     integrator: &dyn Integrator,
     size: (u32, u32),
     progress: &Progress,
-) -> (Rendered, f64) {
+) -> (RenderResult, f64) {
     let stop = StopCriteria {
         min_passes: MIN_PILOT_PASSES,
         time: Some(arguments.pilot),
@@ -137,7 +137,7 @@ impl EstimateList {
     fn new(
         arguments: &EstimateArguments,
         algorithm: Algorithm,
-        rendered: &Rendered,
+        rendered: &RenderResult,
         setup: f64,
         pass_seconds: f64,
     ) -> Result<Self, PilotTooShort> {
@@ -221,10 +221,10 @@ impl Estimate {
     fn new(
         error: f64,
         pilot: &ErrorEstimate,
-        forecast: &Forecast,
+        forecast: &ErrorForecast,
         (setup, pass_seconds, pass_photons): (f64, f64, f64),
     ) -> Self {
-        let needed = |aim: f64| match forecast.passes_to(aim) {
+        let needed = |aim: f64| match forecast.passes_to_reach(aim) {
             PassesNeeded::Passes(n) => Ok(n),
             PassesNeeded::Never { floor } => Err(Some(floor)),
             PassesNeeded::TooMany => Err(None),

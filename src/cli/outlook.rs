@@ -1,6 +1,6 @@
 //! Texts about the estimated error of a picture and the time that a lower error takes.
 
-use crate::render::error_estimate::{ErrorEstimate, Forecast, PassesNeeded};
+use crate::render::error_estimate::{ErrorEstimate, ErrorForecast, PassesNeeded};
 use crate::study::text::percent;
 
 /// Remedy for an error that more passes cannot lower.
@@ -26,7 +26,7 @@ pub(super) fn error_text(estimate: &ErrorEstimate) -> String {
 /// Empty if the estimated error is 0.
 pub(super) fn time_to_target_text(
     estimate: &ErrorEstimate,
-    forecast: &Forecast,
+    forecast: &ErrorForecast,
     (shown, aim): (f64, f64),
     pass_seconds: f64,
 ) -> String {
@@ -34,7 +34,7 @@ pub(super) fn time_to_target_text(
         return String::new();
     }
     let shown = percent(shown);
-    match forecast.passes_to(aim) {
+    match forecast.passes_to_reach(aim) {
         PassesNeeded::Passes(n) => {
             let more = n.saturating_sub(estimate.passes);
             format!("; {shown} in about {}", duration_text(f64::from(more) * pass_seconds))

@@ -1,7 +1,7 @@
 //! The files that a command reads and writes, checked against each other before any work.
 
 use super::{Exit, Failure};
-use crate::image::final_path;
+use crate::image::canonical_output_path;
 use miette::Report;
 use std::path::{Path, PathBuf};
 
@@ -18,7 +18,7 @@ pub(super) struct NamedFile {
 
 impl NamedFile {
     pub fn new(role: &'static str, path: &Path) -> Self {
-        Self { role, path: path.to_owned(), resolved: final_path(path) }
+        Self { role, path: path.to_owned(), resolved: canonical_output_path(path) }
     }
 }
 

@@ -1,7 +1,7 @@
 //! Progress: a bar on a terminal, plain lines elsewhere.
 
 use super::outlook::duration_text;
-use crate::format::mesh::{ReadMonitor, TriangleMesh};
+use crate::format::mesh::{MeshReadMonitor, TriangleMesh};
 use crate::integrate::{Monitor, Stage};
 use crate::stats::Counters;
 use indicatif::{HumanCount, ProgressBar, ProgressState, ProgressStyle};
@@ -180,7 +180,7 @@ impl Monitor for Progress {
 /// Least number of triangles of a mesh that gets a line of its own.
 const LARGE_MESH: usize = 1_000_000;
 
-impl ReadMonitor for Progress {
+impl MeshReadMonitor for Progress {
     fn begin(&self, path: &Path, bytes: u64) {
         let style = ProgressStyle::with_template("reading {prefix} {bar:16} {percent:>3} %  {rate}");
         let style = style.map(|style| {
@@ -217,14 +217,14 @@ impl ReadMonitor for Progress {
     }
 }
 
-/// A [`ReadMonitor`] that shows progress and collects the files that a scene names.
+/// A [`MeshReadMonitor`] that shows progress and collects the files that a scene names.
 pub(super) struct InputFiles<'a> {
-    progress: &'a dyn ReadMonitor,
+    progress: &'a dyn MeshReadMonitor,
     files: Mutex<Vec<PathBuf>>,
 }
 
 impl<'a> InputFiles<'a> {
-    pub fn new(progress: &'a dyn ReadMonitor) -> Self {
+    pub fn new(progress: &'a dyn MeshReadMonitor) -> Self {
         Self { progress, files: Mutex::default() }
     }
 
@@ -234,7 +234,7 @@ impl<'a> InputFiles<'a> {
     }
 }
 
-impl ReadMonitor for InputFiles<'_> {
+impl MeshReadMonitor for InputFiles<'_> {
     fn names(&self, path: &Path) {
         self.files.lock().unwrap_or_else(PoisonError::into_inner).push(path.to_owned());
     }

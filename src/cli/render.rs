@@ -11,10 +11,10 @@ use super::report::{ErrorReport, Report, Setup};
 use super::scene::{in_pool, load_with_file};
 use super::settings::settings;
 use super::{Exit, Failure, RenderArguments, aov, outlook};
-use crate::image::{self, Curve, Image, OutputFormat, ToneMap, WriteOptions, WriteReport};
+use crate::image::{self, Image, OutputFormat, ToneCurve, ToneMap, WriteOptions, WriteReport};
 use crate::integrate::{Algorithm, GuidingReports, Integrator};
 use crate::render::error_estimate::{Confidence, MIN_PASSES, PassesNeeded};
-use crate::render::{AfterPass, EndReason, ErrorTarget, Rendered, StopCriteria, render};
+use crate::render::{EndReason, ErrorTarget, PassProgress, RenderResult, StopCriteria, render};
 use crate::scene::Scene;
 use crate::study::text::percent;
 use glam::Vec3;
@@ -79,7 +79,7 @@ fn run_in_pool(arguments: &RenderArguments, progress: &Progress) -> Result<Exit,
     // Ray casting makes one pass, from which no error can be estimated.
     let estimates_error = !arguments.no_error_estimate && algorithm != Algorithm::Raycast;
     let mut settings = settings(&arguments.method, arguments.effects.effects);
-    settings.eye.estimate_error = estimates_error;
+    settings.camera_paths.estimate_error = estimates_error;
     let (memory, size) = (arguments.scene.memory(), scene.camera().size());
     let check = if estimates_error { check_pictures_with_error } else { check_pictures };
     let pictures = check(1, size, memory.free()).map_err(Failure::usage)?;
@@ -121,7 +121,7 @@ fn render_passes(
     size: (u32, u32),
     start: Instant,
     progress: &Progress,
-) -> Rendered {
+) -> RenderResult {
     let algorithm = arguments.method.integrator;
     let passes = arguments.passes.or(match (arguments.time, arguments.target_error) {
         (None, None) => Some(algorithm.passes()),
@@ -161,16 +161,21 @@ fn render_passes(
 }
 
 /// The estimated error at which the upper end of its interval reaches a target.
-fn point_estimate_at(target: ErrorTarget, standing: &AfterPass) -> Option<f64> {
+fn point_estimate_at(target: ErrorTarget, standing: &PassProgress) -> Option<f64> {
     let (estimate, _) = standing.error.as_ref()?;
     Some(target.error * estimate.error / estimate.high)
 }
 
 /// The time until the first stop condition is expected to hold; `None` if no forecast is known.
-fn time_left(stop: &StopCriteria<'_>, standing: &AfterPass, elapsed: Duration, pass_seconds: f64) -> Option<Duration> {
+fn time_left(
+    stop: &StopCriteria<'_>,
+    standing: &PassProgress,
+    elapsed: Duration,
+    pass_seconds: f64,
+) -> Option<Duration> {
     let of_passes = |n: u32| f64::from(n.saturating_sub(standing.passes)) * pass_seconds;
     let by_target = stop.target.zip(standing.error.as_ref()).and_then(|(target, (_, forecast))| {
-        match forecast.passes_to(point_estimate_at(target, standing)?) {
+        match forecast.passes_to_reach(point_estimate_at(target, standing)?) {
             PassesNeeded::Passes(n) => Some(of_passes(n)),
             PassesNeeded::Never { .. } | PassesNeeded::TooMany => None,
         }
@@ -187,7 +192,7 @@ fn conclude(
     progress: &Progress,
     setup: Setup,
     powerless: bool,
-    rendered: &Rendered,
+    rendered: &RenderResult,
 ) -> Result<Exit, Failure> {
     let (width, height) = rendered.film.size();
     let picture = Image::from_pixels(width, height, rendered.film.mean()).map_err(Failure::output)?;
@@ -212,18 +217,18 @@ fn write_pictures(
     arguments: &RenderArguments,
     progress: &Progress,
     picture: &Image,
-    rendered: &Rendered,
+    rendered: &RenderResult,
     failures: &mut OutputFailures,
 ) {
     let curve = arguments.tone.unwrap_or(match arguments.method.integrator {
-        Algorithm::Raycast => Curve::Course,
+        Algorithm::Raycast => ToneCurve::Course,
         Algorithm::Hybrid
         | Algorithm::Path
         | Algorithm::Sppm
         | Algorithm::Ppm
         | Algorithm::Pm
         | Algorithm::Distributed
-        | Algorithm::Whitted => Curve::Srgb,
+        | Algorithm::Whitted => ToneCurve::Srgb,
     });
     let options = WriteOptions {
         tone: ToneMap { curve, exposure_stops: arguments.exposure },
@@ -255,7 +260,7 @@ fn write_pictures(
 }
 
 /// Prints passes, rates, the reason for the end, and the estimated error.
-fn summarize(arguments: &RenderArguments, progress: &Progress, report: &Report, rendered: &Rendered) {
+fn summarize(arguments: &RenderArguments, progress: &Progress, report: &Report, rendered: &RenderResult) {
     let n = rendered.film.passes();
     let why = match rendered.ended {
         EndReason::Passes => String::new(),
@@ -310,7 +315,7 @@ fn report_clipping(written: &WriteReport, path: &Path, exposure: f32, progress: 
 /// Confidence of the interval of the estimated error that is reported.
 fn confidence(arguments: &RenderArguments) -> Confidence {
     let target = |error| ErrorTarget { error, confidence: arguments.confidence };
-    arguments.target_error.map_or(arguments.confidence, |error| target(error).interval())
+    arguments.target_error.map_or(arguments.confidence, |error| target(error).interval_confidence())
 }
 
 #[cfg(test)]
@@ -324,7 +329,7 @@ mod tests {
         let left = |passes: Option<u32>, time: Option<u64>| {
             let time = time.map(Duration::from_secs);
             let stop = StopCriteria { min_passes: 1, passes, time, target: None, interrupted: &interrupted };
-            let after = AfterPass { passes: 4, error: None };
+            let after = PassProgress { passes: 4, error: None };
             time_left(&stop, &after, Duration::from_secs(8), 2.0).map(|left| left.as_secs())
         };
         assert_eq!(left(Some(10), None), Some(12));

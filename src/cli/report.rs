@@ -3,7 +3,7 @@
 use super::plan::EffectReport;
 use crate::integrate::{Balance, GuidingReports, PhotonReport, Radii, Seconds};
 use crate::render::error_estimate::{Confidence, ErrorEstimate, PassesNeeded};
-use crate::render::{EndReason, Rendered};
+use crate::render::{EndReason, RenderResult};
 use crate::stats::{Counters, cpu_seconds, peak_memory};
 use serde::Serialize;
 
@@ -54,11 +54,11 @@ pub(super) struct ErrorReport {
 }
 
 impl ErrorReport {
-    fn new(rendered: &Rendered, confidence: Confidence) -> Option<Self> {
+    fn new(rendered: &RenderResult, confidence: Confidence) -> Option<Self> {
         let estimator = rendered.estimator.as_ref()?;
-        let estimate = estimator.estimate_with(&rendered.film, confidence);
+        let estimate = estimator.estimate_with_confidence(&rendered.film, confidence);
         let forecast = estimator.forecast(&estimate)?;
-        let halving_passes = match forecast.passes_to(0.5 * estimate.error) {
+        let halving_passes = match forecast.passes_to_reach(0.5 * estimate.error) {
             PassesNeeded::Passes(n) => Some(n),
             PassesNeeded::Never { .. } | PassesNeeded::TooMany => None,
         };
@@ -112,7 +112,7 @@ pub(super) struct Setup {
 }
 
 impl Report {
-    pub fn new(setup: Setup, rendered: &Rendered, confidence: Confidence) -> Self {
+    pub fn new(setup: Setup, rendered: &RenderResult, confidence: Confidence) -> Self {
         let (width, height) = rendered.film.size();
         let wall = rendered.wall.as_secs_f64();
         let rate = |n: u64, seconds: f64| if seconds > 0.0 { n as f64 / seconds } else { 0.0 };

@@ -3,7 +3,7 @@
 use super::args::SceneArguments;
 use super::memory::check_pictures;
 use super::{Exit, Failure};
-use crate::format::mesh::ReadMonitor;
+use crate::format::mesh::MeshReadMonitor;
 use crate::format::{ReadError, SceneFile};
 use crate::scene::Scene;
 
@@ -11,14 +11,14 @@ use crate::scene::Scene;
 ///
 /// A picture or an input of the scene that does not fit into memory is refused before it is
 /// allocated. `monitor` receives the progress of reading.
-pub(super) fn load(arguments: &SceneArguments, monitor: &dyn ReadMonitor) -> Result<Scene, Failure> {
+pub(super) fn load(arguments: &SceneArguments, monitor: &dyn MeshReadMonitor) -> Result<Scene, Failure> {
     load_with_file(arguments, monitor).map(|(_, scene)| scene)
 }
 
 /// Like [`load`], and returns the scene file too.
 pub(super) fn load_with_file(
     arguments: &SceneArguments,
-    monitor: &dyn ReadMonitor,
+    monitor: &dyn MeshReadMonitor,
 ) -> Result<(SceneFile, Scene), Failure> {
     let memory = arguments.memory();
     let mut file = SceneFile::read_within(&arguments.scene, memory).map_err(|e| {

@@ -2,7 +2,7 @@
 
 use super::args::MethodArguments;
 use crate::camera::{Filter, FilterKind};
-use crate::integrate::{ALPHA, Algorithm, EyeSettings, FinalGathering, Settings, VolumeEstimate};
+use crate::integrate::{ALPHA, Algorithm, CameraPathSettings, FinalGathering, Settings, VolumeEstimate};
 use crate::photon::Kernel;
 use crate::plan::{Effect, EffectOverrides};
 use clap::ValueEnum;
@@ -61,7 +61,7 @@ impl ValueEnum for VolumeEstimate {
 pub(super) fn settings(arguments: &MethodArguments, effects: EffectOverrides) -> Settings {
     let photons = arguments.photons.unwrap_or(Settings::default().photons);
     Settings {
-        eye: EyeSettings {
+        camera_paths: CameraPathSettings {
             samples: arguments.spp,
             max_bounces: arguments.max_bounces,
             seed: arguments.seed,
@@ -103,7 +103,10 @@ pub(super) fn flags(arguments: &MethodArguments, effects_flag: &str, overrides: 
             unless_default(final_gathering == FinalGathering::default(), value_name(final_gathering)),
         ),
         ("--volume", unless_default(volume == VolumeEstimate::default(), value_name(volume))),
-        ("--max-bounces", unless_default(max_bounces == EyeSettings::default().max_bounces, max_bounces.to_string())),
+        (
+            "--max-bounces",
+            unless_default(max_bounces == CameraPathSettings::default().max_bounces, max_bounces.to_string()),
+        ),
         ("--filter", unless_default(filter == FilterKind::default(), filter_name(filter).to_owned())),
         (effects_flag, effects_value(overrides)),
     ];

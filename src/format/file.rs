@@ -3,7 +3,7 @@
 use super::SceneError;
 use super::description::Description;
 use super::import::{Assets, Imported, ReadError, SceneImporter};
-use super::mesh::ReadMonitor;
+use super::mesh::MeshReadMonitor;
 use super::resolve::resolve_assets;
 use super::text::SceneText;
 use super::{SourceText, warnings};
@@ -60,7 +60,7 @@ impl SceneFile {
     ///
     /// # Errors
     /// [`SceneError`].
-    pub fn resolve_watched(&self, monitor: &dyn ReadMonitor, memory: Memory) -> Result<Scene, SceneError> {
+    pub fn resolve_watched(&self, monitor: &dyn MeshReadMonitor, memory: Memory) -> Result<Scene, SceneError> {
         resolve_assets(&self.description, &self.source, &self.folder, &self.assets, monitor, memory)
     }
 

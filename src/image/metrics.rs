@@ -134,7 +134,7 @@ pub fn relative_error(a: &Image, reference: &Image) -> Result<f64, MetricError> 
         let d = a[i].as_dvec3() - b[i].as_dvec3();
         d * d
     };
-    Ok(RelativeScale::of(reference).mean(square).sqrt())
+    Ok(RelativeScale::from_image(reference).mean(square).sqrt())
 }
 
 /// Difference of two 8-bit pictures.

@@ -9,9 +9,9 @@ use rayon::prelude::*;
 use super::buffer::{Image, RgbBytes, pixel_count};
 use super::error::{DecodeFailure, WriteError, check_memory, check_plausible};
 use super::options::{BitDepth, WriteOptions};
-use super::tone::{Curve, Quantizer, WriteReport, srgb_decode};
+use super::tone::{Quantizer, ToneCurve, WriteReport, srgb_decode};
 
-/// Encodes `image` as a PNG file. All curves except [`Curve::Course`] add an sRGB chunk.
+/// Encodes `image` as a PNG file. All curves except [`ToneCurve::Course`] add an sRGB chunk.
 pub(super) fn encode(image: &Image, options: &WriteOptions) -> Result<(Vec<u8>, WriteReport), WriteError> {
     let (samples, report) = quantize(image, options)?;
     let mut file = Vec::new();
@@ -23,7 +23,7 @@ pub(super) fn encode(image: &Image, options: &WriteOptions) -> Result<(Vec<u8>, 
         BitDepth::Eight => Depth::Eight,
         BitDepth::Sixteen => Depth::Sixteen,
     });
-    if options.tone.curve != Curve::Course {
+    if options.tone.curve != ToneCurve::Course {
         encoder.set_source_srgb(SrgbRenderingIntent::Perceptual);
     }
     for (key, text) in &options.metadata {

@@ -60,7 +60,7 @@ pub fn read(path: &Path) -> Result<Image, ReadError> {
 /// [`ReadError`], see [`read`].
 pub fn read_with_format(path: &Path) -> Result<(Image, InputFormat), ReadError> {
     let file = load(path, None)?;
-    decode(path, &file, Meaning::Light, None)
+    decode(path, &file, PictureContent::Radiance, None)
 }
 
 /// Reads a picture like [`read`], without a transfer function for PNG: data from 0 to 1.
@@ -68,16 +68,16 @@ pub fn read_with_format(path: &Path) -> Result<(Image, InputFormat), ReadError> 
 /// # Errors
 /// [`ReadError`], see [`read`].
 pub fn read_data(path: &Path) -> Result<Image, ReadError> {
-    read_within(path, Meaning::Numbers, None)
+    read_within(path, PictureContent::Data, None)
 }
 
 /// Meaning of the samples of a picture.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Meaning {
+pub enum PictureContent {
     /// Radiance. The transfer function of a PNG is undone.
-    Light,
+    Radiance,
     /// Data such as roughness. Samples of a PNG are taken without a transfer function, from 0 to 1.
-    Numbers,
+    Data,
 }
 
 /// Reads a picture like [`read`]. One that needs more than `free` bytes is refused before
@@ -85,7 +85,7 @@ pub enum Meaning {
 ///
 /// # Errors
 /// [`ReadError`], see [`read`]; also if the memory does not suffice.
-pub fn read_within(path: &Path, meaning: Meaning, free: Option<u64>) -> Result<Image, ReadError> {
+pub fn read_within(path: &Path, meaning: PictureContent, free: Option<u64>) -> Result<Image, ReadError> {
     let file = load(path, free)?;
     Ok(decode(path, &file, meaning, free.map(|free| free.saturating_sub(file.len() as u64)))?.0)
 }
@@ -97,13 +97,13 @@ pub fn read_within(path: &Path, meaning: Meaning, free: Option<u64>) -> Result<I
 pub fn decode(
     path: &Path,
     file: &[u8],
-    meaning: Meaning,
+    meaning: PictureContent,
     free: Option<u64>,
 ) -> Result<(Image, InputFormat), ReadError> {
     let format = InputFormat::of(file).ok_or_else(|| ReadError::UnknownFormat { path: path.to_owned() })?;
     let image = match (format, meaning) {
-        (InputFormat::Png, Meaning::Light) => png::read(file, free),
-        (InputFormat::Png, Meaning::Numbers) => png::read_data(file, free),
+        (InputFormat::Png, PictureContent::Radiance) => png::read(file, free),
+        (InputFormat::Png, PictureContent::Data) => png::read_data(file, free),
         (InputFormat::Exr, _) => exr::read(file, free),
         (InputFormat::Hdr, _) => read_hdr(file, free),
     };

@@ -19,14 +19,14 @@ use super::error::WriteError;
 /// [`WriteError`] if the folder is missing, if the path is a folder, device or read-only file, or
 /// if the system refuses.
 pub fn replace_file(path: &Path, bytes: &[u8]) -> Result<(), WriteError> {
-    replace_with(path, |file| file.write_all(bytes))
+    replace_file_with(path, |file| file.write_all(bytes))
 }
 
 /// Replaces the file at `path` by the output of `fill`. See [`replace_file`].
 ///
 /// # Errors
 /// [`WriteError`] like [`replace_file`], or if `fill` fails.
-pub fn replace_with(path: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> Result<(), WriteError> {
+pub fn replace_file_with(path: &Path, fill: impl FnOnce(&mut File) -> io::Result<()>) -> Result<(), WriteError> {
     let target = Target::find(path)?;
     // Dropping the temporary file on an early return removes it.
     let mut temporary = target.temporary()?;
@@ -51,7 +51,7 @@ pub fn check_replaceable(path: &Path) -> Result<(), WriteError> {
 /// Two paths name the same file if and only if they have the same final path. A path whose folder
 /// does not exist is returned unchanged.
 #[must_use]
-pub fn final_path(path: &Path) -> PathBuf {
+pub fn canonical_output_path(path: &Path) -> PathBuf {
     let in_folder = || Some(fs::canonicalize(folder(path)).ok()?.join(path.file_name()?));
     fs::canonicalize(path).ok().or_else(in_folder).unwrap_or_else(|| path.to_owned())
 }

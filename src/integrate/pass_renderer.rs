@@ -43,7 +43,7 @@ impl<'a> PassRenderer<'a> {
             policy,
             nee: NextEventEstimator::new(scene, &policy),
             map_builder: PhotonMapBuilder::new(scene, settings.clone(), policy),
-            samples: settings.eye.samples.unwrap_or(policy.samples),
+            samples: settings.camera_paths.samples.unwrap_or(policy.samples),
             settings,
             density: None,
         }
@@ -81,14 +81,14 @@ impl<'a> PassRenderer<'a> {
 
     /// Inputs of the camera paths of pass `pass`.
     pub fn paths<'b>(&'b self, maps: Option<&'b PhotonMaps<'b>>, pass: u32) -> PathContext<'b> {
-        let max_bounces = self.settings.eye.max_bounces;
+        let max_bounces = self.settings.camera_paths.max_bounces;
         PathContext::new(self.scene, &self.policy, &self.nee, maps, pass, max_bounces)
     }
 
     /// Renders all pixels by camera paths into `out`.
     pub fn render_pixels<I: Interior>(&self, paths: &PathContext<'_>, monitor: &dyn Monitor, out: &mut Pass) {
         let start = Instant::now();
-        let (policy, camera, eye) = (paths.policy, paths.scene.camera(), &self.settings.eye);
+        let (policy, camera, eye) = (paths.policy, paths.scene.camera(), &self.settings.camera_paths);
         let nested = eye.estimate_error && policy.reads_photons();
         let mut sampling = FilmSampling {
             camera,

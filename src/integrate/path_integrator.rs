@@ -32,7 +32,7 @@ impl Integrator for PathIntegrator<'_> {
         // Move the scene to the time of the pass.
         let (moved_scene, moved);
         let renderer = if self.renderer.has_motion() {
-            moved_scene = self.renderer.scene.at(shutter_time(self.renderer.settings.eye.seed, pass));
+            moved_scene = self.renderer.scene.at(shutter_time(self.renderer.settings.camera_paths.seed, pass));
             moved = self.renderer.at(&moved_scene);
             &moved
         } else {
@@ -76,7 +76,7 @@ impl Integrator for PathIntegrator<'_> {
     }
 
     fn nests_estimates(&self) -> bool {
-        self.renderer.settings.eye.estimate_error
+        self.renderer.settings.camera_paths.estimate_error
     }
 
     fn guiding_reports(&self) -> GuidingReports {
@@ -94,7 +94,7 @@ impl<'a> PathIntegrator<'a> {
 
         // Balance camera rays against photons. Effects that add nothing must not matter: the
         // picture is the same with them.
-        let balances = settings.balance && settings.eye.samples.is_none() && policy.can_be_balanced();
+        let balances = settings.balance && settings.camera_paths.samples.is_none() && policy.can_be_balanced();
         let balance = match (balances, needed == effects) {
             (false, _) => None,
             (true, true) => find_balance(&renderer),
@@ -111,7 +111,7 @@ impl<'a> PathIntegrator<'a> {
         }
 
         // Distribute camera rays over the pixels.
-        renderer.density = if settings.eye.adaptive { find_density(&renderer) } else { None };
+        renderer.density = if settings.camera_paths.adaptive { find_density(&renderer) } else { None };
         Self { renderer, plan, make_policy, balance }
     }
 }

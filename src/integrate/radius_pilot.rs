@@ -4,7 +4,7 @@ use super::settings::Settings;
 use super::volume_estimate::VolumeEstimate;
 use crate::bsdf::Transport;
 use crate::math::Ray;
-use crate::photon::{BeamMap, GuidingReport, Photon, PhotonMap, PhotonPass, PointMap};
+use crate::photon::{GuidingReport, Photon, PhotonBeamMap, PhotonMap, PhotonPass, VolumePhotonMap};
 use crate::plan::Effects;
 use crate::sampling::{Dimension, Key, Purpose, Sampler};
 use crate::scene::{PathEvent, Scene, SpectralInterior, SurfaceVertex};
@@ -95,7 +95,7 @@ pub(super) fn find_radius(pass: &PhotonPass<'_>, paths: u32, k: u32, seed: u64, 
     let step = photons.len().div_ceil(PROBES);
     let distance = |p: &Photon| {
         let normal = p.data.normal().normalize();
-        map.kth_distance(p.position, normal, k, size).unwrap_or(size)
+        map.kth_photon_distance(p.position, normal, k, size).unwrap_or(size)
     };
     let mut radii: Vec<f32> = photons.iter().step_by(step).map(distance).collect();
     radii.sort_by(f32::total_cmp);
@@ -147,7 +147,7 @@ pub(super) fn find_volume_radii(
     settings: &Settings,
 ) -> Option<VolumeRadii> {
     let scene = pass.scene;
-    let key = Key::new(settings.eye.seed).purpose_key(Purpose::Pilot);
+    let key = Key::new(settings.camera_paths.seed).purpose(Purpose::Pilot);
     let pilot = pilot_paths(paths, MAX_PATHS);
     let traced = pass.trace(key, pilot, &|_| {});
     let mut volume = traced.deposits.volume;
@@ -168,7 +168,7 @@ pub(super) fn find_volume_radii(
         (trial * ratio).clamp(size * MIN_RADIUS, size * MAX_RADIUS)
     };
     let (beam_dimensions, point_dimensions) = settings.volume.dimensions();
-    let (beams, points) = (BeamMap::build(volume.beams, trial), PointMap::build(volume.points, trial));
+    let (beams, points) = (PhotonBeamMap::build(volume.beams, trial), VolumePhotonMap::build(volume.points, trial));
     let beams = camera_paths.iter().map(|segments| {
         let mut count = 0.0;
         segments.iter().for_each(|ray| beams.visit(ray, |_, _| count += 1.0));

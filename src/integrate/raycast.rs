@@ -4,7 +4,7 @@
 use super::film::{self, FilmImage, FilmSampling};
 use super::integrator::Integrator;
 use super::pass::{Monitor, Pass, Seconds};
-use super::settings::EyeSettings;
+use super::settings::CameraPathSettings;
 use crate::bsdf::conductor_reflectance;
 use crate::camera::Filter;
 use crate::color::Rgb;
@@ -57,7 +57,7 @@ impl Integrator for RayCast<'_> {
 impl<'a> RayCast<'a> {
     /// Ray casting with one ray per pixel as in the course, or with filtered rays if `settings` ask
     /// for several.
-    pub fn new(scene: &'a Scene, plan: Plan, settings: &EyeSettings) -> Self {
+    pub fn new(scene: &'a Scene, plan: Plan, settings: &CameraPathSettings) -> Self {
         let samples = settings.samples.unwrap_or(1);
         let filter = (samples > 1).then(|| settings.filter.clone());
         Self { scene, plan, filter, samples, seed: settings.seed }

@@ -4,7 +4,7 @@ use super::camera_path::PathContext;
 use super::film_points::trace_points;
 use super::nee::NextEventEstimator;
 use super::policy::{Continuation, DirectionSampling, LightSampling, PathPolicy, PhotonLookups};
-use super::settings::EyeSettings;
+use super::settings::CameraPathSettings;
 use crate::math::Bounds;
 use crate::photon::{VisiblePoint, VisiblePointMap};
 use crate::plan::Effects;
@@ -22,7 +22,12 @@ const MAX_RADIUS: f32 = 0.1;
 ///
 /// A photon counts as visible within `radius` \[length] of a point, or less if the visible part of
 /// the scene is small.
-pub(super) fn visible_points(scene: &Scene, settings: &EyeSettings, effects: Effects, radius: f32) -> VisiblePointMap {
+pub(super) fn visible_points(
+    scene: &Scene,
+    settings: &CameraPathSettings,
+    effects: Effects,
+    radius: f32,
+) -> VisiblePointMap {
     let policy = policy(effects);
     let nee = NextEventEstimator::new(scene, &policy);
     let paths = PathContext::new(scene, &policy, &nee, None, 0, settings.max_bounces);

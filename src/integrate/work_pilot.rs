@@ -33,7 +33,7 @@ pub(super) fn find_balance(renderer: &PassRenderer<'_>) -> Option<Balance> {
     if !renderer.map_builder.has_photons() {
         return None;
     }
-    let key = Key::new(renderer.settings.eye.seed).purpose_key(Purpose::RayPhotonBalance);
+    let key = Key::new(renderer.settings.camera_paths.seed).purpose(Purpose::Balance);
     let counts = renderer.map_builder.counts;
     let build = |trial| {
         let mut out = Pass::default();
@@ -49,7 +49,7 @@ pub(super) fn find_balance(renderer: &PassRenderer<'_>) -> Option<Balance> {
     let other_camera = estimate(renderer, Some(&maps), &other_points);
     std::mem::swap(&mut maps.caustic, &mut other_maps.caustic);
     // One set of paths may fill both maps.
-    let one_source = renderer.map_builder.request.aimed.apart;
+    let one_source = renderer.map_builder.request.aimed.separates_after_caustic;
     if one_source {
         std::mem::swap(&mut maps.global, &mut other_maps.global);
     }
@@ -101,7 +101,7 @@ pub(super) fn find_balance(renderer: &PassRenderer<'_>) -> Option<Balance> {
 
 /// Estimated work of a pass, scaled up from few points of the film and few photons.
 pub(super) fn measure_work(renderer: &PassRenderer<'_>) -> Counters {
-    let key = Key::new(renderer.settings.eye.seed).purpose_key(Purpose::RayPhotonBalance);
+    let key = Key::new(renderer.settings.camera_paths.seed).purpose(Purpose::Balance);
     let mut out = Pass::default();
     let budget = PassBudget { key, pass: 0, part: PILOT_PART, limited: true };
     let maps = renderer.map_builder.build_within(&budget, &Silent, &mut out);

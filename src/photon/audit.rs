@@ -9,7 +9,7 @@ use std::ops::AddAssign;
 /// Emitted = absorbed + escaped + stopped + roulette, up to rounding. The expectation of `roulette`
 /// is zero.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
-pub struct Audit {
+pub struct EnergyAudit {
     /// Flux emitted by the lights.
     pub emitted: [f64; 3],
     /// Flux absorbed by surfaces and media.
@@ -22,7 +22,7 @@ pub struct Audit {
     pub roulette: [f64; 3],
 }
 
-impl AddAssign for Audit {
+impl AddAssign for EnergyAudit {
     fn add_assign(&mut self, other: Self) {
         let pairs = [
             (&mut self.emitted, other.emitted),

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 /// The beam starts where the photon entered or scattered, and ends where the photon would leave the
 /// medium.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Beam {
+pub struct PhotonBeam {
     /// Start \[length].
     pub start: Vec3,
     /// Unit direction of travel.
@@ -27,7 +27,7 @@ pub struct Beam {
     pub wavelength: u8,
 }
 
-impl Beam {
+impl PhotonBeam {
     /// A beam; `None` if it is invalid.
     ///
     /// A beam is invalid if a position or the flux is not finite, if the flux is zero or negative,
@@ -75,7 +75,7 @@ impl BeamIntersection {
     /// `None` if the lines are at least `radius` apart or parallel, or if the closest approach is
     /// outside a segment.
     #[inline]
-    fn new(ray: &Ray, beam: &Beam, radius: f64) -> Option<Self> {
+    fn new(ray: &Ray, beam: &PhotonBeam, radius: f64) -> Option<Self> {
         let (d, b) = (ray.direction.as_dvec3(), beam.direction.as_dvec3());
         let between = beam.start.as_dvec3() - ray.origin.as_dvec3();
         let normal = d.cross(b);
@@ -99,8 +99,8 @@ impl BeamIntersection {
 /// Beam × beam estimate with a 1D blur (Jarosz et al. 2011, "A comprehensive theory of volumetric
 /// radiance estimation", section 4.3). Radiance towards the ray's origin is Σ flux · σs · p(cos) ·
 /// T(ray, t) · T(beam, s) · weight.
-pub struct BeamMap {
-    beams: Vec<Beam>,
+pub struct PhotonBeamMap {
+    beams: Vec<PhotonBeam>,
     packets: Vec<PiecePacket>,
     /// Bounding boxes of the packets.
     boxes: Boxes,
@@ -110,13 +110,13 @@ pub struct BeamMap {
 /// Largest mean number of pieces per beam.
 const MAX_PIECES: f64 = 4.0;
 
-impl BeamMap {
+impl PhotonBeamMap {
     /// Builds the map for a blur of the given radius \[length], without invalid beams.
     ///
     /// The result does not depend on the number of threads.
     #[must_use]
-    pub fn build(mut beams: Vec<Beam>, radius: f32) -> Self {
-        beams.retain(Beam::is_valid);
+    pub fn build(mut beams: Vec<PhotonBeam>, radius: f32) -> Self {
+        beams.retain(PhotonBeam::is_valid);
         let radius = radius.max(0.0);
         let pieces = cut_into_pieces(&beams, piece_length(&beams, radius));
         let beam = |piece: &Piece| &beams[piece.beam as usize];
@@ -154,7 +154,7 @@ impl BeamMap {
     /// The ray has a unit direction. The closest approach must lie within both segments. Allocates
     /// nothing.
     #[inline]
-    pub fn visit(&self, ray: &Ray, mut visitor: impl FnMut(&Beam, BeamIntersection)) {
+    pub fn visit(&self, ray: &Ray, mut visitor: impl FnMut(&PhotonBeam, BeamIntersection)) {
         let query = LineQuery::new(ray, self.radius);
         self.boxes.along(ray, &mut |index| {
             let packet = &self.packets[index as usize];
@@ -174,12 +174,12 @@ impl BeamMap {
 impl Piece {
     /// True if the point at distance `s` belongs to this piece; each point belongs to exactly one.
     #[inline]
-    fn contains(&self, s: f32, beam: &Beam) -> bool {
+    fn contains(&self, s: f32, beam: &PhotonBeam) -> bool {
         s >= self.from && (s < self.to || self.to >= beam.length)
     }
 
     /// Bounding box grown by `radius`, rounded outwards.
-    fn bounds(&self, beam: &Beam, radius: f32) -> Bounds {
+    fn bounds(&self, beam: &PhotonBeam, radius: f32) -> Bounds {
         let (a, b, r) = (beam.at(self.from.into()), beam.at(self.to.into()), f64::from(radius));
         let down = (a.min(b) - r).as_vec3().to_array().map(f32::next_down);
         let up = (a.max(b) + r).as_vec3().to_array().map(f32::next_up);
@@ -188,8 +188,8 @@ impl Piece {
 }
 
 /// Cuts beams into pieces; `length` applies to beams of box growth 1.
-fn cut_into_pieces(beams: &[Beam], length: f64) -> Vec<Piece> {
-    let of = |(index, beam): (usize, &Beam)| {
+fn cut_into_pieces(beams: &[PhotonBeam], length: f64) -> Vec<Piece> {
+    let of = |(index, beam): (usize, &PhotonBeam)| {
         let (index, whole) = (index as u32, beam.length);
         let count = (f64::from(whole) * box_growth(beam) / length).ceil().max(1.0) as u32;
         let at = move |k: u32| whole * (k as f32 / count as f32);
@@ -203,14 +203,14 @@ fn cut_into_pieces(beams: &[Beam], length: f64) -> Vec<Piece> {
 ///
 /// A beam of length L in n pieces has boxes of total area L² c/n + 12 n r² plus a constant, where c
 /// is the square of the growth. The minimum is at n = L √c/(√12 r).
-fn box_growth(beam: &Beam) -> f64 {
+fn box_growth(beam: &PhotonBeam) -> f64 {
     let b = beam.direction.abs();
     f64::from(b.x * b.y + b.y * b.z + b.z * b.x).sqrt()
 }
 
 /// Length of pieces, for beams of box growth 1, that minimises the total box area within
 /// [`MAX_PIECES`].
-fn piece_length(beams: &[Beam], radius: f32) -> f64 {
+fn piece_length(beams: &[PhotonBeam], radius: f32) -> f64 {
     let total: f64 = beams.iter().map(|b| f64::from(b.length) * box_growth(b)).sum();
     let most = (MAX_PIECES - 1.0) * beams.len().max(1) as f64;
     (12f64.sqrt() * f64::from(radius)).max(total / most).max(f64::MIN_POSITIVE)

@@ -44,11 +44,18 @@ pub fn coverage(scene: &Scene, p: Vec3, normal: Vec3, radius: f32, kernel: Kerne
 }
 
 /// Coverage of the disc and of the finer discs in it, see
-/// [`NestedEstimate`](super::NestedEstimate).
+/// [`NestedRadianceEstimate`](super::NestedRadianceEstimate).
 ///
 /// Each disc has its own probe rays: the mean of the inverse is biased for few rays.
 #[must_use]
-pub fn nested_coverage(scene: &Scene, p: Vec3, normal: Vec3, radius: f32, kernel: Kernel, key: Key) -> [f32; LEVELS] {
+pub fn nested_disc_coverage(
+    scene: &Scene,
+    p: Vec3,
+    normal: Vec3,
+    radius: f32,
+    kernel: Kernel,
+    key: Key,
+) -> [f32; LEVELS] {
     let mut radius = radius;
     [(); LEVELS].map(|()| {
         let covered = coverage(scene, p, normal, radius, kernel, key);

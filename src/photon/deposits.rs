@@ -1,6 +1,6 @@
 //! Storage of the photons that a pass deposits.
 
-use super::{Beam, Photon, PhotonKind, PhotonPass, VolumePhoton};
+use super::{Photon, PhotonBeam, PhotonKind, PhotonPass, VolumePhoton};
 use crate::color::{Rgb, Wavelength};
 use crate::math::Ray;
 use crate::scene::SurfaceInteraction;
@@ -13,7 +13,7 @@ const MAX_OPTICAL_DEPTH: f32 = 20.0;
 #[derive(Clone, Debug, Default)]
 pub struct VolumePhotons {
     /// Photon beams through homogeneous media.
-    pub beams: Vec<Beam>,
+    pub beams: Vec<PhotonBeam>,
     /// Photon points where media scattered light.
     pub points: Vec<VolumePhoton>,
 }
@@ -43,7 +43,7 @@ pub struct Deposits {
     /// Photons on surfaces.
     pub photons: Vec<Photon>,
     /// Photons on surfaces of paths that continued after a caustic, if
-    /// [`StoreMask::apart`](super::StoreMask) is set.
+    /// [`StoreMask::separates_after_caustic`](super::StoreMask) is set.
     pub after_caustic: Vec<Photon>,
     /// Photons in media, of the kinds of `photons`.
     pub volume: VolumePhotons,
@@ -85,7 +85,7 @@ impl Deposits {
     /// Stores one deposit of `pass`, unless it is invalid.
     #[inline]
     pub(super) fn store(&mut self, pass: &PhotonPass<'_>, deposit: &Deposit<'_>) {
-        let thinned = pass.mask.apart && deposit.kind == PhotonKind::AfterCaustic;
+        let thinned = pass.mask.separates_after_caustic && deposit.kind == PhotonKind::AfterCaustic;
         let (photons, volume) = if thinned {
             (&mut self.after_caustic, &mut self.after_volume)
         } else {
@@ -98,9 +98,9 @@ impl Deposits {
                 let photon = Photon::new(surface.point.p, flux, surface.wo, surface.facing_normal());
                 photon.map(|photon| photons.push(photon.with_wavelength(code)))
             }
-            DepositPlace::Beam { ray, medium } => {
+            DepositPlace::PhotonBeam { ray, medium } => {
                 let length = beam_length(pass, ray, medium);
-                let beam = Beam::new(ray.origin, ray.direction, length, flux, medium, code);
+                let beam = PhotonBeam::new(ray.origin, ray.direction, length, flux, medium, code);
                 // A beam of zero length carries nothing, and is no error.
                 beam.map(|beam| volume.beams.push(beam)).or((length == 0.0).then_some(()))
             }
@@ -130,7 +130,7 @@ pub(super) enum DepositPlace<'a> {
     /// On a surface.
     Surface(&'a SurfaceInteraction<'a>),
     /// Along a ray through a homogeneous medium.
-    Beam {
+    PhotonBeam {
         /// The ray, of unit direction.
         ray: &'a Ray,
         /// Index of the medium.

@@ -48,8 +48,8 @@ impl<'a> PhotonSource<'a> {
     /// A source that emits in all directions, from each light in proportion to its power; `None` if
     /// no light has power.
     #[must_use]
-    pub fn everywhere(scene: &'a Scene) -> Option<Self> {
-        let choice = DiscreteDistribution::new(powers(scene))?;
+    pub fn in_all_directions(scene: &'a Scene) -> Option<Self> {
+        let choice = Discrete::new(powers(scene))?;
         let effects = all_effects(scene);
         Some(Self { scene, choice, aim: None, guiding: Vec::new(), effects })
     }
@@ -59,9 +59,9 @@ impl<'a> PhotonSource<'a> {
     /// `None` if no light can reach a caster. The aimed power is estimated by a pilot that depends
     /// on the scene alone.
     #[must_use]
-    pub fn aimed(scene: &'a Scene) -> Option<Self> {
+    pub fn aimed_at_casters(scene: &'a Scene) -> Option<Self> {
         let Some(spheres) = scene.caster_balls() else {
-            return Self::everywhere(scene);
+            return Self::in_all_directions(scene);
         };
         let domain = scene.domain();
         let reaching = |(light, power): (&Light, f64)| {

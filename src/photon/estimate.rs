@@ -16,7 +16,7 @@ pub struct Bandwidth {
 
 /// A radiance estimate.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Estimate {
+pub struct RadianceEstimate {
     /// Radiance \[W/(m² sr)].
     pub radiance: Rgb,
     /// Radius of the disc \[length].
@@ -30,9 +30,9 @@ pub const LEVELS: usize = 3;
 
 /// An estimate with its values at smaller radii, from the same photons.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct NestedEstimate {
+pub struct NestedRadianceEstimate {
     /// Estimate at the full radius.
-    pub whole: Estimate,
+    pub whole: RadianceEstimate,
     /// Radiance at 1, 1/√2 and ½ of the radius \[W/(m² sr)].
     pub radiance: [Rgb; LEVELS],
 }
@@ -89,7 +89,7 @@ impl PhotonMap {
         kernel: Kernel,
         scratch: &mut Scratch,
         brdf: impl Fn(&PhotonData) -> Rgb,
-    ) -> Estimate {
+    ) -> RadianceEstimate {
         self.estimate_discs::<1>(p, normal, bandwidth, kernel, scratch, brdf).0
     }
 
@@ -105,9 +105,9 @@ impl PhotonMap {
         kernel: Kernel,
         scratch: &mut Scratch,
         brdf: impl Fn(&PhotonData) -> Rgb,
-    ) -> NestedEstimate {
+    ) -> NestedRadianceEstimate {
         let (whole, radiance) = self.estimate_discs(p, normal, bandwidth, kernel, scratch, brdf);
-        NestedEstimate { whole, radiance }
+        NestedRadianceEstimate { whole, radiance }
     }
 
     fn estimate_discs<const N: usize>(
@@ -118,9 +118,9 @@ impl PhotonMap {
         kernel: Kernel,
         scratch: &mut Scratch,
         brdf: impl Fn(&PhotonData) -> Rgb,
-    ) -> (Estimate, [Rgb; N]) {
+    ) -> (RadianceEstimate, [Rgb; N]) {
         if self.is_empty() {
-            return (Estimate { radius: bandwidth.radius, ..Estimate::default() }, [Rgb::ZERO; N]);
+            return (RadianceEstimate { radius: bandwidth.radius, ..RadianceEstimate::default() }, [Rgb::ZERO; N]);
         }
         let plane = TangentPlane::new(p, normal);
         let resolved = p.length() * MIN_RELATIVE_RADIUS;
@@ -207,7 +207,7 @@ impl PhotonMap {
     /// Distance from `p` to the k-th photon that an estimate would use; `None` if `most` \[length]
     /// holds fewer.
     #[must_use]
-    pub fn kth_distance(&self, p: Vec3, normal: Vec3, k: u32, most: f32) -> Option<f32> {
+    pub fn kth_photon_distance(&self, p: Vec3, normal: Vec3, k: u32, most: f32) -> Option<f32> {
         let mut scratch = Scratch { last: most * 1e-3, ..Scratch::default() };
         self.nearest(p, normal, Bandwidth { radius: most, k }, &mut scratch).map(f32::sqrt)
     }
@@ -252,7 +252,7 @@ impl<const N: usize> Sums<N> {
         self.pending = 0;
     }
 
-    fn estimate(mut self, radius: f32, count: u32) -> (Estimate, [Rgb; N]) {
+    fn estimate(mut self, radius: f32, count: u32) -> (RadianceEstimate, [Rgb; N]) {
         self.flush();
         let mut r2 = self.r2;
         let radiance = self.whole.map(|sum| {
@@ -260,7 +260,7 @@ impl<const N: usize> Sums<N> {
             r2 *= 0.5;
             scaled
         });
-        (Estimate { radiance: radiance[0], radius, count }, radiance)
+        (RadianceEstimate { radiance: radiance[0], radius, count }, radiance)
     }
 }
 
@@ -290,11 +290,11 @@ mod tests {
         let photon = |x: f32| Photon::new(Vec3::X * x, Rgb::ONE, Vec3::Z, Vec3::Z).unwrap();
         let map = PhotonMap::build((1..10).map(|i| photon(i as f32)).chain([photon(1e6)]).collect());
         for most in [20.0, 1e3, 1e5, 1e6] {
-            let found = map.kth_distance(Vec3::ZERO, Vec3::Z, 4, most).unwrap();
+            let found = map.kth_photon_distance(Vec3::ZERO, Vec3::Z, 4, most).unwrap();
             assert!((found - 4.0).abs() < 1e-5, "{found} of {most}");
         }
-        assert_eq!(map.kth_distance(Vec3::ZERO, Vec3::Z, 10, 1e3), None);
+        assert_eq!(map.kth_photon_distance(Vec3::ZERO, Vec3::Z, 10, 1e3), None);
         // A huge k does not allocate.
-        assert_eq!(map.kth_distance(Vec3::ZERO, Vec3::Z, 4_000_000_000, 1e3), None);
+        assert_eq!(map.kth_photon_distance(Vec3::ZERO, Vec3::Z, 4_000_000_000, 1e3), None);
     }
 }

@@ -51,7 +51,7 @@ impl VolumePhoton {
 }
 
 /// Volume photons in a bounding volume hierarchy.
-pub struct PointMap {
+pub struct VolumePhotonMap {
     /// Photons in the order of a Morton curve.
     photons: Vec<VolumePhoton>,
     /// Positions of the photons.
@@ -61,7 +61,7 @@ pub struct PointMap {
     radius: f32,
 }
 
-impl PointMap {
+impl VolumePhotonMap {
     /// Builds the map for a blur of the given radius \[length].
     ///
     /// The result does not depend on the number of threads.

@@ -26,8 +26,8 @@ pub struct StoreMask {
     /// Store global photons.
     pub global: bool,
     /// Store photons after a caustic apart from the others. Their density is smooth, so only one in
-    /// [`THINNING`] paths is continued, with the flux of all.
-    pub apart: bool,
+    /// [`AFTER_CAUSTIC_THINNING`] paths is continued, with the flux of all.
+    pub separates_after_caustic: bool,
     /// Store beams in homogeneous media; otherwise store points.
     pub beams: bool,
 }
@@ -40,8 +40,14 @@ impl StoreMask {
     /// Photons that continue from a storing surface.
     pub const GLOBAL: Self = Self { after_caustic: true, global: true, ..Self::NONE };
     /// No photons.
-    pub const NONE: Self =
-        Self { direct: false, caustic: false, after_caustic: false, global: false, apart: false, beams: true };
+    pub const NONE: Self = Self {
+        direct: false,
+        caustic: false,
+        after_caustic: false,
+        global: false,
+        separates_after_caustic: false,
+        beams: true,
+    };
     /// All kinds.
     pub const ALL: Self = Self { direct: true, caustic: true, after_caustic: true, global: true, ..Self::NONE };
 
@@ -72,7 +78,7 @@ impl StoreMask {
 }
 
 /// Number of paths after a caustic that are represented by one.
-pub const THINNING: u32 = 8;
+pub const AFTER_CAUSTIC_THINNING: u32 = 8;
 
 impl PhotonKind {
     /// The kind after a caster that the path passed without a vertex.

@@ -2,7 +2,7 @@
 
 use super::audit::book;
 use super::deposits::{Deposit, DepositPlace};
-use super::{Audit, Deposits, PhotonKind, PhotonSource, StoreMask, THINNING};
+use super::{AFTER_CAUSTIC_THINNING, Deposits, EnergyAudit, PhotonKind, PhotonSource, StoreMask};
 use crate::bsdf::{Transport, deposit_factor};
 use crate::color::{self, Rgb};
 use crate::medium::PhaseFunction;
@@ -14,11 +14,11 @@ use rayon::prelude::*;
 
 /// Result of a photon pass.
 #[derive(Debug, Default)]
-pub struct Traced {
+pub struct PhotonPassResult {
     /// Stored photons.
     pub deposits: Deposits,
     /// Energy account.
-    pub audit: Audit,
+    pub audit: EnergyAudit,
     /// Number of traced rays.
     pub rays: u64,
     /// Number of emitted paths.
@@ -29,7 +29,7 @@ pub struct Traced {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct PathTally {
     /// Energy account.
-    pub audit: Audit,
+    pub audit: EnergyAudit,
     /// Number of traced rays.
     pub rays: u64,
 }
@@ -57,11 +57,11 @@ impl PhotonPass<'_> {
     ///
     /// The result does not depend on the number of threads: chunks are fixed and concatenated in
     /// order.
-    pub fn trace(&self, pass_key: Key, paths: u32, done: &(dyn Fn(u64) + Sync)) -> Traced {
+    pub fn trace(&self, pass_key: Key, paths: u32, done: &(dyn Fn(u64) + Sync)) -> PhotonPassResult {
         for_interior!(self.source, self.trace_with(pass_key, paths, done))
     }
 
-    fn trace_with<I: Interior>(&self, pass_key: Key, paths: u32, done: &(dyn Fn(u64) + Sync)) -> Traced {
+    fn trace_with<I: Interior>(&self, pass_key: Key, paths: u32, done: &(dyn Fn(u64) + Sync)) -> PhotonPassResult {
         let chunks: Vec<(Deposits, PathTally)> = (0..paths.div_ceil(CHUNK))
             .into_par_iter()
             .map(|chunk| {
@@ -85,7 +85,7 @@ impl PhotonPass<'_> {
             tally.rays += chunk.rays;
         }
         let PathTally { audit, rays } = tally;
-        Traced { deposits: Deposits::concatenate(chunks), audit, rays, paths: u64::from(paths) }
+        PhotonPassResult { deposits: Deposits::concatenate(chunks), audit, rays, paths: u64::from(paths) }
     }
 
     /// Follows one photon path until it is absorbed, escapes or is stopped.
@@ -159,12 +159,12 @@ impl PhotonPass<'_> {
             }
 
             // Thin paths that continue after a caustic.
-            if self.mask.apart && kind == PhotonKind::Caustic && stores {
+            if self.mask.separates_after_caustic && kind == PhotonKind::Caustic && stores {
                 book(&mut audit.roulette, flux);
-                if key.uniform_1d(Dimension::ShadingRoulette) * THINNING as f32 >= 1.0 {
+                if key.uniform(Dimension::Worth) * AFTER_CAUSTIC_THINNING as f32 >= 1.0 {
                     return;
                 }
-                flux *= THINNING as f32;
+                flux *= AFTER_CAUSTIC_THINNING as f32;
                 book(&mut audit.roulette, -flux);
             }
 
@@ -223,7 +223,7 @@ impl PhotonPass<'_> {
         let as_beam = self.mask.beams && medium.is_homogeneous();
         if stored && as_beam {
             let flux = flux * weight.as_vec3() * segment.left;
-            deposit(Deposit { kind, place: DepositPlace::Beam { ray, medium: *index }, flux, wavelength });
+            deposit(Deposit { kind, place: DepositPlace::PhotonBeam { ray, medium: *index }, flux, wavelength });
         }
         let sample = medium.distance_sample(ray, ray.t_max, flux * weight.as_vec3(), rng);
         *weight *= sample.weight.as_dvec3();

@@ -48,7 +48,8 @@ impl VisiblePointMap {
         let size = Bounds::from_points(stored.iter().map(|p| p.position)).extent().length();
         let probes: Vec<Photon> = stored.iter().step_by(stored.len().div_ceil(PROBES).max(1)).copied().collect();
         let points = PhotonMap::build(stored);
-        let spacing = |p: &Photon| points.kth_distance(p.position, p.data.normal().normalize(), NEIGHBOURS, size);
+        let spacing =
+            |p: &Photon| points.kth_photon_distance(p.position, p.data.normal().normalize(), NEIGHBOURS, size);
         let mut spacings: Vec<f32> = probes.iter().filter_map(spacing).collect();
         spacings.sort_by(f32::total_cmp);
         let typical = spacings.get(spacings.len() / 2).copied().unwrap_or(0.0);

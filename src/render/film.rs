@@ -42,7 +42,7 @@ impl Film {
     }
 
     /// Mean of the passes by pixel, by rows from the top; black without passes.
-    pub fn means(&self) -> impl Iterator<Item = DVec3> {
+    pub fn pixel_means(&self) -> impl Iterator<Item = DVec3> {
         let n = f64::from(self.passes.max(1));
         self.sums.iter().map(move |sum| sum.value() / n)
     }
@@ -50,6 +50,6 @@ impl Film {
     /// [`Film::means`] in single precision.
     #[must_use]
     pub fn mean(&self) -> Vec<Rgb> {
-        self.means().map(|mean| mean.as_vec3()).collect()
+        self.pixel_means().map(|mean| mean.as_vec3()).collect()
     }
 }

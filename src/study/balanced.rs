@@ -10,7 +10,7 @@ pub(super) fn balanced(scene: &Scene, algorithm: Algorithm, settings: &Settings)
     if settings.balance
         && let Some(balance) = algorithm.prepare(scene, settings.clone()).balance()
     {
-        balanced.eye.samples = Some(balance.samples);
+        balanced.camera_paths.samples = Some(balance.samples);
         balanced.photons = balance.photons.unwrap_or(balanced.photons);
         balanced.caustic_photons = balance.caustic_photons.unwrap_or(balanced.caustic_photons);
     }

@@ -164,13 +164,13 @@ impl<'a> EffectStudy<'a> {
     #[must_use]
     pub fn prepare(scene: &'a Scene, algorithm: Algorithm, settings: &Settings) -> Self {
         let clock = Clock::preferred();
-        let plan = Plan::new(scene, algorithm.simulates(), settings.eye.effects);
+        let plan = Plan::new(scene, algorithm.simulates(), settings.camera_paths.effects);
         let settings = balanced(scene, algorithm, settings);
         let size = scene.camera().size();
         let run = |without: Option<Decision>| {
             let mut settings = settings.clone();
             if let Some(decision) = without {
-                settings.eye.effects = settings.eye.effects.without(decision.effect);
+                settings.camera_paths.effects = settings.camera_paths.effects.without(decision.effect);
             }
             let (integrator, setup) = clock.time(|| algorithm.prepare(scene, settings));
             let spent = PictureCost { setup, ..PictureCost::default() };

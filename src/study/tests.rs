@@ -36,7 +36,7 @@ pub(super) fn glass_on_floor(width: u32, height: u32) -> Scene {
 
 fn few(effects: EffectOverrides) -> Settings {
     let mut settings = Settings { photons: 0, caustic_photons: 4000, balance: false, ..Settings::default() };
-    settings.eye.effects = effects;
+    settings.camera_paths.effects = effects;
     settings
 }
 

@@ -55,7 +55,7 @@ mod tests {
     #[test]
     fn camera_rays_are_exact() {
         let mut settings = Settings::default();
-        settings.eye.samples = Some(100);
+        settings.camera_paths.samples = Some(100);
         let scene = matt(640, 480);
         let work = expected_work(Algorithm::Raycast.prepare(&scene, settings).as_ref());
         assert_eq!(work, ExpectedWork { whole: Work { rays: 640 * 480 * 100, gathered_photons: 0 }, effects: vec![] });

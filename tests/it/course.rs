@@ -7,9 +7,9 @@ use crate::support::course;
 use caustica::camera::Camera;
 use caustica::color::Rgb;
 use caustica::format::description::{CurveBasis, Group, GroupItem, ObjectDescription, ProfileCurve, ShapeDescription};
-use caustica::format::mesh::{self, Repair};
+use caustica::format::mesh::{self, MeshRepairs};
 use caustica::format::{SceneFile, parse};
-use caustica::image::{self, Curve, Image, RgbBytes, ToneMap, WriteOptions};
+use caustica::image::{self, Image, RgbBytes, ToneCurve, ToneMap, WriteOptions};
 use caustica::integrate::{Algorithm, Settings, Silent};
 use caustica::math::Ray;
 use caustica::scene::{Material, Scene, SceneBuilder};
@@ -29,7 +29,7 @@ fn render_course_image(scene: &Scene) -> RgbBytes {
     let picture = Image::from_pixels(width, height, integrator.pass(0, &Silent).image).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.png");
-    let tone = ToneMap { curve: Curve::Course, exposure_stops: 0.0 };
+    let tone = ToneMap { curve: ToneCurve::Course, exposure_stops: 0.0 };
     image::write(&path, &picture, &WriteOptions { tone, ..WriteOptions::default() }).unwrap();
     image::read_bytes(&path).unwrap()
 }
@@ -261,8 +261,8 @@ fn course_meshes_are_repaired_without_loss() {
         assert_eq!((before.triangles, before.components, before.genus), (triangles, 1, Some(0)), "{name}");
         assert_eq!(before.vertices, triangles / 2 + 2, "{name}");
         assert!(before.volume.unwrap() > 0.0, "{name}");
-        let weld = Some(Repair::WELD * mesh.diagonal());
-        let repaired = mesh.repair(&Repair { weld, duplicates: true, degenerate: true, orient: true });
+        let weld = Some(MeshRepairs::DEFAULT_WELD_TOLERANCE * mesh.bounds_diagonal());
+        let repaired = mesh.repair(&MeshRepairs { weld, duplicates: true, degenerate: true, orient: true });
         assert_eq!((repaired, mesh.report()), (Default::default(), before), "{name}");
     }
 }

@@ -11,7 +11,7 @@
 use crate::support::project;
 use caustica::format::SceneFile;
 use caustica::image::{self, Image, RgbBytes, WriteOptions, metrics};
-use caustica::integrate::{Algorithm, EyeSettings, Settings, Silent};
+use caustica::integrate::{Algorithm, CameraPathSettings, Settings, Silent};
 use caustica::render::{StopCriteria, render};
 use std::fs;
 use std::path::Path;
@@ -36,7 +36,7 @@ fn picture(scene: &Path) -> Image {
         balance: false,
         photons: 20_000,
         caustic_photons: 20_000,
-        eye: EyeSettings { samples: Some(2), ..EyeSettings::default() },
+        camera_paths: CameraPathSettings { samples: Some(2), ..CameraPathSettings::default() },
         ..Settings::default()
     };
     let integrator = Algorithm::Hybrid.prepare(&scene, settings);

@@ -4,7 +4,7 @@ use crate::support::scene_in;
 use caustica::camera::{Filter, FilterKind};
 use caustica::color::{self, Rgb};
 use caustica::image;
-use caustica::integrate::{Algorithm, EyeSettings, Settings, Silent};
+use caustica::integrate::{Algorithm, CameraPathSettings, Settings, Silent};
 use caustica::math::Ray;
 use caustica::plan::{Effect, EffectOverrides};
 use caustica::scene::{Effects, Hit, RayCone, Scene, SurfaceInteraction};
@@ -16,8 +16,9 @@ fn scene(text: &str) -> Scene {
 
 fn picture(scene: &Scene, algorithm: Algorithm, samples: u32, passes: u32, effects: EffectOverrides) -> Vec<Vec<Rgb>> {
     let filter = Filter::new(FilterKind::Box);
-    let eye = EyeSettings { samples: Some(samples), filter, effects, ..EyeSettings::default() };
-    let settings = Settings { eye, balance: false, photons: 20_000, caustic_photons: 20_000, ..Settings::default() };
+    let camera_paths = CameraPathSettings { samples: Some(samples), filter, effects, ..CameraPathSettings::default() };
+    let settings =
+        Settings { camera_paths, balance: false, photons: 20_000, caustic_photons: 20_000, ..Settings::default() };
     let integrator = algorithm.prepare(scene, settings);
     (0..passes).map(|pass| integrator.pass(pass, &Silent).image).collect()
 }

@@ -2,7 +2,7 @@
 
 use crate::support::scene_in;
 use caustica::color::Rgb;
-use caustica::integrate::{Algorithm, EyeSettings, Pass, PhotonReport, Settings, Silent};
+use caustica::integrate::{Algorithm, CameraPathSettings, Pass, PhotonReport, Settings, Silent};
 use caustica::scene::Scene;
 use caustica::stats::Counters;
 
@@ -44,7 +44,12 @@ fn settings() -> Settings {
     Settings {
         photons: PHOTONS,
         caustic_photons: PHOTONS,
-        eye: EyeSettings { samples: Some(2), max_bounces: 50, seed: 7, ..EyeSettings::default() },
+        camera_paths: CameraPathSettings {
+            samples: Some(2),
+            max_bounces: 50,
+            seed: 7,
+            ..CameraPathSettings::default()
+        },
         ..Settings::default()
     }
 }

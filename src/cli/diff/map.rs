@@ -1,7 +1,7 @@
 //! Maps of the errors between two pictures.
 
 use super::MapKind;
-use crate::image::{Image, OutputFormat, RelativeScale, diverging, sequential};
+use crate::image::{Image, OutputFormat, RelativeScale, diverging_color, sequential_color};
 use glam::{DVec3, Vec3};
 use serde::Serialize;
 
@@ -33,7 +33,7 @@ pub(super) fn error_map(
     }
     let means: Vec<f64> = values.iter().map(|v| v.element_sum() / 3.0).collect();
     let to = if kind == MapKind::Flip { 1.0 } else { scale_end(&means) };
-    let color = if kind == MapKind::Signed { diverging } else { sequential };
+    let color = if kind == MapKind::Signed { diverging_color } else { sequential_color };
     let from = if kind == MapKind::Signed { -to } else { 0.0 };
     (means.iter().map(|v| color(v / to)).collect(), Some(Colors { from, to }))
 }
@@ -46,7 +46,7 @@ fn map_values(kind: MapKind, a: &Image, b: &Image, flip: &[f32]) -> Vec<DVec3> {
         MapKind::Signed => differences.collect(),
         MapKind::Absolute => differences.map(DVec3::abs).collect(),
         MapKind::Relative => {
-            let scale = RelativeScale::of(b);
+            let scale = RelativeScale::from_image(b);
             differences.zip(scale.weights()).map(|(d, w)| DVec3::splat((w * d.length_squared()).sqrt())).collect()
         }
     }
@@ -88,12 +88,15 @@ mod tests {
         let (a, b) = (image(&values), image(&vec![[0.0; 3]; 200]));
         let (colors, meaning) = error_map(MapKind::Absolute, &a, &b, &[], OutputFormat::Png);
         assert_eq!(meaning, Some(Colors { from: 0.0, to: 1.0 }));
-        assert_eq!([colors[0], colors[7], colors[8]], [sequential(1.0), sequential(1.0), sequential(0.5)]);
+        assert_eq!(
+            [colors[0], colors[7], colors[8]],
+            [sequential_color(1.0), sequential_color(1.0), sequential_color(0.5)]
+        );
         let (colors, meaning) = error_map(MapKind::Signed, &b, &a, &[], OutputFormat::Png);
         assert_eq!(meaning, Some(Colors { from: -1.0, to: 1.0 }));
-        assert_eq!((colors[0], colors[8]), (diverging(-1.0), diverging(-0.5)));
+        assert_eq!((colors[0], colors[8]), (diverging_color(-1.0), diverging_color(-0.5)));
         let same = error_map(MapKind::Absolute, &a, &a, &[], OutputFormat::Png);
-        assert_eq!((same.0[0], same.1), (sequential(0.0), Some(Colors { from: 0.0, to: 1.0 })));
+        assert_eq!((same.0[0], same.1), (sequential_color(0.0), Some(Colors { from: 0.0, to: 1.0 })));
         // A single differing pixel is visible.
         let mut one = vec![[0.0_f32; 3]; 200];
         one[3] = [4.0; 3];

@@ -9,7 +9,7 @@ pub use args::{DiffArguments, FlipName, MapKind};
 use super::outputs::{NamedFile, OutputFailures, check_distinct};
 use super::progress::{Progress, print_message};
 use super::{Exit, Failure};
-use crate::image::flip::{Flip, FlipMode, FlipOptions, PIXELS_PER_DEGREE, flip};
+use crate::image::flip::{FlipMode, FlipOptions, FlipResult, PIXELS_PER_DEGREE, flip};
 use crate::image::metrics::{Differences, MetricError, differences, relative_error, relative_mse, rmse};
 use crate::image::{self, Image, InputFormat, OutputFormat, WriteOptions};
 use crate::study::text::figure;
@@ -80,7 +80,12 @@ fn flip_mode(arguments: &DiffArguments, displayed: bool) -> Result<FlipMode, Fai
     }
 }
 
-fn compare(arguments: &DiffArguments, a: &Image, b: &Image, mode: FlipMode) -> Result<(Report, Flip), MetricError> {
+fn compare(
+    arguments: &DiffArguments,
+    a: &Image,
+    b: &Image,
+    mode: FlipMode,
+) -> Result<(Report, FlipResult), MetricError> {
     let Differences { largest: [red, green, blue], pixels } = differences(a, b)?;
     let options = FlipOptions { pixels_per_degree: arguments.pixels_per_degree.unwrap_or(PIXELS_PER_DEGREE), mode };
     let flip = flip(b, a, &options)?;
@@ -151,7 +156,7 @@ fn exceeded_limits(arguments: &DiffArguments, report: &Report) -> Vec<(&'static 
 }
 
 /// Writes the map of errors.
-fn write_map(path: &Path, kind: MapKind, a: &Image, b: &Image, flip: &Flip) -> miette::Result<MapReport> {
+fn write_map(path: &Path, kind: MapKind, a: &Image, b: &Image, flip: &FlipResult) -> miette::Result<MapReport> {
     let format = OutputFormat::from_path(path).into_diagnostic()?;
     let (pixels, colors) = map::error_map(kind, a, b, &flip.map, format);
     let picture = Image::from_pixels(a.width(), a.height(), pixels).into_diagnostic()?;

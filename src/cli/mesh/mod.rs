@@ -8,7 +8,9 @@ pub use args::MeshArguments;
 use super::outputs::{NamedFile, OutputFailures, check_distinct};
 use super::progress::{Progress, print_message};
 use super::{Exit, Failure};
-use crate::format::mesh::{self, Loaded, MeshError, MeshFormat, MeshReport, Repair, Repaired, TriangleMesh};
+use crate::format::mesh::{
+    self, LoadedMesh, MeshError, MeshFormat, MeshRepairs, MeshReport, RepairCounts, TriangleMesh,
+};
 use crate::format::mtl;
 use crate::image::check_replaceable;
 use crate::stats::Memory;
@@ -44,7 +46,7 @@ struct Report {
     mesh: String,
     before: MeshReport,
     /// `None` if the arguments change nothing.
-    repaired: Option<Repaired>,
+    repaired: Option<RepairCounts>,
     after: Option<MeshReport>,
 }
 
@@ -52,7 +54,7 @@ pub(super) fn run(arguments: &MeshArguments) -> Result<Exit, Failure> {
     let format = arguments.output.as_deref().map(|path| output_format(path, arguments)).transpose()?;
     let progress = Progress::new(arguments.quiet);
     let memory = arguments.memory.map_or(Memory::System, Memory::Limit);
-    let loaded = mesh::load_within(&arguments.mesh, &progress, memory.free()).map_err(|e| {
+    let loaded = mesh::load_with_memory_limit(&arguments.mesh, &progress, memory.free()).map_err(|e| {
         let exit = if matches!(e, MeshError::Memory { .. }) { Exit::Usage } else { Exit::Input };
         Failure::new(exit, miette::Report::from_err(e))
     })?;
@@ -61,7 +63,7 @@ pub(super) fn run(arguments: &MeshArguments) -> Result<Exit, Failure> {
     let mut before = loaded.mesh.report();
     before.vertices = loaded.vertices;
     before.isolated_vertices = loaded.isolated;
-    before.repeated_vertices = loaded.repeated();
+    before.repeated_vertices = loaded.repeated_vertices();
     let mut changed = None;
     let (mut after, mut repaired) = (None, None);
     if arguments.has_changes() {
@@ -112,7 +114,7 @@ fn check_memory(path: &Path, mesh: &TriangleMesh, memory: Memory) -> Result<(), 
 
 /// The format of the output, checked to be writable and not to be the input.
 fn output_format(path: &Path, arguments: &MeshArguments) -> Result<MeshFormat, Failure> {
-    let format = MeshFormat::of(path, arguments.ascii);
+    let format = MeshFormat::from_path(path, arguments.ascii);
     let format = format.ok_or_else(|| Failure::new(Exit::Output, UnknownFormat { path: path.to_owned() }))?;
     check_replaceable(path).map_err(Failure::output)?;
     check_distinct(&[NamedFile::new("-o", path)], &[NamedFile::new("the mesh", &arguments.mesh)])?;
@@ -120,7 +122,7 @@ fn output_format(path: &Path, arguments: &MeshArguments) -> Result<MeshFormat, F
 }
 
 /// Changes the mesh by the arguments.
-fn apply_changes(mesh: &mut TriangleMesh, arguments: &MeshArguments) -> Result<Repaired, Failure> {
+fn apply_changes(mesh: &mut TriangleMesh, arguments: &MeshArguments) -> Result<RepairCounts, Failure> {
     let (scale, offset) = (arguments.scale.unwrap_or(1.0), arguments.translate.unwrap_or(DVec3::ZERO));
     if arguments.scale.is_some() || arguments.translate.is_some() {
         mesh.positions.iter_mut().for_each(|p| *p = *p * scale + offset);
@@ -130,21 +132,21 @@ fn apply_changes(mesh: &mut TriangleMesh, arguments: &MeshArguments) -> Result<R
         return lost(InvalidResult::Coordinates, Exit::Usage);
     }
     let all = arguments.repair;
-    let repaired = mesh.repair(&Repair {
-        weld: arguments.weld.or_else(|| all.then(|| Repair::WELD * mesh.diagonal())),
+    let repaired = mesh.repair(&MeshRepairs {
+        weld: arguments.weld.or_else(|| all.then(|| MeshRepairs::DEFAULT_WELD_TOLERANCE * mesh.bounds_diagonal())),
         duplicates: all || arguments.remove_duplicates,
         degenerate: all || arguments.remove_degenerate,
         orient: all || arguments.orient,
     });
     if arguments.flip {
-        mesh.flip();
+        mesh.reverse_orientation();
     }
     if arguments.flat || arguments.smooth.is_some() {
         mesh.normals = None;
-        mesh.share();
+        mesh.merge_equal_vertices();
     }
     if let Some(angle) = arguments.smooth {
-        mesh.smooth(angle);
+        mesh.compute_smooth_normals(angle);
     }
     if mesh.triangles.is_empty() {
         return lost(InvalidResult::Triangles, Exit::Input);
@@ -157,7 +159,7 @@ fn apply_changes(mesh: &mut TriangleMesh, arguments: &MeshArguments) -> Result<R
 /// `None` if an output could not be written.
 fn write(
     arguments: &MeshArguments,
-    loaded: &Loaded,
+    loaded: &LoadedMesh,
     mesh: &TriangleMesh,
     (path, format): (&Path, MeshFormat),
     memory: Memory,
@@ -170,7 +172,7 @@ fn write(
         && format == MeshFormat::Obj
         && resolved_folder(path) != resolved_folder(&arguments.mesh)
     {
-        libraries = match mtl::load(&arguments.mesh, &loaded.libraries, memory.free()) {
+        libraries = match mtl::load_libraries(&arguments.mesh, &loaded.libraries, memory.free()) {
             Ok(materials) => {
                 let beside = path.with_extension("mtl");
                 failures.take_ok(mtl::write(&beside, &materials));

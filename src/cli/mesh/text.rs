@@ -1,13 +1,13 @@
 //! The report of a mesh as a table.
 
-use crate::format::mesh::{MeshReport, Repaired};
+use crate::format::mesh::{MeshReport, RepairCounts};
 use std::fmt::Write;
 
 /// The figures in one column, or in two (before and after) if the mesh was changed.
 pub(super) fn table(
     name: &str,
     before: &MeshReport,
-    repaired: Option<&Repaired>,
+    repaired: Option<&RepairCounts>,
     after: Option<&MeshReport>,
 ) -> String {
     let mut text = format!("{name}\n");

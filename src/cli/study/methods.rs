@@ -167,7 +167,7 @@ fn render_truth(arguments: &StudyArguments, scene: &Scene, progress: &Progress) 
     let kind = &arguments.kind;
     let default = TRUTH_BUDGETS * kind.budget.as_secs_f64();
     let seconds = kind.truth_time.map_or(default, |time| time.as_secs_f64());
-    let like = settings(&arguments.method, arguments.simulate).eye;
+    let like = settings(&arguments.method, arguments.simulate).camera_paths;
     progress.say(&format!("two references with {seconds:.1} s of processor time each"));
     progress.pass(1, None);
     let rendered = References::render(scene, &like, seconds, &INTERRUPTED, progress, |made, part| {

@@ -65,7 +65,7 @@ pub enum GridError {
 }
 
 impl GridError {
-    pub(super) fn line(path: &Path, line: usize, problem: Problem) -> Self {
+    pub(super) fn at_line(path: &Path, line: usize, problem: Problem) -> Self {
         Self::Line(LineError::new(path, line, problem))
     }
 }

@@ -26,17 +26,17 @@ use std::path::Path;
 pub const MAX_CELLS: u64 = 1 << 30;
 
 /// Bytes per cell: its density, and as much again for majorants and the slack of lists.
-pub(super) const PER_CELL: u64 = 8;
+pub(super) const BYTES_PER_CELL: u64 = 8;
 
 /// Largest number of bytes before the values.
-const LONGEST_HEADER: u64 = 4096;
+const MAX_HEADER_BYTES: u64 = 4096;
 
 /// Bytes per read.
-const CHUNK: usize = 1 << 16;
+const READ_CHUNK_BYTES: usize = 1 << 16;
 
 /// Densities on a regular grid.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Grid {
+pub struct DensityGrid {
     /// Number of cells along x, y and z, each at least 1.
     pub size: [u32; 3],
     /// Densities, finite and at least 0, with x running fastest.
@@ -45,7 +45,7 @@ pub struct Grid {
 
 /// Encoding of the values.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Encoding {
+pub enum GridEncoding {
     /// Little-endian single precision.
     F32,
     /// Decimal words.
@@ -53,10 +53,10 @@ pub enum Encoding {
 }
 
 /// Header of a grid file.
-struct Header {
+struct GridHeader {
     size: [u32; 3],
     cells: usize,
-    encoding: Encoding,
+    encoding: GridEncoding,
     /// Lines and bytes of the header, with the empty line.
     lines: usize,
     bytes: u64,
@@ -69,8 +69,8 @@ struct Header {
 /// # Errors
 ///
 /// [`GridError`].
-pub fn read(path: &Path) -> Result<Grid, GridError> {
-    read_within(path, None)
+pub fn read(path: &Path) -> Result<DensityGrid, GridError> {
+    read_with_memory_limit(path, None)
 }
 
 /// Like [`read`], limited to `free` bytes of memory if that number is known.
@@ -80,32 +80,32 @@ pub fn read(path: &Path) -> Result<Grid, GridError> {
 /// # Errors
 ///
 /// [`GridError`].
-pub fn read_within(path: &Path, free: Option<u64>) -> Result<Grid, GridError> {
+pub fn read_with_memory_limit(path: &Path, free: Option<u64>) -> Result<DensityGrid, GridError> {
     let unreadable = |source| GridError::Unreadable { path: path.into(), source };
     let (file, length) = open_file(path).map_err(unreadable)?;
     decode(path, length, file, free)
 }
 
-/// Like [`read_within`], from the `length` bytes of a file that errors call `path`.
+/// Like [`read_with_memory_limit`], from the `length` bytes of a file that errors call `path`.
 ///
 /// # Errors
 ///
 /// [`GridError`].
-pub fn decode(path: &Path, length: u64, mut file: impl Read, free: Option<u64>) -> Result<Grid, GridError> {
+pub fn decode(path: &Path, length: u64, mut file: impl Read, free: Option<u64>) -> Result<DensityGrid, GridError> {
     let unreadable = |source| GridError::Unreadable { path: path.into(), source };
     let mut start = Vec::new();
-    Read::take(&mut file, LONGEST_HEADER).read_to_end(&mut start).map_err(unreadable)?;
-    let header = header(&start).map_err(|(line, wrong)| GridError::line(path, line, wrong))?;
+    Read::take(&mut file, MAX_HEADER_BYTES).read_to_end(&mut start).map_err(unreadable)?;
+    let header = parse_header(&start).map_err(|(line, wrong)| GridError::at_line(path, line, wrong))?;
     let rest = start[header.bytes as usize..].chain(file);
     let body = GridBody { path, header: &header, length, free };
     let values = match header.encoding {
-        Encoding::F32 => body.binary_values(BufReader::with_capacity(CHUNK, rest))?,
-        Encoding::Text => body.text_values(rest)?,
+        GridEncoding::F32 => body.read_binary_values(BufReader::with_capacity(READ_CHUNK_BYTES, rest))?,
+        GridEncoding::Text => body.read_text_values(rest)?,
     };
     if let Some(i) = values.iter().position(|v| !(v.is_finite() && *v >= 0.0)) {
-        return Err(GridError::Cell { path: path.into(), cell: cell(header.size, i), value: values[i] });
+        return Err(GridError::Cell { path: path.into(), cell: cell_coordinates(header.size, i), value: values[i] });
     }
-    Ok(Grid { size: header.size, values })
+    Ok(DensityGrid { size: header.size, values })
 }
 
 /// Writes a grid file.
@@ -113,15 +113,15 @@ pub fn decode(path: &Path, length: u64, mut file: impl Read, free: Option<u64>) 
 /// # Errors
 ///
 /// The cause reported by the system.
-pub fn write(path: &Path, grid: &Grid, encoding: Encoding) -> std::io::Result<()> {
+pub fn write(path: &Path, grid: &DensityGrid, encoding: GridEncoding) -> std::io::Result<()> {
     let mut out = BufWriter::new(File::create(path)?);
     let [x, y, z] = grid.size;
-    let word = if encoding == Encoding::F32 { "f32" } else { "text" };
+    let word = if encoding == GridEncoding::F32 { "f32" } else { "text" };
     write!(out, "caustica-grid 1\nsize {x} {y} {z}\ntype {word}\n\n")?;
     for row in grid.values.chunks(x.max(1) as usize) {
         match encoding {
-            Encoding::F32 => row.iter().try_for_each(|value| out.write_all(&value.to_le_bytes()))?,
-            Encoding::Text => {
+            GridEncoding::F32 => row.iter().try_for_each(|value| out.write_all(&value.to_le_bytes()))?,
+            GridEncoding::Text => {
                 let words: Vec<String> = row.iter().map(f32::to_string).collect();
                 writeln!(out, "{}", words.join(" "))?;
             }
@@ -132,7 +132,7 @@ pub fn write(path: &Path, grid: &Grid, encoding: Encoding) -> std::io::Result<()
 
 /// Parses the header from the first bytes of a file; an error holds the line, from 1, and the
 /// problem.
-fn header(start: &[u8]) -> Result<Header, (usize, Problem)> {
+fn parse_header(start: &[u8]) -> Result<GridHeader, (usize, Problem)> {
     if start.starts_with(b" BDV") {
         return Err((1, ("this is an OpenVDB file".to_owned(), "sample it on a grid, and write that as `type f32`")));
     }
@@ -146,9 +146,9 @@ fn header(start: &[u8]) -> Result<Header, (usize, Problem)> {
             ["caustica-grid", "1"] if i == 0 => {}
             ["caustica-grid", _] if i == 0 => return Err(wrong("this version is not known", "write version 1")),
             _ if i == 0 => return Err(wrong("this is no grid", "begin the file with the line `caustica-grid 1`")),
-            ["size", x, y, z] if size.is_none() => size = Some(cells([x, y, z]).map_err(|wrong| (i + 1, wrong))?),
-            ["type", "f32"] if encoding.is_none() => encoding = Some(Encoding::F32),
-            ["type", "text"] if encoding.is_none() => encoding = Some(Encoding::Text),
+            ["size", x, y, z] if size.is_none() => size = Some(parse_size([x, y, z]).map_err(|wrong| (i + 1, wrong))?),
+            ["type", "f32"] if encoding.is_none() => encoding = Some(GridEncoding::F32),
+            ["type", "text"] if encoding.is_none() => encoding = Some(GridEncoding::Text),
             ["type", _] if encoding.is_none() => {
                 return Err(wrong("this type is not known", "write `type f32` or `type text`"));
             }
@@ -158,7 +158,7 @@ fn header(start: &[u8]) -> Result<Header, (usize, Problem)> {
                 let no_type =
                     || wrong("the type is missing", "write `type f32` or `type text` ahead of the empty line");
                 let encoding = encoding.ok_or_else(no_type)?;
-                return Ok(Header { size, cells, encoding, lines: i + 1, bytes: bytes as u64 });
+                return Ok(GridHeader { size, cells, encoding, lines: i + 1, bytes: bytes as u64 });
             }
             [word, ..] if word.starts_with('#') => {}
             _ => {
@@ -173,7 +173,7 @@ fn header(start: &[u8]) -> Result<Header, (usize, Problem)> {
 }
 
 /// Parses the words of a size; returns the size and the number of cells.
-fn cells(words: [&str; 3]) -> Result<([u32; 3], usize), Problem> {
+fn parse_size(words: [&str; 3]) -> Result<([u32; 3], usize), Problem> {
     let mut size = [0_u32; 3];
     for (side, word) in size.iter_mut().zip(words) {
         let number = word.parse().ok().filter(|n| *n > 0);
@@ -188,7 +188,7 @@ fn cells(words: [&str; 3]) -> Result<([u32; 3], usize), Problem> {
 }
 
 /// Column, row and layer of cell `i`.
-fn cell(size: [u32; 3], i: usize) -> [u32; 3] {
+fn cell_coordinates(size: [u32; 3], i: usize) -> [u32; 3] {
     let (row, layer) = (size[0] as usize, size[0] as usize * size[1] as usize);
     [i % row, i % layer / row, i / layer].map(|i| i as u32)
 }
@@ -196,7 +196,7 @@ fn cell(size: [u32; 3], i: usize) -> [u32; 3] {
 /// Values of a file, after its header.
 struct GridBody<'a> {
     path: &'a Path,
-    header: &'a Header,
+    header: &'a GridHeader,
     /// Bytes of the whole file.
     length: u64,
     /// Bytes of memory that are free, if known.
@@ -205,9 +205,9 @@ struct GridBody<'a> {
 
 impl GridBody<'_> {
     /// A list with room for the values, if they and `more` bytes are free.
-    fn reserve(&self, more: u64) -> Result<Vec<f32>, GridError> {
+    fn reserve_values(&self, more: u64) -> Result<Vec<f32>, GridError> {
         let Self { path, header, free, .. } = *self;
-        let needed = PER_CELL * header.cells as u64 + more;
+        let needed = BYTES_PER_CELL * header.cells as u64 + more;
         let mut values = Vec::new();
         if free.is_some_and(|free| needed > free) || values.try_reserve_exact(header.cells).is_err() {
             return Err(GridError::NoMemory { path: path.into(), cells: header.cells, needed, free });
@@ -215,25 +215,25 @@ impl GridBody<'_> {
         Ok(values)
     }
 
-    fn binary_values(&self, mut from: impl Read) -> Result<Vec<f32>, GridError> {
+    fn read_binary_values(&self, mut from: impl Read) -> Result<Vec<f32>, GridError> {
         let Self { path, header, length, .. } = *self;
         let (expected, found) = (4 * header.cells as u64, length.saturating_sub(header.bytes));
         if expected != found {
             return Err(GridError::Length { path: path.into(), size: header.size, expected, found });
         }
-        let mut values = self.reserve(0)?;
-        let mut chunk = [0; CHUNK];
+        let mut values = self.reserve_values(0)?;
+        let mut chunk = [0; READ_CHUNK_BYTES];
         while values.len() < header.cells {
-            let chunk = &mut chunk[..CHUNK.min(4 * (header.cells - values.len()))];
+            let chunk = &mut chunk[..READ_CHUNK_BYTES.min(4 * (header.cells - values.len()))];
             from.read_exact(chunk).map_err(|source| GridError::Unreadable { path: path.into(), source })?;
             values.extend(chunk.as_chunks().0.iter().map(|bytes| f32::from_le_bytes(*bytes)));
         }
         Ok(values)
     }
 
-    fn text_values(&self, mut from: impl Read) -> Result<Vec<f32>, GridError> {
+    fn read_text_values(&self, mut from: impl Read) -> Result<Vec<f32>, GridError> {
         let Self { path, header, length, .. } = *self;
-        let wrong = |line, message, remedy| GridError::line(path, line, (message, remedy));
+        let wrong = |line, message, remedy| GridError::at_line(path, line, (message, remedy));
         let count = |found: usize| format!("{found} numbers follow, but the size asks for {}", header.cells);
         const REMEDY: &str = "give one number for each cell, x running fastest, and nothing behind them";
         // A value takes at least a digit and a separator.
@@ -241,7 +241,7 @@ impl GridBody<'_> {
         if most < header.cells as u64 {
             return Err(wrong(header.lines, format!("at most {}", count(most as usize)), REMEDY));
         }
-        let mut values = self.reserve(length)?;
+        let mut values = self.reserve_values(length)?;
         let mut bytes = Vec::new();
         from.read_to_end(&mut bytes).map_err(|source| GridError::Unreadable { path: path.into(), source })?;
         let mut lines = header.lines;

@@ -10,11 +10,11 @@ fn in_file<T>(bytes: &[u8], then: impl FnOnce(&Path) -> T) -> T {
     then(&path)
 }
 
-fn of(bytes: &[u8]) -> Result<Grid, GridError> {
+fn of(bytes: &[u8]) -> Result<DensityGrid, GridError> {
     in_file(bytes, read)
 }
 
-fn bytes_of(grid: &Grid, encoding: Encoding) -> Vec<u8> {
+fn bytes_of(grid: &DensityGrid, encoding: GridEncoding) -> Vec<u8> {
     in_file(&[], |path| {
         write(path, grid, encoding).unwrap();
         std::fs::read(path).unwrap()
@@ -31,14 +31,17 @@ fn refused(bytes: &[u8], place: &str, message: &str, remedy: &str) {
 
 #[test]
 fn grid_values_are_text_or_f32_x_fastest() {
-    let grid = Grid { size: [3, 2, 1], values: vec![0.0, 1.0, 2.5, 3.0, 1e-30, 5e7] };
+    let grid = DensityGrid { size: [3, 2, 1], values: vec![0.0, 1.0, 2.5, 3.0, 1e-30, 5e7] };
     let text = b"caustica-grid 1\r\n# smoke\r\ntype text\r\nsize 3 2 1\r\n\r\n0 1 2.5\n3\t1e-30\r\n\n  5e7 ";
     assert_eq!(of(text).unwrap(), grid);
     let mut singles = b"caustica-grid 1\nsize 3 2 1\ntype f32\n\n".to_vec();
     singles.extend(grid.values.iter().flat_map(|v| v.to_le_bytes()));
     assert_eq!(of(&singles).unwrap(), grid);
-    assert_eq!(bytes_of(&grid, Encoding::F32), singles);
-    assert_eq!(of(b"caustica-grid 1\ntype text\nsize 1 1 1\n\n7").unwrap(), Grid { size: [1; 3], values: vec![7.0] });
+    assert_eq!(bytes_of(&grid, GridEncoding::F32), singles);
+    assert_eq!(
+        of(b"caustica-grid 1\ntype text\nsize 1 1 1\n\n7").unwrap(),
+        DensityGrid { size: [1; 3], values: vec![7.0] }
+    );
 }
 
 #[test]
@@ -98,8 +101,8 @@ fn invalid_densities_are_reported_by_cell() {
         let mut values = vec![1.0; 24];
         // (1, 2, 3) of 2 × 3 × 4.
         values[1 + 2 * (2 + 3 * 3)] = bad;
-        for encoding in [Encoding::F32, Encoding::Text] {
-            let bytes = bytes_of(&Grid { size: [2, 3, 4], values: values.clone() }, encoding);
+        for encoding in [GridEncoding::F32, GridEncoding::Text] {
+            let bytes = bytes_of(&DensityGrid { size: [2, 3, 4], values: values.clone() }, encoding);
             refused(&bytes, " the density of cell (1, 2, 3)", &format!("is {shown}"), "finite and at least 0");
         }
     }
@@ -118,16 +121,16 @@ fn unreadable_grid_files_are_refused() {
     }
 }
 
-fn grid() -> impl Strategy<Value = Grid> {
+fn grid() -> impl Strategy<Value = DensityGrid> {
     let value = prop_oneof![Just(0.0), proptest::num::f32::POSITIVE | proptest::num::f32::SUBNORMAL];
     ([1..5_u32, 1..5_u32, 1..5_u32], proptest::collection::vec(value, 64)).prop_map(|(size, mut values)| {
         values.truncate(size.iter().product::<u32>() as usize);
-        Grid { size, values: values.into_iter().map(f32::abs).collect() }
+        DensityGrid { size, values: values.into_iter().map(f32::abs).collect() }
     })
 }
 
-fn encoding() -> impl Strategy<Value = Encoding> {
-    prop_oneof![Just(Encoding::F32), Just(Encoding::Text)]
+fn encoding() -> impl Strategy<Value = GridEncoding> {
+    prop_oneof![Just(GridEncoding::F32), Just(GridEncoding::Text)]
 }
 
 proptest! {
@@ -142,8 +145,8 @@ proptest! {
     fn files_that_are_cut_or_go_on_are_refused(grid in grid(), encoding in encoding(), at in any::<prop::sample::Index>()) {
         let bytes = bytes_of(&grid, encoding);
         let cut = of(&bytes[..at.index(bytes.len())]);
-        prop_assert!(cut.is_err() || (encoding == Encoding::Text && cut.unwrap().values.len() == grid.values.len()));
-        let more: &[u8] = if encoding == Encoding::F32 { &[0] } else { b" 1" };
+        prop_assert!(cut.is_err() || (encoding == GridEncoding::Text && cut.unwrap().values.len() == grid.values.len()));
+        let more: &[u8] = if encoding == GridEncoding::F32 { &[0] } else { b" 1" };
         prop_assert!(of(&[&bytes, more].concat()).is_err());
     }
 

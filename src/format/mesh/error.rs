@@ -100,13 +100,13 @@ pub enum MeshError {
 }
 
 impl MeshError {
-    pub(in crate::format) fn line(path: &Path, line: usize, problem: Problem) -> Self {
+    pub(in crate::format) fn at_line(path: &Path, line: usize, problem: Problem) -> Self {
         Self::Line(LineError::new(path, line, problem))
     }
 }
 
 /// Reads the bytes of a file if `free` bytes of memory suffice.
-pub(in crate::format) fn read(path: &Path, free: Option<u64>) -> Result<Vec<u8>, MeshError> {
+pub(in crate::format) fn read_file_bytes(path: &Path, free: Option<u64>) -> Result<Vec<u8>, MeshError> {
     let refused = |source: std::io::Error| match source.kind() {
         std::io::ErrorKind::NotFound => MeshError::Missing { path: path.into() },
         _ => MeshError::Unreadable { path: path.into(), source },

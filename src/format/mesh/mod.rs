@@ -1,15 +1,15 @@
 //! Triangle meshes: reading, writing, inspection and repair.
 
 mod error;
+mod merge;
 mod normals;
 mod obj;
 mod orient;
-mod parts;
 mod ply;
 mod repair;
 mod report;
-mod share;
 mod solid;
+mod split;
 #[cfg(test)]
 mod tests;
 mod topology;
@@ -17,13 +17,13 @@ mod weld;
 mod write;
 
 pub use error::MeshError;
-pub(in crate::format) use error::{check_memory, read};
-pub use repair::{Repair, Repaired};
+pub(in crate::format) use error::{check_memory, read_file_bytes};
+pub(in crate::format) use merge::{KeyIndexer, coordinate_bits};
+pub use repair::{MeshRepairs, RepairCounts};
 pub use report::MeshReport;
-pub(in crate::format) use share::{KeyNumbers, bits};
 pub use solid::{SOLID_CHECK_BYTES, SolidDefect};
 pub use write::MeshFormat;
-pub(in crate::format) use write::Shortest;
+pub(in crate::format) use write::ShortestDecimal;
 
 use super::problem::without_bom;
 use glam::{DVec2, DVec3};
@@ -53,7 +53,7 @@ pub struct TriangleMesh {
 
 /// Mesh as read from a file, with facts about the file.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Loaded {
+pub struct LoadedMesh {
     /// The mesh. Vertices are shared if position, normal and texture coordinates are equal bit for
     /// bit.
     pub mesh: TriangleMesh,
@@ -69,20 +69,20 @@ pub struct Loaded {
     pub positions_only: bool,
 }
 
-impl Loaded {
+impl LoadedMesh {
     /// Number of vertices in the file that repeat another one bit for bit.
     #[must_use]
-    pub fn repeated(&self) -> usize {
+    pub fn repeated_vertices(&self) -> usize {
         let used = self.vertices - self.isolated;
         let split = self.mesh.normals.is_some() || self.mesh.texcoords.is_some();
         let kept =
-            if self.positions_only && split { self.mesh.distinct_positions() } else { self.mesh.positions.len() };
+            if self.positions_only && split { self.mesh.distinct_position_count() } else { self.mesh.positions.len() };
         used.saturating_sub(kept)
     }
 }
 
 /// Receiver of progress reports while meshes are read. `()` ignores them.
-pub trait ReadMonitor: Sync {
+pub trait MeshReadMonitor: Sync {
     /// Receives the path of each file that the scene names, before it is read.
     fn names(&self, _path: &Path) {}
     /// A file of `bytes` bytes is about to be read.
@@ -93,7 +93,7 @@ pub trait ReadMonitor: Sync {
     fn end(&self, path: &Path, mesh: &TriangleMesh);
 }
 
-impl ReadMonitor for () {
+impl MeshReadMonitor for () {
     fn begin(&self, _: &Path, _: u64) {}
     fn advance(&self, _: u64) {}
     fn end(&self, _: &Path, _: &TriangleMesh) {}
@@ -106,8 +106,8 @@ impl ReadMonitor for () {
 /// # Errors
 ///
 /// [`MeshError`], which names the file.
-pub fn load(path: &Path, monitor: &dyn ReadMonitor) -> Result<Loaded, MeshError> {
-    load_within(path, monitor, None)
+pub fn load(path: &Path, monitor: &dyn MeshReadMonitor) -> Result<LoadedMesh, MeshError> {
+    load_with_memory_limit(path, monitor, None)
 }
 
 /// Like [`load`], limited to `free` bytes of memory if that number is known.
@@ -117,18 +117,27 @@ pub fn load(path: &Path, monitor: &dyn ReadMonitor) -> Result<Loaded, MeshError>
 /// # Errors
 ///
 /// [`MeshError`], which names the file.
-pub fn load_within(path: &Path, monitor: &dyn ReadMonitor, free: Option<u64>) -> Result<Loaded, MeshError> {
-    let bytes = read(path, free)?;
+pub fn load_with_memory_limit(
+    path: &Path,
+    monitor: &dyn MeshReadMonitor,
+    free: Option<u64>,
+) -> Result<LoadedMesh, MeshError> {
+    let bytes = read_file_bytes(path, free)?;
     let free = free.map(|free| free.saturating_sub(bytes.len() as u64));
     decode(path, bytes, monitor, free)
 }
 
-/// Like [`load_within`], from the bytes of a file that errors call `path`.
+/// Like [`load_with_memory_limit`], from the bytes of a file that errors call `path`.
 ///
 /// # Errors
 ///
 /// [`MeshError`].
-pub fn decode(path: &Path, bytes: Vec<u8>, monitor: &dyn ReadMonitor, free: Option<u64>) -> Result<Loaded, MeshError> {
+pub fn decode(
+    path: &Path,
+    bytes: Vec<u8>,
+    monitor: &dyn MeshReadMonitor,
+    free: Option<u64>,
+) -> Result<LoadedMesh, MeshError> {
     monitor.begin(path, bytes.len() as u64);
     let named = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("ply"));
     let text = without_bom(&bytes);

@@ -1,7 +1,7 @@
 //! Facts about a mesh: size, area, volume and topology.
 
 use super::TriangleMesh;
-use super::topology::{Topology, UnionFind};
+use super::topology::{MeshTopology, ParityUnionFind};
 use glam::DVec3;
 use serde::Serialize;
 
@@ -64,19 +64,19 @@ impl TriangleMesh {
     /// Computes the facts about the mesh.
     #[must_use]
     pub fn report(&self) -> MeshReport {
-        let topology = Topology::new(self);
+        let topology = MeshTopology::new(self);
         let mut used = vec![false; self.positions.len()];
         self.triangles.iter().flatten().for_each(|v| used[*v as usize] = true);
         let corners = self.triangles.iter().flatten().map(|v| self.positions[*v as usize]);
         let (min, max) =
             corners.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)));
-        let surface = EdgeCounts::of(self, &topology);
+        let surface = TopologyCounts::new(self, &topology);
         let closed = surface.boundary == 0 && surface.faces > 0;
         let manifold = surface.crowded == 0 && surface.pinched == 0;
         let euler = surface.places as i64 - surface.edges as i64 + surface.faces as i64;
         let handles = closed && manifold && surface.orientable;
         let mut shared = self.clone();
-        shared.share();
+        shared.merge_equal_vertices();
         let isolated = used.iter().filter(|used| !**used).count();
         MeshReport {
             vertices: self.positions.len(),
@@ -88,8 +88,8 @@ impl TriangleMesh {
             texture_coordinates: self.texcoords.is_some(),
             min: min.to_array(),
             max: max.to_array(),
-            area: self.triangles.iter().map(|t| self.area(*t)).sum(),
-            volume: (closed && surface.balanced).then(|| self.volume(0.5 * (min + max))),
+            area: self.triangles.iter().map(|t| self.triangle_area(*t)).sum(),
+            volume: (closed && surface.balanced).then(|| self.signed_volume(0.5 * (min + max))),
             closed,
             manifold,
             orientable: surface.orientable,
@@ -97,8 +97,8 @@ impl TriangleMesh {
             non_manifold_edges: surface.crowded,
             non_manifold_vertices: surface.pinched,
             inconsistent_edges: surface.inconsistent,
-            degenerate_faces: self.triangles.iter().filter(|t| self.area(**t) == 0.0).count(),
-            duplicate_faces: self.duplicates(&topology).iter().filter(|d| **d).count(),
+            degenerate_faces: self.triangles.iter().filter(|t| self.triangle_area(**t) == 0.0).count(),
+            duplicate_faces: self.duplicate_triangles(&topology).iter().filter(|d| **d).count(),
             components: surface.components,
             euler_characteristic: euler,
             genus: handles.then_some(surface.components as i64 - euler / 2),
@@ -107,7 +107,7 @@ impl TriangleMesh {
 
     /// Diagonal of the box around all vertices \[length]; 0 if it is not finite.
     #[must_use]
-    pub fn diagonal(&self) -> f64 {
+    pub fn bounds_diagonal(&self) -> f64 {
         let start = (DVec3::INFINITY, DVec3::NEG_INFINITY);
         let (low, high) = self.positions.iter().fold(start, |(low, high), p| (low.min(*p), high.max(*p)));
         let diagonal = (high - low).length();
@@ -116,13 +116,13 @@ impl TriangleMesh {
 
     /// Area of a triangle \[length²].
     #[must_use]
-    pub fn area(&self, triangle: [u32; 3]) -> f64 {
+    pub fn triangle_area(&self, triangle: [u32; 3]) -> f64 {
         let [a, b, c] = triangle.map(|v| self.positions[v as usize]);
         0.5 * (b - a).cross(c - a).length()
     }
 
     /// Signed volume of a closed mesh \[length³], summed about the point `about` near it.
-    fn volume(&self, about: DVec3) -> f64 {
+    fn signed_volume(&self, about: DVec3) -> f64 {
         let six = |t: &[u32; 3]| {
             let [a, b, c] = t.map(|v| self.positions[v as usize] - about);
             a.dot(b.cross(c))
@@ -131,9 +131,11 @@ impl TriangleMesh {
     }
 
     /// True for each triangle that has the three positions of an earlier one.
-    pub(super) fn duplicates(&self, topology: &Topology) -> Vec<bool> {
+    pub(super) fn duplicate_triangles(&self, topology: &MeshTopology) -> Vec<bool> {
         let mut keys: Vec<([u32; 3], u32)> = Vec::with_capacity(self.triangles.len());
-        for (t, triangle) in self.triangles.iter().enumerate().filter(|(_, triangle)| topology.is_whole(**triangle)) {
+        for (t, triangle) in
+            self.triangles.iter().enumerate().filter(|(_, triangle)| topology.has_distinct_positions(**triangle))
+        {
             let mut places = triangle.map(|v| topology.places[v as usize]);
             places.sort_unstable();
             keys.push((places, t as u32));
@@ -148,7 +150,7 @@ impl TriangleMesh {
 }
 
 /// Counts over the edges of a mesh.
-struct EdgeCounts {
+struct TopologyCounts {
     places: usize,
     edges: usize,
     faces: usize,
@@ -162,9 +164,10 @@ struct EdgeCounts {
     components: usize,
 }
 
-impl EdgeCounts {
-    fn of(mesh: &TriangleMesh, topology: &Topology) -> Self {
-        let whole: Vec<usize> = (0..mesh.triangles.len()).filter(|t| topology.is_whole(mesh.triangles[*t])).collect();
+impl TopologyCounts {
+    fn new(mesh: &TriangleMesh, topology: &MeshTopology) -> Self {
+        let whole: Vec<usize> =
+            (0..mesh.triangles.len()).filter(|t| topology.has_distinct_positions(mesh.triangles[*t])).collect();
         let mut this = Self {
             places: 0,
             edges: 0,
@@ -177,9 +180,9 @@ impl EdgeCounts {
             balanced: true,
             components: 0,
         };
-        let mut surfaces = UnionFind::new(mesh.triangles.len());
-        let mut windings = UnionFind::new(mesh.triangles.len());
-        let mut fans = UnionFind::new(3 * mesh.triangles.len());
+        let mut surfaces = ParityUnionFind::new(mesh.triangles.len());
+        let mut windings = ParityUnionFind::new(mesh.triangles.len());
+        let mut fans = ParityUnionFind::new(3 * mesh.triangles.len());
         for sides in topology.edges() {
             this.edges += 1;
             let forward = sides.iter().filter(|side| side.forward).count();
@@ -195,7 +198,7 @@ impl EdgeCounts {
             }
             for side in &sides[1..] {
                 surfaces.join(sides[0].triangle as usize, side.triangle as usize, false);
-                for (a, b) in sides[0].corners().into_iter().zip(side.corners()) {
+                for (a, b) in sides[0].corner_indices().into_iter().zip(side.corner_indices()) {
                     fans.join(a, b, false);
                 }
             }

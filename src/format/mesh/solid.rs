@@ -1,7 +1,7 @@
 //! Checks whether a mesh bounds a solid body, as dielectrics need.
 
 use super::TriangleMesh;
-use super::topology::Topology;
+use super::topology::MeshTopology;
 use glam::DVec3;
 use std::fmt::{Display, Formatter, Result as Written};
 
@@ -49,7 +49,7 @@ impl TriangleMesh {
     /// has them, else the winding does. Triangles without area are ignored.
     #[must_use]
     pub fn solid_defect(&self) -> Option<SolidDefect> {
-        let topology = Topology::new(self);
+        let topology = MeshTopology::new(self);
         let flipped: Vec<bool> = self.triangles.iter().map(|t| self.normals_oppose_winding(*t)).collect();
         let (mut open, mut inconsistent) = (0, 0);
         for sides in topology.edges() {

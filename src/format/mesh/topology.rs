@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 /// Side of a triangle along an edge.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Side {
+pub(super) struct HalfEdge {
     /// Position numbers of the edge, the lower one first.
     pub places: [u32; 2],
     pub triangle: u32,
@@ -15,10 +15,10 @@ pub(super) struct Side {
     pub forward: bool,
 }
 
-impl Side {
+impl HalfEdge {
     /// Indices, among all corners of the mesh, of the corners at the lower and at the higher
     /// position.
-    pub fn corners(&self) -> [usize; 2] {
+    pub fn corner_indices(&self) -> [usize; 2] {
         let base = 3 * self.triangle as usize;
         let (start, end) = (base + self.corner as usize, base + (self.corner as usize + 1) % 3);
         if self.forward { [start, end] } else { [end, start] }
@@ -27,18 +27,18 @@ impl Side {
 
 /// Positions and edges of a mesh.
 #[derive(Debug)]
-pub(super) struct Topology {
+pub(super) struct MeshTopology {
     /// Position number of each vertex.
     pub places: Vec<u32>,
     /// Number of positions.
     pub place_count: usize,
     /// Sides of the triangles with three positions, sorted by edge.
-    sides: Vec<Side>,
+    sides: Vec<HalfEdge>,
 }
 
-impl Topology {
+impl MeshTopology {
     pub fn new(mesh: &TriangleMesh) -> Self {
-        let (places, place_count) = mesh.position_numbers();
+        let (places, place_count) = mesh.position_indices();
         let mut sides = Vec::with_capacity(3 * mesh.triangles.len());
         for (t, triangle) in mesh.triangles.iter().enumerate() {
             let [a, b, c] = triangle.map(|v| places[v as usize]);
@@ -47,7 +47,7 @@ impl Topology {
             }
             for (corner, [from, to]) in [[a, b], [b, c], [c, a]].into_iter().enumerate() {
                 let places = [from.min(to), from.max(to)];
-                sides.push(Side { places, triangle: t as u32, corner: corner as u8, forward: from < to });
+                sides.push(HalfEdge { places, triangle: t as u32, corner: corner as u8, forward: from < to });
             }
         }
         sides.par_sort_unstable_by_key(|side| (side.places, side.triangle, side.corner));
@@ -55,12 +55,12 @@ impl Topology {
     }
 
     /// Sides of each edge.
-    pub fn edges(&self) -> impl Iterator<Item = &[Side]> {
+    pub fn edges(&self) -> impl Iterator<Item = &[HalfEdge]> {
         self.sides.chunk_by(|a, b| a.places == b.places)
     }
 
     /// True if a triangle has three different positions.
-    pub fn is_whole(&self, triangle: [u32; 3]) -> bool {
+    pub fn has_distinct_positions(&self, triangle: [u32; 3]) -> bool {
         let [a, b, c] = triangle.map(|v| self.places[v as usize]);
         a != b && b != c && c != a
     }
@@ -70,13 +70,13 @@ impl Topology {
 ///
 /// Source: Tarjan 1975, extended by a parity.
 #[derive(Debug)]
-pub(super) struct UnionFind {
+pub(super) struct ParityUnionFind {
     parent: Vec<u32>,
     /// True if the element is flipped relative to its parent.
     turned: Vec<bool>,
 }
 
-impl UnionFind {
+impl ParityUnionFind {
     pub fn new(n: usize) -> Self {
         Self { parent: (0..n as u32).collect(), turned: vec![false; n] }
     }

@@ -14,14 +14,14 @@ impl TriangleMesh {
     /// Moves each vertex to the first one within `tolerance`, and merges equal vertices.
     ///
     /// Returns by how much the number of positions decreases.
-    pub fn weld(&mut self, tolerance: f64) -> usize {
-        let (_, before) = self.position_numbers();
+    pub fn weld_vertices(&mut self, tolerance: f64) -> usize {
+        let (_, before) = self.position_indices();
         let mut kept = WeldGrid::new(tolerance.clamp(0.0, FARTHEST), &self.positions);
         for p in &mut self.positions {
-            *p = kept.nearby(*p);
+            *p = kept.find_or_insert(*p);
         }
-        self.share();
-        let (_, after) = self.position_numbers();
+        self.merge_equal_vertices();
+        let (_, after) = self.position_indices();
         before.saturating_sub(after)
     }
 }
@@ -52,7 +52,7 @@ impl WeldGrid {
     }
 
     /// First kept position within the tolerance of `p`; if there is none, `p` is kept and returned.
-    fn nearby(&mut self, p: DVec3) -> DVec3 {
+    fn find_or_insert(&mut self, p: DVec3) -> DVec3 {
         let at = (p - self.low) / self.cell;
         let corner = at.floor();
         // A neighbour is at most half a cell away.

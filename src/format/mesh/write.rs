@@ -1,7 +1,7 @@
 //! Writing of mesh files.
 
 use super::{TriangleMesh, obj, ply};
-use crate::image::{WriteError, replace_with};
+use crate::image::{WriteError, replace_file_with};
 use std::fmt::{Display, Formatter, Result as Written};
 use std::io::{BufWriter, Write};
 use std::path::Path;
@@ -21,7 +21,7 @@ impl MeshFormat {
     /// Format for the extension of a path; `text` selects PLY as text. `None` for unknown
     /// extensions.
     #[must_use]
-    pub fn of(path: &Path, text: bool) -> Option<Self> {
+    pub fn from_path(path: &Path, text: bool) -> Option<Self> {
         let is = |name: &str| path.extension().is_some_and(|e| e.eq_ignore_ascii_case(name));
         match (is("obj"), is("ply"), text) {
             (true, ..) => Some(Self::Obj),
@@ -42,7 +42,7 @@ impl TriangleMesh {
     ///
     /// [`WriteError`].
     pub fn write(&self, path: &Path, format: MeshFormat, libraries: &[String]) -> Result<(), WriteError> {
-        replace_with(path, |file| {
+        replace_file_with(path, |file| {
             let mut out = BufWriter::with_capacity(1 << 20, file);
             match format {
                 MeshFormat::Obj => obj::write(self, libraries, &mut out)?,
@@ -55,9 +55,9 @@ impl TriangleMesh {
 }
 
 /// Shortest decimal that reads back as the same number, with an exponent if it is far from 1.
-pub(in crate::format) struct Shortest<T>(pub T);
+pub(in crate::format) struct ShortestDecimal<T>(pub T);
 
-impl<T: Copy + Into<f64> + Display + std::fmt::LowerExp> Display for Shortest<T> {
+impl<T: Copy + Into<f64> + Display + std::fmt::LowerExp> Display for ShortestDecimal<T> {
     fn fmt(&self, f: &mut Formatter<'_>) -> Written {
         match self.0.into().abs() {
             0.0 | 1e-5..1e16 => write!(f, "{}", self.0),

@@ -8,16 +8,16 @@ const REPAIR: &str = "repair it or export the materials anew";
 /// The relevant lines of `text`, each in the form that the reader knows.
 ///
 /// An error holds the first invalid line, from 1, and the problem.
-pub(super) fn checked_lines(text: &str) -> Result<String, (usize, Problem)> {
+pub(super) fn check_mtl_lines(text: &str) -> Result<String, (usize, Problem)> {
     let mut sound = String::new();
     let mut named = false;
     for (i, line) in text.lines().enumerate() {
-        check(line.trim(), &mut named, &mut sound).map_err(|wrong| (i + 1, wrong))?;
+        check_line(line.trim(), &mut named, &mut sound).map_err(|wrong| (i + 1, wrong))?;
     }
     Ok(sound)
 }
 
-fn check(line: &str, named: &mut bool, sound: &mut String) -> Result<(), Problem> {
+fn check_line(line: &str, named: &mut bool, sound: &mut String) -> Result<(), Problem> {
     let (keyword, rest) = line.split_once(|c: char| c.is_ascii_whitespace()).unwrap_or((line, ""));
     let rest = rest.trim();
     // Writing to a string cannot fail.
@@ -34,18 +34,18 @@ fn check(line: &str, named: &mut bool, sound: &mut String) -> Result<(), Problem
             return Err((format!("`{keyword}` stands before any `newmtl`"), "put `newmtl` and a name before it"));
         }
         "Kd" | "Ks" | "Ke" | "Tf" => {
-            let [r, g, b] = color_or_grey(keyword, rest)?;
+            let [r, g, b] = parse_color_or_grey(keyword, rest)?;
             let _ = writeln!(sound, "{keyword} {r} {g} {b}");
         }
         // Some exporters write a negative exponent for no highlight.
         "Ns" => {
-            let _ = writeln!(sound, "Ns {}", single_precision_number(keyword, rest)?.max(0.0));
+            let _ = writeln!(sound, "Ns {}", parse_single_precision(keyword, rest)?.max(0.0));
         }
         "Ni" => {
-            let _ = writeln!(sound, "Ni {}", number(keyword, rest)?);
+            let _ = writeln!(sound, "Ni {}", parse_finite_number(keyword, rest)?);
         }
         "d" | "Tr" => {
-            let written = number(keyword, rest.strip_prefix("-halo").unwrap_or(rest))?;
+            let written = parse_finite_number(keyword, rest.strip_prefix("-halo").unwrap_or(rest))?;
             if !(0.0..=1.0).contains(&written) {
                 return Err((format!("`{keyword}` is {written}"), "it must lie between 0 and 1"));
             }
@@ -59,7 +59,7 @@ fn check(line: &str, named: &mut bool, sound: &mut String) -> Result<(), Problem
             let _ = writeln!(sound, "illum {model}");
         }
         "map_Kd" => {
-            let path = without_options(rest);
+            let path = skip_map_options(rest);
             if path.is_empty() {
                 return Err(("`map_Kd` names no picture".to_owned(), "write its path after it"));
             }
@@ -70,7 +70,7 @@ fn check(line: &str, named: &mut bool, sound: &mut String) -> Result<(), Problem
     Ok(())
 }
 
-fn number(keyword: &str, rest: &str) -> Result<f64, Problem> {
+fn parse_finite_number(keyword: &str, rest: &str) -> Result<f64, Problem> {
     let word = rest.split_ascii_whitespace().next().unwrap_or_default();
     match word.parse::<f64>() {
         Ok(number) if number.is_finite() => Ok(number),
@@ -79,22 +79,22 @@ fn number(keyword: &str, rest: &str) -> Result<f64, Problem> {
 }
 
 /// Parses a number that single precision can hold.
-fn single_precision_number(keyword: &str, rest: &str) -> Result<f64, Problem> {
-    match number(keyword, rest)? {
+fn parse_single_precision(keyword: &str, rest: &str) -> Result<f64, Problem> {
+    match parse_finite_number(keyword, rest)? {
         number if number.abs() <= f64::from(f32::MAX) => Ok(number),
         number => Err((format!("`{keyword}` holds {number:e}"), "single precision holds numbers below 3.4e38")),
     }
 }
 
 /// Parses three numbers, or one that stands for all.
-fn color_or_grey(keyword: &str, rest: &str) -> Result<[f64; 3], Problem> {
+fn parse_color_or_grey(keyword: &str, rest: &str) -> Result<[f64; 3], Problem> {
     let words: Vec<&str> = rest.split_ascii_whitespace().take_while(|word| !word.starts_with('#')).collect();
     let numbers = match words[..] {
-        [one] => [single_precision_number(keyword, one)?; 3],
+        [one] => [parse_single_precision(keyword, one)?; 3],
         [r, g, b, ..] if r != "xyz" && r != "spectral" => [
-            single_precision_number(keyword, r)?,
-            single_precision_number(keyword, g)?,
-            single_precision_number(keyword, b)?,
+            parse_single_precision(keyword, r)?,
+            parse_single_precision(keyword, g)?,
+            parse_single_precision(keyword, b)?,
         ],
         _ => return Err((format!("`{keyword}` holds no RGB colour"), "write it as red, green and blue")),
     };
@@ -105,7 +105,7 @@ fn color_or_grey(keyword: &str, rest: &str) -> Result<[f64; 3], Problem> {
 }
 
 /// The path after the options of a map, which are ignored.
-fn without_options(mut rest: &str) -> &str {
+fn skip_map_options(mut rest: &str) -> &str {
     let next = |text: &str| text.split_ascii_whitespace().next().unwrap_or_default().to_owned();
     let after = |text: &'_ str, word: &str| text[word.len()..].trim_start().len();
     loop {

@@ -3,12 +3,12 @@
 //! Each line is checked here, and crate `tobj` parses the valid ones.
 
 mod check;
-mod meaning;
 #[cfg(test)]
 mod tests;
+mod to_description;
 mod write;
 
-use super::mesh::{Loaded, MeshError, check_memory, read};
+use super::mesh::{LoadedMesh, MeshError, check_memory, read_file_bytes};
 use super::problem::without_bom;
 use glam::DVec3;
 use std::collections::{HashMap, HashSet};
@@ -23,7 +23,7 @@ const PER_BYTE: u64 = 100;
 
 /// Material of an MTL file; undefined properties are `None`.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct FileMaterial {
+pub struct MtlMaterial {
     /// Name by which `usemtl` refers to it.
     pub name: String,
     /// Diffuse reflectance (Kd).
@@ -55,17 +55,17 @@ pub struct FileMaterial {
 ///
 /// # Errors
 /// [`MeshError`], which names the file.
-pub fn load(mesh: &Path, libraries: &[String], free: Option<u64>) -> Result<Vec<FileMaterial>, MeshError> {
+pub fn load_libraries(mesh: &Path, libraries: &[String], free: Option<u64>) -> Result<Vec<MtlMaterial>, MeshError> {
     let folder = mesh.parent().unwrap_or(Path::new(""));
-    let mut materials: Vec<FileMaterial> = Vec::new();
+    let mut materials: Vec<MtlMaterial> = Vec::new();
     for library in libraries {
-        let whole = folder.join(portable(library));
+        let whole = folder.join(path_with_slashes(library));
         let paths = match whole.is_file() {
             true => vec![whole],
-            false => library.split_whitespace().map(|part| folder.join(portable(part))).collect(),
+            false => library.split_whitespace().map(|part| folder.join(path_with_slashes(part))).collect(),
         };
         for path in paths {
-            let bytes = read(&path, free).map_err(|e| match e {
+            let bytes = read_file_bytes(&path, free).map_err(|e| match e {
                 MeshError::Missing { path } => MeshError::NoLibrary { path },
                 other => other,
             })?;
@@ -84,9 +84,9 @@ pub fn load(mesh: &Path, libraries: &[String], free: Option<u64>) -> Result<Vec<
 /// # Errors
 ///
 /// [`MeshError`] if a material file is missing or invalid, or if none defines a name.
-pub fn of_mesh(path: &Path, loaded: &Loaded, free: Option<u64>) -> Result<Vec<FileMaterial>, MeshError> {
-    let library = load(path, &loaded.libraries, free)?;
-    let by_name: HashMap<&str, &FileMaterial> = library.iter().map(|m| (m.name.as_str(), m)).collect();
+pub fn load_mesh_materials(path: &Path, loaded: &LoadedMesh, free: Option<u64>) -> Result<Vec<MtlMaterial>, MeshError> {
+    let library = load_libraries(path, &loaded.libraries, free)?;
+    let by_name: HashMap<&str, &MtlMaterial> = library.iter().map(|m| (m.name.as_str(), m)).collect();
     let find = |name: &String| {
         let none = || MeshError::NoMaterial { path: path.into(), name: name.clone() };
         by_name.get(name.as_str()).map(|material| (*material).clone()).ok_or_else(none)
@@ -99,16 +99,16 @@ pub fn of_mesh(path: &Path, loaded: &Loaded, free: Option<u64>) -> Result<Vec<Fi
 /// # Errors
 ///
 /// [`MeshError`].
-pub fn decode(path: &Path, bytes: &[u8]) -> Result<Vec<FileMaterial>, MeshError> {
-    let sound = check::checked_lines(&String::from_utf8_lossy(without_bom(bytes)))
-        .map_err(|(line, wrong)| MeshError::line(path, line, wrong))?;
+pub fn decode(path: &Path, bytes: &[u8]) -> Result<Vec<MtlMaterial>, MeshError> {
+    let sound = check::check_mtl_lines(&String::from_utf8_lossy(without_bom(bytes)))
+        .map_err(|(line, wrong)| MeshError::at_line(path, line, wrong))?;
     let malformed = |source| MeshError::Malformed { path: path.into(), source };
     let (materials, _) = tobj::load_mtl_buf(&mut sound.as_bytes()).map_err(malformed)?;
     let vector = |v: Option<[f64; 3]>| v.map(DVec3::from_array);
     let folder = path.parent().unwrap_or(Path::new(""));
     Ok(materials
         .into_iter()
-        .map(|m| FileMaterial {
+        .map(|m| MtlMaterial {
             diffuse: vector(m.diffuse),
             specular: vector(m.specular),
             emission: vector(m.emissive),
@@ -121,13 +121,13 @@ pub fn decode(path: &Path, bytes: &[u8]) -> Result<Vec<FileMaterial>, MeshError>
             dissolve: m.dissolve,
             index: m.optical_density,
             illumination: m.illumination_model,
-            texture: m.diffuse_texture.map(|picture| folder.join(portable(&picture))),
+            texture: m.diffuse_texture.map(|picture| folder.join(path_with_slashes(&picture))),
             name: m.name,
         })
         .collect())
 }
 
 /// Path with separators that every system accepts.
-fn portable(path: &str) -> PathBuf {
+fn path_with_slashes(path: &str) -> PathBuf {
     PathBuf::from(path.replace('\\', "/"))
 }

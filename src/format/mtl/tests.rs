@@ -1,11 +1,11 @@
 use super::*;
 use crate::format::description::{Attenuation, Emission, MaterialKindDescription};
 
-fn read_text(text: &str) -> Result<Vec<FileMaterial>, MeshError> {
+fn read_text(text: &str) -> Result<Vec<MtlMaterial>, MeshError> {
     decode(Path::new("folder/a.mtl"), text.as_bytes())
 }
 
-fn one(text: &str) -> FileMaterial {
+fn one(text: &str) -> MtlMaterial {
     let materials = read_text(&format!("newmtl m\n{text}")).unwrap();
     assert_eq!(materials.len(), 1);
     materials[0].clone()
@@ -25,7 +25,7 @@ fn every_supported_mtl_line_is_read() {
     let text = "Ka 1 1 1\n Kd .1 .2 .3 # red\nKs 0.5\nKe 1 2 3\r\nTf .9 .8 .7\nNs 20\nNi 1.5\nTr .25\nillum 2\n\
                 map_Kd -s 2 2 -o .5 -clamp on pictures\\a b.png\nmap_bump x\nunknown 1\n";
     let v = DVec3::new;
-    let expected = FileMaterial {
+    let expected = MtlMaterial {
         name: "m".to_owned(),
         diffuse: Some(v(0.1, 0.2, 0.3)),
         specular: Some(v(0.5, 0.5, 0.5)),
@@ -38,7 +38,7 @@ fn every_supported_mtl_line_is_read() {
         texture: Some(PathBuf::from("folder/pictures/a b.png")),
     };
     assert_eq!(one(text), expected);
-    assert_eq!(one(""), FileMaterial { name: "m".to_owned(), ..FileMaterial::default() });
+    assert_eq!(one(""), MtlMaterial { name: "m".to_owned(), ..MtlMaterial::default() });
     let two = read_text("# head\n\nnewmtl a b\nKd 1 1 1\nnewmtl c\nd 1\n").unwrap();
     assert_eq!((two[0].name.as_str(), two[1].name.as_str(), two[1].diffuse), ("a b", "c", None));
     // Some exporters write a negative exponent for no highlight.
@@ -131,15 +131,15 @@ fn mtl_materials_become_scene_materials() {
 fn materials_write_and_read_back() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("out.mtl");
-    let full = FileMaterial {
+    let full = MtlMaterial {
         texture: Some(folder.path().join("pictures/a b.png")),
         ..one("Kd .1 .2 .3\nKs .5\nKe 1e-9 1e20 3\nTf .9 .8 .7\nNs 20.123456789012345\nNi 1.5\nd .1\nillum 2")
     };
     let elsewhere =
-        FileMaterial { name: "n".to_owned(), texture: Some(PathBuf::from("/else/c.png")), ..Default::default() };
+        MtlMaterial { name: "n".to_owned(), texture: Some(PathBuf::from("/else/c.png")), ..Default::default() };
     write(&path, &[full.clone(), elsewhere.clone()]).unwrap();
     assert!(std::fs::read_to_string(&path).unwrap().contains("map_Kd pictures/a b.png\n"));
-    assert_eq!(load(&folder.path().join("x.obj"), &["out.mtl".to_owned()], None).unwrap(), [full, elsewhere]);
+    assert_eq!(load_libraries(&folder.path().join("x.obj"), &["out.mtl".to_owned()], None).unwrap(), [full, elsewhere]);
 }
 
 #[test]
@@ -148,7 +148,8 @@ fn libraries_are_found_beside_the_mesh() {
     let mesh = folder.path().join("x.obj");
     let put = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
     put("a b.mtl", "newmtl m\nKd .1\nnewmtl n\n");
-    let libraries = |names: &[&str]| load(&mesh, &names.iter().map(|n| (*n).to_owned()).collect::<Vec<_>>(), None);
+    let libraries =
+        |names: &[&str]| load_libraries(&mesh, &names.iter().map(|n| (*n).to_owned()).collect::<Vec<_>>(), None);
     assert_eq!(libraries(&["a b.mtl"]).unwrap().len(), 2);
     let error = libraries(&["b.mtl"]).unwrap_err().to_string();
     assert!(error.contains("b.mtl") && error.contains("put it beside the mesh"), "{error}");

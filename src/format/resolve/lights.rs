@@ -7,7 +7,7 @@ use crate::format::description::{
     AreaStrength, DirectionalStrength, EnvironmentRadiance, LightDescription, LightPattern, PointStrength, Span,
     Spanned, TransformStep,
 };
-use crate::image::Meaning;
+use crate::image::PictureContent;
 use crate::light::{EnvironmentLight, IntensityPattern, OrientedSource, Slide, SphericalMap, profile_map};
 use crate::math::Motion;
 use crate::scene::{DeltaLightKind, LightStrength, Material};
@@ -94,7 +94,7 @@ fn make_environment(
             .map_err(|e| r.refuse(span, &e.to_string(), "give a radiance that single precision can hold")),
         EnvironmentRadiance::Picture { path, scale, rotate } => {
             let file = r.file("picture", path)?;
-            let map = r.read_picture(path, &file, Meaning::Light)?;
+            let map = r.read_picture(path, &file, PictureContent::Radiance)?;
             EnvironmentLight::new(map, rotate.to_radians(), Rgb::splat(*scale as f32))
                 .map_err(|e| r.bad_file(path, &e, "repair the picture, or scale it less"))
         }
@@ -109,7 +109,7 @@ fn oriented(
     up: DVec3,
     pattern: &LightPattern,
 ) -> Result<OrientedSource, SceneError> {
-    let read = |path: &Spanned<String>| r.read_picture(path, &r.file("picture", path)?, Meaning::Light);
+    let read = |path: &Spanned<String>| r.read_picture(path, &r.file("picture", path)?, PictureContent::Radiance);
     let (pattern, direction, up) = match pattern {
         LightPattern::Picture { path, angle } => {
             let slide = Slide::new(read(path)?, angle.to_radians());

@@ -50,7 +50,7 @@ fn make_density(r: &Resolver<'_>, described: &Spanned<MediumDescription>) -> Res
         Density::Grid { path, scale, extent } => {
             let file = r.file("grid", path)?;
             let help = "repair the grid or name another; the grid format is described in docs/scene-language.md";
-            let read = grid::read_within(&file, r.memory.free());
+            let read = grid::read_with_memory_limit(&file, r.memory.free());
             let mut grid =
                 read.map_err(|e| r.refuse_file(path, &e, matches!(e, grid::GridError::NoMemory { .. }), help))?;
             for value in &mut grid.values {
@@ -72,7 +72,7 @@ fn make_density(r: &Resolver<'_>, described: &Spanned<MediumDescription>) -> Res
                 seed: u64::from(*seed),
             };
             let size = cells(extent, *resolution);
-            let needed = grid::PER_CELL * size.iter().map(|n| u64::from(*n)).product::<u64>();
+            let needed = grid::BYTES_PER_CELL * size.iter().map(|n| u64::from(*n)).product::<u64>();
             if let Some(free) = r.memory.free().filter(|free| needed > *free) {
                 let message = format!("the cloud takes {} of memory, and {} are free", bytes(needed), bytes(free));
                 let help = "choose a smaller `resolution`, or let the scene have more memory (--memory)";

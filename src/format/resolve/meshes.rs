@@ -6,7 +6,7 @@ use super::{Resolver, rgb};
 use crate::color::Rgb;
 use crate::format::SceneError;
 use crate::format::description::{Emission, MaterialDescription, MaterialKindDescription, MeshOptions, Spanned};
-use crate::format::mesh::{self, Loaded, MeshError, NO_MATERIAL, TriangleMesh};
+use crate::format::mesh::{self, LoadedMesh, MeshError, NO_MATERIAL, TriangleMesh};
 use crate::format::mtl;
 use crate::shape::MappingKind;
 use crate::stats::bytes;
@@ -34,12 +34,12 @@ pub(super) struct Pieces {
 struct Piece {
     mesh: Rc<TriangleMesh>,
     /// The file's own material; `None` for the scene's.
-    own: Option<FileMaterial>,
+    own: Option<MtlMaterial>,
 }
 
 /// A material of a mesh file.
 #[derive(Clone, Debug)]
-pub(super) struct FileMaterial {
+pub(super) struct MtlMaterial {
     name: Rc<str>,
     index: u32,
     emission: Rgb,
@@ -126,20 +126,20 @@ fn mesh_pieces(r: &mut Resolver<'_>, path: &Spanned<String>, options: MeshOption
         return Ok(pieces.clone());
     }
     let loaded = match r.assets.meshes.get(path.as_str()) {
-        Some(mesh) => Ok(Loaded { mesh: (**mesh).clone(), ..Loaded::default() }),
-        None => mesh::load_within(&file, r.monitor, r.memory.free()),
+        Some(mesh) => Ok(LoadedMesh { mesh: (**mesh).clone(), ..LoadedMesh::default() }),
+        None => mesh::load_with_memory_limit(&file, r.monitor, r.memory.free()),
     };
     let mut loaded = loaded.map_err(|e| r.refuse_file(path, &e, matches!(e, MeshError::Memory { .. }), REPAIR))?;
     if no_normals {
         loaded.mesh.normals = None;
     }
     if let Some(angle) = smooth_angle {
-        loaded.mesh.smooth(angle);
+        loaded.mesh.compute_smooth_normals(angle);
     }
     let mut list = Vec::new();
     if own_materials && !loaded.mesh.materials.is_empty() {
         let own = mesh_materials(r, path, &file, &loaded)?;
-        for (number, part) in loaded.mesh.parts() {
+        for (number, part) in loaded.mesh.split_by_material() {
             let own = own.get(number as usize).cloned().filter(|_| number != NO_MATERIAL);
             list.push(Piece { mesh: Rc::new(part), own });
         }
@@ -156,12 +156,12 @@ fn mesh_materials(
     r: &mut Resolver<'_>,
     path: &Spanned<String>,
     file: &Path,
-    loaded: &Loaded,
-) -> Result<Rc<Vec<FileMaterial>>, SceneError> {
+    loaded: &LoadedMesh,
+) -> Result<Rc<Vec<MtlMaterial>>, SceneError> {
     if let Some(own) = r.own_materials.get(file) {
         return Ok(own.clone());
     }
-    let library = mtl::of_mesh(file, loaded, r.memory.free());
+    let library = mtl::load_mesh_materials(file, loaded, r.memory.free());
     let library = library.map_err(|e| r.refuse_file(path, &e, matches!(e, MeshError::Memory { .. }), REPAIR))?;
     let mut own = Vec::with_capacity(library.len());
     for found in library {
@@ -179,7 +179,7 @@ fn own_material(
     r: &mut Resolver<'_>,
     path: &Spanned<String>,
     mut meaning: MaterialDescription,
-) -> Result<FileMaterial, SceneError> {
+) -> Result<MtlMaterial, SceneError> {
     if let MaterialKindDescription::Phong { texture: Some(picture), .. } = &mut meaning.kind {
         picture.span = path.span;
     }
@@ -193,5 +193,5 @@ fn own_material(
         Some(Emission::Radiance(radiance)) => rgb(radiance),
         _ => Rgb::ZERO,
     };
-    Ok(FileMaterial { name: meaning.name.unwrap_or_default().into(), index, emission })
+    Ok(MtlMaterial { name: meaning.name.unwrap_or_default().into(), index, emission })
 }

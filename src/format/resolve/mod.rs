@@ -16,7 +16,7 @@ use super::description::{
 };
 use super::error::MAX_ERRORS;
 use super::import::Assets;
-use super::mesh::{ReadMonitor, TriangleMesh};
+use super::mesh::{MeshReadMonitor, TriangleMesh};
 use super::{SceneError, SourceText};
 use crate::color::Rgb;
 use crate::math::{Motion, MotionStep, Transform};
@@ -53,7 +53,7 @@ pub fn resolve_watched(
     description: &Description,
     source: &SourceText,
     folder: &Path,
-    monitor: &dyn ReadMonitor,
+    monitor: &dyn MeshReadMonitor,
     memory: Memory,
 ) -> Result<Scene, SceneError> {
     resolve_assets(description, source, folder, &Assets::default(), monitor, memory)
@@ -68,7 +68,7 @@ pub(super) fn resolve_assets(
     source: &SourceText,
     folder: &Path,
     assets: &Assets,
-    monitor: &dyn ReadMonitor,
+    monitor: &dyn MeshReadMonitor,
     memory: Memory,
 ) -> Result<Scene, SceneError> {
     let camera = camera::camera(description, source)?;
@@ -128,14 +128,14 @@ struct Resolver<'a> {
     media: HashMap<&'a str, (u32, Medium)>,
     /// Texture coordinates that each material needs.
     texture_needs: Vec<TextureNeeds>,
-    monitor: &'a dyn ReadMonitor,
+    monitor: &'a dyn MeshReadMonitor,
     memory: Memory,
     /// Triangles so far that hierarchies will be built over.
     triangles: u64,
     /// Meshes that were read, by file and options.
     meshes: HashMap<meshes::MeshKey, Rc<meshes::Pieces>>,
     /// Materials of mesh files, in the order in which the meshes name them.
-    own_materials: HashMap<PathBuf, Rc<Vec<meshes::FileMaterial>>>,
+    own_materials: HashMap<PathBuf, Rc<Vec<meshes::MtlMaterial>>>,
     /// Number of objects that name each mesh path.
     uses: HashMap<&'a str, usize>,
     /// Shared copies, by mesh.

@@ -7,7 +7,7 @@ use crate::format::description::{
     self, CoordinatesDescription, MaterialDescription, MaterialKindDescription, Pattern, PictureEncoding, Spanned,
     TextureKindDescription, TexturedValue, TransformStep, Wrap,
 };
-use crate::image::{self, Image, Meaning};
+use crate::image::{self, Image, PictureContent};
 use crate::math::Transform;
 use crate::scene::{NormalPerturbation, Textured};
 use crate::texture::{self, Checker, Picture, Solid, SolidKind, Texture};
@@ -93,8 +93,8 @@ impl<'a> Resolver<'a> {
             path,
             &file,
             match encoding {
-                PictureEncoding::Srgb => Meaning::Light,
-                PictureEncoding::Linear => Meaning::Numbers,
+                PictureEncoding::Srgb => PictureContent::Radiance,
+                PictureEncoding::Linear => PictureContent::Data,
             },
         )?;
         let picture = Picture::new(&image, wrap)
@@ -106,7 +106,7 @@ impl<'a> Resolver<'a> {
         &self,
         path: &Spanned<String>,
         file: &Path,
-        meaning: Meaning,
+        meaning: PictureContent,
     ) -> Result<Image, SceneError> {
         let help = "repair the picture or name another: PNG, OpenEXR or Radiance HDR";
         if let Some(picture) = self.assets.pictures.get(path.as_str()) {

@@ -54,7 +54,7 @@ impl Default for FlipOptions {
 
 /// Visible difference of two pictures.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Flip {
+pub struct FlipResult {
     /// Error of each pixel from 0 (equal) to 1, in rows from the top.
     pub map: Vec<f32>,
     /// Mean over pixels.
@@ -67,7 +67,7 @@ pub struct Flip {
 ///
 /// # Errors
 /// [`MetricError`] if the sizes differ, a pixel is not finite, or an option is out of range.
-pub fn flip(reference: &Image, test: &Image, options: &FlipOptions) -> Result<Flip, MetricError> {
+pub fn flip(reference: &Image, test: &Image, options: &FlipOptions) -> Result<FlipResult, MetricError> {
     check_pair(reference, test)?;
     let value = options.pixels_per_degree;
     if !PIXELS_PER_DEGREE_RANGE.contains(&value) {
@@ -93,7 +93,7 @@ pub fn flip(reference: &Image, test: &Image, options: &FlipOptions) -> Result<Fl
         }
     }
     let mean = map.iter().map(|&e| f64::from(e)).sum::<f64>() / map.len() as f64;
-    Ok(Flip { map, mean })
+    Ok(FlipResult { map, mean })
 }
 
 /// A picture in opponent channels: luminance, red-green, blue-yellow.

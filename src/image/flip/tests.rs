@@ -26,20 +26,20 @@ fn bright(x: i32, y: i32) -> [f32; 3] {
     smooth(x, y).map(|c| (c + 0.0625) * lamp)
 }
 
-fn ldr(a: &Image, b: &Image) -> Flip {
+fn ldr(a: &Image, b: &Image) -> FlipResult {
     flip(a, b, &FlipOptions::default()).unwrap()
 }
 
 /// Asserts bitwise equality.
 #[track_caller]
-fn same(a: &Flip, b: &Flip) {
+fn same(a: &FlipResult, b: &FlipResult) {
     assert!(a == b, "means {} and {}", a.mean, b.mean);
 }
 
 /// Asserts the mean, and the errors of three pixels: the largest, column 30 of row 20, and the
 /// first.
 #[track_caller]
-fn expect(found: &Flip, mean: f64, [largest, inside, first]: [f32; 3]) {
+fn expect(found: &FlipResult, mean: f64, [largest, inside, first]: [f32; 3]) {
     // The authors' program computes in f32. Roots of small features amplify its rounding to about
     // 1e-4.
     assert!((found.mean - mean).abs() < 2e-5, "{} instead of {mean}", found.mean);

@@ -1,7 +1,7 @@
 use super::*;
 use crate::image::ToneMap;
 
-fn options(curve: Curve, depth: BitDepth) -> WriteOptions {
+fn options(curve: ToneCurve, depth: BitDepth) -> WriteOptions {
     WriteOptions { tone: ToneMap { curve, exposure_stops: 0.0 }, depth, ..WriteOptions::default() }
 }
 
@@ -20,7 +20,7 @@ fn failure<T>(result: Result<T, DecodeFailure>) -> String {
 
 #[test]
 fn eight_bit_levels_are_read_back() {
-    let (file, report) = encode(&ramp(), &options(Curve::Course, BitDepth::Eight)).unwrap();
+    let (file, report) = encode(&ramp(), &options(ToneCurve::Course, BitDepth::Eight)).unwrap();
     let bytes = decoded(read_bytes(&file));
     for (i, rgb) in bytes.pixels().iter().enumerate() {
         let up = (255.0 * (i as f32 / 34.0)) as u8;
@@ -33,7 +33,7 @@ fn eight_bit_levels_are_read_back() {
 #[test]
 fn reading_undoes_the_srgb_curve_to_half_a_level() {
     for (depth, levels) in [(BitDepth::Eight, 255.0), (BitDepth::Sixteen, 65_535.0)] {
-        let (file, _) = encode(&ramp(), &options(Curve::Srgb, depth)).unwrap();
+        let (file, _) = encode(&ramp(), &options(ToneCurve::Srgb, depth)).unwrap();
         let image = decoded(read(&file, None));
         // The slope of the decoding curve is at most 2.4 / 1.055 = 2.275. Rounding adds 2⁻²⁴.
         let bound = (0.5 / levels * 2.275 + f64::from(f32::EPSILON)) as f32;
@@ -45,7 +45,7 @@ fn reading_undoes_the_srgb_curve_to_half_a_level() {
 
 #[test]
 fn only_the_course_curve_omits_srgb() {
-    for (curve, stated) in [(Curve::Srgb, true), (Curve::Filmic, true), (Curve::Course, false)] {
+    for (curve, stated) in [(ToneCurve::Srgb, true), (ToneCurve::Filmic, true), (ToneCurve::Course, false)] {
         let (file, _) = encode(&ramp(), &options(curve, BitDepth::Eight)).unwrap();
         assert_eq!(file.windows(4).any(|w| w == b"sRGB"), stated, "{curve}");
         assert!(!file.windows(4).any(|w| w == b"gAMA"), "{curve}");
@@ -54,7 +54,7 @@ fn only_the_course_curve_omits_srgb() {
 
 #[test]
 fn metadata_is_stored_as_text() {
-    let mut options = options(Curve::Srgb, BitDepth::Eight);
+    let mut options = options(ToneCurve::Srgb, BitDepth::Eight);
     options.metadata = vec![("Seed".into(), "42".into()), ("Scene".into(), "Glas-Ω".into())];
     let (file, _) = encode(&ramp(), &options).unwrap();
     let reader = Decoder::new(Cursor::new(&file)).read_info().unwrap();
@@ -99,7 +99,7 @@ fn crc32(bytes: &[u8]) -> u32 {
 
 #[test]
 fn damaged_files_are_errors() {
-    let (file, _) = encode(&ramp(), &options(Curve::Srgb, BitDepth::Eight)).unwrap();
+    let (file, _) = encode(&ramp(), &options(ToneCurve::Srgb, BitDepth::Eight)).unwrap();
     for cut in 8..file.len() - 13 {
         assert!(read(&file[..cut], None).is_err(), "cut at {cut}");
     }

@@ -12,7 +12,7 @@ fn a_failed_write_leaves_only_the_old_file() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.png");
     replace_file(&path, b"old").unwrap();
-    let failed = replace_with(&path, |file| {
+    let failed = replace_file_with(&path, |file| {
         file.write_all(b"new but cut sh")?;
         Err(io::Error::other("disk full"))
     });

@@ -16,16 +16,16 @@ fn sphere(i: u64) -> Vec3 {
     warp::square_to_uniform_sphere(key(i).uniform_2d(Dimension::LightDirection))
 }
 
-fn beam(start: Vec3, direction: Vec3, length: f32) -> Beam {
-    Beam::new(start, direction, length, Rgb::ONE, 0, 0).unwrap()
+fn beam(start: Vec3, direction: Vec3, length: f32) -> PhotonBeam {
+    PhotonBeam::new(start, direction, length, Rgb::ONE, 0, 0).unwrap()
 }
 
 /// Beams in a cube around `middle`, identified by their medium: short and long, some along axes.
-fn random(n: u64, size: f32, middle: Vec3) -> Vec<Beam> {
+fn random(n: u64, size: f32, middle: Vec3) -> Vec<PhotonBeam> {
     let one = |i: u64| {
         let direction = if i.is_multiple_of(5) { [Vec3::X, -Vec3::Y, Vec3::Z][i as usize / 5 % 3] } else { sphere(i) };
         let length = size * [0.003, 0.3, 2.0][i as usize % 3];
-        Beam { medium: i as u32, ..beam(middle + (place(i) - 0.5) * size, direction, length) }
+        PhotonBeam { medium: i as u32, ..beam(middle + (place(i) - 0.5) * size, direction, length) }
     };
     (0..n).map(one).collect()
 }
@@ -39,7 +39,7 @@ fn test_rays(n: u64, size: f32, middle: Vec3) -> impl Iterator<Item = Ray> {
     })
 }
 
-fn found(map: &BeamMap, ray: &Ray) -> Vec<(u32, u32)> {
+fn found(map: &PhotonBeamMap, ray: &Ray) -> Vec<(u32, u32)> {
     let mut all = Vec::new();
     map.visit(ray, |beam, crossing| all.push((beam.medium, crossing.weight.to_bits())));
     all
@@ -52,14 +52,15 @@ fn queries_match_a_linear_scan() {
     {
         for part in [1e-4f32, 0.01, 0.3] {
             let (beams, radius) = (random(3001, size, middle), part * size);
-            let map = BeamMap::build(beams.clone(), radius);
+            let map = PhotonBeamMap::build(beams.clone(), radius);
             assert!((map.len(), map.radius()) == (3001, radius));
             let mut count = 0;
             for ray in test_rays(60, size, middle) {
                 let mut all = found(&map, &ray);
                 all.sort_unstable();
-                let scan =
-                    |b: &Beam| BeamIntersection::new(&ray, b, radius.into()).map(|c| (b.medium, c.weight.to_bits()));
+                let scan = |b: &PhotonBeam| {
+                    BeamIntersection::new(&ray, b, radius.into()).map(|c| (b.medium, c.weight.to_bits()))
+                };
                 let expected: Vec<(u32, u32)> = beams.iter().filter_map(scan).collect();
                 assert_eq!(all, expected, "{size} {radius}");
                 count += all.len();
@@ -75,7 +76,7 @@ fn queries_match_a_linear_scan() {
 fn cut_beams_are_visited_once() {
     let radius = 0.02;
     let beams = random(900, 1.0, Vec3::splat(30.0));
-    let map = BeamMap::build(beams.clone(), radius);
+    let map = PhotonBeamMap::build(beams.clone(), radius);
     let mut count = 0;
     for (i, piece) in (0..).zip(cut_into_pieces(&beams, piece_length(&beams, radius))) {
         let beam = &beams[piece.beam as usize];
@@ -140,7 +141,7 @@ fn beam_kernel_has_unit_integral() {
 fn beam_and_ray_ends_are_respected() {
     let ray = Ray { origin: Vec3::ZERO, direction: Vec3::X, t_max: 2.0 };
     let meets = |x: f32, from: f32, to: f32| {
-        let map = BeamMap::build(vec![beam(Vec3::new(x, from, 0.01), Vec3::Y, to - from)], 0.1);
+        let map = PhotonBeamMap::build(vec![beam(Vec3::new(x, from, 0.01), Vec3::Y, to - from)], 0.1);
         let all = found(&map, &ray).len();
         assert!(all <= 1);
         all == 1
@@ -167,7 +168,7 @@ fn nearly_parallel_lines_have_finite_weight() {
 
 #[test]
 fn invalid_beams_are_rejected() {
-    let new = |start, direction, length, flux| Beam::new(start, direction, length, flux, 0, 0).is_some();
+    let new = |start, direction, length, flux| PhotonBeam::new(start, direction, length, flux, 0, 0).is_some();
     assert!(new(Vec3::ZERO, Vec3::Z, 1.0, Rgb::X));
     for flux in [Rgb::ZERO, Rgb::NAN, Rgb::INFINITY, Rgb::new(-1.0, 2.0, 0.0)] {
         assert!(!new(Vec3::ZERO, Vec3::Z, 1.0, flux));
@@ -179,12 +180,12 @@ fn invalid_beams_are_rejected() {
         assert!(!new(vector, Vec3::Z, 1.0, Rgb::ONE) && !new(Vec3::ZERO, vector, 1.0, Rgb::ONE));
     }
     assert!(!new(Vec3::ZERO, Vec3::ZERO, 1.0, Rgb::ONE));
-    let bad = Beam { length: f32::NAN, ..beam(Vec3::ZERO, Vec3::X, 1.0) };
+    let bad = PhotonBeam { length: f32::NAN, ..beam(Vec3::ZERO, Vec3::X, 1.0) };
     let ray = Ray::new(Vec3::NEG_Y, Vec3::Y);
     for radius in [0.0, -1.0, f32::NAN] {
-        assert!(found(&BeamMap::build(random(100, 1.0, Vec3::ZERO), radius), &ray).is_empty());
+        assert!(found(&PhotonBeamMap::build(random(100, 1.0, Vec3::ZERO), radius), &ray).is_empty());
     }
-    let map = BeamMap::build(vec![bad], 1.0);
+    let map = PhotonBeamMap::build(vec![bad], 1.0);
     assert!(map.is_empty() && found(&map, &ray).is_empty());
 }
 
@@ -197,7 +198,7 @@ fn beam_map_is_small_and_thread_independent() {
     }
     let with = |n| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
-        let map = pool.install(|| BeamMap::build(random(5000, 1.0, Vec3::ZERO), 0.01));
+        let map = pool.install(|| PhotonBeamMap::build(random(5000, 1.0, Vec3::ZERO), 0.01));
         test_rays(30, 1.0, Vec3::ZERO).map(|ray| found(&map, &ray)).collect::<Vec<_>>()
     };
     assert_eq!(with(1), with(3));
@@ -227,9 +228,9 @@ fn collimated_beam_radiance_is_exact() {
         let one = |i: u64| {
             let u = key(run * n + i).uniform_2d(Dimension::LightPosition);
             let start = Vec3::new(u.x * (across as f32 + 1.0) - 0.5, u.y - 0.5, 0.0);
-            Beam::new(start, Vec3::Z, 3.0, Rgb::splat(flux), 0, 0).unwrap()
+            PhotonBeam::new(start, Vec3::Z, 3.0, Rgb::splat(flux), 0, 0).unwrap()
         };
-        let map = BeamMap::build((0..n).map(one).collect(), 0.1);
+        let map = PhotonBeamMap::build((0..n).map(one).collect(), 0.1);
         let mut sum = 0.0;
         map.visit(&ray, |beam, c| {
             let transmittance = libm::exp(-extinction * (f64::from(c.t) + f64::from(c.s)));
@@ -255,12 +256,12 @@ fn isotropic_chords_give_mean_fluence() {
             let (a, b) = direction.any_orthonormal_pair();
             let p = warp::square_to_uniform_disc(key(run * n + i).uniform_2d(Dimension::LightPosition));
             let half = (1.0 - p.length_squared()).max(0.0).sqrt();
-            Beam::new(a * p.x + b * p.y - direction * half, direction, 2.0 * half, Rgb::ONE, 0, 0)
+            PhotonBeam::new(a * p.x + b * p.y - direction * half, direction, 2.0 * half, Rgb::ONE, 0, 0)
         };
-        let beams: Vec<Beam> = (0..n).filter_map(one).collect();
+        let beams: Vec<PhotonBeam> = (0..n).filter_map(one).collect();
         lengths += beams.iter().map(|b| f64::from(b.length)).sum::<f64>() / runs as f64;
         let mut sum = 0.0;
-        BeamMap::build(beams, 0.05).visit(&ray, |_, c| sum += f64::from(c.weight));
+        PhotonBeamMap::build(beams, 0.05).visit(&ray, |_, c| sum += f64::from(c.weight));
         sums.push(sum);
     }
     // Chords of a ball of radius 1 are 4/3 long in the mean, with deviation √2/3 each.

@@ -31,7 +31,7 @@ fn directional_light_reaches_unbounded_planes() {
     let scene = builder.build(eye).unwrap();
     // As far as the farther plane, with room.
     assert!(scene.domain().radius >= 3.0);
-    let source = PhotonSource::everywhere(&scene).unwrap();
+    let source = PhotonSource::in_all_directions(&scene).unwrap();
     let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::ALL, max_bounces: 0 };
     let photons = pass.trace(Key::new(1), 4096, &|_| {}).deposits.photons;
     let on = |axis: usize, at: f32| photons.iter().any(|p| (p.position[axis] - at).abs() < 1e-3);
@@ -42,7 +42,7 @@ fn directional_light_reaches_unbounded_planes() {
 fn distant_planes_shadow_parallel_light() {
     for (height, shaded) in [(1.0, true), (100.0, true), (1e6, true), (-1.0, false)] {
         let scene = sun_over_ball(height);
-        let source = PhotonSource::everywhere(&scene).unwrap();
+        let source = PhotonSource::in_all_directions(&scene).unwrap();
         let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::ALL, max_bounces: 0 };
         let photons = pass.trace(Key::new(1), 4096, &|_| {}).deposits.photons;
         let on_ball = photons.iter().filter(|p| p.position.length() < 0.6).count();

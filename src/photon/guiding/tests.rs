@@ -72,7 +72,7 @@ const BOUNCES: u32 = 2;
 
 fn guided<'a>(scene: &'a Scene, visible: &VisiblePointMap) -> (PhotonSource<'a>, GuidingReport) {
     let pilot = GuidingPilot { mask: WANTS, max_bounces: BOUNCES, visible, paths: 1 << 16, seed: 11 };
-    PhotonSource::everywhere(scene).unwrap().guided(&pilot)
+    PhotonSource::in_all_directions(scene).unwrap().guided(&pilot)
 }
 
 fn pass<'a>(scene: &'a Scene, source: &'a PhotonSource<'a>) -> PhotonPass<'a> {
@@ -135,7 +135,7 @@ fn fluxes(scene: &Scene, source: &PhotonSource<'_>) -> [Mean; 4] {
 #[test]
 fn guiding_is_unbiased() {
     for (name, scene) in halls() {
-        let plain = PhotonSource::everywhere(&scene).unwrap();
+        let plain = PhotonSource::in_all_directions(&scene).unwrap();
         let (guided, report) = guided(&scene, &visible(&scene));
         assert!(report.useful > 0.0 && report.gain > 1.0, "{name} has something to learn: {report:?}");
         let (before, after) = (fluxes(&scene, &plain), fluxes(&scene, &guided));
@@ -162,8 +162,8 @@ fn aiming_and_guiding_together_are_unbiased() {
     });
     let visible = visible(&scene);
     let pilot = GuidingPilot { mask: StoreMask::CAUSTIC, max_bounces: 20, visible: &visible, paths: 1 << 15, seed: 1 };
-    let plain = PhotonSource::aimed(&scene).unwrap();
-    let (guided, report) = PhotonSource::aimed(&scene).unwrap().guided(&pilot);
+    let plain = PhotonSource::aimed_at_casters(&scene).unwrap();
+    let (guided, report) = PhotonSource::aimed_at_casters(&scene).unwrap().guided(&pilot);
     let flux = |source: &PhotonSource<'_>| {
         let pass = PhotonPass { scene: &scene, source, mask: StoreMask::CAUSTIC, max_bounces: 20 };
         let corner = placed(&scene, DVec3::new(6.0, 0.5, 6.0));
@@ -190,7 +190,7 @@ fn aiming_and_guiding_together_are_unbiased() {
 fn guiding_reduces_visible_variance() {
     let scene = spot();
     let (guided, _) = guided(&scene, &visible(&scene));
-    let plain = PhotonSource::everywhere(&scene).unwrap();
+    let plain = PhotonSource::in_all_directions(&scene).unwrap();
     let variance = |source: &PhotonSource<'_>| {
         let mut means = vec![Mean::default(); 1600];
         for i in 0..24 {
@@ -243,7 +243,7 @@ fn blind_pilot_leaves_source_unguided() {
         for visible in [VisiblePointMap::new(below, 0.1), VisiblePointMap::new([], 0.1)] {
             let (guided, report) = guided(&scene, &visible);
             assert_eq!((report.useful, report.gain), (0.0, 1.0), "{name}");
-            let plain = PhotonSource::everywhere(&scene).unwrap();
+            let plain = PhotonSource::in_all_directions(&scene).unwrap();
             for i in 0..1000 {
                 let bits = |s: &PhotonSource<'_>| s.emit::<InteriorStack>(key(1), i, 1000).map(|(w, f)| (w.ray, f));
                 assert_eq!(bits(&guided), bits(&plain), "{name}");
@@ -260,7 +260,7 @@ fn guiding_is_deterministic() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
             let pilot = GuidingPilot { mask: WANTS, max_bounces: BOUNCES, visible: &visible, paths: 1 << 15, seed };
-            let (source, report) = PhotonSource::everywhere(&scene).unwrap().guided(&pilot);
+            let (source, report) = PhotonSource::in_all_directions(&scene).unwrap().guided(&pilot);
             let emit = |i| source.emit::<InteriorStack>(key(0), i, 1000).map(|(w, f)| (w.ray, f));
             (report, (0..1000).map(emit).collect::<Vec<_>>())
         })

@@ -43,7 +43,7 @@ fn queries_match_a_linear_scan() {
             // An odd number leaves a packet with vacancies.
             let photons = random(5003, |i| middle + (place(i) - 0.5) * size);
             let radius = part * size;
-            let map = PointMap::build(photons.clone(), radius);
+            let map = VolumePhotonMap::build(photons.clone(), radius);
             assert!((map.len(), map.radius()) == (5003, radius));
             let mut count = 0;
             for i in 1_000_000..1_000_100u64 {
@@ -60,7 +60,7 @@ fn queries_match_a_linear_scan() {
     }
 }
 
-fn check_line(map: &PointMap, photons: &[VolumePhoton], ray: &Ray) {
+fn check_line(map: &VolumePhotonMap, photons: &[VolumePhoton], ray: &Ray) {
     let (r, d) = (f64::from(map.radius()), ray.direction.as_dvec3());
     let mut expected = Vec::new();
     for p in photons {
@@ -89,7 +89,7 @@ fn check_line(map: &PointMap, photons: &[VolumePhoton], ray: &Ray) {
     }
 }
 
-fn check_place(map: &PointMap, photons: &[VolumePhoton], place: Vec3) -> usize {
+fn check_place(map: &VolumePhotonMap, photons: &[VolumePhoton], place: Vec3) -> usize {
     let r = f64::from(map.radius());
     let x2 = |p: &VolumePhoton| (p.position.as_dvec3() - place.as_dvec3()).length_squared() / (r * r);
     let mut found = Vec::new();
@@ -109,17 +109,17 @@ fn check_place(map: &PointMap, photons: &[VolumePhoton], place: Vec3) -> usize {
 #[test]
 fn degenerate_point_maps_work() {
     let ray = Ray::new(Vec3::NEG_Z, Vec3::Z);
-    let count = |map: &PointMap| {
+    let count = |map: &VolumePhotonMap| {
         let (mut line, mut ball) = (0, 0);
         map.visit(&ray, |_, _, _, _, _| line += 1);
         map.around(Vec3::ZERO, |_, _, _| ball += 1);
         (line, ball)
     };
-    assert!(PointMap::build(Vec::new(), 1.0).is_empty());
-    assert_eq!(count(&PointMap::build(Vec::new(), 1.0)), (0, 0));
-    assert_eq!(count(&PointMap::build(random(50_000, |_| Vec3::ZERO), 0.1)), (50_000, 50_000));
+    assert!(VolumePhotonMap::build(Vec::new(), 1.0).is_empty());
+    assert_eq!(count(&VolumePhotonMap::build(Vec::new(), 1.0)), (0, 0));
+    assert_eq!(count(&VolumePhotonMap::build(random(50_000, |_| Vec3::ZERO), 0.1)), (50_000, 50_000));
     for radius in [0.0, -1.0, f32::NAN] {
-        assert_eq!(count(&PointMap::build(random(10, |_| Vec3::ZERO), radius)), (0, 0), "{radius}");
+        assert_eq!(count(&VolumePhotonMap::build(random(10, |_| Vec3::ZERO), radius)), (0, 0), "{radius}");
     }
 }
 
@@ -128,7 +128,7 @@ fn point_map_is_thread_independent() {
     let ray = Ray::new(Vec3::new(0.1, 0.2, -1.0), Vec3::new(0.36, 0.48, 0.8));
     let with = |n| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(n).build().unwrap();
-        let map = pool.install(|| PointMap::build(random(20_000, |i| place(i % 6000)), 0.1));
+        let map = pool.install(|| VolumePhotonMap::build(random(20_000, |i| place(i % 6000)), 0.1));
         let mut all = Vec::new();
         map.visit(&ray, |p, _, _, _, _| all.push(p.medium));
         all
@@ -169,7 +169,7 @@ fn collimated_beam_radiance_is_exact() {
             let at = Vec3::new(u.x * wide - 0.1, (u.y - 0.5) * high, fall as f32);
             VolumePhoton::new(at, Rgb::splat(power), Vec3::Z, 0, 0).unwrap()
         };
-        let map = PointMap::build((0..n).map(one).collect(), radius);
+        let map = VolumePhotonMap::build((0..n).map(one).collect(), radius);
         let part = |p: &VolumePhoton, t: f64, weight: f32| {
             let scattered = f64::from(p.flux().x) * scattering / extinction / (4.0 * PI);
             scattered * libm::exp(-extinction * t) * f64::from(weight)

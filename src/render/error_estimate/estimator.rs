@@ -5,7 +5,7 @@ use super::confidence::Confidence;
 use super::effective_samples::EffectiveSamples;
 use super::estimate::ErrorEstimate;
 use super::fireflies::Fireflies;
-use super::forecast::Forecast;
+use super::forecast::ErrorForecast;
 use super::shared_paths::SharedPaths;
 use crate::image::RelativeScale;
 use crate::integrate::{Discs, NestedEstimates, Pass, RadiusLaw};
@@ -79,7 +79,7 @@ impl ErrorEstimator {
     pub fn add(&mut self, film: &Film, pass: &Pass) {
         let n = f64::from(self.passes);
         self.deviations.resize(pass.image.len(), DVec3::ZERO);
-        for ((sum, value), before) in self.deviations.iter_mut().zip(&pass.image).zip(film.means()) {
+        for ((sum, value), before) in self.deviations.iter_mut().zip(&pass.image).zip(film.pixel_means()) {
             if n > 0.0 {
                 let delta = value.as_dvec3() - before;
                 *sum += delta * delta * (n / (n + 1.0));
@@ -87,7 +87,7 @@ impl ErrorEstimator {
         }
         // The scale gains little from every single pass; doubling intervals keep its cost low.
         if self.passes.is_power_of_two() {
-            self.scale = Some(RelativeScale::of_pixels(film.size(), &film.mean()));
+            self.scale = Some(RelativeScale::from_pixels(film.size(), &film.mean()));
         }
         let weights = self.scale.as_ref().map_or(&[][..], RelativeScale::weights);
         // The relative squared error of a pixel of the mean is at most 1, that of one pass at most
@@ -107,12 +107,12 @@ impl ErrorEstimator {
     /// All numbers are infinite before [`MIN_PASSES`] passes.
     #[must_use]
     pub fn estimate(&self, film: &Film) -> ErrorEstimate {
-        self.estimate_with(film, Confidence::default())
+        self.estimate_with_confidence(film, Confidence::default())
     }
 
     /// Like [`Self::estimate`], with an interval of the given confidence.
     #[must_use]
-    pub fn estimate_with(&self, film: &Film, confidence: Confidence) -> ErrorEstimate {
+    pub fn estimate_with_confidence(&self, film: &Film, confidence: Confidence) -> ErrorEstimate {
         let passes = self.passes;
         if passes < MIN_PASSES {
             let unknown = f64::INFINITY;
@@ -120,7 +120,7 @@ impl ErrorEstimator {
             return ErrorEstimate { passes, error, low, high, noise, bias, ..ErrorEstimate::default() };
         }
         let n = f64::from(passes);
-        let scale = RelativeScale::of_pixels(film.size(), &film.mean());
+        let scale = RelativeScale::from_pixels(film.size(), &film.mean());
         let mut fireflies = Fireflies::default();
         let fraction = 1.0 / scale.weights().len() as f64;
         let noise2 = self.deviations.iter().zip(scale.weights()).map(|(deviation, weight)| {
@@ -162,9 +162,9 @@ impl ErrorEstimator {
 
     /// Predicts the error of later passes from `estimate`; `None` before [`MIN_PASSES`] passes.
     #[must_use]
-    pub fn forecast(&self, estimate: &ErrorEstimate) -> Option<Forecast> {
+    pub fn forecast(&self, estimate: &ErrorEstimate) -> Option<ErrorForecast> {
         let law = self.law.map(|law| (law.alpha, law.kernel.step_noise()));
-        estimate.error.is_finite().then(|| Forecast::new(estimate, law))
+        estimate.error.is_finite().then(|| ErrorForecast::new(estimate, law))
     }
 
     /// Error of each pixel of `film`.

@@ -31,7 +31,7 @@ pub enum PassesNeeded {
 /// that of photon estimates as Σ(1/aᵢ)/n². The noise of D₀ tells how large the second part is. Blur
 /// follows the mean of aᵢ^p with the measured power p. Fireflies follow `Fireflies::after`.
 #[derive(Clone, Copy, Debug)]
-pub struct Forecast {
+pub struct ErrorForecast {
     alpha: f64,
     /// Relative variance of a pass that does not depend on discs, without fireflies.
     path_variance: f64,
@@ -47,7 +47,7 @@ pub struct Forecast {
     passes: f64,
 }
 
-impl Forecast {
+impl ErrorForecast {
     /// Extrapolates `estimate`; `law` holds α and the relative noise of D₀ of the kernel.
     pub(super) fn new(estimate: &ErrorEstimate, law: Option<(f64, f32)>) -> Self {
         let n = f64::from(estimate.passes);
@@ -100,7 +100,7 @@ impl Forecast {
 
     /// Least number of passes with an error of at most `target`; exact to 1 % above 1024 passes.
     #[must_use]
-    pub fn passes_to(&self, target: f64) -> PassesNeeded {
+    pub fn passes_to_reach(&self, target: f64) -> PassesNeeded {
         let floor = if self.alpha < 1.0 { self.shared_paths } else { self.blur.hypot(self.shared_paths) };
         if floor >= target {
             return PassesNeeded::Never { floor };

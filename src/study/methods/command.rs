@@ -23,7 +23,7 @@ impl StudySubject {
             words.extend(["--size".to_owned(), format!("{width}x{height}")]);
         }
         words.extend(variant.flags.iter().cloned());
-        words.extend(["--seed".to_owned(), variant.settings.eye.seed.to_string()]);
+        words.extend(["--seed".to_owned(), variant.settings.camera_paths.seed.to_string()]);
         words.extend(["--passes".to_owned(), passes.to_string()]);
         words.extend(["-o".to_owned(), format!("{}.exr", file_name(&variant.label))]);
         shell_quoted(&words)
@@ -58,7 +58,7 @@ mod tests {
     #[test]
     fn a_command_survives_a_shell() {
         let mut settings = Settings::default();
-        settings.eye.seed = 7;
+        settings.camera_paths.seed = 7;
         let flags = ["--integrator", "sppm", "--gather-k", "20"].map(str::to_owned).to_vec();
         let variant = Variant { label: "sppm --gather-k 20".into(), algorithm: Algorithm::Sppm, settings, flags };
         let subject = |scene: &str| StudySubject { scene: scene.into(), size: Some((4, 3)), command: String::new() };

@@ -99,8 +99,8 @@ impl<'a> MethodStudy<'a> {
             let (algorithm, settings) = (variant.algorithm, variant.settings.clone());
             let make = move |seed| {
                 let mut settings = settings.clone();
-                settings.eye.seed = seed;
-                settings.eye.estimate_error = true;
+                settings.camera_paths.seed = seed;
+                settings.camera_paths.estimate_error = true;
                 algorithm.prepare(scene, settings)
             };
             (variant, Box::new(make) as IntegratorFactory<'a>)
@@ -117,7 +117,7 @@ impl<'a> MethodStudy<'a> {
         let (named, makers): (Vec<_>, Vec<_>) = variants.into_iter().unzip();
         check(&named, seeds)?;
         let runs = named.into_iter().zip(makers).map(|(variant, make)| {
-            let (first, setup) = timed(&clock, || make(variant.settings.eye.seed));
+            let (first, setup) = timed(&clock, || make(variant.settings.camera_paths.seed));
             let (radii, expected) = (first.radii(), first.expected());
             let alpha = first.radius_law().map_or(1.0, |law| law.alpha);
             let none = (1..seeds).map(|_| None);
@@ -239,7 +239,7 @@ impl<'a> MethodStudy<'a> {
 impl VariantRun<'_> {
     fn pass(&mut self, seed: usize, pass: u32, clock: &dyn Fn() -> CpuWallTime, monitor: &dyn Monitor) {
         let SeedRun { integrator, film, estimator } = &mut self.seeds[seed];
-        let first = self.variant.settings.eye.seed;
+        let first = self.variant.settings.camera_paths.seed;
         let integrator = integrator.get_or_insert_with(|| (self.make)(first.wrapping_add(seed as u64)));
         let (pass, time) = timed(clock, || integrator.pass(pass, monitor));
         estimator.get_or_insert_with(|| ErrorEstimator::new(integrator.radius_law())).add(film, &pass);

@@ -9,7 +9,7 @@ use super::{
 };
 use crate::color::Rgb;
 use crate::image::{self, Image, WriteOptions};
-use crate::integrate::{Algorithm, EyeSettings, Integrator, Monitor, Pass, Settings, Silent};
+use crate::integrate::{Algorithm, CameraPathSettings, Integrator, Monitor, Pass, Settings, Silent};
 use crate::plan::{Effect, EffectOverrides, Effects, Plan};
 use crate::stats::{Counters, cpu_seconds};
 use crate::study::tests::{glass_on_floor, matt};
@@ -278,7 +278,7 @@ fn references_use_a_complete_algorithm() {
     assert_eq!(reference_algorithm(&glass, EffectOverrides::PLANNED).0, Algorithm::Hybrid);
     assert_eq!(reference_algorithm(&glass, EffectOverrides::PLANNED.without(Effect::Caustics)).0, Algorithm::Path);
     let render = |seed, interrupted| {
-        let like = EyeSettings { seed, ..EyeSettings::default() };
+        let like = CameraPathSettings { seed, ..CameraPathSettings::default() };
         References::render(&matt, &like, 0.0, &AtomicBool::new(interrupted), &Silent, |_, _| {}).unwrap()
     };
     let [first, second] = [0, 1].map(|seed| render(seed, false).unwrap());

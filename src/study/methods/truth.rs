@@ -4,7 +4,7 @@ use super::Truth;
 use super::clock::{system_clock, timed};
 use crate::image::metrics::{MetricError, rmse};
 use crate::image::{Image, RelativeScale, SizeError, open_file};
-use crate::integrate::{Algorithm, EyeSettings, Monitor, Settings};
+use crate::integrate::{Algorithm, CameraPathSettings, Monitor, Settings};
 use crate::plan::{Effect, EffectOverrides, Plan};
 use crate::render::Film;
 use crate::scene::Scene;
@@ -80,7 +80,7 @@ impl References {
         rmse(&a, &b)?;
         let halves = a.pixels().iter().zip(b.pixels()).map(|(a, b)| ((a.as_dvec3() + b.as_dvec3()) * 0.5).as_vec3());
         let mean = Image::from_pixels(a.width(), a.height(), halves.collect())?;
-        let scale = RelativeScale::of(&mean);
+        let scale = RelativeScale::from_image(&mean);
         let apart = |i: usize| (a.pixels()[i].as_dvec3() - b.pixels()[i].as_dvec3()).map(|d| d * d);
         let error = (!exact).then(|| 0.5 * scale.mean(apart).sqrt());
         Ok(Self { source, error, pair: [a, b], mean, scale })
@@ -112,7 +112,7 @@ impl References {
     /// [`TruthError`] if a pixel is not finite.
     pub fn render(
         scene: &Scene,
-        like: &EyeSettings,
+        like: &CameraPathSettings,
         seconds: f64,
         interrupted: &AtomicBool,
         monitor: &dyn Monitor,
@@ -122,8 +122,13 @@ impl References {
         let clock = system_clock();
         let (width, height) = scene.camera().size();
         let prepare = |far| {
-            let eye = EyeSettings { seed: like.seed.wrapping_add(far), samples: None, adaptive: false, ..like.clone() };
-            algorithm.prepare(scene, Settings { eye, ..Settings::default() })
+            let camera_paths = CameraPathSettings {
+                seed: like.seed.wrapping_add(far),
+                samples: None,
+                adaptive: false,
+                ..like.clone()
+            };
+            algorithm.prepare(scene, Settings { camera_paths, ..Settings::default() })
         };
         let integrators = SEED_OFFSETS.map(prepare);
         let mut films = [Film::new(width, height), Film::new(width, height)];

@@ -1,6 +1,6 @@
 //! Pictures of differences at an exposure that makes them visible.
 
-use crate::image::{Curve, Image, MAX_EXPOSURE_STOPS, OutputFormat, ToneMap, WriteOptions, encode};
+use crate::image::{Image, MAX_EXPOSURE_STOPS, OutputFormat, ToneCurve, ToneMap, WriteOptions, encode};
 use crate::study::StudyError;
 use glam::Vec3;
 
@@ -9,7 +9,7 @@ const CLIPPED: f64 = 0.01;
 
 /// PNG bytes of `image` at an exposure of `stops`.
 pub(super) fn png(image: &Image, stops: f32) -> Result<Vec<u8>, StudyError> {
-    let tone = ToneMap { curve: Curve::Srgb, exposure_stops: stops };
+    let tone = ToneMap { curve: ToneCurve::Srgb, exposure_stops: stops };
     Ok(encode(OutputFormat::Png, image, &WriteOptions { tone, ..WriteOptions::default() })?.0)
 }
 

@@ -65,8 +65,9 @@ fn photons_pass_slab_by_its_transmittance() {
         let scene = photon_only_scene(b);
         let passes = trace(&scene, StoreMask::CAUSTIC, 1000, PASSES, 1 << 15);
         let (through, back) = per_channel(angle);
-        let share = |part: fn(&caustica::photon::Audit) -> [f64; 3]| {
-            let of = |t: &caustica::photon::Traced| DVec3::from(part(&t.audit)) / DVec3::from(t.audit.emitted);
+        let share = |part: fn(&caustica::photon::EnergyAudit) -> [f64; 3]| {
+            let of =
+                |t: &caustica::photon::PhotonPassResult| DVec3::from(part(&t.audit)) / DVec3::from(t.audit.emitted);
             passes.iter().map(of).collect::<Vec<DVec3>>()
         };
         assert_mean_rgb(&format!("through a slab at {degrees}°"), &share(|a| a.stopped), through, 4e-3);
@@ -96,7 +97,8 @@ fn camera_sees_slab_transmittance() {
         let eye = -beam(angle) * 2.0;
         let scene = b.build(camera(eye, DVec3::ZERO, 0.01, 8)).unwrap();
         let (through, back) = per_channel(angle);
-        let settings = caustica::integrate::Settings { eye: camera_rays(1, 1000).eye, ..settings(0, 0, 0.1) };
+        let settings =
+            caustica::integrate::Settings { camera_paths: camera_rays(1, 1000).camera_paths, ..settings(0, 0, 0.1) };
         let samples = seen(&scene, settings, 64);
         // Weak branches are sampled and strong ones are split, which leaves little noise. Over the
         // field of view reflectance changes by at most 1.7·10⁻⁴ rad times its slope. That change is

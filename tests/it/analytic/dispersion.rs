@@ -75,7 +75,7 @@ fn prism_deviates_wavelengths_by_their_indices() {
         low = -root / 3.0,
         high = 2.0 * root / 3.0
     ));
-    let source = PhotonSource::aimed(&scene).unwrap();
+    let source = PhotonSource::aimed_at_casters(&scene).unwrap();
     let passes = trace_from(&scene, &source, StoreMask::CAUSTIC, 100, PASSES, 1 << 16);
     let down = |photon: &Photon| {
         let p = photon_position(&scene, photon);
@@ -143,7 +143,7 @@ fn dispersed_beam_sums_to_white() {
         ));
         for dispersion in [true, false] {
             let effects = if dispersion { Effects::ALL } else { Effects::ALL.without(Effect::Dispersion) };
-            let source = PhotonSource::everywhere(&scene).unwrap().with_effects(effects);
+            let source = PhotonSource::in_all_directions(&scene).unwrap().with_effects(effects);
             let passes = trace_from(&scene, &source, StoreMask::CAUSTIC, 10_000, PASSES, 1 << 15);
             let with_wavelength = passes[0].deposits.photons.iter().filter(|p| p.data.wavelength() != 0).count();
             assert_eq!(
@@ -173,8 +173,8 @@ fn mean_over_wavelengths(index: impl Fn(f64) -> f64, part: impl Fn(f64) -> f64) 
 
 fn mean_pictures(scene: &Scene, effects: EffectOverrides) -> Vec<DVec3> {
     let mut settings = Settings::default();
-    settings.eye.samples = Some(64);
-    settings.eye.effects = effects;
+    settings.camera_paths.samples = Some(64);
+    settings.camera_paths.effects = effects;
     let method = Algorithm::Path.prepare(scene, settings);
     let mean = |i| {
         let pass = method.pass(i, &Silent);
@@ -323,7 +323,7 @@ fn rainbow_stands_at_42_degrees() {
     let edge = (4.0 * libm::asin(libm::sin(outer) / n) - 2.0 * outer).to_degrees();
     assert!((edge - 42.08).abs() < 0.005, "{edge}");
     let scene = drop_scene("indexOfRefraction 1.333", FAR);
-    let source = PhotonSource::aimed(&scene).unwrap();
+    let source = PhotonSource::aimed_at_casters(&scene).unwrap();
     let passes = trace_from(&scene, &source, StoreMask::CAUSTIC, 100, PASSES, 1 << 18);
     // An offset by the ball's radius is .06°. Within it the edge depends on the exit point, which
     // the plane's rays include.
@@ -349,7 +349,7 @@ fn rainbow_stands_at_42_degrees() {
 fn rainbow_is_red_outside() {
     let index = |nm: f64| 1.324 + 0.00308e6 / (nm * nm);
     let scene = drop_scene("cauchy 1.324 .00308", FAR);
-    let source = PhotonSource::aimed(&scene).unwrap();
+    let source = PhotonSource::aimed_at_casters(&scene).unwrap();
     let passes = trace_from(&scene, &source, StoreMask::CAUSTIC, 100, PASSES, 1 << 18);
     let mut means = Vec::new();
     for (from, to) in [(440.0, 460.0), (540.0, 560.0), (620.0, 640.0)] {

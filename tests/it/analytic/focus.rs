@@ -2,7 +2,7 @@
 //! the center.
 
 use crate::support::*;
-use caustica::photon::{PhotonMap, PhotonSource, StoreMask, Traced};
+use caustica::photon::{PhotonMap, PhotonPassResult, PhotonSource, StoreMask};
 use caustica::scene::{DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
 use caustica::shape::{Rectangle, Shape, Sphere};
 use glam::DVec3;
@@ -43,8 +43,8 @@ fn over_beam(z: f64, weight: impl Fn(f64) -> f64) -> f64 {
 }
 
 /// With two bounces photons pass straight through. Those reflected outside land beyond .7.
-fn passes(scene: &Scene, aimed: bool) -> Vec<Traced> {
-    let source = if aimed { PhotonSource::aimed(scene) } else { PhotonSource::everywhere(scene) };
+fn passes(scene: &Scene, aimed: bool) -> Vec<PhotonPassResult> {
+    let source = if aimed { PhotonSource::aimed_at_casters(scene) } else { PhotonSource::in_all_directions(scene) };
     trace_from(scene, &source.unwrap(), StoreMask::CAUSTIC, 2, PASSES, 1 << 16)
 }
 

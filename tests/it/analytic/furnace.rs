@@ -31,7 +31,10 @@ fn power(x: f64, n: u32) -> f64 {
 fn furnace_radiance_is_geometric_series() {
     let scene = furnace();
     for (n, photons) in [(0, 1024), (1, 1 << 16), (3, 1 << 16), (1000, 1 << 16)] {
-        let settings = caustica::integrate::Settings { eye: camera_rays(16, n).eye, ..settings(photons, 0, 0.3) };
+        let settings = caustica::integrate::Settings {
+            camera_paths: camera_rays(16, n).camera_paths,
+            ..settings(photons, 0, 0.3)
+        };
         let series = (0..3).map(|c| {
             let rho: f64 = ALBEDO[c];
             EMITTED[c] * (1.0 - power(rho, n + 2)) / (1.0 - rho)

@@ -59,7 +59,12 @@ fn room(at: Place) -> Scene {
 }
 
 fn by_neighbours() -> Settings {
-    Settings { gather_k: Some(30), radius: None, eye: camera_rays(2, 1000).eye, ..settings(20_000, 20_000, 1.0) }
+    Settings {
+        gather_k: Some(30),
+        radius: None,
+        camera_paths: camera_rays(2, 1000).camera_paths,
+        ..settings(20_000, 20_000, 1.0)
+    }
 }
 
 fn image(scene: &Scene, pass: u32) -> Vec<Vec3> {
@@ -104,7 +109,7 @@ fn scaling_by_a_power_of_two_changes_no_bit() {
 /// patch is in the room's coordinates.
 fn arrived(at: Place, aimed: bool, mask: StoreMask, passes: u32, paths: u32) -> Vec<DVec3> {
     let scene = room(at);
-    let source = if aimed { PhotonSource::aimed(&scene) } else { PhotonSource::everywhere(&scene) };
+    let source = if aimed { PhotonSource::aimed_at_casters(&scene) } else { PhotonSource::in_all_directions(&scene) };
     let inside = |p: DVec3| {
         let local = at.turn.inverse() * (p - at.origin) / at.scale;
         let floor = DVec2::new(local.x, local.z);

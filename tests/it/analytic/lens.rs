@@ -125,7 +125,7 @@ fn adaptive_rays_change_only_noise() {
     );
     let look = |adaptive| {
         let mut settings = camera_rays(16, 4);
-        settings.eye.adaptive = adaptive;
+        settings.camera_paths.adaptive = adaptive;
         let prepared = Algorithm::Path.prepare(&scene, settings);
         let passes: Vec<_> = (0..PASSES).map(|i| prepared.pass(i, &Silent)).collect();
         let rays = passes.iter().map(|pass| pass.counters.camera_rays).sum::<u64>() as f64;

@@ -71,8 +71,8 @@ fn single() -> EffectOverrides {
 
 fn with(samples: u32, effects: EffectOverrides) -> Settings {
     let mut settings = settings(20_000, 20_000, 0.1);
-    settings.eye.samples = Some(samples);
-    settings.eye.effects = effects;
+    settings.camera_paths.samples = Some(samples);
+    settings.camera_paths.effects = effects;
     settings
 }
 
@@ -307,7 +307,7 @@ fn photon_beam_estimate_matches_formula() {
             let samples: Vec<DVec3> = (0..PASSES)
                 .flat_map(|seed| {
                     let mut settings = settings.clone();
-                    settings.eye.seed = u64::from(seed);
+                    settings.camera_paths.seed = u64::from(seed);
                     seen(&behind, algorithm, settings, 1)
                 })
                 .collect();
@@ -346,7 +346,7 @@ fn white_medium_vanishes_in_furnace() {
         let scene = furnace(media, ball, eye);
         for algorithm in [Algorithm::Path, Algorithm::Hybrid] {
             let mut settings = with(24, EffectOverrides::PLANNED);
-            settings.eye.max_bounces = 10_000;
+            settings.camera_paths.max_bounces = 10_000;
             let samples = seen(&scene, algorithm, settings, PASSES);
             assert_mean_each(&format!("{what}, {}", algorithm.name()), &samples, DVec3::ONE, DVec3::ZERO, 0.01);
         }
@@ -446,7 +446,7 @@ fn thick_fog_matches_chandrasekhar_half_space() {
     // logarithm.
     for algorithm in [Algorithm::Path, Algorithm::Hybrid] {
         let mut settings = with(128, EffectOverrides::PLANNED);
-        settings.eye.max_bounces = 10_000;
+        settings.camera_paths.max_bounces = 10_000;
         let samples = seen(&above, algorithm, settings, PASSES);
         assert_mean_each(&format!("thick, {}", algorithm.name()), &samples, expected, 2e-3 * expected, 0.01);
     }
@@ -480,7 +480,7 @@ fn empty_medium_changes_no_bit() {
              }}"
         ));
         let mut settings = with(4, overrides);
-        settings.eye.max_bounces = 8;
+        settings.camera_paths.max_bounces = 8;
         Algorithm::Path.prepare(&scene, settings).pass(0, &Silent).image
     };
     for overrides in [EffectOverrides::PLANNED, EffectOverrides::ALL] {

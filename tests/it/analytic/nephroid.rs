@@ -1,7 +1,7 @@
 //! Collimated light in a half-cylindrical mirror of radius 1 folds along a nephroid.
 
 use crate::support::*;
-use caustica::photon::{Kernel, Photon, PhotonMap, StoreMask, Traced};
+use caustica::photon::{Kernel, Photon, PhotonMap, PhotonPassResult, StoreMask};
 use caustica::scene::{DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
 use caustica::shape::{Rectangle, Shape};
 use glam::{DVec2, DVec3, Vec3};
@@ -39,7 +39,7 @@ fn cup(screen: Rectangle, direction: DVec3) -> Scene {
 }
 
 /// Returns photons after one reflection.
-fn once_reflected(scene: &Scene) -> Vec<Traced> {
+fn once_reflected(scene: &Scene) -> Vec<PhotonPassResult> {
     trace(scene, StoreMask::CAUSTIC, 1, PASSES, 1 << 17)
 }
 

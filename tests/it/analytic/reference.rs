@@ -39,7 +39,8 @@ fn sppm_matches_caustic_reference_by_tiles() {
 
     let scene = file("tests/scenes/cbox-caustic.txt", (EDGE as u32, EDGE as u32));
     let render = |radius: f64| -> Vec<Vec<f64>> {
-        let settings = Settings { eye: camera_rays(8, 1000).eye, ..settings(50_000, 150_000, radius) };
+        let settings =
+            Settings { camera_paths: camera_rays(8, 1000).camera_paths, ..settings(50_000, 150_000, radius) };
         let method = Algorithm::Sppm.prepare(&scene, settings);
         (0..PASSES).map(|i| means(&method.pass(i, &Silent).image)).collect()
     };

@@ -69,7 +69,10 @@ fn radiance_scales_by_squared_index_under_water() {
     let mean_reflectance = over_view(|cos| fresnel(cos, N));
     let floor = albedo / PI * irradiance_of_floor(albedo) / (N * N);
     let expected = mean_reflectance * SKY + (1.0 - mean_reflectance) * floor;
-    let settings = caustica::integrate::Settings { eye: camera_rays(2, 1000).eye, ..settings(1 << 16, 1 << 16, 0.3) };
+    let settings = caustica::integrate::Settings {
+        camera_paths: camera_rays(2, 1000).camera_paths,
+        ..settings(1 << 16, 1 << 16, 0.3)
+    };
     assert_mean("looking into a pool", &red(&seen(&down, settings.clone(), PASSES)), expected, expected * 1e-4, 5e-3);
 
     let up = pool(albedo, vec3(0.0, -0.9, 0.0), DVec3::Y);

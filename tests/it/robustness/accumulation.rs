@@ -5,8 +5,8 @@ mod outputs;
 use crate::support::image;
 use caustica::color::Rgb;
 use caustica::format::SceneFile;
-use caustica::integrate::{Algorithm, EyeSettings, Settings};
-use caustica::math::CompensatedSum;
+use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
+use caustica::math::Sum;
 use caustica::render::Film;
 use caustica::sampling::{Dimension, Key, Purpose};
 use glam::{DVec3, Vec3};
@@ -28,7 +28,7 @@ fn mean_of_constant_survives_billion_samples() {
     }
     assert_eq!(film.passes(), 1_000_000_000);
     // The sum and the quotient round once each; n²·2⁻¹⁰⁶ adds 10⁻¹⁴.
-    let off = (film.means().next().unwrap() / CONSTANT.as_dvec3() - 1.0).abs().max_element();
+    let off = (film.pixel_means().next().unwrap() / CONSTANT.as_dvec3() - 1.0).abs().max_element();
     assert!(off <= 2.0 * UNIT + 1e18 * UNIT * UNIT, "{off:e}");
     assert!(off < 1e-9);
     assert_eq!(film.mean(), [CONSTANT]);
@@ -79,7 +79,7 @@ fn pass_order_matters_only_by_rounding() {
                 film.add(&[*value]);
                 sum.add(value.as_dvec3());
             }
-            let off = (film.means().next().unwrap() * n - exact).abs();
+            let off = (film.pixel_means().next().unwrap() * n - exact).abs();
             assert!(off.cmple(bound).all(), "order {order}, signed {signed}: {off} beyond {bound}");
             assert!((sum.value() - exact).abs().cmple(bound).all(), "order {order}");
         }
@@ -93,15 +93,15 @@ fn passes_rendered_backwards_give_same_image() {
     let mut file = SceneFile::read(&path).unwrap();
     (file.description.camera.value.width, file.description.camera.value.height) = (24, 18);
     let scene = file.resolve().unwrap();
-    let eye = EyeSettings { samples: Some(1), ..EyeSettings::default() };
-    let integrator = Algorithm::Path.prepare(&scene, Settings { eye, ..Settings::default() });
+    let camera_paths = CameraPathSettings { samples: Some(1), ..CameraPathSettings::default() };
+    let integrator = Algorithm::Path.prepare(&scene, Settings { camera_paths, ..Settings::default() });
     let film = |passes: &mut dyn Iterator<Item = u32>| {
         let mut film = Film::new(24, 18);
         passes.for_each(|pass| film.add(&image(&*integrator, pass)));
         film
     };
     let (forwards, backwards) = (film(&mut (0..40)), film(&mut (0..40).rev()));
-    for (a, b) in forwards.means().zip(backwards.means()) {
+    for (a, b) in forwards.pixel_means().zip(backwards.pixel_means()) {
         // Two sums and two quotients. Radiance is never negative, and 40²u² is negligible.
         assert!((a - b).abs().cmple(a * 4.1 * UNIT).all(), "{a:?} {b:?}");
     }

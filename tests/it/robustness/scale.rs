@@ -9,7 +9,7 @@ use crate::support::image;
 use caustica::color::Rgb;
 use caustica::format::SceneFile;
 use caustica::format::description::{Group, GroupItem, ObjectDescription, ShapeDescription};
-use caustica::integrate::{Algorithm, EyeSettings, FinalGathering, Settings, VolumeEstimate};
+use caustica::integrate::{Algorithm, CameraPathSettings, FinalGathering, Settings, VolumeEstimate};
 use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
 use caustica::sampling::{Key, Purpose};
 use caustica::scene::Scene;
@@ -79,7 +79,7 @@ fn few() -> Settings {
         balance: false,
         photons: 2000,
         caustic_photons: 2000,
-        eye: EyeSettings { samples: Some(1), ..EyeSettings::default() },
+        camera_paths: CameraPathSettings { samples: Some(1), ..CameraPathSettings::default() },
         ..Settings::default()
     }
 }
@@ -145,13 +145,13 @@ fn scaled_and_moved_scenes_give_same_image() {
 /// Other integrators and settings, each with a demanding scene.
 #[test]
 fn no_integrator_depends_on_length_unit() {
-    let (eye, base) = (few().eye, few());
-    let estimated = EyeSettings { estimate_error: true, adaptive: true, samples: Some(2), ..eye };
+    let (eye, base) = (few().camera_paths, few());
+    let estimated = CameraPathSettings { estimate_error: true, adaptive: true, samples: Some(2), ..eye };
     let importance = Settings { final_gathering: FinalGathering::Importance, ..base.clone() };
     let volume = |volume| Settings { volume, ..base.clone() };
     let cases = [
         ("cabinet", Algorithm::Sppm, base.clone()),
-        ("garden-pool", Algorithm::Ppm, Settings { eye: estimated.clone(), ..base.clone() }),
+        ("garden-pool", Algorithm::Ppm, Settings { camera_paths: estimated.clone(), ..base.clone() }),
         ("still-life", Algorithm::Pm, importance),
         ("lens-in-fog", Algorithm::Pm, volume(VolumeEstimate::Points)),
         ("lens-in-fog", Algorithm::Sppm, volume(VolumeEstimate::Beams)),
@@ -162,7 +162,7 @@ fn no_integrator_depends_on_length_unit() {
         (
             "goblet",
             Algorithm::Hybrid,
-            Settings { balance: true, eye: EyeSettings { samples: None, ..estimated }, ..base },
+            Settings { balance: true, camera_paths: CameraPathSettings { samples: None, ..estimated }, ..base },
         ),
     ];
     cases.into_par_iter().for_each(|(name, algorithm, settings)| {
@@ -216,7 +216,7 @@ fn rotated_scenes_have_same_flux_and_radiance() {
 /// Light from infinity covers more of an unbounded plane if the bounding box of the rest is larger.
 /// So in scenes with such a plane only direct light `near` the `middle` counts.
 fn fluxes(scene: &Scene, middle: DVec3, near: f64) -> Vec<Vec<f64>> {
-    let source = PhotonSource::everywhere(scene).unwrap();
+    let source = PhotonSource::in_all_directions(scene).unwrap();
     let pass =
         PhotonPass { scene, source: &source, mask: StoreMask::ALL, max_bounces: if near.is_finite() { 0 } else { 50 } };
     let one = |index: u32| {

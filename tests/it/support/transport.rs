@@ -3,8 +3,10 @@
 use super::{assert_mean, midpoint};
 use caustica::camera::{Camera, Filter, FilterKind};
 use caustica::color::Rgb;
-use caustica::integrate::{Algorithm, EyeSettings, Settings, Silent};
-use caustica::photon::{Bandwidth, Kernel, Photon, PhotonMap, PhotonPass, PhotonSource, Scratch, StoreMask, Traced};
+use caustica::integrate::{Algorithm, CameraPathSettings, Settings, Silent};
+use caustica::photon::{
+    Bandwidth, Kernel, Photon, PhotonMap, PhotonPass, PhotonPassResult, PhotonSource, Scratch, StoreMask,
+};
 use caustica::sampling::{Key, Purpose};
 use caustica::scene::{Scene, SceneBuilder};
 use caustica::shape::{Rectangle, Shape};
@@ -59,8 +61,8 @@ pub fn keys(passes: u32) -> impl Iterator<Item = Key> {
 }
 
 /// Traces independent passes of `paths` photon paths each, emitted in all directions.
-pub fn trace(scene: &Scene, mask: StoreMask, max_bounces: u32, passes: u32, paths: u32) -> Vec<Traced> {
-    let source = PhotonSource::everywhere(scene).unwrap();
+pub fn trace(scene: &Scene, mask: StoreMask, max_bounces: u32, passes: u32, paths: u32) -> Vec<PhotonPassResult> {
+    let source = PhotonSource::in_all_directions(scene).unwrap();
     trace_from(scene, &source, mask, max_bounces, passes, paths)
 }
 
@@ -72,7 +74,7 @@ pub fn trace_from(
     max_bounces: u32,
     passes: u32,
     paths: u32,
-) -> Vec<Traced> {
+) -> Vec<PhotonPassResult> {
     let pass = PhotonPass { scene, source, mask, max_bounces };
     keys(passes).map(|key| pass.trace(key, paths, &|_| {})).collect()
 }
@@ -116,8 +118,9 @@ pub fn settings(photons: u32, caustic_photons: u32, radius: f64) -> Settings {
 /// bounce limit.
 pub fn camera_rays(samples: u32, max_bounces: u32) -> Settings {
     let filter = Filter::new(FilterKind::Box);
-    let eye = EyeSettings { samples: Some(samples), max_bounces, seed: 5, filter, ..EyeSettings::default() };
-    Settings { eye, ..Settings::default() }
+    let camera_paths =
+        CameraPathSettings { samples: Some(samples), max_bounces, seed: 5, filter, ..CameraPathSettings::default() };
+    Settings { camera_paths, ..Settings::default() }
 }
 
 /// Renders with `sppm` and returns the mean radiance of the image, one value per pass.

@@ -1,6 +1,6 @@
 //! Checks the lines of an OBJ file that define its faces.
 
-use crate::format::mesh::ReadMonitor;
+use crate::format::mesh::MeshReadMonitor;
 use crate::format::problem::{Problem, excerpt};
 use rayon::prelude::*;
 use std::borrow::Cow;
@@ -19,14 +19,14 @@ pub(super) struct InvalidLine {
 }
 
 /// True for the position, texture coordinate and normal that a corner of a face names.
-type NamedLists = [bool; 3];
+type PresentIndices = [bool; 3];
 
 /// Names of the lists that the three indices of a corner refer to.
 const LISTS: [&str; 3] = ["vertex", "texture coordinate", "normal"];
 
 /// Checked content of a file.
 #[derive(Default)]
-pub(super) struct CheckedText {
+pub(super) struct CheckedObj {
     /// Lines `v`, `vt`, `vn` and `f` in the order of the file, with finite numbers and valid
     /// indices.
     ///
@@ -48,9 +48,9 @@ pub(super) struct CheckedText {
 }
 
 /// Extracts the valid lines; fails at the first invalid line.
-pub(super) fn checked_lines(text: &str, monitor: &dyn ReadMonitor) -> Result<CheckedText, InvalidLine> {
-    let chunks = chunks(text);
-    let tallies: Vec<LineCounts> = chunks.par_iter().map(|chunk| LineCounts::of(&text[chunk.clone()])).collect();
+pub(super) fn check_obj_lines(text: &str, monitor: &dyn MeshReadMonitor) -> Result<CheckedObj, InvalidLine> {
+    let chunks = line_chunks(text);
+    let tallies: Vec<LineCounts> = chunks.par_iter().map(|chunk| LineCounts::count(&text[chunk.clone()])).collect();
     let mut before = Vec::with_capacity(chunks.len());
     let mut total = LineCounts::default();
     for tally in &tallies {
@@ -62,16 +62,16 @@ pub(super) fn checked_lines(text: &str, monitor: &dyn ReadMonitor) -> Result<Che
         .par_iter()
         .zip(&before)
         .map(|(range, before)| {
-            let checked = Chunk::check(&text[range.clone()], before, &used);
+            let checked = ChunkChecker::check_chunk(&text[range.clone()], before, &used);
             monitor.advance(range.len() as u64 / 2);
             checked
         })
         .collect();
     let [v, vt, vn] = total.counts;
-    let mut sound = CheckedText { vertices: v, numbers: 3 * v + 2 * vt + 3 * vn, ..CheckedText::default() };
+    let mut sound = CheckedObj { vertices: v, numbers: 3 * v + 2 * vt + 3 * vn, ..CheckedObj::default() };
     let mut material = String::new();
     for chunk in checked {
-        let mut chunk: Chunk<'_> = chunk?;
+        let mut chunk: ChunkChecker<'_> = chunk?;
         let name = |number: &usize| number.checked_sub(1).map_or(&material, |i| &chunk.names[i]).clone();
         sound.groups.extend(chunk.groups.iter().map(name));
         material = chunk.names.pop().unwrap_or(material);
@@ -85,7 +85,7 @@ pub(super) fn checked_lines(text: &str, monitor: &dyn ReadMonitor) -> Result<Che
 
 /// Byte ranges that begin and end at line boundaries; a line continued by a backslash is not
 /// divided.
-fn chunks(text: &str) -> Vec<Range<usize>> {
+fn line_chunks(text: &str) -> Vec<Range<usize>> {
     let mut chunks = Vec::new();
     let mut start = 0;
     while start < text.len() {
@@ -110,9 +110,9 @@ struct LineCounts {
 }
 
 impl LineCounts {
-    fn of(text: &str) -> Self {
+    fn count(text: &str) -> Self {
         let mut tally = Self::default();
-        for_lines(text, |_, line| {
+        for_each_statement(text, |_, line| {
             match line.split_ascii_whitespace().next() {
                 Some("v") => tally.counts[0] += 1,
                 Some("vt") => tally.counts[1] += 1,
@@ -137,7 +137,7 @@ impl LineCounts {
 /// Calls `visit` with the index, from 0, and the text of each relevant line.
 ///
 /// A backslash at the end continues a line.
-fn for_lines<E>(text: &str, mut visit: impl FnMut(usize, &str) -> Result<(), E>) -> Result<(), E> {
+fn for_each_statement<E>(text: &str, mut visit: impl FnMut(usize, &str) -> Result<(), E>) -> Result<(), E> {
     let mut lines = text.lines().enumerate();
     while let Some((i, first)) = lines.next() {
         if !first.trim_ascii_start().starts_with(['v', 'f', 'm', 'u']) {
@@ -156,12 +156,12 @@ fn for_lines<E>(text: &str, mut visit: impl FnMut(usize, &str) -> Result<(), E>)
 }
 
 /// Part of the text while it is checked.
-struct Chunk<'u> {
+struct ChunkChecker<'u> {
     sound: String,
     /// Numbers of vertices, texture coordinates and normals so far, in the whole file.
     counts: [usize; 3],
     /// Lists that the corners of the last face name, and the index of its material.
-    group: Option<(NamedLists, usize)>,
+    group: Option<(PresentIndices, usize)>,
     /// Names of materials; index 0 is the material in force before the chunk.
     names: Vec<String>,
     /// Index of the material of each group.
@@ -172,8 +172,8 @@ struct Chunk<'u> {
     used: &'u [AtomicBool],
 }
 
-impl<'u> Chunk<'u> {
-    fn check(text: &str, before: &LineCounts, used: &'u [AtomicBool]) -> Result<Self, InvalidLine> {
+impl<'u> ChunkChecker<'u> {
+    fn check_chunk(text: &str, before: &LineCounts, used: &'u [AtomicBool]) -> Result<Self, InvalidLine> {
         let mut chunk = Self {
             sound: String::with_capacity(text.len()),
             counts: before.counts,
@@ -184,21 +184,23 @@ impl<'u> Chunk<'u> {
             corners: 0,
             used,
         };
-        for_lines(text, |i, line| chunk.line(line).map_err(|wrong| InvalidLine { line: before.lines + i + 1, wrong }))?;
+        for_each_statement(text, |i, line| {
+            chunk.check_line(line).map_err(|wrong| InvalidLine { line: before.lines + i + 1, wrong })
+        })?;
         Ok(chunk)
     }
 
-    fn line(&mut self, line: &str) -> Result<(), Problem> {
+    fn check_line(&mut self, line: &str) -> Result<(), Problem> {
         let line = line.trim_ascii_start();
         let end = line.find(|c: char| c.is_ascii_whitespace()).unwrap_or(line.len());
         let (keyword, rest) = line.split_at(end);
         // A comment may follow the numbers; names may contain `#`.
         let words = || rest.split('#').next().unwrap_or_default().split_ascii_whitespace();
         match keyword {
-            "v" => self.numbers(0, "v", 3, 3, words()),
-            "vt" => self.numbers(1, "vt", 1, 2, words()),
-            "vn" => self.numbers(2, "vn", 3, 3, words()),
-            "f" => self.face(words()),
+            "v" => self.copy_numbers(0, "v", 3, 3, words()),
+            "vt" => self.copy_numbers(1, "vt", 1, 2, words()),
+            "vn" => self.copy_numbers(2, "vn", 3, 3, words()),
+            "f" => self.check_face(words()),
             "usemtl" => {
                 self.names.push(rest.trim().to_owned());
                 Ok(())
@@ -213,7 +215,7 @@ impl<'u> Chunk<'u> {
 
     /// Copies `most` numbers; at least `fewest` must be present, the others are 0, and the rest is
     /// dropped.
-    fn numbers<'w>(
+    fn copy_numbers<'w>(
         &mut self,
         list: usize,
         keyword: &str,
@@ -230,7 +232,7 @@ impl<'u> Chunk<'u> {
                 }
                 None => "0",
             };
-            if !is_finite(word) {
+            if !is_finite_number(word) {
                 return Err((
                     format!("`{}` is not a finite number", excerpt(word)),
                     "repair it or export the mesh anew",
@@ -244,10 +246,10 @@ impl<'u> Chunk<'u> {
         Ok(())
     }
 
-    fn face<'w>(&mut self, words: impl Iterator<Item = &'w str>) -> Result<(), Problem> {
+    fn check_face<'w>(&mut self, words: impl Iterator<Item = &'w str>) -> Result<(), Problem> {
         let mut corners = 0;
         for word in words {
-            let indices = self.corner(word)?;
+            let indices = self.parse_corner(word)?;
             let named = indices.map(|index| index != 0);
             let group = Some((named, self.names.len()));
             if corners == 0 && self.group != group {
@@ -280,7 +282,7 @@ impl<'u> Chunk<'u> {
     }
 
     /// Indices from 1 of a corner such as `3/1/2`, `3//2` or `-1`; 0 for an omitted index.
-    fn corner(&self, word: &str) -> Result<[usize; 3], Problem> {
+    fn parse_corner(&self, word: &str) -> Result<[usize; 3], Problem> {
         let mut indices = [0; 3];
         for (k, part) in word.split('/').enumerate() {
             if k > 2 || (part.is_empty() && k == 0) {
@@ -309,7 +311,7 @@ impl<'u> Chunk<'u> {
 }
 
 /// True if a word is a number that is finite in double precision.
-fn is_finite(word: &str) -> bool {
+fn is_finite_number(word: &str) -> bool {
     let digits = word.strip_prefix(['-', '+']).unwrap_or(word).as_bytes();
     let (mut numerals, mut points) = (0, 0);
     for byte in digits {

@@ -10,8 +10,8 @@ mod check;
 mod tests;
 mod write;
 
-use super::{Loaded, MeshError, NO_MATERIAL, ReadMonitor, TriangleMesh, check_memory, unit_normal};
-use check::CheckedText;
+use super::{LoadedMesh, MeshError, MeshReadMonitor, NO_MATERIAL, TriangleMesh, check_memory, unit_normal};
+use check::CheckedObj;
 use glam::{DVec2, DVec3};
 use std::collections::HashMap;
 use std::io::{BufRead, Read};
@@ -29,26 +29,26 @@ const PER_CORNER: u64 = 32;
 pub(super) fn read(
     path: &Path,
     bytes: Vec<u8>,
-    monitor: &dyn ReadMonitor,
+    monitor: &dyn MeshReadMonitor,
     free: Option<u64>,
-) -> Result<Loaded, MeshError> {
+) -> Result<LoadedMesh, MeshError> {
     // Only comments and names may have other encodings. The valid lines are copied.
     let length = bytes.len() as u64;
     check_memory(path, length, free)?;
     let text = String::from_utf8(bytes).unwrap_or_else(|e| String::from_utf8_lossy(e.as_bytes()).into_owned());
-    let sound = check::checked_lines(text.strip_prefix('\u{feff}').unwrap_or(&text), monitor)
-        .map_err(|e| MeshError::line(path, e.line, e.wrong))?;
+    let sound = check::check_obj_lines(text.strip_prefix('\u{feff}').unwrap_or(&text), monitor)
+        .map_err(|e| MeshError::at_line(path, e.line, e.wrong))?;
     drop(text);
     // One of the two texts is freed, and the following steps take less.
     check_memory(path, PER_NUMBER * sound.numbers as u64 + PER_CORNER * sound.corners as u64, free)?;
     let malformed = |source| MeshError::Malformed { path: path.into(), source };
     let options = tobj::LoadOptions { single_index: true, triangulate: true, ..Default::default() };
     let no_materials = |_: &Path| Ok(Default::default());
-    let mut reader = MonitoredReader { texts: &sound.texts, at: 0, monitor };
-    reader.skip_empty();
+    let mut reader = MonitoredObjReader { texts: &sound.texts, at: 0, monitor };
+    reader.skip_empty_texts();
     let (models, _) = tobj::load_obj_buf(&mut reader, &options, no_materials).map_err(malformed)?;
-    let mesh = join(&models, &sound).ok_or_else(|| MeshError::TooLarge { path: path.into() })?;
-    Ok(Loaded {
+    let mesh = join_models(&models, &sound).ok_or_else(|| MeshError::TooLarge { path: path.into() })?;
+    Ok(LoadedMesh {
         mesh,
         libraries: sound.libraries,
         vertices: sound.vertices,
@@ -58,14 +58,14 @@ pub(super) fn read(
 }
 
 /// Reader over consecutive texts that reports progress.
-struct MonitoredReader<'t> {
+struct MonitoredObjReader<'t> {
     texts: &'t [String],
     /// Number of bytes read of the first text.
     at: usize,
-    monitor: &'t dyn ReadMonitor,
+    monitor: &'t dyn MeshReadMonitor,
 }
 
-impl BufRead for MonitoredReader<'_> {
+impl BufRead for MonitoredObjReader<'_> {
     fn fill_buf(&mut self) -> std::io::Result<&[u8]> {
         Ok(self.texts.first().map_or(&[], |text| &text.as_bytes()[self.at..]))
     }
@@ -77,14 +77,14 @@ impl BufRead for MonitoredReader<'_> {
         {
             self.monitor.advance(text.len() as u64 / 2);
             (self.texts, self.at) = (&self.texts[1..], 0);
-            self.skip_empty();
+            self.skip_empty_texts();
         }
     }
 }
 
-impl MonitoredReader<'_> {
+impl MonitoredObjReader<'_> {
     /// Skips empty texts, which would look like the end of the file.
-    fn skip_empty(&mut self) {
+    fn skip_empty_texts(&mut self) {
         while let [first, rest @ ..] = self.texts
             && first.is_empty()
         {
@@ -93,7 +93,7 @@ impl MonitoredReader<'_> {
     }
 }
 
-impl Read for MonitoredReader<'_> {
+impl Read for MonitoredObjReader<'_> {
     fn read(&mut self, into: &mut [u8]) -> std::io::Result<usize> {
         let n = self.fill_buf()?.read(into)?;
         self.consume(n);
@@ -102,7 +102,7 @@ impl Read for MonitoredReader<'_> {
 }
 
 /// Joins all groups into one mesh; `None` if there are too many vertices.
-fn join(models: &[tobj::Model], sound: &CheckedText) -> Option<TriangleMesh> {
+fn join_models(models: &[tobj::Model], sound: &CheckedObj) -> Option<TriangleMesh> {
     let mut mesh = TriangleMesh::default();
     let has = |list: fn(&tobj::Mesh) -> &Vec<f64>| models.iter().any(|model| !list(&model.mesh).is_empty());
     let (has_normals, has_texcoords) = (has(|mesh| &mesh.normals), has(|mesh| &mesh.texcoords));
@@ -141,6 +141,6 @@ fn join(models: &[tobj::Model], sound: &CheckedText) -> Option<TriangleMesh> {
     }
     mesh.normals = has_normals.then_some(normals);
     mesh.texcoords = has_texcoords.then_some(texcoords);
-    mesh.share();
+    mesh.merge_equal_vertices();
     Some(mesh)
 }

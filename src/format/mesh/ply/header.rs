@@ -4,7 +4,7 @@ use crate::format::problem::{Problem, excerpt};
 
 /// Encoding of the body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Encoding {
+pub(super) enum PlyEncoding {
     Ascii,
     Little,
     Big,
@@ -65,7 +65,7 @@ pub(super) enum PropertyRole {
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Property {
+pub(super) struct PlyProperty {
     pub role: PropertyRole,
     /// Type of the length, for lists.
     pub list: Option<NumberType>,
@@ -80,19 +80,19 @@ pub(super) enum ElementKind {
 }
 
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Element {
+pub(super) struct PlyElement {
     pub kind: ElementKind,
     pub name: String,
     pub count: u64,
-    pub properties: Vec<Property>,
+    pub properties: Vec<PlyProperty>,
     /// Line of its declaration, from 1.
     line: usize,
 }
 
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Header {
-    pub encoding: Encoding,
-    pub elements: Vec<Element>,
+pub(super) struct PlyHeader {
+    pub encoding: PlyEncoding,
+    pub elements: Vec<PlyElement>,
     /// Byte offset of the body.
     pub bytes: usize,
     /// Number of lines of the header.
@@ -103,7 +103,7 @@ pub(super) struct Header {
 pub(super) type HeaderError = (usize, Problem);
 
 const NOT_PLY: &str = "export it anew as PLY";
-const NAMES: [(&str, usize); 14] = [
+const VERTEX_PROPERTY_SLOTS: [(&str, usize); 14] = [
     ("x", 0),
     ("y", 1),
     ("z", 2),
@@ -120,9 +120,9 @@ const NAMES: [(&str, usize); 14] = [
     ("texture_t", 7),
 ];
 
-impl Header {
+impl PlyHeader {
     pub fn parse(bytes: &[u8]) -> Result<Self, HeaderError> {
-        let mut header = Self { encoding: Encoding::Ascii, elements: Vec::new(), bytes: 0, lines: 0 };
+        let mut header = Self { encoding: PlyEncoding::Ascii, elements: Vec::new(), bytes: 0, lines: 0 };
         let mut encoding = None;
         loop {
             let rest = &bytes[header.bytes..];
@@ -141,9 +141,9 @@ impl Header {
                 }
                 Some("format") => {
                     encoding = Some(match words.next() {
-                        Some("ascii") => Encoding::Ascii,
-                        Some("binary_little_endian") => Encoding::Little,
-                        Some("binary_big_endian") => Encoding::Big,
+                        Some("ascii") => PlyEncoding::Ascii,
+                        Some("binary_little_endian") => PlyEncoding::Little,
+                        Some("binary_big_endian") => PlyEncoding::Big,
                         other => {
                             let message = format!("unknown format `{}`", excerpt(other.unwrap_or_default()));
                             return wrong(message, "known are ascii, binary_little_endian and binary_big_endian");
@@ -151,7 +151,7 @@ impl Header {
                     });
                 }
                 Some("element") => {
-                    let element = element(words, number).map_err(|e| (number, e))?;
+                    let element = parse_element(words, number).map_err(|e| (number, e))?;
                     if element.kind != ElementKind::Other && header.elements.iter().any(|e| e.kind == element.kind) {
                         return wrong(format!("`{}` is declared twice", element.name), NOT_PLY);
                     }
@@ -159,7 +159,7 @@ impl Header {
                 }
                 Some("property") => match header.elements.last_mut() {
                     Some(element) => {
-                        let property = property(words, element.kind).map_err(|e| (number, e))?;
+                        let property = parse_property(words, element.kind).map_err(|e| (number, e))?;
                         element.properties.push(property);
                     }
                     None => return wrong("a property stands before any element".to_owned(), NOT_PLY),
@@ -173,17 +173,17 @@ impl Header {
             return Err((header.lines, ("the header names no format".to_owned(), NOT_PLY)));
         };
         header.encoding = encoding;
-        header.elements.iter().try_for_each(Element::check)?;
-        header.fit(bytes.len())?;
+        header.elements.iter().try_for_each(PlyElement::check_properties)?;
+        header.check_counts_fit(bytes.len())?;
         Ok(header)
     }
 
     /// Refuses counts that the file cannot hold, so that memory may be reserved for them.
-    fn fit(&self, bytes: usize) -> Result<(), HeaderError> {
+    fn check_counts_fit(&self, bytes: usize) -> Result<(), HeaderError> {
         // The last number of a text may lack white space after it.
-        let mut left = bytes - self.bytes + usize::from(self.encoding == Encoding::Ascii);
+        let mut left = bytes - self.bytes + usize::from(self.encoding == PlyEncoding::Ascii);
         for element in &self.elements {
-            let least = element.least_bytes(self.encoding);
+            let least = element.min_bytes(self.encoding);
             let needed = usize::try_from(element.count).ok().and_then(|n| n.checked_mul(least));
             match needed.and_then(|needed| left.checked_sub(needed)) {
                 Some(rest) => left = rest,
@@ -200,28 +200,28 @@ impl Header {
     }
 }
 
-impl Element {
+impl PlyElement {
     /// Least number of bytes of one element in the file.
-    pub fn least_bytes(&self, encoding: Encoding) -> usize {
-        let one = |p: &Property| {
+    pub fn min_bytes(&self, encoding: PlyEncoding) -> usize {
+        let one = |p: &PlyProperty| {
             // A face has at least three corners.
             let items = if p.role == PropertyRole::Corners { 3 } else { 0 };
             match encoding {
-                Encoding::Ascii => 2 + 2 * items,
+                PlyEncoding::Ascii => 2 + 2 * items,
                 _ => p.list.unwrap_or(p.item).size() + items * p.item.size(),
             }
         };
         self.properties.iter().map(one).sum()
     }
 
-    pub fn has(&self, slot: usize) -> bool {
+    pub fn has_slot(&self, slot: usize) -> bool {
         self.properties.iter().any(|p| p.role == PropertyRole::Slot(slot))
     }
 
-    fn check(&self) -> Result<(), HeaderError> {
+    fn check_properties(&self) -> Result<(), HeaderError> {
         let wrong = |message: &str, remedy| Err((self.line, (message.to_owned(), remedy)));
         match self.kind {
-            ElementKind::Vertex if !(0..3).all(|slot| self.has(slot)) => {
+            ElementKind::Vertex if !(0..3).all(|slot| self.has_slot(slot)) => {
                 wrong("`vertex` lacks one of the properties x, y and z", "export it with positions")
             }
             ElementKind::Face if !self.properties.iter().any(|p| p.role == PropertyRole::Corners) => {
@@ -232,7 +232,7 @@ impl Element {
     }
 }
 
-fn element<'w>(mut words: impl Iterator<Item = &'w str>, line: usize) -> Result<Element, Problem> {
+fn parse_element<'w>(mut words: impl Iterator<Item = &'w str>, line: usize) -> Result<PlyElement, Problem> {
     let (name, count) = (words.next().unwrap_or_default(), words.next().unwrap_or_default());
     let Ok(count) = count.parse::<u64>() else {
         return Err((format!("`{}` is no count of elements", excerpt(count)), "write `element name count`"));
@@ -242,10 +242,10 @@ fn element<'w>(mut words: impl Iterator<Item = &'w str>, line: usize) -> Result<
         "face" => ElementKind::Face,
         _ => ElementKind::Other,
     };
-    Ok(Element { kind, name: excerpt(name), count, properties: Vec::new(), line })
+    Ok(PlyElement { kind, name: excerpt(name), count, properties: Vec::new(), line })
 }
 
-fn property<'w>(mut words: impl Iterator<Item = &'w str>, kind: ElementKind) -> Result<Property, Problem> {
+fn parse_property<'w>(mut words: impl Iterator<Item = &'w str>, kind: ElementKind) -> Result<PlyProperty, Problem> {
     let mut next = || words.next().unwrap_or_default();
     let known = |name: &str| {
         let message = || format!("`{}` is no type of a number", excerpt(name));
@@ -263,7 +263,7 @@ fn property<'w>(mut words: impl Iterator<Item = &'w str>, kind: ElementKind) -> 
         return Err((message, "give it an integer type, such as uchar"));
     }
     let role = match (kind, name, list) {
-        (ElementKind::Vertex, _, None) => NAMES
+        (ElementKind::Vertex, _, None) => VERTEX_PROPERTY_SLOTS
             .iter()
             .find(|(known, _)| *known == name)
             .map_or(PropertyRole::Other, |(_, slot)| PropertyRole::Slot(*slot)),
@@ -276,5 +276,5 @@ fn property<'w>(mut words: impl Iterator<Item = &'w str>, kind: ElementKind) -> 
         }
         _ => PropertyRole::Other,
     };
-    Ok(Property { role, list, item })
+    Ok(PlyProperty { role, list, item })
 }

@@ -8,11 +8,11 @@ mod numbers;
 mod tests;
 mod write;
 
-use super::{Loaded, MeshError, ReadMonitor, check_memory, unit_normal};
+use super::{LoadedMesh, MeshError, MeshReadMonitor, check_memory, unit_normal};
 use crate::format::problem::{Problem, without_bom};
 use glam::{DVec2, DVec3};
-use header::{Element, ElementKind, Encoding, Header, NumberType, PropertyRole};
-use numbers::{BinaryReader, NumberReader, TextReader};
+use header::{ElementKind, NumberType, PlyElement, PlyEncoding, PlyHeader, PropertyRole};
+use numbers::{BinaryNumberReader, NumberReader, TextNumberReader};
 use std::path::Path;
 pub(super) use write::write;
 
@@ -34,11 +34,11 @@ const STRIDE: u64 = 1 << 16;
 pub(super) fn read(
     path: &Path,
     bytes: &[u8],
-    monitor: &dyn ReadMonitor,
+    monitor: &dyn MeshReadMonitor,
     free: Option<u64>,
-) -> Result<Loaded, MeshError> {
+) -> Result<LoadedMesh, MeshError> {
     let bytes = without_bom(bytes);
-    let header = Header::parse(bytes).map_err(|(line, problem)| MeshError::line(path, line, problem))?;
+    let header = PlyHeader::parse(bytes).map_err(|(line, problem)| MeshError::at_line(path, line, problem))?;
     let count = |kind| header.elements.iter().find(|e| e.kind == kind).map_or(0, |e| e.count);
     if count(ElementKind::Vertex) > i32::MAX as u64 {
         return Err(MeshError::TooLarge { path: path.into() });
@@ -46,27 +46,32 @@ pub(super) fn read(
     // The file can hold the header's counts, so the products do not overflow.
     let needed = PER_VERTEX * count(ElementKind::Vertex) + PER_TRIANGLE * count(ElementKind::Face);
     check_memory(path, needed, free)?;
-    let mut reader =
-        MeshReader { loaded: Loaded::default(), used: Vec::new(), vertices: count(ElementKind::Vertex), monitor, free };
+    let mut reader = MeshReader {
+        loaded: LoadedMesh::default(),
+        used: Vec::new(),
+        vertices: count(ElementKind::Vertex),
+        monitor,
+        free,
+    };
     let offset = header.bytes;
     match header.encoding {
-        Encoding::Ascii => {
-            let numbers = TextReader { bytes, offset, line: header.lines + 1 };
-            reader.elements(&header, numbers).map_err(|e| e.at_line(path))?;
+        PlyEncoding::Ascii => {
+            let numbers = TextNumberReader { bytes, offset, line: header.lines + 1 };
+            reader.read_elements(&header, numbers).map_err(|e| e.into_line_error(path))?;
         }
-        Encoding::Little => {
-            let numbers = BinaryReader::<false> { bytes, offset };
-            reader.elements(&header, numbers).map_err(|e| e.at_byte(path))?;
+        PlyEncoding::Little => {
+            let numbers = BinaryNumberReader::<false> { bytes, offset };
+            reader.read_elements(&header, numbers).map_err(|e| e.into_byte_error(path))?;
         }
-        Encoding::Big => {
-            let numbers = BinaryReader::<true> { bytes, offset };
-            reader.elements(&header, numbers).map_err(|e| e.at_byte(path))?;
+        PlyEncoding::Big => {
+            let numbers = BinaryNumberReader::<true> { bytes, offset };
+            reader.read_elements(&header, numbers).map_err(|e| e.into_byte_error(path))?;
         }
     }
     let MeshReader { mut loaded, used, .. } = reader;
     loaded.vertices = used.len();
     loaded.isolated = used.iter().filter(|used| !**used).count();
-    loaded.mesh.share();
+    loaded.mesh.merge_equal_vertices();
     Ok(loaded)
 }
 
@@ -76,11 +81,11 @@ struct ElementError {
     position: usize,
     /// Name and index of the element, such as `face 12`.
     element: String,
-    cause: Cause,
+    cause: ElementErrorCause,
 }
 
 /// Cause of an [`ElementError`].
-enum Cause {
+enum ElementErrorCause {
     Malformed(Problem),
     /// The mesh would need `needed` bytes, and `free` are available.
     Memory {
@@ -89,61 +94,61 @@ enum Cause {
     },
 }
 
-impl From<Problem> for Cause {
+impl From<Problem> for ElementErrorCause {
     fn from(problem: Problem) -> Self {
         Self::Malformed(problem)
     }
 }
 
 impl ElementError {
-    fn at_line(self, path: &Path) -> MeshError {
+    fn into_line_error(self, path: &Path) -> MeshError {
         match self.cause {
-            Cause::Malformed(problem) => MeshError::line(path, self.position, problem),
-            Cause::Memory { needed, free } => MeshError::Memory { path: path.into(), needed, free },
+            ElementErrorCause::Malformed(problem) => MeshError::at_line(path, self.position, problem),
+            ElementErrorCause::Memory { needed, free } => MeshError::Memory { path: path.into(), needed, free },
         }
     }
 
-    fn at_byte(self, path: &Path) -> MeshError {
+    fn into_byte_error(self, path: &Path) -> MeshError {
         match self.cause {
-            Cause::Malformed((message, remedy)) => {
+            ElementErrorCause::Malformed((message, remedy)) => {
                 MeshError::Byte { path: path.into(), byte: self.position, element: self.element, message, remedy }
             }
-            Cause::Memory { needed, free } => MeshError::Memory { path: path.into(), needed, free },
+            ElementErrorCause::Memory { needed, free } => MeshError::Memory { path: path.into(), needed, free },
         }
     }
 }
 
 /// A mesh while its file is read.
 struct MeshReader<'m> {
-    loaded: Loaded,
+    loaded: LoadedMesh,
     /// True for vertices that a face uses.
     used: Vec<bool>,
     /// Number of vertices that the header declares.
     vertices: u64,
-    monitor: &'m dyn ReadMonitor,
+    monitor: &'m dyn MeshReadMonitor,
     /// Bytes of memory that the mesh may take.
     free: Option<u64>,
 }
 
 impl MeshReader<'_> {
-    fn elements<R: NumberReader>(&mut self, header: &Header, mut numbers: R) -> Result<(), ElementError> {
+    fn read_elements<R: NumberReader>(&mut self, header: &PlyHeader, mut numbers: R) -> Result<(), ElementError> {
         // The header check has found at least one byte of the file per vertex.
         self.used = vec![false; self.vertices as usize];
         let mut reported = 0;
         for element in header.elements.iter().filter(|e| !e.properties.is_empty()) {
             let mut corners = Vec::new();
-            self.reserve(element);
+            self.reserve_lists(element);
             for i in 0..element.count {
-                let start = numbers.position();
+                let start = numbers.error_position();
                 let read = match element.kind {
-                    ElementKind::Vertex => self.vertex(element, &mut numbers).map_err(Cause::from),
-                    ElementKind::Face => self.face(element, &mut numbers, &mut corners),
-                    ElementKind::Other => skip_element(element, &mut numbers).map_err(Cause::from),
+                    ElementKind::Vertex => self.read_vertex(element, &mut numbers).map_err(ElementErrorCause::from),
+                    ElementKind::Face => self.read_face(element, &mut numbers, &mut corners),
+                    ElementKind::Other => skip_element(element, &mut numbers).map_err(ElementErrorCause::from),
                 };
                 read.map_err(|cause| ElementError {
                     // Text errors name the line of the last word, binary errors the element's first
                     // byte.
-                    position: if header.encoding == Encoding::Ascii { numbers.position() } else { start },
+                    position: if header.encoding == PlyEncoding::Ascii { numbers.error_position() } else { start },
                     element: format!("{} {i}", element.name),
                     cause,
                 })?;
@@ -157,14 +162,14 @@ impl MeshReader<'_> {
     }
 
     /// Reserves memory for the element's count, which the header check has found plausible.
-    fn reserve(&mut self, element: &Element) {
+    fn reserve_lists(&mut self, element: &PlyElement) {
         let mesh = &mut self.loaded.mesh;
         let n = element.count as usize;
         match element.kind {
             ElementKind::Vertex => {
                 mesh.positions.reserve_exact(n);
-                mesh.normals = (3..6).all(|slot| element.has(slot)).then(|| Vec::with_capacity(n));
-                mesh.texcoords = (6..8).all(|slot| element.has(slot)).then(|| Vec::with_capacity(n));
+                mesh.normals = (3..6).all(|slot| element.has_slot(slot)).then(|| Vec::with_capacity(n));
+                mesh.texcoords = (6..8).all(|slot| element.has_slot(slot)).then(|| Vec::with_capacity(n));
             }
             ElementKind::Face => mesh.triangles.reserve(n),
             ElementKind::Other => {}
@@ -172,13 +177,13 @@ impl MeshReader<'_> {
     }
 
     #[inline]
-    fn vertex<R: NumberReader>(&mut self, element: &Element, numbers: &mut R) -> Result<(), Problem> {
+    fn read_vertex<R: NumberReader>(&mut self, element: &PlyElement, numbers: &mut R) -> Result<(), Problem> {
         let mut slots = [0.0; 8];
         for property in &element.properties {
             match (property.role, property.list) {
                 (_, Some(length)) => skip_list(numbers, length, property.item)?,
                 (PropertyRole::Slot(slot), None) => {
-                    let number = numbers.number(property.item)?;
+                    let number = numbers.read_number(property.item)?;
                     if !number.is_finite() {
                         let names = ["x", "y", "z", "nx", "ny", "nz", "s", "t"];
                         let message = format!("`{}` is {number}", names[slot]);
@@ -187,7 +192,7 @@ impl MeshReader<'_> {
                     slots[slot] = number;
                 }
                 (PropertyRole::Corners | PropertyRole::Other, None) => {
-                    numbers.number(property.item)?;
+                    numbers.read_number(property.item)?;
                 }
             }
         }
@@ -201,34 +206,34 @@ impl MeshReader<'_> {
 
     /// Checks the memory for a face of `n` corners, which becomes `n − 2` triangles.
     #[inline]
-    fn check_corners(&self, n: u64) -> Result<(), Cause> {
+    fn check_face_memory(&self, n: u64) -> Result<(), ElementErrorCause> {
         let triangles = self.loaded.mesh.triangles.len() as u64 + n - 2;
         let needed = PER_VERTEX * self.vertices + PER_TRIANGLE * triangles + PER_CORNER * n;
         match self.free {
-            Some(free) if needed > free => Err(Cause::Memory { needed, free }),
+            Some(free) if needed > free => Err(ElementErrorCause::Memory { needed, free }),
             _ => Ok(()),
         }
     }
 
     #[inline]
-    fn face<R: NumberReader>(
+    fn read_face<R: NumberReader>(
         &mut self,
-        element: &Element,
+        element: &PlyElement,
         numbers: &mut R,
         corners: &mut Vec<u32>,
-    ) -> Result<(), Cause> {
+    ) -> Result<(), ElementErrorCause> {
         for property in &element.properties {
             match (property.role, property.list) {
                 (PropertyRole::Corners, Some(length)) => {
                     corners.clear();
-                    let n = numbers.integer(length)?;
+                    let n = numbers.read_integer(length)?;
                     if n < 3 {
                         return Err((format!("a face with {n} corners"), "a face needs at least 3").into());
                     }
-                    check_list(numbers, n as u64, property.item)?;
-                    self.check_corners(n as u64)?;
+                    check_list_length(numbers, n as u64, property.item)?;
+                    self.check_face_memory(n as u64)?;
                     for _ in 0..n {
-                        let index = numbers.integer(property.item)?;
+                        let index = numbers.read_integer(property.item)?;
                         if u64::try_from(index).is_ok_and(|index| index < self.vertices) {
                             corners.push(index as u32);
                             self.used[index as usize] = true;
@@ -244,7 +249,7 @@ impl MeshReader<'_> {
                     skip_list(numbers, length, property.item)?;
                 }
                 (_, None) => {
-                    numbers.number(property.item)?;
+                    numbers.read_number(property.item)?;
                 }
             }
         }
@@ -252,12 +257,12 @@ impl MeshReader<'_> {
     }
 }
 
-fn skip_element<R: NumberReader>(element: &Element, numbers: &mut R) -> Result<(), Problem> {
+fn skip_element<R: NumberReader>(element: &PlyElement, numbers: &mut R) -> Result<(), Problem> {
     for property in &element.properties {
         match property.list {
             Some(length) => skip_list(numbers, length, property.item)?,
             None => {
-                numbers.number(property.item)?;
+                numbers.read_number(property.item)?;
             }
         }
     }
@@ -265,21 +270,21 @@ fn skip_element<R: NumberReader>(element: &Element, numbers: &mut R) -> Result<(
 }
 
 fn skip_list<R: NumberReader>(numbers: &mut R, length: NumberType, item: NumberType) -> Result<(), Problem> {
-    let n = numbers.integer(length)?;
+    let n = numbers.read_integer(length)?;
     if n < 0 {
         return Err((format!("a list of {n} entries"), "the length of a list is at least 0"));
     }
-    check_list(numbers, n as u64, item)?;
+    check_list_length(numbers, n as u64, item)?;
     for _ in 0..n {
-        numbers.number(item)?;
+        numbers.read_number(item)?;
     }
     Ok(())
 }
 
 /// Refuses a list of `n` entries that the rest of the file cannot hold, before it takes any memory.
 #[inline]
-fn check_list<R: NumberReader>(numbers: &R, n: u64, item: NumberType) -> Result<(), Problem> {
-    let most = numbers.capacity(item);
+fn check_list_length<R: NumberReader>(numbers: &R, n: u64, item: NumberType) -> Result<(), Problem> {
+    let most = numbers.remaining_capacity(item);
     if n > most {
         let message = format!("a list of {n} entries, but the rest of the file holds at most {most}");
         return Err((message, "the file is cut short, or the length is wrong"));

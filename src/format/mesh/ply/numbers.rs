@@ -8,27 +8,27 @@ const CUT: &str = "the file is cut short, or its counts are wrong";
 /// Reads the numbers of a PLY body in the order of the file.
 pub(super) trait NumberReader {
     /// Returns the next number of the body.
-    fn number(&mut self, kind: NumberType) -> Result<f64, Problem>;
+    fn read_number(&mut self, kind: NumberType) -> Result<f64, Problem>;
     /// Returns the next number of the body, which has an integer type.
-    fn integer(&mut self, kind: NumberType) -> Result<i64, Problem>;
+    fn read_integer(&mut self, kind: NumberType) -> Result<i64, Problem>;
     /// Returns the position for error messages: the byte offset in binary files, the line in text.
-    fn position(&self) -> usize;
+    fn error_position(&self) -> usize;
     /// Returns the number of bytes read so far, counted from the start of the file.
     fn bytes_read(&self) -> usize;
     /// Returns the largest number of values of type `kind` that the rest of the file can hold.
-    fn capacity(&self, kind: NumberType) -> u64;
+    fn remaining_capacity(&self, kind: NumberType) -> u64;
 }
 
 /// Binary body, big-endian if `BIG`.
-pub(super) struct BinaryReader<'b, const BIG: bool> {
+pub(super) struct BinaryNumberReader<'b, const BIG: bool> {
     pub bytes: &'b [u8],
     /// Offset of the next byte.
     pub offset: usize,
 }
 
-impl<const BIG: bool> BinaryReader<'_, BIG> {
+impl<const BIG: bool> BinaryNumberReader<'_, BIG> {
     #[inline]
-    fn take<const N: usize>(&mut self) -> Result<[u8; N], Problem> {
+    fn take_bytes<const N: usize>(&mut self) -> Result<[u8; N], Problem> {
         let next = self.bytes.get(self.offset..).and_then(|rest| rest.first_chunk::<N>());
         let mut bytes = *next.ok_or_else(|| ("the file ends here".to_owned(), CUT))?;
         self.offset += N;
@@ -39,33 +39,33 @@ impl<const BIG: bool> BinaryReader<'_, BIG> {
     }
 }
 
-impl<const BIG: bool> NumberReader for BinaryReader<'_, BIG> {
+impl<const BIG: bool> NumberReader for BinaryNumberReader<'_, BIG> {
     #[inline]
-    fn number(&mut self, kind: NumberType) -> Result<f64, Problem> {
+    fn read_number(&mut self, kind: NumberType) -> Result<f64, Problem> {
         match kind {
-            NumberType::F32 => Ok(f64::from(f32::from_le_bytes(self.take()?))),
-            NumberType::F64 => Ok(f64::from_le_bytes(self.take()?)),
+            NumberType::F32 => Ok(f64::from(f32::from_le_bytes(self.take_bytes()?))),
+            NumberType::F64 => Ok(f64::from_le_bytes(self.take_bytes()?)),
             NumberType::I8 | NumberType::U8 | NumberType::I16 | NumberType::U16 | NumberType::I32 | NumberType::U32 => {
-                self.integer(kind).map(|n| n as f64)
+                self.read_integer(kind).map(|n| n as f64)
             }
         }
     }
 
     #[inline]
-    fn integer(&mut self, kind: NumberType) -> Result<i64, Problem> {
+    fn read_integer(&mut self, kind: NumberType) -> Result<i64, Problem> {
         Ok(match kind {
-            NumberType::I8 => i8::from_le_bytes(self.take()?).into(),
-            NumberType::U8 => u8::from_le_bytes(self.take()?).into(),
-            NumberType::I16 => i16::from_le_bytes(self.take()?).into(),
-            NumberType::U16 => u16::from_le_bytes(self.take()?).into(),
-            NumberType::I32 => i32::from_le_bytes(self.take()?).into(),
-            NumberType::U32 => u32::from_le_bytes(self.take()?).into(),
+            NumberType::I8 => i8::from_le_bytes(self.take_bytes()?).into(),
+            NumberType::U8 => u8::from_le_bytes(self.take_bytes()?).into(),
+            NumberType::I16 => i16::from_le_bytes(self.take_bytes()?).into(),
+            NumberType::U16 => u16::from_le_bytes(self.take_bytes()?).into(),
+            NumberType::I32 => i32::from_le_bytes(self.take_bytes()?).into(),
+            NumberType::U32 => u32::from_le_bytes(self.take_bytes()?).into(),
             // The header check admits integer types only.
-            NumberType::F32 | NumberType::F64 => return Err(not_a_number("")),
+            NumberType::F32 | NumberType::F64 => return Err(invalid_number_problem("")),
         })
     }
 
-    fn position(&self) -> usize {
+    fn error_position(&self) -> usize {
         self.offset
     }
 
@@ -74,13 +74,13 @@ impl<const BIG: bool> NumberReader for BinaryReader<'_, BIG> {
     }
 
     #[inline]
-    fn capacity(&self, kind: NumberType) -> u64 {
+    fn remaining_capacity(&self, kind: NumberType) -> u64 {
         ((self.bytes.len() - self.offset) / kind.size()) as u64
     }
 }
 
 /// Text body: numbers between white space.
-pub(super) struct TextReader<'b> {
+pub(super) struct TextNumberReader<'b> {
     pub bytes: &'b [u8],
     /// Offset of the next byte.
     pub offset: usize,
@@ -88,9 +88,9 @@ pub(super) struct TextReader<'b> {
     pub line: usize,
 }
 
-impl TextReader<'_> {
+impl TextNumberReader<'_> {
     #[inline]
-    fn word(&mut self) -> Result<&str, Problem> {
+    fn next_word(&mut self) -> Result<&str, Problem> {
         let mut end = self.offset;
         while let Some(byte) = self.bytes.get(end)
             && byte.is_ascii_whitespace()
@@ -111,15 +111,15 @@ impl TextReader<'_> {
     }
 }
 
-fn not_a_number(word: &str) -> Problem {
+fn invalid_number_problem(word: &str) -> Problem {
     let message = format!("`{}` is not a number of its property's type", excerpt(word));
     (message, "repair it or export the mesh anew")
 }
 
-impl NumberReader for TextReader<'_> {
+impl NumberReader for TextNumberReader<'_> {
     #[inline]
-    fn number(&mut self, kind: NumberType) -> Result<f64, Problem> {
-        let word = self.word()?;
+    fn read_number(&mut self, kind: NumberType) -> Result<f64, Problem> {
+        let word = self.next_word()?;
         let number = match kind {
             NumberType::F32 => word.parse::<f32>().map(f64::from),
             NumberType::I8
@@ -130,16 +130,16 @@ impl NumberReader for TextReader<'_> {
             | NumberType::U32
             | NumberType::F64 => word.parse::<f64>(),
         };
-        number.map_err(|_| not_a_number(word))
+        number.map_err(|_| invalid_number_problem(word))
     }
 
     #[inline]
-    fn integer(&mut self, _: NumberType) -> Result<i64, Problem> {
-        let word = self.word()?;
-        word.parse::<i64>().map_err(|_| not_a_number(word))
+    fn read_integer(&mut self, _: NumberType) -> Result<i64, Problem> {
+        let word = self.next_word()?;
+        word.parse::<i64>().map_err(|_| invalid_number_problem(word))
     }
 
-    fn position(&self) -> usize {
+    fn error_position(&self) -> usize {
         self.line
     }
 
@@ -148,7 +148,7 @@ impl NumberReader for TextReader<'_> {
     }
 
     #[inline]
-    fn capacity(&self, _: NumberType) -> u64 {
+    fn remaining_capacity(&self, _: NumberType) -> u64 {
         // A separator and a digit each.
         ((self.bytes.len() - self.offset) / 2) as u64
     }

@@ -1,6 +1,6 @@
 //! Meshes written to files and read back.
 
-use super::super::{Loaded, MeshFormat, NO_MATERIAL, load, unit_normal};
+use super::super::{LoadedMesh, MeshFormat, NO_MATERIAL, load, unit_normal};
 use super::*;
 use glam::DVec2;
 use proptest::collection::vec;
@@ -53,14 +53,14 @@ fn any_mesh() -> impl Strategy<Value = TriangleMesh> {
             own[0] = if own.len() > 1 && own[1] == 0 { NO_MATERIAL } else { own[0] };
             mesh.triangle_materials = own;
         }
-        mesh.share();
+        mesh.merge_equal_vertices();
         mesh
     })
 }
 
-fn written(mesh: &TriangleMesh, folder: &Path, (form, name): (MeshFormat, &str)) -> Loaded {
+fn written(mesh: &TriangleMesh, folder: &Path, (form, name): (MeshFormat, &str)) -> LoadedMesh {
     let path = folder.join(name);
-    assert_eq!(MeshFormat::of(&path, form == MeshFormat::PlyText), Some(form));
+    assert_eq!(MeshFormat::from_path(&path, form == MeshFormat::PlyText), Some(form));
     mesh.write(&path, form, &["a b.mtl".to_owned()]).unwrap();
     load(&path, &()).unwrap()
 }
@@ -112,10 +112,16 @@ fn the_report_counts_dropped_faces() {
     let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 0 0\nv 1 1 0\nv 7 7 7\nvn 0 0 1\nvn 0 1 0\nf 1//1 2//1 3//1\nf 4//2 5//2 3//2\n";
     std::fs::write(&path, text).unwrap();
     let loaded = load(&path, &()).unwrap();
-    assert_eq!((loaded.vertices, loaded.isolated, loaded.repeated(), loaded.mesh.positions.len()), (6, 1, 1, 6));
+    assert_eq!(
+        (loaded.vertices, loaded.isolated, loaded.repeated_vertices(), loaded.mesh.positions.len()),
+        (6, 1, 1, 6)
+    );
     let ply = "ply\nformat ascii 1.0\nelement vertex 5\nproperty float x\nproperty float y\nproperty float z\n\
                element face 1\nproperty list uchar int vertex_index\nend_header\n0 0 0 1 0 0 0 1 0 1 0 0 5 5 5\n4 0 1 2 3\n";
     std::fs::write(&path, ply).unwrap();
     let loaded = load(&path, &()).unwrap();
-    assert_eq!((loaded.vertices, loaded.isolated, loaded.repeated(), loaded.mesh.positions.len()), (5, 1, 1, 3));
+    assert_eq!(
+        (loaded.vertices, loaded.isolated, loaded.repeated_vertices(), loaded.mesh.positions.len()),
+        (5, 1, 1, 3)
+    );
 }

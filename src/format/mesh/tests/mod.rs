@@ -84,7 +84,7 @@ fn ball(n: u32) -> TriangleMesh {
         }
     }
     // The edges of neighbouring faces differ by rounding.
-    ball.weld(1e-12);
+    ball.weld_vertices(1e-12);
     ball
 }
 

@@ -71,7 +71,7 @@ fn defects_are_counted() {
 #[test]
 fn texture_seams_are_not_borders() {
     let mut seam = cube();
-    seam.smooth(30.0);
+    seam.compute_smooth_normals(30.0);
     assert_eq!(seam.positions.len(), 24);
     let report = seam.report();
     assert!(report.closed && report.normals);
@@ -91,7 +91,7 @@ fn solid_meshes_have_no_defect() {
     assert_eq!(scaled_and_moved(cube(), 1e-3, DVec3::splat(1e4)).solid_defect(), None);
     // A hollow: the inner wall faces inward.
     let mut inner = scaled_and_moved(cube(), 0.5, DVec3::ZERO);
-    inner.flip();
+    inner.reverse_orientation();
     assert_eq!(union_of(cube(), &inner).solid_defect(), None);
 }
 
@@ -104,10 +104,10 @@ fn open_and_reversed_meshes_have_defects() {
     odd.triangles[0].swap(1, 2);
     assert_eq!(odd.solid_defect(), Some(SolidDefect::InconsistentWinding { edges: 3 }));
     let mut reversed = cube();
-    reversed.flip();
+    reversed.reverse_orientation();
     assert_eq!(reversed.solid_defect(), Some(SolidDefect::InsideOut));
     // Shading normals decide the outer side, as in the renderer.
-    reversed.smooth(0.0);
+    reversed.compute_smooth_normals(0.0);
     reversed.triangles.iter_mut().for_each(|t| t.swap(1, 2));
     assert_eq!(reversed.solid_defect(), Some(SolidDefect::InsideOut));
 }

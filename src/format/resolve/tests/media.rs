@@ -1,7 +1,7 @@
 //! Media as they resolve: what they do to light, where they are, and what they fill.
 
 use super::{CAMERA, refusal, resolve_in, scene};
-use crate::format::grid::{self, Encoding, Grid};
+use crate::format::grid::{self, DensityGrid, GridEncoding};
 use crate::format::{SourceText, parse, resolve};
 use crate::medium::{Medium, PhaseFunction};
 use crate::scene::{Body, Material, Scene};
@@ -88,8 +88,8 @@ fn body_absorption_adds_to_a_homogeneous_medium() {
 #[test]
 fn density_grids_fill_their_box() {
     let folder = tempfile::tempdir().unwrap();
-    let values = Grid { size: [2, 1, 1], values: vec![1.0, 3.0] };
-    grid::write(&folder.path().join("two.grid"), &values, Encoding::F32).unwrap();
+    let values = DensityGrid { size: [2, 1, 1], values: vec![1.0, 3.0] };
+    grid::write(&folder.path().join("two.grid"), &values, GridEncoding::F32).unwrap();
     let of = |fields: &str| {
         let media = format!("Medium a {{ scattering 1 1 1 grid two.grid {fields} }}");
         resolve_in(folder.path(), &filled(&media, "Clear { medium a }"))

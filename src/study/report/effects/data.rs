@@ -106,7 +106,7 @@ mod tests {
     fn every_effect_has_a_row() {
         let scene = matt(8, 6);
         let mut settings = Settings::default();
-        settings.eye.effects = EffectOverrides::PLANNED.with(Effect::Environment);
+        settings.camera_paths.effects = EffectOverrides::PLANNED.with(Effect::Environment);
         let study = EffectStudy::prepare(&scene, Algorithm::Whitted, &settings);
         let findings = study.run(2, &AtomicBool::new(false), &Silent, |_| {}).unwrap();
         let table = csv(&findings);

@@ -213,7 +213,7 @@ fn srgb_encoded(linear: f32) -> f32 {
 
 /// One article per method: slopes, and maps on shared scales.
 pub(super) fn articles(found: &MethodStudyResult, analysis: &Analysis) -> Result<String, StudyError> {
-    let weights = RelativeScale::of(&found.truth.picture);
+    let weights = RelativeScale::from_image(&found.truth.picture);
     let differences: Vec<Vec<f64>> =
         found.methods.iter().map(|m| relative_differences(&m.difference, &weights)).collect();
     let most_error = scale_end(found.methods.iter().flat_map(|m| m.error.iter().map(|e| f64::from(*e))));

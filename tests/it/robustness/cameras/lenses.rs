@@ -3,7 +3,7 @@
 use super::{refused, resolved};
 use crate::support::image;
 use caustica::camera::{Camera, Lens};
-use caustica::integrate::{Algorithm, EyeSettings, Settings};
+use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
 use glam::{DVec3, Vec2};
 
 const BALLS: &str = "Background { color .1 .2 .3 } \
@@ -22,8 +22,10 @@ fn scene(lens: &str) -> String {
 #[test]
 fn zero_aperture_equals_pinhole_bit_for_bit() {
     let picture = |algorithm: Algorithm, lens: &str| {
-        let eye = EyeSettings { samples: Some(2), estimate_error: true, ..EyeSettings::default() };
-        let settings = Settings { eye, photons: 2000, caustic_photons: 2000, balance: false, ..Settings::default() };
+        let camera_paths =
+            CameraPathSettings { samples: Some(2), estimate_error: true, ..CameraPathSettings::default() };
+        let settings =
+            Settings { camera_paths, photons: 2000, caustic_photons: 2000, balance: false, ..Settings::default() };
         let scene = resolved(&scene(lens)).unwrap();
         let image = image(&*algorithm.prepare(&scene, settings), 0);
         assert!(image.iter().all(|p| p.is_finite()));
@@ -120,8 +122,9 @@ fn extreme_lenses_give_finite_images() {
         "fNumber 3e38 focusDistance 1",
         "fNumber 1.4 sensorHeight 1e-9 focusDistance 2 blades 3",
     ] {
-        let eye = EyeSettings { samples: Some(4), ..EyeSettings::default() };
-        let settings = Settings { eye, photons: 500, caustic_photons: 500, balance: false, ..Settings::default() };
+        let camera_paths = CameraPathSettings { samples: Some(4), ..CameraPathSettings::default() };
+        let settings =
+            Settings { camera_paths, photons: 500, caustic_photons: 500, balance: false, ..Settings::default() };
         let scene = resolved(&scene(lens)).unwrap();
         let image = image(&*Algorithm::Hybrid.prepare(&scene, settings), 0);
         assert!(image.iter().all(|p| p.is_finite()), "{lens}");

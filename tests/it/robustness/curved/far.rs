@@ -4,7 +4,7 @@ use crate::robustness::transforms::dd::{DoubleDouble, DoubleDoubleVec};
 use crate::support::image;
 use caustica::camera::Camera;
 use caustica::color::Rgb;
-use caustica::integrate::{Algorithm, EyeSettings, Settings};
+use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
 use caustica::light::{AreaLight, Light, LightSurface, ShadowTarget};
 use caustica::math::{Ray, Transform, warp};
 use caustica::sampling::DiscreteDistribution;
@@ -140,8 +140,9 @@ fn far_sphere_light_loses_no_flux() {
         let eye = place + DVec3::new(0.5, 0.25, -1.5);
         let camera = Camera::perspective(eye, DVec3::new(0.013, -0.027, 1.0), DVec3::Y, 0.3, 8, 8).unwrap();
         let scene = builder.build(camera).unwrap();
-        let eye = EyeSettings { samples: Some(16), max_bounces: 1, seed: 5, ..EyeSettings::default() };
-        let method = Algorithm::Path.prepare(&scene, Settings { eye, ..Settings::default() });
+        let camera_paths =
+            CameraPathSettings { samples: Some(16), max_bounces: 1, seed: 5, ..CameraPathSettings::default() };
+        let method = Algorithm::Path.prepare(&scene, Settings { camera_paths, ..Settings::default() });
         let expected = 0.5 / 1.09f64.sqrt();
         for pixel in image(&*method, 0) {
             let off = f64::from(pixel.x) / expected - 1.0;

@@ -2,7 +2,9 @@
 
 use super::{project, readers};
 use caustica::format::{grid, mesh, mtl, parse_bytes};
-use caustica::image::{BitDepth, Curve, Image, Meaning, OutputFormat, ToneMap, WriteOptions, decode, encode};
+use caustica::image::{
+    BitDepth, Image, OutputFormat, PictureContent, ToneCurve, ToneMap, WriteOptions, decode, encode,
+};
 use glam::Vec3;
 use std::fs;
 use std::path::Path;
@@ -94,7 +96,7 @@ fn truncated_line_lists_are_read_to_their_end() {
 fn truncated_images_are_refused() {
     let pixels: Vec<Vec3> = (0..63).map(|i| Vec3::new(i as f32 / 63.0, 0.5, (i * i % 7) as f32 / 7.0)).collect();
     let image = Image::from_pixels(9, 7, pixels).unwrap();
-    let tone = ToneMap { curve: Curve::Srgb, exposure_stops: 0.0 };
+    let tone = ToneMap { curve: ToneCurve::Srgb, exposure_stops: 0.0 };
     let mut hdr = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 2\n".to_vec();
     hdr.extend([128, 64, 32, 129].repeat(4));
     let written =
@@ -106,7 +108,7 @@ fn truncated_images_are_refused() {
         (written(OutputFormat::Exr, BitDepth::Eight), 0),
         (hdr, 0),
     ] {
-        let read = |bytes: &[u8]| decode(Path::new("a.picture"), bytes, Meaning::Light, None);
+        let read = |bytes: &[u8]| decode(Path::new("a.picture"), bytes, PictureContent::Radiance, None);
         assert!(read(&file).is_ok());
         for cut in 0..file.len() - beyond {
             let error = read(&file[..cut]).expect_err("a part is no picture");

@@ -3,7 +3,7 @@
 use crate::support::image;
 use caustica::camera::Camera;
 use caustica::color::Rgb;
-use caustica::integrate::{Algorithm, EyeSettings, Settings};
+use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
 use caustica::medium::{Medium, PhaseFunction};
 use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
 use caustica::sampling::{Key, Purpose};
@@ -79,8 +79,8 @@ fn along_x() -> Camera {
 }
 
 fn settings(max_bounces: u32) -> Settings {
-    let eye = EyeSettings { samples: Some(1), max_bounces, ..EyeSettings::default() };
-    Settings { eye, balance: false, ..Settings::default() }
+    let camera_paths = CameraPathSettings { samples: Some(1), max_bounces, ..CameraPathSettings::default() };
+    Settings { camera_paths, balance: false, ..Settings::default() }
 }
 
 /// Back and forth between two mirrors, the farther of which emits radiance 1: Σ exp(−(2k + 1)τ)
@@ -122,7 +122,7 @@ fn photons_obey_beer_over_million_boundaries() {
         let spot = DeltaLightKind::Spot { position: -0.95 * DVec3::X, axis: DVec3::X, inner: 0.9e-3, outer: 1e-3 };
         b.source(spot, LightStrength::Power(Rgb::ONE));
         let scene = b.build(along_x()).unwrap();
-        let source = PhotonSource::everywhere(&scene).unwrap();
+        let source = PhotonSource::in_all_directions(&scene).unwrap();
         let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::ALL, max_bounces: TURNS - 1 };
         let audit = pass.trace(Key::new(3).purpose_key(Purpose::Test), 2, &|_| {}).audit;
         let left = audit.stopped[1] / audit.emitted[1];

@@ -2,7 +2,7 @@
 
 use crate::support::{mean_and_error, pixels, scene, student_tail};
 use caustica::color::Rgb;
-use caustica::integrate::{Algorithm, EyeSettings, Settings};
+use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
 use caustica::scene::Scene;
 use rayon::prelude::*;
 
@@ -55,16 +55,16 @@ fn shading_normals_never_exceed_furnace() {
         let scene = furnace(object, relief, material, view);
         for algorithm in [Algorithm::Path, Algorithm::Hybrid, Algorithm::Sppm] {
             let what = format!("{material}, {relief}, {algorithm:?}");
-            let eye = EyeSettings {
+            let camera_paths = CameraPathSettings {
                 samples: Some(if matches!(*material, "Mirror" | "Thin") { 2 } else { 64 }),
-                ..EyeSettings::default()
+                ..CameraPathSettings::default()
             };
             let settings = Settings {
                 photons: 1000,
                 caustic_photons: 1000,
                 radius: Some(0.2),
                 balance: false,
-                eye,
+                camera_paths,
                 ..Settings::default()
             };
             let all = pixels(&scene, algorithm, settings, PASSES);

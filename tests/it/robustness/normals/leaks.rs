@@ -1,7 +1,7 @@
 //! Shading normals let no light through the back of a surface.
 
 use crate::support::{key, pixels, scene};
-use caustica::integrate::{Algorithm, EyeSettings, Settings};
+use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
 use caustica::math::{Ray, warp};
 use caustica::photon::{Photon, PhotonPass, PhotonSource, StoreMask};
 use caustica::sampling::Dimension;
@@ -24,8 +24,15 @@ fn materials(relief: &str) -> String {
 const KINDS: [&str; 5] = ["matt", "gloss", "mirror", "metal", "rough"];
 
 fn settings() -> Settings {
-    let eye = EyeSettings { samples: Some(2), ..EyeSettings::default() };
-    Settings { photons: 2000, caustic_photons: 2000, radius: Some(0.2), balance: false, eye, ..Settings::default() }
+    let camera_paths = CameraPathSettings { samples: Some(2), ..CameraPathSettings::default() };
+    Settings {
+        photons: 2000,
+        caustic_photons: 2000,
+        radius: Some(0.2),
+        balance: false,
+        camera_paths,
+        ..Settings::default()
+    }
 }
 
 /// Checks that every pixel is 0 in all integrators with shadows and that no photon gets in, while
@@ -61,7 +68,7 @@ fn coarse_ball_is_dark_inside() {
             dark(&inside, &format!("{kind} {relief}"));
             let lit = pixels(&ball("0 0 3"), Algorithm::Path, settings(), 1);
             assert!(lit.iter().all(|p| p.max_element() > 0.0), "{kind} is lit from outside");
-            let source = PhotonSource::everywhere(&inside).unwrap();
+            let source = PhotonSource::in_all_directions(&inside).unwrap();
             let pass = PhotonPass { scene: &inside, source: &source, mask: StoreMask::ALL, max_bounces: 20 };
             let traced = pass.trace(key(70), 1 << 14, &|_| {});
             // A photon stores the side it landed on. Outwards is away from the ball's center.

@@ -3,7 +3,7 @@
 use super::{HUE, WITH_PHOTONS, finite, flat_camera, rendered, settings};
 use crate::support::{image, mean_and_error};
 use caustica::color::Rgb;
-use caustica::integrate::{Algorithm, EyeSettings, Settings};
+use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
 use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
 use caustica::sampling::{Key, Purpose};
 use caustica::scene::{DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
@@ -52,7 +52,7 @@ fn flux() -> f64 {
 #[test]
 fn photons_converge_at_focus() {
     let scene = parabola(PIXELS);
-    let source = PhotonSource::aimed(&scene).unwrap();
+    let source = PhotonSource::aimed_at_casters(&scene).unwrap();
     let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::CAUSTIC, max_bounces: 10 };
     let key = |i| Key::new(3).purpose_key(Purpose::Test).child_key(i);
     let begun = Instant::now();
@@ -97,8 +97,8 @@ fn image_of_focus_shows_all_flux() {
         let expected = 0.5 / PI * flux() / (seen * seen);
         let mean = |seed| {
             let settings = Settings { radius: Some(radius), gather_k: k, ..settings(1_000, samples) };
-            let eye = EyeSettings { seed, ..settings.eye };
-            let method = Algorithm::Sppm.prepare(&scene, Settings { eye, ..settings });
+            let camera_paths = CameraPathSettings { seed, ..settings.camera_paths };
+            let method = Algorithm::Sppm.prepare(&scene, Settings { camera_paths, ..settings });
             let pass = |i| image(&*method, i).iter().map(|v| f64::from(v.y)).sum::<f64>();
             (0..8).map(pass).sum::<f64>() / f64::from(8 * pixels * pixels)
         };

@@ -52,7 +52,7 @@ fn zero_power_lights_change_nothing() {
             let scene = lit_by(powers);
             let out = rendered(&scene, *algorithm, settings(), 4);
             finite(algorithm.name(), &out);
-            assert!(out.film.means().all(|v| v == DVec3::ZERO), "{}", algorithm.name());
+            assert!(out.film.pixel_means().all(|v| v == DVec3::ZERO), "{}", algorithm.name());
             assert_eq!(out.global.emitted + out.caustic.emitted, 0);
         }
     });
@@ -88,7 +88,7 @@ fn point_light_in_floor_lights_ceiling() {
     let all: Vec<(DVec3, DQuat)> = places.iter().flat_map(|at| turns().map(move |turn| (*at, turn))).collect();
     all.par_iter().for_each(|(at, turn)| {
         let scene = point_in_the_floor(*turn, *at);
-        let source = PhotonSource::everywhere(&scene).unwrap();
+        let source = PhotonSource::in_all_directions(&scene).unwrap();
         let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::DIRECT, max_bounces: 0 };
         let traced = pass.trace(Key::new(3).purpose_key(Purpose::Test), 1 << 16, &|_| {});
         let flux: f64 = traced.deposits.photons.iter().map(|p| f64::from(p.data.flux().y)).sum();
@@ -168,7 +168,7 @@ fn blocked_lights_emit_no_photons() {
     for algorithm in WITH_PHOTONS {
         let out = rendered(&scene, algorithm, settings(20_000, 4), 4);
         finite(algorithm.name(), &out);
-        assert!(out.film.means().all(|v| v == DVec3::ZERO), "{}", algorithm.name());
+        assert!(out.film.pixel_means().all(|v| v == DVec3::ZERO), "{}", algorithm.name());
         assert_eq!(out.global.stored + out.caustic.stored, 0);
         for report in [out.global, out.caustic].iter().filter(|r| r.emitted > 0) {
             let [emitted, absorbed] = [report.audit.emitted[1], report.audit.absorbed[1]];

@@ -7,7 +7,7 @@ use caustica::color::Rgb;
 use caustica::integrate::{Algorithm, Settings, Silent};
 use caustica::medium::{Medium, PhaseFunction};
 use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
-use caustica::render::Rendered;
+use caustica::render::RenderResult;
 use caustica::render::error_estimate::{ErrorEstimate, ErrorMaps};
 use caustica::scene::{Body, BuildError, DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
 use caustica::shape::{Shape, Sphere};
@@ -46,16 +46,16 @@ fn room(scale: f32, fog: bool) -> Scene {
 }
 
 /// Returns the error estimate and the error maps of a render.
-fn estimates(rendered: &Rendered) -> (ErrorEstimate, ErrorMaps) {
+fn estimates(rendered: &RenderResult) -> (ErrorEstimate, ErrorMaps) {
     let estimator = rendered.estimator.as_ref().unwrap();
     (estimator.estimate(&rendered.film), estimator.maps(&rendered.film))
 }
 
 /// Returns the sums of passes from their means. The number of passes is a power of two, so nothing
 /// rounds.
-fn sums(rendered: &Rendered) -> Vec<DVec3> {
+fn sums(rendered: &RenderResult) -> Vec<DVec3> {
     let passes = f64::from(rendered.film.passes());
-    rendered.film.means().map(|mean| mean * passes).collect()
+    rendered.film.pixel_means().map(|mean| mean * passes).collect()
 }
 
 /// At 2¹⁰⁰ W, more than 10³⁰, images and error maps are those of 1 W times that factor, bit for
@@ -144,7 +144,7 @@ fn photons_beyond_float_range_are_reported() {
     };
     assert_eq!(scene(&[1e38, 2e38]).err(), Some(BuildError::TooBright(1)));
     let scene = scene(&[1e38, 1e38]).unwrap();
-    let source = PhotonSource::everywhere(&scene).unwrap();
+    let source = PhotonSource::in_all_directions(&scene).unwrap();
     let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::DIRECT, max_bounces: 0 };
     let rejected = |paths| {
         let traced = pass.trace(key(9), paths, &|_| {});

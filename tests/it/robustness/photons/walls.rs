@@ -49,7 +49,7 @@ fn thin_walls_leak_no_photons() {
             let out = rendered(&wall(*thickness, false), algorithm, gathering(k), 2);
             finite(algorithm.name(), &out);
             assert!(out.caustic.stored > 5_000, "{}", out.caustic.stored);
-            let lit = out.film.means().filter(|v| *v != DVec3::ZERO).count();
+            let lit = out.film.pixel_means().filter(|v| *v != DVec3::ZERO).count();
             assert_eq!(lit, 0, "{}, thickness {thickness}", algorithm.name());
         }
     });

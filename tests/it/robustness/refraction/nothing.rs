@@ -1,7 +1,7 @@
 //! Bodies of relative index 1 change nothing, exactly.
 
 use crate::support::{assert_mean, key, pixels, scene};
-use caustica::integrate::{Algorithm, EyeSettings, Settings};
+use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
 use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
 
 use caustica::scene::Scene;
@@ -48,7 +48,7 @@ fn index_matched_bodies_change_no_bit() {
         caustic_photons: 2000,
         radius: Some(0.1),
         balance: false,
-        eye: EyeSettings { samples: Some(2), ..EyeSettings::default() },
+        camera_paths: CameraPathSettings { samples: Some(2), ..CameraPathSettings::default() },
         ..Settings::default()
     };
     let without = room("");
@@ -65,7 +65,7 @@ fn index_matched_bodies_change_no_bit() {
 #[test]
 fn index_matched_bodies_change_no_photon() {
     let trace = |scene: &Scene| {
-        let source = PhotonSource::everywhere(scene).unwrap();
+        let source = PhotonSource::in_all_directions(scene).unwrap();
         let pass = PhotonPass { scene, source: &source, mask: StoreMask::ALL, max_bounces: 30 };
         let traced = pass.trace(key(1), 1 << 13, &|_| {});
         (traced.deposits.photons, traced.audit, traced.rays)
@@ -90,8 +90,10 @@ fn bubble_is_not_culled_as_index_matched() {
             }}
             Group {{ MaterialName dark Sphere {{ center 0 0 0  radius 1 }} {more} }}"
         ));
-        let settings =
-            Settings { eye: EyeSettings { samples: Some(1024), ..EyeSettings::default() }, ..Settings::default() };
+        let settings = Settings {
+            camera_paths: CameraPathSettings { samples: Some(1024), ..CameraPathSettings::default() },
+            ..Settings::default()
+        };
         pixels(&scene, Algorithm::Path, settings, 16).iter().map(|p| f64::from(p.x)).collect()
     };
     // Along the axis each interface reflects R. What leaves has radiance 1 on either side.

@@ -3,7 +3,7 @@
 
 use crate::support::{assert_mean, key, pixels, scene};
 use caustica::camera::Camera;
-use caustica::integrate::{Algorithm, EyeSettings, Settings};
+use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
 use caustica::light::EnvironmentLight;
 use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
 use caustica::scene::{Body, DeltaLightKind, LightStrength, Material, Scene, SceneBuilder};
@@ -130,7 +130,7 @@ fn lit(faces: Faces, contact: Contact, liquid_first: bool, angle: f64) -> Scene 
 
 /// Returns the fraction of the flux that reaches the floor, in independent passes.
 fn passed(scene: &Scene) -> Vec<f64> {
-    let source = PhotonSource::everywhere(scene).unwrap();
+    let source = PhotonSource::in_all_directions(scene).unwrap();
     let pass = PhotonPass { scene, source: &source, mask: StoreMask::CAUSTIC, max_bounces: 1000 };
     let part = |i| {
         let traced = pass.trace(key(40).child_key(i), 1 << 11, &|_| {});
@@ -208,11 +208,12 @@ fn camera_in_liquid_starts_in_liquid() {
             // A field of 40° is within Snell's window, so all light gets out in the end.
             let up = Camera::perspective(DVec3::ZERO, DVec3::Y, DVec3::Z, 0.7, 8, 8).unwrap();
             let scene = b.build(up).unwrap();
-            let eye = EyeSettings { samples: Some(4), max_bounces: 1000, ..EyeSettings::default() };
+            let camera_paths =
+                CameraPathSettings { samples: Some(4), max_bounces: 1000, ..CameraPathSettings::default() };
             let samples: Vec<f64> = (0..16)
                 .map(|seed| {
-                    let eye = EyeSettings { seed, ..eye.clone() };
-                    let image = pixels(&scene, Algorithm::Path, Settings { eye, ..Settings::default() }, 1);
+                    let camera_paths = CameraPathSettings { seed, ..camera_paths.clone() };
+                    let image = pixels(&scene, Algorithm::Path, Settings { camera_paths, ..Settings::default() }, 1);
                     image.iter().map(|p| f64::from(p.x)).sum::<f64>() / 64.0
                 })
                 .collect();

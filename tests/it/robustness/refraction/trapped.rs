@@ -3,7 +3,7 @@
 use crate::support::{key, pixels};
 use caustica::bsdf::Transport;
 use caustica::camera::Camera;
-use caustica::integrate::{Algorithm, EyeSettings, Settings};
+use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
 use caustica::math::{Ray, warp};
 use caustica::photon::{PhotonPass, PhotonSource, StoreMask};
 use caustica::sampling::Dimension;
@@ -152,7 +152,7 @@ fn trapped_photons_keep_flux_and_terminate() {
         let source = DeltaLightKind::Spot { position: DVec3::ZERO, axis: DVec3::ONE, inner: 0.08, outer: 0.08 };
         b.source(source, LightStrength::Power(Vec3::new(1.0, 2.0, 3.0)));
         let scene = built(b);
-        let source = PhotonSource::everywhere(&scene).unwrap();
+        let source = PhotonSource::in_all_directions(&scene).unwrap();
         let pass = PhotonPass { scene: &scene, source: &source, mask: StoreMask::CAUSTIC, max_bounces: BOUNCES };
         let traced = pass.trace(key(3), 1024, &|_| {});
         assert_eq!(traced.audit.stopped, traced.audit.emitted);
@@ -171,8 +171,10 @@ fn trapped_camera_paths_terminate() {
         let mut b = cube(true);
         b.background(Vec3::ONE);
         b.source(DeltaLightKind::Point { position: DVec3::ZERO }, LightStrength::Power(Vec3::ONE));
-        let eye = EyeSettings { samples: Some(4), max_bounces: BOUNCES, ..EyeSettings::default() };
-        let settings = Settings { eye, photons: 100, caustic_photons: 100, balance: false, ..Settings::default() };
+        let camera_paths =
+            CameraPathSettings { samples: Some(4), max_bounces: BOUNCES, ..CameraPathSettings::default() };
+        let settings =
+            Settings { camera_paths, photons: 100, caustic_photons: 100, balance: false, ..Settings::default() };
         let image = pixels(&built(b), algorithm, settings, 1);
         assert!(image.iter().all(|p| *p == Vec3::ZERO), "{algorithm:?}: {image:?}");
     }

@@ -2,8 +2,8 @@
 //! one of probability 1 always survives.
 
 use crate::support::{assert_mean, key, pixels, scene};
-use caustica::integrate::{Algorithm, EyeSettings, Settings};
-use caustica::photon::{Deposits, PhotonPass, PhotonSource, StoreMask, Traced};
+use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
+use caustica::photon::{Deposits, PhotonPass, PhotonPassResult, PhotonSource, StoreMask};
 use caustica::scene::Scene;
 use rayon::prelude::*;
 
@@ -26,8 +26,8 @@ fn room(albedo: &str, radiance: f64) -> Scene {
 const PATHS: u32 = 1 << 12;
 const BOUNCES: u32 = 60;
 
-fn trace(scene: &Scene, index: u64) -> Traced {
-    let source = PhotonSource::everywhere(scene).unwrap();
+fn trace(scene: &Scene, index: u64) -> PhotonPassResult {
+    let source = PhotonSource::in_all_directions(scene).unwrap();
     let pass = PhotonPass { scene, source: &source, mask: StoreMask::ALL, max_bounces: BOUNCES };
     pass.trace(key(90).child_key(index), PATHS, &|_| {})
 }
@@ -36,7 +36,7 @@ fn trace(scene: &Scene, index: u64) -> Traced {
 /// flux.
 #[test]
 fn white_surfaces_terminate_no_photon() {
-    let Traced { deposits: Deposits { photons, .. }, audit, rays, .. } = trace(&room("1 1 1", 0.0), 0);
+    let PhotonPassResult { deposits: Deposits { photons, .. }, audit, rays, .. } = trace(&room("1 1 1", 0.0), 0);
     assert_eq!((audit.stopped, audit.roulette, audit.absorbed), (audit.emitted, [0.0; 3], [0.0; 3]));
     assert_eq!(photons.len() as u64, u64::from(PATHS) * u64::from(BOUNCES + 1));
     assert_eq!(rays, photons.len() as u64);
@@ -47,7 +47,7 @@ fn white_surfaces_terminate_no_photon() {
 #[test]
 fn black_surfaces_terminate_every_photon() {
     for albedo in ["0 0 0", "1e-45 1e-45 1e-45", "0 0 1e-40"] {
-        let Traced { deposits: Deposits { photons, .. }, audit, rays, .. } = trace(&room(albedo, 0.0), 0);
+        let PhotonPassResult { deposits: Deposits { photons, .. }, audit, rays, .. } = trace(&room(albedo, 0.0), 0);
         assert_eq!((photons.len() as u32, rays), (PATHS, u64::from(PATHS)), "{albedo}");
         assert_eq!((audit.absorbed, audit.stopped), (audit.emitted, [0.0; 3]), "{albedo}");
         assert!(audit.roulette.iter().all(|r| r.is_finite() && r.abs() < 1e-30), "{albedo}: {audit:?}");
@@ -63,7 +63,7 @@ fn zero_channel_stays_zero() {
     let scene = room("0 0 1", 0.0);
     let kept: Vec<f64> = (0..16)
         .map(|i| {
-            let Traced { deposits: Deposits { photons, .. }, audit, .. } = trace(&scene, i);
+            let PhotonPassResult { deposits: Deposits { photons, .. }, audit, .. } = trace(&scene, i);
             assert_eq!(audit.stopped[..2], [0.0; 2]);
             let on = photons[..].iter().filter(|p| p.data.flux().x == 0.0);
             let twice = 2.0 * 3.0 / f64::from(PATHS);
@@ -81,7 +81,7 @@ fn zero_channel_stays_zero() {
 
 fn settings(samples: u32, max_bounces: u32, seed: u64) -> Settings {
     Settings {
-        eye: EyeSettings { samples: Some(samples), max_bounces, seed, ..EyeSettings::default() },
+        camera_paths: CameraPathSettings { samples: Some(samples), max_bounces, seed, ..CameraPathSettings::default() },
         ..Settings::default()
     }
 }

@@ -11,7 +11,7 @@ impl TriangleMesh {
     /// [`NO_MATERIAL`](super::NO_MATERIAL) marks the triangles without material. Parts have no
     /// materials of their own.
     #[must_use]
-    pub fn parts(&self) -> Vec<(u32, Self)> {
+    pub fn split_by_material(&self) -> Vec<(u32, Self)> {
         let number = |t: usize| self.triangle_materials.get(t).copied().unwrap_or(super::NO_MATERIAL);
         let mut order: Vec<usize> = (0..self.triangles.len()).collect();
         // The sort is stable: triangles of one material stay in order.

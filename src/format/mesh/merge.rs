@@ -8,13 +8,13 @@ use hashbrown::hash_table::Entry;
 use std::hash::Hash;
 
 /// Numbers values by their keys, in the order of first use.
-pub(in crate::format) struct KeyNumbers<T> {
+pub(in crate::format) struct KeyIndexer<T> {
     hasher: RandomState,
     table: HashTable<u32>,
     list: Vec<T>,
 }
 
-impl<T> KeyNumbers<T> {
+impl<T> KeyIndexer<T> {
     pub fn with_capacity(n: usize) -> Self {
         // Numbers depend only on the order of values, so any seed works.
         let hasher = RandomState::with_seeds(1, 2, 3, 4);
@@ -24,7 +24,7 @@ impl<T> KeyNumbers<T> {
     /// Number of the first value whose key equals that of `thing`; the next free number if there is
     /// none.
     #[inline]
-    pub fn number<K: Hash + Eq>(&mut self, thing: T, key: impl Fn(&T) -> K) -> u32 {
+    pub fn index_of<K: Hash + Eq>(&mut self, thing: T, key: impl Fn(&T) -> K) -> u32 {
         let Self { hasher, table, list } = self;
         let own = key(&thing);
         let equal = |i: &u32| key(&list[*i as usize]) == own;
@@ -40,19 +40,19 @@ impl<T> KeyNumbers<T> {
     }
 
     /// The first value of each number.
-    pub fn into_list(self) -> Vec<T> {
+    pub fn into_values(self) -> Vec<T> {
         self.list
     }
 }
 
 /// Bit patterns of the components.
-pub(in crate::format) fn bits(p: DVec3) -> [u64; 3] {
+pub(in crate::format) fn coordinate_bits(p: DVec3) -> [u64; 3] {
     p.to_array().map(f64::to_bits)
 }
 
 /// Bit patterns of a position, in which both zeros are equal.
 fn position_bits(p: DVec3) -> [u64; 3] {
-    bits(p + DVec3::ZERO)
+    coordinate_bits(p + DVec3::ZERO)
 }
 
 const UNKNOWN: u32 = u32::MAX;
@@ -61,15 +61,19 @@ impl TriangleMesh {
     /// Merges vertices that are equal bit for bit, removes unused ones, and renumbers by first use.
     ///
     /// If one corner of a triangle has no normal, none of its corners keeps one.
-    pub fn share(&mut self) {
+    pub fn merge_equal_vertices(&mut self) {
         let normals = self.normals.as_deref();
         let mut known: Vec<u32> = vec![UNKNOWN; self.positions.len()];
         // A vertex, and whether it loses its normal.
-        let mut numbers: KeyNumbers<(u32, bool)> = KeyNumbers::with_capacity(self.positions.len());
+        let mut numbers: KeyIndexer<(u32, bool)> = KeyIndexer::with_capacity(self.positions.len());
         let key = |&(v, flat): &(u32, bool)| {
             let normal = normals.filter(|_| !flat).map_or(DVec3::ZERO, |n| n[v as usize]);
             let texcoord = self.texcoords.as_ref().map_or(DVec2::ZERO, |t| t[v as usize]);
-            (bits(self.positions[v as usize]), bits(normal), texcoord.to_array().map(f64::to_bits))
+            (
+                coordinate_bits(self.positions[v as usize]),
+                coordinate_bits(normal),
+                texcoord.to_array().map(f64::to_bits),
+            )
         };
         for triangle in &mut self.triangles {
             let flat = normals.is_some_and(|n| triangle.iter().any(|&v| n[v as usize] == DVec3::ZERO));
@@ -79,26 +83,26 @@ impl TriangleMesh {
                     *v = seen;
                     continue;
                 }
-                let number = numbers.number((*v, flat), key);
+                let number = numbers.index_of((*v, flat), key);
                 if !flat {
                     known[*v as usize] = number;
                 }
                 *v = number;
             }
         }
-        let vertices = numbers.into_list();
+        let vertices = numbers.into_values();
         if let Some(normals) = self.normals.take() {
             let normal = |&(v, flat): &(u32, bool)| if flat { DVec3::ZERO } else { normals[v as usize] };
             let normals: Vec<DVec3> = vertices.iter().map(normal).collect();
             self.normals = normals.iter().any(|n| *n != DVec3::ZERO).then_some(normals);
         }
-        self.take(vertices.iter().map(|(v, _)| *v));
+        self.select_vertices(vertices.iter().map(|(v, _)| *v));
     }
 
     /// Replaces positions and texture coordinates by those of the listed vertices.
     ///
     /// The caller replaces the normals.
-    pub(super) fn take(&mut self, list: impl Iterator<Item = u32> + Clone) {
+    pub(super) fn select_vertices(&mut self, list: impl Iterator<Item = u32> + Clone) {
         self.positions = list.clone().map(|v| self.positions[v as usize]).collect();
         let texcoord = |texcoords: Vec<DVec2>| list.map(|v| texcoords[v as usize]).collect();
         self.texcoords = self.texcoords.take().map(texcoord);
@@ -108,17 +112,17 @@ impl TriangleMesh {
     ///
     /// Vertices at one position have the same number.
     #[must_use]
-    pub fn position_numbers(&self) -> (Vec<u32>, usize) {
-        let mut numbers = KeyNumbers::with_capacity(self.positions.len());
-        let places = self.positions.iter().map(|p| numbers.number(position_bits(*p), |key| *key)).collect();
-        (places, numbers.into_list().len())
+    pub fn position_indices(&self) -> (Vec<u32>, usize) {
+        let mut numbers = KeyIndexer::with_capacity(self.positions.len());
+        let places = self.positions.iter().map(|p| numbers.index_of(position_bits(*p), |key| *key)).collect();
+        (places, numbers.into_values().len())
     }
 
-    pub(super) fn distinct_positions(&self) -> usize {
-        let mut numbers = KeyNumbers::with_capacity(self.positions.len());
+    pub(super) fn distinct_position_count(&self) -> usize {
+        let mut numbers = KeyIndexer::with_capacity(self.positions.len());
         self.positions.iter().for_each(|p| {
-            numbers.number(bits(*p), |key| *key);
+            numbers.index_of(coordinate_bits(*p), |key| *key);
         });
-        numbers.into_list().len()
+        numbers.into_values().len()
     }
 }

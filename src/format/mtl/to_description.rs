@@ -1,6 +1,6 @@
 //! Translation of MTL materials to the scene language.
 
-use super::FileMaterial;
+use super::MtlMaterial;
 use crate::format::description::{Attenuation, Emission, MaterialDescription, MaterialKindDescription, Span, Spanned};
 use crate::format::problem::Problem;
 use glam::DVec3;
@@ -9,7 +9,7 @@ use std::path::{PathBuf, absolute};
 /// Index of refraction of transparent materials that define none.
 const GLASS: f64 = 1.5;
 
-impl FileMaterial {
+impl MtlMaterial {
     /// Closest material of the scene language.
     ///
     /// - A Dielectric of index `Ni`, tinted by `Tf`, if the illumination model is one of glass or
@@ -47,7 +47,7 @@ impl FileMaterial {
                 diffuse: diffuse.into(),
                 specular: if highlights { specular } else { DVec3::ZERO }.into(),
                 shininess: self.shininess.unwrap_or(0.0),
-                texture: self.texture.as_ref().map(picture),
+                texture: self.texture.as_ref().map(absolute_texture_path),
             }
         };
         let emission = self.emission.filter(|e| *e != DVec3::ZERO).map(Emission::Radiance);
@@ -56,7 +56,7 @@ impl FileMaterial {
 }
 
 /// Absolute path of a picture, since MTL paths are not relative to the scene file.
-fn picture(path: &PathBuf) -> Spanned<String> {
+fn absolute_texture_path(path: &PathBuf) -> Spanned<String> {
     let whole = absolute(path).unwrap_or_else(|_| path.clone());
     Spanned::new(whole.display().to_string(), Span::default())
 }
