@@ -26,7 +26,7 @@ const MAX_DENSITY: f64 = 8.0;
 /// Camera rays of each pixel in parts of the mean, by rows from the top; `None` if rays make no
 /// noise.
 pub(super) fn find_density(renderer: &PassRenderer<'_>) -> Option<Arc<[f32]>> {
-    let key = Key::new(renderer.settings.camera_paths.seed).purpose(Purpose::Balance);
+    let key = Key::new(renderer.settings.camera_paths.seed).purpose_key(Purpose::RayPhotonBalance);
     let budget = PassBudget { key, pass: 0, part: PILOT_PART, limited: true };
     let maps = renderer.map_builder.build_within(&budget, &Silent, &mut Pass::default());
     // Moving objects rest at one time, as in a pass.

@@ -309,7 +309,7 @@ impl<'a> PhotonMapBuilder<'a> {
     /// Estimated photons of a pass, from few paths.
     pub fn expected(&self) -> Expected {
         let settings = &self.settings;
-        let key = Key::new(settings.camera_paths.seed).purpose(Purpose::Pilot);
+        let key = Key::new(settings.camera_paths.seed).purpose_key(Purpose::Pilot);
         let expected = |source: &Option<PhotonSource<'a>>, mask: StoreMask, paths: u32| {
             let Some(source) = source.as_ref().filter(|_| paths > 0) else { return Expected::default() };
             let probe = paths.min(PROBE_PATHS);

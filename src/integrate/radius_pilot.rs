@@ -147,7 +147,7 @@ pub(super) fn find_volume_radii(
     settings: &Settings,
 ) -> Option<VolumeRadii> {
     let scene = pass.scene;
-    let key = Key::new(settings.camera_paths.seed).purpose(Purpose::Pilot);
+    let key = Key::new(settings.camera_paths.seed).purpose_key(Purpose::Pilot);
     let pilot = pilot_paths(paths, MAX_PATHS);
     let traced = pass.trace(key, pilot, &|_| {});
     let mut volume = traced.deposits.volume;

@@ -33,7 +33,7 @@ pub(super) fn find_balance(renderer: &PassRenderer<'_>) -> Option<Balance> {
     if !renderer.map_builder.has_photons() {
         return None;
     }
-    let key = Key::new(renderer.settings.camera_paths.seed).purpose(Purpose::Balance);
+    let key = Key::new(renderer.settings.camera_paths.seed).purpose_key(Purpose::RayPhotonBalance);
     let counts = renderer.map_builder.counts;
     let build = |trial| {
         let mut out = Pass::default();
@@ -101,7 +101,7 @@ pub(super) fn find_balance(renderer: &PassRenderer<'_>) -> Option<Balance> {
 
 /// Estimated work of a pass, scaled up from few points of the film and few photons.
 pub(super) fn measure_work(renderer: &PassRenderer<'_>) -> Counters {
-    let key = Key::new(renderer.settings.camera_paths.seed).purpose(Purpose::Balance);
+    let key = Key::new(renderer.settings.camera_paths.seed).purpose_key(Purpose::RayPhotonBalance);
     let mut out = Pass::default();
     let budget = PassBudget { key, pass: 0, part: PILOT_PART, limited: true };
     let maps = renderer.map_builder.build_within(&budget, &Silent, &mut out);

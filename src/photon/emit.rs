@@ -49,7 +49,7 @@ impl<'a> PhotonSource<'a> {
     /// no light has power.
     #[must_use]
     pub fn in_all_directions(scene: &'a Scene) -> Option<Self> {
-        let choice = Discrete::new(powers(scene))?;
+        let choice = DiscreteDistribution::new(powers(scene))?;
         let effects = all_effects(scene);
         Some(Self { scene, choice, aim: None, guiding: Vec::new(), effects })
     }

@@ -161,7 +161,7 @@ impl PhotonPass<'_> {
             // Thin paths that continue after a caustic.
             if self.mask.separates_after_caustic && kind == PhotonKind::Caustic && stores {
                 book(&mut audit.roulette, flux);
-                if key.uniform(Dimension::Worth) * AFTER_CAUSTIC_THINNING as f32 >= 1.0 {
+                if key.uniform_1d(Dimension::ShadingRoulette) * AFTER_CAUSTIC_THINNING as f32 >= 1.0 {
                     return;
                 }
                 flux *= AFTER_CAUSTIC_THINNING as f32;

@@ -6,7 +6,7 @@ use crate::support::image;
 use caustica::color::Rgb;
 use caustica::format::SceneFile;
 use caustica::integrate::{Algorithm, CameraPathSettings, Settings};
-use caustica::math::Sum;
+use caustica::math::CompensatedSum;
 use caustica::render::Film;
 use caustica::sampling::{Dimension, Key, Purpose};
 use glam::{DVec3, Vec3};
