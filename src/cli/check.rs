@@ -32,7 +32,7 @@ pub(super) fn run(arguments: &SceneArguments) -> Result<Exit, Failure> {
 /// Returns the warnings that need no mesh to be read again, one line each; none about a scene
 /// without objects, which `render` notes itself.
 pub(super) fn cheap_warnings(file: &SceneFile, scene: &Scene, arguments: &SceneArguments) -> Vec<String> {
-    let mut lines = file.unused_warnings();
+    let mut lines = file.unused_item_warnings();
     if scene.triangle_count() + scene.shape_count() > 0 {
         lines.extend(scene_warnings(scene, arguments));
     }

@@ -4,7 +4,7 @@ use super::outputs::{NamedFile, OutputFailures, check_distinct};
 use super::progress::print_message;
 use super::{Exit, Failure};
 use crate::format::mesh::MeshFormat;
-use crate::format::{Conversion, ReadError, SceneFile};
+use crate::format::{ConvertedScene, SceneFile, SceneReadError};
 use crate::image::{self, WriteOptions, replace_file_with};
 use crate::stats::Memory;
 use clap::Args;
@@ -32,11 +32,11 @@ pub struct ConvertArguments {
 struct OutputExists(PathBuf);
 
 pub(super) fn run(arguments: &ConvertArguments) -> Result<Exit, Failure> {
-    let scene = SceneFile::read_within(&arguments.scene, Memory::System).map_err(|e| {
-        let exit = if matches!(e, ReadError::Memory { .. }) { Exit::Usage } else { Exit::Input };
+    let scene = SceneFile::read_within_memory(&arguments.scene, Memory::System).map_err(|e| {
+        let exit = if matches!(e, SceneReadError::Memory { .. }) { Exit::Usage } else { Exit::Input };
         Failure::new(exit, e)
     })?;
-    let conversion = Conversion::new(&scene, &arguments.output);
+    let conversion = ConvertedScene::new(&scene, &arguments.output);
     let meshes = conversion.meshes.iter().map(|(path, _)| path);
     let pictures = conversion.pictures.iter().map(|(path, _)| path);
     let outputs: Vec<&PathBuf> = std::iter::once(&arguments.output).chain(meshes).chain(pictures).collect();

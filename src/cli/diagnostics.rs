@@ -5,7 +5,7 @@ use crate::color::Rgb;
 use crate::photon::EnergyAudit;
 use crate::render::RenderResult;
 use crate::scene::Scene;
-use crate::study::text::percent;
+use crate::study::text::percent_text;
 use glam::DVec3;
 
 /// True if the scene has lights, but none of them has any power.
@@ -34,7 +34,7 @@ fn flux_destinations(audit: &EnergyAudit) -> String {
         return "the lights emitted no flux".to_owned();
     }
     let [absorbed, escaped, stopped] =
-        [audit.absorbed, audit.escaped, audit.stopped].map(|flux| percent(sum(flux) / emitted));
+        [audit.absorbed, audit.escaped, audit.stopped].map(|flux| percent_text(sum(flux) / emitted));
     format!(
         "of their flux {absorbed} was absorbed, {escaped} left the scene, {stopped} reached surfaces that store none"
     )

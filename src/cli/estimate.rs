@@ -12,7 +12,7 @@ use crate::integrate::{Algorithm, Integrator};
 use crate::render::error_estimate::{ErrorEstimate, ErrorForecast, PassesNeeded};
 use crate::render::{RenderResult, StopCriteria, render};
 use crate::stats::peak_memory;
-use crate::study::text::{amount, percent};
+use crate::study::text::{count_text, percent_text};
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -179,7 +179,7 @@ impl EstimateList {
 
     fn table(&self) -> String {
         let Self { pilot, peak_memory_bytes, .. } = self;
-        let memory = peak_memory_bytes.map_or("?".to_owned(), |bytes| format!("{}B", amount(bytes as f64)));
+        let memory = peak_memory_bytes.map_or("?".to_owned(), |bytes| format!("{}B", count_text(bytes as f64)));
         let mut text = format!(
             "{} at {} × {}: after {} passes the estimated error is {}\n",
             self.integrator,
@@ -194,10 +194,10 @@ impl EstimateList {
             "error", "passes", "time", "likely range", "photons", "memory"
         );
         for estimate in &self.estimates {
-            let error = percent(estimate.error);
+            let error = percent_text(estimate.error);
             let (Some(passes), Some(time)) = (estimate.passes, estimate.seconds) else {
                 let why = match estimate.floor {
-                    Some(floor) => format!("never: {} is bias that stays; {}", percent(floor), outlook::REMEDY),
+                    Some(floor) => format!("never: {} is bias that stays; {}", percent_text(floor), outlook::REMEDY),
                     None => "more than ten million passes".to_owned(),
                 };
                 let _ = writeln!(text, "  {error:>7} {why}");
@@ -209,7 +209,7 @@ impl EstimateList {
                 "  {error:>7} {passes:>9} {:>14} {:>24} {:>9} {memory:>8}  {}",
                 duration_text(time),
                 ends.join(" to "),
-                estimate.photons.map_or(String::new(), amount),
+                estimate.photons.map_or(String::new(), count_text),
                 estimate.flags.as_deref().unwrap_or_default(),
             );
         }

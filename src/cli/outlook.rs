@@ -1,7 +1,7 @@
 //! Texts about the estimated error of a picture and the time that a lower error takes.
 
 use crate::render::error_estimate::{ErrorEstimate, ErrorForecast, PassesNeeded};
-use crate::study::text::percent;
+use crate::study::text::percent_text;
 
 /// Remedy for an error that more passes cannot lower.
 pub(super) const REMEDY: &str =
@@ -17,7 +17,12 @@ pub(super) struct ErrorEstimateUnsupported {
 
 /// An estimated error and its parts: `2.1 % (noise 1.9 %, bias 0.8 %)`.
 pub(super) fn error_text(estimate: &ErrorEstimate) -> String {
-    format!("{} (noise {}, bias {})", percent(estimate.error), percent(estimate.noise), percent(estimate.bias))
+    format!(
+        "{} (noise {}, bias {})",
+        percent_text(estimate.error),
+        percent_text(estimate.noise),
+        percent_text(estimate.bias)
+    )
 }
 
 /// Text about the time until the estimated error is `aim`. `shown` is the text of `aim`, and
@@ -33,13 +38,13 @@ pub(super) fn time_to_target_text(
     if estimate.error == 0.0 {
         return String::new();
     }
-    let shown = percent(shown);
+    let shown = percent_text(shown);
     match forecast.passes_to_reach(aim) {
         PassesNeeded::Passes(n) => {
             let more = n.saturating_sub(estimate.passes);
             format!("; {shown} in about {}", duration_text(f64::from(more) * pass_seconds))
         }
-        PassesNeeded::Never { floor } => format!("; {shown} never: {} is bias that stays", percent(floor)),
+        PassesNeeded::Never { floor } => format!("; {shown} never: {} is bias that stays", percent_text(floor)),
         PassesNeeded::TooMany => format!("; {shown} in more than {}", duration_text(1e7 * pass_seconds)),
     }
 }

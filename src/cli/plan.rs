@@ -7,8 +7,8 @@ use super::settings::settings;
 use super::{Exit, Failure};
 use crate::integrate::{Algorithm, Balance, Integrator};
 use crate::plan::{Decision, Effect, Plan, SceneFeatures};
-use crate::study::text::{amount, signed};
-use crate::study::{ExpectedWork, Work, expected_work};
+use crate::study::text::{count_text, signed_count_text};
+use crate::study::{ExpectedWork, WorkCounts, expected_work};
 use serde::Serialize;
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -90,19 +90,19 @@ fn plan_table(algorithm: Algorithm, plan: &Plan, balance: Option<Balance>, work:
             (false, false) => "off",
             (false, true) => "off, forced",
         };
-        let costs = work.of(decision.effect).map_or(String::new(), |w| work_text(w, signed));
+        let costs = work.added_by(decision.effect).map_or(String::new(), |w| work_text(w, signed_count_text));
         let line = format!("  {:<16} {state:<14} {costs:<29} {}", decision.effect, decision.reason);
         let _ = writeln!(text, "{line}");
     }
     balance.iter().for_each(|balance| text += &format!("{}\n", balance_line(balance)));
-    let _ = writeln!(text, "total about {} per pass", work_text(work.whole, amount));
+    let _ = writeln!(text, "total about {} per pass", work_text(work.whole, count_text));
     omission_warnings(plan).for_each(|line| text += &format!("{line}\n"));
     text
 }
 
 /// Work as text: `+1.9 M rays, +3.0 M gathered`.
-fn work_text(work: Work, number: fn(f64) -> String) -> String {
-    let Work { rays, gathered_photons } = work;
+fn work_text(work: WorkCounts, number: fn(f64) -> String) -> String {
+    let WorkCounts { rays, gathered_photons } = work;
     match (rays, gathered_photons) {
         (0, 0) => "nothing".to_owned(),
         (rays, 0) => format!("{} rays", number(rays as f64)),
@@ -162,7 +162,7 @@ pub(super) fn effect_reports(plan: &Plan) -> Vec<EffectReport> {
 impl Report {
     fn new(scene: String, algorithm: Algorithm, plan: &Plan, balance: Option<Balance>, work: &ExpectedWork) -> Self {
         let costed = |(report, decision): (EffectReport, &Decision)| {
-            let work = work.of(decision.effect);
+            let work = work.added_by(decision.effect);
             CostedEffect {
                 effect: report,
                 rays: work.map(|w| w.rays),

@@ -16,7 +16,7 @@ use crate::integrate::{Algorithm, GuidingReports, Integrator};
 use crate::render::error_estimate::{Confidence, MIN_PASSES, PassesNeeded};
 use crate::render::{EndReason, ErrorTarget, PassProgress, RenderResult, StopCriteria, render};
 use crate::scene::Scene;
-use crate::study::text::percent;
+use crate::study::text::percent_text;
 use glam::Vec3;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -277,8 +277,8 @@ fn summarize(arguments: &RenderArguments, progress: &Progress, report: &Report, 
         report.rates.photons_per_second * 1e-6,
     ));
     if let Some(ErrorReport { estimate, .. }) = &report.error {
-        let interval = format!("{} to {}", percent(estimate.low), percent(estimate.high));
-        let confidence = percent(confidence(arguments).probability());
+        let interval = format!("{} to {}", percent_text(estimate.low), percent_text(estimate.high));
+        let confidence = percent_text(confidence(arguments).probability());
         progress.say(&format!(
             "estimated error {}; {interval} with {confidence} confidence",
             outlook::error_text(estimate)

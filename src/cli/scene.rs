@@ -4,7 +4,7 @@ use super::args::SceneArguments;
 use super::memory::check_pictures;
 use super::{Exit, Failure};
 use crate::format::mesh::MeshReadMonitor;
-use crate::format::{ReadError, SceneFile};
+use crate::format::{SceneFile, SceneReadError};
 use crate::scene::Scene;
 
 /// Reads and resolves the scene file, with the picture size of `--size` if given.
@@ -21,8 +21,8 @@ pub(super) fn load_with_file(
     monitor: &dyn MeshReadMonitor,
 ) -> Result<(SceneFile, Scene), Failure> {
     let memory = arguments.memory();
-    let mut file = SceneFile::read_within(&arguments.scene, memory).map_err(|e| {
-        let exit = if matches!(e, ReadError::Memory { .. }) { Exit::Usage } else { Exit::Input };
+    let mut file = SceneFile::read_within_memory(&arguments.scene, memory).map_err(|e| {
+        let exit = if matches!(e, SceneReadError::Memory { .. }) { Exit::Usage } else { Exit::Input };
         Failure::new(exit, e)
     })?;
     if let Some((width, height)) = arguments.size {
@@ -31,8 +31,8 @@ pub(super) fn load_with_file(
     }
     let camera = &file.description.camera;
     check_pictures(1, (camera.width, camera.height), memory.free()).map_err(Failure::usage)?;
-    let scene = file.resolve_watched(monitor, memory).map_err(|e| {
-        let exit = if e.exhausts_memory() { Exit::Usage } else { Exit::Input };
+    let scene = file.resolve_monitored(monitor, memory).map_err(|e| {
+        let exit = if e.is_out_of_memory() { Exit::Usage } else { Exit::Input };
         Failure::new(exit, e)
     })?;
     Ok((file, scene))

@@ -49,7 +49,7 @@ impl TransformStep {
     ///
     /// A matrix has no such motion and applies at all times.
     #[must_use]
-    pub fn growing(&self) -> MotionStep {
+    pub fn motion_step(&self) -> Step {
         match *self {
             Self::Scale(s) => MotionStep::Scale(s),
             Self::UniformScale(s) => MotionStep::Scale(DVec3::splat(s)),
@@ -67,7 +67,7 @@ impl TransformStep {
     /// Each step applies before those listed ahead of it (M ← M T). A matrix applies after them (M
     /// ← T M), as in MIT 6.837.
     #[must_use]
-    pub fn product(maps: &[Self]) -> DAffine3 {
+    pub fn composed_matrix(maps: &[Self]) -> DAffine3 {
         maps.iter().fold(DAffine3::IDENTITY, |m, map| match map {
             Self::Matrix(_) => map.matrix() * m,
             _ => m * map.matrix(),
@@ -102,13 +102,13 @@ mod tests {
     #[test]
     fn the_first_map_is_applied_last() {
         let maps = [TransformStep::Translate(DVec3::X), TransformStep::Scale(DVec3::splat(2.0))];
-        assert!(close(TransformStep::product(&maps).transform_point3(DVec3::ONE), DVec3::new(3.0, 2.0, 2.0)));
+        assert!(close(TransformStep::composed_matrix(&maps).transform_point3(DVec3::ONE), DVec3::new(3.0, 2.0, 2.0)));
     }
 
     #[test]
     fn a_matrix_is_applied_after_those_before_it() {
         let double = TransformStep::Matrix(DMat4::from_scale(DVec3::splat(2.0)));
         let maps = [TransformStep::Translate(DVec3::X), double];
-        assert!(close(TransformStep::product(&maps).transform_point3(DVec3::ZERO), DVec3::new(2.0, 0.0, 0.0)));
+        assert!(close(TransformStep::composed_matrix(&maps).transform_point3(DVec3::ZERO), DVec3::new(2.0, 0.0, 0.0)));
     }
 }

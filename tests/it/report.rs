@@ -4,8 +4,8 @@ use crate::support::browser::Browser;
 use caustica::image::Image;
 use caustica::integrate::{ALPHA, Algorithm, shrink};
 use caustica::sampling::{Dimension, Key};
-use caustica::study::methods::{Checkpoint, MethodResult, MethodStudyResult, Truth};
-use caustica::study::report::methods::{csv, html, json, markdown};
+use caustica::study::methods::{Checkpoint, GroundTruth, MethodResult, MethodStudyResult};
+use caustica::study::report::methods::{csv, json, markdown, methods_html_page};
 use glam::Vec3;
 use std::collections::BTreeSet;
 
@@ -104,7 +104,7 @@ fn found() -> MethodStudyResult {
         seeds: SEEDS as u32,
         budget: 60.0,
         share: 0.85,
-        truth: Truth {
+        truth: GroundTruth {
             source: "auto: 256 passes of hybrid, twice".into(),
             error: Some(0.004),
             picture: picture(|x, y, _| radiance(x, y)),
@@ -160,7 +160,7 @@ fn tag_counter_finds_unclosed_tags() {
 
 #[test]
 fn report_page_is_well_formed_and_self_contained() {
-    let page = words(&html(&found()).unwrap());
+    let page = words(&methods_html_page(&found()).unwrap());
     assert_eq!(unbalanced(&page), None);
     for fetched in ["http", "url(//", "@import", "<link", "<iframe", " src=\"/"] {
         assert!(!page.contains(fetched), "{fetched}");
@@ -185,7 +185,7 @@ fn report_page_is_well_formed_and_self_contained() {
     }
     // Without its command a figure could not be reproduced.
     assert_eq!(page.matches("<figure").count(), page.matches("<code class=\"command\">").count());
-    assert_eq!(html(&found()).unwrap(), html(&found()).unwrap());
+    assert_eq!(methods_html_page(&found()).unwrap(), methods_html_page(&found()).unwrap());
 }
 
 #[test]
@@ -197,10 +197,10 @@ fn minimal_study_makes_a_page() {
     last.checkpoints.truncate(1);
     last.checkpoints[0] = Checkpoint { passes: 1, ..Checkpoint::default() };
     last.error.fill(0.0);
-    let page = words(&html(&found).unwrap());
+    let page = words(&methods_html_page(&found).unwrap());
     assert!(unbalanced(&page).is_none() && page.contains("too few checkpoints") && !page.contains("NaN"));
     found.methods.clear();
-    assert_eq!(unbalanced(&words(&html(&found).unwrap())), None);
+    assert_eq!(unbalanced(&words(&methods_html_page(&found).unwrap())), None);
     assert!(csv(&found).lines().count() == 1 && json(&found).is_ok() && markdown(&found).contains("room"));
 }
 
@@ -228,7 +228,7 @@ fn browser_shows_the_page() {
         eprintln!("skipped: no chromium, chromium-browser or google-chrome in PATH");
         return;
     };
-    let page = html(&found()).unwrap();
+    let page = methods_html_page(&found()).unwrap();
     let shown = browser.open("report.html", &page, "", (1000, 900));
     assert!(shown.complaints.is_empty(), "{:?}", shown.complaints);
     let dom = words(&shown.dom);

@@ -12,7 +12,7 @@ use super::{Exit, Failure};
 use crate::image::flip::{FlipMode, FlipOptions, FlipResult, PIXELS_PER_DEGREE, flip};
 use crate::image::metrics::{Differences, MetricError, differences, relative_error, relative_mse, rmse};
 use crate::image::{self, Image, InputFormat, OutputFormat, WriteOptions};
-use crate::study::text::figure;
+use crate::study::text::three_digit_text;
 use miette::IntoDiagnostic;
 use report::{EPSILON, FlipReport, LargestReport, MapReport, Means, Report};
 use std::io::Write;
@@ -62,8 +62,9 @@ pub(super) fn run(arguments: &DiffArguments) -> Result<Exit, Failure> {
     };
     failures.take_ok(std::io::stdout().write_all(text.as_bytes()));
     if let Some(map) = &report.map {
-        let colors =
-            map.colors.map_or(String::new(), |c| format!(", colours from {} to {}", figure(c.from), figure(c.to)));
+        let colors = map.colors.map_or(String::new(), |c| {
+            format!(", colours from {} to {}", three_digit_text(c.from), three_digit_text(c.to))
+        });
         Progress::new(arguments.quiet).say(&format!("wrote {}: {}{colors}", map.file, map.kind));
     }
     exceeded.iter().for_each(|(flag, why)| print_message(&format!("--{flag}: {why}")));

@@ -3,7 +3,7 @@
 
 use super::map::Colors;
 use crate::image::metrics::Largest;
-use crate::study::text::figure;
+use crate::study::text::three_digit_text;
 use serde::Serialize;
 use std::fmt::Write;
 
@@ -75,29 +75,43 @@ impl Report {
             let line = format!("  {name:<20} {value:>10}  {about}");
             let _ = writeln!(text, "{}", line.trim_end());
         };
-        row("mean radiance", figure(self.mean.a), format!("of the reference {}", figure(self.mean.b)));
-        row("RMSE", figure(self.rmse), String::new());
-        row("relative MSE", figure(self.relative_mse), format!("with ε = {EPSILON}"));
-        row("relative error", percent(self.relative_error), "of the mean luminance of the neighbourhood".to_owned());
+        row(
+            "mean radiance",
+            three_digit_text(self.mean.a),
+            format!("of the reference {}", three_digit_text(self.mean.b)),
+        );
+        row("RMSE", three_digit_text(self.rmse), String::new());
+        row("relative MSE", three_digit_text(self.relative_mse), format!("with ε = {EPSILON}"));
+        row(
+            "relative error",
+            percent_text(self.relative_error),
+            "of the mean luminance of the neighbourhood".to_owned(),
+        );
         let mode = match self.flip.exposure {
             Some(stops) => format!("LDR at {stops} stops"),
             None => "HDR".to_owned(),
         };
-        row("FLIP", figure(self.flip.mean), format!("{mode}, {:.2} pixels per degree", self.flip.pixels_per_degree));
+        row(
+            "FLIP",
+            three_digit_text(self.flip.mean),
+            format!("{mode}, {:.2} pixels per degree", self.flip.pixels_per_degree),
+        );
         let LargestReport { red, green, blue } = &self.largest;
         for (name, largest) in [("red", red), ("green", green), ("blue", blue)] {
             let (value, position) = match largest {
-                Some(Largest { difference, x, y }) => (figure(*difference), format!("in column {x}, row {y}")),
-                None => (figure(0.0), String::new()),
+                Some(Largest { difference, x, y }) => {
+                    (three_digit_text(*difference), format!("in column {x}, row {y}"))
+                }
+                None => (three_digit_text(0.0), String::new()),
             };
             row(&format!("largest in {name}"), value, position);
         }
-        let share = percent(self.differing_pixels as f64 / pixels as f64);
+        let share = percent_text(self.differing_pixels as f64 / pixels as f64);
         row("pixels that differ", self.differing_pixels.to_string(), share);
         text
     }
 }
 
-fn percent(fraction: f64) -> String {
-    format!("{} %", figure(100.0 * fraction))
+fn percent_text(fraction: f64) -> String {
+    format!("{} %", three_digit_text(100.0 * fraction))
 }

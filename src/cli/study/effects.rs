@@ -13,8 +13,11 @@ use crate::plan::{Decision, Effect};
 use crate::scene::Scene;
 use crate::stats::Counters;
 use crate::study::report::effects::{csv, markdown};
-use crate::study::text::{amount, figure, milliseconds, percent, signed};
-use crate::study::{About, Clock, Cost, EffectContribution, EffectStudy, EffectStudyResult, PictureCost, page};
+use crate::study::text::{count_text, percent_text, signed_count_text, signed_milliseconds_text, three_digit_text};
+use crate::study::{
+    Clock, EffectContribution, EffectCost, EffectStudy, EffectStudyResult, PictureCost, ReportContext,
+    effects_html_page,
+};
 use miette::IntoDiagnostic;
 use serde::Serialize;
 use std::fmt::Write as _;
@@ -25,7 +28,7 @@ const PASSES: u32 = 4;
 
 /// Report formats by extension.
 const REPORTS: [(&str, ReportWriter<EffectStudyResult>); 4] = [
-    ("html", |arguments, found| page(&about(arguments), found).into_diagnostic()),
+    ("html", |arguments, found| effects_html_page(&about(arguments), found).into_diagnostic()),
     ("csv", |_, found| Ok(csv(found))),
     ("json", json),
     ("md", |arguments, found| Ok(markdown(&about(arguments), found))),
@@ -52,10 +55,10 @@ fn run_in_pool(
     let pictures =
         check_pictures(Effect::ALL.len() + 1, scene.camera().size(), memory.free()).map_err(Failure::usage)?;
     let study = EffectStudy::prepare(&scene, algorithm, &settings(&arguments.method, arguments.simulate));
-    check_photons(study.expected(), pictures, memory.free()).map_err(Failure::usage)?;
+    check_photons(study.largest_pass_memory(), pictures, memory.free()).map_err(Failure::usage)?;
     progress.say(&plan::effects_line(study.plan()));
     plan::omission_warnings(study.plan()).for_each(|line| print_message(&line));
-    let (pictures, passes) = (study.pictures(), arguments.passes.unwrap_or(PASSES));
+    let (pictures, passes) = (study.picture_count(), arguments.passes.unwrap_or(PASSES));
     progress.say(&format!("{pictures} pictures of {passes} passes each"));
     progress.pass(1, Some(passes));
     let found = study.run(passes, &INTERRUPTED, progress, |made| {
@@ -87,10 +90,10 @@ pub(super) fn load_checked(arguments: &StudyArguments, progress: &Progress) -> R
 }
 
 /// Facts about the study for the heads of its reports.
-fn about(arguments: &StudyArguments) -> About {
+fn about(arguments: &StudyArguments) -> ReportContext {
     let scene = arguments.scene.scene.display().to_string();
     let (integrator, seed) = (arguments.method.integrator.name(), arguments.method.seed);
-    About { scene, integrator, seed, exposure: arguments.exposure }
+    ReportContext { scene, integrator, seed, exposure: arguments.exposure }
 }
 
 /// All figures as JSON.
@@ -111,9 +114,9 @@ fn table(integrator: &str, found: &EffectStudyResult) -> String {
     let mut text = format!(
         "{integrator}: {:.1} ms of {clock} time, {} rays and {} gathered photons per pass; mean radiance {}\n",
         1e3 * whole.seconds() / passes,
-        amount(whole.counters.rays() as f64 / passes),
-        amount(whole.counters.gathered_photons as f64 / passes),
-        figure(found.mean),
+        count_text(whole.counters.rays() as f64 / passes),
+        count_text(whole.counters.gathered_photons as f64 / passes),
+        three_digit_text(found.mean),
     );
     if !found.effects.is_empty() {
         let _ = writeln!(
@@ -123,19 +126,19 @@ fn table(integrator: &str, found: &EffectStudyResult) -> String {
         );
     }
     for finding in &found.effects {
-        let Cost { seconds, seconds_error, ratio, rays, gathered_photons, .. } = finding.cost;
+        let EffectCost { seconds, seconds_error, ratio, rays, gathered_photons, .. } = finding.cost;
         let EffectContribution { relative_rmse, adds, takes, rmse } = finding.gain;
         let error = seconds_error.map_or(String::new(), |e| format!(" ± {:.1}", 1e3 * e));
-        let share = |x: f64| if found.mean > 0.0 { percent(x / found.mean) } else { figure(x) };
+        let share = |x: f64| if found.mean > 0.0 { percent_text(x / found.mean) } else { three_digit_text(x) };
         let _ = writeln!(
             text,
             "  {:<16} {:>18} {:>7} {:>9} {:>10} {:>9} {:>9} {:>9}",
             finding.decision.effect,
-            milliseconds(seconds) + &error,
+            signed_milliseconds_text(seconds) + &error,
             format!("× {ratio:.2}"),
-            signed(rays),
-            signed(gathered_photons),
-            relative_rmse.map_or(figure(rmse), percent),
+            signed_count_text(rays),
+            signed_count_text(gathered_photons),
+            relative_rmse.map_or(three_digit_text(rmse), percent_text),
             share(adds),
             share(takes),
         );
@@ -178,7 +181,7 @@ struct Row<'f> {
     /// Work of the picture without the effect; `None` if the effect is off.
     without: Option<Made<'f>>,
     /// `None` if the effect is not simulated.
-    cost: Option<Cost>,
+    cost: Option<EffectCost>,
     /// `None` if the effect is not simulated.
     gain: Option<EffectContribution>,
 }

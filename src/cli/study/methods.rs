@@ -19,8 +19,8 @@ use crate::plan::Plan;
 use crate::scene::Scene;
 use crate::stats::bytes;
 use crate::study::methods::{
-    MethodStudy, MethodStudyResult, References, StudyLimits, StudyProgress, StudySubject, Variant, applicable_methods,
-    shell_quoted,
+    MethodStudy, MethodStudyResult, MethodVariant, References, StudiedScene, StudyLimits, StudyProgress,
+    applicable_methods, shell_quoted,
 };
 use crate::study::report::methods as report;
 use miette::IntoDiagnostic;
@@ -33,7 +33,7 @@ const UNDISTURBED: f64 = 0.9;
 
 /// Report formats by extension.
 const REPORTS: [(&str, ReportWriter<MethodStudyResult>); 4] = [
-    ("html", |_, found| report::html(found).into_diagnostic()),
+    ("html", |_, found| report::methods_html_page(found).into_diagnostic()),
     ("csv", |_, found| Ok(report::csv(found))),
     ("json", |_, found| report::json(found).into_diagnostic()),
     ("md", |_, found| Ok(report::markdown(found))),
@@ -97,7 +97,7 @@ fn run_in_pool(
     let scene = load_checked(arguments, progress)?;
     let (kind, size) = (&arguments.kind, scene.camera().size());
     let variants = variants(arguments, named, &scene);
-    let (needed, seeds) = (MethodStudy::bytes(size, variants.len(), kind.seeds), kind.seeds);
+    let (needed, seeds) = (MethodStudy::picture_bytes(size, variants.len(), kind.seeds), kind.seeds);
     let memory = arguments.scene.memory();
     if let Some(free) = memory.free().filter(|free| needed > *free) {
         return Err(Failure::usage(TooManyPictures { seeds, variants: variants.len(), size, needed, free }));
@@ -115,7 +115,7 @@ fn run_in_pool(
     }
     let runs = count_with_noun(variants.len(), "method", "methods");
     let study = MethodStudy::prepare(&scene, variants, kind.seeds).into_diagnostic().map_err(Failure::usage)?;
-    check_photons(study.expected(), needed, memory.free()).map_err(Failure::usage)?;
+    check_photons(study.largest_pass_memory(), needed, memory.free()).map_err(Failure::usage)?;
     let Some(references) = given.map_or_else(|| render_truth(arguments, &scene, progress), |given| Ok(Some(given)))?
     else {
         print_message("interrupted before anything was measured");
@@ -134,7 +134,7 @@ fn run_in_pool(
             "{label}: {} after {:.2} s, error {}",
             count_with_noun(at.passes as usize, "pass", "passes"),
             at.seconds,
-            root_percent(at.square())
+            root_percent(at.mean_squared_error())
         )),
     });
     progress.finish();
@@ -152,7 +152,7 @@ fn run_in_pool(
 }
 
 /// The variants to compare, in the order of the flags.
-fn variants(arguments: &StudyArguments, named: Vec<NamedVariant>, scene: &Scene) -> Vec<Variant> {
+fn variants(arguments: &StudyArguments, named: Vec<NamedVariant>, scene: &Scene) -> Vec<MethodVariant> {
     let (kind, shared, overrides) = (&arguments.kind, &arguments.method, arguments.simulate);
     let by_default = kind.methods.is_empty() && kind.variants.is_empty() && kind.knobs.is_none();
     let methods = if by_default { applicable_methods(scene, overrides) } else { kind.methods.clone() };
@@ -191,7 +191,7 @@ fn render_truth(arguments: &StudyArguments, scene: &Scene, progress: &Progress) 
 }
 
 /// The scene of the study, and the command that repeats the study.
-fn study_subject(arguments: &StudyArguments) -> StudySubject {
+fn study_subject(arguments: &StudyArguments) -> StudiedScene {
     let (kind, scene) = (&arguments.kind, arguments.scene.scene.display().to_string());
     // A name with a leading dash would be parsed as a flag.
     let named = if scene.starts_with('-') { format!("./{scene}") } else { scene.clone() };
@@ -220,5 +220,5 @@ fn study_subject(arguments: &StudyArguments) -> StudySubject {
     add("--seed", Some(arguments.method.seed.to_string()));
     // The first flag is `--integrator`, which a study of methods does not take.
     words.extend(flags(&arguments.method, "--simulate", arguments.simulate).into_iter().skip(2));
-    StudySubject { command: shell_quoted(&words), scene, size: arguments.scene.size }
+    StudiedScene { command: shell_quoted(&words), scene, size: arguments.scene.size }
 }

@@ -4,7 +4,7 @@ use crate::cli::args::MethodArguments;
 use crate::cli::settings::{flags, settings};
 use crate::integrate::Algorithm;
 use crate::plan::EffectOverrides;
-use crate::study::methods::Variant;
+use crate::study::methods::MethodVariant;
 use clap::{Parser, ValueEnum};
 
 /// Flags that all variants must share, because they change the true picture or the noise.
@@ -77,8 +77,8 @@ impl NamedVariant {
     }
 
     /// The variant for a study.
-    pub fn variant(self, overrides: EffectOverrides) -> Variant {
-        Variant {
+    pub fn variant(self, overrides: EffectOverrides) -> MethodVariant {
+        MethodVariant {
             label: self.label,
             algorithm: self.method.integrator,
             settings: settings(&self.method, overrides),

@@ -1,6 +1,6 @@
 //! Errors of reading density grids.
 
-use crate::format::problem::{LineError, Problem};
+use crate::format::line_error::{LineError, MessageAndRemedy};
 use crate::stats::bytes;
 use std::path::{Path, PathBuf};
 
@@ -65,7 +65,7 @@ pub enum GridError {
 }
 
 impl GridError {
-    pub(super) fn at_line(path: &Path, line: usize, problem: Problem) -> Self {
+    pub(super) fn at_line(path: &Path, line: usize, problem: MessageAndRemedy) -> Self {
         Self::Line(LineError::new(path, line, problem))
     }
 }

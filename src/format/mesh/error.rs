@@ -1,6 +1,6 @@
 //! Errors of reading meshes, and checked reading of their bytes.
 
-use crate::format::problem::{LineError, Problem};
+use crate::format::line_error::{LineError, MessageAndRemedy};
 use crate::image::open_file;
 use crate::stats::bytes;
 use std::io::Read;
@@ -100,7 +100,7 @@ pub enum MeshError {
 }
 
 impl MeshError {
-    pub(in crate::format) fn at_line(path: &Path, line: usize, problem: Problem) -> Self {
+    pub(in crate::format) fn at_line(path: &Path, line: usize, problem: MessageAndRemedy) -> Self {
         Self::Line(LineError::new(path, line, problem))
     }
 }

@@ -4,8 +4,8 @@ use super::{Resolver, aim, rgb};
 use crate::color::Rgb;
 use crate::format::SceneError;
 use crate::format::description::{
-    AreaStrength, DirectionalStrength, EnvironmentRadiance, LightDescription, LightPattern, PointStrength, Span,
-    Spanned, TransformStep,
+    AreaLightStrength, DirectionalLightStrength, EnvironmentRadiance, LightDescription, LightPattern,
+    PointLightStrength, Span, Spanned, TransformStep,
 };
 use crate::image::PictureContent;
 use crate::light::{EnvironmentLight, IntensityPattern, OrientedSource, Slide, SphericalMap, profile_map};
@@ -22,7 +22,7 @@ pub(super) fn add_light(
 ) -> Result<(), SceneError> {
     match &light.value {
         LightDescription::Moving { maps, light } => {
-            let motion = motion.preceded_by(maps.iter().map(TransformStep::growing));
+            let motion = motion.then_inside(maps.iter().map(TransformStep::motion_step));
             add_light(r, light, &motion)?;
         }
         LightDescription::Point { position, strength } => {
@@ -47,8 +47,8 @@ pub(super) fn add_light(
         }
         LightDescription::Directional { direction, strength } => {
             let strength = match strength {
-                DirectionalStrength::Color(c) => LightStrength::Course(rgb(*c)),
-                DirectionalStrength::Irradiance(e) => LightStrength::Physical(rgb(*e)),
+                DirectionalLightStrength::Color(c) => LightStrength::Course(rgb(*c)),
+                DirectionalLightStrength::Irradiance(e) => LightStrength::Physical(rgb(*e)),
             };
             add_source(r, DeltaLightKind::Directional { direction: *direction }, strength, motion);
         }
@@ -165,13 +165,13 @@ fn add_area_light(
     r: &mut Resolver<'_>,
     shape: Shape,
     place: DVec3,
-    strength: AreaStrength,
+    strength: AreaLightStrength,
     motion: &Motion,
     span: Span,
 ) -> Result<(), SceneError> {
     let radiance = match strength {
-        AreaStrength::Radiance(l) => l,
-        AreaStrength::Power(w) => w / (std::f64::consts::PI * shape.area()),
+        AreaLightStrength::Radiance(l) => l,
+        AreaLightStrength::Power(w) => w / (std::f64::consts::PI * shape.area()),
     };
     r.check_radiance(rgb(radiance), span)?;
     let black = r.builder.material(Material::black());
@@ -183,11 +183,11 @@ fn add_area_light(
     Ok(())
 }
 
-fn point(strength: PointStrength) -> LightStrength {
+fn point(strength: PointLightStrength) -> LightStrength {
     let take = |c: DVec3| rgb(c);
     match strength {
-        PointStrength::Color(c) => LightStrength::Course(take(c)),
-        PointStrength::Intensity(i) => LightStrength::Physical(take(i)),
-        PointStrength::Power(w) => LightStrength::Power(take(w)),
+        PointLightStrength::Color(c) => LightStrength::Course(take(c)),
+        PointLightStrength::Intensity(i) => LightStrength::Physical(take(i)),
+        PointLightStrength::Power(w) => LightStrength::Power(take(w)),
     }
 }

@@ -6,7 +6,9 @@ use super::{Resolver, rgb};
 use crate::bsdf::{METALS, metal};
 use crate::color::{GLASSES, Glass, Rgb, glass};
 use crate::format::SceneError;
-use crate::format::description::{Emission, MaterialKindDescription, MetalDescription, RefractionDescription, Spanned};
+use crate::format::description::{
+    EmissionDescription, MaterialKindDescription, MetalDescription, RefractiveIndexDescription, Spanned,
+};
 use crate::format::language::nearest;
 use crate::scene::{Body, Material};
 
@@ -18,7 +20,7 @@ impl Resolver<'_> {
             let material = self.material(&described.kind, &mut needs)?;
             let material = fill_body(self, material, described)?;
             let normals = self.normals(described, &mut needs)?;
-            if let Some(Emission::Texture { name, .. }) = &described.emission {
+            if let Some(EmissionDescription::Texture { name, .. }) = &described.emission {
                 needs.add(&self.known(name, &(0.0..=f32::MAX))?);
             }
             self.add_needs_of_parts(&described.kind, &mut needs);
@@ -84,12 +86,12 @@ impl Resolver<'_> {
 
     /// The refractive index at the d line, and the index of the glass if it depends on the
     /// wavelength.
-    fn refraction(&mut self, described: &RefractionDescription) -> Result<(f32, Option<u32>), SceneError> {
+    fn refraction(&mut self, described: &RefractiveIndexDescription) -> Result<(f32, Option<u32>), SceneError> {
         let glass = match described {
-            RefractionDescription::Index(index) => return Ok((*index as f32, None)),
-            RefractionDescription::Named(name) => self.glass_named(name)?,
-            RefractionDescription::Abbe { index, abbe } => Glass::of_abbe(*index, *abbe),
-            RefractionDescription::Glass(glass) => *glass,
+            RefractiveIndexDescription::Index(index) => return Ok((*index as f32, None)),
+            RefractiveIndexDescription::Named(name) => self.glass_named(name)?,
+            RefractiveIndexDescription::Abbe { index, abbe } => Glass::of_abbe(*index, *abbe),
+            RefractiveIndexDescription::Glass(glass) => *glass,
         };
         Ok((glass.index_d(), Some(self.builder.glass(glass))))
     }

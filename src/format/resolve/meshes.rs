@@ -5,7 +5,9 @@ use super::textures::TextureNeeds;
 use super::{Resolver, rgb};
 use crate::color::Rgb;
 use crate::format::SceneError;
-use crate::format::description::{Emission, MaterialDescription, MaterialKindDescription, MeshOptions, Spanned};
+use crate::format::description::{
+    EmissionDescription, MaterialDescription, MaterialKindDescription, MeshOptions, Spanned,
+};
 use crate::format::mesh::{self, LoadedMesh, MeshError, NO_MATERIAL, TriangleMesh};
 use crate::format::mtl;
 use crate::shape::MappingKind;
@@ -114,14 +116,14 @@ fn check_trees(r: &mut Resolver<'_>, path: &Spanned<String>, triangles: usize) -
         r.triangles
     );
     let help = "simplify meshes, or let the scene have more memory (--memory)";
-    Err(r.bad_file(path, &message, help).exhausting())
+    Err(r.bad_file(path, &message, help).marked_out_of_memory())
 }
 
 /// Returns the parts of the mesh of a path, read once.
 fn mesh_pieces(r: &mut Resolver<'_>, path: &Spanned<String>, options: MeshOptions) -> Result<Rc<Pieces>, SceneError> {
     let file = r.file("mesh", path)?;
-    let MeshOptions { own_materials, no_normals, smooth_angle } = options;
-    let key = (file.clone(), own_materials, no_normals, smooth_angle.map(f64::to_bits));
+    let MeshOptions { uses_file_materials, ignores_normals, max_smoothing_angle } = options;
+    let key = (file.clone(), uses_file_materials, ignores_normals, max_smoothing_angle.map(f64::to_bits));
     if let Some(pieces) = r.meshes.get(&key) {
         return Ok(pieces.clone());
     }
@@ -130,14 +132,14 @@ fn mesh_pieces(r: &mut Resolver<'_>, path: &Spanned<String>, options: MeshOption
         None => mesh::load_with_memory_limit(&file, r.monitor, r.memory.free()),
     };
     let mut loaded = loaded.map_err(|e| r.refuse_file(path, &e, matches!(e, MeshError::Memory { .. }), REPAIR))?;
-    if no_normals {
+    if ignores_normals {
         loaded.mesh.normals = None;
     }
-    if let Some(angle) = smooth_angle {
+    if let Some(angle) = max_smoothing_angle {
         loaded.mesh.compute_smooth_normals(angle);
     }
     let mut list = Vec::new();
-    if own_materials && !loaded.mesh.materials.is_empty() {
+    if uses_file_materials && !loaded.mesh.materials.is_empty() {
         let own = mesh_materials(r, path, &file, &loaded)?;
         for (number, part) in loaded.mesh.split_by_material() {
             let own = own.get(number as usize).cloned().filter(|_| number != NO_MATERIAL);
@@ -190,7 +192,7 @@ fn own_material(
     r.texture_needs.resize(index as usize + 1, TextureNeeds::default());
     r.texture_needs[index as usize] = needs;
     let emission = match meaning.emission {
-        Some(Emission::Radiance(radiance)) => rgb(radiance),
+        Some(EmissionDescription::Radiance(radiance)) => rgb(radiance),
         _ => Rgb::ZERO,
     };
     Ok(MtlMaterial { name: meaning.name.unwrap_or_default().into(), index, emission })

@@ -55,12 +55,12 @@ pub(super) fn add_shape(
         ShapeDescription::Box { min, max } => {
             place_solid(r, Cuboid::new(*min, *max).map(Shape::Cuboid), to_world, &map, span, emission)?;
         }
-        ShapeDescription::Cylinder { ends: [bottom, top], radius, capped } => {
-            let solid = Frustum::cylinder(*bottom, *top, *radius, *capped).map(Shape::Frustum);
+        ShapeDescription::Cylinder { ends: [bottom, top], radius, is_capped } => {
+            let solid = Frustum::cylinder(*bottom, *top, *radius, *is_capped).map(Shape::Frustum);
             place_solid(r, solid, to_world, &map, span, emission)?;
         }
-        ShapeDescription::Cone { ends: [bottom, top], radii, capped } => {
-            let solid = Frustum::new(*bottom, *top, *radii, *capped).map(Shape::Frustum);
+        ShapeDescription::Cone { ends: [bottom, top], radii, is_capped } => {
+            let solid = Frustum::new(*bottom, *top, *radii, *is_capped).map(Shape::Frustum);
             place_solid(r, solid, to_world, &map, span, emission)?;
         }
         ShapeDescription::Triangle { vertices, normals, uv } => {
@@ -139,7 +139,7 @@ fn place_solid(
 fn refuse_spline(r: &Resolver<'_>, span: Span, error: &SplineError) -> SceneError {
     if matches!(error, SplineError::Memory { .. }) {
         let help = "bend surfaces less, or let the scene have more memory (--memory)";
-        return r.refuse(span, &error.to_string(), help).exhausting();
+        return r.refuse(span, &error.to_string(), help).marked_out_of_memory();
     }
     let help = match error {
         SplineError::Degree(_) => "join curves of lower degree, or use a B-spline",

@@ -1,7 +1,7 @@
 //! Reference pictures: two independent ones, or one that is taken as exact.
 
-use super::Truth;
-use super::clock::{system_clock, timed};
+use super::GroundTruth;
+use super::clock::{measure_time, system_clock};
 use crate::image::metrics::{MetricError, rmse};
 use crate::image::{Image, RelativeScale, SizeError, open_file};
 use crate::integrate::{Algorithm, CameraPathSettings, Monitor, Settings};
@@ -21,7 +21,7 @@ const PNG_SIGNATURE: [u8; 4] = *b"\x89PNG";
 
 /// Reason why a reference cannot be used.
 #[derive(Debug, thiserror::Error)]
-pub enum TruthError {
+pub enum ReferenceError {
     /// The file cannot be read.
     #[error(transparent)]
     Read(#[from] crate::image::ReadError),
@@ -72,8 +72,8 @@ impl References {
     /// References `a` and `b`; without `b`, `a` is taken as exact.
     ///
     /// # Errors
-    /// [`TruthError::Metric`] if sizes differ or a pixel is not finite.
-    pub fn new(source: String, a: Image, b: Option<Image>) -> Result<Self, TruthError> {
+    /// [`ReferenceError::Metric`] if sizes differ or a pixel is not finite.
+    pub fn new(source: String, a: Image, b: Option<Image>) -> Result<Self, ReferenceError> {
         let exact = b.is_none();
         let b = b.unwrap_or_else(|| a.clone());
         // The metric checks sizes and pixels; its value is not used.
@@ -89,15 +89,15 @@ impl References {
     /// Reads one or two reference pictures of `size` pixels.
     ///
     /// # Errors
-    /// [`TruthError`].
-    pub fn read(first: &Path, second: Option<&Path>, size: (u32, u32)) -> Result<Self, TruthError> {
+    /// [`ReferenceError`].
+    pub fn read(first: &Path, second: Option<&Path>, size: (u32, u32)) -> Result<Self, ReferenceError> {
         let source = match second {
             Some(second) => format!("{}, {}", first.display(), second.display()),
             None => format!("{}, taken as exact", first.display()),
         };
-        let (a, b) = (read(first, size)?, second.map(|path| read(path, size)).transpose()?);
+        let (a, b) = (read_reference(first, size)?, second.map(|path| read_reference(path, size)).transpose()?);
         match second {
-            Some(second) if b.as_ref() == Some(&a) => Err(TruthError::Same { path: second.to_owned() }),
+            Some(second) if b.as_ref() == Some(&a) => Err(ReferenceError::Same { path: second.to_owned() }),
             _ => Self::new(source, a, b),
         }
     }
@@ -109,7 +109,7 @@ impl References {
     /// The function finishes whole passes.
     ///
     /// # Errors
-    /// [`TruthError`] if a pixel is not finite.
+    /// [`ReferenceError`] if a pixel is not finite.
     pub fn render(
         scene: &Scene,
         like: &CameraPathSettings,
@@ -117,7 +117,7 @@ impl References {
         interrupted: &AtomicBool,
         monitor: &dyn Monitor,
         mut after: impl FnMut(u32, f64),
-    ) -> Result<Option<Self>, TruthError> {
+    ) -> Result<Option<Self>, ReferenceError> {
         let (algorithm, why) = reference_algorithm(scene, like.effects);
         let clock = system_clock();
         let (width, height) = scene.camera().size();
@@ -137,7 +137,7 @@ impl References {
             if interrupted.load(Ordering::Relaxed) {
                 return Ok(None);
             }
-            let ((), time) = timed(&clock, || {
+            let ((), time) = measure_time(&clock, || {
                 for (integrator, film) in integrators.iter().zip(&mut films) {
                     film.add(&integrator.pass(film.passes(), monitor).image);
                 }
@@ -163,8 +163,8 @@ impl References {
     /// Its error is that of its noise, ½√(mean of (A − B)²). A bias that both references share is
     /// unknown.
     #[must_use]
-    pub fn truth(&self) -> Truth {
-        Truth { source: self.source.clone(), error: self.error, picture: self.mean.clone() }
+    pub fn ground_truth(&self) -> GroundTruth {
+        GroundTruth { source: self.source.clone(), error: self.error, picture: self.mean.clone() }
     }
 
     /// Mean of both references.
@@ -173,26 +173,26 @@ impl References {
     }
 
     /// Scale of relative errors.
-    pub(super) fn scale(&self) -> &RelativeScale {
+    pub(super) fn relative_scale(&self) -> &RelativeScale {
         &self.scale
     }
 
     /// (I − A)(I − B) for value I of pixel `i`, summed over channels.
-    pub(super) fn square(&self, i: usize, value: DVec3) -> f64 {
+    pub(super) fn unbiased_squared_error(&self, i: usize, value: DVec3) -> f64 {
         let [a, b] = self.pair.each_ref().map(|image| image.pixels()[i].as_dvec3());
         ((value - a) * (value - b)).element_sum()
     }
 }
 
-fn read(path: &Path, wanted: (u32, u32)) -> Result<Image, TruthError> {
+fn read_reference(path: &Path, wanted: (u32, u32)) -> Result<Image, ReferenceError> {
     let mut start = [0; PNG_SIGNATURE.len()];
     if open_file(path).and_then(|(mut file, _)| file.read_exact(&mut start)).is_ok() && start == PNG_SIGNATURE {
-        return Err(TruthError::NotLinear { path: path.to_owned() });
+        return Err(ReferenceError::NotLinear { path: path.to_owned() });
     }
     let image = crate::image::read(path)?;
     let found = (image.width(), image.height());
     if found != wanted {
-        return Err(TruthError::Size { path: path.to_owned(), found, wanted });
+        return Err(ReferenceError::Size { path: path.to_owned(), found, wanted });
     }
     Ok(image)
 }
