@@ -49,7 +49,7 @@ impl TransformStep {
     ///
     /// A matrix has no such motion and applies at all times.
     #[must_use]
-    pub fn motion_step(&self) -> Step {
+    pub fn motion_step(&self) -> MotionStep {
         match *self {
             Self::Scale(s) => MotionStep::Scale(s),
             Self::UniformScale(s) => MotionStep::Scale(DVec3::splat(s)),

@@ -22,7 +22,7 @@ pub(super) fn add_light(
 ) -> Result<(), SceneError> {
     match &light.value {
         LightDescription::Moving { maps, light } => {
-            let motion = motion.then_inside(maps.iter().map(TransformStep::motion_step));
+            let motion = motion.preceded_by(maps.iter().map(TransformStep::motion_step));
             add_light(r, light, &motion)?;
         }
         LightDescription::Point { position, strength } => {
