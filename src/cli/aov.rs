@@ -13,7 +13,7 @@ pub(super) fn layers(rendered: &RenderResult) -> Vec<ExrLayer> {
     let mut layers = vec![rgb("", &rendered.film.mean())];
     let estimator = rendered.estimator.as_ref().filter(|_| rendered.film.passes() >= MIN_PASSES);
     let Some(estimator) = estimator else { return layers };
-    let ErrorMaps { noise, bias, caustic, global } = estimator.maps(&rendered.film);
+    let ErrorMaps { noise, bias, caustic, global } = estimator.error_maps(&rendered.film);
     layers.push(rgb("noise", &noise));
     if !bias.is_empty() {
         layers.push(rgb("bias", &bias));

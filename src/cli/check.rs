@@ -46,7 +46,7 @@ fn printable(line: &str) -> String {
 
 /// Returns warnings that need the resolved scene, one line each.
 fn scene_warnings(scene: &Scene, arguments: &SceneArguments) -> Vec<String> {
-    let features = SceneFeatures::of(scene);
+    let features = SceneFeatures::from_scene(scene);
     let mut warnings = Vec::new();
     if !sees_objects(scene) {
         warnings.push("the camera sees no object: check `center` and `lookAt` or `direction`");

@@ -48,7 +48,7 @@ pub(super) fn announce_plan(integrator: &dyn Integrator, progress: &Progress) {
     progress.say(&effects_line(integrator.plan()));
     integrator.balance().iter().for_each(|balance| progress.say(&balance_line(balance)));
     omission_warnings(integrator.plan()).for_each(|line| print_message(&line));
-    if integrator.plan().effects().has(Effect::Caustics) && integrator.radius_law().is_none() {
+    if integrator.plan().simulated_effects().has(Effect::Caustics) && integrator.radius_law().is_none() {
         print_message(UNSAMPLED_CAUSTICS);
     }
 }

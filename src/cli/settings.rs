@@ -145,7 +145,7 @@ fn filter_name(filter: FilterKind) -> &'static str {
 
 /// Value of the flag that sets these effect overrides; `None` if there are none.
 fn effects_value(overrides: EffectOverrides) -> Option<String> {
-    let signed = |e: Effect| overrides.of(e).map(|on| format!("{}{}", if on { '+' } else { '-' }, e.name()));
+    let signed = |e: Effect| overrides.forced_state(e).map(|on| format!("{}{}", if on { '+' } else { '-' }, e.name()));
     let words: Vec<String> = Effect::ALL.into_iter().filter_map(signed).collect();
     (!words.is_empty()).then(|| words.join(","))
 }

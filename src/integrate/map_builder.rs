@@ -219,7 +219,7 @@ impl<'a> PhotonMapBuilder<'a> {
             let CameraPathSettings { max_bounces, seed, .. } = settings.camera_paths;
             let paths = pilot_paths(paths, GuidingPilot::PATHS);
             let pilot = GuidingPilot { mask, max_bounces, visible: &visible, paths, seed };
-            let (guided, report) = unguided.clone().guided(&pilot);
+            let (guided, report) = unguided.clone().with_guided_emission(&pilot);
             *source = Some(if report.gain > MIN_GUIDING_GAIN { guided } else { unguided });
             Some(report)
         };

@@ -88,7 +88,7 @@ impl<'a> PathIntegrator<'a> {
     /// Prepares an algorithm for `scene`: guides emission, finds radii, and balances camera rays
     /// against photons.
     pub fn new(scene: &'a Scene, plan: Plan, settings: Settings, make_policy: PolicyFn) -> Self {
-        let (effects, needed) = (plan.effects(), plan.needed());
+        let (effects, needed) = (plan.simulated_effects(), plan.needed_effects());
         let policy = make_policy(effects, &settings);
         let mut renderer = PassRenderer::new(scene, settings.clone(), policy);
 

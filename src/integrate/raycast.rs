@@ -66,7 +66,7 @@ impl<'a> RayCast<'a> {
     /// Radiance along a camera ray, by the course's model.
     fn radiance(&self, ray: &Ray) -> Rgb {
         let mut ray = *ray;
-        let mut cone = self.scene.camera_cone(self.plan.effects());
+        let mut cone = self.scene.camera_cone(self.plan.simulated_effects());
         let (hit, surface) = loop {
             let Some(hit) = self.scene.intersect(&ray) else {
                 return self.scene.background();

@@ -31,7 +31,7 @@ pub struct PhotonSource<'a> {
 
 /// Primary sample of one photon path.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct EmissionPoint {
+pub(super) struct PrimaryEmissionSample {
     /// Index of the light.
     pub light: usize,
     /// Probability of the light.
@@ -49,8 +49,8 @@ impl<'a> PhotonSource<'a> {
     /// no light has power.
     #[must_use]
     pub fn in_all_directions(scene: &'a Scene) -> Option<Self> {
-        let choice = DiscreteDistribution::new(powers(scene))?;
-        let effects = all_effects(scene);
+        let choice = Discrete::new(light_powers(scene))?;
+        let effects = effects_of_scene(scene);
         Some(Self { scene, choice, aim: None, guiding: Vec::new(), effects })
     }
 
@@ -69,11 +69,11 @@ impl<'a> PhotonSource<'a> {
             let reaches = scene.moves() || spheres.iter().any(|sphere| light.may_reach(Some(*sphere), domain));
             if reaches { power } else { 0.0 }
         };
-        let powers: Vec<f64> = scene.lights().iter().zip(powers(scene)).map(reaching).collect();
+        let light_powers: Vec<f64> = scene.lights().iter().zip(light_powers(scene)).map(reaching).collect();
         let aim = PhotonAim::new(spheres.iter().copied());
-        let aimed = |(i, power): (usize, &f64)| if *power > 0.0 { aimed_power(scene, &aim, i) } else { 0.0 };
-        let aimed: Vec<f64> = powers.iter().enumerate().map(aimed).collect();
-        let (total, total_aimed) = (powers.iter().sum::<f64>(), aimed.iter().sum::<f64>());
+        let aimed = |(i, power): (usize, &f64)| if *power > 0.0 { estimate_aimed_power(scene, &aim, i) } else { 0.0 };
+        let aimed: Vec<f64> = light_powers.iter().enumerate().map(aimed).collect();
+        let (total, total_aimed) = (light_powers.iter().sum::<f64>(), aimed.iter().sum::<f64>());
         let weight = |(power, aimed): (&f64, &f64)| {
             let plain = power / total;
             // Zero estimated power does not prove that no light reaches a caster.
@@ -83,8 +83,8 @@ impl<'a> PhotonSource<'a> {
                 plain
             }
         };
-        let choice = if total > 0.0 { DiscreteDistribution::new(powers.iter().zip(&aimed).map(weight)) } else { None };
-        let effects = all_effects(scene);
+        let choice = if total > 0.0 { Discrete::new(light_powers.iter().zip(&aimed).map(weight)) } else { None };
+        let effects = effects_of_scene(scene);
         choice.map(|choice| Self { scene, choice, aim: Some(aim), guiding: Vec::new(), effects })
     }
 
@@ -131,15 +131,15 @@ impl<'a> PhotonSource<'a> {
     /// together are stratified.
     #[must_use]
     pub fn emit<I: Interior>(&self, pass: Key, index: u32, paths: u32) -> Option<(PathRay<I>, Rgb)> {
-        let point = self.emission_point(pass, index, paths);
-        let (ray, flux) = self.start(&point)?;
+        let point = self.primary_emission_sample(pass, index, paths);
+        let (ray, flux) = self.start_path(&point)?;
         Some((ray, flux / (point.probability * paths as f32 * point.pdf)))
     }
 
     /// Primary sample of path `index` of `paths`.
     #[inline]
-    pub(super) fn emission_point(&self, pass: Key, index: u32, paths: u32) -> EmissionPoint {
-        let u = (f64::from(index) + f64::from(pass.uniform_1d(Dimension::Light))) / f64::from(paths);
+    pub(super) fn primary_emission_sample(&self, pass: Key, index: u32, paths: u32) -> PrimaryEmissionSample {
+        let u = (f64::from(index) + f64::from(pass.uniform(Dimension::Light))) / f64::from(paths);
         let (light, probability) = self.choice.sample((u as f32).min(1.0 - f32::EPSILON / 2.0));
         let position = sobol_2d(index, pass, Dimension::LightPosition);
         let direction = sobol_2d(index, pass, Dimension::LightDirection);
@@ -147,12 +147,12 @@ impl<'a> PhotonSource<'a> {
             Some(Some(distribution)) => distribution.sample(position, direction),
             Some(None) | None => (position, direction, 1.0),
         };
-        EmissionPoint { light, probability, position, direction, pdf }
+        PrimaryEmissionSample { light, probability, position, direction, pdf }
     }
 
     /// Starts a path, with its flux \[W] as if its light were the only one and not guided.
     #[inline]
-    pub(super) fn start<I: Interior>(&self, point: &EmissionPoint) -> Option<(PathRay<I>, Rgb)> {
+    pub(super) fn start_path<I: Interior>(&self, point: &PrimaryEmissionSample) -> Option<(PathRay<I>, Rgb)> {
         let light = &self.lights()[point.light];
         let domain = self.scene.domain();
         let emission = match &self.aim {
@@ -171,18 +171,18 @@ impl<'a> PhotonSource<'a> {
 }
 
 /// All effects, without interiors if `scene` has none.
-fn all_effects(scene: &Scene) -> Effects {
+fn effects_of_scene(scene: &Scene) -> Effects {
     if scene.has_interiors() { Effects::ALL } else { Effects::ALL.without(Effect::Interiors) }
 }
 
 /// Power of each light, mean over the channels \[W].
-fn powers(scene: &Scene) -> impl Iterator<Item = f64> {
+fn light_powers(scene: &Scene) -> impl Iterator<Item = f64> {
     scene.lights().iter().map(|light| f64::from(color::mean(light.power(scene.domain()))))
 }
 
 /// Estimated power of a light towards the spheres of `aim`, mean over the channels \[W].
-fn aimed_power(scene: &Scene, aim: &PhotonAim, light: usize) -> f64 {
-    let key = Key::new(0).purpose_key(Purpose::LightWeights).light_key(light);
+fn estimate_aimed_power(scene: &Scene, aim: &PhotonAim, light: usize) -> f64 {
+    let key = Key::new(0).purpose(Purpose::LightWeights).light(light);
     let flux = |i| {
         let (position, direction) =
             (sobol_2d(i, key, Dimension::LightPosition), sobol_2d(i, key, Dimension::LightDirection));

@@ -54,7 +54,7 @@ pub struct SceneFeatures {
 impl SceneFeatures {
     /// Features of `scene`.
     #[must_use]
-    pub fn of(scene: &Scene) -> Self {
+    pub fn from_scene(scene: &Scene) -> Self {
         let objects: Vec<ObjectSummary> = scene.objects().collect();
         let mut features = Self {
             objects: objects.len(),

@@ -32,7 +32,7 @@ impl ExpectedWork {
 /// Expected work of the first pass and of each effect, without pilots.
 #[must_use]
 pub fn expected_work(integrator: &dyn Integrator) -> ExpectedWork {
-    let effects = integrator.plan().effects();
+    let effects = integrator.plan().simulated_effects();
     let of = |effects: Effects| {
         let counters = integrator.expected_work(effects);
         [counters.rays(), counters.gathered_photons].map(|n| i64::try_from(n).unwrap_or(i64::MAX))

@@ -10,7 +10,7 @@ use super::outputs::{NamedFile, OutputFailures, check_distinct};
 use super::progress::{Progress, print_message};
 use super::{Exit, Failure};
 use crate::image::flip::{FlipMode, FlipOptions, FlipResult, PIXELS_PER_DEGREE, flip};
-use crate::image::metrics::{Differences, MetricError, differences, relative_error, relative_mse, rmse};
+use crate::image::metrics::{MetricError, PixelDifferences, largest_differences, relative_error, relative_mse, rmse};
 use crate::image::{self, Image, InputFormat, OutputFormat, WriteOptions};
 use crate::study::text::three_digit_text;
 use miette::IntoDiagnostic;
@@ -87,7 +87,7 @@ fn compare(
     b: &Image,
     mode: FlipMode,
 ) -> Result<(Report, FlipResult), MetricError> {
-    let Differences { largest: [red, green, blue], pixels } = differences(a, b)?;
+    let PixelDifferences { largest: [red, green, blue], pixels } = largest_differences(a, b)?;
     let options = FlipOptions { pixels_per_degree: arguments.pixels_per_degree.unwrap_or(PIXELS_PER_DEGREE), mode };
     let flip = flip(b, a, &options)?;
     let (name, exposure) = match mode {

@@ -2,7 +2,7 @@
 //! field.
 
 use super::map::Colors;
-use crate::image::metrics::Largest;
+use crate::image::metrics::LargestDifference;
 use crate::study::text::three_digit_text;
 use serde::Serialize;
 use std::fmt::Write;
@@ -48,9 +48,9 @@ pub(super) struct FlipReport {
 
 #[derive(Debug, Serialize)]
 pub(super) struct LargestReport {
-    pub red: Option<Largest>,
-    pub green: Option<Largest>,
-    pub blue: Option<Largest>,
+    pub red: Option<LargestDifference>,
+    pub green: Option<LargestDifference>,
+    pub blue: Option<LargestDifference>,
 }
 
 #[derive(Debug, Serialize)]
@@ -99,7 +99,7 @@ impl Report {
         let LargestReport { red, green, blue } = &self.largest;
         for (name, largest) in [("red", red), ("green", green), ("blue", blue)] {
             let (value, position) = match largest {
-                Some(Largest { difference, x, y }) => {
+                Some(LargestDifference { difference, x, y }) => {
                     (three_digit_text(*difference), format!("in column {x}, row {y}"))
                 }
                 None => (three_digit_text(0.0), String::new()),

@@ -37,7 +37,7 @@ impl PilotChoices {
         let integrator = algorithm.prepare(scene, settings.clone());
         let balance = integrator.balance();
         let (width, height) = scene.camera().size();
-        let camera_rays = integrator.expected_work(integrator.plan().effects()).camera_rays;
+        let camera_rays = integrator.expected_work(integrator.plan().simulated_effects()).camera_rays;
         let radius =
             integrator.radii().map(|radii| if algorithm == Algorithm::Hybrid { radii.caustic } else { radii.global });
         Self {

@@ -112,7 +112,7 @@ impl<'a> Resolver<'a> {
         if let Some(picture) = self.assets.pictures.get(path.as_str()) {
             return Ok((**picture).clone());
         }
-        let read = image::read_within(file, meaning, self.memory.free());
+        let read = image::read_with_memory_limit(file, meaning, self.memory.free());
         read.map_err(|e| self.refuse_file(path, &e, matches!(e, image::ReadError::Memory { .. }), help))
     }
 
