@@ -107,7 +107,7 @@ fn other_orientations_and_heights_are_not_covered() {
 fn nested_discs_are_probed_independently() {
     let p = DVec3::X * 0.7;
     let levels = |i| {
-        let key = Key::new(5).purpose(Purpose::Test).with(i);
+        let key = Key::new(5).purpose_key(Purpose::Test).child_key(i);
         nested_disc_coverage(&square_scene(), p.as_vec3(), Vec3::Y, 0.5, Kernel::Box, key)
     };
     let all: Vec<[f32; LEVELS]> = (0..500).map(levels).collect();
@@ -119,7 +119,7 @@ fn nested_discs_are_probed_independently() {
 
 #[test]
 fn coverage_has_a_lower_bound() {
-    let key = Key::new(0).purpose(Purpose::Test);
+    let key = Key::new(0).purpose_key(Purpose::Test);
     assert_eq!(coverage(&square_scene(), Vec3::new(0.0, 2.0, 0.0), Vec3::Y, 0.5, Kernel::Box, key), MIN_COVERAGE);
 }
 
