@@ -309,7 +309,7 @@ impl Bsdf {
                 if local.z <= 0.0 {
                     return None;
                 }
-                let wi = Frame::around(face_forward).to_world(local);
+                let wi = Frame::from_normal(face_forward).to_world(local);
                 let pdf = warp::cosine_hemisphere_pdf(local.z);
                 BsdfSample {
                     wi,

@@ -307,7 +307,7 @@ impl LightSource for AreaLight {
         None
     }
 
-    fn may_illuminate(&self, sphere: Sphere) -> bool {
+    fn may_illuminate(&self, sphere: BoundingSphere) -> bool {
         self.surface.planar_point().is_none_or(|point| (sphere.center - point.p).dot(point.ng) >= -sphere.radius)
     }
 

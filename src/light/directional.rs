@@ -35,7 +35,7 @@ impl LightSource for DirectionalLight {
         0.0
     }
 
-    fn sample_le(&self, domain: Sphere, position: Vec2, _direction: Vec2) -> Option<EmissionSample> {
+    fn sample_le(&self, domain: BoundingSphere, position: Vec2, _direction: Vec2) -> Option<EmissionSample> {
         let (ray, area) = sample_ray_across_sphere(domain, self.direction, position)?;
         Some(EmissionSample { ray, flux: self.irradiance * area })
     }
@@ -64,7 +64,7 @@ impl LightSource for DirectionalLight {
         Some(self.irradiance)
     }
 
-    fn may_illuminate(&self, _sphere: Sphere) -> bool {
+    fn may_illuminate(&self, _sphere: BoundingSphere) -> bool {
         true
     }
 }
@@ -73,8 +73,8 @@ impl LightSource for DirectionalLight {
 /// area.
 ///
 /// `None` if the area is zero.
-pub(super) fn sample_ray_across_sphere(domain: Sphere, direction: Vec3, u: Vec2) -> Option<(Ray, f32)> {
-    let frame = Frame::around(direction);
+pub(super) fn sample_ray_across_sphere(domain: BoundingSphere, direction: Vec3, u: Vec2) -> Option<(Ray, f32)> {
+    let frame = Frame::from_normal(direction);
     let d = warp::disc(u) * domain.radius;
     let p = domain.center + frame.s * d.x + frame.t * d.y;
     let start = p - direction * (domain.radius + direction.dot(p - domain.center));

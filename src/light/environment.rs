@@ -124,7 +124,7 @@ impl LightSource for EnvironmentLight {
         None
     }
 
-    fn may_illuminate(&self, _sphere: Sphere) -> bool {
+    fn may_illuminate(&self, _sphere: BoundingSphere) -> bool {
         true
     }
 }

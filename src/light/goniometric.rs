@@ -128,7 +128,7 @@ impl LightSource for GoniometricLight {
         Some(self.scale)
     }
 
-    fn may_illuminate(&self, _sphere: Sphere) -> bool {
+    fn may_illuminate(&self, _sphere: BoundingSphere) -> bool {
         true
     }
 }

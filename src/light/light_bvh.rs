@@ -65,7 +65,7 @@ impl LightBvhSampler {
     /// A sampler of `lights`; `domain` is the bounding sphere of the bounded shapes. `None` if no
     /// light has power.
     #[must_use]
-    pub fn new(lights: &[Light], domain: Sphere) -> Option<Self> {
+    pub fn new(lights: &[Light], domain: BoundingSphere) -> Option<Self> {
         let mut locations = vec![LightLocation::Absent; lights.len()];
         let (mut infinite, mut bounded) = (Vec::new(), Vec::new());
         // Positions are rounded to f32: a light that seems to lie in the plane of a surface may be

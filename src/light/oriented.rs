@@ -55,7 +55,7 @@ impl OrientedPointLight {
     /// channels.
     #[must_use]
     pub fn intensity_scale_per_watt(&self) -> f32 {
-        let nowhere = Sphere { center: Vec3::ZERO, radius: 0.0 };
+        let nowhere = BoundingSphere { center: Vec3::ZERO, radius: 0.0 };
         1.0 / color::channel_mean(self.light(Vec3::ZERO, Rgb::ONE).power(nowhere)).max(f32::MIN_POSITIVE)
     }
 }

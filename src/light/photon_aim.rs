@@ -35,7 +35,7 @@ enum SubtendedDirections {
 }
 
 /// Directions from `p` to `sphere`, above the plane with normal `horizon`.
-fn directions_to_sphere(sphere: &Sphere, p: Vec3, horizon: Option<Vec3>) -> SubtendedDirections {
+fn directions_to_sphere(sphere: &BoundingSphere, p: Vec3, horizon: Option<Vec3>) -> SubtendedDirections {
     let to = sphere.center - p;
     let d2 = to.length_squared();
     let sin2 = sphere.radius * sphere.radius / d2;
@@ -54,8 +54,8 @@ impl PhotonAim {
     ///
     /// The spheres grow by a few ulps, so that rounding leaves nothing outside.
     #[must_use]
-    pub fn new(spheres: impl IntoIterator<Item = Sphere>) -> Self {
-        let mut spheres: Vec<Sphere> = spheres.into_iter().collect();
+    pub fn new(spheres: impl IntoIterator<Item = BoundingSphere>) -> Self {
+        let mut spheres: Vec<BoundingSphere> = spheres.into_iter().collect();
         merge_spheres(&mut spheres, MAX_SPHERES);
         for sphere in &mut spheres {
             sphere.radius = sphere.radius * (1.0 + 1e-5) + sphere.center.abs().max_element() * 1e-6;
@@ -143,7 +143,7 @@ fn sample_sphere_or_hemisphere(horizon: Option<Vec3>, u: Vec2) -> Option<(Vec3, 
 
 /// Halves the spheres at the median of their widest axis until `most` groups are left, then bounds
 /// each group.
-fn merge_spheres(spheres: &mut Vec<Sphere>, most: usize) {
+fn merge_spheres(spheres: &mut Vec<BoundingSphere>, most: usize) {
     if spheres.len() <= most {
         return;
     }

@@ -65,7 +65,7 @@ impl LightSource for PointLight {
         Some(self.intensity)
     }
 
-    fn may_illuminate(&self, _sphere: Sphere) -> bool {
+    fn may_illuminate(&self, _sphere: BoundingSphere) -> bool {
         true
     }
 }
@@ -81,7 +81,7 @@ pub(super) fn sample_li_of_point(p: Vec3, position: Vec3, intensity: impl Fn(Vec
 /// False only if a cone of light around unit `axis` cannot reach `sphere`.
 ///
 /// `outer` is 1 − cosine of the cone's half angle.
-pub(super) fn cone_may_illuminate(position: Vec3, axis: Vec3, outer: f32, sphere: Sphere) -> bool {
+pub(super) fn cone_may_illuminate(position: Vec3, axis: Vec3, outer: f32, sphere: BoundingSphere) -> bool {
     let to = sphere.center - position;
     let distance = to.length();
     // A cone wider than a right angle is not convex: the test below does not hold for it.

@@ -98,7 +98,7 @@ pub(super) trait LightSource {
     fn peak_strength(&self) -> Option<Rgb>;
 
     /// Implements [`Light::may_illuminate`] for a sphere that is already grown by rounding errors.
-    fn may_illuminate(&self, sphere: Sphere) -> bool;
+    fn may_illuminate(&self, sphere: BoundingSphere) -> bool;
 
     /// The light with its mean radiance; `None` if no texture varies its radiance.
     fn untextured_light(&self) -> Option<Light> {

@@ -74,7 +74,7 @@ impl EquirectangularMap {
             let mean = 0.125 * (across(x, y.saturating_sub(1)) + across(x, (y + 1).min(h - 1))) + 0.75 * across(x, y);
             mean * (row_edge_cosines[y] - row_edge_cosines[y + 1])
         };
-        let distribution = Piecewise2d::new(w, h, weight);
+        let distribution = PiecewiseConstant2d::new(w, h, weight);
         let rows = map.pixels().chunks(w).enumerate().map(|(y, row)| {
             row.iter().map(|p| p.as_dvec3()).sum::<DVec3>() * (row_interpolation_integral(y, h) * TAU / w as f64)
         });

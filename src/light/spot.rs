@@ -106,7 +106,7 @@ impl LightSource for SpotLight {
         Some(self.peak)
     }
 
-    fn may_illuminate(&self, sphere: Sphere) -> bool {
+    fn may_illuminate(&self, sphere: BoundingSphere) -> bool {
         cone_may_illuminate(self.position, self.axis, self.outer, sphere)
     }
 }

@@ -2,7 +2,7 @@
 
 use crate::color::Rgb;
 use crate::light::{DirectionalLight, Light, OrientedPointLight, PointLight, SpotLight};
-use crate::math::{Sphere, Transform};
+use crate::math::{BoundingSphere, Transform};
 use glam::{DVec3, Vec3};
 use std::f32::consts::PI;
 

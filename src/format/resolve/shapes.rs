@@ -93,7 +93,7 @@ pub(super) fn add_shape(
             let bases = [&u.map_err(|e| refuse_spline(r, span, &e))?, &v.map_err(|e| refuse_spline(r, span, &e))?];
             // Queried once: it takes longer than many a patch.
             let mut free = r.memory.available_bytes();
-            for net in controls.chunks(bases[0].controls() * bases[1].controls()) {
+            for net in controls.chunks(bases[0].control_count() * bases[1].control_count()) {
                 let patch = Patch::within(bases, net, free).map_err(|e| refuse_spline(r, span, &e))?;
                 free = free.map(|free| free.saturating_sub(patch.bytes()));
                 place(r, Shape::Patch(patch), to_world, &map, span, emission)?;

@@ -1,6 +1,6 @@
 //! Bézier and B-spline curves and nets of control points, and their Bézier pieces.
 
-use super::polynomial::{MAX_DEGREE, Vector};
+use super::polynomial::{Coefficients, MAX_DEGREE};
 use crate::stats::format_bytes;
 
 /// Reason why control points and knots define no curve or surface.
