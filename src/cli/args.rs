@@ -11,7 +11,7 @@ use crate::integrate::{Algorithm, FinalGathering, VolumeEstimate};
 use crate::photon::Kernel;
 use crate::plan::EffectOverrides;
 use crate::render::error_estimate::Confidence;
-use crate::stats::Memory;
+use crate::stats::MemoryLimit;
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
 use std::path::PathBuf;
@@ -162,8 +162,8 @@ pub struct SceneArguments {
 
 impl SceneArguments {
     /// Returns the limit of `--memory`, or else the system's free memory.
-    pub(super) fn memory_limit(&self) -> Memory {
-        self.memory.map_or(Memory::System, Memory::Limit)
+    pub(super) fn memory_limit(&self) -> MemoryLimit {
+        self.memory.map_or(MemoryLimit::System, MemoryLimit::Limit)
     }
 }
 

@@ -6,7 +6,7 @@ use super::{Exit, Failure};
 use crate::format::mesh::MeshFormat;
 use crate::format::{ConvertedScene, SceneFile, SceneReadError};
 use crate::image::{self, WriteOptions, replace_file_with};
-use crate::stats::Memory;
+use crate::stats::MemoryLimit;
 use clap::Args;
 use std::io::Write;
 use std::path::PathBuf;
@@ -32,7 +32,7 @@ pub struct ConvertArguments {
 struct OutputExists(PathBuf);
 
 pub(super) fn run(arguments: &ConvertArguments) -> Result<Exit, Failure> {
-    let scene = SceneFile::read_within_memory(&arguments.scene, Memory::System).map_err(|e| {
+    let scene = SceneFile::read_within_memory(&arguments.scene, MemoryLimit::System).map_err(|e| {
         let exit = if matches!(e, SceneReadError::Memory { .. }) { Exit::Usage } else { Exit::Input };
         Failure::new(exit, e)
     })?;

@@ -44,10 +44,10 @@ pub(super) fn run(arguments: &EstimateArguments) -> Result<Exit, Failure> {
         let mut settings = settings_from_arguments(&arguments.method, arguments.effects.effects);
         settings.camera_paths.estimate_error = true;
         let memory = arguments.scene.memory_limit();
-        let pictures =
-            check_estimated_picture_memory(1, scene.camera().size(), memory.free()).map_err(Failure::usage_error)?;
+        let pictures = check_estimated_picture_memory(1, scene.camera().size(), memory.available_bytes())
+            .map_err(Failure::usage_error)?;
         let integrator = algorithm.prepare(&scene, settings);
-        check_photon_memory(integrator.expected(), pictures, memory.free()).map_err(Failure::usage_error)?;
+        check_photon_memory(integrator.expected(), pictures, memory.available_bytes()).map_err(Failure::usage_error)?;
         print_plan(integrator.as_ref(), &progress);
         progress.remove_bar();
         let setup = start.elapsed().as_secs_f64();

@@ -2,7 +2,7 @@
 
 use crate::image::{MAX_PIXELS, SizeError};
 use crate::integrate::Expected;
-use crate::stats::bytes;
+use crate::stats::format_bytes;
 
 /// Bytes of memory per pixel that a render without an error estimate needs. Measured: 85.
 ///
@@ -33,8 +33,8 @@ pub(super) enum MemoryError {
     #[error(
         "{} of {width} × {height} pixels {} of memory, and {} are free",
         if *count == 1 { "a picture".to_owned() } else { format!("{count} pictures") },
-        format_args!("take{} {}", if *count == 1 { "s" } else { "" }, bytes(*needed)),
-        bytes(*free)
+        format_args!("take{} {}", if *count == 1 { "s" } else { "" }, format_bytes(*needed)),
+        format_bytes(*free)
     )]
     #[diagnostic(help(
         "choose a smaller --size, or allow more --memory; --no-error-estimate reduces the memory to a quarter"
@@ -47,8 +47,8 @@ pub(super) enum MemoryError {
     /// Photons that do not fit into memory.
     #[error(
         "a pass of {paths} photon paths would store about {stored} photons, which take {} of memory, and {} are free",
-        bytes(*needed),
-        bytes(*free)
+        format_bytes(*needed),
+        format_bytes(*free)
     )]
     #[diagnostic(help("{PHOTON_MEMORY_REMEDY}"))]
     Photons { paths: u64, stored: u64, needed: u64, free: u64 },

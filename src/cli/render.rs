@@ -82,9 +82,9 @@ fn load_and_render(arguments: &RenderArguments, progress: &Progress) -> Result<E
     settings.camera_paths.estimate_error = estimates_error;
     let (memory, size) = (arguments.scene.memory_limit(), scene.camera().size());
     let check = if estimates_error { check_estimated_picture_memory } else { check_picture_memory };
-    let pictures = check(1, size, memory.free()).map_err(Failure::usage_error)?;
+    let pictures = check(1, size, memory.available_bytes()).map_err(Failure::usage_error)?;
     let integrator = algorithm.prepare(&scene, settings);
-    check_photon_memory(integrator.expected(), pictures, memory.free()).map_err(Failure::usage_error)?;
+    check_photon_memory(integrator.expected(), pictures, memory.available_bytes()).map_err(Failure::usage_error)?;
     plan::print_plan(integrator.as_ref(), progress);
     setup.radii = integrator.radii();
     setup.emission_guiding = integrator.guiding_reports();

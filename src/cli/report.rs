@@ -141,7 +141,7 @@ impl RenderReport {
             seconds: RenderTimes { setup: setup.seconds, passes: rendered.seconds, render: wall },
             rates: RenderRates {
                 photons_per_second: rate(emitted, rendered.seconds.photons),
-                rays_per_second: rate(rendered.counters.rays(), wall),
+                rays_per_second: rate(rendered.counters.total_rays(), wall),
             },
             peak_memory_bytes: peak_memory(),
             cpu_seconds: cpu_seconds(),

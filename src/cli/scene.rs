@@ -30,7 +30,7 @@ pub(super) fn load_scene_and_file(
         file.description.camera.value.height = height;
     }
     let camera = &file.description.camera;
-    check_picture_memory(1, (camera.width, camera.height), memory.free()).map_err(Failure::usage_error)?;
+    check_picture_memory(1, (camera.width, camera.height), memory.available_bytes()).map_err(Failure::usage_error)?;
     let scene = file.resolve_monitored(monitor, memory).map_err(|e| {
         let exit = if e.is_out_of_memory() { Exit::Usage } else { Exit::Input };
         Failure::new(exit, e)

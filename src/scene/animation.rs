@@ -76,7 +76,7 @@ pub(super) fn constant_strength(kind: &DeltaLightKind, strength: LightStrength, 
     let (LightStrength::Course(_), Some(placed)) = (strength, source_at(kind, motion, MID_SHUTTER)) else {
         return strength;
     };
-    resolve_light(&placed, strength, DVec3::ZERO).0.peak().map_or(strength, LightStrength::Physical)
+    resolve_light(&placed, strength, DVec3::ZERO).0.peak_strength().map_or(strength, LightStrength::Physical)
 }
 
 /// `scene` at `time`: see [`Scene::at`]. What a singular motion flattens stays at its mid-shutter

@@ -13,7 +13,7 @@ use crate::format::mesh::{
 };
 use crate::format::mtl;
 use crate::image::check_replaceable;
-use crate::stats::Memory;
+use crate::stats::MemoryLimit;
 use glam::DVec3;
 use serde::Serialize;
 use std::io::Write;
@@ -53,8 +53,8 @@ struct MeshCommandReport {
 pub(super) fn run(arguments: &MeshArguments) -> Result<Exit, Failure> {
     let format = arguments.output.as_deref().map(|path| checked_mesh_format(path, arguments)).transpose()?;
     let progress = Progress::new(arguments.quiet);
-    let memory = arguments.memory.map_or(Memory::System, Memory::Limit);
-    let loaded = mesh::load_with_memory_limit(&arguments.mesh, &progress, memory.free()).map_err(|e| {
+    let memory = arguments.memory.map_or(MemoryLimit::System, MemoryLimit::Limit);
+    let loaded = mesh::load_with_memory_limit(&arguments.mesh, &progress, memory.available_bytes()).map_err(|e| {
         let exit = if matches!(e, MeshError::Memory { .. }) { Exit::Usage } else { Exit::Input };
         Failure::new(exit, miette::Report::from_err(e))
     })?;
@@ -102,9 +102,9 @@ pub(super) fn run(arguments: &MeshArguments) -> Result<Exit, Failure> {
 const BYTES_PER_TRIANGLE: u64 = 200;
 
 /// Returns a failure if there is too little memory to inspect or repair a loaded mesh.
-fn check_mesh_memory(path: &Path, mesh: &TriangleMesh, memory: Memory) -> Result<(), Failure> {
+fn check_mesh_memory(path: &Path, mesh: &TriangleMesh, memory: MemoryLimit) -> Result<(), Failure> {
     let needed = BYTES_PER_TRIANGLE * mesh.triangles.len() as u64;
-    match memory.free() {
+    match memory.available_bytes() {
         Some(free) if needed > free => {
             let error = MeshError::Memory { path: path.to_owned(), needed, free };
             Err(Failure::new(Exit::Usage, miette::Report::from_err(error)))
@@ -163,7 +163,7 @@ fn write_mesh_and_materials(
     loaded: &LoadedMesh,
     mesh: &TriangleMesh,
     (path, format): (&Path, MeshFormat),
-    memory: Memory,
+    memory: MemoryLimit,
     failures: &mut OutputFailures,
 ) -> Option<()> {
     let mut libraries = loaded.libraries.clone();
@@ -173,7 +173,7 @@ fn write_mesh_and_materials(
         && format == MeshFormat::Obj
         && canonical_folder(path) != canonical_folder(&arguments.mesh)
     {
-        libraries = match mtl::load_libraries(&arguments.mesh, &loaded.libraries, memory.free()) {
+        libraries = match mtl::load_libraries(&arguments.mesh, &loaded.libraries, memory.available_bytes()) {
             Ok(materials) => {
                 let beside = path.with_extension("mtl");
                 failures.ok_or_collect(mtl::write(&beside, &materials));

@@ -52,11 +52,12 @@ fn run_effect_study(
     let algorithm = arguments.method.integrator;
     // There is the full picture, and at most one picture for each effect.
     let memory = arguments.scene.memory_limit();
-    let pictures = check_picture_memory(Effect::ALL.len() + 1, scene.camera().size(), memory.free())
+    let pictures = check_picture_memory(Effect::ALL.len() + 1, scene.camera().size(), memory.available_bytes())
         .map_err(Failure::usage_error)?;
     let study =
         EffectStudy::prepare(&scene, algorithm, &settings_from_arguments(&arguments.method, arguments.simulate));
-    check_photon_memory(study.largest_pass_memory(), pictures, memory.free()).map_err(Failure::usage_error)?;
+    check_photon_memory(study.largest_pass_memory(), pictures, memory.available_bytes())
+        .map_err(Failure::usage_error)?;
     progress.print_line(&plan::simulated_effects_line(study.plan()));
     plan::omitted_effect_warnings(study.plan()).for_each(|line| print_message(&line));
     let (pictures, passes) = (study.picture_count(), arguments.passes.unwrap_or(DEFAULT_PASSES));
@@ -115,7 +116,7 @@ fn table(integrator: &str, found: &EffectStudyResult) -> String {
     let mut text = format!(
         "{integrator}: {:.1} ms of {clock} time, {} rays and {} gathered photons per pass; mean radiance {}\n",
         1e3 * whole.seconds() / passes,
-        count_text(whole.counters.rays() as f64 / passes),
+        count_text(whole.counters.total_rays() as f64 / passes),
         count_text(whole.counters.gathered_photons as f64 / passes),
         three_digit_text(found.mean),
     );

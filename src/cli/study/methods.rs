@@ -17,7 +17,7 @@ use crate::cli::{Exit, Failure, StudyArguments};
 use crate::image::{WriteOptions, write};
 use crate::plan::Plan;
 use crate::scene::Scene;
-use crate::stats::bytes;
+use crate::stats::format_bytes;
 use crate::study::methods::{
     MethodStudy, MethodStudyResult, MethodVariant, References, StudiedScene, StudyLimits, StudyProgress,
     applicable_methods, shell_quoted,
@@ -53,7 +53,7 @@ struct UnusedTruthFlag {
 #[derive(Debug, thiserror::Error, miette::Diagnostic)]
 #[error(
     "{seeds} seeds of {variants} methods with {} × {} pixels take {} of memory, and {} are free",
-    size.0, size.1, bytes(*needed), bytes(*free)
+    size.0, size.1, format_bytes(*needed), format_bytes(*free)
 )]
 #[diagnostic(help("choose a smaller --size, fewer --seeds or fewer methods, or allow more --memory"))]
 struct TooManyPictures {
@@ -101,7 +101,7 @@ fn run_method_study(
     let variants = study_variants(arguments, named, &scene);
     let (needed, seeds) = (MethodStudy::picture_bytes(size, variants.len(), kind.seeds), kind.seeds);
     let memory = arguments.scene.memory_limit();
-    if let Some(free) = memory.free().filter(|free| needed > *free) {
+    if let Some(free) = memory.available_bytes().filter(|free| needed > *free) {
         return Err(Failure::usage_error(TooManyPictures { seeds, variants: variants.len(), size, needed, free }));
     }
     let given = match &kind.truth {
@@ -117,7 +117,7 @@ fn run_method_study(
     }
     let runs = count_with_noun(variants.len(), "method", "methods");
     let study = MethodStudy::prepare(&scene, variants, kind.seeds).into_diagnostic().map_err(Failure::usage_error)?;
-    check_photon_memory(study.largest_pass_memory(), needed, memory.free()).map_err(Failure::usage_error)?;
+    check_photon_memory(study.largest_pass_memory(), needed, memory.available_bytes()).map_err(Failure::usage_error)?;
     let Some(references) =
         given.map_or_else(|| render_references(arguments, &scene, progress), |given| Ok(Some(given)))?
     else {
