@@ -139,7 +139,7 @@ pub(super) fn radiance<I: Interior>(
                 path.throughput /= survival;
             }
             if policy.directions == DirectionSampling::OneLobe {
-                hit.surface.bsdf = hit.surface.bsdf.select_lobe(path.sampler.get_1d(Dimension::Part));
+                hit.surface.bsdf = hit.surface.bsdf.select_lobe(path.sampler.get_1d(Dimension::ChosenLobe));
             }
             let SurfaceVertex { surface, distance, .. } = &hit;
             let vertex = path.vertex(paths, surface, &interior, *distance);

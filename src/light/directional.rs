@@ -75,7 +75,7 @@ impl LightSource for DirectionalLight {
 /// `None` if the area is zero.
 pub(super) fn sample_ray_across_sphere(domain: BoundingSphere, direction: Vec3, u: Vec2) -> Option<(Ray, f32)> {
     let frame = Frame::from_normal(direction);
-    let d = warp::disc(u) * domain.radius;
+    let d = warp::square_to_uniform_disc(u) * domain.radius;
     let p = domain.center + frame.s * d.x + frame.t * d.y;
     let start = p - direction * (domain.radius + direction.dot(p - domain.center));
     let area = PI * domain.radius * domain.radius;

@@ -94,8 +94,8 @@ pub(super) fn add_shape(
             // Queried once: it takes longer than many a patch.
             let mut free = r.memory.available_bytes();
             for net in controls.chunks(bases[0].control_count() * bases[1].control_count()) {
-                let patch = Patch::within(bases, net, free).map_err(|e| refuse_spline(r, span, &e))?;
-                free = free.map(|free| free.saturating_sub(patch.bytes()));
+                let patch = Patch::with_memory_limit(bases, net, free).map_err(|e| refuse_spline(r, span, &e))?;
+                free = free.map(|free| free.saturating_sub(patch.memory_bytes()));
                 place(r, Shape::Patch(patch), to_world, &map, span, emission)?;
                 set_mapping(r, MappingKind::Uv, to_world);
                 set_emission_texture(r, emission_override);
@@ -106,7 +106,7 @@ pub(super) fn add_shape(
                 (degree, count) if knots[i].is_empty() => SplineBasis::uniform_knots(degree, count),
                 (degree, count) => SplineBasis::new(degree, count, knots[i].clone()),
             };
-            let surface = || Patch::within([&basis(0)?, &basis(1)?], controls, r.memory.available_bytes());
+            let surface = || Patch::with_memory_limit([&basis(0)?, &basis(1)?], controls, r.memory.available_bytes());
             let surface = surface().map_err(|e| refuse_spline(r, span, &e))?;
             place(r, Shape::Patch(surface), to_world, &map, span, emission)?;
             set_mapping(r, MappingKind::Uv, to_world);

@@ -13,7 +13,7 @@ fn random_point(i: u64) -> Vec3 {
 }
 
 fn random_direction(i: u64) -> Vec3 {
-    warp::sphere(test_key(i).uniform_2d(Dimension::LightDirection))
+    warp::square_to_uniform_sphere(test_key(i).uniform_2d(Dimension::LightDirection))
 }
 
 fn unit_flux_beam(start: Vec3, direction: Vec3, length: f32) -> PhotonBeam {
@@ -255,7 +255,7 @@ fn isotropic_chords_give_mean_fluence() {
         let one = |i: u64| {
             let direction = random_direction(run * n + i);
             let (a, b) = direction.any_orthonormal_pair();
-            let p = warp::disc(test_key(run * n + i).uniform_2d(Dimension::LightPosition));
+            let p = warp::square_to_uniform_disc(test_key(run * n + i).uniform_2d(Dimension::LightPosition));
             let half = (1.0 - p.length_squared()).max(0.0).sqrt();
             PhotonBeam::new(a * p.x + b * p.y - direction * half, direction, 2.0 * half, Rgb::ONE, 0, 0)
         };

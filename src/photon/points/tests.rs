@@ -13,7 +13,7 @@ fn random_point(i: u64) -> Vec3 {
 }
 
 fn random_direction(i: u64) -> Vec3 {
-    warp::sphere(test_key(i).uniform_2d(Dimension::LightDirection))
+    warp::square_to_uniform_sphere(test_key(i).uniform_2d(Dimension::LightDirection))
 }
 
 /// Photons identified by their medium.

@@ -52,7 +52,7 @@ fn photon_weights_conserve_flux_with_bounded_tail() {
     for degrees in [5.0, 37.0, 70.0, 87.0] {
         let ns = tilted(degrees);
         let (c, s) = (f64::from(ns.z), f64::from((1.0 - ns.z * ns.z).sqrt()));
-        let factor = |i: u64| f64::from(photon_deposit_factor(arrival(key(60).with(i)), ns, Vec3::Z));
+        let factor = |i: u64| f64::from(photon_deposit_factor(arrival(key(60).child_key(i)), ns, Vec3::Z));
         let (kept, error) = mean((0..N).into_par_iter().map(factor));
         let cut = s * s / (MOST - c);
         assert!(kept <= 1.0 + error && kept >= 1.0 - cut - error, "{degrees}°: {kept} ± {error}");
