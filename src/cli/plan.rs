@@ -143,7 +143,7 @@ pub(super) struct EffectReport {
     /// True if the picture is wrong without the effect.
     needed: bool,
     reason: String,
-    /// What the picture lacks without the effect; `None` unless it is needed but off.
+    /// Flaw of the picture without the effect; `None` unless the effect is needed but off.
     flaw: Option<&'static str>,
 }
 

@@ -1,7 +1,7 @@
 //! Tables of the scene language: its blocks and fields, with units, ranges, defaults and help.
 //!
 //! The parser checks values against these tables, and the writer takes keywords from them. The
-//! reference tables in `docs/scene-language.md` are printed from them.
+//! reference tables in `docs/guide/scene-language.md` are printed from them.
 
 use std::fmt::Write;
 

@@ -51,7 +51,7 @@ fn make_density(r: &Resolver<'_>, described: &Spanned<MediumDescription>) -> Res
         DensityDescription::Homogeneous => return Ok(None),
         DensityDescription::Grid { path, scale, extent } => {
             let file = r.file("grid", path)?;
-            let help = "repair the grid or name another; the grid format is described in docs/scene-language.md";
+            let help = "repair the grid or name another; the grid format is described in docs/guide/scene-language.md";
             let read = grid::read_with_memory_limit(&file, r.memory.available_bytes());
             let mut grid =
                 read.map_err(|e| r.refuse_file(path, &e, matches!(e, grid::GridError::NoMemory { .. }), help))?;
